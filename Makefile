@@ -1,0 +1,185 @@
+# delassus: one GNU Makefile. `make help` lists the targets.
+#
+# Variables: CC, CFLAGS, BUILD (build), PREFIX (/usr/local), DESTDIR, HDF5=0 to leave FCLIB files out,
+# BLAS_LIBS to link another BLAS and LAPACK.
+
+VERSION = 0.1.0
+SOVERSION = 0
+
+CC ?= cc
+ifeq ($(origin CC),default)
+CC = gcc
+endif
+CXX ?= c++
+AR ?= ar
+BUILD ?= build
+PREFIX ?= /usr/local
+DESTDIR ?=
+HDF5 ?= 1
+PKG_CONFIG ?= pkg-config
+CFLAGS ?= -O2 -g
+
+MAKEFLAGS += --no-builtin-rules
+.SUFFIXES:
+.DELETE_ON_ERROR:
+
+WARNINGS = -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
+           -Wmissing-prototypes -Wvla $(WERROR)
+CPPFLAGS_ALL = -Iinclude -Isrc -MMD -MP $(CPPFLAGS)
+CFLAGS_ALL = -std=c11 $(CFLAGS) $(WARNINGS) -ffp-contract=off -fPIC -fvisibility=hidden \
+             -DDLS_BUILD_SHARED $(SANITIZE)
+
+BLAS_LIBS ?= $(shell $(PKG_CONFIG) --silence-errors --libs openblas || echo -lopenblas)
+ifeq ($(HDF5),1)
+HDF5_CFLAGS := $(shell $(PKG_CONFIG) --silence-errors --cflags hdf5-serial || $(PKG_CONFIG) --silence-errors --cflags hdf5)
+HDF5_LIBS := $(shell $(PKG_CONFIG) --silence-errors --libs hdf5-serial || $(PKG_CONFIG) --silence-errors --libs hdf5 || echo -lhdf5)
+HDF5_CFLAGS += -DDLS_WITH_HDF5
+endif
+LIBS = $(HDF5_LIBS) $(BLAS_LIBS) -lm
+CHECK_LIBS = $(shell $(PKG_CONFIG) --libs check)
+
+LIB_SRC := $(wildcard src/*.c lcp/*.c vi/*.c reduction/*.c)
+FE_SRC := $(wildcard src/fe/*.c)
+CLI_SRC := $(wildcard src/cli/*.c)
+TEST_SRC := $(wildcard tests/test_*.c)
+EXAMPLE_SRC := $(wildcard examples/*.c)
+HEADERS := $(wildcard include/*.h include/delassus/*.h)
+ALL_C = $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(wildcard tests/*.c) $(EXAMPLE_SRC)
+ALL_H = $(HEADERS) $(wildcard src/*.h src/*/*.h lcp/*.h vi/*.h reduction/*.h tests/*.h)
+
+obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
+LIB_OBJ := $(call obj,$(LIB_SRC))
+# fe is a library of its own: it carries the one hidden function that it shares, dlsi_fail
+FE_OBJ := $(call obj,$(FE_SRC)) $(BUILD)/obj/src/status.o $(BUILD)/obj/src/memory.o
+TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
+EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(EXAMPLE_SRC))
+
+A = $(BUILD)/libdelassus.a
+SO = $(BUILD)/libdelassus.so
+FE = $(BUILD)/libdelassus-fe.a
+PROGRAM = $(BUILD)/delassus
+
+.PHONY: all
+all: $(A) $(SO) $(FE) $(PROGRAM) $(EXAMPLES)
+
+.PHONY: help
+help:
+	@echo 'make             libraries, program and examples, under $(BUILD)/'
+	@echo 'make demo        the Jean block with every method, tables and pictures'
+	@echo 'make check       build and run all tests'
+	@echo 'make install     PREFIX=/usr/local DESTDIR='
+	@echo 'make asan        tests under the address and undefined sanitizers'
+	@echo 'make valgrind    tests under valgrind, no leak'
+	@echo 'make check-symbols check-headers lint format-check format'
+	@echo 'make clean'
+
+# ---- libraries and program ----------------------------------------------------------------------
+
+$(BUILD)/obj/%.o: %.c Makefile
+	@mkdir -p $(@D)
+	$(CC) $(CPPFLAGS_ALL) $(if $(filter src/files/% src/fclib%,$<),$(HDF5_CFLAGS)) $(CFLAGS_ALL) -c -o $@ $<
+
+$(A): $(LIB_OBJ)
+	@rm -f $@
+	$(AR) rcs $@ $^
+
+$(SO).$(VERSION): $(LIB_OBJ) src/delassus.map
+	$(CC) -shared $(SANITIZE) $(LDFLAGS) -Wl,-soname,libdelassus.so.$(SOVERSION) \
+	  -Wl,--version-script=src/delassus.map -o $@ $(LIB_OBJ) $(LIBS)
+
+$(SO): $(SO).$(VERSION)
+	@ln -sf libdelassus.so.$(VERSION) $(BUILD)/libdelassus.so.$(SOVERSION)
+	@ln -sf libdelassus.so.$(VERSION) $@
+
+$(FE): $(FE_OBJ)
+	@rm -f $@
+	$(AR) rcs $@ $^
+
+$(PROGRAM): $(call obj,$(CLI_SRC)) $(FE) $(A)
+	$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(LIBS)
+
+$(BUILD)/examples/%: examples/%.c $(FE) $(A)
+	@mkdir -p $(@D)
+	$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) $(LDFLAGS) -o $@ $< $(FE) $(A) $(LIBS)
+
+# ---- tests --------------------------------------------------------------------------------------
+
+# malloc and calloc of our own code go through the wrappers of tests/malloc_fails.c
+WRAP = -Wl,--wrap=malloc -Wl,--wrap=calloc -Wl,--wrap=realloc
+
+$(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(BUILD)/obj/tests/malloc_fails.o $(FE) $(A)
+	@mkdir -p $(@D)
+	$(CC) $(SANITIZE) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS) $(LIBS)
+
+$(TESTS:$(BUILD)/tests/%=$(BUILD)/obj/tests/%.o): CPPFLAGS += -DTEST_DATA='"data"'
+
+.PHONY: check
+check: deps
+	@$(MAKE) --no-print-directory check-build
+
+.PHONY: check-build
+check-build: all $(TESTS)
+	@tests/run.sh $(BUILD) $(TEST_RUNNER)
+
+.PHONY: asan
+asan:
+	$(MAKE) check-build BUILD=$(BUILD)/asan CFLAGS='-O1 -g -fno-omit-frame-pointer' \
+	  SANITIZE='-fsanitize=address,undefined -fno-sanitize-recover=all'
+
+.PHONY: valgrind
+valgrind: all $(TESTS)
+	@tests/run.sh $(BUILD) 'valgrind --quiet --leak-check=full --errors-for-leak-kinds=definite,possible --error-exitcode=9 --suppressions=tests/valgrind.supp'
+
+.PHONY: check-symbols
+check-symbols: $(SO) $(A)
+	@tests/check_symbols.sh $(SO) $(A)
+
+.PHONY: check-headers
+check-headers:
+	@for h in $(HEADERS); do \
+	  echo "#include \"$${h#include/}\"" > $(BUILD)/header.c && \
+	  $(CC) -std=c11 $(WARNINGS) -Werror -Iinclude -fsyntax-only $(BUILD)/header.c && \
+	  $(CXX) -std=c++17 -Wall -Wextra -Wpedantic -Werror -Iinclude -fsyntax-only -x c++ $(BUILD)/header.c \
+	  || exit 1; done; echo "each of $(words $(HEADERS)) headers compiles alone, C11 and C++17"
+
+.PHONY: lint
+lint:
+	clang-tidy --quiet --warnings-as-errors='*' $(ALL_C) -- -std=c11 -Iinclude -Isrc $(HDF5_CFLAGS)
+	cppcheck --quiet --error-exitcode=1 --std=c11 --enable=warning,performance,portability \
+	  --inline-suppr -Iinclude -Isrc src lcp vi reduction examples
+
+.PHONY: format format-check
+format:
+	clang-format -i $(ALL_C) $(ALL_H)
+format-check:
+	clang-format --dry-run --Werror $(ALL_C) $(ALL_H)
+
+# ---- demo, install ------------------------------------------------------------------------------
+
+.PHONY: demo
+demo: deps
+	@$(MAKE) --no-print-directory all
+	@examples/demo.sh $(BUILD)
+
+.PHONY: deps
+deps:
+	@.ci/deps
+
+.PHONY: install
+install: $(A) $(SO) $(FE) $(PROGRAM)
+	install -d $(DESTDIR)$(PREFIX)/include/delassus $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/bin
+	install -m 644 include/delassus.h $(DESTDIR)$(PREFIX)/include/
+	install -m 644 include/delassus/*.h $(DESTDIR)$(PREFIX)/include/delassus/
+	install -m 644 $(A) $(FE) $(DESTDIR)$(PREFIX)/lib/
+	install -m 755 $(SO).$(VERSION) $(DESTDIR)$(PREFIX)/lib/
+	ln -sf libdelassus.so.$(VERSION) $(DESTDIR)$(PREFIX)/lib/libdelassus.so.$(SOVERSION)
+	ln -sf libdelassus.so.$(VERSION) $(DESTDIR)$(PREFIX)/lib/libdelassus.so
+	install -m 755 $(PROGRAM) $(DESTDIR)$(PREFIX)/bin/
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@LIBS@|$(LIBS)|' \
+	  src/delassus.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/delassus.pc
+
+.PHONY: clean
+clean:
+	rm -rf $(BUILD)
+
+-include $(shell find $(BUILD) -name '*.d' 2>/dev/null)

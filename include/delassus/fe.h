@@ -1,0 +1,90 @@
+/*
+ * delassus/fe.h: the small finite element module, a library of its own (libdelassus-fe). It builds
+ * the models of the benchmark scenes; a host code does not link it.
+ */
+#ifndef DELASSUS_FE_H
+#define DELASSUS_FE_H
+
+#include "delassus/reduction.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A mesh of three-node triangles; owns its arrays. Unknowns of node i: 2 i (x) and 2 i + 1 (y). */
+typedef struct dls_fe_mesh {
+  int nodes;
+  double *xy; /* 2 * nodes: x_i, y_i     length */
+  int triangles;
+  int *node; /* 3 * triangles, counterclockwise */
+} dls_fe_mesh;
+
+/* The rectangle [0, lx] x [0, ly] in nx x ny equal rectangles, each cut into two triangles by the
+ * diagonal from its bottom-right to its top-left corner; node i + j (nx+1) stands at (i lx/nx,
+ * j ly/ny). Release with dls_fe_mesh_free (which zeroes the struct). */
+DLS_API DLS_MUST_USE dls_status dls_fe_mesh_block(dls_fe_mesh *mesh, double lx, double ly, int nx,
+                                                  int ny, dls_error *error);
+DLS_API void dls_fe_mesh_free(dls_fe_mesh *mesh);
+
+/* K (2 nodes x 2 nodes, column-major, leading dimension ldk) := the stiffness of linear elasticity in
+ * plane strain, unit thickness; K = sum of A B^T D B over the triangles. E > 0, -1 < nu < 1/2.
+ * E: force / length^2. */
+DLS_API DLS_MUST_USE dls_status dls_fe_stiffness(const dls_fe_mesh *mesh, double E, double nu,
+                                                 double *K, int ldk, dls_error *error);
+
+/* f (2 nodes) += the traction (tx, ty) on the edge between nodes a and b, lumped half and half.
+ * Traction: force / length^2. */
+DLS_API DLS_MUST_USE dls_status dls_fe_edge_load(const dls_fe_mesh *mesh, int a, int b, double tx,
+                                                 double ty, double *f, dls_error *error);
+
+/* A scene: mesh, supports, loads, contact line, friction, ready for dls_reduction_create. */
+typedef struct dls_fe_scene dls_fe_scene;
+
+/* Names and one-line descriptions of the built-in scenes, index 0 .. ; NULL past the last. */
+DLS_API const char *dls_fe_scene_name(int index);
+DLS_API const char *dls_fe_scene_description(int index);
+
+/* *out = scene `name` with concentrated (weighted = 0) or weighted reactions; NULL on error.
+ * DLS_E_ARGUMENT if there is no scene of that name. */
+DLS_API DLS_MUST_USE dls_status dls_fe_scene_create(dls_fe_scene **out, const char *name,
+                                                    int weighted, dls_error *error);
+DLS_API void dls_fe_scene_destroy(dls_fe_scene *scene);
+
+/* What the scene hands to the reduction. Everything belongs to the scene. Supported unknowns are
+ * taken out of the model: it has fewer unknowns than 2 * nodes of the mesh. */
+typedef struct dls_fe_scene_data {
+  dls_model model;
+  const double *f;  /* model.n */
+  const double *g;  /* 2 * model.nodes */
+  const double *mu; /* candidates */
+  const dls_fe_mesh *mesh;
+  int candidates;
+  const int *contact_node; /* model.nodes: node of the mesh of each contact node */
+  const int
+      *candidate_node; /* candidates: contact node of each candidate, index into contact_node */
+} dls_fe_scene_data;
+
+DLS_API void dls_fe_scene_get(const dls_fe_scene *scene, dls_fe_scene_data *data);
+
+/* displacement (2 * mesh nodes) := the model's unknowns x (model.n) with the supports' zeros put back. */
+DLS_API DLS_MUST_USE dls_status dls_fe_scene_displacement(const dls_fe_scene *scene,
+                                                          const double *x, double *displacement,
+                                                          dls_error *error);
+
+/* Writes an unstructured VTK XML file (.vtu, ascii) of the mesh with the point data "displacement"
+ * and "reaction" (2 * nodes each, x and y; reaction or displacement may be NULL) and, if stress
+ * is not NULL, the cell data "stress" (xx, yy, xy; 3 * triangles). */
+DLS_API DLS_MUST_USE dls_status dls_fe_write_vtu(const char *path, const dls_fe_mesh *mesh,
+                                                 const double *displacement, const double *reaction,
+                                                 const double *stress, dls_error *error);
+
+/* stress (3 * triangles: xx, yy, xy) of a displacement (2 * nodes), plane strain. */
+DLS_API DLS_MUST_USE dls_status dls_fe_stress(const dls_fe_mesh *mesh, double E, double nu,
+                                              const double *displacement, double *stress,
+                                              dls_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,45 @@
+/*
+ * delassus/info.h: what a solver reports while it runs and when it has ended. The same for every
+ * method.
+ */
+#ifndef DELASSUS_INFO_H
+#define DELASSUS_INFO_H
+
+#include "delassus/contact.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The methods for a contact problem; see dls_solve() for choosing one by name. */
+typedef enum dls_method {
+  DLS_NLGS = 1, /* projected Gauss-Seidel on the reactions, d = 2 and 3 */
+  DLS_LEMKE = 2 /* complementary pivoting on the LCP, d = 2 */
+} dls_method;
+
+/* Passed to the progress callback; valid during the call only. */
+typedef struct dls_progress {
+  const char *method; /* "nlgs", "lemke" */
+  int iteration;      /* sweeps, pivots: done so far */
+  int max_iterations;
+  double residual; /* the certificate's residual as the iteration estimates it; -1 if unknown */
+} dls_progress;
+
+/* Called now and then from inside a solve; a return other than 0 cancels it (DLS_CANCELLED, best
+ * answer so far). It serves log lines, progress bars, time limits and Ctrl-C. */
+typedef int (*dls_progress_fn)(void *data, const dls_progress *progress);
+
+/* The outcome of a solve; fields are only ever added at the end. */
+typedef struct dls_info {
+  dls_status status; /* as returned */
+  dls_method method;
+  int iterations;              /* sweeps or pivots */
+  dls_certificate certificate; /* of the r that is returned */
+  int ambiguous; /* nlgs: candidates at the answer whose local problem has several solutions */
+} dls_info;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

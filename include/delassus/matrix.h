@@ -1,0 +1,44 @@
+/*
+ * delassus/matrix.h: views of the host's matrices. A view owns nothing and copies nothing; what it
+ * points to must outlive every call (and every object) that is given the view.
+ * Indices are 0-based. Every value must be finite.
+ */
+#ifndef DELASSUS_MATRIX_H
+#define DELASSUS_MATRIX_H
+
+#include "delassus/status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Dense, column-major: A(i,j) = a[i + j*ld], ld >= max(1, rows). */
+typedef struct dls_dense {
+  int rows, cols, ld;
+  const double *a; /* ld * cols */
+} dls_dense;
+
+/* Compressed sparse columns: the entries of column j are x[k], in row i[k], for p[j] <= k < p[j+1].
+ * p[0] = 0, p does not decrease. Rows may stand in any order; entries of the same place add up. */
+typedef struct dls_sparse {
+  int rows, cols;
+  const int *p;    /* cols + 1 */
+  const int *i;    /* p[cols], 0 <= i < rows */
+  const double *x; /* p[cols] */
+} dls_sparse;
+
+/* Compressed block columns of d x d blocks: block k, p[c] <= k < p[c+1], stands in block row i[k] of
+ * block column c and is stored column-major at x + d*d*k. Blocks of the same place add up. */
+typedef struct dls_blocks {
+  int d;           /* 2 or 3 */
+  int n;           /* block rows = block columns */
+  const int *p;    /* n + 1 */
+  const int *i;    /* p[n], 0 <= i < n */
+  const double *x; /* d * d * p[n] */
+} dls_blocks;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,66 @@
+/*
+ * delassus/nlgs.h: projected Gauss-Seidel on the reactions (nonlinear Gauss-Seidel), [Jean 1988]
+ * 3.3. Each candidate in turn gets the exact solution of its own d x d problem with all others
+ * frozen. For d = 2 and 3, W symmetric or not.
+ */
+#ifndef DELASSUS_NLGS_H
+#define DELASSUS_NLGS_H
+
+#include "delassus/info.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Fill by dls_nlgs_settings_init, then change what you like. */
+typedef struct dls_nlgs_settings {
+  size_t size;        /* set by init; settings without it are refused */
+  double tol;         /* on the certificate's residual; >= 0; 1e-8 */
+  int max_iterations; /* sweeps, >= 1; 10000 */
+  double relaxation;  /* r_c += relaxation * (local solution - r_c), then projected; (0, 2); 1 */
+  int warm_start;     /* 0: start from r = 0; 1: from r as passed in; 0 */
+  dls_progress_fn progress; /* NULL for none */
+  void *progress_data;
+} dls_nlgs_settings;
+
+DLS_API void dls_nlgs_settings_init(dls_nlgs_settings *settings);
+
+/* A workspace for problems of dimension d with at most nc candidates; reused over time steps. */
+typedef struct dls_nlgs dls_nlgs;
+
+/* *out = new workspace, NULL on error. It holds 5 d nc + O(nc) doubles; the settings are copied.
+ * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY. */
+DLS_API DLS_MUST_USE dls_status dls_nlgs_create(dls_nlgs **out, int d, int nc,
+                                                const dls_nlgs_settings *settings,
+                                                dls_error *error);
+
+/* Solves; allocates nothing. r (m): in, the start if warm_start, else ignored; out, the reactions.
+ * u (m) or NULL: W r + q. info or NULL. r, u must not overlap each other or the problem.
+ * DLS_OK, DLS_MAX_ITERATIONS, DLS_CANCELLED, DLS_STALLED, or an error of dls_contact_check. */
+DLS_API DLS_MUST_USE dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem,
+                                               double *r, double *u, dls_info *info,
+                                               dls_error *error);
+
+/* NULL is fine. */
+DLS_API void dls_nlgs_destroy(dls_nlgs *workspace);
+
+/* Which of the solutions of a local problem dls_nlgs_local returned. */
+typedef enum dls_local_state {
+  DLS_LOCAL_NONE = -1, /* the local problem has no solution; r is the least bad candidate */
+  DLS_LOCAL_FREE = 0,
+  DLS_LOCAL_SLIP = 1,
+  DLS_LOCAL_STICK = 2
+} dls_local_state;
+
+/* The exact solution of one candidate alone: r with u = W r + q, d = 2 or 3; W is d x d with
+ * leading dimension d, W_nn > 0. Where several solutions exist, the first of free, stick, slip (of
+ * two slips the one with the smaller |r_t|, then the one in +t) is taken; *count, if not NULL,
+ * receives how many there are (d = 3: 1, or 2 for "more than one"; see vi/README.md). */
+DLS_API dls_local_state dls_nlgs_local(int d, const double *W, const double *q, double mu,
+                                       double *r, int *count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

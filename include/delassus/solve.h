@@ -1,0 +1,56 @@
+/*
+ * delassus/solve.h: the front door: one call for any method.
+ */
+#ifndef DELASSUS_SOLVE_H
+#define DELASSUS_SOLVE_H
+
+#include "delassus/info.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct dls_solver_settings {
+  size_t size;              /* set by init; settings without it are refused */
+  dls_method method;        /* DLS_NLGS */
+  double tol;               /* on the certificate's residual; 1e-8 */
+  int max_iterations;       /* sweeps or pivots; 0: the method's own default; 0 */
+  int warm_start;           /* start from r as passed in, where the method can; 0 */
+  dls_progress_fn progress; /* NULL for none */
+  void *progress_data;
+} dls_solver_settings;
+
+DLS_API void dls_solver_settings_init(dls_solver_settings *settings);
+
+/* "nlgs", "lemke"; NULL for a number that is no method. dls_method_find returns 0 for no method. */
+DLS_API const char *dls_method_name(dls_method method);
+DLS_API int dls_method_find(const char *name, dls_method *method);
+
+/* Workspace for problems of dimension d with at most nc candidates, reused over time steps. */
+typedef struct dls_solver dls_solver;
+
+/* *out = new workspace, NULL on error; the settings are copied. DLS_E_UNSUPPORTED: Lemke with d = 3.
+ * Lemke holds the LCP and the table: about 2 (3 nc)^2 doubles. */
+DLS_API DLS_MUST_USE dls_status dls_solver_create(dls_solver **out, int d, int nc,
+                                                  const dls_solver_settings *settings,
+                                                  dls_error *error);
+
+/* r (m): in, the start if warm_start; out, the reactions. u (m) or NULL: W r + q. info or NULL.
+ * Allocates nothing. Statuses of the methods. */
+DLS_API DLS_MUST_USE dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem,
+                                                 double *r, double *u, dls_info *info,
+                                                 dls_error *error);
+
+/* NULL is fine. */
+DLS_API void dls_solver_destroy(dls_solver *solver);
+
+/* create, solve and destroy in one call; settings NULL for the defaults. */
+DLS_API DLS_MUST_USE dls_status dls_solve(const dls_contact *problem,
+                                          const dls_solver_settings *settings, double *r, double *u,
+                                          dls_info *info, dls_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

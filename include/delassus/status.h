@@ -1,0 +1,77 @@
+/*
+ * delassus/status.h: what every call returns, and where the details of an error go.
+ *
+ *   < 0  error: nothing was computed, every output is as it was before the call
+ *   = 0  done; for a solver: solved, and the certificate says so
+ *   > 0  stopped early: the outputs hold the best answer found, the info says how good it is
+ */
+#ifndef DELASSUS_STATUS_H
+#define DELASSUS_STATUS_H
+
+#include <stddef.h>
+
+#define DLS_VERSION "0.1.0"
+
+#if defined(DLS_BUILD_SHARED) && defined(__GNUC__)
+#define DLS_API __attribute__((visibility("default")))
+#else
+#define DLS_API
+#endif
+
+#if defined(__GNUC__)
+#define DLS_MUST_USE __attribute__((warn_unused_result))
+#else
+#define DLS_MUST_USE
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum dls_status {
+  DLS_OK = 0, /* done; solvers: certified, residual <= max(tol, 4 floor) */
+
+  DLS_MAX_ITERATIONS = 1, /* the iteration limit came first */
+  DLS_CANCELLED = 2,      /* the progress callback returned non-zero */
+  DLS_STALLED = 3,        /* no further progress in this arithmetic */
+  DLS_RAY = 4,            /* Lemke ended in a secondary ray; dls_lemke_ray() gives it */
+  DLS_NO_SOLUTION = 5,    /* proved: no solution exists */
+
+  DLS_E_ARGUMENT = -1,              /* NULL, or a value outside its range */
+  DLS_E_SIZE = -2,                  /* dimensions that do not fit, or too large to address */
+  DLS_E_NOT_FINITE = -3,            /* NaN or Inf in an input array */
+  DLS_E_SETTINGS = -4,              /* settings not filled by their init function */
+  DLS_E_MEMORY = -5,                /* malloc failed */
+  DLS_E_NOT_POSITIVE_DEFINITE = -6, /* Cholesky met a pivot <= 0 */
+  DLS_E_SINGULAR = -7,              /* the matrix is singular to working precision */
+  DLS_E_UNSUPPORTED = -8,           /* not in this build, or not for this kind of problem */
+  DLS_E_FILE = -9,                  /* the file cannot be opened, read or written */
+  DLS_E_FORMAT = -10,               /* the file is not what it should be */
+  DLS_E_CALLBACK = -11              /* a callback of the host reported failure */
+} dls_status;
+
+/* Details of the last error; owned by the caller, any call takes NULL instead. Filled when a call
+ * returns a status < 0, left alone otherwise. */
+typedef struct dls_error {
+  dls_status status;
+  const char *function; /* name of the function that was called; static storage */
+  const char *argument; /* the argument at fault as the header spells it, "" if none; static */
+  long long index;      /* 0-based index into that argument, -1 if it has none */
+  double value;         /* the offending value, 0 if there is none */
+  char message[200];    /* one sentence for a log, always terminated */
+} dls_error;
+
+/* "DLS_E_SIZE" and the like; "unknown status" for a number that is none. Static storage. */
+DLS_API const char *dls_status_name(dls_status status);
+
+/* The same in words for people: "iteration limit reached". Static storage. */
+DLS_API const char *dls_status_text(dls_status status);
+
+/* Version of the library that is linked, as DLS_VERSION of its headers. Static storage. */
+DLS_API const char *dls_version(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

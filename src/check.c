@@ -1,0 +1,101 @@
+/* check.c: the checks of the views, once, O(nnz), naming argument and index. */
+#include <math.h>
+#include <stdint.h>
+
+#include "dlsi.h"
+
+dls_status dlsi_check_vector(const char *function, const char *argument, const double *x, size_t n,
+                             dls_error *error) {
+  if (!x) return dlsi_fail(error, DLS_E_ARGUMENT, function, argument, -1, 0, "is NULL");
+  const long long bad = dlsi_first_not_finite(x, n);
+  if (bad >= 0)
+    return dlsi_fail(error, DLS_E_NOT_FINITE, function, argument, bad, x[bad], "is not finite");
+  return DLS_OK;
+}
+
+dls_status dlsi_check_dense(const char *function, const char *argument, const dls_dense *A,
+                            int rows, int cols, dls_error *error) {
+  if (!A->a) return dlsi_fail(error, DLS_E_ARGUMENT, function, argument, -1, 0, "is NULL");
+  if (A->rows != rows || A->cols != cols)
+    return dlsi_fail(error, DLS_E_SIZE, function, argument, -1, A->rows,
+                     "is %d x %d, must be %d x %d", A->rows, A->cols, rows, cols);
+  if (A->ld < rows || A->ld < 1)
+    return dlsi_fail(error, DLS_E_SIZE, function, argument, -1, A->ld,
+                     "leading dimension %d is less than %d", A->ld, rows > 1 ? rows : 1);
+  for (int j = 0; j < cols; j++) {
+    const size_t start = (size_t)j * (size_t)A->ld;
+    const long long bad = dlsi_first_not_finite(A->a + start, (size_t)rows);
+    if (bad >= 0)
+      return dlsi_fail(error, DLS_E_NOT_FINITE, function, argument, bad + (long long)start,
+                       A->a[start + (size_t)bad], "is not finite (row %lld, column %d)", bad, j);
+  }
+  return DLS_OK;
+}
+
+/* p and i of a compressed column format with `cols` columns; where = name of the array at fault */
+static dls_status check_pattern(const char *function, const char *name_p, const char *name_i,
+                                const int *p, const int *i, int rows, int cols, dls_error *error) {
+  if (!p) return dlsi_fail(error, DLS_E_ARGUMENT, function, name_p, -1, 0, "is NULL");
+  if (!i && p[cols] > 0)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, name_i, -1, 0, "is NULL");
+  if (p[0] != 0) return dlsi_fail(error, DLS_E_ARGUMENT, function, name_p, 0, p[0], "must be 0");
+  for (int j = 0; j < cols; j++)
+    if (p[j + 1] < p[j])
+      return dlsi_fail(error, DLS_E_ARGUMENT, function, name_p, j + 1, p[j + 1],
+                       "is less than the one before it");
+  for (int k = 0; k < p[cols]; k++)
+    if (i[k] < 0 || i[k] >= rows)
+      return dlsi_fail(error, DLS_E_ARGUMENT, function, name_i, k, i[k], "is outside of 0 .. %d",
+                       rows - 1);
+  return DLS_OK;
+}
+
+dls_status dlsi_check_sparse(const char *function, const char *argument, const dls_sparse *A,
+                             int rows, int cols, dls_error *error) {
+  if (A->rows != rows || A->cols != cols)
+    return dlsi_fail(error, DLS_E_SIZE, function, argument, -1, A->rows,
+                     "is %d x %d, must be %d x %d", A->rows, A->cols, rows, cols);
+  const dls_status status =
+      check_pattern(function, argument, argument, A->p, A->i, rows, cols, error);
+  if (status) return status;
+  if (A->p[cols] == 0) return DLS_OK;
+  return dlsi_check_vector(function, argument, A->x, (size_t)A->p[cols], error);
+}
+
+static dls_status check_blocks(const char *function, const dls_blocks *B, int d, int n,
+                               dls_error *error) {
+  if (B->d != d) return dlsi_fail(error, DLS_E_SIZE, function, "Wb.d", -1, B->d, "must be %d", d);
+  if (B->n != n) return dlsi_fail(error, DLS_E_SIZE, function, "Wb.n", -1, B->n, "must be %d", n);
+  dls_status status = check_pattern(function, "Wb.p", "Wb.i", B->p, B->i, n, n, error);
+  if (status) return status;
+  return dlsi_check_vector(function, "Wb.x", B->x, (size_t)B->p[n] * (size_t)(d * d), error);
+}
+
+dls_status dlsi_check_contact(const char *function, const dls_contact *problem, dls_error *error) {
+  if (!problem) return dlsi_fail(error, DLS_E_ARGUMENT, function, "problem", -1, 0, "is NULL");
+  const int d = problem->d, nc = problem->nc;
+  if (d != 2 && d != 3)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "d", -1, d, "is %d, must be 2 or 3", d);
+  if (nc < 1)
+    return dlsi_fail(error, DLS_E_SIZE, function, "nc", -1, nc, "is %d, must be at least 1", nc);
+  if (nc > INT32_MAX / d)
+    return dlsi_fail(error, DLS_E_SIZE, function, "nc", -1, nc, "d * nc is too large");
+  const int m = d * nc;
+  if (problem->W.a && problem->Wb.x)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "Wb", -1, 0, "W and Wb are both given");
+  dls_status status = problem->Wb.x ? check_blocks(function, &problem->Wb, d, nc, error)
+                                    : dlsi_check_dense(function, "W", &problem->W, m, m, error);
+  if (status) return status;
+  status = dlsi_check_vector(function, "q", problem->q, (size_t)m, error);
+  if (status) return status;
+  status = dlsi_check_vector(function, "mu", problem->mu, (size_t)nc, error);
+  if (status) return status;
+  for (int c = 0; c < nc; c++)
+    if (problem->mu[c] < 0)
+      return dlsi_fail(error, DLS_E_ARGUMENT, function, "mu", c, problem->mu[c], "is negative");
+  return DLS_OK;
+}
+
+dls_status dls_contact_check(const dls_contact *problem, dls_error *error) {
+  return dlsi_check_contact(__func__, problem, error);
+}

@@ -1,0 +1,320 @@
+/*
+ * contact.c: the contact problem u = W r + q and its certificate (DESIGN: one measure for every
+ * method).
+ *
+ *   C_mu = { r : |r_t| <= mu r_n }
+ *   F_c  = w_c r_c - P_Cmu( w_c r_c - (u_c + mu_c |u_tc| n) ),   w_c = trace(W_cc) / d
+ *
+ * F = 0 if and only if every candidate meets the contact and friction laws (de Saxce's form:
+ * C*_mu contains u + mu |u_t| n, perpendicular to r in C_mu).
+ */
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dlsi.h"
+
+/* ---- W, dense or by blocks ------------------------------------------------------------------- */
+
+void dlsi_contact_diagonal(const dls_contact *problem, int c, double *block) {
+  const int d = problem->d;
+  if (!problem->Wb.x) {
+    const size_t ld = (size_t)problem->W.ld, k = (size_t)d * (size_t)c;
+    for (int j = 0; j < d; j++)
+      for (int i = 0; i < d; i++)
+        block[i + d * j] = problem->W.a[k + (size_t)i + (k + (size_t)j) * ld];
+    return;
+  }
+  const dls_blocks *B = &problem->Wb;
+  for (int e = 0; e < d * d; e++)
+    block[e] = 0;
+  for (int k = B->p[c]; k < B->p[c + 1]; k++)
+    if (B->i[k] == c)
+      for (int e = 0; e < d * d; e++)
+        block[e] += B->x[(size_t)k * (size_t)(d * d) + (size_t)e];
+}
+
+void dlsi_contact_add_columns(const dls_contact *problem, int c, const double *dr, double *u) {
+  const int d = problem->d;
+  if (!problem->Wb.x) {
+    const size_t m = (size_t)d * (size_t)problem->nc, ld = (size_t)problem->W.ld;
+    const double *w = problem->W.a + (size_t)d * (size_t)c * ld;
+    if (d == 2)
+      for (size_t i = 0; i < m; i++)
+        u[i] += w[i] * dr[0] + w[i + ld] * dr[1];
+    else
+      for (size_t i = 0; i < m; i++)
+        u[i] += w[i] * dr[0] + w[i + ld] * dr[1] + w[i + 2 * ld] * dr[2];
+    return;
+  }
+  const dls_blocks *B = &problem->Wb;
+  for (int k = B->p[c]; k < B->p[c + 1]; k++) {
+    double *v = u + (size_t)d * (size_t)B->i[k];
+    const double *x = B->x + (size_t)k * (size_t)(d * d);
+    if (d == 2) {
+      v[0] += x[0] * dr[0] + x[2] * dr[1];
+      v[1] += x[1] * dr[0] + x[3] * dr[1];
+    } else {
+      v[0] += x[0] * dr[0] + x[3] * dr[1] + x[6] * dr[2];
+      v[1] += x[1] * dr[0] + x[4] * dr[1] + x[7] * dr[2];
+      v[2] += x[2] * dr[0] + x[5] * dr[1] + x[8] * dr[2];
+    }
+  }
+}
+
+/* a += |W(:,c)| |r_c| */
+static void add_magnitudes(const dls_contact *problem, int c, const double *r, double *a) {
+  const size_t d = (size_t)problem->d;
+  if (!problem->Wb.x) {
+    const size_t m = d * (size_t)problem->nc, ld = (size_t)problem->W.ld;
+    for (size_t j = 0; j < d; j++) {
+      const double *w = problem->W.a + (d * (size_t)c + j) * ld, s = fabs(r[j]);
+      for (size_t i = 0; i < m; i++)
+        a[i] += fabs(w[i]) * s;
+    }
+    return;
+  }
+  const dls_blocks *B = &problem->Wb;
+  for (int k = B->p[c]; k < B->p[c + 1]; k++)
+    for (size_t j = 0; j < d; j++)
+      for (size_t i = 0; i < d; i++)
+        a[d * (size_t)B->i[k] + i] += fabs(B->x[(size_t)k * d * d + i + d * j]) * fabs(r[j]);
+}
+
+void dlsi_contact_multiply(const dls_contact *problem, const double *r, double *u, double *a) {
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  memcpy(u, problem->q, m * sizeof *u);
+  if (a) memset(a, 0, m * sizeof *a);
+  for (int c = 0; c < problem->nc; c++) {
+    const double *rc = r + d * (size_t)c;
+    if (rc[0] == 0 && rc[1] == 0 && (d == 2 || rc[2] == 0)) continue; /* W is finite */
+    dlsi_contact_add_columns(problem, c, rc, u);
+    if (a) add_magnitudes(problem, c, rc, a);
+  }
+}
+
+/* ---- blocks by component --------------------------------------------------------------------- */
+
+/* local rows of a component: first one within the candidate, and how many */
+static int first_of(dls_component component) {
+  return component == DLS_NORMAL ? 0 : 1;
+}
+static int count_of(int d, dls_component component) {
+  return component == DLS_NORMAL ? 1 : d - 1;
+}
+
+static dls_status check_components(const char *function, dls_component row, dls_component col,
+                                   dls_error *error) {
+  if (row != DLS_NORMAL && row != DLS_TANGENT)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "row", -1, row, "is no component");
+  if (col != DLS_NORMAL && col != DLS_TANGENT)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "col", -1, col, "is no component");
+  return DLS_OK;
+}
+
+dls_status dls_contact_get_block(const dls_contact *problem, dls_component row, dls_component col,
+                                 double *block, int ld, dls_error *error) {
+  dls_status status = dlsi_check_contact(__func__, problem, error);
+  if (!status) status = check_components(__func__, row, col, error);
+  if (status) return status;
+  const int d = problem->d, nc = problem->nc;
+  const int nr = count_of(d, row), nk = count_of(d, col), i0 = first_of(row), j0 = first_of(col);
+  if (!block) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "block", -1, 0, "is NULL");
+  if (ld < nr * nc)
+    return dlsi_fail(error, DLS_E_SIZE, __func__, "ld", -1, ld, "must be at least %d", nr * nc);
+  const size_t L = (size_t)ld, D = (size_t)d;
+  for (int b = 0; b < nc; b++)
+    for (int j = 0; j < nk; j++) {
+      double *out = block + ((size_t)b * (size_t)nk + (size_t)j) * L;
+      if (!problem->Wb.x) {
+        const double *w =
+            problem->W.a + (D * (size_t)b + (size_t)(j0 + j)) * (size_t)problem->W.ld + i0;
+        for (int a = 0; a < nc; a++)
+          for (int i = 0; i < nr; i++)
+            out[a * nr + i] = w[(size_t)a * D + (size_t)i];
+        continue;
+      }
+      for (int a = 0; a < nr * nc; a++)
+        out[a] = 0;
+      for (int k = problem->Wb.p[b]; k < problem->Wb.p[b + 1]; k++)
+        for (int i = 0; i < nr; i++)
+          out[problem->Wb.i[k] * nr + i] +=
+              problem->Wb.x[(size_t)k * D * D + (size_t)(i0 + i) + D * (size_t)(j0 + j)];
+    }
+  return DLS_OK;
+}
+
+dls_status dls_contact_set_block(int d, int nc, dls_component row, dls_component col,
+                                 const double *block, int ld, double *W, int ldw,
+                                 dls_error *error) {
+  if (d != 2 && d != 3)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "d", -1, d, "is %d, must be 2 or 3", d);
+  if (nc < 1 || nc > INT32_MAX / d)
+    return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "is %d", nc);
+  const dls_status status = check_components(__func__, row, col, error);
+  if (status) return status;
+  const int nr = count_of(d, row), nk = count_of(d, col), i0 = first_of(row), j0 = first_of(col);
+  const dls_dense B = {nr * nc, nk * nc, ld, block};
+  const dls_status bad = dlsi_check_dense(__func__, "block", &B, nr * nc, nk * nc, error);
+  if (bad) return bad;
+  if (!W) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "W", -1, 0, "is NULL");
+  if (ldw < d * nc)
+    return dlsi_fail(error, DLS_E_SIZE, __func__, "ldw", -1, ldw, "must be at least %d", d * nc);
+  for (int b = 0; b < nc; b++)
+    for (int j = 0; j < nk; j++) {
+      const double *in = block + (size_t)(b * nk + j) * (size_t)ld;
+      double *w = W + (size_t)(d * b + j0 + j) * (size_t)ldw + i0;
+      for (int a = 0; a < nc; a++)
+        for (int i = 0; i < nr; i++)
+          w[d * a + i] = in[a * nr + i];
+    }
+  return DLS_OK;
+}
+
+/* ---- the certificate ------------------------------------------------------------------------- */
+
+void dlsi_contact_weights(const dls_contact *problem, double *w) {
+  const int d = problem->d, nc = problem->nc;
+  double block[9], sum = 0, largest = 0;
+  int positive = 0;
+  for (int c = 0; c < nc; c++) {
+    dlsi_contact_diagonal(problem, c, block);
+    double trace = 0;
+    for (int i = 0; i < d; i++)
+      trace += block[i + d * i];
+    for (int e = 0; e < d * d; e++)
+      if (fabs(block[e]) > largest) largest = fabs(block[e]);
+    w[c] = trace / d;
+    if (w[c] > 0) {
+      sum += w[c];
+      positive++;
+    }
+  }
+  const double mean = positive ? sum / positive : largest > 0 ? largest : 1;
+  for (int c = 0; c < nc; c++)
+    if (!(w[c] > 0)) w[c] = mean;
+}
+
+static double tangent_norm(int d, const double *v) {
+  return d == 2 ? fabs(v[1]) : hypot(v[1], v[2]);
+}
+
+dls_contact_state dlsi_project_cone(int d, double mu, const double *v, double *p) {
+  const double t = tangent_norm(d, v);
+  if (t <= mu * v[0]) { /* inside */
+    for (int i = 0; i < d; i++)
+      p[i] = v[i];
+    return DLS_STICK;
+  }
+  if (mu * t <= -v[0]) { /* in the polar cone */
+    for (int i = 0; i < d; i++)
+      p[i] = 0;
+    return DLS_FREE;
+  }
+  p[0] = (v[0] + mu * t) / (1 + mu * mu);
+  for (int i = 1; i < d; i++)
+    p[i] = mu * p[0] * (v[i] / t);
+  return DLS_SLIP;
+}
+
+dls_contact_state dlsi_contact_residual(int d, double mu, double w, const double *r,
+                                        const double *u, double *F) {
+  double v[3], p[3];
+  for (int i = 0; i < d; i++)
+    v[i] = w * r[i] - u[i];
+  v[0] -= mu * tangent_norm(d, u);
+  const dls_contact_state state = dlsi_project_cone(d, mu, v, p);
+  for (int i = 0; i < d; i++)
+    F[i] = w * r[i] - p[i];
+  return state;
+}
+
+/* m := max(m, x), keeping NaN */
+static void raise(double *m, double x) {
+  if (x > *m || x != x) *m = x;
+}
+
+void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
+                          const double *a, const double *w, double *F,
+                          dls_certificate *certificate) {
+  const int d = problem->d, nc = problem->nc;
+  const size_t m = (size_t)d * (size_t)nc;
+  dls_certificate c = {0};
+  double worst = -1;
+  for (int k = 0; k < nc; k++) {
+    const size_t o = (size_t)d * (size_t)k;
+    const double mu = problem->mu[k], *rc = r + o, *uc = u + o;
+    dlsi_contact_residual(d, mu, w[k], rc, uc, F + o);
+    const double size = dlsi_norm2(F + o, (size_t)d);
+    if (size > worst || size != size) {
+      worst = size != size ? INFINITY : size;
+      c.worst = k;
+    }
+    const double rt = tangent_norm(d, rc), ut = tangent_norm(d, uc);
+    raise(&c.penetration, -uc[0]);
+    raise(&c.adhesion, -rc[0]);
+    raise(&c.cone_violation, rt - mu * (rc[0] > 0 ? rc[0] : 0));
+    raise(&c.complementarity, fabs(uc[0] * rc[0]));
+    if (rt > 0) {
+      double e[3] = {0};
+      for (int i = 1; i < d; i++)
+        e[i] = uc[i] + ut * (rc[i] / rt);
+      raise(&c.slip_direction, hypot(e[1], e[2]));
+    } else if (mu * rc[0] > 0)
+      raise(&c.slip_direction, ut);
+  }
+  const double f = dlsi_norm2(F, m), ar = dlsi_norm2(a, m), q = dlsi_norm2(problem->q, m);
+  const double scale = q > 0 ? q : ar;
+  c.residual = f == 0 ? 0 : f / scale;
+  c.floor = ar == 0 ? 0 : DBL_EPSILON * (ar / scale);
+  *certificate = c;
+}
+
+dls_status dls_contact_certify(const dls_contact *problem, const double *r, double *u,
+                               dls_certificate *certificate, dls_error *error) {
+  dls_status status = dlsi_check_contact(__func__, problem, error);
+  if (status) return status;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  status = dlsi_check_vector(__func__, "r", r, m, error);
+  if (status) return status;
+  if (!certificate)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "certificate", -1, 0, "is NULL");
+  double *work = dlsi_alloc(4 * m, sizeof *work);
+  if (!work) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  double *v = work, *a = work + m, *w = work + 2 * m, *F = work + 3 * m;
+  dlsi_contact_multiply(problem, r, v, a);
+  dlsi_contact_weights(problem, w);
+  dlsi_contact_measure(problem, r, v, a, w, F, certificate);
+  if (u) memcpy(u, v, m * sizeof *u);
+  free(work);
+  return DLS_OK;
+}
+
+int dls_certificate_holds(const dls_certificate *certificate, double tol) {
+  if (!certificate) return 0;
+  const double four = 4 * certificate->floor;
+  return certificate->residual <= (four > tol ? four : tol);
+}
+
+dls_status dls_contact_states(const dls_contact *problem, const double *r, const double *u,
+                              dls_contact_state *state, dls_error *error) {
+  dls_status status = dlsi_check_contact(__func__, problem, error);
+  if (status) return status;
+  const int d = problem->d;
+  const size_t m = (size_t)d * (size_t)problem->nc;
+  status = dlsi_check_vector(__func__, "r", r, m, error);
+  if (!status) status = dlsi_check_vector(__func__, "u", u, m, error);
+  if (status) return status;
+  if (!state) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "state", -1, 0, "is NULL");
+  double *w = dlsi_alloc((size_t)problem->nc, sizeof *w), F[3];
+  if (!w) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  dlsi_contact_weights(problem, w);
+  for (int c = 0; c < problem->nc; c++) {
+    const size_t o = (size_t)d * (size_t)c;
+    state[c] = dlsi_contact_residual(d, problem->mu[c], w[c], r + o, u + o, F);
+  }
+  free(w);
+  return DLS_OK;
+}

@@ -1,0 +1,91 @@
+/*
+ * dlsi.h: what the folders of the library share and users do not see. Names start with dlsi_.
+ */
+#ifndef DLSI_H
+#define DLSI_H
+
+#include <stddef.h>
+
+#include "delassus/contact.h"
+
+/* ---- errors ---------------------------------------------------------------------------------- */
+
+#if defined(__GNUC__)
+#define DLSI_PRINTF(f, a) __attribute__((format(printf, f, a)))
+#else
+#define DLSI_PRINTF(f, a)
+#endif
+
+/* Fills *error (NULL: nothing) and returns status, so that a check reads
+ *   if (nc < 1) return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "must be at least 1");
+ * function and argument must be static strings; index -1 for none. The message becomes
+ * "function: argument[index]: text". */
+dls_status dlsi_fail(dls_error *error, dls_status status, const char *function,
+                     const char *argument, long long index, double value, const char *format, ...)
+    DLSI_PRINTF(7, 8);
+
+/* Index of the first NaN or Inf among x[0..n), -1 if there is none. */
+long long dlsi_first_not_finite(const double *x, size_t n);
+
+/* The checks of a view, under the name `argument` and on behalf of `function`. */
+dls_status dlsi_check_vector(const char *function, const char *argument, const double *x, size_t n,
+                             dls_error *error);
+dls_status dlsi_check_dense(const char *function, const char *argument, const dls_dense *A,
+                            int rows, int cols, dls_error *error);
+dls_status dlsi_check_sparse(const char *function, const char *argument, const dls_sparse *A,
+                             int rows, int cols, dls_error *error);
+dls_status dlsi_check_contact(const char *function, const dls_contact *problem, dls_error *error);
+
+/* ---- memory ---------------------------------------------------------------------------------- */
+
+/* Size-then-carve: run the same sequence of takes twice, first with base = NULL to learn the size,
+ * then on memory of `used` bytes. Every piece is aligned to 64 bytes. An overflow of size_t, or a
+ * take past `size`, makes this and all later takes fail. */
+typedef struct dlsi_arena {
+  char *base;
+  size_t size; /* of base; ignored while base is NULL */
+  size_t used;
+  int failed;
+} dlsi_arena;
+
+void *dlsi_take(dlsi_arena *arena, size_t count, size_t size);
+
+/* malloc(count * size), NULL on overflow or when there is no memory; never of 0 bytes. */
+void *dlsi_alloc(size_t count, size_t size);
+
+/* ---- numbers --------------------------------------------------------------------------------- */
+
+/* |x|_2 without overflow or underflow in between; NaN stays NaN. */
+double dlsi_norm2(const double *x, size_t n);
+
+/* max |x_i|, 0 for n = 0; NaN stays NaN (fmax and idamax lose it). */
+double dlsi_max_abs(const double *x, size_t n);
+
+/* ---- the contact problem --------------------------------------------------------------------- */
+
+/* The d x d diagonal block of candidate c, column-major; zero where a block-sparse W has none. */
+void dlsi_contact_diagonal(const dls_contact *problem, int c, double *block);
+
+/* u += W(:,c) dr for the d columns of candidate c. */
+void dlsi_contact_add_columns(const dls_contact *problem, int c, const double *dr, double *u);
+
+/* u := W r + q and, if a is not NULL, a := |W| |r|. */
+void dlsi_contact_multiply(const dls_contact *problem, const double *r, double *u, double *a);
+
+/* w (nc) := trace(W_cc) / d, the mean of the positive ones where that is not positive; if none is
+ * positive, the largest |W_cc| entry of all, or 1 if W's diagonal is zero. */
+void dlsi_contact_weights(const dls_contact *problem, double *w);
+
+/* P(v): the projection of v (d) on C_mu = { |r_t| <= mu r_n }; returns the branch taken. */
+dls_contact_state dlsi_project_cone(int d, double mu, const double *v, double *p);
+
+/* F_c of the certificate for one candidate; returns the branch of the projection. */
+dls_contact_state dlsi_contact_residual(int d, double mu, double w, const double *r,
+                                        const double *u, double *F);
+
+/* The certificate of r from given u = W r + q, a = |W| |r| and weights w; F (m) receives F. */
+void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
+                          const double *a, const double *w, double *F,
+                          dls_certificate *certificate);
+
+#endif

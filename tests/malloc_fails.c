@@ -1,0 +1,38 @@
+/* malloc_fails.c: wrappers of malloc, calloc and realloc that fail on demand. */
+#include "malloc_fails.h"
+
+#include <stdlib.h>
+
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__real_realloc(void *old, size_t size);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__wrap_realloc(void *old, size_t size);
+
+static long calls, fail_at;
+
+void malloc_fails_at(long k) {
+  calls = 0;
+  fail_at = k;
+}
+
+long malloc_calls(void) {
+  return calls;
+}
+
+static int fails(void) {
+  return ++calls == fail_at;
+}
+
+void *__wrap_malloc(size_t size) {
+  return fails() ? NULL : __real_malloc(size);
+}
+
+void *__wrap_calloc(size_t count, size_t size) {
+  return fails() ? NULL : __real_calloc(count, size);
+}
+
+void *__wrap_realloc(void *old, size_t size) {
+  return fails() ? NULL : __real_realloc(old, size);
+}
