@@ -1,0 +1,89 @@
+/*
+ * cli.h: the parts of the program `delassus`.
+ *
+ *   main.c      commands, help, version
+ *   scene.c     delassus scene NAME: model -> reduction -> solver -> tables, files, pictures
+ *   solve.c     delassus solve FILE: FCLIB problems and LCPs
+ *   report.c    messages, JSON, progress on a terminal, Ctrl-C
+ *   picture.c   data files and gnuplot scripts, and running gnuplot on them
+ */
+#ifndef CLI_H
+#define CLI_H
+
+#include <stdio.h>
+
+#include "delassus.h"
+#include "delassus/fe.h"
+
+/* Exit statuses. */
+enum { EXIT_SOLVED = 0, EXIT_NOT_SOLVED = 1, EXIT_BAD_INPUT = 2 };
+
+int command_scene(int argc, char **argv);
+int command_solve(int argc, char **argv);
+
+/* ---- report.c -------------------------------------------------------------------------------- */
+
+/* "delassus: " and the message on stderr; returns EXIT_BAD_INPUT. */
+int complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* The same for an error of the library, about `what` (a file name, say). */
+int complain_of(const char *what, const dls_error *error);
+
+/* The value of an option, finite and >= 0 (number) or an integer >= 1; 0 after a complaint. */
+int parse_number(const char *option, const char *text, double *value);
+int parse_count(const char *option, const char *text, int *value);
+
+/* "solved", "max_iterations", "stalled", ...: the word of a solver's status in JSON. */
+const char *status_word(dls_status status);
+const char *state_word(dls_contact_state state);
+const char *iteration_word(dls_method method);
+
+/* What a run is summed up by, in text and in JSON. */
+typedef struct outcome {
+  dls_info info;
+  int d, nc;
+  double solve_cpu_seconds;
+  const char *scene; /* NULL for a file */
+  int weighted;
+  double Rt, Rn; /* scenes: resultants of the candidates' reactions */
+} outcome;
+
+/* One object with the fields of the outcome. */
+void print_json(FILE *out, const outcome *outcome);
+
+/* A JSON string or number (null if not finite). */
+void print_json_string(FILE *out, const char *text);
+void print_json_number(FILE *out, double value);
+
+/* CPU seconds of this process. */
+double cpu_seconds(void);
+
+/* A progress callback: a line on stderr if that is a terminal and the work is long; cancels on
+ * Ctrl-C, which watch_interrupt has to catch first. progress_end clears the line. */
+int show_progress(void *data, const dls_progress *progress);
+void watch_interrupt(void);
+void progress_end(void);
+
+/* ---- picture.c ------------------------------------------------------------------------------- */
+
+/* What a scene's pictures show; arrays belong to the caller, NaN where the paper has no value. */
+typedef struct scene_picture {
+  const char *directory;
+  const char *title;
+  const dls_fe_mesh *mesh;
+  const double *displacement; /* 2 * nodes */
+  const double *reaction;     /* 2 * nodes, (x, y) */
+  int candidates;
+  const double *x, *rt, *rn;         /* candidates */
+  const double *paper_rt, *paper_rn; /* candidates, or NULL */
+} scene_picture;
+
+/* Writes deformed.{dat,gp,png,svg} and reactions.{dat,gp,png,svg}; EXIT_SOLVED, or EXIT_BAD_INPUT
+ * after a complaint. Without gnuplot, data and scripts are kept and a line on stderr says so. */
+int draw_scene(const scene_picture *picture);
+
+/* "DIRECTORY/NAME" into path; 0 if that is too long. */
+enum { PATH_ROOM = 4096 };
+int join_path(char path[PATH_ROOM], const char *directory, const char *name);
+
+#endif

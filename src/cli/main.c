@@ -1,0 +1,41 @@
+/* main.c: the program `delassus`: commands, help, version. */
+#include <string.h>
+
+#include "cli.h"
+
+static void usage(FILE *out) {
+  fputs("Usage: delassus COMMAND [OPTION]...\n"
+        "Unilateral contact with dry friction: benchmark scenes and problem files.\n"
+        "\n"
+        "  delassus scene NAME   run a built-in scene ('delassus scene --list' names them)\n"
+        "  delassus solve FILE   solve an FCLIB problem (HDF5, local or global)\n"
+        "  delassus solve --lcp M.mtx q.mtx\n"
+        "                        solve an LCP given as two Matrix Market files\n"
+        "\n"
+        "  -h, --help            this text; 'delassus COMMAND --help' for a command's options\n"
+        "  -V, --version         version\n"
+        "\n"
+        "Exit status: 0 solved, 1 not solved, 2 bad input.\n",
+        out);
+}
+
+int main(int argc, char **argv) {
+  const char *command = argc > 1 ? argv[1] : "";
+  int result;
+  if (!strcmp(command, "scene"))
+    result = command_scene(argc - 1, argv + 1);
+  else if (!strcmp(command, "solve"))
+    result = command_solve(argc - 1, argv + 1);
+  else if (!strcmp(command, "--help") || !strcmp(command, "-h")) {
+    usage(stdout);
+    result = EXIT_SOLVED;
+  } else if (!strcmp(command, "--version") || !strcmp(command, "-V")) {
+    printf("delassus %s\n", dls_version());
+    result = EXIT_SOLVED;
+  } else {
+    result = command[0] ? complain("'%s' is no command; see 'delassus --help'", command)
+                        : (usage(stderr), EXIT_BAD_INPUT);
+  }
+  if (fflush(stdout) || ferror(stdout)) return complain("cannot write to standard output");
+  return result;
+}

@@ -1,0 +1,178 @@
+/* picture.c: pictures through gnuplot; data and scripts stay beside them. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <math.h>
+#include <spawn.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "cli.h"
+
+extern char **environ;
+
+int join_path(char path[PATH_ROOM], const char *directory, const char *name) {
+  const int length = snprintf(path, PATH_ROOM, "%s/%s", directory, name);
+  if (length >= 0 && length < PATH_ROOM) return 1;
+  complain("%s: the name is too long", directory);
+  return 0;
+}
+
+static FILE *open_in(const char *directory, const char *name) {
+  char path[PATH_ROOM];
+  if (!join_path(path, directory, name)) return NULL;
+  FILE *file = fopen(path, "w");
+  if (!file) complain("%s: %s", path, strerror(errno));
+  return file;
+}
+
+/* 1 if all was written */
+static int close_file(FILE *file, const char *name) {
+  const int bad = ferror(file);
+  if (fclose(file) == 0 && !bad) return 1;
+  complain("%s: cannot be written", name);
+  return 0;
+}
+
+/* gnuplot SCRIPT in `directory`; 1 if the pictures are there, 0 after a word on stderr */
+static int run_gnuplot(const char *directory, const char *script) {
+  char name[] = "gnuplot";
+  char copy[64];
+  (void)snprintf(copy, sizeof copy, "%s", script);
+  char *argv[] = {name, copy, NULL};
+  posix_spawn_file_actions_t actions;
+  if (posix_spawn_file_actions_init(&actions)) return 0;
+  pid_t child;
+  int status = -1;
+  if (posix_spawn_file_actions_addchdir_np(&actions, directory) == 0 &&
+      posix_spawnp(&child, name, &actions, NULL, argv, environ) == 0)
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR)
+      ;
+  (void)posix_spawn_file_actions_destroy(&actions);
+  if (status == 0) return 1;
+  complain("%s/%s: gnuplot did not draw it (is gnuplot installed?)", directory, script);
+  return 0;
+}
+
+/* The bounding box of the mesh. */
+static void box_of(const dls_fe_mesh *mesh, double lo[2], double hi[2]) {
+  for (int k = 0; k < 2; k++)
+    lo[k] = hi[k] = mesh->xy[k];
+  for (int i = 0; i < mesh->nodes; i++)
+    for (int k = 0; k < 2; k++) {
+      lo[k] = fmin(lo[k], mesh->xy[2 * i + k]);
+      hi[k] = fmax(hi[k], mesh->xy[2 * i + k]);
+    }
+}
+
+static double largest_pair(const double *v, int n) {
+  double m = 0;
+  for (int i = 0; i < n; i++)
+    m = fmax(m, hypot(v[2 * i], v[2 * i + 1]));
+  return m;
+}
+
+/* 1, 2 or 5 times a power of ten, the largest such number <= x */
+static double round_down(double x) {
+  const double power = pow(10, floor(log10(x)));
+  return x >= 5 * power ? 5 * power : x >= 2 * power ? 2 * power : power;
+}
+
+/* The deformed block with an arrow for each nodal reaction, as in [Jean 1988] Fig. 3a. */
+static int write_deformed(const scene_picture *p) {
+  double lo[2], hi[2];
+  box_of(p->mesh, lo, hi);
+  const double size = fmax(hi[0] - lo[0], hi[1] - lo[1]);
+  const double dmax = largest_pair(p->displacement, p->mesh->nodes);
+  const double rmax = largest_pair(p->reaction, p->mesh->nodes);
+  const double amplify = dmax > 0 ? round_down(0.2 * size / dmax) : 1;
+  const double arrow = rmax > 0 ? 0.25 * size / rmax : 0;
+
+  FILE *data = open_in(p->directory, "deformed.dat");
+  if (!data) return 0;
+  fprintf(data,
+          "# block 0: edges of the triangles at rest, 1: deformed (x %g), 2: reaction arrows\n",
+          amplify);
+  for (int pass = 0; pass < 2; pass++) {
+    for (int t = 0; t < p->mesh->triangles; t++) {
+      for (int k = 0; k < 4; k++) {
+        const int i = p->mesh->node[3 * t + k % 3];
+        fprintf(data, "%.9g %.9g\n", p->mesh->xy[2 * i] + pass * amplify * p->displacement[2 * i],
+                p->mesh->xy[2 * i + 1] + pass * amplify * p->displacement[2 * i + 1]);
+      }
+      fputc('\n', data);
+    }
+    fputs("\n", data);
+  }
+  for (int i = 0; i < p->mesh->nodes; i++) {
+    const double rx = arrow * p->reaction[2 * i], ry = arrow * p->reaction[2 * i + 1];
+    if (rx == 0 && ry == 0) continue;
+    fprintf(data, "%.9g %.9g %.9g %.9g\n",
+            p->mesh->xy[2 * i] + amplify * p->displacement[2 * i] - rx,
+            p->mesh->xy[2 * i + 1] + amplify * p->displacement[2 * i + 1] - ry, rx, ry);
+  }
+  if (!close_file(data, "deformed.dat")) return 0;
+
+  FILE *script = open_in(p->directory, "deformed.gp");
+  if (!script) return 0;
+  fprintf(script,
+          "set title '%s\\ndisplacements x %g, longest arrow %.3g N/m'\n"
+          "set size ratio -1\nset key off\nset xlabel 'x [m]'\nset ylabel 'y [m]'\n"
+          "set xtics %g\nset ytics %g\n"
+          "set xrange [%g:%g]\nset yrange [%g:%g]\n"
+          "set arrow 1 from %g,%g to %g,%g nohead lw 2 lc rgb 'black'\n",
+          p->title, amplify, rmax, size / 4, size / 4, lo[0] - 0.1 * size, hi[0] + 0.3 * size,
+          lo[1] - 0.35 * size, hi[1] + 0.15 * size, lo[0] - 0.1 * size, lo[1], hi[0] + 0.3 * size,
+          lo[1]);
+  fputs("do for [type in 'png svg'] {\n"
+        "  if (type eq 'png') { set terminal pngcairo size 900,900 font ',13' }\n"
+        "  if (type eq 'svg') { set terminal svg size 900,900 font ',13' background 'white' }\n"
+        "  set output 'deformed.'.type\n"
+        "  plot 'deformed.dat' index 0 with lines lc rgb '#cccccc', \\\n"
+        "       '' index 1 with lines lc rgb '#3060a0', \\\n"
+        "       '' index 2 using 1:2:3:4 with vectors filled lw 2 lc rgb '#c03020'\n"
+        "  unset output\n}\n",
+        script);
+  return close_file(script, "deformed.gp");
+}
+
+/* Reactions along the contact line: ours as lines, the paper's as points. */
+static int write_reactions(const scene_picture *p) {
+  FILE *data = open_in(p->directory, "reactions.dat");
+  if (!data) return 0;
+  fputs("# x rt rn paper_rt paper_rn\n", data);
+  for (int c = 0; c < p->candidates; c++)
+    fprintf(data, "%.9g %.9g %.9g %.9g %.9g\n", p->x[c], p->rt[c], p->rn[c],
+            p->paper_rt ? p->paper_rt[c] : NAN, p->paper_rn ? p->paper_rn[c] : NAN);
+  if (!close_file(data, "reactions.dat")) return 0;
+  FILE *script = open_in(p->directory, "reactions.gp");
+  if (!script) return 0;
+  fprintf(script,
+          "set title '%s'\nset key outside bottom center horizontal\nset grid\n"
+          "set datafile missing 'nan'\nset xlabel 'x [m]'\nset ylabel 'reaction [N/m]'\n",
+          p->title);
+  fputs("do for [type in 'png svg'] {\n"
+        "  if (type eq 'png') { set terminal pngcairo size 1000,650 font ',13' }\n"
+        "  if (type eq 'svg') { set terminal svg size 1000,650 font ',13' background 'white' }\n"
+        "  set output 'reactions.'.type\n"
+        "  plot 'reactions.dat' using 1:3 with lines lw 2 lc rgb '#3060a0' title 'R_N'",
+        script);
+  if (p->paper_rn)
+    fputs(", \\\n       '' using 1:5 with points pt 6 ps 1.5 lc rgb '#3060a0' title 'R_N paper'",
+          script);
+  fputs(", \\\n       '' using 1:(-$2) with lines lw 2 lc rgb '#c03020' title '-R_T'", script);
+  if (p->paper_rt)
+    fputs(
+        ", \\\n       '' using 1:(-$4) with points pt 4 ps 1.5 lc rgb '#c03020' title '-R_T paper'",
+        script);
+  fputs("\n  unset output\n}\n", script);
+  return close_file(script, "reactions.gp");
+}
+
+int draw_scene(const scene_picture *picture) {
+  if (!write_deformed(picture) || !write_reactions(picture)) return EXIT_BAD_INPUT;
+  /* without gnuplot the run is still good: data and scripts are there */
+  if (run_gnuplot(picture->directory, "deformed.gp"))
+    (void)run_gnuplot(picture->directory, "reactions.gp");
+  return EXIT_SOLVED;
+}

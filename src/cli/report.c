@@ -1,0 +1,180 @@
+/* report.c: messages, JSON, progress on a terminal, Ctrl-C. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <math.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "cli.h"
+
+int complain(const char *format, ...) {
+  va_list args;
+  fputs("delassus: ", stderr);
+  va_start(args, format);
+  vfprintf(stderr, format, args);
+  va_end(args);
+  fputc('\n', stderr);
+  return EXIT_BAD_INPUT;
+}
+
+int complain_of(const char *what, const dls_error *error) {
+  return complain("%s: %s (%s)", what, dls_status_text(error->status), error->message);
+}
+
+int parse_number(const char *option, const char *text, double *value) {
+  char *end;
+  errno = 0;
+  const double v = strtod(text, &end);
+  if (end == text || *end || errno == ERANGE || !isfinite(v) || v < 0) {
+    complain("--%s: '%s' is not a number >= 0", option, text);
+    return 0;
+  }
+  *value = v;
+  return 1;
+}
+
+int parse_count(const char *option, const char *text, int *value) {
+  char *end;
+  errno = 0;
+  const long v = strtol(text, &end, 10);
+  if (end == text || *end || errno == ERANGE || v < 1 || v > 1000000000L) {
+    complain("--%s: '%s' is not a whole number from 1 to 1000000000", option, text);
+    return 0;
+  }
+  *value = (int)v;
+  return 1;
+}
+
+const char *status_word(dls_status status) {
+  switch (status) {
+  case DLS_OK:
+    return "solved";
+  case DLS_MAX_ITERATIONS:
+    return "max_iterations";
+  case DLS_CANCELLED:
+    return "cancelled";
+  case DLS_STALLED:
+    return "stalled";
+  case DLS_RAY:
+    return "ray";
+  case DLS_NO_SOLUTION:
+    return "no_solution";
+  default:
+    return "error";
+  }
+}
+
+const char *state_word(dls_contact_state state) {
+  return state == DLS_FREE ? "free" : state == DLS_SLIP ? "slip" : "stick";
+}
+
+const char *iteration_word(dls_method method) {
+  return method == DLS_LEMKE ? "pivots" : "sweeps";
+}
+
+/* ---- JSON ------------------------------------------------------------------------------------ */
+
+void print_json_string(FILE *out, const char *text) {
+  fputc('"', out);
+  for (; *text; text++) {
+    const unsigned char c = (unsigned char)*text;
+    if (c == '"' || c == '\\')
+      fprintf(out, "\\%c", c);
+    else if (c < 0x20)
+      fprintf(out, "\\u%04x", c);
+    else
+      fputc(c, out);
+  }
+  fputc('"', out);
+}
+
+void print_json_number(FILE *out, double value) {
+  if (isfinite(value))
+    fprintf(out, "%.17g", value);
+  else
+    fputs("null", out);
+}
+
+static void number_field(FILE *out, const char *name, double value) {
+  fprintf(out, ",\n  \"%s\": ", name);
+  print_json_number(out, value);
+}
+
+void print_json(FILE *out, const outcome *o) {
+  const dls_certificate *c = &o->info.certificate;
+  fputs("{\n", out);
+  if (o->scene) {
+    fputs("  \"scene\": ", out);
+    print_json_string(out, o->scene);
+    fprintf(out, ",\n  \"weighted\": %s,\n", o->weighted ? "true" : "false");
+  }
+  fprintf(out, "  \"status\": \"%s\",\n  \"method\": \"%s\",\n", status_word(o->info.status),
+          dls_method_name(o->info.method));
+  fprintf(out, "  \"dimension\": %d,\n  \"contacts\": %d,\n  \"iterations\": %d", o->d, o->nc,
+          o->info.iterations);
+  number_field(out, "residual", c->residual);
+  number_field(out, "floor", c->floor);
+  number_field(out, "penetration", c->penetration);
+  number_field(out, "adhesion", c->adhesion);
+  number_field(out, "cone_violation", c->cone_violation);
+  number_field(out, "slip_direction", c->slip_direction);
+  number_field(out, "complementarity", c->complementarity);
+  if (o->scene) {
+    number_field(out, "resultant_t", o->Rt);
+    number_field(out, "resultant_n", o->Rn);
+  }
+  number_field(out, "solve_cpu_seconds", o->solve_cpu_seconds);
+  fputs("\n}\n", out);
+}
+
+/* ---- time, progress, Ctrl-C ------------------------------------------------------------------ */
+
+static double seconds(clockid_t clock_id) {
+  struct timespec t;
+  if (clock_gettime(clock_id, &t)) return 0;
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+double cpu_seconds(void) {
+  return seconds(CLOCK_PROCESS_CPUTIME_ID);
+}
+
+static volatile sig_atomic_t interrupted;
+static double first_shown, last_shown; /* wall seconds; 0: nothing yet */
+static int line_shown;
+
+static void on_interrupt(int number) {
+  (void)number;
+  interrupted = 1;
+}
+
+void watch_interrupt(void) {
+  struct sigaction action;
+  memset(&action, 0, sizeof action);
+  action.sa_handler = on_interrupt;
+  (void)sigaction(SIGINT, &action, NULL);
+}
+
+int show_progress(void *data, const dls_progress *p) {
+  (void)data;
+  if (interrupted) return 1;
+  const double now = seconds(CLOCK_MONOTONIC);
+  if (first_shown == 0) first_shown = now;
+  if (now - first_shown < 0.5 || now - last_shown < 0.1 || !isatty(STDERR_FILENO)) return 0;
+  last_shown = now;
+  line_shown = 1;
+  fprintf(stderr, "\r%s: %d of at most %d", p->method, p->iteration, p->max_iterations);
+  if (p->residual >= 0) fprintf(stderr, ", residual %.2e", p->residual);
+  fputs("\033[K", stderr);
+  fflush(stderr);
+  return 0;
+}
+
+void progress_end(void) {
+  if (line_shown) fputs("\r\033[K", stderr);
+  line_shown = 0;
+}

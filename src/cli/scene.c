@@ -1,0 +1,446 @@
+/*
+ * scene.c: delassus scene NAME: model -> reduction -> solver -> tables, files, pictures.
+ *
+ * For every candidate: (u_t, u_n), the relative position of its node (with weighted reactions, too:
+ * the paper prints displacements of nodes), its reactions (r_t, r_n), and with weighting the
+ * equivalent concentrated ones, P r at its node.
+ */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <getopt.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "cli.h"
+
+typedef struct scene_options {
+  const char *name;
+  int weighted, json;
+  dls_solver_settings solver;
+  const char *out, *save, *reference; /* NULL: none */
+} scene_options;
+
+static void usage(FILE *out) {
+  fputs(
+      "Usage: delassus scene [OPTION]... NAME\n"
+      "  or:  delassus scene --list\n"
+      "Runs a built-in scene and prints displacements and reactions of its candidates.\n"
+      "\n"
+      "  -m, --method=METHOD   nlgs (default) or lemke\n"
+      "  -w, --weighted        weighted instead of concentrated reactions\n"
+      "  -t, --tol=T           tolerance on the certificate's residual (1e-12)\n"
+      "  -i, --max-iter=N      limit of sweeps or pivots\n"
+      "  -o, --out=DIR         write contact.csv, result.json, the deformed mesh (.vtu), pictures\n"
+      "  -s, --save=FILE       write the contact problem as an FCLIB file (HDF5)\n"
+      "  -r, --reference=CSV   print and draw beside these values (columns node, Q1, Q2, RT, RN\n"
+      "                        and, weighted, the equivalent RN)\n"
+      "  -j, --json            print the outcome as one JSON object instead of tables\n"
+      "  -l, --list            the names of the scenes\n"
+      "  -h, --help            this text\n",
+      out);
+}
+
+/* ---- what a run holds ------------------------------------------------------------------------ */
+
+enum { REFERENCE_COLUMNS = 5 }; /* Q1, Q2, RT, RN, equivalent RN */
+
+typedef struct run {
+  dls_fe_scene *scene;
+  dls_fe_scene_data data;
+  dls_reduction *reduction;
+  dls_contact contact;
+  dls_solver *solver;
+  outcome outcome;
+  dls_contact_state *state;         /* nc */
+  double *memory;                   /* of the arrays below */
+  double *r, *u;                    /* 2 nc */
+  double *R;                        /* 2 * contact nodes: P r */
+  double *x, *force;                /* model unknowns: displacements, H r */
+  double *displacement, *reaction;  /* 2 * mesh nodes */
+  double *column[8];                /* nc each: x, y, ut, un, rt, rn, rt_eq, rn_eq */
+  double *paper[REFERENCE_COLUMNS]; /* nc each, NaN where there is no value */
+} run;
+
+enum { X, Y, UT, UN, RT, RN, RT_EQ, RN_EQ };
+
+static int allocate(run *a) {
+  const size_t nc = (size_t)a->data.candidates, nodes = (size_t)a->data.model.nodes;
+  const size_t n = (size_t)a->data.model.n, mesh = (size_t)a->data.mesh->nodes;
+  double *next = malloc((4 * nc + 2 * nodes + 2 * n + 4 * mesh + 8 * nc + REFERENCE_COLUMNS * nc) *
+                        sizeof *next);
+  a->memory = next;
+  a->state = malloc(nc * sizeof *a->state);
+  if (!next || !a->state) return 0;
+  a->r = next, next += 2 * nc;
+  a->u = next, next += 2 * nc;
+  a->R = next, next += 2 * nodes;
+  a->x = next, next += n;
+  a->force = next, next += n;
+  a->displacement = next, next += 2 * mesh;
+  a->reaction = next, next += 2 * mesh;
+  for (int k = 0; k < 8; k++, next += nc)
+    a->column[k] = next;
+  for (int k = 0; k < REFERENCE_COLUMNS; k++, next += nc)
+    a->paper[k] = next;
+  return 1;
+}
+
+static void release(run *a) {
+  dls_solver_destroy(a->solver);
+  dls_reduction_destroy(a->reduction);
+  dls_fe_scene_destroy(a->scene);
+  free(a->memory);
+  free(a->state);
+}
+
+/* ---- the computation ------------------------------------------------------------------------- */
+
+/* a^T x for column j of a sparse matrix */
+static double column_dot(const dls_sparse *A, int j, const double *x) {
+  double sum = 0;
+  for (int k = A->p[j]; k < A->p[j + 1]; k++)
+    sum += A->x[k] * x[A->i[k]];
+  return sum;
+}
+
+/* y += A(:,j) s */
+static void column_add(const dls_sparse *A, int j, double s, double *y) {
+  for (int k = A->p[j]; k < A->p[j + 1]; k++)
+    y[A->i[k]] += A->x[k] * s;
+}
+
+/* The columns of the tables from r, R = P r and x. */
+static void tabulate(run *a) {
+  const dls_fe_scene_data *s = &a->data;
+  for (int c = 0; c < s->candidates; c++) {
+    const int node = s->candidate_node[c], vertex = s->contact_node[node];
+    a->column[X][c] = s->mesh->xy[2 * vertex];
+    a->column[Y][c] = s->mesh->xy[2 * vertex + 1];
+    a->column[UN][c] = column_dot(&s->model.HN, node, a->x) + s->g[2 * node];
+    a->column[UT][c] = column_dot(&s->model.HT, node, a->x) + s->g[2 * node + 1];
+    a->column[RN][c] = a->r[2 * c];
+    a->column[RT][c] = a->r[2 * c + 1];
+    a->column[RN_EQ][c] = a->R[2 * node];
+    a->column[RT_EQ][c] = a->R[2 * node + 1];
+    a->outcome.Rn += a->r[2 * c];
+    a->outcome.Rt += a->r[2 * c + 1];
+  }
+}
+
+/* Everything from the model to the tables; < 0 or DLS_OK: whether the solver got there, the outcome
+ * says. */
+static dls_status compute(run *a, const scene_options *o, dls_error *error) {
+  dls_status status = dls_reduction_create(&a->reduction, &a->data.model, error);
+  if (!status) status = dls_reduction_load(a->reduction, a->data.f, a->data.g, error);
+  if (!status) status = dls_reduction_contact(a->reduction, a->data.mu, &a->contact, error);
+  if (!status) status = dls_solver_create(&a->solver, 2, a->contact.nc, &o->solver, error);
+  if (status) return status;
+  a->outcome.d = a->contact.d;
+  a->outcome.nc = a->contact.nc;
+  a->outcome.scene = o->name;
+  a->outcome.weighted = o->weighted;
+  const double start = cpu_seconds();
+  status = dls_solver_solve(a->solver, &a->contact, a->r, a->u, &a->outcome.info, error);
+  a->outcome.solve_cpu_seconds = cpu_seconds() - start;
+  progress_end();
+  if (status < 0) return status;
+
+  const dls_model *model = &a->data.model;
+  status = dls_reduction_recover(a->reduction, a->r, a->x, error);
+  if (!status) status = dls_reduction_nodal(a->reduction, a->r, a->R, error);
+  if (!status) status = dls_contact_states(&a->contact, a->r, a->u, a->state, error);
+  if (!status) status = dls_fe_scene_displacement(a->scene, a->x, a->displacement, error);
+  if (status) return status;
+  for (int i = 0; i < model->n; i++)
+    a->force[i] = 0;
+  for (int k = 0; k < model->nodes; k++) {
+    column_add(&model->HN, k, a->R[2 * k], a->force);
+    column_add(&model->HT, k, a->R[2 * k + 1], a->force);
+  }
+  status = dls_fe_scene_displacement(a->scene, a->force, a->reaction, error);
+  if (!status) tabulate(a);
+  return status;
+}
+
+/* ---- the paper's values ---------------------------------------------------------------------- */
+
+/* Rows "node,Q1,Q2,RT,RN[,RN_eq]", an empty field where there is no value; the first row is a
+ * header. 1 if read. */
+static int read_reference(const char *path, run *a) {
+  for (int k = 0; k < REFERENCE_COLUMNS; k++)
+    for (int c = 0; c < a->data.candidates; c++)
+      a->paper[k][c] = NAN;
+  FILE *file = fopen(path, "r");
+  if (!file) {
+    complain("%s: %s", path, strerror(errno));
+    return 0;
+  }
+  char line[512];
+  int number = 0, good = fgets(line, sizeof line, file) != NULL;
+  while (good && fgets(line, sizeof line, file)) {
+    number++;
+    char *field = line;
+    const long node = strtol(field, &field, 10);
+    good = node >= 1 && node <= a->data.candidates;
+    for (int k = 0; good && k < REFERENCE_COLUMNS && *field == ','; k++) {
+      char *end = ++field;
+      const double value = strtod(field, &end);
+      if (end != field) a->paper[k][node - 1] = value;
+      field = end;
+    }
+    good = good && (*field == '\n' || *field == '\r' || *field == '\0');
+  }
+  fclose(file);
+  if (!good) complain("%s: row %d is not 'node,Q1,Q2,RT,RN[,RN_eq]'", path, number);
+  return good;
+}
+
+/* ---- tables ---------------------------------------------------------------------------------- */
+
+static double largest(const double *v, int n) {
+  double m = 0;
+  for (int i = 0; i < n; i++)
+    if (fabs(v[i]) > m) m = fabs(v[i]);
+  return m;
+}
+
+/* One quantity: our column, the paper's or NULL, and its name. */
+typedef struct quantity {
+  const char *name;
+  const double *ours, *paper;
+} quantity;
+
+static void print_cell(const quantity *q, int c, int nc, double *worst) {
+  printf("  %12.5e", q->ours[c]);
+  if (!q->paper) return;
+  if (isnan(q->paper[c])) {
+    printf("  %12s  %8s", "-", "-");
+    return;
+  }
+  const double difference = (q->ours[c] - q->paper[c]) / largest(q->paper, nc);
+  printf("  %12.5e  %8.1e", q->paper[c], difference);
+  if (fabs(difference) > *worst) *worst = fabs(difference);
+}
+
+static void print_table(const run *a, const quantity *q, int count) {
+  const int nc = a->data.candidates;
+  double worst[3] = {0};
+  printf("node  status");
+  for (int k = 0; k < count; k++) {
+    printf("  %12s", q[k].name);
+    if (q[k].paper) printf("  %12s  %8s", "paper", "diff/max");
+  }
+  putchar('\n');
+  for (int c = 0; c < nc; c++) {
+    printf("%4d  %-6s", c + 1, state_word(a->state[c]));
+    for (int k = 0; k < count; k++)
+      print_cell(&q[k], c, nc, &worst[k]);
+    putchar('\n');
+  }
+  if (!q[0].paper) return;
+  printf("largest diff/max:");
+  for (int k = 0; k < count; k++)
+    printf(" %s %.1e%s", q[k].name, worst[k], k + 1 < count ? "," : "\n");
+}
+
+static void print_run(const run *a, const scene_options *o) {
+  const outcome *out = &a->outcome;
+  const dls_certificate *c = &out->info.certificate;
+  printf("%s, %s reactions, %s: %s, %d %s, residual %.1e (floor %.1e), %.2g s of CPU\n", o->name,
+         o->weighted ? "weighted" : "concentrated", dls_method_name(out->info.method),
+         dls_status_text(out->info.status), out->info.iterations, iteration_word(out->info.method),
+         c->residual, c->floor, out->solve_cpu_seconds);
+  const int with = o->reference != NULL;
+  const quantity positions[] = {{"Q1 [m]", a->column[UT], with ? a->paper[0] : NULL},
+                                {"Q2 [m]", a->column[UN], with ? a->paper[1] : NULL}};
+  const quantity reactions[] = {{"RT [N/m]", a->column[RT], with ? a->paper[2] : NULL},
+                                {"RN [N/m]", a->column[RN], with ? a->paper[3] : NULL}};
+  const quantity equivalent[] = {{"RT eq [N/m]", a->column[RT_EQ], NULL},
+                                 {"RN eq [N/m]", a->column[RN_EQ], with ? a->paper[4] : NULL}};
+  putchar('\n');
+  print_table(a, positions, 2);
+  putchar('\n');
+  print_table(a, reactions, 2);
+  if (o->weighted) {
+    puts("\nequivalent concentrated reactions, P r");
+    print_table(a, with ? equivalent + 1 : equivalent, with ? 1 : 2);
+  }
+  printf("\nresultants of the reactions: Rx = %.5e, Ry = %.5e N/m\n", out->Rt, out->Rn);
+}
+
+/* ---- files ----------------------------------------------------------------------------------- */
+
+static int finish(FILE *file, const char *path) {
+  const int bad = ferror(file);
+  if (fclose(file) == 0 && !bad) return 1;
+  complain("%s: cannot be written", path);
+  return 0;
+}
+
+static int write_csv(const char *path, const run *a, int weighted) {
+  FILE *file = fopen(path, "w");
+  if (!file) return complain("%s: %s", path, strerror(errno)), 0;
+  fprintf(file, "candidate,x,y,ut,un,rt,rn,status%s\n", weighted ? ",rt_eq,rn_eq" : "");
+  for (int c = 0; c < a->data.candidates; c++) {
+    fprintf(file, "%d", c + 1);
+    for (int k = X; k <= RN; k++)
+      fprintf(file, ",%.17g", a->column[k][c]);
+    fprintf(file, ",%s", state_word(a->state[c]));
+    if (weighted) fprintf(file, ",%.17g,%.17g", a->column[RT_EQ][c], a->column[RN_EQ][c]);
+    fputc('\n', file);
+  }
+  return finish(file, path);
+}
+
+static int write_json(const char *path, const outcome *o) {
+  FILE *file = fopen(path, "w");
+  if (!file) return complain("%s: %s", path, strerror(errno)), 0;
+  print_json(file, o);
+  return finish(file, path);
+}
+
+/* Creates the directory and its parents; 1 if it is there. */
+static int make_directory(const char *path) {
+  char part[PATH_ROOM];
+  if (!join_path(part, path, "")) return 0;
+  for (char *slash = part + 1; (slash = strchr(slash, '/')); slash++) {
+    *slash = '\0';
+    if (mkdir(part, 0777) && errno != EEXIST) return complain("%s: %s", part, strerror(errno)), 0;
+    *slash = '/';
+  }
+  return 1;
+}
+
+static int write_files(const run *a, const scene_options *o) {
+  char path[PATH_ROOM], name[256], title[256];
+  dls_error error = {0};
+  if (!make_directory(o->out)) return EXIT_BAD_INPUT;
+  if (!join_path(path, o->out, "contact.csv") || !write_csv(path, a, o->weighted))
+    return EXIT_BAD_INPUT;
+  if (!join_path(path, o->out, "result.json") || !write_json(path, &a->outcome))
+    return EXIT_BAD_INPUT;
+  (void)snprintf(name, sizeof name, "%s.vtu", o->name);
+  if (!join_path(path, o->out, name)) return EXIT_BAD_INPUT;
+  if (dls_fe_write_vtu(path, a->data.mesh, a->displacement, a->reaction, NULL, &error))
+    return complain_of(path, &error);
+  (void)snprintf(title, sizeof title, "%s, %s reactions, %s", o->name,
+                 o->weighted ? "weighted" : "concentrated",
+                 dls_method_name(a->outcome.info.method));
+  const scene_picture picture = {.directory = o->out,
+                                 .title = title,
+                                 .mesh = a->data.mesh,
+                                 .displacement = a->displacement,
+                                 .reaction = a->reaction,
+                                 .candidates = a->data.candidates,
+                                 .x = a->column[X],
+                                 .rt = a->column[RT],
+                                 .rn = a->column[RN],
+                                 .paper_rt = o->reference ? a->paper[2] : NULL,
+                                 .paper_rn = o->reference ? a->paper[3] : NULL};
+  return draw_scene(&picture);
+}
+
+/* ---- the command ----------------------------------------------------------------------------- */
+
+static int run_scene(const scene_options *o) {
+  run a = {0};
+  dls_error error = {0};
+  int result = EXIT_BAD_INPUT;
+  if (dls_fe_scene_create(&a.scene, o->name, o->weighted, &error)) {
+    result = complain_of(o->name, &error);
+    goto end;
+  }
+  dls_fe_scene_get(a.scene, &a.data);
+  if (!allocate(&a)) {
+    result = complain("%s: out of memory", o->name);
+    goto end;
+  }
+  if (o->reference && !read_reference(o->reference, &a)) goto end;
+  if (compute(&a, o, &error)) {
+    result = complain_of(o->name, &error);
+    goto end;
+  }
+  if (o->json)
+    print_json(stdout, &a.outcome);
+  else
+    print_run(&a, o);
+  if (o->save && dls_fclib_write_local(o->save, &a.contact, o->name, a.r, a.u, &error)) {
+    result = complain_of(o->save, &error);
+    goto end;
+  }
+  if (o->out && write_files(&a, o) != EXIT_SOLVED) goto end;
+  result = a.outcome.info.status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+end:
+  release(&a);
+  return result;
+}
+
+static int list_scenes(void) {
+  for (int k = 0; dls_fe_scene_name(k); k++)
+    printf("%-12s %s\n", dls_fe_scene_name(k), dls_fe_scene_description(k));
+  return EXIT_SOLVED;
+}
+
+int command_scene(int argc, char **argv) {
+  static const struct option options[] = {{"method", required_argument, NULL, 'm'},
+                                          {"weighted", no_argument, NULL, 'w'},
+                                          {"tol", required_argument, NULL, 't'},
+                                          {"max-iter", required_argument, NULL, 'i'},
+                                          {"out", required_argument, NULL, 'o'},
+                                          {"save", required_argument, NULL, 's'},
+                                          {"reference", required_argument, NULL, 'r'},
+                                          {"json", no_argument, NULL, 'j'},
+                                          {"list", no_argument, NULL, 'l'},
+                                          {"help", no_argument, NULL, 'h'},
+                                          {NULL, 0, NULL, 0}};
+  scene_options o = {0};
+  dls_solver_settings_init(&o.solver);
+  o.solver.tol = 1e-12;
+  o.solver.progress = show_progress;
+  for (int key; (key = getopt_long(argc, argv, "m:wt:i:o:s:r:jlh", options, NULL)) != -1;) {
+    switch (key) {
+    case 'm':
+      if (!dls_method_find(optarg, &o.solver.method))
+        return complain("--method: '%s' is no method (nlgs, lemke)", optarg);
+      break;
+    case 'w':
+      o.weighted = 1;
+      break;
+    case 't':
+      if (!parse_number("tol", optarg, &o.solver.tol)) return EXIT_BAD_INPUT;
+      break;
+    case 'i':
+      if (!parse_count("max-iter", optarg, &o.solver.max_iterations)) return EXIT_BAD_INPUT;
+      break;
+    case 'o':
+      o.out = optarg;
+      break;
+    case 's':
+      o.save = optarg;
+      break;
+    case 'r':
+      o.reference = optarg;
+      break;
+    case 'j':
+      o.json = 1;
+      break;
+    case 'l':
+      return list_scenes();
+    case 'h':
+      usage(stdout);
+      return EXIT_SOLVED;
+    default:
+      usage(stderr);
+      return EXIT_BAD_INPUT;
+    }
+  }
+  if (argc - optind != 1) {
+    usage(stderr);
+    return EXIT_BAD_INPUT;
+  }
+  o.name = argv[optind];
+  watch_interrupt();
+  return run_scene(&o);
+}

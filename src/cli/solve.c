@@ -1,0 +1,286 @@
+/* solve.c: delassus solve FILE, delassus solve --lcp M.mtx q.mtx. */
+#define _GNU_SOURCE
+#include <getopt.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "cli.h"
+
+typedef struct solve_options {
+  dls_solver_settings solver;
+  int method_given;
+  int lcp, json;
+  const char *out; /* NULL: none */
+} solve_options;
+
+static void usage(FILE *out) {
+  fputs(
+      "Usage: delassus solve [OPTION]... FILE\n"
+      "  or:  delassus solve --lcp [OPTION]... M.mtx q.mtx\n"
+      "Solves a contact problem (FCLIB, HDF5; local, or global after its reduction) or an LCP.\n"
+      "\n"
+      "  -m, --method=METHOD   nlgs (default) or lemke (2D); an LCP is solved by lemke\n"
+      "  -t, --tol=T           tolerance on the certificate's residual (1e-8)\n"
+      "  -i, --max-iter=N      limit of sweeps or pivots\n"
+      "  -o, --output=OUT      write the problem with its solution (FCLIB), or z (Matrix Market)\n"
+      "  -j, --json            print the outcome as one JSON object\n"
+      "  -l, --lcp             the files hold M and q of an LCP\n"
+      "  -h, --help            this text\n",
+      out);
+}
+
+/* ---- contact problems ------------------------------------------------------------------------ */
+
+/* A problem in memory: read from the file, condensed if it was global. */
+typedef struct problem {
+  dls_fclib *file;
+  dls_reduction *reduction; /* NULL for a local problem */
+  dls_model model;          /* of a global one */
+  const double *f, *g, *mu;
+  dls_contact contact;
+  double reduction_cpu_seconds;
+} problem;
+
+static dls_status load_problem(const char *path, problem *p, dls_error *error) {
+  dls_status status = dls_fclib_read(&p->file, path, error);
+  if (status) return status;
+  if (!dls_fclib_is_global(p->file)) return dls_fclib_contact(p->file, &p->contact, error);
+  status = dls_fclib_model(p->file, &p->model, &p->f, &p->g, &p->mu, error);
+  if (status) return status;
+  const double start = cpu_seconds();
+  status = dls_reduction_create(&p->reduction, &p->model, error);
+  if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, error);
+  if (!status) status = dls_reduction_contact(p->reduction, p->mu, &p->contact, error);
+  p->reduction_cpu_seconds = cpu_seconds() - start;
+  return status;
+}
+
+static dls_status write_solution(const char *out, const problem *p, const double *r,
+                                 const double *u, dls_error *error) {
+  const char *title = dls_fclib_title(p->file);
+  if (!p->reduction) return dls_fclib_write_local(out, &p->contact, title, r, u, error);
+  double *x = malloc((size_t)p->model.n * sizeof *x);
+  if (!x) {
+    *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"};
+    return DLS_E_MEMORY;
+  }
+  dls_status status = dls_reduction_recover(p->reduction, r, x, error);
+  if (!status)
+    status = dls_fclib_write_global(out, &p->model, p->f, p->g, p->mu, title, x, r, u, error);
+  free(x);
+  return status;
+}
+
+static void print_states(const dls_contact *contact, const double *r, const double *u) {
+  dls_contact_state *state = malloc((size_t)contact->nc * sizeof *state);
+  int count[3] = {0};
+  if (state && dls_contact_states(contact, r, u, state, NULL) == DLS_OK) {
+    for (int c = 0; c < contact->nc; c++)
+      count[state[c]]++;
+    printf("  free %d, slip %d, stick %d\n", count[DLS_FREE], count[DLS_SLIP], count[DLS_STICK]);
+  }
+  free(state);
+}
+
+static void print_text(const char *path, const problem *p, const outcome *o, const double *r,
+                       const double *u) {
+  const dls_certificate *c = &o->info.certificate;
+  printf("%s: %dD, %d contacts, %s\n", path, o->d, o->nc, p->reduction ? "global" : "local");
+  if (p->reduction)
+    printf("  reduced from %d unknowns in %.3g s of CPU\n", p->model.n, p->reduction_cpu_seconds);
+  printf("  %s: %s, %d %s, residual %.2e (floor %.1e), %.3g s of CPU\n",
+         dls_method_name(o->info.method), dls_status_text(o->info.status), o->info.iterations,
+         iteration_word(o->info.method), c->residual, c->floor, o->solve_cpu_seconds);
+  printf("  penetration %.2e, adhesion %.2e, cone violation %.2e, slip direction %.2e, "
+         "complementarity %.2e\n",
+         c->penetration, c->adhesion, c->cone_violation, c->slip_direction, c->complementarity);
+  print_states(&p->contact, r, u);
+}
+
+static int solve_contact(const char *path, const solve_options *options) {
+  problem p = {0};
+  dls_solver *solver = NULL;
+  dls_error error = {0};
+  double *r = NULL, *u = NULL;
+  int result = EXIT_BAD_INPUT;
+  if (load_problem(path, &p, &error)) {
+    (void)complain_of(path, &error);
+    goto end;
+  }
+  const size_t m = (size_t)p.contact.d * (size_t)p.contact.nc;
+  r = malloc(m * sizeof *r);
+  u = malloc(m * sizeof *u);
+  if (!r || !u) {
+    (void)complain("%s: out of memory", path);
+    goto end;
+  }
+  outcome o = {.d = p.contact.d, .nc = p.contact.nc};
+  if (dls_solver_create(&solver, o.d, o.nc, &options->solver, &error)) {
+    (void)complain_of(path, &error);
+    goto end;
+  }
+  const double start = cpu_seconds();
+  const dls_status status = dls_solver_solve(solver, &p.contact, r, u, &o.info, &error);
+  o.solve_cpu_seconds = cpu_seconds() - start;
+  progress_end();
+  if (status < 0) {
+    (void)complain_of(path, &error);
+    goto end;
+  }
+  if (options->json)
+    print_json(stdout, &o);
+  else
+    print_text(path, &p, &o, r, u);
+  if (options->out && write_solution(options->out, &p, r, u, &error)) {
+    (void)complain_of(options->out, &error);
+    goto end;
+  }
+  result = status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+end:
+  dls_solver_destroy(solver);
+  dls_reduction_destroy(p.reduction);
+  dls_fclib_destroy(p.file);
+  free(r);
+  free(u);
+  return result;
+}
+
+/* ---- LCPs ------------------------------------------------------------------------------------ */
+
+static void print_lcp_json(int n, const dls_lemke_info *info, double solve_cpu_seconds) {
+  const dls_lcp_certificate *c = &info->certificate;
+  printf("{\n  \"status\": \"%s\",\n  \"method\": \"lemke\",\n  \"dimension\": %d,\n"
+         "  \"contacts\": 0,\n  \"iterations\": %d,\n  \"residual\": ",
+         status_word(info->status), n, info->pivots);
+  print_json_number(stdout, c->residual);
+  fputs(",\n  \"floor\": ", stdout);
+  print_json_number(stdout, c->floor);
+  fputs(",\n  \"penetration\": ", stdout); /* y is what u_n is in a contact problem */
+  print_json_number(stdout, c->negative_y);
+  fputs(",\n  \"cone_violation\": ", stdout);
+  print_json_number(stdout, c->negative_z);
+  fputs(",\n  \"complementarity\": ", stdout);
+  print_json_number(stdout, c->complementarity);
+  fputs(",\n  \"solve_cpu_seconds\": ", stdout);
+  print_json_number(stdout, solve_cpu_seconds);
+  fputs("\n}\n", stdout);
+}
+
+static int solve_lcp(const char *path_M, const char *path_q, const solve_options *options) {
+  dls_error error = {0};
+  double *M = NULL, *q = NULL, *z = NULL;
+  dls_lemke *lemke = NULL;
+  int rows, cols, q_rows, q_cols, result = EXIT_BAD_INPUT;
+  if (dls_mtx_read(path_M, &rows, &cols, &M, &error)) {
+    (void)complain_of(path_M, &error);
+    goto end;
+  }
+  if (dls_mtx_read(path_q, &q_rows, &q_cols, &q, &error)) {
+    (void)complain_of(path_q, &error);
+    goto end;
+  }
+  if (rows != cols || rows < 1) {
+    (void)complain("%s: M is %d x %d, must be square", path_M, rows, cols);
+    goto end;
+  }
+  if ((q_rows != rows || q_cols != 1) && (q_rows != 1 || q_cols != rows)) {
+    (void)complain("%s: q is %d x %d, must be %d x 1", path_q, q_rows, q_cols, rows);
+    goto end;
+  }
+  dls_lemke_settings settings;
+  dls_lemke_settings_init(&settings);
+  settings.tol = options->solver.tol;
+  settings.max_iterations = options->solver.max_iterations;
+  settings.progress = options->solver.progress;
+  z = malloc((size_t)rows * sizeof *z);
+  if (!z || dls_lemke_create(&lemke, rows, &settings, &error)) {
+    (void)(z ? complain_of(path_M, &error) : complain("%s: out of memory", path_M));
+    goto end;
+  }
+  const dls_lcp lcp = {rows, {rows, rows, rows, M}, q};
+  dls_lemke_info info;
+  const double start = cpu_seconds();
+  const dls_status status = dls_lemke_solve(lemke, &lcp, z, NULL, &info, &error);
+  const double solve_cpu_seconds = cpu_seconds() - start;
+  progress_end();
+  if (status < 0) {
+    (void)complain_of(path_M, &error);
+    goto end;
+  }
+  if (options->json)
+    print_lcp_json(rows, &info, solve_cpu_seconds);
+  else {
+    printf("%s: LCP of %d unknowns\n", path_M, rows);
+    printf("  lemke: %s, %d pivots, residual %.2e (floor %.1e), %.3g s of CPU\n",
+           dls_status_text(status), info.pivots, info.certificate.residual, info.certificate.floor,
+           solve_cpu_seconds);
+    printf("  negative z %.2e, negative y %.2e, complementarity %.2e\n",
+           info.certificate.negative_z, info.certificate.negative_y,
+           info.certificate.complementarity);
+  }
+  const dls_dense answer = {rows, 1, rows, z};
+  if (options->out && dls_mtx_write(options->out, &answer, &error)) {
+    (void)complain_of(options->out, &error);
+    goto end;
+  }
+  result = status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+end:
+  dls_lemke_destroy(lemke);
+  dls_mtx_free(M);
+  dls_mtx_free(q);
+  free(z);
+  return result;
+}
+
+/* ---- options --------------------------------------------------------------------------------- */
+
+int command_solve(int argc, char **argv) {
+  static const struct option options[] = {
+      {"method", required_argument, NULL, 'm'},   {"tol", required_argument, NULL, 't'},
+      {"max-iter", required_argument, NULL, 'i'}, {"output", required_argument, NULL, 'o'},
+      {"json", no_argument, NULL, 'j'},           {"lcp", no_argument, NULL, 'l'},
+      {"help", no_argument, NULL, 'h'},           {NULL, 0, NULL, 0}};
+  solve_options o = {0};
+  dls_solver_settings_init(&o.solver);
+  o.solver.progress = show_progress;
+  for (int key; (key = getopt_long(argc, argv, "m:t:i:o:jlh", options, NULL)) != -1;) {
+    switch (key) {
+    case 'm':
+      if (!dls_method_find(optarg, &o.solver.method))
+        return complain("--method: '%s' is no method (nlgs, lemke)", optarg);
+      o.method_given = 1;
+      break;
+    case 't':
+      if (!parse_number("tol", optarg, &o.solver.tol)) return EXIT_BAD_INPUT;
+      break;
+    case 'i':
+      if (!parse_count("max-iter", optarg, &o.solver.max_iterations)) return EXIT_BAD_INPUT;
+      break;
+    case 'o':
+      o.out = optarg;
+      break;
+    case 'j':
+      o.json = 1;
+      break;
+    case 'l':
+      o.lcp = 1;
+      break;
+    case 'h':
+      usage(stdout);
+      return EXIT_SOLVED;
+    default:
+      usage(stderr);
+      return EXIT_BAD_INPUT;
+    }
+  }
+  const int files = argc - optind;
+  if (files != (o.lcp ? 2 : 1)) {
+    usage(stderr);
+    return EXIT_BAD_INPUT;
+  }
+  watch_interrupt();
+  if (!o.lcp) return solve_contact(argv[optind], &o);
+  if (o.method_given && o.solver.method != DLS_LEMKE)
+    return complain("--method: an LCP is solved by lemke");
+  return solve_lcp(argv[optind], argv[optind + 1], &o);
+}
