@@ -1,0 +1,513 @@
+/* test_contact.c: statuses, views, the contact problem, its blocks and its certificate. */
+#include <check.h>
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delassus.h"
+#include "dlsi.h"
+#include "malloc_fails.h"
+
+/* Two candidates in 2D, coupled: W symmetric positive definite. */
+static double W2[16] = {4, 1, 1, 0, 1, 3, 0, 1, 1, 0, 4, -1, 0, 1, -1, 3};
+static double q2[4] = {-1, 2, 3, -4};
+static double mu2[2] = {0.5, 0.25};
+
+static dls_contact dense2(void) {
+  return (dls_contact){.d = 2, .nc = 2, .W = {4, 4, 4, W2}, .q = q2, .mu = mu2};
+}
+
+/* The same W by blocks, its first column's blocks in descending order, one split in two. */
+static int p2[3] = {0, 3, 5};
+static int i2[5] = {1, 0, 0, 0, 1};
+static double x2[20] = {1, 0, 0, 1, 3, 1, 0, 3, 1, 0, 1, 0, 1, 0, 0, 1, 4, -1, -1, 3};
+
+static dls_contact blocks2(void) {
+  return (dls_contact){.d = 2, .nc = 2, .Wb = {2, 2, p2, i2, x2}, .q = q2, .mu = mu2};
+}
+
+START_TEST(statuses_have_names_and_words) {
+  for (int s = -11; s <= 5; s++) {
+    ck_assert_str_ne(dls_status_name((dls_status)s), "unknown status");
+    ck_assert_str_ne(dls_status_text((dls_status)s), "unknown status");
+  }
+  ck_assert_str_eq(dls_status_name((dls_status)77), "unknown status");
+  ck_assert_str_eq(dls_status_name(DLS_E_SIZE), "DLS_E_SIZE");
+  ck_assert_str_eq(dls_version(), DLS_VERSION);
+}
+END_TEST
+
+START_TEST(an_error_says_where) {
+  dls_error e;
+  const dls_status s = dlsi_fail(&e, DLS_E_NOT_FINITE, "dls_f", "q", 3, -2.5, "is %s", "odd");
+  ck_assert_int_eq(s, DLS_E_NOT_FINITE);
+  ck_assert_int_eq(e.status, DLS_E_NOT_FINITE);
+  ck_assert_str_eq(e.function, "dls_f");
+  ck_assert_str_eq(e.argument, "q");
+  ck_assert_int_eq(e.index, 3);
+  ck_assert(e.value == -2.5);
+  ck_assert_str_eq(e.message, "dls_f: q[3]: is odd");
+  ck_assert_int_eq(dlsi_fail(NULL, DLS_E_SIZE, "f", "", -1, 0, "x"), DLS_E_SIZE);
+}
+END_TEST
+
+START_TEST(arena_counts_carves_and_refuses) {
+  dlsi_arena a = {0};
+  ck_assert_ptr_null(dlsi_take(&a, 3, 8));
+  ck_assert_ptr_null(dlsi_take(&a, 0, 8));
+  ck_assert_ptr_null(dlsi_take(&a, 100, 1));
+  ck_assert_uint_eq(a.used, 64 + 0 + 128);
+  char memory[192];
+  dlsi_arena b = {.base = memory, .size = sizeof memory};
+  ck_assert_ptr_eq(dlsi_take(&b, 3, 8), memory);
+  ck_assert_ptr_eq(dlsi_take(&b, 100, 1), memory + 64);
+  ck_assert_ptr_null(dlsi_take(&b, 1, 1));
+  ck_assert_int_eq(b.failed, 1);
+  ck_assert_ptr_null(dlsi_take(&b, 0, 1));
+  dlsi_arena c = {0};
+  ck_assert_ptr_null(dlsi_take(&c, SIZE_MAX / 4, 8));
+  ck_assert_int_eq(c.failed, 1);
+  ck_assert_ptr_null(dlsi_alloc(SIZE_MAX / 4, 8));
+}
+END_TEST
+
+START_TEST(norms_keep_nan_and_range) {
+  const double big[3] = {3e200, 4e200, 0}, small[2] = {3e-200, 4e-200};
+  const double with_nan[3] = {1, NAN, 2}, tiny[1] = {5e-324};
+  ck_assert_double_eq_tol(dlsi_norm2(big, 3) / 5e200, 1, 4 * DBL_EPSILON);
+  ck_assert_double_eq_tol(dlsi_norm2(small, 2) / 5e-200, 1, 4 * DBL_EPSILON);
+  ck_assert(dlsi_norm2(tiny, 1) > 0);
+  ck_assert_double_nan(dlsi_norm2(with_nan, 3));
+  ck_assert_double_nan(dlsi_max_abs(with_nan, 3));
+  ck_assert(dlsi_norm2(big, 0) == 0);
+  double x[21] = {0};
+  for (int k = 0; k < 21; k++) {
+    ck_assert_int_eq(dlsi_first_not_finite(x, 21), -1);
+    x[k] = k % 2 ? INFINITY : NAN;
+    ck_assert_int_eq(dlsi_first_not_finite(x, 21), k);
+    x[k] = -DBL_MAX;
+  }
+}
+END_TEST
+
+/* ---- checks: every slot of the problem ------------------------------------------------------- */
+
+static void refuses(const dls_contact *p, dls_status status, const char *argument,
+                    long long index) {
+  dls_error e = {0};
+  ck_assert_int_eq(dls_contact_check(p, &e), status);
+  ck_assert_int_eq(e.status, status);
+  ck_assert_str_eq(e.argument, argument);
+  ck_assert_int_eq(e.index, index);
+  ck_assert_str_eq(e.function, "dls_contact_check");
+}
+
+START_TEST(check_names_the_slot) {
+  dls_contact p = dense2();
+  ck_assert_int_eq(dls_contact_check(&p, NULL), DLS_OK);
+  refuses(NULL, DLS_E_ARGUMENT, "problem", -1);
+  p.d = 4;
+  refuses(&p, DLS_E_ARGUMENT, "d", -1);
+  p = dense2(), p.nc = 0;
+  refuses(&p, DLS_E_SIZE, "nc", -1);
+  p = dense2(), p.nc = INT32_MAX;
+  refuses(&p, DLS_E_SIZE, "nc", -1);
+  p = dense2(), p.W.a = NULL;
+  refuses(&p, DLS_E_ARGUMENT, "W", -1);
+  p = dense2(), p.W.rows = 3;
+  refuses(&p, DLS_E_SIZE, "W", -1);
+  p = dense2(), p.W.ld = 3;
+  refuses(&p, DLS_E_SIZE, "W", -1);
+  p = dense2(), p.q = NULL;
+  refuses(&p, DLS_E_ARGUMENT, "q", -1);
+  p = dense2(), p.mu = NULL;
+  refuses(&p, DLS_E_ARGUMENT, "mu", -1);
+  p = dense2(), p.Wb = blocks2().Wb;
+  refuses(&p, DLS_E_ARGUMENT, "Wb", -1);
+
+  const double bad[3] = {NAN, INFINITY, -INFINITY};
+  for (int b = 0; b < 3; b++) {
+    double W[16], q[4], mu[2];
+    for (int k = 0; k < 16; k++) {
+      memcpy(W, W2, sizeof W);
+      W[k] = bad[b];
+      p = dense2(), p.W.a = W;
+      refuses(&p, DLS_E_NOT_FINITE, "W", k);
+    }
+    for (int k = 0; k < 4; k++) {
+      memcpy(q, q2, sizeof q);
+      q[k] = bad[b];
+      p = dense2(), p.q = q;
+      refuses(&p, DLS_E_NOT_FINITE, "q", k);
+    }
+    for (int k = 0; k < 2; k++) {
+      memcpy(mu, mu2, sizeof mu);
+      mu[k] = bad[b];
+      p = dense2(), p.mu = mu;
+      refuses(&p, DLS_E_NOT_FINITE, "mu", k);
+      mu[k] = -1e-300;
+      refuses(&p, DLS_E_ARGUMENT, "mu", k);
+    }
+  }
+}
+END_TEST
+
+START_TEST(check_names_the_slot_of_blocks) {
+  dls_contact p = blocks2();
+  ck_assert_int_eq(dls_contact_check(&p, NULL), DLS_OK);
+  p.Wb.d = 3;
+  refuses(&p, DLS_E_SIZE, "Wb.d", -1);
+  p = blocks2(), p.Wb.n = 1;
+  refuses(&p, DLS_E_SIZE, "Wb.n", -1);
+  p = blocks2(), p.Wb.p = NULL;
+  refuses(&p, DLS_E_ARGUMENT, "Wb.p", -1);
+  p = blocks2(), p.Wb.i = NULL;
+  refuses(&p, DLS_E_ARGUMENT, "Wb.i", -1);
+  int shifted[3] = {1, 3, 5}, falling[3] = {0, 5, 3}, row[5] = {1, 0, 0, 2, 1};
+  p = blocks2(), p.Wb.p = shifted;
+  refuses(&p, DLS_E_ARGUMENT, "Wb.p", 0);
+  p.Wb.p = falling;
+  refuses(&p, DLS_E_ARGUMENT, "Wb.p", 2);
+  p = blocks2(), p.Wb.i = row;
+  refuses(&p, DLS_E_ARGUMENT, "Wb.i", 3);
+  row[3] = -1;
+  refuses(&p, DLS_E_ARGUMENT, "Wb.i", 3);
+  double x[20];
+  memcpy(x, x2, sizeof x);
+  x[19] = NAN;
+  p = blocks2(), p.Wb.x = x;
+  refuses(&p, DLS_E_NOT_FINITE, "Wb.x", 19);
+}
+END_TEST
+
+/* ---- blocks ---------------------------------------------------------------------------------- */
+
+START_TEST(blocks_come_apart_and_together) {
+  double W[36], back[36] = {0}, block[16];
+  for (int k = 0; k < 36; k++)
+    W[k] = k + 1; /* 3D, two candidates, every entry its own */
+  double q[6] = {0}, mu[2] = {0};
+  const dls_contact p = {.d = 3, .nc = 2, .W = {6, 6, 6, W}, .q = q, .mu = mu};
+  for (int row = 0; row < 2; row++)
+    for (int col = 0; col < 2; col++) {
+      const dls_component a = (dls_component)row, b = (dls_component)col;
+      ck_assert_int_eq(dls_contact_get_block(&p, a, b, block, 4, NULL), DLS_OK);
+      ck_assert_int_eq(dls_contact_set_block(3, 2, a, b, block, 4, back, 6, NULL), DLS_OK);
+    }
+  ck_assert_mem_eq(W, back, sizeof W);
+  /* W_nt: rows 0 and 3, columns 1, 2, 4, 5 */
+  ck_assert_int_eq(dls_contact_get_block(&p, DLS_NORMAL, DLS_TANGENT, block, 2, NULL), DLS_OK);
+  const double nt[8] = {7, 10, 13, 16, 25, 28, 31, 34};
+  ck_assert_mem_eq(block, nt, sizeof nt);
+
+  const dls_contact d = dense2(), s = blocks2();
+  double from_dense[4], from_blocks[4];
+  for (int k = 0; k < 4; k++) {
+    const dls_component a = (dls_component)(k / 2), b = (dls_component)(k % 2);
+    ck_assert_int_eq(dls_contact_get_block(&d, a, b, from_dense, 2, NULL), DLS_OK);
+    ck_assert_int_eq(dls_contact_get_block(&s, a, b, from_blocks, 2, NULL), DLS_OK);
+    ck_assert_mem_eq(from_dense, from_blocks, sizeof from_dense);
+  }
+}
+END_TEST
+
+START_TEST(blocks_refuse_bad_arguments) {
+  const dls_contact p = dense2();
+  double block[4] = {7, 7, 7, 7}, W[16] = {0};
+  dls_error e;
+  ck_assert_int_eq(dls_contact_get_block(&p, (dls_component)2, DLS_NORMAL, block, 2, &e),
+                   DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "row");
+  ck_assert_int_eq(dls_contact_get_block(&p, DLS_NORMAL, (dls_component)-1, block, 2, &e),
+                   DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "col");
+  ck_assert_int_eq(dls_contact_get_block(&p, DLS_NORMAL, DLS_NORMAL, NULL, 2, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "block");
+  ck_assert_int_eq(dls_contact_get_block(&p, DLS_NORMAL, DLS_NORMAL, block, 1, &e), DLS_E_SIZE);
+  ck_assert_str_eq(e.argument, "ld");
+  ck_assert(block[0] == 7 && block[3] == 7);
+  block[2] = NAN;
+  ck_assert_int_eq(dls_contact_set_block(2, 2, DLS_NORMAL, DLS_NORMAL, block, 2, W, 4, &e),
+                   DLS_E_NOT_FINITE);
+  ck_assert_str_eq(e.argument, "block");
+  ck_assert_int_eq(e.index, 2);
+  block[2] = 7;
+  ck_assert_int_eq(dls_contact_set_block(2, 2, DLS_NORMAL, DLS_NORMAL, block, 2, NULL, 4, &e),
+                   DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_contact_set_block(2, 2, DLS_NORMAL, DLS_NORMAL, block, 2, W, 3, &e),
+                   DLS_E_SIZE);
+  ck_assert_int_eq(dls_contact_set_block(5, 2, DLS_NORMAL, DLS_NORMAL, block, 2, W, 4, &e),
+                   DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_contact_set_block(2, 0, DLS_NORMAL, DLS_NORMAL, block, 2, W, 4, &e),
+                   DLS_E_SIZE);
+  for (int k = 0; k < 16; k++)
+    ck_assert(W[k] == 0);
+}
+END_TEST
+
+/* ---- the certificate ------------------------------------------------------------------------- */
+
+static dls_certificate certify(const dls_contact *p, const double *r, double *u) {
+  dls_certificate c;
+  dls_error e;
+  const dls_status s = dls_contact_certify(p, r, u, &c, &e);
+  ck_assert_msg(s == DLS_OK, "%s", e.message);
+  return c;
+}
+
+/* One candidate, W = diag(2, 4) so that w = 3, |q| = 5, mu = 1/2; residuals by hand. */
+START_TEST(certificate_by_hand) {
+  double W[4] = {2, 0, 0, 4}, q[2] = {-3, 4}, mu[1] = {0.5}, r[2] = {0, 0}, u[2];
+  const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+  /* r = 0: u = q, v = -(u_n + mu |u_t|, u_t) = (1, -4): slip, s = (1 + 2)/1.25 = 2.4;
+     P = (2.4, -1.2), F = -P */
+  dls_certificate c = certify(&p, r, u);
+  ck_assert_double_eq_tol(c.residual, sqrt(2.4 * 2.4 + 1.2 * 1.2) / 5, 1e-15);
+  ck_assert(c.floor == 0 && c.penetration == 3 && c.adhesion == 0 && c.complementarity == 0);
+  ck_assert(u[0] == -3 && u[1] == 4);
+  /* the solution: slip in +t, u_n = 0: r = (3/2, -3/4), u_t = 4 - 3 = 1 */
+  r[0] = 1.5, r[1] = -0.75;
+  c = certify(&p, r, u);
+  ck_assert(c.residual == 0 && c.penetration == 0 && c.cone_violation == 0);
+  ck_assert(c.slip_direction == 0 && u[0] == 0 && u[1] == 1);
+  ck_assert_double_eq_tol(c.floor, DBL_EPSILON * hypot(3, 3) / 5, 1e-20);
+  ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
+  /* outside the cone, pulling, slip that friction drives: each readable part by hand */
+  r[0] = -1, r[1] = 2;
+  c = certify(&p, r, u);
+  ck_assert(u[0] == -5 && u[1] == 12);
+  ck_assert(c.penetration == 5 && c.adhesion == 1 && c.cone_violation == 2);
+  ck_assert(c.complementarity == 5 && c.slip_direction == 24);
+  ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
+}
+END_TEST
+
+START_TEST(certificate_of_q_zero_and_frictionless) {
+  double W[4] = {2, 0, 0, 4}, q[2] = {0, 0}, mu[1] = {0}, r[2] = {0, 0};
+  const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+  dls_certificate c = certify(&p, r, NULL);
+  ck_assert(c.residual == 0 && c.floor == 0);
+  r[0] = 1; /* u_n = 2 > 0 with r_n > 0: v = 3 - 2, F_n = 3 - 1 = 2, scale |W||r| = 2 */
+  c = certify(&p, r, NULL);
+  ck_assert_double_eq_tol(c.residual, 1, 1e-15);
+  q[0] = -2; /* now u_n = 0: the frictionless solution, though u_t = 0 has no say */
+  q[1] = 7;
+  c = certify(&p, r, NULL);
+  ck_assert(c.residual == 0 && c.slip_direction == 0);
+}
+END_TEST
+
+/* w_c falls back to the mean of the positive traces, then to the largest entry, then to 1. */
+START_TEST(weights_fall_back) {
+  double W[16] = {0}, w[2];
+  dls_contact p = dense2();
+  p.W.a = W;
+  W[0] = 6, W[5] = 2, W[10] = -1, W[15] = -1;
+  dlsi_contact_weights(&p, w);
+  ck_assert(w[0] == 4 && w[1] == 4);
+  W[0] = -6, W[5] = 0;
+  dlsi_contact_weights(&p, w);
+  ck_assert(w[0] == 6 && w[1] == 6);
+  memset(W, 0, sizeof W);
+  dlsi_contact_weights(&p, w);
+  ck_assert(w[0] == 1 && w[1] == 1);
+}
+END_TEST
+
+START_TEST(projection_is_nearest) {
+  /* P(v) in C, v - P(v) in the polar cone, orthogonal to P(v): that characterises the projection */
+  unsigned seed = 1;
+  for (int k = 0; k < 2000; k++) {
+    double v[3], p[3];
+    for (int i = 0; i < 3; i++) {
+      seed = seed * 1664525u + 1013904223u;
+      v[i] = (double)(seed >> 8) / (1 << 23) - 1;
+    }
+    const double mu = k % 5 * 0.7;
+    const int d = 2 + k % 2;
+    (void)dlsi_project_cone(d, mu, v, p);
+    const double pt = d == 2 ? fabs(p[1]) : hypot(p[1], p[2]);
+    ck_assert(pt <= mu * p[0] * (1 + 4 * DBL_EPSILON));
+    double e[3] = {v[0] - p[0], v[1] - p[1], d == 3 ? v[2] - p[2] : 0};
+    ck_assert(e[0] + mu * hypot(e[1], e[2]) <= 1e-15);
+    ck_assert_double_eq_tol(e[0] * p[0] + e[1] * p[1] + (d == 3 ? e[2] * p[2] : 0), 0, 1e-14);
+  }
+}
+END_TEST
+
+/* r -> b r, (u, q) -> a u, W -> a/b W: the residual and the floor stay. */
+START_TEST(certificate_ignores_units) {
+  const double r[4] = {0.1, -0.25, 0.125, 0.5};
+  dls_contact p = dense2();
+  const dls_certificate c = certify(&p, r, NULL);
+  ck_assert(c.residual > 0.01);
+  const double factor[] = {1e-9, 1e-3, 1, 1e3, 1e9};
+  for (int i = 0; i < 5; i++)
+    for (int j = 0; j < 5; j++) {
+      const double a = factor[i], b = factor[j];
+      double W[16], q[4], s[4];
+      for (int k = 0; k < 16; k++)
+        W[k] = W2[k] * (a / b);
+      for (int k = 0; k < 4; k++)
+        q[k] = q2[k] * a, s[k] = r[k] * b;
+      p = dense2(), p.W.a = W, p.q = q;
+      const dls_certificate e = certify(&p, s, NULL);
+      ck_assert_double_eq_tol(e.residual / c.residual, 1, 1e-14);
+      ck_assert_double_eq_tol(e.floor / c.floor, 1, 1e-14);
+      ck_assert_double_eq_tol(e.penetration / (a * c.penetration), 1, 1e-14);
+    }
+}
+END_TEST
+
+START_TEST(certificate_ignores_order_and_tangent_frame) {
+  enum { NC = 4, M = 3 * NC };
+  double A[M * M], W[M * M], q[M], r[M], mu[NC], V[M * M], qv[M], rv[M], muv[NC];
+  unsigned seed = 7;
+  for (int k = 0; k < M * M + 2 * M + NC; k++) {
+    seed = seed * 1664525u + 1013904223u;
+    const double v = (double)(seed >> 8) / (1 << 23) - 1;
+    if (k < M * M)
+      A[k] = v;
+    else if (k < M * M + M)
+      q[k - M * M] = v;
+    else if (k < M * M + 2 * M)
+      r[k - M * M - M] = v;
+    else
+      mu[k - M * M - 2 * M] = fabs(v);
+  }
+  for (int i = 0; i < M; i++)
+    for (int j = 0; j < M; j++) {
+      W[i + M * j] = i == j;
+      for (int k = 0; k < M; k++)
+        W[i + M * j] += A[k + M * i] * A[k + M * j];
+    }
+  const dls_contact p = {.d = 3, .nc = NC, .W = {M, M, M, W}, .q = q, .mu = mu};
+  const dls_certificate c = certify(&p, r, NULL);
+
+  /* T: candidates reversed, each tangent frame turned by 0.3 (c + 1) */
+  double T[M * M] = {0};
+  for (int a = 0; a < NC; a++) {
+    const int b = NC - 1 - a;
+    const double co = cos(0.3 * (a + 1)), si = sin(0.3 * (a + 1));
+    T[3 * b + M * (3 * a)] = 1;
+    T[3 * b + 1 + M * (3 * a + 1)] = co;
+    T[3 * b + 1 + M * (3 * a + 2)] = si;
+    T[3 * b + 2 + M * (3 * a + 1)] = -si;
+    T[3 * b + 2 + M * (3 * a + 2)] = co;
+    muv[b] = mu[a];
+  }
+  for (int i = 0; i < M; i++) {
+    qv[i] = rv[i] = 0;
+    for (int k = 0; k < M; k++)
+      qv[i] += T[i + M * k] * q[k], rv[i] += T[i + M * k] * r[k];
+    for (int j = 0; j < M; j++) {
+      V[i + M * j] = 0;
+      for (int k = 0; k < M; k++)
+        for (int l = 0; l < M; l++)
+          V[i + M * j] += T[i + M * k] * W[k + M * l] * T[j + M * l];
+    }
+  }
+  const dls_contact t = {.d = 3, .nc = NC, .W = {M, M, M, V}, .q = qv, .mu = muv};
+  const dls_certificate e = certify(&t, rv, NULL);
+  ck_assert_double_eq_tol(e.residual / c.residual, 1, 1e-13);
+  ck_assert_double_eq_tol(e.slip_direction / c.slip_direction, 1, 1e-13);
+  ck_assert_int_eq(e.worst, NC - 1 - c.worst);
+}
+END_TEST
+
+START_TEST(dense_and_blocks_agree) {
+  const dls_contact d = dense2(), s = blocks2();
+  const double r[4] = {0.75, -0.25, 0.125, 0.5};
+  double ud[4], us[4];
+  const dls_certificate a = certify(&d, r, ud), b = certify(&s, r, us);
+  for (int k = 0; k < 4; k++)
+    ck_assert_double_eq_tol(ud[k], us[k], 1e-15);
+  ck_assert_double_eq_tol(a.residual, b.residual, 1e-15);
+}
+END_TEST
+
+START_TEST(states_of_the_three_kinds) {
+  double W[36] = {0}, q[6] = {1, 5, -1, 0.25, -1, 4}, mu[3] = {0.5, 0.5, 0.5}, u[6];
+  for (int k = 0; k < 6; k++)
+    W[7 * k] = 1;
+  const dls_contact p = {.d = 2, .nc = 3, .W = {6, 6, 6, W}, .q = q, .mu = mu};
+  const double r[6] = {0, 0, 1, -0.25, 1, -0.5};
+  const dls_certificate c = certify(&p, r, u);
+  ck_assert(c.residual == 0);
+  dls_contact_state state[3];
+  ck_assert_int_eq(dls_contact_states(&p, r, u, state, NULL), DLS_OK);
+  ck_assert_int_eq(state[0], DLS_FREE);
+  ck_assert_int_eq(state[1], DLS_STICK);
+  ck_assert_int_eq(state[2], DLS_SLIP);
+}
+END_TEST
+
+START_TEST(certify_refuses_and_leaves_outputs) {
+  const dls_contact p = dense2();
+  double r[4] = {0, 0, 0, 0}, u[4] = {9, 9, 9, 9};
+  dls_certificate c = {.residual = 9};
+  dls_contact_state state[2] = {DLS_SLIP, DLS_SLIP};
+  dls_error e;
+  ck_assert_int_eq(dls_contact_certify(NULL, r, u, &c, &e), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_contact_certify(&p, NULL, u, &c, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "r");
+  ck_assert_int_eq(dls_contact_certify(&p, r, u, NULL, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "certificate");
+  r[3] = NAN;
+  ck_assert_int_eq(dls_contact_certify(&p, r, u, &c, &e), DLS_E_NOT_FINITE);
+  ck_assert_int_eq(e.index, 3);
+  ck_assert_int_eq(dls_contact_states(&p, r, u, state, &e), DLS_E_NOT_FINITE);
+  r[3] = 0;
+  ck_assert_int_eq(dls_contact_states(&p, r, NULL, state, &e), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_contact_states(&p, r, u, NULL, &e), DLS_E_ARGUMENT);
+  malloc_fails_at(1);
+  ck_assert_int_eq(dls_contact_certify(&p, r, u, &c, &e), DLS_E_MEMORY);
+  malloc_fails_at(1);
+  ck_assert_int_eq(dls_contact_states(&p, r, u, state, &e), DLS_E_MEMORY);
+  malloc_fails_at(0);
+  ck_assert(u[0] == 9 && u[3] == 9 && c.residual == 9 && state[1] == DLS_SLIP);
+}
+END_TEST
+
+START_TEST(nan_is_never_certified) {
+  dls_certificate c = {.residual = NAN, .floor = 0};
+  ck_assert_int_eq(dls_certificate_holds(&c, INFINITY), 0);
+  c.residual = 0, c.floor = NAN;
+  ck_assert_int_eq(dls_certificate_holds(&c, NAN), 0);
+  ck_assert_int_eq(dls_certificate_holds(NULL, 1), 0);
+  c = (dls_certificate){.residual = 3e-16, .floor = 1e-16};
+  ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
+  c.residual = 5e-16;
+  ck_assert_int_eq(dls_certificate_holds(&c, 0), 0);
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("contact");
+  TCase *tcase = tcase_create("contact");
+  tcase_add_test(tcase, statuses_have_names_and_words);
+  tcase_add_test(tcase, an_error_says_where);
+  tcase_add_test(tcase, arena_counts_carves_and_refuses);
+  tcase_add_test(tcase, norms_keep_nan_and_range);
+  tcase_add_test(tcase, check_names_the_slot);
+  tcase_add_test(tcase, check_names_the_slot_of_blocks);
+  tcase_add_test(tcase, blocks_come_apart_and_together);
+  tcase_add_test(tcase, blocks_refuse_bad_arguments);
+  tcase_add_test(tcase, certificate_by_hand);
+  tcase_add_test(tcase, certificate_of_q_zero_and_frictionless);
+  tcase_add_test(tcase, weights_fall_back);
+  tcase_add_test(tcase, projection_is_nearest);
+  tcase_add_test(tcase, certificate_ignores_units);
+  tcase_add_test(tcase, certificate_ignores_order_and_tangent_frame);
+  tcase_add_test(tcase, dense_and_blocks_agree);
+  tcase_add_test(tcase, states_of_the_three_kinds);
+  tcase_add_test(tcase, certify_refuses_and_leaves_outputs);
+  tcase_add_test(tcase, nan_is_never_certified);
+  suite_add_tcase(suite, tcase);
+  SRunner *runner = srunner_create(suite);
+  srunner_run_all(runner, CK_NORMAL);
+  const int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+}
