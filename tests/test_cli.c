@@ -1,0 +1,225 @@
+/* test_cli.c: the program `delassus` as a user meets it: exit statuses, JSON, files. */
+#define _GNU_SOURCE
+#include <check.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "delassus.h"
+
+static char directory[64];  /* a fresh one for each test */
+static char output[200000]; /* standard output and error of the last run */
+
+static void setup(void) {
+  (void)snprintf(directory, sizeof directory, "/tmp/delassus-test-XXXXXX");
+  ck_assert_ptr_nonnull(mkdtemp(directory));
+}
+
+static void teardown(void) {
+  char command[128];
+  (void)snprintf(command, sizeof command, "rm -rf %s", directory);
+  ck_assert_int_eq(system(command), 0);
+}
+
+/* Runs `delassus ARGUMENTS`, "@" standing for the test's directory; returns its exit status. */
+static int run(const char *arguments) {
+  const char *program = getenv("DELASSUS_PROGRAM");
+  char command[2000];
+  int n = snprintf(command, sizeof command, "%s ", program ? program : "build/delassus");
+  for (const char *a = arguments; *a; a++)
+    n += snprintf(command + n, sizeof command - (size_t)n, *a == '@' ? "%s" : "%.1s",
+                  *a == '@' ? directory : a);
+  (void)snprintf(command + n, sizeof command - (size_t)n, " 2>&1");
+  FILE *pipe = popen(command, "r");
+  ck_assert_ptr_nonnull(pipe);
+  const size_t got = fread(output, 1, sizeof output - 1, pipe);
+  output[got] = '\0';
+  const int status = pclose(pipe);
+  ck_assert_msg(WIFEXITED(status), "%s: ended by a signal", arguments);
+  return WEXITSTATUS(status);
+}
+
+static int prints(const char *text) {
+  return strstr(output, text) != NULL;
+}
+
+/* The number behind "name": in the JSON that was printed. */
+static double json_number(const char *name) {
+  char key[64];
+  (void)snprintf(key, sizeof key, "\"%s\": ", name);
+  const char *at = strstr(output, key);
+  ck_assert_msg(at != NULL, "no %s in %s", name, output);
+  return strtod(at + strlen(key), NULL);
+}
+
+static void write_text(const char *name, const char *text) {
+  char path[128];
+  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
+  FILE *file = fopen(path, "w");
+  ck_assert_ptr_nonnull(file);
+  fputs(text, file);
+  ck_assert_int_eq(fclose(file), 0);
+}
+
+static char *read_text(const char *name, char *text, size_t room) {
+  char path[128];
+  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
+  FILE *file = fopen(path, "r");
+  ck_assert_msg(file != NULL, "%s is not there", path);
+  text[fread(text, 1, room - 1, file)] = '\0';
+  (void)fclose(file);
+  return text;
+}
+
+START_TEST(help_and_version) {
+  ck_assert_int_eq(run("--help"), 0);
+  ck_assert(prints("Usage: delassus"));
+  ck_assert_int_eq(run("--version"), 0);
+  ck_assert_str_eq(output, "delassus " DLS_VERSION "\n");
+  ck_assert_int_eq(run("-V"), 0);
+  ck_assert_int_eq(run("scene --help"), 0);
+  ck_assert(prints("--weighted"));
+  ck_assert_int_eq(run("solve -h"), 0);
+  ck_assert(prints("--max-iter"));
+  ck_assert_int_eq(run("scene --list"), 0);
+  ck_assert(prints("jean-fig3") && prints("jean-fig4"));
+}
+END_TEST
+
+START_TEST(bad_usage_is_2) {
+  static const char *const wrong[] = {"",
+                                      "frobnicate",
+                                      "scene",
+                                      "scene no-such-scene",
+                                      "scene jean-fig3 --method simplex",
+                                      "scene jean-fig3 --tol -1",
+                                      "scene jean-fig3 --tol nan",
+                                      "scene jean-fig3 --max-iter 0",
+                                      "scene jean-fig3 --frobnicate",
+                                      "scene jean-fig3 jean-fig4",
+                                      "scene jean-fig3 --reference /no/such.csv",
+                                      "scene jean-fig3 --out /dev/null/x",
+                                      "scene jean-fig3 --save /no/such/place.hdf5",
+                                      "solve",
+                                      "solve /no/such/file.hdf5",
+                                      "solve Makefile",
+                                      "solve tests",
+                                      "solve --lcp Makefile",
+                                      "solve --lcp Makefile Makefile",
+                                      "solve --tol x Makefile"};
+  for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
+    ck_assert_msg(run(wrong[k]) == 2, "delassus %s", wrong[k]);
+    ck_assert_msg(prints("delassus"), "delassus %s says: %s", wrong[k], output);
+  }
+}
+END_TEST
+
+START_TEST(scene_writes_its_files) {
+  ck_assert_int_eq(run("scene jean-fig3 --method lemke --weighted --json --out @/a/b"), 0);
+  ck_assert(prints("\"status\": \"solved\"") && prints("\"method\": \"lemke\""));
+  ck_assert(json_number("residual") <= 1e-12);
+  ck_assert_int_eq((int)json_number("contacts"), 16);
+  ck_assert_int_eq((int)json_number("dimension"), 2);
+  static char text[100000];
+  (void)read_text("a/b/contact.csv", text, sizeof text);
+  ck_assert(!strncmp(text, "candidate,x,y,ut,un,rt,rn,status,rt_eq,rn_eq\n", 45));
+  int lines = 0;
+  for (const char *c = text; *c; c++)
+    lines += *c == '\n';
+  ck_assert_int_eq(lines, 17);
+  ck_assert_str_eq(read_text("a/b/result.json", text, sizeof text), output);
+  ck_assert_ptr_nonnull(
+      strstr(read_text("a/b/jean-fig3.vtu", text, sizeof text), "UnstructuredGrid"));
+  static const char *const pictures[] = {"deformed.dat", "deformed.gp", "reactions.dat",
+                                         "reactions.gp"};
+  for (int k = 0; k < 4; k++) {
+    char path[128];
+    (void)snprintf(path, sizeof path, "%s/a/b/%s", directory, pictures[k]);
+    ck_assert_msg(access(path, R_OK) == 0, "%s", path);
+  }
+}
+END_TEST
+
+START_TEST(concentrated_csv_has_no_equivalents) {
+  static char text[100000];
+  ck_assert_int_eq(run("scene jean-fig4 --out @"), 0);
+  ck_assert(!strncmp(read_text("contact.csv", text, sizeof text),
+                     "candidate,x,y,ut,un,rt,rn,status\n", 33));
+}
+END_TEST
+
+START_TEST(saved_problem_solves_to_the_same_answer) {
+  ck_assert_int_eq(run("scene jean-fig3 --save @/p.hdf5"), 0);
+  ck_assert_int_eq(run("solve @/p.hdf5 --tol 1e-12 --json -o @/s.hdf5"), 0);
+  ck_assert(json_number("residual") <= 1e-12);
+  char path[128];
+  double r[2][32];
+  for (int k = 0; k < 2; k++) {
+    dls_fclib *file;
+    const double *stored, *u;
+    (void)snprintf(path, sizeof path, "%s/%s.hdf5", directory, k ? "s" : "p");
+    ck_assert_int_eq(dls_fclib_read(&file, path, NULL), DLS_OK);
+    ck_assert_int_eq(dls_fclib_solution(file, &stored, &u, NULL), DLS_OK);
+    ck_assert_ptr_nonnull(stored);
+    memcpy(r[k], stored, sizeof r[k]);
+    dls_fclib_destroy(file);
+  }
+  for (int i = 0; i < 32; i++)
+    ck_assert_double_eq_tol(r[0][i], r[1][i], 1e-6); /* of 2e5 N/m; cond(W) is about 1e2 */
+}
+END_TEST
+
+START_TEST(not_solved_is_1) {
+  ck_assert_int_eq(run("scene jean-fig3 --max-iter 3 --json"), 1);
+  ck_assert(prints("\"max_iterations\"") && json_number("residual") > 1e-12);
+}
+END_TEST
+
+START_TEST(lcp_files) {
+  /* y = M z + q with M = (2 1; 1 2), q = (-5, -6): z = (4/3, 7/3) */
+  write_text("M.mtx", "%%MatrixMarket matrix array real general\n2 2\n2\n1\n1\n2\n");
+  write_text("q.mtx", "%%MatrixMarket matrix array real general\n2 1\n-5\n-6\n");
+  ck_assert_int_eq(run("solve --lcp @/M.mtx @/q.mtx --json --output=@/z.mtx"), 0);
+  ck_assert(prints("\"solved\"") && json_number("residual") <= 1e-12);
+  char path[128];
+  int rows, cols;
+  double *z;
+  (void)snprintf(path, sizeof path, "%s/z.mtx", directory);
+  ck_assert_int_eq(dls_mtx_read(path, &rows, &cols, &z, NULL), DLS_OK);
+  ck_assert(rows == 2 && cols == 1);
+  ck_assert_double_eq_tol(z[0], 4. / 3, 1e-15);
+  ck_assert_double_eq_tol(z[1], 7. / 3, 1e-15);
+  dls_mtx_free(z);
+  /* no solution: M = -1, q = -1 */
+  write_text("M.mtx", "%%MatrixMarket matrix array real general\n1 1\n-1\n");
+  write_text("q.mtx", "%%MatrixMarket matrix array real general\n1 1\n-1\n");
+  ck_assert_int_eq(run("solve --lcp @/M.mtx @/q.mtx"), 1);
+  /* sizes that do not fit; a method that is not for LCPs */
+  write_text("q.mtx", "%%MatrixMarket matrix array real general\n2 1\n-1\n1\n");
+  ck_assert_int_eq(run("solve --lcp @/M.mtx @/q.mtx"), 2);
+  ck_assert_int_eq(run("solve --lcp @/M.mtx @/q.mtx --method nlgs"), 2);
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("cli");
+  TCase *tcase = tcase_create("cli");
+  tcase_set_timeout(tcase, 300); /* valgrind */
+  tcase_add_checked_fixture(tcase, setup, teardown);
+  tcase_add_test(tcase, help_and_version);
+  tcase_add_test(tcase, bad_usage_is_2);
+  tcase_add_test(tcase, scene_writes_its_files);
+  tcase_add_test(tcase, concentrated_csv_has_no_equivalents);
+  tcase_add_test(tcase, saved_problem_solves_to_the_same_answer);
+  tcase_add_test(tcase, not_solved_is_1);
+  tcase_add_test(tcase, lcp_files);
+  suite_add_tcase(suite, tcase);
+  SRunner *runner = srunner_create(suite);
+  srunner_run_all(runner, CK_NORMAL);
+  const int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+}
