@@ -11,7 +11,9 @@
 extern "C" {
 #endif
 
-/* A mesh of three-node triangles; owns its arrays. Unknowns of node i: 2 i (x) and 2 i + 1 (y). */
+/* A mesh of three-node triangles; owns its arrays. Unknowns of node i: 2 i (x) and 2 i + 1 (y).
+ * Every function below that takes a mesh refuses NULL, sizes < 1, values that are not finite and
+ * node numbers out of range, naming the field ("xy", "node", ...) and the index. */
 typedef struct dls_fe_mesh {
   int nodes;
   double *xy; /* 2 * nodes: x_i, y_i     length */
@@ -19,23 +21,33 @@ typedef struct dls_fe_mesh {
   int *node; /* 3 * triangles, counterclockwise */
 } dls_fe_mesh;
 
-/* The rectangle [0, lx] x [0, ly] in nx x ny equal rectangles, each cut into two triangles by the
- * diagonal from its bottom-right to its top-left corner; node i + j (nx+1) stands at (i lx/nx,
- * j ly/ny). Release with dls_fe_mesh_free (which zeroes the struct). */
+/* *mesh := the rectangle [0, lx] x [0, ly] in nx x ny equal rectangles, each cut into two triangles
+ * by the diagonal from its bottom-right to its top-left corner; node i + j (nx+1) stands at
+ * (i lx/nx, j ly/ny). What *mesh held before is not looked at, and left alone on error. Release
+ * with dls_fe_mesh_free, which zeroes the struct. lx, ly > 0: length. nx, ny >= 1.
+ * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_fe_mesh_block(dls_fe_mesh *mesh, double lx, double ly, int nx,
                                                   int ny, dls_error *error);
-DLS_API void dls_fe_mesh_free(dls_fe_mesh *mesh);
+DLS_API void dls_fe_mesh_free(dls_fe_mesh *mesh); /* NULL is fine */
 
-/* K (2 nodes x 2 nodes, column-major, leading dimension ldk) := the stiffness of linear elasticity in
- * plane strain, unit thickness; K = sum of A B^T D B over the triangles. E > 0, -1 < nu < 1/2.
- * E: force / length^2. */
+/* K (2 nodes x 2 nodes, column-major, leading dimension ldk) := the stiffness of linear elasticity
+ * in plane strain, unit thickness, K = sum of A B^T D B over the triangles; symmetric to the last
+ * bit. E > 0, -1 < nu < 1/2. E: force / length^2; K: force / length (per unit thickness).
+ * DLS_E_ARGUMENT, also for a triangle that is flat or clockwise (index = its place in node);
+ * DLS_E_SIZE, DLS_E_NOT_FINITE. Allocates nothing. */
 DLS_API DLS_MUST_USE dls_status dls_fe_stiffness(const dls_fe_mesh *mesh, double E, double nu,
                                                  double *K, int ldk, dls_error *error);
 
 /* f (2 nodes) += the traction (tx, ty) on the edge between nodes a and b, lumped half and half.
- * Traction: force / length^2. */
+ * Traction: force / length^2. Looks at the two nodes only. DLS_E_ARGUMENT, DLS_E_NOT_FINITE. */
 DLS_API DLS_MUST_USE dls_status dls_fe_edge_load(const dls_fe_mesh *mesh, int a, int b, double tx,
                                                  double ty, double *f, dls_error *error);
+
+/* stress (3 * triangles: xx, yy, xy) of a displacement (2 * nodes), plane strain; it must not
+ * overlap displacement. Statuses as dls_fe_stiffness. Allocates nothing. */
+DLS_API DLS_MUST_USE dls_status dls_fe_stress(const dls_fe_mesh *mesh, double E, double nu,
+                                              const double *displacement, double *stress,
+                                              dls_error *error);
 
 /* A scene: mesh, supports, loads, contact line, friction, ready for dls_reduction_create. */
 typedef struct dls_fe_scene dls_fe_scene;
@@ -45,43 +57,42 @@ DLS_API const char *dls_fe_scene_name(int index);
 DLS_API const char *dls_fe_scene_description(int index);
 
 /* *out = scene `name` with concentrated (weighted = 0) or weighted reactions; NULL on error.
- * DLS_E_ARGUMENT if there is no scene of that name. */
+ * DLS_E_ARGUMENT if there is no scene of that name, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_fe_scene_create(dls_fe_scene **out, const char *name,
                                                     int weighted, dls_error *error);
-DLS_API void dls_fe_scene_destroy(dls_fe_scene *scene);
+DLS_API void dls_fe_scene_destroy(dls_fe_scene *scene); /* NULL is fine */
 
 /* What the scene hands to the reduction. Everything belongs to the scene. Supported unknowns are
  * taken out of the model: it has fewer unknowns than 2 * nodes of the mesh. */
 typedef struct dls_fe_scene_data {
   dls_model model;
-  const double *f;  /* model.n */
-  const double *g;  /* 2 * model.nodes */
+  const double *f;  /* model.n                                                force */
+  const double *g;  /* 2 * model.nodes                                        length */
   const double *mu; /* candidates */
   const dls_fe_mesh *mesh;
   int candidates;
-  const int *contact_node; /* model.nodes: node of the mesh of each contact node */
-  const int
-      *candidate_node; /* candidates: contact node of each candidate, index into contact_node */
+  const int *contact_node;   /* model.nodes: node of the mesh of each contact node */
+  const int *candidate_node; /* candidates: contact node of each one, index into contact_node */
+  double E, nu;              /* of the material, for dls_fe_stress            force / length^2, 1 */
 } dls_fe_scene_data;
 
+/* *data := views of the scene, which live as long as it does; all zero if scene is NULL. */
 DLS_API void dls_fe_scene_get(const dls_fe_scene *scene, dls_fe_scene_data *data);
 
-/* displacement (2 * mesh nodes) := the model's unknowns x (model.n) with the supports' zeros put back. */
+/* displacement (2 * mesh nodes) := the model's unknowns x (model.n) with the supports' zeros put
+ * back; it must not overlap x. DLS_E_ARGUMENT, DLS_E_NOT_FINITE. */
 DLS_API DLS_MUST_USE dls_status dls_fe_scene_displacement(const dls_fe_scene *scene,
                                                           const double *x, double *displacement,
                                                           dls_error *error);
 
-/* Writes an unstructured VTK XML file (.vtu, ascii) of the mesh with the point data "displacement"
- * and "reaction" (2 * nodes each, x and y; reaction or displacement may be NULL) and, if stress
- * is not NULL, the cell data "stress" (xx, yy, xy; 3 * triangles). */
+/* Writes an unstructured VTK XML file (.vtu, ascii, 17 digits) of the mesh with the point data
+ * "displacement" and "reaction" (2 * nodes each, x and y) and the cell data "stress" (xx, yy, xy;
+ * 3 * triangles); each of the three may be NULL. Where the host has set a locale, its decimal sign
+ * must be the point. DLS_E_FILE: cannot be opened (nothing happened), or written (no file is left
+ * behind). */
 DLS_API DLS_MUST_USE dls_status dls_fe_write_vtu(const char *path, const dls_fe_mesh *mesh,
                                                  const double *displacement, const double *reaction,
                                                  const double *stress, dls_error *error);
-
-/* stress (3 * triangles: xx, yy, xy) of a displacement (2 * nodes), plane strain. */
-DLS_API DLS_MUST_USE dls_status dls_fe_stress(const dls_fe_mesh *mesh, double E, double nu,
-                                              const double *displacement, double *stress,
-                                              dls_error *error);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,155 @@
+/*
+ * t3.c: the three-node triangle of linear elasticity in plane strain, unit thickness.
+ *
+ * On a triangle (1, 2, 3) of area A the hat function of node i has the constant gradient
+ *
+ *   (dN_i/dx, dN_i/dy) = (b_i, c_i) / 2A,   b_i = y_j - y_k,  c_i = x_k - x_j                  (T1)
+ *   2A = b_1 c_2 - b_2 c_1,                 (i, j, k) in cyclic order
+ *
+ * so that strain and stress are constant: with e = (e_xx, e_yy, 2 e_xy) = B u,
+ *
+ *   s = D e,   D = ( l+2G  l     0 )        G = E / 2(1+nu),  l = E nu / (1+nu)(1-2nu)         (T2)
+ *                  ( l     l+2G  0 )
+ *                  ( 0     0     G )
+ *   K = sum of A B^T D B, whose 2 x 2 block of nodes (i, j) is 1/4A times                      (T3)
+ *
+ *     ( (l+2G) b_i b_j + G c_i c_j     l b_i c_j + G c_i b_j      )
+ *     ( l c_i b_j + G b_i c_j          (l+2G) c_i c_j + G b_i b_j )
+ *
+ * K is symmetric to the last bit: (T3) multiplies by l and G after the symmetric products, and the
+ * blocks (i, j) and (j, i) add up over the triangles in the same order.
+ * What can fail: flat or clockwise triangles, refused; nu -> 1/2, where l grows without bound and
+ * the triangle locks.
+ */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "fe_internal.h"
+
+typedef struct lame {
+  double l, G;
+} lame;
+
+static dls_status material(const char *function, double E, double nu, lame *D, dls_error *error) {
+  if (!(E > 0 && E <= DBL_MAX))
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "E", -1, E, "must be positive and finite");
+  if (!(nu > -1 && nu < 0.5))
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "nu", -1, nu,
+                     "is %g, must be between -1 and 1/2", nu);
+  D->G = E / (2 * (1 + nu)); /* (T2) */
+  D->l = E * nu / ((1 + nu) * (1 - 2 * nu));
+  return DLS_OK;
+}
+
+/* (T1); returns 2A */
+static double gradients(const dls_fe_mesh *mesh, int triangle, double b[3], double c[3]) {
+  const int *node = mesh->node + 3 * (size_t)triangle;
+  for (int i = 0; i < 3; i++) {
+    const double *J = mesh->xy + 2 * (size_t)node[(i + 1) % 3];
+    const double *K = mesh->xy + 2 * (size_t)node[(i + 2) % 3];
+    b[i] = J[1] - K[1];
+    c[i] = K[0] - J[0];
+  }
+  return b[0] * c[1] - b[1] * c[0];
+}
+
+/* A mesh of triangles whose areas are positive, above the rounding of their own coordinates. */
+static dls_status check_triangles(const char *function, const dls_fe_mesh *mesh, dls_error *error) {
+  const dls_status status = dlsi_fe_check_mesh(function, mesh, error);
+  if (status) return status;
+  for (int e = 0; e < mesh->triangles; e++) {
+    double b[3], c[3], edges = 0;
+    const double area2 = gradients(mesh, e, b, c);
+    for (int i = 0; i < 3; i++)
+      edges += b[i] * b[i] + c[i] * c[i];
+    if (!(area2 > DBL_EPSILON * edges))
+      return dlsi_fail(error, DLS_E_ARGUMENT, function, "node", 3LL * e, area2 / 2,
+                       "triangle %d is flat or clockwise", e);
+  }
+  return DLS_OK;
+}
+
+dls_status dls_fe_stiffness(const dls_fe_mesh *mesh, double E, double nu, double *K, int ldk,
+                            dls_error *error) {
+  lame D;
+  dls_status status = check_triangles(__func__, mesh, error);
+  if (!status) status = material(__func__, E, nu, &D, error);
+  if (status) return status;
+  const int n = 2 * mesh->nodes;
+  const size_t ld = (size_t)ldk;
+  if (!K) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "K", -1, 0, "is NULL");
+  if (ldk < n)
+    return dlsi_fail(error, DLS_E_SIZE, __func__, "ldk", -1, ldk, "is %d, must be at least %d", ldk,
+                     n);
+  for (int j = 0; j < n; j++)
+    memset(K + (size_t)j * ld, 0, (size_t)n * sizeof *K);
+  for (int e = 0; e < mesh->triangles; e++) {
+    const int *node = mesh->node + 3 * (size_t)e;
+    double b[3], c[3];
+    const double s = 1 / (2 * gradients(mesh, e, b, c)); /* 1/4A */
+    for (int j = 0; j < 3; j++)
+      for (int i = 0; i < 3; i++) { /* (T3) */
+        double *k = K + 2 * (size_t)node[i] + 2 * (size_t)node[j] * ld;
+        const double bb = b[i] * b[j], bc = b[i] * c[j], cb = c[i] * b[j], cc = c[i] * c[j];
+        k[0] += s * ((D.l + 2 * D.G) * bb + D.G * cc);
+        k[1] += s * (D.l * cb + D.G * bc);
+        k[ld] += s * (D.l * bc + D.G * cb);
+        k[ld + 1] += s * ((D.l + 2 * D.G) * cc + D.G * bb);
+      }
+  }
+  return DLS_OK;
+}
+
+dls_status dls_fe_edge_load(const dls_fe_mesh *mesh, int a, int b, double tx, double ty, double *f,
+                            dls_error *error) {
+  /* called edge by edge: looks at the two nodes, not at the whole mesh */
+  if (!mesh) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "mesh", -1, 0, "is NULL");
+  if (!mesh->xy) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "xy", -1, 0, "is NULL");
+  if (a < 0 || a >= mesh->nodes)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "a", -1, a, "is %d, no node of the mesh", a);
+  if (b < 0 || b >= mesh->nodes || b == a)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "b", -1, b, "is %d, no other node", b);
+  if (!isfinite(tx))
+    return dlsi_fail(error, DLS_E_NOT_FINITE, __func__, "tx", -1, tx, "is not finite");
+  if (!isfinite(ty))
+    return dlsi_fail(error, DLS_E_NOT_FINITE, __func__, "ty", -1, ty, "is not finite");
+  if (!f) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "f", -1, 0, "is NULL");
+  const double *A = mesh->xy + 2 * (size_t)a, *B = mesh->xy + 2 * (size_t)b;
+  const double half = hypot(B[0] - A[0], B[1] - A[1]) / 2;
+  if (!isfinite(half))
+    return dlsi_fail(error, DLS_E_NOT_FINITE, __func__, "xy", 2LL * (isfinite(A[0] + A[1]) ? b : a),
+                     half, "edge of no finite length");
+  f[2 * (size_t)a] += half * tx;
+  f[2 * (size_t)a + 1] += half * ty;
+  f[2 * (size_t)b] += half * tx;
+  f[2 * (size_t)b + 1] += half * ty;
+  return DLS_OK;
+}
+
+dls_status dls_fe_stress(const dls_fe_mesh *mesh, double E, double nu, const double *displacement,
+                         double *stress, dls_error *error) {
+  lame D;
+  dls_status status = check_triangles(__func__, mesh, error);
+  if (!status) status = material(__func__, E, nu, &D, error);
+  if (!status)
+    status = dlsi_fe_check_vector(__func__, "displacement", displacement, 2 * (size_t)mesh->nodes,
+                                  error);
+  if (status) return status;
+  if (!stress) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "stress", -1, 0, "is NULL");
+  for (int e = 0; e < mesh->triangles; e++) {
+    double b[3], c[3], xx = 0, yy = 0, xy2 = 0; /* e_xx, e_yy, 2 e_xy, each times 2A */
+    const double area2 = gradients(mesh, e, b, c);
+    for (int i = 0; i < 3; i++) {
+      const double *u = displacement + 2 * (size_t)mesh->node[3 * (size_t)e + (size_t)i];
+      xx += b[i] * u[0];
+      yy += c[i] * u[1];
+      xy2 += c[i] * u[0] + b[i] * u[1];
+    }
+    double *s = stress + 3 * (size_t)e; /* (T2) */
+    s[0] = ((D.l + 2 * D.G) * xx + D.l * yy) / area2;
+    s[1] = (D.l * xx + (D.l + 2 * D.G) * yy) / area2;
+    s[2] = D.G * xy2 / area2;
+  }
+  return DLS_OK;
+}
