@@ -1,0 +1,321 @@
+/*
+ * test_jean.c: the four tables of [Jean 1988] Figs. 3 and 4 from end to end: scene, reduction,
+ * Gauss-Seidel and Lemke, recovery.
+ *
+ * The tolerances are those of data/jean-1988/README.md: what the paper's own stop at a relative
+ * change of 1e-4 leaves, relative to a column's largest value. Everything that does not depend on
+ * the print is held to the solvers' tolerance.
+ */
+#include <check.h>
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delassus.h"
+#include "delassus/fe.h"
+
+enum { nc = 16, m = 2 * nc, line = 17, n = 296, mesh_n = 306 };
+enum { Q1, Q2, RT, RN, RN_EQUIVALENT, columns };
+
+static const double tol = 1e-12;
+
+/* The conditioning of these problems between the residual and the answer: with residuals <= tol two
+ * methods differ by less than this relative amount. */
+static const double agreement = 1e-10;
+
+typedef struct table {
+  const char *scene;
+  int weighted;
+  const char *file;
+  double Rx, Ry;                 /* printed resultants of the listed reactions */
+  const char states[nc + 1];     /* f free, s slip, k stick; "" where the paper names none */
+  double displacement, reaction; /* tolerances */
+} table;
+
+static const table tables[] = {
+    {"jean-fig3", 0, TEST_DATA "/jean-1988/fig3_concentrated.csv", -0.11691e7, 0.18583e7,
+     "fffffssssssskkkk", 3e-4, 5e-4},
+    {"jean-fig3", 1, TEST_DATA "/jean-1988/fig3_weighted.csv", -0.11729e7, 0.18946e7, "", 3e-4,
+     4e-3},
+    {"jean-fig4", 0, TEST_DATA "/jean-1988/fig4_concentrated.csv", -0.19286e6, 0.19286e7,
+     "ssssssssssssssss", 3e-4, 5e-4},
+    {"jean-fig4", 1, TEST_DATA "/jean-1988/fig4_weighted.csv", -0.19483e6, 0.19483e7,
+     "ssssssssssssssss", 3e-4, 4e-3},
+};
+enum { table_count = sizeof tables / sizeof tables[0] };
+static const dls_method methods[] = {DLS_NLGS, DLS_LEMKE};
+
+typedef struct answer {
+  double r[m], u[m];  /* local */
+  double x[n];        /* of the model */
+  double d[mesh_n];   /* displacement of the mesh */
+  double R[2 * line]; /* nodal reactions, (n, t) per contact node */
+  double mu;
+  char states[nc + 1];
+  dls_info info;
+} answer;
+
+/* ok() prints the message of a failed call */
+static dls_error error;
+static void ok(dls_status status) {
+  ck_assert_msg(status == DLS_OK, "%s: %s", dls_status_name(status), error.message);
+}
+
+/* The scene from end to end by one method; on return *out belongs to the caller. */
+static answer *solve(const dls_fe_scene *scene, dls_method method) {
+  answer *a = calloc(1, sizeof *a);
+  ck_assert_ptr_nonnull(a);
+  dls_fe_scene_data data;
+  dls_fe_scene_get(scene, &data);
+  dls_reduction *reduction;
+  dls_contact problem;
+  ck_assert(data.model.n == n && data.candidates == nc);
+  ok(dls_reduction_create(&reduction, &data.model, &error));
+  ok(dls_reduction_load(reduction, data.f, data.g, &error));
+  ok(dls_reduction_contact(reduction, data.mu, &problem, &error));
+  ck_assert(problem.nc == nc && problem.d == 2);
+
+  dls_solver_settings settings;
+  dls_solver_settings_init(&settings);
+  settings.method = method;
+  settings.tol = tol;
+  dls_solver *solver;
+  ok(dls_solver_create(&solver, 2, nc, &settings, &error));
+  ok(dls_solver_solve(solver, &problem, a->r, a->u, &a->info, &error));
+  dls_solver_destroy(solver);
+
+  dls_certificate certificate;
+  dls_contact_state state[nc];
+  ok(dls_contact_certify(&problem, a->r, NULL, &certificate, &error));
+  ck_assert_double_le(certificate.residual, tol);
+  ok(dls_contact_states(&problem, a->r, a->u, state, &error));
+  for (int c = 0; c < nc; c++)
+    a->states[c] = "fsk"[state[c]];
+
+  ok(dls_reduction_recover(reduction, a->r, a->x, &error));
+  ok(dls_reduction_nodal(reduction, a->r, a->R, &error));
+  ok(dls_fe_scene_displacement(scene, a->x, a->d, &error));
+  a->mu = data.mu[0];
+  dls_reduction_destroy(reduction);
+  return a;
+}
+
+/* printed (nc x columns) := the file, NaN where a field is empty; returns the number of columns */
+static int read_table(const char *path, double printed[nc][columns]) {
+  FILE *file = fopen(path, "r");
+  ck_assert_msg(file != NULL, "%s", path);
+  char text[200];
+  int count = 0;
+  ck_assert_ptr_nonnull(fgets(text, sizeof text, file));
+  for (const char *p = text; *p; p++)
+    count += *p == ',';
+  ck_assert(count == columns || count == columns - 1);
+  for (int c = 0; c < nc; c++) {
+    ck_assert_ptr_nonnull(fgets(text, sizeof text, file));
+    char *p;
+    ck_assert_int_eq(strtol(text, &p, 10), c + 1);
+    for (int k = 0; k < count; k++) {
+      ck_assert_int_eq(*p++, ',');
+      const char *start = p;
+      printed[c][k] = strtod(start, &p);
+      if (p == start) printed[c][k] = NAN;
+    }
+    ck_assert_int_eq(*p, '\n');
+  }
+  ck_assert_ptr_null(fgets(text, sizeof text, file));
+  ck_assert_int_eq(fclose(file), 0);
+  return count;
+}
+
+/* _i: 2 * table + method */
+START_TEST(printed_table) {
+  const table *t = &tables[_i / 2];
+  dls_fe_scene *scene;
+  ok(dls_fe_scene_create(&scene, t->scene, t->weighted, &error));
+  dls_fe_scene_data data;
+  dls_fe_scene_get(scene, &data);
+  answer *a = solve(scene, methods[_i % 2]);
+
+  double printed[nc][columns];
+  const int count = read_table(t->file, printed);
+  ck_assert_int_eq(count, t->weighted ? columns : columns - 1);
+  for (int k = 0; k < count; k++) {
+    double largest = 0, deviation = 0;
+    int values = 0;
+    for (int c = 0; c < nc; c++) {
+      const int contact = data.candidate_node[c], node = data.contact_node[contact];
+      const double value[columns] = {a->d[2 * node], a->d[2 * node + 1], a->r[2 * c + 1],
+                                     a->r[2 * c], a->R[2 * contact]};
+      if (printed[c][k] != printed[c][k]) continue;
+      values++;
+      largest = fmax(largest, fabs(printed[c][k]));
+      const double off = fabs(value[k] - printed[c][k]);
+      if (!(off <= deviation)) deviation = off;
+    }
+    ck_assert_int_ge(values, 6);
+    /* Fig. 4's Q2: no node leaves the plane, the exact value is 0 */
+    const double allowed = largest > 0 ? (k <= Q2 ? t->displacement : t->reaction) * largest
+                                       : agreement * fabs(a->d[0]);
+    if (getenv("TEST_JEAN_PRINT"))
+      printf("%s method %d column %d: %.2e of %.2e\n", t->file, _i % 2, k,
+             deviation / (largest > 0 ? largest : fabs(a->d[0])),
+             allowed / (largest > 0 ? largest : fabs(a->d[0])));
+    ck_assert_msg(deviation <= allowed, "%s column %d: off by %g, allowed %g", t->file, k,
+                  deviation, allowed);
+  }
+
+  double Rx = 0, Ry = 0;
+  for (int c = 0; c < nc; c++) {
+    Ry += a->r[2 * c];
+    Rx += a->r[2 * c + 1];
+  }
+  /* five digits, from reactions of relative accuracy 1e-4 */
+  ck_assert_double_le(fabs(Rx - t->Rx), 1e-4 * fabs(t->Rx));
+  ck_assert_double_le(fabs(Ry - t->Ry), 1e-4 * t->Ry);
+  if (t->states[0]) ck_assert_str_eq(a->states, t->states);
+
+  free(a);
+  dls_fe_scene_destroy(scene);
+}
+END_TEST
+
+START_TEST(methods_agree) {
+  const table *t = &tables[_i];
+  dls_fe_scene *scene;
+  ok(dls_fe_scene_create(&scene, t->scene, t->weighted, &error));
+  answer *a = solve(scene, DLS_NLGS), *b = solve(scene, DLS_LEMKE);
+  double r = 0, u = 0, dr = 0, du = 0, dx = 0, x = 0;
+  for (int i = 0; i < m; i++) {
+    r = fmax(r, fabs(b->r[i]));
+    u = fmax(u, fabs(b->u[i]));
+    dr = fmax(dr, fabs(a->r[i] - b->r[i]));
+    du = fmax(du, fabs(a->u[i] - b->u[i]));
+  }
+  for (int i = 0; i < n; i++) {
+    x = fmax(x, fabs(b->x[i]));
+    dx = fmax(dx, fabs(a->x[i] - b->x[i]));
+  }
+  ck_assert_str_eq(a->states, b->states);
+  ck_assert_double_le(dr, agreement * r);
+  ck_assert_double_le(du, agreement * u);
+  ck_assert_double_le(dx, agreement * x);
+  if (getenv("TEST_JEAN_PRINT"))
+    printf("%s: nlgs %d sweeps, residual %.1e; lemke %d pivots, residual %.1e; dr %.1e du %.1e\n",
+           t->file, a->info.iterations, a->info.certificate.residual, b->info.iterations,
+           b->info.certificate.residual, dr / r, du / u);
+  free(a);
+  free(b);
+  dls_fe_scene_destroy(scene);
+}
+END_TEST
+
+/* Without the reduction: the full stiffness times the displacement, less the loads, is what the
+ * obstacle and the supports give. */
+START_TEST(equilibrium) {
+  const table *t = &tables[_i];
+  dls_fe_scene *scene;
+  ok(dls_fe_scene_create(&scene, t->scene, t->weighted, &error));
+  dls_fe_scene_data data;
+  dls_fe_scene_get(scene, &data);
+  answer *a = solve(scene, DLS_LEMKE);
+
+  double *K = malloc((size_t)mesh_n * mesh_n * sizeof *K);
+  ck_assert_ptr_nonnull(K);
+  double R[mesh_n], size[mesh_n], one[n], is_free[mesh_n];
+  ok(dls_fe_stiffness(data.mesh, data.E, data.nu, K, mesh_n, &error));
+  ok(dls_fe_scene_displacement(scene, data.f, R, &error));
+  for (int i = 0; i < n; i++)
+    one[i] = 1;
+  ok(dls_fe_scene_displacement(scene, one, is_free, &error));
+  double load = 0; /* the vertical one */
+  for (int i = 0; i < mesh_n; i++) {
+    load += i % 2 ? R[i] : 0;
+    R[i] = -R[i];
+    size[i] = 0;
+  }
+  for (int j = 0; j < mesh_n; j++)
+    for (int i = 0; i < mesh_n; i++) {
+      R[i] += K[i + j * mesh_n] * a->d[j];
+      size[i] += fabs(K[i + j * mesh_n] * a->d[j]);
+    }
+  free(K);
+
+  /* R so far: K d - f; the contact nodes' share taken off, the free unknowns are in balance */
+  double vertical = 0, rounding = 0, largest = 0;
+  for (int i = 0; i < mesh_n; i++) {
+    rounding = fmax(rounding, size[i]);
+    vertical += i % 2 ? R[i] : 0;
+  }
+  rounding *= mesh_n * DBL_EPSILON;
+  for (int c = 0; c < data.model.nodes; c++) {
+    const int node = data.contact_node[c];
+    if (is_free[2 * node]) R[2 * node] -= a->R[2 * c + 1];
+    if (is_free[2 * node + 1]) R[2 * node + 1] -= a->R[2 * c];
+  }
+  for (int i = 0; i < mesh_n; i++)
+    if (is_free[i] > 0) largest = fmax(largest, fabs(R[i]));
+  ck_assert_double_le(largest, rounding);
+  ck_assert_double_le(fabs(vertical + load), rounding); /* obstacle and node 17 carry the load */
+
+  /* weighted: u is the mean of the nodes' displacements over the dual cells, u = P^T (x_n, x_t) */
+  for (int c = 0; c < nc; c++) {
+    double un = 0, ut = 0;
+    const dls_sparse *P = &data.model.P;
+    if (!t->weighted) {
+      const int node = data.contact_node[data.candidate_node[c]];
+      un = a->d[2 * node + 1];
+      ut = a->d[2 * node];
+    } else
+      for (int k = P->p[c]; k < P->p[c + 1]; k++) {
+        const int node = data.contact_node[P->i[k]];
+        un += P->x[k] * a->d[2 * node + 1];
+        ut += P->x[k] * a->d[2 * node];
+      }
+    ck_assert_double_le(fabs(a->u[2 * c] - un), agreement * fabs(a->d[0]));
+    ck_assert_double_le(fabs(a->u[2 * c + 1] - ut), agreement * fabs(a->d[0]));
+  }
+  free(a);
+  dls_fe_scene_destroy(scene);
+}
+END_TEST
+
+/* Fig. 4: all candidates slide, so both ways of computation give the same displacements (the
+ * paper's remark), up to the reaction that the weighting hands to the fixed node, of which only the
+ * part r_n / 8 acts on what moves. */
+START_TEST(all_slide) {
+  dls_fe_scene *scene[2];
+  answer *a[2];
+  for (int w = 0; w < 2; w++) {
+    ok(dls_fe_scene_create(&scene[w], "jean-fig4", w, &error));
+    a[w] = solve(scene[w], DLS_LEMKE);
+    for (int c = 0; c < nc; c++)
+      ck_assert_double_le(fabs(a[w]->r[2 * c + 1] + a[w]->mu * a[w]->r[2 * c]),
+                          agreement * a[w]->r[2 * c]);
+  }
+  for (int i = 0; i < mesh_n; i++)
+    ck_assert_double_le(fabs(a[0]->d[i] - a[1]->d[i]), agreement * fabs(a[0]->d[0]));
+  for (int i = 0; i < 2 * nc; i++) /* and the same nodal reactions */
+    ck_assert_double_le(fabs(a[0]->R[i] - a[1]->R[i]), agreement * a[0]->R[2 * nc - 2]);
+  for (int w = 0; w < 2; w++) {
+    free(a[w]);
+    dls_fe_scene_destroy(scene[w]);
+  }
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("jean");
+  TCase *t = tcase_create("jean");
+  tcase_add_loop_test(t, printed_table, 0, 2 * table_count);
+  tcase_add_loop_test(t, methods_agree, 0, table_count);
+  tcase_add_loop_test(t, equilibrium, 0, table_count);
+  tcase_add_test(t, all_slide);
+  suite_add_tcase(suite, t);
+  SRunner *runner = srunner_create(suite);
+  srunner_run_all(runner, CK_NORMAL);
+  const int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
