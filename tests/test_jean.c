@@ -21,9 +21,11 @@ enum { Q1, Q2, RT, RN, RN_EQUIVALENT, columns };
 
 static const double tol = 1e-12;
 
-/* The conditioning of these problems between the residual and the answer: with residuals <= tol two
- * methods differ by less than this relative amount. */
-static const double agreement = 1e-10;
+/* Relative difference of answers. Between the residual and the error of the reactions stands the
+ * conditioning of the problem: a factor of 18 and 110 (concentrated, Figs. 3 and 4), 470 and 840
+ * (weighted), measured by stopping Gauss-Seidel at 1e-12. So two methods are compared with the
+ * iterative one stopped at `tight`, which is above 4 floor = 9e-16. */
+static const double agreement = 1e-10, tight = 1e-14;
 
 typedef struct table {
   const char *scene;
@@ -63,8 +65,8 @@ static void ok(dls_status status) {
   ck_assert_msg(status == DLS_OK, "%s: %s", dls_status_name(status), error.message);
 }
 
-/* The scene from end to end by one method; on return *out belongs to the caller. */
-static answer *solve(const dls_fe_scene *scene, dls_method method) {
+/* The scene from end to end by one method; the answer is the caller's to free. */
+static answer *solve(const dls_fe_scene *scene, dls_method method, double tolerance) {
   answer *a = calloc(1, sizeof *a);
   ck_assert_ptr_nonnull(a);
   dls_fe_scene_data data;
@@ -80,7 +82,7 @@ static answer *solve(const dls_fe_scene *scene, dls_method method) {
   dls_solver_settings settings;
   dls_solver_settings_init(&settings);
   settings.method = method;
-  settings.tol = tol;
+  settings.tol = tolerance;
   dls_solver *solver;
   ok(dls_solver_create(&solver, 2, nc, &settings, &error));
   ok(dls_solver_solve(solver, &problem, a->r, a->u, &a->info, &error));
@@ -89,7 +91,7 @@ static answer *solve(const dls_fe_scene *scene, dls_method method) {
   dls_certificate certificate;
   dls_contact_state state[nc];
   ok(dls_contact_certify(&problem, a->r, NULL, &certificate, &error));
-  ck_assert_double_le(certificate.residual, tol);
+  ck_assert_double_le(certificate.residual, tolerance);
   ok(dls_contact_states(&problem, a->r, a->u, state, &error));
   for (int c = 0; c < nc; c++)
     a->states[c] = "fsk"[state[c]];
@@ -136,7 +138,7 @@ START_TEST(printed_table) {
   ok(dls_fe_scene_create(&scene, t->scene, t->weighted, &error));
   dls_fe_scene_data data;
   dls_fe_scene_get(scene, &data);
-  answer *a = solve(scene, methods[_i % 2]);
+  answer *a = solve(scene, methods[_i % 2], tol);
 
   double printed[nc][columns];
   const int count = read_table(t->file, printed);
@@ -158,10 +160,6 @@ START_TEST(printed_table) {
     /* Fig. 4's Q2: no node leaves the plane, the exact value is 0 */
     const double allowed = largest > 0 ? (k <= Q2 ? t->displacement : t->reaction) * largest
                                        : agreement * fabs(a->d[0]);
-    if (getenv("TEST_JEAN_PRINT"))
-      printf("%s method %d column %d: %.2e of %.2e\n", t->file, _i % 2, k,
-             deviation / (largest > 0 ? largest : fabs(a->d[0])),
-             allowed / (largest > 0 ? largest : fabs(a->d[0])));
     ck_assert_msg(deviation <= allowed, "%s column %d: off by %g, allowed %g", t->file, k,
                   deviation, allowed);
   }
@@ -185,7 +183,7 @@ START_TEST(methods_agree) {
   const table *t = &tables[_i];
   dls_fe_scene *scene;
   ok(dls_fe_scene_create(&scene, t->scene, t->weighted, &error));
-  answer *a = solve(scene, DLS_NLGS), *b = solve(scene, DLS_LEMKE);
+  answer *a = solve(scene, DLS_NLGS, tight), *b = solve(scene, DLS_LEMKE, tol);
   double r = 0, u = 0, dr = 0, du = 0, dx = 0, x = 0;
   for (int i = 0; i < m; i++) {
     r = fmax(r, fabs(b->r[i]));
@@ -201,10 +199,6 @@ START_TEST(methods_agree) {
   ck_assert_double_le(dr, agreement * r);
   ck_assert_double_le(du, agreement * u);
   ck_assert_double_le(dx, agreement * x);
-  if (getenv("TEST_JEAN_PRINT"))
-    printf("%s: nlgs %d sweeps, residual %.1e; lemke %d pivots, residual %.1e; dr %.1e du %.1e\n",
-           t->file, a->info.iterations, a->info.certificate.residual, b->info.iterations,
-           b->info.certificate.residual, dr / r, du / u);
   free(a);
   free(b);
   dls_fe_scene_destroy(scene);
@@ -219,7 +213,7 @@ START_TEST(equilibrium) {
   ok(dls_fe_scene_create(&scene, t->scene, t->weighted, &error));
   dls_fe_scene_data data;
   dls_fe_scene_get(scene, &data);
-  answer *a = solve(scene, DLS_LEMKE);
+  answer *a = solve(scene, DLS_LEMKE, tol);
 
   double *K = malloc((size_t)mesh_n * mesh_n * sizeof *K);
   ck_assert_ptr_nonnull(K);
@@ -281,15 +275,15 @@ START_TEST(equilibrium) {
 }
 END_TEST
 
-/* Fig. 4: all candidates slide, so both ways of computation give the same displacements (the
- * paper's remark), up to the reaction that the weighting hands to the fixed node, of which only the
- * part r_n / 8 acts on what moves. */
+/* Fig. 4: all candidates slide, so both ways of computation give the same displacements and
+ * nodal reactions (the paper's remark): r_t = -mu r_n at every candidate gives R_t = -mu R_n at every
+ * node, and u_n = 0 at every candidate gives u_n = 0 at every node, P being regular without row 17. */
 START_TEST(all_slide) {
   dls_fe_scene *scene[2];
   answer *a[2];
   for (int w = 0; w < 2; w++) {
     ok(dls_fe_scene_create(&scene[w], "jean-fig4", w, &error));
-    a[w] = solve(scene[w], DLS_LEMKE);
+    a[w] = solve(scene[w], DLS_LEMKE, tol);
     for (int c = 0; c < nc; c++)
       ck_assert_double_le(fabs(a[w]->r[2 * c + 1] + a[w]->mu * a[w]->r[2 * c]),
                           agreement * a[w]->r[2 * c]);
