@@ -31,14 +31,16 @@ typedef struct lame {
   double l, G;
 } lame;
 
-static dls_status material(const char *function, double E, double nu, lame *D, dls_error *error) {
+static lame moduli(double E, double nu) { /* (T2) */
+  return (lame){.l = E * nu / ((1 + nu) * (1 - 2 * nu)), .G = E / (2 * (1 + nu))};
+}
+
+static dls_status check_material(const char *function, double E, double nu, dls_error *error) {
   if (!(E > 0 && E <= DBL_MAX))
     return dlsi_fail(error, DLS_E_ARGUMENT, function, "E", -1, E, "must be positive and finite");
   if (!(nu > -1 && nu < 0.5))
     return dlsi_fail(error, DLS_E_ARGUMENT, function, "nu", -1, nu,
                      "is %g, must be between -1 and 1/2", nu);
-  D->G = E / (2 * (1 + nu)); /* (T2) */
-  D->l = E * nu / ((1 + nu) * (1 - 2 * nu));
   return DLS_OK;
 }
 
@@ -72,9 +74,8 @@ static dls_status check_triangles(const char *function, const dls_fe_mesh *mesh,
 
 dls_status dls_fe_stiffness(const dls_fe_mesh *mesh, double E, double nu, double *K, int ldk,
                             dls_error *error) {
-  lame D;
   dls_status status = check_triangles(__func__, mesh, error);
-  if (!status) status = material(__func__, E, nu, &D, error);
+  if (!status) status = check_material(__func__, E, nu, error);
   if (status) return status;
   const int n = 2 * mesh->nodes;
   const size_t ld = (size_t)ldk;
@@ -82,6 +83,7 @@ dls_status dls_fe_stiffness(const dls_fe_mesh *mesh, double E, double nu, double
   if (ldk < n)
     return dlsi_fail(error, DLS_E_SIZE, __func__, "ldk", -1, ldk, "is %d, must be at least %d", ldk,
                      n);
+  const lame D = moduli(E, nu);
   for (int j = 0; j < n; j++)
     memset(K + (size_t)j * ld, 0, (size_t)n * sizeof *K);
   for (int e = 0; e < mesh->triangles; e++) {
@@ -129,14 +131,14 @@ dls_status dls_fe_edge_load(const dls_fe_mesh *mesh, int a, int b, double tx, do
 
 dls_status dls_fe_stress(const dls_fe_mesh *mesh, double E, double nu, const double *displacement,
                          double *stress, dls_error *error) {
-  lame D;
   dls_status status = check_triangles(__func__, mesh, error);
-  if (!status) status = material(__func__, E, nu, &D, error);
+  if (!status) status = check_material(__func__, E, nu, error);
   if (!status)
     status = dlsi_fe_check_vector(__func__, "displacement", displacement, 2 * (size_t)mesh->nodes,
                                   error);
   if (status) return status;
   if (!stress) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "stress", -1, 0, "is NULL");
+  const lame D = moduli(E, nu);
   for (int e = 0; e < mesh->triangles; e++) {
     double b[3], c[3], xx = 0, yy = 0, xy2 = 0; /* e_xx, e_yy, 2 e_xy, each times 2A */
     const double area2 = gradients(mesh, e, b, c);
