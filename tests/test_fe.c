@@ -263,6 +263,9 @@ START_TEST(flat_triangles) {
     xy[6] = -h; /* nodes 0, 2, 3 on one line */
     xy[7] = -1e-6 * h;
     REJECTED(dls_fe_stiffness(&mesh, 1, 0.2, K, 8, &error), DLS_E_ARGUMENT, "node", 3);
+    xy[6] = 2 * h; /* twice its area is 2e-16 h^2: what rounding leaves of none */
+    xy[7] = 2e-6 * h * (1 + 1e-10);
+    REJECTED(dls_fe_stiffness(&mesh, 1, 0.2, K, 8, &error), DLS_E_ARGUMENT, "node", 3);
     xy[6] = 0;
     xy[7] = -h; /* clockwise */
     REJECTED(dls_fe_stiffness(&mesh, 1, 0.2, K, 8, &error), DLS_E_ARGUMENT, "node", 3);
