@@ -36,14 +36,15 @@ dls_status dlsi_check_dense(const char *function, const char *argument, const dl
 static dls_status check_pattern(const char *function, const char *name_p, const char *name_i,
                                 const int *p, const int *i, int rows, int cols, dls_error *error) {
   if (!p) return dlsi_fail(error, DLS_E_ARGUMENT, function, name_p, -1, 0, "is NULL");
-  if (!i && p[cols] > 0)
+  const int count = p[cols];
+  if (!i && count > 0)
     return dlsi_fail(error, DLS_E_ARGUMENT, function, name_i, -1, 0, "is NULL");
   if (p[0] != 0) return dlsi_fail(error, DLS_E_ARGUMENT, function, name_p, 0, p[0], "must be 0");
   for (int j = 0; j < cols; j++)
     if (p[j + 1] < p[j])
       return dlsi_fail(error, DLS_E_ARGUMENT, function, name_p, j + 1, p[j + 1],
                        "is less than the one before it");
-  for (int k = 0; k < p[cols]; k++)
+  for (int k = 0; k < count; k++)
     if (i[k] < 0 || i[k] >= rows)
       return dlsi_fail(error, DLS_E_ARGUMENT, function, name_i, k, i[k], "is outside of 0 .. %d",
                        rows - 1);

@@ -177,7 +177,7 @@ dls_status dls_contact_set_block(int d, int nc, dls_component row, dls_component
 
 void dlsi_contact_weights(const dls_contact *problem, double *w) {
   const int d = problem->d, nc = problem->nc;
-  double block[9], sum = 0, largest = 0;
+  double block[9] = {0}, sum = 0, largest = 0;
   int positive = 0;
   for (int c = 0; c < nc; c++) {
     dlsi_contact_diagonal(problem, c, block);
@@ -221,7 +221,7 @@ dls_contact_state dlsi_project_cone(int d, double mu, const double *v, double *p
 
 dls_contact_state dlsi_contact_residual(int d, double mu, double w, const double *r,
                                         const double *u, double *F) {
-  double v[3], p[3];
+  double v[3] = {0}, p[3] = {0};
   for (int i = 0; i < d; i++)
     v[i] = w * r[i] - u[i];
   v[0] -= mu * tangent_norm(d, u);
