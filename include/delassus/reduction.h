@@ -31,17 +31,19 @@ typedef enum dls_operator {
   DLS_STIFFNESS_SPARSE = 2, /* K sparse, full pattern; each connected part of its graph is factored
                                as a dense matrix (mass matrices of rigid bodies, small models);
                                a part of more than 8000 unknowns is DLS_E_UNSUPPORTED */
-  DLS_FLEXIBILITY = 3,      /* K^-1 given, dense */
+  DLS_FLEXIBILITY = 3,      /* K^-1 given, dense; W is as symmetric as it is */
   DLS_HOST_SOLVER = 4       /* the host solves with its own factorisation */
 } dls_operator;
 
 typedef enum dls_factorization {
   DLS_CHOLESKY = 1, /* K symmetric positive definite; only its lower triangle is read */
-  DLS_LU = 2        /* K regular */
+  DLS_LU = 2        /* K regular, symmetric or not */
 } dls_factorization;
 
-/* X (n x nrhs, column-major, leading dimension n): in, right-hand sides; out, K^-1 times them.
- * Return 0, or any other value for failure (DLS_E_CALLBACK, value = what was returned). */
+/* X (n x nrhs, column-major, leading dimension n): in, right-hand sides; out, K^-1 times them. nrhs is
+ * between 1 and 64: at most 64 n doubles at a time while W is formed, 1 afterwards. Return 0, or any
+ * other value for failure (DLS_E_CALLBACK, value = what was returned). A result that is not finite
+ * is a failure too (index = its unknown). */
 typedef int (*dls_solve_fn)(void *user, double *X, int n, int nrhs);
 
 /* A view; everything is borrowed. What is not named by `operator_kind` is ignored. K, the operators
@@ -61,18 +63,28 @@ typedef struct dls_model {
   dls_sparse P;  /* nodes x candidates, every entry >= 0, no empty column; P.p = NULL for none */
 } dls_model;
 
-/* Sizes, pointers, indices, finite values; names the field and the index. */
+/* Sizes, pointers, indices, finite values, signs; names the field ("K", "Ks", "HN", "P", ...) and the index:
+ * position i + j*ld in K, position in x, i or p of a sparse matrix, column for an empty column of P. Of a
+ * dense K for DLS_CHOLESKY only the lower triangle is read. Callers need not call it: create does. */
 DLS_API DLS_MUST_USE dls_status dls_model_check(const dls_model *model, dls_error *error);
 
 typedef struct dls_reduction dls_reduction;
 
-/* Factors K, forms W. *out = NULL on error; of 2 m n doubles where m = d * candidates, besides the
- * factor. DLS_E_NOT_POSITIVE_DEFINITE and DLS_E_SINGULAR name the unknown (index) and the pivot. */
+/* Factors K, forms W; *out = NULL on error. With m = d * candidates it holds m^2 doubles for W, H, a few
+ * vectors, and the factor or K^-1 (n^2; the sum of the squares of the parts for a sparse K); at most
+ * 128 n doubles more while it forms W. W is exactly symmetric with DLS_CHOLESKY.
+ *
+ * DLS_E_NOT_POSITIVE_DEFINITE and DLS_E_SINGULAR (condition above 4e14 after scaling rows and columns,
+ * so whatever the units of forces, moments, displacements and rotations) name K or Ks, the unknown
+ * (index) where a pivot vanished, and the pivot of the scaled matrix (value; entries near 1).
+ * DLS_E_NOT_FINITE naming "W", or entries of Ks that add up to Inf: an overflow.
+ * DLS_E_UNSUPPORTED, DLS_E_CALLBACK, DLS_E_SIZE, DLS_E_MEMORY, and the errors of dls_model_check. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_create(dls_reduction **out, const dls_model *model,
                                                      dls_error *error);
 
-/* New loads and gaps on the same factor: q := H^T K^-1 f + g. f (n) or NULL for 0; g (d * nodes)
- * or NULL for 0. Before the first call q is 0. Allocates nothing. */
+/* New loads and gaps on the same factor: q := H^T K^-1 f + P^T g. f (n) or NULL for 0; g (d * nodes)
+ * or NULL for 0. Before the first call f and q are 0; an error leaves both as they were. One solve.
+ * Allocates nothing. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_load(dls_reduction *reduction, const double *f,
                                                    const double *g, dls_error *error);
 
@@ -82,11 +94,13 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_contact(const dls_reduction *reduc
                                                       const double *mu, dls_contact *problem,
                                                       dls_error *error);
 
-/* x (n) := K^-1 (f + H r), f as last given to dls_reduction_load. */
+/* x (n) := K^-1 (f + H r), f as last given to dls_reduction_load (copied there). r (m). One solve.
+ * Allocates nothing. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_recover(dls_reduction *reduction, const double *r,
                                                       double *x, dls_error *error);
 
-/* R (d * nodes) := P r in local order, the nodal reactions that r (m) stands for; R = r without P. */
+/* R (d * nodes) := P r in local order, the nodal reactions that r (m) stands for; R = r without P. R and
+ * r must not overlap. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_nodal(const dls_reduction *reduction, const double *r,
                                                     double *R, dls_error *error);
 
@@ -106,7 +120,9 @@ DLS_API void dls_reduction_destroy(dls_reduction *reduction);
  *   columns    receives the number of candidates
  *
  * Columns add up to 1: the resultant is kept. Inside, (1/4) a/(a+b), 3/4, (1/4) b/(a+b) for the
- * segments a, b beside the node ((1/8, 3/4, 1/8) if equal); at an end (3/4, 1/4). */
+ * segments a, b beside the node ((1/8, 3/4, 1/8) if equal); at an end (3/4, 1/4). Rows ascend in each
+ * column. A neighbour that is no candidate keeps its row of P: its node takes part in the reduction.
+ * DLS_E_ARGUMENT (no candidate at all, s not increasing: index), DLS_E_SIZE, DLS_E_NOT_FINITE. */
 DLS_API DLS_MUST_USE dls_status dls_weighting_line(int nodes, const double *s, const int *candidate,
                                                    int *p, int *i, double *x, double *length,
                                                    int *columns, dls_error *error);
