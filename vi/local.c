@@ -1,0 +1,365 @@
+/*
+ * local.c: the exact solution of one candidate alone, [Jean 1988] (3.3)5-6 for nc = 1.
+ *
+ *   u = W r + q,  W = (a b^T; c B),  0 <= u_n _|_ r_n >= 0,  |r_t| <= mu r_n,
+ *   u_t = 0 where |r_t| < mu r_n,  u_t = -alpha r_t with alpha >= 0 else
+ *
+ *   free   (L1)  r = 0                                       if q_n >= 0
+ *   u_n = 0 in all that follows, so that r_n = -(q_n + b.r_t) / a and u_t = z + S r_t with
+ *          (L2)  S = B - c b^T / a,  z = q_t - c q_n / a     the Schur complement of a
+ *   stick  (L3)  S r_t = -z                                  if |r_t| <= mu r_n
+ *   slip   (L4)  (S + l I) r_t = -z,  h(l) = |r_t| - mu r_n = 0,  l > 0
+ *          (L5)  r_n = -q_n / (a + mu b.e),  r_t = mu r_n e  with e = r_t / |r_t|
+ *
+ * 2D: e = +1 or -1, so (L5) and the sign of u_t settle slip: four states, each tried in full, which
+ * is exact for any W: unsymmetric, singular, with W_nn <= 0, with no solution or with several.
+ *
+ * 3D: q_n < 0 and no stick mean h(0) > 0 > h(inf) = mu q_n / a, so that h has a root if S + l I
+ * stays regular on the way, which it does for W positive semidefinite. The root is bracketed and
+ * found by Newton on 1/|r_t| - 1/(mu r_n), almost linear in l (More and Sorensen's secular form),
+ * by Newton on h where r_n <= 0, and by bisection where that leaves the bracket. (L5) then makes
+ * u_n = 0 and |r_t| = mu r_n hold to rounding; what is left is the angle between u_t and -r_t.
+ * A singular S needs no care: its stick solutions are the limit l -> 0 of (L4).
+ *
+ * (L4) squared is a quartic in l: its positive roots give all slip solutions in 3D, and so
+ * how many solutions there are. That is for the count, and for W that is not positive semidefinite,
+ * whose root may lie elsewhere than in the bracket.
+ *
+ * Where nothing solves the problem, the answer is the trial point with the smallest |F| of the
+ * certificate. Cost and accuracy: see README.md.
+ */
+#include <float.h>
+#include <math.h>
+
+#include "dlsi.h"
+#include "vi_internal.h"
+
+/* |F| <= rounding (w |r| + |q|): as good as a solution when every exact test has just failed */
+static const double rounding = 1e-12;
+
+/* solutions whose r_t differ by less than this part of mu r_n are one */
+static const double same = 1e-8;
+
+static dls_local_state set(int d, double *r, double n, double t, double s, dls_local_state state) {
+  r[0] = n;
+  r[1] = t;
+  if (d == 3) r[2] = s;
+  return state;
+}
+
+/* ---- the least bad of several points --------------------------------------------------------- */
+
+enum { most_points = 6 };
+
+typedef struct point {
+  double r[3];
+  dls_local_state state;
+} point;
+
+/* r := the one of r = 0 and the n points with the smallest |F|; NaN never wins. */
+static dls_local_state least_bad(int d, const double *W, const double *q, double mu,
+                                 const point *points, int n, double *r) {
+  double trace = 0, largest = 0;
+  for (int i = 0; i < d; i++)
+    trace += W[i + d * i];
+  for (int e = 0; e < d * d; e++)
+    if (fabs(W[e]) > largest) largest = fabs(W[e]);
+  const double w = trace > 0 ? trace / d : largest > 0 ? largest : 1;
+  double best = INFINITY;
+  dls_local_state state = DLS_LOCAL_NONE;
+  set(d, r, 0, 0, 0, state);
+  for (int k = -1; k < n; k++) {
+    static const double zero[3] = {0};
+    const double *p = k < 0 ? zero : points[k].r;
+    double u[3] = {0}, F[3] = {0};
+    for (int i = 0; i < d; i++) {
+      u[i] = q[i];
+      for (int j = 0; j < d; j++)
+        u[i] += W[i + d * j] * p[j];
+    }
+    dlsi_contact_residual(d, mu, w, p, u, F);
+    const double f = dlsi_norm2(F, (size_t)d);
+    if (!(f < best)) continue;
+    best = f;
+    for (int i = 0; i < d; i++)
+      r[i] = p[i];
+    const double size = w * dlsi_norm2(p, (size_t)d) + dlsi_norm2(q, (size_t)d);
+    state = !(f <= rounding * size) ? DLS_LOCAL_NONE : k < 0 ? DLS_LOCAL_FREE : points[k].state;
+  }
+  return state;
+}
+
+/* ---- 2D -------------------------------------------------------------------------------------- */
+
+/* W r = -q by elimination, rows pivoted; 1 if r is in the cone and not 0. */
+static int stick_2d(const double *W, const double *q, double mu, double *r) {
+  const int p = fabs(W[1]) > fabs(W[0]); /* the pivot row; the other one is 1 - p */
+  const double f = W[1 - p] / W[p], s = W[3 - p] - f * W[2 + p], z = q[1 - p] - f * q[p];
+  r[1] = s == 0 && z == 0 ? 0 : -z / s; /* of a line of solutions, the one without friction */
+  r[0] = -(q[p] + W[2 + p] * r[1]) / W[p];
+  return r[0] > 0 && fabs(r[1]) <= mu * r[0];
+}
+
+/* (L5) with e = sign; 1 if u_t opposes it. */
+static int slip_2d(const double *W, const double *q, double mu, double sign, double *r) {
+  r[0] = -q[0] / (W[0] + mu * sign * W[2]);
+  r[1] = sign * mu * r[0];
+  return r[0] > 0 && sign * (q[1] + W[1] * r[0] + W[3] * r[1]) <= 0;
+}
+
+/* mu = 0: the tangential row only tells stick from slip */
+static dls_local_state frictionless(int d, const double *W, const double *q, double *r) {
+  if (!(W[0] > 0)) return least_bad(d, W, q, 0, NULL, 0, r);
+  set(d, r, -q[0] / W[0], 0, 0, DLS_LOCAL_SLIP);
+  const int still = q[1] + W[1] * r[0] == 0 && (d == 2 || q[2] + W[2] * r[0] == 0);
+  return still ? DLS_LOCAL_STICK : DLS_LOCAL_SLIP;
+}
+
+dls_local_state dlsi_local_2d(const double *W, const double *q, double mu, double *r) {
+  if (q[0] >= 0) return set(2, r, 0, 0, 0, DLS_LOCAL_FREE); /* (L1) */
+  if (mu == 0) return frictionless(2, W, q, r);
+  if (stick_2d(W, q, mu, r)) return DLS_LOCAL_STICK; /* (L3) */
+  double plus[2], minus[2];                          /* (L5) */
+  const int ok_plus = slip_2d(W, q, mu, 1, plus), ok_minus = slip_2d(W, q, mu, -1, minus);
+  if (ok_plus && (!ok_minus || plus[1] <= -minus[1]))
+    return set(2, r, plus[0], plus[1], 0, DLS_LOCAL_SLIP);
+  if (ok_minus) return set(2, r, minus[0], minus[1], 0, DLS_LOCAL_SLIP);
+  const point points[] = {{{r[0], r[1], 0}, DLS_LOCAL_STICK},
+                          {{plus[0], plus[1], 0}, DLS_LOCAL_SLIP},
+                          {{minus[0], minus[1], 0}, DLS_LOCAL_SLIP}};
+  return least_bad(2, W, q, mu, points, 3, r);
+}
+
+static int count_2d(const double *W, const double *q, double mu) {
+  int n = q[0] >= 0;
+  if (mu == 0) return n + (-q[0] / W[0] > 0);
+  double stick[2], slip[2];
+  const int sticks = stick_2d(W, q, mu, stick);
+  n += sticks;
+  for (int sign = -1; sign <= 1; sign += 2)
+    if (slip_2d(W, q, mu, sign, slip) &&
+        !(sticks && fabs(slip[1] - stick[1]) <= same * fabs(slip[1])))
+      n++;
+  return n;
+}
+
+/* ---- 3D -------------------------------------------------------------------------------------- */
+
+/* (L2), and what (L4) needs at one l */
+typedef struct schur {
+  double a, b[2], qn, mu;
+  double S[4], z[2]; /* S column-major */
+  double scale;      /* of l */
+} schur;
+
+static schur schur_complement(const double *W, const double *q, double mu) {
+  const double a = W[0], c0 = W[1] / a, c1 = W[2] / a, b0 = W[3], b1 = W[6];
+  schur s = {a, {b0, b1}, q[0], mu, {0}, {q[1] - c0 * q[0], q[2] - c1 * q[0]}, 0};
+  s.S[0] = W[4] - c0 * b0;
+  s.S[1] = W[5] - c1 * b0;
+  s.S[2] = W[7] - c0 * b1;
+  s.S[3] = W[8] - c1 * b1;
+  s.scale = 0.5 * (fabs(W[4]) + fabs(W[8]));
+  if (!(s.scale > 0)) s.scale = a;
+  return s;
+}
+
+/* LU factors of S + l I, rows pivoted */
+typedef struct lu {
+  int p;
+  double f, u01, inv0, inv1;
+} lu;
+
+static lu factor(const double *S, double l) {
+  const double s[4] = {S[0] + l, S[1], S[2], S[3] + l};
+  lu x;
+  x.p = fabs(s[1]) > fabs(s[0]);
+  x.inv0 = 1 / s[x.p];
+  x.f = s[1 - x.p] * x.inv0;
+  x.u01 = s[2 + x.p];
+  x.inv1 = 1 / (s[3 - x.p] - x.f * x.u01);
+  return x;
+}
+
+/* x := -(S + l I)^-1 z */
+static void solve(const lu *k, const double *z, double *x) {
+  x[1] = -(z[1 - k->p] - k->f * z[k->p]) * k->inv1;
+  x[0] = -(z[k->p] + k->u01 * x[1]) * k->inv0;
+}
+
+static double normal(const schur *s, const double *t) {
+  return -(s->qn + s->b[0] * t[0] + s->b[1] * t[1]) / s->a;
+}
+
+/* (L5) along t; 1 if r_n > 0 */
+static int on_cone(const schur *s, const double *t, double *r) {
+  const double n = sqrt(t[0] * t[0] + t[1] * t[1]), e0 = t[0] / n, e1 = t[1] / n;
+  r[0] = -s->qn / (s->a + s->mu * (s->b[0] * e0 + s->b[1] * e1));
+  r[1] = s->mu * r[0] * e0;
+  r[2] = s->mu * r[0] * e1;
+  return r[0] > 0 && r[0] <= DBL_MAX;
+}
+
+/* (L3) and (L4) for q_n < 0; DLS_LOCAL_NONE if no root was found. r: the last point met. */
+static dls_local_state stick_or_slip(const schur *s, double *r) {
+  enum { most_steps = 100 };
+  double l = 0, lo = 0, hi = INFINITY;
+  for (int step = 0; step < most_steps; step++) {
+    const lu k = factor(s->S, l);
+    double t[2], dt[2]; /* r_t(l) and its derivative */
+    solve(&k, s->z, t);
+    solve(&k, t, dt);
+    const double n2 = t[0] * t[0] + t[1] * t[1], n = sqrt(n2);
+    const double rn = normal(s, t), m = s->mu * rn, h = n - m;
+    if (h <= 0 && l <= 4 * DBL_EPSILON * s->scale) { /* (L3); u_t = -l r_t is below rounding */
+      set(3, r, rn, t[0], t[1], DLS_LOCAL_STICK);
+      return DLS_LOCAL_STICK;
+    }
+    if (fabs(h) <= 4 * DBL_EPSILON * (n + fabs(m)) || hi - lo <= 2 * DBL_EPSILON * l) {
+      const int root = fabs(h) <= same * (n + fabs(m)); /* and not a pole of r_t */
+      return on_cone(s, t, r) && root ? DLS_LOCAL_SLIP : DLS_LOCAL_NONE;
+    }
+    if (h <= 0)
+      hi = l;
+    else
+      lo = l; /* also where S is singular and t is not finite */
+    const double dn = (t[0] * dt[0] + t[1] * dt[1]) / n;
+    const double dm = -s->mu * (s->b[0] * dt[0] + s->b[1] * dt[1]) / s->a;
+    const double next = l + (m > 0 ? h * n * m / (dm * n2 - dn * m * m) : -h / (dn - dm));
+    if (next > lo && next < hi)
+      l = next;
+    else if (!(hi < INFINITY))
+      l = 8 * l > s->scale ? 8 * l : s->scale;
+    else
+      l = lo > 0 ? sqrt(lo) * sqrt(hi) : hi / 64;
+  }
+  return DLS_LOCAL_NONE;
+}
+
+/* Positive roots, in increasing order, of p[0] + .. + p[n] x^n, p[n] != 0: between the roots of the
+ * derivative p is monotonic, so bisection finds what there is. All roots lie below 1 + max |p_i/p_n|,
+ * and so do those of the derivatives (Gauss-Lucas). */
+static int positive_roots(int n, const double *p, double *x) {
+  double last = 1;
+  for (int i = 0; i < n; i++)
+    if (1 + fabs(p[i] / p[n]) > last) last = 1 + fabs(p[i] / p[n]);
+  int count = 0;
+  for (int k = 1; k <= n; k++) { /* the derivative of order n - k, of degree k */
+    double c[5], ends[6], y[4];
+    for (int j = 0; j <= k; j++) {
+      c[j] = p[j + n - k];
+      for (int f = j + 1; f <= j + n - k; f++)
+        c[j] *= f;
+    }
+    ends[0] = 0;
+    for (int i = 0; i < count; i++)
+      ends[i + 1] = x[i];
+    ends[count + 1] = last;
+    int found = 0;
+    for (int i = 0; i <= count; i++) {
+      double lo = ends[i], hi = ends[i + 1], at_lo = 0;
+      for (int j = k; j >= 0; j--)
+        at_lo = at_lo * lo + c[j];
+      double at_hi = 0;
+      for (int j = k; j >= 0; j--)
+        at_hi = at_hi * hi + c[j];
+      if (!(at_lo < 0 && at_hi > 0) && !(at_lo > 0 && at_hi < 0)) continue;
+      for (int step = 0; step < 120; step++) {
+        const double mid = 0.5 * (lo + hi);
+        if (!(mid > lo && mid < hi)) break;
+        double at = 0;
+        for (int j = k; j >= 0; j--)
+          at = at * mid + c[j];
+        if ((at > 0) == (at_lo > 0))
+          lo = mid;
+        else
+          hi = mid;
+      }
+      y[found++] = 0.5 * (lo + hi);
+    }
+    count = found;
+    for (int i = 0; i < count; i++)
+      x[i] = y[i];
+  }
+  return count;
+}
+
+/* All slip solutions: with N = adj(S + l I) z, D = det(S + l I), r_t = -N / D and (L4) squared is
+ * a^2 |N|^2 = mu^2 E^2, E = q_n D - b.N, a quartic in x = l / scale; r_n = -E / (a D) > 0 is left. */
+static int all_slips(const schur *s, point *points) {
+  double S[4];
+  for (int e = 0; e < 4; e++)
+    S[e] = s->S[e] / s->scale;
+  const double a = s->a / s->scale, b0 = s->b[0] / s->scale, b1 = s->b[1] / s->scale;
+  const double size = fabs(s->qn) + fabs(s->z[0]) + fabs(s->z[1]);
+  const double qn = s->qn / size, z0 = s->z[0] / size, z1 = s->z[1] / size, m2 = s->mu * s->mu;
+  const double N0 = S[3] * z0 - S[2] * z1, N1 = S[0] * z1 - S[1] * z0; /* at x = 0; N' = z */
+  const double det = S[0] * S[3] - S[1] * S[2], trace = S[0] + S[3];
+  const double E[3] = {qn * det - b0 * N0 - b1 * N1, qn * trace - b0 * z0 - b1 * z1, qn};
+  const double p[5] = {a * a * (N0 * N0 + N1 * N1) - m2 * E[0] * E[0],
+                       2 * (a * a * (N0 * z0 + N1 * z1) - m2 * E[0] * E[1]),
+                       a * a * (z0 * z0 + z1 * z1) - m2 * (E[1] * E[1] + 2 * E[0] * E[2]),
+                       -2 * m2 * E[1] * E[2], -m2 * E[2] * E[2]};
+  int n = 4, found = 0;
+  while (n > 0 && !(p[n] != 0))
+    n--;
+  double x[4];
+  const int roots = positive_roots(n, p, x);
+  for (int i = 0; i < roots; i++) {
+    if (!(x[i] > rounding)) continue; /* stick on the edge of the cone */
+    const double D = det + (trace + x[i]) * x[i];
+    const double t[2] = {-(N0 + x[i] * z0) / D, -(N1 + x[i] * z1) / D};
+    if (-(E[0] + (E[1] + E[2] * x[i]) * x[i]) / (a * D) > 0 && on_cone(s, t, points[found].r))
+      points[found++].state = DLS_LOCAL_SLIP;
+  }
+  return found;
+}
+
+static int sticks_3d(const schur *s, point *p) {
+  const lu k = factor(s->S, 0);
+  solve(&k, s->z, p->r + 1);
+  p->r[0] = normal(s, p->r + 1);
+  p->state = DLS_LOCAL_STICK;
+  return p->r[0] > 0 && hypot(p->r[1], p->r[2]) <= s->mu * p->r[0];
+}
+
+dls_local_state dlsi_local_3d(const double *W, const double *q, double mu, double *r) {
+  if (q[0] >= 0) return set(3, r, 0, 0, 0, DLS_LOCAL_FREE); /* (L1) */
+  if (mu == 0) return frictionless(3, W, q, r);
+  if (!(W[0] > 0)) return least_bad(3, W, q, mu, NULL, 0, r);
+  const schur s = schur_complement(W, q, mu);
+  const dls_local_state state = stick_or_slip(&s, r);
+  if (state != DLS_LOCAL_NONE) return state;
+  point points[most_points];
+  (void)sticks_3d(&s, &points[0]);
+  const int n = 1 + all_slips(&s, points + 1);
+  return least_bad(3, W, q, mu, points, n, r);
+}
+
+/* A solution with r != 0 has u_n = 0, hence a r_n <= mu |b| r_n - q_n: none for q_n >= 0 unless
+ * mu |b| > a. */
+static int count_3d(const double *W, const double *q, double mu) {
+  int n = q[0] >= 0;
+  if (!(W[0] > 0)) return n;
+  if (n && !(mu * hypot(W[3], W[6]) > W[0])) return n;
+  if (mu == 0) return n + (q[0] < 0);
+  const schur s = schur_complement(W, q, mu);
+  point stick, slip[4];
+  n += sticks_3d(&s, &stick);
+  return n + all_slips(&s, slip);
+}
+
+dls_local_state dls_nlgs_local(int d, const double *W, const double *q, double mu, double *r,
+                               int *count) {
+  double p[3] = {0};
+  const dls_local_state state = d == 2 ? dlsi_local_2d(W, q, mu, p) : dlsi_local_3d(W, q, mu, p);
+  if (count) {
+    *count = d == 2 ? count_2d(W, q, mu) : count_3d(W, q, mu);
+    /* the answer itself counts, and NONE is 0, where rounding tells the two tests apart */
+    if (state == DLS_LOCAL_NONE) *count = 0;
+    if (state != DLS_LOCAL_NONE && *count < 1) *count = 1;
+  }
+  for (int i = 0; i < d; i++)
+    r[i] = p[i];
+  return state;
+}

@@ -1,0 +1,323 @@
+/*
+ * nlgs.c: projected Gauss-Seidel on the reactions (nonlinear Gauss-Seidel), [Jean 1988] 3.3.
+ *
+ *   u = W r + q,   0 <= u_n _|_ r_n >= 0,   |r_t| <= mu r_n,   u_t opposed to r_t where it slips
+ *
+ * u = W r + q is kept up to date by columns. One sweep, for c = 0 .. nc-1:
+ *
+ *   (G1)  p  = u_c - W_cc r_c                what the others leave to candidate c
+ *   (G2)  s  = the solution of candidate c alone, u_c = W_cc s + p            (local.c)
+ *   (G3)  s := P_Cmu( r_c + omega (s - r_c) )           only if omega is not 1
+ *   (G4)  u += W(:,c) (s - r_c),   r_c := s             only if s is not r_c
+ *
+ * (G0) A candidate with r_c = 0 and u_n >= 0 stays free: that is (G1)-(G4) for it. The projection in
+ * (G3) is the orthogonal one on the cone; for omega <= 1 it changes nothing, the cone being convex.
+ * Under omega < 1 a candidate that has left the obstacle is put to exactly 0 once what is left of
+ * r_c no longer moves u.
+ *
+ * Stop: after each sweep the certificate's residual is estimated from the u at hand, O(nc). (G5) When
+ * it meets the target, when a sweep changes nothing, and every 50 sweeps, u is recomputed from the
+ * user's W and q and the certificate is taken from that; the target is max(tol, 4 floor). A sweep
+ * from a fresh u that changes nothing and is not solved can never change anything: DLS_STALLED. The
+ * iterate with the smallest residual is kept and is what a call that ends early returns.
+ *
+ * Source: [Jean 1988] 3.3 names Gauss-Seidel on (3.3)5-6; the form with exact local solutions is Jourdan,
+ * Alart and Jean 1998. Deviation: u is updated by columns, where the usual code recomputes row c of
+ * W r: the same arithmetic, but candidates that do not change cost nothing, and the residual is free.
+ *
+ * Cost of a sweep: the columns of W of the candidates that changed, once; besides O(nc).
+ * What can fail: nothing guarantees convergence with friction. It can cycle for ever (W SPD and mu = 1
+ * suffice, tests/test_nlgs.c), and needs many sweeps for ill-conditioned W. A candidate without a
+ * local solution (W_cc indefinite, or wedged by a large mu) gets the least bad point; the certificate
+ * then does not hold.
+ */
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dlsi.h"
+#include "vi_internal.h"
+
+enum { refresh_every = 50 };
+
+struct dls_nlgs {
+  dls_nlgs_settings settings;
+  int d, nc;
+  double *block; /* d d nc  the W_cc */
+  double *w;     /* nc      weights of the certificate */
+  double *u;     /* m       W r + q */
+  double *a;     /* m       |W| |r|, for the floor */
+  double *F;     /* m       */
+  double *best;  /* m       the r with the smallest residual so far */
+};
+
+void dls_nlgs_settings_init(dls_nlgs_settings *settings) {
+  if (!settings) return;
+  const dls_nlgs_settings s = {.size = sizeof s,
+                               .tol = 1e-8,
+                               .max_iterations = 10000,
+                               .relaxation = 1,
+                               .warm_start = 0,
+                               .progress = NULL,
+                               .progress_data = NULL};
+  *settings = s;
+}
+
+static dls_status check_settings(const char *function, const dls_nlgs_settings *s,
+                                 dls_error *error) {
+  if (!s) return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings", -1, 0, "is NULL");
+  if (s->size != sizeof *s)
+    return dlsi_fail(error, DLS_E_SETTINGS, function, "settings", -1, (double)s->size,
+                     "not filled by dls_nlgs_settings_init");
+  if (!(s->tol >= 0 && s->tol <= DBL_MAX))
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "tol", -1, s->tol, "must be >= 0, finite");
+  if (s->max_iterations < 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "max_iterations", -1, s->max_iterations,
+                     "is %d, must be at least 1", s->max_iterations);
+  if (!(s->relaxation > 0 && s->relaxation < 2))
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "relaxation", -1, s->relaxation,
+                     "is %g, must be inside (0, 2)", s->relaxation);
+  if (s->warm_start != 0 && s->warm_start != 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "warm_start", -1, s->warm_start,
+                     "must be 0 or 1");
+  return DLS_OK;
+}
+
+/* the workspace and all its arrays, in one piece */
+static dls_nlgs *carve(dlsi_arena *arena, int d, int nc) {
+  const size_t D = (size_t)d, n = (size_t)nc, m = D * n;
+  dls_nlgs *s = dlsi_take(arena, 1, sizeof *s);
+  double *block = dlsi_take(arena, D * m, sizeof *block);
+  double *w = dlsi_take(arena, n, sizeof *w), *u = dlsi_take(arena, m, sizeof *u);
+  double *a = dlsi_take(arena, m, sizeof *a), *F = dlsi_take(arena, m, sizeof *F);
+  double *best = dlsi_take(arena, m, sizeof *best);
+  if (arena->failed || !arena->base) return NULL;
+  const dls_nlgs filled = {
+      .d = d, .nc = nc, .block = block, .w = w, .u = u, .a = a, .F = F, .best = best};
+  *s = filled;
+  return s;
+}
+
+dls_status dls_nlgs_create(dls_nlgs **out, int d, int nc, const dls_nlgs_settings *settings,
+                           dls_error *error) {
+  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "out", -1, 0, "is NULL");
+  *out = NULL;
+  if (d != 2 && d != 3)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "d", -1, d, "is %d, must be 2 or 3", d);
+  if (nc < 1 || nc > INT32_MAX / d)
+    return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "is %d", nc);
+  const dls_status status = check_settings(__func__, settings, error);
+  if (status) return status;
+
+  dlsi_arena arena = {0};
+  (void)carve(&arena, d, nc);
+  if (arena.failed) return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "is too large");
+  arena.size = arena.used;
+  arena.used = 0;
+  arena.base = dlsi_alloc(1, arena.size);
+  if (!arena.base) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  *out = carve(&arena, d, nc);
+  (*out)->settings = *settings;
+  return DLS_OK;
+}
+
+void dls_nlgs_destroy(dls_nlgs *workspace) {
+  free(workspace); /* first in its one piece */
+}
+
+/* ---- the iteration --------------------------------------------------------------------------- */
+
+/* One sweep; returns how many candidates changed. */
+static int sweep_2d(const dls_nlgs *work, const dls_contact *problem, double *r) {
+  const double omega = work->settings.relaxation;
+  double *u = work->u;
+  int changed = 0;
+  for (int c = 0; c < problem->nc; c++) {
+    double *rc = r + 2 * (size_t)c;
+    const double *uc = u + 2 * (size_t)c, *W = work->block + 4 * (size_t)c, mu = problem->mu[c];
+    if (rc[0] == 0 && uc[0] >= 0) continue; /* (G0) */
+    const double p[2] = {uc[0] - (W[0] * rc[0] + W[2] * rc[1]),
+                         uc[1] - (W[1] * rc[0] + W[3] * rc[1])}; /* (G1) */
+    double s[2];
+    const dls_local_state state = dlsi_local_2d(W, p, mu, s); /* (G2) */
+    if (omega != 1) {                                         /* (G3) */
+      const double v[2] = {rc[0] + omega * (s[0] - rc[0]), rc[1] + omega * (s[1] - rc[1])};
+      if (state != DLS_LOCAL_FREE || work->w[c] * v[0] > DBL_EPSILON * p[0])
+        dlsi_project_cone(2, mu, v, s);
+    }
+    const double dr[2] = {s[0] - rc[0], s[1] - rc[1]};
+    if (dr[0] == 0 && dr[1] == 0) continue;
+    dlsi_contact_add_columns(problem, c, dr, u); /* (G4) */
+    rc[0] = s[0];
+    rc[1] = s[1];
+    changed++;
+  }
+  return changed;
+}
+
+static int sweep_3d(const dls_nlgs *work, const dls_contact *problem, double *r) {
+  const double omega = work->settings.relaxation;
+  double *u = work->u;
+  int changed = 0;
+  for (int c = 0; c < problem->nc; c++) {
+    double *rc = r + 3 * (size_t)c;
+    const double *uc = u + 3 * (size_t)c, *W = work->block + 9 * (size_t)c, mu = problem->mu[c];
+    if (rc[0] == 0 && uc[0] >= 0) continue; /* (G0) */
+    double p[3], s[3], v[3], dr[3];
+    for (int i = 0; i < 3; i++)
+      p[i] = uc[i] - (W[i] * rc[0] + W[i + 3] * rc[1] + W[i + 6] * rc[2]); /* (G1) */
+    const dls_local_state state = dlsi_local_3d(W, p, mu, s);              /* (G2) */
+    if (omega != 1) {                                                      /* (G3) */
+      for (int i = 0; i < 3; i++)
+        v[i] = rc[i] + omega * (s[i] - rc[i]);
+      if (state != DLS_LOCAL_FREE || work->w[c] * v[0] > DBL_EPSILON * p[0])
+        dlsi_project_cone(3, mu, v, s);
+    }
+    for (int i = 0; i < 3; i++)
+      dr[i] = s[i] - rc[i];
+    if (dr[0] == 0 && dr[1] == 0 && dr[2] == 0) continue;
+    dlsi_contact_add_columns(problem, c, dr, u); /* (G4) */
+    for (int i = 0; i < 3; i++)
+      rc[i] = s[i];
+    changed++;
+  }
+  return changed;
+}
+
+/* The certificate's residual from the u at hand; scale = 1 / |q|. */
+static double estimate(const dls_nlgs *work, const dls_contact *problem, const double *r,
+                       double scale) {
+  const int d = problem->d;
+  double sum = 0;
+  for (int c = 0; c < problem->nc; c++) {
+    const double *rc = r + (size_t)d * (size_t)c, *uc = work->u + (size_t)d * (size_t)c;
+    if (rc[0] == 0 && uc[0] >= 0) continue; /* F_c = 0 */
+    double F[3];
+    dlsi_contact_residual(d, problem->mu[c], work->w[c], rc, uc, F);
+    for (int i = 0; i < d; i++)
+      sum += (F[i] * scale) * (F[i] * scale);
+  }
+  return sqrt(sum);
+}
+
+/* (G5) u := W r + q afresh, and the certificate */
+static dls_certificate measure(const dls_nlgs *work, const dls_contact *problem, const double *r) {
+  dls_certificate certificate;
+  dlsi_contact_multiply(problem, r, work->u, work->a);
+  dlsi_contact_measure(problem, r, work->u, work->a, work->w, work->F, &certificate);
+  return certificate;
+}
+
+/* Sweeps until the certificate holds or there is a reason to stop, which is returned; r is then the
+ * best iterate, work->u belongs to it and so does *certificate. *iterations: sweeps done. */
+static dls_status iterate(const dls_nlgs *work, const dls_contact *problem, double *r,
+                          dls_certificate *certificate, int *iterations) {
+  const dls_nlgs_settings *settings = &work->settings;
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  const double scale = 1 / dlsi_norm2(problem->q, m);
+
+  *certificate = measure(work, problem, r);
+  if (dls_certificate_holds(certificate, settings->tol)) return DLS_OK;
+  double target = settings->tol, best = certificate->residual, residual = best;
+  memcpy(work->best, r, m * sizeof *r);
+  dls_status reason = DLS_MAX_ITERATIONS;
+  int fresh = 1; /* u carries no rounding of earlier sweeps */
+  for (int k = 1; k <= settings->max_iterations; k++) {
+    const int changed = d == 2 ? sweep_2d(work, problem, r) : sweep_3d(work, problem, r);
+    *iterations = k;
+    residual = estimate(work, problem, r, scale);
+    const int was_fresh = fresh;
+    fresh = !changed || residual <= target || k % refresh_every == 0;
+    if (fresh) { /* (G5) */
+      *certificate = measure(work, problem, r);
+      if (dls_certificate_holds(certificate, settings->tol)) return DLS_OK;
+      residual = certificate->residual;
+      target = 4 * certificate->floor > settings->tol ? 4 * certificate->floor : settings->tol;
+    }
+    if (residual < best) {
+      best = residual;
+      memcpy(work->best, r, m * sizeof *r);
+    }
+    const dls_progress progress = {"nlgs", k, settings->max_iterations, residual};
+    if (settings->progress && settings->progress(settings->progress_data, &progress)) {
+      reason = DLS_CANCELLED;
+      break;
+    }
+    if ((!changed && was_fresh) || !(residual <= DBL_MAX)) {
+      reason = DLS_STALLED;
+      break;
+    }
+  }
+  if (!(residual <= best)) memcpy(r, work->best, m * sizeof *r);
+  *certificate = measure(work, problem, r);
+  return dls_certificate_holds(certificate, settings->tol) ? DLS_OK : reason;
+}
+
+/* how many candidates have several solutions when the others stay at r; u = W r + q */
+static int count_ambiguous(const dls_nlgs *work, const dls_contact *problem, const double *r,
+                           const double *u) {
+  const int d = problem->d;
+  int ambiguous = 0;
+  for (int c = 0; c < problem->nc; c++) {
+    const double *W = work->block + (size_t)(d * d) * (size_t)c;
+    const double *rc = r + (size_t)d * (size_t)c, *uc = u + (size_t)d * (size_t)c;
+    double p[3], s[3];
+    for (int i = 0; i < d; i++) {
+      p[i] = uc[i];
+      for (int j = 0; j < d; j++)
+        p[i] -= W[i + d * j] * rc[j];
+    }
+    int count;
+    (void)dls_nlgs_local(d, W, p, problem->mu[c], s, &count);
+    ambiguous += count > 1;
+  }
+  return ambiguous;
+}
+
+dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, double *r, double *u,
+                          dls_info *info, dls_error *error) {
+  if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
+  dls_status status = dlsi_check_contact(__func__, problem, error);
+  if (status) return status;
+  const dls_nlgs *work = workspace;
+  const int d = problem->d, nc = problem->nc;
+  const size_t m = (size_t)d * (size_t)nc;
+  if (d != work->d)
+    return dlsi_fail(error, DLS_E_SIZE, __func__, "problem", -1, d,
+                     "has d = %d, the workspace is for %d", d, work->d);
+  if (nc > work->nc)
+    return dlsi_fail(error, DLS_E_SIZE, __func__, "problem", -1, nc,
+                     "has %d candidates, the workspace is for %d", nc, work->nc);
+  if (!r) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "r", -1, 0, "is NULL");
+  if (work->settings.warm_start) {
+    status = dlsi_check_vector(__func__, "r", r, m, error);
+    if (status) return status;
+  }
+
+  for (int c = 0; c < nc; c++)
+    dlsi_contact_diagonal(problem, c, work->block + (size_t)(d * d) * (size_t)c);
+  dlsi_contact_weights(problem, work->w);
+  if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
+    memset(r, 0, m * sizeof *r);
+  for (int c = 0; c < nc; c++) {
+    double *rc = r + (size_t)d * (size_t)c, v[3];
+    memcpy(v, rc, (size_t)d * sizeof *v);
+    dlsi_project_cone(d, problem->mu[c], v, rc);
+  }
+
+  int iterations = 0;
+  dls_certificate certificate;
+  status = iterate(work, problem, r, &certificate, &iterations);
+  if (u) memcpy(u, work->u, m * sizeof *u);
+  if (info) {
+    const dls_info outcome = {.status = status,
+                              .method = DLS_NLGS,
+                              .iterations = iterations,
+                              .certificate = certificate,
+                              .ambiguous = count_ambiguous(work, problem, r, work->u)};
+    *info = outcome;
+  }
+  return status;
+}
