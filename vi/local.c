@@ -12,7 +12,9 @@
  *          (L5)  r_n = -q_n / (a + mu b.e),  r_t = mu r_n e  with e = r_t / |r_t|
  *
  * 2D: e = +1 or -1, so (L5) and the sign of u_t settle slip: four states, each tried in full, which
- * is exact for any W: unsymmetric, singular, with W_nn <= 0, with no solution or with several.
+ * is exact for any W: unsymmetric, singular, with W_nn <= 0, with no solution or with several. For
+ * q_n < 0 both slips can only hold together with stick: on the segment u_n = 0 between the two, all
+ * of it in the cone, the affine u_t changes sign. So the order of the two slips does not matter.
  *
  * 3D: q_n < 0 and no stick mean h(0) > 0 > h(inf) = mu q_n / a, so that h has a root if S + l I
  * stays regular on the way, which it does for W positive semidefinite. The root is bracketed and
@@ -37,7 +39,7 @@
 /* |F| <= rounding (w |r| + |q|): as good as a solution when every exact test has just failed */
 static const double rounding = 1e-12;
 
-/* solutions whose r_t differ by less than this part of mu r_n are one */
+/* solutions that differ by less than this part of r_n, r_t are one; |h| this close to 0 is no pole */
 static const double same = 1e-8;
 
 static dls_local_state set(int d, double *r, double n, double t, double s, dls_local_state state) {
@@ -97,7 +99,7 @@ static int stick_2d(const double *W, const double *q, double mu, double *r) {
   const double f = W[1 - p] / W[p], s = W[3 - p] - f * W[2 + p], z = q[1 - p] - f * q[p];
   r[1] = s == 0 && z == 0 ? 0 : -z / s; /* of a line of solutions, the one without friction */
   r[0] = -(q[p] + W[2 + p] * r[1]) / W[p];
-  return r[0] > 0 && fabs(r[1]) <= mu * r[0];
+  return r[0] > 0 && r[0] <= DBL_MAX && fabs(r[1]) <= mu * r[0];
 }
 
 /* (L5) with e = sign; 1 if u_t opposes it. */
@@ -120,10 +122,8 @@ dls_local_state dlsi_local_2d(const double *W, const double *q, double mu, doubl
   if (mu == 0) return frictionless(2, W, q, r);
   if (stick_2d(W, q, mu, r)) return DLS_LOCAL_STICK; /* (L3) */
   double plus[2], minus[2];                          /* (L5) */
-  const int ok_plus = slip_2d(W, q, mu, 1, plus), ok_minus = slip_2d(W, q, mu, -1, minus);
-  if (ok_plus && (!ok_minus || plus[1] <= -minus[1]))
-    return set(2, r, plus[0], plus[1], 0, DLS_LOCAL_SLIP);
-  if (ok_minus) return set(2, r, minus[0], minus[1], 0, DLS_LOCAL_SLIP);
+  if (slip_2d(W, q, mu, 1, plus)) return set(2, r, plus[0], plus[1], 0, DLS_LOCAL_SLIP);
+  if (slip_2d(W, q, mu, -1, minus)) return set(2, r, minus[0], minus[1], 0, DLS_LOCAL_SLIP);
   const point points[] = {{{r[0], r[1], 0}, DLS_LOCAL_STICK},
                           {{plus[0], plus[1], 0}, DLS_LOCAL_SLIP},
                           {{minus[0], minus[1], 0}, DLS_LOCAL_SLIP}};
@@ -138,7 +138,8 @@ static int count_2d(const double *W, const double *q, double mu) {
   n += sticks;
   for (int sign = -1; sign <= 1; sign += 2)
     if (slip_2d(W, q, mu, sign, slip) &&
-        !(sticks && fabs(slip[1] - stick[1]) <= same * fabs(slip[1])))
+        !(sticks && fabs(slip[0] - stick[0]) <= same * fabs(slip[0]) &&
+          fabs(slip[1] - stick[1]) <= same * fabs(slip[1])))
       n++;
   return n;
 }
@@ -191,13 +192,13 @@ static double normal(const schur *s, const double *t) {
   return -(s->qn + s->b[0] * t[0] + s->b[1] * t[1]) / s->a;
 }
 
-/* (L5) along t; 1 if r_n > 0 */
+/* (L5) along t; 1 if r_n > 0 and all is finite */
 static int on_cone(const schur *s, const double *t, double *r) {
   const double n = sqrt(t[0] * t[0] + t[1] * t[1]), e0 = t[0] / n, e1 = t[1] / n;
   r[0] = -s->qn / (s->a + s->mu * (s->b[0] * e0 + s->b[1] * e1));
   r[1] = s->mu * r[0] * e0;
   r[2] = s->mu * r[0] * e1;
-  return r[0] > 0 && r[0] <= DBL_MAX;
+  return r[0] > 0 && r[0] <= DBL_MAX && n <= DBL_MAX;
 }
 
 /* (L3) and (L4) for q_n < 0; DLS_LOCAL_NONE if no root was found. r: the last point met. */
@@ -211,7 +212,8 @@ static dls_local_state stick_or_slip(const schur *s, double *r) {
     solve(&k, t, dt);
     const double n2 = t[0] * t[0] + t[1] * t[1], n = sqrt(n2);
     const double rn = normal(s, t), m = s->mu * rn, h = n - m;
-    if (h <= 0 && l <= 4 * DBL_EPSILON * s->scale) { /* (L3); u_t = -l r_t is below rounding */
+    /* (L3): u_t = -l r_t is 0 or below the rounding of z */
+    if (h <= 0 && l * n <= 4 * DBL_EPSILON * (fabs(s->z[0]) + fabs(s->z[1]))) {
       set(3, r, rn, t[0], t[1], DLS_LOCAL_STICK);
       return DLS_LOCAL_STICK;
     }

@@ -28,15 +28,17 @@ DLS_API void dls_nlgs_settings_init(dls_nlgs_settings *settings);
 /* A workspace for problems of dimension d with at most nc candidates; reused over time steps. */
 typedef struct dls_nlgs dls_nlgs;
 
-/* *out = new workspace, NULL on error. It holds 5 d nc + O(nc) doubles; the settings are copied.
+/* *out = new workspace, NULL on error. It holds ((d + 4) d + 1) nc doubles; the settings are copied.
  * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_nlgs_create(dls_nlgs **out, int d, int nc,
                                                 const dls_nlgs_settings *settings,
                                                 dls_error *error);
 
-/* Solves; allocates nothing. r (m): in, the start if warm_start, else ignored; out, the reactions.
+/* Solves; allocates nothing. r (m): in, the start if warm_start (put on the cone first), else
+ * ignored; out, the reactions: of the iterate with the smallest residual met if the status is > 0.
  * u (m) or NULL: W r + q. info or NULL. r, u must not overlap each other or the problem.
- * DLS_OK, DLS_MAX_ITERATIONS, DLS_CANCELLED, DLS_STALLED, or an error of dls_contact_check. */
+ * DLS_OK, DLS_MAX_ITERATIONS, DLS_CANCELLED, DLS_STALLED (a sweep changes nothing), an error of
+ * dls_contact_check, or DLS_E_SIZE for another d or more candidates than the workspace has. */
 DLS_API DLS_MUST_USE dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem,
                                                double *r, double *u, dls_info *info,
                                                dls_error *error);
@@ -53,9 +55,10 @@ typedef enum dls_local_state {
 } dls_local_state;
 
 /* The exact solution of one candidate alone: r with u = W r + q, d = 2 or 3; W is d x d with
- * leading dimension d, W_nn > 0. Where several solutions exist, the first of free, stick, slip (of
- * two slips the one with the smaller |r_t|, then the one in +t) is taken; *count, if not NULL,
- * receives how many there are (d = 3: 1, or 2 for "more than one"; see vi/README.md). */
+ * leading dimension d. Where several solutions exist, the first of free, stick, slip is taken;
+ * *count, if not NULL, receives how many there are (0 for none; of a continuum, its ends). In 3D
+ * W_nn <= 0 has no solution other than free; of several slips without stick (3D) it is not said
+ * which, but always the same. r is finite whatever W and q are. */
 DLS_API dls_local_state dls_nlgs_local(int d, const double *W, const double *q, double mu,
                                        double *r, int *count);
 

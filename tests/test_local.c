@@ -1,0 +1,306 @@
+/* test_local.c: the exact solution of one candidate. BLOCKS random blocks per dimension. */
+#include <check.h>
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "delassus/nlgs.h"
+
+#ifndef BLOCKS
+#define BLOCKS 100000
+#endif
+
+static uint64_t seed = 88172645463325252u;
+
+/* uniform in (0, 1) */
+static double uniform(void) {
+  seed ^= seed << 13;
+  seed ^= seed >> 7;
+  seed ^= seed << 17;
+  return ((double)(seed >> 11) + 0.5) * 0x1p-53;
+}
+
+/* How far (r, u = W r + q) is from the laws as they are written in contact.h, over the size of the
+ * terms of u: no projection, no certificate. */
+static double violation(int d, const double *W, const double *q, double mu, const double *r) {
+  double u[3] = {0}, size = 0, w = 0, worst = 0;
+  for (int i = 0; i < d; i++) {
+    u[i] = q[i];
+    double row = fabs(q[i]);
+    for (int j = 0; j < d; j++) {
+      u[i] += W[i + d * j] * r[j];
+      row += fabs(W[i + d * j] * r[j]);
+      if (fabs(W[i + d * j]) > w) w = fabs(W[i + d * j]);
+    }
+    if (row > size) size = row;
+  }
+  const double rt = d == 2 ? fabs(r[1]) : hypot(r[1], r[2]);
+  const double ut = d == 2 ? fabs(u[1]) : hypot(u[1], u[2]);
+  const int free = r[0] == 0 && rt == 0;
+  const int edge = w * (mu * r[0] - rt) <= 1e-11 * size;
+  double v[6] = {-u[0], -w * r[0], w * (rt - mu * r[0]), 0, 0, 0};
+  if (!free) v[3] = fabs(u[0]);
+  if (!free && !edge) v[4] = ut;
+  if (!free && edge && rt > 0)
+    v[5] =
+        d == 2 ? fabs(u[1] + ut * r[1] / rt) : hypot(u[1] + ut * r[1] / rt, u[2] + ut * r[2] / rt);
+  for (int k = 0; k < 6; k++)
+    if (!(v[k] <= worst)) worst = v[k];
+  return size > 0 ? worst / size : worst;
+}
+
+typedef struct local_case {
+  const char *name;
+  int d;
+  double W[9]; /* by rows, as one reads it */
+  double q[3], mu;
+  dls_local_state state;
+  double r[3];
+  int count;
+} local_case;
+
+static const local_case cases[] = {
+    /* W_nt = 0 */
+    {"free", 2, {2, 0, 0, 1}, {1, -7}, 1, DLS_LOCAL_FREE, {0, 0}, 1},
+    {"touching", 2, {2, 0, 0, 1}, {0, -7}, 1, DLS_LOCAL_FREE, {0, 0}, 1},
+    {"stick", 2, {2, 0, 0, 1}, {-2, 0.5}, 1, DLS_LOCAL_STICK, {1, -0.5}, 1},
+    {"stick on the edge", 2, {2, 0, 0, 1}, {-2, 1}, 1, DLS_LOCAL_STICK, {1, -1}, 1},
+    {"slip right", 2, {2, 0, 0, 1}, {-2, 5}, 1, DLS_LOCAL_SLIP, {1, -1}, 1},
+    {"slip left", 2, {2, 0, 0, 1}, {-2, -5}, 1, DLS_LOCAL_SLIP, {1, 1}, 1},
+    /* W_nt = 1 */
+    {"coupled stick", 2, {2, 1, 1, 2}, {-3.5, -1}, 0.5, DLS_LOCAL_STICK, {2, -0.5}, 1},
+    {"coupled slip left", 2, {2, 1, 1, 2}, {-5, -6}, 0.5, DLS_LOCAL_SLIP, {2, 1}, 1},
+    {"coupled slip right", 2, {2, 1, 1, 2}, {-3, 1}, 0.5, DLS_LOCAL_SLIP, {2, -1}, 1},
+    {"unsymmetric slip", 2, {2, 1, -1, 3}, {-5, -2}, 0.5, DLS_LOCAL_SLIP, {2, 1}, 1},
+    {"pivoting", 2, {0, 1, 1, 0}, {-1, -2}, 1, DLS_LOCAL_STICK, {2, 1}, 2}, /* and r = (1, 1) */
+    {"frictionless", 2, {2, 1, 1, 2}, {-4, 3}, 0, DLS_LOCAL_SLIP, {2, 0}, 1},
+    {"frictionless at rest", 2, {2, 1, 1, 2}, {-4, -2}, 0, DLS_LOCAL_STICK, {2, 0}, 1},
+    {"C1: three solutions", 2, {1, 1, 1, 2}, {1, 4}, 2, DLS_LOCAL_FREE, {0, 0}, 3},
+    {"C2: a continuum", 2, {1, 1, 1, 2}, {0, 1}, 1, DLS_LOCAL_FREE, {0, 0}, 2},
+    {"indefinite: stick and two slips", 2, {1, 0, 0, -1}, {-1, 0}, 1, DLS_LOCAL_STICK, {1, 0}, 3},
+    {"C3: below jamming", 2, {1, 1, 1, 1}, {-2, 0}, 0.5, DLS_LOCAL_SLIP, {4, -2}, 1},
+    {"C6", 2, {2, -1, -1, 1}, {-1, 1}, 1, DLS_LOCAL_SLIP, {1. / 3, -1. / 3}, 1},
+    {"C7", 2, {1, -1, -1, 2}, {-1, -3}, 2, DLS_LOCAL_STICK, {5, 4}, 1},
+    {"C12a", 2, {5, 2, 2, 1}, {-1, 0}, 3, DLS_LOCAL_STICK, {1, -2}, 1},
+    {"no tangential compliance", 2, {2, 0, 0, 0}, {-2, 3}, 0.5, DLS_LOCAL_SLIP, {1, -0.5}, 1},
+    {"a line of sticks", 2, {2, 0, 0, 0}, {-2, 0}, 0.5, DLS_LOCAL_STICK, {1, 0}, 3},
+    /* 3D */
+    {"free", 3, {2, 0, 0, 0, 1, 0, 0, 0, 1}, {1, 3, 4}, 1, DLS_LOCAL_FREE, {0, 0, 0}, 1},
+    {"stick", 3, {2, 0, 0, 0, 1, 0, 0, 0, 1}, {-2, .3, .4}, 1, DLS_LOCAL_STICK, {1, -.3, -.4}, 1},
+    {"slip", 3, {2, 0, 0, 0, 1, 0, 0, 0, 1}, {-2, 3, 4}, 1, DLS_LOCAL_SLIP, {1, -.6, -.8}, 1},
+    {"coupled slip", 3, {2, 1, 0, 1, 2, 0, 0, 0, 2}, {-5, -6, 0}, .5, DLS_LOCAL_SLIP, {2, 1, 0}, 1},
+    {"frictionless", 3, {2, 1, 0, 1, 2, 0, 0, 0, 2}, {-4, 1, 1}, 0, DLS_LOCAL_SLIP, {2, 0, 0}, 1},
+    {"no tangential compliance", 3, {2}, {-2, 3, 4}, .5, DLS_LOCAL_SLIP, {1, -.3, -.4}, 1},
+    {"a plane of sticks", 3, {2}, {-2, 0, 0}, .5, DLS_LOCAL_STICK, {1, 0, 0}, 1},
+    {"C7 in 3D", 3, {1, -1, 0, -1, 2, 0, 0, 0, 2}, {-1, -3, 0}, 2, DLS_LOCAL_STICK, {5, 4, 0}, 1},
+    {"C1 in 3D", 3, {1, 1, 0, 1, 2, 0, 0, 0, 1}, {1, 4, 0}, 2, DLS_LOCAL_FREE, {0, 0, 0}, 3},
+    {"C16", 3, {2, -1, 2, -1, 2, 0, 2, 0, 3}, {-1, 4, 3}, 1, DLS_LOCAL_STICK, {6, 1, -5}, 3},
+};
+
+static void transpose(int d, const double *rows, double *W) {
+  for (int i = 0; i < d; i++)
+    for (int j = 0; j < d; j++)
+      W[i + d * j] = rows[d * i + j];
+}
+
+START_TEST(by_hand) {
+  const local_case *k = &cases[_i];
+  double W[9], r[3] = {7, 7, 7};
+  int count = -1;
+  transpose(k->d, k->W, W);
+  const dls_local_state state = dls_nlgs_local(k->d, W, k->q, k->mu, r, &count);
+  ck_assert_msg(state == k->state, "%s: state %d", k->name, state);
+  ck_assert_msg(count == k->count, "%s: count %d", k->name, count);
+  for (int i = 0; i < k->d; i++)
+    ck_assert_msg(fabs(r[i] - k->r[i]) <= 4 * DBL_EPSILON * fabs(k->r[0]), "%s: r[%d] = %.17g",
+                  k->name, i, r[i]);
+  if (k->d == 2) ck_assert(r[2] == 7); /* not ours */
+  ck_assert(violation(k->d, W, k->q, k->mu, r) <= 8 * DBL_EPSILON);
+  ck_assert_int_eq(dls_nlgs_local(k->d, W, k->q, k->mu, r, NULL), state);
+}
+END_TEST
+
+/* powers of two on force and length: the same bits */
+START_TEST(units) {
+  const local_case *k = &cases[_i];
+  double W[9], V[9], q[3], r[3], s[3];
+  transpose(k->d, k->W, W);
+  (void)dls_nlgs_local(k->d, W, k->q, k->mu, r, NULL);
+  for (int a = -30; a <= 30; a += 30)
+    for (int b = -30; b <= 30; b += 30) {
+      for (int e = 0; e < k->d * k->d; e++)
+        V[e] = ldexp(W[e], a - b);
+      for (int i = 0; i < k->d; i++)
+        q[i] = ldexp(k->q[i], a);
+      int count;
+      ck_assert_int_eq(dls_nlgs_local(k->d, V, q, k->mu, s, &count), k->state);
+      ck_assert_int_eq(count, k->count);
+      for (int i = 0; i < k->d; i++)
+        ck_assert(s[i] == ldexp(r[i], b));
+    }
+}
+END_TEST
+
+typedef struct bad_case {
+  int d;
+  double W[9], q[3], mu;
+} bad_case;
+
+static const bad_case unsolvable[] = {
+    {2, {1, 1, 1, 1}, {-2, 0}, 1},                    /* C3, jammed */
+    {2, {1, 1, 1, 1}, {-2, 0}, 3},                    /* */
+    {2, {0}, {-1, 1}, 1},                             /* W = 0 */
+    {2, {-1, 0, 0, 1}, {-1, 0}, 1},                   /* W_nn < 0 */
+    {2, {0}, {-1, 1}, 0},                             /* */
+    {2, {1, 0, 0, 1}, {NAN, 0}, 1},                   /* */
+    {2, {NAN, 0, 0, 1}, {-1, 0}, 1},                  /* */
+    {2, {1e-300, 0, 0, 1e-300}, {-1e300, 1e300}, 1},  /* r overflows */
+    {3, {1, 1, 0, 1, 1, 0, 0, 0, 1}, {-2, 0, 0}, 1},  /* C3 */
+    {3, {1, 1, 0, 1, 1, 0, 0, 0, 1}, {-2, 0, 0}, 3},  /* */
+    {3, {0}, {-1, 1, 0}, 1},                          /* */
+    {3, {-1, 0, 0, 0, 1, 0, 0, 0, 1}, {-1, 0, 0}, 1}, /* */
+    {3, {0}, {-1, 1, 0}, 0},                          /* */
+    {3, {1, 0, 0, 0, 1, 0, 0, 0, 1}, {NAN, 0, 0}, 1}, /* */
+    {3, {NAN, 0, 0, 0, 1, 0, 0, 0, 1}, {-1, 0, 0}, 1},
+    {3, {1, 0, 0, 0, NAN, 0, 0, 0, 1}, {-1, 0, 0}, 1},
+    {3, {1e-300, 0, 0, 0, 1e-300, 0, 0, 0, 1e-300}, {-1e300, 1e300, 0}, 1},
+};
+
+START_TEST(no_solution) {
+  const bad_case *k = &unsolvable[_i];
+  double W[9], r[3] = {NAN, NAN, NAN};
+  int count = -1;
+  transpose(k->d, k->W, W);
+  ck_assert_int_eq(dls_nlgs_local(k->d, W, k->q, k->mu, r, &count), DLS_LOCAL_NONE);
+  ck_assert_int_eq(count, 0);
+  for (int i = 0; i < k->d; i++)
+    ck_assert(isfinite(r[i]));
+}
+END_TEST
+
+/* W = Q diag(1 .. 1/cond) Q^T + a skew part, q_n < 0 */
+static void random_block(int d, double skew, double *W, double *q, double *mu) {
+  const double cond = pow(10, 8 * uniform());
+  const double e[3] = {1, d == 2 ? 1 / cond : pow(cond, -uniform()), 1 / cond};
+  double Q[9];
+  for (int j = 0; j < d; j++) {
+    double n = 0;
+    for (int i = 0; i < d; i++)
+      Q[i + d * j] = 2 * uniform() - 1;
+    for (int k = 0; k < j; k++) {
+      double s = 0;
+      for (int i = 0; i < d; i++)
+        s += Q[i + d * j] * Q[i + d * k];
+      for (int i = 0; i < d; i++)
+        Q[i + d * j] -= s * Q[i + d * k];
+    }
+    for (int i = 0; i < d; i++)
+      n += Q[i + d * j] * Q[i + d * j];
+    for (int i = 0; i < d; i++)
+      Q[i + d * j] /= sqrt(n);
+  }
+  for (int i = 0; i < d; i++)
+    for (int j = 0; j < d; j++) {
+      W[i + d * j] = 0;
+      for (int k = 0; k < d; k++)
+        W[i + d * j] += Q[i + d * k] * e[k] * Q[j + d * k];
+    }
+  for (int i = 0; i < d; i++)
+    for (int j = 0; j < i; j++) {
+      const double s = skew * (2 * uniform() - 1);
+      W[i + d * j] += s;
+      W[j + d * i] -= s;
+    }
+  for (int i = 0; i < d; i++)
+    q[i] = 2 * uniform() - 1;
+  q[0] = -fabs(q[0]);
+  *mu = 0.1 * pow(40, uniform());
+}
+
+/* Bounds: 2D is all closed forms; in 3D the slip direction carries the conditioning of S + l I. */
+START_TEST(random_blocks) {
+  const int d = 2 + _i % 2;
+  const double skew = _i < 2 ? 0 : 1e-3, bound = d == 2 ? 1e-14 : 1e-11;
+  double worst = 0;
+  int several = 0;
+  clock_t spent = 0;
+  enum { batch = 1000 };
+  static double W[9 * batch], q[3 * batch], mu[batch], r[3 * batch];
+  for (int n = 0; n < BLOCKS; n += batch) {
+    for (int k = 0; k < batch; k++)
+      random_block(d, skew, W + d * d * k, q + d * k, mu + k);
+    int solved = 0;
+    const clock_t start = clock();
+    for (int k = 0; k < batch; k++)
+      solved += dls_nlgs_local(d, W + d * d * k, q + d * k, mu[k], r + d * k, NULL) > 0;
+    spent += clock() - start;
+    ck_assert_int_eq(solved, batch);
+    for (int k = 0; k < batch; k++) {
+      const double v = violation(d, W + d * d * k, q + d * k, mu[k], r + d * k);
+      if (!(v <= worst)) worst = v;
+      double s[3];
+      int count = 0;
+      if (k % 10 == 0) (void)dls_nlgs_local(d, W + d * d * k, q + d * k, mu[k], s, &count);
+      several += count > 1;
+    }
+  }
+  printf("%dD, skew %g: %d blocks, worst %.1e, %.0f ns each, several solutions %.2f %%\n", d, skew,
+         BLOCKS, worst, 1e9 * (double)spent / CLOCKS_PER_SEC / BLOCKS, 1000.0 * several / BLOCKS);
+  ck_assert_msg(worst <= bound, "worst %g", worst);
+  if (d == 2 && skew == 0) ck_assert_int_eq(several, 0); /* SPD, q_n < 0: unique in 2D */
+}
+END_TEST
+
+/* r of a block in turned tangents is the turned r */
+START_TEST(turned_tangents) {
+  for (int k = 0; k < 2000; k++) {
+    double W[9], q[3], mu, r[3], s[3];
+    random_block(3, 0, W, q, &mu);
+    for (int i = 0; i < 9; i += 4)
+      W[i] += 0.1; /* so that r is well determined */
+    const double angle = 6.28 * uniform(), c = cos(angle), t = sin(angle);
+    const double Q[9] = {1, 0, 0, 0, c, t, 0, -t, c}; /* column-major */
+    double V[9] = {0}, p[3] = {0};
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++) {
+        p[i] += Q[i + 3 * j] * q[j];
+        for (int a = 0; a < 3; a++)
+          for (int b = 0; b < 3; b++)
+            V[i + 3 * j] += Q[i + 3 * a] * W[a + 3 * b] * Q[j + 3 * b];
+      }
+    int count;
+    const dls_local_state state = dls_nlgs_local(3, W, q, mu, r, &count);
+    if (count > 1) continue; /* which slip is not said */
+    ck_assert_int_eq(dls_nlgs_local(3, V, p, mu, s, NULL), state);
+    for (int i = 0; i < 3; i++) {
+      double turned = 0;
+      for (int j = 0; j < 3; j++)
+        turned += Q[i + 3 * j] * r[j];
+      ck_assert(fabs(turned - s[i]) <= 1e-12 * (fabs(r[0]) + fabs(r[1]) + fabs(r[2])));
+    }
+  }
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("local");
+  TCase *hand = tcase_create("by hand");
+  tcase_add_loop_test(hand, by_hand, 0, sizeof cases / sizeof cases[0]);
+  tcase_add_loop_test(hand, units, 0, sizeof cases / sizeof cases[0]);
+  tcase_add_loop_test(hand, no_solution, 0, sizeof unsolvable / sizeof unsolvable[0]);
+  suite_add_tcase(suite, hand);
+  TCase *random = tcase_create("random");
+  tcase_set_timeout(random, 120);
+  tcase_add_loop_test(random, random_blocks, 0, 4);
+  tcase_add_test(random, turned_tangents);
+  suite_add_tcase(suite, random);
+  SRunner *runner = srunner_create(suite);
+  srunner_run_all(runner, CK_NORMAL);
+  const int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
