@@ -51,14 +51,14 @@ static dls_local_state set(int d, double *r, double n, double t, double s, dls_l
 
 /* ---- the least bad of several points --------------------------------------------------------- */
 
-enum { most_points = 6 };
-
 typedef struct point {
   double r[3];
   dls_local_state state;
 } point;
 
-/* r := the one of r = 0 and the n points with the smallest |F|; NaN never wins. */
+static const point apart = {{0, 0, 0}, DLS_LOCAL_FREE};
+
+/* r := the one of the n points with the smallest |F|, the first of which is r = 0; NaN never wins. */
 static dls_local_state least_bad(int d, const double *W, const double *q, double mu,
                                  const point *points, int n, double *r) {
   double trace = 0, largest = 0;
@@ -70,9 +70,8 @@ static dls_local_state least_bad(int d, const double *W, const double *q, double
   double best = INFINITY;
   dls_local_state state = DLS_LOCAL_NONE;
   set(d, r, 0, 0, 0, state);
-  for (int k = -1; k < n; k++) {
-    static const double zero[3] = {0};
-    const double *p = k < 0 ? zero : points[k].r;
+  for (int k = 0; k < n; k++) {
+    const double *p = points[k].r;
     double u[3] = {0}, F[3] = {0};
     for (int i = 0; i < d; i++) {
       u[i] = q[i];
@@ -86,7 +85,7 @@ static dls_local_state least_bad(int d, const double *W, const double *q, double
     for (int i = 0; i < d; i++)
       r[i] = p[i];
     const double size = w * dlsi_norm2(p, (size_t)d) + dlsi_norm2(q, (size_t)d);
-    state = !(f <= rounding * size) ? DLS_LOCAL_NONE : k < 0 ? DLS_LOCAL_FREE : points[k].state;
+    state = f <= rounding * size ? points[k].state : DLS_LOCAL_NONE;
   }
   return state;
 }
@@ -111,7 +110,7 @@ static int slip_2d(const double *W, const double *q, double mu, double sign, dou
 
 /* mu = 0: the tangential row only tells stick from slip */
 static dls_local_state frictionless(int d, const double *W, const double *q, double *r) {
-  if (!(W[0] > 0)) return least_bad(d, W, q, 0, NULL, 0, r);
+  if (!(W[0] > 0)) return least_bad(d, W, q, 0, &apart, 1, r);
   set(d, r, -q[0] / W[0], 0, 0, DLS_LOCAL_SLIP);
   const int still = q[1] + W[1] * r[0] == 0 && (d == 2 || q[2] + W[2] * r[0] == 0);
   return still ? DLS_LOCAL_STICK : DLS_LOCAL_SLIP;
@@ -124,10 +123,11 @@ dls_local_state dlsi_local_2d(const double *W, const double *q, double mu, doubl
   double plus[2], minus[2];                          /* (L5) */
   if (slip_2d(W, q, mu, 1, plus)) return set(2, r, plus[0], plus[1], 0, DLS_LOCAL_SLIP);
   if (slip_2d(W, q, mu, -1, minus)) return set(2, r, minus[0], minus[1], 0, DLS_LOCAL_SLIP);
-  const point points[] = {{{r[0], r[1], 0}, DLS_LOCAL_STICK},
+  const point points[] = {apart,
+                          {{r[0], r[1], 0}, DLS_LOCAL_STICK},
                           {{plus[0], plus[1], 0}, DLS_LOCAL_SLIP},
                           {{minus[0], minus[1], 0}, DLS_LOCAL_SLIP}};
-  return least_bad(2, W, q, mu, points, 3, r);
+  return least_bad(2, W, q, mu, points, 4, r);
 }
 
 static int count_2d(const double *W, const double *q, double mu) {
@@ -328,13 +328,13 @@ static int sticks_3d(const schur *s, point *p) {
 dls_local_state dlsi_local_3d(const double *W, const double *q, double mu, double *r) {
   if (q[0] >= 0) return set(3, r, 0, 0, 0, DLS_LOCAL_FREE); /* (L1) */
   if (mu == 0) return frictionless(3, W, q, r);
-  if (!(W[0] > 0)) return least_bad(3, W, q, mu, NULL, 0, r);
+  if (!(W[0] > 0)) return least_bad(3, W, q, mu, &apart, 1, r);
   const schur s = schur_complement(W, q, mu);
   const dls_local_state state = stick_or_slip(&s, r);
   if (state != DLS_LOCAL_NONE) return state;
-  point points[most_points];
-  (void)sticks_3d(&s, &points[0]);
-  const int n = 1 + all_slips(&s, points + 1);
+  point points[6] = {apart, apart};
+  (void)sticks_3d(&s, &points[1]);
+  const int n = 2 + all_slips(&s, points + 2);
   return least_bad(3, W, q, mu, points, n, r);
 }
 
@@ -346,7 +346,7 @@ static int count_3d(const double *W, const double *q, double mu) {
   if (n && !(mu * hypot(W[3], W[6]) > W[0])) return n;
   if (mu == 0) return n + (q[0] < 0);
   const schur s = schur_complement(W, q, mu);
-  point stick, slip[4];
+  point stick = apart, slip[4];
   n += sticks_3d(&s, &stick);
   return n + all_slips(&s, slip);
 }

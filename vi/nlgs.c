@@ -210,6 +210,16 @@ static dls_certificate measure(const dls_nlgs *work, const dls_contact *problem,
   return certificate;
 }
 
+/* A warm start put on the cone, so that r_n = 0 means r_c = 0 (G0); cold starts are. */
+static void project_start(const dls_contact *problem, double *r) {
+  const size_t d = (size_t)problem->d;
+  for (int c = 0; c < problem->nc; c++) {
+    double *rc = r + d * (size_t)c, v[3];
+    memcpy(v, rc, d * sizeof *v);
+    dlsi_project_cone(problem->d, problem->mu[c], v, rc);
+  }
+}
+
 /* Sweeps until the certificate holds or there is a reason to stop, which is returned; r is then the
  * best iterate, work->u belongs to it and so does *certificate. *iterations: sweeps done. */
 static dls_status iterate(const dls_nlgs *work, const dls_contact *problem, double *r,
@@ -220,6 +230,10 @@ static dls_status iterate(const dls_nlgs *work, const dls_contact *problem, doub
 
   *certificate = measure(work, problem, r);
   if (dls_certificate_holds(certificate, settings->tol)) return DLS_OK;
+  if (settings->warm_start) {
+    project_start(problem, r);
+    *certificate = measure(work, problem, r);
+  }
   double target = settings->tol, best = certificate->residual, residual = best;
   memcpy(work->best, r, m * sizeof *r);
   dls_status reason = DLS_MAX_ITERATIONS;
@@ -301,11 +315,6 @@ dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, doubl
   dlsi_contact_weights(problem, work->w);
   if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
     memset(r, 0, m * sizeof *r);
-  for (int c = 0; c < nc; c++) {
-    double *rc = r + (size_t)d * (size_t)c, v[3];
-    memcpy(v, rc, (size_t)d * sizeof *v);
-    dlsi_project_cone(d, problem->mu[c], v, rc);
-  }
 
   int iterations = 0;
   dls_certificate certificate;

@@ -34,11 +34,11 @@ DLS_API DLS_MUST_USE dls_status dls_nlgs_create(dls_nlgs **out, int d, int nc,
                                                 const dls_nlgs_settings *settings,
                                                 dls_error *error);
 
-/* Solves; allocates nothing. r (m): in, the start if warm_start (put on the cone first), else
- * ignored; out, the reactions: of the iterate with the smallest residual met if the status is > 0.
- * u (m) or NULL: W r + q. info or NULL. r, u must not overlap each other or the problem.
- * DLS_OK, DLS_MAX_ITERATIONS, DLS_CANCELLED, DLS_STALLED (a sweep changes nothing), an error of
- * dls_contact_check, or DLS_E_SIZE for another d or more candidates than the workspace has. */
+/* Solves; allocates nothing. r (m): in, the start if warm_start (put on the cone first unless it is a
+ * solution), else ignored; out, the reactions: where the status is > 0, those with the smallest
+ * residual met. u (m) or NULL: W r + q. info or NULL. r, u must not overlap each other or the
+ * problem. DLS_OK, DLS_MAX_ITERATIONS, DLS_CANCELLED, DLS_STALLED (a sweep changes nothing), an
+ * error of dls_contact_check, or DLS_E_SIZE for another d or more candidates than in create. */
 DLS_API DLS_MUST_USE dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem,
                                                double *r, double *u, dls_info *info,
                                                dls_error *error);
