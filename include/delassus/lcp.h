@@ -39,7 +39,7 @@ typedef struct dls_lcp_certificate {
   int worst;              /* index of the largest |F_i| */
 } dls_lcp_certificate;
 
-/* y (n, or NULL) receives M z + q. Allocates 2 n doubles. */
+/* y (n, or NULL) receives M z + q. Allocates 3 n doubles. */
 DLS_API DLS_MUST_USE dls_status dls_lcp_certify(const dls_lcp *lcp, const double *z, double *y,
                                                 dls_lcp_certificate *certificate, dls_error *error);
 
@@ -48,37 +48,94 @@ DLS_API int dls_lcp_certificate_holds(const dls_lcp_certificate *certificate, do
 
 /* ---- Lemke ---------------------------------------------------------------------------------- */
 
+/* Lemke's method follows y = M z + d z0 + q from large z0 down to z0 = 0, one exchange ("pivot") at a
+ * time, y_i or z_i being 0 for every i; d > 0 is the covering vector ([C] (42) has d = 1). It ends
+ * because the exchanges are lexicographic (proof in lcp/lemke.c): at z0 = 0, which is a solution, or
+ * in a ray, along which it cannot decide. */
 typedef struct dls_lemke_settings {
   size_t size;              /* set by init; settings without it are refused */
-  double tol;               /* on the certificate's residual; 1e-8 */
+  double tol;               /* on the certificate's residual; >= 0; 1e-8 */
   int max_iterations;       /* pivots; 0: 50 n + 1000; 0 */
-  dls_progress_fn progress; /* NULL for none */
+  dls_progress_fn progress; /* every 50 pivots; NULL for none; NULL */
   void *progress_data;
+  const double *cover; /* d, n of create, each > 0; copied. NULL: d_i = the geometric mean of the
+                          entries of row i of M that are not 0, after the columns have been scaled to
+                          a mean of 1, and where that ends in a ray, other multiples of it; NULL */
 } dls_lemke_settings;
 
 DLS_API void dls_lemke_settings_init(dls_lemke_settings *settings);
 
 typedef struct dls_lemke_info {
   dls_status status;
-  int pivots;
+  int pivots;                      /* of all starts together */
   dls_lcp_certificate certificate; /* of the z that is returned */
+  int starts;                      /* 1, or more when an answer could not be certified */
+  int refreshes;                   /* how often the table was computed anew from M */
 } dls_lemke_info;
 
 typedef struct dls_lemke dls_lemke; /* workspace for n <= the n of create */
 
-/* *out = new workspace, NULL on error; the settings are copied. */
+/* *out = new workspace, NULL on error; the settings and the cover are copied. It holds
+ * n (n + 1) + 128 n + O(n) doubles. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE (cover),
+ * DLS_E_SETTINGS, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_lemke_create(dls_lemke **out, int n,
                                                  const dls_lemke_settings *settings,
                                                  dls_error *error);
 
-/* z (n) and y (n, or NULL): the solution, y = M z + q. On DLS_RAY and the other statuses > 0: the
- * last iterate. Allocates nothing.
- * DLS_OK, DLS_MAX_ITERATIONS, DLS_CANCELLED, DLS_STALLED, DLS_RAY, or an error of dls_lcp_check. */
+/* z (n) >= 0 and y (n, or NULL) = M z + q, recomputed; neither may overlap the other or the problem.
+ * Allocates nothing.
+ *   DLS_OK              z is a solution: dls_lcp_certificate_holds
+ *   DLS_NO_SOLUTION     no z >= 0 has M z + q >= 0; dls_lemke_farkas gives the proof
+ *   DLS_RAY             the path ended in a ray; dls_lemke_ray gives it. Whether there is a solution
+ *                       is not known, unless theory adds something: if M is copositive-plus (positive
+ *                       semidefinite, say), a ray means that there is none
+ *   DLS_MAX_ITERATIONS, DLS_CANCELLED
+ *   DLS_STALLED         rounding: an answer or a ray was reached that cannot be confirmed
+ * or an error of dls_lcp_check. With a status > 0, z is the point with the smallest residual met. */
 DLS_API DLS_MUST_USE dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z,
                                                 double *y, dls_lemke_info *info, dls_error *error);
 
+/* After DLS_RAY or DLS_NO_SOLUTION: the ray z + t dz, z0 + t dz0, t >= 0, [C] (49), and the covering
+ * vector it belongs to. z, dz, cover: n of the last problem, each NULL if not wanted; so z0, dz0.
+ * DLS_E_ARGUMENT if the last solve did not end so. */
+DLS_API DLS_MUST_USE dls_status dls_lemke_ray(const dls_lemke *workspace, double *z, double *z0,
+                                              double *dz, double *dz0, double *cover,
+                                              dls_error *error);
+
+/* After DLS_NO_SOLUTION: v (n), see dls_lcp_check_farkas. DLS_E_ARGUMENT if the last solve did not end
+ * so. */
+DLS_API DLS_MUST_USE dls_status dls_lemke_farkas(const dls_lemke *workspace, double *v,
+                                                 dls_error *error);
+
 /* NULL is fine. */
 DLS_API void dls_lemke_destroy(dls_lemke *workspace);
+
+/* ---- proofs, checked in O(n^2) ---------------------------------------------------------------- */
+
+/* *violation := how far (z, z0), (dz, dz0) are from a secondary ray of LCP(M, q) with covering vector
+ * `cover` (n, > 0): with y = M z + d z0 + q, dy = M dz + d dz0, it asks that
+ *
+ *   z, y, dz, dy >= 0,  dz0 >= 0,  z_i y_i = z_i dy_i = dz_i y_i = dz_i dy_i = 0,  z0 > 0,  dz != 0.
+ *
+ * (With dz = 0 it would be the primary ray, which every problem has; with z0 = 0, z is a solution.)
+ * With s_i of the certificate, y_i and s_i z_i are measured against max( s_i |z_i|, (|M||z| + d z0 +
+ * |q|)_i ), dy_i and s_i dz_i against max( s_i |dz_i|, (|M||dz| + d dz0)_i ), a product a b as
+ * min(a, b); the largest counts. 0 for a perfect ray, about 1e-15 for one in double
+ * precision, infinite if z0 <= 0, dz0 < 0 or dz = 0. Allocates 6 n doubles. */
+DLS_API DLS_MUST_USE dls_status dls_lcp_check_ray(const dls_lcp *lcp, const double *cover,
+                                                  const double *z, double z0, const double *dz,
+                                                  double dz0, double *violation, dls_error *error);
+
+/* *violation := how far v (n) is from a proof (Farkas) that no z >= 0 has M z + q >= 0:
+ *
+ *   v >= 0,  M^T v <= 0,  q^T v < 0;   then  v^T (M z + q) = (M^T v)^T z + q^T v < 0.
+ *
+ *   violation = max_j (M^T v)_j / (|M|^T v)_j  /  ( -q^T v / |q|^T v ),
+ *
+ * or 0 if that is negative; infinite if some v_j < 0 or q^T v >= 0. A z with M z + q >= 0 must then
+ * have some z_j >= ( |q|^T v / n (|M|^T v)_j ) / violation. */
+DLS_API DLS_MUST_USE dls_status dls_lcp_check_farkas(const dls_lcp *lcp, const double *v,
+                                                     double *violation, dls_error *error);
 
 /* ---- 2D contact as an LCP -------------------------------------------------------------------- */
 
@@ -88,12 +145,14 @@ DLS_API void dls_lemke_destroy(dls_lemke *workspace);
  *   phi_1 = mu r_n - r_t,  phi_2 = mu r_n + r_t,  u_t = lambda_1 - lambda_2   ([C] (39), sign of (21))
  *
  * so that M_cc = ( W_nn - mu W_nt   W_nt   0 ;  W_tn - mu W_tt   W_tt   1 ;  2 mu   -1   0 ) and
- * q_c = (q_n, q_t, 0). A frictionless problem is LCP(W_nn, q_n). Returns 0 unless d = 2. */
+ * q_c = (q_n, q_t, 0). A frictionless problem is LCP(W_nn, q_n). Returns 0 for NULL, unless d = 2, and
+ * where the size does not fit an int. */
 DLS_API int dls_contact_lcp_size(const dls_contact *problem);
 
 /* M (n x n, leading dimension ldm >= n) and q (n) := the LCP above, n = dls_contact_lcp_size, in
  * scaled unknowns r_c = s_c r'_c, u_c = u'_c / s_c; s (nc, each > 0) or NULL for none.
- * s_c = 1 / sqrt(w_c) makes the diagonal blocks of W of size 1. DLS_E_UNSUPPORTED unless d = 2. */
+ * s_c = 1 / sqrt(w_c) makes the diagonal blocks of W of size 1. M and q must not overlap each other,
+ * s or the problem; rows n .. ldm-1 of M are left alone. DLS_E_UNSUPPORTED unless d = 2. */
 DLS_API DLS_MUST_USE dls_status dls_contact_to_lcp(const dls_contact *problem, const double *s,
                                                    double *M, int ldm, double *q, dls_error *error);
 

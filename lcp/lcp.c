@@ -1,0 +1,221 @@
+/*
+ * lcp.c: the linear complementarity problem, its certificate, and the checks of the two proofs that
+ * Lemke's method can end with.
+ *
+ *   y = M z + q,   y >= 0,  z >= 0,  y^T z = 0                    [Chabrand 1998] (40)
+ *   F_i = min( s_i z_i, y_i ),  s_i = |M_ii|                      F = 0 if and only if z is a solution
+ */
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dlsi.h"
+#include "lcp_internal.h"
+
+dls_status dlsi_check_lcp(const char *function, const dls_lcp *lcp, dls_error *error) {
+  if (!lcp) return dlsi_fail(error, DLS_E_ARGUMENT, function, "lcp", -1, 0, "is NULL");
+  const int n = lcp->n;
+  if (n < 1 || n > INT_MAX / 4)
+    return dlsi_fail(error, DLS_E_SIZE, function, "n", -1, n, "is %d", n);
+  const dls_status status = dlsi_check_dense(function, "M", &lcp->M, n, n, error);
+  if (status) return status;
+  return dlsi_check_vector(function, "q", lcp->q, (size_t)n, error);
+}
+
+dls_status dls_lcp_check(const dls_lcp *lcp, dls_error *error) {
+  return dlsi_check_lcp(__func__, lcp, error);
+}
+
+/* ---- the certificate ------------------------------------------------------------------------- */
+
+void dlsi_lcp_multiply(const dls_lcp *lcp, const double *q, const double *z, double *y, double *a) {
+  const size_t n = (size_t)lcp->n, ld = (size_t)lcp->M.ld;
+  for (size_t i = 0; i < n; i++) {
+    y[i] = q ? q[i] : 0;
+    a[i] = 0;
+  }
+  for (size_t j = 0; j < n; j++) {
+    const double *m = lcp->M.a + j * ld, zj = z[j];
+    if (zj == 0) continue; /* M is finite */
+    for (size_t i = 0; i < n; i++) {
+      const double p = m[i] * zj;
+      y[i] += p;
+      a[i] += fabs(p);
+    }
+  }
+}
+
+void dlsi_lcp_weights(const dls_lcp *lcp, double *s) {
+  const size_t n = (size_t)lcp->n, ld = (size_t)lcp->M.ld;
+  size_t zeros = 0;
+  for (size_t i = 0; i < n; i++) {
+    s[i] = fabs(lcp->M.a[i + i * ld]);
+    zeros += s[i] == 0;
+  }
+  if (zeros == 0) return;
+  for (size_t j = 0; j < n; j++) /* a weight < 0: minus the largest entry so far of such a row */
+    for (size_t i = 0; i < n; i++)
+      if (s[i] <= 0 && fabs(lcp->M.a[i + j * ld]) > -s[i]) s[i] = -fabs(lcp->M.a[i + j * ld]);
+  for (size_t i = 0; i < n; i++)
+    s[i] = s[i] < 0 ? -s[i] : s[i] > 0 ? s[i] : 1;
+}
+
+/* m := max(m, x), keeping NaN */
+static void raise(double *m, double x) {
+  if (x > *m || x != x) *m = x;
+}
+
+/* the smaller one; NaN if either is */
+static double least(double a, double b) {
+  return a != a || a < b ? a : b;
+}
+
+void dlsi_lcp_measure(const dls_lcp *lcp, const double *z, const double *y, const double *a,
+                      const double *s, dls_lcp_certificate *certificate) {
+  const size_t n = (size_t)lcp->n;
+  dls_lcp_certificate c = {0};
+  double largest = -1, sum = 0;
+  for (size_t i = 0; i < n; i++) /* largest |F_i| first: |F|_2 without overflow */
+    raise(&largest, fabs(least(s[i] * z[i], y[i])));
+  for (size_t i = 0; i < n; i++) {
+    const double F = fabs(least(s[i] * z[i], y[i]));
+    if (F == largest || F != F) c.worst = (int)i;
+    if (largest > 0) sum += (F / largest) * (F / largest);
+    raise(&c.negative_z, -z[i]);
+    raise(&c.negative_y, -y[i]);
+    raise(&c.complementarity, fabs(y[i] * z[i]));
+  }
+  const double f = largest * sqrt(sum), az = dlsi_norm2(a, n), q = dlsi_norm2(lcp->q, n);
+  const double scale = q > 0 ? q : az;
+  c.residual = largest == 0 ? 0 : f / scale;
+  c.floor = az == 0 ? 0 : DBL_EPSILON * (az / scale);
+  *certificate = c;
+}
+
+dls_status dls_lcp_certify(const dls_lcp *lcp, const double *z, double *y,
+                           dls_lcp_certificate *certificate, dls_error *error) {
+  dls_status status = dlsi_check_lcp(__func__, lcp, error);
+  if (status) return status;
+  const size_t n = (size_t)lcp->n;
+  status = dlsi_check_vector(__func__, "z", z, n, error);
+  if (status) return status;
+  if (!certificate)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "certificate", -1, 0, "is NULL");
+  double *work = dlsi_alloc(3 * n, sizeof *work);
+  if (!work) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  double *v = work, *a = work + n, *s = work + 2 * n;
+  dlsi_lcp_multiply(lcp, lcp->q, z, v, a);
+  dlsi_lcp_weights(lcp, s);
+  dlsi_lcp_measure(lcp, z, v, a, s, certificate);
+  if (y) memcpy(y, v, n * sizeof *y);
+  free(work);
+  return DLS_OK;
+}
+
+int dls_lcp_certificate_holds(const dls_lcp_certificate *certificate, double tol) {
+  if (!certificate) return 0;
+  const double four = 4 * certificate->floor;
+  return certificate->residual <= (four > tol ? four : tol);
+}
+
+/* ---- the ray --------------------------------------------------------------------------------- */
+
+/* y += d z0, a := max(a + |d z0|, |s z|); then v := s z / a, y := y / a, 0 where a is 0. */
+static void relative(size_t n, const double *d, double z0, const double *s, const double *z,
+                     double *y, double *a, double *v) {
+  for (size_t i = 0; i < n; i++) {
+    y[i] += d[i] * z0;
+    a[i] += fabs(d[i] * z0);
+    raise(&a[i], fabs(s[i] * z[i]));
+    v[i] = a[i] == 0 ? 0 : s[i] * z[i] / a[i];
+    y[i] = a[i] == 0 ? 0 : y[i] / a[i];
+  }
+}
+
+double dlsi_lcp_ray_violation(const dls_lcp *lcp, const double *cover, const double *z, double z0,
+                              const double *dz, double dz0, double *work) {
+  const size_t n = (size_t)lcp->n;
+  double *a = work, *s = work + n, *y = work + 2 * n, *dy = work + 3 * n, *v = work + 4 * n,
+         *dv = work + 5 * n;
+  if (!(z0 > 0) || !(dz0 >= 0) || !(dlsi_max_abs(dz, n) > 0)) return INFINITY;
+  dlsi_lcp_weights(lcp, s);
+  dlsi_lcp_multiply(lcp, lcp->q, z, y, a);
+  for (size_t i = 0; i < n; i++)
+    a[i] += fabs(lcp->q[i]);
+  relative(n, cover, z0, s, z, y, a, v);
+  dlsi_lcp_multiply(lcp, NULL, dz, dy, a);
+  relative(n, cover, dz0, s, dz, dy, a, dv);
+  double violation = 0;
+  for (size_t i = 0; i < n; i++) {
+    raise(&violation, -v[i]);
+    raise(&violation, -y[i]);
+    raise(&violation, -dv[i]);
+    raise(&violation, -dy[i]);
+    raise(&violation, v[i] > dv[i] ? least(v[i], y[i] > dy[i] ? y[i] : dy[i])
+                                   : least(dv[i], y[i] > dy[i] ? y[i] : dy[i]));
+    if (violation != violation) return violation;
+  }
+  return violation;
+}
+
+dls_status dls_lcp_check_ray(const dls_lcp *lcp, const double *cover, const double *z, double z0,
+                             const double *dz, double dz0, double *violation, dls_error *error) {
+  dls_status status = dlsi_check_lcp(__func__, lcp, error);
+  if (status) return status;
+  const size_t n = (size_t)lcp->n;
+  status = dlsi_check_vector(__func__, "cover", cover, n, error);
+  for (size_t i = 0; !status && i < n; i++)
+    if (!(cover[i] > 0))
+      return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "cover", (long long)i, cover[i],
+                       "must be positive");
+  if (!status) status = dlsi_check_vector(__func__, "z", z, n, error);
+  if (!status) status = dlsi_check_vector(__func__, "z0", &z0, 1, error);
+  if (!status) status = dlsi_check_vector(__func__, "dz", dz, n, error);
+  if (!status) status = dlsi_check_vector(__func__, "dz0", &dz0, 1, error);
+  if (status) return status;
+  if (!violation)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "violation", -1, 0, "is NULL");
+  double *work = dlsi_alloc(6 * n, sizeof *work);
+  if (!work) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  *violation = dlsi_lcp_ray_violation(lcp, cover, z, z0, dz, dz0, work);
+  free(work);
+  return DLS_OK;
+}
+
+/* ---- Farkas ---------------------------------------------------------------------------------- */
+
+double dlsi_lcp_farkas_violation(const dls_lcp *lcp, const double *v) {
+  const size_t n = (size_t)lcp->n, ld = (size_t)lcp->M.ld;
+  double qv = 0, aqv = 0, worst = 0;
+  for (size_t i = 0; i < n; i++) {
+    if (!(v[i] >= 0)) return INFINITY;
+    qv += lcp->q[i] * v[i];
+    aqv += fabs(lcp->q[i]) * v[i];
+  }
+  if (!(qv < 0)) return INFINITY;
+  for (size_t j = 0; j < n; j++) {
+    const double *m = lcp->M.a + j * ld;
+    double p = 0, a = 0;
+    for (size_t i = 0; i < n; i++) {
+      p += m[i] * v[i];
+      a += fabs(m[i] * v[i]);
+    }
+    raise(&worst, a == 0 ? 0 : p / a);
+    if (worst != worst) return worst;
+  }
+  return worst / (-qv / aqv);
+}
+
+dls_status dls_lcp_check_farkas(const dls_lcp *lcp, const double *v, double *violation,
+                                dls_error *error) {
+  dls_status status = dlsi_check_lcp(__func__, lcp, error);
+  if (status) return status;
+  status = dlsi_check_vector(__func__, "v", v, (size_t)lcp->n, error);
+  if (status) return status;
+  if (!violation)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "violation", -1, 0, "is NULL");
+  *violation = dlsi_lcp_farkas_violation(lcp, v);
+  return DLS_OK;
+}

@@ -1,0 +1,66 @@
+/*
+ * lcp_internal.h: what the files of lcp/ share: the measure of an LCP's answer, the scaling of an LCP,
+ * and the table of Lemke's method.
+ */
+#ifndef LCP_INTERNAL_H
+#define LCP_INTERNAL_H
+
+#include "delassus/lcp.h"
+
+/* ---- lcp.c ----------------------------------------------------------------------------------- */
+
+dls_status dlsi_check_lcp(const char *function, const dls_lcp *lcp, dls_error *error);
+
+/* y := M z + q, a := |M||z|; q = NULL for none. */
+void dlsi_lcp_multiply(const dls_lcp *lcp, const double *q, const double *z, double *y, double *a);
+
+/* s_i = |M_ii|, or max_j |M_ij| where M_ii = 0, or 1 for a zero row. */
+void dlsi_lcp_weights(const dls_lcp *lcp, double *s);
+
+/* The certificate of z from given y = M z + q, a = |M||z| and weights s. */
+void dlsi_lcp_measure(const dls_lcp *lcp, const double *z, const double *y, const double *a,
+                      const double *s, dls_lcp_certificate *certificate);
+
+/* The violations of dls_lcp_check_ray and dls_lcp_check_farkas; work: 6 n and 0 doubles. */
+double dlsi_lcp_ray_violation(const dls_lcp *lcp, const double *cover, const double *z, double z0,
+                              const double *dz, double dz0, double *work);
+double dlsi_lcp_farkas_violation(const dls_lcp *lcp, const double *v);
+
+/* ---- scale.c --------------------------------------------------------------------------------- */
+
+/* Exponents rho (rows), gamma (columns) such that the entries 2^(rho_i + gamma_j) |M_ij| that are not
+ * 0 have geometric mean 1 in every row and column, nearly. work: 2 n doubles; counts: 2 n ints. */
+void dlsi_lcp_equilibrate(const dls_lcp *lcp, double *rho, double *gamma, double *work,
+                          int *counts);
+
+/* ---- table.c --------------------------------------------------------------------------------- */
+
+/* Variables are numbered: y_i is i, z_i is n + i, z0 is 2 n. */
+typedef struct dlsi_table {
+  int n, ld;
+  double *T;    /* ld x (n+1): coefficients, but for the pending exchanges */
+  double *U;    /* n x dlsi_table_block */
+  double *V;    /* (n+1) x dlsi_table_block:   x_B = b + (T - U V^T) x_N */
+  int pending;  /* columns of U and V in use */
+  double *b;    /* n: values of the basic variables */
+  double *g;    /* n: their derivative by the perturbation */
+  int *basic;   /* n: variable of each row */
+  int *column;  /* n+1: variable of each column */
+  int *where;   /* 2n+1: row of a basic variable, -1 - column of another */
+} dlsi_table;
+
+enum { dlsi_table_block = 64 };
+
+/* c (n) := column s of T - U V^T */
+void dlsi_table_column(const dlsi_table *t, int s, double *c);
+
+/* (T - U V^T)_ij */
+double dlsi_table_entry(const dlsi_table *t, int i, int j);
+
+/* Exchanges the variables of row r and column s; c: column s as above, c[r] != 0. */
+void dlsi_table_exchange(dlsi_table *t, int r, int s, const double *c);
+
+/* T := T - U V^T */
+void dlsi_table_flush(dlsi_table *t);
+
+#endif

@@ -1,0 +1,595 @@
+/*
+ * lemke.c: Lemke's method for LCP(M, q), [Chabrand 1998] 4.3 (40)-(49).
+ *
+ *   y = M z + d z0 + q,   y, z >= 0,  z0 >= 0,  y_i z_i = 0       [C] (42) with d = 1
+ *
+ * kept as a table x_B = b + A x_N (table.c). From z0 large enough for y >= 0 down to z0 = 0:
+ *
+ *   (L1) z0 enters, y_r leaves, r = argmin q_i / d_i                                [C] (43)-(45)
+ *   (L2) the complement of the variable that left enters: column c of A
+ *   (L3) x_r leaves: r = argmin { b_i / -c_i : c_i < 0 }; no such i: a ray, stop          (46)
+ *   (L4) exchange; if z0 left, b is a solution, else (L2)                            (47)-(48)
+ *
+ * Ties. Replace q by q(e) = q + e g + (e^2, e^3, .., e^(n+1)), g > 0, e -> 0+. The values of the basic
+ * variables become b + e g' + .., where g' is g carried through the exchanges like b, and the
+ * coefficient of e^(j+2) in row i is (L5) -a_is if y_j stands in column s, 1 if y_j is basic in row i, 0 if in
+ * another: to move q_j is to move y_j the other way. (L3) compares
+ *   (R1) b_i / -c_i,   (R2) among ties g'_i / -c_i,   (R3) among ties the entries (L5) / -c_i, j = 0, 1, ..
+ * (R3) costs n^2 only if it runs to the end, and g is such that it hardly ever starts; so there
+ * are no ties to break at more cost than O(n).
+ *
+ * It ends. The rows (b, g', L5)_i are linearly independent: (L5) holds the rows of the inverse of the
+ * basis. Hence no two are proportional, (R1)-(R3) always leaves one r, and all rows stay
+ * lexicographically positive, as they are after (L1) by the same choice. So for small e > 0 the path is that of the
+ * nondegenerate problem q(e): every almost complementary basis has at most two neighbours (enter one or the
+ * other of the pair that is out of the basis), the first has only one (the other way lies the primary ray), so
+ * no basis can come twice, and there are finitely many (Lemke, Management Science 11, 1965, 681-689;
+ * Cottle, Pang, Stone, The Linear Complementarity Problem, 1992, 4.4 and 4.9).
+ *
+ * Rounding. Decisions are taken on R M C with powers of two R, C (scale.c), so that one set of relative tolerances
+ * serves all units. Deviations from the above:
+ *   (T1) c_i < -1e-11 max|c| instead of c_i < 0;  b_i / -c_i counts as tied within (b_i + 1e-13 max|b|) / -c_i
+ *   (T2) z0 leaves where it would be tied within 1e-10 max|b|: at the end z0 is commonly tied with many others
+ *   (T3) every so many exchanges, and after one on a small pivot, b is put into the user's M; if it does not fit to
+ *        1e-9, the table is computed anew ("refreshed"): from M, the variables of the basis
+ *        are exchanged in again, each against the row with the largest coefficient
+ *   (T4) answers do not carry the table's rounding: b, and the c of a ray, are refined against the
+ *        user's M, the table serving as the approximate inverse
+ *   (T5) the answer is certified, the ray is checked (dls_lcp_check_ray); what fails is tried
+ *        again on a fresh table, then from the start without (T2) and with (T3) more often
+ *
+ * With a ray (z, z0) + t (dz, dz0): if v = dz is a Farkas proof (it is if M is copositive-plus), there is no
+ * solution. Otherwise nothing is known; other covering vectors may lead to a solution and are tried where the user gave none.
+ *
+ * Cost: 2 n^2 flops per exchange at the rate of dgemm, O(64 n) besides; memory n (n + 1) + 130 n. It can
+ * take 2^n exchanges (Murty) and usually takes n/2 to 3 n.
+ */
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dlsi.h"
+#include "lcp_internal.h"
+
+static const double pivot_tolerance = 1e-11; /* (T1), to max|c| */
+static const double tie_tolerance = 1e-13;   /* (T1), to max|b| */
+static const double z0_tolerance = 1e-10;    /* (T2), to max|b| */
+static const double lex_tolerance = 1e-9;    /* (R2), (R3): relative */
+static const double small_pivot = 1e-8;      /* (T3), to max|c| */
+static const double misfit_tolerance = 1e-9; /* (T3), to 1 + max|b|; max|q| is about 1 */
+static const double proof_tolerance = 1e-9;  /* of a ray or a Farkas vector */
+static const double sharp = 1e-13;           /* a residual that calls for no second look */
+
+enum { progress_interval = 50, check_interval = 256, strict_check_interval = 32 };
+
+struct dls_lemke {
+  int n; /* of create */
+  dls_lemke_settings settings;
+  double *cover; /* n of create; the user's, or NULL */
+  dlsi_table table;
+
+  /* The scaled problem: M' = R M C, q' = R q / kappa, d' = sigma R d; z = kappa C z',
+   * y = kappa y' / R, z0 = kappa sigma z0'. */
+  double *R, *C, *q, *d;
+  double kappa, sigma;
+
+  double *c;             /* n: the entering column */
+  double *x, *dx;        /* 2n+1: values by variable, and along the entering column */
+  double *residual;      /* n */
+  double *work;          /* 6 n */
+  int *rows;             /* 2 n */
+  int *reenter;          /* n+1 */
+  int pivots, refreshes; /* of this solve */
+
+  double *y, *magnitude, *weight, *trial; /* n: certificate of a trial z */
+  double *z;                              /* n: the best so far */
+  dls_lcp_certificate best;
+
+  int solved_n; /* n of the last solve if it ended in a ray, else 0 */
+  int proved;   /* ray_dz is a Farkas proof */
+  double *ray_z, *ray_dz, *ray_cover;
+  double ray_z0, ray_dz0;
+};
+
+/* ---- workspace ------------------------------------------------------------------------------- */
+
+void dls_lemke_settings_init(dls_lemke_settings *settings) {
+  if (!settings) return;
+  memset(settings, 0, sizeof *settings);
+  settings->size = sizeof *settings;
+  settings->tol = 1e-8;
+}
+
+/* A column length that is no multiple of 512 doubles: a row of T then falls on all cache sets. */
+static size_t leading_dimension(size_t n) {
+  const size_t ld = (n + 7) / 8 * 8;
+  return ld % 512 ? ld : ld + 8;
+}
+
+static void carve(dls_lemke *w, dlsi_arena *arena) {
+  const size_t n = (size_t)w->n, block = dlsi_table_block;
+  const size_t ld = leading_dimension(n);
+  dlsi_table *t = &w->table;
+  if (n + 1 > (size_t)-1 / sizeof(double) / ld) {
+    arena->failed = 1;
+    return;
+  }
+  t->ld = (int)ld;
+  t->T = dlsi_take(arena, ld * (n + 1), sizeof(double));
+  t->U = dlsi_take(arena, n * block, sizeof(double));
+  t->V = dlsi_take(arena, (n + 1) * block, sizeof(double));
+  double **vectors[] = {&t->b,         &t->g,     &w->R, &w->C,     &w->q,
+                        &w->d,         &w->c,     &w->y, &w->trial, &w->magnitude,
+                        &w->weight,    &w->z,     &w->ray_z, &w->ray_dz, &w->ray_cover,
+                        &w->residual};
+  for (size_t k = 0; k < sizeof vectors / sizeof vectors[0]; k++)
+    *vectors[k] = dlsi_take(arena, n, sizeof(double));
+  if (w->settings.cover) w->cover = dlsi_take(arena, n, sizeof(double));
+  w->x = dlsi_take(arena, 2 * n + 1, sizeof(double));
+  w->dx = dlsi_take(arena, 2 * n + 1, sizeof(double));
+  w->work = dlsi_take(arena, 6 * n, sizeof(double));
+  t->basic = dlsi_take(arena, n, sizeof(int));
+  t->column = dlsi_take(arena, n + 1, sizeof(int));
+  t->where = dlsi_take(arena, 2 * n + 1, sizeof(int));
+  w->rows = dlsi_take(arena, 2 * n, sizeof(int));
+  w->reenter = dlsi_take(arena, n + 1, sizeof(int));
+}
+
+dls_status dls_lemke_create(dls_lemke **out, int n, const dls_lemke_settings *settings,
+                            dls_error *error) {
+  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "out", -1, 0, "is NULL");
+  *out = NULL;
+  if (n < 1 || n > INT_MAX / 4)
+    return dlsi_fail(error, DLS_E_SIZE, __func__, "n", -1, n, "is %d", n);
+  dls_lemke_settings defaults;
+  dls_lemke_settings_init(&defaults);
+  if (!settings) settings = &defaults;
+  if (settings->size != sizeof *settings)
+    return dlsi_fail(error, DLS_E_SETTINGS, __func__, "settings", -1, (double)settings->size,
+                     "not filled by dls_lemke_settings_init");
+  if (!(settings->tol >= 0) || !isfinite(settings->tol))
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "tol", -1, settings->tol,
+                     "must be finite and not negative");
+  if (settings->max_iterations < 0)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "max_iterations", -1,
+                     settings->max_iterations, "is negative");
+  if (settings->cover) {
+    const dls_status status =
+        dlsi_check_vector(__func__, "cover", settings->cover, (size_t)n, error);
+    if (status) return status;
+    for (int i = 0; i < n; i++)
+      if (!(settings->cover[i] > 0))
+        return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "cover", i, settings->cover[i],
+                         "must be positive");
+  }
+
+  dls_lemke sizes = {.n = n, .settings = *settings};
+  dlsi_arena arena = {0};
+  carve(&sizes, &arena);
+  if (arena.failed) return dlsi_fail(error, DLS_E_SIZE, __func__, "n", -1, n, "is too large");
+  const size_t head = (sizeof sizes + 63) / 64 * 64; /* the arena starts after the struct */
+  char *memory = arena.used > (size_t)-1 - head - 63 ? NULL : dlsi_alloc(head + arena.used + 63, 1);
+  if (!memory) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, n, "out of memory");
+  dls_lemke *w = (dls_lemke *)(void *)memory;
+  *w = sizes;
+  arena = (dlsi_arena){.base = memory + head, .size = arena.used};
+  carve(w, &arena);
+  if (w->cover) memcpy(w->cover, settings->cover, (size_t)n * sizeof *w->cover);
+  w->settings.cover = w->cover;
+  *out = w;
+  return DLS_OK;
+}
+
+void dls_lemke_destroy(dls_lemke *workspace) {
+  free(workspace);
+}
+
+/* ---- the scaled problem ---------------------------------------------------------------------- */
+
+static int complement(int n, int v) {
+  return v < n ? v + n : v - n;
+}
+
+/* 2^round(e), kept within the range where products with it neither over- nor underflow by themselves */
+static double power_of_two(double e) {
+  return ldexp(1, (int)lrint(e < -500 ? -500 : e > 500 ? 500 : e));
+}
+
+/* start k = 0, 1, ..: the default covering vector, times a factor that differs from start to start */
+static void scale_problem(dls_lemke *w, const dls_lcp *lcp, int cover) {
+  const int n = lcp->n;
+  double largest = 0;
+  dlsi_lcp_equilibrate(lcp, w->R, w->C, w->work, w->rows);
+  for (int i = 0; i < n; i++) {
+    const double rho = w->R[i];
+    w->R[i] = power_of_two(rho);
+    w->C[i] = power_of_two(w->C[i]);
+    w->d[i] = w->R[i] * (w->cover ? w->cover[i] : exp2(-rho));
+    (void)cover;
+    if (w->d[i] > largest) largest = w->d[i];
+  }
+  w->sigma = w->cover ? power_of_two(-log2(largest)) : 1;
+  largest = 0;
+  for (int i = 0; i < n; i++) {
+    w->d[i] *= w->sigma;
+    w->q[i] = w->R[i] * lcp->q[i];
+    if (fabs(w->q[i]) > largest) largest = fabs(w->q[i]);
+  }
+  w->kappa = power_of_two(log2(largest));
+  for (int i = 0; i < n; i++)
+    w->q[i] /= w->kappa;
+}
+
+/* The table of the basis y: y = q' + M' z' + d' z0. */
+static void load_table(dls_lemke *w, const dls_lcp *lcp) {
+  const int n = lcp->n;
+  dlsi_table *t = &w->table;
+  t->n = n;
+  t->pending = 0;
+  for (int j = 0; j < n; j++) {
+    const double *m = lcp->M.a + (size_t)j * (size_t)lcp->M.ld;
+    double *a = t->T + (size_t)j * (size_t)t->ld;
+    for (int i = 0; i < n; i++)
+      a[i] = w->R[i] * m[i] * w->C[j];
+    t->column[j] = n + j;
+    t->where[n + j] = -1 - j;
+  }
+  memcpy(t->T + (size_t)n * (size_t)t->ld, w->d, (size_t)n * sizeof *t->T);
+  t->column[n] = 2 * n;
+  t->where[2 * n] = -1 - n;
+  double x = 0;
+  for (int i = 0; i < n; i++) {
+    t->basic[i] = i;
+    t->where[i] = i;
+    t->b[i] = w->q[i];
+    x += 0.6180339887498949; /* golden ratio: no two alike */
+    x -= x >= 1;
+    t->g[i] = 1 + x;
+  }
+}
+
+/* (T3) the table of the present basis from the user's M; 0 if the basis is singular */
+static int refresh(dls_lemke *w, const dls_lcp *lcp) {
+  const int n = lcp->n;
+  dlsi_table *t = &w->table;
+  int *free_row = w->rows, count = 0;
+  for (int i = 0; i < n; i++) {
+    free_row[i] = t->where[i] < 0; /* y_i is out: row i waits for a z */
+    if (t->basic[i] >= n) w->reenter[count++] = t->basic[i];
+  }
+  load_table(w, lcp);
+  w->refreshes++;
+  for (int k = 0; k < count; k++) {
+    const int s = -1 - t->where[w->reenter[k]];
+    int r = -1;
+    dlsi_table_column(t, s, w->c);
+    for (int i = 0; i < n; i++)
+      if (free_row[i] && (r < 0 || fabs(w->c[i]) > fabs(w->c[r]))) r = i;
+    if (r < 0 || !(fabs(w->c[r]) > 0)) return 0;
+    free_row[r] = 0;
+    dlsi_table_exchange(t, r, s, w->c);
+  }
+  return 1;
+}
+
+/* residual := M' z' + d' z0 + h q' - y' of values x by variable; returns its max norm */
+static double misfit(dls_lemke *w, const dls_lcp *lcp, const double *x, double h) {
+  const size_t n = (size_t)lcp->n;
+  double *f = w->residual, largest = 0;
+  memset(f, 0, n * sizeof *f);
+  for (size_t j = 0; j < n; j++) {
+    const double *m = lcp->M.a + j * (size_t)lcp->M.ld, z = w->C[j] * x[n + j];
+    if (z == 0) continue;
+    for (size_t i = 0; i < n; i++)
+      f[i] += m[i] * z;
+  }
+  for (size_t i = 0; i < n; i++) {
+    f[i] = w->R[i] * f[i] + (w->d[i] * x[2 * n] + h * w->q[i] - x[i]);
+    if (fabs(f[i]) > largest || f[i] != f[i]) largest = fabs(f[i]);
+  }
+  return largest;
+}
+
+/* x := the basic variables at b (dx: at c, with the entering variable at 1), the others 0 */
+static void read_values(const dlsi_table *t, const double *b, int entering, double *x) {
+  memset(x, 0, (2 * (size_t)t->n + 1) * sizeof *x);
+  for (int i = 0; i < t->n; i++)
+    x[t->basic[i]] = b[i];
+  if (entering >= 0) x[entering] = 1;
+}
+
+/* (T4) With residual f, y_i out of the basis is f_i instead of 0: it has to move by -f_i, which moves
+ * the basic variables by -f_i times its column; y_i in the basis takes up its f_i by itself. */
+static void refine(dls_lemke *w, const dls_lcp *lcp, double *x, double h) {
+  dlsi_table *t = &w->table;
+  const int n = lcp->n;
+  double before = INFINITY;
+  dlsi_table_flush(t);
+  for (int sweep = 0; sweep < 4; sweep++) {
+    const double f = misfit(w, lcp, x, h);
+    if (!(f > 0) || !(f < 0.5 * before)) return;
+    before = f;
+    double *dx = w->work;
+    memset(dx, 0, (size_t)n * sizeof *dx);
+    for (int i = 0; i < n; i++) {
+      const double fi = w->residual[i];
+      if (t->where[i] >= 0)
+        x[i] += fi;
+      else if (fi != 0) {
+        const double *a = t->T + (size_t)(-1 - t->where[i]) * (size_t)t->ld;
+        for (int k = 0; k < n; k++)
+          dx[k] -= fi * a[k];
+      }
+    }
+    for (int k = 0; k < n; k++)
+      x[t->basic[k]] += dx[k];
+  }
+}
+
+/* ---- the ratio test -------------------------------------------------------------------------- */
+
+enum { no_row = -1, not_finite = -2 };
+
+/* Keeps those of rows[0..count) whose value[k] is smallest but for rounding; returns how many. */
+static int keep_smallest(int count, int *rows, const double *value) {
+  double smallest = INFINITY, largest = 0;
+  int kept = 0;
+  for (int k = 0; k < count; k++) {
+    if (value[k] < smallest) smallest = value[k];
+    if (fabs(value[k]) > largest) largest = fabs(value[k]);
+  }
+  for (int k = 0; k < count; k++)
+    if (value[k] <= smallest + lex_tolerance * largest) rows[kept++] = rows[k];
+  return kept;
+}
+
+/* (L5): the coefficient of e^(j+2) in row i */
+static double perturbation(const dlsi_table *t, int i, int j) {
+  const int w = t->where[j];
+  return w < 0 ? -dlsi_table_entry(t, i, -1 - w) : w == i;
+}
+
+/* (L3) with (R1)-(R3), (T1), (T2): the row that leaves when column c enters */
+static int leaving_row(dls_lemke *w, const double *c, double cmax, int strict) {
+  dlsi_table *t = &w->table;
+  const int n = t->n, z0 = t->where[2 * n];
+  const double bmax = dlsi_max_abs(t->b, (size_t)n);
+  if (!isfinite(cmax) || !isfinite(bmax)) return not_finite;
+  const double least = -pivot_tolerance * cmax, tie = tie_tolerance * bmax,
+               tie0 = (strict ? tie_tolerance : z0_tolerance) * bmax;
+  double bound = INFINITY, bound0 = INFINITY;
+  for (int i = 0; i < n; i++) /* (R1) */
+    if (c[i] < least) {
+      const double b = t->b[i] > 0 ? t->b[i] : 0;
+      if (b + tie < -bound * c[i]) bound = (b + tie) / -c[i];
+      if (b + tie0 < -bound0 * c[i]) bound0 = (b + tie0) / -c[i];
+    }
+  if (bound == INFINITY) return no_row;
+  if (c[z0] < least && t->b[z0] <= -bound0 * c[z0]) return z0; /* (T2) */
+
+  int *rows = w->rows, count = 0;
+  double *value = w->work;
+  for (int i = 0; i < n; i++)
+    if (c[i] < least && t->b[i] <= -bound * c[i]) rows[count++] = i;
+  if (count > 1) { /* (R2) */
+    for (int k = 0; k < count; k++)
+      value[k] = t->g[rows[k]] / -c[rows[k]];
+    count = keep_smallest(count, rows, value);
+  }
+  for (int j = 0; count > 1 && j < n; j++) { /* (R3) */
+    for (int k = 0; k < count; k++)
+      value[k] = perturbation(t, rows[k], j) / -c[rows[k]];
+    count = keep_smallest(count, rows, value);
+  }
+  int r = rows[0];
+  for (int k = 1; k < count; k++) /* only where rounding hides the difference */
+    if (c[rows[k]] < c[r]) r = rows[k];
+  return r;
+}
+
+/* (L1), ties as in (R2), (R3): of rows (e_i / d_i) the last one is lexicographically smallest */
+static int first_row(const dls_lemke *w, const dls_lcp *lcp) {
+  const int n = lcp->n;
+  const double *g = w->table.g;
+  double least = INFINITY, size = 0;
+  int r = 0;
+  for (int i = 0; i < n; i++) {
+    if (w->q[i] < least * w->d[i]) least = w->q[i] / w->d[i];
+    if (fabs(w->q[i]) > size * w->d[i]) size = fabs(w->q[i]) / w->d[i];
+  }
+  double smallest = INFINITY;
+  for (int i = 0; i < n; i++)
+    if (w->q[i] / w->d[i] <= least + tie_tolerance * size && g[i] / w->d[i] <= smallest) {
+      smallest = g[i] / w->d[i];
+      r = i;
+    }
+  return r;
+}
+
+/* ---- the path -------------------------------------------------------------------------------- */
+
+typedef enum path_end { path_solved, path_ray, path_limit, path_cancelled, path_lost } path_end;
+
+/* The residual with z0 > 0 is about that of y - d z0 where y - d z0 < 0. */
+static int report(const dls_lemke *w, const dls_lcp *lcp, int max_pivots) {
+  const size_t n = (size_t)lcp->n;
+  if (!w->settings.progress) return 0;
+  const double z0 = w->table.where[2 * n] < 0 ? 0 : w->table.b[w->table.where[2 * n]];
+  const dls_progress progress = {"lemke", w->pivots, max_pivots,
+                                 z0 * dlsi_norm2(w->d, n) / dlsi_norm2(w->q, n)};
+  return w->settings.progress(w->settings.progress_data, &progress);
+}
+
+/* Follows the path to its end; *entering is the variable of the ray. */
+static path_end follow(dls_lemke *w, const dls_lcp *lcp, int max_pivots, int strict,
+                       int *entering) {
+  dlsi_table *t = &w->table;
+  const int n = lcp->n, z0 = 2 * n;
+  load_table(w, lcp);
+  int r = first_row(w, lcp), fresh = 0, unchecked = 0;
+  *entering = complement(n, r);
+  dlsi_table_exchange(t, r, n, w->d); /* (L1) */
+  w->pivots++;
+  for (;;) {
+    if (w->pivots >= max_pivots) return path_limit;
+    if (w->pivots % progress_interval == 0 && report(w, lcp, max_pivots)) return path_cancelled;
+    const int s = -1 - t->where[*entering];
+    dlsi_table_column(t, s, w->c); /* (L2) */
+    const double cmax = dlsi_max_abs(w->c, (size_t)n);
+    r = leaving_row(w, w->c, cmax, strict); /* (L3) */
+    if (r < 0) {
+      if (fresh) return r == no_row ? path_ray : path_lost;
+      if (!refresh(w, lcp)) return path_lost;
+      fresh = 1;
+      continue;
+    }
+    const int out = t->basic[r];
+    const double pivot = fabs(w->c[r]);
+    dlsi_table_exchange(t, r, s, w->c); /* (L4) */
+    w->pivots++;
+    fresh = 0;
+    if (out == z0) return path_solved;
+    *entering = complement(n, out);
+    if (++unchecked >= (strict ? strict_check_interval : check_interval) ||
+        pivot < small_pivot * cmax) { /* (T3) */
+      unchecked = 0;
+      read_values(t, t->b, -1, w->x);
+      if (!(misfit(w, lcp, w->x, 1) <= misfit_tolerance * (1 + dlsi_max_abs(t->b, (size_t)n)))) {
+        if (!refresh(w, lcp)) return path_lost;
+        fresh = 1;
+      }
+    }
+  }
+}
+
+/* ---- answers --------------------------------------------------------------------------------- */
+
+/* Certifies z = max(0, x) in the user's units; keeps it if it is the best so far. */
+static void offer(dls_lemke *w, const dls_lcp *lcp, const double *x) {
+  const size_t n = (size_t)lcp->n;
+  dls_lcp_certificate certificate;
+  for (size_t j = 0; j < n; j++)
+    w->trial[j] = x[n + j] > 0 ? w->kappa * w->C[j] * x[n + j] : 0;
+  dlsi_lcp_multiply(lcp, lcp->q, w->trial, w->y, w->magnitude);
+  dlsi_lcp_measure(lcp, w->trial, w->y, w->magnitude, w->weight, &certificate);
+  if (!(certificate.residual < w->best.residual)) return;
+  w->best = certificate;
+  memcpy(w->z, w->trial, n * sizeof *w->z);
+}
+
+/* (T5) for a solution: 1 if nothing better is to be expected */
+static int accept_solution(dls_lemke *w, const dls_lcp *lcp) {
+  for (int anew = 0; anew < 2; anew++) {
+    if (anew && !refresh(w, lcp)) return 0;
+    read_values(&w->table, w->table.b, -1, w->x);
+    refine(w, lcp, w->x, 1);
+    offer(w, lcp, w->x);
+    if (dls_lcp_certificate_holds(&w->best, sharp)) return 1;
+  }
+  return 0;
+}
+
+/* (T5) for a ray on a fresh table: 1 if it is one */
+static int accept_ray(dls_lemke *w, const dls_lcp *lcp, int entering) {
+  const size_t n = (size_t)lcp->n;
+  read_values(&w->table, w->table.b, -1, w->x);
+  read_values(&w->table, w->c, entering, w->dx);
+  refine(w, lcp, w->x, 1);
+  refine(w, lcp, w->dx, 0);
+  offer(w, lcp, w->x);
+  const double size = dlsi_max_abs(w->dx, 2 * n + 1);
+  for (size_t j = 0; j < n; j++) {
+    const double z = w->x[n + j], dz = w->dx[n + j] / size;
+    w->ray_z[j] = z > 0 ? w->kappa * w->C[j] * z : 0;
+    w->ray_dz[j] = dz > pivot_tolerance ? w->kappa * w->C[j] * dz : 0;
+    w->ray_cover[j] = w->d[j] / w->R[j] / w->sigma;
+  }
+  const double dz0 = w->dx[2 * n] / size;
+  w->ray_z0 = w->x[2 * n] * w->kappa * w->sigma;
+  w->ray_dz0 = dz0 > pivot_tolerance ? w->kappa * w->sigma * dz0 : 0;
+  if (!(dlsi_lcp_ray_violation(lcp, w->ray_cover, w->ray_z, w->ray_z0, w->ray_dz, w->ray_dz0,
+                               w->work) <= proof_tolerance))
+    return 0;
+  w->proved = dlsi_lcp_farkas_violation(lcp, w->ray_dz) <= proof_tolerance;
+  w->solved_n = lcp->n;
+  return 1;
+}
+
+dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, double *y,
+                           dls_lemke_info *info, dls_error *error) {
+  if (!workspace)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
+  dls_status status = dlsi_check_lcp(__func__, lcp, error);
+  if (status) return status;
+  if (lcp->n > workspace->n)
+    return dlsi_fail(error, DLS_E_SIZE, __func__, "n", -1, lcp->n, "is more than %d of create",
+                     workspace->n);
+  if (!z) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "z", -1, 0, "is NULL");
+
+  dls_lemke *w = workspace;
+  const size_t n = (size_t)lcp->n;
+  const int limit = w->settings.max_iterations ? w->settings.max_iterations
+                    : lcp->n < (INT_MAX - 1000) / 50 ? 50 * lcp->n + 1000
+                                                     : INT_MAX;
+  w->pivots = w->refreshes = w->solved_n = w->proved = 0;
+  int starts = 0;
+  dlsi_lcp_weights(lcp, w->weight);
+  memset(w->z, 0, n * sizeof *w->z);
+  memset(w->magnitude, 0, n * sizeof *w->magnitude);
+  dlsi_lcp_measure(lcp, w->z, lcp->q, w->magnitude, w->weight, &w->best); /* of z = 0, [C] (41) */
+  if (w->best.negative_y > 0) {
+    path_end end = path_lost;
+    scale_problem(w, lcp, 0);
+    for (int done = 0; !done && starts < 2; starts++) {
+      int entering;
+      end = follow(w, lcp, limit, starts > 0, &entering);
+      if (end == path_solved)
+        done = accept_solution(w, lcp);
+      else if (end == path_ray)
+        done = accept_ray(w, lcp, entering);
+      else {
+        read_values(&w->table, w->table.b, -1, w->x);
+        offer(w, lcp, w->x);
+        done = end != path_lost;
+      }
+    }
+    status = dls_lcp_certificate_holds(&w->best, w->settings.tol) ? DLS_OK
+             : end == path_limit                                  ? DLS_MAX_ITERATIONS
+             : end == path_cancelled                              ? DLS_CANCELLED
+             : w->proved                                          ? DLS_NO_SOLUTION
+             : w->solved_n                                        ? DLS_RAY
+                                                                  : DLS_STALLED;
+  }
+  dlsi_lcp_multiply(lcp, lcp->q, w->z, w->y, w->magnitude);
+  memcpy(z, w->z, n * sizeof *z);
+  if (y) memcpy(y, w->y, n * sizeof *y);
+  if (info) *info = (dls_lemke_info){status, w->pivots, w->best, starts, w->refreshes};
+  return status;
+}
+
+/* ---- what a ray proves ----------------------------------------------------------------------- */
+
+dls_status dls_lemke_ray(const dls_lemke *workspace, double *z, double *z0, double *dz, double *dz0,
+                         double *cover, dls_error *error) {
+  if (!workspace || !workspace->solved_n)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0,
+                     workspace ? "the last solve did not end in a ray" : "is NULL");
+  const size_t n = (size_t)workspace->solved_n;
+  if (z) memcpy(z, workspace->ray_z, n * sizeof *z);
+  if (z0) *z0 = workspace->ray_z0;
+  if (dz) memcpy(dz, workspace->ray_dz, n * sizeof *dz);
+  if (dz0) *dz0 = workspace->ray_dz0;
+  if (cover) memcpy(cover, workspace->ray_cover, n * sizeof *cover);
+  return DLS_OK;
+}
+
+dls_status dls_lemke_farkas(const dls_lemke *workspace, double *v, dls_error *error) {
+  if (!workspace || !workspace->proved)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0,
+                     workspace ? "the last solve proved nothing" : "is NULL");
+  if (!v) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "v", -1, 0, "is NULL");
+  memcpy(v, workspace->ray_dz, (size_t)workspace->solved_n * sizeof *v);
+  return DLS_OK;
+}
