@@ -175,8 +175,7 @@ dls_status dls_lcp_check_ray(const dls_lcp *lcp, const double *cover, const doub
   if (!status) status = dlsi_check_vector(__func__, "dz", dz, n, error);
   if (!status) status = dlsi_check_vector(__func__, "dz0", &dz0, 1, error);
   if (status) return status;
-  if (!violation)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "violation", -1, 0, "is NULL");
+  if (!violation) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "violation", -1, 0, "is NULL");
   double *work = dlsi_alloc(6 * n, sizeof *work);
   if (!work) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
   *violation = dlsi_lcp_ray_violation(lcp, cover, z, z0, dz, dz0, work);
@@ -214,8 +213,7 @@ dls_status dls_lcp_check_farkas(const dls_lcp *lcp, const double *v, double *vio
   if (status) return status;
   status = dlsi_check_vector(__func__, "v", v, (size_t)lcp->n, error);
   if (status) return status;
-  if (!violation)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "violation", -1, 0, "is NULL");
+  if (!violation) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "violation", -1, 0, "is NULL");
   *violation = dlsi_lcp_farkas_violation(lcp, v);
   return DLS_OK;
 }

@@ -38,15 +38,15 @@ void dlsi_lcp_equilibrate(const dls_lcp *lcp, double *rho, double *gamma, double
 /* Variables are numbered: y_i is i, z_i is n + i, z0 is 2 n. */
 typedef struct dlsi_table {
   int n, ld;
-  double *T;    /* ld x (n+1): coefficients, but for the pending exchanges */
-  double *U;    /* n x dlsi_table_block */
-  double *V;    /* (n+1) x dlsi_table_block:   x_B = b + (T - U V^T) x_N */
-  int pending;  /* columns of U and V in use */
-  double *b;    /* n: values of the basic variables */
-  double *g;    /* n: their derivative by the perturbation */
-  int *basic;   /* n: variable of each row */
-  int *column;  /* n+1: variable of each column */
-  int *where;   /* 2n+1: row of a basic variable, -1 - column of another */
+  double *T;   /* ld x (n+1): coefficients, but for the pending exchanges */
+  double *U;   /* n x dlsi_table_block */
+  double *V;   /* (n+1) x dlsi_table_block:   x_B = b + (T - U V^T) x_N */
+  int pending; /* columns of U and V in use */
+  double *b;   /* n: values of the basic variables */
+  double *g;   /* n: their derivative by the perturbation */
+  int *basic;  /* n: variable of each row */
+  int *column; /* n+1: variable of each column */
+  int *where;  /* 2n+1: row of a basic variable, -1 - column of another */
 } dlsi_table;
 
 enum { dlsi_table_block = 64 };

@@ -120,10 +120,9 @@ static void carve(dls_lemke *w, dlsi_arena *arena) {
   t->T = dlsi_take(arena, ld * (n + 1), sizeof(double));
   t->U = dlsi_take(arena, n * block, sizeof(double));
   t->V = dlsi_take(arena, (n + 1) * block, sizeof(double));
-  double **vectors[] = {&t->b,         &t->g,     &w->R, &w->C,     &w->q,
-                        &w->d,         &w->c,     &w->y, &w->trial, &w->magnitude,
-                        &w->weight,    &w->z,     &w->ray_z, &w->ray_dz, &w->ray_cover,
-                        &w->residual};
+  double **vectors[] = {&t->b,     &t->g,      &w->R,         &w->C,         &w->q,      &w->d,
+                        &w->c,     &w->y,      &w->trial,     &w->magnitude, &w->weight, &w->z,
+                        &w->ray_z, &w->ray_dz, &w->ray_cover, &w->residual};
   for (size_t k = 0; k < sizeof vectors / sizeof vectors[0]; k++)
     *vectors[k] = dlsi_take(arena, n, sizeof(double));
   if (w->settings.cover) w->cover = dlsi_take(arena, n, sizeof(double));
@@ -499,16 +498,19 @@ static int accept_ray(dls_lemke *w, const dls_lcp *lcp, int entering) {
   refine(w, lcp, w->x, 1);
   refine(w, lcp, w->dx, 0);
   offer(w, lcp, w->x);
-  const double size = dlsi_max_abs(w->dx, 2 * n + 1);
+  const double least = pivot_tolerance * dlsi_max_abs(w->dx, 2 * n + 1);
   for (size_t j = 0; j < n; j++) {
-    const double z = w->x[n + j], dz = w->dx[n + j] / size;
+    const double z = w->x[n + j], dz = w->dx[n + j];
     w->ray_z[j] = z > 0 ? w->kappa * w->C[j] * z : 0;
-    w->ray_dz[j] = dz > pivot_tolerance ? w->kappa * w->C[j] * dz : 0;
+    w->ray_dz[j] = dz > least ? w->C[j] * dz : 0;
     w->ray_cover[j] = w->d[j] / w->R[j] / w->sigma;
   }
-  const double dz0 = w->dx[2 * n] / size;
-  w->ray_z0 = w->x[2 * n] * w->kappa * w->sigma;
-  w->ray_dz0 = dz0 > pivot_tolerance ? w->kappa * w->sigma * dz0 : 0;
+  w->ray_z0 = w->kappa * w->sigma * w->x[2 * n];
+  w->ray_dz0 = w->dx[2 * n] > least ? w->sigma * w->dx[2 * n] : 0;
+  const double size = dlsi_max_abs(w->ray_dz, n);
+  for (size_t j = 0; j < n; j++)
+    w->ray_dz[j] /= size; /* dz = 0 gives NaN, which is no ray */
+  w->ray_dz0 /= size;
   if (!(dlsi_lcp_ray_violation(lcp, w->ray_cover, w->ray_z, w->ray_z0, w->ray_dz, w->ray_dz0,
                                w->work) <= proof_tolerance))
     return 0;
@@ -519,8 +521,7 @@ static int accept_ray(dls_lemke *w, const dls_lcp *lcp, int entering) {
 
 dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, double *y,
                            dls_lemke_info *info, dls_error *error) {
-  if (!workspace)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
+  if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
   dls_status status = dlsi_check_lcp(__func__, lcp, error);
   if (status) return status;
   if (lcp->n > workspace->n)
@@ -530,7 +531,7 @@ dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, 
 
   dls_lemke *w = workspace;
   const size_t n = (size_t)lcp->n;
-  const int limit = w->settings.max_iterations ? w->settings.max_iterations
+  const int limit = w->settings.max_iterations       ? w->settings.max_iterations
                     : lcp->n < (INT_MAX - 1000) / 50 ? 50 * lcp->n + 1000
                                                      : INT_MAX;
   w->pivots = w->refreshes = w->solved_n = w->proved = 0;

@@ -10,6 +10,7 @@
  * by alternating rows and columns from gamma = 0:
  *   (S1) rho_i   = -mean_j( log2|M_ij| + gamma_j )
  *   (S2) gamma_j = -mean_i( log2|M_ij| + rho_i )
+ *   (S3) rho_i += t, gamma_j -= t, so that both have the same mean
  * exact after one round if M has no zero, and after any number of rounds M -> a R M gives the same
  * R M C. Rows or columns of zeros get the mean of the others, so that a change of units moves them
  * along. One round if M has no zero, else three: one pass over M, or six. The logarithms are taken of
@@ -124,5 +125,12 @@ void dlsi_lcp_equilibrate(const dls_lcp *lcp, double *rho, double *gamma, double
     solve_one_side(n, L, in_row, rho); /* (S1) */
     sum_over_columns(lcp, zeros, rho, gamma);
     solve_one_side(n, K, in_column, gamma); /* (S2) */
+  }
+  double shift = 0; /* (S3): half of it on each side, so that neither overflows alone */
+  for (int i = 0; i < n; i++)
+    shift += (gamma[i] - rho[i]) / (2 * n);
+  for (int i = 0; i < n; i++) {
+    rho[i] += shift;
+    gamma[i] -= shift;
   }
 }

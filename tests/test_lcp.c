@@ -187,7 +187,8 @@ START_TEST(farkas_by_hand) {
   dls_lcp lcp = lcp_of(2, M, q);
   double violation;
   ck_assert_int_eq(dls_lcp_check_farkas(&lcp, v, &violation, NULL), DLS_OK);
-  ck_assert_double_eq_tol(violation, (1.0 / 3) / (1.0 / 3), 1e-15); /* M^T v: 1 of 3; q^T v: 1 of 3 */
+  ck_assert_double_eq_tol(violation, (1.0 / 3) / (1.0 / 3),
+                          1e-15); /* M^T v: 1 of 3; q^T v: 1 of 3 */
   ck_assert_int_eq(dls_lcp_check_farkas(&lcp, w, &violation, NULL), DLS_OK); /* q^T v = 0 */
   ck_assert_double_eq(violation, INFINITY);
   ck_assert_int_eq(dls_lcp_check_farkas(&lcp, negative, &violation, NULL), DLS_OK);
@@ -278,10 +279,10 @@ START_TEST(states_by_hand) {
           z[at[p]] = r[2 * p];
           y[at[p]] = u[2 * p];
           if (m == 0) continue;
-          z[at[p] + 1] = m * r[2 * p] + r[2 * p + 1];                   /* phi_2 */
-          z[at[p] + 2] = u[2 * p + 1] < 0 ? -u[2 * p + 1] : 0;          /* lambda_2 */
-          y[at[p] + 1] = u[2 * p + 1] > 0 ? u[2 * p + 1] : 0;           /* lambda_1 */
-          y[at[p] + 2] = m * r[2 * p] - r[2 * p + 1];                   /* phi_1 */
+          z[at[p] + 1] = m * r[2 * p] + r[2 * p + 1];          /* phi_2 */
+          z[at[p] + 2] = u[2 * p + 1] < 0 ? -u[2 * p + 1] : 0; /* lambda_2 */
+          y[at[p] + 1] = u[2 * p + 1] > 0 ? u[2 * p + 1] : 0;  /* lambda_1 */
+          y[at[p] + 2] = m * r[2 * p] - r[2 * p + 1];          /* phi_1 */
         }
         for (int i = 0; i < 6; i++) {
           q[i] = u[i];

@@ -95,8 +95,8 @@ DLS_API DLS_MUST_USE dls_status dls_lemke_create(dls_lemke **out, int n,
 DLS_API DLS_MUST_USE dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z,
                                                 double *y, dls_lemke_info *info, dls_error *error);
 
-/* After DLS_RAY or DLS_NO_SOLUTION: the ray z + t dz, z0 + t dz0, t >= 0, [C] (49), and the covering
- * vector it belongs to. z, dz, cover: n of the last problem, each NULL if not wanted; so z0, dz0.
+/* After DLS_RAY or DLS_NO_SOLUTION: the ray z + t dz, z0 + t dz0, t >= 0, [C] (49), the largest dz_j
+ * being 1, and the covering vector it belongs to. z, dz, cover: n of the last problem, each NULL if not wanted; so z0, dz0.
  * DLS_E_ARGUMENT if the last solve did not end so. */
 DLS_API DLS_MUST_USE dls_status dls_lemke_ray(const dls_lemke *workspace, double *z, double *z0,
                                               double *dz, double *dz0, double *cover,

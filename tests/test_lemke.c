@@ -1,0 +1,793 @@
+/* test_lemke.c: Lemke's method against closed forms, enumeration of all bases, and theory. */
+#include <check.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delassus/lcp.h"
+#include "malloc_fails.h"
+
+/* A rounded answer of a well-conditioned problem: a few units in the last place per pivot */
+static const double rounding = 1e-13;
+
+static uint64_t seed = 1;
+static double uniform(void) { /* [0, 1) */
+  seed = seed * 6364136223846793005U + 1442695040888963407U;
+  return (double)(seed >> 11) * 0x1p-53;
+}
+static int integer(int low, int high) {
+  return low + (int)(uniform() * (high - low + 1));
+}
+
+static dls_lcp lcp_of(int n, const double *M, const double *q) {
+  return (dls_lcp){n, {n, n, n, M}, q};
+}
+
+/* Solves with a workspace of its own; whatever is said must be true. */
+static dls_status solve(int n, const double *M, const double *q, const dls_lemke_settings *settings,
+                        double *z, dls_lemke_info *info) {
+  const dls_lcp lcp = lcp_of(n, M, q);
+  dls_lemke *w;
+  dls_error error;
+  dls_lcp_certificate certificate;
+  double *y = malloc((size_t)n * sizeof *y), *v = malloc((size_t)n * sizeof *v);
+  double *dz = malloc((size_t)n * sizeof *dz), *d = malloc((size_t)n * sizeof *d);
+  ck_assert(y && v && dz && d);
+  ck_assert_int_eq(dls_lemke_create(&w, n, settings, &error), DLS_OK);
+  const dls_status status = dls_lemke_solve(w, &lcp, z, y, info, &error);
+  ck_assert_int_ge(status, 0);
+  ck_assert_int_eq(status, info->status);
+  ck_assert_int_eq(dls_lcp_certify(&lcp, z, v, &certificate, &error), DLS_OK);
+  ck_assert_double_eq(certificate.residual, info->certificate.residual);
+  for (int i = 0; i < n; i++) {
+    ck_assert_double_ge(z[i], 0);
+    ck_assert_double_eq(v[i], y[i]);
+  }
+  if (status == DLS_OK)
+    ck_assert(dls_lcp_certificate_holds(&certificate, settings ? settings->tol : 1e-8));
+  else
+    ck_assert(!dls_lcp_certificate_holds(&certificate, settings ? settings->tol : 1e-8));
+  double z0, dz0, violation;
+  if (status == DLS_RAY || status == DLS_NO_SOLUTION) {
+    ck_assert_int_eq(dls_lemke_ray(w, v, &z0, dz, &dz0, d, &error), DLS_OK);
+    ck_assert_int_eq(dls_lcp_check_ray(&lcp, d, v, z0, dz, dz0, &violation, &error), DLS_OK);
+    ck_assert_double_le(violation, 1e-12);
+  } else
+    ck_assert_int_eq(dls_lemke_ray(w, v, &z0, dz, &dz0, d, &error), DLS_E_ARGUMENT);
+  if (status == DLS_NO_SOLUTION) {
+    ck_assert_int_eq(dls_lemke_farkas(w, v, &error), DLS_OK);
+    ck_assert_int_eq(dls_lcp_check_farkas(&lcp, v, &violation, &error), DLS_OK);
+    ck_assert_double_le(violation, 1e-9);
+  } else
+    ck_assert_int_eq(dls_lemke_farkas(w, v, &error), DLS_E_ARGUMENT);
+  dls_lemke_destroy(w);
+  free(y);
+  free(v);
+  free(dz);
+  free(d);
+  return status;
+}
+
+/* ---- the oracle: all 2^n bases ----------------------------------------------------------------- */
+
+enum { small = 8 };
+
+/* Solves the k x k system A x = b in place by Gauss with full search of the column; 0 if singular. */
+static int gauss(int k, double *A, double *x) {
+  for (int p = 0; p < k; p++) {
+    int r = p;
+    for (int i = p + 1; i < k; i++)
+      if (fabs(A[i + small * p]) > fabs(A[r + small * p])) r = i;
+    if (fabs(A[r + small * p]) < 1e-9) return 0;
+    for (int j = 0; j < k; j++) {
+      const double t = A[p + small * j];
+      A[p + small * j] = A[r + small * j];
+      A[r + small * j] = t;
+    }
+    const double t = x[p];
+    x[p] = x[r];
+    x[r] = t;
+    for (int i = p + 1; i < k; i++) {
+      const double f = A[i + small * p] / A[p + small * p];
+      for (int j = p; j < k; j++)
+        A[i + small * j] -= f * A[p + small * j];
+      x[i] -= f * x[p];
+    }
+  }
+  for (int p = k - 1; p >= 0; p--) {
+    for (int j = p + 1; j < k; j++)
+      x[p] -= A[p + small * j] * x[j];
+    x[p] /= A[p + small * p];
+  }
+  return 1;
+}
+
+/* Number of complementary bases (regular ones) that are feasible to `slack`; z := the last. */
+static int enumerate(int n, const double *M, const double *q, double slack, double *z) {
+  int found = 0;
+  for (int set = 0; set < 1 << n; set++) {
+    double A[small * small], x[small], trial[small] = {0};
+    int at[small], k = 0, good = 1;
+    for (int i = 0; i < n; i++)
+      if (set >> i & 1) at[k++] = i;
+    for (int j = 0; j < k; j++) {
+      for (int i = 0; i < k; i++)
+        A[i + small * j] = M[at[i] + n * at[j]];
+      x[j] = -q[at[j]];
+    }
+    if (!gauss(k, A, x)) continue;
+    for (int j = 0; j < k; j++) {
+      trial[at[j]] = x[j];
+      good = good && x[j] >= -slack;
+    }
+    for (int i = 0; i < n && good; i++) {
+      double y = q[i];
+      for (int j = 0; j < n; j++)
+        y += M[i + n * j] * trial[j];
+      good = y >= -slack;
+    }
+    if (!good) continue;
+    found++;
+    memcpy(z, trial, (size_t)n * sizeof *z);
+  }
+  return found;
+}
+
+/* ---- by hand ----------------------------------------------------------------------------------- */
+
+START_TEST(size_one) {
+  static const struct {
+    double M, q, z;
+    dls_status status;
+  } cases[] = {{2, -4, 2, DLS_OK},          {2, 4, 0, DLS_OK},
+               {-1, 1, 0, DLS_OK},          {0, 0, 0, DLS_OK},
+               {0, 3, 0, DLS_OK},           {1e-300, -1e-300, 1, DLS_OK},
+               {0, -1, 0, DLS_NO_SOLUTION}, {-1, -1, 0, DLS_NO_SOLUTION}};
+  for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+    dls_lemke_info info;
+    double z[1];
+    ck_assert_int_eq(solve(1, &cases[k].M, &cases[k].q, NULL, z, &info), cases[k].status);
+    ck_assert_double_eq(z[0], cases[k].z);
+  }
+}
+END_TEST
+
+START_TEST(feasible_q_is_answered_at_once) {
+  const double M[4] = {-1, 5, 2, 0}, q[2] = {0, 3};
+  double z[2];
+  dls_lemke_info info;
+  ck_assert_int_eq(solve(2, M, q, NULL, z, &info), DLS_OK);
+  ck_assert_int_eq(info.pivots, 0);
+  ck_assert_double_eq(info.certificate.residual, 0);
+  ck_assert_double_eq(z[0], 0);
+  ck_assert_double_eq(z[1], 0);
+}
+END_TEST
+
+START_TEST(size_two) {
+  static const struct {
+    double M[4], q[2], z[2];
+    dls_status status;
+  } cases[] = {
+      {{2, 1, 1, 2}, {-5, -6}, {4.0 / 3, 7.0 / 3}, DLS_OK},
+      {{1, 0, 0, 1}, {-1, 2}, {1, 0}, DLS_OK},
+      {{0, 1, -1, 0}, {1, -1}, {1, 1}, DLS_OK},            /* skew: a matrix game */
+      {{0, -1, 1, 0}, {-1, -2}, {0, 0}, DLS_NO_SOLUTION},  /* y_1 = -z_0 - 2 */
+      {{1, 1, 1, 1}, {-1, -2}, {0, 2}, DLS_OK},            /* singular; y = (1, 0) */
+      {{1, -1, -1, 1}, {1, -1}, {0, 1}, DLS_OK},           /* singular, z = (t, 1 + t) */
+      {{1, -1, -1, 1}, {-1, -1}, {0, 0}, DLS_NO_SOLUTION}, /* y_0 + y_1 = -2 */
+  };
+  for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+    dls_lemke_info info;
+    double z[2];
+    ck_assert_int_eq(solve(2, cases[k].M, cases[k].q, NULL, z, &info), cases[k].status);
+    if (info.status != DLS_OK) continue;
+    ck_assert_double_eq_tol(z[0], cases[k].z[0], 4e-16);
+    ck_assert_double_eq_tol(z[1], cases[k].z[1], 4e-16);
+  }
+}
+END_TEST
+
+START_TEST(catalogue_of_contact) {
+  /* 2D contact problems with exact answers, r by hand or by rational enumeration */
+  static const struct {
+    int nc;
+    double W[16], q[4], mu, r[4];
+  } cases[] = {
+      {1, {1, 1, 1, 1}, {-2, 0}, 0.5, {4, -2}}, /* jam, mu < 1: r = 2/(1-mu) (1, -mu) */
+      {1, {1, -1, -1, 2}, {-1, -3}, 2, {5, 4}},
+      {1, {2, -1, -1, 1}, {-1, 1}, 1, {1.0 / 3, -1.0 / 3}},
+      {1, {2, -1, -1, 1}, {-1, 1}, 4, {1.0 / 6, -2.0 / 3}},
+      {2,
+       {1, 1, 0, -1, 1, 2, 1, -2, 0, 1, 3, 0, -1, -2, 0, 3},
+       {-1, 1, -1, 0},
+       1,
+       {3, -3, 4.0 / 3, -1}},
+      {2,
+       {4, 1, 0, -1, 1, 1, -1, 0, 0, -1, 4, -1, -1, 0, -1, 1},
+       {0, 1, -1, -1},
+       2,
+       {0.25, -0.5, 0.25, 0.5}},
+      {2,
+       {3, 0, -2, 0, 0, 2, 0, -1, -2, 0, 3, -2, 0, -1, -2, 3},
+       {0, 0, -1, -2},
+       1,
+       {26, 16, 39, 32}},
+      {2,
+       {3, 0, -1, 1, 0, 3, -2, 1, -1, -2, 2, 0, 1, 1, 0, 4},
+       {-2, 0, -2, -1},
+       2,
+       {34, 59, 77, -23}},
+  };
+  for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+    const int nc = cases[k].nc, n = 3 * nc;
+    const double mu[2] = {cases[k].mu, cases[k].mu};
+    const dls_contact problem = {2, nc, {2 * nc, 2 * nc, 2 * nc, cases[k].W}, {0}, cases[k].q, mu};
+    double M[36], q[6], z[6], r[4];
+    dls_lemke_info info;
+    ck_assert_int_eq(dls_contact_to_lcp(&problem, NULL, M, n, q, NULL), DLS_OK);
+    ck_assert_int_eq(solve(n, M, q, NULL, z, &info), DLS_OK);
+    ck_assert_int_eq(dls_contact_from_lcp(&problem, NULL, z, r, NULL), DLS_OK);
+    for (int i = 0; i < 2 * nc; i++)
+      ck_assert_double_eq_tol(r[i], cases[k].r[i], rounding * (1 + fabs(cases[k].r[i])));
+    dls_certificate certificate;
+    ck_assert_int_eq(dls_contact_certify(&problem, r, NULL, &certificate, NULL), DLS_OK);
+    ck_assert(dls_certificate_holds(&certificate, rounding));
+  }
+}
+END_TEST
+
+START_TEST(ray_of_large_friction) {
+  /* one contact, mu > W_nn / W_nt: with d = 1 the 3 nc form ends in a ray though r = (1, -2) solves it */
+  const double W[4] = {5, 2, 2, 1}, q[2] = {-1, 0}, mu[1] = {3}, ones[3] = {1, 1, 1};
+  const dls_contact problem = {2, 1, {2, 2, 2, W}, {0}, q, mu};
+  double M[9], ql[3], z[3];
+  dls_lemke_settings settings;
+  dls_lemke_info info;
+  dls_lemke_settings_init(&settings);
+  settings.cover = ones;
+  ck_assert_int_eq(dls_contact_to_lcp(&problem, NULL, M, 3, ql, NULL), DLS_OK);
+  ck_assert_int_eq(solve(3, M, ql, &settings, z, &info), DLS_RAY); /* solve() checks the ray */
+  ck_assert_int_eq(info.pivots, 1);
+  /* r = (1, -2): z = (r_n, phi_2, lambda_2) = (1, 1, 0) */
+  const double answer[3] = {1, 1, 0};
+  const dls_lcp lcp = lcp_of(3, M, ql);
+  dls_lcp_certificate certificate;
+  ck_assert_int_eq(dls_lcp_certify(&lcp, answer, NULL, &certificate, NULL), DLS_OK);
+  ck_assert_double_eq(certificate.residual, 0);
+}
+END_TEST
+
+START_TEST(cycling_example) {
+  /* Kostreva, Math. Programming 16 (1979) 127-130: pivoting rules cycle here; z = (1, 1, 1) / 3 */
+  const double M[9] = {1, 0, 2, 2, 1, 0, 0, 2, 1}, q[3] = {-1, -1, -1}, ones[3] = {1, 1, 1};
+  dls_lemke_settings settings;
+  dls_lemke_info info;
+  double z[3];
+  dls_lemke_settings_init(&settings);
+  for (int own = 0; own < 2; own++) {
+    settings.cover = own ? ones : NULL;
+    ck_assert_int_eq(solve(3, M, q, &settings, z, &info), DLS_OK);
+    for (int i = 0; i < 3; i++)
+      ck_assert_double_eq_tol(z[i], 1.0 / 3, 4e-16);
+  }
+}
+END_TEST
+
+START_TEST(identical_rows) {
+  /* all y equal: every ratio test is a tie of all rows */
+  double M[36], q[6], z[6];
+  dls_lemke_info info;
+  for (int k = 0; k < 36; k++)
+    M[k] = 1;
+  for (int k = 0; k < 6; k++)
+    q[k] = -3;
+  ck_assert_int_eq(solve(6, M, q, NULL, z, &info), DLS_OK);
+  double sum = 0;
+  for (int k = 0; k < 6; k++)
+    sum += z[k];
+  ck_assert_double_eq_tol(sum, 3, 4e-16 * 6);
+}
+END_TEST
+
+START_TEST(murty) {
+  /* Murty's family: with d = 1, 2^n pivots; z_n-1 = .. the answer is found in the end */
+  for (int n = 1; n <= 10; n++) {
+    double M[100], q[10], z[10], ones[10];
+    dls_lemke_settings settings;
+    dls_lemke_info info;
+    dls_lemke_settings_init(&settings);
+    settings.cover = ones;
+    for (int i = 0; i < n; i++) {
+      ones[i] = 1;
+      q[i] = i == 0 ? -ldexp(1, n) : q[i - 1] - ldexp(1, n - i);
+      for (int j = 0; j < n; j++)
+        M[i + n * j] = i == j ? 1 : i > j ? 2 : 0;
+    }
+    ck_assert_int_eq(solve(n, M, q, &settings, z, &info), DLS_OK);
+    ck_assert_int_eq(info.pivots, 1 << n);
+    ck_assert_double_eq(z[0], ldexp(1, n));
+    for (int i = 1; i < n; i++)
+      ck_assert_double_eq(z[i], 0);
+  }
+}
+END_TEST
+
+/* ---- against the oracle ------------------------------------------------------------------------ */
+
+START_TEST(p_matrices) {
+  for (int trial = 0; trial < 300; trial++) {
+    const int n = integer(1, small);
+    double M[small * small], q[small], z[small], expected[small];
+    dls_lemke_info info;
+    for (int i = 0; i < n; i++) { /* diagonal dominant by rows, unsymmetric: a P-matrix */
+      double sum = 0;
+      for (int j = 0; j < n; j++) {
+        M[i + n * j] = uniform() - 0.5;
+        if (j != i) sum += fabs(M[i + n * j]);
+      }
+      M[i + n * i] = sum + 0.1;
+      q[i] = uniform() - 0.6;
+    }
+    ck_assert_int_eq(enumerate(n, M, q, 1e-12, expected), 1);
+    ck_assert_int_eq(solve(n, M, q, NULL, z, &info), DLS_OK);
+    ck_assert_double_le(info.certificate.residual, 1e-14);
+    for (int i = 0; i < n; i++)
+      ck_assert_double_eq_tol(z[i], expected[i], rounding * (1 + fabs(expected[i])));
+  }
+}
+END_TEST
+
+/* Small integers: degenerate and singular at every turn. No claim may contradict the enumeration. */
+START_TEST(any_matrix) {
+  int count[6] = {0};
+  for (int trial = 0; trial < 3000; trial++) {
+    const int n = integer(1, 6);
+    double M[small * small], q[small], z[small], other[small];
+    dls_lemke_info info;
+    for (int k = 0; k < n * n; k++)
+      M[k] = integer(-2, 2);
+    for (int i = 0; i < n; i++)
+      q[i] = integer(-2, 1);
+    const dls_status status = solve(n, M, q, NULL, z, &info);
+    ck_assert(status == DLS_OK || status == DLS_RAY || status == DLS_NO_SOLUTION);
+    count[status]++;
+    if (status == DLS_OK) ck_assert_double_le(info.certificate.residual, 1e-14);
+    if (status == DLS_NO_SOLUTION) ck_assert_int_eq(enumerate(n, M, q, 1e-9, other), 0);
+  }
+  ck_assert_int_gt(count[DLS_OK], 0);
+  ck_assert_int_gt(count[DLS_RAY], 0);
+  ck_assert_int_gt(count[DLS_NO_SOLUTION], 0);
+}
+END_TEST
+
+/* M positive semidefinite: a ray proves that there is no solution, so DLS_RAY is never right. */
+START_TEST(semidefinite) {
+  int count[6] = {0};
+  for (int trial = 0; trial < 2000; trial++) {
+    const int n = integer(2, small), rank = integer(0, n - 1);
+    double A[small * small], M[small * small], q[small], z[small], other[small];
+    dls_lemke_info info;
+    for (int k = 0; k < rank * n; k++)
+      A[k] = integer(-1, 1);
+    for (int i = 0; i < n; i++)
+      for (int j = 0; j < n; j++) {
+        M[i + n * j] = i < j ? integer(-1, 1) : 0; /* + skew part */
+        if (i > j) M[i + n * j] -= M[j + n * i];
+      }
+    for (int i = 0; i < n; i++)
+      for (int j = 0; j < n; j++)
+        for (int k = 0; k < rank; k++)
+          M[i + n * j] += A[k + rank * i] * A[k + rank * j];
+    /* the loop above filled M(i,j), i > j, before M(j,i) was known: make the skew part exact */
+    for (int i = 0; i < n; i++)
+      for (int j = 0; j < i; j++) {
+        double symmetric = 0;
+        for (int k = 0; k < rank; k++)
+          symmetric += A[k + rank * i] * A[k + rank * j];
+        M[i + n * j] = 2 * symmetric - M[j + n * i];
+      }
+    for (int i = 0; i < n; i++)
+      q[i] = integer(-2, 1);
+    const dls_status status = solve(n, M, q, NULL, z, &info);
+    ck_assert(status == DLS_OK || status == DLS_NO_SOLUTION);
+    count[status]++;
+    if (status == DLS_OK) ck_assert_double_le(info.certificate.residual, 1e-14);
+    if (status == DLS_NO_SOLUTION) ck_assert_int_eq(enumerate(n, M, q, 1e-9, other), 0);
+  }
+  ck_assert_int_gt(count[DLS_OK], 100);
+  ck_assert_int_gt(count[DLS_NO_SOLUTION], 100);
+}
+END_TEST
+
+/* ---- larger ------------------------------------------------------------------------------------ */
+
+/* M = A A^T / n + 0.1 I + skew part */
+static void spd_and_skew(int n, double *M, double *q) {
+  double *A = malloc((size_t)(n * n) * sizeof *A);
+  ck_assert(A != NULL);
+  for (int k = 0; k < n * n; k++)
+    A[k] = uniform() - 0.5;
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i <= j; i++) {
+      double sum = 0;
+      for (int k = 0; k < n; k++)
+        sum += A[i + n * k] * A[j + n * k];
+      const double skew = i < j ? 0.02 * (uniform() - 0.5) : 0;
+      M[i + n * j] = 12 * sum / n + (i == j ? 0.1 : 0) + skew;
+      M[j + n * i] = M[i + n * j] - 2 * skew;
+    }
+  for (int i = 0; i < n; i++)
+    q[i] = uniform() - 0.5;
+  free(A);
+}
+
+static double big_M[300 * 300], big_M2[300 * 300], big_q[300], big_q2[300], big_z[300], big_z2[300];
+
+START_TEST(hundred_unknowns) {
+  for (int n = 20; n <= 180; n += 40) {
+    dls_lemke_info info;
+    spd_and_skew(n, big_M, big_q);
+    ck_assert_int_eq(solve(n, big_M, big_q, NULL, big_z, &info), DLS_OK);
+    ck_assert_double_le(info.certificate.residual, 1e-14);
+    ck_assert_int_eq(info.starts, 1);
+    ck_assert_int_lt(info.pivots, n);
+  }
+}
+END_TEST
+
+/* Rigid bodies: W = J^T J, q = J^T v, so that every problem has a solution, found by Lemke's method
+ * [Cottle, Pang, Stone 4.4]. Columns: r_n, beta+, beta-, lambda per contact (Stewart and Trinkle):
+ * y = (u_n, u_t + lambda, -u_t + lambda, mu r_n - beta+ - beta-). J of small integers: degenerate. */
+START_TEST(stewart_trinkle) {
+  for (int trial = 0; trial < 400; trial++) {
+    const int nc = integer(2, 12), n = 4 * nc, dof = integer(2, 2 * nc);
+    double J[24 * 24], v[24], W[24 * 24], p[24];
+    dls_lemke_info info;
+    for (int k = 0; k < dof * 2 * nc; k++)
+      J[k] = integer(-1, 1);
+    for (int k = 0; k < dof; k++)
+      v[k] = integer(-1, 1);
+    for (int a = 0; a < 2 * nc; a++) {
+      p[a] = 0;
+      for (int k = 0; k < dof; k++)
+        p[a] += J[k + dof * a] * v[k];
+      for (int b = 0; b < 2 * nc; b++) {
+        W[a + 2 * nc * b] = 0;
+        for (int k = 0; k < dof; k++)
+          W[a + 2 * nc * b] += J[k + dof * a] * J[k + dof * b];
+      }
+    }
+    memset(big_M, 0, sizeof big_M);
+    memset(big_q, 0, sizeof big_q);
+    static const double sign[3] = {1, 1, -1};
+    static const int local[3] = {0, 1, 1};
+    for (int a = 0; a < nc; a++) {
+      for (int i = 0; i < 3; i++) {
+        big_q[4 * a + i] = sign[i] * p[2 * a + local[i]];
+        for (int b = 0; b < nc; b++)
+          for (int j = 0; j < 3; j++)
+            big_M[4 * a + i + n * (4 * b + j)] =
+                sign[i] * sign[j] * W[2 * a + local[i] + 2 * nc * (2 * b + local[j])];
+      }
+      big_M[4 * a + 3 + n * (4 * a)] = integer(0, 2) / 2.0; /* mu */
+      for (int i = 1; i < 3; i++) {
+        big_M[4 * a + 3 + n * (4 * a + i)] = -1;
+        big_M[4 * a + i + n * (4 * a + 3)] = 1;
+      }
+    }
+    ck_assert_int_eq(solve(n, big_M, big_q, NULL, big_z, &info), DLS_OK);
+    ck_assert_double_le(info.certificate.residual, 1e-12);
+  }
+}
+END_TEST
+
+/* a contact problem of nc candidates, W symmetric positive definite */
+static void contact_problem(int nc, double *W, double *q, double *mu) {
+  spd_and_skew(2 * nc, W, q);
+  for (int c = 0; c < nc; c++) {
+    q[2 * c] -= 0.1;
+    mu[c] = 0.2 + 0.6 * uniform();
+  }
+}
+
+START_TEST(units) {
+  enum { nc = 15, m = 2 * nc, n = 3 * nc };
+  static const double factors[] = {1e-9, 1e-4, 1, 1e3, 1e9};
+  double W[m * m], q[m], mu[nc], W2[m * m], q2[m], s[nc], r[m], first[m];
+  contact_problem(nc, W, q, mu);
+  int pivots = 0, pivots_of_rows = 0;
+  for (int a = 2; a < 2 + 5; a++) /* begin with 1 */
+    for (int b = 2; b < 2 + 5; b++) {
+      const double length = factors[a % 5], force = factors[b % 5];
+      for (int k = 0; k < m * m; k++)
+        W2[k] = W[k] * (length / force);
+      for (int k = 0; k < m; k++)
+        q2[k] = q[k] * length;
+      for (int c = 0; c < nc; c++)
+        s[c] = 1 / sqrt(0.5 * (W2[2 * c + m * (2 * c)] + W2[2 * c + 1 + m * (2 * c + 1)]));
+      const dls_contact problem = {2, nc, {m, m, m, W2}, {0}, q2, mu};
+      dls_lemke_info info;
+      ck_assert_int_eq(dls_contact_to_lcp(&problem, s, big_M, n, big_q, NULL), DLS_OK);
+      ck_assert_int_eq(solve(n, big_M, big_q, NULL, big_z, &info), DLS_OK);
+      ck_assert_int_eq(dls_contact_from_lcp(&problem, s, big_z, r, NULL), DLS_OK);
+      if (pivots == 0) {
+        pivots = info.pivots;
+        memcpy(first, r, sizeof r);
+      }
+      ck_assert_int_eq(info.pivots, pivots);
+      for (int k = 0; k < m; k++)
+        ck_assert_double_eq_tol(r[k] / force, first[k], rounding * (1 + fabs(first[k])));
+      /* the rows of the LCP in any units */
+      for (int i = 0; i < n; i++) {
+        const double f = factors[(i + a) % 5] * factors[(i + b) % 4];
+        big_q[i] *= f;
+        for (int j = 0; j < n; j++)
+          big_M[i + n * j] *= f;
+      }
+      ck_assert_int_eq(solve(n, big_M, big_q, NULL, big_z2, &info), DLS_OK);
+      if (pivots_of_rows == 0) pivots_of_rows = info.pivots;
+      ck_assert_int_eq(info.pivots, pivots_of_rows);
+      for (int i = 0; i < n; i++)
+        ck_assert_double_eq_tol(big_z2[i], big_z[i], rounding * (fabs(big_z[i]) + force));
+    }
+}
+END_TEST
+
+START_TEST(permutations) {
+  enum { n = 40 };
+  int at[n];
+  dls_lemke_info info;
+  spd_and_skew(n, big_M, big_q);
+  ck_assert_int_eq(solve(n, big_M, big_q, NULL, big_z, &info), DLS_OK);
+  const int pivots = info.pivots;
+  for (int trial = 0; trial < 10; trial++) {
+    for (int i = 0; i < n; i++) {
+      const int j = integer(0, i);
+      at[i] = i;
+      at[i] = at[j];
+      at[j] = i;
+    }
+    for (int j = 0; j < n; j++) {
+      big_q2[at[j]] = big_q[j];
+      for (int i = 0; i < n; i++)
+        big_M2[at[i] + n * at[j]] = big_M[i + n * j];
+    }
+    ck_assert_int_eq(solve(n, big_M2, big_q2, NULL, big_z2, &info), DLS_OK);
+    ck_assert_int_eq(info.pivots, pivots); /* no ties here: the same path */
+    for (int i = 0; i < n; i++)
+      ck_assert_double_eq_tol(big_z2[at[i]], big_z[i], rounding);
+  }
+}
+END_TEST
+
+START_TEST(same_bits_and_reuse) {
+  enum { n = 90 };
+  const double M1[1] = {2}, q1[1] = {-4};
+  dls_lemke *w;
+  dls_lemke_info info, again;
+  ck_assert_int_eq(dls_lemke_create(&w, n, NULL, NULL), DLS_OK);
+  spd_and_skew(n, big_M, big_q);
+  const dls_lcp lcp = lcp_of(n, big_M, big_q), one = lcp_of(1, M1, q1);
+  ck_assert_int_eq(dls_lemke_solve(w, &lcp, big_z, NULL, &info, NULL), DLS_OK);
+  double z[1];
+  ck_assert_int_eq(dls_lemke_solve(w, &one, z, NULL, NULL, NULL), DLS_OK); /* smaller, between */
+  ck_assert_double_eq(z[0], 2);
+  malloc_fails_at(1);
+  const dls_status status = dls_lemke_solve(w, &lcp, big_z2, big_q2, &again, NULL);
+  const long calls = malloc_calls();
+  malloc_fails_at(0);
+  ck_assert_int_eq(status, DLS_OK);
+  ck_assert_int_eq(calls, 0); /* a solve allocates nothing */
+  ck_assert(memcmp(big_z, big_z2, n * sizeof *big_z) == 0);
+  ck_assert_int_eq(info.pivots, again.pivots);
+  ck_assert_double_eq(info.certificate.residual, again.certificate.residual);
+  dls_lemke_destroy(w);
+}
+END_TEST
+
+/* ---- limits ------------------------------------------------------------------------------------ */
+
+typedef struct watcher {
+  int calls, stop_at, last;
+  double residual;
+} watcher;
+
+static int watch(void *data, const dls_progress *progress) {
+  watcher *w = data;
+  ck_assert_str_eq(progress->method, "lemke");
+  ck_assert_int_eq(progress->iteration, 50 * ++w->calls);
+  ck_assert_double_ge(progress->residual, 0);
+  w->residual = progress->residual;
+  w->last = progress->iteration;
+  return w->calls == w->stop_at;
+}
+
+START_TEST(progress_and_limit) {
+  enum { n = 300 };
+  watcher seen = {0, 0, 0, 0}, cancels = {0, 2, 0, 0};
+  dls_lemke_settings settings;
+  dls_lemke_info info;
+  spd_and_skew(n, big_M, big_q);
+  dls_lemke_settings_init(&settings);
+  settings.progress = watch;
+  settings.progress_data = &seen;
+  ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
+  ck_assert_int_eq(seen.calls, info.pivots / 50);
+  ck_assert_int_gt(seen.calls, 1);
+  settings.progress_data = &cancels;
+  ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_CANCELLED);
+  ck_assert_int_eq(info.pivots, 100);
+  ck_assert_double_gt(info.certificate.residual, 0);
+  ck_assert_double_lt(info.certificate.residual, 1);
+  settings.progress = NULL;
+  settings.max_iterations = 60;
+  ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_MAX_ITERATIONS);
+  ck_assert_int_eq(info.pivots, 60);
+}
+END_TEST
+
+START_TEST(bad_arguments) {
+  double M[4] = {1, 0, 0, 1}, q[2] = {-1, -1}, z[3] = {7, 8, 9}, y[2] = {5, 6}, cover[2] = {1, 1};
+  dls_lemke *w = (dls_lemke *)z;
+  dls_lemke_settings settings;
+  dls_lemke_info info = {.pivots = 77};
+  dls_error e;
+  dls_lemke_settings_init(NULL);
+  dls_lemke_destroy(NULL);
+  dls_lemke_settings_init(&settings);
+  ck_assert_int_lt(dls_lemke_create(NULL, 2, &settings, &e), 0);
+  ck_assert_str_eq(e.argument, "out");
+  const int sizes[] = {0, -1, 0x7fffffff};
+  for (int k = 0; k < 3; k++) {
+    w = (dls_lemke *)z;
+    ck_assert_int_eq(dls_lemke_create(&w, sizes[k], &settings, &e), DLS_E_SIZE);
+    ck_assert_str_eq(e.argument, "n");
+    ck_assert_ptr_null(w);
+  }
+  settings.size--;
+  ck_assert_int_eq(dls_lemke_create(&w, 2, &settings, &e), DLS_E_SETTINGS);
+  ck_assert_str_eq(e.argument, "settings");
+  settings.size++;
+  const double tols[] = {-1, NAN, INFINITY};
+  for (int k = 0; k < 3; k++) {
+    settings.tol = tols[k];
+    ck_assert_int_eq(dls_lemke_create(&w, 2, &settings, &e), DLS_E_ARGUMENT);
+    ck_assert_str_eq(e.argument, "tol");
+  }
+  settings.tol = 1e-8;
+  settings.max_iterations = -1;
+  ck_assert_int_eq(dls_lemke_create(&w, 2, &settings, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "max_iterations");
+  settings.max_iterations = 0;
+  settings.cover = cover;
+  cover[1] = 0;
+  ck_assert_int_eq(dls_lemke_create(&w, 2, &settings, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "cover");
+  ck_assert_int_eq(e.index, 1);
+  cover[1] = NAN;
+  ck_assert_int_eq(dls_lemke_create(&w, 2, &settings, &e), DLS_E_NOT_FINITE);
+  ck_assert_int_eq(e.index, 1);
+  ck_assert_ptr_null(w);
+  cover[1] = 1;
+
+  ck_assert_int_eq(dls_lemke_create(&w, 2, &settings, &e), DLS_OK);
+  cover[1] = -1; /* copied */
+  const double M3[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, q3[3] = {-1, -1, -1};
+  const dls_lcp lcp = lcp_of(2, M, q), large = lcp_of(3, M3, q3);
+  ck_assert_int_lt(dls_lemke_solve(NULL, &lcp, z, y, &info, &e), 0);
+  ck_assert_str_eq(e.argument, "workspace");
+  ck_assert_int_lt(dls_lemke_solve(w, NULL, z, y, &info, &e), 0);
+  ck_assert_str_eq(e.argument, "lcp");
+  ck_assert_int_eq(dls_lemke_solve(w, &large, z, y, &info, &e), DLS_E_SIZE);
+  ck_assert_str_eq(e.argument, "n");
+  ck_assert_int_lt(dls_lemke_solve(w, &lcp, NULL, y, &info, &e), 0);
+  ck_assert_str_eq(e.argument, "z");
+  M[2] = NAN;
+  ck_assert_int_eq(dls_lemke_solve(w, &lcp, z, y, &info, &e), DLS_E_NOT_FINITE);
+  ck_assert_str_eq(e.argument, "M");
+  ck_assert_int_eq(e.index, 2);
+  ck_assert_str_eq(e.function, "dls_lemke_solve");
+  M[2] = 0;
+  q[0] = INFINITY;
+  ck_assert_int_eq(dls_lemke_solve(w, &lcp, z, y, &info, &e), DLS_E_NOT_FINITE);
+  ck_assert_str_eq(e.argument, "q");
+  q[0] = -1;
+  double z0 = 3, v[2] = {1, 2};
+  ck_assert_int_eq(dls_lemke_ray(w, v, &z0, v, &z0, v, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "workspace");
+  ck_assert_int_eq(dls_lemke_ray(NULL, v, &z0, v, &z0, v, &e), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_lemke_farkas(w, v, &e), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_lemke_farkas(NULL, v, &e), DLS_E_ARGUMENT);
+  ck_assert_double_eq(z0, 3);
+  ck_assert_double_eq(v[0], 1);
+  ck_assert_double_eq(z[0], 7);
+  ck_assert_double_eq(y[1], 6);
+  ck_assert_int_eq(info.pivots, 77);
+  const double none[4] = {0, 0, 0, 0};
+  const dls_lcp impossible = lcp_of(2, none, q);
+  ck_assert_int_eq(dls_lemke_solve(w, &impossible, z, y, &info, &e), DLS_NO_SOLUTION);
+  ck_assert_int_eq(dls_lemke_farkas(w, NULL, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "v");
+  ck_assert_int_eq(dls_lemke_ray(w, NULL, NULL, NULL, NULL, NULL, &e), DLS_OK);
+  ck_assert_int_eq(dls_lemke_solve(w, &lcp, z, y, &info, &e), DLS_OK);
+  ck_assert_double_eq(z[0], 1);
+  ck_assert_double_eq(z[1], 1);
+  dls_lemke_destroy(w);
+}
+END_TEST
+
+START_TEST(every_malloc_fails) {
+  const double cover[3] = {1, 1, 1};
+  dls_lemke_settings settings;
+  dls_lemke *w = NULL;
+  dls_error e;
+  dls_lemke_settings_init(&settings);
+  settings.cover = cover;
+  dls_status status = DLS_E_MEMORY;
+  long k = 0;
+  while (status) {
+    malloc_fails_at(++k);
+    status = dls_lemke_create(&w, 3, &settings, &e);
+    malloc_fails_at(0);
+    if (!status) break;
+    ck_assert_int_eq(status, DLS_E_MEMORY);
+    ck_assert_ptr_null(w);
+  }
+  ck_assert_int_gt(k, 1);
+  dls_lemke_destroy(w);
+}
+END_TEST
+
+START_TEST(extreme_numbers) {
+  /* answers that overflow, or nearly, are never called solved without a certificate */
+  const double scales[] = {1e-300, 1e-150, 1e150, 1e300};
+  for (int a = 0; a < 4; a++)
+    for (int b = 0; b < 4; b++) {
+      const double M[4] = {2 * scales[a], scales[a], scales[a], 2 * scales[a]};
+      const double q[2] = {-5 * scales[b], -6 * scales[b]}, f = scales[b] / scales[a];
+      double z[2];
+      dls_lemke_info info;
+      const dls_status status = solve(2, M, q, NULL, z, &info);
+      if (f > 0 && f < 1e307) {
+        ck_assert_int_eq(status, DLS_OK);
+        ck_assert_double_eq_tol(z[0] / f, 4.0 / 3, 1e-14);
+        ck_assert_double_eq_tol(z[1] / f, 7.0 / 3, 1e-14);
+      } else
+        ck_assert_int_ne(status, DLS_NO_SOLUTION);
+    }
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("lemke");
+  TCase *c = tcase_create("lemke");
+  tcase_set_timeout(c, 60);
+  tcase_add_test(c, size_one);
+  tcase_add_test(c, feasible_q_is_answered_at_once);
+  tcase_add_test(c, size_two);
+  tcase_add_test(c, catalogue_of_contact);
+  tcase_add_test(c, ray_of_large_friction);
+  tcase_add_test(c, cycling_example);
+  tcase_add_test(c, identical_rows);
+  tcase_add_test(c, murty);
+  tcase_add_test(c, p_matrices);
+  tcase_add_test(c, any_matrix);
+  tcase_add_test(c, semidefinite);
+  tcase_add_test(c, hundred_unknowns);
+  tcase_add_test(c, stewart_trinkle);
+  tcase_add_test(c, units);
+  tcase_add_test(c, permutations);
+  tcase_add_test(c, same_bits_and_reuse);
+  tcase_add_test(c, progress_and_limit);
+  tcase_add_test(c, bad_arguments);
+  tcase_add_test(c, every_malloc_fails);
+  tcase_add_test(c, extreme_numbers);
+  suite_add_tcase(suite, c);
+  SRunner *runner = srunner_create(suite);
+  srunner_run_all(runner, CK_NORMAL);
+  const int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed != 0;
+}
