@@ -36,6 +36,14 @@ static dls_contact random_problem(unsigned seed) {
   return (dls_contact){.d = 2, .nc = NC, .W = {M, M, M, W}, .q = q, .mu = mu};
 }
 
+/* All fields; memcmp would compare the padding, too. */
+static int same_certificate(const dls_certificate *a, const dls_certificate *b) {
+  return a->residual == b->residual && a->floor == b->floor && a->penetration == b->penetration &&
+         a->adhesion == b->adhesion && a->cone_violation == b->cone_violation &&
+         a->slip_direction == b->slip_direction && a->complementarity == b->complementarity &&
+         a->worst == b->worst;
+}
+
 static dls_solver_settings settings_of(dls_method method) {
   dls_solver_settings s;
   dls_solver_settings_init(&s);
@@ -71,7 +79,7 @@ START_TEST(methods_agree) {
       ck_assert(info.certificate.residual <= 1e-13);
       dls_certificate c; /* the one the solver reports is the public one */
       ck_assert_int_eq(dls_contact_certify(&p, r[k], NULL, &c, NULL), DLS_OK);
-      ck_assert_mem_eq(&c, &info.certificate, sizeof c);
+      ck_assert_int_eq(same_certificate(&c, &info.certificate), 1);
     }
     double scale = 0;
     for (int i = 0; i < M; i++)
@@ -147,8 +155,10 @@ START_TEST(solver_is_reused_allocates_nothing_and_repeats_bits) {
         if (seed == 4) /* a smaller problem in the same workspace */
           p.nc = 5, p.W.rows = p.W.cols = 10;
         malloc_fails_at(0);
-        ck_assert_int_eq(dls_solver_solve(solver, &p, r, u, NULL, NULL), DLS_OK);
-        ck_assert_int_eq(malloc_calls(), 0);
+        const dls_status status = dls_solver_solve(solver, &p, r, u, NULL, NULL);
+        const long calls = malloc_calls(); /* Check itself allocates, too */
+        ck_assert_int_eq(status, DLS_OK);
+        ck_assert_int_eq(calls, 0);
         if (seed == 1 && round == 0) memcpy(first, r, sizeof r);
         if (seed == 1) ck_assert_mem_eq(first, r, sizeof r);
       }
@@ -177,7 +187,7 @@ START_TEST(progress_cancels) {
   ck_assert_int_eq(info.status, DLS_CANCELLED);
   dls_certificate c;
   ck_assert_int_eq(dls_contact_certify(&p, r, NULL, &c, NULL), DLS_OK);
-  ck_assert_mem_eq(&c, &info.certificate, sizeof c);
+  ck_assert_int_eq(same_certificate(&c, &info.certificate), 1);
 }
 END_TEST
 
@@ -266,12 +276,12 @@ START_TEST(every_failing_malloc_unwinds) {
       dls_error e = {0};
       malloc_fails_at(at);
       status = dls_solve(&p, &s, r, NULL, NULL, &e);
+      malloc_fails_at(0);
       if (status == DLS_E_MEMORY) {
         failed++;
         ck_assert(r[0] == 9 && e.status == DLS_E_MEMORY);
       }
     }
-    malloc_fails_at(0);
     ck_assert_int_eq(status, DLS_OK);
     ck_assert_int_ge(failed, 2);
   }

@@ -59,6 +59,7 @@ typedef struct run {
   double *R;                        /* 2 * contact nodes: P r */
   double *x, *force;                /* model unknowns: displacements, H r */
   double *displacement, *reaction;  /* 2 * mesh nodes */
+  double *stress;                   /* 3 * triangles */
   double *column[8];                /* nc each: x, y, ut, un, rt, rn, rt_eq, rn_eq */
   double *paper[REFERENCE_COLUMNS]; /* nc each, NaN where there is no value */
 } run;
@@ -68,8 +69,10 @@ enum { X, Y, UT, UN, RT, RN, RT_EQ, RN_EQ };
 static int allocate(run *a) {
   const size_t nc = (size_t)a->data.candidates, nodes = (size_t)a->data.model.nodes;
   const size_t n = (size_t)a->data.model.n, mesh = (size_t)a->data.mesh->nodes;
-  double *next = malloc((4 * nc + 2 * nodes + 2 * n + 4 * mesh + 8 * nc + REFERENCE_COLUMNS * nc) *
-                        sizeof *next);
+  const size_t triangles = (size_t)a->data.mesh->triangles;
+  double *next = malloc(
+      (4 * nc + 2 * nodes + 2 * n + 4 * mesh + 3 * triangles + 8 * nc + REFERENCE_COLUMNS * nc) *
+      sizeof *next);
   a->memory = next;
   a->state = malloc(nc * sizeof *a->state);
   if (!next || !a->state) return 0;
@@ -80,6 +83,7 @@ static int allocate(run *a) {
   a->force = next, next += n;
   a->displacement = next, next += 2 * mesh;
   a->reaction = next, next += 2 * mesh;
+  a->stress = next, next += 3 * triangles;
   for (int k = 0; k < 8; k++, next += nc)
     a->column[k] = next;
   for (int k = 0; k < REFERENCE_COLUMNS; k++, next += nc)
@@ -160,6 +164,8 @@ static dls_status compute(run *a, const scene_options *o, dls_error *error) {
     column_add(&model->HT, k, a->R[2 * k + 1], a->force);
   }
   status = dls_fe_scene_displacement(a->scene, a->force, a->reaction, error);
+  if (!status)
+    status = dls_fe_stress(a->data.mesh, a->data.E, a->data.nu, a->displacement, a->stress, error);
   if (!status) tabulate(a);
   return status;
 }
@@ -323,7 +329,7 @@ static int write_files(const run *a, const scene_options *o) {
     return EXIT_BAD_INPUT;
   (void)snprintf(name, sizeof name, "%s.vtu", o->name);
   if (!join_path(path, o->out, name)) return EXIT_BAD_INPUT;
-  if (dls_fe_write_vtu(path, a->data.mesh, a->displacement, a->reaction, NULL, &error))
+  if (dls_fe_write_vtu(path, a->data.mesh, a->displacement, a->reaction, a->stress, &error))
     return complain_of(path, &error);
   (void)snprintf(title, sizeof title, "%s, %s reactions, %s", o->name,
                  o->weighted ? "weighted" : "concentrated",
