@@ -33,10 +33,11 @@ for scene in fig3 fig4; do
     for method in nlgs lemke; do
       out=$results/jean-$scene-$reactions-$method
       other=$results/jean-$scene-$reactions-nlgs
-      between=$(paste -d, "$out/contact.csv" "$other/contact.csv" | awk -F, -v half=$([ $reactions = weighted ] && echo 10 || echo 8) '
+      between=-
+      [ $method = nlgs ] || between=$(paste -d, "$out/contact.csv" "$other/contact.csv" | awk -F, -v half=$([ $reactions = weighted ] && echo 10 || echo 8) '
         NR > 1 { for (k = 6; k <= 7; k++) { v = $(k + half); d = $k - v; if (d < 0) d = -d; if (v < 0) v = -v
                  if (d > e) e = d; if (v > m) m = v } }
-        END { printf "%.1e", m > 0 ? e / m : 0 }')
+        END { printf("%.1e", (m > 0 ? e / m : 0)) }')
       awk -v name="$scene $reactions $method" -v between="$between" '
         NR == 1 { match($0, /: [a-z ]+, [0-9]+ [a-z]+/); its = substr($0, RSTART, RLENGTH); sub(/.*, /, "", its)
                   match($0, /residual [^ ]+/); res = substr($0, RSTART + 9, RLENGTH - 9) }

@@ -116,7 +116,7 @@ static int write_deformed(const scene_picture *p) {
   FILE *script = open_in(p->directory, "deformed.gp");
   if (!script) return 0;
   fprintf(script,
-          "set title '%s\\ndisplacements x %g, longest arrow %.3g N/m'\n"
+          "set title \"%s\\ndisplacements x %g, longest arrow %.3g N/m\"\n"
           "set size ratio -1\nset key off\nset xlabel 'x [m]'\nset ylabel 'y [m]'\n"
           "set xtics %g\nset ytics %g\n"
           "set xrange [%g:%g]\nset yrange [%g:%g]\n"
