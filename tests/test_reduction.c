@@ -1,0 +1,1051 @@
+/* test_reduction.c: the model's checks, W, q, recovery, the weighting of a line. */
+#include <check.h>
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delassus/reduction.h"
+#include "malloc_fails.h"
+
+/* ---- a model of any size, with room for its arrays ------------------------------------------- */
+
+enum { max_n = 120, max_nodes = 60, max_m = 120 };
+
+typedef struct host {
+  int n, calls, most, fail_at, spoil;
+  const double *inverse; /* n x n */
+} host;
+
+typedef struct fixture {
+  double K[max_n * max_n], inverse[max_n * max_n];
+  int Kp[max_n + 1], Ki[2 * max_n * max_n];
+  double Kx[2 * max_n * max_n];
+  int Np[max_nodes + 1], Ni[2 * max_nodes], Tp[2 * max_nodes + 1], Ti[4 * max_nodes];
+  double Nx[2 * max_nodes], Tx[4 * max_nodes];
+  int Pp[max_nodes + 1], Pi[3 * max_nodes];
+  double Px[3 * max_nodes];
+  double f[max_n], g[max_m], r[max_m];
+  host user;
+  dls_model model;
+} fixture;
+
+static fixture F; /* too large for a stack */
+static unsigned long long seed;
+
+/* uniform in (-1, 1) */
+static double random_number(void) {
+  seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
+  return (double)(seed >> 11) / 4503599627370496.0 - 1;
+}
+
+/* X := inverse X, by hand */
+static int host_solve(void *data, double *X, int n, int nrhs) {
+  host *user = data;
+  if (nrhs > user->most) user->most = nrhs;
+  if (++user->calls == user->fail_at) return 7;
+  double y[max_n];
+  for (int j = 0; j < nrhs; j++) {
+    double *x = X + (size_t)j * (size_t)n;
+    for (int i = 0; i < n; i++) {
+      y[i] = 0;
+      for (int k = 0; k < n; k++)
+        y[i] += user->inverse[i + n * k] * x[k];
+    }
+    memcpy(x, y, (size_t)n * sizeof *x);
+  }
+  if (user->spoil) X[n - 1] = NAN;
+  return 0;
+}
+
+/* inverse := K^-1 by Gauss-Jordan with pivots on the diagonal (K is diagonally dominant) */
+static void invert(const double *K, double *inverse, int n) {
+  static double A[max_n * max_n];
+  memcpy(A, K, (size_t)(n * n) * sizeof *A);
+  for (int k = 0; k < n; k++) {
+    const double pivot = A[k + n * k];
+    for (int j = 0; j < n; j++)
+      if (j != k) A[k + n * j] /= pivot;
+    for (int i = 0; i < n; i++)
+      for (int j = 0; i != k && j < n; j++)
+        if (j != k) A[i + n * j] -= A[i + n * k] * A[k + n * j];
+    for (int i = 0; i < n; i++)
+      if (i != k) A[i + n * k] /= -pivot;
+    A[k + n * k] = 1 / pivot;
+  }
+  memcpy(inverse, A, (size_t)(n * n) * sizeof *A);
+}
+
+static dls_sparse sparse(int rows, int cols, const int *p, const int *i, const double *x) {
+  return (dls_sparse){rows, cols, p, i, x};
+}
+
+/* The sparse form of F.K: every entry in two halves, in two places of its column. */
+static void fill_sparse(int n) {
+  int e = 0;
+  for (int j = 0; j < n; j++) {
+    F.Kp[j] = e;
+    for (int half = 0; half < 2; half++)
+      for (int i = n - 1; i >= 0; i--)
+        if (F.K[i + n * j] != 0) {
+          F.Ki[e] = i;
+          F.Kx[e++] = F.K[i + n * j] / 2;
+        }
+  }
+  F.Kp[n] = e;
+  F.model.Ks = sparse(n, n, F.Kp, F.Ki, F.Kx);
+}
+
+/* Diagonally dominant K, coupled only among unknowns equal modulo `parts`; random operators with two
+ * entries a column; weighted: each candidate on two nodes. */
+static void make(int d, int n, int nodes, int parts, int symmetric, int weighted) {
+  memset(&F, 0, sizeof F);
+  seed = 1;
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++) {
+      if ((i - j) % parts != 0) continue;
+      const double a = random_number();
+      F.K[i + n * j] = i == j ? n + a : symmetric && i < j ? F.K[j + n * i] : a;
+    }
+  for (int j = 0; symmetric && j < n; j++)
+    for (int i = 0; i < j; i++)
+      F.K[i + n * j] = F.K[j + n * i];
+  invert(F.K, F.inverse, n);
+  for (int k = 0; k < 2 * nodes; k++) {
+    F.Ni[k] = (3 * k + k % 2) % n;
+    F.Nx[k] = random_number();
+    F.Np[(k + 1) / 2] = 2 * ((k + 1) / 2);
+  }
+  for (int k = 0; k < 2 * (d - 1) * nodes; k++) {
+    F.Ti[k] = (5 * k + 2) % n;
+    F.Tx[k] = random_number();
+    F.Tp[(k + 1) / 2] = 2 * ((k + 1) / 2);
+  }
+  for (int k = 0; k < n; k++)
+    F.f[k] = random_number();
+  for (int k = 0; k < d * nodes; k++) {
+    F.g[k] = random_number();
+    F.r[k] = random_number();
+  }
+  F.user = (host){.n = n, .inverse = F.inverse};
+  F.model = (dls_model){.d = d,
+                        .n = n,
+                        .nodes = nodes,
+                        .operator_kind = DLS_STIFFNESS_DENSE,
+                        .factorization = symmetric ? DLS_CHOLESKY : DLS_LU,
+                        .K = {n, n, n, F.K},
+                        .solve = host_solve,
+                        .user = &F.user,
+                        .HN = sparse(n, nodes, F.Np, F.Ni, F.Nx),
+                        .HT = sparse(n, (d - 1) * nodes, F.Tp, F.Ti, F.Tx)};
+  fill_sparse(n);
+  if (!weighted) return;
+  for (int j = 0; j < nodes - 1; j++) {
+    F.Pp[j + 1] = 2 * (j + 1);
+    F.Pi[2 * j] = j + 1;
+    F.Pi[2 * j + 1] = j;
+    F.Px[2 * j] = 0.25;
+    F.Px[2 * j + 1] = 0.75;
+  }
+  F.model.P = sparse(nodes, nodes - 1, F.Pp, F.Pi, F.Px);
+}
+
+static int candidates(void) {
+  return F.model.P.p ? F.model.P.cols : F.model.nodes;
+}
+
+/* y (d * nodes) := L^T x */
+static void traces(const double *x, double *y) {
+  const int d = F.model.d;
+  for (int node = 0; node < F.model.nodes; node++)
+    for (int c = 0; c < d; c++) {
+      const dls_sparse *L = c ? &F.model.HT : &F.model.HN;
+      const int j = c ? (d - 1) * node + c - 1 : node;
+      double sum = 0;
+      for (int k = L->p[j]; k < L->p[j + 1]; k++)
+        sum += L->x[k] * x[L->i[k]];
+      y[d * node + c] = sum;
+    }
+}
+
+/* x (n) += L R */
+static void add_loads(const double *R, double *x) {
+  const int d = F.model.d;
+  for (int node = 0; node < F.model.nodes; node++)
+    for (int c = 0; c < d; c++) {
+      const dls_sparse *L = c ? &F.model.HT : &F.model.HN;
+      const int j = c ? (d - 1) * node + c - 1 : node;
+      for (int k = L->p[j]; k < L->p[j + 1]; k++)
+        x[L->i[k]] += L->x[k] * R[d * node + c];
+    }
+}
+
+static double largest(const double *x, int n) {
+  double m = 0;
+  for (int i = 0; i < n; i++)
+    if (!(fabs(x[i]) <= m)) m = fabs(x[i]);
+  return m;
+}
+
+static void assert_close(const double *x, const double *y, int n, double tol) {
+  const double scale = largest(y, n);
+  for (int i = 0; i < n; i++)
+    ck_assert_msg(fabs(x[i] - y[i]) <= tol * scale, "[%d] %.17g, expected %.17g", i, x[i], y[i]);
+}
+
+/* The systems are diagonally dominant, of condition about 3. */
+static double rounding(void) {
+  return 8 * F.model.n * DBL_EPSILON;
+}
+
+static dls_reduction *create(void) {
+  dls_reduction *R = NULL;
+  dls_error error = {0};
+  const dls_status status = dls_reduction_create(&R, &F.model, &error);
+  ck_assert_msg(status == DLS_OK, "%s", error.message);
+  return R;
+}
+
+static dls_contact contact_of(const dls_reduction *R) {
+  static const double mu[max_nodes];
+  dls_contact problem;
+  ck_assert_int_eq(dls_reduction_contact(R, mu, &problem, NULL), DLS_OK);
+  ck_assert_int_eq(dls_contact_check(&problem, NULL), DLS_OK);
+  return problem;
+}
+
+/* ---- closed forms ---------------------------------------------------------------------------- */
+
+/* One node, unknowns (x, y), n = +y, t = +x: K = (2 -1; -1 3), K^-1 = (3 1; 1 2) / 5. */
+static void make_two_springs(void) {
+  make(2, 2, 1, 1, 1, 0);
+  memcpy(F.K, (double[]){2, -1, -1, 3}, 4 * sizeof(double));
+  memcpy(F.inverse, (double[]){0.6, 0.2, 0.2, 0.4}, 4 * sizeof(double));
+  F.Ni[0] = 1;
+  F.Ti[0] = 0;
+  F.Nx[0] = F.Tx[0] = 1;
+  F.Np[1] = F.Tp[1] = 1;
+  fill_sparse(2);
+}
+
+START_TEST(springs_by_hand) {
+  make_two_springs();
+  if (_i == 4)
+    F.model.factorization = DLS_LU;
+  else
+    F.model.operator_kind = (dls_operator)(1 + _i);
+  if (_i == 2) F.model.K.a = F.inverse;
+  dls_reduction *R = create();
+  dls_contact p = contact_of(R);
+  assert_close(p.W.a, (double[]){0.4, 0.2, 0.2, 0.6}, 4, 4 * DBL_EPSILON);
+  assert_close(p.q, (double[]){0, 0}, 2, 0);
+  ck_assert_int_eq(dls_reduction_load(R, (double[]){5, -10}, (double[]){0.5, 0}, NULL), DLS_OK);
+  assert_close(p.q, (double[]){-2.5, 1}, 2, 8 * DBL_EPSILON);
+  /* r = (10, -5) holds the load: x = 0 */
+  double x[2] = {9, 9}, left[2], R2[2];
+  ck_assert_int_eq(dls_reduction_recover(R, (double[]){10, -5}, x, NULL), DLS_OK);
+  ck_assert_double_le(largest(x, 2), 16 * DBL_EPSILON);
+  ck_assert_int_eq(dls_reduction_recover(R, (double[]){0, 0}, left, NULL), DLS_OK);
+  assert_close(left, (double[]){1, -3}, 2, 8 * DBL_EPSILON);
+  ck_assert_int_eq(dls_reduction_nodal(R, (double[]){10, -5}, R2, NULL), DLS_OK);
+  assert_close(R2, (double[]){10, -5}, 2, 0);
+  /* gap alone, then nothing at all */
+  ck_assert_int_eq(dls_reduction_load(R, NULL, (double[]){0.5, 2}, NULL), DLS_OK);
+  assert_close(p.q, (double[]){0.5, 2}, 2, 0);
+  ck_assert_int_eq(dls_reduction_load(R, NULL, NULL, NULL), DLS_OK);
+  assert_close(p.q, (double[]){0, 0}, 2, 0);
+  ck_assert_int_eq(dls_reduction_recover(R, (double[]){10, -5}, x, NULL), DLS_OK);
+  assert_close(x, (double[]){-1, 3}, 2, 8 * DBL_EPSILON); /* K^-1 (-5, 10) */
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* K = (2 1; 0 1), K^-1 = (1/2 -1/2; 0 1): in the order (n, t) = (y, x), W = (1 0; -1/2 1/2). */
+START_TEST(unsymmetric_by_hand) {
+  make_two_springs();
+  memcpy(F.K, (double[]){2, 0, 1, 1}, 4 * sizeof(double));
+  fill_sparse(2);
+  F.model.factorization = DLS_LU;
+  F.model.operator_kind = _i ? DLS_STIFFNESS_SPARSE : DLS_STIFFNESS_DENSE;
+  dls_reduction *R = create();
+  assert_close(contact_of(R).W.a, (double[]){1, -0.5, 0, 0.5}, 4, 4 * DBL_EPSILON);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* ---- the mechanics, without regard to how W is made ------------------------------------------ */
+
+/* K x = f + L P r and P^T (L^T x + g) = W r + q, R = P r */
+static void assert_mechanics(dls_reduction *R) {
+  const int d = F.model.d, n = F.model.n, nc = candidates(), m = d * nc;
+  const dls_contact p = contact_of(R);
+  ck_assert_int_eq(p.nc, nc);
+  ck_assert_int_eq(dls_reduction_load(R, F.f, F.g, NULL), DLS_OK);
+  double x[max_n], load[max_n], Kx[max_n] = {0}, nodal[max_m], weighted[max_m] = {0}, y[max_m];
+  double u[max_m], expected[max_m] = {0};
+  ck_assert_int_eq(dls_reduction_recover(R, F.r, x, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_nodal(R, F.r, nodal, NULL), DLS_OK);
+  for (int j = 0; j < nc; j++)
+    for (int k = F.model.P.p ? F.Pp[j] : j; k < (F.model.P.p ? F.Pp[j + 1] : j + 1); k++)
+      for (int c = 0; c < d; c++)
+        weighted[d * (F.model.P.p ? F.Pi[k] : k) + c] +=
+            (F.model.P.p ? F.Px[k] : 1) * F.r[d * j + c];
+  assert_close(nodal, weighted, d * F.model.nodes, 4 * DBL_EPSILON);
+  memcpy(load, F.f, (size_t)n * sizeof *load);
+  add_loads(nodal, load);
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++)
+      Kx[i] += F.K[i + n * j] * x[j];
+  assert_close(Kx, load, n, rounding());
+  traces(x, y);
+  for (int j = 0; j < nc; j++)
+    for (int k = F.model.P.p ? F.Pp[j] : j; k < (F.model.P.p ? F.Pp[j + 1] : j + 1); k++)
+      for (int c = 0; c < d; c++) {
+        const int node = F.model.P.p ? F.Pi[k] : k;
+        expected[d * j + c] += (F.model.P.p ? F.Px[k] : 1) * (y[d * node + c] + F.g[d * node + c]);
+      }
+  memcpy(u, p.q, (size_t)m * sizeof *u);
+  for (int j = 0; j < m; j++)
+    for (int i = 0; i < m; i++)
+      u[i] += p.W.a[i + m * j] * F.r[j];
+  assert_close(u, expected, m, rounding());
+}
+
+START_TEST(all_operators_agree) {
+  const int weighted = _i % 2, d = 2 + _i / 2 % 2;
+  double W[max_m * max_m];
+  for (int kind = 0; kind < 6; kind++) {
+    make(d, 30, 6, 1, 1, weighted);
+    if (kind >= 4) F.model.factorization = DLS_LU;
+    F.model.operator_kind = (dls_operator)(kind < 4 ? kind + 1 : kind - 3);
+    if (kind == 2) F.model.K.a = F.inverse;
+    dls_reduction *R = create();
+    const dls_contact p = contact_of(R);
+    const int m = d * p.nc;
+    if (kind == 0) memcpy(W, p.W.a, (size_t)(m * m) * sizeof *W);
+    assert_close(p.W.a, W, m * m, rounding());
+    for (int j = 0; kind < 2 && j < m; j++) /* Cholesky: exactly symmetric */
+      for (int i = 0; i < j; i++)
+        ck_assert(p.W.a[i + m * j] == p.W.a[j + m * i]);
+    assert_mechanics(R);
+    dls_reduction_destroy(R);
+  }
+}
+END_TEST
+
+START_TEST(unsymmetric_stiffness) {
+  make(2 + _i / 2, 30, 6, 1, 0, 1);
+  if (_i % 2) F.model.operator_kind = DLS_STIFFNESS_SPARSE;
+  dls_reduction *R = create();
+  assert_mechanics(R);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* Parts that interlace (unknowns equal modulo 7, say; one unknown each for 42), some not loaded. */
+START_TEST(connected_parts) {
+  const int parts[] = {2, 7, 20, 42};
+  for (int symmetric = 0; symmetric < 2; symmetric++) {
+    make(3, 42, 4, parts[_i], symmetric, 0);
+    F.model.operator_kind = DLS_STIFFNESS_SPARSE;
+    dls_reduction *R = create();
+    assert_mechanics(R);
+    dls_reduction_destroy(R);
+  }
+}
+END_TEST
+
+/* Only the lower triangle is read for Cholesky; the leading dimension is obeyed. */
+START_TEST(lower_triangle) {
+  make(2, 10, 3, 1, 1, 0);
+  dls_reduction *R = create();
+  double W[36], wide[10 * 13];
+  memcpy(W, contact_of(R).W.a, sizeof W);
+  dls_reduction_destroy(R);
+  for (int j = 0; j < 10; j++)
+    for (int i = 0; i < 13; i++)
+      wide[i + 13 * j] = i < 10 && i >= j ? F.K[i + 10 * j] : NAN;
+  F.model.K = (dls_dense){10, 10, 13, wide};
+  R = create();
+  ck_assert_mem_eq(contact_of(R).W.a, W, sizeof W);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* More columns than a batch holds; the host sees at most 64, then single ones. */
+START_TEST(batches) {
+  make(2, 100, 50, 1, 1, 0);
+  dls_reduction *R = create();
+  static double W[100 * 100];
+  memcpy(W, contact_of(R).W.a, sizeof W);
+  dls_reduction_destroy(R);
+  F.model.operator_kind = DLS_HOST_SOLVER;
+  R = create();
+  assert_close(contact_of(R).W.a, W, 100 * 100, rounding());
+  ck_assert_int_eq(F.user.calls, 2);
+  ck_assert_int_eq(F.user.most, 64);
+  F.user.most = 0;
+  assert_mechanics(R);
+  ck_assert_int_eq(F.user.most, 1);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* Tangents that a frictionless model leaves empty: their rows and columns of W are zero. */
+START_TEST(empty_tangents) {
+  make(2, 12, 4, 1, 1, 0);
+  memset(F.Tp, 0, sizeof F.Tp);
+  F.model.operator_kind = (dls_operator)(1 + _i);
+  if (_i == 2) F.model.K.a = F.inverse;
+  dls_reduction *R = create();
+  const dls_contact p = contact_of(R);
+  for (int j = 0; j < 8; j++)
+    for (int i = 0; i < 8; i++)
+      ck_assert((p.W.a[i + 8 * j] == 0) == (i % 2 || j % 2));
+  assert_mechanics(R);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+START_TEST(same_bits_twice) {
+  make(2, 40, 10, 2, _i % 2, 1);
+  F.model.operator_kind = (dls_operator)(1 + _i / 2);
+  double W[18 * 18], q[18];
+  for (int turn = 0; turn < 2; turn++) {
+    dls_reduction *R = create();
+    const dls_contact p = contact_of(R);
+    ck_assert_int_eq(dls_reduction_load(R, F.f, F.g, NULL), DLS_OK);
+    if (turn == 0) {
+      memcpy(W, p.W.a, sizeof W);
+      memcpy(q, p.q, sizeof q);
+    }
+    ck_assert_mem_eq(p.W.a, W, sizeof W);
+    ck_assert_mem_eq(p.q, q, sizeof q);
+    dls_reduction_destroy(R);
+  }
+}
+END_TEST
+
+/* ---- units ----------------------------------------------------------------------------------- */
+
+START_TEST(units) {
+  const double force[] = {1e-9, 1e9, 1, 1, 1e-9, 1e9}, unit[] = {1, 1, 1e-9, 1e9, 1e9, 1e-9};
+  const double b = force[_i % 6], a = unit[_i % 6];
+  for (int kind = 0; kind < 4; kind++) {
+    make(2, 24, 5, 3, _i / 6, 1);
+    F.model.operator_kind = (dls_operator)(1 + kind);
+    if (kind == 2) F.model.K.a = F.inverse;
+    dls_reduction *R = create();
+    double W[64], q[8];
+    ck_assert_int_eq(dls_reduction_load(R, F.f, F.g, NULL), DLS_OK);
+    for (int i = 0; i < 64; i++)
+      W[i] = a / b * contact_of(R).W.a[i];
+    for (int i = 0; i < 8; i++)
+      q[i] = a * contact_of(R).q[i];
+    dls_reduction_destroy(R);
+    for (int k = 0; k < 24 * 24; k++) {
+      F.K[k] *= b / a;
+      F.inverse[k] *= a / b;
+    }
+    for (int k = 0; k < F.Kp[24]; k++)
+      F.Kx[k] *= b / a;
+    for (int k = 0; k < 24; k++)
+      F.f[k] *= b;
+    for (int k = 0; k < 10; k++)
+      F.g[k] *= a;
+    R = create();
+    ck_assert_int_eq(dls_reduction_load(R, F.f, F.g, NULL), DLS_OK);
+    assert_close(contact_of(R).W.a, W, 64, rounding());
+    assert_close(contact_of(R).q, q, 8, rounding());
+    dls_reduction_destroy(R);
+  }
+}
+END_TEST
+
+/* Every other unknown in a unit of its own (rotations, say): K is then of condition 1e36 as it stands, W
+ * of the unknowns that keep their unit stays the same. */
+START_TEST(mixed_units) {
+  const double scale = _i % 2 ? 1e9 : 1e-9;
+  make(2, 20, 2, 1, _i / 2 % 2, 0);
+  for (int k = 0; k < 4; k++) {
+    F.Ni[k] -= F.Ni[k] % 2;
+    F.Ti[k] -= F.Ti[k] % 2;
+  }
+  dls_reduction *R = create();
+  double W[16];
+  memcpy(W, contact_of(R).W.a, sizeof W);
+  dls_reduction_destroy(R);
+  for (int j = 0; j < 20; j++)
+    for (int i = 0; i < 20; i++)
+      F.K[i + 20 * j] *= (i % 2 ? scale : 1) * (j % 2 ? scale : 1);
+  fill_sparse(20);
+  if (_i / 4) F.model.operator_kind = DLS_STIFFNESS_SPARSE;
+  R = create();
+  assert_close(contact_of(R).W.a, W, 16, rounding());
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* ---- matrices that have no inverse ----------------------------------------------------------- */
+
+static void assert_create_fails(dls_status status, const char *argument, long long index,
+                                dls_error *error) {
+  int mark;
+  dls_reduction *R = (dls_reduction *)(void *)&mark;
+  dls_error own, *e = error ? error : &own;
+  memset(e, 0, sizeof *e);
+  const dls_status answer = dls_reduction_create(&R, &F.model, e);
+  ck_assert_msg(answer == status, "%s instead of %s (%s): %s", dls_status_name(answer),
+                dls_status_name(status), argument, e->message);
+  ck_assert_ptr_null(R);
+  ck_assert_int_eq(e->status, status);
+  ck_assert_str_eq(e->function, "dls_reduction_create");
+  ck_assert_msg(strcmp(e->argument, argument) == 0, "%s instead of %s", e->argument, argument);
+  ck_assert_msg(e->index == index, "%s[%lld] instead of %lld", argument, e->index, index);
+  ck_assert_int_eq(dls_reduction_create(&R, &F.model, NULL), status);
+}
+
+/* A 2 x 2 matrix as K, dense or as the part {1, 3} of a sparse one with unknowns 0, 2, 4 beside it. */
+static void make_small(int sparse_form, dls_factorization factorization, double k00, double k10,
+                       double k01, double k11) {
+  make(2, sparse_form ? 5 : 2, 1, 1, 1, 0);
+  const int n = F.model.n, i = sparse_form ? 1 : 0, j = sparse_form ? 3 : 1;
+  memset(F.K, 0, sizeof F.K);
+  for (int k = 0; k < n; k++)
+    F.K[k + n * k] = 1;
+  F.K[i + n * i] = k00;
+  F.K[j + n * i] = k10;
+  F.K[i + n * j] = k01;
+  F.K[j + n * j] = k11;
+  fill_sparse(n);
+  F.model.factorization = factorization;
+  F.model.operator_kind = sparse_form ? DLS_STIFFNESS_SPARSE : DLS_STIFFNESS_DENSE;
+}
+
+START_TEST(singular_matrices) {
+  const char *K = _i ? "Ks" : "K";
+  const int first = _i ? 1 : 0, last = _i ? 3 : 1;
+  dls_error error;
+  /* a spring between two unknowns, held nowhere */
+  make_small(_i, DLS_LU, 1, -1, -1, 1);
+  assert_create_fails(DLS_E_SINGULAR, K, last, &error);
+  ck_assert(error.value == 0);
+  make_small(_i, DLS_CHOLESKY, 1, -1, -1, 1);
+  assert_create_fails(DLS_E_NOT_POSITIVE_DEFINITE, K, last, &error);
+  ck_assert(error.value == 0);
+  /* held by rounding alone: the pivot is positive */
+  make_small(_i, DLS_CHOLESKY, 1, 1, 1, 1 + 4 * DBL_EPSILON);
+  assert_create_fails(DLS_E_SINGULAR, K, last, &error);
+  ck_assert_double_eq_tol(error.value, 4 * DBL_EPSILON, DBL_EPSILON / 100);
+  make_small(_i, DLS_LU, 1, 1, 1, 1 + 4 * DBL_EPSILON);
+  assert_create_fails(DLS_E_SINGULAR, K, last, &error);
+  /* held well enough */
+  make_small(_i, DLS_CHOLESKY, 1, 1, 1, 1 + 1000 * DBL_EPSILON);
+  dls_reduction_destroy(create());
+  make_small(_i, DLS_LU, 1, 1, 1, 1 + 1000 * DBL_EPSILON);
+  dls_reduction_destroy(create());
+  /* indefinite: pivot 1 - 2^2 */
+  make_small(_i, DLS_CHOLESKY, 1, 2, 2, 1);
+  assert_create_fails(DLS_E_NOT_POSITIVE_DEFINITE, K, last, &error);
+  ck_assert(error.value == -3);
+  make_small(_i, DLS_CHOLESKY, -2, 0.5, 0.5, 1);
+  assert_create_fails(DLS_E_NOT_POSITIVE_DEFINITE, K, first, &error);
+  ck_assert(error.value == -2);
+  /* an empty column, an empty row, for LU; a negative diagonal is no obstacle */
+  make_small(_i, DLS_LU, 0, 0, 1, 1);
+  assert_create_fails(DLS_E_SINGULAR, K, first, NULL);
+  make_small(_i, DLS_LU, 1, 0, 1, 0);
+  assert_create_fails(DLS_E_SINGULAR, K, last, NULL);
+  make_small(_i, DLS_LU, 0, 1, -1, -1);
+  dls_reduction_destroy(create());
+}
+END_TEST
+
+/* A free truss: a grid of squares with both diagonals, three rigid-body modes; bars of stiffness 1.
+ * Never W, whatever the order of the unknowns. Held at three unknowns it passes. */
+START_TEST(free_body) {
+  const int side = 5, n = 2 * side * side;
+  make(2, n, 2, 1, 1, 0);
+  memset(F.K, 0, sizeof F.K);
+  for (int node = 0; node < side * side; node++)
+    for (int bar = 0; bar < 4; bar++) {
+      const int dx[] = {1, 0, 1, -1}, dy[] = {0, 1, 1, 1};
+      const int column = node % side + dx[bar], row = node / side + dy[bar];
+      if (column < 0 || column >= side || row >= side) continue;
+      const int other = column + side * row;
+      const double l = hypot(dx[bar], dy[bar]), cx = dx[bar] / l, cy = dy[bar] / l;
+      const double c[] = {-cx, -cy, cx, cy};
+      int at[] = {2 * node, 2 * node + 1, 2 * other, 2 * other + 1};
+      for (int k = 0; k < 4; k++)
+        at[k] = (at[k] * 7 + _i) % n; /* 7 and n have no common factor */
+      for (int j = 0; j < 4; j++)
+        for (int i = 0; i < 4; i++)
+          F.K[at[i] + n * at[j]] += c[i] * c[j];
+    }
+  fill_sparse(n);
+  for (int kind = 0; kind < 4; kind++) {
+    F.model.operator_kind = kind % 2 ? DLS_STIFFNESS_SPARSE : DLS_STIFFNESS_DENSE;
+    F.model.factorization = kind / 2 ? DLS_LU : DLS_CHOLESKY;
+    dls_reduction *R = NULL;
+    dls_error error;
+    const dls_status status = dls_reduction_create(&R, &F.model, &error);
+    ck_assert(status == DLS_E_SINGULAR || (kind < 2 && status == DLS_E_NOT_POSITIVE_DEFINITE));
+    ck_assert_ptr_null(R);
+    ck_assert(error.index >= 0 && error.index < n);
+    ck_assert_double_le(fabs(error.value), n * DBL_EPSILON);
+  }
+  const int held[] = {0, 1, 3};
+  for (int k = 0; k < 3; k++) {
+    const int i = (held[k] * 7 + _i) % n;
+    F.K[i + n * i] += 1;
+  }
+  F.model.operator_kind = DLS_STIFFNESS_DENSE;
+  for (int kind = 0; kind < 2; kind++) {
+    F.model.factorization = kind ? DLS_LU : DLS_CHOLESKY;
+    dls_reduction_destroy(create());
+  }
+}
+END_TEST
+
+START_TEST(part_too_large) {
+  enum { n = 8001 };
+  static int p[n + 1], i[2 * n];
+  static double x[2 * n];
+  make(2, 4, 1, 1, 1, 0);
+  for (int j = 0; j < n; j++) { /* a chain from unknown 0 to the last */
+    p[j + 1] = 2 * (j + 1);
+    i[2 * j] = j;
+    i[2 * j + 1] = j ? j - 1 : 0;
+    x[2 * j] = 2;
+    x[2 * j + 1] = -0.5;
+  }
+  F.model.n = n;
+  F.model.operator_kind = DLS_STIFFNESS_SPARSE;
+  F.model.factorization = DLS_LU;
+  F.model.Ks = sparse(n, n, p, i, x);
+  F.model.HN.rows = F.model.HT.rows = n;
+  dls_error error;
+  assert_create_fails(DLS_E_UNSUPPORTED, "Ks", 0, &error);
+  ck_assert(error.value == n);
+  ck_assert_ptr_nonnull(strstr(error.message, "8001"));
+  ck_assert_ptr_nonnull(strstr(error.message, "8000"));
+}
+END_TEST
+
+START_TEST(overflows) {
+  make_small(1, DLS_LU, 1, 0.5, 0.5, 1);
+  for (int k = 0; k < F.Kp[5]; k++)
+    if (F.Ki[k] == 3 && k >= F.Kp[3]) F.Kx[k] = 1e308;
+  assert_create_fails(DLS_E_NOT_FINITE, "Ks", 3, NULL);
+  make_two_springs();
+  for (int k = 0; k < 4; k++)
+    F.K[k] *= 1e-300;
+  F.Nx[0] = 1e200;
+  assert_create_fails(DLS_E_NOT_FINITE, "W", 0, NULL);
+
+  make_two_springs();
+  for (int k = 0; k < 4; k++)
+    F.K[k] *= 1e-300;
+  dls_reduction *R = create();
+  dls_error error;
+  ck_assert_int_eq(dls_reduction_load(R, (double[]){0, 1e-300}, NULL, NULL), DLS_OK);
+  const double q = contact_of(R).q[0];
+  ck_assert_int_eq(dls_reduction_load(R, (double[]){0, 1e200}, NULL, &error), DLS_E_NOT_FINITE);
+  ck_assert_str_eq(error.argument, "q");
+  ck_assert(contact_of(R).q[0] == q);
+  double x[2] = {5, 5};
+  ck_assert_int_eq(dls_reduction_recover(R, (double[]){1e200, 0}, x, &error), DLS_E_NOT_FINITE);
+  ck_assert_str_eq(error.argument, "x");
+  ck_assert(x[0] == 5 && x[1] == 5);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* ---- the callback ---------------------------------------------------------------------------- */
+
+START_TEST(callback_fails) {
+  make(2, 100, 50, 1, 1, 0);
+  F.model.operator_kind = DLS_HOST_SOLVER;
+  dls_error error;
+  F.user.fail_at = 2;
+  int mark;
+  dls_reduction *R = (dls_reduction *)(void *)&mark;
+  ck_assert_int_eq(dls_reduction_create(&R, &F.model, &error), DLS_E_CALLBACK);
+  ck_assert_ptr_null(R);
+  ck_assert_str_eq(error.argument, "solve");
+  ck_assert(error.value == 7);
+  F.user.fail_at = 0;
+  F.user.spoil = 1;
+  assert_create_fails(DLS_E_CALLBACK, "solve", 99, NULL);
+  F.user.spoil = 0;
+
+  R = create();
+  ck_assert_int_eq(dls_reduction_load(R, F.f, F.g, NULL), DLS_OK);
+  double q[100], x[100], before[100], twice[100];
+  memcpy(q, contact_of(R).q, sizeof q);
+  ck_assert_int_eq(dls_reduction_recover(R, F.r, before, NULL), DLS_OK);
+  for (int k = 0; k < 100; k++) {
+    twice[k] = 2 * F.f[k];
+    x[k] = 5;
+  }
+  for (int spoil = 0; spoil < 2; spoil++) {
+    F.user.spoil = spoil;
+    F.user.fail_at = spoil ? 0 : F.user.calls + 1;
+    ck_assert_int_eq(dls_reduction_load(R, twice, NULL, &error), DLS_E_CALLBACK);
+    ck_assert_str_eq(error.function, "dls_reduction_load");
+    ck_assert_int_eq(error.index, spoil ? 99 : -1);
+    ck_assert_mem_eq(contact_of(R).q, q, sizeof q);
+    F.user.fail_at = spoil ? 0 : F.user.calls + 1;
+    ck_assert_int_eq(dls_reduction_recover(R, F.r, x, &error), DLS_E_CALLBACK);
+    ck_assert_str_eq(error.function, "dls_reduction_recover");
+    for (int k = 0; k < 100; k++)
+      ck_assert(x[k] == 5);
+  }
+  F.user.spoil = 0; /* f is still the first one */
+  ck_assert_int_eq(dls_reduction_recover(R, F.r, x, NULL), DLS_OK);
+  ck_assert_mem_eq(x, before, sizeof x);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* ---- bad input ------------------------------------------------------------------------------- */
+
+/* make(), one change, and what both check and create must say of it */
+#define BAD(change, status, name, place)                                                           \
+  do {                                                                                             \
+    make(2, 6, 3, 1, symmetric, 1);                                                                \
+    F.model.operator_kind = kind;                                                                  \
+    change;                                                                                        \
+    dls_error e_;                                                                                  \
+    ck_assert_int_eq(dls_model_check(&F.model, &e_), status);                                      \
+    ck_assert_str_eq(e_.argument, name);                                                           \
+    ck_assert_int_eq(e_.index, place);                                                             \
+    ck_assert_str_eq(e_.function, "dls_model_check");                                              \
+    assert_create_fails(status, name, place, NULL);                                                \
+  } while (0)
+
+START_TEST(bad_model) {
+  const dls_operator kind = (dls_operator)(1 + _i / 2);
+  const int symmetric = _i % 2;
+  make(2, 6, 3, 1, symmetric, 1);
+  F.model.operator_kind = kind;
+  ck_assert_int_eq(dls_model_check(&F.model, NULL), DLS_OK);
+
+  BAD(F.model.d = 1, DLS_E_ARGUMENT, "d", -1);
+  BAD(F.model.d = 4, DLS_E_ARGUMENT, "d", -1);
+  BAD(F.model.n = 0, DLS_E_SIZE, "n", -1);
+  BAD(F.model.nodes = 0, DLS_E_SIZE, "nodes", -1);
+  BAD(F.model.nodes = 1 << 30, DLS_E_SIZE, "nodes", -1);
+  BAD(F.model.operator_kind = (dls_operator)0, DLS_E_ARGUMENT, "operator_kind", -1);
+  BAD(F.model.operator_kind = (dls_operator)5, DLS_E_ARGUMENT, "operator_kind", -1);
+
+  if (kind == DLS_STIFFNESS_DENSE || kind == DLS_STIFFNESS_SPARSE) {
+    BAD(F.model.factorization = (dls_factorization)0, DLS_E_ARGUMENT, "factorization", -1);
+    BAD(F.model.factorization = (dls_factorization)3, DLS_E_ARGUMENT, "factorization", -1);
+  }
+  if (kind == DLS_STIFFNESS_DENSE || kind == DLS_FLEXIBILITY) {
+    BAD(F.model.K.a = NULL, DLS_E_ARGUMENT, "K", -1);
+    BAD(F.model.K.rows = 5, DLS_E_SIZE, "K", -1);
+    BAD(F.model.K.cols = 7, DLS_E_SIZE, "K", -1);
+    BAD(F.model.K.ld = 5, DLS_E_SIZE, "K", -1);
+    BAD(F.K[35] = NAN, DLS_E_NOT_FINITE, "K", 35);
+    BAD(F.K[8] = INFINITY, DLS_E_NOT_FINITE, "K", 8);
+    BAD(F.K[0] = -INFINITY, DLS_E_NOT_FINITE, "K", 0);
+  }
+  if (kind == DLS_STIFFNESS_SPARSE) {
+    BAD(F.model.Ks.p = NULL, DLS_E_ARGUMENT, "Ks", -1);
+    BAD(F.model.Ks.i = NULL, DLS_E_ARGUMENT, "Ks", -1);
+    BAD(F.model.Ks.x = NULL, DLS_E_ARGUMENT, "Ks", -1);
+    BAD(F.model.Ks.rows = 5, DLS_E_SIZE, "Ks", -1);
+    BAD(F.model.Ks.cols = 5, DLS_E_SIZE, "Ks", -1);
+    BAD(F.Kp[0] = 1, DLS_E_ARGUMENT, "Ks", 0);
+    BAD(F.Kp[2] = 5, DLS_E_ARGUMENT, "Ks", 2);
+    BAD(F.Ki[9] = 6, DLS_E_ARGUMENT, "Ks", 9);
+    BAD(F.Ki[0] = -1, DLS_E_ARGUMENT, "Ks", 0);
+    BAD(F.Kx[71] = NAN, DLS_E_NOT_FINITE, "Ks", 71);
+  }
+  if (kind == DLS_HOST_SOLVER) BAD(F.model.solve = NULL, DLS_E_ARGUMENT, "solve", -1);
+
+  BAD(F.model.HN.p = NULL, DLS_E_ARGUMENT, "HN", -1);
+  BAD(F.model.HN.i = NULL, DLS_E_ARGUMENT, "HN", -1);
+  BAD(F.model.HN.x = NULL, DLS_E_ARGUMENT, "HN", -1);
+  BAD(F.model.HN.rows = 7, DLS_E_SIZE, "HN", -1);
+  BAD(F.model.HN.cols = 2, DLS_E_SIZE, "HN", -1);
+  BAD(F.Np[0] = -1, DLS_E_ARGUMENT, "HN", 0);
+  BAD(F.Np[2] = 1, DLS_E_ARGUMENT, "HN", 2);
+  BAD(F.Ni[5] = 6, DLS_E_ARGUMENT, "HN", 5);
+  BAD(F.Nx[5] = NAN, DLS_E_NOT_FINITE, "HN", 5);
+  BAD(F.model.HT.p = NULL, DLS_E_ARGUMENT, "HT", -1);
+  BAD(F.model.HT.i = NULL, DLS_E_ARGUMENT, "HT", -1);
+  BAD(F.model.HT.x = NULL, DLS_E_ARGUMENT, "HT", -1);
+  BAD(F.model.HT.rows = 7, DLS_E_SIZE, "HT", -1);
+  BAD(F.model.HT.cols = 6, DLS_E_SIZE, "HT", -1);
+  BAD(F.Tp[0] = 1, DLS_E_ARGUMENT, "HT", 0);
+  BAD(F.Tp[3] = 1, DLS_E_ARGUMENT, "HT", 3);
+  BAD(F.Ti[2] = -1, DLS_E_ARGUMENT, "HT", 2);
+  BAD(F.Tx[0] = -INFINITY, DLS_E_NOT_FINITE, "HT", 0);
+  BAD(F.model.P.i = NULL, DLS_E_ARGUMENT, "P", -1);
+  BAD(F.model.P.x = NULL, DLS_E_ARGUMENT, "P", -1);
+  BAD(F.model.P.rows = 2, DLS_E_SIZE, "P", -1);
+  BAD(F.model.P.cols = 0, DLS_E_SIZE, "P", -1);
+  BAD(F.model.P.cols = 1 << 30, DLS_E_SIZE, "P", -1);
+  BAD(F.Pp[0] = 1, DLS_E_ARGUMENT, "P", 0);
+  BAD(F.Pp[2] = 1, DLS_E_ARGUMENT, "P", 2);
+  BAD(F.Pi[3] = 3, DLS_E_ARGUMENT, "P", 3);
+  BAD(F.Px[3] = NAN, DLS_E_NOT_FINITE, "P", 3);
+  BAD(F.Px[2] = -0.25, DLS_E_ARGUMENT, "P", 2);
+  BAD(F.Pp[1] = 0, DLS_E_ARGUMENT, "P", 0);           /* column 0 is empty */
+  BAD(F.Px[2] = F.Px[3] = 0, DLS_E_ARGUMENT, "P", 1); /* column 1 holds zeros */
+
+  dls_error error;
+  dls_reduction *R = NULL;
+  ck_assert_int_eq(dls_model_check(NULL, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "model");
+  ck_assert_int_eq(dls_reduction_create(&R, NULL, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "model");
+  make(2, 6, 3, 1, 1, 0);
+  ck_assert_int_eq(dls_reduction_create(NULL, &F.model, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "out");
+}
+END_TEST
+
+static void assert_error(dls_status answer, dls_status status, const dls_error *error,
+                         const char *function, const char *argument, long long index) {
+  ck_assert_int_eq(answer, status);
+  ck_assert_int_eq(error->status, status);
+  ck_assert_str_eq(error->function, function);
+  ck_assert_str_eq(error->argument, argument);
+  ck_assert_int_eq(error->index, index);
+}
+
+START_TEST(bad_calls) {
+  make(2, 6, 3, 1, 1, 1);
+  dls_reduction *R = create();
+  dls_error e;
+  double q[4], f[6] = {1, 2, 3, 4, 5, 6}, g[6] = {1, 2, 3, 4, 5, 6};
+  const char *name = "dls_reduction_load";
+  ck_assert_int_eq(dls_reduction_load(R, f, g, NULL), DLS_OK);
+  memcpy(q, contact_of(R).q, sizeof q);
+  assert_error(dls_reduction_load(NULL, f, g, &e), DLS_E_ARGUMENT, &e, name, "reduction", -1);
+  f[4] = NAN;
+  assert_error(dls_reduction_load(R, f, g, &e), DLS_E_NOT_FINITE, &e, name, "f", 4);
+  f[4] = 1;
+  g[5] = INFINITY;
+  assert_error(dls_reduction_load(R, f, g, &e), DLS_E_NOT_FINITE, &e, name, "g", 5);
+  ck_assert_mem_eq(contact_of(R).q, q, sizeof q);
+
+  name = "dls_reduction_contact";
+  dls_contact p, zero;
+  memset(&p, 0, sizeof p);
+  memset(&zero, 0, sizeof zero);
+  double mu[2] = {0.5, 0.5};
+  assert_error(dls_reduction_contact(NULL, mu, &p, &e), DLS_E_ARGUMENT, &e, name, "reduction", -1);
+  assert_error(dls_reduction_contact(R, NULL, &p, &e), DLS_E_ARGUMENT, &e, name, "mu", -1);
+  assert_error(dls_reduction_contact(R, mu, NULL, &e), DLS_E_ARGUMENT, &e, name, "problem", -1);
+  mu[1] = -1e-30;
+  assert_error(dls_reduction_contact(R, mu, &p, &e), DLS_E_ARGUMENT, &e, name, "mu", 1);
+  mu[0] = NAN;
+  assert_error(dls_reduction_contact(R, mu, &p, &e), DLS_E_NOT_FINITE, &e, name, "mu", 0);
+  ck_assert_mem_eq(&p, &zero, sizeof p);
+
+  double r[4] = {1, 2, 3, 4}, x[6] = {7, 7, 7, 7, 7, 7}, out[6] = {7, 7, 7, 7, 7, 7};
+  for (int nodal = 0; nodal < 2; nodal++) {
+    name = nodal ? "dls_reduction_nodal" : "dls_reduction_recover";
+#define CALL(R_, r_, x_)                                                                           \
+  (nodal ? dls_reduction_nodal(R_, r_, x_, &e) : dls_reduction_recover(R_, r_, x_, &e))
+    assert_error(CALL(NULL, r, x), DLS_E_ARGUMENT, &e, name, "reduction", -1);
+    assert_error(CALL(R, NULL, x), DLS_E_ARGUMENT, &e, name, "r", -1);
+    assert_error(CALL(R, r, NULL), DLS_E_ARGUMENT, &e, name, nodal ? "R" : "x", -1);
+    r[3] = NAN;
+    assert_error(CALL(R, r, x), DLS_E_NOT_FINITE, &e, name, "r", 3);
+    r[3] = 4;
+    ck_assert_mem_eq(x, out, sizeof x);
+  }
+  dls_reduction_destroy(R);
+  dls_reduction_destroy(NULL);
+}
+END_TEST
+
+/* ---- memory ---------------------------------------------------------------------------------- */
+
+START_TEST(every_malloc_fails) {
+  make(2, 12, 4, 3, _i % 2, 1);
+  F.model.operator_kind = (dls_operator)(1 + _i / 2);
+  dls_reduction *R = NULL;
+  dls_status status;
+  long k = 0;
+  do {
+    dls_error error = {0};
+    malloc_fails_at(++k);
+    status = dls_reduction_create(&R, &F.model, &error);
+    malloc_fails_at(0);
+    if (!status) break;
+    ck_assert_int_eq(status, DLS_E_MEMORY);
+    ck_assert_int_eq(error.status, DLS_E_MEMORY);
+    ck_assert_ptr_null(R);
+  } while (k < 100);
+  ck_assert_int_eq(status, DLS_OK);
+  ck_assert_int_gt(k, 5);
+  const double mu[3] = {0};
+  dls_contact p;
+  double x[12], nodal[8];
+  malloc_fails_at(1); /* Check allocates as well: ask first, assert afterwards */
+  const dls_status answers[] = {
+      dls_reduction_load(R, F.f, F.g, NULL), dls_reduction_contact(R, mu, &p, NULL),
+      dls_reduction_recover(R, F.r, x, NULL), dls_reduction_nodal(R, F.r, nodal, NULL)};
+  const long calls = malloc_calls();
+  malloc_fails_at(0);
+  ck_assert_int_eq(calls, 0);
+  for (int i = 0; i < 4; i++)
+    ck_assert_int_eq(answers[i], DLS_OK);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* ---- the weighting of a line ----------------------------------------------------------------- */
+
+static void assert_column(const int *p, const int *i, const double *x, int j, int count,
+                          const int *rows, const double *values) {
+  ck_assert_int_eq(p[j + 1] - p[j], count);
+  double sum = 0;
+  for (int k = 0; k < count; k++) {
+    ck_assert_int_eq(i[p[j] + k], rows[k]);
+    ck_assert_double_eq_tol(x[p[j] + k], values[k], DBL_EPSILON);
+    sum += x[p[j] + k];
+  }
+  ck_assert_double_eq_tol(sum, 1, 2 * DBL_EPSILON);
+}
+
+/* Segments 1, 3, 2; the last node is fixed: no candidate, but it keeps its share. Any unit. */
+START_TEST(line_by_hand) {
+  const double unit[] = {1, 1e-9, 1e9, 1e-300};
+  double s[] = {0, 1, 4, 6}, x[12], length[4];
+  for (int k = 0; k < 4; k++)
+    s[k] = (s[k] - 2) * unit[_i];
+  const int candidate[] = {1, 1, 1, 0};
+  int p[5], i[12], columns;
+  ck_assert_int_eq(dls_weighting_line(4, s, candidate, p, i, x, length, &columns, NULL), DLS_OK);
+  ck_assert_int_eq(columns, 3);
+  assert_column(p, i, x, 0, 2, (int[]){0, 1}, (double[]){0.75, 0.25});
+  assert_column(p, i, x, 1, 3, (int[]){0, 1, 2}, (double[]){0.0625, 0.75, 0.1875});
+  assert_column(p, i, x, 2, 3, (int[]){1, 2, 3}, (double[]){0.15, 0.75, 0.1});
+  assert_close(length, (double[]){0.5 * unit[_i], 2 * unit[_i], 2.5 * unit[_i]}, 3,
+               4 * DBL_EPSILON);
+  ck_assert_int_eq(dls_weighting_line(4, s, NULL, p, i, x, NULL, &columns, NULL), DLS_OK);
+  ck_assert_int_eq(columns, 4);
+  assert_column(p, i, x, 3, 2, (int[]){2, 3}, (double[]){0.25, 0.75});
+}
+END_TEST
+
+/* [J] 4.4 as printed: equal spacing, all nodes candidates: rows of P^T 3/4 1/4; 1/8 3/4 1/8; 1/4 3/4. */
+START_TEST(line_as_printed) {
+  const double s[] = {0, 1, 2, 3, 4};
+  int p[6], i[15], columns;
+  double x[15];
+  ck_assert_int_eq(dls_weighting_line(5, s, NULL, p, i, x, NULL, &columns, NULL), DLS_OK);
+  assert_column(p, i, x, 0, 2, (int[]){0, 1}, (double[]){0.75, 0.25});
+  for (int j = 1; j < 4; j++)
+    assert_column(p, i, x, j, 3, (int[]){j - 1, j, j + 1}, (double[]){0.125, 0.75, 0.125});
+  assert_column(p, i, x, 4, 2, (int[]){3, 4}, (double[]){0.25, 0.75});
+  /* a candidate beside two nodes that are none; and one at the end alone */
+  const int inside[] = {0, 0, 1, 0, 1};
+  ck_assert_int_eq(dls_weighting_line(5, s, inside, p, i, x, NULL, &columns, NULL), DLS_OK);
+  ck_assert_int_eq(columns, 2);
+  assert_column(p, i, x, 0, 3, (int[]){1, 2, 3}, (double[]){0.125, 0.75, 0.125});
+  assert_column(p, i, x, 1, 2, (int[]){3, 4}, (double[]){0.25, 0.75});
+}
+END_TEST
+
+/* The line's P goes into a model as it is. */
+START_TEST(line_in_a_model) {
+  make(2, 20, 6, 1, 1, 1);
+  const double s[] = {0, 0.5, 2, 2.25, 3, 7};
+  const int candidate[] = {1, 1, 1, 0, 1, 0};
+  int columns;
+  ck_assert_int_eq(dls_weighting_line(6, s, candidate, F.Pp, F.Pi, F.Px, NULL, &columns, NULL),
+                   DLS_OK);
+  F.model.P = sparse(6, columns, F.Pp, F.Pi, F.Px);
+  dls_reduction *R = create();
+  assert_mechanics(R);
+  double nodal[12], sum[4] = {0};
+  ck_assert_int_eq(dls_reduction_nodal(R, F.r, nodal, NULL), DLS_OK);
+  for (int k = 0; k < 6; k++)
+    for (int c = 0; c < 2; c++) {
+      sum[c] += nodal[2 * k + c];
+      sum[2 + c] += k < columns ? F.r[2 * k + c] : 0;
+    }
+  assert_close(sum, sum + 2, 2, 16 * DBL_EPSILON); /* the resultant */
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+START_TEST(bad_line) {
+  double s[] = {0, 1, 2}, x[9];
+  const int none[3] = {0};
+  int p[4], i[9], columns = 77;
+  dls_error e;
+  const char *name = "dls_weighting_line";
+  memset(p, 7, sizeof p);
+  memset(i, 7, sizeof i);
+  memset(x, 7, sizeof x);
+  double length[3];
+  memset(length, 7, sizeof length);
+#define LINE(n, s_, c, p_, i_, x_, k, status, argument, index)                                     \
+  assert_error(dls_weighting_line(n, s_, c, p_, i_, x_, length, k, &e), status, &e, name,          \
+               argument, index)
+  LINE(1, s, NULL, p, i, x, &columns, DLS_E_SIZE, "nodes", -1);
+  LINE(1 << 30, s, NULL, p, i, x, &columns, DLS_E_SIZE, "nodes", -1);
+  LINE(3, NULL, NULL, p, i, x, &columns, DLS_E_ARGUMENT, "s", -1);
+  LINE(3, s, none, p, i, x, &columns, DLS_E_ARGUMENT, "candidate", -1);
+  LINE(3, s, NULL, NULL, i, x, &columns, DLS_E_ARGUMENT, "p", -1);
+  LINE(3, s, NULL, p, NULL, x, &columns, DLS_E_ARGUMENT, "i", -1);
+  LINE(3, s, NULL, p, i, NULL, &columns, DLS_E_ARGUMENT, "x", -1);
+  LINE(3, s, NULL, p, i, x, NULL, DLS_E_ARGUMENT, "columns", -1);
+  s[2] = NAN;
+  LINE(3, s, NULL, p, i, x, &columns, DLS_E_NOT_FINITE, "s", 2);
+  s[2] = 1;
+  LINE(3, s, NULL, p, i, x, &columns, DLS_E_ARGUMENT, "s", 2);
+  s[0] = -1.7e308;
+  s[1] = 1.7e308;
+  LINE(3, s, NULL, p, i, x, &columns, DLS_E_ARGUMENT, "s", 1);
+  ck_assert_int_eq(columns, 77);
+  for (int k = 0; k < 4; k++)
+    ck_assert_int_eq(p[k], 0x07070707);
+  for (int k = 0; k < 9; k++)
+    ck_assert(i[k] == 0x07070707 && x[k] == x[0] && x[k] < 1e-200 && length[k % 3] == x[0]);
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("reduction");
+  TCase *t = tcase_create("reduction");
+  suite_add_tcase(suite, t);
+  tcase_add_loop_test(t, springs_by_hand, 0, 5);
+  tcase_add_loop_test(t, unsymmetric_by_hand, 0, 2);
+  tcase_add_loop_test(t, all_operators_agree, 0, 4);
+  tcase_add_loop_test(t, unsymmetric_stiffness, 0, 4);
+  tcase_add_loop_test(t, connected_parts, 0, 4);
+  tcase_add_test(t, lower_triangle);
+  tcase_add_test(t, batches);
+  tcase_add_loop_test(t, empty_tangents, 0, 4);
+  tcase_add_loop_test(t, same_bits_twice, 0, 8);
+  tcase_add_loop_test(t, units, 0, 12);
+  tcase_add_loop_test(t, mixed_units, 0, 8);
+  tcase_add_loop_test(t, singular_matrices, 0, 2);
+  tcase_add_loop_test(t, free_body, 0, 10);
+  tcase_add_test(t, part_too_large);
+  tcase_add_test(t, overflows);
+  tcase_add_test(t, callback_fails);
+  tcase_add_loop_test(t, bad_model, 0, 8);
+  tcase_add_test(t, bad_calls);
+  tcase_add_loop_test(t, every_malloc_fails, 0, 8);
+  tcase_add_loop_test(t, line_by_hand, 0, 4);
+  tcase_add_test(t, line_as_printed);
+  tcase_add_test(t, line_in_a_model);
+  tcase_add_test(t, bad_line);
+  SRunner *runner = srunner_create(suite);
+  srunner_run_all(runner, CK_NORMAL);
+  const int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
