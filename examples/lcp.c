@@ -2,7 +2,7 @@
  * A linear complementarity problem by Lemke's method, and one without a solution with its proof.
  *
  * Output:
- *   solved: z = (1, 2), y = (0, 0), 3 pivots
+ *   solved: z = (1, 2), 3 pivots
  *   no solution exists: v = (0, 1), violation 0
  */
 #include <stdio.h>
@@ -16,21 +16,20 @@ int main(void) {
   dls_lemke *lemke;
   dls_lemke_info info;
   dls_error error;
-  double z[2], y[2];
+  double z[2];
   if (dls_lemke_create(&lemke, 2, NULL, &error)) {
     fprintf(stderr, "%s\n", error.message);
     return 1;
   }
-  dls_status status = dls_lemke_solve(lemke, &lcp, z, y, &info, &error);
+  dls_status status = dls_lemke_solve(lemke, &lcp, z, NULL, &info, &error);
   if (status == DLS_OK) /* certified: residual from M, q and z alone is at most tol */
-    printf("%s: z = (%g, %g), y = (%g, %g), %d pivots\n", dls_status_text(status), z[0], z[1], y[0],
-           y[1], info.pivots);
+    printf("%s: z = (%g, %g), %d pivots\n", dls_status_text(status), z[0], z[1], info.pivots);
 
   /* y_2 = -z_1 - 2 can never be >= 0. The proof is a v >= 0 with M^T v <= 0 and q^T v < 0. */
   const double N[4] = {0, -1, 1, 0}, p[2] = {-1, -2};
   const dls_lcp impossible = {2, {2, 2, 2, N}, p};
   double v[2], violation;
-  status = dls_lemke_solve(lemke, &impossible, z, y, &info, &error);
+  status = dls_lemke_solve(lemke, &impossible, z, NULL, &info, &error);
   if (status == DLS_NO_SOLUTION && dls_lemke_farkas(lemke, v, &error) == DLS_OK &&
       dls_lcp_check_farkas(&impossible, v, &violation, &error) == DLS_OK)
     printf("%s: v = (%g, %g), violation %g\n", dls_status_text(status), v[0], v[1], violation);
