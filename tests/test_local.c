@@ -58,47 +58,47 @@ typedef struct local_case {
   int d;
   double W[9]; /* by rows, as one reads it */
   double q[3], mu;
-  dls_local_state state;
   double r[3];
+  dls_local_state state;
   int count;
 } local_case;
 
 static const local_case cases[] = {
     /* W_nt = 0 */
-    {"free", 2, {2, 0, 0, 1}, {1, -7}, 1, DLS_LOCAL_FREE, {0, 0}, 1},
-    {"touching", 2, {2, 0, 0, 1}, {0, -7}, 1, DLS_LOCAL_FREE, {0, 0}, 1},
-    {"stick", 2, {2, 0, 0, 1}, {-2, 0.5}, 1, DLS_LOCAL_STICK, {1, -0.5}, 1},
-    {"stick on the edge", 2, {2, 0, 0, 1}, {-2, 1}, 1, DLS_LOCAL_STICK, {1, -1}, 1},
-    {"slip right", 2, {2, 0, 0, 1}, {-2, 5}, 1, DLS_LOCAL_SLIP, {1, -1}, 1},
-    {"slip left", 2, {2, 0, 0, 1}, {-2, -5}, 1, DLS_LOCAL_SLIP, {1, 1}, 1},
+    {"free", 2, {2, 0, 0, 1}, {1, -7}, 1, {0, 0}, DLS_LOCAL_FREE, 1},
+    {"touching", 2, {2, 0, 0, 1}, {0, -7}, 1, {0, 0}, DLS_LOCAL_FREE, 1},
+    {"stick", 2, {2, 0, 0, 1}, {-2, 0.5}, 1, {1, -0.5}, DLS_LOCAL_STICK, 1},
+    {"stick on the edge", 2, {2, 0, 0, 1}, {-2, 1}, 1, {1, -1}, DLS_LOCAL_STICK, 1},
+    {"slip right", 2, {2, 0, 0, 1}, {-2, 5}, 1, {1, -1}, DLS_LOCAL_SLIP, 1},
+    {"slip left", 2, {2, 0, 0, 1}, {-2, -5}, 1, {1, 1}, DLS_LOCAL_SLIP, 1},
     /* W_nt = 1 */
-    {"coupled stick", 2, {2, 1, 1, 2}, {-3.5, -1}, 0.5, DLS_LOCAL_STICK, {2, -0.5}, 1},
-    {"coupled slip left", 2, {2, 1, 1, 2}, {-5, -6}, 0.5, DLS_LOCAL_SLIP, {2, 1}, 1},
-    {"coupled slip right", 2, {2, 1, 1, 2}, {-3, 1}, 0.5, DLS_LOCAL_SLIP, {2, -1}, 1},
-    {"unsymmetric slip", 2, {2, 1, -1, 3}, {-5, -2}, 0.5, DLS_LOCAL_SLIP, {2, 1}, 1},
-    {"pivoting", 2, {0, 1, 1, 0}, {-1, -2}, 1, DLS_LOCAL_STICK, {2, 1}, 2}, /* and r = (1, 1) */
-    {"frictionless", 2, {2, 1, 1, 2}, {-4, 3}, 0, DLS_LOCAL_SLIP, {2, 0}, 1},
-    {"frictionless at rest", 2, {2, 1, 1, 2}, {-4, -2}, 0, DLS_LOCAL_STICK, {2, 0}, 1},
-    {"C1: three solutions", 2, {1, 1, 1, 2}, {1, 4}, 2, DLS_LOCAL_FREE, {0, 0}, 3},
-    {"C2: a continuum", 2, {1, 1, 1, 2}, {0, 1}, 1, DLS_LOCAL_FREE, {0, 0}, 2},
-    {"indefinite: stick and two slips", 2, {1, 0, 0, -1}, {-1, 0}, 1, DLS_LOCAL_STICK, {1, 0}, 3},
-    {"C3: below jamming", 2, {1, 1, 1, 1}, {-2, 0}, 0.5, DLS_LOCAL_SLIP, {4, -2}, 1},
-    {"C6", 2, {2, -1, -1, 1}, {-1, 1}, 1, DLS_LOCAL_SLIP, {1. / 3, -1. / 3}, 1},
-    {"C7", 2, {1, -1, -1, 2}, {-1, -3}, 2, DLS_LOCAL_STICK, {5, 4}, 1},
-    {"C12a", 2, {5, 2, 2, 1}, {-1, 0}, 3, DLS_LOCAL_STICK, {1, -2}, 1},
-    {"no tangential compliance", 2, {2, 0, 0, 0}, {-2, 3}, 0.5, DLS_LOCAL_SLIP, {1, -0.5}, 1},
-    {"a line of sticks", 2, {2, 0, 0, 0}, {-2, 0}, 0.5, DLS_LOCAL_STICK, {1, 0}, 3},
+    {"coupled stick", 2, {2, 1, 1, 2}, {-3.5, -1}, 0.5, {2, -0.5}, DLS_LOCAL_STICK, 1},
+    {"coupled slip left", 2, {2, 1, 1, 2}, {-5, -6}, 0.5, {2, 1}, DLS_LOCAL_SLIP, 1},
+    {"coupled slip right", 2, {2, 1, 1, 2}, {-3, 1}, 0.5, {2, -1}, DLS_LOCAL_SLIP, 1},
+    {"unsymmetric slip", 2, {2, 1, -1, 3}, {-5, -2}, 0.5, {2, 1}, DLS_LOCAL_SLIP, 1},
+    {"pivoting", 2, {0, 1, 1, 0}, {-1, -2}, 1, {2, 1}, DLS_LOCAL_STICK, 2}, /* and r = (1, 1) */
+    {"frictionless", 2, {2, 1, 1, 2}, {-4, 3}, 0, {2, 0}, DLS_LOCAL_SLIP, 1},
+    {"frictionless at rest", 2, {2, 1, 1, 2}, {-4, -2}, 0, {2, 0}, DLS_LOCAL_STICK, 1},
+    {"C1: three solutions", 2, {1, 1, 1, 2}, {1, 4}, 2, {0, 0}, DLS_LOCAL_FREE, 3},
+    {"C2: a continuum", 2, {1, 1, 1, 2}, {0, 1}, 1, {0, 0}, DLS_LOCAL_FREE, 2},
+    {"indefinite: stick and two slips", 2, {1, 0, 0, -1}, {-1, 0}, 1, {1, 0}, DLS_LOCAL_STICK, 3},
+    {"C3: below jamming", 2, {1, 1, 1, 1}, {-2, 0}, 0.5, {4, -2}, DLS_LOCAL_SLIP, 1},
+    {"C6", 2, {2, -1, -1, 1}, {-1, 1}, 1, {1. / 3, -1. / 3}, DLS_LOCAL_SLIP, 1},
+    {"C7", 2, {1, -1, -1, 2}, {-1, -3}, 2, {5, 4}, DLS_LOCAL_STICK, 1},
+    {"C12a", 2, {5, 2, 2, 1}, {-1, 0}, 3, {1, -2}, DLS_LOCAL_STICK, 1},
+    {"no tangential compliance", 2, {2, 0, 0, 0}, {-2, 3}, 0.5, {1, -0.5}, DLS_LOCAL_SLIP, 1},
+    {"a line of sticks", 2, {2, 0, 0, 0}, {-2, 0}, 0.5, {1, 0}, DLS_LOCAL_STICK, 3},
     /* 3D */
-    {"free", 3, {2, 0, 0, 0, 1, 0, 0, 0, 1}, {1, 3, 4}, 1, DLS_LOCAL_FREE, {0, 0, 0}, 1},
-    {"stick", 3, {2, 0, 0, 0, 1, 0, 0, 0, 1}, {-2, .3, .4}, 1, DLS_LOCAL_STICK, {1, -.3, -.4}, 1},
-    {"slip", 3, {2, 0, 0, 0, 1, 0, 0, 0, 1}, {-2, 3, 4}, 1, DLS_LOCAL_SLIP, {1, -.6, -.8}, 1},
-    {"coupled slip", 3, {2, 1, 0, 1, 2, 0, 0, 0, 2}, {-5, -6, 0}, .5, DLS_LOCAL_SLIP, {2, 1, 0}, 1},
-    {"frictionless", 3, {2, 1, 0, 1, 2, 0, 0, 0, 2}, {-4, 1, 1}, 0, DLS_LOCAL_SLIP, {2, 0, 0}, 1},
-    {"no tangential compliance", 3, {2}, {-2, 3, 4}, .5, DLS_LOCAL_SLIP, {1, -.3, -.4}, 1},
-    {"a plane of sticks", 3, {2}, {-2, 0, 0}, .5, DLS_LOCAL_STICK, {1, 0, 0}, 1},
-    {"C7 in 3D", 3, {1, -1, 0, -1, 2, 0, 0, 0, 2}, {-1, -3, 0}, 2, DLS_LOCAL_STICK, {5, 4, 0}, 1},
-    {"C1 in 3D", 3, {1, 1, 0, 1, 2, 0, 0, 0, 1}, {1, 4, 0}, 2, DLS_LOCAL_FREE, {0, 0, 0}, 3},
-    {"C16", 3, {2, -1, 2, -1, 2, 0, 2, 0, 3}, {-1, 4, 3}, 1, DLS_LOCAL_STICK, {6, 1, -5}, 3},
+    {"free", 3, {2, 0, 0, 0, 1, 0, 0, 0, 1}, {1, 3, 4}, 1, {0, 0, 0}, DLS_LOCAL_FREE, 1},
+    {"stick", 3, {2, 0, 0, 0, 1, 0, 0, 0, 1}, {-2, .3, .4}, 1, {1, -.3, -.4}, DLS_LOCAL_STICK, 1},
+    {"slip", 3, {2, 0, 0, 0, 1, 0, 0, 0, 1}, {-2, 3, 4}, 1, {1, -.6, -.8}, DLS_LOCAL_SLIP, 1},
+    {"coupled slip", 3, {2, 1, 0, 1, 2, 0, 0, 0, 2}, {-5, -6, 0}, .5, {2, 1, 0}, DLS_LOCAL_SLIP, 1},
+    {"frictionless", 3, {2, 1, 0, 1, 2, 0, 0, 0, 2}, {-4, 1, 1}, 0, {2, 0, 0}, DLS_LOCAL_SLIP, 1},
+    {"no tangential compliance", 3, {2}, {-2, 3, 4}, .5, {1, -.3, -.4}, DLS_LOCAL_SLIP, 1},
+    {"a plane of sticks", 3, {2}, {-2, 0, 0}, .5, {1, 0, 0}, DLS_LOCAL_STICK, 1},
+    {"C7 in 3D", 3, {1, -1, 0, -1, 2, 0, 0, 0, 2}, {-1, -3, 0}, 2, {5, 4, 0}, DLS_LOCAL_STICK, 1},
+    {"C1 in 3D", 3, {1, 1, 0, 1, 2, 0, 0, 0, 1}, {1, 4, 0}, 2, {0, 0, 0}, DLS_LOCAL_FREE, 3},
+    {"C16", 3, {2, -1, 2, -1, 2, 0, 2, 0, 3}, {-1, 4, 3}, 1, {6, 1, -5}, DLS_LOCAL_STICK, 3},
 };
 
 static void transpose(int d, const double *rows, double *W) {
