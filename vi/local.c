@@ -148,14 +148,14 @@ static int count_2d(const double *W, const double *q, double mu) {
 
 /* (L2), and what (L4) needs at one l */
 typedef struct schur {
-  double a, b[2], qn, mu;
+  double a, inv_a, b[2], qn, mu;
   double S[4], z[2]; /* S column-major */
   double scale;      /* of l */
 } schur;
 
 static schur schur_complement(const double *W, const double *q, double mu) {
-  const double a = W[0], c0 = W[1] / a, c1 = W[2] / a, b0 = W[3], b1 = W[6];
-  schur s = {a, {b0, b1}, q[0], mu, {0}, {q[1] - c0 * q[0], q[2] - c1 * q[0]}, 0};
+  const double a = W[0], inv_a = 1 / a, c0 = W[1] * inv_a, c1 = W[2] * inv_a, b0 = W[3], b1 = W[6];
+  schur s = {a, inv_a, {b0, b1}, q[0], mu, {0}, {q[1] - c0 * q[0], q[2] - c1 * q[0]}, 0};
   s.S[0] = W[4] - c0 * b0;
   s.S[1] = W[5] - c1 * b0;
   s.S[2] = W[7] - c0 * b1;
@@ -189,7 +189,7 @@ static void solve(const lu *k, const double *z, double *x) {
 }
 
 static double normal(const schur *s, const double *t) {
-  return -(s->qn + s->b[0] * t[0] + s->b[1] * t[1]) / s->a;
+  return -(s->qn + s->b[0] * t[0] + s->b[1] * t[1]) * s->inv_a;
 }
 
 /* (L5) along t; 1 if r_n > 0 and all is finite */
@@ -225,9 +225,10 @@ static dls_local_state stick_or_slip(const schur *s, double *r) {
       hi = l;
     else
       lo = l; /* also where S is singular and t is not finite */
-    const double dn = (t[0] * dt[0] + t[1] * dt[1]) / n;
-    const double dm = -s->mu * (s->b[0] * dt[0] + s->b[1] * dt[1]) / s->a;
-    const double next = l + (m > 0 ? h * n * m / (dm * n2 - dn * m * m) : -h / (dn - dm));
+    const double tdt = t[0] * dt[0] + t[1] * dt[1]; /* n n' */
+    const double dm = -s->mu * (s->b[0] * dt[0] + s->b[1] * dt[1]) * s->inv_a;
+    const double next =
+        l + (m > 0 ? h * n2 * m / (dm * n2 * n - tdt * m * m) : h * n / (dm * n - tdt));
     if (next > lo && next < hi)
       l = next;
     else if (!(hi < INFINITY))
