@@ -19,9 +19,16 @@ HDF5 ?= 1
 PKG_CONFIG ?= pkg-config
 CFLAGS ?= -O2 -g
 
+# one short line a file; V=1 shows the commands
+ifneq ($(V),1)
+Q = @
+say = @echo '  $(1) $@'
+endif
+
 MAKEFLAGS += --no-builtin-rules
 .SUFFIXES:
 .DELETE_ON_ERROR:
+.SECONDARY:
 
 WARNINGS = -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
            -Wmissing-prototypes -Wvla $(WERROR)
@@ -77,14 +84,17 @@ help:
 
 $(BUILD)/obj/%.o: %.c Makefile
 	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS_ALL) $(if $(filter src/files/% src/fclib%,$<),$(HDF5_CFLAGS)) $(CFLAGS_ALL) -c -o $@ $<
+	$(call say,CC  )
+	$(Q)$(CC) $(CPPFLAGS_ALL) $(if $(filter src/files/% src/fclib%,$<),$(HDF5_CFLAGS)) $(CFLAGS_ALL) -c -o $@ $<
 
 $(A): $(LIB_OBJ)
 	@rm -f $@
-	$(AR) rcs $@ $^
+	$(call say,AR  )
+	$(Q)$(AR) rcs $@ $^
 
 $(SO).$(VERSION): $(LIB_OBJ) src/delassus.map
-	$(CC) -shared $(SANITIZE) $(LDFLAGS) -Wl,-soname,libdelassus.so.$(SOVERSION) \
+	$(call say,LINK)
+	$(Q)$(CC) -shared $(SANITIZE) $(LDFLAGS) -Wl,-soname,libdelassus.so.$(SOVERSION) \
 	  -Wl,--version-script=src/delassus.map -o $@ $(LIB_OBJ) $(LIBS)
 
 $(SO): $(SO).$(VERSION)
@@ -93,14 +103,17 @@ $(SO): $(SO).$(VERSION)
 
 $(FE): $(FE_OBJ)
 	@rm -f $@
-	$(AR) rcs $@ $^
+	$(call say,AR  )
+	$(Q)$(AR) rcs $@ $^
 
 $(PROGRAM): $(call obj,$(CLI_SRC)) $(FE) $(A)
-	$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(LIBS)
+	$(call say,LINK)
+	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(LIBS)
 
 $(BUILD)/examples/%: examples/%.c $(FE) $(A)
 	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) $(LDFLAGS) -o $@ $< $(FE) $(A) $(LIBS)
+	$(call say,LINK)
+	$(Q)$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) $(LDFLAGS) -o $@ $< $(FE) $(A) $(LIBS)
 
 # ---- tests --------------------------------------------------------------------------------------
 
@@ -109,7 +122,8 @@ WRAP = -Wl,--wrap=malloc -Wl,--wrap=calloc -Wl,--wrap=realloc
 
 $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(BUILD)/obj/tests/malloc_fails.o $(FE) $(A)
 	@mkdir -p $(@D)
-	$(CC) $(SANITIZE) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS) $(LIBS)
+	$(call say,LINK)
+	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS) $(LIBS)
 
 $(TESTS:$(BUILD)/tests/%=$(BUILD)/obj/tests/%.o): CPPFLAGS += -DTEST_DATA='"data"'
 

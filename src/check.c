@@ -37,8 +37,7 @@ static dls_status check_pattern(const char *function, const char *name_p, const 
                                 const int *p, const int *i, int rows, int cols, dls_error *error) {
   if (!p) return dlsi_fail(error, DLS_E_ARGUMENT, function, name_p, -1, 0, "is NULL");
   const int count = p[cols];
-  if (!i && count > 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, name_i, -1, 0, "is NULL");
+  if (!i && count > 0) return dlsi_fail(error, DLS_E_ARGUMENT, function, name_i, -1, 0, "is NULL");
   if (p[0] != 0) return dlsi_fail(error, DLS_E_ARGUMENT, function, name_p, 0, p[0], "must be 0");
   for (int j = 0; j < cols; j++)
     if (p[j + 1] < p[j])
