@@ -56,7 +56,7 @@ typedef struct point {
   dls_local_state state;
 } point;
 
-static const point apart = {{0, 0, 0}, DLS_LOCAL_FREE};
+static const point apart = {{0, 0, 0}, DLS_LOCAL_NONE}; /* for q_n < 0 */
 
 /* r := the one of the n points with the smallest |F|, the first of which is r = 0; NaN never wins. */
 static dls_local_state least_bad(int d, const double *W, const double *q, double mu,
@@ -105,13 +105,15 @@ static int stick_2d(const double *W, const double *q, double mu, double *r) {
 static int slip_2d(const double *W, const double *q, double mu, double sign, double *r) {
   r[0] = -q[0] / (W[0] + mu * sign * W[2]);
   r[1] = sign * mu * r[0];
-  return r[0] > 0 && sign * (q[1] + W[1] * r[0] + W[3] * r[1]) <= 0;
+  return r[0] > 0 && r[0] <= DBL_MAX && fabs(r[1]) <= DBL_MAX &&
+         sign * (q[1] + W[1] * r[0] + W[3] * r[1]) <= 0;
 }
 
 /* mu = 0: the tangential row only tells stick from slip */
 static dls_local_state frictionless(int d, const double *W, const double *q, double *r) {
   if (!(W[0] > 0)) return least_bad(d, W, q, 0, &apart, 1, r);
   set(d, r, -q[0] / W[0], 0, 0, DLS_LOCAL_SLIP);
+  if (!(r[0] <= DBL_MAX)) return least_bad(d, W, q, 0, &apart, 1, r);
   const int still = q[1] + W[1] * r[0] == 0 && (d == 2 || q[2] + W[2] * r[0] == 0);
   return still ? DLS_LOCAL_STICK : DLS_LOCAL_SLIP;
 }
@@ -198,11 +200,12 @@ static int on_cone(const schur *s, const double *t, double *r) {
   r[0] = -s->qn / (s->a + s->mu * (s->b[0] * e0 + s->b[1] * e1));
   r[1] = s->mu * r[0] * e0;
   r[2] = s->mu * r[0] * e1;
-  return r[0] > 0 && r[0] <= DBL_MAX && n <= DBL_MAX;
+  return r[0] > 0 && s->mu * r[0] <= DBL_MAX && r[0] <= DBL_MAX && n <= DBL_MAX;
 }
 
-/* (L3) and (L4) for q_n < 0; DLS_LOCAL_NONE if no root was found. r: the last point met. */
-static dls_local_state stick_or_slip(const schur *s, double *r) {
+/* (L3) and (L4) for q_n < 0; DLS_LOCAL_NONE if no root was found. After l = 0 the search goes on from
+ * guess, if that is > 0. */
+static dls_local_state stick_or_slip(const schur *s, double guess, double *r) {
   enum { most_steps = 100 };
   double l = 0, lo = 0, hi = INFINITY;
   for (int step = 0; step < most_steps; step++) {
@@ -213,7 +216,7 @@ static dls_local_state stick_or_slip(const schur *s, double *r) {
     const double n2 = t[0] * t[0] + t[1] * t[1], n = sqrt(n2);
     const double rn = normal(s, t), m = s->mu * rn, h = n - m;
     /* (L3): u_t = -l r_t is 0 or below the rounding of z */
-    if (h <= 0 && l * n <= 4 * DBL_EPSILON * (fabs(s->z[0]) + fabs(s->z[1]))) {
+    if (h <= 0 && rn <= DBL_MAX && l * n <= 4 * DBL_EPSILON * (fabs(s->z[0]) + fabs(s->z[1]))) {
       set(3, r, rn, t[0], t[1], DLS_LOCAL_STICK);
       return DLS_LOCAL_STICK;
     }
@@ -225,6 +228,10 @@ static dls_local_state stick_or_slip(const schur *s, double *r) {
       hi = l;
     else
       lo = l; /* also where S is singular and t is not finite */
+    if (step == 0 && guess > 0 && guess <= DBL_MAX) {
+      l = guess;
+      continue;
+    }
     const double tdt = t[0] * dt[0] + t[1] * dt[1]; /* n n' */
     const double dm = -s->mu * (s->b[0] * dt[0] + s->b[1] * dt[1]) * s->inv_a;
     const double next =
@@ -326,12 +333,13 @@ static int sticks_3d(const schur *s, point *p) {
   return p->r[0] > 0 && hypot(p->r[1], p->r[2]) <= s->mu * p->r[0];
 }
 
-dls_local_state dlsi_local_3d(const double *W, const double *q, double mu, double *r) {
+dls_local_state dlsi_local_3d(const double *W, const double *q, double mu, double guess,
+                              double *r) {
   if (q[0] >= 0) return set(3, r, 0, 0, 0, DLS_LOCAL_FREE); /* (L1) */
   if (mu == 0) return frictionless(3, W, q, r);
   if (!(W[0] > 0)) return least_bad(3, W, q, mu, &apart, 1, r);
   const schur s = schur_complement(W, q, mu);
-  const dls_local_state state = stick_or_slip(&s, r);
+  const dls_local_state state = stick_or_slip(&s, guess, r);
   if (state != DLS_LOCAL_NONE) return state;
   point points[6] = {apart, apart};
   (void)sticks_3d(&s, &points[1]);
@@ -355,7 +363,7 @@ static int count_3d(const double *W, const double *q, double mu) {
 dls_local_state dls_nlgs_local(int d, const double *W, const double *q, double mu, double *r,
                                int *count) {
   double p[3] = {0};
-  const dls_local_state state = d == 2 ? dlsi_local_2d(W, q, mu, p) : dlsi_local_3d(W, q, mu, p);
+  const dls_local_state state = d == 2 ? dlsi_local_2d(W, q, mu, p) : dlsi_local_3d(W, q, mu, 0, p);
   if (count) {
     *count = d == 2 ? count_2d(W, q, mu) : count_3d(W, q, mu);
     /* the answer itself counts, and NONE is 0, where rounding tells the two tests apart */

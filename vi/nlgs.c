@@ -168,8 +168,10 @@ static int sweep_3d(const dls_nlgs *work, const dls_contact *problem, double *r)
     double p[3], s[3], v[3], dr[3];
     for (int i = 0; i < 3; i++)
       p[i] = uc[i] - (W[i] * rc[0] + W[i + 3] * rc[1] + W[i + 6] * rc[2]); /* (G1) */
-    const dls_local_state state = dlsi_local_3d(W, p, mu, s);              /* (G2) */
-    if (omega != 1) {                                                      /* (G3) */
+    const double rt2 = rc[1] * rc[1] + rc[2] * rc[2], ut2 = uc[1] * uc[1] + uc[2] * uc[2];
+    const double guess = rt2 > 0 ? sqrt(ut2 / rt2) : 0;              /* u_t = -l r_t */
+    const dls_local_state state = dlsi_local_3d(W, p, mu, guess, s); /* (G2) */
+    if (omega != 1) {                                                /* (G3) */
       for (int i = 0; i < 3; i++)
         v[i] = rc[i] + omega * (s[i] - rc[i]);
       if (state != DLS_LOCAL_FREE || work->w[c] * v[0] > DBL_EPSILON * p[0])

@@ -57,8 +57,8 @@ typedef enum dls_local_state {
 /* The exact solution of one candidate alone: r with u = W r + q, d = 2 or 3; W is d x d with
  * leading dimension d. Where several solutions exist, the first of free, stick, slip is taken;
  * *count, if not NULL, receives how many there are (0 for none; of a continuum, its ends). In 3D
- * W_nn <= 0 has no solution other than free; of several slips without stick (3D) it is not said
- * which, but always the same. r is finite whatever W and q are. */
+ * with W_nn <= 0 nothing but free is looked for, and of several slips without stick it is not said
+ * which is taken, but always the same. r is finite whatever W and q are. */
 DLS_API dls_local_state dls_nlgs_local(int d, const double *W, const double *q, double mu,
                                        double *r, int *count);
 
