@@ -1,8 +1,8 @@
 /*
  * reduction.c: W = H^T K^-1 H and q = H^T K^-1 f + P^T g, and back: x = K^-1 (f + H r).
  *
- * Source: [Jean 1988] (3.3)1-6, with the weighting of 4.4. His W_nn, W_nt, W_tn, W_tt come out interleaved,
- * in local order per candidate. The unknowns are M r, so that H = L P without his M.
+ * Source: [Jean 1988] (3.3)1-6, with the weighting of 4.4. His W_nn, W_nt, W_tn, W_tt come out
+ * interleaved, in local order per candidate. The unknowns are M r, so that H = L P without his M.
  *
  *   for each part k of K                                                            (see factor.c)
  *     for each batch J of the columns of H that load it
@@ -14,9 +14,9 @@
  * X never exists as a whole. (W3) leaves W exactly symmetric; flexibility matrices and the host's
  * solver are taken at their word.
  *
- * Cost, beside the factor: one solve per column of H in each part that it loads; (W2) nnz(H) operations
- * per column. Memory: m^2 + O(n + nnz H) doubles, while forming W also dlsi_batch columns of the largest
- * part. load and recover: one solve each.
+ * Cost, beside the factor: one solve per column of H in each part that it loads; (W2) nnz(H)
+ * operations per column. Memory: m^2 + O(n + nnz H) doubles, while forming W also dlsi_batch
+ * columns of the largest part. load and recover: one solve each.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -60,8 +60,8 @@ static size_t count_entries(const dls_model *model) {
   return count;
 }
 
-/* H = L P by rows; at[position of the row] moves on to the next free entry. With `fill` 0 only counts:
- * at[position] += 1. */
+/* H = L P by rows; at[position of the row] moves on to the next free entry. With `fill` 0 only
+ * counts: at[position] += 1. */
 static void expand(dls_reduction *R, const dls_model *model, const int *position, size_t *at,
                    int fill) {
   const int d = R->d;

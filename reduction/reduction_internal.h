@@ -11,7 +11,7 @@
 #include "dlsi.h"
 
 enum {
-  dlsi_batch = 64, /* most right-hand sides in one solve */
+  dlsi_batch = 64, /* most right-hand sides in one solve; more are not faster */
   dlsi_largest_part =
       8000 /* unknowns of a sparse K that are factored as one dense matrix: 0.5 GB */
 };
@@ -36,7 +36,8 @@ typedef struct dlsi_factor {
 
 /* *out = the operator of a model that has passed dlsi_check_model, factored; NULL on error.
  * DLS_E_NOT_POSITIVE_DEFINITE, DLS_E_SINGULAR, DLS_E_NOT_FINITE (entries that add up to Inf),
- * DLS_E_UNSUPPORTED (a part too large), DLS_E_SIZE, DLS_E_MEMORY; index: the unknown of the whole K. */
+ * DLS_E_UNSUPPORTED (a part too large), DLS_E_SIZE, DLS_E_MEMORY; index: the unknown of the whole
+ * K. */
 dls_status dlsi_factor_create(dlsi_factor **out, const char *function, const dls_model *model,
                               dls_error *error);
 

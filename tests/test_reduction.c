@@ -96,8 +96,8 @@ static void fill_sparse(int n) {
   F.model.Ks = sparse(n, n, F.Kp, F.Ki, F.Kx);
 }
 
-/* Diagonally dominant K, coupled only among unknowns equal modulo `parts`; random operators with two
- * entries a column; weighted: each candidate on two nodes. */
+/* Diagonally dominant K, coupled only among unknowns equal modulo `parts`; random operators with
+ * two entries a column; weighted: each candidate on two nodes. */
 static void make(int d, int n, int nodes, int parts, int symmetric, int weighted) {
   memset(&F, 0, sizeof F);
   seed = 1;
@@ -462,8 +462,8 @@ START_TEST(units) {
 }
 END_TEST
 
-/* Every other unknown in a unit of its own (rotations, say): K is then of condition 1e36 as it stands, W
- * of the unknowns that keep their unit stays the same. */
+/* Every other unknown in a unit of its own (rotations, say): K is then of condition 1e36 as it
+ * stands, W of the unknowns that keep their unit stays the same. */
 START_TEST(mixed_units) {
   const double scale = _i % 2 ? 1e9 : 1e-9;
   make(2, 20, 2, 1, _i / 2 % 2, 0);
@@ -505,7 +505,8 @@ static void assert_create_fails(dls_status status, const char *argument, long lo
   ck_assert_int_eq(dls_reduction_create(&R, &F.model, NULL), status);
 }
 
-/* A 2 x 2 matrix as K, dense or as the part {1, 3} of a sparse one with unknowns 0, 2, 4 beside it. */
+/* A 2 x 2 matrix as K, dense or as the part {1, 3} of a sparse one with unknowns 0, 2, 4 beside
+ * it. */
 static void make_small(int sparse_form, dls_factorization factorization, double k00, double k10,
                        double k01, double k11) {
   make(2, sparse_form ? 5 : 2, 1, 1, 1, 0);
@@ -937,7 +938,8 @@ START_TEST(line_by_hand) {
 }
 END_TEST
 
-/* [J] 4.4 as printed: equal spacing, all nodes candidates: rows of P^T 3/4 1/4; 1/8 3/4 1/8; 1/4 3/4. */
+/* [J] 4.4 as printed: equal spacing, all nodes candidates: rows of P^T 3/4 1/4; 1/8 3/4 1/8; 1/4
+ * 3/4. */
 START_TEST(line_as_printed) {
   const double s[] = {0, 1, 2, 3, 4};
   int p[6], i[15], columns;

@@ -7,8 +7,8 @@
  *   x  unknowns of the host (displacements or velocities), n    length (velocity)
  *   f  loads on them, n                                         force (impulse)
  *   K  stiffness (mass, or tangent), n x n, regular             force / length
- *   H  = (H_N, H_T): column c of H_N, and columns (d-1) c .. of H_T, give the normal and the tangents
- *      of contact node c
+ *   H  = (H_N, H_T): column c of H_N, and columns (d-1) c .. of H_T, give the normal and the
+ *      tangents of contact node c
  *   g  initial gap, or the motion of the obstacle with the sign of a gap, d per contact node in
  *      local order ([J] Y_0; gap / h + velocity in dynamics)    length (velocity)
  *
@@ -40,10 +40,10 @@ typedef enum dls_factorization {
   DLS_LU = 2        /* K regular, symmetric or not */
 } dls_factorization;
 
-/* X (n x nrhs, column-major, leading dimension n): in, right-hand sides; out, K^-1 times them. nrhs is
- * between 1 and 64: at most 64 n doubles at a time while W is formed, 1 afterwards. Return 0, or any
- * other value for failure (DLS_E_CALLBACK, value = what was returned). A result that is not finite
- * is a failure too (index = its unknown). */
+/* X (n x nrhs, column-major, leading dimension n): in, right-hand sides; out, K^-1 times them.
+ * nrhs is between 1 and 64: at most 64 n doubles at a time while W is formed, 1 afterwards. Return
+ * 0, or any other value for failure (DLS_E_CALLBACK, value = what was returned). A result that is
+ * not finite is a failure too (index = its unknown). */
 typedef int (*dls_solve_fn)(void *user, double *X, int n, int nrhs);
 
 /* A view; everything is borrowed. What is not named by `operator_kind` is ignored. K, the operators
@@ -63,28 +63,30 @@ typedef struct dls_model {
   dls_sparse P;  /* nodes x candidates, every entry >= 0, no empty column; P.p = NULL for none */
 } dls_model;
 
-/* Sizes, pointers, indices, finite values, signs; names the field ("K", "Ks", "HN", "P", ...) and the index:
- * position i + j*ld in K, position in x, i or p of a sparse matrix, column for an empty column of P. Of a
- * dense K for DLS_CHOLESKY only the lower triangle is read. Callers need not call it: create does. */
+/* Sizes, pointers, indices, finite values, signs; names the field ("K", "Ks", "HN", "P", ...) and
+ * the index: position i + j*ld in K, position in x, i or p of a sparse matrix, column for an empty
+ * column of P. Of a dense K for DLS_CHOLESKY only the lower triangle is read. Callers need not
+ * call it: create does. */
 DLS_API DLS_MUST_USE dls_status dls_model_check(const dls_model *model, dls_error *error);
 
 typedef struct dls_reduction dls_reduction;
 
-/* Factors K, forms W; *out = NULL on error. With m = d * candidates it holds m^2 doubles for W, H, a few
- * vectors, and the factor or K^-1 (n^2; the sum of the squares of the parts for a sparse K); at most
- * 128 n doubles more while it forms W. W is exactly symmetric with DLS_CHOLESKY.
+/* Factors K, forms W; *out = NULL on error. With m = d * candidates it holds m^2 doubles for W, H,
+ * a few vectors, and the factor or K^-1 (n^2; the sum of the squares of the parts for a sparse K);
+ * at most 128 n doubles more while it forms W. W is exactly symmetric with DLS_CHOLESKY.
  *
- * DLS_E_NOT_POSITIVE_DEFINITE and DLS_E_SINGULAR (condition above 4e14 after scaling rows and columns,
- * so whatever the units of forces, moments, displacements and rotations) name K or Ks, the unknown
- * (index) where a pivot vanished, and the pivot of the scaled matrix (value; entries near 1).
- * DLS_E_NOT_FINITE naming "W", or entries of Ks that add up to Inf: an overflow.
- * DLS_E_UNSUPPORTED, DLS_E_CALLBACK, DLS_E_SIZE, DLS_E_MEMORY, and the errors of dls_model_check. */
+ * DLS_E_NOT_POSITIVE_DEFINITE and DLS_E_SINGULAR (condition above 4e14 after scaling rows and
+ * columns, so whatever the units of forces, moments, displacements and rotations) name K or Ks,
+ * the unknown (index) where a pivot vanished, and the pivot of the scaled matrix (value; entries
+ * near 1). DLS_E_NOT_FINITE naming "W", or entries of Ks that add up to Inf: an overflow.
+ * DLS_E_UNSUPPORTED, DLS_E_CALLBACK, DLS_E_SIZE, DLS_E_MEMORY, and the errors of
+ * dls_model_check. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_create(dls_reduction **out, const dls_model *model,
                                                      dls_error *error);
 
-/* New loads and gaps on the same factor: q := H^T K^-1 f + P^T g. f (n) or NULL for 0; g (d * nodes)
- * or NULL for 0. Before the first call f and q are 0; an error leaves both as they were. One solve.
- * Allocates nothing. */
+/* New loads and gaps on the same factor: q := H^T K^-1 f + P^T g. f (n) or NULL for 0; g (d *
+ * nodes) or NULL for 0. Before the first call f and q are 0; an error leaves both as they were.
+ * One solve. Allocates nothing. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_load(dls_reduction *reduction, const double *f,
                                                    const double *g, dls_error *error);
 
@@ -99,8 +101,8 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_contact(const dls_reduction *reduc
 DLS_API DLS_MUST_USE dls_status dls_reduction_recover(dls_reduction *reduction, const double *r,
                                                       double *x, dls_error *error);
 
-/* R (d * nodes) := P r in local order, the nodal reactions that r (m) stands for; R = r without P. R and
- * r must not overlap. */
+/* R (d * nodes) := P r in local order, the nodal reactions that r (m) stands for; R = r without P.
+ * R and r must not overlap. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_nodal(const dls_reduction *reduction, const double *r,
                                                     double *R, dls_error *error);
 
@@ -113,16 +115,18 @@ DLS_API void dls_reduction_destroy(dls_reduction *reduction);
  *
  *   nodes      number of nodes of the line, in order, >= 2
  *   s          their abscissae along the line, strictly increasing, nodes      length
- *   candidate  candidate[i] != 0: node i is a candidate; 0: it is not (fixed, say), nodes. NULL: all.
- *              A surface ends at the first and last node, candidates or not.
- *   p, i, x    the columns of P (nodes x candidates), compressed; room for nodes + 1, 3 nodes, 3 nodes
+ *   candidate  candidate[i] != 0: node i is a candidate; 0: it is not (fixed, say), nodes. NULL:
+ *              all. A surface ends at the first and last node, candidates or not.
+ *   p, i, x    the columns of P (nodes x candidates), compressed; room for
+ *              nodes + 1, 3 nodes, 3 nodes
  *   length     measure of each dual cell (the paper's M), candidates; or NULL   length
  *   columns    receives the number of candidates
  *
  * Columns add up to 1: the resultant is kept. Inside, (1/4) a/(a+b), 3/4, (1/4) b/(a+b) for the
- * segments a, b beside the node ((1/8, 3/4, 1/8) if equal); at an end (3/4, 1/4). Rows ascend in each
- * column. A neighbour that is no candidate keeps its row of P: its node takes part in the reduction.
- * DLS_E_ARGUMENT (no candidate at all, s not increasing: index), DLS_E_SIZE, DLS_E_NOT_FINITE. */
+ * segments a, b beside the node ((1/8, 3/4, 1/8) if equal); at an end (3/4, 1/4). Rows ascend in
+ * each column. A neighbour that is no candidate keeps its row of P: its node takes part in the
+ * reduction. DLS_E_ARGUMENT (no candidate at all, s not increasing: index), DLS_E_SIZE,
+ * DLS_E_NOT_FINITE. */
 DLS_API DLS_MUST_USE dls_status dls_weighting_line(int nodes, const double *s, const int *candidate,
                                                    int *p, int *i, double *x, double *length,
                                                    int *columns, dls_error *error);
