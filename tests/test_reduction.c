@@ -54,7 +54,7 @@ static int host_solve(void *data, double *X, int n, int nrhs) {
     }
     memcpy(x, y, (size_t)n * sizeof *x);
   }
-  if (user->spoil) X[n - 1] = NAN;
+  if (user->spoil) X[(size_t)n * (size_t)nrhs - 1] = NAN;
   return 0;
 }
 
@@ -462,23 +462,23 @@ START_TEST(units) {
 }
 END_TEST
 
-/* Every other unknown in a unit of its own (rotations, say): K is then of condition 1e36 as it
- * stands, W of the unknowns that keep their unit stays the same. */
+/* Unknowns in three units (displacements, rotations, ...): K is then of condition 1e36 as it stands;
+ * W of the unknowns that keep their unit stays the same. */
 START_TEST(mixed_units) {
-  const double scale = _i % 2 ? 1e9 : 1e-9;
-  make(2, 20, 2, 1, _i / 2 % 2, 0);
+  const double scale[] = {1, _i % 2 ? 1e9 : 1e-9, _i % 2 ? 1e-9 : 1e9};
+  make(2, 21, 2, 1, _i / 2 % 2, 0);
   for (int k = 0; k < 4; k++) {
-    F.Ni[k] -= F.Ni[k] % 2;
-    F.Ti[k] -= F.Ti[k] % 2;
+    F.Ni[k] -= F.Ni[k] % 3;
+    F.Ti[k] -= F.Ti[k] % 3;
   }
   dls_reduction *R = create();
   double W[16];
   memcpy(W, contact_of(R).W.a, sizeof W);
   dls_reduction_destroy(R);
-  for (int j = 0; j < 20; j++)
-    for (int i = 0; i < 20; i++)
-      F.K[i + 20 * j] *= (i % 2 ? scale : 1) * (j % 2 ? scale : 1);
-  fill_sparse(20);
+  for (int j = 0; j < 21; j++)
+    for (int i = 0; i < 21; i++)
+      F.K[i + 21 * j] *= scale[i % 3] * scale[j % 3];
+  fill_sparse(21);
   if (_i / 4) F.model.operator_kind = DLS_STIFFNESS_SPARSE;
   R = create();
   assert_close(contact_of(R).W.a, W, 16, rounding());
