@@ -35,13 +35,18 @@ void dlsi_lcp_equilibrate(const dls_lcp *lcp, double *rho, double *gamma, double
 
 /* ---- table.c --------------------------------------------------------------------------------- */
 
-/* Variables are numbered: y_i is i, z_i is n + i, z0 is 2 n. */
+enum { dlsi_table_block = 64 }; /* exchanges put off */
+
+/* Variables are numbered: y_i is i, z_i is n + i, z0 is 2 n. See table.c for (E3), (E4). */
 typedef struct dlsi_table {
   int n, ld;
   double *T;   /* ld x (n+1): coefficients, but for the pending exchanges */
-  double *U;   /* n x dlsi_table_block */
-  double *V;   /* (n+1) x dlsi_table_block:   x_B = b + (T - U V^T) x_N */
-  int pending; /* columns of U and V in use */
+  double *U;   /* n x block */
+  double *L;   /* block x block, lower triangle */
+  double *V;   /* block x (n+1), while flushing */
+  int pending; /* exchanges put off */
+  int *row;    /* block: their rows */
+  int *born;   /* n+1: the last one of them in this column, -1 if none */
   double *b;   /* n: values of the basic variables */
   double *g;   /* n: their derivative by the perturbation */
   int *basic;  /* n: variable of each row */
@@ -49,18 +54,13 @@ typedef struct dlsi_table {
   int *where;  /* 2n+1: row of a basic variable, -1 - column of another */
 } dlsi_table;
 
-enum { dlsi_table_block = 64 };
-
-/* c (n) := column s of T - U V^T */
+/* c (n) := column s of A */
 void dlsi_table_column(const dlsi_table *t, int s, double *c);
-
-/* (T - U V^T)_ij */
-double dlsi_table_entry(const dlsi_table *t, int i, int j);
 
 /* Exchanges the variables of row r and column s; c: column s as above, c[r] != 0. */
 void dlsi_table_exchange(dlsi_table *t, int r, int s, const double *c);
 
-/* T := T - U V^T */
+/* T := A, nothing pending */
 void dlsi_table_flush(dlsi_table *t);
 
 #endif

@@ -15,8 +15,7 @@
  * coefficient of e^(j+2) in row i is (L5) -a_is if y_j stands in column s, 1 if y_j is basic in row i, 0 if in
  * another: to move q_j is to move y_j the other way. (L3) compares
  *   (R1) b_i / -c_i,   (R2) among ties g'_i / -c_i,   (R3) among ties the entries (L5) / -c_i, j = 0, 1, ..
- * (R3) costs n^2 only if it runs to the end, and g is such that it hardly ever starts; so there
- * are no ties to break at more cost than O(n).
+ * One column for (R3) costs what one for (L2) costs, and g is such that (R3) hardly ever starts.
  *
  * It ends. The rows (b, g', L5)_i are linearly independent: (L5) holds the rows of the inverse of the
  * basis. Hence no two are proportional, (R1)-(R3) always leaves one r, and all rows stay
@@ -120,6 +119,9 @@ static void carve(dls_lemke *w, dlsi_arena *arena) {
   t->T = dlsi_take(arena, ld * (n + 1), sizeof(double));
   t->U = dlsi_take(arena, n * block, sizeof(double));
   t->V = dlsi_take(arena, (n + 1) * block, sizeof(double));
+  t->L = dlsi_take(arena, block * block, sizeof(double));
+  t->row = dlsi_take(arena, block, sizeof(int));
+  t->born = dlsi_take(arena, n + 1, sizeof(int));
   double **vectors[] = {&t->b,     &t->g,      &w->R,         &w->C,         &w->q,      &w->d,
                         &w->c,     &w->y,      &w->trial,     &w->magnitude, &w->weight, &w->z,
                         &w->ray_z, &w->ray_dz, &w->ray_cover, &w->residual};
@@ -234,9 +236,11 @@ static void load_table(dls_lemke *w, const dls_lcp *lcp) {
       a[i] = w->R[i] * m[i] * w->C[j];
     t->column[j] = n + j;
     t->where[n + j] = -1 - j;
+    t->born[j] = -1;
   }
   memcpy(t->T + (size_t)n * (size_t)t->ld, w->d, (size_t)n * sizeof *t->T);
   t->column[n] = 2 * n;
+  t->born[n] = -1;
   t->where[2 * n] = -1 - n;
   double x = 0;
   for (int i = 0; i < n; i++) {
@@ -344,10 +348,15 @@ static int keep_smallest(int count, int *rows, const double *value) {
   return kept;
 }
 
-/* (L5): the coefficient of e^(j+2) in row i */
-static double perturbation(const dlsi_table *t, int i, int j) {
-  const int w = t->where[j];
-  return w < 0 ? -dlsi_table_entry(t, i, -1 - w) : w == i;
+/* value_k := (L5) / -c_i for the rows i = rows[k]: the coefficient of e^(j+2) is -a_is if y_j stands in
+ * column s, 1 if it is basic in row i; a: n doubles */
+static void perturbation(const dlsi_table *t, int j, int count, const int *rows, const double *c,
+                         double *a, double *value) {
+  if (t->where[j] < 0) dlsi_table_column(t, -1 - t->where[j], a);
+  for (int k = 0; k < count; k++) {
+    const int i = rows[k];
+    value[k] = t->where[j] < 0 ? a[i] / c[i] : t->where[j] == i ? -1 / c[i] : 0;
+  }
 }
 
 /* (L3) with (R1)-(R3), (T1), (T2): the row that leaves when column c enters */
@@ -378,8 +387,7 @@ static int leaving_row(dls_lemke *w, const double *c, double cmax, int strict) {
     count = keep_smallest(count, rows, value);
   }
   for (int j = 0; count > 1 && j < n; j++) { /* (R3) */
-    for (int k = 0; k < count; k++)
-      value[k] = perturbation(t, rows[k], j) / -c[rows[k]];
+    perturbation(t, j, count, rows, c, w->work + n, value);
     count = keep_smallest(count, rows, value);
   }
   int r = rows[0];

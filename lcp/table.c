@@ -9,76 +9,72 @@
  *   (E1)  a_ij := a_ij - c_i p_j / pi,   a_is := c_i / pi,   a_rj := -p_j / pi,   a_rs := 1 / pi
  *   (E2)  b_i  := b_i - c_i b_r / pi,    b_r  := -b_r / pi;  the same for g
  *
- * (E1) on the whole table is a rank-one update, bound by memory. Instead A = T - U V^T: row r and
- * column s of T, row r of U and row s of V become 0, and
+ * (E1) on the whole table is a rank-one update, bound by memory. Instead exchanges k = 0, 1, .. are put off:
  *
- *   (E3)  u_i = c_i, u_r = 1;   v_j = p_j / pi, v_s = -1 / pi      is appended to U and V,
+ *   (E3)  A = T - U V,   u_k = c but 1 in row r_k;   v_k = p / pi_k but -1 / pi_k in column s_k
  *
- * which is (E1) entry by entry, with no cancellation where (E1) has none. An exchange needs one up-to-date
- * column and row, two products with U and V, O(n dlsi_table_block); every dlsi_table_block of
- * them T takes U V^T by one dgemm.
+ * where row r_k and column s_k of T, row r_k of the u before and column s_k of the v before become 0.
+ * That is (E1) entry by entry, and has no cancellation where (E1) has none. V is not formed while
+ * exchanges are put off: with L_kl = (u_l)_rk, l < k, taken before it became 0, and L_kk = pi_k, (E3) says
+ *
+ *   (E4)  L V = rows r_0, r_1, .. of T, each as long as it was not 0 yet,  but -e_k in column s_k
+ *
+ * so that one column of A costs a triangular solve and a product with U. No row is read, which in
+ * column-major order would be one cache line and one page per entry. When U is full, V for all columns
+ * comes from (E4) by dtrsm and T := T - U V by dgemm.
  */
 #include <string.h>
 
 #include "blas.h"
 #include "lcp_internal.h"
 
-static const int unit = 1;
+static const int unit = 1, block = dlsi_table_block;
 static const double one = 1, minus_one = -1;
 
-void dlsi_table_column(const dlsi_table *t, int s, double *c) {
-  const int n = t->n, m = n + 1;
-  memcpy(c, t->T + (size_t)s * (size_t)t->ld, (size_t)n * sizeof *c);
-  if (t->pending)
-    dgemv_("N", &n, &t->pending, &minus_one, t->U, &n, t->V + s, &m, &one, c, &unit, 1);
-}
-
-double dlsi_table_entry(const dlsi_table *t, int i, int j) {
-  const size_t n = (size_t)t->n;
-  double a = t->T[(size_t)i + (size_t)j * (size_t)t->ld];
-  for (size_t k = 0; k < (size_t)t->pending; k++)
-    a -= t->U[(size_t)i + k * n] * t->V[(size_t)j + k * (n + 1)];
-  return a;
-}
-
-/* row r of A into p (n+1), row r of T := 0 */
-static void take_row(dlsi_table *t, int r, double *p) {
-  const int n = t->n, m = n + 1;
-  double *row = t->T + r;
-  for (int j = 0; j < m; j++) {
-    double *a = row + (size_t)j * (size_t)t->ld;
-    p[j] = *a;
-    *a = 0;
+/* The right-hand side of (E4) for column s into v, and the rows it comes from := 0 in the column. */
+static void take_rows(const dlsi_table *t, int s, double *column, double *v) {
+  for (int k = 0; k < t->pending; k++) {
+    v[k] = column[t->row[k]];
+    column[t->row[k]] = 0;
   }
-  if (t->pending)
-    dgemv_("N", &m, &t->pending, &minus_one, t->V, &m, t->U + r, &n, &one, p, &unit, 1);
+  if (t->born[s] >= 0) v[t->born[s]] = -1;
 }
 
-/* (E2) */
-static void exchange_values(int n, double *b, const double *c, int r) {
-  const double step = -b[r] / c[r];
-  for (int i = 0; i < n; i++)
-    b[i] += step * c[i];
-  b[r] = step;
+void dlsi_table_column(const dlsi_table *t, int s, double *c) {
+  const int n = t->n, pending = t->pending;
+  double v[dlsi_table_block];
+  memcpy(c, t->T + (size_t)s * (size_t)t->ld, (size_t)n * sizeof *c);
+  if (!pending) return;
+  take_rows(t, s, c, v);
+  dtrsv_("L", "N", "N", &pending, t->L, &block, v, &unit, 1, 1, 1);
+  dgemv_("N", &n, &pending, &minus_one, t->U, &n, v, &unit, &one, c, &unit, 1);
+}
+
+/* (E2), both at once */
+static void exchange_values(int n, double *b, double *g, const double *c, int r) {
+  const double step_b = -b[r] / c[r], step_g = -g[r] / c[r];
+  for (int i = 0; i < n; i++) {
+    b[i] += step_b * c[i];
+    g[i] += step_g * c[i];
+  }
+  b[r] = step_b;
+  g[r] = step_g;
 }
 
 void dlsi_table_exchange(dlsi_table *t, int r, int s, const double *c) {
-  const size_t n = (size_t)t->n;
-  const double inverse = 1 / c[r];
-  double *u = t->U + (size_t)t->pending * n, *v = t->V + (size_t)t->pending * (n + 1);
-  take_row(t, r, v);
+  const size_t n = (size_t)t->n, k = (size_t)t->pending;
+  double *u = t->U + k * n;
+  exchange_values(t->n, t->b, t->g, c, r);
   memset(t->T + (size_t)s * (size_t)t->ld, 0, n * sizeof *t->T);
-  for (size_t k = 0; k < (size_t)t->pending; k++) {
-    t->U[(size_t)r + k * n] = 0;
-    t->V[(size_t)s + k * (n + 1)] = 0;
+  for (size_t l = 0; l < k; l++) {
+    t->L[k + l * dlsi_table_block] = t->U[(size_t)r + l * n];
+    t->U[(size_t)r + l * n] = 0;
   }
+  t->L[k + k * dlsi_table_block] = c[r];
   memcpy(u, c, n * sizeof *u);
   u[r] = 1;
-  for (size_t j = 0; j <= n; j++)
-    v[j] *= inverse;
-  v[s] = -inverse; /* (E3) */
-  exchange_values(t->n, t->b, c, r);
-  exchange_values(t->n, t->g, c, r);
+  t->row[k] = r;
+  t->born[s] = (int)k;
 
   const int in = t->column[s], out = t->basic[r];
   t->basic[r] = in;
@@ -89,8 +85,13 @@ void dlsi_table_exchange(dlsi_table *t, int r, int s, const double *c) {
 }
 
 void dlsi_table_flush(dlsi_table *t) {
-  const int n = t->n, m = n + 1;
-  if (!t->pending) return;
-  dgemm_("N", "T", &n, &m, &t->pending, &minus_one, t->U, &n, t->V, &m, &one, t->T, &t->ld, 1, 1);
+  const int n = t->n, m = n + 1, pending = t->pending;
+  if (!pending) return;
+  for (int j = 0; j < m; j++) {
+    take_rows(t, j, t->T + (size_t)j * (size_t)t->ld, t->V + (size_t)j * dlsi_table_block);
+    t->born[j] = -1;
+  }
+  dtrsm_("L", "L", "N", "N", &pending, &m, &one, t->L, &block, t->V, &block, 1, 1, 1, 1);
+  dgemm_("N", "N", &n, &m, &pending, &minus_one, t->U, &n, t->V, &block, &one, t->T, &t->ld, 1, 1);
   t->pending = 0;
 }
