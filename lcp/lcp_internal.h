@@ -60,7 +60,7 @@ void dlsi_table_column(const dlsi_table *t, int s, double *c);
 /* Exchanges the variables of row r and column s; c: column s as above, c[r] != 0. */
 void dlsi_table_exchange(dlsi_table *t, int r, int s, const double *c);
 
-/* T := A, nothing pending */
-void dlsi_table_flush(dlsi_table *t);
+/* dx (n) := how the basic variables move when each y_i that is not basic moves by dy_i (n) */
+void dlsi_table_move_y(const dlsi_table *t, const double *dy, double *dx);
 
 #endif

@@ -61,7 +61,7 @@ static const double misfit_tolerance = 1e-9; /* (T3), to 1 + max|b|; max|q| is a
 static const double proof_tolerance = 1e-9;  /* of a ray or a Farkas vector */
 static const double sharp = 1e-13;           /* a residual that calls for no second look */
 
-enum { progress_interval = 50, check_interval = 256, strict_check_interval = 32 };
+enum { progress_interval = 50, check_interval = 256, strict_check_interval = 32 }; /* pivots */
 
 struct dls_lemke {
   int n; /* of create */
@@ -83,7 +83,7 @@ struct dls_lemke {
   int pivots, refreshes; /* of this solve */
 
   double *y, *magnitude, *weight, *trial; /* n: certificate of a trial z */
-  double *z;                              /* n: the best so far */
+  double *z, *best_y;                     /* n: the best so far */
   dls_lcp_certificate best;
 
   int solved_n; /* n of the last solve if it ended in a ray, else 0 */
@@ -124,7 +124,7 @@ static void carve(dls_lemke *w, dlsi_arena *arena) {
   t->born = dlsi_take(arena, n + 1, sizeof(int));
   double **vectors[] = {&t->b,     &t->g,      &w->R,         &w->C,         &w->q,      &w->d,
                         &w->c,     &w->y,      &w->trial,     &w->magnitude, &w->weight, &w->z,
-                        &w->ray_z, &w->ray_dz, &w->ray_cover, &w->residual};
+                        &w->ray_z, &w->ray_dz, &w->ray_cover, &w->residual,  &w->best_y};
   for (size_t k = 0; k < sizeof vectors / sizeof vectors[0]; k++)
     *vectors[k] = dlsi_take(arena, n, sizeof(double));
   if (w->settings.cover) w->cover = dlsi_take(arena, n, sizeof(double));
@@ -304,28 +304,22 @@ static void read_values(const dlsi_table *t, const double *b, int entering, doub
 }
 
 /* (T4) With residual f, y_i out of the basis is f_i instead of 0: it has to move by -f_i, which moves
- * the basic variables by -f_i times its column; y_i in the basis takes up its f_i by itself. */
+ * the basic variables along; y_i in the basis takes up its f_i by itself. */
 static void refine(dls_lemke *w, const dls_lcp *lcp, double *x, double h) {
-  dlsi_table *t = &w->table;
+  const dlsi_table *t = &w->table;
   const int n = lcp->n;
-  double before = INFINITY;
-  dlsi_table_flush(t);
+  double before = INFINITY, *dx = w->work;
   for (int sweep = 0; sweep < 4; sweep++) {
     const double f = misfit(w, lcp, x, h);
-    if (!(f > 0) || !(f < 0.5 * before)) return;
+    if (!(f > 4 * DBL_EPSILON * (h + dlsi_max_abs(x, 2 * (size_t)n + 1))) || !(f < 0.5 * before))
+      return;
     before = f;
-    double *dx = w->work;
-    memset(dx, 0, (size_t)n * sizeof *dx);
-    for (int i = 0; i < n; i++) {
-      const double fi = w->residual[i];
+    for (int i = 0; i < n; i++)
       if (t->where[i] >= 0)
-        x[i] += fi;
-      else if (fi != 0) {
-        const double *a = t->T + (size_t)(-1 - t->where[i]) * (size_t)t->ld;
-        for (int k = 0; k < n; k++)
-          dx[k] -= fi * a[k];
-      }
-    }
+        x[i] += w->residual[i];
+      else
+        w->residual[i] = -w->residual[i];
+    dlsi_table_move_y(t, w->residual, dx);
     for (int k = 0; k < n; k++)
       x[t->basic[k]] += dx[k];
   }
@@ -334,6 +328,17 @@ static void refine(dls_lemke *w, const dls_lcp *lcp, double *x, double h) {
 /* ---- the ratio test -------------------------------------------------------------------------- */
 
 enum { no_row = -1, not_finite = -2 };
+
+/* max |x_i|, NaN if there is one: as dlsi_max_abs, for a hot loop */
+static double largest(int n, const double *x) {
+  double m = 0, sum = 0;
+  for (int i = 0; i < n; i++) {
+    const double a = fabs(x[i]);
+    m = a > m ? a : m;
+    sum += a;
+  }
+  return sum == sum ? m : sum;
+}
 
 /* Keeps those of rows[0..count) whose value[k] is smallest but for rounding; returns how many. */
 static int keep_smallest(int count, int *rows, const double *value) {
@@ -363,35 +368,39 @@ static void perturbation(const dlsi_table *t, int j, int count, const int *rows,
 static int leaving_row(dls_lemke *w, const double *c, double cmax, int strict) {
   dlsi_table *t = &w->table;
   const int n = t->n, z0 = t->where[2 * n];
-  const double bmax = dlsi_max_abs(t->b, (size_t)n);
+  const double bmax = largest(n, t->b);
   if (!isfinite(cmax) || !isfinite(bmax)) return not_finite;
-  const double least = -pivot_tolerance * cmax, tie = tie_tolerance * bmax,
-               tie0 = (strict ? tie_tolerance : z0_tolerance) * bmax;
-  double bound = INFINITY, bound0 = INFINITY;
-  for (int i = 0; i < n; i++) /* (R1) */
-    if (c[i] < least) {
-      const double b = t->b[i] > 0 ? t->b[i] : 0;
-      if (b + tie < -bound * c[i]) bound = (b + tie) / -c[i];
-      if (b + tie0 < -bound0 * c[i]) bound0 = (b + tie0) / -c[i];
-    }
-  if (bound == INFINITY) return no_row;
-  if (c[z0] < least && t->b[z0] <= -bound0 * c[z0]) return z0; /* (T2) */
-
-  int *rows = w->rows, count = 0;
-  double *value = w->work;
-  for (int i = 0; i < n; i++)
-    if (c[i] < least && t->b[i] <= -bound * c[i]) rows[count++] = i;
-  if (count > 1) { /* (R2) */
-    for (int k = 0; k < count; k++)
-      value[k] = t->g[rows[k]] / -c[rows[k]];
-    count = keep_smallest(count, rows, value);
+  const double least = -pivot_tolerance * cmax, tie = tie_tolerance * bmax;
+  const double tie0 = (strict ? tie_tolerance : z0_tolerance) * bmax;
+  int *rows = w->rows, count = 0, tied = 0;
+  for (int i = 0; i < n; i++) {
+    rows[count] = i;
+    count += c[i] < least;
   }
-  for (int j = 0; count > 1 && j < n; j++) { /* (R3) */
-    perturbation(t, j, count, rows, c, w->work + n, value);
-    count = keep_smallest(count, rows, value);
+  if (count == 0) return no_row;
+  double bound = INFINITY, bound0 = INFINITY;
+  for (int k = 0; k < count; k++) { /* (R1) */
+    const double b = t->b[rows[k]] > 0 ? t->b[rows[k]] : 0, a = -c[rows[k]];
+    if (b + tie < bound * a) bound = (b + tie) / a;
+    if (b + tie0 < bound0 * a) bound0 = (b + tie0) / a;
+  }
+  if (c[z0] < least && t->b[z0] <= -bound0 * c[z0]) return z0; /* (T2) */
+  for (int k = 0; k < count; k++) {
+    rows[tied] = rows[k];
+    tied += t->b[rows[k]] <= -bound * c[rows[k]];
+  }
+  double *value = w->work;
+  if (tied > 1) { /* (R2) */
+    for (int k = 0; k < tied; k++)
+      value[k] = t->g[rows[k]] / -c[rows[k]];
+    tied = keep_smallest(tied, rows, value);
+  }
+  for (int j = 0; tied > 1 && j < n; j++) { /* (R3) */
+    perturbation(t, j, tied, rows, c, w->work + n, value);
+    tied = keep_smallest(tied, rows, value);
   }
   int r = rows[0];
-  for (int k = 1; k < count; k++) /* only where rounding hides the difference */
+  for (int k = 1; k < tied; k++) /* only where rounding hides the difference */
     if (c[rows[k]] < c[r]) r = rows[k];
   return r;
 }
@@ -444,7 +453,7 @@ static path_end follow(dls_lemke *w, const dls_lcp *lcp, int max_pivots, int str
     if (w->pivots % progress_interval == 0 && report(w, lcp, max_pivots)) return path_cancelled;
     const int s = -1 - t->where[*entering];
     dlsi_table_column(t, s, w->c); /* (L2) */
-    const double cmax = dlsi_max_abs(w->c, (size_t)n);
+    const double cmax = largest(n, w->c);
     r = leaving_row(w, w->c, cmax, strict); /* (L3) */
     if (r < 0) {
       if (fresh) return r == no_row ? path_ray : path_lost;
@@ -459,7 +468,7 @@ static path_end follow(dls_lemke *w, const dls_lcp *lcp, int max_pivots, int str
     fresh = 0;
     if (out == z0) return path_solved;
     *entering = complement(n, out);
-    if (++unchecked >= (strict ? strict_check_interval : check_interval) ||
+    if (++unchecked >= (strict ? strict_check_interval : n > check_interval ? n : check_interval) ||
         pivot < small_pivot * cmax) { /* (T3) */
       unchecked = 0;
       read_values(t, t->b, -1, w->x);
@@ -484,6 +493,7 @@ static void offer(dls_lemke *w, const dls_lcp *lcp, const double *x) {
   if (!(certificate.residual < w->best.residual)) return;
   w->best = certificate;
   memcpy(w->z, w->trial, n * sizeof *w->z);
+  memcpy(w->best_y, w->y, n * sizeof *w->best_y);
 }
 
 /* (T5) for a solution: 1 if nothing better is to be expected */
@@ -546,6 +556,7 @@ dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, 
   int starts = 0;
   dlsi_lcp_weights(lcp, w->weight);
   memset(w->z, 0, n * sizeof *w->z);
+  memcpy(w->best_y, lcp->q, n * sizeof *w->best_y);
   memset(w->magnitude, 0, n * sizeof *w->magnitude);
   dlsi_lcp_measure(lcp, w->z, lcp->q, w->magnitude, w->weight, &w->best); /* of z = 0, [C] (41) */
   if (w->best.negative_y > 0) {
@@ -571,9 +582,8 @@ dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, 
              : w->solved_n                                        ? DLS_RAY
                                                                   : DLS_STALLED;
   }
-  dlsi_lcp_multiply(lcp, lcp->q, w->z, w->y, w->magnitude);
   memcpy(z, w->z, n * sizeof *z);
-  if (y) memcpy(y, w->y, n * sizeof *y);
+  if (y) memcpy(y, w->best_y, n * sizeof *y);
   if (info) *info = (dls_lemke_info){status, w->pivots, w->best, starts, w->refreshes};
   return status;
 }

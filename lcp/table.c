@@ -31,23 +31,48 @@
 static const int unit = 1, block = dlsi_table_block;
 static const double one = 1, minus_one = -1;
 
-/* The right-hand side of (E4) for column s into v, and the rows it comes from := 0 in the column. */
-static void take_rows(const dlsi_table *t, int s, double *column, double *v) {
+/* v_k := entry r_k of a combination of columns of T, 0 in its place: the right-hand side of (E4) but for
+ * the columns of exchanges. */
+static void take_rows(const dlsi_table *t, double *a, double *v) {
   for (int k = 0; k < t->pending; k++) {
-    v[k] = column[t->row[k]];
-    column[t->row[k]] = 0;
+    v[k] = a[t->row[k]];
+    a[t->row[k]] = 0;
   }
-  if (t->born[s] >= 0) v[t->born[s]] = -1;
+}
+
+/* a - U V of a combination a, v as from take_rows */
+static void subtract_pending(const dlsi_table *t, double *a, double *v) {
+  const int n = t->n;
+  dtrsv_("L", "N", "N", &t->pending, t->L, &block, v, &unit, 1, 1, 1);
+  dgemv_("N", &n, &t->pending, &minus_one, t->U, &n, v, &unit, &one, a, &unit, 1);
 }
 
 void dlsi_table_column(const dlsi_table *t, int s, double *c) {
-  const int n = t->n, pending = t->pending;
   double v[dlsi_table_block];
-  memcpy(c, t->T + (size_t)s * (size_t)t->ld, (size_t)n * sizeof *c);
-  if (!pending) return;
-  take_rows(t, s, c, v);
-  dtrsv_("L", "N", "N", &pending, t->L, &block, v, &unit, 1, 1, 1);
-  dgemv_("N", &n, &pending, &minus_one, t->U, &n, v, &unit, &one, c, &unit, 1);
+  memcpy(c, t->T + (size_t)s * (size_t)t->ld, (size_t)t->n * sizeof *c);
+  if (!t->pending) return;
+  take_rows(t, c, v);
+  if (t->born[s] >= 0) v[t->born[s]] = -1;
+  subtract_pending(t, c, v);
+}
+
+void dlsi_table_move_y(const dlsi_table *t, const double *dy, double *dx) {
+  const size_t n = (size_t)t->n;
+  double v[dlsi_table_block];
+  memset(dx, 0, n * sizeof *dx);
+  for (size_t i = 0; i < n; i++) {
+    if (t->where[i] >= 0 || dy[i] == 0) continue;
+    const double *a = t->T + (size_t)(-1 - t->where[i]) * (size_t)t->ld;
+    for (size_t k = 0; k < n; k++)
+      dx[k] += dy[i] * a[k];
+  }
+  if (!t->pending) return;
+  take_rows(t, dx, v);
+  for (size_t i = 0; i < n; i++) {
+    const int s = -1 - t->where[i];
+    if (s >= 0 && t->born[s] >= 0) v[t->born[s]] -= dy[i];
+  }
+  subtract_pending(t, dx, v);
 }
 
 /* (E2), both at once */
@@ -59,6 +84,21 @@ static void exchange_values(int n, double *b, double *g, const double *c, int r)
   }
   b[r] = step_b;
   g[r] = step_g;
+}
+
+/* T := A, nothing pending */
+static void flush(dlsi_table *t) {
+  const int n = t->n, m = n + 1, pending = t->pending;
+  if (!pending) return;
+  for (int j = 0; j < m; j++) {
+    double *v = t->V + (size_t)j * dlsi_table_block;
+    take_rows(t, t->T + (size_t)j * (size_t)t->ld, v);
+    if (t->born[j] >= 0) v[t->born[j]] = -1;
+    t->born[j] = -1;
+  }
+  dtrsm_("L", "L", "N", "N", &pending, &m, &one, t->L, &block, t->V, &block, 1, 1, 1, 1);
+  dgemm_("N", "N", &n, &m, &pending, &minus_one, t->U, &n, t->V, &block, &one, t->T, &t->ld, 1, 1);
+  t->pending = 0;
 }
 
 void dlsi_table_exchange(dlsi_table *t, int r, int s, const double *c) {
@@ -81,17 +121,5 @@ void dlsi_table_exchange(dlsi_table *t, int r, int s, const double *c) {
   t->where[in] = r;
   t->column[s] = out;
   t->where[out] = -1 - s;
-  if (++t->pending == dlsi_table_block) dlsi_table_flush(t);
-}
-
-void dlsi_table_flush(dlsi_table *t) {
-  const int n = t->n, m = n + 1, pending = t->pending;
-  if (!pending) return;
-  for (int j = 0; j < m; j++) {
-    take_rows(t, j, t->T + (size_t)j * (size_t)t->ld, t->V + (size_t)j * dlsi_table_block);
-    t->born[j] = -1;
-  }
-  dtrsm_("L", "L", "N", "N", &pending, &m, &one, t->L, &block, t->V, &block, 1, 1, 1, 1);
-  dgemm_("N", "N", &n, &m, &pending, &minus_one, t->U, &n, t->V, &block, &one, t->T, &t->ld, 1, 1);
-  t->pending = 0;
+  if (++t->pending == dlsi_table_block) flush(t);
 }
