@@ -62,16 +62,17 @@ static const double proof_tolerance = 1e-9;  /* of a ray or a Farkas vector */
 static const double sharp = 1e-13;           /* a residual that calls for no second look */
 
 enum { progress_interval = 50, check_interval = 256, strict_check_interval = 32 }; /* pivots */
+enum { covers = 10 };
 
 struct dls_lemke {
   int n; /* of create */
   dls_lemke_settings settings;
-  double *cover; /* n of create; the user's, or NULL */
+  double *given; /* n of create: the user's covering vector, or NULL */
   dlsi_table table;
 
   /* The scaled problem: M' = R M C, q' = R q / kappa, d' = sigma R d; z = kappa C z',
    * y = kappa y' / R, z0 = kappa sigma z0'. */
-  double *R, *C, *q, *d;
+  double *R, *C, *q, *d, *cover; /* d: factors times cover, the given or default one */
   double kappa, sigma;
 
   double *c;             /* n: the entering column */
@@ -124,10 +125,10 @@ static void carve(dls_lemke *w, dlsi_arena *arena) {
   t->born = dlsi_take(arena, n + 1, sizeof(int));
   double **vectors[] = {&t->b,     &t->g,      &w->R,         &w->C,         &w->q,      &w->d,
                         &w->c,     &w->y,      &w->trial,     &w->magnitude, &w->weight, &w->z,
-                        &w->ray_z, &w->ray_dz, &w->ray_cover, &w->residual,  &w->best_y};
+                        &w->ray_z, &w->ray_dz, &w->ray_cover, &w->residual,  &w->best_y, &w->cover};
   for (size_t k = 0; k < sizeof vectors / sizeof vectors[0]; k++)
     *vectors[k] = dlsi_take(arena, n, sizeof(double));
-  if (w->settings.cover) w->cover = dlsi_take(arena, n, sizeof(double));
+  if (w->settings.cover) w->given = dlsi_take(arena, n, sizeof(double));
   w->x = dlsi_take(arena, 2 * n + 1, sizeof(double));
   w->dx = dlsi_take(arena, 2 * n + 1, sizeof(double));
   w->work = dlsi_take(arena, 6 * n, sizeof(double));
@@ -177,8 +178,8 @@ dls_status dls_lemke_create(dls_lemke **out, int n, const dls_lemke_settings *se
   *w = sizes;
   arena = (dlsi_arena){.base = memory + head, .size = arena.used};
   carve(w, &arena);
-  if (w->cover) memcpy(w->cover, settings->cover, (size_t)n * sizeof *w->cover);
-  w->settings.cover = w->cover;
+  if (w->given) memcpy(w->given, settings->cover, (size_t)n * sizeof *w->given);
+  w->settings.cover = w->given;
   *out = w;
   return DLS_OK;
 }
@@ -189,6 +190,17 @@ void dls_lemke_destroy(dls_lemke *workspace) {
 
 /* ---- the scaled problem ---------------------------------------------------------------------- */
 
+/* max |x_i|, NaN if there is one: as dlsi_max_abs, for a hot loop */
+static double largest(int n, const double *x) {
+  double m = 0, sum = 0;
+  for (int i = 0; i < n; i++) {
+    const double a = fabs(x[i]);
+    m = a > m ? a : m;
+    sum += a;
+  }
+  return sum == sum ? m : sum;
+}
+
 static int complement(int n, int v) {
   return v < n ? v + n : v - n;
 }
@@ -198,29 +210,32 @@ static double power_of_two(double e) {
   return ldexp(1, (int)lrint(e < -500 ? -500 : e > 500 ? 500 : e));
 }
 
-/* start k = 0, 1, ..: the default covering vector, times a factor that differs from start to start */
-static void scale_problem(dls_lemke *w, const dls_lcp *lcp, int cover) {
+static void scale_problem(dls_lemke *w, const dls_lcp *lcp) {
   const int n = lcp->n;
-  double largest = 0;
+  double most = 0;
   dlsi_lcp_equilibrate(lcp, w->R, w->C, w->work, w->rows);
   for (int i = 0; i < n; i++) {
     const double rho = w->R[i];
     w->R[i] = power_of_two(rho);
     w->C[i] = power_of_two(w->C[i]);
-    w->d[i] = w->R[i] * (w->cover ? w->cover[i] : exp2(-rho));
-    (void)cover;
-    if (w->d[i] > largest) largest = w->d[i];
-  }
-  w->sigma = w->cover ? power_of_two(-log2(largest)) : 1;
-  largest = 0;
-  for (int i = 0; i < n; i++) {
-    w->d[i] *= w->sigma;
+    w->cover[i] = w->R[i] * (w->settings.cover ? w->settings.cover[i] : exp2(-rho));
     w->q[i] = w->R[i] * lcp->q[i];
-    if (fabs(w->q[i]) > largest) largest = fabs(w->q[i]);
   }
-  w->kappa = power_of_two(log2(largest));
-  for (int i = 0; i < n; i++)
+  w->sigma = power_of_two(-log2(largest(n, w->cover)));
+  most = largest(n, w->q);
+  w->kappa = power_of_two(log2(most));
+  for (int i = 0; i < n; i++) {
+    w->cover[i] *= w->sigma;
     w->q[i] /= w->kappa;
+  }
+}
+
+/* Covering vector k: the given one, or it times factors between 1/32 and 32, no two alike */
+static void choose_cover(dls_lemke *w, int n, int k) {
+  for (int i = 0; i < n; i++) {
+    const double x = 0.6180339887498949 * (i + 1) + 0.7548776662466927 * k;
+    w->d[i] = k ? w->cover[i] * exp2(10 * (x - floor(x)) - 5) : w->cover[i];
+  }
 }
 
 /* The table of the basis y: y = q' + M' z' + d' z0. */
@@ -328,17 +343,6 @@ static void refine(dls_lemke *w, const dls_lcp *lcp, double *x, double h) {
 /* ---- the ratio test -------------------------------------------------------------------------- */
 
 enum { no_row = -1, not_finite = -2 };
-
-/* max |x_i|, NaN if there is one: as dlsi_max_abs, for a hot loop */
-static double largest(int n, const double *x) {
-  double m = 0, sum = 0;
-  for (int i = 0; i < n; i++) {
-    const double a = fabs(x[i]);
-    m = a > m ? a : m;
-    sum += a;
-  }
-  return sum == sum ? m : sum;
-}
 
 /* Keeps those of rows[0..count) whose value[k] is smallest but for rounding; returns how many. */
 static int keep_smallest(int count, int *rows, const double *value) {
@@ -537,6 +541,35 @@ static int accept_ray(dls_lemke *w, const dls_lcp *lcp, int entering) {
   return 1;
 }
 
+/* Starts until something is settled: again with care (T5) after what could not be confirmed, with
+ * another covering vector after a ray that proves nothing. */
+static dls_status solve(dls_lemke *w, const dls_lcp *lcp, int max_pivots, int *starts) {
+  int strict = 0, cover = 0, entering = 0;
+  for (;;) {
+    choose_cover(w, lcp->n, cover);
+    const path_end end = follow(w, lcp, max_pivots, strict, &entering);
+    ++*starts;
+    if (end == path_ray && accept_ray(w, lcp, entering)) {
+      if (dls_lcp_certificate_holds(&w->best, w->settings.tol)) break; /* z0 was as good as 0 */
+      if (w->proved) return DLS_NO_SOLUTION;
+      if (w->given || ++cover == covers) return DLS_RAY;
+      continue;
+    }
+    w->solved_n = 0;
+    if (end == path_solved && accept_solution(w, lcp)) return DLS_OK;
+    if (end == path_limit || end == path_cancelled) {
+      read_values(&w->table, w->table.b, -1, w->x);
+      offer(w, lcp, w->x);
+      if (dls_lcp_certificate_holds(&w->best, w->settings.tol)) return DLS_OK;
+      return end == path_limit ? DLS_MAX_ITERATIONS : DLS_CANCELLED;
+    }
+    if (strict) return dls_lcp_certificate_holds(&w->best, w->settings.tol) ? DLS_OK : DLS_STALLED;
+    strict = 1;
+  }
+  w->solved_n = w->proved = 0;
+  return DLS_OK;
+}
+
 dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, double *y,
                            dls_lemke_info *info, dls_error *error) {
   if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
@@ -560,27 +593,8 @@ dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, 
   memset(w->magnitude, 0, n * sizeof *w->magnitude);
   dlsi_lcp_measure(lcp, w->z, lcp->q, w->magnitude, w->weight, &w->best); /* of z = 0, [C] (41) */
   if (w->best.negative_y > 0) {
-    path_end end = path_lost;
-    scale_problem(w, lcp, 0);
-    for (int done = 0; !done && starts < 2; starts++) {
-      int entering;
-      end = follow(w, lcp, limit, starts > 0, &entering);
-      if (end == path_solved)
-        done = accept_solution(w, lcp);
-      else if (end == path_ray)
-        done = accept_ray(w, lcp, entering);
-      else {
-        read_values(&w->table, w->table.b, -1, w->x);
-        offer(w, lcp, w->x);
-        done = end != path_lost;
-      }
-    }
-    status = dls_lcp_certificate_holds(&w->best, w->settings.tol) ? DLS_OK
-             : end == path_limit                                  ? DLS_MAX_ITERATIONS
-             : end == path_cancelled                              ? DLS_CANCELLED
-             : w->proved                                          ? DLS_NO_SOLUTION
-             : w->solved_n                                        ? DLS_RAY
-                                                                  : DLS_STALLED;
+    scale_problem(w, lcp);
+    status = solve(w, lcp, limit, &starts);
   }
   memcpy(z, w->z, n * sizeof *z);
   if (y) memcpy(y, w->best_y, n * sizeof *y);
