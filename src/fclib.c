@@ -115,7 +115,7 @@ static herr_t read_values(hid_t set, hid_t space, hid_t type, size_t count, void
   return done;
 }
 
-/* *out = a new array of `count` numbers of `type` from data set `name`. Integers that do not fit
+/* *out = a new array of `count` numbers of `type` from data set `name`, NULL on error. Integers that do not fit
  * an int arrive as INT_MAX, which no check lets pass. */
 static dls_status read_set(const source *s, const char *name, hid_t type, size_t count, int longer,
                            void **out) {
@@ -142,8 +142,8 @@ static dls_status read_set(const source *s, const char *name, hid_t type, size_t
 
 static dls_status read_int(const source *s, const char *name, int least, int *value) {
   void *x;
-  dls_status status = read_set(s, name, H5T_NATIVE_INT, 1, 0, &x);
-  if (status) return status;
+  const dls_status status = read_set(s, name, H5T_NATIVE_INT, 1, 0, &x);
+  if (!x) return status;
   const int v = *(int *)x;
   free(x);
   if (v < least || v == INT_MAX)
@@ -156,7 +156,7 @@ static dls_status read_int(const source *s, const char *name, int least, int *va
 static dls_status read_indices(const source *s, const char *name, int count, int bound, int **out) {
   void *x;
   const dls_status status = read_set(s, name, H5T_NATIVE_INT, (size_t)count, 1, &x);
-  if (status) return status;
+  if (!x) return status;
   *out = x;
   for (int k = 0; k < count; k++)
     if ((*out)[k] < 0 || (*out)[k] >= bound)
@@ -169,7 +169,7 @@ static dls_status read_doubles(const source *s, const char *name, size_t count, 
                                double **out) {
   void *x;
   const dls_status status = read_set(s, name, H5T_NATIVE_DOUBLE, count, longer, &x);
-  if (status) return status;
+  if (!x) return status;
   *out = x;
   const long long k = dlsi_first_not_finite(*out, count);
   if (k >= 0)
@@ -313,7 +313,8 @@ static dls_status gather_blocks(const columns *A, int d, block_columns *B, dls_e
           if (block[b] < B->p[c]) block[b] = count++;
           if (pass == 0) continue;
           B->i[block[b]] = b;
-          B->x[(size_t)block[b] * dd + (size_t)(A->i[k] % d + d * j)] += A->x[k];
+          double *sum = &B->x[(size_t)block[b] * dd + (size_t)(A->i[k] % d + d * j)];
+          *sum = *sum == 0 ? A->x[k] : *sum + A->x[k]; /* 0 + -0.0 would be 0 */
         }
     }
     B->p[nc] = count;
@@ -532,7 +533,7 @@ dls_status dls_fclib_read(dls_fclib **out, const char *path, dls_error *error) {
   H5E_BEGIN_TRY {
     status = read_file(file, path, error);
   }
-  H5E_END_TRY
+  H5E_END_TRY;
   if (status)
     dls_fclib_destroy(file);
   else
@@ -899,7 +900,7 @@ dls_status dls_fclib_write_local(const char *path, const dls_contact *problem, c
   H5E_BEGIN_TRY {
     status = write_local(__func__, path, problem, title, r, u, error);
   }
-  H5E_END_TRY
+  H5E_END_TRY;
   return status;
 }
 
@@ -975,7 +976,7 @@ dls_status dls_fclib_write_global(const char *path, const dls_model *model, cons
   H5E_BEGIN_TRY {
     status = write_global(__func__, path, model, f, g, mu, title, x, r, u, error);
   }
-  H5E_END_TRY
+  H5E_END_TRY;
   return status;
 }
 

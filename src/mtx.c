@@ -186,11 +186,16 @@ static dls_status read_sizes(scanner *s, layout *form, dls_error *error) {
   return DLS_OK;
 }
 
+/* *sum += x, where 0 + x is x itself, -0.0 too */
+static void add(double *sum, double x) {
+  *sum = *sum == 0 ? x : *sum + x;
+}
+
 static void put(const layout *form, double *a, int i, int j, double x) {
   const size_t rows = (size_t)form->rows;
-  a[(size_t)i + (size_t)j * rows] += x;
+  add(&a[(size_t)i + (size_t)j * rows], x);
   if (form->kind != GENERAL && i != j)
-    a[(size_t)j + (size_t)i * rows] += form->kind == SKEW ? -x : x;
+    add(&a[(size_t)j + (size_t)i * rows], form->kind == SKEW ? -x : x);
 }
 
 static dls_status read_array(scanner *s, const layout *form, double *a, dls_error *error) {

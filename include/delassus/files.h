@@ -6,6 +6,9 @@
  *   fclib_local   W, vectors/q, vectors/mu, spacedim            u = W r + q
  *   fclib_global  M, H, vectors/f, vectors/w, vectors/mu        M v = H r + f,  u = H^T v + w
  *   solution      v, r, u                                       (optional in both)
+ *
+ * HDF5 is as a rule built without locks: no two threads may be in the dls_fclib_ functions that read
+ * or write a file, or elsewhere in HDF5, at once.
  */
 #ifndef DELASSUS_FILES_H
 #define DELASSUS_FILES_H
@@ -22,7 +25,8 @@ typedef struct dls_fclib dls_fclib;
 
 /* *out = the problem in file `path`, NULL on error. DLS_E_FILE: cannot be opened. DLS_E_FORMAT: not
  * HDF5, a group or data set is missing or of the wrong size, indices out of range, a value is not
- * finite; the message names the data set. DLS_E_UNSUPPORTED: bilateral constraints (V, G). */
+ * finite; the message names the data set. DLS_E_UNSUPPORTED: bilateral constraints (V, R, G). Of a
+ * file that holds both problems the local one is read. HDF5's error handler is left as it was. */
 DLS_API DLS_MUST_USE dls_status dls_fclib_read(dls_fclib **out, const char *path, dls_error *error);
 
 /* 1 if the file holds a global problem, 0 if a local one. */
@@ -49,12 +53,16 @@ DLS_API DLS_MUST_USE dls_status dls_fclib_solution(const dls_fclib *file, const 
 DLS_API void dls_fclib_destroy(dls_fclib *file);
 
 /* Write `path` anew. title "" or NULL for none; r and u (m) both NULL for no solution group. A
- * failed write leaves no file behind. */
+ * failed write leaves no file behind; bad input leaves an old one alone. The file is built in memory
+ * first (once its size). The same problem gives the same bytes; read back, it has the same numbers,
+ * but entries equal to 0 of a dense W or K are left out (so -0.0 is 0 there) and blocks of the
+ * same place are one block. */
 DLS_API DLS_MUST_USE dls_status dls_fclib_write_local(const char *path, const dls_contact *problem,
                                                       const char *title, const double *r,
                                                       const double *u, dls_error *error);
 
-/* The same for a global problem: dense or sparse K of the model, no weighting P; x (n) as v. */
+/* The same for a global problem: dense or sparse K of the model (DLS_CHOLESKY: its lower triangle,
+ * mirrored), no weighting P, else DLS_E_UNSUPPORTED; f (n), g (d nc), mu (nc); x (n, or NULL) as v. */
 DLS_API DLS_MUST_USE dls_status dls_fclib_write_global(const char *path, const dls_model *model,
                                                        const double *f, const double *g,
                                                        const double *mu, const char *title,
@@ -62,13 +70,16 @@ DLS_API DLS_MUST_USE dls_status dls_fclib_write_global(const char *path, const d
                                                        const double *u, dls_error *error);
 
 /* A real Matrix Market file, array or coordinate, general, symmetric or skew-symmetric, as a dense
- * matrix: *a is a new array of *rows * *cols doubles, column-major, to be given to dls_mtx_free.
- * DLS_E_FILE, DLS_E_FORMAT (index = line number), DLS_E_SIZE, DLS_E_MEMORY. */
+ * matrix: *a is a new array of *rows * *cols doubles, column-major, to be given to dls_mtx_free; NULL
+ * on error. Entries of the same place add up. The host's locale does not matter. DLS_E_FILE,
+ * DLS_E_FORMAT (index = line, from 1; NaN and Inf too), DLS_E_UNSUPPORTED (complex, pattern),
+ * DLS_E_SIZE, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_mtx_read(const char *path, int *rows, int *cols, double **a,
                                              dls_error *error);
 DLS_API void dls_mtx_free(double *a);
 
-/* Writes a dense matrix (array, general, 17 digits). */
+/* Writes a dense matrix (array, general, 17 digits: the same bits when read back). A failed write
+ * leaves no file behind. */
 DLS_API DLS_MUST_USE dls_status dls_mtx_write(const char *path, const dls_dense *A,
                                               dls_error *error);
 
