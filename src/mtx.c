@@ -62,8 +62,9 @@ static void scan(scanner *s) {
 
 static dls_status bad(const scanner *s, dls_error *error, dls_status status, const char *what) {
   const char *word = s->length ? s->word : "end of file";
-  return dlsi_fail(error, status, "dls_mtx_read", "path", s->line, 0, "line %lld, '%.20s': %s",
-                   s->line, word, what);
+  (void)dlsi_fail(error, status, "dls_mtx_read", "path", s->line, 0, "line %lld, '%.20s': %s",
+                  s->line, word, what);
+  return status;
 }
 
 /* s->word is `text`, of lower case, in any case */
@@ -110,14 +111,13 @@ static int to_double(const scanner *s, double *value) {
   }
   if (w[k] != '\0' || k != s->length) return 0;
   char half[16], text[longest + sizeof half];
-  if (point == SIZE_MAX || snprintf(half, sizeof half, "%.1f", 0.5) < 3)
-    memcpy(text, w, k + 1);
-  else {
-    const size_t n = strlen(half) - 2;
-    memcpy(text, w, point);
-    memcpy(text + point, half + 1, n);
-    memcpy(text + point + n, w + point + 1, k - point);
-  }
+  if (snprintf(half, sizeof half, "%.1f", 0.5) < 3) return 0;
+  const int point_length = (int)strlen(half) - 2;
+  if (point == SIZE_MAX)
+    (void)snprintf(text, sizeof text, "%s", w);
+  else
+    (void)snprintf(text, sizeof text, "%.*s%.*s%s", (int)point, w, point_length, half + 1,
+                   w + point + 1);
   char *end;
   *value = strtod(text, &end);
   return *end == '\0' && isfinite(*value);
