@@ -117,10 +117,12 @@ $(BUILD)/examples/%: examples/%.c $(FE) $(A)
 
 # ---- tests --------------------------------------------------------------------------------------
 
+# what test programs share: the files of tests/ that are not test_*.c
+TEST_HELPERS := $(call obj,$(filter-out tests/test_%,$(wildcard tests/*.c)))
 # malloc and calloc of our own code go through the wrappers of tests/malloc_fails.c
 WRAP = -Wl,--wrap=malloc -Wl,--wrap=calloc -Wl,--wrap=realloc
 
-$(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(BUILD)/obj/tests/malloc_fails.o $(FE) $(A)
+$(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(TEST_HELPERS) $(FE) $(A)
 	@mkdir -p $(@D)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS) $(LIBS)

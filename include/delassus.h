@@ -18,6 +18,7 @@
 #include "delassus/lcp.h"
 #include "delassus/matrix.h"
 #include "delassus/nlgs.h"
+#include "delassus/pivoting.h"
 #include "delassus/reduction.h"
 #include "delassus/solve.h"
 #include "delassus/status.h"

@@ -1,0 +1,102 @@
+/*
+ * delassus/pivoting.h: two relatives of Lemke's method for LCP(M, q) of delassus/lcp.h.
+ *
+ *   dls_principal_solve  block principal pivoting, for P-matrices (every principal minor > 0): one
+ *                        factorisation per guess of the active set instead of one pivot per unknown
+ *   dls_lcp_enumerate    all solutions of a small LCP, n <= 20, whatever M
+ */
+#ifndef DELASSUS_PIVOTING_H
+#define DELASSUS_PIVOTING_H
+
+#include "delassus/lcp.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- block principal pivoting ---------------------------------------------------------------- */
+
+/* Fill by dls_principal_settings_init, then change what you like. */
+typedef struct dls_principal_settings {
+  size_t size;        /* set by init; settings without it are refused */
+  double tol;         /* on the certificate's residual; >= 0; 1e-8 */
+  int max_iterations; /* exchanges; 0: 10 n + 1000; 0 */
+  int block_steps;    /* exchanges of all infeasible unknowns at once that may pass without a new
+                         least number of them; then one at a time, least index first (Murty), until
+                         there is one. >= 0; 0: always one at a time; 10 */
+  int warm_start;     /* 0: start from z = 0; 1: from the support { i : z_i > 0 } of z; 0 */
+  dls_progress_fn progress; /* after each basis; NULL for none */
+  void *progress_data;
+} dls_principal_settings;
+
+DLS_API void dls_principal_settings_init(dls_principal_settings *settings);
+
+typedef struct dls_principal_info {
+  dls_status status;
+  int iterations;                  /* exchanges */
+  int single_exchanges;            /* those of them made one unknown at a time */
+  int factorizations;              /* of principal submatrices, Cholesky or LU */
+  dls_lcp_certificate certificate; /* of the z that is returned */
+} dls_principal_info;
+
+typedef struct dls_principal dls_principal; /* workspace for n <= the n of create */
+
+/* *out = new workspace, NULL on error; n^2 + O(n) doubles; the settings are copied.
+ * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY. */
+DLS_API DLS_MUST_USE dls_status dls_principal_create(dls_principal **out, int n,
+                                                     const dls_principal_settings *settings,
+                                                     dls_error *error);
+
+/* z (n): in, the start if warm_start, else ignored; out, the solution, z >= 0. y (n, or NULL):
+ * M z + q. info or NULL. z and y must not overlap each other or the problem. Allocates nothing.
+ *
+ *   DLS_OK              certified; the only solution if M is a P-matrix
+ *   DLS_MAX_ITERATIONS, DLS_CANCELLED   z is the basis of least residual met, negative parts set to 0
+ *   DLS_STALLED         a principal submatrix is singular to working precision (condition number
+ *                       above 1 / (n eps) when equilibrated), so that M is no P-matrix; or the last
+ *                       basis is feasible and the certificate does not hold; z as above
+ *
+ * or an error of dls_lcp_check. For a P-matrix the method ends; for others it may cycle, up to
+ * max_iterations. Singular M (a structure on more supports than it needs): use Lemke. */
+DLS_API DLS_MUST_USE dls_status dls_principal_solve(dls_principal *workspace, const dls_lcp *lcp,
+                                                    double *z, double *y, dls_principal_info *info,
+                                                    dls_error *error);
+
+/* NULL is fine. */
+DLS_API void dls_principal_destroy(dls_principal *workspace);
+
+/* ---- all solutions --------------------------------------------------------------------------- */
+
+enum { DLS_ENUMERATE_MAX = 20 };
+
+typedef struct dls_enumeration {
+  int solutions;      /* points in the list */
+  int singular_bases; /* complementary bases whose matrix is singular to working precision */
+  int continua;       /* those of them that hold more than one solution */
+  char undetermined[DLS_ENUMERATE_MAX]; /* [i] = 1: z_i takes several values in one continuum */
+} dls_enumeration;
+
+/* All solutions of LCP(M, q), n <= 20: for each of the 2^n sets A, the solutions with y_A = 0 and
+ * z_i = 0 outside of A form a polyhedron; where M_AA is regular it is one point or empty.
+ *
+ *   z (n x capacity, column-major): the solutions; those closer to each other than 1e-8 max_i s_i z_i
+ *   in every s_i z_i (s as in the certificate) are listed once. Every point listed has a certificate
+ *   <= max(tol, 4 floor).
+ *
+ *   continua = 0: the list is the whole solution set; solutions = 0 means that there is none.
+ *   continua > 0: each continuum is represented by one of its vertices (found where M_AA is
+ *   singular) at least; all solutions that are isolated are in the list; `undetermined` tells the
+ *   unknowns that are not fixed, hyperstatic reactions for instance.
+ *
+ * tol >= 0, capacity >= 1. DLS_OK; DLS_MAX_ITERATIONS when the list is full: z and *found hold what was
+ * found so far. DLS_E_SIZE for n > 20, DLS_E_MEMORY, or an error of dls_lcp_check. The work
+ * is 2^n eliminations: 6 ms for n = 12, 4 s for n = 20, three times that if many are singular. */
+DLS_API DLS_MUST_USE dls_status dls_lcp_enumerate(const dls_lcp *lcp, double tol, int capacity,
+                                                  double *z, dls_enumeration *found,
+                                                  dls_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,357 @@
+/*
+ * enumerate.c: all solutions of a small LCP(M, q).
+ *
+ *   y = M z + q,   y >= 0,  z >= 0,  y^T z = 0
+ *
+ * The solution set is the union over the 2^n sets A of the polyhedra
+ *
+ *   P_A = { z : z_A >= 0,  z = 0 elsewhere,  (M z + q)_A = 0,  (M z + q) >= 0 elsewhere }
+ *       = { x >= 0 : C x = q },   x_j = z_j, C_j = -M_j for j in A;  x_j = y_j, C_j = e_j elsewhere
+ *
+ * For each A:
+ *   (N1)  M_AA regular:  z_A = -M_AA^-1 q_A is a solution if the certificate says so
+ *   (N2)  M_AA singular: x := a vertex of P_A by the simplex method (phase 1, Bland's rule), or P_A
+ *         is empty
+ *   (N3)  J := { j : x_j > 0 somewhere in P_A }, by the simplex method on each x_j from there
+ *   (N4)  the affine hull of P_A has the directions { v : C_J v_J = 0, v = 0 elsewhere }; z_i takes
+ *         more than one value if some v_i != 0
+ *
+ * (N4): the mean of n points of P_A that show one j of J each is positive on all of J, so that P_A
+ * contains it + t v for small t, whatever the sign of t.
+ * A solution that is isolated is alone in each P_A that contains it, so that (N1) or (N2) find it.
+ *
+ * All is done on (R M C, R q / beta), R and C powers of two that equilibrate M, beta = max |R q|: the
+ * tolerances are pure numbers. What is listed is certified on the user's M and q.
+ *
+ * Cost: 2^n eliminations of k x k, k = n/2 on average. What can fail: a matrix within 1e-12 of a
+ * singular one is taken for singular, and the simplex method takes 1e-10 for 0.
+ */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "delassus/pivoting.h"
+#include "dlsi.h"
+#include "lcp_internal.h"
+
+enum { most = DLS_ENUMERATE_MAX };
+
+static const double rank_tol = 1e-12, zero_tol = 1e-10, same_tol = 1e-8;
+
+typedef double table[most][most + 1]; /* rows of (A | b), b right after the last column of A */
+
+typedef struct problem {
+  const dls_lcp *lcp;
+  int n;
+  double tol;
+  double M[most][most], q[most]; /* R M C, R q / beta */
+  double unit[most];             /* z_j = unit_j x_j for the scaled z */
+  double weights[most];          /* of the certificate */
+  int capacity;
+  double *list; /* n x capacity */
+  dls_enumeration found;
+} problem;
+
+/* ---- elimination ------------------------------------------------------------------------------ */
+
+static void divide_row(table T, int r, int width, double pivot) {
+  for (int j = 0; j < width; j++)
+    T[r][j] /= pivot;
+}
+
+/* T_rj = 1, T_ij = 0 for the other rows */
+static void pivot(table T, int rows, int width, int r, int j) {
+  divide_row(T, r, width, T[r][j]);
+  T[r][j] = 1;
+  for (int i = 0; i < rows; i++) {
+    const double f = T[i][j];
+    if (i == r || f == 0) continue;
+    for (int l = 0; l < width; l++)
+      T[i][l] -= f * T[r][l];
+    T[i][j] = 0;
+  }
+}
+
+/* Gauss-Jordan on (A | b), complete pivoting: row_of[j] := the row of column j, -1 if it has none.
+ * Returns the rank of A. */
+static int eliminate(table T, int rows, int cols, int *row_of) {
+  int rank = 0, used[most] = {0};
+  double first = 0;
+  for (int j = 0; j < cols; j++)
+    row_of[j] = -1;
+  for (;;) {
+    int r = -1, c = -1;
+    double largest = 0;
+    for (int i = 0; i < rows; i++)
+      for (int j = 0; !used[i] && j < cols; j++)
+        if (row_of[j] < 0 && fabs(T[i][j]) > largest) {
+          largest = fabs(T[i][j]);
+          r = i;
+          c = j;
+        }
+    if (rank == 0) first = largest;
+    if (!(largest > rank_tol * first)) return rank;
+    pivot(T, rows, cols + 1, r, c);
+    row_of[c] = r;
+    used[r] = 1;
+    rank++;
+  }
+}
+
+/* ---- the simplex method on { x >= 0 : C x = q } ---------------------------------------------- */
+
+typedef struct cone {
+  int n;
+  table T;         /* B^-1 (C | q), B the basic columns */
+  int basic[most]; /* column of each row; -1: an artificial variable */
+} cone;
+
+/* Row that leaves for column e, Bland: the least variable among the ties; artificial ones come
+ * first. -1: x_e is unbounded. *step := the new value of x_e. */
+static int leaving_row(const cone *k, int e, double *step) {
+  int row = -1;
+  *step = INFINITY;
+  for (int i = 0; i < k->n; i++) {
+    if (!(k->T[i][e] > zero_tol)) continue;
+    const double ratio = k->T[i][k->n] / k->T[i][e];
+    if (row < 0 || ratio < *step - zero_tol) {
+      row = i;
+      *step = ratio;
+    } else if (ratio <= *step + zero_tol && k->basic[i] < k->basic[row]) {
+      row = i;
+      if (ratio < *step) *step = ratio;
+    }
+  }
+  return row;
+}
+
+static void enter(cone *k, int row, int e) {
+  pivot(k->T, k->n, k->n + 1, row, e);
+  k->basic[row] = e;
+  for (int i = 0; i < k->n; i++) /* a value within rounding of 0 is 0 */
+    if (fabs(k->T[i][k->n]) <= zero_tol) k->T[i][k->n] = 0;
+}
+
+/* (N2): 1 if there is a vertex; then x = T_.n in the basic columns */
+static int find_vertex(cone *k) {
+  const int n = k->n;
+  for (int i = 0; i < n; i++) {
+    k->basic[i] = -1;
+    if (k->T[i][n] < 0) divide_row(k->T, i, n + 1, -1);
+  }
+  double step;
+  for (int e = 0; e < n; e++) { /* least column that lowers the sum of the artificial variables */
+    double gain = 0;
+    for (int i = 0; i < n; i++)
+      if (k->basic[i] < 0) gain += k->T[i][e];
+    if (!(gain > n * zero_tol)) continue;
+    const int row = leaving_row(k, e, &step);
+    if (row < 0) continue;
+    enter(k, row, e);
+    e = -1;
+  }
+  for (int i = 0; i < n; i++)
+    if (k->basic[i] < 0 && k->T[i][n] > 0) return 0;
+  for (int i = 0; i < n;
+       i++) { /* artificial variables at 0: exchanged, or their row is redundant */
+    int e = -1;
+    for (int j = 0; k->basic[i] < 0 && j < n; j++)
+      if (fabs(k->T[i][j]) > zero_tol && (e < 0 || fabs(k->T[i][j]) > fabs(k->T[i][e]))) e = j;
+    if (e >= 0)
+      enter(k, i, e);
+    else if (k->basic[i] < 0)
+      memset(k->T[i], 0, sizeof k->T[i]);
+  }
+  return 1;
+}
+
+static void mark_positive(const cone *k, char *positive) {
+  for (int i = 0; i < k->n; i++)
+    if (k->basic[i] >= 0 && k->T[i][k->n] > 0) positive[k->basic[i]] = 1;
+}
+
+/* (N3) for one j: raises x_j from 0 until it is positive, or cannot be */
+static void try_positive(cone *k, int j, char *positive) {
+  const int n = k->n;
+  while (!positive[j]) {
+    int row = -1, e = -1;
+    for (int i = 0; i < n; i++)
+      if (k->basic[i] == j) row = i;
+    if (row < 0) e = j;
+    for (int l = 0; row >= 0 && e < 0 && l < n; l++) /* x_j = T_rn - sum_l T_rl x_l */
+      if (k->T[row][l] < -zero_tol) e = l;
+    if (e < 0) return;
+    double step;
+    const int leaving = leaving_row(k, e, &step);
+    if (leaving < 0) { /* a ray of P_A */
+      positive[e] = 1;
+      for (int i = 0; i < n; i++)
+        if (k->basic[i] >= 0 && k->T[i][e] < -zero_tol) positive[k->basic[i]] = 1;
+      return;
+    }
+    enter(k, leaving, e);
+    mark_positive(k, positive);
+  }
+}
+
+/* ---- one set A -------------------------------------------------------------------------------- */
+
+/* z (n, scaled) to the list, if it is certified and new. Returns 1 if certified, -1 if the list is full. */
+static int add(problem *p, const double *z) {
+  const int n = p->n;
+  double x[most], y[most], a[most], largest = 0;
+  for (int i = 0; i < n; i++) {
+    x[i] = z[i] > 0 ? p->unit[i] * z[i] : 0;
+    if (z[i] > largest) largest = z[i];
+  }
+  dls_lcp_certificate certificate;
+  dlsi_lcp_multiply(p->lcp, p->lcp->q, x, y, a);
+  dlsi_lcp_measure(p->lcp, x, y, a, p->weights, &certificate);
+  if (!dls_lcp_certificate_holds(&certificate, p->tol)) return 0;
+  for (int l = 0; l < p->found.solutions; l++) {
+    const double *w = p->list + (size_t)l * (size_t)n;
+    int same = 1;
+    for (int i = 0; i < n; i++)
+      if (!(fabs(x[i] - w[i]) / p->unit[i] <= same_tol * largest)) same = 0;
+    if (same) return 1;
+  }
+  if (p->found.solutions == p->capacity) return -1;
+  memcpy(p->list + (size_t)p->found.solutions++ * (size_t)n, x, (size_t)n * sizeof *x);
+  return 1;
+}
+
+/* x_A := M_AA^-1 b_A; the rank of M_AA is returned */
+static int solve(const problem *p, int k, const int *A, const double *b, double *x) {
+  table T;
+  int row_of[most];
+  for (int i = 0; i < k; i++) {
+    for (int j = 0; j < k; j++)
+      T[i][j] = p->M[A[i]][A[j]];
+    T[i][k] = b[A[i]];
+  }
+  const int rank = eliminate(T, k, k, row_of);
+  for (int j = 0; j < k && rank == k; j++)
+    x[A[j]] = T[row_of[j]][k];
+  return rank;
+}
+
+/* (N1): 0 if M_AA is singular. A sign that is wrong by more than rounding rejects z at once. */
+static int regular(problem *p, int k, const int *A, int *outcome) {
+  const int n = p->n;
+  double b[most], z[most] = {0}, correction[most], largest = 0;
+  for (int i = 0; i < n; i++)
+    b[i] = -p->q[i];
+  if (solve(p, k, A, b, z) < k) return 0;
+  *outcome = 0;
+  for (int i = 0; i < k; i++)
+    if (fabs(z[A[i]]) > largest) largest = fabs(z[A[i]]);
+  for (int i = 0; i < k; i++)
+    if (!(z[A[i]] >= -same_tol * largest)) return 1;
+  for (int i = 0; i < n; i++) { /* b := -q - M z = -y */
+    double a = fabs(b[i]);
+    for (int j = 0; j < k; j++) {
+      b[i] -= p->M[i][A[j]] * z[A[j]];
+      a += fabs(p->M[i][A[j]] * z[A[j]]);
+    }
+    if (!(b[i] <= same_tol * a)) return 1;
+  }
+  solve(p, k, A, b, correction);
+  for (int i = 0; i < k; i++)
+    z[A[i]] += correction[A[i]];
+  *outcome = add(p, z);
+  return 1;
+}
+
+/* (N2) .. (N4) */
+static int singular(problem *p, const char *in) {
+  const int n = p->n;
+  cone k = {.n = n};
+  for (int i = 0; i < n; i++) {
+    for (int j = 0; j < n; j++)
+      k.T[i][j] = in[j] ? -p->M[i][j] : i == j;
+    k.T[i][n] = p->q[i];
+  }
+  p->found.singular_bases++;
+  if (!find_vertex(&k)) return 0; /* (N2) */
+  double z[most] = {0};
+  for (int i = 0; i < n; i++)
+    if (k.basic[i] >= 0 && in[k.basic[i]]) z[k.basic[i]] = k.T[i][n];
+  const int outcome = add(p, z);
+  if (outcome <= 0) return outcome;
+
+  char positive[most] = {0};
+  mark_positive(&k, positive);
+  for (int j = 0; j < n; j++)
+    try_positive(&k, j, positive); /* (N3) */
+
+  int J[most], count = 0, row_of[most]; /* (N4) */
+  for (int j = 0; j < n; j++)
+    if (positive[j]) J[count++] = j;
+  table T = {{0}};
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < count; j++)
+      T[i][j] = in[J[j]] ? -p->M[i][J[j]] : i == J[j];
+  if (eliminate(T, n, count, row_of) == count) return 1;
+  p->found.continua++;
+  for (int j = 0; j < count; j++) {
+    int moves = row_of[j] < 0;
+    for (int l = 0; l < count && !moves; l++)
+      moves = row_of[l] < 0 && fabs(T[row_of[j]][l]) > zero_tol;
+    if (moves && in[J[j]]) p->found.undetermined[J[j]] = 1;
+  }
+  return 1;
+}
+
+/* ---- all of them ------------------------------------------------------------------------------ */
+
+static void prepare(problem *p) {
+  const dls_lcp *lcp = p->lcp;
+  const int n = p->n;
+  double rho[most], gamma[most], work[4 * most], beta = 0;
+  int counts[2 * most];
+  dlsi_lcp_weights(lcp, p->weights);
+  dlsi_lcp_equilibrate(lcp, rho, gamma, work, counts);
+  for (int i = 0; i < n; i++) {
+    rho[i] = exp2(round(rho[i]));
+    gamma[i] = exp2(round(gamma[i]));
+    p->q[i] = rho[i] * lcp->q[i];
+    if (fabs(p->q[i]) > beta) beta = fabs(p->q[i]);
+  }
+  if (beta == 0) beta = 1;
+  for (int j = 0; j < n; j++) {
+    for (int i = 0; i < n; i++)
+      p->M[i][j] = rho[i] * lcp->M.a[(size_t)i + (size_t)j * (size_t)lcp->M.ld] * gamma[j];
+    p->q[j] /= beta;
+    p->unit[j] = gamma[j] * beta;
+  }
+}
+
+dls_status dls_lcp_enumerate(const dls_lcp *lcp, double tol, int capacity, double *z,
+                             dls_enumeration *found, dls_error *error) {
+  const dls_status status = dlsi_check_lcp(__func__, lcp, error);
+  if (status) return status;
+  const int n = lcp->n;
+  if (n > most)
+    return dlsi_fail(error, DLS_E_SIZE, __func__, "n", -1, n, "is %d, must be at most %d", n, most);
+  if (!(tol >= 0 && tol <= DBL_MAX))
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "tol", -1, tol, "must be finite and >= 0");
+  if (capacity < 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "capacity", -1, capacity,
+                     "must be at least 1");
+  if (!z) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "z", -1, 0, "is NULL");
+  if (!found) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "found", -1, 0, "is NULL");
+  problem p = {.lcp = lcp, .n = n, .tol = tol, .capacity = capacity, .list = z};
+  prepare(&p);
+  int outcome = 0;
+  for (unsigned long set = 0; set < 1UL << n && outcome >= 0; set++) {
+    char in[most];
+    int A[most], k = 0;
+    for (int i = 0; i < n; i++) {
+      in[i] = set >> i & 1;
+      if (in[i]) A[k++] = i;
+    }
+    if (!regular(&p, k, A, &outcome)) outcome = singular(&p, in);
+  }
+  *found = p.found;
+  return outcome < 0 ? DLS_MAX_ITERATIONS : DLS_OK;
+}

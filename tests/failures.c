@@ -1,0 +1,133 @@
+/* failures.c: the reader of data/failures, line by line. */
+#define _POSIX_C_SOURCE 200809L
+#include "failures.h"
+
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int by_name(const void *a, const void *b) {
+  return strcmp(a, b);
+}
+
+int failures_list(const char *directory, char names[][64], int capacity) {
+  DIR *d = opendir(directory);
+  if (!d) return -1;
+  int count = 0;
+  for (struct dirent *e = readdir(d); e; e = readdir(d)) {
+    const size_t length = strlen(e->d_name);
+    if (length < 5 || length > 67 || strcmp(e->d_name + length - 4, ".txt") != 0) continue;
+    if (count == capacity) break;
+    memcpy(names[count], e->d_name, length - 4);
+    names[count++][length - 4] = 0;
+  }
+  closedir(d);
+  qsort(names, (size_t)count, sizeof names[0], by_name);
+  return count;
+}
+
+/* x[0], x[stride], ... := count numbers, each "1.5e-3" or "p/q"; 1 if there are exactly as many */
+static int numbers(const char *text, int count, int stride, double *x) {
+  for (int i = 0; i < count; i++) {
+    char *end;
+    double v = strtod(text, &end);
+    if (end == text) return 0;
+    text = end;
+    if (*text == '/') {
+      const double below = strtod(text + 1, &end);
+      if (end == text + 1 || below == 0) return 0;
+      v /= below;
+      text = end;
+    }
+    x[i * stride] = v;
+  }
+  return text[strspn(text, " \t\r\n")] == 0;
+}
+
+/* bits of the statuses that are named; 0 if one is unknown */
+static unsigned statuses(const char *text) {
+  static const char *const name[] = {"ok",  "max-iterations", "cancelled", "stalled",
+                                     "ray", "no-solution"};
+  unsigned bits = 0;
+  while (*(text += strspn(text, " \t\r\n"))) {
+    const size_t length = strcspn(text, " \t\r\n");
+    unsigned bit = 0;
+    for (unsigned s = 0; s < 6; s++)
+      if (strlen(name[s]) == length && memcmp(text, name[s], length) == 0) bit = 1u << s;
+    if (!bit) return 0;
+    bits |= bit;
+    text += length;
+  }
+  return bits;
+}
+
+static int add(failure_point *list, int *count, int continuum, int n, const char *text) {
+  if (*count == FAILURE_POINTS) return 0;
+  list[*count].continuum = continuum;
+  return numbers(text, n, 1, list[(*count)++].x);
+}
+
+static int sizes(failure *f, int contact, const char *text) {
+  double v[2] = {0};
+  if (!numbers(text, contact ? 2 : 1, 1, v)) return 0;
+  for (int i = 0; i < 2; i++)
+    if (!(v[i] >= 0 && v[i] <= FAILURE_N)) return 0;
+  f->d = contact ? (int)v[0] : 0;
+  f->nc = contact ? (int)v[1] : 0;
+  f->n = contact ? f->d * f->nc : (int)v[0];
+  return f->n >= 1 && f->n <= FAILURE_N;
+}
+
+/* The matrix is the n lines after its key. */
+static int matrix(FILE *in, failure *f, int *at) {
+  char line[1000];
+  for (int i = 0; i < f->n; i++, ++*at)
+    if (!fgets(line, sizeof line, in) || !numbers(line, f->n, f->n, f->M + i)) return 0;
+  return f->n > 0;
+}
+
+/* One line: key and text; 1 if it is understood. */
+static int take(FILE *in, failure *f, const char *key, const char *text, int *at) {
+  if (!strcmp(key, "title") || !strcmp(key, "shows") || !strcmp(key, "source")) return *text != 0;
+  if (!strcmp(key, "contact") || !strcmp(key, "lcp")) return sizes(f, *key == 'c', text);
+  if (!strcmp(key, "W") || !strcmp(key, "M")) return matrix(in, f, at);
+  if (!strcmp(key, "q")) return numbers(text, f->n, 1, f->q);
+  if (!strcmp(key, "mu")) return f->nc > 0 && numbers(text, f->nc, 1, f->mu);
+  if (!strcmp(key, "none")) return f->none = 1;
+  if (!strcmp(key, "continuum")) return ++f->continua;
+  if (!strcmp(key, "solution")) return add(f->point, &f->points, -1, f->n, text);
+  if (!strcmp(key, "point")) return add(f->point, &f->points, f->continua - 1, f->n, text);
+  if (!strcmp(key, "ray")) return add(f->ray, &f->rays, f->continua - 1, f->n, text);
+  if (!strcmp(key, "lemke")) return (f->lemke = statuses(text)) != 0;
+  if (!strcmp(key, "nlgs")) return (f->nlgs = statuses(text)) != 0;
+  if (!strcmp(key, "principal")) return (f->principal = statuses(text)) != 0;
+  return 0;
+}
+
+int failure_read(const char *directory, const char *name, failure *f, char *why) {
+  char path[300], line[1000], key[16];
+  memset(f, 0, sizeof *f);
+  snprintf(f->name, sizeof f->name, "%s", name);
+  snprintf(path, sizeof path, "%s/%s.txt", directory, name);
+  FILE *in = fopen(path, "r");
+  if (!in) {
+    snprintf(why, 200, "%.150s cannot be opened", path);
+    return 0;
+  }
+  int good = 1, at = 0;
+  while (good && fgets(line, sizeof line, in)) {
+    at++;
+    int end = 0;
+    if (sscanf(line, "%15s%n", key, &end) != 1 || key[0] == '#') continue;
+    good = take(in, f, key, line + end, &at);
+  }
+  if (!good)
+    snprintf(why, 200, "%.150s, line %d is not understood", path, at);
+  else if (f->none ? f->points > 0 : f->points == 0) {
+    snprintf(why, 200, "%.150s: solutions or the word none, one of the two", path);
+    good = 0;
+  }
+  fclose(in);
+  return good;
+}

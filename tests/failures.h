@@ -1,0 +1,35 @@
+/*
+ * failures.h: reads the catalogue of data/failures (the format: data/failures/README.md).
+ */
+#ifndef FAILURES_H
+#define FAILURES_H
+
+#include <stddef.h>
+
+enum { FAILURE_N = 20, FAILURE_POINTS = 32 };
+
+/* A solution (continuum = -1), or a point or a direction of continuum 0, 1, ... */
+typedef struct failure_point {
+  int continuum;
+  double x[FAILURE_N];
+} failure_point;
+
+typedef struct failure {
+  char name[64];                   /* of the file, without .txt */
+  int d, nc;                       /* a contact problem; 0: an LCP */
+  int n;                           /* d nc, or the size of the LCP */
+  double M[FAILURE_N * FAILURE_N]; /* W or M, n x n, column-major */
+  double q[FAILURE_N], mu[FAILURE_N];
+  int none; /* the file says that there is no solution */
+  int points, rays, continua;
+  failure_point point[FAILURE_POINTS], ray[FAILURE_POINTS];
+  unsigned lemke, nlgs, principal; /* bit s: status s may be the answer; 0: nothing is said */
+} failure;
+
+/* names := the problems of the directory, sorted; returns how many, -1 if it cannot be read. */
+int failures_list(const char *directory, char names[][64], int capacity);
+
+/* 1 on success; else why (200) says what is wrong. */
+int failure_read(const char *directory, const char *name, failure *f, char *why);
+
+#endif

@@ -1,0 +1,327 @@
+/*
+ * test_failures.c: what each method answers on each problem of data/failures: never "solved" where
+ * it is not, never for ever, and one of the solutions that the file states where it says "ok".
+ */
+#include <check.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delassus/pivoting.h"
+#include "failures.h"
+
+enum { max_problems = 128, permutations = 1000 };
+
+static failure all[max_problems];
+static int problems;
+
+static void setup(void) {
+  static char names[max_problems][64];
+  char why[200];
+  problems = failures_list(TEST_DATA "/failures", names, max_problems);
+  ck_assert_int_gt(problems, 0);
+  for (int p = 0; p < problems; p++)
+    if (!failure_read(TEST_DATA "/failures", names[p], &all[p], why)) ck_abort_msg("%s", why);
+}
+
+/* ---- the problem as a method takes it -------------------------------------------------------- */
+
+typedef struct instance {
+  const failure *f;
+  dls_lcp lcp;
+  double M[FAILURE_N * FAILURE_N], q[FAILURE_N]; /* of lcp */
+} instance;
+
+static dls_contact contact_of(const failure *f) {
+  return (dls_contact){
+      .d = f->d, .nc = f->nc, .W = {f->n, f->n, f->n, f->M}, .q = f->q, .mu = f->mu};
+}
+
+/* 0 for a contact problem in 3D, which has no LCP */
+static int make(const failure *f, instance *i) {
+  i->f = f;
+  int n = f->n;
+  if (f->d == 3) return 0;
+  if (f->d == 2) {
+    const dls_contact c = contact_of(f);
+    n = dls_contact_lcp_size(&c);
+    ck_assert_int_le(n, FAILURE_N);
+    ck_assert_int_eq(dls_contact_to_lcp(&c, NULL, i->M, n, i->q, NULL), DLS_OK);
+  } else {
+    memcpy(i->M, f->M, sizeof i->M);
+    memcpy(i->q, f->q, sizeof i->q);
+  }
+  i->lcp = (dls_lcp){.n = n, .M = {n, n, n, i->M}, .q = i->q};
+  return 1;
+}
+
+/* x := what the file speaks of (r or z) from the z of the LCP */
+static void as_stated(const instance *i, const double *z, double *x) {
+  if (i->f->d == 2) {
+    const dls_contact c = contact_of(i->f);
+    ck_assert_int_eq(dls_contact_from_lcp(&c, NULL, z, x, NULL), DLS_OK);
+  } else
+    memcpy(x, z, (size_t)i->f->n * sizeof *x);
+}
+
+static double residual_of(const failure *f, const double *x) {
+  if (f->d) {
+    dls_certificate c;
+    const dls_contact problem = contact_of(f);
+    ck_assert_int_eq(dls_contact_certify(&problem, x, NULL, &c, NULL), DLS_OK);
+    return dls_certificate_holds(&c, 1e-12) ? 0 : c.residual;
+  }
+  dls_lcp_certificate c;
+  const dls_lcp problem = {.n = f->n, .M = {f->n, f->n, f->n, f->M}, .q = f->q};
+  ck_assert_int_eq(dls_lcp_certify(&problem, x, NULL, &c, NULL), DLS_OK);
+  return dls_lcp_certificate_holds(&c, 1e-12) ? 0 : c.residual;
+}
+
+/* 1 if x is point p of the file within 1e-8 |x|; the worst condition number there is 4e6 */
+static int is_point(const failure *f, int p, const double *x) {
+  double difference = 0, size = 0;
+  for (int i = 0; i < f->n; i++) {
+    difference = fmax(difference, fabs(x[i] - f->point[p].x[i]));
+    size = fmax(size, fabs(f->point[p].x[i]));
+  }
+  return difference <= 1e-8 * size;
+}
+
+static int is_stated(const failure *f, const double *x) {
+  for (int p = 0; p < f->points; p++)
+    if (is_point(f, p, x)) return 1;
+  return 0;
+}
+
+/* ---- (a) the solutions are solutions --------------------------------------------------------- */
+
+START_TEST(stated_solutions_are_solutions) {
+  for (int p = 0; p < problems; p++) {
+    const failure *f = &all[p];
+    for (int s = 0; s < f->points; s++) {
+      ck_assert_msg(residual_of(f, f->point[s].x) == 0, "%s, point %d: residual %.2e", f->name, s,
+                    residual_of(f, f->point[s].x));
+      for (int t = 0; t < s; t++) /* a continuum is convex */
+        if (f->point[s].continuum >= 0 && f->point[s].continuum == f->point[t].continuum) {
+          double x[FAILURE_N];
+          for (int i = 0; i < f->n; i++)
+            x[i] = 0.25 * f->point[s].x[i] + 0.75 * f->point[t].x[i];
+          ck_assert_msg(residual_of(f, x) == 0, "%s, between %d and %d", f->name, s, t);
+        }
+      for (int t = 0; t < f->rays; t++)
+        if (f->point[s].continuum == f->ray[t].continuum) {
+          double x[FAILURE_N];
+          for (int i = 0; i < f->n; i++)
+            x[i] = f->point[s].x[i] + 10 * f->ray[t].x[i];
+          ck_assert_msg(residual_of(f, x) == 0, "%s, point %d, ray %d", f->name, s, t);
+        }
+    }
+  }
+}
+END_TEST
+
+/* ---- (b) enumeration finds exactly them ------------------------------------------------------ */
+
+/* 1 if the form c.x varies in some continuum of the file */
+static int varies(const failure *f, int i, double ci, int j, double cj) {
+  for (int s = 0; s < f->points; s++)
+    for (int t = 0; t < s; t++)
+      if (f->point[s].continuum >= 0 && f->point[s].continuum == f->point[t].continuum)
+        if (ci * (f->point[s].x[i] - f->point[t].x[i]) +
+                cj * (f->point[s].x[j] - f->point[t].x[j]) !=
+            0)
+          return 1;
+  for (int t = 0; t < f->rays; t++)
+    if (ci * f->ray[t].x[i] + cj * f->ray[t].x[j] != 0) return 1;
+  return 0;
+}
+
+START_TEST(enumeration_finds_exactly_the_stated_solutions) {
+  static double list[64 * FAILURE_N];
+  for (int p = 0; p < problems; p++) {
+    const failure *f = &all[p];
+    instance it;
+    if (!make(f, &it)) continue;
+    const int n = it.lcp.n;
+    dls_enumeration found;
+    ck_assert_int_eq(dls_lcp_enumerate(&it.lcp, 1e-12, 64, list, &found, NULL), DLS_OK);
+    int met[FAILURE_POINTS] = {0};
+    for (int k = 0; k < found.solutions; k++) {
+      double x[FAILURE_N];
+      as_stated(&it, list + k * n, x);
+      ck_assert_msg(is_stated(f, x), "%s: solution %d of the enumeration is not stated", f->name,
+                    k);
+      for (int s = 0; s < f->points; s++)
+        met[s] |= is_point(f, s, x);
+    }
+    int continua_met[FAILURE_POINTS] = {0};
+    for (int s = 0; s < f->points; s++) {
+      if (f->point[s].continuum < 0)
+        ck_assert_msg(met[s], "%s: solution %d not found", f->name, s);
+      else
+        continua_met[f->point[s].continuum] |= met[s];
+    }
+    for (int c = 0; c < f->continua; c++)
+      ck_assert_msg(continua_met[c], "%s: no point of continuum %d found", f->name, c);
+    /* what is not determined: z, or r_n and phi_2 = mu r_n + r_t of each candidate */
+    if (!f->d)
+      for (int i = 0; i < n; i++)
+        ck_assert_msg(found.undetermined[i] == varies(f, i, 1, i, 0), "%s: z[%d]", f->name, i);
+    for (int c = 0, k = 0; c<f->nc; k += f->mu[c++]> 0 ? 3 : 1) {
+      ck_assert_msg(found.undetermined[k] == varies(f, 2 * c, 1, 2 * c, 0), "%s: r_n of %d",
+                    f->name, c);
+      if (f->mu[c] > 0)
+        ck_assert_msg(found.undetermined[k + 1] == varies(f, 2 * c, f->mu[c], 2 * c + 1, 1),
+                      "%s: phi_2 of %d", f->name, c);
+    }
+  }
+}
+END_TEST
+
+/* ---- (c), (e), (f) the pivoting methods, in any order of the unknowns ------------------------ */
+
+static uint64_t state;
+
+static int below(int n) {
+  state = state * 6364136223846793005u + 1442695040888963407u;
+  return (int)((state >> 33) % (uint64_t)n);
+}
+
+/* order := a random permutation; out := the LCP with unknowns in that order */
+static void permute(const instance *it, int *order, double *M, double *q, dls_lcp *out) {
+  const int n = it->lcp.n;
+  for (int i = 0; i < n; i++)
+    order[i] = i;
+  for (int i = n - 1; i > 0; i--) {
+    const int j = below(i + 1), k = order[i];
+    order[i] = order[j];
+    order[j] = k;
+  }
+  for (int j = 0; j < n; j++) {
+    for (int i = 0; i < n; i++)
+      M[i + j * n] = it->M[order[i] + order[j] * n];
+    q[j] = it->q[order[j]];
+  }
+  *out = (dls_lcp){.n = n, .M = {n, n, n, M}, .q = q};
+}
+
+typedef struct method {
+  const char *name;
+  void *workspace;
+  dls_status (*solve)(void *workspace, const dls_lcp *lcp, double *z);
+} method;
+
+static dls_status lemke(void *workspace, const dls_lcp *lcp, double *z) {
+  return dls_lemke_solve(workspace, lcp, z, NULL, NULL, NULL);
+}
+
+static dls_status principal(void *workspace, const dls_lcp *lcp, double *z) {
+  return dls_principal_solve(workspace, lcp, z, NULL, NULL, NULL);
+}
+
+/* z answers an instance: status is one of `allowed`, and if it is DLS_OK, z is a stated solution */
+static void judge(const char *name, const instance *it, unsigned allowed, dls_status status,
+                  const double *z) {
+  const failure *f = it->f;
+  ck_assert_msg(status >= 0 && (allowed >> status & 1), "%s, %s: %s", f->name, name,
+                dls_status_name(status));
+  if (status != DLS_OK) return;
+  double x[FAILURE_N];
+  dls_lcp_certificate c;
+  ck_assert_int_eq(dls_lcp_certify(&it->lcp, z, NULL, &c, NULL), DLS_OK);
+  ck_assert_msg(dls_lcp_certificate_holds(&c, 1e-12), "%s, %s: residual %.2e, floor %.2e", f->name,
+                name, c.residual, c.floor);
+  as_stated(it, z, x);
+  ck_assert_msg(is_stated(f, x), "%s, %s: a solution that is not stated", f->name, name);
+}
+
+static void try_orders(const method *m, const instance *it, unsigned allowed) {
+  double z[FAILURE_N], M[FAILURE_N * FAILURE_N], q[FAILURE_N], w[FAILURE_N];
+  int order[FAILURE_N];
+  judge(m->name, it, allowed, m->solve(m->workspace, &it->lcp, z), z);
+  for (int k = 0; k < permutations; k++) {
+    dls_lcp permuted;
+    permute(it, order, M, q, &permuted);
+    const dls_status status = m->solve(m->workspace, &permuted, w);
+    for (int i = 0; i < it->lcp.n; i++)
+      z[order[i]] = w[i];
+    judge(m->name, it, allowed, status, z);
+  }
+}
+
+START_TEST(lemke_in_any_order) {
+  dls_lemke_settings settings;
+  dls_lemke_settings_init(&settings);
+  dls_lemke *workspace;
+  ck_assert_int_eq(dls_lemke_create(&workspace, FAILURE_N, &settings, NULL), DLS_OK);
+  const method m = {"lemke", workspace, lemke};
+  for (int p = 0; p < problems; p++) {
+    instance it;
+    if (!make(&all[p], &it)) continue;
+    ck_assert_msg(all[p].lemke, "%s says nothing of Lemke's method", all[p].name);
+    try_orders(&m, &it, all[p].lemke);
+  }
+  dls_lemke_destroy(workspace);
+}
+END_TEST
+
+START_TEST(principal_pivoting_in_any_order) {
+  dls_principal_settings settings;
+  dls_principal_settings_init(&settings);
+  int tried = 0;
+  for (settings.block_steps = 0; settings.block_steps <= 10; settings.block_steps += 10) {
+    dls_principal *workspace;
+    ck_assert_int_eq(dls_principal_create(&workspace, FAILURE_N, &settings, NULL), DLS_OK);
+    const method m = {settings.block_steps ? "block pivots" : "single pivots", workspace,
+                      principal};
+    for (int p = 0; p < problems; p++) {
+      instance it;
+      if (!all[p].principal) continue;
+      ck_assert(make(&all[p], &it));
+      /* 2^n exchanges one by one take too long */
+      if (settings.block_steps || it.lcp.n <= 6) try_orders(&m, &it, all[p].principal);
+      tried++;
+    }
+    dls_principal_destroy(workspace);
+  }
+  ck_assert_int_ge(tried, 20);
+}
+END_TEST
+
+/* Where M is no P-matrix the method may fail, but it must not lie. */
+START_TEST(principal_pivoting_is_honest_elsewhere) {
+  const unsigned any = 1u << DLS_OK | 1u << DLS_MAX_ITERATIONS | 1u << DLS_STALLED;
+  dls_principal_settings settings;
+  dls_principal_settings_init(&settings);
+  dls_principal *workspace;
+  ck_assert_int_eq(dls_principal_create(&workspace, FAILURE_N, &settings, NULL), DLS_OK);
+  for (int p = 0; p < problems; p++) {
+    instance it;
+    double z[FAILURE_N];
+    if (all[p].principal || !make(&all[p], &it)) continue;
+    const unsigned allowed = all[p].none ? any & ~(1u << DLS_OK) : any;
+    judge("block pivots", &it, allowed, principal(workspace, &it.lcp, z), z);
+  }
+  dls_principal_destroy(workspace);
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("failures");
+  TCase *tc = tcase_create("catalogue");
+  tcase_set_timeout(tc, 60);
+  tcase_add_checked_fixture(tc, setup, NULL);
+  tcase_add_test(tc, stated_solutions_are_solutions);
+  tcase_add_test(tc, enumeration_finds_exactly_the_stated_solutions);
+  tcase_add_test(tc, lemke_in_any_order);
+  tcase_add_test(tc, principal_pivoting_in_any_order);
+  tcase_add_test(tc, principal_pivoting_is_honest_elsewhere);
+  suite_add_tcase(suite, tc);
+  SRunner *runner = srunner_create(suite);
+  srunner_run_all(runner, CK_ENV);
+  const int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed != 0;
+}

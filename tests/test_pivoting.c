@@ -1,0 +1,610 @@
+/* test_pivoting.c: block principal pivoting and the enumeration of all solutions. */
+#include <check.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delassus/pivoting.h"
+#include "malloc_fails.h"
+
+/* ---- problems -------------------------------------------------------------------------------- */
+
+static uint64_t state = 1;
+
+static double uniform(void) { /* in (-1, 1) */
+  state = state * 6364136223846793005u + 1442695040888963407u;
+  return (double)(state >> 11) / 4503599627370496.0 - 1;
+}
+
+static dls_lcp lcp_of(int n, const double *M, const double *q) {
+  return (dls_lcp){.n = n, .M = {n, n, n, M}, .q = q};
+}
+
+/* M := B B^T / n + I / 10 (+ a skew part), q in (-1, 1): positive definite, so a P-matrix */
+static void fill(int n, double skew, double *M, double *q) {
+  double *B = malloc((size_t)(n * n) * sizeof *B);
+  ck_assert_ptr_nonnull(B);
+  for (int k = 0; k < n * n; k++)
+    B[k] = uniform();
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i <= j; i++) {
+      double sum = i == j ? 0.1 : 0;
+      for (int k = 0; k < n; k++)
+        sum += B[i + n * k] * B[j + n * k] / n;
+      const double s = i == j ? 0 : skew * uniform();
+      M[i + n * j] = sum + s;
+      M[j + n * i] = sum - s;
+    }
+  for (int i = 0; i < n; i++)
+    q[i] = uniform();
+  free(B);
+}
+
+/* Murty: 1 on the diagonal, 2 above, q_i = -(2^i + ... + 2^n); z = (0, ..., 0, 2^n) */
+static void murty(int n, double *M, double *q) {
+  for (int j = 0; j < n; j++) {
+    for (int i = 0; i < n; i++)
+      M[i + n * j] = i == j ? 1 : i < j ? 2 : 0;
+    q[j] = 0;
+    for (int k = j + 1; k <= n; k++)
+      q[j] -= ldexp(1, k);
+  }
+}
+
+static dls_principal *workspace(int n, const dls_principal_settings *settings) {
+  dls_principal_settings s;
+  dls_principal_settings_init(&s);
+  dls_principal *w;
+  ck_assert_int_eq(dls_principal_create(&w, n, settings ? settings : &s, NULL), DLS_OK);
+  return w;
+}
+
+static dls_principal_info solve(const dls_lcp *lcp, const dls_principal_settings *settings,
+                                double *z, double *y) {
+  dls_principal *w = workspace(lcp->n, settings);
+  dls_principal_info info;
+  const dls_status status = dls_principal_solve(w, lcp, z, y, &info, NULL);
+  ck_assert_int_eq(status, info.status);
+  dls_principal_destroy(w);
+  return info;
+}
+
+/* ---- block principal pivoting ---------------------------------------------------------------- */
+
+START_TEST(solves_by_hand) {
+  const double M[4] = {2, 1, 1, 2};
+  const struct {
+    double q[2], z[2];
+    int factorizations;
+  } spd[] = {
+      {{-5, -6}, {4.0 / 3, 7.0 / 3}, 1}, /* both at once */
+      {{1, -1}, {0, 0.5}, 1},
+      {{-1, 0.25}, {0.5, 0}, 1},
+      {{-4, -1}, {2, 0}, 2}, /* both, then z_1 = -2/3 leaves */
+      {{1, 0}, {0, 0}, 0},
+      {{0, 0}, {0, 0}, 0},
+  };
+  for (size_t k = 0; k < sizeof spd / sizeof spd[0]; k++) {
+    double z[2], y[2];
+    const dls_lcp lcp = lcp_of(2, M, spd[k].q);
+    const dls_principal_info info = solve(&lcp, NULL, z, y);
+    ck_assert_int_eq(info.status, DLS_OK);
+    ck_assert_int_eq(info.factorizations, spd[k].factorizations);
+    for (int i = 0; i < 2; i++) {
+      ck_assert_double_eq_tol(z[i], spd[k].z[i], 1e-15);
+      ck_assert_double_eq_tol(y[i], spd[k].q[i] + M[i] * spd[k].z[0] + M[i + 2] * spd[k].z[1],
+                              4e-15);
+    }
+  }
+  const double N[4] = {1, 2, -1, 1}, q[2] = {-1, -1}; /* y = (z_0 - z_1 - 1, 2 z_0 + z_1 - 1) */
+  double z[2];
+  const dls_lcp lcp = lcp_of(2, N, q);
+  ck_assert_int_eq(solve(&lcp, NULL, z, NULL).status, DLS_OK);
+  ck_assert(z[0] == 1 && z[1] == 0);
+}
+END_TEST
+
+START_TEST(agrees_with_enumeration) {
+  enum { n = 8 };
+  for (int trial = 0; trial < 200; trial++) {
+    double M[n * n], q[n], z[n], list[n * 4];
+    fill(n, trial % 2 ? 1 : 0, M, q);
+    const dls_lcp lcp = lcp_of(n, M, q);
+    dls_enumeration found;
+    ck_assert_int_eq(dls_lcp_enumerate(&lcp, 1e-12, 4, list, &found, NULL), DLS_OK);
+    ck_assert_int_eq(found.solutions, 1);
+    ck_assert_int_eq(found.singular_bases, 0);
+    ck_assert_int_eq(solve(&lcp, NULL, z, NULL).status, DLS_OK);
+    for (int i = 0; i < n; i++)
+      ck_assert_double_eq_tol(z[i], list[i], 1e-12);
+  }
+}
+END_TEST
+
+START_TEST(needs_few_factorisations) {
+  enum { n = 150 };
+  static double M[n * n], q[n], z[n], y[n];
+  for (int trial = 0; trial < 6; trial++) {
+    fill(n, trial % 2 ? 0.1 : 0, M, q);
+    const dls_lcp lcp = lcp_of(n, M, q);
+    const dls_principal_info info = solve(&lcp, NULL, z, y);
+    ck_assert_int_eq(info.status, DLS_OK);
+    ck_assert_int_eq(info.single_exchanges, 0);
+    ck_assert_int_le(info.factorizations, 10);
+    ck_assert_double_le(info.certificate.residual, 1e-13);
+    double residual = 0; /* independently */
+    for (int i = 0; i < n; i++) {
+      double s = q[i];
+      for (int j = 0; j < n; j++)
+        s += M[i + n * j] * z[j];
+      ck_assert_double_eq_tol(y[i], s, 1e-13);
+      ck_assert_double_ge(z[i], 0);
+      residual = fmax(residual, fabs(fmin(z[i], s)));
+    }
+    ck_assert_double_le(residual, 1e-13);
+  }
+}
+END_TEST
+
+START_TEST(single_exchanges_end_where_block_exchanges_cycle) {
+  const double unsymmetric[9] = {1, 0, 3, 3, 2, 1, -3, -1, 1}, p[3] = {1, 2, -4};
+  const double symmetric[9] = {6, -3, 5, -3, 2, -2, 5, -2, 5}, q[3] = {4, -3, 1};
+  const double answer[2][3] = {{1.1, 0, 0.7}, {0, 13.0 / 6, 2.0 / 3}};
+  for (int k = 0; k < 2; k++) {
+    const dls_lcp lcp = k ? lcp_of(3, symmetric, q) : lcp_of(3, unsymmetric, p);
+    dls_principal_settings settings;
+    dls_principal_settings_init(&settings);
+    settings.block_steps = 1000000;
+    settings.max_iterations = 1000;
+    double z[3];
+    dls_principal_info info = solve(&lcp, &settings, z, NULL);
+    ck_assert_int_eq(info.status, DLS_MAX_ITERATIONS);
+    ck_assert_int_eq(info.iterations, 1000);
+    ck_assert_int_eq(info.single_exchanges, 0);
+    ck_assert_double_gt(info.certificate.residual, 0.01);
+
+    info = solve(&lcp, NULL, z, NULL);
+    ck_assert_int_eq(info.status, DLS_OK);
+    ck_assert_int_ge(info.single_exchanges, 1);
+    ck_assert_int_le(info.iterations, 20);
+    for (int i = 0; i < 3; i++)
+      ck_assert_double_eq_tol(z[i], answer[k][i], 1e-14);
+  }
+}
+END_TEST
+
+START_TEST(murty_family) {
+  double M[100], q[10], z[10];
+  for (int n = 2; n <= 10; n++) {
+    murty(n, M, q);
+    const dls_lcp lcp = lcp_of(n, M, q);
+    dls_principal_settings settings;
+    dls_principal_settings_init(&settings);
+    ck_assert_int_eq(solve(&lcp, &settings, z, NULL).iterations, n);
+    ck_assert(z[n - 1] == ldexp(1, n) && z[0] == 0);
+    settings.block_steps = 0;
+    const dls_principal_info info = solve(&lcp, &settings, z, NULL);
+    ck_assert_int_eq(info.status, DLS_OK);
+    ck_assert_int_eq(info.iterations, (1 << n) - 1);
+    ck_assert_int_eq(info.single_exchanges, info.iterations);
+    ck_assert(z[n - 1] == ldexp(1, n) && z[0] == 0);
+  }
+}
+END_TEST
+
+START_TEST(warm_start_gives_the_cold_answer) {
+  enum { n = 40 };
+  double M[n * n], q[n], cold[n], z[n];
+  fill(n, 0, M, q);
+  const dls_lcp lcp = lcp_of(n, M, q);
+  dls_principal_settings settings;
+  dls_principal_settings_init(&settings);
+  ck_assert_int_eq(solve(&lcp, &settings, cold, NULL).status, DLS_OK);
+  settings.warm_start = 1;
+  memcpy(z, cold, sizeof z);
+  dls_principal_info info = solve(&lcp, &settings, z, NULL);
+  ck_assert_int_eq(info.status, DLS_OK);
+  ck_assert_int_eq(info.iterations, 0);
+  ck_assert_int_eq(info.factorizations, 1);
+  ck_assert_mem_eq(z, cold, sizeof z);
+  for (int i = 0; i < n; i++)
+    z[i] = uniform();
+  info = solve(&lcp, &settings, z, NULL);
+  ck_assert_int_eq(info.status, DLS_OK);
+  for (int i = 0; i < n; i++)
+    ck_assert_double_eq_tol(z[i], cold[i], 1e-12);
+}
+END_TEST
+
+START_TEST(units_do_not_matter) {
+  enum { n = 30 };
+  static double M[n * n], q[n], z[n], N[n * n], p[n], x[n];
+  for (int k = 0; k < 2; k++) {
+    fill(n, k ? 0.5 : 0, M, q);
+    const dls_lcp lcp = lcp_of(n, M, q);
+    const dls_principal_info info = solve(&lcp, NULL, z, NULL);
+    ck_assert_int_eq(info.status, DLS_OK);
+    const double factor[] = {1e-9, 1e-3, 1e3, 1e9};
+    for (int f = 0; f < 4; f++)
+      for (int l = 0; l < 4; l++) { /* z -> force z, y -> length y */
+        const double force = factor[f], length = factor[l];
+        for (int i = 0; i < n * n; i++)
+          N[i] = M[i] * (length / force);
+        for (int i = 0; i < n; i++)
+          p[i] = q[i] * length;
+        const dls_lcp scaled = lcp_of(n, N, p);
+        const dls_principal_info other = solve(&scaled, NULL, x, NULL);
+        ck_assert_int_eq(other.status, DLS_OK);
+        ck_assert_int_eq(other.iterations, info.iterations);
+        ck_assert_int_eq(other.factorizations, info.factorizations);
+        for (int i = 0; i < n; i++)
+          ck_assert_double_eq_tol(x[i] / force, z[i], 1e-12);
+      }
+  }
+}
+END_TEST
+
+START_TEST(same_bits_twice) {
+  enum { n = 50 };
+  static double M[n * n], q[n], z[n], x[n];
+  fill(n, 0.1, M, q);
+  const dls_lcp lcp = lcp_of(n, M, q);
+  dls_principal *w = workspace(n + 7, NULL);
+  ck_assert_int_eq(dls_principal_solve(w, &lcp, z, NULL, NULL, NULL), DLS_OK);
+  const double small[1] = {2}, one[1] = {-1}; /* another problem in between */
+  const dls_lcp other = lcp_of(1, small, one);
+  ck_assert_int_eq(dls_principal_solve(w, &other, x, NULL, NULL, NULL), DLS_OK);
+  ck_assert(x[0] == 0.5);
+  malloc_fails_at(0);
+  const dls_status status = dls_principal_solve(w, &lcp, x, NULL, NULL, NULL);
+  const long calls = malloc_calls();
+  ck_assert_int_eq(status, DLS_OK);
+  ck_assert_int_eq(calls, 0);
+  ck_assert_mem_eq(z, x, sizeof z);
+  dls_principal_destroy(w);
+}
+END_TEST
+
+START_TEST(leading_dimension_and_indices_outside) {
+  double M[2 * 5] = {2, 1, NAN, NAN, NAN, 1, 2, NAN, NAN, NAN}, q[2] = {-5, -6}, z[2], list[4];
+  const dls_lcp lcp = {.n = 2, .M = {2, 2, 5, M}, .q = q};
+  dls_enumeration found;
+  ck_assert_int_eq(solve(&lcp, NULL, z, NULL).status, DLS_OK);
+  ck_assert_int_eq(dls_lcp_enumerate(&lcp, 0, 2, list, &found, NULL), DLS_OK);
+  ck_assert_int_eq(found.solutions, 1);
+  for (int i = 0; i < 2; i++) {
+    ck_assert_double_eq_tol(z[i], (4.0 + 3 * i) / 3, 1e-15);
+    ck_assert_double_eq_tol(list[i], (4.0 + 3 * i) / 3, 1e-15);
+  }
+}
+END_TEST
+
+START_TEST(matrices_that_are_no_p_matrices) {
+  const double ones[4] = {1, 1, 1, 1}, minus[2] = {-1, -1};
+  double z[2], y[2];
+  dls_lcp lcp = lcp_of(2, ones, minus);
+  dls_principal_info info = solve(&lcp, NULL, z, y); /* block step to a singular basis */
+  ck_assert_int_eq(info.status, DLS_STALLED);
+  ck_assert_int_eq(info.factorizations, 1);
+  ck_assert(z[0] == 0 && z[1] == 0 && y[0] == -1);
+  ck_assert_double_eq_tol(info.certificate.residual, 1, 1e-15);
+
+  const double negative[1] = {-1}; /* y = -z - 1: no solution; the two bases alternate */
+  lcp = lcp_of(1, negative, minus);
+  info = solve(&lcp, NULL, z, NULL);
+  ck_assert_int_eq(info.status, DLS_MAX_ITERATIONS);
+  ck_assert_int_eq(info.iterations, 1010);
+
+  const double indefinite[4] = {1, 2, 2, 1}, q[2] = {-3, -3}; /* Cholesky fails, LU goes on */
+  lcp = lcp_of(2, indefinite, q);
+  info = solve(&lcp, NULL, z, NULL);
+  ck_assert_int_eq(info.status, DLS_OK);
+  ck_assert_double_eq_tol(z[0], 1, 1e-15);
+  ck_assert_double_eq_tol(z[1], 1, 1e-15);
+}
+END_TEST
+
+static int stop_at(void *data, const dls_progress *p) {
+  int *calls = data;
+  ck_assert_str_eq(p->method, "principal");
+  ck_assert_int_eq(p->iteration, *calls);
+  ck_assert_int_eq(p->max_iterations, 77);
+  ck_assert_double_gt(p->residual, 0);
+  return ++*calls == 3;
+}
+
+START_TEST(progress_can_cancel) {
+  double M[64], q[8], z[8];
+  murty(8, M, q);
+  const dls_lcp lcp = lcp_of(8, M, q);
+  int calls = 0;
+  dls_principal_settings settings;
+  dls_principal_settings_init(&settings);
+  settings.max_iterations = 77;
+  settings.progress = stop_at;
+  settings.progress_data = &calls;
+  const dls_principal_info info = solve(&lcp, &settings, z, NULL);
+  ck_assert_int_eq(info.status, DLS_CANCELLED);
+  ck_assert_int_eq(info.iterations, 2);
+  ck_assert_int_eq(calls, 3);
+  dls_lcp_certificate c;
+  ck_assert_int_eq(dls_lcp_certify(&lcp, z, NULL, &c, NULL), DLS_OK);
+  ck_assert(c.residual == info.certificate.residual);
+}
+END_TEST
+
+/* ---- enumeration ----------------------------------------------------------------------------- */
+
+START_TEST(enumerates_by_hand) {
+  double z[64];
+  dls_enumeration found;
+  const struct {
+    double M, q;
+    int solutions, singular, continua;
+  } one[] = {
+      {1, -2, 1, 0, 0}, {1, 2, 1, 0, 0},  {-1, 2, 2, 0, 0}, {-1, -2, 0, 0, 0},
+      {0, 2, 1, 1, 0},  {0, -2, 0, 1, 0}, {0, 0, 1, 1, 1},
+  };
+  for (size_t k = 0; k < sizeof one / sizeof one[0]; k++) {
+    const dls_lcp lcp = lcp_of(1, &one[k].M, &one[k].q);
+    ck_assert_int_eq(dls_lcp_enumerate(&lcp, 1e-12, 9, z, &found, NULL), DLS_OK);
+    ck_assert_int_eq(found.solutions, one[k].solutions);
+    ck_assert_int_eq(found.singular_bases, one[k].singular);
+    ck_assert_int_eq(found.continua, one[k].continua);
+    ck_assert_int_eq(found.undetermined[0], one[k].continua);
+  }
+  /* z_0 + z_1 = 1 with z_2 = 2 fixed: a segment */
+  const double M[9] = {1, 1, 0, 1, 1, 0, 0, 0, 1}, q[3] = {-1, -1, -2};
+  const dls_lcp lcp = lcp_of(3, M, q);
+  ck_assert_int_eq(dls_lcp_enumerate(&lcp, 1e-12, 9, z, &found, NULL), DLS_OK);
+  ck_assert_int_eq(found.solutions, 2);
+  ck_assert_int_eq(found.singular_bases, 2);
+  ck_assert_int_eq(found.continua, 1);
+  ck_assert(found.undetermined[0] && found.undetermined[1] && !found.undetermined[2]);
+  for (int k = 0; k < 2; k++) {
+    ck_assert_double_eq_tol(z[3 * k] + z[3 * k + 1], 1, 1e-15);
+    ck_assert_double_eq_tol(z[3 * k + 2], 2, 1e-15);
+  }
+}
+END_TEST
+
+START_TEST(all_of_many_solutions_and_a_full_list) {
+  enum { n = 8 };
+  static double M[n * n], q[n], z[n << n];
+  for (int i = 0; i < n; i++) { /* M = -I, q = 1: every 0-1 vector */
+    M[i + n * i] = -1;
+    q[i] = 1;
+  }
+  const dls_lcp lcp = lcp_of(n, M, q);
+  dls_enumeration found;
+  malloc_fails_at(0);
+  const dls_status status = dls_lcp_enumerate(&lcp, 0, 1 << n, z, &found, NULL);
+  const long calls = malloc_calls();
+  ck_assert_int_eq(status, DLS_OK);
+  ck_assert_int_eq(calls, 0);
+  ck_assert_int_eq(found.solutions, 1 << n);
+  for (int k = 0; k < 1 << n; k++)
+    for (int i = 0; i < n; i++)
+      ck_assert(z[i + n * k] == (k >> i & 1));
+  z[10 * n] = 99;
+  ck_assert_int_eq(dls_lcp_enumerate(&lcp, 0, 10, z, &found, NULL), DLS_MAX_ITERATIONS);
+  ck_assert_int_eq(found.solutions, 10);
+  ck_assert(z[10 * n] == 99);
+}
+END_TEST
+
+START_TEST(enumeration_does_not_see_units) {
+  enum { n = 6 };
+  double M[n * n], q[n], N[n * n], p[n], z[n * 64], x[n * 64];
+  for (int trial = 0; trial < 20; trial++) {
+    for (int i = 0; i < n * n; i++)
+      M[i] = uniform();
+    for (int i = 0; i < n; i++) {
+      q[i] = uniform();
+      if (trial % 2) M[i + n * (n - 1)] = M[i]; /* rank n - 1 */
+    }
+    dls_lcp lcp = lcp_of(n, M, q);
+    dls_enumeration found, other;
+    ck_assert_int_eq(dls_lcp_enumerate(&lcp, 1e-12, 64, z, &found, NULL), DLS_OK);
+    for (int k = 0; k < 4; k++) {
+      const double force = k % 2 ? 1e-9 : 1e9, length = k / 2 ? 1e-9 : 1e9;
+      for (int i = 0; i < n * n; i++)
+        N[i] = M[i] * (length / force);
+      for (int i = 0; i < n; i++)
+        p[i] = q[i] * length;
+      lcp = lcp_of(n, N, p);
+      ck_assert_int_eq(dls_lcp_enumerate(&lcp, 1e-12, 64, x, &other, NULL), DLS_OK);
+      ck_assert_mem_eq(&other, &found, sizeof found);
+      for (int i = 0; i < n * found.solutions; i++)
+        ck_assert(fabs(x[i] / force - z[i]) <= 1e-9 * fabs(z[i]));
+    }
+  }
+}
+END_TEST
+
+/* ---- bad input ------------------------------------------------------------------------------- */
+
+static void refused(dls_status status, const dls_error *e, dls_status expected,
+                    const char *function, const char *argument, long long index) {
+  ck_assert_int_eq(status, expected);
+  ck_assert_int_eq(e->status, expected);
+  ck_assert_str_eq(e->function, function);
+  ck_assert_str_eq(e->argument, argument);
+  ck_assert_int_eq(e->index, index);
+}
+
+START_TEST(create_refuses) {
+  dls_error e;
+  dls_principal_settings good, s;
+  dls_principal_settings_init(NULL);
+  dls_principal_settings_init(&good);
+  dls_principal *w;
+  const char *const f = "dls_principal_create";
+#define REFUSED(status, argument)                                                                  \
+  do {                                                                                             \
+    w = (dls_principal *)&e;                                                                       \
+    refused(dls_principal_create(&w, 3, &s, &e), &e, status, f, argument, -1);                     \
+    ck_assert_ptr_null(w);                                                                         \
+    ck_assert_int_eq(dls_principal_create(&w, 3, &s, NULL), status);                               \
+    s = good;                                                                                      \
+  } while (0)
+  refused(dls_principal_create(NULL, 3, &good, &e), &e, DLS_E_ARGUMENT, f, "out", -1);
+  w = (dls_principal *)&e;
+  refused(dls_principal_create(&w, 0, &good, &e), &e, DLS_E_SIZE, f, "n", -1);
+  ck_assert_ptr_null(w);
+  refused(dls_principal_create(&w, 3, NULL, &e), &e, DLS_E_ARGUMENT, f, "settings", -1);
+  memset(&s, 0, sizeof s);
+  REFUSED(DLS_E_SETTINGS, "settings");
+  s.tol = -1;
+  REFUSED(DLS_E_ARGUMENT, "settings.tol");
+  s.tol = NAN;
+  REFUSED(DLS_E_ARGUMENT, "settings.tol");
+  s.tol = INFINITY;
+  REFUSED(DLS_E_ARGUMENT, "settings.tol");
+  s.max_iterations = -1;
+  REFUSED(DLS_E_ARGUMENT, "settings.max_iterations");
+  s.block_steps = -1;
+  REFUSED(DLS_E_ARGUMENT, "settings.block_steps");
+  s.warm_start = 2;
+  REFUSED(DLS_E_ARGUMENT, "settings.warm_start");
+#undef REFUSED
+}
+END_TEST
+
+START_TEST(solve_refuses) {
+  const char *const f = "dls_principal_solve";
+  dls_error e;
+  double M[4] = {2, 1, 1, 2}, q[2] = {-5, -6}, z[2] = {7, 8}, y[2] = {9, 10};
+  dls_principal_info info, before;
+  memset(&info, 42, sizeof info);
+  before = info;
+  dls_principal_settings settings;
+  dls_principal_settings_init(&settings);
+  settings.warm_start = 1;
+  dls_principal *w = workspace(2, &settings), *small = workspace(1, NULL);
+  const dls_lcp good = lcp_of(2, M, q);
+  dls_lcp bad = good;
+#define REFUSED(workspace, lcp, status, argument, index)                                           \
+  do {                                                                                             \
+    refused(dls_principal_solve(workspace, lcp, z, y, &info, &e), &e, status, f, argument, index); \
+    ck_assert(z[1] == 8 && y[0] == 9 && y[1] == 10);                                               \
+    ck_assert_mem_eq(&info, &before, sizeof info);                                                 \
+    bad = good;                                                                                    \
+  } while (0)
+  REFUSED(NULL, &good, DLS_E_ARGUMENT, "workspace", -1);
+  REFUSED(w, NULL, DLS_E_ARGUMENT, "lcp", -1);
+  REFUSED(small, &good, DLS_E_SIZE, "n", -1);
+  bad.n = 0;
+  REFUSED(w, &bad, DLS_E_SIZE, "n", -1);
+  bad.M.a = NULL;
+  REFUSED(w, &bad, DLS_E_ARGUMENT, "M", -1);
+  bad.M.rows = 3;
+  REFUSED(w, &bad, DLS_E_SIZE, "M", -1);
+  bad.M.ld = 1;
+  REFUSED(w, &bad, DLS_E_SIZE, "M", -1);
+  bad.q = NULL;
+  REFUSED(w, &bad, DLS_E_ARGUMENT, "q", -1);
+  M[2] = NAN;
+  REFUSED(w, &good, DLS_E_NOT_FINITE, "M", 2);
+  M[2] = 1;
+  q[1] = INFINITY;
+  REFUSED(w, &good, DLS_E_NOT_FINITE, "q", 1);
+  q[1] = -6;
+  z[0] = NAN;
+  REFUSED(w, &good, DLS_E_NOT_FINITE, "z", 0);
+#undef REFUSED
+  refused(dls_principal_solve(w, &good, NULL, y, &info, &e), &e, DLS_E_ARGUMENT, f, "z", -1);
+  ck_assert(y[0] == 9);
+  dls_principal_destroy(w);
+  dls_principal_destroy(small);
+  dls_principal_destroy(NULL);
+}
+END_TEST
+
+START_TEST(enumerate_refuses) {
+  const char *const f = "dls_lcp_enumerate";
+  static double large[21 * 21];
+  dls_error e;
+  double M[4] = {2, 1, 1, 2}, q[2] = {-5, -6}, z[4] = {7, 8, 9, 10};
+  dls_enumeration found, before;
+  memset(&found, 42, sizeof found);
+  before = found;
+  const dls_lcp good = lcp_of(2, M, q), too_large = lcp_of(21, large, large);
+#define REFUSED(lcp, tol, capacity, status, argument, index)                                       \
+  do {                                                                                             \
+    refused(dls_lcp_enumerate(lcp, tol, capacity, z, &found, &e), &e, status, f, argument, index); \
+    ck_assert(z[0] == 7 && z[1] == 8);                                                             \
+    ck_assert_mem_eq(&found, &before, sizeof found);                                               \
+  } while (0)
+  REFUSED(NULL, 0, 2, DLS_E_ARGUMENT, "lcp", -1);
+  REFUSED(&too_large, 0, 2, DLS_E_SIZE, "n", -1);
+  REFUSED(&good, -1, 2, DLS_E_ARGUMENT, "tol", -1);
+  REFUSED(&good, NAN, 2, DLS_E_ARGUMENT, "tol", -1);
+  REFUSED(&good, INFINITY, 2, DLS_E_ARGUMENT, "tol", -1);
+  REFUSED(&good, 0, 0, DLS_E_ARGUMENT, "capacity", -1);
+  M[3] = -INFINITY;
+  REFUSED(&good, 0, 2, DLS_E_NOT_FINITE, "M", 3);
+  M[3] = 2;
+  q[0] = NAN;
+  REFUSED(&good, 0, 2, DLS_E_NOT_FINITE, "q", 0);
+  q[0] = -5;
+#undef REFUSED
+  refused(dls_lcp_enumerate(&good, 0, 2, NULL, &found, &e), &e, DLS_E_ARGUMENT, f, "z", -1);
+  refused(dls_lcp_enumerate(&good, 0, 2, z, NULL, &e), &e, DLS_E_ARGUMENT, f, "found", -1);
+}
+END_TEST
+
+START_TEST(every_malloc_fails_in_turn) {
+  dls_principal_settings settings;
+  dls_principal_settings_init(&settings);
+  dls_principal *w = NULL;
+  dls_error e;
+  int k = 1;
+  for (;; k++) {
+    malloc_fails_at(k);
+    const dls_status status = dls_principal_create(&w, 5, &settings, &e);
+    malloc_fails_at(0);
+    if (status == DLS_OK) break;
+    refused(status, &e, DLS_E_MEMORY, "dls_principal_create", "", -1);
+    ck_assert_ptr_null(w);
+  }
+  ck_assert_int_eq(k, 2);
+  dls_principal_destroy(w);
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("pivoting");
+  TCase *tc = tcase_create("principal");
+  tcase_set_timeout(tc, 60);
+  tcase_add_test(tc, solves_by_hand);
+  tcase_add_test(tc, agrees_with_enumeration);
+  tcase_add_test(tc, needs_few_factorisations);
+  tcase_add_test(tc, single_exchanges_end_where_block_exchanges_cycle);
+  tcase_add_test(tc, murty_family);
+  tcase_add_test(tc, warm_start_gives_the_cold_answer);
+  tcase_add_test(tc, units_do_not_matter);
+  tcase_add_test(tc, same_bits_twice);
+  tcase_add_test(tc, leading_dimension_and_indices_outside);
+  tcase_add_test(tc, matrices_that_are_no_p_matrices);
+  tcase_add_test(tc, progress_can_cancel);
+  suite_add_tcase(suite, tc);
+  tc = tcase_create("enumerate");
+  tcase_set_timeout(tc, 60);
+  tcase_add_test(tc, enumerates_by_hand);
+  tcase_add_test(tc, all_of_many_solutions_and_a_full_list);
+  tcase_add_test(tc, enumeration_does_not_see_units);
+  suite_add_tcase(suite, tc);
+  tc = tcase_create("bad input");
+  tcase_add_test(tc, create_refuses);
+  tcase_add_test(tc, solve_refuses);
+  tcase_add_test(tc, enumerate_refuses);
+  tcase_add_test(tc, every_malloc_fails_in_turn);
+  suite_add_tcase(suite, tc);
+  SRunner *runner = srunner_create(suite);
+  srunner_run_all(runner, CK_ENV);
+  const int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed != 0;
+}
