@@ -1,11 +1,11 @@
 /*
  * delassus.h: the whole library in one include.
  *
- *   status.h     statuses and errors             lcp.h    LCP(M, q), Lemke, 2D contact as an LCP
- *   matrix.h     views of matrices               nlgs.h   projected Gauss-Seidel
- *   contact.h    the problem, its certificate    solve.h  one call for any method
- *   reduction.h  K, f, H -> W, q and back        files.h  FCLIB and Matrix Market files
- *   info.h       progress and outcome
+ *   status.h     statuses and errors             lcp.h       LCP(M, q), Lemke, 2D contact as an LCP
+ *   matrix.h     views of matrices               pivoting.h  LCP: principal pivoting, enumeration
+ *   contact.h    the problem, its certificate    nlgs.h      projected Gauss-Seidel
+ *   reduction.h  K, f, H -> W, q and back        solve.h     one call for any method
+ *   info.h       progress and outcome            files.h     FCLIB and Matrix Market files
  *
  * delassus/fe.h, the finite element module of the benchmark scenes, is a library of its own.
  */

@@ -20,8 +20,8 @@
  * contains it + t v for small t, whatever the sign of t.
  * A solution that is isolated is alone in each P_A that contains it, so that (N1) or (N2) find it.
  *
- * All is done on (R M C, R q / beta), R and C powers of two that equilibrate M, beta = max |R q|: the
- * tolerances are pure numbers. What is listed is certified on the user's M and q.
+ * All is done on (R M C, R q / beta), R and C powers of two that equilibrate M, beta = max |R q|:
+ * the tolerances are pure numbers. What is listed is certified on the user's M and q.
  *
  * Cost: 2^n eliminations of k x k, k = n/2 on average. What can fail: a matrix within 1e-12 of a
  * singular one is taken for singular, and the simplex method takes 1e-10 for 0.
@@ -52,7 +52,7 @@ typedef struct problem {
   dls_enumeration found;
 } problem;
 
-/* ---- elimination ------------------------------------------------------------------------------ */
+/* ---- elimination ----------------------------------------------------------------------------- */
 
 static void divide_row(table T, int r, int width, double pivot) {
   for (int j = 0; j < width; j++)
@@ -194,9 +194,9 @@ static void try_positive(cone *k, int j, char *positive) {
   }
 }
 
-/* ---- one set A -------------------------------------------------------------------------------- */
+/* ---- one set A ------------------------------------------------------------------------------- */
 
-/* z (n, scaled) to the list, if it is certified and new. Returns 1 if certified, -1 if the list is full. */
+/* z (n, scaled) to the list, if it is certified and new: 1 if certified, -1 if the list is full */
 static int add(problem *p, const double *z) {
   const int n = p->n;
   double x[most], y[most], a[most], largest = 0;
@@ -302,7 +302,7 @@ static int singular(problem *p, const char *in) {
   return 1;
 }
 
-/* ---- all of them ------------------------------------------------------------------------------ */
+/* ---- all of them ----------------------------------------------------------------------------- */
 
 static void prepare(problem *p) {
   const dls_lcp *lcp = p->lcp;

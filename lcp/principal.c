@@ -16,20 +16,20 @@
  * F. M. Pires, A block principal pivoting algorithm for large-scale strictly monotone linear
  * complementarity problems, Computers Oper. Res. 21 (1994).
  *
- * It ends for every P-matrix: |H| can become less than ever before n times at most; between two such
- * times there are at most block_steps block exchanges; and the exchanges of min H alone, from
+ * It ends for every P-matrix: |H| can become less than ever before n times at most; between two
+ * such times there are at most block_steps block exchanges; and the exchanges of min H alone, from
  * whatever basis, meet no basis twice (Murty) and so end with H empty if not before. Exchanges of H
- * alone can cycle (data/failures/block-cycle-*), those of min H alone can need 2^n - 1 steps
- * (murty-*).
+ * alone can cycle (data/failures/l03, l04), those of min H alone can need 2^n - 1 steps (murty-*,
+ * fathi-*).
  *
  * In floating point: < 0 in (G2) means s_i z_i, y_i < -4 eps (|q| + |M||z|)_i, a bound for what
  * rounding leaves of a zero after (G1) has been corrected once by its residual from the user's M
  * (Skeel). A z_i = 0 that rounding makes negative beyond that leaves A, and its y_i then stands the
  * test.
  *
- * M_AA is equilibrated by powers of two, which round nothing. Cholesky if M is symmetric to the last
- * bit, else LU. |A|^3/3 or 2|A|^3/3 flops per basis, n |A| for the rest. A symmetric M on which
- * Cholesky fails is no P-matrix; LU goes on with it, without promise.
+ * M_AA is equilibrated by powers of two, which round nothing. Cholesky if M is symmetric to the
+ * last bit, else LU. |A|^3/3 or 2|A|^3/3 flops per basis, n |A| for the rest. A symmetric M on
+ * which Cholesky fails is no P-matrix; LU goes on with it, without promise.
  *
  * What can fail: M_AA singular (a hyperstatic W), reported; M no P-matrix, max_iterations.
  */

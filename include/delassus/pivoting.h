@@ -51,10 +51,12 @@ DLS_API DLS_MUST_USE dls_status dls_principal_create(dls_principal **out, int n,
  * M z + q. info or NULL. z and y must not overlap each other or the problem. Allocates nothing.
  *
  *   DLS_OK              certified; the only solution if M is a P-matrix
- *   DLS_MAX_ITERATIONS, DLS_CANCELLED   z is the basis of least residual met, negative parts set to 0
+ *   DLS_MAX_ITERATIONS, DLS_CANCELLED
+ *                       z is the basis of least residual met, its negative parts set to 0
  *   DLS_STALLED         a principal submatrix is singular to working precision (condition number
- *                       above 1 / (n eps) when equilibrated), so that M is no P-matrix; or the last
- *                       basis is feasible and the certificate does not hold; z as above
+ *                       above 1 / (n eps) when equilibrated), so that M is no P-matrix, or nearly
+ *                       none; or the last basis is feasible and the certificate does not hold; z as
+ *                       above
  *
  * or an error of dls_lcp_check. For a P-matrix the method ends; for others it may cycle, up to
  * max_iterations. Singular M (a structure on more supports than it needs): use Lemke. */
@@ -79,18 +81,22 @@ typedef struct dls_enumeration {
 /* All solutions of LCP(M, q), n <= 20: for each of the 2^n sets A, the solutions with y_A = 0 and
  * z_i = 0 outside of A form a polyhedron; where M_AA is regular it is one point or empty.
  *
- *   z (n x capacity, column-major): the solutions; those closer to each other than 1e-8 max_i s_i z_i
- *   in every s_i z_i (s as in the certificate) are listed once. Every point listed has a certificate
- *   <= max(tol, 4 floor).
+ *   z (n x capacity, column-major): the solutions, each with a certificate <= max(tol, 4 floor).
+ *   Two that differ by less than 1e-8 of the largest entry, all being scaled as the equilibrated
+ *   columns of M, are listed once.
  *
  *   continua = 0: the list is the whole solution set; solutions = 0 means that there is none.
- *   continua > 0: each continuum is represented by one of its vertices (found where M_AA is
- *   singular) at least; all solutions that are isolated are in the list; `undetermined` tells the
- *   unknowns that are not fixed, hyperstatic reactions for instance.
+ *   continua > 0: all solutions that are isolated are in the list, and at least one vertex of each
+ *   continuum; `undetermined` tells the unknowns that are not fixed, hyperstatic reactions for
+ *   instance.
  *
- * tol >= 0, capacity >= 1. DLS_OK; DLS_MAX_ITERATIONS when the list is full: z and *found hold what was
- * found so far. DLS_E_SIZE for n > 20, DLS_E_MEMORY, or an error of dls_lcp_check. The work
- * is 2^n eliminations: 6 ms for n = 12, 4 s for n = 20, three times that if many are singular. */
+ * M_AA is taken for singular within 1e-12 of a singular matrix, and 1e-10 for 0 in the polyhedra of
+ * singular ones (all after equilibration): to be exact to the last case, use exact arithmetic.
+ *
+ * tol >= 0, capacity >= 1. DLS_OK; DLS_MAX_ITERATIONS when the list is full: z and *found hold what
+ * was found so far. DLS_E_ARGUMENT, DLS_E_SIZE for n > 20, or an error of dls_lcp_check. Allocates
+ * nothing. 2^n eliminations: 6 ms for n = 12, 4 s for n = 20, three times that where many of the
+ * bases are singular. */
 DLS_API DLS_MUST_USE dls_status dls_lcp_enumerate(const dls_lcp *lcp, double tol, int capacity,
                                                   double *z, dls_enumeration *found,
                                                   dls_error *error);
