@@ -46,6 +46,7 @@ LIBS = $(HDF5_LIBS) $(BLAS_LIBS) -lm
 CHECK_LIBS = $(shell $(PKG_CONFIG) --libs check)
 
 LIB_SRC := $(wildcard src/*.c lcp/*.c vi/*.c reduction/*.c)
+LIB_SRC := $(filter-out $(if $(HDF5_CFLAGS),src/fclib_none.c,src/fclib_read.c src/fclib_write.c),$(LIB_SRC))
 FE_SRC := $(wildcard src/fe/*.c)
 CLI_SRC := $(wildcard src/cli/*.c)
 TEST_SRC := $(wildcard tests/test_*.c)
@@ -85,7 +86,7 @@ help:
 $(BUILD)/obj/%.o: %.c Makefile
 	@mkdir -p $(@D)
 	$(call say,CC  )
-	$(Q)$(CC) $(CPPFLAGS_ALL) $(if $(filter src/files/% src/fclib%,$<),$(HDF5_CFLAGS)) $(CFLAGS_ALL) -c -o $@ $<
+	$(Q)$(CC) $(CPPFLAGS_ALL) $(if $(filter src/fclib%,$<),$(HDF5_CFLAGS)) $(CFLAGS_ALL) -c -o $@ $<
 
 $(A): $(LIB_OBJ)
 	@rm -f $@
