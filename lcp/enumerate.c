@@ -34,9 +34,12 @@
 #include "dlsi.h"
 #include "lcp_internal.h"
 
-enum { most = DLS_ENUMERATE_MAX };
+enum { most = DLS_ENUMERATE_MAX, pivot_limit = 10000 };
 
 static const double rank_tol = 1e-12, zero_tol = 1e-10, same_tol = 1e-8;
+
+/* of one set A: no solution, or not certified; its point is in the list; no room; no end */
+typedef enum outcome { none = 0, listed = 1, full = -1, stalled = -2 } outcome;
 
 typedef double table[most][most + 1]; /* rows of (A | b), b right after the last column of A */
 
@@ -104,6 +107,7 @@ typedef struct cone {
   int n;
   table T;         /* B^-1 (C | q), B the basic columns */
   int basic[most]; /* column of each row; -1: an artificial variable */
+  int pivots;      /* a few n; at pivot_limit rounding has undone Bland's rule */
 } cone;
 
 /* Row that leaves for column e, Bland: the least variable among the ties; artificial ones come
@@ -128,6 +132,7 @@ static int leaving_row(const cone *k, int e, double *step) {
 static void enter(cone *k, int row, int e) {
   pivot(k->T, k->n, k->n + 1, row, e);
   k->basic[row] = e;
+  k->pivots++;
   for (int i = 0; i < k->n; i++) /* a value within rounding of 0 is 0 */
     if (fabs(k->T[i][k->n]) <= zero_tol) k->T[i][k->n] = 0;
 }
@@ -140,7 +145,8 @@ static int find_vertex(cone *k) {
     if (k->T[i][n] < 0) divide_row(k->T, i, n + 1, -1);
   }
   double step;
-  for (int e = 0; e < n; e++) { /* least column that lowers the sum of the artificial variables */
+  for (int e = 0; e < n && k->pivots < pivot_limit;
+       e++) { /* least column that lowers the sum of the artificial variables */
     double gain = 0;
     for (int i = 0; i < n; i++)
       if (k->basic[i] < 0) gain += k->T[i][e];
@@ -173,7 +179,7 @@ static void mark_positive(const cone *k, char *positive) {
 /* (N3) for one j: raises x_j from 0 until it is positive, or cannot be */
 static void try_positive(cone *k, int j, char *positive) {
   const int n = k->n;
-  while (!positive[j]) {
+  while (!positive[j] && k->pivots < pivot_limit) {
     int row = -1, e = -1;
     for (int i = 0; i < n; i++)
       if (k->basic[i] == j) row = i;
@@ -196,8 +202,8 @@ static void try_positive(cone *k, int j, char *positive) {
 
 /* ---- one set A ------------------------------------------------------------------------------- */
 
-/* z (n, scaled) to the list, if it is certified and new: 1 if certified, -1 if the list is full */
-static int add(problem *p, const double *z) {
+/* z (n, scaled) to the list, if it is certified and new */
+static outcome add(problem *p, const double *z) {
   const int n = p->n;
   double x[most], y[most], a[most], largest = 0;
   for (int i = 0; i < n; i++) {
@@ -207,17 +213,17 @@ static int add(problem *p, const double *z) {
   dls_lcp_certificate certificate;
   dlsi_lcp_multiply(p->lcp, p->lcp->q, x, y, a);
   dlsi_lcp_measure(p->lcp, x, y, a, p->weights, &certificate);
-  if (!dls_lcp_certificate_holds(&certificate, p->tol)) return 0;
+  if (!dls_lcp_certificate_holds(&certificate, p->tol)) return none;
   for (int l = 0; l < p->found.solutions; l++) {
     const double *w = p->list + (size_t)l * (size_t)n;
     int same = 1;
     for (int i = 0; i < n; i++)
       if (!(fabs(x[i] - w[i]) / p->unit[i] <= same_tol * largest)) same = 0;
-    if (same) return 1;
+    if (same) return listed;
   }
-  if (p->found.solutions == p->capacity) return -1;
+  if (p->found.solutions == p->capacity) return full;
   memcpy(p->list + (size_t)p->found.solutions++ * (size_t)n, x, (size_t)n * sizeof *x);
-  return 1;
+  return listed;
 }
 
 /* x_A := M_AA^-1 b_A; the rank of M_AA is returned */
@@ -236,13 +242,13 @@ static int solve(const problem *p, int k, const int *A, const double *b, double 
 }
 
 /* (N1): 0 if M_AA is singular. A sign that is wrong by more than rounding rejects z at once. */
-static int regular(problem *p, int k, const int *A, int *outcome) {
+static int regular(problem *p, int k, const int *A, outcome *out) {
   const int n = p->n;
   double b[most], z[most] = {0}, correction[most], largest = 0;
   for (int i = 0; i < n; i++)
     b[i] = -p->q[i];
   if (solve(p, k, A, b, z) < k) return 0;
-  *outcome = 0;
+  *out = none;
   for (int i = 0; i < k; i++)
     if (fabs(z[A[i]]) > largest) largest = fabs(z[A[i]]);
   for (int i = 0; i < k; i++)
@@ -258,12 +264,12 @@ static int regular(problem *p, int k, const int *A, int *outcome) {
   solve(p, k, A, b, correction);
   for (int i = 0; i < k; i++)
     z[A[i]] += correction[A[i]];
-  *outcome = add(p, z);
+  *out = add(p, z);
   return 1;
 }
 
 /* (N2) .. (N4) */
-static int singular(problem *p, const char *in) {
+static outcome singular(problem *p, const char *in) {
   const int n = p->n;
   cone k = {.n = n};
   for (int i = 0; i < n; i++) {
@@ -272,17 +278,20 @@ static int singular(problem *p, const char *in) {
     k.T[i][n] = p->q[i];
   }
   p->found.singular_bases++;
-  if (!find_vertex(&k)) return 0; /* (N2) */
+  const int vertex = find_vertex(&k); /* (N2) */
+  if (k.pivots >= pivot_limit) return stalled;
+  if (!vertex) return none;
   double z[most] = {0};
   for (int i = 0; i < n; i++)
     if (k.basic[i] >= 0 && in[k.basic[i]]) z[k.basic[i]] = k.T[i][n];
-  const int outcome = add(p, z);
-  if (outcome <= 0) return outcome;
+  const outcome out = add(p, z);
+  if (out != listed) return out;
 
   char positive[most] = {0};
   mark_positive(&k, positive);
   for (int j = 0; j < n; j++)
     try_positive(&k, j, positive); /* (N3) */
+  if (k.pivots >= pivot_limit) return stalled;
 
   int J[most], count = 0, row_of[most]; /* (N4) */
   for (int j = 0; j < n; j++)
@@ -291,7 +300,7 @@ static int singular(problem *p, const char *in) {
   for (int i = 0; i < n; i++)
     for (int j = 0; j < count; j++)
       T[i][j] = in[J[j]] ? -p->M[i][J[j]] : i == J[j];
-  if (eliminate(T, n, count, row_of) == count) return 1;
+  if (eliminate(T, n, count, row_of) == count) return listed;
   p->found.continua++;
   for (int j = 0; j < count; j++) {
     int moves = row_of[j] < 0;
@@ -299,7 +308,7 @@ static int singular(problem *p, const char *in) {
       moves = row_of[l] < 0 && fabs(T[row_of[j]][l]) > zero_tol;
     if (moves && in[J[j]]) p->found.undetermined[J[j]] = 1;
   }
-  return 1;
+  return listed;
 }
 
 /* ---- all of them ----------------------------------------------------------------------------- */
@@ -342,16 +351,16 @@ dls_status dls_lcp_enumerate(const dls_lcp *lcp, double tol, int capacity, doubl
   if (!found) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "found", -1, 0, "is NULL");
   problem p = {.lcp = lcp, .n = n, .tol = tol, .capacity = capacity, .list = z};
   prepare(&p);
-  int outcome = 0;
-  for (unsigned long set = 0; set < 1UL << n && outcome >= 0; set++) {
+  outcome out = none;
+  for (unsigned long set = 0; set < 1UL << n && out >= none; set++) {
     char in[most];
     int A[most], k = 0;
     for (int i = 0; i < n; i++) {
       in[i] = set >> i & 1;
       if (in[i]) A[k++] = i;
     }
-    if (!regular(&p, k, A, &outcome)) outcome = singular(&p, in);
+    if (!regular(&p, k, A, &out)) out = singular(&p, in);
   }
   *found = p.found;
-  return outcome < 0 ? DLS_MAX_ITERATIONS : DLS_OK;
+  return out == full ? DLS_MAX_ITERATIONS : out == stalled ? DLS_STALLED : DLS_OK;
 }

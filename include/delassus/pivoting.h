@@ -93,10 +93,10 @@ typedef struct dls_enumeration {
  * M_AA is taken for singular within 1e-12 of a singular matrix, and 1e-10 for 0 in the polyhedra of
  * singular ones (all after equilibration): to be exact to the last case, use exact arithmetic.
  *
- * tol >= 0, capacity >= 1. DLS_OK; DLS_MAX_ITERATIONS when the list is full: z and *found hold what
- * was found so far. DLS_E_ARGUMENT, DLS_E_SIZE for n > 20, or an error of dls_lcp_check. Allocates
- * nothing. 2^n eliminations: 6 ms for n = 12, 4 s for n = 20, three times that where many of the
- * bases are singular. */
+ * tol >= 0, capacity >= 1. DLS_OK; DLS_MAX_ITERATIONS when the list is full, DLS_STALLED if rounding
+ * keeps the simplex method from ending: z and *found hold what was found so far. DLS_E_ARGUMENT,
+ * DLS_E_SIZE for n > 20, or an error of dls_lcp_check. Allocates nothing. 2^n eliminations: 6 ms for
+ * n = 12, 4 s for n = 20, three times that where many of the bases are singular. */
 DLS_API DLS_MUST_USE dls_status dls_lcp_enumerate(const dls_lcp *lcp, double tol, int capacity,
                                                   double *z, dls_enumeration *found,
                                                   dls_error *error);
