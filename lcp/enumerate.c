@@ -244,7 +244,7 @@ static int solve(const problem *p, int k, const int *A, const double *b, double 
 /* (N1): 0 if M_AA is singular. A sign that is wrong by more than rounding rejects z at once. */
 static int regular(problem *p, int k, const int *A, outcome *out) {
   const int n = p->n;
-  double b[most], z[most] = {0}, correction[most], largest = 0;
+  double b[most], z[most] = {0}, largest = 0;
   for (int i = 0; i < n; i++)
     b[i] = -p->q[i];
   if (solve(p, k, A, b, z) < k) return 0;
@@ -261,9 +261,6 @@ static int regular(problem *p, int k, const int *A, outcome *out) {
     }
     if (!(b[i] <= same_tol * a)) return 1;
   }
-  solve(p, k, A, b, correction);
-  for (int i = 0; i < k; i++)
-    z[A[i]] += correction[A[i]];
   *out = add(p, z);
   return 1;
 }
