@@ -44,6 +44,7 @@ typedef struct dlsi_table {
   double *U;   /* n x block */
   double *L;   /* block x block, lower triangle */
   double *V;   /* block x (n+1), while flushing */
+  double *W;   /* block x (n+1), the right-hand side of (E4) */
   int pending; /* exchanges put off */
   int *row;    /* block: their rows */
   int *born;   /* n+1: the last one of them in this column, -1 if none */

@@ -40,7 +40,7 @@
  * With a ray (z, z0) + t (dz, dz0): if v = dz is a Farkas proof (it is if M is copositive-plus), there is no
  * solution. Otherwise nothing is known; other covering vectors may lead to a solution and are tried where the user gave none.
  *
- * Cost: 2 n^2 flops per exchange at the rate of dgemm, O(64 n) besides; memory n (n + 1) + 130 n. It can
+ * Cost: 2 n^2 flops per exchange at the rate of dgemm, O(64 n) besides; memory n (n + 1) + 220 n. It can
  * take 2^n exchanges (Murty) and usually takes n/2 to 3 n.
  */
 #include <float.h>
@@ -120,6 +120,7 @@ static void carve(dls_lemke *w, dlsi_arena *arena) {
   t->T = dlsi_take(arena, ld * (n + 1), sizeof(double));
   t->U = dlsi_take(arena, n * block, sizeof(double));
   t->V = dlsi_take(arena, (n + 1) * block, sizeof(double));
+  t->W = dlsi_take(arena, (n + 1) * block, sizeof(double));
   t->L = dlsi_take(arena, block * block, sizeof(double));
   t->row = dlsi_take(arena, block, sizeof(int));
   t->born = dlsi_take(arena, n + 1, sizeof(int));
@@ -472,7 +473,9 @@ static path_end follow(dls_lemke *w, const dls_lcp *lcp, int max_pivots, int str
     fresh = 0;
     if (out == z0) return path_solved;
     *entering = complement(n, out);
-    if (++unchecked >= (strict ? strict_check_interval : n > check_interval ? n : check_interval) ||
+    if (++unchecked >= (strict               ? strict_check_interval
+                        : n > check_interval ? n
+                                             : check_interval) ||
         pivot < small_pivot * cmax) { /* (T3) */
       unchecked = 0;
       read_values(t, t->b, -1, w->x);

@@ -13,7 +13,7 @@
  *   (S3) rho_i += t, gamma_j -= t, so that both have the same mean
  * exact after one round if M has no zero, and after any number of rounds M -> a R M gives the same
  * R M C. Rows or columns of zeros get the mean of the others, so that a change of units moves them
- * along. One round if M has no zero, else three: one pass over M, or six. The logarithms are taken of
+ * along. One round if M has no zero, else two: one pass over M, or four. The logarithms are taken of
  * products of mantissas, one per row or column and 512 entries.
  */
 #include <math.h>
@@ -22,10 +22,11 @@
 
 #include "lcp_internal.h"
 
-/* |x| = m 2^e with 1 <= m < 2 (for subnormal x: m is too large by less than 2); x != 0 */
+/* |x| = m 2^e with 1 <= m < 2 (for subnormal x: m is too large by less than 2); 1 2^0 for x = 0 */
 static double split(double x, double *m) {
   uint64_t bits;
   memcpy(&bits, &x, sizeof bits);
+  bits = x == 0 ? 0x3ff0000000000000 : bits;
   const int e = (int)(bits >> 52 & 0x7ff) - 1023;
   bits = (bits & 0xfffffffffffff) | 0x3ff0000000000000;
   memcpy(m, &bits, sizeof bits);
@@ -45,23 +46,27 @@ static int sum_logarithms(const dls_lcp *lcp, double *L, double *K, int *in_row,
   }
   for (int j = 0; j < n; j++) {
     const double *m = lcp->M.a + (size_t)j * (size_t)lcp->M.ld;
-    double exponents = 0, mantissas = 1, x;
-    in_column[j] = 0;
-    for (int i = 0; i < n; i++) {
-      if (m[i] == 0) continue;
-      const double e = split(m[i], &x);
-      L[i] += e;
-      product[i] *= x;
-      in_row[i]++;
-      exponents += e;
-      mantissas *= x;
-      if (++in_column[j] % 512 == 0) {
-        exponents += log2(mantissas);
-        mantissas = 1;
+    double sum = 0;
+    int count = 0;
+    for (int first = 0; first < n; first += 512) {
+      double exponents = 0, mantissas = 1;
+      const int end = n - first < 512 ? n : first + 512;
+      for (int i = first; i < end; i++) {
+        double x;
+        const double e = split(m[i], &x);
+        const int some = m[i] != 0;
+        L[i] += e;
+        product[i] *= x;
+        in_row[i] += some;
+        exponents += e;
+        mantissas *= x;
+        count += some;
       }
+      sum += exponents + log2(mantissas);
     }
-    K[j] = exponents + log2(mantissas);
-    zeros |= in_column[j] < n;
+    K[j] = sum;
+    in_column[j] = count;
+    zeros |= count < n;
     if (j % 512 == 511 || j == n - 1)
       for (int i = 0; i < n; i++) {
         L[i] += log2(product[i]);
@@ -120,7 +125,7 @@ void dlsi_lcp_equilibrate(const dls_lcp *lcp, double *rho, double *gamma, double
   const int zeros = sum_logarithms(lcp, L, K, in_row, in_column, gamma);
   for (int i = 0; i < n; i++)
     rho[i] = 0;
-  for (int round = 0; round < (zeros ? 3 : 1); round++) {
+  for (int round = 0; round < (zeros ? 2 : 1); round++) {
     if (round > 0) sum_over_rows(lcp, gamma, rho);
     solve_one_side(n, L, in_row, rho); /* (S1) */
     sum_over_columns(lcp, zeros, rho, gamma);

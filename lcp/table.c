@@ -21,15 +21,17 @@
  *
  * so that one column of A costs a triangular solve and a product with U. No row is read, which in
  * column-major order would be one cache line and one page per entry. When U is full, V for all columns
- * comes from (E4) by dtrsm and T := T - U V by dgemm.
+ * comes from (E4), the diagonal blocks of L of size 16 being inverted, and T := T - U V, all by dgemm
+ * (dtrsm on n columns took a quarter of the time of the update).
  */
 #include <string.h>
 
 #include "blas.h"
 #include "lcp_internal.h"
 
-static const int unit = 1, block = dlsi_table_block;
-static const double one = 1, minus_one = -1;
+enum { part_size = 16 };
+static const int unit = 1, block = dlsi_table_block, part = part_size;
+static const double zero = 0, one = 1, minus_one = -1;
 
 /* v_k := entry r_k of a combination of columns of T, 0 in its place: the right-hand side of (E4) but for
  * the columns of exchanges. */
@@ -91,12 +93,24 @@ static void flush(dlsi_table *t) {
   const int n = t->n, m = n + 1, pending = t->pending;
   if (!pending) return;
   for (int j = 0; j < m; j++) {
-    double *v = t->V + (size_t)j * dlsi_table_block;
+    double *v = t->W + (size_t)j * dlsi_table_block;
     take_rows(t, t->T + (size_t)j * (size_t)t->ld, v);
     if (t->born[j] >= 0) v[t->born[j]] = -1;
     t->born[j] = -1;
   }
-  dtrsm_("L", "L", "N", "N", &pending, &m, &one, t->L, &block, t->V, &block, 1, 1, 1, 1);
+  for (int p = 0; p < pending; p += part) { /* (E4) */
+    const int k = pending - p < part ? pending - p : part, rest = pending - p - k;
+    const double *L = t->L + p * (block + 1);
+    double inverse[part_size * part_size] = {0};
+    for (int i = 0; i < k; i++)
+      inverse[i * (part + 1)] = 1;
+    dtrsm_("L", "L", "N", "N", &k, &k, &one, L, &block, inverse, &part, 1, 1, 1, 1);
+    dgemm_("N", "N", &k, &m, &k, &one, inverse, &part, t->W + p, &block, &zero, t->V + p, &block, 1,
+           1);
+    if (rest > 0)
+      dgemm_("N", "N", &rest, &m, &k, &minus_one, L + k, &block, t->V + p, &block, &one,
+             t->W + p + k, &block, 1, 1);
+  }
   dgemm_("N", "N", &n, &m, &pending, &minus_one, t->U, &n, t->V, &block, &one, t->T, &t->ld, 1, 1);
   t->pending = 0;
 }
