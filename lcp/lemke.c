@@ -3,45 +3,49 @@
  *
  *   y = M z + d z0 + q,   y, z >= 0,  z0 >= 0,  y_i z_i = 0       [C] (42) with d = 1
  *
- * kept as a table x_B = b + A x_N (table.c). From z0 large enough for y >= 0 down to z0 = 0:
+ * kept as a table x_B = b + A x_N (table.c), from z0 large enough for y >= 0 down to z0 = 0:
  *
  *   (L1) z0 enters, y_r leaves, r = argmin q_i / d_i                                [C] (43)-(45)
  *   (L2) the complement of the variable that left enters: column c of A
- *   (L3) x_r leaves: r = argmin { b_i / -c_i : c_i < 0 }; no such i: a ray, stop          (46)
+ *   (L3) x_r leaves, r = argmin { b_i / -c_i : c_i < 0 }; no such i: a ray, stop        (46), (49)
  *   (L4) exchange; if z0 left, b is a solution, else (L2)                            (47)-(48)
  *
- * Ties. Replace q by q(e) = q + e g + (e^2, e^3, .., e^(n+1)), g > 0, e -> 0+. The values of the basic
- * variables become b + e g' + .., where g' is g carried through the exchanges like b, and the
- * coefficient of e^(j+2) in row i is (L5) -a_is if y_j stands in column s, 1 if y_j is basic in row i, 0 if in
- * another: to move q_j is to move y_j the other way. (L3) compares
- *   (R1) b_i / -c_i,   (R2) among ties g'_i / -c_i,   (R3) among ties the entries (L5) / -c_i, j = 0, 1, ..
- * One column for (R3) costs what one for (L2) costs, and g is such that (R3) hardly ever starts.
+ * Ties. Replace q by q(e) = q + e g + (e^2, .., e^(n+1)), g > 0, e -> 0+. The basic variables become
+ * b + e g' + .., g' being g carried through the exchanges as b is; and because to move q_j is to
+ * move y_j the other way, the coefficient of e^(j+2) in row i is
  *
- * It ends. The rows (b, g', L5)_i are linearly independent: (L5) holds the rows of the inverse of the
- * basis. Hence no two are proportional, (R1)-(R3) always leaves one r, and all rows stay
- * lexicographically positive, as they are after (L1) by the same choice. So for small e > 0 the path is that of the
- * nondegenerate problem q(e): every almost complementary basis has at most two neighbours (enter one or the
- * other of the pair that is out of the basis), the first has only one (the other way lies the primary ray), so
- * no basis can come twice, and there are finitely many (Lemke, Management Science 11, 1965, 681-689;
- * Cottle, Pang, Stone, The Linear Complementarity Problem, 1992, 4.4 and 4.9).
+ *   (L5) l_ij = -a_is if y_j stands in column s;  if y_j is basic, 1 in its own row and 0 elsewhere.
  *
- * Rounding. Decisions are taken on R M C with powers of two R, C (scale.c), so that one set of relative tolerances
- * serves all units. Deviations from the above:
- *   (T1) c_i < -1e-11 max|c| instead of c_i < 0;  b_i / -c_i counts as tied within (b_i + 1e-13 max|b|) / -c_i
- *   (T2) z0 leaves where it would be tied within 1e-10 max|b|: at the end z0 is commonly tied with many others
- *   (T3) every so many exchanges, and after one on a small pivot, b is put into the user's M; if it does not fit to
- *        1e-9, the table is computed anew ("refreshed"): from M, the variables of the basis
- *        are exchanged in again, each against the row with the largest coefficient
- *   (T4) answers do not carry the table's rounding: b, and the c of a ray, are refined against the
- *        user's M, the table serving as the approximate inverse
- *   (T5) the answer is certified, the ray is checked (dls_lcp_check_ray); what fails is tried
- *        again on a fresh table, then from the start without (T2) and with (T3) more often
+ * (L3) compares b_i / -c_i (R1), among ties g'_i / -c_i (R2), among ties l_ij / -c_i for j = 0, 1, ..
+ * (R3). One column for (R3) costs what one for (L2) does, and g is such that (R3) hardly ever starts.
  *
- * With a ray (z, z0) + t (dz, dz0): if v = dz is a Farkas proof (it is if M is copositive-plus), there is no
- * solution. Otherwise nothing is known; other covering vectors may lead to a solution and are tried where the user gave none.
+ * It ends. (l_ij) is the inverse of the basis, so the rows (b_i, g'_i, l_i) are linearly independent,
+ * no two are proportional, and (R1)-(R3) always leave one r. All rows stay lexicographically positive,
+ * as they are after (L1) by the same choice. So for small e > 0 the path is that of the
+ * problem q(e), which is not degenerate: an almost complementary basis has at most two neighbours
+ * (one for each of the pair that is not basic), the first basis has only one (on the other side lies
+ * the primary ray), hence no basis comes twice, and there are finitely many (Lemke, Management
+ * Science 11, 1965, 681-689; Cottle, Pang, Stone, The Linear Complementarity Problem, 1992, 4.4, 4.9).
  *
- * Cost: 2 n^2 flops per exchange at the rate of dgemm, O(64 n) besides; memory n (n + 1) + 220 n. It can
- * take 2^n exchanges (Murty) and usually takes n/2 to 3 n.
+ * Rounding. Decisions are taken on R M C with powers of two R and C (scale.c), so that the same
+ * relative tolerances serve all units. Deviations from the above:
+ *
+ *   (T1) c_i < -1e-11 max|c| for c_i < 0; b_i / -c_i is a tie with the least if it is at most the
+ *        least (b_i + 1e-13 max|b|) / -c_i
+ *   (T2) z0 leaves where this holds with 1e-10: at the end it is commonly tied with many others
+ *   (T3) now and then, and after an exchange on a small pivot, b is put into the user's M; if it does
+ *        not fit to 1e-9, and before a ray is believed, the table is computed anew ("refreshed"): from
+ *        M, the basic variables are exchanged in, each at the row with the largest coefficient
+ *   (T4) answers do not carry the table's rounding: b, and c for a ray, are refined with the user's
+ *        M, the table serving as approximate inverse
+ *   (T5) an answer must have its certificate, a ray must pass dls_lcp_check_ray; if not, once more on
+ *        a fresh table, then from the start without (T2), with 1e-14 in (T1) and (T3) more often
+ *
+ * A ray (z, z0) + t (dz, dz0) with v = dz a Farkas proof (so if M is copositive-plus) means that there
+ * is no solution. Another ray means nothing: unless the user chose d, other vectors d are tried.
+ *
+ * Cost: 2 n^2 flops per exchange at the rate of dgemm, and O(64 n); memory n (n + 1) + 220 n. The
+ * number of exchanges can be 2^n (Murty) and usually is n/2 to 3 n.
  */
 #include <float.h>
 #include <limits.h>
@@ -53,12 +57,13 @@
 #include "lcp_internal.h"
 
 static const double pivot_tolerance = 1e-11; /* (T1), to max|c| */
+static const double strict_pivot = 1e-14;    /* the same at the second try */
 static const double tie_tolerance = 1e-13;   /* (T1), to max|b| */
 static const double z0_tolerance = 1e-10;    /* (T2), to max|b| */
 static const double lex_tolerance = 1e-9;    /* (R2), (R3): relative */
 static const double small_pivot = 1e-8;      /* (T3), to max|c| */
 static const double misfit_tolerance = 1e-9; /* (T3), to 1 + max|b|; max|q| is about 1 */
-static const double proof_tolerance = 1e-9;  /* of a ray or a Farkas vector */
+static const double proof_tolerance = 1e-14; /* of a ray or a Farkas vector, times n + 10 */
 static const double sharp = 1e-13;           /* a residual that calls for no second look */
 
 enum { progress_interval = 50, check_interval = 256, strict_check_interval = 32 }; /* pivots */
@@ -375,7 +380,8 @@ static int leaving_row(dls_lemke *w, const double *c, double cmax, int strict) {
   const int n = t->n, z0 = t->where[2 * n];
   const double bmax = largest(n, t->b);
   if (!isfinite(cmax) || !isfinite(bmax)) return not_finite;
-  const double least = -pivot_tolerance * cmax, tie = tie_tolerance * bmax;
+  const double least = -(strict ? strict_pivot : pivot_tolerance) * cmax;
+  const double tie = tie_tolerance * bmax;
   const double tie0 = (strict ? tie_tolerance : z0_tolerance) * bmax;
   int *rows = w->rows, count = 0, tied = 0;
   for (int i = 0; i < n; i++) {
@@ -523,7 +529,8 @@ static int accept_ray(dls_lemke *w, const dls_lcp *lcp, int entering) {
   refine(w, lcp, w->x, 1);
   refine(w, lcp, w->dx, 0);
   offer(w, lcp, w->x);
-  const double least = pivot_tolerance * dlsi_max_abs(w->dx, 2 * n + 1);
+  const double least = strict_pivot * dlsi_max_abs(w->dx, 2 * n + 1);
+  const double tolerance = proof_tolerance * (double)(n + 10);
   for (size_t j = 0; j < n; j++) {
     const double z = w->x[n + j], dz = w->dx[n + j];
     w->ray_z[j] = z > 0 ? w->kappa * w->C[j] * z : 0;
@@ -537,9 +544,9 @@ static int accept_ray(dls_lemke *w, const dls_lcp *lcp, int entering) {
     w->ray_dz[j] /= size; /* dz = 0 gives NaN, which is no ray */
   w->ray_dz0 /= size;
   if (!(dlsi_lcp_ray_violation(lcp, w->ray_cover, w->ray_z, w->ray_z0, w->ray_dz, w->ray_dz0,
-                               w->work) <= proof_tolerance))
+                               w->work) <= tolerance))
     return 0;
-  w->proved = dlsi_lcp_farkas_violation(lcp, w->ray_dz) <= proof_tolerance;
+  w->proved = dlsi_lcp_farkas_violation(lcp, w->ray_dz) <= tolerance;
   w->solved_n = lcp->n;
   return 1;
 }

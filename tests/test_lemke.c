@@ -52,13 +52,13 @@ static dls_status solve(int n, const double *M, const double *q, const dls_lemke
   if (status == DLS_RAY || status == DLS_NO_SOLUTION) {
     ck_assert_int_eq(dls_lemke_ray(w, v, &z0, dz, &dz0, d, &error), DLS_OK);
     ck_assert_int_eq(dls_lcp_check_ray(&lcp, d, v, z0, dz, dz0, &violation, &error), DLS_OK);
-    ck_assert_double_le(violation, 1e-12);
+    ck_assert_double_le(violation, 1e-14 * (n + 10));
   } else
     ck_assert_int_eq(dls_lemke_ray(w, v, &z0, dz, &dz0, d, &error), DLS_E_ARGUMENT);
   if (status == DLS_NO_SOLUTION) {
     ck_assert_int_eq(dls_lemke_farkas(w, v, &error), DLS_OK);
     ck_assert_int_eq(dls_lcp_check_farkas(&lcp, v, &violation, &error), DLS_OK);
-    ck_assert_double_le(violation, 1e-9);
+    ck_assert_double_le(violation, 1e-14 * (n + 10));
   } else
     ck_assert_int_eq(dls_lemke_farkas(w, v, &error), DLS_E_ARGUMENT);
   dls_lemke_destroy(w);
@@ -189,6 +189,20 @@ START_TEST(size_two) {
 }
 END_TEST
 
+START_TEST(nearly_impossible) {
+  /* y_0 + y_1 = -2 + e z_1: no solution for e = 0; z = (1 + 2/e, 2/e) for e > 0, however small */
+  const double q[2] = {-1, -1};
+  for (int k = 4; k <= 40; k += 4) {
+    const double e = ldexp(1, -k), M[4] = {1, -1, -1, 1 + e};
+    double z[2];
+    dls_lemke_info info;
+    ck_assert_int_eq(solve(2, M, q, NULL, z, &info), DLS_OK);
+    ck_assert_double_eq_tol(z[0] * e, 2 + e, 8 * 0x1p-52 / e);
+    ck_assert_double_eq_tol(z[1] * e, 2, 8 * 0x1p-52 / e);
+  }
+}
+END_TEST
+
 START_TEST(catalogue_of_contact) {
   /* 2D contact problems with exact answers, r by hand or by rational enumeration */
   static const struct {
@@ -239,7 +253,7 @@ START_TEST(catalogue_of_contact) {
 END_TEST
 
 START_TEST(ray_of_large_friction) {
-  /* one contact, mu > W_nn / W_nt: with d = 1 the 3 nc form ends in a ray though r = (1, -2) solves it */
+  /* mu > W_nn / W_nt: with d = 1 the 3 nc form ends in a ray, though r = (1, -2) is a solution */
   const double W[4] = {5, 2, 2, 1}, q[2] = {-1, 0}, mu[1] = {3}, ones[3] = {1, 1, 1};
   const dls_contact problem = {2, 1, {2, 2, 2, W}, {0}, q, mu};
   double M[9], ql[3], z[3];
@@ -250,12 +264,22 @@ START_TEST(ray_of_large_friction) {
   ck_assert_int_eq(dls_contact_to_lcp(&problem, NULL, M, 3, ql, NULL), DLS_OK);
   ck_assert_int_eq(solve(3, M, ql, &settings, z, &info), DLS_RAY); /* solve() checks the ray */
   ck_assert_int_eq(info.pivots, 1);
-  /* r = (1, -2): z = (r_n, phi_2, lambda_2) = (1, 1, 0) */
+  /* with the default d: z = (r_n, phi_2, lambda_2) = (1, 1, 0) */
+  ck_assert_int_eq(solve(3, M, ql, NULL, z, &info), DLS_OK);
   const double answer[3] = {1, 1, 0};
-  const dls_lcp lcp = lcp_of(3, M, ql);
-  dls_lcp_certificate certificate;
-  ck_assert_int_eq(dls_lcp_certify(&lcp, answer, NULL, &certificate, NULL), DLS_OK);
-  ck_assert_double_eq(certificate.residual, 0);
+  for (int i = 0; i < 3; i++)
+    ck_assert_double_eq_tol(z[i], answer[i], 1e-15);
+}
+END_TEST
+
+START_TEST(bimatrix_game) {
+  /* a ray at once for every d; but equilibria exist, so it must not be called impossible */
+  const double M[16] = {0, 0, 10, 30, 0, 0, 20, 15, 10, 30, 0, 0, 20, 15, 0, 0};
+  const double q[4] = {-1, -1, -1, -1};
+  double z[4];
+  dls_lemke_info info;
+  ck_assert_int_eq(solve(4, M, q, NULL, z, &info), DLS_RAY);
+  ck_assert_int_eq(enumerate(4, M, q, 1e-12, z) > 0, 1);
 }
 END_TEST
 
@@ -491,6 +515,35 @@ static void contact_problem(int nc, double *W, double *q, double *mu) {
     mu[c] = 0.2 + 0.6 * uniform();
   }
 }
+
+/* A contact problem with W symmetric positive definite has a solution; where the first d ends in a ray,
+ * another one finds it. */
+START_TEST(very_large_friction) {
+  int restarted = 0;
+  for (int trial = 0; trial < 300; trial++) {
+    const int nc = integer(1, 4), n = 3 * nc;
+    double A[64], W[64], q[8], mu[4];
+    for (int k = 0; k < 4 * nc * nc; k++)
+      A[k] = uniform() - 0.5;
+    for (int i = 0; i < 2 * nc; i++) {
+      q[i] = uniform() - 0.7;
+      mu[i / 2] = 5;
+      for (int j = 0; j < 2 * nc; j++) {
+        W[i + 2 * nc * j] = i == j ? 0.01 : 0;
+        for (int k = 0; k < 2 * nc; k++)
+          W[i + 2 * nc * j] += A[i + 2 * nc * k] * A[j + 2 * nc * k];
+      }
+    }
+    const dls_contact problem = {2, nc, {2 * nc, 2 * nc, 2 * nc, W}, {0}, q, mu};
+    dls_lemke_info info;
+    ck_assert_int_eq(dls_contact_to_lcp(&problem, NULL, big_M, n, big_q, NULL), DLS_OK);
+    ck_assert_int_eq(solve(n, big_M, big_q, NULL, big_z, &info), DLS_OK);
+    ck_assert(dls_lcp_certificate_holds(&info.certificate, 1e-12));
+    restarted += info.starts > 1;
+  }
+  ck_assert_int_gt(restarted, 0);
+}
+END_TEST
 
 START_TEST(units) {
   enum { nc = 15, m = 2 * nc, n = 3 * nc };
@@ -770,8 +823,10 @@ int main(void) {
   tcase_add_test(c, size_one);
   tcase_add_test(c, feasible_q_is_answered_at_once);
   tcase_add_test(c, size_two);
+  tcase_add_test(c, nearly_impossible);
   tcase_add_test(c, catalogue_of_contact);
   tcase_add_test(c, ray_of_large_friction);
+  tcase_add_test(c, bimatrix_game);
   tcase_add_test(c, cycling_example);
   tcase_add_test(c, identical_rows);
   tcase_add_test(c, murty);
@@ -780,6 +835,7 @@ int main(void) {
   tcase_add_test(c, semidefinite);
   tcase_add_test(c, hundred_unknowns);
   tcase_add_test(c, stewart_trinkle);
+  tcase_add_test(c, very_large_friction);
   tcase_add_test(c, units);
   tcase_add_test(c, permutations);
   tcase_add_test(c, same_bits_and_reuse);

@@ -85,8 +85,9 @@ DLS_API DLS_MUST_USE dls_status dls_lemke_create(dls_lemke **out, int n,
 /* z (n) >= 0 and y (n, or NULL) = M z + q, recomputed; neither may overlap the other or the problem.
  * Allocates nothing.
  *   DLS_OK              z is a solution: dls_lcp_certificate_holds
- *   DLS_NO_SOLUTION     no z >= 0 has M z + q >= 0; dls_lemke_farkas gives the proof
- *   DLS_RAY             the path ended in a ray; dls_lemke_ray gives it. Whether there is a solution
+ *   DLS_NO_SOLUTION     no z >= 0 has M z + q >= 0; dls_lemke_farkas gives the proof, a vector whose
+ *                       violation in dls_lcp_check_farkas is at most 1e-14 (n + 10)
+ *   DLS_RAY             the path ended in a ray; dls_lemke_ray gives it, to the same tolerance. Whether there is a solution
  *                       is not known, unless theory adds something: if M is copositive-plus (positive
  *                       semidefinite, say), a ray means that there is none
  *   DLS_MAX_ITERATIONS, DLS_CANCELLED
