@@ -52,7 +52,7 @@ static dls_status check(const char *function, const dls_contact *problem, const 
   return status;
 }
 
-/* Adds the block w = s_a W_ab s_b (column-major), row candidate a, column candidate b, at M(0,0). */
+/* Adds the block scale * w (column-major), w of row candidate a and column candidate b, at M. */
 static void add_block(const dls_contact *problem, int a, int b, double scale, const double *w,
                       double *M, size_t ldm) {
   const double mu = problem->mu[b]; /* of the column */

@@ -1,6 +1,6 @@
 /*
- * lcp_internal.h: what the files of lcp/ share: the measure of an LCP's answer, the scaling of an LCP,
- * and the table of Lemke's method.
+ * lcp_internal.h: what the files of lcp/ share: the measure of an LCP's answer, the scaling of an
+ * LCP, and the table of Lemke's method.
  */
 #ifndef LCP_INTERNAL_H
 #define LCP_INTERNAL_H
@@ -28,8 +28,9 @@ double dlsi_lcp_farkas_violation(const dls_lcp *lcp, const double *v);
 
 /* ---- scale.c --------------------------------------------------------------------------------- */
 
-/* Exponents rho (rows), gamma (columns) such that the entries 2^(rho_i + gamma_j) |M_ij| that are not
- * 0 have geometric mean 1 in every row and column, nearly. work: 2 n doubles; counts: 2 n ints. */
+/* Exponents rho (rows), gamma (columns) such that the entries 2^(rho_i + gamma_j) |M_ij| that are
+ * not 0 have geometric mean 1 in every row and column, nearly. work: 2 n doubles; counts: 2 n
+ * ints. */
 void dlsi_lcp_equilibrate(const dls_lcp *lcp, double *rho, double *gamma, double *work,
                           int *counts);
 

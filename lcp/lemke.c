@@ -10,22 +10,24 @@
  *   (L3) x_r leaves, r = argmin { b_i / -c_i : c_i < 0 }; no such i: a ray, stop        (46), (49)
  *   (L4) exchange; if z0 left, b is a solution, else (L2)                            (47)-(48)
  *
- * Ties. Replace q by q(e) = q + e g + (e^2, .., e^(n+1)), g > 0, e -> 0+. The basic variables become
- * b + e g' + .., g' being g carried through the exchanges as b is; and because to move q_j is to
- * move y_j the other way, the coefficient of e^(j+2) in row i is
+ * Ties. Replace q by q(e) = q + e g + (e^2, .., e^(n+1)), g > 0, e -> 0+. The basic variables
+ * become b + e g' + .., g' being g carried through the exchanges as b is; and because to move q_j
+ * is to move y_j the other way, the coefficient of e^(j+2) in row i is
  *
- *   (L5) l_ij = -a_is if y_j stands in column s;  if y_j is basic, 1 in its own row and 0 elsewhere.
+ *   (L5) l_ij = -a_is if y_j stands in column s;  if y_j is basic, 1 in its row, else 0.
  *
- * (L3) compares b_i / -c_i (R1), among ties g'_i / -c_i (R2), among ties l_ij / -c_i for j = 0, 1, ..
- * (R3). One column for (R3) costs what one for (L2) does, and g is such that (R3) hardly ever starts.
+ * (L3) compares (R1) b_i / -c_i, among ties (R2) g'_i / -c_i, among ties (R3) l_ij / -c_i for
+ * j = 0, 1, .. One column for (R3) costs what one for (L2) does, and with the g taken (R3) hardly
+ * ever starts.
  *
- * It ends. (l_ij) is the inverse of the basis, so the rows (b_i, g'_i, l_i) are linearly independent,
- * no two are proportional, and (R1)-(R3) always leave one r. All rows stay lexicographically positive,
- * as they are after (L1) by the same choice. So for small e > 0 the path is that of the
- * problem q(e), which is not degenerate: an almost complementary basis has at most two neighbours
- * (one for each of the pair that is not basic), the first basis has only one (on the other side lies
- * the primary ray), hence no basis comes twice, and there are finitely many (Lemke, Management
- * Science 11, 1965, 681-689; Cottle, Pang, Stone, The Linear Complementarity Problem, 1992, 4.4, 4.9).
+ * It ends. (l_ij) is the inverse of the basis, so the rows (b_i, g'_i, l_i) are linearly
+ * independent, no two are proportional, and (R1)-(R3) always leave one r. All rows stay
+ * lexicographically positive, as they are after (L1) by the same choice. So for small e > 0 the
+ * path is that of the problem q(e), which is not degenerate: an almost complementary basis has at
+ * most two neighbours (one for each of the pair that is not basic), the first basis has only one
+ * (on the other side lies the primary ray), hence no basis comes twice, and there are finitely
+ * many (Lemke, Management Science 11, 1965, 681-689; Cottle, Pang, Stone, The Linear
+ * Complementarity Problem, 1992, 4.4, 4.9).
  *
  * Rounding. Decisions are taken on R M C with powers of two R and C (scale.c), so that the same
  * relative tolerances serve all units. Deviations from the above:
@@ -33,16 +35,19 @@
  *   (T1) c_i < -1e-11 max|c| for c_i < 0; b_i / -c_i is a tie with the least if it is at most the
  *        least (b_i + 1e-13 max|b|) / -c_i
  *   (T2) z0 leaves where this holds with 1e-10: at the end it is commonly tied with many others
- *   (T3) now and then, and after an exchange on a small pivot, b is put into the user's M; if it does
- *        not fit to 1e-9, and before a ray is believed, the table is computed anew ("refreshed"): from
- *        M, the basic variables are exchanged in, each at the row with the largest coefficient
+ *   (T3) now and then, and after an exchange on a small pivot, b is put into the user's M; if it
+ *        does not fit to 1e-9, and before a ray is believed, the table is computed anew
+ *        ("refreshed"): from M, the basic variables are exchanged in, each at the row with the
+ *        largest coefficient
  *   (T4) answers do not carry the table's rounding: b, and c for a ray, are refined with the user's
  *        M, the table serving as approximate inverse
- *   (T5) an answer must have its certificate, a ray must pass dls_lcp_check_ray; if not, once more on
- *        a fresh table, then from the start without (T2), with 1e-14 in (T1) and (T3) more often
+ *   (T5) an answer must have its certificate, a ray must pass dls_lcp_check_ray; if not, once
+ *        more on a fresh table, then from the start without (T2), with 1e-14 in (T1) and (T3)
+ *        more often
  *
- * A ray (z, z0) + t (dz, dz0) with v = dz a Farkas proof (so if M is copositive-plus) means that there
- * is no solution. Another ray means nothing: unless the user chose d, other vectors d are tried.
+ * A ray (z, z0) + t (dz, dz0) with v = dz a Farkas proof (so if M is copositive-plus) means that
+ * there is no solution. Another ray means nothing: unless the user chose d, other vectors d are
+ * tried.
  *
  * Cost: 2 n^2 flops per exchange at the rate of dgemm, and O(64 n); memory n (n + 1) + 220 n. The
  * number of exchanges can be 2^n (Murty) and usually is n/2 to 3 n.
@@ -184,7 +189,7 @@ dls_status dls_lemke_create(dls_lemke **out, int n, const dls_lemke_settings *se
   *w = sizes;
   arena = (dlsi_arena){.base = memory + head, .size = arena.used};
   carve(w, &arena);
-  if (w->given) memcpy(w->given, settings->cover, (size_t)n * sizeof *w->given);
+  if (settings->cover) memcpy(w->given, settings->cover, (size_t)n * sizeof *w->given);
   w->settings.cover = w->given;
   *out = w;
   return DLS_OK;
@@ -211,7 +216,7 @@ static int complement(int n, int v) {
   return v < n ? v + n : v - n;
 }
 
-/* 2^round(e), kept within the range where products with it neither over- nor underflow by themselves */
+/* 2^round(e), held back to where it can be multiplied with anything of size 1 twice */
 static double power_of_two(double e) {
   return ldexp(1, (int)lrint(e < -500 ? -500 : e > 500 ? 500 : e));
 }
@@ -324,7 +329,8 @@ static void read_values(const dlsi_table *t, const double *b, int entering, doub
   if (entering >= 0) x[entering] = 1;
 }
 
-/* (T4) With residual f, y_i out of the basis is f_i instead of 0: it has to move by -f_i, which moves
+/* (T4) With residual f, y_i out of the basis is f_i instead of 0: it has to move by -f_i, which
+ *      moves
  * the basic variables along; y_i in the basis takes up its f_i by itself. */
 static void refine(dls_lemke *w, const dls_lcp *lcp, double *x, double h) {
   const dlsi_table *t = &w->table;
@@ -363,8 +369,8 @@ static int keep_smallest(int count, int *rows, const double *value) {
   return kept;
 }
 
-/* value_k := (L5) / -c_i for the rows i = rows[k]: the coefficient of e^(j+2) is -a_is if y_j stands in
- * column s, 1 if it is basic in row i; a: n doubles */
+/* value_k := (L5) / -c_i for the rows i = rows[k]: the coefficient of e^(j+2) is -a_is if y_j
+ * stands in column s, 1 if it is basic in row i; a: n doubles */
 static void perturbation(const dlsi_table *t, int j, int count, const int *rows, const double *c,
                          double *a, double *value) {
   if (t->where[j] < 0) dlsi_table_column(t, -1 - t->where[j], a);

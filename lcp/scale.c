@@ -1,7 +1,7 @@
 /*
- * scale.c: the scaling of an LCP. For positive diagonal R, C the problem (R M C, R q) has the solutions
- * C^-1 z, R^-1 y: complementarity does not see positive factors, the tolerances of a pivoting method
- * do.
+ * scale.c: the scaling of an LCP. For positive diagonal R, C the problem (R M C, R q) has the
+ * solutions C^-1 z, R^-1 y: complementarity does not see positive factors, the tolerances of a
+ * pivoting method do.
  *
  * Least squares in the logarithms (Curtis and Reid, J. Inst. Maths Applics 10, 1972, 118-124):
  *
@@ -11,10 +11,10 @@
  *   (S1) rho_i   = -mean_j( log2|M_ij| + gamma_j )
  *   (S2) gamma_j = -mean_i( log2|M_ij| + rho_i )
  *   (S3) rho_i += t, gamma_j -= t, so that both have the same mean
- * exact after one round if M has no zero, and after any number of rounds M -> a R M gives the same
- * R M C. Rows or columns of zeros get the mean of the others, so that a change of units moves them
- * along. One round if M has no zero, else two: one pass over M, or four. The logarithms are taken of
- * products of mantissas, one per row or column and 512 entries.
+ * exact after one round if M has no zero, and after any number of rounds M -> a R M gives the
+ * same R M C. Rows or columns of zeros get the mean of the others, so that a change of units
+ * moves them along. One round if M has no zero, else two: one pass over M, or four. The
+ * logarithms are taken of products of mantissas, one per row or column and 512 entries.
  */
 #include <math.h>
 #include <stdint.h>
@@ -33,8 +33,8 @@ static double split(double x, double *m) {
   return e;
 }
 
-/* L_i := sum_j log2|M_ij|, K_j := sum_i log2|M_ij| over the entries that are not 0, and how many there
- * are in each row and column; product: n doubles. Returns 1 if M has a zero, else 0. */
+/* L_i := sum_j log2|M_ij|, K_j := sum_i log2|M_ij| over the entries that are not 0, and how many
+ * there are in each row and column; product: n doubles. Returns 1 if M has a zero, else 0. */
 static int sum_logarithms(const dls_lcp *lcp, double *L, double *K, int *in_row, int *in_column,
                           double *product) {
   const int n = lcp->n;

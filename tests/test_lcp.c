@@ -1,4 +1,5 @@
-/* test_lcp.c: the LCP, its certificate, the checks of proofs, and the 2D contact problem as an LCP. */
+/* test_lcp.c: the LCP, its certificate, the checks of proofs, and the 2D contact problem as an
+ * LCP. */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>

@@ -69,11 +69,12 @@ static dls_status solve(int n, const double *M, const double *q, const dls_lemke
   return status;
 }
 
-/* ---- the oracle: all 2^n bases ----------------------------------------------------------------- */
+/* ---- the oracle: all 2^n bases --------------------------------------------------------------- */
 
 enum { small = 8 };
 
-/* Solves the k x k system A x = b in place by Gauss with full search of the column; 0 if singular. */
+/* Solves the k x k system A x = b in place by Gauss with full search of the column; 0 if
+ * singular. */
 static int gauss(int k, double *A, double *x) {
   for (int p = 0; p < k; p++) {
     int r = p;
@@ -134,7 +135,7 @@ static int enumerate(int n, const double *M, const double *q, double slack, doub
   return found;
 }
 
-/* ---- by hand ----------------------------------------------------------------------------------- */
+/* ---- by hand --------------------------------------------------------------------------------- */
 
 START_TEST(size_one) {
   static const struct {
@@ -338,7 +339,7 @@ START_TEST(murty) {
 }
 END_TEST
 
-/* ---- against the oracle ------------------------------------------------------------------------ */
+/* ---- against the oracle ---------------------------------------------------------------------- */
 
 START_TEST(p_matrices) {
   for (int trial = 0; trial < 300; trial++) {
@@ -363,7 +364,7 @@ START_TEST(p_matrices) {
 }
 END_TEST
 
-/* Small integers: degenerate and singular at every turn. No claim may contradict the enumeration. */
+/* Small integers: degenerate and singular at every turn. No claim may contradict the oracle. */
 START_TEST(any_matrix) {
   int count[6] = {0};
   for (int trial = 0; trial < 3000; trial++) {
@@ -425,7 +426,7 @@ START_TEST(semidefinite) {
 }
 END_TEST
 
-/* ---- larger ------------------------------------------------------------------------------------ */
+/* ---- larger ---------------------------------------------------------------------------------- */
 
 /* M = A A^T / n + 0.1 I + skew part */
 static void spd_and_skew(int n, double *M, double *q) {
@@ -461,9 +462,10 @@ START_TEST(hundred_unknowns) {
 }
 END_TEST
 
-/* Rigid bodies: W = J^T J, q = J^T v, so that every problem has a solution, found by Lemke's method
- * [Cottle, Pang, Stone 4.4]. Columns: r_n, beta+, beta-, lambda per contact (Stewart and Trinkle):
- * y = (u_n, u_t + lambda, -u_t + lambda, mu r_n - beta+ - beta-). J of small integers: degenerate. */
+/* Rigid bodies: W = J^T J, q = J^T v, so that every problem has a solution, found by Lemke's
+ * method [Cottle, Pang, Stone 4.4]. Columns: r_n, beta+, beta-, lambda per contact (Stewart and
+ * Trinkle): y = (u_n, u_t + lambda, -u_t + lambda, mu r_n - beta+ - beta-). J of small integers:
+ * degenerate. */
 START_TEST(stewart_trinkle) {
   for (int trial = 0; trial < 400; trial++) {
     const int nc = integer(2, 12), n = 4 * nc, dof = integer(2, 2 * nc);
@@ -516,8 +518,8 @@ static void contact_problem(int nc, double *W, double *q, double *mu) {
   }
 }
 
-/* A contact problem with W symmetric positive definite has a solution; where the first d ends in a ray,
- * another one finds it. */
+/* A contact problem with W symmetric positive definite has a solution; where the first d ends in
+ * a ray, another one finds it. */
 START_TEST(very_large_friction) {
   int restarted = 0;
   for (int trial = 0; trial < 300; trial++) {
@@ -643,7 +645,7 @@ START_TEST(same_bits_and_reuse) {
 }
 END_TEST
 
-/* ---- limits ------------------------------------------------------------------------------------ */
+/* ---- limits ---------------------------------------------------------------------------------- */
 
 typedef struct watcher {
   int calls, stop_at, last;

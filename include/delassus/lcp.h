@@ -29,7 +29,8 @@ DLS_API DLS_MUST_USE dls_status dls_lcp_check(const dls_lcp *lcp, dls_error *err
  *
  *   F_i = min( s_i z_i, y_i ),   y = M z + q recomputed,   residual = |F|_2 / |q|_2
  *
- * floor = eps | |M||z| | / |q|. Where q = 0, | |M||z| | takes the place of |q|; z = 0 has residual 0. */
+ * floor = eps | |M||z| | / |q|. Where q = 0, | |M||z| | takes the place of |q|; z = 0 has
+ * residual 0. */
 typedef struct dls_lcp_certificate {
   double residual;
   double floor;
@@ -46,21 +47,22 @@ DLS_API DLS_MUST_USE dls_status dls_lcp_certify(const dls_lcp *lcp, const double
 /* 1 if residual <= max(tol, 4 floor), else 0; NaN gives 0. */
 DLS_API int dls_lcp_certificate_holds(const dls_lcp_certificate *certificate, double tol);
 
-/* ---- Lemke ---------------------------------------------------------------------------------- */
+/* ---- Lemke ----------------------------------------------------------------------------------- */
 
-/* Lemke's method follows y = M z + d z0 + q from large z0 down to z0 = 0, one exchange ("pivot") at a
- * time, y_i or z_i being 0 for every i; d > 0 is the covering vector ([C] (42) has d = 1). It ends
- * because the exchanges are lexicographic (proof in lcp/lemke.c): at z0 = 0, which is a solution, or
- * in a ray, along which it cannot decide. */
+/* Lemke's method follows y = M z + d z0 + q from large z0 down to z0 = 0, one exchange ("pivot")
+ * at a time, y_i or z_i being 0 for every i; d > 0 is the covering vector ([C] (42) has d = 1).
+ * It ends because the exchanges are lexicographic (proof in lcp/lemke.c): at z0 = 0, which is a
+ * solution, or in a ray, along which it cannot decide. */
 typedef struct dls_lemke_settings {
   size_t size;              /* set by init; settings without it are refused */
   double tol;               /* on the certificate's residual; >= 0; 1e-8 */
   int max_iterations;       /* pivots; 0: 50 n + 1000; 0 */
   dls_progress_fn progress; /* every 50 pivots; NULL for none; NULL */
   void *progress_data;
-  const double *cover; /* d, n of create, each > 0; copied. NULL: d_i = the geometric mean of the
-                          entries of row i of M that are not 0, after the columns have been scaled to
-                          a mean of 1, and where that ends in a ray, other multiples of it; NULL */
+  /* d, n of create, each > 0; copied. NULL: one over the row factors that bring the geometric
+   * mean of every row and column of |M| near 1; where that ends in a ray without a proof, up to
+   * nine more, it times factors between 1/32 and 32. NULL */
+  const double *cover;
 } dls_lemke_settings;
 
 DLS_API void dls_lemke_settings_init(dls_lemke_settings *settings);
@@ -82,47 +84,50 @@ DLS_API DLS_MUST_USE dls_status dls_lemke_create(dls_lemke **out, int n,
                                                  const dls_lemke_settings *settings,
                                                  dls_error *error);
 
-/* z (n) >= 0 and y (n, or NULL) = M z + q, recomputed; neither may overlap the other or the problem.
- * Allocates nothing.
+/* z (n) >= 0 and y (n, or NULL) = M z + q, recomputed; neither may overlap the other or the
+ * problem. Allocates nothing.
  *   DLS_OK              z is a solution: dls_lcp_certificate_holds
- *   DLS_NO_SOLUTION     no z >= 0 has M z + q >= 0; dls_lemke_farkas gives the proof, a vector whose
- *                       violation in dls_lcp_check_farkas is at most 1e-14 (n + 10)
- *   DLS_RAY             the path ended in a ray; dls_lemke_ray gives it, to the same tolerance. Whether there is a solution
- *                       is not known, unless theory adds something: if M is copositive-plus (positive
- *                       semidefinite, say), a ray means that there is none
+ *   DLS_NO_SOLUTION     no z >= 0 has M z + q >= 0; dls_lemke_farkas gives the proof, a vector
+ *                       whose violation in dls_lcp_check_farkas is at most 1e-14 (n + 10)
+ *   DLS_RAY             the path ended in a ray; dls_lemke_ray gives it, to the same tolerance.
+ *                       Whether there is a solution is not known, unless theory adds something:
+ *                       if M is copositive-plus (positive semidefinite, say), a ray means that
+ *                       there is none
  *   DLS_MAX_ITERATIONS, DLS_CANCELLED
  *   DLS_STALLED         rounding: an answer or a ray was reached that cannot be confirmed
- * or an error of dls_lcp_check. With a status > 0, z is the point with the smallest residual met. */
+ * or an error of dls_lcp_check. With a status > 0, z is the best point that was met:
+ * the one with the smallest residual. */
 DLS_API DLS_MUST_USE dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z,
                                                 double *y, dls_lemke_info *info, dls_error *error);
 
-/* After DLS_RAY or DLS_NO_SOLUTION: the ray z + t dz, z0 + t dz0, t >= 0, [C] (49), the largest dz_j
- * being 1, and the covering vector it belongs to. z, dz, cover: n of the last problem, each NULL if not wanted; so z0, dz0.
- * DLS_E_ARGUMENT if the last solve did not end so. */
+/* After DLS_RAY or DLS_NO_SOLUTION: the ray z + t dz, z0 + t dz0, t >= 0, [C] (49), the largest
+ * dz_j being 1, and the covering vector it belongs to. z, dz, cover: n of the last problem, each
+ * NULL if not wanted; so z0, dz0. DLS_E_ARGUMENT if the last solve did not end so. */
 DLS_API DLS_MUST_USE dls_status dls_lemke_ray(const dls_lemke *workspace, double *z, double *z0,
                                               double *dz, double *dz0, double *cover,
                                               dls_error *error);
 
-/* After DLS_NO_SOLUTION: v (n), see dls_lcp_check_farkas. DLS_E_ARGUMENT if the last solve did not end
- * so. */
+/* After DLS_NO_SOLUTION: v (n), see dls_lcp_check_farkas. DLS_E_ARGUMENT if the last solve did
+ * not end so. */
 DLS_API DLS_MUST_USE dls_status dls_lemke_farkas(const dls_lemke *workspace, double *v,
                                                  dls_error *error);
 
 /* NULL is fine. */
 DLS_API void dls_lemke_destroy(dls_lemke *workspace);
 
-/* ---- proofs, checked in O(n^2) ---------------------------------------------------------------- */
+/* ---- proofs, checked in O(n^2) --------------------------------------------------------------- */
 
-/* *violation := how far (z, z0), (dz, dz0) are from a secondary ray of LCP(M, q) with covering vector
- * `cover` (n, > 0): with y = M z + d z0 + q, dy = M dz + d dz0, it asks that
+/* *violation := how far (z, z0), (dz, dz0) are from a secondary ray of LCP(M, q) with covering
+ * vector `cover` (n, > 0): with y = M z + d z0 + q, dy = M dz + d dz0, it asks that
  *
- *   z, y, dz, dy >= 0,  dz0 >= 0,  z_i y_i = z_i dy_i = dz_i y_i = dz_i dy_i = 0,  z0 > 0,  dz != 0.
+ *   z, y, dz, dy >= 0,  dz0 >= 0,  z_i y_i = z_i dy_i = dz_i y_i = dz_i dy_i = 0,  z0 > 0,
+ *   dz != 0.
  *
- * (With dz = 0 it would be the primary ray, which every problem has; with z0 = 0, z is a solution.)
- * With s_i of the certificate, y_i and s_i z_i are measured against max( s_i |z_i|, (|M||z| + d z0 +
- * |q|)_i ), dy_i and s_i dz_i against max( s_i |dz_i|, (|M||dz| + d dz0)_i ), a product a b as
- * min(a, b); the largest counts. 0 for a perfect ray, about 1e-15 for one in double
- * precision, infinite if z0 <= 0, dz0 < 0 or dz = 0. Allocates 6 n doubles. */
+ * (With dz = 0 it would be the primary ray, which every problem has; with z0 = 0, z is a
+ * solution.) With s_i of the certificate, y_i and s_i z_i are measured against max( s_i |z_i|,
+ * (|M||z| + d z0 + |q|)_i ), dy_i and s_i dz_i against max( s_i |dz_i|, (|M||dz| + d dz0)_i ), a
+ * product a b as min(a, b); the largest counts. 0 for a perfect ray, about 1e-15 for one in
+ * double precision, infinite if z0 <= 0, dz0 < 0 or dz = 0. Allocates 6 n doubles. */
 DLS_API DLS_MUST_USE dls_status dls_lcp_check_ray(const dls_lcp *lcp, const double *cover,
                                                   const double *z, double z0, const double *dz,
                                                   double dz0, double *violation, dls_error *error);
@@ -143,17 +148,17 @@ DLS_API DLS_MUST_USE dls_status dls_lcp_check_farkas(const dls_lcp *lcp, const d
 /* Rows of the LCP of a 2D contact problem: 3 for a candidate with mu > 0, 1 for one with mu = 0;
  * per candidate, z = (r_n, phi_2, lambda_2), y = (u_n, lambda_1, phi_1), with
  *
- *   phi_1 = mu r_n - r_t,  phi_2 = mu r_n + r_t,  u_t = lambda_1 - lambda_2   ([C] (39), sign of (21))
+ *   phi_1 = mu r_n - r_t,  phi_2 = mu r_n + r_t,  u_t = lambda_1 - lambda_2   [C] (39), (21)
  *
  * so that M_cc = ( W_nn - mu W_nt   W_nt   0 ;  W_tn - mu W_tt   W_tt   1 ;  2 mu   -1   0 ) and
- * q_c = (q_n, q_t, 0). A frictionless problem is LCP(W_nn, q_n). Returns 0 for NULL, unless d = 2, and
- * where the size does not fit an int. */
+ * q_c = (q_n, q_t, 0). A frictionless problem is LCP(W_nn, q_n). Returns 0 for NULL,
+ * unless d = 2, and where the size does not fit an int. */
 DLS_API int dls_contact_lcp_size(const dls_contact *problem);
 
 /* M (n x n, leading dimension ldm >= n) and q (n) := the LCP above, n = dls_contact_lcp_size, in
  * scaled unknowns r_c = s_c r'_c, u_c = u'_c / s_c; s (nc, each > 0) or NULL for none.
- * s_c = 1 / sqrt(w_c) makes the diagonal blocks of W of size 1. M and q must not overlap each other,
- * s or the problem; rows n .. ldm-1 of M are left alone. DLS_E_UNSUPPORTED unless d = 2. */
+ * s_c = 1 / sqrt(w_c) makes the diagonal blocks of W of size 1. M and q must not overlap each
+ * other, s or the problem; rows n .. ldm-1 of M are left alone. DLS_E_UNSUPPORTED unless d = 2. */
 DLS_API DLS_MUST_USE dls_status dls_contact_to_lcp(const dls_contact *problem, const double *s,
                                                    double *M, int ldm, double *q, dls_error *error);
 
