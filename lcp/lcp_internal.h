@@ -36,7 +36,7 @@ void dlsi_lcp_equilibrate(const dls_lcp *lcp, double *rho, double *gamma, double
 
 /* ---- table.c --------------------------------------------------------------------------------- */
 
-enum { dlsi_table_block = 64 }; /* exchanges put off */
+enum { dlsi_table_block = 96 }; /* exchanges put off */
 
 /* Variables are numbered: y_i is i, z_i is n + i, z0 is 2 n. See table.c for (E3), (E4). */
 typedef struct dlsi_table {

@@ -49,7 +49,7 @@
  * there is no solution. Another ray means nothing: unless the user chose d, other vectors d are
  * tried.
  *
- * Cost: 2 n^2 flops per exchange at the rate of dgemm, and O(64 n); memory n (n + 1) + 220 n. The
+ * Cost: 2 n^2 flops per exchange at the rate of dgemm, and O(96 n); memory n (n + 1) + 320 n. The
  * number of exchanges can be 2^n (Murty) and usually is n/2 to 3 n.
  */
 #include <float.h>

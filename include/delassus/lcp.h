@@ -78,7 +78,7 @@ typedef struct dls_lemke_info {
 typedef struct dls_lemke dls_lemke; /* workspace for n <= the n of create */
 
 /* *out = new workspace, NULL on error; the settings and the cover are copied. It holds
- * n (n + 1) + 220 n doubles or so. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE (cover),
+ * n (n + 1) + 320 n doubles or so. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE (cover),
  * DLS_E_SETTINGS, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_lemke_create(dls_lemke **out, int n,
                                                  const dls_lemke_settings *settings,
