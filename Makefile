@@ -134,7 +134,7 @@ $(BUILD)/obj/tests/test_files.o: CPPFLAGS += $(HDF5_CFLAGS)
 
 .PHONY: check
 check: deps
-	@$(MAKE) --no-print-directory check-build
+	@$(MAKE) --no-print-directory check-symbols check-build
 
 .PHONY: check-build
 check-build: all $(TESTS)
