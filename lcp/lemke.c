@@ -69,7 +69,7 @@ static const double lex_tolerance = 1e-9;    /* (R2), (R3): relative */
 static const double small_pivot = 1e-8;      /* (T3), to max|c| */
 static const double misfit_tolerance = 1e-9; /* (T3), to 1 + max|b|; max|q| is about 1 */
 static const double proof_tolerance = 1e-14; /* of a ray or a Farkas vector, times n + 10 */
-static const double sharp = 1e-13;           /* a residual that calls for no second look */
+static const double sharp = 1e-12;           /* a residual that calls for no second look */
 
 enum { progress_interval = 50, check_interval = 256, strict_check_interval = 32 }; /* pivots */
 enum { covers = 10 };
@@ -221,21 +221,35 @@ static double power_of_two(double e) {
   return ldexp(1, (int)lrint(e < -500 ? -500 : e > 500 ? 500 : e));
 }
 
+/* cover := R d; without a given d, that is the norms of the rows of R M C, C = 2^gamma not rounded, so
+ * that units do not change it */
+static void scale_cover(dls_lemke *w, const dls_lcp *lcp, const double *gamma) {
+  const int n = lcp->n;
+  double *d = w->cover;
+  for (int i = 0; i < n; i++)
+    d[i] = w->given ? w->R[i] * w->given[i] : 0;
+  for (int j = 0; !w->given && j < n; j++) {
+    const double *m = lcp->M.a + (size_t)j * (size_t)lcp->M.ld, c = exp2(gamma[j]);
+    for (int i = 0; i < n; i++)
+      d[i] += (w->R[i] * m[i] * c) * (w->R[i] * m[i] * c);
+  }
+  for (int i = 0; !w->given && i < n; i++)
+    d[i] = d[i] > 0 ? sqrt(d[i]) : 1;
+}
+
 static void scale_problem(dls_lemke *w, const dls_lcp *lcp) {
   const int n = lcp->n;
-  double most = 0;
-  dlsi_lcp_equilibrate(lcp, w->R, w->C, w->work, w->rows);
+  double *rho = w->R, *gamma = w->C;
+  dlsi_lcp_equilibrate(lcp, rho, gamma, w->work, w->rows);
   for (int i = 0; i < n; i++) {
-    const double rho = w->R[i];
-    w->R[i] = power_of_two(rho);
-    w->C[i] = power_of_two(w->C[i]);
-    w->cover[i] = w->R[i] * (w->settings.cover ? w->settings.cover[i] : exp2(-rho));
+    w->R[i] = power_of_two(rho[i]);
     w->q[i] = w->R[i] * lcp->q[i];
   }
+  scale_cover(w, lcp, gamma);
   w->sigma = power_of_two(-log2(largest(n, w->cover)));
-  most = largest(n, w->q);
-  w->kappa = power_of_two(log2(most));
+  w->kappa = power_of_two(log2(largest(n, w->q)));
   for (int i = 0; i < n; i++) {
+    w->C[i] = power_of_two(gamma[i]);
     w->cover[i] *= w->sigma;
     w->q[i] /= w->kappa;
   }

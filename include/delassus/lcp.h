@@ -59,9 +59,9 @@ typedef struct dls_lemke_settings {
   int max_iterations;       /* pivots; 0: 50 n + 1000; 0 */
   dls_progress_fn progress; /* every 50 pivots; NULL for none; NULL */
   void *progress_data;
-  /* d, n of create, each > 0; copied. NULL: one over the row factors that bring the geometric
-   * mean of every row and column of |M| near 1; where that ends in a ray without a proof, up to
-   * nine more, it times factors between 1/32 and 32. NULL */
+  /* d, n of create, each > 0; copied. NULL: the norms of the rows of M C, for column factors C
+   * such that some row factors and they bring the entries of M near 1; where this d ends in a ray
+   * without a proof, up to nine more, it times factors between 1/32 and 32. NULL */
   const double *cover;
 } dls_lemke_settings;
 
