@@ -1,11 +1,17 @@
 /*
  * delassus.h: the whole library in one include.
  *
- *   status.h     statuses and errors             lcp.h       LCP(M, q), Lemke, 2D contact as an LCP
- *   matrix.h     views of matrices               pivoting.h  LCP: principal pivoting, enumeration
- *   contact.h    the problem, its certificate    nlgs.h      projected Gauss-Seidel
- *   reduction.h  K, f, H -> W, q and back        solve.h     one call for any method
- *   info.h       progress and outcome            files.h     FCLIB and Matrix Market files
+ *   status.h     statuses and errors
+ *   matrix.h     views of matrices
+ *   contact.h    the problem and its certificate
+ *   reduction.h  K, f, H -> W, q and back
+ *   info.h       progress and outcome
+ *   solve.h      one call for any method
+ *   nlgs.h       projected Gauss-Seidel
+ *   lcp.h        LCP(M, q), Lemke, 2D contact as an LCP
+ *   facets.h     contact on a cone with facets as an LCP
+ *   pivoting.h   LCP: principal pivoting, enumeration
+ *   files.h      FCLIB and Matrix Market files
  *
  * delassus/fe.h, the finite element module of the benchmark scenes, is a library of its own.
  */
@@ -13,6 +19,7 @@
 #define DELASSUS_H
 
 #include "delassus/contact.h"
+#include "delassus/facets.h"
 #include "delassus/files.h"
 #include "delassus/info.h"
 #include "delassus/lcp.h"

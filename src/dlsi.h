@@ -88,4 +88,29 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
                           const double *a, const double *w, double *F,
                           dls_certificate *certificate);
 
+/* ---- Newton's method, vi/polish.c ------------------------------------------------------------- */
+
+/* The derivative of a candidate's projection, (N1). */
+typedef struct dlsi_slope {
+  dls_contact_state state;
+  double t[2];   /* direction of slip */
+  double shrink; /* R / |v_t| */
+} dlsi_slope;
+
+/* Memory of the caller, who may use it for something else in between; m = d nc. */
+typedef struct dlsi_polish_work {
+  double *J;         /* m x m */
+  double *x;         /* m */
+  double *best;      /* m */
+  int *pivot;        /* m */
+  dlsi_slope *slope; /* nc */
+} dlsi_polish_work;
+
+/* Newton's method from r until dls_certificate_holds(certificate, tol), or there is no further progress.
+ * w: weights of the certificate. In and out: r (m), finite, with its u = W r + q, a = |W||r|, F and
+ * certificate as dlsi_contact_measure has them; out, those of the r with the smallest residual met. */
+void dlsi_polish(const dls_contact *problem, double tol, const double *w,
+                 const dlsi_polish_work *work, double *r, double *u, double *a, double *F,
+                 dls_certificate *certificate);
+
 #endif

@@ -7,21 +7,28 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "delassus/facets.h"
 #include "delassus/lcp.h"
 #include "delassus/nlgs.h"
 #include "delassus/solve.h"
 #include "dlsi.h"
+
+/* 2D: largest 4-row form to have room for */
+enum { default_facets = 8, most_fallback_rows = 4000 };
 
 struct dls_solver {
   dls_solver_settings settings;
   int d, nc;
   dls_nlgs *nlgs;            /* DLS_NLGS */
   dls_lemke *lemke;          /* DLS_LEMKE, with the LCP that it solves: */
+  int facets;                /* of the cone; d = 2: 2 */
+  int n;                     /* rows there is room for */
   void *memory;              /* of the arrays below */
-  double *M, *q;             /* n x n, n; n = 3 nc */
+  double *M, *q;             /* n x n, n */
   double *z;                 /* n */
   double *s;                 /* scales r_c = s_c r'_c, nc */
   double *r, *u, *a, *F, *w; /* m, m, m, m, nc */
+  dlsi_polish_work polish;   /* J is M, which no one needs by then */
 };
 
 static const struct {
@@ -67,11 +74,15 @@ static dls_status check_settings(const char *function, const dls_solver_settings
   if (s->max_iterations < 0)
     return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings.max_iterations", -1,
                      s->max_iterations, "is negative");
+  if (s->facets && (s->facets < 4 || s->facets > DLS_FACETS_MAX || s->facets % 2))
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings.facets", -1, s->facets,
+                     "is %d, must be even, 4 to %d, or 0", s->facets, DLS_FACETS_MAX);
   return DLS_OK;
 }
 
-static void carve(dls_solver *solver, size_t m, size_t n, size_t nc, dlsi_arena *arena) {
-  const size_t D = sizeof(double);
+static void carve(dls_solver *solver, dlsi_arena *arena) {
+  const size_t D = sizeof(double), n = (size_t)solver->n, nc = (size_t)solver->nc;
+  const size_t m = (size_t)solver->d * nc;
   solver->M = dlsi_take(arena, n, n * D);
   solver->q = dlsi_take(arena, n, D);
   solver->z = dlsi_take(arena, n, D);
@@ -81,31 +92,39 @@ static void carve(dls_solver *solver, size_t m, size_t n, size_t nc, dlsi_arena 
   solver->a = dlsi_take(arena, m, D);
   solver->F = dlsi_take(arena, m, D);
   solver->w = dlsi_take(arena, nc, D);
+  dlsi_polish_work *p = &solver->polish;
+  p->J = solver->M; /* n >= m */
+  p->x = dlsi_take(arena, m, D);
+  p->best = dlsi_take(arena, m, D);
+  p->pivot = dlsi_take(arena, m, sizeof *p->pivot);
+  p->slope = dlsi_take(arena, nc, sizeof *p->slope);
 }
 
 static dls_status create_lemke(dls_solver *solver, dls_error *error) {
-  const size_t nc = (size_t)solver->nc, m = 2 * nc, n = 3 * nc;
-  if (solver->d != 2)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, "dls_solver_create", "settings.method", -1, 0,
-                     "lemke is for d = 2");
-  if (n > INT32_MAX)
+  const long long nc = solver->nc;
+  const int given = solver->settings.facets;
+  solver->facets = solver->d == 2 ? 2 : given ? given : default_facets;
+  long long n = (solver->facets + 2) * nc;
+  if (solver->d == 2 && n > most_fallback_rows) n = 3 * nc; /* no room for the 4-row form */
+  if (n > INT32_MAX / 4)
     return dlsi_fail(error, DLS_E_SIZE, "dls_solver_create", "nc", -1, solver->nc, "is too large");
+  solver->n = (int)n;
   dlsi_arena arena = {0};
-  carve(solver, m, n, nc, &arena);
+  carve(solver, &arena);
   arena.size = arena.used;
   solver->memory = arena.failed ? NULL : dlsi_alloc(arena.size, 1);
   if (!solver->memory)
     return dlsi_fail(error, DLS_E_MEMORY, "dls_solver_create", "", -1, 0, "out of memory");
   arena.base = solver->memory;
   arena.used = 0;
-  carve(solver, m, n, nc, &arena);
+  carve(solver, &arena);
   dls_lemke_settings s;
   dls_lemke_settings_init(&s);
   s.tol = solver->settings.tol;
   s.max_iterations = solver->settings.max_iterations;
   s.progress = solver->settings.progress;
   s.progress_data = solver->settings.progress_data;
-  return dls_lemke_create(&solver->lemke, (int)n, &s, error);
+  return dls_lemke_create(&solver->lemke, solver->n, &s, error);
 }
 
 static dls_status create_nlgs(dls_solver *solver, dls_error *error) {
@@ -144,27 +163,52 @@ dls_status dls_solver_create(dls_solver **out, int d, int nc, const dls_solver_s
   return DLS_OK;
 }
 
-/* The contact problem through its LCP in scaled unknowns; the certificate of r decides. */
+/* Solves the LCP of facets (0: the 3-row form) in scaled unknowns; its reactions go to solver->r and are
+ * measured. Returns the status of the LCP, or an error. */
+static dls_status pivot(dls_solver *solver, const dls_contact *problem, int facets, int *pivots,
+                        dls_certificate *certificate, dls_error *error) {
+  const double *s = solver->s;
+  const int n = facets ? dls_contact_facets_size(problem, facets) : dls_contact_lcp_size(problem);
+  dls_status status =
+      facets ? dls_contact_to_facets_lcp(problem, facets, s, solver->M, n, solver->q, error)
+             : dls_contact_to_lcp(problem, s, solver->M, n, solver->q, error);
+  if (status) return status;
+  const dls_lcp lcp = {n, {n, n, n, solver->M}, solver->q};
+  dls_lemke_info info;
+  status = dls_lemke_solve(solver->lemke, &lcp, solver->z, NULL, &info, error);
+  if (status < 0) return status;
+  *pivots += info.pivots;
+  const dls_status mapped =
+      facets ? dls_contact_from_facets_lcp(problem, facets, s, solver->z, solver->r, error)
+             : dls_contact_from_lcp(problem, s, solver->z, solver->r, error);
+  if (mapped) return mapped;
+  dlsi_contact_multiply(problem, solver->r, solver->u, solver->a);
+  dlsi_contact_measure(problem, solver->r, solver->u, solver->a, solver->w, solver->F, certificate);
+  return status;
+}
+
+/* d = 2: the 3-row form, after a ray the 4-row form. d = 3: the faceted cone. Then Newton's method
+ * takes the answer to the round cone, or to the tolerance. The certificate decides. */
 static dls_status solve_by_lemke(dls_solver *solver, const dls_contact *problem, double *r,
                                  double *u, dls_info *info, dls_error *error) {
-  const size_t m = 2 * (size_t)problem->nc;
-  const int n = dls_contact_lcp_size(problem);
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const double tol = solver->settings.tol;
+  int pivots = 0;
+  dls_certificate certificate;
   dlsi_contact_weights(problem, solver->w);
   for (int c = 0; c < problem->nc; c++)
     solver->s[c] = 1 / sqrt(solver->w[c]);
-  dls_status status = dls_contact_to_lcp(problem, solver->s, solver->M, n, solver->q, error);
-  if (status) return status;
-  const dls_lcp lcp = {n, {n, n, n, solver->M}, solver->q};
-  dls_lemke_info pivoting;
-  status = dls_lemke_solve(solver->lemke, &lcp, solver->z, NULL, &pivoting, error);
+  const int flat = problem->d == 2, first = flat ? 0 : solver->facets;
+  dls_status status = pivot(solver, problem, first, &pivots, &certificate, error);
+  if (flat && status == DLS_RAY && dls_contact_facets_size(problem, 2) <= solver->n)
+    status = pivot(solver, problem, 2, &pivots, &certificate, error);
   if (status < 0) return status;
-  const dls_status mapped = dls_contact_from_lcp(problem, solver->s, solver->z, solver->r, error);
-  if (mapped) return mapped;
-  dlsi_contact_multiply(problem, solver->r, solver->u, solver->a);
-  dls_certificate certificate;
-  dlsi_contact_measure(problem, solver->r, solver->u, solver->a, solver->w, solver->F,
-                       &certificate);
-  if (dls_certificate_holds(&certificate, solver->settings.tol))
+  if (!flat && status == DLS_NO_SOLUTION) status = DLS_RAY; /* the round cone holds more */
+  const int interrupted = status == DLS_MAX_ITERATIONS || status == DLS_CANCELLED;
+  if (!interrupted && status != DLS_NO_SOLUTION)
+    dlsi_polish(problem, tol, solver->w, &solver->polish, solver->r, solver->u, solver->a,
+                solver->F, &certificate);
+  if (dls_certificate_holds(&certificate, tol))
     status = DLS_OK;
   else if (status == DLS_OK)
     status = DLS_STALLED;
@@ -174,7 +218,7 @@ static dls_status solve_by_lemke(dls_solver *solver, const dls_contact *problem,
     memset(info, 0, sizeof *info);
     info->status = status;
     info->method = DLS_LEMKE;
-    info->iterations = pivoting.pivots;
+    info->iterations = pivots;
     info->certificate = certificate;
   }
   return status;

@@ -14,7 +14,7 @@ extern "C" {
 /* The methods for a contact problem; see dls_solve() for choosing one by name. */
 typedef enum dls_method {
   DLS_NLGS = 1, /* projected Gauss-Seidel on the reactions, d = 2 and 3 */
-  DLS_LEMKE = 2 /* complementary pivoting on the LCP, d = 2 */
+  DLS_LEMKE = 2 /* complementary pivoting on the LCP; d = 3 on facets, then Newton steps */
 } dls_method;
 
 /* Passed to the progress callback; valid during the call only. */
@@ -33,7 +33,7 @@ typedef int (*dls_progress_fn)(void *data, const dls_progress *progress);
 typedef struct dls_info {
   dls_status status; /* as returned */
   dls_method method;
-  int iterations;              /* sweeps or pivots */
+  int iterations;              /* sweeps; pivots of all LCPs */
   dls_certificate certificate; /* of the r that is returned */
   int ambiguous; /* nlgs: candidates at the answer whose local problem has several solutions */
 } dls_info;

@@ -11,11 +11,12 @@ extern "C" {
 #endif
 
 typedef struct dls_solver_settings {
-  size_t size;              /* set by init; settings without it are refused */
-  dls_method method;        /* DLS_NLGS */
-  double tol;               /* on the certificate's residual; 1e-8 */
-  int max_iterations;       /* sweeps or pivots; 0: the method's own default; 0 */
-  int warm_start;           /* start from r as passed in, where the method can; 0 */
+  size_t size;        /* set by init; settings without it are refused */
+  dls_method method;  /* DLS_NLGS */
+  double tol;         /* on the certificate's residual; 1e-8 */
+  int max_iterations; /* sweeps, or pivots of each LCP; 0: the method's own default; 0 */
+  int warm_start;     /* start from r as passed in, where the method can; 0 */
+  int facets;         /* Lemke, d = 3: of the friction cone, even, 4 to DLS_FACETS_MAX; 0: 8; 0 */
   dls_progress_fn progress; /* NULL for none */
   void *progress_data;
 } dls_solver_settings;
@@ -29,14 +30,21 @@ DLS_API int dls_method_find(const char *name, dls_method *method);
 /* Workspace for problems of dimension d with at most nc candidates, reused over time steps. */
 typedef struct dls_solver dls_solver;
 
-/* *out = new workspace, NULL on error; the settings are copied. DLS_E_UNSUPPORTED: Lemke with d = 3.
- * Lemke holds the LCP and the table: about 2 (3 nc)^2 doubles. */
+/* *out = new workspace, NULL on error; the settings are copied. DLS_E_ARGUMENT, DLS_E_SIZE,
+ * DLS_E_SETTINGS, DLS_E_MEMORY.
+ *
+ * Lemke solves, for d = 2, the LCP of dls_contact_to_lcp and, where that ends in a ray, the one of
+ * dls_contact_to_facets_lcp; for d = 3 the latter with the facets of the settings. Newton's method
+ * (vi/polish.c) then takes the answer to the round cone, which is what the certificate measures. It holds the LCP and the
+ * table, about 2 n^2 doubles: n = (facets + 2) nc for d = 3; n = 4 nc for d = 2 up to 4 nc = 4000,
+ * beyond that n = 3 nc and a ray is the end. */
 DLS_API DLS_MUST_USE dls_status dls_solver_create(dls_solver **out, int d, int nc,
                                                   const dls_solver_settings *settings,
                                                   dls_error *error);
 
 /* r (m): in, the start if warm_start; out, the reactions. u (m) or NULL: W r + q. info or NULL.
- * Allocates nothing. Statuses of the methods. */
+ * Allocates nothing. Statuses of the methods; of Lemke with d = 3, DLS_RAY and never DLS_NO_SOLUTION:
+ * what is proved of the faceted cone does not bind the round one. */
 DLS_API DLS_MUST_USE dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem,
                                                  double *r, double *u, dls_info *info,
                                                  dls_error *error);

@@ -19,9 +19,10 @@ static void usage(FILE *out) {
       "  or:  delassus solve --lcp [OPTION]... M.mtx q.mtx\n"
       "Solves a contact problem (FCLIB, HDF5; local, or global after its reduction) or an LCP.\n"
       "\n"
-      "  -m, --method=METHOD   nlgs (default) or lemke (2D); an LCP is solved by lemke\n"
+      "  -m, --method=METHOD   nlgs (default) or lemke; an LCP is solved by lemke\n"
       "  -t, --tol=T           tolerance on the certificate's residual (1e-8)\n"
       "  -i, --max-iter=N      limit of sweeps or pivots\n"
+      "  -f, --facets=M        lemke in 3D: facets of the friction cone, even, 4 to 64 (8)\n"
       "  -o, --output=OUT      write the problem with its solution (FCLIB), or z (Matrix Market)\n"
       "  -j, --json            print the outcome as one JSON object\n"
       "  -l, --lcp             the files hold M and q of an LCP\n"
@@ -235,15 +236,19 @@ end:
 /* ---- options --------------------------------------------------------------------------------- */
 
 int command_solve(int argc, char **argv) {
-  static const struct option options[] = {
-      {"method", required_argument, NULL, 'm'},   {"tol", required_argument, NULL, 't'},
-      {"max-iter", required_argument, NULL, 'i'}, {"output", required_argument, NULL, 'o'},
-      {"json", no_argument, NULL, 'j'},           {"lcp", no_argument, NULL, 'l'},
-      {"help", no_argument, NULL, 'h'},           {NULL, 0, NULL, 0}};
+  static const struct option options[] = {{"method", required_argument, NULL, 'm'},
+                                          {"tol", required_argument, NULL, 't'},
+                                          {"max-iter", required_argument, NULL, 'i'},
+                                          {"facets", required_argument, NULL, 'f'},
+                                          {"output", required_argument, NULL, 'o'},
+                                          {"json", no_argument, NULL, 'j'},
+                                          {"lcp", no_argument, NULL, 'l'},
+                                          {"help", no_argument, NULL, 'h'},
+                                          {NULL, 0, NULL, 0}};
   solve_options o = {0};
   dls_solver_settings_init(&o.solver);
   o.solver.progress = show_progress;
-  for (int key; (key = getopt_long(argc, argv, "m:t:i:o:jlh", options, NULL)) != -1;) {
+  for (int key; (key = getopt_long(argc, argv, "m:t:i:f:o:jlh", options, NULL)) != -1;) {
     switch (key) {
     case 'm':
       if (!dls_method_find(optarg, &o.solver.method))
@@ -255,6 +260,9 @@ int command_solve(int argc, char **argv) {
       break;
     case 'i':
       if (!parse_count("max-iter", optarg, &o.solver.max_iterations)) return EXIT_BAD_INPUT;
+      break;
+    case 'f':
+      if (!parse_count("facets", optarg, &o.solver.facets)) return EXIT_BAD_INPUT;
       break;
     case 'o':
       o.out = optarg;
@@ -278,6 +286,8 @@ int command_solve(int argc, char **argv) {
     usage(stderr);
     return EXIT_BAD_INPUT;
   }
+  if (o.solver.facets && (o.lcp || o.solver.method != DLS_LEMKE))
+    return complain("--facets: is for contact problems and lemke");
   watch_interrupt();
   if (!o.lcp) return solve_contact(argv[optind], &o);
   if (o.method_given && o.solver.method != DLS_LEMKE)
