@@ -99,18 +99,15 @@ typedef struct dlsi_slope {
 
 /* Memory of the caller, who may use it for something else in between; m = d nc. */
 typedef struct dlsi_polish_work {
-  double *J;         /* m x m */
-  double *x;         /* m */
-  double *best;      /* m */
-  int *pivot;        /* m */
-  dlsi_slope *slope; /* nc */
+  double *J;                /* m x m */
+  double *u, *a, *x, *best; /* m each */
+  int *pivot;               /* m */
+  dlsi_slope *slope;        /* nc */
 } dlsi_polish_work;
 
-/* Newton's method from r until dls_certificate_holds(certificate, tol), or there is no further progress.
- * w: weights of the certificate. In and out: r (m), finite, with its u = W r + q, a = |W||r|, F and
- * certificate as dlsi_contact_measure has them; out, those of the r with the smallest residual met. */
+/* Newton's method from r (m), finite, until the certificate holds or there is no further progress; r :=
+ * the one with the smallest residual met, r itself included. w: weights of the certificate. */
 void dlsi_polish(const dls_contact *problem, double tol, const double *w,
-                 const dlsi_polish_work *work, double *r, double *u, double *a, double *F,
-                 dls_certificate *certificate);
+                 const dlsi_polish_work *work, double *r);
 
 #endif

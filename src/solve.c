@@ -13,13 +13,17 @@
 #include "delassus/solve.h"
 #include "dlsi.h"
 
-/* 2D: largest 4-row form to have room for */
-enum { default_facets = 8, most_fallback_rows = 4000 };
+enum {
+  default_facets = 8,
+  most_fallback_rows = 4000, /* d = 2: of a 4-row form that create still has room for */
+  polish_sweeps = 30,
+  polish_rounds = 3
+};
 
 struct dls_solver {
   dls_solver_settings settings;
   int d, nc;
-  dls_nlgs *nlgs;            /* DLS_NLGS */
+  dls_nlgs *nlgs;            /* DLS_NLGS; DLS_LEMKE: sweeps between Newton steps */
   dls_lemke *lemke;          /* DLS_LEMKE, with the LCP that it solves: */
   int facets;                /* of the cone; d = 2: 2 */
   int n;                     /* rows there is room for */
@@ -28,7 +32,8 @@ struct dls_solver {
   double *z;                 /* n */
   double *s;                 /* scales r_c = s_c r'_c, nc */
   double *r, *u, *a, *F, *w; /* m, m, m, m, nc */
-  dlsi_polish_work polish;   /* J is M, which no one needs by then */
+  double *best;              /* m */
+  dlsi_polish_work polish;   /* J is M, u and a those above */
 };
 
 static const struct {
@@ -92,8 +97,11 @@ static void carve(dls_solver *solver, dlsi_arena *arena) {
   solver->a = dlsi_take(arena, m, D);
   solver->F = dlsi_take(arena, m, D);
   solver->w = dlsi_take(arena, nc, D);
+  solver->best = dlsi_take(arena, m, D);
   dlsi_polish_work *p = &solver->polish;
   p->J = solver->M; /* n >= m */
+  p->u = solver->u;
+  p->a = solver->a;
   p->x = dlsi_take(arena, m, D);
   p->best = dlsi_take(arena, m, D);
   p->pivot = dlsi_take(arena, m, sizeof *p->pivot);
@@ -124,7 +132,14 @@ static dls_status create_lemke(dls_solver *solver, dls_error *error) {
   s.max_iterations = solver->settings.max_iterations;
   s.progress = solver->settings.progress;
   s.progress_data = solver->settings.progress_data;
-  return dls_lemke_create(&solver->lemke, solver->n, &s, error);
+  const dls_status status = dls_lemke_create(&solver->lemke, solver->n, &s, error);
+  if (status) return status;
+  dls_nlgs_settings sweeps;
+  dls_nlgs_settings_init(&sweeps);
+  sweeps.tol = solver->settings.tol;
+  sweeps.max_iterations = polish_sweeps;
+  sweeps.warm_start = 1;
+  return dls_nlgs_create(&solver->nlgs, solver->d, solver->nc, &sweeps, error);
 }
 
 static dls_status create_nlgs(dls_solver *solver, dls_error *error) {
@@ -163,10 +178,22 @@ dls_status dls_solver_create(dls_solver **out, int d, int nc, const dls_solver_s
   return DLS_OK;
 }
 
-/* Solves the LCP of facets (0: the 3-row form) in scaled unknowns; its reactions go to solver->r and are
- * measured. Returns the status of the LCP, or an error. */
+/* Measures solver->r; *best and solver->best keep the one with the smallest residual. */
+static void offer(dls_solver *solver, const dls_contact *problem, dls_certificate *best) {
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  dls_certificate certificate;
+  dlsi_contact_multiply(problem, solver->r, solver->u, solver->a);
+  dlsi_contact_measure(problem, solver->r, solver->u, solver->a, solver->w, solver->F,
+                       &certificate);
+  if (!(certificate.residual < best->residual)) return;
+  *best = certificate;
+  memcpy(solver->best, solver->r, m * sizeof *solver->r);
+}
+
+/* Solves the LCP of facets (0: the 3-row form) in scaled unknowns and offers its reactions. Returns the
+ * status of the LCP, or an error. */
 static dls_status pivot(dls_solver *solver, const dls_contact *problem, int facets, int *pivots,
-                        dls_certificate *certificate, dls_error *error) {
+                        dls_certificate *best, dls_error *error) {
   const double *s = solver->s;
   const int n = facets ? dls_contact_facets_size(problem, facets) : dls_contact_lcp_size(problem);
   dls_status status =
@@ -182,44 +209,63 @@ static dls_status pivot(dls_solver *solver, const dls_contact *problem, int face
       facets ? dls_contact_from_facets_lcp(problem, facets, s, solver->z, solver->r, error)
              : dls_contact_from_lcp(problem, s, solver->z, solver->r, error);
   if (mapped) return mapped;
-  dlsi_contact_multiply(problem, solver->r, solver->u, solver->a);
-  dlsi_contact_measure(problem, solver->r, solver->u, solver->a, solver->w, solver->F, certificate);
+  offer(solver, problem, best);
   return status;
 }
 
-/* d = 2: the 3-row form, after a ray the 4-row form. d = 3: the faceted cone. Then Newton's method
- * takes the answer to the round cone, or to the tolerance. The certificate decides. */
+/* From the best reactions to the round cone by Newton's method; where the states of the candidates
+ * cycle, Gauss-Seidel sweeps sort them out, and again. */
+static dls_status polish(dls_solver *solver, const dls_contact *problem, dls_certificate *best,
+                         dls_error *error) {
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const double tol = solver->settings.tol;
+  memcpy(solver->r, solver->best, m * sizeof *solver->r);
+  for (int round = 1; !dls_certificate_holds(best, tol) && round <= polish_rounds; round++) {
+    if (round > 1) {
+      const dls_status status = dls_nlgs_solve(solver->nlgs, problem, solver->r, NULL, NULL, error);
+      if (status < 0) return status;
+      offer(solver, problem, best);
+    }
+    dlsi_polish(problem, tol, solver->w, &solver->polish, solver->r);
+    offer(solver, problem, best);
+  }
+  return DLS_OK;
+}
+
+/* d = 2: the 3-row form, after a ray the 4-row form. d = 3: the faceted cone. Then what the LCP left
+ * is polished away. The certificate decides. */
 static dls_status solve_by_lemke(dls_solver *solver, const dls_contact *problem, double *r,
                                  double *u, dls_info *info, dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  const double tol = solver->settings.tol;
+  const int flat = problem->d == 2;
   int pivots = 0;
-  dls_certificate certificate;
+  dls_certificate best = {.residual = INFINITY};
   dlsi_contact_weights(problem, solver->w);
+  memset(solver->r, 0, m * sizeof *r);
+  offer(solver, problem, &best);
   for (int c = 0; c < problem->nc; c++)
     solver->s[c] = 1 / sqrt(solver->w[c]);
-  const int flat = problem->d == 2, first = flat ? 0 : solver->facets;
-  dls_status status = pivot(solver, problem, first, &pivots, &certificate, error);
+  dls_status status = pivot(solver, problem, flat ? 0 : solver->facets, &pivots, &best, error);
   if (flat && status == DLS_RAY && dls_contact_facets_size(problem, 2) <= solver->n)
-    status = pivot(solver, problem, 2, &pivots, &certificate, error);
+    status = pivot(solver, problem, 2, &pivots, &best, error);
   if (status < 0) return status;
   if (!flat && status == DLS_NO_SOLUTION) status = DLS_RAY; /* the round cone holds more */
-  const int interrupted = status == DLS_MAX_ITERATIONS || status == DLS_CANCELLED;
-  if (!interrupted && status != DLS_NO_SOLUTION)
-    dlsi_polish(problem, tol, solver->w, &solver->polish, solver->r, solver->u, solver->a,
-                solver->F, &certificate);
-  if (dls_certificate_holds(&certificate, tol))
+  if (status == DLS_OK || status == DLS_RAY || status == DLS_STALLED) {
+    const dls_status polished = polish(solver, problem, &best, error);
+    if (polished) return polished;
+  }
+  if (dls_certificate_holds(&best, solver->settings.tol))
     status = DLS_OK;
   else if (status == DLS_OK)
     status = DLS_STALLED;
-  memcpy(r, solver->r, m * sizeof *r);
-  if (u) memcpy(u, solver->u, m * sizeof *u);
+  memcpy(r, solver->best, m * sizeof *r);
+  if (u) dlsi_contact_multiply(problem, r, u, NULL);
   if (info) {
     memset(info, 0, sizeof *info);
     info->status = status;
     info->method = DLS_LEMKE;
     info->iterations = pivots;
-    info->certificate = certificate;
+    info->certificate = best;
   }
   return status;
 }

@@ -66,8 +66,10 @@ START_TEST(methods_have_names) {
 END_TEST
 
 START_TEST(methods_agree) {
-  for (unsigned seed = 1; seed <= 40; seed++) {
-    const dls_contact p = random_problem(seed);
+  for (unsigned seed = 1; seed <= 80; seed++) {
+    dls_contact p = random_problem(seed);
+    p.d = 2 + (int)(seed % 2); /* m = 24 = 2 * 12 = 3 * 8 */
+    p.nc = M / p.d;
     double r[2][M], u[2][M];
     for (int k = 0; k < 2; k++) {
       const dls_solver_settings s = settings_of(k ? DLS_LEMKE : DLS_NLGS);
@@ -232,8 +234,16 @@ START_TEST(bad_settings_are_refused) {
   ck_assert_int_eq(dls_solver_create(&solver, 2, NC, &s, &e), DLS_E_ARGUMENT);
   ck_assert_int_eq(dls_solver_create(&solver, 1, NC, &good, &e), DLS_E_ARGUMENT);
   ck_assert_int_eq(dls_solver_create(&solver, 2, 0, &good, &e), DLS_E_SIZE);
+  const int facets[] = {-8, 2, 7, 66};
+  for (int k = 0; k < 4; k++) {
+    s = settings_of(DLS_LEMKE), s.facets = facets[k];
+    ck_assert_int_eq(dls_solver_create(&solver, 3, NC, &s, &e), DLS_E_ARGUMENT);
+    ck_assert_str_eq(e.argument, "settings.facets");
+  }
   s = settings_of(DLS_LEMKE);
-  ck_assert_int_eq(dls_solver_create(&solver, 3, NC, &s, &e), DLS_E_UNSUPPORTED);
+  ck_assert_int_eq(dls_solver_create(&solver, 3, 1 << 28, &s, &e), DLS_E_SIZE);
+  ck_assert_str_eq(e.argument, "nc");
+  ck_assert_ptr_null(solver);
   r[0] = 9;
   ck_assert_int_eq(dls_solve(NULL, &good, r, NULL, NULL, &e), DLS_E_ARGUMENT);
   ck_assert_int_eq(dls_solve(&p, &good, NULL, NULL, NULL, &e), DLS_E_ARGUMENT);

@@ -17,8 +17,8 @@
  *
  * eps = 1e-6 keeps J regular where W is not, and leaves F alone: the steps shrink by about eps cond
  * instead of quadratically. If J is singular all the same, eps grows a hundredfold.
- * Stop: the certificate holds (of F in the de Saxce form, not the F above; both vanish together), or
- * 30 steps, or 12 steps without halving the best residual. Full steps only: what is better is kept.
+ * Stop: the certificate holds (it takes F in de Saxce's form; both vanish together), or 30 steps, or 12 steps
+ * that did not halve the residual. Full steps only, uphill ones too; the best r is kept.
  *
  * Cost of a step: an LU of m x m. What can fail: from far away the states may cycle.
  */
@@ -42,9 +42,9 @@ static void apply_slope(int d, double mu, const dlsi_slope *P, double *v) {
     v[i] = mu * n * P->t[i - 1] + P->shrink * (v[i] - along * P->t[i - 1]);
 }
 
-/* F_c of one candidate and the slope of P there */
+/* The slope of P at one candidate; minus_F := -F_c */
 static dlsi_slope slope_of(int d, double mu, double w, const double *r, const double *u,
-                           double *F) {
+                           double *minus_F) {
   double v[3] = {0};
   for (int i = 0; i < d; i++)
     v[i] = w * r[i] - u[i];
@@ -60,9 +60,9 @@ static dlsi_slope slope_of(int d, double mu, double w, const double *r, const do
       P.shrink = R / size;
     }
   }
-  F[0] = v[0] > 0 ? u[0] : w * r[0];
+  minus_F[0] = v[0] > 0 ? -u[0] : -w * r[0];
   for (int i = 1; i < d; i++)
-    F[i] = P.state == DLS_STICK ? u[i] : w * r[i] - R * P.t[i - 1];
+    minus_F[i] = P.state == DLS_STICK ? -u[i] : R * P.t[i - 1] - w * r[i];
   return P;
 }
 
@@ -84,23 +84,29 @@ static void build_jacobian(const dls_contact *problem, const double *w, double e
     }
 }
 
+static dls_certificate measure(const dls_contact *problem, const double *w,
+                               const dlsi_polish_work *work, const double *r) {
+  dls_certificate certificate;
+  dlsi_contact_multiply(problem, r, work->u, work->a);
+  dlsi_contact_measure(problem, r, work->u, work->a, w, work->x, &certificate);
+  return certificate;
+}
+
 void dlsi_polish(const dls_contact *problem, double tol, const double *w,
-                 const dlsi_polish_work *work, double *r, double *u, double *a, double *F,
-                 dls_certificate *certificate) {
+                 const dlsi_polish_work *work, double *r) {
   const size_t d = (size_t)problem->d, nc = (size_t)problem->nc, m = d * nc;
   const int order = (int)m, one = 1;
-  double eps = 1e-6, halved = certificate->residual;
-  dls_certificate now = *certificate;
+  double eps = 1e-6;
+  dls_certificate now = measure(problem, w, work, r);
+  double best = now.residual, halved = best;
   memcpy(work->best, r, m * sizeof *r);
   for (int k = 0, last = 0; k < most_steps && k - last < patience && eps < 1; k++) {
     if (dls_certificate_holds(&now, tol)) break;
-    for (size_t c = 0; c < nc; c++) {
-      work->slope[c] = slope_of((int)d, problem->mu[c], w[c], r + d * c, u + d * c, F + d * c);
-      for (size_t i = 0; i < d; i++)
-        work->x[d * c + i] = -F[d * c + i];
-    }
+    for (size_t c = 0; c < nc; c++) /* (N1), x = -F */
+      work->slope[c] =
+          slope_of((int)d, problem->mu[c], w[c], r + d * c, work->u + d * c, work->x + d * c);
     int info;
-    build_jacobian(problem, w, eps, work->slope, work->J);
+    build_jacobian(problem, w, eps, work->slope, work->J); /* (N2) */
     dgetrf_(&order, &order, work->J, &order, work->pivot, &info);
     if (info) {
       eps *= 100;
@@ -109,11 +115,10 @@ void dlsi_polish(const dls_contact *problem, double tol, const double *w,
     dgetrs_("N", &order, &one, work->J, &order, work->pivot, work->x, &order, &info, 1);
     for (size_t i = 0; i < m; i++) /* (N3) */
       r[i] += work->x[i];
-    dlsi_contact_multiply(problem, r, u, a);
-    dlsi_contact_measure(problem, r, u, a, w, F, &now);
-    if (!(now.residual <= 1e300)) break;
-    if (now.residual < certificate->residual) {
-      *certificate = now;
+    now = measure(problem, w, work, r);
+    if (!isfinite(now.residual)) break;
+    if (now.residual < best) {
+      best = now.residual;
       memcpy(work->best, r, m * sizeof *r);
     }
     if (now.residual <= halved / 2) {
@@ -122,6 +127,4 @@ void dlsi_polish(const dls_contact *problem, double tol, const double *w,
     }
   }
   memcpy(r, work->best, m * sizeof *r);
-  dlsi_contact_multiply(problem, r, u, a);
-  dlsi_contact_measure(problem, r, u, a, w, F, certificate);
 }

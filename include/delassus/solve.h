@@ -34,10 +34,10 @@ typedef struct dls_solver dls_solver;
  * DLS_E_SETTINGS, DLS_E_MEMORY.
  *
  * Lemke solves, for d = 2, the LCP of dls_contact_to_lcp and, where that ends in a ray, the one of
- * dls_contact_to_facets_lcp; for d = 3 the latter with the facets of the settings. Newton's method
- * (vi/polish.c) then takes the answer to the round cone, which is what the certificate measures. It holds the LCP and the
- * table, about 2 n^2 doubles: n = (facets + 2) nc for d = 3; n = 4 nc for d = 2 up to 4 nc = 4000,
- * beyond that n = 3 nc and a ray is the end. */
+ * dls_contact_to_facets_lcp; for d = 3 the latter with the facets of the settings. Where the
+ * certificate does not hold yet, Newton's method takes the answer to the round cone (vi/polish.c). It
+ * holds the LCP and its table, about 2 n^2 doubles: n = (facets + 2) nc for d = 3; n = 4 nc for d = 2
+ * up to 4 nc = 4000, beyond that n = 3 nc, and a ray ends it. */
 DLS_API DLS_MUST_USE dls_status dls_solver_create(dls_solver **out, int d, int nc,
                                                   const dls_solver_settings *settings,
                                                   dls_error *error);
