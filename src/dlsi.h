@@ -106,8 +106,9 @@ typedef struct dlsi_polish_work {
 } dlsi_polish_work;
 
 /* Newton's method from r (m), finite, until the certificate holds or there is no further progress; r :=
- * the one with the smallest residual met, r itself included. w: weights of the certificate. */
-void dlsi_polish(const dls_contact *problem, double tol, const double *w,
-                 const dlsi_polish_work *work, double *r);
+ * the one with the smallest residual met, r itself included. w: weights of the certificate. Returns
+ * the number of steps. */
+int dlsi_polish(const dls_contact *problem, double tol, const double *w,
+                const dlsi_polish_work *work, double *r);
 
 #endif

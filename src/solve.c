@@ -226,7 +226,7 @@ static dls_status polish(dls_solver *solver, const dls_contact *problem, dls_cer
       if (status < 0) return status;
       offer(solver, problem, best);
     }
-    dlsi_polish(problem, tol, solver->w, &solver->polish, solver->r);
+    (void)dlsi_polish(problem, tol, solver->w, &solver->polish, solver->r);
     offer(solver, problem, best);
   }
   return DLS_OK;

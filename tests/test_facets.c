@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "delassus.h"
+#include "dlsi.h"
 #include "malloc_fails.h"
 
 #ifndef TEST_DATA
@@ -175,8 +176,8 @@ START_TEST(free_stick_and_no_friction) {
 END_TEST
 
 /* W positive definite, friction large: mu > W_nn / W_nt = 5/2 in the first (C12a of the catalogue of
- * failures), where r = (1, -2), u = 0 is the only solution. The others are such that the 3-row form ends
- * in a ray from the default covering vector. */
+ * failures), where r = (1, -2), u = 0 is the only solution. The others end in
+ * a ray from the default covering vector; at the end, two where Newton's method cannot help. */
 START_TEST(four_rows_solve_what_three_cannot) {
   static const double w1[4] = {5, 2, 2, 1}, q1[2] = {-1, 0}, mu1[1] = {3}, r1[2] = {1, -2};
   static const double w2[16] = {9, 8, -2, -1, 8, 8, 0, 0, -2, 0, 7, 0, -1, 0, 0, 3};
@@ -200,6 +201,12 @@ START_TEST(four_rows_solve_what_three_cannot) {
     ck_assert_int_eq(dls_solve(p, &s, r, NULL, NULL, NULL), DLS_OK);
     for (int i = 0; i < 2 * p->nc; i++)
       ck_assert_double_eq_tol(r[i], answer[k][i], 1e-13);
+  }
+  for (unsigned seed = 1842; seed <= 2667; seed += 825) {
+    const dls_contact p = random_problem(2, 2, 8, seed);
+    const dls_solver_settings s = lemke_to(1e-12);
+    double r[4];
+    ck_assert_int_eq(dls_solve(&p, &s, r, NULL, NULL, NULL), DLS_OK);
   }
 }
 END_TEST
@@ -369,12 +376,54 @@ START_TEST(random_problems_to_rounding) {
 }
 END_TEST
 
-/* Large friction: where Newton's method cycles, sweeps and more steps get there. */
-START_TEST(large_friction) {
-  for (unsigned seed = 1; seed <= 100; seed++) {
-    const dls_contact p = random_problem(3, NC, 3, seed);
-    const dls_solver_settings s = lemke_to(1e-12);
+/* Newton's method squares the error: from the polygon's 1e-2 to 1e-12 within some steps. A wrong slope
+ * would take tens, or never get there. */
+START_TEST(few_newton_steps) {
+  static double J[MOST * MOST], u[MOST], a[MOST], x[MOST], best[MOST], w[NC];
+  static int order[MOST];
+  static dlsi_slope slope[NC];
+  const dlsi_polish_work work = {J, u, a, x, best, order, slope};
+  int most = 0, sum = 0;
+  for (unsigned seed = 1; seed <= 200; seed++) {
+    const dls_contact p = random_problem(3, NC, 0.6, seed);
     double r[MOST];
+    ck_assert_int_eq(solve_lcp(&p, 8, r), DLS_OK);
+    dlsi_contact_weights(&p, w);
+    const int steps = dlsi_polish(&p, 1e-12, w, &work, r);
+    ck_assert(residual_of(&p, r) <= 1e-12);
+    if (steps > most) most = steps;
+    sum += steps;
+  }
+  ck_assert_int_le(most, 8);
+  ck_assert_int_le(sum, 200 * 4);
+}
+END_TEST
+
+/* W of rank 1 and free candidates: J is singular but for eps. Any r_n1 + r_n2 = 1 will do. */
+START_TEST(newton_on_a_singular_matrix) {
+  static double J[36], u[6], a[6], x[6], best[6], w[2];
+  static int order[6];
+  static dlsi_slope slope[2];
+  const dlsi_polish_work work = {J, u, a, x, best, order, slope};
+  const double p_q[6] = {-1, 0, 0, -1, 0, 0}, friction[2] = {0.5, 0.5};
+  double V[36] = {0}, r[6] = {0.45, 0.01, 0, 0.5, 0, -0.02};
+  V[0] = V[3] = V[18] = V[21] = 1;
+  const dls_contact p = {.d = 3, .nc = 2, .W = {6, 6, 6, V}, .q = p_q, .mu = friction};
+  dlsi_contact_weights(&p, w);
+  ck_assert_int_le(dlsi_polish(&p, 1e-12, w, &work, r), 4);
+  ck_assert(residual_of(&p, r) <= 1e-12);
+  ck_assert_double_eq_tol(r[0] + r[3], 1, 1e-11);
+}
+END_TEST
+
+/* Where Newton's method cycles, sweeps and more steps get there (seed 315 in 3D). */
+START_TEST(large_friction) {
+  const dls_solver_settings s = lemke_to(1e-12);
+  double r[MOST];
+  for (unsigned seed = 1; seed <= 600; seed++) {
+    dls_contact p = random_problem(3, NC, 3, seed);
+    ck_assert_int_eq(dls_solve(&p, &s, r, NULL, NULL, NULL), DLS_OK);
+    p = random_problem(2, 3, 6, seed);
     ck_assert_int_eq(dls_solve(&p, &s, r, NULL, NULL, NULL), DLS_OK);
   }
 }
@@ -623,6 +672,8 @@ int main(void) {
   tcase_add_test(tcase, facets_two_and_three_rows_agree_in_2d);
   tcase_add_test(tcase, more_facets_smaller_error);
   tcase_add_test(tcase, random_problems_to_rounding);
+  tcase_add_test(tcase, few_newton_steps);
+  tcase_add_test(tcase, newton_on_a_singular_matrix);
   tcase_add_test(tcase, large_friction);
   tcase_add_test(tcase, rotated_tangents_same_answer);
   tcase_add_test(tcase, units_do_not_change_the_path);

@@ -92,15 +92,16 @@ static dls_certificate measure(const dls_contact *problem, const double *w,
   return certificate;
 }
 
-void dlsi_polish(const dls_contact *problem, double tol, const double *w,
-                 const dlsi_polish_work *work, double *r) {
+int dlsi_polish(const dls_contact *problem, double tol, const double *w,
+                const dlsi_polish_work *work, double *r) {
   const size_t d = (size_t)problem->d, nc = (size_t)problem->nc, m = d * nc;
   const int order = (int)m, one = 1;
   double eps = 1e-6;
   dls_certificate now = measure(problem, w, work, r);
   double best = now.residual, halved = best;
   memcpy(work->best, r, m * sizeof *r);
-  for (int k = 0, last = 0; k < most_steps && k - last < patience && eps < 1; k++) {
+  int k = 0;
+  for (int last = 0; k < most_steps && k - last < patience && eps < 1; k++) {
     if (dls_certificate_holds(&now, tol)) break;
     for (size_t c = 0; c < nc; c++) /* (N1), x = -F */
       work->slope[c] =
@@ -127,4 +128,5 @@ void dlsi_polish(const dls_contact *problem, double tol, const double *w,
     }
   }
   memcpy(r, work->best, m * sizeof *r);
+  return k;
 }
