@@ -6,21 +6,22 @@
  *                             0 <= mu r_n - sum_k beta_k _|_  lambda  >= 0
  *
  * If sum beta < mu r_n, lambda = 0 and e_k.u_t >= 0 for every k: u_t = 0, as e_k and -e_k are both
- * there. If lambda > 0, only the e_k with the least e_k.u_t = -lambda push: friction opposes slip as
- * well as the polygon lets it (it does maximal work, [Stewart and Trinkle 1996]).
+ * there. If lambda > 0, only the e_k with the least e_k.u_t = -lambda push: friction opposes slip
+ * as well as the polygon lets it (Stewart and Trinkle, reference in facets.h).
  *
  * With the columns c_0 = n, c_(k+1) = e_k of C, the rows of candidate a in the columns of b are
  * C^T W_ab C; besides, 1 in the column of lambda and (mu, -1 .. -1) in its row. So for z >= 0
  *
  *   z^T M z = r^T W r + sum_c mu_c r_nc lambda_c
  *
- * and M is copositive if W is positive semidefinite. No ray where W is positive definite: then only z =
- * (0, 0, lambda) solves LCP(M, 0), and it has q^T z = 0; that suffices (Cottle, Pang, Stone, The
- * Linear Complementarity Problem, 1992, theorem 4.4.12).
+ * and M is copositive if W is positive semidefinite. No ray where W is positive definite: then
+ * only z = (0, 0, lambda) solves LCP(M, 0), and it has q^T z = 0; that suffices (Cottle, Pang,
+ * Stone, The Linear Complementarity Problem, 1992, theorem 4.4.12).
  *
- * Corners are on the circle (the polygon is inscribed): r stays in the round cone, and the certificate
- * of a slip through the middle of a facet is off by no more than (W = w I)
- * |F_c| = w mu r_n (1 - cos(pi / facets)) / sqrt(1 + mu^2), about 5 / facets^2 of w mu r_n.
+ * Corners are on the circle (the polygon is inscribed): r stays in the round cone. Where W = w I
+ * and slip goes through the middle of a facet, the certificate has
+ *
+ *   |F_c| = w mu r_n (1 - cos(pi / facets)) / sqrt(1 + mu^2),   1 - cos(pi / facets) ~ 5 / facets^2
  *
  * Scaling as in friction.c. The mu of a row belongs to that row's candidate.
  */
@@ -51,18 +52,17 @@ int dls_contact_facets_size(const dls_contact *problem, int facets) {
   return n;
 }
 
-/* C (d x (facets + 1), leading dimension 3): n, then the directions e_k; the second half is the first
- * one turned round. */
+/* C (d x (facets + 1), leading dimension 3): n, then the directions e_k; the second half is the
+ * first one turned round. */
 static void directions(int d, int facets, double C[][3]) {
   memset(C, 0, (size_t)(facets + 1) * sizeof *C);
   C[0][0] = 1;
   for (int k = 0; k < facets / 2; k++) {
     const double angle = 2 * acos(-1) * k / facets;
-    const double e[2] = {cos(angle), sin(angle)};
-    for (int i = 1; i < d; i++) {
-      C[1 + k][i] = e[i - 1];
-      C[1 + k + facets / 2][i] = -e[i - 1];
-    }
+    C[1 + k][1] = cos(angle);
+    C[1 + k][2] = d == 3 ? sin(angle) : 0;
+    for (int i = 1; i < 3; i++)
+      C[1 + k + facets / 2][i] = -C[1 + k][i];
   }
 }
 

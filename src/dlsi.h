@@ -88,7 +88,7 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
                           const double *a, const double *w, double *F,
                           dls_certificate *certificate);
 
-/* ---- Newton's method, vi/polish.c ------------------------------------------------------------- */
+/* ---- Newton's method, vi/polish.c ------------------------------------------------------------ */
 
 /* The derivative of a candidate's projection, (N1). */
 typedef struct dlsi_slope {
@@ -105,9 +105,9 @@ typedef struct dlsi_polish_work {
   dlsi_slope *slope;        /* nc */
 } dlsi_polish_work;
 
-/* Newton's method from r (m), finite, until the certificate holds or there is no further progress; r :=
- * the one with the smallest residual met, r itself included. w: weights of the certificate. Returns
- * the number of steps. */
+/* Newton's method from r (m), finite, until the certificate holds or there is no further progress;
+ * r := the one with the smallest residual met, r itself included. w: weights of the certificate.
+ * Returns the number of steps. */
 int dlsi_polish(const dls_contact *problem, double tol, const double *w,
                 const dlsi_polish_work *work, double *r);
 

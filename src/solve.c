@@ -190,8 +190,8 @@ static void offer(dls_solver *solver, const dls_contact *problem, dls_certificat
   memcpy(solver->best, solver->r, m * sizeof *solver->r);
 }
 
-/* Solves the LCP of facets (0: the 3-row form) in scaled unknowns and offers its reactions. Returns the
- * status of the LCP, or an error. */
+/* Solves the LCP of facets (0: the 3-row form) in scaled unknowns and offers its reactions.
+ * Returns the status of the LCP, or an error. */
 static dls_status pivot(dls_solver *solver, const dls_contact *problem, int facets, int *pivots,
                         dls_certificate *best, dls_error *error) {
   const double *s = solver->s;
@@ -232,8 +232,8 @@ static dls_status polish(dls_solver *solver, const dls_contact *problem, dls_cer
   return DLS_OK;
 }
 
-/* d = 2: the 3-row form, after a ray the 4-row form. d = 3: the faceted cone. Then what the LCP left
- * is polished away. The certificate decides. */
+/* d = 2: the 3-row form, after a ray the 4-row form. d = 3: the faceted cone. Then what the LCP
+ * left is polished away. The certificate decides. */
 static dls_status solve_by_lemke(dls_solver *solver, const dls_contact *problem, double *r,
                                  double *u, dls_info *info, dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;

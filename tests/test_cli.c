@@ -109,7 +109,10 @@ START_TEST(bad_usage_is_2) {
                                       "solve tests",
                                       "solve --lcp Makefile",
                                       "solve --lcp Makefile Makefile",
-                                      "solve --tol x Makefile"};
+                                      "solve --tol x Makefile",
+                                      "solve --facets 8 data/fclib/FC3D_Example1.hdf5",
+                                      "solve --lcp -f 8 Makefile Makefile",
+                                      "solve -m lemke -f 7 data/fclib/FC3D_Example1.hdf5"};
   for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
     ck_assert_msg(run(wrong[k]) == 2, "delassus %s", wrong[k]);
     ck_assert_msg(prints("delassus"), "delassus %s says: %s", wrong[k], output);
@@ -148,6 +151,21 @@ START_TEST(concentrated_csv_has_no_equivalents) {
   ck_assert_int_eq(run("scene jean-fig4 --out @"), 0);
   ck_assert(!strncmp(read_text("contact.csv", text, sizeof text),
                      "candidate,x,y,ut,un,rt,rn,status\n", 33));
+}
+END_TEST
+
+START_TEST(lemke_in_3d_takes_facets) {
+  static const char *const options[] = {"", "--facets=4 ", "-f 16 "};
+  int pivots[3];
+  for (int k = 0; k < 3; k++) {
+    char command[128] = "solve -m lemke -t 1e-12 --json ";
+    strcat(strcat(command, options[k]), "data/fclib/FC3D_Example1.hdf5");
+    ck_assert_int_eq(run(command), 0);
+    ck_assert(json_number("residual") <= 1e-12);
+    ck_assert_int_eq((int)json_number("dimension"), 3);
+    pivots[k] = (int)json_number("iterations");
+  }
+  ck_assert(pivots[1] < pivots[2]); /* 4 and 16 facets */
 }
 END_TEST
 
@@ -215,6 +233,7 @@ int main(void) {
   tcase_add_test(tcase, bad_usage_is_2);
   tcase_add_test(tcase, scene_writes_its_files);
   tcase_add_test(tcase, concentrated_csv_has_no_equivalents);
+  tcase_add_test(tcase, lemke_in_3d_takes_facets);
   tcase_add_test(tcase, saved_problem_solves_to_the_same_answer);
   tcase_add_test(tcase, not_solved_is_1);
   tcase_add_test(tcase, lcp_files);

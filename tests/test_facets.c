@@ -24,8 +24,8 @@ static double uniform(unsigned *seed) {
   return (double)(*seed >> 8) / (1 << 23) - 1;
 }
 
-/* W = A^T A / m + I / 5, symmetric positive definite, normals and tangents coupled; every fourth candidate
- * without friction. */
+/* W = A^T A / m + I / 5, symmetric positive definite, normals and tangents coupled; every fourth
+ * candidate without friction. */
 static dls_contact random_problem(int d, int nc, double friction, unsigned seed) {
   const int m = d * nc;
   double A[MOST * MOST];
@@ -110,9 +110,9 @@ START_TEST(slip_along_a_corner_is_exact) {
 END_TEST
 
 START_TEST(slip_through_the_middle_of_a_facet) {
-  /* W = I, r_n = 2, radius R = mu r_n. The nearest point of the polygon to -q_t, |q_t| = 5, above the
-   * middle of a facet is that middle: |r_t| = R cos(pi / facets), along -q_t. Then |F| =
-   * R (1 - cos(pi / facets)) / sqrt(1 + mu^2). */
+  /* W = I, r_n = 2, radius R = mu r_n. The nearest point of the polygon to -q_t, |q_t| = 5, above
+   * the middle of a facet is that middle: |r_t| = R cos(pi / facets), along -q_t. Then
+   * |F| = R (1 - cos(pi / facets)) / sqrt(1 + mu^2). */
   const double w[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, friction = 0.75, R = 1.5;
   double before = 1;
   for (int facets = 4; facets <= 32; facets *= 2) {
@@ -175,9 +175,9 @@ START_TEST(free_stick_and_no_friction) {
 }
 END_TEST
 
-/* W positive definite, friction large: mu > W_nn / W_nt = 5/2 in the first (C12a of the catalogue of
- * failures), where r = (1, -2), u = 0 is the only solution. The others end in
- * a ray from the default covering vector; at the end, two where Newton's method cannot help. */
+/* W positive definite, friction large: mu > W_nn / W_nt = 5/2 in the first (C12a of the catalogue
+ * of failures), where r = (1, -2), u = 0 is the only solution. The others end in a ray from the
+ * default covering vector; at the end, two where Newton's method cannot help. */
 START_TEST(four_rows_solve_what_three_cannot) {
   static const double w1[4] = {5, 2, 2, 1}, q1[2] = {-1, 0}, mu1[1] = {3}, r1[2] = {1, -2};
   static const double w2[16] = {9, 8, -2, -1, 8, 8, 0, 0, -2, 0, 7, 0, -1, 0, 0, 3};
@@ -334,8 +334,8 @@ END_TEST
 
 /* ---- the round cone -------------------------------------------------------------------------- */
 
-/* The sum over problems: each single one may be lucky with its angles. 1 / facets^2 is the law as long as
- * the polygon does not change which candidates slip. */
+/* The sum over problems: each single one may be lucky with its angles. 1 / facets^2 is the law as
+ * long as the polygon does not change which candidates slip. */
 START_TEST(more_facets_smaller_error) {
   double before = 0;
   for (int facets = 4; facets <= 16; facets *= 2) {
@@ -376,8 +376,8 @@ START_TEST(random_problems_to_rounding) {
 }
 END_TEST
 
-/* Newton's method squares the error: from the polygon's 1e-2 to 1e-12 within some steps. A wrong slope
- * would take tens, or never get there. */
+/* Newton's method squares the error: from the polygon's 1e-2 to 1e-12 within some steps. A wrong
+ * slope would take tens, or never get there. */
 START_TEST(few_newton_steps) {
   static double J[MOST * MOST], u[MOST], a[MOST], x[MOST], best[MOST], w[NC];
   static int order[MOST];

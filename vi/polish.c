@@ -3,10 +3,10 @@
  *
  * With w_c of the certificate and v = w_c r_c - u_c, u = W r + q, the law is F = 0,
  *
- *   F_c = w_c r_c - P(v),   P(v) = ( max(0, v_n),  v_t put on the disc of radius R = mu max(0, v_n) )
+ *   F_c = w_c r_c - P(v),   P(v) = ( max(0, v_n),  v_t put on the disc of radius R )
+ *                                  R = mu max(0, v_n)
  *
- * (Alart and Curnier, Comp. Meth. Appl. Mech. Eng. 92, 1991, 353-375, (22)-(23)). One step, with D =
- * diag(w_c I):
+ * (Alart and Curnier, Comp. Meth. Appl. Mech. Eng. 92, 1991, 353-375). One step, with D = diag(w_c I):
  *
  *   (N1)  P' per candidate:  free  v_n <= 0     0
  *                            stick |v_t| <= R   I
@@ -17,7 +17,7 @@
  *
  * eps = 1e-6 keeps J regular where W is not, and leaves F alone: the steps shrink by about eps cond
  * instead of quadratically. If J is singular all the same, eps grows a hundredfold.
- * Stop: the certificate holds (it takes F in de Saxce's form; both vanish together), or 30 steps, or 12 steps
+ * Stop: the certificate holds (its F is de Saxce's; both vanish together), or 30 steps, or 12 steps
  * that did not halve the residual. Full steps only, uphill ones too; the best r is kept.
  *
  * Cost of a step: an LU of m x m. What can fail: from far away the states may cycle.

@@ -1,18 +1,19 @@
 /*
- * delassus/facets.h: the contact problem on a friction cone with facets, as an LCP; d = 3, and d = 2,
- * where the cone has no other form.
+ * delassus/facets.h: the contact problem on a friction cone with facets, as an LCP. For d = 3, and
+ * for d = 2, where the cone has no other form.
  *
  * The disc |r_t| <= mu r_n gives way to the polygon whose corners are the ends of mu r_n e_k, the
  * directions e_k (k = 0 .. facets-1) standing at the angles 2 pi k / facets from t towards s. Per
- * candidate with mu > 0, facets + 2 rows ([Klarbring 1986], [Klarbring and Bjorkman 1988]; in this
- * form Stewart and Trinkle, Int. J. Num. Meth. Eng. 39, 1996, 2673-2691):
+ * candidate with mu > 0, facets + 2 rows (Klarbring and Bjorkman, Computers and Structures 30,
+ * 1988, 1185-1198; in this form Stewart and Trinkle, Int. J. Num. Meth. Eng. 39, 1996, 2673-2691):
  *
  *   z = (r_n, beta_0 .. beta_(facets-1), lambda),                r_t = sum_k beta_k e_k
  *   y = (u_n, e_k.u_t + lambda,          mu r_n - sum_k beta_k)
  *
- * and one, z = r_n, y = u_n, for one with mu = 0. lambda is the speed of slip. The polygon lies inside
- * the disc: reactions never leave the round cone, and what is missing of friction is at most the part
- * 1 - cos(pi / facets) of mu r_n, 7.6 % for 8 facets, 1.9 % for 16; dls_solve removes the rest.
+ * and one, z = r_n, y = u_n, for one with mu = 0. lambda is the size of the slip. The polygon lies
+ * inside the disc: reactions never leave the round cone, and what is missing of friction is at
+ * most the part 1 - cos(pi / facets) of mu r_n, 7.6 % for 8 facets, 1.9 % for 16; dls_solve
+ * removes the rest.
  *
  * d = 2 has facets = 2, the directions t and -t, and no error: 4 rows per candidate where
  * dls_contact_to_lcp has 3. It is the form to prefer where that one ends in a ray: with W positive
@@ -29,15 +30,15 @@ extern "C" {
 
 #define DLS_FACETS_MAX 64
 
-/* Rows of the LCP. 0 for NULL, for a number of facets that is not allowed (2 where d = 2; even, 4 to
- * DLS_FACETS_MAX, where d = 3), and where the size does not fit an int. */
+/* Rows of the LCP. 0 for NULL, for a number of facets that is not allowed (2 where d = 2; even, 4
+ * to DLS_FACETS_MAX, where d = 3), and where the size does not fit an int. */
 DLS_API int dls_contact_facets_size(const dls_contact *problem, int facets);
 
 /* M (n x n, leading dimension ldm >= n) and q (n) := the LCP above, n = dls_contact_facets_size, in
  * scaled unknowns r_c = s_c r'_c, u_c = u'_c / s_c; s (nc, each > 0) or NULL for none.
- * s_c = 1 / sqrt(w_c) makes the diagonal blocks of W of size 1. M and q must not overlap each other,
- * s or the problem; rows n .. ldm-1 of M are left alone. Allocates nothing. DLS_E_ARGUMENT, DLS_E_SIZE,
- * DLS_E_NOT_FINITE. */
+ * s_c = 1 / sqrt(w_c) makes the diagonal blocks of W of size 1. M and q must not overlap each
+ * other, s or the problem; rows n .. ldm-1 of M are left alone. Allocates nothing. DLS_E_ARGUMENT,
+ * DLS_E_SIZE, DLS_E_NOT_FINITE. */
 DLS_API DLS_MUST_USE dls_status dls_contact_to_facets_lcp(const dls_contact *problem, int facets,
                                                           const double *s, double *M, int ldm,
                                                           double *q, dls_error *error);

@@ -35,16 +35,16 @@ typedef struct dls_solver dls_solver;
  *
  * Lemke solves, for d = 2, the LCP of dls_contact_to_lcp and, where that ends in a ray, the one of
  * dls_contact_to_facets_lcp; for d = 3 the latter with the facets of the settings. Where the
- * certificate does not hold yet, Newton's method takes the answer to the round cone (vi/polish.c). It
- * holds the LCP and its table, about 2 n^2 doubles: n = (facets + 2) nc for d = 3; n = 4 nc for d = 2
- * up to 4 nc = 4000, beyond that n = 3 nc, and a ray ends it. */
+ * certificate does not hold yet, Newton's method takes the answer to the round cone (vi/polish.c).
+ * It holds the LCP and its table, about 2 n^2 doubles: n = (facets + 2) nc for d = 3; n = 4 nc for
+ * d = 2 up to 4 nc = 4000, beyond that n = 3 nc, and a ray ends it. */
 DLS_API DLS_MUST_USE dls_status dls_solver_create(dls_solver **out, int d, int nc,
                                                   const dls_solver_settings *settings,
                                                   dls_error *error);
 
 /* r (m): in, the start if warm_start; out, the reactions. u (m) or NULL: W r + q. info or NULL.
- * Allocates nothing. Statuses of the methods; of Lemke with d = 3, DLS_RAY and never DLS_NO_SOLUTION:
- * what is proved of the faceted cone does not bind the round one. */
+ * Allocates nothing. Statuses of the methods; of Lemke with d = 3, DLS_RAY and never
+ * DLS_NO_SOLUTION: what is proved of the faceted cone does not bind the round one. */
 DLS_API DLS_MUST_USE dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem,
                                                  double *r, double *u, dls_info *info,
                                                  dls_error *error);
