@@ -52,8 +52,8 @@ CLI_SRC := $(wildcard src/cli/*.c)
 TEST_SRC := $(wildcard tests/test_*.c)
 EXAMPLE_SRC := $(wildcard examples/*.c)
 HEADERS := $(wildcard include/*.h include/delassus/*.h)
-ALL_C = $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(wildcard tests/*.c) $(EXAMPLE_SRC)
-ALL_H = $(HEADERS) $(wildcard src/*.h src/*/*.h lcp/*.h vi/*.h reduction/*.h tests/*.h)
+ALL_C = $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(wildcard tests/*.c) $(EXAMPLE_SRC) $(wildcard bench/*.c)
+ALL_H = $(HEADERS) $(wildcard src/*.h src/*/*.h lcp/*.h vi/*.h reduction/*.h tests/*.h bench/*.h)
 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 LIB_OBJ := $(call obj,$(LIB_SRC))
@@ -78,6 +78,7 @@ help:
 	@echo 'make install     PREFIX=/usr/local DESTDIR='
 	@echo 'make asan        tests under the address and undefined sanitizers'
 	@echo 'make valgrind    tests under valgrind, no leak'
+	@echo 'make bench-lemke bench-lemke-large   Lemke beside Siconos; BENCH=--full for the largest'
 	@echo 'make check-symbols check-headers lint format-check format'
 	@echo 'make clean'
 
@@ -172,6 +173,29 @@ format:
 	clang-format -i $(ALL_C) $(ALL_H)
 format-check:
 	clang-format --dry-run --Werror $(ALL_C) $(ALL_H)
+
+# ---- benchmarks, never part of all or check --------------------------------------------------------
+
+PEER_CFLAGS = -isystem /usr/include/siconos -isystem /usr/include/siconos/numerics
+BENCH_OBJ = $(call obj,bench/lemke.c bench/problems.c bench/peer.c)
+$(BENCH_OBJ): CPPFLAGS += -D_GNU_SOURCE $(PEER_CFLAGS)
+
+$(BUILD)/bench/lemke: $(BENCH_OBJ) $(FE) $(A)
+	@mkdir -p $(@D)
+	$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ -lsiconos_numerics $(LIBS)
+
+.PHONY: bench-lemke
+bench-lemke:
+	@.ci/deps bench
+	@$(MAKE) --no-print-directory $(BUILD)/bench/lemke
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/lemke $(BENCH)
+	gnuplot bench/lemke.gp
+
+.PHONY: bench-lemke-large
+bench-lemke-large:
+	@.ci/deps bench
+	@$(MAKE) --no-print-directory $(BUILD)/bench/lemke
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/lemke --large
 
 # ---- demo, install ------------------------------------------------------------------------------
 

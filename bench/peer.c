@@ -1,0 +1,31 @@
+/* peer.c: the one file that sees Siconos Numerics. */
+#include <stdlib.h>
+
+#include <LCP_Solvers.h>
+#include <LinearComplementarityProblem.h>
+#include <NonSmoothDrivers.h>
+#include <NumericsMatrix.h>
+#include <NumericsVerbose.h>
+#include <SolverOptions.h>
+#include <lcp_cst.h>
+
+#include "bench.h"
+
+int peer_lemke(int n, double *M, double *q, double *z, double *w, double *cpu, int *pivots) {
+  NumericsMatrix *A = NM_create_from_data(NM_DENSE, n, n, M);
+  SolverOptions *options = solver_options_create(SICONOS_LCP_LEMKE);
+  int status = -1;
+  if (A && options) {
+    LinearComplementarityProblem lcp = {.size = n, .M = A, .q = q};
+    numerics_set_verbose(0);
+    options->iparam[SICONOS_IPARAM_MAX_ITER] = 50 * n + 1000; /* the default of dls_lemke */
+    options->filterOn = false; /* its own check of the answer is not timed */
+    const double start = cpu_now();
+    status = linearComplementarity_driver(&lcp, z, w, options);
+    *cpu = cpu_now() - start;
+    *pivots = options->iparam[SICONOS_IPARAM_ITER_DONE];
+  }
+  if (options) solver_options_delete(options);
+  if (A) free(NM_free_not_dense(A)); /* M is the caller's */
+  return status;
+}
