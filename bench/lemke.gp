@@ -2,7 +2,7 @@
 dir = 'bench/results/'
 data = dir.'lemke.csv'
 set datafile separator ','
-set datafile missing 'nan'
+set datafile missing NaN # the line goes on over it
 set logscale xy
 set key left top reverse Left
 set grid
@@ -10,8 +10,8 @@ set xlabel 'n'
 set xrange [80:5000]
 set format y '10^{%T}'
 # column c of the rows of problem p; only where it was solved (column s)
-value(p, c, s) = strcol(1) eq p && column(s) == 1 ? column(c) : NaN
-ratio(p) = strcol(1) eq p && column(12) > 0 ? sprintf('%.0f', column(12)) : ''
+pick(p, c, s) = strcol(1) eq p && column(s) == 1 ? column(c) : NaN
+label(p) = strcol(1) eq p && column(12) > 0 ? sprintf('%.0f', column(12)) : ''
 do for [type in 'png svg'] {
   if (type eq 'png') { set terminal pngcairo size 1300,620 font ',12' }
   if (type eq 'svg') { set terminal svg size 1300,620 font ',12' background 'white' }
@@ -19,18 +19,18 @@ do for [type in 'png svg'] {
   set multiplot layout 1,2
   set title 'Lemke: CPU time of one solve, one thread; numbers: Siconos / delassus'
   set ylabel 's'
-  plot data using 2:(value('random', 8, 11)) with linespoints pt 6 lc rgb '#c03020' title 'Siconos, random', \
-       '' using 2:(value('random', 4, 7)) with linespoints pt 7 lc rgb '#3060a0' title 'delassus, random', \
-       '' using 2:(value('friction', 8, 11)) with linespoints pt 4 dt 2 lc rgb '#c03020' title 'Siconos, friction', \
-       '' using 2:(value('friction', 4, 7)) with linespoints pt 5 dt 2 lc rgb '#3060a0' title 'delassus, friction', \
-       '' using 2:(value('random', 8, 11)):(ratio('random')) with labels offset -1,1 tc rgb '#c03020' notitle, \
-       '' using 2:(value('friction', 8, 11)):(ratio('friction')) with labels offset 1,-1 tc rgb '#c03020' notitle
+  plot data using 2:(pick('random', 8, 11)) with linespoints pt 6 lc rgb '#c03020' title 'Siconos, random', \
+       '' using 2:(pick('random', 4, 7)) with linespoints pt 7 lc rgb '#3060a0' title 'delassus, random', \
+       '' using 2:(pick('friction', 8, 11)) with linespoints pt 4 dt 2 lc rgb '#c03020' title 'Siconos, friction', \
+       '' using 2:(pick('friction', 4, 7)) with linespoints pt 5 dt 2 lc rgb '#3060a0' title 'delassus, friction', \
+       '' using 2:(pick('random', 8, 11)):(label('random')) with labels offset -1,1 tc rgb '#c03020' notitle, \
+       '' using 2:(pick('friction', 8, 11)):(label('friction')) with labels offset 1,-1 tc rgb '#c03020' notitle
   set title 'Time per exchange beside BLAS on n x (n+1)'
   set ylabel 's'
-  plot data using 2:(value('random', 13, 7)) with linespoints pt 7 lc rgb '#3060a0' title 'delassus, random', \
-       '' using 2:(value('friction', 13, 7)) with linespoints pt 5 dt 2 lc rgb '#3060a0' title 'delassus, friction', \
-       '' using 2:(value('random', 14, 7)) with linespoints pt 8 lc rgb '#808080' title 'dger', \
-       '' using 2:(value('random', 15, 7)) with linespoints pt 10 dt 2 lc rgb '#808080' title 'dgemv'
+  plot data using 2:(pick('random', 13, 7)) with linespoints pt 7 lc rgb '#3060a0' title 'delassus, random', \
+       '' using 2:(pick('friction', 13, 7)) with linespoints pt 5 dt 2 lc rgb '#3060a0' title 'delassus, friction', \
+       '' using 2:(pick('random', 14, 7)) with linespoints pt 8 lc rgb '#808080' title 'dger', \
+       '' using 2:(pick('random', 15, 7)) with linespoints pt 10 dt 2 lc rgb '#808080' title 'dgemv'
   unset multiplot
   unset output
 }
