@@ -313,7 +313,7 @@ static outcome singular(problem *p, const char *in) {
 static void prepare(problem *p) {
   const dls_lcp *lcp = p->lcp;
   const int n = p->n;
-  double rho[most], gamma[most], work[4 * most], beta = 0;
+  double rho[most], gamma[most], work[5 * most], beta = 0;
   int counts[2 * most];
   dlsi_lcp_weights(lcp, p->weights);
   dlsi_lcp_equilibrate(lcp, rho, gamma, work, counts);

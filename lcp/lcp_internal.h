@@ -29,8 +29,8 @@ double dlsi_lcp_farkas_violation(const dls_lcp *lcp, const double *v);
 /* ---- scale.c --------------------------------------------------------------------------------- */
 
 /* Exponents rho (rows), gamma (columns) such that the entries 2^(rho_i + gamma_j) |M_ij| that are
- * not 0 have geometric mean 1 in every row and column, nearly. work: 2 n doubles; counts: 2 n
- * ints. */
+ * not 0 have geometric mean 1 in every row and column, nearly, negligible ones being raised
+ * (scale.c, S4). work: 5 n doubles; counts: 2 n ints. */
 void dlsi_lcp_equilibrate(const dls_lcp *lcp, double *rho, double *gamma, double *work,
                           int *counts);
 

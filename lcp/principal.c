@@ -63,7 +63,7 @@ struct dls_principal {
   double *a;        /* n: |M||z| */
   double *s;        /* n: weights of the certificate */
   double *best;     /* n: z of least residual */
-  double *work;     /* 4 n */
+  double *work;     /* 5 n */
 };
 
 void dls_principal_settings_init(dls_principal_settings *settings) {
@@ -111,7 +111,7 @@ static dls_principal *carve(dlsi_arena *arena, dls_principal *w, int n) {
   w->a = dlsi_take(arena, N, sizeof *w->a);
   w->s = dlsi_take(arena, N, sizeof *w->s);
   w->best = dlsi_take(arena, N, sizeof *w->best);
-  w->work = dlsi_take(arena, 4 * N, sizeof *w->work);
+  w->work = dlsi_take(arena, 5 * N, sizeof *w->work);
   return head;
 }
 

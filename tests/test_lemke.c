@@ -509,6 +509,30 @@ START_TEST(stewart_trinkle) {
 }
 END_TEST
 
+/* M_ij = r^|i-j|, the inverse of a tridiagonal matrix, condition below ((1+r)/(1-r))^2: its tiny
+ * entries say nothing of the size of a row. Scaled by their mean, rows differed by 1/r^(n/4). */
+START_TEST(decaying_entries) {
+  enum { n = 240 };
+  static double M[n * n], q[n], z[n];
+  for (double r = 0.2; r < 0.9; r += 0.3)
+    for (int unit = 0; unit < 3; unit++) {
+      const double a = unit == 1 ? 1e9 : 1, b = unit == 2 ? 1e-9 : 1;
+      static int pivots;
+      dls_lemke_info info;
+      for (int j = 0; j < n; j++) {
+        for (int i = 0; i < n; i++)
+          M[i + j * n] = a / b * pow(r, abs(i - j));
+        q[j] = a * (cos(0.9 * j) - 0.3);
+      }
+      ck_assert_int_eq(solve(n, M, q, NULL, z, &info), DLS_OK);
+      ck_assert_int_eq(info.starts, 1);
+      ck_assert_double_le(info.certificate.residual, rounding);
+      if (unit == 0) pivots = info.pivots;
+      ck_assert_int_eq(info.pivots, pivots);
+    }
+}
+END_TEST
+
 /* a contact problem of nc candidates, W symmetric positive definite */
 static void contact_problem(int nc, double *W, double *q, double *mu) {
   spd_and_skew(2 * nc, W, q);
@@ -838,6 +862,7 @@ int main(void) {
   tcase_add_test(c, hundred_unknowns);
   tcase_add_test(c, stewart_trinkle);
   tcase_add_test(c, very_large_friction);
+  tcase_add_test(c, decaying_entries);
   tcase_add_test(c, units);
   tcase_add_test(c, permutations);
   tcase_add_test(c, same_bits_and_reuse);
