@@ -169,7 +169,7 @@ static int compare_doubles(const void *a, const void *b) {
 
 /* The outcome of all repetitions: the median of the times, else the worst of them. */
 static outcome summarise(const outcome *o, int count) {
-  double cpu[max_repetitions];
+  double cpu[max_repetitions] = {0};
   outcome s = o[0];
   for (int k = 0; k < count; k++) {
     cpu[k] = o[k].cpu;
@@ -240,7 +240,7 @@ static int compare_directory(const char *directory, int max, FILE *csv) {
     perror(directory);
     return -1;
   }
-  char *names[1000];
+  char *names[1000] = {0};
   int count = 0, status = 0;
   for (struct dirent *e = readdir(d); e && count < 1000; e = readdir(d)) {
     const size_t length = strlen(e->d_name);
