@@ -469,7 +469,7 @@ END_TEST
 START_TEST(stewart_trinkle) {
   for (int trial = 0; trial < 400; trial++) {
     const int nc = integer(2, 12), n = 4 * nc, dof = integer(2, 2 * nc);
-    double J[24 * 24], v[24], W[24 * 24], p[24];
+    double J[24 * 24] = {0}, v[24] = {0}, W[24 * 24] = {0}, p[24] = {0};
     dls_lemke_info info;
     for (int k = 0; k < dof * 2 * nc; k++)
       J[k] = integer(-1, 1);
@@ -548,7 +548,7 @@ START_TEST(very_large_friction) {
   int restarted = 0;
   for (int trial = 0; trial < 300; trial++) {
     const int nc = integer(1, 4), n = 3 * nc;
-    double A[64], W[64], q[8], mu[4];
+    double A[64] = {0}, W[64] = {0}, q[8] = {0}, mu[4] = {0};
     for (int k = 0; k < 4 * nc * nc; k++)
       A[k] = uniform() - 0.5;
     for (int i = 0; i < 2 * nc; i++) {
@@ -574,7 +574,7 @@ END_TEST
 START_TEST(units) {
   enum { nc = 15, m = 2 * nc, n = 3 * nc };
   static const double factors[] = {1e-9, 1e-4, 1, 1e3, 1e9};
-  double W[m * m], q[m], mu[nc], W2[m * m], q2[m], s[nc], r[m], first[m];
+  double W[m * m] = {0}, q[m], mu[nc], W2[m * m], q2[m], s[nc], r[m], first[m] = {0};
   contact_problem(nc, W, q, mu);
   int pivots = 0, pivots_of_rows = 0;
   for (int a = 2; a < 2 + 5; a++) /* begin with 1 */
