@@ -8,6 +8,7 @@ set key left top reverse Left
 set grid
 set xlabel 'n'
 set xrange [80:5000]
+set offsets 0, 0, graph 0.1, 0
 set format y '10^{%T}'
 # column c of the rows of problem p; only where it was solved (column s)
 pick(p, c, s) = strcol(1) eq p && column(s) == 1 ? column(c) : NaN
