@@ -25,7 +25,8 @@ int peer_lemke(int n, double *M, double *q, double *z, double *w, double *cpu, i
     *cpu = cpu_now() - start;
     *pivots = options->iparam[SICONOS_IPARAM_ITER_DONE];
   }
-  if (options) solver_options_delete(options);
+  if (options) solver_options_delete(options); /* what it points to */
+  free(options);
   if (A) free(NM_free_not_dense(A)); /* M is the caller's */
   return status;
 }
