@@ -71,10 +71,8 @@ static dls_status check(const char *function, const dls_contact *problem, int fa
   dls_status status = dlsi_check_contact(function, problem, error);
   if (status) return status;
   if (!allowed(problem->d, facets))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "facets", -1, facets,
-                     problem->d == 2 ? "is %d, must be 2 where d = 2"
-                                     : "is %d, must be even, 4 to 64, where d = 3",
-                     facets);
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "facets", -1, facets, "is %d, must be %s",
+                     facets, problem->d == 2 ? "2 where d = 2" : "even, 4 to 64, where d = 3");
   *n = dls_contact_facets_size(problem, facets);
   if (*n < 1) return dlsi_fail(error, DLS_E_SIZE, function, "nc", -1, problem->nc, "is too large");
   if (!s) return DLS_OK;

@@ -6,7 +6,7 @@
  *   F_c = w_c r_c - P(v),   P(v) = ( max(0, v_n),  v_t put on the disc of radius R )
  *                                  R = mu max(0, v_n)
  *
- * (Alart and Curnier, Comp. Meth. Appl. Mech. Eng. 92, 1991, 353-375). One step, with D = diag(w_c I):
+ * (Alart and Curnier, Comp. Meth. Appl. Mech. Eng. 92, 1991, 353-375). One step, D = diag(w_c I):
  *
  *   (N1)  P' per candidate:  free  v_n <= 0     0
  *                            stick |v_t| <= R   I
