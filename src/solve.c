@@ -213,13 +213,12 @@ static dls_status pivot(dls_solver *solver, const dls_contact *problem, int face
   return status;
 }
 
-/* From the best reactions to the round cone by Newton's method; where the states of the candidates
- * cycle, Gauss-Seidel sweeps sort them out, and again. */
+/* From the LCP's reactions to the round cone by Newton's method; where the states of the candidates
+ * cycle, Gauss-Seidel sweeps sort them out, and again. (Not from the best r so far: r = 0 may have
+ * the smaller residual, but not the states.) */
 static dls_status polish(dls_solver *solver, const dls_contact *problem, dls_certificate *best,
                          dls_error *error) {
-  const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const double tol = solver->settings.tol;
-  memcpy(solver->r, solver->best, m * sizeof *solver->r);
   for (int round = 1; !dls_certificate_holds(best, tol) && round <= polish_rounds; round++) {
     if (round > 1) {
       const dls_status status = dls_nlgs_solve(solver->nlgs, problem, solver->r, NULL, NULL, error);
