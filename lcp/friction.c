@@ -127,3 +127,19 @@ dls_status dls_contact_from_lcp(const dls_contact *problem, const double *s, con
   }
   return DLS_OK;
 }
+
+/* The states of the candidates say which unknowns are positive: stick (r_n, phi_2), slip in +t
+ * (r_n), slip in -t (r_n, phi_2, lambda_2), free none but lambda_2 where u_t < 0. */
+void dlsi_friction_start(const dls_contact *problem, const double *w, const double *r,
+                         const double *u, double *z) {
+  for (int c = 0, i = 0; c < problem->nc; i += rows_of(problem, c), c++) {
+    const double mu = problem->mu[c], *uc = u + 2 * (size_t)c;
+    double F[2] = {0};
+    const dls_contact_state state = dlsi_contact_residual(2, mu, w[c], r + 2 * (size_t)c, uc, F);
+    z[i] = state != DLS_FREE;
+    if (!(mu > 0)) continue;
+    const int back = uc[1] < 0;
+    z[i + 1] = state == DLS_STICK || (state == DLS_SLIP && back);
+    z[i + 2] = state != DLS_STICK && back;
+  }
+}

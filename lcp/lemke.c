@@ -5,6 +5,7 @@
  *
  * kept as a table x_B = b + A x_N (table.c), from z0 large enough for y >= 0 down to z0 = 0:
  *
+ *   (L0) warm start only: see below
  *   (L1) z0 enters, y_r leaves, r = argmin q_i / d_i                                [C] (43)-(45)
  *   (L2) the complement of the variable that left enters: column c of A
  *   (L3) x_r leaves, r = argmin { b_i / -c_i : c_i < 0 }; no such i: a ray, stop        (46), (49)
@@ -28,6 +29,12 @@
  * (on the other side lies the primary ray), hence no basis comes twice, and there are finitely
  * many (Lemke, Management Science 11, 1965, 681-689; Cottle, Pang, Stone, The Linear
  * Complementarity Problem, 1992, 4.4, 4.9).
+ *
+ * Warm start. (L0) At the basis of a complementary z, x_B = b + A x_N is an LCP in x_N as (40) is in z:
+ * (L1) can begin there with a cover d' > 0 and a perturbation g' > 0, e^2, e^3, .. of its own, and all
+ * that was said holds for it. In y these are d = B d' and g = B g', B being the columns of x_B in
+ * (I, -M), so that the table can be computed anew at any time. If b >= 0 there is nothing to do. d need
+ * not be positive: a ray is no ray of the user's cover then, and the cold start is tried instead.
  *
  * Rounding. Decisions are taken on R M C with powers of two R and C (scale.c), so that the same
  * relative tolerances serve all units. Deviations from the above:
@@ -91,6 +98,8 @@ struct dls_lemke {
   double *work;          /* 6 n */
   int *rows;             /* 2 n */
   int *reenter;          /* n+1 */
+  double *g;             /* n: the perturbation, as y would feel it */
+  int *start;            /* n: basic variables of the start, one of each pair */
   int pivots, refreshes; /* of this solve */
 
   double *y, *magnitude, *weight, *trial; /* n: certificate of a trial z */
@@ -134,9 +143,10 @@ static void carve(dls_lemke *w, dlsi_arena *arena) {
   t->L = dlsi_take(arena, block * block, sizeof(double));
   t->row = dlsi_take(arena, block, sizeof(int));
   t->born = dlsi_take(arena, n + 1, sizeof(int));
-  double **vectors[] = {&t->b,     &t->g,      &w->R,         &w->C,         &w->q,      &w->d,
-                        &w->c,     &w->y,      &w->trial,     &w->magnitude, &w->weight, &w->z,
-                        &w->ray_z, &w->ray_dz, &w->ray_cover, &w->residual,  &w->best_y, &w->cover};
+  double **vectors[] = {&t->b,        &t->g,      &w->R,     &w->C,      &w->q,
+                        &w->d,        &w->c,      &w->y,     &w->trial,  &w->magnitude,
+                        &w->weight,   &w->z,      &w->ray_z, &w->ray_dz, &w->ray_cover,
+                        &w->residual, &w->best_y, &w->cover, &w->g};
   for (size_t k = 0; k < sizeof vectors / sizeof vectors[0]; k++)
     *vectors[k] = dlsi_take(arena, n, sizeof(double));
   if (w->settings.cover) w->given = dlsi_take(arena, n, sizeof(double));
@@ -148,6 +158,7 @@ static void carve(dls_lemke *w, dlsi_arena *arena) {
   t->where = dlsi_take(arena, 2 * n + 1, sizeof(int));
   w->rows = dlsi_take(arena, 2 * n, sizeof(int));
   w->reenter = dlsi_take(arena, n + 1, sizeof(int));
+  w->start = dlsi_take(arena, n, sizeof(int));
 }
 
 dls_status dls_lemke_create(dls_lemke **out, int n, const dls_lemke_settings *settings,
@@ -168,6 +179,9 @@ dls_status dls_lemke_create(dls_lemke **out, int n, const dls_lemke_settings *se
   if (settings->max_iterations < 0)
     return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "max_iterations", -1,
                      settings->max_iterations, "is negative");
+  if (settings->warm_start != 0 && settings->warm_start != 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "warm_start", -1, settings->warm_start,
+                     "must be 0 or 1");
   if (settings->cover) {
     const dls_status status =
         dlsi_check_vector(__func__, "cover", settings->cover, (size_t)n, error);
@@ -261,6 +275,13 @@ static void choose_cover(dls_lemke *w, int n, int k) {
     const double x = 0.6180339887498949 * (i + 1) + 0.7548776662466927 * k;
     w->d[i] = k ? w->cover[i] * exp2(10 * (x - floor(x)) - 5) : w->cover[i];
   }
+  double x = 0;
+  for (int i = 0; i < n; i++) {
+    x += 0.6180339887498949; /* golden ratio: no two alike */
+    x -= x >= 1;
+    w->g[i] = 1 + x;
+    w->start[i] = i;
+  }
 }
 
 /* The table of the basis y: y = q' + M' z' + d' z0. */
@@ -282,28 +303,21 @@ static void load_table(dls_lemke *w, const dls_lcp *lcp) {
   t->column[n] = 2 * n;
   t->born[n] = -1;
   t->where[2 * n] = -1 - n;
-  double x = 0;
   for (int i = 0; i < n; i++) {
     t->basic[i] = i;
     t->where[i] = i;
     t->b[i] = w->q[i];
-    x += 0.6180339887498949; /* golden ratio: no two alike */
-    x -= x >= 1;
-    t->g[i] = 1 + x;
+    t->g[i] = w->g[i];
   }
 }
 
-/* (T3) the table of the present basis from the user's M; 0 if the basis is singular */
-static int refresh(dls_lemke *w, const dls_lcp *lcp) {
+/* The table of the basis that has z_j instead of y_j for `count` pairs, listed in w->reenter as
+ * variables; free_row[j] (w->rows) marks them. 0 if the basis is singular. */
+static int enter_basis(dls_lemke *w, const dls_lcp *lcp, int count) {
   const int n = lcp->n;
   dlsi_table *t = &w->table;
-  int *free_row = w->rows, count = 0;
-  for (int i = 0; i < n; i++) {
-    free_row[i] = t->where[i] < 0; /* y_i is out: row i waits for a z */
-    if (t->basic[i] >= n) w->reenter[count++] = t->basic[i];
-  }
+  int *free_row = w->rows; /* y_j is out: row j waits for a z */
   load_table(w, lcp);
-  w->refreshes++;
   for (int k = 0; k < count; k++) {
     const int s = -1 - t->where[w->reenter[k]];
     int r = -1;
@@ -315,6 +329,48 @@ static int refresh(dls_lemke *w, const dls_lcp *lcp) {
     dlsi_table_exchange(t, r, s, w->c);
   }
   return 1;
+}
+
+/* (T3) the table of the present basis from the user's M; 0 if the basis is singular */
+static int refresh(dls_lemke *w, const dls_lcp *lcp) {
+  const int n = lcp->n;
+  const dlsi_table *t = &w->table;
+  int count = 0;
+  for (int i = 0; i < n; i++) {
+    w->rows[i] = t->where[i] < 0;
+    if (t->basic[i] >= n) w->reenter[count++] = t->basic[i];
+  }
+  w->refreshes++;
+  return enter_basis(w, lcp, count);
+}
+
+/* (L0): z_i basic where z_i > 0, y_i elsewhere; 0 if that basis is singular. B d', B g' by columns,
+ * B's being e_i and -M'_i. */
+static int enter_warm_basis(dls_lemke *w, const dls_lcp *lcp, const double *z) {
+  const int n = lcp->n;
+  double *d = w->work, *g = w->work + n;
+  int count = 0;
+  memset(d, 0, 2 * (size_t)n * sizeof *d);
+  for (int i = 0; i < n; i++) {
+    const int in = z[i] > 0;
+    w->rows[i] = in;
+    w->start[i] = in ? n + i : i;
+    if (!in) {
+      d[i] += w->d[i];
+      g[i] += w->g[i];
+      continue;
+    }
+    w->reenter[count++] = n + i;
+    const double *m = lcp->M.a + (size_t)i * (size_t)lcp->M.ld;
+    for (int k = 0; k < n; k++) {
+      const double a = w->R[k] * m[k] * w->C[i];
+      d[k] -= a * w->d[i];
+      g[k] -= a * w->g[i];
+    }
+  }
+  memcpy(w->d, d, (size_t)n * sizeof *d);
+  memcpy(w->g, g, (size_t)n * sizeof *g);
+  return enter_basis(w, lcp, count);
 }
 
 /* residual := M' z' + d' z0 + h q' - y' of values x by variable; returns its max norm */
@@ -383,14 +439,15 @@ static int keep_smallest(int count, int *rows, const double *value) {
   return kept;
 }
 
-/* value_k := (L5) / -c_i for the rows i = rows[k]: the coefficient of e^(j+2) is -a_is if y_j
- * stands in column s, 1 if it is basic in row i; a: n doubles */
-static void perturbation(const dlsi_table *t, int j, int count, const int *rows, const double *c,
+/* value_k := (L5) / -c_i for the rows i = rows[k]: the coefficient of e^(j+2) is -a_is if v,
+ * the basic variable number j of the start (y_j if cold), stands in column s, 1 if it is basic in
+ * row i; a: n doubles */
+static void perturbation(const dlsi_table *t, int v, int count, const int *rows, const double *c,
                          double *a, double *value) {
-  if (t->where[j] < 0) dlsi_table_column(t, -1 - t->where[j], a);
+  if (t->where[v] < 0) dlsi_table_column(t, -1 - t->where[v], a);
   for (int k = 0; k < count; k++) {
     const int i = rows[k];
-    value[k] = t->where[j] < 0 ? a[i] / c[i] : t->where[j] == i ? -1 / c[i] : 0;
+    value[k] = t->where[v] < 0 ? a[i] / c[i] : t->where[v] == i ? -1 / c[i] : 0;
   }
 }
 
@@ -427,7 +484,7 @@ static int leaving_row(dls_lemke *w, const double *c, double cmax, int strict) {
     tied = keep_smallest(tied, rows, value);
   }
   for (int j = 0; tied > 1 && j < n; j++) { /* (R3) */
-    perturbation(t, j, tied, rows, c, w->work + n, value);
+    perturbation(t, w->start[j], tied, rows, c, w->work + n, value);
     tied = keep_smallest(tied, rows, value);
   }
   int r = rows[0];
@@ -436,20 +493,21 @@ static int leaving_row(dls_lemke *w, const double *c, double cmax, int strict) {
   return r;
 }
 
-/* (L1), ties as in (R2), (R3): of rows (e_i / d_i) the last one is lexicographically smallest */
-static int first_row(const dls_lemke *w, const dls_lcp *lcp) {
-  const int n = lcp->n;
-  const double *g = w->table.g;
-  double least = INFINITY, size = 0;
-  int r = 0;
+/* (L1) with z0's column c, ties as in (R2), (R3): of rows (e_i / c_i) the last one is
+ * lexicographically smallest. no_row: b >= 0, solved; not_finite: c > 0 was lost to rounding. */
+static int first_row(const dlsi_table *t, const double *c) {
+  const int n = t->n;
+  double least = INFINITY, size = 0, smallest = INFINITY;
+  int r = no_row;
   for (int i = 0; i < n; i++) {
-    if (w->q[i] < least * w->d[i]) least = w->q[i] / w->d[i];
-    if (fabs(w->q[i]) > size * w->d[i]) size = fabs(w->q[i]) / w->d[i];
+    if (!(c[i] > 0)) return not_finite;
+    if (t->b[i] < least * c[i]) least = t->b[i] / c[i];
+    if (fabs(t->b[i]) > size * c[i]) size = fabs(t->b[i]) / c[i];
   }
-  double smallest = INFINITY;
+  if (least >= -tie_tolerance * size) return no_row;
   for (int i = 0; i < n; i++)
-    if (w->q[i] / w->d[i] <= least + tie_tolerance * size && g[i] / w->d[i] <= smallest) {
-      smallest = g[i] / w->d[i];
+    if (t->b[i] / c[i] <= least + tie_tolerance * size && t->g[i] / c[i] <= smallest) {
+      smallest = t->g[i] / c[i];
       r = i;
     }
   return r;
@@ -469,15 +527,22 @@ static int report(const dls_lemke *w, const dls_lcp *lcp, int max_pivots) {
   return w->settings.progress(w->settings.progress_data, &progress);
 }
 
-/* Follows the path to its end; *entering is the variable of the ray. */
-static path_end follow(dls_lemke *w, const dls_lcp *lcp, int max_pivots, int strict,
-                       int *entering) {
+/* Follows the path to its end, from the basis of z if that is not NULL; *entering is the variable of
+ * the ray. */
+static path_end follow(dls_lemke *w, const dls_lcp *lcp, const double *z, int max_pivots,
+                       int strict, int *entering) {
   dlsi_table *t = &w->table;
   const int n = lcp->n, z0 = 2 * n;
-  load_table(w, lcp);
-  int r = first_row(w, lcp), fresh = 0, unchecked = 0;
-  *entering = complement(n, r);
-  dlsi_table_exchange(t, r, n, w->d); /* (L1) */
+  if (!z)
+    load_table(w, lcp);
+  else if (!enter_warm_basis(w, lcp, z)) /* (L0) */
+    return path_lost;
+  const int first = -1 - t->where[z0];
+  dlsi_table_column(t, first, w->c);
+  int r = first_row(t, w->c), fresh = 0, unchecked = 0; /* (L1) */
+  if (r < 0) return r == no_row ? path_solved : path_lost;
+  *entering = complement(n, t->basic[r]);
+  dlsi_table_exchange(t, r, first, w->c);
   w->pivots++;
   for (;;) {
     if (w->pivots >= max_pivots) return path_limit;
@@ -573,12 +638,14 @@ static int accept_ray(dls_lemke *w, const dls_lcp *lcp, int entering) {
 
 /* Starts until something is settled: again with care (T5) after what could not be confirmed, with
  * another covering vector after a ray that proves nothing. */
-static dls_status solve(dls_lemke *w, const dls_lcp *lcp, int max_pivots, int *starts) {
+static dls_status solve(dls_lemke *w, const dls_lcp *lcp, const double *warm, int max_pivots,
+                        int *starts) {
   int strict = 0, cover = 0, entering = 0;
-  for (;;) {
+  for (;; warm = NULL) {
     choose_cover(w, lcp->n, cover);
-    const path_end end = follow(w, lcp, max_pivots, strict, &entering);
+    const path_end end = follow(w, lcp, warm, max_pivots, strict, &entering);
     ++*starts;
+    if (end == path_ray && warm) continue; /* a ray of another cover than the user's */
     if (end == path_ray && accept_ray(w, lcp, entering)) {
       if (dls_lcp_certificate_holds(&w->best, w->settings.tol)) break; /* z0 was as good as 0 */
       if (w->proved) return DLS_NO_SOLUTION;
@@ -593,6 +660,7 @@ static dls_status solve(dls_lemke *w, const dls_lcp *lcp, int max_pivots, int *s
       if (dls_lcp_certificate_holds(&w->best, w->settings.tol)) return DLS_OK;
       return end == path_limit ? DLS_MAX_ITERATIONS : DLS_CANCELLED;
     }
+    if (warm) continue;
     if (strict) return dls_lcp_certificate_holds(&w->best, w->settings.tol) ? DLS_OK : DLS_STALLED;
     strict = 1;
   }
@@ -609,6 +677,10 @@ dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, 
     return dlsi_fail(error, DLS_E_SIZE, __func__, "n", -1, lcp->n, "is more than %d of create",
                      workspace->n);
   if (!z) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "z", -1, 0, "is NULL");
+  if (workspace->settings.warm_start) {
+    status = dlsi_check_vector(__func__, "z", z, (size_t)lcp->n, error);
+    if (status) return status;
+  }
 
   dls_lemke *w = workspace;
   const size_t n = (size_t)lcp->n;
@@ -624,7 +696,7 @@ dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, 
   dlsi_lcp_measure(lcp, w->z, lcp->q, w->magnitude, w->weight, &w->best); /* of z = 0, [C] (41) */
   if (w->best.negative_y > 0) {
     scale_problem(w, lcp);
-    status = solve(w, lcp, limit, &starts);
+    status = solve(w, lcp, w->settings.warm_start ? z : NULL, limit, &starts);
   }
   memcpy(z, w->z, n * sizeof *z);
   if (y) memcpy(y, w->best_y, n * sizeof *y);

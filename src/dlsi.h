@@ -111,4 +111,11 @@ typedef struct dlsi_polish_work {
 int dlsi_polish(const dls_contact *problem, double tol, const double *w,
                 const dlsi_polish_work *work, double *r);
 
+/* ---- lcp/friction.c ---------------------------------------------------------------------------- */
+
+/* z (dls_contact_lcp_size) := 1 where the 3-row form's unknown is positive by the states of (u, r), 0
+ * elsewhere: a start for Lemke. d = 2; w: weights of the certificate. */
+void dlsi_friction_start(const dls_contact *problem, const double *w, const double *r,
+                         const double *u, double *z);
+
 #endif

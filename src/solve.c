@@ -130,6 +130,7 @@ static dls_status create_lemke(dls_solver *solver, dls_error *error) {
   dls_lemke_settings_init(&s);
   s.tol = solver->settings.tol;
   s.max_iterations = solver->settings.max_iterations;
+  s.warm_start = solver->settings.warm_start;
   s.progress = solver->settings.progress;
   s.progress_data = solver->settings.progress_data;
   const dls_status status = dls_lemke_create(&solver->lemke, solver->n, &s, error);
@@ -190,8 +191,8 @@ static void offer(dls_solver *solver, const dls_contact *problem, dls_certificat
   memcpy(solver->best, solver->r, m * sizeof *solver->r);
 }
 
-/* Solves the LCP of facets (0: the 3-row form) in scaled unknowns and offers its reactions.
- * Returns the status of the LCP, or an error. */
+/* Solves the LCP of facets (0: the 3-row form) in scaled unknowns, starting (warm) from the states
+ * of solver->z, and offers its reactions. Returns the status of the LCP, or an error. */
 static dls_status pivot(dls_solver *solver, const dls_contact *problem, int facets, int *pivots,
                         dls_certificate *best, dls_error *error) {
   const double *s = solver->s;
@@ -200,6 +201,7 @@ static dls_status pivot(dls_solver *solver, const dls_contact *problem, int face
       facets ? dls_contact_to_facets_lcp(problem, facets, s, solver->M, n, solver->q, error)
              : dls_contact_to_lcp(problem, s, solver->M, n, solver->q, error);
   if (status) return status;
+  if (facets) memset(solver->z, 0, (size_t)n * sizeof *solver->z);
   const dls_lcp lcp = {n, {n, n, n, solver->M}, solver->q};
   dls_lemke_info info;
   status = dls_lemke_solve(solver->lemke, &lcp, solver->z, NULL, &info, error);
@@ -240,6 +242,13 @@ static dls_status solve_by_lemke(dls_solver *solver, const dls_contact *problem,
   int pivots = 0;
   dls_certificate best = {.residual = INFINITY};
   dlsi_contact_weights(problem, solver->w);
+  if (solver->settings.warm_start) {
+    const dls_status status = dlsi_check_vector("dls_solver_solve", "r", r, m, error);
+    if (status) return status;
+    memcpy(solver->r, r, m * sizeof *r);
+    offer(solver, problem, &best);
+    if (flat) dlsi_friction_start(problem, solver->w, solver->r, solver->u, solver->z);
+  }
   memset(solver->r, 0, m * sizeof *r);
   offer(solver, problem, &best);
   for (int c = 0; c < problem->nc; c++)

@@ -842,6 +842,107 @@ START_TEST(extreme_numbers) {
 }
 END_TEST
 
+/* ---- warm start ------------------------------------------------------------------------------ */
+
+/* M = A A^T / n + I / 10 + skew part, the q of a load that grows with time */
+static void growing_problem(int n, double time, double *M, double *q) {
+  double *A = malloc((size_t)(n * n) * sizeof *A);
+  ck_assert_ptr_nonnull(A);
+  seed = 77;
+  for (int k = 0; k < n * n; k++)
+    A[k] = uniform() - 0.5;
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++) {
+      double sum = (i == j ? 0.1 : 0) + 0.01 * (A[i + n * j] - A[j + n * i]);
+      for (int k = 0; k < n; k++)
+        sum += A[i + n * k] * A[j + n * k] / n;
+      M[i + n * j] = sum;
+    }
+  for (int i = 0; i < n; i++) {
+    const double base = uniform() - 0.5, rate = uniform() - 0.5;
+    q[i] = base + time * rate;
+  }
+  free(A);
+}
+
+START_TEST(warm_start_follows_a_load) {
+  enum { n = 60, steps = 10 };
+  static double M[n * n], q[n], z[n], cold[n];
+  dls_lemke_settings settings;
+  dls_lemke_settings_init(&settings);
+  dls_lemke_info info;
+  int warm_pivots = 0, cold_pivots = 0;
+  for (int k = 0; k < steps; k++) {
+    growing_problem(n, 0.05 * k, M, q);
+    settings.warm_start = 0;
+    ck_assert_int_eq(solve(n, M, q, &settings, cold, &info), DLS_OK);
+    if (k > 0) cold_pivots += info.pivots;
+    settings.warm_start = k > 0;
+    ck_assert_int_eq(solve(n, M, q, &settings, z, &info), DLS_OK);
+    ck_assert_double_le(info.certificate.residual, 1e-13);
+    ck_assert_int_eq(info.starts, 1);
+    if (k > 0) warm_pivots += info.pivots;
+    for (int i = 0; i < n; i++) /* M is positive definite: one solution */
+      ck_assert_double_eq_tol(z[i], cold[i], 1e-11 * (1 + cold[i]));
+    ck_assert_int_eq(solve(n, M, q, &settings, z, &info), DLS_OK);
+    if (k > 0) ck_assert_int_eq(info.pivots, 0); /* the answer is its own start */
+  }
+  ck_assert_int_lt(5 * warm_pivots, cold_pivots);
+}
+END_TEST
+
+START_TEST(warm_start_from_anywhere) {
+  enum { n = 12 };
+  double M[n * n], q[n], z[n], cold[n];
+  dls_lemke_settings settings;
+  dls_lemke_settings_init(&settings);
+  dls_lemke_info info;
+  growing_problem(n, 0, M, q);
+  ck_assert_int_eq(solve(n, M, q, &settings, cold, &info), DLS_OK);
+  settings.warm_start = 1;
+  seed = 5;
+  for (int k = 0; k < 500; k++) {
+    for (int i = 0; i < n; i++)
+      z[i] = integer(0, 1) ? 1e3 * uniform() : -uniform();
+    ck_assert_int_eq(solve(n, M, q, &settings, z, &info), DLS_OK);
+    ck_assert_int_eq(info.starts, 1);
+    for (int i = 0; i < n; i++)
+      ck_assert_double_eq_tol(z[i], cold[i], 1e-11 * (1 + cold[i]));
+  }
+}
+END_TEST
+
+/* A start whose basis is singular, and a problem without a solution: as if it had been cold. */
+START_TEST(warm_start_that_leads_nowhere) {
+  const double singular[4] = {1, 1, 1, 1}, q[2] = {-1, -2};
+  double z[2] = {1, 1};
+  dls_lemke_settings settings;
+  dls_lemke_settings_init(&settings);
+  settings.warm_start = 1;
+  dls_lemke_info info;
+  ck_assert_int_eq(solve(2, singular, q, &settings, z, &info), DLS_OK);
+  ck_assert_double_eq_tol(z[1], 2, 4e-16);
+  ck_assert_int_eq(info.starts, 2);
+  const double none[4] = {0, -1, 1, 0}; /* y_2 = -z_1 - 2 */
+  z[0] = z[1] = 1;
+  ck_assert_int_eq(solve(2, none, q, &settings, z, &info), DLS_NO_SOLUTION);
+  /* NaN in the start */
+  const dls_lcp lcp = lcp_of(2, singular, q);
+  dls_lemke *w;
+  dls_error error;
+  z[0] = 7, z[1] = NAN;
+  ck_assert_int_eq(dls_lemke_create(&w, 2, &settings, NULL), DLS_OK);
+  ck_assert_int_eq(dls_lemke_solve(w, &lcp, z, NULL, &info, &error), DLS_E_NOT_FINITE);
+  ck_assert_str_eq(error.argument, "z");
+  ck_assert_int_eq(error.index, 1);
+  ck_assert(z[0] == 7);
+  dls_lemke_destroy(w);
+  settings.warm_start = 2;
+  ck_assert_int_eq(dls_lemke_create(&w, 2, &settings, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "warm_start");
+}
+END_TEST
+
 int main(void) {
   Suite *suite = suite_create("lemke");
   TCase *c = tcase_create("lemke");
@@ -870,6 +971,9 @@ int main(void) {
   tcase_add_test(c, bad_arguments);
   tcase_add_test(c, every_malloc_fails);
   tcase_add_test(c, extreme_numbers);
+  tcase_add_test(c, warm_start_follows_a_load);
+  tcase_add_test(c, warm_start_from_anywhere);
+  tcase_add_test(c, warm_start_that_leads_nowhere);
   suite_add_tcase(suite, c);
   SRunner *runner = srunner_create(suite);
   srunner_run_all(runner, CK_NORMAL);

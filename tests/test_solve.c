@@ -298,6 +298,36 @@ START_TEST(every_failing_malloc_unwinds) {
 }
 END_TEST
 
+/* Ten steps of a load that turns: from the states of the step before, few pivots are left. */
+START_TEST(lemke_starts_from_the_last_step) {
+  dls_contact p = random_problem(6);
+  double load[M], r[M], cold[M];
+  int warm_pivots = 0, cold_pivots = 0;
+  for (int k = 0; k < 10; k++) {
+    for (int i = 0; i < M; i++)
+      load[i] = q[i] + 0.02 * k * (i % 2 ? 1 : -1);
+    p.q = load;
+    dls_solver_settings s = settings_of(DLS_LEMKE);
+    dls_info info;
+    ck_assert_int_eq(dls_solve(&p, &s, cold, NULL, &info, NULL), DLS_OK);
+    if (k > 0) cold_pivots += info.iterations;
+    s.warm_start = k > 0;
+    ck_assert_int_eq(dls_solve(&p, &s, r, NULL, &info, NULL), DLS_OK);
+    if (k > 0) warm_pivots += info.iterations;
+    for (int i = 0; i < M; i++)
+      ck_assert_double_eq_tol(r[i], cold[i], 1e-11 * (1 + fabs(cold[i])));
+  }
+  ck_assert_int_lt(5 * warm_pivots, cold_pivots);
+  dls_solver_settings s = settings_of(DLS_LEMKE);
+  dls_error e;
+  s.warm_start = 1;
+  r[4] = INFINITY;
+  ck_assert_int_eq(dls_solve(&p, &s, r, NULL, NULL, &e), DLS_E_NOT_FINITE);
+  ck_assert_str_eq(e.argument, "r");
+  ck_assert_int_eq(e.index, 4);
+}
+END_TEST
+
 int main(void) {
   Suite *suite = suite_create("solve");
   TCase *tcase = tcase_create("solve");
@@ -311,6 +341,7 @@ int main(void) {
   tcase_add_test(tcase, bad_settings_are_refused);
   tcase_add_test(tcase, solver_refuses_other_sizes_and_bad_numbers);
   tcase_add_test(tcase, every_failing_malloc_unwinds);
+  tcase_add_test(tcase, lemke_starts_from_the_last_step);
   suite_add_tcase(suite, tcase);
   SRunner *runner = srunner_create(suite);
   srunner_run_all(runner, CK_NORMAL);

@@ -63,6 +63,8 @@ typedef struct dls_lemke_settings {
    * such that some row factors and they bring the entries of M near 1; where this d ends in a ray
    * without a proof, up to nine more, it times factors between 1/32 and 32. NULL */
   const double *cover;
+  int warm_start; /* 1: start from the basis of z as passed in, z_i basic where z_i > 0 and y_i
+                     elsewhere, as from the last time step; if that leads nowhere, cold; 0 */
 } dls_lemke_settings;
 
 DLS_API void dls_lemke_settings_init(dls_lemke_settings *settings);
@@ -84,7 +86,7 @@ DLS_API DLS_MUST_USE dls_status dls_lemke_create(dls_lemke **out, int n,
                                                  const dls_lemke_settings *settings,
                                                  dls_error *error);
 
-/* z (n) >= 0 and y (n, or NULL) = M z + q, recomputed; neither may overlap the other or the
+/* z (n): in, the start if warm_start, else ignored; out, z >= 0. y (n, or NULL) = M z + q, recomputed; neither may overlap the other or the
  * problem. Allocates nothing.
  *   DLS_OK              z is a solution: dls_lcp_certificate_holds
  *   DLS_NO_SOLUTION     no z >= 0 has M z + q >= 0; dls_lemke_farkas gives the proof, a vector
