@@ -7,7 +7,8 @@
  *   reduction.h  K, f, H -> W, q and back
  *   info.h       progress and outcome
  *   solve.h      one call for any method
- *   nlgs.h       projected Gauss-Seidel
+ *   diagnose.h   facts about a problem
+ *   nlgs.h       projected Gauss-Seidel on the reactions
  *   lcp.h        LCP(M, q), Lemke, 2D contact as an LCP
  *   facets.h     contact on a cone with facets as an LCP
  *   pivoting.h   LCP: principal pivoting, enumeration
@@ -19,6 +20,7 @@
 #define DELASSUS_H
 
 #include "delassus/contact.h"
+#include "delassus/diagnose.h"
 #include "delassus/facets.h"
 #include "delassus/files.h"
 #include "delassus/info.h"
