@@ -162,52 +162,60 @@ static void compare_dense(const dls_contact *problem, comparison *k) {
     }
 }
 
-/* X (m x d), by block rows of d x d: the block column of a candidate, then less its block row
- * transposed. Row lists of the blocks: those of block row a are at[k], in block column col[k],
- * first[a] <= k < first[a+1]. */
-static void compare_blocks(const dls_contact *problem, comparison *k, double *X, int *first,
-                           int *at, int *col) {
-  const dls_blocks *B = &problem->Wb;
-  const int d = B->d, nc = B->n, size = d * d;
-  for (int e = 0; e < B->p[nc]; e++)
+/* The blocks by rows: those of block row a are at[k], in block column col[k], first[a] <= k <
+ * first[a+1]. */
+typedef struct block_rows {
+  int *first, *at, *col;
+} block_rows;
+
+static void list_rows(const dls_blocks *B, const block_rows *rows) {
+  int *first = rows->first;
+  for (int a = 0; a <= B->n; a++)
+    first[a] = 0;
+  for (int e = 0; e < B->p[B->n]; e++)
     first[B->i[e] + 1]++;
-  for (int a = 0; a < nc; a++)
+  for (int a = 0; a < B->n; a++)
     first[a + 1] += first[a];
-  for (int c = 0; c < nc; c++)
+  for (int c = 0; c < B->n; c++)
     for (int e = B->p[c]; e < B->p[c + 1]; e++) {
-      const int place = first[B->i[e]]++; /* first[a] becomes the old first[a+1] */
-      at[place] = e;
-      col[place] = c;
+      const int place = first[B->i[e]]++; /* in the end first[a] is what first[a+1] was */
+      rows->at[place] = e;
+      rows->col[place] = c;
     }
-  for (int a = nc; a > 0; a--)
+  for (int a = B->n; a > 0; a--)
     first[a] = first[a - 1];
   first[0] = 0;
+}
 
-  for (int c = 0; c < nc; c++) {
+/* x (d x d) = W_ac - W_ca^T, cleared for the next c */
+static void compare_block(comparison *k, int d, int a, int c, double *x) {
+  for (int l = 0; l < d * d; l++) {
+    compare(k, k->scale[a] * k->scale[c] * fabs(x[l]), d * a + l % d, d * c + l / d);
+    x[l] = 0;
+  }
+}
+
+/* X (nc blocks of d x d, all 0): the block column c, then less the block row c transposed. */
+static void compare_blocks(const dls_blocks *B, const block_rows *rows, comparison *k, double *X) {
+  const int d = B->d;
+  const size_t size = (size_t)(d * d);
+  for (int c = 0; c < B->n; c++) {
+    const int *end = B->i + B->p[c + 1], begin = rows->first[c], stop = rows->first[c + 1];
     for (int e = B->p[c]; e < B->p[c + 1]; e++)
-      for (int l = 0; l < size; l++)
-        X[(size_t)B->i[e] * (size_t)size + (size_t)l] += B->x[(size_t)e * (size_t)size + (size_t)l];
-    for (int e = B->p[c]; e < B->p[c + 1]; e++)
-      for (int l = 0; l < size; l++)
+      for (size_t l = 0; l < size; l++)
+        X[(size_t)B->i[e] * size + l] += B->x[(size_t)e * size + l];
+    for (const int *a = B->i + B->p[c]; a < end; a++)
+      for (int l = 0; l < d * d; l++)
         raise_column(k, d * c + l / d,
-                     k->scale[c] * k->scale[B->i[e]] *
-                         fabs(X[(size_t)B->i[e] * (size_t)size + (size_t)l]));
-    for (int f = first[c]; f < first[c + 1]; f++)
-      for (int j = 0; j < d; j++)
-        for (int i = 0; i < d; i++)
-          X[(size_t)col[f] * (size_t)size + (size_t)(i + d * j)] -=
-              B->x[(size_t)at[f] * (size_t)size + (size_t)(j + d * i)];
-    for (int pass = 0; pass < 2; pass++) { /* compare, then clear for the next candidate */
-      const int begin = pass ? first[c] : B->p[c], end = pass ? first[c + 1] : B->p[c + 1];
-      for (int e = begin; e < end; e++) {
-        const int a = pass ? col[e] : B->i[e];
-        double *x = X + (size_t)a * (size_t)size;
-        for (int l = 0; l < size; l++) {
-          compare(k, k->scale[c] * k->scale[a] * fabs(x[l]), d * a + l % d, d * c + l / d);
-          x[l] = 0;
-        }
-      }
-    }
+                     k->scale[*a] * k->scale[c] * fabs(X[(size_t)*a * size + (size_t)l]));
+    for (int f = begin; f < stop; f++)
+      for (int l = 0; l < d * d; l++)
+        X[(size_t)rows->col[f] * size + (size_t)l] -=
+            B->x[(size_t)rows->at[f] * size + (size_t)(l / d + d * (l % d))];
+    for (const int *a = B->i + B->p[c]; a < end; a++)
+      compare_block(k, d, *a, c, X + (size_t)*a * size);
+    for (int f = begin; f < stop; f++)
+      compare_block(k, d, rows->col[f], c, X + (size_t)rows->col[f] * size);
   }
 }
 
@@ -224,10 +232,9 @@ static dls_status look_at_symmetry(const dls_contact *problem, const double *sca
     for (size_t i = 0; i < m + (blocks ? d * m : 0); i++)
       work[i] = 0;
     if (blocks) {
-      for (size_t a = 0; a <= nc; a++)
-        lists[a] = 0;
-      int *at = lists + nc + 1;
-      compare_blocks(problem, &k, work + m, lists, at, at + entries);
+      const block_rows rows = {lists, lists + nc + 1, lists + nc + 1 + entries};
+      list_rows(&problem->Wb, &rows);
+      compare_blocks(&problem->Wb, &rows, &k, work + m);
     } else
       compare_dense(problem, &k);
     const double largest = dlsi_max_abs(k.column, m);
@@ -287,7 +294,7 @@ static void look_at_eigenvalues(int m, const double *value, dls_diagnosis *g) {
   g->spectrum = 1;
   g->largest = high;
   g->smallest = low;
-  g->noise = m * DBL_EPSILON;
+  g->noise = 4 * m * DBL_EPSILON;
   const double ratio = size > 0 ? -low / size : 0;
   if (ratio <= 1e-5 && 10 * ratio > g->noise) g->noise = 10 * ratio;
   g->rank = g->negative = 0;

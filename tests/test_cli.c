@@ -112,7 +112,13 @@ START_TEST(bad_usage_is_2) {
                                       "solve --tol x Makefile",
                                       "solve --facets 8 data/fclib/FC3D_Example1.hdf5",
                                       "solve --lcp -f 8 Makefile Makefile",
-                                      "solve -m lemke -f 7 data/fclib/FC3D_Example1.hdf5"};
+                                      "solve -m lemke -f 7 data/fclib/FC3D_Example1.hdf5",
+                                      "info",
+                                      "info --frobnicate x",
+                                      "info --limit 0 data/fclib/FC3D_Example1.hdf5",
+                                      "info data/fclib/FC3D_Example1.hdf5 Makefile",
+                                      "info /no/such/file.hdf5",
+                                      "info Makefile"};
   for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
     ck_assert_msg(run(wrong[k]) == 2, "delassus %s", wrong[k]);
     ck_assert_msg(prints("delassus"), "delassus %s says: %s", wrong[k], output);
@@ -224,6 +230,57 @@ START_TEST(lcp_files) {
 }
 END_TEST
 
+START_TEST(info_says_what_it_found) {
+  ck_assert_int_eq(run("info -h"), 0);
+  ck_assert(prints("--limit"));
+  /* W = I */
+  ck_assert_int_eq(run("info data/fclib/FC3D_Example1.hdf5"), 0);
+  ck_assert(prints("3D, 3 contacts, local") && prints("W: 9 x 9, 3 blocks; symmetric\n"));
+  ck_assert(prints("rank 9 of 9: positive definite"));
+  ck_assert(prints("friction 0.1: one solution, whatever the friction and the loads"));
+  ck_assert_int_eq(run("info --json data/fclib/FC3D_Example1.hdf5"), 0);
+  ck_assert(prints("\"friction_unique\": null") && prints("\"critical\": null"));
+  ck_assert_double_eq_tol(json_number("smallest"), 1, 1e-15);
+  /* global; singular */
+  ck_assert_int_eq(run("info data/fclib/gfc2d_granularflowonwall_00069_00350.hdf5"), 0);
+  ck_assert(prints("2D, 69 contacts, global") && prints("reduced from 900 unknowns"));
+  ck_assert(prints("rank 136 of 138: positive semidefinite, statically indeterminate (2 self-"));
+  ck_assert(prints("the reactions need not be unique"));
+  /* rounding of the file */
+  ck_assert_int_eq(run("info data/fclib/Confeti-ex13-4contact-Fc3D-SBM.hdf5"), 0);
+  ck_assert(prints("look like rounding of the file"));
+  ck_assert(prints("above 2.89 (contact 3) there are loads with several solutions"));
+  /* too large for eigenvalues */
+  ck_assert_int_eq(run("info --limit=8 data/fclib/FC3D_Example1.hdf5"), 0);
+  ck_assert(prints("not computed for more than 8 rows"));
+  ck_assert_int_eq(run("info --limit=8 --json data/fclib/FC3D_Example1.hdf5"), 0);
+  ck_assert(prints("\"spectrum\": false") && prints("\"rank\": null"));
+}
+END_TEST
+
+/* Degenerate contacts, friction above the critical one, no interpenetration. */
+START_TEST(info_names_degenerate_contacts) {
+  double W[16] = {2, 1, 0, 0, 1, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, q[4] = {1, 0, 0, 0};
+  double mu[2] = {3, 0};
+  const dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, W}, .q = q, .mu = mu};
+  char path[128];
+  (void)snprintf(path, sizeof path, "%s/w.hdf5", directory);
+  ck_assert_int_eq(dls_fclib_write_local(path, &p, "", NULL, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(run("info @/w.hdf5"), 0);
+  ck_assert(prints("degenerate: 1 contact (first: 1): W_cc = 0"));
+  ck_assert(prints("degenerate: 2 components of r (first: 2): without effect on u"));
+  ck_assert(prints("r = 0 is a solution"));
+  ck_assert(prints("friction 0 to 3;") && prints("1 contact (first: 0) is above W_nn/|W_nt|"));
+  /* alone, the first contact has W_nn W_tt >= 2 W_nt^2: the bound is W_nn/|W_nt| */
+  const dls_contact one = {.d = 2, .nc = 1, .W = {2, 2, 4, W}, .q = q, .mu = mu + 1};
+  ck_assert_int_eq(dls_fclib_write_local(path, &one, "", NULL, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(run("info @/w.hdf5"), 0);
+  ck_assert(
+      prints("below 2 there is one solution, whatever the loads, and Lemke's method finds it: "
+             "this is so here"));
+}
+END_TEST
+
 int main(void) {
   Suite *suite = suite_create("cli");
   TCase *tcase = tcase_create("cli");
@@ -237,6 +294,8 @@ int main(void) {
   tcase_add_test(tcase, saved_problem_solves_to_the_same_answer);
   tcase_add_test(tcase, not_solved_is_1);
   tcase_add_test(tcase, lcp_files);
+  tcase_add_test(tcase, info_says_what_it_found);
+  tcase_add_test(tcase, info_names_degenerate_contacts);
   suite_add_tcase(suite, tcase);
   SRunner *runner = srunner_create(suite);
   srunner_run_all(runner, CK_NORMAL);

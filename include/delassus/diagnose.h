@@ -45,7 +45,7 @@ typedef struct dls_diagnosis {
   int spectrum;             /* 1: computed */
   int rank;                 /* those with |value| > noise * largest |value| */
   int negative;             /* those with value < -noise * largest |value| */
-  double noise;             /* m eps; where 0 > smallest >= -1e-5 largest, ten times that ratio if
+  double noise;             /* 4 m eps; where 0 > smallest >= -1e-5 largest, ten times that ratio if
                                larger: no flexibility matrix has negative eigenvalues, so that one of
                                this size tells how far the data were rounded */
   double largest, smallest; /* 1 */

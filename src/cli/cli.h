@@ -4,6 +4,8 @@
  *   main.c      commands, help, version
  *   scene.c     delassus scene NAME: model -> reduction -> solver -> tables, files, pictures
  *   solve.c     delassus solve FILE: FCLIB problems and LCPs
+ *   info.c      delassus info FILE: facts about an FCLIB problem
+ *   problem.c   FCLIB problems in memory, condensed if they are global
  *   report.c    messages, JSON, progress on a terminal, Ctrl-C
  *   picture.c   data files and gnuplot scripts, and running gnuplot on them
  */
@@ -20,6 +22,23 @@ enum { EXIT_SOLVED = 0, EXIT_NOT_SOLVED = 1, EXIT_BAD_INPUT = 2 };
 
 int command_scene(int argc, char **argv);
 int command_solve(int argc, char **argv);
+int command_info(int argc, char **argv);
+
+/* ---- problem.c ------------------------------------------------------------------------------- */
+
+/* A problem in memory: read from the file, condensed if it was global. Start from {0}; free it
+ * whether loading succeeded or not. */
+typedef struct problem {
+  dls_fclib *file;
+  dls_reduction *reduction; /* NULL for a local problem */
+  dls_model model;          /* of a global one */
+  const double *f, *g, *mu;
+  dls_contact contact;
+  double reduction_cpu_seconds;
+} problem;
+
+dls_status problem_load(const char *path, problem *p, dls_error *error);
+void problem_free(problem *p);
 
 /* ---- report.c -------------------------------------------------------------------------------- */
 

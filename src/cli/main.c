@@ -11,6 +11,7 @@ static void usage(FILE *out) {
         "  delassus solve FILE   solve an FCLIB problem (HDF5, local or global)\n"
         "  delassus solve --lcp M.mtx q.mtx\n"
         "                        solve an LCP given as two Matrix Market files\n"
+        "  delassus info FILE    facts about an FCLIB problem: symmetry, rank, friction bounds\n"
         "\n"
         "  -h, --help            this text; 'delassus COMMAND --help' for a command's options\n"
         "  -V, --version         version\n"
@@ -26,6 +27,8 @@ int main(int argc, char **argv) {
     result = command_scene(argc - 1, argv + 1);
   else if (!strcmp(command, "solve"))
     result = command_solve(argc - 1, argv + 1);
+  else if (!strcmp(command, "info"))
+    result = command_info(argc - 1, argv + 1);
   else if (!strcmp(command, "--help") || !strcmp(command, "-h")) {
     usage(stdout);
     result = EXIT_SOLVED;

@@ -32,30 +32,6 @@ static void usage(FILE *out) {
 
 /* ---- contact problems ------------------------------------------------------------------------ */
 
-/* A problem in memory: read from the file, condensed if it was global. */
-typedef struct problem {
-  dls_fclib *file;
-  dls_reduction *reduction; /* NULL for a local problem */
-  dls_model model;          /* of a global one */
-  const double *f, *g, *mu;
-  dls_contact contact;
-  double reduction_cpu_seconds;
-} problem;
-
-static dls_status load_problem(const char *path, problem *p, dls_error *error) {
-  dls_status status = dls_fclib_read(&p->file, path, error);
-  if (status) return status;
-  if (!dls_fclib_is_global(p->file)) return dls_fclib_contact(p->file, &p->contact, error);
-  status = dls_fclib_model(p->file, &p->model, &p->f, &p->g, &p->mu, error);
-  if (status) return status;
-  const double start = cpu_seconds();
-  status = dls_reduction_create(&p->reduction, &p->model, error);
-  if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, error);
-  if (!status) status = dls_reduction_contact(p->reduction, p->mu, &p->contact, error);
-  p->reduction_cpu_seconds = cpu_seconds() - start;
-  return status;
-}
-
 static dls_status write_solution(const char *out, const problem *p, const double *r,
                                  const double *u, dls_error *error) {
   const char *title = dls_fclib_title(p->file);
@@ -104,7 +80,7 @@ static int solve_contact(const char *path, const solve_options *options) {
   dls_error error = {0};
   double *r = NULL, *u = NULL;
   int result = EXIT_BAD_INPUT;
-  if (load_problem(path, &p, &error)) {
+  if (problem_load(path, &p, &error)) {
     (void)complain_of(path, &error);
     goto end;
   }
@@ -139,8 +115,7 @@ static int solve_contact(const char *path, const solve_options *options) {
   result = status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
 end:
   dls_solver_destroy(solver);
-  dls_reduction_destroy(p.reduction);
-  dls_fclib_destroy(p.file);
+  problem_free(&p);
   free(r);
   free(u);
   return result;

@@ -1,0 +1,208 @@
+/* info.c: delassus info FILE: facts about a contact problem, in words. */
+#define _GNU_SOURCE
+#include <getopt.h>
+#include <math.h>
+
+#include "cli.h"
+
+static void usage(FILE *out) {
+  fputs(
+      "Usage: delassus info [OPTION]... FILE\n"
+      "Facts about a contact problem (FCLIB, HDF5; local, or global after its reduction):\n"
+      "symmetry, rank and definiteness of W, scales, degenerate contacts, and how large friction\n"
+      "may be. Contacts and rows are counted from 0.\n"
+      "\n"
+      "  -l, --limit=N         rank, eigenvalues and the bound on friction for up to N rows "
+      "(2000)\n"
+      "  -j, --json            print one JSON object; null: not known, none, or unbounded\n"
+      "  -h, --help            this text\n",
+      out);
+}
+
+/* ---- words ----------------------------------------------------------------------------------- */
+
+static void print_matrix(const problem *p, const dls_diagnosis *g) {
+  const int m = p->contact.d * p->contact.nc;
+  printf("  W: %d x %d, ", m, m);
+  if (p->contact.Wb.x)
+    printf("%d blocks; ", p->contact.Wb.p[p->contact.nc]);
+  else
+    fputs("dense; ", stdout);
+  if (g->asymmetry <= m * 2.3e-16)
+    puts(g->asymmetry > 0 ? "symmetric to rounding" : "symmetric");
+  else
+    printf("symmetric to %.1e of its largest entry, worst at rows %d and %d\n", g->asymmetry,
+           g->row, g->col);
+}
+
+static void print_spectrum(int m, int limit, const dls_diagnosis *g) {
+  if (!g->spectrum) {
+    printf("  rank and eigenvalues: not computed for more than %d rows (--limit)\n", limit);
+    return;
+  }
+  printf("  rank %d of %d: ", g->rank, m);
+  if (g->negative)
+    printf("indefinite, %d negative eigenvalues\n", g->negative);
+  else if (g->rank < m)
+    printf("positive semidefinite, statically indeterminate (%d self-stresses)\n", m - g->rank);
+  else
+    puts("positive definite");
+  printf("  eigenvalues of the scaled W: %.2e to %.2e", g->smallest, g->largest);
+  if (g->smallest_positive > 0)
+    printf(", condition%s %.1e", g->rank < m ? " on its range" : "",
+           g->largest / g->smallest_positive);
+  puts("");
+  if (g->smallest < 0 && !g->negative && -g->smallest > 1e-12 * g->largest)
+    printf(
+        "    the slightly negative ones look like rounding of the file; below %.0e counts as 0\n",
+        g->noise * g->largest);
+}
+
+static void print_scales(int nc, const dls_diagnosis *g) {
+  printf("  weights w_c = trace(W_cc)/d: %.3g to %.3g; |q| = %.3g\n", g->weight_min, g->weight_max,
+         g->q_norm);
+  if (g->closing)
+    printf("  without reactions, %d of %d contacts would interpenetrate\n", g->closing, nc);
+  else
+    puts("  no contact would interpenetrate without reactions: r = 0 is a solution");
+}
+
+static void print_flaw(const dls_flaw *flaw, const char *one, const char *more,
+                       const char *meaning) {
+  if (flaw->count)
+    printf("  degenerate: %d %s (first: %d): %s\n", flaw->count, flaw->count > 1 ? more : one,
+           flaw->first, meaning);
+}
+
+static void print_friction(int d, int m, const dls_diagnosis *g) {
+  static const double large = 1e6; /* no friction coefficient that anybody means */
+  const double mu = g->friction_max;
+  printf("  friction %.3g", g->friction_min);
+  if (mu > g->friction_min) printf(" to %.3g", mu);
+  if (g->friction_unique >= large)
+    puts(": one solution, whatever the friction and the loads");
+  else if (g->friction_unique > 0)
+    printf("; below %.3g there is one solution, whatever the loads%s%s\n", g->friction_unique,
+           d == 2 ? ", and Lemke's method finds it" : "",
+           mu < g->friction_unique ? ": this is so here" : "");
+  else if (g->spectrum && g->rank < m && !g->negative)
+    puts("; with W singular the reactions need not be unique, whatever the friction");
+  else
+    puts("; no bound is known below which the solution is unique");
+  if (g->friction_critical < large)
+    printf("    above %.3g (contact %d) there are loads with several solutions\n",
+           g->friction_critical, g->critical);
+  if (g->wedged.count)
+    printf("    %d contact%s (first: %d) %s above W_nn/|W_nt| and can jam alone\n", g->wedged.count,
+           g->wedged.count > 1 ? "s" : "", g->wedged.first, g->wedged.count > 1 ? "are" : "is");
+}
+
+static void print_text(const char *path, const problem *p, int limit, const dls_diagnosis *g) {
+  const dls_contact *contact = &p->contact;
+  printf("%s: %dD, %d contacts, %s\n", path, contact->d, contact->nc,
+         p->reduction ? "global" : "local");
+  if (p->reduction)
+    printf("  reduced from %d unknowns in %.3g s of CPU\n", p->model.n, p->reduction_cpu_seconds);
+  print_matrix(p, g);
+  print_spectrum(contact->d * contact->nc, limit, g);
+  print_scales(contact->nc, g);
+  print_flaw(&g->zero_block, "contact", "contacts", "W_cc = 0");
+  print_flaw(&g->no_weight, "contact", "contacts", "trace(W_cc) <= 0");
+  print_flaw(&g->no_normal, "contact", "contacts", "W_nn <= 0, pushing does not open it");
+  print_flaw(&g->singular_block, "contact", "contacts", "W_cc is singular");
+  print_flaw(&g->no_effect, "component of r", "components of r", "without effect on u");
+  print_friction(contact->d, contact->d * contact->nc, g);
+}
+
+/* ---- JSON ------------------------------------------------------------------------------------ */
+
+static void field(const char *name, double value) {
+  printf(",\n  \"%s\": ", name);
+  print_json_number(stdout, value);
+}
+
+/* null for -1 */
+static void index_field(const char *name, int index) {
+  field(name, index < 0 ? (double)NAN : index);
+}
+
+static void flaw_field(const char *name, const dls_flaw *flaw) {
+  printf(",\n  \"%s\": {\"count\": %d, \"first\": ", name, flaw->count);
+  print_json_number(stdout, flaw->count ? flaw->first : (double)NAN);
+  fputc('}', stdout);
+}
+
+static void print_info_json(const problem *p, const dls_diagnosis *g) {
+  const double unknown = g->spectrum ? 0 : NAN;
+  printf("{\n  \"dimension\": %d,\n  \"contacts\": %d,\n  \"global\": %s", p->contact.d,
+         p->contact.nc, p->reduction ? "true" : "false");
+  field("asymmetry", g->asymmetry);
+  index_field("row", g->row);
+  index_field("col", g->col);
+  printf(",\n  \"spectrum\": %s", g->spectrum ? "true" : "false");
+  field("rank", unknown + g->rank);
+  field("negative", unknown + g->negative);
+  field("noise", unknown + g->noise);
+  field("smallest", unknown + g->smallest);
+  field("largest", unknown + g->largest);
+  field("smallest_positive", unknown + g->smallest_positive);
+  field("weight_min", g->weight_min);
+  field("weight_max", g->weight_max);
+  field("q_norm", g->q_norm);
+  field("closing", g->closing);
+  field("friction_min", g->friction_min);
+  field("friction_max", g->friction_max);
+  field("friction_unique", unknown + g->friction_unique);
+  field("friction_critical", g->friction_critical);
+  index_field("critical", g->critical);
+  flaw_field("wedged", &g->wedged);
+  flaw_field("zero_block", &g->zero_block);
+  flaw_field("no_weight", &g->no_weight);
+  flaw_field("no_normal", &g->no_normal);
+  flaw_field("singular_block", &g->singular_block);
+  flaw_field("no_effect", &g->no_effect);
+  puts("\n}");
+}
+
+/* ---- the command ----------------------------------------------------------------------------- */
+
+int command_info(int argc, char **argv) {
+  static const struct option options[] = {{"limit", required_argument, NULL, 'l'},
+                                          {"json", no_argument, NULL, 'j'},
+                                          {"help", no_argument, NULL, 'h'},
+                                          {NULL, 0, NULL, 0}};
+  int limit = 2000, json = 0;
+  for (int key; (key = getopt_long(argc, argv, "l:jh", options, NULL)) != -1;) {
+    switch (key) {
+    case 'l':
+      if (!parse_count("limit", optarg, &limit)) return EXIT_BAD_INPUT;
+      break;
+    case 'j':
+      json = 1;
+      break;
+    case 'h':
+      usage(stdout);
+      return EXIT_SOLVED;
+    default:
+      usage(stderr);
+      return EXIT_BAD_INPUT;
+    }
+  }
+  if (argc - optind != 1) {
+    usage(stderr);
+    return EXIT_BAD_INPUT;
+  }
+  const char *path = argv[optind];
+  problem p = {0};
+  dls_error error = {0};
+  dls_diagnosis g;
+  int result = EXIT_SOLVED;
+  if (problem_load(path, &p, &error) || dls_contact_diagnose(&p.contact, limit, &g, &error))
+    result = complain_of(path, &error);
+  else if (json)
+    print_info_json(&p, &g);
+  else
+    print_text(path, &p, limit, &g);
+  problem_free(&p);
+  return result;
+}
