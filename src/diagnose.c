@@ -1,22 +1,22 @@
 /*
  * diagnose.c: facts about a contact problem u = W r + q, see delassus/diagnose.h.
  *
- * W stands for the scaled matrix D^-1/2 W D^-1/2 from here on: r_c = r'_c / sqrt(w_c), u_c = sqrt(w_c)
- * u'_c leave the laws of contact and friction, and mu, as they are.
+ * W stands for the scaled matrix D^-1/2 W D^-1/2 from here on: with r_c = r'_c / sqrt(w_c), u_c =
+ * sqrt(w_c) u'_c the laws of contact and friction, and mu, stay as they are.
  *
  * How large friction may be
  * -------------------------
- * Above. Let r = (1, mu e), e = -W_nt^T / |W_nt|, at candidate c alone and u = (0, -e): slip. Then q = u - W r
- * has q_n = mu |W_nt| - W_nn at c, > 0 for mu > W_nn / |W_nt|, so that r = 0, u_c = q_c is a second
- * solution; a large q_n keeps all others free in both. Hence friction_critical.
+ * Above. Let r = (1, mu e), e = -W_nt^T / |W_nt|, at candidate c alone, and u_c = (0, -e): slip.
+ * Then q_c = u_c - W_cc r_c has q_n = mu |W_nt| - W_nn > 0 for mu > W_nn / |W_nt|, so that r = 0,
+ * u_c = q_c is a second solution; large q_n keep all others free in both. Hence friction_critical.
  *
  * Below. Let (r, u) and (r', u') be two solutions for the same q,
  *
  *   y = r_n - r'_n,  x = r_t - r'_t,  p = u_n - u'_n,  v = u_t - u'_t.
  *
  * (B1) y_c p_c = -r_n u'_n - r'_n u_n <= 0
- * (B2) x_c . v_c <= mu_c |y_c| |v_c|, for r_t . u_t = -mu r_n |u_t| and r_t . u'_t >= -mu r_n |u'_t| give
- *        x . v <= -mu (r_n - r'_n) (|u_t| - |u'_t|)
+ * (B2) x_c . v_c <= mu_c |y_c| |v_c|, for r_t . u_t = -mu r_n |u_t|, r_t . u'_t >= -mu r_n |u'_t|
+ *        give x . v <= -mu (r_n - r'_n) (|u_t| - |u'_t|)
  *
  * With T = W_tt^-1, P = W_nt T, Q = T W_tn, S = W_nn - W_nt T W_tn:
  *
@@ -30,27 +30,35 @@
  *   s = smallest eigenvalue of the symmetric part of S,  g = |P - Q^T|_2 (0 for symmetric W)
  *   t = smallest eigenvalue of the symmetric part of T,  h = |P|_2
  *
- * and tau s |y|^2 + t |v|^2 >= 2 sqrt(tau s t) |y| |v|. So y = v = 0, hence x = 0, if mu is less than
+ * and tau s |y|^2 + t |v|^2 >= 2 sqrt(tau s t) |y| |v|. So y = v = 0, hence x = 0, if mu is less
+ * than
  *
  * (B4) mu* = max over tau >= 1 of 2 sqrt(tau s t) - (tau - 1) h - g
  *          = 2 k - g            if h >= k = sqrt(s t)     (tau = 1)
  *          = h + k^2 / h - g    if h <  k                 (tau = (k/h)^2)
  *
- * provided s, t > 0. The same lines with the thresholds mu_c b_c, mu_c b'_c in (B2) instead of mu_c r_n,
- * mu_c r'_n give |y| <= (mu / mu*) |b - b'|: the fixed point on the sliding threshold contracts. Its
- * step is a variational inequality of the operator diag(tau, 1) (W r + q), strongly monotone by the
- * case mu = 0 of the above, so that it has one solution: the fixed point exists, whatever q is.
+ * provided s, t > 0. The same lines with the thresholds mu_c b_c, mu_c b'_c in the place of mu_c
+ * r_n, mu_c r'_n give |y| <= (mu / mu*) |b - b'|: the fixed point on the sliding threshold
+ * contracts. Its step is a variational inequality of the operator diag(tau, 1) (W r + q), strongly
+ * monotone by the case mu = 0 of the above, and so has one solution: the fixed point exists,
+ * whatever q is.
  *
- * Lemke (2D, the form of delassus/lcp.h): a secondary ray gives dz != 0 that solves LCP(M, dz0 d), d > 0,
- * dz0 >= 0. That is a friction problem with q = dz0 (d_1, d_2) and -mu r_n <= r_t <= mu r_n + dz0 d_3, for
- * which (B1), (B2) hold all the same; it has the solution r = 0, and so no other. Then phi_2 = 0, and
- * dz0 > 0 leaves lambda_2 = 0, that is dz = 0. If dz0 = 0, only lambda_2 of some dz is not 0, with
- * dy = lambda_1 = lambda_2: by complementarity phi_1 = phi_2 = 0 all along the ray, but phi_1 + phi_2 =
- * 2 mu r_n + d_3 z0 > 0. So there is no ray.
+ * Lemke (2D, the form of delassus/lcp.h). A secondary ray gives dz != 0 that solves LCP(M, dz0 d),
+ * d > 0, dz0 >= 0: a friction problem with q = dz0 (d_1, d_2) and -mu r_n <= r_t <= mu r_n + dz0
+ * d_3, for which (B1), (B2) hold all the same. It has the solution r = 0, and so no other: phi_2 =
+ * 0, and if dz0 > 0, phi_1 > 0, lambda_2 = 0, that is dz = 0. If dz0 = 0, some dz has lambda_2 > 0
+ * and dy the same lambda_1; by complementarity phi_1 = phi_2 = 0 at the start of the ray, but
+ * there phi_1 + phi_2 = 2 mu r_n + d_3 z0 > 0. So there is no ray, and Lemke's method ends at the
+ * solution.
  *
- * What mu* is worth: for one candidate in 2D with W_nn W_tt >= 2 W_nt^2 it is W_nn / |W_nt|, the exact value;
- * never more. For many candidates it falls with 1 / sqrt(condition number). Projected Gauss-Seidel
- * has no such proof.
+ * What mu* is worth: for one candidate in 2D with W_nn W_tt >= 2 W_nt^2 it is W_nn / |W_nt|, the
+ * exact value, and never more. For many candidates it falls with 1 / sqrt(condition number).
+ * Projected Gauss-Seidel and Newton are not safe below it: data/failures/c13 has mu = 2 < mu* =
+ * 2.83, and both cycle. (Gauss-Seidel solved 3600 of 3600 random problems, mu = 0.99 mu*, nc <=
+ * 12.)
+ *
+ * Cost: eigenvalues of an m x m and of some smaller symmetric matrices, one inverse. What can
+ * fail: s and t carry rounding errors of eps times the condition number, and so does mu*.
  */
 #include <float.h>
 #include <math.h>
@@ -68,7 +76,8 @@ static void count(dls_flaw *flaw, int index) {
 
 /* 1 if B (d x d, not 0) is singular to rounding: Gauss elimination with complete pivoting. */
 static int is_singular(int d, double *B) {
-  const double tol = 8 * DBL_EPSILON * dlsi_max_abs(B, (size_t)(d * d));
+  const size_t D = (size_t)d;
+  const double tol = 8 * DBL_EPSILON * dlsi_max_abs(B, D * D);
   for (int k = 0; k < d; k++) {
     int pi = k, pj = k;
     for (int j = k; j < d; j++)
@@ -95,12 +104,13 @@ static int is_singular(int d, double *B) {
 
 static void look_at_candidates(const dls_contact *problem, dls_diagnosis *g) {
   const int d = problem->d;
+  const size_t D = (size_t)d;
   g->friction_min = g->friction_max = problem->mu[0];
   for (int c = 0; c < problem->nc; c++) {
     const double mu = problem->mu[c];
     if (mu < g->friction_min) g->friction_min = mu;
     if (mu > g->friction_max) g->friction_max = mu;
-    g->closing += problem->q[(size_t)d * (size_t)c] < 0;
+    g->closing += problem->q[D * (size_t)c] < 0;
 
     double B[9] = {0}, trace = 0;
     dlsi_contact_diagonal(problem, c, B);
@@ -120,7 +130,7 @@ static void look_at_candidates(const dls_contact *problem, dls_diagnosis *g) {
       g->friction_critical = critical;
       g->critical = c;
     }
-    if (!(dlsi_max_abs(B, (size_t)(d * d)) > 0)) {
+    if (!(dlsi_max_abs(B, D * D) > 0)) {
       count(&g->zero_block, c);
       continue;
     }
@@ -198,7 +208,7 @@ static void compare_block(comparison *k, int d, int a, int c, double *x) {
 /* X (nc blocks of d x d, all 0): the block column c, then less the block row c transposed. */
 static void compare_blocks(const dls_blocks *B, const block_rows *rows, comparison *k, double *X) {
   const int d = B->d;
-  const size_t size = (size_t)(d * d);
+  const size_t D = (size_t)d, size = D * D;
   for (int c = 0; c < B->n; c++) {
     const int *end = B->i + B->p[c + 1], begin = rows->first[c], stop = rows->first[c + 1];
     for (int e = B->p[c]; e < B->p[c + 1]; e++)
@@ -275,8 +285,8 @@ static void expand(const dls_contact *problem, const double *scale, double *A) {
     }
 }
 
-/* value (n) := the eigenvalues, ascending, of the symmetric part of X (n x n, leading dimension ld),
- * H (n x n) and work (34 n) being overwritten; 0 if LAPACK did not converge. */
+/* value (n) := the eigenvalues, ascending, of the symmetric part of X (n x n, leading dimension
+ * ld); H (n x n) and work (34 n) are overwritten. 0 if LAPACK did not converge. */
 static int eigenvalues(int n, const double *X, int ld, double *H, double *value, double *work) {
   const size_t N = (size_t)n, L = (size_t)ld;
   for (size_t j = 0; j < N; j++)
@@ -315,8 +325,8 @@ static int norm_of(int rows, int cols, const double *X, double *XXt, double *H, 
   return ok;
 }
 
-/* mu* of (B4), 0 if there is none. A (m x m) = (W_nn W_nt; W_tn W_tt) is overwritten; H, V: m x m each;
- * value: m, work: 34 m. V has room for T, P and Q: nt^2 + 2 nn nt < m^2. */
+/* mu* of (B4), 0 if there is none. A (m x m) = (W_nn W_nt; W_tn W_tt) is overwritten; H, V: m x m
+ * each; value: m, work: 34 m. V has room for T, P and Q: nt^2 + 2 nn nt < m^2. */
 static double unique_below(int nn, int nt, double *A, double *H, double *V, int *pivot,
                            double *value, double *work) {
   const int m = nn + nt;
@@ -333,7 +343,7 @@ static double unique_below(int nn, int nt, double *A, double *H, double *V, int 
     }
   dgetrf_(&nt, &nt, H, &nt, pivot, &info);
   if (info) return 0;
-  dgetrs_("N", &nt, &nt, H, &nt, pivot, T, &nt, &info, 1);
+  dgetrs_("N", &nt, &nt, H, &nt, pivot, T, &nt, &info, 1); /* (B3) */
   dgemm_("N", "N", &nn, &nt, &nt, &one, Wnt, &m, T, &nt, &zero, P, &nn, 1, 1);
   dgemm_("N", "N", &nt, &nn, &nt, &one, T, &nt, Wtn, &m, &zero, Q, &nt, 1, 1);
   dgemm_("N", "N", &nn, &nn, &nt, &minus, P, &nn, Wtn, &m, &one, Wnn, &m, 1, 1); /* S */
@@ -351,7 +361,7 @@ static double unique_below(int nn, int nt, double *A, double *H, double *V, int 
       P[i + j * N] -= Q[j + i * L];
   if (!norm_of(nn, nt, P, XXt, H, value, work, &g)) return 0;
 
-  const double k = sqrt(s * t);
+  const double k = sqrt(s * t); /* (B4) */
   const double bound = (h >= k ? 2 * k : h + k * (k / h)) - g;
   return bound > 0 ? bound : 0;
 }

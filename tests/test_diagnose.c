@@ -391,8 +391,8 @@ END_TEST
 
 /* ---- friction bounds ------------------------------------------------------------------------- */
 
-/* Every entry of the catalogue with several solutions stands at a friction that is not below the bound;
- * and what has critical friction 1 by hand (c01 .. c03) has it here. */
+/* Every entry of the catalogue with several solutions, or none, stands at a friction that is not
+ * below the bound; and what has critical friction 1 by hand (c01 .. c03) has it here. */
 START_TEST(catalogue_of_failures) {
   char names[100][64], why[200];
   const int count = failures_list(TEST_DATA "/failures", names, 100);
@@ -415,6 +415,12 @@ START_TEST(catalogue_of_failures) {
       close_to(g.friction_critical, 1, 4 * DBL_EPSILON);
       flaw_is(&g.wedged, f.mu[0] > 1, f.mu[0] > 1 ? 0 : -1);
     }
+    if (!strncmp(names[k], "c13", 3)) {
+      /* W_nn = 4 I, W_tt = I, W_nt = sqrt(2) times a reflection: s = 2, t = 1, h = sqrt(2). Not
+       * safe for Gauss-Seidel, though the solution is unique. */
+      close_to(g.friction_unique, 2 * sqrt(2), 64 * DBL_EPSILON);
+      ck_assert(g.friction_max == 2 && f.points == 1 && !(f.nlgs & 1u << DLS_OK));
+    }
     if (!strncmp(names[k], "c03", 3))
       ck_assert(g.rank == 1 && g.friction_unique == 0 && fabs(g.friction_critical - 1) < 1e-15);
   }
@@ -422,8 +428,8 @@ START_TEST(catalogue_of_failures) {
 }
 END_TEST
 
-/* Solutions r of a 2D problem by enumeration that differ by more than 1e-6 of the largest; the lambdas
- * of a candidate with r = 0 are not unique, and are not counted. */
+/* Solutions r of a 2D problem by enumeration that differ by more than 1e-6 of the largest; the
+ * lambdas of a candidate with r = 0 are not unique, and are not counted. */
 static int count_reactions(const dls_contact *p) {
   enum { N = 12, ROOM = 64 };
   double A[N * N], b[N], z[N * ROOM], r[ROOM][M];
@@ -481,6 +487,54 @@ START_TEST(below_the_bound_there_is_one_solution) {
     ck_assert_int_eq(dls_solve(&p, &settings, r, NULL, NULL, NULL), DLS_OK);
   }
   ck_assert_int_ge(tried, 250);
+}
+END_TEST
+
+/* r with r_n >= 0, |r_t| <= mu_c b_c instead of the cone, W symmetric: by relaxation, one unknown
+ * at a time. */
+static void solve_threshold(const dls_contact *p, const double *b, double *r) {
+  const int m = 2 * p->nc;
+  memset(r, 0, (size_t)m * sizeof *r);
+  for (int sweep = 0; sweep < 3000; sweep++)
+    for (int i = 0; i < m; i++) {
+      double u = p->q[i];
+      for (int j = 0; j < m; j++)
+        u += p->W.a[i + m * j] * r[j];
+      const double most = p->mu[i / 2] * b[i / 2], x = r[i] - u / p->W.a[i + m * i];
+      r[i] = i % 2 ? fmin(fmax(x, -most), most) : fmax(x, 0);
+    }
+}
+
+/* The map b -> r_n of the sliding thresholds has the Lipschitz constant mu / mu*, in the norm of
+ * the scaled problem, sum w_c b_c^2. */
+START_TEST(fixed_points_on_the_threshold_contract) {
+  state = 11;
+  double largest = 0;
+  for (int k = 0; k < 60; k++) {
+    const int nc = 1 + k % 3, m = 2 * nc;
+    double W[36], q[6], b[2][3], r[2][6], mu[3] = {0}, before = 0, after = 0;
+    random_problem(m, 0, W, q);
+    const double bound = diagnose(2, nc, W, q, mu).friction_unique;
+    for (int c = 0; c < nc; c++) {
+      mu[c] = 0.9 * bound;
+      q[2 * c] = -fabs(q[2 * c]);
+      b[0][c] = 1 + noise();
+      b[1][c] = b[0][c] * (1 + 0.01 * noise());
+    }
+    const dls_contact p = {.d = 2, .nc = nc, .W = {m, m, m, W}, .q = q, .mu = mu};
+    for (int l = 0; l < 2; l++)
+      solve_threshold(&p, b[l], r[l]);
+    for (int c = 0; c < nc; c++) {
+      const int n = 2 * c;
+      const double w = 0.5 * (W[n + m * n] + W[n + 1 + m * (n + 1)]);
+      before += w * pow(b[0][c] - b[1][c], 2);
+      after += w * pow(r[0][n] - r[1][n], 2);
+    }
+    const double factor = sqrt(after / before);
+    ck_assert_msg(factor <= 0.9 + 1e-6, "%g", factor);
+    largest = fmax(largest, factor);
+  }
+  ck_assert_msg(largest > 0.8, "%g", largest);
 }
 END_TEST
 
@@ -665,6 +719,7 @@ int main(void) {
   tcase_add_test(tcase, blocks_that_are_missing);
   tcase_add_test(tcase, catalogue_of_failures);
   tcase_add_test(tcase, below_the_bound_there_is_one_solution);
+  tcase_add_test(tcase, fixed_points_on_the_threshold_contract);
   tcase_add_test(tcase, above_the_critical_friction_there_are_several);
   tcase_add_test(tcase, one_candidate_in_3d_has_one_solution_below_the_bound);
   tcase_add_test(tcase, too_large_is_said);
