@@ -9,6 +9,7 @@
  *   solve.h      one call for any method
  *   diagnose.h   facts about a problem
  *   nlgs.h       projected Gauss-Seidel on the reactions
+ *   primal.h     projected Gauss-Seidel on the displacements
  *   lcp.h        LCP(M, q), Lemke, 2D contact as an LCP
  *   facets.h     contact on a cone with facets as an LCP
  *   pivoting.h   LCP: principal pivoting, enumeration
@@ -28,6 +29,7 @@
 #include "delassus/matrix.h"
 #include "delassus/nlgs.h"
 #include "delassus/pivoting.h"
+#include "delassus/primal.h"
 #include "delassus/reduction.h"
 #include "delassus/solve.h"
 #include "delassus/status.h"

@@ -49,8 +49,6 @@ dls_status dlsi_factor_solve(const dlsi_factor *factor, const char *function, in
 /* NULL is fine. */
 void dlsi_factor_destroy(dlsi_factor *factor);
 
-dls_status dlsi_check_model(const char *function, const dls_model *model, dls_error *error);
-
 /* Candidates of a checked model. */
 int dlsi_model_candidates(const dls_model *model);
 

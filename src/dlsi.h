@@ -6,7 +6,7 @@
 
 #include <stddef.h>
 
-#include "delassus/contact.h"
+#include "delassus/reduction.h"
 
 /* ---- errors ---------------------------------------------------------------------------------- */
 
@@ -35,6 +35,7 @@ dls_status dlsi_check_dense(const char *function, const char *argument, const dl
 dls_status dlsi_check_sparse(const char *function, const char *argument, const dls_sparse *A,
                              int rows, int cols, dls_error *error);
 dls_status dlsi_check_contact(const char *function, const dls_contact *problem, dls_error *error);
+dls_status dlsi_check_model(const char *function, const dls_model *model, dls_error *error);
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 

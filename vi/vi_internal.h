@@ -3,10 +3,36 @@
 #define VI_INTERNAL_H
 
 #include "delassus/nlgs.h"
+#include "delassus/reduction.h"
 
 /* dls_nlgs_local without the count, for the sweep. W is d x d, column-major, leading dimension d.
  * guess (3D): where to look first for l >= 0 in u_t = -l r_t, such as |u_t| / |r_t| before; 0 for none. */
 dls_local_state dlsi_local_2d(const double *W, const double *q, double mu, double *r);
 dls_local_state dlsi_local_3d(const double *W, const double *q, double mu, double guess, double *r);
+
+/* K with the unknowns of each contact node turned into its local frame (frames.c). */
+typedef struct dlsi_frames {
+  int n, nodes;
+  size_t *start; /* n + 1: column j of K' has the entries start[j] .. start[j+1]-1: */
+  int *row;      /* ... in these rows, each once */
+  double *value;
+  double *diagonal; /* n */
+  int *node;        /* n: contact node of the unknown, -1 for none */
+  int *normal;      /* nodes: the unknown that has become u_n - g_n, ... */
+  int *tangent;     /* nodes: ... and u_t - g_t */
+  double *T;    /* 4 nodes: x_c = T_c x'_c, by columns; unknowns in the order (normal, tangent) */
+  void *memory; /* of all arrays but row and value */
+} dlsi_frames;
+
+/* Fills *frames (to be freed also after an error) from a model that has passed dlsi_check_model. */
+dls_status dlsi_frames_create(dlsi_frames *frames, const char *function, const dls_model *model,
+                              dls_error *error);
+void dlsi_frames_free(dlsi_frames *frames);
+
+/* f' := T^T f, and x := T x', also in place. */
+void dlsi_frames_forces(const dlsi_frames *frames, const double *f, double *local);
+void dlsi_frames_unknowns(const dlsi_frames *frames, const double *local, double *x);
+/* x' := T^-1 x: u - g at the contact nodes, also in place. */
+void dlsi_frames_positions(const dlsi_frames *frames, const double *x, double *local);
 
 #endif

@@ -19,7 +19,7 @@ typedef enum dls_method {
 
 /* Passed to the progress callback; valid during the call only. */
 typedef struct dls_progress {
-  const char *method; /* "nlgs", "lemke", "principal" */
+  const char *method; /* "nlgs", "lemke", "principal", "gauss-seidel" */
   int iteration;      /* sweeps, pivots: done so far */
   int max_iterations;
   double residual; /* the certificate's residual as the iteration estimates it; -1 if unknown */

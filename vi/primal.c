@@ -1,0 +1,567 @@
+/*
+ * primal.c: projected Gauss-Seidel on the displacements, [Chabrand 1998] 4.2, (37)-(38).
+ *
+ *   K x = f + r,   0 <= u_n _|_ r_n >= 0,   |r_t| <= b,   u_t opposed to r_t where |r_t| = b = mu r_n
+ *
+ * in the local frames of frames.c: x_c = u_c - g_c, and r stands at the unknowns of the contact
+ * nodes. For given thresholds b this is the problem of Tresca, the minimum under u_n >= 0 of the
+ * strictly convex Q(x) = x^T K x / 2 - f^T x + sum_c b_c |u_tc|, which (38) writes with its slope
+ * epsilon_T b in the place of |u_t|. R = f - K x is kept up to date by columns (those of K are its
+ * rows). One sweep visits the unknowns in their order:
+ *
+ *   (G1)  x_i += omega R_i / K_ii                        an unknown without contact
+ *   (G2)  u_c := the solution of Tresca's problem of node c alone, the others frozen
+ *   (G3)  Aitken: x := x - gamma (x - x_before), where that does not raise Q
+ *   (G4)  b_c := mu_c max(0, r_nc), r = -R at the contact nodes: the fixed point, a step of which is
+ *         taken when Tresca's problem is solved to half of what Coulomb's lacks
+ *   (G5)  the certificate (primal.h) from a fresh R, when the estimate meets the target and every 50
+ *         sweeps
+ *
+ * (G3) x_k being the start of sweep k and s_k its end, f_k = s_k - x_k,
+ * gamma = <f_k - f_k-1, f_k> / |f_k - f_k-1|^2 and x_k+1 = s_k - gamma (s_k - s_k-1), in the scalar
+ * product of diag(K): Aitken's Delta^2 for vectors (Irons and Tuck; Anderson's with one step of
+ * memory). It accelerates the sweeps, not the fixed point: that is the place of over-relaxation, whose
+ * parameter [C] wants to be rid of, and where the time goes (fixed-point steps are few: 19 in 500
+ * sweeps for [J] Fig. 3). R being affine in x it costs no product with K, nor does
+ * Q(x) - Q(s) = -(x - s)^T (R_x + R_s) / 2 + sum_c b_c (|u_tc| - |u_tc of s|).
+ *
+ * Convergence: every (G1), 0 < omega < 2, every (G2) and every accepted (G3) lowers Q, so that
+ * the sweeps solve Tresca's problem whatever x they start from. The fixed point converges for small mu.
+ *
+ * Source: [C] 4.2, after Raous, Chabrand and Lebon 1988; the paper gives no formula for its Aitken
+ * procedure. Deviations: sign, (38)'s term + epsilon_T b v is the work of friction, which opposes
+ * slip by (21); contact nodes take their exact 2 x 2 solution, n and t together, and are not
+ * over-relaxed (measured on [J] Fig. 3: the same sweeps, and the proof above needs it not); inner
+ * problems are solved inexactly (G4); R by columns instead of (K x)_i by rows: the same products, an
+ * unknown that does not change costs nothing, and residual, Q and d^T K d are free.
+ *
+ * Cost of a sweep: K once; besides O(n). What can fail: the fixed point cycles for large mu
+ * (DLS_MAX_ITERATIONS); the sweeps needed grow with the mesh.
+ */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delassus/primal.h"
+#include "dlsi.h"
+#include "vi_internal.h"
+
+enum { refresh_every = 50 };
+
+struct dls_primal {
+  dls_primal_settings settings;
+  dlsi_frames K;
+  void *memory; /* of all that follows */
+  /* n each */
+  double *inverse; /* 1 / K_ii */
+  double *f, *g;   /* loads; gaps, 0 off the contact nodes */
+  double *x, *R;   /* x + g (so that it is u at the contact nodes), f - K x */
+  double *x0, *R0; /* at the start of the sweep, then (G3)'s proposal */
+  double *s, *Rs;  /* at the end of the sweep before */
+  double *step;    /* of the sweep before */
+  double *a;       /* |f| + |K| (|x| + |g|) */
+  double *best;    /* the x with the smallest certificate */
+  /* contact nodes */
+  double *mu, *b, *w;        /* friction, thresholds, weights of the certificate */
+  double *coupling, *schur;  /* K_nt; K_tt - K_tn K_nn^-1 K_nt */
+  double *r, *u, *q, *A, *F; /* two per node: for the certificate */
+};
+
+void dls_primal_settings_init(dls_primal_settings *settings) {
+  if (!settings) return;
+  const dls_primal_settings s = {.size = sizeof s,
+                                 .tol = 1e-8,
+                                 .max_iterations = 100000,
+                                 .relaxation = 1,
+                                 .aitken = 1,
+                                 .warm_start = 0,
+                                 .progress = NULL,
+                                 .progress_data = NULL};
+  *settings = s;
+}
+
+static dls_status check_settings(const char *function, const dls_primal_settings *s,
+                                 dls_error *error) {
+  if (!s) return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings", -1, 0, "is NULL");
+  if (s->size != sizeof *s)
+    return dlsi_fail(error, DLS_E_SETTINGS, function, "settings", -1, (double)s->size,
+                     "not filled by dls_primal_settings_init");
+  if (!(s->tol >= 0 && s->tol <= DBL_MAX))
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "tol", -1, s->tol, "must be >= 0, finite");
+  if (s->max_iterations < 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "max_iterations", -1, s->max_iterations,
+                     "is %d, must be at least 1", s->max_iterations);
+  if (!(s->relaxation > 0 && s->relaxation < 2))
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "relaxation", -1, s->relaxation,
+                     "is %g, must be inside (0, 2)", s->relaxation);
+  if (s->aitken != 0 && s->aitken != 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "aitken", -1, s->aitken, "must be 0 or 1");
+  if (s->warm_start != 0 && s->warm_start != 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "warm_start", -1, s->warm_start,
+                     "must be 0 or 1");
+  return DLS_OK;
+}
+
+static dls_status check_model(const char *function, const dls_model *model, dls_error *error) {
+  const dls_status status = dlsi_check_model(function, model, error);
+  if (status) return status;
+  if (model->d != 2)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "d", -1, model->d,
+                     "is %d; this method is for d = 2", model->d);
+  if (model->operator_kind != DLS_STIFFNESS_DENSE && model->operator_kind != DLS_STIFFNESS_SPARSE)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "operator_kind", -1, model->operator_kind,
+                     "this method works on the entries of a stiffness matrix");
+  if (model->factorization != DLS_CHOLESKY)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "factorization", -1, model->factorization,
+                     "this method is for K symmetric positive definite: DLS_CHOLESKY");
+  if (model->P.p)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "P", -1, model->P.cols,
+                     "weighted reactions couple the contact nodes; condense this model");
+  return DLS_OK;
+}
+
+static void carve(dlsi_arena *arena, dls_primal *p) {
+  const size_t n = (size_t)p->K.n, nodes = (size_t)p->K.nodes;
+  double **const of_unknowns[] = {&p->inverse, &p->f, &p->g,  &p->x,    &p->R, &p->x0,
+                                  &p->R0,      &p->s, &p->Rs, &p->step, &p->a, &p->best};
+  double **const of_nodes[] = {&p->mu, &p->b, &p->w, &p->coupling, &p->schur};
+  double **const of_pairs[] = {&p->r, &p->u, &p->q, &p->A, &p->F};
+  for (size_t k = 0; k < sizeof of_unknowns / sizeof of_unknowns[0]; k++)
+    *of_unknowns[k] = dlsi_take(arena, n, sizeof(double));
+  for (size_t k = 0; k < sizeof of_nodes / sizeof of_nodes[0]; k++)
+    *of_nodes[k] = dlsi_take(arena, nodes, sizeof(double));
+  for (size_t k = 0; k < sizeof of_pairs / sizeof of_pairs[0]; k++)
+    *of_pairs[k] = dlsi_take(arena, 2 * nodes, sizeof(double));
+}
+
+/* What depends on K alone. */
+static void prepare(dls_primal *p) {
+  const dlsi_frames *K = &p->K;
+  for (int i = 0; i < K->n; i++)
+    p->inverse[i] = 1 / K->diagonal[i];
+  for (int c = 0; c < K->nodes; c++) {
+    const int i = K->normal[c], j = K->tangent[c];
+    p->coupling[c] = 0;
+    for (size_t k = K->start[i]; k < K->start[i + 1]; k++)
+      if (K->row[k] == j) p->coupling[c] = K->value[k];
+    const double ratio = p->coupling[c] / K->diagonal[i];
+    p->schur[c] = K->diagonal[j] - p->coupling[c] * ratio;
+    /* trace(K_cc^-1) / 2 */
+    p->w[c] = 0.5 * (1 / K->diagonal[i] + (1 + ratio * ratio) / p->schur[c]);
+  }
+}
+
+dls_status dls_primal_create(dls_primal **out, const dls_model *model,
+                             const dls_primal_settings *settings, dls_error *error) {
+  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "out", -1, 0, "is NULL");
+  *out = NULL;
+  dls_status status = check_settings(__func__, settings, error);
+  if (!status) status = check_model(__func__, model, error);
+  if (status) return status;
+
+  dls_primal *p = dlsi_alloc(1, sizeof *p);
+  if (!p) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  *p = (dls_primal){.settings = *settings};
+  status = dlsi_frames_create(&p->K, __func__, model, error);
+  if (!status) {
+    dlsi_arena arena = {0};
+    carve(&arena, p);
+    arena.size = arena.used;
+    p->memory = arena.failed ? NULL : dlsi_alloc(arena.size, 1);
+    arena.base = p->memory;
+    arena.used = 0;
+    if (arena.base)
+      carve(&arena, p);
+    else
+      status = dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  }
+  if (status) {
+    dls_primal_destroy(p);
+    return status;
+  }
+  prepare(p);
+  *out = p;
+  return DLS_OK;
+}
+
+void dls_primal_destroy(dls_primal *workspace) {
+  if (!workspace) return;
+  dlsi_frames_free(&workspace->K);
+  free(workspace->memory);
+  free(workspace);
+}
+
+/* ---- the sweep ------------------------------------------------------------------------------- */
+
+/* x_i := value, R with it; 1 if that is a change */
+static int move(const dlsi_frames *K, int i, double value, double *x, double *R) {
+  const double step = value - x[i];
+  if (step == 0) return 0;
+  x[i] = value;
+  for (size_t k = K->start[i]; k < K->start[i + 1]; k++)
+    R[K->row[k]] -= K->value[k] * step;
+  return 1;
+}
+
+/* The u_t that minimises k u_t^2 / 2 + p u_t + b |u_t| */
+static double slip(double k, double p, double b) {
+  return p > b ? -(p - b) / k : p < -b ? -(p + b) / k : 0;
+}
+
+/* (G2) r = p + K_cc u: contact if that leaves r_n >= 0, else free */
+static int visit_node(const dls_primal *work, int c, double *x, double *R) {
+  const dlsi_frames *K = &work->K;
+  const int i = K->normal[c], j = K->tangent[c];
+  const double k_nn = K->diagonal[i], k_nt = work->coupling[c], k_tt = K->diagonal[j];
+  const double pn = -R[i] - (k_nn * x[i] + k_nt * x[j]);
+  const double pt = -R[j] - (k_nt * x[i] + k_tt * x[j]);
+  double un = 0, ut = slip(k_tt, pt, work->b[c]);
+  if (!(pn + k_nt * ut >= 0)) {
+    ut = slip(work->schur[c], pt - k_nt * (pn / k_nn), work->b[c]);
+    un = -(pn + k_nt * ut) / k_nn;
+  }
+  const int changed = move(K, i, un, x, R);
+  return move(K, j, ut, x, R) || changed;
+}
+
+/* Returns whether anything changed. */
+static int sweep(const dls_primal *work) {
+  const dlsi_frames *K = &work->K;
+  const double omega = work->settings.relaxation;
+  double *x = work->x, *R = work->R;
+  int changed = 0;
+  for (int i = 0; i < K->n; i++) {
+    const int c = K->node[i];
+    if (c < 0)
+      changed |= move(K, i, x[i] + omega * (R[i] * work->inverse[i]), x, R); /* (G1) */
+    else if (K->normal[c] == i)
+      changed |= visit_node(work, c, x, R); /* (G2) */
+  }
+  return changed;
+}
+
+/* ---- the certificate ------------------------------------------------------------------------- */
+
+/* R := f - K x afresh, and a := |f| + |K| (|x| + |g|), the size of what rounds in it */
+static void refresh(const dls_primal *work) {
+  const dlsi_frames *K = &work->K;
+  memcpy(work->R, work->f, (size_t)K->n * sizeof *work->R);
+  for (int i = 0; i < K->n; i++)
+    work->a[i] = fabs(work->f[i]);
+  for (int j = 0; j < K->n; j++) {
+    const double x = work->x[j] - work->g[j], size = fabs(work->x[j]) + fabs(work->g[j]);
+    for (size_t k = K->start[j]; k < K->start[j + 1]; k++) {
+      work->R[K->row[k]] -= K->value[k] * x;
+      work->a[K->row[k]] += fabs(K->value[k]) * size;
+    }
+  }
+}
+
+/* u = K_cc^-1 r, by the pivots k_nn and schur */
+static void flexibility(const dls_primal *work, int c, double rn, double rt, double u[2]) {
+  const double k_nn = work->K.diagonal[work->K.normal[c]], k_nt = work->coupling[c];
+  u[1] = (rt - k_nt * (rn / k_nn)) / work->schur[c];
+  u[0] = (rn - k_nt * u[1]) / k_nn;
+}
+
+/* sqrt( sum v_i^2 / K_ii ), over the unknowns without contact or over all */
+static double force_norm(const dls_primal *work, const double *v, int all) {
+  double sum = 0;
+  for (int i = 0; i < work->K.n; i++)
+    if (all || work->K.node[i] < 0) sum += v[i] * (v[i] * work->inverse[i]);
+  return sqrt(sum);
+}
+
+typedef struct measure {
+  double equilibrium, laws; /* the certificate */
+  double tresca;            /* laws with |r_t| <= b in the place of |r_t| <= mu r_n */
+} measure;
+
+static double ratio(double part, double whole) {
+  return part == 0 ? 0 : part / whole;
+}
+
+/* The certificate from the R at hand; load = |f|. */
+static measure estimate(const dls_primal *work, double load) {
+  const dlsi_frames *K = &work->K;
+  double laws = 0, tresca = 0, size = 0, reactions = 0;
+  for (int c = 0; c < K->nodes; c++) {
+    const int i = K->normal[c], j = K->tangent[c];
+    const double r[2] = {-work->R[i], -work->R[j]}, u[2] = {work->x[i], work->x[j]};
+    const double w = work->w[c], limit = w * work->b[c];
+    double F[2], q[2];
+    dlsi_contact_residual(2, work->mu[c], w, r, u, F);
+    laws += F[0] * F[0] + F[1] * F[1];
+    const double vn = w * r[0] - u[0], vt = w * r[1] - u[1];
+    F[0] = w * r[0] - (vn > 0 ? vn : 0);
+    F[1] = w * r[1] - (vt > limit ? limit : vt < -limit ? -limit : vt);
+    tresca += F[0] * F[0] + F[1] * F[1];
+    flexibility(work, c, r[0], r[1], q);
+    size += (u[0] - q[0]) * (u[0] - q[0]) + (u[1] - q[1]) * (u[1] - q[1]);
+    reactions += r[0] * (r[0] * work->inverse[i]) + r[1] * (r[1] * work->inverse[j]);
+  }
+  const double out_of_balance = force_norm(work, work->R, 0);
+  return (measure){ratio(out_of_balance, load + sqrt(reactions)), ratio(sqrt(laws), sqrt(size)),
+                   ratio(sqrt(tresca), sqrt(size))};
+}
+
+/* (G5) the certificate and r, u of x, from a fresh R */
+static void certify(const dls_primal *work, double load, dls_primal_info *info) {
+  const dlsi_frames *K = &work->K;
+  refresh(work);
+  for (int c = 0; c < K->nodes; c++) {
+    const size_t n = 2 * (size_t)c, t = n + 1;
+    const int i = K->normal[c], j = K->tangent[c];
+    const double coupling = fabs(work->coupling[c]) / K->diagonal[i];
+    double q[2];
+    work->r[n] = -work->R[i];
+    work->r[t] = -work->R[j];
+    work->u[n] = work->x[i];
+    work->u[t] = work->x[j];
+    flexibility(work, c, work->r[n], work->r[t], q);
+    work->q[n] = work->u[n] - q[0];
+    work->q[t] = work->u[t] - q[1];
+    /* |u| + |K_cc^-1| a */
+    work->A[t] = (work->a[j] + coupling * work->a[i]) / work->schur[c];
+    work->A[n] = work->a[i] / K->diagonal[i] + coupling * work->A[t] + fabs(work->u[n]);
+    work->A[t] += fabs(work->u[t]);
+  }
+  const dls_contact nodes = {.d = 2, .nc = K->nodes, .q = work->q, .mu = work->mu};
+  dlsi_contact_measure(&nodes, work->r, work->u, work->A, work->w, work->F, &info->laws);
+  double reactions = 0;
+  for (int c = 0; c < K->nodes; c++) {
+    const int i = K->normal[c], j = K->tangent[c];
+    reactions += work->R[i] * (work->R[i] * work->inverse[i]);
+    reactions += work->R[j] * (work->R[j] * work->inverse[j]);
+  }
+  const double scale = load + sqrt(reactions);
+  info->equilibrium = ratio(force_norm(work, work->R, 0), scale);
+  info->equilibrium_floor = DBL_EPSILON * ratio(force_norm(work, work->a, 1), scale);
+}
+
+static double larger(double a, double b) {
+  return a > b || a != a ? a : b;
+}
+
+static double target(double tol, double floor) {
+  return larger(tol, 4 * floor);
+}
+
+static int holds(const dls_primal_info *info, double tol) {
+  return info->equilibrium <= target(tol, info->equilibrium_floor) &&
+         dls_certificate_holds(&info->laws, tol);
+}
+
+/* ---- acceleration, thresholds ---------------------------------------------------------------- */
+
+/* (G4); returns whether any b_c changed */
+static int set_thresholds(const dls_primal *work) {
+  int changed = 0;
+  for (int c = 0; c < work->K.nodes; c++) {
+    const double rn = -work->R[work->K.normal[c]], b = rn > 0 ? work->mu[c] * rn : 0;
+    changed |= work->b[c] != b;
+    work->b[c] = b;
+  }
+  return changed;
+}
+
+typedef struct comparison {
+  double gamma;     /* of (G3) */
+  double curvature; /* d^T K d / d^T diag(K) d of the sweep's step d */
+  double length;    /* |d| / |x| in the norm of diag(K) */
+} comparison;
+
+/* Compares the sweep's step with the one before, which it replaces. */
+static comparison compare_steps(const dls_primal *work) {
+  const double *D = work->K.diagonal;
+  double ff = 0, fd = 0, dd = 0, fKf = 0, xx = 0;
+  for (int i = 0; i < work->K.n; i++) {
+    const double f = work->x[i] - work->x0[i], d = f - work->step[i];
+    ff += D[i] * f * f;
+    fd += D[i] * f * d;
+    dd += D[i] * d * d;
+    fKf -= f * (work->R[i] - work->R0[i]);
+    xx += D[i] * work->x[i] * work->x[i];
+    work->step[i] = f;
+  }
+  return (comparison){ratio(fd, dd), ratio(fKf, ff), sqrt(ratio(ff, xx))};
+}
+
+static void rotate(double **x, double **s, double **x0) {
+  double *free_one = *s;
+  *s = *x;
+  *x = *x0;
+  *x0 = free_one;
+}
+
+/* (G3) x := s_k - gamma (s_k - s_k-1) with u_n >= 0 if that does not raise Q; s := s_k. */
+static void extrapolate(dls_primal *work, double gamma) {
+  const dlsi_frames *K = &work->K;
+  const double *x = work->x, *R = work->R;
+  double *y = work->x0, *Ry = work->R0; /* free by now */
+  for (int i = 0; i < K->n; i++) {
+    y[i] = x[i] - gamma * (x[i] - work->s[i]);
+    Ry[i] = R[i] - gamma * (R[i] - work->Rs[i]);
+  }
+  for (int c = 0; c < K->nodes; c++)
+    if (y[K->normal[c]] < 0) (void)move(K, K->normal[c], 0, y, Ry);
+  double rise = 0; /* of Q */
+  for (int i = 0; i < K->n; i++)
+    rise -= 0.5 * ((y[i] - x[i]) * (Ry[i] + R[i]));
+  for (int c = 0; c < K->nodes; c++)
+    rise += work->b[c] * (fabs(y[K->tangent[c]]) - fabs(x[K->tangent[c]]));
+  if (rise <= 0) {
+    rotate(&work->x, &work->s, &work->x0);
+    rotate(&work->R, &work->Rs, &work->R0);
+  } else {
+    memcpy(work->s, x, (size_t)K->n * sizeof *x);
+    memcpy(work->Rs, R, (size_t)K->n * sizeof *R);
+  }
+}
+
+/* ---- the iteration --------------------------------------------------------------------------- */
+
+static void copy(const dls_primal *work, double *to, const double *from) {
+  memcpy(to, from, (size_t)work->K.n * sizeof *to);
+}
+
+/* Tresca's problem is solved as well as the certificate of Coulomb's needs now. */
+static int time_for_thresholds(const measure *now, double balance) {
+  return now->tresca <= 0.5 * now->laws && now->equilibrium <= larger(0.5 * now->laws, balance);
+}
+
+/* Sweeps until the certificate holds or there is a reason to stop, which is returned; work->x is the
+ * best iterate, and work->r, work->u and *info belong to it. < 0: K is not positive definite, as
+ * *curvature shows. */
+static dls_status iterate(dls_primal *work, dls_primal_info *info, double *curvature) {
+  const dls_primal_settings *settings = &work->settings;
+  const double load = force_norm(work, work->f, 1);
+
+  certify(work, load, info);
+  if (holds(info, settings->tol)) return DLS_OK;
+  (void)set_thresholds(work);
+  double best = larger(info->equilibrium, info->laws.residual);
+  copy(work, work->best, work->x);
+  dls_status reason = DLS_MAX_ITERATIONS;
+  int fresh = 1;   /* R carries no rounding of earlier sweeps */
+  int history = 0; /* s and step are of the sweep before, with the same b */
+  for (int k = 1; k <= settings->max_iterations; k++) {
+    copy(work, work->x0, work->x);
+    copy(work, work->R0, work->R);
+    const int changed = sweep(work); /* (G1), (G2) */
+    info->iterations = k;
+    const comparison steps = compare_steps(work);
+    if (steps.curvature < -1e-8 && steps.length > 1e-6) { /* more than rounding can do */
+      *curvature = steps.curvature;
+      return DLS_E_NOT_POSITIVE_DEFINITE;
+    }
+    measure now = estimate(work, load);
+    const double balance = target(settings->tol, info->equilibrium_floor);
+    const double lawful = target(settings->tol, info->laws.floor);
+    const int was_fresh = fresh;
+    fresh =
+        !changed || (now.equilibrium <= balance && now.laws <= lawful) || k % refresh_every == 0;
+    if (fresh) { /* (G5) */
+      certify(work, load, info);
+      if (holds(info, settings->tol)) return DLS_OK;
+      now = estimate(work, load);
+    }
+    const double residual = larger(now.equilibrium, now.laws);
+    if (residual < best) {
+      best = residual;
+      copy(work, work->best, work->x);
+    }
+    const dls_progress progress = {"gauss-seidel", k, settings->max_iterations, residual};
+    if (settings->progress && settings->progress(settings->progress_data, &progress)) {
+      reason = DLS_CANCELLED;
+      break;
+    }
+    if (!(residual <= DBL_MAX)) {
+      reason = DLS_STALLED;
+      break;
+    }
+    if (!changed || time_for_thresholds(&now, balance)) { /* (G4) */
+      if (!set_thresholds(work) && !changed && was_fresh) {
+        reason = DLS_STALLED;
+        break;
+      }
+      info->thresholds++;
+      history = 0;
+    } else if (settings->aitken && history)
+      extrapolate(work, steps.gamma); /* (G3) */
+    else if (settings->aitken) {
+      copy(work, work->s, work->x);
+      copy(work, work->Rs, work->R);
+      history = 1;
+    }
+  }
+  copy(work, work->x, work->best);
+  certify(work, load, info);
+  return holds(info, settings->tol) ? DLS_OK : reason;
+}
+
+static dls_status check_input(const char *function, const dls_primal *work, const double *f,
+                              const double *g, const double *mu, const double *x, const double *r,
+                              dls_error *error) {
+  const size_t n = (size_t)work->K.n, nodes = (size_t)work->K.nodes;
+  dls_status status = f ? dlsi_check_vector(function, "f", f, n, error) : DLS_OK;
+  if (!status && g) status = dlsi_check_vector(function, "g", g, 2 * nodes, error);
+  if (!status) status = dlsi_check_vector(function, "mu", mu, nodes, error);
+  if (status) return status;
+  for (size_t c = 0; c < nodes; c++)
+    if (mu[c] < 0)
+      return dlsi_fail(error, DLS_E_ARGUMENT, function, "mu", (long long)c, mu[c], "is negative");
+  if (!x) return dlsi_fail(error, DLS_E_ARGUMENT, function, "x", -1, 0, "is NULL");
+  if (!r) return dlsi_fail(error, DLS_E_ARGUMENT, function, "r", -1, 0, "is NULL");
+  return work->settings.warm_start ? dlsi_check_vector(function, "x", x, n, error) : DLS_OK;
+}
+
+/* Loads, gaps and the start in local frames. */
+static void load_problem(dls_primal *work, const double *f, const double *g, const double *mu,
+                         const double *x) {
+  const dlsi_frames *K = &work->K;
+  const size_t n = (size_t)K->n, nodes = (size_t)K->nodes;
+  int at_rest = 1; /* no load, no penetration: x = 0 is the answer */
+  memset(work->f, 0, n * sizeof *work->f);
+  memset(work->g, 0, n * sizeof *work->g);
+  memset(work->x, 0, n * sizeof *work->x);
+  if (f) dlsi_frames_forces(K, f, work->f);
+  for (size_t c = 0; g && c < nodes; c++) {
+    work->g[K->normal[c]] = g[2 * c];
+    work->g[K->tangent[c]] = g[2 * c + 1];
+    at_rest &= g[2 * c] > 0 || (g[2 * c] == 0 && g[2 * c + 1] == 0);
+  }
+  at_rest &= dlsi_max_abs(work->f, n) == 0;
+  if (work->settings.warm_start && !at_rest) dlsi_frames_positions(K, x, work->x);
+  for (size_t i = 0; i < n; i++)
+    work->x[i] += work->g[i];
+  memcpy(work->mu, mu, nodes * sizeof *mu);
+  memset(work->b, 0, nodes * sizeof *work->b);
+  memset(work->step, 0, n * sizeof *work->step);
+}
+
+dls_status dls_primal_solve(dls_primal *workspace, const double *f, const double *g,
+                            const double *mu, double *x, double *r, double *u,
+                            dls_primal_info *info, dls_error *error) {
+  if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
+  dls_primal *work = workspace;
+  dls_status status = check_input(__func__, work, f, g, mu, x, r, error);
+  if (status) return status;
+  const size_t m = 2 * (size_t)work->K.nodes;
+
+  load_problem(work, f, g, mu, x);
+  dls_primal_info outcome = {0};
+  double curvature = 0;
+  outcome.status = iterate(work, &outcome, &curvature);
+  if (outcome.status < 0)
+    return dlsi_fail(error, outcome.status, __func__, "K", -1, curvature,
+                     "has a negative curvature, %g", curvature);
+  for (int i = 0; i < work->K.n; i++)
+    work->x[i] -= work->g[i];
+  dlsi_frames_unknowns(&work->K, work->x, x);
+  memcpy(r, work->r, m * sizeof *r);
+  if (u) memcpy(u, work->u, m * sizeof *u);
+  if (info) *info = outcome;
+  return outcome.status;
+}
