@@ -1,0 +1,863 @@
+/*
+ * test_primal.c: projected Gauss-Seidel on the displacements: springs by hand, random systems and the
+ * block of [Jean 1988] against Gauss-Seidel on the condensed problem, bad input.
+ */
+#include <check.h>
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delassus.h"
+#include "delassus/fe.h"
+#include "malloc_fails.h"
+
+enum { most = 40, most_nodes = 8 }; /* unknowns, contact nodes of the systems made here */
+
+static dls_error error;
+static void ok(dls_status status) {
+  ck_assert_msg(status == DLS_OK, "%s: %s", dls_status_name(status), error.message);
+}
+
+static dls_primal_settings with_tol(double tol) {
+  dls_primal_settings s;
+  dls_primal_settings_init(&s);
+  s.tol = tol;
+  return s;
+}
+
+/* a model with its own storage, K dense and sparse */
+typedef struct springs {
+  double K[most * most], f[most], g[2 * most_nodes], mu[most_nodes];
+  int kp[most + 1], ki[most * most];
+  double kx[most * most];
+  int np[most_nodes + 1], ni[2 * most_nodes], tp[most_nodes + 1], ti[2 * most_nodes];
+  double nx[2 * most_nodes], tx[2 * most_nodes];
+  dls_model model;
+} springs;
+
+/* node c on unknowns i, j, its normal turned by `angle` from i towards j */
+static void set_node(springs *s, int c, int i, int j, double angle) {
+  const double co = angle == 0 ? 1 : cos(angle), si = angle == 0 ? 0 : sin(angle);
+  const int a = 2 * c, b = a + 1;
+  s->np[c] = s->tp[c] = a;
+  s->np[c + 1] = s->tp[c + 1] = a + 2;
+  s->ni[a] = s->ti[a] = i;
+  s->ni[b] = s->ti[b] = j;
+  s->nx[a] = co;
+  s->nx[b] = si;
+  s->tx[a] = -si;
+  s->tx[b] = co;
+}
+
+/* the sparse K from the dense one, and the views */
+static void finish(springs *s, int n, int nodes, dls_operator kind) {
+  int k = 0;
+  for (int j = 0; j < n; j++) {
+    s->kp[j] = k;
+    for (int i = 0; i < n; i++)
+      if (s->K[i + n * j] != 0) {
+        s->ki[k] = i;
+        s->kx[k++] = s->K[i + n * j];
+      }
+  }
+  s->kp[n] = k;
+  s->model = (dls_model){.d = 2,
+                         .n = n,
+                         .nodes = nodes,
+                         .operator_kind = kind,
+                         .factorization = DLS_CHOLESKY,
+                         .K = {n, n, n, s->K},
+                         .Ks = {n, n, s->kp, s->ki, s->kx},
+                         .HN = {n, nodes, s->np, s->ni, s->nx},
+                         .HT = {n, nodes, s->tp, s->ti, s->tx}};
+}
+
+typedef struct answer {
+  double x[most], r[2 * most_nodes], u[2 * most_nodes];
+  dls_primal_info info;
+} answer;
+
+/* |v| in the norm of the certificate: the 2 x 2 frames are orthogonal here, n, t unit vectors */
+static double force_norm(const springs *s, const double *v) {
+  const int n = s->model.n;
+  double sum = 0, own[most] = {0};
+  for (int c = 0; c < s->model.nodes; c++) {
+    const int i = s->ni[2 * c], j = s->ni[2 * c + 1];
+    const double co = s->nx[2 * c], si = s->nx[2 * c + 1];
+    const double a = s->K[i + n * i], b = s->K[j + n * i], d = s->K[j + n * j];
+    const double vn = co * v[i] + si * v[j], vt = co * v[j] - si * v[i];
+    sum += vn * vn / (co * co * a + 2 * co * si * b + si * si * d);
+    sum += vt * vt / (si * si * a - 2 * co * si * b + co * co * d);
+    own[i] = own[j] = 1;
+  }
+  for (int i = 0; i < n; i++)
+    if (own[i] == 0) sum += v[i] * v[i] / s->K[i + n * i];
+  return sqrt(sum);
+}
+
+/* The equilibrium of an answer, by the formula of the header from the model's own arrays. */
+static double equilibrium(const springs *s, const answer *a) {
+  const int n = s->model.n;
+  double e[most], h[most] = {0};
+  for (int c = 0; c < s->model.nodes; c++)
+    for (int k = 2 * c; k < 2 * c + 2; k++) {
+      h[s->ni[k]] += s->nx[k] * a->r[2 * c];
+      h[s->ti[k]] += s->tx[k] * a->r[2 * c + 1];
+    }
+  for (int i = 0; i < n; i++) {
+    e[i] = -s->f[i] - h[i];
+    for (int j = 0; j < n; j++)
+      e[i] += s->K[i + n * j] * a->x[j];
+  }
+  return force_norm(s, e) / (force_norm(s, s->f) + force_norm(s, h));
+}
+
+static dls_status run(const springs *s, const dls_primal_settings *settings, answer *a) {
+  dls_primal *work;
+  ok(dls_primal_create(&work, &s->model, settings, &error));
+  const dls_status status =
+      dls_primal_solve(work, s->f, s->g, s->mu, a->x, a->r, a->u, &a->info, &error);
+  dls_primal_destroy(work);
+  ck_assert_msg(status >= 0, "%s", error.message);
+  const dls_primal_info *info = &a->info;
+  ck_assert_int_eq(info->status, status);
+  const double floor = 4 * info->equilibrium_floor;
+  const int holds = info->equilibrium <= (floor > settings->tol ? floor : settings->tol) &&
+                    dls_certificate_holds(&info->laws, settings->tol);
+  ck_assert_int_eq(status == DLS_OK, holds);
+  return status;
+}
+
+/* ---- by hand --------------------------------------------------------------------------------- */
+
+/* unknowns (normal, tangent[, free]); K by rows */
+typedef struct hand_case {
+  const char *name;
+  int n;
+  double K[9], f[3], g[2], mu, x[3], r[2], u[2];
+} hand_case;
+
+static const hand_case hand[] = {
+    {"free", 2, {2, 0, 0, 1}, {2, 3}, {0, 0}, 1, {1, 3}, {0, 0}, {1, 3}},
+    {"nothing", 2, {2, 0, 0, 1}, {0, 0}, {0, 0}, 1, {0, 0}, {0, 0}, {0, 0}},
+    {"gap alone", 2, {2, 0, 0, 1}, {0, 0}, {3, 1}, 1, {0, 0}, {0, 0}, {3, 1}},
+    {"stick", 2, {2, 0, 0, 1}, {-2, .5}, {0, 0}, 1, {0, 0}, {2, -.5}, {0, 0}},
+    {"slip right", 2, {2, 0, 0, 1}, {-2, 5}, {0, 0}, 1, {0, 3}, {2, -2}, {0, 3}},
+    {"slip left", 2, {2, 0, 0, 1}, {-2, -5}, {0, 0}, 1, {0, -3}, {2, 2}, {0, -3}},
+    {"no friction", 2, {2, 0, 0, 1}, {-2, 5}, {0, 0}, 0, {0, 5}, {2, 0}, {0, 5}},
+    /* r_n = u_t + 3, r_t = 2 u_t - f_t = -+ r_n / 2 */
+    {"coupled, right", 2, {2, 1, 1, 2}, {-3, 5}, {0, 0}, .5, {0, 1.4}, {4.4, -2.2}, {0, 1.4}},
+    {"coupled, left",
+     2,
+     {2, 1, 1, 2},
+     {-3, -5},
+     {0, 0},
+     .5,
+     {0, -7. / 3},
+     {2. / 3, 1. / 3},
+     {0, -7. / 3}},
+    {"coupled, stick", 2, {2, 1, 1, 2}, {-3, 1}, {0, 0}, .5, {0, 0}, {3, -1}, {0, 0}},
+    /* free although f_n < 0: the tangent's load lifts it; x = K^-1 f */
+    {"coupled, lifted", 2, {2, 1, 1, 2}, {-1, -5}, {0, 0}, .5, {1, -3}, {0, 0}, {1, -3}},
+    {"gap closes", 2, {2, 0, 0, 1}, {-2, 0}, {.5, 0}, 1, {-.5, 0}, {1, 0}, {0, 0}},
+    {"gap stays open", 2, {2, 0, 0, 1}, {-2, 0}, {2, 1}, 1, {-1, 0}, {0, 0}, {1, 1}},
+    {"obstacle moves", 2, {2, 0, 0, 1}, {-2, 0}, {0, -3}, 1, {0, 2}, {2, 2}, {0, -1}},
+    {"obstacle pushes", 2, {2, 0, 0, 1}, {0, 0}, {-1, 0}, 1, {1, 0}, {2, 0}, {0, 0}},
+    /* a chain wall - x_2 - x_n of unit springs, pulled down at x_2, stuck or slipping at its end */
+    {"chain, stick",
+     3,
+     {1, 0, -1, 0, 1, 0, -1, 0, 2},
+     {-3, 1, -2},
+     {0, 0},
+     .5,
+     {0, 0, -1},
+     {4, -1},
+     {0, 0}},
+    {"chain, slip",
+     3,
+     {1, 0, -1, 0, 1, 0, -1, 0, 2},
+     {-3, 7, -2},
+     {0, 0},
+     .5,
+     {0, 5, -1},
+     {4, -2},
+     {0, 5}},
+};
+enum { hand_count = sizeof hand / sizeof hand[0] };
+
+/* _i: case, and frame: along the axes, or turned by 1 rad with K and f turned along */
+START_TEST(by_hand) {
+  const hand_case *k = &hand[_i / 2];
+  const int turned = _i % 2, n = k->n;
+  const double co = turned ? cos(1) : 1, si = turned ? sin(1) : 0;
+  const double Q[9] = {co, si, 0, -si, co, 0, 0, 0, 1}; /* by columns of 3: x = Q x' */
+  springs s = {0};
+  double x[3] = {0};
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++) {
+      s.f[i] += Q[i + 3 * j] * k->f[j];
+      x[i] += Q[i + 3 * j] * k->x[j];
+      for (int p = 0; p < n; p++)
+        for (int q = 0; q < n; q++)
+          s.K[i + n * j] += Q[i + 3 * p] * k->K[n * p + q] * Q[j + 3 * q];
+    }
+  set_node(&s, 0, 0, 1, turned);
+  memcpy(s.g, k->g, sizeof k->g);
+  s.mu[0] = k->mu;
+  finish(&s, n, 1, DLS_STIFFNESS_DENSE);
+  const dls_primal_settings settings = with_tol(1e-14);
+  answer a;
+  ck_assert_msg(run(&s, &settings, &a) == DLS_OK, "%s", k->name);
+  /* numbers up to 5, condition of K up to 7 */
+  for (int i = 0; i < n; i++)
+    ck_assert_msg(fabs(a.x[i] - x[i]) <= 1e-12, "%s: x[%d] = %.17g", k->name, i, a.x[i]);
+  for (int i = 0; i < 2; i++) {
+    ck_assert_msg(fabs(a.r[i] - k->r[i]) <= 1e-12, "%s: r[%d] = %.17g", k->name, i, a.r[i]);
+    ck_assert_msg(fabs(a.u[i] - k->u[i]) <= 1e-12, "%s: u[%d] = %.17g", k->name, i, a.u[i]);
+  }
+}
+END_TEST
+
+/* ---- random ---------------------------------------------------------------------------------- */
+
+static uint64_t seed;
+
+/* uniform in (-1, 1) */
+static double uniform(void) {
+  seed ^= seed << 13;
+  seed ^= seed >> 7;
+  seed ^= seed << 17;
+  return ((double)(seed >> 11) + 0.5) * 0x1p-52 - 1;
+}
+
+/* K = A A^T / n + I, of eigenvalues 1 .. 5 or so; loads that press; contact nodes anywhere, in inclined
+ * frames; K dense for even i. */
+static void random_springs(int i, springs *s) {
+  static double A[most * most];
+  const int nodes = 1 + i % most_nodes, n = 2 * nodes + 3 * i % 20;
+  memset(s, 0, sizeof *s);
+  seed = 88172645463325252u + (uint64_t)i;
+  for (int k = 0; k < n * n; k++)
+    A[k] = uniform();
+  for (int j = 0; j < n; j++)
+    for (int k = 0; k <= j; k++) {
+      double sum = j == k;
+      for (int l = 0; l < n; l++)
+        sum += A[j + n * l] * A[k + n * l] / n;
+      s->K[j + n * k] = s->K[k + n * j] = sum;
+    }
+  int place[most];
+  for (int k = 0; k < n; k++) {
+    const int l = (int)((uniform() + 1) / 2 * (k + 1));
+    place[k] = place[l];
+    place[l] = k;
+    s->f[k] = uniform();
+  }
+  for (int c = 0; c < nodes; c++) {
+    const int p = place[2 * c], q = place[2 * c + 1];
+    set_node(s, c, p, q, 3 * uniform());
+    s->f[p] -= 2 * s->nx[2 * c];
+    s->f[q] -= 2 * s->nx[2 * c + 1];
+    s->g[2 * c] = uniform() / 3;
+    s->g[2 * c + 1] = c % 3 ? 0 : uniform();
+    s->mu[c] = 0.4 + 0.4 * uniform();
+  }
+  finish(s, n, nodes, i % 2 ? DLS_STIFFNESS_SPARSE : DLS_STIFFNESS_DENSE);
+}
+
+/* The same by Gauss-Seidel on the reactions; *certificate: of r, in the condensed problem. */
+static void condensed(const springs *s, const double *r, answer *dual,
+                      dls_certificate *certificate) {
+  dls_reduction *reduction;
+  dls_contact problem;
+  ok(dls_reduction_create(&reduction, &s->model, &error));
+  ok(dls_reduction_load(reduction, s->f, s->g, &error));
+  ok(dls_reduction_contact(reduction, s->mu, &problem, &error));
+  ok(dls_contact_certify(&problem, r, NULL, certificate, &error));
+  dls_solver_settings settings;
+  dls_solver_settings_init(&settings);
+  settings.tol = 1e-14;
+  ok(dls_solve(&problem, &settings, dual->r, dual->u, NULL, &error));
+  ok(dls_reduction_recover(reduction, dual->r, dual->x, &error));
+  dls_reduction_destroy(reduction);
+}
+
+static double largest(const double *v, int n) {
+  double m = 0;
+  for (int i = 0; i < n; i++)
+    m = fmax(m, fabs(v[i]));
+  return m;
+}
+
+static void expect_close(const double *a, const double *b, int n, double close) {
+  for (int i = 0; i < n; i++)
+    ck_assert_msg(fabs(a[i] - b[i]) <= close, "[%d]: %.17g, not %.17g", i, a[i], b[i]);
+}
+
+START_TEST(random_system) {
+  static springs s, t;
+  random_springs(_i, &s);
+  const int n = s.model.n, m = 2 * s.model.nodes;
+  const double tol = 1e-12;
+  const dls_primal_settings settings = with_tol(tol);
+  answer a, b, dual;
+  dls_certificate certificate;
+  ok(run(&s, &settings, &a));
+  ck_assert_int_gt(a.info.iterations, 0);
+  ck_assert(fabs(equilibrium(&s, &a) - a.info.equilibrium) <= 4 * a.info.equilibrium_floor);
+
+  /* the answer of the condensed problem, |K^-1| <= 1; measured over these systems: residuals there
+   * up to 1.0 tol, errors up to 2.1 tol */
+  condensed(&s, a.r, &dual, &certificate);
+  ck_assert_double_le(certificate.residual, 4 * tol);
+  const double close = 10 * tol * fmax(largest(dual.r, m), largest(dual.x, n));
+  expect_close(a.r, dual.r, m, close);
+  expect_close(a.u, dual.u, m, close);
+  expect_close(a.x, dual.x, n, close);
+
+  /* again: the same bits; from the answer: no sweep; from elsewhere: the same answer */
+  ok(run(&s, &settings, &b));
+  ck_assert_mem_eq(a.x, b.x, (size_t)n * sizeof *a.x);
+  ck_assert_mem_eq(a.r, b.r, (size_t)m * sizeof *a.r);
+  ck_assert_mem_eq(&a.info, &b.info, sizeof a.info);
+  dls_primal_settings other = settings;
+  other.warm_start = 1;
+  ok(run(&s, &other, &b));
+  ck_assert_int_eq(b.info.iterations, 0);
+  expect_close(b.x, a.x, n, 4 * DBL_EPSILON * largest(a.x, n) + 4 * DBL_EPSILON);
+  for (int i = 0; i < n; i++)
+    b.x[i] = 5 * uniform();
+  ok(run(&s, &other, &b));
+  expect_close(b.r, dual.r, m, close);
+
+  /* plain, and over-relaxed */
+  other = settings;
+  other.aitken = 0;
+  for (int k = 0; k < 2; k++) {
+    other.relaxation = k ? 1.3 : 1;
+    ok(run(&s, &other, &b));
+    expect_close(b.x, dual.x, n, close);
+    expect_close(b.r, dual.r, m, close);
+  }
+
+  /* K in the other storage, the upper triangle not there: the same bits */
+  t = s;
+  finish(&t, n, s.model.nodes, _i % 2 ? DLS_STIFFNESS_DENSE : DLS_STIFFNESS_SPARSE);
+  if (_i % 2)
+    for (int j = 0; j < n; j++)
+      for (int i = 0; i < j; i++)
+        t.K[i + n * j] = NAN;
+  ok(run(&t, &settings, &b));
+  ck_assert_mem_eq(a.x, b.x, (size_t)n * sizeof *a.x);
+
+  /* unknowns and contact nodes in reverse order */
+  memset(&t, 0, sizeof t);
+  for (int j = 0; j < n; j++) {
+    t.f[n - 1 - j] = s.f[j];
+    for (int i = 0; i < n; i++)
+      t.K[n - 1 - i + n * (n - 1 - j)] = s.K[i + n * j];
+  }
+  for (int c = 0; c < s.model.nodes; c++) {
+    const int e = s.model.nodes - 1 - c;
+    set_node(&t, e, n - 1 - s.ni[2 * c], n - 1 - s.ni[2 * c + 1],
+             atan2(s.nx[2 * c + 1], s.nx[2 * c]));
+    memcpy(t.g + 2 * e, s.g + 2 * c, 2 * sizeof *t.g);
+    t.mu[e] = s.mu[c];
+  }
+  for (int c = 0; c <= s.model.nodes; c++)
+    t.np[c] = t.tp[c] = 2 * c;
+  finish(&t, n, s.model.nodes, DLS_STIFFNESS_SPARSE);
+  ok(run(&t, &settings, &b));
+  for (int i = 0; i < n; i++)
+    ck_assert(fabs(b.x[n - 1 - i] - dual.x[i]) <= close);
+  for (int i = 0; i < m; i++)
+    ck_assert(fabs(b.r[m - 2 - i + 2 * (i % 2)] - dual.r[i]) <= close);
+}
+END_TEST
+
+START_TEST(units) {
+  static springs s, t;
+  random_springs(_i, &s);
+  const int n = s.model.n, m = 2 * s.model.nodes;
+  const dls_primal_settings settings = with_tol(1e-10);
+  answer a, b;
+  ok(run(&s, &settings, &a));
+  for (int length = -1; length <= 1; length++)
+    for (int force = -1; force <= 1; force++)
+      for (int two = 0; two < 2; two++) {
+        const double al = two ? ldexp(1, 30 * length) : pow(10, 9 * length);
+        const double be = two ? ldexp(1, 30 * force) : pow(10, 9 * force);
+        t = s;
+        for (int k = 0; k < n * n; k++)
+          t.K[k] *= be / al;
+        for (int k = 0; k < n; k++)
+          t.f[k] *= be;
+        for (int k = 0; k < m; k++)
+          t.g[k] *= al;
+        finish(&t, n, s.model.nodes, s.model.operator_kind);
+        ok(run(&t, &settings, &b));
+        ck_assert_int_eq(b.info.iterations, a.info.iterations);
+        ck_assert_int_eq(b.info.thresholds, a.info.thresholds);
+        for (int k = 0; two && k < m; k++)
+          ck_assert(b.r[k] == be * a.r[k]);
+        for (int k = 0; two && k < n; k++)
+          ck_assert(b.x[k] == al * a.x[k]);
+      }
+}
+END_TEST
+
+/* Unknowns of several units: K_ij -> s_i K_ij s_j, f_i -> s_i f_i, x_i -> x_i / s_i. */
+START_TEST(mixed_units) {
+  static springs s, t;
+  random_springs(_i, &s);
+  const int n = s.model.n, nodes = s.model.nodes;
+  const dls_primal_settings settings = with_tol(1e-10);
+  answer a, b;
+  ok(run(&s, &settings, &a));
+  double scale[most];
+  for (int i = 0; i < n; i++)
+    scale[i] = i % 2 ? 1 : ldexp(1, 30);
+  for (int c = 0; c < nodes; c++) /* of a contact node the same for both */
+    scale[s.ni[2 * c]] = scale[s.ni[2 * c + 1]] = ldexp(1, c % 2 ? -30 : 10);
+  t = s;
+  for (int j = 0; j < n; j++) {
+    t.f[j] *= scale[j];
+    for (int i = 0; i < n; i++)
+      t.K[i + n * j] *= scale[i] * scale[j];
+  }
+  for (int k = 0; k < 2 * nodes; k++) {
+    t.nx[k] *= scale[s.ni[k]];
+    t.tx[k] *= scale[s.ti[k]];
+  }
+  finish(&t, n, nodes, s.model.operator_kind);
+  ok(run(&t, &settings, &b));
+  ck_assert_int_eq(b.info.iterations, a.info.iterations);
+  ck_assert_mem_eq(b.r, a.r, (size_t)(2 * nodes) * sizeof *a.r);
+  for (int i = 0; i < n; i++)
+    ck_assert(b.x[i] * scale[i] == a.x[i]);
+}
+END_TEST
+
+START_TEST(tolerance_zero) { /* the floors end it */
+  static springs s;
+  random_springs(_i, &s);
+  const dls_primal_settings settings = with_tol(0);
+  answer a;
+  ok(run(&s, &settings, &a));
+  ck_assert(a.info.equilibrium <= 4 * a.info.equilibrium_floor);
+  ck_assert(a.info.laws.residual <= 4 * a.info.laws.floor);
+  ck_assert_int_lt(a.info.iterations, 5000);
+}
+END_TEST
+
+/* ---- the block of Jean ----------------------------------------------------------------------- */
+
+enum { jean_n = 296, jean_m = 32 };
+
+typedef struct jean {
+  dls_fe_scene *scene;
+  dls_fe_scene_data data;
+  double x[jean_n], r[jean_m], u[jean_m];
+  dls_primal_info info;
+} jean;
+
+static void open_scene(jean *j, const char *name, int weighted) {
+  ok(dls_fe_scene_create(&j->scene, name, weighted, &error));
+  dls_fe_scene_get(j->scene, &j->data);
+}
+
+static dls_status solve_scene(jean *j, const dls_primal_settings *settings) {
+  dls_primal *work;
+  ok(dls_primal_create(&work, &j->data.model, settings, &error));
+  const dls_status status =
+      dls_primal_solve(work, j->data.f, j->data.g, j->data.mu, j->x, j->r, j->u, &j->info, &error);
+  dls_primal_destroy(work);
+  return status;
+}
+
+static const char *const names[] = {"jean-fig3", "jean-fig4"};
+
+START_TEST(jean_block) {
+  static jean j;
+  open_scene(&j, names[_i], 0);
+  const double tol = 1e-12;
+  const dls_primal_settings settings = with_tol(tol);
+  ok(solve_scene(&j, &settings));
+
+  dls_reduction *reduction;
+  dls_contact problem;
+  dls_certificate certificate;
+  ok(dls_reduction_create(&reduction, &j.data.model, &error));
+  ok(dls_reduction_load(reduction, j.data.f, j.data.g, &error));
+  ok(dls_reduction_contact(reduction, j.data.mu, &problem, &error));
+  /* what is out of balance, at 1e-12 of the forces, moves the contact nodes by K^-1 times it: factors of
+   * 5.5 and 0.5 are measured; from a residual to r, 18 and 110 (test_jean.c) */
+  ok(dls_contact_certify(&problem, j.r, NULL, &certificate, &error));
+  ck_assert_double_le(certificate.residual, 10 * tol);
+  dls_solver_settings nlgs;
+  dls_solver_settings_init(&nlgs);
+  nlgs.tol = 1e-14;
+  double x[jean_n], r[jean_m], u[jean_m];
+  ok(dls_solve(&problem, &nlgs, r, u, NULL, &error));
+  ok(dls_reduction_recover(reduction, r, x, &error));
+  expect_close(j.r, r, jean_m, 100 * tol * largest(r, jean_m));
+  expect_close(j.u, u, jean_m, 100 * tol * largest(u, jean_m));
+  expect_close(j.x, x, jean_n, 100 * tol * largest(x, jean_n));
+  dls_contact_state p[jean_m / 2], q[jean_m / 2];
+  ok(dls_contact_states(&problem, r, u, q, &error));
+  ok(dls_contact_states(&problem, j.r, j.u, p, &error));
+  ck_assert_mem_eq(p, q, sizeof p);
+  dls_reduction_destroy(reduction);
+  dls_fe_scene_destroy(j.scene);
+}
+END_TEST
+
+START_TEST(acceleration_pays) { /* measured: 300, 707, 2228 sweeps; Fig. 4 218, 645, 2013 */
+  static jean j;
+  open_scene(&j, names[_i], 0);
+  dls_primal_settings settings = with_tol(1e-8);
+  ok(solve_scene(&j, &settings));
+  const int aitken = j.info.iterations;
+  settings.aitken = 0;
+  settings.relaxation = 1.7;
+  ok(solve_scene(&j, &settings));
+  const int relaxed = j.info.iterations;
+  settings.relaxation = 1;
+  ok(solve_scene(&j, &settings));
+  const int plain = j.info.iterations;
+  ck_assert_msg(2 * aitken < relaxed && 2 * relaxed < plain, "%d, %d, %d sweeps", aitken, relaxed,
+                plain);
+  dls_fe_scene_destroy(j.scene);
+}
+END_TEST
+
+typedef struct watch {
+  double least;
+  int calls, cancel_at;
+} watch;
+
+static int look(void *data, const dls_progress *progress) {
+  watch *w = data;
+  ck_assert_int_eq(progress->iteration, ++w->calls);
+  ck_assert_str_eq(progress->method, "gauss-seidel");
+  if (progress->residual < w->least) w->least = progress->residual;
+  return w->calls == w->cancel_at;
+}
+
+START_TEST(stopped_early) { /* cancelled, at the limit: honest, and the best of all sweeps */
+  static jean j;
+  open_scene(&j, names[0], 0);
+  for (int cancel = 0; cancel < 2; cancel++) {
+    watch w = {INFINITY, 0, cancel ? 37 : 0};
+    dls_primal_settings settings = with_tol(1e-8);
+    settings.max_iterations = cancel ? 1000 : 60;
+    settings.progress = look;
+    settings.progress_data = &w;
+    ck_assert_int_eq(solve_scene(&j, &settings), cancel ? DLS_CANCELLED : DLS_MAX_ITERATIONS);
+    ck_assert_int_eq(j.info.status, cancel ? DLS_CANCELLED : DLS_MAX_ITERATIONS);
+    ck_assert_int_eq(j.info.iterations, cancel ? 37 : 60);
+    ck_assert_int_eq(w.calls, j.info.iterations);
+    const double residual = fmax(j.info.equilibrium, j.info.laws.residual);
+    ck_assert(residual > 1e-8 && residual <= w.least * (1 + 1e-9));
+  }
+  dls_fe_scene_destroy(j.scene);
+}
+END_TEST
+
+START_TEST(weighted_is_refused) {
+  static jean j;
+  open_scene(&j, names[_i], 1);
+  const dls_primal_settings settings = with_tol(1e-8);
+  dls_primal *work = (dls_primal *)&j;
+  ck_assert_int_eq(dls_primal_create(&work, &j.data.model, &settings, &error), DLS_E_UNSUPPORTED);
+  ck_assert_ptr_null(work);
+  ck_assert_str_eq(error.argument, "P");
+  dls_fe_scene_destroy(j.scene);
+}
+END_TEST
+
+/* One workspace over load steps; nothing is allocated. */
+START_TEST(load_steps) {
+  static springs s;
+  random_springs(6, &s);
+  const int n = s.model.n;
+  const dls_primal_settings settings = with_tol(1e-10);
+  answer a, b;
+  dls_primal *work;
+  ok(dls_primal_create(&work, &s.model, &settings, &error));
+  int bad = 0;
+  malloc_fails_at(0);
+  for (int step = 1; step <= 3; step++) {
+    for (int i = 0; i < n; i++)
+      s.f[i] *= 1.5;
+    bad |= dls_primal_solve(work, s.f, s.g, s.mu, a.x, a.r, NULL, NULL, &error);
+  }
+  const long calls = malloc_calls(); /* Check allocates, too */
+  ck_assert(!bad && calls == 0);
+  ok(run(&s, &settings, &b));
+  ck_assert_mem_eq(a.x, b.x, (size_t)n * sizeof *a.x);
+  /* NULL is 0 */
+  ok(dls_primal_solve(work, NULL, NULL, s.mu, a.x, a.r, NULL, NULL, &error));
+  for (int i = 0; i < n; i++)
+    ck_assert(a.x[i] == 0);
+  dls_primal_destroy(work);
+}
+END_TEST
+
+/* The fixed point need not converge: u_t = (5 - b) / K_tt and b = mu (1 + K_nt u_t) multiply an error of b
+ * by -3.6. The answer is u_t = 1 / 4.6. */
+START_TEST(fixed_point_cycles) {
+  springs s = {.K = {1, .9, .9, 1}, .f = {-1, 5}, .mu = {4}};
+  set_node(&s, 0, 0, 1, 0);
+  finish(&s, 2, 1, DLS_STIFFNESS_DENSE);
+  dls_primal_settings settings = with_tol(1e-8);
+  settings.max_iterations = 500;
+  answer a;
+  ck_assert_int_eq(run(&s, &settings, &a), DLS_MAX_ITERATIONS);
+  ck_assert_int_eq(a.info.iterations, 500);
+  ck_assert(a.info.laws.residual > 1e-3);
+}
+END_TEST
+
+/* ---- bad input ------------------------------------------------------------------------------- */
+
+static void expect_create(const dls_model *model, const dls_primal_settings *settings,
+                          dls_status status, const char *argument, long long index) {
+  dls_primal *work = (dls_primal *)&error; /* must become NULL */
+  memset(&error, 0, sizeof error);
+  ck_assert_int_eq(dls_primal_create(&work, model, settings, &error), status);
+  ck_assert_ptr_null(work);
+  ck_assert_int_eq(error.status, status);
+  ck_assert_str_eq(error.function, "dls_primal_create");
+  ck_assert_str_eq(error.argument, argument);
+  ck_assert_msg(error.index == index, "%s", error.message);
+  ck_assert_int_eq(dls_primal_create(&work, model, settings, NULL), status);
+}
+
+START_TEST(bad_settings) {
+  static springs s;
+  random_springs(6, &s);
+  const dls_primal_settings good = with_tol(1e-8);
+  ck_assert_int_eq(dls_primal_create(NULL, &s.model, &good, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "out");
+  expect_create(&s.model, NULL, DLS_E_ARGUMENT, "settings", -1);
+  dls_primal_settings bad = {0};
+  expect_create(&s.model, &bad, DLS_E_SETTINGS, "settings", -1);
+  const double tol[] = {-1, NAN, INFINITY}, relaxation[] = {0, 2, -1, NAN, INFINITY};
+  for (int k = 0; k < 3; k++) {
+    bad = good;
+    bad.tol = tol[k];
+    expect_create(&s.model, &bad, DLS_E_ARGUMENT, "tol", -1);
+  }
+  for (int k = 0; k < 5; k++) {
+    bad = good;
+    bad.relaxation = relaxation[k];
+    expect_create(&s.model, &bad, DLS_E_ARGUMENT, "relaxation", -1);
+  }
+  bad = good;
+  bad.max_iterations = 0;
+  expect_create(&s.model, &bad, DLS_E_ARGUMENT, "max_iterations", -1);
+  bad = good;
+  bad.aitken = 2;
+  expect_create(&s.model, &bad, DLS_E_ARGUMENT, "aitken", -1);
+  bad = good;
+  bad.warm_start = -1;
+  expect_create(&s.model, &bad, DLS_E_ARGUMENT, "warm_start", -1);
+  dls_primal_settings_init(NULL);
+  dls_primal_destroy(NULL);
+}
+END_TEST
+
+START_TEST(bad_model) {
+  static springs a, b;
+  random_springs(6, &a); /* 7 contact nodes, 32 unknowns, dense */
+  const int n = a.model.n, nodes = a.model.nodes;
+  ck_assert(n == 32 && nodes == 7);
+  const dls_primal_settings settings = with_tol(1e-8);
+  expect_create(NULL, &settings, DLS_E_ARGUMENT, "model", -1);
+#define WITH(change, status, argument, index)                                                      \
+  do {                                                                                             \
+    b = a;                                                                                         \
+    finish(&b, n, nodes, DLS_STIFFNESS_DENSE);                                                     \
+    change;                                                                                        \
+    expect_create(&b.model, &settings, status, argument, index);                                   \
+  } while (0)
+  WITH(b.model.d = 4, DLS_E_ARGUMENT, "d", -1);
+  WITH(b.model.n = 0, DLS_E_SIZE, "n", -1);
+  WITH(b.model.nodes = 0, DLS_E_SIZE, "nodes", -1);
+  WITH(b.model.K.a = NULL, DLS_E_ARGUMENT, "K", -1);
+  WITH(b.K[5 + n * 3] = NAN, DLS_E_NOT_FINITE, "K", 5 + n * 3);
+  WITH(b.nx[3] = INFINITY, DLS_E_NOT_FINITE, "HN", 3);
+  WITH(b.ti[3] = n, DLS_E_ARGUMENT, "HT", 3);
+  WITH((b.model.operator_kind = DLS_STIFFNESS_SPARSE, b.kx[9] = NAN), DLS_E_NOT_FINITE, "Ks", 9);
+  WITH((b.model.operator_kind = DLS_STIFFNESS_SPARSE, b.ki[9] = -1), DLS_E_ARGUMENT, "Ks", 9);
+
+  /* what the method cannot do */
+  WITH(b.model.operator_kind = DLS_FLEXIBILITY, DLS_E_UNSUPPORTED, "operator_kind", -1);
+  WITH(b.model.factorization = DLS_LU, DLS_E_UNSUPPORTED, "factorization", -1);
+  int p[15];
+  for (int k = 0; k < 15; k++)
+    p[k] = k < 14 ? k : 14;
+  WITH((b.model.d = 3, b.model.HT = (dls_sparse){n, 14, p, b.ti, b.tx}), DLS_E_UNSUPPORTED, "d",
+       -1);
+  const int one[8] = {0, 1, 2, 3, 4, 5, 6, 7}, *row = one;
+  const double weight[7] = {1, 1, 1, 1, 1, 1, 1};
+  WITH((b.model.P = (dls_sparse){7, 7, one, row, weight}), DLS_E_UNSUPPORTED, "P", -1);
+  const int other = a.ni[0];
+  WITH(b.ni[5] = other, DLS_E_UNSUPPORTED, "HT", 2);                    /* three unknowns with HN */
+  WITH((b.ni[5] = other, b.ti[5] = other), DLS_E_UNSUPPORTED, "HN", 2); /* node 0's */
+  WITH((b.nx[4] = b.nx[5] = 0), DLS_E_UNSUPPORTED, "HN", 2);
+  WITH((b.tx[4] = b.tx[5] = 0), DLS_E_UNSUPPORTED, "HT", 2);
+  WITH((b.tx[4] = b.nx[4], b.tx[5] = b.nx[5]), DLS_E_UNSUPPORTED, "HT", 2);
+  WITH((b.np[2] = 5, b.ni[4] = other), DLS_E_UNSUPPORTED, "HN", 1); /* three of its own */
+
+  /* not positive definite: on the diagonal of a free unknown, within a contact node, an overflow */
+  int i = 0;
+  for (int c = 0; c < nodes; c++) /* a free unknown: the last that no node has */
+    for (int k = 0; k < 2 * nodes; k++)
+      if (a.ni[k] == i) i++, k = -1;
+  WITH(b.K[i + n * i] = 0, DLS_E_NOT_POSITIVE_DEFINITE, "K", i);
+  ck_assert(error.value == 0);
+  WITH(b.K[i + n * i] = -3, DLS_E_NOT_POSITIVE_DEFINITE, "K", i);
+  ck_assert(error.value == -3);
+  WITH((b.K[i + n * i] = 0, finish(&b, n, nodes, DLS_STIFFNESS_SPARSE)),
+       DLS_E_NOT_POSITIVE_DEFINITE, "Ks", i);
+  const int q = a.ni[2], t = a.ni[3];
+  WITH((set_node(&b, 1, q, t, 0), b.K[q + n * t] = b.K[t + n * q] = 9), DLS_E_NOT_POSITIVE_DEFINITE,
+       "K", t);
+  ck_assert(error.value < 0);
+  WITH((b.model.operator_kind = DLS_STIFFNESS_SPARSE, b.ki[0] = b.ki[1] = 0,
+        b.kx[0] = b.kx[1] = DBL_MAX),
+       DLS_E_NOT_FINITE, "Ks", -1);
+}
+END_TEST
+
+/* Positive diagonal, and still not positive definite: found on the way, wherever x starts. */
+START_TEST(negative_curvature) {
+  springs s = {
+      .K = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 2, 0, 0, 2, 1}, .f = {-1, 0, 1, 1.5}, .mu = {.5}};
+  set_node(&s, 0, 0, 1, 0);
+  finish(&s, 4, 1, DLS_STIFFNESS_DENSE);
+  for (int k = 0; k < 4; k++) {
+    dls_primal_settings settings = with_tol(1e-8);
+    settings.aitken = k % 2;
+    settings.relaxation = k < 2 ? 1 : 1.5;
+    dls_primal *work;
+    answer a, same;
+    memset(&a, 7, sizeof a);
+    same = a;
+    ok(dls_primal_create(&work, &s.model, &settings, &error));
+    ck_assert_int_eq(dls_primal_solve(work, s.f, s.g, s.mu, a.x, a.r, a.u, &a.info, &error),
+                     DLS_E_NOT_POSITIVE_DEFINITE);
+    ck_assert_str_eq(error.argument, "K");
+    ck_assert(error.value < 0 && error.value >= -1); /* -1: the lowest eigenvalue */
+    ck_assert_mem_eq(&a, &same, sizeof a);
+    dls_primal_destroy(work);
+  }
+}
+END_TEST
+
+static void expect_solve(dls_primal *work, const double *f, const double *g, const double *mu,
+                         double *x, double *r, dls_status status, const char *argument,
+                         long long index) {
+  answer a, same;
+  memset(&a, 7, sizeof a);
+  same = a;
+  double x_before[most], r_before[2 * most_nodes];
+  if (x) memcpy(x_before, x, sizeof x_before);
+  if (r) memcpy(r_before, r, sizeof r_before);
+  ck_assert_int_eq(dls_primal_solve(work, f, g, mu, x, r, a.u, &a.info, &error), status);
+  ck_assert_str_eq(error.function, "dls_primal_solve");
+  ck_assert_str_eq(error.argument, argument);
+  ck_assert(error.index == index);
+  ck_assert_mem_eq(&a, &same, sizeof a);
+  if (x) ck_assert_mem_eq(x, x_before, sizeof x_before);
+  if (r) ck_assert_mem_eq(r, r_before, sizeof r_before);
+}
+
+START_TEST(bad_solve) {
+  static springs s;
+  random_springs(6, &s);
+  dls_primal_settings settings = with_tol(1e-8);
+  settings.warm_start = 1;
+  dls_primal *work;
+  ok(dls_primal_create(&work, &s.model, &settings, &error));
+  double x[most] = {0}, r[2 * most_nodes] = {0}, f[most], g[2 * most_nodes], mu[most_nodes];
+#define SOLVE(change, status, argument, index)                                                     \
+  do {                                                                                             \
+    memcpy(f, s.f, sizeof f);                                                                      \
+    memcpy(g, s.g, sizeof g);                                                                      \
+    memcpy(mu, s.mu, sizeof mu);                                                                   \
+    change;                                                                                        \
+    expect_solve(work, f, g, mu, x, r, status, argument, index);                                   \
+  } while (0)
+  SOLVE(f[31] = NAN, DLS_E_NOT_FINITE, "f", 31);
+  SOLVE(g[3] = -INFINITY, DLS_E_NOT_FINITE, "g", 3);
+  SOLVE(mu[4] = NAN, DLS_E_NOT_FINITE, "mu", 4);
+  SOLVE(mu[4] = -.1, DLS_E_ARGUMENT, "mu", 4);
+  x[7] = INFINITY;
+  SOLVE((void)0, DLS_E_NOT_FINITE, "x", 7);
+  x[7] = 0;
+  expect_solve(NULL, f, g, mu, x, r, DLS_E_ARGUMENT, "workspace", -1);
+  expect_solve(work, f, g, NULL, x, r, DLS_E_ARGUMENT, "mu", -1);
+  expect_solve(work, f, g, mu, NULL, r, DLS_E_ARGUMENT, "x", -1);
+  expect_solve(work, f, g, mu, x, NULL, DLS_E_ARGUMENT, "r", -1);
+  dls_primal_destroy(work);
+}
+END_TEST
+
+START_TEST(no_memory) {
+  static springs s;
+  random_springs(7, &s);
+  const dls_primal_settings settings = with_tol(1e-8);
+  dls_primal *work;
+  long k = 1;
+  for (;; k++) {
+    malloc_fails_at(k);
+    const dls_status status = dls_primal_create(&work, &s.model, &settings, &error);
+    malloc_fails_at(0);
+    if (status == DLS_OK) break;
+    ck_assert_int_eq(status, DLS_E_MEMORY);
+    ck_assert_ptr_null(work);
+  }
+  ck_assert_int_eq(k, 7); /* six allocations */
+  dls_primal_destroy(work);
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("primal");
+  TCase *t = tcase_create("by hand");
+  tcase_add_loop_test(t, by_hand, 0, 2 * hand_count);
+  suite_add_tcase(suite, t);
+  t = tcase_create("random");
+  tcase_set_timeout(t, 60);
+  tcase_add_loop_test(t, random_system, 0, 40);
+  tcase_add_loop_test(t, units, 0, 16);
+  tcase_add_loop_test(t, mixed_units, 0, 16);
+  tcase_add_loop_test(t, tolerance_zero, 0, 20);
+  tcase_add_test(t, load_steps);
+  tcase_add_test(t, fixed_point_cycles);
+  suite_add_tcase(suite, t);
+  t = tcase_create("jean");
+  tcase_set_timeout(t, 60);
+  tcase_add_loop_test(t, jean_block, 0, 2);
+  tcase_add_loop_test(t, acceleration_pays, 0, 2);
+  tcase_add_test(t, stopped_early);
+  tcase_add_loop_test(t, weighted_is_refused, 0, 2);
+  suite_add_tcase(suite, t);
+  t = tcase_create("bad input");
+  tcase_add_test(t, bad_settings);
+  tcase_add_test(t, bad_model);
+  tcase_add_test(t, negative_curvature);
+  tcase_add_test(t, bad_solve);
+  tcase_add_test(t, no_memory);
+  suite_add_tcase(suite, t);
+  SRunner *runner = srunner_create(suite);
+  srunner_run_all(runner, CK_NORMAL);
+  const int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
