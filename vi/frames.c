@@ -2,7 +2,8 @@
  * frames.c: the stiffness in the local frames of the contact nodes.
  *
  * Contact node c acts on its two unknowns only: u_c = B_c^T x_c + g_c, forces B_c r_c, with
- * B_c = (n, t) regular, 2 x 2. In the unknowns x' with x_c = T_c x'_c, T_c = B_c^-T, and x' = x elsewhere,
+ * B_c = (n, t) regular, 2 x 2. In the unknowns x' with x_c = T_c x'_c, T_c = B_c^-T, and x' = x
+ * elsewhere,
  *
  *   K x = f + H r   becomes   K' x' = f' + r,   K' = T^T K T,   f' = T^T f,   x'_c = u_c - g_c
  *

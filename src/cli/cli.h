@@ -64,8 +64,11 @@ typedef struct outcome {
   double solve_cpu_seconds;
   const char *scene; /* NULL for a file */
   int weighted;
-  double Rt, Rn; /* scenes: resultants of the candidates' reactions */
+  double Rt, Rn;                 /* scenes: resultants of the candidates' reactions */
+  const dls_primal_info *primal; /* gauss-seidel, its own certificate; NULL: another method */
 } outcome;
+
+const char *method_word(const outcome *outcome);
 
 /* One object with the fields of the outcome. */
 void print_json(FILE *out, const outcome *outcome);

@@ -76,6 +76,10 @@ const char *iteration_word(dls_method method) {
   return method == DLS_LEMKE ? "pivots" : "sweeps";
 }
 
+const char *method_word(const outcome *o) {
+  return o->primal ? "gauss-seidel" : dls_method_name(o->info.method);
+}
+
 /* ---- JSON ------------------------------------------------------------------------------------ */
 
 void print_json_string(FILE *out, const char *text) {
@@ -113,11 +117,18 @@ void print_json(FILE *out, const outcome *o) {
     fprintf(out, ",\n  \"weighted\": %s,\n", o->weighted ? "true" : "false");
   }
   fprintf(out, "  \"status\": \"%s\",\n  \"method\": \"%s\",\n", status_word(o->info.status),
-          dls_method_name(o->info.method));
+          method_word(o));
   fprintf(out, "  \"dimension\": %d,\n  \"contacts\": %d,\n  \"iterations\": %d", o->d, o->nc,
           o->info.iterations);
   number_field(out, "residual", c->residual);
   number_field(out, "floor", c->floor);
+  if (o->primal) {
+    number_field(out, "equilibrium", o->primal->equilibrium);
+    number_field(out, "equilibrium_floor", o->primal->equilibrium_floor);
+    number_field(out, "laws", o->primal->laws.residual);
+    number_field(out, "laws_floor", o->primal->laws.floor);
+    fprintf(out, ",\n  \"thresholds\": %d", o->primal->thresholds);
+  }
   number_field(out, "penetration", c->penetration);
   number_field(out, "adhesion", c->adhesion);
   number_field(out, "cone_violation", c->cone_violation);

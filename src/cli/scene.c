@@ -18,6 +18,7 @@
 typedef struct scene_options {
   const char *name;
   int weighted, json;
+  int primal; /* gauss-seidel, in the place of solver.method */
   dls_solver_settings solver;
   const char *out, *save, *reference; /* NULL: none */
 } scene_options;
@@ -28,7 +29,7 @@ static void usage(FILE *out) {
       "  or:  delassus scene --list\n"
       "Runs a built-in scene and prints displacements and reactions of its candidates.\n"
       "\n"
-      "  -m, --method=METHOD   nlgs (default) or lemke\n"
+      "  -m, --method=METHOD   nlgs (default), lemke, or gauss-seidel (on the displacements)\n"
       "  -w, --weighted        weighted instead of concentrated reactions\n"
       "  -t, --tol=T           tolerance on the certificate's residual (1e-14)\n"
       "  -i, --max-iter=N      limit of sweeps or pivots\n"
@@ -52,6 +53,8 @@ typedef struct run {
   dls_reduction *reduction;
   dls_contact contact;
   dls_solver *solver;
+  dls_primal *primal;
+  dls_primal_info primal_info;
   outcome outcome;
   dls_contact_state *state;         /* nc */
   double *memory;                   /* of the arrays below */
@@ -93,6 +96,7 @@ static int allocate(run *a) {
 
 static void release(run *a) {
   dls_solver_destroy(a->solver);
+  dls_primal_destroy(a->primal);
   dls_reduction_destroy(a->reduction);
   dls_fe_scene_destroy(a->scene);
   free(a->memory);
@@ -133,27 +137,54 @@ static void tabulate(run *a) {
   }
 }
 
+/* r, u by a method on the condensed problem, x from r. */
+static dls_status solve_condensed(run *a, const scene_options *o, dls_error *error) {
+  dls_status status = dls_solver_create(&a->solver, 2, a->contact.nc, &o->solver, error);
+  if (status) return status;
+  const double start = cpu_seconds();
+  status = dls_solver_solve(a->solver, &a->contact, a->r, a->u, &a->outcome.info, error);
+  a->outcome.solve_cpu_seconds = cpu_seconds() - start;
+  return status < 0 ? status : dls_reduction_recover(a->reduction, a->r, a->x, error);
+}
+
+/* r, u and x on K itself. It ends by its own certificate; that of the condensed problem is beside it. */
+static dls_status solve_primal(run *a, const scene_options *o, dls_error *error) {
+  dls_primal_settings settings;
+  dls_primal_settings_init(&settings);
+  settings.tol = o->solver.tol;
+  if (o->solver.max_iterations) settings.max_iterations = o->solver.max_iterations;
+  settings.progress = o->solver.progress;
+  settings.progress_data = o->solver.progress_data;
+  dls_status status = dls_primal_create(&a->primal, &a->data.model, &settings, error);
+  if (status) return status;
+  const double start = cpu_seconds();
+  status = dls_primal_solve(a->primal, a->data.f, a->data.g, a->data.mu, a->x, a->r, a->u,
+                            &a->primal_info, error);
+  a->outcome.solve_cpu_seconds = cpu_seconds() - start;
+  if (status < 0) return status;
+  a->outcome.primal = &a->primal_info;
+  a->outcome.info.status = a->primal_info.status;
+  a->outcome.info.iterations = a->primal_info.iterations;
+  return dls_contact_certify(&a->contact, a->r, NULL, &a->outcome.info.certificate, error);
+}
+
 /* Everything from the model to the tables; < 0 or DLS_OK: whether the solver got there, the outcome
  * says. */
 static dls_status compute(run *a, const scene_options *o, dls_error *error) {
   dls_status status = dls_reduction_create(&a->reduction, &a->data.model, error);
   if (!status) status = dls_reduction_load(a->reduction, a->data.f, a->data.g, error);
   if (!status) status = dls_reduction_contact(a->reduction, a->data.mu, &a->contact, error);
-  if (!status) status = dls_solver_create(&a->solver, 2, a->contact.nc, &o->solver, error);
   if (status) return status;
   a->outcome.d = a->contact.d;
   a->outcome.nc = a->contact.nc;
   a->outcome.scene = o->name;
   a->outcome.weighted = o->weighted;
-  const double start = cpu_seconds();
-  status = dls_solver_solve(a->solver, &a->contact, a->r, a->u, &a->outcome.info, error);
-  a->outcome.solve_cpu_seconds = cpu_seconds() - start;
+  status = o->primal ? solve_primal(a, o, error) : solve_condensed(a, o, error);
   progress_end();
-  if (status < 0) return status;
+  if (status) return status;
 
   const dls_model *model = &a->data.model;
-  status = dls_reduction_recover(a->reduction, a->r, a->x, error);
-  if (!status) status = dls_reduction_nodal(a->reduction, a->r, a->R, error);
+  status = dls_reduction_nodal(a->reduction, a->r, a->R, error);
   if (!status) status = dls_contact_states(&a->contact, a->r, a->u, a->state, error);
   if (!status) status = dls_fe_scene_displacement(a->scene, a->x, a->displacement, error);
   if (status) return status;
@@ -258,9 +289,13 @@ static void print_run(const run *a, const scene_options *o) {
   const outcome *out = &a->outcome;
   const dls_certificate *c = &out->info.certificate;
   printf("%s, %s reactions, %s: %s, %d %s, residual %.1e (floor %.1e), %.2g s of CPU\n", o->name,
-         o->weighted ? "weighted" : "concentrated", dls_method_name(out->info.method),
+         o->weighted ? "weighted" : "concentrated", method_word(out),
          dls_status_text(out->info.status), out->info.iterations, iteration_word(out->info.method),
          c->residual, c->floor, out->solve_cpu_seconds);
+  if (out->primal)
+    printf("equilibrium %.1e (floor %.1e), laws %.1e (floor %.1e), %d thresholds\n",
+           out->primal->equilibrium, out->primal->equilibrium_floor, out->primal->laws.residual,
+           out->primal->laws.floor, out->primal->thresholds);
   const int with = o->reference != NULL;
   const quantity positions[] = {{"Q1 [m]", a->column[UT], with ? a->paper[0] : NULL},
                                 {"Q2 [m]", a->column[UN], with ? a->paper[1] : NULL}};
@@ -335,8 +370,7 @@ static int write_files(const run *a, const scene_options *o) {
   if (dls_fe_write_vtu(path, a->data.mesh, a->displacement, a->reaction, a->stress, &error))
     return complain_of(path, &error);
   (void)snprintf(title, sizeof title, "%s, %s reactions, %s", o->name,
-                 o->weighted ? "weighted" : "concentrated",
-                 dls_method_name(a->outcome.info.method));
+                 o->weighted ? "weighted" : "concentrated", method_word(&a->outcome));
   const scene_picture picture = {.directory = o->out,
                                  .title = title,
                                  .mesh = a->data.mesh,
@@ -411,8 +445,9 @@ int command_scene(int argc, char **argv) {
   for (int key; (key = getopt_long(argc, argv, "m:wt:i:o:s:r:jlh", options, NULL)) != -1;) {
     switch (key) {
     case 'm':
-      if (!dls_method_find(optarg, &o.solver.method))
-        return complain("--method: '%s' is no method (nlgs, lemke)", optarg);
+      o.primal = strcmp(optarg, "gauss-seidel") == 0;
+      if (!o.primal && !dls_method_find(optarg, &o.solver.method))
+        return complain("--method: '%s' is no method (nlgs, lemke, gauss-seidel)", optarg);
       break;
     case 'w':
       o.weighted = 1;
