@@ -1,6 +1,5 @@
 /*
- * contact.c: the contact problem u = W r + q and its certificate (DESIGN: one measure for every
- * method).
+ * contact.c: the contact problem u = W r + q and its certificate, the one measure for every method.
  *
  *   C_mu = { r : |r_t| <= mu r_n }
  *   F_c  = w_c r_c - P_Cmu( w_c r_c - (u_c + mu_c |u_tc| n) ),   w_c = trace(W_cc) / d
