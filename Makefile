@@ -89,6 +89,9 @@ $(BUILD)/obj/%.o: %.c Makefile
 	$(call say,CC  )
 	$(Q)$(CC) $(CPPFLAGS_ALL) $(if $(filter src/fclib%,$<),$(HDF5_CFLAGS)) $(CFLAGS_ALL) -c -o $@ $<
 
+# the one loop of the library that has to run at the speed of the memory: vectorise it
+$(BUILD)/obj/src/panel.o: CFLAGS += -O3
+
 $(A): $(LIB_OBJ)
 	@rm -f $@
 	$(call say,AR  )

@@ -70,6 +70,11 @@ void dlsi_contact_diagonal(const dls_contact *problem, int c, double *block);
 /* u += W(:,c) dr for the d columns of candidate c. */
 void dlsi_contact_add_columns(const dls_contact *problem, int c, const double *dr, double *u);
 
+/* The same for `count` candidates c[k], dr[d k..], one after the other, W dense, and rows first ..
+ * end-1 of u only. */
+void dlsi_contact_add_panel(const dls_contact *problem, int count, const int *c, const double *dr,
+                            size_t first, size_t end, double *u);
+
 /* u := W r + q and, if a is not NULL, a := |W| |r|. */
 void dlsi_contact_multiply(const dls_contact *problem, const double *r, double *u, double *a);
 

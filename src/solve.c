@@ -56,6 +56,18 @@ int dls_method_find(const char *name, dls_method *method) {
   return 0;
 }
 
+int dls_acceleration_find(const char *name, dls_acceleration *acceleration) {
+  static const char *const names[] = {[DLS_ACCELERATION_NONE] = "none",
+                                      [DLS_ACCELERATION_AITKEN] = "aitken",
+                                      [DLS_ACCELERATION_ANDERSON] = "anderson"};
+  for (int k = 0; name && acceleration && k < (int)(sizeof names / sizeof names[0]); k++)
+    if (strcmp(names[k], name) == 0) {
+      *acceleration = (dls_acceleration)k;
+      return 1;
+    }
+  return 0;
+}
+
 void dls_solver_settings_init(dls_solver_settings *settings) {
   if (!settings) return;
   memset(settings, 0, sizeof *settings);
@@ -82,6 +94,9 @@ static dls_status check_settings(const char *function, const dls_solver_settings
   if (s->facets && (s->facets < 4 || s->facets > DLS_FACETS_MAX || s->facets % 2))
     return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings.facets", -1, s->facets,
                      "is %d, must be even, 4 to %d, or 0", s->facets, DLS_FACETS_MAX);
+  if (s->acceleration && s->method != DLS_NLGS)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings.acceleration", -1, s->acceleration,
+                     "is for nlgs");
   return DLS_OK;
 }
 
@@ -151,6 +166,7 @@ static dls_status create_nlgs(dls_solver *solver, dls_error *error) {
   s.warm_start = solver->settings.warm_start;
   s.progress = solver->settings.progress;
   s.progress_data = solver->settings.progress_data;
+  s.acceleration = solver->settings.acceleration;
   return dls_nlgs_create(&solver->nlgs, solver->d, solver->nc, &s, error);
 }
 

@@ -95,6 +95,10 @@ START_TEST(bad_usage_is_2) {
                                       "scene",
                                       "scene no-such-scene",
                                       "scene jean-fig3 --method simplex",
+                                      "scene jean-fig3 --accel fast",
+                                      "scene jean-fig3 --accel aitken --method lemke",
+                                      "solve Makefile -a fast",
+                                      "solve --lcp Makefile Makefile --accel anderson",
                                       "scene jean-fig3 --tol -1",
                                       "scene jean-fig3 --tol nan",
                                       "scene jean-fig3 --max-iter 0",
@@ -123,6 +127,15 @@ START_TEST(bad_usage_is_2) {
     ck_assert_msg(run(wrong[k]) == 2, "delassus %s", wrong[k]);
     ck_assert_msg(prints("delassus"), "delassus %s says: %s", wrong[k], output);
   }
+}
+END_TEST
+
+START_TEST(accelerated_scene) {
+  ck_assert_int_eq(run("scene jean-fig3 --json"), 0);
+  const double sweeps = json_number("iterations");
+  ck_assert_int_eq(run("scene jean-fig3 --json --accel aitken"), 0);
+  ck_assert_int_eq(run("scene jean-fig3 --json -a anderson"), 0);
+  ck_assert(json_number("iterations") < sweeps);
 }
 END_TEST
 
@@ -303,6 +316,7 @@ int main(void) {
   tcase_add_checked_fixture(tcase, setup, teardown);
   tcase_add_test(tcase, help_and_version);
   tcase_add_test(tcase, bad_usage_is_2);
+  tcase_add_test(tcase, accelerated_scene);
   tcase_add_test(tcase, scene_writes_its_files);
   tcase_add_test(tcase, scene_on_the_displacements);
   tcase_add_test(tcase, concentrated_csv_has_no_equivalents);

@@ -4,9 +4,11 @@
 #include <limits.h>
 #include <math.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "delassus/files.h"
 #include "delassus/nlgs.h"
 #include "malloc_fails.h"
 
@@ -59,6 +61,29 @@ static void random_model(model *a, int d, int nc, double mu) {
     a->mu[c] = mu;
 }
 
+/* W by blocks, in storage of its own */
+typedef struct blocks {
+  int p[most + 1], i[most * most];
+  double x[most * most];
+} blocks;
+
+static dls_contact by_blocks(const model *a, blocks *B) {
+  const int d = a->p.d, nc = a->p.nc, m = d * nc;
+  for (int b = 0, k = 0; b < nc; b++) {
+    B->p[b] = k;
+    for (int c = 0; c < nc; c++, k++) {
+      B->i[k] = c;
+      for (int e = 0; e < d * d; e++)
+        B->x[k * d * d + e] = a->W[d * c + e % d + m * (d * b + e / d)];
+    }
+    B->p[b + 1] = k;
+  }
+  dls_contact p = a->p;
+  memset(&p.W, 0, sizeof p.W);
+  p.Wb = (dls_blocks){d, nc, B->p, B->i, B->x};
+  return p;
+}
+
 static dls_status run(const dls_contact *p, const dls_nlgs_settings *settings, double *r, double *u,
                       dls_info *info) {
   dls_nlgs *work;
@@ -78,6 +103,13 @@ static dls_status run(const dls_contact *p, const dls_nlgs_settings *settings, d
   ck_assert_int_eq(status == DLS_OK, dls_certificate_holds(&c, settings->tol));
   if (u) ck_assert_mem_eq(u, v, (size_t)(p->d * p->nc) * sizeof *u);
   return status;
+}
+
+static double norm_of(const double *x, int n) {
+  double s = 0;
+  for (int i = 0; i < n; i++)
+    s += x[i] * x[i];
+  return sqrt(s);
 }
 
 static dls_nlgs_settings with_tol(double tol) {
@@ -327,21 +359,9 @@ START_TEST(random_problem) {
     ck_assert(fabs(r[k] - r2[k]) <= close);
 
   /* W by blocks: the same bits */
-  static double x[most * most];
-  int p[most + 1], i[most * most];
-  for (int b = 0, k = 0; b < nc; b++) {
-    p[b] = k;
-    for (int c = 0; c < nc; c++, k++) {
-      i[k] = c;
-      for (int e = 0; e < d * d; e++)
-        x[k * d * d + e] = a.W[d * c + e % d + m * (d * b + e / d)];
-    }
-    p[b + 1] = k;
-  }
-  dls_contact blocks = a.p;
-  memset(&blocks.W, 0, sizeof blocks.W);
-  blocks.Wb = (dls_blocks){d, nc, p, i, x};
-  ck_assert_int_eq(run(&blocks, &s, r2, NULL, &info2), DLS_OK);
+  static blocks B;
+  const dls_contact blockwise = by_blocks(&a, &B);
+  ck_assert_int_eq(run(&blockwise, &s, r2, NULL, &info2), DLS_OK);
   ck_assert_mem_eq(r, r2, (size_t)m * sizeof *r);
 
   /* other relaxations: the same answer */
@@ -477,6 +497,216 @@ START_TEST(
 }
 END_TEST
 
+/* ---- acceleration ---------------------------------------------------------------------------- */
+
+static const dls_acceleration accelerations[] = {DLS_ACCELERATION_AITKEN,
+                                                 DLS_ACCELERATION_ANDERSON};
+
+static dls_nlgs_settings accelerated(double tol, dls_acceleration acceleration) {
+  dls_nlgs_settings s = with_tol(tol);
+  s.acceleration = acceleration;
+  return s;
+}
+
+START_TEST(accelerated_random_problem) {
+  static model a;
+  static blocks B;
+  from_problem(_i, &a);
+  const int m = a.p.d * a.p.nc;
+  const double close = 1000 * 1e-12 * norm_of(a.q, m);
+  double plain[most], r[most], r2[most];
+  dls_info info, info2;
+  const dls_nlgs_settings none = with_tol(1e-12);
+  ck_assert_int_eq(run(&a.p, &none, plain, NULL, &info), DLS_OK);
+  for (int k = 0; k < 2; k++) {
+    dls_nlgs_settings s = accelerated(1e-12, accelerations[k]);
+    ck_assert_int_eq(run(&a.p, &s, r, NULL, &info), DLS_OK);
+    for (int j = 0; j < m; j++)
+      ck_assert(fabs(r[j] - plain[j]) <= close);
+
+    /* again, and W by blocks: the same bits */
+    ck_assert_int_eq(run(&a.p, &s, r2, NULL, &info2), DLS_OK);
+    ck_assert_mem_eq(r, r2, (size_t)m * sizeof *r);
+    const dls_contact p = by_blocks(&a, &B);
+    ck_assert_int_eq(run(&p, &s, r2, NULL, &info2), DLS_OK);
+    ck_assert_mem_eq(r, r2, (size_t)m * sizeof *r);
+    ck_assert_int_eq(info.iterations, info2.iterations);
+
+    /* from the answer: no sweep; from elsewhere, with other windows and relaxed: the same answer */
+    s.warm_start = 1;
+    ck_assert_int_eq(run(&a.p, &s, r2, NULL, &info2), DLS_OK);
+    ck_assert_int_eq(info2.iterations, 0);
+    for (int o = 0; o < 3; o++) {
+      s.window = o ? 3 : 100;
+      s.relaxation = o == 2 ? 0.8 : 1;
+      for (int j = 0; j < m; j++)
+        r2[j] = 5 * uniform();
+      ck_assert_int_eq(run(&a.p, &s, r2, NULL, &info2), DLS_OK);
+      for (int j = 0; j < m; j++)
+        ck_assert(fabs(r2[j] - plain[j]) <= close);
+    }
+  }
+}
+END_TEST
+
+/* pressed all over, and W = A A^T / m + I / 1000 */
+static void slow_model(int i, model *a) {
+  seed = 88172645463325252u + (uint64_t)i;
+  const int d = 2 + i % 2, m = most;
+  random_model(a, d, m / d, 0.5);
+  for (int k = 0; k < m; k++) {
+    a->W[k + m * k] += 1e-3 - 0.1;
+    if (k % d == 0) a->q[k] -= 4;
+  }
+}
+
+START_TEST(fewer_sweeps) {
+  static model a;
+  slow_model(_i, &a);
+  double r[most];
+  dls_info none, aitken, anderson;
+  dls_nlgs_settings s = with_tol(1e-12);
+  s.max_iterations = 100000;
+  ck_assert_int_eq(run(&a.p, &s, r, NULL, &none), DLS_OK);
+  s.acceleration = DLS_ACCELERATION_AITKEN;
+  ck_assert_int_eq(run(&a.p, &s, r, NULL, &aitken), DLS_OK);
+  s.acceleration = DLS_ACCELERATION_ANDERSON;
+  ck_assert_int_eq(run(&a.p, &s, r, NULL, &anderson), DLS_OK);
+  /* measured: 98-159, 52-80, 33-44 */
+  ck_assert_int_le(5 * aitken.iterations, 4 * none.iterations);
+  ck_assert_int_le(2 * anderson.iterations, none.iterations);
+}
+END_TEST
+
+static const char *const files[] = {"Confeti-ex13-4contact-Fc3D-SBM",
+                                    "FC2D_SliderCrankLagrangian00000",
+                                    "FC3D_Example1",
+                                    "GFC3D_Example0",
+                                    "GFC3D_OneContact",
+                                    "gfc2d_granularflowonwall_00069_00350"};
+
+START_TEST(fclib_file) {
+  char path[200];
+  (void)snprintf(path, sizeof path, TEST_DATA "/fclib/%s.hdf5", files[_i]);
+  dls_fclib *file;
+  dls_error error;
+  const dls_status status = dls_fclib_read(&file, path, &error);
+  if (status == DLS_E_UNSUPPORTED) return; /* built without HDF5 */
+  ck_assert_msg(status == DLS_OK, "%s", error.message);
+  dls_contact p;
+  dls_reduction *reduction = NULL;
+  if (dls_fclib_is_global(file)) {
+    dls_model global;
+    const double *f, *g, *mu;
+    ck_assert_int_eq(dls_fclib_model(file, &global, &f, &g, &mu, &error), DLS_OK);
+    ck_assert_int_eq(dls_reduction_create(&reduction, &global, &error), DLS_OK);
+    ck_assert_int_eq(dls_reduction_load(reduction, f, g, &error), DLS_OK);
+    ck_assert_int_eq(dls_reduction_contact(reduction, mu, &p, &error), DLS_OK);
+  } else
+    ck_assert_int_eq(dls_fclib_contact(file, &p, &error), DLS_OK);
+  for (int k = 0; k < 2; k++) {
+    const dls_nlgs_settings s = accelerated(1e-12, accelerations[k]);
+    double *r = calloc((size_t)p.d * (size_t)p.nc, sizeof *r);
+    dls_nlgs *work;
+    dls_info info;
+    dls_certificate c;
+    ck_assert_int_eq(dls_nlgs_create(&work, p.d, p.nc, &s, &error), DLS_OK);
+    ck_assert_msg(dls_nlgs_solve(work, &p, r, NULL, &info, &error) == DLS_OK, "%s: %g", files[_i],
+                  info.certificate.residual);
+    ck_assert_int_eq(dls_contact_certify(&p, r, NULL, &c, &error), DLS_OK);
+    ck_assert(dls_certificate_holds(&c, 1e-12));
+    dls_nlgs_destroy(work);
+    free(r);
+  }
+  dls_reduction_destroy(reduction);
+  dls_fclib_destroy(file);
+}
+END_TEST
+
+START_TEST(
+    accelerated_cycle) { /* C11 again: solved or not, what is said is true, and it is the best */
+  static model a;
+  set_cycle(&a);
+  for (int k = 0; k < 2; k++) {
+    dls_nlgs_settings s = accelerated(1e-8, accelerations[k]);
+    watch w = {INFINITY, 0, 0};
+    s.max_iterations = 500;
+    s.progress = look;
+    s.progress_data = &w;
+    double r[4], u[4];
+    dls_info info;
+    const dls_status status = run(&a.p, &s, r, u, &info);
+    ck_assert(status == DLS_OK || status == DLS_MAX_ITERATIONS);
+    ck_assert_int_eq(w.calls, info.iterations - (status == DLS_OK));
+    ck_assert(info.certificate.residual <= w.least * (1 + 1e-12));
+  }
+}
+END_TEST
+
+START_TEST(accelerated_units) {
+  static model a, b;
+  from_problem(_i, &a);
+  const int m = a.p.d * a.p.nc;
+  const dls_nlgs_settings s = accelerated(1e-10, accelerations[_i / 2 % 2]);
+  double r[most], r2[most];
+  dls_info info, info2;
+  ck_assert_int_eq(run(&a.p, &s, r, NULL, &info), DLS_OK);
+  for (int length = -1; length <= 1; length++)
+    for (int force = -1; force <= 1; force++)
+      for (int two = 0; two < 2; two++) {
+        const double al = two ? ldexp(1, 30 * length) : pow(10, 9 * length);
+        const double be = two ? ldexp(1, 30 * force) : pow(10, 9 * force);
+        b = a;
+        b.p.W.a = b.W;
+        b.p.q = b.q;
+        b.p.mu = b.mu;
+        for (int k = 0; k < m; k++)
+          b.q[k] *= al;
+        for (int k = 0; k < m * m; k++)
+          b.W[k] *= al / be;
+        ck_assert_int_eq(run(&b.p, &s, r2, NULL, &info2), DLS_OK);
+        ck_assert_int_eq(info2.iterations, info.iterations);
+        for (int k = 0; two && k < m; k++)
+          ck_assert(r2[k] == be * r[k]);
+      }
+}
+END_TEST
+
+static int stop(void *data, const dls_progress *progress) {
+  const int *at = data;
+  return progress->iteration == *at;
+}
+
+/* What an earlier problem left in the workspace, cancelled half-way, plays no part. */
+START_TEST(accelerated_workspace) {
+  static model a, b;
+  slow_model(0, &a);
+  from_problem(10, &b);
+  ck_assert(a.p.d == b.p.d && a.p.nc > b.p.nc);
+  for (int k = 0; k < 2; k++) {
+    int at = 0;
+    dls_nlgs_settings s = accelerated(1e-12, accelerations[k]);
+    s.progress = stop;
+    s.progress_data = &at;
+    double r[most], r2[most];
+    dls_info info;
+    ck_assert_int_eq(run(&b.p, &s, r, NULL, &info), DLS_OK);
+    dls_nlgs *work;
+    ck_assert_int_eq(dls_nlgs_create(&work, 2, a.p.nc, &s, NULL), DLS_OK);
+    malloc_fails_at(0);
+    at = 7;
+    const dls_status first = dls_nlgs_solve(work, &a.p, r2, NULL, &info, NULL);
+    at = 0;
+    const dls_status second = dls_nlgs_solve(work, &b.p, r2, NULL, NULL, NULL);
+    const long calls = malloc_calls();
+    ck_assert(first == DLS_CANCELLED && second == DLS_OK && calls == 0);
+    ck_assert_int_eq(info.iterations, 7);
+    ck_assert_mem_eq(r, r2, (size_t)(b.p.d * b.p.nc) * sizeof *r);
+    dls_nlgs_destroy(work);
+  }
+}
+END_TEST
+
 /* ---- bad input ------------------------------------------------------------------------------- */
 
 static void expect_create(dls_status status, const char *argument, int d, int nc,
@@ -520,6 +750,17 @@ START_TEST(bad_create) {
   s = good;
   s.warm_start = 2;
   expect_create(DLS_E_ARGUMENT, "warm_start", 2, 1, &s);
+  const int bad_window[] = {0, -1, 101, INT_MIN}, bad_acceleration[] = {-1, 3};
+  for (int k = 0; k < 4; k++) {
+    s = good;
+    s.window = bad_window[k];
+    expect_create(DLS_E_ARGUMENT, "window", 2, 1, &s);
+  }
+  for (int k = 0; k < 2; k++) {
+    s = good;
+    s.acceleration = (dls_acceleration)bad_acceleration[k];
+    expect_create(DLS_E_ARGUMENT, "acceleration", 2, 1, &s);
+  }
   dls_nlgs_settings_init(NULL);
   dls_nlgs_destroy(NULL);
 }
@@ -588,7 +829,8 @@ START_TEST(bad_solve) {
 END_TEST
 
 START_TEST(no_memory) {
-  const dls_nlgs_settings s = with_tol(1e-8);
+  dls_nlgs_settings s = with_tol(1e-8);
+  if (_i) s.acceleration = DLS_ACCELERATION_ANDERSON;
   dls_error error;
   dls_nlgs *work;
   long k = 1;
@@ -623,10 +865,19 @@ int main(void) {
   tcase_add_loop_test(t, tolerance_zero, 0, 20);
   tcase_add_test(t, smaller_problem_and_new_q);
   suite_add_tcase(suite, t);
+  t = tcase_create("accelerated");
+  tcase_set_timeout(t, 60);
+  tcase_add_loop_test(t, accelerated_random_problem, 0, 40);
+  tcase_add_loop_test(t, fewer_sweeps, 0, 10);
+  tcase_add_loop_test(t, fclib_file, 0, sizeof files / sizeof files[0]);
+  tcase_add_test(t, accelerated_cycle);
+  tcase_add_loop_test(t, accelerated_units, 0, 40);
+  tcase_add_test(t, accelerated_workspace);
+  suite_add_tcase(suite, t);
   t = tcase_create("bad input");
   tcase_add_test(t, bad_create);
   tcase_add_test(t, bad_solve);
-  tcase_add_test(t, no_memory);
+  tcase_add_loop_test(t, no_memory, 0, 2);
   suite_add_tcase(suite, t);
   SRunner *runner = srunner_create(suite);
   srunner_run_all(runner, CK_NORMAL);

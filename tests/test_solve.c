@@ -207,6 +207,27 @@ START_TEST(iteration_limit_is_honest) {
 }
 END_TEST
 
+START_TEST(accelerations_have_names) {
+  static const char *const names[] = {"none", "aitken", "anderson"};
+  const dls_contact p = random_problem(3);
+  int sweeps[3] = {0};
+  for (int k = 0; k < 3; k++) {
+    dls_solver_settings s = settings_of(DLS_NLGS);
+    ck_assert_int_eq(dls_acceleration_find(names[k], &s.acceleration), 1);
+    double r[M];
+    dls_info info;
+    ck_assert_int_eq(dls_solve(&p, &s, r, NULL, &info, NULL), DLS_OK);
+    sweeps[k] = info.iterations;
+  }
+  ck_assert_int_lt(sweeps[2], sweeps[0]);
+  ck_assert_int_ne(sweeps[1], sweeps[2]);
+  dls_acceleration none = DLS_ACCELERATION_NONE;
+  ck_assert_int_eq(dls_acceleration_find("Anderson", &none), 0);
+  ck_assert_int_eq(dls_acceleration_find(NULL, &none), 0);
+  ck_assert_int_eq(dls_acceleration_find("none", NULL), 0);
+}
+END_TEST
+
 START_TEST(bad_settings_are_refused) {
   const dls_contact p = random_problem(1);
   double r[M];
@@ -230,6 +251,12 @@ START_TEST(bad_settings_are_refused) {
     ck_assert_int_eq(dls_solver_create(&solver, 2, NC, &s, &e), DLS_E_ARGUMENT);
     ck_assert_str_eq(e.argument, "settings.tol");
   }
+  s = good, s.acceleration = (dls_acceleration)3;
+  ck_assert_int_eq(dls_solver_create(&solver, 2, NC, &s, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "acceleration");
+  s = good, s.method = DLS_LEMKE, s.acceleration = DLS_ACCELERATION_AITKEN;
+  ck_assert_int_eq(dls_solver_create(&solver, 2, NC, &s, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "settings.acceleration");
   s = good, s.max_iterations = -1;
   ck_assert_int_eq(dls_solver_create(&solver, 2, NC, &s, &e), DLS_E_ARGUMENT);
   ck_assert_int_eq(dls_solver_create(&solver, 1, NC, &good, &e), DLS_E_ARGUMENT);
@@ -338,6 +365,7 @@ int main(void) {
   tcase_add_test(tcase, solver_is_reused_allocates_nothing_and_repeats_bits);
   tcase_add_test(tcase, progress_cancels);
   tcase_add_test(tcase, iteration_limit_is_honest);
+  tcase_add_test(tcase, accelerations_have_names);
   tcase_add_test(tcase, bad_settings_are_refused);
   tcase_add_test(tcase, solver_refuses_other_sizes_and_bad_numbers);
   tcase_add_test(tcase, every_failing_malloc_unwinds);

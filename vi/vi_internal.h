@@ -4,6 +4,7 @@
 
 #include "delassus/nlgs.h"
 #include "delassus/reduction.h"
+#include "dlsi.h"
 
 /* dls_nlgs_local without the count, for the sweep. W is d x d, column-major, leading dimension d.
  * guess (3D): where to look first for l >= 0 in u_t = -l r_t, such as |u_t| / |r_t| before; 0 for none. */
@@ -34,5 +35,22 @@ void dlsi_frames_forces(const dlsi_frames *frames, const double *f, double *loca
 void dlsi_frames_unknowns(const dlsi_frames *frames, const double *local, double *x);
 /* x' := T^-1 x: u - g at the contact nodes, also in place. */
 void dlsi_frames_positions(const dlsi_frames *frames, const double *x, double *local);
+/* The history of a fixed-point iteration under Anderson acceleration (anderson.c). */
+typedef struct dlsi_anderson {
+  int window;
+  int started;          /* f, g, u are there */
+  int columns, newest;  /* of DF, DG, DU, in a ring */
+  double *DF, *DG, *DU; /* m window */
+  double *f, *g, *u;    /* m  of the last step taken */
+  double *gram, *L;     /* window^2 */
+  double *work;         /* 3 window */
+} dlsi_anderson;
+
+void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window);
+void dlsi_anderson_clear(dlsi_anderson *a);
+
+/* Takes g = g(x), the weighted residual f = D (g - x) and u = u(g), m each, in; g and u become the
+ * next x and u(x). 0 if the history does not say anything yet: they stay. m: the same since clear. */
+int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, double *u);
 
 #endif

@@ -12,6 +12,14 @@
 extern "C" {
 #endif
 
+/* The sweep as a fixed-point map r := g(r), and the next sweep started from a combination of the last
+ * ones (vi/anderson.c). Aitken: of the last two, [Chabrand 1998] 4.2; Anderson: of more. */
+typedef enum dls_acceleration {
+  DLS_ACCELERATION_NONE = 0,
+  DLS_ACCELERATION_AITKEN = 1,
+  DLS_ACCELERATION_ANDERSON = 2
+} dls_acceleration;
+
 /* Fill by dls_nlgs_settings_init, then change what you like. */
 typedef struct dls_nlgs_settings {
   size_t size;        /* set by init; settings without it are refused */
@@ -21,6 +29,8 @@ typedef struct dls_nlgs_settings {
   int warm_start;     /* 0: start from r = 0; 1: from r as passed in; 0 */
   dls_progress_fn progress; /* NULL for none */
   void *progress_data;
+  dls_acceleration acceleration; /* DLS_ACCELERATION_NONE */
+  int window; /* Anderson: how many differences of sweeps are combined, 1 .. 100; 10 */
 } dls_nlgs_settings;
 
 DLS_API void dls_nlgs_settings_init(dls_nlgs_settings *settings);
@@ -28,7 +38,8 @@ DLS_API void dls_nlgs_settings_init(dls_nlgs_settings *settings);
 /* A workspace for problems of dimension d with at most nc candidates; reused over time steps. */
 typedef struct dls_nlgs dls_nlgs;
 
-/* *out = new workspace, NULL on error. It holds ((d + 4) d + 1) nc doubles; the settings are copied.
+/* *out = new workspace, NULL on error. It holds ((d + 4) d + 1) nc doubles, and
+ * with acceleration (4 + 3 k) d nc more, k = window (Aitken: 1); the settings are copied.
  * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_nlgs_create(dls_nlgs **out, int d, int nc,
                                                 const dls_nlgs_settings *settings,

@@ -4,7 +4,7 @@
 #ifndef DELASSUS_SOLVE_H
 #define DELASSUS_SOLVE_H
 
-#include "delassus/info.h"
+#include "delassus/nlgs.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -19,6 +19,7 @@ typedef struct dls_solver_settings {
   int facets;         /* Lemke, d = 3: of the friction cone, even, 4 to DLS_FACETS_MAX; 0: 8; 0 */
   dls_progress_fn progress; /* NULL for none */
   void *progress_data;
+  dls_acceleration acceleration; /* nlgs; DLS_ACCELERATION_NONE */
 } dls_solver_settings;
 
 DLS_API void dls_solver_settings_init(dls_solver_settings *settings);
@@ -26,6 +27,9 @@ DLS_API void dls_solver_settings_init(dls_solver_settings *settings);
 /* "nlgs", "lemke"; NULL for a number that is no method. dls_method_find returns 0 for no method. */
 DLS_API const char *dls_method_name(dls_method method);
 DLS_API int dls_method_find(const char *name, dls_method *method);
+
+/* "none", "aitken", "anderson"; 0 for another name. */
+DLS_API int dls_acceleration_find(const char *name, dls_acceleration *acceleration);
 
 /* Workspace for problems of dimension d with at most nc candidates, reused over time steps. */
 typedef struct dls_solver dls_solver;

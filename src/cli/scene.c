@@ -30,6 +30,7 @@ static void usage(FILE *out) {
       "Runs a built-in scene and prints displacements and reactions of its candidates.\n"
       "\n"
       "  -m, --method=METHOD   nlgs (default), lemke, or gauss-seidel (on the displacements)\n"
+      "  -a, --accel=HOW       nlgs: none (default), aitken or anderson\n"
       "  -w, --weighted        weighted instead of concentrated reactions\n"
       "  -t, --tol=T           tolerance on the certificate's residual (1e-14)\n"
       "  -i, --max-iter=N      limit of sweeps or pivots\n"
@@ -427,22 +428,18 @@ static int list_scenes(void) {
 }
 
 int command_scene(int argc, char **argv) {
-  static const struct option options[] = {{"method", required_argument, NULL, 'm'},
-                                          {"weighted", no_argument, NULL, 'w'},
-                                          {"tol", required_argument, NULL, 't'},
-                                          {"max-iter", required_argument, NULL, 'i'},
-                                          {"out", required_argument, NULL, 'o'},
-                                          {"save", required_argument, NULL, 's'},
-                                          {"reference", required_argument, NULL, 'r'},
-                                          {"json", no_argument, NULL, 'j'},
-                                          {"list", no_argument, NULL, 'l'},
-                                          {"help", no_argument, NULL, 'h'},
-                                          {NULL, 0, NULL, 0}};
+  static const struct option options[] = {
+      {"method", required_argument, NULL, 'm'},   {"accel", required_argument, NULL, 'a'},
+      {"weighted", no_argument, NULL, 'w'},       {"tol", required_argument, NULL, 't'},
+      {"max-iter", required_argument, NULL, 'i'}, {"out", required_argument, NULL, 'o'},
+      {"save", required_argument, NULL, 's'},     {"reference", required_argument, NULL, 'r'},
+      {"json", no_argument, NULL, 'j'},           {"list", no_argument, NULL, 'l'},
+      {"help", no_argument, NULL, 'h'},           {NULL, 0, NULL, 0}};
   scene_options o = {0};
   dls_solver_settings_init(&o.solver);
   o.solver.tol = 1e-14; /* NLGS and Lemke then agree to 1e-10 in r */
   o.solver.progress = show_progress;
-  for (int key; (key = getopt_long(argc, argv, "m:wt:i:o:s:r:jlh", options, NULL)) != -1;) {
+  for (int key; (key = getopt_long(argc, argv, "m:a:wt:i:o:s:r:jlh", options, NULL)) != -1;) {
     switch (key) {
     case 'm':
       o.primal = strcmp(optarg, "gauss-seidel") == 0;
@@ -451,6 +448,10 @@ int command_scene(int argc, char **argv) {
       break;
     case 'w':
       o.weighted = 1;
+      break;
+    case 'a':
+      if (!dls_acceleration_find(optarg, &o.solver.acceleration))
+        return complain("--accel: '%s' is no acceleration (none, aitken, anderson)", optarg);
       break;
     case 't':
       if (!parse_number("tol", optarg, &o.solver.tol)) return EXIT_BAD_INPUT;
@@ -484,6 +485,8 @@ int command_scene(int argc, char **argv) {
     usage(stderr);
     return EXIT_BAD_INPUT;
   }
+  if (o.solver.acceleration && o.solver.method != DLS_NLGS) return complain("--accel: is for nlgs");
+  if (o.primal && o.solver.acceleration) return complain("--accel: is for nlgs");
   o.name = argv[optind];
   watch_interrupt();
   return run_scene(&o);

@@ -20,6 +20,7 @@ static void usage(FILE *out) {
       "Solves a contact problem (FCLIB, HDF5; local, or global after its reduction) or an LCP.\n"
       "\n"
       "  -m, --method=METHOD   nlgs (default) or lemke; an LCP is solved by lemke\n"
+      "  -a, --accel=HOW       nlgs: none (default), aitken or anderson\n"
       "  -t, --tol=T           tolerance on the certificate's residual (1e-8)\n"
       "  -i, --max-iter=N      limit of sweeps or pivots\n"
       "  -f, --facets=M        lemke in 3D: facets of the friction cone, even, 4 to 64 (8)\n"
@@ -211,24 +212,25 @@ end:
 /* ---- options --------------------------------------------------------------------------------- */
 
 int command_solve(int argc, char **argv) {
-  static const struct option options[] = {{"method", required_argument, NULL, 'm'},
-                                          {"tol", required_argument, NULL, 't'},
-                                          {"max-iter", required_argument, NULL, 'i'},
-                                          {"facets", required_argument, NULL, 'f'},
-                                          {"output", required_argument, NULL, 'o'},
-                                          {"json", no_argument, NULL, 'j'},
-                                          {"lcp", no_argument, NULL, 'l'},
-                                          {"help", no_argument, NULL, 'h'},
-                                          {NULL, 0, NULL, 0}};
+  static const struct option options[] = {
+      {"method", required_argument, NULL, 'm'}, {"accel", required_argument, NULL, 'a'},
+      {"tol", required_argument, NULL, 't'},    {"max-iter", required_argument, NULL, 'i'},
+      {"facets", required_argument, NULL, 'f'}, {"output", required_argument, NULL, 'o'},
+      {"json", no_argument, NULL, 'j'},         {"lcp", no_argument, NULL, 'l'},
+      {"help", no_argument, NULL, 'h'},         {NULL, 0, NULL, 0}};
   solve_options o = {0};
   dls_solver_settings_init(&o.solver);
   o.solver.progress = show_progress;
-  for (int key; (key = getopt_long(argc, argv, "m:t:i:f:o:jlh", options, NULL)) != -1;) {
+  for (int key; (key = getopt_long(argc, argv, "m:a:t:i:f:o:jlh", options, NULL)) != -1;) {
     switch (key) {
     case 'm':
       if (!dls_method_find(optarg, &o.solver.method))
         return complain("--method: '%s' is no method (nlgs, lemke)", optarg);
       o.method_given = 1;
+      break;
+    case 'a':
+      if (!dls_acceleration_find(optarg, &o.solver.acceleration))
+        return complain("--accel: '%s' is no acceleration (none, aitken, anderson)", optarg);
       break;
     case 't':
       if (!parse_number("tol", optarg, &o.solver.tol)) return EXIT_BAD_INPUT;
@@ -263,6 +265,8 @@ int command_solve(int argc, char **argv) {
   }
   if (o.solver.facets && (o.lcp || o.solver.method != DLS_LEMKE))
     return complain("--facets: is for contact problems and lemke");
+  if (o.solver.acceleration && (o.lcp || o.solver.method != DLS_NLGS))
+    return complain("--accel: is for contact problems and nlgs");
   watch_interrupt();
   if (!o.lcp) return solve_contact(argv[optind], &o);
   if (o.method_given && o.solver.method != DLS_LEMKE)

@@ -1,0 +1,132 @@
+/*
+ * anderson.c: Anderson acceleration of a fixed-point iteration x := g(x).
+ *
+ *   f_k = D (g(x_k) - x_k), D a diagonal of weights         the caller's
+ *   (A1)  df = f_k - f_k-1,  dg = g_k - g_k-1,  du = u_k - u_k-1      the last `window` of each
+ *   (A2)  gamma = argmin | f_k - DF gamma |_2
+ *   (A3)  x_k+1 = g_k - DG gamma,  u_k+1 = u_k - DU gamma
+ *
+ * u is any affine function of g, here W g + q: its combination costs no product with W.
+ *
+ * (A2) by the normal equations: one new row of DF^T DF per step, its columns scaled to length 1, and
+ * Cholesky from the newest column to the oldest. A column that is a combination of newer ones up to
+ * `dependent` of its length gets gamma = 0.
+ *
+ * Source: Anderson 1965; Walker and Ni, SIAM J. Numer. Anal. 49 (2011), type II. With window = 1 it is
+ * Aitken's process for vectors in the form of Irons and Tuck 1969. Deviation: Walker and Ni update a
+ * QR factorisation; the Gram matrix costs less, and its rounding, half of the digits of gamma, is an
+ * error in the choice of x_k+1, not in the fixed point.
+ *
+ * Cost of a step: 4 window m multiplications, and window^3 / 6.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "blas.h"
+#include "vi_internal.h"
+
+/* the Gram matrix knows a sine of less than sqrt(eps) as nothing but rounding */
+static const double dependent = 1e-5;
+
+/* (A3) multiplies the rounding of u by up to 1 + 2 |gamma|_1, which no later step takes back: where that
+ * is larger, the history is forgotten. Problems that converge need 1 to 1000. */
+static const double largest = 1e4;
+
+void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window) {
+  const size_t k = (size_t)window;
+  a->window = window;
+  a->DF = dlsi_take(arena, k, m * sizeof *a->DF);
+  a->DG = dlsi_take(arena, k, m * sizeof *a->DG);
+  a->DU = dlsi_take(arena, k, m * sizeof *a->DU);
+  a->f = dlsi_take(arena, m, sizeof *a->f);
+  a->g = dlsi_take(arena, m, sizeof *a->g);
+  a->u = dlsi_take(arena, m, sizeof *a->u);
+  a->gram = dlsi_take(arena, k, k * sizeof *a->gram);
+  a->L = dlsi_take(arena, k, k * sizeof *a->L);
+  a->work = dlsi_take(arena, k, 3 * sizeof *a->work);
+}
+
+void dlsi_anderson_clear(dlsi_anderson *a) {
+  a->started = a->columns = a->newest = 0;
+}
+
+/* (A1): the differences to the step before into the column of the oldest; f, g, u kept */
+static void remember(dlsi_anderson *a, size_t m, const double *f, const double *g,
+                     const double *u) {
+  if (a->started) {
+    a->newest = a->columns ? (a->newest + 1) % a->window : 0;
+    if (a->columns < a->window) a->columns++;
+    double *df = a->DF + (size_t)a->newest * m, *dg = a->DG + (size_t)a->newest * m;
+    double *du = a->DU + (size_t)a->newest * m;
+    for (size_t i = 0; i < m; i++) {
+      df[i] = f[i] - a->f[i];
+      dg[i] = g[i] - a->g[i];
+      du[i] = u[i] - a->u[i];
+    }
+  }
+  memcpy(a->f, f, m * sizeof *f);
+  memcpy(a->g, g, m * sizeof *g);
+  memcpy(a->u, u, m * sizeof *u);
+  a->started = 1;
+}
+
+/* (A2); 0 if gamma is too large, or not finite */
+static int minimise(dlsi_anderson *a, int m, double *gamma) {
+  const int n = a->columns, k = a->window, one = 1;
+  const double unit = 1, zero = 0;
+  double *L = a->L, *row = a->work + k, *b = a->work + 2 * (size_t)k;
+  dgemv_("T", &m, &n, &unit, a->DF, &m, a->DF + (size_t)a->newest * (size_t)m, &one, &zero, row,
+         &one, 1);
+  dgemv_("T", &m, &n, &unit, a->DF, &m, a->f, &one, &zero, b, &one, 1);
+  for (int j = 0; j < n; j++)
+    a->gram[j + k * a->newest] = a->gram[a->newest + k * j] = row[j];
+
+  /* i = 0, 1, .. are the columns at[i] from the newest to the oldest; L L^T = the scaled Gram matrix,
+   * row by row; b := L^-1 b on the way */
+  double *scale = row;
+  for (int i = 0; i < n; i++) {
+    const int at = (a->newest - i + n) % n;
+    scale[i] = 1 / sqrt(a->gram[at + k * at]);
+    double pivot = 1, y = b[at] * scale[i];
+    for (int j = 0; j < i; j++) {
+      const int aj = (a->newest - j + n) % n;
+      double s = a->gram[at + k * aj] * scale[i] * scale[j];
+      for (int l = 0; l < j; l++)
+        s -= L[l + k * i] * L[l + k * j];
+      s *= L[j + k * j]; /* 1 / pivot, 0 for a column left out */
+      L[j + k * i] = s;
+      pivot -= s * s;
+      y -= s * gamma[j];
+    }
+    const int independent = pivot > dependent * dependent;
+    L[i + k * i] = independent ? 1 / sqrt(pivot) : 0;
+    gamma[i] = independent ? y * L[i + k * i] : 0;
+  }
+  for (int i = n - 1; i >= 0; i--) { /* L^-T */
+    for (int j = i + 1; j < n; j++)
+      gamma[i] -= L[i + k * j] * gamma[j];
+    gamma[i] *= L[i + k * i];
+  }
+  for (int i = 0; i < n; i++)
+    b[(a->newest - i + n) % n] = gamma[i] * scale[i];
+  memcpy(gamma, b, (size_t)n * sizeof *b);
+  double sum = 0;
+  for (int i = 0; i < n; i++)
+    sum += fabs(gamma[i]);
+  return sum <= largest;
+}
+
+int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, double *u) {
+  remember(a, (size_t)m, f, g, u);
+  if (!a->columns) return 0;
+  double *gamma = a->work;
+  if (!minimise(a, m, gamma)) {
+    dlsi_anderson_clear(a);
+    return 0;
+  }
+  const double minus = -1, unit = 1;
+  const int n = a->columns, one = 1; /* (A3) */
+  dgemv_("N", &m, &n, &minus, a->DG, &m, gamma, &one, &unit, g, &one, 1);
+  dgemv_("N", &m, &n, &minus, a->DU, &m, gamma, &one, &unit, u, &one, 1);
+  return 1;
+}
