@@ -10,6 +10,7 @@
  *   diagnose.h   facts about a problem
  *   nlgs.h       projected Gauss-Seidel on the reactions
  *   primal.h     projected Gauss-Seidel on the displacements
+ *   augmented.h  augmented Lagrangian, penalty
  *   lcp.h        LCP(M, q), Lemke, 2D contact as an LCP
  *   facets.h     contact on a cone with facets as an LCP
  *   pivoting.h   LCP: principal pivoting, enumeration
@@ -20,6 +21,7 @@
 #ifndef DELASSUS_H
 #define DELASSUS_H
 
+#include "delassus/augmented.h"
 #include "delassus/contact.h"
 #include "delassus/diagnose.h"
 #include "delassus/facets.h"

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "delassus/augmented.h"
 #include "delassus/facets.h"
 #include "delassus/lcp.h"
 #include "delassus/nlgs.h"
@@ -24,6 +25,7 @@ struct dls_solver {
   dls_solver_settings settings;
   int d, nc;
   dls_nlgs *nlgs;            /* DLS_NLGS; DLS_LEMKE: sweeps between Newton steps */
+  dls_augmented *augmented;  /* DLS_AUGMENTED_LAGRANGIAN, DLS_PENALTY */
   dls_lemke *lemke;          /* DLS_LEMKE, with the LCP that it solves: */
   int facets;                /* of the cone; d = 2: 2 */
   int n;                     /* rows there is room for */
@@ -39,7 +41,10 @@ struct dls_solver {
 static const struct {
   dls_method method;
   const char *name;
-} methods[] = {{DLS_NLGS, "nlgs"}, {DLS_LEMKE, "lemke"}};
+} methods[] = {{DLS_NLGS, "nlgs"},
+               {DLS_LEMKE, "lemke"},
+               {DLS_AUGMENTED_LAGRANGIAN, "augmented-lagrangian"},
+               {DLS_PENALTY, "penalty"}};
 
 const char *dls_method_name(dls_method method) {
   for (size_t k = 0; k < sizeof methods / sizeof methods[0]; k++)
@@ -170,6 +175,37 @@ static dls_status create_nlgs(dls_solver *solver, dls_error *error) {
   return dls_nlgs_create(&solver->nlgs, solver->d, solver->nc, &s, error);
 }
 
+static const double large_penalty = 1e6; /* of the penalty method, in 1 / w_c */
+
+static dls_status create_augmented(dls_solver *solver, dls_error *error) {
+  dls_augmented_settings s;
+  dls_augmented_settings_init(&s);
+  s.tol = solver->settings.tol;
+  if (solver->settings.max_iterations) s.max_iterations = solver->settings.max_iterations;
+  s.warm_start = solver->settings.warm_start;
+  s.progress = solver->settings.progress;
+  s.progress_data = solver->settings.progress_data;
+  if (solver->settings.method == DLS_PENALTY) {
+    s.max_iterations = 1;
+    s.factor = large_penalty;
+    s.adaptive = 0;
+    s.warm_start = 0;
+  }
+  return dls_augmented_create(&solver->augmented, solver->d, solver->nc, &s, error);
+}
+
+static dls_status create_method(dls_solver *solver, dls_error *error) {
+  switch (solver->settings.method) {
+  case DLS_LEMKE:
+    return create_lemke(solver, error);
+  case DLS_AUGMENTED_LAGRANGIAN:
+  case DLS_PENALTY:
+    return create_augmented(solver, error);
+  default:
+    return create_nlgs(solver, error);
+  }
+}
+
 dls_status dls_solver_create(dls_solver **out, int d, int nc, const dls_solver_settings *settings,
                              dls_error *error) {
   if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "out", -1, 0, "is NULL");
@@ -186,7 +222,7 @@ dls_status dls_solver_create(dls_solver **out, int d, int nc, const dls_solver_s
   solver->settings = *settings;
   solver->d = d;
   solver->nc = nc;
-  status = settings->method == DLS_LEMKE ? create_lemke(solver, error) : create_nlgs(solver, error);
+  status = create_method(solver, error);
   if (status) {
     dls_solver_destroy(solver);
     return status;
@@ -306,12 +342,18 @@ dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, doub
   if (!r) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "r", -1, 0, "is NULL");
   if (solver->settings.method == DLS_LEMKE)
     return solve_by_lemke(solver, problem, r, u, info, error);
+  if (solver->augmented) {
+    const dls_status outcome = dls_augmented_solve(solver->augmented, problem, r, u, info, error);
+    if (info && outcome >= 0) info->method = solver->settings.method;
+    return outcome;
+  }
   return dls_nlgs_solve(solver->nlgs, problem, r, u, info, error);
 }
 
 void dls_solver_destroy(dls_solver *solver) {
   if (!solver) return;
   dls_nlgs_destroy(solver->nlgs);
+  dls_augmented_destroy(solver->augmented);
   dls_lemke_destroy(solver->lemke);
   free(solver->memory);
   free(solver);

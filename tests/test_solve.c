@@ -56,6 +56,8 @@ START_TEST(methods_have_names) {
   dls_method m = (dls_method)0;
   ck_assert_str_eq(dls_method_name(DLS_NLGS), "nlgs");
   ck_assert_str_eq(dls_method_name(DLS_LEMKE), "lemke");
+  ck_assert_str_eq(dls_method_name(DLS_AUGMENTED_LAGRANGIAN), "augmented-lagrangian");
+  ck_assert_str_eq(dls_method_name(DLS_PENALTY), "penalty");
   ck_assert_ptr_null(dls_method_name((dls_method)99));
   ck_assert_int_eq(dls_method_find("lemke", &m), 1);
   ck_assert_int_eq(m, DLS_LEMKE);

@@ -14,7 +14,8 @@ typedef struct dls_solver_settings {
   size_t size;        /* set by init; settings without it are refused */
   dls_method method;  /* DLS_NLGS */
   double tol;         /* on the certificate's residual; 1e-8 */
-  int max_iterations; /* sweeps, or pivots of each LCP; 0: the method's own default; 0 */
+  int max_iterations; /* sweeps, pivots of each LCP, augmentations (penalty: 1 whatever it says);
+                         0: the method's own default; 0 */
   int warm_start;     /* start from r as passed in, where the method can; 0 */
   int facets;         /* Lemke, d = 3: of the friction cone, even, 4 to DLS_FACETS_MAX; 0: 8; 0 */
   dls_progress_fn progress; /* NULL for none */
@@ -24,7 +25,8 @@ typedef struct dls_solver_settings {
 
 DLS_API void dls_solver_settings_init(dls_solver_settings *settings);
 
-/* "nlgs", "lemke"; NULL for a number that is no method. dls_method_find returns 0 for no method. */
+/* "nlgs", "lemke", "augmented-lagrangian", "penalty"; NULL for a number that is no method.
+ * dls_method_find returns 0 for no method. */
 DLS_API const char *dls_method_name(dls_method method);
 DLS_API int dls_method_find(const char *name, dls_method *method);
 
@@ -41,7 +43,13 @@ typedef struct dls_solver dls_solver;
  * dls_contact_to_facets_lcp; for d = 3 the latter with the facets of the settings. Where the
  * certificate does not hold yet, Newton's method takes the answer to the round cone (vi/polish.c).
  * It holds the LCP and its table, about 2 n^2 doubles: n = (facets + 2) nc for d = 3; n = 4 nc for
- * d = 2 up to 4 nc = 4000, beyond that n = 3 nc, and a ray ends it. */
+ * d = 2 up to 4 nc = 4000, beyond that n = 3 nc, and a ray ends it.
+ *
+ * The augmented Lagrangian and the penalty method hold about 2 m^2 doubles, m = d nc, and serve W
+ * by blocks up to DLS_AUGMENTED_MAX_ROWS rows (augmented.h, whose defaults they take). The penalty
+ * method is one augmentation with eps_c = 1e6 / w_c from lambda = 0, warm_start or not. Its r has
+ * an error of about 1e-6: DLS_OK if the certificate holds all the same, as a rule
+ * DLS_MAX_ITERATIONS; DLS_STALLED if the regularised problem could not be solved. */
 DLS_API DLS_MUST_USE dls_status dls_solver_create(dls_solver **out, int d, int nc,
                                                   const dls_solver_settings *settings,
                                                   dls_error *error);

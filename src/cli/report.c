@@ -73,6 +73,7 @@ const char *state_word(dls_contact_state state) {
 }
 
 const char *iteration_word(dls_method method) {
+  if (method == DLS_AUGMENTED_LAGRANGIAN || method == DLS_PENALTY) return "augmentations";
   return method == DLS_LEMKE ? "pivots" : "sweeps";
 }
 

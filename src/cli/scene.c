@@ -29,11 +29,13 @@ static void usage(FILE *out) {
       "  or:  delassus scene --list\n"
       "Runs a built-in scene and prints displacements and reactions of its candidates.\n"
       "\n"
-      "  -m, --method=METHOD   nlgs (default), lemke, or gauss-seidel (on the displacements)\n"
+      "  -m, --method=METHOD   nlgs (default), lemke, augmented-lagrangian, penalty, or "
+      "gauss-seidel\n"
+      "                        (on the displacements)\n"
       "  -a, --accel=HOW       nlgs: none (default), aitken or anderson\n"
       "  -w, --weighted        weighted instead of concentrated reactions\n"
       "  -t, --tol=T           tolerance on the certificate's residual (1e-14)\n"
-      "  -i, --max-iter=N      limit of sweeps or pivots\n"
+      "  -i, --max-iter=N      limit of sweeps, pivots or augmentations\n"
       "  -o, --out=DIR         write contact.csv, result.json, the deformed mesh (.vtu), pictures\n"
       "  -s, --save=FILE       write the contact problem as an FCLIB file (HDF5)\n"
       "  -r, --reference=CSV   print and draw beside these values (columns node, Q1, Q2, RT, RN\n"
@@ -444,7 +446,7 @@ int command_scene(int argc, char **argv) {
     case 'm':
       o.primal = strcmp(optarg, "gauss-seidel") == 0;
       if (!o.primal && !dls_method_find(optarg, &o.solver.method))
-        return complain("--method: '%s' is no method (nlgs, lemke, gauss-seidel)", optarg);
+        return complain("--method: '%s' is no method (see 'delassus scene --help')", optarg);
       break;
     case 'w':
       o.weighted = 1;

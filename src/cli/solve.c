@@ -19,10 +19,11 @@ static void usage(FILE *out) {
       "  or:  delassus solve --lcp [OPTION]... M.mtx q.mtx\n"
       "Solves a contact problem (FCLIB, HDF5; local, or global after its reduction) or an LCP.\n"
       "\n"
-      "  -m, --method=METHOD   nlgs (default) or lemke; an LCP is solved by lemke\n"
+      "  -m, --method=METHOD   nlgs (default), lemke, augmented-lagrangian or penalty; an LCP is\n"
+      "                        solved by lemke\n"
       "  -a, --accel=HOW       nlgs: none (default), aitken or anderson\n"
       "  -t, --tol=T           tolerance on the certificate's residual (1e-8)\n"
-      "  -i, --max-iter=N      limit of sweeps or pivots\n"
+      "  -i, --max-iter=N      limit of sweeps, pivots or augmentations\n"
       "  -f, --facets=M        lemke in 3D: facets of the friction cone, even, 4 to 64 (8)\n"
       "  -o, --output=OUT      write the problem with its solution (FCLIB), or z (Matrix Market)\n"
       "  -j, --json            print the outcome as one JSON object\n"
@@ -225,7 +226,7 @@ int command_solve(int argc, char **argv) {
     switch (key) {
     case 'm':
       if (!dls_method_find(optarg, &o.solver.method))
-        return complain("--method: '%s' is no method (nlgs, lemke)", optarg);
+        return complain("--method: '%s' is no method (see 'delassus solve --help')", optarg);
       o.method_given = 1;
       break;
     case 'a':

@@ -1,0 +1,85 @@
+/*
+ * delassus/augmented.h: the augmented Lagrangian, [Chabrand 1998] 4.1, on the reactions; with one
+ * augmentation and a large penalty, the penalty method. For d = 2 and 3, W symmetric or not,
+ * singular or not.
+ *
+ * An augmentation lets each candidate be penetrated and dragged like a spring of stiffness eps_c,
+ *
+ *   r_n = < lambda_n - eps_c u_n >,   r_t = lambda_t - eps_c u_t put on the disc |r_t| <= mu r_n,
+ *
+ * solves u = W r + q with that r, and takes r as the next lambda. The springs' error fades with the
+ * augmentations, whatever eps_c: large ones fade it faster but leave a harder problem to solve. It
+ * is the proximal point method, too: vi/augmented.c.
+ */
+#ifndef DELASSUS_AUGMENTED_H
+#define DELASSUS_AUGMENTED_H
+
+#include "delassus/info.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Fill by dls_augmented_settings_init, then change what you like. */
+typedef struct dls_augmented_settings {
+  size_t size;           /* set by init; settings without it are refused */
+  double tol;            /* on the certificate's residual; >= 0; 1e-8 */
+  int max_iterations;    /* augmentations, >= 1; 400 */
+  double factor;         /* eps_c = factor / w_c, w_c as in the certificate; > 0; 100 */
+  const double *penalty; /* eps_c > 0 (nc of create), force / length, in place of that; copied by
+                            create; NULL for none */
+  /* 1: all eps_c grow after an augmentation that could be solved (by 5 before the first failure,
+   * then by 1.25), halve after one that could not; 0: they stay, and a failure ends the solve; 1 */
+  int adaptive;
+  int warm_start;           /* 0: lambda = 0 at the start; 1: r as passed in; 0 */
+  dls_progress_fn progress; /* called after each augmentation; NULL for none */
+  void *progress_data;
+} dls_augmented_settings;
+
+DLS_API void dls_augmented_settings_init(dls_augmented_settings *settings);
+
+/* A workspace for problems of dimension d with at most nc candidates; reused over time steps. */
+typedef struct dls_augmented dls_augmented;
+
+enum { DLS_AUGMENTED_MAX_ROWS = 4000 }; /* largest m = d nc of a W by blocks */
+
+/* *out = new workspace, NULL on error; the settings are copied. It holds 2 m^2 doubles, m = d nc,
+ * and some 20 m. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY; DLS_E_NOT_FINITE for a
+ * penalty that is not. */
+DLS_API DLS_MUST_USE dls_status dls_augmented_create(dls_augmented **out, int d, int nc,
+                                                     const dls_augmented_settings *settings,
+                                                     dls_error *error);
+
+/* Solves; allocates nothing. r (m): in, the first lambda if warm_start, else ignored; out, the
+ * reactions: where the status is > 0, those with the smallest residual met. u (m) or NULL: W r + q.
+ * info or NULL. r, u must not overlap each other or the problem.
+ *
+ * DLS_OK: the certificate holds. DLS_MAX_ITERATIONS: after the last augmentation allowed it does
+ * not; with max_iterations = 1 that is the error of the penalty method. DLS_STALLED: an augmentation
+ * could not be solved, and no smaller penalty is left to try; or the residual no longer falls; or
+ * the reactions run away (below). DLS_CANCELLED. An error of dls_contact_check; DLS_E_SIZE for
+ * another d or more candidates than in create; DLS_E_UNSUPPORTED for W by blocks with
+ * m > DLS_AUGMENTED_MAX_ROWS: W is factorised dense here. */
+DLS_API DLS_MUST_USE dls_status dls_augmented_solve(dls_augmented *workspace,
+                                                    const dls_contact *problem, double *r,
+                                                    double *u, dls_info *info, dls_error *error);
+
+/* A direction delta (m, its largest entry +-1) in which the last solve saw the reactions run away,
+ * or NULL:
+ *
+ *   |W delta| < 1e-4 |delta|   and   q.delta < -1e-4 |q| |delta|,
+ *
+ * in norms weighted by w_c so that they compare: reactions along delta cost no displacement and
+ * would gain work for ever. That makes it likely, and does not prove, that there is no solution.
+ * It is a proof where W delta = 0 for a symmetric W, delta_n >= 0 and delta_t = 0: a self-stress of the
+ * normal reactions. NULL after DLS_OK. Lives until the next solve or destroy. */
+DLS_API const double *dls_augmented_direction(const dls_augmented *workspace);
+
+/* NULL is fine. */
+DLS_API void dls_augmented_destroy(dls_augmented *workspace);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,450 @@
+/*
+ * augmented.c: the augmented Lagrangian of Simo and Laursen, [Chabrand 1998] 4.1, on the reactions.
+ *
+ *   u = W r + q,   0 <= u_n _|_ r_n >= 0,   |r_t| <= mu r_n,   u_t opposed to r_t where it slips
+ *
+ * With penalties eps_c > 0 and multipliers lambda, reactions follow from u by the return mapping
+ *
+ *   r_n = < lambda_n - eps u_n >                                                          (32)
+ *   r_t = tau put on the disc of radius mu r_n,   tau = lambda_t - eps u_t          (33), (34)
+ *
+ * The regularised problem is u = W r + q with this r; lambda := r after it is (35), (36).
+ *
+ * It is the proximal point method. Put v = u + (r - lambda) / eps. Then lambda - eps u = r - eps v,
+ * and (32)-(34) read r_n = < r_n - eps v_n >, r_t = r_t - eps v_t put on the disc of radius mu r_n.
+ * These are the laws of contact and friction for r and v, whatever eps > 0. So the regularised
+ * problem is a contact problem again,
+ *
+ *   v = (W + E) r + (q - E lambda),   E = diag(1 / eps_c),
+ *
+ * with eps_c = 1 / (alpha w_c) the step W + alpha D, q - alpha D lambda of the proximal point
+ * method, D = diag(w_c). E > 0 makes a singular W regular and calms cycles. One augmentation:
+ *
+ *   (A1)  A = W + s E,   b = q - s E lambda
+ *   (A2)  x = the solution of v = A x + b: up to 20 Gauss-Seidel sweeps from lambda, then Newton
+ *   (A3)  lambda := x  if (A2) succeeded, or if x has half the residual of lambda, W and q given
+ *   (A4)  s := 0.2 s   as long as (A2) has never failed, then 0.8 s, after each failure 2 s;
+ *         1e-7 <= s <= 1e3, from s = 1; only if adaptive
+ *
+ * (A2) is asked for a residual of a thousandth of lambda's, and not for less than a tenth of what
+ * is wanted in the end; in the last augmentation allowed, for this tenth. One augmentation from
+ * lambda = 0 is the penalty method; its r is off by about E r.
+ *
+ * Stop: the certificate of x from the user's W and q holds. Else DLS_STALLED: (A2) failed and s may
+ * not grow, or cannot and lambda stayed; or 150 augmentations did not bring the residual down by a
+ * tenth; or 10 times running, failures of (A2) not counted,
+ *
+ *   (A5)  |W delta| < 1e-4 |delta|, q.delta < -1e-4 |q| |delta|,   delta = x - lambda of (A2),
+ *         |D^-1/2 u| and |D^1/2 r| being the norms. Without a solution lambda grows along such a
+ *         delta for ever. Seldom, lambda on its way to a far solution does so, too: hence 10.
+ * A warm start for which W r overflows is dropped.
+ *
+ * Source: [Chabrand 1998] 4.1. Slips there: with Delta xi = f_s / eps_T as printed, (34) must take
+ * eps_T Delta xi off, as (31) says; in (36) that makes lambda_t the r_t of (34). (33)'s increments
+ * add up to lambda_t - eps u_t with u_t the whole slip of the step. Deviations: the unknown of
+ * Newton's method is r, not the displacement: the same solution, and a large eps does not spoil the
+ * conditioning. eps_T = eps_N = eps_c: w_c is the mean over both directions. The schedule (A4): of
+ * eps the paper says that it needs precautions; too small an s fails in (A2), too large a one crawls.
+ *
+ * Cost of an augmentation: up to 20 sweeps, and an LU of m x m for each Newton step, 0 to 30.
+ * What can fail: (A2), for every s, where friction makes even W + s E cycle, or W is indefinite.
+ * Nothing guarantees that the augmentations converge with friction; without, and with W positive
+ * semidefinite, they do.
+ */
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delassus/augmented.h"
+#include "dlsi.h"
+#include "vi_internal.h"
+
+enum { sweeps = 20, patience = 150, escapes_to_believe = 10 };
+
+static const double shrink_at_first = 0.2, shrink = 0.8, grow = 2, smallest = 1e-7, largest = 1e3;
+
+struct dls_augmented {
+  dls_augmented_settings settings;
+  int d, nc;
+  int escaped;     /* direction holds one that (A5) accepted */
+  int expanded;    /* A holds W */
+  double *penalty; /* nc      eps_c as given, if settings.penalty */
+  double *w;       /* nc      weights of the certificate */
+  double *E;       /* nc      1 / eps_c at s = 1 */
+  double *block;   /* d d nc  the W_cc */
+  double *A;       /* m m     (A1) */
+  double *b;       /* m       (A1) */
+  double *lambda;  /* m */
+  double *x;       /* m */
+  double *best;    /* m       the x with the smallest residual so far */
+  double *delta;   /* m       x - lambda */
+  double *direction;
+  double *u, *v; /* m each  W x + q, A x + b */
+  double *a, *F; /* m each */
+  dlsi_polish_work newton;
+};
+
+void dls_augmented_settings_init(dls_augmented_settings *settings) {
+  if (!settings) return;
+  const dls_augmented_settings s = {.size = sizeof s,
+                                    .tol = 1e-8,
+                                    .max_iterations = 400,
+                                    .factor = 100,
+                                    .penalty = NULL,
+                                    .adaptive = 1,
+                                    .warm_start = 0,
+                                    .progress = NULL,
+                                    .progress_data = NULL};
+  *settings = s;
+}
+
+/* x > 0 with a reciprocal */
+static int is_penalty(double x) {
+  return x > 0 && x <= DBL_MAX && 1 / x <= DBL_MAX;
+}
+
+static dls_status check_settings(const char *function, const dls_augmented_settings *s, int nc,
+                                 dls_error *error) {
+  if (!s) return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings", -1, 0, "is NULL");
+  if (s->size != sizeof *s)
+    return dlsi_fail(error, DLS_E_SETTINGS, function, "settings", -1, (double)s->size,
+                     "not filled by dls_augmented_settings_init");
+  if (!(s->tol >= 0 && s->tol <= DBL_MAX))
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "tol", -1, s->tol, "must be >= 0, finite");
+  if (s->max_iterations < 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "max_iterations", -1, s->max_iterations,
+                     "is %d, must be at least 1", s->max_iterations);
+  if (!is_penalty(s->factor))
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "factor", -1, s->factor,
+                     "is %g, must be > 0, finite", s->factor);
+  if (s->adaptive != 0 && s->adaptive != 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "adaptive", -1, s->adaptive,
+                     "must be 0 or 1");
+  if (s->warm_start != 0 && s->warm_start != 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "warm_start", -1, s->warm_start,
+                     "must be 0 or 1");
+  if (!s->penalty) return DLS_OK;
+  const dls_status status = dlsi_check_vector(function, "penalty", s->penalty, (size_t)nc, error);
+  if (status) return status;
+  for (int c = 0; c < nc; c++)
+    if (!is_penalty(s->penalty[c]))
+      return dlsi_fail(error, DLS_E_ARGUMENT, function, "penalty", c, s->penalty[c],
+                       "is %g, must be > 0", s->penalty[c]);
+  return DLS_OK;
+}
+
+/* the workspace and all its arrays, in one piece */
+static dls_augmented *carve(dlsi_arena *arena, int d, int nc) {
+  const size_t D = sizeof(double), n = (size_t)nc, m = (size_t)d * n;
+  dls_augmented *s = dlsi_take(arena, 1, sizeof *s);
+  dls_augmented filled = {.d = d, .nc = nc};
+  filled.penalty = dlsi_take(arena, n, D);
+  filled.w = dlsi_take(arena, n, D);
+  filled.E = dlsi_take(arena, n, D);
+  filled.A = dlsi_take(arena, m, m * D); /* m < 2^31: no overflow in m D */
+  filled.b = dlsi_take(arena, m, D);
+  filled.block = dlsi_take(arena, (size_t)d * m, D);
+  filled.lambda = dlsi_take(arena, m, D);
+  filled.x = dlsi_take(arena, m, D);
+  filled.best = dlsi_take(arena, m, D);
+  filled.delta = dlsi_take(arena, m, D);
+  filled.direction = dlsi_take(arena, m, D);
+  filled.u = dlsi_take(arena, m, D);
+  filled.v = dlsi_take(arena, m, D);
+  filled.a = dlsi_take(arena, m, D);
+  filled.F = dlsi_take(arena, m, D);
+  dlsi_polish_work *newton = &filled.newton;
+  newton->J = dlsi_take(arena, m, m * D);
+  newton->u = dlsi_take(arena, m, D);
+  newton->a = dlsi_take(arena, m, D);
+  newton->x = dlsi_take(arena, m, D);
+  newton->best = dlsi_take(arena, m, D);
+  newton->pivot = dlsi_take(arena, m, sizeof *newton->pivot);
+  newton->slope = dlsi_take(arena, n, sizeof *newton->slope);
+  if (arena->failed || !arena->base) return NULL;
+  *s = filled;
+  return s;
+}
+
+dls_status dls_augmented_create(dls_augmented **out, int d, int nc,
+                                const dls_augmented_settings *settings, dls_error *error) {
+  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "out", -1, 0, "is NULL");
+  *out = NULL;
+  if (d != 2 && d != 3)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "d", -1, d, "is %d, must be 2 or 3", d);
+  if (nc < 1 || nc > INT32_MAX / d)
+    return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "is %d", nc);
+  const dls_status status = check_settings(__func__, settings, nc, error);
+  if (status) return status;
+
+  dlsi_arena arena = {0};
+  (void)carve(&arena, d, nc);
+  if (arena.failed) return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "is too large");
+  arena.size = arena.used;
+  arena.used = 0;
+  arena.base = dlsi_alloc(1, arena.size);
+  if (!arena.base) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  dls_augmented *work = carve(&arena, d, nc);
+  work->settings = *settings;
+  if (settings->penalty) {
+    memcpy(work->penalty, settings->penalty, (size_t)nc * sizeof *work->penalty);
+    work->settings.penalty = work->penalty;
+  }
+  *out = work;
+  return DLS_OK;
+}
+
+void dls_augmented_destroy(dls_augmented *workspace) {
+  free(workspace); /* first in its one piece */
+}
+
+const double *dls_augmented_direction(const dls_augmented *workspace) {
+  return workspace && workspace->escaped ? workspace->direction : NULL;
+}
+
+/* ---- one augmentation ------------------------------------------------------------------------ */
+
+static void prepare(dls_augmented *work, const dls_contact *problem) {
+  const int d = problem->d;
+  const dls_augmented_settings *s = &work->settings;
+  work->escaped = work->expanded = 0;
+  dlsi_contact_weights(problem, work->w);
+  for (int c = 0; c < problem->nc; c++) {
+    work->E[c] = s->penalty ? 1 / s->penalty[c] : work->w[c] / s->factor;
+    dlsi_contact_diagonal(problem, c, work->block + (size_t)(d * d) * (size_t)c);
+  }
+}
+
+/* (A1), b alone; the problem that (A2) solves, its W = work->A for Newton's method only */
+static dls_contact regularise(const dls_augmented *work, const dls_contact *problem, double s) {
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  const int order = (int)m;
+  for (size_t k = 0; k < m; k++)
+    work->b[k] = problem->q[k] - s * work->E[k / d] * work->lambda[k];
+  return (dls_contact){.d = problem->d,
+                       .nc = problem->nc,
+                       .W = {order, order, order, work->A},
+                       .q = work->b,
+                       .mu = problem->mu};
+}
+
+/* (A1), A = W + s E: W is spread out once in a solve, and only if it comes to Newton's method */
+static void expand(dls_augmented *work, const dls_contact *problem, double s) {
+  const size_t d = (size_t)problem->d, nc = (size_t)problem->nc, m = d * nc;
+  if (!work->expanded) memset(work->A, 0, m * m * sizeof *work->A);
+  for (size_t c = 0; c < nc; c++)
+    for (size_t i = 0; i < d; i++) {
+      const size_t k = d * c + i;
+      double unit[3] = {0};
+      unit[i] = 1;
+      if (!work->expanded) dlsi_contact_add_columns(problem, (int)c, unit, work->A + k * m);
+      work->A[k + k * m] = work->block[d * k + i] + s * work->E[c];
+    }
+  work->expanded = 1;
+}
+
+/* u := W x + q, v := A x + b, and the certificates of x for both, both in the weights of W */
+static void measure(const dls_augmented *work, const dls_contact *problem,
+                    const dls_contact *regularised, double s, dls_certificate *given,
+                    dls_certificate *shifted) {
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  dlsi_contact_multiply(problem, work->x, work->u, work->a);
+  dlsi_contact_measure(problem, work->x, work->u, work->a, work->w, work->F, given);
+  for (size_t k = 0; k < m; k++) {
+    const double e = s * work->E[k / d];
+    work->v[k] = work->u[k] + e * (work->x[k] - work->lambda[k]);
+    work->a[k] += e * fabs(work->x[k]);
+  }
+  dlsi_contact_measure(regularised, work->x, work->v, work->a, work->w, work->F, shifted);
+}
+
+/* One Gauss-Seidel sweep on x, v = A x + b kept up to date; returns scale |F| of the regularised
+ * problem, F_c as it was when the turn came to c. */
+static double sweep(const dls_augmented *work, const dls_contact *problem, double s, double scale) {
+  const size_t d = (size_t)problem->d;
+  double sum = 0;
+  for (int c = 0; c < problem->nc; c++) {
+    double *xc = work->x + d * (size_t)c, *vc = work->v + d * (size_t)c;
+    const double *W = work->block + d * d * (size_t)c, mu = problem->mu[c], e = s * work->E[c];
+    double A[9], p[3], y[3], F[3];
+    (void)dlsi_contact_residual((int)d, mu, work->w[c], xc, vc, F);
+    for (size_t i = 0; i < d; i++)
+      sum += (F[i] * scale) * (F[i] * scale);
+    for (size_t i = 0; i < d; i++) {
+      p[i] = vc[i];
+      for (size_t j = 0; j < d; j++) {
+        A[i + d * j] = W[i + d * j] + (i == j ? e : 0);
+        p[i] -= A[i + d * j] * xc[j];
+      }
+    }
+    if (d == 2)
+      (void)dlsi_local_2d(A, p, mu, y);
+    else {
+      const double xt = hypot(xc[1], xc[2]); /* v_t = -l x_t */
+      (void)dlsi_local_3d(A, p, mu, xt > 0 ? hypot(vc[1], vc[2]) / xt : 0, y);
+    }
+    int changed = 0;
+    for (size_t i = 0; i < d; i++) {
+      p[i] = y[i] - xc[i];
+      changed |= p[i] != 0;
+      xc[i] = y[i];
+    }
+    if (!changed) continue;
+    dlsi_contact_add_columns(problem, c, p, work->v);
+    for (size_t i = 0; i < d; i++)
+      vc[i] += e * p[i];
+  }
+  return sqrt(sum);
+}
+
+/* (A2): x from lambda; 1 if its residual is <= target in units of |q|, q the user's. *now: the
+ * certificate of x for the problem as given. */
+static int solve_regularised(dls_augmented *work, const dls_contact *problem, double s,
+                             double target, dls_certificate *now, int *factorisations) {
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const dls_contact regularised = regularise(work, problem, s); /* (A1) */
+  const double size_q = dlsi_norm2(problem->q, m), size_b = dlsi_norm2(work->b, m);
+  const double tol = size_b > 0 ? target * (size_q / size_b) : target;
+  dls_certificate certificate;
+  memcpy(work->x, work->lambda, m * sizeof *work->x);
+  dlsi_contact_multiply(problem, work->x, work->v, NULL); /* A lambda + b = W lambda + q */
+  for (int k = 0; k < sweeps && sweep(work, problem, s, 1 / size_q) > target; k++)
+    ;
+  measure(work, problem, &regularised, s, now, &certificate);
+  if (dls_certificate_holds(&certificate, tol)) return 1;
+  expand(work, problem, s);
+  *factorisations += dlsi_polish(&regularised, tol, work->w, &work->newton, work->x);
+  measure(work, problem, &regularised, s, now, &certificate);
+  return dls_certificate_holds(&certificate, tol);
+}
+
+/* (A5) for delta = x - lambda, put into work->delta with its largest entry +-1 */
+static int escapes(const dls_augmented *work, const dls_contact *problem) {
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  double *delta = work->delta, *v = work->u;
+  for (size_t k = 0; k < m; k++)
+    delta[k] = work->x[k] - work->lambda[k];
+  const double size = dlsi_max_abs(delta, m);
+  if (!(size > 0 && size <= DBL_MAX)) return 0;
+  for (size_t k = 0; k < m; k++)
+    delta[k] /= size;
+  memset(v, 0, m * sizeof *v);
+  for (int c = 0; c < problem->nc; c++)
+    dlsi_contact_add_columns(problem, c, delta + d * (size_t)c, v);
+  double gain = 0; /* q.delta */
+  for (size_t k = 0; k < m; k++) {
+    const double root = sqrt(work->w[k / d]);
+    gain += problem->q[k] * delta[k];
+    v[k] /= root;
+    work->a[k] = problem->q[k] / root;
+    work->F[k] = delta[k] * root;
+  }
+  const double length = dlsi_norm2(work->F, m);
+  return dlsi_norm2(v, m) < 1e-4 * length && gain < -1e-4 * length * dlsi_norm2(work->a, m);
+}
+
+/* ---- the augmentations ----------------------------------------------------------------------- */
+
+/* Augmentations from work->lambda until the certificate holds or there is a reason to stop, which
+ * is returned; work->best is then the best iterate and outcome->certificate belongs to it. */
+static dls_status iterate(dls_augmented *work, const dls_contact *problem, dls_info *outcome) {
+  const dls_augmented_settings *settings = &work->settings;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  dls_certificate *best = &outcome->certificate;
+  for (int cold = 0; cold < 2; cold++) {
+    dlsi_contact_multiply(problem, work->lambda, work->u, work->a);
+    dlsi_contact_measure(problem, work->lambda, work->u, work->a, work->w, work->F, best);
+    if (best->residual <= DBL_MAX) break;
+    memset(work->lambda, 0, m * sizeof *work->lambda);
+  }
+  memcpy(work->best, work->lambda, m * sizeof *work->best);
+  double s = 1, residual = best->residual, milestone = residual;
+  int failed = 0;               /* some (A2) did */
+  int passed = 0, escaping = 0; /* augmentation of the milestone; (A5) that many times running */
+  for (int k = 1; !dls_certificate_holds(best, settings->tol); k++) {
+    if (k > settings->max_iterations) return DLS_MAX_ITERATIONS;
+    const double floor = 4 * best->floor;
+    const double wanted = 0.1 * (floor > settings->tol ? floor : settings->tol);
+    const int last = k == settings->max_iterations;
+    const double target = !last && 1e-3 * residual > wanted ? 1e-3 * residual : wanted;
+
+    dls_certificate now; /* (A1), (A2) */
+    const int solved = solve_regularised(work, problem, s, target, &now, &outcome->factorisations);
+    outcome->iterations = k;
+    if (solved) { /* (A5) */
+      escaping = escapes(work, problem) ? escaping + 1 : 0;
+      work->escaped = escaping > 0;
+      if (escaping) memcpy(work->direction, work->delta, m * sizeof *work->direction);
+    }
+    if (now.residual < best->residual) {
+      *best = now;
+      memcpy(work->best, work->x, m * sizeof *work->best);
+    }
+    const int moved = solved || now.residual < residual / 2;
+    if (moved) { /* (A3) */
+      memcpy(work->lambda, work->x, m * sizeof *work->lambda);
+      residual = now.residual;
+    }
+    const int stuck = !solved && (!settings->adaptive || (!moved && s >= largest));
+    if (settings->adaptive) { /* (A4) */
+      failed |= !solved;
+      s *= !solved ? grow : failed ? shrink : shrink_at_first;
+      s = s < smallest ? smallest : s > largest ? largest : s;
+    }
+    if (best->residual < 0.9 * milestone) {
+      milestone = best->residual;
+      passed = k;
+    }
+    if (settings->progress) {
+      const dls_progress progress = {"augmented-lagrangian", k, settings->max_iterations,
+                                     now.residual};
+      if (settings->progress(settings->progress_data, &progress) &&
+          !dls_certificate_holds(best, settings->tol))
+        return DLS_CANCELLED;
+    }
+    if ((stuck || k - passed >= patience || escaping >= escapes_to_believe) &&
+        !dls_certificate_holds(best, settings->tol))
+      return DLS_STALLED;
+  }
+  return DLS_OK;
+}
+
+dls_status dls_augmented_solve(dls_augmented *workspace, const dls_contact *problem, double *r,
+                               double *u, dls_info *info, dls_error *error) {
+  if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
+  dls_status status = dlsi_check_contact(__func__, problem, error);
+  if (status) return status;
+  dls_augmented *work = workspace;
+  const int d = problem->d, nc = problem->nc;
+  const size_t m = (size_t)d * (size_t)nc;
+  if (d != work->d)
+    return dlsi_fail(error, DLS_E_SIZE, __func__, "problem", -1, d,
+                     "has d = %d, the workspace is for %d", d, work->d);
+  if (nc > work->nc)
+    return dlsi_fail(error, DLS_E_SIZE, __func__, "problem", -1, nc,
+                     "has %d candidates, the workspace is for %d", nc, work->nc);
+  if (problem->Wb.x && m > DLS_AUGMENTED_MAX_ROWS)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, __func__, "problem", -1, (double)m,
+                     "has W by blocks with %d rows; it is factorised dense, up to %d rows", d * nc,
+                     DLS_AUGMENTED_MAX_ROWS);
+  if (!r) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "r", -1, 0, "is NULL");
+  if (work->settings.warm_start) {
+    status = dlsi_check_vector(__func__, "r", r, m, error);
+    if (status) return status;
+  }
+
+  prepare(work, problem);
+  if (work->settings.warm_start && dlsi_max_abs(problem->q, m) > 0)
+    memcpy(work->lambda, r, m * sizeof *r);
+  else /* q = 0: r = 0 */
+    memset(work->lambda, 0, m * sizeof *r);
+  dls_info outcome = {.method = DLS_AUGMENTED_LAGRANGIAN};
+  status = outcome.status = iterate(work, problem, &outcome);
+  if (status == DLS_OK) work->escaped = 0;
+  memcpy(r, work->best, m * sizeof *r);
+  if (u) dlsi_contact_multiply(problem, r, u, NULL);
+  if (info) *info = outcome;
+  return status;
+}
