@@ -116,7 +116,7 @@ dls_status dls_lcp_certify(const dls_lcp *lcp, const double *z, double *y,
 
 int dls_lcp_certificate_holds(const dls_lcp_certificate *certificate, double tol) {
   if (!certificate) return 0;
-  const double four = 4 * certificate->floor;
+  const double four = 4 * certificate->floor > 1e-8 ? 1e-8 : 4 * certificate->floor;
   return certificate->residual <= (four > tol ? four : tol);
 }
 

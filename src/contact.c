@@ -235,6 +235,22 @@ static void raise(double *m, double x) {
   if (x > *m || x != x) *m = x;
 }
 
+/* | max(|W||r|, w |r|) |_2: what F is computed from, and so what its rounding is relative to */
+static double magnitude(const dls_contact *problem, const double *r, const double *a,
+                        const double *w) {
+  const size_t d = (size_t)problem->d, nc = (size_t)problem->nc;
+  double largest = 0, sum = 0;
+  for (int pass = 0; pass < 2; pass++)
+    for (size_t e = 0; e < d * nc; e++) {
+      const double wr = w[e / d] * fabs(r[e]), x = a[e] > wr || a[e] != a[e] ? a[e] : wr;
+      if (pass == 0)
+        raise(&largest, x);
+      else
+        sum += (x / largest) * (x / largest);
+    }
+  return largest > 0 ? largest * sqrt(sum) : largest;
+}
+
 void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
                           const double *a, const double *w, double *F,
                           dls_certificate *certificate) {
@@ -267,7 +283,8 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
   const double f = dlsi_norm2(F, m), ar = dlsi_norm2(a, m), q = dlsi_norm2(problem->q, m);
   const double scale = q > 0 ? q : ar;
   c.residual = f == 0 ? 0 : f / scale;
-  c.floor = ar == 0 ? 0 : DBL_EPSILON * (ar / scale);
+  const double rounded = magnitude(problem, r, a, w);
+  c.floor = rounded == 0 ? 0 : DBL_EPSILON * (rounded / scale);
   *certificate = c;
 }
 
@@ -293,8 +310,8 @@ dls_status dls_contact_certify(const dls_contact *problem, const double *r, doub
 
 int dls_certificate_holds(const dls_certificate *certificate, double tol) {
   if (!certificate) return 0;
-  const double four = 4 * certificate->floor;
-  return certificate->residual <= (four > tol ? four : tol);
+  const double four = 4 * certificate->floor, coarsest = tol > 1e-8 ? tol : 1e-8;
+  return certificate->residual <= (four > tol ? four : tol) && four <= coarsest;
 }
 
 dls_status dls_contact_states(const dls_contact *problem, const double *r, const double *u,

@@ -271,7 +271,7 @@ START_TEST(certificate_by_hand) {
   c = certify(&p, r, u);
   ck_assert(c.residual == 0 && c.penetration == 0 && c.cone_violation == 0);
   ck_assert(c.slip_direction == 0 && u[0] == 0 && u[1] == 1);
-  ck_assert_double_eq_tol(c.floor, DBL_EPSILON * hypot(3, 3) / 5, 1e-20);
+  ck_assert_double_eq_tol(c.floor, DBL_EPSILON * hypot(4.5, 3) / 5, 1e-20);
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
   /* outside the cone, pulling, slip that friction drives: each readable part by hand */
   r[0] = -1, r[1] = 2;
@@ -483,6 +483,27 @@ START_TEST(nan_is_never_certified) {
 }
 END_TEST
 
+/* r so large that W r + q has lost q says nothing, small as its residual looks. */
+START_TEST(a_runaway_is_never_certified) {
+  double W[4] = {1, 1, 1, 1}, q[2] = {-2, 0}, mu[1] = {2}, r[2] = {1e20, -1e20};
+  dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+  dls_certificate c = certify(&p, r, NULL); /* the wedge c03 of data/failures: no solution */
+  ck_assert(c.floor > 1e3);
+  ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
+  ck_assert_int_eq(dls_certificate_holds(&c, 1e-2), 0);
+  const double zero[4] = {0};
+  p.W.a = zero; /* u = q whatever r is: u_n = -2 */
+  c = certify(&p, r, NULL);
+  ck_assert(c.residual == 0 && c.penetration == 2);
+  ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
+  c = (dls_certificate){.residual = 1e-9, .floor = 2e-9};
+  ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
+  c.floor = 3e-9; /* 4 floor > 1e-8: only for who asks for less */
+  ck_assert_int_eq(dls_certificate_holds(&c, 0), 0);
+  ck_assert_int_eq(dls_certificate_holds(&c, 1e-6), 1);
+}
+END_TEST
+
 int main(void) {
   Suite *suite = suite_create("contact");
   TCase *tcase = tcase_create("contact");
@@ -504,6 +525,7 @@ int main(void) {
   tcase_add_test(tcase, states_of_the_three_kinds);
   tcase_add_test(tcase, certify_refuses_and_leaves_outputs);
   tcase_add_test(tcase, nan_is_never_certified);
+  tcase_add_test(tcase, a_runaway_is_never_certified);
   suite_add_tcase(suite, tcase);
   SRunner *runner = srunner_create(suite);
   srunner_run_all(runner, CK_NORMAL);

@@ -413,6 +413,19 @@ START_TEST(bad_contact) {
 }
 END_TEST
 
+START_TEST(a_high_floor_excuses_nothing) {
+  dls_lcp_certificate c = {.residual = 1e-6, .floor = 1e-3};
+  ck_assert_int_eq(dls_lcp_certificate_holds(&c, 1e-8), 0);
+  ck_assert_int_eq(dls_lcp_certificate_holds(&c, 1e-5), 1);
+  c.residual = 0; /* exact, however large z is */
+  ck_assert_int_eq(dls_lcp_certificate_holds(&c, 0), 1);
+  c = (dls_lcp_certificate){.residual = 4e-16, .floor = 1e-16};
+  ck_assert_int_eq(dls_lcp_certificate_holds(&c, 0), 1);
+  c.floor = NAN;
+  ck_assert_int_eq(dls_lcp_certificate_holds(&c, 0), 0);
+}
+END_TEST
+
 int main(void) {
   Suite *suite = suite_create("lcp");
   TCase *c = tcase_create("lcp");
@@ -427,6 +440,7 @@ int main(void) {
   tcase_add_test(c, states_by_hand);
   tcase_add_test(c, scaled_and_by_blocks);
   tcase_add_test(c, bad_contact);
+  tcase_add_test(c, a_high_floor_excuses_nothing);
   suite_add_tcase(suite, c);
   SRunner *runner = srunner_create(suite);
   srunner_run_all(runner, CK_NORMAL);

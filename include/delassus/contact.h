@@ -66,8 +66,9 @@ typedef enum dls_contact_state { DLS_FREE = 0, DLS_SLIP = 1, DLS_STICK = 2 } dls
  *   residual = sqrt( sum_c |F_c|^2 ) / |q|_2
  *
  * residual has no unit and does not change under r -> b r, (u,q) -> a u, W -> a/b W, a change of
- * the order of candidates, or (d = 3) of the tangent frame. floor = eps | |W||r| | / |q| is what
- * the arithmetic can attain. Where q = 0, | |W||r| | takes the place of |q|, and r = 0 has residual 0.
+ * the order of candidates, or (d = 3) of the tangent frame. With a = max(|W||r|, w |r|) by
+ * entries, floor = eps |a| / |q| is what the arithmetic can attain. Where q = 0, | |W||r| | takes the
+ * place of |q|, and r = 0 has residual 0.
  * The rest is for the reader, in the user's units; each is >= 0 and a largest value over candidates. */
 typedef struct dls_certificate {
   double residual;        /* 1 */
@@ -88,7 +89,8 @@ DLS_API DLS_MUST_USE dls_status dls_contact_certify(const dls_contact *problem, 
                                                     double *u, dls_certificate *certificate,
                                                     dls_error *error);
 
-/* 1 if residual <= max(tol, 4 floor), else 0; NaN gives 0. */
+/* 1 if residual <= max(tol, 4 floor), else 0; NaN gives 0. And 0 if 4 floor > max(tol, 1e-8): r is then
+ * so large (run away in the null space of W, say) that rounding hides u and q in the residual. */
 DLS_API int dls_certificate_holds(const dls_certificate *certificate, double tol);
 
 /* state[c] (nc) of (u, r), by the branch of the projection in F_c: free if w_c r_c - (u_c + mu_c

@@ -44,7 +44,8 @@ typedef struct dls_lcp_certificate {
 DLS_API DLS_MUST_USE dls_status dls_lcp_certify(const dls_lcp *lcp, const double *z, double *y,
                                                 dls_lcp_certificate *certificate, dls_error *error);
 
-/* 1 if residual <= max(tol, 4 floor), else 0; NaN gives 0. */
+/* 1 if residual <= max(tol, min(4 floor, 1e-8)), else 0; NaN gives 0. (A z that ran away has a large
+ * floor, which excuses nothing.) */
 DLS_API int dls_lcp_certificate_holds(const dls_lcp_certificate *certificate, double tol);
 
 /* ---- Lemke ----------------------------------------------------------------------------------- */
