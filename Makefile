@@ -17,7 +17,7 @@ PREFIX ?= /usr/local
 DESTDIR ?=
 HDF5 ?= 1
 PKG_CONFIG ?= pkg-config
-CFLAGS ?= -O2 -g
+CFLAGS ?= -O3 -g
 
 # one short line a file; V=1 shows the commands
 ifneq ($(V),1)

@@ -313,10 +313,9 @@ static outcome singular(problem *p, const char *in) {
 static void prepare(problem *p) {
   const dls_lcp *lcp = p->lcp;
   const int n = p->n;
-  double rho[most], gamma[most], work[5 * most], beta = 0;
-  int counts[2 * most];
+  double rho[most], gamma[most], work[9 * most], beta = 0;
   dlsi_lcp_weights(lcp, p->weights);
-  dlsi_lcp_equilibrate(lcp, rho, gamma, work, counts);
+  dlsi_lcp_equilibrate(lcp, rho, gamma, work);
   for (int i = 0; i < n; i++) {
     rho[i] = exp2(round(rho[i]));
     gamma[i] = exp2(round(gamma[i]));

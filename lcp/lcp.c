@@ -56,8 +56,10 @@ void dlsi_lcp_weights(const dls_lcp *lcp, double *s) {
   }
   if (zeros == 0) return;
   for (size_t j = 0; j < n; j++) /* a weight < 0: minus the largest entry so far of such a row */
-    for (size_t i = 0; i < n; i++)
-      if (s[i] <= 0 && fabs(lcp->M.a[i + j * ld]) > -s[i]) s[i] = -fabs(lcp->M.a[i + j * ld]);
+    for (size_t i = 0; i < n; i++) {
+      const double a = fabs(lcp->M.a[i + j * ld]), w = s[i];
+      s[i] = ((w <= 0) & (a > -w)) ? -a : w;
+    }
   for (size_t i = 0; i < n; i++)
     s[i] = s[i] < 0 ? -s[i] : s[i] > 0 ? s[i] : 1;
 }

@@ -30,9 +30,8 @@ double dlsi_lcp_farkas_violation(const dls_lcp *lcp, const double *v);
 
 /* Exponents rho (rows), gamma (columns) such that the entries 2^(rho_i + gamma_j) |M_ij| that are
  * not 0 have geometric mean 1 in every row and column, nearly, negligible ones being raised
- * (scale.c, S4). work: 5 n doubles; counts: 2 n ints. */
-void dlsi_lcp_equilibrate(const dls_lcp *lcp, double *rho, double *gamma, double *work,
-                          int *counts);
+ * (scale.c, S4). work: 9 n doubles. */
+void dlsi_lcp_equilibrate(const dls_lcp *lcp, double *rho, double *gamma, double *work);
 
 /* ---- table.c --------------------------------------------------------------------------------- */
 

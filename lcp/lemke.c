@@ -137,28 +137,34 @@ static void carve(dls_lemke *w, dlsi_arena *arena) {
   }
   t->ld = (int)ld;
   t->T = dlsi_take(arena, ld * (n + 1), sizeof(double));
-  t->U = dlsi_take(arena, n * block, sizeof(double));
-  t->V = dlsi_take(arena, (n + 1) * block, sizeof(double));
-  t->W = dlsi_take(arena, (n + 1) * block, sizeof(double));
-  t->L = dlsi_take(arena, block * block, sizeof(double));
-  t->row = dlsi_take(arena, block, sizeof(int));
-  t->born = dlsi_take(arena, n + 1, sizeof(int));
   double **vectors[] = {&t->b,        &t->g,      &w->R,     &w->C,      &w->q,
                         &w->d,        &w->c,      &w->y,     &w->trial,  &w->magnitude,
                         &w->weight,   &w->z,      &w->ray_z, &w->ray_dz, &w->ray_cover,
                         &w->residual, &w->best_y, &w->cover, &w->g};
-  for (size_t k = 0; k < sizeof vectors / sizeof vectors[0]; k++)
-    *vectors[k] = dlsi_take(arena, n, sizeof(double));
+  const size_t count = sizeof vectors / sizeof vectors[0];
+  double *all =
+      dlsi_take(arena, (3 * n + 2 + block) * block + ld * (count + 10) + 2, sizeof(double));
+  int *ints = dlsi_take(arena, 9 * n + 4 + block, sizeof(int));
   if (w->settings.cover) w->given = dlsi_take(arena, n, sizeof(double));
-  w->x = dlsi_take(arena, 2 * n + 1, sizeof(double));
-  w->dx = dlsi_take(arena, 2 * n + 1, sizeof(double));
-  w->work = dlsi_take(arena, 6 * n, sizeof(double));
-  t->basic = dlsi_take(arena, n, sizeof(int));
-  t->column = dlsi_take(arena, n + 1, sizeof(int));
-  t->where = dlsi_take(arena, 2 * n + 1, sizeof(int));
-  w->rows = dlsi_take(arena, 2 * n, sizeof(int));
-  w->reenter = dlsi_take(arena, n + 1, sizeof(int));
-  w->start = dlsi_take(arena, n, sizeof(int));
+  if (!all || !ints) return; /* only the sizes are asked for, or there is an overflow */
+  t->U = all;
+  t->V = t->U + n * block;
+  t->W = t->V + (n + 1) * block;
+  t->L = t->W + (n + 1) * block;
+  all = t->L + block * block;
+  for (size_t k = 0; k < count; k++)
+    *vectors[k] = all + k * ld;
+  w->work = all + count * ld;
+  w->x = w->work + 6 * ld;
+  w->dx = w->x + 2 * n + 1;
+  t->row = ints;
+  t->basic = t->row + block;
+  t->column = t->basic + n;
+  t->where = t->column + n + 1;
+  t->born = t->where + 2 * n + 1;
+  w->rows = t->born + n + 1;
+  w->reenter = w->rows + 2 * n;
+  w->start = w->reenter + n + 1;
 }
 
 dls_status dls_lemke_create(dls_lemke **out, int n, const dls_lemke_settings *settings,
@@ -215,15 +221,25 @@ void dls_lemke_destroy(dls_lemke *workspace) {
 
 /* ---- the scaled problem ---------------------------------------------------------------------- */
 
-/* max |x_i|, NaN if there is one: as dlsi_max_abs, for a hot loop */
+/* max |x_i|, not finite if there is a NaN: as dlsi_max_abs, for a hot loop, four at a time */
 static double largest(int n, const double *x) {
-  double m = 0, sum = 0;
-  for (int i = 0; i < n; i++) {
+  double m[4] = {0}, s[4] = {0};
+  int i = 0;
+  for (; i + 4 <= n; i += 4)
+    for (int k = 0; k < 4; k++) {
+      const double a = fabs(x[i + k]);
+      m[k] = a > m[k] ? a : m[k];
+      s[k] += a;
+    }
+  for (; i < n; i++) {
     const double a = fabs(x[i]);
-    m = a > m ? a : m;
-    sum += a;
+    m[0] = a > m[0] ? a : m[0];
+    s[0] += a;
   }
-  return sum == sum ? m : sum;
+  const double sum = (s[0] + s[1]) + (s[2] + s[3]);
+  for (int k = 1; k < 4; k++)
+    m[0] = m[k] > m[0] ? m[k] : m[0];
+  return sum == sum ? m[0] : sum;
 }
 
 static int complement(int n, int v) {
@@ -235,8 +251,8 @@ static double power_of_two(double e) {
   return ldexp(1, (int)lrint(e < -500 ? -500 : e > 500 ? 500 : e));
 }
 
-/* cover := R d; without a given d, that is the norms of the rows of R M C, C = 2^gamma not rounded, so
- * that units do not change it */
+/* cover := R d; without a given d, that is the norms of the rows of R M C, C = 2^gamma not rounded,
+ * so that units do not change it */
 static void scale_cover(dls_lemke *w, const dls_lcp *lcp, const double *gamma) {
   const int n = lcp->n;
   double *d = w->cover;
@@ -254,7 +270,7 @@ static void scale_cover(dls_lemke *w, const dls_lcp *lcp, const double *gamma) {
 static void scale_problem(dls_lemke *w, const dls_lcp *lcp) {
   const int n = lcp->n;
   double *rho = w->R, *gamma = w->C;
-  dlsi_lcp_equilibrate(lcp, rho, gamma, w->work, w->rows);
+  dlsi_lcp_equilibrate(lcp, rho, gamma, w->table.U);
   for (int i = 0; i < n; i++) {
     w->R[i] = power_of_two(rho[i]);
     w->q[i] = w->R[i] * lcp->q[i];
@@ -400,15 +416,15 @@ static void read_values(const dlsi_table *t, const double *b, int entering, doub
 }
 
 /* (T4) With residual f, y_i out of the basis is f_i instead of 0: it has to move by -f_i, which
- *      moves
- * the basic variables along; y_i in the basis takes up its f_i by itself. */
+ * moves the basic variables along; y_i in the basis takes up its f_i by itself. Until f is
+ * rounding, or does not halve. */
 static void refine(dls_lemke *w, const dls_lcp *lcp, double *x, double h) {
   const dlsi_table *t = &w->table;
   const int n = lcp->n;
   double before = INFINITY, *dx = w->work;
   for (int sweep = 0; sweep < 4; sweep++) {
     const double f = misfit(w, lcp, x, h);
-    if (!(f > 4 * DBL_EPSILON * (h + dlsi_max_abs(x, 2 * (size_t)n + 1))) || !(f < 0.5 * before))
+    if (!(f > DBL_EPSILON * (h + dlsi_max_abs(x, 2 * (size_t)n + 1))) || !(f < 0.5 * before))
       return;
     before = f;
     for (int i = 0; i < n; i++)

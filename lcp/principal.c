@@ -63,7 +63,7 @@ struct dls_principal {
   double *a;        /* n: |M||z| */
   double *s;        /* n: weights of the certificate */
   double *best;     /* n: z of least residual */
-  double *work;     /* 5 n */
+  double *work;     /* 9 n */
 };
 
 void dls_principal_settings_init(dls_principal_settings *settings) {
@@ -111,7 +111,7 @@ static dls_principal *carve(dlsi_arena *arena, dls_principal *w, int n) {
   w->a = dlsi_take(arena, N, sizeof *w->a);
   w->s = dlsi_take(arena, N, sizeof *w->s);
   w->best = dlsi_take(arena, N, sizeof *w->best);
-  w->work = dlsi_take(arena, 5 * N, sizeof *w->work);
+  w->work = dlsi_take(arena, 9 * N, sizeof *w->work);
   return head;
 }
 
@@ -153,7 +153,7 @@ static int is_symmetric(const dls_lcp *lcp) {
 /* R, C of S = R_A M_AA C_A; R = C if M is symmetric */
 static void scale(dls_principal *w, const dls_lcp *lcp) {
   const int n = lcp->n;
-  dlsi_lcp_equilibrate(lcp, w->R, w->C, w->work, w->iwork);
+  dlsi_lcp_equilibrate(lcp, w->R, w->C, w->work);
   for (int i = 0; i < n; i++) {
     const double rho = w->R[i], gamma = w->C[i], mean = (rho + gamma) / 2;
     w->R[i] = exp2(round(w->symmetric ? mean : rho));

@@ -13,7 +13,7 @@
  *   (S3) rho_i += t, gamma_j -= t, so that both have the same mean
  * exact after one round if M has no zero, and after any number of rounds M -> a R M gives the
  * same R M C. Rows or columns of zeros get the mean of the others, so that a change of units
- * moves them along. One round if M has no zero, else two: one pass over M, or four.
+ * moves them along. One round if M has no zero, else two: two passes over M, or three.
  *
  * The mean must not hear of entries that do nothing: in a flexibility that decays along a surface
  * of n points, 2^-|i-j|/L, a row at the end would have a mean smaller than one in the middle by
@@ -22,9 +22,12 @@
  *   (S4) max( |M_ij|, 2^-10 sqrt(rowmax_i colmax_j) / 2^(rho_i + gamma_j) )
  * in place of those |M_ij| that are not 0, where rowmax and colmax are the largest
  * 2^(rho_i + gamma_j) |M_ij| of row i and column j. The bound follows a change of units as M_ij
- * does.
+ * does. Two passes over M each.
  *
- * The logarithms are taken of products of mantissas, one per row or column and 512 entries.
+ * A round is one pass over M: gamma_j of (S2) and what column j adds to the sums of the next (S1)
+ * and to the row maxima of (S4) are found while it is in the cache. The logarithms are taken of
+ * products of mantissas, one per row or column and 512 entries. Sums and products of a column are
+ * formed eight at a time, in an order that the compiler can turn into vector operations.
  */
 #include <math.h>
 #include <stdint.h>
@@ -35,161 +38,203 @@
 static const double negligible = 0x1p-10; /* (S4) */
 static const double uneven = 0x1p20;      /* (S4): row maxima that call for another round */
 enum { max_passes = 8 };                  /* (S4) */
+enum { chunk = 512 };                     /* mantissas in one product, which is less than 2^512 */
 
-/* |x| = m 2^e with 1 <= m < 2 (for subnormal x: m is too large by less than 2); 1 2^0 for x = 0 */
-static double split(double x, double *m) {
-  uint64_t bits;
-  memcpy(&bits, &x, sizeof bits);
-  bits = x == 0 ? 0x3ff0000000000000 : bits;
-  const int e = (int)(bits >> 52 & 0x7ff) - 1023;
-  bits = (bits & 0xfffffffffffff) | 0x3ff0000000000000;
-  memcpy(m, &bits, sizeof bits);
-  return e;
+/* x_0 + .. + x_(n-1), eight sums at a time */
+static double sum_of(int n, const double *x) {
+  double s[8] = {0};
+  int i = 0;
+  for (; i + 8 <= n; i += 8)
+    for (int k = 0; k < 8; k++)
+      s[k] += x[i + k];
+  for (; i < n; i++)
+    s[0] += x[i];
+  return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
 }
 
-/* L_i := sum_j log2 v_ij, K_j := sum_i log2 v_ij over the entries that are not 0, v_ij = |M_ij| or,
- * if that is larger, a_i b_j (S4), and how many there are in each row and column; product: n doubles.
- * Returns 1 if M has a zero, else 0. */
-static int sum_logarithms(const dls_lcp *lcp, const double *a, const double *b, double *L,
-                          double *K, int *in_row, int *in_column, double *product) {
-  const int n = lcp->n;
-  int zeros = 0;
-  for (int i = 0; i < n; i++) {
-    L[i] = 0;
-    in_row[i] = 0;
-    product[i] = 1;
-  }
-  for (int j = 0; j < n; j++) {
-    const double *m = lcp->M.a + (size_t)j * (size_t)lcp->M.ld;
-    double sum = 0;
-    int count = 0;
-    for (int first = 0; first < n; first += 512) {
-      double exponents = 0, mantissas = 1;
-      const int end = n - first < 512 ? n : first + 512;
-      for (int i = first; i < end; i++) {
-        const double least = a[i] * b[j];
-        const int some = m[i] != 0;
-        double x;
-        const double e = split(some && fabs(m[i]) < least ? least : m[i], &x);
-        L[i] += e;
-        product[i] *= x;
-        in_row[i] += some;
-        exponents += e;
-        mantissas *= x;
-        count += some;
-      }
-      sum += exponents + log2(mantissas);
-    }
-    K[j] = sum;
-    in_column[j] = count;
-    zeros |= count < n;
-    if (j % 512 == 511 || j == n - 1)
-      for (int i = 0; i < n; i++) {
-        L[i] += log2(product[i]);
-        product[i] = 1;
-      }
-  }
-  return zeros;
+static double product_of(int n, const double *x) {
+  double p[8] = {1, 1, 1, 1, 1, 1, 1, 1};
+  int i = 0;
+  for (; i + 8 <= n; i += 8)
+    for (int k = 0; k < 8; k++)
+      p[k] *= x[i + k];
+  for (; i < n; i++)
+    p[0] *= x[i];
+  return ((p[0] * p[4]) * (p[1] * p[5])) * ((p[2] * p[6]) * (p[3] * p[7]));
 }
 
-/* x_i := -( L_i + x_i ) / count_i; where count is 0, the mean of the others */
-static void solve_one_side(int n, const double *L, const int *count, double *x) {
-  double sum = 0;
-  int filled = 0;
-  for (int i = 0; i < n; i++)
-    if (count[i]) {
-      x[i] = -(L[i] + x[i]) / count[i];
-      sum += x[i];
-      filled++;
-    }
-  for (int i = 0; i < n; i++)
-    if (!count[i]) x[i] = filled ? sum / filled : 0;
-}
-
-/* rho_i := sum of gamma_j over M_ij != 0 */
-static void sum_over_rows(const dls_lcp *lcp, const double *gamma, double *rho) {
-  const int n = lcp->n;
-  for (int i = 0; i < n; i++)
-    rho[i] = 0;
-  for (int j = 0; j < n; j++) {
-    const double *m = lcp->M.a + (size_t)j * (size_t)lcp->M.ld;
-    for (int i = 0; i < n; i++)
-      rho[i] += m[i] != 0 ? gamma[j] : 0;
-  }
-}
-
-/* gamma_j := sum of rho_i over M_ij != 0 */
-static void sum_over_columns(const dls_lcp *lcp, int zeros, const double *rho, double *gamma) {
-  const int n = lcp->n;
-  double total = 0;
-  for (int i = 0; i < n; i++)
-    total += rho[i];
-  for (int j = 0; j < n; j++) {
-    gamma[j] = total;
-    if (!zeros) continue;
-    const double *m = lcp->M.a + (size_t)j * (size_t)lcp->M.ld;
-    for (int i = 0; i < n; i++)
-      gamma[j] -= m[i] == 0 ? rho[i] : 0;
-  }
+/* max x_i >= 0 */
+static double largest_of(int n, const double *x) {
+  double m[8] = {0};
+  int i = 0;
+  for (; i + 8 <= n; i += 8)
+    for (int k = 0; k < 8; k++)
+      m[k] = x[i + k] > m[k] ? x[i + k] : m[k];
+  for (; i < n; i++)
+    m[0] = x[i] > m[0] ? x[i] : m[0];
+  for (int k = 1; k < 8; k++)
+    m[0] = m[k] > m[0] ? m[k] : m[0];
+  return m[0];
 }
 
 static double power(double e) {
   return exp2(e < -500 ? -500 : e > 500 ? 500 : e);
 }
 
-/* (S4): a, b of the least values; returns the ratio of the largest to the smallest row maximum */
-static double least_values(const dls_lcp *lcp, const double *rho, const double *gamma, double *R,
-                           double *a, double *b) {
-  const int n = lcp->n;
+/* x = m 2^(e - 1023) for x > 0, 1 <= m < 2 (for subnormal x: m is too large by less than 2); m = 1,
+ * e = 0 for x = 0. The exponent becomes a double as the last digits of 2^52 + e. */
+static double split(double x, double *m) {
+  uint64_t bits;
+  double e;
+  memcpy(&bits, &x, sizeof bits);
+  const uint64_t exponent = bits >> 52 | 0x4330000000000000;
+  bits = (bits & 0xfffffffffffff) | 0x3ff0000000000000;
+  memcpy(&e, &exponent, sizeof e);
+  memcpy(m, &bits, sizeof bits);
+  return e - 0x1p52;
+}
+
+/* What the rounds are made of; n doubles each. */
+typedef struct sums {
+  double *L, *K;              /* of log2 v_ij over row i, column j */
+  double *in_row, *in_column; /* number of entries that are not 0 */
+  double *R, *a;              /* 2^rho_i; largest 2^(rho_i + gamma_j) |M_ij| of a row */
+  double *next;               /* of gamma_j over row i */
+  double *product, *scratch;
+} sums;
+
+/* v_i := |M_ij|, raised to the least value (S4) if that is known (s->a) and M_ij is not 0 */
+static void take_values(int count, const double *m, const double *a, double b, double *v) {
+  for (int i = 0; i < count; i++) {
+    const double x = fabs(m[i]), least = a ? a[i] * b : 0;
+    v[i] = x > 0 && x < least ? least : x;
+  }
+}
+
+/* Adds column j, m, to in_row, and counts it in in_column. */
+static void count_entries(int n, const double *m, int j, const sums *s) {
   for (int i = 0; i < n; i++) {
-    R[i] = power(rho[i]);
-    a[i] = 0;
+    s->scratch[i] = m[i] != 0 ? 1 : 0;
+    s->in_row[i] += s->scratch[i];
+  }
+  s->in_column[j] = sum_of(n, s->scratch);
+}
+
+/* L, K of the values v_ij = |M_ij|, and the counts; or if `least` L, K of those of (S4), a_i :=
+ * sqrt(rowmax_i) / 2^rho_i. Returns 1 if M has a zero, else 0. */
+static int sum_logarithms(const dls_lcp *lcp, int least, const double *gamma, const sums *s) {
+  const int n = lcp->n;
+  double *product = s->product, e[chunk], x[chunk];
+  int zeros = 0;
+  for (int i = 0; i < n; i++) {
+    s->L[i] = 0;
+    product[i] = 1;
+    if (least)
+      s->a[i] = sqrt(s->a[i]) / s->R[i];
+    else
+      s->in_row[i] = 0;
   }
   for (int j = 0; j < n; j++) {
-    const double *m = lcp->M.a + (size_t)j * (size_t)lcp->M.ld, C = power(gamma[j]);
-    double largest = 0;
-    for (int i = 0; i < n; i++) {
-      const double x = fabs(m[i]) * R[i] * C;
-      a[i] = x > a[i] ? x : a[i];
-      largest = x > largest ? x : largest;
+    const double *m = lcp->M.a + (size_t)j * (size_t)lcp->M.ld;
+    double b = 0, exponents = 0, logarithms = 0;
+    if (least) {
+      for (int i = 0; i < n; i++)
+        s->scratch[i] = fabs(m[i]) * s->R[i];
+      const double C = power(gamma[j]);
+      b = negligible * sqrt(largest_of(n, s->scratch) * C) / C;
+    } else
+      count_entries(n, m, j, s);
+    for (int first = 0; first < n; first += chunk) {
+      const int length = n - first < chunk ? n - first : chunk;
+      double *L = s->L + first, *p = product + first;
+      take_values(length, m + first, least ? s->a + first : NULL, b, x);
+      for (int i = 0; i < length; i++) {
+        e[i] = split(x[i], &x[i]);
+        L[i] += e[i];
+        p[i] *= x[i];
+      }
+      exponents += sum_of(length, e);
+      logarithms += log2(product_of(length, x));
     }
-    b[j] = negligible * sqrt(largest) / C;
+    s->K[j] = exponents - 1023 * s->in_column[j] + logarithms;
+    zeros |= s->in_column[j] < n;
+    if (j % chunk == chunk - 1 || j == n - 1)
+      for (int i = 0; i < n; i++) {
+        s->L[i] += log2(product[i]);
+        product[i] = 1;
+      }
   }
+  for (int i = 0; i < n; i++)
+    s->L[i] -= 1023 * s->in_row[i];
+  return zeros;
+}
+
+/* x_i := the mean of the others where count is 0 */
+static void fill_empty(int n, const double *count, double *x) {
+  double sum = 0, filled = 0;
+  for (int i = 0; i < n; i++)
+    if (count[i] > 0) {
+      sum += x[i];
+      filled++;
+    }
+  for (int i = 0; filled < n && i < n; i++)
+    if (!(count[i] > 0)) x[i] = filled > 0 ? sum / filled : 0;
+}
+
+/* (S1) with `next` of the round before, (S2) */
+static void alternate(const dls_lcp *lcp, const sums *s, double *rho, double *gamma) {
+  const int n = lcp->n;
+  for (int i = 0; i < n; i++)
+    rho[i] = -(s->L[i] + s->next[i]) / s->in_row[i];
+  fill_empty(n, s->in_row, rho);
+  for (int i = 0; i < n; i++) {
+    s->R[i] = power(rho[i]);
+    s->next[i] = s->a[i] = 0;
+  }
+  for (int j = 0; j < n; j++) {
+    const double *m = lcp->M.a + (size_t)j * (size_t)lcp->M.ld;
+    for (int i = 0; i < n; i++) {
+      const double x = rho[i];
+      s->scratch[i] = m[i] != 0 ? x : 0;
+    }
+    if (!(s->in_column[j] > 0)) continue;
+    const double x = -(s->K[j] + sum_of(n, s->scratch)) / s->in_column[j], C = power(x);
+    gamma[j] = x;
+    for (int i = 0; i < n; i++) {
+      const double size = fabs(m[i]) * s->R[i] * C;
+      s->next[i] += m[i] != 0 ? x : 0;
+      s->a[i] = size > s->a[i] ? size : s->a[i];
+    }
+  }
+  fill_empty(n, s->in_column, gamma);
+}
+
+/* the ratio of the largest to the smallest row maximum */
+static double unevenness(int n, const double *a) {
   double least = INFINITY, most = 0;
   for (int i = 0; i < n; i++) {
     if (a[i] > most) most = a[i];
     if (a[i] > 0 && a[i] < least) least = a[i];
-    a[i] = sqrt(a[i]) / R[i];
   }
   return most / least;
 }
 
-void dlsi_lcp_equilibrate(const dls_lcp *lcp, double *rho, double *gamma, double *work,
-                          int *counts) {
-  const int n = lcp->n;
-  double *L = work, *K = work + n, *a = work + 2 * n, *b = work + 3 * n, *product = work + 4 * n;
-  int *in_row = counts, *in_column = counts + n;
-  for (int i = 0; i < n; i++)
-    a[i] = b[i] = rho[i] = 0;
-  const int zeros = sum_logarithms(lcp, a, b, L, K, in_row, in_column, product);
-  for (int round = 0; round < (zeros ? 2 : 1); round++) {
-    if (round > 0) sum_over_rows(lcp, gamma, rho);
-    solve_one_side(n, L, in_row, rho); /* (S1) */
-    sum_over_columns(lcp, zeros, rho, gamma);
-    solve_one_side(n, K, in_column, gamma); /* (S2) */
-  }
-  for (int pass = 0; pass < max_passes; pass++) {
-    if (!(least_values(lcp, rho, gamma, product, a, b) > uneven)) break;
-    sum_logarithms(lcp, a, b, L, K, in_row, in_column, product); /* (S4) */
-    sum_over_rows(lcp, gamma, rho);
-    solve_one_side(n, L, in_row, rho);
-    sum_over_columns(lcp, zeros, rho, gamma);
-    solve_one_side(n, K, in_column, gamma);
+void dlsi_lcp_equilibrate(const dls_lcp *lcp, double *rho, double *gamma, double *work) {
+  const size_t n = (size_t)lcp->n;
+  const sums s = {work,         work + n,     work + 2 * n, work + 3 * n, work + 4 * n,
+                  work + 5 * n, work + 6 * n, work + 7 * n, work + 8 * n};
+  const int zeros = sum_logarithms(lcp, 0, gamma, &s);
+  memset(s.next, 0, n * sizeof *s.next);
+  alternate(lcp, &s, rho, gamma);
+  if (zeros) alternate(lcp, &s, rho, gamma);
+  for (int pass = 0; pass < max_passes && unevenness(lcp->n, s.a) > uneven; pass++) {
+    sum_logarithms(lcp, 1, gamma, &s);
+    alternate(lcp, &s, rho, gamma);
   }
   double shift = 0; /* (S3): half of it on each side, so that neither overflows alone */
-  for (int i = 0; i < n; i++)
-    shift += (gamma[i] - rho[i]) / (2 * n);
-  for (int i = 0; i < n; i++) {
+  for (size_t i = 0; i < n; i++)
+    shift += (gamma[i] - rho[i]) / (2 * (double)n);
+  for (size_t i = 0; i < n; i++) {
     rho[i] += shift;
     gamma[i] -= shift;
   }

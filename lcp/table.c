@@ -33,6 +33,7 @@
 #include "lcp_internal.h"
 
 enum { part_size = 16 };
+enum { small = 32 }; /* n below which a call of dgemv costs more than the product */
 static const int unit = 1, block = dlsi_table_block, part = part_size;
 static const double zero = 0, one = 1, minus_one = -1;
 
@@ -45,11 +46,24 @@ static void take_rows(const dlsi_table *t, double *a, double *v) {
   }
 }
 
-/* a - U V of a combination a, v as from take_rows */
+/* a - U V of a combination a, v as from take_rows; by hand what is too small for BLAS */
 static void subtract_pending(const dlsi_table *t, double *a, double *v) {
   const int n = t->n;
-  dtrsv_("L", "N", "N", &t->pending, t->L, &block, v, &unit, 1, 1, 1);
-  dgemv_("N", &n, &t->pending, &minus_one, t->U, &n, v, &unit, &one, a, &unit, 1);
+  for (int k = 0; k < t->pending; k++) {
+    const double *L = t->L + k * block, x = v[k] / L[k];
+    v[k] = x;
+    for (int i = k + 1; i < t->pending; i++)
+      v[i] -= L[i] * x;
+  }
+  if (n >= small) {
+    dgemv_("N", &n, &t->pending, &minus_one, t->U, &n, v, &unit, &one, a, &unit, 1);
+    return;
+  }
+  for (int k = 0; k < t->pending; k++) {
+    const double *u = t->U + k * n, x = v[k];
+    for (int i = 0; i < n; i++)
+      a[i] -= u[i] * x;
+  }
 }
 
 void dlsi_table_column(const dlsi_table *t, int s, double *c) {
