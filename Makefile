@@ -1,6 +1,7 @@
 # delassus: one GNU Makefile. `make help` lists the targets.
 #
 # Variables: CC, CFLAGS, BUILD (build), PREFIX (/usr/local), DESTDIR, HDF5=0 to leave FCLIB files out,
+# MUMPS=0 to leave sparse LU out,
 # BLAS_LIBS to link another BLAS and LAPACK.
 
 VERSION = 0.1.0
@@ -16,6 +17,7 @@ BUILD ?= build
 PREFIX ?= /usr/local
 DESTDIR ?=
 HDF5 ?= 1
+MUMPS ?= 1
 PKG_CONFIG ?= pkg-config
 CFLAGS ?= -O3 -g
 
@@ -42,11 +44,16 @@ HDF5_CFLAGS := $(shell $(PKG_CONFIG) --silence-errors --cflags hdf5-serial || $(
 HDF5_LIBS := $(shell $(PKG_CONFIG) --silence-errors --libs hdf5-serial || $(PKG_CONFIG) --silence-errors --libs hdf5 || echo -lhdf5)
 HDF5_CFLAGS += -DDLS_WITH_HDF5
 endif
-LIBS = $(HDF5_LIBS) $(BLAS_LIBS) -lm
+ifeq ($(MUMPS),1)
+MUMPS_CFLAGS ?= -isystem /usr/include/mumps_seq
+MUMPS_LIBS ?= -ldmumps_seq
+endif
+LIBS = $(HDF5_LIBS) $(MUMPS_LIBS) $(BLAS_LIBS) -lm
 CHECK_LIBS = $(shell $(PKG_CONFIG) --libs check)
 
 LIB_SRC := $(wildcard src/*.c lcp/*.c vi/*.c reduction/*.c)
 LIB_SRC := $(filter-out $(if $(HDF5_CFLAGS),src/fclib_none.c,src/fclib_read.c src/fclib_write.c),$(LIB_SRC))
+LIB_SRC := $(filter-out $(if $(MUMPS_LIBS),src/sparse_lu_none.c,src/sparse_lu.c),$(LIB_SRC))
 FE_SRC := $(wildcard src/fe/*.c)
 CLI_SRC := $(wildcard src/cli/*.c)
 TEST_SRC := $(wildcard tests/test_*.c)
@@ -87,7 +94,7 @@ help:
 $(BUILD)/obj/%.o: %.c Makefile
 	@mkdir -p $(@D)
 	$(call say,CC  )
-	$(Q)$(CC) $(CPPFLAGS_ALL) $(if $(filter src/fclib%,$<),$(HDF5_CFLAGS)) $(CFLAGS_ALL) -c -o $@ $<
+	$(Q)$(CC) $(CPPFLAGS_ALL) $(if $(filter src/fclib%,$<),$(HDF5_CFLAGS)) $(if $(filter src/sparse_lu%,$<),$(MUMPS_CFLAGS)) $(CFLAGS_ALL) -c -o $@ $<
 
 # the one loop of the library that has to run at the speed of the memory: vectorise it
 $(BUILD)/obj/src/panel.o: CFLAGS += -O3
@@ -136,6 +143,8 @@ $(TESTS:$(BUILD)/tests/%=$(BUILD)/obj/tests/%.o): CPPFLAGS += -DTEST_DATA='"data
 # test_files makes broken FCLIB files with HDF5 itself
 $(BUILD)/obj/tests/test_files.o: CPPFLAGS += $(HDF5_CFLAGS)
 
+$(BUILD)/obj/tests/test_newton.o: CPPFLAGS += -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0)
+
 .PHONY: check
 check: deps
 	@$(MAKE) --no-print-directory check-symbols check-build
@@ -167,7 +176,7 @@ check-headers:
 
 .PHONY: lint
 lint:
-	clang-tidy --quiet --warnings-as-errors='*' $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(EXAMPLE_SRC) -- -std=c11 -Iinclude -Isrc $(HDF5_CFLAGS) 2>/dev/null
+	clang-tidy --quiet --warnings-as-errors='*' $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(EXAMPLE_SRC) -- -std=c11 -Iinclude -Isrc $(HDF5_CFLAGS) $(MUMPS_CFLAGS) 2>/dev/null
 	cppcheck --quiet --error-exitcode=1 --std=c11 --enable=warning,performance,portability \
 	  --inline-suppr -Iinclude -Isrc src lcp vi reduction examples
 

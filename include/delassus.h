@@ -10,6 +10,7 @@
  *   diagnose.h   facts about a problem
  *   nlgs.h       projected Gauss-Seidel on the reactions
  *   primal.h     projected Gauss-Seidel on the displacements
+ *   newton.h     nonsmooth Newton
  *   augmented.h  augmented Lagrangian, penalty
  *   lcp.h        LCP(M, q), Lemke, 2D contact as an LCP
  *   facets.h     contact on a cone with facets as an LCP
@@ -29,6 +30,7 @@
 #include "delassus/info.h"
 #include "delassus/lcp.h"
 #include "delassus/matrix.h"
+#include "delassus/newton.h"
 #include "delassus/nlgs.h"
 #include "delassus/pivoting.h"
 #include "delassus/primal.h"

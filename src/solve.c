@@ -10,6 +10,7 @@
 #include "delassus/augmented.h"
 #include "delassus/facets.h"
 #include "delassus/lcp.h"
+#include "delassus/newton.h"
 #include "delassus/nlgs.h"
 #include "delassus/solve.h"
 #include "dlsi.h"
@@ -26,6 +27,7 @@ struct dls_solver {
   int d, nc;
   dls_nlgs *nlgs;            /* DLS_NLGS; DLS_LEMKE: sweeps between Newton steps */
   dls_augmented *augmented;  /* DLS_AUGMENTED_LAGRANGIAN, DLS_PENALTY */
+  dls_newton *newton;        /* DLS_NEWTON; DLS_LEMKE: those steps */
   dls_lemke *lemke;          /* DLS_LEMKE, with the LCP that it solves: */
   int facets;                /* of the cone; d = 2: 2 */
   int n;                     /* rows there is room for */
@@ -35,7 +37,6 @@ struct dls_solver {
   double *s;                 /* scales r_c = s_c r'_c, nc */
   double *r, *u, *a, *F, *w; /* m, m, m, m, nc */
   double *best;              /* m */
-  dlsi_polish_work polish;   /* J is M, u and a those above */
 };
 
 static const struct {
@@ -43,6 +44,7 @@ static const struct {
   const char *name;
 } methods[] = {{DLS_NLGS, "nlgs"},
                {DLS_LEMKE, "lemke"},
+               {DLS_NEWTON, "newton"},
                {DLS_AUGMENTED_LAGRANGIAN, "augmented-lagrangian"},
                {DLS_PENALTY, "penalty"}};
 
@@ -118,14 +120,6 @@ static void carve(dls_solver *solver, dlsi_arena *arena) {
   solver->F = dlsi_take(arena, m, D);
   solver->w = dlsi_take(arena, nc, D);
   solver->best = dlsi_take(arena, m, D);
-  dlsi_polish_work *p = &solver->polish;
-  p->J = solver->M; /* n >= m */
-  p->u = solver->u;
-  p->a = solver->a;
-  p->x = dlsi_take(arena, m, D);
-  p->best = dlsi_take(arena, m, D);
-  p->pivot = dlsi_take(arena, m, sizeof *p->pivot);
-  p->slope = dlsi_take(arena, nc, sizeof *p->slope);
 }
 
 static dls_status create_lemke(dls_solver *solver, dls_error *error) {
@@ -160,7 +154,25 @@ static dls_status create_lemke(dls_solver *solver, dls_error *error) {
   sweeps.tol = solver->settings.tol;
   sweeps.max_iterations = polish_sweeps;
   sweeps.warm_start = 1;
-  return dls_nlgs_create(&solver->nlgs, solver->d, solver->nc, &sweeps, error);
+  const dls_status created = dls_nlgs_create(&solver->nlgs, solver->d, solver->nc, &sweeps, error);
+  if (created) return created;
+  dls_newton_settings steps;
+  dls_newton_settings_init(&steps);
+  steps.tol = solver->settings.tol;
+  steps.sweeps = 0;
+  steps.warm_start = 1;
+  return dls_newton_create(&solver->newton, solver->d, solver->nc, &steps, error);
+}
+
+static dls_status create_newton(dls_solver *solver, dls_error *error) {
+  dls_newton_settings s;
+  dls_newton_settings_init(&s);
+  s.tol = solver->settings.tol;
+  if (solver->settings.max_iterations) s.max_iterations = solver->settings.max_iterations;
+  s.warm_start = solver->settings.warm_start;
+  s.progress = solver->settings.progress;
+  s.progress_data = solver->settings.progress_data;
+  return dls_newton_create(&solver->newton, solver->d, solver->nc, &s, error);
 }
 
 static dls_status create_nlgs(dls_solver *solver, dls_error *error) {
@@ -198,6 +210,8 @@ static dls_status create_method(dls_solver *solver, dls_error *error) {
   switch (solver->settings.method) {
   case DLS_LEMKE:
     return create_lemke(solver, error);
+  case DLS_NEWTON:
+    return create_newton(solver, error);
   case DLS_AUGMENTED_LAGRANGIAN:
   case DLS_PENALTY:
     return create_augmented(solver, error);
@@ -279,7 +293,14 @@ static dls_status polish(dls_solver *solver, const dls_contact *problem, dls_cer
       if (status < 0) return status;
       offer(solver, problem, best);
     }
-    (void)dlsi_polish(problem, tol, solver->w, &solver->polish, solver->r);
+    dls_error why;
+    const dls_status status =
+        dls_newton_solve(solver->newton, problem, solver->r, NULL, NULL, &why);
+    if (status == DLS_E_UNSUPPORTED) return DLS_OK; /* many blocks, no MUMPS: left as it is */
+    if (status < 0) {
+      if (error) *error = why;
+      return status;
+    }
     offer(solver, problem, best);
   }
   return DLS_OK;
@@ -347,6 +368,8 @@ dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, doub
     if (info && outcome >= 0) info->method = solver->settings.method;
     return outcome;
   }
+  if (solver->settings.method == DLS_NEWTON)
+    return dls_newton_solve(solver->newton, problem, r, u, info, error);
   return dls_nlgs_solve(solver->nlgs, problem, r, u, info, error);
 }
 
@@ -354,6 +377,7 @@ void dls_solver_destroy(dls_solver *solver) {
   if (!solver) return;
   dls_nlgs_destroy(solver->nlgs);
   dls_augmented_destroy(solver->augmented);
+  dls_newton_destroy(solver->newton);
   dls_lemke_destroy(solver->lemke);
   free(solver->memory);
   free(solver);

@@ -188,6 +188,18 @@ START_TEST(concentrated_csv_has_no_equivalents) {
 }
 END_TEST
 
+START_TEST(newton_and_the_list_of_methods) {
+  ck_assert_int_eq(run("solve -m newton -t 1e-12 data/fclib/FC3D_Example1.hdf5"), 0);
+  ck_assert(prints("newton: ") && prints(" steps"));
+  ck_assert_int_eq(run("scene jean-fig3 --method newton --json"), 0);
+  ck_assert(prints("\"status\": \"solved\"") && prints("\"method\": \"newton\""));
+  ck_assert_int_eq(run("solve --help"), 0);
+  ck_assert(prints("nlgs, lemke, newton"));
+  ck_assert_int_eq(run("scene --help"), 0);
+  ck_assert(prints("nlgs, lemke, newton"));
+}
+END_TEST
+
 START_TEST(lemke_in_3d_takes_facets) {
   static const char *const options[] = {"", "--facets=4 ", "-f 16 "};
   for (int k = 0; k < 3; k++) {
@@ -320,6 +332,7 @@ int main(void) {
   tcase_add_test(tcase, scene_writes_its_files);
   tcase_add_test(tcase, scene_on_the_displacements);
   tcase_add_test(tcase, concentrated_csv_has_no_equivalents);
+  tcase_add_test(tcase, newton_and_the_list_of_methods);
   tcase_add_test(tcase, lemke_in_3d_takes_facets);
   tcase_add_test(tcase, saved_problem_solves_to_the_same_answer);
   tcase_add_test(tcase, not_solved_is_1);

@@ -8,7 +8,9 @@
 #include "delassus.h"
 #include "malloc_fails.h"
 
-enum { NC = 12, M = 2 * NC };
+static const dls_method methods[] = {DLS_NLGS, DLS_LEMKE, DLS_NEWTON};
+
+enum { METHODS = 3, NC = 12, M = 2 * NC };
 
 static double W[M * M], q[M], mu[NC];
 
@@ -58,6 +60,7 @@ START_TEST(methods_have_names) {
   ck_assert_str_eq(dls_method_name(DLS_LEMKE), "lemke");
   ck_assert_str_eq(dls_method_name(DLS_AUGMENTED_LAGRANGIAN), "augmented-lagrangian");
   ck_assert_str_eq(dls_method_name(DLS_PENALTY), "penalty");
+  ck_assert_str_eq(dls_method_name(DLS_NEWTON), "newton");
   ck_assert_ptr_null(dls_method_name((dls_method)99));
   ck_assert_int_eq(dls_method_find("lemke", &m), 1);
   ck_assert_int_eq(m, DLS_LEMKE);
@@ -72,14 +75,15 @@ START_TEST(methods_agree) {
     dls_contact p = random_problem(seed);
     p.d = 2 + (int)(seed % 2); /* m = 24 = 2 * 12 = 3 * 8 */
     p.nc = M / p.d;
-    double r[2][M], u[2][M];
-    for (int k = 0; k < 2; k++) {
-      const dls_solver_settings s = settings_of(k ? DLS_LEMKE : DLS_NLGS);
+    double r[METHODS][M], u[METHODS][M];
+    for (int k = 0; k < METHODS; k++) {
+      const dls_solver_settings s = settings_of(methods[k]);
       dls_info info;
       dls_error e = {0};
       const dls_status status = dls_solve(&p, &s, r[k], u[k], &info, &e);
       ck_assert_msg(status == DLS_OK, "seed %u: %s %s", seed, dls_status_name(status), e.message);
-      ck_assert(info.status == DLS_OK && info.method == s.method && info.iterations > 0);
+      ck_assert(info.status == DLS_OK && info.method == s.method &&
+                info.iterations + info.sweeps > 0);
       ck_assert(info.certificate.residual <= 1e-13);
       dls_certificate c; /* the one the solver reports is the public one */
       ck_assert_int_eq(dls_contact_certify(&p, r[k], NULL, &c, NULL), DLS_OK);
@@ -89,15 +93,16 @@ START_TEST(methods_agree) {
     for (int i = 0; i < M; i++)
       scale = fmax(scale, fabs(r[1][i]));
     for (int i = 0; i < M; i++) /* cond(W) < 10 */
-      ck_assert_double_eq_tol(r[0][i], r[1][i], 1e-11 * scale);
+      for (int k = 1; k < METHODS; k++)
+        ck_assert_double_eq_tol(r[0][i], r[k][i], 1e-11 * scale);
   }
 }
 END_TEST
 
 START_TEST(units_do_not_change_the_path) {
   const double factor[] = {1e-9, 1e-3, 1e6, 1e9};
-  for (int k = 0; k < 2; k++) {
-    const dls_method method = k ? DLS_LEMKE : DLS_NLGS;
+  for (int k = 0; k < METHODS; k++) {
+    const dls_method method = methods[k];
     for (unsigned seed = 1; seed <= 5; seed++) {
       dls_contact p = random_problem(seed);
       const dls_solver_settings s = settings_of(method);
@@ -123,10 +128,10 @@ START_TEST(units_do_not_change_the_path) {
 END_TEST
 
 START_TEST(permuted_candidates_same_answer) {
-  for (int k = 0; k < 2; k++)
+  for (int k = 0; k < METHODS; k++)
     for (unsigned seed = 1; seed <= 10; seed++) {
       const dls_contact p = random_problem(seed);
-      const dls_solver_settings s = settings_of(k ? DLS_LEMKE : DLS_NLGS);
+      const dls_solver_settings s = settings_of(methods[k]);
       double V[M * M], b[M], nu[NC], r[M], t[M];
       int at[M];
       for (int i = 0; i < M; i++)
@@ -148,8 +153,8 @@ START_TEST(permuted_candidates_same_answer) {
 END_TEST
 
 START_TEST(solver_is_reused_allocates_nothing_and_repeats_bits) {
-  for (int k = 0; k < 2; k++) {
-    const dls_solver_settings s = settings_of(k ? DLS_LEMKE : DLS_NLGS);
+  for (int k = 0; k < METHODS; k++) {
+    const dls_solver_settings s = settings_of(methods[k]);
     dls_solver *solver;
     double first[M], r[M], u[M];
     ck_assert_int_eq(dls_solver_create(&solver, 2, NC, &s, NULL), DLS_OK);
@@ -197,8 +202,8 @@ END_TEST
 
 START_TEST(iteration_limit_is_honest) {
   const dls_contact p = random_problem(3);
-  for (int k = 0; k < 2; k++) {
-    dls_solver_settings s = settings_of(k ? DLS_LEMKE : DLS_NLGS);
+  for (int k = 0; k < 2; k++) { /* Newton is there after 2 */
+    dls_solver_settings s = settings_of(methods[k]);
     s.max_iterations = 2;
     double r[M];
     dls_info info;
@@ -282,8 +287,8 @@ START_TEST(bad_settings_are_refused) {
 END_TEST
 
 START_TEST(solver_refuses_other_sizes_and_bad_numbers) {
-  for (int k = 0; k < 2; k++) {
-    const dls_solver_settings s = settings_of(k ? DLS_LEMKE : DLS_NLGS);
+  for (int k = 0; k < METHODS; k++) {
+    const dls_solver_settings s = settings_of(methods[k]);
     dls_contact p = random_problem(1);
     dls_solver *solver;
     dls_error e;
@@ -305,9 +310,9 @@ START_TEST(solver_refuses_other_sizes_and_bad_numbers) {
 END_TEST
 
 START_TEST(every_failing_malloc_unwinds) {
-  for (int k = 0; k < 2; k++) {
+  for (int k = 0; k < METHODS; k++) {
     const dls_contact p = random_problem(2);
-    const dls_solver_settings s = settings_of(k ? DLS_LEMKE : DLS_NLGS);
+    const dls_solver_settings s = settings_of(methods[k]);
     double r[M] = {9};
     dls_status status = DLS_E_MEMORY;
     long failed = 0;

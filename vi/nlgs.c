@@ -450,6 +450,18 @@ static int count_ambiguous(const dls_nlgs *work, const dls_contact *problem, con
   return ambiguous;
 }
 
+dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, double *r,
+                         dls_certificate *certificate, int *iterations) {
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  for (int c = 0; c < problem->nc; c++)
+    dlsi_contact_diagonal(problem, c, work->block + d * d * (size_t)c);
+  dlsi_contact_weights(problem, work->w);
+  if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
+    memset(r, 0, m * sizeof *r);
+  *iterations = 0;
+  return iterate(work, problem, r, certificate, iterations);
+}
+
 dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
   if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
@@ -470,15 +482,9 @@ dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, doubl
     if (status) return status;
   }
 
-  for (int c = 0; c < nc; c++)
-    dlsi_contact_diagonal(problem, c, work->block + (size_t)(d * d) * (size_t)c);
-  dlsi_contact_weights(problem, work->w);
-  if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
-    memset(r, 0, m * sizeof *r);
-
-  int iterations = 0;
+  int iterations;
   dls_certificate certificate;
-  status = iterate(work, problem, r, &certificate, &iterations);
+  status = dlsi_nlgs_run(work, problem, r, &certificate, &iterations);
   if (u) memcpy(u, work->u, m * sizeof *u);
   if (info) {
     const dls_info outcome = {.status = status,

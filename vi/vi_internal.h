@@ -52,5 +52,8 @@ void dlsi_anderson_clear(dlsi_anderson *a);
 /* Takes g = g(x), the weighted residual f = D (g - x) and u = u(g), m each, in; g and u become the
  * next x and u(x). 0 if the history does not say anything yet: they stay. m: the same since clear. */
 int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, double *u);
+/* dls_nlgs_solve of what has been checked already: r, its certificate, the sweeps done. */
+dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, double *r,
+                         dls_certificate *certificate, int *iterations);
 
 #endif

@@ -14,8 +14,7 @@ typedef struct dls_solver_settings {
   size_t size;        /* set by init; settings without it are refused */
   dls_method method;  /* DLS_NLGS */
   double tol;         /* on the certificate's residual; 1e-8 */
-  int max_iterations; /* sweeps, pivots of each LCP, augmentations (penalty: 1 whatever it says);
-                         0: the method's own default; 0 */
+  int max_iterations; /* sweeps, pivots of each LCP, steps, augmentations; 0: the method's own; 0 */
   int warm_start;     /* start from r as passed in, where the method can; 0 */
   int facets;         /* Lemke, d = 3: of the friction cone, even, 4 to DLS_FACETS_MAX; 0: 8; 0 */
   dls_progress_fn progress; /* NULL for none */
@@ -25,7 +24,7 @@ typedef struct dls_solver_settings {
 
 DLS_API void dls_solver_settings_init(dls_solver_settings *settings);
 
-/* "nlgs", "lemke", "augmented-lagrangian", "penalty"; NULL for a number that is no method.
+/* "nlgs", "lemke", "newton", "augmented-lagrangian", "penalty"; NULL for a number that is no method.
  * dls_method_find returns 0 for no method. */
 DLS_API const char *dls_method_name(dls_method method);
 DLS_API int dls_method_find(const char *name, dls_method *method);
@@ -41,7 +40,7 @@ typedef struct dls_solver dls_solver;
  *
  * Lemke solves, for d = 2, the LCP of dls_contact_to_lcp and, where that ends in a ray, the one of
  * dls_contact_to_facets_lcp; for d = 3 the latter with the facets of the settings. Where the
- * certificate does not hold yet, Newton's method takes the answer to the round cone (vi/polish.c).
+ * certificate does not hold yet, Newton's method takes the answer to the round cone (newton.h).
  * It holds the LCP and its table, about 2 n^2 doubles: n = (facets + 2) nc for d = 3; n = 4 nc for
  * d = 2 up to 4 nc = 4000, beyond that n = 3 nc, and a ray ends it.
  *
@@ -55,8 +54,9 @@ DLS_API DLS_MUST_USE dls_status dls_solver_create(dls_solver **out, int d, int n
                                                   dls_error *error);
 
 /* r (m): in, the start if warm_start; out, the reactions. u (m) or NULL: W r + q. info or NULL.
- * Allocates nothing. Statuses of the methods; of Lemke with d = 3, DLS_RAY and never
- * DLS_NO_SOLUTION: what is proved of the faceted cone does not bind the round one. */
+ * Allocates nothing but what newton.h says of m > 250 (newton, and lemke at its end). Statuses of
+ * the methods; of Lemke with d = 3, DLS_RAY and never DLS_NO_SOLUTION: what is proved of the
+ * faceted cone does not bind the round one. */
 DLS_API DLS_MUST_USE dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem,
                                                  double *r, double *u, dls_info *info,
                                                  dls_error *error);

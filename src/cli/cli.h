@@ -57,6 +57,10 @@ const char *status_word(dls_status status);
 const char *state_word(dls_contact_state state);
 const char *iteration_word(dls_method method);
 
+/* "nlgs, lemke, ...": the names of all methods, in text (size), which is returned. */
+enum { METHOD_LIST_ROOM = 200 };
+const char *method_list(char *text, size_t size);
+
 /* What a run is summed up by, in text and in JSON. */
 typedef struct outcome {
   dls_info info;

@@ -73,8 +73,28 @@ const char *state_word(dls_contact_state state) {
 }
 
 const char *iteration_word(dls_method method) {
-  if (method == DLS_AUGMENTED_LAGRANGIAN || method == DLS_PENALTY) return "augmentations";
-  return method == DLS_LEMKE ? "pivots" : "sweeps";
+  switch (method) {
+  case DLS_LEMKE:
+    return "pivots";
+  case DLS_NEWTON:
+    return "steps";
+  case DLS_AUGMENTED_LAGRANGIAN:
+  case DLS_PENALTY:
+    return "augmentations";
+  default:
+    return "sweeps";
+  }
+}
+
+const char *method_list(char *text, size_t size) {
+  size_t used = 0;
+  text[0] = '\0';
+  for (int k = 1; k < 100 && used < size; k++) {
+    const char *name = dls_method_name((dls_method)k);
+    if (name)
+      used += (size_t)snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", name);
+  }
+  return text;
 }
 
 const char *method_word(const outcome *o) {

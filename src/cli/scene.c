@@ -24,18 +24,19 @@ typedef struct scene_options {
 } scene_options;
 
 static void usage(FILE *out) {
-  fputs(
+  char methods[METHOD_LIST_ROOM];
+  fprintf(
+      out,
       "Usage: delassus scene [OPTION]... NAME\n"
       "  or:  delassus scene --list\n"
       "Runs a built-in scene and prints displacements and reactions of its candidates.\n"
       "\n"
-      "  -m, --method=METHOD   nlgs (default), lemke, augmented-lagrangian, penalty, or "
-      "gauss-seidel\n"
-      "                        (on the displacements)\n"
+      "  -m, --method=METHOD   one of: %s;\n"
+      "                        or gauss-seidel, on the displacements (nlgs)\n"
       "  -a, --accel=HOW       nlgs: none (default), aitken or anderson\n"
       "  -w, --weighted        weighted instead of concentrated reactions\n"
       "  -t, --tol=T           tolerance on the certificate's residual (1e-14)\n"
-      "  -i, --max-iter=N      limit of sweeps, pivots or augmentations\n"
+      "  -i, --max-iter=N      limit of sweeps, pivots, steps or augmentations\n"
       "  -o, --out=DIR         write contact.csv, result.json, the deformed mesh (.vtu), pictures\n"
       "  -s, --save=FILE       write the contact problem as an FCLIB file (HDF5)\n"
       "  -r, --reference=CSV   print and draw beside these values (columns node, Q1, Q2, RT, RN\n"
@@ -43,7 +44,7 @@ static void usage(FILE *out) {
       "  -j, --json            print the outcome as one JSON object instead of tables\n"
       "  -l, --list            the names of the scenes\n"
       "  -h, --help            this text\n",
-      out);
+      method_list(methods, sizeof methods));
 }
 
 /* ---- what a run holds ------------------------------------------------------------------------ */
@@ -437,6 +438,7 @@ int command_scene(int argc, char **argv) {
       {"save", required_argument, NULL, 's'},     {"reference", required_argument, NULL, 'r'},
       {"json", no_argument, NULL, 'j'},           {"list", no_argument, NULL, 'l'},
       {"help", no_argument, NULL, 'h'},           {NULL, 0, NULL, 0}};
+  char methods[METHOD_LIST_ROOM];
   scene_options o = {0};
   dls_solver_settings_init(&o.solver);
   o.solver.tol = 1e-14; /* NLGS and Lemke then agree to 1e-10 in r */
@@ -446,7 +448,8 @@ int command_scene(int argc, char **argv) {
     case 'm':
       o.primal = strcmp(optarg, "gauss-seidel") == 0;
       if (!o.primal && !dls_method_find(optarg, &o.solver.method))
-        return complain("--method: '%s' is no method (see 'delassus scene --help')", optarg);
+        return complain("--method: '%s' is no method (%s, gauss-seidel)", optarg,
+                        method_list(methods, sizeof methods));
       break;
     case 'w':
       o.weighted = 1;

@@ -14,22 +14,24 @@ typedef struct solve_options {
 } solve_options;
 
 static void usage(FILE *out) {
-  fputs(
+  char methods[METHOD_LIST_ROOM];
+  fprintf(
+      out,
       "Usage: delassus solve [OPTION]... FILE\n"
       "  or:  delassus solve --lcp [OPTION]... M.mtx q.mtx\n"
       "Solves a contact problem (FCLIB, HDF5; local, or global after its reduction) or an LCP.\n"
       "\n"
-      "  -m, --method=METHOD   nlgs (default), lemke, augmented-lagrangian or penalty; an LCP is\n"
-      "                        solved by lemke\n"
+      "  -m, --method=METHOD   one of: %s\n"
+      "                        (nlgs); an LCP is solved by lemke\n"
       "  -a, --accel=HOW       nlgs: none (default), aitken or anderson\n"
       "  -t, --tol=T           tolerance on the certificate's residual (1e-8)\n"
-      "  -i, --max-iter=N      limit of sweeps, pivots or augmentations\n"
+      "  -i, --max-iter=N      limit of sweeps, pivots, steps or augmentations\n"
       "  -f, --facets=M        lemke in 3D: facets of the friction cone, even, 4 to 64 (8)\n"
       "  -o, --output=OUT      write the problem with its solution (FCLIB), or z (Matrix Market)\n"
       "  -j, --json            print the outcome as one JSON object\n"
       "  -l, --lcp             the files hold M and q of an LCP\n"
       "  -h, --help            this text\n",
-      out);
+      method_list(methods, sizeof methods));
 }
 
 /* ---- contact problems ------------------------------------------------------------------------ */
@@ -219,6 +221,7 @@ int command_solve(int argc, char **argv) {
       {"facets", required_argument, NULL, 'f'}, {"output", required_argument, NULL, 'o'},
       {"json", no_argument, NULL, 'j'},         {"lcp", no_argument, NULL, 'l'},
       {"help", no_argument, NULL, 'h'},         {NULL, 0, NULL, 0}};
+  char methods[METHOD_LIST_ROOM];
   solve_options o = {0};
   dls_solver_settings_init(&o.solver);
   o.solver.progress = show_progress;
@@ -226,7 +229,8 @@ int command_solve(int argc, char **argv) {
     switch (key) {
     case 'm':
       if (!dls_method_find(optarg, &o.solver.method))
-        return complain("--method: '%s' is no method (see 'delassus solve --help')", optarg);
+        return complain("--method: '%s' is no method (%s)", optarg,
+                        method_list(methods, sizeof methods));
       o.method_given = 1;
       break;
     case 'a':

@@ -1,0 +1,67 @@
+/*
+ * delassus/newton.h: nonsmooth Newton on the friction law (Alart and Curnier 1991), after some
+ * sweeps of Gauss-Seidel. For d = 2 and 3, W symmetric or not, of full rank or not. A handful of
+ * steps where Gauss-Seidel needs hundreds of sweeps; each one is an LU of the unknowns that the
+ * states of the candidates leave: none for a free one, d for one that sticks, d - 1 for one that slips.
+ *
+ * Dense LU for a dense W, and for W by blocks up to 250 such unknowns; beyond that sparse LU by
+ * MUMPS, whose Fortran modules hold process-wide variables: no two threads may be in MUMPS at once.
+ * A library built without MUMPS then answers DLS_E_UNSUPPORTED, for d nc > 250.
+ */
+#ifndef DELASSUS_NEWTON_H
+#define DELASSUS_NEWTON_H
+
+#include "delassus/info.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Fill by dls_newton_settings_init, then change what you like. */
+typedef struct dls_newton_settings {
+  size_t size;              /* set by init; settings without it are refused */
+  double tol;               /* on the certificate's residual; >= 0; 1e-8 */
+  int max_iterations;       /* steps, >= 1; 30 */
+  int sweeps;               /* of Gauss-Seidel before the first step, >= 0; 20 */
+  int line_search;          /* 1: shorten steps, for starts without sweeps; 0: full steps; 0 */
+  double regularization;    /* eps: the matrix of a step is made of W + eps diag(w); [0, 1); 1e-6 */
+  int warm_start;           /* 0: start from r = 0; 1: from r as passed in; 0 */
+  dls_progress_fn progress; /* NULL for none; hears of sweeps ("nlgs") and of steps ("newton") */
+  void *progress_data;
+} dls_newton_settings;
+
+DLS_API void dls_newton_settings_init(dls_newton_settings *settings);
+
+/* A workspace for problems of dimension d with at most nc candidates; reused over time steps. */
+typedef struct dls_newton dls_newton;
+
+/* *out = new workspace, NULL on error; the settings are copied. It holds, m = d nc, min(m, 250)^2
+ * doubles for the dense LU and about 21 m for the rest. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS,
+ * DLS_E_MEMORY. */
+DLS_API DLS_MUST_USE dls_status dls_newton_create(dls_newton **out, int d, int nc,
+                                                  const dls_newton_settings *settings,
+                                                  dls_error *error);
+
+/* Solves. r (m): in, the start if warm_start, else ignored; out, the reactions with the smallest
+ * residual met, the start included: never worse than it. u (m) or NULL: W r + q. info or NULL. r, u
+ * must not overlap each other or the problem.
+ *
+ * Allocates nothing for m <= 250. Beyond, the storage of W being known only now, a solve takes room
+ * for the matrix that no solve before it needed, and keeps it: m^2 doubles for a dense W; for W by
+ * blocks 3 ints and 2 doubles per entry of W, beside which MUMPS allocates in every solve.
+ *
+ * DLS_OK; DLS_MAX_ITERATIONS; DLS_STALLED: 12 steps that did not halve the residual;
+ * DLS_CANCELLED; DLS_E_MEMORY, DLS_E_UNSUPPORTED, an error of dls_contact_check, or DLS_E_SIZE for
+ * another d or more candidates than in create. */
+DLS_API DLS_MUST_USE dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem,
+                                                 double *r, double *u, dls_info *info,
+                                                 dls_error *error);
+
+/* NULL is fine. */
+DLS_API void dls_newton_destroy(dls_newton *workspace);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,588 @@
+/*
+ * newton.c: nonsmooth Newton on the friction law, d = 2 and 3.
+ *
+ * With w_c of the certificate, x = w r_n - u_n and tau = w r_t - u_t per candidate, u = W r + q, the
+ * law is AC(r, u) = 0,
+ *
+ *   AC_c = w r_c - ( max(0, x),  tau put on the disc of radius R ),   R = mu max(0, x)
+ *
+ * (Alart and Curnier, Comp. Meth. Appl. Mech. Eng. 92, 1991, 353-375). Its generalised derivative is
+ * reduced by hand: the branch of a candidate says which part of its new r is known, and only the
+ * rest stays unknown. With r0 = r + known part, u0 = W r0 + q, t = tau / |tau| and, in 3D, p = t turned
+ * by 90 degrees, one step is
+ *
+ *   (N1)  free   x <= 0        r0_c = 0                               nothing unknown
+ *         stick  |tau| <= R    r0_c = r_c                             dr_c:  u0_c + W_c dr = 0
+ *         slip   otherwise     r0_c = r_c + (0, k t), k = (mu u_n + R) / w - t.r_t
+ *                              dr_c = (a, mu a t + b p), unknown a:   u0_n + W_n dr = 0
+ *                              and, 3D, b:  p.(u0_t + W_t dr) + l (p.r_t + b) = 0
+ *                              l = w (|tau| - R) / R
+ *         slip, mu = 0         r0_c = (r_n, 0), unknown a:            u0_n + W_n dr = 0
+ *   (N2)  these rows and columns of W + eps diag(w), and l on the rows of b: one LU, one solve
+ *   (N3)  r := r0 + dr
+ *
+ * k and mu a are the row of AC along t, linearised; the row of b is the one along p divided by
+ * R / |tau|, with p.tau = 0. eps = 1e-6 keeps the matrix regular where W is not, and leaves AC alone:
+ * steps then shrink the error by eps cond(W) or so instead of squaring it. If the matrix is singular
+ * all the same, eps grows a hundredfold for good, from 1e-8 on.
+ *
+ *   (N0)  First, sweeps of Gauss-Seidel (nlgs.c) sort the states: from r = 0 the full step alone goes
+ *         round among states too often.
+ *   (N4)  Line search, for starts without sweeps: r + s (r' - r), s = 1, 1/2, .. 1/64, until |AC| is
+ *         below the largest of its last five values (Grippo, Lampariello and Lucidi, SIAM J. Numer.
+ *         Anal. 23, 1986, 707-716). u is affine in r, so that a trial costs O(m).
+ *
+ * Stop: the certificate holds (its F is de Saxce's; both vanish together), the limit of steps, or 12
+ * steps that did not halve the residual. Uphill steps are taken, too; the best r met is kept.
+ *
+ * Deviation from the full method, which has m unknowns whatever the states: only that arithmetic is
+ * saved, the iterates are the same but for eps.
+ * Cost of a step: two products with W, and an LU of the unknowns: 2/3 k^3 dense, much less sparse.
+ * What can fail: nothing makes it converge from afar, and states may go round for ever (cycle in
+ * tests/test_newton.c): DLS_STALLED. Large W of low rank: rounding over eps (README.md).
+ */
+#include "delassus/newton.h"
+
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "blas.h"
+#include "dlsi.h"
+#include "sparse_lu.h"
+#include "vi_internal.h"
+
+enum { patience = 12, memory = 5, halvings = 6 };
+enum { dense_limit = 250 }; /* of 50, 150, 250, 400 the fastest on FCLIB files by blocks */
+
+static const double least_eps = 1e-8; /* that cures a singular matrix */
+static const double most_floor = 1e-6;
+static const double least_beta = 1e-10; /* R / |tau|: l stays finite where R vanishes */
+
+/* (N1) of a candidate */
+typedef struct branch {
+  dls_contact_state state;
+  int first, count; /* its unknowns */
+  double t[2], p[2];
+  double l;
+} branch;
+
+struct dls_newton {
+  dls_newton_settings settings;
+  int d, nc;
+  dls_nlgs *nlgs;       /* NULL without sweeps */
+  double *w;            /* nc      weights of the certificate */
+  branch *branch;       /* nc      */
+  double *r, *u, *best; /* m       the iterate, W r + q, the best one */
+  double *next, *unext; /* m       r0, then r0 + dr; u of it */
+  double *a, *F;        /* m       */
+  double *x;            /* m       right side and solution of (N2) */
+  double *y;            /* m       a column */
+  int *pivot;           /* m       */
+  double *J;            /* min(m, dense_limit)^2  */
+  double *large;        /* m^2 of the largest dense W met beyond that, or NULL */
+  size_t large_room;
+  dlsi_sparse_lu *lu; /* NULL if never needed, or without MUMPS */
+  int *p, *i;         /* the sparse matrix: m + 1 and room */
+  double *v;
+  size_t room;
+};
+
+void dls_newton_settings_init(dls_newton_settings *settings) {
+  if (!settings) return;
+  const dls_newton_settings s = {.size = sizeof s,
+                                 .tol = 1e-8,
+                                 .max_iterations = 30,
+                                 .sweeps = 20,
+                                 .line_search = 0,
+                                 .regularization = 1e-6,
+                                 .warm_start = 0,
+                                 .progress = NULL,
+                                 .progress_data = NULL};
+  *settings = s;
+}
+
+static dls_status check_settings(const char *function, const dls_newton_settings *s,
+                                 dls_error *error) {
+  if (!s) return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings", -1, 0, "is NULL");
+  if (s->size != sizeof *s)
+    return dlsi_fail(error, DLS_E_SETTINGS, function, "settings", -1, (double)s->size,
+                     "not filled by dls_newton_settings_init");
+  if (!(s->tol >= 0 && s->tol <= DBL_MAX))
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "tol", -1, s->tol, "must be >= 0, finite");
+  if (s->max_iterations < 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "max_iterations", -1, s->max_iterations,
+                     "is %d, must be at least 1", s->max_iterations);
+  if (s->sweeps < 0)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "sweeps", -1, s->sweeps,
+                     "is %d, must not be negative", s->sweeps);
+  if (s->line_search != 0 && s->line_search != 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "line_search", -1, s->line_search,
+                     "must be 0 or 1");
+  if (!(s->regularization >= 0 && s->regularization < 1))
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "regularization", -1, s->regularization,
+                     "is %g, must be inside [0, 1)", s->regularization);
+  if (s->warm_start != 0 && s->warm_start != 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "warm_start", -1, s->warm_start,
+                     "must be 0 or 1");
+  return DLS_OK;
+}
+
+/* the workspace and its arrays, in one piece */
+static dls_newton *carve(dlsi_arena *arena, int d, int nc) {
+  const size_t n = (size_t)nc, m = (size_t)d * n, k = m < dense_limit ? m : dense_limit;
+  const size_t D = sizeof(double);
+  dls_newton *s = dlsi_take(arena, 1, sizeof *s);
+  dls_newton filled = {.d = d, .nc = nc};
+  filled.w = dlsi_take(arena, n, D);
+  filled.branch = dlsi_take(arena, n, sizeof *filled.branch);
+  double **const vectors[] = {&filled.r, &filled.u, &filled.best, &filled.next, &filled.unext,
+                              &filled.a, &filled.F, &filled.x,    &filled.y};
+  for (size_t e = 0; e < sizeof vectors / sizeof vectors[0]; e++)
+    *vectors[e] = dlsi_take(arena, m, D);
+  filled.pivot = dlsi_take(arena, m, sizeof *filled.pivot);
+  filled.p = dlsi_take(arena, m + 1, sizeof *filled.p);
+  filled.J = dlsi_take(arena, k, k * D);
+  if (arena->failed || !arena->base) return NULL;
+  *s = filled;
+  return s;
+}
+
+/* the Gauss-Seidel part, and MUMPS where problems can be so large */
+static dls_status create_parts(const char *function, dls_newton *work, dls_error *error) {
+  const dls_newton_settings *settings = &work->settings;
+  if (settings->sweeps) {
+    dls_nlgs_settings s;
+    dls_nlgs_settings_init(&s);
+    s.tol = settings->tol;
+    s.max_iterations = settings->sweeps;
+    s.warm_start = 1;
+    s.progress = settings->progress;
+    s.progress_data = settings->progress_data;
+    if (dls_nlgs_create(&work->nlgs, work->d, work->nc, &s, NULL))
+      return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
+  }
+  if (work->d * work->nc <= dense_limit) return DLS_OK;
+  dls_error why;
+  const dls_status status = dlsi_sparse_lu_create(function, &work->lu, &why);
+  if (!status || status == DLS_E_UNSUPPORTED) return DLS_OK; /* W may be dense */
+  if (error) *error = why;
+  return status;
+}
+
+dls_status dls_newton_create(dls_newton **out, int d, int nc, const dls_newton_settings *settings,
+                             dls_error *error) {
+  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "out", -1, 0, "is NULL");
+  *out = NULL;
+  if (d != 2 && d != 3)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "d", -1, d, "is %d, must be 2 or 3", d);
+  if (nc < 1 || nc > INT32_MAX / d)
+    return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "is %d", nc);
+  dls_status status = check_settings(__func__, settings, error);
+  if (status) return status;
+
+  dlsi_arena arena = {0};
+  (void)carve(&arena, d, nc);
+  if (arena.failed) return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "is too large");
+  arena.size = arena.used;
+  arena.used = 0;
+  arena.base = dlsi_alloc(1, arena.size);
+  if (!arena.base) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  dls_newton *work = carve(&arena, d, nc);
+  work->settings = *settings;
+  status = create_parts(__func__, work, error);
+  if (status) {
+    dls_newton_destroy(work);
+    return status;
+  }
+  *out = work;
+  return DLS_OK;
+}
+
+void dls_newton_destroy(dls_newton *workspace) {
+  if (!workspace) return;
+  dls_nlgs_destroy(workspace->nlgs);
+  dlsi_sparse_lu_destroy(workspace->lu);
+  free(workspace->large);
+  free(workspace->i);
+  free(workspace->v);
+  free(workspace); /* first in its one piece */
+}
+
+/* ---- the matrix of a step -------------------------------------------------------------------- */
+
+/* Room for the matrix of a large problem; what is not known in create. */
+static dls_status make_room(const char *function, dls_newton *work, const dls_contact *problem,
+                            dls_error *error) {
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  if (m <= dense_limit) return DLS_OK;
+  if (problem->W.a) {
+    if (m <= work->large_room) return DLS_OK;
+    free(work->large);
+    work->large = m > SIZE_MAX / m ? NULL : dlsi_alloc(m * m, sizeof *work->large);
+    work->large_room = work->large ? m : 0;
+    if (work->large) return DLS_OK;
+    return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
+  }
+  if (!work->lu)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "problem", -1, problem->nc,
+                     "W by blocks has more than %d unknowns, and this build has no MUMPS",
+                     dense_limit);
+  const size_t entries = d * d * (size_t)problem->Wb.p[problem->nc] + m;
+  if (entries > INT_MAX)
+    return dlsi_fail(error, DLS_E_SIZE, function, "Wb", -1, problem->nc, "has too many blocks");
+  if (entries > work->room) {
+    free(work->i);
+    free(work->v);
+    work->i = dlsi_alloc(entries, sizeof *work->i);
+    work->v = dlsi_alloc(entries, sizeof *work->v);
+    work->room = work->i && work->v ? entries : 0;
+    if (!work->room) return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
+  }
+  return dlsi_sparse_lu_reserve(function, work->lu, entries, error);
+}
+
+/* direction of unknown j of a candidate */
+static void direction(const branch *b, double mu, int j, double *e) {
+  e[0] = e[1] = e[2] = 0;
+  if (b->state == DLS_STICK)
+    e[j] = 1;
+  else if (j == 0) {
+    e[0] = 1;
+    e[1] = mu * b->t[0];
+    e[2] = mu * b->t[1];
+  } else {
+    e[1] = b->p[0];
+    e[2] = b->p[1];
+  }
+}
+
+/* row i of a candidate times v (3) */
+static double row(const branch *b, int i, const double *v) {
+  if (b->state == DLS_STICK) return v[i];
+  return i == 0 ? v[0] : b->p[0] * v[1] + b->p[1] * v[2];
+}
+
+static double extra_diagonal(const branch *b, int j, double w, double eps) {
+  return eps * w + (b->state == DLS_SLIP && j == 1 ? b->l : 0);
+}
+
+/* (N2), k x k in J */
+static void build_dense(dls_newton *work, const dls_contact *problem, double eps, int k,
+                        double *J) {
+  const int d = problem->d, nc = problem->nc;
+  for (int b = 0; b < nc; b++)
+    for (int j = 0; j < work->branch[b].count; j++) {
+      const int col = work->branch[b].first + j;
+      double e[3], *column = J + (size_t)col * (size_t)k;
+      direction(&work->branch[b], problem->mu[b], j, e);
+      memset(work->y, 0, (size_t)d * (size_t)nc * sizeof *work->y);
+      dlsi_contact_add_columns(problem, b, e, work->y);
+      for (int a = 0; a < nc; a++) {
+        const branch *row_of = &work->branch[a];
+        double v[3] = {0};
+        memcpy(v, work->y + (size_t)d * (size_t)a, (size_t)d * sizeof *v);
+        for (int i = 0; i < row_of->count; i++)
+          column[row_of->first + i] = row(row_of, i, v);
+      }
+      column[col] += extra_diagonal(&work->branch[b], j, work->w[b], eps);
+    }
+}
+
+/* (N2) in compressed columns */
+static dls_sparse build_sparse(dls_newton *work, const dls_contact *problem, double eps, int k) {
+  const int d = problem->d;
+  const dls_blocks *W = &problem->Wb;
+  int entries = 0;
+  for (int b = 0; b < problem->nc; b++)
+    for (int j = 0; j < work->branch[b].count; j++) {
+      const int col = work->branch[b].first + j;
+      double e[3];
+      direction(&work->branch[b], problem->mu[b], j, e);
+      work->p[col] = entries;
+      work->i[entries] = col;
+      work->v[entries++] = extra_diagonal(&work->branch[b], j, work->w[b], eps);
+      for (int s = W->p[b]; s < W->p[b + 1]; s++) {
+        const branch *row_of = &work->branch[W->i[s]];
+        if (!row_of->count) continue;
+        const double *x = W->x + (size_t)(d * d) * (size_t)s;
+        double v[3] = {0};
+        for (int c = 0; c < d; c++)
+          for (int i = 0; i < d; i++)
+            v[i] += x[i + d * c] * e[c];
+        for (int i = 0; i < row_of->count; i++) {
+          work->i[entries] = row_of->first + i;
+          work->v[entries++] = row(row_of, i, v);
+        }
+      }
+    }
+  work->p[k] = entries;
+  const dls_sparse A = {k, k, work->p, work->i, work->v};
+  return A;
+}
+
+/* x := the solution of (N2) with right side x; DLS_E_SINGULAR, DLS_E_MEMORY */
+static dls_status solve_step(const char *function, dls_newton *work, const dls_contact *problem,
+                             double eps, int k, dls_error *error) {
+  if (k == 0) return DLS_OK;
+  if (problem->W.a || k <= dense_limit) {
+    double *J = k <= dense_limit ? work->J : work->large;
+    const int one = 1;
+    int info;
+    build_dense(work, problem, eps, k, J);
+    dgetrf_(&k, &k, J, &k, work->pivot, &info);
+    if (info) return DLS_E_SINGULAR;
+    dgetrs_("N", &k, &one, J, &k, work->pivot, work->x, &k, &info, 1);
+    return DLS_OK;
+  }
+  const dls_sparse A = build_sparse(work, problem, eps, k);
+  const dls_status status = dlsi_sparse_lu_factor(function, work->lu, &A, error);
+  return status ? status : dlsi_sparse_lu_solve(function, work->lu, work->x, error);
+}
+
+/* ---- the iteration --------------------------------------------------------------------------- */
+
+/* (N1) for one candidate; r := r0 */
+static branch branch_of(int d, double mu, double w, const double *u, double *r) {
+  branch b = {.state = DLS_FREE};
+  const double x = w * r[0] - u[0];
+  if (!(x > 0)) {
+    memset(r, 0, (size_t)d * sizeof *r);
+    return b;
+  }
+  const double R = mu * x, tau[2] = {w * r[1] - u[1], d == 3 ? w * r[2] - u[2] : 0};
+  const double size = hypot(tau[0], tau[1]);
+  if (mu > 0 && size <= R) {
+    b.state = DLS_STICK;
+    b.count = d;
+    return b;
+  }
+  b.state = DLS_SLIP;
+  b.count = 1;
+  if (!(mu > 0)) {
+    memset(r + 1, 0, (size_t)(d - 1) * sizeof *r);
+    return b;
+  }
+  const double beta = R > least_beta * size ? R / size : least_beta;
+  b.count = d - 1;
+  b.t[0] = tau[0] / size;
+  b.t[1] = tau[1] / size;
+  b.p[0] = -b.t[1];
+  b.p[1] = b.t[0];
+  b.l = w * ((1 - beta) / beta);
+  const double along = b.t[0] * r[1] + (d == 3 ? b.t[1] * r[2] : 0);
+  const double k = (mu * u[0] + R) / w - along;
+  for (int i = 1; i < d; i++)
+    r[i] += k * b.t[i - 1];
+  return b;
+}
+
+/* (N1) for all: next := r0, x := right side; returns how many unknowns there are */
+static int linearise(dls_newton *work, const dls_contact *problem) {
+  const int d = problem->d;
+  const size_t m = (size_t)d * (size_t)problem->nc;
+  int k = 0;
+  memcpy(work->next, work->r, m * sizeof *work->r);
+  for (int c = 0; c < problem->nc; c++) {
+    const size_t o = (size_t)d * (size_t)c;
+    branch *b = &work->branch[c];
+    *b = branch_of(d, problem->mu[c], work->w[c], work->u + o, work->next + o);
+    b->first = k;
+    k += b->count;
+  }
+  dlsi_contact_multiply(problem, work->next, work->unext, NULL);
+  for (int c = 0; c < problem->nc; c++) {
+    const size_t o = (size_t)d * (size_t)c;
+    const branch *b = &work->branch[c];
+    double v[3] = {0}, s[3] = {0};
+    memcpy(v, work->unext + o, (size_t)d * sizeof *v);
+    memcpy(s, work->next + o, (size_t)d * sizeof *s);
+    for (int i = 0; i < b->count; i++)
+      work->x[b->first + i] =
+          -row(b, i, v) - (b->state == DLS_SLIP && i == 1 ? b->l * row(b, i, s) : 0);
+  }
+  return k;
+}
+
+/* (N3) next := r0 + dr */
+static void add_step(dls_newton *work, const dls_contact *problem) {
+  const int d = problem->d;
+  for (int c = 0; c < problem->nc; c++) {
+    const branch *b = &work->branch[c];
+    double *r = work->next + (size_t)d * (size_t)c, e[3];
+    for (int j = 0; j < b->count; j++) {
+      const double x = work->x[b->first + j];
+      direction(b, problem->mu[c], j, e);
+      r[0] += x * e[0];
+      r[1] += x * e[1];
+      if (d == 3) r[2] += x * e[2];
+    }
+  }
+}
+
+/* |AC| of r and u = W r + q */
+static double merit(dls_newton *work, const dls_contact *problem, const double *r,
+                    const double *u) {
+  const int d = problem->d;
+  for (int c = 0; c < problem->nc; c++) {
+    const size_t o = (size_t)d * (size_t)c;
+    const double w = work->w[c], x = w * r[o] - u[o], R = x > 0 ? problem->mu[c] * x : 0;
+    double tau[2] = {0};
+    for (int i = 1; i < d; i++)
+      tau[i - 1] = w * r[o + (size_t)i] - u[o + (size_t)i];
+    const double size = hypot(tau[0], tau[1]), beta = size > R ? R / size : 1;
+    work->F[o] = x > 0 ? u[o] : w * r[o];
+    for (int i = 1; i < d; i++)
+      work->F[o + (size_t)i] = w * r[o + (size_t)i] - beta * tau[i - 1];
+  }
+  return dlsi_norm2(work->F, (size_t)d * (size_t)problem->nc);
+}
+
+/* (N4) next := r + s (next - r); last: the |AC| of the last iterates, this one's being added */
+static void search(dls_newton *work, const dls_contact *problem, int step, double *last) {
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  double bound = last[0];
+  for (int k = 1; k < memory; k++)
+    if (last[k] > bound) bound = last[k];
+  dlsi_contact_multiply(problem, work->next, work->unext, NULL);
+  double now = merit(work, problem, work->next, work->unext);
+  for (int k = 0; k < halvings && !(now < bound); k++) {
+    for (size_t i = 0; i < m; i++) {
+      work->next[i] = 0.5 * (work->r[i] + work->next[i]);
+      work->unext[i] = 0.5 * (work->u[i] + work->unext[i]);
+    }
+    now = merit(work, problem, work->next, work->unext);
+  }
+  last[step % memory] = now;
+}
+
+static dls_certificate measure(const dls_newton *work, const dls_contact *problem) {
+  dls_certificate certificate;
+  dlsi_contact_multiply(problem, work->r, work->u, work->a);
+  dlsi_contact_measure(problem, work->r, work->u, work->a, work->w, work->F, &certificate);
+  return certificate;
+}
+
+/* Where there is no solution and W is singular, r can run away until W r + q is all rounding, and
+ * then even 4 floor is no bar any more. Such an r is no answer. */
+static int solved(const dls_newton *work, const dls_certificate *now) {
+  return now->floor <= most_floor && dls_certificate_holds(now, work->settings.tol);
+}
+
+/* Keeps work->r with its certificate if it is better than the best so far. */
+static void keep_best(const dls_newton *work, size_t m, const dls_certificate *now,
+                      dls_certificate *best) {
+  if (!(now->residual < best->residual) && best->residual <= DBL_MAX) return;
+  if (!(now->floor <= most_floor)) return;
+  *best = *now;
+  memcpy(work->best, work->r, m * sizeof *work->r);
+}
+
+/* Steps from work->r, to which work->u and `now` belong, until the certificate holds or there is a
+ * reason to stop, which is returned. *steps: done. */
+static dls_status iterate(const char *function, dls_newton *work, const dls_contact *problem,
+                          dls_certificate now, dls_certificate *best, int *steps,
+                          dls_error *error) {
+  const dls_newton_settings *settings = &work->settings;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  double eps = settings->regularization, halved = now.residual, last[memory] = {0};
+  if (settings->line_search) last[0] = merit(work, problem, work->r, work->u);
+  for (int k = 1, since = 0; k <= settings->max_iterations; k++) {
+    const int unknowns = linearise(work, problem); /* (N1) */
+    dls_error why = {0};
+    dls_status status;
+    while ((status = solve_step(function, work, problem, eps, unknowns, &why)) == DLS_E_SINGULAR) {
+      eps = eps > least_eps ? 100 * eps : least_eps;
+      if (!(eps < 1)) return DLS_STALLED;
+      linearise(work, problem); /* x is spent */
+    }
+    if (status) {
+      if (error) *error = why;
+      return status;
+    }
+    add_step(work, problem); /* (N3) */
+    if (settings->line_search) search(work, problem, k, last);
+    memcpy(work->r, work->next, m * sizeof *work->r);
+    now = measure(work, problem);
+    *steps = k;
+    keep_best(work, m, &now, best);
+    if (solved(work, &now)) return DLS_OK;
+    const dls_progress progress = {"newton", k, settings->max_iterations, now.residual};
+    if (settings->progress && settings->progress(settings->progress_data, &progress))
+      return DLS_CANCELLED;
+    if (now.residual <= halved / 2) {
+      halved = now.residual;
+      since = k;
+    }
+    if (k - since >= patience || !(now.residual <= DBL_MAX)) return DLS_STALLED;
+  }
+  return DLS_MAX_ITERATIONS;
+}
+
+/* (N0), then steps. work->r: the start; afterwards the best r, to which work->u and *best belong. */
+static dls_status run(const char *function, dls_newton *work, const dls_contact *problem,
+                      dls_certificate *best, int *sweeps, int *steps, dls_error *error) {
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  dls_certificate now = measure(work, problem);
+  *best = now;
+  memcpy(work->best, work->r, m * sizeof *work->r);
+  dls_status status = dls_certificate_holds(&now, work->settings.tol) ? DLS_OK : DLS_STALLED;
+  if (status && work->nlgs) {
+    status = dlsi_nlgs_run(work->nlgs, problem, work->r, &now, sweeps);
+    keep_best(work, m, &now, best);
+    if (status && status != DLS_CANCELLED) now = measure(work, problem);
+  }
+  if (status && status != DLS_CANCELLED)
+    status = iterate(function, work, problem, now, best, steps, error);
+  if (status < 0) return status;
+  memcpy(work->r, work->best, m * sizeof *work->r);
+  dlsi_contact_multiply(problem, work->r, work->u, NULL);
+  return dls_certificate_holds(best, work->settings.tol) ? DLS_OK : status;
+}
+
+dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, double *r, double *u,
+                            dls_info *info, dls_error *error) {
+  if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
+  dls_status status = dlsi_check_contact(__func__, problem, error);
+  if (status) return status;
+  dls_newton *work = workspace;
+  const int d = problem->d, nc = problem->nc;
+  const size_t m = (size_t)d * (size_t)nc;
+  if (d != work->d)
+    return dlsi_fail(error, DLS_E_SIZE, __func__, "problem", -1, d,
+                     "has d = %d, the workspace is for %d", d, work->d);
+  if (nc > work->nc)
+    return dlsi_fail(error, DLS_E_SIZE, __func__, "problem", -1, nc,
+                     "has %d candidates, the workspace is for %d", nc, work->nc);
+  if (!r) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "r", -1, 0, "is NULL");
+  if (work->settings.warm_start) {
+    status = dlsi_check_vector(__func__, "r", r, m, error);
+    if (status) return status;
+  }
+  status = make_room(__func__, work, problem, error);
+  if (status) return status;
+
+  dlsi_contact_weights(problem, work->w);
+  if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
+    memset(work->r, 0, m * sizeof *r);
+  else
+    memcpy(work->r, r, m * sizeof *r);
+  int sweeps = 0, steps = 0;
+  dls_certificate certificate;
+  status = run(__func__, work, problem, &certificate, &sweeps, &steps, error);
+  if (status < 0) return status;
+  memcpy(r, work->r, m * sizeof *r);
+  if (u) memcpy(u, work->u, m * sizeof *u);
+  if (info) {
+    const dls_info outcome = {.status = status,
+                              .method = DLS_NEWTON,
+                              .iterations = steps,
+                              .certificate = certificate,
+                              .sweeps = sweeps};
+    *info = outcome;
+  }
+  return status;
+}
