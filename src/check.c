@@ -96,6 +96,21 @@ dls_status dlsi_check_contact(const char *function, const dls_contact *problem, 
   return DLS_OK;
 }
 
+dls_status dlsi_check_solve(const char *function, int d, int nc, const dls_contact *problem,
+                            const double *r, int warm_start, dls_error *error) {
+  const dls_status status = dlsi_check_contact(function, problem, error);
+  if (status) return status;
+  if (problem->d != d)
+    return dlsi_fail(error, DLS_E_SIZE, function, "problem", -1, problem->d,
+                     "has d = %d, the workspace is for %d", problem->d, d);
+  if (problem->nc > nc)
+    return dlsi_fail(error, DLS_E_SIZE, function, "problem", -1, problem->nc,
+                     "has %d candidates, the workspace is for %d", problem->nc, nc);
+  if (!r) return dlsi_fail(error, DLS_E_ARGUMENT, function, "r", -1, 0, "is NULL");
+  return warm_start ? dlsi_check_vector(function, "r", r, (size_t)d * (size_t)problem->nc, error)
+                    : DLS_OK;
+}
+
 dls_status dls_contact_check(const dls_contact *problem, dls_error *error) {
   return dlsi_check_contact(__func__, problem, error);
 }

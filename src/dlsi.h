@@ -35,6 +35,11 @@ dls_status dlsi_check_dense(const char *function, const char *argument, const dl
 dls_status dlsi_check_sparse(const char *function, const char *argument, const dls_sparse *A,
                              int rows, int cols, dls_error *error);
 dls_status dlsi_check_contact(const char *function, const dls_contact *problem, dls_error *error);
+
+/* What every solver asks: a sound problem of the workspace's d with at most its nc candidates, a
+ * place for r, and with a warm start finite values there. */
+dls_status dlsi_check_solve(const char *function, int d, int nc, const dls_contact *problem,
+                            const double *r, int warm_start, dls_error *error);
 dls_status dlsi_check_model(const char *function, const dls_model *model, dls_error *error);
 
 /* ---- memory ---------------------------------------------------------------------------------- */

@@ -316,8 +316,6 @@ static dls_status solve_by_lemke(dls_solver *solver, const dls_contact *problem,
   dls_certificate best = {.residual = INFINITY};
   dlsi_contact_weights(problem, solver->w);
   if (solver->settings.warm_start) {
-    const dls_status status = dlsi_check_vector("dls_solver_solve", "r", r, m, error);
-    if (status) return status;
     memcpy(solver->r, r, m * sizeof *r);
     offer(solver, problem, &best);
     if (flat) dlsi_friction_start(problem, solver->w, solver->r, solver->u, solver->z);
@@ -354,13 +352,9 @@ static dls_status solve_by_lemke(dls_solver *solver, const dls_contact *problem,
 dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, double *r, double *u,
                             dls_info *info, dls_error *error) {
   if (!solver) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "solver", -1, 0, "is NULL");
-  const dls_status status = dlsi_check_contact(__func__, problem, error);
+  const dls_status status = dlsi_check_solve(__func__, solver->d, solver->nc, problem, r,
+                                             solver->settings.warm_start, error);
   if (status) return status;
-  if (problem->d != solver->d || problem->nc > solver->nc)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "problem", -1, problem->nc,
-                     "has d = %d, nc = %d; the solver was made for d = %d, nc <= %d", problem->d,
-                     problem->nc, solver->d, solver->nc);
-  if (!r) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "r", -1, 0, "is NULL");
   if (solver->settings.method == DLS_LEMKE)
     return solve_by_lemke(solver, problem, r, u, info, error);
   if (solver->augmented) {

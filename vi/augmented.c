@@ -414,26 +414,16 @@ static dls_status iterate(dls_augmented *work, const dls_contact *problem, dls_i
 dls_status dls_augmented_solve(dls_augmented *workspace, const dls_contact *problem, double *r,
                                double *u, dls_info *info, dls_error *error) {
   if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
-  dls_status status = dlsi_check_contact(__func__, problem, error);
-  if (status) return status;
   dls_augmented *work = workspace;
+  dls_status status =
+      dlsi_check_solve(__func__, work->d, work->nc, problem, r, work->settings.warm_start, error);
+  if (status) return status;
   const int d = problem->d, nc = problem->nc;
   const size_t m = (size_t)d * (size_t)nc;
-  if (d != work->d)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "problem", -1, d,
-                     "has d = %d, the workspace is for %d", d, work->d);
-  if (nc > work->nc)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "problem", -1, nc,
-                     "has %d candidates, the workspace is for %d", nc, work->nc);
   if (problem->Wb.x && m > DLS_AUGMENTED_MAX_ROWS)
     return dlsi_fail(error, DLS_E_UNSUPPORTED, __func__, "problem", -1, (double)m,
                      "has W by blocks with %d rows; it is factorised dense, up to %d rows", d * nc,
                      DLS_AUGMENTED_MAX_ROWS);
-  if (!r) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "r", -1, 0, "is NULL");
-  if (work->settings.warm_start) {
-    status = dlsi_check_vector(__func__, "r", r, m, error);
-    if (status) return status;
-  }
 
   prepare(work, problem);
   if (work->settings.warm_start && dlsi_max_abs(problem->q, m) > 0)
