@@ -1,4 +1,5 @@
 /* check.c: the checks of the views, once, O(nnz), naming argument and index. */
+#include <float.h>
 #include <math.h>
 #include <stdint.h>
 
@@ -93,6 +94,19 @@ dls_status dlsi_check_contact(const char *function, const dls_contact *problem, 
   for (int c = 0; c < nc; c++)
     if (problem->mu[c] < 0)
       return dlsi_fail(error, DLS_E_ARGUMENT, function, "mu", c, problem->mu[c], "is negative");
+  return DLS_OK;
+}
+
+dls_status dlsi_check_limits(const char *function, double tol, int max_iterations, int warm_start,
+                             dls_error *error) {
+  if (!(tol >= 0 && tol <= DBL_MAX))
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "tol", -1, tol, "must be >= 0, finite");
+  if (max_iterations < 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "max_iterations", -1, max_iterations,
+                     "is %d, must be at least 1", max_iterations);
+  if (warm_start != 0 && warm_start != 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "warm_start", -1, warm_start,
+                     "must be 0 or 1");
   return DLS_OK;
 }
 

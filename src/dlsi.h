@@ -36,6 +36,11 @@ dls_status dlsi_check_sparse(const char *function, const char *argument, const d
                              int rows, int cols, dls_error *error);
 dls_status dlsi_check_contact(const char *function, const dls_contact *problem, dls_error *error);
 
+/* What the settings of every iterative solver hold: tol >= 0 and finite, max_iterations >= 1,
+ * warm_start 0 or 1. */
+dls_status dlsi_check_limits(const char *function, double tol, int max_iterations, int warm_start,
+                             dls_error *error);
+
 /* What every solver asks: a sound problem of the workspace's d with at most its nc candidates, a
  * place for r, and with a warm start finite values there. */
 dls_status dlsi_check_solve(const char *function, int d, int nc, const dls_contact *problem,

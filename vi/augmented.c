@@ -111,19 +111,14 @@ static dls_status check_settings(const char *function, const dls_augmented_setti
   if (s->size != sizeof *s)
     return dlsi_fail(error, DLS_E_SETTINGS, function, "settings", -1, (double)s->size,
                      "not filled by dls_augmented_settings_init");
-  if (!(s->tol >= 0 && s->tol <= DBL_MAX))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "tol", -1, s->tol, "must be >= 0, finite");
-  if (s->max_iterations < 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "max_iterations", -1, s->max_iterations,
-                     "is %d, must be at least 1", s->max_iterations);
+  const dls_status limits =
+      dlsi_check_limits(function, s->tol, s->max_iterations, s->warm_start, error);
+  if (limits) return limits;
   if (!is_penalty(s->factor))
     return dlsi_fail(error, DLS_E_ARGUMENT, function, "factor", -1, s->factor,
                      "is %g, must be > 0, finite", s->factor);
   if (s->adaptive != 0 && s->adaptive != 1)
     return dlsi_fail(error, DLS_E_ARGUMENT, function, "adaptive", -1, s->adaptive,
-                     "must be 0 or 1");
-  if (s->warm_start != 0 && s->warm_start != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "warm_start", -1, s->warm_start,
                      "must be 0 or 1");
   if (!s->penalty) return DLS_OK;
   const dls_status status = dlsi_check_vector(function, "penalty", s->penalty, (size_t)nc, error);

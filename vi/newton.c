@@ -111,11 +111,9 @@ static dls_status check_settings(const char *function, const dls_newton_settings
   if (s->size != sizeof *s)
     return dlsi_fail(error, DLS_E_SETTINGS, function, "settings", -1, (double)s->size,
                      "not filled by dls_newton_settings_init");
-  if (!(s->tol >= 0 && s->tol <= DBL_MAX))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "tol", -1, s->tol, "must be >= 0, finite");
-  if (s->max_iterations < 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "max_iterations", -1, s->max_iterations,
-                     "is %d, must be at least 1", s->max_iterations);
+  const dls_status limits =
+      dlsi_check_limits(function, s->tol, s->max_iterations, s->warm_start, error);
+  if (limits) return limits;
   if (s->sweeps < 0)
     return dlsi_fail(error, DLS_E_ARGUMENT, function, "sweeps", -1, s->sweeps,
                      "is %d, must not be negative", s->sweeps);
@@ -125,9 +123,6 @@ static dls_status check_settings(const char *function, const dls_newton_settings
   if (!(s->regularization >= 0 && s->regularization < 1))
     return dlsi_fail(error, DLS_E_ARGUMENT, function, "regularization", -1, s->regularization,
                      "is %g, must be inside [0, 1)", s->regularization);
-  if (s->warm_start != 0 && s->warm_start != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "warm_start", -1, s->warm_start,
-                     "must be 0 or 1");
   return DLS_OK;
 }
 

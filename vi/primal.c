@@ -88,19 +88,14 @@ static dls_status check_settings(const char *function, const dls_primal_settings
   if (s->size != sizeof *s)
     return dlsi_fail(error, DLS_E_SETTINGS, function, "settings", -1, (double)s->size,
                      "not filled by dls_primal_settings_init");
-  if (!(s->tol >= 0 && s->tol <= DBL_MAX))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "tol", -1, s->tol, "must be >= 0, finite");
-  if (s->max_iterations < 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "max_iterations", -1, s->max_iterations,
-                     "is %d, must be at least 1", s->max_iterations);
+  const dls_status limits =
+      dlsi_check_limits(function, s->tol, s->max_iterations, s->warm_start, error);
+  if (limits) return limits;
   if (!(s->relaxation > 0 && s->relaxation < 2))
     return dlsi_fail(error, DLS_E_ARGUMENT, function, "relaxation", -1, s->relaxation,
                      "is %g, must be inside (0, 2)", s->relaxation);
   if (s->aitken != 0 && s->aitken != 1)
     return dlsi_fail(error, DLS_E_ARGUMENT, function, "aitken", -1, s->aitken, "must be 0 or 1");
-  if (s->warm_start != 0 && s->warm_start != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "warm_start", -1, s->warm_start,
-                     "must be 0 or 1");
   return DLS_OK;
 }
 

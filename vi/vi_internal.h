@@ -35,6 +35,7 @@ void dlsi_frames_forces(const dlsi_frames *frames, const double *f, double *loca
 void dlsi_frames_unknowns(const dlsi_frames *frames, const double *local, double *x);
 /* x' := T^-1 x: u - g at the contact nodes, also in place. */
 void dlsi_frames_positions(const dlsi_frames *frames, const double *x, double *local);
+
 /* The history of a fixed-point iteration under Anderson acceleration (anderson.c). */
 typedef struct dlsi_anderson {
   int window;
@@ -52,6 +53,7 @@ void dlsi_anderson_clear(dlsi_anderson *a);
 /* Takes g = g(x), the weighted residual f = D (g - x) and u = u(g), m each, in; g and u become the
  * next x and u(x). 0 if the history does not say anything yet: they stay. m: the same since clear. */
 int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, double *u);
+
 /* dls_nlgs_solve of what has been checked already: r, its certificate, the sweeps done. */
 dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, double *r,
                          dls_certificate *certificate, int *iterations);

@@ -490,8 +490,8 @@ int command_scene(int argc, char **argv) {
     usage(stderr);
     return EXIT_BAD_INPUT;
   }
-  if (o.solver.acceleration && o.solver.method != DLS_NLGS) return complain("--accel: is for nlgs");
-  if (o.primal && o.solver.acceleration) return complain("--accel: is for nlgs");
+  if (o.solver.acceleration && (o.primal || o.solver.method != DLS_NLGS))
+    return complain("--accel: is for nlgs");
   o.name = argv[optind];
   watch_interrupt();
   return run_scene(&o);
