@@ -104,29 +104,6 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
                           const double *a, const double *w, double *F,
                           dls_certificate *certificate);
 
-/* ---- Newton's method, vi/polish.c ------------------------------------------------------------ */
-
-/* The derivative of a candidate's projection, (N1). */
-typedef struct dlsi_slope {
-  dls_contact_state state;
-  double t[2];   /* direction of slip */
-  double shrink; /* R / |v_t| */
-} dlsi_slope;
-
-/* Memory of the caller, who may use it for something else in between; m = d nc. */
-typedef struct dlsi_polish_work {
-  double *J;                /* m x m */
-  double *u, *a, *x, *best; /* m each */
-  int *pivot;               /* m */
-  dlsi_slope *slope;        /* nc */
-} dlsi_polish_work;
-
-/* Newton's method from r (m), finite, until the certificate holds or there is no further progress;
- * r := the one with the smallest residual met, r itself included. w: weights of the certificate.
- * Returns the number of steps. */
-int dlsi_polish(const dls_contact *problem, double tol, const double *w,
-                const dlsi_polish_work *work, double *r);
-
 /* ---- lcp/friction.c ---------------------------------------------------------------------------- */
 
 /* z (dls_contact_lcp_size) := 1 where the 3-row form's unknown is positive by the states of (u, r), 0

@@ -11,9 +11,11 @@ void *__wrap_calloc(size_t count, size_t size);
 void *__wrap_realloc(void *old, size_t size);
 
 static long calls, fail_at;
+static size_t bytes;
 
 void malloc_fails_at(long k) {
   calls = 0;
+  bytes = 0;
   fail_at = k;
 }
 
@@ -21,18 +23,23 @@ long malloc_calls(void) {
   return calls;
 }
 
-static int fails(void) {
+size_t malloc_bytes(void) {
+  return bytes;
+}
+
+static int fails(size_t size) {
+  bytes += size;
   return ++calls == fail_at;
 }
 
 void *__wrap_malloc(size_t size) {
-  return fails() ? NULL : __real_malloc(size);
+  return fails(size) ? NULL : __real_malloc(size);
 }
 
 void *__wrap_calloc(size_t count, size_t size) {
-  return fails() ? NULL : __real_calloc(count, size);
+  return fails(count * size) ? NULL : __real_calloc(count, size);
 }
 
 void *__wrap_realloc(void *old, size_t size) {
-  return fails() ? NULL : __real_realloc(old, size);
+  return fails(size) ? NULL : __real_realloc(old, size);
 }

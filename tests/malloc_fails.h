@@ -6,10 +6,13 @@
 #ifndef MALLOC_FAILS_H
 #define MALLOC_FAILS_H
 
+#include <stddef.h>
+
 /* The k-th allocation from now on (k = 1, 2, ...) and no other fails; k = 0: none. */
 void malloc_fails_at(long k);
 
-/* Allocations since the last malloc_fails_at. */
+/* Allocations since the last malloc_fails_at, and the bytes they asked for. */
 long malloc_calls(void);
+size_t malloc_bytes(void);
 
 #endif

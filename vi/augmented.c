@@ -21,7 +21,8 @@
  * method, D = diag(w_c). E > 0 makes a singular W regular and calms cycles. One augmentation:
  *
  *   (A1)  A = W + s E,   b = q - s E lambda
- *   (A2)  x = the solution of v = A x + b: up to 20 Gauss-Seidel sweeps from lambda, then Newton
+ *   (A2)  x = the solution of v = A x + b: newton.c from lambda, that is up to 20 sweeps of
+ *         Gauss-Seidel, then Newton steps
  *   (A3)  lambda := x  if (A2) succeeded, or if x has half the residual of lambda, W and q given
  *   (A4)  s := 0.2 s   as long as (A2) has never failed, then 0.8 s, after each failure 2 s;
  *         1e-7 <= s <= 1e3, from s = 1; only if adaptive
@@ -46,7 +47,7 @@
  * conditioning. eps_T = eps_N = eps_c: w_c is the mean over both directions. The schedule (A4): of
  * eps the paper says that it needs precautions; too small an s fails in (A2), too large a one crawls.
  *
- * Cost of an augmentation: up to 20 sweeps, and an LU of m x m for each Newton step, 0 to 30.
+ * Cost of an augmentation: up to 20 sweeps, and 0 to 30 Newton steps, an LU of the unknowns each.
  * What can fail: (A2), for every s, where friction makes even W + s E cycle, or W is indefinite.
  * Nothing guarantees that the augmentations converge with friction; without, and with W positive
  * semidefinite, they do.
@@ -69,21 +70,18 @@ struct dls_augmented {
   dls_augmented_settings settings;
   int d, nc;
   int escaped;     /* direction holds one that (A5) accepted */
-  int expanded;    /* A holds W */
   double *penalty; /* nc      eps_c as given, if settings.penalty */
   double *w;       /* nc      weights of the certificate */
   double *E;       /* nc      1 / eps_c at s = 1 */
-  double *block;   /* d d nc  the W_cc */
-  double *A;       /* m m     (A1) */
+  double *sE;      /* nc      (A1) */
   double *b;       /* m       (A1) */
   double *lambda;  /* m */
   double *x;       /* m */
   double *best;    /* m       the x with the smallest residual so far */
   double *delta;   /* m       x - lambda */
   double *direction;
-  double *u, *v; /* m each  W x + q, A x + b */
-  double *a, *F; /* m each */
-  dlsi_polish_work newton;
+  double *u, *a, *F;  /* m each */
+  dls_newton *newton; /* (A2) */
 };
 
 void dls_augmented_settings_init(dls_augmented_settings *settings) {
@@ -96,7 +94,8 @@ void dls_augmented_settings_init(dls_augmented_settings *settings) {
                                     .adaptive = 1,
                                     .warm_start = 0,
                                     .progress = NULL,
-                                    .progress_data = NULL};
+                                    .progress_data = NULL,
+                                    .blocks = 0};
   *settings = s;
 }
 
@@ -120,6 +119,9 @@ static dls_status check_settings(const char *function, const dls_augmented_setti
   if (s->adaptive != 0 && s->adaptive != 1)
     return dlsi_fail(error, DLS_E_ARGUMENT, function, "adaptive", -1, s->adaptive,
                      "must be 0 or 1");
+  if (s->blocks < 0)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "blocks", -1, s->blocks,
+                     "is %d, must not be negative", s->blocks);
   if (!s->penalty) return DLS_OK;
   const dls_status status = dlsi_check_vector(function, "penalty", s->penalty, (size_t)nc, error);
   if (status) return status;
@@ -135,32 +137,28 @@ static dls_augmented *carve(dlsi_arena *arena, int d, int nc) {
   const size_t D = sizeof(double), n = (size_t)nc, m = (size_t)d * n;
   dls_augmented *s = dlsi_take(arena, 1, sizeof *s);
   dls_augmented filled = {.d = d, .nc = nc};
-  filled.penalty = dlsi_take(arena, n, D);
-  filled.w = dlsi_take(arena, n, D);
-  filled.E = dlsi_take(arena, n, D);
-  filled.A = dlsi_take(arena, m, m * D); /* m < 2^31: no overflow in m D */
-  filled.b = dlsi_take(arena, m, D);
-  filled.block = dlsi_take(arena, (size_t)d * m, D);
-  filled.lambda = dlsi_take(arena, m, D);
-  filled.x = dlsi_take(arena, m, D);
-  filled.best = dlsi_take(arena, m, D);
-  filled.delta = dlsi_take(arena, m, D);
-  filled.direction = dlsi_take(arena, m, D);
-  filled.u = dlsi_take(arena, m, D);
-  filled.v = dlsi_take(arena, m, D);
-  filled.a = dlsi_take(arena, m, D);
-  filled.F = dlsi_take(arena, m, D);
-  dlsi_polish_work *newton = &filled.newton;
-  newton->J = dlsi_take(arena, m, m * D);
-  newton->u = dlsi_take(arena, m, D);
-  newton->a = dlsi_take(arena, m, D);
-  newton->x = dlsi_take(arena, m, D);
-  newton->best = dlsi_take(arena, m, D);
-  newton->pivot = dlsi_take(arena, m, sizeof *newton->pivot);
-  newton->slope = dlsi_take(arena, n, sizeof *newton->slope);
+  double **const per_candidate[] = {&filled.penalty, &filled.w, &filled.E, &filled.sE};
+  for (size_t e = 0; e < sizeof per_candidate / sizeof per_candidate[0]; e++)
+    *per_candidate[e] = dlsi_take(arena, n, D);
+  double **const vectors[] = {&filled.b,    &filled.lambda, &filled.x,
+                              &filled.best, &filled.delta,  &filled.direction,
+                              &filled.u,    &filled.a,      &filled.F};
+  for (size_t e = 0; e < sizeof vectors / sizeof vectors[0]; e++)
+    *vectors[e] = dlsi_take(arena, m, D);
   if (arena->failed || !arena->base) return NULL;
   *s = filled;
   return s;
+}
+
+/* 20 sweeps and Newton steps, from the r given */
+static dls_status create_newton(const char *function, dls_newton **out, int d, int nc, int blocks,
+                                dls_error *error) {
+  dls_newton_settings s;
+  dls_newton_settings_init(&s);
+  s.sweeps = sweeps;
+  s.warm_start = 1;
+  s.blocks = blocks;
+  return dlsi_newton_create(function, out, d, nc, &s, error);
 }
 
 dls_status dls_augmented_create(dls_augmented **out, int d, int nc,
@@ -171,27 +169,35 @@ dls_status dls_augmented_create(dls_augmented **out, int d, int nc,
     return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "d", -1, d, "is %d, must be 2 or 3", d);
   if (nc < 1 || nc > INT32_MAX / d)
     return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "is %d", nc);
-  const dls_status status = check_settings(__func__, settings, nc, error);
+  dls_status status = check_settings(__func__, settings, nc, error);
   if (status) return status;
 
+  dls_newton *newton;
+  status = create_newton(__func__, &newton, d, nc, settings->blocks, error);
+  if (status) return status;
   dlsi_arena arena = {0};
-  (void)carve(&arena, d, nc);
-  if (arena.failed) return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "is too large");
+  (void)carve(&arena, d, nc); /* smaller than what Newton has got: no overflow */
   arena.size = arena.used;
   arena.used = 0;
   arena.base = dlsi_alloc(1, arena.size);
-  if (!arena.base) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  if (!arena.base) {
+    dls_newton_destroy(newton);
+    return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  }
   dls_augmented *work = carve(&arena, d, nc);
   work->settings = *settings;
   if (settings->penalty) {
     memcpy(work->penalty, settings->penalty, (size_t)nc * sizeof *work->penalty);
     work->settings.penalty = work->penalty;
   }
+  work->newton = newton;
   *out = work;
   return DLS_OK;
 }
 
 void dls_augmented_destroy(dls_augmented *workspace) {
+  if (!workspace) return;
+  dls_newton_destroy(workspace->newton);
   free(workspace); /* first in its one piece */
 }
 
@@ -202,117 +208,38 @@ const double *dls_augmented_direction(const dls_augmented *workspace) {
 /* ---- one augmentation ------------------------------------------------------------------------ */
 
 static void prepare(dls_augmented *work, const dls_contact *problem) {
-  const int d = problem->d;
   const dls_augmented_settings *s = &work->settings;
-  work->escaped = work->expanded = 0;
+  work->escaped = 0;
   dlsi_contact_weights(problem, work->w);
-  for (int c = 0; c < problem->nc; c++) {
+  for (int c = 0; c < problem->nc; c++)
     work->E[c] = s->penalty ? 1 / s->penalty[c] : work->w[c] / s->factor;
-    dlsi_contact_diagonal(problem, c, work->block + (size_t)(d * d) * (size_t)c);
-  }
 }
 
-/* (A1), b alone; the problem that (A2) solves, its W = work->A for Newton's method only */
-static dls_contact regularise(const dls_augmented *work, const dls_contact *problem, double s) {
+/* (A1), (A2): x from lambda; DLS_OK if its residual is <= target in units of |q|, q the user's. *now:
+ * the certificate of x for the problem as given. */
+static dls_status solve_regularised(dls_augmented *work, const dls_contact *problem, double s,
+                                    double target, dls_certificate *now, int *factorisations,
+                                    dls_error *error) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  const int order = (int)m;
+  for (size_t c = 0; c < m / d; c++)
+    work->sE[c] = s * work->E[c];
   for (size_t k = 0; k < m; k++)
-    work->b[k] = problem->q[k] - s * work->E[k / d] * work->lambda[k];
-  return (dls_contact){.d = problem->d,
-                       .nc = problem->nc,
-                       .W = {order, order, order, work->A},
-                       .q = work->b,
-                       .mu = problem->mu};
-}
-
-/* (A1), A = W + s E: W is spread out once in a solve, and only if it comes to Newton's method */
-static void expand(dls_augmented *work, const dls_contact *problem, double s) {
-  const size_t d = (size_t)problem->d, nc = (size_t)problem->nc, m = d * nc;
-  if (!work->expanded) memset(work->A, 0, m * m * sizeof *work->A);
-  for (size_t c = 0; c < nc; c++)
-    for (size_t i = 0; i < d; i++) {
-      const size_t k = d * c + i;
-      double unit[3] = {0};
-      unit[i] = 1;
-      if (!work->expanded) dlsi_contact_add_columns(problem, (int)c, unit, work->A + k * m);
-      work->A[k + k * m] = work->block[d * k + i] + s * work->E[c];
-    }
-  work->expanded = 1;
-}
-
-/* u := W x + q, v := A x + b, and the certificates of x for both, both in the weights of W */
-static void measure(const dls_augmented *work, const dls_contact *problem,
-                    const dls_contact *regularised, double s, dls_certificate *given,
-                    dls_certificate *shifted) {
-  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  dlsi_contact_multiply(problem, work->x, work->u, work->a);
-  dlsi_contact_measure(problem, work->x, work->u, work->a, work->w, work->F, given);
-  for (size_t k = 0; k < m; k++) {
-    const double e = s * work->E[k / d];
-    work->v[k] = work->u[k] + e * (work->x[k] - work->lambda[k]);
-    work->a[k] += e * fabs(work->x[k]);
-  }
-  dlsi_contact_measure(regularised, work->x, work->v, work->a, work->w, work->F, shifted);
-}
-
-/* One Gauss-Seidel sweep on x, v = A x + b kept up to date; returns scale |F| of the regularised
- * problem, F_c as it was when the turn came to c. */
-static double sweep(const dls_augmented *work, const dls_contact *problem, double s, double scale) {
-  const size_t d = (size_t)problem->d;
-  double sum = 0;
-  for (int c = 0; c < problem->nc; c++) {
-    double *xc = work->x + d * (size_t)c, *vc = work->v + d * (size_t)c;
-    const double *W = work->block + d * d * (size_t)c, mu = problem->mu[c], e = s * work->E[c];
-    double A[9], p[3], y[3], F[3];
-    (void)dlsi_contact_residual((int)d, mu, work->w[c], xc, vc, F);
-    for (size_t i = 0; i < d; i++)
-      sum += (F[i] * scale) * (F[i] * scale);
-    for (size_t i = 0; i < d; i++) {
-      p[i] = vc[i];
-      for (size_t j = 0; j < d; j++) {
-        A[i + d * j] = W[i + d * j] + (i == j ? e : 0);
-        p[i] -= A[i + d * j] * xc[j];
-      }
-    }
-    if (d == 2)
-      (void)dlsi_local_2d(A, p, mu, y);
-    else {
-      const double xt = hypot(xc[1], xc[2]); /* v_t = -l x_t */
-      (void)dlsi_local_3d(A, p, mu, xt > 0 ? hypot(vc[1], vc[2]) / xt : 0, y);
-    }
-    int changed = 0;
-    for (size_t i = 0; i < d; i++) {
-      p[i] = y[i] - xc[i];
-      changed |= p[i] != 0;
-      xc[i] = y[i];
-    }
-    if (!changed) continue;
-    dlsi_contact_add_columns(problem, c, p, work->v);
-    for (size_t i = 0; i < d; i++)
-      vc[i] += e * p[i];
-  }
-  return sqrt(sum);
-}
-
-/* (A2): x from lambda; 1 if its residual is <= target in units of |q|, q the user's. *now: the
- * certificate of x for the problem as given. */
-static int solve_regularised(dls_augmented *work, const dls_contact *problem, double s,
-                             double target, dls_certificate *now, int *factorisations) {
-  const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  const dls_contact regularised = regularise(work, problem, s); /* (A1) */
+    work->b[k] = problem->q[k] - work->sE[k / d] * work->lambda[k];
   const double size_q = dlsi_norm2(problem->q, m), size_b = dlsi_norm2(work->b, m);
-  const double tol = size_b > 0 ? target * (size_q / size_b) : target;
-  dls_certificate certificate;
+  dls_contact regularised = *problem;
+  regularised.q = work->b;
   memcpy(work->x, work->lambda, m * sizeof *work->x);
-  dlsi_contact_multiply(problem, work->x, work->v, NULL); /* A lambda + b = W lambda + q */
-  for (int k = 0; k < sweeps && sweep(work, problem, s, 1 / size_q) > target; k++)
-    ;
-  measure(work, problem, &regularised, s, now, &certificate);
-  if (dls_certificate_holds(&certificate, tol)) return 1;
-  expand(work, problem, s);
-  *factorisations += dlsi_polish(&regularised, tol, work->w, &work->newton, work->x);
-  measure(work, problem, &regularised, s, now, &certificate);
-  return dls_certificate_holds(&certificate, tol);
+  int done, steps;
+  dls_certificate certificate;
+  const dls_status status =
+      dlsi_newton_run("dls_augmented_solve", work->newton, &regularised, work->sE,
+                      size_b > 0 ? target * (size_q / size_b) : target, work->x, NULL, &certificate,
+                      &done, &steps, error);
+  if (status < 0) return status;
+  *factorisations += steps;
+  dlsi_contact_multiply(problem, work->x, work->u, work->a);
+  dlsi_contact_measure(problem, work->x, work->u, work->a, work->w, work->F, now);
+  return status;
 }
 
 /* (A5) for delta = x - lambda, put into work->delta with its largest entry +-1 */
@@ -344,7 +271,8 @@ static int escapes(const dls_augmented *work, const dls_contact *problem) {
 
 /* Augmentations from work->lambda until the certificate holds or there is a reason to stop, which
  * is returned; work->best is then the best iterate and outcome->certificate belongs to it. */
-static dls_status iterate(dls_augmented *work, const dls_contact *problem, dls_info *outcome) {
+static dls_status iterate(dls_augmented *work, const dls_contact *problem, dls_info *outcome,
+                          dls_error *error) {
   const dls_augmented_settings *settings = &work->settings;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   dls_certificate *best = &outcome->certificate;
@@ -366,7 +294,10 @@ static dls_status iterate(dls_augmented *work, const dls_contact *problem, dls_i
     const double target = !last && 1e-3 * residual > wanted ? 1e-3 * residual : wanted;
 
     dls_certificate now; /* (A1), (A2) */
-    const int solved = solve_regularised(work, problem, s, target, &now, &outcome->factorisations);
+    const dls_status status =
+        solve_regularised(work, problem, s, target, &now, &outcome->factorisations, error);
+    if (status < 0) return status;
+    const int solved = status == DLS_OK;
     outcome->iterations = k;
     if (solved) { /* (A5) */
       escaping = escapes(work, problem) ? escaping + 1 : 0;
@@ -413,20 +344,15 @@ dls_status dls_augmented_solve(dls_augmented *workspace, const dls_contact *prob
   dls_status status =
       dlsi_check_solve(__func__, work->d, work->nc, problem, r, work->settings.warm_start, error);
   if (status) return status;
-  const int d = problem->d, nc = problem->nc;
-  const size_t m = (size_t)d * (size_t)nc;
-  if (problem->Wb.x && m > DLS_AUGMENTED_MAX_ROWS)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, __func__, "problem", -1, (double)m,
-                     "has W by blocks with %d rows; it is factorised dense, up to %d rows", d * nc,
-                     DLS_AUGMENTED_MAX_ROWS);
-
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
   prepare(work, problem);
   if (work->settings.warm_start && dlsi_max_abs(problem->q, m) > 0)
     memcpy(work->lambda, r, m * sizeof *r);
   else /* q = 0: r = 0 */
     memset(work->lambda, 0, m * sizeof *r);
   dls_info outcome = {.method = DLS_AUGMENTED_LAGRANGIAN};
-  status = outcome.status = iterate(work, problem, &outcome);
+  status = outcome.status = iterate(work, problem, &outcome, error);
+  if (status < 0) return status;
   if (status == DLS_OK) work->escaped = 0;
   memcpy(r, work->best, m * sizeof *r);
   if (u) dlsi_contact_multiply(problem, r, u, NULL);

@@ -24,7 +24,11 @@
  * k and mu a are the row of AC along t, linearised; the row of b is the one along p divided by
  * R / |tau|, with p.tau = 0. eps = 1e-6 keeps the matrix regular where W is not, and leaves AC alone:
  * steps then shrink the error by eps cond(W) or so instead of squaring it. If the matrix is singular
- * all the same, eps grows a hundredfold for good, from 1e-8 on.
+ * all the same, eps grows a hundredfold for good, from 1e-8 on. And tenfold, up to 1e-2, after each 4
+ * steps in a row that did not halve the residual: on a W of low rank the rounding of W r + q comes
+ * back divided by eps, and shorter steps go round among states less often.
+ *
+ * With springs, u = (W + diag(E)) r + q (augmented.c), E stands beside eps diag(w) in (N2).
  *
  *   (N0)  First, sweeps of Gauss-Seidel (nlgs.c) sort the states: from r = 0 the full step alone goes
  *         round among states too often.
@@ -39,7 +43,7 @@
  * saved, the iterates are the same but for eps.
  * Cost of a step: two products with W, and an LU of the unknowns: 2/3 k^3 dense, much less sparse.
  * What can fail: nothing makes it converge from afar, and states may go round for ever (cycle in
- * tests/test_newton.c): DLS_STALLED. Large W of low rank: rounding over eps (README.md).
+ * tests/test_newton.c): DLS_STALLED.
  */
 #include "delassus/newton.h"
 
@@ -55,10 +59,11 @@
 #include "sparse_lu.h"
 #include "vi_internal.h"
 
-enum { patience = 12, memory = 5, halvings = 6 };
+enum { patience = 12, impatience = 4, memory = 5, halvings = 6 };
 enum { dense_limit = 250 }; /* of 50, 150, 250, 400 the fastest on FCLIB files by blocks */
 
 static const double least_eps = 1e-8; /* that cures a singular matrix */
+static const double most_eps = 1e-2;  /* that a lack of progress leads to */
 static const double most_floor = 1e-6;
 static const double least_beta = 1e-10; /* R / |tau|: l stays finite where R vanishes */
 
@@ -82,11 +87,14 @@ struct dls_newton {
   double *x;            /* m       right side and solution of (N2) */
   double *y;            /* m       a column */
   int *pivot;           /* m       */
-  double *J;            /* min(m, dense_limit)^2  */
-  double *large;        /* m^2 of the largest dense W met beyond that, or NULL */
-  size_t large_room;
+  int *p;               /* m + 1   columns of the sparse matrix */
+  double tol;           /* of this run, and */
+  const double *E;      /* nc: it solves u = (W + diag(E)) r + q; NULL: 0 */
+  int sparse;           /* this run factorises sparse beyond dense_limit */
+  double *J;            /* side^2  */
+  size_t side;
   dlsi_sparse_lu *lu; /* NULL if never needed, or without MUMPS */
-  int *p, *i;         /* the sparse matrix: m + 1 and room */
+  int *i;             /* room    rows and values of the sparse matrix */
   double *v;
   size_t room;
 };
@@ -101,7 +109,8 @@ void dls_newton_settings_init(dls_newton_settings *settings) {
                                  .regularization = 1e-6,
                                  .warm_start = 0,
                                  .progress = NULL,
-                                 .progress_data = NULL};
+                                 .progress_data = NULL,
+                                 .blocks = 0};
   *settings = s;
 }
 
@@ -123,12 +132,15 @@ static dls_status check_settings(const char *function, const dls_newton_settings
   if (!(s->regularization >= 0 && s->regularization < 1))
     return dlsi_fail(error, DLS_E_ARGUMENT, function, "regularization", -1, s->regularization,
                      "is %g, must be inside [0, 1)", s->regularization);
+  if (s->blocks < 0)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "blocks", -1, s->blocks,
+                     "is %d, must not be negative", s->blocks);
   return DLS_OK;
 }
 
 /* the workspace and its arrays, in one piece */
 static dls_newton *carve(dlsi_arena *arena, int d, int nc) {
-  const size_t n = (size_t)nc, m = (size_t)d * n, k = m < dense_limit ? m : dense_limit;
+  const size_t n = (size_t)nc, m = (size_t)d * n;
   const size_t D = sizeof(double);
   dls_newton *s = dlsi_take(arena, 1, sizeof *s);
   dls_newton filled = {.d = d, .nc = nc};
@@ -140,55 +152,100 @@ static dls_newton *carve(dlsi_arena *arena, int d, int nc) {
     *vectors[e] = dlsi_take(arena, m, D);
   filled.pivot = dlsi_take(arena, m, sizeof *filled.pivot);
   filled.p = dlsi_take(arena, m + 1, sizeof *filled.p);
-  filled.J = dlsi_take(arena, k, k * D);
   if (arena->failed || !arena->base) return NULL;
   *s = filled;
   return s;
 }
 
-/* the Gauss-Seidel part, and MUMPS where problems can be so large */
+static dls_status no_memory(const char *function, dls_error *error) {
+  return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
+}
+
+static dls_status reserve_dense(const char *function, dls_newton *work, size_t side,
+                                dls_error *error) {
+  if (side <= work->side) return DLS_OK;
+  free(work->J);
+  work->J = side > SIZE_MAX / side ? NULL : dlsi_alloc(side * side, sizeof *work->J);
+  work->side = work->J ? side : 0;
+  return work->J ? DLS_OK : no_memory(function, error);
+}
+
+/* DLS_E_UNSUPPORTED without MUMPS */
+static dls_status reserve_sparse(const char *function, dls_newton *work, size_t entries,
+                                 dls_error *error) {
+  if (!work->lu) {
+    const dls_status status = dlsi_sparse_lu_create(function, &work->lu, error);
+    if (status) return status;
+  }
+  if (entries > work->room) {
+    free(work->i);
+    free(work->v);
+    work->i = dlsi_alloc(entries, sizeof *work->i);
+    work->v = dlsi_alloc(entries, sizeof *work->v);
+    work->room = work->i && work->v ? entries : 0;
+    if (!work->room) return no_memory(function, error);
+  }
+  return dlsi_sparse_lu_reserve(function, work->lu, entries, error);
+}
+
+/* Room for the matrix of nc candidates, W dense (blocks = 0) or with so many blocks. */
+static dls_status reserve(const char *function, dls_newton *work, int nc, int blocks,
+                          dls_error *error) {
+  const size_t d = (size_t)work->d, m = d * (size_t)nc, entries = d * d * (size_t)blocks + m;
+  work->sparse = 0;
+  if (blocks && m > dense_limit) {
+    if (entries > INT_MAX)
+      return dlsi_fail(error, DLS_E_SIZE, function, "blocks", -1, blocks, "are too many");
+    dls_error why;
+    const dls_status status = reserve_sparse(function, work, entries, &why);
+    if (status && status != DLS_E_UNSUPPORTED) {
+      if (error) *error = why;
+      return status;
+    }
+    work->sparse = !status;
+  }
+  return reserve_dense(function, work, work->sparse ? dense_limit : m, error);
+}
+
+/* the Gauss-Seidel part, and the matrices of the storage that is announced */
 static dls_status create_parts(const char *function, dls_newton *work, dls_error *error) {
   const dls_newton_settings *settings = &work->settings;
   if (settings->sweeps) {
     dls_nlgs_settings s;
     dls_nlgs_settings_init(&s);
-    s.tol = settings->tol;
     s.max_iterations = settings->sweeps;
     s.warm_start = 1;
     s.progress = settings->progress;
     s.progress_data = settings->progress_data;
     if (dls_nlgs_create(&work->nlgs, work->d, work->nc, &s, NULL))
-      return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
+      return no_memory(function, error);
   }
-  if (work->d * work->nc <= dense_limit) return DLS_OK;
-  dls_error why;
-  const dls_status status = dlsi_sparse_lu_create(function, &work->lu, &why);
-  if (!status || status == DLS_E_UNSUPPORTED) return DLS_OK; /* W may be dense */
-  if (error) *error = why;
-  return status;
+  return reserve(function, work, work->nc, settings->blocks, error);
 }
 
-dls_status dls_newton_create(dls_newton **out, int d, int nc, const dls_newton_settings *settings,
-                             dls_error *error) {
-  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "out", -1, 0, "is NULL");
+dls_status dlsi_newton_create(const char *function, dls_newton **out, int d, int nc,
+                              const dls_newton_settings *settings, dls_error *error) {
+  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, function, "out", -1, 0, "is NULL");
   *out = NULL;
   if (d != 2 && d != 3)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "d", -1, d, "is %d, must be 2 or 3", d);
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "d", -1, d, "is %d, must be 2 or 3", d);
   if (nc < 1 || nc > INT32_MAX / d)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "is %d", nc);
-  dls_status status = check_settings(__func__, settings, error);
+    return dlsi_fail(error, DLS_E_SIZE, function, "nc", -1, nc, "is %d", nc);
+  dls_status status = check_settings(function, settings, error);
   if (status) return status;
 
   dlsi_arena arena = {0};
   (void)carve(&arena, d, nc);
-  if (arena.failed) return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "is too large");
+  const size_t m = (size_t)d * (size_t)nc;
+  if (arena.failed || (!settings->blocks && m > SIZE_MAX / sizeof(double) / m))
+    return dlsi_fail(error, DLS_E_SIZE, function, "nc", -1, nc, "is too large");
   arena.size = arena.used;
   arena.used = 0;
   arena.base = dlsi_alloc(1, arena.size);
-  if (!arena.base) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  if (!arena.base) return no_memory(function, error);
   dls_newton *work = carve(&arena, d, nc);
   work->settings = *settings;
-  status = create_parts(__func__, work, error);
+  status = create_parts(function, work, error);
   if (status) {
     dls_newton_destroy(work);
     return status;
@@ -197,48 +254,22 @@ dls_status dls_newton_create(dls_newton **out, int d, int nc, const dls_newton_s
   return DLS_OK;
 }
 
+dls_status dls_newton_create(dls_newton **out, int d, int nc, const dls_newton_settings *settings,
+                             dls_error *error) {
+  return dlsi_newton_create(__func__, out, d, nc, settings, error);
+}
+
 void dls_newton_destroy(dls_newton *workspace) {
   if (!workspace) return;
   dls_nlgs_destroy(workspace->nlgs);
   dlsi_sparse_lu_destroy(workspace->lu);
-  free(workspace->large);
+  free(workspace->J);
   free(workspace->i);
   free(workspace->v);
   free(workspace); /* first in its one piece */
 }
 
 /* ---- the matrix of a step -------------------------------------------------------------------- */
-
-/* Room for the matrix of a large problem; what is not known in create. */
-static dls_status make_room(const char *function, dls_newton *work, const dls_contact *problem,
-                            dls_error *error) {
-  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  if (m <= dense_limit) return DLS_OK;
-  if (problem->W.a) {
-    if (m <= work->large_room) return DLS_OK;
-    free(work->large);
-    work->large = m > SIZE_MAX / m ? NULL : dlsi_alloc(m * m, sizeof *work->large);
-    work->large_room = work->large ? m : 0;
-    if (work->large) return DLS_OK;
-    return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
-  }
-  if (!work->lu)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "problem", -1, problem->nc,
-                     "W by blocks has more than %d unknowns, and this build has no MUMPS",
-                     dense_limit);
-  const size_t entries = d * d * (size_t)problem->Wb.p[problem->nc] + m;
-  if (entries > INT_MAX)
-    return dlsi_fail(error, DLS_E_SIZE, function, "Wb", -1, problem->nc, "has too many blocks");
-  if (entries > work->room) {
-    free(work->i);
-    free(work->v);
-    work->i = dlsi_alloc(entries, sizeof *work->i);
-    work->v = dlsi_alloc(entries, sizeof *work->v);
-    work->room = work->i && work->v ? entries : 0;
-    if (!work->room) return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
-  }
-  return dlsi_sparse_lu_reserve(function, work->lu, entries, error);
-}
 
 /* direction of unknown j of a candidate */
 static void direction(const branch *b, double mu, int j, double *e) {
@@ -261,18 +292,21 @@ static double row(const branch *b, int i, const double *v) {
   return i == 0 ? v[0] : b->p[0] * v[1] + b->p[1] * v[2];
 }
 
-static double extra_diagonal(const branch *b, int j, double w, double eps) {
-  return eps * w + (b->state == DLS_SLIP && j == 1 ? b->l : 0);
+/* what (N2) adds to the diagonal for unknown j of candidate c: the rows of a candidate are
+ * orthonormal to its columns, but for the tangential part of a, which no row sees along p */
+static double extra_diagonal(const dls_newton *work, int c, int j, double eps) {
+  const branch *b = &work->branch[c];
+  return eps * work->w[c] + (work->E ? work->E[c] : 0) +
+         (b->state == DLS_SLIP && j == 1 ? b->l : 0);
 }
 
 /* (N2), k x k in J */
-static void build_dense(dls_newton *work, const dls_contact *problem, double eps, int k,
-                        double *J) {
+static void build_dense(dls_newton *work, const dls_contact *problem, double eps, int k) {
   const int d = problem->d, nc = problem->nc;
   for (int b = 0; b < nc; b++)
     for (int j = 0; j < work->branch[b].count; j++) {
       const int col = work->branch[b].first + j;
-      double e[3], *column = J + (size_t)col * (size_t)k;
+      double e[3], *column = work->J + (size_t)col * (size_t)k;
       direction(&work->branch[b], problem->mu[b], j, e);
       memset(work->y, 0, (size_t)d * (size_t)nc * sizeof *work->y);
       dlsi_contact_add_columns(problem, b, e, work->y);
@@ -283,7 +317,7 @@ static void build_dense(dls_newton *work, const dls_contact *problem, double eps
         for (int i = 0; i < row_of->count; i++)
           column[row_of->first + i] = row(row_of, i, v);
       }
-      column[col] += extra_diagonal(&work->branch[b], j, work->w[b], eps);
+      column[col] += extra_diagonal(work, b, j, eps);
     }
 }
 
@@ -299,7 +333,7 @@ static dls_sparse build_sparse(dls_newton *work, const dls_contact *problem, dou
       direction(&work->branch[b], problem->mu[b], j, e);
       work->p[col] = entries;
       work->i[entries] = col;
-      work->v[entries++] = extra_diagonal(&work->branch[b], j, work->w[b], eps);
+      work->v[entries++] = extra_diagonal(work, b, j, eps);
       for (int s = W->p[b]; s < W->p[b + 1]; s++) {
         const branch *row_of = &work->branch[W->i[s]];
         if (!row_of->count) continue;
@@ -323,14 +357,13 @@ static dls_sparse build_sparse(dls_newton *work, const dls_contact *problem, dou
 static dls_status solve_step(const char *function, dls_newton *work, const dls_contact *problem,
                              double eps, int k, dls_error *error) {
   if (k == 0) return DLS_OK;
-  if (problem->W.a || k <= dense_limit) {
-    double *J = k <= dense_limit ? work->J : work->large;
+  if (!work->sparse || k <= dense_limit) {
     const int one = 1;
     int info;
-    build_dense(work, problem, eps, k, J);
-    dgetrf_(&k, &k, J, &k, work->pivot, &info);
+    build_dense(work, problem, eps, k);
+    dgetrf_(&k, &k, work->J, &k, work->pivot, &info);
     if (info) return DLS_E_SINGULAR;
-    dgetrs_("N", &k, &one, J, &k, work->pivot, work->x, &k, &info, 1);
+    dgetrs_("N", &k, &one, work->J, &k, work->pivot, work->x, &k, &info, 1);
     return DLS_OK;
   }
   const dls_sparse A = build_sparse(work, problem, eps, k);
@@ -388,7 +421,7 @@ static int linearise(dls_newton *work, const dls_contact *problem) {
     b->first = k;
     k += b->count;
   }
-  dlsi_contact_multiply(problem, work->next, work->unext, NULL);
+  dlsi_multiply(problem, work->E, work->next, work->unext, NULL);
   for (int c = 0; c < problem->nc; c++) {
     const size_t o = (size_t)d * (size_t)c;
     const branch *b = &work->branch[c];
@@ -442,7 +475,7 @@ static void search(dls_newton *work, const dls_contact *problem, int step, doubl
   double bound = last[0];
   for (int k = 1; k < memory; k++)
     if (last[k] > bound) bound = last[k];
-  dlsi_contact_multiply(problem, work->next, work->unext, NULL);
+  dlsi_multiply(problem, work->E, work->next, work->unext, NULL);
   double now = merit(work, problem, work->next, work->unext);
   for (int k = 0; k < halvings && !(now < bound); k++) {
     for (size_t i = 0; i < m; i++) {
@@ -456,18 +489,13 @@ static void search(dls_newton *work, const dls_contact *problem, int step, doubl
 
 static dls_certificate measure(const dls_newton *work, const dls_contact *problem) {
   dls_certificate certificate;
-  dlsi_contact_multiply(problem, work->r, work->u, work->a);
+  dlsi_multiply(problem, work->E, work->r, work->u, work->a);
   dlsi_contact_measure(problem, work->r, work->u, work->a, work->w, work->F, &certificate);
   return certificate;
 }
 
-/* Where there is no solution and W is singular, r can run away until W r + q is all rounding, and
- * then even 4 floor is no bar any more. Such an r is no answer. */
-static int solved(const dls_newton *work, const dls_certificate *now) {
-  return now->floor <= most_floor && dls_certificate_holds(now, work->settings.tol);
-}
-
-/* Keeps work->r with its certificate if it is better than the best so far. */
+/* Keeps work->r with its certificate if it is better than the best so far. Where there is no solution
+ * and W is singular, r can run away until W r + q is all rounding: such an r is no answer. */
 static void keep_best(const dls_newton *work, size_t m, const dls_certificate *now,
                       dls_certificate *best) {
   if (!(now->residual < best->residual) && best->residual <= DBL_MAX) return;
@@ -504,7 +532,7 @@ static dls_status iterate(const char *function, dls_newton *work, const dls_cont
     now = measure(work, problem);
     *steps = k;
     keep_best(work, m, &now, best);
-    if (solved(work, &now)) return DLS_OK;
+    if (dls_certificate_holds(best, work->tol)) return DLS_OK;
     const dls_progress progress = {"newton", k, settings->max_iterations, now.residual};
     if (settings->progress && settings->progress(settings->progress_data, &progress))
       return DLS_CANCELLED;
@@ -512,30 +540,48 @@ static dls_status iterate(const char *function, dls_newton *work, const dls_cont
       halved = now.residual;
       since = k;
     }
+    if (k > since && (k - since) % impatience == 0 && eps < most_eps) eps *= 10;
     if (k - since >= patience || !(now.residual <= DBL_MAX)) return DLS_STALLED;
   }
   return DLS_MAX_ITERATIONS;
 }
 
-/* (N0), then steps. work->r: the start; afterwards the best r, to which work->u and *best belong. */
+/* (N0), then steps, from work->r; the best r is work->best, to which *best belongs. */
 static dls_status run(const char *function, dls_newton *work, const dls_contact *problem,
                       dls_certificate *best, int *sweeps, int *steps, dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  dls_certificate now = measure(work, problem);
-  *best = now;
+  dls_status status = DLS_STALLED;
+  if (work->nlgs)
+    status = dlsi_nlgs_run(work->nlgs, problem, work->E, work->tol, work->r, work->u, best, sweeps);
+  else
+    *best = measure(work, problem);
   memcpy(work->best, work->r, m * sizeof *work->r);
-  dls_status status = dls_certificate_holds(&now, work->settings.tol) ? DLS_OK : DLS_STALLED;
-  if (status && work->nlgs) {
-    status = dlsi_nlgs_run(work->nlgs, problem, work->r, &now, sweeps);
-    keep_best(work, m, &now, best);
-    if (status && status != DLS_CANCELLED) now = measure(work, problem);
-  }
-  if (status && status != DLS_CANCELLED)
-    status = iterate(function, work, problem, now, best, steps, error);
+  if (dls_certificate_holds(best, work->tol)) return DLS_OK;
+  return status == DLS_CANCELLED ? status
+                                 : iterate(function, work, problem, *best, best, steps, error);
+}
+
+dls_status dlsi_newton_run(const char *function, dls_newton *work, const dls_contact *problem,
+                           const double *E, double tol, double *r, double *u,
+                           dls_certificate *certificate, int *sweeps, int *steps,
+                           dls_error *error) {
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  dls_status status =
+      reserve(function, work, problem->nc, problem->Wb.x ? problem->Wb.p[problem->nc] : 0, error);
+  if (status) return status;
+  work->E = E;
+  work->tol = tol;
+  *sweeps = *steps = 0;
+  dlsi_contact_weights(problem, work->w);
+  if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
+    memset(work->r, 0, m * sizeof *r);
+  else
+    memcpy(work->r, r, m * sizeof *r);
+  status = run(function, work, problem, certificate, sweeps, steps, error);
   if (status < 0) return status;
-  memcpy(work->r, work->best, m * sizeof *work->r);
-  dlsi_contact_multiply(problem, work->r, work->u, NULL);
-  return dls_certificate_holds(best, work->settings.tol) ? DLS_OK : status;
+  memcpy(r, work->best, m * sizeof *r);
+  if (u) dlsi_multiply(problem, E, r, u, NULL);
+  return status;
 }
 
 dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, double *r, double *u,
@@ -545,29 +591,15 @@ dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, d
   dls_status status =
       dlsi_check_solve(__func__, work->d, work->nc, problem, r, work->settings.warm_start, error);
   if (status) return status;
-  const int d = problem->d, nc = problem->nc;
-  const size_t m = (size_t)d * (size_t)nc;
-  status = make_room(__func__, work, problem, error);
-  if (status) return status;
-
-  dlsi_contact_weights(problem, work->w);
-  if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
-    memset(work->r, 0, m * sizeof *r);
-  else
-    memcpy(work->r, r, m * sizeof *r);
-  int sweeps = 0, steps = 0;
+  int sweeps, steps;
   dls_certificate certificate;
-  status = run(__func__, work, problem, &certificate, &sweeps, &steps, error);
-  if (status < 0) return status;
-  memcpy(r, work->r, m * sizeof *r);
-  if (u) memcpy(u, work->u, m * sizeof *u);
-  if (info) {
-    const dls_info outcome = {.status = status,
-                              .method = DLS_NEWTON,
-                              .iterations = steps,
-                              .certificate = certificate,
-                              .sweeps = sweeps};
-    *info = outcome;
-  }
+  status = dlsi_newton_run(__func__, work, problem, NULL, work->settings.tol, r, u, &certificate,
+                           &sweeps, &steps, error);
+  if (status >= 0 && info)
+    *info = (dls_info){.status = status,
+                       .method = DLS_NEWTON,
+                       .iterations = steps,
+                       .certificate = certificate,
+                       .sweeps = sweeps};
   return status;
 }

@@ -67,13 +67,15 @@ static const double growth = 1.1;
 struct dls_nlgs {
   dls_nlgs_settings settings;
   int d, nc;
-  double *block; /* d d nc  the W_cc */
-  double *w;     /* nc      weights of the certificate */
-  double *u;     /* m       W r + q */
-  double *a;     /* m       |W| |r|, for the floor */
-  double *F;     /* m       */
-  double *best;  /* m       the r with the smallest residual so far */
-  double *x;     /* m       the r that the sweep started from, if accelerated */
+  double tol;      /* of this run, and */
+  const double *E; /* nc: it solves u = (W + diag(E)) r + q; NULL: 0 */
+  double *block;   /* d d nc  the W_cc (+ E_c) */
+  double *w;       /* nc      weights of the certificate */
+  double *u;       /* m       W r + q */
+  double *a;       /* m       |W| |r|, for the floor */
+  double *F;       /* m       */
+  double *best;    /* m       the r with the smallest residual so far */
+  double *x;       /* m       the r that the sweep started from, if accelerated */
   dlsi_anderson history;
 };
 
@@ -190,12 +192,16 @@ static void put(const dls_contact *problem, int c, const double *dr, batch *b, d
 }
 
 /* (G4) for one candidate; in its batch, or at once (batch NULL, W by blocks) */
-static inline void change(const dls_contact *problem, int c, const double *dr, batch *b,
-                          double *u) {
+static inline void change(const dls_nlgs *work, const dls_contact *problem, int c, const double *dr,
+                          batch *b) {
   if (b)
-    put(problem, c, dr, b, u);
+    put(problem, c, dr, b, work->u);
   else
-    dlsi_contact_add_columns(problem, c, dr, u);
+    dlsi_contact_add_columns(problem, c, dr, work->u);
+  if (!work->E) return;
+  double *uc = work->u + (size_t)problem->d * (size_t)c;
+  for (int i = 0; i < problem->d; i++)
+    uc[i] += work->E[c] * dr[i];
 }
 
 /* (G0)-(G4) for candidates first .. end-1; returns how many changed. */
@@ -219,7 +225,7 @@ static int sweep_2d(const dls_nlgs *work, const dls_contact *problem, int first,
     }
     const double dr[2] = {s[0] - rc[0], s[1] - rc[1]};
     if (dr[0] == 0 && dr[1] == 0) continue;
-    change(problem, c, dr, b, u); /* (G4) */
+    change(work, problem, c, dr, b); /* (G4) */
     rc[0] = s[0];
     rc[1] = s[1];
     changed++;
@@ -251,7 +257,7 @@ static int sweep_3d(const dls_nlgs *work, const dls_contact *problem, int first,
     for (int i = 0; i < 3; i++)
       dr[i] = s[i] - rc[i];
     if (dr[0] == 0 && dr[1] == 0 && dr[2] == 0) continue;
-    change(problem, c, dr, b, u); /* (G4) */
+    change(work, problem, c, dr, b); /* (G4) */
     for (int i = 0; i < 3; i++)
       rc[i] = s[i];
     changed++;
@@ -303,19 +309,21 @@ static double estimate(const dls_nlgs *work, const dls_contact *problem, const d
 /* (G5) u := W r + q afresh, and the certificate */
 static dls_certificate measure(const dls_nlgs *work, const dls_contact *problem, const double *r) {
   dls_certificate certificate;
-  dlsi_contact_multiply(problem, r, work->u, work->a);
+  dlsi_multiply(problem, work->E, r, work->u, work->a);
   dlsi_contact_measure(problem, r, work->u, work->a, work->w, work->F, &certificate);
   return certificate;
 }
 
-/* A warm start put on the cone, so that r_n = 0 means r_c = 0 (G0); cold starts are. */
-static void project_start(const dls_contact *problem, double *r) {
+/* A warm start put on the cone, so that r_n = 0 means r_c = 0 (G0); cold starts are. 1 if it was not. */
+static int project_start(const dls_contact *problem, double *r) {
   const size_t d = (size_t)problem->d;
+  int outside = 0;
   for (int c = 0; c < problem->nc; c++) {
     double *rc = r + d * (size_t)c, v[3];
     memcpy(v, rc, d * sizeof *v);
-    dlsi_project_cone(problem->d, problem->mu[c], v, rc);
+    outside |= dlsi_project_cone(problem->d, problem->mu[c], v, rc) != DLS_STICK;
   }
+  return outside;
 }
 
 /* Every r_c back on its cone, u by columns; what stands outside by rounding alone stays: most of those
@@ -333,7 +341,7 @@ static void repair(const dls_nlgs *work, const dls_contact *problem, double *r) 
       moved += fabs(dr[i]);
     }
     if (moved <= 8 * DBL_EPSILON * size) continue;
-    change(problem, c, dr, b, work->u);
+    change(work, problem, c, dr, b);
     if (b && b->count == batch_size) flush(problem, b, work->u);
     for (int i = 0; i < d; i++)
       rc[i] = p[i];
@@ -349,7 +357,7 @@ static void accelerate(dls_nlgs *work, const dls_contact *problem, double residu
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   if (history->columns && !(residual <= growth * *accepted)) { /* (G7) */
     memcpy(r, history->g, m * sizeof *r);
-    dlsi_contact_multiply(problem, r, work->u, NULL);
+    dlsi_multiply(problem, work->E, r, work->u, NULL);
     dlsi_anderson_clear(history);
   } else {
     *accepted = residual;
@@ -365,6 +373,13 @@ static void accelerate(dls_nlgs *work, const dls_contact *problem, double residu
   memcpy(work->x, r, m * sizeof *r);
 }
 
+static void keep_best(const dls_nlgs *work, size_t m, const double *r, double residual,
+                      double *best) {
+  if (!(residual < *best) && *best == *best) return;
+  *best = residual;
+  memcpy(work->best, r, m * sizeof *r);
+}
+
 /* Sweeps until the certificate holds or there is a reason to stop, which is returned; r is then the
  * best iterate, work->u belongs to it and so does *certificate. *iterations: sweeps done. */
 static dls_status iterate(dls_nlgs *work, const dls_contact *problem, double *r,
@@ -374,13 +389,15 @@ static dls_status iterate(dls_nlgs *work, const dls_contact *problem, double *r,
   const double scale = 1 / dlsi_norm2(problem->q, m);
 
   *certificate = measure(work, problem, r);
-  if (dls_certificate_holds(certificate, settings->tol)) return DLS_OK;
-  if (settings->warm_start) {
-    project_start(problem, r);
+  if (dls_certificate_holds(certificate, work->tol)) return DLS_OK;
+  double residual = certificate->residual, best = NAN;
+  keep_best(work, m, r, residual, &best);
+  if (settings->warm_start && project_start(problem, r)) {
     *certificate = measure(work, problem, r);
+    residual = certificate->residual;
+    keep_best(work, m, r, residual, &best);
   }
-  double target = settings->tol, best = certificate->residual, residual = best, accepted = best;
-  memcpy(work->best, r, m * sizeof *r);
+  double target = work->tol, accepted = residual;
   dls_status reason = DLS_MAX_ITERATIONS;
   int fresh = 1; /* u carries no rounding of earlier sweeps */
   const int accelerated = settings->acceleration != DLS_ACCELERATION_NONE;
@@ -401,14 +418,11 @@ static dls_status iterate(dls_nlgs *work, const dls_contact *problem, double *r,
     fresh = !changed || residual <= target || k % refresh_every == 0;
     if (fresh) { /* (G5) */
       *certificate = measure(work, problem, r);
-      if (dls_certificate_holds(certificate, settings->tol)) return DLS_OK;
+      if (dls_certificate_holds(certificate, work->tol)) return DLS_OK;
       residual = certificate->residual;
-      target = 4 * certificate->floor > settings->tol ? 4 * certificate->floor : settings->tol;
+      target = 4 * certificate->floor > work->tol ? 4 * certificate->floor : work->tol;
     }
-    if (residual < best) {
-      best = residual;
-      memcpy(work->best, r, m * sizeof *r);
-    }
+    keep_best(work, m, r, residual, &best);
     const dls_progress progress = {"nlgs", k, settings->max_iterations, residual};
     if (settings->progress && settings->progress(settings->progress_data, &progress)) {
       reason = DLS_CANCELLED;
@@ -421,7 +435,7 @@ static dls_status iterate(dls_nlgs *work, const dls_contact *problem, double *r,
   }
   if (!(residual <= best)) memcpy(r, work->best, m * sizeof *r);
   *certificate = measure(work, problem, r);
-  return dls_certificate_holds(certificate, settings->tol) ? DLS_OK : reason;
+  return dls_certificate_holds(certificate, work->tol) ? DLS_OK : reason;
 }
 
 /* how many candidates have several solutions when the others stay at r; u = W r + q */
@@ -445,16 +459,24 @@ static int count_ambiguous(const dls_nlgs *work, const dls_contact *problem, con
   return ambiguous;
 }
 
-dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, double *r,
-                         dls_certificate *certificate, int *iterations) {
+dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const double *E, double tol,
+                         double *r, double *u, dls_certificate *certificate, int *iterations) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  for (int c = 0; c < problem->nc; c++)
-    dlsi_contact_diagonal(problem, c, work->block + d * d * (size_t)c);
+  work->E = E;
+  work->tol = tol;
+  for (size_t c = 0; c < m / d; c++) {
+    double *block = work->block + d * d * c;
+    dlsi_contact_diagonal(problem, (int)c, block);
+    for (size_t i = 0; E && i < d; i++)
+      block[(d + 1) * i] += E[c];
+  }
   dlsi_contact_weights(problem, work->w);
   if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
     memset(r, 0, m * sizeof *r);
   *iterations = 0;
-  return iterate(work, problem, r, certificate, iterations);
+  const dls_status status = iterate(work, problem, r, certificate, iterations);
+  if (u) memcpy(u, work->u, m * sizeof *u);
+  return status;
 }
 
 dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, double *r, double *u,
@@ -464,13 +486,9 @@ dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, doubl
   dls_status status =
       dlsi_check_solve(__func__, work->d, work->nc, problem, r, work->settings.warm_start, error);
   if (status) return status;
-  const int d = problem->d, nc = problem->nc;
-  const size_t m = (size_t)d * (size_t)nc;
-
   int iterations;
   dls_certificate certificate;
-  status = dlsi_nlgs_run(work, problem, r, &certificate, &iterations);
-  if (u) memcpy(u, work->u, m * sizeof *u);
+  status = dlsi_nlgs_run(work, problem, NULL, work->settings.tol, r, u, &certificate, &iterations);
   if (info) {
     const dls_info outcome = {.status = status,
                               .method = DLS_NLGS,

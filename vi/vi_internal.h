@@ -2,6 +2,9 @@
 #ifndef VI_INTERNAL_H
 #define VI_INTERNAL_H
 
+#include <math.h>
+
+#include "delassus/newton.h"
 #include "delassus/nlgs.h"
 #include "delassus/reduction.h"
 #include "dlsi.h"
@@ -54,8 +57,31 @@ void dlsi_anderson_clear(dlsi_anderson *a);
  * next x and u(x). 0 if the history does not say anything yet: they stay. m: the same since clear. */
 int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, double *u);
 
-/* dls_nlgs_solve of what has been checked already: r, its certificate, the sweeps done. */
-dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, double *r,
-                         dls_certificate *certificate, int *iterations);
+/* ---- with springs: u = (W + diag(E)) r + q, E_c >= 0 for all d rows of candidate c ----------- */
+
+/* u := (W + diag(E)) r + q and, if a is not NULL, a := (|W| + diag(E)) |r|. E: nc, or NULL for 0. */
+static inline void dlsi_multiply(const dls_contact *problem, const double *E, const double *r,
+                                 double *u, double *a) {
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  dlsi_contact_multiply(problem, r, u, a);
+  for (size_t k = 0; E && k < m; k++) {
+    u[k] += E[k / d] * r[k];
+    if (a) a[k] += E[k / d] * fabs(r[k]);
+  }
+}
+
+/* dls_nlgs_solve of what has been checked already, with springs; the weights of the certificate are
+ * those of W alone. r as there, u (m or NULL), its certificate, the sweeps done. */
+dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const double *E, double tol,
+                         double *r, double *u, dls_certificate *certificate, int *iterations);
+
+/* dls_newton_create on behalf of `function`. */
+dls_status dlsi_newton_create(const char *function, dls_newton **out, int d, int nc,
+                              const dls_newton_settings *settings, dls_error *error);
+
+/* The same of dls_newton_solve; sweeps and steps done. */
+dls_status dlsi_newton_run(const char *function, dls_newton *work, const dls_contact *problem,
+                           const double *E, double tol, double *r, double *u,
+                           dls_certificate *certificate, int *sweeps, int *steps, dls_error *error);
 
 #endif

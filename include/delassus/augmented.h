@@ -34,6 +34,7 @@ typedef struct dls_augmented_settings {
   int warm_start;           /* 0: lambda = 0 at the start; 1: r as passed in; 0 */
   dls_progress_fn progress; /* called after each augmentation; NULL for none */
   void *progress_data;
+  int blocks; /* what create makes room for: 0: W dense; > 0: W by blocks, up to so many of them; 0 */
 } dls_augmented_settings;
 
 DLS_API void dls_augmented_settings_init(dls_augmented_settings *settings);
@@ -41,16 +42,15 @@ DLS_API void dls_augmented_settings_init(dls_augmented_settings *settings);
 /* A workspace for problems of dimension d with at most nc candidates; reused over time steps. */
 typedef struct dls_augmented dls_augmented;
 
-enum { DLS_AUGMENTED_MAX_ROWS = 4000 }; /* largest m = d nc of a W by blocks */
-
-/* *out = new workspace, NULL on error; the settings are copied. It holds 2 m^2 doubles, m = d nc,
- * and some 20 m. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY; DLS_E_NOT_FINITE for a
- * penalty that is not. */
+/* *out = new workspace, NULL on error; the settings are copied. It holds 9 m + 4 nc doubles, m = d nc,
+ * up to 2 kB, and the workspace of Newton's method with sweeps: dls_newton_create in newton.h.
+ * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY; DLS_E_NOT_FINITE for a penalty that is
+ * not. */
 DLS_API DLS_MUST_USE dls_status dls_augmented_create(dls_augmented **out, int d, int nc,
                                                      const dls_augmented_settings *settings,
                                                      dls_error *error);
 
-/* Solves; allocates nothing. r (m): in, the first lambda if warm_start, else ignored; out, the
+/* Solves; allocates nothing where dls_newton_solve does not. r (m): in, the first lambda if warm_start, else ignored; out, the
  * reactions: where the status is > 0, those with the smallest residual met. u (m) or NULL: W r + q.
  * info or NULL. r, u must not overlap each other or the problem.
  *
@@ -58,8 +58,7 @@ DLS_API DLS_MUST_USE dls_status dls_augmented_create(dls_augmented **out, int d,
  * not; with max_iterations = 1 that is the error of the penalty method. DLS_STALLED: an augmentation
  * could not be solved, and no smaller penalty is left to try; or the residual no longer falls; or
  * the reactions run away (below). DLS_CANCELLED. An error of dls_contact_check; DLS_E_SIZE for
- * another d or more candidates than in create; DLS_E_UNSUPPORTED for W by blocks with
- * m > DLS_AUGMENTED_MAX_ROWS: W is factorised dense here. */
+ * another d or more candidates than in create; DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_augmented_solve(dls_augmented *workspace,
                                                     const dls_contact *problem, double *r,
                                                     double *u, dls_info *info, dls_error *error);

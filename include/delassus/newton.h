@@ -6,7 +6,7 @@
  *
  * Dense LU for a dense W, and for W by blocks up to 250 such unknowns; beyond that sparse LU by
  * MUMPS, whose Fortran modules hold process-wide variables: no two threads may be in MUMPS at once.
- * A library built without MUMPS then answers DLS_E_UNSUPPORTED, for d nc > 250.
+ * A library built without MUMPS factorises dense there, too.
  */
 #ifndef DELASSUS_NEWTON_H
 #define DELASSUS_NEWTON_H
@@ -28,6 +28,7 @@ typedef struct dls_newton_settings {
   int warm_start;           /* 0: start from r = 0; 1: from r as passed in; 0 */
   dls_progress_fn progress; /* NULL for none; hears of sweeps ("nlgs") and of steps ("newton") */
   void *progress_data;
+  int blocks; /* what create makes room for: 0: W dense; > 0: W by blocks, up to so many of them; 0 */
 } dls_newton_settings;
 
 DLS_API void dls_newton_settings_init(dls_newton_settings *settings);
@@ -35,9 +36,14 @@ DLS_API void dls_newton_settings_init(dls_newton_settings *settings);
 /* A workspace for problems of dimension d with at most nc candidates; reused over time steps. */
 typedef struct dls_newton dls_newton;
 
-/* *out = new workspace, NULL on error; the settings are copied. It holds, m = d nc, min(m, 250)^2
- * doubles for the dense LU and about 21 m for the rest. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS,
- * DLS_E_MEMORY. */
+/* *out = new workspace, NULL on error; the settings are copied. With m = d nc it holds
+ *
+ *   (14 + d) m + 9 nc doubles (without sweeps 10 m + 8 nc), and for the matrix
+ *   blocks = 0, or m <= 250, or no MUMPS    m^2 doubles
+ *   blocks > 0                              250^2 doubles; 2 doubles and 3 ints for each of the
+ *                                           d d blocks + m entries
+ *
+ * and up to 12 kB. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_newton_create(dls_newton **out, int d, int nc,
                                                   const dls_newton_settings *settings,
                                                   dls_error *error);
@@ -46,13 +52,13 @@ DLS_API DLS_MUST_USE dls_status dls_newton_create(dls_newton **out, int d, int n
  * residual met, the start included: never worse than it. u (m) or NULL: W r + q. info or NULL. r, u
  * must not overlap each other or the problem.
  *
- * Allocates nothing for m <= 250. Beyond, the storage of W being known only now, a solve takes room
- * for the matrix that no solve before it needed, and keeps it: m^2 doubles for a dense W; for W by
- * blocks 3 ints and 2 doubles per entry of W, beside which MUMPS allocates in every solve.
+ * Allocates nothing (MUMPS apart, which allocates in every factorisation) for a W of the storage that
+ * `blocks` announced to create; for another one, or more blocks, it takes the room of the table above
+ * and keeps it.
  *
  * DLS_OK; DLS_MAX_ITERATIONS; DLS_STALLED: 12 steps that did not halve the residual;
- * DLS_CANCELLED; DLS_E_MEMORY, DLS_E_UNSUPPORTED, an error of dls_contact_check, or DLS_E_SIZE for
- * another d or more candidates than in create. */
+ * DLS_CANCELLED; DLS_E_MEMORY, an error of dls_contact_check, or DLS_E_SIZE for another d or more
+ * candidates than in create. */
 DLS_API DLS_MUST_USE dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem,
                                                  double *r, double *u, dls_info *info,
                                                  dls_error *error);
