@@ -86,6 +86,7 @@ help:
 	@echo 'make asan        tests under the address and undefined sanitizers'
 	@echo 'make valgrind    tests under valgrind, no leak'
 	@echo 'make bench-lemke bench-lemke-large   Lemke beside Siconos; BENCH=--full for the largest'
+	@echo 'make bench-blocks            W dense and by blocks beside dgemv and the memory'
 	@echo 'make check-symbols check-headers lint format-check format'
 	@echo 'make clean'
 
@@ -208,6 +209,15 @@ bench-lemke-large:
 	@.ci/deps bench
 	@$(MAKE) --no-print-directory $(BUILD)/bench/lemke
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/lemke --large
+
+# needs nothing but the library
+$(BUILD)/bench/blocks: $(call obj,bench/blocks.c) $(A)
+	@mkdir -p $(@D)
+	$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(LIBS)
+
+.PHONY: bench-blocks
+bench-blocks: $(BUILD)/bench/blocks
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks
 
 # ---- demo, install ------------------------------------------------------------------------------
 

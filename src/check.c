@@ -63,13 +63,35 @@ dls_status dlsi_check_sparse(const char *function, const char *argument, const d
   return dlsi_check_vector(function, argument, A->x, (size_t)A->p[cols], error);
 }
 
-static dls_status check_blocks(const char *function, const dls_blocks *B, int d, int n,
-                               dls_error *error) {
-  if (B->d != d) return dlsi_fail(error, DLS_E_SIZE, function, "Wb.d", -1, B->d, "must be %d", d);
-  if (B->n != n) return dlsi_fail(error, DLS_E_SIZE, function, "Wb.n", -1, B->n, "must be %d", n);
-  dls_status status = check_pattern(function, "Wb.p", "Wb.i", B->p, B->i, n, n, error);
-  if (status) return status;
-  return dlsi_check_vector(function, "Wb.x", B->x, (size_t)B->p[n] * (size_t)(d * d), error);
+/* names: of p, i, x */
+static dls_status check_blocks(const char *function, const char *const names[3],
+                               const dls_blocks *B, dls_error *error) {
+  const dls_status status =
+      check_pattern(function, names[0], names[1], B->p, B->i, B->n, B->n, error);
+  if (status || B->p[B->n] == 0) return status;
+  return dlsi_check_vector(function, names[2], B->x, (size_t)B->p[B->n] * (size_t)(B->d * B->d),
+                           error);
+}
+
+dls_status dlsi_check_blocks(const char *function, const dls_blocks *B, dls_error *error) {
+  static const char *const names[3] = {"B.p", "B.i", "B.x"};
+  if (!B) return dlsi_fail(error, DLS_E_ARGUMENT, function, "B", -1, 0, "is NULL");
+  if (B->d != 2 && B->d != 3)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "B.d", -1, B->d, "is %d, must be 2 or 3",
+                     B->d);
+  if (B->n < 0 || B->n > INT32_MAX / B->d)
+    return dlsi_fail(error, DLS_E_SIZE, function, "B.n", -1, B->n, "is %d", B->n);
+  return check_blocks(function, names, B, error);
+}
+
+static dls_status check_Wb(const char *function, const dls_contact *problem, dls_error *error) {
+  static const char *const names[3] = {"Wb.p", "Wb.i", "Wb.x"};
+  const dls_blocks *B = &problem->Wb;
+  if (B->d != problem->d)
+    return dlsi_fail(error, DLS_E_SIZE, function, "Wb.d", -1, B->d, "must be %d", problem->d);
+  if (B->n != problem->nc)
+    return dlsi_fail(error, DLS_E_SIZE, function, "Wb.n", -1, B->n, "must be %d", problem->nc);
+  return check_blocks(function, names, B, error);
 }
 
 dls_status dlsi_check_contact(const char *function, const dls_contact *problem, dls_error *error) {
@@ -84,7 +106,7 @@ dls_status dlsi_check_contact(const char *function, const dls_contact *problem, 
   const int m = d * nc;
   if (problem->W.a && problem->Wb.x)
     return dlsi_fail(error, DLS_E_ARGUMENT, function, "Wb", -1, 0, "W and Wb are both given");
-  dls_status status = problem->Wb.x ? check_blocks(function, &problem->Wb, d, nc, error)
+  dls_status status = problem->Wb.x ? check_Wb(function, problem, error)
                                     : dlsi_check_dense(function, "W", &problem->W, m, m, error);
   if (status) return status;
   status = dlsi_check_vector(function, "q", problem->q, (size_t)m, error);

@@ -49,49 +49,78 @@ void dlsi_contact_add_columns(const dls_contact *problem, int c, const double *d
     return;
   }
   const dls_blocks *B = &problem->Wb;
-  for (int k = B->p[c]; k < B->p[c + 1]; k++) {
-    double *v = u + (size_t)d * (size_t)B->i[k];
-    const double *x = B->x + (size_t)k * (size_t)(d * d);
-    if (d == 2) {
-      v[0] += x[0] * dr[0] + x[2] * dr[1];
-      v[1] += x[1] * dr[0] + x[3] * dr[1];
-    } else {
-      v[0] += x[0] * dr[0] + x[3] * dr[1] + x[6] * dr[2];
-      v[1] += x[1] * dr[0] + x[4] * dr[1] + x[7] * dr[2];
-      v[2] += x[2] * dr[0] + x[5] * dr[1] + x[8] * dr[2];
+  const double r0 = dr[0], r1 = dr[1], r2 = d == 3 ? dr[2] : 0;
+  const int end = B->p[c + 1];
+  if (d == 2)
+    for (int k = B->p[c]; k < end; k++) {
+      double *v = u + 2 * (size_t)B->i[k];
+      const double *x = B->x + 4 * (size_t)k;
+      const double v0 = v[0] + (x[0] * r0 + x[2] * r1), v1 = v[1] + (x[1] * r0 + x[3] * r1);
+      v[0] = v0;
+      v[1] = v1;
     }
-  }
+  else
+    for (int k = B->p[c]; k < end; k++) {
+      double *v = u + 3 * (size_t)B->i[k];
+      const double *x = B->x + 9 * (size_t)k;
+      const double v0 = v[0] + (x[0] * r0 + x[3] * r1 + x[6] * r2);
+      const double v1 = v[1] + (x[1] * r0 + x[4] * r1 + x[7] * r2);
+      const double v2 = v[2] + (x[2] * r0 + x[5] * r1 + x[8] * r2);
+      v[0] = v0;
+      v[1] = v1;
+      v[2] = v2;
+    }
 }
 
-/* a += |W(:,c)| |r_c| */
-static void add_magnitudes(const dls_contact *problem, int c, const double *r, double *a) {
-  const size_t d = (size_t)problem->d;
-  if (!problem->Wb.x) {
-    const size_t m = d * (size_t)problem->nc, ld = (size_t)problem->W.ld;
-    for (size_t j = 0; j < d; j++) {
-      const double *w = problem->W.a + (d * (size_t)c + j) * ld, s = fabs(r[j]);
-      for (size_t i = 0; i < m; i++)
-        a[i] += fabs(w[i]) * s;
+static int is_zero(size_t d, const double *r) {
+  return r[0] == 0 && r[1] == 0 && (d == 2 || r[2] == 0);
+}
+
+/* dense: W is read once */
+static void multiply_dense(const dls_contact *problem, const double *r, double *u, double *a) {
+  enum { at_once = 16 };
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  int count = 0, c[at_once];
+  double dr[3 * at_once];
+  for (int k = 0; k < problem->nc; k++) {
+    const double *rk = r + d * (size_t)k;
+    if (is_zero(d, rk)) continue; /* W is finite */
+    if (a) {
+      dlsi_contact_add_both(problem, k, rk, u, a);
+      continue;
     }
-    return;
+    memcpy(dr + d * (size_t)count, rk, d * sizeof *dr);
+    c[count++] = k;
+    if (count < at_once) continue;
+    dlsi_contact_add_panel(problem, count, c, dr, 0, m, u);
+    count = 0;
   }
+  dlsi_contact_add_panel(problem, count, c, dr, 0, m, u);
+}
+
+/* a += |W| |r| */
+static void add_magnitudes(const dls_contact *problem, const double *r, double *a) {
+  const size_t d = (size_t)problem->d;
   const dls_blocks *B = &problem->Wb;
-  for (int k = B->p[c]; k < B->p[c + 1]; k++)
-    for (size_t j = 0; j < d; j++)
-      for (size_t i = 0; i < d; i++)
-        a[d * (size_t)B->i[k] + i] += fabs(B->x[(size_t)k * d * d + i + d * j]) * fabs(r[j]);
+  for (size_t c = 0; c < (size_t)problem->nc; c++)
+    for (int k = B->p[c]; k < B->p[c + 1]; k++)
+      for (size_t j = 0; j < d; j++)
+        for (size_t i = 0; i < d; i++)
+          a[d * (size_t)B->i[k] + i] +=
+              fabs(B->x[(size_t)k * d * d + i + d * j]) * fabs(r[d * c + j]);
 }
 
 void dlsi_contact_multiply(const dls_contact *problem, const double *r, double *u, double *a) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   memcpy(u, problem->q, m * sizeof *u);
   if (a) memset(a, 0, m * sizeof *a);
-  for (int c = 0; c < problem->nc; c++) {
-    const double *rc = r + d * (size_t)c;
-    if (rc[0] == 0 && rc[1] == 0 && (d == 2 || rc[2] == 0)) continue; /* W is finite */
-    dlsi_contact_add_columns(problem, c, rc, u);
-    if (a) add_magnitudes(problem, c, rc, a);
+  if (!problem->Wb.x) {
+    multiply_dense(problem, r, u, a);
+    return;
   }
+  for (int c = 0; c < problem->nc; c++)
+    if (!is_zero(d, r + d * (size_t)c)) dlsi_contact_add_columns(problem, c, r + d * (size_t)c, u);
+  if (a) add_magnitudes(problem, r, a);
 }
 
 /* ---- blocks by component --------------------------------------------------------------------- */
@@ -196,8 +225,11 @@ void dlsi_contact_weights(const dls_contact *problem, double *w) {
     if (!(w[c] > 0)) w[c] = mean;
 }
 
+/* hypot costs ten times the square root, and differs where the squares leave the range of doubles */
 static double tangent_norm(int d, const double *v) {
-  return d == 2 ? fabs(v[1]) : hypot(v[1], v[2]);
+  if (d == 2) return fabs(v[1]);
+  const double s = v[1] * v[1] + v[2] * v[2];
+  return s > 1e-280 && s < 1e280 ? sqrt(s) : hypot(v[1], v[2]);
 }
 
 dls_contact_state dlsi_project_cone(int d, double mu, const double *v, double *p) {

@@ -34,6 +34,7 @@ dls_status dlsi_check_dense(const char *function, const char *argument, const dl
                             int rows, int cols, dls_error *error);
 dls_status dlsi_check_sparse(const char *function, const char *argument, const dls_sparse *A,
                              int rows, int cols, dls_error *error);
+dls_status dlsi_check_blocks(const char *function, const dls_blocks *B, dls_error *error);
 dls_status dlsi_check_contact(const char *function, const dls_contact *problem, dls_error *error);
 
 /* What the settings of every iterative solver hold: tol >= 0 and finite, max_iterations >= 1,
@@ -84,6 +85,10 @@ void dlsi_contact_add_columns(const dls_contact *problem, int c, const double *d
  * end-1 of u only. */
 void dlsi_contact_add_panel(const dls_contact *problem, int count, const int *c, const double *dr,
                             size_t first, size_t end, double *u);
+
+/* u += W(:,c) dr and a += |W(:,c)| |dr| for the d columns of candidate c, W dense. */
+void dlsi_contact_add_both(const dls_contact *problem, int c, const double *dr, double *u,
+                           double *a);
 
 /* u := W r + q and, if a is not NULL, a := |W| |r|. */
 void dlsi_contact_multiply(const dls_contact *problem, const double *r, double *u, double *a);

@@ -7,6 +7,8 @@
  *
  * This file is compiled with -O3 (Makefile): the loops over i are those that vectorise.
  */
+#include <math.h>
+
 #include "dlsi.h"
 
 /* Where the linker can choose at load time, the loops exist with AVX2, too: 10 % faster on W that
@@ -61,6 +63,34 @@ CLONES static void add_four_3d(size_t rows, const double *const w[4], size_t ld,
     v += c0[i] * x6 + c1[i] * x7 + c2[i] * x8;
     u[i] = v + (d0[i] * x9 + d1[i] * x10 + d2[i] * x11);
   }
+}
+
+/* ... and a += |W(:,c)| |dr_c| */
+CLONES static void add_both_2d(size_t rows, column w, size_t ld, const double *x,
+                               double *restrict u, double *restrict a) {
+  column v = w + ld;
+  const double x0 = x[0], x1 = x[1], y0 = fabs(x0), y1 = fabs(x1);
+  for (size_t i = 0; i < rows; i++) {
+    u[i] += w[i] * x0 + v[i] * x1;
+    a[i] += fabs(w[i]) * y0 + fabs(v[i]) * y1;
+  }
+}
+
+CLONES static void add_both_3d(size_t rows, column w, size_t ld, const double *x,
+                               double *restrict u, double *restrict a) {
+  column v = w + ld, t = v + ld;
+  const double x0 = x[0], x1 = x[1], x2 = x[2], y0 = fabs(x0), y1 = fabs(x1), y2 = fabs(x2);
+  for (size_t i = 0; i < rows; i++) {
+    u[i] += w[i] * x0 + v[i] * x1 + t[i] * x2;
+    a[i] += fabs(w[i]) * y0 + fabs(v[i]) * y1 + fabs(t[i]) * y2;
+  }
+}
+
+void dlsi_contact_add_both(const dls_contact *problem, int c, const double *dr, double *u,
+                           double *a) {
+  const size_t d = (size_t)problem->d, ld = (size_t)problem->W.ld;
+  (d == 2 ? add_both_2d : add_both_3d)(d * (size_t)problem->nc, problem->W.a + d * (size_t)c * ld,
+                                       ld, dr, u, a);
 }
 
 void dlsi_contact_add_panel(const dls_contact *problem, int count, const int *c, const double *dr,

@@ -21,7 +21,9 @@
  * found by Newton on 1/|r_t| - 1/(mu r_n), almost linear in l (More and Sorensen's secular form),
  * by Newton on h where r_n <= 0, and by bisection where that leaves the bracket. (L5) then makes
  * u_n = 0 and |r_t| = mu r_n hold to rounding; what is left is the angle between u_t and -r_t.
- * A singular S needs no care: its stick solutions are the limit l -> 0 of (L4).
+ * A singular S needs no care: its stick solutions are the limit l -> 0 of (L4). r_t(l) is had by
+ * Cramer's rule, one division: (L5) takes no more than its direction. Stick takes its length, too, so
+ * that (L3) is by LU; it is not tried where h(0) > 0 shows without a division.
  *
  * (L4) squared is a quartic in l: its positive roots give all slip solutions in 3D, and so
  * how many solutions there are. That is for the count, and for W that is not positive semidefinite,
@@ -41,6 +43,12 @@ static const double rounding = 1e-12;
 
 /* solutions that differ by less than this part of r_n, r_t are one; |h| this close to 0 is no pole */
 static const double same = 1e-8;
+
+/* a step of this part of l: the next one would be of its square */
+static const double last_step = 1e-8;
+
+/* the rounding of det, N and E, over a condition of S of up to 1 / doubt, stays far below this */
+static const double doubt = 1e-6;
 
 static dls_local_state set(int d, double *r, double n, double t, double s, dls_local_state state) {
   r[0] = n;
@@ -152,39 +160,45 @@ static int count_2d(const double *W, const double *q, double mu) {
 typedef struct schur {
   double a, inv_a, b[2], qn, mu;
   double S[4], z[2]; /* S column-major */
+  double N[2];       /* adj(S) z */
+  double det, trace; /* of S */
   double scale;      /* of l */
 } schur;
 
 static schur schur_complement(const double *W, const double *q, double mu) {
   const double a = W[0], inv_a = 1 / a, c0 = W[1] * inv_a, c1 = W[2] * inv_a, b0 = W[3], b1 = W[6];
-  schur s = {a, inv_a, {b0, b1}, q[0], mu, {0}, {q[1] - c0 * q[0], q[2] - c1 * q[0]}, 0};
+  const double z0 = q[1] - c0 * q[0], z1 = q[2] - c1 * q[0];
+  schur s = {.a = a, .inv_a = inv_a, .b = {b0, b1}, .qn = q[0], .mu = mu, .z = {z0, z1}};
   s.S[0] = W[4] - c0 * b0;
   s.S[1] = W[5] - c1 * b0;
   s.S[2] = W[7] - c0 * b1;
   s.S[3] = W[8] - c1 * b1;
   s.scale = 0.5 * (fabs(W[4]) + fabs(W[8]));
   if (!(s.scale > 0)) s.scale = a;
+  s.N[0] = s.S[3] * z0 - s.S[2] * z1;
+  s.N[1] = s.S[0] * z1 - s.S[1] * z0;
+  s.det = s.S[0] * s.S[3] - s.S[1] * s.S[2];
+  s.trace = s.S[0] + s.S[3];
   return s;
 }
 
-/* LU factors of S + l I, rows pivoted */
+/* LU factors of S, rows pivoted */
 typedef struct lu {
   int p;
   double f, u01, inv0, inv1;
 } lu;
 
-static lu factor(const double *S, double l) {
-  const double s[4] = {S[0] + l, S[1], S[2], S[3] + l};
+static lu factor(const double *S) {
   lu x;
-  x.p = fabs(s[1]) > fabs(s[0]);
-  x.inv0 = 1 / s[x.p];
-  x.f = s[1 - x.p] * x.inv0;
-  x.u01 = s[2 + x.p];
-  x.inv1 = 1 / (s[3 - x.p] - x.f * x.u01);
+  x.p = fabs(S[1]) > fabs(S[0]);
+  x.inv0 = 1 / S[x.p];
+  x.f = S[1 - x.p] * x.inv0;
+  x.u01 = S[2 + x.p];
+  x.inv1 = 1 / (S[3 - x.p] - x.f * x.u01);
   return x;
 }
 
-/* x := -(S + l I)^-1 z */
+/* x := -S^-1 z */
 static void solve(const lu *k, const double *z, double *x) {
   x[1] = -(z[1 - k->p] - k->f * z[k->p]) * k->inv1;
   x[0] = -(z[k->p] + k->u01 * x[1]) * k->inv0;
@@ -203,39 +217,68 @@ static int on_cone(const schur *s, const double *t, double *r) {
   return r[0] > 0 && s->mu * r[0] <= DBL_MAX && r[0] <= DBL_MAX && n <= DBL_MAX;
 }
 
-/* (L3) and (L4) for q_n < 0; DLS_LOCAL_NONE if no root was found. After l = 0 the search goes on from
- * guess, if that is > 0. */
-static dls_local_state stick_or_slip(const schur *s, double guess, double *r) {
+/* 1 only if h(0) > 0, beyond doubt: there r_t = -N / det, r_n = -E / (a det) */
+static int slides(const schur *s) {
+  const double E = s->qn * s->det - (s->b[0] * s->N[0] + s->b[1] * s->N[1]);
+  const double t2 = s->N[0] * s->N[0] + s->N[1] * s->N[1], m = s->mu * E * s->inv_a;
+  return s->det > doubt * s->trace * s->trace && (E >= 0 || t2 * (1 - doubt) > m * m);
+}
+
+/* (L3): 1 if r is in the cone */
+static int stick_3d(const schur *s, double *r) {
+  const lu k = factor(s->S);
+  solve(&k, s->z, r + 1);
+  r[0] = normal(s, r + 1);
+  return r[0] > 0 && r[0] <= DBL_MAX && sqrt(r[1] * r[1] + r[2] * r[2]) <= s->mu * r[0];
+}
+
+/* r_t(l) = -(N + l z) / D, D = det(S + l I) */
+typedef struct cramer {
+  double t[2], inv; /* 1 / D */
+} cramer;
+
+static cramer tangent(const schur *s, double l) {
+  cramer c = {.inv = 1 / (s->det + (s->trace + l) * l)};
+  for (int i = 0; i < 2; i++)
+    c.t[i] = -(s->N[i] + l * s->z[i]) * c.inv;
+  return c;
+}
+
+/* The step from l: Newton's for 1/|r_t| - 1/m, m = mu r_n, or for h = n - m, n = |r_t|, if m <= 0 */
+static double newton(const schur *s, double l, const cramer *c, double n, double m) {
+  const double dD = s->trace + 2 * l, h = n - m;
+  const double dt[2] = {-(s->z[0] + dD * c->t[0]) * c->inv, -(s->z[1] + dD * c->t[1]) * c->inv};
+  const double tdt = c->t[0] * dt[0] + c->t[1] * dt[1]; /* n n' */
+  const double dm = -s->mu * (s->b[0] * dt[0] + s->b[1] * dt[1]) * s->inv_a;
+  return m > 0 ? h * n * n * m / (dm * n * n * n - tdt * m * m) : h * n / (dm * n - tdt);
+}
+
+/* (L4) for q_n < 0 from guess, or from 0 if that is not > 0; DLS_LOCAL_NONE if no root was found. */
+static dls_local_state slip_3d(const schur *s, double guess, double *r) {
   enum { most_steps = 100 };
-  double l = 0, lo = 0, hi = INFINITY;
+  double l = guess > 0 && guess <= DBL_MAX ? guess : 0, lo = 0, hi = INFINITY;
   for (int step = 0; step < most_steps; step++) {
-    const lu k = factor(s->S, l);
-    double t[2], dt[2]; /* r_t(l) and its derivative */
-    solve(&k, s->z, t);
-    solve(&k, t, dt);
-    const double n2 = t[0] * t[0] + t[1] * t[1], n = sqrt(n2);
-    const double rn = normal(s, t), m = s->mu * rn, h = n - m;
-    /* (L3): u_t = -l r_t is 0 or below the rounding of z */
+    const cramer c = tangent(s, l);
+    const double n = sqrt(c.t[0] * c.t[0] + c.t[1] * c.t[1]), rn = normal(s, c.t);
+    const double m = s->mu * rn, h = n - m, size = n + fabs(m);
+    /* u_t = -l r_t is below the rounding of z: (L3) on the edge of the cone */
     if (h <= 0 && rn <= DBL_MAX && l * n <= 4 * DBL_EPSILON * (fabs(s->z[0]) + fabs(s->z[1]))) {
-      set(3, r, rn, t[0], t[1], DLS_LOCAL_STICK);
+      set(3, r, rn, c.t[0], c.t[1], DLS_LOCAL_STICK);
       return DLS_LOCAL_STICK;
     }
-    if (fabs(h) <= 4 * DBL_EPSILON * (n + fabs(m)) || hi - lo <= 2 * DBL_EPSILON * l) {
-      const int root = fabs(h) <= same * (n + fabs(m)); /* and not a pole of r_t */
-      return on_cone(s, t, r) && root ? DLS_LOCAL_SLIP : DLS_LOCAL_NONE;
+    if (fabs(h) <= 4 * DBL_EPSILON * size || hi - lo <= 2 * DBL_EPSILON * l) {
+      const int root = fabs(h) <= same * size; /* and not a pole of r_t */
+      return on_cone(s, c.t, r) && root ? DLS_LOCAL_SLIP : DLS_LOCAL_NONE;
     }
     if (h <= 0)
       hi = l;
     else
       lo = l; /* also where S is singular and t is not finite */
-    if (step == 0 && guess > 0 && guess <= DBL_MAX) {
-      l = guess;
-      continue;
+    const double next = l + newton(s, l, &c, n, m);
+    if (fabs(next - l) <= last_step * l && fabs(h) <= same * size) {
+      const cramer last = tangent(s, next);
+      return on_cone(s, last.t, r) ? DLS_LOCAL_SLIP : DLS_LOCAL_NONE;
     }
-    const double tdt = t[0] * dt[0] + t[1] * dt[1]; /* n n' */
-    const double dm = -s->mu * (s->b[0] * dt[0] + s->b[1] * dt[1]) * s->inv_a;
-    const double next =
-        l + (m > 0 ? h * n2 * m / (dm * n2 * n - tdt * m * m) : h * n / (dm * n - tdt));
     if (next > lo && next < hi)
       l = next;
     else if (!(hi < INFINITY))
@@ -325,24 +368,17 @@ static int all_slips(const schur *s, point *points) {
   return found;
 }
 
-static int sticks_3d(const schur *s, point *p) {
-  const lu k = factor(s->S, 0);
-  solve(&k, s->z, p->r + 1);
-  p->r[0] = normal(s, p->r + 1);
-  p->state = DLS_LOCAL_STICK;
-  return p->r[0] > 0 && hypot(p->r[1], p->r[2]) <= s->mu * p->r[0];
-}
-
 dls_local_state dlsi_local_3d(const double *W, const double *q, double mu, double guess,
                               double *r) {
   if (q[0] >= 0) return set(3, r, 0, 0, 0, DLS_LOCAL_FREE); /* (L1) */
   if (mu == 0) return frictionless(3, W, q, r);
   if (!(W[0] > 0)) return least_bad(3, W, q, mu, &apart, 1, r);
   const schur s = schur_complement(W, q, mu);
-  const dls_local_state state = stick_or_slip(&s, guess, r);
+  if (!slides(&s) && stick_3d(&s, r)) return DLS_LOCAL_STICK;
+  const dls_local_state state = slip_3d(&s, guess, r);
   if (state != DLS_LOCAL_NONE) return state;
-  point points[6] = {apart, apart};
-  (void)sticks_3d(&s, &points[1]);
+  point points[6] = {apart, {.state = DLS_LOCAL_STICK}};
+  (void)stick_3d(&s, points[1].r);
   const int n = 2 + all_slips(&s, points + 2);
   return least_bad(3, W, q, mu, points, n, r);
 }
@@ -355,8 +391,9 @@ static int count_3d(const double *W, const double *q, double mu) {
   if (n && !(mu * hypot(W[3], W[6]) > W[0])) return n;
   if (mu == 0) return n + (q[0] < 0);
   const schur s = schur_complement(W, q, mu);
-  point stick = apart, slip[4];
-  n += sticks_3d(&s, &stick);
+  point slip[4];
+  double stick[3];
+  n += stick_3d(&s, stick);
   return n + all_slips(&s, slip);
 }
 

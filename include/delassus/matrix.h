@@ -37,6 +37,21 @@ typedef struct dls_blocks {
   const double *x; /* d * d * p[n] */
 } dls_blocks;
 
+/* *count := how many d x d blocks of A (square, d = 2 or 3 times n rows) are not all zeros.
+ * DLS_E_ARGUMENT, DLS_E_NOT_FINITE; DLS_E_SIZE, also for more than INT_MAX. */
+DLS_API DLS_MUST_USE dls_status dls_blocks_count(const dls_dense *A, int d, int *count,
+                                                 dls_error *error);
+
+/* *B := those blocks, block rows increasing: a view of p (n + 1), i (count) and x (d d count), the
+ * caller's, filled here; they must not overlap A. Errors as above. */
+DLS_API DLS_MUST_USE dls_status dls_blocks_from_dense(const dls_dense *A, int d, int *p, int *i,
+                                                      double *x, dls_blocks *B, dls_error *error);
+
+/* a := B, dense, d n columns of leading dimension ld >= d n, the caller's; must not overlap B.
+ * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE. */
+DLS_API DLS_MUST_USE dls_status dls_blocks_to_dense(const dls_blocks *B, double *a, int ld,
+                                                    dls_error *error);
+
 #ifdef __cplusplus
 }
 #endif

@@ -4,9 +4,9 @@
  * steps where Gauss-Seidel needs hundreds of sweeps; each one is an LU of the unknowns that the
  * states of the candidates leave: none for a free one, d for one that sticks, d - 1 for one that slips.
  *
- * Dense LU for a dense W, and for W by blocks up to 250 such unknowns; beyond that sparse LU by
- * MUMPS, whose Fortran modules hold process-wide variables: no two threads may be in MUMPS at once.
- * A library built without MUMPS factorises dense there, too.
+ * Dense LU for a dense W, for a W by blocks with a quarter of all blocks or more, and up to 250 such
+ * unknowns; else sparse LU by MUMPS, whose Fortran modules hold process-wide variables: no two
+ * threads may be in MUMPS at once. A library built without MUMPS factorises dense there, too.
  */
 #ifndef DELASSUS_NEWTON_H
 #define DELASSUS_NEWTON_H
@@ -39,9 +39,9 @@ typedef struct dls_newton dls_newton;
 /* *out = new workspace, NULL on error; the settings are copied. With m = d nc it holds
  *
  *   (14 + d) m + 9 nc doubles (without sweeps 10 m + 8 nc), and for the matrix
- *   blocks = 0, or m <= 250, or no MUMPS    m^2 doubles
- *   blocks > 0                              250^2 doubles; 2 doubles and 3 ints for each of the
- *                                           d d blocks + m entries
+ *   sparse: 0 < blocks < nc^2 / 4, m > 250, and MUMPS is there
+ *           250^2 doubles; 2 doubles and 3 ints for each of d d blocks + m entries
+ *   dense:  m^2 doubles
  *
  * and up to 12 kB. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_newton_create(dls_newton **out, int d, int nc,

@@ -1,0 +1,224 @@
+/*
+ * blocks.c: W dense and by blocks beside the yardsticks of the same memory, in one run, in turn.
+ *
+ *   dense    u = W r + q, the same with |W| |r|, one column block, and a Gauss-Seidel sweep in which
+ *            all candidates change: over one dgemv
+ *   blocks   u = W r + q, and a sweep: over reading the same bytes once
+ *
+ * CPU time, the least of several rounds. Dense: W_ab = exp(-|a - b| / 30) on normals, 0.8 of it on
+ * tangents, 1e-3 more on the diagonal, everything pressed and pushed, mu = 0.5. Blocks: so many
+ * symmetric pairs in a band at random places as give the density named.
+ */
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "blas.h"
+#include "delassus/nlgs.h"
+#include "dlsi.h"
+
+enum { rounds = 9, few = 8, many = 24 };
+static const double shortest = 4e-3; /* s, of a round of one thing */
+
+static uint64_t seed = 88172645463325252u;
+
+/* uniform in (-1, 1) */
+static double uniform(void) {
+  seed ^= seed << 13;
+  seed ^= seed >> 7;
+  seed ^= seed << 17;
+  return ((double)(seed >> 11) + 0.5) * 0x1p-52 - 1;
+}
+
+static void *need(size_t count, size_t size) {
+  void *p = calloc(count ? count : 1, size);
+  if (p) return p;
+  fputs("blocks: out of memory\n", stderr);
+  exit(1);
+}
+
+static void must(dls_status status, const dls_error *error) {
+  if (status >= 0) return;
+  fprintf(stderr, "blocks: %s\n", error->message);
+  exit(1);
+}
+
+/* what is timed, and what it works on */
+typedef struct work {
+  dls_contact problem;
+  double *r, *u, *a;
+  double sum; /* of what was read */
+} work;
+
+static void multiply(work *w) {
+  dlsi_contact_multiply(&w->problem, w->r, w->u, NULL);
+}
+
+static void multiply_magnitudes(work *w) {
+  dlsi_contact_multiply(&w->problem, w->r, w->u, w->a);
+}
+
+/* the columns of all candidates, one after the other */
+static void columns(work *w) {
+  const size_t d = (size_t)w->problem.d;
+  for (int c = 0; c < w->problem.nc; c++)
+    dlsi_contact_add_columns(&w->problem, c, w->r + d * (size_t)c, w->u);
+}
+
+static void yard(work *w) {
+  const dls_dense *A = &w->problem.W;
+  const double one = 1;
+  const int step = 1;
+  memcpy(w->u, w->problem.q, (size_t)A->rows * sizeof *w->u);
+  dgemv_("N", &A->rows, &A->cols, &one, A->a, &A->ld, w->r, &step, &one, w->u, &step, 1);
+}
+
+/* eight sums, so that the additions do not wait for each other */
+static void stream(work *w) {
+  const dls_blocks *B = &w->problem.Wb;
+  const size_t blocks = (size_t)B->p[B->n], entries = (size_t)(B->d * B->d) * blocks;
+  double s[8] = {0};
+  int t = 0;
+  for (size_t k = 0; k + 8 <= entries; k += 8)
+    for (int e = 0; e < 8; e++)
+      s[e] += B->x[k + (size_t)e];
+  for (size_t k = 0; k < blocks; k++)
+    t ^= B->i[k];
+  for (int e = 0; e < 8; e++)
+    w->sum += s[e];
+  w->sum += t;
+}
+
+static void solve(work *w, int sweeps) {
+  dls_nlgs_settings s;
+  dls_nlgs_settings_init(&s);
+  s.tol = 0;
+  s.max_iterations = sweeps;
+  dls_nlgs *nlgs;
+  dls_error error;
+  must(dls_nlgs_create(&nlgs, w->problem.d, w->problem.nc, &s, &error), &error);
+  must(dls_nlgs_solve(nlgs, &w->problem, w->a, NULL, NULL, &error), &error);
+  dls_nlgs_destroy(nlgs);
+}
+
+static void solve_few(work *w) {
+  solve(w, few);
+}
+static void solve_many(work *w) {
+  solve(w, many);
+}
+
+/* t[k] := least CPU time of one call of f[k] */
+static void race(int n, void (*const f[])(work *), work *w, double *t) {
+  for (int k = 0; k < n; k++)
+    t[k] = INFINITY;
+  for (int round = 0; round < rounds; round++)
+    for (int k = 0; k < n; k++) {
+      int calls = 0;
+      const clock_t start = clock();
+      double cpu;
+      do {
+        f[k](w);
+        calls++;
+        cpu = (double)(clock() - start) / CLOCKS_PER_SEC;
+      } while (cpu < shortest);
+      if (cpu / calls < t[k]) t[k] = cpu / calls;
+    }
+}
+
+static void prepare(work *w, int d, int nc) {
+  const size_t m = (size_t)(d * nc);
+  double *q = need(m, sizeof *q), *mu = need((size_t)nc, sizeof *mu);
+  *w = (work){.problem = {.d = d, .nc = nc, .q = q, .mu = mu},
+              .r = need(m, sizeof *w->r),
+              .u = need(m, sizeof *w->u),
+              .a = need(m, sizeof *w->a)};
+  for (size_t k = 0; k < m; k++) {
+    const double x = (double)(k / (size_t)d) / 40;
+    q[k] = k % (size_t)d == 0 ? -1 + 0.1 * sin(x) : 0.4 + 0.2 * cos(x + (double)(k % (size_t)d));
+    w->r[k] = uniform();
+    mu[k / (size_t)d] = 0.5;
+  }
+}
+
+static void release(work *w) {
+  free((void *)w->problem.q);
+  free((void *)w->problem.mu);
+  free(w->r);
+  free(w->u);
+  free(w->a);
+}
+
+static void dense(int d, int m) {
+  work w;
+  prepare(&w, d, m / d);
+  double *W = need((size_t)m * (size_t)m, sizeof *W);
+  for (int j = 0; j < m; j++)
+    for (int i = j % d; i < m; i += d)
+      W[(size_t)i + (size_t)j * (size_t)m] =
+          (j % d ? 0.8 : 1) * exp(-abs(i / d - j / d) / 30.) + 1e-3 * (i == j);
+  w.problem.W = (dls_dense){m, m, m, W};
+  void (*const all[])(work *) = {yard,    multiply,  multiply_magnitudes,
+                                 columns, solve_few, solve_many};
+  double t[6];
+  race(6, all, &w, t);
+  const double entries = (double)m * m;
+  printf("| %dD | %d | %.2f | %.1f | %.2f | %.2f | %.2f | %.2f |\n", d, m, 2e-9 * entries / t[0],
+         8e-9 * entries / t[0], t[1] / t[0], t[2] / t[0], t[3] / t[0],
+         (t[5] - t[4]) / (many - few) / t[0]);
+  free(W);
+  release(&w);
+}
+
+static void by_blocks(int d, int nc, int per_column) {
+  work w;
+  prepare(&w, d, nc);
+  const int band = 10 * per_column;
+  int *p = need((size_t)nc + 1, sizeof *p);
+  int *i = need((size_t)(nc * (per_column + 1)), sizeof *i);
+  double *x = need((size_t)(d * d * nc) * (size_t)(per_column + 1), sizeof *x);
+  int k = 0;
+  for (int b = 0; b < nc; b++) {
+    for (int e = 0; e < per_column; e++) {
+      const int a = e == 0 ? b : (int)(b + uniform() * band + 2 * nc) % nc;
+      for (int f = 0; f < d * d; f++)
+        x[d * d * k + f] = e == 0 ? (f % (d + 1) == 0 ? 2 : 0) : uniform() / per_column;
+      i[k++] = a;
+    }
+    p[b + 1] = k;
+  }
+  w.problem.Wb = (dls_blocks){d, nc, p, i, x};
+  void (*const all[])(work *) = {stream, multiply, solve_few, solve_many};
+  double t[4];
+  race(4, all, &w, t);
+  const double bytes = k * (8. * d * d + 4);
+  printf("| %dD | %d | %d | %.1f | %.1f | %.2f | %.2f | %.2f | %.0f |\n", d, nc, k, 1e-6 * bytes,
+         1e-9 * bytes / t[0], 2e-9 * d * d * k / t[1], t[1] / t[0],
+         (t[3] - t[2]) / (many - few) / t[0], 1e9 * (t[3] - t[2]) / (many - few) / nc);
+  free(p);
+  free(i);
+  free(x);
+  release(&w);
+}
+
+int main(void) {
+  const int rows[] = {126, 504, 1002, 2004, 4002};
+  puts("| dense | m | dgemv GFlop/s | GB/s | u = W r + q | with abs(W) abs(r) | by columns | sweep "
+       "|");
+  puts("|---|---|---|---|---|---|---|---|");
+  for (int d = 2; d <= 3; d++)
+    for (int k = 0; k < 5; k++)
+      dense(d, rows[k]);
+  puts("\n| blocks | candidates | blocks | MB | stream GB/s | GFlop/s | u = W r + q | sweep | ns "
+       "per candidate |");
+  puts("|---|---|---|---|---|---|---|---|---|");
+  for (int d = 2; d <= 3; d++)
+    for (int nc = 500; nc <= 128000; nc *= 16) {
+      by_blocks(d, nc, 5);
+      by_blocks(d, nc, 25);
+    }
+  return 0;
+}
