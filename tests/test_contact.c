@@ -504,6 +504,164 @@ START_TEST(a_runaway_is_never_certified) {
 }
 END_TEST
 
+/* ---- dense and by blocks --------------------------------------------------------------------- */
+
+/* n x n blocks, a third of them zero, some by one entry only; with room between the columns */
+enum { many = 7, wide = 3 * many + 2 };
+
+static void sparse_matrix(int d, double *a) {
+  for (int k = 0; k < wide * wide; k++)
+    a[k] = NAN; /* beyond the matrix: never looked at */
+  for (int j = 0; j < d * many; j++)
+    for (int i = 0; i < d * many; i++) {
+      const int c = (3 * (i / d) + 5 * (j / d)) % 6;
+      const int one = i % d == d - 1 && j % d == 0;
+      a[i + wide * j] = c < 2 ? (c ? -0.0 : 0) : c == 2 && !one ? 0 : 1 + i + 100 * j;
+    }
+}
+
+START_TEST(there_and_back) {
+  const int d = _i;
+  double a[wide * wide], b[wide * wide], x[9 * many * many];
+  int p[many + 1], i[many * many], count;
+  dls_blocks B;
+  sparse_matrix(d, a);
+  const dls_dense A = {d * many, d * many, wide, a};
+  ck_assert_int_eq(dls_blocks_count(&A, d, &count, NULL), DLS_OK);
+  ck_assert_int_eq(dls_blocks_from_dense(&A, d, p, i, x, &B, NULL), DLS_OK);
+  ck_assert(B.d == d && B.n == many && B.p == p && B.i == i && B.x == x);
+  ck_assert(p[0] == 0 && p[many] == count && count > many * many / 2 && count < many * many);
+  for (int c = 0; c < many; c++)
+    for (int k = p[c]; k < p[c + 1]; k++) {
+      int zeros = 0;
+      ck_assert(k == p[c] || i[k - 1] < i[k]);
+      for (int e = 0; e < d * d; e++)
+        zeros += x[d * d * k + e] == 0;
+      ck_assert_int_lt(zeros, d * d);
+    }
+  for (int k = 0; k < wide * wide; k++)
+    b[k] = 7;
+  ck_assert_int_eq(dls_blocks_to_dense(&B, b, wide, NULL), DLS_OK);
+  for (int l = 0; l < wide; l++)
+    for (int k = 0; k < wide; k++) {
+      const int within = k < d * many && l < d * many;
+      ck_assert(b[k + wide * l] == (within ? a[k + wide * l] : l < d * many || !within ? 7 : 0));
+    }
+
+  /* blocks of the same place add up; nothing is nothing */
+  const int two[2] = {0, 2}, same[2] = {0, 0};
+  double twice[18];
+  for (int e = 0; e < 2 * d * d; e++)
+    twice[e] = e + 1;
+  const dls_blocks C = {d, 1, two, same, twice};
+  ck_assert_int_eq(dls_blocks_to_dense(&C, b, d, NULL), DLS_OK);
+  for (int e = 0; e < d * d; e++)
+    ck_assert(b[e] == 2 * (e + 1) + d * d);
+  for (int k = 0; k < wide * wide; k++)
+    a[k] = 0;
+  ck_assert_int_eq(dls_blocks_from_dense(&A, d, p, i, x, &B, NULL), DLS_OK);
+  ck_assert_int_eq(p[many], 0);
+  ck_assert_int_eq(dls_blocks_to_dense(&B, b, wide, NULL), DLS_OK);
+  for (int k = 0; k < d * many; k++)
+    ck_assert(b[k] == 0);
+}
+END_TEST
+
+/* u = W r + q and the certificate do not depend on the storage */
+START_TEST(storages_agree) {
+  const int d = _i, m = d * many;
+  double a[wide * wide], x[9 * many * many], r[3 * many], q[3 * many], mu[many], u[2][3 * many];
+  int p[many + 1], i[many * many];
+  sparse_matrix(d, a);
+  for (int k = 0; k < m; k++) {
+    r[k] = k % 4 ? 1. / (k + 1) : 0;
+    q[k] = k - 5;
+    mu[k / d] = 0.5;
+  }
+  dls_contact problem = {.d = d, .nc = many, .W = {m, m, wide, a}, .q = q, .mu = mu};
+  dls_certificate c[2];
+  ck_assert_int_eq(dls_contact_certify(&problem, r, u[0], &c[0], NULL), DLS_OK);
+  ck_assert_int_eq(dls_blocks_from_dense(&problem.W, d, p, i, x, &problem.Wb, NULL), DLS_OK);
+  problem.W = (dls_dense){0};
+  ck_assert_int_eq(dls_contact_certify(&problem, r, u[1], &c[1], NULL), DLS_OK);
+  ck_assert_mem_eq(u[0], u[1], (size_t)m * sizeof(double));
+  ck_assert_mem_eq(&c[0], &c[1], sizeof c[0]);
+}
+END_TEST
+
+static void refuses_conversion(dls_status status, const char *argument, const dls_dense *A, int d,
+                               const dls_blocks *B, int ld) {
+  int p[many + 1] = {7}, i[many * many] = {7}, count = 7;
+  double x[9 * many * many] = {7};
+  dls_error error;
+  if (A) {
+    dls_blocks out = {.d = 7};
+    ck_assert_int_eq(dls_blocks_count(A, d, &count, &error), status);
+    ck_assert_str_eq(error.argument, argument);
+    ck_assert_int_eq(dls_blocks_from_dense(A, d, p, i, x, &out, &error), status);
+    ck_assert(p[0] == 7 && i[0] == 7 && x[0] == 7 && count == 7 && out.d == 7);
+  } else
+    ck_assert_int_eq(dls_blocks_to_dense(B, x, ld, &error), status);
+  ck_assert(x[0] == 7);
+  ck_assert_str_eq(error.argument, argument);
+}
+
+START_TEST(bad_conversion) {
+  double a[16] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16};
+  int p[3], i[4], count;
+  double x[16];
+  dls_blocks B;
+  dls_error error;
+  dls_dense A = {4, 4, 4, a};
+  ck_assert_int_eq(dls_blocks_count(NULL, 2, &count, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "A");
+  ck_assert_int_eq(dls_blocks_count(&A, 2, NULL, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "count");
+  refuses_conversion(DLS_E_ARGUMENT, "d", &A, 4, NULL, 0);
+  refuses_conversion(DLS_E_SIZE, "A", &A, 3, NULL, 0);
+  A.cols = 2;
+  refuses_conversion(DLS_E_SIZE, "A", &A, 2, NULL, 0);
+  A = (dls_dense){4, 4, 3, a};
+  refuses_conversion(DLS_E_SIZE, "A", &A, 2, NULL, 0);
+  A = (dls_dense){4, 4, 4, NULL};
+  refuses_conversion(DLS_E_ARGUMENT, "A", &A, 2, NULL, 0);
+  A.a = a;
+  a[9] = NAN;
+  refuses_conversion(DLS_E_NOT_FINITE, "A", &A, 2, NULL, 0);
+  a[9] = 10;
+  ck_assert_int_eq(dls_blocks_from_dense(&A, 2, NULL, i, x, &B, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "p");
+  ck_assert_int_eq(dls_blocks_from_dense(&A, 2, p, NULL, x, &B, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "i");
+  ck_assert_int_eq(dls_blocks_from_dense(&A, 2, p, i, NULL, &B, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "x");
+  ck_assert_int_eq(dls_blocks_from_dense(&A, 2, p, i, x, NULL, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "B");
+
+  ck_assert_int_eq(dls_blocks_from_dense(&A, 2, p, i, x, &B, &error), DLS_OK);
+  refuses_conversion(DLS_E_ARGUMENT, "B", NULL, 0, NULL, 4);
+  refuses_conversion(DLS_E_SIZE, "ld", NULL, 0, &B, 3);
+  dls_blocks bad = B;
+  bad.d = 1;
+  refuses_conversion(DLS_E_ARGUMENT, "B.d", NULL, 0, &bad, 4);
+  bad = B;
+  bad.n = -1;
+  refuses_conversion(DLS_E_SIZE, "B.n", NULL, 0, &bad, 4);
+  bad = B;
+  bad.p = NULL;
+  refuses_conversion(DLS_E_ARGUMENT, "B.p", NULL, 0, &bad, 4);
+  bad = B;
+  bad.i = NULL;
+  refuses_conversion(DLS_E_ARGUMENT, "B.i", NULL, 0, &bad, 4);
+  i[2] = 2;
+  refuses_conversion(DLS_E_ARGUMENT, "B.i", NULL, 0, &B, 4);
+  i[2] = 0;
+  x[5] = INFINITY;
+  refuses_conversion(DLS_E_NOT_FINITE, "B.x", NULL, 0, &B, 4);
+  ck_assert_int_eq(dls_blocks_to_dense(&bad, NULL, 4, &error), DLS_E_ARGUMENT);
+}
+END_TEST
+
 int main(void) {
   Suite *suite = suite_create("contact");
   TCase *tcase = tcase_create("contact");
@@ -526,6 +684,11 @@ int main(void) {
   tcase_add_test(tcase, certify_refuses_and_leaves_outputs);
   tcase_add_test(tcase, nan_is_never_certified);
   tcase_add_test(tcase, a_runaway_is_never_certified);
+  suite_add_tcase(suite, tcase);
+  tcase = tcase_create("storages");
+  tcase_add_loop_test(tcase, there_and_back, 2, 4);
+  tcase_add_loop_test(tcase, storages_agree, 2, 4);
+  tcase_add_test(tcase, bad_conversion);
   suite_add_tcase(suite, tcase);
   SRunner *runner = srunner_create(suite);
   srunner_run_all(runner, CK_NORMAL);

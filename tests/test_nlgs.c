@@ -3,214 +3,71 @@
 #include <float.h>
 #include <limits.h>
 #include <math.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "cases.h"
 #include "delassus/files.h"
 #include "delassus/nlgs.h"
 #include "malloc_fails.h"
 
-enum { most = 60 }; /* unknowns of the largest problem below */
-
-static uint64_t seed;
-
-/* uniform in (-1, 1) */
-static double uniform(void) {
-  seed ^= seed << 13;
-  seed ^= seed >> 7;
-  seed ^= seed << 17;
-  return ((double)(seed >> 11) + 0.5) * 0x1p-52 - 1;
-}
-
-/* a problem with its own storage; W dense, column-major */
-typedef struct model {
-  double W[most * most], q[most], mu[most / 2];
-  dls_contact p;
-} model;
-
-static void set_model(model *a, int d, int nc) {
-  const int m = d * nc;
-  memset(a, 0, sizeof *a);
-  a->p.d = d;
-  a->p.nc = nc;
-  a->p.W.rows = a->p.W.cols = a->p.W.ld = m;
-  a->p.W.a = a->W;
-  a->p.q = a->q;
-  a->p.mu = a->mu;
-}
-
-/* W = A A^T / m + I / 10, symmetric positive definite; q_n mostly < 0 */
-static void random_model(model *a, int d, int nc, double mu) {
-  const int m = d * nc;
-  static double A[most * most];
-  set_model(a, d, nc);
-  for (int k = 0; k < m * m; k++)
-    A[k] = uniform();
-  for (int i = 0; i < m; i++)
-    for (int j = 0; j <= i; j++) {
-      double s = i == j ? 0.1 : 0;
-      for (int k = 0; k < m; k++)
-        s += A[i + m * k] * A[j + m * k] / m;
-      a->W[i + m * j] = a->W[j + m * i] = s;
-    }
-  for (int i = 0; i < m; i++)
-    a->q[i] = uniform() - (i % d == 0 ? 0.5 : 0);
-  for (int c = 0; c < nc; c++)
-    a->mu[c] = mu;
-}
-
-/* W by blocks, in storage of its own */
-typedef struct blocks {
-  int p[most + 1], i[most * most];
-  double x[most * most];
-} blocks;
-
-static dls_contact by_blocks(const model *a, blocks *B) {
-  const int d = a->p.d, nc = a->p.nc, m = d * nc;
-  for (int b = 0, k = 0; b < nc; b++) {
-    B->p[b] = k;
-    for (int c = 0; c < nc; c++, k++) {
-      B->i[k] = c;
-      for (int e = 0; e < d * d; e++)
-        B->x[k * d * d + e] = a->W[d * c + e % d + m * (d * b + e / d)];
-    }
-    B->p[b + 1] = k;
-  }
-  dls_contact p = a->p;
-  memset(&p.W, 0, sizeof p.W);
-  p.Wb = (dls_blocks){d, nc, B->p, B->i, B->x};
-  return p;
-}
+SOLVER(nlgs, DLS_NLGS);
 
 static dls_status run(const dls_contact *p, const dls_nlgs_settings *settings, double *r, double *u,
                       dls_info *info) {
-  dls_nlgs *work;
-  dls_error error;
-  ck_assert_int_eq(dls_nlgs_create(&work, p->d, p->nc, settings, &error), DLS_OK);
-  const dls_status status = dls_nlgs_solve(work, p, r, u, info, &error);
-  ck_assert(status >= 0);
-  ck_assert_int_eq(info->status, status);
-  ck_assert_int_eq(info->method, DLS_NLGS);
-  dls_nlgs_destroy(work);
-
-  /* what it says of r is what the public certificate says, and OK means that it holds */
-  dls_certificate c;
-  double v[most];
-  ck_assert_int_eq(dls_contact_certify(p, r, v, &c, &error), DLS_OK);
-  ck_assert(c.residual == info->certificate.residual && c.floor == info->certificate.floor);
-  ck_assert_int_eq(status == DLS_OK, dls_certificate_holds(&c, settings->tol));
-  if (u) ck_assert_mem_eq(u, v, (size_t)(p->d * p->nc) * sizeof *u);
-  return status;
-}
-
-static double norm_of(const double *x, int n) {
-  double s = 0;
-  for (int i = 0; i < n; i++)
-    s += x[i] * x[i];
-  return sqrt(s);
-}
-
-static dls_nlgs_settings with_tol(double tol) {
-  dls_nlgs_settings s;
-  dls_nlgs_settings_init(&s);
-  s.tol = tol;
-  return s;
+  return run_with(&the_nlgs, p, settings, settings->tol, r, u, info);
 }
 
 /* ---- by hand --------------------------------------------------------------------------------- */
 
-typedef struct hand_case {
+/* from r = 0, where something is said; -1: it goes round for ever */
+static const struct {
   const char *name;
-  int d, nc;
-  double W[36]; /* by rows */
-  double q[6], mu, r[6];
-  int sweeps; /* -1: not said */
-} hand_case;
-
-static const hand_case hand[] = {
-    {"separate", 2, 1, {2, 1, 1, 2}, {1, -3}, 1, {0, 0}, 0},
-    {"q = 0", 2, 1, {2, 1, 1, 2}, {0, 0}, 1, {0, 0}, 0},
-    {"stick", 2, 1, {2, 0, 0, 1}, {-2, .5}, 1, {1, -.5}, 1},
-    {"slip right", 2, 1, {2, 0, 0, 1}, {-2, 5}, 1, {1, -1}, 1},
-    {"slip left", 2, 1, {2, 0, 0, 1}, {-2, -5}, 1, {1, 1}, 1},
-    {"coupled stick", 2, 1, {2, 1, 1, 2}, {-3.5, -1}, .5, {2, -.5}, 1},
-    {"coupled slip left", 2, 1, {2, 1, 1, 2}, {-5, -6}, .5, {2, 1}, 1},
-    {"coupled slip right", 2, 1, {2, 1, 1, 2}, {-3, 1}, .5, {2, -1}, 1},
-    {"no friction", 2, 1, {2, 1, 1, 2}, {-4, 3}, 0, {2, 0}, 1},
-    {"C7", 2, 1, {1, -1, -1, 2}, {-1, -3}, 2, {5, 4}, 1},
-    /* normals coupled: 2 r_1 + r_2 = 3, r_1 + 2 r_2 = 3; one sticks, one slips left */
-    {"two",
-     2,
-     2,
-     {2, 0, 1, 0, 0, 1, 0, 0, 1, 0, 2, 0, 0, 0, 0, 1},
-     {-3, .25, -3, -3},
-     .5,
-     {1, -.25, 1, .5},
-     -1},
-    /* the second is lifted off by the first: u_n2 = 1 - 0.5 */
-    {"one lifts off",
-     2,
-     2,
-     {2, 0, 1, 0, 0, 1, 0, 0, 1, 0, 2, 0, 0, 0, 0, 1},
-     {-2, 0, -.5, 9},
-     1,
-     {1, 0, 0, 0},
-     -1},
-    {"C12b",
-     2,
-     2,
-     {3, 1, 0, 1, 1, 2, 2, 0, 0, 2, 3, 0, 1, 0, 0, 1},
-     {-2, 0, -1, 0},
-     2,
-     {6, -10, 7, -6},
-     -1},
-    {"C14",
-     2,
-     2,
-     {3, 0, -2, 0, 0, 2, 0, -1, -2, 0, 3, -2, 0, -1, -2, 3},
-     {0, 0, -1, -2},
-     1,
-     {26, 16, 39, 32},
-     -1},
-    {"C7 in 3D", 3, 1, {1, -1, 0, -1, 2, 0, 0, 0, 2}, {-1, -3, 0}, 2, {5, 4, 0}, 1},
-    {"C16", 3, 1, {2, -1, 2, -1, 2, 0, 2, 0, 3}, {-1, 4, 3}, 1, {6, 1, -5}, 1},
-    {"slip in 3D", 3, 1, {2, 0, 0, 0, 1, 0, 0, 0, 1}, {-2, 3, 4}, 1, {1, -.6, -.8}, 1},
-};
-
-static void set_hand(model *a, const hand_case *k) {
-  const int m = k->d * k->nc;
-  set_model(a, k->d, k->nc);
-  for (int i = 0; i < m; i++) {
-    a->q[i] = k->q[i];
-    for (int j = 0; j < m; j++)
-      a->W[i + m * j] = k->W[m * i + j];
-  }
-  for (int c = 0; c < k->nc; c++)
-    a->mu[c] = k->mu;
-}
+  int sweeps;
+} known[] = {{"separate", 0},
+             {"q = 0", 0},
+             {"stick", 1},
+             {"slip right", 1},
+             {"slip left", 1},
+             {"coupled stick", 1},
+             {"coupled slip left", 1},
+             {"coupled slip right", 1},
+             {"no friction", 1},
+             {"C7", 1},
+             {"C11", -1},
+             {"C13", -1},
+             {"C7 in 3D", 1},
+             {"C16", 1},
+             {"slip in 3D", 1}};
 
 START_TEST(by_hand) {
   const hand_case *k = &hand[_i];
   static model a;
   set_hand(&a, k);
   const dls_nlgs_settings s = with_tol(1e-14);
-  double r[6], u[6];
+  double r[4], u[4];
   dls_info info;
-  ck_assert_msg(run(&a.p, &s, r, u, &info) == DLS_OK, "%s: %g", k->name, info.certificate.residual);
-  /* residual <= 1e-14; the worst is C14, where |W^-1 q| is 26 |q| */
+  const dls_status status = run(&a.p, &s, r, u, &info);
+  int cycles = 0;
+  for (size_t e = 0; e < sizeof known / sizeof known[0]; e++)
+    if (strcmp(known[e].name, k->name) == 0) {
+      cycles = known[e].sweeps < 0;
+      if (!cycles) ck_assert_int_eq(info.iterations, known[e].sweeps);
+    }
+  ck_assert_msg(status == (cycles ? DLS_MAX_ITERATIONS : DLS_OK), "%s: %g", k->name,
+                info.certificate.residual);
+  if (cycles) return;
+  /* residual <= 1e-14; the worst is C15, where |W^-1| is 100 or so */
   for (int i = 0; i < k->d * k->nc; i++)
     ck_assert_msg(fabs(r[i] - k->r[i]) <= 1e-11, "%s: r[%d] = %.17g", k->name, i, r[i]);
-  if (k->sweeps >= 0) ck_assert_int_eq(info.iterations, k->sweeps);
   ck_assert_int_eq(info.ambiguous, strcmp(k->name, "C16") == 0);
 }
 END_TEST
 
-START_TEST(ambiguous) { /* C1 */
+START_TEST(ambiguous) {
   static model a;
-  const hand_case k = {"C1", 2, 1, {1, 1, 1, 2}, {1, 4}, 2, {0}, 0};
-  set_hand(&a, &k);
+  set_hand(&a, &ambiguous_case);
   dls_nlgs_settings s = with_tol(1e-12);
   double r[2] = {2, -3}, u[2];
   dls_info info;
@@ -225,31 +82,22 @@ START_TEST(ambiguous) { /* C1 */
 }
 END_TEST
 
-START_TEST(jammed) { /* C3 at mu >= 1, and C4, have no solution */
-  static const hand_case k[] = {
-      {"C3", 2, 1, {1, 1, 1, 1}, {-2, 0}, 1, {0}, 0},
-      {"C3", 2, 1, {1, 1, 1, 1}, {-2, 0}, 2, {0}, 0},
-      {"C4", 2, 2, {1, 0, -1, 0, 0, 1, 0, 1, -1, 0, 1, 0, 0, 1, 0, 1}, {-1, 0, -1, 0}, .3, {0}, 0},
-      {"C3, 3D", 3, 1, {1, 1, 0, 1, 1, 0, 0, 0, 1}, {-2, 0, 0}, 2, {0}, 0},
-      {"W = 0", 2, 1, {0}, {-1, 0}, 1, {0}, 0},
-  };
+START_TEST(no_solution) {
   static model a;
-  set_hand(&a, &k[_i]);
+  set_hand(&a, &jammed[_i]);
   const dls_nlgs_settings s = with_tol(1e-8);
-  double r[6], u[6];
+  double r[4], u[4];
   dls_info info;
   const dls_status status = run(&a.p, &s, r, u, &info);
-  ck_assert_msg(status == DLS_STALLED || status == DLS_MAX_ITERATIONS, "%s", k[_i].name);
+  ck_assert_msg(status == DLS_STALLED || status == DLS_MAX_ITERATIONS, "%s", jammed[_i].name);
   ck_assert(info.certificate.residual > 0.1 && isfinite(info.certificate.residual));
-  if (k[_i].nc == 1) ck_assert_int_eq(status, DLS_STALLED);
+  if (jammed[_i].nc == 1) ck_assert_int_eq(status, DLS_STALLED);
 }
 END_TEST
 
-START_TEST(hyperstatic) { /* C5: two contacts that share everything */
+START_TEST(hyperstatic) {
   static model a;
-  const hand_case k = {
-      "C5", 2, 2, {1, 0, 1, 0, 0, 1, 0, 1, 1, 0, 1, 0, 0, 1, 0, 1}, {-1, .25, -1, .25}, .5, {0}, 0};
-  set_hand(&a, &k);
+  set_hand(&a, &hyperstatic_case);
   const dls_nlgs_settings s = with_tol(1e-13);
   double r[4], u[4];
   dls_info info;
@@ -259,241 +107,90 @@ START_TEST(hyperstatic) { /* C5: two contacts that share everything */
 END_TEST
 
 /* C11: W SPD, one solution, and yet the sweeps repeat for ever */
-typedef struct watch {
-  double least;
-  int calls, cancel_at;
-} watch;
-
-static int look(void *data, const dls_progress *progress) {
-  watch *w = data;
-  ck_assert_int_eq(progress->iteration, ++w->calls);
-  ck_assert_str_eq(progress->method, "nlgs");
-  if (progress->residual < w->least) w->least = progress->residual;
-  return w->calls == w->cancel_at;
-}
-
-static void set_cycle(model *a) {
-  static const hand_case k = {"C11",
-                              2,
-                              2,
-                              {1, 1, 0, -1, 1, 2, 1, -2, 0, 1, 3, 0, -1, -2, 0, 3},
-                              {-1, 1, -1, 0},
-                              1,
-                              {3, -3, 4. / 3, -1},
-                              -1};
-  set_hand(a, &k);
-}
-
 START_TEST(cycle) {
   static model a;
-  set_cycle(&a);
-  dls_nlgs_settings s = with_tol(1e-8);
-  watch w = {INFINITY, 0, 0};
-  s.max_iterations = 500;
-  s.progress = look;
-  s.progress_data = &w;
-  double r[4], u[4];
-  dls_info info;
-  ck_assert_int_eq(run(&a.p, &s, r, u, &info), DLS_MAX_ITERATIONS);
-  ck_assert_int_eq(info.iterations, 500);
-  ck_assert_int_eq(w.calls, 500);
-  ck_assert(info.certificate.residual > 0.01);
-  ck_assert(info.certificate.residual <= w.least * (1 + 1e-12)); /* the best of them all */
+  set_hand(&a, hand_named("C11"));
+  for (int cancel = 0; cancel < 2; cancel++) {
+    dls_nlgs_settings s = with_tol(1e-8);
+    watch w = {"nlgs", 500, INFINITY, 0, cancel ? 7 : 0};
+    s.max_iterations = 500;
+    s.progress = look;
+    s.progress_data = &w;
+    double r[4], u[4];
+    dls_info info;
+    ck_assert_int_eq(run(&a.p, &s, r, u, &info), cancel ? DLS_CANCELLED : DLS_MAX_ITERATIONS);
+    ck_assert_int_eq(info.iterations, cancel ? 7 : 500);
+    ck_assert_int_eq(w.calls, info.iterations);
+    ck_assert(info.certificate.residual > 0.01);
+    ck_assert(info.certificate.residual <= w.least * (1 + 1e-12)); /* the best of them all */
+  }
 }
 END_TEST
 
-START_TEST(cancelled) {
+/* Any start, off the cone too: what comes back is never worse than it. */
+START_TEST(never_worse) {
   static model a;
-  set_cycle(&a);
-  dls_nlgs_settings s = with_tol(1e-8);
-  watch w = {INFINITY, 0, 7};
-  s.progress = look;
-  s.progress_data = &w;
+  const hand_case *k = hand_named("C14");
+  set_hand(&a, k);
+  set_seed(362436069 + (uint64_t)_i);
+  dls_nlgs_settings s = with_tol(1e-14);
+  s.warm_start = 1;
+  s.max_iterations = 1 + _i % 4;
   double r[4], u[4];
+  for (int i = 0; i < 4; i++)
+    r[i] = k->r[i] * (1 + 0.5 * uniform());
+  dls_certificate before;
+  ck_assert_int_eq(dls_contact_certify(&a.p, r, NULL, &before, NULL), DLS_OK);
   dls_info info;
-  ck_assert_int_eq(run(&a.p, &s, r, u, &info), DLS_CANCELLED);
-  ck_assert_int_eq(info.iterations, 7);
-  ck_assert(info.certificate.residual <= w.least * (1 + 1e-12));
+  (void)run(&a.p, &s, r, u, &info);
+  ck_assert(info.certificate.residual <= before.residual);
 }
 END_TEST
 
 /* ---- random ---------------------------------------------------------------------------------- */
 
-static void from_problem(int i, model *a) {
-  seed = 88172645463325252u + (uint64_t)i;
-  const double mu[] = {0, 0.1, 0.3, 0.6};
-  random_model(a, 2 + i % 2, 1 + i % 20, mu[i % 4]);
-}
-
 START_TEST(random_problem) {
-  static model a;
-  from_problem(_i, &a);
-  const int d = a.p.d, nc = a.p.nc, m = d * nc;
-  const dls_nlgs_settings s = with_tol(1e-12);
-  double r[most], u[most], r2[most];
-  dls_info info, info2;
-  ck_assert_int_eq(run(&a.p, &s, r, u, &info), DLS_OK);
-  ck_assert(info.certificate.residual <= 1e-12);
-
-  /* again: the same bits */
-  ck_assert_int_eq(run(&a.p, &s, r2, NULL, &info2), DLS_OK);
-  ck_assert_mem_eq(r, r2, (size_t)m * sizeof *r);
-  ck_assert_int_eq(info.iterations, info2.iterations);
-
-  /* from the answer: no sweep */
-  dls_nlgs_settings warm = s;
-  warm.warm_start = 1;
-  ck_assert_int_eq(run(&a.p, &warm, r2, NULL, &info2), DLS_OK);
-  ck_assert_mem_eq(r, r2, (size_t)m * sizeof *r);
-  ck_assert_int_eq(info2.iterations, 0);
-
-  /* from anywhere, off the cone too; |r - r2| <= |W^-1| (|F| + |F2|) or so, W >= I / 10 */
-  double q2 = 0;
-  for (int k = 0; k < m; k++) {
-    q2 += a.q[k] * a.q[k];
-    r2[k] = 5 * uniform();
-  }
-  const double close = 1000 * 1e-12 * sqrt(q2);
-  ck_assert_int_eq(run(&a.p, &warm, r2, NULL, &info2), DLS_OK);
-  for (int k = 0; k < m; k++)
-    ck_assert(fabs(r[k] - r2[k]) <= close);
-
-  /* W by blocks: the same bits */
-  static blocks B;
-  const dls_contact blockwise = by_blocks(&a, &B);
-  ck_assert_int_eq(run(&blockwise, &s, r2, NULL, &info2), DLS_OK);
-  ck_assert_mem_eq(r, r2, (size_t)m * sizeof *r);
+  expect_solved(&the_nlgs, _i);
 
   /* other relaxations: the same answer */
+  static model a;
+  numbered_model(&a, _i);
+  dls_nlgs_settings s = with_tol(1e-12);
+  double r[most], r2[most];
+  dls_info info;
+  ck_assert_int_eq(run(&a.p, &s, r, NULL, &info), DLS_OK);
   for (int o = 0; o < 2; o++) {
-    dls_nlgs_settings relaxed = s;
-    relaxed.relaxation = o ? 1.2 : 0.7;
-    ck_assert_int_eq(run(&a.p, &relaxed, r2, NULL, &info2), DLS_OK);
-    for (int k = 0; k < m; k++)
-      ck_assert(fabs(r[k] - r2[k]) <= close);
+    s.relaxation = o ? 1.2 : 0.7;
+    ck_assert_int_eq(run(&a.p, &s, r2, NULL, &info), DLS_OK);
+    for (int k = 0; k < a.p.d * a.p.nc; k++)
+      ck_assert(fabs(r[k] - r2[k]) <= close_of(&a));
   }
-
-  /* candidates in reverse order: the same answer */
-  static model b;
-  set_model(&b, d, nc);
-  for (int k = 0; k < m; k++) {
-    const int k2 = d * (nc - 1 - k / d) + k % d;
-    b.q[k2] = a.q[k];
-    b.mu[k2 / d] = a.mu[k / d];
-    for (int l = 0; l < m; l++)
-      b.W[k2 + m * (d * (nc - 1 - l / d) + l % d)] = a.W[k + m * l];
-  }
-  ck_assert_int_eq(run(&b.p, &s, r2, NULL, &info2), DLS_OK);
-  for (int k = 0; k < m; k++)
-    ck_assert(fabs(r[k] - r2[d * (nc - 1 - k / d) + k % d]) <= close);
 }
 END_TEST
 
 START_TEST(units) {
-  static model a, b;
-  from_problem(_i, &a);
-  const int m = a.p.d * a.p.nc;
-  const dls_nlgs_settings s = with_tol(1e-10);
-  double r[most], r2[most];
-  dls_info info, info2;
-  ck_assert_int_eq(run(&a.p, &s, r, NULL, &info), DLS_OK);
-  for (int length = -1; length <= 1; length++)
-    for (int force = -1; force <= 1; force++)
-      for (int two = 0; two < 2; two++) {
-        const double al = two ? ldexp(1, 30 * length) : pow(10, 9 * length);
-        const double be = two ? ldexp(1, 30 * force) : pow(10, 9 * force);
-        b = a;
-        b.p.W.a = b.W;
-        b.p.q = b.q;
-        b.p.mu = b.mu;
-        for (int k = 0; k < m; k++)
-          b.q[k] *= al;
-        for (int k = 0; k < m * m; k++)
-          b.W[k] *= al / be;
-        ck_assert_int_eq(run(&b.p, &s, r2, NULL, &info2), DLS_OK);
-        ck_assert_int_eq(info2.iterations, info.iterations);
-        for (int k = 0; two && k < m; k++)
-          ck_assert(r2[k] == be * r[k]);
-      }
-}
-END_TEST
-
-/* each candidate's tangents turned by an angle of its own */
-START_TEST(turned_tangents) {
-  static model a, b;
-  from_problem(2 * _i + 1, &a);
-  const int nc = a.p.nc, m = 3 * nc;
-  ck_assert_int_eq(a.p.d, 3);
-  double co[most], si[most], r[most], r2[most];
-  for (int c = 0; c < nc; c++) {
-    const double angle = 3 * uniform();
-    co[c] = cos(angle);
-    si[c] = sin(angle);
-  }
-  b = a;
-  b.p.W.a = b.W;
-  b.p.q = b.q;
-  b.p.mu = b.mu;
-  for (int c = 0; c < nc; c++) { /* q, the rows and the columns of W */
-    const int t = 3 * c + 1;
-    b.q[t] = co[c] * a.q[t] + si[c] * a.q[t + 1];
-    b.q[t + 1] = co[c] * a.q[t + 1] - si[c] * a.q[t];
-    for (int k = 0; k < m; k++) {
-      const double x = b.W[t + m * k], y = b.W[t + 1 + m * k];
-      b.W[t + m * k] = co[c] * x + si[c] * y;
-      b.W[t + 1 + m * k] = co[c] * y - si[c] * x;
-    }
-    for (int k = 0; k < m; k++) {
-      const double x = b.W[k + m * t], y = b.W[k + m * (t + 1)];
-      b.W[k + m * t] = co[c] * x + si[c] * y;
-      b.W[k + m * (t + 1)] = co[c] * y - si[c] * x;
-    }
-  }
-  const dls_nlgs_settings s = with_tol(1e-10);
-  dls_info info, info2;
-  ck_assert_int_eq(run(&a.p, &s, r, NULL, &info), DLS_OK);
-  ck_assert_int_eq(run(&b.p, &s, r2, NULL, &info2), DLS_OK);
-  ck_assert_int_eq(info.iterations, info2.iterations);
-  for (int c = 0; c < nc; c++) { /* the same sweeps, but for rounding */
-    const int n = 3 * c, t = n + 1;
-    ck_assert(fabs(r2[n] - r[n]) <= 1e-11);
-    ck_assert(fabs(r2[t] - (co[c] * r[t] + si[c] * r[t + 1])) <= 1e-11);
-    ck_assert(fabs(r2[t + 1] - (co[c] * r[t + 1] - si[c] * r[t])) <= 1e-11);
-  }
-}
-END_TEST
-
-START_TEST(tolerance_zero) { /* the floor ends it */
   static model a;
-  from_problem(_i, &a);
-  const dls_nlgs_settings s = with_tol(0);
-  double r[most];
-  dls_info info;
-  ck_assert_int_eq(run(&a.p, &s, r, NULL, &info), DLS_OK);
-  ck_assert(info.certificate.residual <= 4 * info.certificate.floor);
-  ck_assert(info.iterations < 10000);
+  numbered_model(&a, _i);
+  const dls_nlgs_settings s = with_tol(1e-10);
+  expect_any_units(&the_nlgs, &a, &s, 1e-10);
 }
 END_TEST
 
-START_TEST(
-    smaller_problem_and_new_q) { /* a workspace serves what fits, time step after time step */
+START_TEST(turned_tangents) {
+  expect_any_tangents(&the_nlgs, _i);
+}
+END_TEST
+
+START_TEST(tolerance_zero) {
+  expect_floor(&the_nlgs, _i);
+}
+END_TEST
+
+START_TEST(smaller_problem) {
   static model a, b;
-  from_problem(39, &a);
-  from_problem(11, &b);
-  ck_assert(a.p.d == b.p.d && a.p.nc > b.p.nc);
-  const dls_nlgs_settings s = with_tol(1e-10);
-  dls_nlgs *work;
-  double r[most], r2[most];
-  dls_info info;
-  ck_assert_int_eq(dls_nlgs_create(&work, a.p.d, a.p.nc, &s, NULL), DLS_OK);
-  malloc_fails_at(0);
-  const dls_status first = dls_nlgs_solve(work, &a.p, r, NULL, &info, NULL);
-  const dls_status second = dls_nlgs_solve(work, &b.p, r, NULL, NULL, NULL);
-  const long calls = malloc_calls();
-  ck_assert(first == DLS_OK && second == DLS_OK && calls == 0);
-  ck_assert_int_eq(run(&b.p, &s, r2, NULL, &info), DLS_OK);
-  ck_assert_mem_eq(r, r2, (size_t)(b.p.d * b.p.nc) * sizeof *r);
-  dls_nlgs_destroy(work);
+  numbered_model(&a, 39);
+  numbered_model(&b, 11);
+  expect_reuse(&the_nlgs, &a, &b);
 }
 END_TEST
 
@@ -510,10 +207,10 @@ static dls_nlgs_settings accelerated(double tol, dls_acceleration acceleration) 
 
 START_TEST(accelerated_random_problem) {
   static model a;
-  static blocks B;
-  from_problem(_i, &a);
+  static block_storage B;
+  numbered_model(&a, _i);
   const int m = a.p.d * a.p.nc;
-  const double close = 1000 * 1e-12 * norm_of(a.q, m);
+  const double close = close_of(&a);
   double plain[most], r[most], r2[most];
   dls_info info, info2;
   const dls_nlgs_settings none = with_tol(1e-12);
@@ -551,7 +248,7 @@ END_TEST
 
 /* pressed all over, and W = A A^T / m + I / 1000 */
 static void slow_model(int i, model *a) {
-  seed = 88172645463325252u + (uint64_t)i;
+  set_seed(88172645463325252u + (uint64_t)i);
   const int d = 2 + i % 2, m = most;
   random_model(a, d, m / d, 0.5);
   for (int k = 0; k < m; k++) {
@@ -626,10 +323,10 @@ END_TEST
 START_TEST(
     accelerated_cycle) { /* C11 again: solved or not, what is said is true, and it is the best */
   static model a;
-  set_cycle(&a);
+  set_hand(&a, hand_named("C11"));
   for (int k = 0; k < 2; k++) {
     dls_nlgs_settings s = accelerated(1e-8, accelerations[k]);
-    watch w = {INFINITY, 0, 0};
+    watch w = {"nlgs", 500, INFINITY, 0, 0};
     s.max_iterations = 500;
     s.progress = look;
     s.progress_data = &w;
@@ -644,31 +341,10 @@ START_TEST(
 END_TEST
 
 START_TEST(accelerated_units) {
-  static model a, b;
-  from_problem(_i, &a);
-  const int m = a.p.d * a.p.nc;
+  static model a;
+  numbered_model(&a, _i);
   const dls_nlgs_settings s = accelerated(1e-10, accelerations[_i / 2 % 2]);
-  double r[most], r2[most];
-  dls_info info, info2;
-  ck_assert_int_eq(run(&a.p, &s, r, NULL, &info), DLS_OK);
-  for (int length = -1; length <= 1; length++)
-    for (int force = -1; force <= 1; force++)
-      for (int two = 0; two < 2; two++) {
-        const double al = two ? ldexp(1, 30 * length) : pow(10, 9 * length);
-        const double be = two ? ldexp(1, 30 * force) : pow(10, 9 * force);
-        b = a;
-        b.p.W.a = b.W;
-        b.p.q = b.q;
-        b.p.mu = b.mu;
-        for (int k = 0; k < m; k++)
-          b.q[k] *= al;
-        for (int k = 0; k < m * m; k++)
-          b.W[k] *= al / be;
-        ck_assert_int_eq(run(&b.p, &s, r2, NULL, &info2), DLS_OK);
-        ck_assert_int_eq(info2.iterations, info.iterations);
-        for (int k = 0; two && k < m; k++)
-          ck_assert(r2[k] == be * r[k]);
-      }
+  expect_any_units(&the_nlgs, &a, &s, 1e-10);
 }
 END_TEST
 
@@ -681,7 +357,7 @@ static int stop(void *data, const dls_progress *progress) {
 START_TEST(accelerated_workspace) {
   static model a, b;
   slow_model(0, &a);
-  from_problem(10, &b);
+  numbered_model(&b, 10);
   ck_assert(a.p.d == b.p.d && a.p.nc > b.p.nc);
   for (int k = 0; k < 2; k++) {
     int at = 0;
@@ -709,153 +385,61 @@ END_TEST
 
 /* ---- bad input ------------------------------------------------------------------------------- */
 
-static void expect_create(dls_status status, const char *argument, int d, int nc,
-                          const dls_nlgs_settings *s) {
-  dls_error error = {0};
-  dls_nlgs *work = (dls_nlgs *)&error; /* must become NULL */
-  ck_assert_int_eq(dls_nlgs_create(&work, d, nc, s, &error), status);
-  ck_assert_ptr_null(work);
-  ck_assert_int_eq(error.status, status);
-  ck_assert_str_eq(error.function, "dls_nlgs_create");
-  ck_assert_str_eq(error.argument, argument);
-  ck_assert_int_eq(dls_nlgs_create(&work, d, nc, s, NULL), status);
-}
-
 START_TEST(bad_create) {
-  dls_error error;
+  expect_bad_create(&the_nlgs);
   const dls_nlgs_settings good = with_tol(1e-8);
-  ck_assert_int_eq(dls_nlgs_create(NULL, 2, 1, &good, &error), DLS_E_ARGUMENT);
-  ck_assert_str_eq(error.argument, "out");
-  expect_create(DLS_E_ARGUMENT, "d", 1, 1, &good);
-  expect_create(DLS_E_ARGUMENT, "d", 4, 1, &good);
-  expect_create(DLS_E_SIZE, "nc", 2, 0, &good);
-  expect_create(DLS_E_SIZE, "nc", 3, INT_MAX, &good);
-  expect_create(DLS_E_ARGUMENT, "settings", 2, 1, NULL);
-  dls_nlgs_settings s = {0};
-  expect_create(DLS_E_SETTINGS, "settings", 2, 1, &s);
-  const double bad_tol[] = {-1, NAN, INFINITY}, bad_relaxation[] = {0, 2, -1, NAN, INFINITY};
-  for (int k = 0; k < 3; k++) {
-    s = good;
-    s.tol = bad_tol[k];
-    expect_create(DLS_E_ARGUMENT, "tol", 2, 1, &s);
-  }
+  const double bad_relaxation[] = {0, 2, -1, NAN, INFINITY};
   for (int k = 0; k < 5; k++) {
-    s = good;
+    dls_nlgs_settings s = good;
     s.relaxation = bad_relaxation[k];
-    expect_create(DLS_E_ARGUMENT, "relaxation", 2, 1, &s);
+    refuses_to_create(&the_nlgs, DLS_E_ARGUMENT, "relaxation", -1, 2, 1, &s);
   }
-  s = good;
-  s.max_iterations = 0;
-  expect_create(DLS_E_ARGUMENT, "max_iterations", 2, 1, &s);
-  s = good;
-  s.warm_start = 2;
-  expect_create(DLS_E_ARGUMENT, "warm_start", 2, 1, &s);
   const int bad_window[] = {0, -1, 101, INT_MIN}, bad_acceleration[] = {-1, 3};
   for (int k = 0; k < 4; k++) {
-    s = good;
+    dls_nlgs_settings s = good;
     s.window = bad_window[k];
-    expect_create(DLS_E_ARGUMENT, "window", 2, 1, &s);
+    refuses_to_create(&the_nlgs, DLS_E_ARGUMENT, "window", -1, 2, 1, &s);
   }
   for (int k = 0; k < 2; k++) {
-    s = good;
+    dls_nlgs_settings s = good;
     s.acceleration = (dls_acceleration)bad_acceleration[k];
-    expect_create(DLS_E_ARGUMENT, "acceleration", 2, 1, &s);
+    refuses_to_create(&the_nlgs, DLS_E_ARGUMENT, "acceleration", -1, 2, 1, &s);
   }
   dls_nlgs_settings_init(NULL);
-  dls_nlgs_destroy(NULL);
 }
 END_TEST
-
-static void expect_solve(dls_nlgs *work, dls_status status, const char *argument, long long index,
-                         const dls_contact *p, double *r) {
-  dls_error error = {0};
-  dls_info info, same_info;
-  double u[most], same_u[most], same_r[most];
-  memset(&info, 7, sizeof info);
-  memset(u, 7, sizeof u);
-  same_info = info;
-  memcpy(same_u, u, sizeof u);
-  if (r) memcpy(same_r, r, sizeof same_r);
-  ck_assert_int_eq(dls_nlgs_solve(work, p, r, u, &info, &error), status);
-  ck_assert_str_eq(error.function, "dls_nlgs_solve");
-  ck_assert_str_eq(error.argument, argument);
-  ck_assert(error.index == index);
-  ck_assert_mem_eq(&info, &same_info, sizeof info);
-  ck_assert_mem_eq(u, same_u, sizeof u);
-  if (r) ck_assert_mem_eq(r, same_r, sizeof same_r);
-}
 
 START_TEST(bad_solve) {
-  static model a, b;
-  from_problem(6, &a); /* 2D, 7 candidates */
-  dls_nlgs_settings s = with_tol(1e-8);
-  s.warm_start = 1;
-  dls_nlgs *work, *small, *other;
-  ck_assert_int_eq(dls_nlgs_create(&work, 2, 7, &s, NULL), DLS_OK);
-  ck_assert_int_eq(dls_nlgs_create(&small, 2, 6, &s, NULL), DLS_OK);
-  ck_assert_int_eq(dls_nlgs_create(&other, 3, 7, &s, NULL), DLS_OK);
-  double r[most] = {0};
-  expect_solve(NULL, DLS_E_ARGUMENT, "workspace", -1, &a.p, r);
-  expect_solve(work, DLS_E_ARGUMENT, "problem", -1, NULL, r);
-  expect_solve(small, DLS_E_SIZE, "problem", -1, &a.p, r);
-  expect_solve(other, DLS_E_SIZE, "problem", -1, &a.p, r);
-  expect_solve(work, DLS_E_ARGUMENT, "r", -1, &a.p, NULL);
-  r[3] = INFINITY;
-  expect_solve(work, DLS_E_NOT_FINITE, "r", 3, &a.p, r);
-  r[3] = 0;
-#define WITH(change, status, argument, index)                                                      \
-  do {                                                                                             \
-    b = a;                                                                                         \
-    b.p.W.a = b.W;                                                                                 \
-    b.p.q = b.q;                                                                                   \
-    b.p.mu = b.mu;                                                                                 \
-    change;                                                                                        \
-    expect_solve(work, status, argument, index, &b.p, r);                                          \
-  } while (0)
-  WITH(b.W[15] = NAN, DLS_E_NOT_FINITE, "W", 15);
-  WITH(b.q[2] = -INFINITY, DLS_E_NOT_FINITE, "q", 2);
-  WITH(b.mu[4] = NAN, DLS_E_NOT_FINITE, "mu", 4);
-  WITH(b.mu[4] = -1, DLS_E_ARGUMENT, "mu", 4);
-  WITH(b.p.q = NULL, DLS_E_ARGUMENT, "q", -1);
-  WITH(b.p.mu = NULL, DLS_E_ARGUMENT, "mu", -1);
-  WITH(b.p.W.a = NULL, DLS_E_ARGUMENT, "W", -1);
-  WITH(b.p.W.ld = 3, DLS_E_SIZE, "W", -1);
-  WITH(b.p.nc = 0, DLS_E_SIZE, "nc", -1);
-  WITH(b.p.d = 5, DLS_E_ARGUMENT, "d", -1);
-  dls_nlgs_destroy(work);
-  dls_nlgs_destroy(small);
-  dls_nlgs_destroy(other);
+  expect_bad_solve(&the_nlgs);
 }
 END_TEST
 
-START_TEST(no_memory) {
-  dls_nlgs_settings s = with_tol(1e-8);
-  if (_i) s.acceleration = DLS_ACCELERATION_ANDERSON;
-  dls_error error;
-  dls_nlgs *work;
-  long k = 1;
-  for (;; k++) {
-    malloc_fails_at(k);
-    const dls_status status = dls_nlgs_create(&work, 3, 10, &s, &error);
-    malloc_fails_at(0);
-    if (status == DLS_OK) break;
-    ck_assert_int_eq(status, DLS_E_MEMORY);
-    ck_assert_ptr_null(work);
-  }
-  ck_assert(k > 1);
-  dls_nlgs_destroy(work);
+START_TEST(memory) { /* the formula of nlgs.h */
+  for (int d = 2; d <= 3; d++)
+    for (int nc = 10; nc <= 1000; nc *= 10)
+      for (int window = 0; window <= 20; window += 10) {
+        dls_nlgs_settings s = with_tol(1e-8);
+        const double m = d * nc, k = window;
+        double doubles = (4 + d) * m + nc;
+        if (window) {
+          s.acceleration = DLS_ACCELERATION_ANDERSON;
+          s.window = window;
+          doubles += (4 + 3 * k) * m + (2 * k + 3) * k;
+        }
+        expect_memory(&the_nlgs, d, nc, &s, 8 * doubles, 2000);
+      }
 }
 END_TEST
 
 int main(void) {
   Suite *suite = suite_create("nlgs");
   TCase *t = tcase_create("by hand");
-  tcase_add_loop_test(t, by_hand, 0, sizeof hand / sizeof hand[0]);
+  tcase_add_loop_test(t, by_hand, 0, hand_count);
   tcase_add_test(t, ambiguous);
-  tcase_add_loop_test(t, jammed, 0, 5);
+  tcase_add_loop_test(t, no_solution, 0, jammed_count);
   tcase_add_test(t, hyperstatic);
   tcase_add_test(t, cycle);
-  tcase_add_test(t, cancelled);
+  tcase_add_loop_test(t, never_worse, 0, 30);
   suite_add_tcase(suite, t);
   t = tcase_create("random");
   tcase_set_timeout(t, 60);
@@ -863,7 +447,7 @@ int main(void) {
   tcase_add_loop_test(t, units, 0, 12);
   tcase_add_loop_test(t, turned_tangents, 0, 10);
   tcase_add_loop_test(t, tolerance_zero, 0, 20);
-  tcase_add_test(t, smaller_problem_and_new_q);
+  tcase_add_test(t, smaller_problem);
   suite_add_tcase(suite, t);
   t = tcase_create("accelerated");
   tcase_set_timeout(t, 60);
@@ -877,7 +461,7 @@ int main(void) {
   t = tcase_create("bad input");
   tcase_add_test(t, bad_create);
   tcase_add_test(t, bad_solve);
-  tcase_add_loop_test(t, no_memory, 0, 2);
+  tcase_add_test(t, memory);
   suite_add_tcase(suite, t);
   SRunner *runner = srunner_create(suite);
   srunner_run_all(runner, CK_NORMAL);

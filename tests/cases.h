@@ -1,0 +1,157 @@
+/*
+ * cases.h: small contact problems that the tests of the solvers share, and what every solver has to do
+ * with them.
+ */
+#ifndef CASES_H
+#define CASES_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "delassus/info.h"
+
+enum { most = 60 }; /* unknowns of the largest problem here */
+
+void set_seed(uint64_t seed);
+double uniform(void); /* in (-1, 1) */
+double norm_of(const double *x, int n);
+
+/* ---- problems -------------------------------------------------------------------------------- */
+
+/* a problem with its own storage; W dense, column-major */
+typedef struct model {
+  double W[most * most], q[most], mu[most / 2];
+  dls_contact p;
+} model;
+
+void set_model(model *a, int d, int nc); /* all zero */
+void copy_model(model *a, const model *b);
+
+/* W = A A^T / m + I / 10, symmetric positive definite; q_n mostly < 0 */
+void random_model(model *a, int d, int nc, double mu);
+/* the i-th of them: 2D and 3D, up to 20 candidates, mu = 0 .. 0.6; starts the random numbers anew */
+void numbered_model(model *a, int i);
+/* W = B B^T of half rank, with a solution of free, slipping and sticking candidates; mu = 0.3 */
+void deficient_model(model *a, int i);
+
+/* q -> length q, W -> length / force W: then r -> force r, u -> length u */
+void scale_model(model *a, const model *b, double length, double force);
+/* candidates in reverse order; k of b is reversed(b, k) of a */
+void reverse_model(model *a, const model *b);
+int reversed(const model *a, int k);
+/* 3D: the tangents of candidate c turned by angle[c]; and a vector with them */
+void turn_model(model *a, const model *b, const double *angle);
+void turn_vector(const model *a, const double *angle, double *v);
+
+/* W by blocks, in storage of its own */
+typedef struct block_storage {
+  int p[most + 1], i[most * most / 4];
+  double x[most * most];
+} block_storage;
+dls_contact by_blocks(const model *a, block_storage *B);
+
+/* by hand, or from the catalogue of data/failures (C1, ...) */
+typedef struct hand_case {
+  const char *name;
+  int d, nc;
+  double W[16]; /* by rows */
+  double q[4], mu;
+  double r[4]; /* the only solution; jammed: along which reactions run away */
+} hand_case;
+
+extern const hand_case hand[], jammed[]; /* with a solution, without */
+enum { hand_count = 25, jammed_count = 5 };
+
+/* C1: free, stick and slip are solutions; C5: two contacts that share everything */
+extern const hand_case ambiguous_case, hyperstatic_case;
+
+const hand_case *hand_named(const char *name);
+void set_hand(model *a, const hand_case *k);
+
+/* ---- solvers --------------------------------------------------------------------------------- */
+
+typedef struct tested_solver {
+  const char *name; /* "dls_nlgs" */
+  dls_method method;
+  size_t settings_size;
+  void (*init)(void *settings, double tol, int warm_start);
+  void (*bound)(void *settings, int max_iterations);
+  dls_status (*create)(void **work, int d, int nc, const void *settings, dls_error *error);
+  dls_status (*solve)(void *work, const dls_contact *p, double *r, double *u, dls_info *info,
+                      dls_error *error);
+  void (*destroy)(void *work);
+} tested_solver;
+
+/* defines static const tested_solver the_NAME, and with_tol */
+#define SOLVER(NAME, METHOD)                                                                       \
+  static dls_##NAME##_settings with_tol(double tol) {                                              \
+    dls_##NAME##_settings s;                                                                       \
+    dls_##NAME##_settings_init(&s);                                                                \
+    s.tol = tol;                                                                                   \
+    return s;                                                                                      \
+  }                                                                                                \
+  static void solver_init(void *settings, double tol, int warm_start) {                            \
+    dls_##NAME##_settings *s = settings;                                                           \
+    *s = with_tol(tol);                                                                            \
+    s->warm_start = warm_start;                                                                    \
+  }                                                                                                \
+  static void solver_bound(void *settings, int max_iterations) {                                   \
+    ((dls_##NAME##_settings *)settings)->max_iterations = max_iterations;                          \
+  }                                                                                                \
+  static dls_status solver_create(void **work, int d, int nc, const void *settings,                \
+                                  dls_error *error) {                                              \
+    dls_##NAME *own;                                                                               \
+    const dls_status status = dls_##NAME##_create(work ? &own : NULL, d, nc, settings, error);     \
+    if (work) *work = own;                                                                         \
+    return status;                                                                                 \
+  }                                                                                                \
+  static dls_status solver_solve(void *work, const dls_contact *p, double *r, double *u,           \
+                                 dls_info *info, dls_error *error) {                               \
+    return dls_##NAME##_solve(work, p, r, u, info, error);                                         \
+  }                                                                                                \
+  static void solver_destroy(void *work) {                                                         \
+    dls_##NAME##_destroy(work);                                                                    \
+  }                                                                                                \
+  static const tested_solver the_##NAME = {                                                        \
+      "dls_" #NAME, METHOD,        sizeof(dls_##NAME##_settings),                                  \
+      solver_init,  solver_bound,  solver_create,                                                  \
+      solver_solve, solver_destroy}
+
+/* One solve in a workspace, or in one of its own: what it says of r is what the public certificate
+ * says, and OK means that it holds. settings: those of create. */
+dls_status run_in(const tested_solver *s, void *work, const dls_contact *p, double tol, double *r,
+                  double *u, dls_info *info);
+dls_status run_with(const tested_solver *s, const dls_contact *p, const void *settings, double tol,
+                    double *r, double *u, dls_info *info);
+
+/* Of numbered_model i, |r - r'| of answers with residuals of 1e-12 */
+double close_of(const model *a);
+
+/* What every solver has to do; settings as from with_tol(tol) where they are given. */
+void expect_solved(const tested_solver *s,
+                   int i); /* numbered_model i: again, warm, by blocks, reversed */
+void expect_any_units(const tested_solver *s, const model *a, const void *settings, double tol);
+void expect_any_tangents(const tested_solver *s, int i);
+void expect_floor(const tested_solver *s, int i); /* tol = 0 */
+/* b fits into the workspace of a, too; nothing is allocated, and nothing is left of a */
+void expect_reuse(const tested_solver *s, const model *a, const model *b);
+/* create takes from `bytes` to `bytes` + slack bytes, every malloc of it may fail */
+void expect_memory(const tested_solver *s, int d, int nc, const void *settings, double bytes,
+                   double slack);
+
+/* A refused create leaves NULL; what all settings hold; and a refused solve leaves its outputs. */
+void refuses_to_create(const tested_solver *s, dls_status status, const char *argument,
+                       long long index, int d, int nc, const void *settings);
+void expect_bad_create(const tested_solver *s);
+void expect_bad_solve(const tested_solver *s);
+
+/* progress_data of look, which checks the calls and cancels at one of them; 0: never */
+typedef struct watch {
+  const char *method;
+  int max_iterations;
+  double least; /* residual so far */
+  int calls, cancel_at;
+} watch;
+int look(void *data, const dls_progress *progress);
+
+#endif
