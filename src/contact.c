@@ -152,25 +152,18 @@ dls_status dls_contact_get_block(const dls_contact *problem, dls_component row, 
   if (!block) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "block", -1, 0, "is NULL");
   if (ld < nr * nc)
     return dlsi_fail(error, DLS_E_SIZE, __func__, "ld", -1, ld, "must be at least %d", nr * nc);
-  const size_t L = (size_t)ld, D = (size_t)d;
-  for (int b = 0; b < nc; b++)
+  for (int b = 0; b < nc; b++) {
+    const dlsi_block_column column = dlsi_contact_column(problem, (size_t)b);
     for (int j = 0; j < nk; j++) {
-      double *out = block + ((size_t)b * (size_t)nk + (size_t)j) * L;
-      if (!problem->Wb.x) {
-        const double *w =
-            problem->W.a + (D * (size_t)b + (size_t)(j0 + j)) * (size_t)problem->W.ld + i0;
-        for (int a = 0; a < nc; a++)
-          for (int i = 0; i < nr; i++)
-            out[a * nr + i] = w[(size_t)a * D + (size_t)i];
-        continue;
-      }
-      for (int a = 0; a < nr * nc; a++)
-        out[a] = 0;
-      for (int k = problem->Wb.p[b]; k < problem->Wb.p[b + 1]; k++)
+      double *out = block + (size_t)(b * nk + j) * (size_t)ld;
+      memset(out, 0, (size_t)(nr * nc) * sizeof *out);
+      for (size_t k = column.begin; k < column.end; k++) {
+        const double *w = column.x + k * column.step + (size_t)(j0 + j) * column.ld;
         for (int i = 0; i < nr; i++)
-          out[problem->Wb.i[k] * nr + i] +=
-              problem->Wb.x[(size_t)k * D * D + (size_t)(i0 + i) + D * (size_t)(j0 + j)];
+          out[dlsi_row(&column, k) * (size_t)nr + (size_t)i] += w[i0 + i];
+      }
     }
+  }
   return DLS_OK;
 }
 

@@ -269,20 +269,18 @@ static void expand(const dls_contact *problem, const double *scale, double *A) {
   const size_t d = (size_t)problem->d, nc = (size_t)problem->nc, m = d * nc;
   for (size_t e = 0; e < m * m; e++)
     A[e] = 0;
-  for (size_t b = 0; b < nc; b++)
+  for (size_t b = 0; b < nc; b++) {
+    const dlsi_block_column blocks = dlsi_contact_column(problem, b);
     for (size_t j = 0; j < d; j++) {
       double *column = A + (j ? nc + (d - 1) * b + j - 1 : b) * m;
-      const size_t begin = problem->Wb.x ? (size_t)problem->Wb.p[b] : 0;
-      const size_t end = problem->Wb.x ? (size_t)problem->Wb.p[b + 1] : nc;
-      for (size_t e = begin; e < end; e++) {
-        const size_t a = problem->Wb.x ? (size_t)problem->Wb.i[e] : e;
-        const double *w = problem->Wb.x
-                              ? problem->Wb.x + d * d * e + d * j
-                              : problem->W.a + d * a + (d * b + j) * (size_t)problem->W.ld;
+      for (size_t k = blocks.begin; k < blocks.end; k++) {
+        const size_t a = dlsi_row(&blocks, k);
+        const double *w = blocks.x + k * blocks.step + j * blocks.ld;
         for (size_t i = 0; i < d; i++)
           column[i ? nc + (d - 1) * a + i - 1 : a] += scale[a] * scale[b] * w[i];
       }
     }
+  }
 }
 
 /* value (n) := the eigenvalues, ascending, of the symmetric part of X (n x n, leading dimension

@@ -75,6 +75,26 @@ double dlsi_max_abs(const double *x, size_t n);
 
 /* ---- the contact problem --------------------------------------------------------------------- */
 
+/* Block column c of W, dense or by blocks, block by block: for k = begin .. end-1 the block in block row
+ * dlsi_row(&column, k) has its entry (i, j) at block[i + ld j], block = x + k step. */
+typedef struct dlsi_block_column {
+  size_t begin, end;
+  const int *row; /* NULL: k */
+  const double *x;
+  size_t step, ld;
+} dlsi_block_column;
+
+static inline dlsi_block_column dlsi_contact_column(const dls_contact *problem, size_t c) {
+  const size_t d = (size_t)problem->d, ld = (size_t)problem->W.ld;
+  const dls_blocks *B = &problem->Wb;
+  if (B->x) return (dlsi_block_column){(size_t)B->p[c], (size_t)B->p[c + 1], B->i, B->x, d * d, d};
+  return (dlsi_block_column){0, (size_t)problem->nc, NULL, problem->W.a + d * c * ld, d, ld};
+}
+
+static inline size_t dlsi_row(const dlsi_block_column *column, size_t k) {
+  return column->row ? (size_t)column->row[k] : k;
+}
+
 /* The d x d diagonal block of candidate c, column-major; zero where a block-sparse W has none. */
 void dlsi_contact_diagonal(const dls_contact *problem, int c, double *block);
 

@@ -85,7 +85,6 @@ struct dls_newton {
   double *next, *unext; /* m       r0, then r0 + dr; u of it */
   double *a, *F;        /* m       */
   double *x;            /* m       right side and solution of (N2) */
-  double *y;            /* m       a column */
   int *pivot;           /* m       */
   int *p;               /* m + 1   columns of the sparse matrix */
   double tol;           /* of this run, and */
@@ -146,8 +145,8 @@ static dls_newton *carve(dlsi_arena *arena, int d, int nc) {
   dls_newton filled = {.d = d, .nc = nc};
   filled.w = dlsi_take(arena, n, D);
   filled.branch = dlsi_take(arena, n, sizeof *filled.branch);
-  double **const vectors[] = {&filled.r, &filled.u, &filled.best, &filled.next, &filled.unext,
-                              &filled.a, &filled.F, &filled.x,    &filled.y};
+  double **const vectors[] = {&filled.r,     &filled.u, &filled.best, &filled.next,
+                              &filled.unext, &filled.a, &filled.F,    &filled.x};
   for (size_t e = 0; e < sizeof vectors / sizeof vectors[0]; e++)
     *vectors[e] = dlsi_take(arena, m, D);
   filled.pivot = dlsi_take(arena, m, sizeof *filled.pivot);
@@ -309,54 +308,57 @@ static double extra_diagonal(const dls_newton *work, int c, int j, double eps) {
          (b->state == DLS_SLIP && j == 1 ? b->l : 0);
 }
 
+/* v (3) := a block of W times e */
+static void multiply_block(int d, const double *x, size_t ld, const double *e, double *v) {
+  v[1] = v[2] = 0;
+  for (int i = 0; i < d; i++)
+    v[i] = x[i] * e[0] + x[(size_t)i + ld] * e[1] + (d == 3 ? x[(size_t)i + 2 * ld] * e[2] : 0);
+}
+
 /* (N2), k x k in J */
 static void build_dense(dls_newton *work, const dls_contact *problem, double eps, int k) {
-  const int d = problem->d, nc = problem->nc;
-  for (int b = 0; b < nc; b++)
+  for (int b = 0; b < problem->nc; b++) {
+    const dlsi_block_column W = dlsi_contact_column(problem, (size_t)b);
     for (int j = 0; j < work->branch[b].count; j++) {
       const int col = work->branch[b].first + j;
-      double e[3], *column = work->J + (size_t)col * (size_t)k;
+      double e[3], v[3], *column = work->J + (size_t)col * (size_t)k;
       direction(&work->branch[b], problem->mu[b], j, e);
-      memset(work->y, 0, (size_t)d * (size_t)nc * sizeof *work->y);
-      dlsi_contact_add_columns(problem, b, e, work->y);
-      for (int a = 0; a < nc; a++) {
-        const branch *row_of = &work->branch[a];
-        double v[3] = {0};
-        memcpy(v, work->y + (size_t)d * (size_t)a, (size_t)d * sizeof *v);
+      memset(column, 0, (size_t)k * sizeof *column);
+      for (size_t s = W.begin; s < W.end; s++) {
+        const branch *row_of = &work->branch[dlsi_row(&W, s)];
+        if (!row_of->count) continue;
+        multiply_block(problem->d, W.x + s * W.step, W.ld, e, v);
         for (int i = 0; i < row_of->count; i++)
-          column[row_of->first + i] = row(row_of, i, v);
+          column[row_of->first + i] += row(row_of, i, v);
       }
       column[col] += extra_diagonal(work, b, j, eps);
     }
+  }
 }
 
 /* (N2) in compressed columns */
 static dls_sparse build_sparse(dls_newton *work, const dls_contact *problem, double eps, int k) {
-  const int d = problem->d;
-  const dls_blocks *W = &problem->Wb;
   int entries = 0;
-  for (int b = 0; b < problem->nc; b++)
+  for (int b = 0; b < problem->nc; b++) {
+    const dlsi_block_column W = dlsi_contact_column(problem, (size_t)b);
     for (int j = 0; j < work->branch[b].count; j++) {
       const int col = work->branch[b].first + j;
-      double e[3];
+      double e[3], v[3];
       direction(&work->branch[b], problem->mu[b], j, e);
       work->p[col] = entries;
       work->i[entries] = col;
       work->v[entries++] = extra_diagonal(work, b, j, eps);
-      for (int s = W->p[b]; s < W->p[b + 1]; s++) {
-        const branch *row_of = &work->branch[W->i[s]];
+      for (size_t s = W.begin; s < W.end; s++) {
+        const branch *row_of = &work->branch[dlsi_row(&W, s)];
         if (!row_of->count) continue;
-        const double *x = W->x + (size_t)(d * d) * (size_t)s;
-        double v[3] = {0};
-        for (int c = 0; c < d; c++)
-          for (int i = 0; i < d; i++)
-            v[i] += x[i + d * c] * e[c];
+        multiply_block(problem->d, W.x + s * W.step, W.ld, e, v);
         for (int i = 0; i < row_of->count; i++) {
           work->i[entries] = row_of->first + i;
           work->v[entries++] = row(row_of, i, v);
         }
       }
     }
+  }
   work->p[k] = entries;
   const dls_sparse A = {k, k, work->p, work->i, work->v};
   return A;
