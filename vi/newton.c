@@ -310,7 +310,7 @@ static double extra_diagonal(const dls_newton *work, int c, int j, double eps) {
 
 /* v (3) := a block of W times e */
 static void multiply_block(int d, const double *x, size_t ld, const double *e, double *v) {
-  v[1] = v[2] = 0;
+  v[0] = v[1] = v[2] = 0;
   for (int i = 0; i < d; i++)
     v[i] = x[i] * e[0] + x[(size_t)i + ld] * e[1] + (d == 3 ? x[(size_t)i + 2 * ld] * e[2] : 0);
 }

@@ -75,11 +75,9 @@ static inline void dlsi_multiply(const dls_contact *problem, const double *E, co
 dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const double *E, double tol,
                          double *r, double *u, dls_certificate *certificate, int *iterations);
 
-/* dls_newton_create on behalf of `function`. */
+/* The same of dls_newton_solve, sweeps and steps done; and create, on behalf of `function`. */
 dls_status dlsi_newton_create(const char *function, dls_newton **out, int d, int nc,
                               const dls_newton_settings *settings, dls_error *error);
-
-/* The same of dls_newton_solve; sweeps and steps done. */
 dls_status dlsi_newton_run(const char *function, dls_newton *work, const dls_contact *problem,
                            const double *E, double tol, double *r, double *u,
                            dls_certificate *certificate, int *sweeps, int *steps, dls_error *error);

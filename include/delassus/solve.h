@@ -44,11 +44,10 @@ typedef struct dls_solver dls_solver;
  * It holds the LCP and its table, about 2 n^2 doubles: n = (facets + 2) nc for d = 3; n = 4 nc for
  * d = 2 up to 4 nc = 4000, beyond that n = 3 nc, and a ray ends it.
  *
- * The augmented Lagrangian and the penalty method hold about 2 m^2 doubles, m = d nc, and serve W
- * by blocks up to DLS_AUGMENTED_MAX_ROWS rows (augmented.h, whose defaults they take). The penalty
- * method is one augmentation with eps_c = 1e6 / w_c from lambda = 0, warm_start or not. Its r has
- * an error of about 1e-6: DLS_OK if the certificate holds all the same, as a rule
- * DLS_MAX_ITERATIONS; DLS_STALLED if the regularised problem could not be solved. */
+ * The augmented Lagrangian and the penalty method hold about m^2 doubles, m = d nc (augmented.h, whose
+ * defaults they take). The penalty method is one augmentation with eps_c = 1e6 / w_c from lambda =
+ * 0, warm_start or not. Its r has an error of about 1e-6: DLS_OK if the certificate holds all the
+ * same, as a rule DLS_MAX_ITERATIONS; DLS_STALLED if the regularised problem could not be solved. */
 DLS_API DLS_MUST_USE dls_status dls_solver_create(dls_solver **out, int d, int nc,
                                                   const dls_solver_settings *settings,
                                                   dls_error *error);
