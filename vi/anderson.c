@@ -6,7 +6,8 @@
  *   (A2)  gamma = argmin | f_k - DF gamma |_2
  *   (A3)  x_k+1 = g_k - DG gamma,  u_k+1 = u_k - DU gamma
  *
- * u is any affine function of g, here W g + q: its combination costs no product with W.
+ * u is any affine function of g, here W g + q: its combination costs no product with W. A caller who
+ * has none does without.
  *
  * (A2) by the normal equations: one new row of DF^T DF per step, its columns scaled to length 1, and
  * Cholesky from the newest column to the oldest. A column that is a combination of newer ones up to
@@ -32,15 +33,15 @@ static const double dependent = 1e-5;
  * is larger, the history is forgotten. Problems that converge need 1 to 1000. */
 static const double largest = 1e4;
 
-void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window) {
+void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window, int with_u) {
   const size_t k = (size_t)window;
   a->window = window;
   a->DF = dlsi_take(arena, k, m * sizeof *a->DF);
   a->DG = dlsi_take(arena, k, m * sizeof *a->DG);
-  a->DU = dlsi_take(arena, k, m * sizeof *a->DU);
+  a->DU = with_u ? dlsi_take(arena, k, m * sizeof *a->DU) : NULL;
   a->f = dlsi_take(arena, m, sizeof *a->f);
   a->g = dlsi_take(arena, m, sizeof *a->g);
-  a->u = dlsi_take(arena, m, sizeof *a->u);
+  a->u = with_u ? dlsi_take(arena, m, sizeof *a->u) : NULL;
   a->gram = dlsi_take(arena, k, k * sizeof *a->gram);
   a->L = dlsi_take(arena, k, k * sizeof *a->L);
   a->work = dlsi_take(arena, k, 3 * sizeof *a->work);
@@ -57,16 +58,16 @@ static void remember(dlsi_anderson *a, size_t m, const double *f, const double *
     a->newest = a->columns ? (a->newest + 1) % a->window : 0;
     if (a->columns < a->window) a->columns++;
     double *df = a->DF + (size_t)a->newest * m, *dg = a->DG + (size_t)a->newest * m;
-    double *du = a->DU + (size_t)a->newest * m;
     for (size_t i = 0; i < m; i++) {
       df[i] = f[i] - a->f[i];
       dg[i] = g[i] - a->g[i];
-      du[i] = u[i] - a->u[i];
     }
+    for (size_t i = 0; u && i < m; i++)
+      a->DU[(size_t)a->newest * m + i] = u[i] - a->u[i];
   }
   memcpy(a->f, f, m * sizeof *f);
   memcpy(a->g, g, m * sizeof *g);
-  memcpy(a->u, u, m * sizeof *u);
+  if (u) memcpy(a->u, u, m * sizeof *u);
   a->started = 1;
 }
 
@@ -127,6 +128,6 @@ int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, doub
   const double minus = -1, unit = 1;
   const int n = a->columns, one = 1; /* (A3) */
   dgemv_("N", &m, &n, &minus, a->DG, &m, gamma, &one, &unit, g, &one, 1);
-  dgemv_("N", &m, &n, &minus, a->DU, &m, gamma, &one, &unit, u, &one, 1);
+  if (u) dgemv_("N", &m, &n, &minus, a->DU, &m, gamma, &one, &unit, u, &one, 1);
   return 1;
 }

@@ -128,7 +128,8 @@ static dls_nlgs *carve(dlsi_arena *arena, int d, int nc, const dls_nlgs_settings
   if (settings->acceleration != DLS_ACCELERATION_NONE) {
     x = dlsi_take(arena, m, sizeof *x);
     dlsi_anderson_carve(&history, arena, m,
-                        settings->acceleration == DLS_ACCELERATION_AITKEN ? 1 : settings->window);
+                        settings->acceleration == DLS_ACCELERATION_AITKEN ? 1 : settings->window,
+                        1);
   }
   if (arena->failed || !arena->base) return NULL;
   const dls_nlgs filled = {.settings = *settings,

@@ -10,7 +10,8 @@
 #include "dlsi.h"
 
 /* dls_nlgs_local without the count, for the sweep. W is d x d, column-major, leading dimension d.
- * guess (3D): where to look first for l >= 0 in u_t = -l r_t, such as |u_t| / |r_t| before; 0 for none. */
+ * guess (3D): where to look first for l >= 0 in u_t = -l r_t, such as |u_t| / |r_t| before; 0 for
+ * none. */
 dls_local_state dlsi_local_2d(const double *W, const double *q, double mu, double *r);
 dls_local_state dlsi_local_3d(const double *W, const double *q, double mu, double guess, double *r);
 
@@ -44,17 +45,18 @@ typedef struct dlsi_anderson {
   int window;
   int started;          /* f, g, u are there */
   int columns, newest;  /* of DF, DG, DU, in a ring */
-  double *DF, *DG, *DU; /* m window */
+  double *DF, *DG, *DU; /* m window; DU and u may be NULL: no u */
   double *f, *g, *u;    /* m  of the last step taken */
   double *gram, *L;     /* window^2 */
   double *work;         /* 3 window */
 } dlsi_anderson;
 
-void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window);
+void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window, int with_u);
 void dlsi_anderson_clear(dlsi_anderson *a);
 
 /* Takes g = g(x), the weighted residual f = D (g - x) and u = u(g), m each, in; g and u become the
- * next x and u(x). 0 if the history does not say anything yet: they stay. m: the same since clear. */
+ * next x and u(x); u is NULL for a history carved without. 0 if the history does not say anything
+ * yet: they stay. m: the same since clear. */
 int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, double *u);
 
 /* ---- with springs: u = (W + diag(E)) r + q, E_c >= 0 for all d rows of candidate c ----------- */
