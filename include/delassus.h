@@ -11,6 +11,7 @@
  *   nlgs.h       projected Gauss-Seidel on the reactions
  *   primal.h     projected Gauss-Seidel on the displacements
  *   newton.h     nonsmooth Newton
+ *   admm.h       splitting with a factorisation
  *   augmented.h  augmented Lagrangian, penalty
  *   lcp.h        LCP(M, q), Lemke, 2D contact as an LCP
  *   facets.h     contact on a cone with facets as an LCP
@@ -22,6 +23,7 @@
 #ifndef DELASSUS_H
 #define DELASSUS_H
 
+#include "delassus/admm.h"
 #include "delassus/augmented.h"
 #include "delassus/contact.h"
 #include "delassus/diagnose.h"

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "delassus/admm.h"
 #include "delassus/augmented.h"
 #include "delassus/facets.h"
 #include "delassus/lcp.h"
@@ -28,6 +29,7 @@ struct dls_solver {
   dls_nlgs *nlgs;            /* DLS_NLGS; DLS_LEMKE: sweeps between Newton steps */
   dls_augmented *augmented;  /* DLS_AUGMENTED_LAGRANGIAN, DLS_PENALTY */
   dls_newton *newton;        /* DLS_NEWTON; DLS_LEMKE: those steps */
+  dls_admm *admm;            /* DLS_ADMM */
   dls_lemke *lemke;          /* DLS_LEMKE, with the LCP that it solves: */
   int facets;                /* of the cone; d = 2: 2 */
   int n;                     /* rows there is room for */
@@ -45,6 +47,7 @@ static const struct {
 } methods[] = {{DLS_NLGS, "nlgs"},
                {DLS_LEMKE, "lemke"},
                {DLS_NEWTON, "newton"},
+               {DLS_ADMM, "admm"},
                {DLS_AUGMENTED_LAGRANGIAN, "augmented-lagrangian"},
                {DLS_PENALTY, "penalty"}};
 
@@ -206,12 +209,26 @@ static dls_status create_augmented(dls_solver *solver, dls_error *error) {
   return dls_augmented_create(&solver->augmented, solver->d, solver->nc, &s, error);
 }
 
+static dls_status create_admm(dls_solver *solver, dls_error *error) {
+  dls_admm_settings s;
+  dls_admm_settings_init(&s);
+  s.tol = solver->settings.tol;
+  if (solver->settings.max_iterations) s.max_iterations = solver->settings.max_iterations;
+  s.blocks = 1; /* the storage of W is not known yet: the first solve takes the room */
+  s.warm_start = solver->settings.warm_start;
+  s.progress = solver->settings.progress;
+  s.progress_data = solver->settings.progress_data;
+  return dls_admm_create(&solver->admm, solver->d, solver->nc, &s, error);
+}
+
 static dls_status create_method(dls_solver *solver, dls_error *error) {
   switch (solver->settings.method) {
   case DLS_LEMKE:
     return create_lemke(solver, error);
   case DLS_NEWTON:
     return create_newton(solver, error);
+  case DLS_ADMM:
+    return create_admm(solver, error);
   case DLS_AUGMENTED_LAGRANGIAN:
   case DLS_PENALTY:
     return create_augmented(solver, error);
@@ -364,6 +381,8 @@ dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, doub
   }
   if (solver->settings.method == DLS_NEWTON)
     return dls_newton_solve(solver->newton, problem, r, u, info, error);
+  if (solver->settings.method == DLS_ADMM)
+    return dls_admm_solve(solver->admm, problem, r, u, info, error);
   return dls_nlgs_solve(solver->nlgs, problem, r, u, info, error);
 }
 
@@ -372,6 +391,7 @@ void dls_solver_destroy(dls_solver *solver) {
   dls_nlgs_destroy(solver->nlgs);
   dls_augmented_destroy(solver->augmented);
   dls_newton_destroy(solver->newton);
+  dls_admm_destroy(solver->admm);
   dls_lemke_destroy(solver->lemke);
   free(solver->memory);
   free(solver);

@@ -16,13 +16,14 @@ typedef enum dls_method {
   DLS_NLGS = 1,   /* projected Gauss-Seidel on the reactions, d = 2 and 3 */
   DLS_LEMKE = 2,  /* complementary pivoting on the LCP; d = 3 on facets, then Newton steps */
   DLS_NEWTON = 3, /* sweeps, then nonsmooth Newton, d = 2 and 3 */
+  DLS_ADMM = 4,   /* splitting with a factorisation, d = 2 and 3 */
   DLS_AUGMENTED_LAGRANGIAN = 5, /* Simo and Laursen's, the proximal point method; d = 2 and 3 */
   DLS_PENALTY = 6               /* its first step with large penalties: has an error */
 } dls_method;
 
 /* Passed to the progress callback; valid during the call only. */
 typedef struct dls_progress {
-  const char *method; /* "nlgs", "lemke", "newton", "augmented-lagrangian", ... */
+  const char *method; /* "nlgs", "lemke", "newton", "admm", "augmented-lagrangian", ... */
   int iteration;      /* sweeps, pivots, steps, augmentations: done so far */
   int max_iterations;
   double residual; /* the certificate's residual as the iteration estimates it; -1 if unknown */
@@ -36,10 +37,10 @@ typedef int (*dls_progress_fn)(void *data, const dls_progress *progress);
 typedef struct dls_info {
   dls_status status; /* as returned */
   dls_method method;
-  int iterations;              /* sweeps; pivots of all LCPs; steps; augmentations */
+  int iterations;              /* sweeps; pivots of all LCPs; steps; augmentations; iterations */
   dls_certificate certificate; /* of the r that is returned */
   int ambiguous;      /* nlgs: candidates at the answer whose local problem has several solutions */
-  int factorisations; /* augmented Lagrangian, penalty: of an m x m matrix, one per Newton step */
+  int factorisations; /* of m x m matrices: admm; augmented Lagrangian, penalty: one per Newton step */
   int sweeps;         /* newton: before the first step */
 } dls_info;
 

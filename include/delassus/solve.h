@@ -24,8 +24,8 @@ typedef struct dls_solver_settings {
 
 DLS_API void dls_solver_settings_init(dls_solver_settings *settings);
 
-/* "nlgs", "lemke", "newton", "augmented-lagrangian", "penalty"; NULL for a number that is no method.
- * dls_method_find returns 0 for no method. */
+/* "nlgs", "lemke", "newton", "admm", "augmented-lagrangian", "penalty"; NULL for a number that is
+ * no method. dls_method_find returns 0 for no method. */
 DLS_API const char *dls_method_name(dls_method method);
 DLS_API int dls_method_find(const char *name, dls_method *method);
 
@@ -53,9 +53,10 @@ DLS_API DLS_MUST_USE dls_status dls_solver_create(dls_solver **out, int d, int n
                                                   dls_error *error);
 
 /* r (m): in, the start if warm_start; out, the reactions. u (m) or NULL: W r + q. info or NULL.
- * Allocates nothing but what newton.h says of m > 250 (newton, and lemke at its end). Statuses of
- * the methods; of Lemke with d = 3, DLS_RAY and never DLS_NO_SOLUTION: what is proved of the
- * faceted cone does not bind the round one. */
+ * Allocates nothing but what newton.h says of m > 250 (newton, and lemke at its end), and admm's
+ * first solve the matrix of admm.h for m > 250. Statuses of the methods; of Lemke with d = 3,
+ * DLS_RAY and never DLS_NO_SOLUTION: what is proved of the faceted cone does not bind the round
+ * one. */
 DLS_API DLS_MUST_USE dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem,
                                                  double *r, double *u, dls_info *info,
                                                  dls_error *error);

@@ -78,6 +78,8 @@ const char *iteration_word(dls_method method) {
     return "pivots";
   case DLS_NEWTON:
     return "steps";
+  case DLS_ADMM:
+    return "iterations";
   case DLS_AUGMENTED_LAGRANGIAN:
   case DLS_PENALTY:
     return "augmentations";

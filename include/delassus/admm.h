@@ -1,0 +1,79 @@
+/*
+ * delassus/admm.h: splitting with a factorisation: Douglas-Rachford's iteration, which is the
+ * alternating direction method of multipliers (ADMM), with the exact resolvent of the friction law.
+ * For d = 2 and 3, W symmetric or not, of full rank or not.
+ *
+ *   z = the law's reactions near v: z_n = max(v_n, 0), z_t = v_t put on the disc of radius mu z_n
+ *   x = the reactions that u = W r + q makes of 2 z - v:   (W + rho D) x = rho D (2 z - v) - q
+ *   v := v + 1.6 (x - z), accelerated (Anderson)
+ *
+ * D = diag(w_c), the weights of the certificate. One factorisation of W + rho D serves many
+ * iterations, each of which costs about a sweep of Gauss-Seidel but moves all candidates together:
+ * ill-conditioned W and small tolerances cost it less than they cost sweeps. vi/admm.c;
+ * vi/README.md says where it wins.
+ *
+ * Dense Cholesky, or LU where W is not symmetric to the last bit, for a dense W, and for W by
+ * blocks up to 250 unknowns; beyond that sparse LU by MUMPS, whose Fortran modules hold
+ * process-wide variables: no two threads may be in MUMPS at once. A library built without MUMPS
+ * then answers DLS_E_UNSUPPORTED.
+ */
+#ifndef DELASSUS_ADMM_H
+#define DELASSUS_ADMM_H
+
+#include "delassus/info.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Fill by dls_admm_settings_init, then change what you like. */
+typedef struct dls_admm_settings {
+  size_t size;        /* set by init; settings without it are refused */
+  double tol;         /* on the certificate's residual; >= 0; 1e-8 */
+  int max_iterations; /* >= 1; 5000 */
+  double rho;         /* at first; then 1e-4 .. 100 as it goes; > 0, finite; no unit; 1 */
+  int blocks; /* create makes room for: 0: W dense; > 0: W by blocks, up to so many of them; 0 */
+  int warm_start;           /* 0: start from r = 0; 1: from r as passed in; 0 */
+  dls_progress_fn progress; /* NULL for none; called after each iteration */
+  void *progress_data;
+} dls_admm_settings;
+
+DLS_API void dls_admm_settings_init(dls_admm_settings *settings);
+
+/* A workspace for problems of dimension d with at most nc candidates; reused over time steps. */
+typedef struct dls_admm dls_admm;
+
+/* *out = new workspace, NULL on error; the settings are copied. With m = d nc it holds about 32 m
+ * doubles and
+ *
+ *   blocks = 0 or m <= 250    m^2 doubles
+ *   else                      2 doubles and 3 ints for each of d d blocks + m entries
+ *
+ * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY. */
+DLS_API DLS_MUST_USE dls_status dls_admm_create(dls_admm **out, int d, int nc,
+                                                const dls_admm_settings *settings,
+                                                dls_error *error);
+
+/* Solves. r (m): in, the start if warm_start, else ignored; out, the reactions with the smallest
+ * residual met, the start included: never worse than it. They leave the cone by as little as the
+ * residual says. u (m) or NULL: W r + q. info or NULL; info->factorisations counts. r, u must not
+ * overlap each other or the problem.
+ *
+ * Allocates nothing for W as announced to create, but for what MUMPS allocates inside of a solve.
+ * For the other storage, or more blocks, it takes the room of the table above once and keeps it.
+ *
+ * DLS_OK; DLS_MAX_ITERATIONS; DLS_STALLED: an iteration changes nothing, overflows, or W + rho D is
+ * singular for every rho tried; DLS_CANCELLED; DLS_E_MEMORY, DLS_E_UNSUPPORTED, an error of
+ * dls_contact_check, or DLS_E_SIZE for another d or more candidates than in create. */
+DLS_API DLS_MUST_USE dls_status dls_admm_solve(dls_admm *workspace, const dls_contact *problem,
+                                               double *r, double *u, dls_info *info,
+                                               dls_error *error);
+
+/* NULL is fine. */
+DLS_API void dls_admm_destroy(dls_admm *workspace);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
