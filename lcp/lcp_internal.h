@@ -33,6 +33,32 @@ double dlsi_lcp_farkas_violation(const dls_lcp *lcp, const double *v);
  * (scale.c, S4). work: 9 n doubles. */
 void dlsi_lcp_equilibrate(const dls_lcp *lcp, double *rho, double *gamma, double *work);
 
+/* ---- crash.c --------------------------------------------------------------------------------- */
+
+/* See crash.c for (K1)-(K5). */
+typedef struct dlsi_crash {
+  const double *s;      /* n: weights of the certificate */
+  double *S;            /* n x n: the factors of M_00, k x k; then Y, G, T and a product */
+  double *G, *T;        /* in S: M_E0, e x k; the matrix of (K5), h x h, factorised */
+  double *z, *y, *a;    /* n: (K1), |M||z| */
+  double *b, *x, *v;    /* n */
+  int *in, *wrong;      /* n: 1 in A; 1 for a negative z_i or y_i */
+  int *base, *pivots;   /* k: A_0, ascending */
+  int *place;           /* n: of an index in A_0, -1 outside */
+  int *slot;            /* n: its column of Y, -1 if it has none */
+  int *differ;          /* h: E, then D */
+  int *differ_pivots;   /* h */
+  int k, columns, h, e; /* |A_0|; of Y; |D| + |E|; |E| */
+  int rounds, fewest, chances;
+} dlsi_crash;
+
+/* The caller has set s, `in` and the memory, of which S, z, y, a, b, x, v and eight arrays of n int are
+ * to be n long at least. */
+void dlsi_crash_begin(const dls_lcp *lcp, dlsi_crash *w);
+
+/* One round: 0 to go on, 1 if z solves the LCP but for rounding, -1 if this leads nowhere. */
+int dlsi_crash_round(const dls_lcp *lcp, dlsi_crash *w);
+
 /* ---- table.c --------------------------------------------------------------------------------- */
 
 enum { dlsi_table_block = 96 }; /* exchanges put off */

@@ -36,6 +36,10 @@
  * (I, -M), so that the table can be computed anew at any time. If b >= 0 there is nothing to do. d need
  * not be positive: a ray is no ray of the user's cover then, and the cold start is tried instead.
  *
+ * Crash start. Before all this, if it is asked for and no cover is given, crash.c guesses a
+ * complementary basis with LU factors. If its z has the certificate, that is the answer; else nothing of
+ * it is kept and the path is what it would have been.
+ *
  * Rounding. Decisions are taken on R M C with powers of two R and C (scale.c), so that the same
  * relative tolerances serve all units. Deviations from the above:
  *
@@ -101,6 +105,7 @@ struct dls_lemke {
   double *g;             /* n: the perturbation, as y would feel it */
   int *start;            /* n: basic variables of the start, one of each pair */
   int pivots, refreshes; /* of this solve */
+  dlsi_crash crash;      /* in the memory of the table */
 
   double *y, *magnitude, *weight, *trial; /* n: certificate of a trial z */
   double *z, *best_y;                     /* n: the best so far */
@@ -165,6 +170,20 @@ static void carve(dls_lemke *w, dlsi_arena *arena) {
   w->rows = t->born + n + 1;
   w->reenter = w->rows + 2 * n;
   w->start = w->reenter + n + 1;
+
+  dlsi_crash *k = &w->crash;
+  int **indices[] = {&k->in,    &k->wrong, &k->base,   &k->pivots,
+                     &k->place, &k->slot,  &k->differ, &k->differ_pivots};
+  k->S = t->T;
+  k->s = w->weight;
+  k->z = w->trial;
+  k->y = w->y;
+  k->a = w->magnitude;
+  k->b = w->x;
+  k->x = w->dx;
+  k->v = w->work;
+  for (size_t l = 0; l < sizeof indices / sizeof indices[0]; l++)
+    *indices[l] = ints + l * n;
 }
 
 dls_status dls_lemke_create(dls_lemke **out, int n, const dls_lemke_settings *settings,
@@ -187,6 +206,9 @@ dls_status dls_lemke_create(dls_lemke **out, int n, const dls_lemke_settings *se
                      settings->max_iterations, "is negative");
   if (settings->warm_start != 0 && settings->warm_start != 1)
     return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "warm_start", -1, settings->warm_start,
+                     "must be 0 or 1");
+  if (settings->crash != 0 && settings->crash != 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "crash", -1, settings->crash,
                      "must be 0 or 1");
   if (settings->cover) {
     const dls_status status =
@@ -533,14 +555,15 @@ static int first_row(const dlsi_table *t, const double *c) {
 
 typedef enum path_end { path_solved, path_ray, path_limit, path_cancelled, path_lost } path_end;
 
+static int report(const dls_lemke *w, int max_pivots, double residual) {
+  const dls_progress progress = {"lemke", w->pivots, max_pivots, residual};
+  return w->settings.progress && w->settings.progress(w->settings.progress_data, &progress);
+}
+
 /* The residual with z0 > 0 is about that of y - d z0 where y - d z0 < 0. */
-static int report(const dls_lemke *w, const dls_lcp *lcp, int max_pivots) {
-  const size_t n = (size_t)lcp->n;
-  if (!w->settings.progress) return 0;
+static double residual_estimate(const dls_lemke *w, size_t n) {
   const double z0 = w->table.where[2 * n] < 0 ? 0 : w->table.b[w->table.where[2 * n]];
-  const dls_progress progress = {"lemke", w->pivots, max_pivots,
-                                 z0 * dlsi_norm2(w->d, n) / dlsi_norm2(w->q, n)};
-  return w->settings.progress(w->settings.progress_data, &progress);
+  return z0 * dlsi_norm2(w->d, n) / dlsi_norm2(w->q, n);
 }
 
 /* Follows the path to its end, from the basis of z if that is not NULL; *entering is the variable of
@@ -562,7 +585,9 @@ static path_end follow(dls_lemke *w, const dls_lcp *lcp, const double *z, int ma
   w->pivots++;
   for (;;) {
     if (w->pivots >= max_pivots) return path_limit;
-    if (w->pivots % progress_interval == 0 && report(w, lcp, max_pivots)) return path_cancelled;
+    if (w->pivots % progress_interval == 0 &&
+        report(w, max_pivots, residual_estimate(w, (size_t)n)))
+      return path_cancelled;
     const int s = -1 - t->where[*entering];
     dlsi_table_column(t, s, w->c); /* (L2) */
     const double cmax = largest(n, w->c);
@@ -596,18 +621,35 @@ static path_end follow(dls_lemke *w, const dls_lcp *lcp, const double *z, int ma
 
 /* ---- answers --------------------------------------------------------------------------------- */
 
-/* Certifies z = max(0, x) in the user's units; keeps it if it is the best so far. */
-static void offer(dls_lemke *w, const dls_lcp *lcp, const double *x) {
+/* Certifies z = max(0, trial); keeps it if it is the best so far. */
+static void offer_trial(dls_lemke *w, const dls_lcp *lcp) {
   const size_t n = (size_t)lcp->n;
   dls_lcp_certificate certificate;
   for (size_t j = 0; j < n; j++)
-    w->trial[j] = x[n + j] > 0 ? w->kappa * w->C[j] * x[n + j] : 0;
+    w->trial[j] = w->trial[j] > 0 ? w->trial[j] : 0;
   dlsi_lcp_multiply(lcp, lcp->q, w->trial, w->y, w->magnitude);
   dlsi_lcp_measure(lcp, w->trial, w->y, w->magnitude, w->weight, &certificate);
   if (!(certificate.residual < w->best.residual)) return;
   w->best = certificate;
   memcpy(w->z, w->trial, n * sizeof *w->z);
   memcpy(w->best_y, w->y, n * sizeof *w->best_y);
+}
+
+/* The best so far := z = 0, [C] (41) */
+static void offer_zero(dls_lemke *w, const dls_lcp *lcp) {
+  const size_t n = (size_t)lcp->n;
+  memset(w->z, 0, n * sizeof *w->z);
+  memcpy(w->best_y, lcp->q, n * sizeof *w->best_y);
+  memset(w->magnitude, 0, n * sizeof *w->magnitude);
+  dlsi_lcp_measure(lcp, w->z, lcp->q, w->magnitude, w->weight, &w->best);
+}
+
+/* The same for the z of scaled values x */
+static void offer(dls_lemke *w, const dls_lcp *lcp, const double *x) {
+  const size_t n = (size_t)lcp->n;
+  for (size_t j = 0; j < n; j++)
+    w->trial[j] = w->kappa * w->C[j] * x[n + j];
+  offer_trial(w, lcp);
 }
 
 /* (T5) for a solution: 1 if nothing better is to be expected */
@@ -652,11 +694,33 @@ static int accept_ray(dls_lemke *w, const dls_lcp *lcp, int entering) {
   return 1;
 }
 
+/* Rounds of crash.c from the basis of z, or of y if z is NULL; path_lost if they lead nowhere. */
+static path_end crash(dls_lemke *w, const dls_lcp *lcp, const double *z, int max_pivots) {
+  int outcome = 0;
+  for (int i = 0; i < lcp->n; i++)
+    w->crash.in[i] = z && z[i] > 0;
+  dlsi_crash_begin(lcp, &w->crash);
+  while (outcome == 0) {
+    outcome = dlsi_crash_round(lcp, &w->crash);
+    if (report(w, max_pivots, -1)) return path_cancelled;
+  }
+  if (outcome < 0) return path_lost;
+  offer_trial(w, lcp);
+  if (dls_lcp_certificate_holds(&w->best, sharp)) return path_solved;
+  offer_zero(w, lcp);
+  return path_lost;
+}
+
 /* Starts until something is settled: again with care (T5) after what could not be confirmed, with
  * another covering vector after a ray that proves nothing. */
 static dls_status solve(dls_lemke *w, const dls_lcp *lcp, const double *warm, int max_pivots,
                         int *starts) {
   int strict = 0, cover = 0, entering = 0;
+  if (w->settings.crash && !w->given) {
+    const path_end end = crash(w, lcp, warm, max_pivots);
+    if (end != path_lost) return end == path_solved ? DLS_OK : DLS_CANCELLED;
+  }
+  scale_problem(w, lcp);
   for (;; warm = NULL) {
     choose_cover(w, lcp->n, cover);
     const path_end end = follow(w, lcp, warm, max_pivots, strict, &entering);
@@ -703,20 +767,16 @@ dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, 
   const int limit = w->settings.max_iterations       ? w->settings.max_iterations
                     : lcp->n < (INT_MAX - 1000) / 50 ? 50 * lcp->n + 1000
                                                      : INT_MAX;
-  w->pivots = w->refreshes = w->solved_n = w->proved = 0;
+  w->pivots = w->refreshes = w->crash.rounds = w->solved_n = w->proved = 0;
   int starts = 0;
   dlsi_lcp_weights(lcp, w->weight);
-  memset(w->z, 0, n * sizeof *w->z);
-  memcpy(w->best_y, lcp->q, n * sizeof *w->best_y);
-  memset(w->magnitude, 0, n * sizeof *w->magnitude);
-  dlsi_lcp_measure(lcp, w->z, lcp->q, w->magnitude, w->weight, &w->best); /* of z = 0, [C] (41) */
-  if (w->best.negative_y > 0) {
-    scale_problem(w, lcp);
+  offer_zero(w, lcp);
+  if (w->best.negative_y > 0)
     status = solve(w, lcp, w->settings.warm_start ? z : NULL, limit, &starts);
-  }
   memcpy(z, w->z, n * sizeof *z);
   if (y) memcpy(y, w->best_y, n * sizeof *y);
-  if (info) *info = (dls_lemke_info){status, w->pivots, w->best, starts, w->refreshes};
+  if (info)
+    *info = (dls_lemke_info){status, w->pivots, w->best, starts, w->refreshes, w->crash.rounds};
   return status;
 }
 

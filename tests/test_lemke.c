@@ -943,6 +943,160 @@ START_TEST(warm_start_that_leads_nowhere) {
 }
 END_TEST
 
+/* ---- crash start ----------------------------------------------------------------------------- */
+
+static dls_lemke_settings with_crash(void) {
+  dls_lemke_settings settings;
+  dls_lemke_settings_init(&settings);
+  settings.crash = 1;
+  return settings;
+}
+
+/* Positive definite: the one solution without a pivot, in the rounds that every order and unit takes. */
+START_TEST(crash_finds_the_solution) {
+  for (int n = 20; n <= 300; n += 70) {
+    const dls_lemke_settings settings = with_crash();
+    dls_lemke_info info, path;
+    spd_and_skew(n, big_M, big_q);
+    ck_assert_int_eq(solve(n, big_M, big_q, NULL, big_z2, &path), DLS_OK);
+    ck_assert_int_eq(path.crash_rounds, 0);
+    ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
+    ck_assert(dls_lcp_certificate_holds(&info.certificate, 1e-14));
+    ck_assert_int_eq(info.starts, 0);
+    ck_assert_int_eq(info.pivots, 0);
+    ck_assert_int_ge(info.crash_rounds, 3);
+    ck_assert_int_le(info.crash_rounds, 10);
+    double size = 0;
+    for (int i = 0; i < n; i++)
+      size = fmax(size, big_z2[i]);
+    for (int i = 0; i < n; i++)
+      ck_assert_double_eq_tol(big_z[i], big_z2[i], 10 * rounding * size);
+    /* backwards, rows and columns in units of their own */
+    const int rounds = info.crash_rounds;
+    for (int j = 0; j < n; j++) {
+      const double column = exp2(integer(-30, 30));
+      for (int i = 0; i < n; i++)
+        big_M2[i + n * j] = big_M[n - 1 - i + n * (n - 1 - j)] * column;
+      big_q2[j] = big_q[n - 1 - j];
+      big_z2[j] = column;
+    }
+    for (int i = 0; i < n; i++) {
+      const double row = pow(10, integer(-9, 9));
+      big_q2[i] *= row;
+      for (int j = 0; j < n; j++)
+        big_M2[i + n * j] *= row;
+    }
+    double column[300];
+    memcpy(column, big_z2, sizeof column);
+    ck_assert_int_eq(solve(n, big_M2, big_q2, &settings, big_z2, &info), DLS_OK);
+    ck_assert_int_eq(info.crash_rounds, rounds);
+    ck_assert_int_eq(info.starts, 0);
+    for (int i = 0; i < n; i++)
+      ck_assert_double_eq_tol(big_z2[i] * column[i], big_z[n - 1 - i], 1e3 * rounding * size);
+  }
+}
+END_TEST
+
+/* With friction M has zeros on its diagonal, and bases are singular that lack a partner. */
+START_TEST(crash_with_friction) {
+  enum { nc = 30, m = 2 * nc, n = 3 * nc };
+  static double W[m * m], q[m], mu[nc];
+  const dls_lemke_settings settings = with_crash();
+  int without_path = 0;
+  for (int trial = 0; trial < 10; trial++) {
+    contact_problem(nc, W, q, mu);
+    const dls_contact problem = {2, nc, {m, m, m, W}, {0}, q, mu};
+    dls_lemke_info info, path;
+    ck_assert_int_eq(dls_contact_to_lcp(&problem, NULL, big_M, n, big_q, NULL), DLS_OK);
+    ck_assert_int_eq(solve(n, big_M, big_q, NULL, big_z2, &path), DLS_OK);
+    ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
+    ck_assert(dls_lcp_certificate_holds(&info.certificate, 1e-14));
+    without_path += info.starts == 0;
+  }
+  ck_assert_int_ge(without_path, 8);
+}
+END_TEST
+
+/* A crash start that leads nowhere leaves no trace: the same pivots, the same bits, the same ray. */
+START_TEST(crash_that_leads_nowhere) {
+  const dls_lemke_settings settings = with_crash();
+  int failed[6] = {0}, lucky = 0;
+  for (int trial = 0; trial < 3000; trial++) {
+    const int n = integer(1, 6);
+    double M[small * small], q[small], z[small], other[small];
+    dls_lemke_info info, path;
+    for (int k = 0; k < n * n; k++)
+      M[k] = integer(-2, 2);
+    for (int i = 0; i < n; i++)
+      q[i] = integer(-2, 1);
+    const dls_status expected = solve(n, M, q, NULL, other, &path);
+    const dls_status status = solve(n, M, q, &settings, z, &info);
+    if (info.starts == 0) {
+      ck_assert_int_eq(status, DLS_OK);
+      ck_assert_int_ne(expected, DLS_NO_SOLUTION);
+      ck_assert_int_eq(info.pivots, 0);
+      lucky += expected == DLS_RAY;
+      continue;
+    }
+    failed[status]++;
+    ck_assert_int_eq(status, expected);
+    ck_assert_int_eq(info.pivots, path.pivots);
+    ck_assert_int_eq(info.starts, path.starts);
+    ck_assert_int_gt(info.crash_rounds, 0);
+    ck_assert(memcmp(z, other, (size_t)n * sizeof *z) == 0);
+  }
+  ck_assert_int_gt(failed[DLS_OK], 100);
+  ck_assert_int_gt(failed[DLS_RAY], 10);
+  ck_assert_int_gt(failed[DLS_NO_SOLUTION], 100);
+  ck_assert_int_gt(lucky, 10);
+}
+END_TEST
+
+/* The answer is its own start; with a cover there is the path alone. */
+START_TEST(crash_from_a_start_and_with_a_cover) {
+  enum { n = 60 };
+  dls_lemke_settings settings = with_crash();
+  dls_lemke_info info;
+  double ones[n];
+  spd_and_skew(n, big_M, big_q);
+  ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
+  settings.warm_start = 1;
+  ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
+  ck_assert_int_eq(info.crash_rounds, 1);
+  ck_assert_int_eq(info.starts, 0);
+  for (int i = 0; i < n; i++)
+    ones[i] = 1;
+  settings.cover = ones;
+  ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
+  ck_assert_int_eq(info.crash_rounds, 0);
+  ck_assert_int_eq(info.starts, 1);
+}
+END_TEST
+
+static int stop_at_second_round(void *data, const dls_progress *progress) {
+  ck_assert_int_eq(progress->iteration, 0);
+  return ++*(int *)data == 2;
+}
+
+START_TEST(crash_can_be_cancelled) {
+  enum { n = 60 };
+  dls_lemke_settings settings = with_crash();
+  dls_lemke_info info;
+  int calls = 0;
+  spd_and_skew(n, big_M, big_q);
+  settings.progress = stop_at_second_round;
+  settings.progress_data = &calls;
+  ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_CANCELLED);
+  ck_assert_int_eq(info.crash_rounds, 2);
+  ck_assert_int_eq(info.pivots, 0);
+  settings.crash = 2;
+  dls_lemke *w;
+  dls_error error;
+  ck_assert_int_eq(dls_lemke_create(&w, n, &settings, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "crash");
+}
+END_TEST
+
 int main(void) {
   Suite *suite = suite_create("lemke");
   TCase *c = tcase_create("lemke");
@@ -974,6 +1128,11 @@ int main(void) {
   tcase_add_test(c, warm_start_follows_a_load);
   tcase_add_test(c, warm_start_from_anywhere);
   tcase_add_test(c, warm_start_that_leads_nowhere);
+  tcase_add_test(c, crash_finds_the_solution);
+  tcase_add_test(c, crash_with_friction);
+  tcase_add_test(c, crash_that_leads_nowhere);
+  tcase_add_test(c, crash_from_a_start_and_with_a_cover);
+  tcase_add_test(c, crash_can_be_cancelled);
   suite_add_tcase(suite, c);
   SRunner *runner = srunner_create(suite);
   srunner_run_all(runner, CK_NORMAL);

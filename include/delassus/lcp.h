@@ -58,7 +58,7 @@ typedef struct dls_lemke_settings {
   size_t size;              /* set by init; settings without it are refused */
   double tol;               /* on the certificate's residual; >= 0; 1e-8 */
   int max_iterations;       /* pivots; 0: 50 n + 1000; 0 */
-  dls_progress_fn progress; /* every 50 pivots; NULL for none; NULL */
+  dls_progress_fn progress; /* every 50 pivots and every round of `crash`; NULL for none; NULL */
   void *progress_data;
   /* d, n of create, each > 0; copied. NULL: the norms of the rows of M C, for column factors C
    * such that some row factors and they bring the entries of M near 1; where this d ends in a ray
@@ -66,6 +66,11 @@ typedef struct dls_lemke_settings {
   const double *cover;
   int warm_start; /* 1: start from the basis of z as passed in, z_i basic where z_i > 0 and y_i
                      elsewhere, as from the last time step; if that leads nowhere, cold; 0 */
+  /* 1: first exchange many pairs at once (lcp/crash.c), each round for a factorisation of the basis or
+   * less. If that soon ends at a solution there is no path; else nothing of it is kept, and the path is
+   * what it would have been. Of several solutions it may find another one than the path. With a `cover`
+   * there is the path alone. 0 */
+  int crash;
 } dls_lemke_settings;
 
 DLS_API void dls_lemke_settings_init(dls_lemke_settings *settings);
@@ -74,8 +79,9 @@ typedef struct dls_lemke_info {
   dls_status status;
   int pivots;                      /* of all starts together */
   dls_lcp_certificate certificate; /* of the z that is returned */
-  int starts;                      /* 1, or more when an answer could not be certified */
-  int refreshes;                   /* how often the table was computed anew from M */
+  int starts;       /* paths: 1, or more when an answer could not be certified, or 0 */
+  int refreshes;    /* how often the table was computed anew from M */
+  int crash_rounds; /* before the first path, see `crash`; none of them is a pivot */
 } dls_lemke_info;
 
 typedef struct dls_lemke dls_lemke; /* workspace for n <= the n of create */
