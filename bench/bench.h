@@ -41,10 +41,11 @@ int problem_read(problem *p, const char *directory, const char *name);
 
 /* ---- the peer (peer.c) ----------------------------------------------------------------------- */
 
-/* Siconos Numerics, lexicographic Lemke, on the n x n matrix M. z, w (n) start from 0. *cpu receives
- * the CPU time of the call, *pivots their number. Returns what the peer returns, 0 for success; -1 if
- * the call could not be set up. */
-int peer_lemke(int n, double *M, double *q, double *z, double *w, double *cpu, int *pivots);
+/* Siconos Numerics, lexicographic Lemke, on the n x n matrix M, `calls` times from z = w = 0 (n). *cpu
+ * receives the CPU time of one call, *pivots their number. Returns what the last call returns, 0 for
+ * success; -1 if the calls could not be set up. */
+int peer_lemke(int n, double *M, double *q, int calls, double *z, double *w, double *cpu,
+               int *pivots);
 
 /* ---- time (problems.c) ----------------------------------------------------------------------- */
 

@@ -1,15 +1,16 @@
 /*
- * lemke.c: Lemke's method of delassus beside the lexicographic Lemke of Siconos Numerics, on the same
- * LCPs, in the same run, in turn.
+ * lemke.c: Lemke's method of delassus, the path alone and with its crash start, beside the lexicographic
+ * Lemke of Siconos Numerics, on the same LCPs, in the same run, in turn.
  *
  *   lemke [--max N] [--full] [--lcp DIR] [--out DIR]     the comparison: lemke.csv
  *   lemke --large [--out DIR]                            one friction LCP of n = 9999: lemke_large.csv
  *
- * Every call runs in a child process of its own, so that a crash or a run without end costs that one
- * measurement. Its CPU time is read around the call: ours with create and destroy, since the peer
- * allocates inside. The answers come back in shared memory and are certified here, both by
- * dls_lcp_certify. Calls shorter than 2 ms are repeated and averaged. The median over the repetitions
- * counts; the peer stops after n = 2100 unless --full.
+ * Every measurement runs in a child process of its own, so that a crash or a run without end costs that
+ * one only. It begins with a call that is not counted, unless that takes more than a second; then calls
+ * are repeated for 2 ms at least between two readings of the CPU clock, and averaged. Ours are with
+ * create and destroy, since the peer allocates inside; the peer's options are made once. The answers
+ * come back in shared memory and are certified here, all by dls_lcp_certify. The median over the
+ * repetitions counts; the peer stops after n = 2100 unless --full.
  *
  * Beside the time per exchange stand one dger (the update that a Lemke on the full condensed table
  * makes at each exchange) and one dgemv, both on n x (n+1).
@@ -35,56 +36,61 @@ void dgemv_(const char *trans, const int *m, const int *n, const double *alpha, 
             const int *incy, size_t);
 
 enum { peer_size = 2100, cpu_limit = 1200, max_repetitions = 9 };
-static const double shortest = 2e-3; /* s */
+static const double shortest = 2e-3; /* s: of repeated calls */
+static const double long_call = 1;   /* s: no second call */
 static const double tol = 1e-8;      /* the default of dls_lemke */
 
 /* ---- one call in a process of its own -------------------------------------------------------- */
 
-typedef enum solver { ours = 0, peer = 1 } solver;
+typedef enum solver { path, crash, peer, solvers } solver;
 
 typedef struct outcome {
   double cpu; /* s, negative if the call did not return */
-  int pivots;
+  int pivots; /* crash: rounds, or -1 if a path was needed after them */
   int status; /* what the call returned; or the signal that ended it */
   double residual;
   int solved;
 } outcome;
 
-static void call_ours(const problem *p, outcome *o, double *z) {
+static void call_ours(solver which, const problem *p, int calls, outcome *o, double *z) {
   const dls_lcp lcp = problem_view(p);
-  dls_lemke *lemke;
+  dls_lemke_settings settings;
+  dls_lemke_settings_init(&settings);
+  settings.crash = which == crash;
   dls_lemke_info info = {0};
   const double start = cpu_now();
-  o->status = dls_lemke_create(&lemke, p->n, NULL, NULL);
-  if (o->status == DLS_OK) o->status = dls_lemke_solve(lemke, &lcp, z, NULL, &info, NULL);
-  dls_lemke_destroy(lemke);
-  o->cpu = cpu_now() - start;
-  o->pivots = info.pivots;
+  for (int k = 0; k < calls; k++) {
+    dls_lemke *lemke;
+    o->status = dls_lemke_create(&lemke, p->n, &settings, NULL);
+    if (o->status == DLS_OK) o->status = dls_lemke_solve(lemke, &lcp, z, NULL, &info, NULL);
+    dls_lemke_destroy(lemke);
+  }
+  o->cpu = (cpu_now() - start) / calls;
+  o->pivots = which == path ? info.pivots : info.starts ? -1 : info.crash_rounds;
 }
 
-static void call_peer(const problem *p, outcome *o, double *z) {
+static void call_peer(const problem *p, int calls, outcome *o, double *z) {
   double *w = calloc((size_t)p->n, sizeof *w);
-  memset(z, 0, (size_t)p->n * sizeof *z);
-  o->status = w ? peer_lemke(p->n, p->M, p->q, z, w, &o->cpu, &o->pivots) : -1;
+  o->status = w ? peer_lemke(p->n, p->M, p->q, calls, z, w, &o->cpu, &o->pivots) : -1;
   free(w);
 }
 
-static void call(solver which, const problem *p, outcome *o, double *z) {
-  if (which == ours) call_ours(p, o, z);
-  if (which == peer) call_peer(p, o, z);
+static void call(solver which, const problem *p, int calls, outcome *o, double *z) {
+  if (which == peer)
+    call_peer(p, calls, o, z);
+  else
+    call_ours(which, p, calls, o, z);
 }
 
 static void run_child(solver which, const problem *p, outcome *o, double *z) {
   const struct rlimit limit = {cpu_limit, cpu_limit};
   setrlimit(RLIMIT_CPU, &limit);
-  double total = 0;
-  int calls = 0;
-  do {
-    call(which, p, o, z);
-    total += o->cpu;
-    calls++;
-  } while (total >= 0 && total < shortest);
-  o->cpu = total / calls;
+  call(which, p, 1, o, z);
+  if (o->cpu >= long_call || o->cpu < 0) return;
+  for (int calls = 1;; calls *= 2) {
+    call(which, p, calls, o, z);
+    if (o->cpu < 0 || calls * o->cpu >= shortest) return;
+  }
 }
 
 /* Solves p in a child process and certifies its answer. */
@@ -192,37 +198,49 @@ static void print_field(FILE *csv, double x) {
     fputs(",nan", csv);
 }
 
+static void print_line(const problem *p, int count, const outcome sum[solvers], const double *ratio,
+                       const yardsticks *t) {
+  const outcome *o = &sum[path], *c = &sum[crash], *r = &sum[peer];
+  printf("%-12.12s %5d  %2d  %9.3g %6d %8.1e  %9.3g %6d %8.1e", p->name, p->n, count, o->cpu,
+         o->pivots, o->residual, c->cpu, c->pivots, c->residual);
+  if (r->cpu >= 0)
+    printf("  %9.3g %6d %8.1e  %6.1f %6.1f", r->cpu, r->pivots, r->residual, ratio[path],
+           ratio[crash]);
+  else
+    printf(" %41s", "");
+  printf("  %9.3g %9.3g %9.3g", 1e6 * o->cpu / o->pivots, 1e6 * t->dger, 1e6 * t->dgemv);
+  for (solver which = path; which <= crash; which++)
+    if (!sum[which].solved) printf("  %s", dls_status_name((dls_status)sum[which].status));
+  if (r->cpu >= 0 && !r->solved) printf("  peer: %d", r->status);
+  putchar('\n');
+}
+
 static void compare(const problem *p, int with_peer, FILE *csv) {
   const int count = p->n <= 400 ? max_repetitions : p->n <= 1200 ? 5 : p->n <= 2400 ? 3 : 1;
-  outcome runs[2][max_repetitions], sum[2];
+  outcome runs[solvers][max_repetitions], sum[solvers];
+  double ratio[peer];
   for (int k = 0; k < count; k++)
-    for (solver which = ours; which <= peer; which++)
+    for (solver which = path; which < solvers; which++)
       runs[which][k] = which == peer && !with_peer
                            ? (outcome){.cpu = -1, .status = -1, .residual = INFINITY, .pivots = -1}
                            : measure(which, p);
-  for (solver which = ours; which <= peer; which++)
+  for (solver which = path; which < solvers; which++)
     sum[which] = summarise(runs[which], count);
-  const outcome *o = &sum[ours], *r = &sum[peer];
-  const double ratio = o->solved && r->solved ? r->cpu / o->cpu : -1;
+  for (solver which = path; which < peer; which++)
+    ratio[which] = sum[which].solved && sum[peer].solved ? sum[peer].cpu / sum[which].cpu : -1;
   const yardsticks t = time_blas(p->n);
-
-  printf("%-12s %5d  %2d  %9.3g %6d %8.1e %-16s", p->name, p->n, count, o->cpu, o->pivots,
-         o->residual, dls_status_name((dls_status)o->status));
-  if (with_peer)
-    printf(" %9.3g %6d %8.1e %4d  %6.1f", r->cpu, r->pivots, r->residual, r->status, ratio);
-  else
-    printf(" %38s", "");
-  printf("  %9.3g %9.3g %9.3g\n", 1e6 * o->cpu / o->pivots, 1e6 * t.dger, 1e6 * t.dgemv);
+  print_line(p, count, sum, ratio, &t);
 
   fprintf(csv, "%s,%d,%d", p->name, p->n, count);
-  for (solver which = ours; which <= peer; which++) {
+  for (solver which = path; which < solvers; which++) {
     print_field(csv, sum[which].cpu);
     print_field(csv, sum[which].pivots);
     print_field(csv, sum[which].residual);
     fprintf(csv, ",%d", sum[which].solved);
   }
-  print_field(csv, ratio);
-  print_field(csv, o->cpu / o->pivots);
+  print_field(csv, ratio[path]);
+  print_field(csv, ratio[crash]);
+  print_field(csv, sum[path].cpu / sum[path].pivots);
   print_field(csv, t.dger);
   print_field(csv, t.dgemv);
   fputc('\n', csv);
@@ -305,7 +323,7 @@ static int run_large(int nc, FILE *csv) {
   const dls_lcp lcp = problem_view(&p);
   int count[3] = {0}, failed = !z || !r || !u || !state;
   if (!failed) {
-    call_ours(&p, &o, z);
+    call_ours(path, &p, 1, &o, z);
     failed = dls_lcp_certify(&lcp, z, NULL, &certificate, NULL) ||
              dls_contact_from_lcp(&l.contact, NULL, z, r, NULL) ||
              dls_contact_certify(&l.contact, r, u, &contact, NULL) ||
@@ -361,23 +379,24 @@ int main(int argc, char **argv) {
       return 2;
     }
   }
-  char path[1024];
-  snprintf(path, sizeof path, "%s/%s", out, large ? "lemke_large.csv" : "lemke.csv");
-  FILE *csv = fopen(path, "w");
+  char file[1024];
+  snprintf(file, sizeof file, "%s/%s", out, large ? "lemke_large.csv" : "lemke.csv");
+  FILE *csv = fopen(file, "w");
   if (!csv) {
-    perror(path);
+    perror(file);
     return 1;
   }
   int status = 0;
   if (large)
     status = run_large(3333, csv);
   else {
-    fputs("problem,n,repetitions,ours_cpu_s,ours_pivots,ours_residual,ours_solved,peer_cpu_s,"
-          "peer_pivots,peer_residual,peer_solved,ratio,ours_per_pivot_s,dger_s,dgemv_s\n",
+    fputs("problem,n,repetitions,path_cpu_s,path_pivots,path_residual,path_solved,crash_cpu_s,"
+          "crash_rounds,crash_residual,crash_solved,peer_cpu_s,peer_pivots,peer_residual,"
+          "peer_solved,path_ratio,crash_ratio,path_per_pivot_s,dger_s,dgemv_s\n",
           csv);
-    printf("%-12s %5s %3s  %9s %6s %8s %-16s %9s %6s %8s %4s  %6s  %9s %9s %9s\n", "problem", "n",
-           "rep", "ours s", "pivots", "residual", "", "peer s", "pivots", "residual", "", "ratio",
-           "us/pivot", "dger us", "dgemv us");
+    printf("%-12s %5s %3s  %9s %6s %8s  %9s %6s %8s  %9s %6s %8s  %6s %6s  %9s %9s %9s\n",
+           "problem", "n", "rep", "path s", "pivots", "residual", "crash s", "rounds", "residual",
+           "peer s", "pivots", "residual", "ratio", "ratio", "us/pivot", "dger us", "dgemv us");
     status |= compare_directory("data/lcp", max, csv);
     if (directory) status |= compare_directory(directory, max, csv);
     status |= compare_generated(max, full, csv);

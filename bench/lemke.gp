@@ -12,26 +12,28 @@ set offsets 0, 0, graph 0.1, 0
 set format y '10^{%T}'
 # column c of the rows of problem p; only where it was solved (column s)
 pick(p, c, s) = strcol(1) eq p && column(s) == 1 ? column(c) : NaN
-label(p) = strcol(1) eq p && column(12) > 0 ? sprintf('%.0f', column(12)) : ''
+label(p) = strcol(1) eq p && column(17) > 0 ? sprintf('%.0f, %.0f', column(16), column(17)) : ''
 do for [type in 'png svg'] {
   if (type eq 'png') { set terminal pngcairo size 1300,620 font ',12' }
   if (type eq 'svg') { set terminal svg size 1300,620 font ',12' background 'white' }
   set output dir.'lemke.'.type
   set multiplot layout 1,2
-  set title 'Lemke: CPU time of one solve, one thread; numbers: Siconos / delassus'
+  set title 'CPU time of one solve, one thread; numbers: Siconos / path, Siconos / crash start'
   set ylabel 's'
-  plot data using 2:(pick('random', 8, 11)) with linespoints pt 6 lc rgb '#c03020' title 'Siconos, random', \
-       '' using 2:(pick('random', 4, 7)) with linespoints pt 7 lc rgb '#3060a0' title 'delassus, random', \
-       '' using 2:(pick('friction', 8, 11)) with linespoints pt 4 dt 2 lc rgb '#c03020' title 'Siconos, friction', \
-       '' using 2:(pick('friction', 4, 7)) with linespoints pt 5 dt 2 lc rgb '#3060a0' title 'delassus, friction', \
-       '' using 2:(pick('random', 8, 11)):(label('random')) with labels offset -1,1 tc rgb '#c03020' notitle, \
-       '' using 2:(pick('friction', 8, 11)):(label('friction')) with labels offset 1,-1 tc rgb '#c03020' notitle
-  set title 'Time per exchange beside BLAS on n x (n+1)'
+  plot data using 2:(pick('random', 12, 15)) with linespoints pt 6 lc rgb '#c03020' title 'Siconos, random', \
+       '' using 2:(pick('friction', 12, 15)) with linespoints pt 4 dt 2 lc rgb '#c03020' title 'Siconos, friction', \
+       '' using 2:(pick('random', 4, 7)) with linespoints pt 7 lc rgb '#3060a0' title 'path, random', \
+       '' using 2:(pick('friction', 4, 7)) with linespoints pt 5 dt 2 lc rgb '#3060a0' title 'path, friction', \
+       '' using 2:(pick('random', 8, 11)) with linespoints pt 13 lc rgb '#208040' title 'crash start, random', \
+       '' using 2:(pick('friction', 8, 11)) with linespoints pt 9 dt 2 lc rgb '#208040' title 'crash start, friction', \
+       '' using 2:(pick('random', 12, 15)):(label('random')) with labels offset -1,1 tc rgb '#c03020' notitle, \
+       '' using 2:(pick('friction', 12, 15)):(label('friction')) with labels offset 2,-1 tc rgb '#c03020' notitle
+  set title 'The path: time per exchange beside BLAS on n x (n+1)'
   set ylabel 's'
-  plot data using 2:(pick('random', 13, 7)) with linespoints pt 7 lc rgb '#3060a0' title 'delassus, random', \
-       '' using 2:(pick('friction', 13, 7)) with linespoints pt 5 dt 2 lc rgb '#3060a0' title 'delassus, friction', \
-       '' using 2:(pick('random', 14, 7)) with linespoints pt 8 lc rgb '#808080' title 'dger', \
-       '' using 2:(pick('random', 15, 7)) with linespoints pt 10 dt 2 lc rgb '#808080' title 'dgemv'
+  plot data using 2:(pick('random', 18, 7)) with linespoints pt 7 lc rgb '#3060a0' title 'delassus, random', \
+       '' using 2:(pick('friction', 18, 7)) with linespoints pt 5 dt 2 lc rgb '#3060a0' title 'delassus, friction', \
+       '' using 2:(pick('random', 19, 7)) with linespoints pt 8 lc rgb '#808080' title 'dger', \
+       '' using 2:(pick('random', 20, 7)) with linespoints pt 10 dt 2 lc rgb '#808080' title 'dgemv'
   unset multiplot
   unset output
 }

@@ -57,11 +57,69 @@ static void gather(const dls_lcp *lcp, int rows, const int *i, int columns, cons
   }
 }
 
+/* ---- LU -------------------------------------------------------------------------------------- */
+
+enum { small = 24 }; /* where a call of LAPACK costs more than the arithmetic */
+
+/* P A = L U in place of A (k x k); 0 if a pivot is 0 */
+static int lu_factorise(int k, double *A, int *pivots) {
+  int info = 0;
+  if (k > small) {
+    dgetrf_(&k, &k, A, &k, pivots, &info);
+    return info == 0;
+  }
+  for (int c = 0; c < k; c++) {
+    double *a = A + c * k;
+    int p = c;
+    for (int i = c + 1; i < k; i++)
+      p = fabs(a[i]) > fabs(a[p]) ? i : p;
+    pivots[c] = p + 1;
+    if (a[p] == 0) return 0;
+    for (int j = 0; j < k && p != c; j++) {
+      const double x = A[c + j * k];
+      A[c + j * k] = A[p + j * k];
+      A[p + j * k] = x;
+    }
+    for (int i = c + 1; i < k; i++)
+      a[i] /= a[c];
+    for (int j = c + 1; j < k; j++) {
+      double *b = A + j * k;
+      for (int i = c + 1; i < k; i++)
+        b[i] -= a[i] * b[c];
+    }
+  }
+  return 1;
+}
+
+/* B (k x columns) := A^-1 B */
+static void lu_solve(int k, const double *A, const int *pivots, int columns, double *B) {
+  int info;
+  if (k > small) {
+    dgetrs_("N", &k, &columns, A, &k, pivots, B, &k, &info, 1);
+    return;
+  }
+  for (int l = 0; l < columns; l++) {
+    double *b = B + l * k;
+    for (int c = 0; c < k; c++) {
+      const double x = b[pivots[c] - 1];
+      b[pivots[c] - 1] = b[c];
+      b[c] = x;
+    }
+    for (int c = 0; c < k; c++)
+      for (int i = c + 1; i < k; i++)
+        b[i] -= A[i + c * k] * b[c];
+    for (int c = k - 1; c >= 0; c--) {
+      b[c] /= A[c + c * k];
+      for (int i = 0; i < c; i++)
+        b[i] -= A[i + c * k] * b[c];
+    }
+  }
+}
+
 /* ---- the factors ----------------------------------------------------------------------------- */
 
 /* A_0 := A; 0 if M_AA is singular */
 static int factorise(const dls_lcp *lcp, dlsi_crash *w) {
-  int info = 0;
   w->k = w->columns = w->h = 0;
   for (int i = 0; i < lcp->n; i++) {
     w->place[i] = w->slot[i] = -1;
@@ -70,8 +128,7 @@ static int factorise(const dls_lcp *lcp, dlsi_crash *w) {
     w->base[w->k++] = i;
   }
   gather(lcp, w->k, w->base, w->k, w->base, w->S);
-  if (w->k > 0) dgetrf_(&w->k, &w->k, w->S, &w->k, w->pivots, &info);
-  return info == 0;
+  return lu_factorise(w->k, w->S, w->pivots);
 }
 
 static int changed(const dlsi_crash *w, int i) {
@@ -81,7 +138,7 @@ static int changed(const dlsi_crash *w, int i) {
 /* (K5) Y for what has changed since A_0 and has no column yet; 0 if that would be too many */
 static int add_columns(const dls_lcp *lcp, dlsi_crash *w) {
   const size_t k = (size_t)w->k, n = (size_t)lcp->n;
-  int added = 0, info;
+  int added = 0;
   for (int i = 0; i < lcp->n; i++)
     added += changed(w, i) && w->slot[i] < 0;
   const size_t c = (size_t)w->columns + (size_t)added;
@@ -98,7 +155,7 @@ static int add_columns(const dls_lcp *lcp, dlsi_crash *w) {
       y[w->place[i]] = 1;
     }
   }
-  if (added > 0) dgetrs_("N", &w->k, &added, w->S, &w->k, w->pivots, Y, &w->k, &info, 1);
+  if (added > 0) lu_solve(w->k, w->S, w->pivots, added, Y);
   return 1;
 }
 
@@ -106,7 +163,7 @@ static int add_columns(const dls_lcp *lcp, dlsi_crash *w) {
 static int factorise_changes(const dls_lcp *lcp, dlsi_crash *w) {
   const size_t k = (size_t)w->k;
   const double *Y = w->S + k * k;
-  int info = 0, e = 0;
+  int e = 0;
   w->h = 0;
   for (int entering = 1; entering >= 0; entering--) { /* E before D */
     for (int i = 0; i < lcp->n; i++)
@@ -130,8 +187,7 @@ static int factorise_changes(const dls_lcp *lcp, dlsi_crash *w) {
     for (int r = e; r < w->h; r++)
       t[r] = y[w->place[w->differ[r]]];
   }
-  if (h > 0) dgetrf_(&w->h, &w->h, w->T, &w->h, w->differ_pivots, &info);
-  return info == 0;
+  return lu_factorise(w->h, w->T, w->differ_pivots);
 }
 
 /* z_A += M_AA^-1 b_A */
@@ -139,15 +195,14 @@ static void correct(dlsi_crash *w, const double *b) {
   const int k = w->k, h = w->h, e = w->e;
   const double *Y = w->S + (size_t)k * (size_t)k;
   double *x = w->x, *v = w->v;
-  int info;
   for (int l = 0; l < k; l++)
     x[l] = w->in[w->base[l]] ? b[w->base[l]] : 0;
-  if (k > 0) dgetrs_("N", &k, &unit, w->S, &k, w->pivots, x, &k, &info, 1);
+  lu_solve(k, w->S, w->pivots, 1, x);
   if (h > 0) {
     for (int r = 0; r < h; r++)
       v[r] = r < e ? -b[w->differ[r]] : x[w->place[w->differ[r]]];
     if (e > 0) dgemv_("N", &e, &k, &one, w->G, &e, x, &unit, &one, v, &unit, 1);
-    dgetrs_("N", &h, &unit, w->T, &h, w->differ_pivots, v, &h, &info, 1);
+    lu_solve(h, w->T, w->differ_pivots, 1, v);
     for (int r = 0; r < h; r++) {
       const double *y = Y + (size_t)w->slot[w->differ[r]] * (size_t)k;
       for (int l = 0; l < k; l++)
