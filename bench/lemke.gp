@@ -7,7 +7,7 @@ set logscale xy
 set key left top reverse Left
 set grid
 set xlabel 'n'
-set xrange [80:5000]
+set xrange [60:8000]
 set offsets 0, 0, graph 0.1, 0
 set format y '10^{%T}'
 # column c of the rows of problem p; only where it was solved (column s)
@@ -18,7 +18,7 @@ do for [type in 'png svg'] {
   if (type eq 'svg') { set terminal svg size 1300,620 font ',12' background 'white' }
   set output dir.'lemke.'.type
   set multiplot layout 1,2
-  set title 'CPU time of one solve, one thread; numbers: Siconos / path, Siconos / crash start'
+  set title 'CPU time of a solve; numbers: Siconos / path, Siconos / crash start'
   set ylabel 's'
   plot data using 2:(pick('random', 12, 15)) with linespoints pt 6 lc rgb '#c03020' title 'Siconos, random', \
        '' using 2:(pick('friction', 12, 15)) with linespoints pt 4 dt 2 lc rgb '#c03020' title 'Siconos, friction', \
