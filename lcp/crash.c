@@ -9,7 +9,7 @@
  *   (K1)  M_AA z_A = -q_A,   y = M z + q
  *   (K2)  out = { i in A : z_i < 0 },  in = { i not in A : y_i < 0 };  both empty: z is a solution
  *   (K3)  give up if (|M||z|)_i > 1000 |q_i| in most rows of A with q_i != 0, or after `patience` rounds
- *         in which |out| + |in| was more than 3/4 of the least before
+ *         in a row in which |out| + |in| was more than 3/4 of the least before
  *   (K4)  A := A \ out u in, without those j for which then M_Aj = 0
  *
  * This is (G1)-(G4) of principal.c with all of H, but for the last words: where M_jj = 0, as for the
@@ -17,8 +17,8 @@
  *
  * Nothing is promised. It is a guess that costs a few factorisations and is right as a rule where M is
  * well conditioned, as of elastic bodies: from round to round a half to a tenth of the wrong signs are
- * left. Near-singular bases, as of statically indeterminate bodies, show in (K3) soon. A change of
- * units changes nothing but roundings.
+ * left. Near-singular bases, as of statically indeterminate bodies, show in (K3) soon; at the latest it
+ * ends after 4 (1 + log_4/3 2n) rounds. A change of units changes nothing but roundings.
  *
  * The rounds differ in fewer and fewer indices. With M_00 = P L U for a former basis A_0, and now
  * A = A_0 \ D u E, M_AA x = b is solved by

@@ -1052,6 +1052,20 @@ START_TEST(crash_that_leads_nowhere) {
 }
 END_TEST
 
+/* The first basis is nearly singular: the second round, the first with factors, is the last. */
+START_TEST(crash_does_not_insist) {
+  enum { n = 60 };
+  const dls_lemke_settings settings = with_crash();
+  dls_lemke_info info;
+  spd_and_skew(n, big_M, big_q);
+  for (int k = 0; k < n * n; k++)
+    big_M[k] = 1 + 1e-7 * big_M[k];
+  ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
+  ck_assert_int_eq(info.crash_rounds, 2);
+  ck_assert_int_eq(info.starts, 1);
+}
+END_TEST
+
 /* The answer is its own start; with a cover there is the path alone. */
 START_TEST(crash_from_a_start_and_with_a_cover) {
   enum { n = 60 };
@@ -1131,6 +1145,7 @@ int main(void) {
   tcase_add_test(c, crash_finds_the_solution);
   tcase_add_test(c, crash_with_friction);
   tcase_add_test(c, crash_that_leads_nowhere);
+  tcase_add_test(c, crash_does_not_insist);
   tcase_add_test(c, crash_from_a_start_and_with_a_cover);
   tcase_add_test(c, crash_can_be_cancelled);
   suite_add_tcase(suite, c);
