@@ -6,7 +6,7 @@
  *
  * A basis is a set A of indices: z_i = 0 outside of A, y_i = 0 inside. From the A given:
  *
- *   (K1)  M_AA z_A = -q_A,   y = M z + q
+ *   (K1)  M_AA z_A = -q_A,   y = M z + q;   M_AA singular: give up
  *   (K2)  out = { i in A : z_i < 0 },  in = { i not in A : y_i < 0 };  both empty: z is a solution
  *   (K3)  give up if (|M||z|)_i > 1000 |q_i| in most rows of A with q_i != 0, or after `patience` rounds
  *         in a row in which |out| + |in| was more than 3/4 of the least before
@@ -40,6 +40,7 @@
 enum { patience = 4 };                      /* (K3) */
 static const double most_growth = 1e3;      /* (K3) */
 static const double zero_tolerance = 1e-13; /* (K2): to (|q| + |M||z|)_i */
+static const double singular = 1e-12;       /* a pivot, to what it is the difference of */
 static const double zero = 0, one = 1;
 static const int unit = 1;
 
@@ -61,12 +62,27 @@ static void gather(const dls_lcp *lcp, int rows, const int *i, int columns, cons
 
 enum { small = 24 }; /* where a call of LAPACK costs more than the arithmetic */
 
-/* P A = L U in place of A (k x k); 0 if a pivot is 0 */
-static int lu_factorise(int k, double *A, int *pivots) {
+/* 1 if no pivot is what rounding leaves of 0: |u_cc| > 1e-12 sum_l |l_cl| |u_lc|, which units do not
+ * change. Tile by tile, since u_lc runs along a row. d: k */
+static int lu_is_regular(int k, const double *A, double *d) {
+  const size_t n = (size_t)k, tile = 32;
+  memset(d, 0, n * sizeof *d);
+  for (size_t c0 = 0; c0 < n; c0 += tile)
+    for (size_t l0 = 0; l0 <= c0; l0 += tile)
+      for (size_t l = l0; l < l0 + tile && l < n; l++)
+        for (size_t c = l < c0 ? c0 : l + 1; c < c0 + tile && c < n; c++)
+          d[c] += fabs(A[c + l * n] * A[l + c * n]);
+  for (size_t c = 0; c < n; c++)
+    if (!(fabs(A[c + c * n]) > singular * d[c])) return 0;
+  return 1;
+}
+
+/* P A = L U in place of A (k x k); 0 if A is singular. d: k */
+static int lu_factorise(int k, double *A, int *pivots, double *d) {
   int info = 0;
   if (k > small) {
     dgetrf_(&k, &k, A, &k, pivots, &info);
-    return info == 0;
+    return info == 0 && lu_is_regular(k, A, d);
   }
   for (int c = 0; c < k; c++) {
     double *a = A + c * k;
@@ -88,7 +104,7 @@ static int lu_factorise(int k, double *A, int *pivots) {
         b[i] -= a[i] * b[c];
     }
   }
-  return 1;
+  return lu_is_regular(k, A, d);
 }
 
 /* B (k x columns) := A^-1 B */
@@ -128,7 +144,7 @@ static int factorise(const dls_lcp *lcp, dlsi_crash *w) {
     w->base[w->k++] = i;
   }
   gather(lcp, w->k, w->base, w->k, w->base, w->S);
-  return lu_factorise(w->k, w->S, w->pivots);
+  return lu_factorise(w->k, w->S, w->pivots, w->x);
 }
 
 static int changed(const dlsi_crash *w, int i) {
@@ -187,7 +203,7 @@ static int factorise_changes(const dls_lcp *lcp, dlsi_crash *w) {
     for (int r = e; r < w->h; r++)
       t[r] = y[w->place[w->differ[r]]];
   }
-  return lu_factorise(w->h, w->T, w->differ_pivots);
+  return lu_factorise(w->h, w->T, w->differ_pivots, w->x);
 }
 
 /* z_A += M_AA^-1 b_A */
