@@ -1,0 +1,137 @@
+/*
+ * delassus/forming.h: the forming scenes of [Chabrand 1998] section 5 in the finite element module
+ * (libdelassus-fe): a body of four-node elements Q4/P0, plane strain or axisymmetric, finite
+ * elastoplasticity, pressed against a rigid profile with Coulomb friction, step by step.
+ *
+ * A step is the paper's Table 1: a contact loop that renews the local frames of the candidates, and
+ * within it the equilibrium loop, Newton's method with frozen frames, whose every linearised contact problem
+ *
+ *   K dx = -F(x) + H r,   u = H^T dx + g(x),   the laws of contact.h between u and r     (24), (25)
+ *
+ * is solved by the method of choice. What decides: equilibrium, and contact.h's certificate.
+ */
+#ifndef DELASSUS_FORMING_H
+#define DELASSUS_FORMING_H
+
+#include "delassus/solve.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* How a linearised contact problem is solved. */
+typedef enum dls_forming_contact {
+  DLS_FORMING_CONDENSED = 1,            /* W, q by the reduction, then settings.method */
+  DLS_FORMING_GAUSS_SEIDEL = 2,         /* on the symmetric part of K, primal.h */
+  DLS_FORMING_AUGMENTED_LAGRANGIAN = 3, /* springs in K, multipliers renewed in the contact loop */
+  DLS_FORMING_PENALTY = 4               /* stiffer springs, no multipliers */
+} dls_forming_contact;
+
+/* Fill by dls_forming_settings_init, then change what you like. */
+typedef struct dls_forming_settings {
+  size_t size;                 /* set by init; settings without it are refused */
+  int nx, ny;                  /* elements along x and y; 0: the scene's own; 0 */
+  int steps;                   /* equal steps of the whole way; 0: the scene's own; 0 */
+  double mu;                   /* friction; < 0: the scene's own; -1 */
+  int clamped;                 /* indentation: the bottom sticks to its support; 0 */
+  int standard;                /* 1: standard elements in the place of Q4/P0, to see them lock; 0 */
+  int keep_trace;              /* update (13) as printed instead of det be = 1; 0 */
+  double tol;                  /* on equilibrium and certificate; > 0; 1e-9 */
+  dls_forming_contact contact; /* DLS_FORMING_CONDENSED */
+  dls_method method;           /* of the condensed problem; DLS_LEMKE */
+} dls_forming_settings;
+
+DLS_API void dls_forming_settings_init(dls_forming_settings *settings);
+
+enum { DLS_FORMING_MOST_STEPS = 25 }; /* of Newton's method in an equilibrium loop */
+
+/* "indentation", "extrusion", one line about each; NULL past the last. */
+DLS_API const char *dls_forming_name(int index);
+DLS_API const char *dls_forming_description(int index);
+
+typedef struct dls_forming dls_forming;
+
+/* *out = scene `name` at rest, NULL on error. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS,
+ * DLS_E_MEMORY. */
+DLS_API DLS_MUST_USE dls_status dls_forming_create(dls_forming **out, const char *name,
+                                                   const dls_forming_settings *settings,
+                                                   dls_error *error);
+
+/* The next step. Where it fails it is taken in two halves, and so on, six times.
+ *
+ * DLS_OK: equilibrium and certificate hold to the tolerance (penalty: equilibrium, and the law of the
+ * springs; the certificate shows its error). DLS_STALLED: not even in the smallest parts: the state is the
+ * last good one, somewhere within the step, and the next call tries again. DLS_E_ARGUMENT: all steps are
+ * done. DLS_E_MEMORY: unlike a solver, a step allocates, for the reduction. */
+DLS_API DLS_MUST_USE dls_status dls_forming_step(dls_forming *forming, dls_error *error);
+
+DLS_API void dls_forming_destroy(dls_forming *forming); /* NULL is fine */
+
+typedef struct dls_forming_mesh {
+  int nodes, quads;
+  double *xy; /* 2 * nodes, at rest                  length */
+  int *node;  /* 4 * quads, counterclockwise */
+} dls_forming_mesh;
+
+/* Sums from the start. */
+typedef struct dls_forming_count {
+  int parts;      /* steps, those of halved steps counted each */
+  int halvings;   /* steps that were halved */
+  int frames;     /* passes of the contact loop; augmentations */
+  int newton;     /* steps of Newton's method: linearised contact problems */
+  int iterations; /* of the method: pivots, sweeps, ... */
+} dls_forming_count;
+
+/* CPU seconds from the start. */
+typedef struct dls_forming_cpu {
+  double assembly;  /* forces, tangent, return mapping */
+  double reduction; /* factorisations of K, with springs or without; W and q, dx */
+  double contact;   /* the method; Gauss-Seidel: its sweeps on K */
+} dls_forming_cpu;
+
+/* Work from the start; axisymmetric: per radian. */
+typedef struct dls_forming_energy {
+  double external, elastic, plastic, friction; /* force * length */
+} dls_forming_energy;
+
+/* Views that live until the next step. Reactions, frames and stresses are those of the end of the last
+ * step, or where it had to stop. */
+typedef struct dls_forming_data {
+  const dls_forming_mesh *mesh;
+  int axisymmetric; /* x is the radius, forces are per radian; else per unit thickness */
+  int steps;
+  double travel, whole;       /* of the tool or ram: so far, in all         length */
+  double force;               /* resistance to it                           force */
+  const double *displacement; /* 2 * nodes                                  length */
+  const double *reaction;     /* 2 * nodes, on the body, (x, y)             force */
+  int candidates;
+  const int *candidate_node;    /* candidates */
+  const double *normal;         /* 2 * candidates; the tangent is (n_2, -n_1) */
+  const double *u;              /* 2 * candidates: gap, slip of the step      length */
+  const double *r;              /* 2 * candidates: r_n, r_t                   force */
+  const double *stress;         /* 16 * quads: Cauchy (11, 22, 33, 12) of 4 points */
+  const double *plastic_strain; /* 4 * quads, equivalent */
+  double equilibrium;           /* |F - H r| / |F| of the last step */
+  dls_certificate certificate;  /* each candidate with the others frozen, as in primal.h */
+  double worst_equilibrium, worst_residual; /* of all steps */
+  int residuals; /* of the last equilibrium loop: |F - H r| / |F| before .. */
+  double residual[DLS_FORMING_MOST_STEPS + 1]; /* .. each step and at its end */
+  dls_forming_count count;
+  dls_forming_cpu cpu;
+  dls_forming_energy energy;
+} dls_forming_data;
+
+/* *data := views; all zero if forming is NULL. */
+DLS_API void dls_forming_get(const dls_forming *forming, dls_forming_data *data);
+
+/* An unstructured VTK XML file (.vtu, ascii) with displacement and contact force per node, Cauchy
+ * stress and equivalent plastic strain per element (means of its points). DLS_E_FILE: cannot be opened,
+ * or written (no file is left behind). */
+DLS_API DLS_MUST_USE dls_status dls_forming_write_vtu(const dls_forming *forming, const char *path,
+                                                      dls_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,337 @@
+/*
+ * forming.c: the strategy of [Chabrand 1998] Table 1.
+ *
+ *   loading loop: from load0 to load, in two halves where it fails, and so on, six times      (S1)
+ *     x := x0 and the last step's displacement once more, r := r0                             (S2)
+ *     contact loop: frames n, t and gaps at x; augmented Lagrangian: multipliers := r         (S3)
+ *       equilibrium loop, frames frozen:
+ *         dx, r' of the linearised contact problem (forming_contact.c)                        (S4)
+ *         (x, r) += s (dx, r' - r), s = 1, 1/2, ..                                            (S5)
+ *       until equilibrium, |F(x) - H r| <= tol |F|, and laws hold
+ *     until they still hold in the frames at x
+ *     states, x0, r0 := those at x                                                            (S6)
+ *
+ *   u_n = gap + n.(x - anchor),   u_t = t.(x - x0 - motion of the obstacle since load0)       (S7)
+ *
+ * Laws hold if the certificate of contact.h does for each candidate with the others frozen,
+ * W_cc = 2 / trace(K_cc), as in primal.h. (S5) halves s while an element is inside out or, three times at
+ * most, while the forces out of balance grow; not as long as supports are still on their way, which starts
+ * out of contact.
+ *
+ * Deviation. The paper leaves the variation of the frames, the second part of (26), out. Then the contact loop
+ * oscillates without end when a heavily loaded node passes the rounded corner of the die: turning the
+ * frame moves the node by r_n curvature / stiffness times as much, a plastic body being soft along the surface. So the reactions turn
+ * with the node to first order within the equilibrium loop,
+ *
+ *   H r + b t t.(x - anchor),   b = curvature r_n of the pass before                          (S8)
+ *
+ * which vanishes at the end of the contact loop, where anchor = x. The part of r_t is left out.
+ * What can fail: steps beyond what the loops can do: DLS_STALLED.
+ */
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+#include "forming_internal.h"
+
+enum { most_halvings = 6, most_frames = 40, most_cuts = 8, cuts_for_balance = 3 };
+
+double dlsi_forming_seconds(void) {
+  return (double)clock() / CLOCKS_PER_SEC;
+}
+
+/* ---- forces ---------------------------------------------------------------------------------- */
+
+/* F, K, new states and energy at x; 0 if an element fails. */
+static int assemble(dls_forming *f) {
+  const double start = dlsi_forming_seconds();
+  double *K = f->band.a;
+  int good = 1;
+  dlsi_band_clear(&f->band);
+  memset(f->F, 0, (size_t)f->n * sizeof *f->F);
+  f->elastic = f->plastic = 0;
+  for (int e = 0; good && e < f->mesh.quads; e++) {
+    const int *node = f->mesh.node + 4 * e;
+    double X[8], x[8], Fe[8], Ke[64], energy[2];
+    for (int k = 0; k < 8; k++) {
+      X[k] = f->mesh.xy[2 * node[k / 2] + k % 2];
+      x[k] = f->x[2 * node[k / 2] + k % 2];
+    }
+    const dlsi_q4 element = {f->axisymmetric, f->settings.standard, X, x};
+    good = dlsi_q4_forces(&element, &f->solid, f->old + 4 * e, f->now + 4 * e, Fe, Ke, energy,
+                          f->stress + 16 * e);
+    if (!good) break;
+    f->elastic += energy[0];
+    f->plastic += energy[1];
+    for (int l = 0; l < 8; l++) {
+      const int column = 2 * node[l / 2] + l % 2;
+      f->F[column] += Fe[l];
+      for (int k = 0; k < 8; k++)
+        K[dlsi_band_at(&f->band, 2 * node[k / 2] + k % 2, column)] += Ke[k + 8 * l];
+    }
+  }
+  for (int c = 0; c < f->nc; c++) {
+    const int i = 2 * f->candidate[c], j = i + 1;
+    f->stiff[c] =
+        (fabs(K[dlsi_band_at(&f->band, i, i)]) + fabs(K[dlsi_band_at(&f->band, j, j)])) / 2;
+  }
+  f->data.cpu.assembly += dlsi_forming_seconds() - start;
+  return good;
+}
+
+/* y (n) += H r */
+static void push(const dls_forming *f, const double *r, double *y) {
+  for (int c = 0; c < f->nc; c++)
+    for (int i = 0; i < 2; i++)
+      y[2 * f->candidate[c] + i] +=
+          f->normal[2 * c + i] * r[2 * c] + f->tangent[2 * c + i] * r[2 * c + 1];
+}
+
+/* |F - H r|, (S8) included, over the free unknowns */
+static double imbalance(const dls_forming *f) {
+  double sum = 0;
+  memset(f->rhs, 0, (size_t)f->n * sizeof *f->rhs);
+  push(f, f->r, f->rhs);
+  dlsi_forming_turn(f, f->rhs);
+  for (int i = 0; i < f->n; i++) {
+    const double d = f->F[i] - f->rhs[i];
+    if (!f->fixed[i]) sum += d * d;
+  }
+  return sqrt(sum);
+}
+
+/* the same over |F| */
+static double equilibrium(const dls_forming *f) {
+  const double out = imbalance(f);
+  return out == 0 ? 0 : out / dlsi_norm2(f->F, (size_t)f->n);
+}
+
+/* ---- frames and laws ------------------------------------------------------------------------- */
+
+static void set_frames(dls_forming *f) { /* (S3) */
+  for (int c = 0; c < f->nc; c++) {
+    const double *x = f->x + 2 * f->candidate[c];
+    const double seen[2] = {x[0] - f->load * f->way[0], x[1] - f->load * f->way[1]};
+    double *n = f->normal + 2 * c, curvature;
+    f->gap[c] = dlsi_obstacle_gap(&f->obstacle, seen, n, &curvature);
+    f->bend[c] = curvature * f->r[2 * c];
+    f->tangent[2 * c] = n[1];
+    f->tangent[2 * c + 1] = -n[0];
+    memcpy(f->anchor + 2 * c, x, 2 * sizeof *x);
+  }
+}
+
+static void set_positions(dls_forming *f) { /* (S7) */
+  const double since = f->load - f->load0;
+  for (int c = 0; c < f->nc; c++) {
+    const int i = 2 * f->candidate[c];
+    const double *n = f->normal + 2 * c, *t = f->tangent + 2 * c, *a = f->anchor + 2 * c;
+    f->u[2 * c] = f->gap[c] + n[0] * (f->x[i] - a[0]) + n[1] * (f->x[i + 1] - a[1]);
+    f->u[2 * c + 1] = t[0] * (f->x[i] - f->x0[i] - since * f->way[0]) +
+                      t[1] * (f->x[i + 1] - f->x0[i + 1] - since * f->way[1]);
+  }
+}
+
+/* The certificate of r. Open candidates without reaction obey the laws to the last bit; their gaps,
+ * which may be large, are left out of |q|. */
+static dls_status certify(dls_forming *f, dls_error *error) {
+  int count = 0;
+  for (int c = 0; c < f->nc; c++) {
+    const double *r = f->r + 2 * c, *u = f->u + 2 * c;
+    if (r[0] == 0 && r[1] == 0 && u[0] >= 0) continue;
+    for (int i = 0; i < 2; i++) {
+      f->node_r[2 * count + i] = r[i];
+      f->node_q[2 * count + i] = u[i] - r[i] / f->stiff[c];
+    }
+    f->node_W[4 * count] = f->node_W[4 * count + 3] = 1 / f->stiff[c];
+    f->node_mu[count++] = f->mu[c];
+  }
+  f->data.certificate = (dls_certificate){0};
+  if (!count) return DLS_OK;
+  const dls_contact nodes = {.d = 2,
+                             .nc = count,
+                             .Wb = {2, count, f->node_p, f->node_i, f->node_W},
+                             .q = f->node_q,
+                             .mu = f->node_mu};
+  return dls_contact_certify(&nodes, f->node_r, NULL, &f->data.certificate, error);
+}
+
+/* 1: equilibrium and laws hold in the frames at hand (penalty: those of its springs); 0: they do not;
+ * < 0: an error */
+static int holds(dls_forming *f, dls_error *error) {
+  const double tol = f->settings.tol;
+  f->data.equilibrium = equilibrium(f);
+  const dls_status status = certify(f, error);
+  if (status) return status;
+  return f->data.equilibrium <= tol && (f->settings.contact == DLS_FORMING_PENALTY
+                                            ? dlsi_forming_stretch(f) <= tol
+                                            : dls_certificate_holds(&f->data.certificate, tol));
+}
+
+/* ---- loops ----------------------------------------------------------------------------------- */
+
+/* (x, r) := the start of a Newton step and a part s of it */
+static void move(dls_forming *f, double s) {
+  for (int i = 0; i < f->n; i++)
+    f->x[i] = f->start_x[i] + s * f->dx[i];
+  for (int i = 0; i < 2 * f->nc; i++)
+    f->r[i] = f->start_r[i] + s * (f->next_r[i] - f->start_r[i]);
+  set_positions(f);
+}
+
+/* Whether (S5) takes the step to x. */
+static int acceptable(dls_forming *f, double before, int grow) {
+  if (!assemble(f)) return 0;
+  return grow || imbalance(f) <= before || equilibrium(f) <= f->settings.tol;
+}
+
+/* The equilibrium loop. *away: part of their way that supports, and r of springs, still have to go. */
+static dls_status equilibrate(dls_forming *f, double *away, dls_error *error) {
+  const int springs = dlsi_forming_springs(f);
+  if (springs) *away = 1; /* frames and multipliers are new */
+  f->data.residuals = 0;
+  for (int k = 0;; k++) {
+    const int done = springs ? equilibrium(f) <= f->settings.tol : holds(f, error);
+    if (done < 0) return (dls_status)done;
+    f->data.residual[f->data.residuals++] = equilibrium(f);
+    if (done && *away == 0) return DLS_OK;
+    if (k == DLS_FORMING_MOST_STEPS) return DLS_STALLED;
+    const double before = imbalance(f);
+    const dls_status status = dlsi_forming_direction(f, error); /* (S4) */
+    if (status < 0) return status;
+    f->data.count.newton++;
+    memcpy(f->start_x, f->x, (size_t)f->n * sizeof *f->x);
+    memcpy(f->start_r, f->r, 2 * (size_t)f->nc * sizeof *f->r);
+    double s = 1;
+    move(f, s);
+    for (int cut = 0; !acceptable(f, before, *away > 0 || cut >= cuts_for_balance); cut++) {
+      if (cut == most_cuts) return DLS_STALLED; /* (S5) */
+      s /= 2;
+      move(f, s);
+    }
+    *away *= 1 - s;
+  }
+}
+
+/* (S2); 0 if an element fails even at x0. */
+static int start(dls_forming *f) {
+  const double ahead = f->part > 0 ? (f->load - f->load0) / f->part : 0;
+  memcpy(f->r, f->r0, 2 * (size_t)f->nc * sizeof *f->r);
+  for (int i = 0; i < f->n; i++)
+    f->x[i] = f->x0[i] + ahead * (f->x0[i] - f->before[i]);
+  if (ahead > 0 && assemble(f)) return 1;
+  memcpy(f->x, f->x0, (size_t)f->n * sizeof *f->x);
+  return assemble(f);
+}
+
+/* The contact loop at f->load. */
+static dls_status contact_loop(dls_forming *f, dls_error *error) {
+  if (!start(f)) return DLS_STALLED;
+  dlsi_forming_set_springs(f);
+  double away = 1;
+  for (int pass = 0; pass < most_frames; pass++) {
+    if (pass > 0) dlsi_forming_augment(f);
+    set_frames(f);
+    set_positions(f);
+    if (pass > 0) {
+      const int done = holds(f, error);
+      if (done) return done < 0 ? (dls_status)done : DLS_OK;
+    }
+    f->data.count.frames++;
+    const dls_status status = equilibrate(f, &away, error);
+    if (status) return status;
+  }
+  return DLS_STALLED;
+}
+
+/* ---- end of a step --------------------------------------------------------------------------- */
+
+/* On a node whose support drives it along the obstacle friction acts, but moves nothing. */
+static void add_driven_friction(dls_forming *f) {
+  for (int c = 0; c < f->nc; c++) {
+    const double slip = f->u[2 * c + 1];
+    if (f->driven[c] && slip != 0)
+      f->r[2 * c + 1] = (slip > 0 ? -1 : 1) * f->settings.mu * f->r[2 * c];
+  }
+}
+
+/* Force against the motion: its power at unit rate of load, over the length of the whole way. */
+static double resistance(dls_forming *f) {
+  double power = 0;
+  memset(f->reaction, 0, (size_t)f->n * sizeof *f->reaction);
+  push(f, f->r, f->reaction);
+  for (int i = 0; i < f->n; i++)
+    power += f->reaction[i] * f->way[i % 2] + (f->F[i] - f->reaction[i]) * f->drive[i];
+  return power / f->whole;
+}
+
+static void commit(dls_forming *f) { /* (S6) */
+  dls_forming_data *d = &f->data;
+  const size_t n = (size_t)f->n, m = 2 * (size_t)f->nc, points = 4 * (size_t)f->mesh.quads;
+  const double force0 = d->force;
+  add_driven_friction(f);
+  d->force = resistance(f);
+  d->travel = f->load * f->whole;
+  d->energy.external += (force0 + d->force) / 2 * f->whole * (f->load - f->load0);
+  d->energy.elastic = f->elastic;
+  d->energy.plastic = f->plastic;
+  for (int c = 0; c < f->nc; c++)
+    d->energy.friction -= (f->r0[2 * c + 1] + f->r[2 * c + 1]) / 2 * f->u[2 * c + 1];
+  for (size_t k = 0; k < points; k++)
+    f->plastic_strain[k] = f->now[k].ep;
+  for (size_t i = 0; i < n; i++)
+    f->displacement[i] = f->x[i] - f->mesh.xy[i];
+  d->worst_equilibrium = fmax(d->worst_equilibrium, d->equilibrium);
+  d->worst_residual = fmax(d->worst_residual, d->certificate.residual);
+  d->count.parts++;
+  f->part = f->load - f->load0;
+  f->load0 = f->load;
+  memcpy(f->before, f->x0, n * sizeof *f->x);
+  memcpy(f->x0, f->x, n * sizeof *f->x);
+  memcpy(f->r0, f->r, m * sizeof *f->r);
+  memcpy(f->old, f->now, points * sizeof *f->old);
+}
+
+/* What the views show is the last good state again; slips are of no step. */
+static dls_status restore(dls_forming *f, dls_error *error) {
+  f->load = f->load0;
+  memcpy(f->x, f->x0, (size_t)f->n * sizeof *f->x);
+  memcpy(f->r, f->r0, 2 * (size_t)f->nc * sizeof *f->r);
+  (void)assemble(f); /* it could be assembled before */
+  set_frames(f);
+  set_positions(f);
+  f->data.equilibrium = equilibrium(f);
+  return certify(f, error);
+}
+
+/* From load0 to `load`. */
+static dls_status advance(dls_forming *f, double load, int halvings, dls_error *error) { /* (S1) */
+  f->load = load;
+  dls_status status = contact_loop(f, error);
+  if (status == DLS_OK) commit(f);
+  if (status <= DLS_OK || halvings == most_halvings) return status;
+  f->data.count.halvings++;
+  f->part = 0;
+  const double middle = f->load0 + (load - f->load0) / 2;
+  status = advance(f, middle, halvings + 1, error);
+  return status ? status : advance(f, load, halvings + 1, error);
+}
+
+dls_status dls_forming_step(dls_forming *forming, dls_error *error) {
+  if (!forming) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "forming", -1, 0, "is NULL");
+  const int step = forming->step + 1, steps = forming->settings.steps;
+  if (step > steps)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "forming", -1, steps,
+                     "has done all of its %d steps", steps);
+  const dls_status status = advance(forming, (double)step / steps, 0, error);
+  if (status == DLS_OK) {
+    forming->step = step;
+    return DLS_OK;
+  }
+  const dls_status restored = restore(forming, error);
+  return restored ? restored : status;
+}
+
+void dls_forming_get(const dls_forming *forming, dls_forming_data *data) {
+  if (data) *data = forming ? forming->data : (dls_forming_data){0};
+}

@@ -1,0 +1,325 @@
+/*
+ * forming_contact.c: the linearised contact problem of an equilibrium step, [Chabrand 1998] (24)-(25).
+ *
+ *   K dx = f + H r,  f = -F,   u' = u + H^T dx,   0 <= u'_n _|_ r_n >= 0,  |r_t| <= mu r_n, ..
+ *
+ * with (S8) of forming.c in K and f, and with supports as decoupled rows: K stays banded, its pattern
+ * the same. Three ways:
+ *
+ *   condensed      LU of K, W and q by the reduction, a method of the front door
+ *   Gauss-Seidel   (37)-(38) on the symmetric part of K, which is what this method can take: Newton's method then
+ *                  converges linearly, by the weight of the skew part (material.c)
+ *   springs        (28)-(36): K + H D H^T, one LU for each change of branch
+ *
+ * The first two are given the candidates that carry a reaction or have no gap. If the solution opens all
+ * others, it solves the whole problem; if not, it is solved again with those that it closes:
+ *
+ *   (C1)  A := { r_n > 0 or u_n <= 0 }
+ *   (C2)  solve on A;  A := A + { u'_n < 0 };  again if A has grown
+ *
+ * Springs, in the paper's words: eps_N = eps_T = eps_c, a multiple of the stiffness of the node at the
+ * start of the step; multipliers start from the reactions of the last step; penalty: lambda_n = 0,
+ * and lambda_t the friction at the last step's end, to which (33) adds. Their branches (free, stick, slip
+ * either way) are found with K as it is:
+ *
+ *   (C3)  the branches at u; solve; u' and its branches; again until they stay, 30 times at most
+ *
+ * A slip that turns round goes through stick first: without that + and - alternate for ever.
+ */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "forming_internal.h"
+
+enum { most_branches = 30 };
+
+static const double augmented_factor = 30, penalty_factor = 1e3; /* eps_c over the stiffness */
+
+int dlsi_forming_springs(const dls_forming *f) {
+  return f->settings.contact == DLS_FORMING_AUGMENTED_LAGRANGIAN ||
+         f->settings.contact == DLS_FORMING_PENALTY;
+}
+
+/* ---- condensed, Gauss-Seidel ----------------------------------------------------------------- */
+
+/* H of the chosen candidates */
+static dls_model describe(const dls_forming *f) {
+  const dlsi_chosen *s = &f->chosen;
+  return (dls_model){.d = 2,
+                     .n = f->n,
+                     .nodes = s->count,
+                     .HN = {f->n, s->count, s->p, s->i, s->normal},
+                     .HT = {f->n, s->count, s->p, s->i, s->tangent}};
+}
+
+/* dx without contact, and lu the factors of K */
+static dls_status factor(dls_forming *f) {
+  const double start = dlsi_forming_seconds();
+  dlsi_band_load(&f->band);
+  memcpy(f->dx, f->rhs, (size_t)f->n * sizeof *f->dx);
+  const int good = dlsi_band_factor(&f->band) && !dlsi_band_solve(&f->band, f->dx, f->n, 1);
+  f->data.cpu.reduction += dlsi_forming_seconds() - start;
+  return good ? DLS_OK : DLS_STALLED;
+}
+
+static dls_status condensed(dls_forming *f, dls_error *error) {
+  const double start = dlsi_forming_seconds();
+  dls_model model = describe(f);
+  model.operator_kind = DLS_HOST_SOLVER;
+  model.solve = dlsi_band_solve;
+  model.user = &f->band;
+  dls_reduction *reduction;
+  dls_contact problem;
+  dls_info info = {0};
+  dls_status status = dls_reduction_create(&reduction, &model, error);
+  if (!status) status = dls_reduction_load(reduction, f->rhs, f->chosen.u, error);
+  if (!status) status = dls_reduction_contact(reduction, f->chosen.mu, &problem, error);
+  const double reduced = dlsi_forming_seconds();
+  if (!status) status = dls_solver_solve(f->solver, &problem, f->chosen.r, NULL, &info, error);
+  const double solved = dlsi_forming_seconds();
+  if (status >= 0) status = dls_reduction_recover(reduction, f->chosen.r, f->dx, error);
+  dls_reduction_destroy(reduction);
+  f->data.count.iterations += info.iterations;
+  f->data.cpu.contact += solved - reduced;
+  f->data.cpu.reduction += reduced - start + (dlsi_forming_seconds() - solved);
+  return status;
+}
+
+static dls_sparse symmetric_part(dls_forming *f) {
+  const int n = f->n, k = f->band.k;
+  int entries = 0;
+  for (int j = 0; j < n; j++) {
+    f->Kp[j] = entries;
+    for (int i = j > k ? j - k : 0; i < n && i <= j + k; i++) {
+      const double a = f->band.a[dlsi_band_at(&f->band, i, j)];
+      const double b = f->band.a[dlsi_band_at(&f->band, j, i)];
+      if (a == 0 && b == 0) continue;
+      f->Ki[entries] = i;
+      f->Kx[entries++] = (a + b) / 2;
+    }
+  }
+  f->Kp[n] = entries;
+  return (dls_sparse){n, n, f->Kp, f->Ki, f->Kx};
+}
+
+static dls_status gauss_seidel(dls_forming *f, dls_error *error) {
+  const double start = dlsi_forming_seconds();
+  dls_model model = describe(f);
+  model.operator_kind = DLS_STIFFNESS_SPARSE;
+  model.factorization = DLS_CHOLESKY;
+  model.Ks = symmetric_part(f);
+  dls_primal_settings settings;
+  dls_primal_settings_init(&settings);
+  settings.tol = f->settings.tol / 10;
+  dls_primal *primal;
+  dls_primal_info info = {0};
+  dls_status status = dls_primal_create(&primal, &model, &settings, error);
+  if (!status)
+    status = dls_primal_solve(primal, f->rhs, f->chosen.u, f->chosen.mu, f->dx, f->chosen.r, NULL,
+                              &info, error);
+  dls_primal_destroy(primal);
+  f->data.count.iterations += info.iterations;
+  f->data.cpu.contact += dlsi_forming_seconds() - start;
+  return status > 0 ? DLS_OK : status;
+}
+
+/* Gathers the candidates that are marked. */
+static void gather(dls_forming *f) {
+  dlsi_chosen *s = &f->chosen;
+  s->count = 0;
+  for (int c = 0; c < f->nc; c++) {
+    if (!s->mark[c]) continue;
+    const int k = s->count++;
+    for (int i = 0; i < 2; i++) {
+      s->i[2 * k + i] = 2 * f->candidate[c] + i;
+      s->normal[2 * k + i] = f->normal[2 * c + i];
+      s->tangent[2 * k + i] = f->tangent[2 * c + i];
+      s->u[2 * k + i] = f->u[2 * c + i];
+      s->r[2 * k + i] = f->r[2 * c + i];
+    }
+    s->mu[k] = f->mu[c];
+  }
+}
+
+/* next_r from the chosen ones; marks what dx would close. Returns whether there is any. */
+static int spread(dls_forming *f) {
+  int more = 0;
+  for (int c = 0, k = 0; c < f->nc; c++) {
+    const double *dx = f->dx + 2 * f->candidate[c], *n = f->normal + 2 * c;
+    double *r = f->next_r + 2 * c;
+    r[0] = r[1] = 0;
+    if (f->chosen.mark[c])
+      memcpy(r, f->chosen.r + 2 * k++, 2 * sizeof *r);
+    else if (f->u[2 * c] + n[0] * dx[0] + n[1] * dx[1] < 0)
+      f->chosen.mark[c] = more = 1;
+  }
+  return more;
+}
+
+static dls_status without_springs(dls_forming *f, dls_error *error) {
+  const int primal = f->settings.contact == DLS_FORMING_GAUSS_SEIDEL;
+  int any = 0;
+  for (int c = 0; c < f->nc; c++) /* (C1) */
+    any |= f->chosen.mark[c] = f->r[2 * c] > 0 || f->u[2 * c] <= 0;
+  dls_status status = primal && any ? DLS_OK : factor(f);
+  if (status) return status;
+  dls_error why = {0};
+  do { /* (C2) */
+    gather(f);
+    if (f->chosen.count) status = primal ? gauss_seidel(f, &why) : condensed(f, &why);
+  } while (status == DLS_OK && spread(f));
+  if (status == DLS_E_NOT_FINITE || status == DLS_E_CALLBACK ||
+      status == DLS_E_NOT_POSITIVE_DEFINITE)
+    return DLS_STALLED; /* K is to blame, a smaller step may do */
+  if (status < 0 && error) *error = why;
+  return status;
+}
+
+/* ---- springs --------------------------------------------------------------------------------- */
+
+typedef enum branch { FREE, STICK, SLIP_FORWARD, SLIP_BACK } branch; /* SLIP_FORWARD: r_t > 0 */
+
+void dlsi_forming_set_springs(dls_forming *f) {
+  const int soft = f->settings.contact == DLS_FORMING_AUGMENTED_LAGRANGIAN;
+  for (int c = 0; c < f->nc; c++) {
+    f->eps[c] = (soft ? augmented_factor : penalty_factor) * f->stiff[c];
+    f->lambda[2 * c] = soft ? f->r[2 * c] : 0;
+    f->lambda[2 * c + 1] = f->r[2 * c + 1];
+  }
+}
+
+void dlsi_forming_augment(dls_forming *f) { /* (35), (36) */
+  if (f->settings.contact == DLS_FORMING_AUGMENTED_LAGRANGIAN)
+    memcpy(f->lambda, f->r, 2 * (size_t)f->nc * sizeof *f->r);
+}
+
+/* Branch of (32)-(34) at u. */
+static branch branch_at(const dls_forming *f, int c, const double u[2]) {
+  const double eps = f->eps[c], *lambda = f->lambda + 2 * c;
+  const double rn = lambda[0] - eps * u[0], rt = lambda[1] - eps * u[1];
+  if (!(rn > 0)) return FREE;
+  if (f->mu[c] > 0 && fabs(rt) <= f->mu[c] * rn) return STICK;
+  return rt > 0 ? SLIP_FORWARD : SLIP_BACK;
+}
+
+/* r of candidate c at u by (32)-(34) on that branch; D (2 x 2, column-major) := -dr/du */
+static void spring(const dls_forming *f, int c, branch on, const double u[2], double r[2],
+                   double D[4]) {
+  const double eps = f->eps[c], *lambda = f->lambda + 2 * c;
+  const double slope = on == STICK ? 0 : on == SLIP_FORWARD ? f->mu[c] : -f->mu[c];
+  r[0] = on == FREE ? 0 : lambda[0] - eps * u[0];
+  r[1] = on == STICK ? lambda[1] - eps * u[1] : slope * r[0];
+  D[0] = on == FREE ? 0 : eps;
+  D[1] = slope * D[0];
+  D[2] = 0;
+  D[3] = on == STICK ? eps : 0;
+}
+
+double dlsi_forming_stretch(const dls_forming *f) {
+  double change = 0, size = 0;
+  for (int c = 0; c < f->nc; c++) {
+    const double *u = f->u + 2 * c, *x = f->anchor + 2 * c;
+    const double blur = 4 * DBL_EPSILON * f->eps[c] * (fabs(x[0]) + fabs(x[1]));
+    double r[2], D[4];
+    spring(f, c, branch_at(f, c, u), u, r, D);
+    for (int i = 0; i < 2; i++) {
+      change = fmax(change, fabs(r[i] - f->r[2 * c + i]) - blur);
+      size = fmax(size, fabs(r[i]));
+    }
+  }
+  return change > 0 ? change / size : 0;
+}
+
+/* lu := K + H D H^T, dx := rhs + H (r + D (u' - u)), r and D on the branches at u' = trial_u */
+static void attach(dls_forming *f) {
+  dlsi_band_load(&f->band);
+  memcpy(f->dx, f->rhs, (size_t)f->n * sizeof *f->dx);
+  for (int c = 0; c < f->nc; c++) {
+    const double *axis[2] = {f->normal + 2 * c, f->tangent + 2 * c};
+    const double *trial = f->trial_u + 2 * c, *u = f->u + 2 * c;
+    const int row = 2 * f->candidate[c];
+    double r[2], D[4];
+    spring(f, c, (branch)f->branch[c], trial, r, D);
+    for (int a = 0; a < 4; a++) {
+      r[a % 2] += D[a] * (trial[a / 2] - u[a / 2]);
+      for (int i = 0; i < 2; i++)
+        for (int j = 0; j < 2; j++)
+          f->band.lu[dlsi_band_at(&f->band, row + i, row + j)] +=
+              axis[a % 2][i] * D[a] * axis[a / 2][j];
+    }
+    for (int i = 0; i < 2; i++)
+      if (!f->fixed[row + i]) f->dx[row + i] += axis[0][i] * r[0] + axis[1][i] * r[1];
+  }
+}
+
+/* u' := u + H^T dx, next_r there on the branches of before, and the new ones. Returns whether one has
+ * changed. */
+static int follow(dls_forming *f) {
+  int changed = 0;
+  for (int c = 0; c < f->nc; c++) {
+    const double *dx = f->dx + 2 * f->candidate[c];
+    const double *n = f->normal + 2 * c, *t = f->tangent + 2 * c;
+    double *u = f->trial_u + 2 * c, D[4];
+    u[0] = f->u[2 * c] + n[0] * dx[0] + n[1] * dx[1];
+    u[1] = f->u[2 * c + 1] + t[0] * dx[0] + t[1] * dx[1];
+    const branch was = (branch)f->branch[c];
+    branch now = branch_at(f, c, u);
+    spring(f, c, was, u, f->next_r + 2 * c, D);
+    if (f->mu[c] > 0 && now != was && now >= SLIP_FORWARD && was >= SLIP_FORWARD) now = STICK;
+    changed |= now != was;
+    f->branch[c] = now;
+  }
+  return changed;
+}
+
+static dls_status with_springs(dls_forming *f) { /* (C3) */
+  const double start = dlsi_forming_seconds();
+  dls_status status = DLS_OK;
+  memcpy(f->trial_u, f->u, 2 * (size_t)f->nc * sizeof *f->u);
+  for (int c = 0; c < f->nc; c++)
+    f->branch[c] = branch_at(f, c, f->u + 2 * c);
+  for (int k = 0, changed = 1; changed && k < most_branches && !status; k++) {
+    attach(f);
+    if (!dlsi_band_factor(&f->band) || dlsi_band_solve(&f->band, f->dx, f->n, 1))
+      status = DLS_STALLED;
+    else
+      changed = follow(f);
+    f->data.count.iterations++;
+  }
+  f->data.cpu.reduction += dlsi_forming_seconds() - start;
+  return status;
+}
+
+/* ---- the step -------------------------------------------------------------------------------- */
+
+void dlsi_forming_turn(const dls_forming *f, double *y) {
+  for (int c = 0; c < f->nc; c++) {
+    const int i = 2 * f->candidate[c];
+    const double *t = f->tangent + 2 * c, *a = f->anchor + 2 * c;
+    const double s = f->bend[c] * (t[0] * (f->x[i] - a[0]) + t[1] * (f->x[i + 1] - a[1]));
+    y[i] += s * t[0];
+    y[i + 1] += s * t[1];
+  }
+}
+
+/* K -= the derivative of the turn */
+static void subtract_turn(dls_forming *f) {
+  for (int c = 0; c < f->nc; c++) {
+    const int i = 2 * f->candidate[c];
+    const double *t = f->tangent + 2 * c;
+    for (int k = 0; k < 4; k++)
+      f->band.a[dlsi_band_at(&f->band, i + k % 2, i + k / 2)] -= f->bend[c] * t[k % 2] * t[k / 2];
+  }
+}
+
+dls_status dlsi_forming_direction(dls_forming *f, dls_error *error) {
+  for (int i = 0; i < f->n; i++)
+    f->rhs[i] = -f->F[i];
+  dlsi_forming_turn(f, f->rhs);
+  subtract_turn(f);
+  for (int i = 0; i < f->n; i++)
+    if (f->fixed[i])
+      dlsi_band_support(&f->band, i, f->mesh.xy[i] + f->load * f->drive[i] - f->x[i], f->rhs);
+  return dlsi_forming_springs(f) ? with_springs(f) : without_springs(f, error);
+}

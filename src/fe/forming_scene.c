@@ -1,0 +1,320 @@
+/*
+ * forming_scene.c: the two scenes of [Chabrand 1998] section 5, as ../shared/reference/chabrand-1998 makes
+ * them definite (mm, N, MPa):
+ *
+ *   indentation, plane strain             extrusion, axisymmetric
+ *      way 10 |   rigid cylinder             | way 177.8 |
+ *             v   radius 30                  v           v
+ *   axis  +-------+                   axis  +-----------+ |         R = 50.8
+ *   x = 0 |       |  40 x 40, half    r = 0 |           | | die:    cylinder r = R for z >= 0,
+ *         |       |  of the block           |  254      | |         cone of 5 degrees below, the corner
+ *         +-------+                         +-----------+ |         rounded by an arc that is tangent
+ *         u_y = 0; clamped: u_x = 0 too                  /          at 0.5 from it
+ *
+ * Candidates: the nodes of the top; of the lateral surface. One whose tangent is supported, at the
+ * axis under the cylinder or at the ram, is frictionless in the contact problem, as friction does not move it.
+ */
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "forming_internal.h"
+
+typedef struct scene {
+  const char *name, *description;
+  int nx, ny, steps;
+  double mu;
+  void (*build)(dls_forming *f);
+} scene;
+
+/* ---- building -------------------------------------------------------------------------------- */
+
+/* nx x ny rectangles; node i + j (nx + 1) at (i lx / nx, j ly / ny) */
+static void grid(dls_forming *f, double lx, double ly) {
+  const int nx = f->settings.nx, ny = f->settings.ny;
+  double *x = f->mesh.xy;
+  int *node = f->mesh.node;
+  for (int j = 0; j <= ny; j++)
+    for (int i = 0; i <= nx; i++) {
+      *x++ = lx * ((double)i / nx);
+      *x++ = ly * ((double)j / ny);
+      if (i == nx || j == ny) continue;
+      const int a = i + j * (nx + 1);
+      const int corner[4] = {a, a + 1, a + nx + 2, a + nx + 1};
+      for (int k = 0; k < 4; k++)
+        *node++ = corner[k];
+    }
+}
+
+static void build_indentation(dls_forming *f) {
+  const int nx = f->settings.nx, ny = f->settings.ny;
+  const dlsi_hardening power = {.factor = 593, .offset = 0.00384, .exponent = 0.202};
+  grid(f, 40, 40);
+  f->solid = dlsi_solid_make(2e5, 0.3, power);
+  f->piece[0] = (dlsi_piece){.c = {0, 70}, .radius = 30, .side = 1};
+  f->obstacle = (dlsi_obstacle){1, f->piece};
+  f->whole = 10;
+  f->way[1] = -f->whole;
+  for (int j = 0; j <= ny; j++)
+    f->fixed[2 * j * (nx + 1)] = 1;
+  for (int i = 0; i <= nx; i++) {
+    f->fixed[2 * i + 1] = 1;
+    if (f->settings.clamped) f->fixed[2 * i] = 1;
+    f->candidate[i] = i + ny * (nx + 1);
+  }
+}
+
+static void build_extrusion(dls_forming *f) {
+  const int nx = f->settings.nx, ny = f->settings.ny;
+  const dlsi_hardening linear = {.factor = 261.2, .offset = 0.11868, .exponent = 1};
+  const double R = 50.8, L = 254, angle = 5 * acos(-1) / 180, reach = 0.5;
+  const double radius = reach / tan(angle / 2), s = sin(angle), c = cos(angle);
+  grid(f, R, L);
+  f->axisymmetric = 1;
+  f->solid = dlsi_solid_make(6.8955e4, 0.32, linear);
+  /* upwards, the body on the left: cone, arc, cylinder */
+  const double end[2] = {R - reach * s, -reach * c};
+  f->piece[0] = (dlsi_piece){.a = {end[0] - L * s, end[1] - L * c}, .b = {end[0], end[1]}};
+  f->piece[1] = (dlsi_piece){.a = {end[0], end[1]},
+                             .b = {R, reach},
+                             .c = {R - radius, reach},
+                             .radius = radius,
+                             .side = -1};
+  f->piece[2] = (dlsi_piece){.a = {R, reach}, .b = {R, L}};
+  f->obstacle = (dlsi_obstacle){3, f->piece};
+  f->whole = 177.8;
+  for (int j = 0; j <= ny; j++) {
+    f->fixed[2 * j * (nx + 1)] = 1;
+    f->candidate[j] = nx + j * (nx + 1);
+  }
+  for (int i = 0; i <= nx; i++) {
+    const int z = 2 * (i + ny * (nx + 1)) + 1;
+    f->fixed[z] = 1;
+    f->drive[z] = -f->whole;
+  }
+  f->driven[ny] = 1;
+}
+
+static const scene scenes[] = {
+    {"indentation",
+     "Chabrand (1998) 5.1: an elastoplastic block indented by a rigid cylinder, plane strain", 20,
+     20, 100, 0.2, build_indentation},
+    {"extrusion",
+     "Chabrand (1998) 5.2: an aluminium billet pushed into a conical die, axisymmetric", 4, 20, 300,
+     0.1, build_extrusion},
+};
+enum { scene_count = sizeof scenes / sizeof scenes[0] };
+
+const char *dls_forming_name(int index) {
+  return index >= 0 && index < scene_count ? scenes[index].name : NULL;
+}
+
+const char *dls_forming_description(int index) {
+  return index >= 0 && index < scene_count ? scenes[index].description : NULL;
+}
+
+/* ---- settings -------------------------------------------------------------------------------- */
+
+void dls_forming_settings_init(dls_forming_settings *settings) {
+  if (!settings) return;
+  const dls_forming_settings s = {.size = sizeof s,
+                                  .mu = -1,
+                                  .tol = 1e-9,
+                                  .contact = DLS_FORMING_CONDENSED,
+                                  .method = DLS_LEMKE};
+  *settings = s;
+}
+
+static dls_status check_settings(const char *function, const dls_forming_settings *s,
+                                 dls_error *error) {
+  if (!s) return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings", -1, 0, "is NULL");
+  if (s->size != sizeof *s)
+    return dlsi_fail(error, DLS_E_SETTINGS, function, "settings", -1, (double)s->size,
+                     "not filled by dls_forming_settings_init");
+  if (s->nx < 0) return dlsi_fail(error, DLS_E_SIZE, function, "nx", -1, s->nx, "is %d", s->nx);
+  if (s->ny < 0) return dlsi_fail(error, DLS_E_SIZE, function, "ny", -1, s->ny, "is %d", s->ny);
+  if (s->steps < 0)
+    return dlsi_fail(error, DLS_E_SIZE, function, "steps", -1, s->steps, "is %d", s->steps);
+  if (!isfinite(s->mu))
+    return dlsi_fail(error, DLS_E_NOT_FINITE, function, "mu", -1, s->mu, "is not finite");
+  if (s->clamped != 0 && s->clamped != 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "clamped", -1, s->clamped, "must be 0 or 1");
+  if (s->standard != 0 && s->standard != 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "standard", -1, s->standard,
+                     "must be 0 or 1");
+  if (s->keep_trace != 0 && s->keep_trace != 1)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "keep_trace", -1, s->keep_trace,
+                     "must be 0 or 1");
+  if (!(s->tol > 0 && s->tol < 1))
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "tol", -1, s->tol,
+                     "is %g, must be inside (0, 1)", s->tol);
+  if (s->contact < DLS_FORMING_CONDENSED || s->contact > DLS_FORMING_PENALTY)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "contact", -1, s->contact, "is %d",
+                     (int)s->contact);
+  return DLS_OK;
+}
+
+/* Fills in the scene's own values; checks that what is counted in int can be. */
+static dls_status complete(const char *function, dls_forming_settings *s, const scene *chosen,
+                           dls_error *error) {
+  if (!s->nx) s->nx = chosen->nx;
+  if (!s->ny) s->ny = chosen->ny;
+  if (!s->steps) s->steps = chosen->steps;
+  if (s->mu < 0) s->mu = chosen->mu;
+  /* entries of the band: (3 k + 1) n < (6 nx + 20) * 2 (nx + 1) (ny + 1) */
+  const double entries = (6.0 * s->nx + 20) * 2 * (s->nx + 1.0) * (s->ny + 1.0);
+  if (entries > INT_MAX)
+    return dlsi_fail(error, DLS_E_SIZE, function, s->nx > s->ny ? "nx" : "ny", -1, entries,
+                     "%d x %d is too large", s->nx, s->ny);
+  return DLS_OK;
+}
+
+/* ---- create, destroy ------------------------------------------------------------------------- */
+
+static void carve_doubles(dlsi_arena *arena, size_t count, size_t size, double **const *list) {
+  for (size_t k = 0; k < count; k++)
+    *list[k] = dlsi_take(arena, size, sizeof(double));
+}
+
+static void carve(dls_forming *f, dlsi_arena *a) {
+  const size_t n = (size_t)f->n, nc = (size_t)f->nc, quads = (size_t)f->mesh.quads;
+  const size_t I = sizeof(int), D = sizeof(double);
+  double **const of_unknowns[] = {&f->mesh.xy, &f->drive,        &f->before,   &f->x0,  &f->x,
+                                  &f->F,       &f->displacement, &f->reaction, &f->rhs, &f->start_x,
+                                  &f->dx};
+  double **const of_reactions[] = {
+      &f->r0,       &f->r,        &f->normal,        &f->tangent,        &f->anchor, &f->u,
+      &f->next_r,   &f->start_r,  &f->chosen.normal, &f->chosen.tangent, &f->lambda, &f->trial_u,
+      &f->chosen.u, &f->chosen.r, &f->node_q,        &f->node_r};
+  double **const of_candidates[] = {&f->mu,  &f->gap,   &f->bend,   &f->chosen.mu,
+                                    &f->eps, &f->stiff, &f->node_mu};
+  carve_doubles(a, sizeof of_unknowns / sizeof of_unknowns[0], n, of_unknowns);
+  carve_doubles(a, sizeof of_reactions / sizeof of_reactions[0], 2 * nc, of_reactions);
+  carve_doubles(a, sizeof of_candidates / sizeof of_candidates[0], nc, of_candidates);
+  f->node_W = dlsi_take(a, 4 * nc, D);
+  f->stress = dlsi_take(a, 16 * quads, D);
+  f->plastic_strain = dlsi_take(a, 4 * quads, D);
+  f->old = dlsi_take(a, 4 * quads, sizeof *f->old);
+  f->now = dlsi_take(a, 4 * quads, sizeof *f->now);
+  f->mesh.node = dlsi_take(a, 4 * quads, I);
+  f->fixed = dlsi_take(a, n, I);
+  int **const of_nodes[] = {&f->candidate, &f->driven, &f->chosen.mark, &f->branch, &f->node_i};
+  for (size_t k = 0; k < sizeof of_nodes / sizeof of_nodes[0]; k++)
+    *of_nodes[k] = dlsi_take(a, nc, I);
+  f->chosen.p = dlsi_take(a, nc + 1, I);
+  f->chosen.i = dlsi_take(a, 2 * nc, I);
+  f->node_p = dlsi_take(a, nc + 1, I);
+  if (f->settings.contact != DLS_FORMING_GAUSS_SEIDEL) return;
+  const size_t entries = (2 * (size_t)f->band.k + 1) * n;
+  f->Kp = dlsi_take(a, n + 1, I);
+  f->Ki = dlsi_take(a, entries, I);
+  f->Kx = dlsi_take(a, entries, D);
+}
+
+/* Sizes and memory, all zero. */
+static int allocate(dls_forming *f, const scene *chosen) {
+  const dls_forming_settings *s = &f->settings;
+  f->mesh.nodes = (s->nx + 1) * (s->ny + 1);
+  f->mesh.quads = s->nx * s->ny;
+  f->n = 2 * f->mesh.nodes;
+  f->nc = chosen->build == build_indentation ? s->nx + 1 : s->ny + 1;
+  if (!dlsi_band_create(&f->band, f->n, 2 * (s->nx + 2) + 1)) return 0;
+  dlsi_arena arena = {0};
+  carve(f, &arena);
+  arena.base = arena.failed ? NULL : dlsi_alloc(arena.used, 1);
+  if (!arena.base) {
+    f->mesh.xy = NULL;
+    return 0;
+  }
+  memset(arena.base, 0, arena.used);
+  arena.size = arena.used;
+  arena.used = 0;
+  carve(f, &arena); /* mesh.xy is its first piece */
+  return 1;
+}
+
+/* What follows from the scene. */
+static void derive(dls_forming *f) {
+  const dls_forming_settings *s = &f->settings;
+  f->solid.keep_trace = s->keep_trace;
+  for (int i = 0; i < f->n; i++)
+    f->before[i] = f->x0[i] = f->mesh.xy[i];
+  for (int k = 0; k < 4 * f->mesh.quads; k++)
+    f->old[k] = dlsi_point_virgin();
+  for (int c = 0; c <= f->nc; c++) {
+    f->chosen.p[c] = 2 * c;
+    f->node_p[c] = c;
+    if (c == f->nc) break;
+    const int i = 2 * f->candidate[c];
+    f->mu[c] = f->fixed[i] || f->fixed[i + 1] ? 0 : s->mu;
+    f->node_i[c] = c;
+  }
+  f->data = (dls_forming_data){.mesh = &f->mesh,
+                               .axisymmetric = f->axisymmetric,
+                               .steps = s->steps,
+                               .whole = f->whole,
+                               .displacement = f->displacement,
+                               .reaction = f->reaction,
+                               .candidates = f->nc,
+                               .candidate_node = f->candidate,
+                               .normal = f->normal,
+                               .u = f->u,
+                               .r = f->r,
+                               .stress = f->stress,
+                               .plastic_strain = f->plastic_strain};
+}
+
+/* Solver tolerance: q is the position without reactions, far from that with them, so that the |q| of a
+ * W certificate is large; nlgs alone does not converge in the extrusion. */
+static dls_status create_solver(dls_forming *f, dls_error *error) {
+  dls_solver_settings s;
+  dls_solver_settings_init(&s);
+  s.method = f->settings.method;
+  s.tol = 1e-5 * f->settings.tol;
+  s.warm_start = 1;
+  if (s.method == DLS_NLGS) s.acceleration = DLS_ACCELERATION_ANDERSON;
+  return dls_solver_create(&f->solver, 2, f->nc, &s, error);
+}
+
+dls_status dls_forming_create(dls_forming **out, const char *name,
+                              const dls_forming_settings *settings, dls_error *error) {
+  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "out", -1, 0, "is NULL");
+  *out = NULL;
+  if (!name) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "name", -1, 0, "is NULL");
+  const scene *chosen = NULL;
+  for (int k = 0; k < scene_count; k++)
+    if (strcmp(scenes[k].name, name) == 0) chosen = &scenes[k];
+  if (!chosen)
+    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "name", -1, 0, "there is no scene %.60s",
+                     name);
+  dls_status status = check_settings(__func__, settings, error);
+  if (status) return status;
+
+  dls_forming *f = dlsi_alloc(1, sizeof *f);
+  if (!f) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  memset(f, 0, sizeof *f);
+  f->settings = *settings;
+  status = complete(__func__, &f->settings, chosen, error);
+  if (!status && !allocate(f, chosen))
+    status = dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  if (!status) {
+    chosen->build(f);
+    derive(f);
+    if (f->settings.contact == DLS_FORMING_CONDENSED) status = create_solver(f, error);
+  }
+  if (status) {
+    dls_forming_destroy(f);
+    return status;
+  }
+  *out = f;
+  return DLS_OK;
+}
+
+void dls_forming_destroy(dls_forming *forming) {
+  if (!forming) return;
+  dls_solver_destroy(forming->solver);
+  dlsi_band_free(&forming->band);
+  free(forming->mesh.xy);
+  free(forming);
+}

@@ -1,0 +1,416 @@
+/* test_forming.c: indentation and extrusion of [Chabrand 1998], against the spot values of
+ * ../shared/reference/chabrand-1998, energies, and method against method. */
+#define _XOPEN_SOURCE 700 /* mkdtemp */
+
+#include <check.h>
+#include <limits.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "delassus/forming.h"
+#include "malloc_fails.h"
+
+static dls_error error;
+
+static dls_forming_settings init(void) {
+  dls_forming_settings s;
+  dls_forming_settings_init(&s);
+  return s;
+}
+
+static dls_forming *create(const char *name, const dls_forming_settings *s) {
+  dls_forming *f;
+  ck_assert_int_eq(dls_forming_create(&f, name, s, &error), DLS_OK);
+  return f;
+}
+
+static dls_forming_data get(const dls_forming *f) {
+  dls_forming_data d;
+  dls_forming_get(f, &d);
+  return d;
+}
+
+static void step_until(dls_forming *f, double travel) {
+  while (get(f).travel < travel - 1e-9)
+    ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
+  ck_assert_double_eq_tol(get(f).travel, travel, 1e-9);
+}
+
+/* ---- published and reference values ---------------------------------------------------------- */
+
+typedef struct spot {
+  double travel, low, high; /* band of the force */
+} spot;
+
+typedef struct run {
+  const char *name;
+  double mu;
+  int clamped;
+  spot spots[4];
+} run;
+
+/* Bands as printed there; where it gives both codes' values, these, 0.1 % beyond each. The end of the
+ * extrusion has no band: only that it is reached. */
+static const run runs[] = {
+    {"indentation", 0.2, 0, {{1, 4809, 4891}, {5, 9123, 9188}, {10, 12709, 12842}}},
+    {"indentation", 0, 0, {{1, 4834, 4851}, {5, 9108, 9141}, {10, 11973, 12013}}},
+    {"indentation", 0.2, 1, {{1, 5263, 5293}, {5, 12009, 12044}, {10, 16285, 16488}}},
+    {"extrusion",
+     0.1,
+     0,
+     {{39.116, 40734, 42192}, {81.788, 176615, 183925}, {124.46, 612562, 637928}, {177.8, 0, 1e9}}},
+    {"extrusion",
+     0,
+     0,
+     {{39.116, 11403, 11773}, {81.788, 38732, 39636}, {124.46, 105099, 109389}, {177.8, 0, 1e9}}},
+};
+
+START_TEST(reference_forces) {
+  const run *r = &runs[_i];
+  dls_forming_settings s = init();
+  s.mu = r->mu;
+  s.clamped = r->clamped;
+  dls_forming *f = create(r->name, &s);
+  for (int k = 0; k < 4 && r->spots[k].travel > 0; k++) {
+    step_until(f, r->spots[k].travel);
+    const dls_forming_data d = get(f);
+    ck_assert_double_ge(d.force, r->spots[k].low);
+    ck_assert_double_le(d.force, r->spots[k].high);
+  }
+  const dls_forming_data d = get(f);
+  ck_assert_double_eq(d.travel, d.whole);
+  ck_assert_int_eq(d.count.halvings, 0);
+  ck_assert_double_le(d.worst_equilibrium, s.tol);
+  ck_assert_double_le(d.worst_residual, s.tol);
+  if (_i == 0) { /* the contact set and the largest plastic strain at 10 mm */
+    int contacts = 0;
+    double last = 0, strain = 0;
+    for (int c = 0; c < d.candidates; c++)
+      if (d.r[2 * c] > 0) {
+        const int node = d.candidate_node[c];
+        contacts++;
+        last = d.mesh->xy[2 * node] + d.displacement[2 * node];
+      }
+    for (int q = 0; q < 4 * d.mesh->quads; q++)
+      strain = fmax(strain, d.plastic_strain[q]);
+    ck_assert_int_eq(contacts, 10);
+    ck_assert_double_eq_tol(last, 20.2, 0.1);
+    ck_assert_double_eq_tol(strain, 0.5, 0.01);
+  }
+  ck_assert_int_eq(dls_forming_step(f, &error), DLS_E_ARGUMENT); /* no step is left */
+  ck_assert_str_eq(error.argument, "forming");
+  dls_forming_destroy(f);
+}
+END_TEST
+
+/* The reference gives 13,761 for fully integrated elements. */
+START_TEST(standard_elements_lock) {
+  dls_forming_settings s = init();
+  s.standard = 1;
+  dls_forming *f = create("indentation", &s);
+  step_until(f, 10);
+  ck_assert_double_eq_tol(get(f).force, 13761, 0.005 * 13761);
+  dls_forming_destroy(f);
+}
+END_TEST
+
+/* ---- energy ---------------------------------------------------------------------------------- */
+
+static double imbalance(const dls_forming_energy *e) {
+  return fabs(e->elastic + e->plastic + e->friction - e->external) / e->external;
+}
+
+START_TEST(energy) {
+  const double bound = _i == 0 ? 0.005 : 0.01;
+  dls_forming_settings s = init();
+  s.steps = _i == 0 ? 200 : 600;
+  dls_forming *f = create(_i == 0 ? "indentation" : "extrusion", &s);
+  step_until(f, get(f).whole);
+  const dls_forming_energy e = get(f).energy;
+  ck_assert_double_gt(e.friction, bound * e.external);
+  ck_assert_double_gt(e.plastic, bound * e.external);
+  ck_assert_double_le(imbalance(&e), bound);
+  dls_forming_destroy(f);
+}
+END_TEST
+
+/* [C] (13) as printed: the force is the same, the stored energy is not. */
+START_TEST(update_as_printed) {
+  double force[2];
+  for (int keep = 0; keep < 2; keep++) {
+    dls_forming_settings s = init();
+    s.keep_trace = keep;
+    dls_forming *f = create("extrusion", &s);
+    step_until(f, 81.788);
+    const dls_forming_energy e = get(f).energy;
+    force[keep] = get(f).force;
+    ck_assert((imbalance(&e) < 0.01) == !keep);
+    dls_forming_destroy(f);
+  }
+  ck_assert_double_eq_tol(force[0], force[1], 1e-5 * force[0]);
+}
+END_TEST
+
+/* ---- convergence ----------------------------------------------------------------------------- */
+
+/* The last three residuals of the equilibrium loop: each at most 1e3 times the square of the one before, and
+ * that is far below it; up to where rounding (1e-11 here) takes over. */
+START_TEST(quadratic_convergence) {
+  dls_forming_settings s = init();
+  s.nx = s.ny = 10;
+  s.steps = 40;
+  s.clamped = 1;
+  dls_forming *f = create("indentation", &s);
+  int seen = 0;
+  for (int k = 0; k < 20; k++) {
+    ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
+    const dls_forming_data d = get(f);
+    if (d.residuals < 4) continue;
+    const double *e = d.residual + d.residuals - 3;
+    ck_assert_double_lt(e[1], 0.1 * e[0]);
+    ck_assert_double_le(e[2], 1e3 * e[1] * e[1] + 1e-10);
+    seen++;
+  }
+  ck_assert_int_ge(seen, 1);
+  dls_forming_destroy(f);
+}
+END_TEST
+
+/* ---- methods --------------------------------------------------------------------------------- */
+
+typedef struct method {
+  dls_forming_contact contact;
+  const char *name; /* of the condensed ones */
+  double tol, agreement;
+} method;
+
+/* Gauss-Seidel has the symmetric part of K and the same answer. */
+static const method methods[] = {
+    {DLS_FORMING_CONDENSED, "nlgs", 1e-9, 1e-8},
+    {DLS_FORMING_CONDENSED, "newton", 1e-9, 1e-8},
+    {DLS_FORMING_CONDENSED, "augmented-lagrangian", 1e-9, 1e-8},
+    {DLS_FORMING_GAUSS_SEIDEL, NULL, 1e-10, 1e-8},
+    {DLS_FORMING_AUGMENTED_LAGRANGIAN, NULL, 1e-10, 1e-7},
+    {DLS_FORMING_PENALTY, NULL, 1e-9, 2e-2},
+};
+enum { method_count = sizeof methods / sizeof methods[0] };
+
+/* largest difference of a from b over the largest of b */
+static double distance(const double *a, const double *b, int n) {
+  double d = 0, m = 0;
+  for (int i = 0; i < n; i++) {
+    d = fmax(d, fabs(a[i] - b[i]));
+    m = fmax(m, fabs(b[i]));
+  }
+  return d / m;
+}
+
+START_TEST(methods_agree) {
+  const char *name = _i % 2 ? "extrusion" : "indentation";
+  const method *m = &methods[_i / 2];
+  dls_forming_settings s = init();
+  s.nx = _i % 2 ? 2 : 10;
+  s.ny = 10;
+  s.steps = _i % 2 ? 150 : 50;
+  dls_forming *reference = create(name, &s);
+  s.contact = m->contact;
+  s.tol = m->tol;
+  if (m->name) ck_assert(dls_method_find(m->name, &s.method));
+  dls_forming *f = create(name, &s);
+  double worst = 0;
+  for (int k = 0; k < 60 && k < s.steps; k++) {
+    ck_assert_int_eq(dls_forming_step(reference, &error), DLS_OK);
+    ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
+    const dls_forming_data a = get(f), b = get(reference);
+    worst = fmax(worst, distance(a.reaction, b.reaction, 2 * a.mesh->nodes));
+    worst = fmax(worst, distance(a.displacement, b.displacement, 2 * a.mesh->nodes));
+  }
+  ck_assert_double_le(worst, m->agreement);
+  if (m->contact == DLS_FORMING_PENALTY) {
+    ck_assert_double_ge(worst, 1e-6);
+    ck_assert_double_ge(get(f).worst_residual, 1e-6); /* and says so */
+  } else {
+    ck_assert_double_le(get(f).worst_residual, m->tol);
+  }
+  dls_forming_destroy(reference);
+  dls_forming_destroy(f);
+}
+END_TEST
+
+/* ---- failures -------------------------------------------------------------------------------- */
+
+/* The whole way at once with so much friction is too much: a status, and the last good state. */
+START_TEST(stuck) {
+  dls_forming_settings s = init();
+  s.nx = 4;
+  s.ny = 10;
+  s.steps = 1;
+  s.mu = 1;
+  dls_forming *f = create("extrusion", &s);
+  dls_status status = DLS_OK;
+  while (status == DLS_OK && get(f).travel < get(f).whole)
+    status = dls_forming_step(f, &error);
+  ck_assert_int_eq(status, DLS_STALLED);
+  const dls_forming_data d = get(f);
+  ck_assert_int_ge(d.count.halvings, 6);
+  ck_assert_double_le(d.equilibrium, 1e-8);
+  ck_assert_double_lt(d.travel, d.whole);
+  double moved = 0;
+  for (int i = 0; i < 2 * d.mesh->nodes; i++)
+    moved = fmax(moved, fabs(d.displacement[i]));
+  ck_assert_double_ge(moved, d.travel * (1 - 1e-12));
+  ck_assert_int_eq(dls_forming_step(f, &error), DLS_STALLED);
+  ck_assert_double_ge(get(f).travel, d.travel);
+  dls_forming_destroy(f);
+}
+END_TEST
+
+#define REJECTED(field, value, status, argument_)                                                  \
+  do {                                                                                             \
+    dls_forming_settings bad = init();                                                             \
+    bad.field = value;                                                                             \
+    f = (dls_forming *)&bad;                                                                       \
+    ck_assert_int_eq(dls_forming_create(&f, "extrusion", &bad, &error), status);                   \
+    ck_assert_str_eq(error.argument, argument_);                                                   \
+    ck_assert_ptr_null(f);                                                                         \
+  } while (0)
+
+START_TEST(bad_input) {
+  dls_forming *f;
+  const dls_forming_settings s = init();
+  ck_assert_int_eq(dls_forming_create(NULL, "extrusion", &s, &error), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_forming_create(&f, NULL, &s, &error), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_forming_create(&f, "forging", &s, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "name");
+  ck_assert_int_eq(dls_forming_create(&f, "extrusion", NULL, &error), DLS_E_ARGUMENT);
+  REJECTED(size, 3, DLS_E_SETTINGS, "settings");
+  REJECTED(nx, -1, DLS_E_SIZE, "nx");
+  REJECTED(ny, -1, DLS_E_SIZE, "ny");
+  REJECTED(nx, INT_MAX, DLS_E_SIZE, "nx");
+  REJECTED(ny, INT_MAX, DLS_E_SIZE, "ny");
+  REJECTED(steps, -1, DLS_E_SIZE, "steps");
+  REJECTED(mu, NAN, DLS_E_NOT_FINITE, "mu");
+  REJECTED(mu, INFINITY, DLS_E_NOT_FINITE, "mu");
+  REJECTED(clamped, 2, DLS_E_ARGUMENT, "clamped");
+  REJECTED(standard, 2, DLS_E_ARGUMENT, "standard");
+  REJECTED(keep_trace, 2, DLS_E_ARGUMENT, "keep_trace");
+  REJECTED(tol, 0, DLS_E_ARGUMENT, "tol");
+  REJECTED(tol, NAN, DLS_E_ARGUMENT, "tol");
+  REJECTED(contact, (dls_forming_contact)9, DLS_E_ARGUMENT, "contact");
+  REJECTED(method, (dls_method)99, DLS_E_ARGUMENT, "settings.method");
+  ck_assert_int_eq(dls_forming_step(NULL, &error), DLS_E_ARGUMENT);
+  dls_forming_data d;
+  dls_forming_get(NULL, &d);
+  ck_assert_ptr_null(d.mesh);
+  dls_forming_destroy(NULL);
+  ck_assert_str_eq(dls_forming_name(0), "indentation");
+  ck_assert_str_eq(dls_forming_name(1), "extrusion");
+  ck_assert(!dls_forming_name(2) && !dls_forming_name(-1) && !dls_forming_description(2));
+  ck_assert(dls_forming_description(0) && dls_forming_description(1));
+}
+END_TEST
+
+START_TEST(without_memory) {
+  for (int contact = DLS_FORMING_CONDENSED; contact <= DLS_FORMING_PENALTY; contact++) {
+    dls_forming_settings s = init();
+    s.nx = 2;
+    s.ny = 4;
+    s.contact = (dls_forming_contact)contact;
+    malloc_fails_at(0);
+    dls_forming *first;
+    const dls_status created = dls_forming_create(&first, "extrusion", &s, &error);
+    const long all = malloc_calls();
+    ck_assert_int_eq(created, DLS_OK);
+    dls_forming_destroy(first);
+    ck_assert_int_ge(all, 4);
+    for (long k = 1; k <= all; k++) {
+      dls_forming *f = (dls_forming *)&s;
+      malloc_fails_at(k);
+      const dls_status status = dls_forming_create(&f, "extrusion", &s, &error);
+      malloc_fails_at(0);
+      ck_assert_int_eq(status, DLS_E_MEMORY);
+      ck_assert_ptr_null(f);
+    }
+    dls_forming *f = create("extrusion", &s), *twin = create("extrusion", &s);
+    ck_assert_int_eq(dls_forming_step(twin, &error), DLS_OK);
+    dls_status status = DLS_E_MEMORY;
+    for (long k = 1; status == DLS_E_MEMORY; k++) { /* out of memory: the last good state stays */
+      malloc_fails_at(k < 20 ? k : 0);
+      status = dls_forming_step(f, &error);
+      malloc_fails_at(0); /* the test library allocates, too */
+      if (status == DLS_E_MEMORY) ck_assert(get(f).travel == 0);
+      ck_assert(k > 1 || status == DLS_E_MEMORY);
+    }
+    ck_assert_int_eq(status, DLS_OK);
+    ck_assert(get(f).force == get(twin).force);
+    dls_forming_destroy(f);
+    dls_forming_destroy(twin);
+  }
+}
+END_TEST
+
+START_TEST(vtu) {
+  char folder[] = "/tmp/test_forming.XXXXXX", path[64], line[256];
+  ck_assert_ptr_nonnull(mkdtemp(folder));
+  (void)snprintf(path, sizeof path, "%s/a.vtu", folder);
+  dls_forming_settings s = init();
+  s.nx = 2;
+  s.ny = 3;
+  dls_forming *f = create("indentation", &s);
+  ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
+  ck_assert_int_eq(dls_forming_write_vtu(f, path, &error), DLS_OK);
+  FILE *file = fopen(path, "r");
+  ck_assert_ptr_nonnull(file);
+  int arrays = 0, sizes = 0, closed = 0;
+  while (fgets(line, sizeof line, file)) {
+    arrays += strstr(line, "<DataArray") != NULL;
+    sizes += strstr(line, "NumberOfPoints=\"12\" NumberOfCells=\"6\"") != NULL;
+    closed = strcmp(line, "</VTKFile>\n") == 0;
+  }
+  (void)fclose(file);
+  ck_assert(arrays == 8 && sizes == 1 && closed);
+  struct rlimit limit, before; /* a file of more than 1000 bytes fails as on a full disk */
+  ck_assert_int_eq(getrlimit(RLIMIT_FSIZE, &before), 0);
+  limit = before;
+  limit.rlim_cur = 1000;
+  void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
+  ck_assert_int_eq(setrlimit(RLIMIT_FSIZE, &limit), 0);
+  const dls_status status = dls_forming_write_vtu(f, path, &error);
+  ck_assert_int_eq(setrlimit(RLIMIT_FSIZE, &before), 0);
+  (void)signal(SIGXFSZ, handler);
+  ck_assert_int_eq(status, DLS_E_FILE);
+  ck_assert_int_ne(access(path, F_OK), 0);
+  (void)rmdir(folder);
+  ck_assert_int_eq(dls_forming_write_vtu(f, path, &error), DLS_E_FILE);
+  ck_assert_int_eq(dls_forming_write_vtu(f, NULL, &error), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_forming_write_vtu(NULL, path, &error), DLS_E_ARGUMENT);
+  dls_forming_destroy(f);
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("forming");
+  TCase *tests = tcase_create("forming");
+  tcase_set_timeout(tests, 600);
+  tcase_add_loop_test(tests, reference_forces, 0, sizeof runs / sizeof runs[0]);
+  tcase_add_test(tests, standard_elements_lock);
+  tcase_add_loop_test(tests, energy, 0, 2);
+  tcase_add_test(tests, update_as_printed);
+  tcase_add_test(tests, quadratic_convergence);
+  tcase_add_loop_test(tests, methods_agree, 0, 2 * method_count);
+  tcase_add_test(tests, stuck);
+  tcase_add_test(tests, bad_input);
+  tcase_add_test(tests, without_memory);
+  tcase_add_test(tests, vtu);
+  suite_add_tcase(suite, tests);
+  SRunner *runner = srunner_create(suite);
+  srunner_run_all(runner, CK_NORMAL);
+  const int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
