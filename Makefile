@@ -81,6 +81,7 @@ all: $(A) $(SO) $(FE) $(PROGRAM) $(EXAMPLES)
 help:
 	@echo 'make             libraries, program and examples, under $(BUILD)/'
 	@echo 'make demo        the Jean block with every method, tables and pictures'
+	@echo 'make tables      both forming scenes of Chabrand (1998) by every method, beside the paper'
 	@echo 'make check       build and run all tests'
 	@echo 'make install     PREFIX=/usr/local DESTDIR='
 	@echo 'make asan        tests under the address and undefined sanitizers'
@@ -225,6 +226,10 @@ bench-blocks: $(BUILD)/bench/blocks
 demo: deps
 	@$(MAKE) --no-print-directory all
 	@examples/demo.sh $(BUILD)
+
+.PHONY: tables
+tables: $(PROGRAM)
+	OPENBLAS_NUM_THREADS=1 $(PROGRAM) tables
 
 .PHONY: deps
 deps:

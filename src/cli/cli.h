@@ -3,6 +3,9 @@
  *
  *   main.c      commands, help, version
  *   scene.c     delassus scene NAME: model -> reduction -> solver -> tables, files, pictures
+ *   forming.c   delassus scene indentation, extrusion: load steps, files
+ *   forming_picture.c   their pictures
+ *   tables.c    delassus tables: both of them by every method
  *   solve.c     delassus solve FILE: FCLIB problems and LCPs
  *   info.c      delassus info FILE: facts about an FCLIB problem
  *   problem.c   FCLIB problems in memory, condensed if they are global
@@ -16,6 +19,7 @@
 
 #include "delassus.h"
 #include "delassus/fe.h"
+#include "delassus/forming.h"
 
 /* Exit statuses. */
 enum { EXIT_SOLVED = 0, EXIT_NOT_SOLVED = 1, EXIT_BAD_INPUT = 2 };
@@ -23,6 +27,11 @@ enum { EXIT_SOLVED = 0, EXIT_NOT_SOLVED = 1, EXIT_BAD_INPUT = 2 };
 int command_scene(int argc, char **argv);
 int command_solve(int argc, char **argv);
 int command_info(int argc, char **argv);
+int command_forming(int argc, char **argv);
+int command_tables(int argc, char **argv);
+
+/* Creates the directory and its parents; 1 if it is there. */
+int make_directory(const char *path);
 
 /* ---- problem.c ------------------------------------------------------------------------------- */
 
@@ -108,8 +117,33 @@ typedef struct scene_picture {
  * after a complaint. Without gnuplot, data and scripts are kept and a line on stderr says so. */
 int draw_scene(const scene_picture *picture);
 
+/* A file to write in a directory: NULL after a complaint; 1 if all was written; gnuplot SCRIPT there:
+ * 1 if the pictures are there, 0 after a word on stderr. */
+FILE *open_in(const char *directory, const char *name);
+int close_file(FILE *file, const char *name);
+int run_gnuplot(const char *directory, const char *script);
+
 /* "DIRECTORY/NAME" into path; 0 if that is too long. */
 enum { PATH_ROOM = 4096 };
 int join_path(char path[PATH_ROOM], const char *directory, const char *name);
+
+/* ---- forming.c ------------------------------------------------------------------------------- */
+
+/* Names of the methods for the forming scenes: those of the front door on W, and "gauss-seidel",
+ * "augmented-lagrangian", "penalty" in the equilibrium loop. 0 for no method. */
+int forming_method(const char *name, dls_forming_settings *settings);
+
+/* Whether one of the arguments is the name of a forming scene. */
+int names_forming(int argc, char **argv);
+
+/* Candidates that carry a reaction. */
+int count_contacts(const dls_forming_data *data);
+
+/* Progress of a step on the terminal; not 0 after Ctrl-C. */
+int show_step(const dls_forming_data *data, int step);
+
+/* forming_picture.c: mesh.*, plastic.*, force.* in a directory that holds force.csv; EXIT_SOLVED, or
+ * EXIT_BAD_INPUT after a complaint. */
+int draw_forming(const char *directory, const char *title, const dls_forming_data *data);
 
 #endif

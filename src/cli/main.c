@@ -8,6 +8,7 @@ static void usage(FILE *out) {
         "Unilateral contact with dry friction: benchmark scenes and problem files.\n"
         "\n"
         "  delassus scene NAME   run a built-in scene ('delassus scene --list' names them)\n"
+        "  delassus tables       Tables 2 and 3 of Chabrand (1998) beside ours\n"
         "  delassus solve FILE   solve an FCLIB problem (HDF5, local or global)\n"
         "  delassus solve --lcp M.mtx q.mtx\n"
         "                        solve an LCP given as two Matrix Market files\n"
@@ -23,7 +24,11 @@ static void usage(FILE *out) {
 int main(int argc, char **argv) {
   const char *command = argc > 1 ? argv[1] : "";
   int result;
-  if (!strcmp(command, "scene"))
+  if (!strcmp(command, "scene") && names_forming(argc - 1, argv + 1))
+    result = command_forming(argc - 1, argv + 1);
+  else if (!strcmp(command, "tables"))
+    result = command_tables(argc - 1, argv + 1);
+  else if (!strcmp(command, "scene"))
     result = command_scene(argc - 1, argv + 1);
   else if (!strcmp(command, "solve"))
     result = command_solve(argc - 1, argv + 1);

@@ -18,7 +18,7 @@ int join_path(char path[PATH_ROOM], const char *directory, const char *name) {
   return 0;
 }
 
-static FILE *open_in(const char *directory, const char *name) {
+FILE *open_in(const char *directory, const char *name) {
   char path[PATH_ROOM];
   if (!join_path(path, directory, name)) return NULL;
   FILE *file = fopen(path, "w");
@@ -26,16 +26,14 @@ static FILE *open_in(const char *directory, const char *name) {
   return file;
 }
 
-/* 1 if all was written */
-static int close_file(FILE *file, const char *name) {
+int close_file(FILE *file, const char *name) {
   const int bad = ferror(file);
   if (fclose(file) == 0 && !bad) return 1;
   complain("%s: cannot be written", name);
   return 0;
 }
 
-/* gnuplot SCRIPT in `directory`; 1 if the pictures are there, 0 after a word on stderr */
-static int run_gnuplot(const char *directory, const char *script) {
+int run_gnuplot(const char *directory, const char *script) {
   char name[] = "gnuplot";
   char copy[64];
   (void)snprintf(copy, sizeof copy, "%s", script);

@@ -349,8 +349,7 @@ static int write_json(const char *path, const outcome *o) {
   return finish(file, path);
 }
 
-/* Creates the directory and its parents; 1 if it is there. */
-static int make_directory(const char *path) {
+int make_directory(const char *path) {
   char part[PATH_ROOM];
   if (!join_path(part, path, "")) return 0;
   for (char *slash = part + 1; (slash = strchr(slash, '/')); slash++) {
@@ -427,6 +426,8 @@ end:
 static int list_scenes(void) {
   for (int k = 0; dls_fe_scene_name(k); k++)
     printf("%-12s %s\n", dls_fe_scene_name(k), dls_fe_scene_description(k));
+  for (int k = 0; dls_forming_name(k); k++)
+    printf("%-12s %s\n", dls_forming_name(k), dls_forming_description(k));
   return EXIT_SOLVED;
 }
 

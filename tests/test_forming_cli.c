@@ -1,0 +1,128 @@
+/* test_forming_cli.c: the forming scenes in the program: exit statuses, tables, files. */
+#define _GNU_SOURCE
+#include <check.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static char directory[64];
+static char output[20000]; /* standard output and error of the last run */
+
+static void setup(void) {
+  (void)snprintf(directory, sizeof directory, "/tmp/delassus-test-XXXXXX");
+  ck_assert_ptr_nonnull(mkdtemp(directory));
+}
+
+static void teardown(void) {
+  char command[128];
+  (void)snprintf(command, sizeof command, "rm -rf %s", directory);
+  ck_assert_int_eq(system(command), 0);
+}
+
+/* Runs `delassus scene ARGUMENTS` and returns its exit status. */
+static int run(const char *arguments) {
+  const char *program = getenv("DELASSUS_PROGRAM");
+  char command[1000];
+  (void)snprintf(command, sizeof command, "%s scene %s 2>&1", program ? program : "build/delassus",
+                 arguments);
+  FILE *pipe = popen(command, "r");
+  ck_assert_ptr_nonnull(pipe);
+  output[fread(output, 1, sizeof output - 1, pipe)] = '\0';
+  const int status = pclose(pipe);
+  ck_assert(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+/* lines of a file of the test's directory; last (size) := the last one */
+static int count_lines(const char *name, char *last, int size) {
+  char path[128];
+  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
+  FILE *file = fopen(path, "r");
+  ck_assert_msg(file != NULL, "%s is not there", path);
+  int lines = 0;
+  while (fgets(last, size, file))
+    lines++;
+  (void)fclose(file);
+  return lines;
+}
+
+START_TEST(files) {
+  char arguments[200], line[400];
+  (void)snprintf(arguments, sizeof arguments,
+                 "indentation --mesh 6x5 --steps 20 --at 2 --at 4.1 --method newton --out %s/a/b",
+                 directory);
+  ck_assert_int_eq(run(arguments), 0);
+  ck_assert_ptr_nonnull(strstr(output, "\n    2.0000"));
+  ck_assert_ptr_nonnull(strstr(output, "\n    4.5000")); /* the step that reaches 4.1 */
+  ck_assert_ptr_nonnull(strstr(output, "indentation by newton: solved at 10 of 10 mm"));
+  ck_assert_int_eq(count_lines("a/b/force.csv", line, sizeof line), 21);
+  double travel, force;
+  ck_assert_int_eq(sscanf(line, "%lf,%lf,", &travel, &force), 2);
+  ck_assert(travel == 10 && force > 9000 && force < 16000);
+  ck_assert_int_eq(count_lines("a/b/contact.csv", line, sizeof line), 1 + 3 * 7);
+  ck_assert_int_eq(count_lines("a/b/series.pvd", line, sizeof line), 3 + 20 + 2);
+  ck_assert_int_gt(count_lines("a/b/step_0020.vtu", line, sizeof line), 40);
+  ck_assert_int_gt(count_lines("a/b/mesh.gp", line, sizeof line), 10);
+  ck_assert_int_gt(count_lines("a/b/plastic.gp", line, sizeof line), 30);
+  ck_assert_int_gt(count_lines("a/b/force.gp", line, sizeof line), 5);
+}
+END_TEST
+
+START_TEST(every_method) {
+  static const char *const methods[] = {"lemke",   "nlgs",         "newton",
+                                        "penalty", "gauss-seidel", "augmented-lagrangian"};
+  double forces[6];
+  for (int k = 0; k < 6; k++) {
+    char arguments[200];
+    (void)snprintf(arguments, sizeof arguments,
+                   "--mesh 2x8 extrusion --steps 100 --mu 0.05 --method %s", methods[k]);
+    ck_assert_int_eq(run(arguments), 0);
+    const char *at = strstr(output, "  177.8000");
+    ck_assert_ptr_nonnull(at);
+    forces[k] = strtod(at + 10, NULL);
+    ck_assert_double_eq_tol(forces[k], forces[0], (k == 3 ? 1e-2 : 1e-5) * forces[0]);
+  }
+}
+END_TEST
+
+/* not solved: 1, and the state reached is printed */
+START_TEST(not_solved) {
+  ck_assert_int_eq(run("extrusion --mesh 4x10 --steps 1 --mu 1"), 1);
+  ck_assert_ptr_nonnull(strstr(output, "of 177.8 mm"));
+  ck_assert_ptr_null(strstr(output, "solved"));
+}
+END_TEST
+
+START_TEST(bad_options) {
+  static const char *const bad[] = {
+      "indentation --mesh 4",        "indentation --mesh 4x0", "indentation --mesh 4x4x4",
+      "indentation --steps 0",       "indentation --mu x",     "indentation --method magic",
+      "indentation --tol 0",         "indentation extrusion",  "indentation --at -1",
+      "indentation --out /dev/null", "extrusion --nonsense"};
+  for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++)
+    ck_assert_msg(run(bad[k]) == 2, "%s: not 2", bad[k]);
+  ck_assert_int_eq(run("indentation --help"), 0);
+  ck_assert_int_eq(run("--list"), 0);
+  ck_assert(strstr(output, "indentation") && strstr(output, "extrusion"));
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("forming_cli");
+  TCase *tests = tcase_create("forming_cli");
+  tcase_set_timeout(tests, 600);
+  tcase_add_checked_fixture(tests, setup, teardown);
+  tcase_add_test(tests, files);
+  tcase_add_test(tests, every_method);
+  tcase_add_test(tests, not_solved);
+  tcase_add_test(tests, bad_options);
+  suite_add_tcase(suite, tests);
+  SRunner *runner = srunner_create(suite);
+  srunner_run_all(runner, CK_NORMAL);
+  const int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
