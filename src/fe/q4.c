@@ -126,7 +126,7 @@ int dlsi_q4_forces(const dlsi_q4 *e, const dlsi_solid *solid, const dlsi_point *
   if (K) memset(K, 0, 64 * sizeof *K);
   for (int q = 0; q < 4; q++) {
     const gauss *g = &point[q];
-    double tau[4], c[16], D[8];
+    double tau[4], c[16] = {0}, D[8];
     if (!dlsi_solid_update(solid, g->F, g->J, &old[q], &now[q], tau, K ? c : NULL)) return 0;
     if (e->full) energy[0] += g->dV * dlsi_solid_volume(solid, g->J, &p, &slope);
     energy[0] += g->dV * now[q].elastic;
