@@ -54,8 +54,8 @@ typedef struct run {
   spot spots[4];
 } run;
 
-/* Bands as printed there; where it gives both codes' values, these, 0.1 % beyond each. The end of the
- * extrusion has no band: only that it is reached. */
+/* Bands as printed there; where it gives both codes' values, these, 0.1 % beyond each. The end of
+ * the extrusion has no band: only that it is reached. */
 static const run runs[] = {
     {"indentation", 0.2, 0, {{1, 4809, 4891}, {5, 9123, 9188}, {10, 12709, 12842}}},
     {"indentation", 0, 0, {{1, 4834, 4851}, {5, 9108, 9141}, {10, 11973, 12013}}},
@@ -158,8 +158,8 @@ END_TEST
 
 /* ---- convergence ----------------------------------------------------------------------------- */
 
-/* The last three residuals of the equilibrium loop: each at most 1e3 times the square of the one before, and
- * that is far below it; up to where rounding (1e-11 here) takes over. */
+/* The last three residuals of the equilibrium loop: each at most 1e3 times the square of the one
+ * before, and that is far below it; up to where rounding (1e-11 here) takes over. */
 START_TEST(quadratic_convergence) {
   dls_forming_settings s = init();
   s.nx = s.ny = 10;

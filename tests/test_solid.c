@@ -1,4 +1,5 @@
-/* test_solid.c: material, four-node elements, obstacles and banded matrices of the finite element module. */
+/* test_solid.c: material, four-node elements, obstacles and banded matrices of the finite
+ * element module. */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>
@@ -81,8 +82,8 @@ START_TEST(small_strains_obey_hooke) {
 }
 END_TEST
 
-/* A path of 12 steps into the plastic range and back; at its end s is on or inside the yield surface,
- * det be is 1 by default and the trace that of the trial by (13). */
+/* A path of 12 steps into the plastic range and back; at its end s is on or inside the yield
+ * surface, det be is 1 by default and the trace that of the trial by (13). */
 START_TEST(return_mapping) {
   for (int keep = 0; keep < 2; keep++) {
     dlsi_solid solid = dlsi_solid_make(2e5, 0.3, steel);
@@ -346,9 +347,9 @@ static int plate_solve(plate *p, const double *load) {
   return steps;
 }
 
-/* Patch test: on a crooked mesh with the boundary displaced as by one deformation gradient, the inside
- * follows. Plane: any gradient. Axisymmetric: r scaled, z scaled, where hoop and radial stress are
- * equal. Elastic and far into the plastic range. */
+/* Patch test: on a crooked mesh with the boundary displaced as by one deformation gradient, the
+ * inside follows. Plane: any gradient. Axisymmetric: r scaled, z scaled, where hoop and radial
+ * stress are equal. Elastic and far into the plastic range. */
 START_TEST(patch) {
   const int axisymmetric = _i & 1, standard = (_i >> 1) & 1, plastic = (_i >> 2) & 1;
   const double corner[8] = {1, 0, 3, 0.3, 2.8, 2.2, 1.2, 1.9};
@@ -383,8 +384,8 @@ START_TEST(patch) {
 }
 END_TEST
 
-/* Cook's membrane: clamped on the left, sheared by a traction on the right; E such that mu = 80.194,
- * nu = 0.4999, small load. Returns the deflection of the upper right corner. */
+/* Cook's membrane: clamped on the left, sheared by a traction on the right; E such that mu =
+ * 80.194, nu = 0.4999, small load. Returns the deflection of the upper right corner. */
 static double cook(int n, double nu, int standard, double force) {
   const double corner[8] = {0, 0, 48, 44, 48, 60, 0, 44};
   plate p = {.standard = standard, .solid = dlsi_solid_make(2 * 80.194 * (1 + nu), nu, rigid)};
@@ -456,8 +457,8 @@ START_TEST(plane_and_cylinder) {
 }
 END_TEST
 
-/* Line, quarter of a circle, line, the body in the hollow: along a path near the wall, on either side,
- * gap and normal are continuous, the gap's gradient is n, and n turns by the curvature. */
+/* Line, quarter of a circle, line, the body in the hollow: along a path near the wall, on either
+ * side, gap and normal are continuous, the gap's gradient is n, and n turns by the curvature. */
 START_TEST(profile_with_joints) {
   const dlsi_piece pieces[3] = {{.a = {-5, 0}, .b = {0, 0}},
                                 {.a = {0, 0}, .b = {2, 2}, .c = {0, 2}, .radius = 2, .side = -1},

@@ -4,7 +4,8 @@
  * elastoplasticity, pressed against a rigid profile with Coulomb friction, step by step.
  *
  * A step is the paper's Table 1: a contact loop that renews the local frames of the candidates, and
- * within it the equilibrium loop, Newton's method with frozen frames, whose every linearised contact problem
+ * within it the equilibrium loop, Newton's method with frozen frames, whose every linearised
+ * contact problem
  *
  *   K dx = -F(x) + H r,   u = H^T dx + g(x),   the laws of contact.h between u and r     (24), (25)
  *
@@ -59,10 +60,11 @@ DLS_API DLS_MUST_USE dls_status dls_forming_create(dls_forming **out, const char
 
 /* The next step. Where it fails it is taken in two halves, and so on, six times.
  *
- * DLS_OK: equilibrium and certificate hold to the tolerance (penalty: equilibrium, and the law of the
- * springs; the certificate shows its error). DLS_STALLED: not even in the smallest parts: the state is the
- * last good one, somewhere within the step, and the next call tries again. DLS_E_ARGUMENT: all steps are
- * done. DLS_E_MEMORY: unlike a solver, a step allocates, for the reduction. */
+ * DLS_OK: equilibrium and certificate hold to the tolerance (penalty: equilibrium, and the law of
+ * the springs; the certificate shows its error). DLS_STALLED: not even in the smallest parts: the
+ * state is the last good one, somewhere within the step, and the next call tries again.
+ * DLS_E_ARGUMENT: all steps are done. DLS_E_MEMORY: unlike a solver, a step allocates, for the
+ * reduction. */
 DLS_API DLS_MUST_USE dls_status dls_forming_step(dls_forming *forming, dls_error *error);
 
 DLS_API void dls_forming_destroy(dls_forming *forming); /* NULL is fine */
@@ -94,8 +96,8 @@ typedef struct dls_forming_energy {
   double external, elastic, plastic, friction; /* force * length */
 } dls_forming_energy;
 
-/* Views that live until the next step. Reactions, frames and stresses are those of the end of the last
- * step, or where it had to stop. */
+/* Views that live until the next step. Reactions, frames and stresses are those of the end of the
+ * last step, or where it had to stop. */
 typedef struct dls_forming_data {
   const dls_forming_mesh *mesh;
   int axisymmetric; /* x is the radius, forces are per radian; else per unit thickness */
@@ -125,8 +127,8 @@ typedef struct dls_forming_data {
 DLS_API void dls_forming_get(const dls_forming *forming, dls_forming_data *data);
 
 /* An unstructured VTK XML file (.vtu, ascii) with displacement and contact force per node, Cauchy
- * stress and equivalent plastic strain per element (means of its points). DLS_E_FILE: cannot be opened,
- * or written (no file is left behind). */
+ * stress and equivalent plastic strain per element (means of its points). DLS_E_FILE: cannot be
+ * opened, or written (no file is left behind). */
 DLS_API DLS_MUST_USE dls_status dls_forming_write_vtu(const dls_forming *forming, const char *path,
                                                       dls_error *error);
 

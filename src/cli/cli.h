@@ -117,8 +117,8 @@ typedef struct scene_picture {
  * after a complaint. Without gnuplot, data and scripts are kept and a line on stderr says so. */
 int draw_scene(const scene_picture *picture);
 
-/* A file to write in a directory: NULL after a complaint; 1 if all was written; gnuplot SCRIPT there:
- * 1 if the pictures are there, 0 after a word on stderr. */
+/* A file to write in a directory: NULL after a complaint; 1 if all was written; gnuplot SCRIPT
+ * there: 1 if the pictures are there, 0 after a word on stderr. */
 FILE *open_in(const char *directory, const char *name);
 int close_file(FILE *file, const char *name);
 int run_gnuplot(const char *directory, const char *script);
@@ -142,8 +142,8 @@ int count_contacts(const dls_forming_data *data);
 /* Progress of a step on the terminal; not 0 after Ctrl-C. */
 int show_step(const dls_forming_data *data, int step);
 
-/* forming_picture.c: mesh.*, plastic.*, force.* in a directory that holds force.csv; EXIT_SOLVED, or
- * EXIT_BAD_INPUT after a complaint. */
+/* forming_picture.c: mesh.*, plastic.*, force.* in a directory that holds force.csv; EXIT_SOLVED,
+ * or EXIT_BAD_INPUT after a complaint. */
 int draw_forming(const char *directory, const char *title, const dls_forming_data *data);
 
 #endif

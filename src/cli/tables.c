@@ -1,6 +1,6 @@
 /*
- * tables.c: delassus tables: Tables 2 and 3 of [Chabrand 1998] beside ours: both scenes by every method
- * in one run.
+ * tables.c: delassus tables: Tables 2 and 3 of [Chabrand 1998] beside ours: both scenes by every
+ * method in one run.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -8,7 +8,8 @@
 
 #include "cli.h"
 
-/* The paper's minutes, NaN for a method it has not; Lemke comes first, the others are compared with it. */
+/* The paper's minutes, NaN for a method it has not; Lemke comes first, the others are compared
+ * with it. */
 typedef struct row {
   const char *method;
   double paper[2]; /* indentation, extrusion */

@@ -1,9 +1,9 @@
 /*
  * band.c: banded matrices in LAPACK's storage: assembly, supports, LU.
  *
- * Entry (i, j), |i - j| <= k, stands at a[2k + i - j + (3k + 1) j]; the first k rows are room for the
- * fill of row exchanges. Known unknowns stay in the matrix as decoupled rows: the numbering, and with it the
- * storage, is made once.
+ * Entry (i, j), |i - j| <= k, stands at a[2k + i - j + (3k + 1) j]; the first k rows are room for
+ * the fill of row exchanges. Known unknowns stay in the matrix as decoupled rows: the numbering,
+ * and with it the storage, is made once.
  * Cost of the LU: 4 n k^2 operations at most, of a solve: 6 n k.
  */
 #include <math.h>

@@ -14,14 +14,15 @@
  *   u_n = gap + n.(x - anchor),   u_t = t.(x - x0 - motion of the obstacle since load0)       (S7)
  *
  * Laws hold if the certificate of contact.h does for each candidate with the others frozen,
- * W_cc = 2 / trace(K_cc), as in primal.h. (S5) halves s while an element is inside out or, three times at
- * most, while the forces out of balance grow; not as long as supports are still on their way, which starts
- * out of contact.
+ * W_cc = 2 / trace(K_cc), as in primal.h. (S5) halves s while an element is inside out or, three
+ * times at most, while the forces out of balance grow; not as long as supports are still on their
+ * way, which starts out of contact.
  *
- * Deviation. The paper leaves the variation of the frames, the second part of (26), out. Then the contact loop
- * oscillates without end when a heavily loaded node passes the rounded corner of the die: turning the
- * frame moves the node by r_n curvature / stiffness times as much, a plastic body being soft along the surface. So the reactions turn
- * with the node to first order within the equilibrium loop,
+ * Deviation. The paper leaves the variation of the frames, the second part of (26), out. Then the
+ * contact loop oscillates without end when a heavily loaded node passes the rounded corner of the
+ * die: turning the frame moves the node by r_n curvature / stiffness times as much, a plastic body
+ * being soft along the surface. So the reactions turn with the node to first order within the
+ * equilibrium loop,
  *
  *   H r + b t t.(x - anchor),   b = curvature r_n of the pass before                          (S8)
  *
@@ -156,8 +157,8 @@ static dls_status certify(dls_forming *f, dls_error *error) {
   return dls_contact_certify(&nodes, f->node_r, NULL, &f->data.certificate, error);
 }
 
-/* 1: equilibrium and laws hold in the frames at hand (penalty: those of its springs); 0: they do not;
- * < 0: an error */
+/* 1: equilibrium and laws hold in the frames at hand (penalty: those of its springs); 0: they do
+ * not; < 0: an error */
 static int holds(dls_forming *f, dls_error *error) {
   const double tol = f->settings.tol;
   f->data.equilibrium = equilibrium(f);
@@ -185,7 +186,8 @@ static int acceptable(dls_forming *f, double before, int grow) {
   return grow || imbalance(f) <= before || equilibrium(f) <= f->settings.tol;
 }
 
-/* The equilibrium loop. *away: part of their way that supports, and r of springs, still have to go. */
+/* The equilibrium loop. *away: part of their way that supports, and r of springs, still have to
+ * go. */
 static dls_status equilibrate(dls_forming *f, double *away, dls_error *error) {
   const int springs = dlsi_forming_springs(f);
   if (springs) *away = 1; /* frames and multipliers are new */

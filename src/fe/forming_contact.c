@@ -1,26 +1,28 @@
 /*
- * forming_contact.c: the linearised contact problem of an equilibrium step, [Chabrand 1998] (24)-(25).
+ * forming_contact.c: the linearised contact problem of an equilibrium step, [Chabrand 1998]
+ * (24)-(25).
  *
  *   K dx = f + H r,  f = -F,   u' = u + H^T dx,   0 <= u'_n _|_ r_n >= 0,  |r_t| <= mu r_n, ..
  *
- * with (S8) of forming.c in K and f, and with supports as decoupled rows: K stays banded, its pattern
- * the same. Three ways:
+ * with (S8) of forming.c in K and f, and with supports as decoupled rows: K stays banded, its
+ * pattern the same. Three ways:
  *
  *   condensed      LU of K, W and q by the reduction, a method of the front door
- *   Gauss-Seidel   (37)-(38) on the symmetric part of K, which is what this method can take: Newton's method then
+ *   Gauss-Seidel   (37)-(38) on the symmetric part of K, as it must: Newton's method then
  *                  converges linearly, by the weight of the skew part (material.c)
  *   springs        (28)-(36): K + H D H^T, one LU for each change of branch
  *
- * The first two are given the candidates that carry a reaction or have no gap. If the solution opens all
- * others, it solves the whole problem; if not, it is solved again with those that it closes:
+ * The first two are given the candidates that carry a reaction or have no gap. If the solution
+ * opens all others, it solves the whole problem; if not, it is solved again with those that it
+ * closes:
  *
  *   (C1)  A := { r_n > 0 or u_n <= 0 }
  *   (C2)  solve on A;  A := A + { u'_n < 0 };  again if A has grown
  *
- * Springs, in the paper's words: eps_N = eps_T = eps_c, a multiple of the stiffness of the node at the
- * start of the step; multipliers start from the reactions of the last step; penalty: lambda_n = 0,
- * and lambda_t the friction at the last step's end, to which (33) adds. Their branches (free, stick, slip
- * either way) are found with K as it is:
+ * Springs, in the paper's words: eps_N = eps_T = eps_c, a multiple of the stiffness of the node at
+ * the start of the step; multipliers start from the reactions of the last step; penalty: lambda_n =
+ * 0, and lambda_t the friction at the last step's end, to which (33) adds. Their branches (free,
+ * stick, slip either way) are found with K as it is:
  *
  *   (C3)  the branches at u; solve; u' and its branches; again until they stay, 30 times at most
  *
@@ -253,8 +255,8 @@ static void attach(dls_forming *f) {
   }
 }
 
-/* u' := u + H^T dx, next_r there on the branches of before, and the new ones. Returns whether one has
- * changed. */
+/* u' := u + H^T dx, next_r there on the branches of before, and the new ones. Returns whether one
+ * has changed. */
 static int follow(dls_forming *f) {
   int changed = 0;
   for (int c = 0; c < f->nc; c++) {

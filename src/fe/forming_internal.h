@@ -17,8 +17,8 @@ typedef struct dlsi_chosen {
   double *u, *r, *mu;       /* 2 nc, 2 nc, nc */
 } dlsi_chosen;
 
-/* Load is the part of the whole way that has been gone, 0 to 1; n = 2 * nodes unknowns, supported ones
- * included; nc candidates. */
+/* Load is the part of the whole way that has been gone, 0 to 1; n = 2 * nodes unknowns, supported
+ * ones included; nc candidates. */
 struct dls_forming {
   dls_forming_settings settings;
   /* the scene */
@@ -72,17 +72,19 @@ struct dls_forming {
 /* y (n) += b t t.(x - anchor), forming.c (S8) */
 void dlsi_forming_turn(const dls_forming *f, double *y);
 
-/* dx and next_r from the K, F and u at hand, by the method of the settings; K is used up. DLS_STALLED if K
- * is singular, or not positive definite where it must be; other statuses > 0 of the method are good enough. */
+/* dx and next_r from the K, F and u at hand, by the method of the settings; K is used up.
+ * DLS_STALLED if K is singular, or not positive definite where it must be; other statuses > 0 of
+ * the method are good enough. */
 dls_status dlsi_forming_direction(dls_forming *f, dls_error *error);
 
-/* Whether contact is by springs; their stiffness and first multipliers for a step; the next ones. */
+/* Whether contact is by springs; their stiffness and first multipliers for a step; the next
+ * ones. */
 int dlsi_forming_springs(const dls_forming *f);
 void dlsi_forming_set_springs(dls_forming *f);
 void dlsi_forming_augment(dls_forming *f);
 
-/* The largest difference of r from the springs' reactions at u, beyond what rounding of the positions
- * makes of it, over the largest reaction. */
+/* The largest difference of r from the springs' reactions at u, beyond what rounding of the
+ * positions makes of it, over the largest reaction. */
 double dlsi_forming_stretch(const dls_forming *f);
 
 /* CPU seconds of the process. */

@@ -1,18 +1,19 @@
 /*
- * forming_scene.c: the two scenes of [Chabrand 1998] section 5, as ../shared/reference/chabrand-1998 makes
- * them definite (mm, N, MPa):
+ * forming_scene.c: the two scenes of [Chabrand 1998] section 5, as
+ * ../shared/reference/chabrand-1998 makes them definite (mm, N, MPa):
  *
  *   indentation, plane strain             extrusion, axisymmetric
  *      way 10 |   rigid cylinder             | way 177.8 |
  *             v   radius 30                  v           v
  *   axis  +-------+                   axis  +-----------+ |         R = 50.8
  *   x = 0 |       |  40 x 40, half    r = 0 |           | | die:    cylinder r = R for z >= 0,
- *         |       |  of the block           |  254      | |         cone of 5 degrees below, the corner
- *         +-------+                         +-----------+ |         rounded by an arc that is tangent
- *         u_y = 0; clamped: u_x = 0 too                  /          at 0.5 from it
+ *         |       |  of the block           |  254      | |         cone of 5 degrees below,
+ *         +-------+                         +-----------+ |         the corner an arc tangent to
+ *         u_y = 0; clamped: u_x = 0 too                  /          both at 0.5 from it
  *
  * Candidates: the nodes of the top; of the lateral surface. One whose tangent is supported, at the
- * axis under the cylinder or at the ram, is frictionless in the contact problem, as friction does not move it.
+ * axis under the cylinder or at the ram, is frictionless in the contact problem, as friction does
+ * not move it.
  */
 #include <limits.h>
 #include <math.h>
@@ -265,8 +266,8 @@ static void derive(dls_forming *f) {
                                .plastic_strain = f->plastic_strain};
 }
 
-/* Solver tolerance: q is the position without reactions, far from that with them, so that the |q| of a
- * W certificate is large; nlgs alone does not converge in the extrusion. */
+/* Solver tolerance: q is the position without reactions, far from that with them, so that the |q|
+ * of a W certificate is large; nlgs alone does not converge in the extrusion. */
 static dls_status create_solver(dls_forming *f, dls_error *error) {
   dls_solver_settings s;
   dls_solver_settings_init(&s);

@@ -24,8 +24,8 @@
  *   (R2):  da = (1 - 1/b) (d|s'| - sqrt(6) l dG),   b = 1 + sigma0' / 3G
  *   c = g c' + n x ( da - g d|s'| ),   g = a / |s'|                                         (R6)
  *
- * c is not quite symmetric: n x N has no partner, as the return (12) is not the minimum of an energy. Its
- * weight is |s'| beside G, some percent.
+ * c is not quite symmetric: n x N has no partner, as the return (12) is not the minimum of an
+ * energy. Its weight is |s'| beside G, some percent.
  * Cost: some hundred operations and a pow. What can fail: J <= 0 or overflow, seen as not finite.
  */
 #include <float.h>

@@ -2,9 +2,9 @@
  * obstacle.c: signed distance of a point from a rigid profile of lines and arcs.
  *
  * Each piece is asked for its point nearest to x, on the piece itself: beyond an end that joins the
- * next piece, the end. The nearest piece wins. Where pieces join with one tangent, distance and normal
- * are continuous, whichever of the two wins: a node that passes the joint sees no jump. At a sharp corner
- * the normal jumps, or fans out on the outer side.
+ * next piece, the end. The nearest piece wins. Where pieces join with one tangent, distance and
+ * normal are continuous, whichever of the two wins: a node that passes the joint sees no jump. At a
+ * sharp corner the normal jumps.
  */
 #include <math.h>
 

@@ -12,8 +12,8 @@
  *
  *   p = U'(T),   T = (sum of J dV) / V                                                        (Q4)
  *
- * while s is of the point's own isochoric F. Tangent, with the material's c of s, D = d/dx . N_a as a
- * row of div (1, 1, 1, 0) B,
+ * while s is of the point's own isochoric F. Tangent, with the material's c of s, D = d/dx . N_a as
+ * a row of div (1, 1, 1, 0) B,
  *
  *   K = sum of ( B^T (c + J p (1x1 - 2 I)) B + g_a.tau g_b 1 + hoop ) dV                      (Q5)
  *     + U'' h h^T / V,   h = sum of J D dV      standard: the same with each point alone      (Q6)

@@ -5,7 +5,7 @@
  *   q4.c         forces and tangent of an element
  *   obstacle.c   distance from a rigid profile
  *   band.c       banded matrices: assembly, supports, LU
- *   forming.c, forming_contact.c, forming_scene.c   the loops, the contact problem within, the scenes
+ *   forming.c    the loops; forming_contact.c: the contact problem; forming_scene.c: the scenes
  *
  * Symmetric tensors of plane strain and of axisymmetry have four components, in the order
  * (11, 22, 33, 12); 33 is out of the plane (the hoop direction). Rates of deformation that go with
@@ -92,7 +92,7 @@ typedef struct dlsi_obstacle {
 double dlsi_obstacle_gap(const dlsi_obstacle *obstacle, const double x[2], double n[2],
                          double *curvature);
 
-/* ---- banded matrices -------------------------------------------------------------------------- */
+/* ---- banded matrices ------------------------------------------------------------------------- */
 
 /* n x n, entries with |i - j| <= k. */
 typedef struct dlsi_band {
