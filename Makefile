@@ -87,6 +87,8 @@ help:
 	@echo 'make asan        tests under the address and undefined sanitizers'
 	@echo 'make valgrind    tests under valgrind, no leak'
 	@echo 'make bench-lemke bench-lemke-large   Lemke beside Siconos; BENCH=--full for the largest'
+	@echo 'make bench-auto  auto beside the single methods; BENCH=files'
+
 	@echo 'make bench-blocks            W dense and by blocks beside dgemv and the memory'
 	@echo 'make check-symbols check-headers lint format-check format'
 	@echo 'make clean'
@@ -210,6 +212,15 @@ bench-lemke-large:
 	@.ci/deps bench
 	@$(MAKE) --no-print-directory $(BUILD)/bench/lemke
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/lemke --large
+
+$(BUILD)/bench/auto: $(call obj,bench/auto.c src/cli/problem.c src/cli/report.c) $(A)
+	@mkdir -p $(@D)
+	$(call say,LINK)
+	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(LIBS)
+
+.PHONY: bench-auto
+bench-auto: $(BUILD)/bench/auto
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/auto $(or $(BENCH),data/fclib/*.hdf5)
 
 # needs nothing but the library
 $(BUILD)/bench/blocks: $(call obj,bench/blocks.c) $(A)

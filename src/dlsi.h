@@ -6,6 +6,7 @@
 
 #include <stddef.h>
 
+#include "delassus/nlgs.h"
 #include "delassus/reduction.h"
 
 /* ---- errors ---------------------------------------------------------------------------------- */
@@ -72,6 +73,14 @@ double dlsi_norm2(const double *x, size_t n);
 
 /* max |x_i|, 0 for n = 0; NaN stays NaN (fmax and idamax lose it). */
 double dlsi_max_abs(const double *x, size_t n);
+
+/* ---- vi/nlgs.c --------------------------------------------------------------------------------- */
+
+/* dls_nlgs_solve of what has been checked already, with springs E (nc; NULL for none) on the diagonal
+ * of W; the weights of the certificate are those of W alone. r as there, and the iterate while the
+ * progress callback is called; u (m or NULL), its certificate, the sweeps done. */
+dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const double *E, double tol,
+                         double *r, double *u, dls_certificate *certificate, int *iterations);
 
 /* ---- the contact problem --------------------------------------------------------------------- */
 

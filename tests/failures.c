@@ -45,21 +45,41 @@ static int numbers(const char *text, int count, int stride, double *x) {
   return text[strspn(text, " \t\r\n")] == 0;
 }
 
+const char *const failure_methods[FAILURE_METHODS] = {
+    "auto", "nlgs", "nlgs+anderson", "newton", "admm", "augmented-lagrangian", "penalty", "lemke"};
+
+enum { statuses_known = 7 };
+
+const char *failure_word(int status) {
+  static const char *const word[statuses_known] = {
+      "ok", "max-iterations", "cancelled", "stalled", "ray", "no-solution", "no-solution-likely"};
+  return status < 0 || status >= statuses_known ? "error" : word[status];
+}
+
 /* bits of the statuses that are named; 0 if one is unknown */
 static unsigned statuses(const char *text) {
-  static const char *const name[] = {"ok",  "max-iterations", "cancelled", "stalled",
-                                     "ray", "no-solution"};
   unsigned bits = 0;
   while (*(text += strspn(text, " \t\r\n"))) {
     const size_t length = strcspn(text, " \t\r\n");
     unsigned bit = 0;
-    for (unsigned s = 0; s < 6; s++)
-      if (strlen(name[s]) == length && memcmp(text, name[s], length) == 0) bit = 1u << s;
+    for (int s = 0; s < statuses_known; s++)
+      if (strlen(failure_word(s)) == length && memcmp(text, failure_word(s), length) == 0)
+        bit = 1u << s;
     if (!bit) return 0;
     bits |= bit;
     text += length;
   }
   return bits;
+}
+
+/* METHOD statuses */
+static int solve(failure *f, const char *text) {
+  text += strspn(text, " \t");
+  const size_t length = strcspn(text, " \t\r\n");
+  for (int k = 0; k < FAILURE_METHODS; k++)
+    if (strlen(failure_methods[k]) == length && memcmp(text, failure_methods[k], length) == 0)
+      return (f->solve[k] = statuses(text + length)) != 0;
+  return 0;
 }
 
 static int add(failure_point *list, int *count, int continuum, int n, const char *text) {
@@ -101,6 +121,7 @@ static int take(FILE *in, failure *f, const char *key, const char *text, int *at
   if (!strcmp(key, "ray")) return add(f->ray, &f->rays, f->continua - 1, f->n, text);
   if (!strcmp(key, "lemke")) return (f->lemke = statuses(text)) != 0;
   if (!strcmp(key, "nlgs")) return (f->nlgs = statuses(text)) != 0;
+  if (!strcmp(key, "solve")) return solve(f, text);
   if (!strcmp(key, "principal")) return (f->principal = statuses(text)) != 0;
   return 0;
 }

@@ -14,6 +14,10 @@ typedef struct failure_point {
   double x[FAILURE_N];
 } failure_point;
 
+/* What dls_solve is asked for: a method by name, nlgs also with "+anderson". */
+enum { FAILURE_METHODS = 8 };
+extern const char *const failure_methods[FAILURE_METHODS];
+
 typedef struct failure {
   char name[64];                   /* of the file, without .txt */
   int d, nc;                       /* a contact problem; 0: an LCP */
@@ -24,10 +28,14 @@ typedef struct failure {
   int points, rays, continua;
   failure_point point[FAILURE_POINTS], ray[FAILURE_POINTS];
   unsigned lemke, nlgs, principal; /* bit s: status s may be the answer; 0: nothing is said */
+  unsigned solve[FAILURE_METHODS]; /* the same of failure_methods through dls_solve */
 } failure;
 
 /* names := the problems of the directory, sorted; returns how many, -1 if it cannot be read. */
 int failures_list(const char *directory, char names[][64], int capacity);
+
+/* "ok", "stalled", ...: the word of the format for a status >= 0. */
+const char *failure_word(int status);
 
 /* 1 on success; else why (200) says what is wrong. */
 int failure_read(const char *directory, const char *name, failure *f, char *why);

@@ -112,6 +112,7 @@ START_TEST(bad_usage_is_2) {
                                       "solve Makefile",
                                       "solve tests",
                                       "solve --lcp Makefile",
+                                      "solve --method gauss-seidel Makefile",
                                       "solve --lcp Makefile Makefile",
                                       "solve --tol x Makefile",
                                       "solve --facets 8 data/fclib/FC3D_Example1.hdf5",
@@ -131,11 +132,40 @@ START_TEST(bad_usage_is_2) {
 END_TEST
 
 START_TEST(accelerated_scene) {
-  ck_assert_int_eq(run("scene jean-fig3 --json"), 0);
+  ck_assert_int_eq(run("scene jean-fig3 --json --method nlgs"), 0);
   const double sweeps = json_number("iterations");
   ck_assert_int_eq(run("scene jean-fig3 --json --accel aitken"), 0);
+  ck_assert(prints("\"method\": \"nlgs\"")); /* which --accel is for */
   ck_assert_int_eq(run("scene jean-fig3 --json -a anderson"), 0);
   ck_assert(json_number("iterations") < sweeps);
+}
+END_TEST
+
+START_TEST(auto_says_what_it_did) {
+  ck_assert_int_eq(run("scene jean-fig3"), 0);
+  ck_assert(prints("reactions, auto: solved") && prints("    nlgs with anderson: 20 sweeps, resi"));
+  ck_assert(prints("    newton: ") && prints(" steps, residual "));
+  ck_assert_int_eq(run("scene jean-fig3 --json"), 0);
+  ck_assert(prints("\"stages\": [\n    {\"method\": \"nlgs\", \"iterations\": 20,"));
+  ck_assert_int_eq(run("solve data/fclib/FC3D_Example1.hdf5"), 0);
+  ck_assert(prints("auto: solved") && prints("    nlgs with anderson: 1 sweeps"));
+  ck_assert_int_eq(run("solve -j -m newton data/fclib/FC3D_Example1.hdf5"), 0);
+  ck_assert(!prints("stages"));
+}
+END_TEST
+
+/* The wedge that jams. */
+START_TEST(no_solution_likely_is_1) {
+  const double W[4] = {1, 1, 1, 1}, q[2] = {-2, 0}, mu[1] = {2};
+  const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+  char path[128];
+  (void)snprintf(path, sizeof path, "%s/jam.hdf5", directory);
+  ck_assert_int_eq(dls_fclib_write_local(path, &p, "", NULL, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(run("solve @/jam.hdf5"), 1);
+  ck_assert(prints("auto: no solution likely") && prints("augmented-lagrangian: "));
+  ck_assert(prints(" augmentations, residual "));
+  ck_assert_int_eq(run("solve --json @/jam.hdf5 -m augmented-lagrangian"), 1);
+  ck_assert(prints("\"no_solution_likely\""));
 }
 END_TEST
 
@@ -194,9 +224,9 @@ START_TEST(newton_and_the_list_of_methods) {
   ck_assert_int_eq(run("scene jean-fig3 --method newton --json"), 0);
   ck_assert(prints("\"status\": \"solved\"") && prints("\"method\": \"newton\""));
   ck_assert_int_eq(run("solve --help"), 0);
-  ck_assert(prints("nlgs, lemke, newton"));
+  ck_assert(prints("auto, nlgs, lemke, newton"));
   ck_assert_int_eq(run("scene --help"), 0);
-  ck_assert(prints("nlgs, lemke, newton"));
+  ck_assert(prints("auto, nlgs, lemke, newton"));
 }
 END_TEST
 
@@ -329,6 +359,8 @@ int main(void) {
   tcase_add_test(tcase, help_and_version);
   tcase_add_test(tcase, bad_usage_is_2);
   tcase_add_test(tcase, accelerated_scene);
+  tcase_add_test(tcase, auto_says_what_it_did);
+  tcase_add_test(tcase, no_solution_likely_is_1);
   tcase_add_test(tcase, scene_writes_its_files);
   tcase_add_test(tcase, scene_on_the_displacements);
   tcase_add_test(tcase, concentrated_csv_has_no_equivalents);

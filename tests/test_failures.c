@@ -11,6 +11,7 @@
 
 #include "delassus/nlgs.h"
 #include "delassus/pivoting.h"
+#include "delassus/solve.h"
 #include "failures.h"
 
 enum { max_problems = 128, permutations = 1000 };
@@ -80,14 +81,19 @@ static double residual_of(const failure *f, const double *x) {
   return dls_lcp_certificate_holds(&c, 1e-12) ? 0 : c.residual;
 }
 
-/* 1 if x is point p of the file within 1e-8 |x|; the worst condition number there is 4e6 */
-static int is_point(const failure *f, int p, const double *x) {
+/* 1 if x is point p of the file within close |x| */
+static int is_near(const failure *f, int p, const double *x, double close) {
   double size = 0;
   for (int i = 0; i < f->n; i++)
     size = fmax(size, fabs(f->point[p].x[i]));
   for (int i = 0; i < f->n; i++)
-    if (!(fabs(x[i] - f->point[p].x[i]) <= 1e-8 * size)) return 0;
+    if (!(fabs(x[i] - f->point[p].x[i]) <= close * size)) return 0;
   return 1;
+}
+
+/* for x to rounding; the worst condition number there is 4e6 */
+static int is_point(const failure *f, int p, const double *x) {
+  return is_near(f, p, x, 1e-8);
 }
 
 static int is_stated(const failure *f, const double *x) {
@@ -373,6 +379,74 @@ START_TEST(gauss_seidel) {
 }
 END_TEST
 
+/* ---- (g) every method through the front door ------------------------------------------------- */
+
+static dls_status by_method(const char *name, const failure *f, double *r) {
+  dls_solver_settings s;
+  dls_solver_settings_init(&s);
+  s.tol = 1e-12;
+  if (!strcmp(name, "nlgs+anderson")) {
+    s.method = DLS_NLGS;
+    s.acceleration = DLS_ACCELERATION_ANDERSON;
+  } else
+    ck_assert_msg(dls_method_find(name, &s.method), "%s", name);
+  const dls_contact problem = contact_of(f);
+  return dls_solve(&problem, &s, r, NULL, NULL, NULL);
+}
+
+START_TEST(front_door) {
+  for (int p = 0; p < problems; p++) {
+    const failure *f = &all[p];
+    for (int k = 0; f->d && k < FAILURE_METHODS; k++) {
+      const char *name = failure_methods[k];
+      double r[FAILURE_N];
+      ck_assert_msg(f->solve[k], "%s says nothing of %s", f->name, name);
+      const dls_status status = by_method(name, f, r);
+      ck_assert_msg(status >= 0 && (f->solve[k] >> status & 1), "%s, %s: %s", f->name, name,
+                    failure_word(status));
+      ck_assert_msg(!(f->none && status == DLS_OK), "%s, %s: has no solution", f->name, name);
+      if (status != DLS_OK) continue;
+      ck_assert_msg(residual_of(f, r) == 0, "%s, %s: residual %.2e", f->name, name,
+                    residual_of(f, r));
+      int met = f->continua > 0; /* inside of one the certificate alone decides */
+      for (int s = 0; s < f->points; s++)
+        met |= is_near(f, s, r, 1e-4); /* 1e-12 |q| times that condition number, and more for c20 */
+      ck_assert_msg(met, "%s, %s: not stated", f->name, name);
+    }
+  }
+}
+END_TEST
+
+START_TEST(auto_solves_what_can_be_solved) {
+  for (int p = 0; p < problems; p++)
+    if (all[p].d)
+      ck_assert_msg((all[p].solve[0] == 1u << DLS_OK) == !all[p].none, "%s", all[p].name);
+}
+END_TEST
+
+/* A line of README.md for each contact problem: its name, and the words of its lines `solve`. */
+START_TEST(table_is_that_of_the_files) {
+  static char text[40000];
+  FILE *in = fopen(TEST_DATA "/failures/README.md", "r");
+  ck_assert_ptr_nonnull(in);
+  text[fread(text, 1, sizeof text - 1, in)] = 0;
+  fclose(in);
+  for (int p = 0; p < problems; p++) {
+    const failure *f = &all[p];
+    if (!f->d) continue;
+    char line[400];
+    int n = snprintf(line, sizeof line, "| %s%s |", f->name, f->none ? " (no solution)" : "");
+    for (int k = 0; k < FAILURE_METHODS; k++) {
+      for (int s = 0; s <= DLS_NO_SOLUTION_LIKELY; s++)
+        if (f->solve[k] >> s & 1)
+          n += snprintf(line + n, sizeof line - (size_t)n, " %s", failure_word(s));
+      n += snprintf(line + n, sizeof line - (size_t)n, " |");
+    }
+    ck_assert_msg(strstr(text, line) != NULL, "README.md has no line %s", line);
+  }
+}
+END_TEST
+
 int main(void) {
   Suite *suite = suite_create("failures");
   TCase *tc = tcase_create("catalogue");
@@ -384,6 +458,9 @@ int main(void) {
   tcase_add_test(tc, principal_pivoting_in_any_order);
   tcase_add_test(tc, principal_pivoting_is_honest_elsewhere);
   tcase_add_test(tc, gauss_seidel);
+  tcase_add_test(tc, front_door);
+  tcase_add_test(tc, auto_solves_what_can_be_solved);
+  tcase_add_test(tc, table_is_that_of_the_files);
   suite_add_tcase(suite, tc);
   SRunner *runner = srunner_create(suite);
   srunner_run_all(runner, CK_ENV);

@@ -8,9 +8,10 @@
 #include "delassus.h"
 #include "malloc_fails.h"
 
-static const dls_method methods[] = {DLS_NLGS, DLS_LEMKE, DLS_NEWTON};
+static const dls_method methods[] = {DLS_NLGS,   DLS_LEMKE, DLS_AUTO,
+                                     DLS_NEWTON, DLS_ADMM,  DLS_AUGMENTED_LAGRANGIAN};
 
-enum { METHODS = 3, NC = 12, M = 2 * NC };
+enum { METHODS = 6, NC = 12, M = 2 * NC };
 
 static double W[M * M], q[M], mu[NC];
 
@@ -55,7 +56,8 @@ static dls_solver_settings settings_of(dls_method method) {
 }
 
 START_TEST(methods_have_names) {
-  dls_method m = (dls_method)0;
+  dls_method m = DLS_AUTO;
+  ck_assert_str_eq(dls_method_name(DLS_AUTO), "auto");
   ck_assert_str_eq(dls_method_name(DLS_NLGS), "nlgs");
   ck_assert_str_eq(dls_method_name(DLS_LEMKE), "lemke");
   ck_assert_str_eq(dls_method_name(DLS_AUGMENTED_LAGRANGIAN), "augmented-lagrangian");
@@ -185,24 +187,27 @@ static int stop(void *data, const dls_progress *progress) {
 
 START_TEST(progress_cancels) {
   const dls_contact p = random_problem(3);
-  dls_solver_settings s = settings_of(DLS_NLGS);
-  int calls = 0;
-  double r[M];
-  dls_info info;
-  s.progress = stop;
-  s.progress_data = &calls;
-  ck_assert_int_eq(dls_solve(&p, &s, r, NULL, &info, NULL), DLS_CANCELLED);
-  ck_assert_int_eq(calls, 1);
-  ck_assert_int_eq(info.status, DLS_CANCELLED);
-  dls_certificate c;
-  ck_assert_int_eq(dls_contact_certify(&p, r, NULL, &c, NULL), DLS_OK);
-  ck_assert_int_eq(same_certificate(&c, &info.certificate), 1);
+  static const dls_method which[] = {DLS_NLGS, DLS_AUTO};
+  for (int k = 0; k < 2; k++) {
+    dls_solver_settings s = settings_of(which[k]);
+    int calls = 0;
+    double r[M];
+    dls_info info;
+    s.progress = stop;
+    s.progress_data = &calls;
+    ck_assert_int_eq(dls_solve(&p, &s, r, NULL, &info, NULL), DLS_CANCELLED);
+    ck_assert_int_eq(calls, 1);
+    ck_assert_int_eq(info.status, DLS_CANCELLED);
+    dls_certificate c;
+    ck_assert_int_eq(dls_contact_certify(&p, r, NULL, &c, NULL), DLS_OK);
+    ck_assert_int_eq(same_certificate(&c, &info.certificate), 1);
+  }
 }
 END_TEST
 
 START_TEST(iteration_limit_is_honest) {
   const dls_contact p = random_problem(3);
-  for (int k = 0; k < 2; k++) { /* Newton is there after 2 */
+  for (int k = 0; k < 3; k++) { /* Newton is there after 2 */
     dls_solver_settings s = settings_of(methods[k]);
     s.max_iterations = 2;
     double r[M];
@@ -264,6 +269,15 @@ START_TEST(bad_settings_are_refused) {
   s = good, s.method = DLS_LEMKE, s.acceleration = DLS_ACCELERATION_AITKEN;
   ck_assert_int_eq(dls_solver_create(&solver, 2, NC, &s, &e), DLS_E_ARGUMENT);
   ck_assert_str_eq(e.argument, "settings.acceleration");
+  s = good, s.blocks = -1;
+  ck_assert_int_eq(dls_solver_create(&solver, 2, NC, &s, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "settings.blocks");
+  const int hints[] = {-1, 2};
+  for (int k = 0; k < 2; k++) {
+    s = good, s.positive_definite = hints[k];
+    ck_assert_int_eq(dls_solver_create(&solver, 2, NC, &s, &e), DLS_E_ARGUMENT);
+    ck_assert_str_eq(e.argument, "settings.positive_definite");
+  }
   s = good, s.max_iterations = -1;
   ck_assert_int_eq(dls_solver_create(&solver, 2, NC, &s, &e), DLS_E_ARGUMENT);
   ck_assert_int_eq(dls_solver_create(&solver, 1, NC, &good, &e), DLS_E_ARGUMENT);
@@ -362,9 +376,434 @@ START_TEST(lemke_starts_from_the_last_step) {
 }
 END_TEST
 
+/* ---- auto ------------------------------------------------------------------------------------ */
+
+enum { PLANTED = 40 }; /* candidates at most */
+
+typedef struct planted_problem {
+  double W[9 * PLANTED * PLANTED], q[3 * PLANTED], mu[PLANTED];
+} planted_problem;
+
+/* W = B B^T of the rank given, scaled, and q = u - W r for some (r, u) that is a solution: a third of the
+ * candidates free, slipping, sticking. What sweeps and Newton's method find hard. */
+static dls_contact planted(planted_problem *a, int d, int nc, int rank, double friction,
+                           unsigned seed) {
+  static double B[9 * PLANTED * PLANTED];
+  const int m = d * nc;
+  double r[3 * PLANTED] = {0}, u[3 * PLANTED] = {0};
+  for (int k = 0; k < m * rank; k++)
+    B[k] = uniform(&seed);
+  for (int c = 0; c < nc; c++) {
+    const double state = uniform(&seed), size = 1.5 + uniform(&seed);
+    const double t[2] = {uniform(&seed), d == 3 ? uniform(&seed) : 0}, l = hypot(t[0], t[1]);
+    a->mu[c] = friction;
+    if (state < -1. / 3)
+      u[d * c] = size;
+    else
+      r[d * c] = size;
+    for (int i = 1; i < d; i++) {
+      if (state < -1. / 3)
+        u[d * c + i] = t[i - 1];
+      else if (state < 1. / 3) {
+        r[d * c + i] = friction * size * t[i - 1] / l;
+        u[d * c + i] = -t[i - 1];
+      } else
+        r[d * c + i] = 0.5 * friction * size * t[i - 1];
+    }
+  }
+  for (int i = 0; i < m; i++) {
+    a->q[i] = u[i];
+    for (int j = 0; j < m; j++) {
+      double sum = 0;
+      for (int k = 0; k < rank; k++)
+        sum += B[i + m * k] * B[j + m * k] / rank;
+      a->W[i + m * j] = sum;
+      a->q[i] -= sum * r[j];
+    }
+  }
+  return (dls_contact){.d = d, .nc = nc, .W = {m, m, m, a->W}, .q = a->q, .mu = a->mu};
+}
+
+/* full rank and mu = 1, or half of it and mu = 3 */
+static dls_contact planted_case(planted_problem *a, int k) {
+  const int d = 2 + k % 2, nc = 10 + 5 * (k % 7);
+  return planted(a, d, nc, k % 3 ? d * nc : (d * nc + 1) / 2, k % 3 ? 1 : 3, (unsigned)k + 1);
+}
+
+static dls_info solve_auto(const dls_contact *p, double tol, double *r) {
+  dls_solver_settings s = settings_of(DLS_AUTO);
+  s.tol = tol;
+  dls_info info;
+  ck_assert_int_ge(dls_solve(p, &s, r, NULL, &info, NULL), 0);
+  return info;
+}
+
+/* The report adds up, and the best of the stages is what is returned. */
+static void check_report(const dls_info *info) {
+  int iterations = 0, factorisations = 0;
+  double least = INFINITY;
+  ck_assert(info->method == DLS_AUTO && info->stages >= 1 && info->stages <= DLS_STAGES_MAX);
+  for (int k = 0; k < info->stages; k++) {
+    const dls_stage *s = &info->stage[k];
+    ck_assert_ptr_nonnull(dls_method_name(s->method));
+    iterations += s->iterations;
+    factorisations += s->factorisations;
+    least = fmin(least, s->residual);
+  }
+  ck_assert_int_eq(iterations, info->iterations);
+  ck_assert_int_eq(factorisations, info->factorisations);
+  ck_assert(least == info->certificate.residual);
+}
+
+/* Every stage but the last is met, and all is solved. */
+START_TEST(auto_solves_what_its_methods_do_not) {
+  static planted_problem a;
+  int ended_with[DLS_PENALTY + 1] = {0}, failed[DLS_PENALTY + 1] = {0};
+  for (int k = 0; k < 60; k++) {
+    const dls_contact p = planted_case(&a, k);
+    double r[3 * PLANTED];
+    const dls_info info = solve_auto(&p, 1e-10, r);
+    check_report(&info);
+    ck_assert_msg(info.status == DLS_OK, "problem %d: residual %g", k, info.certificate.residual);
+    ended_with[info.stage[info.stages - 1].method]++;
+    for (dls_method m = DLS_NLGS; m <= DLS_NEWTON; m += DLS_NEWTON - DLS_NLGS) {
+      dls_solver_settings s = settings_of(m);
+      s.tol = 1e-10;
+      failed[m] += dls_solve(&p, &s, r, NULL, NULL, NULL) != DLS_OK;
+    }
+  }
+  ck_assert_int_ge(ended_with[DLS_NLGS], 10);
+  ck_assert_int_ge(ended_with[DLS_NEWTON], 10);
+  ck_assert_int_ge(ended_with[DLS_AUGMENTED_LAGRANGIAN], 1);
+  ck_assert(failed[DLS_NLGS] >= 1 && failed[DLS_NEWTON] >= 10);
+}
+END_TEST
+
+static void same_stages(const dls_info *a, const dls_info *b) {
+  ck_assert_int_eq(a->stages, b->stages);
+  for (int k = 0; k < a->stages; k++)
+    ck_assert(a->stage[k].method == b->stage[k].method &&
+              a->stage[k].iterations == b->stage[k].iterations);
+}
+
+/* Powers of two change no bit of the mantissas; powers of ten round, which full rank forgives. */
+START_TEST(auto_takes_the_same_stages_in_any_units) {
+  static planted_problem a, b;
+  const double factor[] = {ldexp(1, -30), 1e-9, 1e9, ldexp(1, 30)};
+  for (int k = 0; k < 30; k++) {
+    dls_contact p = planted_case(&a, k);
+    const int m = p.d * p.nc, full = k % 3 != 0;
+    double r[3 * PLANTED], t[3 * PLANTED];
+    const dls_info info = solve_auto(&p, 1e-10, r);
+    for (int i = 0; i < 4; i++)
+      for (int j = 0; j < 4; j++) {
+        const int exact = i % 3 == 0 && j % 3 == 0;
+        if (!exact && !full) continue;
+        for (int e = 0; e < m * m; e++)
+          b.W[e] = a.W[e] * (factor[i] / factor[j]);
+        for (int e = 0; e < m; e++)
+          b.q[e] = a.q[e] * factor[i];
+        dls_contact scaled = p;
+        scaled.W.a = b.W;
+        scaled.q = b.q;
+        const dls_info other = solve_auto(&scaled, 1e-10, t);
+        same_stages(&info, &other);
+        if (!exact) continue;
+        ck_assert(other.certificate.residual == info.certificate.residual);
+        for (int e = 0; e < m; e++)
+          ck_assert(t[e] == r[e] * factor[j]);
+      }
+  }
+}
+END_TEST
+
+/* The tangents of every candidate turned by an angle of its own: the same stages. Candidates in another
+ * order: sweeps visit them in that order, so that only the answer is the same. Full rank. */
+START_TEST(auto_does_not_see_frames_and_order) {
+  static planted_problem a, b;
+  for (int k = 0; k < 20; k++) {
+    const int nc = 10 + k, m = 3 * nc;
+    const dls_contact p = planted(&a, 3, nc, m, 0.5, (unsigned)k + 100);
+    double T[3 * PLANTED][2], r[3 * PLANTED], t[3 * PLANTED], scale = 0;
+    const dls_info info = solve_auto(&p, 1e-10, r);
+    ck_assert_int_eq(info.status, DLS_OK);
+    for (int c = 0; c < nc; c++) {
+      T[c][0] = cos(c + 0.3);
+      T[c][1] = sin(c + 0.3);
+    }
+    dls_contact turned = p;
+    turned.W.a = b.W;
+    turned.q = b.q;
+    for (int j = 0; j < m; j++) /* columns, then rows: W' = R W R^T */
+      for (int i = 0; i < m; i++) {
+        const int c = j / 3, o = 3 * c;
+        const double x = a.W[i + m * (o + 1)], y = a.W[i + m * (o + 2)];
+        b.W[i + m * j] = j % 3 == 0   ? a.W[i + m * j]
+                         : j % 3 == 1 ? T[c][0] * x + T[c][1] * y
+                                      : -T[c][1] * x + T[c][0] * y;
+      }
+    memcpy(b.q, a.q, sizeof b.q);
+    for (int j = 0; j <= m; j++) {
+      double *v = j < m ? b.W + m * j : b.q;
+      for (int c = 0; c < nc; c++) {
+        const double x = v[3 * c + 1], y = v[3 * c + 2];
+        v[3 * c + 1] = T[c][0] * x + T[c][1] * y;
+        v[3 * c + 2] = -T[c][1] * x + T[c][0] * y;
+      }
+    }
+    const dls_info other = solve_auto(&turned, 1e-10, t);
+    same_stages(&info, &other);
+
+    for (int i = 0; i < m; i++) {
+      const int o = 3 * (nc - 1 - i / 3) + i % 3;
+      b.q[i] = a.q[o];
+      scale = fmax(scale, fabs(r[i]));
+      for (int j = 0; j < m; j++)
+        b.W[i + m * j] = a.W[o + m * (3 * (nc - 1 - j / 3) + j % 3)];
+    }
+    ck_assert_int_eq(solve_auto(&turned, 1e-10, t).status, DLS_OK);
+    for (int i = 0; i < m; i++) /* the smallest eigenvalue of W is above 1e-5 */
+      ck_assert_double_eq_tol(t[i], r[3 * (nc - 1 - i / 3) + i % 3], 1e-5 * scale);
+  }
+}
+END_TEST
+
+/* More rows than Newton's method has room for before it knows the storage, and more than auto's Lemke. */
+START_TEST(no_allocation_by_blocks_and_in_larger_problems) {
+  enum { nc = 151 };
+  static double x[4 * 3 * nc], load[2 * nc], friction[nc], r[2 * nc];
+  static int p[nc + 1], i[3 * nc];
+  for (int c = 0, k = 0; c < nc; c++) { /* a chain: 2 on the diagonal, -0.9 beside it */
+    for (int b = c - 1; b <= c + 1; b++) {
+      if (b < 0 || b >= nc) continue;
+      const double v = b == c ? 2 : -0.9;
+      x[4 * k] = x[4 * k + 3] = v;
+      x[4 * k + 1] = x[4 * k + 2] = 0.1 * v;
+      i[k++] = b;
+    }
+    p[c + 1] = k;
+    load[2 * c] = c % 5 ? -1 : 1;
+    load[2 * c + 1] = sin(c);
+    friction[c] = 0.3;
+  }
+  const dls_contact problem = {.d = 2, .nc = nc, .Wb = {2, nc, p, i, x}, .q = load, .mu = friction};
+  static double dense[4 * nc * nc];
+  for (int c = 0; c < nc; c++)
+    for (int k = p[c]; k < p[c + 1]; k++)
+      for (int e = 0; e < 4; e++)
+        dense[2 * i[k] + e % 2 + 2 * nc * (2 * c + e / 2)] = x[4 * k + e];
+  for (int k = 0; k < METHODS; k++)
+    for (int by_blocks = 0; by_blocks < 2; by_blocks++) {
+      dls_contact one = problem;
+      if (!by_blocks) one = (dls_contact){.d = 2, .nc = nc, .q = load, .mu = friction};
+      if (!by_blocks) one.W = (dls_dense){2 * nc, 2 * nc, 2 * nc, dense};
+      dls_solver_settings s = settings_of(methods[k]);
+      s.blocks = by_blocks ? p[nc] : 0;
+      dls_solver *solver;
+      dls_info info;
+      ck_assert_int_eq(dls_solver_create(&solver, 2, nc, &s, NULL), DLS_OK);
+      malloc_fails_at(0);
+      const dls_status status = dls_solver_solve(solver, &one, r, NULL, &info, NULL);
+      const long calls = malloc_calls();
+      ck_assert_msg(status == DLS_OK && calls == 0, "%s: %d, %ld", dls_method_name(methods[k]),
+                    (int)status, calls);
+      if (methods[k] == DLS_AUTO) check_report(&info);
+      dls_solver_destroy(solver);
+    }
+}
+END_TEST
+
+/* A warm start helps where it is close, and does no harm where it is nonsense. */
+START_TEST(auto_starts_warm) {
+  static planted_problem a;
+  int cold_iterations = 0, warm_iterations = 0;
+  for (int k = 1; k < 30; k += 3) { /* full rank */
+    const dls_contact p = planted_case(&a, k);
+    const int m = p.d * p.nc;
+    dls_solver_settings s = settings_of(DLS_AUTO);
+    double r[3 * PLANTED], t[3 * PLANTED];
+    const dls_info cold = solve_auto(&p, s.tol, r);
+    dls_info info;
+    s.warm_start = 1;
+    memcpy(t, r, sizeof t);
+    ck_assert_int_eq(dls_solve(&p, &s, t, NULL, &info, NULL), DLS_OK);
+    ck_assert_int_eq(info.iterations, 0);
+    ck_assert_mem_eq(t, r, (size_t)m * sizeof *t);
+    for (int e = 0; e < m; e++)
+      t[e] = r[e] * (1 + 1e-6 * (e % 3));
+    ck_assert_int_eq(dls_solve(&p, &s, t, NULL, &info, NULL), DLS_OK);
+    cold_iterations += cold.iterations;
+    warm_iterations += info.iterations;
+    for (int e = 0; e < m; e++)
+      t[e] = e % 2 ? DBL_MAX : -DBL_MAX;
+    ck_assert_int_eq(dls_solve(&p, &s, t, NULL, &info, NULL), DLS_OK);
+    check_report(&info);
+  }
+  ck_assert_int_lt(4 * warm_iterations, 3 * cold_iterations);
+}
+END_TEST
+
+/* W of condition 1e7: 1e-6 of regularisation is felt, and can be left out. */
+START_TEST(positive_definite_saves_steps) {
+  static planted_problem a;
+  const dls_method which[] = {DLS_NEWTON, DLS_AUTO};
+  for (int k = 0; k < 2; k++) {
+    int steps[2] = {0};
+    for (unsigned seed = 1; seed <= 10; seed++)
+      for (int hint = 0; hint < 2; hint++) {
+        const dls_contact p = planted(&a, 2, 20, 41, 0.5, seed);
+        dls_solver_settings s = settings_of(which[k]);
+        s.positive_definite = hint;
+        double r[3 * PLANTED];
+        dls_info info;
+        const dls_status status = dls_solve(&p, &s, r, NULL, &info, NULL);
+        ck_assert_int_ge(status, 0);
+        if (k) ck_assert_int_eq(status, DLS_OK);
+        steps[hint] += k ? info.factorisations : info.iterations;
+      }
+    ck_assert_msg(steps[1] < steps[0], "%d, %d", steps[0], steps[1]);
+  }
+}
+END_TEST
+
+/* Bytes that create asks for: those of the methods, r, the best r, and up to 2 kB. */
+START_TEST(auto_holds_its_methods) {
+  static const int size[][2] = {{2, 1}, {2, 150}, {2, 199}, {2, 200}, {3, 60}, {3, 61}};
+  for (int k = 0; k < 6; k++) {
+    const int d = size[k][0], nc = size[k][1];
+    dls_solver_settings s = settings_of(DLS_AUTO);
+    dls_nlgs_settings sweeps;
+    dls_newton_settings steps;
+    dls_admm_settings splits;
+    dls_augmented_settings augmentations;
+    dls_nlgs_settings_init(&sweeps);
+    dls_newton_settings_init(&steps);
+    dls_admm_settings_init(&splits);
+    dls_augmented_settings_init(&augmentations);
+    sweeps.acceleration = DLS_ACCELERATION_ANDERSON;
+    steps.sweeps = 0;
+    dls_solver *solver, *lemke = NULL;
+    dls_nlgs *nlgs;
+    dls_newton *newton;
+    dls_admm *admm = NULL;
+    dls_augmented *augmented;
+    malloc_fails_at(0);
+    dls_status status = dls_solver_create(&solver, d, nc, &s, NULL);
+    const size_t bytes = malloc_bytes();
+    ck_assert_int_eq(status, DLS_OK);
+    malloc_fails_at(0);
+    status = dls_nlgs_create(&nlgs, d, nc, &sweeps, NULL);
+    if (!status) status = dls_newton_create(&newton, d, nc, &steps, NULL);
+    if (!status && d * nc >= 400) status = dls_admm_create(&admm, d, nc, &splits, NULL);
+    if (!status) status = dls_augmented_create(&augmented, d, nc, &augmentations, NULL);
+    s.method = DLS_LEMKE;
+    if (!status && nc <= (d == 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D))
+      status = dls_solver_create(&lemke, d, nc, &s, NULL);
+    const size_t parts = malloc_bytes();
+    ck_assert_int_eq(status, DLS_OK);
+    const size_t own = 2 * (size_t)(d * nc) * sizeof(double);
+    ck_assert_msg(bytes + 2048 > parts + own && bytes < parts + own + 2048, "%d %d: %zu, %zu", d,
+                  nc, bytes, parts);
+    dls_solver_destroy(solver);
+    dls_solver_destroy(lemke);
+    dls_nlgs_destroy(nlgs);
+    dls_newton_destroy(newton);
+    dls_admm_destroy(admm);
+    dls_augmented_destroy(augmented);
+  }
+}
+END_TEST
+
+static double log_integral(double x) {
+  return x * log(fabs(x)) - x;
+}
+
+/* The surface of an elastic half-plane held far below, pressed and pushed: dense, ill-conditioned, most
+ * candidates sticking (test_admm.c). Newton's first steps do not settle it. */
+START_TEST(auto_splits_where_it_is_large_and_stiff) {
+  enum { nc = 250, m = 2 * nc };
+  static double plane[m * m], load[m], friction[nc], r[m];
+  const double h = 2. / nc, across = 0.3 / 0.7 * acos(0);
+  for (int b = 0; b < nc; b++) {
+    for (int a = 0; a < nc; a++) {
+      const double x = (a - b) * h, side = a > b ? across : a < b ? -across : 0;
+      const double v = 100 - (log_integral(x + h / 2) - log_integral(x - h / 2)) / h;
+      plane[2 * a + m * 2 * b] = plane[2 * a + 1 + m * (2 * b + 1)] = v;
+      plane[2 * a + 1 + m * 2 * b] = -side;
+      plane[2 * a + m * (2 * b + 1)] = side;
+    }
+    load[2 * b] = -1;
+    load[2 * b + 1] = 0.5;
+    friction[b] = 1;
+  }
+  const dls_contact p = {.d = 2, .nc = nc, .W = {m, m, m, plane}, .q = load, .mu = friction};
+  const dls_info info = solve_auto(&p, 1e-10, r);
+  check_report(&info);
+  ck_assert_int_eq(info.status, DLS_OK);
+  int split = 0;
+  for (int k = 0; k < info.stages; k++)
+    split += info.stage[k].method == DLS_ADMM;
+  ck_assert_int_eq(split, 1);
+}
+END_TEST
+
+/* ---- no solution ----------------------------------------------------------------------------- */
+
+/* c03 of data/failures, the wedge that jams: reactions along (1, -1) cost nothing. In 3D, too. */
+static const double wedge_W[9] = {1, 1, 0, 1, 1, 0, 0, 0, 1}, wedge_q[3] = {-2, 0, 0}, two[1] = {2};
+/* c04, the particle between two walls that come closer: Lemke's method proves it */
+static const double squeezed_W[16] = {1, 0, -1, 0, 0, 1, 0, 1, -1, 0, 1, 0, 0, 1, 0, 1};
+static const double squeezed_q[4] = {-1, 0, -1, 0}, both[2] = {0.5, 0.5};
+
+START_TEST(a_jam_has_likely_no_solution) {
+  const dls_method which[] = {DLS_AUTO, DLS_AUGMENTED_LAGRANGIAN};
+  for (int k = 0; k < 4; k++) {
+    const int d = 2 + k / 2;
+    const dls_contact p = {.d = d, .nc = 1, .W = {d, d, 3, wedge_W}, .q = wedge_q, .mu = two};
+    const double easy[3] = {1, 0, 0};
+    dls_contact solvable = p;
+    solvable.q = easy;
+    const dls_solver_settings s = settings_of(which[k % 2]);
+    dls_solver *solver;
+    dls_info info;
+    double r[3];
+    ck_assert_int_eq(dls_solver_create(&solver, d, 1, &s, NULL), DLS_OK);
+    ck_assert_ptr_null(dls_solver_direction(solver));
+    ck_assert_int_eq(dls_solver_solve(solver, &p, r, NULL, &info, NULL), DLS_NO_SOLUTION_LIKELY);
+    ck_assert_int_eq(info.status, DLS_NO_SOLUTION_LIKELY);
+    ck_assert(info.certificate.residual > 0.1);
+    const double *delta = dls_solver_direction(solver);
+    ck_assert_ptr_nonnull(delta);
+    double work = 0;
+    for (int i = 0; i < d; i++) {
+      double sum = 0;
+      work += wedge_q[i] * delta[i];
+      for (int j = 0; j < d; j++)
+        sum += wedge_W[i + 3 * j] * delta[j];
+      ck_assert_double_le(fabs(sum), 2e-4); /* 1e-4 |delta|, weights 1 */
+    }
+    ck_assert(work < 0);
+    ck_assert_int_eq(dls_solver_solve(solver, &solvable, r, NULL, NULL, NULL), DLS_OK);
+    ck_assert_ptr_null(dls_solver_direction(solver));
+    dls_solver_destroy(solver);
+  }
+  ck_assert_ptr_null(dls_solver_direction(NULL));
+}
+END_TEST
+
+START_TEST(auto_proves_that_there_is_no_solution) {
+  const dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, squeezed_W}, .q = squeezed_q, .mu = both};
+  double r[4];
+  const dls_info info = solve_auto(&p, 1e-8, r);
+  ck_assert_int_eq(info.status, DLS_NO_SOLUTION);
+  ck_assert_int_eq(info.stage[info.stages - 1].method, DLS_LEMKE);
+}
+END_TEST
+
 int main(void) {
   Suite *suite = suite_create("solve");
   TCase *tcase = tcase_create("solve");
+  tcase_set_timeout(tcase, 300); /* valgrind */
   tcase_add_test(tcase, methods_have_names);
   tcase_add_test(tcase, methods_agree);
   tcase_add_test(tcase, units_do_not_change_the_path);
@@ -377,6 +816,16 @@ int main(void) {
   tcase_add_test(tcase, solver_refuses_other_sizes_and_bad_numbers);
   tcase_add_test(tcase, every_failing_malloc_unwinds);
   tcase_add_test(tcase, lemke_starts_from_the_last_step);
+  tcase_add_test(tcase, auto_solves_what_its_methods_do_not);
+  tcase_add_test(tcase, auto_takes_the_same_stages_in_any_units);
+  tcase_add_test(tcase, auto_does_not_see_frames_and_order);
+  tcase_add_test(tcase, no_allocation_by_blocks_and_in_larger_problems);
+  tcase_add_test(tcase, auto_starts_warm);
+  tcase_add_test(tcase, positive_definite_saves_steps);
+  tcase_add_test(tcase, auto_holds_its_methods);
+  tcase_add_test(tcase, auto_splits_where_it_is_large_and_stiff);
+  tcase_add_test(tcase, a_jam_has_likely_no_solution);
+  tcase_add_test(tcase, auto_proves_that_there_is_no_solution);
   suite_add_tcase(suite, tcase);
   SRunner *runner = srunner_create(suite);
   srunner_run_all(runner, CK_NORMAL);

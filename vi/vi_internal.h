@@ -72,12 +72,8 @@ static inline void dlsi_multiply(const dls_contact *problem, const double *E, co
   }
 }
 
-/* dls_nlgs_solve of what has been checked already, with springs; the weights of the certificate are
- * those of W alone. r as there, u (m or NULL), its certificate, the sweeps done. */
-dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const double *E, double tol,
-                         double *r, double *u, dls_certificate *certificate, int *iterations);
-
-/* The same of dls_newton_solve, sweeps and steps done; and create, on behalf of `function`. */
+/* dls_newton_solve as dlsi_nlgs_run (dlsi.h), sweeps and steps done; and create, on behalf of
+ * `function`. */
 dls_status dlsi_newton_create(const char *function, dls_newton **out, int d, int nc,
                               const dls_newton_settings *settings, dls_error *error);
 dls_status dlsi_newton_run(const char *function, dls_newton *work, const dls_contact *problem,

@@ -13,6 +13,7 @@ extern "C" {
 
 /* The methods for a contact problem; see dls_solve() for choosing one by name. */
 typedef enum dls_method {
+  DLS_AUTO = 0,   /* those that follow, in turn as the problem needs them, d = 2 and 3 */
   DLS_NLGS = 1,   /* projected Gauss-Seidel on the reactions, d = 2 and 3 */
   DLS_LEMKE = 2,  /* complementary pivoting on the LCP; d = 3 on facets, then Newton steps */
   DLS_NEWTON = 3, /* sweeps, then nonsmooth Newton, d = 2 and 3 */
@@ -33,15 +34,28 @@ typedef struct dls_progress {
  * answer so far). It serves log lines, progress bars, time limits and Ctrl-C. */
 typedef int (*dls_progress_fn)(void *data, const dls_progress *progress);
 
+/* A stage of auto: a method that started from the best r of the stages before. */
+typedef struct dls_stage {
+  dls_method method;  /* DLS_NLGS here means accelerated sweeps */
+  int iterations;     /* sweeps; steps; iterations; augmentations; pivots */
+  int factorisations; /* newton, augmented Lagrangian: one per Newton step; admm */
+  double residual;    /* of the certificate of the r that the stage ended with */
+} dls_stage;
+
+enum { DLS_STAGES_MAX = 20 };
+
 /* The outcome of a solve; fields are only ever added at the end. */
 typedef struct dls_info {
   dls_status status; /* as returned */
   dls_method method;
-  int iterations;              /* sweeps; pivots of all LCPs; steps; augmentations; iterations */
+  int iterations; /* sweeps; pivots of all LCPs; steps; augmentations; iterations; auto: of all
+                     stages */
   dls_certificate certificate; /* of the r that is returned */
   int ambiguous;      /* nlgs: candidates at the answer whose local problem has several solutions */
-  int factorisations; /* of m x m matrices: admm; augmented Lagrangian, penalty: one per Newton step */
+  int factorisations; /* admm; augmented Lagrangian, penalty, auto: one per Newton step */
   int sweeps;         /* newton: before the first step */
+  int stages;         /* auto: what it did, in the order of time */
+  dls_stage stage[DLS_STAGES_MAX];
 } dls_info;
 
 #ifdef __cplusplus

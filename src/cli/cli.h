@@ -9,6 +9,7 @@
  *   solve.c     delassus solve FILE: FCLIB problems and LCPs
  *   info.c      delassus info FILE: facts about an FCLIB problem
  *   problem.c   FCLIB problems in memory, condensed if they are global
+ *   options.c   the options that scene and solve share
  *   report.c    messages, JSON, progress on a terminal, Ctrl-C
  *   picture.c   data files and gnuplot scripts, and running gnuplot on them
  */
@@ -49,6 +50,39 @@ typedef struct problem {
 dls_status problem_load(const char *path, problem *p, dls_error *error);
 void problem_free(problem *p);
 
+/* ---- options.c ------------------------------------------------------------------------------- */
+
+/* Method and settings, of -m, -a, -t, -i. */
+typedef struct solver_options {
+  dls_solver_settings settings;
+  int primal; /* gauss-seidel, in the place of settings.method */
+  int method_given, accel_given;
+} solver_options;
+
+#define SOLVER_KEYS "m:a:t:i:"
+/* clang-format off */
+#define SOLVER_OPTIONS                           \
+  {"method", required_argument, NULL, 'm'},      \
+  {"accel", required_argument, NULL, 'a'},       \
+  {"tol", required_argument, NULL, 't'},         \
+  {"max-iter", required_argument, NULL, 'i'}
+/* clang-format on */
+
+void solver_options_init(solver_options *options, double tol);
+
+/* Their lines of --help; more: methods that the library does not name. */
+void solver_usage(FILE *out, const char *more, double tol);
+
+/* 1: taken; 0: wrong, after a complaint; -1: another key. */
+int take_solver_option(int key, const char *text, solver_options *options);
+
+/* When all are taken: 0 after a complaint. */
+int settle_solver_options(solver_options *options);
+
+/* "auto, nlgs, ...": the names of all methods, in text (size), which is returned. */
+enum { METHOD_LIST_ROOM = 200 };
+const char *method_list(char *text, size_t size);
+
 /* ---- report.c -------------------------------------------------------------------------------- */
 
 /* "delassus: " and the message on stderr; returns EXIT_BAD_INPUT. */
@@ -66,10 +100,6 @@ const char *status_word(dls_status status);
 const char *state_word(dls_contact_state state);
 const char *iteration_word(dls_method method);
 
-/* "nlgs, lemke, ...": the names of all methods, in text (size), which is returned. */
-enum { METHOD_LIST_ROOM = 200 };
-const char *method_list(char *text, size_t size);
-
 /* What a run is summed up by, in text and in JSON. */
 typedef struct outcome {
   dls_info info;
@@ -82,6 +112,9 @@ typedef struct outcome {
 } outcome;
 
 const char *method_word(const outcome *outcome);
+
+/* What auto did, a line for each stage; nothing for the other methods. */
+void print_stages(const dls_info *info);
 
 /* One object with the fields of the outcome. */
 void print_json(FILE *out, const outcome *outcome);

@@ -63,6 +63,8 @@ const char *status_word(dls_status status) {
     return "ray";
   case DLS_NO_SOLUTION:
     return "no_solution";
+  case DLS_NO_SOLUTION_LIKELY:
+    return "no_solution_likely";
   default:
     return "error";
   }
@@ -74,6 +76,8 @@ const char *state_word(dls_contact_state state) {
 
 const char *iteration_word(dls_method method) {
   switch (method) {
+  case DLS_AUTO:
+    return "iterations";
   case DLS_LEMKE:
     return "pivots";
   case DLS_NEWTON:
@@ -88,19 +92,19 @@ const char *iteration_word(dls_method method) {
   }
 }
 
-const char *method_list(char *text, size_t size) {
-  size_t used = 0;
-  text[0] = '\0';
-  for (int k = 1; k < 100 && used < size; k++) {
-    const char *name = dls_method_name((dls_method)k);
-    if (name)
-      used += (size_t)snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", name);
-  }
-  return text;
-}
-
 const char *method_word(const outcome *o) {
   return o->primal ? "gauss-seidel" : dls_method_name(o->info.method);
+}
+
+void print_stages(const dls_info *info) {
+  for (int k = 0; k < info->stages; k++) {
+    const dls_stage *s = &info->stage[k];
+    printf("    %s%s: %d %s", dls_method_name(s->method),
+           s->method == DLS_NLGS ? " with anderson" : "", s->iterations, iteration_word(s->method));
+    if (s->factorisations != s->iterations && s->factorisations)
+      printf(", %d factorisations", s->factorisations);
+    printf(", residual %.2e\n", s->residual);
+  }
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
@@ -129,6 +133,20 @@ void print_json_number(FILE *out, double value) {
 static void number_field(FILE *out, const char *name, double value) {
   fprintf(out, ",\n  \"%s\": ", name);
   print_json_number(out, value);
+}
+
+static void stages_field(FILE *out, const dls_info *info) {
+  fputs(",\n  \"stages\": [", out);
+  for (int k = 0; k < info->stages; k++) {
+    const dls_stage *s = &info->stage[k];
+    fprintf(
+        out,
+        "%s\n    {\"method\": \"%s\", \"iterations\": %d, \"factorisations\": %d, \"residual\": ",
+        k ? "," : "", dls_method_name(s->method), s->iterations, s->factorisations);
+    print_json_number(out, s->residual);
+    fputc('}', out);
+  }
+  fputc(']', out);
 }
 
 void print_json(FILE *out, const outcome *o) {
@@ -162,6 +180,7 @@ void print_json(FILE *out, const outcome *o) {
     number_field(out, "resultant_n", o->Rn);
   }
   number_field(out, "solve_cpu_seconds", o->solve_cpu_seconds);
+  if (o->info.stages) stages_field(out, &o->info);
   fputs("\n}\n", out);
 }
 

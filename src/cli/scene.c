@@ -18,25 +18,23 @@
 typedef struct scene_options {
   const char *name;
   int weighted, json;
-  int primal; /* gauss-seidel, in the place of solver.method */
-  dls_solver_settings solver;
+  solver_options solver;
   const char *out, *save, *reference; /* NULL: none */
 } scene_options;
 
+/* Gauss-Seidel and Lemke then agree to 1e-10 in r */
+static const double default_tol = 1e-14;
+
 static void usage(FILE *out) {
-  char methods[METHOD_LIST_ROOM];
-  fprintf(
-      out,
-      "Usage: delassus scene [OPTION]... NAME\n"
-      "  or:  delassus scene --list\n"
-      "Runs a built-in scene and prints displacements and reactions of its candidates.\n"
-      "\n"
-      "  -m, --method=METHOD   one of: %s;\n"
-      "                        or gauss-seidel, on the displacements (nlgs)\n"
-      "  -a, --accel=HOW       nlgs: none (default), aitken or anderson\n"
+  fputs("Usage: delassus scene [OPTION]... NAME\n"
+        "  or:  delassus scene --list\n"
+        "Runs a built-in scene and prints displacements and reactions of its candidates.\n"
+        "\n",
+        out);
+  solver_usage(out, ",\n                        or gauss-seidel, on the displacements",
+               default_tol);
+  fputs(
       "  -w, --weighted        weighted instead of concentrated reactions\n"
-      "  -t, --tol=T           tolerance on the certificate's residual (1e-14)\n"
-      "  -i, --max-iter=N      limit of sweeps, pivots, steps or augmentations\n"
       "  -o, --out=DIR         write contact.csv, result.json, the deformed mesh (.vtu), pictures\n"
       "  -s, --save=FILE       write the contact problem as an FCLIB file (HDF5)\n"
       "  -r, --reference=CSV   print and draw beside these values (columns node, Q1, Q2, RT, RN\n"
@@ -44,7 +42,7 @@ static void usage(FILE *out) {
       "  -j, --json            print the outcome as one JSON object instead of tables\n"
       "  -l, --list            the names of the scenes\n"
       "  -h, --help            this text\n",
-      method_list(methods, sizeof methods));
+      out);
 }
 
 /* ---- what a run holds ------------------------------------------------------------------------ */
@@ -143,7 +141,7 @@ static void tabulate(run *a) {
 
 /* r, u by a method on the condensed problem, x from r. */
 static dls_status solve_condensed(run *a, const scene_options *o, dls_error *error) {
-  dls_status status = dls_solver_create(&a->solver, 2, a->contact.nc, &o->solver, error);
+  dls_status status = dls_solver_create(&a->solver, 2, a->contact.nc, &o->solver.settings, error);
   if (status) return status;
   const double start = cpu_seconds();
   status = dls_solver_solve(a->solver, &a->contact, a->r, a->u, &a->outcome.info, error);
@@ -155,10 +153,11 @@ static dls_status solve_condensed(run *a, const scene_options *o, dls_error *err
 static dls_status solve_primal(run *a, const scene_options *o, dls_error *error) {
   dls_primal_settings settings;
   dls_primal_settings_init(&settings);
-  settings.tol = o->solver.tol;
-  if (o->solver.max_iterations) settings.max_iterations = o->solver.max_iterations;
-  settings.progress = o->solver.progress;
-  settings.progress_data = o->solver.progress_data;
+  settings.tol = o->solver.settings.tol;
+  if (o->solver.settings.max_iterations)
+    settings.max_iterations = o->solver.settings.max_iterations;
+  settings.progress = o->solver.settings.progress;
+  settings.progress_data = o->solver.settings.progress_data;
   dls_status status = dls_primal_create(&a->primal, &a->data.model, &settings, error);
   if (status) return status;
   const double start = cpu_seconds();
@@ -183,7 +182,7 @@ static dls_status compute(run *a, const scene_options *o, dls_error *error) {
   a->outcome.nc = a->contact.nc;
   a->outcome.scene = o->name;
   a->outcome.weighted = o->weighted;
-  status = o->primal ? solve_primal(a, o, error) : solve_condensed(a, o, error);
+  status = o->solver.primal ? solve_primal(a, o, error) : solve_condensed(a, o, error);
   progress_end();
   if (status) return status;
 
@@ -296,6 +295,7 @@ static void print_run(const run *a, const scene_options *o) {
          o->weighted ? "weighted" : "concentrated", method_word(out),
          dls_status_text(out->info.status), out->info.iterations, iteration_word(out->info.method),
          c->residual, c->floor, out->solve_cpu_seconds);
+  print_stages(&out->info);
   if (out->primal)
     printf("equilibrium %.1e (floor %.1e), laws %.1e (floor %.1e), %d thresholds\n",
            out->primal->equilibrium, out->primal->equilibrium_floor, out->primal->laws.residual,
@@ -432,38 +432,24 @@ static int list_scenes(void) {
 }
 
 int command_scene(int argc, char **argv) {
-  static const struct option options[] = {
-      {"method", required_argument, NULL, 'm'},   {"accel", required_argument, NULL, 'a'},
-      {"weighted", no_argument, NULL, 'w'},       {"tol", required_argument, NULL, 't'},
-      {"max-iter", required_argument, NULL, 'i'}, {"out", required_argument, NULL, 'o'},
-      {"save", required_argument, NULL, 's'},     {"reference", required_argument, NULL, 'r'},
-      {"json", no_argument, NULL, 'j'},           {"list", no_argument, NULL, 'l'},
-      {"help", no_argument, NULL, 'h'},           {NULL, 0, NULL, 0}};
-  char methods[METHOD_LIST_ROOM];
+  static const struct option options[] = {SOLVER_OPTIONS,
+                                          {"weighted", no_argument, NULL, 'w'},
+                                          {"out", required_argument, NULL, 'o'},
+                                          {"save", required_argument, NULL, 's'},
+                                          {"reference", required_argument, NULL, 'r'},
+                                          {"json", no_argument, NULL, 'j'},
+                                          {"list", no_argument, NULL, 'l'},
+                                          {"help", no_argument, NULL, 'h'},
+                                          {NULL, 0, NULL, 0}};
   scene_options o = {0};
-  dls_solver_settings_init(&o.solver);
-  o.solver.tol = 1e-14; /* NLGS and Lemke then agree to 1e-10 in r */
-  o.solver.progress = show_progress;
-  for (int key; (key = getopt_long(argc, argv, "m:a:wt:i:o:s:r:jlh", options, NULL)) != -1;) {
+  solver_options_init(&o.solver, default_tol);
+  for (int key; (key = getopt_long(argc, argv, SOLVER_KEYS "wo:s:r:jlh", options, NULL)) != -1;) {
+    const int taken = take_solver_option(key, optarg, &o.solver);
+    if (taken == 0) return EXIT_BAD_INPUT;
+    if (taken > 0) continue;
     switch (key) {
-    case 'm':
-      o.primal = strcmp(optarg, "gauss-seidel") == 0;
-      if (!o.primal && !dls_method_find(optarg, &o.solver.method))
-        return complain("--method: '%s' is no method (%s, gauss-seidel)", optarg,
-                        method_list(methods, sizeof methods));
-      break;
     case 'w':
       o.weighted = 1;
-      break;
-    case 'a':
-      if (!dls_acceleration_find(optarg, &o.solver.acceleration))
-        return complain("--accel: '%s' is no acceleration (none, aitken, anderson)", optarg);
-      break;
-    case 't':
-      if (!parse_number("tol", optarg, &o.solver.tol)) return EXIT_BAD_INPUT;
-      break;
-    case 'i':
-      if (!parse_count("max-iter", optarg, &o.solver.max_iterations)) return EXIT_BAD_INPUT;
       break;
     case 'o':
       o.out = optarg;
@@ -491,8 +477,7 @@ int command_scene(int argc, char **argv) {
     usage(stderr);
     return EXIT_BAD_INPUT;
   }
-  if (o.solver.acceleration && (o.primal || o.solver.method != DLS_NLGS))
-    return complain("--accel: is for nlgs");
+  if (!settle_solver_options(&o.solver)) return EXIT_BAD_INPUT;
   o.name = argv[optind];
   watch_interrupt();
   return run_scene(&o);

@@ -7,31 +7,27 @@
 #include "cli.h"
 
 typedef struct solve_options {
-  dls_solver_settings solver;
-  int method_given;
+  solver_options solver;
   int lcp, json;
   const char *out; /* NULL: none */
 } solve_options;
 
 static void usage(FILE *out) {
-  char methods[METHOD_LIST_ROOM];
-  fprintf(
-      out,
+  fputs(
       "Usage: delassus solve [OPTION]... FILE\n"
       "  or:  delassus solve --lcp [OPTION]... M.mtx q.mtx\n"
-      "Solves a contact problem (FCLIB, HDF5; local, or global after its reduction) or an LCP.\n"
-      "\n"
-      "  -m, --method=METHOD   one of: %s\n"
-      "                        (nlgs); an LCP is solved by lemke\n"
-      "  -a, --accel=HOW       nlgs: none (default), aitken or anderson\n"
-      "  -t, --tol=T           tolerance on the certificate's residual (1e-8)\n"
-      "  -i, --max-iter=N      limit of sweeps, pivots, steps or augmentations\n"
+      "Solves a contact problem (FCLIB, HDF5; local, or global after its reduction), or an LCP by\n"
+      "Lemke's method.\n"
+      "\n",
+      out);
+  solver_usage(out, "", 1e-8);
+  fputs(
       "  -f, --facets=M        lemke in 3D: facets of the friction cone, even, 4 to 64 (8)\n"
       "  -o, --output=OUT      write the problem with its solution (FCLIB), or z (Matrix Market)\n"
       "  -j, --json            print the outcome as one JSON object\n"
       "  -l, --lcp             the files hold M and q of an LCP\n"
       "  -h, --help            this text\n",
-      method_list(methods, sizeof methods));
+      out);
 }
 
 /* ---- contact problems ------------------------------------------------------------------------ */
@@ -72,6 +68,7 @@ static void print_text(const char *path, const problem *p, const outcome *o, con
   printf("  %s: %s, %d %s, residual %.2e (floor %.1e), %.3g s of CPU\n",
          dls_method_name(o->info.method), dls_status_text(o->info.status), o->info.iterations,
          iteration_word(o->info.method), c->residual, c->floor, o->solve_cpu_seconds);
+  print_stages(&o->info);
   printf("  penetration %.2e, adhesion %.2e, cone violation %.2e, slip direction %.2e, "
          "complementarity %.2e\n",
          c->penetration, c->adhesion, c->cone_violation, c->slip_direction, c->complementarity);
@@ -96,7 +93,9 @@ static int solve_contact(const char *path, const solve_options *options) {
     goto end;
   }
   outcome o = {.d = p.contact.d, .nc = p.contact.nc};
-  if (dls_solver_create(&solver, o.d, o.nc, &options->solver, &error)) {
+  dls_solver_settings settings = options->solver.settings;
+  settings.blocks = p.contact.Wb.x ? p.contact.Wb.p[o.nc] : 0;
+  if (dls_solver_create(&solver, o.d, o.nc, &settings, &error)) {
     (void)complain_of(path, &error);
     goto end;
   }
@@ -169,9 +168,9 @@ static int solve_lcp(const char *path_M, const char *path_q, const solve_options
   }
   dls_lemke_settings settings;
   dls_lemke_settings_init(&settings);
-  settings.tol = options->solver.tol;
-  settings.max_iterations = options->solver.max_iterations;
-  settings.progress = options->solver.progress;
+  settings.tol = options->solver.settings.tol;
+  settings.max_iterations = options->solver.settings.max_iterations;
+  settings.progress = options->solver.settings.progress;
   z = malloc((size_t)rows * sizeof *z);
   if (!z || dls_lemke_create(&lemke, rows, &settings, &error)) {
     (void)(z ? complain_of(path_M, &error) : complain("%s: out of memory", path_M));
@@ -215,36 +214,22 @@ end:
 /* ---- options --------------------------------------------------------------------------------- */
 
 int command_solve(int argc, char **argv) {
-  static const struct option options[] = {
-      {"method", required_argument, NULL, 'm'}, {"accel", required_argument, NULL, 'a'},
-      {"tol", required_argument, NULL, 't'},    {"max-iter", required_argument, NULL, 'i'},
-      {"facets", required_argument, NULL, 'f'}, {"output", required_argument, NULL, 'o'},
-      {"json", no_argument, NULL, 'j'},         {"lcp", no_argument, NULL, 'l'},
-      {"help", no_argument, NULL, 'h'},         {NULL, 0, NULL, 0}};
-  char methods[METHOD_LIST_ROOM];
+  static const struct option options[] = {SOLVER_OPTIONS,
+                                          {"facets", required_argument, NULL, 'f'},
+                                          {"output", required_argument, NULL, 'o'},
+                                          {"json", no_argument, NULL, 'j'},
+                                          {"lcp", no_argument, NULL, 'l'},
+                                          {"help", no_argument, NULL, 'h'},
+                                          {NULL, 0, NULL, 0}};
   solve_options o = {0};
-  dls_solver_settings_init(&o.solver);
-  o.solver.progress = show_progress;
-  for (int key; (key = getopt_long(argc, argv, "m:a:t:i:f:o:jlh", options, NULL)) != -1;) {
+  solver_options_init(&o.solver, 1e-8);
+  for (int key; (key = getopt_long(argc, argv, SOLVER_KEYS "f:o:jlh", options, NULL)) != -1;) {
+    const int taken = take_solver_option(key, optarg, &o.solver);
+    if (taken == 0) return EXIT_BAD_INPUT;
+    if (taken > 0) continue;
     switch (key) {
-    case 'm':
-      if (!dls_method_find(optarg, &o.solver.method))
-        return complain("--method: '%s' is no method (%s)", optarg,
-                        method_list(methods, sizeof methods));
-      o.method_given = 1;
-      break;
-    case 'a':
-      if (!dls_acceleration_find(optarg, &o.solver.acceleration))
-        return complain("--accel: '%s' is no acceleration (none, aitken, anderson)", optarg);
-      break;
-    case 't':
-      if (!parse_number("tol", optarg, &o.solver.tol)) return EXIT_BAD_INPUT;
-      break;
-    case 'i':
-      if (!parse_count("max-iter", optarg, &o.solver.max_iterations)) return EXIT_BAD_INPUT;
-      break;
     case 'f':
-      if (!parse_count("facets", optarg, &o.solver.facets)) return EXIT_BAD_INPUT;
+      if (!parse_count("facets", optarg, &o.solver.settings.facets)) return EXIT_BAD_INPUT;
       break;
     case 'o':
       o.out = optarg;
@@ -268,13 +253,13 @@ int command_solve(int argc, char **argv) {
     usage(stderr);
     return EXIT_BAD_INPUT;
   }
-  if (o.solver.facets && (o.lcp || o.solver.method != DLS_LEMKE))
+  if (o.solver.primal) return complain("--method: gauss-seidel is for scenes");
+  if (!settle_solver_options(&o.solver)) return EXIT_BAD_INPUT;
+  const dls_method method = o.solver.settings.method;
+  if (o.solver.settings.facets && (o.lcp || method != DLS_LEMKE))
     return complain("--facets: is for contact problems and lemke");
-  if (o.solver.acceleration && (o.lcp || o.solver.method != DLS_NLGS))
-    return complain("--accel: is for contact problems and nlgs");
+  if (o.lcp && (o.solver.method_given || o.solver.accel_given) && method != DLS_LEMKE)
+    return complain("--%s: an LCP is solved by lemke", o.solver.method_given ? "method" : "accel");
   watch_interrupt();
-  if (!o.lcp) return solve_contact(argv[optind], &o);
-  if (o.method_given && o.solver.method != DLS_LEMKE)
-    return complain("--method: an LCP is solved by lemke");
-  return solve_lcp(argv[optind], argv[optind + 1], &o);
+  return o.lcp ? solve_lcp(argv[optind], argv[optind + 1], &o) : solve_contact(argv[optind], &o);
 }

@@ -1,0 +1,312 @@
+/*
+ * auto.c: the method auto beside the single methods, on FCLIB files.
+ *
+ *   auto FILE...          for each file and tolerance: CPU of the solve, ms, "-" for not solved, and the
+ *                         stages of auto; then, for each method: how often it got there, and its CPU over
+ *                         that of the quickest of the others
+ *   auto --cost FILE...   CPU of a sweep, of an accelerated sweep and of a Newton step, us; and the last
+ *                         over the second beside what src/auto.c counts for it (F4)
+ *
+ * Methods take turns; the least of the runs counts. At most 20000 sweeps. Files are problems of data/fclib's
+ * kind; besides, NAME "contact-N": a half-space under a flat stamp of N x N points that presses
+ * and turns; "plane-N": an elastic half-plane of N cells, held far below, pressed and pushed, most sticking.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/cli.h"
+
+enum { methods = 6, auto_at = 5, tolerances = 3, most_files = 100, most_sweeps = 20000 };
+
+static const double tolerance[tolerances] = {1e-4, 1e-8, 1e-12};
+static const char *const method_name[methods] = {"nlgs", "anderson", "newton",
+                                                 "admm", "augm. L.", "auto"};
+static const dls_method method_of[methods] = {
+    DLS_NLGS, DLS_NLGS, DLS_NEWTON, DLS_ADMM, DLS_AUGMENTED_LAGRANGIAN, DLS_AUTO};
+
+/* ---- problems -------------------------------------------------------------------------------- */
+
+/* One block of Boussinesq's and Cerruti's half-space, G = 1, nu = 0.3: displacement at distance (x, y),
+ * columns: by a normal force, by the two tangential ones; mean over a square of side a for x = y = 0. */
+static void half_space(double x, double y, double a, double *B) {
+  const double nu = 0.3, k = 1 / (2 * 3.14159265358979), c = k * (1 - 2 * nu) / 2, r = hypot(x, y);
+  for (int i = 0; i < 9; i++)
+    B[i] = 0;
+  if (r == 0) {
+    B[0] = k * 3.5255 / a * (1 - nu);
+    B[4] = B[8] = k * 3.5255 / a * (1 - nu / 2);
+    return;
+  }
+  B[0] = k * (1 - nu) / r;
+  B[4] = k * ((1 - nu) / r + nu * x * x / (r * r * r));
+  B[8] = k * ((1 - nu) / r + nu * y * y / (r * r * r));
+  B[5] = B[7] = k * nu * x * y / (r * r * r);
+  B[1] = -c * x / (r * r);
+  B[2] = -c * y / (r * r);
+  B[3] = -B[1];
+  B[6] = -B[2];
+}
+
+/* W, q, mu in one piece; exits without memory, as a bench may */
+static dls_contact allocate(int d, int nc) {
+  const int m = d * nc;
+  const size_t M = (size_t)m;
+  double *W = malloc((M * M + M + (size_t)nc) * sizeof *W);
+  if (!W) exit(1);
+  return (dls_contact){.d = d, .nc = nc, .W = {m, m, m, W}, .q = W + M * M, .mu = W + M * M + M};
+}
+
+static dls_contact stamp(int n) {
+  const dls_contact p = allocate(3, n * n);
+  double *W = (double *)p.W.a, *q = (double *)p.q, *mu = (double *)p.mu;
+  for (int j = 0; j < p.nc; j++)
+    for (int i = 0; i < p.nc; i++) {
+      double B[9];
+      half_space((double)(i % n - j % n) / n, (double)(i / n - j / n) / n, 1. / n, B);
+      for (int k = 0; k < 9; k++)
+        W[(size_t)(3 * i + k % 3) + (size_t)p.W.ld * (size_t)(3 * j + k / 3)] = B[k];
+    }
+  for (int c = 0; c < p.nc; c++) {
+    const double x = (double)(c % n) / n - 0.5, y = (double)(c / n) / n - 0.5;
+    q[3 * c] = -0.1 + 0.15 * x;
+    q[3 * c + 1] = 0.02 - 0.1 * y;
+    q[3 * c + 2] = 0.1 * x;
+    mu[c] = 0.5;
+  }
+  return p;
+}
+
+static double log_integral(double x) {
+  return x * log(fabs(x)) - x;
+}
+
+/* Flamant's solution, as in tests/test_admm.c */
+static dls_contact plane(int n) {
+  const dls_contact p = allocate(2, n);
+  const double h = 2. / n, across = 0.3 / 0.7 * acos(0);
+  double *q = (double *)p.q, *mu = (double *)p.mu;
+  for (int b = 0; b < n; b++) {
+    double *column = (double *)p.W.a + (size_t)(2 * b) * (size_t)p.W.ld, *next = column + p.W.ld;
+    for (int a = 0; a < n; a++) {
+      const double x = (a - b) * h, side = a > b ? across : a < b ? -across : 0;
+      column[2 * a] = next[2 * a + 1] =
+          100 - (log_integral(x + h / 2) - log_integral(x - h / 2)) / h;
+      column[2 * a + 1] = -side;
+      next[2 * a] = side;
+    }
+    q[2 * b] = -1;
+    q[2 * b + 1] = 0.5;
+    mu[b] = 1;
+  }
+  return p;
+}
+
+/* 1 if it is there */
+static int load(const char *name, problem *p) {
+  int n;
+  dls_error error = {0};
+  memset(p, 0, sizeof *p);
+  if (sscanf(name, "contact-%d", &n) == 1) {
+    p->contact = stamp(n);
+    return 1;
+  }
+  if (sscanf(name, "plane-%d", &n) == 1) {
+    p->contact = plane(n);
+    return 1;
+  }
+  if (!problem_load(name, p, &error)) return 1;
+  return complain_of(name, &error), 0;
+}
+
+static void unload(problem *p) {
+  if (!p->file) free((void *)(size_t)p->contact.W.a);
+  problem_free(p);
+}
+
+static const char *short_name(const char *path) {
+  const char *slash = strrchr(path, '/');
+  return slash ? slash + 1 : path;
+}
+
+/* ---- the comparison -------------------------------------------------------------------------- */
+
+typedef struct result {
+  dls_status status;
+  double seconds; /* the least */
+  dls_info info;
+} result;
+
+static void compare(const dls_contact *p, double tol, result *all) {
+  const size_t m = (size_t)p->d * (size_t)p->nc;
+  double *r = malloc(m * sizeof *r), total = 0;
+  dls_solver *solver[methods];
+  for (int k = 0; k < methods; k++) {
+    dls_solver_settings s;
+    dls_solver_settings_init(&s);
+    s.method = method_of[k];
+    s.tol = tol;
+    s.blocks = p->Wb.x ? p->Wb.p[p->nc] : 0;
+    if (k == 1) s.acceleration = DLS_ACCELERATION_ANDERSON;
+    if (k < 2) s.max_iterations = most_sweeps;
+    all[k] = (result){.seconds = INFINITY};
+    if (!r || dls_solver_create(&solver[k], p->d, p->nc, &s, NULL)) exit(1);
+  }
+  for (int round = 0; round < 50 && (round < 2 || total < 0.1); round++)
+    for (int k = 0; k < methods; k++) {
+      if (round > 1 && all[k].status && all[k].seconds > 0.1) continue; /* known */
+      const double start = cpu_seconds();
+      all[k].status = dls_solver_solve(solver[k], p, r, NULL, &all[k].info, NULL);
+      const double seconds = cpu_seconds() - start;
+      total += seconds;
+      if (seconds < all[k].seconds) all[k].seconds = seconds;
+    }
+  for (int k = 0; k < methods; k++)
+    dls_solver_destroy(solver[k]);
+  free(r);
+}
+
+static void print_row(const char *name, const dls_contact *p, double tol, const result *all) {
+  printf("| %s | %d | %g |", name, p->nc, tol);
+  for (int k = 0; k < methods; k++) {
+    if (all[k].status)
+      printf(" - |");
+    else
+      printf(" %.3g |", 1e3 * all[k].seconds);
+  }
+  const dls_info *info = &all[auto_at].info;
+  for (int k = 0; k < info->stages; k++)
+    printf("%s%s %d", k ? ", " : " ", dls_method_name(info->stage[k].method),
+           info->stage[k].iterations);
+  puts(" |");
+  fflush(stdout);
+}
+
+static int by_size(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* solved, and the CPU over that of the best of the others: median, largest */
+static void print_summary(double tol, int count, result (*all)[methods]) {
+  for (int k = 0; k < methods; k++) {
+    double ratio[most_files];
+    int solved = 0, ratios = 0;
+    for (int f = 0; f < count; f++) {
+      double best = INFINITY;
+      for (int l = 0; l < methods; l++)
+        if (l != k && l != auto_at && !all[f][l].status) best = fmin(best, all[f][l].seconds);
+      if (all[f][k].status) continue;
+      solved++;
+      if (best < INFINITY) ratio[ratios++] = all[f][k].seconds / best;
+    }
+    qsort(ratio, (size_t)ratios, sizeof *ratio, by_size);
+    printf("| %g | %s | %d/%d | %.2g | %.2g |\n", tol, method_name[k], solved, count,
+           ratios ? ratio[ratios / 2] : NAN, ratios ? ratio[ratios - 1] : NAN);
+  }
+}
+
+static int run_comparison(int count, char **name) {
+  static result all[tolerances][most_files][methods];
+  printf("| file | candidates | tol |");
+  for (int k = 0; k < methods; k++)
+    printf(" %s |", method_name[k]);
+  printf(" stages of auto |\n|---|---|---|---|---|---|---|---|---|---|\n");
+  for (int f = 0; f < count; f++) {
+    problem p;
+    if (!load(name[f], &p)) return EXIT_BAD_INPUT;
+    for (int t = 0; t < tolerances; t++) {
+      compare(&p.contact, tolerance[t], all[t][f]);
+      print_row(short_name(name[f]), &p.contact, tolerance[t], all[t][f]);
+    }
+    unload(&p);
+  }
+  puts("\n| tol | method | solved | CPU / best other, median | largest |\n|---|---|---|---|---|");
+  for (int t = 0; t < tolerances; t++)
+    print_summary(tolerance[t], count, all[t]);
+  return EXIT_SOLVED;
+}
+
+/* ---- the cost of a step ---------------------------------------------------------------------- */
+
+typedef struct ticks {
+  double last, all[1000];
+  int count;
+} ticks;
+
+static int tick(void *data, const dls_progress *progress) {
+  ticks *t = data;
+  const double now = cpu_seconds();
+  const int before_steps = !strcmp(progress->method, "nlgs") && progress->max_iterations == 20;
+  if (!before_steps && t->count < 1000) t->all[t->count++] = now - t->last;
+  t->last = cpu_seconds();
+  return 0;
+}
+
+/* median seconds of an iteration; the r of the second run, in which workspaces are warm */
+static double iteration(const dls_contact *p, dls_method method, int accelerated, double *r,
+                        double *u) {
+  static ticks t;
+  dls_solver_settings s;
+  dls_solver *solver;
+  dls_solver_settings_init(&s);
+  s.method = method;
+  s.tol = 1e-14;
+  s.blocks = p->Wb.x ? p->Wb.p[p->nc] : 0;
+  if (accelerated) s.acceleration = DLS_ACCELERATION_ANDERSON;
+  if (method == DLS_NLGS) s.max_iterations = 60;
+  s.progress = tick;
+  s.progress_data = &t;
+  if (dls_solver_create(&solver, p->d, p->nc, &s, NULL)) exit(1);
+  for (int run = 0; run < 2; run++) {
+    t.count = 0;
+    t.last = cpu_seconds();
+    if (dls_solver_solve(solver, p, r, u, NULL, NULL) < 0) exit(1);
+  }
+  dls_solver_destroy(solver);
+  qsort(t.all, (size_t)t.count, sizeof *t.all, by_size);
+  return t.count ? t.all[t.count / 2] : 0;
+}
+
+/* (F4) of src/auto.c */
+static double model(const dls_contact *p, int k) {
+  return fmax(fmin(k / 6., 50), p->W.a ? (double)k * k / (50. * p->d * p->nc) : 0);
+}
+
+static int run_cost(int count, char **name) {
+  puts("| file | rows | k | sweep | accelerated | step | ratio | (F4) |\n"
+       "|---|---|---|---|---|---|---|---|");
+  for (int f = 0; f < count; f++) {
+    problem p;
+    if (!load(name[f], &p)) return EXIT_BAD_INPUT;
+    const dls_contact *c = &p.contact;
+    const size_t m = (size_t)c->d * (size_t)c->nc;
+    double *r = malloc(2 * m * sizeof *r);
+    dls_contact_state *state = malloc((size_t)c->nc * sizeof *state);
+    if (!r || !state) return EXIT_BAD_INPUT;
+    const double plain = iteration(c, DLS_NLGS, 0, r, r + m);
+    const double sweep = iteration(c, DLS_NLGS, 1, r, r + m);
+    const double step = iteration(c, DLS_NEWTON, 0, r, r + m);
+    int k = 0;
+    if (dls_contact_states(c, r, r + m, state, NULL)) return EXIT_BAD_INPUT;
+    for (int i = 0; i < c->nc; i++)
+      k += state[i] == DLS_STICK ? c->d : state[i] == DLS_SLIP ? c->d - 1 : 0;
+    printf("| %s | %zu | %d | %.3g | %.3g |", short_name(name[f]), m, k, 1e6 * plain, 1e6 * sweep);
+    if (step > 0)
+      printf(" %.3g | %.2g | %.2g |\n", 1e6 * step, step / sweep, model(c, k));
+    else
+      printf(" - | - | %.2g |\n", model(c, k)); /* there before the first step */
+    fflush(stdout);
+    free(r);
+    free(state);
+    unload(&p);
+  }
+  return EXIT_SOLVED;
+}
+
+int main(int argc, char **argv) {
+  const int cost = argc > 1 && !strcmp(argv[1], "--cost"), count = argc - 1 - cost;
+  if (count < 1 || count > most_files) return complain("usage: auto [--cost] FILE...");
+  return cost ? run_cost(count, argv + 2) : run_comparison(count, argv + 1);
+}

@@ -1,0 +1,381 @@
+/*
+ * auto.c: the method "auto": one method after the other, each from the best r so far, until the
+ * certificate holds.
+ *
+ *   (S1)  accelerated sweeps of Gauss-Seidel (Anderson)
+ *   (S2)  Newton's method
+ *   (S3)  W dense, 400 unknowns or more: up to 200 iterations of ADMM
+ *         (S1) and (S2) three times more
+ *   (S4)  the augmented Lagrangian
+ *   (S5)  Lemke's method, up to DLS_AUTO_LEMKE_2D or _3D candidates
+ *         (S1), (S2), (S1), (S2), (S1)
+ *
+ * (S1) and (S2) give way to each other by what they expect to cost yet, in sweeps. With e the
+ * residual of the certificate and e* the one that is asked for:
+ *
+ *   (F1)  sweeps:  log(e / e*) / rate; rate: the mean of the decrease of log e per sweep since the
+ *         stage began, sweep k with the weight k, so that it is the last half that counts
+ *   (F2)  Newton's method, not begun: s steps, s = 2, 6, 12, 24, .. after 0, 1, 2, 3, .. failures
+ *   (F3)  Newton's method, under way: log(e / e*) over the last decrease of log e; 6 steps if the
+ *         first one went up, which it does where W is singular or the states are not sorted yet
+ *   (F4)  a step costs min(k / 6, 50) sweeps, k being the unknowns that the states of r leave; for
+ *         W dense not less than k^2 / (50 m): k^3 of an LU over k m of a sweep
+ *
+ *   (C1)  From sweep 20 on (warm: 10; doubled by each failure) sweeps end when (F1) > (F2). After
+ *         a failure and before they have cost half of (F2), it takes (F1) > 4 (F2): the start of an
+ *         acceleration is its slowest part.
+ *   (C2)  Steps end when p of them brought no new least e of their stage, p = 2, 4, 8, 12, ..
+ *         after 0, 1, 2, 3, .. failures; before any failure also when (F3) > (F1) as it was at the
+ *         end of the sweeps.
+ *
+ * So a wrong forecast costs a few steps first, and is believed less each time. Nothing is measured
+ * by a clock: the same input takes the same stages to the same bits.
+ *
+ * If (S4) sees the reactions run away and (S5), where there is room for it, finds no solution, the
+ * answer is DLS_NO_SOLUTION_LIKELY; DLS_NO_SOLUTION if (S5) has a proof.
+ *
+ * (F4) was measured up to m = 14004: README.md of this folder, with the command. 20 sweeps before
+ * the first step are those of newton.c. Of the steps expected, 2 is what Newton's method takes where
+ * W is regular and the states are right, and 6 what it takes in all where W is singular and it
+ * converges (6 to 8: vi/README.md). Where (S3) is quicker than more of the others: vi/README.md, and
+ * README.md of this folder. What can fail: every method; then DLS_STALLED with the best r.
+ */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delassus/admm.h"
+#include "delassus/augmented.h"
+#include "delassus/newton.h"
+#include "solve_internal.h"
+
+enum { cold_sweeps = 20, warm_sweeps = 10, look_every = 5 };
+enum { steps_after_rise = 6, most_failures = 5 };
+enum { split_unknowns = 400, split_iterations = 200 }; /* (S3) */
+
+static const int steps_expected[] = {2, 6, 12, 24, 48, 96}; /* (F2), by failures */
+static const int patience[] = {2, 4, 8, 12, 12, 12};        /* (C2) */
+
+static const double rounding = 1e-9; /* a reaction on its cone but for this much slips */
+
+struct dlsi_auto {
+  dls_solver_settings settings;
+  dls_nlgs *sweeps;
+  dls_newton *newton;
+  dls_admm *admm; /* NULL: W by blocks, or small */
+  dls_augmented *augmented;
+  dlsi_pivoting *pivoting; /* NULL: too large */
+  double *r, *best;        /* m each: of the stage, the best so far */
+
+  /* of the solve under way */
+  const dls_contact *problem;
+  dls_info info;          /* its certificate is that of best */
+  int cancelled, limited; /* by the caller's callback, by settings.max_iterations */
+  int failures;           /* of Newton's method */
+  double ahead;           /* (F1) at the end of the last sweeps */
+  dls_status verdict;     /* DLS_NO_SOLUTION_LIKELY, DLS_NO_SOLUTION, or DLS_OK for none */
+  /* of the stage under way, logarithms of residuals: */
+  double target, least, last;
+  double rate; /* (F1) */
+  int since;   /* step of the least */
+
+  double memory[]; /* of r and best */
+};
+
+/* ---- forecasts ------------------------------------------------------------------------------- */
+
+/* k of (F4), the states as r shows them */
+static double unknowns(const dls_contact *problem, const double *r) {
+  const int d = problem->d;
+  double k = 0;
+  for (int c = 0; c < problem->nc; c++, r += d) {
+    const double mu = problem->mu[c], t = d == 2 ? fabs(r[1]) : hypot(r[1], r[2]);
+    if (!(r[0] > 0)) continue;
+    k += t < (1 - rounding) * mu * r[0] ? d : mu > 0 ? d - 1 : 1;
+  }
+  return k;
+}
+
+/* (F4) */
+static double step_cost(const dls_contact *problem, const double *r) {
+  const double k = unknowns(problem, r);
+  const double small = k / 6 < 50 ? k / 6 : 50;
+  const double large = problem->W.a ? k * k / (50. * problem->d * problem->nc) : 0;
+  return small > large ? small : large;
+}
+
+/* The caller's callback, and his limit: 1 to stop. */
+static int must_stop(dlsi_auto *work, const dls_progress *p) {
+  const dls_solver_settings *s = &work->settings;
+  if (s->progress && s->progress(s->progress_data, p)) return work->cancelled = 1;
+  if (s->max_iterations && work->info.iterations + p->iteration >= s->max_iterations)
+    return work->limited = 1;
+  return 0;
+}
+
+/* After a sweep: 1 to leave the rest to Newton's method. */
+static int watch_sweeps(void *data, const dls_progress *p) {
+  dlsi_auto *work = data;
+  if (must_stop(work, p)) return 1;
+  const double now = log(p->residual);
+  if (p->iteration == 1) work->least = now;
+  const double gain = now < work->least ? work->least - now : 0;
+  work->least -= gain;
+  work->rate += 2. / (p->iteration + 1) * (gain - work->rate);
+  const int first = (work->settings.warm_start ? warm_sweeps : cold_sweeps) << work->failures;
+  if (p->iteration < first || p->iteration % look_every) return 0;
+  work->ahead = (work->least - work->target) / work->rate; /* (F1) */
+  const double newton =
+      steps_expected[work->failures] * step_cost(work->problem, work->r); /* (F2) */
+  const int early = work->failures && 2 * p->iteration < newton;
+  return work->ahead > (early ? 4 : 1) * newton; /* (C1) */
+}
+
+/* After a step: 1 to go back to the sweeps. */
+static int watch_steps(void *data, const dls_progress *p) {
+  dlsi_auto *work = data;
+  if (must_stop(work, p)) return 1;
+  const double now = log(p->residual), drop = work->last - now;
+  const int first = p->iteration == 1;
+  if (first || now < work->least) {
+    work->least = now;
+    work->since = p->iteration;
+  }
+  work->last = now;
+  if (p->iteration - work->since >= patience[work->failures]) return 1; /* (C2) */
+  if (work->failures || (drop <= 0 && !first)) return 0;
+  const double steps = drop > 0 ? ceil((now - work->target) / drop) : steps_after_rise; /* (F3) */
+  return steps * step_cost(work->problem, work->best) > work->ahead;
+}
+
+static int watch_limits(void *data, const dls_progress *p) {
+  return must_stop(data, p);
+}
+
+/* ---- stages ---------------------------------------------------------------------------------- */
+
+/* A stage begins at r = best. */
+static void begin(dlsi_auto *work) {
+  const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
+  const dls_certificate *best = &work->info.certificate;
+  const double tol = work->settings.tol, floor = 4 * best->floor;
+  memcpy(work->r, work->best, m * sizeof *work->r);
+  work->target = log(floor > tol ? floor : tol);
+  work->last = log(best->residual);
+  work->rate = 0;
+}
+
+/* It has ended with r: its line in the report, and best := r if that is better. */
+static void end(dlsi_auto *work, dls_method method, int iterations, int factorisations,
+                const dls_certificate *now) {
+  dls_info *info = &work->info;
+  const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
+  info->stage[info->stages++] = (dls_stage){method, iterations, factorisations, now->residual};
+  info->iterations += iterations;
+  info->factorisations += factorisations;
+  if (!(now->residual < info->certificate.residual)) return;
+  info->certificate = *now;
+  memcpy(work->best, work->r, m * sizeof *work->r);
+}
+
+/* (S1); a warm start for which W r overflows is dropped */
+static dls_status sweep(dlsi_auto *work, dls_error *error) {
+  (void)error;
+  const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
+  dls_certificate certificate;
+  int sweeps;
+  begin(work);
+  const dls_status status = dlsi_nlgs_run(work->sweeps, work->problem, NULL, work->settings.tol,
+                                          work->r, NULL, &certificate, &sweeps);
+  end(work, DLS_NLGS, sweeps, 0, &certificate);
+  if (work->info.certificate.residual <= DBL_MAX || work->info.stages > 1) return status;
+  memset(work->best, 0, m * sizeof *work->best);
+  return sweep(work, error);
+}
+
+/* (S2) */
+static dls_status newton(dlsi_auto *work, dls_error *error) {
+  dls_info info;
+  begin(work);
+  const dls_status status =
+      dls_newton_solve(work->newton, work->problem, work->r, NULL, &info, error);
+  if (status < 0) return status;
+  end(work, DLS_NEWTON, info.iterations, info.iterations, &info.certificate);
+  if (work->failures < most_failures) work->failures++;
+  return status;
+}
+
+/* (S3) */
+static dls_status split(dlsi_auto *work, dls_error *error) {
+  dls_info info;
+  if (!work->admm || !work->problem->W.a || unknowns(work->problem, work->best) < split_unknowns)
+    return DLS_STALLED;
+  begin(work);
+  const dls_status status = dls_admm_solve(work->admm, work->problem, work->r, NULL, &info, error);
+  if (status < 0) return status;
+  end(work, DLS_ADMM, info.iterations, info.factorisations, &info.certificate);
+  return status;
+}
+
+/* (S4) */
+static dls_status augment(dlsi_auto *work, dls_error *error) {
+  dls_info info;
+  begin(work);
+  const dls_status status =
+      dls_augmented_solve(work->augmented, work->problem, work->r, NULL, &info, error);
+  if (status < 0) return status;
+  end(work, DLS_AUGMENTED_LAGRANGIAN, info.iterations, info.factorisations, &info.certificate);
+  if (status == DLS_STALLED && dls_augmented_direction(work->augmented))
+    work->verdict = DLS_NO_SOLUTION_LIKELY;
+  return status;
+}
+
+/* (S5) */
+static dls_status pivot(dlsi_auto *work, dls_error *error) {
+  dls_info info;
+  if (!work->pivoting) return DLS_STALLED;
+  begin(work);
+  const dls_status status =
+      dlsi_pivoting_solve(work->pivoting, work->problem, work->r, NULL, &info, error);
+  if (status < 0) return status;
+  end(work, DLS_LEMKE, info.iterations, 0, &info.certificate);
+  if (status == DLS_NO_SOLUTION) work->verdict = status;
+  return status;
+}
+
+typedef dls_status stage(dlsi_auto *work, dls_error *error);
+
+static stage *const order[] = {sweep,  newton,  split, sweep, newton, sweep, newton, sweep,
+                               newton, augment, pivot, sweep, newton, sweep, newton, sweep};
+_Static_assert(sizeof order / sizeof order[0] <= DLS_STAGES_MAX, "a line for each in the report");
+
+/* The stages in turn: DLS_OK, an error, or the reason for the end. */
+static dls_status run(dlsi_auto *work, dls_error *error) {
+  for (size_t k = 0; k < sizeof order / sizeof order[0]; k++) {
+    const dls_status status = order[k](work, error);
+    if (status < 0) return status;
+    if (dls_certificate_holds(&work->info.certificate, work->settings.tol)) return DLS_OK;
+    if (work->cancelled) return DLS_CANCELLED;
+    if (work->limited) return DLS_MAX_ITERATIONS;
+    if (order[k] == pivot && work->verdict) return work->verdict;
+  }
+  return DLS_STALLED;
+}
+
+dls_status dlsi_auto_solve(dlsi_auto *work, const dls_contact *problem, double *r, double *u,
+                           dls_info *info, dls_error *error) {
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const dls_info nothing = {.method = DLS_AUTO, .certificate = {.residual = INFINITY}};
+  work->problem = problem;
+  work->info = nothing;
+  work->cancelled = work->limited = work->failures = 0;
+  work->verdict = DLS_OK;
+  if (work->settings.warm_start)
+    memcpy(work->best, r, m * sizeof *r);
+  else
+    memset(work->best, 0, m * sizeof *r);
+  const dls_status status = run(work, error);
+  if (status < 0) return status;
+  memcpy(r, work->best, m * sizeof *r);
+  if (u) dlsi_contact_multiply(problem, r, u, NULL);
+  work->info.status = status;
+  if (info) *info = work->info;
+  return status;
+}
+
+const double *dlsi_auto_direction(const dlsi_auto *work) {
+  return dls_augmented_direction(work->augmented);
+}
+
+/* ---- create ---------------------------------------------------------------------------------- */
+
+static dls_status create_sweeps(dlsi_auto *work, int d, int nc, dls_error *error) {
+  dls_nlgs_settings s;
+  dls_nlgs_settings_init(&s);
+  s.tol = work->settings.tol;
+  s.warm_start = 1;
+  s.acceleration = DLS_ACCELERATION_ANDERSON;
+  s.progress = watch_sweeps;
+  s.progress_data = work;
+  return dls_nlgs_create(&work->sweeps, d, nc, &s, error);
+}
+
+static dls_status create_newton(dlsi_auto *work, int d, int nc, dls_error *error) {
+  dls_newton_settings s;
+  dls_newton_settings_init(&s);
+  s.tol = work->settings.tol;
+  s.warm_start = 1;
+  s.sweeps = 0;
+  s.blocks = work->settings.blocks;
+  if (work->settings.positive_definite) s.regularization = 0;
+  s.progress = watch_steps;
+  s.progress_data = work;
+  return dls_newton_create(&work->newton, d, nc, &s, error);
+}
+
+static dls_status create_admm(dlsi_auto *work, int d, int nc, dls_error *error) {
+  if (work->settings.blocks || d * nc < split_unknowns) return DLS_OK;
+  dls_admm_settings s;
+  dls_admm_settings_init(&s);
+  s.tol = work->settings.tol;
+  s.max_iterations = split_iterations;
+  s.warm_start = 1;
+  s.progress = watch_limits;
+  s.progress_data = work;
+  return dls_admm_create(&work->admm, d, nc, &s, error);
+}
+
+static dls_status create_augmented(dlsi_auto *work, int d, int nc, dls_error *error) {
+  dls_augmented_settings s;
+  dls_augmented_settings_init(&s);
+  s.tol = work->settings.tol;
+  s.blocks = work->settings.blocks;
+  s.warm_start = 1;
+  s.progress = watch_limits;
+  s.progress_data = work;
+  return dls_augmented_create(&work->augmented, d, nc, &s, error);
+}
+
+static dls_status create_pivoting(dlsi_auto *work, int d, int nc, dls_error *error) {
+  if (nc > (d == 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D)) return DLS_OK;
+  dls_solver_settings s = work->settings;
+  s.max_iterations = 0;
+  s.warm_start = 0;
+  s.progress = watch_limits;
+  s.progress_data = work;
+  return dlsi_pivoting_create(&work->pivoting, d, nc, &s, error);
+}
+
+dls_status dlsi_auto_create(dlsi_auto **out, int d, int nc, const dls_solver_settings *settings,
+                            dls_error *error) {
+  *out = NULL;
+  const size_t m = (size_t)d * (size_t)nc;
+  dlsi_auto *work = dlsi_alloc(1, sizeof *work + 2 * m * sizeof *work->memory);
+  if (!work) return dlsi_fail(error, DLS_E_MEMORY, "dls_solver_create", "", -1, 0, "out of memory");
+  memset(work, 0, sizeof *work);
+  work->settings = *settings;
+  work->r = work->memory;
+  work->best = work->memory + m;
+  dls_status status = create_sweeps(work, d, nc, error);
+  if (!status) status = create_newton(work, d, nc, error);
+  if (!status) status = create_admm(work, d, nc, error);
+  if (!status) status = create_augmented(work, d, nc, error);
+  if (!status) status = create_pivoting(work, d, nc, error);
+  if (status) {
+    dlsi_auto_destroy(work);
+    return status;
+  }
+  *out = work;
+  return DLS_OK;
+}
+
+void dlsi_auto_destroy(dlsi_auto *work) {
+  if (!work) return;
+  dls_nlgs_destroy(work->sweeps);
+  dls_newton_destroy(work->newton);
+  dls_admm_destroy(work->admm);
+  dls_augmented_destroy(work->augmented);
+  dlsi_pivoting_destroy(work->pivoting);
+  free(work);
+}

@@ -1,0 +1,73 @@
+/* options.c: what scene and solve are told alike: the method, and its settings. */
+#include <string.h>
+
+#include "cli.h"
+
+void solver_options_init(solver_options *o, double tol) {
+  memset(o, 0, sizeof *o);
+  dls_solver_settings_init(&o->settings);
+  o->settings.tol = tol;
+  o->settings.progress = show_progress;
+}
+
+const char *method_list(char *text, size_t size) {
+  size_t used = 0;
+  text[0] = '\0';
+  for (int k = 0; k < 100 && used < size; k++) {
+    const char *name = dls_method_name((dls_method)k);
+    if (name)
+      used += (size_t)snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", name);
+  }
+  return text;
+}
+
+void solver_usage(FILE *out, const char *more, double tol) {
+  char methods[METHOD_LIST_ROOM];
+  fprintf(out,
+          "  -m, --method=METHOD   one of: %s%s (auto)\n"
+          "  -a, --accel=HOW       nlgs, which it asks for: none (default), aitken or anderson\n"
+          "  -t, --tol=T           tolerance on the certificate's residual (%g)\n"
+          "  -i, --max-iter=N      limit of sweeps, pivots, steps or augmentations\n",
+          method_list(methods, sizeof methods), more, tol);
+}
+
+/* A method by its name, or gauss-seidel; 0 after a complaint. */
+static int take_method(const char *name, solver_options *o) {
+  char methods[METHOD_LIST_ROOM];
+  o->method_given = 1;
+  o->primal = strcmp(name, "gauss-seidel") == 0;
+  if (o->primal || dls_method_find(name, &o->settings.method)) return 1;
+  complain("--method: '%s' is no method (%s, gauss-seidel)", name,
+           method_list(methods, sizeof methods));
+  return 0;
+}
+
+static int take_acceleration(const char *name, solver_options *o) {
+  o->accel_given = 1;
+  if (dls_acceleration_find(name, &o->settings.acceleration)) return 1;
+  complain("--accel: '%s' is no acceleration (none, aitken, anderson)", name);
+  return 0;
+}
+
+int take_solver_option(int key, const char *text, solver_options *o) {
+  switch (key) {
+  case 'm':
+    return take_method(text, o);
+  case 'a':
+    return take_acceleration(text, o);
+  case 't':
+    return parse_number("tol", text, &o->settings.tol);
+  case 'i':
+    return parse_count("max-iter", text, &o->settings.max_iterations);
+  default:
+    return -1;
+  }
+}
+
+int settle_solver_options(solver_options *o) {
+  if (!o->accel_given) return 1;
+  if (!o->method_given) o->settings.method = DLS_NLGS;
+  if (!o->primal && o->settings.method == DLS_NLGS) return 1;
+  complain("--accel: is for nlgs");
+  return 0;
+}

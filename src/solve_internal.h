@@ -1,0 +1,28 @@
+/* solve_internal.h: the methods behind the front door that are made of others. */
+#ifndef SOLVE_INTERNAL_H
+#define SOLVE_INTERNAL_H
+
+#include "delassus/solve.h"
+#include "dlsi.h"
+
+/* Lemke's method on a contact problem, solve_lemke.c. Settings, sizes and problem have been checked;
+ * otherwise as dls_solver_create, _solve, _destroy say. */
+typedef struct dlsi_pivoting dlsi_pivoting;
+
+dls_status dlsi_pivoting_create(dlsi_pivoting **out, int d, int nc,
+                                const dls_solver_settings *settings, dls_error *error);
+dls_status dlsi_pivoting_solve(dlsi_pivoting *work, const dls_contact *problem, double *r,
+                               double *u, dls_info *info, dls_error *error);
+void dlsi_pivoting_destroy(dlsi_pivoting *work);
+
+/* All methods in turn, auto.c; the same. */
+typedef struct dlsi_auto dlsi_auto;
+
+dls_status dlsi_auto_create(dlsi_auto **out, int d, int nc, const dls_solver_settings *settings,
+                            dls_error *error);
+dls_status dlsi_auto_solve(dlsi_auto *work, const dls_contact *problem, double *r, double *u,
+                           dls_info *info, dls_error *error);
+const double *dlsi_auto_direction(const dlsi_auto *work);
+void dlsi_auto_destroy(dlsi_auto *work);
+
+#endif
