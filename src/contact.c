@@ -264,16 +264,20 @@ static void raise(double *m, double x) {
 static double magnitude(const dls_contact *problem, const double *r, const double *a,
                         const double *w) {
   const size_t d = (size_t)problem->d, nc = (size_t)problem->nc;
-  double largest = 0, sum = 0;
-  for (int pass = 0; pass < 2; pass++)
-    for (size_t e = 0; e < d * nc; e++) {
-      const double wr = w[e / d] * fabs(r[e]), x = a[e] > wr || a[e] != a[e] ? a[e] : wr;
-      if (pass == 0)
+  double largest = 0, sum = 0, scale = 1;
+  for (int pass = 0; pass < 2; pass++) {
+    sum = 0;
+    for (size_t c = 0, e = 0; c < nc; c++)
+      for (size_t i = 0; i < d; i++, e++) {
+        const double wr = w[c] * fabs(r[e]), x = a[e] > wr || a[e] != a[e] ? a[e] : wr;
         raise(&largest, x);
-      else
-        sum += (x / largest) * (x / largest);
-    }
-  return largest > 0 ? largest * sqrt(sum) : largest;
+        sum += (x / scale) * (x / scale);
+      }
+    if (!(largest > 0)) return largest;
+    if (sum > 1e-280 && sum < 1e280) break;
+    scale = largest;
+  }
+  return scale * sqrt(sum);
 }
 
 void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
@@ -287,7 +291,7 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
     const size_t o = (size_t)d * (size_t)k;
     const double mu = problem->mu[k], *rc = r + o, *uc = u + o;
     dlsi_contact_residual(d, mu, w[k], rc, uc, F + o);
-    const double size = dlsi_norm2(F + o, (size_t)d);
+    const double size = is_zero((size_t)d, F + o) ? 0 : dlsi_norm2(F + o, (size_t)d);
     if (size > worst || size != size) {
       worst = size != size ? INFINITY : size;
       c.worst = k;
@@ -305,8 +309,8 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
     } else if (mu * rc[0] > 0)
       raise(&c.slip_direction, ut);
   }
-  const double f = dlsi_norm2(F, m), ar = dlsi_norm2(a, m), q = dlsi_norm2(problem->q, m);
-  const double scale = q > 0 ? q : ar;
+  const double f = dlsi_norm2(F, m), q = dlsi_norm2(problem->q, m);
+  const double scale = q > 0 ? q : dlsi_norm2(a, m);
   c.residual = f == 0 ? 0 : f / scale;
   const double rounded = magnitude(problem, r, a, w);
   c.floor = rounded == 0 ? 0 : DBL_EPSILON * (rounded / scale);
