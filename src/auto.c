@@ -4,7 +4,7 @@
  *
  *   (S1)  accelerated sweeps of Gauss-Seidel (Anderson)
  *   (S2)  Newton's method
- *   (S3)  W dense, 400 unknowns or more: up to 200 iterations of ADMM
+ *   (S3)  W dense, 250 unknowns or more: up to 200 iterations of ADMM
  *         (S1) and (S2) three times more
  *   (S4)  the augmented Lagrangian
  *   (S5)  Lemke's method, up to DLS_AUTO_LEMKE_2D or _3D candidates
@@ -52,7 +52,7 @@
 
 enum { cold_sweeps = 20, warm_sweeps = 10, look_every = 5 };
 enum { steps_after_rise = 6, most_failures = 5 };
-enum { split_unknowns = 400, split_iterations = 200 }; /* (S3) */
+enum { split_unknowns = 250, split_iterations = 200 }; /* (S3) */
 
 static const int steps_expected[] = {2, 6, 12, 24, 48, 96}; /* (F2), by failures */
 static const int patience[] = {2, 4, 8, 12, 12, 12};        /* (C2) */

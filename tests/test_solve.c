@@ -668,7 +668,7 @@ END_TEST
 
 /* Bytes that create asks for: those of the methods, r, the best r, and up to 2 kB. */
 START_TEST(auto_holds_its_methods) {
-  static const int size[][2] = {{2, 1}, {2, 150}, {2, 199}, {2, 200}, {3, 60}, {3, 61}};
+  static const int size[][2] = {{2, 1}, {2, 150}, {2, 124}, {2, 125}, {3, 60}, {3, 61}};
   for (int k = 0; k < 6; k++) {
     const int d = size[k][0], nc = size[k][1];
     dls_solver_settings s = settings_of(DLS_AUTO);
@@ -694,7 +694,7 @@ START_TEST(auto_holds_its_methods) {
     malloc_fails_at(0);
     status = dls_nlgs_create(&nlgs, d, nc, &sweeps, NULL);
     if (!status) status = dls_newton_create(&newton, d, nc, &steps, NULL);
-    if (!status && d * nc >= 400) status = dls_admm_create(&admm, d, nc, &splits, NULL);
+    if (!status && d * nc >= 250) status = dls_admm_create(&admm, d, nc, &splits, NULL);
     if (!status) status = dls_augmented_create(&augmented, d, nc, &augmentations, NULL);
     s.method = DLS_LEMKE;
     if (!status && nc <= (d == 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D))
