@@ -194,7 +194,8 @@ format-check:
 
 PEER_CFLAGS = -isystem /usr/include/siconos -isystem /usr/include/siconos/numerics
 BENCH_OBJ = $(call obj,bench/lemke.c bench/problems.c bench/peer.c)
-$(BENCH_OBJ): CPPFLAGS += -D_GNU_SOURCE $(PEER_CFLAGS)
+SOLVERS_OBJ = $(call obj,bench/solvers.c bench/scenes.c bench/measure.c bench/report.c bench/contact_peer.c)
+$(BENCH_OBJ) $(SOLVERS_OBJ): CPPFLAGS += -D_GNU_SOURCE $(PEER_CFLAGS)
 
 $(BUILD)/bench/lemke: $(BENCH_OBJ) $(FE) $(A)
 	@mkdir -p $(@D)
@@ -230,6 +231,17 @@ $(BUILD)/bench/blocks: $(call obj,bench/blocks.c) $(A)
 .PHONY: bench-blocks
 bench-blocks: $(BUILD)/bench/blocks
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks
+
+$(BUILD)/bench/solvers: $(SOLVERS_OBJ) $(FE) $(A)
+	@mkdir -p $(@D)
+	$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ -lsiconos_numerics $(LIBS)
+
+.PHONY: bench-solvers
+bench-solvers:
+	@.ci/deps bench
+	@$(MAKE) --no-print-directory $(BUILD)/bench/solvers
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/solvers --out $(BUILD)/bench $(BENCH)
+	gnuplot -e "dir='$(BUILD)/bench/'" bench/solvers.gp
 
 # ---- demo, install ------------------------------------------------------------------------------
 

@@ -1,0 +1,299 @@
+/*
+ * contact_peer.c: the friction contact solvers of Siconos Numerics.
+ *
+ * Each is taken with its default options and with one or more of the settings that its headers offer;
+ * the tolerance and an iteration limit that never comes first are all that is changed besides.
+ * The matrix is made anew for each call: some solvers write into it.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include <FrictionContactProblem.h>
+#include <Friction_cst.h>
+#include <GlobalFrictionContactProblem.h>
+#include <NonSmoothDrivers.h>
+#include <NumericsMatrix.h>
+#include <NumericsSparseMatrix.h>
+#include <NumericsVerbose.h>
+#include <SolverOptions.h>
+#include <SparseBlockMatrix.h>
+
+#include "solvers.h"
+
+enum {
+  most_iterations = 100000000,
+  least_iterations = 1000,
+  pivoting_rows = 3000,  /* lexicographic Lemke: seconds */
+  dense_copy_rows = 600, /* W by blocks is tried as a dense matrix, too, up to here */
+  dense_2d_rows = 6000   /* what takes nothing but a dense matrix is given one up to here */
+};
+
+typedef enum storage { DENSE, BLOCKS, SPARSE } storage;
+
+struct peer_method {
+  const char *name, *setting;
+  int id;                               /* of the solver */
+  int d;                                /* it is for */
+  int global;                           /* K, H as they are */
+  int quick;                            /* part of the quick run */
+  storage of;                           /* W, where W is given by blocks; a dense W stays dense */
+  void (*tune)(SolverOptions *options); /* NULL for the defaults */
+};
+
+/* ---- settings -------------------------------------------------------------------------------- */
+
+static void local_projection(SolverOptions *o) {
+  solver_options_update_internal(o, 0,
+                                 SICONOS_FRICTION_3D_ONECONTACT_ProjectionOnConeWithLocalIteration);
+}
+static void local_quartic(SolverOptions *o) {
+  solver_options_update_internal(o, 0, SICONOS_FRICTION_3D_ONECONTACT_QUARTIC);
+}
+static void local_newton(SolverOptions *o) {
+  solver_options_update_internal(o, 0, SICONOS_FRICTION_3D_ONECONTACT_NSN);
+}
+static void freezing(SolverOptions *o) {
+  o->iparam[SICONOS_FRICTION_3D_NSGS_FREEZING_CONTACT] = 20;
+}
+static void full_error(SolverOptions *o) {
+  o->iparam[SICONOS_FRICTION_3D_IPARAM_ERROR_EVALUATION] =
+      SICONOS_FRICTION_3D_NSGS_ERROR_EVALUATION_FULL;
+}
+static void jean_moreau(SolverOptions *o) {
+  o->iparam[SICONOS_FRICTION_3D_NSN_FORMULATION] =
+      SICONOS_FRICTION_3D_NSN_FORMULATION_JEANMOREAU_STD;
+}
+static void mumps(SolverOptions *o) {
+  o->iparam[SICONOS_FRICTION_3D_NSN_LINEAR_SOLVER] = SICONOS_FRICTION_3D_NSN_USE_MUMPS;
+}
+static void hybrid(SolverOptions *o) {
+  o->iparam[SICONOS_FRICTION_3D_NSN_HYBRID_STRATEGY] =
+      SICONOS_FRICTION_3D_NSN_HYBRID_STRATEGY_VI_EG_NSN;
+}
+static void balancing(SolverOptions *o) {
+  o->iparam[SICONOS_FRICTION_3D_ADMM_IPARAM_RHO_STRATEGY] =
+      SICONOS_FRICTION_3D_ADMM_RHO_STRATEGY_RESIDUAL_BALANCING;
+}
+static void scaled_balancing(SolverOptions *o) {
+  o->iparam[SICONOS_FRICTION_3D_ADMM_IPARAM_RHO_STRATEGY] =
+      SICONOS_FRICTION_3D_ADMM_RHO_STRATEGY_SCALED_RESIDUAL_BALANCING;
+}
+
+static const peer_method methods[] = {
+    {"siconos-nsgs", "default", SICONOS_FRICTION_2D_NSGS, 2, 0, 1, BLOCKS, NULL},
+    {"siconos-cpg", "default", SICONOS_FRICTION_2D_CPG, 2, 0, 1, DENSE, NULL},
+    {"siconos-lemke", "default", SICONOS_FRICTION_2D_LEMKE, 2, 0, 1, DENSE, NULL},
+    {"siconos-nsgs", "default", SICONOS_FRICTION_3D_NSGS, 3, 0, 1, BLOCKS, NULL},
+    {"siconos-nsgs", "freezing", SICONOS_FRICTION_3D_NSGS, 3, 0, 1, BLOCKS, freezing},
+    {"siconos-nsgs", "full-error", SICONOS_FRICTION_3D_NSGS, 3, 0, 0, BLOCKS, full_error},
+    {"siconos-nsgs", "local-newton", SICONOS_FRICTION_3D_NSGS, 3, 0, 0, BLOCKS, local_newton},
+    {"siconos-nsgs", "local-quartic", SICONOS_FRICTION_3D_NSGS, 3, 0, 0, BLOCKS, local_quartic},
+    {"siconos-nsgs-p", "default", SICONOS_FRICTION_3D_NSGS, 3, 0, 1, BLOCKS, local_projection},
+    {"siconos-nsn-ac", "default", SICONOS_FRICTION_3D_NSN_AC, 3, 0, 1, SPARSE, NULL},
+    {"siconos-nsn-ac", "default", SICONOS_FRICTION_3D_NSN_AC, 3, 0, 0, DENSE, NULL},
+    {"siconos-nsn-ac", "mumps", SICONOS_FRICTION_3D_NSN_AC, 3, 0, 0, SPARSE, mumps},
+    {"siconos-nsn-ac", "jean-moreau", SICONOS_FRICTION_3D_NSN_AC, 3, 0, 1, SPARSE, jean_moreau},
+    {"siconos-nsn-ac", "hybrid", SICONOS_FRICTION_3D_NSN_AC, 3, 0, 0, SPARSE, hybrid},
+    {"siconos-nsn-fb", "default", SICONOS_FRICTION_3D_NSN_FB, 3, 0, 1, SPARSE, NULL},
+    {"siconos-nsn-fb", "default", SICONOS_FRICTION_3D_NSN_FB, 3, 0, 0, DENSE, NULL},
+    {"siconos-nsn-nm", "default", SICONOS_FRICTION_3D_NSN_NM, 3, 0, 1, SPARSE, NULL},
+    {"siconos-nsn-nm", "default", SICONOS_FRICTION_3D_NSN_NM, 3, 0, 0, DENSE, NULL},
+    {"siconos-prox", "default", SICONOS_FRICTION_3D_PROX, 3, 0, 1, BLOCKS, NULL},
+    {"siconos-admm", "default", SICONOS_FRICTION_3D_ADMM, 3, 0, 1, SPARSE, NULL},
+    {"siconos-admm", "balancing", SICONOS_FRICTION_3D_ADMM, 3, 0, 1, SPARSE, balancing},
+    {"siconos-admm", "scaled-balancing", SICONOS_FRICTION_3D_ADMM, 3, 0, 1, SPARSE,
+     scaled_balancing},
+    {"siconos-tfp", "default", SICONOS_FRICTION_3D_TFP, 3, 0, 0, BLOCKS, NULL},
+    {"siconos-aclmfp", "default", SICONOS_FRICTION_3D_ACLMFP, 3, 0, 0, BLOCKS, NULL},
+    {"siconos-vi-eg", "default", SICONOS_FRICTION_3D_VI_EG, 3, 0, 0, BLOCKS, NULL},
+    {"siconos-vi-fpp", "default", SICONOS_FRICTION_3D_VI_FPP, 3, 0, 0, BLOCKS, NULL},
+    {"siconos-nsgs-wr", "default", SICONOS_GLOBAL_FRICTION_3D_NSGS_WR, 3, 1, 1, SPARSE, NULL},
+    {"siconos-nsn-ac-wr", "default", SICONOS_GLOBAL_FRICTION_3D_NSN_AC_WR, 3, 1, 1, SPARSE, NULL},
+    {"siconos-admm-wr", "default", SICONOS_GLOBAL_FRICTION_3D_ADMM_WR, 3, 1, 0, SPARSE, NULL},
+    {"siconos-nsn-ac", "default", SICONOS_GLOBAL_FRICTION_3D_NSN_AC, 3, 1, 1, SPARSE, NULL},
+    {"siconos-admm", "default", SICONOS_GLOBAL_FRICTION_3D_ADMM, 3, 1, 1, SPARSE, NULL},
+    {"siconos-admm", "balancing", SICONOS_GLOBAL_FRICTION_3D_ADMM, 3, 1, 1, SPARSE, balancing},
+};
+enum { method_count = sizeof methods / sizeof methods[0] };
+
+const peer_method *peer_at(int index) {
+  return index >= 0 && index < method_count ? &methods[index] : NULL;
+}
+const char *peer_name(const peer_method *p) {
+  return p->name;
+}
+const char *peer_setting(const peer_method *p) {
+  return p->setting;
+}
+/* Sweeps and the like: the CPU limit ends them. The others may take as many as they do by default. */
+static int iterates_cheaply(int id) {
+  return id == SICONOS_FRICTION_2D_NSGS || id == SICONOS_FRICTION_2D_CPG ||
+         id == SICONOS_FRICTION_2D_LEMKE || id == SICONOS_FRICTION_3D_NSGS ||
+         id == SICONOS_FRICTION_3D_ADMM || id == SICONOS_FRICTION_3D_VI_EG ||
+         id == SICONOS_FRICTION_3D_VI_FPP || id == SICONOS_GLOBAL_FRICTION_3D_NSGS_WR ||
+         id == SICONOS_GLOBAL_FRICTION_3D_ADMM || id == SICONOS_GLOBAL_FRICTION_3D_ADMM_WR;
+}
+
+int peer_pivots(const peer_method *p) {
+  return p->id == SICONOS_FRICTION_2D_LEMKE;
+}
+
+/* The storage that p gets of W. */
+static storage storage_of(const peer_method *p, const scene *s) {
+  return s->contact.W.a && !p->global ? DENSE : p->of;
+}
+
+const char *peer_storage(const peer_method *p, const scene *s) {
+  static const char *const names[] = {"dense", "blocks", "sparse"};
+  return names[storage_of(p, s)];
+}
+
+int peer_takes(const peer_method *p, const scene *s, int full) {
+  const int m = s->contact.d * s->contact.nc;
+  if (p->d != s->contact.d || p->global != (s->model != NULL) || (!full && !p->quick)) return 0;
+  if (peer_pivots(p) && 3 * s->contact.nc > pivoting_rows) return 0;
+  if (p->global || p->d == 2) return p->of != DENSE || m <= dense_2d_rows;
+  if (s->contact.W.a) return p->of != DENSE && p->tune != mumps; /* doubles of the line above */
+  return p->of != DENSE || m <= dense_copy_rows;
+}
+
+/* ---- matrices -------------------------------------------------------------------------------- */
+
+static NumericsMatrix *triplets(int rows, int cols, int count) {
+  NumericsMatrix *A = NM_create(NM_SPARSE, rows, cols);
+  NM_triplet_alloc(A, count);
+  numericsSparseMatrix(A)->origin = NSM_TRIPLET;
+  return A;
+}
+
+static NumericsMatrix *sparse_of_blocks(const dls_blocks *W) {
+  const int d = W->d, m = d * W->n;
+  NumericsMatrix *A = triplets(m, m, d * d * W->p[W->n]);
+  for (int c = 0; c < W->n; c++)
+    for (int k = W->p[c]; k < W->p[c + 1]; k++)
+      for (int j = 0; j < d; j++)
+        for (int i = 0; i < d; i++)
+          NM_entry(A, d * W->i[k] + i, d * c + j,
+                   W->x[(size_t)d * (size_t)(d * k + j) + (size_t)i]);
+  NM_csc(A);
+  return A;
+}
+
+static NumericsMatrix *dense_of(const scene *s) {
+  const size_t m = (size_t)s->contact.d * (size_t)s->contact.nc;
+  NumericsMatrix *A = NM_create(NM_DENSE, (int)m, (int)m);
+  const dls_dense *W = &s->contact.W;
+  const dls_blocks *B = &s->contact.Wb;
+  if (W->a) {
+    for (size_t j = 0; j < m; j++)
+      memcpy(A->matrix0 + j * m, W->a + j * (size_t)W->ld, m * sizeof(double));
+    return A;
+  }
+  const size_t d = (size_t)B->d;
+  memset(A->matrix0, 0, m * m * sizeof(double));
+  for (int c = 0; c < B->n; c++)
+    for (int k = B->p[c]; k < B->p[c + 1]; k++)
+      for (size_t j = 0; j < d; j++)
+        for (size_t i = 0; i < d; i++)
+          A->matrix0[d * (size_t)B->i[k] + i + (d * (size_t)c + j) * m] +=
+              B->x[d * (d * (size_t)k + j) + i];
+  return A;
+}
+
+static NumericsMatrix *matrix_of(const scene *s, storage kind) {
+  if (kind == DENSE) return dense_of(s);
+  NumericsMatrix *A = sparse_of_blocks(&s->contact.Wb);
+  if (kind == SPARSE) return A;
+  SparseBlockStructuredMatrix *blocks = SBM_new();
+  SBM_from_csparse(s->contact.d, NM_csc(A), blocks);
+  NumericsMatrix *B = NM_new_SBM(A->size0, A->size1, blocks);
+  NM_free(A);
+  return B;
+}
+
+static NumericsMatrix *sparse_of(const dls_sparse *K) {
+  NumericsMatrix *A = triplets(K->rows, K->cols, K->p[K->cols]);
+  for (int j = 0; j < K->cols; j++)
+    for (int k = K->p[j]; k < K->p[j + 1]; k++)
+      NM_entry(A, K->i[k], j, K->x[k]);
+  NM_csc(A);
+  return A;
+}
+
+/* The columns of H_N and H_T, candidate by candidate. */
+static NumericsMatrix *sparse_of_H(const dls_model *model) {
+  const int d = model->d, nc = model->nodes;
+  const dls_sparse *HN = &model->HN, *HT = &model->HT;
+  NumericsMatrix *A = triplets(model->n, d * nc, HN->p[nc] + HT->p[(d - 1) * nc]);
+  for (int j = 0; j < d * nc; j++) {
+    const dls_sparse *H = j % d ? HT : HN;
+    const int column = j % d ? (d - 1) * (j / d) + j % d - 1 : j / d;
+    for (int k = H->p[column]; k < H->p[column + 1]; k++)
+      NM_entry(A, H->i[k], j, H->x[k]);
+  }
+  NM_csc(A);
+  return A;
+}
+
+static double *copy(const double *x, int n) {
+  double *y = malloc((size_t)n * sizeof *y);
+  if (y) memcpy(y, x, (size_t)n * sizeof *y);
+  return y;
+}
+
+/* ---- solving --------------------------------------------------------------------------------- */
+
+static int solve_local(const peer_method *p, const scene *s, double *r, double *u,
+                       SolverOptions *options, double *cpu) {
+  const dls_contact *c = &s->contact;
+  FrictionContactProblem problem = {.dimension = c->d,
+                                    .numberOfContacts = c->nc,
+                                    .M = matrix_of(s, storage_of(p, s)),
+                                    .q = copy(c->q, c->d * c->nc),
+                                    .mu = copy(c->mu, c->nc)};
+  const double start = cpu_seconds();
+  const int status = (c->d == 2 ? fc2d_driver : fc3d_driver)(&problem, r, u, options);
+  *cpu = cpu_seconds() - start;
+  NM_free(problem.M);
+  free(problem.q);
+  free(problem.mu);
+  return status;
+}
+
+static int solve_global(const scene *s, double *r, double *u, SolverOptions *options, double *cpu) {
+  GlobalFrictionContactProblem *problem = globalFrictionContactProblem_new();
+  problem->dimension = s->contact.d;
+  problem->numberOfContacts = s->contact.nc;
+  problem->M = sparse_of(&s->model->Ks);
+  problem->H = sparse_of_H(s->model);
+  problem->q = copy(s->f, s->model->n);
+  problem->b = copy(s->g, s->contact.d * s->contact.nc);
+  problem->mu = copy(s->contact.mu, s->contact.nc);
+  double *v = calloc((size_t)s->model->n, sizeof *v);
+  const double start = cpu_seconds();
+  const int status = gfc3d_driver(problem, r, u, v, options);
+  *cpu = cpu_seconds() - start;
+  free(v); /* the rest goes with the process: some solvers free parts of it */
+  return status;
+}
+
+void peer_solve(const void *how, const scene *s, double tol, double *r, outcome *o) {
+  const peer_method *p = how;
+  double *u = calloc((size_t)s->contact.d * (size_t)s->contact.nc, sizeof *u);
+  numerics_set_verbose(0);
+  const double start = cpu_seconds();
+  SolverOptions *options = solver_options_create(p->id);
+  if (p->tune) p->tune(options);
+  options->dparam[SICONOS_DPARAM_TOL] = tol;
+  if (options->iparam[SICONOS_IPARAM_MAX_ITER] < least_iterations)
+    options->iparam[SICONOS_IPARAM_MAX_ITER] = least_iterations;
+  if (iterates_cheaply(p->id)) options->iparam[SICONOS_IPARAM_MAX_ITER] = most_iterations;
+  o->setup = cpu_seconds() - start;
+  const int status = p->global ? solve_global(s, r, u, options, &o->cpu)
+                               : solve_local(p, s, r, u, options, &o->cpu);
+  o->claim = status == 0;
+  o->iterations = options->iparam[SICONOS_IPARAM_ITER_DONE];
+  solver_options_delete(options);
+  free(options);
+  free(u);
+}

@@ -1,0 +1,305 @@
+/*
+ * report.c: DIR/solvers.csv; from it the summary, and for solvers.gp
+ *
+ *   profile_2d_1e-04.dat ...  performance profiles [Dolan and More 2002]: for each solver, the part
+ *                             of all scenes that it solves in at most tau times the time of the fastest
+ *   ratio_1e-04.dat ...       time of ours over that of the best of the peer, by set, against nc
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "report.h"
+
+typedef struct entry { /* a scene */
+  char set[8], name[64];
+  int d, nc;
+  size_t first; /* of its records */
+} entry;
+
+struct report {
+  const char *directory;
+  FILE *csv;
+  entry *scenes;
+  record *records;
+  size_t scene_count, record_count;
+};
+
+static const char *const sets[] = {"tiny", "fclib", "global", "block", "cube", "wall"};
+enum { set_count = sizeof sets / sizeof sets[0], tiny = 20 /* candidates */ };
+
+static FILE *open_in(const char *directory, const char *name) {
+  char path[1024];
+  snprintf(path, sizeof path, "%s/%s", directory, name);
+  FILE *file = fopen(path, "w");
+  if (!file) perror(path);
+  return file;
+}
+
+/* ---- collecting ------------------------------------------------------------------------------ */
+
+report *report_open(const char *directory) {
+  report *p = calloc(1, sizeof *p);
+  if (!p) return NULL;
+  p->directory = directory;
+  p->csv = open_in(directory, "solvers.csv");
+  if (!p->csv) {
+    free(p);
+    return NULL;
+  }
+  fputs("set,problem,d,nc,m,method,setting,storage,target,status,own_tol,residual,cpu_s,setup_s,"
+        "iterations\n",
+        p->csv);
+  return p;
+}
+
+/* Room for one more element of an array that doubles at each power of two. */
+static void *grow(void *array, size_t count, size_t size) {
+  if (count & (count - 1)) return array;
+  array = realloc(array, (count ? 2 * count : 1) * size);
+  if (!array) {
+    fputs("solvers: out of memory\n", stderr);
+    exit(1);
+  }
+  return array;
+}
+
+void report_scene(report *p, const scene *s) {
+  p->scenes = grow(p->scenes, p->scene_count, sizeof *p->scenes);
+  entry *e = &p->scenes[p->scene_count++];
+  *e = (entry){.d = s->contact.d, .nc = s->contact.nc, .first = p->record_count};
+  const int small = strcmp(s->set, "fclib") == 0 && s->contact.nc <= tiny;
+  snprintf(e->set, sizeof e->set, "%s", small ? "tiny" : s->set);
+  snprintf(e->name, sizeof e->name, "%s", s->name);
+}
+
+static const char *status_name(verdict s) {
+  static const char *const names[] = {"not-run", "solved", "unsolved", "wrong",
+                                      "limit",   "crash",  "refused"};
+  return names[s];
+}
+
+void report_add(report *p, const record *a) {
+  p->records = grow(p->records, p->record_count, sizeof *p->records);
+  p->records[p->record_count++] = *a;
+  const entry *e = &p->scenes[p->scene_count - 1];
+  fprintf(p->csv, "%s,%s,%d,%d,%d,%s,%s,%s,%.0e,%s", e->set, e->name, e->d, e->nc, e->d * e->nc,
+          a->method, a->setting, a->storage, a->target, status_name(a->status));
+  if (a->status == SOLVED || a->status == UNSOLVED || a->status == WRONG)
+    fprintf(p->csv, ",%.0e,%.3e,%.4e,%.4e,%d\n", a->own_tol, a->residual, a->cpu, a->setup,
+            a->iterations);
+  else
+    fputs(",,,,,\n", p->csv);
+  fflush(p->csv);
+}
+
+/* ---- looking up ------------------------------------------------------------------------------ */
+
+/* Which records of a scene are meant. */
+typedef struct choice {
+  const char *label;
+  int peer;
+  const char *method; /* its beginning; NULL for the best of all */
+} choice;
+
+static int is_chosen(const choice *w, const record *a) {
+  return a->peer == w->peer &&
+         (!w->method || strncmp(a->method, w->method, strlen(w->method)) == 0);
+}
+
+/* The fastest of the chosen records of a scene that meets a target; NULL for none. */
+static const record *fastest(const report *p, size_t index, double target, const choice *w) {
+  const size_t end = index + 1 < p->scene_count ? p->scenes[index + 1].first : p->record_count;
+  const record *best = NULL;
+  for (size_t k = p->scenes[index].first; k < end; k++) {
+    const record *a = &p->records[k];
+    if (a->target == target && a->status == SOLVED && is_chosen(w, a) &&
+        (!best || a->cpu < best->cpu))
+      best = a;
+  }
+  return best;
+}
+
+static int occurs(const report *p, const choice *w) {
+  for (size_t k = 0; k < p->record_count; k++)
+    if (is_chosen(w, &p->records[k])) return 1;
+  return 0;
+}
+
+static const choice best_own = {"best of delassus", 0, NULL};
+static const choice best_peer = {"best of Siconos", 1, NULL};
+static const double targets[TARGETS] = {1e-4, 1e-8, 1e-12};
+
+void report_progress(const report *p) {
+  const size_t last = p->scene_count - 1;
+  const entry *e = &p->scenes[last];
+  printf("%-6s %-40s %5d", e->set, e->name, e->nc);
+  for (int k = 0; k < TARGETS; k++) {
+    const record *a = fastest(p, last, targets[k], &best_own);
+    const record *b = fastest(p, last, targets[k], &best_peer);
+    printf("  |");
+    if (a)
+      printf(" %8.2e %-13.13s", a->cpu, a->method);
+    else
+      printf(" %8s %-13s", "-", "");
+    if (b)
+      printf(" %8.2e %-11.11s", b->cpu, b->method + strlen("siconos-"));
+    else
+      printf(" %8s %-11s", "-", "");
+    if (a && b)
+      printf(" %6.2f", a->cpu / b->cpu);
+    else
+      printf(" %6s", "");
+  }
+  putchar('\n');
+}
+
+/* ---- summary --------------------------------------------------------------------------------- */
+
+static int compare_doubles(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* One line: how often w and the peer meet the target on a set, and the ratio of their times. */
+static void summarise(const report *p, const char *set, double target, const choice *w,
+                      double *ratios) {
+  int scenes = 0, solved = 0, peer_solved = 0;
+  size_t both = 0, worst = 0;
+  double largest = 0;
+  for (size_t s = 0; s < p->scene_count; s++) {
+    if (strcmp(p->scenes[s].set, set) != 0) continue;
+    const record *a = fastest(p, s, target, w), *b = fastest(p, s, target, &best_peer);
+    scenes++;
+    solved += a != NULL;
+    peer_solved += b != NULL;
+    if (!a || !b) continue;
+    ratios[both] = a->cpu / b->cpu;
+    if (ratios[both] > largest) {
+      largest = ratios[both];
+      worst = s;
+    }
+    both++;
+  }
+  if (!scenes) return;
+  printf("%-6s %5.0e  %-20s %3d/%-3d  %3d/%-3d", set, target, w->label, solved, scenes, peer_solved,
+         scenes);
+  if (both) {
+    qsort(ratios, both, sizeof *ratios, compare_doubles);
+    printf("  %8.2f %8.2f  %s", (ratios[(both - 1) / 2] + ratios[both / 2]) / 2, largest,
+           p->scenes[worst].name);
+  }
+  putchar('\n');
+}
+
+/* auto, or what stands for it. */
+static choice front_door(const report *p) {
+  const choice automatic = {"auto", 0, "auto"}, newton = {"newton", 0, "newton"};
+  return occurs(p, &automatic) ? automatic : newton;
+}
+
+static void print_summary(const report *p) {
+  double *ratios = malloc((p->scene_count + 1) * sizeof *ratios);
+  if (!ratios) return;
+  const choice lines[] = {front_door(p), best_own};
+  printf("\n%-6s %5s  %-20s %-7s  %-7s  %8s %8s  %s\n", "set", "tol", "of ours", "solved",
+         "Siconos", "median", "worst", "on (CPU of ours / best of Siconos)");
+  for (int i = 0; i < set_count; i++)
+    for (int k = 0; k < TARGETS; k++)
+      for (int l = 0; l < 2; l++)
+        summarise(p, sets[i], targets[k], &lines[l], ratios);
+  free(ratios);
+}
+
+/* ---- pictures -------------------------------------------------------------------------------- */
+
+/* Curves, in the order of solvers.gp. */
+static const choice curves[] = {{"auto", 0, "auto"},
+                                {"newton", 0, "newton"},
+                                {"nlgs, Anderson", 0, "nlgs-anderson"},
+                                {"nlgs", 0, "nlgs"},
+                                {"admm", 0, "admm"},
+                                {"augmented Lagrangian", 0, "augmented-lagrangian"},
+                                {"lemke", 0, "lemke"},
+                                {"best of Siconos", 1, NULL},
+                                {"Siconos NSGS", 1, "siconos-nsgs"},
+                                {"Siconos NSN", 1, "siconos-nsn"},
+                                {"Siconos ADMM", 1, "siconos-admm"},
+                                {"Siconos PROX", 1, "siconos-prox"},
+                                {"Siconos CPG", 1, "siconos-cpg"},
+                                {"Siconos Lemke", 1, "siconos-lemke"}};
+enum { curve_count = sizeof curves / sizeof curves[0] };
+
+static const double largest_tau = 1000;
+
+static void write_curve(const report *p, FILE *file, int d, double target, const choice *w,
+                        double *taus) {
+  size_t count = 0;
+  int scenes = 0;
+  for (size_t s = 0; s < p->scene_count; s++) {
+    if (p->scenes[s].d != d) continue;
+    scenes++;
+    const record *a = fastest(p, s, target, w), *o = fastest(p, s, target, &best_own),
+                 *b = fastest(p, s, target, &best_peer);
+    if (a) taus[count++] = a->cpu / fmin(o ? o->cpu : INFINITY, b ? b->cpu : INFINITY);
+  }
+  qsort(taus, count, sizeof *taus, compare_doubles);
+  fprintf(file, "\"%s\"\n", count ? w->label : "");
+  fprintf(file, "1 0\n");
+  for (size_t k = 0; k < count && taus[k] <= largest_tau; k++)
+    fprintf(file, "%.4g %.4f\n", taus[k], (double)(k + 1) / scenes);
+  size_t inside = count;
+  while (inside && taus[inside - 1] > largest_tau)
+    inside--;
+  fprintf(file, "%g %.4f\n\n\n", largest_tau, scenes ? (double)inside / scenes : 0.0);
+}
+
+static int write_profiles(const report *p) {
+  double *taus = malloc((p->scene_count + 1) * sizeof *taus);
+  int bad = !taus;
+  for (int d = 2; d <= 3 && !bad; d++)
+    for (int k = 0; k < TARGETS && !bad; k++) {
+      char name[64];
+      snprintf(name, sizeof name, "profile_%dd_%.0e.dat", d, targets[k]);
+      FILE *file = open_in(p->directory, name);
+      for (int i = 0; i < curve_count && file; i++)
+        write_curve(p, file, d, targets[k], &curves[i], taus);
+      bad = !file || fclose(file) != 0;
+    }
+  free(taus);
+  return bad ? -1 : 0;
+}
+
+static int write_ratios(const report *p) {
+  const choice front = front_door(p);
+  for (int k = 0; k < TARGETS; k++) {
+    char name[64];
+    snprintf(name, sizeof name, "ratio_%.0e.dat", targets[k]);
+    FILE *file = open_in(p->directory, name);
+    if (!file) return -1;
+    for (int i = 0; i < set_count; i++) {
+      fprintf(file, "\"%s\"\n", sets[i]);
+      for (size_t s = 0; s < p->scene_count; s++) {
+        const record *a = fastest(p, s, targets[k], &front),
+                     *b = fastest(p, s, targets[k], &best_peer);
+        if (strcmp(p->scenes[s].set, sets[i]) == 0 && a && b)
+          fprintf(file, "%d %.4g\n", p->scenes[s].nc, a->cpu / b->cpu);
+      }
+      fputs("0.1 -1\n\n\n", file); /* out of the picture: a set without a point has a title, too */
+    }
+    if (fclose(file)) return -1;
+  }
+  return 0;
+}
+
+int report_close(report *p) {
+  if (p->scene_count) print_summary(p);
+  int bad = fclose(p->csv) != 0;
+  bad |= write_profiles(p) != 0;
+  bad |= write_ratios(p) != 0;
+  free(p->scenes);
+  free(p->records);
+  free(p);
+  return bad ? -1 : 0;
+}

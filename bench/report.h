@@ -1,0 +1,43 @@
+/*
+ * report.h: what bench/solvers writes: one row for each scene, solver and target, a summary, and the
+ * data of the pictures.
+ */
+#ifndef REPORT_H
+#define REPORT_H
+
+#include "solvers.h"
+
+enum { TARGETS = 3 };
+
+typedef enum verdict {
+  NOT_RUN = 0,
+  SOLVED = 1,     /* the certificate holds */
+  UNSOLVED = 2,   /* ended, and says that it has not solved it */
+  WRONG = 3,      /* says that it has, with a tolerance of its own not above the target */
+  OVER_LIMIT = 4, /* of CPU */
+  CRASHED = 5,
+  REFUSED_IT = 6
+} verdict;
+
+typedef struct record {
+  const char *method, *setting, *storage;
+  int peer;
+  double target, own_tol; /* the tolerance that the solver was given */
+  verdict status;
+  double residual, cpu, setup;
+  int iterations;
+} record;
+
+typedef struct report report;
+
+/* Opens DIR/solvers.csv; NULL after a message. */
+report *report_open(const char *directory);
+
+void report_scene(report *p, const scene *s); /* the next records are of s; its name is copied */
+void report_add(report *p, const record *a);
+void report_progress(const report *p); /* a line on stdout about the last scene */
+
+/* The summary on stdout, the data of the pictures beside the table; releases p. 0 or -1. */
+int report_close(report *p);
+
+#endif

@@ -1,0 +1,529 @@
+/*
+ * scenes.c: the contact problems of bench/solvers.
+ *
+ * fclib, global: every file of a directory. A global one (K, H) comes twice: as it is, and reduced.
+ *
+ * block, cube: an elastic block, E = 1, nu = 0.3, of equal slabs piled upwards, b unknowns on the plane
+ * between two slabs. One slab has the stiffness (ll lu; ul uu), 2 b x 2 b. From the top down, the
+ * stiffness Z and load h of all that stands on a plane are condensed to the plane below:
+ *
+ *   E = Z + uu,   Z := ll - lu E^-1 ul,   h := f_below - lu E^-1 h                            (B1)
+ *
+ * starting with Z = ll where the top is glued to a rigid back, Z = 0 where it is free. On the bottom
+ * plane W = Z^-1 and x = Z^-1 h of the contact unknowns (B2). K of the whole block is never formed:
+ * 7/3 b^3 flops and 2 b^2 doubles for each slab. The back, of a block [0,1] x [0,1/2] or [0,1]^3, is
+ * moved as a rigid body, so that without reactions the block goes with it and q is
+ *
+ *   press  down, and along by as much     hertz  down on an obstacle with a paraboloid gap, and along
+ *   shear  down, and along by 5 times it  tilt   down, turned so that a part opens, and along
+ *
+ * and in cubes a twist about the vertical besides. raous (2D): a free top under pressure, pushed from
+ * the left, u_x = 0 on the right edge and both unknowns of its lowest node, as in [Jean 1988] 4.5: W
+ * is ill-conditioned, since the block stands on that node and on the candidates. Triangles (src/fe) in
+ * 2D, hexahedra with eight nodes in 3D.
+ *
+ * wall: rigid bricks 2 x 1 x 1 of unit density in running bond on a floor, half bricks at the ends of
+ * every other row; two candidates for each pair of faces that touch. In one time step, from rest,
+ * gravity gives each brick the velocity (push, -1): W = H^T M^-1 H (B3) is rank deficient and sparse,
+ * u a velocity.
+ */
+#include <dirent.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delassus/fe.h"
+#include "solvers.h"
+
+void dpotrf_(const char *uplo, const int *n, double *a, const int *lda, int *info, size_t);
+void dpotri_(const char *uplo, const int *n, double *a, const int *lda, int *info, size_t);
+void dtrsm_(const char *side, const char *uplo, const char *transa, const char *diag, const int *m,
+            const int *n, const double *alpha, const double *a, const int *lda, double *b,
+            const int *ldb, size_t, size_t, size_t, size_t);
+void dsyrk_(const char *uplo, const char *trans, const int *n, const int *k, const double *alpha,
+            const double *a, const int *lda, const double *beta, double *c, const int *ldc, size_t,
+            size_t);
+void dgemv_(const char *trans, const int *m, const int *n, const double *alpha, const double *a,
+            const int *lda, const double *x, const int *incx, const double *beta, double *y,
+            const int *incy, size_t);
+
+static const double E = 1, nu = 0.3;
+
+static double *array(size_t count) {
+  return calloc(count, sizeof(double));
+}
+
+static int out_of_memory(void) {
+  fputs("solvers: out of memory\n", stderr);
+  return -1;
+}
+
+/* ---- files ----------------------------------------------------------------------------------- */
+
+static void visit_file(const dls_fclib *file, const char *name, scene_fn visit, void *data,
+                       dls_error *error) {
+  scene s = {.set = "fclib"};
+  snprintf(s.name, sizeof s.name, "%s", name);
+  dls_reduction *reduction = NULL;
+  dls_model model;
+  const double *mu = NULL;
+  dls_status status;
+  if (!dls_fclib_is_global(file))
+    status = dls_fclib_contact(file, &s.contact, error);
+  else {
+    status = dls_fclib_model(file, &model, &s.f, &s.g, &mu, error);
+    if (!status) status = dls_reduction_create(&reduction, &model, error);
+    if (!status) status = dls_reduction_load(reduction, s.f, s.g, error);
+    if (!status) status = dls_reduction_contact(reduction, mu, &s.contact, error);
+  }
+  if (status)
+    fprintf(stderr, "%s: %s\n", name, error->message);
+  else
+    visit(data, &s);
+  if (!status && reduction) {
+    s.set = "global";
+    s.model = &model;
+    visit(data, &s);
+  }
+  dls_reduction_destroy(reduction);
+}
+
+static int is_hdf5(const struct dirent *e) {
+  const size_t length = strlen(e->d_name);
+  return length > 5 && strcmp(e->d_name + length - 5, ".hdf5") == 0;
+}
+
+int scenes_files(const char *directory, scene_fn visit, void *data) {
+  struct dirent **entries;
+  const int count = scandir(directory, &entries, is_hdf5, alphasort);
+  if (count < 0) {
+    perror(directory);
+    return -1;
+  }
+  int result = 0;
+  for (int k = 0; k < count; k++) {
+    char path[1024];
+    dls_error error = {.message = ""};
+    dls_fclib *file;
+    snprintf(path, sizeof path, "%s/%s", directory, entries[k]->d_name);
+    if (dls_fclib_read(&file, path, &error)) {
+      fprintf(stderr, "%s: %s\n", path, error.message);
+      result = -1;
+    } else {
+      entries[k]->d_name[strlen(entries[k]->d_name) - 5] = '\0';
+      visit_file(file, entries[k]->d_name, visit, data, &error);
+      dls_fclib_destroy(file);
+    }
+    free(entries[k]);
+  }
+  free(entries);
+  return result;
+}
+
+/* ---- an elastic block ------------------------------------------------------------------------ */
+
+/* Slabs S (2b x 2b, the lower plane first) with loads f (b for each plane, from the bottom; NULL for
+ * none). Z (b x b, its lower triangle) and h (b) receive what stands on the bottom plane. (B1) */
+static int condense(int b, int slabs, const double *S, const double *f, int glued, double *Z,
+                    double *h) {
+  const size_t B = (size_t)b, ld = 2 * B;
+  const double one = 1, minus = -1;
+  const int unit = 1;
+  double *A = array(B * B), *Y = array(B * B), *y = array(B);
+  int info = !A || !Y || !y, plane = glued ? slabs - 1 : slabs;
+  memset(h, 0, B * sizeof *h);
+  for (size_t k = 0; k < B * B; k++)
+    Z[k] = glued ? S[k % B + k / B * ld] : 0;
+  if (f) memcpy(h, f + (size_t)plane * B, B * sizeof *h);
+  for (; plane > 0 && !info; plane--) {
+    for (size_t k = 0; k < B * B; k++) {
+      const size_t i = k % B, j = k / B;
+      A[k] = Z[k] + S[B + i + (B + j) * ld];
+      Y[k] = S[B + i + j * ld];
+      Z[k] = S[i + j * ld];
+    }
+    memcpy(y, h, B * sizeof *h);
+    memset(h, 0, B * sizeof *h);
+    if (f) memcpy(h, f + (size_t)(plane - 1) * B, B * sizeof *h);
+    dpotrf_("L", &b, A, &b, &info, 1);
+    dtrsm_("L", "L", "N", "N", &b, &b, &one, A, &b, Y, &b, 1, 1, 1, 1);
+    dtrsm_("L", "L", "N", "N", &b, &unit, &one, A, &b, y, &b, 1, 1, 1, 1);
+    dsyrk_("L", "T", &b, &b, &minus, Y, &b, &one, Z, &b, 1, 1);
+    dgemv_("T", &b, &b, &minus, Y, &b, y, &unit, &one, h, &unit, 1);
+  }
+  free(A);
+  free(Y);
+  free(y);
+  return info;
+}
+
+/* The contact problem on the bottom of a block; owns its arrays. */
+typedef struct elastic {
+  int d, nc;
+  double *W;     /* m x m */
+  double *x;     /* m: without reactions, but for the motion of the back */
+  double *place; /* 2 nc: horizontal coordinates from the middle */
+  double *q, *mu;
+} elastic;
+
+static void block_free(elastic *k) {
+  free(k->W);
+  free(k->x);
+  free(k->place);
+  free(k->q);
+  free(k->mu);
+}
+
+static int block_create(elastic *k, int d, int nc) {
+  const size_t m = (size_t)d * (size_t)nc;
+  *k = (elastic){d, nc, array(m * m), array(m), array(2 * (size_t)nc), array(m), array(m)};
+  return k->W && k->x && k->place && k->q && k->mu ? 0 : out_of_memory();
+}
+
+/* (B2): W and x from Z and h, whose unknowns are d for each node, the last of them vertical. */
+static int invert(elastic *k, int b, double *Z, double *h) {
+  const size_t B = (size_t)b, d = (size_t)k->d, m = d * (size_t)k->nc;
+  const double one = 1;
+  const int unit = 1;
+  int info;
+  dpotrf_("L", &b, Z, &b, &info, 1);
+  if (info) return info;
+  dtrsm_("L", "L", "N", "N", &b, &unit, &one, Z, &b, h, &b, 1, 1, 1, 1);
+  dtrsm_("L", "L", "T", "N", &b, &unit, &one, Z, &b, h, &b, 1, 1, 1, 1);
+  dpotri_("L", &b, Z, &b, &info, 1);
+  for (size_t j = 0; j < m; j++) {
+    const size_t column = j - j % d + (j % d + d - 1) % d; /* (n, t, s) is (z, x, y) */
+    k->x[j] = h[column];
+    for (size_t i = 0; i < m; i++) {
+      const size_t row = i - i % d + (i % d + d - 1) % d;
+      k->W[i + j * m] = row >= column ? Z[row + column * B] : Z[column + row * B];
+    }
+  }
+  return info;
+}
+
+/* Unknown i of every slab stays where it is. */
+static void fix(int b, double *S, int i) {
+  for (int k = 0; k < 2 * b; k++)
+    for (int half = 0; half < 2; half++) {
+      const size_t j = (size_t)(half * b + i), K = (size_t)k, ld = 2 * (size_t)b;
+      S[K + j * ld] = S[j + K * ld] = K == j;
+    }
+}
+
+/* Moves the back of a block; p is the depth by which it is pressed down. */
+typedef void (*move_fn)(double X, double Y, double p, double *q);
+
+static void move_press(double X, double Y, double p, double *q) {
+  (void)X, (void)Y;
+  q[0] = -p;
+  q[1] = p;
+}
+static void move_shear(double X, double Y, double p, double *q) {
+  (void)X, (void)Y;
+  q[0] = -p;
+  q[1] = 5 * p;
+}
+static void move_tilt(double X, double Y, double p, double *q) {
+  q[0] = -p + 4 * p * X + 1.5 * p * Y;
+  q[1] = 0.5 * p;
+}
+static void move_hertz(double X, double Y, double p, double *q) {
+  q[0] = -p + 8 * p * (X * X + Y * Y);
+  q[1] = 0.5 * p;
+}
+
+static void visit_block(elastic *k, const char *set, const char *name, move_fn move, double mu,
+                        scene_fn visit, void *data) {
+  const int m = k->d * k->nc;
+  const double press = 1e-3;
+  for (int c = 0; c < k->nc; c++) {
+    const double X = k->place[2 * c], Y = k->place[2 * c + 1];
+    double q[3] = {0};
+    if (move) move(X, Y, press, q);
+    if (k->d == 3) { /* the twist, and another direction along */
+      q[2] = 0.3 * q[1] + press * X;
+      q[1] -= press * Y;
+    }
+    for (int i = 0; i < k->d; i++)
+      k->q[k->d * c + i] = k->x[k->d * c + i] + q[i];
+    k->mu[c] = mu;
+  }
+  scene s = {.set = set,
+             .contact = {.d = k->d, .nc = k->nc, .W = {m, m, m, k->W}, .q = k->q, .mu = k->mu}};
+  snprintf(s.name, sizeof s.name, "%s-mu%g", name, mu);
+  visit(data, &s);
+}
+
+/* The friction coefficients of a set: a full run takes all, a quick one those of `quick`. */
+static const double frictions[] = {0.3, 1, 0.1, 0.6, 2};
+enum { quick_frictions = 2, all_frictions = 5 };
+
+/* 2D: n candidates, n - 1 squares of two triangles wide and half as many high. */
+static int block_of_triangles(elastic *k, int n, int raous) {
+  const int nx = n - 1, slabs = nx / 2, b = 2 * n;
+  const size_t B = (size_t)b;
+  dls_fe_mesh slab = {0}, whole = {0};
+  double *S = array(4 * B * B), *Z = array(B * B), *h = array(B),
+         *f = array((size_t)(slabs + 1) * B);
+  dls_status bad = !S || !Z || !h || !f ? DLS_E_MEMORY : DLS_OK;
+  if (!bad) bad = dls_fe_mesh_block(&slab, 1, 1.0 / nx, nx, 1, NULL);
+  if (!bad) bad = dls_fe_mesh_block(&whole, 1, (double)slabs / nx, nx, slabs, NULL);
+  if (!bad) bad = dls_fe_stiffness(&slab, E, nu, S, 2 * b, NULL);
+  const double pressure = 1e-3, side = 2e-3;
+  for (int i = 0; raous && !bad && i < nx; i++)
+    bad = dls_fe_edge_load(&whole, slabs * n + i, slabs * n + i + 1, 0, -pressure, f, NULL);
+  for (int j = 0; raous && !bad && j < slabs; j++)
+    bad = dls_fe_edge_load(&whole, j * n, (j + 1) * n, side, 0, f, NULL);
+  dls_fe_mesh_free(&slab);
+  dls_fe_mesh_free(&whole);
+  int info = bad || block_create(k, 2, raous ? nx : n);
+  if (!info && raous) {
+    fix(b, S, b - 2); /* u_x on the right; the loads have nothing there */
+    for (int j = 0; j <= slabs; j++)
+      f[(size_t)(j + 1) * B - 2] = 0;
+  }
+  if (!info) info = condense(b, slabs, S, raous ? f : NULL, !raous, Z, h);
+  if (!info && raous) { /* u_y of its lowest node: the last unknown */
+    for (size_t j = 0; j < B; j++)
+      Z[B - 1 + j * B] = 0;
+    Z[B * B - 1] = 1;
+    h[B - 1] = 0;
+  }
+  if (!info) info = invert(k, b, Z, h);
+  for (int c = 0; !info && c < k->nc; c++)
+    k->place[2 * c] = (double)c / nx - 0.5;
+  free(S);
+  free(Z);
+  free(h);
+  free(f);
+  return info ? -1 : 0;
+}
+
+int scenes_blocks(int full, scene_fn visit, void *data) {
+  static const int sizes[] = {16, 32, 64, 128};
+  static const struct {
+    const char *name;
+    move_fn move; /* NULL: raous */
+  } loads[] = {{"press", move_press}, {"tilt", move_tilt}, {"hertz", move_hertz}, {"raous", NULL}};
+  int result = 0;
+  for (int i = 0; i < 4 && !result; i++)
+    for (int raous = 0; raous < 2 && !result; raous++) {
+      elastic k = {0};
+      result = block_of_triangles(&k, sizes[i], raous);
+      for (int l = 0; l < 4 && !result; l++) {
+        if (raous != !loads[l].move) continue;
+        char name[32];
+        snprintf(name, sizeof name, "t3-%d-%s", sizes[i], loads[l].name);
+        for (int f = 0; f < (full ? all_frictions : quick_frictions); f++)
+          visit_block(&k, "block", name, loads[l].move, frictions[f], visit, data);
+      }
+      block_free(&k);
+    }
+  return result;
+}
+
+/* ---- hexahedra ------------------------------------------------------------------------------- */
+
+/* K (24 x 24) of a cube of side a, 2 x 2 x 2 Gauss points: with the gradients g of the shape
+ * functions, its 3 x 3 block (i, j) is the sum of l g_i g_j^T + G g_j g_i^T + G (g_i . g_j) I times
+ * a^3/8. Node i stands at the corner of the bits of i. */
+static void hexahedron(double a, double *K) {
+  const double l = E * nu / ((1 + nu) * (1 - 2 * nu)), G = E / (2 * (1 + nu));
+  memset(K, 0, 24 * 24 * sizeof *K);
+  for (int point = 0; point < 8; point++) {
+    double g[8][3];
+    for (int i = 0; i < 8; i++)
+      for (int p = 0; p < 3; p++) {
+        g[i][p] = 0.25 / a; /* 2/a * 1/8 * product */
+        for (int s = 0; s < 3; s++) {
+          const double side = i >> s & 1 ? 1 : -1;
+          const double x = (point >> s & 1 ? 1 : -1) / sqrt(3);
+          g[i][p] *= s == p ? side : 1 + side * x;
+        }
+      }
+    for (int i = 0; i < 24; i++)
+      for (int j = 0; j < 24; j++) {
+        const double *gi = g[i / 3], *gj = g[j / 3];
+        const int p = i % 3, q = j % 3;
+        double k = l * gi[p] * gj[q] + G * gi[q] * gj[p];
+        if (p == q) k += G * (gi[0] * gj[0] + gi[1] * gj[1] + gi[2] * gj[2]);
+        K[i + 24 * j] += k * a * a * a / 8;
+      }
+  }
+}
+
+/* n x n x n hexahedra, glued at the top; a candidate at each node of the bottom. */
+static int block_of_hexahedra(elastic *k, int n) {
+  const int nodes = (n + 1) * (n + 1), b = 3 * nodes;
+  const size_t B = (size_t)b;
+  double K[24 * 24], *S = array(4 * B * B), *Z = array(B * B), *h = array(B);
+  int info = !S || !Z || !h || block_create(k, 3, nodes);
+  hexahedron(1.0 / n, K);
+  for (int e = 0; !info && e < n * n; e++) {
+    size_t unknown[24];
+    for (int i = 0; i < 24; i++) {
+      const int v = i / 3, x = e % n + (v & 1), y = e / n + (v >> 1 & 1), upper = v >> 2;
+      unknown[i] = (size_t)(3 * (x + y * (n + 1) + upper * nodes) + i % 3);
+    }
+    for (int i = 0; i < 24; i++)
+      for (int j = 0; j < 24; j++)
+        S[unknown[i] + unknown[j] * 2 * B] += K[i + 24 * j];
+  }
+  if (!info) info = condense(b, n, S, NULL, 1, Z, h);
+  if (!info) info = invert(k, b, Z, h);
+  for (int c = 0; !info && c < nodes; c++) {
+    k->place[2 * c] = (double)(c % (n + 1)) / n - 0.5;
+    k->place[2 * c + 1] = (double)(c / (n + 1)) / n - 0.5; // NOLINT(bugprone-integer-division)
+  }
+  free(S);
+  free(Z);
+  free(h);
+  return info ? -1 : 0;
+}
+
+int scenes_cubes(int full, scene_fn visit, void *data) {
+  static const int sizes[] = {6, 12, 18, 24};
+  static const struct {
+    const char *name;
+    move_fn move;
+  } loads[] = {
+      {"press", move_press}, {"shear", move_shear}, {"tilt", move_tilt}, {"hertz", move_hertz}};
+  int result = 0;
+  for (int i = 0; i < (full ? 4 : 3) && !result; i++) {
+    elastic k = {0};
+    result = block_of_hexahedra(&k, sizes[i]);
+    for (int l = 0; l < 4 && !result; l++) {
+      char name[32];
+      snprintf(name, sizeof name, "h8-%d-%s", sizes[i], loads[l].name);
+      for (int f = 0; f < (full ? all_frictions : quick_frictions); f++)
+        visit_block(&k, "cube", name, loads[l].move, frictions[f], visit, data);
+    }
+    block_free(&k);
+  }
+  return result;
+}
+
+/* ---- walls ----------------------------------------------------------------------------------- */
+
+typedef struct brick {
+  double x, y, mass, inertia; /* of its middle; about it */
+} brick;
+
+typedef struct touch {
+  int upper, lower; /* bricks; lower = -1: the floor */
+  double x, y;
+} touch;
+
+static const double length = 2, height = 1;
+
+/* The bricks of a row from left to right; returns how many. */
+static int lay_row(int row, int width, brick *bricks) {
+  const int half = row % 2, count = width + half;
+  for (int i = 0; i < count; i++) {
+    const int cut = half && (i == 0 || i == count - 1);
+    const double w = cut ? length / 2 : length;
+    const double left = i == 0 ? 0 : length * i - (half ? length / 2 : 0);
+    bricks[i] = (brick){left + w / 2, height * (row + 0.5), w * height,
+                        w * height * (w * w + height * height) / 12};
+  }
+  return count;
+}
+
+/* Two candidates for every stretch where a brick of this row stands on one below, which is half a
+ * brick long, or on the floor. */
+static int touch_row(int row, int width, int first, int below, touch *touches) {
+  int count = 0;
+  const int stretches = row ? 2 * width : width;
+  const double w = row ? length / 2 : length;
+  for (int i = 0; i < stretches; i++) {
+    const int even = i / 2, odd = (i + 1) / 2; /* the brick over stretch i of an even, an odd row */
+    const int upper = first + (!row ? i : row % 2 ? odd : even);
+    const int lower = !row ? -1 : below + (row % 2 ? even : odd);
+    for (int end = 0; end < 2; end++)
+      touches[count++] = (touch){upper, lower, w * (i + end), height * row};
+  }
+  return count;
+}
+
+/* Rows n and t of u at (x, y) for the motion (v_x, v_y, turn) of a brick. */
+static void lever(const brick *b, const touch *c, double G[2][3]) {
+  const double rows[2][3] = {{0, 1, c->x - b->x}, {1, 0, b->y - c->y}};
+  memcpy(G, rows, sizeof rows);
+}
+
+/* block (2 x 2, column-major) += (B3) of two candidates by way of one brick. */
+static void add_flexibility(const brick *b, const touch *c, const touch *e, double sign,
+                            double *block) {
+  double G[2][3], F[2][3];
+  lever(b, c, G);
+  lever(b, e, F);
+  for (int i = 0; i < 2; i++)
+    for (int j = 0; j < 2; j++)
+      block[i + 2 * j] += sign * ((G[i][0] * F[j][0] + G[i][1] * F[j][1]) / b->mass +
+                                  G[i][2] * F[j][2] / b->inertia);
+}
+
+/* The block of candidates c and e; 0 if no brick is common to them. */
+static int couple(const brick *bricks, const touch *c, const touch *e, double *block) {
+  int coupled = 0;
+  memset(block, 0, 4 * sizeof *block);
+  for (int k = 0; k < 4; k++) {
+    const int a = k / 2 ? c->lower : c->upper, b = k % 2 ? e->lower : e->upper;
+    if (a != b || a < 0) continue;
+    add_flexibility(&bricks[a], c, e, k / 2 == k % 2 ? 1 : -1, block);
+    coupled = 1;
+  }
+  return coupled;
+}
+
+static int visit_wall(int full, int rows, int width, scene_fn visit, void *data) {
+  static const double mus[] = {0.3, 1, 8, 0.6, 3}, pushes[] = {0, 0.3};
+  const size_t most = 4 * (size_t)rows * (size_t)width;
+  brick *bricks = calloc(2 * most, sizeof *bricks);
+  touch *touches = calloc(most, sizeof *touches);
+  int *p = calloc(most + 1, sizeof *p), *i = calloc(most * most, sizeof *i);
+  double *x = array(4 * most * most), *q = array(2 * most), *mu = array(most);
+  const int bad = !bricks || !touches || !p || !i || !x || !q || !mu;
+  int nc = 0, first = 0, below = 0;
+  for (int row = 0; row < rows && !bad; row++) {
+    const int count = lay_row(row, width, bricks + first);
+    nc += touch_row(row, width, first, below, touches + nc);
+    below = first;
+    first += count;
+  }
+  for (int c = 0; c < nc; c++) {
+    p[c + 1] = p[c];
+    for (int e = 0; e < nc; e++)
+      if (couple(bricks, &touches[e], &touches[c], x + 4 * (size_t)p[c + 1])) i[p[c + 1]++] = e;
+  }
+  for (int push = 0; push < 2 && !bad; push++)
+    for (int k = 0; k < (full ? 5 : 3); k++) {
+      for (int c = 0; c < nc; c++) { /* only the floor does not fall */
+        q[2 * c] = touches[c].lower < 0 ? -1 : 0;
+        q[2 * c + 1] = touches[c].lower < 0 ? pushes[push] : 0;
+        mu[c] = mus[k];
+      }
+      scene s = {.set = "wall",
+                 .contact = {.d = 2, .nc = nc, .Wb = {2, nc, p, i, x}, .q = q, .mu = mu}};
+      snprintf(s.name, sizeof s.name, "wall-%dx%d-push%g-mu%g", rows, width, pushes[push], mus[k]);
+      visit(data, &s);
+    }
+  free(bricks);
+  free(touches);
+  free(p);
+  free(i);
+  free(x);
+  free(q);
+  free(mu);
+  return bad ? out_of_memory() : 0;
+}
+
+int scenes_walls(int full, scene_fn visit, void *data) {
+  static const int sizes[][2] = {{3, 2}, {6, 5}, {11, 8}};
+  int result = 0;
+  for (int k = 0; k < 3 && !result; k++)
+    result = visit_wall(full, sizes[k][0], sizes[k][1], visit, data);
+  return result;
+}

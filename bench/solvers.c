@@ -1,0 +1,233 @@
+/*
+ * solvers.c: every method of delassus beside the friction contact solvers of Siconos Numerics, on the
+ * same problems, in one run.
+ *
+ *   solvers [--full] [--dir DIR] [--set SET] [--method NAME] [--limit SECONDS] [--out DIR]
+ *
+ * A target is a residual of the certificate (contact.h): 1e-4, 1e-8, 1e-12. Whatever a solver says
+ * of itself, it has met a target if the certificate of its answer, recomputed here, holds.
+ *
+ * delassus is asked for the target itself. The peer measures its error in its own way, so that it is
+ * run down a ladder of its own tolerances, and the cheapest run whose answer meets the target counts.
+ * The next step of the ladder is a tenth of the last, or what it would take if our residual were
+ * proportional to its tolerance, less a decade: (L).
+ *
+ * CPU time is that of the solve. A quick run stops a solver that takes 10 times as long as the best so
+ * far, but not before 0.2 s.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "report.h"
+#include "solvers.h"
+
+static const double targets[TARGETS] = {1e-4, 1e-8, 1e-12};
+static const double first_step = 1e-3, last_step = 1e-16; /* of the ladder */
+static const double hopeless = 10, patience = 0.2;        /* times the best; s */
+
+enum { pivoting_candidates_2d = 400, pivoting_candidates_3d = 60 };
+
+typedef struct plan {
+  int full;
+  const char *set, *method; /* NULL for all */
+  double limit;             /* s */
+  report *out;
+} plan;
+
+/* ---- delassus -------------------------------------------------------------------------------- */
+
+typedef struct own_method {
+  const char *name, *method, *acceleration;
+} own_method;
+
+static const own_method own[] = {{"nlgs-anderson", "nlgs", "anderson"},
+                                 {"newton", "newton", "none"},
+                                 {"auto", "auto", "none"},
+                                 {"admm", "admm", "none"},
+                                 {"nlgs", "nlgs", "none"},
+                                 {"augmented-lagrangian", "augmented-lagrangian", "none"},
+                                 {"lemke", "lemke", "none"}};
+enum { own_count = sizeof own / sizeof own[0] };
+
+static int own_takes(const own_method *w, const scene *s) {
+  dls_method method;
+  const int most = s->contact.d == 2 ? pivoting_candidates_2d : pivoting_candidates_3d;
+  return dls_method_find(w->method, &method) &&
+         !(strcmp(w->name, "lemke") == 0 && s->contact.nc > most);
+}
+
+/* A global problem is reduced first, and that counts. */
+static dls_status reduce(const scene *s, dls_reduction **reduction, dls_contact *contact) {
+  dls_status status = dls_reduction_create(reduction, s->model, NULL);
+  if (!status) status = dls_reduction_load(*reduction, s->f, s->g, NULL);
+  if (!status) status = dls_reduction_contact(*reduction, s->contact.mu, contact, NULL);
+  return status;
+}
+
+static void own_solve(const void *how, const scene *s, double tol, double *r, outcome *o) {
+  const own_method *w = how;
+  dls_solver_settings settings;
+  dls_solver *solver = NULL;
+  dls_reduction *reduction = NULL;
+  dls_contact contact = s->contact;
+  dls_info info = {.iterations = -1};
+  dls_solver_settings_init(&settings);
+  dls_method_find(w->method, &settings.method);
+  dls_acceleration_find(w->acceleration, &settings.acceleration);
+  settings.tol = tol;
+  if (settings.method == DLS_NLGS) settings.max_iterations = 100000000; /* the CPU limit ends it */
+  const double start = cpu_seconds();
+  dls_status status = dls_solver_create(&solver, contact.d, contact.nc, &settings, NULL);
+  const double created = cpu_seconds();
+  if (!status && s->model) status = reduce(s, &reduction, &contact);
+  if (!status) status = dls_solver_solve(solver, &contact, r, NULL, &info, NULL);
+  o->cpu = cpu_seconds() - created;
+  dls_solver_destroy(solver);
+  dls_reduction_destroy(reduction);
+  o->setup = cpu_seconds() - start - o->cpu;
+  o->ended = status < 0 ? REFUSED : ENDED;
+  o->claim = status == DLS_OK;
+  o->iterations = info.iterations;
+}
+
+/* ---- one scene ------------------------------------------------------------------------------- */
+
+/* CPU allowed for a target. */
+static double allowance(const plan *p, const record *best) {
+  if (p->full || best->status != SOLVED) return p->limit;
+  return fmin(p->limit, fmax(patience, hopeless * best->cpu));
+}
+
+static record record_of(const outcome *o, double target, double own_tol) {
+  record a = {.target = target,
+              .own_tol = own_tol,
+              .residual = o->certificate.residual,
+              .cpu = o->cpu,
+              .setup = o->setup,
+              .iterations = o->iterations};
+  a.status = o->ended == REFUSED                                ? REFUSED_IT
+             : o->ended == LIMIT                                ? OVER_LIMIT
+             : o->ended == CRASH                                ? CRASHED
+             : dls_certificate_holds(&o->certificate, a.target) ? SOLVED
+             : o->claim && own_tol <= a.target                  ? WRONG
+                                                                : UNSOLVED;
+  return a;
+}
+
+/* a comes before b as the answer of one solver: solved is better, faster is better; and a wrong
+ * answer is remembered. */
+static int replaces(const record *a, const record *b) {
+  if (a->status == SOLVED) return b->status != SOLVED || a->cpu < b->cpu;
+  return b->status != SOLVED && b->status != WRONG;
+}
+
+static void keep(record *best, const record *a) {
+  if (a->status == SOLVED && (best->status != SOLVED || a->cpu < best->cpu)) *best = *a;
+}
+
+static void run_own(const plan *p, const own_method *w, const scene *s, record best[TARGETS]) {
+  for (int k = 0; k < TARGETS; k++) {
+    const outcome o = measure(s, own_solve, w, targets[k], allowance(p, &best[k]));
+    record a = record_of(&o, targets[k], targets[k]);
+    a.method = w->name;
+    a.setting = "default";
+    a.storage = s->model || s->contact.W.a ? "dense" : "blocks";
+    report_add(p->out, &a);
+    keep(&best[k], &a);
+  }
+}
+
+/* The next tolerance after `step` gave `residual` (L). */
+static double next_step(double step, double residual, double target) {
+  const double proportional = residual > target ? 10 * step * target / residual : step / 10;
+  return fmin(step / 10, proportional);
+}
+
+static void run_peer(const plan *p, const peer_method *w, const scene *s, record best[TARGETS]) {
+  record found[TARGETS] = {{.status = NOT_RUN}, {.status = NOT_RUN}, {.status = NOT_RUN}};
+  int met = 0, failures = 0; /* targets met so far; runs that did not claim success */
+  for (double step = first_step; step >= last_step && met < TARGETS && failures < 2;) {
+    const outcome o = measure(s, peer_solve, w, step, allowance(p, &best[met]));
+    for (int k = 0; k < TARGETS; k++) {
+      const record a = record_of(&o, targets[k], step);
+      if (replaces(&a, &found[k])) found[k] = a;
+    }
+    while (met < TARGETS && found[met].status == SOLVED)
+      met++;
+    if (o.ended != ENDED || peer_pivots(w)) break;
+    if (!o.claim) failures++;
+    if (met < TARGETS) step = next_step(step, o.certificate.residual, targets[met]);
+  }
+  for (int k = 0; k < TARGETS; k++) {
+    found[k].method = peer_name(w);
+    found[k].setting = peer_setting(w);
+    found[k].storage = peer_storage(w, s);
+    found[k].peer = 1;
+    report_add(p->out, &found[k]);
+    keep(&best[k], &found[k]);
+  }
+}
+
+static int wanted(const plan *p, const char *method) {
+  return !p->method || strcmp(p->method, method) == 0;
+}
+
+static void run_scene(void *data, const scene *s) {
+  const plan *p = data;
+  record best[TARGETS] = {{.status = NOT_RUN}, {.status = NOT_RUN}, {.status = NOT_RUN}};
+  report_scene(p->out, s);
+  for (int k = 0; k < own_count; k++)
+    if (wanted(p, own[k].name) && own_takes(&own[k], s)) run_own(p, &own[k], s, best);
+  const peer_method *w;
+  for (int k = 0; (w = peer_at(k)); k++)
+    if (wanted(p, peer_name(w)) && peer_takes(w, s, p->full)) run_peer(p, w, s, best);
+  report_progress(p->out);
+}
+
+/* ---- program --------------------------------------------------------------------------------- */
+
+static int usage(void) {
+  fputs("usage: solvers [--full] [--dir DIR] [--set fclib|block|cube|wall] [--method NAME]\n"
+        "               [--limit SECONDS] [--out DIR]\n",
+        stderr);
+  return 2;
+}
+
+int main(int argc, char **argv) {
+  plan p = {.limit = 20};
+  const char *directory = "data/fclib", *out = "build/bench";
+  for (int k = 1; k < argc; k++) {
+    const char *value = k + 1 < argc ? argv[k + 1] : NULL;
+    if (!strcmp(argv[k], "--full")) {
+      p.full = 1;
+      continue;
+    }
+    if (!value) return usage();
+    if (!strcmp(argv[k], "--dir"))
+      directory = value;
+    else if (!strcmp(argv[k], "--set"))
+      p.set = value;
+    else if (!strcmp(argv[k], "--method"))
+      p.method = value;
+    else if (!strcmp(argv[k], "--limit"))
+      p.limit = atof(value);
+    else if (!strcmp(argv[k], "--out"))
+      out = value;
+    else
+      return usage();
+    k++;
+  }
+  if (!(p.limit > 0)) return usage();
+  p.out = report_open(out);
+  if (!p.out) return 1;
+  int status = 0;
+  if (!p.set || !strcmp(p.set, "fclib")) status |= scenes_files(directory, run_scene, &p);
+  if (!p.set || !strcmp(p.set, "block")) status |= scenes_blocks(p.full, run_scene, &p);
+  if (!p.set || !strcmp(p.set, "cube")) status |= scenes_cubes(p.full, run_scene, &p);
+  if (!p.set || !strcmp(p.set, "wall")) status |= scenes_walls(p.full, run_scene, &p);
+  status |= report_close(p.out);
+  if (status) fputs("solvers: not everything could be run\n", stderr);
+  return status ? 1 : 0;
+}

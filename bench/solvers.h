@@ -1,0 +1,82 @@
+/*
+ * solvers.h: what the files of bench/solvers share: scenes, the peer, one measured call.
+ */
+#ifndef SOLVERS_H
+#define SOLVERS_H
+
+#include "delassus.h"
+
+/* ---- scenes (scenes.c) ----------------------------------------------------------------------- */
+
+/* A contact problem and, of a file with a global problem, what it was reduced from. */
+typedef struct scene {
+  const char *set; /* "fclib", "global", "block", "cube", "wall" */
+  char name[64];
+  dls_contact contact;
+  const dls_model *model; /* NULL for a local problem */
+  const double *f, *g;    /* of the model */
+} scene;
+
+/* Called for each scene, which lives until the call returns. */
+typedef void (*scene_fn)(void *data, const scene *s);
+
+/* Visit the scenes of a set: the sizes and friction coefficients of the quick run, or all. 0, or -1
+ * after a message on stderr. */
+int scenes_files(const char *directory, scene_fn visit, void *data);
+int scenes_blocks(int full, scene_fn visit, void *data);
+int scenes_cubes(int full, scene_fn visit, void *data);
+int scenes_walls(int full, scene_fn visit, void *data);
+
+/* ---- one call in a process of its own (measure.c) -------------------------------------------- */
+
+/* How a call ended. */
+typedef enum ending {
+  ENDED = 0,
+  REFUSED = 1, /* it returned an error, or cannot take this problem */
+  LIMIT = 2,   /* CPU limit */
+  CRASH = 3    /* a signal, or exit() */
+} ending;
+
+typedef struct outcome {
+  ending ended;
+  int claim;      /* the solver says "solved" */
+  int iterations; /* as the solver counts them; -1 for unknown */
+  double cpu;     /* of the solve, s; the smallest of several calls if that is short */
+  double setup;   /* of what goes with each call but is not the solve: creating, destroying */
+  dls_certificate certificate; /* of the answer; residual = INFINITY if there is none */
+} outcome;
+
+/* Solves s to its own `tol` by the method that `how` describes; r (m) holds 0. Fills all of *o but
+ * the certificate. */
+typedef void (*solve_fn)(const void *how, const scene *s, double tol, double *r, outcome *o);
+
+/* solve() in a child process that is stopped after `limit` seconds of CPU, and its answer certified
+ * here. */
+outcome measure(const scene *s, solve_fn solve, const void *how, double tol, double limit);
+
+/* CPU seconds of this process, all threads. Linux brings the clock of a process with a CPU limit up
+ * to date at a tick (1 ms), or when the clock of the calling thread is read: so that is read first. */
+double cpu_seconds(void);
+
+/* ---- the peer (contact_peer.c) --------------------------------------------------------------- */
+
+/* A solver of Siconos Numerics with one setting and one storage of W. */
+typedef struct peer_method peer_method;
+
+/* index 0 .. ; NULL past the last */
+const peer_method *peer_at(int index);
+const char *peer_name(const peer_method *p);    /* of the solver, "siconos-nsgs" */
+const char *peer_setting(const peer_method *p); /* "default", ... */
+int peer_pivots(const peer_method *p);          /* takes no tolerance */
+
+/* "dense", "blocks", "sparse": of W as p gets it; a dense W stays dense. */
+const char *peer_storage(const peer_method *p, const scene *s);
+
+/* 1 if p can be tried on s. quick: only those that were fastest somewhere. */
+int peer_takes(const peer_method *p, const scene *s, int full);
+
+/* A solve_fn; how is a peer_method. The storage is converted and the options are made outside of
+ * the time measured. */
+void peer_solve(const void *how, const scene *s, double tol, double *r, outcome *o);
+
+#endif
