@@ -23,9 +23,9 @@
 enum {
   most_iterations = 100000000,
   least_iterations = 1000,
-  pivoting_rows = 3000,  /* lexicographic Lemke: seconds */
-  dense_copy_rows = 600, /* W by blocks is tried as a dense matrix, too, up to here */
-  dense_2d_rows = 6000   /* what takes nothing but a dense matrix is given one up to here */
+  pivoting_rows = 3000,   /* lexicographic Lemke: seconds */
+  dense_copy_rows = 1500, /* W by blocks is tried as a dense matrix, too, up to here */
+  dense_only_rows = 6000  /* what takes nothing but a dense matrix is given one up to here */
 };
 
 typedef enum storage { DENSE, BLOCKS, SPARSE } storage;
@@ -81,6 +81,7 @@ static void scaled_balancing(SolverOptions *o) {
 
 static const peer_method methods[] = {
     {"siconos-nsgs", "default", SICONOS_FRICTION_2D_NSGS, 2, 0, 1, BLOCKS, NULL},
+    {"siconos-nsgs", "default", SICONOS_FRICTION_2D_NSGS, 2, 0, 1, DENSE, NULL},
     {"siconos-cpg", "default", SICONOS_FRICTION_2D_CPG, 2, 0, 1, DENSE, NULL},
     {"siconos-lemke", "default", SICONOS_FRICTION_2D_LEMKE, 2, 0, 1, DENSE, NULL},
     {"siconos-nsgs", "default", SICONOS_FRICTION_3D_NSGS, 3, 0, 1, BLOCKS, NULL},
@@ -92,16 +93,16 @@ static const peer_method methods[] = {
     {"siconos-nsn-ac", "default", SICONOS_FRICTION_3D_NSN_AC, 3, 0, 1, SPARSE, NULL},
     {"siconos-nsn-ac", "default", SICONOS_FRICTION_3D_NSN_AC, 3, 0, 0, DENSE, NULL},
     {"siconos-nsn-ac", "mumps", SICONOS_FRICTION_3D_NSN_AC, 3, 0, 0, SPARSE, mumps},
-    {"siconos-nsn-ac", "jean-moreau", SICONOS_FRICTION_3D_NSN_AC, 3, 0, 1, SPARSE, jean_moreau},
+    {"siconos-nsn-ac", "jean-moreau", SICONOS_FRICTION_3D_NSN_AC, 3, 0, 0, SPARSE, jean_moreau},
     {"siconos-nsn-ac", "hybrid", SICONOS_FRICTION_3D_NSN_AC, 3, 0, 0, SPARSE, hybrid},
     {"siconos-nsn-fb", "default", SICONOS_FRICTION_3D_NSN_FB, 3, 0, 1, SPARSE, NULL},
     {"siconos-nsn-fb", "default", SICONOS_FRICTION_3D_NSN_FB, 3, 0, 0, DENSE, NULL},
-    {"siconos-nsn-nm", "default", SICONOS_FRICTION_3D_NSN_NM, 3, 0, 1, SPARSE, NULL},
+    {"siconos-nsn-nm", "default", SICONOS_FRICTION_3D_NSN_NM, 3, 0, 0, SPARSE, NULL},
     {"siconos-nsn-nm", "default", SICONOS_FRICTION_3D_NSN_NM, 3, 0, 0, DENSE, NULL},
     {"siconos-prox", "default", SICONOS_FRICTION_3D_PROX, 3, 0, 1, BLOCKS, NULL},
     {"siconos-admm", "default", SICONOS_FRICTION_3D_ADMM, 3, 0, 1, SPARSE, NULL},
     {"siconos-admm", "balancing", SICONOS_FRICTION_3D_ADMM, 3, 0, 1, SPARSE, balancing},
-    {"siconos-admm", "scaled-balancing", SICONOS_FRICTION_3D_ADMM, 3, 0, 1, SPARSE,
+    {"siconos-admm", "scaled-balancing", SICONOS_FRICTION_3D_ADMM, 3, 0, 0, SPARSE,
      scaled_balancing},
     {"siconos-tfp", "default", SICONOS_FRICTION_3D_TFP, 3, 0, 0, BLOCKS, NULL},
     {"siconos-aclmfp", "default", SICONOS_FRICTION_3D_ACLMFP, 3, 0, 0, BLOCKS, NULL},
@@ -148,13 +149,17 @@ const char *peer_storage(const peer_method *p, const scene *s) {
   return names[storage_of(p, s)];
 }
 
+/* The same solver and setting as in the line before, with another storage. */
+static int is_double(const peer_method *p) {
+  return p > methods && p[-1].id == p->id && p[-1].tune == p->tune;
+}
+
 int peer_takes(const peer_method *p, const scene *s, int full) {
-  const int m = s->contact.d * s->contact.nc;
+  const int m = s->contact.d * s->contact.nc, dense = s->contact.W.a != NULL;
   if (p->d != s->contact.d || p->global != (s->model != NULL) || (!full && !p->quick)) return 0;
-  if (peer_pivots(p) && 3 * s->contact.nc > pivoting_rows) return 0;
-  if (p->global || p->d == 2) return p->of != DENSE || m <= dense_2d_rows;
-  if (s->contact.W.a) return p->of != DENSE && p->tune != mumps; /* doubles of the line above */
-  return p->of != DENSE || m <= dense_copy_rows;
+  if (peer_pivots(p) && m > pivoting_rows) return 0;
+  if (dense && !p->global) return !is_double(p) && p->tune != mumps;
+  return p->of != DENSE || m <= (is_double(p) ? dense_copy_rows : dense_only_rows);
 }
 
 /* ---- matrices -------------------------------------------------------------------------------- */

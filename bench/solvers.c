@@ -9,11 +9,12 @@
  *
  * delassus is asked for the target itself. The peer measures its error in its own way, so that it is
  * run down a ladder of its own tolerances, and the cheapest run whose answer meets the target counts.
- * The next step of the ladder is a tenth of the last, or what it would take if our residual were
- * proportional to its tolerance, less a decade: (L).
+ * The next step of the ladder is a tenth of the last; once 1e-4 is met, what it would take for the
+ * next target if our residual were proportional to its tolerance, less a decade: (L).
  *
- * CPU time is that of the solve. A quick run stops a solver that takes 10 times as long as the best so
- * far, but not before 0.2 s.
+ * CPU time is that of the solve. A quick run stops a solver of delassus that takes 10 times as long as
+ * the best of delassus so far, one of the peer that takes 3 times as long as the best of the peer so
+ * far, but neither before 0.2 s: what it drops could not have been the best of its side.
  */
 #include <math.h>
 #include <stdio.h>
@@ -25,7 +26,8 @@
 
 static const double targets[TARGETS] = {1e-4, 1e-8, 1e-12};
 static const double first_step = 1e-3, last_step = 1e-16; /* of the ladder */
-static const double hopeless = 10, patience = 0.2;        /* times the best; s */
+/* A quick run: times the best of the same side, s. */
+static const double hopeless_own = 10, hopeless_peer = 3, patience = 0.2;
 
 enum { pivoting_candidates_2d = 400, pivoting_candidates_3d = 60 };
 
@@ -95,7 +97,7 @@ static void own_solve(const void *how, const scene *s, double tol, double *r, ou
 /* ---- one scene ------------------------------------------------------------------------------- */
 
 /* CPU allowed for a target. */
-static double allowance(const plan *p, const record *best) {
+static double allowance(const plan *p, const record *best, double hopeless) {
   if (p->full || best->status != SOLVED) return p->limit;
   return fmin(p->limit, fmax(patience, hopeless * best->cpu));
 }
@@ -129,7 +131,7 @@ static void keep(record *best, const record *a) {
 
 static void run_own(const plan *p, const own_method *w, const scene *s, record best[TARGETS]) {
   for (int k = 0; k < TARGETS; k++) {
-    const outcome o = measure(s, own_solve, w, targets[k], allowance(p, &best[k]));
+    const outcome o = measure(s, own_solve, w, targets[k], allowance(p, &best[k], hopeless_own));
     record a = record_of(&o, targets[k], targets[k]);
     a.method = w->name;
     a.setting = "default";
@@ -139,17 +141,17 @@ static void run_own(const plan *p, const own_method *w, const scene *s, record b
   }
 }
 
-/* The next tolerance after `step` gave `residual` (L). */
-static double next_step(double step, double residual, double target) {
-  const double proportional = residual > target ? 10 * step * target / residual : step / 10;
-  return fmin(step / 10, proportional);
+/* The next tolerance (L) after `step` gave `residual`, with `target` the first that is not met. */
+static double next_step(double step, double residual, double target, int met) {
+  const double proportional = 10 * step * target / residual;
+  return met && residual > target ? fmin(step / 10, proportional) : step / 10;
 }
 
 static void run_peer(const plan *p, const peer_method *w, const scene *s, record best[TARGETS]) {
   record found[TARGETS] = {{.status = NOT_RUN}, {.status = NOT_RUN}, {.status = NOT_RUN}};
   int met = 0, failures = 0; /* targets met so far; runs that did not claim success */
   for (double step = first_step; step >= last_step && met < TARGETS && failures < 2;) {
-    const outcome o = measure(s, peer_solve, w, step, allowance(p, &best[met]));
+    const outcome o = measure(s, peer_solve, w, step, allowance(p, &best[met], hopeless_peer));
     for (int k = 0; k < TARGETS; k++) {
       const record a = record_of(&o, targets[k], step);
       if (replaces(&a, &found[k])) found[k] = a;
@@ -158,7 +160,7 @@ static void run_peer(const plan *p, const peer_method *w, const scene *s, record
       met++;
     if (o.ended != ENDED || peer_pivots(w)) break;
     if (!o.claim) failures++;
-    if (met < TARGETS) step = next_step(step, o.certificate.residual, targets[met]);
+    if (met < TARGETS) step = next_step(step, o.certificate.residual, targets[met], met);
   }
   for (int k = 0; k < TARGETS; k++) {
     found[k].method = peer_name(w);
@@ -176,13 +178,14 @@ static int wanted(const plan *p, const char *method) {
 
 static void run_scene(void *data, const scene *s) {
   const plan *p = data;
-  record best[TARGETS] = {{.status = NOT_RUN}, {.status = NOT_RUN}, {.status = NOT_RUN}};
+  record best_own[TARGETS] = {{.status = NOT_RUN}, {.status = NOT_RUN}, {.status = NOT_RUN}};
+  record best_peer[TARGETS] = {{.status = NOT_RUN}, {.status = NOT_RUN}, {.status = NOT_RUN}};
   report_scene(p->out, s);
   for (int k = 0; k < own_count; k++)
-    if (wanted(p, own[k].name) && own_takes(&own[k], s)) run_own(p, &own[k], s, best);
+    if (wanted(p, own[k].name) && own_takes(&own[k], s)) run_own(p, &own[k], s, best_own);
   const peer_method *w;
   for (int k = 0; (w = peer_at(k)); k++)
-    if (wanted(p, peer_name(w)) && peer_takes(w, s, p->full)) run_peer(p, w, s, best);
+    if (wanted(p, peer_name(w)) && peer_takes(w, s, p->full)) run_peer(p, w, s, best_peer);
   report_progress(p->out);
 }
 
@@ -196,7 +199,7 @@ static int usage(void) {
 }
 
 int main(int argc, char **argv) {
-  plan p = {.limit = 20};
+  plan p = {.limit = 0};
   const char *directory = "data/fclib", *out = "build/bench";
   for (int k = 1; k < argc; k++) {
     const char *value = k + 1 < argc ? argv[k + 1] : NULL;
@@ -219,6 +222,7 @@ int main(int argc, char **argv) {
       return usage();
     k++;
   }
+  if (p.limit == 0) p.limit = p.full ? 20 : 4;
   if (!(p.limit > 0)) return usage();
   p.out = report_open(out);
   if (!p.out) return 1;
