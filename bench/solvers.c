@@ -130,8 +130,10 @@ static void keep(record *best, const record *a) {
 }
 
 static void run_own(const plan *p, const own_method *w, const scene *s, record best[TARGETS]) {
+  outcome o = {.ended = ENDED};
   for (int k = 0; k < TARGETS; k++) {
-    const outcome o = measure(s, own_solve, w, targets[k], allowance(p, &best[k], hopeless_own));
+    if (o.ended != LIMIT) /* else it would not get further either */
+      o = measure(s, own_solve, w, targets[k], allowance(p, &best[k], hopeless_own));
     record a = record_of(&o, targets[k], targets[k]);
     a.method = w->name;
     a.setting = "default";
@@ -222,7 +224,7 @@ int main(int argc, char **argv) {
       return usage();
     k++;
   }
-  if (p.limit == 0) p.limit = p.full ? 20 : 4;
+  if (p.limit == 0) p.limit = p.full ? 20 : 3;
   if (!(p.limit > 0)) return usage();
   p.out = report_open(out);
   if (!p.out) return 1;

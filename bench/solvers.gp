@@ -4,11 +4,12 @@ if (!exists('dir')) dir = 'build/bench/'
 tols = '1e-04 1e-08 1e-12'
 set grid
 own = '#1b4f9c #2a9d8f #6a4c93 #8ab17d #e9a820 #5d6d7e #a05a2c'
-peer = '#c0202a #e76f51 #ff9f1c #b56576 #d1495b #8d5a97 #bc6c25'
+peer = '#c0202a #f4793b #f2b705 #d12fa0 #7f0000 #ff7aa8 #7a4a12'
 do for [i=0:13] {
-  mine = i < 7
-  set style line i+1 lw (i == 0 || i == 7 ? 3.5 : 1.6) dt (mine ? 1 : i == 7 ? 1 : 2) \
-      lc rgb (mine ? word(own, i+1) : word(peer, i-6))
+  colour = i < 7 ? word(own, i+1) : word(peer, i-6)
+  width = i == 0 || i == 7 ? 3.5 : 1.6
+  dash = i < 8 ? 1 : 2
+  set style line i+1 lw width dt dash lc rgb colour
 }
 do for [type in 'png svg'] {
   if (type eq 'png') { set terminal pngcairo size 1500,1150 font ',12' }
@@ -26,14 +27,16 @@ do for [type in 'png svg'] {
   do for [d in '2d 3d'] {
     do for [tol in tols] {
       set title (d eq '2d' ? '2D' : '3D').', residual '.tol
-      plot for [i=0:13] dir.'profile_'.d.'_'.tol.'.dat' index i using 1:2 with fsteps ls i+1 \
+      plot for [i=0:13] dir.'profile_'.d.'_'.tol.'.dat' index i using 1:2 with steps ls i+1 \
           title columnheader(1)
     }
   }
   unset multiplot
 
+  if (type eq 'png') { set terminal pngcairo size 1500,600 font ',12' }
+  if (type eq 'svg') { set terminal svg size 1500,600 font ',12' background 'white' }
   set output dir.'solvers_ratio.'.type
-  set multiplot layout 2,2 title 'CPU time of delassus (auto, or newton before it) over that of the best solver of Siconos for the scene; below 1: delassus is faster'
+  set multiplot layout 1,3 title 'CPU time of delassus (auto, or newton before it) over that of the best solver of Siconos for the scene; below 1: delassus is faster'
   set logscale xy
   set xrange [0.8:10000]
   set yrange [0.002:100]
@@ -44,7 +47,7 @@ do for [type in 'png svg'] {
   do for [tol in tols] {
     set title 'residual '.tol
     plot 1 with lines lc rgb '#404040' dt 2 notitle, \
-        for [i=0:5] dir.'ratio_'.tol.'.dat' index i using 1:2 with points pt word('1 7 5 9 13 2', i+1)+0 \
+        for [i=0:5] dir.'ratio_'.tol.'.dat' index i using 1:2 with points pt (word('1 7 5 9 13 2', i+1)+0) \
             ps 1.1 lc rgb word('#808080 #1b4f9c #2a9d8f #c0202a #e9a820 #6a4c93', i+1) title columnheader(1)
   }
   unset multiplot
