@@ -193,6 +193,24 @@ static void summarise(const report *p, const char *set, double target, const cho
   putchar('\n');
 }
 
+/* The scenes on which the best of the peer beats the best of ours by more than noise. */
+static void print_lost(const report *p) {
+  static const double noise = 1.1;
+  puts("\nwhere the best of Siconos is ahead of the best of delassus by more than a tenth:");
+  for (size_t s = 0; s < p->scene_count; s++)
+    for (int k = 0; k < TARGETS; k++) {
+      const record *a = fastest(p, s, targets[k], &best_own),
+                   *b = fastest(p, s, targets[k], &best_peer);
+      if (!b || (a && a->cpu <= noise * b->cpu)) continue;
+      printf("%-6s %-40s %5d  %5.0e  %s (%s) %.2e s", p->scenes[s].set, p->scenes[s].name,
+             p->scenes[s].nc, targets[k], b->method, b->setting, b->cpu);
+      if (a)
+        printf(", %s %.2e s: %.2f\n", a->method, a->cpu, a->cpu / b->cpu);
+      else
+        puts(", delassus does not solve it");
+    }
+}
+
 /* auto, or what stands for it. */
 static choice front_door(const report *p) {
   const choice automatic = {"auto", 0, "auto"}, newton = {"newton", 0, "newton"};
@@ -294,7 +312,8 @@ static int write_ratios(const report *p) {
 }
 
 int report_close(report *p) {
-  if (p->scene_count) print_summary(p);
+  print_summary(p);
+  print_lost(p);
   int bad = fclose(p->csv) != 0;
   bad |= write_profiles(p) != 0;
   bad |= write_ratios(p) != 0;

@@ -11,7 +11,7 @@
  *
  * starting with Z = ll where the top is glued to a rigid back, Z = 0 where it is free. On the bottom
  * plane W = Z^-1 and x = Z^-1 h of the contact unknowns (B2). K of the whole block is never formed:
- * 7/3 b^3 flops and 2 b^2 doubles for each slab. The back, of a block [0,1] x [0,1/2] or [0,1]^3, is
+ * 7/3 b^3 flops for each slab. The back, of a block [0,1] x [0,1/2] or [0,1]^3, is
  * moved as a rigid body, so that without reactions the block goes with it and q is
  *
  *   press  down, and along by as much     hertz  down on an obstacle with a paraboloid gap, and along
@@ -207,7 +207,7 @@ static int invert(elastic *k, int b, double *Z, double *h) {
 static void fix(int b, double *S, int i) {
   for (int k = 0; k < 2 * b; k++)
     for (int half = 0; half < 2; half++) {
-      const size_t j = (size_t)(half * b + i), K = (size_t)k, ld = 2 * (size_t)b;
+      const size_t B = (size_t)b, j = (half ? B : 0) + (size_t)i, K = (size_t)k, ld = 2 * B;
       S[K + j * ld] = S[j + K * ld] = K == j;
     }
 }
@@ -365,7 +365,8 @@ static int block_of_hexahedra(elastic *k, int n) {
     size_t unknown[24];
     for (int i = 0; i < 24; i++) {
       const int v = i / 3, x = e % n + (v & 1), y = e / n + (v >> 1 & 1), upper = v >> 2;
-      unknown[i] = (size_t)(3 * (x + y * (n + 1) + upper * nodes) + i % 3);
+      const int node = x + y * (n + 1) + upper * nodes;
+      unknown[i] = 3 * (size_t)node + (size_t)(i % 3);
     }
     for (int i = 0; i < 24; i++)
       for (int j = 0; j < 24; j++)
