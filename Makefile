@@ -90,6 +90,7 @@ help:
 	@echo 'make bench-auto  auto beside the single methods; BENCH=files'
 
 	@echo 'make bench-blocks            W dense and by blocks beside dgemv and the memory'
+	@echo 'make bench-solvers                   every solver beside Siconos; BENCH=--full for all'
 	@echo 'make check-symbols check-headers lint format-check format'
 	@echo 'make clean'
 
@@ -194,7 +195,7 @@ format-check:
 
 PEER_CFLAGS = -isystem /usr/include/siconos -isystem /usr/include/siconos/numerics
 BENCH_OBJ = $(call obj,bench/lemke.c bench/problems.c bench/peer.c)
-SOLVERS_OBJ = $(call obj,bench/solvers.c bench/scenes.c bench/measure.c bench/report.c bench/contact_peer.c)
+SOLVERS_OBJ = $(call obj,$(addprefix bench/,solvers.c scenes.c measure.c report.c contact_peer.c))
 $(BENCH_OBJ) $(SOLVERS_OBJ): CPPFLAGS += -D_GNU_SOURCE $(PEER_CFLAGS)
 
 $(BUILD)/bench/lemke: $(BENCH_OBJ) $(FE) $(A)
