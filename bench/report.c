@@ -100,12 +100,15 @@ void report_add(report *p, const record *a) {
 typedef struct choice {
   const char *label;
   int peer;
-  const char *method; /* its beginning; NULL for the best of all */
+  const char
+      *method; /* of the peer, its beginning: NSGS with any local solver, say; NULL for all */
 } choice;
 
 static int is_chosen(const choice *w, const record *a) {
-  return a->peer == w->peer &&
-         (!w->method || strncmp(a->method, w->method, strlen(w->method)) == 0);
+  if (a->peer != w->peer) return 0;
+  if (!w->method) return 1;
+  return w->peer ? strncmp(a->method, w->method, strlen(w->method)) == 0
+                 : strcmp(a->method, w->method) == 0;
 }
 
 /* The fastest of the chosen records of a scene that meets a target; NULL for none. */
@@ -312,9 +315,10 @@ static int write_ratios(const report *p) {
 }
 
 int report_close(report *p) {
+  int bad = p->scene_count == 0;
   print_summary(p);
   print_lost(p);
-  int bad = fclose(p->csv) != 0;
+  bad |= fclose(p->csv) != 0;
   bad |= write_profiles(p) != 0;
   bad |= write_ratios(p) != 0;
   free(p->scenes);

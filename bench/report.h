@@ -37,7 +37,8 @@ void report_scene(report *p, const scene *s); /* the next records are of s; its 
 void report_add(report *p, const record *a);
 void report_progress(const report *p); /* a line on stdout about the last scene */
 
-/* The summary on stdout, the data of the pictures beside the table; releases p. 0 or -1. */
+/* The summary on stdout, the data of the pictures beside the table; releases p. 0, or -1 if
+ * there was no scene or something could not be written. */
 int report_close(report *p);
 
 #endif

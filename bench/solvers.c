@@ -35,6 +35,8 @@ enum { pivoting_candidates_2d = 400, pivoting_candidates_3d = 60 };
 typedef struct plan {
   int full;
   const char *set, *method; /* NULL for all */
+  const char *files;        /* the directory of FCLIB files */
+  const char *directory;    /* for what is written */
   double limit;             /* s */
   report *out;
 } plan;
@@ -132,9 +134,13 @@ static void keep(record *best, const record *a) {
 
 static void run_own(const plan *p, const own_method *w, const scene *s, record best[TARGETS]) {
   outcome o = {.ended = ENDED};
+  double limit = 0;
   for (int k = 0; k < TARGETS; k++) {
-    if (o.ended != LIMIT) /* else it would not get further either */
-      o = measure(s, own_solve, w, targets[k], allowance(p, &best[k], hopeless_own));
+    const double more = allowance(p, &best[k], hopeless_own);
+    if (o.ended != LIMIT || more > limit) { /* else it would not get further either */
+      limit = more;
+      o = measure(s, own_solve, w, targets[k], limit);
+    }
     record a = record_of(&o, targets[k], targets[k]);
     a.method = w->name;
     a.setting = "default";
@@ -201,6 +207,36 @@ static int usage(void) {
   return 2;
 }
 
+/* 1, or 0 for bad options. */
+static int parse(int argc, char **argv, plan *p) {
+  for (int k = 1; k < argc; k++) {
+    if (!strcmp(argv[k], "--full")) {
+      p->full = 1;
+      continue;
+    }
+    if (k + 1 == argc) return 0;
+    const char *option = argv[k], *value = argv[++k];
+    if (!strcmp(option, "--dir"))
+      p->files = value;
+    else if (!strcmp(option, "--set"))
+      p->set = value;
+    else if (!strcmp(option, "--method"))
+      p->method = value;
+    else if (!strcmp(option, "--limit"))
+      p->limit = strtod(value, NULL);
+    else if (!strcmp(option, "--out"))
+      p->directory = value;
+    else
+      return 0;
+  }
+  if (p->limit == 0) p->limit = p->full ? 20 : 3;
+  return p->limit > 0;
+}
+
+static int runs(const plan *p, const char *set) {
+  return !p->set || strcmp(p->set, set) == 0;
+}
+
 /* A BLAS with threads spoils every measure; it reads this when it is loaded. */
 static void one_thread(char **argv) {
   if (getenv("OPENBLAS_NUM_THREADS")) return;
@@ -208,39 +244,16 @@ static void one_thread(char **argv) {
 }
 
 int main(int argc, char **argv) {
+  plan p = {.files = "data/fclib", .directory = "build/bench"};
   one_thread(argv);
-  plan p = {.limit = 0};
-  const char *directory = "data/fclib", *out = "build/bench";
-  for (int k = 1; k < argc; k++) {
-    const char *value = k + 1 < argc ? argv[k + 1] : NULL;
-    if (!strcmp(argv[k], "--full")) {
-      p.full = 1;
-      continue;
-    }
-    if (!value) return usage();
-    if (!strcmp(argv[k], "--dir"))
-      directory = value;
-    else if (!strcmp(argv[k], "--set"))
-      p.set = value;
-    else if (!strcmp(argv[k], "--method"))
-      p.method = value;
-    else if (!strcmp(argv[k], "--limit"))
-      p.limit = atof(value);
-    else if (!strcmp(argv[k], "--out"))
-      out = value;
-    else
-      return usage();
-    k++;
-  }
-  if (p.limit == 0) p.limit = p.full ? 20 : 3;
-  if (!(p.limit > 0)) return usage();
-  p.out = report_open(out);
+  if (!parse(argc, argv, &p)) return usage();
+  p.out = report_open(p.directory);
   if (!p.out) return 1;
   int status = 0;
-  if (!p.set || !strcmp(p.set, "fclib")) status |= scenes_files(directory, run_scene, &p);
-  if (!p.set || !strcmp(p.set, "block")) status |= scenes_blocks(p.full, run_scene, &p);
-  if (!p.set || !strcmp(p.set, "cube")) status |= scenes_cubes(p.full, run_scene, &p);
-  if (!p.set || !strcmp(p.set, "wall")) status |= scenes_walls(p.full, run_scene, &p);
+  if (runs(&p, "fclib")) status |= scenes_files(p.files, run_scene, &p);
+  if (runs(&p, "block")) status |= scenes_blocks(p.full, run_scene, &p);
+  if (runs(&p, "cube")) status |= scenes_cubes(p.full, run_scene, &p);
+  if (runs(&p, "wall")) status |= scenes_walls(p.full, run_scene, &p);
   status |= report_close(p.out);
   if (status) fputs("solvers: not everything could be run\n", stderr);
   return status ? 1 : 0;

@@ -21,7 +21,7 @@ do for [type in 'png svg'] {
   set xrange [1:1000]
   set yrange [0:1.02]
   set format x '10^{%T}'
-  set xlabel '{/Symbol t}'
+  set xlabel '{/Symbol t}' offset 0,0.6
   set ylabel 'part of the scenes'
   set key outside bottom center horizontal samplen 2 maxcols 3 font ',10'
   do for [d in '2d 3d'] {
@@ -41,7 +41,7 @@ do for [type in 'png svg'] {
   set xrange [0.8:10000]
   set yrange [0.002:100]
   set format xy '10^{%T}'
-  set xlabel 'candidates'
+  set xlabel 'candidates' offset 0,0.6
   set ylabel 'ratio'
   set key outside bottom center horizontal
   do for [tol in tols] {
