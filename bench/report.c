@@ -124,12 +124,6 @@ static const record *fastest(const report *p, size_t index, double target, const
   return best;
 }
 
-static int occurs(const report *p, const choice *w) {
-  for (size_t k = 0; k < p->record_count; k++)
-    if (is_chosen(w, &p->records[k])) return 1;
-  return 0;
-}
-
 static const choice best_own = {"best of delassus", 0, NULL};
 static const choice best_peer = {"best of Siconos", 1, NULL};
 static const double targets[TARGETS] = {1e-4, 1e-8, 1e-12};
@@ -214,16 +208,12 @@ static void print_lost(const report *p) {
     }
 }
 
-/* auto, or what stands for it. */
-static choice front_door(const report *p) {
-  const choice automatic = {"auto", 0, "auto"}, newton = {"newton", 0, "newton"};
-  return occurs(p, &automatic) ? automatic : newton;
-}
+static const choice front_door = {"auto", 0, "auto"};
 
 static void print_summary(const report *p) {
   double *ratios = malloc((p->scene_count + 1) * sizeof *ratios);
   if (!ratios) return;
-  const choice lines[] = {front_door(p), best_own};
+  const choice lines[] = {front_door, best_own};
   printf("\n%-6s %5s  %-20s %-7s  %-7s  %8s %8s  %s\n", "set", "tol", "of ours", "solved",
          "Siconos", "median", "worst", "on (CPU of ours / best of Siconos)");
   for (int i = 0; i < set_count; i++)
@@ -293,7 +283,6 @@ static int write_profiles(const report *p) {
 }
 
 static int write_ratios(const report *p) {
-  const choice front = front_door(p);
   for (int k = 0; k < TARGETS; k++) {
     char name[64];
     snprintf(name, sizeof name, "ratio_%.0e.dat", targets[k]);
@@ -302,7 +291,7 @@ static int write_ratios(const report *p) {
     for (int i = 0; i < set_count; i++) {
       fprintf(file, "\"%s\"\n", sets[i]);
       for (size_t s = 0; s < p->scene_count; s++) {
-        const record *a = fastest(p, s, targets[k], &front),
+        const record *a = fastest(p, s, targets[k], &front_door),
                      *b = fastest(p, s, targets[k], &best_peer);
         if (strcmp(p->scenes[s].set, sets[i]) == 0 && a && b)
           fprintf(file, "%d %.4g\n", p->scenes[s].nc, a->cpu / b->cpu);

@@ -47,13 +47,11 @@ typedef struct own_method {
   const char *name, *method, *acceleration;
 } own_method;
 
-static const own_method own[] = {{"nlgs-anderson", "nlgs", "anderson"},
-                                 {"newton", "newton", "none"},
-                                 {"auto", "auto", "none"},
-                                 {"admm", "admm", "none"},
-                                 {"nlgs", "nlgs", "none"},
-                                 {"augmented-lagrangian", "augmented-lagrangian", "none"},
-                                 {"lemke", "lemke", "none"}};
+static const own_method own[] = {
+    {"auto", "auto", "none"},     {"nlgs-anderson", "nlgs", "anderson"},
+    {"newton", "newton", "none"}, {"admm", "admm", "none"},
+    {"nlgs", "nlgs", "none"},     {"augmented-lagrangian", "augmented-lagrangian", "none"},
+    {"lemke", "lemke", "none"}};
 enum { own_count = sizeof own / sizeof own[0] };
 
 static int own_takes(const own_method *w, const scene *s) {
@@ -82,6 +80,7 @@ static void own_solve(const void *how, const scene *s, double tol, double *r, ou
   dls_method_find(w->method, &settings.method);
   dls_acceleration_find(w->acceleration, &settings.acceleration);
   settings.tol = tol;
+  settings.blocks = contact.W.a ? 0 : contact.Wb.p[contact.nc];
   if (settings.method == DLS_NLGS) settings.max_iterations = 100000000; /* the CPU limit ends it */
   const double start = cpu_seconds();
   dls_status status = dls_solver_create(&solver, contact.d, contact.nc, &settings, NULL);

@@ -36,7 +36,7 @@ do for [type in 'png svg'] {
   if (type eq 'png') { set terminal pngcairo size 1500,600 font ',12' }
   if (type eq 'svg') { set terminal svg size 1500,600 font ',12' background 'white' }
   set output dir.'solvers_ratio.'.type
-  set multiplot layout 1,3 title 'CPU time of delassus (auto, or newton before it) over that of the best solver of Siconos for the scene; below 1: delassus is faster'
+  set multiplot layout 1,3 title 'CPU time of delassus auto over that of the best solver of Siconos for the scene; below 1: delassus is faster'
   set logscale xy
   set xrange [0.8:10000]
   set yrange [0.002:100]
