@@ -23,6 +23,7 @@ dls_status dlsi_check_dense(const char *function, const char *argument, const dl
   if (A->ld < rows || A->ld < 1)
     return dlsi_fail(error, DLS_E_SIZE, function, argument, -1, A->ld,
                      "leading dimension %d is less than %d", A->ld, rows > 1 ? rows : 1);
+  if (A->ld == rows && dlsi_first_not_finite(A->a, (size_t)rows * (size_t)cols) < 0) return DLS_OK;
   for (int j = 0; j < cols; j++) {
     const size_t start = (size_t)j * (size_t)A->ld;
     const long long bad = dlsi_first_not_finite(A->a + start, (size_t)rows);

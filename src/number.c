@@ -14,11 +14,10 @@ double dlsi_max_abs(const double *x, size_t n) {
 }
 
 double dlsi_norm2(const double *x, size_t n) {
-  double plain =
-      0; /* as good as any scaled sum where the squares are far from the ends of doubles */
+  double plain = 0;
   for (size_t i = 0; i < n; i++)
     plain += x[i] * x[i];
-  if (plain > 1e-280 && plain < 1e280) return sqrt(plain);
+  if (plain > 0x1p-900 && plain < 0x1p900) return sqrt(plain); /* the same bits as below */
   const double m = dlsi_max_abs(x, n);
   if (!(m > 0) || !isfinite(m)) return m;
   int e;
