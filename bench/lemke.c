@@ -323,7 +323,7 @@ static int run_large(int nc, FILE *csv) {
   const dls_lcp lcp = problem_view(&p);
   int count[3] = {0}, failed = !z || !r || !u || !state;
   if (!failed) {
-    call_ours(path, &p, 1, &o, z);
+    call_ours(crash, &p, 1, &o, z);
     failed = dls_lcp_certify(&lcp, z, NULL, &certificate, NULL) ||
              dls_contact_from_lcp(&l.contact, NULL, z, r, NULL) ||
              dls_contact_certify(&l.contact, r, u, &contact, NULL) ||
@@ -337,12 +337,14 @@ static int run_large(int nc, FILE *csv) {
   if (!failed) {
     printf("n = %d, %d candidates: %d free, %d slip, %d stick\n", p.n, nc, count[DLS_FREE],
            count[DLS_SLIP], count[DLS_STICK]);
-    printf("W %.3g s, Lemke %.4g s CPU, %d pivots, %s\n", make, o.cpu, o.pivots,
+    printf("W %.3g s, Lemke %.4g s CPU, %d rounds of the crash start, %s\n", make, o.cpu, o.pivots,
            dls_status_name((dls_status)o.status));
     printf("residual: LCP %.1e, contact %.1e; largest RSS %.2f GB\n", certificate.residual,
            contact.residual, gigabytes);
-    fprintf(csv, "n,candidates,free,slip,stick,make_W_s,cpu_s,pivots,lcp_residual,contact_residual,"
-                 "solved,max_rss_GB\n");
+    fprintf(
+        csv,
+        "n,candidates,free,slip,stick,make_W_s,cpu_s,crash_rounds,lcp_residual,contact_residual,"
+        "solved,max_rss_GB\n");
     fprintf(csv, "%d,%d,%d,%d,%d,%.4g,%.4g,%d,%.2e,%.2e,%d,%.3g\n", p.n, nc, count[DLS_FREE],
             count[DLS_SLIP], count[DLS_STICK], make, o.cpu, o.pivots, certificate.residual,
             contact.residual, dls_lcp_certificate_holds(&certificate, tol), gigabytes);

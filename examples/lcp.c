@@ -2,7 +2,7 @@
  * A linear complementarity problem by Lemke's method, and one without a solution with its proof.
  *
  * Output:
- *   solved: z = (1, 2), 3 pivots
+ *   solved: z = (1, 2), 3 exchanges
  *   no solution exists: v = (0, 1), violation 0
  */
 #include <stdio.h>
@@ -23,7 +23,8 @@ int main(void) {
   }
   dls_status status = dls_lemke_solve(lemke, &lcp, z, NULL, &info, &error);
   if (status == DLS_OK) /* certified: residual from M, q and z alone is at most tol */
-    printf("%s: z = (%g, %g), %d pivots\n", dls_status_text(status), z[0], z[1], info.pivots);
+    printf("%s: z = (%g, %g), %d exchanges\n", dls_status_text(status), z[0], z[1],
+           info.pivots + info.crash_rounds);
 
   /* y_2 = -z_1 - 2 can never be >= 0. The proof is a v >= 0 with M^T v <= 0 and q^T v < 0. */
   const double N[4] = {0, -1, 1, 0}, p[2] = {-1, -2};

@@ -59,6 +59,13 @@ void dlsi_crash_begin(const dls_lcp *lcp, dlsi_crash *w);
 /* One round: 0 to go on, 1 if z solves the LCP but for rounding, -1 if this leads nowhere. */
 int dlsi_crash_round(const dls_lcp *lcp, dlsi_crash *w);
 
+/* ---- tiny.c ---------------------------------------------------------------------------------- */
+
+enum { dlsi_tiny_size = 10 };
+
+/* n <= dlsi_tiny_size. z: in all likelihood a solution, but for rounding; 0 if it gave up. */
+int dlsi_lcp_tiny(const dls_lcp *lcp, double *z, int *exchanges);
+
 /* ---- table.c --------------------------------------------------------------------------------- */
 
 enum { dlsi_table_block = 96 }; /* exchanges put off */

@@ -36,9 +36,10 @@
  * (I, -M), so that the table can be computed anew at any time. If b >= 0 there is nothing to do. d need
  * not be positive: a ray is no ray of the user's cover then, and the cold start is tried instead.
  *
- * Crash start. Before all this, if it is asked for and no cover is given, crash.c guesses a
- * complementary basis with LU factors. If its z has the certificate, that is the answer; else nothing of
- * it is kept and the path is what it would have been.
+ * Crash start. Before all this, unless it is switched off or a cover is given, crash.c guesses a
+ * complementary basis with LU factors; up to ten unknowns and without a warm start, tiny.c follows a path
+ * of its own instead. If the z has the certificate, that is the answer; else nothing of it is kept
+ * and the path is what it would have been. (After tiny.c, crash.c has its turn.)
  *
  * Rounding. Decisions are taken on R M C with powers of two R and C (scale.c), so that the same
  * relative tolerances serve all units. Deviations from the above:
@@ -124,6 +125,7 @@ void dls_lemke_settings_init(dls_lemke_settings *settings) {
   memset(settings, 0, sizeof *settings);
   settings->size = sizeof *settings;
   settings->tol = 1e-8;
+  settings->crash = 1;
 }
 
 /* A column length that is no multiple of 512 doubles: a row of T then falls on all cache sets. */
@@ -694,6 +696,15 @@ static int accept_ray(dls_lemke *w, const dls_lcp *lcp, int entering) {
   return 1;
 }
 
+/* What tiny.c finds, if it has a certificate that leaves nothing to refine. */
+static int solve_tiny(dls_lemke *w, const dls_lcp *lcp) {
+  if (lcp->n > dlsi_tiny_size || !w->settings.crash || w->settings.warm_start || w->given) return 0;
+  if (!dlsi_lcp_tiny(lcp, w->trial, &w->crash.rounds)) return 0;
+  w->best.residual = INFINITY;
+  offer_trial(w, lcp);
+  return dls_lcp_certificate_holds(&w->best, DBL_EPSILON);
+}
+
 /* Rounds of crash.c from the basis of z, or of y if z is NULL; path_lost if they lead nowhere. */
 static path_end crash(dls_lemke *w, const dls_lcp *lcp, const double *z, int max_pivots) {
   int outcome = 0;
@@ -770,9 +781,11 @@ dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, 
   w->pivots = w->refreshes = w->crash.rounds = w->solved_n = w->proved = 0;
   int starts = 0;
   dlsi_lcp_weights(lcp, w->weight);
-  offer_zero(w, lcp);
-  if (w->best.negative_y > 0)
-    status = solve(w, lcp, w->settings.warm_start ? z : NULL, limit, &starts);
+  if (!solve_tiny(w, lcp)) {
+    offer_zero(w, lcp);
+    if (w->best.negative_y > 0)
+      status = solve(w, lcp, w->settings.warm_start ? z : NULL, limit, &starts);
+  }
   memcpy(z, w->z, n * sizeof *z);
   if (y) memcpy(y, w->best_y, n * sizeof *y);
   if (info)

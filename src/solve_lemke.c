@@ -142,7 +142,7 @@ static dls_status pivot(dlsi_pivoting *work, const dls_contact *problem, int fac
   dls_lemke_info info;
   status = dls_lemke_solve(work->lemke, &lcp, work->z, NULL, &info, error);
   if (status < 0) return status;
-  *pivots += info.pivots;
+  *pivots += info.pivots + info.crash_rounds;
   const dls_status mapped =
       facets ? dls_contact_from_facets_lcp(problem, facets, s, work->z, work->r, error)
              : dls_contact_from_lcp(problem, s, work->z, work->r, error);

@@ -540,7 +540,7 @@ START_TEST(limit_and_cancellation_are_not_polished_away) {
   dls_info info;
   s.max_iterations = 3;
   ck_assert_int_eq(dls_solve(&p, &s, r, NULL, &info, NULL), DLS_MAX_ITERATIONS);
-  ck_assert_int_eq(info.iterations, 3);
+  ck_assert_int_eq(info.iterations, 2 + 3); /* two rounds of the crash start, three pivots */
   ck_assert(info.certificate.residual == residual_of(&p, r));
 }
 END_TEST

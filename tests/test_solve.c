@@ -213,7 +213,8 @@ START_TEST(iteration_limit_is_honest) {
     double r[M];
     dls_info info;
     ck_assert_int_eq(dls_solve(&p, &s, r, NULL, &info, NULL), DLS_MAX_ITERATIONS);
-    ck_assert_int_eq(info.iterations, 2);
+    const int rounds = methods[k] == DLS_LEMKE ? 8 : 0; /* of the crash start, no pivots */
+    ck_assert_int_eq(info.iterations, rounds + 2);
     ck_assert(info.certificate.residual > 1e-8 && isfinite(info.certificate.residual));
   }
 }
@@ -346,7 +347,7 @@ START_TEST(every_failing_malloc_unwinds) {
 }
 END_TEST
 
-/* Ten steps of a load that turns: from the states of the step before, few pivots are left. */
+/* Ten steps of a load that turns: from the states of the step before, one round of the crash start is left. */
 START_TEST(lemke_starts_from_the_last_step) {
   dls_contact p = random_problem(6);
   double load[M], r[M], cold[M];
@@ -365,7 +366,8 @@ START_TEST(lemke_starts_from_the_last_step) {
     for (int i = 0; i < M; i++)
       ck_assert_double_eq_tol(r[i], cold[i], 1e-11 * (1 + fabs(cold[i])));
   }
-  ck_assert_int_lt(5 * warm_pivots, cold_pivots);
+  ck_assert_int_eq(warm_pivots, 9); /* one factorisation a step */
+  ck_assert_int_gt(cold_pivots, 3 * warm_pivots);
   dls_solver_settings s = settings_of(DLS_LEMKE);
   dls_error e;
   s.warm_start = 1;

@@ -48,7 +48,7 @@ enum { DLS_STAGES_MAX = 20 };
 typedef struct dls_info {
   dls_status status; /* as returned */
   dls_method method;
-  int iterations; /* sweeps; pivots of all LCPs; steps; augmentations; iterations; auto: of all
+  int iterations; /* sweeps; pivots and crash rounds of all LCPs; steps; augmentations; iterations; auto: of all
                      stages */
   dls_certificate certificate; /* of the r that is returned */
   int ambiguous;      /* nlgs: candidates at the answer whose local problem has several solutions */

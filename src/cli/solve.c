@@ -130,7 +130,7 @@ static void print_lcp_json(int n, const dls_lemke_info *info, double solve_cpu_s
   const dls_lcp_certificate *c = &info->certificate;
   printf("{\n  \"status\": \"%s\",\n  \"method\": \"lemke\",\n  \"dimension\": %d,\n"
          "  \"contacts\": 0,\n  \"iterations\": %d,\n  \"residual\": ",
-         status_word(info->status), n, info->pivots);
+         status_word(info->status), n, info->pivots + info->crash_rounds);
   print_json_number(stdout, c->residual);
   fputs(",\n  \"floor\": ", stdout);
   print_json_number(stdout, c->floor);
@@ -190,9 +190,10 @@ static int solve_lcp(const char *path_M, const char *path_q, const solve_options
     print_lcp_json(rows, &info, solve_cpu_seconds);
   else {
     printf("%s: LCP of %d unknowns\n", path_M, rows);
-    printf("  lemke: %s, %d pivots, residual %.2e (floor %.1e), %.3g s of CPU\n",
-           dls_status_text(status), info.pivots, info.certificate.residual, info.certificate.floor,
-           solve_cpu_seconds);
+    printf("  lemke: %s, %d rounds of the crash start, %d pivots, residual %.2e (floor %.1e), %.3g "
+           "s of CPU\n",
+           dls_status_text(status), info.crash_rounds, info.pivots, info.certificate.residual,
+           info.certificate.floor, solve_cpu_seconds);
     printf("  negative z %.2e, negative y %.2e, complementarity %.2e\n",
            info.certificate.negative_z, info.certificate.negative_y,
            info.certificate.complementarity);
