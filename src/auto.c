@@ -4,7 +4,7 @@
  *
  *   (S1)  accelerated sweeps of Gauss-Seidel (Anderson)
  *   (S2)  Newton's method
- *   (S3)  W dense, 250 unknowns or more: up to 200 iterations of ADMM
+ *   (S3)  up to 200 iterations of ADMM; W dense, k >= 250, (F1) > 100 + 2 (F4)
  *         (S1) and (S2) three times more
  *   (S4)  the augmented Lagrangian
  *   (S5)  Lemke's method, up to DLS_AUTO_LEMKE_2D or _3D candidates
@@ -206,10 +206,12 @@ static dls_status newton(dlsi_auto *work, dls_error *error) {
   return status;
 }
 
-/* (S3) */
+/* (S3): some 100 iterations and 3 factorisations, each of them half an LU; vi/README.md */
 static dls_status split(dlsi_auto *work, dls_error *error) {
   dls_info info;
-  if (!work->admm || !work->problem->W.a || unknowns(work->problem, work->best) < split_unknowns)
+  const dls_contact *problem = work->problem;
+  if (!work->admm || !problem->W.a || unknowns(problem, work->best) < split_unknowns ||
+      work->ahead <= 100 + 2 * step_cost(problem, work->best))
     return DLS_STALLED;
   begin(work);
   const dls_status status = dls_admm_solve(work->admm, work->problem, work->r, NULL, &info, error);
@@ -271,6 +273,7 @@ dls_status dlsi_auto_solve(dlsi_auto *work, const dls_contact *problem, double *
   work->info = nothing;
   work->cancelled = work->limited = work->failures = 0;
   work->verdict = DLS_OK;
+  work->ahead = INFINITY; /* of sweeps that end before they can tell */
   if (work->settings.warm_start)
     memcpy(work->best, r, m * sizeof *r);
   else
