@@ -46,14 +46,14 @@ HDF5_CFLAGS += -DDLS_WITH_HDF5
 endif
 ifeq ($(MUMPS),1)
 MUMPS_CFLAGS ?= -isystem /usr/include/mumps_seq
-MUMPS_LIBS ?= -ldmumps_seq
+MUMPS_LIBS ?= -ldmumps_seq -lmetis
 endif
 LIBS = $(HDF5_LIBS) $(MUMPS_LIBS) $(BLAS_LIBS) -lm
 CHECK_LIBS = $(shell $(PKG_CONFIG) --libs check)
 
 LIB_SRC := $(wildcard src/*.c lcp/*.c vi/*.c reduction/*.c)
 LIB_SRC := $(filter-out $(if $(HDF5_CFLAGS),src/fclib_none.c,src/fclib_read.c src/fclib_write.c),$(LIB_SRC))
-LIB_SRC := $(filter-out $(if $(MUMPS_LIBS),src/sparse_lu_none.c,src/sparse_lu.c),$(LIB_SRC))
+LIB_SRC := $(filter-out $(if $(MUMPS_LIBS),src/sparse_lu_none.c reduction/schur_none.c,src/sparse_lu.c reduction/schur.c reduction/dissection.c),$(LIB_SRC))
 FE_SRC := $(wildcard src/fe/*.c)
 CLI_SRC := $(wildcard src/cli/*.c)
 TEST_SRC := $(wildcard tests/test_*.c)
@@ -88,9 +88,9 @@ help:
 	@echo 'make valgrind    tests under valgrind, no leak'
 	@echo 'make bench-lemke bench-lemke-large   Lemke beside Siconos; BENCH=--full for the largest'
 	@echo 'make bench-auto  auto beside the single methods; BENCH=files'
-
 	@echo 'make bench-blocks            W dense and by blocks beside dgemv and the memory'
 	@echo 'make bench-solvers                   every solver beside Siconos; BENCH=--full for all'
+	@echo 'make bench-reduction         K -> W beside CHOLMOD and UMFPACK; BENCH=--full, BENCH=--large'
 	@echo 'make check-symbols check-headers lint format-check format'
 	@echo 'make clean'
 
@@ -99,7 +99,7 @@ help:
 $(BUILD)/obj/%.o: %.c Makefile
 	@mkdir -p $(@D)
 	$(call say,CC  )
-	$(Q)$(CC) $(CPPFLAGS_ALL) $(if $(filter src/fclib%,$<),$(HDF5_CFLAGS)) $(if $(filter src/sparse_lu%,$<),$(MUMPS_CFLAGS)) $(CFLAGS_ALL) -c -o $@ $<
+	$(Q)$(CC) $(CPPFLAGS_ALL) $(if $(filter src/fclib%,$<),$(HDF5_CFLAGS)) $(if $(filter src/sparse_lu% reduction/schur%,$<),$(MUMPS_CFLAGS)) $(CFLAGS_ALL) -c -o $@ $<
 
 # the one loop of the library that has to run at the speed of the memory: vectorise it
 $(BUILD)/obj/src/panel.o: CFLAGS += -O3
@@ -148,7 +148,7 @@ $(TESTS:$(BUILD)/tests/%=$(BUILD)/obj/tests/%.o): CPPFLAGS += -DTEST_DATA='"data
 # test_files makes broken FCLIB files with HDF5 itself
 $(BUILD)/obj/tests/test_files.o: CPPFLAGS += $(HDF5_CFLAGS)
 
-$(foreach t,newton augmented admm,$(BUILD)/obj/tests/test_$(t).o): CPPFLAGS += -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0)
+$(foreach t,newton augmented admm reduction reduction_sparse,$(BUILD)/obj/tests/test_$(t).o): CPPFLAGS += -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0)
 
 .PHONY: check
 check: deps
@@ -208,6 +208,21 @@ bench-lemke:
 	@$(MAKE) --no-print-directory $(BUILD)/bench/lemke
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/lemke $(BENCH)
 	gnuplot bench/lemke.gp
+
+REDUCTION_OBJ = $(call obj,bench/reduction.c bench/elastic.c bench/direct.c bench/problems.c)
+$(REDUCTION_OBJ): CPPFLAGS += -D_GNU_SOURCE -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
+
+$(BUILD)/bench/reduction: $(REDUCTION_OBJ) $(FE) $(A)
+	@mkdir -p $(@D)
+	$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ -lcholmod -lumfpack $(LIBS)
+
+# BENCH=--full for 30^3 elements, BENCH=--large for 850 x 850
+.PHONY: bench-reduction
+bench-reduction:
+	@.ci/deps bench
+	@$(MAKE) --no-print-directory $(BUILD)/bench/reduction
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/reduction $(BENCH)
+	gnuplot bench/reduction.gp
 
 .PHONY: bench-lemke-large
 bench-lemke-large:

@@ -2,7 +2,8 @@
  * factor.c: the back-ends behind X := K^-1 X.
  *
  *   dense K      K = S^-1 (L L^T) S^-1 or K = R^-1 (P^T L U) C^-1 (LAPACK), one part
- *   sparse K     the same for each connected part of its graph
+ *   sparse K     the same for each connected part of its graph while all are small; else schur.c, one
+ *                part
  *   flexibility  X := F X with F = K^-1 as given, one part
  *   host         the callback, one part
  *
@@ -16,7 +17,8 @@
  * stiffnesses of 1 to 400 side by side), by either factorisation, none came out above 0.4 eps
  * unless a pivot <= 0 had stopped it before. The smallest pivot is reported with its unknown.
  *
- * A sparse direct solver will enter here as one more kind.
+ * Small: see dlsi_small_part in reduction_internal.h. A dense K that is symmetric but not definite is
+ * factored by LU.
  *
  * Cost: (1/3) s^3 (Cholesky) or (2/3) s^3 (LU) per part of s unknowns, s^2 doubles; 2 s^2
  * operations per right-hand side. Fails: singular, not positive definite, part too large, no
@@ -89,26 +91,28 @@ static size_t size_of(const dlsi_factor *factor, int part) {
   return (size_t)(factor->first[part + 1] - factor->first[part]);
 }
 
-/* A := the part's matrix; for Cholesky its lower triangle over zeros. local (n): the position
- * within its part of each unknown. */
-static void assemble(const dlsi_factor *factor, const dls_model *model, const int *local,
-                     int part) {
+/* A := the part's matrix; for Cholesky its lower triangle over zeros. */
+static void assemble(const dlsi_factor *factor, const dls_model *model, int part) {
   const size_t s = size_of(factor, part);
   const int *unknown = factor->unknown + factor->first[part];
-  const int lower = factor->symmetric;
+  const int lower = factor->symmetric, full = factor->factorization == DLS_LDLT;
   double *A = factor->A + factor->start[part];
   memset(A, 0, s * s * sizeof *A);
   for (size_t j = 0; j < s; j++) {
     if (model->operator_kind == DLS_STIFFNESS_SPARSE) {
       const dls_sparse *Ks = &model->Ks;
       for (int k = Ks->p[unknown[j]]; k < Ks->p[unknown[j] + 1]; k++) {
-        const size_t i = (size_t)local[Ks->i[k]];
-        if (i >= j || !lower) A[i + j * s] += Ks->x[k];
+        const size_t i = (size_t)(factor->place[Ks->i[k]] - factor->first[part]);
+        if (i < j && lower) continue;
+        A[i + j * s] += Ks->x[k];
+        if (full && i != j) A[j + i * s] += Ks->x[k];
       }
       continue;
     }
     const size_t top = lower ? j : 0;
     memcpy(A + top + j * s, model->K.a + top + j * (size_t)model->K.ld, (s - top) * sizeof *A);
+    for (size_t i = j + 1; full && i < s; i++)
+      A[j + i * s] = A[i + j * s];
   }
 }
 
@@ -187,9 +191,9 @@ static double norm1(const double *A, size_t s, int symmetric, double *sums) {
   return dlsi_max_abs(sums, s);
 }
 
-/* Scales and factors a part. work (4 s), iwork (s). */
+/* Scales and factors a part; *least := the smaller of it and the part's rcond. work (4 s), iwork (s). */
 static dls_status factor_part(const part_matrix *M, int symmetric, double *work, int *iwork,
-                              dls_error *error) {
+                              double *least, dls_error *error) {
   const size_t s = M->s;
   const int n = (int)s;
   double *A = M->A, rcond = 0;
@@ -215,6 +219,7 @@ static dls_status factor_part(const part_matrix *M, int symmetric, double *work,
     if (info > 0) return singular(M, (size_t)info - 1, 0, 0, error);
     dgecon_("1", &n, A, &n, &norm, &rcond, work, iwork, &info, 1);
   }
+  if (rcond < *least) *least = rcond;
   if (rcond >= 10 * DBL_EPSILON) return DLS_OK; /* false for NaN */
   size_t smallest = 0;
   for (size_t j = 1; j < s; j++)
@@ -234,76 +239,59 @@ static void carve(dlsi_factor *factor, dlsi_arena *arena) {
   const size_t n = (size_t)factor->n, matrix = factor->kind == DLS_HOST_SOLVER ? 0 : n;
   factor->first = dlsi_take(arena, n + 1, sizeof *factor->first);
   factor->unknown = dlsi_take(arena, n, sizeof *factor->unknown);
+  factor->place = dlsi_take(arena, n, sizeof *factor->place);
   factor->start = dlsi_take(arena, matrix, sizeof *factor->start);
   factor->row = dlsi_take(arena, matrix, sizeof *factor->row);
   factor->col = dlsi_take(arena, matrix, sizeof *factor->col);
   factor->pivot = dlsi_take(arena, matrix, sizeof *factor->pivot);
 }
 
-/* Finds the largest part, sets start and the local numbers, *entries := doubles of A. */
-static dls_status lay_out(dlsi_factor *factor, const char *function, int *local, size_t *entries,
-                          dls_error *error) {
-  *entries = 0;
+/* Finds the largest part, sets start, entries and place. */
+static dls_status lay_out(dlsi_factor *factor, const char *function, dls_error *error) {
+  factor->entries = 0;
   factor->largest = 0;
   for (int k = 0; k < factor->parts; k++) {
     const size_t s = size_of(factor, k);
     const int *unknown = factor->unknown + factor->first[k];
+    if ((int)s > factor->largest) factor->largest = (int)s;
+    for (size_t i = 0; i < s; i++)
+      factor->place[unknown[i]] = factor->first[k] + (int)i;
+    if (factor->kind == DLS_HOST_SOLVER || factor->schur) continue;
     if (factor->kind == DLS_STIFFNESS_SPARSE && s > dlsi_largest_part)
       return dlsi_fail(
           error, DLS_E_UNSUPPORTED, function, "Ks", unknown[0], (double)s,
           "a connected part of %zu unknowns; at most %d are factored as a dense matrix", s,
           dlsi_largest_part);
-    if (s > SIZE_MAX / sizeof(double) / s || *entries > SIZE_MAX / sizeof(double) - s * s)
+    if (s > SIZE_MAX / sizeof(double) / s || factor->entries > SIZE_MAX / sizeof(double) - s * s)
       return dlsi_fail(error, DLS_E_SIZE, function, "n", -1, factor->n, "too large to address");
-    if ((int)s > factor->largest) factor->largest = (int)s;
-    factor->start[k] = *entries;
-    *entries += s * s;
-    for (size_t i = 0; i < s; i++)
-      local[unknown[i]] = (int)i;
+    factor->start[k] = factor->entries;
+    factor->entries += s * s;
   }
   return DLS_OK;
 }
 
-/* local (n): room */
-static dls_status factor_matrix(dlsi_factor *factor, const char *function, const dls_model *model,
-                                int *local, dls_error *error) {
-  if (factor->kind == DLS_STIFFNESS_SPARSE) connect(&model->Ks, factor, local);
-  size_t entries;
-  dls_status status = lay_out(factor, function, local, &entries, error);
-  if (status) return status;
-  factor->A = dlsi_alloc(entries, sizeof *factor->A);
-  if (!factor->A) return no_memory(function, error);
-  if (factor->kind == DLS_FLEXIBILITY) {
-    assemble(factor, model, local, 0);
-    return DLS_OK;
-  }
-  double *work = dlsi_alloc(4 * (size_t)factor->largest, sizeof *work);
-  int *iwork = dlsi_alloc((size_t)factor->largest, sizeof *iwork);
-  if (!work || !iwork) {
-    free(iwork);
-    free(work);
-    return no_memory(function, error);
-  }
-  for (int k = 0; !status && k < factor->parts; k++) {
-    assemble(factor, model, local, k);
-    const size_t first = (size_t)factor->first[k];
-    const part_matrix M = {.function = function,
-                           .name = factor->kind == DLS_STIFFNESS_SPARSE ? "Ks" : "K",
-                           .unknown = factor->unknown + first,
-                           .s = size_of(factor, k),
-                           .A = factor->A + factor->start[k],
-                           .row = factor->row + first,
-                           .col = factor->col + first,
-                           .pivot = factor->pivot + first};
-    status = factor_part(&M, factor->symmetric, work, iwork, error);
-  }
-  free(iwork);
-  free(work);
-  return status;
+static int largest_part(const dlsi_factor *factor) {
+  int largest = 0;
+  for (int k = 0; k < factor->parts; k++)
+    if ((int)size_of(factor, k) > largest) largest = (int)size_of(factor, k);
+  return largest;
+}
+
+/* Parts, and the analysis of a sparse K with a large one. */
+static dls_status divide(dlsi_factor *factor, const char *function, const dls_model *model,
+                         int count, const int *keep, dls_error *error) {
+  one_part(factor);
+  if (factor->kind != DLS_STIFFNESS_SPARSE) return DLS_OK;
+  connect(&model->Ks, factor, factor->place);
+  if (largest_part(factor) <= dlsi_small_part || !dlsi_schur_available()) return DLS_OK;
+  one_part(factor);
+  factor->kept = count;
+  return dlsi_schur_create(&factor->schur, function, &model->Ks, factor->factorization, count, keep,
+                           error);
 }
 
 dls_status dlsi_factor_create(dlsi_factor **out, const char *function, const dls_model *model,
-                              dls_error *error) {
+                              int count, const int *keep, dls_error *error) {
   *out = NULL;
   dlsi_factor *factor = calloc(1, sizeof *factor);
   if (!factor) return no_memory(function, error);
@@ -311,7 +299,8 @@ dls_status dlsi_factor_create(dlsi_factor **out, const char *function, const dls
       model->operator_kind == DLS_STIFFNESS_DENSE || model->operator_kind == DLS_STIFFNESS_SPARSE;
   factor->n = factor->largest = model->n;
   factor->kind = model->operator_kind;
-  factor->symmetric = stiffness && model->factorization == DLS_CHOLESKY;
+  factor->factorization = model->factorization;
+  factor->symmetric = stiffness && model->factorization != DLS_LU;
   factor->scratch = model->operator_kind == DLS_FLEXIBILITY;
   factor->solve = model->solve;
   factor->user = model->user;
@@ -323,18 +312,98 @@ dls_status dlsi_factor_create(dlsi_factor **out, const char *function, const dls
   dls_status status = factor->memory ? DLS_OK : no_memory(function, error);
   if (!status) {
     carve(factor, &arena);
-    one_part(factor);
+    status = divide(factor, function, model, count, keep, error);
   }
-  if (!status && factor->kind != DLS_HOST_SOLVER) {
-    int *local = dlsi_alloc((size_t)factor->n, sizeof *local);
-    status =
-        local ? factor_matrix(factor, function, model, local, error) : no_memory(function, error);
-    free(local);
-  }
+  if (!status) status = lay_out(factor, function, error);
   if (status)
     dlsi_factor_destroy(factor);
   else
     *out = factor;
+  return status;
+}
+
+void dlsi_factor_estimate(const dlsi_factor *factor, double *factor_bytes, double *bytes,
+                          double *flops) {
+  const double b = factor->kept;
+  *factor_bytes = *bytes = (double)sizeof(double) * (double)factor->entries;
+  *flops = 0;
+  if (factor->schur) {
+    dlsi_schur_estimate(factor->schur, factor_bytes, bytes, flops);
+    *factor_bytes += sizeof(double) * b * b;
+    return;
+  }
+  if (factor->kind != DLS_STIFFNESS_DENSE && factor->kind != DLS_STIFFNESS_SPARSE) return;
+  for (int k = 0; k < factor->parts; k++) {
+    const double s = (double)size_of(factor, k);
+    *flops += (factor->factorization == DLS_CHOLESKY ? 1 : 2) * s * s * s / 3;
+  }
+}
+
+/* An entry of Ks that ties two parts together: the pattern is not the one of create. */
+static dls_status check_parts(const dlsi_factor *factor, const char *function, const dls_sparse *Ks,
+                              dls_error *error) {
+  for (int k = 0; k < factor->parts; k++)
+    for (int e = factor->first[k]; e < factor->first[k + 1]; e++) {
+      const int j = factor->unknown[e];
+      for (int at = Ks->p[j]; at < Ks->p[j + 1]; at++) {
+        const int place = factor->place[Ks->i[at]];
+        if (place < factor->first[k] || place >= factor->first[k + 1])
+          return dlsi_fail(error, DLS_E_ARGUMENT, function, "Ks", at, Ks->i[at],
+                           "the pattern is not the one of create");
+      }
+    }
+  return DLS_OK;
+}
+
+dls_status dlsi_factor_same(const dlsi_factor *factor, const char *function, const dls_model *model,
+                            dls_error *error) {
+  if (factor->kind != DLS_STIFFNESS_SPARSE) return DLS_OK;
+  return factor->schur ? dlsi_schur_same(factor->schur, function, &model->Ks, error)
+                       : check_parts(factor, function, &model->Ks, error);
+}
+
+static dls_status factor_parts(dlsi_factor *factor, const char *function, const dls_model *model,
+                               double *work, int *iwork, dls_error *error) {
+  dls_status status = DLS_OK;
+  factor->rcond = 1;
+  for (int k = 0; !status && k < factor->parts; k++) {
+    assemble(factor, model, k);
+    const size_t first = (size_t)factor->first[k];
+    const part_matrix M = {.function = function,
+                           .name = factor->kind == DLS_STIFFNESS_SPARSE ? "Ks" : "K",
+                           .unknown = factor->unknown + first,
+                           .s = size_of(factor, k),
+                           .A = factor->A + factor->start[k],
+                           .row = factor->row + first,
+                           .col = factor->col + first,
+                           .pivot = factor->pivot + first};
+    status =
+        factor_part(&M, factor->factorization == DLS_CHOLESKY, work, iwork, &factor->rcond, error);
+  }
+  return status;
+}
+
+dls_status dlsi_factor_numeric(dlsi_factor *factor, const char *function, const dls_model *model,
+                               dls_error *error) {
+  if (factor->kind == DLS_HOST_SOLVER) return DLS_OK;
+  if (factor->schur) {
+    const dls_status status = dlsi_schur_factor(factor->schur, function, &model->Ks, error);
+    if (!status) factor->rcond = dlsi_schur_rcond(factor->schur);
+    return status;
+  }
+  if (!factor->A) factor->A = dlsi_alloc(factor->entries, sizeof *factor->A);
+  if (!factor->A) return no_memory(function, error);
+  if (factor->kind == DLS_FLEXIBILITY) {
+    assemble(factor, model, 0);
+    return DLS_OK;
+  }
+  double *work = dlsi_alloc(4 * (size_t)factor->largest, sizeof *work);
+  int *iwork = dlsi_alloc((size_t)factor->largest, sizeof *iwork);
+  const dls_status status = work && iwork
+                                ? factor_parts(factor, function, model, work, iwork, error)
+                                : no_memory(function, error);
+  free(iwork);
+  free(work);
   return status;
 }
 
@@ -359,6 +428,7 @@ dls_status dlsi_factor_solve(const dlsi_factor *factor, const char *function, in
                        "left a result that is not finite");
     return DLS_OK;
   }
+  if (factor->schur) return dlsi_schur_solve(factor->schur, function, X, nrhs, error);
   const double *A = factor->A + factor->start[part];
   if (factor->kind == DLS_FLEXIBILITY) {
     const double one = 1, zero = 0;
@@ -368,7 +438,7 @@ dls_status dlsi_factor_solve(const dlsi_factor *factor, const char *function, in
   }
   int info = 0; /* can only be a wrong argument */
   scale_rows(factor->row + first, s, X, nrhs);
-  if (factor->symmetric)
+  if (factor->factorization == DLS_CHOLESKY)
     dpotrs_("L", &s, &nrhs, A, &s, X, &s, &info, 1);
   else
     dgetrs_("N", &s, &nrhs, A, &s, factor->pivot + first, X, &s, &info, 1);
@@ -378,6 +448,7 @@ dls_status dlsi_factor_solve(const dlsi_factor *factor, const char *function, in
 
 void dlsi_factor_destroy(dlsi_factor *factor) {
   if (!factor) return;
+  dlsi_schur_destroy(factor->schur);
   free(factor->A);
   free(factor->memory);
   free(factor);

@@ -3,7 +3,7 @@
 
 #include "reduction_internal.h"
 
-/* K for Cholesky: only the lower triangle, since what stands above it may not even be set. */
+/* A symmetric K: only the lower triangle, since what stands above it may not even be set. */
 static dls_status check_lower(const char *function, const dls_dense *K, int n, dls_error *error) {
   if (!K->a) return dlsi_fail(error, DLS_E_ARGUMENT, function, "K", -1, 0, "is NULL");
   if (K->rows != n || K->cols != n)
@@ -23,19 +23,35 @@ static dls_status check_lower(const char *function, const dls_dense *K, int n, d
   return DLS_OK;
 }
 
+/* A symmetric Ks by its upper triangle would be taken for its diagonal. */
+static dls_status check_triangle(const char *function, const dls_sparse *Ks, dls_error *error) {
+  int upper = -1;
+  for (int j = 0; j < Ks->cols; j++)
+    for (int k = Ks->p[j]; k < Ks->p[j + 1]; k++) {
+      if (Ks->i[k] > j) return DLS_OK;
+      if (Ks->i[k] < j) upper = k;
+    }
+  if (upper < 0) return DLS_OK;
+  return dlsi_fail(error, DLS_E_ARGUMENT, function, "Ks", upper, Ks->x[upper],
+                   "is an upper triangle; the lower one or both are wanted");
+}
+
 static dls_status check_operator(const char *function, const dls_model *model, dls_error *error) {
   const int n = model->n;
   const int stiffness =
       model->operator_kind == DLS_STIFFNESS_DENSE || model->operator_kind == DLS_STIFFNESS_SPARSE;
-  if (stiffness && model->factorization != DLS_CHOLESKY && model->factorization != DLS_LU)
+  const int symmetric = model->factorization == DLS_CHOLESKY || model->factorization == DLS_LDLT;
+  if (stiffness && !symmetric && model->factorization != DLS_LU)
     return dlsi_fail(error, DLS_E_ARGUMENT, function, "factorization", -1, model->factorization,
-                     "is neither DLS_CHOLESKY nor DLS_LU");
+                     "is not DLS_CHOLESKY, DLS_LU or DLS_LDLT");
   switch (model->operator_kind) {
   case DLS_STIFFNESS_DENSE:
-    if (model->factorization == DLS_CHOLESKY) return check_lower(function, &model->K, n, error);
+    if (symmetric) return check_lower(function, &model->K, n, error);
     return dlsi_check_dense(function, "K", &model->K, n, n, error);
-  case DLS_STIFFNESS_SPARSE:
-    return dlsi_check_sparse(function, "Ks", &model->Ks, n, n, error);
+  case DLS_STIFFNESS_SPARSE: {
+    const dls_status status = dlsi_check_sparse(function, "Ks", &model->Ks, n, n, error);
+    return status || !symmetric ? status : check_triangle(function, &model->Ks, error);
+  }
   case DLS_FLEXIBILITY:
     return dlsi_check_dense(function, "K", &model->K, n, n, error);
   case DLS_HOST_SOLVER:
@@ -67,6 +83,32 @@ static dls_status check_weighting(const char *function, const dls_model *model, 
   return DLS_OK;
 }
 
+/* What the scene does not need, and the modes. */
+static dls_status check_rest(const char *function, const dls_model *model, dls_error *error) {
+  const int candidates = dlsi_model_candidates(model);
+  int active = 0;
+  for (int c = 0; c < candidates; c++)
+    active += !model->active || model->active[c];
+  if (active == 0)
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "active", -1, 0, "leaves no candidate");
+  if (model->mu) {
+    const dls_status status =
+        dlsi_check_vector(function, "mu", model->mu, (size_t)candidates, error);
+    if (status) return status;
+    for (int c = 0; c < candidates; c++)
+      if (model->mu[c] < 0)
+        return dlsi_fail(error, DLS_E_ARGUMENT, function, "mu", c, model->mu[c], "is negative");
+  }
+  if (!model->modes.a) return DLS_OK;
+  if (model->operator_kind != DLS_STIFFNESS_DENSE && model->operator_kind != DLS_STIFFNESS_SPARSE)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "modes", -1, model->operator_kind,
+                     "this operator has an inverse");
+  if (model->modes.cols < 1 || model->modes.cols > model->n || model->modes.cols > dlsi_most_modes)
+    return dlsi_fail(error, DLS_E_SIZE, function, "modes", -1, model->modes.cols, "has %d columns",
+                     model->modes.cols);
+  return dlsi_check_dense(function, "modes", &model->modes, model->n, model->modes.cols, error);
+}
+
 dls_status dlsi_check_model(const char *function, const dls_model *model, dls_error *error) {
   if (!model) return dlsi_fail(error, DLS_E_ARGUMENT, function, "model", -1, 0, "is NULL");
   const int d = model->d, n = model->n, nodes = model->nodes;
@@ -79,7 +121,7 @@ dls_status dlsi_check_model(const char *function, const dls_model *model, dls_er
   if (!status) status = dlsi_check_sparse(function, "HN", &model->HN, n, nodes, error);
   if (!status) status = dlsi_check_sparse(function, "HT", &model->HT, n, (d - 1) * nodes, error);
   if (!status && model->P.p) status = check_weighting(function, model, error);
-  return status;
+  return status ? status : check_rest(function, model, error);
 }
 
 int dlsi_model_candidates(const dls_model *model) {

@@ -303,12 +303,12 @@ static dls_status write_global(const char *function, const char *path, const dls
                                const double *f, const double *g, const double *mu,
                                const char *title, const double *x, const double *r, const double *u,
                                dls_error *error) {
-  const int m = model->d * model->nodes, cholesky = model->factorization == DLS_CHOLESKY;
+  const int m = model->d * model->nodes, symmetric = model->factorization != DLS_LU;
   dlsi_columns K = {0}, H = {0}; /* K: unless the model's own columns serve as they are */
   dls_status status = DLS_OK;
   if (model->operator_kind == DLS_STIFFNESS_DENSE)
-    status = columns_of_dense(function, "K", &model->K, cholesky, &K, error);
-  else if (cholesky)
+    status = columns_of_dense(function, "K", &model->K, symmetric, &K, error);
+  else if (symmetric)
     status = columns_of_lower(function, &model->Ks, &K, error);
   if (!status) status = columns_of_operators(function, model, &H, error);
   if (!status) {
@@ -340,6 +340,9 @@ static dls_status check_model(const char *function, const dls_model *model, dls_
     return dlsi_fail(error, DLS_E_SIZE, function, "nodes", -1, nodes, "is %d", nodes);
   if (model->P.p)
     return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "P", -1, 0, "FCLIB has no weighting");
+  if (model->active)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "active", -1, 0,
+                     "FCLIB has no candidates that are left out");
   if (model->operator_kind != DLS_STIFFNESS_DENSE && model->operator_kind != DLS_STIFFNESS_SPARSE)
     return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "operator_kind", -1, model->operator_kind,
                      "FCLIB holds K only");

@@ -114,6 +114,9 @@ static dls_status check_model(const char *function, const dls_model *model, dls_
   if (model->P.p)
     return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "P", -1, model->P.cols,
                      "weighted reactions couple the contact nodes; condense this model");
+  if (model->active)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "active", -1, 0,
+                     "this method takes every contact node; give HN and HT of the active ones");
   return DLS_OK;
 }
 

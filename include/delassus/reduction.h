@@ -27,17 +27,21 @@ extern "C" {
 #endif
 
 typedef enum dls_operator {
-  DLS_STIFFNESS_DENSE = 1,  /* K dense; Cholesky or LU (LAPACK) */
-  DLS_STIFFNESS_SPARSE = 2, /* K sparse, full pattern; each connected part of its graph is factored
-                               as a dense matrix (mass matrices of rigid bodies, small models);
-                               a part of more than 8000 unknowns is DLS_E_UNSUPPORTED */
+  DLS_STIFFNESS_DENSE = 1,  /* K dense; LAPACK */
+  DLS_STIFFNESS_SPARSE = 2, /* K sparse. Where no connected part of its graph has more than 250
+                               unknowns (mass matrices of rigid bodies) part by part as dense
+                               matrices, else by MUMPS; in a build without MUMPS parts may have 8000
+                               unknowns, more are DLS_E_UNSUPPORTED */
   DLS_FLEXIBILITY = 3,      /* K^-1 given, dense; W is as symmetric as it is */
   DLS_HOST_SOLVER = 4       /* the host solves with its own factorisation */
 } dls_operator;
 
+/* Of a K tagged as symmetric only the lower triangle is read, so that a full matrix and a lower
+ * triangle serve alike. */
 typedef enum dls_factorization {
-  DLS_CHOLESKY = 1, /* K symmetric positive definite; only its lower triangle is read */
-  DLS_LU = 2        /* K regular, symmetric or not */
+  DLS_CHOLESKY = 1, /* K symmetric positive definite */
+  DLS_LU = 2,       /* K regular, symmetric or not; all its entries */
+  DLS_LDLT = 3      /* K symmetric and regular: multipliers among the unknowns, softening */
 } dls_factorization;
 
 /* X (n x nrhs, column-major, leading dimension n): in, right-hand sides; out, K^-1 times them.
@@ -46,8 +50,9 @@ typedef enum dls_factorization {
  * not finite is a failure too (index = its unknown). */
 typedef int (*dls_solve_fn)(void *user, double *X, int n, int nrhs);
 
-/* A view; everything is borrowed. What is not named by `operator_kind` is ignored. K, the operators
- * and P are read by dls_reduction_create only; the callback must stay callable. */
+/* A view; everything is borrowed. What is not named by `operator_kind` is ignored, and what comes
+ * after P may stay zero. Matrices and arrays are read by dls_reduction_create and
+ * dls_reduction_update only; the callback must stay callable. */
 typedef struct dls_model {
   int d;     /* 2 or 3 */
   int n;     /* unknowns */
@@ -55,51 +60,140 @@ typedef struct dls_model {
   dls_operator operator_kind;
   dls_factorization factorization; /* of K, dense or sparse */
   dls_dense K;                     /* DLS_STIFFNESS_DENSE; or K^-1 for DLS_FLEXIBILITY */
-  dls_sparse Ks;                   /* DLS_STIFFNESS_SPARSE */
-  dls_solve_fn solve;              /* DLS_HOST_SOLVER */
+  dls_sparse Ks;      /* DLS_STIFFNESS_SPARSE; unsorted and repeated entries are fine */
+  dls_solve_fn solve; /* DLS_HOST_SOLVER */
   void *user;
-  dls_sparse HN; /* n x nodes */
+  dls_sparse HN; /* n x nodes; any number of entries a column */
   dls_sparse HT; /* n x (d-1) nodes */
   dls_sparse P;  /* nodes x candidates, every entry >= 0, no empty column; P.p = NULL for none */
+
+  /* what the scene does not need */
+  const int
+      *active;      /* candidates: 0 leaves a candidate out of the contact problem; NULL for none */
+  const double *mu; /* candidates: where it is 0 the tangents are left out; NULL: all are wanted */
+
+  /* K singular by rigid-body motions: n x k, a basis of its null space, to be held by springs
+   * (dls_reduction_balance); modes.a = NULL for none. DLS_STIFFNESS_DENSE and _SPARSE only. */
+  dls_dense modes;
 } dls_model;
 
-/* Sizes, pointers, indices, finite values, signs; names the field ("K", "Ks", "HN", "P", ...) and
- * the index: position i + j*ld in K, position in x, i or p of a sparse matrix, column for an empty
- * column of P. Of a dense K for DLS_CHOLESKY only the lower triangle is read. Callers need not
- * call it: create does. */
+/* Sizes, pointers, indices, finite values, signs; names the field ("K", "Ks", "HN", "P", "active",
+ * "mu", "modes", ...) and the index: position i + j*ld in a dense matrix, position in x, i or p of a
+ * sparse matrix, column for an empty column of P. Of a K for DLS_CHOLESKY or DLS_LDLT only the lower
+ * triangle is read; a sparse one with entries above the diagonal and none below is refused. Callers
+ * need not call it: create does. */
 DLS_API DLS_MUST_USE dls_status dls_model_check(const dls_model *model, dls_error *error);
+
+/* The rigid-body modes of K, dense or sparse: its null space to working precision, |K x| <= 50 eps
+ * |K||x| with rows and columns scaled. *count := how many; up to `most` of them go to basis (n x
+ * most; or NULL), each with a 1 in its unknown[k] (most; or NULL) where all others are 0, so that
+ * a body's modes live on that body and fixing unknown[0 .. *count-1] fixes all. At most 24 are found. Factors
+ * a shifted K. DLS_E_UNSUPPORTED for a flexibility or a host's solver. */
+DLS_API DLS_MUST_USE dls_status dls_model_modes(const dls_model *model, int most, double *basis,
+                                                int *unknown, int *count, dls_error *error);
+
+typedef struct dls_reduction_settings {
+  size_t size;         /* set by init; settings without it are refused */
+  double memory_limit; /* bytes; more than that foreseen is DLS_E_MEMORY before the work; 0: none */
+  int allow_indefinite; /* 1: a K tagged DLS_CHOLESKY that is indefinite is factored as DLS_LDLT
+                           instead of being an error; 0 */
+  int stabilize; /* 1: rigid-body modes are looked for in a singular K and held as if they had
+                          been given as model.modes, instead of being an error; 0 */
+  int form_W;    /* 0: q and x only, for methods that work on K; 1 */
+} dls_reduction_settings;
+
+DLS_API void dls_reduction_settings_init(dls_reduction_settings *settings);
+
+/* What a reduction takes, or took. */
+typedef struct dls_reduction_info {
+  int condensed;       /* unknowns of the dense Schur complement; 0 where there is none */
+  double W_bytes;      /* m^2 doubles */
+  double factor_bytes; /* of K's factor and the Schur complement */
+  double bytes;        /* most in use at the same time in create */
+  double flops;        /* of the factorisation and of S^-1, from the analysis */
+  double condition;    /* of K scaled, by estimate; 0 before the work or where K is not factored */
+  int indefinite;      /* K was tagged DLS_CHOLESKY and is not positive definite */
+  int modes;           /* rigid-body modes held by springs */
+} dls_reduction_info;
+
+/* *info := what dls_reduction_create_with would take; for a sparse K from ordering and analysis (a
+ * few per cent of the work in 3D, up to half of it in 2D). settings NULL for the defaults; the limit is
+ * not applied. */
+DLS_API DLS_MUST_USE dls_status dls_reduction_estimate(const dls_model *model,
+                                                       const dls_reduction_settings *settings,
+                                                       dls_reduction_info *info, dls_error *error);
 
 typedef struct dls_reduction dls_reduction;
 
-/* Factors K, forms W; *out = NULL on error. With m = d * candidates it holds m^2 doubles for W, H,
- * a few vectors, and the factor or K^-1 (n^2; the sum of the squares of the parts for a sparse K);
- * at most 128 n doubles more while it forms W. W is exactly symmetric with DLS_CHOLESKY.
+/* Factors K, forms W; *out = NULL on error. With m = d * (active candidates) it holds m^2 doubles
+ * for W, H, a few vectors, and the factor or K^-1: n^2 for a dense one, the sum of the squares of
+ * small parts of a sparse one, else the sparse factor and the b^2 of the Schur complement on the b
+ * unknowns that H touches (or, where these are more than four times the columns of H, the
+ * sparse factor alone). Forming W takes at most 128 n, or b^2, doubles more. W is exactly
+ * symmetric with DLS_CHOLESKY and DLS_LDLT. MUMPS is not re-entrant: no two threads may be in the
+ * functions of this header with a sparse K at once.
  *
- * DLS_E_NOT_POSITIVE_DEFINITE and DLS_E_SINGULAR (condition above 4e14 after scaling rows and
- * columns, so whatever the units of forces, moments, displacements and rotations) name K or Ks,
- * the unknown (index) where a pivot vanished, and the pivot of the scaled matrix (value; entries
- * near 1). DLS_E_NOT_FINITE naming "W", or entries of Ks that add up to Inf: an overflow.
- * DLS_E_UNSUPPORTED, DLS_E_CALLBACK, DLS_E_SIZE, DLS_E_MEMORY, and the errors of
+ * DLS_E_SINGULAR (condition above 4e14 after scaling rows and columns, so whatever the units of
+ * forces, moments, displacements and rotations) names K or Ks. Where the null space is that of
+ * rigid-body modes, the message says how many and of which unknowns, value is their number, index the
+ * first of these unknowns, and model.modes or settings.stabilize are the way on. Otherwise index is an
+ * unknown where it shows. DLS_E_NOT_POSITIVE_DEFINITE: index the unknown of a pivot <= 0 and value
+ * the pivot of the scaled matrix; or index -1 and value the number of negative pivots.
+ * DLS_E_NOT_FINITE naming "W", or entries of Ks that add up to Inf: an overflow. DLS_E_MEMORY
+ * with the figures. DLS_E_UNSUPPORTED, DLS_E_CALLBACK, DLS_E_SIZE, DLS_E_SETTINGS, and the errors of
  * dls_model_check. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_create(dls_reduction **out, const dls_model *model,
                                                      dls_error *error);
 
+/* The same with settings. */
+DLS_API DLS_MUST_USE dls_status dls_reduction_create_with(dls_reduction **out,
+                                                          const dls_model *model,
+                                                          const dls_reduction_settings *settings,
+                                                          dls_error *error);
+
+/* New values of K, H, P on the pattern of create, whose analysis and memory are reused: W is formed
+ * anew, f and q are 0 again, views of them (dls_reduction_contact) stay valid; modes stay those of
+ * create. DLS_E_SIZE or
+ * DLS_E_ARGUMENT for another size or pattern, and then the reduction is as it was. After any other
+ * error than those of dls_model_check it holds nothing: all but update and destroy answer
+ * DLS_E_ARGUMENT. */
+DLS_API DLS_MUST_USE dls_status dls_reduction_update(dls_reduction *reduction,
+                                                     const dls_model *model, dls_error *error);
+
+/* *info := what it took. */
+DLS_API DLS_MUST_USE dls_status dls_reduction_get_info(const dls_reduction *reduction,
+                                                       dls_reduction_info *info, dls_error *error);
+
 /* New loads and gaps on the same factor: q := H^T K^-1 f + P^T g. f (n) or NULL for 0; g (d *
  * nodes) or NULL for 0. Before the first call f and q are 0; an error leaves both as they were.
- * One solve. Allocates nothing. */
+ * One solve. Allocates nothing (MUMPS does). */
 DLS_API DLS_MUST_USE dls_status dls_reduction_load(dls_reduction *reduction, const double *f,
                                                    const double *g, dls_error *error);
 
-/* *problem := the contact problem with the friction coefficients mu (candidates; borrowed). W and
- * q belong to the reduction and live as long as it does; q changes with dls_reduction_load. */
+/* *problem := the contact problem of the active candidates with the friction coefficients mu (one
+ * for each of these; borrowed; NULL for those of the model). W and q belong to the reduction and live
+ * as long as it does; q changes with dls_reduction_load. Where tangents were left out, their rows
+ * and columns of W and q are 0, and mu must be 0 (DLS_E_ARGUMENT). DLS_E_UNSUPPORTED without W. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_contact(const dls_reduction *reduction,
                                                       const double *mu, dls_contact *problem,
                                                       dls_error *error);
 
 /* x (n) := K^-1 (f + H r), f as last given to dls_reduction_load (copied there). r (m). One solve.
- * Allocates nothing. */
+ * Allocates nothing (MUMPS does). */
 DLS_API DLS_MUST_USE dls_status dls_reduction_recover(dls_reduction *reduction, const double *r,
                                                       double *x, dls_error *error);
+
+/* For a K whose k rigid-body modes are held: the springs s_j = 1e-4 K_jj at k unknowns j of the modes make
+ * K regular, and take the part of the loads that r does not balance,
+ *
+ *   K x = f + H r - s (x_j - c_j) e_j for each of them,   c = 0 after dls_reduction_load.
+ *
+ * *imbalance (or NULL) := max over the modes b of |b^T (f + H r)| / |b|^T (|f| + |H||r|): 0 in
+ * equilibrium, 1 where nothing holds the body. Then c_j := x_j, and q follows: solving, balancing and
+ * solving again until *imbalance is small gives the equilibrium of the free body without any spring
+ * (proximal point method on the resultants). One solve. 0 if there are no modes. */
+DLS_API DLS_MUST_USE dls_status dls_reduction_balance(dls_reduction *reduction, const double *r,
+                                                      double *imbalance, dls_error *error);
 
 /* R (d * nodes) := P r in local order, the nodal reactions that r (m) stands for; R = r without P.
  * R and r must not overlap. */

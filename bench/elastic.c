@@ -1,0 +1,167 @@
+/* elastic.c: the boxes of bench/reduction. */
+#include "elastic.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { most_nodes = 8, most_unknowns = 24 };
+
+/* Ke (d 2^d unknowns) of one element by Gauss's 2^d points */
+static void element(int d, double *Ke) {
+  const int nodes = 1 << d, size = d * nodes;
+  const double nu = 0.3, lambda = nu / ((1 + nu) * (1 - 2 * nu)), mu = 1 / (2 * (1 + nu));
+  memset(Ke, 0, (size_t)(size * size) * sizeof *Ke);
+  for (int g = 0; g < nodes; g++) {
+    double slope[most_nodes][3];
+    for (int a = 0; a < nodes; a++)
+      for (int k = 0; k < d; k++) {
+        slope[a][k] = a >> k & 1 ? 1 : -1;
+        for (int j = 0; j < d; j++)
+          if (j != k)
+            slope[a][k] *= (1 + (a >> j & 1 ? 1 : -1) * (g >> j & 1 ? 1 : -1) / sqrt(3)) / 2;
+      }
+    for (int a = 0; a < nodes; a++)
+      for (int b = 0; b < nodes; b++) {
+        double dot = 0;
+        for (int k = 0; k < d; k++)
+          dot += slope[a][k] * slope[b][k];
+        for (int i = 0; i < d; i++)
+          for (int j = 0; j < d; j++)
+            Ke[d * a + i + size * (d * b + j)] +=
+                (lambda * slope[a][i] * slope[b][j] + mu * slope[a][j] * slope[b][i] +
+                 (i == j ? mu * dot : 0)) /
+                nodes;
+      }
+  }
+}
+
+typedef struct grid {
+  int d, cells;
+  int nodes[3]; /* of a side */
+} grid;
+
+static grid make_grid(int d, int cells) {
+  grid g = {d, cells, {cells + 1, cells + 1, d == 3 ? cells + 1 : 1}};
+  return g;
+}
+
+/* number of the first unknown of the node at c, -1 if it is clamped */
+static int unknown(const grid *g, const int *c) {
+  if (c[0] == 0) return -1;
+  return g->d * (c[0] - 1 + (g->nodes[0] - 1) * (c[1] + g->nodes[1] * c[2]));
+}
+
+/* K_ij of nodes `from` (j) and `to` (i), neighbours: the sum over elements that have both */
+static double stiffness(const grid *g, const double *Ke, const int *to, int i, const int *from,
+                        int j) {
+  const int size = g->d << g->d;
+  double sum = 0;
+  for (int b = 0; b < 1 << g->d; b++) { /* `from` is node b of the element */
+    int a = 0, inside = 1;
+    for (int k = 0; k < g->d; k++) {
+      const int corner = from[k] - (b >> k & 1), local = to[k] - corner;
+      inside = inside && corner >= 0 && corner < g->cells && (local == 0 || local == 1);
+      a |= local << k;
+    }
+    if (inside) sum += Ke[g->d * a + i + size * (g->d * b + j)];
+  }
+  return sum;
+}
+
+/* Columns of the node at c: entries from b->p on; only counted while b->i is NULL. */
+static void node_columns(box *b, const grid *g, const double *Ke, const int *c, double skew) {
+  const int d = g->d, first = unknown(g, c), low = d == 3 ? -1 : 0;
+  for (int j = 0; j < d; j++) {
+    int at = b->p[first + j];
+    int s[3];
+    for (s[2] = low; s[2] <= -low; s[2]++)
+      for (s[1] = -1; s[1] <= 1; s[1]++)
+        for (s[0] = -1; s[0] <= 1; s[0]++) {
+          const int to[3] = {c[0] + s[0], c[1] + s[1], c[2] + s[2]};
+          if (to[0] < 1 || to[1] < 0 || to[2] < 0 || to[0] >= g->nodes[0] || to[1] >= g->nodes[1] ||
+              to[2] >= g->nodes[2])
+            continue;
+          for (int i = 0; i < d; i++) {
+            const int row = unknown(g, to) + i, column = first + j;
+            if (skew == 0 && row < column) continue;
+            if (b->i) {
+              b->i[at] = row;
+              b->x[at] = stiffness(g, Ke, to, i, c, j);
+              if (row != column) b->x[at] *= 1 + (row > column ? skew : -skew);
+            }
+            at++;
+          }
+        }
+    b->p[first + j + 1] = at;
+  }
+}
+
+static void all_columns(box *b, const grid *g, const double *Ke, double skew) {
+  int c[3];
+  b->p[0] = 0;
+  for (c[2] = 0; c[2] < g->nodes[2]; c[2]++)
+    for (c[1] = 0; c[1] < g->nodes[1]; c[1]++)
+      for (c[0] = 1; c[0] < g->nodes[0]; c[0]++)
+        node_columns(b, g, Ke, c, skew);
+}
+
+/* Normal and tangents of each node of the face below (y = 0 or z = 0). */
+static int operators(box *b, const grid *g, int n) {
+  const int d = g->d, nodes = g->cells * (d == 3 ? g->nodes[1] : 1);
+  b->hp = malloc((size_t)(d * nodes + 1) * sizeof *b->hp);
+  b->hn = malloc((size_t)nodes * sizeof *b->hn);
+  b->ht = malloc((size_t)(2 * nodes) * sizeof *b->ht);
+  b->one = malloc((size_t)(d * nodes) * sizeof *b->one);
+  if (!b->hp || !b->hn || !b->ht || !b->one) return -1;
+  for (int k = 0; k <= d * nodes; k++)
+    b->hp[k] = k;
+  for (int k = 0; k < d * nodes; k++)
+    b->one[k] = 1;
+  for (int k = 0; k < nodes; k++) {
+    const int c[3] = {1 + k % g->cells, d == 3 ? k / g->cells : 0, 0}, first = unknown(g, c);
+    b->hn[k] = first + d - 1;
+    for (int t = 0; t < d - 1; t++)
+      b->ht[(d - 1) * k + t] = first + t;
+  }
+  b->model.nodes = nodes;
+  b->model.HN = (dls_sparse){n, nodes, b->hp, b->hn, b->one};
+  b->model.HT = (dls_sparse){n, (d - 1) * nodes, b->hp, b->ht, b->one};
+  return 0;
+}
+
+int box_create(box *b, int d, int cells, double skew) {
+  const grid g = make_grid(d, cells);
+  const int n = d * cells * g.nodes[1] * g.nodes[2];
+  double Ke[most_unknowns * most_unknowns];
+  element(d, Ke);
+  memset(b, 0, sizeof *b);
+  b->model.d = d;
+  b->model.n = n;
+  b->model.operator_kind = DLS_STIFFNESS_SPARSE;
+  b->model.factorization = skew == 0 ? DLS_CHOLESKY : DLS_LU;
+  b->p = malloc(((size_t)n + 1) * sizeof *b->p);
+  if (!b->p) return -1;
+  all_columns(b, &g, Ke, skew);
+  const size_t entries = (size_t)b->p[n];
+  b->i = malloc(entries * sizeof *b->i);
+  b->x = malloc(entries * sizeof *b->x);
+  if (!b->i || !b->x || operators(b, &g, n)) {
+    box_free(b);
+    return -1;
+  }
+  all_columns(b, &g, Ke, skew);
+  b->model.Ks = (dls_sparse){n, n, b->p, b->i, b->x};
+  return 0;
+}
+
+void box_free(box *b) {
+  free(b->p);
+  free(b->i);
+  free(b->x);
+  free(b->hp);
+  free(b->hn);
+  free(b->ht);
+  free(b->one);
+  memset(b, 0, sizeof *b);
+}

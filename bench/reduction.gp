@@ -1,0 +1,38 @@
+# reduction.gp: bench/results/reduction.csv -> reduction.png, reduction.svg beside it. Run from the top.
+dir = 'bench/results/'
+data = dir.'reduction.csv'
+set datafile separator ','
+set datafile missing 'nan'
+set logscale xy
+set key left top reverse Left
+set grid
+set xlabel 'unknowns'
+set offsets graph 0.1, graph 0.1, graph 0.2, graph 0.1
+# column c of the rows of kind k, dimension d, way w
+pick(k, d, w, c) = strcol(1) eq k && column(2) == d && strcol(6) eq w ? column(c) : NaN
+do for [type in 'png svg'] {
+  if (type eq 'png') { set terminal pngcairo size 1500,560 font ',12' }
+  if (type eq 'svg') { set terminal svg size 1500,560 font ',12' background 'white' }
+  set output dir.'reduction.'.type
+  set multiplot layout 1,3
+  set title 'W of a 3D elastic box: CPU time, one thread'
+  set ylabel 's'
+  plot data using 4:(pick('definite', 3, 'columns', 7)) with linespoints pt 6 lc rgb '#c03020' title 'CHOLMOD, all columns', \
+       '' using 4:(pick('definite', 3, 'columns by 64', 7)) with linespoints pt 4 dt 2 lc rgb '#c03020' title 'CHOLMOD, 64 at a time', \
+       '' using 4:(pick('definite', 3, 'delassus', 7)) with linespoints pt 7 lc rgb '#3060a0' title 'delassus', \
+       '' using 4:(pick('unsymmetric', 3, 'columns', 7)) with linespoints pt 8 lc rgb '#a08020' title 'UMFPACK, unsymmetric', \
+       '' using 4:(pick('unsymmetric', 3, 'delassus', 7)) with linespoints pt 9 lc rgb '#208060' title 'delassus, unsymmetric'
+  set title 'Peak memory'
+  set ylabel 'GB'
+  plot data using 4:(pick('definite', 3, 'columns', 8)) with linespoints pt 6 lc rgb '#c03020' title 'CHOLMOD, all columns', \
+       '' using 4:(pick('definite', 3, 'columns by 64', 8)) with linespoints pt 4 dt 2 lc rgb '#c03020' title 'CHOLMOD, 64 at a time', \
+       '' using 4:(pick('definite', 3, 'delassus', 8)) with linespoints pt 7 lc rgb '#3060a0' title 'delassus', \
+       '' using 4:(pick('definite', 3, 'delassus', 9)) with lines dt 3 lc rgb '#3060a0' title 'as foreseen'
+  set title 'Operations per second'
+  set ylabel '10^9 / s'
+  plot data using 4:(pick('definite', 3, 'delassus', 18)) with linespoints pt 8 lc rgb '#808080' title 'dgemm', \
+       '' using 4:(pick('definite', 3, 'delassus', 17)) with linespoints pt 7 lc rgb '#3060a0' title 'delassus, 3D', \
+       '' using 4:(pick('definite', 2, 'delassus', 17)) with linespoints pt 5 dt 2 lc rgb '#3060a0' title 'delassus, 2D'
+  unset multiplot
+  unset output
+}

@@ -1,0 +1,942 @@
+/* test_reduction_sparse.c: sparse K through MUMPS, what a scene does not need, singular K, limits. With
+ * MUMPS=0 the same models go part by part as dense matrices. */
+#define _POSIX_C_SOURCE 200809L /* mkstemp, dup2 */
+
+#include <check.h>
+#include <fcntl.h>
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "delassus/fe.h"
+#include "delassus/primal.h"
+#include "delassus/reduction.h"
+#include "delassus/solve.h"
+#include "malloc_fails.h"
+
+/* ---- trusses: side x side nodes, bars along edges and diagonals of squares ------------------------ */
+
+enum { side = 16, body = 2 * side * side, max_n = 2 * body, max_nodes = 2 * side };
+
+typedef struct truss {
+  int n;
+  double *K; /* n x n */
+  int p[max_n + 1], *i;
+  double *x;
+  int Np[max_nodes + 1], Ni[4 * max_nodes], Tp[max_nodes + 1], Ti[4 * max_nodes];
+  double Nx[4 * max_nodes], Tx[4 * max_nodes];
+  int Pp[max_nodes + 1], Pi[2 * max_nodes];
+  double Px[2 * max_nodes];
+  double f[max_n], g[2 * max_nodes], r[2 * max_nodes];
+  dls_model model;
+} truss;
+
+static truss T;
+static unsigned long long seed;
+
+static double random_number(void) {
+  seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
+  return (double)(seed >> 11) / 4503599627370496.0 - 1;
+}
+
+static double *entry(int i, int j) {
+  return T.K + i + (size_t)j * (size_t)T.n;
+}
+
+/* The bars of a body whose unknowns begin at `first`. */
+static void add_bars(int first) {
+  for (int node = 0; node < side * side; node++)
+    for (int bar = 0; bar < 4; bar++) {
+      const int dx[] = {1, 0, 1, -1}, dy[] = {0, 1, 1, 1};
+      const int column = node % side + dx[bar], row = node / side + dy[bar];
+      if (column < 0 || column >= side || row >= side) continue;
+      const int a = first + 2 * node, b = first + 2 * (column + side * row);
+      const double l = hypot(dx[bar], dy[bar]), c[] = {-dx[bar] / l, -dy[bar] / l};
+      for (int j = 0; j < 2; j++)
+        for (int i = 0; i < 2; i++) {
+          *entry(a + i, a + j) += c[i] * c[j];
+          *entry(b + i, b + j) += c[i] * c[j];
+          *entry(a + i, b + j) -= c[i] * c[j];
+          *entry(b + i, a + j) -= c[i] * c[j];
+        }
+    }
+}
+
+typedef enum form { LOWER, DOUBLED } form; /* lower triangle; all, in halves, rows descending */
+
+static void store(form how, dls_factorization factorization) {
+  int e = 0;
+  free(T.i);
+  free(T.x);
+  T.i = malloc(80 * (size_t)T.n * sizeof *T.i);
+  T.x = malloc(80 * (size_t)T.n * sizeof *T.x);
+  for (int j = 0; j < T.n; j++) {
+    T.p[j] = e;
+    for (int turn = 0; turn < (how == DOUBLED ? 2 : 1); turn++)
+      for (int k = 0; k < T.n; k++) {
+        const int i = how == DOUBLED ? T.n - 1 - k : k;
+        if (*entry(i, j) == 0 || (how == LOWER && i < j)) continue;
+        T.i[e] = i;
+        T.x[e++] = *entry(i, j) / (how == DOUBLED ? 2 : 1);
+      }
+  }
+  T.p[T.n] = e;
+  T.model.Ks = (dls_sparse){T.n, T.n, T.p, T.i, T.x};
+  T.model.operator_kind = DLS_STIFFNESS_SPARSE;
+  T.model.factorization = factorization;
+}
+
+/* Contact nodes: the lowest row of each body; t = +x, n = +y. */
+static void pick_nodes(int bodies) {
+  const int nodes = bodies * side;
+  for (int k = 0; k < nodes; k++) {
+    const int first = k / side * body + 2 * (k % side);
+    T.Ni[k] = first + 1;
+    T.Ti[k] = first;
+    T.Nx[k] = T.Tx[k] = 1;
+    T.Np[k + 1] = T.Tp[k + 1] = k + 1;
+  }
+  T.model.nodes = nodes;
+  T.model.HN = (dls_sparse){T.n, nodes, T.Np, T.Ni, T.Nx};
+  T.model.HT = (dls_sparse){T.n, nodes, T.Tp, T.Ti, T.Tx};
+}
+
+/* held: the left side of the first body stands on springs. skew: an unsymmetric part. */
+static void make(int bodies, int held, double skew) {
+  free(T.K);
+  free(T.i);
+  free(T.x);
+  memset(&T, 0, sizeof T);
+  seed = 1;
+  T.n = bodies * body;
+  T.K = calloc((size_t)T.n * (size_t)T.n, sizeof *T.K);
+  for (int b = 0; b < bodies; b++)
+    add_bars(b * body);
+  for (int k = 0; held && k < bodies * side; k++)
+    for (int i = 0; i < 2; i++) {
+      const int at = k / side * body + 2 * side * (k % side) + i;
+      *entry(at, at) += 1;
+    }
+  for (int j = 0; skew != 0 && j < T.n; j++)
+    for (int i = j + 1; i < T.n; i++) {
+      const double a = *entry(i, j);
+      *entry(i, j) += skew * fabs(a);
+      *entry(j, i) -= skew * fabs(a);
+    }
+  T.model = (dls_model){.d = 2, .n = T.n, .K = {T.n, T.n, T.n, T.K}};
+  pick_nodes(bodies);
+  store(LOWER, DLS_CHOLESKY);
+  if (skew != 0) store(DOUBLED, DLS_LU);
+  for (int k = 0; k < T.n; k++)
+    T.f[k] = random_number();
+  for (int k = 0; k < 2 * T.model.nodes; k++) {
+    T.g[k] = random_number();
+    T.r[k] = random_number();
+  }
+}
+
+/* Each column on three unknowns of the two lowest rows; candidates on two nodes each. */
+static void make_mortar(void) {
+  const int nodes = T.model.nodes;
+  for (int k = 0; k < nodes; k++) {
+    T.Np[k + 1] = T.Tp[k + 1] = 3 * (k + 1);
+    for (int e = 0; e < 3; e++) {
+      const int node = (k + e * 5) % (2 * side);
+      T.Ni[3 * k + e] = 2 * node + 1;
+      T.Ti[3 * k + e] = 2 * node + (e == 2);
+      T.Nx[3 * k + e] = random_number();
+      T.Tx[3 * k + e] = random_number();
+    }
+  }
+  for (int j = 0; j < nodes - 1; j++) {
+    T.Pp[j + 1] = 2 * (j + 1);
+    T.Pi[2 * j] = j;
+    T.Pi[2 * j + 1] = j + 1;
+    T.Px[2 * j] = 0.75;
+    T.Px[2 * j + 1] = 0.25;
+  }
+  T.model.P = (dls_sparse){nodes, nodes - 1, T.Pp, T.Pi, T.Px};
+}
+
+static dls_reduction_settings defaults(void) {
+  dls_reduction_settings s;
+  dls_reduction_settings_init(&s);
+  return s;
+}
+
+static dls_reduction *create(const dls_reduction_settings *settings) {
+  dls_reduction *R = NULL;
+  dls_error error = {0};
+  const dls_status status = dls_reduction_create_with(&R, &T.model, settings, &error);
+  ck_assert_msg(status == DLS_OK, "%s", error.message);
+  return R;
+}
+
+static dls_contact contact_of(const dls_reduction *R) {
+  static const double none[max_nodes];
+  dls_contact p;
+  ck_assert_int_eq(dls_reduction_contact(R, none, &p, NULL), DLS_OK);
+  return p;
+}
+
+static dls_reduction_info info_of(const dls_reduction *R) {
+  dls_reduction_info info;
+  ck_assert_int_eq(dls_reduction_get_info(R, &info, NULL), DLS_OK);
+  return info;
+}
+
+static double largest(const double *x, size_t n) {
+  double m = 0;
+  for (size_t i = 0; i < n; i++)
+    if (!(fabs(x[i]) <= m)) m = fabs(x[i]);
+  return m;
+}
+
+static void assert_close(const double *x, const double *y, size_t n, double tol) {
+  const double scale = largest(y, n);
+  for (size_t i = 0; i < n; i++)
+    ck_assert_msg(fabs(x[i] - y[i]) <= tol * scale, "[%zu] %.17g, expected %.17g of %g", i, x[i],
+                  y[i], scale);
+}
+
+/* W, q, x of one reduction equal those of another. */
+static void assert_same(dls_reduction *A, dls_reduction *B, double tol) {
+  const dls_contact a = contact_of(A), b = contact_of(B);
+  const size_t m = (size_t)a.W.rows;
+  ck_assert_int_eq(a.W.rows, b.W.rows);
+  assert_close(a.W.a, b.W.a, m * m, tol);
+  ck_assert_int_eq(dls_reduction_load(A, T.f, T.g, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load(B, T.f, T.g, NULL), DLS_OK);
+  assert_close(a.q, b.q, m, tol);
+  double *x = malloc(2 * (size_t)T.n * sizeof *x), *y = x + T.n;
+  ck_assert_int_eq(dls_reduction_recover(A, T.r, x, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_recover(B, T.r, y, NULL), DLS_OK);
+  assert_close(x, y, (size_t)T.n, tol);
+  free(x);
+}
+
+/* ---- the sparse path is the dense path -------------------------------------------------------- */
+
+/* kind 0: definite, 1: the same as DLS_LDLT, 2: the same as DLS_LU, 3: unsymmetric, 4: indefinite by a
+ * multiplier that ties two unknowns */
+static void make_kind(int kind, form how) {
+  make(1, 1, kind == 3 ? 0.2 : 0);
+  if (kind == 4) { /* unknown n - 1 becomes the multiplier of x_40 = x_90 */
+    for (int k = 0; k < T.n; k++)
+      *entry(T.n - 1, k) = *entry(k, T.n - 1) = 0;
+    *entry(T.n - 1, 40) = *entry(40, T.n - 1) = 1;
+    *entry(T.n - 1, 90) = *entry(90, T.n - 1) = -1;
+  }
+  const dls_factorization f[] = {DLS_CHOLESKY, DLS_LDLT, DLS_LU, DLS_LU, DLS_LDLT};
+  store(f[kind] == DLS_LU ? DOUBLED : how, f[kind]);
+}
+
+/* Unknowns that H touches. */
+static int touched(void) {
+  int marked[max_n] = {0}, count = 0;
+  for (int e = 0; e < T.Np[T.model.nodes]; e++)
+    marked[T.Ni[e]] = marked[T.Ti[e]] = 1;
+  for (int i = 0; i < T.n; i++)
+    count += marked[i];
+  return count;
+}
+
+START_TEST(sparse_equals_dense) {
+  make_kind(_i / 4, _i % 2 ? DOUBLED : LOWER);
+  if (_i / 2 % 2) make_mortar();
+  dls_reduction *S = create(NULL);
+  T.model.operator_kind = DLS_STIFFNESS_DENSE;
+  dls_reduction *D = create(NULL);
+  assert_same(S, D, 1e-12);
+  if (WITH_MUMPS) ck_assert_int_eq(info_of(S).condensed, touched());
+  ck_assert_double_gt(info_of(S).condition, 10);
+  ck_assert_double_lt(info_of(S).condition, 1e6);
+  const dls_contact p = contact_of(S);
+  const size_t m = (size_t)p.W.rows;
+  for (size_t j = 0; _i / 4 != 2 && _i / 4 != 3 && j < m; j++)
+    for (size_t i = 0; i < j; i++)
+      ck_assert(p.W.a[i + j * m] == p.W.a[j + i * m]);
+  dls_reduction_destroy(D);
+  dls_reduction_destroy(S);
+}
+END_TEST
+
+/* Unsymmetric W is not its transpose: tangents that ride along (follower loads). */
+START_TEST(unsymmetric_is_unsymmetric) {
+  make_kind(3, DOUBLED);
+  dls_reduction *S = create(NULL);
+  const dls_contact p = contact_of(S);
+  const size_t m = (size_t)p.W.rows;
+  ck_assert_double_gt(fabs(p.W.a[1] - p.W.a[m]), 1e-3 * largest(p.W.a, m * m));
+  dls_reduction_destroy(S);
+}
+END_TEST
+
+/* Few columns on many unknowns: no Schur complement, the same W. */
+START_TEST(few_columns) {
+  make(1, 1, 0);
+  T.model.nodes = 1;
+  for (int k = 0; k < 4 * side; k++) {
+    T.Ni[k] = 2 * k + 1;
+    T.Ti[k] = 2 * k;
+    T.Nx[k] = T.Tx[k] = random_number();
+  }
+  T.Np[1] = T.Tp[1] = 4 * side;
+  T.model.HN = (dls_sparse){T.n, 1, T.Np, T.Ni, T.Nx};
+  T.model.HT = (dls_sparse){T.n, 1, T.Tp, T.Ti, T.Tx};
+  dls_reduction *S = create(NULL);
+  ck_assert_int_eq(info_of(S).condensed, 0);
+  T.model.operator_kind = DLS_STIFFNESS_DENSE;
+  dls_reduction *D = create(NULL);
+  assert_same(S, D, 1e-12);
+  dls_reduction_destroy(D);
+  dls_reduction_destroy(S);
+}
+END_TEST
+
+/* The block of Jean (1988), 296 unknowns, concentrated and weighted. */
+START_TEST(jean_block) {
+  dls_fe_scene *scene;
+  dls_fe_scene_data data;
+  ck_assert_int_eq(dls_fe_scene_create(&scene, "jean-fig3", _i, NULL), DLS_OK);
+  dls_fe_scene_get(scene, &data);
+  make(1, 1, 0);
+  T.n = data.model.n;
+  memcpy(T.K, data.model.K.a, (size_t)T.n * (size_t)T.n * sizeof *T.K);
+  T.model = data.model;
+  memcpy(T.f, data.f, (size_t)T.n * sizeof *T.f);
+  memcpy(T.g, data.g, 2 * (size_t)data.model.nodes * sizeof *T.g);
+  dls_reduction *D = create(NULL);
+  store(LOWER, DLS_CHOLESKY);
+  dls_reduction *S = create(NULL);
+  if (WITH_MUMPS) ck_assert_int_gt(info_of(S).condensed, 0);
+  assert_same(S, D, 1e-12);
+  dls_reduction_destroy(S);
+  dls_reduction_destroy(D);
+  dls_fe_scene_destroy(scene);
+}
+END_TEST
+
+/* A multiplier that ties two unknowns of contact nodes: K is regular, K without these is not. */
+START_TEST(tied_contact_nodes) {
+  make(1, 1, 0);
+  const int last = T.n - 1;
+  for (int k = 0; k < T.n; k++)
+    *entry(last, k) = *entry(k, last) = 0;
+  *entry(last, 0) = *entry(0, last) = 1;
+  *entry(last, 6) = *entry(6, last) = -1;
+  store(_i ? DOUBLED : LOWER, _i ? DLS_LU : DLS_LDLT);
+  dls_reduction *S = create(NULL);
+  ck_assert_int_eq(info_of(S).condensed, 0);
+  T.model.operator_kind = DLS_STIFFNESS_DENSE;
+  dls_reduction *D = create(NULL);
+  assert_same(S, D, 1e-12);
+  T.model.operator_kind = DLS_STIFFNESS_SPARSE;
+  ck_assert_int_eq(dls_reduction_update(S, &T.model, NULL), DLS_OK);
+  assert_same(S, D, 1e-12);
+  dls_reduction_destroy(D);
+  dls_reduction_destroy(S);
+}
+END_TEST
+
+/* No diagonal: MUMPS must pivot, and needs more room than it foresees. */
+START_TEST(pivoting_takes_room) {
+  make(1, 1, 0);
+  for (int j = 0; j < T.n; j++)
+    for (int i = 0; i < T.n; i++)
+      *entry(i, j) = 0;
+  for (int j = 0; j < T.n; j++) {
+    *entry((j + 1) % T.n, j) = 2;
+    for (int e = 0; e < 2; e++)
+      *entry((int)(fabs(random_number()) * T.n), j) += random_number();
+    *entry(j, j) = 0;
+  }
+  store(DOUBLED, DLS_LU);
+  dls_reduction *S = create(NULL);
+  T.model.operator_kind = DLS_STIFFNESS_DENSE;
+  dls_reduction *D = create(NULL);
+  assert_same(S, D, 1e-12);
+  dls_reduction_destroy(D);
+  dls_reduction_destroy(S);
+}
+END_TEST
+
+START_TEST(same_bits) {
+  make_kind(_i, LOWER);
+  dls_reduction *A = create(NULL), *B = create(NULL);
+  assert_same(A, B, 0);
+  dls_reduction_destroy(B);
+  dls_reduction_destroy(A);
+}
+END_TEST
+
+/* Units of forces and lengths, and unknowns in different units (rotations beside displacements). */
+START_TEST(units) {
+  const double force[] = {1e-9, 1e9, 1}, turn[] = {1, 1, 1e7};
+  make_kind(_i / 3, LOWER);
+  dls_reduction *A = create(NULL);
+  const dls_contact p = contact_of(A);
+  const size_t m = (size_t)p.W.rows;
+  double *W = malloc(m * m * sizeof *W);
+  for (size_t k = 0; k < m * m; k++)
+    W[k] = p.W.a[k] / force[_i % 3];
+  for (int j = 0; j < T.n; j++) /* unknowns above the two lowest rows change their unit */
+    for (int i = 0; i < T.n; i++)
+      *entry(i, j) *=
+          force[_i % 3] * (i < 4 * side ? 1 : turn[_i % 3]) * (j < 4 * side ? 1 : turn[_i % 3]);
+  store(T.model.factorization == DLS_LU ? DOUBLED : LOWER, T.model.factorization);
+  dls_reduction *B = create(NULL);
+  assert_close(contact_of(B).W.a, W, m * m, 1e-12);
+  if (WITH_MUMPS) ck_assert_double_lt(info_of(B).condition, 2 * info_of(A).condition);
+  free(W);
+  dls_reduction_destroy(B);
+  dls_reduction_destroy(A);
+}
+END_TEST
+
+/* ---- only what the scene needs ---------------------------------------------------------------- */
+
+START_TEST(without_tangents) {
+  make(1, 1, 0);
+  dls_reduction *A = create(NULL);
+  const dls_contact full = contact_of(A);
+  ck_assert_int_eq(dls_reduction_load(A, T.f, T.g, NULL), DLS_OK);
+  const size_t m = 2 * side;
+  double mu[side], wrong[side];
+  int active[side];
+  for (int c = 0; c < side; c++) {
+    mu[c] = _i && c % 3 == 0 ? 0.5 : 0;
+    wrong[c] = 0.5;
+    active[c] = c % 4 != 1;
+  }
+  T.model.mu = mu;
+  T.model.active = active;
+  dls_reduction *B = create(NULL);
+  dls_contact p;
+  dls_error error;
+  ck_assert_int_eq(dls_reduction_contact(B, NULL, &p, NULL), DLS_OK);
+  ck_assert_int_eq(dls_contact_check(&p, NULL), DLS_OK);
+  ck_assert_int_eq(p.nc, side - side / 4);
+  ck_assert_int_eq(dls_reduction_contact(B, wrong, &p, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "mu");
+  ck_assert_int_eq(dls_reduction_load(B, T.f, T.g, NULL), DLS_OK);
+  const size_t k = (size_t)p.W.rows;
+  size_t touched = 0;
+  for (int a = 0, c = 0; a < side; a++) {
+    if (!active[a]) continue;
+    ck_assert(p.mu[c] == mu[a]);
+    touched += mu[a] > 0 ? 2 : 1;
+    for (int b = 0, e = 0; b < side; b++) {
+      if (!active[b]) continue;
+      for (size_t i = 0; i < 2; i++)
+        for (size_t j = 0; j < 2; j++) {
+          const int there = (i == 0 || mu[a] > 0) && (j == 0 || mu[b] > 0);
+          const double expected = there ? full.W.a[2 * (size_t)a + i + m * (2 * (size_t)b + j)] : 0;
+          ck_assert_double_eq_tol(p.W.a[2 * (size_t)c + i + k * (2 * (size_t)e + j)], expected,
+                                  1e-12 * largest(full.W.a, m * m));
+        }
+      e++;
+    }
+    ck_assert_double_eq_tol(p.q[2 * c], full.q[2 * a], 1e-12 * largest(full.q, m));
+    if (mu[a] == 0) ck_assert(p.q[2 * c + 1] == 0);
+    c++;
+  }
+  if (WITH_MUMPS) ck_assert_int_eq(info_of(B).condensed, (int)touched);
+  double nodal[2 * side];
+  ck_assert_int_eq(dls_reduction_nodal(B, T.r, nodal, NULL), DLS_OK);
+  for (int a = 0, c = 0; a < side; a++) {
+    ck_assert(nodal[2 * a] == (active[a] ? T.r[2 * c] : 0));
+    c += active[a];
+  }
+  dls_reduction_destroy(B);
+  dls_reduction_destroy(A);
+}
+END_TEST
+
+START_TEST(without_W) {
+  make(1, 1, 0);
+  dls_reduction *A = create(NULL);
+  dls_reduction_settings s = defaults();
+  s.form_W = 0;
+  dls_reduction *B = create(&s);
+  dls_contact p;
+  double mu[side] = {0}, *x = malloc(2 * (size_t)T.n * sizeof *x);
+  ck_assert_int_eq(dls_reduction_contact(B, mu, &p, NULL), DLS_E_UNSUPPORTED);
+  ck_assert(info_of(B).condensed == 0 && info_of(B).W_bytes == 0);
+  ck_assert_int_eq(dls_reduction_load(A, T.f, T.g, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load(B, T.f, T.g, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_recover(A, T.r, x, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_recover(B, T.r, x + T.n, NULL), DLS_OK);
+  assert_close(x, x + T.n, (size_t)T.n, 1e-12);
+  free(x);
+  dls_reduction_destroy(B);
+  dls_reduction_destroy(A);
+}
+END_TEST
+
+/* ---- the same pattern, new values -------------------------------------------------------------- */
+
+START_TEST(update) {
+  const int dense = _i == 4;
+  make_kind(dense ? 0 : _i, LOWER);
+  if (dense) T.model.operator_kind = DLS_STIFFNESS_DENSE;
+  dls_reduction *R = create(NULL);
+  const dls_contact before = contact_of(R);
+  const size_t entries = (size_t)T.p[T.n];
+  for (size_t k = 0; k < entries; k++)
+    T.x[k] *= 3;
+  for (size_t k = 0; k < (size_t)T.n * (size_t)T.n; k++)
+    T.K[k] *= 3;
+  T.Nx[2] = 0.5;
+  ck_assert_int_eq(dls_reduction_load(R, T.f, T.g, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_update(R, &T.model, NULL), DLS_OK);
+  ck_assert_ptr_eq(contact_of(R).W.a, before.W.a);
+  ck_assert(largest(before.q, (size_t)before.W.rows) == 0);
+  dls_reduction *S = create(NULL);
+  assert_same(R, S, 0);
+
+  /* what does not fit leaves it alone */
+  dls_error error;
+  dls_model other = T.model;
+  other.HN = other.HT;
+  ck_assert_int_eq(dls_reduction_update(R, &other, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "HN");
+  other = T.model;
+  other.nodes = 3;
+  other.HN.cols = other.HT.cols = 3;
+  ck_assert_int_eq(dls_reduction_update(R, &other, &error), DLS_E_SIZE);
+  ck_assert_str_eq(error.argument, "nodes");
+  if (!dense) {
+    const int old = T.i[1];
+    T.i[1] = T.n - 1;
+    ck_assert_int_eq(dls_reduction_update(R, &T.model, &error), WITH_MUMPS ? DLS_E_ARGUMENT : 0);
+    if (WITH_MUMPS) ck_assert_str_eq(error.argument, "Ks");
+    T.i[1] = old;
+    ck_assert_int_eq(dls_reduction_update(R, &T.model, &error), DLS_OK);
+  }
+  assert_same(R, S, 0);
+
+  /* values that fail leave nothing, until there are good ones */
+  other = T.model;
+  double *zeros = calloc((size_t)T.n, (size_t)T.n * sizeof *zeros);
+  other.Ks.x = other.K.a = zeros;
+  ck_assert_int_eq(dls_reduction_update(R, &other, &error), DLS_E_SINGULAR);
+  ck_assert_int_eq(dls_reduction_load(R, T.f, T.g, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "reduction");
+  ck_assert_int_eq(dls_reduction_update(R, &T.model, &error), DLS_OK);
+  assert_same(R, S, 0);
+  free(zeros);
+  dls_reduction_destroy(S);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* ---- memory foreseen --------------------------------------------------------------------------- */
+
+START_TEST(estimate) {
+  make(1, 1, 0);
+  if (_i) T.model.operator_kind = DLS_STIFFNESS_DENSE;
+  dls_reduction_info info, took;
+  ck_assert_int_eq(dls_reduction_estimate(&T.model, NULL, &info, NULL), DLS_OK);
+  dls_reduction *R = create(NULL);
+  took = info_of(R);
+  ck_assert(info.W_bytes == 8.0 * 4 * side * side);
+  ck_assert(info.condition == 0 && took.condition > 1);
+  ck_assert(info.condensed == took.condensed && info.flops == took.flops);
+  ck_assert(info.factor_bytes == took.factor_bytes && info.bytes == took.bytes);
+  const double n = T.n;
+  if (_i) ck_assert(info.factor_bytes == 8 * n * n && info.flops == n * n * n / 3);
+  ck_assert_double_gt(info.bytes, info.factor_bytes + info.W_bytes);
+  ck_assert_double_gt(info.flops, 1e5);
+  dls_reduction_destroy(R);
+
+  dls_reduction_settings s = defaults();
+  s.memory_limit = info.bytes;
+  dls_reduction_destroy(create(&s));
+  s.memory_limit = info.bytes - 1;
+  dls_error error;
+  ck_assert_int_eq(dls_reduction_create_with(&R, &T.model, &s, &error), DLS_E_MEMORY);
+  ck_assert_ptr_null(R);
+  ck_assert_str_eq(error.argument, "memory_limit");
+  ck_assert(error.value == info.bytes);
+  ck_assert_ptr_nonnull(strstr(error.message, "GB needed"));
+  ck_assert_ptr_nonnull(strstr(error.message, "dls_primal"));
+  ck_assert_int_eq(dls_reduction_estimate(&T.model, &s, &info, NULL), DLS_OK);
+}
+END_TEST
+
+/* ---- no Cholesky factor, no inverse -------------------------------------------------------------- */
+
+START_TEST(indefinite) {
+  make(1, 1, 0);
+  for (int k = 0; k < T.n; k++) /* below the smallest elastic eigenvalue and above others */
+    *entry(k, k) -= 0.7;
+  store(LOWER, DLS_CHOLESKY);
+  if (_i) T.model.operator_kind = DLS_STIFFNESS_DENSE;
+  dls_reduction *R;
+  dls_error error;
+  ck_assert_int_eq(dls_reduction_create(&R, &T.model, &error), DLS_E_NOT_POSITIVE_DEFINITE);
+  ck_assert_ptr_null(R);
+  ck_assert(error.value < 0 || error.index == -1);
+  dls_reduction_settings s = defaults();
+  s.allow_indefinite = 1;
+  R = create(&s);
+  ck_assert_int_eq(info_of(R).indefinite, 1);
+  T.model.factorization = DLS_LU;
+  store(DOUBLED, DLS_LU);
+  dls_reduction *S = create(NULL);
+  ck_assert_int_eq(info_of(S).indefinite, 0);
+  assert_same(R, S, 1e-11);
+  dls_reduction_destroy(S);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* A free body has 3 modes, two have 6, each with its own; whatever K is tagged as. */
+START_TEST(free_bodies) {
+  const int bodies = 1 + _i % 2;
+  const dls_factorization tag = (dls_factorization)(1 + _i / 2 % 3);
+  make(bodies, 0, 0);
+  store(tag == DLS_LU ? DOUBLED : LOWER, tag);
+  if (_i / 6) T.model.operator_kind = DLS_STIFFNESS_DENSE;
+  dls_reduction *R;
+  dls_error error;
+  ck_assert_int_eq(dls_reduction_create(&R, &T.model, &error), DLS_E_SINGULAR);
+  ck_assert_ptr_null(R);
+  ck_assert(error.value == 3 * bodies);
+  ck_assert_ptr_nonnull(strstr(error.message, "rigid-body modes, of unknowns"));
+  double *basis = malloc((size_t)T.n * 6 * sizeof *basis);
+  int unknown[6], count, of_second = 0;
+  ck_assert_int_eq(dls_model_modes(&T.model, 6, basis, unknown, &count, NULL), DLS_OK);
+  ck_assert_int_eq(count, 3 * bodies);
+  ck_assert_int_eq(error.index, unknown[0]);
+  for (int c = 0; c < count; c++) {
+    const double *b = basis + (size_t)c * (size_t)T.n;
+    const int other = unknown[c] < body ? 1 : 0; /* the body that does not move */
+    of_second += unknown[c] >= body;
+    for (int e = 0; e < count; e++)
+      ck_assert(b[unknown[e]] == (c == e));
+    if (bodies == 2) ck_assert_double_le(largest(b + other * body, body), 1e-10);
+    for (int i = 0; i < T.n; i++) {
+      double Kb = 0;
+      for (int j = 0; j < T.n; j++)
+        Kb += *entry(i, j) * b[j];
+      ck_assert_double_le(fabs(Kb), 1e-11 * largest(b, (size_t)T.n));
+    }
+  }
+  ck_assert_int_eq(of_second, 3 * (bodies - 1));
+  free(basis);
+}
+END_TEST
+
+START_TEST(held_body_has_no_modes) {
+  make(1, 1, 0);
+  int count = -1;
+  ck_assert_int_eq(dls_model_modes(&T.model, 0, NULL, NULL, &count, NULL), DLS_OK);
+  ck_assert_int_eq(count, 0);
+  dls_reduction *R = create(NULL);
+  double imbalance = 9;
+  ck_assert_int_eq(dls_reduction_balance(R, T.r, &imbalance, NULL), DLS_OK);
+  ck_assert(imbalance == 0);
+  ck_assert_int_eq(info_of(R).modes, 0);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* A free block pressed on a rough floor by its weight and a push that friction carries: modes found
+ * (_i = 0), given (1), of a dense K (2). Solving and balancing ends in equilibrium without springs. */
+START_TEST(block_on_the_floor) {
+  make(1, 0, 0);
+  memset(T.g, 0, sizeof T.g);
+  memset(T.f, 0, sizeof T.f);
+  for (int k = 0; k < body / 2; k++) {
+    T.f[2 * k] = 0.1;
+    T.f[2 * k + 1] = -1;
+  }
+  double mu[side], modes[3 * body];
+  for (int c = 0; c < side; c++)
+    mu[c] = 0.5;
+  for (int k = 0; k < body / 2; k++) { /* translations, rotation about a corner */
+    const double column[3][2] = {{1, 0}, {0, 1}, {-(k / side), k % side}};
+    for (int c = 0; c < 3; c++)
+      memcpy(modes + c * body + 2 * k, column[c], sizeof column[c]);
+  }
+  dls_reduction_settings s = defaults();
+  if (_i == 1) T.model.modes = (dls_dense){body, 3, body, modes};
+  if (_i != 1) s.stabilize = 1;
+  if (_i == 2) T.model.operator_kind = DLS_STIFFNESS_DENSE;
+  dls_reduction *R = create(&s);
+  ck_assert_int_eq(info_of(R).modes, 3);
+  dls_contact p;
+  ck_assert_int_eq(dls_reduction_contact(R, mu, &p, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load(R, T.f, T.g, NULL), DLS_OK);
+  dls_solver_settings settings;
+  dls_solver_settings_init(&settings);
+  settings.method = DLS_NEWTON;
+  settings.tol = 1e-12;
+  double r[2 * side] = {0}, u[2 * side], imbalance = 1, first = 0;
+  int turns = 0;
+  while (imbalance > 1e-10 && turns < 60) {
+    ck_assert_int_eq(dls_solve(&p, &settings, r, u, NULL, NULL), DLS_OK);
+    ck_assert_int_eq(dls_reduction_balance(R, r, &imbalance, NULL), DLS_OK);
+    if (turns++ == 0) first = imbalance;
+  }
+  ck_assert_double_le(imbalance, 1e-10);
+  ck_assert_int_le(turns, 5);
+  /* the springs did take part at first; those of the given modes stand at nodes that stick */
+  if (_i != 1) ck_assert_double_gt(first, 1e-6);
+  double weight = 0, push = 0, *x = malloc(body * sizeof *x);
+  for (int c = 0; c < side; c++) {
+    weight += r[2 * c];
+    push += r[2 * c + 1];
+  }
+  ck_assert_double_eq_tol(weight, body / 2, 1e-8 * body);
+  ck_assert_double_eq_tol(push, -0.1 * body / 2, 1e-8 * body);
+  ck_assert_int_eq(dls_reduction_recover(R, r, x, NULL), DLS_OK);
+  for (int i = 0; i < body; i++) { /* K x = f + H r, no springs */
+    double left = T.f[i] + (i < 2 * side ? r[i % 2 ? i - 1 : i + 1] : 0);
+    for (int j = 0; j < body; j++)
+      left -= *entry(i, j) * x[j];
+    ck_assert_double_le(fabs(left), 1e-8 * body);
+  }
+  free(x);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+START_TEST(bad_modes) {
+  make(1, 0, 0);
+  static double modes[25 * body];
+  for (int k = 0; k < body; k++)
+    modes[k] = k % 2;
+  memcpy(modes + body, modes, body * sizeof *modes);
+  dls_reduction *R;
+  dls_error error;
+  T.model.modes = (dls_dense){body, 2, body, modes}; /* not independent */
+  ck_assert_int_eq(dls_reduction_create(&R, &T.model, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "modes");
+  modes[body + 7] += 1e-3; /* not a null vector */
+  ck_assert_int_eq(dls_reduction_create(&R, &T.model, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "modes");
+  ck_assert_int_eq(error.index, 1);
+  T.model.modes.cols = 1; /* right, but not all: still singular */
+  ck_assert_int_eq(dls_reduction_create(&R, &T.model, &error), DLS_E_SINGULAR);
+  T.model.modes.cols = 25;
+  ck_assert_int_eq(dls_reduction_create(&R, &T.model, &error), DLS_E_SIZE);
+  T.model.modes.cols = 1;
+  T.model.modes.rows = 3;
+  ck_assert_int_eq(dls_reduction_create(&R, &T.model, &error), DLS_E_SIZE);
+  T.model.modes.rows = body;
+  modes[3] = NAN;
+  ck_assert_int_eq(dls_reduction_create(&R, &T.model, &error), DLS_E_NOT_FINITE);
+  ck_assert_int_eq(error.index, 3);
+  T.model.operator_kind = DLS_FLEXIBILITY;
+  ck_assert_int_eq(dls_reduction_create(&R, &T.model, &error), DLS_E_UNSUPPORTED);
+  int count = 5;
+  T.model.modes.a = NULL;
+  ck_assert_int_eq(dls_model_modes(&T.model, 0, NULL, NULL, &count, &error), DLS_E_UNSUPPORTED);
+  T.model.operator_kind = DLS_STIFFNESS_SPARSE;
+  ck_assert_int_eq(dls_model_modes(&T.model, -1, NULL, NULL, &count, &error), DLS_E_SIZE);
+  ck_assert_int_eq(dls_model_modes(&T.model, 0, NULL, NULL, NULL, &error), DLS_E_ARGUMENT);
+  ck_assert_int_eq(count, 5);
+}
+END_TEST
+
+/* An unknown that nothing holds, not even structurally; in K or beside it. */
+START_TEST(structurally_singular) {
+  make(1, 1, 0);
+  const dls_factorization tag = (dls_factorization)(1 + _i % 3);
+  const int lost = _i < 3 ? 201 : 7; /* inside; of a contact node */
+  for (int k = 0; k < T.n; k++)
+    *entry(lost, k) = *entry(k, lost) = 0;
+  store(tag == DLS_LU ? DOUBLED : LOWER, tag);
+  dls_reduction *R;
+  dls_error error;
+  ck_assert_int_eq(dls_reduction_create(&R, &T.model, &error), DLS_E_SINGULAR);
+  ck_assert_str_eq(error.argument, "Ks");
+  ck_assert_int_eq(error.index, lost);
+  ck_assert(error.value == 1);
+}
+END_TEST
+
+/* ---- bad input ----------------------------------------------------------------------------------- */
+
+START_TEST(bad_input) {
+  make(1, 1, 0);
+  dls_reduction *R;
+  dls_error error;
+  /* an upper triangle */
+  for (int j = 0; j < T.n; j++)
+    for (int i = j + 1; i < T.n; i++)
+      *entry(i, j) = 0;
+  store(DOUBLED, DLS_CHOLESKY);
+  ck_assert_int_eq(dls_reduction_create(&R, &T.model, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "Ks");
+  make(1, 1, 0);
+  int active[side] = {0};
+  double mu[side] = {0};
+  T.model.active = active;
+  ck_assert_int_eq(dls_model_check(&T.model, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "active");
+  T.model.active = NULL;
+  T.model.mu = mu;
+  mu[5] = -1;
+  ck_assert_int_eq(dls_model_check(&T.model, &error), DLS_E_ARGUMENT);
+  ck_assert(strcmp(error.argument, "mu") == 0 && error.index == 5);
+  mu[5] = NAN;
+  ck_assert_int_eq(dls_model_check(&T.model, &error), DLS_E_NOT_FINITE);
+  T.model.mu = NULL;
+
+  dls_reduction_settings s = defaults();
+  s.size = 0;
+  ck_assert_int_eq(dls_reduction_create_with(&R, &T.model, &s, &error), DLS_E_SETTINGS);
+#define SETTING(change, name)                                                                      \
+  do {                                                                                             \
+    s = defaults();                                                                                \
+    change;                                                                                        \
+    ck_assert_int_eq(dls_reduction_create_with(&R, &T.model, &s, &error), DLS_E_ARGUMENT);         \
+    ck_assert_str_eq(error.argument, name);                                                        \
+    ck_assert_str_eq(error.function, "dls_reduction_create_with");                                 \
+    ck_assert_ptr_null(R);                                                                         \
+  } while (0)
+  SETTING(s.memory_limit = -1, "memory_limit");
+  SETTING(s.memory_limit = NAN, "memory_limit");
+  SETTING(s.allow_indefinite = 2, "allow_indefinite");
+  SETTING(s.stabilize = -1, "stabilize");
+  SETTING(s.form_W = 7, "form_W");
+  dls_reduction_info info;
+  ck_assert_int_eq(dls_reduction_create_with(NULL, &T.model, NULL, &error), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_reduction_estimate(&T.model, NULL, NULL, &error), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_reduction_estimate(NULL, NULL, &info, &error), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_reduction_get_info(NULL, &info, &error), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_reduction_update(NULL, &T.model, &error), DLS_E_ARGUMENT);
+  R = create(NULL);
+  ck_assert_int_eq(dls_reduction_get_info(R, NULL, &error), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_reduction_update(R, NULL, &error), DLS_E_ARGUMENT);
+  double imbalance = 3;
+  ck_assert_int_eq(dls_reduction_balance(NULL, T.r, &imbalance, &error), DLS_E_ARGUMENT);
+  T.r[3] = NAN;
+  ck_assert_int_eq(dls_reduction_balance(R, T.r, &imbalance, &error), DLS_E_NOT_FINITE);
+  ck_assert(imbalance == 3);
+  dls_reduction_destroy(R);
+  dls_reduction_settings_init(NULL);
+  /* the method on K itself knows nothing of these */
+  T.model.mu = mu;
+  mu[5] = 0;
+  dls_primal_settings primal;
+  dls_primal_settings_init(&primal);
+  dls_primal *P;
+  ck_assert_int_eq(dls_primal_create(&P, &T.model, &primal, &error), DLS_OK);
+  dls_primal_destroy(P);
+  active[0] = 1;
+  T.model.active = active;
+  ck_assert_int_eq(dls_primal_create(&P, &T.model, &primal, &error), DLS_E_UNSUPPORTED);
+  ck_assert_str_eq(error.argument, "active");
+}
+END_TEST
+
+/* ---- what the host shares with us ------------------------------------------------------------------ */
+
+/* Nothing is printed, whatever happens, and rand() goes on as if nothing had been. */
+START_TEST(leaves_the_host_alone) {
+  srand(7);
+  const int one = rand(), two = rand();
+  srand(7);
+  ck_assert_int_eq(rand(), one);
+  char name[] = "/tmp/delassus-test-XXXXXX";
+  const int file = mkstemp(name), out = dup(1), err = dup(2);
+  dup2(file, 1);
+  dup2(file, 2);
+  make(1, 1, 0);
+  dls_reduction *R = NULL;
+  const int good = dls_reduction_create(&R, &T.model, NULL);
+  dls_reduction_destroy(R);
+  make(1, 0, 0);
+  const int bad = dls_reduction_create(&R, &T.model, NULL);
+  fflush(stdout);
+  const off_t length = lseek(file, 0, SEEK_END);
+  dup2(out, 1);
+  dup2(err, 2);
+  close(file);
+  unlink(name);
+  ck_assert_int_eq(good, DLS_OK);
+  ck_assert_int_eq(bad, DLS_E_SINGULAR);
+  ck_assert_int_eq((int)length, 0);
+  ck_assert_int_eq(rand(), two);
+}
+END_TEST
+
+START_TEST(every_malloc_fails) {
+  make(1, _i < 4, 0);
+  const dls_factorization tag[] = {DLS_CHOLESKY, DLS_LDLT, DLS_LU, DLS_CHOLESKY, DLS_CHOLESKY};
+  store(tag[_i] == DLS_LU ? DOUBLED : LOWER, tag[_i]);
+  if (_i == 3) make_mortar();
+  dls_reduction_settings s = defaults();
+  s.stabilize = _i == 4;
+  dls_reduction *R = NULL;
+  dls_status status;
+  long k = 0;
+  do {
+    dls_error error = {0};
+    malloc_fails_at(++k);
+    status = dls_reduction_create_with(&R, &T.model, &s, &error);
+    malloc_fails_at(0);
+    if (!status) break;
+    /* where the search for modes has no memory, K is reported as it was found */
+    if (_i < 4 || status != DLS_E_SINGULAR) ck_assert_int_eq(status, DLS_E_MEMORY);
+    ck_assert_int_eq(error.status, status);
+    ck_assert_ptr_null(R);
+  } while (k < 200);
+  ck_assert_int_eq(status, DLS_OK);
+  ck_assert_int_gt(k, 8);
+  for (k = 1; k < 100; k++) {
+    dls_error error = {0};
+    malloc_fails_at(k);
+    status = dls_reduction_update(R, &T.model, &error);
+    malloc_fails_at(0);
+    if (!status) break;
+    ck_assert_int_eq(status, DLS_E_MEMORY);
+  }
+  ck_assert_int_eq(status, DLS_OK);
+  dls_reduction *S = create(&s);
+  if (_i < 4) assert_same(R, S, 0);
+  dls_reduction_destroy(S);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("sparse reduction");
+  TCase *t = tcase_create("sparse reduction");
+  suite_add_tcase(suite, t);
+  tcase_set_timeout(t, 120);
+  tcase_add_loop_test(t, sparse_equals_dense, 0, 20);
+  tcase_add_test(t, unsymmetric_is_unsymmetric);
+  tcase_add_test(t, few_columns);
+  tcase_add_loop_test(t, jean_block, 0, 2);
+  tcase_add_loop_test(t, tied_contact_nodes, 0, 2);
+  tcase_add_test(t, pivoting_takes_room);
+  tcase_add_loop_test(t, same_bits, 0, 5);
+  tcase_add_loop_test(t, units, 0, 12);
+  tcase_add_loop_test(t, without_tangents, 0, 2);
+  tcase_add_test(t, without_W);
+  tcase_add_loop_test(t, update, 0, 5);
+  tcase_add_loop_test(t, estimate, 0, 2);
+  tcase_add_loop_test(t, indefinite, 0, 2);
+  tcase_add_loop_test(t, free_bodies, 0, 12);
+  tcase_add_test(t, held_body_has_no_modes);
+  tcase_add_loop_test(t, block_on_the_floor, 0, 3);
+  tcase_add_test(t, bad_modes);
+  tcase_add_loop_test(t, structurally_singular, 0, 6);
+  tcase_add_test(t, bad_input);
+  tcase_add_test(t, leaves_the_host_alone);
+  tcase_add_loop_test(t, every_malloc_fails, 0, 5);
+  SRunner *runner = srunner_create(suite);
+  srunner_run_all(runner, CK_NORMAL);
+  const int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
