@@ -793,6 +793,25 @@ START_TEST(a_jam_has_likely_no_solution) {
 }
 END_TEST
 
+/* The sweeps of the jam stall at once and forecast nothing: what the solve before forecast does not count. */
+START_TEST(auto_forgets_the_solve_before) {
+  static planted_problem a;
+  const dls_contact jam = {.d = 2, .nc = 1, .W = {2, 2, 3, wedge_W}, .q = wedge_q, .mu = two};
+  const dls_contact before = planted(&a, 2, 40, 41, 1, 7);
+  const dls_solver_settings s = settings_of(DLS_AUTO);
+  double r[2 * PLANTED];
+  const dls_info fresh = solve_auto(&jam, s.tol, r);
+  dls_solver *solver;
+  dls_info info;
+  ck_assert_int_eq(dls_solver_create(&solver, 2, PLANTED, &s, NULL), DLS_OK);
+  ck_assert_int_eq(dls_solver_solve(solver, &before, r, NULL, &info, NULL), DLS_OK);
+  ck_assert(info.stages > 1);
+  ck_assert_int_ge(dls_solver_solve(solver, &jam, r, NULL, &info, NULL), 0);
+  same_stages(&fresh, &info);
+  dls_solver_destroy(solver);
+}
+END_TEST
+
 START_TEST(auto_proves_that_there_is_no_solution) {
   const dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, squeezed_W}, .q = squeezed_q, .mu = both};
   double r[4];
@@ -827,6 +846,7 @@ int main(void) {
   tcase_add_test(tcase, auto_holds_its_methods);
   tcase_add_test(tcase, auto_splits_where_it_is_large_and_stiff);
   tcase_add_test(tcase, a_jam_has_likely_no_solution);
+  tcase_add_test(tcase, auto_forgets_the_solve_before);
   tcase_add_test(tcase, auto_proves_that_there_is_no_solution);
   suite_add_tcase(suite, tcase);
   SRunner *runner = srunner_create(suite);
