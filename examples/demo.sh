@@ -12,7 +12,7 @@ line============================================================================
 
 # gauss-seidel works on the displacements, where weighted reactions couple the contact nodes
 methods() {
-  echo auto nlgs lemke newton augmented-lagrangian penalty
+  echo auto nlgs lemke newton admm augmented-lagrangian penalty
   [ "$1" = weighted ] || echo gauss-seidel
 }
 

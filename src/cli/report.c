@@ -79,7 +79,7 @@ const char *iteration_word(dls_method method) {
   case DLS_AUTO:
     return "iterations";
   case DLS_LEMKE:
-    return "pivots";
+    return "exchanges";
   case DLS_NEWTON:
     return "steps";
   case DLS_ADMM:
