@@ -270,7 +270,7 @@ static int follow(dls_forming *f) {
     spring(f, c, was, u, f->next_r + 2 * c, D);
     if (f->mu[c] > 0 && now != was && now >= SLIP_FORWARD && was >= SLIP_FORWARD) now = STICK;
     changed |= now != was;
-    f->branch[c] = now;
+    f->branch[c] = (int)now;
   }
   return changed;
 }
@@ -280,7 +280,7 @@ static dls_status with_springs(dls_forming *f) { /* (C3) */
   dls_status status = DLS_OK;
   memcpy(f->trial_u, f->u, 2 * (size_t)f->nc * sizeof *f->u);
   for (int c = 0; c < f->nc; c++)
-    f->branch[c] = branch_at(f, c, f->u + 2 * c);
+    f->branch[c] = (int)branch_at(f, c, f->u + 2 * c);
   for (int k = 0, changed = 1; changed && k < most_branches && !status; k++) {
     attach(f);
     if (!dlsi_band_factor(&f->band) || dlsi_band_solve(&f->band, f->dx, f->n, 1))
