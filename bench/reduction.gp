@@ -2,12 +2,12 @@
 dir = 'bench/results/'
 data = dir.'reduction.csv'
 set datafile separator ','
-set datafile missing 'nan'
+set datafile missing NaN # the line goes on over it
 set logscale xy
 set key left top reverse Left
 set grid
 set xlabel 'unknowns'
-set offsets graph 0.1, graph 0.1, graph 0.2, graph 0.1
+set offsets 0, 0, graph 0.25, 0
 # column c of the rows of kind k, dimension d, way w
 pick(k, d, w, c) = strcol(1) eq k && column(2) == d && strcol(6) eq w ? column(c) : NaN
 do for [type in 'png svg'] {
