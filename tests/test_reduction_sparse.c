@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "delassus/fe.h"
+#include "delassus/files.h"
 #include "delassus/primal.h"
 #include "delassus/reduction.h"
 #include "delassus/solve.h"
@@ -835,6 +836,9 @@ START_TEST(bad_input) {
   T.model.active = active;
   ck_assert_int_eq(dls_primal_create(&P, &T.model, &primal, &error), DLS_E_UNSUPPORTED);
   ck_assert_str_eq(error.argument, "active");
+  ck_assert_int_eq(
+      dls_fclib_write_global("/dev/null", &T.model, T.f, T.g, mu, NULL, NULL, NULL, NULL, &error),
+      DLS_E_UNSUPPORTED);
 }
 END_TEST
 

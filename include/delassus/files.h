@@ -61,8 +61,9 @@ DLS_API DLS_MUST_USE dls_status dls_fclib_write_local(const char *path, const dl
                                                       const char *title, const double *r,
                                                       const double *u, dls_error *error);
 
-/* The same for a global problem: dense or sparse K of the model (DLS_CHOLESKY: its lower triangle,
- * mirrored), no weighting P, else DLS_E_UNSUPPORTED; f (n), g (d nc), mu (nc); x (n, or NULL) as v. */
+/* The same for a global problem: dense or sparse K of the model (DLS_CHOLESKY, DLS_LDLT: its
+ * lower triangle, mirrored), no weighting P, no candidate left out, else DLS_E_UNSUPPORTED; f (n),
+ * g (d nc), mu (nc); x (n, or NULL) as v. */
 DLS_API DLS_MUST_USE dls_status dls_fclib_write_global(const char *path, const dls_model *model,
                                                        const double *f, const double *g,
                                                        const double *mu, const char *title,
