@@ -47,7 +47,7 @@ struct dls_reduction {
   double *q;     /* m */
   double *f;     /* n, by position: the last load */
   double *x, *y; /* n, by position: room for solves; y as scratch of the solve */
-  double *v;     /* m: room for load */
+  double *v, *z; /* m, n: room for load */
   void *memory;  /* of all of these but the factor and the modes */
 };
 
@@ -202,6 +202,7 @@ static void carve(dls_reduction *R, const dls_model *model, dlsi_arena *arena) {
   R->v = dlsi_take(arena, m, sizeof *R->v);
   R->f = dlsi_take(arena, n, sizeof *R->f);
   R->x = dlsi_take(arena, n, sizeof *R->x);
+  R->z = dlsi_take(arena, R->kind == DLS_STIFFNESS_SPARSE ? n : 0, sizeof *R->z);
   R->y = dlsi_take(arena, R->kind == DLS_FLEXIBILITY ? n : 0, sizeof *R->y);
 }
 
@@ -535,6 +536,19 @@ static dls_status solve_x(dls_reduction *R, const char *function, dls_error *err
   return status;
 }
 
+/* R->v += H^T K^-1 R->x; R->x is spoilt */
+static dls_status respond(dls_reduction *R, const char *function, dls_error *error) {
+  if (R->factor->kept == 0) {
+    const dls_status status = solve_x(R, function, error);
+    if (!status) dlsi_rows_add(&R->H, 0, R->H.n, R->x, R->v);
+    return status;
+  }
+  const dls_status status = dlsi_schur_kept(R->factor->schur, function, R->x, R->z, error);
+  for (int k = 0; !status && k < R->kept; k++)
+    dlsi_rows_add(&R->H, (size_t)R->keep[k], 1, R->z + k, R->v);
+  return status;
+}
+
 /* v := P^T g, without the tangents that are left out */
 static void gather_gaps(const dls_reduction *R, const double *g, double *v) {
   const size_t d = (size_t)R->d;
@@ -568,9 +582,8 @@ dls_status dls_reduction_load(dls_reduction *reduction, const double *f, const d
   if (f) { /* v += H^T K^-1 f */
     for (size_t k = 0; k < n; k++)
       R->x[k] = f[R->factor->unknown[k]];
-    status = solve_x(R, __func__, error);
+    status = respond(R, __func__, error);
     if (status) return status;
-    dlsi_rows_add(&R->H, 0, n, R->x, R->v);
   }
   status = take_q(R, __func__, error);
   if (status) return status;

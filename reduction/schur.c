@@ -13,7 +13,7 @@
  *                 for many an indefinite K: multipliers that tie displacements make it so.
  *           (F4)  |A^-1|_F from two solves with vectors v of +-1: the mean of |A^-1 v|^2 is |A^-1|_F^2;
  *                 and their backward error, which is large where A_ii is nearly singular and A is not
- *   solve   (S1)  x := C A^-1 R b: condense b to c, solve with S_A, expand
+ *   solve   (S1)  x := C A^-1 R b: condense b to c, solve with S_A, expand; without the last for x_c
  *   inverse (I1)  (K^-1)_cc = C_c S_A^-1 R_c
  *
  * The dissection is of the whole graph: contact unknowns that help to cut it are moved last only
@@ -21,7 +21,7 @@
  * dearer in 3D.
  *
  * Singular: 1 / (|A|_1 |A^-1|_F) < 10 eps, as for dense matrices in factor.c, or a pivot that is 0.
- * Cost: that of a multifrontal factorisation, b^3 for S^-1, two passes over the factor per solve.
+ * Cost: that of a multifrontal factorisation, b^3 for S^-1, two passes over the factor per solve, one for x_c.
  */
 #include "schur.h"
 
@@ -353,9 +353,9 @@ static dls_status factor_dense(dlsi_schur *s, const char *function, double *copy
                    "singular: a pivot of 0");
 }
 
-/* X (n x nrhs) := A^-1 X */
-static dls_status solve_scaled(dlsi_schur *s, const char *function, double *X, int nrhs,
-                               dls_error *error) {
+/* reduced (count x nrhs) := the values of A^-1 X on c. X is on loan to MUMPS until `expand`. */
+static dls_status solve_kept(dlsi_schur *s, const char *function, double *X, int nrhs,
+                             dls_error *error) {
   const int b = s->count;
   const size_t room = (size_t)b * (size_t)nrhs;
   if (room > s->reduced_room) {
@@ -368,20 +368,29 @@ static dls_status solve_scaled(dlsi_schur *s, const char *function, double *X, i
   s->mumps.nrhs = nrhs;
   s->mumps.lrhs = s->n;
   s->mumps.redrhs = s->reduced;
-  s->mumps.lredrhs = b > 0 ? b : 1;
-  s->mumps.ICNTL(26) = b > 0 ? condense : whole_solve;
-  int info = run(s, solve);
-  if (info >= 0 && b > 0) {
-    int unused;
-    if (s->definite)
-      dpotrs_("L", &b, &nrhs, s->S, &b, s->reduced, &b, &unused, 1);
-    else
-      dgetrs_("N", &b, &nrhs, s->S, &b, s->pivot, s->reduced, &b, &unused, 1);
-    s->mumps.ICNTL(26) = expand;
-    info = run(s, solve);
+  s->mumps.lredrhs = b;
+  s->mumps.ICNTL(26) = condense;
+  if (run(s, solve) < 0) return mumps_failed(s, function, error);
+  int unused;
+  if (s->definite)
+    dpotrs_("L", &b, &nrhs, s->S, &b, s->reduced, &b, &unused, 1);
+  else
+    dgetrs_("N", &b, &nrhs, s->S, &b, s->pivot, s->reduced, &b, &unused, 1);
+  return DLS_OK;
+}
+
+/* X (n x nrhs) := A^-1 X */
+static dls_status solve_scaled(dlsi_schur *s, const char *function, double *X, int nrhs,
+                               dls_error *error) {
+  if (s->count > 0) {
+    const dls_status status = solve_kept(s, function, X, nrhs, error);
+    if (status) return status;
   }
-  s->mumps.rhs = NULL;
-  return info < 0 ? mumps_failed(s, function, error) : DLS_OK;
+  s->mumps.rhs = X;
+  s->mumps.nrhs = nrhs;
+  s->mumps.lrhs = s->n;
+  s->mumps.ICNTL(26) = s->count > 0 ? expand : whole_solve;
+  return run(s, solve) < 0 ? mumps_failed(s, function, error) : DLS_OK;
 }
 
 /* (F4): the vectors v; the same each time */
@@ -469,6 +478,15 @@ dls_status dlsi_schur_solve(dlsi_schur *s, const char *function, double *X, int 
   scale_rows(s->R, (size_t)s->n, X, nrhs);
   const dls_status status = solve_scaled(s, function, X, nrhs, error);
   if (!status) scale_rows(s->C, (size_t)s->n, X, nrhs);
+  return status;
+}
+
+dls_status dlsi_schur_kept(dlsi_schur *s, const char *function, double *x, double *z,
+                           dls_error *error) {
+  scale_rows(s->R, (size_t)s->n, x, 1);
+  const dls_status status = solve_kept(s, function, x, 1, error);
+  for (int k = 0; !status && k < s->count; k++)
+    z[k] = s->C[s->keep[k] - 1] * s->reduced[k];
   return status;
 }
 

@@ -46,6 +46,10 @@ dls_status dlsi_schur_factor(dlsi_schur *schur, const char *function, const dls_
 dls_status dlsi_schur_solve(dlsi_schur *schur, const char *function, double *X, int nrhs,
                             dls_error *error);
 
+/* z (count) := (K^-1 x)_c, for half of the work; count > 0. x (n) is spoilt. DLS_E_MEMORY. */
+dls_status dlsi_schur_kept(dlsi_schur *schur, const char *function, double *x, double *z,
+                           dls_error *error);
+
 /* Z (count x count, column-major) := S^-1 = (K^-1)_cc, exactly symmetric where K is. DLS_E_MEMORY. */
 dls_status dlsi_schur_inverse(const dlsi_schur *schur, const char *function, double *Z,
                               dls_error *error);

@@ -49,6 +49,14 @@ dls_status dlsi_schur_solve(dlsi_schur *schur, const char *function, double *X, 
   return unsupported(function, error);
 }
 
+dls_status dlsi_schur_kept(dlsi_schur *schur, const char *function, double *x, double *z,
+                           dls_error *error) {
+  (void)schur;
+  (void)x;
+  (void)z;
+  return unsupported(function, error);
+}
+
 dls_status dlsi_schur_inverse(const dlsi_schur *schur, const char *function, double *Z,
                               dls_error *error) {
   (void)schur;

@@ -166,7 +166,7 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_get_info(const dls_reduction *redu
 
 /* New loads and gaps on the same factor: q := H^T K^-1 f + P^T g. f (n) or NULL for 0; g (d *
  * nodes) or NULL for 0. Before the first call f and q are 0; an error leaves both as they were.
- * One solve. Allocates nothing (MUMPS does). */
+ * One solve, or half of one where there is a Schur complement. Allocates nothing (MUMPS does). */
 DLS_API DLS_MUST_USE dls_status dls_reduction_load(dls_reduction *reduction, const double *f,
                                                    const double *g, dls_error *error);
 
