@@ -148,7 +148,7 @@ $(TESTS:$(BUILD)/tests/%=$(BUILD)/obj/tests/%.o): CPPFLAGS += -DTEST_DATA='"data
 # test_files makes broken FCLIB files with HDF5 itself
 $(BUILD)/obj/tests/test_files.o: CPPFLAGS += $(HDF5_CFLAGS)
 
-$(foreach t,newton augmented admm reduction reduction_sparse,$(BUILD)/obj/tests/test_$(t).o): CPPFLAGS += -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0)
+$(foreach t,newton augmented admm solve reduction reduction_sparse,$(BUILD)/obj/tests/test_$(t).o): CPPFLAGS += -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0)
 
 .PHONY: check
 check: deps

@@ -687,8 +687,14 @@ START_TEST(block_on_the_floor) {
   }
   ck_assert_double_le(imbalance, 1e-10);
   ck_assert_int_le(turns, 5);
-  /* the springs did take part at first; those of the given modes stand at nodes that stick */
-  if (_i != 1) ck_assert_double_gt(first, 1e-6);
+  /* springs take part at first, unless all stand at nodes of the floor, which stick */
+  if (_i != 1) {
+    int unknown[3], count, above = 0;
+    ck_assert_int_eq(dls_model_modes(&T.model, 3, NULL, unknown, &count, NULL), DLS_OK);
+    for (int k = 0; k < count; k++)
+      above |= unknown[k] >= 2 * side;
+    ck_assert_msg(above ? first > 1e-6 : first < 1e-10, "%d, %g", above, first);
+  }
   double weight = 0, push = 0, *x = malloc(body * sizeof *x);
   for (int c = 0; c < side; c++) {
     weight += r[2 * c];
