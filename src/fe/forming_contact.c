@@ -34,7 +34,7 @@
 
 #include "forming_internal.h"
 
-enum { most_branches = 30 };
+enum { most_branches = 30, most_guesses = 5 };
 
 static const double augmented_factor = 30, penalty_factor = 1e3; /* eps_c over the stiffness */
 
@@ -178,7 +178,7 @@ static dls_status without_springs(dls_forming *f, dls_error *error) {
   return status;
 }
 
-/* ---- springs --------------------------------------------------------------------------------- */
+/* ---- branches: springs, Newton on K ----------------------------------------------------------- */
 
 typedef enum branch { FREE, STICK, SLIP_FORWARD, SLIP_BACK } branch; /* SLIP_FORWARD: r_t > 0 */
 
@@ -196,20 +196,25 @@ void dlsi_forming_augment(dls_forming *f) { /* (35), (36) */
     memcpy(f->lambda, f->r, 2 * (size_t)f->nc * sizeof *f->r);
 }
 
-/* Branch of (32)-(34) at u. */
+/* Branch of (32)-(34) at u; without friction there is one slip. */
 static branch branch_at(const dls_forming *f, int c, const double u[2]) {
-  const double eps = f->eps[c], *lambda = f->lambda + 2 * c;
+  const double eps = f->eps[c], mu = f->mu[c], *lambda = f->lambda + 2 * c;
   const double rn = lambda[0] - eps * u[0], rt = lambda[1] - eps * u[1];
   if (!(rn > 0)) return FREE;
-  if (f->mu[c] > 0 && fabs(rt) <= f->mu[c] * rn) return STICK;
-  return rt > 0 ? SLIP_FORWARD : SLIP_BACK;
+  if (mu > 0 && fabs(rt) <= mu * rn) return STICK;
+  return rt > 0 || mu == 0 ? SLIP_FORWARD : SLIP_BACK;
+}
+
+/* r_t / r_n of a slip */
+static double slope_of(const dls_forming *f, int c, branch on) {
+  return on == SLIP_FORWARD ? f->mu[c] : -f->mu[c];
 }
 
 /* r of candidate c at u by (32)-(34) on that branch; D (2 x 2, column-major) := -dr/du */
 static void spring(const dls_forming *f, int c, branch on, const double u[2], double r[2],
                    double D[4]) {
   const double eps = f->eps[c], *lambda = f->lambda + 2 * c;
-  const double slope = on == STICK ? 0 : on == SLIP_FORWARD ? f->mu[c] : -f->mu[c];
+  const double slope = on == STICK ? 0 : slope_of(f, c, on);
   r[0] = on == FREE ? 0 : lambda[0] - eps * u[0];
   r[1] = on == STICK ? lambda[1] - eps * u[1] : slope * r[0];
   D[0] = on == FREE ? 0 : eps;
@@ -255,9 +260,63 @@ static void attach(dls_forming *f) {
   }
 }
 
+/* lu dx = rhs := K dx = f + H r with the two equations of each candidate in contact replaced by
+ * (N1) and by (N2) or (N3) */
+static void impose(dls_forming *f) {
+  dlsi_band_load(&f->band);
+  memcpy(f->dx, f->rhs, (size_t)f->n * sizeof *f->dx);
+  for (int c = 0; c < f->nc; c++) {
+    const branch on = (branch)f->branch[c];
+    if (on == FREE) continue;
+    const double *n = f->normal + 2 * c, *t = f->tangent + 2 * c, *u = f->u + 2 * c;
+    const double size = f->stiff[c], slope = slope_of(f, c, on);
+    const double v[2] = {t[0] - slope * n[0], t[1] - slope * n[1]};
+    const int i = 2 * f->candidate[c], across = fabs(n[1]) > fabs(n[0]);
+    const int first = i > f->band.k ? i + 1 - f->band.k : 0;
+    const int last = i + f->band.k < f->n ? i + f->band.k : f->n - 1;
+    for (int j = first; j <= last; j++) {
+      double *a = f->band.lu + dlsi_band_at(&f->band, i, j);
+      const double along = on == STICK ? 0 : v[0] * a[0] + v[1] * a[1];
+      a[across] = 0;
+      a[1 - across] = along;
+    }
+    double *b = f->dx + i;
+    b[1 - across] = on == STICK ? -size * u[1] : v[0] * b[0] + v[1] * b[1];
+    b[across] = -size * u[0];
+    for (int j = 0; j < 2; j++) {
+      double *a = f->band.lu + dlsi_band_at(&f->band, i, i + j);
+      a[across] = size * n[j];
+      if (on == STICK) a[1 - across] = size * t[j];
+    }
+  }
+}
+
+/* next_r of candidate c from its rows of K dx - f; what its branch makes zero in u is zero */
+static void react(dls_forming *f, int c, branch on, double u[2]) {
+  const int i = 2 * f->candidate[c];
+  const double *n = f->normal + 2 * c, *t = f->tangent + 2 * c;
+  double *r = f->next_r + 2 * c, force[2] = {-f->rhs[i], -f->rhs[i + 1]};
+  r[0] = r[1] = 0;
+  if (on != FREE) {
+    const int first = i > f->band.k ? i + 1 - f->band.k : 0;
+    const int last = i + f->band.k < f->n ? i + f->band.k : f->n - 1;
+    for (int j = first; j <= last; j++) {
+      const double *a = f->band.a + dlsi_band_at(&f->band, i, j);
+      force[0] += a[0] * f->dx[j];
+      force[1] += a[1] * f->dx[j];
+    }
+    r[0] = n[0] * force[0] + n[1] * force[1];
+    r[1] = on == STICK ? t[0] * force[0] + t[1] * force[1] : slope_of(f, c, on) * r[0];
+    u[0] = 0;
+    if (on == STICK) u[1] = 0;
+  }
+  memcpy(f->lambda + 2 * c, r, 2 * sizeof *r);
+}
+
 /* u' := u + H^T dx, next_r there on the branches of before, and the new ones. Returns whether one
  * has changed. */
 static int follow(dls_forming *f) {
+  const int springs = dlsi_forming_springs(f);
   int changed = 0;
   for (int c = 0; c < f->nc; c++) {
     const double *dx = f->dx + 2 * f->candidate[c];
@@ -266,31 +325,50 @@ static int follow(dls_forming *f) {
     u[0] = f->u[2 * c] + n[0] * dx[0] + n[1] * dx[1];
     u[1] = f->u[2 * c + 1] + t[0] * dx[0] + t[1] * dx[1];
     const branch was = (branch)f->branch[c];
+    if (springs)
+      spring(f, c, was, u, f->next_r + 2 * c, D);
+    else
+      react(f, c, was, u);
     branch now = branch_at(f, c, u);
-    spring(f, c, was, u, f->next_r + 2 * c, D);
-    if (f->mu[c] > 0 && now != was && now >= SLIP_FORWARD && was >= SLIP_FORWARD) now = STICK;
+    if (now != was && now >= SLIP_FORWARD && was >= SLIP_FORWARD) now = STICK;
     changed |= now != was;
     f->branch[c] = (int)now;
   }
   return changed;
 }
 
-static dls_status with_springs(dls_forming *f) { /* (C3) */
+/* (C3): whether the branches stay, `most` factorisations at most; -1: K is singular */
+static int settle(dls_forming *f, int most) {
   const double start = dlsi_forming_seconds();
-  dls_status status = DLS_OK;
+  const int springs = dlsi_forming_springs(f);
+  int changed = 1;
   memcpy(f->trial_u, f->u, 2 * (size_t)f->nc * sizeof *f->u);
   for (int c = 0; c < f->nc; c++)
     f->branch[c] = (int)branch_at(f, c, f->u + 2 * c);
-  for (int k = 0, changed = 1; changed && k < most_branches && !status; k++) {
-    attach(f);
+  for (int k = 0; changed > 0 && k < most; k++) {
+    if (springs)
+      attach(f);
+    else
+      impose(f);
     if (!dlsi_band_factor(&f->band) || dlsi_band_solve(&f->band, f->dx, f->n, 1))
-      status = DLS_STALLED;
+      changed = -1;
     else
       changed = follow(f);
     f->data.count.iterations++;
   }
   f->data.cpu.reduction += dlsi_forming_seconds() - start;
-  return status;
+  return changed < 0 ? -1 : !changed;
+}
+
+static dls_status with_springs(dls_forming *f) {
+  return settle(f, most_branches) < 0 ? DLS_STALLED : DLS_OK;
+}
+
+/* Whether Newton's method on K has solved it. */
+static int on_stiffness(dls_forming *f) {
+  memcpy(f->eps, f->stiff, (size_t)f->nc * sizeof *f->eps);
+  memcpy(f->lambda, f->r, 2 * (size_t)f->nc * sizeof *f->r);
+  return settle(f, most_guesses) > 0;
 }
 
 /* ---- the step -------------------------------------------------------------------------------- */
@@ -323,5 +401,9 @@ dls_status dlsi_forming_direction(dls_forming *f, dls_error *error) {
   for (int i = 0; i < f->n; i++)
     if (f->fixed[i])
       dlsi_band_support(&f->band, i, f->mesh.xy[i] + f->load * f->drive[i] - f->x[i], f->rhs);
-  return dlsi_forming_springs(f) ? with_springs(f) : without_springs(f, error);
+  if (dlsi_forming_springs(f)) return with_springs(f);
+  if (f->settings.contact == DLS_FORMING_CONDENSED && f->settings.method == DLS_AUTO &&
+      on_stiffness(f))
+    return DLS_OK;
+  return without_springs(f, error);
 }
