@@ -64,8 +64,8 @@ ALL_H = $(HEADERS) $(wildcard src/*.h src/*/*.h lcp/*.h vi/*.h reduction/*.h tes
 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 LIB_OBJ := $(call obj,$(LIB_SRC))
-# fe is a library of its own: it carries the one hidden function that it shares, dlsi_fail
-FE_OBJ := $(call obj,$(FE_SRC)) $(BUILD)/obj/src/status.o $(BUILD)/obj/src/memory.o
+# fe is a library of its own: it carries the hidden functions that it shares
+FE_OBJ := $(call obj,$(FE_SRC)) $(patsubst %,$(BUILD)/obj/src/%.o,status memory file)
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(EXAMPLE_SRC))
 

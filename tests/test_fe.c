@@ -740,6 +740,11 @@ START_TEST(vtu_disk_full) {
   ck_assert_int_eq(status, DLS_E_FILE);
   ck_assert_str_eq(error.argument, "path");
   ck_assert_int_ne(access(path, F_OK), 0);
+  if (access("/dev/full", W_OK) == 0) { /* what is no file stays: here a link to a device */
+    ck_assert_int_eq(symlink("/dev/full", path), 0);
+    ck_assert_int_eq(dls_fe_write_vtu(path, &mesh, NULL, NULL, NULL, &error), DLS_E_FILE);
+    ck_assert_int_eq(unlink(path), 0); /* it is still there */
+  }
   dls_fe_mesh_free(&mesh);
 }
 END_TEST

@@ -72,10 +72,10 @@ START_TEST(files) {
 END_TEST
 
 START_TEST(every_method) {
-  static const char *const methods[] = {"lemke",   "nlgs",         "newton",
-                                        "penalty", "gauss-seidel", "augmented-lagrangian"};
-  double forces[6];
-  for (int k = 0; k < 6; k++) {
+  static const char *const methods[] = {
+      "lemke", "nlgs", "newton", "penalty", "gauss-seidel", "augmented-lagrangian", "auto"};
+  double forces[7];
+  for (int k = 0; k < 7; k++) {
     char arguments[200];
     (void)snprintf(arguments, sizeof arguments,
                    "--mesh 2x8 extrusion --steps 100 --mu 0.05 --method %s", methods[k]);

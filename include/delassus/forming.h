@@ -81,7 +81,8 @@ typedef struct dls_forming_count {
   int halvings;   /* steps that were halved */
   int frames;     /* passes of the contact loop; augmentations */
   int newton;     /* steps of Newton's method: linearised contact problems */
-  int iterations; /* of the method: pivots, sweeps, ... */
+  int reductions; /* condensations of K to W */
+  int iterations; /* of the method: pivots, sweeps, .. */
 } dls_forming_count;
 
 /* CPU seconds from the start. */

@@ -161,8 +161,10 @@ static void print_end(const forming_options *o, const dls_forming_data *d, dls_s
   const dls_forming_energy *e = &d->energy;
   printf("\n%s by %s: %s at %.6g of %.6g mm\n", o->name, o->method, dls_status_text(status),
          d->travel, d->whole);
-  printf("%d steps, %d halved; %d frame updates, %d Newton steps, %d iterations of the method\n",
-         d->count.parts, d->count.halvings, d->count.frames, d->count.newton, d->count.iterations);
+  printf("%d steps, %d halved; %d frame updates, %d Newton steps, %d condensations, %d iterations "
+         "of the method\n",
+         d->count.parts, d->count.halvings, d->count.frames, d->count.newton, d->count.reductions,
+         d->count.iterations);
   printf("worst equilibrium %.1e, worst residual %.1e\n", d->worst_equilibrium, d->worst_residual);
   printf("work %.6g = elastic %.6g + plastic %.6g + friction %.6g, to %.2g %%\n", e->external,
          e->elastic, e->plastic, e->friction,

@@ -33,10 +33,6 @@ void dlsi_band_clear(dlsi_band *band) {
   memset(band->a, 0, (3 * (size_t)band->k + 1) * (size_t)band->n * sizeof *band->a);
 }
 
-size_t dlsi_band_at(const dlsi_band *band, int i, int j) {
-  return (size_t)(2 * band->k + i - j) + (size_t)(3 * band->k + 1) * (size_t)j;
-}
-
 void dlsi_band_support(dlsi_band *band, int j, double value, double *f) {
   const int first = j > band->k ? j - band->k : 0;
   const int last = j + band->k < band->n - 1 ? j + band->k : band->n - 1;

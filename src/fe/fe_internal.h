@@ -1,6 +1,6 @@
 /*
  * fe_internal.h: what the files of the FE module share. It stands apart from libdelassus, whose
- * hidden functions (but those of status.c and memory.c) it cannot call.
+ * hidden functions (but those of status.c, memory.c, file.c) it cannot call.
  */
 #ifndef DLSI_FE_INTERNAL_H
 #define DLSI_FE_INTERNAL_H

@@ -157,16 +157,21 @@ static dls_status certify(dls_forming *f, dls_error *error) {
   return dls_contact_certify(&nodes, f->node_r, NULL, &f->data.certificate, error);
 }
 
+static int balanced(dls_forming *f) {
+  f->data.equilibrium = equilibrium(f);
+  return f->data.equilibrium <= f->settings.tol;
+}
+
 /* 1: equilibrium and laws hold in the frames at hand (penalty: those of its springs); 0: they do
  * not; < 0: an error */
 static int holds(dls_forming *f, dls_error *error) {
   const double tol = f->settings.tol;
-  f->data.equilibrium = equilibrium(f);
+  if (!balanced(f)) return 0;
   const dls_status status = certify(f, error);
   if (status) return status;
-  return f->data.equilibrium <= tol && (f->settings.contact == DLS_FORMING_PENALTY
-                                            ? dlsi_forming_stretch(f) <= tol
-                                            : dls_certificate_holds(&f->data.certificate, tol));
+  return f->settings.contact == DLS_FORMING_PENALTY
+             ? dlsi_forming_stretch(f) <= tol
+             : dls_certificate_holds(&f->data.certificate, tol);
 }
 
 /* ---- loops ----------------------------------------------------------------------------------- */
@@ -193,9 +198,9 @@ static dls_status equilibrate(dls_forming *f, double *away, dls_error *error) {
   if (springs) *away = 1; /* frames and multipliers are new */
   f->data.residuals = 0;
   for (int k = 0;; k++) {
-    const int done = springs ? equilibrium(f) <= f->settings.tol : holds(f, error);
+    const int done = springs ? balanced(f) : holds(f, error);
     if (done < 0) return (dls_status)done;
-    f->data.residual[f->data.residuals++] = equilibrium(f);
+    f->data.residual[f->data.residuals++] = f->data.equilibrium;
     if (done && *away == 0) return DLS_OK;
     if (k == DLS_FORMING_MOST_STEPS) return DLS_STALLED;
     const double before = imbalance(f);

@@ -5,9 +5,10 @@
  *   K dx = f + H r,  f = -F,   u' = u + H^T dx,   0 <= u'_n _|_ r_n >= 0,  |r_t| <= mu r_n, ..
  *
  * with (S8) of forming.c in K and f, and with supports as decoupled rows: K stays banded, its
- * pattern the same. Three ways:
+ * pattern the same. Ways:
  *
- *   condensed      LU of K, W and q by the reduction, a method of the front door
+ *   condensed      LU of K, W and q by the reduction, a method of the front door; auto: only where
+ *                  Newton's method on K fails
  *   Gauss-Seidel   (37)-(38) on the symmetric part of K, as it must: Newton's method then
  *                  converges linearly, by the weight of the skew part (material.c)
  *   springs        (28)-(36): K + H D H^T, one LU for each change of branch
@@ -27,6 +28,15 @@
  *   (C3)  the branches at u; solve; u' and its branches; again until they stay, 30 times at most
  *
  * A slip that turns round goes through stick first: without that + and - alternate for ever.
+ *
+ * Newton's method on K, an active set: r' = H^T (K dx - f) is eliminated. The two rows of a free
+ * candidate's node are r' = 0, which is K dx = f there; those of one in contact become
+ *
+ *   (N1)  u'_n = 0,  and  stick: u'_t = 0;  slip: r'_t = s r'_n, s = +-mu
+ *   (N2)  the branches of r - stiff u; solve; those of r' - stiff u'; again until they stay, 10 times
+ *         at most
+ *
+ * Branches that stay are the laws between u' and r', whatever stiff > 0: (24)-(25) is solved.
  */
 #include <float.h>
 #include <math.h>
@@ -34,7 +44,7 @@
 
 #include "forming_internal.h"
 
-enum { most_branches = 30, most_guesses = 5 };
+enum { most_branches = 30, most_on_K = 10 };
 
 static const double augmented_factor = 30, penalty_factor = 1e3; /* eps_c over the stiffness */
 
@@ -55,14 +65,19 @@ static dls_model describe(const dls_forming *f) {
                      .HT = {f->n, s->count, s->p, s->i, s->tangent}};
 }
 
-/* dx without contact, and lu the factors of K */
+/* lu := the factors of K */
 static dls_status factor(dls_forming *f) {
   const double start = dlsi_forming_seconds();
   dlsi_band_load(&f->band);
-  memcpy(f->dx, f->rhs, (size_t)f->n * sizeof *f->dx);
-  const int good = dlsi_band_factor(&f->band) && !dlsi_band_solve(&f->band, f->dx, f->n, 1);
+  const int good = dlsi_band_factor(&f->band);
   f->data.cpu.reduction += dlsi_forming_seconds() - start;
   return good ? DLS_OK : DLS_STALLED;
+}
+
+/* dx without contact */
+static dls_status without_contact(dls_forming *f) {
+  memcpy(f->dx, f->rhs, (size_t)f->n * sizeof *f->dx);
+  return dlsi_band_solve(&f->band, f->dx, f->n, 1) ? DLS_STALLED : DLS_OK;
 }
 
 static dls_status condensed(dls_forming *f, dls_error *error) {
@@ -82,6 +97,7 @@ static dls_status condensed(dls_forming *f, dls_error *error) {
   const double solved = dlsi_forming_seconds();
   if (status >= 0) status = dls_reduction_recover(reduction, f->chosen.r, f->dx, error);
   dls_reduction_destroy(reduction);
+  f->data.count.reductions++;
   f->data.count.iterations += info.iterations;
   f->data.cpu.contact += solved - reduced;
   f->data.cpu.reduction += reduced - start + (dlsi_forming_seconds() - solved);
@@ -169,7 +185,9 @@ static dls_status without_springs(dls_forming *f, dls_error *error) {
   dls_error why = {0};
   do { /* (C2) */
     gather(f);
-    if (f->chosen.count) status = primal ? gauss_seidel(f, &why) : condensed(f, &why);
+    status = !f->chosen.count ? without_contact(f)
+             : primal         ? gauss_seidel(f, &why)
+                              : condensed(f, &why);
   } while (status == DLS_OK && spread(f));
   if (status == DLS_E_NOT_FINITE || status == DLS_E_CALLBACK ||
       status == DLS_E_NOT_POSITIVE_DEFINITE)
@@ -260,8 +278,14 @@ static void attach(dls_forming *f) {
   }
 }
 
-/* lu dx = rhs := K dx = f + H r with the two equations of each candidate in contact replaced by
- * (N1) and by (N2) or (N3) */
+/* columns first .. last are where the two rows of a node, i and i + 1, may have entries */
+static void span(const dls_forming *f, int i, int *first, int *last) {
+  const int k = f->band.k, n = f->band.n;
+  *first = i + 1 > k ? i + 1 - k : 0;
+  *last = i + k < n ? i + k : n - 1;
+}
+
+/* lu dx = rhs, of (N1); the row of u'_n is the one where n is the larger */
 static void impose(dls_forming *f) {
   dlsi_band_load(&f->band);
   memcpy(f->dx, f->rhs, (size_t)f->n * sizeof *f->dx);
@@ -272,8 +296,8 @@ static void impose(dls_forming *f) {
     const double size = f->stiff[c], slope = slope_of(f, c, on);
     const double v[2] = {t[0] - slope * n[0], t[1] - slope * n[1]};
     const int i = 2 * f->candidate[c], across = fabs(n[1]) > fabs(n[0]);
-    const int first = i > f->band.k ? i + 1 - f->band.k : 0;
-    const int last = i + f->band.k < f->n ? i + f->band.k : f->n - 1;
+    int first, last;
+    span(f, i, &first, &last);
     for (int j = first; j <= last; j++) {
       double *a = f->band.lu + dlsi_band_at(&f->band, i, j);
       const double along = on == STICK ? 0 : v[0] * a[0] + v[1] * a[1];
@@ -291,15 +315,15 @@ static void impose(dls_forming *f) {
   }
 }
 
-/* next_r of candidate c from its rows of K dx - f; what its branch makes zero in u is zero */
+/* next_r and lambda := r' of candidate c; rounding is taken off u' where its branch makes it zero */
 static void react(dls_forming *f, int c, branch on, double u[2]) {
   const int i = 2 * f->candidate[c];
   const double *n = f->normal + 2 * c, *t = f->tangent + 2 * c;
   double *r = f->next_r + 2 * c, force[2] = {-f->rhs[i], -f->rhs[i + 1]};
   r[0] = r[1] = 0;
   if (on != FREE) {
-    const int first = i > f->band.k ? i + 1 - f->band.k : 0;
-    const int last = i + f->band.k < f->n ? i + f->band.k : f->n - 1;
+    int first, last;
+    span(f, i, &first, &last);
     for (int j = first; j <= last; j++) {
       const double *a = f->band.a + dlsi_band_at(&f->band, i, j);
       force[0] += a[0] * f->dx[j];
@@ -337,7 +361,7 @@ static int follow(dls_forming *f) {
   return changed;
 }
 
-/* (C3): whether the branches stay, `most` factorisations at most; -1: K is singular */
+/* (C3), (N2): whether the branches stay, `most` factorisations at most; -1: singular */
 static int settle(dls_forming *f, int most) {
   const double start = dlsi_forming_seconds();
   const int springs = dlsi_forming_springs(f);
@@ -360,15 +384,11 @@ static int settle(dls_forming *f, int most) {
   return changed < 0 ? -1 : !changed;
 }
 
-static dls_status with_springs(dls_forming *f) {
-  return settle(f, most_branches) < 0 ? DLS_STALLED : DLS_OK;
-}
-
-/* Whether Newton's method on K has solved it. */
-static int on_stiffness(dls_forming *f) {
+/* Whether Newton's method on K solves it. */
+static int without_W(dls_forming *f) {
   memcpy(f->eps, f->stiff, (size_t)f->nc * sizeof *f->eps);
   memcpy(f->lambda, f->r, 2 * (size_t)f->nc * sizeof *f->r);
-  return settle(f, most_guesses) > 0;
+  return settle(f, most_on_K) > 0;
 }
 
 /* ---- the step -------------------------------------------------------------------------------- */
@@ -401,9 +421,7 @@ dls_status dlsi_forming_direction(dls_forming *f, dls_error *error) {
   for (int i = 0; i < f->n; i++)
     if (f->fixed[i])
       dlsi_band_support(&f->band, i, f->mesh.xy[i] + f->load * f->drive[i] - f->x[i], f->rhs);
-  if (dlsi_forming_springs(f)) return with_springs(f);
-  if (f->settings.contact == DLS_FORMING_CONDENSED && f->settings.method == DLS_AUTO &&
-      on_stiffness(f))
-    return DLS_OK;
-  return without_springs(f, error);
+  if (dlsi_forming_springs(f)) return settle(f, most_branches) < 0 ? DLS_STALLED : DLS_OK;
+  const int on_K = f->settings.contact == DLS_FORMING_CONDENSED && f->settings.method == DLS_AUTO;
+  return on_K && without_W(f) ? DLS_OK : without_springs(f, error);
 }

@@ -1,6 +1,5 @@
 /* forming_vtu.c: a forming scene as an unstructured grid of VTK XML, ascii. */
-#include <stdio.h>
-
+#include "file.h"
 #include "forming_internal.h"
 
 enum { vtk_quad = 9 };
@@ -69,10 +68,5 @@ dls_status dls_forming_write_vtu(const dls_forming *forming, const char *path, d
   if (!file)
     return dlsi_fail(error, DLS_E_FILE, __func__, "path", -1, 0, "%.60s: cannot be opened", path);
   write_grid(file, &forming->data);
-  const int failed = ferror(file); /* it stays set: one look after all writes is enough */
-  if (fclose(file) || failed) {
-    (void)remove(path);
-    return dlsi_fail(error, DLS_E_FILE, __func__, "path", -1, 0, "%.60s: cannot be written", path);
-  }
-  return DLS_OK;
+  return dlsi_file_finish(__func__, path, file, error);
 }

@@ -104,7 +104,11 @@ typedef struct dlsi_band {
 int dlsi_band_create(dlsi_band *band, int n, int k); /* 0: no memory; free it all the same */
 void dlsi_band_free(dlsi_band *band);
 void dlsi_band_clear(dlsi_band *band);
-size_t dlsi_band_at(const dlsi_band *band, int i, int j); /* place of (i, j) in a and lu */
+
+/* Place of (i, j) in a and lu; in column j that of (0, j) is inside of the array, too. */
+static inline size_t dlsi_band_at(const dlsi_band *band, int i, int j) {
+  return (size_t)(2 * band->k + i - j) + (size_t)(3 * band->k + 1) * (size_t)j;
+}
 
 /* Makes A x = f say x_j = value, by a decoupled row and column. */
 void dlsi_band_support(dlsi_band *band, int j, double value, double *f);

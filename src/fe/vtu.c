@@ -1,7 +1,6 @@
 /* vtu.c: mesh and results as an unstructured grid of VTK XML, ascii. */
-#include <stdio.h>
-
 #include "fe_internal.h"
+#include "file.h"
 
 enum { vtk_triangle = 5 };
 
@@ -69,10 +68,5 @@ dls_status dls_fe_write_vtu(const char *path, const dls_fe_mesh *mesh, const dou
   if (!file)
     return dlsi_fail(error, DLS_E_FILE, __func__, "path", -1, 0, "%.60s: cannot be opened", path);
   write_grid(file, mesh, displacement, reaction, stress);
-  const int failed = ferror(file); /* it stays set: one look after all writes is enough */
-  if (fclose(file) || failed) {
-    (void)remove(path);
-    return dlsi_fail(error, DLS_E_FILE, __func__, "path", -1, 0, "%.60s: cannot be written", path);
-  }
-  return DLS_OK;
+  return dlsi_file_finish(__func__, path, file, error);
 }
