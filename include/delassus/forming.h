@@ -39,7 +39,7 @@ typedef struct dls_forming_settings {
   int keep_trace;              /* update (13) as printed instead of det be = 1; 0 */
   double tol;                  /* on equilibrium and certificate; > 0; 1e-9 */
   dls_forming_contact contact; /* DLS_FORMING_CONDENSED */
-  dls_method method;           /* of the condensed problem; DLS_LEMKE */
+  dls_method method; /* of the condensed problem; DLS_LEMKE. DLS_AUTO: on K itself first */
 } dls_forming_settings;
 
 DLS_API void dls_forming_settings_init(dls_forming_settings *settings);

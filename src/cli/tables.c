@@ -168,10 +168,12 @@ int command_tables(int argc, char **argv) {
   for (int scene = 0; scene < 2; scene++)
     if (!print_table(scene)) return EXIT_NOT_SOLVED;
   puts(
-      "\nWhy: with ten or twenty candidates the method's own share is small. The assembly and one\n"
-      "factorisation for each Newton step are the same for all; on W, a solve for each of its "
-      "columns comes\n"
-      "on top. Springs save these columns, and pay with assemblies and factorisations for every\n"
-      "augmentation; the penalty method has but one, and the error that the table shows.");
+      "\nWhy: with ten or twenty candidates the method's own share is small, and the assembly for "
+      "each\n"
+      "Newton step is the same for all. On W, a factorisation and a solve for each of its columns\n"
+      "come on top. Springs save these columns, and so does auto, which is Newton's method on K\n"
+      "here: both factorise once for each guess of what sticks and slips. Augmentations cost\n"
+      "assemblies and factorisations of their own; the penalty method has but one, and the error\n"
+      "that the table shows.");
   return EXIT_SOLVED;
 }
