@@ -56,10 +56,8 @@ void dlsi_lcp_weights(const dls_lcp *lcp, double *s) {
   }
   if (zeros == 0) return;
   for (size_t j = 0; j < n; j++) /* a weight < 0: minus the largest entry so far of such a row */
-    for (size_t i = 0; i < n; i++) {
-      const double a = fabs(lcp->M.a[i + j * ld]), w = s[i];
-      s[i] = ((w <= 0) & (a > -w)) ? -a : w;
-    }
+    for (size_t i = 0; i < n; i++)
+      if (s[i] <= 0 && fabs(lcp->M.a[i + j * ld]) > -s[i]) s[i] = -fabs(lcp->M.a[i + j * ld]);
   for (size_t i = 0; i < n; i++)
     s[i] = s[i] < 0 ? -s[i] : s[i] > 0 ? s[i] : 1;
 }
@@ -74,24 +72,40 @@ static double least(double a, double b) {
   return a != a || a < b ? a : b;
 }
 
+/* |x|_2 of the plain sum of its squares, unless that has left the range of doubles */
+static double norm_of(double sum, const double *x, size_t n) {
+  return sum > 0x1p-900 && sum < 0x1p900 ? sqrt(sum) : dlsi_norm2(x, n);
+}
+
 void dlsi_lcp_measure(const dls_lcp *lcp, const double *z, const double *y, const double *a,
                       const double *s, dls_lcp_certificate *certificate) {
   const size_t n = (size_t)lcp->n;
   dls_lcp_certificate c = {0};
-  double largest = -1, sum = 0;
-  for (size_t i = 0; i < n; i++) /* largest |F_i| first: |F|_2 without overflow */
-    raise(&largest, fabs(least(s[i] * z[i], y[i])));
+  double largest = -1, FF = 0, aa = 0, qq = 0;
   for (size_t i = 0; i < n; i++) {
     const double F = fabs(least(s[i] * z[i], y[i]));
-    if (F == largest || F != F) c.worst = (int)i;
-    if (largest > 0) sum += (F / largest) * (F / largest);
+    if (F > largest || F != F) {
+      largest = F;
+      c.worst = (int)i;
+    }
+    FF += F * F;
+    aa += a[i] * a[i];
+    qq += lcp->q[i] * lcp->q[i];
     raise(&c.negative_z, -z[i]);
     raise(&c.negative_y, -y[i]);
     raise(&c.complementarity, fabs(y[i] * z[i]));
   }
-  const double f = largest * sqrt(sum), az = dlsi_norm2(a, n), q = dlsi_norm2(lcp->q, n);
-  const double scale = q > 0 ? q : az;
-  c.residual = largest == 0 ? 0 : f / scale;
+  const double az = norm_of(aa, a, n), q = norm_of(qq, lcp->q, n), scale = q > 0 ? q : az;
+  double unit = 1;
+  if (largest > 0 && !(FF > 0x1p-900 && FF < 0x1p900)) { /* |F| without overflow or underflow */
+    unit = largest;
+    FF = 0;
+    for (size_t i = 0; i < n; i++) {
+      const double F = least(s[i] * z[i], y[i]) / unit;
+      FF += F * F;
+    }
+  }
+  c.residual = largest == 0 ? 0 : unit * sqrt(FF) / scale;
   c.floor = az == 0 ? 0 : DBL_EPSILON * (az / scale);
   *certificate = c;
 }

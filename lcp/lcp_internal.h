@@ -63,8 +63,9 @@ int dlsi_crash_round(const dls_lcp *lcp, dlsi_crash *w);
 
 enum { dlsi_tiny_size = 10 };
 
-/* n <= dlsi_tiny_size. z: in all likelihood a solution, but for rounding; 0 if it gave up. */
-int dlsi_lcp_tiny(const dls_lcp *lcp, double *z, int *exchanges);
+/* n <= dlsi_tiny_size. 1 with z >= 0, in all likelihood a solution but for rounding; 0 if it gave up, after
+ * `limit` exchanges at the latest. */
+int dlsi_lcp_tiny(const dls_lcp *lcp, int limit, double *z, int *exchanges);
 
 /* ---- table.c --------------------------------------------------------------------------------- */
 

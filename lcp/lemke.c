@@ -696,26 +696,27 @@ static int accept_ray(dls_lemke *w, const dls_lcp *lcp, int entering) {
   return 1;
 }
 
-/* What tiny.c finds, if it has a certificate that leaves nothing to refine. */
-static int solve_tiny(dls_lemke *w, const dls_lcp *lcp) {
+/* What tiny.c finds, z >= 0, if it has a certificate that leaves nothing to refine. */
+static int solve_tiny(dls_lemke *w, const dls_lcp *lcp, int limit) {
   if (lcp->n > dlsi_tiny_size || !w->settings.crash || w->settings.warm_start || w->given) return 0;
-  if (!dlsi_lcp_tiny(lcp, w->trial, &w->crash.rounds)) return 0;
-  w->best.residual = INFINITY;
-  offer_trial(w, lcp);
+  if (!dlsi_lcp_tiny(lcp, limit, w->z, &w->crash.rounds)) return 0;
+  dlsi_lcp_multiply(lcp, lcp->q, w->z, w->best_y, w->magnitude);
+  dlsi_lcp_measure(lcp, w->z, w->best_y, w->magnitude, w->weight, &w->best);
   return dls_lcp_certificate_holds(&w->best, DBL_EPSILON);
 }
 
-/* Rounds of crash.c from the basis of z, or of y if z is NULL; path_lost if they lead nowhere. */
+/* Up to max_pivots rounds of crash.c from the basis of z, or of y if z is NULL; path_lost if they lead
+ * nowhere. */
 static path_end crash(dls_lemke *w, const dls_lcp *lcp, const double *z, int max_pivots) {
   int outcome = 0;
   for (int i = 0; i < lcp->n; i++)
     w->crash.in[i] = z && z[i] > 0;
   dlsi_crash_begin(lcp, &w->crash);
-  while (outcome == 0) {
+  while (outcome == 0 && w->crash.rounds < max_pivots) {
     outcome = dlsi_crash_round(lcp, &w->crash);
     if (report(w, max_pivots, -1)) return path_cancelled;
   }
-  if (outcome < 0) return path_lost;
+  if (outcome <= 0) return path_lost;
   offer_trial(w, lcp);
   if (dls_lcp_certificate_holds(&w->best, sharp)) return path_solved;
   offer_zero(w, lcp);
@@ -781,7 +782,7 @@ dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, 
   w->pivots = w->refreshes = w->crash.rounds = w->solved_n = w->proved = 0;
   int starts = 0;
   dlsi_lcp_weights(lcp, w->weight);
-  if (!solve_tiny(w, lcp)) {
+  if (!solve_tiny(w, lcp, limit)) {
     offer_zero(w, lcp);
     if (w->best.negative_y > 0)
       status = solve(w, lcp, w->settings.warm_start ? z : NULL, limit, &starts);

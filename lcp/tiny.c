@@ -4,9 +4,20 @@
  *
  *   y = M z + d z0 + q,   y, z >= 0,  z0 >= 0,  y_i z_i = 0          (L1)-(L4) of lemke.c
  *
- * on the whole table x_B = b + A x_N, without scaling. Ratios b_i / -c_i of one column are compared with each
- * other only, so units of rows and columns do not matter, but for what is kept here:
+ * without scaling, and without a table: of x_B = b + A x_N only b and the entering columns are computed.
+ * Exchange k of row r and the column c leaves
  *
+ *   (P1)  p = v_r / c_r;   v_r := -p,   v_i := v_i - c_i p  else          (E2) of table.c
+ *   (P2)  c / c_r, but 1 / c_r in row r: the column of the variable that left
+ *
+ * of b and of any other column v. The column of z_j is M_j followed by (P1) for all exchanges so far; of a
+ * variable that has left, (P2) followed by those after. K exchanges take K^2 n flops, less than the
+ * 2 K n^2 of a table while K < 2 n.
+ *
+ * Ratios b_i / -c_i of one column are compared with each other only, so that units of rows and columns do
+ * not matter, but for what is kept here:
+ *
+ *   (S0)  before the path, every z with no more than two entries > 0
  *   (S1)  d_i = w_i |q_i|, 1 <= w_i < 2, no two w_i alike, of few digits. d_i = 0 where q_i = 0: y_i = 0 to begin with
  *   (S2)  a difference less than 1e-13 of the first term is 0
  *   (S3)  ratios are tied within 1e-12; z0 leaves within 1e-10, else the first of them
@@ -19,7 +30,7 @@
 
 #include "lcp_internal.h"
 
-enum { most = dlsi_tiny_size, most_rows = (most + 1) / 2 * 2 };
+enum { most = dlsi_tiny_size, most_exchanges = 4 * most + 4 };
 static const double rounding = 1e-13; /* (S2) */
 static const double w[] = {1,     1.5,   1.25,  1.75,   1.125,
                            1.625, 1.375, 1.875, 1.0625, 1.5625}; /* (S1) */
@@ -27,105 +38,157 @@ static const double tie = 1e-12;                                 /* (S3) */
 static const double tie_with_z0 = 1e-10;                         /* (S3) */
 
 /* Variables are numbered as in table.c: y_i is i, z_i is n + i, z0 is 2 n. */
-typedef struct table {
-  int n, rows;                      /* rows: n, and zeros to fill up to a multiple of 2 */
-  double A[most_rows * (most + 2)]; /* rows x (n+2): A, z0's column the last of it, then b */
-  int basic[most], column[most + 1];
-  int where[2 * most + 1]; /* row or column of a variable */
-} table;
+typedef struct path {
+  int n, exchanges, z0; /* z0: its row */
+  int basic[most];      /* variable of each row */
+  int left
+      [2 *
+       most]; /* exchanges up to the one at which a variable left the basis; z: 0 if it has not */
+  double b[most];
+  /* of each exchange: */
+  double c[most_exchanges][most], inverse[most_exchanges]; /* inverse: 1 / c_r */
+  int row[most_exchanges];
+} path;
 
-/* the basis y; returns the first row to leave, -1 if q >= 0 */
-static int load(table *t, const dls_lcp *lcp) {
-  const int n = lcp->n, rows = t->rows;
-  double least = 2;
-  int r = -1;
-  memset(t->A, 0, (size_t)(rows * (n + 2)) * sizeof *t->A);
-  double *d = t->A + n * rows, *b = d + rows;
+/* 1 if D y = D q + m a + l b >= 0 but for rows i and j, where it is 0 */
+static inline int is_feasible(const dls_lcp *lcp, int i, int j, double a, double b, double D) {
+  const double *q = lcp->q, *m = lcp->M.a + (size_t)i * (size_t)lcp->M.ld,
+               *l = lcp->M.a + (size_t)j * (size_t)lcp->M.ld;
+  for (int k = 0; k < lcp->n; k++)
+    if (!(q[k] * D + (m[k] * a + l[k] * b) >= 0) && k != i && k != j) return 0;
+  return 1;
+}
+
+/* (S0) in z, by Cramer's rule: how many of its entries are not 0, or -1 if there is no such z */
+static int try_few(const dls_lcp *lcp, double *z) {
+  const int n = lcp->n;
+  const double *q = lcp->q;
+  int loaded = 0;
   for (int i = 0; i < n; i++) {
-    const double *m = lcp->M.a + (size_t)i * (size_t)lcp->M.ld, q = lcp->q[i];
-    for (int k = 0; k < n; k++)
-      t->A[k + i * rows] = m[k];
-    d[i] = w[i] * fabs(q); /* (S1) */
-    b[i] = q;
-    if (q < 0 && w[i] < least) { /* (L1): q_i / d_i = -1 / w_i */
+    z[i] = 0;
+    loaded |= q[i] < 0;
+  }
+  if (!loaded) return 0;
+  for (int i = 0; i < n; i++) {
+    const double *m = lcp->M.a + (size_t)i * (size_t)lcp->M.ld;
+    if (q[i] < 0 && m[i] > 0 && is_feasible(lcp, i, i, -q[i], 0, m[i])) {
+      z[i] = -q[i] / m[i];
+      return 1;
+    }
+    for (int j = 0; j < i; j++) {
+      const double *l = lcp->M.a + (size_t)j * (size_t)lcp->M.ld;
+      double D = m[i] * l[j] - l[i] * m[j], a = l[i] * q[j] - l[j] * q[i],
+             b = m[j] * q[i] - m[i] * q[j];
+      if (D < 0) {
+        D = -D;
+        a = -a;
+        b = -b;
+      }
+      if (!(a >= 0 && b >= 0 && D > 0 && is_feasible(lcp, i, j, a, b, D))) continue;
+      z[i] = a / D;
+      z[j] = b / D;
+      return 2;
+    }
+  }
+  return -1;
+}
+
+/* x - f c, (S2) */
+static inline double difference(double x, double f, double c) {
+  const double y = x - f * c;
+  return fabs(y) > rounding * fabs(x) ? y : 0;
+}
+
+/* (P1) */
+static inline void apply(const path *p, int exchange, double *v) {
+  const int n = p->n, r = p->row[exchange];
+  if (v[r] == 0) return;
+  const double *c = p->c[exchange], f = v[r] * p->inverse[exchange];
+  for (int i = 0; i < n; i++)
+    v[i] = difference(v[i], f, c[i]);
+  v[r] = -f;
+}
+
+/* (L1), some q_i < 0: the basis y, and z0's column; returns the row to leave */
+static int begin(path *p, const dls_lcp *lcp) {
+  const int n = lcp->n;
+  double least = 2;
+  int r = 0;
+  p->n = n;
+  p->exchanges = 0;
+  for (int i = 0; i < n; i++) {
+    const double q = lcp->q[i];
+    p->b[i] = q;
+    p->c[0][i] = w[i] * fabs(q); /* (S1) */
+    p->basic[i] = i;
+    p->left[n + i] = 0;
+    if (q < 0 && w[i] < least) { /* q_i / d_i = -1 / w_i */
       least = w[i];
       r = i;
     }
-    t->basic[i] = t->where[i] = t->where[n + i] = i;
-    t->column[i] = n + i;
   }
-  t->column[n] = 2 * n;
-  t->where[2 * n] = n;
+  p->z0 = r;
   return r;
 }
 
-/* a := a - f c, (S2) */
-static void subtract(int rows, double f, const double *restrict c, double *restrict a) {
-  for (int i = 0; i < rows; i += 2)
-    for (int k = i; k < i + 2; k++) {
-      const double x = a[k] - f * c[k];
-      a[k] = fabs(x) > rounding * fabs(a[k]) ? x : 0;
-    }
+/* (L2): the column of variable v, for the next exchange */
+static void enter(path *p, const dls_lcp *lcp, int v) {
+  const int n = p->n, k = p->left[v], r = p->row[k > 0 ? k - 1 : 0];
+  const double *from = k ? p->c[k - 1] : lcp->M.a + (size_t)(v - n) * (size_t)lcp->M.ld;
+  const double f = k ? p->inverse[k - 1] : 1;
+  double *c = p->c[p->exchanges];
+  for (int i = 0; i < n; i++)
+    c[i] = f * from[i];
+  if (k) c[r] = f; /* (P2) */
+  for (int l = k; l < p->exchanges; l++)
+    apply(p, l, c);
 }
 
-/* (L4) of row r and column s: (E1), (E2) of table.c; when z0 leaves, of b alone */
-static void exchange(table *t, int r, int s) {
-  const int rows = t->rows, in = t->column[s], out = t->basic[r];
-  double *c = t->A + s * rows;
-  const double pivot = c[r];
-  for (int j = out == 2 * t->n ? t->n + 1 : 0; j < t->n + 2; j++) {
-    double *a = t->A + j * rows;
-    if (j == s || a[r] == 0) continue;
-    const double f = a[r] / pivot;
-    subtract(rows, f, c, a);
-    a[r] = -f;
-  }
-  for (int i = 0; i < rows; i++)
-    c[i] /= pivot;
-  c[r] = 1 / pivot;
-  t->basic[r] = in;
-  t->where[in] = r;
-  t->column[s] = out;
-  t->where[out] = s;
+/* (L4): variable v in place of that of row r, which is returned */
+static int exchange(path *p, int r, int v) {
+  const int k = p->exchanges++, out = p->basic[r];
+  p->row[k] = r;
+  p->inverse[k] = 1 / p->c[k][r];
+  apply(p, k, p->b);
+  p->basic[r] = v;
+  if (out < 2 * p->n) p->left[out] = p->exchanges;
+  return out;
 }
 
 /* (L3), (S3); -1 for a ray */
-static int leaving_row(const table *t, int s) {
-  const int n = t->n;
-  const double *c = t->A + s * t->rows, *b = t->A + (n + 1) * t->rows;
+static int leaving_row(const path *p) {
+  const double *c = p->c[p->exchanges], *b = p->b;
   double least = INFINITY;
   int r = -1;
-  for (int i = 0; i < n; i++) {
+  for (int i = 0; i < p->n; i++) {
     if (!(c[i] < 0)) continue;
     const double ratio = b[i] / -c[i];
     if (!(ratio < (1 - tie) * least)) continue;
     least = ratio;
     r = i;
   }
-  const int z0 = t->where[2 * n];
+  const int z0 = p->z0;
   return c[z0] < 0 && b[z0] / -c[z0] <= (1 + tie_with_z0) * least ? z0 : r;
 }
 
-int dlsi_lcp_tiny(const dls_lcp *lcp, double *z, int *exchanges) {
-  const int n = lcp->n, limit = 4 * n + 4;
-  table t;
-  t.n = n;
-  t.rows = (n + 1) / 2 * 2;
-  int r = load(&t, lcp), s = n, k = 0;
-  while (r >= 0 && k < limit) {
-    exchange(&t, r, s); /* (L4) */
-    k++;
-    const int out = t.column[s];
+int dlsi_lcp_tiny(const dls_lcp *lcp, int limit, double *z, int *exchanges) {
+  const int n = lcp->n;
+  *exchanges = try_few(lcp, z); /* (S0) */
+  if (*exchanges >= 0) return 1;
+  path p;
+  int r = begin(&p, lcp), in = 2 * n;
+  for (;;) {
+    const int out = exchange(&p, r, in);
     if (out == 2 * n) break;
-    s = t.where[out < n ? out + n : out - n]; /* (L2) */
-    r = leaving_row(&t, s);
-    if (r < 0) k = limit;
+    in = out < n ? out + n : out - n;
+    *exchanges = p.exchanges;
+    if (p.exchanges == 4 * n + 4 || p.exchanges >= limit) return 0;
+    enter(&p, lcp, in);
+    r = leaving_row(&p);
+    if (r < 0) return 0;
   }
-  *exchanges = k;
-  const double *b = t.A + (n + 1) * t.rows;
+  *exchanges = p.exchanges;
   for (int i = 0; i < n; i++)
-    z[i] = 0;
-  for (int i = 0; i < n; i++)
-    if (t.basic[i] >= n && t.basic[i] < 2 * n) z[t.basic[i] - n] = b[i];
-  return k < limit;
+    if (p.basic[i] >= n && p.b[i] > 0) z[p.basic[i] - n] = p.b[i];
+  return 1;
 }

@@ -31,14 +31,14 @@ double dlsi_norm2(const double *x, size_t n) {
 
 long long dlsi_first_not_finite(const double *x, size_t n) {
   /* 0 * x is 0 for finite x and NaN otherwise: eight sums at a time, then look where */
-  double s[8] = {0};
+  double s[8] = {0}, sum = 0;
   size_t i = 0;
   for (; i + 8 <= n; i += 8)
     for (size_t k = 0; k < 8; k++)
       s[k] += 0 * x[i + k];
+  if (i > 0) sum = ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
   for (; i < n; i++)
-    s[0] += 0 * x[i];
-  const double sum = ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
+    sum += 0 * x[i];
   if (sum == 0) return -1;
   for (i = 0; i < n; i++)
     if (!isfinite(x[i])) return (long long)i;

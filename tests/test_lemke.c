@@ -1059,7 +1059,7 @@ START_TEST(crash_that_leads_nowhere) {
   enum { most = 14 };
   const dls_lemke_settings settings = with_crash();
   int failed[6] = {0}, lucky = 0;
-  for (int trial = 0; trial < 6000; trial++) {
+  for (int trial = 0; trial < 8000; trial++) {
     const int n = trial % 2 ? integer(1, 6) : integer(11, most); /* tiny.c, crash.c */
     double M[most * most], q[most], z[most], other[most];
     dls_lemke_info info, path;

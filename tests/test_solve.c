@@ -213,7 +213,7 @@ START_TEST(iteration_limit_is_honest) {
     double r[M];
     dls_info info;
     ck_assert_int_eq(dls_solve(&p, &s, r, NULL, &info, NULL), DLS_MAX_ITERATIONS);
-    const int rounds = methods[k] == DLS_LEMKE ? 8 : 0; /* of the crash start, no pivots */
+    const int rounds = methods[k] == DLS_LEMKE ? 2 : 0; /* of the crash start, no pivots */
     ck_assert_int_eq(info.iterations, rounds + 2);
     ck_assert(info.certificate.residual > 1e-8 && isfinite(info.certificate.residual));
   }

@@ -57,7 +57,7 @@ DLS_API int dls_lcp_certificate_holds(const dls_lcp_certificate *certificate, do
 typedef struct dls_lemke_settings {
   size_t size;              /* set by init; settings without it are refused */
   double tol;               /* on the certificate's residual; >= 0; 1e-8 */
-  int max_iterations;       /* pivots; 0: 50 n + 1000; 0 */
+  int max_iterations;       /* pivots, and rounds of `crash`; 0: 50 n + 1000; 0 */
   dls_progress_fn progress; /* every 50 pivots and every round of `crash`; NULL for none; NULL */
   void *progress_data;
   /* d, n of create, each > 0; copied. NULL: the norms of the rows of M C, for column factors C
@@ -70,8 +70,9 @@ typedef struct dls_lemke_settings {
    * less, 2/3 (n/2)^3 flops if half of the z_i are basic. If that ends at a solution, after 5 to 10
    * rounds as a rule, there is no path. Else it gives up, commonly after one to six rounds, at the latest
    * after 14 log(2 n) + 4, nothing of it is kept, and the path is what it would have been. Of several
-   * solutions it may find another one than the path. For n <= 10 and a cold start instead: a table
-   * without scaling and with a cover of its own (lcp/tiny.c), at most 4 n + 4 exchanges, no progress.
+   * solutions it may find another one than the path. For n <= 10 and a cold start before that: the z with
+   * one or two entries > 0, then a path without scaling and with a cover of its own (lcp/tiny.c), at most
+   * 4 n + 4 exchanges, no progress.
    * 0, or with a `cover`: the path alone. 1 */
   int crash;
 } dls_lemke_settings;

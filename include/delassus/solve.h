@@ -14,8 +14,8 @@ typedef struct dls_solver_settings {
   size_t size;        /* set by init; settings without it are refused */
   dls_method method;  /* DLS_AUTO */
   double tol;         /* on the certificate's residual; 1e-8 */
-  int max_iterations; /* sweeps, pivots of each LCP, steps, augmentations; auto: of all stages
-                         together; 0: the method's own; 0 */
+  int max_iterations; /* sweeps, pivots of each LCP and rounds of its crash start, steps,
+                         augmentations; auto: of all stages together; 0: the method's own; 0 */
   int warm_start;     /* start from r as passed in, where the method can; 0 */
   int facets;         /* Lemke, d = 3: of the friction cone, even, 4 to DLS_FACETS_MAX; 0: 8; 0 */
   dls_progress_fn progress; /* NULL for none */
