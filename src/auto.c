@@ -252,10 +252,15 @@ static stage *const order[] = {sweep,  newton,  split, sweep, newton, sweep, new
                                newton, augment, pivot, sweep, newton, sweep, newton, sweep};
 _Static_assert(sizeof order / sizeof order[0] <= DLS_STAGES_MAX, "a line for each in the report");
 
+static dls_status create_rest(dlsi_auto *work, int d, int nc, dls_error *error);
+
 /* The stages in turn: DLS_OK, an error, or the reason for the end. */
 static dls_status run(dlsi_auto *work, dls_error *error) {
   for (size_t k = 0; k < sizeof order / sizeof order[0]; k++) {
-    const dls_status status = order[k](work, error);
+    dls_status status = DLS_OK;
+    if (k == 1 && !work->newton)
+      status = create_rest(work, work->problem->d, work->problem->nc, error);
+    if (!status) status = order[k](work, error);
     if (status < 0) return status;
     if (dls_certificate_holds(&work->info.certificate, work->settings.tol)) return DLS_OK;
     if (work->cancelled) return DLS_CANCELLED;
@@ -350,8 +355,17 @@ static dls_status create_pivoting(dlsi_auto *work, int d, int nc, dls_error *err
   return dlsi_pivoting_create(&work->pivoting, d, nc, &s, error);
 }
 
+/* What the stages after the first need. */
+static dls_status create_rest(dlsi_auto *work, int d, int nc, dls_error *error) {
+  dls_status status = create_newton(work, d, nc, error);
+  if (!status) status = create_admm(work, d, nc, error);
+  if (!status) status = create_augmented(work, d, nc, error);
+  if (!status) status = create_pivoting(work, d, nc, error);
+  return status;
+}
+
 dls_status dlsi_auto_create(dlsi_auto **out, int d, int nc, const dls_solver_settings *settings,
-                            dls_error *error) {
+                            int complete, dls_error *error) {
   *out = NULL;
   const size_t m = (size_t)d * (size_t)nc;
   dlsi_auto *work = dlsi_alloc(1, sizeof *work + 2 * m * sizeof *work->memory);
@@ -361,10 +375,7 @@ dls_status dlsi_auto_create(dlsi_auto **out, int d, int nc, const dls_solver_set
   work->r = work->memory;
   work->best = work->memory + m;
   dls_status status = create_sweeps(work, d, nc, error);
-  if (!status) status = create_newton(work, d, nc, error);
-  if (!status) status = create_admm(work, d, nc, error);
-  if (!status) status = create_augmented(work, d, nc, error);
-  if (!status) status = create_pivoting(work, d, nc, error);
+  if (!status && complete) status = create_rest(work, d, nc, error);
   if (status) {
     dlsi_auto_destroy(work);
     return status;

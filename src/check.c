@@ -133,6 +133,13 @@ dls_status dlsi_check_limits(const char *function, double tol, int max_iteration
   return DLS_OK;
 }
 
+dls_status dlsi_check_start(const char *function, const dls_contact *problem, const double *r,
+                            int warm_start, dls_error *error) {
+  if (!r) return dlsi_fail(error, DLS_E_ARGUMENT, function, "r", -1, 0, "is NULL");
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  return warm_start ? dlsi_check_vector(function, "r", r, m, error) : DLS_OK;
+}
+
 dls_status dlsi_check_solve(const char *function, int d, int nc, const dls_contact *problem,
                             const double *r, int warm_start, dls_error *error) {
   const dls_status status = dlsi_check_contact(function, problem, error);
@@ -143,9 +150,7 @@ dls_status dlsi_check_solve(const char *function, int d, int nc, const dls_conta
   if (problem->nc > nc)
     return dlsi_fail(error, DLS_E_SIZE, function, "problem", -1, problem->nc,
                      "has %d candidates, the workspace is for %d", problem->nc, nc);
-  if (!r) return dlsi_fail(error, DLS_E_ARGUMENT, function, "r", -1, 0, "is NULL");
-  return warm_start ? dlsi_check_vector(function, "r", r, (size_t)d * (size_t)problem->nc, error)
-                    : DLS_OK;
+  return dlsi_check_start(function, problem, r, warm_start, error);
 }
 
 dls_status dls_contact_check(const dls_contact *problem, dls_error *error) {

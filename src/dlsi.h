@@ -43,8 +43,12 @@ dls_status dlsi_check_contact(const char *function, const dls_contact *problem, 
 dls_status dlsi_check_limits(const char *function, double tol, int max_iterations, int warm_start,
                              dls_error *error);
 
-/* What every solver asks: a sound problem of the workspace's d with at most its nc candidates, a
- * place for r, and with a warm start finite values there. */
+/* A place for r, and with a warm start finite values there. */
+dls_status dlsi_check_start(const char *function, const dls_contact *problem, const double *r,
+                            int warm_start, dls_error *error);
+
+/* What every solver asks: a sound problem of the workspace's d with at most its nc candidates, and
+ * dlsi_check_start. */
 dls_status dlsi_check_solve(const char *function, int d, int nc, const dls_contact *problem,
                             const double *r, int warm_start, dls_error *error);
 dls_status dlsi_check_model(const char *function, const dls_model *model, dls_error *error);

@@ -6,8 +6,15 @@
 
 enum { alignment = 64 };
 
+/* count * size + alignment > SIZE_MAX; a division only where both are large: it takes longer than the rest */
+static int overflows(size_t count, size_t size) {
+  const size_t half =
+      SIZE_MAX >> (4 * sizeof(size_t)); /* half squared is less than SIZE_MAX - alignment */
+  return (count > half || size > half) && size && count > (SIZE_MAX - alignment) / size;
+}
+
 void *dlsi_take(dlsi_arena *arena, size_t count, size_t size) {
-  if (arena->failed || (size && count > (SIZE_MAX - alignment) / size)) {
+  if (arena->failed || overflows(count, size)) {
     arena->failed = 1;
     return NULL;
   }

@@ -157,10 +157,12 @@ static dls_status create_admm(dls_solver *solver, dls_error *error) {
   return dls_admm_create(&solver->admm, solver->d, solver->nc, &s, error);
 }
 
-static dls_status create_method(dls_solver *solver, dls_error *error) {
+/* complete = 0: see dlsi_auto_create */
+static dls_status create_method(dls_solver *solver, int complete, dls_error *error) {
   switch (solver->settings.method) {
   case DLS_AUTO:
-    return dlsi_auto_create(&solver->automatic, solver->d, solver->nc, &solver->settings, error);
+    return dlsi_auto_create(&solver->automatic, solver->d, solver->nc, &solver->settings, complete,
+                            error);
   case DLS_LEMKE:
     return dlsi_pivoting_create(&solver->pivoting, solver->d, solver->nc, &solver->settings, error);
   case DLS_NEWTON:
@@ -191,7 +193,7 @@ dls_status dls_solver_create(dls_solver **out, int d, int nc, const dls_solver_s
   solver->settings = *settings;
   solver->d = d;
   solver->nc = nc;
-  status = create_method(solver, error);
+  status = create_method(solver, 1, error);
   if (status) {
     dls_solver_destroy(solver);
     return status;
@@ -249,14 +251,18 @@ const double *dls_solver_direction(const dls_solver *solver) {
                            : dls_augmented_direction(solver->augmented);
 }
 
-void dls_solver_destroy(dls_solver *solver) {
-  if (!solver) return;
+static void destroy_method(dls_solver *solver) {
   dls_nlgs_destroy(solver->nlgs);
   dls_newton_destroy(solver->newton);
   dls_admm_destroy(solver->admm);
   dls_augmented_destroy(solver->augmented);
   dlsi_pivoting_destroy(solver->pivoting);
   dlsi_auto_destroy(solver->automatic);
+}
+
+void dls_solver_destroy(dls_solver *solver) {
+  if (!solver) return;
+  destroy_method(solver);
   free(solver);
 }
 
@@ -269,10 +275,11 @@ dls_status dls_solve(const dls_contact *problem, const dls_solver_settings *sett
   if (status) return status;
   if (settings) s = *settings;
   s.blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : 0;
-  dls_solver *solver;
-  status = dls_solver_create(&solver, problem->d, problem->nc, &s, error);
+  status = dlsi_check_start(__func__, problem, r, s.warm_start, error);
   if (status) return status;
-  status = dls_solver_solve(solver, problem, r, u, info, error);
-  dls_solver_destroy(solver);
+  dls_solver solver = {.settings = s, .d = problem->d, .nc = problem->nc};
+  status = create_method(&solver, 0, error);
+  if (!status) status = solve_by_method(&solver, problem, r, u, info, error);
+  destroy_method(&solver);
   return status;
 }

@@ -15,11 +15,12 @@ dls_status dlsi_pivoting_solve(dlsi_pivoting *work, const dls_contact *problem, 
                                double *u, dls_info *info, dls_error *error);
 void dlsi_pivoting_destroy(dlsi_pivoting *work);
 
-/* All methods in turn, auto.c; the same. */
+/* All methods in turn, auto.c; the same. complete = 0: only what the first stage needs; the solve then
+ * allocates the rest if it gets so far. */
 typedef struct dlsi_auto dlsi_auto;
 
 dls_status dlsi_auto_create(dlsi_auto **out, int d, int nc, const dls_solver_settings *settings,
-                            dls_error *error);
+                            int complete, dls_error *error);
 dls_status dlsi_auto_solve(dlsi_auto *work, const dls_contact *problem, double *r, double *u,
                            dls_info *info, dls_error *error);
 const double *dlsi_auto_direction(const dlsi_auto *work);
