@@ -8,7 +8,8 @@
  * Every measurement runs in a child process of its own, so that a crash or a run without end costs that
  * one only. It begins with a call that is not counted, unless that takes more than a second; then calls
  * are repeated for 20 ms at least between two readings of the CPU clock, and averaged. Ours are with
- * create and destroy, since the peer allocates inside; the peer's options are made once. The answers
+ * create and destroy, since the peer allocates inside; "reused" is the solve alone, with the crash start, on
+ * a workspace that is there already, as over time steps. The peer's options are made once. The answers
  * come back in shared memory and are certified here, all by dls_lcp_certify. The median over the
  * repetitions counts; the peer stops after n = 2100 unless --full.
  *
@@ -42,7 +43,7 @@ static const double tol = 1e-8;      /* the default of dls_lemke */
 
 /* ---- one call in a process of its own -------------------------------------------------------- */
 
-typedef enum solver { path, crash, peer, solvers } solver;
+typedef enum solver { path, crash, reused, peer, solvers } solver;
 
 typedef struct outcome {
   double cpu; /* s, negative if the call did not return */
@@ -56,16 +57,19 @@ static void call_ours(solver which, const problem *p, int calls, outcome *o, dou
   const dls_lcp lcp = problem_view(p);
   dls_lemke_settings settings;
   dls_lemke_settings_init(&settings);
-  settings.crash = which == crash;
+  settings.crash = which != path;
   dls_lemke_info info = {0};
+  dls_lemke *lemke = NULL;
+  if (which == reused && dls_lemke_create(&lemke, p->n, &settings, NULL) != DLS_OK) return;
   const double start = cpu_now();
   for (int k = 0; k < calls; k++) {
-    dls_lemke *lemke;
-    o->status = dls_lemke_create(&lemke, p->n, &settings, NULL);
+    o->status = DLS_OK;
+    if (which != reused) o->status = dls_lemke_create(&lemke, p->n, &settings, NULL);
     if (o->status == DLS_OK) o->status = dls_lemke_solve(lemke, &lcp, z, NULL, &info, NULL);
-    dls_lemke_destroy(lemke);
+    if (which != reused) dls_lemke_destroy(lemke);
   }
   o->cpu = (cpu_now() - start) / calls;
+  if (which == reused) dls_lemke_destroy(lemke);
   o->pivots = which == path ? info.pivots : info.starts ? -1 : info.crash_rounds;
 }
 
@@ -201,13 +205,13 @@ static void print_field(FILE *csv, double x) {
 static void print_line(const problem *p, int count, const outcome sum[solvers], const double *ratio,
                        const yardsticks *t) {
   const outcome *o = &sum[path], *c = &sum[crash], *r = &sum[peer];
-  printf("%-12.12s %5d  %2d  %9.3g %6d %8.1e  %9.3g %6d %8.1e", p->name, p->n, count, o->cpu,
-         o->pivots, o->residual, c->cpu, c->pivots, c->residual);
+  printf("%-12.12s %5d  %2d  %9.3g %6d %8.1e  %9.3g %6d %8.1e  %9.3g", p->name, p->n, count, o->cpu,
+         o->pivots, o->residual, c->cpu, c->pivots, c->residual, sum[reused].cpu);
   if (r->cpu >= 0)
-    printf("  %9.3g %6d %8.1e  %6.1f %6.1f", r->cpu, r->pivots, r->residual, ratio[path],
-           ratio[crash]);
+    printf("  %9.3g %6d %8.1e  %6.1f %6.1f %6.1f", r->cpu, r->pivots, r->residual, ratio[path],
+           ratio[crash], ratio[reused]);
   else
-    printf(" %41s", "");
+    printf(" %48s", "");
   printf("  %9.3g %9.3g %9.3g", 1e6 * o->cpu / o->pivots, 1e6 * t->dger, 1e6 * t->dgemv);
   for (solver which = path; which <= crash; which++)
     if (!sum[which].solved) printf("  %s", dls_status_name((dls_status)sum[which].status));
@@ -233,6 +237,7 @@ static void compare(const problem *p, int with_peer, FILE *csv) {
 
   fprintf(csv, "%s,%d,%d", p->name, p->n, count);
   for (solver which = path; which < solvers; which++) {
+    if (which == reused) continue; /* last */
     print_field(csv, sum[which].cpu);
     print_field(csv, sum[which].pivots);
     print_field(csv, sum[which].residual);
@@ -243,6 +248,8 @@ static void compare(const problem *p, int with_peer, FILE *csv) {
   print_field(csv, sum[path].cpu / sum[path].pivots);
   print_field(csv, t.dger);
   print_field(csv, t.dgemv);
+  print_field(csv, sum[reused].cpu);
+  print_field(csv, ratio[reused]);
   fputc('\n', csv);
   fflush(csv);
 }
@@ -394,11 +401,14 @@ int main(int argc, char **argv) {
   else {
     fputs("problem,n,repetitions,path_cpu_s,path_pivots,path_residual,path_solved,crash_cpu_s,"
           "crash_rounds,crash_residual,crash_solved,peer_cpu_s,peer_pivots,peer_residual,"
-          "peer_solved,path_ratio,crash_ratio,path_per_pivot_s,dger_s,dgemv_s\n",
+          "peer_solved,path_ratio,crash_ratio,path_per_pivot_s,dger_s,dgemv_s,"
+          "reused_cpu_s,reused_ratio\n",
           csv);
-    printf("%-12s %5s %3s  %9s %6s %8s  %9s %6s %8s  %9s %6s %8s  %6s %6s  %9s %9s %9s\n",
+    printf("%-12s %5s %3s  %9s %6s %8s  %9s %6s %8s  %9s  %9s %6s %8s  %6s %6s %6s  %9s %9s "
+           "%9s\n",
            "problem", "n", "rep", "path s", "pivots", "residual", "crash s", "rounds", "residual",
-           "peer s", "pivots", "residual", "ratio", "ratio", "us/pivot", "dger us", "dgemv us");
+           "reused s", "peer s", "pivots", "residual", "path", "crash", "reused", "us/pivot",
+           "dger us", "dgemv us");
     status |= compare_directory("data/lcp", max, csv);
     if (directory) status |= compare_directory(directory, max, csv);
     status |= compare_generated(max, full, csv);

@@ -2,7 +2,7 @@
  * A linear complementarity problem by Lemke's method, and one without a solution with its proof.
  *
  * Output:
- *   solved: z = (1, 2), 3 exchanges
+ *   solved: z = (1, 2), 2 exchanges
  *   no solution exists: v = (0, 1), violation 0
  */
 #include <stdio.h>

@@ -75,10 +75,11 @@ struct dlsi_auto {
   int failures;           /* of Newton's method */
   double ahead;           /* (F1) at the end of the last sweeps */
   dls_status verdict;     /* DLS_NO_SOLUTION_LIKELY, DLS_NO_SOLUTION, or DLS_OK for none */
-  /* of the stage under way, logarithms of residuals: */
-  double target, least, last;
-  double rate; /* (F1) */
-  int since;   /* step of the least */
+  /* of the stage under way: */
+  double target;      /* the residual */
+  double least, last; /* logarithms of residuals */
+  double rate;        /* (F1) */
+  int since;          /* step of the least */
 
   double memory[]; /* of r and best */
 };
@@ -125,7 +126,7 @@ static int watch_sweeps(void *data, const dls_progress *p) {
   work->rate += 2. / (p->iteration + 1) * (gain - work->rate);
   const int first = (work->settings.warm_start ? warm_sweeps : cold_sweeps) << work->failures;
   if (p->iteration < first || p->iteration % look_every) return 0;
-  work->ahead = (work->least - work->target) / work->rate; /* (F1) */
+  work->ahead = (work->least - log(work->target)) / work->rate; /* (F1) */
   const double newton =
       steps_expected[work->failures] * step_cost(work->problem, work->r); /* (F2) */
   const int early = work->failures && 2 * p->iteration < newton;
@@ -145,7 +146,8 @@ static int watch_steps(void *data, const dls_progress *p) {
   work->last = now;
   if (p->iteration - work->since >= patience[work->failures]) return 1; /* (C2) */
   if (work->failures || (drop <= 0 && !first)) return 0;
-  const double steps = drop > 0 ? ceil((now - work->target) / drop) : steps_after_rise; /* (F3) */
+  const double steps =
+      drop > 0 ? ceil((now - log(work->target)) / drop) : steps_after_rise; /* (F3) */
   return steps * step_cost(work->problem, work->best) > work->ahead;
 }
 
@@ -161,8 +163,7 @@ static void begin(dlsi_auto *work) {
   const dls_certificate *best = &work->info.certificate;
   const double tol = work->settings.tol, floor = 4 * best->floor;
   memcpy(work->r, work->best, m * sizeof *work->r);
-  work->target = log(floor > tol ? floor : tol);
-  work->last = log(best->residual);
+  work->target = floor > tol ? floor : tol;
   work->rate = 0;
 }
 
@@ -198,6 +199,7 @@ static dls_status sweep(dlsi_auto *work, dls_error *error) {
 static dls_status newton(dlsi_auto *work, dls_error *error) {
   dls_info info;
   begin(work);
+  work->last = log(work->info.certificate.residual);
   const dls_status status =
       dls_newton_solve(work->newton, work->problem, work->r, NULL, &info, error);
   if (status < 0) return status;

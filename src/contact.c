@@ -102,12 +102,16 @@ static void multiply_dense(const dls_contact *problem, const double *r, double *
 static void add_magnitudes(const dls_contact *problem, const double *r, double *a) {
   const size_t d = (size_t)problem->d;
   const dls_blocks *B = &problem->Wb;
-  for (size_t c = 0; c < (size_t)problem->nc; c++)
-    for (int k = B->p[c]; k < B->p[c + 1]; k++)
-      for (size_t j = 0; j < d; j++)
+  for (size_t c = 0; c < (size_t)problem->nc; c++) {
+    if (is_zero(d, r + d * c)) continue;
+    for (int k = B->p[c]; k < B->p[c + 1]; k++) {
+      double *ak = a + d * (size_t)B->i[k];
+      const double *x = B->x + (size_t)k * d * d;
+      for (size_t j = 0; j < d; j++, x += d)
         for (size_t i = 0; i < d; i++)
-          a[d * (size_t)B->i[k] + i] +=
-              fabs(B->x[(size_t)k * d * d + i + d * j]) * fabs(r[d * c + j]);
+          ak[i] += fabs(x[i]) * fabs(r[d * c + j]);
+    }
+  }
 }
 
 void dlsi_contact_multiply(const dls_contact *problem, const double *r, double *u, double *a) {
@@ -196,26 +200,40 @@ dls_status dls_contact_set_block(int d, int nc, dls_component row, dls_component
 
 /* ---- the certificate ------------------------------------------------------------------------- */
 
-void dlsi_contact_weights(const dls_contact *problem, double *w) {
-  const int d = problem->d, nc = problem->nc;
+/* w where trace(W_cc) is not positive, for all such c */
+static double common_weight(const dls_contact *problem, const double *w) {
+  const int entries = problem->d * problem->d;
   double block[9] = {0}, sum = 0, largest = 0;
   int positive = 0;
-  for (int c = 0; c < nc; c++) {
+  for (int c = 0; c < problem->nc; c++) {
     dlsi_contact_diagonal(problem, c, block);
-    double trace = 0;
-    for (int i = 0; i < d; i++)
-      trace += block[i + d * i];
-    for (int e = 0; e < d * d; e++)
+    for (int e = 0; e < entries; e++)
       if (fabs(block[e]) > largest) largest = fabs(block[e]);
-    w[c] = trace / d;
     if (w[c] > 0) {
       sum += w[c];
       positive++;
     }
   }
-  const double mean = positive ? sum / positive : largest > 0 ? largest : 1;
+  return positive ? sum / positive : largest > 0 ? largest : 1;
+}
+
+void dlsi_contact_blocks(const dls_contact *problem, double *block, double *w) {
+  const int d = problem->d, nc = problem->nc;
+  int positive = 0;
+  for (int c = 0; c < nc; c++) {
+    double own[9] = {0}, *b = block ? block + (size_t)(d * d) * (size_t)c : own;
+    dlsi_contact_diagonal(problem, c, b);
+    w[c] = d == 2 ? (b[0] + b[3]) / 2 : (b[0] + b[4] + b[8]) / 3;
+    positive += w[c] > 0;
+  }
+  if (positive == nc) return;
+  const double common = common_weight(problem, w);
   for (int c = 0; c < nc; c++)
-    if (!(w[c] > 0)) w[c] = mean;
+    if (!(w[c] > 0)) w[c] = common;
+}
+
+void dlsi_contact_weights(const dls_contact *problem, double *w) {
+  dlsi_contact_blocks(problem, NULL, w);
 }
 
 /* hypot costs ten times the square root, and differs where the squares leave the range of doubles */
@@ -260,24 +278,43 @@ static void raise(double *m, double x) {
   if (x > *m || x != x) *m = x;
 }
 
+/* sqrt(sum) of a plain sum of squares that has neither over- nor underflown */
+static int is_plain(double sum) {
+  return sum > 0x1p-900 && sum < 0x1p900;
+}
+
 /* | max(|W||r|, w |r|) |_2: what F is computed from, and so what its rounding is relative to */
 static double magnitude(const dls_contact *problem, const double *r, const double *a,
                         const double *w) {
   const size_t d = (size_t)problem->d, nc = (size_t)problem->nc;
-  double largest = 0, sum = 0, scale = 1;
+  double largest = 0, sum = 0;
   for (int pass = 0; pass < 2; pass++) {
+    const double scale = largest;
     sum = 0;
     for (size_t c = 0, e = 0; c < nc; c++)
       for (size_t i = 0; i < d; i++, e++) {
         const double wr = w[c] * fabs(r[e]), x = a[e] > wr || a[e] != a[e] ? a[e] : wr;
         raise(&largest, x);
-        sum += (x / scale) * (x / scale);
+        sum += pass ? (x / scale) * (x / scale) : x * x;
       }
     if (!(largest > 0)) return largest;
-    if (sum > 1e-280 && sum < 1e280) break;
-    scale = largest;
+    if (!pass && is_plain(sum)) return sqrt(sum);
   }
-  return scale * sqrt(sum);
+  return largest * sqrt(sum);
+}
+
+/* The candidate with the largest |F_c|, where plain sums of squares do not tell. */
+static int find_worst(const dls_contact *problem, const double *F) {
+  const size_t d = (size_t)problem->d;
+  double worst = -1;
+  int at = 0;
+  for (int k = 0; k < problem->nc; k++) {
+    const double size = dlsi_norm2(F + d * (size_t)k, d);
+    if (!(size > worst) && size == size) continue;
+    worst = size != size ? INFINITY : size;
+    at = k;
+  }
+  return at;
 }
 
 void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
@@ -286,17 +323,26 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
   const int d = problem->d, nc = problem->nc;
   const size_t m = (size_t)d * (size_t)nc;
   dls_certificate c = {0};
-  double worst = -1;
+  double worst = 0, sum = 0;
   for (int k = 0; k < nc; k++) {
     const size_t o = (size_t)d * (size_t)k;
     const double mu = problem->mu[k], *rc = r + o, *uc = u + o;
+    const double rt = tangent_norm(d, rc), ut = tangent_norm(d, uc);
+    double size = 0;
+    if (is_zero((size_t)d, rc) && uc[0] >= 0 && uc[0] + ut <= DBL_MAX) { /* all of it is 0 */
+      memset(F + o, 0, (size_t)d * sizeof *F);
+      continue;
+    }
     dlsi_contact_residual(d, mu, w[k], rc, uc, F + o);
-    const double size = is_zero((size_t)d, F + o) ? 0 : dlsi_norm2(F + o, (size_t)d);
-    if (size > worst || size != size) {
-      worst = size != size ? INFINITY : size;
+    for (int i = 0; i < d; i++) {
+      const double square = F[o + (size_t)i] * F[o + (size_t)i];
+      size += square;
+      sum += square;
+    }
+    if (size > worst) {
+      worst = size;
       c.worst = k;
     }
-    const double rt = tangent_norm(d, rc), ut = tangent_norm(d, uc);
     raise(&c.penetration, -uc[0]);
     raise(&c.adhesion, -rc[0]);
     raise(&c.cone_violation, rt - mu * (rc[0] > 0 ? rc[0] : 0));
@@ -305,11 +351,13 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
       double e[3] = {0};
       for (int i = 1; i < d; i++)
         e[i] = uc[i] + ut * (rc[i] / rt);
-      raise(&c.slip_direction, hypot(e[1], e[2]));
+      raise(&c.slip_direction, tangent_norm(d, e));
     } else if (mu * rc[0] > 0)
       raise(&c.slip_direction, ut);
   }
-  const double f = dlsi_norm2(F, m), q = dlsi_norm2(problem->q, m);
+  const int plain = is_plain(sum);
+  if (!plain) c.worst = find_worst(problem, F);
+  const double f = plain ? sqrt(sum) : dlsi_norm2(F, m), q = dlsi_norm2(problem->q, m);
   const double scale = q > 0 ? q : dlsi_norm2(a, m);
   c.residual = f == 0 ? 0 : f / scale;
   const double rounded = magnitude(problem, r, a, w);

@@ -130,6 +130,9 @@ void dlsi_contact_multiply(const dls_contact *problem, const double *r, double *
  * positive, the largest |W_cc| entry of all, or 1 if W's diagonal is zero. */
 void dlsi_contact_weights(const dls_contact *problem, double *w);
 
+/* The same, and block (d d nc) := the W_cc on the way. */
+void dlsi_contact_blocks(const dls_contact *problem, double *block, double *w);
+
 /* P(v): the projection of v (d) on C_mu = { |r_t| <= mu r_n }; returns the branch taken. */
 dls_contact_state dlsi_project_cone(int d, double mu, const double *v, double *p);
 

@@ -2,10 +2,12 @@
  * LCP. */
 #include <check.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "delassus/lcp.h"
+#include "../lcp/lcp_internal.h"
+#include "delassus/pivoting.h"
 #include "malloc_fails.h"
 
 static dls_lcp lcp_of(int n, const double *M, const double *q) {
@@ -426,6 +428,175 @@ START_TEST(a_high_floor_excuses_nothing) {
 }
 END_TEST
 
+/* ---- tiny.c ---------------------------------------------------------------------------------- */
+
+static uint64_t state = 12345;
+
+static double uniform(void) { /* in [-1, 1) */
+  state = state * 6364136223846793005u + 1442695040888963407u;
+  return (double)(state >> 11) * 0x1p-52 - 1;
+}
+
+/* Kinds: positive definite and skew; small integers, degenerate and of any kind; the form of 2D friction
+ * (zeros on the diagonal), one to three candidates. */
+enum { kinds = 3, tiny_most = 9 };
+
+static int random_lcp(int kind, double *M, double *q) {
+  const int n = kind < 2 ? 1 + (int)(4 * (1 + uniform())) : 3 + 3 * (int)(1.5 * (1 + uniform()));
+  double A[tiny_most * tiny_most];
+  for (int k = 0; k < n * n; k++)
+    A[k] = uniform();
+  for (int i = 0; i < n; i++) {
+    for (int j = 0; j < n; j++) {
+      double sum = i == j ? 0.1 : 0;
+      for (int k = 0; k < n; k++)
+        sum += A[k + n * i] * A[k + n * j] / n;
+      M[i + n * j] = kind == 1 ? floor(5 * uniform() / 2) : sum;
+    }
+    q[i] = kind == 1 ? floor(2 * uniform()) : uniform();
+  }
+  for (int i = 0; kind == 0 && i < n; i++)
+    for (int j = 0; j < i; j++) {
+      const double skew = 0.3 * uniform();
+      M[i + n * j] += skew;
+      M[j + n * i] -= skew;
+    }
+  if (kind < 2) return n;
+  const int nc = n / 3, m = 2 * nc;
+  double W[36], b[6], mu[3];
+  for (int i = 0; i < m; i++) {
+    for (int j = 0; j < m; j++)
+      W[i + m * j] = M[i + n * j];
+    b[i] = i % 2 ? uniform() : uniform() - 0.5;
+  }
+  for (int c = 0; c < nc; c++)
+    mu[c] = 0.3;
+  const dls_contact p = {.d = 2, .nc = nc, .W = {m, m, m, W}, .q = b, .mu = mu};
+  ck_assert_int_eq(dls_contact_to_lcp(&p, NULL, M, n, q, NULL), DLS_OK);
+  return n;
+}
+
+/* What it returns for a solution is one of all that there are: 2 if it is listed, 1 if inside of a
+ * continuum; 0 if it gave up, or the certificate does not hold. */
+static int tiny_solves(int n, const double *M, const double *q, double *z) {
+  enum { room = 64 };
+  const dls_lcp lcp = lcp_of(n, M, q);
+  int exchanges = -1;
+  if (!dlsi_lcp_tiny(&lcp, 1000, z, &exchanges)) {
+    ck_assert(exchanges >= 0 && exchanges <= 4 * n + 4);
+    return 0;
+  }
+  dls_lcp_certificate c;
+  ck_assert_int_eq(dls_lcp_certify(&lcp, z, NULL, &c, NULL), DLS_OK);
+  ck_assert_double_eq(c.negative_z, 0);
+  if (!dls_lcp_certificate_holds(&c, 1e-12)) return 0;
+  double list[room * tiny_most];
+  dls_enumeration found;
+  ck_assert_int_eq(dls_lcp_enumerate(&lcp, 1e-9, room, list, &found, NULL), DLS_OK);
+  double nearest = INFINITY, size = 0;
+  for (int i = 0; i < n; i++)
+    size = fmax(size, fabs(z[i]));
+  for (int k = 0; k < found.solutions; k++) {
+    double distance = 0;
+    for (int i = 0; i < n; i++)
+      distance = fmax(distance, fabs(list[k * n + i] - z[i]));
+    nearest = fmin(nearest, distance);
+  }
+  const int is_listed = nearest <= 1e-9 * size;
+  ck_assert(is_listed || found.continua > 0);
+  return is_listed ? 2 : 1;
+}
+
+START_TEST(tiny_agrees_with_all_solutions) {
+  double M[tiny_most * tiny_most], q[tiny_most], z[tiny_most];
+  int runs[kinds] = {0}, solved[kinds] = {0}, listed[kinds] = {0};
+  for (int trial = 0; trial < 6000; trial++) {
+    const int kind = trial % kinds, n = random_lcp(kind, M, q), answer = tiny_solves(n, M, q, z);
+    runs[kind]++;
+    solved[kind] += answer > 0;
+    listed[kind] += answer == 2;
+  }
+  ck_assert_int_eq(solved[0], runs[0]); /* positive definite: always, and it is the only one */
+  ck_assert_int_eq(listed[0], runs[0]);
+  ck_assert_int_gt(solved[1], runs[1] / 5); /* the others as a rule have no solution, or a ray */
+  ck_assert_int_gt(solved[2], runs[2] * 95 / 100);
+}
+END_TEST
+
+/* Units by powers of two, rows and columns separately, 2^-30 to 2^30: the same exchanges to the same bits. */
+START_TEST(tiny_has_no_unit) {
+  double M[tiny_most * tiny_most], q[tiny_most], z[tiny_most], M2[tiny_most * tiny_most],
+      q2[tiny_most], z2[tiny_most];
+  for (int trial = 0; trial < 3000; trial++) {
+    const int n = random_lcp(trial % kinds, M, q);
+    double column[tiny_most];
+    for (int j = 0; j < n; j++)
+      column[j] = ldexp(1, (int)(30 * uniform()));
+    const double load = ldexp(1, (int)(30 * uniform()));
+    for (int i = 0; i < n; i++) {
+      const double row = ldexp(1, (int)(30 * uniform()));
+      for (int j = 0; j < n; j++)
+        M2[i + n * j] = row * M[i + n * j] * column[j];
+      q2[i] = load * row * q[i];
+    }
+    const dls_lcp lcp = lcp_of(n, M, q), scaled = lcp_of(n, M2, q2);
+    int exchanges, same;
+    const int solved = dlsi_lcp_tiny(&lcp, 1000, z, &exchanges);
+    ck_assert_int_eq(dlsi_lcp_tiny(&scaled, 1000, z2, &same), solved);
+    ck_assert_int_eq(same, exchanges);
+    for (int i = 0; solved && i < n; i++)
+      ck_assert(z2[i] * column[i] == load * z[i]);
+  }
+}
+END_TEST
+
+/* The unknowns in another order: a positive definite problem has one solution. */
+START_TEST(tiny_in_any_order) {
+  double M[tiny_most * tiny_most], q[tiny_most], z[tiny_most], M2[tiny_most * tiny_most],
+      q2[tiny_most], z2[tiny_most];
+  for (int trial = 0; trial < 2000; trial++) {
+    const int n = random_lcp(0, M, q);
+    int place[tiny_most], exchanges;
+    for (int i = 0; i < n; i++)
+      place[i] = i;
+    for (int i = n - 1; i > 0; i--) {
+      const int j = (int)((i + 1) * (1 + uniform()) / 2), k = place[i];
+      place[i] = place[j];
+      place[j] = k;
+    }
+    for (int i = 0; i < n; i++) {
+      for (int j = 0; j < n; j++)
+        M2[i + n * j] = M[place[i] + n * place[j]];
+      q2[i] = q[place[i]];
+    }
+    const dls_lcp lcp = lcp_of(n, M, q), other = lcp_of(n, M2, q2);
+    ck_assert_int_eq(dlsi_lcp_tiny(&lcp, 1000, z, &exchanges), 1);
+    ck_assert_int_eq(dlsi_lcp_tiny(&other, 1000, z2, &exchanges), 1);
+    double size = 0;
+    for (int i = 0; i < n; i++)
+      size = fmax(size, z[i]);
+    for (int i = 0; i < n; i++)
+      ck_assert(fabs(z2[i] - z[place[i]]) <= 1e-11 * size);
+  }
+}
+END_TEST
+
+START_TEST(tiny_keeps_to_its_limit) {
+  const double M[9] = {2, 1, 0, 1, 2, 1, 0, 1, 2}, q[3] = {-5, -6, -5}; /* z = (2, 1, 2) */
+  const dls_lcp lcp = lcp_of(3, M, q);
+  double z[3];
+  int exchanges;
+  ck_assert_int_eq(dlsi_lcp_tiny(&lcp, 100, z, &exchanges), 1);
+  ck_assert_int_eq(exchanges, 4);
+  ck_assert_double_eq_tol(z[0], 2, 1e-14);
+  ck_assert_double_eq_tol(z[1], 1, 1e-14);
+  for (int limit = 1; limit < 4; limit++) {
+    ck_assert_int_eq(dlsi_lcp_tiny(&lcp, limit, z, &exchanges), 0);
+    ck_assert_int_eq(exchanges, limit);
+  }
+}
+END_TEST
+
 int main(void) {
   Suite *suite = suite_create("lcp");
   TCase *c = tcase_create("lcp");
@@ -441,6 +612,10 @@ int main(void) {
   tcase_add_test(c, scaled_and_by_blocks);
   tcase_add_test(c, bad_contact);
   tcase_add_test(c, a_high_floor_excuses_nothing);
+  tcase_add_test(c, tiny_agrees_with_all_solutions);
+  tcase_add_test(c, tiny_has_no_unit);
+  tcase_add_test(c, tiny_in_any_order);
+  tcase_add_test(c, tiny_keeps_to_its_limit);
   suite_add_tcase(suite, c);
   SRunner *runner = srunner_create(suite);
   srunner_run_all(runner, CK_NORMAL);

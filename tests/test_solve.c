@@ -324,26 +324,87 @@ START_TEST(solver_refuses_other_sizes_and_bad_numbers) {
 }
 END_TEST
 
+/* dls_solve, or create and solve, with each malloc failing in turn; returns how many there are. */
+static long fail_in_turn(const dls_contact *p, const dls_solver_settings *s, int at_once) {
+  double r[M] = {9};
+  dls_status status = DLS_E_MEMORY;
+  long failed = 0;
+  for (long at = 1; status == DLS_E_MEMORY; at++) {
+    dls_error e = {0};
+    dls_solver *solver = NULL;
+    malloc_fails_at(at);
+    if (at_once)
+      status = dls_solve(p, s, r, NULL, NULL, &e);
+    else
+      status = dls_solver_create(&solver, p->d, p->nc, s, &e);
+    malloc_fails_at(0);
+    if (!at_once && !status) status = dls_solver_solve(solver, p, r, NULL, NULL, &e);
+    dls_solver_destroy(solver);
+    if (status == DLS_E_MEMORY) {
+      failed++;
+      ck_assert(r[0] == 9 && e.status == DLS_E_MEMORY);
+    }
+  }
+  ck_assert_int_eq(status, DLS_OK);
+  return failed;
+}
+
 START_TEST(every_failing_malloc_unwinds) {
   for (int k = 0; k < METHODS; k++) {
     const dls_contact p = random_problem(2);
     const dls_solver_settings s = settings_of(methods[k]);
-    double r[M] = {9};
-    dls_status status = DLS_E_MEMORY;
-    long failed = 0;
-    for (long at = 1; status == DLS_E_MEMORY; at++) {
-      dls_error e = {0};
-      malloc_fails_at(at);
-      status = dls_solve(&p, &s, r, NULL, NULL, &e);
-      malloc_fails_at(0);
-      if (status == DLS_E_MEMORY) {
-        failed++;
-        ck_assert(r[0] == 9 && e.status == DLS_E_MEMORY);
-      }
-    }
-    ck_assert_int_eq(status, DLS_OK);
-    ck_assert_int_ge(failed, 2);
+    ck_assert_int_ge(fail_in_turn(&p, &s, 1), 1);
+    ck_assert_int_ge(fail_in_turn(&p, &s, 0), 2);
   }
+}
+END_TEST
+
+/* Sweeps do not solve c11 (data/failures): dls_solve then allocates what
+ * dls_solver_create does at once, but for the solver itself. */
+START_TEST(later_stages_are_allocated_when_needed) {
+  const double a[16] = {1, 1, 0, -1, 1, 2, 1, -2, 0, 1, 3, 0, -1, -2, 0, 3}, b[4] = {-1, 1, -1, 0},
+               friction[2] = {1, 1};
+  const dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, a}, .q = b, .mu = friction};
+  const dls_solver_settings s = settings_of(DLS_AUTO);
+  double r[4], t[4];
+  dls_info info;
+  dls_solver *solver;
+  ck_assert_int_eq(dls_solve(&p, &s, r, NULL, &info, NULL), DLS_OK);
+  ck_assert_int_gt(info.stages, 1);
+  ck_assert_int_eq(fail_in_turn(&p, &s, 1), fail_in_turn(&p, &s, 0) - 1);
+  ck_assert_int_eq(dls_solver_create(&solver, 2, 2, &s, NULL), DLS_OK);
+  ck_assert_int_eq(dls_solver_solve(solver, &p, t, NULL, NULL, NULL), DLS_OK);
+  dls_solver_destroy(solver);
+  ck_assert_mem_eq(r, t, sizeof r);
+}
+END_TEST
+
+/* No candidate approaches: r = 0, and its certificate is the one that anybody computes. */
+START_TEST(free_problem_is_answered_at_once) {
+  dls_contact p = random_problem(3);
+  for (int c = 0; c < NC; c++)
+    q[2 * c] = c % 3 ? fabs(q[2 * c]) : 0;
+  const dls_solver_settings s = settings_of(DLS_AUTO);
+  double r[M], u[M];
+  dls_info info;
+  dls_certificate c;
+  dls_solver *solver;
+  ck_assert_int_eq(dls_solver_create(&solver, 2, NC, &s, NULL), DLS_OK);
+  for (int way = 0; way < 2; way++) {
+    memset(r, 9, sizeof r);
+    memset(&info, 9, sizeof info);
+    ck_assert_int_eq(way ? dls_solver_solve(solver, &p, r, u, &info, NULL)
+                         : dls_solve(&p, &s, r, u, &info, NULL),
+                     DLS_OK);
+    ck_assert_int_eq(dls_contact_certify(&p, r, NULL, &c, NULL), DLS_OK);
+    ck_assert_int_eq(same_certificate(&c, &info.certificate), 1);
+    ck_assert(c.residual == 0 && info.iterations == 0 && info.method == DLS_AUTO);
+    for (int i = 0; i < M; i++)
+      ck_assert(r[i] == 0 && u[i] == q[i]);
+  }
+  dls_solver_destroy(solver);
+  q[4] = NAN;
+  ck_assert_int_eq(dls_solve(&p, &s, r, u, &info, NULL), DLS_E_NOT_FINITE);
 }
 END_TEST
 
@@ -837,6 +898,8 @@ int main(void) {
   tcase_add_test(tcase, bad_settings_are_refused);
   tcase_add_test(tcase, solver_refuses_other_sizes_and_bad_numbers);
   tcase_add_test(tcase, every_failing_malloc_unwinds);
+  tcase_add_test(tcase, later_stages_are_allocated_when_needed);
+  tcase_add_test(tcase, free_problem_is_answered_at_once);
   tcase_add_test(tcase, lemke_starts_from_the_last_step);
   tcase_add_test(tcase, auto_solves_what_its_methods_do_not);
   tcase_add_test(tcase, auto_takes_the_same_stages_in_any_units);

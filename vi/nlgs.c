@@ -389,11 +389,17 @@ static dls_status iterate(dls_nlgs *work, const dls_contact *problem, double *r,
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   const double scale = 1 / dlsi_norm2(problem->q, m);
 
-  *certificate = measure(work, problem, r);
-  if (dls_certificate_holds(certificate, work->tol)) return DLS_OK;
-  double residual = certificate->residual, best = NAN;
+  const int cold =
+      dlsi_max_abs(r, m) == 0; /* u = q, and nothing is rounded: the estimate will do */
+  if (cold) memcpy(work->u, problem->q, m * sizeof *work->u);
+  double residual = cold ? estimate(work, problem, r, scale) : INFINITY, best = NAN;
+  if (!cold || residual <= work->tol) {
+    *certificate = measure(work, problem, r);
+    if (dls_certificate_holds(certificate, work->tol)) return DLS_OK;
+    residual = certificate->residual;
+  }
   keep_best(work, m, r, residual, &best);
-  if (settings->warm_start && project_start(problem, r)) {
+  if (!cold && settings->warm_start && project_start(problem, r)) {
     *certificate = measure(work, problem, r);
     residual = certificate->residual;
     keep_best(work, m, r, residual, &best);
@@ -465,13 +471,10 @@ dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const doubl
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   work->E = E;
   work->tol = tol;
-  for (size_t c = 0; c < m / d; c++) {
-    double *block = work->block + d * d * c;
-    dlsi_contact_diagonal(problem, (int)c, block);
-    for (size_t i = 0; E && i < d; i++)
-      block[(d + 1) * i] += E[c];
-  }
-  dlsi_contact_weights(problem, work->w);
+  dlsi_contact_blocks(problem, work->block, work->w);
+  for (size_t c = 0; E && c < m / d; c++)
+    for (size_t i = 0; i < d; i++)
+      work->block[d * d * c + (d + 1) * i] += E[c];
   if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
     memset(r, 0, m * sizeof *r);
   *iterations = 0;
