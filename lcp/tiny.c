@@ -113,7 +113,7 @@ static inline void apply(const path *p, int exchange, double *v) {
 static int begin(path *p, const dls_lcp *lcp) {
   const int n = lcp->n;
   double least = 2;
-  int r = 0;
+  int r = -1;
   p->n = n;
   p->exchanges = 0;
   for (int i = 0; i < n; i++) {
@@ -177,18 +177,18 @@ int dlsi_lcp_tiny(const dls_lcp *lcp, int limit, double *z, int *exchanges) {
   if (*exchanges >= 0) return 1;
   path p;
   int r = begin(&p, lcp), in = 2 * n;
-  for (;;) {
+  while (r >= 0) {
     const int out = exchange(&p, r, in);
-    if (out == 2 * n) break;
-    in = out < n ? out + n : out - n;
     *exchanges = p.exchanges;
+    if (out == 2 * n) {
+      for (int i = 0; i < n; i++)
+        if (p.basic[i] >= n && p.b[i] > 0) z[p.basic[i] - n] = p.b[i];
+      return 1;
+    }
     if (p.exchanges == 4 * n + 4 || p.exchanges >= limit) return 0;
+    in = out < n ? out + n : out - n;
     enter(&p, lcp, in);
     r = leaving_row(&p);
-    if (r < 0) return 0;
   }
-  *exchanges = p.exchanges;
-  for (int i = 0; i < n; i++)
-    if (p.basic[i] >= n && p.b[i] > 0) z[p.basic[i] - n] = p.b[i];
-  return 1;
+  return 0; /* a ray */
 }

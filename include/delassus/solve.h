@@ -73,7 +73,8 @@ DLS_API DLS_MUST_USE dls_status dls_solver_create(dls_solver **out, int d, int n
  * Statuses of the methods. Of Lemke with d = 3, DLS_RAY and never DLS_NO_SOLUTION: what is proved of
  * the faceted cone does not bind the round one. DLS_NO_SOLUTION_LIKELY: the augmented Lagrangian,
  * alone or in auto, saw the reactions run away; the direction follows. DLS_NO_SOLUTION of auto:
- * proved by Lemke's method, d = 2. DLS_STALLED of auto: all its methods failed. */
+ * proved by Lemke's method, d = 2. DLS_STALLED of auto: all its methods failed. Auto, not warm, where every
+ * q_n >= 0: r = 0 without a stage. */
 DLS_API DLS_MUST_USE dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem,
                                                  double *r, double *u, dls_info *info,
                                                  dls_error *error);
@@ -86,7 +87,8 @@ DLS_API const double *dls_solver_direction(const dls_solver *solver);
 /* NULL is fine. */
 DLS_API void dls_solver_destroy(dls_solver *solver);
 
-/* create, solve and destroy in one call; settings NULL for the defaults. */
+/* create, solve and destroy in one call; settings NULL for the defaults. Auto allocates what its stages after the
+ * first need when it comes to them. */
 DLS_API DLS_MUST_USE dls_status dls_solve(const dls_contact *problem,
                                           const dls_solver_settings *settings, double *r, double *u,
                                           dls_info *info, dls_error *error);
