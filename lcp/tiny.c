@@ -180,15 +180,14 @@ int dlsi_lcp_tiny(const dls_lcp *lcp, int limit, double *z, int *exchanges) {
   while (r >= 0) {
     const int out = exchange(&p, r, in);
     *exchanges = p.exchanges;
-    if (out == 2 * n) {
-      for (int i = 0; i < n; i++)
-        if (p.basic[i] >= n && p.b[i] > 0) z[p.basic[i] - n] = p.b[i];
-      return 1;
-    }
+    if (out == 2 * n) break;
     if (p.exchanges == 4 * n + 4 || p.exchanges >= limit) return 0;
     in = out < n ? out + n : out - n;
     enter(&p, lcp, in);
     r = leaving_row(&p);
   }
-  return 0; /* a ray */
+  if (r < 0) return 0; /* a ray */
+  for (int i = 0; i < n; i++)
+    if (p.basic[i] >= n && p.b[i] > 0) z[p.basic[i] - n] = p.b[i];
+  return 1;
 }
