@@ -48,28 +48,7 @@ void dlsi_contact_add_columns(const dls_contact *problem, int c, const double *d
         u[i] += w[i] * dr[0] + w[i + ld] * dr[1] + w[i + 2 * ld] * dr[2];
     return;
   }
-  const dls_blocks *B = &problem->Wb;
-  const double r0 = dr[0], r1 = dr[1], r2 = d == 3 ? dr[2] : 0;
-  const int end = B->p[c + 1];
-  if (d == 2)
-    for (int k = B->p[c]; k < end; k++) {
-      double *v = u + 2 * (size_t)B->i[k];
-      const double *x = B->x + 4 * (size_t)k;
-      const double v0 = v[0] + (x[0] * r0 + x[2] * r1), v1 = v[1] + (x[1] * r0 + x[3] * r1);
-      v[0] = v0;
-      v[1] = v1;
-    }
-  else
-    for (int k = B->p[c]; k < end; k++) {
-      double *v = u + 3 * (size_t)B->i[k];
-      const double *x = B->x + 9 * (size_t)k;
-      const double v0 = v[0] + (x[0] * r0 + x[3] * r1 + x[6] * r2);
-      const double v1 = v[1] + (x[1] * r0 + x[4] * r1 + x[7] * r2);
-      const double v2 = v[2] + (x[2] * r0 + x[5] * r1 + x[8] * r2);
-      v[0] = v0;
-      v[1] = v1;
-      v[2] = v2;
-    }
+  dlsi_contact_add_blocks(problem, c, dr, u);
 }
 
 static int is_zero(size_t d, const double *r) {

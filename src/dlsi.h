@@ -114,6 +114,9 @@ void dlsi_contact_diagonal(const dls_contact *problem, int c, double *block);
 /* u += W(:,c) dr for the d columns of candidate c. */
 void dlsi_contact_add_columns(const dls_contact *problem, int c, const double *dr, double *u);
 
+/* The same, W by blocks. */
+void dlsi_contact_add_blocks(const dls_contact *problem, int c, const double *dr, double *u);
+
 /* The same for `count` candidates c[k], dr[d k..], one after the other, W dense, and rows first ..
  * end-1 of u only. */
 void dlsi_contact_add_panel(const dls_contact *problem, int count, const int *c, const double *dr,
