@@ -196,11 +196,11 @@ static double common_weight(const dls_contact *problem, const double *w) {
   return positive ? sum / positive : largest > 0 ? largest : 1;
 }
 
-void dlsi_contact_blocks(const dls_contact *problem, double *block, double *w) {
+void dlsi_contact_weights(const dls_contact *problem, double *w) {
   const int d = problem->d, nc = problem->nc;
   int positive = 0;
   for (int c = 0; c < nc; c++) {
-    double own[9] = {0}, *b = block ? block + (size_t)(d * d) * (size_t)c : own;
+    double b[9] = {0};
     dlsi_contact_diagonal(problem, c, b);
     w[c] = d == 2 ? (b[0] + b[3]) / 2 : (b[0] + b[4] + b[8]) / 3;
     positive += w[c] > 0;
@@ -209,47 +209,6 @@ void dlsi_contact_blocks(const dls_contact *problem, double *block, double *w) {
   const double common = common_weight(problem, w);
   for (int c = 0; c < nc; c++)
     if (!(w[c] > 0)) w[c] = common;
-}
-
-void dlsi_contact_weights(const dls_contact *problem, double *w) {
-  dlsi_contact_blocks(problem, NULL, w);
-}
-
-/* hypot costs ten times the square root, and differs where the squares leave the range of doubles */
-static double tangent_norm(int d, const double *v) {
-  if (d == 2) return fabs(v[1]);
-  const double s = v[1] * v[1] + v[2] * v[2];
-  return s > 1e-280 && s < 1e280 ? sqrt(s) : hypot(v[1], v[2]);
-}
-
-dls_contact_state dlsi_project_cone(int d, double mu, const double *v, double *p) {
-  const double t = tangent_norm(d, v);
-  if (t <= mu * v[0]) { /* inside */
-    for (int i = 0; i < d; i++)
-      p[i] = v[i];
-    return DLS_STICK;
-  }
-  if (mu * t <= -v[0]) { /* in the polar cone */
-    for (int i = 0; i < d; i++)
-      p[i] = 0;
-    return DLS_FREE;
-  }
-  p[0] = (v[0] + mu * t) / (1 + mu * mu);
-  for (int i = 1; i < d; i++)
-    p[i] = mu * p[0] * (v[i] / t);
-  return DLS_SLIP;
-}
-
-dls_contact_state dlsi_contact_residual(int d, double mu, double w, const double *r,
-                                        const double *u, double *F) {
-  double v[3] = {0}, p[3] = {0};
-  for (int i = 0; i < d; i++)
-    v[i] = w * r[i] - u[i];
-  v[0] -= mu * tangent_norm(d, u);
-  const dls_contact_state state = dlsi_project_cone(d, mu, v, p);
-  for (int i = 0; i < d; i++)
-    F[i] = w * r[i] - p[i];
-  return state;
 }
 
 /* m := max(m, x), keeping NaN */
@@ -306,7 +265,7 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
   for (int k = 0; k < nc; k++) {
     const size_t o = (size_t)d * (size_t)k;
     const double mu = problem->mu[k], *rc = r + o, *uc = u + o;
-    const double rt = tangent_norm(d, rc), ut = tangent_norm(d, uc);
+    const double rt = dlsi_tangent_norm(d, rc), ut = dlsi_tangent_norm(d, uc);
     double size = 0;
     if (is_zero((size_t)d, rc) && uc[0] >= 0 && uc[0] + ut <= DBL_MAX) { /* all of it is 0 */
       memset(F + o, 0, (size_t)d * sizeof *F);
@@ -330,7 +289,7 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
       double e[3] = {0};
       for (int i = 1; i < d; i++)
         e[i] = uc[i] + ut * (rc[i] / rt);
-      raise(&c.slip_direction, tangent_norm(d, e));
+      raise(&c.slip_direction, dlsi_tangent_norm(d, e));
     } else if (mu * rc[0] > 0)
       raise(&c.slip_direction, ut);
   }

@@ -4,6 +4,7 @@
 #ifndef DLSI_H
 #define DLSI_H
 
+#include <math.h>
 #include <stddef.h>
 
 #include "delassus/nlgs.h"
@@ -133,15 +134,44 @@ void dlsi_contact_multiply(const dls_contact *problem, const double *r, double *
  * positive, the largest |W_cc| entry of all, or 1 if W's diagonal is zero. */
 void dlsi_contact_weights(const dls_contact *problem, double *w);
 
-/* The same, and block (d d nc) := the W_cc on the way. */
-void dlsi_contact_blocks(const dls_contact *problem, double *block, double *w);
+/* |v_t|. hypot costs ten times the square root, and differs where the squares leave the range of doubles */
+static inline double dlsi_tangent_norm(int d, const double *v) {
+  if (d == 2) return fabs(v[1]);
+  const double s = v[1] * v[1] + v[2] * v[2];
+  return s > 1e-280 && s < 1e280 ? sqrt(s) : hypot(v[1], v[2]);
+}
 
 /* P(v): the projection of v (d) on C_mu = { |r_t| <= mu r_n }; returns the branch taken. */
-dls_contact_state dlsi_project_cone(int d, double mu, const double *v, double *p);
+static inline dls_contact_state dlsi_project_cone(int d, double mu, const double *v, double *p) {
+  const double t = dlsi_tangent_norm(d, v);
+  if (t <= mu * v[0]) { /* inside */
+    for (int i = 0; i < d; i++)
+      p[i] = v[i];
+    return DLS_STICK;
+  }
+  if (mu * t <= -v[0]) { /* in the polar cone */
+    for (int i = 0; i < d; i++)
+      p[i] = 0;
+    return DLS_FREE;
+  }
+  p[0] = (v[0] + mu * t) / (1 + mu * mu);
+  for (int i = 1; i < d; i++)
+    p[i] = mu * p[0] * (v[i] / t);
+  return DLS_SLIP;
+}
 
 /* F_c of the certificate for one candidate; returns the branch of the projection. */
-dls_contact_state dlsi_contact_residual(int d, double mu, double w, const double *r,
-                                        const double *u, double *F);
+static inline dls_contact_state dlsi_contact_residual(int d, double mu, double w, const double *r,
+                                                      const double *u, double *F) {
+  double v[3] = {0}, p[3] = {0};
+  for (int i = 0; i < d; i++)
+    v[i] = w * r[i] - u[i];
+  v[0] -= mu * dlsi_tangent_norm(d, u);
+  const dls_contact_state state = dlsi_project_cone(d, mu, v, p);
+  for (int i = 0; i < d; i++)
+    F[i] = w * r[i] - p[i];
+  return state;
+}
 
 /* The certificate of r from given u = W r + q, a = |W| |r| and weights w; F (m) receives F. */
 void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,

@@ -388,7 +388,7 @@ START_TEST(storage) {
   }
   const dls_contact dense = {.d = 2, .nc = nc, .W = {m, m, m, W}, .q = q, .mu = mu};
   const dls_contact blocks = {.d = 2, .nc = nc, .Wb = {2, nc, p, i, x}, .q = q, .mu = mu};
-  const double entries = 4. * k + m, own = 8. * ((9 + 13 + 2) * m + (4 + 9) * nc);
+  const double entries = 4. * k + m, own = 8. * ((9 + 13) * m + (4 + 20) * nc);
   for (int way = 0; way < 3; way++) { /* dense; by blocks, announced; not announced */
     dls_augmented_settings s = with_tol(1e-12);
     s.blocks = way == 1 ? k : 0;

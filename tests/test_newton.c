@@ -412,7 +412,7 @@ START_TEST(memory) {
     s.sweeps = way & 2 ? 20 : 0;
     const int sparse = s.blocks && s.blocks < full && WITH_MUMPS;
     const double entries = 4. * s.blocks + m;
-    const double rest = s.sweeps ? (13 + 2) * m + 9 * nc : 9 * m + 8 * nc;
+    const double rest = s.sweeps ? 13 * m + 20 * nc : 9 * m + 8 * nc;
     expect_memory(&the_newton, 2, LARGE, &s,
                   8 * (rest + (sparse ? 250. * 250 + 2 * entries : m * m)) +
                       (sparse ? 3 * entries * sizeof(int) : 0),

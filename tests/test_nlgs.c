@@ -420,7 +420,7 @@ START_TEST(memory) { /* the formula of nlgs.h */
       for (int window = 0; window <= 20; window += 10) {
         dls_nlgs_settings s = with_tol(1e-8);
         const double m = d * nc, k = window;
-        double doubles = (4 + d) * m + nc;
+        double doubles = 4 * m + (d == 2 ? 12 : 26) * nc;
         if (window) {
           s.acceleration = DLS_ACCELERATION_ANDERSON;
           s.window = window;

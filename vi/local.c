@@ -34,6 +34,7 @@
  */
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #include "dlsi.h"
 #include "vi_internal.h"
@@ -100,21 +101,34 @@ static dls_local_state least_bad(int d, const double *W, const double *q, double
 
 /* ---- 2D -------------------------------------------------------------------------------------- */
 
-/* W r = -q by elimination, rows pivoted; 1 if r is in the cone and not 0. */
-static int stick_2d(const double *W, const double *q, double mu, double *r) {
+void dlsi_block_2d_set(dlsi_block_2d *block, const double *W, double mu) {
   const int p = fabs(W[1]) > fabs(W[0]); /* the pivot row; the other one is 1 - p */
-  const double f = W[1 - p] / W[p], s = W[3 - p] - f * W[2 + p], z = q[1 - p] - f * q[p];
-  r[1] = s == 0 && z == 0 ? 0 : -z / s; /* of a line of solutions, the one without friction */
-  r[0] = -(q[p] + W[2 + p] * r[1]) / W[p];
-  return r[0] > 0 && r[0] <= DBL_MAX && fabs(r[1]) <= mu * r[0];
+  const double inv_pivot = 1 / W[p], f = W[1 - p] * inv_pivot, s = W[3 - p] - f * W[2 + p];
+  const dlsi_block_2d b = {.W = {W[0], W[1], W[2], W[3]},
+                           .mu = mu,
+                           .f = f,
+                           .inv_pivot = inv_pivot,
+                           .inv_s = 1 / s,
+                           .inv_slip = {1 / (W[0] - mu * W[2]), 1 / (W[0] + mu * W[2])},
+                           .p = p};
+  *block = b;
+}
+
+/* W r = -q by elimination; 1 if r is in the cone and not 0. */
+static int stick_2d(const dlsi_block_2d *b, const double *q, double *r) {
+  const int p = b->p;
+  const double z = q[1 - p] - b->f * q[p];
+  r[1] = z == 0 ? 0 : -z * b->inv_s; /* of a line of solutions, the one without friction */
+  r[0] = -(q[p] + b->W[2 + p] * r[1]) * b->inv_pivot;
+  return r[0] > 0 && r[0] <= DBL_MAX && fabs(r[1]) <= b->mu * r[0];
 }
 
 /* (L5) with e = sign; 1 if u_t opposes it. */
-static int slip_2d(const double *W, const double *q, double mu, double sign, double *r) {
-  r[0] = -q[0] / (W[0] + mu * sign * W[2]);
-  r[1] = sign * mu * r[0];
+static int slip_2d(const dlsi_block_2d *b, const double *q, int sign, double *r) {
+  r[0] = -q[0] * b->inv_slip[sign > 0];
+  r[1] = sign * b->mu * r[0];
   return r[0] > 0 && r[0] <= DBL_MAX && fabs(r[1]) <= DBL_MAX &&
-         sign * (q[1] + W[1] * r[0] + W[3] * r[1]) <= 0;
+         sign * (q[1] + b->W[1] * r[0] + b->W[3] * r[1]) <= 0;
 }
 
 /* mu = 0: the tangential row only tells stick from slip */
@@ -126,86 +140,85 @@ static dls_local_state frictionless(int d, const double *W, const double *q, dou
   return still ? DLS_LOCAL_STICK : DLS_LOCAL_SLIP;
 }
 
-dls_local_state dlsi_local_2d(const double *W, const double *q, double mu, double *r) {
+dls_local_state dlsi_local_2d(const dlsi_block_2d *b, const double *q, double *r) {
   if (q[0] >= 0) return set(2, r, 0, 0, 0, DLS_LOCAL_FREE); /* (L1) */
-  if (mu == 0) return frictionless(2, W, q, r);
-  if (stick_2d(W, q, mu, r)) return DLS_LOCAL_STICK; /* (L3) */
-  double plus[2], minus[2];                          /* (L5) */
-  if (slip_2d(W, q, mu, 1, plus)) return set(2, r, plus[0], plus[1], 0, DLS_LOCAL_SLIP);
-  if (slip_2d(W, q, mu, -1, minus)) return set(2, r, minus[0], minus[1], 0, DLS_LOCAL_SLIP);
+  if (b->mu == 0) return frictionless(2, b->W, q, r);
+  if (stick_2d(b, q, r)) return DLS_LOCAL_STICK; /* (L3) */
+  double plus[2], minus[2];                      /* (L5) */
+  if (slip_2d(b, q, 1, plus)) return set(2, r, plus[0], plus[1], 0, DLS_LOCAL_SLIP);
+  if (slip_2d(b, q, -1, minus)) return set(2, r, minus[0], minus[1], 0, DLS_LOCAL_SLIP);
   const point points[] = {apart,
                           {{r[0], r[1], 0}, DLS_LOCAL_STICK},
                           {{plus[0], plus[1], 0}, DLS_LOCAL_SLIP},
                           {{minus[0], minus[1], 0}, DLS_LOCAL_SLIP}};
-  return least_bad(2, W, q, mu, points, 4, r);
+  return least_bad(2, b->W, q, b->mu, points, 4, r);
 }
 
-static int count_2d(const double *W, const double *q, double mu) {
+static int count_2d(const dlsi_block_2d *b, const double *q) {
   int n = q[0] >= 0;
-  if (mu == 0) return n + (-q[0] / W[0] > 0);
+  if (b->mu == 0) return n + (-q[0] / b->W[0] > 0);
   double stick[2], slip[2];
-  const int sticks = stick_2d(W, q, mu, stick);
+  const int sticks = stick_2d(b, q, stick);
   n += sticks;
   for (int sign = -1; sign <= 1; sign += 2)
-    if (slip_2d(W, q, mu, sign, slip) &&
-        !(sticks && fabs(slip[0] - stick[0]) <= same * fabs(slip[0]) &&
-          fabs(slip[1] - stick[1]) <= same * fabs(slip[1])))
+    if (slip_2d(b, q, sign, slip) && !(sticks && fabs(slip[0] - stick[0]) <= same * fabs(slip[0]) &&
+                                       fabs(slip[1] - stick[1]) <= same * fabs(slip[1])))
       n++;
   return n;
 }
 
 /* ---- 3D -------------------------------------------------------------------------------------- */
 
+void dlsi_block_3d_set(dlsi_block_3d *block, const double *W, double mu) {
+  const double inv_a = 1 / W[0], c0 = W[1] * inv_a, c1 = W[2] * inv_a, b0 = W[3], b1 = W[6];
+  const double S[4] = {W[4] - c0 * b0, W[5] - c1 * b0, W[7] - c0 * b1, W[8] - c1 * b1};
+  const int p = fabs(S[1]) > fabs(S[0]);
+  const double inv0 = 1 / S[p], f = S[1 - p] * inv0, u01 = S[2 + p];
+  const double scale = 0.5 * (fabs(W[4]) + fabs(W[8]));
+  const dlsi_block_3d b = {.mu = mu,
+                           .inv_a = inv_a,
+                           .c = {c0, c1},
+                           .S = {S[0], S[1], S[2], S[3]},
+                           .det = S[0] * S[3] - S[1] * S[2],
+                           .trace = S[0] + S[3],
+                           .f = f,
+                           .u01 = u01,
+                           .inv0 = inv0,
+                           .inv1 = 1 / (S[3 - p] - f * u01),
+                           .scale = scale > 0 ? scale : W[0],
+                           .p = p};
+  *block = b;
+  memcpy(block->W, W, sizeof block->W);
+}
+
 /* (L2), and what (L4) needs at one l */
 typedef struct schur {
-  double a, inv_a, b[2], qn, mu;
-  double S[4], z[2]; /* S column-major */
-  double N[2];       /* adj(S) z */
-  double det, trace; /* of S */
-  double scale;      /* of l */
+  const dlsi_block_3d *block;
+  double a, b[2], qn, mu, z[2];
+  double N[2]; /* adj(S) z */
 } schur;
 
-static schur schur_complement(const double *W, const double *q, double mu) {
-  const double a = W[0], inv_a = 1 / a, c0 = W[1] * inv_a, c1 = W[2] * inv_a, b0 = W[3], b1 = W[6];
-  const double z0 = q[1] - c0 * q[0], z1 = q[2] - c1 * q[0];
-  schur s = {.a = a, .inv_a = inv_a, .b = {b0, b1}, .qn = q[0], .mu = mu, .z = {z0, z1}};
-  s.S[0] = W[4] - c0 * b0;
-  s.S[1] = W[5] - c1 * b0;
-  s.S[2] = W[7] - c0 * b1;
-  s.S[3] = W[8] - c1 * b1;
-  s.scale = 0.5 * (fabs(W[4]) + fabs(W[8]));
-  if (!(s.scale > 0)) s.scale = a;
-  s.N[0] = s.S[3] * z0 - s.S[2] * z1;
-  s.N[1] = s.S[0] * z1 - s.S[1] * z0;
-  s.det = s.S[0] * s.S[3] - s.S[1] * s.S[2];
-  s.trace = s.S[0] + s.S[3];
+static schur schur_complement(const dlsi_block_3d *block, const double *q) {
+  const double *W = block->W, *S = block->S;
+  const double z0 = q[1] - block->c[0] * q[0], z1 = q[2] - block->c[1] * q[0];
+  const schur s = {.block = block,
+                   .a = W[0],
+                   .b = {W[3], W[6]},
+                   .qn = q[0],
+                   .mu = block->mu,
+                   .z = {z0, z1},
+                   .N = {S[3] * z0 - S[2] * z1, S[0] * z1 - S[1] * z0}};
   return s;
 }
 
-/* LU factors of S, rows pivoted */
-typedef struct lu {
-  int p;
-  double f, u01, inv0, inv1;
-} lu;
-
-static lu factor(const double *S) {
-  lu x;
-  x.p = fabs(S[1]) > fabs(S[0]);
-  x.inv0 = 1 / S[x.p];
-  x.f = S[1 - x.p] * x.inv0;
-  x.u01 = S[2 + x.p];
-  x.inv1 = 1 / (S[3 - x.p] - x.f * x.u01);
-  return x;
-}
-
 /* x := -S^-1 z */
-static void solve(const lu *k, const double *z, double *x) {
+static void solve(const dlsi_block_3d *k, const double *z, double *x) {
   x[1] = -(z[1 - k->p] - k->f * z[k->p]) * k->inv1;
   x[0] = -(z[k->p] + k->u01 * x[1]) * k->inv0;
 }
 
 static double normal(const schur *s, const double *t) {
-  return -(s->qn + s->b[0] * t[0] + s->b[1] * t[1]) * s->inv_a;
+  return -(s->qn + s->b[0] * t[0] + s->b[1] * t[1]) * s->block->inv_a;
 }
 
 /* (L5) along t; 1 if r_n > 0 and all is finite */
@@ -219,15 +232,15 @@ static int on_cone(const schur *s, const double *t, double *r) {
 
 /* 1 only if h(0) > 0, beyond doubt: there r_t = -N / det, r_n = -E / (a det) */
 static int slides(const schur *s) {
-  const double E = s->qn * s->det - (s->b[0] * s->N[0] + s->b[1] * s->N[1]);
-  const double t2 = s->N[0] * s->N[0] + s->N[1] * s->N[1], m = s->mu * E * s->inv_a;
-  return s->det > doubt * s->trace * s->trace && (E >= 0 || t2 * (1 - doubt) > m * m);
+  const double E = s->qn * s->block->det - (s->b[0] * s->N[0] + s->b[1] * s->N[1]);
+  const double t2 = s->N[0] * s->N[0] + s->N[1] * s->N[1], m = s->mu * E * s->block->inv_a;
+  return s->block->det > doubt * s->block->trace * s->block->trace &&
+         (E >= 0 || t2 * (1 - doubt) > m * m);
 }
 
 /* (L3): 1 if r is in the cone */
 static int stick_3d(const schur *s, double *r) {
-  const lu k = factor(s->S);
-  solve(&k, s->z, r + 1);
+  solve(s->block, s->z, r + 1);
   r[0] = normal(s, r + 1);
   return r[0] > 0 && r[0] <= DBL_MAX && sqrt(r[1] * r[1] + r[2] * r[2]) <= s->mu * r[0];
 }
@@ -238,7 +251,7 @@ typedef struct cramer {
 } cramer;
 
 static cramer tangent(const schur *s, double l) {
-  cramer c = {.inv = 1 / (s->det + (s->trace + l) * l)};
+  cramer c = {.inv = 1 / (s->block->det + (s->block->trace + l) * l)};
   for (int i = 0; i < 2; i++)
     c.t[i] = -(s->N[i] + l * s->z[i]) * c.inv;
   return c;
@@ -246,10 +259,10 @@ static cramer tangent(const schur *s, double l) {
 
 /* The step from l: Newton's for 1/|r_t| - 1/m, m = mu r_n, or for h = n - m, n = |r_t|, if m <= 0 */
 static double newton(const schur *s, double l, const cramer *c, double n, double m) {
-  const double dD = s->trace + 2 * l, h = n - m;
+  const double dD = s->block->trace + 2 * l, h = n - m;
   const double dt[2] = {-(s->z[0] + dD * c->t[0]) * c->inv, -(s->z[1] + dD * c->t[1]) * c->inv};
   const double tdt = c->t[0] * dt[0] + c->t[1] * dt[1]; /* n n' */
-  const double dm = -s->mu * (s->b[0] * dt[0] + s->b[1] * dt[1]) * s->inv_a;
+  const double dm = -s->mu * (s->b[0] * dt[0] + s->b[1] * dt[1]) * s->block->inv_a;
   return m > 0 ? h * n * n * m / (dm * n * n * n - tdt * m * m) : h * n / (dm * n - tdt);
 }
 
@@ -282,7 +295,7 @@ static dls_local_state slip_3d(const schur *s, double guess, double *r) {
     if (next > lo && next < hi)
       l = next;
     else if (!(hi < INFINITY))
-      l = 8 * l > s->scale ? 8 * l : s->scale;
+      l = 8 * l > s->block->scale ? 8 * l : s->block->scale;
     else
       l = lo > 0 ? sqrt(lo) * sqrt(hi) : hi / 64;
   }
@@ -342,8 +355,9 @@ static int positive_roots(int n, const double *p, double *x) {
 static int all_slips(const schur *s, point *points) {
   double S[4];
   for (int e = 0; e < 4; e++)
-    S[e] = s->S[e] / s->scale;
-  const double a = s->a / s->scale, b0 = s->b[0] / s->scale, b1 = s->b[1] / s->scale;
+    S[e] = s->block->S[e] / s->block->scale;
+  const double a = s->a / s->block->scale, b0 = s->b[0] / s->block->scale,
+               b1 = s->b[1] / s->block->scale;
   const double size = fabs(s->qn) + fabs(s->z[0]) + fabs(s->z[1]);
   const double qn = s->qn / size, z0 = s->z[0] / size, z1 = s->z[1] / size, m2 = s->mu * s->mu;
   const double N0 = S[3] * z0 - S[2] * z1, N1 = S[0] * z1 - S[1] * z0; /* at x = 0; N' = z */
@@ -368,41 +382,56 @@ static int all_slips(const schur *s, point *points) {
   return found;
 }
 
-dls_local_state dlsi_local_3d(const double *W, const double *q, double mu, double guess,
-                              double *r) {
+dls_local_state dlsi_local_3d(const dlsi_block_3d *b, const double *q, double guess, double *r) {
   if (q[0] >= 0) return set(3, r, 0, 0, 0, DLS_LOCAL_FREE); /* (L1) */
-  if (mu == 0) return frictionless(3, W, q, r);
-  if (!(W[0] > 0)) return least_bad(3, W, q, mu, &apart, 1, r);
-  const schur s = schur_complement(W, q, mu);
+  if (b->mu == 0) return frictionless(3, b->W, q, r);
+  if (!(b->W[0] > 0)) return least_bad(3, b->W, q, b->mu, &apart, 1, r);
+  const schur s = schur_complement(b, q);
   if (!slides(&s) && stick_3d(&s, r)) return DLS_LOCAL_STICK;
   const dls_local_state state = slip_3d(&s, guess, r);
   if (state != DLS_LOCAL_NONE) return state;
   point points[6] = {apart, {.state = DLS_LOCAL_STICK}};
   (void)stick_3d(&s, points[1].r);
   const int n = 2 + all_slips(&s, points + 2);
-  return least_bad(3, W, q, mu, points, n, r);
+  return least_bad(3, b->W, q, b->mu, points, n, r);
 }
 
 /* A solution with r != 0 has u_n = 0, hence a r_n <= mu |b| r_n - q_n: none for q_n >= 0 unless
  * mu |b| > a. */
-static int count_3d(const double *W, const double *q, double mu) {
+static int count_3d(const dlsi_block_3d *b, const double *q) {
+  const double *W = b->W, mu = b->mu;
   int n = q[0] >= 0;
   if (!(W[0] > 0)) return n;
   if (n && !(mu * hypot(W[3], W[6]) > W[0])) return n;
   if (mu == 0) return n + (q[0] < 0);
-  const schur s = schur_complement(W, q, mu);
+  const schur s = schur_complement(b, q);
   point slip[4];
   double stick[3];
   n += stick_3d(&s, stick);
   return n + all_slips(&s, slip);
 }
 
+static dls_local_state local_2d(const double *W, const double *q, double mu, double *r,
+                                int *count) {
+  dlsi_block_2d b;
+  dlsi_block_2d_set(&b, W, mu);
+  if (count) *count = count_2d(&b, q);
+  return dlsi_local_2d(&b, q, r);
+}
+
+static dls_local_state local_3d(const double *W, const double *q, double mu, double *r,
+                                int *count) {
+  dlsi_block_3d b;
+  dlsi_block_3d_set(&b, W, mu);
+  if (count) *count = count_3d(&b, q);
+  return dlsi_local_3d(&b, q, 0, r);
+}
+
 dls_local_state dls_nlgs_local(int d, const double *W, const double *q, double mu, double *r,
                                int *count) {
   double p[3] = {0};
-  const dls_local_state state = d == 2 ? dlsi_local_2d(W, q, mu, p) : dlsi_local_3d(W, q, mu, 0, p);
+  const dls_local_state state = (d == 2 ? local_2d : local_3d)(W, q, mu, p, count);
   if (count) {
-    *count = d == 2 ? count_2d(W, q, mu) : count_3d(W, q, mu);
     /* the answer itself counts, and NONE is 0, where rounding tells the two tests apart */
     if (state == DLS_LOCAL_NONE) *count = 0;
     if (state != DLS_LOCAL_NONE && *count < 1) *count = 1;

@@ -67,15 +67,16 @@ static const double growth = 1.1;
 struct dls_nlgs {
   dls_nlgs_settings settings;
   int d, nc;
-  double tol;      /* of this run, and */
-  const double *E; /* nc: it solves u = (W + diag(E)) r + q; NULL: 0 */
-  double *block;   /* d d nc  the W_cc (+ E_c) */
-  double *w;       /* nc      weights of the certificate */
-  double *u;       /* m       W r + q */
-  double *a;       /* m       |W| |r|, for the floor */
-  double *F;       /* m       */
-  double *best;    /* m       the r with the smallest residual so far */
-  double *x;       /* m       the r that the sweep started from, if accelerated */
+  double tol;              /* of this run, and */
+  const double *E;         /* nc: it solves u = (W + diag(E)) r + q; NULL: 0 */
+  dlsi_block_2d *block_2d; /* nc  the W_cc (+ E_c), NULL for d = 3 */
+  dlsi_block_3d *block_3d; /* nc  NULL for d = 2 */
+  double *w;               /* nc      weights of the certificate */
+  double *u;               /* m       W r + q */
+  double *a;               /* m       |W| |r|, for the floor */
+  double *F;               /* m       */
+  double *best;            /* m       the r with the smallest residual so far */
+  double *x;               /* m       the r that the sweep started from, if accelerated */
   dlsi_anderson history;
 };
 
@@ -119,7 +120,8 @@ static dls_status check_settings(const char *function, const dls_nlgs_settings *
 static dls_nlgs *carve(dlsi_arena *arena, int d, int nc, const dls_nlgs_settings *settings) {
   const size_t D = (size_t)d, n = (size_t)nc, m = D * n;
   dls_nlgs *s = dlsi_take(arena, 1, sizeof *s);
-  double *block = dlsi_take(arena, D * m, sizeof *block);
+  dlsi_block_2d *block_2d = d == 2 ? dlsi_take(arena, n, sizeof *block_2d) : NULL;
+  dlsi_block_3d *block_3d = d == 3 ? dlsi_take(arena, n, sizeof *block_3d) : NULL;
   double *w = dlsi_take(arena, n, sizeof *w), *u = dlsi_take(arena, m, sizeof *u);
   double *a = dlsi_take(arena, m, sizeof *a), *F = dlsi_take(arena, m, sizeof *F);
   double *best = dlsi_take(arena, m, sizeof *best);
@@ -135,7 +137,8 @@ static dls_nlgs *carve(dlsi_arena *arena, int d, int nc, const dls_nlgs_settings
   const dls_nlgs filled = {.settings = *settings,
                            .d = d,
                            .nc = nc,
-                           .block = block,
+                           .block_2d = block_2d,
+                           .block_3d = block_3d,
                            .w = w,
                            .u = u,
                            .a = a,
@@ -213,16 +216,17 @@ static int sweep_2d(const dls_nlgs *work, const dls_contact *problem, int first,
   int changed = 0;
   for (int c = first; c < end; c++) {
     double *rc = r + 2 * (size_t)c;
-    const double *uc = u + 2 * (size_t)c, *W = work->block + 4 * (size_t)c, mu = problem->mu[c];
+    const dlsi_block_2d *block = work->block_2d + c;
+    const double *uc = u + 2 * (size_t)c, *W = block->W;
     if (rc[0] == 0 && uc[0] >= 0) continue; /* (G0) */
     const double p[2] = {uc[0] - (W[0] * rc[0] + W[2] * rc[1]),
                          uc[1] - (W[1] * rc[0] + W[3] * rc[1])}; /* (G1) */
     double s[2];
-    const dls_local_state state = dlsi_local_2d(W, p, mu, s); /* (G2) */
+    const dls_local_state state = dlsi_local_2d(block, p, s); /* (G2) */
     if (omega != 1) {                                         /* (G3) */
       const double v[2] = {rc[0] + omega * (s[0] - rc[0]), rc[1] + omega * (s[1] - rc[1])};
       if (state != DLS_LOCAL_FREE || work->w[c] * v[0] > DBL_EPSILON * p[0])
-        dlsi_project_cone(2, mu, v, s);
+        dlsi_project_cone(2, block->mu, v, s);
     }
     const double dr[2] = {s[0] - rc[0], s[1] - rc[1]};
     if (dr[0] == 0 && dr[1] == 0) continue;
@@ -241,19 +245,20 @@ static int sweep_3d(const dls_nlgs *work, const dls_contact *problem, int first,
   int changed = 0;
   for (int c = first; c < end; c++) {
     double *rc = r + 3 * (size_t)c;
-    const double *uc = u + 3 * (size_t)c, *W = work->block + 9 * (size_t)c, mu = problem->mu[c];
+    const dlsi_block_3d *block = work->block_3d + c;
+    const double *uc = u + 3 * (size_t)c, *W = block->W;
     if (rc[0] == 0 && uc[0] >= 0) continue; /* (G0) */
     double p[3], s[3], v[3], dr[3];
     for (int i = 0; i < 3; i++)
       p[i] = uc[i] - (W[i] * rc[0] + W[i + 3] * rc[1] + W[i + 6] * rc[2]); /* (G1) */
     const double rt2 = rc[1] * rc[1] + rc[2] * rc[2], ut2 = uc[1] * uc[1] + uc[2] * uc[2];
     const double guess = rt2 > 0 ? sqrt(ut2 / rt2) : 0;              /* u_t = -l r_t */
-    const dls_local_state state = dlsi_local_3d(W, p, mu, guess, s); /* (G2) */
+    const dls_local_state state = dlsi_local_3d(block, p, guess, s); /* (G2) */
     if (omega != 1) {                                                /* (G3) */
       for (int i = 0; i < 3; i++)
         v[i] = rc[i] + omega * (s[i] - rc[i]);
       if (state != DLS_LOCAL_FREE || work->w[c] * v[0] > DBL_EPSILON * p[0])
-        dlsi_project_cone(3, mu, v, s);
+        dlsi_project_cone(3, block->mu, v, s);
     }
     for (int i = 0; i < 3; i++)
       dr[i] = s[i] - rc[i];
@@ -291,10 +296,9 @@ static int sweep(const dls_nlgs *work, const dls_contact *problem, double *r) {
   return changed;
 }
 
-/* The certificate's residual from the u at hand; scale = 1 / |q|. */
-static double estimate(const dls_nlgs *work, const dls_contact *problem, const double *r,
-                       double scale) {
-  const int d = problem->d;
+/* sum_c |F_c|^2 / |q|^2, scale = 1 / |q|; d in a parameter of its own for the compiler to see */
+static inline double squares(int d, const dls_nlgs *work, const dls_contact *problem,
+                             const double *r, double scale) {
   double sum = 0;
   for (int c = 0; c < problem->nc; c++) {
     const double *rc = r + (size_t)d * (size_t)c, *uc = work->u + (size_t)d * (size_t)c;
@@ -304,7 +308,14 @@ static double estimate(const dls_nlgs *work, const dls_contact *problem, const d
     for (int i = 0; i < d; i++)
       sum += (F[i] * scale) * (F[i] * scale);
   }
-  return sqrt(sum);
+  return sum;
+}
+
+/* The certificate's residual from the u at hand. */
+static double estimate(const dls_nlgs *work, const dls_contact *problem, const double *r,
+                       double scale) {
+  return sqrt(problem->d == 2 ? squares(2, work, problem, r, scale)
+                              : squares(3, work, problem, r, scale));
 }
 
 /* (G5) u := W r + q afresh, and the certificate */
@@ -327,25 +338,30 @@ static int project_start(const dls_contact *problem, double *r) {
   return outside;
 }
 
-/* Every r_c back on its cone, u by columns; what stands outside by rounding alone stays: most of those
- * that slip do, and the sweep replaces it. */
+/* dr := what r_c lacks to be on its cone; 0 if that is nothing but rounding, as it is for most of
+ * those that slip */
+static inline int lack(int d, double mu, const double *rc, double *dr) {
+  double p[3], size = 0, moved = 0;
+  if (dlsi_project_cone(d, mu, rc, p) == DLS_STICK) return 0;
+  for (int i = 0; i < d; i++) {
+    dr[i] = p[i] - rc[i];
+    size += fabs(rc[i]);
+    moved += fabs(dr[i]);
+  }
+  return !(moved <= 8 * DBL_EPSILON * size);
+}
+
+/* Every r_c back on its cone, u by columns. */
 static void repair(const dls_nlgs *work, const dls_contact *problem, double *r) {
   const int d = problem->d;
   batch dense = {0}, *b = problem->Wb.x ? NULL : &dense;
   for (int c = 0; c < problem->nc; c++) {
-    double *rc = r + (size_t)d * (size_t)c, p[3], dr[3];
-    if (dlsi_project_cone(d, problem->mu[c], rc, p) == DLS_STICK) continue;
-    double size = 0, moved = 0;
-    for (int i = 0; i < d; i++) {
-      dr[i] = p[i] - rc[i];
-      size += fabs(rc[i]);
-      moved += fabs(dr[i]);
-    }
-    if (moved <= 8 * DBL_EPSILON * size) continue;
+    double *rc = r + (size_t)d * (size_t)c, dr[3];
+    if (!(d == 2 ? lack(2, problem->mu[c], rc, dr) : lack(3, problem->mu[c], rc, dr))) continue;
     change(work, problem, c, dr, b);
     if (b && b->count == batch_size) flush(problem, b, work->u);
     for (int i = 0; i < d; i++)
-      rc[i] = p[i];
+      rc[i] += dr[i];
   }
   if (b) flush(problem, b, work->u);
 }
@@ -451,7 +467,7 @@ static int count_ambiguous(const dls_nlgs *work, const dls_contact *problem, con
   const int d = problem->d;
   int ambiguous = 0;
   for (int c = 0; c < problem->nc; c++) {
-    const double *W = work->block + (size_t)(d * d) * (size_t)c;
+    const double *W = d == 2 ? work->block_2d[c].W : work->block_3d[c].W;
     const double *rc = r + (size_t)d * (size_t)c, *uc = u + (size_t)d * (size_t)c;
     double p[3], s[3];
     for (int i = 0; i < d; i++) {
@@ -471,10 +487,17 @@ dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const doubl
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   work->E = E;
   work->tol = tol;
-  dlsi_contact_blocks(problem, work->block, work->w);
-  for (size_t c = 0; E && c < m / d; c++)
-    for (size_t i = 0; i < d; i++)
-      work->block[d * d * c + (d + 1) * i] += E[c];
+  for (size_t c = 0; c < m / d; c++) {
+    double W[9];
+    dlsi_contact_diagonal(problem, (int)c, W);
+    for (size_t i = 0; E && i < d; i++)
+      W[(d + 1) * i] += E[c];
+    if (d == 2)
+      dlsi_block_2d_set(&work->block_2d[c], W, problem->mu[c]);
+    else
+      dlsi_block_3d_set(&work->block_3d[c], W, problem->mu[c]);
+  }
+  dlsi_contact_weights(problem, work->w);
   if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
     memset(r, 0, m * sizeof *r);
   *iterations = 0;

@@ -9,11 +9,31 @@
 #include "delassus/reduction.h"
 #include "dlsi.h"
 
-/* dls_nlgs_local without the count, for the sweep. W is d x d, column-major, leading dimension d.
- * guess (3D): where to look first for l >= 0 in u_t = -l r_t, such as |u_t| / |r_t| before; 0 for
- * none. */
-dls_local_state dlsi_local_2d(const double *W, const double *q, double mu, double *r);
-dls_local_state dlsi_local_3d(const double *W, const double *q, double mu, double guess, double *r);
+/* A candidate's own block W_cc (d x d, column-major) and what does not hang on q in its solution:
+ * local.c has the formulas. */
+typedef struct dlsi_block_2d {
+  double W[4], mu;
+  double f, inv_pivot, inv_s; /* stick: elimination, */
+  double inv_slip[2];         /* slip: 1 / (W_nn -+ mu W_nt) */
+  int p;                      /* ... by row p */
+} dlsi_block_2d;
+
+typedef struct dlsi_block_3d {
+  double W[9], mu;
+  double inv_a, c[2];        /* (L2): 1 / W_nn, the column below times it, */
+  double S[4], det, trace;   /* Schur's complement, */
+  double f, u01, inv0, inv1; /* its LU factors, rows pivoted, */
+  double scale;              /* and a size for l */
+  int p;
+} dlsi_block_3d;
+
+void dlsi_block_2d_set(dlsi_block_2d *block, const double *W, double mu);
+void dlsi_block_3d_set(dlsi_block_3d *block, const double *W, double mu);
+
+/* dls_nlgs_local without the count, for the sweep. guess (3D): where to look first for l >= 0 in
+ * u_t = -l r_t, such as |u_t| / |r_t| before; 0 for none. */
+dls_local_state dlsi_local_2d(const dlsi_block_2d *block, const double *q, double *r);
+dls_local_state dlsi_local_3d(const dlsi_block_3d *block, const double *q, double guess, double *r);
 
 /* K with the unknowns of each contact node turned into its local frame (frames.c). */
 typedef struct dlsi_frames {

@@ -38,7 +38,7 @@ typedef struct dls_newton dls_newton;
 
 /* *out = new workspace, NULL on error; the settings are copied. With m = d nc it holds
  *
- *   (13 + d) m + 9 nc doubles (without sweeps 9 m + 8 nc), and for the matrix
+ *   13 m + 20 nc doubles (d = 3: 34 nc; without sweeps 9 m + 8 nc), and for the matrix
  *   sparse: 0 < blocks < nc^2 / 4, m > 250, and MUMPS is there
  *           250^2 doubles; 2 doubles and 3 ints for each of d d blocks + m entries
  *   dense:  m^2 doubles

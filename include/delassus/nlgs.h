@@ -38,8 +38,8 @@ DLS_API void dls_nlgs_settings_init(dls_nlgs_settings *settings);
 /* A workspace for problems of dimension d with at most nc candidates; reused over time steps. */
 typedef struct dls_nlgs dls_nlgs;
 
-/* *out = new workspace, NULL on error. It holds (4 + d) m + nc doubles, m = d nc, with acceleration
- * (4 + 3 k) m + (2 k + 3) k more, k = window (Aitken: 1), and up to 2 kB; the settings are copied.
+/* *out = new workspace, NULL on error. It holds 4 m + 12 nc doubles (d = 3: 26 nc), m = d nc, with
+ * acceleration (4 + 3 k) m + (2 k + 3) k more, k = window (Aitken: 1), and up to 2 kB; the settings are copied.
  * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_nlgs_create(dls_nlgs **out, int d, int nc,
                                                 const dls_nlgs_settings *settings,
