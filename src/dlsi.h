@@ -123,6 +123,10 @@ void dlsi_contact_add_blocks(const dls_contact *problem, int c, const double *dr
 void dlsi_contact_add_panel(const dls_contact *problem, int count, const int *c, const double *dr,
                             size_t first, size_t end, double *u);
 
+/* y := A^T x and y -= A x for A (m x n, column-major, leading dimension m). */
+void dlsi_panel_dot(size_t m, int n, const double *A, const double *x, double *y);
+void dlsi_panel_subtract(size_t m, int n, const double *A, const double *x, double *y);
+
 /* u += W(:,c) dr and a += |W(:,c)| |dr| for the d columns of candidate c, W dense. */
 void dlsi_contact_add_both(const dls_contact *problem, int c, const double *dr, double *u,
                            double *a);

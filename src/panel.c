@@ -146,3 +146,59 @@ CLONES static void add_blocks_3d(const dls_blocks *B, int c, const double *dr, d
 void dlsi_contact_add_blocks(const dls_contact *problem, int c, const double *dr, double *u) {
   (problem->d == 2 ? add_blocks_2d : add_blocks_3d)(&problem->Wb, c, dr, u);
 }
+
+/* ---- a few columns --------------------------------------------------------------------------- */
+
+typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
+
+/* y[0], y[1] := a.x, b.x */
+CLONES static void dot_two(size_t m, const double *a, const double *b, const double *x, double *y) {
+  four s = {0}, t = {0};
+  size_t i = 0;
+  for (; i + 4 <= m; i += 4) {
+    const four v = *(const four *)(x + i);
+    s += *(const four *)(a + i) * v;
+    t += *(const four *)(b + i) * v;
+  }
+  y[0] = (s[0] + s[1]) + (s[2] + s[3]);
+  y[1] = (t[0] + t[1]) + (t[2] + t[3]);
+  for (; i < m; i++) {
+    y[0] += a[i] * x[i];
+    y[1] += b[i] * x[i];
+  }
+}
+
+void dlsi_panel_dot(size_t m, int n, const double *A, const double *x, double *y) {
+  for (int j = 0; j < n; j += 2) {
+    const double *a = A + (size_t)j * m, *b = j + 1 < n ? a + m : a;
+    double two[2];
+    dot_two(m, a, b, x, two);
+    y[j] = two[0];
+    if (j + 1 < n) y[j + 1] = two[1];
+  }
+}
+
+/* y -= A x for two columns, for four */
+CLONES static void subtract_two(size_t m, column a, column b, const double *x, double *restrict y) {
+  const double x0 = x[0], x1 = x[1];
+  for (size_t i = 0; i < m; i++)
+    y[i] -= a[i] * x0 + b[i] * x1;
+}
+
+CLONES static void subtract_four(size_t m, column a, const double *x, double *restrict y) {
+  column b = a + m, c = b + m, d = c + m;
+  const double x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
+  for (size_t i = 0; i < m; i++)
+    y[i] -= (a[i] * x0 + b[i] * x1) + (c[i] * x2 + d[i] * x3);
+}
+
+void dlsi_panel_subtract(size_t m, int n, const double *A, const double *x, double *y) {
+  int j = 0;
+  for (; j + 4 <= n; j += 4)
+    subtract_four(m, A + (size_t)j * m, x + j, y);
+  for (; j < n; j += 2) {
+    const double last[2] = {x[j], j + 1 < n ? x[j + 1] : 0};
+    const double *a = A + (size_t)j * m;
+    subtract_two(m, a, j + 1 < n ? a + m : a, last, y);
+  }
+}

@@ -11,19 +11,20 @@
  *
  * (A2) by the normal equations: one new row of DF^T DF per step, its columns scaled to length 1, and
  * Cholesky from the newest column to the oldest. A column that is a combination of newer ones up to
- * `dependent` of its length gets gamma = 0.
+ * `dependent` of its length gets gamma = 0. DF^T f_k is that of the step before and the new row,
+ * f_k being f_k-1 + df: one pass over DF does for both.
  *
  * Source: Anderson 1965; Walker and Ni, SIAM J. Numer. Anal. 49 (2011), type II. With window = 1 it is
  * Aitken's process for vectors in the form of Irons and Tuck 1969. Deviation: Walker and Ni update a
  * QR factorisation; the Gram matrix costs less, and its rounding, half of the digits of gamma, is an
  * error in the choice of x_k+1, not in the fixed point.
  *
- * Cost of a step: 4 window m multiplications, and window^3 / 6.
+ * Cost of a step: 3 window m multiplications, and window^3 / 6. The loops are those of panel.c: a BLAS
+ * takes as long for its call where m is small, and threads where it is not.
  */
 #include <math.h>
 #include <string.h>
 
-#include "blas.h"
 #include "vi_internal.h"
 
 /* the Gram matrix knows a sine of less than sqrt(eps) as nothing but rounding */
@@ -71,63 +72,72 @@ static void remember(dlsi_anderson *a, size_t m, const double *f, const double *
   a->started = 1;
 }
 
-/* (A2); 0 if gamma is too large, or not finite */
-static int minimise(dlsi_anderson *a, int m, double *gamma) {
-  const int n = a->columns, k = a->window, one = 1;
-  const double unit = 1, zero = 0;
-  double *L = a->L, *row = a->work + k, *b = a->work + 2 * (size_t)k;
-  dgemv_("T", &m, &n, &unit, a->DF, &m, a->DF + (size_t)a->newest * (size_t)m, &one, &zero, row,
-         &one, 1);
-  dgemv_("T", &m, &n, &unit, a->DF, &m, a->f, &one, &zero, b, &one, 1);
-  for (int j = 0; j < n; j++)
-    a->gram[j + k * a->newest] = a->gram[a->newest + k * j] = row[j];
+/* index of the i-th newest column */
+static int column(const dlsi_anderson *a, int i) {
+  return a->newest >= i ? a->newest - i : a->newest - i + a->columns;
+}
 
-  /* i = 0, 1, .. are the columns at[i] from the newest to the oldest; L L^T = the scaled Gram matrix,
-   * row by row; b := L^-1 b on the way */
-  double *scale = row;
+/* The new row of the scaled Gram matrix, in the place of whose diagonal stands 1 / |df_j|; b := DF^T f */
+static void new_row(dlsi_anderson *a, size_t m, double *row, double *b) {
+  const int n = a->columns, new = a->newest;
+  const size_t k = (size_t)a->window, at = (size_t) new;
+  const double *df = a->DF + at * m;
+  dlsi_panel_dot(m, n, a->DF, df, row);
+  for (int j = 0; j < n; j++)
+    b[j] += row[j];
+  dlsi_panel_dot(m, 1, df, a->f, b + new);
+  const double scale = 1 / sqrt(row[new]);
+  for (size_t j = 0; j < (size_t)n; j++)
+    if (j != at) a->gram[j + k * at] = a->gram[at + k * j] = row[j] * scale * a->gram[(k + 1) * j];
+  a->gram[(k + 1) * at] = scale;
+}
+
+/* (A2); 0 if gamma is too large, or not finite */
+static int minimise(dlsi_anderson *a, size_t m, double *gamma) {
+  const int n = a->columns, k = a->window;
+  double *L = a->L, *y = a->work + k, *b = a->work + 2 * (size_t)k;
+  new_row(a, m, y, b);
+
+  /* i = 0, 1, .. from the newest column to the oldest; L L^T = the scaled Gram matrix, row by row;
+   * y := L^-1 b on the way */
   for (int i = 0; i < n; i++) {
-    const int at = (a->newest - i + n) % n;
-    scale[i] = 1 / sqrt(a->gram[at + k * at]);
-    double pivot = 1, y = b[at] * scale[i];
+    const int at = column(a, i);
+    double pivot = 1, yi = b[at] * a->gram[at + k * at];
     for (int j = 0; j < i; j++) {
-      const int aj = (a->newest - j + n) % n;
-      double s = a->gram[at + k * aj] * scale[i] * scale[j];
+      double s = a->gram[column(a, j) + k * at];
       for (int l = 0; l < j; l++)
         s -= L[l + k * i] * L[l + k * j];
       s *= L[j + k * j]; /* 1 / pivot, 0 for a column left out */
       L[j + k * i] = s;
       pivot -= s * s;
-      y -= s * gamma[j];
+      yi -= s * y[j];
     }
     const int independent = pivot > dependent * dependent;
     L[i + k * i] = independent ? 1 / sqrt(pivot) : 0;
-    gamma[i] = independent ? y * L[i + k * i] : 0;
+    y[i] = independent ? yi * L[i + k * i] : 0;
   }
-  for (int i = n - 1; i >= 0; i--) { /* L^-T */
-    for (int j = i + 1; j < n; j++)
-      gamma[i] -= L[i + k * j] * gamma[j];
-    gamma[i] *= L[i + k * i];
-  }
-  for (int i = 0; i < n; i++)
-    b[(a->newest - i + n) % n] = gamma[i] * scale[i];
-  memcpy(gamma, b, (size_t)n * sizeof *b);
   double sum = 0;
-  for (int i = 0; i < n; i++)
-    sum += fabs(gamma[i]);
+  for (int i = n - 1; i >= 0; i--) { /* L^-T */
+    const int at = column(a, i);
+    for (int j = i + 1; j < n; j++)
+      y[i] -= L[i + k * j] * y[j];
+    y[i] *= L[i + k * i];
+    gamma[at] = y[i] * a->gram[at + k * at];
+    sum += fabs(gamma[at]);
+  }
   return sum <= largest;
 }
 
-int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, double *u) {
-  remember(a, (size_t)m, f, g, u);
+int dlsi_anderson_step(dlsi_anderson *a, int rows, const double *f, double *g, double *u) {
+  const size_t m = (size_t)rows;
+  remember(a, m, f, g, u);
   if (!a->columns) return 0;
   double *gamma = a->work;
   if (!minimise(a, m, gamma)) {
     dlsi_anderson_clear(a);
     return 0;
   }
-  const double minus = -1, unit = 1;
-  const int n = a->columns, one = 1; /* (A3) */
-  dgemv_("N", &m, &n, &minus, a->DG, &m, gamma, &one, &unit, g, &one, 1);
-  if (u) dgemv_("N", &m, &n, &minus, a->DU, &m, gamma, &one, &unit, u, &one, 1);
+  dlsi_panel_subtract(m, a->columns, a->DG, gamma, g); /* (A3) */
+  if (u) dlsi_panel_subtract(m, a->columns, a->DU, gamma, u);
   return 1;
 }

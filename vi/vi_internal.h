@@ -68,7 +68,7 @@ typedef struct dlsi_anderson {
   double *DF, *DG, *DU; /* m window; DU and u may be NULL: no u */
   double *f, *g, *u;    /* m  of the last step taken */
   double *gram, *L;     /* window^2 */
-  double *work;         /* 3 window */
+  double *work;         /* 3 window; from 2 window on: DF^T f */
 } dlsi_anderson;
 
 void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window, int with_u);
