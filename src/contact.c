@@ -77,18 +77,17 @@ static void multiply_dense(const dls_contact *problem, const double *r, double *
   dlsi_contact_add_panel(problem, count, c, dr, 0, m, u);
 }
 
-/* a += |W| |r| */
-static void add_magnitudes(const dls_contact *problem, const double *r, double *a) {
-  const size_t d = (size_t)problem->d;
-  const dls_blocks *B = &problem->Wb;
-  for (size_t c = 0; c < (size_t)problem->nc; c++) {
-    if (is_zero(d, r + d * c)) continue;
-    for (int k = B->p[c]; k < B->p[c + 1]; k++) {
-      double *ak = a + d * (size_t)B->i[k];
-      const double *x = B->x + (size_t)k * d * d;
-      for (size_t j = 0; j < d; j++, x += d)
-        for (size_t i = 0; i < d; i++)
-          ak[i] += fabs(x[i]) * fabs(r[d * c + j]);
+/* a += |W(:,c)| |rc|, W by blocks */
+static inline void add_magnitudes(size_t d, const dls_blocks *B, size_t c, const double *rc,
+                                  double *a) {
+  for (int k = B->p[c]; k < B->p[c + 1]; k++) {
+    const double *x = B->x + d * d * (size_t)k;
+    double *b = a + d * (size_t)B->i[k];
+    for (size_t i = 0; i < d; i++) {
+      double sum = 0;
+      for (size_t j = 0; j < d; j++)
+        sum += fabs(x[i + d * j]) * fabs(rc[j]);
+      b[i] += sum;
     }
   }
 }
@@ -101,9 +100,16 @@ void dlsi_contact_multiply(const dls_contact *problem, const double *r, double *
     multiply_dense(problem, r, u, a);
     return;
   }
-  for (int c = 0; c < problem->nc; c++)
-    if (!is_zero(d, r + d * (size_t)c)) dlsi_contact_add_columns(problem, c, r + d * (size_t)c, u);
-  if (a) add_magnitudes(problem, r, a);
+  for (int c = 0; c < problem->nc; c++) {
+    const double *rc = r + d * (size_t)c;
+    if (is_zero(d, rc)) continue;
+    dlsi_contact_add_blocks(problem, c, rc, u);
+    if (!a) continue;
+    if (d == 2)
+      add_magnitudes(2, &problem->Wb, (size_t)c, rc, a);
+    else
+      add_magnitudes(3, &problem->Wb, (size_t)c, rc, a);
+  }
 }
 
 /* ---- blocks by component --------------------------------------------------------------------- */

@@ -159,8 +159,13 @@ static inline dls_contact_state dlsi_project_cone(int d, double mu, const double
     return DLS_FREE;
   }
   p[0] = (v[0] + mu * t) / (1 + mu * mu);
-  for (int i = 1; i < d; i++)
-    p[i] = mu * p[0] * (v[i] / t);
+  if (d == 2)
+    p[1] = copysign(mu * p[0], v[1]);
+  else {
+    const double k = mu * p[0] / t;
+    p[1] = k * v[1];
+    p[2] = k * v[2];
+  }
   return DLS_SLIP;
 }
 

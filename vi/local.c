@@ -23,7 +23,7 @@
  * u_n = 0 and |r_t| = mu r_n hold to rounding; what is left is the angle between u_t and -r_t.
  * A singular S needs no care: its stick solutions are the limit l -> 0 of (L4). r_t(l) is had by
  * Cramer's rule, one division: (L5) takes no more than its direction. Stick takes its length, too, so
- * that (L3) is by LU; it is not tried where h(0) > 0 shows without a division.
+ * that (L3) is by the LU factors of S, which W_cc alone gives.
  *
  * (L4) squared is a quartic in l: its positive roots give all slip solutions in 3D, and so
  * how many solutions there are. That is for the count, and for W that is not positive semidefinite,
@@ -47,9 +47,6 @@ static const double same = 1e-8;
 
 /* a step of this part of l: the next one would be of its square */
 static const double last_step = 1e-8;
-
-/* the rounding of det, N and E, over a condition of S of up to 1 / doubt, stays far below this */
-static const double doubt = 1e-6;
 
 static dls_local_state set(int d, double *r, double n, double t, double s, dls_local_state state) {
   r[0] = n;
@@ -101,17 +98,15 @@ static dls_local_state least_bad(int d, const double *W, const double *q, double
 
 /* ---- 2D -------------------------------------------------------------------------------------- */
 
-void dlsi_block_2d_set(dlsi_block_2d *block, const double *W, double mu) {
-  const int p = fabs(W[1]) > fabs(W[0]); /* the pivot row; the other one is 1 - p */
-  const double inv_pivot = 1 / W[p], f = W[1 - p] * inv_pivot, s = W[3 - p] - f * W[2 + p];
-  const dlsi_block_2d b = {.W = {W[0], W[1], W[2], W[3]},
-                           .mu = mu,
-                           .f = f,
-                           .inv_pivot = inv_pivot,
-                           .inv_s = 1 / s,
-                           .inv_slip = {1 / (W[0] - mu * W[2]), 1 / (W[0] + mu * W[2])},
-                           .p = p};
-  *block = b;
+void dlsi_block_2d_set(dlsi_block_2d *b, const double *W, double mu) {
+  memcpy(b->W, W, sizeof b->W);
+  b->mu = mu;
+  b->p = fabs(W[1]) > fabs(W[0]); /* the pivot row; the other one is 1 - p */
+  b->inv_pivot = 1 / W[b->p];
+  b->f = W[1 - b->p] * b->inv_pivot;
+  b->inv_s = 1 / (W[3 - b->p] - b->f * W[2 + b->p]);
+  b->inv_slip[0] = 1 / (W[0] - mu * W[2]);
+  b->inv_slip[1] = 1 / (W[0] + mu * W[2]);
 }
 
 /* W r = -q by elimination; 1 if r is in the cone and not 0. */
@@ -169,26 +164,25 @@ static int count_2d(const dlsi_block_2d *b, const double *q) {
 
 /* ---- 3D -------------------------------------------------------------------------------------- */
 
-void dlsi_block_3d_set(dlsi_block_3d *block, const double *W, double mu) {
-  const double inv_a = 1 / W[0], c0 = W[1] * inv_a, c1 = W[2] * inv_a, b0 = W[3], b1 = W[6];
-  const double S[4] = {W[4] - c0 * b0, W[5] - c1 * b0, W[7] - c0 * b1, W[8] - c1 * b1};
-  const int p = fabs(S[1]) > fabs(S[0]);
-  const double inv0 = 1 / S[p], f = S[1 - p] * inv0, u01 = S[2 + p];
-  const double scale = 0.5 * (fabs(W[4]) + fabs(W[8]));
-  const dlsi_block_3d b = {.mu = mu,
-                           .inv_a = inv_a,
-                           .c = {c0, c1},
-                           .S = {S[0], S[1], S[2], S[3]},
-                           .det = S[0] * S[3] - S[1] * S[2],
-                           .trace = S[0] + S[3],
-                           .f = f,
-                           .u01 = u01,
-                           .inv0 = inv0,
-                           .inv1 = 1 / (S[3 - p] - f * u01),
-                           .scale = scale > 0 ? scale : W[0],
-                           .p = p};
-  *block = b;
-  memcpy(block->W, W, sizeof block->W);
+void dlsi_block_3d_set(dlsi_block_3d *b, const double *W, double mu) {
+  double *S = b->S, *c = b->c;
+  memcpy(b->W, W, sizeof b->W);
+  b->mu = mu;
+  b->inv_a = 1 / W[0];
+  for (int i = 0; i < 2; i++) {
+    c[i] = W[1 + i] * b->inv_a;
+    S[i] = W[4 + i] - c[i] * W[3];
+    S[2 + i] = W[7 + i] - c[i] * W[6];
+  }
+  b->det = S[0] * S[3] - S[1] * S[2];
+  b->trace = S[0] + S[3];
+  b->p = fabs(S[1]) > fabs(S[0]);
+  b->inv0 = 1 / S[b->p];
+  b->f = S[1 - b->p] * b->inv0;
+  b->u01 = S[2 + b->p];
+  b->inv1 = 1 / (S[3 - b->p] - b->f * b->u01);
+  b->scale = 0.5 * (fabs(W[4]) + fabs(W[8]));
+  if (!(b->scale > 0)) b->scale = W[0];
 }
 
 /* (L2), and what (L4) needs at one l */
@@ -221,21 +215,14 @@ static double normal(const schur *s, const double *t) {
   return -(s->qn + s->b[0] * t[0] + s->b[1] * t[1]) * s->block->inv_a;
 }
 
-/* (L5) along t; 1 if r_n > 0 and all is finite */
+/* (L5) along t, k = r_n / |t|; 1 if r_n > 0 and all is finite */
 static int on_cone(const schur *s, const double *t, double *r) {
-  const double n = sqrt(t[0] * t[0] + t[1] * t[1]), e0 = t[0] / n, e1 = t[1] / n;
-  r[0] = -s->qn / (s->a + s->mu * (s->b[0] * e0 + s->b[1] * e1));
-  r[1] = s->mu * r[0] * e0;
-  r[2] = s->mu * r[0] * e1;
+  const double n = sqrt(t[0] * t[0] + t[1] * t[1]);
+  const double k = -s->qn / (s->a * n + s->mu * (s->b[0] * t[0] + s->b[1] * t[1]));
+  r[0] = k * n;
+  r[1] = s->mu * k * t[0];
+  r[2] = s->mu * k * t[1];
   return r[0] > 0 && s->mu * r[0] <= DBL_MAX && r[0] <= DBL_MAX && n <= DBL_MAX;
-}
-
-/* 1 only if h(0) > 0, beyond doubt: there r_t = -N / det, r_n = -E / (a det) */
-static int slides(const schur *s) {
-  const double E = s->qn * s->block->det - (s->b[0] * s->N[0] + s->b[1] * s->N[1]);
-  const double t2 = s->N[0] * s->N[0] + s->N[1] * s->N[1], m = s->mu * E * s->block->inv_a;
-  return s->block->det > doubt * s->block->trace * s->block->trace &&
-         (E >= 0 || t2 * (1 - doubt) > m * m);
 }
 
 /* (L3): 1 if r is in the cone */
@@ -387,7 +374,7 @@ dls_local_state dlsi_local_3d(const dlsi_block_3d *b, const double *q, double gu
   if (b->mu == 0) return frictionless(3, b->W, q, r);
   if (!(b->W[0] > 0)) return least_bad(3, b->W, q, b->mu, &apart, 1, r);
   const schur s = schur_complement(b, q);
-  if (!slides(&s) && stick_3d(&s, r)) return DLS_LOCAL_STICK;
+  if (stick_3d(&s, r)) return DLS_LOCAL_STICK;
   const dls_local_state state = slip_3d(&s, guess, r);
   if (state != DLS_LOCAL_NONE) return state;
   point points[6] = {apart, {.state = DLS_LOCAL_STICK}};

@@ -381,11 +381,7 @@ static void accelerate(dls_nlgs *work, const dls_contact *problem, double residu
     for (size_t c = 0; c < m / d; c++)
       for (size_t i = d * c; i < d * (c + 1); i++)
         work->F[i] = scale * work->w[c] * (r[i] - work->x[i]);
-    memcpy(work->x, r, m * sizeof *r);
-    if (dlsi_anderson_step(history, (int)m, work->F, work->x, work->u)) {
-      memcpy(r, work->x, m * sizeof *r);
-      repair(work, problem, r);
-    }
+    if (dlsi_anderson_step(history, (int)m, work->F, r, work->u)) repair(work, problem, r);
   }
   memcpy(work->x, r, m * sizeof *r);
 }
