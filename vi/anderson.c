@@ -10,7 +10,7 @@
  * has none does without.
  *
  * (A2) by the normal equations: one new row of DF^T DF per step, its columns scaled to length 1, and
- * Cholesky from the newest column to the oldest. A column that is a combination of newer ones up to
+ * L D L^T from the newest column to the oldest. A column that is a combination of newer ones up to
  * `dependent` of its length gets gamma = 0. DF^T f_k is that of the step before and the new row,
  * f_k being f_k-1 + df: one pass over DF does for both.
  *
@@ -98,30 +98,32 @@ static int minimise(dlsi_anderson *a, size_t m, double *gamma) {
   double *L = a->L, *y = a->work + k, *b = a->work + 2 * (size_t)k;
   new_row(a, m, y, b);
 
-  /* i = 0, 1, .. from the newest column to the oldest; L L^T = the scaled Gram matrix, row by row;
-   * y := L^-1 b on the way */
+  /* i = 0, 1, .. from the newest column to the oldest; L D L^T = the scaled Gram matrix, row by row,
+   * 1 / D on the diagonal, 0 for a column left out; y := L^-1 b on the way */
   for (int i = 0; i < n; i++) {
     const int at = column(a, i);
-    double pivot = 1, yi = b[at] * a->gram[at + k * at];
-    for (int j = 0; j < i; j++) {
-      double s = a->gram[column(a, j) + k * at];
+    double *row = L + k * i, pivot = 1;
+    for (int j = 0; j < i; j++) { /* the row of L D */
+      const double *above = L + k * j;
+      row[j] = a->gram[column(a, j) + k * at];
       for (int l = 0; l < j; l++)
-        s -= L[l + k * i] * L[l + k * j];
-      s *= L[j + k * j]; /* 1 / pivot, 0 for a column left out */
-      L[j + k * i] = s;
-      pivot -= s * s;
-      yi -= s * y[j];
+        row[j] -= row[l] * above[l];
     }
-    const int independent = pivot > dependent * dependent;
-    L[i + k * i] = independent ? 1 / sqrt(pivot) : 0;
-    y[i] = independent ? yi * L[i + k * i] : 0;
+    y[i] = b[at] * a->gram[at + k * at];
+    for (int j = 0; j < i; j++) {
+      const double l = row[j] * L[j + k * j];
+      pivot -= l * row[j];
+      y[i] -= l * y[j];
+      row[j] = l;
+    }
+    row[i] = pivot > dependent * dependent ? 1 / pivot : 0;
   }
   double sum = 0;
-  for (int i = n - 1; i >= 0; i--) { /* L^-T */
+  for (int i = n - 1; i >= 0; i--) { /* (L D)^-T */
     const int at = column(a, i);
+    y[i] *= L[i + k * i];
     for (int j = i + 1; j < n; j++)
       y[i] -= L[i + k * j] * y[j];
-    y[i] *= L[i + k * i];
     gamma[at] = y[i] * a->gram[at + k * at];
     sum += fabs(gamma[at]);
   }
