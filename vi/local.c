@@ -408,7 +408,7 @@ static dls_local_state local_2d(const double *W, const double *q, double mu, dou
 
 static dls_local_state local_3d(const double *W, const double *q, double mu, double *r,
                                 int *count) {
-  dlsi_block_3d b;
+  dlsi_block_3d b = {0};
   dlsi_block_3d_set(&b, W, mu);
   if (count) *count = count_3d(&b, q);
   return dlsi_local_3d(&b, q, 0, r);

@@ -356,7 +356,7 @@ static void repair(const dls_nlgs *work, const dls_contact *problem, double *r) 
   const int d = problem->d;
   batch dense = {0}, *b = problem->Wb.x ? NULL : &dense;
   for (int c = 0; c < problem->nc; c++) {
-    double *rc = r + (size_t)d * (size_t)c, dr[3];
+    double *rc = r + (size_t)d * (size_t)c, dr[3] = {0};
     if (!(d == 2 ? lack(2, problem->mu[c], rc, dr) : lack(3, problem->mu[c], rc, dr))) continue;
     change(work, problem, c, dr, b);
     if (b && b->count == batch_size) flush(problem, b, work->u);
