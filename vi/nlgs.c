@@ -44,7 +44,7 @@
  * (G6) with two sweeps is what [Chabrand 1998] 4.2 names (Aitken, after Raous, Barbosa and Latil).
  *
  * Cost of a sweep: the columns of W of the candidates that changed, once; besides O(nc). Accelerated:
- * (4 window + 10) m operations or so, and the columns of the candidates that (G6) projects.
+ * (3 window + 10) m operations or so, and the columns of the candidates that (G6) projects.
  * What can fail: nothing guarantees convergence with friction. It can cycle for ever (W SPD and mu = 1
  * suffice, tests/test_nlgs.c), and needs many sweeps for ill-conditioned W. A candidate without a
  * local solution (W_cc indefinite, or wedged by a large mu) gets the least bad point; the certificate
