@@ -3,27 +3,31 @@
  * certificate holds.
  *
  *   (S1)  accelerated sweeps of Gauss-Seidel (Anderson)
+ *   (S3)  up to 200 iterations of ADMM; W dense, k >= 150, (F5) below (F1) and (F2)
  *   (S2)  Newton's method
- *   (S3)  up to 200 iterations of ADMM; W dense, k >= 250, (F1) > 100 + 2 (F4)
- *         (S1) and (S2) three times more
+ *         (S3) if not before; (S1) and (S2) three times more
  *   (S4)  the augmented Lagrangian
  *   (S5)  Lemke's method, up to DLS_AUTO_LEMKE_2D or _3D candidates
  *         (S1), (S2), (S1), (S2), (S1)
  *
- * (S1) and (S2) give way to each other by what they expect to cost yet, in sweeps. With e the
- * residual of the certificate and e* the one that is asked for:
+ * They give way to each other by what they expect to cost yet, in sweeps. With e the residual of the
+ * certificate and e* the one that is asked for:
  *
  *   (F1)  sweeps:  log(e / e*) / rate; rate: the mean of the decrease of log e per sweep since the
  *         stage began, sweep k with the weight k, so that it is the last half that counts
- *   (F2)  Newton's method, not begun: s steps, s = 2, 6, 12, 24, .. after 0, 1, 2, 3, .. failures
- *   (F3)  Newton's method, under way: log(e / e*) over the last decrease of log e; 6 steps if the
- *         first one went up, which it does where W is singular or the states are not sorted yet
+ *   (F2)  Newton's method, not begun: s steps, s = 2, 6, 12, 24, .. after 0, 1, 2, 3, .. failures.
+ *         W dense, no failure: s = d - 1 + min(n / 2, 5), n the candidates that have changed their
+ *         state in the last 5 sweeps
+ *   (F3)  Newton's method, under way: log(e / e*) over the last decrease of log e; W dense: the
+ *         steps in which a decrease that doubles each time gets there. 6 steps if the first one went
+ *         up, which it does where W is singular or the states are not sorted yet
  *   (F4)  a step costs min(k / 6, 50) sweeps, k being the unknowns that the states of r leave; for
  *         W dense not less than k^2 / (50 m): k^3 of an LU over k m of a sweep
+ *   (F5)  ADMM: 100 + 2 (F4): some 50 iterations of two sweeps, one to three factorisations
  *
- *   (C1)  From sweep 20 on (warm: 10; doubled by each failure) sweeps end when (F1) > (F2). After
- *         a failure and before they have cost half of (F2), it takes (F1) > 4 (F2): the start of an
- *         acceleration is its slowest part.
+ *   (C1)  From sweep 10 on (warm: 5; W by blocks: 20, 10; doubled by each failure) sweeps end when
+ *         (F1) > (F2) or (F5). After a failure and before they have cost half of (F2), it takes four
+ *         times as much: the start of an acceleration is its slowest part.
  *   (C2)  Steps end when p of them brought no new least e of their stage, p = 2, 4, 8, 12, ..
  *         after 0, 1, 2, 3, .. failures; before any failure also when (F3) > (F1) as it was at the
  *         end of the sweeps.
@@ -31,14 +35,18 @@
  * So a wrong forecast costs a few steps first, and is believed less each time. Nothing is measured
  * by a clock: the same input takes the same stages to the same bits.
  *
+ * W dense is what an elastic body leaves, regular: the step of Newton's method with the right states
+ * is exact in 2D, and two do in 3D. W by blocks comes from many bodies, often rigid ones; it is then
+ * singular, and steps converge slowly. Both only bear on the order of the stages.
+ *
  * If (S4) sees the reactions run away and (S5), where there is room for it, finds no solution, the
  * answer is DLS_NO_SOLUTION_LIKELY; DLS_NO_SOLUTION if (S5) has a proof.
  *
- * (F4) was measured up to m = 14004: README.md of this folder, with the command. 20 sweeps before
- * the first step are those of newton.c. Of the steps expected, 2 is what Newton's method takes where
- * W is regular and the states are right, and 6 what it takes in all where W is singular and it
- * converges (6 to 8: vi/README.md). Where (S3) is quicker than more of the others: vi/README.md, and
- * README.md of this folder. What can fail: every method; then DLS_STALLED with the best r.
+ * (F4) was measured up to m = 14004: README.md of this folder, with the command. Of the steps
+ * expected, 2 is what Newton's method takes where W is regular and the states are right, and 6 what
+ * it takes in all where W is singular and it converges (6 to 8: vi/README.md); n / 2: README.md of this
+ * folder. Where (S3) is quicker than more of the others: vi/README.md, and README.md of this folder.
+ * What can fail: every method; then DLS_STALLED with the best r.
  */
 #include <float.h>
 #include <math.h>
@@ -50,9 +58,9 @@
 #include "delassus/newton.h"
 #include "solve_internal.h"
 
-enum { cold_sweeps = 20, warm_sweeps = 10, look_every = 5 };
-enum { steps_after_rise = 6, most_failures = 5 };
-enum { split_unknowns = 250, split_iterations = 200 }; /* (S3) */
+enum { look_every = 5 }; /* sweeps */
+enum { steps_after_rise = 6, most_steps_to_sort = 5, most_failures = 5 };
+enum { split_unknowns = 150, split_iterations = 200 }; /* (S3) */
 
 static const int steps_expected[] = {2, 6, 12, 24, 48, 96}; /* (F2), by failures */
 static const int patience[] = {2, 4, 8, 12, 12, 12};        /* (C2) */
@@ -73,29 +81,51 @@ struct dlsi_auto {
   dls_info info;          /* its certificate is that of best */
   int cancelled, limited; /* by the caller's callback, by settings.max_iterations */
   int failures;           /* of Newton's method */
+  int has_split;          /* (S3) has been tried */
+  double steps;           /* of Newton's method, (F2) */
   double ahead;           /* (F1) at the end of the last sweeps */
   dls_status verdict;     /* DLS_NO_SOLUTION_LIKELY, DLS_NO_SOLUTION, or DLS_OK for none */
   /* of the stage under way: */
-  double target;      /* the residual */
-  double least, last; /* logarithms of residuals */
-  double rate;        /* (F1) */
-  int since;          /* step of the least */
+  double target;        /* the residual */
+  double least, last;   /* logarithms of residuals */
+  double rate;          /* (F1) */
+  int since;            /* step of the least */
+  unsigned char *state; /* nc: as r showed them at the last look */
 
   double memory[]; /* of r and best */
 };
 
 /* ---- forecasts ------------------------------------------------------------------------------- */
 
-/* k of (F4), the states as r shows them */
+/* the state of a candidate as its r shows it */
+static dls_contact_state state_of(int d, double mu, const double *r) {
+  if (!(r[0] > 0)) return DLS_FREE;
+  const double t = d == 2 ? fabs(r[1]) : hypot(r[1], r[2]);
+  return t < (1 - rounding) * mu * r[0] ? DLS_STICK : DLS_SLIP;
+}
+
+/* k of (F4) */
 static double unknowns(const dls_contact *problem, const double *r) {
   const int d = problem->d;
   double k = 0;
   for (int c = 0; c < problem->nc; c++, r += d) {
-    const double mu = problem->mu[c], t = d == 2 ? fabs(r[1]) : hypot(r[1], r[2]);
-    if (!(r[0] > 0)) continue;
-    k += t < (1 - rounding) * mu * r[0] ? d : mu > 0 ? d - 1 : 1;
+    const dls_contact_state state = state_of(d, problem->mu[c], r);
+    k += state == DLS_STICK ? d : state == DLS_FREE ? 0 : problem->mu[c] > 0 ? d - 1 : 1;
   }
   return k;
+}
+
+/* how many candidates have changed their state since the last look */
+static int look(dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  const double *r = work->r;
+  int changed = 0;
+  for (int c = 0; c < problem->nc; c++, r += problem->d) {
+    const dls_contact_state state = state_of(problem->d, problem->mu[c], r);
+    changed += state != work->state[c];
+    work->state[c] = (unsigned char)state;
+  }
+  return changed;
 }
 
 /* (F4) */
@@ -115,7 +145,22 @@ static int must_stop(dlsi_auto *work, const dls_progress *p) {
   return 0;
 }
 
-/* After a sweep: 1 to leave the rest to Newton's method. */
+/* (F2); changed: how many candidates have changed their state of late */
+static double newton_steps(const dlsi_auto *work, int changed) {
+  const dls_contact *problem = work->problem;
+  if (!problem->W.a || work->failures) return steps_expected[work->failures];
+  return problem->d - 1 + fmin(0.5 * changed, most_steps_to_sort);
+}
+
+/* (F5), infinite if ADMM is not to be tried */
+static double split_cost(const dlsi_auto *work, const double *r) {
+  const dls_contact *problem = work->problem;
+  if (!work->admm || work->has_split || !problem->W.a || unknowns(problem, r) < split_unknowns)
+    return INFINITY;
+  return 100 + 2 * step_cost(problem, r);
+}
+
+/* After a sweep: 1 to leave the rest to another method. */
 static int watch_sweeps(void *data, const dls_progress *p) {
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
@@ -124,13 +169,15 @@ static int watch_sweeps(void *data, const dls_progress *p) {
   const double gain = now < work->least ? work->least - now : 0;
   work->least -= gain;
   work->rate += 2. / (p->iteration + 1) * (gain - work->rate);
-  const int first = (work->settings.warm_start ? warm_sweeps : cold_sweeps) << work->failures;
-  if (p->iteration < first || p->iteration % look_every) return 0;
+  if (p->iteration % look_every) return 0;
+  const int changed = look(work);
+  const int cold = !work->settings.warm_start, first = (work->problem->W.a ? 5 : 10) << cold;
+  if (p->iteration < first << work->failures) return 0;
   work->ahead = (work->least - log(work->target)) / work->rate; /* (F1) */
-  const double newton =
-      steps_expected[work->failures] * step_cost(work->problem, work->r); /* (F2) */
+  work->steps = newton_steps(work, changed);
+  const double newton = work->steps * step_cost(work->problem, work->r); /* (F2) */
   const int early = work->failures && 2 * p->iteration < newton;
-  return work->ahead > (early ? 4 : 1) * newton; /* (C1) */
+  return work->ahead > (early ? 4 : 1) * fmin(newton, split_cost(work, work->r)); /* (C1) */
 }
 
 /* After a step: 1 to go back to the sweeps. */
@@ -146,8 +193,10 @@ static int watch_steps(void *data, const dls_progress *p) {
   work->last = now;
   if (p->iteration - work->since >= patience[work->failures]) return 1; /* (C2) */
   if (work->failures || (drop <= 0 && !first)) return 0;
-  const double steps =
-      drop > 0 ? ceil((now - log(work->target)) / drop) : steps_after_rise; /* (F3) */
+  const double alike = (now - log(work->target)) / drop;
+  const double steps = drop <= 0            ? steps_after_rise
+                       : work->problem->W.a ? ceil(log2(alike + 2) - 1)
+                                            : ceil(alike); /* (F3) */
   return steps * step_cost(work->problem, work->best) > work->ahead;
 }
 
@@ -165,6 +214,7 @@ static void begin(dlsi_auto *work) {
   memcpy(work->r, work->best, m * sizeof *work->r);
   work->target = floor > tol ? floor : tol;
   work->rate = 0;
+  (void)look(work);
 }
 
 /* It has ended with r: its line in the report, and best := r if that is better. */
@@ -203,18 +253,19 @@ static dls_status newton(dlsi_auto *work, dls_error *error) {
   const dls_status status =
       dls_newton_solve(work->newton, work->problem, work->r, NULL, &info, error);
   if (status < 0) return status;
-  end(work, DLS_NEWTON, info.iterations, info.iterations, &info.certificate);
+  end(work, DLS_NEWTON, info.iterations, info.factorisations, &info.certificate);
   if (work->failures < most_failures) work->failures++;
+  work->steps = newton_steps(work, 0);
   return status;
 }
 
-/* (S3): some 100 iterations and 3 factorisations, each of them half an LU; vi/README.md */
+/* (S3): where it promises to cost less than more of the others */
 static dls_status split(dlsi_auto *work, dls_error *error) {
   dls_info info;
-  const dls_contact *problem = work->problem;
-  if (!work->admm || !problem->W.a || unknowns(problem, work->best) < split_unknowns ||
-      work->ahead <= 100 + 2 * step_cost(problem, work->best))
-    return DLS_STALLED;
+  const double cost = split_cost(work, work->best);
+  const double newton = work->steps * step_cost(work->problem, work->best);
+  if (!(work->ahead > cost && newton > cost)) return DLS_STALLED;
+  work->has_split = 1;
   begin(work);
   const dls_status status = dls_admm_solve(work->admm, work->problem, work->r, NULL, &info, error);
   if (status < 0) return status;
@@ -250,8 +301,9 @@ static dls_status pivot(dlsi_auto *work, dls_error *error) {
 
 typedef dls_status stage(dlsi_auto *work, dls_error *error);
 
-static stage *const order[] = {sweep,  newton,  split, sweep, newton, sweep, newton, sweep,
-                               newton, augment, pivot, sweep, newton, sweep, newton, sweep};
+static stage *const order[] = {sweep, split,  newton, split,  sweep,   newton,
+                               sweep, newton, sweep,  newton, augment, pivot,
+                               sweep, newton, sweep,  newton, sweep};
 _Static_assert(sizeof order / sizeof order[0] <= DLS_STAGES_MAX, "a line for each in the report");
 
 static dls_status create_rest(dlsi_auto *work, int d, int nc, dls_error *error);
@@ -278,9 +330,10 @@ dls_status dlsi_auto_solve(dlsi_auto *work, const dls_contact *problem, double *
   const dls_info nothing = {.method = DLS_AUTO, .certificate = {.residual = INFINITY}};
   work->problem = problem;
   work->info = nothing;
-  work->cancelled = work->limited = work->failures = 0;
+  work->cancelled = work->limited = work->failures = work->has_split = 0;
   work->verdict = DLS_OK;
   work->ahead = INFINITY; /* of sweeps that end before they can tell */
+  work->steps = newton_steps(work, 0);
   if (work->settings.warm_start)
     memcpy(work->best, r, m * sizeof *r);
   else
@@ -370,12 +423,13 @@ dls_status dlsi_auto_create(dlsi_auto **out, int d, int nc, const dls_solver_set
                             int complete, dls_error *error) {
   *out = NULL;
   const size_t m = (size_t)d * (size_t)nc;
-  dlsi_auto *work = dlsi_alloc(1, sizeof *work + 2 * m * sizeof *work->memory);
+  dlsi_auto *work = dlsi_alloc(1, sizeof *work + 2 * m * sizeof *work->memory + (size_t)nc);
   if (!work) return dlsi_fail(error, DLS_E_MEMORY, "dls_solver_create", "", -1, 0, "out of memory");
   memset(work, 0, sizeof *work);
   work->settings = *settings;
   work->r = work->memory;
   work->best = work->memory + m;
+  work->state = (unsigned char *)(work->memory + 2 * m);
   dls_status status = create_sweeps(work, d, nc, error);
   if (!status && complete) status = create_rest(work, d, nc, error);
   if (status) {

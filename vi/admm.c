@@ -254,23 +254,12 @@ static void build_dense(dls_admm *work, const dls_contact *problem, double rho) 
   }
 }
 
-/* Tiles keep both triangles in the cache. */
-static int is_symmetric(const double *A, size_t m) {
-  enum { tile = 32 };
-  for (size_t j0 = 0; j0 < m; j0 += tile)
-    for (size_t i0 = j0; i0 < m; i0 += tile)
-      for (size_t j = j0; j < j0 + tile && j < m; j++)
-        for (size_t i = i0; i < i0 + tile && i < m; i++)
-          if (A[i + m * j] != A[j + m * i]) return 0;
-  return 1;
-}
-
 /* J := its factors, Cholesky's if it has any; DLS_E_SINGULAR */
 static dls_status factor_dense(dls_admm *work, const dls_contact *problem, double rho) {
   const int m = problem->d * problem->nc;
   int info;
   build_dense(work, problem, rho);
-  if (is_symmetric(work->J, (size_t)m)) {
+  if (dlsi_is_symmetric(work->J, (size_t)m)) {
     work->solver = CHOLESKY;
     dpotrf_("L", &m, work->J, &m, &info, 1);
     if (!info) return DLS_OK;
@@ -330,11 +319,9 @@ static dls_status factor(const char *function, dls_admm *work, const dls_contact
 static dls_status back(const char *function, dls_admm *work, int m, double *x, dls_error *error) {
   const int one = 1;
   int info;
-  if (work->solver ==
-      CHOLESKY) { /* dpotrs, made for many x, takes three times as long in OpenBLAS */
-    dtrsv_("L", "N", "N", &m, work->J, &m, x, &one, 1, 1, 1);
-    dtrsv_("L", "T", "N", &m, work->J, &m, x, &one, 1, 1, 1);
-  } else if (work->solver == LU)
+  if (work->solver == CHOLESKY)
+    dlsi_cholesky_solve(m, work->J, x);
+  else if (work->solver == LU)
     dgetrs_("N", &m, &one, work->J, &m, work->pivot, x, &m, &info, 1);
   else
     return dlsi_sparse_lu_solve(function, work->lu, x, error);

@@ -229,14 +229,13 @@ static dls_status solve_regularised(dls_augmented *work, const dls_contact *prob
   dls_contact regularised = *problem;
   regularised.q = work->b;
   memcpy(work->x, work->lambda, m * sizeof *work->x);
-  int done, steps;
+  dlsi_newton_count count;
   dls_certificate certificate;
-  const dls_status status =
-      dlsi_newton_run("dls_augmented_solve", work->newton, &regularised, work->sE,
-                      size_b > 0 ? target * (size_q / size_b) : target, work->x, NULL, &certificate,
-                      &done, &steps, error);
+  const dls_status status = dlsi_newton_run(
+      "dls_augmented_solve", work->newton, &regularised, work->sE,
+      size_b > 0 ? target * (size_q / size_b) : target, work->x, NULL, &certificate, &count, error);
   if (status < 0) return status;
-  *factorisations += steps;
+  *factorisations += count.factorisations;
   dlsi_contact_multiply(problem, work->x, work->u, work->a);
   dlsi_contact_measure(problem, work->x, work->u, work->a, work->w, work->F, now);
   return status;

@@ -19,6 +19,8 @@
  *                              l = w (|tau| - R) / R
  *         slip, mu = 0         r0_c = (r_n, 0), unknown a:            u0_n + W_n dr = 0
  *   (N2)  these rows and columns of W + eps diag(w), and l on the rows of b: one LU, one solve
+ *         While the states stay, and in 3D nobody slides, the matrix does, and its factors are kept.
+ *         Cholesky's, if nobody slides with friction and W is dense and symmetric.
  *   (N3)  r := r0 + dr
  *
  * k and mu a are the row of AC along t, linearised; the row of b is the one along p divided by
@@ -41,7 +43,8 @@
  *
  * Deviation from the full method, which has m unknowns whatever the states: only that arithmetic is
  * saved, the iterates are the same but for eps.
- * Cost of a step: two products with W, and an LU of the unknowns: 2/3 k^3 dense, much less sparse.
+ * Cost of a step: two products with W, and an LU of the unknowns: 2/3 k^3 dense, half of that by
+ * Cholesky, much less sparse.
  * What can fail: nothing makes it converge from afar, and states may go round for ever (cycle in
  * tests/test_newton.c): DLS_STALLED.
  */
@@ -75,6 +78,8 @@ typedef struct branch {
   double l;
 } branch;
 
+typedef enum factors { NONE, CHOLESKY, LU, SPARSE_LU } factors;
+
 struct dls_newton {
   dls_newton_settings settings;
   int d, nc;
@@ -86,11 +91,12 @@ struct dls_newton {
   double *a, *F;        /* m       */
   double *x;            /* m       right side and solution of (N2) */
   int *pivot;           /* m       */
-  int *p;               /* m + 1   columns of the sparse matrix */
-  double tol;           /* of this run, and */
-  const double *E;      /* nc: it solves u = (W + diag(E)) r + q; NULL: 0 */
-  int sparse;           /* this run factorises sparse beyond dense_limit */
-  double *J;            /* side^2  */
+  int *p;          /* m + 1   sparse: columns of the matrix; W dense: the rows of W for its rows */
+  double tol;      /* of this run, and */
+  const double *E; /* nc: it solves u = (W + diag(E)) r + q; NULL: 0 */
+  int sparse;      /* this run factorises sparse beyond dense_limit */
+  factors factors; /* of (N2) as it stands */
+  double *J;       /* side^2  */
   size_t side;
   dlsi_sparse_lu *lu; /* NULL if never needed, or without MUMPS */
   int *i;             /* room    rows and values of the sparse matrix */
@@ -315,8 +321,42 @@ static void multiply_block(int d, const double *x, size_t ld, const double *e, d
     v[i] = x[i] * e[0] + x[(size_t)i + ld] * e[1] + (d == 3 ? x[(size_t)i + 2 * ld] * e[2] : 0);
 }
 
-/* (N2), k x k in J */
-static void build_dense(dls_newton *work, const dls_contact *problem, double eps, int k) {
+/* W(:,b) times the direction of unknown j of candidate b, m; W dense */
+static const double *column_of(dls_newton *work, const dls_contact *problem, int b, int j) {
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  const branch *at = &work->branch[b];
+  double e[3];
+  if (at->state == DLS_STICK)
+    return problem->W.a + (d * (size_t)b + (size_t)j) * (size_t)problem->W.ld;
+  direction(at, problem->mu[b], j, e);
+  memset(work->a, 0, m * sizeof *work->a);
+  dlsi_contact_add_panel(problem, 1, &b, e, 0, m, work->a);
+  return work->a;
+}
+
+/* (N2), k x k in J; W dense */
+static void build_from_dense(dls_newton *work, const dls_contact *problem, double eps, int k) {
+  const int d = problem->d;
+  for (int c = 0; c < problem->nc; c++)
+    for (int i = 0; i < work->branch[c].count; i++)
+      work->p[work->branch[c].first + i] = d * c + i;
+  for (int b = 0; b < problem->nc; b++)
+    for (int j = 0; j < work->branch[b].count; j++) {
+      const int col = work->branch[b].first + j;
+      const double *v = column_of(work, problem, b, j);
+      double *column = work->J + (size_t)col * (size_t)k;
+      for (int i = 0; i < k; i++)
+        column[i] = v[work->p[i]];
+      for (int c = 0; d == 3 && c < problem->nc; c++) {
+        const branch *at = &work->branch[c];
+        if (at->state == DLS_SLIP && at->count == 2) column[at->first + 1] = row(at, 1, v + 3 * c);
+      }
+      column[col] += extra_diagonal(work, b, j, eps);
+    }
+}
+
+/* (N2), k x k in J; W by blocks */
+static void build_from_blocks(dls_newton *work, const dls_contact *problem, double eps, int k) {
   for (int b = 0; b < problem->nc; b++) {
     const dlsi_block_column W = dlsi_contact_column(problem, (size_t)b);
     for (int j = 0; j < work->branch[b].count; j++) {
@@ -334,6 +374,10 @@ static void build_dense(dls_newton *work, const dls_contact *problem, double eps
       column[col] += extra_diagonal(work, b, j, eps);
     }
   }
+}
+
+static void build_dense(dls_newton *work, const dls_contact *problem, double eps, int k) {
+  (problem->W.a ? build_from_dense : build_from_blocks)(work, problem, eps, k);
 }
 
 /* (N2) in compressed columns */
@@ -364,22 +408,55 @@ static dls_sparse build_sparse(dls_newton *work, const dls_contact *problem, dou
   return A;
 }
 
-/* x := the solution of (N2) with right side x; DLS_E_SINGULAR, DLS_E_MEMORY */
-static dls_status solve_step(const char *function, dls_newton *work, const dls_contact *problem,
-                             double eps, int k, dls_error *error) {
-  if (k == 0) return DLS_OK;
-  if (!work->sparse || k <= dense_limit) {
-    const int one = 1;
-    int info;
-    build_dense(work, problem, eps, k);
-    dgetrf_(&k, &k, work->J, &k, work->pivot, &info);
-    if (info) return DLS_E_SINGULAR;
-    dgetrs_("N", &k, &one, work->J, &k, work->pivot, work->x, &k, &info, 1);
-    return DLS_OK;
+/* no candidate slides with friction: (N2) is as symmetric as W */
+static int nobody_slides(const dls_newton *work, const dls_contact *problem) {
+  for (int c = 0; c < problem->nc; c++)
+    if (work->branch[c].state == DLS_SLIP && problem->mu[c] > 0) return 0;
+  return 1;
+}
+
+/* factors of (N2); DLS_E_SINGULAR, DLS_E_MEMORY */
+static dls_status factor(const char *function, dls_newton *work, const dls_contact *problem,
+                         double eps, int k, dls_error *error) {
+  int info;
+  if (work->sparse && k > dense_limit) {
+    const dls_sparse A = build_sparse(work, problem, eps, k);
+    work->factors = SPARSE_LU;
+    return dlsi_sparse_lu_factor(function, work->lu, &A, error);
   }
-  const dls_sparse A = build_sparse(work, problem, eps, k);
-  const dls_status status = dlsi_sparse_lu_factor(function, work->lu, &A, error);
-  return status ? status : dlsi_sparse_lu_solve(function, work->lu, work->x, error);
+  build_dense(work, problem, eps, k);
+  if (nobody_slides(work, problem) && dlsi_is_symmetric(work->J, (size_t)k)) {
+    work->factors = CHOLESKY;
+    dpotrf_("L", &k, work->J, &k, &info, 1);
+    if (!info) return DLS_OK;
+    build_dense(work, problem, eps, k);
+  }
+  work->factors = LU;
+  dgetrf_(&k, &k, work->J, &k, work->pivot, &info);
+  return info ? DLS_E_SINGULAR : DLS_OK;
+}
+
+/* x := the solution of (N2) with right side x; *done counts the factorisations. DLS_E_SINGULAR,
+ * DLS_E_MEMORY */
+static dls_status solve_step(const char *function, dls_newton *work, const dls_contact *problem,
+                             double eps, int k, int *done, dls_error *error) {
+  const int one = 1;
+  int info;
+  if (k == 0) return DLS_OK;
+  if (!work->factors) {
+    const dls_status status = factor(function, work, problem, eps, k, error);
+    ++*done;
+    if (status) {
+      work->factors = NONE;
+      return status;
+    }
+  }
+  if (work->factors == SPARSE_LU) return dlsi_sparse_lu_solve(function, work->lu, work->x, error);
+  if (work->factors == CHOLESKY)
+    dlsi_cholesky_solve(k, work->J, work->x);
+  else
+    dgetrs_("N", &k, &one, work->J, &k, work->pivot, work->x, &k, &info, 1);
+  return DLS_OK;
 }
 
 /* ---- the iteration --------------------------------------------------------------------------- */
@@ -419,6 +496,12 @@ static branch branch_of(int d, double mu, double w, const double *u, double *r) 
   return b;
 }
 
+/* a and b of one candidate lead to the same rows and columns of (N2) */
+static int same_matrix(int d, const branch *a, const branch *b) {
+  return a->state == b->state && a->t[0] == b->t[0] && a->t[1] == b->t[1] &&
+         (d == 2 || a->l == b->l);
+}
+
 /* (N1) for all: next := r0, x := right side; returns how many unknowns there are */
 static int linearise(dls_newton *work, const dls_contact *problem) {
   const int d = problem->d;
@@ -428,7 +511,9 @@ static int linearise(dls_newton *work, const dls_contact *problem) {
   for (int c = 0; c < problem->nc; c++) {
     const size_t o = (size_t)d * (size_t)c;
     branch *b = &work->branch[c];
+    const branch before = *b;
     *b = branch_of(d, problem->mu[c], work->w[c], work->u + o, work->next + o);
+    if (!same_matrix(d, b, &before)) work->factors = NONE;
     b->first = k;
     k += b->count;
   }
@@ -518,7 +603,7 @@ static void keep_best(const dls_newton *work, size_t m, const dls_certificate *n
 /* Steps from work->r, to which work->u and `now` belong, until the certificate holds or there is a
  * reason to stop, which is returned. *steps: done. */
 static dls_status iterate(const char *function, dls_newton *work, const dls_contact *problem,
-                          dls_certificate now, dls_certificate *best, int *steps,
+                          dls_certificate now, dls_certificate *best, dlsi_newton_count *count,
                           dls_error *error) {
   const dls_newton_settings *settings = &work->settings;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
@@ -528,7 +613,8 @@ static dls_status iterate(const char *function, dls_newton *work, const dls_cont
     const int unknowns = linearise(work, problem); /* (N1) */
     dls_error why = {0};
     dls_status status;
-    while ((status = solve_step(function, work, problem, eps, unknowns, &why)) == DLS_E_SINGULAR) {
+    while ((status = solve_step(function, work, problem, eps, unknowns, &count->factorisations,
+                                &why)) == DLS_E_SINGULAR) {
       eps = eps > least_eps ? 100 * eps : least_eps;
       if (!(eps < 1)) return DLS_STALLED;
       linearise(work, problem); /* x is spent */
@@ -541,7 +627,7 @@ static dls_status iterate(const char *function, dls_newton *work, const dls_cont
     if (settings->line_search) search(work, problem, k, last);
     memcpy(work->r, work->next, m * sizeof *work->r);
     now = measure(work, problem);
-    *steps = k;
+    count->steps = k;
     keep_best(work, m, &now, best);
     if (dls_certificate_holds(best, work->tol)) return DLS_OK;
     const dls_progress progress = {"newton", k, settings->max_iterations, now.residual};
@@ -551,7 +637,10 @@ static dls_status iterate(const char *function, dls_newton *work, const dls_cont
       halved = now.residual;
       since = k;
     }
-    if (k > since && (k - since) % impatience == 0 && eps < most_eps) eps *= 10;
+    if (k > since && (k - since) % impatience == 0 && eps < most_eps) {
+      eps *= 10;
+      work->factors = NONE;
+    }
     if (k - since >= patience || !(now.residual <= DBL_MAX)) return DLS_STALLED;
   }
   return DLS_MAX_ITERATIONS;
@@ -559,22 +648,23 @@ static dls_status iterate(const char *function, dls_newton *work, const dls_cont
 
 /* (N0), then steps, from work->r; the best r is work->best, to which *best belongs. */
 static dls_status run(const char *function, dls_newton *work, const dls_contact *problem,
-                      dls_certificate *best, int *sweeps, int *steps, dls_error *error) {
+                      dls_certificate *best, dlsi_newton_count *count, dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   dls_status status = DLS_STALLED;
   if (work->nlgs)
-    status = dlsi_nlgs_run(work->nlgs, problem, work->E, work->tol, work->r, work->u, best, sweeps);
+    status = dlsi_nlgs_run(work->nlgs, problem, work->E, work->tol, work->r, work->u, best,
+                           &count->sweeps);
   else
     *best = measure(work, problem);
   memcpy(work->best, work->r, m * sizeof *work->r);
   if (dls_certificate_holds(best, work->tol)) return DLS_OK;
   return status == DLS_CANCELLED ? status
-                                 : iterate(function, work, problem, *best, best, steps, error);
+                                 : iterate(function, work, problem, *best, best, count, error);
 }
 
 dls_status dlsi_newton_run(const char *function, dls_newton *work, const dls_contact *problem,
                            const double *E, double tol, double *r, double *u,
-                           dls_certificate *certificate, int *sweeps, int *steps,
+                           dls_certificate *certificate, dlsi_newton_count *count,
                            dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   dls_status status =
@@ -582,13 +672,14 @@ dls_status dlsi_newton_run(const char *function, dls_newton *work, const dls_con
   if (status) return status;
   work->E = E;
   work->tol = tol;
-  *sweeps = *steps = 0;
+  work->factors = NONE;
+  *count = (dlsi_newton_count){0};
   dlsi_contact_weights(problem, work->w);
   if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
     memset(work->r, 0, m * sizeof *r);
   else
     memcpy(work->r, r, m * sizeof *r);
-  status = run(function, work, problem, certificate, sweeps, steps, error);
+  status = run(function, work, problem, certificate, count, error);
   if (status < 0) return status;
   memcpy(r, work->best, m * sizeof *r);
   if (u) dlsi_multiply(problem, E, r, u, NULL);
@@ -602,15 +693,16 @@ dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, d
   dls_status status =
       dlsi_check_solve(__func__, work->d, work->nc, problem, r, work->settings.warm_start, error);
   if (status) return status;
-  int sweeps, steps;
+  dlsi_newton_count count;
   dls_certificate certificate;
   status = dlsi_newton_run(__func__, work, problem, NULL, work->settings.tol, r, u, &certificate,
-                           &sweeps, &steps, error);
+                           &count, error);
   if (status >= 0 && info)
     *info = (dls_info){.status = status,
                        .method = DLS_NEWTON,
-                       .iterations = steps,
+                       .iterations = count.steps,
                        .certificate = certificate,
-                       .sweeps = sweeps};
+                       .factorisations = count.factorisations,
+                       .sweeps = count.sweeps};
   return status;
 }

@@ -79,6 +79,11 @@ void dlsi_anderson_clear(dlsi_anderson *a);
  * yet: they stay. m: the same since clear. */
 int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, double *u);
 
+/* Dense A, n x n (cholesky.c): does it equal its transpose to the last bit; and x := A^-1 x with the
+ * factor L that dpotrf left in A. */
+int dlsi_is_symmetric(const double *A, size_t n);
+void dlsi_cholesky_solve(int n, const double *A, double *x);
+
 /* ---- with springs: u = (W + diag(E)) r + q, E_c >= 0 for all d rows of candidate c ----------- */
 
 /* u := (W + diag(E)) r + q and, if a is not NULL, a := (|W| + diag(E)) |r|. E: nc, or NULL for 0. */
@@ -92,12 +97,17 @@ static inline void dlsi_multiply(const dls_contact *problem, const double *E, co
   }
 }
 
-/* dls_newton_solve as dlsi_nlgs_run (dlsi.h), sweeps and steps done; and create, on behalf of
- * `function`. */
+/* what a run has done */
+typedef struct dlsi_newton_count {
+  int sweeps, steps, factorisations;
+} dlsi_newton_count;
+
+/* dls_newton_solve as dlsi_nlgs_run (dlsi.h); and create, on behalf of `function`. */
 dls_status dlsi_newton_create(const char *function, dls_newton **out, int d, int nc,
                               const dls_newton_settings *settings, dls_error *error);
 dls_status dlsi_newton_run(const char *function, dls_newton *work, const dls_contact *problem,
                            const double *E, double tol, double *r, double *u,
-                           dls_certificate *certificate, int *sweeps, int *steps, dls_error *error);
+                           dls_certificate *certificate, dlsi_newton_count *count,
+                           dls_error *error);
 
 #endif

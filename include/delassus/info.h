@@ -38,7 +38,7 @@ typedef int (*dls_progress_fn)(void *data, const dls_progress *progress);
 typedef struct dls_stage {
   dls_method method;  /* DLS_NLGS here means accelerated sweeps */
   int iterations;     /* sweeps; steps; iterations; augmentations; pivots */
-  int factorisations; /* newton, augmented Lagrangian: one per Newton step; admm */
+  int factorisations; /* newton, augmented Lagrangian: at most one per Newton step; admm */
   double residual;    /* of the certificate of the r that the stage ended with */
 } dls_stage;
 
@@ -51,8 +51,8 @@ typedef struct dls_info {
   int iterations; /* sweeps; pivots and crash rounds of all LCPs; steps; augmentations; iterations; auto: of all
                      stages */
   dls_certificate certificate; /* of the r that is returned */
-  int ambiguous;      /* nlgs: candidates at the answer whose local problem has several solutions */
-  int factorisations; /* admm; augmented Lagrangian, penalty, auto: one per Newton step */
+  int ambiguous; /* nlgs: candidates at the answer whose local problem has several solutions */
+  int factorisations; /* admm; newton, augmented Lagrangian, penalty, auto: at most one per Newton step */
   int sweeps;         /* newton: before the first step */
   int stages;         /* auto: what it did, in the order of time */
   dls_stage stage[DLS_STAGES_MAX];

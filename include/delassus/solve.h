@@ -47,11 +47,11 @@ enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
  * DLS_E_SETTINGS, DLS_E_MEMORY.
  *
  * Auto takes accelerated sweeps of Gauss-Seidel and Newton's method in turn, as their progress and
- * cost tell; between them ADMM for a dense W of 250 rows or more; then the augmented Lagrangian,
+ * cost tell; between them ADMM for a dense W of 150 rows or more; then the augmented Lagrangian,
  * then Lemke's method (src/auto.c). Each starts from the best r so far, which is what is returned.
  * info.stage has what was done. It holds the workspaces of dls_nlgs_create with Anderson acceleration,
- * dls_newton_create without sweeps, dls_admm_create (blocks = 0 and m >= 250), dls_augmented_create,
- * and Lemke's as follows (within the limits above); besides 2 m doubles, m = d nc, and up to 2 kB.
+ * dls_newton_create without sweeps, dls_admm_create (blocks = 0 and m >= 150), dls_augmented_create,
+ * and Lemke's as follows (within the limits above); besides 2 m doubles, m = d nc, nc bytes, and up to 2 kB.
  *
  * Lemke solves, for d = 2, the LCP of dls_contact_to_lcp and, where that ends in a ray, the one of
  * dls_contact_to_facets_lcp; for d = 3 the latter with the facets of the settings. Where the
