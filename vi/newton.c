@@ -377,7 +377,7 @@ static void build_from_blocks(dls_newton *work, const dls_contact *problem, doub
 }
 
 static void build_dense(dls_newton *work, const dls_contact *problem, double eps, int k) {
-  (problem->W.a ? build_from_dense : build_from_blocks)(work, problem, eps, k);
+  (problem->Wb.x ? build_from_blocks : build_from_dense)(work, problem, eps, k);
 }
 
 /* (N2) in compressed columns */
