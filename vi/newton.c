@@ -302,7 +302,7 @@ static void direction(const branch *b, double mu, int j, double *e) {
 
 /* row i of a candidate times v (3) */
 static double row(const branch *b, int i, const double *v) {
-  if (b->state == DLS_STICK) return v[i];
+  if (b->state == DLS_STICK) return i == 0 ? v[0] : i == 1 ? v[1] : v[2];
   return i == 0 ? v[0] : b->p[0] * v[1] + b->p[1] * v[2];
 }
 
