@@ -44,8 +44,8 @@
  *
  * (F4) was measured up to m = 14004: README.md of this folder, with the command. Of the steps
  * expected, 2 is what Newton's method takes where W is regular and the states are right, and 6 what
- * it takes in all where W is singular and it converges (6 to 8: vi/README.md); n / 2: README.md of this
- * folder. Where (S3) is quicker than more of the others: vi/README.md, and README.md of this folder.
+ * it takes in all where W is singular and it converges (6 to 8: vi/README.md); n / 2 and 5 were set on
+ * the blocks and cubes of bench/solvers. Where (S3) is quicker than more of the others: vi/README.md, and README.md of this folder.
  * What can fail: every method; then DLS_STALLED with the best r.
  */
 #include <float.h>
