@@ -155,7 +155,8 @@ static double newton_steps(const dlsi_auto *work, int changed) {
 /* (F5), infinite if ADMM is not to be tried */
 static double split_cost(const dlsi_auto *work, const double *r) {
   const dls_contact *problem = work->problem;
-  if (!work->admm || work->has_split || !problem->W.a || unknowns(problem, r) < split_unknowns)
+  if (work->settings.blocks || work->has_split || !problem->W.a ||
+      unknowns(problem, r) < split_unknowns)
     return INFINITY;
   return 100 + 2 * step_cost(problem, r);
 }
