@@ -15,7 +15,7 @@
  *
  *   (F1)  sweeps:  log(e / e*) / rate; rate: the mean of the decrease of log e per sweep since the
  *         stage began, sweep k with the weight k, so that it is the last half that counts
- *   (F2)  Newton's method, not begun: s steps, s = 2, 6, 12, 24, .. after 0, 1, 2, 3, .. failures.
+ *   (F2)  Newton's method, not begun: s steps, s = 4, 6, 12, 24, .. after 0, 1, 2, 3, .. failures.
  *         W dense, no failure: s = d - 1 + min(n / 2, 5), n the candidates that have changed their
  *         state in the last 5 sweeps
  *   (F3)  Newton's method, under way: log(e / e*) over the last decrease of log e; W dense: the
@@ -43,9 +43,10 @@
  * answer is DLS_NO_SOLUTION_LIKELY; DLS_NO_SOLUTION if (S5) has a proof.
  *
  * (F4) was measured up to m = 14004: README.md of this folder, with the command. Of the steps
- * expected, 2 is what Newton's method takes where W is regular and the states are right, and 6 what
- * it takes in all where W is singular and it converges (6 to 8: vi/README.md); n / 2 and 5 were set on
- * the blocks and cubes of bench/solvers. Where (S3) is quicker than more of the others: vi/README.md, and README.md of this folder.
+ * expected, 4 lies between the 2 that Newton's method takes where W is regular and the states are
+ * right and the 6 that it takes in all where W is singular and it converges (6 to 8: vi/README.md);
+ * n / 2 and 5 were set on the blocks and cubes of bench/solvers. Where (S3) is quicker than more of
+ * the others: vi/README.md, and README.md of this folder.
  * What can fail: every method; then DLS_STALLED with the best r.
  */
 #include <float.h>
@@ -62,7 +63,7 @@ enum { look_every = 5 }; /* sweeps */
 enum { steps_after_rise = 6, most_steps_to_sort = 5, most_failures = 5 };
 enum { split_unknowns = 150, split_iterations = 200 }; /* (S3) */
 
-static const int steps_expected[] = {2, 6, 12, 24, 48, 96}; /* (F2), by failures */
+static const int steps_expected[] = {4, 6, 12, 24, 48, 96}; /* (F2), by failures */
 static const int patience[] = {2, 4, 8, 12, 12, 12};        /* (C2) */
 
 static const double rounding = 1e-9; /* a reaction on its cone but for this much slips */
