@@ -15,7 +15,7 @@
  *
  *   (F1)  sweeps:  log(e / e*) / rate; rate: the mean of the decrease of log e per sweep since the
  *         stage began, sweep k with the weight k, so that it is the last half that counts
- *   (F2)  Newton's method, not begun: s steps, s = 4, 6, 12, 24, .. after 0, 1, 2, 3, .. failures.
+ *   (F2)  Newton's method, not begun: s steps, s = 4, 8, 16, 32, .. after 0, 1, 2, 3, .. failures.
  *         W dense, no failure: s = d - 1 + min(n / 2, 5), n the candidates that have changed their
  *         state in the last 5 sweeps
  *   (F3)  Newton's method, under way: log(e / e*) over the last decrease of log e; W dense: the
@@ -60,11 +60,10 @@
 #include "solve_internal.h"
 
 enum { look_every = 5 }; /* sweeps */
-enum { steps_after_rise = 6, most_steps_to_sort = 5, most_failures = 5 };
+enum { steps_expected = 4, steps_after_rise = 6, most_steps_to_sort = 5, most_failures = 5 };
 enum { split_unknowns = 150, split_iterations = 200 }; /* (S3) */
 
-static const int steps_expected[] = {4, 6, 12, 24, 48, 96}; /* (F2), by failures */
-static const int patience[] = {2, 4, 8, 12, 12, 12};        /* (C2) */
+static const int patience[] = {2, 4, 8, 12, 12, 12}; /* (C2) */
 
 static const double rounding = 1e-9; /* a reaction on its cone but for this much slips */
 
@@ -149,7 +148,7 @@ static int must_stop(dlsi_auto *work, const dls_progress *p) {
 /* (F2); changed: how many candidates have changed their state of late */
 static double newton_steps(const dlsi_auto *work, int changed) {
   const dls_contact *problem = work->problem;
-  if (!problem->W.a || work->failures) return steps_expected[work->failures];
+  if (!problem->W.a || work->failures) return steps_expected << work->failures;
   return problem->d - 1 + fmin(0.5 * changed, most_steps_to_sort);
 }
 
