@@ -513,7 +513,7 @@ static int linearise(dls_newton *work, const dls_contact *problem) {
     branch *b = &work->branch[c];
     const branch before = *b;
     *b = branch_of(d, problem->mu[c], work->w[c], work->u + o, work->next + o);
-    if (!same_matrix(d, b, &before)) work->factors = NONE;
+    if (work->factors && !same_matrix(d, b, &before)) work->factors = NONE;
     b->first = k;
     k += b->count;
   }
