@@ -2,6 +2,7 @@
 #include <check.h>
 #include <float.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -588,7 +589,8 @@ START_TEST(storages_agree) {
   /* |W||r| is added up in another order */
   ck_assert(fabs(c[1].floor - c[0].floor) <= 4 * DBL_EPSILON * c[0].floor);
   c[1].floor = c[0].floor;
-  ck_assert_mem_eq(&c[0], &c[1], sizeof c[0]);
+  ck_assert_mem_eq(&c[0], &c[1], offsetof(dls_certificate, worst)); /* padding follows */
+  ck_assert_int_eq(c[0].worst, c[1].worst);
 }
 END_TEST
 
