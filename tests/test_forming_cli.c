@@ -52,7 +52,7 @@ static int count_lines(const char *name, char *last, int size) {
 START_TEST(files) {
   char arguments[200], line[400];
   (void)snprintf(arguments, sizeof arguments,
-                 "indentation --mesh 6x5 --steps 20 --at 2 --at 4.1 --method newton --out %s/a/b",
+                 "indentation --mesh 6x5 --steps 20 --at 2,4.1 --method newton --out %s/a/b",
                  directory);
   ck_assert_int_eq(run(arguments), 0);
   ck_assert_ptr_nonnull(strstr(output, "\n    2.0000"));
@@ -98,10 +98,10 @@ END_TEST
 
 START_TEST(bad_options) {
   static const char *const bad[] = {
-      "indentation --mesh 4",        "indentation --mesh 4x0", "indentation --mesh 4x4x4",
-      "indentation --steps 0",       "indentation --mu x",     "indentation --method magic",
-      "indentation --tol 0",         "indentation extrusion",  "indentation --at -1",
-      "indentation --out /dev/null", "extrusion --nonsense"};
+      "indentation --mesh 4",  "indentation --mesh 4x0",      "indentation --mesh 4x4x4",
+      "indentation --steps 0", "indentation --mu x",          "indentation --method magic",
+      "indentation --tol 0",   "indentation extrusion",       "indentation --at -1",
+      "indentation --at 1,,2", "indentation --out /dev/null", "extrusion --nonsense"};
   for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++)
     ck_assert_msg(run(bad[k]) == 2, "%s: not 2", bad[k]);
   ck_assert_int_eq(run("indentation --help"), 0);

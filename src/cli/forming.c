@@ -41,8 +41,8 @@ static void usage(FILE *out) {
       "      --mu=MU           friction (0.2; 0.1)\n"
       "      --clamped         indentation: the bottom sticks to its support\n"
       "  -t, --tol=T           on equilibrium and certificate (1e-9)\n"
-      "      --at=D            print the state, and write contact.csv, at the end of the step\n"
-      "                        that reaches displacement D; may be repeated\n"
+      "      --at=D[,D..]      print the state, and write contact.csv, at the end of the step\n"
+      "                        that reaches displacement D\n"
       "  -o, --out=DIR         write force.csv, contact.csv, series.pvd, pictures\n"
       "  -h, --help            this text\n",
       method_list(methods, sizeof methods));
@@ -238,6 +238,15 @@ static int parse_mesh(const char *text, dls_forming_settings *s) {
   return 0;
 }
 
+/* numbers between commas; text is spent */
+static int parse_at(char *text, forming_options *o) {
+  for (char *item; (item = strsep(&text, ","));) {
+    if (o->at_count == MOST_AT) return complain("--at: more than %d displacements", MOST_AT), 0;
+    if (!parse_number("at", item, &o->at[o->at_count++])) return 0;
+  }
+  return 1;
+}
+
 static int parse_option(int key, forming_options *o) {
   switch (key) {
   case 'm':
@@ -257,8 +266,7 @@ static int parse_option(int key, forming_options *o) {
   case 't':
     return parse_number("tol", optarg, &o->settings.tol);
   case 'a':
-    if (o->at_count == MOST_AT) return complain("--at: more than %d times", MOST_AT), 0;
-    return parse_number("at", optarg, &o->at[o->at_count++]);
+    return parse_at(optarg, o);
   case 'o':
     o->out = optarg;
     return 1;
