@@ -49,6 +49,7 @@ dls_status dlsi_sparse_lu_create(const char *function, dlsi_sparse_lu **out, dls
   for (int k = 1; k <= 3; k++)
     lu->mumps.ICNTL(k) = -1; /* no output unit for errors, warnings, statistics */
   lu->mumps.ICNTL(4) = 0;
+  lu->mumps.ICNTL(7) = 0; /* approximate minimum degree: others draw random numbers */
   *out = lu;
   return DLS_OK;
 }
