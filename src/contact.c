@@ -202,29 +202,28 @@ static double common_weight(const dls_contact *problem, const double *w) {
   return positive ? sum / positive : largest > 0 ? largest : 1;
 }
 
-void dlsi_contact_weights(const dls_contact *problem, double *w) {
-  const int d = problem->d, nc = problem->nc;
+void dlsi_contact_complete_weights(const dls_contact *problem, double *w) {
   int positive = 0;
-  for (int c = 0; c < nc; c++) {
-    double b[9] = {0};
-    dlsi_contact_diagonal(problem, c, b);
-    w[c] = d == 2 ? (b[0] + b[3]) / 2 : (b[0] + b[4] + b[8]) / 3;
+  for (int c = 0; c < problem->nc; c++)
     positive += w[c] > 0;
-  }
-  if (positive == nc) return;
+  if (positive == problem->nc) return;
   const double common = common_weight(problem, w);
-  for (int c = 0; c < nc; c++)
+  for (int c = 0; c < problem->nc; c++)
     if (!(w[c] > 0)) w[c] = common;
+}
+
+void dlsi_contact_weights(const dls_contact *problem, double *w) {
+  for (int c = 0; c < problem->nc; c++) {
+    double block[9] = {0};
+    dlsi_contact_diagonal(problem, c, block);
+    w[c] = dlsi_block_weight(problem->d, block);
+  }
+  dlsi_contact_complete_weights(problem, w);
 }
 
 /* m := max(m, x), keeping NaN */
 static void raise(double *m, double x) {
   if (x > *m || x != x) *m = x;
-}
-
-/* sqrt(sum) of a plain sum of squares that has neither over- nor underflown */
-static int is_plain(double sum) {
-  return sum > 0x1p-900 && sum < 0x1p900;
 }
 
 /* | max(|W||r|, w |r|) |_2: what F is computed from, and so what its rounding is relative to */
@@ -242,7 +241,7 @@ static double magnitude(const dls_contact *problem, const double *r, const doubl
         sum += pass ? (x / scale) * (x / scale) : x * x;
       }
     if (!(largest > 0)) return largest;
-    if (!pass && is_plain(sum)) return sqrt(sum);
+    if (!pass && dlsi_is_plain(sum)) return sqrt(sum);
   }
   return largest * sqrt(sum);
 }
@@ -299,7 +298,7 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
     } else if (mu * rc[0] > 0)
       raise(&c.slip_direction, ut);
   }
-  const int plain = is_plain(sum);
+  const int plain = dlsi_is_plain(sum);
   if (!plain) c.worst = find_worst(problem, F);
   const double f = plain ? sqrt(sum) : dlsi_norm2(F, m), q = dlsi_norm2(problem->q, m);
   const double scale = q > 0 ? q : dlsi_norm2(a, m);

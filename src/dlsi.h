@@ -76,6 +76,11 @@ void *dlsi_alloc(size_t count, size_t size);
 /* |x|_2 without overflow or underflow in between; NaN stays NaN. */
 double dlsi_norm2(const double *x, size_t n);
 
+/* whether sqrt(sum) will do: a plain sum of squares that has neither over- nor underflown */
+static inline int dlsi_is_plain(double sum) {
+  return sum > 0x1p-900 && sum < 0x1p900;
+}
+
 /* max |x_i|, 0 for n = 0; NaN stays NaN (fmax and idamax lose it). */
 double dlsi_max_abs(const double *x, size_t n);
 
@@ -137,6 +142,12 @@ void dlsi_contact_multiply(const dls_contact *problem, const double *r, double *
 /* w (nc) := trace(W_cc) / d, the mean of the positive ones where that is not positive; if none is
  * positive, the largest |W_cc| entry of all, or 1 if W's diagonal is zero. */
 void dlsi_contact_weights(const dls_contact *problem, double *w);
+
+/* The same from blocks at hand: w_c of W_cc (d x d), then the common one where that is not positive. */
+static inline double dlsi_block_weight(int d, const double *block) {
+  return d == 2 ? (block[0] + block[3]) / 2 : (block[0] + block[4] + block[8]) / 3;
+}
+void dlsi_contact_complete_weights(const dls_contact *problem, double *w);
 
 /* |v_t|. hypot costs ten times the square root, and differs where the squares leave the range of doubles */
 static inline double dlsi_tangent_norm(int d, const double *v) {

@@ -17,7 +17,7 @@ double dlsi_norm2(const double *x, size_t n) {
   double plain = 0;
   for (size_t i = 0; i < n; i++)
     plain += x[i] * x[i];
-  if (plain > 0x1p-900 && plain < 0x1p900) return sqrt(plain); /* the same bits as below */
+  if (dlsi_is_plain(plain)) return sqrt(plain); /* the same bits as below */
   const double m = dlsi_max_abs(x, n);
   if (!(m > 0) || !isfinite(m)) return m;
   int e;

@@ -486,6 +486,7 @@ dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const doubl
   for (size_t c = 0; c < m / d; c++) {
     double W[9];
     dlsi_contact_diagonal(problem, (int)c, W);
+    work->w[c] = dlsi_block_weight(problem->d, W);
     for (size_t i = 0; E && i < d; i++)
       W[(d + 1) * i] += E[c];
     if (d == 2)
@@ -493,7 +494,7 @@ dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const doubl
     else
       dlsi_block_3d_set(&work->block_3d[c], W, problem->mu[c]);
   }
-  dlsi_contact_weights(problem, work->w);
+  dlsi_contact_complete_weights(problem, work->w);
   if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
     memset(r, 0, m * sizeof *r);
   *iterations = 0;
