@@ -2,30 +2,53 @@
 #include "fe_internal.h"
 #include "file.h"
 
-enum { vtk_triangle = 5 };
+enum { vtk_triangle = 5, vtk_quad = 9 };
 
-/* one <DataArray> of points in the plane, or vectors there, as VTK wants them: in space */
-static void write_plane(FILE *file, const char *name, const double *x, int nodes) {
-  (void)fprintf(file,
-                "<DataArray type=\"Float64\" Name=\"%s\" NumberOfComponents=\"3\" "
-                "format=\"ascii\">\n",
-                name);
-  for (int i = 0; i < nodes; i++, x += 2)
-    (void)fprintf(file, "%.17g %.17g 0\n", x[0], x[1]);
-  (void)fprintf(file, "</DataArray>\n");
-}
-
-static void write_grid(FILE *file, const dls_fe_mesh *mesh, const double *displacement,
-                       const double *reaction, const double *stress) {
+void dlsi_vtu_begin(FILE *file, int nodes, int cells) {
   (void)fprintf(file,
                 "<?xml version=\"1.0\"?>\n"
                 "<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
                 "<UnstructuredGrid>\n"
                 "<Piece NumberOfPoints=\"%d\" NumberOfCells=\"%d\">\n"
                 "<PointData>\n",
-                mesh->nodes, mesh->triangles);
-  if (displacement) write_plane(file, "displacement", displacement, mesh->nodes);
-  if (reaction) write_plane(file, "reaction", reaction, mesh->nodes);
+                nodes, cells);
+}
+
+void dlsi_vtu_plane(FILE *file, const char *name, const double *x, int nodes, int digits) {
+  (void)fprintf(file,
+                "<DataArray type=\"Float64\" Name=\"%s\" NumberOfComponents=\"3\" "
+                "format=\"ascii\">\n",
+                name);
+  for (int i = 0; i < nodes; i++, x += 2)
+    (void)fprintf(file, "%.*g %.*g 0\n", digits, x[0], digits, x[1]);
+  (void)fprintf(file, "</DataArray>\n");
+}
+
+void dlsi_vtu_end(FILE *file, const double *xy, int nodes, const int *node, int corners, int cells,
+                  int digits) {
+  (void)fprintf(file, "</CellData>\n<Points>\n");
+  dlsi_vtu_plane(file, "points", xy, nodes, digits);
+  (void)fprintf(file, "</Points>\n<Cells>\n"
+                      "<DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">\n");
+  for (int k = 0; k < corners * cells; k++)
+    (void)fprintf(file, "%d%c", node[k], (k + 1) % corners ? ' ' : '\n');
+  (void)fprintf(file, "</DataArray>\n"
+                      "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">\n");
+  for (int e = 1; e <= cells; e++)
+    (void)fprintf(file, "%d\n", corners * e);
+  (void)fprintf(file, "</DataArray>\n"
+                      "<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">\n");
+  for (int e = 0; e < cells; e++)
+    (void)fprintf(file, "%d\n", corners == 3 ? vtk_triangle : vtk_quad);
+  (void)fprintf(file, "</DataArray>\n</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
+}
+
+static void write_grid(FILE *file, const dls_fe_mesh *mesh, const double *displacement,
+                       const double *reaction, const double *stress) {
+  enum { digits = 17 };
+  dlsi_vtu_begin(file, mesh->nodes, mesh->triangles);
+  if (displacement) dlsi_vtu_plane(file, "displacement", displacement, mesh->nodes, digits);
+  if (reaction) dlsi_vtu_plane(file, "reaction", reaction, mesh->nodes, digits);
   (void)fprintf(file, "</PointData>\n<CellData>\n");
   if (stress) {
     (void)fprintf(file, "<DataArray type=\"Float64\" Name=\"stress\" NumberOfComponents=\"3\" "
@@ -35,22 +58,7 @@ static void write_grid(FILE *file, const dls_fe_mesh *mesh, const double *displa
       (void)fprintf(file, "%.17g %.17g %.17g\n", stress[0], stress[1], stress[2]);
     (void)fprintf(file, "</DataArray>\n");
   }
-  (void)fprintf(file, "</CellData>\n<Points>\n");
-  write_plane(file, "points", mesh->xy, mesh->nodes);
-  (void)fprintf(file, "</Points>\n<Cells>\n"
-                      "<DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">\n");
-  const int *node = mesh->node;
-  for (int e = 0; e < mesh->triangles; e++, node += 3)
-    (void)fprintf(file, "%d %d %d\n", node[0], node[1], node[2]);
-  (void)fprintf(file, "</DataArray>\n"
-                      "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">\n");
-  for (int e = 0; e < mesh->triangles; e++)
-    (void)fprintf(file, "%d\n", 3 * (e + 1));
-  (void)fprintf(file, "</DataArray>\n"
-                      "<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">\n");
-  for (int e = 0; e < mesh->triangles; e++)
-    (void)fprintf(file, "%d\n", vtk_triangle);
-  (void)fprintf(file, "</DataArray>\n</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
+  dlsi_vtu_end(file, mesh->xy, mesh->nodes, mesh->node, 3, mesh->triangles, digits);
 }
 
 dls_status dls_fe_write_vtu(const char *path, const dls_fe_mesh *mesh, const double *displacement,
