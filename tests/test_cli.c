@@ -5,42 +5,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "delassus.h"
-
-static char directory[64];  /* a fresh one for each test */
-static char output[200000]; /* standard output and error of the last run */
-
-static void setup(void) {
-  (void)snprintf(directory, sizeof directory, "/tmp/delassus-test-XXXXXX");
-  ck_assert_ptr_nonnull(mkdtemp(directory));
-}
-
-static void teardown(void) {
-  char command[128];
-  (void)snprintf(command, sizeof command, "rm -rf %s", directory);
-  ck_assert_int_eq(system(command), 0);
-}
-
-/* Runs `delassus ARGUMENTS`, "@" standing for the test's directory; returns its exit status. */
-static int run(const char *arguments) {
-  const char *program = getenv("DELASSUS_PROGRAM");
-  char command[2000];
-  int n = snprintf(command, sizeof command, "%s ", program ? program : "build/delassus");
-  for (const char *a = arguments; *a; a++)
-    n += snprintf(command + n, sizeof command - (size_t)n, *a == '@' ? "%s" : "%.1s",
-                  *a == '@' ? directory : a);
-  (void)snprintf(command + n, sizeof command - (size_t)n, " 2>&1");
-  FILE *pipe = popen(command, "r");
-  ck_assert_ptr_nonnull(pipe);
-  const size_t got = fread(output, 1, sizeof output - 1, pipe);
-  output[got] = '\0';
-  const int status = pclose(pipe);
-  ck_assert_msg(WIFEXITED(status), "%s: ended by a signal", arguments);
-  return WEXITSTATUS(status);
-}
+#include "program.h"
 
 static int prints(const char *text) {
   return strstr(output, text) != NULL;
@@ -355,7 +323,7 @@ int main(void) {
   Suite *suite = suite_create("cli");
   TCase *tcase = tcase_create("cli");
   tcase_set_timeout(tcase, 300); /* valgrind */
-  tcase_add_checked_fixture(tcase, setup, teardown);
+  tcase_add_checked_fixture(tcase, make_directory, remove_directory);
   tcase_add_test(tcase, help_and_version);
   tcase_add_test(tcase, bad_usage_is_2);
   tcase_add_test(tcase, accelerated_scene);

@@ -1,40 +1,10 @@
 /* test_forming_cli.c: the forming scenes in the program: exit statuses, tables, files. */
-#define _GNU_SOURCE
 #include <check.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-static char directory[64];
-static char output[20000]; /* standard output and error of the last run */
-
-static void setup(void) {
-  (void)snprintf(directory, sizeof directory, "/tmp/delassus-test-XXXXXX");
-  ck_assert_ptr_nonnull(mkdtemp(directory));
-}
-
-static void teardown(void) {
-  char command[128];
-  (void)snprintf(command, sizeof command, "rm -rf %s", directory);
-  ck_assert_int_eq(system(command), 0);
-}
-
-/* Runs `delassus scene ARGUMENTS` and returns its exit status. */
-static int run(const char *arguments) {
-  const char *program = getenv("DELASSUS_PROGRAM");
-  char command[1000];
-  (void)snprintf(command, sizeof command, "%s scene %s 2>&1", program ? program : "build/delassus",
-                 arguments);
-  FILE *pipe = popen(command, "r");
-  ck_assert_ptr_nonnull(pipe);
-  output[fread(output, 1, sizeof output - 1, pipe)] = '\0';
-  const int status = pclose(pipe);
-  ck_assert(WIFEXITED(status));
-  return WEXITSTATUS(status);
-}
+#include "program.h"
 
 /* lines of a file of the test's directory; last (size) := the last one */
 static int count_lines(const char *name, char *last, int size) {
@@ -50,11 +20,9 @@ static int count_lines(const char *name, char *last, int size) {
 }
 
 START_TEST(files) {
-  char arguments[200], line[400];
-  (void)snprintf(arguments, sizeof arguments,
-                 "indentation --mesh 6x5 --steps 20 --at 2,4.1 --method newton --out %s/a/b",
-                 directory);
-  ck_assert_int_eq(run(arguments), 0);
+  char line[400];
+  ck_assert_int_eq(
+      run("scene indentation --mesh 6x5 --steps 20 --at 2,4.1 --method newton --out @/a/b"), 0);
   ck_assert_ptr_nonnull(strstr(output, "\n    2.0000"));
   ck_assert_ptr_nonnull(strstr(output, "\n    4.5000")); /* the step that reaches 4.1 */
   ck_assert_ptr_nonnull(strstr(output, "indentation by newton: solved at 10 of 10 mm"));
@@ -78,7 +46,7 @@ START_TEST(every_method) {
   for (int k = 0; k < 7; k++) {
     char arguments[200];
     (void)snprintf(arguments, sizeof arguments,
-                   "--mesh 2x8 extrusion --steps 100 --mu 0.05 --method %s", methods[k]);
+                   "scene --mesh 2x8 extrusion --steps 100 --mu 0.05 --method %s", methods[k]);
     ck_assert_int_eq(run(arguments), 0);
     const char *at = strstr(output, "  177.8000");
     ck_assert_ptr_nonnull(at);
@@ -90,7 +58,7 @@ END_TEST
 
 /* a tolerance below rounding: not solved, 1, and the state reached is printed */
 START_TEST(not_solved) {
-  ck_assert_int_eq(run("indentation --mesh 4x4 --tol 1e-16"), 1);
+  ck_assert_int_eq(run("scene indentation --mesh 4x4 --tol 1e-16"), 1);
   ck_assert_ptr_nonnull(strstr(output, "of 10 mm"));
   ck_assert_ptr_null(strstr(output, "solved"));
 }
@@ -98,14 +66,16 @@ END_TEST
 
 START_TEST(bad_options) {
   static const char *const bad[] = {
-      "indentation --mesh 4",  "indentation --mesh 4x0",      "indentation --mesh 4x4x4",
-      "indentation --steps 0", "indentation --mu x",          "indentation --method magic",
-      "indentation --tol 0",   "indentation extrusion",       "indentation --at -1",
-      "indentation --at 1,,2", "indentation --out /dev/null", "extrusion --nonsense"};
+      "scene indentation --mesh 4",        "scene indentation --mesh 4x0",
+      "scene indentation --mesh 4x4x4",    "scene indentation --steps 0",
+      "scene indentation --mu x",          "scene indentation --method magic",
+      "scene indentation --tol 0",         "scene indentation extrusion",
+      "scene indentation --at -1",         "scene indentation --at 1,,2",
+      "scene indentation --out /dev/null", "scene extrusion --nonsense"};
   for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++)
     ck_assert_msg(run(bad[k]) == 2, "%s: not 2", bad[k]);
-  ck_assert_int_eq(run("indentation --help"), 0);
-  ck_assert_int_eq(run("--list"), 0);
+  ck_assert_int_eq(run("scene indentation --help"), 0);
+  ck_assert_int_eq(run("scene --list"), 0);
   ck_assert(strstr(output, "indentation") && strstr(output, "extrusion"));
 }
 END_TEST
@@ -114,7 +84,7 @@ int main(void) {
   Suite *suite = suite_create("forming_cli");
   TCase *tests = tcase_create("forming_cli");
   tcase_set_timeout(tests, 600);
-  tcase_add_checked_fixture(tests, setup, teardown);
+  tcase_add_checked_fixture(tests, make_directory, remove_directory);
   tcase_add_test(tests, files);
   tcase_add_test(tests, every_method);
   tcase_add_test(tests, not_solved);

@@ -1,0 +1,39 @@
+/* program.c: program.h. */
+#define _GNU_SOURCE
+#include "program.h"
+
+#include <check.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+
+char directory[64];
+char output[200000];
+
+void make_directory(void) {
+  (void)snprintf(directory, sizeof directory, "/tmp/delassus-test-XXXXXX");
+  ck_assert_ptr_nonnull(mkdtemp(directory));
+}
+
+void remove_directory(void) {
+  char command[128];
+  (void)snprintf(command, sizeof command, "rm -rf %s", directory);
+  ck_assert_int_eq(system(command), 0);
+}
+
+int run(const char *arguments) {
+  const char *program = getenv("DELASSUS_PROGRAM");
+  char command[2000];
+  int n = snprintf(command, sizeof command, "%s ", program ? program : "build/delassus");
+  for (const char *a = arguments; *a; a++)
+    n += snprintf(command + n, sizeof command - (size_t)n, *a == '@' ? "%s" : "%.1s",
+                  *a == '@' ? directory : a);
+  (void)snprintf(command + n, sizeof command - (size_t)n, " 2>&1");
+  FILE *pipe = popen(command, "r");
+  ck_assert_ptr_nonnull(pipe);
+  const size_t got = fread(output, 1, sizeof output - 1, pipe);
+  output[got] = '\0';
+  const int status = pclose(pipe);
+  ck_assert_msg(WIFEXITED(status), "%s: ended by a signal", arguments);
+  return WEXITSTATUS(status);
+}

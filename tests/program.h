@@ -1,0 +1,15 @@
+/* program.h: running the program `delassus` from a test, with a fresh directory. */
+#ifndef PROGRAM_H
+#define PROGRAM_H
+
+extern char directory[64];
+extern char output[200000]; /* standard output and error of the last run */
+
+/* of a checked fixture */
+void make_directory(void);
+void remove_directory(void);
+
+/* Runs `delassus ARGUMENTS`, "@" standing for the test's directory; returns its exit status. */
+int run(const char *arguments);
+
+#endif
