@@ -25,7 +25,6 @@
  */
 #include "schur.h"
 
-#include <dmumps_c.h>
 #include <float.h>
 #include <limits.h>
 #include <math.h>
@@ -35,19 +34,13 @@
 #include "blas.h"
 #include "dissection.h"
 #include "dlsi.h"
+#include "mumps.h"
 
-/* jobs, and the values of INFOG(1) that mean something here; users' guide of MUMPS 5.5 */
-enum { start = -1, end = -2, analyse = 1, factorise = 2, solve = 3 };
-enum { singular_structure = -6, singular = -10, small_integers = -8, small_reals = -9 };
-enum { sequential_world = -987654, most_relaxation = 1000 };
 enum { whole_solve = 0, condense = 1, expand = 2 }; /* ICNTL(26) */
 enum { schur_lower = 2, schur_full = 3 };           /* ICNTL(19), by columns */
 enum { probes = 2, sweeps = 5 };                    /* (F4), (F1) */
 
-/* ICNTL, INFOG and RINFOG as the guide numbers them */
-#define ICNTL(k)  icntl[(k)-1]
-#define INFOG(k)  infog[(k)-1]
-#define RINFOG(k) rinfog[(k)-1]
+#define RINFOG(k) rinfog[(k)-1] /* as the users' guide numbers it */
 
 struct dlsi_schur {
   DMUMPS_STRUC_C mumps;
@@ -72,12 +65,6 @@ int dlsi_schur_available(void) {
 
 static dls_status no_memory(const char *function, dls_error *error) {
   return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
-}
-
-static int run(dlsi_schur *s, int job) {
-  s->mumps.job = job;
-  dmumps_c(&s->mumps);
-  return s->mumps.INFOG(1);
 }
 
 /* A code of MUMPS as a status. */
@@ -183,16 +170,11 @@ dls_status dlsi_schur_create(dlsi_schur **out, const char *function, const dls_s
   s->factorization = factorization;
   s->n = Ks->cols;
   s->count = count;
-  s->mumps.par = 1;
-  s->mumps.sym = factorization == DLS_CHOLESKY ? 1 : factorization == DLS_LDLT ? 2 : 0;
-  s->mumps.comm_fortran = sequential_world;
-  if (run(s, start) < 0) {
+  const int sym = factorization == DLS_CHOLESKY ? 1 : factorization == DLS_LDLT ? 2 : 0;
+  if (!dlsi_mumps_start(&s->mumps, sym)) {
     free(s);
     return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "MUMPS does not start");
   }
-  for (int k = 1; k <= 3; k++)
-    s->mumps.ICNTL(k) = -1; /* no output unit for errors, warnings, statistics */
-  s->mumps.ICNTL(4) = 0;
   s->mumps.nnz = (MUMPS_INT8)count_entries(s, Ks);
   dls_status status = reserve(s, function, (size_t)s->mumps.nnz, error);
   if (!status) {
@@ -200,7 +182,8 @@ dls_status dlsi_schur_create(dlsi_schur **out, const char *function, const dls_s
     set_up(s);
     status = order_unknowns(s, function, error);
   }
-  if (!status && run(s, analyse) < 0) status = mumps_failed(s, function, error); /* (C2) */
+  if (!status && dlsi_mumps_run(&s->mumps, analyse) < 0)
+    status = mumps_failed(s, function, error); /* (C2) */
   if (status)
     dlsi_schur_destroy(s);
   else
@@ -296,17 +279,8 @@ static dls_status scale(dlsi_schur *s, const char *function, double *room, dls_e
 
 /* (F2) */
 static dls_status eliminate(dlsi_schur *s, const char *function, dls_error *error) {
-  const int usual = s->mumps.ICNTL(14);
-  int info;
-  for (;;) {
-    s->mumps.schur = s->S;
-    info = run(s, factorise);
-    /* pivoting took more room than was foreseen, by ICNTL(14) per cent: foresee more */
-    if (info != small_integers && info != small_reals) break;
-    if (s->mumps.ICNTL(14) >= most_relaxation) break;
-    s->mumps.ICNTL(14) *= 2;
-  }
-  s->mumps.ICNTL(14) = usual;
+  s->mumps.schur = s->S;
+  const int info = dlsi_mumps_factor(&s->mumps);
   if (info < 0) return mumps_failed(s, function, error);
   const int negative = s->mumps.INFOG(12);
   if (s->factorization == DLS_CHOLESKY && negative > 0)
@@ -370,7 +344,7 @@ static dls_status solve_kept(dlsi_schur *s, const char *function, double *X, int
   s->mumps.redrhs = s->reduced;
   s->mumps.lredrhs = b;
   s->mumps.ICNTL(26) = condense;
-  if (run(s, solve) < 0) return mumps_failed(s, function, error);
+  if (dlsi_mumps_run(&s->mumps, solve) < 0) return mumps_failed(s, function, error);
   int unused;
   if (s->definite)
     dpotrs_("L", &b, &nrhs, s->S, &b, s->reduced, &b, &unused, 1);
@@ -390,7 +364,7 @@ static dls_status solve_scaled(dlsi_schur *s, const char *function, double *X, i
   s->mumps.nrhs = nrhs;
   s->mumps.lrhs = s->n;
   s->mumps.ICNTL(26) = s->count > 0 ? expand : whole_solve;
-  return run(s, solve) < 0 ? mumps_failed(s, function, error) : DLS_OK;
+  return dlsi_mumps_run(&s->mumps, solve) < 0 ? mumps_failed(s, function, error) : DLS_OK;
 }
 
 /* (F4): the vectors v; the same each time */
@@ -517,7 +491,7 @@ dls_status dlsi_schur_inverse(const dlsi_schur *s, const char *function, double 
 
 void dlsi_schur_destroy(dlsi_schur *s) {
   if (!s) return;
-  (void)run(s, end);
+  (void)dlsi_mumps_run(&s->mumps, end);
   free(s->row);
   free(s->col);
   free(s->x);

@@ -4,21 +4,12 @@
  */
 #include "sparse_lu.h"
 
-#include <dmumps_c.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "dlsi.h"
-
-/* jobs, and the values of INFOG(1) that mean something here; users' guide of MUMPS 5.5 */
-enum { start = -1, end = -2, analyse = 1, factorise = 2, solve = 3 };
-enum { singular_structure = -6, singular = -10, small_integers = -8, small_reals = -9 };
-enum { sequential_world = -987654, most_relaxation = 1000 };
-
-/* ICNTL and INFOG as the guide numbers them */
-#define ICNTL(k) icntl[(k)-1]
-#define INFOG(k) infog[(k)-1]
+#include "mumps.h"
 
 struct dlsi_sparse_lu {
   DMUMPS_STRUC_C mumps;
@@ -28,27 +19,15 @@ struct dlsi_sparse_lu {
   int analysed;
 };
 
-static int run(dlsi_sparse_lu *lu, int job) {
-  lu->mumps.job = job;
-  dmumps_c(&lu->mumps);
-  return lu->mumps.INFOG(1);
-}
-
 dls_status dlsi_sparse_lu_create(const char *function, dlsi_sparse_lu **out, dls_error *error) {
   *out = NULL;
   dlsi_sparse_lu *lu = dlsi_alloc(1, sizeof *lu);
   if (!lu) return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
   memset(lu, 0, sizeof *lu);
-  lu->mumps.par = 1;
-  lu->mumps.sym = 0;
-  lu->mumps.comm_fortran = sequential_world;
-  if (run(lu, start) < 0) {
+  if (!dlsi_mumps_start(&lu->mumps, 0)) {
     free(lu);
     return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "MUMPS does not start");
   }
-  for (int k = 1; k <= 3; k++)
-    lu->mumps.ICNTL(k) = -1; /* no output unit for errors, warnings, statistics */
-  lu->mumps.ICNTL(4) = 0;
   lu->mumps.ICNTL(7) = 0; /* approximate minimum degree: others draw random numbers */
   *out = lu;
   return DLS_OK;
@@ -90,18 +69,9 @@ static int take_over(dlsi_sparse_lu *lu, const dls_sparse *A) {
 dls_status dlsi_sparse_lu_factor(const char *function, dlsi_sparse_lu *lu, const dls_sparse *A,
                                  dls_error *error) {
   int info = 0;
-  if (!take_over(lu, A)) info = run(lu, analyse);
+  if (!take_over(lu, A)) info = dlsi_mumps_run(&lu->mumps, analyse);
   lu->analysed = info >= 0;
-  const int usual = lu->mumps.ICNTL(14);
-  while (info >= 0) {
-    info = run(lu, factorise);
-    /* pivoting took more room than was foreseen, by ICNTL(14) per cent: foresee more */
-    if (info != small_integers && info != small_reals) break;
-    if (lu->mumps.ICNTL(14) >= most_relaxation) break;
-    lu->mumps.ICNTL(14) *= 2;
-    info = 0;
-  }
-  lu->mumps.ICNTL(14) = usual;
+  if (info >= 0) info = dlsi_mumps_factor(&lu->mumps);
   if (info >= 0) return DLS_OK;
   if (info == singular || info == singular_structure)
     return dlsi_fail(error, DLS_E_SINGULAR, function, "", -1, 0, "a matrix is singular");
@@ -114,7 +84,7 @@ dls_status dlsi_sparse_lu_solve(const char *function, dlsi_sparse_lu *lu, double
   lu->mumps.rhs = x;
   lu->mumps.nrhs = 1;
   lu->mumps.lrhs = lu->mumps.n;
-  const int info = run(lu, solve);
+  const int info = dlsi_mumps_run(&lu->mumps, solve);
   lu->mumps.rhs = NULL;
   if (info >= 0) return DLS_OK;
   return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, info,
@@ -123,7 +93,7 @@ dls_status dlsi_sparse_lu_solve(const char *function, dlsi_sparse_lu *lu, double
 
 void dlsi_sparse_lu_destroy(dlsi_sparse_lu *lu) {
   if (!lu) return;
-  (void)run(lu, end);
+  (void)dlsi_mumps_run(&lu->mumps, end);
   free(lu->row);
   free(lu->col);
   free(lu->x);
