@@ -3,7 +3,8 @@
  *
  * Each is taken with its default options and with one or more of the settings that its headers offer;
  * the tolerance and an iteration limit that never comes first are all that is changed besides.
- * The matrix is made anew for each call: some solvers write into it.
+ * Matrix and options are made anew for each call, since some solvers write into them; short calls are
+ * also tried one after the other on the same ones, which are then in the cache.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -249,24 +250,34 @@ static double *copy(const double *x, int n) {
 
 /* ---- solving --------------------------------------------------------------------------------- */
 
-static int solve_local(const peer_method *p, const scene *s, double *r, double *u,
-                       SolverOptions *options, double *cpu) {
-  const dls_contact *c = &s->contact;
-  FrictionContactProblem problem = {.dimension = c->d,
-                                    .numberOfContacts = c->nc,
-                                    .M = matrix_of(s, storage_of(p, s)),
-                                    .q = copy(c->q, c->d * c->nc),
-                                    .mu = copy(c->mu, c->nc)};
-  const double start = cpu_seconds();
-  const int status = (c->d == 2 ? fc2d_driver : fc3d_driver)(&problem, r, u, options);
-  *cpu = cpu_seconds() - start;
-  NM_free(problem.M);
-  free(problem.q);
-  free(problem.mu);
-  return status;
+/* What a call gets. Solvers write into the matrix, and keep things in it and in the options. */
+typedef struct job {
+  SolverOptions *options;
+  FrictionContactProblem local;
+  GlobalFrictionContactProblem *global; /* NULL: local */
+  double *v;                            /* n of the global one */
+} job;
+
+static SolverOptions *options_of(const peer_method *p, double tol) {
+  SolverOptions *options = solver_options_create(p->id);
+  if (p->tune) p->tune(options);
+  options->dparam[SICONOS_DPARAM_TOL] = tol;
+  if (options->iparam[SICONOS_IPARAM_MAX_ITER] < least_iterations)
+    options->iparam[SICONOS_IPARAM_MAX_ITER] = least_iterations;
+  if (iterates_cheaply(p->id)) options->iparam[SICONOS_IPARAM_MAX_ITER] = most_iterations;
+  return options;
 }
 
-static int solve_global(const scene *s, double *r, double *u, SolverOptions *options, double *cpu) {
+static FrictionContactProblem local_of(const peer_method *p, const scene *s) {
+  const dls_contact *c = &s->contact;
+  return (FrictionContactProblem){.dimension = c->d,
+                                  .numberOfContacts = c->nc,
+                                  .M = matrix_of(s, storage_of(p, s)),
+                                  .q = copy(c->q, c->d * c->nc),
+                                  .mu = copy(c->mu, c->nc)};
+}
+
+static GlobalFrictionContactProblem *global_of(const scene *s) {
   GlobalFrictionContactProblem *problem = globalFrictionContactProblem_new();
   problem->dimension = s->contact.d;
   problem->numberOfContacts = s->contact.nc;
@@ -275,31 +286,70 @@ static int solve_global(const scene *s, double *r, double *u, SolverOptions *opt
   problem->q = copy(s->f, s->model->n);
   problem->b = copy(s->g, s->contact.d * s->contact.nc);
   problem->mu = copy(s->contact.mu, s->contact.nc);
-  double *v = calloc((size_t)s->model->n, sizeof *v);
-  const double start = cpu_seconds();
-  const int status = gfc3d_driver(problem, r, u, v, options);
-  *cpu = cpu_seconds() - start;
-  free(v); /* the rest goes with the process: some solvers free parts of it */
-  return status;
+  return problem;
 }
 
-void peer_solve(const void *how, const scene *s, double tol, double *r, outcome *o) {
-  const peer_method *p = how;
-  double *u = calloc((size_t)s->contact.d * (size_t)s->contact.nc, sizeof *u);
+static void job_fill(job *j, const peer_method *p, const scene *s) {
+  if (!p->global)
+    j->local = local_of(p, s);
+  else {
+    j->global = global_of(s);
+    j->v = calloc((size_t)s->model->n, sizeof *j->v);
+  }
+}
+
+static int run_job(job *j, double *r, double *u) {
+  if (j->global) return gfc3d_driver(j->global, r, u, j->v, j->options);
+  return (j->local.dimension == 2 ? fc2d_driver : fc3d_driver)(&j->local, r, u, j->options);
+}
+
+static void job_free(job *j) {
+  if (!j->global)
+    NM_free(j->local.M); /* a global one goes with the process: some solvers free parts */
+  free(j->local.q);
+  free(j->local.mu);
+  free(j->v);
+  solver_options_delete(j->options);
+  free(j->options);
+}
+
+/* different: how many jobs, 1 or calls */
+static void solve_jobs(const peer_method *p, const scene *s, double tol, int calls, int different,
+                       double *r, outcome *o) {
+  const size_t bytes = (size_t)s->contact.d * (size_t)s->contact.nc * sizeof *r;
+  double *u = malloc(bytes);
+  job *jobs = calloc((size_t)different, sizeof *jobs);
+  if (!u || !jobs) abort(); /* a row */
   numerics_set_verbose(0);
+  const double before = cpu_seconds();
+  for (int k = 0; k < different; k++)
+    jobs[k].options = options_of(p, tol);
+  o->setup = (cpu_seconds() - before) / different;
+  for (int k = 0; k < different; k++)
+    job_fill(&jobs[k], p, s);
+  int status = 0;
+  job *last = jobs;
   const double start = cpu_seconds();
-  SolverOptions *options = solver_options_create(p->id);
-  if (p->tune) p->tune(options);
-  options->dparam[SICONOS_DPARAM_TOL] = tol;
-  if (options->iparam[SICONOS_IPARAM_MAX_ITER] < least_iterations)
-    options->iparam[SICONOS_IPARAM_MAX_ITER] = least_iterations;
-  if (iterates_cheaply(p->id)) options->iparam[SICONOS_IPARAM_MAX_ITER] = most_iterations;
-  o->setup = cpu_seconds() - start;
-  const int status = p->global ? solve_global(s, r, u, options, &o->cpu)
-                               : solve_local(p, s, r, u, options, &o->cpu);
+  for (int k = 0; k < calls; k++) {
+    last = jobs + (k < different ? k : 0);
+    memset(r, 0, bytes);
+    memset(u, 0, bytes);
+    status = run_job(last, r, u);
+  }
+  o->cpu = (cpu_seconds() - start) / calls;
   o->claim = status == 0;
-  o->iterations = options->iparam[SICONOS_IPARAM_ITER_DONE];
-  solver_options_delete(options);
-  free(options);
+  o->iterations = last->options->iparam[SICONOS_IPARAM_ITER_DONE];
+  for (int k = 0; k < different; k++)
+    job_free(&jobs[k]);
+  free(jobs);
   free(u);
+}
+
+void peer_solve(const void *how, const scene *s, double tol, int calls, double *r, outcome *o) {
+  solve_jobs(how, s, tol, calls, calls, r, o);
+}
+
+void peer_solve_again(const void *how, const scene *s, double tol, int calls, double *r,
+                      outcome *o) {
+  solve_jobs(how, s, tol, calls, 1, r, o);
 }

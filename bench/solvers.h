@@ -41,14 +41,16 @@ typedef struct outcome {
   ending ended;
   int claim;      /* the solver says "solved" */
   int iterations; /* as the solver counts them; -1 for unknown */
-  double cpu;     /* of the solve, s; the smallest of several calls if that is short */
+  int calls;      /* between two readings of the clock */
+  double cpu;     /* of a solve, s; the smallest of several readings if that is short */
   double setup;   /* of what goes with each call but is not the solve: creating, destroying */
   dls_certificate certificate; /* of the answer; residual = INFINITY if there is none */
 } outcome;
 
-/* Solves s to its own `tol` by the method that `how` describes; r (m) holds 0. Fills all of *o but
- * the certificate. */
-typedef void (*solve_fn)(const void *how, const scene *s, double tol, double *r, outcome *o);
+/* Solves s `calls` times to its own `tol` by the method that `how` describes, each time from r (m) = 0.
+ * Fills all of *o but the certificate, for one call. */
+typedef void (*solve_fn)(const void *how, const scene *s, double tol, int calls, double *r,
+                         outcome *o);
 
 /* solve() in a child process that is stopped after `limit` seconds of CPU, and its answer certified
  * here. */
@@ -75,8 +77,10 @@ const char *peer_storage(const peer_method *p, const scene *s);
 /* 1 if p can be tried on s. quick: only those that were fastest somewhere. */
 int peer_takes(const peer_method *p, const scene *s, int full);
 
-/* A solve_fn; how is a peer_method. The storage is converted and the options are made outside of
- * the time measured. */
-void peer_solve(const void *how, const scene *s, double tol, double *r, outcome *o);
+/* Each a solve_fn; how is a peer_method. The storage is converted and the options are made outside of
+ * the time measured, anew for each call or once for all of them. */
+void peer_solve(const void *how, const scene *s, double tol, int calls, double *r, outcome *o);
+void peer_solve_again(const void *how, const scene *s, double tol, int calls, double *r,
+                      outcome *o);
 
 #endif
