@@ -73,12 +73,13 @@ static dls_status reduce(const scene *s, dls_reduction **reduction, dls_contact 
 static dls_status own_call(const scene *s, dls_solver *solver, const dls_solver_settings *settings,
                            double *r, dls_info *info) {
   dls_reduction *reduction = NULL;
-  dls_contact contact = s->contact;
-  dls_status status = s->model ? reduce(s, &reduction, &contact) : DLS_OK;
-  memset(r, 0, (size_t)contact.d * (size_t)contact.nc * sizeof *r);
+  dls_contact reduced;
+  const dls_contact *contact = s->model ? &reduced : &s->contact;
+  dls_status status = s->model ? reduce(s, &reduction, &reduced) : DLS_OK;
+  memset(r, 0, (size_t)s->contact.d * (size_t)s->contact.nc * sizeof *r);
   if (!status)
-    status = solver ? dls_solver_solve(solver, &contact, r, NULL, info, NULL)
-                    : dls_solve(&contact, settings, r, NULL, info, NULL);
+    status = solver ? dls_solver_solve(solver, contact, r, NULL, info, NULL)
+                    : dls_solve(contact, settings, r, NULL, info, NULL);
   if (s->model) dls_reduction_destroy(reduction);
   return status;
 }

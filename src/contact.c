@@ -17,6 +17,17 @@
 
 /* ---- W, dense or by blocks ------------------------------------------------------------------- */
 
+/* block := the sum of those of column c in row c, W by blocks; n = d d in a parameter of its own for the
+ * compiler to see */
+static inline void add_diagonal(size_t n, const dls_blocks *B, int c, double *block) {
+  for (size_t e = 0; e < n; e++)
+    block[e] = 0;
+  for (int k = B->p[c]; k < B->p[c + 1]; k++)
+    if (B->i[k] == c)
+      for (size_t e = 0; e < n; e++)
+        block[e] += B->x[n * (size_t)k + e];
+}
+
 void dlsi_contact_diagonal(const dls_contact *problem, int c, double *block) {
   const int d = problem->d;
   if (!problem->Wb.x) {
@@ -24,15 +35,10 @@ void dlsi_contact_diagonal(const dls_contact *problem, int c, double *block) {
     for (int j = 0; j < d; j++)
       for (int i = 0; i < d; i++)
         block[i + d * j] = problem->W.a[k + (size_t)i + (k + (size_t)j) * ld];
-    return;
-  }
-  const dls_blocks *B = &problem->Wb;
-  for (int e = 0; e < d * d; e++)
-    block[e] = 0;
-  for (int k = B->p[c]; k < B->p[c + 1]; k++)
-    if (B->i[k] == c)
-      for (int e = 0; e < d * d; e++)
-        block[e] += B->x[(size_t)k * (size_t)(d * d) + (size_t)e];
+  } else if (d == 2)
+    add_diagonal(4, &problem->Wb, c, block);
+  else
+    add_diagonal(9, &problem->Wb, c, block);
 }
 
 void dlsi_contact_add_columns(const dls_contact *problem, int c, const double *dr, double *u) {
@@ -226,22 +232,26 @@ static void raise(double *m, double x) {
   if (x > *m || x != x) *m = x;
 }
 
-/* | max(|W||r|, w |r|) |_2: what F is computed from, and so what its rounding is relative to */
-static double magnitude(const dls_contact *problem, const double *r, const double *a,
-                        const double *w) {
+/* max(a, w |r|) for one row: what F is computed from, and so what its rounding is relative to */
+static inline double magnitude(double a, double w, double r) {
+  const double wr = w * fabs(r);
+  return a > wr || a != a ? a : wr;
+}
+
+/* | magnitude |_2, where a plain sum of squares does not tell */
+static double norm_of_magnitudes(const dls_contact *problem, const double *r, const double *a,
+                                 const double *w) {
   const size_t d = (size_t)problem->d, nc = (size_t)problem->nc;
   double largest = 0, sum = 0;
   for (int pass = 0; pass < 2; pass++) {
     const double scale = largest;
-    sum = 0;
     for (size_t c = 0, e = 0; c < nc; c++)
       for (size_t i = 0; i < d; i++, e++) {
-        const double wr = w[c] * fabs(r[e]), x = a[e] > wr || a[e] != a[e] ? a[e] : wr;
+        const double x = magnitude(a[e], w[c], r[e]);
         raise(&largest, x);
-        sum += pass ? (x / scale) * (x / scale) : x * x;
+        if (pass) sum += (x / scale) * (x / scale);
       }
     if (!(largest > 0)) return largest;
-    if (!pass && dlsi_is_plain(sum)) return sqrt(sum);
   }
   return largest * sqrt(sum);
 }
@@ -260,50 +270,67 @@ static int find_worst(const dls_contact *problem, const double *F) {
   return at;
 }
 
-void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
-                          const double *a, const double *w, double *F,
-                          dls_certificate *certificate) {
-  const int d = problem->d, nc = problem->nc;
-  const size_t m = (size_t)d * (size_t)nc;
-  dls_certificate c = {0};
+/* F (m), c but for residual and floor; returns sum |F_c|^2; *rounded: that of the magnitudes. d in a
+ * parameter of its own for the compiler to see. */
+static inline double measure_each(int d, const dls_contact *problem, const double *r,
+                                  const double *u, const double *a, const double *w, double *F,
+                                  dls_certificate *c, double *rounded) {
   double worst = 0, sum = 0;
-  for (int k = 0; k < nc; k++) {
+  *rounded = 0;
+  for (int k = 0; k < problem->nc; k++) {
     const size_t o = (size_t)d * (size_t)k;
     const double mu = problem->mu[k], *rc = r + o, *uc = u + o;
-    const double rt = dlsi_tangent_norm(d, rc), ut = dlsi_tangent_norm(d, uc);
-    double size = 0;
+    const double ut = dlsi_tangent_norm(d, uc);
+    double *Fc = F + o, size = 0;
+    for (int i = 0; i < d; i++) {
+      const double x = magnitude(a[o + (size_t)i], w[k], rc[i]);
+      *rounded += x * x;
+    }
     if (is_zero((size_t)d, rc) && uc[0] >= 0 && uc[0] + ut <= DBL_MAX) { /* all of it is 0 */
-      memset(F + o, 0, (size_t)d * sizeof *F);
+      for (int i = 0; i < d; i++)
+        Fc[i] = 0;
       continue;
     }
-    dlsi_contact_residual(d, mu, w[k], rc, uc, F + o);
+    const double rt = dlsi_tangent_norm(d, rc);
+    dlsi_contact_residual(d, mu, w[k], rc, uc, Fc);
     for (int i = 0; i < d; i++) {
-      const double square = F[o + (size_t)i] * F[o + (size_t)i];
+      const double square = Fc[i] * Fc[i];
       size += square;
       sum += square;
     }
     if (size > worst) {
       worst = size;
-      c.worst = k;
+      c->worst = k;
     }
-    raise(&c.penetration, -uc[0]);
-    raise(&c.adhesion, -rc[0]);
-    raise(&c.cone_violation, rt - mu * (rc[0] > 0 ? rc[0] : 0));
-    raise(&c.complementarity, fabs(uc[0] * rc[0]));
+    raise(&c->penetration, -uc[0]);
+    raise(&c->adhesion, -rc[0]);
+    raise(&c->cone_violation, rt - mu * (rc[0] > 0 ? rc[0] : 0));
+    raise(&c->complementarity, fabs(uc[0] * rc[0]));
     if (rt > 0) {
       double e[3] = {0};
       for (int i = 1; i < d; i++)
         e[i] = uc[i] + ut * (rc[i] / rt);
-      raise(&c.slip_direction, dlsi_tangent_norm(d, e));
+      raise(&c->slip_direction, dlsi_tangent_norm(d, e));
     } else if (mu * rc[0] > 0)
-      raise(&c.slip_direction, ut);
+      raise(&c->slip_direction, ut);
   }
+  return sum;
+}
+
+void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
+                          const double *a, const double *w, double *F,
+                          dls_certificate *certificate) {
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  dls_certificate c = {0};
+  double rounded;
+  const double sum = problem->d == 2 ? measure_each(2, problem, r, u, a, w, F, &c, &rounded)
+                                     : measure_each(3, problem, r, u, a, w, F, &c, &rounded);
   const int plain = dlsi_is_plain(sum);
   if (!plain) c.worst = find_worst(problem, F);
   const double f = plain ? sqrt(sum) : dlsi_norm2(F, m), q = dlsi_norm2(problem->q, m);
   const double scale = q > 0 ? q : dlsi_norm2(a, m);
   c.residual = f == 0 ? 0 : f / scale;
-  const double rounded = magnitude(problem, r, a, w);
+  rounded = dlsi_is_plain(rounded) ? sqrt(rounded) : norm_of_magnitudes(problem, r, a, w);
   c.floor = rounded == 0 ? 0 : DBL_EPSILON * (rounded / scale);
   *certificate = c;
 }

@@ -153,7 +153,8 @@ void dlsi_contact_complete_weights(const dls_contact *problem, double *w);
 static inline double dlsi_tangent_norm(int d, const double *v) {
   if (d == 2) return fabs(v[1]);
   const double s = v[1] * v[1] + v[2] * v[2];
-  return s > 1e-280 && s < 1e280 ? sqrt(s) : hypot(v[1], v[2]);
+  if (s > 1e-280 && s < 1e280) return sqrt(s);
+  return v[1] == 0 && v[2] == 0 ? 0 : hypot(v[1], v[2]);
 }
 
 /* P(v): the projection of v (d) on C_mu = { |r_t| <= mu r_n }; returns the branch taken. */

@@ -1,4 +1,5 @@
 /* number.c: norms that keep NaN, and the search for values that are not finite. */
+#include <float.h>
 #include <math.h>
 
 #include "dlsi.h"
@@ -37,9 +38,10 @@ long long dlsi_first_not_finite(const double *x, size_t n) {
     for (size_t k = 0; k < 8; k++)
       s[k] += 0 * x[i + k];
   if (i > 0) sum = ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
+  int bad = !(sum == 0); /* the rest without a chain of sums */
   for (; i < n; i++)
-    sum += 0 * x[i];
-  if (sum == 0) return -1;
+    bad |= !(fabs(x[i]) <= DBL_MAX);
+  if (!bad) return -1;
   for (i = 0; i < n; i++)
     if (!isfinite(x[i])) return (long long)i;
   return -1;

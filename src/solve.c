@@ -233,17 +233,11 @@ static dls_status solve_by_method(dls_solver *solver, const dls_contact *problem
   }
 }
 
-/* q_n >= 0, cold: r = 0, of which every F_c is 0 and no bit is rounded. 1 if that is the answer. */
-static int answer_free(const dls_solver_settings *settings, const dls_contact *problem, double *r,
-                       double *u, dls_info *info) {
-  const size_t d = (size_t)problem->d, nc = (size_t)problem->nc;
-  if (settings->method != DLS_AUTO || settings->warm_start) return 0;
-  for (size_t c = 0; c < nc; c++)
-    if (problem->q[d * c] < 0) return 0;
-  memset(r, 0, d * nc * sizeof *r);
-  if (u) memcpy(u, problem->q, d * nc * sizeof *u);
-  if (info) *info = (dls_info){.status = DLS_OK, .method = DLS_AUTO};
-  return 1;
+/* 1 if the answer needs no workspace */
+static int answer(const dls_solver_settings *settings, const dls_contact *problem, double *r,
+                  double *u, dls_info *info) {
+  return settings->method == DLS_AUTO && !settings->warm_start &&
+         dlsi_alone_solve(problem, settings->tol, r, u, info);
 }
 
 dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, double *r, double *u,
@@ -253,7 +247,7 @@ dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, doub
                                        solver->settings.warm_start, error);
   if (status) return status;
   solver->runaway = 0;
-  if (answer_free(&solver->settings, problem, r, u, info)) return DLS_OK;
+  if (answer(&solver->settings, problem, r, u, info)) return DLS_OK;
   status = solve_by_method(solver, problem, r, u, info, error);
   solver->runaway = status == DLS_NO_SOLUTION_LIKELY;
   return status;
@@ -291,7 +285,7 @@ dls_status dls_solve(const dls_contact *problem, const dls_solver_settings *sett
   s.blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : 0;
   status = dlsi_check_start(__func__, problem, r, s.warm_start, error);
   if (status) return status;
-  if (answer_free(&s, problem, r, u, info)) return DLS_OK;
+  if (answer(&s, problem, r, u, info)) return DLS_OK;
   dls_solver solver = {.settings = s, .d = problem->d, .nc = problem->nc};
   status = create_method(&solver, 0, error);
   if (!status) status = solve_by_method(&solver, problem, r, u, info, error);

@@ -26,4 +26,8 @@ dls_status dlsi_auto_solve(dlsi_auto *work, const dls_contact *problem, double *
 const double *dlsi_auto_direction(const dlsi_auto *work);
 void dlsi_auto_destroy(dlsi_auto *work);
 
+/* alone.c: 1 if r, u (or NULL), info (or NULL) hold a certified answer found from r = 0, else 0 and they are
+ * untouched. */
+int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *u, dls_info *info);
+
 #endif

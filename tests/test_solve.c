@@ -408,6 +408,214 @@ START_TEST(free_problem_is_answered_at_once) {
 }
 END_TEST
 
+/* ---- candidates apart (src/alone.c) ---------------------------------------------------------- */
+
+enum { APART = 24 };
+
+/* n candidates by blocks: W_cc = A^T A + I / 2 and no other blocks. */
+typedef struct apart {
+  dls_contact p;
+  int start[APART + 1], row[APART + 1];
+  double x[9 * (APART + 1)], b[3 * APART], friction[APART];
+} apart;
+
+static void set_apart(apart *a, int d, int n, unsigned seed) {
+  for (int c = 0; c < n; c++) {
+    double A[9];
+    for (int e = 0; e < d * d; e++)
+      A[e] = uniform(&seed);
+    for (int i = 0; i < d; i++)
+      for (int j = 0; j < d; j++) {
+        double sum = i == j ? 0.5 : 0;
+        for (int k = 0; k < d; k++)
+          sum += A[k + d * i] * A[k + d * j];
+        a->x[d * d * c + i + d * j] = sum;
+      }
+    for (int i = 0; i < d; i++)
+      a->b[d * c + i] = uniform(&seed) - (i ? 0 : 0.5);
+    a->friction[c] = c % 4 == 3 ? 0 : 0.5;
+    a->start[c] = a->row[c] = c;
+  }
+  a->start[n] = n;
+  a->p = (dls_contact){
+      .d = d, .nc = n, .Wb = {d, n, a->start, a->row, a->x}, .q = a->b, .mu = a->friction};
+}
+
+/* auto's answer is what anybody certifies, the same by both doors. */
+static dls_info solve_apart(const dls_contact *p, double tol, double *r) {
+  const int m = p->d * p->nc;
+  dls_solver_settings s = settings_of(DLS_AUTO);
+  double u[3 * APART], t[3 * APART], v[3 * APART];
+  dls_info info, other;
+  dls_certificate c;
+  dls_solver *solver;
+  s.tol = tol;
+  memset(&info, 9, sizeof info);
+  ck_assert_int_eq(dls_solve(p, &s, r, u, &info, NULL), DLS_OK);
+  ck_assert_int_eq(dls_contact_certify(p, r, v, &c, NULL), DLS_OK);
+  ck_assert_int_eq(same_certificate(&c, &info.certificate), 1);
+  ck_assert_int_eq(dls_certificate_holds(&c, tol), 1);
+  for (int i = 0; i < m; i++)
+    ck_assert(u[i] == v[i]);
+  ck_assert(info.status == DLS_OK && info.method == DLS_AUTO && info.sweeps == 0 &&
+            info.ambiguous == 0);
+  s.blocks = p->Wb.x ? p->Wb.p[p->nc] : 0;
+  ck_assert_int_eq(dls_solver_create(&solver, p->d, p->nc, &s, NULL), DLS_OK);
+  ck_assert_int_eq(dls_solver_solve(solver, p, t, NULL, &other, NULL), DLS_OK);
+  dls_solver_destroy(solver);
+  ck_assert_mem_eq(r, t, (size_t)m * sizeof *r);
+  ck_assert(other.iterations == info.iterations && other.stages == info.stages);
+  return info;
+}
+
+static void is_one_sweep(const dls_info *info) {
+  ck_assert(info->iterations == 1 && info->stages == 1 && info->factorisations == 0);
+  ck_assert(info->stage[0].method == DLS_NLGS && info->stage[0].iterations == 1 &&
+            info->stage[0].factorisations == 0 &&
+            info->stage[0].residual == info->certificate.residual);
+}
+
+/* To the bits of plain sweeps, which need a second one to see that nothing changes; up to 20 candidates
+ * without memory. */
+START_TEST(candidates_apart_take_one_sweep) {
+  for (unsigned seed = 1; seed <= 60; seed++) {
+    apart a;
+    const int n = seed % 3 ? 20 : APART;
+    set_apart(&a, 2 + (int)(seed % 2), n, seed);
+    double r[3 * APART], t[3 * APART];
+    const dls_info info = solve_apart(&a.p, 1e-13, r);
+    is_one_sweep(&info);
+    const dls_solver_settings plain = settings_of(DLS_NLGS), s = settings_of(DLS_AUTO);
+    ck_assert_int_eq(dls_solve(&a.p, &plain, t, NULL, NULL, NULL), DLS_OK);
+    ck_assert_mem_eq(r, t, (size_t)(a.p.d * n) * sizeof *r);
+    malloc_fails_at(0);
+    const dls_status status = dls_solve(&a.p, &s, t, NULL, NULL, NULL);
+    const long calls = malloc_calls();
+    ck_assert(status == DLS_OK && (calls == 0) == (n <= 20));
+  }
+}
+END_TEST
+
+START_TEST(one_candidate_takes_one_sweep) {
+  for (unsigned seed = 1; seed <= 60; seed++) {
+    apart a;
+    const int d = 2 + (int)(seed % 2);
+    set_apart(&a, d, 1, seed);
+    a.b[0] = -1;
+    const dls_contact dense = {.d = d, .nc = 1, .W = {d, d, d, a.x}, .q = a.b, .mu = a.friction};
+    double r[3], t[3];
+    const dls_info info = solve_apart(&a.p, 1e-13, r), other = solve_apart(&dense, 1e-13, t);
+    is_one_sweep(&info);
+    is_one_sweep(&other);
+    ck_assert_mem_eq(r, t, (size_t)d * sizeof *r);
+    ck_assert_int_ne(dls_nlgs_local(d, a.x, a.b, a.friction[0], t, NULL), DLS_LOCAL_NONE);
+    ck_assert_mem_eq(r, t, (size_t)d * sizeof *r);
+  }
+}
+END_TEST
+
+START_TEST(candidates_apart_in_any_units) {
+  const double factor[] = {1e-9, 1, 1e9, 1e-160, 1e150};
+  for (unsigned seed = 1; seed <= 10; seed++)
+    for (int i = 0; i < 5; i++)
+      for (int j = 0; j < 3; j++) {
+        apart a, b;
+        double r[3 * APART], t[3 * APART];
+        const double length = factor[i], force = factor[j];
+        set_apart(&a, 2 + (int)(seed % 2), 12, seed);
+        set_apart(&b, a.p.d, 12, seed);
+        for (int e = 0; e < a.p.d * a.p.d * 12; e++)
+          b.x[e] *= length / force;
+        for (int e = 0; e < a.p.d * 12; e++)
+          b.b[e] *= length;
+        (void)solve_apart(&a.p, 1e-13, r);
+        const dls_info info = solve_apart(&b.p, 1e-13, t);
+        is_one_sweep(&info);
+        for (int e = 0; e < a.p.d * 12; e++)
+          ck_assert_double_eq_tol(t[e] / force, r[e], 1e-11 * (1 + fabs(r[e])));
+      }
+}
+END_TEST
+
+/* Candidate 0 is pressed alone, and by the block W_10 so is 1: that takes more sweeps. Where W_10 opens 1
+ * instead, it does not. Where both are pressed from the start they meet. */
+START_TEST(a_neighbour_pressed_takes_more_sweeps) {
+  for (int d = 2; d <= 3; d++)
+    for (int way = 0; way < 3; way++) {
+      apart a;
+      double r[6], t[6];
+      set_apart(&a, d, 2, 5);
+      const int start[3] = {0, 2, 4}, row[4] = {0, 1, 0, 1};
+      double x[36] = {0};
+      memcpy(x, a.x, (size_t)(d * d) * sizeof *x);
+      memcpy(x + 3 * d * d, a.x + d * d, (size_t)(d * d) * sizeof *x);
+      x[d * d] = x[2 * d * d] = way == 1 ? 0.3 : -0.3; /* W_nn between them */
+      a.p.Wb = (dls_blocks){d, 2, start, row, x};
+      a.b[0] = -1;
+      a.b[d] = way == 2 ? -1 : 1e-3;
+      const dls_info info = solve_apart(&a.p, 1e-13, r);
+      const dls_solver_settings plain = settings_of(DLS_NLGS);
+      ck_assert_int_eq(dls_solve(&a.p, &plain, t, NULL, NULL, NULL), DLS_OK);
+      for (int i = 0; i < 2 * d; i++)
+        ck_assert_double_eq_tol(r[i], t[i], 1e-11);
+      if (way == 1)
+        is_one_sweep(&info);
+      else
+        ck_assert_int_gt(info.iterations, 1);
+    }
+}
+END_TEST
+
+/* r = 0 is the answer exactly where its certificate holds, and no stage then. */
+START_TEST(nearly_free_is_answered_by_nothing) {
+  int answered = 0, solved = 0;
+  for (unsigned seed = 1; seed <= 200; seed++)
+    for (double tol = 1e-13; tol < 1; tol *= 10) {
+      apart a;
+      double r[3 * APART];
+      const double none[3 * APART] = {0};
+      set_apart(&a, 2 + (int)(seed % 2), 4, seed);
+      for (int c = 0; c < 4; c++)
+        a.b[a.p.d * c] *= pow(10, -(double)(seed % 10));
+      dls_certificate c;
+      const dls_info info = solve_apart(&a.p, tol, r);
+      ck_assert_int_eq(dls_contact_certify(&a.p, none, NULL, &c, NULL), DLS_OK);
+      ck_assert_int_eq(info.iterations == 0, dls_certificate_holds(&c, tol));
+      ck_assert_int_eq(info.stages, info.iterations);
+      answered += info.iterations == 0 && c.residual > 0;
+      solved += info.iterations == 1;
+    }
+  ck_assert(answered > 100 && solved > 100);
+}
+END_TEST
+
+/* Blocks that hold no solution, or whose trace is not positive, are left to the stages. */
+START_TEST(bad_blocks_go_through_the_stages) {
+  for (int d = 2; d <= 3; d++) {
+    apart a;
+    double r[6];
+    dls_info info;
+    const dls_solver_settings s = settings_of(DLS_AUTO);
+    set_apart(&a, d, 2, 7);
+    a.b[0] = a.b[d] = -1;
+    for (int e = 0; e < d * d; e++)
+      a.x[e] = e % (d + 1) ? 0 : e ? 1 : -0.1; /* W_nn r_n = 1, r_n >= 0: no */
+    memset(&info, 0, sizeof info);
+    ck_assert_int_gt(dls_solve(&a.p, &s, r, NULL, &info, NULL), 0);
+    ck_assert_int_gt(info.stages, 1);
+    ck_assert_int_eq(dls_certificate_holds(&info.certificate, 1e-13), 0);
+    a.x[0] = 0.1;
+    for (int i = 1; i < d; i++) {
+      a.x[(d + 1) * i] = -0.1 / (d - 1); /* trace 0, yet r = (10, 0, 0) has u = 0 */
+      a.b[i] = 0;
+    }
+    const dls_info odd = solve_apart(&a.p, 1e-13, r);
+    ck_assert_int_ge(odd.stages, 1);
+    ck_assert_double_eq_tol(r[0], 10, 1e-11);
+  }
+}
+END_TEST
+
 /* Ten steps of a load that turns: from the states of the step before, one round of the crash start is left. */
 START_TEST(lemke_starts_from_the_last_step) {
   dls_contact p = random_problem(6);
@@ -902,6 +1110,12 @@ int main(void) {
   tcase_add_test(tcase, every_failing_malloc_unwinds);
   tcase_add_test(tcase, later_stages_are_allocated_when_needed);
   tcase_add_test(tcase, free_problem_is_answered_at_once);
+  tcase_add_test(tcase, candidates_apart_take_one_sweep);
+  tcase_add_test(tcase, one_candidate_takes_one_sweep);
+  tcase_add_test(tcase, candidates_apart_in_any_units);
+  tcase_add_test(tcase, a_neighbour_pressed_takes_more_sweeps);
+  tcase_add_test(tcase, nearly_free_is_answered_by_nothing);
+  tcase_add_test(tcase, bad_blocks_go_through_the_stages);
   tcase_add_test(tcase, lemke_starts_from_the_last_step);
   tcase_add_test(tcase, auto_solves_what_its_methods_do_not);
   tcase_add_test(tcase, auto_takes_the_same_stages_in_any_units);

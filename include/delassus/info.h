@@ -54,7 +54,7 @@ typedef struct dls_info {
   int ambiguous; /* nlgs: candidates at the answer whose local problem has several solutions */
   int factorisations; /* admm; newton, augmented Lagrangian, penalty, auto: at most one per Newton step */
   int sweeps;         /* newton: before the first step */
-  int stages;         /* auto: what it did, in the order of time */
+  int stages;         /* auto: what it did, in the order of time; those past it are not set */
   dls_stage stage[DLS_STAGES_MAX];
 } dls_info;
 

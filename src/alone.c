@@ -1,0 +1,111 @@
+/*
+ * alone.c: what the method auto answers without a workspace, from r = 0.
+ *
+ *   (A1)  r = 0                                  if q_n >= 0 everywhere: F is 0, no bit is rounded
+ *   (A2)  r = 0                                  if the certificate holds: q_n < 0 by less than tol
+ *   (A3)  r_c = the solution of candidate c alone, u_c = W_cc r_c + q_c (vi/local.c), for the c with
+ *         q_n < 0 and 0 for the others           if W_bc = 0 between any two of the former
+ *
+ * (A3) is the first sweep of Gauss-Seidel (vi/nlgs.c), to the same bits, and the last one if none of the
+ * others is pressed by it: where W is block diagonal, where a single candidate is pressed or there
+ * is but one. What is answered is what the certificate holds for, (A2) and (A3) up to 20 candidates: a
+ * larger problem takes long enough for the sweeps with all their preparations not to be seen.
+ *
+ * Cost: O(nc) for q, the columns of W of those c, the certificate.
+ * What can fail: a candidate without a local solution, or with trace(W_cc) <= 0; another one that is
+ * pressed by the reactions. Then 0 is returned, nothing has been written, and the sweeps begin.
+ */
+#include <string.h>
+
+#include "solve_internal.h"
+
+enum { most_candidates = 20, most_rows = 3 * most_candidates };
+
+/* 1 if W_bc = 0, as far as the storage shows it, between any two candidates with q_n < 0 */
+static int are_apart(const dls_contact *problem, int first) {
+  const dls_blocks *B = &problem->Wb;
+  const int d = problem->d;
+  for (int c = first; c < problem->nc; c++) {
+    if (!(problem->q[d * c] < 0)) continue;
+    if (!B->x && c > first) return 0;
+    for (int k = B->x ? B->p[c] : 0; B->x && k < B->p[c + 1]; k++)
+      if (B->i[k] != c && problem->q[d * B->i[k]] < 0) return 0;
+  }
+  return 1;
+}
+
+/* (A3) r and the weights w of the candidates with q_n < 0 (those of the others do not count: w r = 0);
+ * 0 if one has no solution or no weight of its own. */
+static int solve_each(const dls_contact *problem, int first, double *r, double *w) {
+  const int d = problem->d;
+  for (int c = first; c < problem->nc; c++) {
+    const double *q = problem->q + d * c;
+    double W[9];
+    if (!(q[0] < 0)) continue;
+    dlsi_contact_diagonal(problem, c, W);
+    w[c] = dlsi_block_weight(d, W);
+    if (!(w[c] > 0)) return 0;
+    if (dls_nlgs_local(d, W, q, problem->mu[c], r + d * c, NULL) == DLS_LOCAL_NONE) return 0;
+  }
+  return 1;
+}
+
+/* Does r = 0 fail (A2) for certain? F_c = -P_Cmu(v), v = -(q_c + mu |q_t| n), and with e = (1, -mu q_t / |q_t|)
+ * in the cone |P(v)| >= v.e / |e| = -q_n / sqrt(1 + mu^2). */
+static int is_needed(const dls_contact *problem, double tol) {
+  const int d = problem->d;
+  double sum = 0, all = 0;
+  for (int c = 0; c < problem->nc; c++) {
+    const double *q = problem->q + d * c, mu = problem->mu[c];
+    all += q[0] * q[0] + q[1] * q[1] + (d == 3 ? q[2] * q[2] : 0);
+    if (q[0] < 0) sum += q[0] * q[0] / (1 + mu * mu);
+  }
+  return sum > tol * tol * all;
+}
+
+static int certify(const dls_contact *problem, double tol, const double *r, const double *w,
+                   double *u, dls_certificate *certificate) {
+  double a[most_rows], F[most_rows];
+  dlsi_contact_multiply(problem, r, u, a);
+  dlsi_contact_measure(problem, r, u, a, w, F, certificate);
+  return dls_certificate_holds(certificate, tol);
+}
+
+/* All that info has but the stages past info->stages: clearing those takes as long as the smallest solve. */
+static void report(dls_info *info, int sweeps, const dls_certificate *certificate) {
+  info->status = DLS_OK;
+  info->method = DLS_AUTO;
+  info->iterations = sweeps;
+  info->certificate = *certificate;
+  info->ambiguous = info->factorisations = info->sweeps = 0;
+  info->stages = sweeps;
+  if (sweeps) info->stage[0] = (dls_stage){DLS_NLGS, sweeps, 0, certificate->residual};
+}
+
+int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *u, dls_info *info) {
+  const int d = problem->d, nc = problem->nc;
+  const size_t m = (size_t)d * (size_t)nc;
+  double x[most_rows], v[most_rows], w[most_candidates];
+  dls_certificate certificate = {0};
+  int first = 0, sweeps = 0;
+  while (first < nc && problem->q[d * first] >= 0)
+    first++;
+  if (first == nc) { /* (A1) */
+    memset(r, 0, m * sizeof *r);
+    if (u) memcpy(u, problem->q, m * sizeof *u);
+    if (info) report(info, 0, &certificate);
+    return 1;
+  }
+  if (nc > most_candidates) return 0;
+  memset(x, 0, m * sizeof *x);
+  memset(w, 0, sizeof w);
+  if (is_needed(problem, tol) || !certify(problem, tol, x, w, v, &certificate)) {
+    if (!are_apart(problem, first) || !solve_each(problem, first, x, w)) return 0;
+    if (!certify(problem, tol, x, w, v, &certificate)) return 0;
+    sweeps = 1;
+  }
+  memcpy(r, x, m * sizeof *r);
+  if (u) memcpy(u, v, m * sizeof *u);
+  if (info) report(info, sweeps, &certificate);
+  return 1;
+}
