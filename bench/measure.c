@@ -19,7 +19,7 @@
 #include "solvers.h"
 
 static const double short_call = 20e-3;    /* s: repeated, the smallest counts */
-static const double least_reading = 50e-6; /* s: reading the clock takes 0.2 to 0.5 us */
+static const double least_reading = 50e-6; /* s: two in a row are 0.4 to 1 us apart */
 enum { most_readings = 40, exit_done = 7 };
 
 /* RLIMIT_CPU counts whole seconds, the timer the fractions. */
