@@ -4,7 +4,7 @@
  *   (A1)  r = 0                                  if q_n >= 0 everywhere: F is 0, no bit is rounded
  *   (A2)  r = 0                                  if the certificate holds: q_n < 0 by less than tol
  *   (A3)  r_c = the solution of candidate c alone, u_c = W_cc r_c + q_c (vi/local.c), for the c with
- *         q_n < 0 and 0 for the others           if W_bc = 0 between any two of the former
+ *         q_n < 0 and 0 for the others           if that is one, or nothing couples them
  *
  * (A3) is the first sweep of Gauss-Seidel (vi/nlgs.c), to the same bits, and the last one if none of the
  * others is pressed by it: where W is block diagonal, where a single candidate is pressed or there
@@ -21,17 +21,17 @@
 
 enum { most_candidates = 20, most_rows = 3 * most_candidates };
 
-/* 1 if W_bc = 0, as far as the storage shows it, between any two candidates with q_n < 0 */
+/* 1 if one candidate has q_n < 0, or the columns of all that have hold nothing but W_cc */
 static int are_apart(const dls_contact *problem, int first) {
   const dls_blocks *B = &problem->Wb;
-  const int d = problem->d;
+  int pressed = 0, coupled = !B->x;
   for (int c = first; c < problem->nc; c++) {
-    if (!(problem->q[d * c] < 0)) continue;
-    if (!B->x && c > first) return 0;
+    if (!(problem->q[problem->d * c] < 0)) continue;
+    pressed++;
     for (int k = B->x ? B->p[c] : 0; B->x && k < B->p[c + 1]; k++)
-      if (B->i[k] != c && problem->q[d * B->i[k]] < 0) return 0;
+      coupled |= B->i[k] != c;
   }
-  return 1;
+  return pressed == 1 || !coupled;
 }
 
 /* (A3) r and the weights w of the candidates with q_n < 0 (those of the others do not count: w r = 0);

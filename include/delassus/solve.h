@@ -75,8 +75,8 @@ DLS_API DLS_MUST_USE dls_status dls_solver_create(dls_solver **out, int d, int n
  * alone or in auto, saw the reactions run away; the direction follows. DLS_NO_SOLUTION of auto:
  * proved by Lemke's method, d = 2. DLS_STALLED of auto: all its methods failed. Auto, not warm, where every
  * q_n >= 0, or up to 20 candidates and the certificate of r = 0 holds: r = 0 without a stage. Up to
- * 20 candidates of which no two with q_n < 0 share a block of W (a dense W: one of them) it tries one
- * sweep without workspace, and dls_solve allocates nothing if that is it (src/alone.c). */
+ * 20 candidates of which one has q_n < 0, or those that have couple with none (W by blocks), it tries
+ * one sweep without workspace, and dls_solve allocates nothing if that is it (src/alone.c). */
 DLS_API DLS_MUST_USE dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem,
                                                  double *r, double *u, dls_info *info,
                                                  dls_error *error);
