@@ -54,9 +54,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "delassus/admm.h"
-#include "delassus/augmented.h"
-#include "delassus/newton.h"
 #include "solve_internal.h"
 
 enum { look_every = 5 }; /* sweeps */
@@ -73,6 +70,7 @@ struct dlsi_auto {
   dls_newton *newton;
   dls_admm *admm; /* NULL: W by blocks, or small */
   dls_augmented *augmented;
+  dlsi_room room;          /* of the three */
   dlsi_pivoting *pivoting; /* NULL: too large */
   double *r, *best;        /* m each: of the stage, the best so far */
 
@@ -354,6 +352,8 @@ const double *dlsi_auto_direction(const dlsi_auto *work) {
 
 /* ---- create ---------------------------------------------------------------------------------- */
 
+static const char function[] = "dls_solver_create";
+
 static dls_status create_sweeps(dlsi_auto *work, int d, int nc, dls_error *error) {
   dls_nlgs_settings s;
   dls_nlgs_settings_init(&s);
@@ -375,7 +375,7 @@ static dls_status create_newton(dlsi_auto *work, int d, int nc, dls_error *error
   if (work->settings.positive_definite) s.regularization = 0;
   s.progress = watch_steps;
   s.progress_data = work;
-  return dls_newton_create(&work->newton, d, nc, &s, error);
+  return dlsi_newton_create(function, &work->newton, d, nc, &s, &work->room, error);
 }
 
 static dls_status create_admm(dlsi_auto *work, int d, int nc, dls_error *error) {
@@ -387,7 +387,7 @@ static dls_status create_admm(dlsi_auto *work, int d, int nc, dls_error *error) 
   s.warm_start = 1;
   s.progress = watch_limits;
   s.progress_data = work;
-  return dls_admm_create(&work->admm, d, nc, &s, error);
+  return dlsi_admm_create(function, &work->admm, d, nc, &s, &work->room, error);
 }
 
 static dls_status create_augmented(dlsi_auto *work, int d, int nc, dls_error *error) {
@@ -398,7 +398,7 @@ static dls_status create_augmented(dlsi_auto *work, int d, int nc, dls_error *er
   s.warm_start = 1;
   s.progress = watch_limits;
   s.progress_data = work;
-  return dls_augmented_create(&work->augmented, d, nc, &s, error);
+  return dlsi_augmented_create(function, &work->augmented, d, nc, &s, &work->room, error);
 }
 
 static dls_status create_pivoting(dlsi_auto *work, int d, int nc, dls_error *error) {
@@ -425,7 +425,7 @@ dls_status dlsi_auto_create(dlsi_auto **out, int d, int nc, const dls_solver_set
   *out = NULL;
   const size_t m = (size_t)d * (size_t)nc;
   dlsi_auto *work = dlsi_alloc(1, sizeof *work + 2 * m * sizeof *work->memory + (size_t)nc);
-  if (!work) return dlsi_fail(error, DLS_E_MEMORY, "dls_solver_create", "", -1, 0, "out of memory");
+  if (!work) return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
   memset(work, 0, sizeof *work);
   work->settings = *settings;
   work->r = work->memory;
@@ -448,5 +448,6 @@ void dlsi_auto_destroy(dlsi_auto *work) {
   dls_admm_destroy(work->admm);
   dls_augmented_destroy(work->augmented);
   dlsi_pivoting_destroy(work->pivoting);
+  dlsi_room_free(&work->room);
   free(work);
 }

@@ -7,6 +7,9 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "delassus/admm.h"
+#include "delassus/augmented.h"
+#include "delassus/newton.h"
 #include "delassus/nlgs.h"
 #include "delassus/reduction.h"
 
@@ -91,6 +94,38 @@ double dlsi_max_abs(const double *x, size_t n);
  * progress callback is called; u (m or NULL), its certificate, the sweeps done. */
 dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const double *E, double tol,
                          double *r, double *u, dls_certificate *certificate, int *iterations);
+
+/* ---- vi/room.c, and the methods that need it --------------------------------------------------- */
+
+/* Room for a matrix and its factors. Methods that run one after the other may share it: none keeps factors
+ * from one solve to the next. */
+typedef struct dlsi_room {
+  double *J; /* side^2 */
+  size_t side;
+  int *i; /* entries: rows and values of a sparse matrix */
+  double *v;
+  size_t entries;
+  struct dlsi_sparse_lu *lu; /* NULL if never needed, or without MUMPS */
+} dlsi_room;
+
+/* At least this room: for side x side, or W of so many d x d blocks and a diagonal. What was in there is
+ * lost. DLS_E_MEMORY, DLS_E_SIZE, without MUMPS DLS_E_UNSUPPORTED. */
+dls_status dlsi_room_dense(const char *function, dlsi_room *room, size_t side, dls_error *error);
+dls_status dlsi_room_sparse(const char *function, dlsi_room *room, int d, int nc, int blocks,
+                            dls_error *error);
+
+/* its memory, not itself */
+void dlsi_room_free(dlsi_room *room);
+
+/* The creates on behalf of `function`, with a room that outlives the workspace; NULL: one of its own. */
+dls_status dlsi_newton_create(const char *function, dls_newton **out, int d, int nc,
+                              const dls_newton_settings *settings, dlsi_room *room,
+                              dls_error *error);
+dls_status dlsi_admm_create(const char *function, dls_admm **out, int d, int nc,
+                            const dls_admm_settings *settings, dlsi_room *room, dls_error *error);
+dls_status dlsi_augmented_create(const char *function, dls_augmented **out, int d, int nc,
+                                 const dls_augmented_settings *settings, dlsi_room *room,
+                                 dls_error *error);
 
 /* ---- the contact problem --------------------------------------------------------------------- */
 

@@ -940,11 +940,14 @@ START_TEST(positive_definite_saves_steps) {
 }
 END_TEST
 
-/* Bytes that create asks for: those of the methods, r, the best r, and up to 2 kB. */
+/* Bytes that create asks for: those of the methods, whose matrices are one, r, the best r, and up to
+ * 2 kB; and those that solve.h counts. */
 START_TEST(auto_holds_its_methods) {
-  static const int size[][2] = {{2, 1}, {2, 150}, {2, 74}, {2, 75}, {3, 60}, {3, 61}};
-  for (int k = 0; k < 6; k++) {
+  static const int size[][2] = {{2, 1},   {2, 150}, {2, 74}, {2, 75},
+                                {2, 151}, {3, 60},  {3, 61}, {3, 100}};
+  for (size_t k = 0; k < sizeof size / sizeof size[0]; k++) {
     const int d = size[k][0], nc = size[k][1];
+    const size_t m = (size_t)(d * nc), n = (size_t)nc;
     dls_solver_settings s = settings_of(DLS_AUTO);
     dls_nlgs_settings sweeps;
     dls_newton_settings steps;
@@ -971,13 +974,19 @@ START_TEST(auto_holds_its_methods) {
     if (!status && d * nc >= 150) status = dls_admm_create(&admm, d, nc, &splits, NULL);
     if (!status) status = dls_augmented_create(&augmented, d, nc, &augmentations, NULL);
     s.method = DLS_LEMKE;
+    const size_t others = malloc_bytes();
     if (!status && nc <= (d == 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D))
       status = dls_solver_create(&lemke, d, nc, &s, NULL);
-    const size_t parts = malloc_bytes();
+    const size_t shared = (admm ? 2 : 1) * m * m * sizeof(double);
+    const size_t pivoting = malloc_bytes() - others;
+    const size_t parts = others + pivoting - shared + 2 * m * sizeof(double);
     ck_assert_int_eq(status, DLS_OK);
-    const size_t own = 2 * (size_t)(d * nc) * sizeof(double);
-    ck_assert_msg(bytes + 2048 > parts + own && bytes < parts + own + 2048, "%d %d: %zu, %zu", d,
-                  nc, bytes, parts);
+    ck_assert_msg(bytes + 2048 > parts && bytes < parts + 2048, "%d %d: %zu, %zu", d, nc, bytes,
+                  parts);
+    const size_t vectors = (admm ? 103 * m + 46 * n : 71 * m + 44 * n) + (d == 3 ? 28 * n : 0);
+    const size_t stated = (m * m + vectors) * sizeof(double) + n + pivoting;
+    ck_assert_msg(bytes >= stated && bytes < stated + 12288, "%d %d: %zu, %zu", d, nc, bytes,
+                  stated);
     dls_solver_destroy(solver);
     dls_solver_destroy(lemke);
     dls_nlgs_destroy(nlgs);

@@ -81,13 +81,10 @@ struct dls_admm {
   double *first, *best;   /* m */
   dlsi_anderson history;
   solver solver;
-  int *pivot;        /* m */
-  double *J;         /* dense factors */
-  size_t dense_room; /* rows and columns of J */
-  dlsi_sparse_lu *lu;
-  int *p, *i; /* the sparse matrix: m + 1 and room */
-  double *value;
-  size_t room;
+  int *pivot;      /* m */
+  int *p;          /* m + 1  of the sparse matrix */
+  dlsi_room *room; /* of the matrix: the one given, or */
+  dlsi_room own;
 };
 
 void dls_admm_settings_init(dls_admm_settings *settings) {
@@ -144,35 +141,6 @@ static dls_status no_memory(const char *function, dls_error *error) {
   return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
 }
 
-static dls_status reserve_dense(const char *function, dls_admm *work, size_t m, dls_error *error) {
-  if (m <= work->dense_room) return DLS_OK;
-  free(work->J);
-  work->J = m > SIZE_MAX / m ? NULL : dlsi_alloc(m * m, sizeof *work->J);
-  work->dense_room = work->J ? m : 0;
-  return work->J ? DLS_OK : no_memory(function, error);
-}
-
-/* for W of so many blocks, m x m */
-static dls_status reserve_sparse(const char *function, dls_admm *work, size_t blocks, size_t m,
-                                 dls_error *error) {
-  const size_t entries = (size_t)(work->d * work->d) * blocks + m;
-  if (entries > INT_MAX)
-    return dlsi_fail(error, DLS_E_SIZE, function, "blocks", -1, (double)blocks, "are too many");
-  if (!work->lu) {
-    const dls_status status = dlsi_sparse_lu_create(function, &work->lu, error);
-    if (status) return status;
-  }
-  if (entries > work->room) {
-    free(work->i);
-    free(work->value);
-    work->i = dlsi_alloc(entries, sizeof *work->i);
-    work->value = dlsi_alloc(entries, sizeof *work->value);
-    work->room = work->i && work->value ? entries : 0;
-    if (!work->room) return no_memory(function, error);
-  }
-  return dlsi_sparse_lu_reserve(function, work->lu, entries, error);
-}
-
 static int is_dense(const dls_contact *problem) {
   return problem->W.a != NULL || problem->d * problem->nc <= dense_limit;
 }
@@ -180,43 +148,45 @@ static int is_dense(const dls_contact *problem) {
 static dls_status make_room(const char *function, dls_admm *work, const dls_contact *problem,
                             dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  if (is_dense(problem)) return reserve_dense(function, work, m, error);
-  return reserve_sparse(function, work, (size_t)problem->Wb.p[problem->nc], m, error);
+  if (is_dense(problem)) return dlsi_room_dense(function, work->room, m, error);
+  return dlsi_room_sparse(function, work->room, problem->d, problem->nc, problem->Wb.p[problem->nc],
+                          error);
 }
 
 /* What W is announced to be. Without MUMPS a solve of many blocks says so, not create. */
 static dls_status announce(const char *function, dls_admm *work, dls_error *error) {
   const size_t m = (size_t)work->d * (size_t)work->nc;
   const int blocks = work->settings.blocks;
-  if (!blocks || m <= dense_limit) return reserve_dense(function, work, m, error);
+  if (!blocks || m <= dense_limit) return dlsi_room_dense(function, work->room, m, error);
   dls_error why;
-  const dls_status status = reserve_sparse(function, work, (size_t)blocks, m, &why);
+  const dls_status status = dlsi_room_sparse(function, work->room, work->d, work->nc, blocks, &why);
   if (!status || status == DLS_E_UNSUPPORTED) return DLS_OK;
   if (error) *error = why;
   return status;
 }
 
-dls_status dls_admm_create(dls_admm **out, int d, int nc, const dls_admm_settings *settings,
-                           dls_error *error) {
-  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "out", -1, 0, "is NULL");
+dls_status dlsi_admm_create(const char *function, dls_admm **out, int d, int nc,
+                            const dls_admm_settings *settings, dlsi_room *room, dls_error *error) {
+  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, function, "out", -1, 0, "is NULL");
   *out = NULL;
   if (d != 2 && d != 3)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "d", -1, d, "is %d, must be 2 or 3", d);
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "d", -1, d, "is %d, must be 2 or 3", d);
   if (nc < 1 || nc > INT32_MAX / d)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "is %d", nc);
-  dls_status status = check_settings(__func__, settings, error);
+    return dlsi_fail(error, DLS_E_SIZE, function, "nc", -1, nc, "is %d", nc);
+  dls_status status = check_settings(function, settings, error);
   if (status) return status;
 
   dlsi_arena arena = {0};
   (void)carve(&arena, d, nc);
-  if (arena.failed) return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "is too large");
+  if (arena.failed) return dlsi_fail(error, DLS_E_SIZE, function, "nc", -1, nc, "is too large");
   arena.size = arena.used;
   arena.used = 0;
   arena.base = dlsi_alloc(1, arena.size);
-  if (!arena.base) return no_memory(__func__, error);
+  if (!arena.base) return no_memory(function, error);
   dls_admm *work = carve(&arena, d, nc);
   work->settings = *settings;
-  status = announce(__func__, work, error);
+  work->room = room ? room : &work->own;
+  status = announce(function, work, error);
   if (status) {
     dls_admm_destroy(work);
     return status;
@@ -225,12 +195,14 @@ dls_status dls_admm_create(dls_admm **out, int d, int nc, const dls_admm_setting
   return DLS_OK;
 }
 
+dls_status dls_admm_create(dls_admm **out, int d, int nc, const dls_admm_settings *settings,
+                           dls_error *error) {
+  return dlsi_admm_create(__func__, out, d, nc, settings, NULL, error);
+}
+
 void dls_admm_destroy(dls_admm *workspace) {
   if (!workspace) return;
-  dlsi_sparse_lu_destroy(workspace->lu);
-  free(workspace->J);
-  free(workspace->i);
-  free(workspace->value);
+  dlsi_room_free(&workspace->own);
   free(workspace); /* first in its one piece */
 }
 
@@ -241,7 +213,7 @@ static void build_dense(dls_admm *work, const dls_contact *problem, double rho) 
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   for (size_t j = 0; j < m; j++) {
     const size_t c = j / d;
-    double *column = work->J + j * m;
+    double *column = work->room->J + j * m;
     if (problem->W.a)
       memcpy(column, problem->W.a + j * (size_t)problem->W.ld, m * sizeof *column);
     else {
@@ -257,40 +229,42 @@ static void build_dense(dls_admm *work, const dls_contact *problem, double rho) 
 /* J := its factors, Cholesky's if it has any; DLS_E_SINGULAR */
 static dls_status factor_dense(dls_admm *work, const dls_contact *problem, double rho) {
   const int m = problem->d * problem->nc;
+  double *J = work->room->J;
   int info;
   build_dense(work, problem, rho);
-  if (dlsi_is_symmetric(work->J, (size_t)m)) {
+  if (dlsi_is_symmetric(J, (size_t)m)) {
     work->solver = CHOLESKY;
-    dpotrf_("L", &m, work->J, &m, &info, 1);
+    dpotrf_("L", &m, J, &m, &info, 1);
     if (!info) return DLS_OK;
     build_dense(work, problem, rho);
   }
   work->solver = LU;
-  dgetrf_(&m, &m, work->J, &m, work->pivot, &info);
+  dgetrf_(&m, &m, J, &m, work->pivot, &info);
   return info ? DLS_E_SINGULAR : DLS_OK;
 }
 
 static dls_sparse build_sparse(dls_admm *work, const dls_contact *problem, double rho) {
   const int d = problem->d;
   const dls_blocks *W = &problem->Wb;
-  int entries = 0;
+  int entries = 0, *row = work->room->i;
+  double *value = work->room->v;
   for (int b = 0; b < problem->nc; b++)
     for (int j = 0; j < d; j++) {
       const int column = d * b + j;
       work->p[column] = entries;
-      work->i[entries] = column;
-      work->value[entries++] = rho * work->w[b];
+      row[entries] = column;
+      value[entries++] = rho * work->w[b];
       for (int s = W->p[b]; s < W->p[b + 1]; s++) {
         const double *x = W->x + (size_t)(d * d) * (size_t)s + d * j;
         for (int i = 0; i < d; i++) {
-          work->i[entries] = d * W->i[s] + i;
-          work->value[entries++] = x[i];
+          row[entries] = d * W->i[s] + i;
+          value[entries++] = x[i];
         }
       }
     }
   const int m = d * problem->nc;
   work->p[m] = entries;
-  return (dls_sparse){m, m, work->p, work->i, work->value};
+  return (dls_sparse){m, m, work->p, row, value};
 }
 
 /* Factors W + rho D. Where it is singular, which few rho can do, rho is doubled; DLS_E_SINGULAR if
@@ -305,7 +279,7 @@ static dls_status factor(const char *function, dls_admm *work, const dls_contact
     else {
       const dls_sparse A = build_sparse(work, problem, *rho);
       work->solver = SPARSE_LU;
-      status = dlsi_sparse_lu_factor(function, work->lu, &A, &why);
+      status = dlsi_sparse_lu_factor(function, work->room->lu, &A, &why);
     }
     ++*done;
     if (status && status != DLS_E_SINGULAR && error) *error = why;
@@ -320,11 +294,11 @@ static dls_status back(const char *function, dls_admm *work, int m, double *x, d
   const int one = 1;
   int info;
   if (work->solver == CHOLESKY)
-    dlsi_cholesky_solve(m, work->J, x);
+    dlsi_cholesky_solve(m, work->room->J, x);
   else if (work->solver == LU)
-    dgetrs_("N", &m, &one, work->J, &m, work->pivot, x, &m, &info, 1);
+    dgetrs_("N", &m, &one, work->room->J, &m, work->pivot, x, &m, &info, 1);
   else
-    return dlsi_sparse_lu_solve(function, work->lu, x, error);
+    return dlsi_sparse_lu_solve(function, work->room->lu, x, error);
   return DLS_OK;
 }
 

@@ -152,28 +152,29 @@ static dls_augmented *carve(dlsi_arena *arena, int d, int nc) {
 
 /* 20 sweeps and Newton steps, from the r given */
 static dls_status create_newton(const char *function, dls_newton **out, int d, int nc, int blocks,
-                                dls_error *error) {
+                                dlsi_room *room, dls_error *error) {
   dls_newton_settings s;
   dls_newton_settings_init(&s);
   s.sweeps = sweeps;
   s.warm_start = 1;
   s.blocks = blocks;
-  return dlsi_newton_create(function, out, d, nc, &s, error);
+  return dlsi_newton_create(function, out, d, nc, &s, room, error);
 }
 
-dls_status dls_augmented_create(dls_augmented **out, int d, int nc,
-                                const dls_augmented_settings *settings, dls_error *error) {
-  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "out", -1, 0, "is NULL");
+dls_status dlsi_augmented_create(const char *function, dls_augmented **out, int d, int nc,
+                                 const dls_augmented_settings *settings, dlsi_room *room,
+                                 dls_error *error) {
+  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, function, "out", -1, 0, "is NULL");
   *out = NULL;
   if (d != 2 && d != 3)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "d", -1, d, "is %d, must be 2 or 3", d);
+    return dlsi_fail(error, DLS_E_ARGUMENT, function, "d", -1, d, "is %d, must be 2 or 3", d);
   if (nc < 1 || nc > INT32_MAX / d)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "is %d", nc);
-  dls_status status = check_settings(__func__, settings, nc, error);
+    return dlsi_fail(error, DLS_E_SIZE, function, "nc", -1, nc, "is %d", nc);
+  dls_status status = check_settings(function, settings, nc, error);
   if (status) return status;
 
   dls_newton *newton;
-  status = create_newton(__func__, &newton, d, nc, settings->blocks, error);
+  status = create_newton(function, &newton, d, nc, settings->blocks, room, error);
   if (status) return status;
   dlsi_arena arena = {0};
   (void)carve(&arena, d, nc); /* smaller than what Newton has got: no overflow */
@@ -182,7 +183,7 @@ dls_status dls_augmented_create(dls_augmented **out, int d, int nc,
   arena.base = dlsi_alloc(1, arena.size);
   if (!arena.base) {
     dls_newton_destroy(newton);
-    return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+    return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
   }
   dls_augmented *work = carve(&arena, d, nc);
   work->settings = *settings;
@@ -193,6 +194,11 @@ dls_status dls_augmented_create(dls_augmented **out, int d, int nc,
   work->newton = newton;
   *out = work;
   return DLS_OK;
+}
+
+dls_status dls_augmented_create(dls_augmented **out, int d, int nc,
+                                const dls_augmented_settings *settings, dls_error *error) {
+  return dlsi_augmented_create(__func__, out, d, nc, settings, NULL, error);
 }
 
 void dls_augmented_destroy(dls_augmented *workspace) {

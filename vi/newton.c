@@ -51,7 +51,6 @@
 #include "delassus/newton.h"
 
 #include <float.h>
-#include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -96,12 +95,8 @@ struct dls_newton {
   const double *E; /* nc: it solves u = (W + diag(E)) r + q; NULL: 0 */
   int sparse;      /* this run factorises sparse beyond dense_limit */
   factors factors; /* of (N2) as it stands */
-  double *J;       /* side^2  */
-  size_t side;
-  dlsi_sparse_lu *lu; /* NULL if never needed, or without MUMPS */
-  int *i;             /* room    rows and values of the sparse matrix */
-  double *v;
-  size_t room;
+  dlsi_room *room; /* of (N2): the one given, or */
+  dlsi_room own;
 };
 
 void dls_newton_settings_init(dls_newton_settings *settings) {
@@ -166,33 +161,6 @@ static dls_status no_memory(const char *function, dls_error *error) {
   return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
 }
 
-static dls_status reserve_dense(const char *function, dls_newton *work, size_t side,
-                                dls_error *error) {
-  if (side <= work->side) return DLS_OK;
-  free(work->J);
-  work->J = side > SIZE_MAX / side ? NULL : dlsi_alloc(side * side, sizeof *work->J);
-  work->side = work->J ? side : 0;
-  return work->J ? DLS_OK : no_memory(function, error);
-}
-
-/* DLS_E_UNSUPPORTED without MUMPS */
-static dls_status reserve_sparse(const char *function, dls_newton *work, size_t entries,
-                                 dls_error *error) {
-  if (!work->lu) {
-    const dls_status status = dlsi_sparse_lu_create(function, &work->lu, error);
-    if (status) return status;
-  }
-  if (entries > work->room) {
-    free(work->i);
-    free(work->v);
-    work->i = dlsi_alloc(entries, sizeof *work->i);
-    work->v = dlsi_alloc(entries, sizeof *work->v);
-    work->room = work->i && work->v ? entries : 0;
-    if (!work->room) return no_memory(function, error);
-  }
-  return dlsi_sparse_lu_reserve(function, work->lu, entries, error);
-}
-
 /* From a quarter of all blocks on, the sparse matrix takes the room of the dense one, and MUMPS more time
  * than LAPACK: 1 to 2.5 times (d = 3, 200 and 500 candidates, band or scattered; at an eighth 0.4 to
  * 1.1 times). */
@@ -204,21 +172,19 @@ static int is_sparse(int nc, int blocks) {
  * to create decides how they are factorised. */
 static dls_status reserve(const char *function, dls_newton *work, int nc, int blocks,
                           dls_error *error) {
-  const size_t d = (size_t)work->d, m = d * (size_t)nc, entries = d * d * (size_t)blocks + m;
+  const size_t m = (size_t)work->d * (size_t)nc;
   work->sparse = 0;
   const int told = work->settings.blocks;
   if (blocks && m > dense_limit && (told ? is_sparse(work->nc, told) : is_sparse(nc, blocks))) {
-    if (entries > INT_MAX)
-      return dlsi_fail(error, DLS_E_SIZE, function, "blocks", -1, blocks, "are too many");
     dls_error why;
-    const dls_status status = reserve_sparse(function, work, entries, &why);
+    const dls_status status = dlsi_room_sparse(function, work->room, work->d, nc, blocks, &why);
     if (status && status != DLS_E_UNSUPPORTED) {
       if (error) *error = why;
       return status;
     }
     work->sparse = !status;
   }
-  return reserve_dense(function, work, work->sparse ? dense_limit : m, error);
+  return dlsi_room_dense(function, work->room, work->sparse ? dense_limit : m, error);
 }
 
 /* the Gauss-Seidel part, and the matrices of the storage that is announced */
@@ -238,7 +204,8 @@ static dls_status create_parts(const char *function, dls_newton *work, dls_error
 }
 
 dls_status dlsi_newton_create(const char *function, dls_newton **out, int d, int nc,
-                              const dls_newton_settings *settings, dls_error *error) {
+                              const dls_newton_settings *settings, dlsi_room *room,
+                              dls_error *error) {
   if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, function, "out", -1, 0, "is NULL");
   *out = NULL;
   if (d != 2 && d != 3)
@@ -259,6 +226,7 @@ dls_status dlsi_newton_create(const char *function, dls_newton **out, int d, int
   if (!arena.base) return no_memory(function, error);
   dls_newton *work = carve(&arena, d, nc);
   work->settings = *settings;
+  work->room = room ? room : &work->own;
   status = create_parts(function, work, error);
   if (status) {
     dls_newton_destroy(work);
@@ -270,16 +238,13 @@ dls_status dlsi_newton_create(const char *function, dls_newton **out, int d, int
 
 dls_status dls_newton_create(dls_newton **out, int d, int nc, const dls_newton_settings *settings,
                              dls_error *error) {
-  return dlsi_newton_create(__func__, out, d, nc, settings, error);
+  return dlsi_newton_create(__func__, out, d, nc, settings, NULL, error);
 }
 
 void dls_newton_destroy(dls_newton *workspace) {
   if (!workspace) return;
   dls_nlgs_destroy(workspace->nlgs);
-  dlsi_sparse_lu_destroy(workspace->lu);
-  free(workspace->J);
-  free(workspace->i);
-  free(workspace->v);
+  dlsi_room_free(&workspace->own);
   free(workspace); /* first in its one piece */
 }
 
@@ -344,7 +309,7 @@ static void build_from_dense(dls_newton *work, const dls_contact *problem, doubl
     for (int j = 0; j < work->branch[b].count; j++) {
       const int col = work->branch[b].first + j;
       const double *v = column_of(work, problem, b, j);
-      double *column = work->J + (size_t)col * (size_t)k;
+      double *column = work->room->J + (size_t)col * (size_t)k;
       for (int i = 0; i < k; i++)
         column[i] = v[work->p[i]];
       for (int c = 0; d == 3 && c < problem->nc; c++) {
@@ -361,7 +326,7 @@ static void build_from_blocks(dls_newton *work, const dls_contact *problem, doub
     const dlsi_block_column W = dlsi_contact_column(problem, (size_t)b);
     for (int j = 0; j < work->branch[b].count; j++) {
       const int col = work->branch[b].first + j;
-      double e[3], v[3], *column = work->J + (size_t)col * (size_t)k;
+      double e[3], v[3], *column = work->room->J + (size_t)col * (size_t)k;
       direction(&work->branch[b], problem->mu[b], j, e);
       memset(column, 0, (size_t)k * sizeof *column);
       for (size_t s = W.begin; s < W.end; s++) {
@@ -382,7 +347,8 @@ static void build_dense(dls_newton *work, const dls_contact *problem, double eps
 
 /* (N2) in compressed columns */
 static dls_sparse build_sparse(dls_newton *work, const dls_contact *problem, double eps, int k) {
-  int entries = 0;
+  int entries = 0, *rows = work->room->i;
+  double *value = work->room->v;
   for (int b = 0; b < problem->nc; b++) {
     const dlsi_block_column W = dlsi_contact_column(problem, (size_t)b);
     for (int j = 0; j < work->branch[b].count; j++) {
@@ -390,21 +356,21 @@ static dls_sparse build_sparse(dls_newton *work, const dls_contact *problem, dou
       double e[3], v[3];
       direction(&work->branch[b], problem->mu[b], j, e);
       work->p[col] = entries;
-      work->i[entries] = col;
-      work->v[entries++] = extra_diagonal(work, b, j, eps);
+      rows[entries] = col;
+      value[entries++] = extra_diagonal(work, b, j, eps);
       for (size_t s = W.begin; s < W.end; s++) {
         const branch *row_of = &work->branch[dlsi_row(&W, s)];
         if (!row_of->count) continue;
         multiply_block(problem->d, W.x + s * W.step, W.ld, e, v);
         for (int i = 0; i < row_of->count; i++) {
-          work->i[entries] = row_of->first + i;
-          work->v[entries++] = row(row_of, i, v);
+          rows[entries] = row_of->first + i;
+          value[entries++] = row(row_of, i, v);
         }
       }
     }
   }
   work->p[k] = entries;
-  const dls_sparse A = {k, k, work->p, work->i, work->v};
+  const dls_sparse A = {k, k, work->p, rows, value};
   return A;
 }
 
@@ -418,21 +384,22 @@ static int nobody_slides(const dls_newton *work, const dls_contact *problem) {
 /* factors of (N2); DLS_E_SINGULAR, DLS_E_MEMORY */
 static dls_status factor(const char *function, dls_newton *work, const dls_contact *problem,
                          double eps, int k, dls_error *error) {
+  double *J = work->room->J;
   int info;
   if (work->sparse && k > dense_limit) {
     const dls_sparse A = build_sparse(work, problem, eps, k);
     work->factors = SPARSE_LU;
-    return dlsi_sparse_lu_factor(function, work->lu, &A, error);
+    return dlsi_sparse_lu_factor(function, work->room->lu, &A, error);
   }
   build_dense(work, problem, eps, k);
-  if (nobody_slides(work, problem) && dlsi_is_symmetric(work->J, (size_t)k)) {
+  if (nobody_slides(work, problem) && dlsi_is_symmetric(J, (size_t)k)) {
     work->factors = CHOLESKY;
-    dpotrf_("L", &k, work->J, &k, &info, 1);
+    dpotrf_("L", &k, J, &k, &info, 1);
     if (!info) return DLS_OK;
     build_dense(work, problem, eps, k);
   }
   work->factors = LU;
-  dgetrf_(&k, &k, work->J, &k, work->pivot, &info);
+  dgetrf_(&k, &k, J, &k, work->pivot, &info);
   return info ? DLS_E_SINGULAR : DLS_OK;
 }
 
@@ -451,11 +418,12 @@ static dls_status solve_step(const char *function, dls_newton *work, const dls_c
       return status;
     }
   }
-  if (work->factors == SPARSE_LU) return dlsi_sparse_lu_solve(function, work->lu, work->x, error);
+  if (work->factors == SPARSE_LU)
+    return dlsi_sparse_lu_solve(function, work->room->lu, work->x, error);
   if (work->factors == CHOLESKY)
-    dlsi_cholesky_solve(k, work->J, work->x);
+    dlsi_cholesky_solve(k, work->room->J, work->x);
   else
-    dgetrs_("N", &k, &one, work->J, &k, work->pivot, work->x, &k, &info, 1);
+    dgetrs_("N", &k, &one, work->room->J, &k, work->pivot, work->x, &k, &info, 1);
   return DLS_OK;
 }
 

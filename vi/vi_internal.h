@@ -102,9 +102,7 @@ typedef struct dlsi_newton_count {
   int sweeps, steps, factorisations;
 } dlsi_newton_count;
 
-/* dls_newton_solve as dlsi_nlgs_run (dlsi.h); and create, on behalf of `function`. */
-dls_status dlsi_newton_create(const char *function, dls_newton **out, int d, int nc,
-                              const dls_newton_settings *settings, dls_error *error);
+/* dls_newton_solve as dlsi_nlgs_run (dlsi.h), on behalf of `function`. */
 dls_status dlsi_newton_run(const char *function, dls_newton *work, const dls_contact *problem,
                            const double *E, double tol, double *r, double *u,
                            dls_certificate *certificate, dlsi_newton_count *count,

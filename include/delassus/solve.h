@@ -50,8 +50,14 @@ enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
  * cost tell; between them ADMM for a dense W of 150 rows or more; then the augmented Lagrangian,
  * then Lemke's method (src/auto.c). Each starts from the best r so far, which is what is returned.
  * info.stage has what was done. It holds the workspaces of dls_nlgs_create with Anderson acceleration,
- * dls_newton_create without sweeps, dls_admm_create (blocks = 0 and m >= 150), dls_augmented_create,
- * and Lemke's as follows (within the limits above); besides 2 m doubles, m = d nc, nc bytes, and up to 2 kB.
+ * dls_newton_create without sweeps, dls_admm_create (blocks = 0 and m >= 150) and dls_augmented_create,
+ * the last three with room for one matrix between them; Lemke's as follows (within the limits above);
+ * besides 2 m doubles, m = d nc, nc bytes, and up to 2 kB. For W dense, Lemke's apart, that is
+ *
+ *   m >= 150   m^2 + 103 m + 46 nc doubles (d = 3: 74 nc)
+ *   else       m^2 +  71 m + 44 nc doubles (d = 3: 72 nc)
+ *
+ * nc bytes, and up to 12 kB.
  *
  * Lemke solves, for d = 2, the LCP of dls_contact_to_lcp and, where that ends in a ray, the one of
  * dls_contact_to_facets_lcp; for d = 3 the latter with the facets of the settings. Where the
