@@ -250,7 +250,7 @@ static dls_status newton(dlsi_auto *work, dls_error *error) {
   begin(work);
   work->last = log(work->info.certificate.residual);
   const dls_status status =
-      dls_newton_solve(work->newton, work->problem, work->r, NULL, &info, error);
+      dlsi_newton_solve(work->newton, work->problem, work->r, NULL, &info, error);
   if (status < 0) return status;
   end(work, DLS_NEWTON, info.iterations, info.factorisations, &info.certificate);
   if (work->failures < most_failures) work->failures++;
@@ -266,7 +266,7 @@ static dls_status split(dlsi_auto *work, dls_error *error) {
   if (!(work->ahead > cost && newton > cost)) return DLS_STALLED;
   work->has_split = 1;
   begin(work);
-  const dls_status status = dls_admm_solve(work->admm, work->problem, work->r, NULL, &info, error);
+  const dls_status status = dlsi_admm_solve(work->admm, work->problem, work->r, NULL, &info, error);
   if (status < 0) return status;
   end(work, DLS_ADMM, info.iterations, info.factorisations, &info.certificate);
   return status;
@@ -277,7 +277,7 @@ static dls_status augment(dlsi_auto *work, dls_error *error) {
   dls_info info;
   begin(work);
   const dls_status status =
-      dls_augmented_solve(work->augmented, work->problem, work->r, NULL, &info, error);
+      dlsi_augmented_solve(work->augmented, work->problem, work->r, NULL, &info, error);
   if (status < 0) return status;
   end(work, DLS_AUGMENTED_LAGRANGIAN, info.iterations, info.factorisations, &info.certificate);
   if (status == DLS_STALLED && dls_augmented_direction(work->augmented))

@@ -127,6 +127,14 @@ dls_status dlsi_augmented_create(const char *function, dls_augmented **out, int 
                                  const dls_augmented_settings *settings, dlsi_room *room,
                                  dls_error *error);
 
+/* The solves of what has been checked already. */
+dls_status dlsi_newton_solve(dls_newton *work, const dls_contact *problem, double *r, double *u,
+                             dls_info *info, dls_error *error);
+dls_status dlsi_admm_solve(dls_admm *work, const dls_contact *problem, double *r, double *u,
+                           dls_info *info, dls_error *error);
+dls_status dlsi_augmented_solve(dls_augmented *work, const dls_contact *problem, double *r,
+                                double *u, dls_info *info, dls_error *error);
+
 /* ---- the contact problem --------------------------------------------------------------------- */
 
 /* Block column c of W, dense or by blocks, block by block: for k = begin .. end-1 the block in block row

@@ -204,7 +204,7 @@ dls_status dls_solver_create(dls_solver **out, int d, int nc, const dls_solver_s
 
 static dls_status solve_by_augmented(dls_solver *solver, const dls_contact *problem, double *r,
                                      double *u, dls_info *info, dls_error *error) {
-  dls_status status = dls_augmented_solve(solver->augmented, problem, r, u, info, error);
+  dls_status status = dlsi_augmented_solve(solver->augmented, problem, r, u, info, error);
   if (status == DLS_STALLED && dls_augmented_direction(solver->augmented))
     status = DLS_NO_SOLUTION_LIKELY;
   if (info && status >= 0) {
@@ -222,9 +222,9 @@ static dls_status solve_by_method(dls_solver *solver, const dls_contact *problem
   case DLS_LEMKE:
     return dlsi_pivoting_solve(solver->pivoting, problem, r, u, info, error);
   case DLS_NEWTON:
-    return dls_newton_solve(solver->newton, problem, r, u, info, error);
+    return dlsi_newton_solve(solver->newton, problem, r, u, info, error);
   case DLS_ADMM:
-    return dls_admm_solve(solver->admm, problem, r, u, info, error);
+    return dlsi_admm_solve(solver->admm, problem, r, u, info, error);
   case DLS_AUGMENTED_LAGRANGIAN:
   case DLS_PENALTY:
     return solve_by_augmented(solver, problem, r, u, info, error);

@@ -505,15 +505,11 @@ static dls_status run(const char *function, dls_admm *work, const dls_contact *p
   return dls_certificate_holds(certificate, work->settings.tol) ? DLS_OK : status;
 }
 
-dls_status dls_admm_solve(dls_admm *workspace, const dls_contact *problem, double *r, double *u,
-                          dls_info *info, dls_error *error) {
-  if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
-  dls_admm *work = workspace;
-  dls_status status =
-      dlsi_check_solve(__func__, work->d, work->nc, problem, r, work->settings.warm_start, error);
-  if (status) return status;
+dls_status dlsi_admm_solve(dls_admm *work, const dls_contact *problem, double *r, double *u,
+                           dls_info *info, dls_error *error) {
+  static const char function[] = "dls_admm_solve";
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  status = make_room(__func__, work, problem, error);
+  dls_status status = make_room(function, work, problem, error);
   if (status) return status;
 
   if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
@@ -523,7 +519,7 @@ dls_status dls_admm_solve(dls_admm *workspace, const dls_contact *problem, doubl
   set_metric(work, problem);
   int iterations = 0, factorisations = 0;
   dls_certificate certificate;
-  status = run(__func__, work, problem, &certificate, &iterations, &factorisations, error);
+  status = run(function, work, problem, &certificate, &iterations, &factorisations, error);
   if (status < 0) return status;
   memcpy(r, work->best, m * sizeof *r);
   if (u) memcpy(u, work->u, m * sizeof *u);
@@ -536,4 +532,12 @@ dls_status dls_admm_solve(dls_admm *workspace, const dls_contact *problem, doubl
     *info = outcome;
   }
   return status;
+}
+
+dls_status dls_admm_solve(dls_admm *workspace, const dls_contact *problem, double *r, double *u,
+                          dls_info *info, dls_error *error) {
+  if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
+  const dls_status status = dlsi_check_solve(__func__, workspace->d, workspace->nc, problem, r,
+                                             workspace->settings.warm_start, error);
+  return status ? status : dlsi_admm_solve(workspace, problem, r, u, info, error);
 }

@@ -342,13 +342,8 @@ static dls_status iterate(dls_augmented *work, const dls_contact *problem, dls_i
   return DLS_OK;
 }
 
-dls_status dls_augmented_solve(dls_augmented *workspace, const dls_contact *problem, double *r,
-                               double *u, dls_info *info, dls_error *error) {
-  if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
-  dls_augmented *work = workspace;
-  dls_status status =
-      dlsi_check_solve(__func__, work->d, work->nc, problem, r, work->settings.warm_start, error);
-  if (status) return status;
+dls_status dlsi_augmented_solve(dls_augmented *work, const dls_contact *problem, double *r,
+                                double *u, dls_info *info, dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   prepare(work, problem);
   if (work->settings.warm_start && dlsi_max_abs(problem->q, m) > 0)
@@ -356,11 +351,19 @@ dls_status dls_augmented_solve(dls_augmented *workspace, const dls_contact *prob
   else /* q = 0: r = 0 */
     memset(work->lambda, 0, m * sizeof *r);
   dls_info outcome = {.method = DLS_AUGMENTED_LAGRANGIAN};
-  status = outcome.status = iterate(work, problem, &outcome, error);
+  const dls_status status = outcome.status = iterate(work, problem, &outcome, error);
   if (status < 0) return status;
   if (status == DLS_OK) work->escaped = 0;
   memcpy(r, work->best, m * sizeof *r);
   if (u) dlsi_contact_multiply(problem, r, u, NULL);
   if (info) *info = outcome;
   return status;
+}
+
+dls_status dls_augmented_solve(dls_augmented *workspace, const dls_contact *problem, double *r,
+                               double *u, dls_info *info, dls_error *error) {
+  if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
+  const dls_status status = dlsi_check_solve(__func__, workspace->d, workspace->nc, problem, r,
+                                             workspace->settings.warm_start, error);
+  return status ? status : dlsi_augmented_solve(workspace, problem, r, u, info, error);
 }

@@ -654,17 +654,12 @@ dls_status dlsi_newton_run(const char *function, dls_newton *work, const dls_con
   return status;
 }
 
-dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, double *r, double *u,
-                            dls_info *info, dls_error *error) {
-  if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
-  dls_newton *work = workspace;
-  dls_status status =
-      dlsi_check_solve(__func__, work->d, work->nc, problem, r, work->settings.warm_start, error);
-  if (status) return status;
+dls_status dlsi_newton_solve(dls_newton *work, const dls_contact *problem, double *r, double *u,
+                             dls_info *info, dls_error *error) {
   dlsi_newton_count count;
   dls_certificate certificate;
-  status = dlsi_newton_run(__func__, work, problem, NULL, work->settings.tol, r, u, &certificate,
-                           &count, error);
+  const dls_status status = dlsi_newton_run("dls_newton_solve", work, problem, NULL,
+                                            work->settings.tol, r, u, &certificate, &count, error);
   if (status >= 0 && info)
     *info = (dls_info){.status = status,
                        .method = DLS_NEWTON,
@@ -673,4 +668,12 @@ dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, d
                        .factorisations = count.factorisations,
                        .sweeps = count.sweeps};
   return status;
+}
+
+dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, double *r, double *u,
+                            dls_info *info, dls_error *error) {
+  if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
+  const dls_status status = dlsi_check_solve(__func__, workspace->d, workspace->nc, problem, r,
+                                             workspace->settings.warm_start, error);
+  return status ? status : dlsi_newton_solve(workspace, problem, r, u, info, error);
 }
