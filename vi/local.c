@@ -216,7 +216,7 @@ static double normal(const schur *s, const double *t) {
 }
 
 /* (L5) along t, k = r_n / |t|; 1 if r_n > 0 and all is finite */
-static int on_cone(const schur *s, const double *t, double *r) {
+static inline int on_cone(const schur *s, const double *t, double *r) {
   const double n = sqrt(t[0] * t[0] + t[1] * t[1]);
   const double k = -s->qn / (s->a * n + s->mu * (s->b[0] * t[0] + s->b[1] * t[1]));
   r[0] = k * n;
@@ -226,7 +226,7 @@ static int on_cone(const schur *s, const double *t, double *r) {
 }
 
 /* (L3): 1 if r is in the cone */
-static int stick_3d(const schur *s, double *r) {
+static inline int stick_3d(const schur *s, double *r) {
   solve(s->block, s->z, r + 1);
   r[0] = normal(s, r + 1);
   return r[0] > 0 && r[0] <= DBL_MAX && sqrt(r[1] * r[1] + r[2] * r[2]) <= s->mu * r[0];
@@ -234,19 +234,26 @@ static int stick_3d(const schur *s, double *r) {
 
 /* r_t(l) = -(N + l z) / D, D = det(S + l I) */
 typedef struct cramer {
-  double t[2], inv; /* 1 / D */
+  double t[2], n, inv; /* r_t, |r_t|, 1 / D */
 } cramer;
 
+/* the root of |N + l z| does not wait for the division */
 static cramer tangent(const schur *s, double l) {
-  cramer c = {.inv = 1 / (s->block->det + (s->block->trace + l) * l)};
-  for (int i = 0; i < 2; i++)
-    c.t[i] = -(s->N[i] + l * s->z[i]) * c.inv;
-  return c;
+  const double inv = 1 / (s->block->det + (s->block->trace + l) * l);
+  const double x = s->N[0] + l * s->z[0], y = s->N[1] + l * s->z[1];
+  return (cramer){{-x * inv, -y * inv}, sqrt(x * x + y * y) * fabs(inv), inv};
+}
+
+/* (L5) at l: the direction of r_t, without its length */
+static int slip_at(const schur *s, double l, double *r) {
+  const double sign = s->block->det + (s->block->trace + l) * l > 0 ? -1 : 1;
+  const double t[2] = {sign * (s->N[0] + l * s->z[0]), sign * (s->N[1] + l * s->z[1])};
+  return on_cone(s, t, r);
 }
 
 /* The step from l: Newton's for 1/|r_t| - 1/m, m = mu r_n, or for h = n - m, n = |r_t|, if m <= 0 */
-static double newton(const schur *s, double l, const cramer *c, double n, double m) {
-  const double dD = s->block->trace + 2 * l, h = n - m;
+static double newton(const schur *s, double l, const cramer *c, double m) {
+  const double dD = s->block->trace + 2 * l, n = c->n, h = n - m;
   const double dt[2] = {-(s->z[0] + dD * c->t[0]) * c->inv, -(s->z[1] + dD * c->t[1]) * c->inv};
   const double tdt = c->t[0] * dt[0] + c->t[1] * dt[1]; /* n n' */
   const double dm = -s->mu * (s->b[0] * dt[0] + s->b[1] * dt[1]) * s->block->inv_a;
@@ -259,7 +266,7 @@ static dls_local_state slip_3d(const schur *s, double guess, double *r) {
   double l = guess > 0 && guess <= DBL_MAX ? guess : 0, lo = 0, hi = INFINITY;
   for (int step = 0; step < most_steps; step++) {
     const cramer c = tangent(s, l);
-    const double n = sqrt(c.t[0] * c.t[0] + c.t[1] * c.t[1]), rn = normal(s, c.t);
+    const double n = c.n, rn = normal(s, c.t);
     const double m = s->mu * rn, h = n - m, size = n + fabs(m);
     /* u_t = -l r_t is below the rounding of z: (L3) on the edge of the cone */
     if (h <= 0 && rn <= DBL_MAX && l * n <= 4 * DBL_EPSILON * (fabs(s->z[0]) + fabs(s->z[1]))) {
@@ -274,10 +281,9 @@ static dls_local_state slip_3d(const schur *s, double guess, double *r) {
       hi = l;
     else
       lo = l; /* also where S is singular and t is not finite */
-    const double next = l + newton(s, l, &c, n, m);
+    const double next = l + newton(s, l, &c, m);
     if (fabs(next - l) <= last_step * l && fabs(h) <= same * size) {
-      const cramer last = tangent(s, next);
-      return on_cone(s, last.t, r) ? DLS_LOCAL_SLIP : DLS_LOCAL_NONE;
+      return slip_at(s, next, r) ? DLS_LOCAL_SLIP : DLS_LOCAL_NONE;
     }
     if (next > lo && next < hi)
       l = next;
