@@ -64,7 +64,7 @@ static int is_zero(size_t d, const double *r) {
 /* dense: W is read once */
 static void multiply_dense(const dls_contact *problem, const double *r, double *u, double *a) {
   enum { at_once = 16 };
-  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  const size_t d = (size_t)problem->d;
   int count = 0, c[at_once];
   double dr[3 * at_once];
   for (int k = 0; k < problem->nc; k++) {
@@ -77,10 +77,10 @@ static void multiply_dense(const dls_contact *problem, const double *r, double *
     memcpy(dr + d * (size_t)count, rk, d * sizeof *dr);
     c[count++] = k;
     if (count < at_once) continue;
-    dlsi_contact_add_panel(problem, count, c, dr, 0, m, u);
+    dlsi_contact_add_panel(problem, count, c, dr, u);
     count = 0;
   }
-  dlsi_contact_add_panel(problem, count, c, dr, 0, m, u);
+  dlsi_contact_add_panel(problem, count, c, dr, u);
 }
 
 /* a += |W(:,c)| |rc|, W by blocks */

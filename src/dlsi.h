@@ -166,10 +166,9 @@ void dlsi_contact_add_columns(const dls_contact *problem, int c, const double *d
 /* The same, W by blocks. */
 void dlsi_contact_add_blocks(const dls_contact *problem, int c, const double *dr, double *u);
 
-/* The same for `count` candidates c[k], dr[d k..], one after the other, W dense, and rows first ..
- * end-1 of u only. */
+/* The same for `count` candidates c[k], dr[d k..], one after the other, W dense. */
 void dlsi_contact_add_panel(const dls_contact *problem, int count, const int *c, const double *dr,
-                            size_t first, size_t end, double *u);
+                            double *u);
 
 /* y := A^T x and y -= A x for A (m x n, column-major, leading dimension m). */
 void dlsi_panel_dot(size_t m, int n, const double *A, const double *x, double *y);

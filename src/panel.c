@@ -96,18 +96,18 @@ void dlsi_contact_add_both(const dls_contact *problem, int c, const double *dr, 
 }
 
 void dlsi_contact_add_panel(const dls_contact *problem, int count, const int *c, const double *dr,
-                            size_t first, size_t end, double *u) {
-  const size_t d = (size_t)problem->d, ld = (size_t)problem->W.ld, rows = end - first;
+                            double *u) {
+  const size_t d = (size_t)problem->d, ld = (size_t)problem->W.ld, m = d * (size_t)problem->nc;
   int k = 0;
   for (; k + 4 <= count; k += 4) {
     const double *w[4];
     for (int j = 0; j < 4; j++)
-      w[j] = problem->W.a + d * (size_t)c[k + j] * ld + first;
-    (d == 2 ? add_four_2d : add_four_3d)(rows, w, ld, dr + d * (size_t)k, u + first);
+      w[j] = problem->W.a + d * (size_t)c[k + j] * ld;
+    (d == 2 ? add_four_2d : add_four_3d)(m, w, ld, dr + d * (size_t)k, u);
   }
   for (; k < count; k++) {
-    const double *w = problem->W.a + d * (size_t)c[k] * ld + first;
-    (d == 2 ? add_one_2d : add_one_3d)(rows, w, ld, dr + d * (size_t)k, u + first);
+    const double *w = problem->W.a + d * (size_t)c[k] * ld;
+    (d == 2 ? add_one_2d : add_one_3d)(m, w, ld, dr + d * (size_t)k, u);
   }
 }
 

@@ -295,7 +295,7 @@ static const double *column_of(dls_newton *work, const dls_contact *problem, int
     return problem->W.a + (d * (size_t)b + (size_t)j) * (size_t)problem->W.ld;
   direction(at, problem->mu[b], j, e);
   memset(work->a, 0, m * sizeof *work->a);
-  dlsi_contact_add_panel(problem, 1, &b, e, 0, m, work->a);
+  dlsi_contact_add_panel(problem, 1, &b, e, work->a);
   return work->a;
 }
 

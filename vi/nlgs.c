@@ -34,9 +34,9 @@
  * its refreshes finds a factor of 10). Without the two, a call on the cycle of tests/test_nlgs.c returned
  * an r of residual 0.7 for which it had estimated 4e-8.
  *
- * W dense: 16 candidates at a time are visited with only their own rows of u kept up to date, and
- * the other rows get all these changes in one pass over the columns (panel.c). Every u_i still
- * receives them in the order of the candidates: the same bits.
+ * W dense: u receives the changes of four candidates in one pass over their columns (panel.c); whoever
+ * is visited before that looks at its own rows with the outstanding ones added. Every u_i still receives
+ * them in the order of the candidates: the same bits as one by one.
  *
  * Source: [Jean 1988] 3.3 names Gauss-Seidel on (3.3)5-6; the form with exact local solutions is Jourdan,
  * Alart and Jean 1998. Deviation: u is updated by columns, where the usual code recomputes row c of
@@ -178,46 +178,82 @@ void dls_nlgs_destroy(dls_nlgs *workspace) {
 
 /* ---- the iteration --------------------------------------------------------------------------- */
 
-enum { batch_size = 16 };
+/* W dense: changes that u is still to receive, all rows of it in one go. */
+enum { batch_size = 4 };
 
-/* W dense: candidates first .. end-1 are visited with only their own rows of u kept up to date; the
- * other rows get the changes of them all in one go. */
 typedef struct batch {
-  size_t first, end; /* rows of u */
-  int count;         /* candidates that changed so far: */
-  int c[batch_size];
+  int count, c[batch_size];
   double dr[3 * batch_size];
 } batch;
 
-static void put(const dls_contact *problem, int c, const double *dr, batch *b, double *u) {
-  memcpy(b->dr + problem->d * b->count, dr, (size_t)problem->d * sizeof *dr);
-  b->c[b->count++] = c;
-  dlsi_contact_add_panel(problem, 1, &c, dr, b->first, b->end, u);
+/* v += W(c,:) of the changes begin .. end-1 */
+static inline void add_changes(int d, const dls_contact *problem, const batch *b, int begin,
+                               int end, int c, double *v) {
+  const size_t D = (size_t)d, ld = (size_t)problem->W.ld;
+  for (int k = begin; k < end; k++) {
+    const double *w = problem->W.a + D * (size_t)c + D * (size_t)b->c[k] * ld, *dr = b->dr + d * k;
+    for (size_t i = 0; i < D; i++) {
+      double sum = w[i] * dr[0];
+      for (size_t j = 1; j < D; j++)
+        sum += w[i + j * ld] * dr[j];
+      v[i] += sum;
+    }
+  }
 }
 
-/* (G4) for one candidate; in its batch, or at once (batch NULL, W by blocks) */
+/* v := u_c as it would be; b is NULL for W by blocks */
+static inline void look(int d, const dls_contact *problem, const batch *b, int c, const double *u,
+                        double *v) {
+  for (int i = 0; i < d; i++)
+    v[i] = u[(size_t)d * (size_t)c + (size_t)i];
+  if (b) add_changes(d, problem, b, 0, b->count, c, v);
+}
+
+static void flush(const dls_nlgs *work, const dls_contact *problem, batch *b) {
+  const int d = problem->d;
+  const size_t size = (size_t)d * sizeof(double);
+  double own[3 * batch_size], *u = work->u;
+  for (int k = 0; work->E && k < b->count; k++) { /* E in its place among the additions */
+    const int c = b->c[k];
+    double *v = own + d * k;
+    memcpy(v, u + d * c, size);
+    add_changes(d, problem, b, 0, k + 1, c, v);
+    for (int i = 0; i < d; i++)
+      v[i] += work->E[c] * b->dr[d * k + i];
+    add_changes(d, problem, b, k + 1, b->count, c, v);
+  }
+  dlsi_contact_add_panel(problem, b->count, b->c, b->dr, u);
+  for (int k = 0; work->E && k < b->count; k++)
+    memcpy(u + d * b->c[k], own + d * k, size);
+  b->count = 0;
+}
+
+/* (G4) for one candidate; in the batch, or at once (b NULL, W by blocks) */
 static inline void change(const dls_nlgs *work, const dls_contact *problem, int c, const double *dr,
                           batch *b) {
-  if (b)
-    put(problem, c, dr, b, work->u);
-  else
-    dlsi_contact_add_columns(problem, c, dr, work->u);
-  if (!work->E) return;
-  double *uc = work->u + (size_t)problem->d * (size_t)c;
-  for (int i = 0; i < problem->d; i++)
+  const size_t d = (size_t)problem->d;
+  if (b) {
+    memcpy(b->dr + d * (size_t)b->count, dr, d * sizeof *dr);
+    b->c[b->count++] = c;
+    if (b->count == batch_size) flush(work, problem, b);
+    return;
+  }
+  dlsi_contact_add_columns(problem, c, dr, work->u);
+  double *uc = work->u + d * (size_t)c;
+  for (size_t i = 0; work->E && i < d; i++)
     uc[i] += work->E[c] * dr[i];
 }
 
-/* (G0)-(G4) for candidates first .. end-1; returns how many changed. */
-static int sweep_2d(const dls_nlgs *work, const dls_contact *problem, int first, int end, batch *b,
-                    double *r) {
+/* (G0)-(G4) for all candidates; returns how many changed. */
+static int sweep_2d(const dls_nlgs *work, const dls_contact *problem, batch *b, double *r) {
   const double omega = work->settings.relaxation;
-  double *u = work->u;
   int changed = 0;
-  for (int c = first; c < end; c++) {
+  for (int c = 0; c < problem->nc; c++) {
     double *rc = r + 2 * (size_t)c;
     const dlsi_block_2d *block = work->block_2d + c;
-    const double *uc = u + 2 * (size_t)c, *W = block->W;
+    const double *W = block->W;
+    double uc[2];
+    look(2, problem, b, c, work->u, uc);
     if (rc[0] == 0 && uc[0] >= 0) continue; /* (G0) */
     const double p[2] = {uc[0] - (W[0] * rc[0] + W[2] * rc[1]),
                          uc[1] - (W[1] * rc[0] + W[3] * rc[1])}; /* (G1) */
@@ -238,15 +274,15 @@ static int sweep_2d(const dls_nlgs *work, const dls_contact *problem, int first,
   return changed;
 }
 
-static int sweep_3d(const dls_nlgs *work, const dls_contact *problem, int first, int end, batch *b,
-                    double *r) {
+static int sweep_3d(const dls_nlgs *work, const dls_contact *problem, batch *b, double *r) {
   const double omega = work->settings.relaxation;
-  double *u = work->u;
   int changed = 0;
-  for (int c = first; c < end; c++) {
+  for (int c = 0; c < problem->nc; c++) {
     double *rc = r + 3 * (size_t)c;
     const dlsi_block_3d *block = work->block_3d + c;
-    const double *uc = u + 3 * (size_t)c, *W = block->W;
+    const double *W = block->W;
+    double uc[3];
+    look(3, problem, b, c, work->u, uc);
     if (rc[0] == 0 && uc[0] >= 0) continue; /* (G0) */
     double p[3], s[3], v[3], dr[3];
     for (int i = 0; i < 3; i++)
@@ -271,28 +307,11 @@ static int sweep_3d(const dls_nlgs *work, const dls_contact *problem, int first,
   return changed;
 }
 
-/* W(:,c) of all that changed, for the rows outside the batch */
-static void flush(const dls_contact *problem, batch *b, double *u) {
-  const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  dlsi_contact_add_panel(problem, b->count, b->c, b->dr, 0, b->first, u);
-  dlsi_contact_add_panel(problem, b->count, b->c, b->dr, b->end, m, u);
-  b->count = 0;
-}
-
 /* One sweep; returns how many candidates changed. */
 static int sweep(const dls_nlgs *work, const dls_contact *problem, double *r) {
-  int (*const visit)(const dls_nlgs *, const dls_contact *, int, int, batch *, double *) =
-      problem->d == 2 ? sweep_2d : sweep_3d;
-  const int nc = problem->nc;
-  if (problem->Wb.x) return visit(work, problem, 0, nc, NULL, r);
-  const size_t d = (size_t)problem->d;
-  int changed = 0;
-  for (int first = 0, end; first < nc; first = end) {
-    end = nc - first > batch_size ? first + batch_size : nc;
-    batch b = {.first = d * (size_t)first, .end = d * (size_t)end};
-    changed += visit(work, problem, first, end, &b, r);
-    flush(problem, &b, work->u);
-  }
+  batch dense = {0}, *b = problem->Wb.x ? NULL : &dense;
+  const int changed = (problem->d == 2 ? sweep_2d : sweep_3d)(work, problem, b, r);
+  if (b) flush(work, problem, b);
   return changed;
 }
 
@@ -359,11 +378,10 @@ static void repair(const dls_nlgs *work, const dls_contact *problem, double *r) 
     double *rc = r + (size_t)d * (size_t)c, dr[3] = {0};
     if (!(d == 2 ? lack(2, problem->mu[c], rc, dr) : lack(3, problem->mu[c], rc, dr))) continue;
     change(work, problem, c, dr, b);
-    if (b && b->count == batch_size) flush(problem, b, work->u);
     for (int i = 0; i < d; i++)
       rc[i] += dr[i];
   }
-  if (b) flush(problem, b, work->u);
+  if (b) flush(work, problem, b);
 }
 
 /* (G6) r := where the next sweep starts; r = g(x) has the estimated residual `residual`, the g of the
