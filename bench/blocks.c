@@ -5,7 +5,8 @@
  *            all candidates change: over one dgemv
  *   blocks   u = W r + q, and a sweep: over reading the same bytes once
  *
- * CPU time, the least of several rounds. Dense: W_ab = exp(-|a - b| / 30) on normals, 0.8 of it on
+ * CPU time. Short rounds in which each has its turn; ratios are medians of ratios within a round, because
+ * the clock of a shared machine swings by 2, and products and solutions do not feel it alike. Dense: W_ab = exp(-|a - b| / 30) on normals, 0.8 of it on
  * tangents, 1e-3 more on the diagonal, everything pressed and pushed, mu = 0.5. Blocks: so many
  * symmetric pairs in a band at random places as give the density named.
  */
@@ -20,8 +21,10 @@
 #include "delassus/nlgs.h"
 #include "dlsi.h"
 
-enum { rounds = 9, few = 8, many = 24 };
-static const double shortest = 4e-3; /* s, of a round of one thing */
+enum { least_rounds = 9, most_rounds = 401, most_things = 6, few = 8, many = 24 };
+/* s. A turn of one thing; before it calls that do not count, because a processor may take half a
+ * millisecond to change its clock to or from that of dgemv's wide registers; all turns together. */
+static const double shortest = 3e-3, settling = 1e-3, enough = 2;
 
 static uint64_t seed = 88172645463325252u;
 
@@ -111,22 +114,50 @@ static void solve_many(work *w) {
   solve(w, many);
 }
 
-/* t[k] := least CPU time of one call of f[k] */
-static void race(int n, void (*const f[])(work *), work *w, double *t) {
-  for (int k = 0; k < n; k++)
-    t[k] = INFINITY;
-  for (int round = 0; round < rounds; round++)
-    for (int k = 0; k < n; k++) {
-      int calls = 0;
-      const clock_t start = clock();
-      double cpu;
-      do {
-        f[k](w);
-        calls++;
-        cpu = (double)(clock() - start) / CLOCKS_PER_SEC;
-      } while (cpu < shortest);
-      if (cpu / calls < t[k]) t[k] = cpu / calls;
-    }
+static int compare(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+static double median(int n, double *x) {
+  qsort(x, (size_t)n, sizeof *x, compare);
+  return x[n / 2];
+}
+
+/* CPU time of a call */
+static double turn(void (*f)(work *), work *w) {
+  int calls = 0, settled = 0;
+  clock_t start = clock();
+  for (;;) {
+    f(w);
+    calls++;
+    const double cpu = (double)(clock() - start) / CLOCKS_PER_SEC;
+    if (cpu >= shortest) return cpu / calls;
+    if (settled || cpu < settling) continue;
+    settled = 1;
+    calls = 0;
+    start = clock();
+  }
+}
+
+/* t[k], ratio[k] := median CPU time of one call of f[k], and over that of f[0]. The last two solve with
+ * few and many sweeps: t[n-1] is of one sweep. */
+static void race(int n, void (*const f[])(work *), work *w, double *t, double *ratio) {
+  static double all[most_things][most_rounds], over[most_things][most_rounds];
+  const clock_t start = clock();
+  int round = 0;
+  for (; round < most_rounds; round++) {
+    if (round >= least_rounds && (double)(clock() - start) / CLOCKS_PER_SEC > enough) break;
+    for (int k = 0; k < n; k++)
+      all[k][round] = turn(f[k], w);
+    all[n - 1][round] = (all[n - 1][round] - all[n - 2][round]) / (many - few);
+    for (int k = 0; k < n; k++)
+      over[k][round] = all[k][round] / all[0][round];
+  }
+  for (int k = 0; k < n; k++) {
+    t[k] = median(round, all[k]);
+    ratio[k] = median(round, over[k]);
+  }
 }
 
 static void prepare(work *w, int d, int nc) {
@@ -163,12 +194,11 @@ static void dense(int d, int m) {
   w.problem.W = (dls_dense){m, m, m, W};
   void (*const all[])(work *) = {yard,    multiply,  multiply_magnitudes,
                                  columns, solve_few, solve_many};
-  double t[6];
-  race(6, all, &w, t);
+  double t[6], ratio[6];
+  race(6, all, &w, t, ratio);
   const double entries = (double)m * m;
   printf("| %dD | %d | %.2f | %.1f | %.2f | %.2f | %.2f | %.2f |\n", d, m, 2e-9 * entries / t[0],
-         8e-9 * entries / t[0], t[1] / t[0], t[2] / t[0], t[3] / t[0],
-         (t[5] - t[4]) / (many - few) / t[0]);
+         8e-9 * entries / t[0], ratio[1], ratio[2], ratio[3], ratio[5]);
   free(W);
   release(&w);
 }
@@ -192,12 +222,11 @@ static void by_blocks(int d, int nc, int per_column) {
   }
   w.problem.Wb = (dls_blocks){d, nc, p, i, x};
   void (*const all[])(work *) = {stream, multiply, solve_few, solve_many};
-  double t[4];
-  race(4, all, &w, t);
+  double t[4], ratio[4];
+  race(4, all, &w, t, ratio);
   const double bytes = k * (8. * d * d + 4);
   printf("| %dD | %d | %d | %.1f | %.1f | %.2f | %.2f | %.2f | %.0f |\n", d, nc, k, 1e-6 * bytes,
-         1e-9 * bytes / t[0], 2e-9 * d * d * k / t[1], t[1] / t[0],
-         (t[3] - t[2]) / (many - few) / t[0], 1e9 * (t[3] - t[2]) / (many - few) / nc);
+         1e-9 * bytes / t[0], 2e-9 * d * d * k / t[1], ratio[1], ratio[3], 1e9 * t[3] / nc);
   free(p);
   free(i);
   free(x);
