@@ -2,7 +2,7 @@
  * auto.c: the method "auto": one method after the other, each from the best r so far, until the
  * certificate holds.
  *
- *   (S1)  accelerated sweeps of Gauss-Seidel (Anderson)
+ *   (S1)  accelerated sweeps of Gauss-Seidel (Anderson), in the order of order.c
  *   (S3)  up to 200 iterations of ADMM; W dense, k >= 150, (F5) below (F1) and (F2)
  *   (S2)  Newton's method
  *         (S3) if not before; (S1) and (S2) three times more
@@ -80,6 +80,7 @@ struct dlsi_auto {
   int cancelled, limited; /* by the caller's callback, by settings.max_iterations */
   int failures;           /* of Newton's method */
   int has_split;          /* (S3) has been tried */
+  int *order, *scratch;   /* nc each: the visits of the sweeps, order.c */
   double steps;           /* of Newton's method, (F2) */
   double ahead;           /* (F1) at the end of the last sweeps */
   dls_status verdict;     /* DLS_NO_SOLUTION_LIKELY, DLS_NO_SOLUTION, or DLS_OK for none */
@@ -236,8 +237,8 @@ static dls_status sweep(dlsi_auto *work, dls_error *error) {
   dls_certificate certificate;
   int sweeps;
   begin(work);
-  const dls_status status = dlsi_nlgs_run(work->sweeps, work->problem, NULL, work->settings.tol,
-                                          work->r, NULL, &certificate, &sweeps);
+  const dls_status status = dlsi_nlgs_run(work->sweeps, work->problem, work->order, NULL,
+                                          work->settings.tol, work->r, NULL, &certificate, &sweeps);
   end(work, DLS_NLGS, sweeps, 0, &certificate);
   if (work->info.certificate.residual <= DBL_MAX || work->info.stages > 1) return status;
   memset(work->best, 0, m * sizeof *work->best);
@@ -300,25 +301,25 @@ static dls_status pivot(dlsi_auto *work, dls_error *error) {
 
 typedef dls_status stage(dlsi_auto *work, dls_error *error);
 
-static stage *const order[] = {sweep, split,  newton, split,  sweep,   newton,
-                               sweep, newton, sweep,  newton, augment, pivot,
-                               sweep, newton, sweep,  newton, sweep};
-_Static_assert(sizeof order / sizeof order[0] <= DLS_STAGES_MAX, "a line for each in the report");
+static stage *const stages[] = {sweep, split,  newton, split,  sweep,   newton,
+                                sweep, newton, sweep,  newton, augment, pivot,
+                                sweep, newton, sweep,  newton, sweep};
+_Static_assert(sizeof stages / sizeof stages[0] <= DLS_STAGES_MAX, "a line for each in the report");
 
 static dls_status create_rest(dlsi_auto *work, int d, int nc, dls_error *error);
 
 /* The stages in turn: DLS_OK, an error, or the reason for the end. */
 static dls_status run(dlsi_auto *work, dls_error *error) {
-  for (size_t k = 0; k < sizeof order / sizeof order[0]; k++) {
+  for (size_t k = 0; k < sizeof stages / sizeof stages[0]; k++) {
     dls_status status = DLS_OK;
     if (k == 1 && !work->newton)
       status = create_rest(work, work->problem->d, work->problem->nc, error);
-    if (!status) status = order[k](work, error);
+    if (!status) status = stages[k](work, error);
     if (status < 0) return status;
     if (dls_certificate_holds(&work->info.certificate, work->settings.tol)) return DLS_OK;
     if (work->cancelled) return DLS_CANCELLED;
     if (work->limited) return DLS_MAX_ITERATIONS;
-    if (order[k] == pivot && work->verdict) return work->verdict;
+    if (stages[k] == pivot && work->verdict) return work->verdict;
   }
   return DLS_STALLED;
 }
@@ -333,6 +334,7 @@ dls_status dlsi_auto_solve(dlsi_auto *work, const dls_contact *problem, double *
   work->verdict = DLS_OK;
   work->ahead = INFINITY; /* of sweeps that end before they can tell */
   work->steps = newton_steps(work, 0);
+  dlsi_order_candidates(problem, work->memory, work->scratch, work->order);
   if (work->settings.warm_start)
     memcpy(work->best, r, m * sizeof *r);
   else
@@ -424,13 +426,17 @@ dls_status dlsi_auto_create(dlsi_auto **out, int d, int nc, const dls_solver_set
                             int complete, dls_error *error) {
   *out = NULL;
   const size_t m = (size_t)d * (size_t)nc;
-  dlsi_auto *work = dlsi_alloc(1, sizeof *work + 2 * m * sizeof *work->memory + (size_t)nc);
+  const size_t n = (size_t)nc;
+  dlsi_auto *work = dlsi_alloc(1, sizeof *work + 2 * m * sizeof *work->memory +
+                                      n * (2 * sizeof *work->order + sizeof *work->state));
   if (!work) return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
   memset(work, 0, sizeof *work);
   work->settings = *settings;
   work->r = work->memory;
   work->best = work->memory + m;
-  work->state = (unsigned char *)(work->memory + 2 * m);
+  work->order = (int *)(work->memory + 2 * m);
+  work->scratch = work->order + n;
+  work->state = (unsigned char *)(work->scratch + n);
   dls_status status = create_sweeps(work, d, nc, error);
   if (!status && complete) status = create_rest(work, d, nc, error);
   if (status) {

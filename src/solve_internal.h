@@ -30,4 +30,8 @@ void dlsi_auto_destroy(dlsi_auto *work);
  * untouched. */
 int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *u, dls_info *info);
 
+/* order (nc) := the candidates in an order that does not hang on their numbers, order.c. work: 3 nc,
+ * scratch: nc. */
+void dlsi_order_candidates(const dls_contact *problem, double *work, int *scratch, int *order);
+
 #endif

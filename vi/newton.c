@@ -620,7 +620,7 @@ static dls_status run(const char *function, dls_newton *work, const dls_contact 
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   dls_status status = DLS_STALLED;
   if (work->nlgs)
-    status = dlsi_nlgs_run(work->nlgs, problem, work->E, work->tol, work->r, work->u, best,
+    status = dlsi_nlgs_run(work->nlgs, problem, NULL, work->E, work->tol, work->r, work->u, best,
                            &count->sweeps);
   else
     *best = measure(work, problem);

@@ -68,6 +68,7 @@ struct dls_nlgs {
   dls_nlgs_settings settings;
   int d, nc;
   double tol;              /* of this run, and */
+  const int *order;        /* nc: of the visits; NULL: 0, 1, .. */
   const double *E;         /* nc: it solves u = (W + diag(E)) r + q; NULL: 0 */
   dlsi_block_2d *block_2d; /* nc  the W_cc (+ E_c), NULL for d = 3 */
   dlsi_block_3d *block_3d; /* nc  NULL for d = 2 */
@@ -186,12 +187,14 @@ typedef struct batch {
   double dr[3 * batch_size];
 } batch;
 
-/* v += W(c,:) of the changes begin .. end-1 */
-static inline void add_changes(int d, const dls_contact *problem, const batch *b, int begin,
-                               int end, int c, double *v) {
-  const size_t D = (size_t)d, ld = (size_t)problem->W.ld;
-  for (int k = begin; k < end; k++) {
-    const double *w = problem->W.a + D * (size_t)c + D * (size_t)b->c[k] * ld, *dr = b->dr + d * k;
+/* v := u_c with the changes of the batch; b is NULL for W by blocks */
+static inline void look(int d, const dls_contact *problem, const batch *b, int c, const double *u,
+                        double *v) {
+  const size_t D = (size_t)d, ld = (size_t)problem->W.ld, row = D * (size_t)c;
+  for (size_t i = 0; i < D; i++)
+    v[i] = u[row + i];
+  for (int k = 0; b && k < b->count; k++) {
+    const double *w = problem->W.a + row + D * (size_t)b->c[k] * ld, *dr = b->dr + d * k;
     for (size_t i = 0; i < D; i++) {
       double sum = w[i] * dr[0];
       for (size_t j = 1; j < D; j++)
@@ -201,30 +204,17 @@ static inline void add_changes(int d, const dls_contact *problem, const batch *b
   }
 }
 
-/* v := u_c as it would be; b is NULL for W by blocks */
-static inline void look(int d, const dls_contact *problem, const batch *b, int c, const double *u,
-                        double *v) {
-  for (int i = 0; i < d; i++)
-    v[i] = u[(size_t)d * (size_t)c + (size_t)i];
-  if (b) add_changes(d, problem, b, 0, b->count, c, v);
+/* u_c += E_c dr */
+static inline void add_springs(const dls_nlgs *work, int d, int c, const double *dr) {
+  double *uc = work->u + (size_t)d * (size_t)c;
+  for (int i = 0; work->E && i < d; i++)
+    uc[i] += work->E[c] * dr[i];
 }
 
 static void flush(const dls_nlgs *work, const dls_contact *problem, batch *b) {
-  const int d = problem->d;
-  const size_t size = (size_t)d * sizeof(double);
-  double own[3 * batch_size], *u = work->u;
-  for (int k = 0; work->E && k < b->count; k++) { /* E in its place among the additions */
-    const int c = b->c[k];
-    double *v = own + d * k;
-    memcpy(v, u + d * c, size);
-    add_changes(d, problem, b, 0, k + 1, c, v);
-    for (int i = 0; i < d; i++)
-      v[i] += work->E[c] * b->dr[d * k + i];
-    add_changes(d, problem, b, k + 1, b->count, c, v);
-  }
-  dlsi_contact_add_panel(problem, b->count, b->c, b->dr, u);
-  for (int k = 0; work->E && k < b->count; k++)
-    memcpy(u + d * b->c[k], own + d * k, size);
+  dlsi_contact_add_panel(problem, b->count, b->c, b->dr, work->u);
+  for (int k = 0; k < b->count; k++)
+    add_springs(work, problem->d, b->c[k], b->dr + problem->d * k);
   b->count = 0;
 }
 
@@ -235,20 +225,19 @@ static inline void change(const dls_nlgs *work, const dls_contact *problem, int 
   if (b) {
     memcpy(b->dr + d * (size_t)b->count, dr, d * sizeof *dr);
     b->c[b->count++] = c;
-    if (b->count == batch_size) flush(work, problem, b);
+    if (b->count == batch_size || work->E) flush(work, problem, b); /* E_c comes after W_cc */
     return;
   }
   dlsi_contact_add_columns(problem, c, dr, work->u);
-  double *uc = work->u + d * (size_t)c;
-  for (size_t i = 0; work->E && i < d; i++)
-    uc[i] += work->E[c] * dr[i];
+  add_springs(work, problem->d, c, dr);
 }
 
 /* (G0)-(G4) for all candidates; returns how many changed. */
 static int sweep_2d(const dls_nlgs *work, const dls_contact *problem, batch *b, double *r) {
   const double omega = work->settings.relaxation;
   int changed = 0;
-  for (int c = 0; c < problem->nc; c++) {
+  for (int k = 0; k < problem->nc; k++) {
+    const int c = work->order ? work->order[k] : k;
     double *rc = r + 2 * (size_t)c;
     const dlsi_block_2d *block = work->block_2d + c;
     const double *W = block->W;
@@ -277,7 +266,8 @@ static int sweep_2d(const dls_nlgs *work, const dls_contact *problem, batch *b, 
 static int sweep_3d(const dls_nlgs *work, const dls_contact *problem, batch *b, double *r) {
   const double omega = work->settings.relaxation;
   int changed = 0;
-  for (int c = 0; c < problem->nc; c++) {
+  for (int k = 0; k < problem->nc; k++) {
+    const int c = work->order ? work->order[k] : k;
     double *rc = r + 3 * (size_t)c;
     const dlsi_block_3d *block = work->block_3d + c;
     const double *W = block->W;
@@ -396,9 +386,12 @@ static void accelerate(dls_nlgs *work, const dls_contact *problem, double residu
     dlsi_anderson_clear(history);
   } else {
     *accepted = residual;
-    for (size_t c = 0; c < m / d; c++)
+    double *f = work->F; /* in the order of the visits, which no sum then depends on */
+    for (size_t k = 0; k < m / d; k++) {
+      const size_t c = work->order ? (size_t)work->order[k] : k;
       for (size_t i = d * c; i < d * (c + 1); i++)
-        work->F[i] = scale * work->w[c] * (r[i] - work->x[i]);
+        *f++ = scale * work->w[c] * (r[i] - work->x[i]);
+    }
     if (dlsi_anderson_step(history, (int)m, work->F, r, work->u)) repair(work, problem, r);
   }
   memcpy(work->x, r, m * sizeof *r);
@@ -496,9 +489,11 @@ static int count_ambiguous(const dls_nlgs *work, const dls_contact *problem, con
   return ambiguous;
 }
 
-dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const double *E, double tol,
-                         double *r, double *u, dls_certificate *certificate, int *iterations) {
+dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const int *order,
+                         const double *E, double tol, double *r, double *u,
+                         dls_certificate *certificate, int *iterations) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  work->order = order;
   work->E = E;
   work->tol = tol;
   for (size_t c = 0; c < m / d; c++) {
@@ -530,7 +525,8 @@ dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, doubl
   if (status) return status;
   int iterations;
   dls_certificate certificate;
-  status = dlsi_nlgs_run(work, problem, NULL, work->settings.tol, r, u, &certificate, &iterations);
+  status =
+      dlsi_nlgs_run(work, problem, NULL, NULL, work->settings.tol, r, u, &certificate, &iterations);
   if (info) {
     const dls_info outcome = {.status = status,
                               .method = DLS_NLGS,

@@ -52,10 +52,10 @@ enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
  * info.stage has what was done. It holds the workspaces of dls_nlgs_create with Anderson acceleration,
  * dls_newton_create without sweeps, dls_admm_create (blocks = 0 and m >= 150) and dls_augmented_create,
  * the last three with room for one matrix between them; Lemke's as follows (within the limits above);
- * besides 2 m doubles, m = d nc, nc bytes, and up to 2 kB. For W dense, Lemke's apart, that is
+ * besides 2 m doubles, m = d nc, 2 nc ints, nc bytes, and up to 2 kB. For W dense, Lemke's apart, that is
  *
- *   m >= 150   m^2 + 103 m + 46 nc doubles (d = 3: 74 nc)
- *   else       m^2 +  71 m + 44 nc doubles (d = 3: 72 nc)
+ *   m >= 150   m^2 + 103 m + 47 nc doubles (d = 3: 75 nc)
+ *   else       m^2 +  71 m + 45 nc doubles (d = 3: 73 nc)
  *
  * nc bytes, and up to 12 kB.
  *
