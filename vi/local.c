@@ -240,14 +240,17 @@ typedef struct cramer {
 /* the root of |N + l z| does not wait for the division */
 static cramer tangent(const schur *s, double l) {
   const double inv = 1 / (s->block->det + (s->block->trace + l) * l);
-  const double x = s->N[0] + l * s->z[0], y = s->N[1] + l * s->z[1];
-  return (cramer){{-x * inv, -y * inv}, sqrt(x * x + y * y) * fabs(inv), inv};
+  const double x = s->N[0] + l * s->z[0], y = s->N[1] + l * s->z[1], sum = x * x + y * y;
+  const double n = dlsi_is_plain(sum) ? sqrt(sum) * fabs(inv) : hypot(x * inv, y * inv);
+  return (cramer){{-x * inv, -y * inv}, n, inv};
 }
 
-/* (L5) at l: the direction of r_t, without its length */
+/* (L5) at l: the direction of r_t, as a rule without its length */
 static int slip_at(const schur *s, double l, double *r) {
-  const double sign = s->block->det + (s->block->trace + l) * l > 0 ? -1 : 1;
-  const double t[2] = {sign * (s->N[0] + l * s->z[0]), sign * (s->N[1] + l * s->z[1])};
+  const double D = s->block->det + (s->block->trace + l) * l;
+  const double x = s->N[0] + l * s->z[0], y = s->N[1] + l * s->z[1];
+  const double k = dlsi_is_plain(x * x + y * y) ? copysign(1, -D) : -1 / D;
+  const double t[2] = {k * x, k * y};
   return on_cone(s, t, r);
 }
 
