@@ -36,7 +36,7 @@ struct peer_method {
   int id;                               /* of the solver */
   int d;                                /* it is for */
   int global;                           /* K, H as they are */
-  int quick;                            /* part of the quick run */
+  int quick;                            /* part of an impatient run */
   storage of;                           /* W, where W is given by blocks; a dense W stays dense */
   void (*tune)(SolverOptions *options); /* NULL for the defaults */
 };
@@ -80,7 +80,7 @@ static void scaled_balancing(SolverOptions *o) {
       SICONOS_FRICTION_3D_ADMM_RHO_STRATEGY_SCALED_RESIDUAL_BALANCING;
 }
 
-/* The quick run goes quickest if those that get everywhere come first. */
+/* An impatient run goes quickest if those that get everywhere come first. */
 static const peer_method methods[] = {
     {"siconos-nsgs", "default", SICONOS_FRICTION_2D_NSGS, 2, 0, 1, BLOCKS, NULL},
     {"siconos-nsgs", "default", SICONOS_FRICTION_2D_NSGS, 2, 0, 1, DENSE, NULL},
@@ -156,9 +156,9 @@ static int is_double(const peer_method *p) {
   return p > methods && p[-1].id == p->id && p[-1].tune == p->tune;
 }
 
-int peer_takes(const peer_method *p, const scene *s, int full) {
+int peer_takes(const peer_method *p, const scene *s, int patient) {
   const int m = s->contact.d * s->contact.nc, dense = s->contact.W.a != NULL;
-  if (p->d != s->contact.d || p->global != (s->model != NULL) || (!full && !p->quick)) return 0;
+  if (p->d != s->contact.d || p->global != (s->model != NULL) || (!patient && !p->quick)) return 0;
   if (peer_pivots(p) && m > pivoting_rows) return 0;
   if (dense && !p->global) return !is_double(p) && p->tune != mumps;
   return p->of != DENSE || m <= (is_double(p) ? dense_copy_rows : dense_only_rows);

@@ -2,7 +2,9 @@
  * solvers.c: every method of delassus beside the friction contact solvers of Siconos Numerics, on the
  * same problems, in one run.
  *
- *   solvers [--full] [--dir DIR] [--set SET] [--method NAME] [--limit SECONDS] [--out DIR]
+ *   solvers [--full] [--patient] [--dir DIR] [--set SET] [--method NAME] [--limit SECONDS] [--out DIR]
+ *
+ * --full: all sizes and friction coefficients. --patient: all settings of the peer, 20 s for each solve.
  *
  * A target is a residual of the certificate (contact.h): 1e-4, 1e-8, 1e-12. Whatever a solver says
  * of itself, it has met a target if the certificate of its answer, recomputed here, holds.
@@ -12,7 +14,7 @@
  * The next step of the ladder is a tenth of the last; once 1e-4 is met, what it would take for the
  * next target if our residual were proportional to its tolerance, less a decade: (L).
  *
- * CPU time is that of the solve. A quick run stops a solver of delassus that takes 10 times as long as
+ * CPU time is that of the solve. An impatient run stops a solver of delassus that takes 10 times as long as
  * the best of delassus so far, one of the peer that takes 3 times as long as the best of the peer so
  * far, but neither before 0.2 s: what it drops could not have been the best of its side.
  */
@@ -27,13 +29,13 @@
 
 static const double targets[TARGETS] = {1e-4, 1e-8, 1e-12};
 static const double first_step = 1e-3, last_step = 1e-16; /* of the ladder */
-/* A quick run: times the best of the same side, s. */
+/* An impatient run: times the best of the same side, s. */
 static const double hopeless_own = 10, hopeless_peer = 3, patience = 0.2;
 
 enum { pivoting_candidates_2d = 400, pivoting_candidates_3d = 60 };
 
 typedef struct plan {
-  int full;
+  int full, patient;
   const char *set, *method; /* NULL for all */
   const char *files;        /* the directory of FCLIB files */
   const char *directory;    /* for what is written */
@@ -129,7 +131,7 @@ static void own_solve(const void *how, const scene *s, double tol, int calls, do
 
 /* CPU allowed for a target. */
 static double allowance(const plan *p, const record *best, double hopeless) {
-  if (p->full || best->status != SOLVED) return p->limit;
+  if (p->patient || best->status != SOLVED) return p->limit;
   return fmin(p->limit, fmax(patience, hopeless * best->cpu));
 }
 
@@ -226,15 +228,15 @@ static void run_scene(void *data, const scene *s) {
     if (wanted(p, own[k].name) && own_takes(&own[k], s)) run_own(p, &own[k], s, best_own);
   const peer_method *w;
   for (int k = 0; (w = peer_at(k)); k++)
-    if (wanted(p, peer_name(w)) && peer_takes(w, s, p->full)) run_peer(p, w, s, best_peer);
+    if (wanted(p, peer_name(w)) && peer_takes(w, s, p->patient)) run_peer(p, w, s, best_peer);
   report_progress(p->out);
 }
 
 /* ---- program --------------------------------------------------------------------------------- */
 
 static int usage(void) {
-  fputs("usage: solvers [--full] [--dir DIR] [--set fclib|block|cube|wall] [--method NAME]\n"
-        "               [--limit SECONDS] [--out DIR]\n",
+  fputs("usage: solvers [--full] [--patient] [--dir DIR] [--set fclib|block|cube|wall]\n"
+        "               [--method NAME] [--limit SECONDS] [--out DIR]\n",
         stderr);
   return 2;
 }
@@ -242,8 +244,8 @@ static int usage(void) {
 /* 1, or 0 for bad options. */
 static int parse(int argc, char **argv, plan *p) {
   for (int k = 1; k < argc; k++) {
-    if (!strcmp(argv[k], "--full")) {
-      p->full = 1;
+    if (!strcmp(argv[k], "--full") || !strcmp(argv[k], "--patient")) {
+      *(argv[k][2] == 'f' ? &p->full : &p->patient) = 1;
       continue;
     }
     if (k + 1 == argc) return 0;
@@ -261,7 +263,7 @@ static int parse(int argc, char **argv, plan *p) {
     else
       return 0;
   }
-  if (p->limit == 0) p->limit = p->full ? 20 : 3;
+  if (p->limit == 0) p->limit = p->patient ? 20 : 3;
   return p->limit > 0;
 }
 

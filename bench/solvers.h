@@ -74,8 +74,8 @@ int peer_pivots(const peer_method *p);          /* takes no tolerance */
 /* "dense", "blocks", "sparse": of W as p gets it; a dense W stays dense. */
 const char *peer_storage(const peer_method *p, const scene *s);
 
-/* 1 if p can be tried on s. quick: only those that were fastest somewhere. */
-int peer_takes(const peer_method *p, const scene *s, int full);
+/* 1 if p can be tried on s. patient = 0: only those that were fastest somewhere. */
+int peer_takes(const peer_method *p, const scene *s, int patient);
 
 /* Each a solve_fn; how is a peer_method. The storage is converted and the options are made outside of
  * the time measured, anew for each call or once for all of them. */

@@ -15,9 +15,9 @@
  *
  *   (F1)  sweeps:  log(e / e*) / rate; rate: the mean of the decrease of log e per sweep since the
  *         stage began, sweep k with the weight k, so that it is the last half that counts
- *   (F2)  Newton's method, not begun: s steps, s = 4, 8, 16, 32, .. after 0, 1, 2, 3, .. failures.
- *         W dense, no failure: s = d - 1 + min(n / 2, 5), n the candidates that have changed their
- *         state in the last 5 sweeps
+ *   (F2)  Newton's method, not begun: s steps, doubled by each failure. W dense: s = d - 1 + min(n / 2, 5),
+ *         n the candidates that have changed their state in the last 5 sweeps; else, and when it
+ *         has just failed: s = 4
  *   (F3)  Newton's method, under way: log(e / e*) over the last decrease of log e; W dense: the
  *         steps in which a decrease that doubles each time gets there. 6 steps if the first one went
  *         up, which it does where W is singular or the states are not sorted yet
@@ -147,8 +147,8 @@ static int must_stop(dlsi_auto *work, const dls_progress *p) {
 /* (F2); changed: how many candidates have changed their state of late */
 static double newton_steps(const dlsi_auto *work, int changed) {
   const dls_contact *problem = work->problem;
-  if (!problem->W.a || work->failures) return steps_expected << work->failures;
-  return problem->d - 1 + fmin(0.5 * changed, most_steps_to_sort);
+  if (!problem->W.a) return steps_expected << work->failures;
+  return (problem->d - 1 + fmin(0.5 * changed, most_steps_to_sort)) * (1 << work->failures);
 }
 
 /* (F5), infinite if ADMM is not to be tried */
@@ -255,7 +255,7 @@ static dls_status newton(dlsi_auto *work, dls_error *error) {
   if (status < 0) return status;
   end(work, DLS_NEWTON, info.iterations, info.factorisations, &info.certificate);
   if (work->failures < most_failures) work->failures++;
-  work->steps = newton_steps(work, 0);
+  work->steps = steps_expected << work->failures;
   return status;
 }
 
