@@ -82,21 +82,13 @@ static void report(dls_info *info, int sweeps, const dls_certificate *certificat
   if (sweeps) info->stage[0] = (dls_stage){DLS_NLGS, sweeps, 0, certificate->residual};
 }
 
-int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *u, dls_info *info) {
-  const int d = problem->d, nc = problem->nc;
-  const size_t m = (size_t)d * (size_t)nc;
+/* (A2), (A3) where `first` is the first candidate with q_n < 0 */
+static int solve_pressed(const dls_contact *problem, int first, double tol, double *r, double *u,
+                         dls_info *info) {
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
   double x[most_rows], v[most_rows], w[most_candidates];
   dls_certificate certificate = {0};
-  int first = 0, sweeps = 0;
-  while (first < nc && problem->q[d * first] >= 0)
-    first++;
-  if (first == nc) { /* (A1) */
-    memset(r, 0, m * sizeof *r);
-    if (u) memcpy(u, problem->q, m * sizeof *u);
-    if (info) report(info, 0, &certificate);
-    return 1;
-  }
-  if (nc > most_candidates) return 0;
+  int sweeps = 0;
   memset(x, 0, m * sizeof *x);
   memset(w, 0, sizeof w);
   if (is_needed(problem, tol) || !certify(problem, tol, x, w, v, &certificate)) {
@@ -107,5 +99,19 @@ int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *
   memcpy(r, x, m * sizeof *r);
   if (u) memcpy(u, v, m * sizeof *u);
   if (info) report(info, sweeps, &certificate);
+  return 1;
+}
+
+int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *u, dls_info *info) {
+  const int d = problem->d, nc = problem->nc;
+  int first = 0;
+  while (first < nc && problem->q[d * first] >= 0)
+    first++;
+  if (first < nc) return nc <= most_candidates && solve_pressed(problem, first, tol, r, u, info);
+  const dls_certificate zero = {0}; /* (A1) */
+  const size_t m = (size_t)d * (size_t)nc;
+  memset(r, 0, m * sizeof *r);
+  if (u) memcpy(u, problem->q, m * sizeof *u);
+  if (info) report(info, 0, &zero);
   return 1;
 }

@@ -16,7 +16,7 @@
 /* ---- errors ---------------------------------------------------------------------------------- */
 
 #if defined(__GNUC__)
-#define DLSI_PRINTF(f, a) __attribute__((format(printf, f, a)))
+#define DLSI_PRINTF(f, a) __attribute__((cold, format(printf, f, a)))
 #else
 #define DLSI_PRINTF(f, a)
 #endif

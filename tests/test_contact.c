@@ -92,6 +92,26 @@ START_TEST(norms_keep_nan_and_range) {
 }
 END_TEST
 
+START_TEST(vectors_of_any_length_are_finite) {
+  const double bad[4] = {NAN, -NAN, INFINITY, -INFINITY};
+  const double good[] = {DBL_MAX, -DBL_MAX, 0, -0.0, 5e-324, -5e-324, 1};
+  double x[40];
+  for (size_t n = 0; n <= 40; n++) {
+    for (size_t k = 0; k < 40; k++)
+      x[k] = k < n ? good[k % 7] : NAN; /* those past n are not looked at */
+    ck_assert_int_eq(dlsi_check_vector("f", "x", x, n, NULL), DLS_OK);
+    for (size_t k = 0; k < n; k++) {
+      dls_error e = {0};
+      const double kept = x[k];
+      x[k] = bad[(n + k) % 4];
+      ck_assert_int_eq(dlsi_check_vector("f", "x", x, n, &e), DLS_E_NOT_FINITE);
+      ck_assert_int_eq(e.index, (long long)k);
+      x[k] = kept;
+    }
+  }
+}
+END_TEST
+
 /* ---- checks: every slot of the problem ------------------------------------------------------- */
 
 static void refuses(const dls_contact *p, dls_status status, const char *argument,
@@ -674,6 +694,7 @@ int main(void) {
   tcase_add_test(tcase, an_error_says_where);
   tcase_add_test(tcase, arena_counts_carves_and_refuses);
   tcase_add_test(tcase, norms_keep_nan_and_range);
+  tcase_add_test(tcase, vectors_of_any_length_are_finite);
   tcase_add_test(tcase, check_names_the_slot);
   tcase_add_test(tcase, check_names_the_slot_of_blocks);
   tcase_add_test(tcase, blocks_come_apart_and_together);
