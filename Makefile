@@ -194,8 +194,8 @@ format-check:
 # ---- benchmarks, never part of all or check --------------------------------------------------------
 
 PEER_CFLAGS = -isystem /usr/include/siconos -isystem /usr/include/siconos/numerics
-BENCH_OBJ = $(call obj,bench/lemke.c bench/problems.c bench/peer.c)
-SOLVERS_OBJ = $(call obj,$(addprefix bench/,solvers.c scenes.c measure.c report.c contact_peer.c))
+BENCH_OBJ = $(call obj,bench/lemke.c bench/problems.c bench/peer.c bench/clock.c)
+SOLVERS_OBJ = $(call obj,$(addprefix bench/,solvers.c scenes.c measure.c report.c contact_peer.c clock.c))
 $(BENCH_OBJ) $(SOLVERS_OBJ): CPPFLAGS += -D_GNU_SOURCE $(PEER_CFLAGS)
 
 $(BUILD)/bench/lemke: $(BENCH_OBJ) $(FE) $(A)
@@ -209,7 +209,7 @@ bench-lemke:
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/lemke $(BENCH)
 	gnuplot bench/lemke.gp
 
-REDUCTION_OBJ = $(call obj,bench/reduction.c bench/elastic.c bench/direct.c bench/problems.c)
+REDUCTION_OBJ = $(call obj,bench/reduction.c bench/elastic.c bench/direct.c bench/clock.c)
 $(REDUCTION_OBJ): CPPFLAGS += -D_GNU_SOURCE -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
 
 $(BUILD)/bench/reduction: $(REDUCTION_OBJ) $(FE) $(A)

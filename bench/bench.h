@@ -1,5 +1,5 @@
 /*
- * bench.h: what the benchmark programs share: problems of any size, the peer, and CPU time.
+ * bench.h: what the benchmark programs share: problems of any size, the peer.
  */
 #ifndef BENCH_H
 #define BENCH_H
@@ -46,10 +46,5 @@ int problem_read(problem *p, const char *directory, const char *name);
  * success; -1 if the calls could not be set up. */
 int peer_lemke(int n, double *M, double *q, int calls, double *z, double *w, double *cpu,
                int *pivots);
-
-/* ---- time (problems.c) ----------------------------------------------------------------------- */
-
-/* CPU seconds of this process, all threads: a BLAS with threads would not go unseen. */
-double cpu_now(void);
 
 #endif

@@ -19,6 +19,7 @@
 #include <SolverOptions.h>
 #include <SparseBlockMatrix.h>
 
+#include "clock.h"
 #include "solvers.h"
 
 enum {

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <umfpack.h>
 
-#include "bench.h"
+#include "clock.h"
 
 void dpotrf_(const char *, const int *, double *, const int *, int *, size_t);
 void dpotri_(const char *, const int *, double *, const int *, int *, size_t);
@@ -128,7 +128,7 @@ int mumps_schur(const dls_model *model, double *before, double *factor, double *
   int *row = malloc(entries * sizeof *row), *col = malloc(entries * sizeof *col);
   int *turn = malloc((size_t)n * sizeof *turn), *list = malloc(M * sizeof *list);
   double *S = malloc(M * M * sizeof *S);
-  double start = cpu_now();
+  double start = cpu_seconds();
   if (!row || !col || !turn || !list || !S || !order(model, m, turn)) return -1;
   for (int j = 0; j < n; j++)
     for (int k = K->p[j]; k < K->p[j + 1]; k++) {
@@ -160,16 +160,16 @@ int mumps_schur(const dls_model *model, double *before, double *factor, double *
   s.mblock = s.nblock = 100;
   s.job = 1;
   dmumps_c(&s);
-  *before = cpu_now() - start;
-  start = cpu_now();
+  *before = cpu_seconds() - start;
+  start = cpu_seconds();
   s.job = 2;
   if (s.infog[0] >= 0) dmumps_c(&s);
-  *factor = cpu_now() - start;
-  start = cpu_now();
+  *factor = cpu_seconds() - start;
+  start = cpu_seconds();
   int info = 0;
   dpotrf_("L", &m, S, &m, &info, 1);
   if (info == 0) dpotri_("L", &m, S, &m, &info, 1);
-  *inverse = cpu_now() - start;
+  *inverse = cpu_seconds() - start;
   const int ok = s.infog[0] >= 0 && info == 0;
   s.job = -2;
   dmumps_c(&s);

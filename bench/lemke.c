@@ -29,6 +29,7 @@
 #include <unistd.h>
 
 #include "bench.h"
+#include "clock.h"
 
 void dger_(const int *m, const int *n, const double *alpha, const double *x, const int *incx,
            const double *y, const int *incy, double *a, const int *lda);
@@ -61,14 +62,14 @@ static void call_ours(solver which, const problem *p, int calls, outcome *o, dou
   dls_lemke_info info = {0};
   dls_lemke *lemke = NULL;
   if (which == reused && dls_lemke_create(&lemke, p->n, &settings, NULL) != DLS_OK) return;
-  const double start = cpu_now();
+  const double start = cpu_seconds();
   for (int k = 0; k < calls; k++) {
     o->status = DLS_OK;
     if (which != reused) o->status = dls_lemke_create(&lemke, p->n, &settings, NULL);
     if (o->status == DLS_OK) o->status = dls_lemke_solve(lemke, &lcp, z, NULL, &info, NULL);
     if (which != reused) dls_lemke_destroy(lemke);
   }
-  o->cpu = (cpu_now() - start) / calls;
+  o->cpu = (cpu_seconds() - start) / calls;
   if (which == reused) dls_lemke_destroy(lemke);
   o->pivots = which == path ? info.pivots : info.starts ? -1 : info.crash_rounds;
 }
@@ -155,10 +156,10 @@ static yardsticks time_blas(int n) {
       double spent = 0, start = 0;
       int calls = -1; /* the first call is not timed */
       do {
-        if (calls == 0) start = cpu_now();
+        if (calls == 0) start = cpu_seconds();
         if (kind == 0) dger_(&n, &m, &alpha, x, &unit, x, &unit, A, &n);
         if (kind == 1) dgemv_("N", &n, &m, &one, A, &n, x, &unit, &zero, y, &unit, 1);
-        if (calls >= 0) spent = cpu_now() - start;
+        if (calls >= 0) spent = cpu_seconds() - start;
         calls++;
       } while (spent < 0.05 || calls < 3);
       *(kind == 0 ? &t.dger : &t.dgemv) = spent / calls;
@@ -314,9 +315,9 @@ static int compare_generated(int max, int full, FILE *csv) {
 static int run_large(int nc, FILE *csv) {
   lining l;
   problem p;
-  double start = cpu_now();
+  double start = cpu_seconds();
   if (lining_create(&l, nc)) return -1;
-  const double make = cpu_now() - start;
+  const double make = cpu_seconds() - start;
   if (problem_from_lining(&p, &l)) {
     lining_free(&l);
     return -1;

@@ -13,7 +13,6 @@
 #include <sys/resource.h>
 #include <sys/time.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "solvers.h"
@@ -30,13 +29,6 @@ static void set_limit(double limit) {
       .it_value = {(time_t)limit, (suseconds_t)(1e6 * (limit - floor(limit)))}};
   (void)setrlimit(RLIMIT_CPU, &cpu);
   (void)setitimer(ITIMER_PROF, &timer, NULL);
-}
-
-double cpu_seconds(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 /* The peer prints where it should not. */

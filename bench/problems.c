@@ -22,7 +22,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "bench.h"
 #include "delassus/fe.h"
@@ -34,15 +33,6 @@ void dpbtrf_(const char *uplo, const int *n, const int *kd, double *ab, const in
              size_t);
 void dpbtrs_(const char *uplo, const int *n, const int *kd, const int *nrhs, const double *ab,
              const int *ldab, double *b, const int *ldb, int *info, size_t);
-
-/* Linux brings the clock of a process with a CPU limit up to date at a tick (1 ms), or when the clock of the
- * calling thread is read: so that is read first. */
-double cpu_now(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static double *array(size_t count) {
   return calloc(count, sizeof(double));

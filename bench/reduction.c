@@ -19,7 +19,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "bench.h"
+#include "clock.h"
 #include "direct.h"
 #include "elastic.h"
 
@@ -98,10 +98,10 @@ static int by_delassus(const dls_model *model, double *W, result *out) {
   dls_error error;
   double *mu = calloc((size_t)model->nodes, sizeof *mu);
   double *f = calloc((size_t)model->n, sizeof *f);
-  double start = cpu_now();
+  double start = cpu_seconds();
   if (!mu || !f || dls_reduction_create(&R, model, &error))
     return fprintf(stderr, "%s\n", error.message);
-  out->cpu = cpu_now() - start;
+  out->cpu = cpu_seconds() - start;
   struct rusage usage;
   getrusage(RUSAGE_SELF, &usage);
   out->peak = 1024.0 * (double)usage.ru_maxrss;
@@ -112,13 +112,13 @@ static int by_delassus(const dls_model *model, double *W, result *out) {
   const size_t m = (size_t)contact.W.rows;
   if (!bad) memcpy(W, contact.W.a, m * m * sizeof *W);
   f[model->n / 2] = 1;
-  start = cpu_now();
+  start = cpu_seconds();
   bad = bad || dls_reduction_load(R, f, NULL, NULL);
-  out->load = cpu_now() - start;
+  out->load = cpu_seconds() - start;
   bad = bad || dls_reduction_load(R, NULL, NULL, NULL) || sample(R, model, W, out);
-  start = cpu_now();
+  start = cpu_seconds();
   bad = bad || dls_reduction_update(R, model, NULL);
-  out->update = cpu_now() - start;
+  out->update = cpu_seconds() - start;
   dls_reduction_destroy(R);
   free(f);
   free(mu);
@@ -126,13 +126,13 @@ static int by_delassus(const dls_model *model, double *W, result *out) {
 }
 
 static int take(way w, const dls_model *model, double *W, result *out) {
-  const double start = cpu_now();
+  const double start = cpu_seconds();
   const int batch = w == COLUMNS_64 ? 64 : 0;
   if (w == DELASSUS) return by_delassus(model, W, out);
   if (w == MUMPS_ALONE) return mumps_schur(model, &out->before, &out->cpu, &out->inverse);
   const int bad = model->factorization == DLS_CHOLESKY ? cholmod_columns(model, batch, W)
                                                        : umfpack_columns(model, batch, W);
-  out->cpu = cpu_now() - start;
+  out->cpu = cpu_seconds() - start;
   return bad;
 }
 
@@ -164,9 +164,9 @@ static double dgemm_rate(void) {
   if (!A) return NAN;
   const double one = 1, zero = 0;
   for (int turn = 0; turn < 3; turn++) {
-    const double start = cpu_now();
+    const double start = cpu_seconds();
     dgemm_("N", "N", &n, &n, &n, &one, A, &n, A + N, &n, &zero, A + 2 * N, &n, 1, 1);
-    const double rate = 2.0 * n * n * n / (cpu_now() - start);
+    const double rate = 2.0 * n * n * n / (cpu_seconds() - start);
     if (rate > best) best = rate;
   }
   free(A);

@@ -56,10 +56,6 @@ typedef void (*solve_fn)(const void *how, const scene *s, double tol, int calls,
  * here. */
 outcome measure(const scene *s, solve_fn solve, const void *how, double tol, double limit);
 
-/* CPU seconds of this process, all threads. Linux brings the clock of a process with a CPU limit up
- * to date at a tick (1 ms), or when the clock of the calling thread is read: so that is read first. */
-double cpu_seconds(void);
-
 /* ---- the peer (contact_peer.c) --------------------------------------------------------------- */
 
 /* A solver of Siconos Numerics with one setting and one storage of W. */
