@@ -50,13 +50,18 @@ typedef struct block_storage {
 } block_storage;
 dls_contact by_blocks(const model *a, block_storage *B);
 
+/* A row of row_nc 2D candidates, each coupled to its neighbours, in both storages, which the next call
+ * overwrites: sticking, with mu large; or W singular, by pairs. */
+enum { row_nc = 150, row_m = 2 * row_nc };
+void row_problem(int singular, dls_contact *dense, dls_contact *blocks);
+
 /* by hand, or from the catalogue of data/failures (C1, ...) */
 typedef struct hand_case {
   const char *name;
   int d, nc;
   double W[16]; /* by rows */
   double q[4], mu;
-  double r[4]; /* the only solution; jammed: along which reactions run away */
+  double r[4]; /* the only solution (C16: one of three); jammed: along which reactions run away */
 } hand_case;
 
 extern const hand_case hand[], jammed[]; /* with a solution, without */

@@ -297,70 +297,37 @@ END_TEST
 
 /* ---- large: the matrices beyond 250 unknowns --------------------------------------------------- */
 
-/* A row of 2D candidates, each coupled to its neighbours; sticking, with mu large, or not. */
-enum { LARGE = 150, LARGE_M = 2 * LARGE };
-static double large_W[LARGE_M * LARGE_M], large_x[3 * LARGE * 4], large_q[LARGE_M], large_mu[LARGE];
-static int large_p[LARGE + 1], large_i[3 * LARGE];
-
-static void large_problem(int singular, dls_contact *dense, dls_contact *blocks) {
-  set_seed(2463534242);
-  int k = 0;
-  memset(large_W, 0, sizeof large_W);
-  for (int b = 0; b < LARGE; b++) {
-    large_p[b] = k;
-    for (int a = b - 1; a <= b + 1; a++) {
-      if (a < 0 || a >= LARGE) continue;
-      const double near = singular ? (a / 2 == b / 2) : 0.4; /* singular: by pairs, of rank 1 */
-      const double x[4] = {a == b ? 1 : near, a == b || singular ? 0 : .1 * (a - b),
-                           a == b || singular ? 0 : .1 * (b - a), a == b ? 1 : near};
-      memcpy(large_x + 4 * k, x, sizeof x);
-      large_i[k++] = a;
-      for (int e = 0; e < 4; e++)
-        large_W[2 * a + e % 2 + LARGE_M * (2 * b + e / 2)] = x[e];
-    }
-    large_q[2 * b] = singular ? -1 : -1 + 0.2 * uniform();
-    large_q[2 * b + 1] = singular ? 0.1 : 0.2 * uniform();
-    large_mu[b] = 1;
-  }
-  large_p[LARGE] = k;
-  const dls_dense W = {LARGE_M, LARGE_M, LARGE_M, large_W};
-  *dense = (dls_contact){.d = 2, .nc = LARGE, .W = W, .q = large_q, .mu = large_mu};
-  *blocks = *dense;
-  memset(&blocks->W, 0, sizeof blocks->W);
-  blocks->Wb = (dls_blocks){2, LARGE, large_p, large_i, large_x};
-}
-
 static dls_newton *large_workspace(double tol, int sweeps, int blocks) {
   dls_newton_settings s = with_tol(tol);
   dls_newton *work;
   s.sweeps = sweeps;
   s.blocks = blocks;
-  ck_assert_int_eq(dls_newton_create(&work, 2, LARGE, &s, NULL), DLS_OK);
+  ck_assert_int_eq(dls_newton_create(&work, 2, row_nc, &s, NULL), DLS_OK);
   return work;
 }
 
 START_TEST(sparse_is_dense) {
   dls_contact dense, blocks;
-  large_problem(_i, &dense, &blocks);
-  double r[LARGE_M], r2[LARGE_M], r3[LARGE_M];
+  row_problem(_i, &dense, &blocks);
+  double r[row_m], r2[row_m], r3[row_m];
   dls_info info, info2;
   dls_error error;
   dls_newton *work = large_workspace(1e-12, !_i, 0);
   ck_assert_int_eq(dls_newton_solve(work, &dense, r, NULL, &info, &error), DLS_OK);
   ck_assert_int_ge(info.iterations, 1);
   int unknowns = 0; /* more than create has room for */
-  dls_contact_state state[LARGE];
-  double u[LARGE_M];
+  dls_contact_state state[row_nc];
+  double u[row_m];
   dls_certificate c;
   ck_assert_int_eq(dls_contact_certify(&dense, r, u, &c, NULL), DLS_OK);
   ck_assert_int_eq(dls_contact_states(&dense, r, u, state, NULL), DLS_OK);
-  for (int b = 0; b < LARGE; b++)
+  for (int b = 0; b < row_nc; b++)
     unknowns += (int)state[b];
   ck_assert_int_gt(unknowns, 250);
 
   ck_assert_int_eq(dls_newton_solve(work, &blocks, r2, NULL, &info2, &error), DLS_OK);
   ck_assert_int_eq(info2.iterations, info.iterations);
-  for (int k = 0; !_i && k < LARGE_M; k++) /* |W^-1| < 10; |q| < 13 */
+  for (int k = 0; !_i && k < row_m; k++) /* |W^-1| < 10; |q| < 13 */
     ck_assert(fabs(r[k] - r2[k]) <= 1e-10);
   ck_assert_int_eq(dls_newton_solve(work, &blocks, r3, NULL, NULL, &error), DLS_OK);
   ck_assert_mem_eq(r2, r3, sizeof r2);
@@ -372,11 +339,11 @@ END_TEST
  * workspace as good as new. */
 START_TEST(no_memory_for_large) {
   dls_contact dense, blocks;
-  large_problem(0, &dense, &blocks);
+  row_problem(0, &dense, &blocks);
   if (!WITH_MUMPS) return; /* dense, both */
-  dls_newton *work = large_workspace(1e-8, 1, _i ? large_p[LARGE] : 0);
+  dls_newton *work = large_workspace(1e-8, 1, _i ? blocks.Wb.p[row_nc] : 0);
   const dls_contact *p = _i ? &dense : &blocks;
-  double r[LARGE_M];
+  double r[row_m];
   dls_error error;
   r[0] = 9;
   long k = 1;
@@ -402,10 +369,10 @@ END_TEST
 /* the formulas of newton.h, and a solve of what was announced allocates nothing */
 START_TEST(memory) {
   dls_contact p[2];
-  large_problem(0, &p[0], &p[1]);
-  const double nc = LARGE, m = LARGE_M;
-  const int full = LARGE * LARGE / 4; /* from there on dense */
-  const int told[] = {0, large_p[LARGE], 0, full - 1, full, full};
+  row_problem(0, &p[0], &p[1]);
+  const double nc = row_nc, m = row_m;
+  const int full = row_nc * row_nc / 4; /* from there on dense */
+  const int told[] = {0, p[1].Wb.p[row_nc], 0, full - 1, full, full};
   for (int way = 0; way < 6; way++) {
     dls_newton_settings s = with_tol(1e-10);
     s.blocks = told[way];
@@ -413,13 +380,13 @@ START_TEST(memory) {
     const int sparse = s.blocks && s.blocks < full && WITH_MUMPS;
     const double entries = 4. * s.blocks + m;
     const double rest = s.sweeps ? 13 * m + 20 * nc : 9 * m + 8 * nc;
-    expect_memory(&the_newton, 2, LARGE, &s,
+    expect_memory(&the_newton, 2, row_nc, &s,
                   8 * (rest + (sparse ? 250. * 250 + 2 * entries : m * m)) +
                       (sparse ? 3 * entries * sizeof(int) : 0),
                   12000);
     dls_newton *work;
-    ck_assert_int_eq(dls_newton_create(&work, 2, LARGE, &s, NULL), DLS_OK);
-    double r[LARGE_M];
+    ck_assert_int_eq(dls_newton_create(&work, 2, row_nc, &s, NULL), DLS_OK);
+    double r[row_m];
     malloc_fails_at(0);
     const dls_status status = dls_newton_solve(work, &p[way & 1], r, NULL, NULL, NULL);
     const long calls = malloc_calls();

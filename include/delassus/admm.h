@@ -43,7 +43,7 @@ DLS_API void dls_admm_settings_init(dls_admm_settings *settings);
 /* A workspace for problems of dimension d with at most nc candidates; reused over time steps. */
 typedef struct dls_admm dls_admm;
 
-/* *out = new workspace, NULL on error; the settings are copied. With m = d nc it holds about 32 m
+/* *out = new workspace, NULL on error; the settings are copied. With m = d nc it holds about 33 m
  * doubles and
  *
  *   blocks = 0 or m <= 250    m^2 doubles
