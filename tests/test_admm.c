@@ -244,7 +244,8 @@ START_TEST(turned_tangents) {
 END_TEST
 
 /* Near the floor it is rounding that says when the certificate holds, and now and then it never does:
- * the error of (D2) is eps |W + rho D||x|, which for rho <= 100 is up to 100 floors. Of 2000 it happens to 1 to 5, 14 floors the worst. */
+ * the error of (D2) is eps |W + rho D||x|, which for rho <= 100 is up to 100 floors. Of 2000 problems it
+ * happens to 1 to 5, with 14 floors at the worst. */
 START_TEST(tolerance_zero) {
   static model a;
   const dls_admm_settings s = with_tol(0);
