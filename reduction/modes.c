@@ -1,8 +1,7 @@
 /*
  * modes.c: the null space of a singular K, and springs that hold it.
  *
- *   (N1)  A = R K C with R, C powers of two that bring the largest entry of each row and column near
- *         1; R = C if K is symmetric
+ *   (N1)  A = R K C, scaled (scale.c); R = C if K is symmetric
  *   (N2)  A + sqrt(eps) 1 is factored
  *   (N3)  V := orth((A + sqrt(eps) 1)^-1 V), a block of up to 28 vectors, a few times
  *   (N4)  A V = U s Y^T; the columns of V Y with s <= 50 eps |A|_1 are null vectors
@@ -27,7 +26,7 @@
  * and the softness of the body; W is the worse conditioned for it (README.md) */
 static const double soft = 1e-4;
 
-enum { block = dlsi_most_modes + 4, times = 5, scale_sweeps = 5 };
+enum { block = dlsi_most_modes + 4, times = 5 };
 
 static dls_status no_memory(const char *function, dls_error *error) {
   (void)dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
@@ -93,31 +92,6 @@ static void emit(scaled *A, const dls_model *model, int *next, int fill) {
 }
 
 /* (N1) */
-static void find_scales(scaled *A, int symmetric, double *rows, double *cols) {
-  const size_t n = (size_t)A->n;
-  for (size_t i = 0; i < n; i++)
-    A->R[i] = A->C[i] = 1;
-  for (int sweep = 0; sweep < scale_sweeps; sweep++) {
-    memset(rows, 0, n * sizeof *rows);
-    memset(cols, 0, n * sizeof *cols);
-    for (int j = 0; j < A->n; j++)
-      for (int k = A->p[j]; k < A->p[j + 1]; k++) {
-        const double a = fabs(A->R[A->i[k]] * A->x[k] * A->C[j]);
-        if (a > rows[A->i[k]]) rows[A->i[k]] = a;
-        if (a > cols[j]) cols[j] = a;
-      }
-    for (size_t i = 0; i < n; i++) {
-      if (rows[i] > 0) A->R[i] /= sqrt(rows[i]);
-      if (cols[i] > 0) A->C[i] /= sqrt(cols[i]);
-      if (symmetric) A->C[i] = A->R[i];
-    }
-  }
-  for (size_t i = 0; i < n; i++) {
-    A->R[i] = ldexp(1, ilogb(A->R[i]));
-    A->C[i] = ldexp(1, ilogb(A->C[i]));
-  }
-}
-
 static dls_status make_scaled(scaled *A, const char *function, const dls_model *model,
                               dls_error *error) {
   const int n = model->n, symmetric = model->factorization != DLS_LU;
@@ -137,7 +111,8 @@ static dls_status make_scaled(scaled *A, const char *function, const dls_model *
     A->p[j + 1] += A->p[j];
   emit(A, model, A->p + 1, 1);
   double *sums = A->C + n;
-  find_scales(A, symmetric, sums, sums + n);
+  const dls_sparse K = {n, n, A->p, A->i, A->x};
+  dlsi_find_scales(&K, symmetric, A->R, A->C, sums);
   for (int j = 0; j < n; j++) {
     sums[j] = 0;
     for (int k = A->p[j]; k < A->p[j + 1]; k++) {

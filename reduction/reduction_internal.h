@@ -71,6 +71,11 @@ dls_status dlsi_factor_solve(const dlsi_factor *factor, const char *function, in
 /* NULL is fine. */
 void dlsi_factor_destroy(dlsi_factor *factor);
 
+/* R, C (n): powers of two that bring the largest entry of each row and column of R K C near 1, one of
+ * several equal entries counting as one. symmetric: R = C, the entries above the diagonal are passed
+ * over. room (2 n) */
+void dlsi_find_scales(const dls_sparse *K, int symmetric, double *R, double *C, double *room);
+
 /* Candidates of a model, active or not. */
 int dlsi_model_candidates(const dls_model *model);
 

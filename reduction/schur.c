@@ -4,9 +4,7 @@
  *
  *   create  (C1)  order all unknowns by nested dissection, then move c to the end
  *           (C2)  analysis
- *   factor  (F1)  A = R K C with diagonal matrices of powers of two that bring the largest entry of
- *                 each row and column near 1 (Ruiz, Rutherford Appleton Laboratory RAL-TR-2001-034);
- *                 R = C if K is symmetric
+ *   factor  (F1)  A = R K C, scaled (scale.c); R = C if K is symmetric
  *           (F2)  A_ii = L D L^T without pivoting (positive definite) or L D L^T, L U with threshold
  *                 pivoting; S_A = A_cc - A_ci A_ii^-1 A_ic beside it; more room if pivoting asks for it
  *           (F3)  S_A = L L^T (LAPACK) if K is symmetric and S_A definite, else L U. S_A is definite
@@ -35,10 +33,11 @@
 #include "dissection.h"
 #include "dlsi.h"
 #include "mumps.h"
+#include "reduction_internal.h"
 
 enum { whole_solve = 0, condense = 1, expand = 2 }; /* ICNTL(26) */
 enum { schur_lower = 2, schur_full = 3 };           /* ICNTL(19), by columns */
-enum { probes = 2, sweeps = 5 };                    /* (F4), (F1) */
+enum { probes = 2 };                                /* (F4) */
 
 #define RINFOG(k) rinfog[(k)-1] /* as the users' guide numbers it */
 
@@ -230,41 +229,10 @@ static void take_values(dlsi_schur *s, const dls_sparse *Ks) {
       if (!symmetric(s) || Ks->i[k] >= j) s->x[at++] = Ks->x[k];
 }
 
-/* diag := 1 / sqrt(largest), 1 where that is 0 */
-static void shrink(double *diagonal, const double *largest, int n) {
-  for (int i = 0; i < n; i++)
-    if (largest[i] > 0) diagonal[i] /= sqrt(largest[i]);
-}
-
-/* (F1): R and C, one of several equal entries counting as one; room (2 n) */
-static void find_scales(dlsi_schur *s, double *room) {
-  const size_t n = (size_t)s->n;
-  double *rows = room, *cols = symmetric(s) ? room : room + n;
-  for (size_t i = 0; i < n; i++)
-    s->R[i] = s->C[i] = 1;
-  for (int sweep = 0; sweep < sweeps; sweep++) {
-    memset(room, 0, 2 * n * sizeof *room);
-    for (MUMPS_INT8 k = 0; k < s->mumps.nnz; k++) {
-      const int i = s->row[k] - 1, j = s->col[k] - 1;
-      const double a = fabs(s->R[i] * s->x[k] * s->C[j]);
-      if (a > rows[i]) rows[i] = a;
-      if (a > cols[j]) cols[j] = a;
-    }
-    shrink(s->R, rows, s->n);
-    if (symmetric(s))
-      memcpy(s->C, s->R, n * sizeof *s->C);
-    else
-      shrink(s->C, cols, s->n);
-  }
-  for (size_t i = 0; i < n; i++) {
-    s->R[i] = ldexp(1, ilogb(s->R[i]));
-    s->C[i] = ldexp(1, ilogb(s->C[i]));
-  }
-}
-
-/* x := entries of A, norm := |A|_1; room (2 n) */
-static dls_status scale(dlsi_schur *s, const char *function, double *room, dls_error *error) {
-  find_scales(s, room);
+/* (F1): x := entries of A, those of Ks at first; norm := |A|_1; room (2 n) */
+static dls_status scale(dlsi_schur *s, const char *function, const dls_sparse *Ks, double *room,
+                        dls_error *error) {
+  dlsi_find_scales(Ks, symmetric(s), s->R, s->C, room);
   memset(room, 0, (size_t)s->n * sizeof *room);
   for (MUMPS_INT8 k = 0; k < s->mumps.nnz; k++) {
     const int i = s->row[k] - 1, j = s->col[k] - 1;
@@ -420,7 +388,7 @@ dls_status dlsi_schur_factor(dlsi_schur *s, const char *function, const dls_spar
   dls_status status;
   if (room && s->S && (copy || !copied)) {
     take_values(s, Ks);
-    status = scale(s, function, room, error);
+    status = scale(s, function, Ks, room, error);
     if (!status) status = eliminate(s, function, error);
     if (!status) status = factor_dense(s, function, copy, error);
     if (!status) status = estimate_inverse(s, function, room, error);
