@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "close.h"
 #include "delassus.h"
 #include "delassus/fe.h"
 #include "malloc_fails.h"
@@ -282,13 +283,6 @@ static void condensed(const springs *s, const double *r, answer *dual,
   ok(dls_solve(&problem, &settings, dual->r, dual->u, NULL, &error));
   ok(dls_reduction_recover(reduction, dual->r, dual->x, &error));
   dls_reduction_destroy(reduction);
-}
-
-static double largest(const double *v, int n) {
-  double m = 0;
-  for (int i = 0; i < n; i++)
-    m = fmax(m, fabs(v[i]));
-  return m;
 }
 
 static void expect_close(const double *a, const double *b, int n, double close) {

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "close.h"
 #include "delassus/reduction.h"
 #include "malloc_fails.h"
 
@@ -178,19 +179,6 @@ static void add_loads(const double *R, double *x) {
       for (int k = L->p[j]; k < L->p[j + 1]; k++)
         x[L->i[k]] += L->x[k] * R[d * node + c];
     }
-}
-
-static double largest(const double *x, int n) {
-  double m = 0;
-  for (int i = 0; i < n; i++)
-    if (!(fabs(x[i]) <= m)) m = fabs(x[i]);
-  return m;
-}
-
-static void assert_close(const double *x, const double *y, int n, double tol) {
-  const double scale = largest(y, n);
-  for (int i = 0; i < n; i++)
-    ck_assert_msg(fabs(x[i] - y[i]) <= tol * scale, "[%d] %.17g, expected %.17g", i, x[i], y[i]);
 }
 
 /* The systems are diagonally dominant, of condition about 3. */

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "close.h"
 #include "fe/solid.h"
 #include "malloc_fails.h"
 
@@ -15,13 +16,6 @@ static const dlsi_hardening rigid = {.factor = 1e300, .offset = 1, .exponent = 1
 static double next_number(unsigned *seed) {
   *seed = *seed * 1664525u + 1013904223u;
   return (double)*seed / 2147483648.0 - 1;
-}
-
-static double largest(const double *x, int n) {
-  double m = 0;
-  for (int i = 0; i < n; i++)
-    if (!(fabs(x[i]) <= m)) m = fabs(x[i]);
-  return m;
 }
 
 /* ---- hardening ------------------------------------------------------------------------------- */
