@@ -434,7 +434,7 @@ dls_status dlsi_auto_create(dlsi_auto **out, int d, int nc, const dls_solver_set
   work->settings = *settings;
   work->r = work->memory;
   work->best = work->memory + m;
-  work->order = (int *)(work->memory + 2 * m);
+  work->order = (void *)(work->memory + 2 * m);
   work->scratch = work->order + n;
   work->state = (unsigned char *)(work->scratch + n);
   dls_status status = create_sweeps(work, d, nc, error);
