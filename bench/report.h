@@ -26,6 +26,8 @@ typedef struct record {
   verdict status;
   double residual, cpu, setup;
   int iterations;
+  solve_fn solve; /* and what it takes, to run it again */
+  const void *how;
 } record;
 
 typedef struct report report;
