@@ -21,13 +21,17 @@ static inline int are_finite(const double *x, size_t n) {
   return (all & INT64_MAX) == 0;
 }
 
-/* inline for the calls of this file */
-inline dls_status dlsi_check_vector(const char *function, const char *argument, const double *x,
-                                    size_t n, dls_error *error) {
+static inline dls_status check_vector(const char *function, const char *argument, const double *x,
+                                      size_t n, dls_error *error) {
   if (!x) return dlsi_fail(error, DLS_E_ARGUMENT, function, argument, -1, 0, "is NULL");
   if (are_finite(x, n)) return DLS_OK;
   const long long bad = dlsi_first_not_finite(x, n);
   return dlsi_fail(error, DLS_E_NOT_FINITE, function, argument, bad, x[bad], "is not finite");
+}
+
+dls_status dlsi_check_vector(const char *function, const char *argument, const double *x, size_t n,
+                             dls_error *error) {
+  return check_vector(function, argument, x, n, error);
 }
 
 dls_status dlsi_check_dense(const char *function, const char *argument, const dls_dense *A,
@@ -77,7 +81,7 @@ dls_status dlsi_check_sparse(const char *function, const char *argument, const d
       check_pattern(function, argument, argument, A->p, A->i, rows, cols, error);
   if (status) return status;
   if (A->p[cols] == 0) return DLS_OK;
-  return dlsi_check_vector(function, argument, A->x, (size_t)A->p[cols], error);
+  return check_vector(function, argument, A->x, (size_t)A->p[cols], error);
 }
 
 /* names: of p, i, x */
@@ -86,8 +90,7 @@ static dls_status check_blocks(const char *function, const char *const names[3],
   const dls_status status =
       check_pattern(function, names[0], names[1], B->p, B->i, B->n, B->n, error);
   if (status || B->p[B->n] == 0) return status;
-  return dlsi_check_vector(function, names[2], B->x, (size_t)B->p[B->n] * (size_t)(B->d * B->d),
-                           error);
+  return check_vector(function, names[2], B->x, (size_t)B->p[B->n] * (size_t)(B->d * B->d), error);
 }
 
 dls_status dlsi_check_blocks(const char *function, const dls_blocks *B, dls_error *error) {
@@ -126,9 +129,9 @@ dls_status dlsi_check_contact(const char *function, const dls_contact *problem, 
   dls_status status = problem->Wb.x ? check_Wb(function, problem, error)
                                     : dlsi_check_dense(function, "W", &problem->W, m, m, error);
   if (status) return status;
-  status = dlsi_check_vector(function, "q", problem->q, (size_t)m, error);
+  status = check_vector(function, "q", problem->q, (size_t)m, error);
   if (status) return status;
-  status = dlsi_check_vector(function, "mu", problem->mu, (size_t)nc, error);
+  status = check_vector(function, "mu", problem->mu, (size_t)nc, error);
   if (status) return status;
   for (int c = 0; c < nc; c++)
     if (problem->mu[c] < 0)
@@ -153,7 +156,7 @@ dls_status dlsi_check_start(const char *function, const dls_contact *problem, co
                             int warm_start, dls_error *error) {
   if (!r) return dlsi_fail(error, DLS_E_ARGUMENT, function, "r", -1, 0, "is NULL");
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  return warm_start ? dlsi_check_vector(function, "r", r, m, error) : DLS_OK;
+  return warm_start ? check_vector(function, "r", r, m, error) : DLS_OK;
 }
 
 dls_status dlsi_check_solve(const char *function, int d, int nc, const dls_contact *problem,
