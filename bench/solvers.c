@@ -230,6 +230,8 @@ static void run_peer(const plan *p, const peer_method *w, const scene *s, leader
 static void take_turns(const plan *p, const scene *s, leaders best) {
   enum { rounds = 3 };
   leaders first;
+  for (int k = 0; k < TARGETS; k++) /* one solver, one turn */
+    if (best[OWN][k].how == best[AUTO][k].how) best[OWN][k].status = NOT_RUN;
   memcpy(first, best, sizeof first);
   for (int round = 0; round < rounds; round++)
     for (int k = 0; k < TARGETS; k++)

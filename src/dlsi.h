@@ -90,8 +90,9 @@ double dlsi_max_abs(const double *x, size_t n);
 /* ---- vi/nlgs.c --------------------------------------------------------------------------------- */
 
 /* dls_nlgs_solve of what has been checked already, with springs E (nc; NULL for none) on the diagonal
- * of W, visiting the candidates in `order` (nc; NULL: 0, 1, ..); the weights of the certificate are those of W alone. r as there, and the iterate while the
- * progress callback is called; u (m or NULL), its certificate, the sweeps done. */
+ * of W, visiting the candidates in `order` (nc; NULL: 0, 1, ..); the weights of the certificate are
+ * those of W alone. r as there, and the iterate while the progress callback is called; u (m or NULL),
+ * its certificate, the sweeps done. */
 dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const int *order,
                          const double *E, double tol, double *r, double *u,
                          dls_certificate *certificate, int *iterations);
