@@ -239,8 +239,9 @@ static int find_infeasible(dls_principal *w, const dls_lcp *lcp, double *residua
   int count = 0;
   for (int i = 0; i < n; i++) {
     const double v = w->in[i] ? w->s[i] * w->z[i] : w->y[i];
-    w->infeasible[i] = !(v >= -4 * DBL_EPSILON * (fabs(lcp->q[i]) + w->a[i])); /* NaN: infeasible */
-    count += w->infeasible[i];
+    const int holds = v >= -4 * DBL_EPSILON * (fabs(lcp->q[i]) + w->a[i]); /* NaN does not */
+    w->infeasible[i] = (char)!holds;
+    count += !holds;
     w->x[i] = v < 0 ? v : v != v ? v : 0;
   }
   const double norm = dlsi_norm2(w->x, (size_t)n);

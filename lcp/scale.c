@@ -33,17 +33,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "dlsi.h"
 #include "lcp_internal.h"
-
-/* As in src/panel.c: where the linker can choose at load time, with AVX2, too; the same bits. What is
- * called from there has to be inlined. */
-#if defined(__x86_64__) && defined(__gnu_linux__)
-#define CLONES __attribute__((target_clones("avx2", "default")))
-#define INLINE inline __attribute__((always_inline))
-#else
-#define CLONES
-#define INLINE inline
-#endif
 
 static const double negligible = 0x1p-10; /* (S4) */
 static const double uneven = 0x1p20;      /* (S4): row maxima that call for another round */
@@ -51,7 +42,7 @@ enum { max_passes = 8 };                  /* (S4) */
 enum { chunk = 512 };                     /* mantissas in one product, which is less than 2^512 */
 
 /* x_0 + .. + x_(n-1), eight sums at a time */
-static INLINE double sum_of(int n, const double *x) {
+static DLSI_INLINE double sum_of(int n, const double *x) {
   double s[8] = {0};
   int i = 0;
   for (; i + 8 <= n; i += 8)
@@ -62,7 +53,7 @@ static INLINE double sum_of(int n, const double *x) {
   return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
 }
 
-static INLINE double product_of(int n, const double *x) {
+static DLSI_INLINE double product_of(int n, const double *x) {
   double p[8] = {1, 1, 1, 1, 1, 1, 1, 1};
   int i = 0;
   for (; i + 8 <= n; i += 8)
@@ -74,7 +65,7 @@ static INLINE double product_of(int n, const double *x) {
 }
 
 /* max x_i >= 0 */
-static INLINE double largest_of(int n, const double *x) {
+static DLSI_INLINE double largest_of(int n, const double *x) {
   double m[8] = {0};
   int i = 0;
   for (; i + 8 <= n; i += 8)
@@ -93,7 +84,7 @@ static double power(double e) {
 
 /* x = m 2^(e - 1023) for x > 0, 1 <= m < 2 (for subnormal x: m is too large by less than 2); m = 1,
  * e = 0 for x = 0. The exponent becomes a double as the last digits of 2^52 + e. */
-static INLINE double split(double x, double *m) {
+static DLSI_INLINE double split(double x, double *m) {
   uint64_t bits;
   double e;
   memcpy(&bits, &x, sizeof bits);
@@ -114,7 +105,8 @@ typedef struct sums {
 } sums;
 
 /* v_i := |M_ij|, raised to the least value (S4) if that is known (s->a) and M_ij is not 0 */
-static INLINE void take_values(int count, const double *m, const double *a, double b, double *v) {
+static DLSI_INLINE void take_values(int count, const double *m, const double *a, double b,
+                                    double *v) {
   for (int i = 0; i < count; i++) {
     const double x = fabs(m[i]), least = a ? a[i] * b : 0;
     v[i] = ((x > 0) & (x < least)) ? least : x;
@@ -122,7 +114,7 @@ static INLINE void take_values(int count, const double *m, const double *a, doub
 }
 
 /* Adds column j, m, to in_row, and counts it in in_column. */
-static INLINE void count_entries(int n, const double *m, int j, const sums *s) {
+static DLSI_INLINE void count_entries(int n, const double *m, int j, const sums *s) {
   for (int i = 0; i < n; i++) {
     s->scratch[i] = m[i] != 0 ? 1 : 0;
     s->in_row[i] += s->scratch[i];
@@ -132,8 +124,8 @@ static INLINE void count_entries(int n, const double *m, int j, const sums *s) {
 
 /* L, K of the values v_ij = |M_ij|, and the counts; or if `least` L, K of those of (S4), a_i :=
  * sqrt(rowmax_i) / 2^rho_i. Returns 1 if M has a zero, else 0. */
-CLONES static int sum_logarithms(const dls_lcp *lcp, int least, const double *gamma,
-                                 const sums *s) {
+DLSI_CLONES static int sum_logarithms(const dls_lcp *lcp, int least, const double *gamma,
+                                      const sums *s) {
   const int n = lcp->n;
   double *product = s->product, e[chunk], x[chunk];
   int zeros = 0;
@@ -193,7 +185,7 @@ static void fill_empty(int n, const double *count, double *x) {
 }
 
 /* (S1) with `next` of the round before, (S2) */
-CLONES static void alternate(const dls_lcp *lcp, const sums *s, double *rho, double *gamma) {
+DLSI_CLONES static void alternate(const dls_lcp *lcp, const sums *s, double *rho, double *gamma) {
   const int n = lcp->n;
   for (int i = 0; i < n; i++)
     rho[i] = -(s->L[i] + s->next[i]) / s->in_row[i];

@@ -13,6 +13,18 @@
 #include "delassus/nlgs.h"
 #include "delassus/reduction.h"
 
+/* ---- loops that vectorise ------------------------------------------------------------------------ */
+
+/* Where the linker can choose at load time, such a function exists with AVX2, too. Products and sums are
+ * rounded one by one in both: the same bits. What is called from there has to be inlined. */
+#if defined(__x86_64__) && defined(__gnu_linux__)
+#define DLSI_CLONES __attribute__((target_clones("avx2", "default")))
+#define DLSI_INLINE inline __attribute__((always_inline))
+#else
+#define DLSI_CLONES
+#define DLSI_INLINE inline
+#endif
+
 /* ---- errors ---------------------------------------------------------------------------------- */
 
 #if defined(__GNUC__)

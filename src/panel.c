@@ -13,34 +13,26 @@
 
 /* ---- W dense --------------------------------------------------------------------------------- */
 
-/* Where the linker can choose at load time, the loops exist with AVX2, too: 10 % faster on W that
- * stays in a cache. Products and sums are rounded one by one in both: the same bits. */
-#if defined(__x86_64__) && defined(__gnu_linux__)
-#define CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define CLONES
-#endif
-
 typedef const double *restrict column;
 
-CLONES static void add_one_2d(size_t rows, column a, size_t ld, const double *x,
-                              double *restrict u) {
+DLSI_CLONES static void add_one_2d(size_t rows, column a, size_t ld, const double *x,
+                                   double *restrict u) {
   column b = a + ld;
   const double x0 = x[0], x1 = x[1];
   for (size_t i = 0; i < rows; i++)
     u[i] += a[i] * x0 + b[i] * x1;
 }
 
-CLONES static void add_one_3d(size_t rows, column a, size_t ld, const double *x,
-                              double *restrict u) {
+DLSI_CLONES static void add_one_3d(size_t rows, column a, size_t ld, const double *x,
+                                   double *restrict u) {
   column b = a + ld, c = b + ld;
   const double x0 = x[0], x1 = x[1], x2 = x[2];
   for (size_t i = 0; i < rows; i++)
     u[i] += a[i] * x0 + b[i] * x1 + c[i] * x2;
 }
 
-CLONES static void add_four_2d(size_t rows, const double *const w[4], size_t ld, const double *x,
-                               double *restrict u) {
+DLSI_CLONES static void add_four_2d(size_t rows, const double *const w[4], size_t ld,
+                                    const double *x, double *restrict u) {
   column a0 = w[0], a1 = a0 + ld, b0 = w[1], b1 = b0 + ld;
   column c0 = w[2], c1 = c0 + ld, d0 = w[3], d1 = d0 + ld;
   const double x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
@@ -53,8 +45,8 @@ CLONES static void add_four_2d(size_t rows, const double *const w[4], size_t ld,
   }
 }
 
-CLONES static void add_four_3d(size_t rows, const double *const w[4], size_t ld, const double *x,
-                               double *restrict u) {
+DLSI_CLONES static void add_four_3d(size_t rows, const double *const w[4], size_t ld,
+                                    const double *x, double *restrict u) {
   column a0 = w[0], a1 = a0 + ld, a2 = a1 + ld, b0 = w[1], b1 = b0 + ld, b2 = b1 + ld;
   column c0 = w[2], c1 = c0 + ld, c2 = c1 + ld, d0 = w[3], d1 = d0 + ld, d2 = d1 + ld;
   const double x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3], x4 = x[4], x5 = x[5];
@@ -68,8 +60,8 @@ CLONES static void add_four_3d(size_t rows, const double *const w[4], size_t ld,
 }
 
 /* ... and a += |W(:,c)| |dr_c| */
-CLONES static void add_both_2d(size_t rows, column w, size_t ld, const double *x,
-                               double *restrict u, double *restrict a) {
+DLSI_CLONES static void add_both_2d(size_t rows, column w, size_t ld, const double *x,
+                                    double *restrict u, double *restrict a) {
   column v = w + ld;
   const double x0 = x[0], x1 = x[1], y0 = fabs(x0), y1 = fabs(x1);
   for (size_t i = 0; i < rows; i++) {
@@ -78,8 +70,8 @@ CLONES static void add_both_2d(size_t rows, column w, size_t ld, const double *x
   }
 }
 
-CLONES static void add_both_3d(size_t rows, column w, size_t ld, const double *x,
-                               double *restrict u, double *restrict a) {
+DLSI_CLONES static void add_both_3d(size_t rows, column w, size_t ld, const double *x,
+                                    double *restrict u, double *restrict a) {
   column v = w + ld, t = v + ld;
   const double x0 = x[0], x1 = x[1], x2 = x[2], y0 = fabs(x0), y1 = fabs(x1), y2 = fabs(x2);
   for (size_t i = 0; i < rows; i++) {
@@ -120,7 +112,7 @@ static inline pair load(const double *x) {
   return *(const pair *)x;
 }
 
-CLONES static void add_blocks_2d(const dls_blocks *B, int c, const double *dr, double *u) {
+DLSI_CLONES static void add_blocks_2d(const dls_blocks *B, int c, const double *dr, double *u) {
   const double r0 = dr[0], r1 = dr[1];
   const int end = B->p[c + 1];
   for (int k = B->p[c]; k < end; k++) {
@@ -130,7 +122,7 @@ CLONES static void add_blocks_2d(const dls_blocks *B, int c, const double *dr, d
   }
 }
 
-CLONES static void add_blocks_3d(const dls_blocks *B, int c, const double *dr, double *u) {
+DLSI_CLONES static void add_blocks_3d(const dls_blocks *B, int c, const double *dr, double *u) {
   const double r0 = dr[0], r1 = dr[1], r2 = dr[2];
   const int end = B->p[c + 1];
   for (int k = B->p[c]; k < end; k++) {
@@ -152,7 +144,8 @@ void dlsi_contact_add_blocks(const dls_contact *problem, int c, const double *dr
 typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 
 /* y[0], y[1] := a.x, b.x */
-CLONES static void dot_two(size_t m, const double *a, const double *b, const double *x, double *y) {
+DLSI_CLONES static void dot_two(size_t m, const double *a, const double *b, const double *x,
+                                double *y) {
   four s = {0}, t = {0};
   size_t i = 0;
   for (; i + 4 <= m; i += 4) {
@@ -179,13 +172,14 @@ void dlsi_panel_dot(size_t m, int n, const double *A, const double *x, double *y
 }
 
 /* y -= A x for two columns, for four */
-CLONES static void subtract_two(size_t m, column a, column b, const double *x, double *restrict y) {
+DLSI_CLONES static void subtract_two(size_t m, column a, column b, const double *x,
+                                     double *restrict y) {
   const double x0 = x[0], x1 = x[1];
   for (size_t i = 0; i < m; i++)
     y[i] -= a[i] * x0 + b[i] * x1;
 }
 
-CLONES static void subtract_four(size_t m, column a, const double *x, double *restrict y) {
+DLSI_CLONES static void subtract_four(size_t m, column a, const double *x, double *restrict y) {
   column b = a + m, c = b + m, d = c + m;
   const double x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
   for (size_t i = 0; i < m; i++)

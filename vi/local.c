@@ -215,16 +215,6 @@ static double normal(const schur *s, const double *t) {
   return -(s->qn + s->b[0] * t[0] + s->b[1] * t[1]) * s->block->inv_a;
 }
 
-/* (L5) along t, k = r_n / |t|; 1 if r_n > 0 and all is finite */
-static inline int on_cone(const schur *s, const double *t, double *r) {
-  const double n = sqrt(t[0] * t[0] + t[1] * t[1]);
-  const double k = -s->qn / (s->a * n + s->mu * (s->b[0] * t[0] + s->b[1] * t[1]));
-  r[0] = k * n;
-  r[1] = s->mu * k * t[0];
-  r[2] = s->mu * k * t[1];
-  return r[0] > 0 && s->mu * r[0] <= DBL_MAX && r[0] <= DBL_MAX && n <= DBL_MAX;
-}
-
 /* (L3): 1 if r is in the cone */
 static inline int stick_3d(const schur *s, double *r) {
   solve(s->block, s->z, r + 1);
@@ -232,35 +222,41 @@ static inline int stick_3d(const schur *s, double *r) {
   return r[0] > 0 && r[0] <= DBL_MAX && sqrt(r[1] * r[1] + r[2] * r[2]) <= s->mu * r[0];
 }
 
-/* r_t(l) = -(N + l z) / D, D = det(S + l I) */
-typedef struct cramer {
-  double t[2], n, inv; /* r_t, |r_t|, 1 / D */
-} cramer;
+/* (L4) at l: r_t = -y / D, y = N + l z, D = det(S + l I), and r_n = (b.y - q_n D) / (a D) by u_n = 0 */
+typedef struct trial {
+  double y[2], inv, dD; /* 1 / D, D' */
+  double size, n, m;    /* |y|, |r_t|, mu r_n */
+} trial;
 
-/* the root of |N + l z| does not wait for the division */
-static cramer tangent(const schur *s, double l) {
-  const double inv = 1 / (s->block->det + (s->block->trace + l) * l);
+/* What need not wait for the division does not: a sweep is a chain of these. */
+static inline trial evaluate(const schur *s, double l) {
+  const dlsi_block_3d *k = s->block;
+  const double D = k->det + (k->trace + l) * l, inv = 1 / D;
   const double x = s->N[0] + l * s->z[0], y = s->N[1] + l * s->z[1], sum = x * x + y * y;
-  const double n = dlsi_is_plain(sum) ? sqrt(sum) * fabs(inv) : hypot(x * inv, y * inv);
-  return (cramer){{-x * inv, -y * inv}, n, inv};
+  const double size = dlsi_is_plain(sum) ? sqrt(sum) : hypot(x, y);
+  const double m = s->mu * k->inv_a * (s->b[0] * x + s->b[1] * y - s->qn * D) * inv;
+  return (trial){{x, y}, inv, k->trace + 2 * l, size, size * fabs(inv), m};
 }
 
-/* (L5) at l: the direction of r_t, as a rule without its length */
-static int slip_at(const schur *s, double l, double *r) {
-  const double D = s->block->det + (s->block->trace + l) * l;
-  const double x = s->N[0] + l * s->z[0], y = s->N[1] + l * s->z[1];
-  const double k = dlsi_is_plain(x * x + y * y) ? copysign(1, -D) : -1 / D;
-  const double t[2] = {k * x, k * y};
-  return on_cone(s, t, r);
+/* (L5) along r_t, k = r_n / |y|; 1 if r_n > 0 and all is finite */
+static inline int on_cone(const schur *s, const trial *c, double *r) {
+  const double sign = copysign(1, -c->inv), x = sign * c->y[0], y = sign * c->y[1];
+  const double k = -s->qn / (s->a * c->size + s->mu * (s->b[0] * x + s->b[1] * y));
+  r[0] = k * c->size;
+  r[1] = s->mu * k * x;
+  r[2] = s->mu * k * y;
+  return r[0] > 0 && s->mu * r[0] <= DBL_MAX && r[0] <= DBL_MAX && c->size <= DBL_MAX;
 }
 
-/* The step from l: Newton's for 1/|r_t| - 1/m, m = mu r_n, or for h = n - m, n = |r_t|, if m <= 0 */
-static double newton(const schur *s, double l, const cramer *c, double m) {
-  const double dD = s->block->trace + 2 * l, n = c->n, h = n - m;
-  const double dt[2] = {-(s->z[0] + dD * c->t[0]) * c->inv, -(s->z[1] + dD * c->t[1]) * c->inv};
-  const double tdt = c->t[0] * dt[0] + c->t[1] * dt[1]; /* n n' */
-  const double dm = -s->mu * (s->b[0] * dt[0] + s->b[1] * dt[1]) * s->block->inv_a;
-  return m > 0 ? h * n * n * m / (dm * n * n * n - tdt * m * m) : h * n / (dm * n - tdt);
+/* The step from l: Newton's for 1/n - 1/m, or for h = n - m if m <= 0 */
+static inline double newton(const schur *s, const trial *c) {
+  const double *y = c->y, *z = s->z, *b = s->b;
+  const double n = c->n, m = c->m, h = n - m, inv2 = c->inv * c->inv, turn = c->dD * c->inv;
+  const double n2 = (y[0] * y[0] + y[1] * y[1]) * inv2;
+  const double ndn = (y[0] * z[0] + y[1] * z[1]) * inv2 - n2 * turn; /* n n' */
+  const double dE = b[0] * z[0] + b[1] * z[1] - s->qn * c->dD;       /* m = mu E / (a D) */
+  const double dm = s->mu * s->block->inv_a * dE * c->inv - m * turn;
+  return m > 0 ? h * (n2 * m) / (dm * n2 * n - ndn * (m * m)) : h * n / (dm * n - ndn);
 }
 
 /* (L4) for q_n < 0 from guess, or from 0 if that is not > 0; DLS_LOCAL_NONE if no root was found. */
@@ -268,25 +264,27 @@ static dls_local_state slip_3d(const schur *s, double guess, double *r) {
   enum { most_steps = 100 };
   double l = guess > 0 && guess <= DBL_MAX ? guess : 0, lo = 0, hi = INFINITY;
   for (int step = 0; step < most_steps; step++) {
-    const cramer c = tangent(s, l);
-    const double n = c.n, rn = normal(s, c.t);
-    const double m = s->mu * rn, h = n - m, size = n + fabs(m);
+    const trial c = evaluate(s, l);
+    const double n = c.n, m = c.m, h = n - m, size = n + fabs(m);
     /* u_t = -l r_t is below the rounding of z: (L3) on the edge of the cone */
-    if (h <= 0 && rn <= DBL_MAX && l * n <= 4 * DBL_EPSILON * (fabs(s->z[0]) + fabs(s->z[1]))) {
-      set(3, r, rn, c.t[0], c.t[1], DLS_LOCAL_STICK);
+    if (h <= 0 && m <= DBL_MAX && l * n <= 4 * DBL_EPSILON * (fabs(s->z[0]) + fabs(s->z[1]))) {
+      r[1] = -c.y[0] * c.inv;
+      r[2] = -c.y[1] * c.inv;
+      r[0] = normal(s, r + 1);
       return DLS_LOCAL_STICK;
     }
     if (fabs(h) <= 4 * DBL_EPSILON * size || hi - lo <= 2 * DBL_EPSILON * l) {
       const int root = fabs(h) <= same * size; /* and not a pole of r_t */
-      return on_cone(s, c.t, r) && root ? DLS_LOCAL_SLIP : DLS_LOCAL_NONE;
+      return on_cone(s, &c, r) && root ? DLS_LOCAL_SLIP : DLS_LOCAL_NONE;
     }
     if (h <= 0)
       hi = l;
     else
       lo = l; /* also where S is singular and t is not finite */
-    const double next = l + newton(s, l, &c, m);
+    const double next = l + newton(s, &c);
     if (fabs(next - l) <= last_step * l && fabs(h) <= same * size) {
-      return slip_at(s, next, r) ? DLS_LOCAL_SLIP : DLS_LOCAL_NONE;
+      const trial last = evaluate(s, next);
+      return on_cone(s, &last, r) ? DLS_LOCAL_SLIP : DLS_LOCAL_NONE;
     }
     if (next > lo && next < hi)
       l = next;
@@ -370,9 +368,9 @@ static int all_slips(const schur *s, point *points) {
   const int roots = positive_roots(n, p, x);
   for (int i = 0; i < roots; i++) {
     if (!(x[i] > rounding)) continue; /* stick on the edge of the cone */
-    const double D = det + (trace + x[i]) * x[i];
-    const double t[2] = {-(N0 + x[i] * z0) / D, -(N1 + x[i] * z1) / D};
-    if (-(E[0] + (E[1] + E[2] * x[i]) * x[i]) / (a * D) > 0 && on_cone(s, t, points[found].r))
+    const double D = det + (trace + x[i]) * x[i], y[2] = {N0 + x[i] * z0, N1 + x[i] * z1};
+    const trial c = {.y = {y[0], y[1]}, .inv = 1 / D, .size = hypot(y[0], y[1])};
+    if (-(E[0] + (E[1] + E[2] * x[i]) * x[i]) / (a * D) > 0 && on_cone(s, &c, points[found].r))
       points[found++].state = DLS_LOCAL_SLIP;
   }
   return found;

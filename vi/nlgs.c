@@ -183,9 +183,15 @@ void dls_nlgs_destroy(dls_nlgs *workspace) {
 enum { batch_size = 4 };
 
 typedef struct batch {
+  int far; /* W leaves the cache from one sweep to the next */
   int count, c[batch_size];
   double dr[3 * batch_size];
 } batch;
+
+static batch new_batch(const dls_contact *problem) {
+  const size_t cached = (size_t)1 << 17; /* numbers: 1 MB */
+  return (batch){.far = (size_t)problem->W.ld * (size_t)problem->W.cols > cached};
+}
 
 /* v := u_c with the changes of the batch; b is NULL for W by blocks */
 static inline void look(int d, const dls_contact *problem, const batch *b, int c, const double *u,
@@ -202,6 +208,17 @@ static inline void look(int d, const dls_contact *problem, const batch *b, int c
       v[i] += sum;
     }
   }
+}
+
+/* Ahead of the pass over the columns of c, while its local solution is computed: the first lines of each
+ * column, where the processor does not look ahead itself. */
+static inline void fetch(int d, const dls_contact *problem, int c) {
+  enum { lines = 6, line = 8 };
+  const size_t ld = (size_t)problem->W.ld;
+  const double *w = problem->W.a + (size_t)d * (size_t)c * ld;
+  for (size_t i = 0; i < lines * line && i < ld; i += line)
+    for (size_t j = 0; j < (size_t)d; j++)
+      __builtin_prefetch(w + i + j * ld);
 }
 
 /* u_c += E_c dr */
@@ -244,6 +261,7 @@ static int sweep_2d(const dls_nlgs *work, const dls_contact *problem, batch *b, 
     double uc[2];
     look(2, problem, b, c, work->u, uc);
     if (rc[0] == 0 && uc[0] >= 0) continue; /* (G0) */
+    if (b && b->far) fetch(2, problem, c);
     const double p[2] = {uc[0] - (W[0] * rc[0] + W[2] * rc[1]),
                          uc[1] - (W[1] * rc[0] + W[3] * rc[1])}; /* (G1) */
     double s[2];
@@ -274,11 +292,12 @@ static int sweep_3d(const dls_nlgs *work, const dls_contact *problem, batch *b, 
     double uc[3];
     look(3, problem, b, c, work->u, uc);
     if (rc[0] == 0 && uc[0] >= 0) continue; /* (G0) */
+    if (b && b->far) fetch(3, problem, c);
     double p[3], s[3], v[3], dr[3];
     for (int i = 0; i < 3; i++)
       p[i] = uc[i] - (W[i] * rc[0] + W[i + 3] * rc[1] + W[i + 6] * rc[2]); /* (G1) */
-    const double rt2 = rc[1] * rc[1] + rc[2] * rc[2], ut2 = uc[1] * uc[1] + uc[2] * uc[2];
-    const double guess = rt2 > 0 ? sqrt(ut2 / rt2) : 0;              /* u_t = -l r_t */
+    const double rt2 = rc[1] * rc[1] + rc[2] * rc[2];
+    const double guess = -(uc[1] * rc[1] + uc[2] * rc[2]) / rt2;     /* u_t = -l r_t; NaN: none */
     const dls_local_state state = dlsi_local_3d(block, p, guess, s); /* (G2) */
     if (omega != 1) {                                                /* (G3) */
       for (int i = 0; i < 3; i++)
@@ -299,23 +318,59 @@ static int sweep_3d(const dls_nlgs *work, const dls_contact *problem, batch *b, 
 
 /* One sweep; returns how many candidates changed. */
 static int sweep(const dls_nlgs *work, const dls_contact *problem, double *r) {
-  batch dense = {0}, *b = problem->Wb.x ? NULL : &dense;
+  batch dense = new_batch(problem), *b = problem->Wb.x ? NULL : &dense;
   const int changed = (problem->d == 2 ? sweep_2d : sweep_3d)(work, problem, b, r);
   if (b) flush(work, problem, b);
   return changed;
 }
 
-/* sum_c |F_c|^2 / |q|^2, scale = 1 / |q|; d in a parameter of its own for the compiler to see */
-static inline double squares(int d, const dls_nlgs *work, const dls_contact *problem,
-                             const double *r, double scale) {
+/* sum_c |F_c|^2 / |q|^2, scale = 1 / |q| */
+static double squares_2d(const dls_nlgs *work, const dls_contact *problem, const double *r,
+                         double scale) {
   double sum = 0;
   for (int c = 0; c < problem->nc; c++) {
-    const double *rc = r + (size_t)d * (size_t)c, *uc = work->u + (size_t)d * (size_t)c;
+    const double *rc = r + 2 * (size_t)c, *uc = work->u + 2 * (size_t)c;
     if (rc[0] == 0 && uc[0] >= 0) continue; /* F_c = 0 */
-    double F[3];
-    dlsi_contact_residual(d, problem->mu[c], work->w[c], rc, uc, F);
-    for (int i = 0; i < d; i++)
+    double F[2];
+    dlsi_contact_residual(2, problem->mu[c], work->w[c], rc, uc, F);
+    for (int i = 0; i < 2; i++)
       sum += (F[i] * scale) * (F[i] * scale);
+  }
+  return sum;
+}
+
+/* The same, several candidates at once: their roots and divisions take as long as those of one. */
+DLSI_CLONES static double squares_3d(const dls_nlgs *work, const dls_contact *problem,
+                                     const double *r, double scale) {
+  enum { lanes = 16 };
+  double sum = 0;
+  for (int first = 0; first < problem->nc; first += lanes) {
+    const int count = problem->nc - first < lanes ? problem->nc - first : lanes;
+    double v[3][lanes] = {{0}}, u[3][lanes] = {{0}}, mu[lanes] = {0}, F2[lanes];
+    int moves = 0;
+    for (int k = 0; k < count; k++) {
+      const int c = first + k;
+      const double *rc = r + 3 * (size_t)c, *uc = work->u + 3 * (size_t)c;
+      moves |= !(rc[0] == 0 && uc[0] >= 0);
+      mu[k] = problem->mu[c];
+      for (int i = 0; i < 3; i++) {
+        u[i][k] = scale * uc[i];
+        v[i][k] = scale * work->w[c] * rc[i];
+      }
+    }
+    if (!moves) continue;
+    /* dlsi_contact_residual, all its branches; where t = 0 and `part` is NaN, one of the first two holds */
+    for (int k = 0; k < lanes; k++) {
+      const double n = v[0][k] - u[0][k] - mu[k] * sqrt(u[1][k] * u[1][k] + u[2][k] * u[2][k]);
+      const double x = v[1][k] - u[1][k], y = v[2][k] - u[2][k], t = sqrt(x * x + y * y);
+      const double on = (n + mu[k] * t) / (1 + mu[k] * mu[k]), part = mu[k] * on / t;
+      const int inside = t <= mu[k] * n, polar = mu[k] * t <= -n;
+      const double p = inside ? n : polar ? 0 : on, f = inside ? 1 : polar ? 0 : part;
+      const double F[3] = {v[0][k] - p, v[1][k] - f * x, v[2][k] - f * y};
+      F2[k] = F[0] * F[0] + F[1] * F[1] + F[2] * F[2];
+    }
+    for (int k = 0; k < count; k++)
+      sum += F2[k];
   }
   return sum;
 }
@@ -323,8 +378,7 @@ static inline double squares(int d, const dls_nlgs *work, const dls_contact *pro
 /* The certificate's residual from the u at hand. */
 static double estimate(const dls_nlgs *work, const dls_contact *problem, const double *r,
                        double scale) {
-  return sqrt(problem->d == 2 ? squares(2, work, problem, r, scale)
-                              : squares(3, work, problem, r, scale));
+  return sqrt((problem->d == 2 ? squares_2d : squares_3d)(work, problem, r, scale));
 }
 
 /* (G5) u := W r + q afresh, and the certificate */
@@ -363,7 +417,7 @@ static inline int lack(int d, double mu, const double *rc, double *dr) {
 /* Every r_c back on its cone, u by columns. */
 static void repair(const dls_nlgs *work, const dls_contact *problem, double *r) {
   const int d = problem->d;
-  batch dense = {0}, *b = problem->Wb.x ? NULL : &dense;
+  batch dense = new_batch(problem), *b = problem->Wb.x ? NULL : &dense;
   for (int c = 0; c < problem->nc; c++) {
     double *rc = r + (size_t)d * (size_t)c, dr[3] = {0};
     if (!(d == 2 ? lack(2, problem->mu[c], rc, dr) : lack(3, problem->mu[c], rc, dr))) continue;
