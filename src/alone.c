@@ -1,14 +1,13 @@
 /*
- * alone.c: what the method auto answers without a workspace, from r = 0.
+ * alone.c: what the method auto answers without a workspace, from r = 0, where some q_n < 0.
  *
- *   (A1)  r = 0                                  if q_n >= 0 everywhere: F is 0, no bit is rounded
- *   (A2)  r = 0                                  if the certificate holds: q_n < 0 by less than tol
- *   (A3)  r_c = the solution of candidate c alone, u_c = W_cc r_c + q_c (vi/local.c), for the c with
+ *   (A1)  r = 0                                  if the certificate holds: q_n < 0 by less than tol
+ *   (A2)  r_c = the solution of candidate c alone, u_c = W_cc r_c + q_c (vi/local.c), for the c with
  *         q_n < 0 and 0 for the others           if that is one, or nothing couples them
  *
- * (A3) is the first sweep of Gauss-Seidel (vi/nlgs.c), to the same bits, and the last one if none of the
+ * (A2) is the first sweep of Gauss-Seidel (vi/nlgs.c), to the same bits, and the last one if none of the
  * others is pressed by it: where W is block diagonal, where a single candidate is pressed or there
- * is but one. What is answered is what the certificate holds for, (A2) and (A3) up to 20 candidates: a
+ * is but one. What is answered is what the certificate holds for, (A1) and (A2) up to 20 candidates: a
  * larger problem takes long enough for the sweeps with all their preparations not to be seen.
  *
  * Cost: O(nc) for q, the columns of W of those c, the certificate.
@@ -34,7 +33,7 @@ static int are_apart(const dls_contact *problem, int first) {
   return pressed == 1 || !coupled;
 }
 
-/* (A3) r and the weights w of the candidates with q_n < 0 (those of the others do not count: w r = 0);
+/* (A2) r and the weights w of the candidates with q_n < 0 (those of the others do not count: w r = 0);
  * 0 if one has no solution or no weight of its own. */
 static int solve_each(const dls_contact *problem, int first, double *r, double *w) {
   const int d = problem->d;
@@ -50,7 +49,7 @@ static int solve_each(const dls_contact *problem, int first, double *r, double *
   return 1;
 }
 
-/* Does r = 0 fail (A2) for certain? F_c = -P_Cmu(v), v = -(q_c + mu |q_t| n), and with e = (1, -mu q_t / |q_t|)
+/* Does r = 0 fail (A1) for certain? F_c = -P_Cmu(v), v = -(q_c + mu |q_t| n), and with e = (1, -mu q_t / |q_t|)
  * in the cone |P(v)| >= v.e / |e| = -q_n / sqrt(1 + mu^2). */
 static int is_needed(const dls_contact *problem, double tol) {
   const int d = problem->d;
@@ -71,20 +70,8 @@ static int certify(const dls_contact *problem, double tol, const double *r, cons
   return dls_certificate_holds(certificate, tol);
 }
 
-/* All that info has but the stages past info->stages: clearing those takes as long as the smallest solve. */
-static void report(dls_info *info, int sweeps, const dls_certificate *certificate) {
-  info->status = DLS_OK;
-  info->method = DLS_AUTO;
-  info->iterations = sweeps;
-  info->certificate = *certificate;
-  info->ambiguous = info->factorisations = info->sweeps = 0;
-  info->stages = sweeps;
-  if (sweeps) info->stage[0] = (dls_stage){DLS_NLGS, sweeps, 0, certificate->residual};
-}
-
-/* (A2), (A3) where `first` is the first candidate with q_n < 0 */
-static int solve_pressed(const dls_contact *problem, int first, double tol, double *r, double *u,
-                         dls_info *info) {
+int dlsi_alone_solve(const dls_contact *problem, int first, double tol, double *r, double *u,
+                     dls_info *info) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   double x[most_rows], v[most_rows], w[most_candidates];
   dls_certificate certificate = {0};
@@ -98,20 +85,6 @@ static int solve_pressed(const dls_contact *problem, int first, double tol, doub
   }
   memcpy(r, x, m * sizeof *r);
   if (u) memcpy(u, v, m * sizeof *u);
-  if (info) report(info, sweeps, &certificate);
-  return 1;
-}
-
-int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *u, dls_info *info) {
-  const int d = problem->d, nc = problem->nc;
-  int first = 0;
-  while (first < nc && problem->q[d * first] >= 0)
-    first++;
-  if (first < nc) return nc <= most_candidates && solve_pressed(problem, first, tol, r, u, info);
-  const dls_certificate zero = {0}; /* (A1) */
-  const size_t m = (size_t)d * (size_t)nc;
-  memset(r, 0, m * sizeof *r);
-  if (u) memcpy(u, problem->q, m * sizeof *u);
-  if (info) report(info, 0, &zero);
+  if (info) dlsi_alone_report(info, sweeps, &certificate);
   return 1;
 }

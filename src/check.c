@@ -6,26 +6,11 @@
 
 #include "dlsi.h"
 
-/* Whether dlsi_first_not_finite(x, n) < 0, sooner for few numbers: 0 * x is 0 or -0 for a finite x and NaN
- * otherwise; bits are put together without a chain of sums. */
-static inline int are_finite(const double *x, size_t n) {
-  enum { few = 16 };
-  if (n > few) return dlsi_first_not_finite(x, n) < 0;
-  uint64_t all = 0;
-  for (size_t i = 0; i < n; i++) {
-    const double zero = 0 * x[i];
-    uint64_t bits;
-    memcpy(&bits, &zero, sizeof bits);
-    all |= bits;
-  }
-  return (all & INT64_MAX) == 0;
-}
-
 static inline dls_status check_vector(const char *function, const char *argument, const double *x,
                                       size_t n, dls_error *error) {
   if (!x) return dlsi_fail(error, DLS_E_ARGUMENT, function, argument, -1, 0, "is NULL");
-  if (are_finite(x, n)) return DLS_OK;
   const long long bad = dlsi_first_not_finite(x, n);
+  if (bad < 0) return DLS_OK;
   return dlsi_fail(error, DLS_E_NOT_FINITE, function, argument, bad, x[bad], "is not finite");
 }
 
@@ -43,7 +28,6 @@ dls_status dlsi_check_dense(const char *function, const char *argument, const dl
   if (A->ld < rows || A->ld < 1)
     return dlsi_fail(error, DLS_E_SIZE, function, argument, -1, A->ld,
                      "leading dimension %d is less than %d", A->ld, rows > 1 ? rows : 1);
-  if (A->ld == rows && are_finite(A->a, (size_t)rows * (size_t)cols)) return DLS_OK;
   for (int j = 0; j < cols; j++) {
     const size_t start = (size_t)j * (size_t)A->ld;
     const long long bad = dlsi_first_not_finite(A->a + start, (size_t)rows);

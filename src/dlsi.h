@@ -25,6 +25,13 @@
 #define DLSI_INLINE inline
 #endif
 
+/* two doubles in a register, where the compiler does not see by itself that they can go in pairs */
+typedef double dlsi_pair __attribute__((vector_size(16), aligned(8), may_alias));
+
+static inline dlsi_pair dlsi_load(const double *x) {
+  return *(const dlsi_pair *)x;
+}
+
 /* ---- errors ---------------------------------------------------------------------------------- */
 
 #if defined(__GNUC__)

@@ -105,20 +105,13 @@ void dlsi_contact_add_panel(const dls_contact *problem, int count, const int *c,
 
 /* ---- W by blocks ----------------------------------------------------------------------------- */
 
-/* two doubles in a register: gcc does not see by itself that rows of a block can go in pairs */
-typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
-
-static inline pair load(const double *x) {
-  return *(const pair *)x;
-}
-
 DLSI_CLONES static void add_blocks_2d(const dls_blocks *B, int c, const double *dr, double *u) {
   const double r0 = dr[0], r1 = dr[1];
   const int end = B->p[c + 1];
   for (int k = B->p[c]; k < end; k++) {
     double *v = u + 2 * (size_t)B->i[k];
     const double *x = B->x + 4 * (size_t)k;
-    *(pair *)v = load(v) + (load(x) * r0 + load(x + 2) * r1);
+    *(dlsi_pair *)v = dlsi_load(v) + (dlsi_load(x) * r0 + dlsi_load(x + 2) * r1);
   }
 }
 
@@ -128,9 +121,10 @@ DLSI_CLONES static void add_blocks_3d(const dls_blocks *B, int c, const double *
   for (int k = B->p[c]; k < end; k++) {
     double *v = u + 3 * (size_t)B->i[k];
     const double *x = B->x + 9 * (size_t)k;
-    const pair nt = load(v) + (load(x) * r0 + load(x + 3) * r1 + load(x + 6) * r2);
+    const dlsi_pair nt =
+        dlsi_load(v) + (dlsi_load(x) * r0 + dlsi_load(x + 3) * r1 + dlsi_load(x + 6) * r2);
     const double s = v[2] + (x[2] * r0 + x[5] * r1 + x[8] * r2);
-    *(pair *)v = nt;
+    *(dlsi_pair *)v = nt;
     v[2] = s;
   }
 }

@@ -2,6 +2,7 @@
  * solve.c: the front door. Chooses the method, and has the last word: whatever a method says of
  * itself, "solved" is what the certificate of the returned r says.
  */
+#include <float.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -233,18 +234,86 @@ static dls_status solve_by_method(dls_solver *solver, const dls_contact *problem
   }
 }
 
+/* ---- short calls, of which checks and calls by themselves are the larger part ------------------ */
+
+enum { few = 20 }; /* candidates */
+
+/* Finite numbers have a finite sum, or one that has overflown; others never have. */
+static inline dlsi_pair add(dlsi_pair sum, const double *x, int n) {
+  for (int i = 1; i < n; i += 2)
+    sum += dlsi_load(x + i - 1);
+  if (n % 2) sum[0] += x[n - 1];
+  return sum;
+}
+
+static int is_pattern(const int *p, const int *i, int n) {
+  if (!p || !i || p[0] != 0) return 0;
+  for (int j = 0; j < n; j++)
+    if (p[j + 1] < p[j]) return 0;
+  for (int k = 0; k < p[n]; k++)
+    if (i[k] < 0 || i[k] >= n) return 0;
+  return 1;
+}
+
+/* 1 if dlsi_check_contact finds nothing amiss, told sooner, as nothing has to be named; 0: ask it. */
+static inline int is_sound(const dls_contact *problem) {
+  const int d = problem->d, nc = problem->nc;
+  const dls_dense *W = &problem->W;
+  const dls_blocks *B = &problem->Wb;
+  const double *mu = problem->mu;
+  if ((d != 2 && d != 3) || nc < 1 || nc > few || !problem->q || !mu) return 0;
+  const int m = d * nc;
+  dlsi_pair sum = {0, 0};
+  if (!B->x && W->a && W->rows == m && W->cols == m && W->ld == m)
+    sum = add(sum, W->a, m * m);
+  else if (B->x && !W->a && B->d == d && B->n == nc && is_pattern(B->p, B->i, nc))
+    sum = add(sum, B->x, B->p[nc] * d * d);
+  else
+    return 0;
+  sum = add(sum, problem->q, m);
+  for (int c = 0; c < nc; c++) {
+    if (mu[c] < 0) return 0;
+    sum[1] += mu[c];
+  }
+  return fabs(sum[0] + sum[1]) <= DBL_MAX;
+}
+
+/* The first candidate with q_n < 0; if there is none, nc, and the answer is r = 0: F is 0, no bit of it rounded. */
+static inline int answer_free(const dls_contact *problem, double *r, double *u, dls_info *info) {
+  const int d = problem->d, nc = problem->nc;
+  const double *q = problem->q;
+  for (int c = 0; c < nc; c++)
+    if (!(q[d * c] >= 0)) return c;
+  for (int c = 0; c < nc; c++, r += d) {
+    r[0] = r[1] = 0;
+    if (d == 3) r[2] = 0;
+  }
+  for (int c = 0; u && c < nc; c++, u += d, q += d) {
+    u[0] = q[0];
+    u[1] = q[1];
+    if (d == 3) u[2] = q[2];
+  }
+  if (info) dlsi_alone_report(info, 0, &(dls_certificate){0});
+  return nc;
+}
+
 /* 1 if the answer needs no workspace */
-static int answer(const dls_solver_settings *settings, const dls_contact *problem, double *r,
-                  double *u, dls_info *info) {
-  return settings->method == DLS_AUTO && !settings->warm_start &&
-         dlsi_alone_solve(problem, settings->tol, r, u, info);
+static inline int answer(const dls_solver_settings *settings, const dls_contact *problem, double *r,
+                         double *u, dls_info *info) {
+  if (settings->method != DLS_AUTO || settings->warm_start) return 0;
+  const int first = answer_free(problem, r, u, info);
+  if (first == problem->nc) return 1;
+  return problem->nc <= few && dlsi_alone_solve(problem, first, settings->tol, r, u, info);
 }
 
 dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, double *r, double *u,
                             dls_info *info, dls_error *error) {
   if (!solver) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "solver", -1, 0, "is NULL");
-  dls_status status = dlsi_check_solve(__func__, solver->d, solver->nc, problem, r,
-                                       solver->settings.warm_start, error);
+  const int warm = solver->settings.warm_start;
+  dls_status status = DLS_OK;
+  if (!problem || !r || warm || problem->d != solver->d || problem->nc > solver->nc ||
+      !is_sound(problem))
+    status = dlsi_check_solve(__func__, solver->d, solver->nc, problem, r, warm, error);
   if (status) return status;
   solver->runaway = 0;
   if (answer(&solver->settings, problem, r, u, info)) return DLS_OK;
@@ -278,7 +347,8 @@ dls_status dls_solve(const dls_contact *problem, const dls_solver_settings *sett
                      double *u, dls_info *info, dls_error *error) {
   dls_solver_settings s;
   dls_solver_settings_init(&s);
-  dls_status status = dlsi_check_contact(__func__, problem, error);
+  dls_status status = DLS_OK;
+  if (!problem || !is_sound(problem)) status = dlsi_check_contact(__func__, problem, error);
   if (!status && settings) status = check_settings(__func__, settings, error);
   if (status) return status;
   if (settings) s = *settings;

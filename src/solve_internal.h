@@ -27,8 +27,22 @@ const double *dlsi_auto_direction(const dlsi_auto *work);
 void dlsi_auto_destroy(dlsi_auto *work);
 
 /* alone.c: 1 if r, u (or NULL), info (or NULL) hold a certified answer found from r = 0, else 0 and they are
- * untouched. */
-int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *u, dls_info *info);
+ * untouched. At most 20 candidates, `first` is the first one with q_n < 0. */
+int dlsi_alone_solve(const dls_contact *problem, int first, double tol, double *r, double *u,
+                     dls_info *info);
+
+/* What info says of such an answer, but for the stages past info->stages: clearing those takes as long as the
+ * smallest solve. */
+static inline void dlsi_alone_report(dls_info *info, int sweeps,
+                                     const dls_certificate *certificate) {
+  info->status = DLS_OK;
+  info->method = DLS_AUTO;
+  info->iterations = sweeps;
+  info->certificate = *certificate;
+  info->ambiguous = info->factorisations = info->sweeps = 0;
+  info->stages = sweeps;
+  if (sweeps) info->stage[0] = (dls_stage){DLS_NLGS, sweeps, 0, certificate->residual};
+}
 
 /* order (nc) := the candidates in an order that does not hang on their numbers, order.c. work: 3 nc,
  * scratch: nc. */

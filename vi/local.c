@@ -430,7 +430,8 @@ dls_local_state dls_nlgs_local(int d, const double *W, const double *q, double m
     if (state == DLS_LOCAL_NONE) *count = 0;
     if (state != DLS_LOCAL_NONE && *count < 1) *count = 1;
   }
-  for (int i = 0; i < d; i++)
-    r[i] = p[i];
+  r[0] = p[0];
+  r[1] = p[1];
+  if (d == 3) r[2] = p[2];
   return state;
 }
