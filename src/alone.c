@@ -21,10 +21,10 @@
 enum { most_candidates = 20, most_rows = 3 * most_candidates };
 
 /* 1 if one candidate has q_n < 0, or the columns of all that have hold nothing but W_cc */
-static int are_apart(const dls_contact *problem, int first) {
+static int are_apart(const dls_contact *problem) {
   const dls_blocks *B = &problem->Wb;
   int pressed = 0, coupled = !B->x;
-  for (int c = first; c < problem->nc; c++) {
+  for (int c = 0; c < problem->nc; c++) {
     if (!(problem->q[problem->d * c] < 0)) continue;
     pressed++;
     for (int k = B->x ? B->p[c] : 0; B->x && k < B->p[c + 1]; k++)
@@ -35,9 +35,9 @@ static int are_apart(const dls_contact *problem, int first) {
 
 /* (A2) r and the weights w of the candidates with q_n < 0 (those of the others do not count: w r = 0);
  * 0 if one has no solution or no weight of its own. */
-static int solve_each(const dls_contact *problem, int first, double *r, double *w) {
+static int solve_each(const dls_contact *problem, double *r, double *w) {
   const int d = problem->d;
-  for (int c = first; c < problem->nc; c++) {
+  for (int c = 0; c < problem->nc; c++) {
     const double *q = problem->q + d * c;
     double W[9];
     if (!(q[0] < 0)) continue;
@@ -70,8 +70,7 @@ static int certify(const dls_contact *problem, double tol, const double *r, cons
   return dls_certificate_holds(certificate, tol);
 }
 
-int dlsi_alone_solve(const dls_contact *problem, int first, double tol, double *r, double *u,
-                     dls_info *info) {
+int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *u, dls_info *info) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   double x[most_rows], v[most_rows], w[most_candidates];
   dls_certificate certificate = {0};
@@ -79,7 +78,7 @@ int dlsi_alone_solve(const dls_contact *problem, int first, double tol, double *
   memset(x, 0, m * sizeof *x);
   memset(w, 0, sizeof w);
   if (is_needed(problem, tol) || !certify(problem, tol, x, w, v, &certificate)) {
-    if (!are_apart(problem, first) || !solve_each(problem, first, x, w)) return 0;
+    if (!are_apart(problem) || !solve_each(problem, x, w)) return 0;
     if (!certify(problem, tol, x, w, v, &certificate)) return 0;
     sweeps = 1;
   }

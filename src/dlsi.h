@@ -35,8 +35,10 @@ static inline dlsi_pair dlsi_load(const double *x) {
 /* ---- errors ---------------------------------------------------------------------------------- */
 
 #if defined(__GNUC__)
+#define DLSI_NOINLINE     __attribute__((noinline))
 #define DLSI_PRINTF(f, a) __attribute__((cold, format(printf, f, a)))
 #else
+#define DLSI_NOINLINE
 #define DLSI_PRINTF(f, a)
 #endif
 

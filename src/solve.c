@@ -240,13 +240,15 @@ enum { few = 20 }; /* candidates */
 
 /* Finite numbers have a finite sum, or one that has overflown; others never have. */
 static inline dlsi_pair add(dlsi_pair sum, const double *x, int n) {
-  for (int i = 1; i < n; i += 2)
-    sum += dlsi_load(x + i - 1);
-  if (n % 2) sum[0] += x[n - 1];
+  int i = 0;
+  for (; i + 4 <= n; i += 4)
+    sum += dlsi_load(x + i) + dlsi_load(x + i + 2);
+  if (n & 2) sum += dlsi_load(x + i);
+  if (n & 1) sum[0] += x[n - 1];
   return sum;
 }
 
-static int is_pattern(const int *p, const int *i, int n) {
+static DLSI_NOINLINE int is_pattern(const int *p, const int *i, int n) {
   if (!p || !i || p[0] != 0) return 0;
   for (int j = 0; j < n; j++)
     if (p[j + 1] < p[j]) return 0;
@@ -255,13 +257,14 @@ static int is_pattern(const int *p, const int *i, int n) {
   return 1;
 }
 
-/* 1 if dlsi_check_contact finds nothing amiss, told sooner, as nothing has to be named; 0: ask it. */
-static inline int is_sound(const dls_contact *problem) {
+/* 0, or 1 if dlsi_check_contact finds nothing amiss, told sooner, as nothing has to be named; and *pressed: whether
+ * q_n < 0 somewhere. */
+static inline int is_sound(const dls_contact *problem, int *pressed) {
   const int d = problem->d, nc = problem->nc;
   const dls_dense *W = &problem->W;
   const dls_blocks *B = &problem->Wb;
-  const double *mu = problem->mu;
-  if ((d != 2 && d != 3) || nc < 1 || nc > few || !problem->q || !mu) return 0;
+  const double *q = problem->q, *mu = problem->mu;
+  if ((d != 2 && d != 3) || nc < 1 || nc > few || !q || !mu) return 0;
   const int m = d * nc;
   dlsi_pair sum = {0, 0};
   if (!B->x && W->a && W->rows == m && W->cols == m && W->ld == m)
@@ -270,56 +273,82 @@ static inline int is_sound(const dls_contact *problem) {
     sum = add(sum, B->x, B->p[nc] * d * d);
   else
     return 0;
-  sum = add(sum, problem->q, m);
-  for (int c = 0; c < nc; c++) {
+  sum = add(sum, q, m);
+  double all = sum[0] + sum[1];
+  *pressed = 0;
+  for (int c = 0; c < nc; c++, q += d) {
     if (mu[c] < 0) return 0;
-    sum[1] += mu[c];
+    all += mu[c];
+    *pressed |= *q < 0;
   }
-  return fabs(sum[0] + sum[1]) <= DBL_MAX;
+  return fabs(all) <= DBL_MAX;
 }
 
-/* The first candidate with q_n < 0; if there is none, nc, and the answer is r = 0: F is 0, no bit of it rounded. */
-static inline int answer_free(const dls_contact *problem, double *r, double *u, dls_info *info) {
-  const int d = problem->d, nc = problem->nc;
+static int is_pressed(const dls_contact *problem) {
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  size_t i = 0;
+  while (i < m && problem->q[i] >= 0)
+    i += d;
+  return i < m;
+}
+
+/* r = 0, the answer where nobody is pressed: F is 0, and no bit of it rounded */
+static inline void answer_free(const dls_contact *problem, double *r, double *u, dls_info *info) {
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   const double *q = problem->q;
-  for (int c = 0; c < nc; c++)
-    if (!(q[d * c] >= 0)) return c;
-  for (int c = 0; c < nc; c++, r += d) {
-    r[0] = r[1] = 0;
-    if (d == 3) r[2] = 0;
-  }
-  for (int c = 0; u && c < nc; c++, u += d, q += d) {
-    u[0] = q[0];
-    u[1] = q[1];
-    if (d == 3) u[2] = q[2];
+  for (size_t i = 0; i < m; i += d) {
+    r[i] = r[i + 1] = 0;
+    if (d == 3) r[i + 2] = 0;
+    if (!u) continue;
+    memcpy(u + i, q + i, 2 * sizeof *u);
+    if (d == 3) u[i + 2] = q[i + 2];
   }
   if (info) dlsi_alone_report(info, 0, &(dls_certificate){0});
-  return nc;
 }
 
-/* 1 if the answer needs no workspace */
-static inline int answer(const dls_solver_settings *settings, const dls_contact *problem, double *r,
-                         double *u, dls_info *info) {
+/* 1 if auto's answer needs no workspace */
+static int answer(const dls_solver_settings *settings, const dls_contact *problem, double *r,
+                  double *u, dls_info *info) {
   if (settings->method != DLS_AUTO || settings->warm_start) return 0;
-  const int first = answer_free(problem, r, u, info);
-  if (first == problem->nc) return 1;
-  return problem->nc <= few && dlsi_alone_solve(problem, first, settings->tol, r, u, info);
+  if (is_pressed(problem))
+    return problem->nc <= few && dlsi_alone_solve(problem, settings->tol, r, u, info);
+  answer_free(problem, r, u, info);
+  return 1;
+}
+
+/* ---- solve ----------------------------------------------------------------------------------- */
+
+/* what has been checked */
+static DLSI_NOINLINE dls_status solve(dls_solver *solver, const dls_contact *problem, double *r,
+                                      double *u, dls_info *info, dls_error *error) {
+  solver->runaway = 0;
+  if (answer(&solver->settings, problem, r, u, info)) return DLS_OK;
+  const dls_status status = solve_by_method(solver, problem, r, u, info, error);
+  solver->runaway = status == DLS_NO_SOLUTION_LIKELY;
+  return status;
+}
+
+static DLSI_NOINLINE dls_status check_and_solve(dls_solver *solver, const dls_contact *problem,
+                                                double *r, double *u, dls_info *info,
+                                                dls_error *error) {
+  static const char function[] = "dls_solver_solve";
+  if (!solver) return dlsi_fail(error, DLS_E_ARGUMENT, function, "solver", -1, 0, "is NULL");
+  const dls_status status = dlsi_check_solve(function, solver->d, solver->nc, problem, r,
+                                             solver->settings.warm_start, error);
+  return status ? status : solve(solver, problem, r, u, info, error);
 }
 
 dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, double *r, double *u,
                             dls_info *info, dls_error *error) {
-  if (!solver) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "solver", -1, 0, "is NULL");
-  const int warm = solver->settings.warm_start;
-  dls_status status = DLS_OK;
-  if (!problem || !r || warm || problem->d != solver->d || problem->nc > solver->nc ||
-      !is_sound(problem))
-    status = dlsi_check_solve(__func__, solver->d, solver->nc, problem, r, warm, error);
-  if (status) return status;
+  int pressed;
+  if (!solver || !problem || !r || solver->settings.method != DLS_AUTO ||
+      solver->settings.warm_start || problem->d != solver->d || problem->nc > solver->nc ||
+      !is_sound(problem, &pressed))
+    return check_and_solve(solver, problem, r, u, info, error);
+  if (pressed) return solve(solver, problem, r, u, info, error);
+  answer_free(problem, r, u, info);
   solver->runaway = 0;
-  if (answer(&solver->settings, problem, r, u, info)) return DLS_OK;
-  status = solve_by_method(solver, problem, r, u, info, error);
-  solver->runaway = status == DLS_NO_SOLUTION_LIKELY;
-  return status;
+  return DLS_OK;
 }
 
 const double *dls_solver_direction(const dls_solver *solver) {
@@ -348,7 +377,9 @@ dls_status dls_solve(const dls_contact *problem, const dls_solver_settings *sett
   dls_solver_settings s;
   dls_solver_settings_init(&s);
   dls_status status = DLS_OK;
-  if (!problem || !is_sound(problem)) status = dlsi_check_contact(__func__, problem, error);
+  int pressed;
+  if (!problem || !is_sound(problem, &pressed))
+    status = dlsi_check_contact(__func__, problem, error);
   if (!status && settings) status = check_settings(__func__, settings, error);
   if (status) return status;
   if (settings) s = *settings;

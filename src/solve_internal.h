@@ -27,9 +27,8 @@ const double *dlsi_auto_direction(const dlsi_auto *work);
 void dlsi_auto_destroy(dlsi_auto *work);
 
 /* alone.c: 1 if r, u (or NULL), info (or NULL) hold a certified answer found from r = 0, else 0 and they are
- * untouched. At most 20 candidates, `first` is the first one with q_n < 0. */
-int dlsi_alone_solve(const dls_contact *problem, int first, double tol, double *r, double *u,
-                     dls_info *info);
+ * untouched. At most 20 candidates, q_n < 0 for one of them. */
+int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *u, dls_info *info);
 
 /* What info says of such an answer, but for the stages past info->stages: clearing those takes as long as the
  * smallest solve. */
