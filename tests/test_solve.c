@@ -408,6 +408,166 @@ START_TEST(free_problem_is_answered_at_once) {
 }
 END_TEST
 
+/* ---- short calls: what is checked in one go ---------------------------------------------------- */
+
+enum { FEW = 5 };
+
+/* nc uncoupled candidates, W dense or by blocks */
+typedef struct small {
+  dls_contact p;
+  int start[FEW + 1], row[FEW];
+  double W[9 * FEW * FEW], x[9 * FEW], q[3 * FEW], mu[FEW];
+} small;
+
+static void set_small(small *a, int d, int nc, int blocks, int pressed) {
+  const int m = d * nc;
+  memset(a, 0, sizeof *a);
+  for (int c = 0; c < nc; c++) {
+    for (int i = 0; i < d; i++) {
+      a->W[(d * c + i) * (m + 1)] = a->x[d * d * c + i * (d + 1)] = 2 + i;
+      a->q[d * c + i] = 0.25 * i + (i ? 0 : pressed && c == nc - 1 ? -1 : 1);
+    }
+    a->mu[c] = 0.5;
+    a->start[c] = a->row[c] = c;
+  }
+  a->start[nc] = nc;
+  a->p = (dls_contact){.d = d, .nc = nc, .q = a->q, .mu = a->mu};
+  if (blocks)
+    a->p.Wb = (dls_blocks){d, nc, a->start, a->row, a->x};
+  else
+    a->p.W = (dls_dense){m, m, m, a->W};
+}
+
+/* By both doors: the error of dls_contact_check, and nothing written. Returns its status. */
+static dls_status fails_alike(const small *a, int d, int nc) {
+  const dls_solver_settings s = settings_of(DLS_AUTO);
+  dls_error expected;
+  dls_solver *solver;
+  const dls_status status = dls_contact_check(&a->p, &expected);
+  ck_assert_int_eq(dls_solver_create(&solver, d, nc, &s, NULL), DLS_OK);
+  for (int way = 0; way < 2; way++) {
+    double r[3 * FEW], u[3 * FEW], before[3 * FEW];
+    dls_info info, info_before;
+    dls_error e = {0};
+    memset(r, 9, sizeof r);
+    memset(u, 9, sizeof u);
+    memset(before, 9, sizeof before);
+    memset(&info, 9, sizeof info);
+    memset(&info_before, 9, sizeof info_before);
+    const dls_status got = way ? dls_solver_solve(solver, &a->p, r, u, &info, &e)
+                               : dls_solve(&a->p, &s, r, u, &info, &e);
+    ck_assert_int_eq(got, status);
+    if (!status) continue;
+    ck_assert_str_eq(e.argument, expected.argument);
+    ck_assert_int_eq(e.index, expected.index);
+    ck_assert_mem_eq(r, before, sizeof r);
+    ck_assert_mem_eq(u, before, sizeof u);
+    ck_assert_mem_eq(&info, &info_before, sizeof info);
+  }
+  dls_solver_destroy(solver);
+  return status;
+}
+
+START_TEST(short_calls_see_every_bad_number) {
+  const double bad[] = {NAN, INFINITY, -INFINITY};
+  for (int way = 0; way < 8; way++)
+    for (int nc = 1; nc <= FEW; nc++) {
+      const int d = way & 1 ? 3 : 2, blocks = way & 2, pressed = way & 4, m = d * nc;
+      small a;
+      set_small(&a, d, nc, blocks, pressed);
+      ck_assert_int_eq(fails_alike(&a, d, nc), DLS_OK);
+      const int count[] = {blocks ? d * m : m * m, m, nc};
+      double *const numbers[] = {blocks ? a.x : a.W, a.q, a.mu};
+      for (int k = 0; k < 3; k++)
+        for (int i = 0; i < count[k]; i++) {
+          const double sound = numbers[k][i];
+          for (int j = 0; j < 3; j++) {
+            numbers[k][i] = bad[j];
+            ck_assert_int_eq(fails_alike(&a, d, nc), DLS_E_NOT_FINITE);
+          }
+          numbers[k][i] = sound;
+        }
+      a.W[0] = a.x[0] = INFINITY, a.q[m - 1] = -INFINITY; /* whose sum is NaN */
+      ck_assert_int_eq(fails_alike(&a, d, nc), DLS_E_NOT_FINITE);
+      set_small(&a, d, nc, blocks, pressed);
+      a.mu[nc - 1] = -1e-300;
+      ck_assert_int_eq(fails_alike(&a, d, nc), DLS_E_ARGUMENT);
+    }
+}
+END_TEST
+
+/* A sum of finite numbers overflows: they are no error. */
+START_TEST(short_calls_take_large_numbers) {
+  for (int way = 0; way < 4; way++) {
+    const int d = way & 1 ? 3 : 2;
+    small a;
+    set_small(&a, d, 4, way & 2, 0);
+    for (int c = 0; c < 4; c++)
+      a.q[d * c] = DBL_MAX;
+    ck_assert_int_eq(fails_alike(&a, d, 4), DLS_OK);
+  }
+}
+END_TEST
+
+/* 1 if that is a fault of this storage */
+static int spoil(small *a, int fault, int blocks) {
+  dls_contact *p = &a->p;
+  const int d = p->d, nc = p->nc, m = d * nc;
+  if (fault == 0) p->d = 1;
+  if (fault == 1) p->d = 4;
+  if (fault == 2) p->nc = 0;
+  if (fault == 3) p->nc = -1;
+  if (fault == 4) p->q = NULL;
+  if (fault == 5) p->mu = NULL;
+  if (fault == 6 && blocks) p->W = (dls_dense){m, m, m, a->W};
+  if (fault == 6 && !blocks) p->Wb = (dls_blocks){d, nc, a->start, a->row, a->x};
+  if (fault == 7) p->W.a = NULL, p->Wb.x = NULL;
+  if (fault == 8) p->W.rows--;
+  if (fault == 9) p->W.cols++;
+  if (fault == 10) p->W.ld--;
+  if (fault == 11) p->Wb.d = 5 - d;
+  if (fault == 12) p->Wb.n--;
+  if (fault == 13) p->Wb.p = NULL;
+  if (fault == 14) p->Wb.i = NULL;
+  if (fault == 15) a->start[0] = 1;
+  if (fault == 16) a->start[2] = nc;
+  if (fault == 17) a->row[nc - 1] = nc;
+  if (fault == 18) a->row[0] = -1;
+  return fault < 8 || (fault > 10) == blocks;
+}
+
+START_TEST(short_calls_see_every_bad_view) {
+  enum { faults = 19, nc = 4 };
+  for (int way = 0; way < 4; way++)
+    for (int fault = 0; fault < faults; fault++) {
+      const int d = way & 1 ? 3 : 2, blocks = way >> 1;
+      small a;
+      set_small(&a, d, nc, blocks, 0);
+      const int at_fault = spoil(&a, fault, blocks);
+      ck_assert_int_eq(fails_alike(&a, d, nc) != DLS_OK, at_fault);
+    }
+}
+END_TEST
+
+/* Whatever stands behind the rows of a dense W is not looked at, and changes nothing. */
+START_TEST(short_calls_take_a_wider_leading_dimension) {
+  for (int pressed = 0; pressed < 2; pressed++) {
+    const dls_solver_settings s = settings_of(DLS_AUTO);
+    small a;
+    double wide[(3 * FEW + 2) * 3 * FEW], r[3 * FEW], t[3 * FEW];
+    set_small(&a, 3, FEW, 0, pressed);
+    const int m = 3 * FEW, ld = m + 2;
+    for (int j = 0; j < m; j++)
+      for (int i = 0; i < ld; i++)
+        wide[i + ld * j] = i < m ? a.W[i + m * j] : NAN;
+    ck_assert_int_eq(dls_solve(&a.p, &s, r, NULL, NULL, NULL), DLS_OK);
+    a.p.W = (dls_dense){m, m, ld, wide};
+    ck_assert_int_eq(dls_solve(&a.p, &s, t, NULL, NULL, NULL), DLS_OK);
+    ck_assert_mem_eq(r, t, sizeof r);
+  }
+}
+END_TEST
+
 /* ---- candidates apart (src/alone.c) ---------------------------------------------------------- */
 
 enum { APART = 24 };
@@ -1165,6 +1325,10 @@ int main(void) {
   tcase_add_test(tcase, every_failing_malloc_unwinds);
   tcase_add_test(tcase, later_stages_are_allocated_when_needed);
   tcase_add_test(tcase, free_problem_is_answered_at_once);
+  tcase_add_test(tcase, short_calls_see_every_bad_number);
+  tcase_add_test(tcase, short_calls_take_large_numbers);
+  tcase_add_test(tcase, short_calls_see_every_bad_view);
+  tcase_add_test(tcase, short_calls_take_a_wider_leading_dimension);
   tcase_add_test(tcase, candidates_apart_take_one_sweep);
   tcase_add_test(tcase, one_candidate_takes_one_sweep);
   tcase_add_test(tcase, candidates_apart_in_any_units);
