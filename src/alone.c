@@ -18,7 +18,7 @@
 
 #include "solve_internal.h"
 
-enum { most_candidates = 20, most_rows = 3 * most_candidates };
+enum { most_rows = 3 * DLSI_FEW };
 
 /* 1 if one candidate has q_n < 0, or the columns of all that have hold nothing but W_cc */
 static int are_apart(const dls_contact *problem) {
@@ -72,7 +72,7 @@ static int certify(const dls_contact *problem, double tol, const double *r, cons
 
 int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *u, dls_info *info) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  double x[most_rows], v[most_rows], w[most_candidates];
+  double x[most_rows], v[most_rows], w[DLSI_FEW];
   dls_certificate certificate = {0};
   int sweeps = 0;
   memset(x, 0, m * sizeof *x);

@@ -236,8 +236,6 @@ static dls_status solve_by_method(dls_solver *solver, const dls_contact *problem
 
 /* ---- short calls, of which checks and calls by themselves are the larger part ------------------ */
 
-enum { few = 20 }; /* candidates */
-
 /* Finite numbers have a finite sum, or one that has overflown; others never have. */
 static inline dlsi_pair add(dlsi_pair sum, const double *x, int n) {
   int i = 0;
@@ -248,8 +246,9 @@ static inline dlsi_pair add(dlsi_pair sum, const double *x, int n) {
   return sum;
 }
 
+/* ... and without more blocks than there are places */
 static DLSI_NOINLINE int is_pattern(const int *p, const int *i, int n) {
-  if (!p || !i || p[0] != 0) return 0;
+  if (!p || !i || p[0] != 0 || p[n] > n * n) return 0;
   for (int j = 0; j < n; j++)
     if (p[j + 1] < p[j]) return 0;
   for (int k = 0; k < p[n]; k++)
@@ -257,14 +256,14 @@ static DLSI_NOINLINE int is_pattern(const int *p, const int *i, int n) {
   return 1;
 }
 
-/* 0, or 1 if dlsi_check_contact finds nothing amiss, told sooner, as nothing has to be named; and *pressed: whether
- * q_n < 0 somewhere. */
+/* 1 if dlsi_check_contact finds nothing amiss: told sooner, because nothing has to be named; 0: ask that.
+ * *pressed: whether q_n < 0 somewhere. */
 static inline int is_sound(const dls_contact *problem, int *pressed) {
   const int d = problem->d, nc = problem->nc;
   const dls_dense *W = &problem->W;
   const dls_blocks *B = &problem->Wb;
   const double *q = problem->q, *mu = problem->mu;
-  if ((d != 2 && d != 3) || nc < 1 || nc > few || !q || !mu) return 0;
+  if ((d != 2 && d != 3) || nc < 1 || nc > DLSI_FEW || !q || !mu) return 0;
   const int m = d * nc;
   dlsi_pair sum = {0, 0};
   if (!B->x && W->a && W->rows == m && W->cols == m && W->ld == m)
@@ -311,14 +310,14 @@ static int answer(const dls_solver_settings *settings, const dls_contact *proble
                   double *u, dls_info *info) {
   if (settings->method != DLS_AUTO || settings->warm_start) return 0;
   if (is_pressed(problem))
-    return problem->nc <= few && dlsi_alone_solve(problem, settings->tol, r, u, info);
+    return problem->nc <= DLSI_FEW && dlsi_alone_solve(problem, settings->tol, r, u, info);
   answer_free(problem, r, u, info);
   return 1;
 }
 
 /* ---- solve ----------------------------------------------------------------------------------- */
 
-/* what has been checked */
+/* What has been checked. This and the next stay out of dls_solver_solve, for its few registers. */
 static DLSI_NOINLINE dls_status solve(dls_solver *solver, const dls_contact *problem, double *r,
                                       double *u, dls_info *info, dls_error *error) {
   solver->runaway = 0;

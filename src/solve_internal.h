@@ -26,8 +26,11 @@ dls_status dlsi_auto_solve(dlsi_auto *work, const dls_contact *problem, double *
 const double *dlsi_auto_direction(const dlsi_auto *work);
 void dlsi_auto_destroy(dlsi_auto *work);
 
+/* So few candidates that preparations, checks and calls can take longer than the solution itself. */
+enum { DLSI_FEW = 20 };
+
 /* alone.c: 1 if r, u (or NULL), info (or NULL) hold a certified answer found from r = 0, else 0 and they are
- * untouched. At most 20 candidates, q_n < 0 for one of them. */
+ * untouched. At most DLSI_FEW candidates, q_n < 0 for one of them. */
 int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *u, dls_info *info);
 
 /* What info says of such an answer, but for the stages past info->stages: clearing those takes as long as the
