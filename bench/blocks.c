@@ -57,11 +57,11 @@ typedef struct work {
 } work;
 
 static void multiply(work *w) {
-  dlsi_contact_multiply(&w->problem, w->r, w->u, NULL);
+  dlsi_contact_multiply(&w->problem, NULL, w->r, w->u, NULL);
 }
 
 static void multiply_magnitudes(work *w) {
-  dlsi_contact_multiply(&w->problem, w->r, w->u, w->a);
+  dlsi_contact_multiply(&w->problem, NULL, w->r, w->u, w->a);
 }
 
 /* the columns of all candidates, one after the other */

@@ -65,7 +65,7 @@ static int is_needed(const dls_contact *problem, double tol) {
 static int certify(const dls_contact *problem, double tol, const double *r, const double *w,
                    double *u, dls_certificate *certificate) {
   double a[most_rows], F[most_rows];
-  dlsi_contact_multiply(problem, r, u, a);
+  dlsi_contact_multiply(problem, NULL, r, u, a);
   dlsi_contact_measure(problem, r, u, a, w, F, certificate);
   return dls_certificate_holds(certificate, tol);
 }

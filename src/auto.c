@@ -342,7 +342,7 @@ dls_status dlsi_auto_solve(dlsi_auto *work, const dls_contact *problem, double *
   const dls_status status = run(work, error);
   if (status < 0) return status;
   memcpy(r, work->best, m * sizeof *r);
-  if (u) dlsi_contact_multiply(problem, r, u, NULL);
+  if (u) dlsi_contact_multiply(problem, NULL, r, u, NULL);
   work->info.status = status;
   if (info) *info = work->info;
   return status;

@@ -62,12 +62,14 @@ static int is_zero(size_t d, const double *r) {
 }
 
 /* dense: W is read once */
-static void multiply_dense(const dls_contact *problem, const double *r, double *u, double *a) {
+static void multiply_dense(const dls_contact *problem, const int *order, const double *r, double *u,
+                           double *a) {
   enum { at_once = 16 };
   const size_t d = (size_t)problem->d;
   int count = 0, c[at_once];
   double dr[3 * at_once];
-  for (int k = 0; k < problem->nc; k++) {
+  for (int i = 0; i < problem->nc; i++) {
+    const int k = order ? order[i] : i;
     const double *rk = r + d * (size_t)k;
     if (is_zero(d, rk)) continue; /* W is finite */
     if (a) {
@@ -98,15 +100,17 @@ static inline void add_magnitudes(size_t d, const dls_blocks *B, size_t c, const
   }
 }
 
-void dlsi_contact_multiply(const dls_contact *problem, const double *r, double *u, double *a) {
+void dlsi_contact_multiply(const dls_contact *problem, const int *order, const double *r, double *u,
+                           double *a) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   memcpy(u, problem->q, m * sizeof *u);
   if (a) memset(a, 0, m * sizeof *a);
   if (!problem->Wb.x) {
-    multiply_dense(problem, r, u, a);
+    multiply_dense(problem, order, r, u, a);
     return;
   }
-  for (int c = 0; c < problem->nc; c++) {
+  for (int i = 0; i < problem->nc; i++) {
+    const int c = order ? order[i] : i;
     const double *rc = r + d * (size_t)c;
     if (is_zero(d, rc)) continue;
     dlsi_contact_add_blocks(problem, c, rc, u);
@@ -347,7 +351,7 @@ dls_status dls_contact_certify(const dls_contact *problem, const double *r, doub
   double *work = dlsi_alloc(4 * m, sizeof *work);
   if (!work) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
   double *v = work, *a = work + m, *w = work + 2 * m, *F = work + 3 * m;
-  dlsi_contact_multiply(problem, r, v, a);
+  dlsi_contact_multiply(problem, NULL, r, v, a);
   dlsi_contact_weights(problem, w);
   dlsi_contact_measure(problem, r, v, a, w, F, certificate);
   if (u) memcpy(u, v, m * sizeof *u);

@@ -201,8 +201,10 @@ void dlsi_panel_subtract(size_t m, int n, const double *A, const double *x, doub
 void dlsi_contact_add_both(const dls_contact *problem, int c, const double *dr, double *u,
                            double *a);
 
-/* u := W r + q and, if a is not NULL, a := |W| |r|. */
-void dlsi_contact_multiply(const dls_contact *problem, const double *r, double *u, double *a);
+/* u := W r + q and, if a is not NULL, a := |W| |r|. Column after column, of the candidates in `order` (nc; NULL:
+ * 0, 1, ..), on which the rounding depends. */
+void dlsi_contact_multiply(const dls_contact *problem, const int *order, const double *r, double *u,
+                           double *a);
 
 /* w (nc) := trace(W_cc) / d, the mean of the positive ones where that is not positive; if none is
  * positive, the largest |W_cc| entry of all, or 1 if W's diagonal is zero. */

@@ -120,7 +120,7 @@ void dlsi_pivoting_destroy(dlsi_pivoting *work) {
 static void offer(dlsi_pivoting *work, const dls_contact *problem, dls_certificate *best) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   dls_certificate certificate;
-  dlsi_contact_multiply(problem, work->r, work->u, work->a);
+  dlsi_contact_multiply(problem, NULL, work->r, work->u, work->a);
   dlsi_contact_measure(problem, work->r, work->u, work->a, work->w, work->F, &certificate);
   if (!(certificate.residual < best->residual)) return;
   *best = certificate;
@@ -200,7 +200,7 @@ dls_status dlsi_pivoting_solve(dlsi_pivoting *work, const dls_contact *problem, 
   else if (status == DLS_OK)
     status = DLS_STALLED;
   memcpy(r, work->best, m * sizeof *r);
-  if (u) dlsi_contact_multiply(problem, r, u, NULL);
+  if (u) dlsi_contact_multiply(problem, NULL, r, u, NULL);
   if (info) {
     memset(info, 0, sizeof *info);
     info->status = status;

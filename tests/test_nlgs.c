@@ -10,6 +10,7 @@
 #include "cases.h"
 #include "delassus/files.h"
 #include "delassus/nlgs.h"
+#include "dlsi.h"
 #include "malloc_fails.h"
 
 SOLVER(nlgs, DLS_NLGS);
@@ -383,6 +384,46 @@ START_TEST(accelerated_workspace) {
 }
 END_TEST
 
+/* The candidates numbered backwards and visited in the same order, W singular, u afresh on the way: as long
+ * as no residual is one of rounding, by which the best r is chosen, not a bit is another one. */
+START_TEST(same_visits_same_bits) {
+  static model a, b;
+  int compared = 0;
+  for (int number = 0; number < 40; number++) {
+    deficient_model(&a, number);
+    reverse_model(&b, &a);
+    const int d = a.p.d, nc = a.p.nc;
+    int order[2][most];
+    for (int c = 0; c < nc; c++) {
+      order[0][c] = c;
+      order[1][c] = nc - 1 - c;
+    }
+    for (int k = 0; k < 3; k++) {
+      dls_nlgs_settings s = k < 2 ? accelerated(0, accelerations[k]) : with_tol(0);
+      s.max_iterations = k < 2 ? 8 : 60;
+      s.warm_start = 1;
+      double r[2][most];
+      dls_certificate c;
+      for (int side = 0; side < 2; side++) {
+        for (int i = 0; i < d * nc; i++)
+          r[side][i] = ((side ? reversed(&a, i) : i) % 7 - 3) * norm_of(a.q, d * nc);
+        dls_nlgs *work;
+        int sweeps;
+        ck_assert_int_eq(dls_nlgs_create(&work, d, nc, &s, NULL), DLS_OK);
+        (void)dlsi_nlgs_run(work, side ? &b.p : &a.p, order[side], NULL, 0, r[side], NULL, &c,
+                            &sweeps);
+        dls_nlgs_destroy(work);
+      }
+      if (c.residual < 1e-10) continue;
+      compared++;
+      for (int i = 0; i < d * nc; i++)
+        ck_assert(r[1][i] == r[0][reversed(&a, i)]);
+    }
+  }
+  ck_assert_int_ge(compared, 60);
+}
+END_TEST
+
 /* ---- bad input ------------------------------------------------------------------------------- */
 
 START_TEST(bad_create) {
@@ -457,6 +498,7 @@ int main(void) {
   tcase_add_test(t, accelerated_cycle);
   tcase_add_loop_test(t, accelerated_units, 0, 40);
   tcase_add_test(t, accelerated_workspace);
+  tcase_add_test(t, same_visits_same_bits);
   suite_add_tcase(suite, t);
   t = tcase_create("bad input");
   tcase_add_test(t, bad_create);

@@ -344,7 +344,7 @@ static double estimate(const dls_admm *work, const dls_contact *problem, double 
 /* The certificate of r; work->u := W r + q. */
 static dls_certificate measure(dls_admm *work, const dls_contact *problem, const double *r) {
   dls_certificate certificate;
-  dlsi_contact_multiply(problem, r, work->u, work->a);
+  dlsi_contact_multiply(problem, NULL, r, work->u, work->a);
   dlsi_contact_measure(problem, r, work->u, work->a, work->w, work->f, &certificate);
   return certificate;
 }

@@ -242,7 +242,7 @@ static dls_status solve_regularised(dls_augmented *work, const dls_contact *prob
       size_b > 0 ? target * (size_q / size_b) : target, work->x, NULL, &certificate, &count, error);
   if (status < 0) return status;
   *factorisations += count.factorisations;
-  dlsi_contact_multiply(problem, work->x, work->u, work->a);
+  dlsi_contact_multiply(problem, NULL, work->x, work->u, work->a);
   dlsi_contact_measure(problem, work->x, work->u, work->a, work->w, work->F, now);
   return status;
 }
@@ -282,7 +282,7 @@ static dls_status iterate(dls_augmented *work, const dls_contact *problem, dls_i
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   dls_certificate *best = &outcome->certificate;
   for (int cold = 0; cold < 2; cold++) {
-    dlsi_contact_multiply(problem, work->lambda, work->u, work->a);
+    dlsi_contact_multiply(problem, NULL, work->lambda, work->u, work->a);
     dlsi_contact_measure(problem, work->lambda, work->u, work->a, work->w, work->F, best);
     if (best->residual <= DBL_MAX) break;
     memset(work->lambda, 0, m * sizeof *work->lambda);
@@ -355,7 +355,7 @@ dls_status dlsi_augmented_solve(dls_augmented *work, const dls_contact *problem,
   if (status < 0) return status;
   if (status == DLS_OK) work->escaped = 0;
   memcpy(r, work->best, m * sizeof *r);
-  if (u) dlsi_contact_multiply(problem, r, u, NULL);
+  if (u) dlsi_contact_multiply(problem, NULL, r, u, NULL);
   if (info) *info = outcome;
   return status;
 }

@@ -485,7 +485,7 @@ static int linearise(dls_newton *work, const dls_contact *problem) {
     b->first = k;
     k += b->count;
   }
-  dlsi_multiply(problem, work->E, work->next, work->unext, NULL);
+  dlsi_multiply(problem, NULL, work->E, work->next, work->unext, NULL);
   for (int c = 0; c < problem->nc; c++) {
     const size_t o = (size_t)d * (size_t)c;
     const branch *b = &work->branch[c];
@@ -539,7 +539,7 @@ static void search(dls_newton *work, const dls_contact *problem, int step, doubl
   double bound = last[0];
   for (int k = 1; k < memory; k++)
     if (last[k] > bound) bound = last[k];
-  dlsi_multiply(problem, work->E, work->next, work->unext, NULL);
+  dlsi_multiply(problem, NULL, work->E, work->next, work->unext, NULL);
   double now = merit(work, problem, work->next, work->unext);
   for (int k = 0; k < halvings && !(now < bound); k++) {
     for (size_t i = 0; i < m; i++) {
@@ -553,7 +553,7 @@ static void search(dls_newton *work, const dls_contact *problem, int step, doubl
 
 static dls_certificate measure(const dls_newton *work, const dls_contact *problem) {
   dls_certificate certificate;
-  dlsi_multiply(problem, work->E, work->r, work->u, work->a);
+  dlsi_multiply(problem, NULL, work->E, work->r, work->u, work->a);
   dlsi_contact_measure(problem, work->r, work->u, work->a, work->w, work->F, &certificate);
   return certificate;
 }
@@ -650,7 +650,7 @@ dls_status dlsi_newton_run(const char *function, dls_newton *work, const dls_con
   status = run(function, work, problem, certificate, count, error);
   if (status < 0) return status;
   memcpy(r, work->best, m * sizeof *r);
-  if (u) dlsi_multiply(problem, E, r, u, NULL);
+  if (u) dlsi_multiply(problem, NULL, E, r, u, NULL);
   return status;
 }
 

@@ -23,7 +23,7 @@
  *
  * Accelerated, the sweep g is a fixed-point map x -> r = g(x), and between two sweeps
  *
- *   (G6)  f = D (r - x), D = diag(w_c) / |q|;  x := r - DG gamma, u := u - DU gamma by Anderson
+ *   (G6)  f = D (r - x), D = diag(w_c) 2^k, 2^k |q| about 1;  x := r - DG gamma, u := u - DU gamma by Anderson
  *         (anderson.c), then each x_c := P_Cmu(x_c) with u by columns
  *   (G7)  instead, if the residual of r exceeds 1.1 times that of the g before: back to that g, its u
  *         afresh, history forgotten; the plain sweep that follows is always taken
@@ -384,9 +384,14 @@ static double estimate(const dls_nlgs *work, const dls_contact *problem, const d
 /* (G5) u := W r + q afresh, and the certificate */
 static dls_certificate measure(const dls_nlgs *work, const dls_contact *problem, const double *r) {
   dls_certificate certificate;
-  dlsi_multiply(problem, work->E, r, work->u, work->a);
+  dlsi_multiply(problem, NULL, work->E, r, work->u, work->a);
   dlsi_contact_measure(problem, r, work->u, work->a, work->w, work->F, &certificate);
   return certificate;
+}
+
+/* What sweeps go on with after a measure(): u to the bits that belong to their order, not to the numbering */
+static void resume(const dls_nlgs *work, const dls_contact *problem, const double *r) {
+  if (work->order) dlsi_multiply(problem, work->order, work->E, r, work->u, NULL);
 }
 
 /* A warm start put on the cone, so that r_n = 0 means r_c = 0 (G0); cold starts are. 1 if it was not. */
@@ -418,7 +423,8 @@ static inline int lack(int d, double mu, const double *rc, double *dr) {
 static void repair(const dls_nlgs *work, const dls_contact *problem, double *r) {
   const int d = problem->d;
   batch dense = new_batch(problem), *b = problem->Wb.x ? NULL : &dense;
-  for (int c = 0; c < problem->nc; c++) {
+  for (int k = 0; k < problem->nc; k++) {
+    const int c = work->order ? work->order[k] : k;
     double *rc = r + (size_t)d * (size_t)c, dr[3] = {0};
     if (!(d == 2 ? lack(2, problem->mu[c], rc, dr) : lack(3, problem->mu[c], rc, dr))) continue;
     change(work, problem, c, dr, b);
@@ -426,6 +432,14 @@ static void repair(const dls_nlgs *work, const dls_contact *problem, double *r) 
       rc[i] += dr[i];
   }
   if (b) flush(work, problem, b);
+}
+
+/* The power of two next to x > 0, by which f is scaled without rounding: the last digit of |q| hangs on the
+ * numbering of the candidates. */
+static double power_of_two(double x) {
+  int e;
+  (void)frexp(x, &e);
+  return ldexp(1, e);
 }
 
 /* (G6) r := where the next sweep starts; r = g(x) has the estimated residual `residual`, the g of the
@@ -436,15 +450,16 @@ static void accelerate(dls_nlgs *work, const dls_contact *problem, double residu
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   if (history->columns && !(residual <= growth * *accepted)) { /* (G7) */
     memcpy(r, history->g, m * sizeof *r);
-    dlsi_multiply(problem, work->E, r, work->u, NULL);
+    dlsi_multiply(problem, work->order, work->E, r, work->u, NULL);
     dlsi_anderson_clear(history);
   } else {
     *accepted = residual;
-    double *f = work->F; /* in the order of the visits, which no sum then depends on */
+    const double unit = power_of_two(scale);
+    double *f = work->F; /* in the order of the visits, as all sums of this */
     for (size_t k = 0; k < m / d; k++) {
       const size_t c = work->order ? (size_t)work->order[k] : k;
       for (size_t i = d * c; i < d * (c + 1); i++)
-        *f++ = scale * work->w[c] * (r[i] - work->x[i]);
+        *f++ = unit * work->w[c] * (r[i] - work->x[i]);
     }
     if (dlsi_anderson_step(history, (int)m, work->F, r, work->u)) repair(work, problem, r);
   }
@@ -481,6 +496,7 @@ static dls_status iterate(dls_nlgs *work, const dls_contact *problem, double *r,
     residual = certificate->residual;
     keep_best(work, m, r, residual, &best);
   }
+  if (!cold) resume(work, problem, r);
   double target = work->tol, accepted = residual;
   dls_status reason = DLS_MAX_ITERATIONS;
   int fresh = 1; /* u carries no rounding of earlier sweeps */
@@ -504,6 +520,7 @@ static dls_status iterate(dls_nlgs *work, const dls_contact *problem, double *r,
       *certificate = measure(work, problem, r);
       if (dls_certificate_holds(certificate, work->tol)) return DLS_OK;
       residual = certificate->residual;
+      resume(work, problem, r);
       target = 4 * certificate->floor > work->tol ? 4 * certificate->floor : work->tol;
     }
     keep_best(work, m, r, residual, &best);

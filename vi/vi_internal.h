@@ -86,11 +86,12 @@ void dlsi_cholesky_solve(int n, const double *A, double *x);
 
 /* ---- with springs: u = (W + diag(E)) r + q, E_c >= 0 for all d rows of candidate c ----------- */
 
-/* u := (W + diag(E)) r + q and, if a is not NULL, a := (|W| + diag(E)) |r|. E: nc, or NULL for 0. */
-static inline void dlsi_multiply(const dls_contact *problem, const double *E, const double *r,
-                                 double *u, double *a) {
+/* u := (W + diag(E)) r + q and, if a is not NULL, a := (|W| + diag(E)) |r|, as dlsi_contact_multiply. E: nc, or
+ * NULL for 0. */
+static inline void dlsi_multiply(const dls_contact *problem, const int *order, const double *E,
+                                 const double *r, double *u, double *a) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  dlsi_contact_multiply(problem, r, u, a);
+  dlsi_contact_multiply(problem, order, r, u, a);
   for (size_t k = 0; E && k < m; k++) {
     u[k] += E[k / d] * r[k];
     if (a) a[k] += E[k / d] * fabs(r[k]);
