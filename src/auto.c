@@ -2,7 +2,8 @@
  * auto.c: the method "auto": one method after the other, each from the best r so far, until the
  * certificate holds.
  *
- *   (S1)  accelerated sweeps of Gauss-Seidel (Anderson), in the order of order.c
+ *   (S1)  accelerated sweeps of Gauss-Seidel (Anderson), in the order of order.c; W dense, up to 100
+ *         unknowns: the first ones plain, until they are looked at (C1)
  *   (S3)  up to 200 iterations of ADMM; W dense, k >= 150, (F5) below (F1) and (F2)
  *   (S2)  Newton's method
  *         (S3) if not before; (S1) and (S2) three times more
@@ -58,6 +59,7 @@
 
 enum { look_every = 5 }; /* sweeps */
 enum { steps_expected = 4, steps_after_rise = 6, most_steps_to_sort = 5, most_failures = 5 };
+enum { plain_unknowns = 100 };                         /* (S1) */
 enum { split_unknowns = 150, split_iterations = 200 }; /* (S3) */
 
 static const int patience[] = {2, 4, 8, 12, 12, 12}; /* (C2) */
@@ -160,6 +162,11 @@ static double split_cost(const dlsi_auto *work, const double *r) {
   return 100 + 2 * step_cost(problem, r);
 }
 
+/* (C1), before any failure */
+static int first_look(const dlsi_auto *work) {
+  return (work->problem->W.a ? 5 : 10) << !work->settings.warm_start;
+}
+
 /* After a sweep: 1 to leave the rest to another method. */
 static int watch_sweeps(void *data, const dls_progress *p) {
   dlsi_auto *work = data;
@@ -171,8 +178,7 @@ static int watch_sweeps(void *data, const dls_progress *p) {
   work->rate += 2. / (p->iteration + 1) * (gain - work->rate);
   if (p->iteration % look_every) return 0;
   const int changed = look(work);
-  const int cold = !work->settings.warm_start, first = (work->problem->W.a ? 5 : 10) << cold;
-  if (p->iteration < first << work->failures) return 0;
+  if (p->iteration < first_look(work) << work->failures) return 0;
   work->ahead = (work->least - log(work->target)) / work->rate; /* (F1) */
   work->steps = newton_steps(work, changed);
   const double newton = work->steps * step_cost(work->problem, work->r); /* (F2) */
@@ -230,6 +236,13 @@ static void end(dlsi_auto *work, dls_method method, int iterations, int factoris
   memcpy(work->best, work->r, m * sizeof *work->r);
 }
 
+/* (S1): the sweeps before Anderson's acceleration */
+static int plain_sweeps(const dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  const int small = problem->W.a && problem->d * problem->nc <= plain_unknowns;
+  return small && !work->info.stages ? first_look(work) : 0;
+}
+
 /* (S1); a warm start for which W r overflows is dropped */
 static dls_status sweep(dlsi_auto *work, dls_error *error) {
   (void)error;
@@ -237,8 +250,9 @@ static dls_status sweep(dlsi_auto *work, dls_error *error) {
   dls_certificate certificate;
   int sweeps;
   begin(work);
-  const dls_status status = dlsi_nlgs_run(work->sweeps, work->problem, work->order, NULL,
-                                          work->settings.tol, work->r, NULL, &certificate, &sweeps);
+  const dlsi_sweeps how = {.order = work->order, .plain = plain_sweeps(work)};
+  const dls_status status = dlsi_nlgs_run(work->sweeps, work->problem, how, work->settings.tol,
+                                          work->r, NULL, &certificate, &sweeps);
   end(work, DLS_NLGS, sweeps, 0, &certificate);
   if (work->info.certificate.residual <= DBL_MAX || work->info.stages > 1) return status;
   memset(work->best, 0, m * sizeof *work->best);

@@ -110,13 +110,18 @@ double dlsi_max_abs(const double *x, size_t n);
 
 /* ---- vi/nlgs.c --------------------------------------------------------------------------------- */
 
-/* dls_nlgs_solve of what has been checked already, with springs E (nc; NULL for none) on the diagonal
- * of W, visiting the candidates in `order` (nc; NULL: 0, 1, ..); the weights of the certificate are
- * those of W alone. r as there, and the iterate while the progress callback is called; u (m or NULL),
- * its certificate, the sweeps done. */
-dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const int *order,
-                         const double *E, double tol, double *r, double *u,
-                         dls_certificate *certificate, int *iterations);
+/* What sweeps can do for other methods; all zero: those of dls_nlgs_solve. */
+typedef struct dlsi_sweeps {
+  const int *order; /* nc: in which they visit the candidates; NULL: 0, 1, .. */
+  const double *
+      E; /* nc: springs on the diagonal of W, to which the weights of the certificate do not belong */
+  int plain; /* so many before an acceleration begins */
+} dlsi_sweeps;
+
+/* dls_nlgs_solve of what has been checked already. r as there, and the iterate while the progress callback is
+ * called; u (m or NULL), its certificate, the sweeps done. */
+dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, dlsi_sweeps sweeps, double tol,
+                         double *r, double *u, dls_certificate *certificate, int *iterations);
 
 /* ---- vi/room.c, and the methods that need it --------------------------------------------------- */
 

@@ -410,8 +410,8 @@ START_TEST(same_visits_same_bits) {
         dls_nlgs *work;
         int sweeps;
         ck_assert_int_eq(dls_nlgs_create(&work, d, nc, &s, NULL), DLS_OK);
-        (void)dlsi_nlgs_run(work, side ? &b.p : &a.p, order[side], NULL, 0, r[side], NULL, &c,
-                            &sweeps);
+        (void)dlsi_nlgs_run(work, side ? &b.p : &a.p, (dlsi_sweeps){.order = order[side]}, 0,
+                            r[side], NULL, &c, &sweeps);
         dls_nlgs_destroy(work);
       }
       if (c.residual < 1e-10) continue;

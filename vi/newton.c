@@ -620,8 +620,8 @@ static dls_status run(const char *function, dls_newton *work, const dls_contact 
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   dls_status status = DLS_STALLED;
   if (work->nlgs)
-    status = dlsi_nlgs_run(work->nlgs, problem, NULL, work->E, work->tol, work->r, work->u, best,
-                           &count->sweeps);
+    status = dlsi_nlgs_run(work->nlgs, problem, (dlsi_sweeps){.E = work->E}, work->tol, work->r,
+                           work->u, best, &count->sweeps);
   else
     *best = measure(work, problem);
   memcpy(work->best, work->r, m * sizeof *work->r);

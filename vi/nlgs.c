@@ -67,9 +67,8 @@ static const double growth = 1.1;
 struct dls_nlgs {
   dls_nlgs_settings settings;
   int d, nc;
-  double tol;              /* of this run, and */
-  const int *order;        /* nc: of the visits; NULL: 0, 1, .. */
-  const double *E;         /* nc: it solves u = (W + diag(E)) r + q; NULL: 0 */
+  double tol; /* of this run, and what comes with it */
+  dlsi_sweeps sweeps;
   dlsi_block_2d *block_2d; /* nc  the W_cc (+ E_c), NULL for d = 3 */
   dlsi_block_3d *block_3d; /* nc  NULL for d = 2 */
   double *w;               /* nc      weights of the certificate */
@@ -224,8 +223,8 @@ static inline void fetch(int d, const dls_contact *problem, int c) {
 /* u_c += E_c dr */
 static inline void add_springs(const dls_nlgs *work, int d, int c, const double *dr) {
   double *uc = work->u + (size_t)d * (size_t)c;
-  for (int i = 0; work->E && i < d; i++)
-    uc[i] += work->E[c] * dr[i];
+  for (int i = 0; work->sweeps.E && i < d; i++)
+    uc[i] += work->sweeps.E[c] * dr[i];
 }
 
 static void flush(const dls_nlgs *work, const dls_contact *problem, batch *b) {
@@ -242,7 +241,8 @@ static inline void change(const dls_nlgs *work, const dls_contact *problem, int 
   if (b) {
     memcpy(b->dr + d * (size_t)b->count, dr, d * sizeof *dr);
     b->c[b->count++] = c;
-    if (b->count == batch_size || work->E) flush(work, problem, b); /* E_c comes after W_cc */
+    if (b->count == batch_size || work->sweeps.E)
+      flush(work, problem, b); /* E_c comes after W_cc */
     return;
   }
   dlsi_contact_add_columns(problem, c, dr, work->u);
@@ -254,7 +254,7 @@ static int sweep_2d(const dls_nlgs *work, const dls_contact *problem, batch *b, 
   const double omega = work->settings.relaxation;
   int changed = 0;
   for (int k = 0; k < problem->nc; k++) {
-    const int c = work->order ? work->order[k] : k;
+    const int c = work->sweeps.order ? work->sweeps.order[k] : k;
     double *rc = r + 2 * (size_t)c;
     const dlsi_block_2d *block = work->block_2d + c;
     const double *W = block->W;
@@ -285,7 +285,7 @@ static int sweep_3d(const dls_nlgs *work, const dls_contact *problem, batch *b, 
   const double omega = work->settings.relaxation;
   int changed = 0;
   for (int k = 0; k < problem->nc; k++) {
-    const int c = work->order ? work->order[k] : k;
+    const int c = work->sweeps.order ? work->sweeps.order[k] : k;
     double *rc = r + 3 * (size_t)c;
     const dlsi_block_3d *block = work->block_3d + c;
     const double *W = block->W;
@@ -384,14 +384,15 @@ static double estimate(const dls_nlgs *work, const dls_contact *problem, const d
 /* (G5) u := W r + q afresh, and the certificate */
 static dls_certificate measure(const dls_nlgs *work, const dls_contact *problem, const double *r) {
   dls_certificate certificate;
-  dlsi_multiply(problem, NULL, work->E, r, work->u, work->a);
+  dlsi_multiply(problem, NULL, work->sweeps.E, r, work->u, work->a);
   dlsi_contact_measure(problem, r, work->u, work->a, work->w, work->F, &certificate);
   return certificate;
 }
 
 /* What sweeps go on with after a measure(): u to the bits that belong to their order, not to the numbering */
 static void resume(const dls_nlgs *work, const dls_contact *problem, const double *r) {
-  if (work->order) dlsi_multiply(problem, work->order, work->E, r, work->u, NULL);
+  if (work->sweeps.order)
+    dlsi_multiply(problem, work->sweeps.order, work->sweeps.E, r, work->u, NULL);
 }
 
 /* A warm start put on the cone, so that r_n = 0 means r_c = 0 (G0); cold starts are. 1 if it was not. */
@@ -424,7 +425,7 @@ static void repair(const dls_nlgs *work, const dls_contact *problem, double *r) 
   const int d = problem->d;
   batch dense = new_batch(problem), *b = problem->Wb.x ? NULL : &dense;
   for (int k = 0; k < problem->nc; k++) {
-    const int c = work->order ? work->order[k] : k;
+    const int c = work->sweeps.order ? work->sweeps.order[k] : k;
     double *rc = r + (size_t)d * (size_t)c, dr[3] = {0};
     if (!(d == 2 ? lack(2, problem->mu[c], rc, dr) : lack(3, problem->mu[c], rc, dr))) continue;
     change(work, problem, c, dr, b);
@@ -450,14 +451,14 @@ static void accelerate(dls_nlgs *work, const dls_contact *problem, double residu
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   if (history->columns && !(residual <= growth * *accepted)) { /* (G7) */
     memcpy(r, history->g, m * sizeof *r);
-    dlsi_multiply(problem, work->order, work->E, r, work->u, NULL);
+    dlsi_multiply(problem, work->sweeps.order, work->sweeps.E, r, work->u, NULL);
     dlsi_anderson_clear(history);
   } else {
     *accepted = residual;
     const double unit = power_of_two(scale);
     double *f = work->F; /* in the order of the visits, as all sums of this */
     for (size_t k = 0; k < m / d; k++) {
-      const size_t c = work->order ? (size_t)work->order[k] : k;
+      const size_t c = work->sweeps.order ? (size_t)work->sweeps.order[k] : k;
       for (size_t i = d * c; i < d * (c + 1); i++)
         *f++ = unit * work->w[c] * (r[i] - work->x[i]);
     }
@@ -501,13 +502,12 @@ static dls_status iterate(dls_nlgs *work, const dls_contact *problem, double *r,
   dls_status reason = DLS_MAX_ITERATIONS;
   int fresh = 1; /* u carries no rounding of earlier sweeps */
   const int accelerated = settings->acceleration != DLS_ACCELERATION_NONE;
-  if (accelerated) {
-    dlsi_anderson_clear(&work->history);
-    memcpy(work->x, r, m * sizeof *r);
-  }
+  const int first = work->sweeps.plain + 1; /* of which the acceleration knows */
+  if (accelerated) dlsi_anderson_clear(&work->history);
   int changed = 0;
   for (int k = 1; k <= settings->max_iterations; k++) {
-    if (accelerated && changed) {
+    if (accelerated && k == first) memcpy(work->x, r, m * sizeof *r);
+    if (accelerated && k > first && changed) {
       accelerate(work, problem, residual, scale, &accepted, r);
       fresh = 0;
     }
@@ -560,12 +560,11 @@ static int count_ambiguous(const dls_nlgs *work, const dls_contact *problem, con
   return ambiguous;
 }
 
-dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const int *order,
-                         const double *E, double tol, double *r, double *u,
-                         dls_certificate *certificate, int *iterations) {
+dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, dlsi_sweeps sweeps, double tol,
+                         double *r, double *u, dls_certificate *certificate, int *iterations) {
+  const double *E = sweeps.E;
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  work->order = order;
-  work->E = E;
+  work->sweeps = sweeps;
   work->tol = tol;
   for (size_t c = 0; c < m / d; c++) {
     double W[9];
@@ -596,8 +595,8 @@ dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, doubl
   if (status) return status;
   int iterations;
   dls_certificate certificate;
-  status =
-      dlsi_nlgs_run(work, problem, NULL, NULL, work->settings.tol, r, u, &certificate, &iterations);
+  status = dlsi_nlgs_run(work, problem, (dlsi_sweeps){0}, work->settings.tol, r, u, &certificate,
+                         &iterations);
   if (info) {
     const dls_info outcome = {.status = status,
                               .method = DLS_NLGS,
