@@ -2,7 +2,7 @@
  * auto.c: the method "auto": one method after the other, each from the best r so far, until the
  * certificate holds.
  *
- *   (S1)  accelerated sweeps of Gauss-Seidel (Anderson), in the order of order.c; W dense, up to 100
+ *   (S1)  accelerated sweeps of Gauss-Seidel (Anderson), in the order of order.c; W dense, up to 130
  *         unknowns: the first ones plain, until they are looked at (C1)
  *   (S3)  up to 200 iterations of ADMM; W dense, k >= 150, (F5) below (F1) and (F2)
  *   (S2)  Newton's method
@@ -59,7 +59,7 @@
 
 enum { look_every = 5 }; /* sweeps */
 enum { steps_expected = 4, steps_after_rise = 6, most_steps_to_sort = 5, most_failures = 5 };
-enum { plain_unknowns = 100 };                         /* (S1) */
+enum { plain_unknowns = 130 };                         /* (S1) */
 enum { split_unknowns = 150, split_iterations = 200 }; /* (S3) */
 
 static const int patience[] = {2, 4, 8, 12, 12, 12}; /* (C2) */
