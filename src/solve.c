@@ -332,6 +332,7 @@ static DLSI_NOINLINE dls_status check_and_solve(dls_solver *solver, const dls_co
                                                 dls_error *error) {
   static const char function[] = "dls_solver_solve";
   if (!solver) return dlsi_fail(error, DLS_E_ARGUMENT, function, "solver", -1, 0, "is NULL");
+  if (!problem) return dlsi_check_contact(function, NULL, error);
   const dls_status status = dlsi_check_solve(function, solver->d, solver->nc, problem, r,
                                              solver->settings.warm_start, error);
   return status ? status : solve(solver, problem, r, u, info, error);
@@ -375,10 +376,10 @@ dls_status dls_solve(const dls_contact *problem, const dls_solver_settings *sett
                      double *u, dls_info *info, dls_error *error) {
   dls_solver_settings s;
   dls_solver_settings_init(&s);
-  dls_status status = DLS_OK;
   int pressed;
-  if (!problem || !is_sound(problem, &pressed))
-    status = dlsi_check_contact(__func__, problem, error);
+  if (!problem) return dlsi_check_contact(__func__, NULL, error);
+  dls_status status =
+      is_sound(problem, &pressed) ? DLS_OK : dlsi_check_contact(__func__, problem, error);
   if (!status && settings) status = check_settings(__func__, settings, error);
   if (status) return status;
   if (settings) s = *settings;
