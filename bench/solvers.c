@@ -17,8 +17,9 @@
  * CPU time is that of the solve. An impatient run stops a solver of delassus that takes 10 times as long as
  * the best of delassus so far, one of the peer that takes 3 times as long as the best of the peer so
  * far, but neither before 0.2 s: what it drops could not have been the best of its side. In the end auto
- * and the best of each side take turns three times more, 20 times where auto takes less than 0.1 ms, for the clock of
- * a machine can change from one solver to the next; the least counts, as a row of its own.
+ * and the best of each side take turns three times more, up to 20 times while auto takes more than 0.8 of the best of
+ * the peer, for the clock of a machine can change from one solver to the next; the least counts, as a row
+ * of its own.
  */
 #include <math.h>
 #include <stdio.h>
@@ -227,15 +228,21 @@ static void run_peer(const plan *p, const peer_method *w, const scene *s, leader
   }
 }
 
+/* Whether auto is solidly ahead of the best of the peer. */
+static int is_clear(const record *own, const record *peer) {
+  const double clear = 0.8;
+  return own->status != SOLVED || peer->status != SOLVED || own->cpu < clear * peer->cpu;
+}
+
 static void take_turns(const plan *p, const scene *s, leaders best) {
-  const double brief = 1e-4; /* s */
-  const int rounds = best[AUTO][0].status == SOLVED && best[AUTO][0].cpu < brief ? 20 : 3;
+  enum { least = 3, most = 20 };
   leaders first;
   for (int k = 0; k < TARGETS; k++) /* one solver, one turn */
     if (best[OWN][k].how == best[AUTO][k].how) best[OWN][k].status = NOT_RUN;
   memcpy(first, best, sizeof first);
-  for (int round = 0; round < rounds; round++)
-    for (int k = 0; k < TARGETS; k++)
+  for (int round = 0; round < most; round++)
+    for (int k = 0; k < TARGETS; k++) {
+      if (round >= least && is_clear(&best[AUTO][k], &best[PEER][k])) continue;
       for (int i = 0; i < SIDES; i++) {
         record *a = &best[i][k];
         if (a->status != SOLVED) continue;
@@ -245,6 +252,7 @@ static void take_turns(const plan *p, const scene *s, leaders best) {
         a->cpu = b.cpu;
         a->setup = b.setup;
       }
+    }
   for (int k = 0; k < TARGETS; k++)
     for (int i = 0; i < SIDES; i++)
       if (best[i][k].cpu < first[i][k].cpu) report_add(p->out, &best[i][k]);
