@@ -229,9 +229,9 @@ static void run_peer(const plan *p, const peer_method *w, const scene *s, leader
 }
 
 /* Whether auto is solidly ahead of the best of the peer. */
-static int is_clear(const record *own, const record *peer) {
+static int is_clear(const record *ours, const record *peer) {
   const double clear = 0.8;
-  return own->status != SOLVED || peer->status != SOLVED || own->cpu < clear * peer->cpu;
+  return ours->status != SOLVED || peer->status != SOLVED || ours->cpu < clear * peer->cpu;
 }
 
 static void take_turns(const plan *p, const scene *s, leaders best) {
