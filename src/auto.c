@@ -22,8 +22,8 @@
  *   (F3)  Newton's method, under way: log(e / e*) over the last decrease of log e; W dense: the
  *         steps in which a decrease that doubles each time gets there. 6 steps if the first one went
  *         up, which it does where W is singular or the states are not sorted yet
- *   (F4)  a step costs min(k / 6, 50) sweeps, k being the unknowns that the states of r leave; for
- *         W dense not less than k^2 / (50 m): k^3 of an LU over k m of a sweep
+ *   (F4)  a step costs max(5 + k / 12, k / 6) sweeps, 50 at most, k being the unknowns that the states of
+ *         r leave; for W dense not less than k^2 / (50 m): k^3 of an LU over k m of a sweep
  *   (F5)  ADMM: 100 + 2 (F4): some 50 iterations of two sweeps, one to three factorisations
  *
  *   (C1)  From sweep 10 on (warm: 5; W by blocks: 20, 10; doubled by each failure) sweeps end when
@@ -132,7 +132,7 @@ static int look(dlsi_auto *work) {
 /* (F4) */
 static double step_cost(const dls_contact *problem, const double *r) {
   const double k = unknowns(problem, r);
-  const double small = k / 6 < 50 ? k / 6 : 50;
+  const double small = fmin(fmax(k / 6, 5 + k / 12), 50);
   const double large = problem->W.a ? k * k / (50. * problem->d * problem->nc) : 0;
   return small > large ? small : large;
 }
