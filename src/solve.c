@@ -374,19 +374,20 @@ void dls_solver_destroy(dls_solver *solver) {
 
 dls_status dls_solve(const dls_contact *problem, const dls_solver_settings *settings, double *r,
                      double *u, dls_info *info, dls_error *error) {
-  dls_solver_settings s;
-  dls_solver_settings_init(&s);
   int pressed;
   if (!problem) return dlsi_check_contact(__func__, NULL, error);
   dls_status status =
       is_sound(problem, &pressed) ? DLS_OK : dlsi_check_contact(__func__, problem, error);
   if (!status && settings) status = check_settings(__func__, settings, error);
   if (status) return status;
+  dls_solver_settings s;
+  if (!settings) dls_solver_settings_init(&s);
+  const dls_solver_settings *given = settings ? settings : &s;
+  status = dlsi_check_start(__func__, problem, r, given->warm_start, error);
+  if (status) return status;
+  if (answer(given, problem, r, u, info)) return DLS_OK;
   if (settings) s = *settings;
   s.blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : 0;
-  status = dlsi_check_start(__func__, problem, r, s.warm_start, error);
-  if (status) return status;
-  if (answer(&s, problem, r, u, info)) return DLS_OK;
   dls_solver solver = {.settings = s, .d = problem->d, .nc = problem->nc};
   status = create_method(&solver, 0, error);
   if (!status) status = solve_by_method(&solver, problem, r, u, info, error);
