@@ -271,7 +271,8 @@ static double iteration(const dls_contact *p, dls_method method, int accelerated
 
 /* (F4) of src/auto.c */
 static double model(const dls_contact *p, int k) {
-  return fmax(fmin(fmax(5 + k / 12., k / 6.), 50), p->W.a ? (double)k * k / (50. * p->d * p->nc) : 0);
+  return fmax(fmin(fmax(5 + k / 12., k / 6.), 50),
+              p->W.a ? (double)k * k / (50. * p->d * p->nc) : 0);
 }
 
 static int run_cost(int count, char **name) {
