@@ -113,9 +113,8 @@ double dlsi_max_abs(const double *x, size_t n);
 /* What sweeps can do for other methods; all zero: those of dls_nlgs_solve. */
 typedef struct dlsi_sweeps {
   const int *order; /* nc: in which they visit the candidates; NULL: 0, 1, .. */
-  const double *
-      E; /* nc: springs on the diagonal of W, to which the weights of the certificate do not belong */
-  int plain; /* so many before an acceleration begins */
+  const double *E;  /* nc: springs on the diagonal of W; not in the certificate's weights */
+  int plain;        /* so many before an acceleration begins */
 } dlsi_sweeps;
 
 /* dls_nlgs_solve of what has been checked already. r as there, and the iterate while the progress callback is

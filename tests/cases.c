@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "delassus/solve.h"
 #include "malloc_fails.h"
 
 static uint64_t seed;
@@ -344,6 +345,23 @@ static void same_work(const dls_info *a, const dls_info *b) {
 
 double close_of(const model *a) { /* |W^-1| (|F| + |F'|) or so, W >= I / 10 */
   return 1000 * 1e-12 * norm_of(a->q, a->p.d * a->p.nc);
+}
+
+void expect_answer_of(const tested_solver *s, int i, dls_method other) {
+  static model a;
+  numbered_model(&a, i);
+  settings own;
+  init(s, &own, 1e-12, 0);
+  dls_solver_settings others;
+  dls_solver_settings_init(&others);
+  others.method = other;
+  others.tol = 1e-12;
+  double r[most], u[most], r2[most];
+  dls_info info;
+  ck_assert_int_eq(run_with(s, &a.p, &own, 1e-12, r, u, &info), DLS_OK);
+  ck_assert_int_eq(dls_solve(&a.p, &others, r2, NULL, NULL, NULL), DLS_OK);
+  for (int k = 0; k < a.p.d * a.p.nc; k++)
+    ck_assert(fabs(r[k] - r2[k]) <= close_of(&a));
 }
 
 void expect_solved(const tested_solver *s, int i) {

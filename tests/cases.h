@@ -133,8 +133,9 @@ dls_status run_with(const tested_solver *s, const dls_contact *p, const void *se
 double close_of(const model *a);
 
 /* What every solver has to do; settings as from with_tol(tol) where they are given. */
-void expect_solved(const tested_solver *s,
-                   int i); /* numbered_model i: again, warm, by blocks, reversed */
+/* numbered_model i: again, warm, by blocks, reversed; and the answer of the method `other` */
+void expect_solved(const tested_solver *s, int i);
+void expect_answer_of(const tested_solver *s, int i, dls_method other);
 void expect_any_units(const tested_solver *s, const model *a, const void *settings, double tol);
 void expect_any_tangents(const tested_solver *s, int i);
 void expect_floor(const tested_solver *s, int i); /* tol = 0 */

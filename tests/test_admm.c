@@ -212,21 +212,7 @@ END_TEST
 
 START_TEST(random_problem) {
   expect_solved(&the_admm, _i);
-
-  /* Newton's method: the same answer */
-  static model a;
-  numbered_model(&a, _i);
-  const dls_admm_settings s = with_tol(1e-12);
-  double r[most], r2[most];
-  dls_info info;
-  ck_assert_int_eq(run(&a.p, &s, r, NULL, &info), DLS_OK);
-  dls_solver_settings newton;
-  dls_solver_settings_init(&newton);
-  newton.method = DLS_NEWTON;
-  newton.tol = 1e-12;
-  ck_assert_int_eq(dls_solve(&a.p, &newton, r2, NULL, NULL, NULL), DLS_OK);
-  for (int k = 0; k < a.p.d * a.p.nc; k++)
-    ck_assert(fabs(r[k] - r2[k]) <= close_of(&a));
+  expect_answer_of(&the_admm, _i, DLS_NEWTON);
 }
 END_TEST
 

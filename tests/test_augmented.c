@@ -282,23 +282,7 @@ END_TEST
 
 START_TEST(random_problem) {
   expect_solved(&the_augmented, _i);
-
-  /* another method: the same answer */
-  static model a;
-  numbered_model(&a, _i);
-  const dls_augmented_settings s = with_tol(1e-12);
-  double r[most], r2[most];
-  dls_info info;
-  ck_assert_int_eq(run(&a.p, &s, r, NULL, &info), DLS_OK);
-  dls_nlgs_settings sweeps;
-  dls_nlgs_settings_init(&sweeps);
-  sweeps.tol = 1e-12;
-  dls_nlgs *nlgs;
-  ck_assert_int_eq(dls_nlgs_create(&nlgs, a.p.d, a.p.nc, &sweeps, NULL), DLS_OK);
-  ck_assert_int_eq(dls_nlgs_solve(nlgs, &a.p, r2, NULL, NULL, NULL), DLS_OK);
-  dls_nlgs_destroy(nlgs);
-  for (int k = 0; k < a.p.d * a.p.nc; k++)
-    ck_assert(fabs(r[k] - r2[k]) <= close_of(&a));
+  expect_answer_of(&the_augmented, _i, DLS_NLGS);
 }
 END_TEST
 
