@@ -295,6 +295,74 @@ START_TEST(smaller_problem) {
 }
 END_TEST
 
+/* ---- the head of the matrix -------------------------------------------------------------------- */
+
+enum { bed_nc = 60, bed_m = 3 * bed_nc };
+
+/* Candidates in a row on an elastic bed, W the coupling exp(-|a - b| / 4) of blocks that are positive definite,
+ * pressed by a hump and pushed; unsymmetric: by one bit. */
+static dls_contact bed(int d, double mu_of_all, double push, int unsymmetric) {
+  static const double block[] = {1, 0.2, 0.1, 0.2, 0.8, -0.1, 0.1, -0.1, 0.9};
+  static double W[bed_m * bed_m], q[bed_m], mu[bed_nc];
+  const int m = d * bed_nc;
+  for (int b = 0; b < bed_nc; b++) {
+    const double x = (b - 0.4 * bed_nc) / bed_nc;
+    mu[b] = b % 7 == 3 ? 0 : mu_of_all;
+    for (int j = 0; j < d; j++) {
+      q[d * b + j] = j == 0 ? 8 * x * x - 1 : push * (j == 1 ? 1 + x : sin(9 * x));
+      for (int a = 0; a < bed_nc; a++)
+        for (int i = 0; i < d; i++)
+          W[d * a + i + m * (d * b + j)] = exp(-abs(a - b) / 4.) * block[3 * j + i];
+    }
+    double *w = &W[d * b + 1 + m * d * b];
+    if (unsymmetric) *w = nextafter(*w, 1);
+  }
+  return (dls_contact){.d = d, .nc = bed_nc, .W = {m, m, m, W}, .q = q, .mu = mu};
+}
+
+typedef struct residuals {
+  int steps;
+  double of[30];
+} residuals;
+
+static int write_down(void *data, const dls_progress *progress) {
+  residuals *to = data;
+  to->of[to->steps++] = progress->residual;
+  return 0;
+}
+
+/* One bit in each block makes W unsymmetric and the method take LU of all: step by step the same residuals. */
+START_TEST(head_is_lu) {
+  const int d = 2 + _i;
+  const double mu[] = {0.2, 0.5, 1, 2};
+  int most_steps = 0;
+  for (int k = 0; k < 4; k++)
+    for (int l = 0; l < 4; l++) {
+      residuals seen[2] = {{0}, {0}};
+      double r[2][bed_m];
+      for (int way = 0; way < 2; way++) {
+        const dls_contact p = bed(d, mu[k], 0.1 + 0.1 * l, way);
+        dls_newton_settings s = with_tol(1e-12);
+        s.sweeps = 0;
+        s.progress = write_down;
+        s.progress_data = &seen[way];
+        dls_newton *work;
+        dls_info info;
+        ck_assert_int_eq(dls_newton_create(&work, p.d, p.nc, &s, NULL), DLS_OK);
+        ck_assert_int_eq(dls_newton_solve(work, &p, r[way], NULL, &info, NULL), DLS_OK);
+        dls_newton_destroy(work);
+      }
+      ck_assert_int_eq(seen[0].steps, seen[1].steps);
+      for (int i = 0; i < seen[0].steps; i++)
+        ck_assert(fabs(seen[0].of[i] - seen[1].of[i]) <= 1e-9 * seen[1].of[i] + 1e-14);
+      for (int i = 0; i < d * bed_nc; i++)
+        ck_assert(fabs(r[0][i] - r[1][i]) <= 1e-10);
+      if (seen[0].steps > most_steps) most_steps = seen[0].steps;
+    }
+  ck_assert_int_ge(most_steps, 5);
+}
+END_TEST
+
 /* ---- large: the matrices beyond 250 unknowns --------------------------------------------------- */
 
 enum { grid = 52, grid_nc = grid * grid, grid_m = 2 * grid_nc };
@@ -499,6 +567,7 @@ int main(void) {
   tcase_add_loop_test(t, turned_tangents, 0, 10);
   tcase_add_loop_test(t, tolerance_zero, 0, 20);
   tcase_add_test(t, smaller_problem);
+  tcase_add_loop_test(t, head_is_lu, 0, 2);
   suite_add_tcase(suite, t);
   t = tcase_create("large");
   tcase_set_timeout(t, 60);

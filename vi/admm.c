@@ -293,9 +293,10 @@ static dls_status factor(const char *function, dls_admm *work, const dls_contact
 static dls_status back(const char *function, dls_admm *work, int m, double *x, dls_error *error) {
   const int one = 1;
   int info;
-  if (work->solver == CHOLESKY)
-    dlsi_cholesky_solve(m, work->room->J, x);
-  else if (work->solver == LU)
+  if (work->solver == CHOLESKY) {
+    dlsi_solve_lower(m, work->room->J, x);
+    dlsi_solve_upper(m, work->room->J, x);
+  } else if (work->solver == LU)
     dgetrs_("N", &m, &one, work->room->J, &m, work->pivot, x, &m, &info, 1);
   else
     return dlsi_sparse_lu_solve(function, work->room->lu, x, error);

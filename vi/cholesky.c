@@ -14,8 +14,15 @@ int dlsi_is_symmetric(const double *A, size_t n) {
 }
 
 /* dpotrs, made for many x, takes three times as long in OpenBLAS */
-void dlsi_cholesky_solve(int n, const double *A, double *x) {
+static void solve(const char *trans, int n, const double *L, double *x) {
   const int one = 1;
-  dtrsv_("L", "N", "N", &n, A, &n, x, &one, 1, 1, 1);
-  dtrsv_("L", "T", "N", &n, A, &n, x, &one, 1, 1, 1);
+  if (n) dtrsv_("L", trans, "N", &n, L, &n, x, &one, 1, 1, 1);
+}
+
+void dlsi_solve_lower(int n, const double *L, double *x) {
+  solve("N", n, L, x);
+}
+
+void dlsi_solve_upper(int n, const double *L, double *x) {
+  solve("T", n, L, x);
 }

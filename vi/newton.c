@@ -20,7 +20,13 @@
  *         slip, mu = 0         r0_c = (r_n, 0), unknown a:            u0_n + W_n dr = 0
  *   (N2)  these rows and columns of W + eps diag(w), and l on the rows of b: one LU, one solve
  *         While the states stay, and in 3D nobody slides, the matrix does, and its factors are kept.
- *         Cholesky's, if nobody slides with friction and W is dense and symmetric.
+ *         In a dense matrix the head, A, comes first: the unknowns of candidates that stick or have
+ *         mu = 0. If W is symmetric and three quarters of all unknowns are in it,
+ *           ( A  B )      A = L L^T,  X = L^-1 B,  Y = L^-1 C^T,  and LU of S = D - Y^T X.
+ *           ( C  D )
+ *         L is kept while the candidates of the head stick; new ones that stick join D, up to a quarter
+ *         of the head. No pivots are needed between the two: Y^T Y is less than the diagonal blocks of
+ *         W, and X is no larger than (1 + mu) Y.
  *   (N3)  r := r0 + dr
  *
  * k and mu a are the row of AC along t, linearised; the row of b is the one along p divided by
@@ -62,6 +68,7 @@
 #include "vi_internal.h"
 
 enum { patience = 12, impatience = 4, memory = 5, halvings = 6 };
+enum { head_over_rest = 3, head_over_new = 4 };
 enum { dense_limit = 250 }; /* of 50, 150, 250, 400 the fastest on FCLIB files by blocks */
 
 static const double least_eps = 1e-8; /* that cures a singular matrix */
@@ -72,12 +79,13 @@ static const double least_beta = 1e-10; /* R / |tau|: l stays finite where R van
 /* (N1) of a candidate */
 typedef struct branch {
   dls_contact_state state;
-  int first, count; /* its unknowns */
+  int first, count; /* its unknowns, */
+  int in_head;      /* among those of A */
   double t[2], p[2];
   double l;
 } branch;
 
-typedef enum factors { NONE, CHOLESKY, LU, SPARSE_LU } factors;
+typedef enum factors { NONE, DENSE, SPARSE } factors;
 
 struct dls_newton {
   dls_newton_settings settings;
@@ -95,6 +103,9 @@ struct dls_newton {
   const double *E; /* nc: it solves u = (W + diag(E)) r + q; NULL: 0 */
   int sparse;      /* this run factorises sparse beyond dense_limit */
   factors factors; /* of (N2) as it stands */
+  int head;        /* unknowns in A */
+  int has_head;    /* L is there */
+  int symmetric;   /* no A has shown yet that W is not */
   dlsi_room *room; /* of (N2): the one given, or */
   dlsi_room own;
 };
@@ -299,44 +310,72 @@ static const double *column_of(dls_newton *work, const dls_contact *problem, int
   return work->a;
 }
 
-/* (N2), k x k in J; W dense */
+/* (N2) in J, part by part, each by columns. A turns into L, the others into X, Y^T and S. */
+typedef struct parts {
+  int h, t;           /* unknowns in A, and the others */
+  double *A, *B, *CT; /* h x h, h x t, h x t */
+  double *D;          /* t x t */
+} parts;
+
+static parts parts_of(const dls_newton *work, int k) {
+  const size_t h = (size_t)work->head, t = (size_t)k - h;
+  double *J = work->room->J;
+  return (parts){(int)h, (int)t, J, J + h * h, J + h * h + h * t, J + h * h + 2 * h * t};
+}
+
+static double *entry(const parts *in, int row, int col) {
+  const size_t h = (size_t)in->h, t = (size_t)in->t, i = (size_t)row, j = (size_t)col;
+  if (row < in->h) return col < in->h ? in->A + i + j * h : in->B + i + (j - h) * h;
+  return col < in->h ? in->CT + j + (i - h) * h : in->D + (i - h) + (j - h) * t;
+}
+
+/* (N2) but for an A that is known; W dense */
 static void build_from_dense(dls_newton *work, const dls_contact *problem, double eps, int k) {
   const int d = problem->d;
+  const parts in = parts_of(work, k);
+  const int h = in.h;
   for (int c = 0; c < problem->nc; c++)
     for (int i = 0; i < work->branch[c].count; i++)
       work->p[work->branch[c].first + i] = d * c + i;
   for (int b = 0; b < problem->nc; b++)
     for (int j = 0; j < work->branch[b].count; j++) {
-      const int col = work->branch[b].first + j;
+      const int col = work->branch[b].first + j, known = work->has_head && col < h;
       const double *v = column_of(work, problem, b, j);
-      double *column = work->room->J + (size_t)col * (size_t)k;
-      for (int i = 0; i < k; i++)
-        column[i] = v[work->p[i]];
+      double *top = known || !h ? NULL : entry(&in, 0, col),
+             *rest = h < k ? entry(&in, h, col) : NULL;
+      const size_t step = col < h ? (size_t)h : 1;
+      for (int i = 0; top && i < h; i++)
+        top[i] = v[work->p[i]];
+      for (int i = h; i < k; i++)
+        rest[(size_t)(i - h) * step] = v[work->p[i]];
       for (int c = 0; d == 3 && c < problem->nc; c++) {
         const branch *at = &work->branch[c];
-        if (at->state == DLS_SLIP && at->count == 2) column[at->first + 1] = row(at, 1, v + 3 * c);
+        if (at->state == DLS_SLIP && at->count == 2)
+          *entry(&in, at->first + 1, col) = row(at, 1, v + 3 * c);
       }
-      column[col] += extra_diagonal(work, b, j, eps);
+      if (!known) *entry(&in, col, col) += extra_diagonal(work, b, j, eps);
     }
 }
 
-/* (N2), k x k in J; W by blocks */
+/* the same; W by blocks */
 static void build_from_blocks(dls_newton *work, const dls_contact *problem, double eps, int k) {
+  const parts in = parts_of(work, k);
+  const size_t known = work->has_head ? (size_t)in.h : 0;
+  memset(in.A + known * known, 0, ((size_t)k * (size_t)k - known * known) * sizeof *in.A);
   for (int b = 0; b < problem->nc; b++) {
     const dlsi_block_column W = dlsi_contact_column(problem, (size_t)b);
     for (int j = 0; j < work->branch[b].count; j++) {
-      const int col = work->branch[b].first + j;
-      double e[3], v[3], *column = work->room->J + (size_t)col * (size_t)k;
+      const int col = work->branch[b].first + j, from = (size_t)col < known ? in.h : 0;
+      double e[3], v[3];
       direction(&work->branch[b], problem->mu[b], j, e);
-      memset(column, 0, (size_t)k * sizeof *column);
       for (size_t s = W.begin; s < W.end; s++) {
         const branch *row_of = &work->branch[dlsi_row(&W, s)];
-        if (!row_of->count) continue;
+        if (!row_of->count || row_of->first < from) continue;
         multiply_block(problem->d, W.x + s * W.step, W.ld, e, v);
         for (int i = 0; i < row_of->count; i++)
-          column[row_of->first + i] += row(row_of, i, v);
+          *entry(&in, row_of->first + i, col) += row(row_of, i, v);
       }
-      column[col] += extra_diagonal(work, b, j, eps);
+      if (!from) *entry(&in, col, col) += extra_diagonal(work, b, j, eps);
     }
   }
 }
@@ -374,41 +413,68 @@ static dls_sparse build_sparse(dls_newton *work, const dls_contact *problem, dou
   return A;
 }
 
-/* no candidate slides with friction: (N2) is as symmetric as W */
-static int nobody_slides(const dls_newton *work, const dls_contact *problem) {
-  for (int c = 0; c < problem->nc; c++)
-    if (work->branch[c].state == DLS_SLIP && problem->mu[c] > 0) return 0;
-  return 1;
+/* L; 0 if there is none */
+static int factor_head(dls_newton *work, const parts *in) {
+  int info;
+  if (!in->h || work->has_head) return 1;
+  if (!dlsi_is_symmetric(in->A, (size_t)in->h)) return work->symmetric = 0;
+  dpotrf_("L", &in->h, in->A, &in->h, &info, 1);
+  return work->has_head = !info;
+}
+
+/* X, Y, S and its factors; DLS_E_SINGULAR */
+static dls_status factor_rest(dls_newton *work, const parts *in) {
+  const double one = 1, minus = -1;
+  const int h = in->h, t = in->t;
+  int info;
+  if (!t) return DLS_OK;
+  if (h) {
+    dtrsm_("L", "L", "N", "N", &h, &t, &one, in->A, &h, in->B, &h, 1, 1, 1, 1);
+    dtrsm_("L", "L", "N", "N", &h, &t, &one, in->A, &h, in->CT, &h, 1, 1, 1, 1);
+    dgemm_("T", "N", &t, &t, &h, &minus, in->CT, &h, in->B, &h, &one, in->D, &t, 1, 1);
+  }
+  dgetrf_(&t, &t, in->D, &t, work->pivot, &info);
+  return info ? DLS_E_SINGULAR : DLS_OK;
 }
 
 /* factors of (N2); DLS_E_SINGULAR, DLS_E_MEMORY */
 static dls_status factor(const char *function, dls_newton *work, const dls_contact *problem,
                          double eps, int k, dls_error *error) {
-  double *J = work->room->J;
-  int info;
   if (work->sparse && k > dense_limit) {
     const dls_sparse A = build_sparse(work, problem, eps, k);
-    work->factors = SPARSE_LU;
+    work->factors = SPARSE;
     return dlsi_sparse_lu_factor(function, work->room->lu, &A, error);
   }
+  parts in = parts_of(work, k);
   build_dense(work, problem, eps, k);
-  if (nobody_slides(work, problem) && dlsi_is_symmetric(J, (size_t)k)) {
-    work->factors = CHOLESKY;
-    dpotrf_("L", &k, J, &k, &info, 1);
-    if (!info) return DLS_OK;
+  if (!factor_head(work, &in)) {
+    work->head = 0;
+    in = parts_of(work, k);
     build_dense(work, problem, eps, k);
   }
-  work->factors = LU;
-  dgetrf_(&k, &k, J, &k, work->pivot, &info);
-  return info ? DLS_E_SINGULAR : DLS_OK;
+  work->factors = DENSE;
+  return factor_rest(work, &in);
+}
+
+/* x := the solution of (N2) with right side x, by its parts */
+static void solve_parts(const dls_newton *work, int k, double *x) {
+  const parts in = parts_of(work, k);
+  const double one = 1, minus = -1;
+  const int h = in.h, t = in.t, step = 1;
+  int info;
+  dlsi_solve_lower(h, in.A, x);
+  if (t) {
+    if (h) dgemv_("T", &h, &t, &minus, in.CT, &h, x, &step, &one, x + h, &step, 1);
+    dgetrs_("N", &t, &step, in.D, &t, work->pivot, x + h, &t, &info, 1);
+    if (h) dgemv_("N", &h, &t, &minus, in.B, &h, x + h, &step, &one, x, &step, 1);
+  }
+  dlsi_solve_upper(h, in.A, x);
 }
 
 /* x := the solution of (N2) with right side x; *done counts the factorisations. DLS_E_SINGULAR,
  * DLS_E_MEMORY */
 static dls_status solve_step(const char *function, dls_newton *work, const dls_contact *problem,
                              double eps, int k, int *done, dls_error *error) {
-  const int one = 1;
-  int info;
   if (k == 0) return DLS_OK;
   if (!work->factors) {
     const dls_status status = factor(function, work, problem, eps, k, error);
@@ -418,12 +484,9 @@ static dls_status solve_step(const char *function, dls_newton *work, const dls_c
       return status;
     }
   }
-  if (work->factors == SPARSE_LU)
+  if (work->factors == SPARSE)
     return dlsi_sparse_lu_solve(function, work->room->lu, work->x, error);
-  if (work->factors == CHOLESKY)
-    dlsi_cholesky_solve(k, work->room->J, work->x);
-  else
-    dgetrs_("N", &k, &one, work->room->J, &k, work->pivot, work->x, &k, &info, 1);
+  solve_parts(work, k, work->x);
   return DLS_OK;
 }
 
@@ -470,6 +533,44 @@ static int same_matrix(int d, const branch *a, const branch *b) {
          (d == 2 || a->l == b->l);
 }
 
+/* may stand in A */
+static int is_symmetric(const branch *b, double mu) {
+  return b->state == DLS_STICK || (b->state == DLS_SLIP && !(mu > 0));
+}
+
+/* Whether L remains good for a matrix with k unknowns; else what is to stand in A, if anything. */
+static void choose_head(dls_newton *work, const dls_contact *problem, int k) {
+  int lead = 0, new = 0, left = 0;
+  for (int c = 0; c < problem->nc; c++) {
+    const branch *b = &work->branch[c];
+    const int symmetric = is_symmetric(b, problem->mu[c]);
+    if (symmetric) lead += b->count;
+    if (symmetric && !b->in_head) new += b->count;
+    if (!symmetric && b->in_head) left = 1;
+  }
+  const int dense = !(work->sparse && k > dense_limit);
+  if (work->has_head && dense && !left && head_over_new * new <= work->head) return;
+  const int worth = dense && work->symmetric && lead >= head_over_rest * (k - lead);
+  work->has_head = 0;
+  for (int c = 0; c < problem->nc; c++)
+    work->branch[c].in_head = worth && is_symmetric(&work->branch[c], problem->mu[c]);
+}
+
+/* Numbers the k unknowns of a matrix to be factorised, those in A first. */
+static void number(dls_newton *work, const dls_contact *problem, int k) {
+  int next = 0;
+  choose_head(work, problem, k);
+  for (int rest = 0; rest < 2; rest++) {
+    for (int c = 0; c < problem->nc; c++) {
+      branch *b = &work->branch[c];
+      if (b->in_head == rest) continue;
+      b->first = next;
+      next += b->count;
+    }
+    if (!rest) work->head = next;
+  }
+}
+
 /* (N1) for all: next := r0, x := right side; returns how many unknowns there are */
 static int linearise(dls_newton *work, const dls_contact *problem) {
   const int d = problem->d;
@@ -482,9 +583,11 @@ static int linearise(dls_newton *work, const dls_contact *problem) {
     const branch before = *b;
     *b = branch_of(d, problem->mu[c], work->w[c], work->u + o, work->next + o);
     if (work->factors && !same_matrix(d, b, &before)) work->factors = NONE;
-    b->first = k;
+    b->first = before.first;
+    b->in_head = before.in_head;
     k += b->count;
   }
+  if (!work->factors) number(work, problem, k);
   dlsi_multiply(problem, NULL, work->E, work->next, work->unext, NULL);
   for (int c = 0; c < problem->nc; c++) {
     const size_t o = (size_t)d * (size_t)c;
@@ -584,6 +687,7 @@ static dls_status iterate(const char *function, dls_newton *work, const dls_cont
     while ((status = solve_step(function, work, problem, eps, unknowns, &count->factorisations,
                                 &why)) == DLS_E_SINGULAR) {
       eps = eps > least_eps ? 100 * eps : least_eps;
+      work->has_head = 0;
       if (!(eps < 1)) return DLS_STALLED;
       linearise(work, problem); /* x is spent */
     }
@@ -608,6 +712,7 @@ static dls_status iterate(const char *function, dls_newton *work, const dls_cont
     if (k > since && (k - since) % impatience == 0 && eps < most_eps) {
       eps *= 10;
       work->factors = NONE;
+      work->has_head = 0;
     }
     if (k - since >= patience || !(now.residual <= DBL_MAX)) return DLS_STALLED;
   }
@@ -641,6 +746,8 @@ dls_status dlsi_newton_run(const char *function, dls_newton *work, const dls_con
   work->E = E;
   work->tol = tol;
   work->factors = NONE;
+  work->has_head = 0;
+  work->symmetric = 1;
   *count = (dlsi_newton_count){0};
   dlsi_contact_weights(problem, work->w);
   if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */

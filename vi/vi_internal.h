@@ -79,10 +79,11 @@ void dlsi_anderson_clear(dlsi_anderson *a);
  * yet: they stay. m: the same since clear. */
 int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, double *u);
 
-/* Dense A, n x n (cholesky.c): does it equal its transpose to the last bit; and x := A^-1 x with the
- * factor L that dpotrf left in A. */
+/* Dense A, n x n (cholesky.c): does it equal its transpose to the last bit; and x := L^-1 x, L^-T x with
+ * the factor L that dpotrf left in A, n >= 0. */
 int dlsi_is_symmetric(const double *A, size_t n);
-void dlsi_cholesky_solve(int n, const double *A, double *x);
+void dlsi_solve_lower(int n, const double *L, double *x);
+void dlsi_solve_upper(int n, const double *L, double *x);
 
 /* ---- with springs: u = (W + diag(E)) r + q, E_c >= 0 for all d rows of candidate c ----------- */
 
