@@ -20,28 +20,21 @@
 
 enum { most_rows = 3 * DLSI_FEW };
 
-/* 1 if one candidate has q_n < 0, or the columns of all that have hold nothing but W_cc */
-static int are_apart(const dls_contact *problem) {
-  const dls_blocks *B = &problem->Wb;
-  int pressed = 0, coupled = !B->x;
-  for (int c = 0; c < problem->nc; c++) {
-    if (!(problem->q[problem->d * c] < 0)) continue;
-    pressed++;
-    for (int k = B->x ? B->p[c] : 0; B->x && k < B->p[c + 1]; k++)
-      coupled |= B->i[k] != c;
-  }
-  return pressed == 1 || !coupled;
-}
-
 /* (A2) r and the weights w of the candidates with q_n < 0 (those of the others do not count: w r = 0);
- * 0 if one has no solution or no weight of its own. */
+ * 0 if W couples two of them, or one has no solution or no weight of its own. */
 static int solve_each(const dls_contact *problem, double *r, double *w) {
+  const dls_blocks *B = &problem->Wb;
   const int d = problem->d;
+  int pressed = 0, coupled = 0;
   for (int c = 0; c < problem->nc; c++) {
     const double *q = problem->q + d * c;
-    double W[9];
     if (!(q[0] < 0)) continue;
-    dlsi_contact_diagonal(problem, c, W);
+    const int only = B->x && B->p[c + 1] - B->p[c] == 1 && B->i[B->p[c]] == c;
+    coupled |= !only;
+    if (++pressed > 1 && coupled) return 0;
+    double copy[9];
+    const double *W = only ? B->x + (size_t)(d * d) * (size_t)B->p[c] : copy;
+    if (!only) dlsi_contact_diagonal(problem, c, copy);
     w[c] = dlsi_block_weight(d, W);
     if (!(w[c] > 0)) return 0;
     if (dls_nlgs_local(d, W, q, problem->mu[c], r + d * c, NULL) == DLS_LOCAL_NONE) return 0;
@@ -78,7 +71,7 @@ int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *
   memset(x, 0, m * sizeof *x);
   memset(w, 0, sizeof w);
   if (is_needed(problem, tol) || !certify(problem, tol, x, w, v, &certificate)) {
-    if (!are_apart(problem) || !solve_each(problem, x, w)) return 0;
+    if (!solve_each(problem, x, w)) return 0;
     if (!certify(problem, tol, x, w, v, &certificate)) return 0;
     sweeps = 1;
   }
