@@ -4,7 +4,8 @@
  *
  *   (S1)  accelerated sweeps of Gauss-Seidel (Anderson), in the order of order.c; W dense, up to 130
  *         unknowns: the first ones plain, until they are looked at (C1)
- *   (S3)  up to 200 iterations of ADMM; W dense, k >= 150, (F5) below (F1) and (F2)
+ *   (S3)  ADMM, (F5) below (F1) and (F2). W dense, k >= 150: up to 200 iterations. W by blocks, m >= 150,
+ *         perhaps a stack at rest: up to 40, from r = 0 with rho = 1e-7
  *   (S2)  Newton's method
  *         (S3) if not before; (S1) and (S2) three times more
  *   (S4)  the augmented Lagrangian
@@ -24,7 +25,8 @@
  *         up, which it does where W is singular or the states are not sorted yet
  *   (F4)  a step costs max(5 + k / 12, k / 6) sweeps, 50 at most, k being the unknowns that the states of
  *         r leave; for W dense not less than k^2 / (50 m): k^3 of an LU over k m of a sweep
- *   (F5)  ADMM: 100 + 2 (F4): some 50 iterations of two sweeps, one to three factorisations
+ *   (F5)  ADMM: 100 + 2 (F4): some 50 iterations of two sweeps, one to three factorisations. W by
+ *         blocks: 3 (F4): a factorisation and a few solves
  *
  *   (C1)  From sweep 10 on (warm: 5; W by blocks: 20, 10; doubled by each failure) sweeps end when
  *         (F1) > (F2) or (F5). After a failure and before they have cost half of (F2), it takes four
@@ -32,6 +34,7 @@
  *   (C2)  Steps end when p of them brought no new least e of their stage, p = 2, 4, 8, 12, ..
  *         after 0, 1, 2, 3, .. failures; before any failure also when (F3) > (F1) as it was at the
  *         end of the sweeps.
+ *   (C3)  W by blocks: ADMM ends when e >= 1 after two iterations, or 16 of them did not halve e.
  *
  * So a wrong forecast costs a few steps first, and is believed less each time. Nothing is measured
  * by a clock: the same input takes the same stages to the same bits.
@@ -39,6 +42,11 @@
  * W dense is what an elastic body leaves, regular: the step of Newton's method with the right states
  * is exact in 2D, and two do in 3D. W by blocks comes from many bodies, often rigid ones; it is then
  * singular, and steps converge slowly. Both only bear on the order of the stages.
+ *
+ * ADMM with a small rho asks first for reactions under which nothing moves, W r = -q, the smallest ones where
+ * W is singular, then puts them on their cones: a stack at rest takes it three iterations or a few more,
+ * however high. The free velocity q of bodies at rest is that of falling, and -q lies in the cones:
+ * here, to a tenth of its size. Bodies in motion are far from that.
  *
  * If (S4) sees the reactions run away and (S5), where there is room for it, finds no solution, the
  * answer is DLS_NO_SOLUTION_LIKELY; DLS_NO_SOLUTION if (S5) has a proof.
@@ -59,18 +67,20 @@
 
 enum { look_every = 5 }; /* sweeps */
 enum { steps_expected = 4, steps_after_rise = 6, most_steps_to_sort = 5, most_failures = 5 };
-enum { plain_unknowns = 130 };                         /* (S1) */
-enum { split_unknowns = 150, split_iterations = 200 }; /* (S3) */
+enum { plain_unknowns = 130 };                                               /* (S1) */
+enum { split_unknowns = 150, split_iterations = 200, rest_iterations = 40 }; /* (S3) */
+enum { rest_patience = 16 };                                                 /* (C3) */
 
 static const int patience[] = {2, 4, 8, 12, 12, 12}; /* (C2) */
 
 static const double rounding = 1e-9; /* a reaction on its cone but for this much slips */
+static const double rest_rho = 1e-7, rest_share = 0.1; /* (S3), (C3) */
 
 struct dlsi_auto {
   dls_solver_settings settings;
   dls_nlgs *sweeps;
   dls_newton *newton;
-  dls_admm *admm; /* NULL: W by blocks, or small */
+  dls_admm *admm; /* NULL: m < 150 */
   dls_augmented *augmented;
   dlsi_room room;          /* of the three */
   dlsi_pivoting *pivoting; /* NULL: too large */
@@ -153,13 +163,27 @@ static double newton_steps(const dlsi_auto *work, int changed) {
   return (problem->d - 1 + fmin(0.5 * changed, most_steps_to_sort)) * (1 << work->failures);
 }
 
+/* may it be a stack at rest: is -q in the cones */
+static int may_rest(const dls_contact *problem) {
+  const int d = problem->d;
+  double all = 0, outside = 0;
+  for (int c = 0; c < problem->nc; c++) {
+    const double *q = problem->q + d * c, n = -q[0], t = d == 2 ? fabs(q[1]) : hypot(q[1], q[2]);
+    const double over = t - (n > 0 ? problem->mu[c] * n : 0);
+    all += n * n + t * t;
+    outside += (n < 0 ? n * n : 0) + (over > 0 ? over * over : 0);
+  }
+  return outside <= rest_share * rest_share * all;
+}
+
 /* (F5), infinite if ADMM is not to be tried */
 static double split_cost(const dlsi_auto *work, const double *r) {
   const dls_contact *problem = work->problem;
-  if (work->settings.blocks || work->has_split || !problem->W.a ||
-      unknowns(problem, r) < split_unknowns)
-    return INFINITY;
-  return 100 + 2 * step_cost(problem, r);
+  const int foreseen = !work->settings.blocks == !problem->Wb.x;
+  const double size = problem->W.a ? unknowns(problem, r) : problem->d * problem->nc;
+  if (!foreseen || work->has_split || size < split_unknowns) return INFINITY;
+  if (problem->W.a) return 100 + 2 * step_cost(problem, r);
+  return may_rest(problem) ? 3 * step_cost(problem, r) : INFINITY;
 }
 
 /* (C1), before any failure */
@@ -208,6 +232,19 @@ static int watch_steps(void *data, const dls_progress *p) {
 
 static int watch_limits(void *data, const dls_progress *p) {
   return must_stop(data, p);
+}
+
+/* (C3) */
+static int watch_rest(void *data, const dls_progress *p) {
+  dlsi_auto *work = data;
+  if (must_stop(work, p)) return 1;
+  const double now = log(p->residual);
+  if (p->iteration == 1 || now < work->least - log(2)) {
+    work->least = now;
+    work->since = p->iteration;
+  }
+  if (p->iteration == 2) return p->residual >= 1;
+  return p->iteration - work->since >= rest_patience;
 }
 
 /* ---- stages ---------------------------------------------------------------------------------- */
@@ -279,10 +316,15 @@ static dls_status split(dlsi_auto *work, dls_error *error) {
   const double cost = split_cost(work, work->best);
   const double newton = work->steps * step_cost(work->problem, work->best);
   if (!(work->ahead > cost && newton > cost)) return DLS_STALLED;
+  dls_error why;
   work->has_split = 1;
   begin(work);
-  const dls_status status = dlsi_admm_solve(work->admm, work->problem, work->r, NULL, &info, error);
-  if (status < 0) return status;
+  const dls_status status = dlsi_admm_solve(work->admm, work->problem, work->r, NULL, &info, &why);
+  if (status == DLS_E_UNSUPPORTED) return DLS_STALLED; /* a build without MUMPS */
+  if (status < 0) {
+    if (error) *error = why;
+    return status;
+  }
   end(work, DLS_ADMM, info.iterations, info.factorisations, &info.certificate);
   return status;
 }
@@ -395,13 +437,16 @@ static dls_status create_newton(dlsi_auto *work, int d, int nc, dls_error *error
 }
 
 static dls_status create_admm(dlsi_auto *work, int d, int nc, dls_error *error) {
-  if (work->settings.blocks || d * nc < split_unknowns) return DLS_OK;
+  if (d * nc < split_unknowns) return DLS_OK;
+  const int blocks = work->settings.blocks;
   dls_admm_settings s;
   dls_admm_settings_init(&s);
   s.tol = work->settings.tol;
-  s.max_iterations = split_iterations;
-  s.warm_start = 1;
-  s.progress = watch_limits;
+  s.max_iterations = blocks ? rest_iterations : split_iterations;
+  s.warm_start = !blocks;
+  s.blocks = blocks;
+  if (blocks) s.rho = rest_rho;
+  s.progress = blocks ? watch_rest : watch_limits;
   s.progress_data = work;
   return dlsi_admm_create(function, &work->admm, d, nc, &s, &work->room, error);
 }

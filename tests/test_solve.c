@@ -1242,6 +1242,60 @@ START_TEST(auto_splits_where_it_is_large_and_stiff) {
 }
 END_TEST
 
+/* Square bricks one on the other, two candidates at the ends of each face that stands on something; W by
+ * blocks, rank deficient. In one time step their weight gives them all the velocity (push, -1), or, stirred,
+ * each candidate has a velocity of its own. */
+static dls_contact column_of_bricks(int bricks, double push, int stirred) {
+  enum { most = 100 };
+  static double x[4 * 2 * 6 * most], load[4 * most], friction[2 * most];
+  static int p[2 * most + 1], i[2 * 6 * most];
+  unsigned seed = 7;
+  int k = 0;
+  for (int b = 0; b < 2 * bricks; b++) { /* face b / 2, between bricks b / 2 - 1 and b / 2 */
+    for (int a = b / 2 * 2 - 2; a < b / 2 * 2 + 4; a++) {
+      if (a < 0 || a >= 2 * bricks) continue;
+      const double xa = a % 2 - 0.5, xb = b % 2 - 0.5, inertia = 1. / 6;
+      memset(x + 4 * k, 0, 4 * sizeof *x);
+      for (int brick = b / 2 - 1; brick <= b / 2; brick++) {
+        const int above_a = brick == a / 2, above_b = brick == b / 2;
+        if (brick < 0 || (!above_a && brick != a / 2 - 1)) continue;
+        const double ya = above_a ? -0.5 : 0.5, yb = above_b ? -0.5 : 0.5;
+        const double sign = above_a == above_b ? 1 : -1;
+        x[4 * k] += sign * (1 + xa * xb / inertia);
+        x[4 * k + 1] -= sign * ya * xb / inertia;
+        x[4 * k + 2] -= sign * xa * yb / inertia;
+        x[4 * k + 3] += sign * (1 + ya * yb / inertia);
+      }
+      i[k++] = a;
+    }
+    p[b + 1] = k;
+    load[2 * b] = stirred ? uniform(&seed) - 0.5 : b < 2 ? -1 : 0;
+    load[2 * b + 1] = stirred ? uniform(&seed) - 0.5 : b < 2 ? push : 0;
+    friction[b] = 0.5;
+  }
+  return (dls_contact){
+      .d = 2, .nc = 2 * bricks, .Wb = {2, 2 * bricks, p, i, x}, .q = load, .mu = friction};
+}
+
+/* At rest: sweeps would go up and down for long. In motion: no factorisation is risked. */
+START_TEST(auto_splits_a_stack_at_rest) {
+  const int bricks = _i % 2 ? 100 : 60; /* sparse and dense factors */
+  const dls_contact p = column_of_bricks(bricks, _i < 2 ? 0 : 0.002, _i >= 4);
+  double r[400];
+  const dls_info info = solve_auto(&p, 1e-10, r);
+  check_report(&info);
+  ck_assert_int_eq(info.status, DLS_OK);
+  if (_i >= 4)
+    for (int k = 0; k < info.stages; k++)
+      ck_assert(info.stage[k].method != DLS_ADMM);
+  else if (bricks == 60 || WITH_MUMPS) {
+    ck_assert(info.stages == 2 && info.stage[1].method == DLS_ADMM);
+    ck_assert_int_le(info.stage[1].iterations, 12);
+    ck_assert_int_eq(info.stage[1].factorisations, 1);
+  }
+}
+END_TEST
+
 /* ---- no solution ----------------------------------------------------------------------------- */
 
 /* c03 of data/failures, the wedge that jams: reactions along (1, -1) cost nothing. In 3D, too. */
@@ -1351,6 +1405,7 @@ int main(void) {
   tcase_add_test(tcase, positive_definite_saves_steps);
   tcase_add_test(tcase, auto_holds_its_methods);
   tcase_add_test(tcase, auto_splits_where_it_is_large_and_stiff);
+  tcase_add_loop_test(tcase, auto_splits_a_stack_at_rest, 0, 6);
   tcase_add_test(tcase, a_jam_has_likely_no_solution);
   tcase_add_test(tcase, auto_forgets_the_solve_before);
   tcase_add_test(tcase, auto_proves_that_there_is_no_solution);
