@@ -271,8 +271,8 @@ static double iteration(const dls_contact *p, dls_method method, int accelerated
 
 /* (F4) of src/auto.c */
 static double model(const dls_contact *p, int k) {
-  return fmax(fmin(fmax(5 + k / 12., k / 6.), 50),
-              p->W.a ? (double)k * k / (50. * p->d * p->nc) : 0);
+  const double m = (double)p->d * p->nc, cost = fmin(fmax(5 + k / 12., k / 6.), 50);
+  return p->W.a ? fmax(fmin(cost, 5 + 40 * k / m), k * k / (50 * m)) : cost;
 }
 
 static int run_cost(int count, char **name) {

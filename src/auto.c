@@ -24,9 +24,10 @@
  *         steps in which a decrease that doubles each time gets there. 6 steps if the first one went
  *         up, which it does where W is singular or the states are not sorted yet
  *   (F4)  a step costs max(5 + k / 12, k / 6) sweeps, 50 at most, k being the unknowns that the states of
- *         r leave; for W dense not less than k^2 / (50 m): k^3 of an LU over k m of a sweep
- *   (F5)  ADMM: 100 + 2 (F4): some 50 iterations of two sweeps, one to three factorisations. W by
- *         blocks: 3 (F4): a factorisation and a few solves
+ *         r leave; W dense: 5 + 40 k / m at most, because sweeps through a W beyond the cache wait for the
+ *         memory, and not less than k^2 / (50 m): k^3 of an LU over k m of a sweep
+ *   (F5)  ADMM: 100 + 2 (F4), (F4) as in the cache: some 50 iterations of two sweeps, one to three
+ *         factorisations. W by blocks: 3 (F4): a factorisation and a few solves
  *
  *   (C1)  From sweep 10 on (warm: 5; W by blocks: 20, 10; doubled by each failure) sweeps end when
  *         (F1) > (F2) or (F5). After a failure and before they have cost half of (F2), it takes four
@@ -139,12 +140,16 @@ static int look(dlsi_auto *work) {
   return changed;
 }
 
-/* (F4) */
+/* (F4); in_cache: without the bound for sweeps that are not */
+static double cost_of_step(const dls_contact *problem, const double *r, int in_cache) {
+  const double k = unknowns(problem, r), m = (double)problem->d * problem->nc;
+  const double cost = fmin(fmax(k / 6, 5 + k / 12), 50);
+  if (!problem->W.a) return cost;
+  return fmax(in_cache ? cost : fmin(cost, 5 + 40 * k / m), k * k / (50 * m));
+}
+
 static double step_cost(const dls_contact *problem, const double *r) {
-  const double k = unknowns(problem, r);
-  const double small = fmin(fmax(k / 6, 5 + k / 12), 50);
-  const double large = problem->W.a ? k * k / (50. * problem->d * problem->nc) : 0;
-  return small > large ? small : large;
+  return cost_of_step(problem, r, 0);
 }
 
 /* The caller's callback, and his limit: 1 to stop. */
@@ -182,7 +187,7 @@ static double split_cost(const dlsi_auto *work, const double *r) {
   const int foreseen = !work->settings.blocks == !problem->Wb.x;
   const double size = problem->W.a ? unknowns(problem, r) : problem->d * problem->nc;
   if (!foreseen || work->has_split || size < split_unknowns) return INFINITY;
-  if (problem->W.a) return 100 + 2 * step_cost(problem, r);
+  if (problem->W.a) return 100 + 2 * cost_of_step(problem, r, 1);
   return may_rest(problem) ? 3 * step_cost(problem, r) : INFINITY;
 }
 
