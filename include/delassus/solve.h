@@ -47,12 +47,13 @@ enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
  * DLS_E_SETTINGS, DLS_E_MEMORY.
  *
  * Auto takes accelerated sweeps of Gauss-Seidel and Newton's method in turn, as their progress and
- * cost tell; between them ADMM, from 150 rows on, for a dense W and for stacks at rest (W by blocks, -q nearly
- * in the friction cones); then the augmented Lagrangian, then Lemke's method (src/auto.c). Each starts from the best r so far, which is what is returned.
- * info.stage has what was done. It holds the workspaces of dls_nlgs_create with Anderson acceleration,
- * dls_newton_create without sweeps, dls_admm_create (m >= 150) and dls_augmented_create,
- * the last three with room for one matrix between them; Lemke's as follows (within the limits above);
- * besides 2 m doubles, m = d nc, 2 nc ints, nc bytes, and up to 2 kB. For W dense, Lemke's apart, that is
+ * cost tell; between them ADMM, from 150 rows on, for a dense W and for stacks at rest (W by blocks, -q
+ * nearly in the friction cones); then the augmented Lagrangian, then Lemke's method (src/auto.c). Each
+ * but ADMM for a stack starts from the best r so far, which is what is returned. info.stage has what was
+ * done. It holds the workspaces of dls_nlgs_create with Anderson acceleration, dls_newton_create without
+ * sweeps, dls_admm_create (m >= 150) and dls_augmented_create, the last three with room for one matrix
+ * between them; Lemke's as follows (within the limits above); besides 2 m doubles, m = d nc, 2 nc ints,
+ * nc bytes, and up to 2 kB. For W dense, Lemke's apart, that is
  *
  *   m >= 150   m^2 + 103 m + 47 nc doubles (d = 3: 75 nc)
  *   else       m^2 +  71 m + 45 nc doubles (d = 3: 73 nc)
