@@ -1244,8 +1244,8 @@ END_TEST
 
 /* Square bricks one on the other, two candidates at the ends of each face that stands on something; W by
  * blocks, rank deficient. In one time step their weight gives them all the velocity (push, -1), or, stirred,
- * each candidate has a velocity of its own. */
-static dls_contact column_of_bricks(int bricks, double push, int stirred) {
+ * each candidate has a velocity of its own; unit of W, 1 / unit of velocities. */
+static dls_contact column_of_bricks(int bricks, double push, int stirred, double unit) {
   enum { most = 100 };
   static double x[4 * 2 * 6 * most], load[4 * most], friction[2 * most];
   static int p[2 * most + 1], i[2 * 6 * most];
@@ -1260,7 +1260,7 @@ static dls_contact column_of_bricks(int bricks, double push, int stirred) {
         const int above_a = brick == a / 2, above_b = brick == b / 2;
         if (brick < 0 || (!above_a && brick != a / 2 - 1)) continue;
         const double ya = above_a ? -0.5 : 0.5, yb = above_b ? -0.5 : 0.5;
-        const double sign = above_a == above_b ? 1 : -1;
+        const double sign = above_a == above_b ? unit : -unit;
         x[4 * k] += sign * (1 + xa * xb / inertia);
         x[4 * k + 1] -= sign * ya * xb / inertia;
         x[4 * k + 2] -= sign * xa * yb / inertia;
@@ -1269,8 +1269,8 @@ static dls_contact column_of_bricks(int bricks, double push, int stirred) {
       i[k++] = a;
     }
     p[b + 1] = k;
-    load[2 * b] = stirred ? uniform(&seed) - 0.5 : b < 2 ? -1 : 0;
-    load[2 * b + 1] = stirred ? uniform(&seed) - 0.5 : b < 2 ? push : 0;
+    load[2 * b] = (stirred ? uniform(&seed) - 0.5 : b < 2 ? -1 : 0) / unit;
+    load[2 * b + 1] = (stirred ? uniform(&seed) - 0.5 : b < 2 ? push : 0) / unit;
     friction[b] = 0.5;
   }
   return (dls_contact){
@@ -1280,7 +1280,7 @@ static dls_contact column_of_bricks(int bricks, double push, int stirred) {
 /* At rest: sweeps would go up and down for long. In motion: no factorisation is risked. */
 START_TEST(auto_splits_a_stack_at_rest) {
   const int bricks = _i % 2 ? 100 : 60; /* sparse and dense factors */
-  const dls_contact p = column_of_bricks(bricks, _i < 2 ? 0 : 0.002, _i >= 4);
+  dls_contact p = column_of_bricks(bricks, _i < 2 ? 0 : 0.002, _i >= 4, 1);
   double r[400];
   const dls_info info = solve_auto(&p, 1e-10, r);
   check_report(&info);
@@ -1292,6 +1292,9 @@ START_TEST(auto_splits_a_stack_at_rest) {
     ck_assert(info.stages == 2 && info.stage[1].method == DLS_ADMM);
     ck_assert_int_le(info.stage[1].iterations, 12);
     ck_assert_int_eq(info.stage[1].factorisations, 1);
+    p = column_of_bricks(bricks, _i < 2 ? 0 : 0.002, 0, 0x1p30);
+    const dls_info other_units = solve_auto(&p, 1e-10, r);
+    same_stages(&info, &other_units);
   }
 }
 END_TEST
