@@ -341,13 +341,8 @@ static void build_from_dense(dls_newton *work, const dls_contact *problem, doubl
     for (int j = 0; j < work->branch[b].count; j++) {
       const int col = work->branch[b].first + j, known = work->has_head && col < h;
       const double *v = column_of(work, problem, b, j);
-      double *top = known || !h ? NULL : entry(&in, 0, col),
-             *rest = h < k ? entry(&in, h, col) : NULL;
-      const size_t step = col < h ? (size_t)h : 1;
-      for (int i = 0; top && i < h; i++)
-        top[i] = v[work->p[i]];
-      for (int i = h; i < k; i++)
-        rest[(size_t)(i - h) * step] = v[work->p[i]];
+      for (int i = known ? h : 0; i < k; i++)
+        *entry(&in, i, col) = v[work->p[i]];
       for (int c = 0; d == 3 && c < problem->nc; c++) {
         const branch *at = &work->branch[c];
         if (at->state == DLS_SLIP && at->count == 2)
