@@ -112,8 +112,7 @@ struct dlsi_auto {
 /* the state of a candidate as its r shows it */
 static dls_contact_state state_of(int d, double mu, const double *r) {
   if (!(r[0] > 0)) return DLS_FREE;
-  const double t = d == 2 ? fabs(r[1]) : hypot(r[1], r[2]);
-  return t < (1 - rounding) * mu * r[0] ? DLS_STICK : DLS_SLIP;
+  return dlsi_tangent_norm(d, r) < (1 - rounding) * mu * r[0] ? DLS_STICK : DLS_SLIP;
 }
 
 /* k of (F4) */
@@ -171,12 +170,17 @@ static double newton_steps(const dlsi_auto *work, int changed) {
 /* may it be a stack at rest: is -q in the cones */
 static int may_rest(const dls_contact *problem) {
   const int d = problem->d;
+  const double *q = problem->q;
   double all = 0, outside = 0;
-  for (int c = 0; c < problem->nc; c++) {
-    const double *q = problem->q + d * c, n = -q[0], t = d == 2 ? fabs(q[1]) : hypot(q[1], q[2]);
-    const double over = t - (n > 0 ? problem->mu[c] * n : 0);
-    all += n * n + t * t;
-    outside += (n < 0 ? n * n : 0) + (over > 0 ? over * over : 0);
+  for (int c = 0; c < problem->nc; c++, q += d) {
+    double v[3] = {0}, p[3] = {0};
+    for (int i = 0; i < d; i++)
+      v[i] = -q[i];
+    dlsi_project_cone(d, problem->mu[c], v, p);
+    for (int i = 0; i < d; i++) {
+      all += v[i] * v[i];
+      outside += (v[i] - p[i]) * (v[i] - p[i]);
+    }
   }
   return outside <= rest_share * rest_share * all;
 }
