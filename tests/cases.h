@@ -132,8 +132,8 @@ dls_status run_with(const tested_solver *s, const dls_contact *p, const void *se
 /* Of numbered_model i, |r - r'| of answers with residuals of 1e-12 */
 double close_of(const model *a);
 
-/* What every solver has to do; settings as from with_tol(tol) where they are given. */
-/* numbered_model i: again, warm, by blocks, reversed; and the answer of the method `other` */
+/* What every solver has to do; settings as from with_tol(tol) where they are given. First, numbered_model i:
+ * again, warm, by blocks, reversed; and the answer of the method `other`. */
 void expect_solved(const tested_solver *s, int i);
 void expect_answer_of(const tested_solver *s, int i, dls_method other);
 void expect_any_units(const tested_solver *s, const model *a, const void *settings, double tol);

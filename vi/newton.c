@@ -408,6 +408,12 @@ static dls_sparse build_sparse(dls_newton *work, const dls_contact *problem, dou
   return A;
 }
 
+/* of another matrix */
+static void forget_factors(dls_newton *work) {
+  work->factors = NONE;
+  work->has_head = 0;
+}
+
 /* L; 0 if there is none */
 static int factor_head(dls_newton *work, const parts *in) {
   int info;
@@ -682,7 +688,7 @@ static dls_status iterate(const char *function, dls_newton *work, const dls_cont
     while ((status = solve_step(function, work, problem, eps, unknowns, &count->factorisations,
                                 &why)) == DLS_E_SINGULAR) {
       eps = eps > least_eps ? 100 * eps : least_eps;
-      work->has_head = 0;
+      forget_factors(work);
       if (!(eps < 1)) return DLS_STALLED;
       linearise(work, problem); /* x is spent */
     }
@@ -706,8 +712,7 @@ static dls_status iterate(const char *function, dls_newton *work, const dls_cont
     }
     if (k > since && (k - since) % impatience == 0 && eps < most_eps) {
       eps *= 10;
-      work->factors = NONE;
-      work->has_head = 0;
+      forget_factors(work);
     }
     if (k - since >= patience || !(now.residual <= DBL_MAX)) return DLS_STALLED;
   }
@@ -740,9 +745,8 @@ dls_status dlsi_newton_run(const char *function, dls_newton *work, const dls_con
   if (status) return status;
   work->E = E;
   work->tol = tol;
-  work->factors = NONE;
-  work->has_head = 0;
   work->symmetric = 1;
+  forget_factors(work);
   *count = (dlsi_newton_count){0};
   dlsi_contact_weights(problem, work->w);
   if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
