@@ -34,7 +34,7 @@ MAKEFLAGS += --no-builtin-rules
 
 WARNINGS = -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
            -Wmissing-prototypes -Wvla $(WERROR)
-CPPFLAGS_ALL = -Iinclude -Isrc -MMD -MP $(CPPFLAGS)
+CPPFLAGS_ALL = -Iinclude -Isrc -I. -MMD -MP $(CPPFLAGS)
 # no fused products: the same bits everywhere; nobody asks errno or the traps, which keep loops scalar
 CFLAGS_ALL = -std=c11 $(CFLAGS) $(WARNINGS) -ffp-contract=off -fno-math-errno -fno-trapping-math \
              -fPIC -fvisibility=hidden -DDLS_BUILD_SHARED $(SANITIZE)
@@ -52,21 +52,23 @@ endif
 LIBS = $(HDF5_LIBS) $(MUMPS_LIBS) $(BLAS_LIBS) -lm
 CHECK_LIBS = $(shell $(PKG_CONFIG) --libs check)
 
-LIB_SRC := $(wildcard src/*.c lcp/*.c vi/*.c reduction/*.c)
-LIB_SRC := $(filter-out $(if $(HDF5_CFLAGS),src/fclib_none.c,src/fclib_read.c src/fclib_write.c),$(LIB_SRC))
-LIB_SRC := $(filter-out $(if $(MUMPS_LIBS),src/sparse_lu_none.c reduction/schur_none.c,src/sparse_lu.c reduction/schur.c reduction/dissection.c),$(LIB_SRC))
+LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/linear src/files src/front lcp vi reduction))
+LIB_SRC := $(filter-out $(if $(HDF5_CFLAGS),src/files/fclib_none.c,src/files/fclib_read.c src/files/fclib_write.c),$(LIB_SRC))
+NO_MUMPS := $(addprefix src/linear/,sparse_lu_none.c schur_none.c)
+WITH_MUMPS := $(addprefix src/linear/,sparse_lu.c schur.c dissection.c)
+LIB_SRC := $(filter-out $(if $(MUMPS_LIBS),$(NO_MUMPS),$(WITH_MUMPS)),$(LIB_SRC))
 FE_SRC := $(wildcard src/fe/*.c)
 CLI_SRC := $(wildcard src/cli/*.c)
 TEST_SRC := $(wildcard tests/test_*.c)
 EXAMPLE_SRC := $(wildcard examples/*.c)
 HEADERS := $(wildcard include/*.h include/delassus/*.h)
 ALL_C = $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(wildcard tests/*.c) $(EXAMPLE_SRC) $(wildcard bench/*.c)
-ALL_H = $(HEADERS) $(wildcard src/*.h src/*/*.h lcp/*.h vi/*.h reduction/*.h tests/*.h bench/*.h)
+ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h tests/*.h bench/*.h)
 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 LIB_OBJ := $(call obj,$(LIB_SRC))
 # fe is a library of its own: it carries the hidden functions that it shares
-FE_OBJ := $(call obj,$(FE_SRC)) $(patsubst %,$(BUILD)/obj/src/%.o,status memory file)
+FE_OBJ := $(call obj,$(FE_SRC)) $(patsubst %,$(BUILD)/obj/src/%.o,base/status base/memory files/file)
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(EXAMPLE_SRC))
 
@@ -100,14 +102,10 @@ help:
 $(BUILD)/obj/%.o: %.c Makefile
 	@mkdir -p $(@D)
 	$(call say,CC  )
-	$(Q)$(CC) $(CPPFLAGS_ALL) $(if $(filter src/fclib%,$<),$(HDF5_CFLAGS)) $(if $(filter src/sparse_lu% reduction/schur%,$<),$(MUMPS_CFLAGS)) $(CFLAGS_ALL) -c -o $@ $<
+	$(Q)$(CC) $(CPPFLAGS_ALL) $(if $(filter src/files/fclib%,$<),$(HDF5_CFLAGS)) $(if $(filter $(WITH_MUMPS),$<),$(MUMPS_CFLAGS)) $(CFLAGS_ALL) -c -o $@ $<
 
 # the one loop of the library that has to run at the speed of the memory: vectorise it
-$(BUILD)/obj/src/panel.o: CFLAGS += -O3
-
-# jumps that cross 32 bytes take some x86 processors a third of the shortest solve, which has many
-WHOLE_JUMPS := -Wa,-mbranches-within-32B-boundaries
-$(BUILD)/obj/src/solve.o: CFLAGS += $(shell echo | $(CC) $(WHOLE_JUMPS) -x c -c -o /dev/null - 2>/dev/null && echo $(WHOLE_JUMPS))
+$(BUILD)/obj/src/base/products.o: CFLAGS += -O3
 
 $(A): $(LIB_OBJ)
 	@rm -f $@
@@ -186,9 +184,9 @@ check-headers:
 
 .PHONY: lint
 lint:
-	clang-tidy --quiet --warnings-as-errors='*' $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(EXAMPLE_SRC) -- -std=c11 -Iinclude -Isrc $(HDF5_CFLAGS) $(MUMPS_CFLAGS) 2>/dev/null
+	clang-tidy --quiet --warnings-as-errors='*' $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(EXAMPLE_SRC) -- -std=c11 -Iinclude -Isrc -I. $(HDF5_CFLAGS) $(MUMPS_CFLAGS) 2>/dev/null
 	cppcheck --quiet --error-exitcode=1 --std=c11 --enable=warning,performance,portability \
-	  --inline-suppr -Iinclude -Isrc src lcp vi reduction examples
+	  --inline-suppr -Iinclude -Isrc -I. src lcp vi reduction examples
 
 .PHONY: format format-check
 format:

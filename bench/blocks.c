@@ -17,9 +17,9 @@
 #include <string.h>
 #include <time.h>
 
-#include "blas.h"
+#include "linear/blas.h"
 #include "delassus/nlgs.h"
-#include "dlsi.h"
+#include "base/base.h"
 
 enum { least_rounds = 9, most_rounds = 401, most_things = 6, few = 8, many = 24 };
 /* s. A turn of one thing; before it calls that do not count, because a processor may take half a

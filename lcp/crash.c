@@ -33,8 +33,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "blas.h"
-#include "dlsi.h"
+#include "linear/blas.h"
+#include "base/base.h"
 #include "lcp_internal.h"
 
 enum { patience = 4 };                      /* (K3) */

@@ -31,7 +31,7 @@
 #include <string.h>
 
 #include "delassus/pivoting.h"
-#include "dlsi.h"
+#include "base/base.h"
 #include "lcp_internal.h"
 
 enum { most = DLS_ENUMERATE_MAX, pivot_limit = 10000 };

@@ -31,7 +31,7 @@
 #include <string.h>
 
 #include "delassus/facets.h"
-#include "dlsi.h"
+#include "base/base.h"
 
 static int allowed(int d, int facets) {
   if (d == 2) return facets == 2;

@@ -18,7 +18,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "dlsi.h"
+#include "base/base.h"
 #include "lcp_internal.h"
 
 static int rows_of(const dls_contact *problem, int c) {

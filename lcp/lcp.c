@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dlsi.h"
+#include "base/base.h"
 #include "lcp_internal.h"
 
 dls_status dlsi_check_lcp(const char *function, const dls_lcp *lcp, dls_error *error) {

@@ -5,6 +5,7 @@
 #ifndef LCP_INTERNAL_H
 #define LCP_INTERNAL_H
 
+#include "base/base.h"
 #include "delassus/lcp.h"
 
 /* ---- lcp.c ----------------------------------------------------------------------------------- */
@@ -97,5 +98,12 @@ void dlsi_table_exchange(dlsi_table *t, int r, int s, const double *c);
 
 /* dx (n) := how the basic variables move when each y_i that is not basic moves by dy_i (n) */
 void dlsi_table_move_y(const dlsi_table *t, const double *dy, double *dx);
+
+/* ---- lcp/friction.c ---------------------------------------------------------------------------- */
+
+/* z (dls_contact_lcp_size) := 1 where the 3-row form's unknown is positive by the states of (u, r), 0
+ * elsewhere: a start for Lemke. d = 2; w: weights of the certificate. */
+void dlsi_friction_start(const dls_contact *problem, const double *w, const double *r,
+                         const double *u, double *z);
 
 #endif

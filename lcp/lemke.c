@@ -70,7 +70,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dlsi.h"
+#include "base/base.h"
 #include "lcp_internal.h"
 
 static const double pivot_tolerance = 1e-11; /* (T1), to max|c| */

@@ -38,9 +38,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "blas.h"
+#include "linear/blas.h"
 #include "delassus/pivoting.h"
-#include "dlsi.h"
+#include "base/base.h"
 #include "lcp_internal.h"
 
 static const size_t cookie = sizeof(dls_principal_settings);

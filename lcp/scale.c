@@ -33,7 +33,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "dlsi.h"
+#include "base/base.h"
 #include "lcp_internal.h"
 
 static const double negligible = 0x1p-10; /* (S4) */

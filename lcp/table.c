@@ -29,7 +29,7 @@
  */
 #include <string.h>
 
-#include "blas.h"
+#include "linear/blas.h"
 #include "lcp_internal.h"
 
 enum { part_size = 16 };

@@ -30,7 +30,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "blas.h"
+#include "linear/blas.h"
 #include "reduction_internal.h"
 
 /* ---- parts ----------------------------------------------------------------------------------- */

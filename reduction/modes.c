@@ -19,7 +19,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "blas.h"
+#include "linear/blas.h"
+#include "linear/equilibrate.h"
 #include "reduction_internal.h"
 
 /* of a spring against K_jj: each turn of dls_reduction_balance shrinks the imbalance by about that

@@ -9,14 +9,13 @@
 #define DLSI_REDUCTION_H
 
 #include "delassus/reduction.h"
-#include "dlsi.h"
-#include "schur.h"
+#include "base/base.h"
+#include "linear/schur.h"
 
 enum {
   dlsi_batch = 64,          /* most right-hand sides in one solve; more are not faster */
   dlsi_small_part = 250,    /* unknowns of a sparse K for which a dense factor is faster */
-  dlsi_largest_part = 8000, /* the same in a build without MUMPS, at most: 0.5 GB */
-  dlsi_most_modes = 24
+  dlsi_largest_part = 8000  /* the same in a build without MUMPS, at most: 0.5 GB */
 };
 
 typedef struct dlsi_factor {
@@ -70,14 +69,6 @@ dls_status dlsi_factor_solve(const dlsi_factor *factor, const char *function, in
 
 /* NULL is fine. */
 void dlsi_factor_destroy(dlsi_factor *factor);
-
-/* R, C (n): powers of two that bring the largest entry of each row and column of R K C near 1, one of
- * several equal entries counting as one. symmetric: R = C, the entries above the diagonal are passed
- * over. room (2 n) */
-void dlsi_find_scales(const dls_sparse *K, int symmetric, double *R, double *C, double *room);
-
-/* Candidates of a model, active or not. */
-int dlsi_model_candidates(const dls_model *model);
 
 /* Rigid-body modes: basis (n x count, column-major), 1 in unknown[k] where the other columns are 0. */
 typedef struct dlsi_modes {

@@ -15,7 +15,7 @@
 #include <math.h>
 
 #include "delassus/reduction.h"
-#include "dlsi.h"
+#include "base/base.h"
 
 dls_status dls_weighting_line(int nodes, const double *s, const int *candidate, int *p, int *i,
                               double *x, double *length, int *columns, dls_error *error) {

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "delassus.h"
-#include "dlsi.h"
+#include "base/base.h"
 #include "malloc_fails.h"
 
 /* Two candidates in 2D, coupled: W symmetric positive definite. */

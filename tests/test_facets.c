@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "delassus.h"
-#include "dlsi.h"
+#include "base/base.h"
 #include "malloc_fails.h"
 
 #ifndef TEST_DATA

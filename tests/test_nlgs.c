@@ -10,7 +10,7 @@
 #include "cases.h"
 #include "delassus/files.h"
 #include "delassus/nlgs.h"
-#include "dlsi.h"
+#include "base/base.h"
 #include "malloc_fails.h"
 
 SOLVER(nlgs, DLS_NLGS);

@@ -56,9 +56,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "blas.h"
-#include "dlsi.h"
-#include "sparse_lu.h"
+#include "linear/blas.h"
+#include "base/base.h"
+#include "linear/dense.h"
+#include "linear/sparse_lu.h"
 #include "vi_internal.h"
 
 enum { dense_limit = 250, window = 10, first_look = 20, refresh_every = 50, most_doublings = 5 };

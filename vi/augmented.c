@@ -59,7 +59,7 @@
 #include <string.h>
 
 #include "delassus/augmented.h"
-#include "dlsi.h"
+#include "base/base.h"
 #include "vi_internal.h"
 
 enum { sweeps = 20, patience = 150, escapes_to_believe = 10 };

@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dlsi.h"
+#include "base/base.h"
 #include "vi_internal.h"
 
 /* ---- the frames ------------------------------------------------------------------------------ */

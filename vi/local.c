@@ -36,7 +36,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "dlsi.h"
+#include "base/base.h"
 #include "vi_internal.h"
 
 /* |F| <= rounding (w |r| + |q|): as good as a solution when every exact test has just failed */

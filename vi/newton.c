@@ -62,9 +62,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "blas.h"
-#include "dlsi.h"
-#include "sparse_lu.h"
+#include "linear/blas.h"
+#include "base/base.h"
+#include "linear/dense.h"
+#include "linear/sparse_lu.h"
 #include "vi_internal.h"
 
 enum { patience = 12, impatience = 4, memory = 5, halvings = 6 };

@@ -45,7 +45,7 @@
 #include <string.h>
 
 #include "delassus/primal.h"
-#include "dlsi.h"
+#include "base/base.h"
 #include "vi_internal.h"
 
 enum { refresh_every = 50 };

@@ -1,13 +1,15 @@
-/* vi_internal.h: what the files of vi/ share. */
+/* vi_internal.h: what the files of vi/ share, and what the front door asks of them. */
 #ifndef VI_INTERNAL_H
 #define VI_INTERNAL_H
 
 #include <math.h>
 
+#include "base/base.h"
+#include "delassus/admm.h"
+#include "delassus/augmented.h"
 #include "delassus/newton.h"
 #include "delassus/nlgs.h"
-#include "delassus/reduction.h"
-#include "dlsi.h"
+#include "linear/room.h"
 
 /* A candidate's own block W_cc (d x d, column-major) and what does not hang on q in its solution:
  * local.c has the formulas. */
@@ -79,12 +81,6 @@ void dlsi_anderson_clear(dlsi_anderson *a);
  * yet: they stay. m: the same since clear. */
 int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, double *u);
 
-/* Dense A, n x n (cholesky.c): does it equal its transpose to the last bit; and x := L^-1 x, L^-T x with
- * the factor L that dpotrf left in A, n >= 0. */
-int dlsi_is_symmetric(const double *A, size_t n);
-void dlsi_solve_lower(int n, const double *L, double *x);
-void dlsi_solve_upper(int n, const double *L, double *x);
-
 /* ---- with springs: u = (W + diag(E)) r + q, E_c >= 0 for all d rows of candidate c ----------- */
 
 /* u := (W + diag(E)) r + q and, if a is not NULL, a := (|W| + diag(E)) |r|, as dlsi_contact_multiply. E: nc, or
@@ -109,5 +105,37 @@ dls_status dlsi_newton_run(const char *function, dls_newton *work, const dls_con
                            const double *E, double tol, double *r, double *u,
                            dls_certificate *certificate, dlsi_newton_count *count,
                            dls_error *error);
+
+/* ---- vi/nlgs.c --------------------------------------------------------------------------------- */
+
+/* What sweeps can do for other methods; all zero: those of dls_nlgs_solve. */
+typedef struct dlsi_sweeps {
+  const int *order; /* nc: in which they visit the candidates; NULL: 0, 1, .. */
+  const double *E;  /* nc: springs on the diagonal of W; not in the certificate's weights */
+  int plain;        /* so many before an acceleration begins */
+} dlsi_sweeps;
+
+/* dls_nlgs_solve of what has been checked already. r as there, and the iterate while the progress callback is
+ * called; u (m or NULL), its certificate, the sweeps done. */
+dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, dlsi_sweeps sweeps, double tol,
+                         double *r, double *u, dls_certificate *certificate, int *iterations);
+
+/* The creates on behalf of `function`, with a room that outlives the workspace; NULL: one of its own. */
+dls_status dlsi_newton_create(const char *function, dls_newton **out, int d, int nc,
+                              const dls_newton_settings *settings, dlsi_room *room,
+                              dls_error *error);
+dls_status dlsi_admm_create(const char *function, dls_admm **out, int d, int nc,
+                            const dls_admm_settings *settings, dlsi_room *room, dls_error *error);
+dls_status dlsi_augmented_create(const char *function, dls_augmented **out, int d, int nc,
+                                 const dls_augmented_settings *settings, dlsi_room *room,
+                                 dls_error *error);
+
+/* The solves of what has been checked already. */
+dls_status dlsi_newton_solve(dls_newton *work, const dls_contact *problem, double *r, double *u,
+                             dls_info *info, dls_error *error);
+dls_status dlsi_admm_solve(dls_admm *work, const dls_contact *problem, double *r, double *u,
+                           dls_info *info, dls_error *error);
+dls_status dlsi_augmented_solve(dls_augmented *work, const dls_contact *problem, double *r,
+                                double *u, dls_info *info, dls_error *error);
 
 #endif

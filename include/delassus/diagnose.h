@@ -20,7 +20,6 @@ typedef struct dls_flaw {
   int count, first;
 } dls_flaw;
 
-/* Fields are only ever added at the end. */
 typedef struct dls_diagnosis {
   /* Scales, in the user's units: w_c = trace(W_cc) / d where positive (0 if nowhere), |q|, mu_c. */
   double weight_min, weight_max; /* length (velocity) / force */

@@ -14,7 +14,7 @@
 #define DELASSUS_FILES_H
 
 #include "delassus/lcp.h"
-#include "delassus/reduction.h"
+#include "delassus/model.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -6,6 +6,7 @@
 #define DELASSUS_INFO_H
 
 #include "delassus/contact.h"
+#include "delassus/limits.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -22,18 +23,6 @@ typedef enum dls_method {
   DLS_PENALTY = 6               /* its first step with large penalties: has an error */
 } dls_method;
 
-/* Passed to the progress callback; valid during the call only. */
-typedef struct dls_progress {
-  const char *method; /* "nlgs", "lemke", "newton", "admm", "augmented-lagrangian", ... */
-  int iteration;      /* sweeps, pivots, steps, augmentations: done so far */
-  int max_iterations;
-  double residual; /* the certificate's residual as the iteration estimates it; -1 if unknown */
-} dls_progress;
-
-/* Called now and then from inside a solve; a return other than 0 cancels it (DLS_CANCELLED, best
- * answer so far). It serves log lines, progress bars, time limits and Ctrl-C. */
-typedef int (*dls_progress_fn)(void *data, const dls_progress *progress);
-
 /* A stage of auto: a method that started from the best r of the stages before. */
 typedef struct dls_stage {
   dls_method method;  /* DLS_NLGS here means accelerated sweeps */
@@ -44,7 +33,7 @@ typedef struct dls_stage {
 
 enum { DLS_STAGES_MAX = 20 };
 
-/* The outcome of a solve; fields are only ever added at the end. */
+/* The outcome of a solve. */
 typedef struct dls_info {
   dls_status status; /* as returned */
   dls_method method;

@@ -13,7 +13,7 @@
 #define DELASSUS_PRIMAL_H
 
 #include "delassus/info.h"
-#include "delassus/reduction.h"
+#include "delassus/model.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "blas.h"
+#include "linear/blas.h"
 #include "solid.h"
 
 int dlsi_band_create(dlsi_band *band, int n, int k) {

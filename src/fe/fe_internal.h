@@ -8,7 +8,7 @@
 #include <stdio.h>
 
 #include "delassus/fe.h"
-#include "dlsi.h"
+#include "base/base.h"
 
 /* Pointers, counts, finite coordinates, node numbers; O(nodes + triangles). */
 dls_status dlsi_fe_check_mesh(const char *function, const dls_fe_mesh *mesh, dls_error *error);

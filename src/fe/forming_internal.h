@@ -4,6 +4,7 @@
 
 #include "delassus/forming.h"
 #include "delassus/primal.h"
+#include "delassus/reduction.h"
 #include "solid.h"
 
 enum { dlsi_most_pieces = 3 };

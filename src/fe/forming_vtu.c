@@ -1,6 +1,6 @@
 /* forming_vtu.c: a forming scene as an unstructured grid of VTK XML, ascii. */
 #include "fe_internal.h"
-#include "file.h"
+#include "files/file.h"
 #include "forming_internal.h"
 
 enum { digits = 9 };

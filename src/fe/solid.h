@@ -14,7 +14,7 @@
 #ifndef DLSI_SOLID_H
 #define DLSI_SOLID_H
 
-#include "dlsi.h"
+#include "base/base.h"
 
 /* ---- material -------------------------------------------------------------------------------- */
 

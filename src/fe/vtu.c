@@ -1,6 +1,6 @@
 /* vtu.c: mesh and results as an unstructured grid of VTK XML, ascii. */
 #include "fe_internal.h"
-#include "file.h"
+#include "files/file.h"
 
 enum { vtk_triangle = 5, vtk_quad = 9 };
 

@@ -1,0 +1,222 @@
+/*
+ * base.h: what every folder of the library builds on and users do not see. Names start with dlsi_.
+ */
+#ifndef DLSI_BASE_H
+#define DLSI_BASE_H
+
+#include <math.h>
+#include <stddef.h>
+
+#include "delassus/info.h"
+#include "delassus/model.h"
+
+/* ---- loops that vectorise ------------------------------------------------------------------------ */
+
+/* Where the linker can choose at load time, such a function exists with AVX2, too. Products and sums are
+ * rounded one by one in both: the same bits. What is called from there has to be inlined. */
+#if defined(__x86_64__) && defined(__gnu_linux__)
+#define DLSI_CLONES __attribute__((target_clones("avx2", "default")))
+#define DLSI_INLINE inline __attribute__((always_inline))
+#else
+#define DLSI_CLONES
+#define DLSI_INLINE inline
+#endif
+
+/* two doubles in a register, where the compiler does not see by itself that they can go in pairs */
+typedef double dlsi_pair __attribute__((vector_size(16), aligned(8), may_alias));
+
+static inline dlsi_pair dlsi_load(const double *x) {
+  return *(const dlsi_pair *)x;
+}
+
+/* ---- errors ---------------------------------------------------------------------------------- */
+
+#if defined(__GNUC__)
+#define DLSI_NOINLINE     __attribute__((noinline))
+#define DLSI_PRINTF(f, a) __attribute__((cold, format(printf, f, a)))
+#else
+#define DLSI_NOINLINE
+#define DLSI_PRINTF(f, a)
+#endif
+
+/* Fills *error (NULL: nothing) and returns status, so that a check reads
+ *   if (nc < 1) return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "must be at least 1");
+ * function and argument must be static strings; index -1 for none. The message becomes
+ * "function: argument[index]: text". */
+dls_status dlsi_fail(dls_error *error, dls_status status, const char *function,
+                     const char *argument, long long index, double value, const char *format, ...)
+    DLSI_PRINTF(7, 8);
+
+/* Index of the first NaN or Inf among x[0..n), -1 if there is none. */
+long long dlsi_first_not_finite(const double *x, size_t n);
+
+/* The checks of a view, under the name `argument` and on behalf of `function`. */
+dls_status dlsi_check_vector(const char *function, const char *argument, const double *x, size_t n,
+                             dls_error *error);
+dls_status dlsi_check_dense(const char *function, const char *argument, const dls_dense *A,
+                            int rows, int cols, dls_error *error);
+dls_status dlsi_check_sparse(const char *function, const char *argument, const dls_sparse *A,
+                             int rows, int cols, dls_error *error);
+dls_status dlsi_check_blocks(const char *function, const dls_blocks *B, dls_error *error);
+dls_status dlsi_check_contact(const char *function, const dls_contact *problem, dls_error *error);
+
+/* What the settings of every iterative solver hold: tol >= 0 and finite, max_iterations >= 1,
+ * warm_start 0 or 1. */
+dls_status dlsi_check_limits(const char *function, double tol, int max_iterations, int warm_start,
+                             dls_error *error);
+
+/* A place for r, and with a warm start finite values there. */
+dls_status dlsi_check_start(const char *function, const dls_contact *problem, const double *r,
+                            int warm_start, dls_error *error);
+
+/* What every solver asks: a sound problem of the workspace's d with at most its nc candidates, and
+ * dlsi_check_start. */
+dls_status dlsi_check_solve(const char *function, int d, int nc, const dls_contact *problem,
+                            const double *r, int warm_start, dls_error *error);
+dls_status dlsi_check_model(const char *function, const dls_model *model, dls_error *error);
+
+/* Most rigid-body modes that a model may have. */
+enum { dlsi_most_modes = 24 };
+
+/* Candidates of a model, active or not. */
+int dlsi_model_candidates(const dls_model *model);
+
+/* ---- memory ---------------------------------------------------------------------------------- */
+
+/* Size-then-carve: run the same sequence of takes twice, first with base = NULL to learn the size,
+ * then on memory of `used` bytes. Every piece is aligned to 64 bytes. An overflow of size_t, or a
+ * take past `size`, makes this and all later takes fail. */
+typedef struct dlsi_arena {
+  char *base;
+  size_t size; /* of base; ignored while base is NULL */
+  size_t used;
+  int failed;
+} dlsi_arena;
+
+void *dlsi_take(dlsi_arena *arena, size_t count, size_t size);
+
+/* malloc(count * size), NULL on overflow or when there is no memory; never of 0 bytes. */
+void *dlsi_alloc(size_t count, size_t size);
+
+/* ---- numbers --------------------------------------------------------------------------------- */
+
+/* |x|_2 without overflow or underflow in between; NaN stays NaN. */
+double dlsi_norm2(const double *x, size_t n);
+
+/* whether sqrt(sum) will do: a plain sum of squares that has neither over- nor underflown */
+static inline int dlsi_is_plain(double sum) {
+  return sum > 0x1p-900 && sum < 0x1p900;
+}
+
+/* max |x_i|, 0 for n = 0; NaN stays NaN (fmax and idamax lose it). */
+double dlsi_max_abs(const double *x, size_t n);
+
+/* ---- the contact problem --------------------------------------------------------------------- */
+
+/* Block column c of W, dense or by blocks, block by block: for k = begin .. end-1 the block in block row
+ * dlsi_row(&column, k) has its entry (i, j) at block[i + ld j], block = x + k step. */
+typedef struct dlsi_block_column {
+  size_t begin, end;
+  const int *row; /* NULL: k */
+  const double *x;
+  size_t step, ld;
+} dlsi_block_column;
+
+static inline dlsi_block_column dlsi_contact_column(const dls_contact *problem, size_t c) {
+  const size_t d = (size_t)problem->d, ld = (size_t)problem->W.ld;
+  const dls_blocks *B = &problem->Wb;
+  if (B->x) return (dlsi_block_column){(size_t)B->p[c], (size_t)B->p[c + 1], B->i, B->x, d * d, d};
+  return (dlsi_block_column){0, (size_t)problem->nc, NULL, problem->W.a + d * c * ld, d, ld};
+}
+
+static inline size_t dlsi_row(const dlsi_block_column *column, size_t k) {
+  return column->row ? (size_t)column->row[k] : k;
+}
+
+/* The d x d diagonal block of candidate c, column-major; zero where a block-sparse W has none. */
+void dlsi_contact_diagonal(const dls_contact *problem, int c, double *block);
+
+/* u += W(:,c) dr for the d columns of candidate c. */
+void dlsi_contact_add_columns(const dls_contact *problem, int c, const double *dr, double *u);
+
+/* The same, W by blocks. */
+void dlsi_contact_add_blocks(const dls_contact *problem, int c, const double *dr, double *u);
+
+/* The same for `count` candidates c[k], dr[d k..], one after the other, W dense. */
+void dlsi_contact_add_panel(const dls_contact *problem, int count, const int *c, const double *dr,
+                            double *u);
+
+/* y := A^T x and y -= A x for A (m x n, column-major, leading dimension m). */
+void dlsi_panel_dot(size_t m, int n, const double *A, const double *x, double *y);
+void dlsi_panel_subtract(size_t m, int n, const double *A, const double *x, double *y);
+
+/* u += W(:,c) dr and a += |W(:,c)| |dr| for the d columns of candidate c, W dense. */
+void dlsi_contact_add_both(const dls_contact *problem, int c, const double *dr, double *u,
+                           double *a);
+
+/* u := W r + q and, if a is not NULL, a := |W| |r|. Column after column, of the candidates in `order` (nc; NULL:
+ * 0, 1, ..), on which the rounding depends. */
+void dlsi_contact_multiply(const dls_contact *problem, const int *order, const double *r, double *u,
+                           double *a);
+
+/* w (nc) := trace(W_cc) / d, the mean of the positive ones where that is not positive; if none is
+ * positive, the largest |W_cc| entry of all, or 1 if W's diagonal is zero. */
+void dlsi_contact_weights(const dls_contact *problem, double *w);
+
+/* The same from blocks at hand: w_c of W_cc (d x d), then the common one where that is not positive. */
+static inline double dlsi_block_weight(int d, const double *block) {
+  return d == 2 ? (block[0] + block[3]) / 2 : (block[0] + block[4] + block[8]) / 3;
+}
+void dlsi_contact_complete_weights(const dls_contact *problem, double *w);
+
+/* |v_t|. hypot costs ten times the square root, and differs where the squares leave the range of doubles */
+static inline double dlsi_tangent_norm(int d, const double *v) {
+  if (d == 2) return fabs(v[1]);
+  const double s = v[1] * v[1] + v[2] * v[2];
+  if (s > 1e-280 && s < 1e280) return sqrt(s);
+  return v[1] == 0 && v[2] == 0 ? 0 : hypot(v[1], v[2]);
+}
+
+/* P(v): the projection of v (d) on C_mu = { |r_t| <= mu r_n }; returns the branch taken. */
+static inline dls_contact_state dlsi_project_cone(int d, double mu, const double *v, double *p) {
+  const double t = dlsi_tangent_norm(d, v);
+  if (t <= mu * v[0]) { /* inside */
+    for (int i = 0; i < d; i++)
+      p[i] = v[i];
+    return DLS_STICK;
+  }
+  if (mu * t <= -v[0]) { /* in the polar cone */
+    for (int i = 0; i < d; i++)
+      p[i] = 0;
+    return DLS_FREE;
+  }
+  p[0] = (v[0] + mu * t) / (1 + mu * mu);
+  if (d == 2)
+    p[1] = copysign(mu * p[0], v[1]);
+  else {
+    const double k = mu * p[0] / t;
+    p[1] = k * v[1];
+    p[2] = k * v[2];
+  }
+  return DLS_SLIP;
+}
+
+/* F_c of the certificate for one candidate; returns the branch of the projection. */
+static inline dls_contact_state dlsi_contact_residual(int d, double mu, double w, const double *r,
+                                                      const double *u, double *F) {
+  double v[3] = {0}, p[3] = {0};
+  for (int i = 0; i < d; i++)
+    v[i] = w * r[i] - u[i];
+  v[0] -= mu * dlsi_tangent_norm(d, u);
+  const dls_contact_state state = dlsi_project_cone(d, mu, v, p);
+  for (int i = 0; i < d; i++)
+    F[i] = w * r[i] - p[i];
+  return state;
+}
+
+/* The certificate of r from given u = W r + q, a = |W| |r| and weights w; F (m) receives F. */
+void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
+                          const double *a, const double *w, double *F,
+                          dls_certificate *certificate);
+
+#endif

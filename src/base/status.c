@@ -1,0 +1,73 @@
+/* status.c: statuses as names and as words, errors, version. */
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/base.h"
+
+typedef struct status_words {
+  dls_status status;
+  const char *name, *text;
+} status_words;
+
+static const status_words words[] = {
+    {DLS_OK, "DLS_OK", "solved"},
+    {DLS_MAX_ITERATIONS, "DLS_MAX_ITERATIONS", "iteration limit reached"},
+    {DLS_CANCELLED, "DLS_CANCELLED", "cancelled"},
+    {DLS_STALLED, "DLS_STALLED", "no further progress"},
+    {DLS_RAY, "DLS_RAY", "secondary ray"},
+    {DLS_NO_SOLUTION, "DLS_NO_SOLUTION", "no solution exists"},
+    {DLS_NO_SOLUTION_LIKELY, "DLS_NO_SOLUTION_LIKELY", "no solution likely"},
+    {DLS_E_ARGUMENT, "DLS_E_ARGUMENT", "invalid argument"},
+    {DLS_E_SIZE, "DLS_E_SIZE", "sizes do not fit"},
+    {DLS_E_NOT_FINITE, "DLS_E_NOT_FINITE", "NaN or Inf in the input"},
+    {DLS_E_SETTINGS, "DLS_E_SETTINGS", "settings not initialised"},
+    {DLS_E_MEMORY, "DLS_E_MEMORY", "out of memory"},
+    {DLS_E_NOT_POSITIVE_DEFINITE, "DLS_E_NOT_POSITIVE_DEFINITE", "matrix not positive definite"},
+    {DLS_E_SINGULAR, "DLS_E_SINGULAR", "matrix singular"},
+    {DLS_E_UNSUPPORTED, "DLS_E_UNSUPPORTED", "not supported"},
+    {DLS_E_FILE, "DLS_E_FILE", "file cannot be opened, read or written"},
+    {DLS_E_FORMAT, "DLS_E_FORMAT", "file format"},
+    {DLS_E_CALLBACK, "DLS_E_CALLBACK", "host callback failed"},
+};
+
+static const status_words *find(dls_status status) {
+  for (size_t k = 0; k < sizeof words / sizeof words[0]; k++)
+    if (words[k].status == status) return &words[k];
+  return NULL;
+}
+
+const char *dls_status_name(dls_status status) {
+  const status_words *w = find(status);
+  return w ? w->name : "unknown status";
+}
+
+const char *dls_status_text(dls_status status) {
+  const status_words *w = find(status);
+  return w ? w->text : "unknown status";
+}
+
+const char *dls_version(void) {
+  return DLS_VERSION;
+}
+
+dls_status dlsi_fail(dls_error *error, dls_status status, const char *function,
+                     const char *argument, long long index, double value, const char *format, ...) {
+  if (!error) return status;
+  char text[120], place[32];
+  va_list args;
+  va_start(args, format);
+  if (vsnprintf(text, sizeof text, format, args) < 0) text[0] = '\0';
+  va_end(args);
+  place[0] = '\0';
+  if (index >= 0) (void)snprintf(place, sizeof place, "[%lld]", index);
+  memset(error, 0, sizeof *error);
+  error->status = status;
+  error->function = function;
+  error->argument = argument;
+  error->index = index;
+  error->value = value;
+  (void)snprintf(error->message, sizeof error->message, "%s: %s%s%s%s", function, argument, place,
+                 argument[0] ? ": " : "", text);
+  return status;
+}
