@@ -33,9 +33,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "linear/blas.h"
 #include "base/base.h"
 #include "lcp_internal.h"
+#include "linear/blas.h"
 
 enum { patience = 4 };                      /* (K3) */
 static const double most_growth = 1e3;      /* (K3) */

@@ -30,8 +30,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "delassus/pivoting.h"
 #include "base/base.h"
+#include "delassus/pivoting.h"
 #include "lcp_internal.h"
 
 enum { most = DLS_ENUMERATE_MAX, pivot_limit = 10000 };
@@ -333,18 +333,23 @@ static void prepare(problem *p) {
 
 dls_status dls_lcp_enumerate(const dls_lcp *lcp, double tol, int capacity, double *z,
                              dls_enumeration *found, dls_error *error) {
-  const dls_status status = dlsi_check_lcp(__func__, lcp, error);
-  if (status) return status;
+  const dls_status status = dlsi_check_lcp(lcp, error);
+  if (status) return dlsi_at(__func__, status, error);
   const int n = lcp->n;
   if (n > most)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "n", -1, n, "is %d, must be at most %d", n, most);
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d, must be at most %d", n, most),
+                   error);
   if (!(tol >= 0 && tol <= DBL_MAX))
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "tol", -1, tol, "must be finite and >= 0");
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_ARGUMENT, "tol", -1, tol, "must be finite and >= 0"),
+                   error);
   if (capacity < 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "capacity", -1, capacity,
-                     "must be at least 1");
-  if (!z) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "z", -1, 0, "is NULL");
-  if (!found) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "found", -1, 0, "is NULL");
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_ARGUMENT, "capacity", -1, capacity, "must be at least 1"),
+                   error);
+  if (!z) return dlsi_at(__func__, dlsi_is_null(error, "z"), error);
+  if (!found) return dlsi_at(__func__, dlsi_is_null(error, "found"), error);
   problem p = {.lcp = lcp, .n = n, .tol = tol, .capacity = capacity, .list = z};
   prepare(&p);
   outcome out = none;
@@ -358,5 +363,9 @@ dls_status dls_lcp_enumerate(const dls_lcp *lcp, double tol, int capacity, doubl
     if (!regular(&p, k, A, &out)) out = singular(&p, in);
   }
   *found = p.found;
-  return out == full ? DLS_MAX_ITERATIONS : out == stalled ? DLS_STALLED : DLS_OK;
+  return dlsi_at(__func__,
+                 out == full      ? DLS_MAX_ITERATIONS
+                 : out == stalled ? DLS_STALLED
+                                  : DLS_OK,
+                 error);
 }

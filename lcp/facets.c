@@ -30,8 +30,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "delassus/facets.h"
 #include "base/base.h"
+#include "delassus/facets.h"
 
 static int allowed(int d, int facets) {
   if (d == 2) return facets == 2;
@@ -66,20 +66,19 @@ static void directions(int d, int facets, double C[][3]) {
   }
 }
 
-static dls_status check(const char *function, const dls_contact *problem, int facets,
-                        const double *s, int *n, dls_error *error) {
-  dls_status status = dlsi_check_contact(function, problem, error);
+static dls_status check(const dls_contact *problem, int facets, const double *s, int *n,
+                        dls_error *error) {
+  dls_status status = dlsi_check_contact(problem, error);
   if (status) return status;
   if (!allowed(problem->d, facets))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "facets", -1, facets, "is %d, must be %s",
-                     facets, problem->d == 2 ? "2 where d = 2" : "even, 4 to 64, where d = 3");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "facets", -1, facets, "is %d, must be %s", facets,
+                     problem->d == 2 ? "2 where d = 2" : "even, 4 to 64, where d = 3");
   *n = dls_contact_facets_size(problem, facets);
-  if (*n < 1) return dlsi_fail(error, DLS_E_SIZE, function, "nc", -1, problem->nc, "is too large");
+  if (*n < 1) return dlsi_fail(error, DLS_E_SIZE, "nc", -1, problem->nc, "is too large");
   if (!s) return DLS_OK;
-  status = dlsi_check_vector(function, "s", s, (size_t)problem->nc, error);
+  status = dlsi_check_vector("s", s, (size_t)problem->nc, error);
   for (int c = 0; !status && c < problem->nc; c++)
-    if (!(s[c] > 0))
-      return dlsi_fail(error, DLS_E_ARGUMENT, function, "s", c, s[c], "must be positive");
+    if (!(s[c] > 0)) return dlsi_fail(error, DLS_E_ARGUMENT, "s", c, s[c], "must be positive");
   return status;
 }
 
@@ -99,12 +98,13 @@ static void add_block(int d, double scale, const double *W, size_t ldw, double C
 dls_status dls_contact_to_facets_lcp(const dls_contact *problem, int facets, const double *s,
                                      double *M, int ldm, double *q, dls_error *error) {
   int n = 0;
-  const dls_status status = check(__func__, problem, facets, s, &n, error);
-  if (status) return status;
-  if (!M) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "M", -1, 0, "is NULL");
+  const dls_status status = check(problem, facets, s, &n, error);
+  if (status) return dlsi_at(__func__, status, error);
+  if (!M) return dlsi_at(__func__, dlsi_is_null(error, "M"), error);
   if (ldm < n)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "ldm", -1, ldm, "must be at least %d", n);
-  if (!q) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "q", -1, 0, "is NULL");
+    return dlsi_at(__func__, dlsi_fail(error, DLS_E_SIZE, "ldm", -1, ldm, "must be at least %d", n),
+                   error);
+  if (!q) return dlsi_at(__func__, dlsi_is_null(error, "q"), error);
 
   const int d = problem->d, nc = problem->nc;
   const size_t L = (size_t)ldm, D = (size_t)d, ldw = (size_t)problem->W.ld;
@@ -153,10 +153,10 @@ dls_status dls_contact_to_facets_lcp(const dls_contact *problem, int facets, con
 dls_status dls_contact_from_facets_lcp(const dls_contact *problem, int facets, const double *s,
                                        const double *z, double *r, dls_error *error) {
   int n = 0;
-  dls_status status = check(__func__, problem, facets, s, &n, error);
-  if (!status) status = dlsi_check_vector(__func__, "z", z, (size_t)n, error);
-  if (status) return status;
-  if (!r) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "r", -1, 0, "is NULL");
+  dls_status status = check(problem, facets, s, &n, error);
+  if (!status) status = dlsi_check_vector("z", z, (size_t)n, error);
+  if (status) return dlsi_at(__func__, status, error);
+  if (!r) return dlsi_at(__func__, dlsi_is_null(error, "r"), error);
   const int d = problem->d;
   double C[DLS_FACETS_MAX + 1][3];
   directions(d, facets, C);

@@ -35,20 +35,18 @@ int dls_contact_lcp_size(const dls_contact *problem) {
   return n;
 }
 
-static dls_status check(const char *function, const dls_contact *problem, const double *s, int *n,
-                        dls_error *error) {
-  dls_status status = dlsi_check_contact(function, problem, error);
+static dls_status check(const dls_contact *problem, const double *s, int *n, dls_error *error) {
+  dls_status status = dlsi_check_contact(problem, error);
   if (status) return status;
   if (problem->d != 2)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "d", -1, problem->d,
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "d", -1, problem->d,
                      "is %d; only d = 2 has this form", problem->d);
   *n = dls_contact_lcp_size(problem);
-  if (*n < 1) return dlsi_fail(error, DLS_E_SIZE, function, "nc", -1, problem->nc, "is too large");
+  if (*n < 1) return dlsi_fail(error, DLS_E_SIZE, "nc", -1, problem->nc, "is too large");
   if (!s) return DLS_OK;
-  status = dlsi_check_vector(function, "s", s, (size_t)problem->nc, error);
+  status = dlsi_check_vector("s", s, (size_t)problem->nc, error);
   for (int c = 0; !status && c < problem->nc; c++)
-    if (!(s[c] > 0))
-      return dlsi_fail(error, DLS_E_ARGUMENT, function, "s", c, s[c], "must be positive");
+    if (!(s[c] > 0)) return dlsi_fail(error, DLS_E_ARGUMENT, "s", c, s[c], "must be positive");
   return status;
 }
 
@@ -66,12 +64,13 @@ static void add_block(const dls_contact *problem, int a, int b, double scale, co
 dls_status dls_contact_to_lcp(const dls_contact *problem, const double *s, double *M, int ldm,
                               double *q, dls_error *error) {
   int n = 0;
-  const dls_status status = check(__func__, problem, s, &n, error);
-  if (status) return status;
-  if (!M) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "M", -1, 0, "is NULL");
+  const dls_status status = check(problem, s, &n, error);
+  if (status) return dlsi_at(__func__, status, error);
+  if (!M) return dlsi_at(__func__, dlsi_is_null(error, "M"), error);
   if (ldm < n)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "ldm", -1, ldm, "must be at least %d", n);
-  if (!q) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "q", -1, 0, "is NULL");
+    return dlsi_at(__func__, dlsi_fail(error, DLS_E_SIZE, "ldm", -1, ldm, "must be at least %d", n),
+                   error);
+  if (!q) return dlsi_at(__func__, dlsi_is_null(error, "q"), error);
 
   const int nc = problem->nc;
   const size_t L = (size_t)ldm, ldw = (size_t)problem->W.ld;
@@ -116,10 +115,10 @@ dls_status dls_contact_to_lcp(const dls_contact *problem, const double *s, doubl
 dls_status dls_contact_from_lcp(const dls_contact *problem, const double *s, const double *z,
                                 double *r, dls_error *error) {
   int n = 0;
-  dls_status status = check(__func__, problem, s, &n, error);
-  if (!status) status = dlsi_check_vector(__func__, "z", z, (size_t)n, error);
-  if (status) return status;
-  if (!r) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "r", -1, 0, "is NULL");
+  dls_status status = check(problem, s, &n, error);
+  if (!status) status = dlsi_check_vector("z", z, (size_t)n, error);
+  if (status) return dlsi_at(__func__, status, error);
+  if (!r) return dlsi_at(__func__, dlsi_is_null(error, "r"), error);
   for (int c = 0, i = 0; c < problem->nc; i += rows_of(problem, c), c++) {
     const double sc = s ? s[c] : 1, mu = problem->mu[c];
     r[2 * c] = sc * z[i];

@@ -14,18 +14,17 @@
 #include "base/base.h"
 #include "lcp_internal.h"
 
-dls_status dlsi_check_lcp(const char *function, const dls_lcp *lcp, dls_error *error) {
-  if (!lcp) return dlsi_fail(error, DLS_E_ARGUMENT, function, "lcp", -1, 0, "is NULL");
+dls_status dlsi_check_lcp(const dls_lcp *lcp, dls_error *error) {
+  if (!lcp) return dlsi_is_null(error, "lcp");
   const int n = lcp->n;
-  if (n < 1 || n > INT_MAX / 4)
-    return dlsi_fail(error, DLS_E_SIZE, function, "n", -1, n, "is %d", n);
-  const dls_status status = dlsi_check_dense(function, "M", &lcp->M, n, n, error);
+  if (n < 1 || n > INT_MAX / 4) return dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d", n);
+  const dls_status status = dlsi_check_dense("M", &lcp->M, n, n, error);
   if (status) return status;
-  return dlsi_check_vector(function, "q", lcp->q, (size_t)n, error);
+  return dlsi_check_vector("q", lcp->q, (size_t)n, error);
 }
 
 dls_status dls_lcp_check(const dls_lcp *lcp, dls_error *error) {
-  return dlsi_check_lcp(__func__, lcp, error);
+  return dlsi_at(__func__, dlsi_check_lcp(lcp, error), error);
 }
 
 /* ---- the certificate ------------------------------------------------------------------------- */
@@ -112,15 +111,14 @@ void dlsi_lcp_measure(const dls_lcp *lcp, const double *z, const double *y, cons
 
 dls_status dls_lcp_certify(const dls_lcp *lcp, const double *z, double *y,
                            dls_lcp_certificate *certificate, dls_error *error) {
-  dls_status status = dlsi_check_lcp(__func__, lcp, error);
-  if (status) return status;
+  dls_status status = dlsi_check_lcp(lcp, error);
+  if (status) return dlsi_at(__func__, status, error);
   const size_t n = (size_t)lcp->n;
-  status = dlsi_check_vector(__func__, "z", z, n, error);
-  if (status) return status;
-  if (!certificate)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "certificate", -1, 0, "is NULL");
+  status = dlsi_check_vector("z", z, n, error);
+  if (status) return dlsi_at(__func__, status, error);
+  if (!certificate) return dlsi_at(__func__, dlsi_is_null(error, "certificate"), error);
   double *work = dlsi_alloc(3 * n, sizeof *work);
-  if (!work) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  if (!work) return dlsi_at(__func__, dlsi_no_memory(error), error);
   double *v = work, *a = work + n, *s = work + 2 * n;
   dlsi_lcp_multiply(lcp, lcp->q, z, v, a);
   dlsi_lcp_weights(lcp, s);
@@ -178,22 +176,24 @@ double dlsi_lcp_ray_violation(const dls_lcp *lcp, const double *cover, const dou
 
 dls_status dls_lcp_check_ray(const dls_lcp *lcp, const double *cover, const double *z, double z0,
                              const double *dz, double dz0, double *violation, dls_error *error) {
-  dls_status status = dlsi_check_lcp(__func__, lcp, error);
-  if (status) return status;
+  dls_status status = dlsi_check_lcp(lcp, error);
+  if (status) return dlsi_at(__func__, status, error);
   const size_t n = (size_t)lcp->n;
-  status = dlsi_check_vector(__func__, "cover", cover, n, error);
+  status = dlsi_check_vector("cover", cover, n, error);
   for (size_t i = 0; !status && i < n; i++)
     if (!(cover[i] > 0))
-      return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "cover", (long long)i, cover[i],
-                       "must be positive");
-  if (!status) status = dlsi_check_vector(__func__, "z", z, n, error);
-  if (!status) status = dlsi_check_vector(__func__, "z0", &z0, 1, error);
-  if (!status) status = dlsi_check_vector(__func__, "dz", dz, n, error);
-  if (!status) status = dlsi_check_vector(__func__, "dz0", &dz0, 1, error);
-  if (status) return status;
-  if (!violation) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "violation", -1, 0, "is NULL");
+      return dlsi_at(
+          __func__,
+          dlsi_fail(error, DLS_E_ARGUMENT, "cover", (long long)i, cover[i], "must be positive"),
+          error);
+  if (!status) status = dlsi_check_vector("z", z, n, error);
+  if (!status) status = dlsi_check_vector("z0", &z0, 1, error);
+  if (!status) status = dlsi_check_vector("dz", dz, n, error);
+  if (!status) status = dlsi_check_vector("dz0", &dz0, 1, error);
+  if (status) return dlsi_at(__func__, status, error);
+  if (!violation) return dlsi_at(__func__, dlsi_is_null(error, "violation"), error);
   double *work = dlsi_alloc(6 * n, sizeof *work);
-  if (!work) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  if (!work) return dlsi_at(__func__, dlsi_no_memory(error), error);
   *violation = dlsi_lcp_ray_violation(lcp, cover, z, z0, dz, dz0, work);
   free(work);
   return DLS_OK;
@@ -225,11 +225,11 @@ double dlsi_lcp_farkas_violation(const dls_lcp *lcp, const double *v) {
 
 dls_status dls_lcp_check_farkas(const dls_lcp *lcp, const double *v, double *violation,
                                 dls_error *error) {
-  dls_status status = dlsi_check_lcp(__func__, lcp, error);
-  if (status) return status;
-  status = dlsi_check_vector(__func__, "v", v, (size_t)lcp->n, error);
-  if (status) return status;
-  if (!violation) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "violation", -1, 0, "is NULL");
+  dls_status status = dlsi_check_lcp(lcp, error);
+  if (status) return dlsi_at(__func__, status, error);
+  status = dlsi_check_vector("v", v, (size_t)lcp->n, error);
+  if (status) return dlsi_at(__func__, status, error);
+  if (!violation) return dlsi_at(__func__, dlsi_is_null(error, "violation"), error);
   *violation = dlsi_lcp_farkas_violation(lcp, v);
   return DLS_OK;
 }

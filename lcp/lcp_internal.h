@@ -10,7 +10,7 @@
 
 /* ---- lcp.c ----------------------------------------------------------------------------------- */
 
-dls_status dlsi_check_lcp(const char *function, const dls_lcp *lcp, dls_error *error);
+dls_status dlsi_check_lcp(const dls_lcp *lcp, dls_error *error);
 
 /* y := M z + q, a := |M||z|; q = NULL for none. */
 void dlsi_lcp_multiply(const dls_lcp *lcp, const double *q, const double *z, double *y, double *a);

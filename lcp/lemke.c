@@ -190,45 +190,57 @@ static void carve(dls_lemke *w, dlsi_arena *arena) {
 
 dls_status dls_lemke_create(dls_lemke **out, int n, const dls_lemke_settings *settings,
                             dls_error *error) {
-  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "out", -1, 0, "is NULL");
+  if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
   *out = NULL;
   if (n < 1 || n > INT_MAX / 4)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "n", -1, n, "is %d", n);
+    return dlsi_at(__func__, dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d", n), error);
   dls_lemke_settings defaults;
   dls_lemke_settings_init(&defaults);
   if (!settings) settings = &defaults;
   if (settings->size != sizeof *settings)
-    return dlsi_fail(error, DLS_E_SETTINGS, __func__, "settings", -1, (double)settings->size,
-                     "not filled by dls_lemke_settings_init");
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)settings->size,
+                             "not filled by dls_lemke_settings_init"),
+                   error);
   if (!(settings->tol >= 0) || !isfinite(settings->tol))
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "tol", -1, settings->tol,
-                     "must be finite and not negative");
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_ARGUMENT, "tol", -1, settings->tol,
+                             "must be finite and not negative"),
+                   error);
   if (settings->max_iterations < 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "max_iterations", -1,
-                     settings->max_iterations, "is negative");
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_ARGUMENT, "max_iterations", -1, settings->max_iterations,
+                             "is negative"),
+                   error);
   if (settings->warm_start != 0 && settings->warm_start != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "warm_start", -1, settings->warm_start,
-                     "must be 0 or 1");
+    return dlsi_at(
+        __func__,
+        dlsi_fail(error, DLS_E_ARGUMENT, "warm_start", -1, settings->warm_start, "must be 0 or 1"),
+        error);
   if (settings->crash != 0 && settings->crash != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "crash", -1, settings->crash,
-                     "must be 0 or 1");
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_ARGUMENT, "crash", -1, settings->crash, "must be 0 or 1"),
+                   error);
   if (settings->cover) {
-    const dls_status status =
-        dlsi_check_vector(__func__, "cover", settings->cover, (size_t)n, error);
-    if (status) return status;
+    const dls_status status = dlsi_check_vector("cover", settings->cover, (size_t)n, error);
+    if (status) return dlsi_at(__func__, status, error);
     for (int i = 0; i < n; i++)
       if (!(settings->cover[i] > 0))
-        return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "cover", i, settings->cover[i],
-                         "must be positive");
+        return dlsi_at(
+            __func__,
+            dlsi_fail(error, DLS_E_ARGUMENT, "cover", i, settings->cover[i], "must be positive"),
+            error);
   }
 
   dls_lemke sizes = {.n = n, .settings = *settings};
   dlsi_arena arena = {0};
   carve(&sizes, &arena);
-  if (arena.failed) return dlsi_fail(error, DLS_E_SIZE, __func__, "n", -1, n, "is too large");
+  if (arena.failed)
+    return dlsi_at(__func__, dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is too large"), error);
   const size_t head = (sizeof sizes + 63) / 64 * 64; /* the arena starts after the struct */
   char *memory = arena.used > (size_t)-1 - head - 63 ? NULL : dlsi_alloc(head + arena.used + 63, 1);
-  if (!memory) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, n, "out of memory");
+  if (!memory)
+    return dlsi_at(__func__, dlsi_fail(error, DLS_E_MEMORY, "", -1, n, "out of memory"), error);
   dls_lemke *w = (dls_lemke *)(void *)memory;
   *w = sizes;
   arena = (dlsi_arena){.base = memory + head, .size = arena.used};
@@ -762,16 +774,18 @@ static dls_status solve(dls_lemke *w, const dls_lcp *lcp, const double *warm, in
 
 dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, double *y,
                            dls_lemke_info *info, dls_error *error) {
-  if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
-  dls_status status = dlsi_check_lcp(__func__, lcp, error);
-  if (status) return status;
+  if (!workspace) return dlsi_at(__func__, dlsi_is_null(error, "workspace"), error);
+  dls_status status = dlsi_check_lcp(lcp, error);
+  if (status) return dlsi_at(__func__, status, error);
   if (lcp->n > workspace->n)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "n", -1, lcp->n, "is more than %d of create",
-                     workspace->n);
-  if (!z) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "z", -1, 0, "is NULL");
+    return dlsi_at(
+        __func__,
+        dlsi_fail(error, DLS_E_SIZE, "n", -1, lcp->n, "is more than %d of create", workspace->n),
+        error);
+  if (!z) return dlsi_at(__func__, dlsi_is_null(error, "z"), error);
   if (workspace->settings.warm_start) {
-    status = dlsi_check_vector(__func__, "z", z, (size_t)lcp->n, error);
-    if (status) return status;
+    status = dlsi_check_vector("z", z, (size_t)lcp->n, error);
+    if (status) return dlsi_at(__func__, status, error);
   }
 
   dls_lemke *w = workspace;
@@ -791,7 +805,7 @@ dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, 
   if (y) memcpy(y, w->best_y, n * sizeof *y);
   if (info)
     *info = (dls_lemke_info){status, w->pivots, w->best, starts, w->refreshes, w->crash.rounds};
-  return status;
+  return dlsi_at(__func__, status, error);
 }
 
 /* ---- what a ray proves ----------------------------------------------------------------------- */
@@ -799,8 +813,10 @@ dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, 
 dls_status dls_lemke_ray(const dls_lemke *workspace, double *z, double *z0, double *dz, double *dz0,
                          double *cover, dls_error *error) {
   if (!workspace || !workspace->solved_n)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0,
-                     workspace ? "the last solve did not end in a ray" : "is NULL");
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_ARGUMENT, "workspace", -1, 0,
+                             workspace ? "the last solve did not end in a ray" : "is NULL"),
+                   error);
   const size_t n = (size_t)workspace->solved_n;
   if (z) memcpy(z, workspace->ray_z, n * sizeof *z);
   if (z0) *z0 = workspace->ray_z0;
@@ -812,9 +828,11 @@ dls_status dls_lemke_ray(const dls_lemke *workspace, double *z, double *z0, doub
 
 dls_status dls_lemke_farkas(const dls_lemke *workspace, double *v, dls_error *error) {
   if (!workspace || !workspace->proved)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0,
-                     workspace ? "the last solve proved nothing" : "is NULL");
-  if (!v) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "v", -1, 0, "is NULL");
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_ARGUMENT, "workspace", -1, 0,
+                             workspace ? "the last solve proved nothing" : "is NULL"),
+                   error);
+  if (!v) return dlsi_at(__func__, dlsi_is_null(error, "v"), error);
   memcpy(v, workspace->ray_dz, (size_t)workspace->solved_n * sizeof *v);
   return DLS_OK;
 }

@@ -38,10 +38,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "linear/blas.h"
-#include "delassus/pivoting.h"
 #include "base/base.h"
+#include "delassus/pivoting.h"
 #include "lcp_internal.h"
+#include "linear/blas.h"
 
 static const size_t cookie = sizeof(dls_principal_settings);
 
@@ -71,23 +71,21 @@ void dls_principal_settings_init(dls_principal_settings *settings) {
   *settings = (dls_principal_settings){.size = cookie, .tol = 1e-8, .block_steps = 10};
 }
 
-static dls_status check_settings(const char *function, const dls_principal_settings *s,
-                                 dls_error *error) {
-  if (!s) return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings", -1, 0, "is NULL");
+static dls_status check_settings(const dls_principal_settings *s, dls_error *error) {
+  if (!s) return dlsi_is_null(error, "settings");
   if (s->size != cookie)
-    return dlsi_fail(error, DLS_E_SETTINGS, function, "settings", -1, 0,
+    return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, 0,
                      "call dls_principal_settings_init first");
   if (!(s->tol >= 0 && s->tol <= DBL_MAX))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings.tol", -1, s->tol,
-                     "must be finite and >= 0");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.tol", -1, s->tol, "must be finite and >= 0");
   if (s->max_iterations < 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings.max_iterations", -1,
-                     s->max_iterations, "is negative");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.max_iterations", -1, s->max_iterations,
+                     "is negative");
   if (s->block_steps < 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings.block_steps", -1, s->block_steps,
+    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.block_steps", -1, s->block_steps,
                      "is negative");
   if (s->warm_start != 0 && s->warm_start != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings.warm_start", -1, s->warm_start,
+    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.warm_start", -1, s->warm_start,
                      "must be 0 or 1");
   return DLS_OK;
 }
@@ -117,18 +115,20 @@ static dls_principal *carve(dlsi_arena *arena, dls_principal *w, int n) {
 
 dls_status dls_principal_create(dls_principal **out, int n, const dls_principal_settings *settings,
                                 dls_error *error) {
-  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "out", -1, 0, "is NULL");
+  if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
   *out = NULL;
   if (n < 1)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "n", -1, n, "is %d, must be at least 1", n);
-  const dls_status status = check_settings(__func__, settings, error);
-  if (status) return status;
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d, must be at least 1", n), error);
+  const dls_status status = check_settings(settings, error);
+  if (status) return dlsi_at(__func__, status, error);
   dlsi_arena arena = {0};
   dls_principal w = {.settings = *settings};
   carve(&arena, &w, n);
-  if (arena.failed) return dlsi_fail(error, DLS_E_SIZE, __func__, "n", -1, n, "is too large");
+  if (arena.failed)
+    return dlsi_at(__func__, dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is too large"), error);
   void *memory = dlsi_alloc(arena.used, 1);
-  if (!memory) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  if (!memory) return dlsi_at(__func__, dlsi_no_memory(error), error);
   arena = (dlsi_arena){.base = memory, .size = arena.used};
   dls_principal *head = carve(&arena, &w, n);
   *head = w;
@@ -297,17 +297,18 @@ static dls_status iterate(dls_principal *w, const dls_lcp *lcp, dls_principal_in
 dls_status dls_principal_solve(dls_principal *workspace, const dls_lcp *lcp, double *z, double *y,
                                dls_principal_info *info, dls_error *error) {
   dls_principal *w = workspace;
-  if (!w) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
-  dls_status status = dlsi_check_lcp(__func__, lcp, error);
-  if (status) return status;
+  if (!w) return dlsi_at(__func__, dlsi_is_null(error, "workspace"), error);
+  dls_status status = dlsi_check_lcp(lcp, error);
+  if (status) return dlsi_at(__func__, status, error);
   const int n = lcp->n;
   if (n > w->n)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "n", -1, n, "is more than the workspace's %d",
-                     w->n);
-  if (!z) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "z", -1, 0, "is NULL");
+    return dlsi_at(
+        __func__, dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is more than the workspace's %d", w->n),
+        error);
+  if (!z) return dlsi_at(__func__, dlsi_is_null(error, "z"), error);
   if (w->settings.warm_start) {
-    status = dlsi_check_vector(__func__, "z", z, (size_t)n, error);
-    if (status) return status;
+    status = dlsi_check_vector("z", z, (size_t)n, error);
+    if (status) return dlsi_at(__func__, status, error);
   }
   dls_principal_info result = {0};
   w->symmetric = is_symmetric(lcp);
@@ -327,5 +328,5 @@ dls_status dls_principal_solve(dls_principal *workspace, const dls_lcp *lcp, dou
   if (status == DLS_OK && !holds) status = DLS_STALLED;
   result.status = status;
   if (info) *info = result;
-  return status;
+  return dlsi_at(__func__, status, error);
 }

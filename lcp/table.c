@@ -29,8 +29,8 @@
  */
 #include <string.h>
 
-#include "linear/blas.h"
 #include "lcp_internal.h"
+#include "linear/blas.h"
 
 enum { part_size = 16 };
 enum { small = 32 }; /* n below which a call of dgemv costs more than the product */

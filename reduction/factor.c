@@ -123,8 +123,8 @@ static double power_of_two(int e) {
 
 /* One part on its way through the factorisation, and where to report it. */
 typedef struct part_matrix {
-  const char *function, *name; /* name: "K" or "Ks" */
-  const int *unknown;          /* s */
+  const char *name;   /* "K" or "Ks" */
+  const int *unknown; /* s */
   size_t s;
   double *A, *row, *col; /* s x s, s, s */
   int *pivot;            /* s */
@@ -132,7 +132,7 @@ typedef struct part_matrix {
 
 static dls_status singular(const part_matrix *M, size_t i, double pivot, double rcond,
                            dls_error *error) {
-  return dlsi_fail(error, DLS_E_SINGULAR, M->function, M->name, M->unknown[i], pivot,
+  return dlsi_fail(error, DLS_E_SINGULAR, M->name, M->unknown[i], pivot,
                    "singular: pivot %.3g (scaled), condition %.3g; is a body free to move?", pivot,
                    1 / rcond);
 }
@@ -143,8 +143,8 @@ static dls_status scale_symmetric(const part_matrix *M, dls_error *error) {
   for (size_t i = 0; i < s; i++) {
     const double diagonal = M->A[i + i * s];
     if (!(diagonal > 0))
-      return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, M->function, M->name, M->unknown[i],
-                       diagonal, "not positive definite: diagonal entry %.3g", diagonal);
+      return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, M->name, M->unknown[i], diagonal,
+                       "not positive definite: diagonal entry %.3g", diagonal);
     const int e = ilogb(diagonal);
     M->row[i] = M->col[i] = power_of_two((e - (e & 1)) / 2);
   }
@@ -200,8 +200,8 @@ static dls_status factor_part(const part_matrix *M, int symmetric, double *work,
   int info = 0;
   const long long bad = dlsi_first_not_finite(A, s * s);
   if (bad >= 0)
-    return dlsi_fail(error, DLS_E_NOT_FINITE, M->function, M->name, M->unknown[(size_t)bad / s],
-                     A[bad], "entries of one place in this column add up to %g", A[bad]);
+    return dlsi_fail(error, DLS_E_NOT_FINITE, M->name, M->unknown[(size_t)bad / s], A[bad],
+                     "entries of one place in this column add up to %g", A[bad]);
   const dls_status status = symmetric ? scale_symmetric(M, error) : scale_general(M, error);
   if (status) return status;
   const double norm = norm1(A, s, symmetric, work);
@@ -209,9 +209,9 @@ static dls_status factor_part(const part_matrix *M, int symmetric, double *work,
     dpotrf_("L", &n, A, &n, &info, 1);
     if (info > 0) {
       const double pivot = A[(size_t)(info - 1) * (s + 1)];
-      return dlsi_fail(
-          error, DLS_E_NOT_POSITIVE_DEFINITE, M->function, M->name, M->unknown[info - 1], pivot,
-          "not positive definite: pivot %.3g (scaled); is a body free to move?", pivot);
+      return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, M->name, M->unknown[info - 1], pivot,
+                       "not positive definite: pivot %.3g (scaled); is a body free to move?",
+                       pivot);
     }
     dpocon_("L", &n, A, &n, &norm, &rcond, work, iwork, &info, 1);
   } else {
@@ -230,10 +230,6 @@ static dls_status factor_part(const part_matrix *M, int symmetric, double *work,
 
 /* ---- create, solve, destroy ------------------------------------------------------------------ */
 
-static dls_status no_memory(const char *function, dls_error *error) {
-  return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
-}
-
 /* The pieces of a factor but for A. The host's solver wants no more than the list of unknowns. */
 static void carve(dlsi_factor *factor, dlsi_arena *arena) {
   const size_t n = (size_t)factor->n, matrix = factor->kind == DLS_HOST_SOLVER ? 0 : n;
@@ -247,7 +243,7 @@ static void carve(dlsi_factor *factor, dlsi_arena *arena) {
 }
 
 /* Finds the largest part, sets start, entries and place. */
-static dls_status lay_out(dlsi_factor *factor, const char *function, dls_error *error) {
+static dls_status lay_out(dlsi_factor *factor, dls_error *error) {
   factor->entries = 0;
   factor->largest = 0;
   for (int k = 0; k < factor->parts; k++) {
@@ -259,11 +255,11 @@ static dls_status lay_out(dlsi_factor *factor, const char *function, dls_error *
     if (factor->kind == DLS_HOST_SOLVER || factor->schur) continue;
     if (factor->kind == DLS_STIFFNESS_SPARSE && s > dlsi_largest_part)
       return dlsi_fail(
-          error, DLS_E_UNSUPPORTED, function, "Ks", unknown[0], (double)s,
+          error, DLS_E_UNSUPPORTED, "Ks", unknown[0], (double)s,
           "a connected part of %zu unknowns; at most %d are factored as a dense matrix", s,
           dlsi_largest_part);
     if (s > SIZE_MAX / sizeof(double) / s || factor->entries > SIZE_MAX / sizeof(double) - s * s)
-      return dlsi_fail(error, DLS_E_SIZE, function, "n", -1, factor->n, "too large to address");
+      return dlsi_fail(error, DLS_E_SIZE, "n", -1, factor->n, "too large to address");
     factor->start[k] = factor->entries;
     factor->entries += s * s;
   }
@@ -278,23 +274,22 @@ static int largest_part(const dlsi_factor *factor) {
 }
 
 /* Parts, and the analysis of a sparse K with a large one. */
-static dls_status divide(dlsi_factor *factor, const char *function, const dls_model *model,
-                         int count, const int *keep, dls_error *error) {
+static dls_status divide(dlsi_factor *factor, const dls_model *model, int count, const int *keep,
+                         dls_error *error) {
   one_part(factor);
   if (factor->kind != DLS_STIFFNESS_SPARSE) return DLS_OK;
   connect(&model->Ks, factor, factor->place);
   if (largest_part(factor) <= dlsi_small_part || !dlsi_schur_available()) return DLS_OK;
   one_part(factor);
   factor->kept = count;
-  return dlsi_schur_create(&factor->schur, function, &model->Ks, factor->factorization, count, keep,
-                           error);
+  return dlsi_schur_create(&factor->schur, &model->Ks, factor->factorization, count, keep, error);
 }
 
-dls_status dlsi_factor_create(dlsi_factor **out, const char *function, const dls_model *model,
-                              int count, const int *keep, dls_error *error) {
+dls_status dlsi_factor_create(dlsi_factor **out, const dls_model *model, int count, const int *keep,
+                              dls_error *error) {
   *out = NULL;
   dlsi_factor *factor = calloc(1, sizeof *factor);
-  if (!factor) return no_memory(function, error);
+  if (!factor) return dlsi_no_memory(error);
   const int stiffness =
       model->operator_kind == DLS_STIFFNESS_DENSE || model->operator_kind == DLS_STIFFNESS_SPARSE;
   factor->n = factor->largest = model->n;
@@ -309,12 +304,12 @@ dls_status dlsi_factor_create(dlsi_factor **out, const char *function, const dls
   arena.size = arena.used;
   arena.used = 0;
   arena.base = factor->memory = arena.failed ? NULL : dlsi_alloc(arena.size, 1);
-  dls_status status = factor->memory ? DLS_OK : no_memory(function, error);
+  dls_status status = factor->memory ? DLS_OK : dlsi_no_memory(error);
   if (!status) {
     carve(factor, &arena);
-    status = divide(factor, function, model, count, keep, error);
+    status = divide(factor, model, count, keep, error);
   }
-  if (!status) status = lay_out(factor, function, error);
+  if (!status) status = lay_out(factor, error);
   if (status)
     dlsi_factor_destroy(factor);
   else
@@ -340,37 +335,34 @@ void dlsi_factor_estimate(const dlsi_factor *factor, double *factor_bytes, doubl
 }
 
 /* An entry of Ks that ties two parts together: the pattern is not the one of create. */
-static dls_status check_parts(const dlsi_factor *factor, const char *function, const dls_sparse *Ks,
-                              dls_error *error) {
+static dls_status check_parts(const dlsi_factor *factor, const dls_sparse *Ks, dls_error *error) {
   for (int k = 0; k < factor->parts; k++)
     for (int e = factor->first[k]; e < factor->first[k + 1]; e++) {
       const int j = factor->unknown[e];
       for (int at = Ks->p[j]; at < Ks->p[j + 1]; at++) {
         const int place = factor->place[Ks->i[at]];
         if (place < factor->first[k] || place >= factor->first[k + 1])
-          return dlsi_fail(error, DLS_E_ARGUMENT, function, "Ks", at, Ks->i[at],
+          return dlsi_fail(error, DLS_E_ARGUMENT, "Ks", at, Ks->i[at],
                            "the pattern is not the one of create");
       }
     }
   return DLS_OK;
 }
 
-dls_status dlsi_factor_same(const dlsi_factor *factor, const char *function, const dls_model *model,
-                            dls_error *error) {
+dls_status dlsi_factor_same(const dlsi_factor *factor, const dls_model *model, dls_error *error) {
   if (factor->kind != DLS_STIFFNESS_SPARSE) return DLS_OK;
-  return factor->schur ? dlsi_schur_same(factor->schur, function, &model->Ks, error)
-                       : check_parts(factor, function, &model->Ks, error);
+  return factor->schur ? dlsi_schur_same(factor->schur, &model->Ks, error)
+                       : check_parts(factor, &model->Ks, error);
 }
 
-static dls_status factor_parts(dlsi_factor *factor, const char *function, const dls_model *model,
-                               double *work, int *iwork, dls_error *error) {
+static dls_status factor_parts(dlsi_factor *factor, const dls_model *model, double *work,
+                               int *iwork, dls_error *error) {
   dls_status status = DLS_OK;
   factor->rcond = 1;
   for (int k = 0; !status && k < factor->parts; k++) {
     assemble(factor, model, k);
     const size_t first = (size_t)factor->first[k];
-    const part_matrix M = {.function = function,
-                           .name = factor->kind == DLS_STIFFNESS_SPARSE ? "Ks" : "K",
+    const part_matrix M = {.name = factor->kind == DLS_STIFFNESS_SPARSE ? "Ks" : "K",
                            .unknown = factor->unknown + first,
                            .s = size_of(factor, k),
                            .A = factor->A + factor->start[k],
@@ -383,25 +375,23 @@ static dls_status factor_parts(dlsi_factor *factor, const char *function, const 
   return status;
 }
 
-dls_status dlsi_factor_numeric(dlsi_factor *factor, const char *function, const dls_model *model,
-                               dls_error *error) {
+dls_status dlsi_factor_numeric(dlsi_factor *factor, const dls_model *model, dls_error *error) {
   if (factor->kind == DLS_HOST_SOLVER) return DLS_OK;
   if (factor->schur) {
-    const dls_status status = dlsi_schur_factor(factor->schur, function, &model->Ks, error);
+    const dls_status status = dlsi_schur_factor(factor->schur, &model->Ks, error);
     if (!status) factor->rcond = dlsi_schur_rcond(factor->schur);
     return status;
   }
   if (!factor->A) factor->A = dlsi_alloc(factor->entries, sizeof *factor->A);
-  if (!factor->A) return no_memory(function, error);
+  if (!factor->A) return dlsi_no_memory(error);
   if (factor->kind == DLS_FLEXIBILITY) {
     assemble(factor, model, 0);
     return DLS_OK;
   }
   double *work = dlsi_alloc(4 * (size_t)factor->largest, sizeof *work);
   int *iwork = dlsi_alloc((size_t)factor->largest, sizeof *iwork);
-  const dls_status status = work && iwork
-                                ? factor_parts(factor, function, model, work, iwork, error)
-                                : no_memory(function, error);
+  const dls_status status =
+      work && iwork ? factor_parts(factor, model, work, iwork, error) : dlsi_no_memory(error);
   free(iwork);
   free(work);
   return status;
@@ -414,21 +404,20 @@ static void scale_rows(const double *scale, int s, double *X, int nrhs) {
       X[(size_t)i + (size_t)j * (size_t)s] *= scale[i];
 }
 
-dls_status dlsi_factor_solve(const dlsi_factor *factor, const char *function, int part, double *X,
-                             int nrhs, double *work, dls_error *error) {
+dls_status dlsi_factor_solve(const dlsi_factor *factor, int part, double *X, int nrhs, double *work,
+                             dls_error *error) {
   const int first = factor->first[part], s = factor->first[part + 1] - first;
   const size_t entries = (size_t)s * (size_t)nrhs;
   if (factor->kind == DLS_HOST_SOLVER) {
     const int answer = factor->solve(factor->user, X, s, nrhs);
-    if (answer)
-      return dlsi_fail(error, DLS_E_CALLBACK, function, "solve", -1, answer, "returned %d", answer);
+    if (answer) return dlsi_fail(error, DLS_E_CALLBACK, "solve", -1, answer, "returned %d", answer);
     const long long bad = dlsi_first_not_finite(X, entries);
     if (bad >= 0)
-      return dlsi_fail(error, DLS_E_CALLBACK, function, "solve", bad % s, X[bad],
+      return dlsi_fail(error, DLS_E_CALLBACK, "solve", bad % s, X[bad],
                        "left a result that is not finite");
     return DLS_OK;
   }
-  if (factor->schur) return dlsi_schur_solve(factor->schur, function, X, nrhs, error);
+  if (factor->schur) return dlsi_schur_solve(factor->schur, X, nrhs, error);
   const double *A = factor->A + factor->start[part];
   if (factor->kind == DLS_FLEXIBILITY) {
     const double one = 1, zero = 0;

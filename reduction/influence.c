@@ -24,8 +24,8 @@
 
 #include "reduction_internal.h"
 
-static dls_status no_memory(const char *function, size_t m, dls_error *error) {
-  return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0,
+static dls_status no_memory(size_t m, dls_error *error) {
+  return dlsi_fail(error, DLS_E_MEMORY, "", -1, 0,
                    "out of memory; W alone takes %.3g GB; dls_primal works without it",
                    1e-9 * (double)m * (double)m * sizeof(double));
 }
@@ -48,9 +48,8 @@ void dlsi_rows_add(const dlsi_rows *H, size_t first, size_t s, const double *x, 
 }
 
 /* (W1), (W2); slot (m), list (m): room; X, work: of a batch */
-static dls_status by_columns(const char *function, const dlsi_factor *factor, const dlsi_rows *H,
-                             int *slot, int *list, double *X, double *work, double *W,
-                             dls_error *error) {
+static dls_status by_columns(const dlsi_factor *factor, const dlsi_rows *H, int *slot, int *list,
+                             double *X, double *work, double *W, dls_error *error) {
   for (size_t j = 0; j < H->m; j++)
     slot[j] = -1;
   for (int k = 0; k < factor->parts; k++) {
@@ -64,7 +63,7 @@ static dls_status by_columns(const char *function, const dlsi_factor *factor, co
     for (int start = 0; start < columns; start += dlsi_batch) {
       const int count = columns - start < dlsi_batch ? columns - start : dlsi_batch;
       gather(H, first, s, slot, start, count, X);
-      const dls_status status = dlsi_factor_solve(factor, function, k, X, count, work, error);
+      const dls_status status = dlsi_factor_solve(factor, k, X, count, work, error);
       if (status) return status; /* (W1) */
       for (int j = 0; j < count; j++)
         dlsi_rows_add(H, first, s, X + (size_t)j * s,
@@ -76,15 +75,15 @@ static dls_status by_columns(const char *function, const dlsi_factor *factor, co
   return DLS_OK;
 }
 
-static dls_status from_solves(const char *function, const dlsi_factor *factor, const dlsi_rows *H,
-                              double *W, dls_error *error) {
+static dls_status from_solves(const dlsi_factor *factor, const dlsi_rows *H, double *W,
+                              dls_error *error) {
   const size_t m = H->m, largest = (size_t)factor->largest;
   const size_t batch = m < dlsi_batch ? m : dlsi_batch;
   int *list = dlsi_alloc(2 * m, sizeof *list);
   double *X = dlsi_alloc((1 + factor->scratch) * largest, batch * sizeof *X);
   const dls_status status =
-      list && X ? by_columns(function, factor, H, list, list + m, X, X + largest * batch, W, error)
-                : no_memory(function, m, error);
+      list && X ? by_columns(factor, H, list, list + m, X, X + largest * batch, W, error)
+                : no_memory(m, error);
   free(X);
   free(list);
   return status;
@@ -128,21 +127,21 @@ static void between(const dlsi_rows *H, const int *keep, size_t b, const double 
   }
 }
 
-static dls_status from_schur(const char *function, const dlsi_factor *factor, const dlsi_rows *H,
-                             const int *keep, double *W, dls_error *error) {
+static dls_status from_schur(const dlsi_factor *factor, const dlsi_rows *H, const int *keep,
+                             double *W, dls_error *error) {
   const size_t b = (size_t)factor->kept, entries = H->p[H->n];
   const columns Hc = {dlsi_alloc(H->m + 2, sizeof *Hc.start), dlsi_alloc(entries, sizeof *Hc.row),
                       dlsi_alloc(entries, sizeof *Hc.value)};
   double *Z = dlsi_alloc(b, b * sizeof *Z), *t = dlsi_alloc(b, sizeof *t);
   dls_status status;
   if (Hc.start && Hc.row && Hc.value && Z && t) {
-    status = dlsi_schur_inverse(factor->schur, function, Z, error);
+    status = dlsi_schur_inverse(factor->schur, Z, error);
     if (!status) {
       turn(H, keep, factor->kept, &Hc);
       between(H, keep, b, Z, &Hc, t, W);
     }
   } else
-    status = no_memory(function, H->m, error);
+    status = no_memory(H->m, error);
   free(t);
   free(Z);
   free(Hc.value);
@@ -161,15 +160,15 @@ static void make_symmetric(double *W, size_t m) {
           W[i + j * m] = W[j + i * m] = W[i + j * m] / 2 + W[j + i * m] / 2;
 }
 
-dls_status dlsi_influence(const char *function, const dlsi_factor *factor, const dlsi_rows *H,
-                          const int *keep, double *W, dls_error *error) {
+dls_status dlsi_influence(const dlsi_factor *factor, const dlsi_rows *H, const int *keep, double *W,
+                          dls_error *error) {
   const size_t m = H->m;
   memset(W, 0, m * m * sizeof *W);
-  const dls_status status = factor->kept > 0 ? from_schur(function, factor, H, keep, W, error)
-                                             : from_solves(function, factor, H, W, error);
+  const dls_status status =
+      factor->kept > 0 ? from_schur(factor, H, keep, W, error) : from_solves(factor, H, W, error);
   if (status) return status;
   if (factor->symmetric) make_symmetric(W, m);
   const long long bad = dlsi_first_not_finite(W, m * m);
   if (bad < 0) return DLS_OK;
-  return dlsi_fail(error, DLS_E_NOT_FINITE, function, "W", bad, W[bad], "overflow");
+  return dlsi_fail(error, DLS_E_NOT_FINITE, "W", bad, W[bad], "overflow");
 }

@@ -29,11 +29,6 @@ static const double soft = 1e-4;
 
 enum { block = dlsi_most_modes + 4, times = 5 };
 
-static dls_status no_memory(const char *function, dls_error *error) {
-  (void)dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
-  return DLS_E_MEMORY;
-}
-
 /* ---- A --------------------------------------------------------------------------------------- */
 
 /* A, all entries of both triangles, by columns; owned. */
@@ -93,18 +88,17 @@ static void emit(scaled *A, const dls_model *model, int *next, int fill) {
 }
 
 /* (N1) */
-static dls_status make_scaled(scaled *A, const char *function, const dls_model *model,
-                              dls_error *error) {
+static dls_status make_scaled(scaled *A, const dls_model *model, dls_error *error) {
   const int n = model->n, symmetric = model->factorization != DLS_LU;
   *A = (scaled){.n = n};
   const double entries =
       model->operator_kind == DLS_STIFFNESS_DENSE ? (double)n * n : (double)model->Ks.p[n];
-  if (2 * entries + n > INT32_MAX) return no_memory(function, error);
+  if (2 * entries + n > INT32_MAX) return dlsi_no_memory(error);
   A->p = dlsi_alloc((size_t)n + 2, sizeof *A->p);
   A->i = dlsi_alloc((size_t)(2 * entries) + (size_t)n, sizeof *A->i);
   A->x = dlsi_alloc((size_t)(2 * entries) + (size_t)n, sizeof *A->x);
   A->R = dlsi_alloc(4 * (size_t)n, sizeof *A->R);
-  if (!A->p || !A->i || !A->x || !A->R) return no_memory(function, error);
+  if (!A->p || !A->i || !A->x || !A->R) return dlsi_no_memory(error);
   A->C = A->R + n;
   memset(A->p, 0, ((size_t)n + 2) * sizeof *A->p);
   emit(A, model, A->p + 2, 0);
@@ -165,8 +159,7 @@ static void orthonormalise(double *V, size_t n, int count) {
 }
 
 /* (N2), (N3): V (n x count) */
-static dls_status iterate(scaled *A, const char *function, int symmetric, double *V, int count,
-                          dls_error *error) {
+static dls_status iterate(scaled *A, int symmetric, double *V, int count, dls_error *error) {
   const size_t n = (size_t)A->n;
   for (size_t j = 0; j < n; j++)
     A->x[A->p[j]] = sqrt(DBL_EPSILON);
@@ -175,17 +168,17 @@ static dls_status iterate(scaled *A, const char *function, int symmetric, double
                              .factorization = symmetric ? DLS_LDLT : DLS_LU,
                              .Ks = {A->n, A->n, A->p, A->i, A->x}};
   dlsi_factor *factor;
-  dls_status status = dlsi_factor_create(&factor, function, &shifted, 0, NULL, error);
-  if (!status) status = dlsi_factor_numeric(factor, function, &shifted, error);
+  dls_status status = dlsi_factor_create(&factor, &shifted, 0, NULL, error);
+  if (!status) status = dlsi_factor_numeric(factor, &shifted, error);
   double *part = status ? NULL : dlsi_alloc(n, (size_t)count * sizeof *part);
-  if (!status && !part) status = no_memory(function, error);
+  if (!status && !part) status = dlsi_no_memory(error);
   for (int turn = 0; !status && turn < times; turn++) {
     orthonormalise(V, n, count);
     for (int k = 0; !status && k < factor->parts; k++) {
       const size_t first = (size_t)factor->first[k], s = (size_t)factor->first[k + 1] - first;
       for (size_t e = 0; e < s * (size_t)count; e++)
         part[e] = V[(size_t)factor->unknown[first + e % s] + e / s * n];
-      status = dlsi_factor_solve(factor, function, k, part, count, NULL, error);
+      status = dlsi_factor_solve(factor, k, part, count, NULL, error);
       for (size_t e = 0; e < s * (size_t)count; e++)
         V[(size_t)factor->unknown[first + e % s] + e / s * n] = part[e];
     }
@@ -199,8 +192,8 @@ static dls_status iterate(scaled *A, const char *function, int symmetric, double
 }
 
 /* (N4): the null vectors come to the front of V, *found is their number. T (n x count): room */
-static dls_status split(const scaled *A, const char *function, double *V, int count, double *T,
-                        int *found, dls_error *error) {
+static dls_status split(const scaled *A, double *V, int count, double *T, int *found,
+                        dls_error *error) {
   const int n = A->n, ask = -1;
   double s[block], Y[block * block], best, unused;
   int info;
@@ -208,7 +201,7 @@ static dls_status split(const scaled *A, const char *function, double *V, int co
   dgesvd_("N", "A", &n, &count, T, &n, s, &unused, &n, Y, &count, &best, &ask, &info, 1, 1);
   const int size = (int)best;
   double *work = dlsi_alloc((size_t)size, sizeof *work);
-  if (!work) return no_memory(function, error);
+  if (!work) return dlsi_no_memory(error);
   dgesvd_("N", "A", &n, &count, T, &n, s, &unused, &n, Y, &count, work, &size, &info, 1, 1);
   free(work);
   *found = 0;
@@ -264,8 +257,8 @@ static void unscale(const scaled *A, dlsi_modes *modes) {
 /* ---- find, given, free ----------------------------------------------------------------------- */
 
 /* (N3) to (N5) from a start that is the same each time; V (n x 2 count) */
-static dls_status search(scaled *A, const char *function, int symmetric, double *V, int count,
-                         dlsi_modes *modes, dls_error *error) {
+static dls_status search(scaled *A, int symmetric, double *V, int count, dlsi_modes *modes,
+                         dls_error *error) {
   const size_t n = (size_t)A->n, entries = n * (size_t)count;
   unsigned long long seed = 1;
   for (size_t e = 0; e < entries; e++) {
@@ -273,8 +266,8 @@ static dls_status search(scaled *A, const char *function, int symmetric, double 
     V[e] = (double)(seed >> 11) / 4503599627370496.0 - 1;
   }
   int found = 0;
-  dls_status status = iterate(A, function, symmetric, V, count, error);
-  if (!status) status = split(A, function, V, count, V + entries, &found, error);
+  dls_status status = iterate(A, symmetric, V, count, error);
+  if (!status) status = split(A, V, count, V + entries, &found, error);
   if (status) return status;
   if (found > dlsi_most_modes) found = dlsi_most_modes;
   if (!reduce(V, n, found, modes->unknown)) return DLS_OK;
@@ -283,25 +276,23 @@ static dls_status search(scaled *A, const char *function, int symmetric, double 
   return DLS_OK;
 }
 
-dls_status dlsi_modes_find(const char *function, const dls_model *model, dlsi_modes *modes,
-                           dls_error *error) {
+dls_status dlsi_modes_find(const dls_model *model, dlsi_modes *modes, dls_error *error) {
   const int count = model->n < block ? model->n : block;
   *modes = (dlsi_modes){0};
   modes->basis = dlsi_alloc(2 * (size_t)model->n, (size_t)count * sizeof *modes->basis);
   modes->unknown = dlsi_alloc((size_t)count, sizeof *modes->unknown);
-  if (!modes->basis || !modes->unknown) return no_memory(function, error);
+  if (!modes->basis || !modes->unknown) return dlsi_no_memory(error);
   scaled A;
-  dls_status status = make_scaled(&A, function, model, error);
+  dls_status status = make_scaled(&A, model, error);
   if (!status)
-    status =
-        search(&A, function, model->factorization != DLS_LU, modes->basis, count, modes, error);
+    status = search(&A, model->factorization != DLS_LU, modes->basis, count, modes, error);
   free_scaled(&A);
   return status;
 }
 
 /* modes := B, checked and reduced; V (n x 2 columns) is their basis */
-static dls_status take_given(const scaled *A, const char *function, const dls_dense *B, double *V,
-                             dlsi_modes *modes, dls_error *error) {
+static dls_status take_given(const scaled *A, const dls_dense *B, double *V, dlsi_modes *modes,
+                             dls_error *error) {
   const size_t n = (size_t)A->n;
   double *AV = V + n * (size_t)B->cols;
   for (int c = 0; c < B->cols; c++)
@@ -312,27 +303,25 @@ static dls_status take_given(const scaled *A, const char *function, const dls_de
     const size_t at = (size_t)c * n;
     const double left = dlsi_max_abs(AV + at, n), size = A->norm * dlsi_max_abs(V + at, n);
     if (!(left <= 1e-8 * size))
-      return dlsi_fail(error, DLS_E_ARGUMENT, function, "modes", c, left / size,
+      return dlsi_fail(error, DLS_E_ARGUMENT, "modes", c, left / size,
                        "column %d is no null vector of K: |K x| = %.3g |K||x|", c, left / size);
   }
   if (!reduce(V, n, B->cols, modes->unknown))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "modes", -1, 0,
-                     "the columns are not independent");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "modes", -1, 0, "the columns are not independent");
   modes->count = B->cols;
   unscale(A, modes);
   return DLS_OK;
 }
 
-dls_status dlsi_modes_given(const char *function, const dls_model *model, dlsi_modes *modes,
-                            dls_error *error) {
+dls_status dlsi_modes_given(const dls_model *model, dlsi_modes *modes, dls_error *error) {
   const size_t columns = (size_t)model->modes.cols;
   *modes = (dlsi_modes){0};
   modes->basis = dlsi_alloc(2 * (size_t)model->n, columns * sizeof *modes->basis);
   modes->unknown = dlsi_alloc(columns, sizeof *modes->unknown);
-  if (!modes->basis || !modes->unknown) return no_memory(function, error);
+  if (!modes->basis || !modes->unknown) return dlsi_no_memory(error);
   scaled A;
-  dls_status status = make_scaled(&A, function, model, error);
-  if (!status) status = take_given(&A, function, &model->modes, modes->basis, modes, error);
+  dls_status status = make_scaled(&A, model, error);
+  if (!status) status = take_given(&A, &model->modes, modes->basis, modes, error);
   free_scaled(&A);
   return status;
 }
@@ -345,15 +334,18 @@ void dlsi_modes_free(dlsi_modes *modes) {
 
 dls_status dls_model_modes(const dls_model *model, int most, double *basis, int *unknown,
                            int *count, dls_error *error) {
-  const dls_status bad = dlsi_check_model(__func__, model, error);
-  if (bad) return bad;
-  if (most < 0) return dlsi_fail(error, DLS_E_SIZE, __func__, "most", -1, most, "is negative");
-  if (!count) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "count", -1, 0, "is NULL");
+  const dls_status bad = dlsi_check_model(model, error);
+  if (bad) return dlsi_at(__func__, bad, error);
+  if (most < 0)
+    return dlsi_at(__func__, dlsi_fail(error, DLS_E_SIZE, "most", -1, most, "is negative"), error);
+  if (!count) return dlsi_at(__func__, dlsi_is_null(error, "count"), error);
   if (model->operator_kind != DLS_STIFFNESS_DENSE && model->operator_kind != DLS_STIFFNESS_SPARSE)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, __func__, "operator_kind", -1, model->operator_kind,
-                     "this operator has an inverse");
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_UNSUPPORTED, "operator_kind", -1, model->operator_kind,
+                             "this operator has an inverse"),
+                   error);
   dlsi_modes modes;
-  const dls_status status = dlsi_modes_find(__func__, model, &modes, error);
+  const dls_status status = dlsi_modes_find(model, &modes, error);
   const size_t n = (size_t)(status ? 0 : model->n);
   for (int c = 0; !status && c < modes.count && c < most; c++) {
     if (basis) memcpy(basis + (size_t)c * n, modes.basis + (size_t)c * n, n * sizeof *basis);
@@ -361,7 +353,7 @@ dls_status dls_model_modes(const dls_model *model, int most, double *basis, int 
   }
   if (!status) *count = modes.count;
   dlsi_modes_free(&modes);
-  return status;
+  return dlsi_at(__func__, status, error);
 }
 
 /* ---- springs --------------------------------------------------------------------------------- */
@@ -380,13 +372,12 @@ static void choose_springs(const dls_model *model, const dlsi_modes *modes, doub
   }
 }
 
-static dls_status dense_with_springs(dlsi_stable *stable, const char *function,
-                                     const dlsi_modes *modes, const double *spring,
-                                     dls_error *error) {
+static dls_status dense_with_springs(dlsi_stable *stable, const dlsi_modes *modes,
+                                     const double *spring, dls_error *error) {
   dls_dense *K = &stable->model.K;
   const size_t n = (size_t)K->rows;
   stable->x = dlsi_alloc(n, n * sizeof *stable->x);
-  if (!stable->x) return no_memory(function, error);
+  if (!stable->x) return dlsi_no_memory(error);
   for (size_t j = 0; j < n; j++)
     memcpy(stable->x + j * n, K->a + j * (size_t)K->ld, n * sizeof *stable->x);
   for (int k = 0; k < modes->count; k++)
@@ -395,18 +386,17 @@ static dls_status dense_with_springs(dlsi_stable *stable, const char *function,
   return DLS_OK;
 }
 
-static dls_status sparse_with_springs(dlsi_stable *stable, const char *function,
-                                      const dlsi_modes *modes, const double *spring,
-                                      dls_error *error) {
+static dls_status sparse_with_springs(dlsi_stable *stable, const dlsi_modes *modes,
+                                      const double *spring, dls_error *error) {
   dls_sparse *Ks = &stable->model.Ks;
   const int n = Ks->cols;
   const size_t entries = (size_t)Ks->p[n] + (size_t)modes->count;
   if (entries > INT32_MAX)
-    return dlsi_fail(error, DLS_E_SIZE, function, "Ks", -1, (double)entries, "too many entries");
+    return dlsi_fail(error, DLS_E_SIZE, "Ks", -1, (double)entries, "too many entries");
   stable->p = dlsi_alloc((size_t)n + 1, sizeof *stable->p);
   stable->i = dlsi_alloc(entries, sizeof *stable->i);
   stable->x = dlsi_alloc(entries, sizeof *stable->x);
-  if (!stable->p || !stable->i || !stable->x) return no_memory(function, error);
+  if (!stable->p || !stable->i || !stable->x) return dlsi_no_memory(error);
   int to = 0;
   for (int j = 0; j < n; j++) {
     stable->p[j] = to;
@@ -425,14 +415,14 @@ static dls_status sparse_with_springs(dlsi_stable *stable, const char *function,
   return DLS_OK;
 }
 
-dls_status dlsi_stable_create(dlsi_stable *stable, const char *function, const dls_model *model,
-                              const dlsi_modes *modes, double *spring, dls_error *error) {
+dls_status dlsi_stable_create(dlsi_stable *stable, const dls_model *model, const dlsi_modes *modes,
+                              double *spring, dls_error *error) {
   *stable = (dlsi_stable){.model = *model};
   if (modes->count == 0) return DLS_OK;
   choose_springs(model, modes, spring);
   return model->operator_kind == DLS_STIFFNESS_DENSE
-             ? dense_with_springs(stable, function, modes, spring, error)
-             : sparse_with_springs(stable, function, modes, spring, error);
+             ? dense_with_springs(stable, modes, spring, error)
+             : sparse_with_springs(stable, modes, spring, error);
 }
 
 void dlsi_stable_free(dlsi_stable *stable) {

@@ -56,14 +56,12 @@ void dls_reduction_settings_init(dls_reduction_settings *settings) {
   *settings = (dls_reduction_settings){.size = sizeof *settings, .form_W = 1};
 }
 
-static dls_status check_settings(const char *function, const dls_reduction_settings *s,
-                                 dls_error *error) {
+static dls_status check_settings(const dls_reduction_settings *s, dls_error *error) {
   if (s->size != sizeof *s)
-    return dlsi_fail(error, DLS_E_SETTINGS, function, "settings", -1, (double)s->size,
+    return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
                      "not filled by dls_reduction_settings_init");
   if (!(s->memory_limit >= 0))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "memory_limit", -1, s->memory_limit,
-                     "must be >= 0");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "memory_limit", -1, s->memory_limit, "must be >= 0");
   const struct {
     const char *name;
     int value;
@@ -72,13 +70,9 @@ static dls_status check_settings(const char *function, const dls_reduction_setti
                   {"form_W", s->form_W}};
   for (size_t k = 0; k < sizeof switches / sizeof switches[0]; k++)
     if (switches[k].value != 0 && switches[k].value != 1)
-      return dlsi_fail(error, DLS_E_ARGUMENT, function, switches[k].name, -1, switches[k].value,
+      return dlsi_fail(error, DLS_E_ARGUMENT, switches[k].name, -1, switches[k].value,
                        "must be 0 or 1");
   return DLS_OK;
-}
-
-static dls_status no_memory(const char *function, dls_error *error) {
-  return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
 }
 
 /* ---- H and P (R1) ---------------------------------------------------------------------------- */
@@ -207,8 +201,7 @@ static void carve(dls_reduction *R, const dls_model *model, dlsi_arena *arena) {
 }
 
 /* Everything that does not depend on values, but W and the factor. */
-static dls_status lay_out(dls_reduction *R, const char *function, const dls_model *model,
-                          dls_error *error) {
+static dls_status lay_out(dls_reduction *R, const dls_model *model, dls_error *error) {
   visit v = {0};
   visit_all(&v, model);
   R->entries = v.entries;
@@ -224,7 +217,7 @@ static dls_status lay_out(dls_reduction *R, const char *function, const dls_mode
     list_touched(R, model, room);
   }
   free(room);
-  return R->memory && room ? DLS_OK : no_memory(function, error);
+  return R->memory && room ? DLS_OK : dlsi_no_memory(error);
 }
 
 /* What the factor and W take. */
@@ -239,10 +232,10 @@ static void foresee(dls_reduction *R) {
   info->bytes += info->W_bytes + sizeof(double) * (6 * n + (R->settings.form_W ? room : 0));
 }
 
-static dls_status check_limit(const dls_reduction *R, const char *function, dls_error *error) {
+static dls_status check_limit(const dls_reduction *R, dls_error *error) {
   const dls_reduction_info *info = &R->info;
   if (R->settings.memory_limit == 0 || info->bytes <= R->settings.memory_limit) return DLS_OK;
-  return dlsi_fail(error, DLS_E_MEMORY, function, "memory_limit", -1, info->bytes,
+  return dlsi_fail(error, DLS_E_MEMORY, "memory_limit", -1, info->bytes,
                    "%.3g GB needed (W %.3g, factor %.3g), limit %.3g; dls_primal needs no W",
                    1e-9 * info->bytes, 1e-9 * info->W_bytes, 1e-9 * info->factor_bytes,
                    1e-9 * R->settings.memory_limit);
@@ -252,11 +245,10 @@ static dls_status check_limit(const dls_reduction *R, const char *function, dls_
 
 /* Lays K out, if that has not been done. A Schur complement on far more unknowns than H has columns
  * would be dearer than solving for these. */
-static dls_status analyse(dls_reduction *R, const char *function, const dls_model *model,
-                          dls_error *error) {
+static dls_status analyse(dls_reduction *R, const dls_model *model, dls_error *error) {
   if (R->factor) return DLS_OK;
   const int kept = R->settings.form_W && !R->whole && R->kept / 4 <= R->columns ? R->kept : 0;
-  const dls_status status = dlsi_factor_create(&R->factor, function, model, kept, R->keep, error);
+  const dls_status status = dlsi_factor_create(&R->factor, model, kept, R->keep, error);
   if (status) return status;
   foresee(R);
   return DLS_OK;
@@ -267,11 +259,10 @@ static void forget_factor(dls_reduction *R) {
   R->factor = NULL;
 }
 
-static dls_status analyse_and_factor(dls_reduction *R, const char *function, const dls_model *model,
-                                     dls_error *error) {
-  dls_status status = analyse(R, function, model, error);
-  if (!status) status = check_limit(R, function, error);
-  return status ? status : dlsi_factor_numeric(R->factor, function, model, error);
+static dls_status analyse_and_factor(dls_reduction *R, const dls_model *model, dls_error *error) {
+  dls_status status = analyse(R, model, error);
+  if (!status) status = check_limit(R, error);
+  return status ? status : dlsi_factor_numeric(R->factor, model, error);
 }
 
 /* The Schur complement is not to be had, or spoilt, because K without the unknowns that H touches is
@@ -282,17 +273,16 @@ static int schur_fails(const dls_reduction *R, dls_factorization factorization, 
          (!status && !(dlsi_schur_error(R->factor->schur) <= 1000 * DBL_EPSILON));
 }
 
-static dls_status attempt(dls_reduction *R, const char *function, const dls_model *model,
-                          dls_error *error) {
+static dls_status attempt(dls_reduction *R, const dls_model *model, dls_error *error) {
   dlsi_stable stable;
-  dls_status status = dlsi_stable_create(&stable, function, model, &R->modes, R->spring, error);
+  dls_status status = dlsi_stable_create(&stable, model, &R->modes, R->spring, error);
   stable.model.factorization = R->info.indefinite ? DLS_LDLT : model->factorization;
   if (!status) {
-    status = analyse_and_factor(R, function, &stable.model, error);
+    status = analyse_and_factor(R, &stable.model, error);
     if (schur_fails(R, stable.model.factorization, status)) {
       forget_factor(R);
       R->whole = 1;
-      status = analyse_and_factor(R, function, &stable.model, error);
+      status = analyse_and_factor(R, &stable.model, error);
       if (status) forget_factor(R);
       R->whole = !status;
     }
@@ -301,8 +291,7 @@ static dls_status attempt(dls_reduction *R, const char *function, const dls_mode
   return status;
 }
 
-static dls_status report_modes(const char *function, const dls_model *model,
-                               const dlsi_modes *modes, dls_error *error) {
+static dls_status report_modes(const dls_model *model, const dlsi_modes *modes, dls_error *error) {
   char list[64] = "";
   size_t end = 0;
   for (int k = 0; k < modes->count && k < 6; k++) {
@@ -311,35 +300,34 @@ static dls_status report_modes(const char *function, const dls_model *model,
     if (wrote < 0 || (size_t)wrote >= sizeof list - end) break;
     end += (size_t)wrote;
   }
-  return dlsi_fail(error, DLS_E_SINGULAR, function,
-                   model->operator_kind == DLS_STIFFNESS_DENSE ? "K" : "Ks", modes->unknown[0],
-                   modes->count, "singular: %d%s rigid-body mode%s, of unknowns %s%s", modes->count,
+  return dlsi_fail(error, DLS_E_SINGULAR, model->operator_kind == DLS_STIFFNESS_DENSE ? "K" : "Ks",
+                   modes->unknown[0], modes->count,
+                   "singular: %d%s rigid-body mode%s, of unknowns %s%s", modes->count,
                    modes->count == dlsi_most_modes ? " or more" : "", modes->count > 1 ? "s" : "",
                    list, modes->count > 6 ? ", .." : "");
 }
 
 /* Attempts, looking for modes and another factorisation where K asks for them. */
-static dls_status factor_model(dls_reduction *R, const char *function, const dls_model *model,
-                               dls_error *error) {
+static dls_status factor_model(dls_reduction *R, const dls_model *model, dls_error *error) {
   dls_error first = {0};
-  dls_status status = attempt(R, function, model, &first);
+  dls_status status = attempt(R, model, &first);
   const int stuck = status == DLS_E_SINGULAR || status == DLS_E_NOT_POSITIVE_DEFINITE;
   if (stuck && R->modes.count == 0) {
     forget_factor(R);
-    if (dlsi_modes_find(function, model, &R->modes, NULL) || R->modes.count == 0) {
+    if (dlsi_modes_find(model, &R->modes, NULL) || R->modes.count == 0) {
       dlsi_modes_free(&R->modes);
     } else if (!R->settings.stabilize) {
-      status = report_modes(function, model, &R->modes, error);
+      status = report_modes(model, &R->modes, error);
       dlsi_modes_free(&R->modes);
       return status;
     } else
-      status = attempt(R, function, model, &first);
+      status = attempt(R, model, &first);
   }
   if (status == DLS_E_NOT_POSITIVE_DEFINITE && R->settings.allow_indefinite &&
       !R->info.indefinite) {
     forget_factor(R);
     R->info.indefinite = 1;
-    status = attempt(R, function, model, &first);
+    status = attempt(R, model, &first);
   }
   if (status && error) *error = first;
   if (status) return status;
@@ -351,10 +339,9 @@ static dls_status factor_model(dls_reduction *R, const char *function, const dls
 /* ---- create, update, destroy ----------------------------------------------------------------- */
 
 /* All that depends on values. */
-static dls_status fill(dls_reduction *R, const char *function, const dls_model *model,
-                       dls_error *error) {
+static dls_status fill(dls_reduction *R, const dls_model *model, dls_error *error) {
   R->ready = 0;
-  dls_status status = factor_model(R, function, model, error);
+  dls_status status = factor_model(R, model, error);
   if (status) return status;
   store_candidates(R, model);
   store_rows(R, model);
@@ -363,8 +350,8 @@ static dls_status fill(dls_reduction *R, const char *function, const dls_model *
   memset(R->at, 0, sizeof R->at);
   if (R->settings.form_W) {
     if (!R->W) R->W = dlsi_alloc(R->H.m, R->H.m * sizeof *R->W);
-    status = R->W ? dlsi_influence(function, R->factor, &R->H, R->keep, R->W, error)
-                  : dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0,
+    status = R->W ? dlsi_influence(R->factor, &R->H, R->keep, R->W, error)
+                  : dlsi_fail(error, DLS_E_MEMORY, "", -1, 0,
                               "out of memory; W alone takes %.3g GB; dls_primal needs no W",
                               1e-9 * R->info.W_bytes);
   }
@@ -374,17 +361,16 @@ static dls_status fill(dls_reduction *R, const char *function, const dls_model *
 
 /* Checks, sizes, modes that are given, H's pattern: everything before the factorisation. NULL after
  * an error, which is in *status. */
-static dls_reduction *begin(const char *function, const dls_model *model,
-                            const dls_reduction_settings *settings, dls_status *status,
-                            dls_error *error) {
+static dls_reduction *begin(const dls_model *model, const dls_reduction_settings *settings,
+                            dls_status *status, dls_error *error) {
   dls_reduction_settings defaults;
   dls_reduction_settings_init(&defaults);
-  *status = check_settings(function, settings ? settings : &defaults, error);
-  if (!*status) *status = dlsi_check_model(function, model, error);
+  *status = check_settings(settings ? settings : &defaults, error);
+  if (!*status) *status = dlsi_check_model(model, error);
   if (*status) return NULL;
   dls_reduction *R = calloc(1, sizeof *R);
   if (!R) {
-    *status = no_memory(function, error);
+    *status = dlsi_no_memory(error);
     return NULL;
   }
   R->settings = settings ? *settings : defaults;
@@ -395,21 +381,21 @@ static dls_reduction *begin(const char *function, const dls_model *model,
   R->factorization = model->factorization;
   R->H.n = (size_t)model->n;
   R->H.m = (size_t)R->d * (size_t)R->candidates;
-  *status = lay_out(R, function, model, error);
-  if (!*status && model->modes.a) *status = dlsi_modes_given(function, model, &R->modes, error);
+  *status = lay_out(R, model, error);
+  if (!*status && model->modes.a) *status = dlsi_modes_given(model, &R->modes, error);
   if (!*status) return R;
   dls_reduction_destroy(R);
   return NULL;
 }
 
-static dls_status create(dls_reduction **out, const char *function, const dls_model *model,
+static dls_status create(dls_reduction **out, const dls_model *model,
                          const dls_reduction_settings *settings, dls_error *error) {
-  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, function, "out", -1, 0, "is NULL");
+  if (!out) return dlsi_is_null(error, "out");
   *out = NULL;
   dls_status status;
-  dls_reduction *R = begin(function, model, settings, &status, error);
+  dls_reduction *R = begin(model, settings, &status, error);
   if (!R) return status;
-  status = fill(R, function, model, error);
+  status = fill(R, model, error);
   if (status)
     dls_reduction_destroy(R);
   else
@@ -419,32 +405,32 @@ static dls_status create(dls_reduction **out, const char *function, const dls_mo
 
 dls_status dls_reduction_create_with(dls_reduction **out, const dls_model *model,
                                      const dls_reduction_settings *settings, dls_error *error) {
-  return create(out, __func__, model, settings, error);
+  return dlsi_at(__func__, create(out, model, settings, error), error);
 }
 
 dls_status dls_reduction_create(dls_reduction **out, const dls_model *model, dls_error *error) {
-  return create(out, __func__, model, NULL, error);
+  return dlsi_at(__func__, create(out, model, NULL, error), error);
 }
 
 dls_status dls_reduction_estimate(const dls_model *model, const dls_reduction_settings *settings,
                                   dls_reduction_info *info, dls_error *error) {
-  if (!info) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "info", -1, 0, "is NULL");
+  if (!info) return dlsi_at(__func__, dlsi_is_null(error, "info"), error);
   dls_status status;
-  dls_reduction *R = begin(__func__, model, settings, &status, error);
-  if (!R) return status;
+  dls_reduction *R = begin(model, settings, &status, error);
+  if (!R) return dlsi_at(__func__, status, error);
   dlsi_stable stable;
-  status = dlsi_stable_create(&stable, __func__, model, &R->modes, R->spring, error);
-  if (!status) status = analyse(R, __func__, &stable.model, error);
+  status = dlsi_stable_create(&stable, model, &R->modes, R->spring, error);
+  if (!status) status = analyse(R, &stable.model, error);
   dlsi_stable_free(&stable);
   R->info.modes = R->modes.count;
   if (!status) *info = R->info;
   dls_reduction_destroy(R);
-  return status;
+  return dlsi_at(__func__, status, error);
 }
 
 /* A model for update: as large as the one of create, and H on the same unknowns. room (n) */
-static dls_status check_same(dls_reduction *R, const char *function, const dls_model *model,
-                             int *room, dls_error *error) {
+static dls_status check_same(dls_reduction *R, const dls_model *model, int *room,
+                             dls_error *error) {
   memset(room, 0, R->H.n * sizeof *room);
   visit v = {.touched = room};
   visit_all(&v, model);
@@ -454,13 +440,12 @@ static dls_status check_same(dls_reduction *R, const char *function, const dls_m
   for (int k = 0; touched == R->kept && k < R->kept; k++)
     if (!room[R->keep[k]]) touched = -1;
   if (v.entries != R->entries || v.columns != R->columns || touched != R->kept)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "HN", -1, (double)v.entries,
+    return dlsi_fail(error, DLS_E_ARGUMENT, "HN", -1, (double)v.entries,
                      "HN, HT, P touch other unknowns than those of create");
   return DLS_OK;
 }
 
-static dls_status check_sizes(const dls_reduction *R, const char *function, const dls_model *model,
-                              dls_error *error) {
+static dls_status check_sizes(const dls_reduction *R, const dls_model *model, dls_error *error) {
   const int active = count_active(model);
   const int weights = model->P.p ? model->P.p[model->P.cols] : active;
   const struct {
@@ -476,7 +461,7 @@ static dls_status check_sizes(const dls_reduction *R, const char *function, cons
                {"factorization", (int)model->factorization, (int)R->factorization}};
   for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; k++)
     if (sizes[k].now != sizes[k].then)
-      return dlsi_fail(error, DLS_E_SIZE, function, sizes[k].name, -1, sizes[k].now,
+      return dlsi_fail(error, DLS_E_SIZE, sizes[k].name, -1, sizes[k].now,
                        "is not what it was in create");
   return DLS_OK;
 }
@@ -484,21 +469,21 @@ static dls_status check_sizes(const dls_reduction *R, const char *function, cons
 dls_status dls_reduction_update(dls_reduction *reduction, const dls_model *model,
                                 dls_error *error) {
   dls_reduction *R = reduction;
-  if (!R) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "reduction", -1, 0, "is NULL");
-  dls_status status = dlsi_check_model(__func__, model, error);
-  if (!status) status = check_sizes(R, __func__, model, error);
-  if (status) return status;
+  if (!R) return dlsi_at(__func__, dlsi_is_null(error, "reduction"), error);
+  dls_status status = dlsi_check_model(model, error);
+  if (!status) status = check_sizes(R, model, error);
+  if (status) return dlsi_at(__func__, status, error);
   int *room = dlsi_alloc(R->H.n, sizeof *room);
-  if (!room) return no_memory(__func__, error);
-  status = check_same(R, __func__, model, room, error);
+  if (!room) return dlsi_at(__func__, dlsi_no_memory(error), error);
+  status = check_same(R, model, room, error);
   free(room);
   if (!status && R->factor) {
     dlsi_stable stable;
-    status = dlsi_stable_create(&stable, __func__, model, &R->modes, R->spring, error);
-    if (!status) status = dlsi_factor_same(R->factor, __func__, &stable.model, error);
+    status = dlsi_stable_create(&stable, model, &R->modes, R->spring, error);
+    if (!status) status = dlsi_factor_same(R->factor, &stable.model, error);
     dlsi_stable_free(&stable);
   }
-  return status ? status : fill(R, __func__, model, error);
+  return dlsi_at(__func__, status ? status : fill(R, model, error), error);
 }
 
 void dls_reduction_destroy(dls_reduction *reduction) {
@@ -512,38 +497,38 @@ void dls_reduction_destroy(dls_reduction *reduction) {
 
 /* ---- load, contact, recover, balance, nodal -------------------------------------------------- */
 
-static dls_status check_ready(const char *function, const dls_reduction *R, dls_error *error) {
-  if (!R) return dlsi_fail(error, DLS_E_ARGUMENT, function, "reduction", -1, 0, "is NULL");
+static dls_status check_ready(const dls_reduction *R, dls_error *error) {
+  if (!R) return dlsi_is_null(error, "reduction");
   if (R->ready) return DLS_OK;
-  return dlsi_fail(error, DLS_E_ARGUMENT, function, "reduction", -1, 0,
+  return dlsi_fail(error, DLS_E_ARGUMENT, "reduction", -1, 0,
                    "holds nothing after an update that failed");
 }
 
 dls_status dls_reduction_get_info(const dls_reduction *reduction, dls_reduction_info *info,
                                   dls_error *error) {
-  const dls_status status = check_ready(__func__, reduction, error);
-  if (status) return status;
-  if (!info) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "info", -1, 0, "is NULL");
+  const dls_status status = check_ready(reduction, error);
+  if (status) return dlsi_at(__func__, status, error);
+  if (!info) return dlsi_at(__func__, dlsi_is_null(error, "info"), error);
   *info = reduction->info;
   return DLS_OK;
 }
 
 /* R->x := K^-1 R->x, part by part */
-static dls_status solve_x(dls_reduction *R, const char *function, dls_error *error) {
+static dls_status solve_x(dls_reduction *R, dls_error *error) {
   dls_status status = DLS_OK;
   for (int k = 0; !status && k < R->factor->parts; k++)
-    status = dlsi_factor_solve(R->factor, function, k, R->x + R->factor->first[k], 1, R->y, error);
+    status = dlsi_factor_solve(R->factor, k, R->x + R->factor->first[k], 1, R->y, error);
   return status;
 }
 
 /* R->v += H^T K^-1 R->x; R->x is spoilt */
-static dls_status respond(dls_reduction *R, const char *function, dls_error *error) {
+static dls_status respond(dls_reduction *R, dls_error *error) {
   if (R->factor->kept == 0) {
-    const dls_status status = solve_x(R, function, error);
+    const dls_status status = solve_x(R, error);
     if (!status) dlsi_rows_add(&R->H, 0, R->H.n, R->x, R->v);
     return status;
   }
-  const dls_status status = dlsi_schur_kept(R->factor->schur, function, R->x, R->z, error);
+  const dls_status status = dlsi_schur_kept(R->factor->schur, R->x, R->z, error);
   for (int k = 0; !status && k < R->kept; k++)
     dlsi_rows_add(&R->H, (size_t)R->keep[k], 1, R->z + k, R->v);
   return status;
@@ -560,10 +545,9 @@ static void gather_gaps(const dls_reduction *R, const double *g, double *v) {
 }
 
 /* q := v, unless something overflowed */
-static dls_status take_q(dls_reduction *R, const char *function, dls_error *error) {
+static dls_status take_q(dls_reduction *R, dls_error *error) {
   const long long bad = dlsi_first_not_finite(R->v, R->H.m);
-  if (bad >= 0)
-    return dlsi_fail(error, DLS_E_NOT_FINITE, function, "q", bad, R->v[bad], "overflow");
+  if (bad >= 0) return dlsi_fail(error, DLS_E_NOT_FINITE, "q", bad, R->v[bad], "overflow");
   memcpy(R->q, R->v, R->H.m * sizeof *R->q);
   return DLS_OK;
 }
@@ -571,22 +555,22 @@ static dls_status take_q(dls_reduction *R, const char *function, dls_error *erro
 dls_status dls_reduction_load(dls_reduction *reduction, const double *f, const double *g,
                               dls_error *error) {
   dls_reduction *R = reduction;
-  dls_status status = check_ready(__func__, R, error);
-  if (status) return status;
+  dls_status status = check_ready(R, error);
+  if (status) return dlsi_at(__func__, status, error);
   const size_t n = R->H.n, d = (size_t)R->d;
-  if (f) status = dlsi_check_vector(__func__, "f", f, n, error);
-  if (!status && g) status = dlsi_check_vector(__func__, "g", g, d * (size_t)R->nodes, error);
-  if (status) return status;
+  if (f) status = dlsi_check_vector("f", f, n, error);
+  if (!status && g) status = dlsi_check_vector("g", g, d * (size_t)R->nodes, error);
+  if (status) return dlsi_at(__func__, status, error);
 
   gather_gaps(R, g, R->v);
   if (f) { /* v += H^T K^-1 f */
     for (size_t k = 0; k < n; k++)
       R->x[k] = f[R->factor->unknown[k]];
-    status = respond(R, __func__, error);
-    if (status) return status;
+    status = respond(R, error);
+    if (status) return dlsi_at(__func__, status, error);
   }
-  status = take_q(R, __func__, error);
-  if (status) return status;
+  status = take_q(R, error);
+  if (status) return dlsi_at(__func__, status, error);
   for (size_t k = 0; k < n; k++)
     R->f[k] = f ? f[R->factor->unknown[k]] : 0;
   memset(R->at, 0, sizeof R->at);
@@ -596,21 +580,28 @@ dls_status dls_reduction_load(dls_reduction *reduction, const double *f, const d
 dls_status dls_reduction_contact(const dls_reduction *reduction, const double *mu,
                                  dls_contact *problem, dls_error *error) {
   const dls_reduction *R = reduction;
-  dls_status status = check_ready(__func__, R, error);
-  if (status) return status;
+  dls_status status = check_ready(R, error);
+  if (status) return dlsi_at(__func__, status, error);
   if (!R->W)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, __func__, "reduction", -1, 0,
-                     "was made without W (settings.form_W)");
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_UNSUPPORTED, "reduction", -1, 0,
+                             "was made without W (settings.form_W)"),
+                   error);
   if (!mu) mu = R->mu;
-  status = dlsi_check_vector(__func__, "mu", mu, (size_t)R->candidates, error);
-  if (status) return status;
+  status = dlsi_check_vector("mu", mu, (size_t)R->candidates, error);
+  if (status) return dlsi_at(__func__, status, error);
   for (int c = 0; c < R->candidates; c++) {
-    if (mu[c] < 0) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "mu", c, mu[c], "is negative");
+    if (mu[c] < 0)
+      return dlsi_at(__func__, dlsi_fail(error, DLS_E_ARGUMENT, "mu", c, mu[c], "is negative"),
+                     error);
     if (mu[c] > 0 && !R->tangents[c])
-      return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "mu", c, mu[c],
-                       "is %g, but model.mu was 0 there: the tangents were left out", mu[c]);
+      return dlsi_at(__func__,
+                     dlsi_fail(error, DLS_E_ARGUMENT, "mu", c, mu[c],
+                               "is %g, but model.mu was 0 there: the tangents were left out",
+                               mu[c]),
+                     error);
   }
-  if (!problem) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "problem", -1, 0, "is NULL");
+  if (!problem) return dlsi_at(__func__, dlsi_is_null(error, "problem"), error);
   const int m = (int)R->H.m;
   *problem =
       (dls_contact){.d = R->d, .nc = R->candidates, .W = {m, m, m, R->W}, .q = R->q, .mu = mu};
@@ -618,8 +609,7 @@ dls_status dls_reduction_contact(const dls_reduction *reduction, const double *m
 }
 
 /* R->x := K^-1 (f + H r), with the springs at c */
-static dls_status solve_for(dls_reduction *R, const char *function, const double *r,
-                            dls_error *error) {
+static dls_status solve_for(dls_reduction *R, const double *r, dls_error *error) {
   for (size_t k = 0; k < R->H.n; k++) {
     double sum = R->f[k];
     for (size_t e = R->H.p[k]; e < R->H.p[k + 1]; e++)
@@ -628,23 +618,22 @@ static dls_status solve_for(dls_reduction *R, const char *function, const double
   }
   for (int k = 0; k < R->modes.count; k++)
     R->x[R->factor->place[R->modes.unknown[k]]] += R->spring[k] * R->at[k];
-  const dls_status status = solve_x(R, function, error);
+  const dls_status status = solve_x(R, error);
   if (status) return status;
   const long long bad = dlsi_first_not_finite(R->x, R->H.n);
   if (bad < 0) return DLS_OK;
-  return dlsi_fail(error, DLS_E_NOT_FINITE, function, "x", R->factor->unknown[bad], R->x[bad],
-                   "overflow");
+  return dlsi_fail(error, DLS_E_NOT_FINITE, "x", R->factor->unknown[bad], R->x[bad], "overflow");
 }
 
 dls_status dls_reduction_recover(dls_reduction *reduction, const double *r, double *x,
                                  dls_error *error) {
   dls_reduction *R = reduction;
-  dls_status status = check_ready(__func__, R, error);
-  if (!status) status = dlsi_check_vector(__func__, "r", r, R->H.m, error);
-  if (status) return status;
-  if (!x) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "x", -1, 0, "is NULL");
-  status = solve_for(R, __func__, r, error);
-  if (status) return status;
+  dls_status status = check_ready(R, error);
+  if (!status) status = dlsi_check_vector("r", r, R->H.m, error);
+  if (status) return dlsi_at(__func__, status, error);
+  if (!x) return dlsi_at(__func__, dlsi_is_null(error, "x"), error);
+  status = solve_for(R, r, error);
+  if (status) return dlsi_at(__func__, status, error);
   for (size_t k = 0; k < R->H.n; k++)
     x[R->factor->unknown[k]] = R->x[k];
   return DLS_OK;
@@ -665,10 +654,10 @@ static double turmoil(const dls_reduction *R, int k, const double *r) {
 dls_status dls_reduction_balance(dls_reduction *reduction, const double *r, double *imbalance,
                                  dls_error *error) {
   dls_reduction *R = reduction;
-  dls_status status = check_ready(__func__, R, error);
-  if (!status) status = dlsi_check_vector(__func__, "r", r, R->H.m, error);
-  if (!status) status = solve_for(R, __func__, r, error);
-  if (status) return status;
+  dls_status status = check_ready(R, error);
+  if (!status) status = dlsi_check_vector("r", r, R->H.m, error);
+  if (!status) status = solve_for(R, r, error);
+  if (status) return dlsi_at(__func__, status, error);
   double worst = 0, move[dlsi_most_modes] = {0};
   for (int k = 0; k < R->modes.count; k++) {
     move[k] = R->x[R->factor->place[R->modes.unknown[k]]] - R->at[k];
@@ -683,8 +672,8 @@ dls_status dls_reduction_balance(dls_reduction *reduction, const double *r, doub
   }
   memcpy(R->v, R->q, R->H.m * sizeof *R->v);
   dlsi_rows_add(&R->H, 0, R->H.n, R->x, R->v);
-  status = take_q(R, __func__, error);
-  if (status) return status;
+  status = take_q(R, error);
+  if (status) return dlsi_at(__func__, status, error);
   for (int k = 0; k < R->modes.count; k++)
     R->at[k] += move[k];
   if (imbalance) *imbalance = worst;
@@ -694,10 +683,10 @@ dls_status dls_reduction_balance(dls_reduction *reduction, const double *r, doub
 dls_status dls_reduction_nodal(const dls_reduction *reduction, const double *r, double *R,
                                dls_error *error) {
   const dls_reduction *A = reduction;
-  dls_status status = check_ready(__func__, A, error);
-  if (!status) status = dlsi_check_vector(__func__, "r", r, A->H.m, error);
-  if (status) return status;
-  if (!R) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "R", -1, 0, "is NULL");
+  dls_status status = check_ready(A, error);
+  if (!status) status = dlsi_check_vector("r", r, A->H.m, error);
+  if (status) return dlsi_at(__func__, status, error);
+  if (!R) return dlsi_at(__func__, dlsi_is_null(error, "R"), error);
   const size_t d = (size_t)A->d;
   memset(R, 0, d * (size_t)A->nodes * sizeof *R);
   for (size_t c = 0; c < (size_t)A->candidates; c++)

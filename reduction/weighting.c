@@ -14,28 +14,33 @@
 #include <limits.h>
 #include <math.h>
 
-#include "delassus/reduction.h"
 #include "base/base.h"
+#include "delassus/reduction.h"
 
 dls_status dls_weighting_line(int nodes, const double *s, const int *candidate, int *p, int *i,
                               double *x, double *length, int *columns, dls_error *error) {
   if (nodes < 2 || nodes > INT_MAX / 3)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "nodes", -1, nodes, "is %d", nodes);
-  const dls_status status = dlsi_check_vector(__func__, "s", s, (size_t)nodes, error);
-  if (status) return status;
+    return dlsi_at(__func__, dlsi_fail(error, DLS_E_SIZE, "nodes", -1, nodes, "is %d", nodes),
+                   error);
+  const dls_status status = dlsi_check_vector("s", s, (size_t)nodes, error);
+  if (status) return dlsi_at(__func__, status, error);
   int count = 0;
   for (int k = 0; k < nodes; k++) {
     if (k > 0 && !(s[k] > s[k - 1] && isfinite(s[k] - s[k - 1])))
-      return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "s", k, s[k],
-                       "does not follow %g in strictly increasing order", s[k - 1]);
+      return dlsi_at(__func__,
+                     dlsi_fail(error, DLS_E_ARGUMENT, "s", k, s[k],
+                               "does not follow %g in strictly increasing order", s[k - 1]),
+                     error);
     count += !candidate || candidate[k];
   }
   if (count == 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "candidate", -1, 0, "names no candidate");
-  if (!p) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "p", -1, 0, "is NULL");
-  if (!i) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "i", -1, 0, "is NULL");
-  if (!x) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "x", -1, 0, "is NULL");
-  if (!columns) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "columns", -1, 0, "is NULL");
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_ARGUMENT, "candidate", -1, 0, "names no candidate"),
+                   error);
+  if (!p) return dlsi_at(__func__, dlsi_is_null(error, "p"), error);
+  if (!i) return dlsi_at(__func__, dlsi_is_null(error, "i"), error);
+  if (!x) return dlsi_at(__func__, dlsi_is_null(error, "x"), error);
+  if (!columns) return dlsi_at(__func__, dlsi_is_null(error, "columns"), error);
 
   int j = 0, e = 0;
   p[0] = 0;

@@ -41,7 +41,7 @@ END_TEST
 
 START_TEST(an_error_says_where) {
   dls_error e;
-  const dls_status s = dlsi_fail(&e, DLS_E_NOT_FINITE, "dls_f", "q", 3, -2.5, "is %s", "odd");
+  const dls_status s = dlsi_fail(&e, DLS_E_NOT_FINITE, "q", 3, -2.5, "is %s", "odd");
   ck_assert_int_eq(s, DLS_E_NOT_FINITE);
   ck_assert_int_eq(e.status, DLS_E_NOT_FINITE);
   ck_assert_str_eq(e.function, "dls_f");
@@ -49,7 +49,7 @@ START_TEST(an_error_says_where) {
   ck_assert_int_eq(e.index, 3);
   ck_assert(e.value == -2.5);
   ck_assert_str_eq(e.message, "dls_f: q[3]: is odd");
-  ck_assert_int_eq(dlsi_fail(NULL, DLS_E_SIZE, "f", "", -1, 0, "x"), DLS_E_SIZE);
+  ck_assert_int_eq(dlsi_fail(NULL, DLS_E_SIZE, "", -1, 0, "x"), DLS_E_SIZE);
 }
 END_TEST
 
@@ -99,12 +99,12 @@ START_TEST(vectors_of_any_length_are_finite) {
   for (size_t n = 0; n <= 40; n++) {
     for (size_t k = 0; k < 40; k++)
       x[k] = k < n ? good[k % 7] : NAN; /* those past n are not looked at */
-    ck_assert_int_eq(dlsi_check_vector("f", "x", x, n, NULL), DLS_OK);
+    ck_assert_int_eq(dlsi_check_vector("x", x, n, NULL), DLS_OK);
     for (size_t k = 0; k < n; k++) {
       dls_error e = {0};
       const double kept = x[k];
       x[k] = bad[(n + k) % 4];
-      ck_assert_int_eq(dlsi_check_vector("f", "x", x, n, &e), DLS_E_NOT_FINITE);
+      ck_assert_int_eq(dlsi_check_vector("x", x, n, &e), DLS_E_NOT_FINITE);
       ck_assert_int_eq(e.index, (long long)k);
       x[k] = kept;
     }

@@ -10,7 +10,8 @@
 #include "cases.h"
 #include "delassus/files.h"
 #include "delassus/nlgs.h"
-#include "base/base.h"
+#include "delassus/reduction.h"
+#include "vi/vi_internal.h"
 #include "malloc_fails.h"
 
 SOLVER(nlgs, DLS_NLGS);

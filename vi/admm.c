@@ -56,8 +56,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "linear/blas.h"
 #include "base/base.h"
+#include "linear/blas.h"
 #include "linear/dense.h"
 #include "linear/sparse_lu.h"
 #include "vi_internal.h"
@@ -101,19 +101,17 @@ void dls_admm_settings_init(dls_admm_settings *settings) {
   *settings = s;
 }
 
-static dls_status check_settings(const char *function, const dls_admm_settings *s,
-                                 dls_error *error) {
-  if (!s) return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings", -1, 0, "is NULL");
+static dls_status check_settings(const dls_admm_settings *s, dls_error *error) {
+  if (!s) return dlsi_is_null(error, "settings");
   if (s->size != sizeof *s)
-    return dlsi_fail(error, DLS_E_SETTINGS, function, "settings", -1, (double)s->size,
+    return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
                      "not filled by dls_admm_settings_init");
-  const dls_status limits =
-      dlsi_check_limits(function, s->tol, s->max_iterations, s->warm_start, error);
+  const dls_status limits = dlsi_check_limits(s->tol, s->max_iterations, s->warm_start, error);
   if (limits) return limits;
   if (!(s->rho > 0 && s->rho <= DBL_MAX))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "rho", -1, s->rho, "must be > 0, finite");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "rho", -1, s->rho, "must be > 0, finite");
   if (s->blocks < 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "blocks", -1, s->blocks, "is negative");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "blocks", -1, s->blocks, "is negative");
   return DLS_OK;
 }
 
@@ -138,56 +136,47 @@ static dls_admm *carve(dlsi_arena *arena, int d, int nc) {
 
 /* ---- room for the matrix --------------------------------------------------------------------- */
 
-static dls_status no_memory(const char *function, dls_error *error) {
-  return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
-}
-
 static int is_dense(const dls_contact *problem) {
   return problem->W.a != NULL || problem->d * problem->nc <= dense_limit;
 }
 
-static dls_status make_room(const char *function, dls_admm *work, const dls_contact *problem,
-                            dls_error *error) {
+static dls_status make_room(dls_admm *work, const dls_contact *problem, dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  if (is_dense(problem)) return dlsi_room_dense(function, work->room, m, error);
-  return dlsi_room_sparse(function, work->room, problem->d, problem->nc, problem->Wb.p[problem->nc],
-                          error);
+  if (is_dense(problem)) return dlsi_room_dense(work->room, m, error);
+  return dlsi_room_sparse(work->room, problem->d, problem->nc, problem->Wb.p[problem->nc], error);
 }
 
 /* What W is announced to be. Without MUMPS a solve of many blocks says so, not create. */
-static dls_status announce(const char *function, dls_admm *work, dls_error *error) {
+static dls_status announce(dls_admm *work, dls_error *error) {
   const size_t m = (size_t)work->d * (size_t)work->nc;
   const int blocks = work->settings.blocks;
-  if (!blocks || m <= dense_limit) return dlsi_room_dense(function, work->room, m, error);
+  if (!blocks || m <= dense_limit) return dlsi_room_dense(work->room, m, error);
   dls_error why;
-  const dls_status status = dlsi_room_sparse(function, work->room, work->d, work->nc, blocks, &why);
+  const dls_status status = dlsi_room_sparse(work->room, work->d, work->nc, blocks, &why);
   if (!status || status == DLS_E_UNSUPPORTED) return DLS_OK;
   if (error) *error = why;
   return status;
 }
 
-dls_status dlsi_admm_create(const char *function, dls_admm **out, int d, int nc,
-                            const dls_admm_settings *settings, dlsi_room *room, dls_error *error) {
-  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, function, "out", -1, 0, "is NULL");
+dls_status dlsi_admm_create(dls_admm **out, int d, int nc, const dls_admm_settings *settings,
+                            dlsi_room *room, dls_error *error) {
+  if (!out) return dlsi_is_null(error, "out");
   *out = NULL;
-  if (d != 2 && d != 3)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "d", -1, d, "is %d, must be 2 or 3", d);
-  if (nc < 1 || nc > INT32_MAX / d)
-    return dlsi_fail(error, DLS_E_SIZE, function, "nc", -1, nc, "is %d", nc);
-  dls_status status = check_settings(function, settings, error);
+  dls_status status = dlsi_check_sizes(d, nc, error);
+  if (!status) status = check_settings(settings, error);
   if (status) return status;
 
   dlsi_arena arena = {0};
   (void)carve(&arena, d, nc);
-  if (arena.failed) return dlsi_fail(error, DLS_E_SIZE, function, "nc", -1, nc, "is too large");
+  if (arena.failed) return dlsi_fail(error, DLS_E_SIZE, "nc", -1, nc, "is too large");
   arena.size = arena.used;
   arena.used = 0;
   arena.base = dlsi_alloc(1, arena.size);
-  if (!arena.base) return no_memory(function, error);
+  if (!arena.base) return dlsi_no_memory(error);
   dls_admm *work = carve(&arena, d, nc);
   work->settings = *settings;
   work->room = room ? room : &work->own;
-  status = announce(function, work, error);
+  status = announce(work, error);
   if (status) {
     dls_admm_destroy(work);
     return status;
@@ -198,7 +187,7 @@ dls_status dlsi_admm_create(const char *function, dls_admm **out, int d, int nc,
 
 dls_status dls_admm_create(dls_admm **out, int d, int nc, const dls_admm_settings *settings,
                            dls_error *error) {
-  return dlsi_admm_create(__func__, out, d, nc, settings, NULL, error);
+  return dlsi_at(__func__, dlsi_admm_create(out, d, nc, settings, NULL, error), error);
 }
 
 void dls_admm_destroy(dls_admm *workspace) {
@@ -270,8 +259,8 @@ static dls_sparse build_sparse(dls_admm *work, const dls_contact *problem, doubl
 
 /* Factors W + rho D. Where it is singular, which few rho can do, rho is doubled; DLS_E_SINGULAR if
  * that does not help. *done counts. */
-static dls_status factor(const char *function, dls_admm *work, const dls_contact *problem,
-                         double *rho, int *done, dls_error *error) {
+static dls_status factor(dls_admm *work, const dls_contact *problem, double *rho, int *done,
+                         dls_error *error) {
   for (int k = 0; k <= most_doublings; k++) {
     dls_status status;
     dls_error why = {0};
@@ -280,7 +269,7 @@ static dls_status factor(const char *function, dls_admm *work, const dls_contact
     else {
       const dls_sparse A = build_sparse(work, problem, *rho);
       work->solver = SPARSE_LU;
-      status = dlsi_sparse_lu_factor(function, work->room->lu, &A, &why);
+      status = dlsi_sparse_lu_factor(work->room->lu, &A, &why);
     }
     ++*done;
     if (status && status != DLS_E_SINGULAR && error) *error = why;
@@ -291,7 +280,7 @@ static dls_status factor(const char *function, dls_admm *work, const dls_contact
 }
 
 /* x := (W + rho D)^-1 x */
-static dls_status back(const char *function, dls_admm *work, int m, double *x, dls_error *error) {
+static dls_status back(dls_admm *work, int m, double *x, dls_error *error) {
   const int one = 1;
   int info;
   if (work->solver == CHOLESKY) {
@@ -300,7 +289,7 @@ static dls_status back(const char *function, dls_admm *work, int m, double *x, d
   } else if (work->solver == LU)
     dgetrs_("N", &m, &one, work->room->J, &m, work->pivot, x, &m, &info, 1);
   else
-    return dlsi_sparse_lu_solve(function, work->room->lu, x, error);
+    return dlsi_sparse_lu_solve(work->room->lu, x, error);
   return DLS_OK;
 }
 
@@ -320,13 +309,13 @@ static void resolvent(const dls_contact *problem, const double *v, double *z) {
 }
 
 /* (D2), (D3) */
-static dls_status solve_linear(const char *function, dls_admm *work, const dls_contact *problem,
-                               double rho, dls_error *error) {
+static dls_status solve_linear(dls_admm *work, const dls_contact *problem, double rho,
+                               dls_error *error) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   double *x = work->x, *u = work->u;
   for (size_t k = 0; k < m; k++)
     x[k] = rho * work->w[k / d] * (2 * work->z[k] - work->v[k]) - problem->q[k];
-  const dls_status status = back(function, work, (int)m, x, error);
+  const dls_status status = back(work, (int)m, x, error);
   for (size_t k = 0; k < m; k++)
     u[k] = rho * work->w[k / d] * (2 * work->z[k] - work->v[k] - x[k]);
   return status;
@@ -396,12 +385,12 @@ static double next_rho(dls_admm *work, const dls_contact *problem, double gap, d
 }
 
 /* (D5): to rho, with the same z and y. DLS_E_SINGULAR, DLS_E_MEMORY */
-static dls_status change_rho(const char *function, dls_admm *work, const dls_contact *problem,
-                             double rho, schedule *s, int *factorisations, dls_error *error) {
+static dls_status change_rho(dls_admm *work, const dls_contact *problem, double rho, schedule *s,
+                             int *factorisations, dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const double old = s->rho;
   s->rho = rho;
-  const dls_status status = factor(function, work, problem, &s->rho, factorisations, error);
+  const dls_status status = factor(work, problem, &s->rho, factorisations, error);
   for (size_t k = 0; k < m; k++)
     work->v[k] = work->z[k] - old / s->rho * (work->z[k] - work->v[k]);
   dlsi_anderson_clear(&work->history);
@@ -438,19 +427,19 @@ static void start(dls_admm *work, const dls_contact *problem, double rho) {
 
 /* Iterates from work->best, whose residual is `best`, until the certificate of an x holds or there
  * is a reason to stop, which is returned. work->best: the x of the smallest residual. */
-static dls_status iterate(const char *function, dls_admm *work, const dls_contact *problem,
-                          double best, int *iterations, int *factorisations, dls_error *error) {
+static dls_status iterate(dls_admm *work, const dls_contact *problem, double best, int *iterations,
+                          int *factorisations, dls_error *error) {
   const dls_admm_settings *settings = &work->settings;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const double q = dlsi_norm2(problem->q, m);
   schedule s = {settings->rho, 0.1, INFINITY, first_look};
   double target = settings->tol, accepted = 0;
-  dls_status status = factor(function, work, problem, &s.rho, factorisations, error);
+  dls_status status = factor(work, problem, &s.rho, factorisations, error);
   start(work, problem, s.rho);
   for (int k = 1; !status && k <= settings->max_iterations; k++) {
     memcpy(work->before, work->z, m * sizeof *work->z);
-    resolvent(problem, work->v, work->z);                         /* (D1) */
-    status = solve_linear(function, work, problem, s.rho, error); /* (D2), (D3) */
+    resolvent(problem, work->v, work->z);               /* (D1) */
+    status = solve_linear(work, problem, s.rho, error); /* (D2), (D3) */
     if (status) break;
     *iterations = k;
     double residual = estimate(work, problem, q);
@@ -473,7 +462,7 @@ static dls_status iterate(const char *function, dls_admm *work, const dls_contac
     if (!(gap > 0 && gap <= DBL_MAX)) return DLS_STALLED;
     const double rho = k == s.look ? next_rho(work, problem, gap, best, &s) : s.rho; /* (D5) */
     if (rho != s.rho) {
-      status = change_rho(function, work, problem, rho, &s, factorisations, error);
+      status = change_rho(work, problem, rho, &s, factorisations, error);
       continue;
     }
     advance(work, problem, gap, &accepted); /* (D4), (D6), (D7) */
@@ -483,9 +472,8 @@ static dls_status iterate(const char *function, dls_admm *work, const dls_contac
 
 /* From work->first; afterwards work->best is the best r, to which work->u and *certificate belong.
  * */
-static dls_status run(const char *function, dls_admm *work, const dls_contact *problem,
-                      dls_certificate *certificate, int *iterations, int *factorisations,
-                      dls_error *error) {
+static dls_status run(dls_admm *work, const dls_contact *problem, dls_certificate *certificate,
+                      int *iterations, int *factorisations, dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   *certificate = measure(work, problem, work->first);
   if (!(certificate->residual <= DBL_MAX)) { /* W r overflows */
@@ -496,7 +484,7 @@ static dls_status run(const char *function, dls_admm *work, const dls_contact *p
   if (dls_certificate_holds(certificate, work->settings.tol)) return DLS_OK;
   const dls_certificate at_first = *certificate;
   const dls_status status =
-      iterate(function, work, problem, at_first.residual, iterations, factorisations, error);
+      iterate(work, problem, at_first.residual, iterations, factorisations, error);
   if (status < 0) return status;
   *certificate = measure(work, problem, work->best);
   /* an r that has run away in the null space of W has a residual of nothing but rounding */
@@ -509,9 +497,8 @@ static dls_status run(const char *function, dls_admm *work, const dls_contact *p
 
 dls_status dlsi_admm_solve(dls_admm *work, const dls_contact *problem, double *r, double *u,
                            dls_info *info, dls_error *error) {
-  static const char function[] = "dls_admm_solve";
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  dls_status status = make_room(function, work, problem, error);
+  dls_status status = make_room(work, problem, error);
   if (status) return status;
 
   if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
@@ -521,7 +508,7 @@ dls_status dlsi_admm_solve(dls_admm *work, const dls_contact *problem, double *r
   set_metric(work, problem);
   int iterations = 0, factorisations = 0;
   dls_certificate certificate;
-  status = run(function, work, problem, &certificate, &iterations, &factorisations, error);
+  status = run(work, problem, &certificate, &iterations, &factorisations, error);
   if (status < 0) return status;
   memcpy(r, work->best, m * sizeof *r);
   if (u) memcpy(u, work->u, m * sizeof *u);
@@ -538,8 +525,9 @@ dls_status dlsi_admm_solve(dls_admm *work, const dls_contact *problem, double *r
 
 dls_status dls_admm_solve(dls_admm *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
-  if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
-  const dls_status status = dlsi_check_solve(__func__, workspace->d, workspace->nc, problem, r,
+  if (!workspace) return dlsi_at(__func__, dlsi_is_null(error, "workspace"), error);
+  const dls_status status = dlsi_check_solve(workspace->d, workspace->nc, problem, r,
                                              workspace->settings.warm_start, error);
-  return status ? status : dlsi_admm_solve(workspace, problem, r, u, info, error);
+  return dlsi_at(__func__, status ? status : dlsi_admm_solve(workspace, problem, r, u, info, error),
+                 error);
 }

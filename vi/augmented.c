@@ -58,8 +58,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "delassus/augmented.h"
 #include "base/base.h"
+#include "delassus/augmented.h"
 #include "vi_internal.h"
 
 enum { sweeps = 20, patience = 150, escapes_to_believe = 10 };
@@ -104,31 +104,28 @@ static int is_penalty(double x) {
   return x > 0 && x <= DBL_MAX && 1 / x <= DBL_MAX;
 }
 
-static dls_status check_settings(const char *function, const dls_augmented_settings *s, int nc,
-                                 dls_error *error) {
-  if (!s) return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings", -1, 0, "is NULL");
+static dls_status check_settings(const dls_augmented_settings *s, int nc, dls_error *error) {
+  if (!s) return dlsi_is_null(error, "settings");
   if (s->size != sizeof *s)
-    return dlsi_fail(error, DLS_E_SETTINGS, function, "settings", -1, (double)s->size,
+    return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
                      "not filled by dls_augmented_settings_init");
-  const dls_status limits =
-      dlsi_check_limits(function, s->tol, s->max_iterations, s->warm_start, error);
+  const dls_status limits = dlsi_check_limits(s->tol, s->max_iterations, s->warm_start, error);
   if (limits) return limits;
   if (!is_penalty(s->factor))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "factor", -1, s->factor,
-                     "is %g, must be > 0, finite", s->factor);
+    return dlsi_fail(error, DLS_E_ARGUMENT, "factor", -1, s->factor, "is %g, must be > 0, finite",
+                     s->factor);
   if (s->adaptive != 0 && s->adaptive != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "adaptive", -1, s->adaptive,
-                     "must be 0 or 1");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "adaptive", -1, s->adaptive, "must be 0 or 1");
   if (s->blocks < 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "blocks", -1, s->blocks,
-                     "is %d, must not be negative", s->blocks);
+    return dlsi_fail(error, DLS_E_ARGUMENT, "blocks", -1, s->blocks, "is %d, must not be negative",
+                     s->blocks);
   if (!s->penalty) return DLS_OK;
-  const dls_status status = dlsi_check_vector(function, "penalty", s->penalty, (size_t)nc, error);
+  const dls_status status = dlsi_check_vector("penalty", s->penalty, (size_t)nc, error);
   if (status) return status;
   for (int c = 0; c < nc; c++)
     if (!is_penalty(s->penalty[c]))
-      return dlsi_fail(error, DLS_E_ARGUMENT, function, "penalty", c, s->penalty[c],
-                       "is %g, must be > 0", s->penalty[c]);
+      return dlsi_fail(error, DLS_E_ARGUMENT, "penalty", c, s->penalty[c], "is %g, must be > 0",
+                       s->penalty[c]);
   return DLS_OK;
 }
 
@@ -151,30 +148,27 @@ static dls_augmented *carve(dlsi_arena *arena, int d, int nc) {
 }
 
 /* 20 sweeps and Newton steps, from the r given */
-static dls_status create_newton(const char *function, dls_newton **out, int d, int nc, int blocks,
-                                dlsi_room *room, dls_error *error) {
+static dls_status create_newton(dls_newton **out, int d, int nc, int blocks, dlsi_room *room,
+                                dls_error *error) {
   dls_newton_settings s;
   dls_newton_settings_init(&s);
   s.sweeps = sweeps;
   s.warm_start = 1;
   s.blocks = blocks;
-  return dlsi_newton_create(function, out, d, nc, &s, room, error);
+  return dlsi_newton_create(out, d, nc, &s, room, error);
 }
 
-dls_status dlsi_augmented_create(const char *function, dls_augmented **out, int d, int nc,
+dls_status dlsi_augmented_create(dls_augmented **out, int d, int nc,
                                  const dls_augmented_settings *settings, dlsi_room *room,
                                  dls_error *error) {
-  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, function, "out", -1, 0, "is NULL");
+  if (!out) return dlsi_is_null(error, "out");
   *out = NULL;
-  if (d != 2 && d != 3)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "d", -1, d, "is %d, must be 2 or 3", d);
-  if (nc < 1 || nc > INT32_MAX / d)
-    return dlsi_fail(error, DLS_E_SIZE, function, "nc", -1, nc, "is %d", nc);
-  dls_status status = check_settings(function, settings, nc, error);
+  dls_status status = dlsi_check_sizes(d, nc, error);
+  if (!status) status = check_settings(settings, nc, error);
   if (status) return status;
 
   dls_newton *newton;
-  status = create_newton(function, &newton, d, nc, settings->blocks, room, error);
+  status = create_newton(&newton, d, nc, settings->blocks, room, error);
   if (status) return status;
   dlsi_arena arena = {0};
   (void)carve(&arena, d, nc); /* smaller than what Newton has got: no overflow */
@@ -183,7 +177,7 @@ dls_status dlsi_augmented_create(const char *function, dls_augmented **out, int 
   arena.base = dlsi_alloc(1, arena.size);
   if (!arena.base) {
     dls_newton_destroy(newton);
-    return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
+    return dlsi_no_memory(error);
   }
   dls_augmented *work = carve(&arena, d, nc);
   work->settings = *settings;
@@ -198,7 +192,7 @@ dls_status dlsi_augmented_create(const char *function, dls_augmented **out, int 
 
 dls_status dls_augmented_create(dls_augmented **out, int d, int nc,
                                 const dls_augmented_settings *settings, dls_error *error) {
-  return dlsi_augmented_create(__func__, out, d, nc, settings, NULL, error);
+  return dlsi_at(__func__, dlsi_augmented_create(out, d, nc, settings, NULL, error), error);
 }
 
 void dls_augmented_destroy(dls_augmented *workspace) {
@@ -237,9 +231,9 @@ static dls_status solve_regularised(dls_augmented *work, const dls_contact *prob
   memcpy(work->x, work->lambda, m * sizeof *work->x);
   dlsi_newton_count count;
   dls_certificate certificate;
-  const dls_status status = dlsi_newton_run(
-      "dls_augmented_solve", work->newton, &regularised, work->sE,
-      size_b > 0 ? target * (size_q / size_b) : target, work->x, NULL, &certificate, &count, error);
+  const dls_status status = dlsi_newton_run(work->newton, &regularised, work->sE,
+                                            size_b > 0 ? target * (size_q / size_b) : target,
+                                            work->x, NULL, &certificate, &count, error);
   if (status < 0) return status;
   *factorisations += count.factorisations;
   dlsi_contact_multiply(problem, NULL, work->x, work->u, work->a);
@@ -362,8 +356,10 @@ dls_status dlsi_augmented_solve(dls_augmented *work, const dls_contact *problem,
 
 dls_status dls_augmented_solve(dls_augmented *workspace, const dls_contact *problem, double *r,
                                double *u, dls_info *info, dls_error *error) {
-  if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
-  const dls_status status = dlsi_check_solve(__func__, workspace->d, workspace->nc, problem, r,
+  if (!workspace) return dlsi_at(__func__, dlsi_is_null(error, "workspace"), error);
+  const dls_status status = dlsi_check_solve(workspace->d, workspace->nc, problem, r,
                                              workspace->settings.warm_start, error);
-  return status ? status : dlsi_augmented_solve(workspace, problem, r, u, info, error);
+  return dlsi_at(__func__,
+                 status ? status : dlsi_augmented_solve(workspace, problem, r, u, info, error),
+                 error);
 }

@@ -35,31 +35,28 @@ static int gather(const dls_sparse *H, int c, int unknown[2], double v[2]) {
   return 1;
 }
 
-static dls_status unsupported(const char *function, const char *argument, int c, const char *why,
-                              dls_error *error) {
-  return dlsi_fail(error, DLS_E_UNSUPPORTED, function, argument, c, 0, "%s; condense this model",
-                   why);
+static dls_status unsupported(const char *argument, int c, const char *why, dls_error *error) {
+  return dlsi_fail(error, DLS_E_UNSUPPORTED, argument, c, 0, "%s; condense this model", why);
 }
 
-static dls_status find_frames(dlsi_frames *a, const char *function, const dls_model *model,
-                              dls_error *error) {
+static dls_status find_frames(dlsi_frames *a, const dls_model *model, dls_error *error) {
   for (int i = 0; i < a->n; i++)
     a->node[i] = -1;
   for (int c = 0; c < a->nodes; c++) {
     int unknown[2] = {-1, -1};
     double n[2], t[2];
     if (!gather(&model->HN, c, unknown, n))
-      return unsupported(function, "HN", c, "acts on more than two unknowns", error);
-    if (unknown[0] < 0) return unsupported(function, "HN", c, "acts on no unknown", error);
+      return unsupported("HN", c, "acts on more than two unknowns", error);
+    if (unknown[0] < 0) return unsupported("HN", c, "acts on no unknown", error);
     if (!gather(&model->HT, c, unknown, t))
-      return unsupported(function, "HT", c, "acts, with HN, on more than two unknowns", error);
+      return unsupported("HT", c, "acts, with HN, on more than two unknowns", error);
     const double det = n[0] * t[1] - n[1] * t[0];
     if (unknown[1] < 0 || !(fabs(det) > 1e-8 * hypot(n[0], n[1]) * hypot(t[0], t[1])))
-      return unsupported(function, "HT", c, "is parallel to HN", error);
+      return unsupported("HT", c, "is parallel to HN", error);
     for (int s = 0; s < 2; s++) {
       if (a->node[unknown[s]] >= 0)
-        return unsupported(function, n[s] != 0 ? "HN" : "HT", c,
-                           "acts on an unknown of another contact node", error);
+        return unsupported(n[s] != 0 ? "HN" : "HT", c, "acts on an unknown of another contact node",
+                           error);
       a->node[unknown[s]] = c;
     }
     a->normal[c] = unknown[0];
@@ -146,15 +143,14 @@ static void merge(dlsi_frames *a, size_t *place) {
 }
 
 /* The pivots of K' that the sweeps divide by. */
-static dls_status check_pivots(const dlsi_frames *a, const char *function, const char *K,
-                               dls_error *error) {
+static dls_status check_pivots(const dlsi_frames *a, const char *K, dls_error *error) {
   const long long bad = dlsi_first_not_finite(a->value, a->start[a->n]);
   if (bad >= 0)
-    return dlsi_fail(error, DLS_E_NOT_FINITE, function, K, -1, a->value[bad],
+    return dlsi_fail(error, DLS_E_NOT_FINITE, K, -1, a->value[bad],
                      "entries add up to a number that is not finite");
   for (int i = 0; i < a->n; i++)
     if (!(a->diagonal[i] > 0))
-      return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, function, K, i, a->diagonal[i],
+      return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, K, i, a->diagonal[i],
                        "the diagonal entry of unknown %d is %g", i, a->diagonal[i]);
   for (int c = 0; c < a->nodes; c++) {
     const int i = a->normal[c], j = a->tangent[c];
@@ -163,7 +159,7 @@ static dls_status check_pivots(const dlsi_frames *a, const char *function, const
       if (a->row[k] == j) coupling = a->value[k];
     const double pivot = a->diagonal[j] - coupling * (coupling / a->diagonal[i]);
     if (!(pivot > 0))
-      return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, function, K, j, pivot,
+      return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, K, j, pivot,
                        "the pivot of unknown %d within contact node %d is %g", j, c, pivot);
   }
   return DLS_OK;
@@ -179,22 +175,21 @@ static void carve(dlsi_arena *arena, dlsi_frames *a) {
   a->T = dlsi_take(arena, 4 * nodes, sizeof *a->T);
 }
 
-dls_status dlsi_frames_create(dlsi_frames *frames, const char *function, const dls_model *model,
-                              dls_error *error) {
+dls_status dlsi_frames_create(dlsi_frames *frames, const dls_model *model, dls_error *error) {
   dlsi_frames *a = frames;
   *a = (dlsi_frames){.n = model->n, .nodes = model->nodes};
   const size_t n = (size_t)a->n;
   dlsi_arena arena = {0};
   carve(&arena, a);
   a->memory = arena.failed ? NULL : dlsi_alloc(arena.used, 1);
-  if (!a->memory) return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
+  if (!a->memory) return dlsi_no_memory(error);
   arena = (dlsi_arena){.base = a->memory, .size = arena.used};
   carve(&arena, a);
-  dls_status status = find_frames(a, function, model, error);
+  dls_status status = find_frames(a, model, error);
   if (status) return status;
 
   size_t *next = dlsi_alloc(n, sizeof *next);
-  if (!next) return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
+  if (!next) return dlsi_no_memory(error);
   memset(next, 0, n * sizeof *next);
   emit_all(a, model, next); /* counts */
   a->start[0] = 0;
@@ -208,9 +203,9 @@ dls_status dlsi_frames_create(dlsi_frames *frames, const char *function, const d
     emit_all(a, model, next);
     merge(a, next);
     const int sparse = model->operator_kind == DLS_STIFFNESS_SPARSE;
-    status = check_pivots(a, function, sparse ? "Ks" : "K", error);
+    status = check_pivots(a, sparse ? "Ks" : "K", error);
   } else
-    status = dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
+    status = dlsi_no_memory(error);
   free(next);
   return status;
 }

@@ -62,8 +62,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "linear/blas.h"
 #include "base/base.h"
+#include "linear/blas.h"
 #include "linear/dense.h"
 #include "linear/sparse_lu.h"
 #include "vi_internal.h"
@@ -126,27 +126,24 @@ void dls_newton_settings_init(dls_newton_settings *settings) {
   *settings = s;
 }
 
-static dls_status check_settings(const char *function, const dls_newton_settings *s,
-                                 dls_error *error) {
-  if (!s) return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings", -1, 0, "is NULL");
+static dls_status check_settings(const dls_newton_settings *s, dls_error *error) {
+  if (!s) return dlsi_is_null(error, "settings");
   if (s->size != sizeof *s)
-    return dlsi_fail(error, DLS_E_SETTINGS, function, "settings", -1, (double)s->size,
+    return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
                      "not filled by dls_newton_settings_init");
-  const dls_status limits =
-      dlsi_check_limits(function, s->tol, s->max_iterations, s->warm_start, error);
+  const dls_status limits = dlsi_check_limits(s->tol, s->max_iterations, s->warm_start, error);
   if (limits) return limits;
   if (s->sweeps < 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "sweeps", -1, s->sweeps,
-                     "is %d, must not be negative", s->sweeps);
+    return dlsi_fail(error, DLS_E_ARGUMENT, "sweeps", -1, s->sweeps, "is %d, must not be negative",
+                     s->sweeps);
   if (s->line_search != 0 && s->line_search != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "line_search", -1, s->line_search,
-                     "must be 0 or 1");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "line_search", -1, s->line_search, "must be 0 or 1");
   if (!(s->regularization >= 0 && s->regularization < 1))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "regularization", -1, s->regularization,
+    return dlsi_fail(error, DLS_E_ARGUMENT, "regularization", -1, s->regularization,
                      "is %g, must be inside [0, 1)", s->regularization);
   if (s->blocks < 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "blocks", -1, s->blocks,
-                     "is %d, must not be negative", s->blocks);
+    return dlsi_fail(error, DLS_E_ARGUMENT, "blocks", -1, s->blocks, "is %d, must not be negative",
+                     s->blocks);
   return DLS_OK;
 }
 
@@ -169,10 +166,6 @@ static dls_newton *carve(dlsi_arena *arena, int d, int nc) {
   return s;
 }
 
-static dls_status no_memory(const char *function, dls_error *error) {
-  return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
-}
-
 /* From a quarter of all blocks on, the sparse matrix takes the room of the dense one, and MUMPS more time
  * than LAPACK: 1 to 2.5 times (d = 3, 200 and 500 candidates, band or scattered; at an eighth 0.4 to
  * 1.1 times). */
@@ -182,25 +175,24 @@ static int is_sparse(int nc, int blocks) {
 
 /* Room for the matrix of nc candidates, W dense (blocks = 0) or with so many blocks; what was announced
  * to create decides how they are factorised. */
-static dls_status reserve(const char *function, dls_newton *work, int nc, int blocks,
-                          dls_error *error) {
+static dls_status reserve(dls_newton *work, int nc, int blocks, dls_error *error) {
   const size_t m = (size_t)work->d * (size_t)nc;
   work->sparse = 0;
   const int told = work->settings.blocks;
   if (blocks && m > dense_limit && (told ? is_sparse(work->nc, told) : is_sparse(nc, blocks))) {
     dls_error why;
-    const dls_status status = dlsi_room_sparse(function, work->room, work->d, nc, blocks, &why);
+    const dls_status status = dlsi_room_sparse(work->room, work->d, nc, blocks, &why);
     if (status && status != DLS_E_UNSUPPORTED) {
       if (error) *error = why;
       return status;
     }
     work->sparse = !status;
   }
-  return dlsi_room_dense(function, work->room, work->sparse ? dense_limit : m, error);
+  return dlsi_room_dense(work->room, work->sparse ? dense_limit : m, error);
 }
 
 /* the Gauss-Seidel part, and the matrices of the storage that is announced */
-static dls_status create_parts(const char *function, dls_newton *work, dls_error *error) {
+static dls_status create_parts(dls_newton *work, dls_error *error) {
   const dls_newton_settings *settings = &work->settings;
   if (settings->sweeps) {
     dls_nlgs_settings s;
@@ -209,37 +201,32 @@ static dls_status create_parts(const char *function, dls_newton *work, dls_error
     s.warm_start = 1;
     s.progress = settings->progress;
     s.progress_data = settings->progress_data;
-    if (dls_nlgs_create(&work->nlgs, work->d, work->nc, &s, NULL))
-      return no_memory(function, error);
+    if (dls_nlgs_create(&work->nlgs, work->d, work->nc, &s, NULL)) return dlsi_no_memory(error);
   }
-  return reserve(function, work, work->nc, settings->blocks, error);
+  return reserve(work, work->nc, settings->blocks, error);
 }
 
-dls_status dlsi_newton_create(const char *function, dls_newton **out, int d, int nc,
-                              const dls_newton_settings *settings, dlsi_room *room,
-                              dls_error *error) {
-  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, function, "out", -1, 0, "is NULL");
+dls_status dlsi_newton_create(dls_newton **out, int d, int nc, const dls_newton_settings *settings,
+                              dlsi_room *room, dls_error *error) {
+  if (!out) return dlsi_is_null(error, "out");
   *out = NULL;
-  if (d != 2 && d != 3)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "d", -1, d, "is %d, must be 2 or 3", d);
-  if (nc < 1 || nc > INT32_MAX / d)
-    return dlsi_fail(error, DLS_E_SIZE, function, "nc", -1, nc, "is %d", nc);
-  dls_status status = check_settings(function, settings, error);
+  dls_status status = dlsi_check_sizes(d, nc, error);
+  if (!status) status = check_settings(settings, error);
   if (status) return status;
 
   dlsi_arena arena = {0};
   (void)carve(&arena, d, nc);
   const size_t m = (size_t)d * (size_t)nc;
   if (arena.failed || (!settings->blocks && m > SIZE_MAX / sizeof(double) / m))
-    return dlsi_fail(error, DLS_E_SIZE, function, "nc", -1, nc, "is too large");
+    return dlsi_fail(error, DLS_E_SIZE, "nc", -1, nc, "is too large");
   arena.size = arena.used;
   arena.used = 0;
   arena.base = dlsi_alloc(1, arena.size);
-  if (!arena.base) return no_memory(function, error);
+  if (!arena.base) return dlsi_no_memory(error);
   dls_newton *work = carve(&arena, d, nc);
   work->settings = *settings;
   work->room = room ? room : &work->own;
-  status = create_parts(function, work, error);
+  status = create_parts(work, error);
   if (status) {
     dls_newton_destroy(work);
     return status;
@@ -250,7 +237,7 @@ dls_status dlsi_newton_create(const char *function, dls_newton **out, int d, int
 
 dls_status dls_newton_create(dls_newton **out, int d, int nc, const dls_newton_settings *settings,
                              dls_error *error) {
-  return dlsi_newton_create(__func__, out, d, nc, settings, NULL, error);
+  return dlsi_at(__func__, dlsi_newton_create(out, d, nc, settings, NULL, error), error);
 }
 
 void dls_newton_destroy(dls_newton *workspace) {
@@ -440,12 +427,12 @@ static dls_status factor_rest(dls_newton *work, const parts *in) {
 }
 
 /* factors of (N2); DLS_E_SINGULAR, DLS_E_MEMORY */
-static dls_status factor(const char *function, dls_newton *work, const dls_contact *problem,
-                         double eps, int k, dls_error *error) {
+static dls_status factor(dls_newton *work, const dls_contact *problem, double eps, int k,
+                         dls_error *error) {
   if (work->sparse && k > dense_limit) {
     const dls_sparse A = build_sparse(work, problem, eps, k);
     work->factors = SPARSE;
-    return dlsi_sparse_lu_factor(function, work->room->lu, &A, error);
+    return dlsi_sparse_lu_factor(work->room->lu, &A, error);
   }
   parts in = parts_of(work, k);
   build_dense(work, problem, eps, k);
@@ -475,19 +462,18 @@ static void solve_parts(const dls_newton *work, int k, double *x) {
 
 /* x := the solution of (N2) with right side x; *done counts the factorisations. DLS_E_SINGULAR,
  * DLS_E_MEMORY */
-static dls_status solve_step(const char *function, dls_newton *work, const dls_contact *problem,
-                             double eps, int k, int *done, dls_error *error) {
+static dls_status solve_step(dls_newton *work, const dls_contact *problem, double eps, int k,
+                             int *done, dls_error *error) {
   if (k == 0) return DLS_OK;
   if (!work->factors) {
-    const dls_status status = factor(function, work, problem, eps, k, error);
+    const dls_status status = factor(work, problem, eps, k, error);
     ++*done;
     if (status) {
       work->factors = NONE;
       return status;
     }
   }
-  if (work->factors == SPARSE)
-    return dlsi_sparse_lu_solve(function, work->room->lu, work->x, error);
+  if (work->factors == SPARSE) return dlsi_sparse_lu_solve(work->room->lu, work->x, error);
   solve_parts(work, k, work->x);
   return DLS_OK;
 }
@@ -675,9 +661,8 @@ static void keep_best(const dls_newton *work, size_t m, const dls_certificate *n
 
 /* Steps from work->r, to which work->u and `now` belong, until the certificate holds or there is a
  * reason to stop, which is returned. *steps: done. */
-static dls_status iterate(const char *function, dls_newton *work, const dls_contact *problem,
-                          dls_certificate now, dls_certificate *best, dlsi_newton_count *count,
-                          dls_error *error) {
+static dls_status iterate(dls_newton *work, const dls_contact *problem, dls_certificate now,
+                          dls_certificate *best, dlsi_newton_count *count, dls_error *error) {
   const dls_newton_settings *settings = &work->settings;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   double eps = settings->regularization, halved = now.residual, last[memory] = {0};
@@ -686,8 +671,8 @@ static dls_status iterate(const char *function, dls_newton *work, const dls_cont
     const int unknowns = linearise(work, problem); /* (N1) */
     dls_error why = {0};
     dls_status status;
-    while ((status = solve_step(function, work, problem, eps, unknowns, &count->factorisations,
-                                &why)) == DLS_E_SINGULAR) {
+    while ((status = solve_step(work, problem, eps, unknowns, &count->factorisations, &why)) ==
+           DLS_E_SINGULAR) {
       eps = eps > least_eps ? 100 * eps : least_eps;
       forget_factors(work);
       if (!(eps < 1)) return DLS_STALLED;
@@ -721,8 +706,8 @@ static dls_status iterate(const char *function, dls_newton *work, const dls_cont
 }
 
 /* (N0), then steps, from work->r; the best r is work->best, to which *best belongs. */
-static dls_status run(const char *function, dls_newton *work, const dls_contact *problem,
-                      dls_certificate *best, dlsi_newton_count *count, dls_error *error) {
+static dls_status run(dls_newton *work, const dls_contact *problem, dls_certificate *best,
+                      dlsi_newton_count *count, dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   dls_status status = DLS_STALLED;
   if (work->nlgs)
@@ -732,17 +717,15 @@ static dls_status run(const char *function, dls_newton *work, const dls_contact 
     *best = measure(work, problem);
   memcpy(work->best, work->r, m * sizeof *work->r);
   if (dls_certificate_holds(best, work->tol)) return DLS_OK;
-  return status == DLS_CANCELLED ? status
-                                 : iterate(function, work, problem, *best, best, count, error);
+  return status == DLS_CANCELLED ? status : iterate(work, problem, *best, best, count, error);
 }
 
-dls_status dlsi_newton_run(const char *function, dls_newton *work, const dls_contact *problem,
-                           const double *E, double tol, double *r, double *u,
-                           dls_certificate *certificate, dlsi_newton_count *count,
-                           dls_error *error) {
+dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const double *E,
+                           double tol, double *r, double *u, dls_certificate *certificate,
+                           dlsi_newton_count *count, dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   dls_status status =
-      reserve(function, work, problem->nc, problem->Wb.x ? problem->Wb.p[problem->nc] : 0, error);
+      reserve(work, problem->nc, problem->Wb.x ? problem->Wb.p[problem->nc] : 0, error);
   if (status) return status;
   work->E = E;
   work->tol = tol;
@@ -754,7 +737,7 @@ dls_status dlsi_newton_run(const char *function, dls_newton *work, const dls_con
     memset(work->r, 0, m * sizeof *r);
   else
     memcpy(work->r, r, m * sizeof *r);
-  status = run(function, work, problem, certificate, count, error);
+  status = run(work, problem, certificate, count, error);
   if (status < 0) return status;
   memcpy(r, work->best, m * sizeof *r);
   if (u) dlsi_multiply(problem, NULL, E, r, u, NULL);
@@ -765,8 +748,8 @@ dls_status dlsi_newton_solve(dls_newton *work, const dls_contact *problem, doubl
                              dls_info *info, dls_error *error) {
   dlsi_newton_count count;
   dls_certificate certificate;
-  const dls_status status = dlsi_newton_run("dls_newton_solve", work, problem, NULL,
-                                            work->settings.tol, r, u, &certificate, &count, error);
+  const dls_status status =
+      dlsi_newton_run(work, problem, NULL, work->settings.tol, r, u, &certificate, &count, error);
   if (status >= 0 && info)
     *info = (dls_info){.status = status,
                        .method = DLS_NEWTON,
@@ -779,8 +762,9 @@ dls_status dlsi_newton_solve(dls_newton *work, const dls_contact *problem, doubl
 
 dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, double *r, double *u,
                             dls_info *info, dls_error *error) {
-  if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
-  const dls_status status = dlsi_check_solve(__func__, workspace->d, workspace->nc, problem, r,
+  if (!workspace) return dlsi_at(__func__, dlsi_is_null(error, "workspace"), error);
+  const dls_status status = dlsi_check_solve(workspace->d, workspace->nc, problem, r,
                                              workspace->settings.warm_start, error);
-  return status ? status : dlsi_newton_solve(workspace, problem, r, u, info, error);
+  return dlsi_at(__func__,
+                 status ? status : dlsi_newton_solve(workspace, problem, r, u, info, error), error);
 }

@@ -94,25 +94,23 @@ void dls_nlgs_settings_init(dls_nlgs_settings *settings) {
   *settings = s;
 }
 
-static dls_status check_settings(const char *function, const dls_nlgs_settings *s,
-                                 dls_error *error) {
-  if (!s) return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings", -1, 0, "is NULL");
+static dls_status check_settings(const dls_nlgs_settings *s, dls_error *error) {
+  if (!s) return dlsi_is_null(error, "settings");
   if (s->size != sizeof *s)
-    return dlsi_fail(error, DLS_E_SETTINGS, function, "settings", -1, (double)s->size,
+    return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
                      "not filled by dls_nlgs_settings_init");
-  const dls_status limits =
-      dlsi_check_limits(function, s->tol, s->max_iterations, s->warm_start, error);
+  const dls_status limits = dlsi_check_limits(s->tol, s->max_iterations, s->warm_start, error);
   if (limits) return limits;
   if (!(s->relaxation > 0 && s->relaxation < 2))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "relaxation", -1, s->relaxation,
+    return dlsi_fail(error, DLS_E_ARGUMENT, "relaxation", -1, s->relaxation,
                      "is %g, must be inside (0, 2)", s->relaxation);
   if (s->acceleration != DLS_ACCELERATION_NONE && s->acceleration != DLS_ACCELERATION_AITKEN &&
       s->acceleration != DLS_ACCELERATION_ANDERSON)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "acceleration", -1, s->acceleration,
+    return dlsi_fail(error, DLS_E_ARGUMENT, "acceleration", -1, s->acceleration,
                      "%d is no acceleration", (int)s->acceleration);
   if (s->window < 1 || s->window > most_window)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "window", -1, s->window,
-                     "is %d, must be from 1 to %d", s->window, most_window);
+    return dlsi_fail(error, DLS_E_ARGUMENT, "window", -1, s->window, "is %d, must be from 1 to %d",
+                     s->window, most_window);
   return DLS_OK;
 }
 
@@ -152,22 +150,20 @@ static dls_nlgs *carve(dlsi_arena *arena, int d, int nc, const dls_nlgs_settings
 
 dls_status dls_nlgs_create(dls_nlgs **out, int d, int nc, const dls_nlgs_settings *settings,
                            dls_error *error) {
-  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "out", -1, 0, "is NULL");
+  if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
   *out = NULL;
-  if (d != 2 && d != 3)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "d", -1, d, "is %d, must be 2 or 3", d);
-  if (nc < 1 || nc > INT32_MAX / d)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "is %d", nc);
-  const dls_status status = check_settings(__func__, settings, error);
-  if (status) return status;
+  dls_status status = dlsi_check_sizes(d, nc, error);
+  if (!status) status = check_settings(settings, error);
+  if (status) return dlsi_at(__func__, status, error);
 
   dlsi_arena arena = {0};
   (void)carve(&arena, d, nc, settings);
-  if (arena.failed) return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "is too large");
+  if (arena.failed)
+    return dlsi_at(__func__, dlsi_fail(error, DLS_E_SIZE, "nc", -1, nc, "is too large"), error);
   arena.size = arena.used;
   arena.used = 0;
   arena.base = dlsi_alloc(1, arena.size);
-  if (!arena.base) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  if (!arena.base) return dlsi_at(__func__, dlsi_no_memory(error), error);
   *out = carve(&arena, d, nc, settings);
   return DLS_OK;
 }
@@ -588,11 +584,11 @@ dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, dlsi_sweeps
 
 dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
-  if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
+  if (!workspace) return dlsi_at(__func__, dlsi_is_null(error, "workspace"), error);
   dls_nlgs *work = workspace;
   dls_status status =
-      dlsi_check_solve(__func__, work->d, work->nc, problem, r, work->settings.warm_start, error);
-  if (status) return status;
+      dlsi_check_solve(work->d, work->nc, problem, r, work->settings.warm_start, error);
+  if (status) return dlsi_at(__func__, status, error);
   int iterations;
   dls_certificate certificate;
   status = dlsi_nlgs_run(work, problem, (dlsi_sweeps){0}, work->settings.tol, r, u, &certificate,
@@ -605,5 +601,5 @@ dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, doubl
                               .ambiguous = count_ambiguous(work, problem, r, work->u)};
     *info = outcome;
   }
-  return status;
+  return dlsi_at(__func__, status, error);
 }

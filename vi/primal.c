@@ -44,8 +44,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "delassus/primal.h"
 #include "base/base.h"
+#include "delassus/primal.h"
 #include "vi_internal.h"
 
 enum { refresh_every = 50 };
@@ -82,40 +82,38 @@ void dls_primal_settings_init(dls_primal_settings *settings) {
   *settings = s;
 }
 
-static dls_status check_settings(const char *function, const dls_primal_settings *s,
-                                 dls_error *error) {
-  if (!s) return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings", -1, 0, "is NULL");
+static dls_status check_settings(const dls_primal_settings *s, dls_error *error) {
+  if (!s) return dlsi_is_null(error, "settings");
   if (s->size != sizeof *s)
-    return dlsi_fail(error, DLS_E_SETTINGS, function, "settings", -1, (double)s->size,
+    return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
                      "not filled by dls_primal_settings_init");
-  const dls_status limits =
-      dlsi_check_limits(function, s->tol, s->max_iterations, s->warm_start, error);
+  const dls_status limits = dlsi_check_limits(s->tol, s->max_iterations, s->warm_start, error);
   if (limits) return limits;
   if (!(s->relaxation > 0 && s->relaxation < 2))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "relaxation", -1, s->relaxation,
+    return dlsi_fail(error, DLS_E_ARGUMENT, "relaxation", -1, s->relaxation,
                      "is %g, must be inside (0, 2)", s->relaxation);
   if (s->aitken != 0 && s->aitken != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "aitken", -1, s->aitken, "must be 0 or 1");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "aitken", -1, s->aitken, "must be 0 or 1");
   return DLS_OK;
 }
 
-static dls_status check_model(const char *function, const dls_model *model, dls_error *error) {
-  const dls_status status = dlsi_check_model(function, model, error);
+static dls_status check_model(const dls_model *model, dls_error *error) {
+  const dls_status status = dlsi_check_model(model, error);
   if (status) return status;
   if (model->d != 2)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "d", -1, model->d,
-                     "is %d; this method is for d = 2", model->d);
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "d", -1, model->d, "is %d; this method is for d = 2",
+                     model->d);
   if (model->operator_kind != DLS_STIFFNESS_DENSE && model->operator_kind != DLS_STIFFNESS_SPARSE)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "operator_kind", -1, model->operator_kind,
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "operator_kind", -1, model->operator_kind,
                      "this method works on the entries of a stiffness matrix");
   if (model->factorization != DLS_CHOLESKY)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "factorization", -1, model->factorization,
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "factorization", -1, model->factorization,
                      "this method is for K symmetric positive definite: DLS_CHOLESKY");
   if (model->P.p)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "P", -1, model->P.cols,
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "P", -1, model->P.cols,
                      "weighted reactions couple the contact nodes; condense this model");
   if (model->active)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "active", -1, 0,
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "active", -1, 0,
                      "this method takes every contact node; give HN and HT of the active ones");
   return DLS_OK;
 }
@@ -153,16 +151,16 @@ static void prepare(dls_primal *p) {
 
 dls_status dls_primal_create(dls_primal **out, const dls_model *model,
                              const dls_primal_settings *settings, dls_error *error) {
-  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "out", -1, 0, "is NULL");
+  if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
   *out = NULL;
-  dls_status status = check_settings(__func__, settings, error);
-  if (!status) status = check_model(__func__, model, error);
-  if (status) return status;
+  dls_status status = check_settings(settings, error);
+  if (!status) status = check_model(model, error);
+  if (status) return dlsi_at(__func__, status, error);
 
   dls_primal *p = dlsi_alloc(1, sizeof *p);
-  if (!p) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  if (!p) return dlsi_at(__func__, dlsi_no_memory(error), error);
   *p = (dls_primal){.settings = *settings};
-  status = dlsi_frames_create(&p->K, __func__, model, error);
+  status = dlsi_frames_create(&p->K, model, error);
   if (!status) {
     dlsi_arena arena = {0};
     carve(&arena, p);
@@ -173,11 +171,11 @@ dls_status dls_primal_create(dls_primal **out, const dls_model *model,
     if (arena.base)
       carve(&arena, p);
     else
-      status = dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+      status = dlsi_no_memory(error);
   }
   if (status) {
     dls_primal_destroy(p);
-    return status;
+    return dlsi_at(__func__, status, error);
   }
   prepare(p);
   *out = p;
@@ -500,20 +498,20 @@ static dls_status iterate(dls_primal *work, dls_primal_info *info, double *curva
   return holds(info, settings->tol) ? DLS_OK : reason;
 }
 
-static dls_status check_input(const char *function, const dls_primal *work, const double *f,
-                              const double *g, const double *mu, const double *x, const double *r,
+static dls_status check_input(const dls_primal *work, const double *f, const double *g,
+                              const double *mu, const double *x, const double *r,
                               dls_error *error) {
   const size_t n = (size_t)work->K.n, nodes = (size_t)work->K.nodes;
-  dls_status status = f ? dlsi_check_vector(function, "f", f, n, error) : DLS_OK;
-  if (!status && g) status = dlsi_check_vector(function, "g", g, 2 * nodes, error);
-  if (!status) status = dlsi_check_vector(function, "mu", mu, nodes, error);
+  dls_status status = f ? dlsi_check_vector("f", f, n, error) : DLS_OK;
+  if (!status && g) status = dlsi_check_vector("g", g, 2 * nodes, error);
+  if (!status) status = dlsi_check_vector("mu", mu, nodes, error);
   if (status) return status;
   for (size_t c = 0; c < nodes; c++)
     if (mu[c] < 0)
-      return dlsi_fail(error, DLS_E_ARGUMENT, function, "mu", (long long)c, mu[c], "is negative");
-  if (!x) return dlsi_fail(error, DLS_E_ARGUMENT, function, "x", -1, 0, "is NULL");
-  if (!r) return dlsi_fail(error, DLS_E_ARGUMENT, function, "r", -1, 0, "is NULL");
-  return work->settings.warm_start ? dlsi_check_vector(function, "x", x, n, error) : DLS_OK;
+      return dlsi_fail(error, DLS_E_ARGUMENT, "mu", (long long)c, mu[c], "is negative");
+  if (!x) return dlsi_is_null(error, "x");
+  if (!r) return dlsi_is_null(error, "r");
+  return work->settings.warm_start ? dlsi_check_vector("x", x, n, error) : DLS_OK;
 }
 
 /* Loads, gaps and the start in local frames. */
@@ -543,10 +541,10 @@ static void load_problem(dls_primal *work, const double *f, const double *g, con
 dls_status dls_primal_solve(dls_primal *workspace, const double *f, const double *g,
                             const double *mu, double *x, double *r, double *u,
                             dls_primal_info *info, dls_error *error) {
-  if (!workspace) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "workspace", -1, 0, "is NULL");
+  if (!workspace) return dlsi_at(__func__, dlsi_is_null(error, "workspace"), error);
   dls_primal *work = workspace;
-  dls_status status = check_input(__func__, work, f, g, mu, x, r, error);
-  if (status) return status;
+  dls_status status = check_input(work, f, g, mu, x, r, error);
+  if (status) return dlsi_at(__func__, status, error);
   const size_t m = 2 * (size_t)work->K.nodes;
 
   load_problem(work, f, g, mu, x);
@@ -554,13 +552,15 @@ dls_status dls_primal_solve(dls_primal *workspace, const double *f, const double
   double curvature = 0;
   outcome.status = iterate(work, &outcome, &curvature);
   if (outcome.status < 0)
-    return dlsi_fail(error, outcome.status, __func__, "K", -1, curvature,
-                     "has a negative curvature, %g", curvature);
+    return dlsi_at(__func__,
+                   dlsi_fail(error, outcome.status, "K", -1, curvature,
+                             "has a negative curvature, %g", curvature),
+                   error);
   for (int i = 0; i < work->K.n; i++)
     work->x[i] -= work->g[i];
   dlsi_frames_unknowns(&work->K, work->x, x);
   memcpy(r, work->r, m * sizeof *r);
   if (u) memcpy(u, work->u, m * sizeof *u);
   if (info) *info = outcome;
-  return outcome.status;
+  return dlsi_at(__func__, outcome.status, error);
 }

@@ -52,8 +52,7 @@ typedef struct dlsi_frames {
 } dlsi_frames;
 
 /* Fills *frames (to be freed also after an error) from a model that has passed dlsi_check_model. */
-dls_status dlsi_frames_create(dlsi_frames *frames, const char *function, const dls_model *model,
-                              dls_error *error);
+dls_status dlsi_frames_create(dlsi_frames *frames, const dls_model *model, dls_error *error);
 void dlsi_frames_free(dlsi_frames *frames);
 
 /* f' := T^T f, and x := T x', also in place. */
@@ -101,10 +100,9 @@ typedef struct dlsi_newton_count {
 } dlsi_newton_count;
 
 /* dls_newton_solve as dlsi_nlgs_run (dlsi.h), on behalf of `function`. */
-dls_status dlsi_newton_run(const char *function, dls_newton *work, const dls_contact *problem,
-                           const double *E, double tol, double *r, double *u,
-                           dls_certificate *certificate, dlsi_newton_count *count,
-                           dls_error *error);
+dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const double *E,
+                           double tol, double *r, double *u, dls_certificate *certificate,
+                           dlsi_newton_count *count, dls_error *error);
 
 /* ---- vi/nlgs.c --------------------------------------------------------------------------------- */
 
@@ -121,12 +119,11 @@ dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, dlsi_sweeps
                          double *r, double *u, dls_certificate *certificate, int *iterations);
 
 /* The creates on behalf of `function`, with a room that outlives the workspace; NULL: one of its own. */
-dls_status dlsi_newton_create(const char *function, dls_newton **out, int d, int nc,
-                              const dls_newton_settings *settings, dlsi_room *room,
-                              dls_error *error);
-dls_status dlsi_admm_create(const char *function, dls_admm **out, int d, int nc,
-                            const dls_admm_settings *settings, dlsi_room *room, dls_error *error);
-dls_status dlsi_augmented_create(const char *function, dls_augmented **out, int d, int nc,
+dls_status dlsi_newton_create(dls_newton **out, int d, int nc, const dls_newton_settings *settings,
+                              dlsi_room *room, dls_error *error);
+dls_status dlsi_admm_create(dls_admm **out, int d, int nc, const dls_admm_settings *settings,
+                            dlsi_room *room, dls_error *error);
+dls_status dlsi_augmented_create(dls_augmented **out, int d, int nc,
                                  const dls_augmented_settings *settings, dlsi_room *room,
                                  dls_error *error);
 

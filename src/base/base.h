@@ -40,40 +40,56 @@ static inline dlsi_pair dlsi_load(const double *x) {
 #endif
 
 /* Fills *error (NULL: nothing) and returns status, so that a check reads
- *   if (nc < 1) return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "must be at least 1");
- * function and argument must be static strings; index -1 for none. The message becomes
- * "function: argument[index]: text". */
-dls_status dlsi_fail(dls_error *error, dls_status status, const char *function,
-                     const char *argument, long long index, double value, const char *format, ...)
-    DLSI_PRINTF(7, 8);
+ *   if (n < 1) return dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d, must be at least 1", n);
+ * argument must be a static string; index -1 for none. The message is "argument[index]: text" until the
+ * public function puts its name before it by dlsi_at. */
+dls_status dlsi_fail(dls_error *error, dls_status status, const char *argument, long long index,
+                     double value, const char *format, ...) DLSI_PRINTF(6, 7);
+
+/* Returns status; if that is an error, *error (NULL: nothing) gets the name of the public function, which
+ * every public function hands over as it returns: return dlsi_at(__func__, status, error). Where one
+ * public function has called another, the outer one stays. */
+dls_status dlsi_at(const char *function, dls_status status, dls_error *error);
+
+/* The two commonest failures. Inline, so that every reader (and analyser) sees that the status is never
+ * DLS_OK. */
+static inline dls_status dlsi_no_memory(dls_error *error) {
+  (void)dlsi_fail(error, DLS_E_MEMORY, "", -1, 0, "out of memory");
+  return DLS_E_MEMORY;
+}
+static inline dls_status dlsi_is_null(dls_error *error, const char *argument) {
+  (void)dlsi_fail(error, DLS_E_ARGUMENT, argument, -1, 0, "is NULL");
+  return DLS_E_ARGUMENT;
+}
 
 /* Index of the first NaN or Inf among x[0..n), -1 if there is none. */
 long long dlsi_first_not_finite(const double *x, size_t n);
 
-/* The checks of a view, under the name `argument` and on behalf of `function`. */
-dls_status dlsi_check_vector(const char *function, const char *argument, const double *x, size_t n,
+/* The checks of a view, under the name `argument`. */
+dls_status dlsi_check_vector(const char *argument, const double *x, size_t n, dls_error *error);
+dls_status dlsi_check_dense(const char *argument, const dls_dense *A, int rows, int cols,
+                            dls_error *error);
+dls_status dlsi_check_sparse(const char *argument, const dls_sparse *A, int rows, int cols,
                              dls_error *error);
-dls_status dlsi_check_dense(const char *function, const char *argument, const dls_dense *A,
-                            int rows, int cols, dls_error *error);
-dls_status dlsi_check_sparse(const char *function, const char *argument, const dls_sparse *A,
-                             int rows, int cols, dls_error *error);
-dls_status dlsi_check_blocks(const char *function, const dls_blocks *B, dls_error *error);
-dls_status dlsi_check_contact(const char *function, const dls_contact *problem, dls_error *error);
+dls_status dlsi_check_blocks(const dls_blocks *B, dls_error *error);
+dls_status dlsi_check_contact(const dls_contact *problem, dls_error *error);
+
+/* d is 2 or 3, nc at least 1, d nc an int. */
+dls_status dlsi_check_sizes(int d, int nc, dls_error *error);
 
 /* What the settings of every iterative solver hold: tol >= 0 and finite, max_iterations >= 1,
  * warm_start 0 or 1. */
-dls_status dlsi_check_limits(const char *function, double tol, int max_iterations, int warm_start,
-                             dls_error *error);
+dls_status dlsi_check_limits(double tol, int max_iterations, int warm_start, dls_error *error);
 
 /* A place for r, and with a warm start finite values there. */
-dls_status dlsi_check_start(const char *function, const dls_contact *problem, const double *r,
-                            int warm_start, dls_error *error);
+dls_status dlsi_check_start(const dls_contact *problem, const double *r, int warm_start,
+                            dls_error *error);
 
 /* What every solver asks: a sound problem of the workspace's d with at most its nc candidates, and
  * dlsi_check_start. */
-dls_status dlsi_check_solve(const char *function, int d, int nc, const dls_contact *problem,
-                            const double *r, int warm_start, dls_error *error);
-dls_status dlsi_check_model(const char *function, const dls_model *model, dls_error *error);
+dls_status dlsi_check_solve(int d, int nc, const dls_contact *problem, const double *r,
+                            int warm_start, dls_error *error);
+dls_status dlsi_check_model(const dls_model *model, dls_error *error);
 
 /* Most rigid-body modes that a model may have. */
 enum { dlsi_most_modes = 24 };

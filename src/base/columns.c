@@ -10,14 +10,13 @@ void dlsi_columns_free(dlsi_columns *A) {
   free(A->x);
 }
 
-dls_status dlsi_columns_alloc(const char *function, int rows, int cols, int entries,
-                              dlsi_columns *A, dls_error *error) {
+dls_status dlsi_columns_alloc(int rows, int cols, int entries, dlsi_columns *A, dls_error *error) {
   A->rows = rows;
   A->cols = cols;
   A->p = dlsi_alloc((size_t)cols + 1, sizeof *A->p);
   A->i = dlsi_alloc((size_t)entries, sizeof *A->i);
   A->x = dlsi_alloc((size_t)entries, sizeof *A->x);
-  return A->p && A->i && A->x ? DLS_OK : dlsi_no_memory(function, error);
+  return A->p && A->i && A->x ? DLS_OK : dlsi_no_memory(error);
 }
 
 dls_sparse dlsi_columns_view(const dlsi_columns *A) {
@@ -38,13 +37,13 @@ int dlsi_column_of(int d, dlsi_part which, int col) {
 }
 
 /* A := a part of the columns; a counting sort, so that each keeps the order of the file */
-dls_status dlsi_columns_compress(const char *function, const dlsi_triplets *t, int d,
-                                 dlsi_part which, dlsi_columns *A, dls_error *error) {
+dls_status dlsi_columns_compress(const dlsi_triplets *t, int d, dlsi_part which, dlsi_columns *A,
+                                 dls_error *error) {
   const int cols = which == DLSI_ALL ? t->cols : t->cols / d * (which == DLSI_NORMALS ? 1 : d - 1);
   int entries = 0;
   for (int k = 0; k < t->count; k++)
     entries += dlsi_column_of(d, which, t->col[k]) >= 0;
-  const dls_status status = dlsi_columns_alloc(function, t->rows, cols, entries, A, error);
+  const dls_status status = dlsi_columns_alloc(t->rows, cols, entries, A, error);
   if (status) return status;
   memset(A->p, 0, ((size_t)cols + 1) * sizeof *A->p);
   for (int k = 0; k < t->count; k++) {

@@ -20,14 +20,7 @@ typedef struct dlsi_triplets {
 /* Which columns of a matrix of local columns (n, t[, s], n, ...), and how they are numbered. */
 typedef enum dlsi_part { DLSI_ALL, DLSI_NORMALS, DLSI_TANGENTS } dlsi_part;
 
-/* Inline, so that every reader (and analyser) sees that the status is never DLS_OK. */
-static inline dls_status dlsi_no_memory(const char *function, dls_error *error) {
-  (void)dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
-  return DLS_E_MEMORY;
-}
-
-dls_status dlsi_columns_alloc(const char *function, int rows, int cols, int entries,
-                              dlsi_columns *A, dls_error *error);
+dls_status dlsi_columns_alloc(int rows, int cols, int entries, dlsi_columns *A, dls_error *error);
 void dlsi_columns_free(dlsi_columns *A);
 dls_sparse dlsi_columns_view(const dlsi_columns *A);
 void dlsi_triplets_free(dlsi_triplets *t);
@@ -36,7 +29,7 @@ void dlsi_triplets_free(dlsi_triplets *t);
 int dlsi_column_of(int d, dlsi_part which, int col);
 
 /* A := a part of the columns; a counting sort, so that each keeps the order of the triplets. */
-dls_status dlsi_columns_compress(const char *function, const dlsi_triplets *t, int d,
-                                 dlsi_part which, dlsi_columns *A, dls_error *error);
+dls_status dlsi_columns_compress(const dlsi_triplets *t, int d, dlsi_part which, dlsi_columns *A,
+                                 dls_error *error);
 
 #endif

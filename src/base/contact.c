@@ -132,25 +132,26 @@ static int count_of(int d, dls_component component) {
   return component == DLS_NORMAL ? 1 : d - 1;
 }
 
-static dls_status check_components(const char *function, dls_component row, dls_component col,
-                                   dls_error *error) {
+static dls_status check_components(dls_component row, dls_component col, dls_error *error) {
   if (row != DLS_NORMAL && row != DLS_TANGENT)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "row", -1, row, "is no component");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "row", -1, row, "is no component");
   if (col != DLS_NORMAL && col != DLS_TANGENT)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "col", -1, col, "is no component");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "col", -1, col, "is no component");
   return DLS_OK;
 }
 
 dls_status dls_contact_get_block(const dls_contact *problem, dls_component row, dls_component col,
                                  double *block, int ld, dls_error *error) {
-  dls_status status = dlsi_check_contact(__func__, problem, error);
-  if (!status) status = check_components(__func__, row, col, error);
-  if (status) return status;
+  dls_status status = dlsi_check_contact(problem, error);
+  if (!status) status = check_components(row, col, error);
+  if (status) return dlsi_at(__func__, status, error);
   const int d = problem->d, nc = problem->nc;
   const int nr = count_of(d, row), nk = count_of(d, col), i0 = first_of(row), j0 = first_of(col);
-  if (!block) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "block", -1, 0, "is NULL");
+  if (!block) return dlsi_at(__func__, dlsi_is_null(error, "block"), error);
   if (ld < nr * nc)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "ld", -1, ld, "must be at least %d", nr * nc);
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_SIZE, "ld", -1, ld, "must be at least %d", nr * nc),
+                   error);
   for (int b = 0; b < nc; b++) {
     const dlsi_block_column column = dlsi_contact_column(problem, (size_t)b);
     for (int j = 0; j < nk; j++) {
@@ -169,19 +170,18 @@ dls_status dls_contact_get_block(const dls_contact *problem, dls_component row, 
 dls_status dls_contact_set_block(int d, int nc, dls_component row, dls_component col,
                                  const double *block, int ld, double *W, int ldw,
                                  dls_error *error) {
-  if (d != 2 && d != 3)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "d", -1, d, "is %d, must be 2 or 3", d);
-  if (nc < 1 || nc > INT32_MAX / d)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "is %d", nc);
-  const dls_status status = check_components(__func__, row, col, error);
-  if (status) return status;
+  dls_status status = dlsi_check_sizes(d, nc, error);
+  if (!status) status = check_components(row, col, error);
+  if (status) return dlsi_at(__func__, status, error);
   const int nr = count_of(d, row), nk = count_of(d, col), i0 = first_of(row), j0 = first_of(col);
   const dls_dense B = {nr * nc, nk * nc, ld, block};
-  const dls_status bad = dlsi_check_dense(__func__, "block", &B, nr * nc, nk * nc, error);
-  if (bad) return bad;
-  if (!W) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "W", -1, 0, "is NULL");
+  const dls_status bad = dlsi_check_dense("block", &B, nr * nc, nk * nc, error);
+  if (bad) return dlsi_at(__func__, bad, error);
+  if (!W) return dlsi_at(__func__, dlsi_is_null(error, "W"), error);
   if (ldw < d * nc)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "ldw", -1, ldw, "must be at least %d", d * nc);
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_SIZE, "ldw", -1, ldw, "must be at least %d", d * nc),
+                   error);
   for (int b = 0; b < nc; b++)
     for (int j = 0; j < nk; j++) {
       const double *in = block + (size_t)(b * nk + j) * (size_t)ld;
@@ -341,15 +341,14 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
 
 dls_status dls_contact_certify(const dls_contact *problem, const double *r, double *u,
                                dls_certificate *certificate, dls_error *error) {
-  dls_status status = dlsi_check_contact(__func__, problem, error);
-  if (status) return status;
+  dls_status status = dlsi_check_contact(problem, error);
+  if (status) return dlsi_at(__func__, status, error);
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  status = dlsi_check_vector(__func__, "r", r, m, error);
-  if (status) return status;
-  if (!certificate)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "certificate", -1, 0, "is NULL");
+  status = dlsi_check_vector("r", r, m, error);
+  if (status) return dlsi_at(__func__, status, error);
+  if (!certificate) return dlsi_at(__func__, dlsi_is_null(error, "certificate"), error);
   double *work = dlsi_alloc(4 * m, sizeof *work);
-  if (!work) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  if (!work) return dlsi_at(__func__, dlsi_no_memory(error), error);
   double *v = work, *a = work + m, *w = work + 2 * m, *F = work + 3 * m;
   dlsi_contact_multiply(problem, NULL, r, v, a);
   dlsi_contact_weights(problem, w);
@@ -367,16 +366,16 @@ int dls_certificate_holds(const dls_certificate *certificate, double tol) {
 
 dls_status dls_contact_states(const dls_contact *problem, const double *r, const double *u,
                               dls_contact_state *state, dls_error *error) {
-  dls_status status = dlsi_check_contact(__func__, problem, error);
-  if (status) return status;
+  dls_status status = dlsi_check_contact(problem, error);
+  if (status) return dlsi_at(__func__, status, error);
   const int d = problem->d;
   const size_t m = (size_t)d * (size_t)problem->nc;
-  status = dlsi_check_vector(__func__, "r", r, m, error);
-  if (!status) status = dlsi_check_vector(__func__, "u", u, m, error);
-  if (status) return status;
-  if (!state) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "state", -1, 0, "is NULL");
+  status = dlsi_check_vector("r", r, m, error);
+  if (!status) status = dlsi_check_vector("u", u, m, error);
+  if (status) return dlsi_at(__func__, status, error);
+  if (!state) return dlsi_at(__func__, dlsi_is_null(error, "state"), error);
   double *w = dlsi_alloc((size_t)problem->nc, sizeof *w), F[3];
-  if (!w) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  if (!w) return dlsi_at(__func__, dlsi_no_memory(error), error);
   dlsi_contact_weights(problem, w);
   for (int c = 0; c < problem->nc; c++) {
     const size_t o = (size_t)d * (size_t)c;

@@ -4,19 +4,19 @@
 #include "base/base.h"
 
 /* A symmetric K: only the lower triangle, since what stands above it may not even be set. */
-static dls_status check_lower(const char *function, const dls_dense *K, int n, dls_error *error) {
-  if (!K->a) return dlsi_fail(error, DLS_E_ARGUMENT, function, "K", -1, 0, "is NULL");
+static dls_status check_lower(const dls_dense *K, int n, dls_error *error) {
+  if (!K->a) return dlsi_is_null(error, "K");
   if (K->rows != n || K->cols != n)
-    return dlsi_fail(error, DLS_E_SIZE, function, "K", -1, K->rows, "is %d x %d, must be %d x %d",
-                     K->rows, K->cols, n, n);
+    return dlsi_fail(error, DLS_E_SIZE, "K", -1, K->rows, "is %d x %d, must be %d x %d", K->rows,
+                     K->cols, n, n);
   if (K->ld < n)
-    return dlsi_fail(error, DLS_E_SIZE, function, "K", -1, K->ld,
-                     "leading dimension %d is less than %d", K->ld, n);
+    return dlsi_fail(error, DLS_E_SIZE, "K", -1, K->ld, "leading dimension %d is less than %d",
+                     K->ld, n);
   for (int j = 0; j < n; j++) {
     const size_t diagonal = (size_t)j * ((size_t)K->ld + 1);
     const long long bad = dlsi_first_not_finite(K->a + diagonal, (size_t)(n - j));
     if (bad >= 0)
-      return dlsi_fail(error, DLS_E_NOT_FINITE, function, "K", bad + (long long)diagonal,
+      return dlsi_fail(error, DLS_E_NOT_FINITE, "K", bad + (long long)diagonal,
                        K->a[diagonal + (size_t)bad], "is not finite (row %lld, column %d)", bad + j,
                        j);
   }
@@ -24,7 +24,7 @@ static dls_status check_lower(const char *function, const dls_dense *K, int n, d
 }
 
 /* A symmetric Ks by its upper triangle would be taken for its diagonal. */
-static dls_status check_triangle(const char *function, const dls_sparse *Ks, dls_error *error) {
+static dls_status check_triangle(const dls_sparse *Ks, dls_error *error) {
   int upper = -1;
   for (int j = 0; j < Ks->cols; j++)
     for (int k = Ks->p[j]; k < Ks->p[j + 1]; k++) {
@@ -32,96 +32,92 @@ static dls_status check_triangle(const char *function, const dls_sparse *Ks, dls
       if (Ks->i[k] < j) upper = k;
     }
   if (upper < 0) return DLS_OK;
-  return dlsi_fail(error, DLS_E_ARGUMENT, function, "Ks", upper, Ks->x[upper],
+  return dlsi_fail(error, DLS_E_ARGUMENT, "Ks", upper, Ks->x[upper],
                    "is an upper triangle; the lower one or both are wanted");
 }
 
-static dls_status check_operator(const char *function, const dls_model *model, dls_error *error) {
+static dls_status check_operator(const dls_model *model, dls_error *error) {
   const int n = model->n;
   const int stiffness =
       model->operator_kind == DLS_STIFFNESS_DENSE || model->operator_kind == DLS_STIFFNESS_SPARSE;
   const int symmetric = model->factorization == DLS_CHOLESKY || model->factorization == DLS_LDLT;
   if (stiffness && !symmetric && model->factorization != DLS_LU)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "factorization", -1, model->factorization,
+    return dlsi_fail(error, DLS_E_ARGUMENT, "factorization", -1, model->factorization,
                      "is not DLS_CHOLESKY, DLS_LU or DLS_LDLT");
   switch (model->operator_kind) {
   case DLS_STIFFNESS_DENSE:
-    if (symmetric) return check_lower(function, &model->K, n, error);
-    return dlsi_check_dense(function, "K", &model->K, n, n, error);
+    if (symmetric) return check_lower(&model->K, n, error);
+    return dlsi_check_dense("K", &model->K, n, n, error);
   case DLS_STIFFNESS_SPARSE: {
-    const dls_status status = dlsi_check_sparse(function, "Ks", &model->Ks, n, n, error);
-    return status || !symmetric ? status : check_triangle(function, &model->Ks, error);
+    const dls_status status = dlsi_check_sparse("Ks", &model->Ks, n, n, error);
+    return status || !symmetric ? status : check_triangle(&model->Ks, error);
   }
   case DLS_FLEXIBILITY:
-    return dlsi_check_dense(function, "K", &model->K, n, n, error);
+    return dlsi_check_dense("K", &model->K, n, n, error);
   case DLS_HOST_SOLVER:
-    if (!model->solve) return dlsi_fail(error, DLS_E_ARGUMENT, function, "solve", -1, 0, "is NULL");
+    if (!model->solve) return dlsi_is_null(error, "solve");
     return DLS_OK;
   }
-  return dlsi_fail(error, DLS_E_ARGUMENT, function, "operator_kind", -1, model->operator_kind,
+  return dlsi_fail(error, DLS_E_ARGUMENT, "operator_kind", -1, model->operator_kind,
                    "is no kind of operator");
 }
 
 /* P >= 0 with no row of P^T zero keeps r_n >= 0 and Coulomb's cone: [J] 4.4, proposition 2. */
-static dls_status check_weighting(const char *function, const dls_model *model, dls_error *error) {
+static dls_status check_weighting(const dls_model *model, dls_error *error) {
   const dls_sparse *P = &model->P;
   if (P->cols < 1 || P->cols > INT_MAX / model->d)
-    return dlsi_fail(error, DLS_E_SIZE, function, "P", -1, P->cols, "has %d columns", P->cols);
-  const dls_status status = dlsi_check_sparse(function, "P", P, model->nodes, P->cols, error);
+    return dlsi_fail(error, DLS_E_SIZE, "P", -1, P->cols, "has %d columns", P->cols);
+  const dls_status status = dlsi_check_sparse("P", P, model->nodes, P->cols, error);
   if (status) return status;
   for (int j = 0; j < P->cols; j++) {
     int positive = 0;
     for (int k = P->p[j]; k < P->p[j + 1]; k++) {
-      if (P->x[k] < 0)
-        return dlsi_fail(error, DLS_E_ARGUMENT, function, "P", k, P->x[k], "is negative");
+      if (P->x[k] < 0) return dlsi_fail(error, DLS_E_ARGUMENT, "P", k, P->x[k], "is negative");
       positive |= P->x[k] > 0;
     }
     if (!positive)
-      return dlsi_fail(error, DLS_E_ARGUMENT, function, "P", j, 0,
-                       "column %d has no positive entry", j);
+      return dlsi_fail(error, DLS_E_ARGUMENT, "P", j, 0, "column %d has no positive entry", j);
   }
   return DLS_OK;
 }
 
 /* What the scene does not need, and the modes. */
-static dls_status check_rest(const char *function, const dls_model *model, dls_error *error) {
+static dls_status check_rest(const dls_model *model, dls_error *error) {
   const int candidates = dlsi_model_candidates(model);
   int active = 0;
   for (int c = 0; c < candidates; c++)
     active += !model->active || model->active[c];
-  if (active == 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "active", -1, 0, "leaves no candidate");
+  if (active == 0) return dlsi_fail(error, DLS_E_ARGUMENT, "active", -1, 0, "leaves no candidate");
   if (model->mu) {
-    const dls_status status =
-        dlsi_check_vector(function, "mu", model->mu, (size_t)candidates, error);
+    const dls_status status = dlsi_check_vector("mu", model->mu, (size_t)candidates, error);
     if (status) return status;
     for (int c = 0; c < candidates; c++)
       if (model->mu[c] < 0)
-        return dlsi_fail(error, DLS_E_ARGUMENT, function, "mu", c, model->mu[c], "is negative");
+        return dlsi_fail(error, DLS_E_ARGUMENT, "mu", c, model->mu[c], "is negative");
   }
   if (!model->modes.a) return DLS_OK;
   if (model->operator_kind != DLS_STIFFNESS_DENSE && model->operator_kind != DLS_STIFFNESS_SPARSE)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "modes", -1, model->operator_kind,
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "modes", -1, model->operator_kind,
                      "this operator has an inverse");
   if (model->modes.cols < 1 || model->modes.cols > model->n || model->modes.cols > dlsi_most_modes)
-    return dlsi_fail(error, DLS_E_SIZE, function, "modes", -1, model->modes.cols, "has %d columns",
+    return dlsi_fail(error, DLS_E_SIZE, "modes", -1, model->modes.cols, "has %d columns",
                      model->modes.cols);
-  return dlsi_check_dense(function, "modes", &model->modes, model->n, model->modes.cols, error);
+  return dlsi_check_dense("modes", &model->modes, model->n, model->modes.cols, error);
 }
 
-dls_status dlsi_check_model(const char *function, const dls_model *model, dls_error *error) {
-  if (!model) return dlsi_fail(error, DLS_E_ARGUMENT, function, "model", -1, 0, "is NULL");
+dls_status dlsi_check_model(const dls_model *model, dls_error *error) {
+  if (!model) return dlsi_is_null(error, "model");
   const int d = model->d, n = model->n, nodes = model->nodes;
   if (d != 2 && d != 3)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "d", -1, d, "is %d, must be 2 or 3", d);
-  if (n < 1) return dlsi_fail(error, DLS_E_SIZE, function, "n", -1, n, "is %d", n);
+    return dlsi_fail(error, DLS_E_ARGUMENT, "d", -1, d, "is %d, must be 2 or 3", d);
+  if (n < 1) return dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d", n);
   if (nodes < 1 || nodes > INT_MAX / d)
-    return dlsi_fail(error, DLS_E_SIZE, function, "nodes", -1, nodes, "is %d", nodes);
-  dls_status status = check_operator(function, model, error);
-  if (!status) status = dlsi_check_sparse(function, "HN", &model->HN, n, nodes, error);
-  if (!status) status = dlsi_check_sparse(function, "HT", &model->HT, n, (d - 1) * nodes, error);
-  if (!status && model->P.p) status = check_weighting(function, model, error);
-  return status ? status : check_rest(function, model, error);
+    return dlsi_fail(error, DLS_E_SIZE, "nodes", -1, nodes, "is %d", nodes);
+  dls_status status = check_operator(model, error);
+  if (!status) status = dlsi_check_sparse("HN", &model->HN, n, nodes, error);
+  if (!status) status = dlsi_check_sparse("HT", &model->HT, n, (d - 1) * nodes, error);
+  if (!status && model->P.p) status = check_weighting(model, error);
+  return status ? status : check_rest(model, error);
 }
 
 int dlsi_model_candidates(const dls_model *model) {
@@ -129,5 +125,5 @@ int dlsi_model_candidates(const dls_model *model) {
 }
 
 dls_status dls_model_check(const dls_model *model, dls_error *error) {
-  return dlsi_check_model(__func__, model, error);
+  return dlsi_at(__func__, dlsi_check_model(model, error), error);
 }

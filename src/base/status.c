@@ -51,8 +51,8 @@ const char *dls_version(void) {
   return DLS_VERSION;
 }
 
-dls_status dlsi_fail(dls_error *error, dls_status status, const char *function,
-                     const char *argument, long long index, double value, const char *format, ...) {
+dls_status dlsi_fail(dls_error *error, dls_status status, const char *argument, long long index,
+                     double value, const char *format, ...) {
   if (!error) return status;
   char text[120], place[32];
   va_list args;
@@ -63,11 +63,23 @@ dls_status dlsi_fail(dls_error *error, dls_status status, const char *function,
   if (index >= 0) (void)snprintf(place, sizeof place, "[%lld]", index);
   memset(error, 0, sizeof *error);
   error->status = status;
-  error->function = function;
+  error->function = "";
   error->argument = argument;
   error->index = index;
   error->value = value;
-  (void)snprintf(error->message, sizeof error->message, "%s: %s%s%s%s", function, argument, place,
+  (void)snprintf(error->message, sizeof error->message, "%s%s%s%s", argument, place,
                  argument[0] ? ": " : "", text);
+  return status;
+}
+
+dls_status dlsi_at(const char *function, dls_status status, dls_error *error) {
+  if (status >= 0 || !error) return status;
+  char text[sizeof error->message];
+  const char *old = error->message; /* without the name of a public function inside */
+  if (error->function[0]) old += strlen(error->function) + 2;
+  memcpy(text, old, strlen(old) + 1);
+  error->function = function;
+  (void)snprintf(error->message, sizeof error->message, "%s: %.*s", function,
+                 (int)(sizeof text - strlen(function) - 3), text);
   return status;
 }

@@ -7,15 +7,14 @@
 
 #include <stdio.h>
 
-#include "delassus/fe.h"
 #include "base/base.h"
+#include "delassus/fe.h"
 
 /* Pointers, counts, finite coordinates, node numbers; O(nodes + triangles). */
-dls_status dlsi_fe_check_mesh(const char *function, const dls_fe_mesh *mesh, dls_error *error);
+dls_status dlsi_fe_check_mesh(const dls_fe_mesh *mesh, dls_error *error);
 
 /* x (n) is there and finite. */
-dls_status dlsi_fe_check_vector(const char *function, const char *argument, const double *x,
-                                size_t n, dls_error *error);
+dls_status dlsi_fe_check_vector(const char *argument, const double *x, size_t n, dls_error *error);
 
 /* Parts of a grid of VTK XML (vtu.c): the head up to the data of points; x, points in the plane or
  * vectors there, as VTK wants them, in space; and the end from the data of cells on: xy (2 nodes), node

@@ -325,18 +325,20 @@ static dls_status advance(dls_forming *f, double load, int halvings, dls_error *
 }
 
 dls_status dls_forming_step(dls_forming *forming, dls_error *error) {
-  if (!forming) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "forming", -1, 0, "is NULL");
+  if (!forming) return dlsi_at(__func__, dlsi_is_null(error, "forming"), error);
   const int step = forming->step + 1, steps = forming->settings.steps;
   if (step > steps)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "forming", -1, steps,
-                     "has done all of its %d steps", steps);
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_ARGUMENT, "forming", -1, steps,
+                             "has done all of its %d steps", steps),
+                   error);
   const dls_status status = advance(forming, (double)step / steps, 0, error);
   if (status == DLS_OK) {
     forming->step = step;
     return DLS_OK;
   }
   const dls_status restored = restore(forming, error);
-  return restored ? restored : status;
+  return dlsi_at(__func__, restored ? restored : status, error);
 }
 
 void dls_forming_get(const dls_forming *forming, dls_forming_data *data) {

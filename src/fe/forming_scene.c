@@ -127,38 +127,31 @@ void dls_forming_settings_init(dls_forming_settings *settings) {
   *settings = s;
 }
 
-static dls_status check_settings(const char *function, const dls_forming_settings *s,
-                                 dls_error *error) {
-  if (!s) return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings", -1, 0, "is NULL");
+static dls_status check_settings(const dls_forming_settings *s, dls_error *error) {
+  if (!s) return dlsi_is_null(error, "settings");
   if (s->size != sizeof *s)
-    return dlsi_fail(error, DLS_E_SETTINGS, function, "settings", -1, (double)s->size,
+    return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
                      "not filled by dls_forming_settings_init");
-  if (s->nx < 0) return dlsi_fail(error, DLS_E_SIZE, function, "nx", -1, s->nx, "is %d", s->nx);
-  if (s->ny < 0) return dlsi_fail(error, DLS_E_SIZE, function, "ny", -1, s->ny, "is %d", s->ny);
-  if (s->steps < 0)
-    return dlsi_fail(error, DLS_E_SIZE, function, "steps", -1, s->steps, "is %d", s->steps);
-  if (!isfinite(s->mu))
-    return dlsi_fail(error, DLS_E_NOT_FINITE, function, "mu", -1, s->mu, "is not finite");
+  if (s->nx < 0) return dlsi_fail(error, DLS_E_SIZE, "nx", -1, s->nx, "is %d", s->nx);
+  if (s->ny < 0) return dlsi_fail(error, DLS_E_SIZE, "ny", -1, s->ny, "is %d", s->ny);
+  if (s->steps < 0) return dlsi_fail(error, DLS_E_SIZE, "steps", -1, s->steps, "is %d", s->steps);
+  if (!isfinite(s->mu)) return dlsi_fail(error, DLS_E_NOT_FINITE, "mu", -1, s->mu, "is not finite");
   if (s->clamped != 0 && s->clamped != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "clamped", -1, s->clamped, "must be 0 or 1");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "clamped", -1, s->clamped, "must be 0 or 1");
   if (s->standard != 0 && s->standard != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "standard", -1, s->standard,
-                     "must be 0 or 1");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "standard", -1, s->standard, "must be 0 or 1");
   if (s->keep_trace != 0 && s->keep_trace != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "keep_trace", -1, s->keep_trace,
-                     "must be 0 or 1");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "keep_trace", -1, s->keep_trace, "must be 0 or 1");
   if (!(s->tol > 0 && s->tol < 1))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "tol", -1, s->tol,
-                     "is %g, must be inside (0, 1)", s->tol);
+    return dlsi_fail(error, DLS_E_ARGUMENT, "tol", -1, s->tol, "is %g, must be inside (0, 1)",
+                     s->tol);
   if (s->contact < DLS_FORMING_CONDENSED || s->contact > DLS_FORMING_PENALTY)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "contact", -1, s->contact, "is %d",
-                     (int)s->contact);
+    return dlsi_fail(error, DLS_E_ARGUMENT, "contact", -1, s->contact, "is %d", (int)s->contact);
   return DLS_OK;
 }
 
 /* Fills in the scene's own values; checks that what is counted in int can be. */
-static dls_status complete(const char *function, dls_forming_settings *s, const scene *chosen,
-                           dls_error *error) {
+static dls_status complete(dls_forming_settings *s, const scene *chosen, dls_error *error) {
   if (!s->nx) s->nx = chosen->nx;
   if (!s->ny) s->ny = chosen->ny;
   if (!s->steps) s->steps = chosen->steps;
@@ -166,7 +159,7 @@ static dls_status complete(const char *function, dls_forming_settings *s, const 
   /* entries of the band: (3 k + 1) n < (6 nx + 20) * 2 (nx + 1) (ny + 1) */
   const double entries = (6.0 * s->nx + 20) * 2 * (s->nx + 1.0) * (s->ny + 1.0);
   if (entries > INT_MAX)
-    return dlsi_fail(error, DLS_E_SIZE, function, s->nx > s->ny ? "nx" : "ny", -1, entries,
+    return dlsi_fail(error, DLS_E_SIZE, s->nx > s->ny ? "nx" : "ny", -1, entries,
                      "%d x %d is too large", s->nx, s->ny);
   return DLS_OK;
 }
@@ -280,25 +273,25 @@ static dls_status create_solver(dls_forming *f, dls_error *error) {
 
 dls_status dls_forming_create(dls_forming **out, const char *name,
                               const dls_forming_settings *settings, dls_error *error) {
-  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "out", -1, 0, "is NULL");
+  if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
   *out = NULL;
-  if (!name) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "name", -1, 0, "is NULL");
+  if (!name) return dlsi_at(__func__, dlsi_is_null(error, "name"), error);
   const scene *chosen = NULL;
   for (int k = 0; k < scene_count; k++)
     if (strcmp(scenes[k].name, name) == 0) chosen = &scenes[k];
   if (!chosen)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "name", -1, 0, "there is no scene %.60s",
-                     name);
-  dls_status status = check_settings(__func__, settings, error);
-  if (status) return status;
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_ARGUMENT, "name", -1, 0, "there is no scene %.60s", name),
+                   error);
+  dls_status status = check_settings(settings, error);
+  if (status) return dlsi_at(__func__, status, error);
 
   dls_forming *f = dlsi_alloc(1, sizeof *f);
-  if (!f) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  if (!f) return dlsi_at(__func__, dlsi_no_memory(error), error);
   memset(f, 0, sizeof *f);
   f->settings = *settings;
-  status = complete(__func__, &f->settings, chosen, error);
-  if (!status && !allocate(f, chosen))
-    status = dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  status = complete(&f->settings, chosen, error);
+  if (!status && !allocate(f, chosen)) status = dlsi_no_memory(error);
   if (!status) {
     chosen->build(f);
     derive(f);
@@ -306,7 +299,7 @@ dls_status dls_forming_create(dls_forming **out, const char *name,
   }
   if (status) {
     dls_forming_destroy(f);
-    return status;
+    return dlsi_at(__func__, status, error);
   }
   *out = f;
   return DLS_OK;

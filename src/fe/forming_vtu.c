@@ -32,11 +32,13 @@ static void write_grid(FILE *file, const dls_forming_data *d) {
 }
 
 dls_status dls_forming_write_vtu(const dls_forming *forming, const char *path, dls_error *error) {
-  if (!forming) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "forming", -1, 0, "is NULL");
-  if (!path) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "path", -1, 0, "is NULL");
+  if (!forming) return dlsi_at(__func__, dlsi_is_null(error, "forming"), error);
+  if (!path) return dlsi_at(__func__, dlsi_is_null(error, "path"), error);
   FILE *file = fopen(path, "w");
   if (!file)
-    return dlsi_fail(error, DLS_E_FILE, __func__, "path", -1, 0, "%.60s: cannot be opened", path);
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "%.60s: cannot be opened", path),
+                   error);
   write_grid(file, &forming->data);
-  return dlsi_file_finish(__func__, path, file, error);
+  return dlsi_at(__func__, dlsi_file_finish(path, file, error), error);
 }

@@ -8,18 +8,28 @@
 
 dls_status dls_fe_mesh_block(dls_fe_mesh *mesh, double lx, double ly, int nx, int ny,
                              dls_error *error) {
-  if (!mesh) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "mesh", -1, 0, "is NULL");
+  if (!mesh) return dlsi_at(__func__, dlsi_is_null(error, "mesh"), error);
   if (!(lx > 0 && lx <= DBL_MAX))
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "lx", -1, lx, "must be positive and finite");
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_ARGUMENT, "lx", -1, lx, "must be positive and finite"),
+                   error);
   if (!(ly > 0 && ly <= DBL_MAX))
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "ly", -1, ly, "must be positive and finite");
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_ARGUMENT, "ly", -1, ly, "must be positive and finite"),
+                   error);
   if (nx < 1)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "nx", -1, nx, "is %d, must be at least 1", nx);
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_SIZE, "nx", -1, nx, "is %d, must be at least 1", nx),
+                   error);
   if (ny < 1)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "ny", -1, ny, "is %d, must be at least 1", ny);
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_SIZE, "ny", -1, ny, "is %d, must be at least 1", ny),
+                   error);
   /* 6 nx ny node numbers and 2 (nx+1)(ny+1) <= 8 nx ny unknowns are counted in int */
   if (ny > INT_MAX / 8 / nx)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "ny", -1, ny, "%d x %d is too large", nx, ny);
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_SIZE, "ny", -1, ny, "%d x %d is too large", nx, ny),
+                   error);
 
   const int nodes = (nx + 1) * (ny + 1), triangles = 2 * nx * ny;
   double *xy = dlsi_alloc(2 * (size_t)nodes, sizeof *xy);
@@ -27,7 +37,7 @@ dls_status dls_fe_mesh_block(dls_fe_mesh *mesh, double lx, double ly, int nx, in
   if (!xy || !node) {
     free(xy);
     free(node);
-    return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+    return dlsi_at(__func__, dlsi_no_memory(error), error);
   }
   double *point = xy;
   for (int j = 0; j <= ny; j++)
@@ -54,30 +64,26 @@ void dls_fe_mesh_free(dls_fe_mesh *mesh) {
   *mesh = (dls_fe_mesh){0};
 }
 
-dls_status dlsi_fe_check_vector(const char *function, const char *argument, const double *x,
-                                size_t n, dls_error *error) {
-  if (!x) return dlsi_fail(error, DLS_E_ARGUMENT, function, argument, -1, 0, "is NULL");
+dls_status dlsi_fe_check_vector(const char *argument, const double *x, size_t n, dls_error *error) {
+  if (!x) return dlsi_is_null(error, argument);
   for (size_t k = 0; k < n; k++)
     if (!isfinite(x[k]))
-      return dlsi_fail(error, DLS_E_NOT_FINITE, function, argument, (long long)k, x[k],
-                       "is not finite");
+      return dlsi_fail(error, DLS_E_NOT_FINITE, argument, (long long)k, x[k], "is not finite");
   return DLS_OK;
 }
 
-dls_status dlsi_fe_check_mesh(const char *function, const dls_fe_mesh *mesh, dls_error *error) {
-  if (!mesh) return dlsi_fail(error, DLS_E_ARGUMENT, function, "mesh", -1, 0, "is NULL");
+dls_status dlsi_fe_check_mesh(const dls_fe_mesh *mesh, dls_error *error) {
+  if (!mesh) return dlsi_is_null(error, "mesh");
   if (mesh->nodes < 1 || mesh->nodes > INT_MAX / 2)
-    return dlsi_fail(error, DLS_E_SIZE, function, "nodes", -1, mesh->nodes, "is %d", mesh->nodes);
+    return dlsi_fail(error, DLS_E_SIZE, "nodes", -1, mesh->nodes, "is %d", mesh->nodes);
   if (mesh->triangles < 1 || mesh->triangles > INT_MAX / 3)
-    return dlsi_fail(error, DLS_E_SIZE, function, "triangles", -1, mesh->triangles, "is %d",
-                     mesh->triangles);
-  const dls_status status =
-      dlsi_fe_check_vector(function, "xy", mesh->xy, 2 * (size_t)mesh->nodes, error);
+    return dlsi_fail(error, DLS_E_SIZE, "triangles", -1, mesh->triangles, "is %d", mesh->triangles);
+  const dls_status status = dlsi_fe_check_vector("xy", mesh->xy, 2 * (size_t)mesh->nodes, error);
   if (status) return status;
-  if (!mesh->node) return dlsi_fail(error, DLS_E_ARGUMENT, function, "node", -1, 0, "is NULL");
+  if (!mesh->node) return dlsi_is_null(error, "node");
   for (int k = 0; k < 3 * mesh->triangles; k++)
     if (mesh->node[k] < 0 || mesh->node[k] >= mesh->nodes)
-      return dlsi_fail(error, DLS_E_ARGUMENT, function, "node", k, mesh->node[k],
-                       "is %d, outside of 0 .. %d", mesh->node[k], mesh->nodes - 1);
+      return dlsi_fail(error, DLS_E_ARGUMENT, "node", k, mesh->node[k], "is %d, outside of 0 .. %d",
+                       mesh->node[k], mesh->nodes - 1);
   return DLS_OK;
 }

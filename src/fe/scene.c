@@ -93,8 +93,7 @@ static dls_status allocate(dls_fe_scene *s, dls_error *error) {
   dlsi_arena arena = {0};
   carve(&arena, s);
   s->memory = dlsi_alloc(arena.used, 1);
-  if (!s->memory)
-    return dlsi_fail(error, DLS_E_MEMORY, "dls_fe_scene_create", "", -1, 0, "out of memory");
+  if (!s->memory) return dlsi_no_memory(error);
   arena = (dlsi_arena){.base = s->memory, .size = arena.used};
   carve(&arena, s);
   return DLS_OK;
@@ -126,7 +125,7 @@ static dls_status load(const dls_fe_mesh *mesh, const jean_case *c, double *F, d
 static dls_status assemble(dls_fe_scene *s, const jean_case *c, dls_error *error) {
   const int N = 2 * s->mesh.nodes;
   double *K = dlsi_alloc((size_t)N * (size_t)(N + 1), sizeof *K);
-  if (!K) return dlsi_fail(error, DLS_E_MEMORY, "dls_fe_scene_create", "", -1, 0, "out of memory");
+  if (!K) return dlsi_no_memory(error);
   double *F = K + (size_t)N * (size_t)N;
   memset(F, 0, (size_t)N * sizeof *F);
   dls_status status = dls_fe_stiffness(&s->mesh, E, nu, K, N, error);
@@ -201,18 +200,19 @@ static dls_status describe(dls_fe_scene *s, const jean_case *c, int weighted, dl
 
 dls_status dls_fe_scene_create(dls_fe_scene **out, const char *name, int weighted,
                                dls_error *error) {
-  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "out", -1, 0, "is NULL");
+  if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
   *out = NULL;
-  if (!name) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "name", -1, 0, "is NULL");
+  if (!name) return dlsi_at(__func__, dlsi_is_null(error, "name"), error);
   const jean_case *c = NULL;
   for (int k = 0; k < case_count; k++)
     if (strcmp(cases[k].name, name) == 0) c = &cases[k];
   if (!c)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "name", -1, 0, "there is no scene %.60s",
-                     name);
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_ARGUMENT, "name", -1, 0, "there is no scene %.60s", name),
+                   error);
 
   dls_fe_scene *s = dlsi_alloc(1, sizeof *s);
-  if (!s) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  if (!s) return dlsi_at(__func__, dlsi_no_memory(error), error);
   *s = (dls_fe_scene){0};
   dls_status status = dls_fe_mesh_block(&s->mesh, L, L, nx, ny, error);
   if (!status) status = allocate(s, error);
@@ -223,7 +223,7 @@ dls_status dls_fe_scene_create(dls_fe_scene **out, const char *name, int weighte
   if (!status) status = describe(s, c, weighted, error);
   if (status) {
     dls_fe_scene_destroy(s);
-    return status;
+    return dlsi_at(__func__, status, error);
   }
   *out = s;
   return DLS_OK;
@@ -244,11 +244,10 @@ void dls_fe_scene_get(const dls_fe_scene *scene, dls_fe_scene_data *data) {
 
 dls_status dls_fe_scene_displacement(const dls_fe_scene *scene, const double *x,
                                      double *displacement, dls_error *error) {
-  if (!scene) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "scene", -1, 0, "is NULL");
-  const dls_status status = dlsi_fe_check_vector(__func__, "x", x, unknowns, error);
-  if (status) return status;
-  if (!displacement)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "displacement", -1, 0, "is NULL");
+  if (!scene) return dlsi_at(__func__, dlsi_is_null(error, "scene"), error);
+  const dls_status status = dlsi_fe_check_vector("x", x, unknowns, error);
+  if (status) return dlsi_at(__func__, status, error);
+  if (!displacement) return dlsi_at(__func__, dlsi_is_null(error, "displacement"), error);
   for (int i = 0; i < 2 * scene->mesh.nodes; i++)
     displacement[i] = scene->unknown[i] < 0 ? 0 : x[scene->unknown[i]];
   return DLS_OK;

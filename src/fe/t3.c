@@ -35,12 +35,11 @@ static lame moduli(double E, double nu) { /* (T2) */
   return (lame){.l = E * nu / ((1 + nu) * (1 - 2 * nu)), .G = E / (2 * (1 + nu))};
 }
 
-static dls_status check_material(const char *function, double E, double nu, dls_error *error) {
+static dls_status check_material(double E, double nu, dls_error *error) {
   if (!(E > 0 && E <= DBL_MAX))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "E", -1, E, "must be positive and finite");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "E", -1, E, "must be positive and finite");
   if (!(nu > -1 && nu < 0.5))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "nu", -1, nu,
-                     "is %g, must be between -1 and 1/2", nu);
+    return dlsi_fail(error, DLS_E_ARGUMENT, "nu", -1, nu, "is %g, must be between -1 and 1/2", nu);
   return DLS_OK;
 }
 
@@ -57,8 +56,8 @@ static double gradients(const dls_fe_mesh *mesh, int triangle, double b[3], doub
 }
 
 /* A mesh of triangles whose areas are positive, above the rounding of their own coordinates. */
-static dls_status check_triangles(const char *function, const dls_fe_mesh *mesh, dls_error *error) {
-  const dls_status status = dlsi_fe_check_mesh(function, mesh, error);
+static dls_status check_triangles(const dls_fe_mesh *mesh, dls_error *error) {
+  const dls_status status = dlsi_fe_check_mesh(mesh, error);
   if (status) return status;
   for (int e = 0; e < mesh->triangles; e++) {
     double b[3], c[3], edges = 0;
@@ -66,7 +65,7 @@ static dls_status check_triangles(const char *function, const dls_fe_mesh *mesh,
     for (int i = 0; i < 3; i++)
       edges += b[i] * b[i] + c[i] * c[i];
     if (!(area2 > DBL_EPSILON * edges))
-      return dlsi_fail(error, DLS_E_ARGUMENT, function, "node", 3LL * e, area2 / 2,
+      return dlsi_fail(error, DLS_E_ARGUMENT, "node", 3LL * e, area2 / 2,
                        "triangle %d is flat or clockwise", e);
   }
   return DLS_OK;
@@ -74,15 +73,16 @@ static dls_status check_triangles(const char *function, const dls_fe_mesh *mesh,
 
 dls_status dls_fe_stiffness(const dls_fe_mesh *mesh, double E, double nu, double *K, int ldk,
                             dls_error *error) {
-  dls_status status = check_triangles(__func__, mesh, error);
-  if (!status) status = check_material(__func__, E, nu, error);
-  if (status) return status;
+  dls_status status = check_triangles(mesh, error);
+  if (!status) status = check_material(E, nu, error);
+  if (status) return dlsi_at(__func__, status, error);
   const int n = 2 * mesh->nodes;
   const size_t ld = (size_t)ldk;
-  if (!K) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "K", -1, 0, "is NULL");
+  if (!K) return dlsi_at(__func__, dlsi_is_null(error, "K"), error);
   if (ldk < n)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "ldk", -1, ldk, "is %d, must be at least %d", ldk,
-                     n);
+    return dlsi_at(
+        __func__,
+        dlsi_fail(error, DLS_E_SIZE, "ldk", -1, ldk, "is %d, must be at least %d", ldk, n), error);
   const lame D = moduli(E, nu);
   for (int j = 0; j < n; j++)
     memset(K + (size_t)j * ld, 0, (size_t)n * sizeof *K);
@@ -106,22 +106,29 @@ dls_status dls_fe_stiffness(const dls_fe_mesh *mesh, double E, double nu, double
 dls_status dls_fe_edge_load(const dls_fe_mesh *mesh, int a, int b, double tx, double ty, double *f,
                             dls_error *error) {
   /* called edge by edge: looks at the two nodes, not at the whole mesh */
-  if (!mesh) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "mesh", -1, 0, "is NULL");
-  if (!mesh->xy) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "xy", -1, 0, "is NULL");
+  if (!mesh) return dlsi_at(__func__, dlsi_is_null(error, "mesh"), error);
+  if (!mesh->xy) return dlsi_at(__func__, dlsi_is_null(error, "xy"), error);
   if (a < 0 || a >= mesh->nodes)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "a", -1, a, "is %d, no node of the mesh", a);
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_ARGUMENT, "a", -1, a, "is %d, no node of the mesh", a),
+                   error);
   if (b < 0 || b >= mesh->nodes || b == a)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "b", -1, b, "is %d, no other node", b);
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_ARGUMENT, "b", -1, b, "is %d, no other node", b), error);
   if (!isfinite(tx))
-    return dlsi_fail(error, DLS_E_NOT_FINITE, __func__, "tx", -1, tx, "is not finite");
+    return dlsi_at(__func__, dlsi_fail(error, DLS_E_NOT_FINITE, "tx", -1, tx, "is not finite"),
+                   error);
   if (!isfinite(ty))
-    return dlsi_fail(error, DLS_E_NOT_FINITE, __func__, "ty", -1, ty, "is not finite");
-  if (!f) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "f", -1, 0, "is NULL");
+    return dlsi_at(__func__, dlsi_fail(error, DLS_E_NOT_FINITE, "ty", -1, ty, "is not finite"),
+                   error);
+  if (!f) return dlsi_at(__func__, dlsi_is_null(error, "f"), error);
   const double *A = mesh->xy + 2 * (size_t)a, *B = mesh->xy + 2 * (size_t)b;
   const double half = hypot(B[0] - A[0], B[1] - A[1]) / 2;
   if (!isfinite(half))
-    return dlsi_fail(error, DLS_E_NOT_FINITE, __func__, "xy", 2LL * (isfinite(A[0] + A[1]) ? b : a),
-                     half, "edge of no finite length");
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_NOT_FINITE, "xy", 2LL * (isfinite(A[0] + A[1]) ? b : a),
+                             half, "edge of no finite length"),
+                   error);
   f[2 * (size_t)a] += half * tx;
   f[2 * (size_t)a + 1] += half * ty;
   f[2 * (size_t)b] += half * tx;
@@ -131,13 +138,12 @@ dls_status dls_fe_edge_load(const dls_fe_mesh *mesh, int a, int b, double tx, do
 
 dls_status dls_fe_stress(const dls_fe_mesh *mesh, double E, double nu, const double *displacement,
                          double *stress, dls_error *error) {
-  dls_status status = check_triangles(__func__, mesh, error);
-  if (!status) status = check_material(__func__, E, nu, error);
+  dls_status status = check_triangles(mesh, error);
+  if (!status) status = check_material(E, nu, error);
   if (!status)
-    status = dlsi_fe_check_vector(__func__, "displacement", displacement, 2 * (size_t)mesh->nodes,
-                                  error);
-  if (status) return status;
-  if (!stress) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "stress", -1, 0, "is NULL");
+    status = dlsi_fe_check_vector("displacement", displacement, 2 * (size_t)mesh->nodes, error);
+  if (status) return dlsi_at(__func__, status, error);
+  if (!stress) return dlsi_at(__func__, dlsi_is_null(error, "stress"), error);
   const lame D = moduli(E, nu);
   for (int e = 0; e < mesh->triangles; e++) {
     double b[3], c[3], xx = 0, yy = 0, xy2 = 0; /* e_xx, e_yy, 2 e_xy, each times 2A */

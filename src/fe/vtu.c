@@ -63,18 +63,20 @@ static void write_grid(FILE *file, const dls_fe_mesh *mesh, const double *displa
 
 dls_status dls_fe_write_vtu(const char *path, const dls_fe_mesh *mesh, const double *displacement,
                             const double *reaction, const double *stress, dls_error *error) {
-  if (!path) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "path", -1, 0, "is NULL");
-  dls_status status = dlsi_fe_check_mesh(__func__, mesh, error);
-  if (status) return status;
+  if (!path) return dlsi_at(__func__, dlsi_is_null(error, "path"), error);
+  dls_status status = dlsi_fe_check_mesh(mesh, error);
+  if (status) return dlsi_at(__func__, status, error);
   const size_t n = 2 * (size_t)mesh->nodes, cells = 3 * (size_t)mesh->triangles;
-  if (displacement) status = dlsi_fe_check_vector(__func__, "displacement", displacement, n, error);
-  if (!status && reaction) status = dlsi_fe_check_vector(__func__, "reaction", reaction, n, error);
-  if (!status && stress) status = dlsi_fe_check_vector(__func__, "stress", stress, cells, error);
-  if (status) return status;
+  if (displacement) status = dlsi_fe_check_vector("displacement", displacement, n, error);
+  if (!status && reaction) status = dlsi_fe_check_vector("reaction", reaction, n, error);
+  if (!status && stress) status = dlsi_fe_check_vector("stress", stress, cells, error);
+  if (status) return dlsi_at(__func__, status, error);
 
   FILE *file = fopen(path, "w");
   if (!file)
-    return dlsi_fail(error, DLS_E_FILE, __func__, "path", -1, 0, "%.60s: cannot be opened", path);
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "%.60s: cannot be opened", path),
+                   error);
   write_grid(file, mesh, displacement, reaction, stress);
-  return dlsi_file_finish(__func__, path, file, error);
+  return dlsi_at(__func__, dlsi_file_finish(path, file, error), error);
 }

@@ -2,14 +2,14 @@
 #include "delassus/files.h"
 #include "files/file.h"
 
-static dls_status unsupported(const char *function, dls_error *error) {
-  return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "", -1, 0, "built without HDF5");
+static dls_status unsupported(dls_error *error) {
+  return dlsi_fail(error, DLS_E_UNSUPPORTED, "", -1, 0, "built without HDF5");
 }
 
 dls_status dls_fclib_read(dls_fclib **out, const char *path, dls_error *error) {
   (void)path;
   if (out) *out = NULL;
-  return unsupported(__func__, error);
+  return dlsi_at(__func__, unsupported(error), error);
 }
 
 int dls_fclib_is_global(const dls_fclib *file) {
@@ -25,7 +25,7 @@ const char *dls_fclib_title(const dls_fclib *file) {
 dls_status dls_fclib_contact(const dls_fclib *file, dls_contact *problem, dls_error *error) {
   (void)file;
   (void)problem;
-  return unsupported(__func__, error);
+  return dlsi_at(__func__, unsupported(error), error);
 }
 
 dls_status dls_fclib_model(const dls_fclib *file, dls_model *model, const double **f,
@@ -35,7 +35,7 @@ dls_status dls_fclib_model(const dls_fclib *file, dls_model *model, const double
   (void)f;
   (void)g;
   (void)mu;
-  return unsupported(__func__, error);
+  return dlsi_at(__func__, unsupported(error), error);
 }
 
 dls_status dls_fclib_solution(const dls_fclib *file, const double **r, const double **u,
@@ -43,7 +43,7 @@ dls_status dls_fclib_solution(const dls_fclib *file, const double **r, const dou
   (void)file;
   (void)r;
   (void)u;
-  return unsupported(__func__, error);
+  return dlsi_at(__func__, unsupported(error), error);
 }
 
 void dls_fclib_destroy(dls_fclib *file) {
@@ -57,7 +57,7 @@ dls_status dls_fclib_write_local(const char *path, const dls_contact *problem, c
   (void)title;
   (void)r;
   (void)u;
-  return unsupported(__func__, error);
+  return dlsi_at(__func__, unsupported(error), error);
 }
 
 dls_status dls_fclib_write_global(const char *path, const dls_model *model, const double *f,
@@ -73,5 +73,5 @@ dls_status dls_fclib_write_global(const char *path, const dls_model *model, cons
   (void)x;
   (void)r;
   (void)u;
-  return unsupported(__func__, error);
+  return dlsi_at(__func__, unsupported(error), error);
 }

@@ -48,8 +48,6 @@ struct dls_fclib {
 
 /* ---- data sets ------------------------------------------------------------------------------- */
 
-static const char reading[] = "dls_fclib_read";
-
 typedef struct source {
   hid_t group; /* the names of data sets start here */
   dls_error *error;
@@ -65,7 +63,7 @@ static dls_status bad(const source *s, const char *name, long long index, double
   va_start(args, format);
   if (vsnprintf(text, sizeof text, format, args) < 0) text[0] = '\0';
   va_end(args);
-  (void)dlsi_fail(s->error, DLS_E_FORMAT, reading, name, index, value, "%s", text);
+  (void)dlsi_fail(s->error, DLS_E_FORMAT, name, index, value, "%s", text);
   return DLS_E_FORMAT;
 }
 
@@ -113,7 +111,7 @@ static dls_status read_set(const source *s, const char *name, hid_t type, size_t
   void *x = NULL;
   if (!status) {
     x = dlsi_alloc(count, H5Tget_size(type));
-    if (!x) status = dlsi_no_memory(reading, s->error);
+    if (!x) status = dlsi_no_memory(s->error);
   }
   if (!status && read_values(set, space, type, count, x) < 0)
     status = bad(s, name, -1, 0, "cannot be read");
@@ -187,7 +185,7 @@ static dls_status read_compressed(const source *s, const matrix_names *name, int
   }
   if (!status) {
     *major = dlsi_alloc((size_t)*count, sizeof **major);
-    if (!*major) status = dlsi_no_memory(reading, s->error);
+    if (!*major) status = dlsi_no_memory(s->error);
   }
   for (int j = 0; !status && j < lines; j++)
     for (int k = p[j]; k < p[j + 1]; k++)
@@ -224,7 +222,7 @@ static dls_status gather_blocks(const dlsi_columns *A, int d, block_columns *B, 
   B->p = dlsi_alloc((size_t)nc + 1, sizeof *B->p);
   if (!block || !B->p) {
     free(block);
-    return dlsi_no_memory(reading, error);
+    return dlsi_no_memory(error);
   }
   for (int pass = 0; pass < 2; pass++) { /* count, fill */
     for (int b = 0; b < nc; b++)
@@ -248,7 +246,7 @@ static dls_status gather_blocks(const dlsi_columns *A, int d, block_columns *B, 
     B->x = dlsi_alloc((size_t)count, dd * sizeof *B->x);
     if (!B->i || !B->x) {
       free(block);
-      return dlsi_no_memory(reading, error);
+      return dlsi_no_memory(error);
     }
     for (size_t e = 0; e < (size_t)count * dd; e++)
       B->x[e] = 0;
@@ -274,7 +272,7 @@ static dls_status read_fixed_text(hid_t set, hid_t stored, char **text, dls_erro
       H5Tset_strpad(type, H5T_STR_NULLTERM) >= 0) {
     *text = dlsi_alloc(length + 1, 1);
     if (!*text)
-      status = dlsi_no_memory(reading, error);
+      status = dlsi_no_memory(error);
     else if (H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, *text) < 0)
       (*text)[0] = '\0';
     else
@@ -293,7 +291,7 @@ static dls_status read_variable_text(hid_t set, hid_t stored, hid_t space, char 
   *text = dlsi_alloc(size, 1);
   if (*text) memcpy(*text, held, size);
   (void)H5Dvlen_reclaim(stored, space, H5P_DEFAULT, &held);
-  return *text ? DLS_OK : dlsi_no_memory(reading, error);
+  return *text ? DLS_OK : dlsi_no_memory(error);
 }
 
 /* A title that is not there or is not one string is no error. */
@@ -322,7 +320,7 @@ static dls_status refuse_bilateral(const source *s, const char *matrix, const ch
     if (!status) status = read_int(s, n, 0, &cols);
     if (status) return status;
     if (rows > 0 && cols > 0)
-      return dlsi_fail(s->error, DLS_E_UNSUPPORTED, reading, matrix, -1, 0,
+      return dlsi_fail(s->error, DLS_E_UNSUPPORTED, matrix, -1, 0,
                        "bilateral constraints are not read");
   }
   const hid_t set = H5Dopen2(s->group, vector, H5P_DEFAULT);
@@ -332,7 +330,7 @@ static dls_status refuse_bilateral(const source *s, const char *matrix, const ch
   if (space >= 0) (void)H5Sclose(space);
   (void)H5Dclose(set);
   if (held > 0)
-    return dlsi_fail(s->error, DLS_E_UNSUPPORTED, reading, vector, -1, (double)held,
+    return dlsi_fail(s->error, DLS_E_UNSUPPORTED, vector, -1, (double)held,
                      "bilateral constraints are not read");
   return DLS_OK;
 }
@@ -366,7 +364,7 @@ static dls_status read_local(const source *s, dls_fclib *file) {
   if (!status) status = set_candidates(s, "W/m", W.rows, file);
   /* before memory is taken: a vector of m values is more than a claim that there are m rows */
   if (!status) status = read_doubles(s, "vectors/q", (size_t)W.rows, 0, &file->q);
-  if (!status) status = dlsi_columns_compress(reading, &W, file->d, DLSI_ALL, &A, s->error);
+  if (!status) status = dlsi_columns_compress(&W, file->d, DLSI_ALL, &A, s->error);
   if (!status) status = gather_blocks(&A, file->d, &file->W, s->error);
   dlsi_columns_free(&A);
   dlsi_triplets_free(&W);
@@ -386,11 +384,9 @@ static dls_status read_global(const source *s, dls_fclib *file) {
   if (!status) status = set_candidates(s, "H/n", H.cols, file);
   if (!status) status = read_doubles(s, "vectors/f", (size_t)M.rows, 0, &file->f);
   if (!status) status = read_doubles(s, "vectors/w", (size_t)H.cols, 0, &file->q);
-  if (!status) status = dlsi_columns_compress(reading, &M, file->d, DLSI_ALL, &file->M, s->error);
-  if (!status)
-    status = dlsi_columns_compress(reading, &H, file->d, DLSI_NORMALS, &file->HN, s->error);
-  if (!status)
-    status = dlsi_columns_compress(reading, &H, file->d, DLSI_TANGENTS, &file->HT, s->error);
+  if (!status) status = dlsi_columns_compress(&M, file->d, DLSI_ALL, &file->M, s->error);
+  if (!status) status = dlsi_columns_compress(&H, file->d, DLSI_NORMALS, &file->HN, s->error);
+  if (!status) status = dlsi_columns_compress(&H, file->d, DLSI_TANGENTS, &file->HT, s->error);
   dlsi_triplets_free(&M);
   dlsi_triplets_free(&H);
   return status;
@@ -437,14 +433,14 @@ static dls_status read_file(dls_fclib *file, const char *path, dls_error *error)
 }
 
 dls_status dls_fclib_read(dls_fclib **out, const char *path, dls_error *error) {
-  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, reading, "out", -1, 0, "is NULL");
+  if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
   *out = NULL;
-  if (!path) return dlsi_fail(error, DLS_E_ARGUMENT, reading, "path", -1, 0, "is NULL");
-  FILE *probe = dlsi_file_open(reading, path, error);
-  if (!probe) return DLS_E_FILE;
+  if (!path) return dlsi_at(__func__, dlsi_is_null(error, "path"), error);
+  FILE *probe = dlsi_file_open(path, error);
+  if (!probe) return dlsi_at(__func__, DLS_E_FILE, error);
   (void)fclose(probe);
   dls_fclib *file = dlsi_alloc(1, sizeof *file);
-  if (!file) return dlsi_no_memory(reading, error);
+  if (!file) return dlsi_at(__func__, dlsi_no_memory(error), error);
   *file = (dls_fclib){0};
   dls_status status;
   H5E_BEGIN_TRY {
@@ -455,7 +451,7 @@ dls_status dls_fclib_read(dls_fclib **out, const char *path, dls_error *error) {
     dls_fclib_destroy(file);
   else
     *out = file;
-  return status;
+  return dlsi_at(__func__, status, error);
 }
 
 /* ---- what was read --------------------------------------------------------------------------- */
@@ -470,9 +466,11 @@ const char *dls_fclib_title(const dls_fclib *file) {
 
 dls_status dls_fclib_contact(const dls_fclib *file, dls_contact *problem, dls_error *error) {
   if (!file || file->global)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "file", -1, 0,
-                     file ? "holds a global problem" : "is NULL");
-  if (!problem) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "problem", -1, 0, "is NULL");
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_ARGUMENT, "file", -1, 0,
+                             file ? "holds a global problem" : "is NULL"),
+                   error);
+  if (!problem) return dlsi_at(__func__, dlsi_is_null(error, "problem"), error);
   *problem = (dls_contact){
       .d = file->d,
       .nc = file->nc,
@@ -486,12 +484,14 @@ dls_status dls_fclib_contact(const dls_fclib *file, dls_contact *problem, dls_er
 dls_status dls_fclib_model(const dls_fclib *file, dls_model *model, const double **f,
                            const double **g, const double **mu, dls_error *error) {
   if (!file || !file->global)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "file", -1, 0,
-                     file ? "holds a local problem" : "is NULL");
-  if (!model) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "model", -1, 0, "is NULL");
-  if (!f) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "f", -1, 0, "is NULL");
-  if (!g) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "g", -1, 0, "is NULL");
-  if (!mu) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "mu", -1, 0, "is NULL");
+    return dlsi_at(
+        __func__,
+        dlsi_fail(error, DLS_E_ARGUMENT, "file", -1, 0, file ? "holds a local problem" : "is NULL"),
+        error);
+  if (!model) return dlsi_at(__func__, dlsi_is_null(error, "model"), error);
+  if (!f) return dlsi_at(__func__, dlsi_is_null(error, "f"), error);
+  if (!g) return dlsi_at(__func__, dlsi_is_null(error, "g"), error);
+  if (!mu) return dlsi_at(__func__, dlsi_is_null(error, "mu"), error);
   *model = (dls_model){
       .d = file->d,
       .n = file->n,
@@ -510,9 +510,9 @@ dls_status dls_fclib_model(const dls_fclib *file, dls_model *model, const double
 
 dls_status dls_fclib_solution(const dls_fclib *file, const double **r, const double **u,
                               dls_error *error) {
-  if (!file) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "file", -1, 0, "is NULL");
-  if (!r) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "r", -1, 0, "is NULL");
-  if (!u) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "u", -1, 0, "is NULL");
+  if (!file) return dlsi_at(__func__, dlsi_is_null(error, "file"), error);
+  if (!r) return dlsi_at(__func__, dlsi_is_null(error, "r"), error);
+  if (!u) return dlsi_at(__func__, dlsi_is_null(error, "u"), error);
   *r = file->r;
   *u = file->u;
   return DLS_OK;

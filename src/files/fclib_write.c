@@ -17,21 +17,19 @@
 
 /* ---- matrices to write ----------------------------------------------------------------------- */
 
-static dls_status too_many(const char *function, const char *argument, dls_error *error) {
-  return dlsi_fail(error, DLS_E_SIZE, function, argument, -1, 0,
-                   "has more entries than an int can count");
+static dls_status too_many(const char *argument, dls_error *error) {
+  return dlsi_fail(error, DLS_E_SIZE, argument, -1, 0, "has more entries than an int can count");
 }
 
 /* C := the entries of A that are not zero; with `lower`, the upper triangle is the lower one's */
-static dls_status columns_of_dense(const char *function, const char *argument, const dls_dense *A,
-                                   int lower, dlsi_columns *C, dls_error *error) {
+static dls_status columns_of_dense(const char *argument, const dls_dense *A, int lower,
+                                   dlsi_columns *C, dls_error *error) {
   const size_t ld = (size_t)A->ld;
   long long count = 0;
   for (int pass = 0; pass < 2; pass++) {
     if (pass == 1) {
-      if (count > INT_MAX) return too_many(function, argument, error);
-      const dls_status status =
-          dlsi_columns_alloc(function, A->rows, A->cols, (int)count, C, error);
+      if (count > INT_MAX) return too_many(argument, error);
+      const dls_status status = dlsi_columns_alloc(A->rows, A->cols, (int)count, C, error);
       if (status) return status;
       C->p[0] = 0;
       count = 0;
@@ -55,11 +53,10 @@ static dls_status columns_of_dense(const char *function, const char *argument, c
 }
 
 /* C := W by blocks, every entry of every block */
-static dls_status columns_of_blocks(const char *function, const dls_blocks *B, dlsi_columns *C,
-                                    dls_error *error) {
+static dls_status columns_of_blocks(const dls_blocks *B, dlsi_columns *C, dls_error *error) {
   const int d = B->d, m = d * B->n;
-  if (B->p[B->n] > INT_MAX / (d * d)) return too_many(function, "Wb", error);
-  const dls_status status = dlsi_columns_alloc(function, m, m, d * d * B->p[B->n], C, error);
+  if (B->p[B->n] > INT_MAX / (d * d)) return too_many("Wb", error);
+  const dls_status status = dlsi_columns_alloc(m, m, d * d * B->p[B->n], C, error);
   if (status) return status;
   int count = 0;
   for (int c = 0; c < B->n; c++)
@@ -76,20 +73,19 @@ static dls_status columns_of_blocks(const char *function, const dls_blocks *B, d
 }
 
 /* C := K from its lower triangle */
-static dls_status columns_of_lower(const char *function, const dls_sparse *K, dlsi_columns *C,
-                                   dls_error *error) {
+static dls_status columns_of_lower(const dls_sparse *K, dlsi_columns *C, dls_error *error) {
   long long count = 0;
   for (int j = 0; j < K->cols; j++)
     for (int k = K->p[j]; k < K->p[j + 1]; k++)
       count += K->i[k] > j ? 2 : K->i[k] == j;
-  if (count > INT_MAX) return too_many(function, "Ks", error);
+  if (count > INT_MAX) return too_many("Ks", error);
   dlsi_triplets t = {K->rows,
                      K->cols,
                      0,
                      dlsi_alloc((size_t)count, sizeof *t.row),
                      dlsi_alloc((size_t)count, sizeof *t.col),
                      dlsi_alloc((size_t)count, sizeof *t.x)};
-  dls_status status = t.row && t.col && t.x ? DLS_OK : dlsi_no_memory(function, error);
+  dls_status status = t.row && t.col && t.x ? DLS_OK : dlsi_no_memory(error);
   for (int j = 0; !status && j < K->cols; j++)
     for (int k = K->p[j]; k < K->p[j + 1]; k++) {
       const int i = K->i[k];
@@ -99,20 +95,19 @@ static dls_status columns_of_lower(const char *function, const dls_sparse *K, dl
         t.x[t.count++] = K->x[k];
       }
     }
-  if (!status) status = dlsi_columns_compress(function, &t, 1, DLSI_ALL, C, error);
+  if (!status) status = dlsi_columns_compress(&t, 1, DLSI_ALL, C, error);
   dlsi_triplets_free(&t);
   return status;
 }
 
 /* C := H, the columns of H_N and H_T candidate by candidate */
-static dls_status columns_of_operators(const char *function, const dls_model *model,
-                                       dlsi_columns *C, dls_error *error) {
+static dls_status columns_of_operators(const dls_model *model, dlsi_columns *C, dls_error *error) {
   const int d = model->d, nc = model->nodes;
   const dls_sparse *HN = &model->HN, *HT = &model->HT;
   const int tangents = (d - 1) * nc;
-  if (HN->p[nc] > INT_MAX - HT->p[tangents]) return too_many(function, "HT", error);
+  if (HN->p[nc] > INT_MAX - HT->p[tangents]) return too_many("HT", error);
   const dls_status status =
-      dlsi_columns_alloc(function, model->n, d * nc, HN->p[nc] + HT->p[tangents], C, error);
+      dlsi_columns_alloc(model->n, d * nc, HN->p[nc] + HT->p[tangents], C, error);
   if (status) return status;
   int count = 0;
   for (int col = 0; col < d * nc; col++) {
@@ -229,47 +224,42 @@ static void put_solution(sink *s, int n, const double *x, int m, const double *r
 }
 
 /* The image of the file, from memory to `path`. */
-static dls_status save(sink *s, const char *function, const char *path, dls_error *error) {
+static dls_status save(sink *s, const char *path, dls_error *error) {
   ssize_t size = -1;
   if (!s->failed && H5Fflush(s->file, H5F_SCOPE_GLOBAL) >= 0)
     size = H5Fget_file_image(s->file, NULL, 0);
-  if (size <= 0)
-    return dlsi_fail(error, DLS_E_FILE, function, "path", -1, 0, "HDF5 cannot build the file");
+  if (size <= 0) return dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "HDF5 cannot build the file");
   char *image = dlsi_alloc((size_t)size, 1);
-  if (!image) return dlsi_no_memory(function, error);
+  if (!image) return dlsi_no_memory(error);
   dls_status status = DLS_OK;
   FILE *file = NULL;
   if (H5Fget_file_image(s->file, image, (size_t)size) != size)
-    status = dlsi_fail(error, DLS_E_FILE, function, "path", -1, 0, "HDF5 cannot build the file");
+    status = dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "HDF5 cannot build the file");
   if (!status) {
     file = fopen(path, "wb");
-    if (!file)
-      status =
-          dlsi_fail(error, DLS_E_FILE, function, "path", -1, 0, "cannot be opened for writing");
+    if (!file) status = dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be opened for writing");
   }
   if (file) {
     (void)fwrite(image, 1, (size_t)size, file); /* a short count sets the file's error */
-    status = dlsi_file_finish(function, path, file, error);
+    status = dlsi_file_finish(path, file, error);
   }
   free(image);
   return status;
 }
 
 /* r and u of m values each, or neither */
-static dls_status check_solution(const char *function, const double *r, const double *u, size_t m,
-                                 dls_error *error) {
+static dls_status check_solution(const double *r, const double *u, size_t m, dls_error *error) {
   if (!r && !u) return DLS_OK;
-  const dls_status status = dlsi_check_vector(function, "r", r, m, error);
-  return status ? status : dlsi_check_vector(function, "u", u, m, error);
+  const dls_status status = dlsi_check_vector("r", r, m, error);
+  return status ? status : dlsi_check_vector("u", u, m, error);
 }
 
-static dls_status write_local(const char *function, const char *path, const dls_contact *problem,
-                              const char *title, const double *r, const double *u,
-                              dls_error *error) {
+static dls_status write_local(const char *path, const dls_contact *problem, const char *title,
+                              const double *r, const double *u, dls_error *error) {
   const int m = problem->d * problem->nc;
   dlsi_columns W = {0};
-  dls_status status = problem->Wb.x ? columns_of_blocks(function, &problem->Wb, &W, error)
-                                    : columns_of_dense(function, "W", &problem->W, 0, &W, error);
+  dls_status status = problem->Wb.x ? columns_of_blocks(&problem->Wb, &W, error)
+                                    : columns_of_dense("W", &problem->W, 0, &W, error);
   if (!status) {
     const dls_sparse A = dlsi_columns_view(&W);
     sink s;
@@ -278,7 +268,7 @@ static dls_status write_local(const char *function, const char *path, const dls_
     put_matrix(&s, &local_W, &A);
     put_doubles(&s, "fclib_local/vectors/q", (size_t)m, problem->q);
     put_solution(&s, 0, NULL, m, r, u);
-    status = save(&s, function, path, error);
+    status = save(&s, path, error);
     sink_close(&s);
   }
   dlsi_columns_free(&W);
@@ -287,30 +277,30 @@ static dls_status write_local(const char *function, const char *path, const dls_
 
 dls_status dls_fclib_write_local(const char *path, const dls_contact *problem, const char *title,
                                  const double *r, const double *u, dls_error *error) {
-  if (!path) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "path", -1, 0, "is NULL");
-  dls_status status = dlsi_check_contact(__func__, problem, error);
-  if (status) return status;
-  status = check_solution(__func__, r, u, (size_t)problem->d * (size_t)problem->nc, error);
-  if (status) return status;
+  if (!path) return dlsi_at(__func__, dlsi_is_null(error, "path"), error);
+  dls_status status = dlsi_check_contact(problem, error);
+  if (status) return dlsi_at(__func__, status, error);
+  status = check_solution(r, u, (size_t)problem->d * (size_t)problem->nc, error);
+  if (status) return dlsi_at(__func__, status, error);
   H5E_BEGIN_TRY {
-    status = write_local(__func__, path, problem, title, r, u, error);
+    status = write_local(path, problem, title, r, u, error);
   }
   H5E_END_TRY;
-  return status;
+  return dlsi_at(__func__, status, error);
 }
 
-static dls_status write_global(const char *function, const char *path, const dls_model *model,
-                               const double *f, const double *g, const double *mu,
-                               const char *title, const double *x, const double *r, const double *u,
+static dls_status write_global(const char *path, const dls_model *model, const double *f,
+                               const double *g, const double *mu, const char *title,
+                               const double *x, const double *r, const double *u,
                                dls_error *error) {
   const int m = model->d * model->nodes, symmetric = model->factorization != DLS_LU;
   dlsi_columns K = {0}, H = {0}; /* K: unless the model's own columns serve as they are */
   dls_status status = DLS_OK;
   if (model->operator_kind == DLS_STIFFNESS_DENSE)
-    status = columns_of_dense(function, "K", &model->K, symmetric, &K, error);
+    status = columns_of_dense("K", &model->K, symmetric, &K, error);
   else if (symmetric)
-    status = columns_of_lower(function, &model->Ks, &K, error);
-  if (!status) status = columns_of_operators(function, model, &H, error);
+    status = columns_of_lower(&model->Ks, &K, error);
+  if (!status) status = columns_of_operators(model, &H, error);
   if (!status) {
     const dls_sparse M = K.p ? dlsi_columns_view(&K) : model->Ks, A = dlsi_columns_view(&H);
     sink s;
@@ -321,7 +311,7 @@ static dls_status write_global(const char *function, const char *path, const dls
     put_doubles(&s, "fclib_global/vectors/f", (size_t)model->n, f);
     put_doubles(&s, "fclib_global/vectors/w", (size_t)m, g);
     put_solution(&s, model->n, x, m, r, u);
-    status = save(&s, function, path, error);
+    status = save(&s, path, error);
     sink_close(&s);
   }
   dlsi_columns_free(&K);
@@ -330,27 +320,26 @@ static dls_status write_global(const char *function, const char *path, const dls
 }
 
 /* What this file can hold of a model: no P, no operator but K itself. */
-static dls_status check_model(const char *function, const dls_model *model, dls_error *error) {
-  if (!model) return dlsi_fail(error, DLS_E_ARGUMENT, function, "model", -1, 0, "is NULL");
+static dls_status check_model(const dls_model *model, dls_error *error) {
+  if (!model) return dlsi_is_null(error, "model");
   const int d = model->d, n = model->n, nodes = model->nodes;
   if (d != 2 && d != 3)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "d", -1, d, "is %d, must be 2 or 3", d);
-  if (n < 1) return dlsi_fail(error, DLS_E_SIZE, function, "n", -1, n, "is %d", n);
+    return dlsi_fail(error, DLS_E_ARGUMENT, "d", -1, d, "is %d, must be 2 or 3", d);
+  if (n < 1) return dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d", n);
   if (nodes < 1 || nodes > INT_MAX / d)
-    return dlsi_fail(error, DLS_E_SIZE, function, "nodes", -1, nodes, "is %d", nodes);
-  if (model->P.p)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "P", -1, 0, "FCLIB has no weighting");
+    return dlsi_fail(error, DLS_E_SIZE, "nodes", -1, nodes, "is %d", nodes);
+  if (model->P.p) return dlsi_fail(error, DLS_E_UNSUPPORTED, "P", -1, 0, "FCLIB has no weighting");
   if (model->active)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "active", -1, 0,
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "active", -1, 0,
                      "FCLIB has no candidates that are left out");
   if (model->operator_kind != DLS_STIFFNESS_DENSE && model->operator_kind != DLS_STIFFNESS_SPARSE)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "operator_kind", -1, model->operator_kind,
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "operator_kind", -1, model->operator_kind,
                      "FCLIB holds K only");
   dls_status status = model->operator_kind == DLS_STIFFNESS_DENSE
-                          ? dlsi_check_dense(function, "K", &model->K, n, n, error)
-                          : dlsi_check_sparse(function, "Ks", &model->Ks, n, n, error);
-  if (!status) status = dlsi_check_sparse(function, "HN", &model->HN, n, nodes, error);
-  if (!status) status = dlsi_check_sparse(function, "HT", &model->HT, n, (d - 1) * nodes, error);
+                          ? dlsi_check_dense("K", &model->K, n, n, error)
+                          : dlsi_check_sparse("Ks", &model->Ks, n, n, error);
+  if (!status) status = dlsi_check_sparse("HN", &model->HN, n, nodes, error);
+  if (!status) status = dlsi_check_sparse("HT", &model->HT, n, (d - 1) * nodes, error);
   return status;
 }
 
@@ -358,22 +347,24 @@ dls_status dls_fclib_write_global(const char *path, const dls_model *model, cons
                                   const double *g, const double *mu, const char *title,
                                   const double *x, const double *r, const double *u,
                                   dls_error *error) {
-  if (!path) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "path", -1, 0, "is NULL");
-  dls_status status = check_model(__func__, model, error);
-  if (status) return status;
+  if (!path) return dlsi_at(__func__, dlsi_is_null(error, "path"), error);
+  dls_status status = check_model(model, error);
+  if (status) return dlsi_at(__func__, status, error);
   const size_t n = (size_t)model->n, nc = (size_t)model->nodes, m = (size_t)model->d * nc;
-  status = dlsi_check_vector(__func__, "f", f, n, error);
-  if (!status) status = dlsi_check_vector(__func__, "g", g, m, error);
-  if (!status) status = dlsi_check_vector(__func__, "mu", mu, nc, error);
-  if (!status && x) status = dlsi_check_vector(__func__, "x", x, n, error);
-  if (!status) status = check_solution(__func__, r, u, m, error);
-  if (status) return status;
+  status = dlsi_check_vector("f", f, n, error);
+  if (!status) status = dlsi_check_vector("g", g, m, error);
+  if (!status) status = dlsi_check_vector("mu", mu, nc, error);
+  if (!status && x) status = dlsi_check_vector("x", x, n, error);
+  if (!status) status = check_solution(r, u, m, error);
+  if (status) return dlsi_at(__func__, status, error);
   for (size_t c = 0; c < nc; c++)
     if (mu[c] < 0)
-      return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "mu", (long long)c, mu[c], "is negative");
+      return dlsi_at(__func__,
+                     dlsi_fail(error, DLS_E_ARGUMENT, "mu", (long long)c, mu[c], "is negative"),
+                     error);
   H5E_BEGIN_TRY {
-    status = write_global(__func__, path, model, f, g, mu, title, x, r, u, error);
+    status = write_global(path, model, f, g, mu, title, x, r, u, error);
   }
   H5E_END_TRY;
-  return status;
+  return dlsi_at(__func__, status, error);
 }

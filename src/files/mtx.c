@@ -62,8 +62,7 @@ static void scan(scanner *s) {
 
 static dls_status bad(const scanner *s, dls_error *error, dls_status status, const char *what) {
   const char *word = s->length ? s->word : "end of file";
-  (void)dlsi_fail(error, status, "dls_mtx_read", "path", s->line, 0, "line %lld, '%.20s': %s",
-                  s->line, word, what);
+  (void)dlsi_fail(error, status, "path", s->line, 0, "line %lld, '%.20s': %s", s->line, word, what);
   return status;
 }
 
@@ -239,13 +238,12 @@ static dls_status read_matrix(FILE *file, layout *form, double **a, dls_error *e
   if (status) return status;
   /* calloc, not malloc: a short file that claims a large matrix touches no memory */
   *a = calloc((size_t)form->rows * (size_t)form->cols, sizeof **a);
-  if (!*a) return dlsi_fail(error, DLS_E_MEMORY, "dls_mtx_read", "", -1, 0, "out of memory");
+  if (!*a) return dlsi_no_memory(error);
   status = (form->coordinate ? read_coordinates : read_array)(&s, form, *a, error);
   if (status) return status;
   scan(&s);
   if (s.length) return bad(&s, error, DLS_E_FORMAT, "comes after the last entry");
-  if (ferror(file))
-    return dlsi_fail(error, DLS_E_FILE, "dls_mtx_read", "path", -1, 0, "cannot be read");
+  if (ferror(file)) return dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be read");
   /* entries of the same place may add up beyond the range */
   const long long over = dlsi_first_not_finite(*a, (size_t)form->rows * (size_t)form->cols);
   if (over >= 0) return bad(&s, error, DLS_E_FORMAT, "entries of one place overflow");
@@ -253,20 +251,20 @@ static dls_status read_matrix(FILE *file, layout *form, double **a, dls_error *e
 }
 
 dls_status dls_mtx_read(const char *path, int *rows, int *cols, double **a, dls_error *error) {
-  if (!a) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "a", -1, 0, "is NULL");
+  if (!a) return dlsi_at(__func__, dlsi_is_null(error, "a"), error);
   *a = NULL;
-  if (!path) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "path", -1, 0, "is NULL");
-  if (!rows) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "rows", -1, 0, "is NULL");
-  if (!cols) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "cols", -1, 0, "is NULL");
-  FILE *file = dlsi_file_open(__func__, path, error);
-  if (!file) return DLS_E_FILE;
+  if (!path) return dlsi_at(__func__, dlsi_is_null(error, "path"), error);
+  if (!rows) return dlsi_at(__func__, dlsi_is_null(error, "rows"), error);
+  if (!cols) return dlsi_at(__func__, dlsi_is_null(error, "cols"), error);
+  FILE *file = dlsi_file_open(path, error);
+  if (!file) return dlsi_at(__func__, DLS_E_FILE, error);
   layout form = {0};
   double *values = NULL;
   const dls_status status = read_matrix(file, &form, &values, error);
   (void)fclose(file);
   if (status) {
     free(values);
-    return status;
+    return dlsi_at(__func__, status, error);
   }
   *rows = form.rows;
   *cols = form.cols;
@@ -281,18 +279,22 @@ void dls_mtx_free(double *a) {
 /* ---- writing --------------------------------------------------------------------------------- */
 
 dls_status dls_mtx_write(const char *path, const dls_dense *A, dls_error *error) {
-  if (!path) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "path", -1, 0, "is NULL");
-  if (!A) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "A", -1, 0, "is NULL");
+  if (!path) return dlsi_at(__func__, dlsi_is_null(error, "path"), error);
+  if (!A) return dlsi_at(__func__, dlsi_is_null(error, "A"), error);
   if (A->rows < 1 || A->cols < 1)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "A", -1, A->rows, "is %d x %d", A->rows, A->cols);
-  const dls_status status = dlsi_check_dense(__func__, "A", A, A->rows, A->cols, error);
-  if (status) return status;
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_SIZE, "A", -1, A->rows, "is %d x %d", A->rows, A->cols),
+                   error);
+  const dls_status status = dlsi_check_dense("A", A, A->rows, A->cols, error);
+  if (status) return dlsi_at(__func__, status, error);
   FILE *file = fopen(path, "w");
   if (!file)
-    return dlsi_fail(error, DLS_E_FILE, __func__, "path", -1, 0, "cannot be opened for writing");
+    return dlsi_at(__func__,
+                   dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be opened for writing"),
+                   error);
   (void)fprintf(file, "%%%%MatrixMarket matrix array real general\n%d %d\n", A->rows, A->cols);
   for (int j = 0; j < A->cols; j++)
     for (int i = 0; i < A->rows; i++)
       print_double(file, A->a[(size_t)i + (size_t)j * (size_t)A->ld]);
-  return dlsi_file_finish(__func__, path, file, error);
+  return dlsi_at(__func__, dlsi_file_finish(path, file, error), error);
 }

@@ -419,8 +419,6 @@ const double *dlsi_auto_direction(const dlsi_auto *work) {
 
 /* ---- create ---------------------------------------------------------------------------------- */
 
-static const char function[] = "dls_solver_create";
-
 static dls_status create_sweeps(dlsi_auto *work, int d, int nc, dls_error *error) {
   dls_nlgs_settings s;
   dls_nlgs_settings_init(&s);
@@ -442,7 +440,7 @@ static dls_status create_newton(dlsi_auto *work, int d, int nc, dls_error *error
   if (work->settings.positive_definite) s.regularization = 0;
   s.progress = watch_steps;
   s.progress_data = work;
-  return dlsi_newton_create(function, &work->newton, d, nc, &s, &work->room, error);
+  return dlsi_newton_create(&work->newton, d, nc, &s, &work->room, error);
 }
 
 static dls_status create_admm(dlsi_auto *work, int d, int nc, dls_error *error) {
@@ -457,7 +455,7 @@ static dls_status create_admm(dlsi_auto *work, int d, int nc, dls_error *error) 
   if (blocks) s.rho = rest_rho;
   s.progress = blocks ? watch_rest : watch_limits;
   s.progress_data = work;
-  return dlsi_admm_create(function, &work->admm, d, nc, &s, &work->room, error);
+  return dlsi_admm_create(&work->admm, d, nc, &s, &work->room, error);
 }
 
 static dls_status create_augmented(dlsi_auto *work, int d, int nc, dls_error *error) {
@@ -468,7 +466,7 @@ static dls_status create_augmented(dlsi_auto *work, int d, int nc, dls_error *er
   s.warm_start = 1;
   s.progress = watch_limits;
   s.progress_data = work;
-  return dlsi_augmented_create(function, &work->augmented, d, nc, &s, &work->room, error);
+  return dlsi_augmented_create(&work->augmented, d, nc, &s, &work->room, error);
 }
 
 static dls_status create_pivoting(dlsi_auto *work, int d, int nc, dls_error *error) {
@@ -497,7 +495,7 @@ dls_status dlsi_auto_create(dlsi_auto **out, int d, int nc, const dls_solver_set
   const size_t n = (size_t)nc;
   dlsi_auto *work = dlsi_alloc(1, sizeof *work + 2 * m * sizeof *work->memory +
                                       n * (2 * sizeof *work->order + sizeof *work->state));
-  if (!work) return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
+  if (!work) return dlsi_no_memory(error);
   memset(work, 0, sizeof *work);
   work->settings = *settings;
   work->r = work->memory;

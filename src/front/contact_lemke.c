@@ -83,19 +83,17 @@ static dls_status create_parts(dlsi_pivoting *work, dls_error *error) {
 
 dls_status dlsi_pivoting_create(dlsi_pivoting **out, int d, int nc,
                                 const dls_solver_settings *settings, dls_error *error) {
-  static const char function[] = "dls_solver_create";
   *out = NULL;
   const int facets = d == 2 ? 2 : settings->facets ? settings->facets : default_facets;
   long long n = (facets + 2) * (long long)nc;
   if (d == 2 && n > most_fallback_rows) n = 3LL * nc; /* no room for the 4-row form */
-  if (n > INT32_MAX / 4)
-    return dlsi_fail(error, DLS_E_SIZE, function, "nc", -1, nc, "is too large");
+  if (n > INT32_MAX / 4) return dlsi_fail(error, DLS_E_SIZE, "nc", -1, nc, "is too large");
   dlsi_arena arena = {0};
   (void)carve(&arena, d, nc, (int)n);
   arena.size = arena.used;
   arena.used = 0;
   arena.base = arena.failed ? NULL : dlsi_alloc(arena.size, 1);
-  if (!arena.base) return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
+  if (!arena.base) return dlsi_no_memory(error);
   dlsi_pivoting *work = carve(&arena, d, nc, (int)n);
   work->settings = *settings;
   work->facets = facets;

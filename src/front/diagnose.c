@@ -64,9 +64,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "linear/blas.h"
-#include "delassus/diagnose.h"
 #include "base/base.h"
+#include "delassus/diagnose.h"
+#include "linear/blas.h"
 
 static void count(dls_flaw *flaw, int index) {
   if (flaw->count++ == 0) flaw->first = index;
@@ -395,11 +395,12 @@ static dls_status look_at_spectrum(const dls_contact *problem, const double *sca
 
 dls_status dls_contact_diagnose(const dls_contact *problem, int limit, dls_diagnosis *diagnosis,
                                 dls_error *error) {
-  dls_status status = dlsi_check_contact(__func__, problem, error);
-  if (status) return status;
+  dls_status status = dlsi_check_contact(problem, error);
+  if (status) return dlsi_at(__func__, status, error);
   if (limit < 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "limit", -1, limit, "is %d", limit);
-  if (!diagnosis) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "diagnosis", -1, 0, "is NULL");
+    return dlsi_at(__func__, dlsi_fail(error, DLS_E_ARGUMENT, "limit", -1, limit, "is %d", limit),
+                   error);
+  if (!diagnosis) return dlsi_at(__func__, dlsi_is_null(error, "diagnosis"), error);
   const dls_flaw none = {0, -1};
   dls_diagnosis g = {.row = -1,
                      .col = -1,
@@ -414,7 +415,7 @@ dls_status dls_contact_diagnose(const dls_contact *problem, int limit, dls_diagn
                      .critical = -1,
                      .wedged = none};
   double *scale = dlsi_alloc((size_t)problem->nc, sizeof *scale);
-  if (!scale) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  if (!scale) return dlsi_at(__func__, dlsi_no_memory(error), error);
   dlsi_contact_weights(problem, scale);
   for (int c = 0; c < problem->nc; c++)
     scale[c] = 1 / sqrt(scale[c]);
@@ -425,7 +426,7 @@ dls_status dls_contact_diagnose(const dls_contact *problem, int limit, dls_diagn
   status = look_at_symmetry(problem, scale, &g);
   if (!status && m <= limit) status = look_at_spectrum(problem, scale, &g);
   free(scale);
-  if (status) return dlsi_fail(error, status, __func__, "", -1, 0, "out of memory");
+  if (status) return dlsi_at(__func__, dlsi_fail(error, status, "", -1, 0, "out of memory"), error);
   *diagnosis = g;
   return DLS_OK;
 }

@@ -71,33 +71,31 @@ void dls_solver_settings_init(dls_solver_settings *settings) {
   settings->tol = 1e-8;
 }
 
-static dls_status check_settings(const char *function, const dls_solver_settings *s,
-                                 dls_error *error) {
-  if (!s) return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings", -1, 0, "is NULL");
+static dls_status check_settings(const dls_solver_settings *s, dls_error *error) {
+  if (!s) return dlsi_is_null(error, "settings");
   if (s->size != sizeof *s)
-    return dlsi_fail(error, DLS_E_SETTINGS, function, "settings", -1, 0,
+    return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, 0,
                      "must be filled by dls_solver_settings_init first");
   if (!dls_method_name(s->method))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings.method", -1, s->method,
-                     "%d is no method", (int)s->method);
+    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.method", -1, s->method, "%d is no method",
+                     (int)s->method);
   if (!(s->tol >= 0 && isfinite(s->tol)))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings.tol", -1, s->tol,
+    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.tol", -1, s->tol,
                      "must be finite and not negative");
   if (s->max_iterations < 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings.max_iterations", -1,
-                     s->max_iterations, "is negative");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.max_iterations", -1, s->max_iterations,
+                     "is negative");
   if (s->facets && (s->facets < 4 || s->facets > DLS_FACETS_MAX || s->facets % 2))
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings.facets", -1, s->facets,
+    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.facets", -1, s->facets,
                      "is %d, must be even, 4 to %d, or 0", s->facets, DLS_FACETS_MAX);
   if (s->acceleration && s->method != DLS_NLGS)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings.acceleration", -1, s->acceleration,
+    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.acceleration", -1, s->acceleration,
                      "is for nlgs");
   if (s->positive_definite != 0 && s->positive_definite != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings.positive_definite", -1,
-                     s->positive_definite, "must be 0 or 1");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.positive_definite", -1, s->positive_definite,
+                     "must be 0 or 1");
   if (s->blocks < 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, function, "settings.blocks", -1, s->blocks,
-                     "is negative");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.blocks", -1, s->blocks, "is negative");
   return DLS_OK;
 }
 
@@ -180,16 +178,13 @@ static dls_status create_method(dls_solver *solver, int complete, dls_error *err
 
 dls_status dls_solver_create(dls_solver **out, int d, int nc, const dls_solver_settings *settings,
                              dls_error *error) {
-  if (!out) return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "out", -1, 0, "is NULL");
+  if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
   *out = NULL;
-  dls_status status = check_settings(__func__, settings, error);
-  if (status) return status;
-  if (d != 2 && d != 3)
-    return dlsi_fail(error, DLS_E_ARGUMENT, __func__, "d", -1, d, "is %d, must be 2 or 3", d);
-  if (nc < 1 || nc > INT32_MAX / d)
-    return dlsi_fail(error, DLS_E_SIZE, __func__, "nc", -1, nc, "is %d", nc);
+  dls_status status = check_settings(settings, error);
+  if (!status) status = dlsi_check_sizes(d, nc, error);
+  if (status) return dlsi_at(__func__, status, error);
   dls_solver *solver = dlsi_alloc(1, sizeof *solver);
-  if (!solver) return dlsi_fail(error, DLS_E_MEMORY, __func__, "", -1, 0, "out of memory");
+  if (!solver) return dlsi_at(__func__, dlsi_no_memory(error), error);
   memset(solver, 0, sizeof *solver);
   solver->settings = *settings;
   solver->d = d;
@@ -197,7 +192,7 @@ dls_status dls_solver_create(dls_solver **out, int d, int nc, const dls_solver_s
   status = create_method(solver, 1, error);
   if (status) {
     dls_solver_destroy(solver);
-    return status;
+    return dlsi_at(__func__, status, error);
   }
   *out = solver;
   return DLS_OK;
@@ -330,11 +325,10 @@ static DLSI_NOINLINE dls_status solve(dls_solver *solver, const dls_contact *pro
 static DLSI_NOINLINE dls_status check_and_solve(dls_solver *solver, const dls_contact *problem,
                                                 double *r, double *u, dls_info *info,
                                                 dls_error *error) {
-  static const char function[] = "dls_solver_solve";
-  if (!solver) return dlsi_fail(error, DLS_E_ARGUMENT, function, "solver", -1, 0, "is NULL");
-  if (!problem) return dlsi_check_contact(function, NULL, error);
-  const dls_status status = dlsi_check_solve(function, solver->d, solver->nc, problem, r,
-                                             solver->settings.warm_start, error);
+  if (!solver) return dlsi_is_null(error, "solver");
+  if (!problem) return dlsi_check_contact(NULL, error);
+  const dls_status status =
+      dlsi_check_solve(solver->d, solver->nc, problem, r, solver->settings.warm_start, error);
   return status ? status : solve(solver, problem, r, u, info, error);
 }
 
@@ -344,8 +338,8 @@ dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, doub
   if (!solver || !problem || !r || solver->settings.method != DLS_AUTO ||
       solver->settings.warm_start || problem->d != solver->d || problem->nc > solver->nc ||
       !is_sound(problem, &pressed))
-    return check_and_solve(solver, problem, r, u, info, error);
-  if (pressed) return solve(solver, problem, r, u, info, error);
+    return dlsi_at(__func__, check_and_solve(solver, problem, r, u, info, error), error);
+  if (pressed) return dlsi_at(__func__, solve(solver, problem, r, u, info, error), error);
   answer_free(problem, r, u, info);
   solver->runaway = 0;
   return DLS_OK;
@@ -375,16 +369,15 @@ void dls_solver_destroy(dls_solver *solver) {
 dls_status dls_solve(const dls_contact *problem, const dls_solver_settings *settings, double *r,
                      double *u, dls_info *info, dls_error *error) {
   int pressed;
-  if (!problem) return dlsi_check_contact(__func__, NULL, error);
-  dls_status status =
-      is_sound(problem, &pressed) ? DLS_OK : dlsi_check_contact(__func__, problem, error);
-  if (!status && settings) status = check_settings(__func__, settings, error);
-  if (status) return status;
+  if (!problem) return dlsi_at(__func__, dlsi_check_contact(NULL, error), error);
+  dls_status status = is_sound(problem, &pressed) ? DLS_OK : dlsi_check_contact(problem, error);
+  if (!status && settings) status = check_settings(settings, error);
+  if (status) return dlsi_at(__func__, status, error);
   dls_solver_settings s;
   if (!settings) dls_solver_settings_init(&s);
   const dls_solver_settings *given = settings ? settings : &s;
-  status = dlsi_check_start(__func__, problem, r, given->warm_start, error);
-  if (status) return status;
+  status = dlsi_check_start(problem, r, given->warm_start, error);
+  if (status) return dlsi_at(__func__, status, error);
   if (answer(given, problem, r, u, info)) return DLS_OK;
   if (settings) s = *settings;
   s.blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : 0;
@@ -392,5 +385,5 @@ dls_status dls_solve(const dls_contact *problem, const dls_solver_settings *sett
   status = create_method(&solver, 0, error);
   if (!status) status = solve_by_method(&solver, problem, r, u, info, error);
   destroy_method(&solver);
-  return status;
+  return dlsi_at(__func__, status, error);
 }

@@ -1,6 +1,6 @@
 /* cholesky.c: what Newton's method and ADMM share where W is symmetric and dense: A = L L^T. */
-#include "linear/blas.h"
 #include "linear/dense.h"
+#include "linear/blas.h"
 
 /* Tiles keep both triangles in the cache. */
 int dlsi_is_symmetric(const double *A, size_t n) {

@@ -166,8 +166,8 @@ static int dissect(idx_t count, idx_t *x, idx_t *adjacent, idx_t *weight, idx_t 
   return answer;
 }
 
-dls_status dlsi_dissection(const char *function, int n, size_t entries, const int *row,
-                           const int *col, int *order, dls_error *error) {
+dls_status dlsi_dissection(int n, size_t entries, const int *row, const int *col, int *order,
+                           dls_error *error) {
   const size_t N = (size_t)n, I = sizeof(idx_t);
   graph g = {.n = n};
   idx_t *const room = dlsi_alloc(5 * N, I);
@@ -198,6 +198,6 @@ dls_status dlsi_dissection(const char *function, int n, size_t entries, const in
   free(g.start);
   free(room);
   if (answer == METIS_OK) return DLS_OK;
-  return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, answer,
+  return dlsi_fail(error, DLS_E_MEMORY, "", -1, answer,
                    "out of memory in the ordering, METIS's code %d", answer);
 }

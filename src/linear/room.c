@@ -6,25 +6,19 @@
 #include "linear/room.h"
 #include "linear/sparse_lu.h"
 
-static dls_status no_memory(const char *function, dls_error *error) {
-  return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
-}
-
-dls_status dlsi_room_dense(const char *function, dlsi_room *room, size_t side, dls_error *error) {
+dls_status dlsi_room_dense(dlsi_room *room, size_t side, dls_error *error) {
   if (side <= room->side) return DLS_OK;
   free(room->J);
   room->J = side > SIZE_MAX / side ? NULL : dlsi_alloc(side * side, sizeof *room->J);
   room->side = room->J ? side : 0;
-  return room->J ? DLS_OK : no_memory(function, error);
+  return room->J ? DLS_OK : dlsi_no_memory(error);
 }
 
-dls_status dlsi_room_sparse(const char *function, dlsi_room *room, int d, int nc, int blocks,
-                            dls_error *error) {
+dls_status dlsi_room_sparse(dlsi_room *room, int d, int nc, int blocks, dls_error *error) {
   const size_t D = (size_t)d, entries = D * D * (size_t)blocks + D * (size_t)nc;
-  if (entries > INT_MAX)
-    return dlsi_fail(error, DLS_E_SIZE, function, "blocks", -1, blocks, "are too many");
+  if (entries > INT_MAX) return dlsi_fail(error, DLS_E_SIZE, "blocks", -1, blocks, "are too many");
   if (!room->lu) {
-    const dls_status status = dlsi_sparse_lu_create(function, &room->lu, error);
+    const dls_status status = dlsi_sparse_lu_create(&room->lu, error);
     if (status) return status;
   }
   if (entries > room->entries) {
@@ -33,9 +27,9 @@ dls_status dlsi_room_sparse(const char *function, dlsi_room *room, int d, int nc
     room->i = dlsi_alloc(entries, sizeof *room->i);
     room->v = dlsi_alloc(entries, sizeof *room->v);
     room->entries = room->i && room->v ? entries : 0;
-    if (!room->entries) return no_memory(function, error);
+    if (!room->entries) return dlsi_no_memory(error);
   }
-  return dlsi_sparse_lu_reserve(function, room->lu, entries, error);
+  return dlsi_sparse_lu_reserve(room->lu, entries, error);
 }
 
 void dlsi_room_free(dlsi_room *room) {

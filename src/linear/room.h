@@ -17,9 +17,8 @@ typedef struct dlsi_room {
 
 /* At least this room: for side x side, or W of so many d x d blocks and a diagonal. What was in there is
  * lost. DLS_E_MEMORY, DLS_E_SIZE, without MUMPS DLS_E_UNSUPPORTED. */
-dls_status dlsi_room_dense(const char *function, dlsi_room *room, size_t side, dls_error *error);
-dls_status dlsi_room_sparse(const char *function, dlsi_room *room, int d, int nc, int blocks,
-                            dls_error *error);
+dls_status dlsi_room_dense(dlsi_room *room, size_t side, dls_error *error);
+dls_status dlsi_room_sparse(dlsi_room *room, int d, int nc, int blocks, dls_error *error);
 
 /* its memory, not itself */
 void dlsi_room_free(dlsi_room *room);

@@ -29,11 +29,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/base.h"
 #include "linear/blas.h"
 #include "linear/dissection.h"
-#include "base/base.h"
-#include "linear/mumps.h"
 #include "linear/equilibrate.h"
+#include "linear/mumps.h"
 
 enum { whole_solve = 0, condense = 1, expand = 2 }; /* ICNTL(26) */
 enum { schur_lower = 2, schur_full = 3 };           /* ICNTL(19), by columns */
@@ -62,17 +62,13 @@ int dlsi_schur_available(void) {
   return 1;
 }
 
-static dls_status no_memory(const char *function, dls_error *error) {
-  return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
-}
-
 /* A code of MUMPS as a status. */
-static dls_status mumps_failed(const dlsi_schur *s, const char *function, dls_error *error) {
+static dls_status mumps_failed(const dlsi_schur *s, dls_error *error) {
   const int info = s->mumps.INFOG(1);
   if (info == singular || info == singular_structure)
-    return dlsi_fail(error, DLS_E_SINGULAR, function, "Ks", -1, 0, "singular: a pivot of 0");
-  return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, info,
-                   "out of memory in MUMPS, its codes %d, %d", info, s->mumps.INFOG(2));
+    return dlsi_fail(error, DLS_E_SINGULAR, "Ks", -1, 0, "singular: a pivot of 0");
+  return dlsi_fail(error, DLS_E_MEMORY, "", -1, info, "out of memory in MUMPS, its codes %d, %d",
+                   info, s->mumps.INFOG(2));
 }
 
 /* ---- create ---------------------------------------------------------------------------------- */
@@ -103,7 +99,7 @@ static void keep_last(dlsi_schur *s, int *room) {
     if (s->order[room[k]] == 0) s->order[room[k]] = ++turn;
 }
 
-static dls_status reserve(dlsi_schur *s, const char *function, size_t entries, dls_error *error) {
+static dls_status reserve(dlsi_schur *s, size_t entries, dls_error *error) {
   const size_t n = (size_t)s->n, b = (size_t)s->count;
   s->row = dlsi_alloc(entries, sizeof *s->row);
   s->col = dlsi_alloc(entries, sizeof *s->col);
@@ -114,7 +110,7 @@ static dls_status reserve(dlsi_schur *s, const char *function, size_t entries, d
   s->C = dlsi_alloc(n, sizeof *s->C);
   s->pivot = dlsi_alloc(b, sizeof *s->pivot);
   const int got = s->row && s->col && s->x && s->order && s->keep && s->R && s->C && s->pivot;
-  return got ? DLS_OK : no_memory(function, error);
+  return got ? DLS_OK : dlsi_no_memory(error);
 }
 
 static void take_pattern(dlsi_schur *s, const dls_sparse *Ks, const int *keep) {
@@ -129,12 +125,11 @@ static void take_pattern(dlsi_schur *s, const dls_sparse *Ks, const int *keep) {
     s->keep[k] = keep[k] + 1;
 }
 
-static dls_status order_unknowns(dlsi_schur *s, const char *function, dls_error *error) {
-  dls_status status =
-      dlsi_dissection(function, s->n, (size_t)s->mumps.nnz, s->row, s->col, s->order, error);
+static dls_status order_unknowns(dlsi_schur *s, dls_error *error) {
+  dls_status status = dlsi_dissection(s->n, (size_t)s->mumps.nnz, s->row, s->col, s->order, error);
   if (status) return status;
   int *room = dlsi_alloc((size_t)s->n, sizeof *room);
-  if (!room) return no_memory(function, error);
+  if (!room) return dlsi_no_memory(error);
   keep_last(s, room);
   free(room);
   return DLS_OK;
@@ -159,12 +154,12 @@ static void set_up(dlsi_schur *s) {
   M->schur_lld = s->count;
 }
 
-dls_status dlsi_schur_create(dlsi_schur **out, const char *function, const dls_sparse *Ks,
+dls_status dlsi_schur_create(dlsi_schur **out, const dls_sparse *Ks,
                              dls_factorization factorization, int count, const int *keep,
                              dls_error *error) {
   *out = NULL;
   dlsi_schur *s = dlsi_alloc(1, sizeof *s);
-  if (!s) return no_memory(function, error);
+  if (!s) return dlsi_no_memory(error);
   memset(s, 0, sizeof *s);
   s->factorization = factorization;
   s->n = Ks->cols;
@@ -172,17 +167,16 @@ dls_status dlsi_schur_create(dlsi_schur **out, const char *function, const dls_s
   const int sym = factorization == DLS_CHOLESKY ? 1 : factorization == DLS_LDLT ? 2 : 0;
   if (!dlsi_mumps_start(&s->mumps, sym)) {
     free(s);
-    return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "MUMPS does not start");
+    return dlsi_fail(error, DLS_E_MEMORY, "", -1, 0, "MUMPS does not start");
   }
   s->mumps.nnz = (MUMPS_INT8)count_entries(s, Ks);
-  dls_status status = reserve(s, function, (size_t)s->mumps.nnz, error);
+  dls_status status = reserve(s, (size_t)s->mumps.nnz, error);
   if (!status) {
     take_pattern(s, Ks, keep);
     set_up(s);
-    status = order_unknowns(s, function, error);
+    status = order_unknowns(s, error);
   }
-  if (!status && dlsi_mumps_run(&s->mumps, analyse) < 0)
-    status = mumps_failed(s, function, error); /* (C2) */
+  if (!status && dlsi_mumps_run(&s->mumps, analyse) < 0) status = mumps_failed(s, error); /* (C2) */
   if (status)
     dlsi_schur_destroy(s);
   else
@@ -205,20 +199,19 @@ void dlsi_schur_estimate(const dlsi_schur *s, double *factor_bytes, double *byte
 
 /* ---- factor ---------------------------------------------------------------------------------- */
 
-dls_status dlsi_schur_same(const dlsi_schur *s, const char *function, const dls_sparse *Ks,
-                           dls_error *error) {
+dls_status dlsi_schur_same(const dlsi_schur *s, const dls_sparse *Ks, dls_error *error) {
   size_t at = 0;
   const size_t entries = (size_t)s->mumps.nnz;
   for (int j = 0; j < s->n; j++)
     for (int k = Ks->p[j]; k < Ks->p[j + 1]; k++) {
       if (symmetric(s) && Ks->i[k] < j) continue;
       if (at == entries || s->row[at] != Ks->i[k] + 1 || s->col[at] != j + 1)
-        return dlsi_fail(error, DLS_E_ARGUMENT, function, "Ks", k, Ks->i[k],
+        return dlsi_fail(error, DLS_E_ARGUMENT, "Ks", k, Ks->i[k],
                          "the pattern is not the one of create");
       at++;
     }
   if (at == entries) return DLS_OK;
-  return dlsi_fail(error, DLS_E_ARGUMENT, function, "Ks", -1, (double)at,
+  return dlsi_fail(error, DLS_E_ARGUMENT, "Ks", -1, (double)at,
                    "the pattern is not the one of create");
 }
 
@@ -230,8 +223,7 @@ static void take_values(dlsi_schur *s, const dls_sparse *Ks) {
 }
 
 /* (F1): x := entries of A, those of Ks at first; norm := |A|_1; room (2 n) */
-static dls_status scale(dlsi_schur *s, const char *function, const dls_sparse *Ks, double *room,
-                        dls_error *error) {
+static dls_status scale(dlsi_schur *s, const dls_sparse *Ks, double *room, dls_error *error) {
   dlsi_find_scales(Ks, symmetric(s), s->R, s->C, room);
   memset(room, 0, (size_t)s->n * sizeof *room);
   for (MUMPS_INT8 k = 0; k < s->mumps.nnz; k++) {
@@ -242,17 +234,17 @@ static dls_status scale(dlsi_schur *s, const char *function, const dls_sparse *K
   }
   s->norm = dlsi_max_abs(room, (size_t)s->n);
   if (s->norm <= DBL_MAX) return DLS_OK; /* false for NaN */
-  return dlsi_fail(error, DLS_E_NOT_FINITE, function, "Ks", -1, s->norm, "overflow");
+  return dlsi_fail(error, DLS_E_NOT_FINITE, "Ks", -1, s->norm, "overflow");
 }
 
 /* (F2) */
-static dls_status eliminate(dlsi_schur *s, const char *function, dls_error *error) {
+static dls_status eliminate(dlsi_schur *s, dls_error *error) {
   s->mumps.schur = s->S;
   const int info = dlsi_mumps_factor(&s->mumps);
-  if (info < 0) return mumps_failed(s, function, error);
+  if (info < 0) return mumps_failed(s, error);
   const int negative = s->mumps.INFOG(12);
   if (s->factorization == DLS_CHOLESKY && negative > 0)
-    return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, function, "Ks", -1, negative,
+    return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, "Ks", -1, negative,
                      "not positive definite: %d negative pivots", negative);
   return DLS_OK;
 }
@@ -268,8 +260,7 @@ static void mirror(double *A, size_t n) {
 }
 
 /* (F3); copy (count x count): room for a symmetric S that may be indefinite, else NULL */
-static dls_status factor_dense(dlsi_schur *s, const char *function, double *copy,
-                               dls_error *error) {
+static dls_status factor_dense(dlsi_schur *s, double *copy, dls_error *error) {
   const int b = s->count;
   const size_t entries = (size_t)b * (size_t)b;
   int info = 0;
@@ -283,7 +274,7 @@ static dls_status factor_dense(dlsi_schur *s, const char *function, double *copy
     if (!copy) {
       const int unknown = s->keep[info - 1] - 1;
       const double pivot = s->S[(size_t)(info - 1) * ((size_t)b + 1)];
-      return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, function, "Ks", unknown, pivot,
+      return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, "Ks", unknown, pivot,
                        "not positive definite: pivot %.3g (scaled)", pivot);
     }
     memcpy(s->S, copy, entries * sizeof *copy);
@@ -291,20 +282,18 @@ static dls_status factor_dense(dlsi_schur *s, const char *function, double *copy
   }
   dgetrf_(&b, &b, s->S, &b, s->pivot, &info);
   if (info == 0) return DLS_OK;
-  return dlsi_fail(error, DLS_E_SINGULAR, function, "Ks", s->keep[info - 1] - 1, 0,
-                   "singular: a pivot of 0");
+  return dlsi_fail(error, DLS_E_SINGULAR, "Ks", s->keep[info - 1] - 1, 0, "singular: a pivot of 0");
 }
 
 /* reduced (count x nrhs) := the values of A^-1 X on c. X is on loan to MUMPS until `expand`. */
-static dls_status solve_kept(dlsi_schur *s, const char *function, double *X, int nrhs,
-                             dls_error *error) {
+static dls_status solve_kept(dlsi_schur *s, double *X, int nrhs, dls_error *error) {
   const int b = s->count;
   const size_t room = (size_t)b * (size_t)nrhs;
   if (room > s->reduced_room) {
     free(s->reduced);
     s->reduced = dlsi_alloc(room, sizeof *s->reduced);
     s->reduced_room = s->reduced ? room : 0;
-    if (!s->reduced) return no_memory(function, error);
+    if (!s->reduced) return dlsi_no_memory(error);
   }
   s->mumps.rhs = X;
   s->mumps.nrhs = nrhs;
@@ -312,7 +301,7 @@ static dls_status solve_kept(dlsi_schur *s, const char *function, double *X, int
   s->mumps.redrhs = s->reduced;
   s->mumps.lredrhs = b;
   s->mumps.ICNTL(26) = condense;
-  if (dlsi_mumps_run(&s->mumps, solve) < 0) return mumps_failed(s, function, error);
+  if (dlsi_mumps_run(&s->mumps, solve) < 0) return mumps_failed(s, error);
   int unused;
   if (s->definite)
     dpotrs_("L", &b, &nrhs, s->S, &b, s->reduced, &b, &unused, 1);
@@ -322,17 +311,16 @@ static dls_status solve_kept(dlsi_schur *s, const char *function, double *X, int
 }
 
 /* X (n x nrhs) := A^-1 X */
-static dls_status solve_scaled(dlsi_schur *s, const char *function, double *X, int nrhs,
-                               dls_error *error) {
+static dls_status solve_scaled(dlsi_schur *s, double *X, int nrhs, dls_error *error) {
   if (s->count > 0) {
-    const dls_status status = solve_kept(s, function, X, nrhs, error);
+    const dls_status status = solve_kept(s, X, nrhs, error);
     if (status) return status;
   }
   s->mumps.rhs = X;
   s->mumps.nrhs = nrhs;
   s->mumps.lrhs = s->n;
   s->mumps.ICNTL(26) = s->count > 0 ? expand : whole_solve;
-  return dlsi_mumps_run(&s->mumps, solve) < 0 ? mumps_failed(s, function, error) : DLS_OK;
+  return dlsi_mumps_run(&s->mumps, solve) < 0 ? mumps_failed(s, error) : DLS_OK;
 }
 
 /* (F4): the vectors v; the same each time */
@@ -356,13 +344,12 @@ static double backward_error(const dlsi_schur *s, const double *x, double *v) {
 }
 
 /* (F4); room (2 probes n) */
-static dls_status estimate_inverse(dlsi_schur *s, const char *function, double *room,
-                                   dls_error *error) {
+static dls_status estimate_inverse(dlsi_schur *s, double *room, dls_error *error) {
   const size_t n = (size_t)s->n;
   double *x = room, *v = room + probes * n;
   make_probes(x, probes * n);
   make_probes(v, probes * n);
-  const dls_status status = solve_scaled(s, function, x, probes, error);
+  const dls_status status = solve_scaled(s, x, probes, error);
   if (status) return status;
   s->inverse_norm = dlsi_norm2(x, probes * n) / sqrt(probes);
   s->error = 0;
@@ -374,12 +361,11 @@ static dls_status estimate_inverse(dlsi_schur *s, const char *function, double *
   size_t worst = 0;
   for (size_t i = 1; i < n; i++)
     if (fabs(x[i]) > fabs(x[worst])) worst = i;
-  return dlsi_fail(error, DLS_E_SINGULAR, function, "Ks", (long long)worst, dlsi_schur_rcond(s),
+  return dlsi_fail(error, DLS_E_SINGULAR, "Ks", (long long)worst, dlsi_schur_rcond(s),
                    "singular: condition %.3g (scaled)", 1 / dlsi_schur_rcond(s));
 }
 
-dls_status dlsi_schur_factor(dlsi_schur *s, const char *function, const dls_sparse *Ks,
-                             dls_error *error) {
+dls_status dlsi_schur_factor(dlsi_schur *s, const dls_sparse *Ks, dls_error *error) {
   const size_t n = (size_t)s->n, b = (size_t)s->count;
   const int copied = s->factorization == DLS_LDLT;
   double *room = dlsi_alloc(2 * probes * n, sizeof *room);
@@ -388,12 +374,12 @@ dls_status dlsi_schur_factor(dlsi_schur *s, const char *function, const dls_spar
   dls_status status;
   if (room && s->S && (copy || !copied)) {
     take_values(s, Ks);
-    status = scale(s, function, Ks, room, error);
-    if (!status) status = eliminate(s, function, error);
-    if (!status) status = factor_dense(s, function, copy, error);
-    if (!status) status = estimate_inverse(s, function, room, error);
+    status = scale(s, Ks, room, error);
+    if (!status) status = eliminate(s, error);
+    if (!status) status = factor_dense(s, copy, error);
+    if (!status) status = estimate_inverse(s, room, error);
   } else
-    status = no_memory(function, error);
+    status = dlsi_no_memory(error);
   free(copy);
   free(room);
   return status;
@@ -415,25 +401,22 @@ static void scale_rows(const double *diagonal, size_t n, double *X, int nrhs) {
       X[i + (size_t)j * n] *= diagonal[i];
 }
 
-dls_status dlsi_schur_solve(dlsi_schur *s, const char *function, double *X, int nrhs,
-                            dls_error *error) {
+dls_status dlsi_schur_solve(dlsi_schur *s, double *X, int nrhs, dls_error *error) {
   scale_rows(s->R, (size_t)s->n, X, nrhs);
-  const dls_status status = solve_scaled(s, function, X, nrhs, error);
+  const dls_status status = solve_scaled(s, X, nrhs, error);
   if (!status) scale_rows(s->C, (size_t)s->n, X, nrhs);
   return status;
 }
 
-dls_status dlsi_schur_kept(dlsi_schur *s, const char *function, double *x, double *z,
-                           dls_error *error) {
+dls_status dlsi_schur_kept(dlsi_schur *s, double *x, double *z, dls_error *error) {
   scale_rows(s->R, (size_t)s->n, x, 1);
-  const dls_status status = solve_kept(s, function, x, 1, error);
+  const dls_status status = solve_kept(s, x, 1, error);
   for (int k = 0; !status && k < s->count; k++)
     z[k] = s->C[s->keep[k] - 1] * s->reduced[k];
   return status;
 }
 
-dls_status dlsi_schur_inverse(const dlsi_schur *s, const char *function, double *Z,
-                              dls_error *error) {
+dls_status dlsi_schur_inverse(const dlsi_schur *s, double *Z, dls_error *error) {
   const int b = s->count;
   const size_t n = (size_t)b;
   int info;
@@ -446,7 +429,7 @@ dls_status dlsi_schur_inverse(const dlsi_schur *s, const char *function, double 
     dgetri_(&b, Z, &b, s->pivot, &best, &ask, &info);
     const int size = (int)best;
     double *work = dlsi_alloc((size_t)size, sizeof *work);
-    if (!work) return no_memory(function, error);
+    if (!work) return dlsi_no_memory(error);
     dgetri_(&b, Z, &b, s->pivot, work, &size, &info);
     free(work);
   }

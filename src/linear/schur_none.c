@@ -6,11 +6,11 @@ int dlsi_schur_available(void) {
   return 0;
 }
 
-static dls_status unsupported(const char *function, dls_error *error) {
-  return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "", -1, 0, "this build has no MUMPS");
+static dls_status unsupported(dls_error *error) {
+  return dlsi_fail(error, DLS_E_UNSUPPORTED, "", -1, 0, "this build has no MUMPS");
 }
 
-dls_status dlsi_schur_create(dlsi_schur **out, const char *function, const dls_sparse *Ks,
+dls_status dlsi_schur_create(dlsi_schur **out, const dls_sparse *Ks,
                              dls_factorization factorization, int count, const int *keep,
                              dls_error *error) {
   (void)Ks;
@@ -18,7 +18,7 @@ dls_status dlsi_schur_create(dlsi_schur **out, const char *function, const dls_s
   (void)count;
   (void)keep;
   *out = NULL;
-  return unsupported(function, error);
+  return unsupported(error);
 }
 
 void dlsi_schur_estimate(const dlsi_schur *schur, double *factor_bytes, double *bytes,
@@ -27,41 +27,36 @@ void dlsi_schur_estimate(const dlsi_schur *schur, double *factor_bytes, double *
   *factor_bytes = *bytes = *flops = 0;
 }
 
-dls_status dlsi_schur_same(const dlsi_schur *schur, const char *function, const dls_sparse *Ks,
-                           dls_error *error) {
+dls_status dlsi_schur_same(const dlsi_schur *schur, const dls_sparse *Ks, dls_error *error) {
   (void)schur;
   (void)Ks;
-  return unsupported(function, error);
+  return unsupported(error);
 }
 
-dls_status dlsi_schur_factor(dlsi_schur *schur, const char *function, const dls_sparse *Ks,
-                             dls_error *error) {
+dls_status dlsi_schur_factor(dlsi_schur *schur, const dls_sparse *Ks, dls_error *error) {
   (void)schur;
   (void)Ks;
-  return unsupported(function, error);
+  return unsupported(error);
 }
 
-dls_status dlsi_schur_solve(dlsi_schur *schur, const char *function, double *X, int nrhs,
-                            dls_error *error) {
+dls_status dlsi_schur_solve(dlsi_schur *schur, double *X, int nrhs, dls_error *error) {
   (void)schur;
   (void)X;
   (void)nrhs;
-  return unsupported(function, error);
+  return unsupported(error);
 }
 
-dls_status dlsi_schur_kept(dlsi_schur *schur, const char *function, double *x, double *z,
-                           dls_error *error) {
+dls_status dlsi_schur_kept(dlsi_schur *schur, double *x, double *z, dls_error *error) {
   (void)schur;
   (void)x;
   (void)z;
-  return unsupported(function, error);
+  return unsupported(error);
 }
 
-dls_status dlsi_schur_inverse(const dlsi_schur *schur, const char *function, double *Z,
-                              dls_error *error) {
+dls_status dlsi_schur_inverse(const dlsi_schur *schur, double *Z, dls_error *error) {
   (void)schur;
   (void)Z;
-  return unsupported(function, error);
+  return unsupported(error);
 }
 
 double dlsi_schur_error(const dlsi_schur *schur) {

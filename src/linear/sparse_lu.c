@@ -19,22 +19,21 @@ struct dlsi_sparse_lu {
   int analysed;
 };
 
-dls_status dlsi_sparse_lu_create(const char *function, dlsi_sparse_lu **out, dls_error *error) {
+dls_status dlsi_sparse_lu_create(dlsi_sparse_lu **out, dls_error *error) {
   *out = NULL;
   dlsi_sparse_lu *lu = dlsi_alloc(1, sizeof *lu);
-  if (!lu) return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
+  if (!lu) return dlsi_no_memory(error);
   memset(lu, 0, sizeof *lu);
   if (!dlsi_mumps_start(&lu->mumps, 0)) {
     free(lu);
-    return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "MUMPS does not start");
+    return dlsi_fail(error, DLS_E_MEMORY, "", -1, 0, "MUMPS does not start");
   }
   lu->mumps.ICNTL(7) = 0; /* approximate minimum degree: others draw random numbers */
   *out = lu;
   return DLS_OK;
 }
 
-dls_status dlsi_sparse_lu_reserve(const char *function, dlsi_sparse_lu *lu, size_t entries,
-                                  dls_error *error) {
+dls_status dlsi_sparse_lu_reserve(dlsi_sparse_lu *lu, size_t entries, dls_error *error) {
   if (entries <= lu->room) return DLS_OK;
   free(lu->row);
   free(lu->col);
@@ -45,7 +44,7 @@ dls_status dlsi_sparse_lu_reserve(const char *function, dlsi_sparse_lu *lu, size
   const int got = lu->row && lu->col && lu->x;
   lu->room = got ? entries : 0;
   lu->analysed = 0;
-  return got ? DLS_OK : dlsi_fail(error, DLS_E_MEMORY, function, "", -1, 0, "out of memory");
+  return got ? DLS_OK : dlsi_no_memory(error);
 }
 
 /* Takes over the entries of A; returns 1 if the pattern is the one that was analysed last. */
@@ -66,29 +65,25 @@ static int take_over(dlsi_sparse_lu *lu, const dls_sparse *A) {
   return same;
 }
 
-dls_status dlsi_sparse_lu_factor(const char *function, dlsi_sparse_lu *lu, const dls_sparse *A,
-                                 dls_error *error) {
+dls_status dlsi_sparse_lu_factor(dlsi_sparse_lu *lu, const dls_sparse *A, dls_error *error) {
   int info = 0;
   if (!take_over(lu, A)) info = dlsi_mumps_run(&lu->mumps, analyse);
   lu->analysed = info >= 0;
   if (info >= 0) info = dlsi_mumps_factor(&lu->mumps);
   if (info >= 0) return DLS_OK;
   if (info == singular || info == singular_structure)
-    return dlsi_fail(error, DLS_E_SINGULAR, function, "", -1, 0, "a matrix is singular");
-  return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, info,
-                   "out of memory in MUMPS, its code %d", info);
+    return dlsi_fail(error, DLS_E_SINGULAR, "", -1, 0, "a matrix is singular");
+  return dlsi_fail(error, DLS_E_MEMORY, "", -1, info, "out of memory in MUMPS, its code %d", info);
 }
 
-dls_status dlsi_sparse_lu_solve(const char *function, dlsi_sparse_lu *lu, double *x,
-                                dls_error *error) {
+dls_status dlsi_sparse_lu_solve(dlsi_sparse_lu *lu, double *x, dls_error *error) {
   lu->mumps.rhs = x;
   lu->mumps.nrhs = 1;
   lu->mumps.lrhs = lu->mumps.n;
   const int info = dlsi_mumps_run(&lu->mumps, solve);
   lu->mumps.rhs = NULL;
   if (info >= 0) return DLS_OK;
-  return dlsi_fail(error, DLS_E_MEMORY, function, "", -1, info,
-                   "out of memory in MUMPS, its code %d", info);
+  return dlsi_fail(error, DLS_E_MEMORY, "", -1, info, "out of memory in MUMPS, its code %d", info);
 }
 
 void dlsi_sparse_lu_destroy(dlsi_sparse_lu *lu) {

@@ -14,20 +14,17 @@ typedef struct dlsi_sparse_lu dlsi_sparse_lu;
 
 /* Errors of all of these are reported on behalf of `function`. *out = NULL on error:
  * DLS_E_UNSUPPORTED, DLS_E_MEMORY. */
-dls_status dlsi_sparse_lu_create(const char *function, dlsi_sparse_lu **out, dls_error *error);
+dls_status dlsi_sparse_lu_create(dlsi_sparse_lu **out, dls_error *error);
 
 /* Room for matrices with up to so many entries. DLS_E_MEMORY. */
-dls_status dlsi_sparse_lu_reserve(const char *function, dlsi_sparse_lu *lu, size_t entries,
-                                  dls_error *error);
+dls_status dlsi_sparse_lu_reserve(dlsi_sparse_lu *lu, size_t entries, dls_error *error);
 
 /* A (square, not empty, entries <= reserved) = L U; the matrix may change in size and pattern from
  * call to call, the analysis being done anew when it does. DLS_E_SINGULAR, DLS_E_MEMORY. */
-dls_status dlsi_sparse_lu_factor(const char *function, dlsi_sparse_lu *lu, const dls_sparse *A,
-                                 dls_error *error);
+dls_status dlsi_sparse_lu_factor(dlsi_sparse_lu *lu, const dls_sparse *A, dls_error *error);
 
 /* x := A^-1 x, for the A of the last factor, which must have succeeded. DLS_E_MEMORY. */
-dls_status dlsi_sparse_lu_solve(const char *function, dlsi_sparse_lu *lu, double *x,
-                                dls_error *error);
+dls_status dlsi_sparse_lu_solve(dlsi_sparse_lu *lu, double *x, dls_error *error);
 
 /* NULL is fine. */
 void dlsi_sparse_lu_destroy(dlsi_sparse_lu *lu);

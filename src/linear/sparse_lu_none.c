@@ -2,34 +2,31 @@
 #include "base/base.h"
 #include "linear/sparse_lu.h"
 
-static dls_status unsupported(const char *function, dls_error *error) {
-  return dlsi_fail(error, DLS_E_UNSUPPORTED, function, "", -1, 0, "this build has no MUMPS");
+static dls_status unsupported(dls_error *error) {
+  return dlsi_fail(error, DLS_E_UNSUPPORTED, "", -1, 0, "this build has no MUMPS");
 }
 
-dls_status dlsi_sparse_lu_create(const char *function, dlsi_sparse_lu **out, dls_error *error) {
+dls_status dlsi_sparse_lu_create(dlsi_sparse_lu **out, dls_error *error) {
   *out = NULL;
-  return unsupported(function, error);
+  return unsupported(error);
 }
 
-dls_status dlsi_sparse_lu_reserve(const char *function, dlsi_sparse_lu *lu, size_t entries,
-                                  dls_error *error) {
+dls_status dlsi_sparse_lu_reserve(dlsi_sparse_lu *lu, size_t entries, dls_error *error) {
   (void)lu;
   (void)entries;
-  return unsupported(function, error);
+  return unsupported(error);
 }
 
-dls_status dlsi_sparse_lu_factor(const char *function, dlsi_sparse_lu *lu, const dls_sparse *A,
-                                 dls_error *error) {
+dls_status dlsi_sparse_lu_factor(dlsi_sparse_lu *lu, const dls_sparse *A, dls_error *error) {
   (void)lu;
   (void)A;
-  return unsupported(function, error);
+  return unsupported(error);
 }
 
-dls_status dlsi_sparse_lu_solve(const char *function, dlsi_sparse_lu *lu, double *x,
-                                dls_error *error) {
+dls_status dlsi_sparse_lu_solve(dlsi_sparse_lu *lu, double *x, dls_error *error) {
   (void)lu;
   (void)x;
-  return unsupported(function, error);
+  return unsupported(error);
 }
 
 void dlsi_sparse_lu_destroy(dlsi_sparse_lu *lu) {
