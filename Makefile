@@ -59,11 +59,11 @@ WITH_MUMPS := $(addprefix src/linear/,sparse_lu.c schur.c dissection.c)
 LIB_SRC := $(filter-out $(if $(MUMPS_LIBS),$(NO_MUMPS),$(WITH_MUMPS)),$(LIB_SRC))
 FE_SRC := $(wildcard src/fe/*.c)
 CLI_SRC := $(wildcard src/cli/*.c)
-TEST_SRC := $(wildcard tests/test_*.c)
+TEST_SRC := $(wildcard tests/*/test_*.c)
 EXAMPLE_SRC := $(wildcard examples/*.c)
 HEADERS := $(wildcard include/*.h include/delassus/*.h)
-ALL_C = $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(wildcard tests/*.c) $(EXAMPLE_SRC) $(wildcard bench/*.c)
-ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h tests/*.h bench/*.h)
+ALL_C = $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(wildcard tests/*/*.c) $(EXAMPLE_SRC) $(wildcard bench/*.c)
+ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h tests/*/*.h bench/*.h)
 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 LIB_OBJ := $(call obj,$(LIB_SRC))
@@ -137,9 +137,9 @@ $(BUILD)/examples/%: examples/%.c $(FE) $(A)
 
 # ---- tests --------------------------------------------------------------------------------------
 
-# what test programs share: the files of tests/ that are not test_*.c
-TEST_HELPERS := $(call obj,$(filter-out tests/test_%,$(wildcard tests/*.c)))
-# malloc and calloc of our own code go through the wrappers of tests/malloc_fails.c
+# what test programs share
+TEST_HELPERS := $(call obj,$(wildcard tests/shared/*.c))
+# malloc and calloc of our own code go through the wrappers of tests/shared/malloc_fails.c
 WRAP = -Wl,--wrap=malloc -Wl,--wrap=calloc -Wl,--wrap=realloc
 
 $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(TEST_HELPERS) $(FE) $(A)
@@ -147,11 +147,9 @@ $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(TEST_HELPERS) $(FE) $(A)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS) $(LIBS)
 
-$(TESTS:$(BUILD)/tests/%=$(BUILD)/obj/tests/%.o): CPPFLAGS += -DTEST_DATA='"data"'
+$(call obj,$(TEST_SRC)) $(TEST_HELPERS): CPPFLAGS += -Itests/shared -DTEST_DATA='"data"' -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0)
 # test_files makes broken FCLIB files with HDF5 itself
-$(BUILD)/obj/tests/test_files.o: CPPFLAGS += $(HDF5_CFLAGS)
-
-$(foreach t,newton augmented admm solve reduction reduction_sparse,$(BUILD)/obj/tests/test_$(t).o): CPPFLAGS += -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0)
+$(BUILD)/obj/tests/files/test_files.o: CPPFLAGS += $(HDF5_CFLAGS)
 
 .PHONY: check
 check: deps

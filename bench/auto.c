@@ -146,10 +146,10 @@ static void compare(const dls_contact *p, double tol, result *all) {
     dls_solver_settings s;
     dls_solver_settings_init(&s);
     s.method = method_of[k];
-    s.tol = tol;
-    s.blocks = p->Wb.x ? p->Wb.p[p->nc] : 0;
+    s.limits.tol = tol;
+    s.limits.blocks = p->Wb.x ? p->Wb.p[p->nc] : 0;
     if (k == 1) s.acceleration = DLS_ACCELERATION_ANDERSON;
-    if (k < 2) s.max_iterations = most_sweeps;
+    if (k < 2) s.limits.max_iterations = most_sweeps;
     all[k] = (result){.seconds = INFINITY};
     if (!r || dls_solver_create(&solver[k], p->d, p->nc, &s, NULL)) exit(1);
   }
@@ -252,12 +252,12 @@ static double iteration(const dls_contact *p, dls_method method, int accelerated
   dls_solver *solver;
   dls_solver_settings_init(&s);
   s.method = method;
-  s.tol = 1e-14;
-  s.blocks = p->Wb.x ? p->Wb.p[p->nc] : 0;
+  s.limits.tol = 1e-14;
+  s.limits.blocks = p->Wb.x ? p->Wb.p[p->nc] : 0;
   if (accelerated) s.acceleration = DLS_ACCELERATION_ANDERSON;
-  if (method == DLS_NLGS) s.max_iterations = 60;
-  s.progress = tick;
-  s.progress_data = &t;
+  if (method == DLS_NLGS) s.limits.max_iterations = 60;
+  s.limits.progress = tick;
+  s.limits.progress_data = &t;
   if (dls_solver_create(&solver, p->d, p->nc, &s, NULL)) exit(1);
   for (int run = 0; run < 2; run++) {
     t.count = 0;

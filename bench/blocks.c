@@ -17,9 +17,9 @@
 #include <string.h>
 #include <time.h>
 
-#include "linear/blas.h"
-#include "delassus/nlgs.h"
 #include "base/base.h"
+#include "delassus/nlgs.h"
+#include "linear/blas.h"
 
 enum { least_rounds = 9, most_rounds = 401, most_things = 6, few = 8, many = 24 };
 /* s. A turn of one thing; before it calls that do not count, because a processor may take half a
@@ -98,8 +98,8 @@ static void stream(work *w) {
 static void solve(work *w, int sweeps) {
   dls_nlgs_settings s;
   dls_nlgs_settings_init(&s);
-  s.tol = 0;
-  s.max_iterations = sweeps;
+  s.limits.tol = 0;
+  s.limits.max_iterations = sweeps;
   dls_nlgs *nlgs;
   dls_error error;
   must(dls_nlgs_create(&nlgs, w->problem.d, w->problem.nc, &s, &error), &error);

@@ -111,9 +111,10 @@ static void own_solve(const void *how, const scene *s, double tol, int calls, do
   dls_solver_settings_init(&settings);
   dls_method_find(w->method, &settings.method);
   dls_acceleration_find(w->acceleration, &settings.acceleration);
-  settings.tol = tol;
-  settings.blocks = s->contact.W.a ? 0 : s->contact.Wb.p[s->contact.nc];
-  if (settings.method == DLS_NLGS) settings.max_iterations = 100000000; /* the CPU limit ends it */
+  settings.limits.tol = tol;
+  settings.limits.blocks = s->contact.W.a ? 0 : s->contact.Wb.p[s->contact.nc];
+  if (settings.method == DLS_NLGS)
+    settings.limits.max_iterations = 100000000; /* the CPU limit ends it */
   const double start = cpu_seconds();
   dls_status status = dls_solver_create(&solver, s->contact.d, s->contact.nc, &settings, NULL);
   const double created = cpu_seconds();

@@ -122,10 +122,8 @@ struct dls_lemke {
 
 void dls_lemke_settings_init(dls_lemke_settings *settings) {
   if (!settings) return;
-  memset(settings, 0, sizeof *settings);
-  settings->size = sizeof *settings;
-  settings->tol = 1e-8;
-  settings->crash = 1;
+  *settings = (dls_lemke_settings){.size = sizeof *settings, .crash = 1};
+  dlsi_limits_init(&settings->limits);
 }
 
 /* A column length that is no multiple of 512 doubles: a row of T then falls on all cache sets. */
@@ -188,6 +186,18 @@ static void carve(dls_lemke *w, dlsi_arena *arena) {
     *indices[l] = ints + l * n;
 }
 
+static dls_status check_settings(const dls_lemke_settings *s, int n, dls_error *error) {
+  const dlsi_setting own[] = {{"crash", s->crash, 0, 1, 0}};
+  const dls_status status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 1, own, error);
+  if (status || !s->cover) return status;
+  const dls_status finite = dlsi_check_vector("cover", s->cover, (size_t)n, error);
+  if (finite) return finite;
+  for (int i = 0; i < n; i++)
+    if (!(s->cover[i] > 0))
+      return dlsi_fail(error, DLS_E_ARGUMENT, "cover", i, s->cover[i], "must be positive");
+  return DLS_OK;
+}
+
 dls_status dls_lemke_create(dls_lemke **out, int n, const dls_lemke_settings *settings,
                             dls_error *error) {
   if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
@@ -197,40 +207,8 @@ dls_status dls_lemke_create(dls_lemke **out, int n, const dls_lemke_settings *se
   dls_lemke_settings defaults;
   dls_lemke_settings_init(&defaults);
   if (!settings) settings = &defaults;
-  if (settings->size != sizeof *settings)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)settings->size,
-                             "not filled by dls_lemke_settings_init"),
-                   error);
-  if (!(settings->tol >= 0) || !isfinite(settings->tol))
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_ARGUMENT, "tol", -1, settings->tol,
-                             "must be finite and not negative"),
-                   error);
-  if (settings->max_iterations < 0)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_ARGUMENT, "max_iterations", -1, settings->max_iterations,
-                             "is negative"),
-                   error);
-  if (settings->warm_start != 0 && settings->warm_start != 1)
-    return dlsi_at(
-        __func__,
-        dlsi_fail(error, DLS_E_ARGUMENT, "warm_start", -1, settings->warm_start, "must be 0 or 1"),
-        error);
-  if (settings->crash != 0 && settings->crash != 1)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_ARGUMENT, "crash", -1, settings->crash, "must be 0 or 1"),
-                   error);
-  if (settings->cover) {
-    const dls_status status = dlsi_check_vector("cover", settings->cover, (size_t)n, error);
-    if (status) return dlsi_at(__func__, status, error);
-    for (int i = 0; i < n; i++)
-      if (!(settings->cover[i] > 0))
-        return dlsi_at(
-            __func__,
-            dlsi_fail(error, DLS_E_ARGUMENT, "cover", i, settings->cover[i], "must be positive"),
-            error);
-  }
+  const dls_status status = check_settings(settings, n, error);
+  if (status) return dlsi_at(__func__, status, error);
 
   dls_lemke sizes = {.n = n, .settings = *settings};
   dlsi_arena arena = {0};
@@ -239,8 +217,7 @@ dls_status dls_lemke_create(dls_lemke **out, int n, const dls_lemke_settings *se
     return dlsi_at(__func__, dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is too large"), error);
   const size_t head = (sizeof sizes + 63) / 64 * 64; /* the arena starts after the struct */
   char *memory = arena.used > (size_t)-1 - head - 63 ? NULL : dlsi_alloc(head + arena.used + 63, 1);
-  if (!memory)
-    return dlsi_at(__func__, dlsi_fail(error, DLS_E_MEMORY, "", -1, n, "out of memory"), error);
+  if (!memory) return dlsi_at(__func__, dlsi_no_memory(error), error);
   dls_lemke *w = (dls_lemke *)(void *)memory;
   *w = sizes;
   arena = (dlsi_arena){.base = memory + head, .size = arena.used};
@@ -571,7 +548,8 @@ typedef enum path_end { path_solved, path_ray, path_limit, path_cancelled, path_
 
 static int report(const dls_lemke *w, int max_pivots, double residual) {
   const dls_progress progress = {"lemke", w->pivots, max_pivots, residual};
-  return w->settings.progress && w->settings.progress(w->settings.progress_data, &progress);
+  return w->settings.limits.progress &&
+         w->settings.limits.progress(w->settings.limits.progress_data, &progress);
 }
 
 /* The residual with z0 > 0 is about that of y - d z0 where y - d z0 < 0. */
@@ -710,7 +688,8 @@ static int accept_ray(dls_lemke *w, const dls_lcp *lcp, int entering) {
 
 /* What tiny.c finds, z >= 0, if it has a certificate that leaves nothing to refine. */
 static int solve_tiny(dls_lemke *w, const dls_lcp *lcp, int limit) {
-  if (lcp->n > dlsi_tiny_size || !w->settings.crash || w->settings.warm_start || w->given) return 0;
+  if (lcp->n > dlsi_tiny_size || !w->settings.crash || w->settings.limits.warm_start || w->given)
+    return 0;
   if (!dlsi_lcp_tiny(lcp, limit, w->z, &w->crash.rounds)) return 0;
   dlsi_lcp_multiply(lcp, lcp->q, w->z, w->best_y, w->magnitude);
   dlsi_lcp_measure(lcp, w->z, w->best_y, w->magnitude, w->weight, &w->best);
@@ -751,7 +730,8 @@ static dls_status solve(dls_lemke *w, const dls_lcp *lcp, const double *warm, in
     ++*starts;
     if (end == path_ray && warm) continue; /* a ray of another cover than the user's */
     if (end == path_ray && accept_ray(w, lcp, entering)) {
-      if (dls_lcp_certificate_holds(&w->best, w->settings.tol)) break; /* z0 was as good as 0 */
+      if (dls_lcp_certificate_holds(&w->best, w->settings.limits.tol))
+        break; /* z0 was as good as 0 */
       if (w->proved) return DLS_NO_SOLUTION;
       if (w->given || ++cover == covers) return DLS_RAY;
       continue;
@@ -761,11 +741,12 @@ static dls_status solve(dls_lemke *w, const dls_lcp *lcp, const double *warm, in
     if (end == path_limit || end == path_cancelled) {
       read_values(&w->table, w->table.b, -1, w->x);
       offer(w, lcp, w->x);
-      if (dls_lcp_certificate_holds(&w->best, w->settings.tol)) return DLS_OK;
+      if (dls_lcp_certificate_holds(&w->best, w->settings.limits.tol)) return DLS_OK;
       return end == path_limit ? DLS_MAX_ITERATIONS : DLS_CANCELLED;
     }
     if (warm) continue;
-    if (strict) return dls_lcp_certificate_holds(&w->best, w->settings.tol) ? DLS_OK : DLS_STALLED;
+    if (strict)
+      return dls_lcp_certificate_holds(&w->best, w->settings.limits.tol) ? DLS_OK : DLS_STALLED;
     strict = 1;
   }
   w->solved_n = w->proved = 0;
@@ -783,23 +764,23 @@ dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, 
         dlsi_fail(error, DLS_E_SIZE, "n", -1, lcp->n, "is more than %d of create", workspace->n),
         error);
   if (!z) return dlsi_at(__func__, dlsi_is_null(error, "z"), error);
-  if (workspace->settings.warm_start) {
+  if (workspace->settings.limits.warm_start) {
     status = dlsi_check_vector("z", z, (size_t)lcp->n, error);
     if (status) return dlsi_at(__func__, status, error);
   }
 
   dls_lemke *w = workspace;
   const size_t n = (size_t)lcp->n;
-  const int limit = w->settings.max_iterations       ? w->settings.max_iterations
-                    : lcp->n < (INT_MAX - 1000) / 50 ? 50 * lcp->n + 1000
-                                                     : INT_MAX;
+  const int limit = w->settings.limits.max_iterations ? w->settings.limits.max_iterations
+                    : lcp->n < (INT_MAX - 1000) / 50  ? 50 * lcp->n + 1000
+                                                      : INT_MAX;
   w->pivots = w->refreshes = w->crash.rounds = w->solved_n = w->proved = 0;
   int starts = 0;
   dlsi_lcp_weights(lcp, w->weight);
   if (!solve_tiny(w, lcp, limit)) {
     offer_zero(w, lcp);
     if (w->best.negative_y > 0)
-      status = solve(w, lcp, w->settings.warm_start ? z : NULL, limit, &starts);
+      status = solve(w, lcp, w->settings.limits.warm_start ? z : NULL, limit, &starts);
   }
   memcpy(z, w->z, n * sizeof *z);
   if (y) memcpy(y, w->best_y, n * sizeof *y);

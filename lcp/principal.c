@@ -34,6 +34,7 @@
  * What can fail: M_AA singular (a hyperstatic W), reported; M no P-matrix, max_iterations.
  */
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,8 +43,6 @@
 #include "delassus/pivoting.h"
 #include "lcp_internal.h"
 #include "linear/blas.h"
-
-static const size_t cookie = sizeof(dls_principal_settings);
 
 struct dls_principal {
   dls_principal_settings settings;
@@ -68,26 +67,13 @@ struct dls_principal {
 
 void dls_principal_settings_init(dls_principal_settings *settings) {
   if (!settings) return;
-  *settings = (dls_principal_settings){.size = cookie, .tol = 1e-8, .block_steps = 10};
+  *settings = (dls_principal_settings){.size = sizeof *settings, .block_steps = 10};
+  dlsi_limits_init(&settings->limits);
 }
 
 static dls_status check_settings(const dls_principal_settings *s, dls_error *error) {
-  if (!s) return dlsi_is_null(error, "settings");
-  if (s->size != cookie)
-    return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, 0,
-                     "call dls_principal_settings_init first");
-  if (!(s->tol >= 0 && s->tol <= DBL_MAX))
-    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.tol", -1, s->tol, "must be finite and >= 0");
-  if (s->max_iterations < 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.max_iterations", -1, s->max_iterations,
-                     "is negative");
-  if (s->block_steps < 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.block_steps", -1, s->block_steps,
-                     "is negative");
-  if (s->warm_start != 0 && s->warm_start != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.warm_start", -1, s->warm_start,
-                     "must be 0 or 1");
-  return DLS_OK;
+  const dlsi_setting own[] = {{"block_steps", s->block_steps, 0, INT_MAX, 0}};
+  return dlsi_check_settings(&s->limits, s->size, sizeof *s, 1, own, error);
 }
 
 /* The workspace and its arrays, one after the other; *w is a copy of the head with the pointers. */
@@ -120,6 +106,9 @@ dls_status dls_principal_create(dls_principal **out, int n, const dls_principal_
   if (n < 1)
     return dlsi_at(__func__,
                    dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d, must be at least 1", n), error);
+  dls_principal_settings defaults;
+  dls_principal_settings_init(&defaults);
+  if (!settings) settings = &defaults;
   const dls_status status = check_settings(settings, error);
   if (status) return dlsi_at(__func__, status, error);
   dlsi_arena arena = {0};
@@ -261,16 +250,16 @@ static void exchange(dls_principal *w, int n, int all) {
 /* ---- the iteration --------------------------------------------------------------------------- */
 
 static int cancelled(const dls_principal *w, int iteration, int limit, double residual) {
-  if (!w->settings.progress) return 0;
+  if (!w->settings.limits.progress) return 0;
   const dls_progress p = {
       .method = "principal", .iteration = iteration, .max_iterations = limit, .residual = residual};
-  return w->settings.progress(w->settings.progress_data, &p) != 0;
+  return w->settings.limits.progress(w->settings.limits.progress_data, &p) != 0;
 }
 
 static dls_status iterate(dls_principal *w, const dls_lcp *lcp, dls_principal_info *info) {
   const dls_principal_settings *set = &w->settings;
   const int n = lcp->n;
-  const int limit = set->max_iterations ? set->max_iterations : 10 * n + 1000;
+  const int limit = set->limits.max_iterations ? set->limits.max_iterations : 10 * n + 1000;
   int fewest = n + 1, chances = 0;
   double residual, least = INFINITY;
   for (;;) {
@@ -306,7 +295,7 @@ dls_status dls_principal_solve(dls_principal *workspace, const dls_lcp *lcp, dou
         __func__, dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is more than the workspace's %d", w->n),
         error);
   if (!z) return dlsi_at(__func__, dlsi_is_null(error, "z"), error);
-  if (w->settings.warm_start) {
+  if (w->settings.limits.warm_start) {
     status = dlsi_check_vector("z", z, (size_t)n, error);
     if (status) return dlsi_at(__func__, status, error);
   }
@@ -315,7 +304,7 @@ dls_status dls_principal_solve(dls_principal *workspace, const dls_lcp *lcp, dou
   scale(w, lcp);
   dlsi_lcp_weights(lcp, w->s);
   for (int i = 0; i < n; i++)
-    w->in[i] = w->settings.warm_start && z[i] > 0;
+    w->in[i] = w->settings.limits.warm_start && z[i] > 0;
   memset(w->best, 0, (size_t)n * sizeof *w->best);
 
   status = iterate(w, lcp, &result);
@@ -324,7 +313,7 @@ dls_status dls_principal_solve(dls_principal *workspace, const dls_lcp *lcp, dou
   dlsi_lcp_multiply(lcp, lcp->q, z, w->y, w->a);
   dlsi_lcp_measure(lcp, z, w->y, w->a, w->s, &result.certificate);
   if (y) memcpy(y, w->y, (size_t)n * sizeof *y);
-  const int holds = dls_lcp_certificate_holds(&result.certificate, w->settings.tol);
+  const int holds = dls_lcp_certificate_holds(&result.certificate, w->settings.limits.tol);
   if (status == DLS_OK && !holds) status = DLS_STALLED;
   result.status = status;
   if (info) *info = result;

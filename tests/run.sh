@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS=1
 export CK_TIMEOUT_MULTIPLIER=5 # a busy machine is no failure
 [ -n "$runner" ] && export CK_FORK=no
 
-for program in "$build"/tests/test_*; do
+for program in "$build"/tests/*/test_*; do
   [ -x "$program" ] || continue
   DELASSUS_PROGRAM=$build/delassus $runner "$program"
   if [ $? -eq 0 ]; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "FAILED: $program"; fi

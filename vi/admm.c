@@ -62,7 +62,14 @@
 #include "linear/sparse_lu.h"
 #include "vi_internal.h"
 
-enum { dense_limit = 250, window = 10, first_look = 20, refresh_every = 50, most_doublings = 5 };
+enum {
+  most_iterations = 5000,
+  dense_limit = 250,
+  window = 10,
+  first_look = 20,
+  refresh_every = 50,
+  most_doublings = 5
+};
 
 static const double relaxation = 1.6, growth = 2;
 static const double off = 2.2360679774997896; /* sqrt(5) */
@@ -90,29 +97,13 @@ struct dls_admm {
 
 void dls_admm_settings_init(dls_admm_settings *settings) {
   if (!settings) return;
-  const dls_admm_settings s = {.size = sizeof s,
-                               .tol = 1e-8,
-                               .max_iterations = 5000,
-                               .rho = 1,
-                               .blocks = 0,
-                               .warm_start = 0,
-                               .progress = NULL,
-                               .progress_data = NULL};
-  *settings = s;
+  *settings = (dls_admm_settings){.size = sizeof *settings, .rho = 1};
+  dlsi_limits_init(&settings->limits);
 }
 
 static dls_status check_settings(const dls_admm_settings *s, dls_error *error) {
-  if (!s) return dlsi_is_null(error, "settings");
-  if (s->size != sizeof *s)
-    return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
-                     "not filled by dls_admm_settings_init");
-  const dls_status limits = dlsi_check_limits(s->tol, s->max_iterations, s->warm_start, error);
-  if (limits) return limits;
-  if (!(s->rho > 0 && s->rho <= DBL_MAX))
-    return dlsi_fail(error, DLS_E_ARGUMENT, "rho", -1, s->rho, "must be > 0, finite");
-  if (s->blocks < 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "blocks", -1, s->blocks, "is negative");
-  return DLS_OK;
+  const dlsi_setting own[] = {{"rho", s->rho, 0, INFINITY, 1}};
+  return dlsi_check_settings(&s->limits, s->size, sizeof *s, 1, own, error);
 }
 
 /* the workspace and its arrays but for the matrix, in one piece */
@@ -149,7 +140,7 @@ static dls_status make_room(dls_admm *work, const dls_contact *problem, dls_erro
 /* What W is announced to be. Without MUMPS a solve of many blocks says so, not create. */
 static dls_status announce(dls_admm *work, dls_error *error) {
   const size_t m = (size_t)work->d * (size_t)work->nc;
-  const int blocks = work->settings.blocks;
+  const int blocks = work->settings.limits.blocks;
   if (!blocks || m <= dense_limit) return dlsi_room_dense(work->room, m, error);
   dls_error why;
   const dls_status status = dlsi_room_sparse(work->room, work->d, work->nc, blocks, &why);
@@ -163,6 +154,9 @@ dls_status dlsi_admm_create(dls_admm **out, int d, int nc, const dls_admm_settin
   if (!out) return dlsi_is_null(error, "out");
   *out = NULL;
   dls_status status = dlsi_check_sizes(d, nc, error);
+  dls_admm_settings defaults;
+  dls_admm_settings_init(&defaults);
+  if (!settings) settings = &defaults;
   if (!status) status = check_settings(settings, error);
   if (status) return status;
 
@@ -420,7 +414,7 @@ static void start(dls_admm *work, const dls_contact *problem, double rho) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   for (size_t k = 0; k < m; k++)
     work->v[k] =
-        work->settings.warm_start ? work->best[k] - work->u[k] / (rho * work->w[k / d]) : 0;
+        work->settings.limits.warm_start ? work->best[k] - work->u[k] / (rho * work->w[k / d]) : 0;
   memset(work->z, 0, m * sizeof *work->z);
   dlsi_anderson_clear(&work->history);
 }
@@ -430,13 +424,14 @@ static void start(dls_admm *work, const dls_contact *problem, double rho) {
 static dls_status iterate(dls_admm *work, const dls_contact *problem, double best, int *iterations,
                           int *factorisations, dls_error *error) {
   const dls_admm_settings *settings = &work->settings;
+  const int most = dlsi_most_iterations(&settings->limits, most_iterations);
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const double q = dlsi_norm2(problem->q, m);
   schedule s = {settings->rho, 0.1, INFINITY, first_look};
-  double target = settings->tol, accepted = 0;
+  double target = settings->limits.tol, accepted = 0;
   dls_status status = factor(work, problem, &s.rho, factorisations, error);
   start(work, problem, s.rho);
-  for (int k = 1; !status && k <= settings->max_iterations; k++) {
+  for (int k = 1; !status && k <= most; k++) {
     memcpy(work->before, work->z, m * sizeof *work->z);
     resolvent(problem, work->v, work->z);               /* (D1) */
     status = solve_linear(work, problem, s.rho, error); /* (D2), (D3) */
@@ -446,17 +441,18 @@ static dls_status iterate(dls_admm *work, const dls_contact *problem, double bes
     int solved = 0;
     if (residual <= target || k % refresh_every == 0) {
       const dls_certificate now = measure(work, problem, work->x);
-      solved = dls_certificate_holds(&now, settings->tol);
+      solved = dls_certificate_holds(&now, settings->limits.tol);
       residual = now.residual;
-      target = 4 * now.floor > settings->tol ? 4 * now.floor : settings->tol;
+      target = 4 * now.floor > settings->limits.tol ? 4 * now.floor : settings->limits.tol;
     }
     if (solved || residual < best) {
       best = residual;
       memcpy(work->best, work->x, m * sizeof *work->x);
     }
     if (solved) return DLS_OK;
-    const dls_progress progress = {"admm", k, settings->max_iterations, residual};
-    if (settings->progress && settings->progress(settings->progress_data, &progress))
+    const dls_progress progress = {"admm", k, most, residual};
+    if (settings->limits.progress &&
+        settings->limits.progress(settings->limits.progress_data, &progress))
       return DLS_CANCELLED;
     const double gap = distance(work, problem, work->x, work->z);
     if (!(gap > 0 && gap <= DBL_MAX)) return DLS_STALLED;
@@ -481,7 +477,7 @@ static dls_status run(dls_admm *work, const dls_contact *problem, dls_certificat
     *certificate = measure(work, problem, work->first);
   }
   memcpy(work->best, work->first, m * sizeof *work->best);
-  if (dls_certificate_holds(certificate, work->settings.tol)) return DLS_OK;
+  if (dls_certificate_holds(certificate, work->settings.limits.tol)) return DLS_OK;
   const dls_certificate at_first = *certificate;
   const dls_status status =
       iterate(work, problem, at_first.residual, iterations, factorisations, error);
@@ -492,7 +488,7 @@ static dls_status run(dls_admm *work, const dls_contact *problem, dls_certificat
     memcpy(work->best, work->first, m * sizeof *work->best);
     *certificate = measure(work, problem, work->best);
   }
-  return dls_certificate_holds(certificate, work->settings.tol) ? DLS_OK : status;
+  return dls_certificate_holds(certificate, work->settings.limits.tol) ? DLS_OK : status;
 }
 
 dls_status dlsi_admm_solve(dls_admm *work, const dls_contact *problem, double *r, double *u,
@@ -501,7 +497,7 @@ dls_status dlsi_admm_solve(dls_admm *work, const dls_contact *problem, double *r
   dls_status status = make_room(work, problem, error);
   if (status) return status;
 
-  if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
+  if (!work->settings.limits.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
     memset(work->first, 0, m * sizeof *r);
   else
     memcpy(work->first, r, m * sizeof *r);
@@ -527,7 +523,7 @@ dls_status dls_admm_solve(dls_admm *workspace, const dls_contact *problem, doubl
                           dls_info *info, dls_error *error) {
   if (!workspace) return dlsi_at(__func__, dlsi_is_null(error, "workspace"), error);
   const dls_status status = dlsi_check_solve(workspace->d, workspace->nc, problem, r,
-                                             workspace->settings.warm_start, error);
+                                             workspace->settings.limits.warm_start, error);
   return dlsi_at(__func__, status ? status : dlsi_admm_solve(workspace, problem, r, u, info, error),
                  error);
 }

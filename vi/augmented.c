@@ -62,7 +62,7 @@
 #include "delassus/augmented.h"
 #include "vi_internal.h"
 
-enum { sweeps = 20, patience = 150, escapes_to_believe = 10 };
+enum { most_augmentations = 400, sweeps = 20, patience = 150, escapes_to_believe = 10 };
 
 static const double shrink_at_first = 0.2, shrink = 0.8, grow = 2, smallest = 1e-7, largest = 1e3;
 
@@ -86,17 +86,8 @@ struct dls_augmented {
 
 void dls_augmented_settings_init(dls_augmented_settings *settings) {
   if (!settings) return;
-  const dls_augmented_settings s = {.size = sizeof s,
-                                    .tol = 1e-8,
-                                    .max_iterations = 400,
-                                    .factor = 100,
-                                    .penalty = NULL,
-                                    .adaptive = 1,
-                                    .warm_start = 0,
-                                    .progress = NULL,
-                                    .progress_data = NULL,
-                                    .blocks = 0};
-  *settings = s;
+  *settings = (dls_augmented_settings){.size = sizeof *settings, .factor = 100, .adaptive = 1};
+  dlsi_limits_init(&settings->limits);
 }
 
 /* x > 0 with a reciprocal */
@@ -104,29 +95,21 @@ static int is_penalty(double x) {
   return x > 0 && x <= DBL_MAX && 1 / x <= DBL_MAX;
 }
 
-static dls_status check_settings(const dls_augmented_settings *s, int nc, dls_error *error) {
-  if (!s) return dlsi_is_null(error, "settings");
-  if (s->size != sizeof *s)
-    return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
-                     "not filled by dls_augmented_settings_init");
-  const dls_status limits = dlsi_check_limits(s->tol, s->max_iterations, s->warm_start, error);
-  if (limits) return limits;
-  if (!is_penalty(s->factor))
-    return dlsi_fail(error, DLS_E_ARGUMENT, "factor", -1, s->factor, "is %g, must be > 0, finite",
-                     s->factor);
-  if (s->adaptive != 0 && s->adaptive != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "adaptive", -1, s->adaptive, "must be 0 or 1");
-  if (s->blocks < 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "blocks", -1, s->blocks, "is %d, must not be negative",
-                     s->blocks);
-  if (!s->penalty) return DLS_OK;
-  const dls_status status = dlsi_check_vector("penalty", s->penalty, (size_t)nc, error);
+static dls_status check_penalty(const double *penalty, int nc, dls_error *error) {
+  const dls_status status = dlsi_check_vector("penalty", penalty, (size_t)nc, error);
   if (status) return status;
   for (int c = 0; c < nc; c++)
-    if (!is_penalty(s->penalty[c]))
-      return dlsi_fail(error, DLS_E_ARGUMENT, "penalty", c, s->penalty[c], "is %g, must be > 0",
-                       s->penalty[c]);
+    if (!is_penalty(penalty[c]))
+      return dlsi_fail(error, DLS_E_ARGUMENT, "penalty", c, penalty[c], "is %g, must be > 0",
+                       penalty[c]);
   return DLS_OK;
+}
+
+static dls_status check_settings(const dls_augmented_settings *s, int nc, dls_error *error) {
+  const dlsi_setting own[] = {{"factor", s->factor, 1 / DBL_MAX, DBL_MAX, 0},
+                              {"adaptive", s->adaptive, 0, 1, 0}};
+  const dls_status status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 2, own, error);
+  return status || !s->penalty ? status : check_penalty(s->penalty, nc, error);
 }
 
 /* the workspace and all its arrays, in one piece */
@@ -153,8 +136,8 @@ static dls_status create_newton(dls_newton **out, int d, int nc, int blocks, dls
   dls_newton_settings s;
   dls_newton_settings_init(&s);
   s.sweeps = sweeps;
-  s.warm_start = 1;
-  s.blocks = blocks;
+  s.limits.warm_start = 1;
+  s.limits.blocks = blocks;
   return dlsi_newton_create(out, d, nc, &s, room, error);
 }
 
@@ -164,11 +147,14 @@ dls_status dlsi_augmented_create(dls_augmented **out, int d, int nc,
   if (!out) return dlsi_is_null(error, "out");
   *out = NULL;
   dls_status status = dlsi_check_sizes(d, nc, error);
+  dls_augmented_settings defaults;
+  dls_augmented_settings_init(&defaults);
+  if (!settings) settings = &defaults;
   if (!status) status = check_settings(settings, nc, error);
   if (status) return status;
 
   dls_newton *newton;
-  status = create_newton(&newton, d, nc, settings->blocks, room, error);
+  status = create_newton(&newton, d, nc, settings->limits.blocks, room, error);
   if (status) return status;
   dlsi_arena arena = {0};
   (void)carve(&arena, d, nc); /* smaller than what Newton has got: no overflow */
@@ -273,6 +259,7 @@ static int escapes(const dls_augmented *work, const dls_contact *problem) {
 static dls_status iterate(dls_augmented *work, const dls_contact *problem, dls_info *outcome,
                           dls_error *error) {
   const dls_augmented_settings *settings = &work->settings;
+  const int most = dlsi_most_iterations(&settings->limits, most_augmentations);
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   dls_certificate *best = &outcome->certificate;
   for (int cold = 0; cold < 2; cold++) {
@@ -285,11 +272,11 @@ static dls_status iterate(dls_augmented *work, const dls_contact *problem, dls_i
   double s = 1, residual = best->residual, milestone = residual;
   int failed = 0;               /* some (A2) did */
   int passed = 0, escaping = 0; /* augmentation of the milestone; (A5) that many times running */
-  for (int k = 1; !dls_certificate_holds(best, settings->tol); k++) {
-    if (k > settings->max_iterations) return DLS_MAX_ITERATIONS;
+  for (int k = 1; !dls_certificate_holds(best, settings->limits.tol); k++) {
+    if (k > most) return DLS_MAX_ITERATIONS;
     const double floor = 4 * best->floor;
-    const double wanted = 0.1 * (floor > settings->tol ? floor : settings->tol);
-    const int last = k == settings->max_iterations;
+    const double wanted = 0.1 * (floor > settings->limits.tol ? floor : settings->limits.tol);
+    const int last = k == most;
     const double target = !last && 1e-3 * residual > wanted ? 1e-3 * residual : wanted;
 
     dls_certificate now; /* (A1), (A2) */
@@ -322,15 +309,14 @@ static dls_status iterate(dls_augmented *work, const dls_contact *problem, dls_i
       milestone = best->residual;
       passed = k;
     }
-    if (settings->progress) {
-      const dls_progress progress = {"augmented-lagrangian", k, settings->max_iterations,
-                                     now.residual};
-      if (settings->progress(settings->progress_data, &progress) &&
-          !dls_certificate_holds(best, settings->tol))
+    if (settings->limits.progress) {
+      const dls_progress progress = {"augmented-lagrangian", k, most, now.residual};
+      if (settings->limits.progress(settings->limits.progress_data, &progress) &&
+          !dls_certificate_holds(best, settings->limits.tol))
         return DLS_CANCELLED;
     }
     if ((stuck || k - passed >= patience || escaping >= escapes_to_believe) &&
-        !dls_certificate_holds(best, settings->tol))
+        !dls_certificate_holds(best, settings->limits.tol))
       return DLS_STALLED;
   }
   return DLS_OK;
@@ -340,7 +326,7 @@ dls_status dlsi_augmented_solve(dls_augmented *work, const dls_contact *problem,
                                 double *u, dls_info *info, dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   prepare(work, problem);
-  if (work->settings.warm_start && dlsi_max_abs(problem->q, m) > 0)
+  if (work->settings.limits.warm_start && dlsi_max_abs(problem->q, m) > 0)
     memcpy(work->lambda, r, m * sizeof *r);
   else /* q = 0: r = 0 */
     memset(work->lambda, 0, m * sizeof *r);
@@ -358,7 +344,7 @@ dls_status dls_augmented_solve(dls_augmented *workspace, const dls_contact *prob
                                double *u, dls_info *info, dls_error *error) {
   if (!workspace) return dlsi_at(__func__, dlsi_is_null(error, "workspace"), error);
   const dls_status status = dlsi_check_solve(workspace->d, workspace->nc, problem, r,
-                                             workspace->settings.warm_start, error);
+                                             workspace->settings.limits.warm_start, error);
   return dlsi_at(__func__,
                  status ? status : dlsi_augmented_solve(workspace, problem, r, u, info, error),
                  error);

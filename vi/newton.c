@@ -57,6 +57,7 @@
 #include "delassus/newton.h"
 
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -68,7 +69,7 @@
 #include "linear/sparse_lu.h"
 #include "vi_internal.h"
 
-enum { patience = 12, impatience = 4, memory = 5, halvings = 6 };
+enum { most_steps = 30, patience = 12, impatience = 4, memory = 5, halvings = 6 };
 enum { head_over_rest = 3, head_over_new = 4 };
 enum { dense_limit = 250 }; /* of 50, 150, 250, 400 the fastest on FCLIB files by blocks */
 
@@ -113,38 +114,15 @@ struct dls_newton {
 
 void dls_newton_settings_init(dls_newton_settings *settings) {
   if (!settings) return;
-  const dls_newton_settings s = {.size = sizeof s,
-                                 .tol = 1e-8,
-                                 .max_iterations = 30,
-                                 .sweeps = 20,
-                                 .line_search = 0,
-                                 .regularization = 1e-6,
-                                 .warm_start = 0,
-                                 .progress = NULL,
-                                 .progress_data = NULL,
-                                 .blocks = 0};
-  *settings = s;
+  *settings = (dls_newton_settings){.size = sizeof *settings, .sweeps = 20, .regularization = 1e-6};
+  dlsi_limits_init(&settings->limits);
 }
 
 static dls_status check_settings(const dls_newton_settings *s, dls_error *error) {
-  if (!s) return dlsi_is_null(error, "settings");
-  if (s->size != sizeof *s)
-    return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
-                     "not filled by dls_newton_settings_init");
-  const dls_status limits = dlsi_check_limits(s->tol, s->max_iterations, s->warm_start, error);
-  if (limits) return limits;
-  if (s->sweeps < 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "sweeps", -1, s->sweeps, "is %d, must not be negative",
-                     s->sweeps);
-  if (s->line_search != 0 && s->line_search != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "line_search", -1, s->line_search, "must be 0 or 1");
-  if (!(s->regularization >= 0 && s->regularization < 1))
-    return dlsi_fail(error, DLS_E_ARGUMENT, "regularization", -1, s->regularization,
-                     "is %g, must be inside [0, 1)", s->regularization);
-  if (s->blocks < 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "blocks", -1, s->blocks, "is %d, must not be negative",
-                     s->blocks);
-  return DLS_OK;
+  const dlsi_setting own[] = {{"sweeps", s->sweeps, 0, INT_MAX, 0},
+                              {"line_search", s->line_search, 0, 1, 0},
+                              {"regularization", s->regularization, 0, 1 - DBL_EPSILON, 0}};
+  return dlsi_check_settings(&s->limits, s->size, sizeof *s, 3, own, error);
 }
 
 /* the workspace and its arrays, in one piece */
@@ -178,7 +156,7 @@ static int is_sparse(int nc, int blocks) {
 static dls_status reserve(dls_newton *work, int nc, int blocks, dls_error *error) {
   const size_t m = (size_t)work->d * (size_t)nc;
   work->sparse = 0;
-  const int told = work->settings.blocks;
+  const int told = work->settings.limits.blocks;
   if (blocks && m > dense_limit && (told ? is_sparse(work->nc, told) : is_sparse(nc, blocks))) {
     dls_error why;
     const dls_status status = dlsi_room_sparse(work->room, work->d, nc, blocks, &why);
@@ -197,13 +175,13 @@ static dls_status create_parts(dls_newton *work, dls_error *error) {
   if (settings->sweeps) {
     dls_nlgs_settings s;
     dls_nlgs_settings_init(&s);
-    s.max_iterations = settings->sweeps;
-    s.warm_start = 1;
-    s.progress = settings->progress;
-    s.progress_data = settings->progress_data;
+    s.limits.max_iterations = settings->sweeps;
+    s.limits.warm_start = 1;
+    s.limits.progress = settings->limits.progress;
+    s.limits.progress_data = settings->limits.progress_data;
     if (dls_nlgs_create(&work->nlgs, work->d, work->nc, &s, NULL)) return dlsi_no_memory(error);
   }
-  return reserve(work, work->nc, settings->blocks, error);
+  return reserve(work, work->nc, settings->limits.blocks, error);
 }
 
 dls_status dlsi_newton_create(dls_newton **out, int d, int nc, const dls_newton_settings *settings,
@@ -211,13 +189,16 @@ dls_status dlsi_newton_create(dls_newton **out, int d, int nc, const dls_newton_
   if (!out) return dlsi_is_null(error, "out");
   *out = NULL;
   dls_status status = dlsi_check_sizes(d, nc, error);
+  dls_newton_settings defaults;
+  dls_newton_settings_init(&defaults);
+  if (!settings) settings = &defaults;
   if (!status) status = check_settings(settings, error);
   if (status) return status;
 
   dlsi_arena arena = {0};
   (void)carve(&arena, d, nc);
   const size_t m = (size_t)d * (size_t)nc;
-  if (arena.failed || (!settings->blocks && m > SIZE_MAX / sizeof(double) / m))
+  if (arena.failed || (!settings->limits.blocks && m > SIZE_MAX / sizeof(double) / m))
     return dlsi_fail(error, DLS_E_SIZE, "nc", -1, nc, "is too large");
   arena.size = arena.used;
   arena.used = 0;
@@ -664,10 +645,11 @@ static void keep_best(const dls_newton *work, size_t m, const dls_certificate *n
 static dls_status iterate(dls_newton *work, const dls_contact *problem, dls_certificate now,
                           dls_certificate *best, dlsi_newton_count *count, dls_error *error) {
   const dls_newton_settings *settings = &work->settings;
+  const int most = dlsi_most_iterations(&settings->limits, most_steps);
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   double eps = settings->regularization, halved = now.residual, last[memory] = {0};
   if (settings->line_search) last[0] = merit(work, problem, work->r, work->u);
-  for (int k = 1, since = 0; k <= settings->max_iterations; k++) {
+  for (int k = 1, since = 0; k <= most; k++) {
     const int unknowns = linearise(work, problem); /* (N1) */
     dls_error why = {0};
     dls_status status;
@@ -689,8 +671,9 @@ static dls_status iterate(dls_newton *work, const dls_contact *problem, dls_cert
     count->steps = k;
     keep_best(work, m, &now, best);
     if (dls_certificate_holds(best, work->tol)) return DLS_OK;
-    const dls_progress progress = {"newton", k, settings->max_iterations, now.residual};
-    if (settings->progress && settings->progress(settings->progress_data, &progress))
+    const dls_progress progress = {"newton", k, most, now.residual};
+    if (settings->limits.progress &&
+        settings->limits.progress(settings->limits.progress_data, &progress))
       return DLS_CANCELLED;
     if (now.residual <= halved / 2) {
       halved = now.residual;
@@ -733,7 +716,7 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
   forget_factors(work);
   *count = (dlsi_newton_count){0};
   dlsi_contact_weights(problem, work->w);
-  if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
+  if (!work->settings.limits.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
     memset(work->r, 0, m * sizeof *r);
   else
     memcpy(work->r, r, m * sizeof *r);
@@ -748,8 +731,8 @@ dls_status dlsi_newton_solve(dls_newton *work, const dls_contact *problem, doubl
                              dls_info *info, dls_error *error) {
   dlsi_newton_count count;
   dls_certificate certificate;
-  const dls_status status =
-      dlsi_newton_run(work, problem, NULL, work->settings.tol, r, u, &certificate, &count, error);
+  const dls_status status = dlsi_newton_run(work, problem, NULL, work->settings.limits.tol, r, u,
+                                            &certificate, &count, error);
   if (status >= 0 && info)
     *info = (dls_info){.status = status,
                        .method = DLS_NEWTON,
@@ -764,7 +747,7 @@ dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, d
                             dls_info *info, dls_error *error) {
   if (!workspace) return dlsi_at(__func__, dlsi_is_null(error, "workspace"), error);
   const dls_status status = dlsi_check_solve(workspace->d, workspace->nc, problem, r,
-                                             workspace->settings.warm_start, error);
+                                             workspace->settings.limits.warm_start, error);
   return dlsi_at(__func__,
                  status ? status : dlsi_newton_solve(workspace, problem, r, u, info, error), error);
 }

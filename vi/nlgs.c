@@ -58,7 +58,7 @@
 
 #include "vi_internal.h"
 
-enum { refresh_every = 50, most_window = 100 };
+enum { most_sweeps = 10000, refresh_every = 50, most_window = 100 };
 
 /* (G7) how much worse than the one before an accelerated iterate may be; 2 takes 19335 sweeps where 1.1
  * takes 11758 (Anderson, 1e-8, nine of the files of README.md together) */
@@ -82,36 +82,15 @@ struct dls_nlgs {
 
 void dls_nlgs_settings_init(dls_nlgs_settings *settings) {
   if (!settings) return;
-  const dls_nlgs_settings s = {.size = sizeof s,
-                               .tol = 1e-8,
-                               .max_iterations = 10000,
-                               .relaxation = 1,
-                               .warm_start = 0,
-                               .progress = NULL,
-                               .progress_data = NULL,
-                               .acceleration = DLS_ACCELERATION_NONE,
-                               .window = 10};
-  *settings = s;
+  *settings = (dls_nlgs_settings){.size = sizeof *settings, .relaxation = 1, .window = 10};
+  dlsi_limits_init(&settings->limits);
 }
 
 static dls_status check_settings(const dls_nlgs_settings *s, dls_error *error) {
-  if (!s) return dlsi_is_null(error, "settings");
-  if (s->size != sizeof *s)
-    return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
-                     "not filled by dls_nlgs_settings_init");
-  const dls_status limits = dlsi_check_limits(s->tol, s->max_iterations, s->warm_start, error);
-  if (limits) return limits;
-  if (!(s->relaxation > 0 && s->relaxation < 2))
-    return dlsi_fail(error, DLS_E_ARGUMENT, "relaxation", -1, s->relaxation,
-                     "is %g, must be inside (0, 2)", s->relaxation);
-  if (s->acceleration != DLS_ACCELERATION_NONE && s->acceleration != DLS_ACCELERATION_AITKEN &&
-      s->acceleration != DLS_ACCELERATION_ANDERSON)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "acceleration", -1, s->acceleration,
-                     "%d is no acceleration", (int)s->acceleration);
-  if (s->window < 1 || s->window > most_window)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "window", -1, s->window, "is %d, must be from 1 to %d",
-                     s->window, most_window);
-  return DLS_OK;
+  const dlsi_setting own[] = {{"relaxation", s->relaxation, 0, 2, 1},
+                              {"acceleration", s->acceleration, 0, DLS_ACCELERATION_ANDERSON, 0},
+                              {"window", s->window, 1, most_window, 0}};
+  return dlsi_check_settings(&s->limits, s->size, sizeof *s, 3, own, error);
 }
 
 /* the workspace and all its arrays, in one piece */
@@ -153,6 +132,9 @@ dls_status dls_nlgs_create(dls_nlgs **out, int d, int nc, const dls_nlgs_setting
   if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
   *out = NULL;
   dls_status status = dlsi_check_sizes(d, nc, error);
+  dls_nlgs_settings defaults;
+  dls_nlgs_settings_init(&defaults);
+  if (!settings) settings = &defaults;
   if (!status) status = check_settings(settings, error);
   if (status) return dlsi_at(__func__, status, error);
 
@@ -475,6 +457,7 @@ static void keep_best(const dls_nlgs *work, size_t m, const double *r, double re
 static dls_status iterate(dls_nlgs *work, const dls_contact *problem, double *r,
                           dls_certificate *certificate, int *iterations) {
   const dls_nlgs_settings *settings = &work->settings;
+  const int most = dlsi_most_iterations(&settings->limits, most_sweeps);
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   const double scale = 1 / dlsi_norm2(problem->q, m);
 
@@ -488,7 +471,7 @@ static dls_status iterate(dls_nlgs *work, const dls_contact *problem, double *r,
     residual = certificate->residual;
   }
   keep_best(work, m, r, residual, &best);
-  if (!cold && settings->warm_start && project_start(problem, r)) {
+  if (!cold && settings->limits.warm_start && project_start(problem, r)) {
     *certificate = measure(work, problem, r);
     residual = certificate->residual;
     keep_best(work, m, r, residual, &best);
@@ -501,7 +484,7 @@ static dls_status iterate(dls_nlgs *work, const dls_contact *problem, double *r,
   const int first = work->sweeps.plain + 1; /* of which the acceleration knows */
   if (accelerated) dlsi_anderson_clear(&work->history);
   int changed = 0;
-  for (int k = 1; k <= settings->max_iterations; k++) {
+  for (int k = 1; k <= most; k++) {
     if (accelerated && k == first) memcpy(work->x, r, m * sizeof *r);
     if (accelerated && k > first && changed) {
       accelerate(work, problem, residual, scale, &accepted, r);
@@ -520,8 +503,9 @@ static dls_status iterate(dls_nlgs *work, const dls_contact *problem, double *r,
       target = 4 * certificate->floor > work->tol ? 4 * certificate->floor : work->tol;
     }
     keep_best(work, m, r, residual, &best);
-    const dls_progress progress = {"nlgs", k, settings->max_iterations, residual};
-    if (settings->progress && settings->progress(settings->progress_data, &progress)) {
+    const dls_progress progress = {"nlgs", k, most, residual};
+    if (settings->limits.progress &&
+        settings->limits.progress(settings->limits.progress_data, &progress)) {
       reason = DLS_CANCELLED;
       break;
     }
@@ -574,7 +558,7 @@ dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, dlsi_sweeps
       dlsi_block_3d_set(&work->block_3d[c], W, problem->mu[c]);
   }
   dlsi_contact_complete_weights(problem, work->w);
-  if (!work->settings.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
+  if (!work->settings.limits.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
     memset(r, 0, m * sizeof *r);
   *iterations = 0;
   const dls_status status = iterate(work, problem, r, certificate, iterations);
@@ -587,12 +571,12 @@ dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, doubl
   if (!workspace) return dlsi_at(__func__, dlsi_is_null(error, "workspace"), error);
   dls_nlgs *work = workspace;
   dls_status status =
-      dlsi_check_solve(work->d, work->nc, problem, r, work->settings.warm_start, error);
+      dlsi_check_solve(work->d, work->nc, problem, r, work->settings.limits.warm_start, error);
   if (status) return dlsi_at(__func__, status, error);
   int iterations;
   dls_certificate certificate;
-  status = dlsi_nlgs_run(work, problem, (dlsi_sweeps){0}, work->settings.tol, r, u, &certificate,
-                         &iterations);
+  status = dlsi_nlgs_run(work, problem, (dlsi_sweeps){0}, work->settings.limits.tol, r, u,
+                         &certificate, &iterations);
   if (info) {
     const dls_info outcome = {.status = status,
                               .method = DLS_NLGS,

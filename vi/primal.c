@@ -48,7 +48,7 @@
 #include "delassus/primal.h"
 #include "vi_internal.h"
 
-enum { refresh_every = 50 };
+enum { most_sweeps = 100000, refresh_every = 50 };
 
 struct dls_primal {
   dls_primal_settings settings;
@@ -71,30 +71,14 @@ struct dls_primal {
 
 void dls_primal_settings_init(dls_primal_settings *settings) {
   if (!settings) return;
-  const dls_primal_settings s = {.size = sizeof s,
-                                 .tol = 1e-8,
-                                 .max_iterations = 100000,
-                                 .relaxation = 1,
-                                 .aitken = 1,
-                                 .warm_start = 0,
-                                 .progress = NULL,
-                                 .progress_data = NULL};
-  *settings = s;
+  *settings = (dls_primal_settings){.size = sizeof *settings, .relaxation = 1, .aitken = 1};
+  dlsi_limits_init(&settings->limits);
 }
 
 static dls_status check_settings(const dls_primal_settings *s, dls_error *error) {
-  if (!s) return dlsi_is_null(error, "settings");
-  if (s->size != sizeof *s)
-    return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
-                     "not filled by dls_primal_settings_init");
-  const dls_status limits = dlsi_check_limits(s->tol, s->max_iterations, s->warm_start, error);
-  if (limits) return limits;
-  if (!(s->relaxation > 0 && s->relaxation < 2))
-    return dlsi_fail(error, DLS_E_ARGUMENT, "relaxation", -1, s->relaxation,
-                     "is %g, must be inside (0, 2)", s->relaxation);
-  if (s->aitken != 0 && s->aitken != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "aitken", -1, s->aitken, "must be 0 or 1");
-  return DLS_OK;
+  const dlsi_setting own[] = {{"relaxation", s->relaxation, 0, 2, 1},
+                              {"aitken", s->aitken, 0, 1, 0}};
+  return dlsi_check_settings(&s->limits, s->size, sizeof *s, 2, own, error);
 }
 
 static dls_status check_model(const dls_model *model, dls_error *error) {
@@ -153,6 +137,9 @@ dls_status dls_primal_create(dls_primal **out, const dls_model *model,
                              const dls_primal_settings *settings, dls_error *error) {
   if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
   *out = NULL;
+  dls_primal_settings defaults;
+  dls_primal_settings_init(&defaults);
+  if (!settings) settings = &defaults;
   dls_status status = check_settings(settings, error);
   if (!status) status = check_model(model, error);
   if (status) return dlsi_at(__func__, status, error);
@@ -433,17 +420,18 @@ static int time_for_thresholds(const measure *now, double balance) {
  * as *curvature shows. */
 static dls_status iterate(dls_primal *work, dls_primal_info *info, double *curvature) {
   const dls_primal_settings *settings = &work->settings;
+  const int most = dlsi_most_iterations(&settings->limits, most_sweeps);
   const double load = force_norm(work, work->f, 1);
 
   certify(work, load, info);
-  if (holds(info, settings->tol)) return DLS_OK;
+  if (holds(info, settings->limits.tol)) return DLS_OK;
   (void)set_thresholds(work);
   double best = larger(info->equilibrium, info->laws.residual);
   copy(work, work->best, work->x);
   dls_status reason = DLS_MAX_ITERATIONS;
   int fresh = 1;   /* R carries no rounding of earlier sweeps */
   int history = 0; /* s and step are of the sweep before, with the same b */
-  for (int k = 1; k <= settings->max_iterations; k++) {
+  for (int k = 1; k <= most; k++) {
     copy(work, work->x0, work->x);
     copy(work, work->R0, work->R);
     const int changed = sweep(work); /* (G1), (G2) */
@@ -454,14 +442,14 @@ static dls_status iterate(dls_primal *work, dls_primal_info *info, double *curva
       return DLS_E_NOT_POSITIVE_DEFINITE;
     }
     measure now = estimate(work, load);
-    const double balance = target(settings->tol, info->equilibrium_floor);
-    const double lawful = target(settings->tol, info->laws.floor);
+    const double balance = target(settings->limits.tol, info->equilibrium_floor);
+    const double lawful = target(settings->limits.tol, info->laws.floor);
     const int was_fresh = fresh;
     fresh =
         !changed || (now.equilibrium <= balance && now.laws <= lawful) || k % refresh_every == 0;
     if (fresh) { /* (G5) */
       certify(work, load, info);
-      if (holds(info, settings->tol)) return DLS_OK;
+      if (holds(info, settings->limits.tol)) return DLS_OK;
       now = estimate(work, load);
     }
     const double residual = larger(now.equilibrium, now.laws);
@@ -469,8 +457,9 @@ static dls_status iterate(dls_primal *work, dls_primal_info *info, double *curva
       best = residual;
       copy(work, work->best, work->x);
     }
-    const dls_progress progress = {"gauss-seidel", k, settings->max_iterations, residual};
-    if (settings->progress && settings->progress(settings->progress_data, &progress)) {
+    const dls_progress progress = {"gauss-seidel", k, most, residual};
+    if (settings->limits.progress &&
+        settings->limits.progress(settings->limits.progress_data, &progress)) {
       reason = DLS_CANCELLED;
       break;
     }
@@ -495,7 +484,7 @@ static dls_status iterate(dls_primal *work, dls_primal_info *info, double *curva
   }
   copy(work, work->x, work->best);
   certify(work, load, info);
-  return holds(info, settings->tol) ? DLS_OK : reason;
+  return holds(info, settings->limits.tol) ? DLS_OK : reason;
 }
 
 static dls_status check_input(const dls_primal *work, const double *f, const double *g,
@@ -511,7 +500,7 @@ static dls_status check_input(const dls_primal *work, const double *f, const dou
       return dlsi_fail(error, DLS_E_ARGUMENT, "mu", (long long)c, mu[c], "is negative");
   if (!x) return dlsi_is_null(error, "x");
   if (!r) return dlsi_is_null(error, "r");
-  return work->settings.warm_start ? dlsi_check_vector("x", x, n, error) : DLS_OK;
+  return work->settings.limits.warm_start ? dlsi_check_vector("x", x, n, error) : DLS_OK;
 }
 
 /* Loads, gaps and the start in local frames. */
@@ -530,7 +519,7 @@ static void load_problem(dls_primal *work, const double *f, const double *g, con
     at_rest &= g[2 * c] >= 0;
   }
   at_rest &= dlsi_max_abs(work->f, n) == 0;
-  if (work->settings.warm_start && !at_rest) dlsi_frames_positions(K, x, work->x);
+  if (work->settings.limits.warm_start && !at_rest) dlsi_frames_positions(K, x, work->x);
   for (size_t i = 0; i < n; i++)
     work->x[i] += work->g[i];
   memcpy(work->mu, mu, nodes * sizeof *mu);

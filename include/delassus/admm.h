@@ -26,16 +26,11 @@
 extern "C" {
 #endif
 
-/* Fill by dls_admm_settings_init, then change what you like. */
+/* Fill by dls_admm_settings_init, then change what you like; NULL in their place: the defaults. */
 typedef struct dls_admm_settings {
-  size_t size;        /* set by init; settings without it are refused */
-  double tol;         /* on the certificate's residual; >= 0; 1e-8 */
-  int max_iterations; /* >= 1; 5000 */
-  double rho;         /* at first; then 1e-4 .. 100 as it goes; > 0, finite; no unit; 1 */
-  int blocks; /* create makes room for: 0: W dense; > 0: W by blocks, up to so many of them; 0 */
-  int warm_start;           /* 0: start from r = 0; 1: from r as passed in; 0 */
-  dls_progress_fn progress; /* NULL for none; called after each iteration */
-  void *progress_data;
+  dls_limits limits; /* max_iterations: iterations; the method's own limit: 5000 */
+  size_t size;       /* set by init; settings without it are refused */
+  double rho;        /* at first; then 1e-4 .. 100 as it goes; > 0, finite; no unit; 1 */
 } dls_admm_settings;
 
 DLS_API void dls_admm_settings_init(dls_admm_settings *settings);

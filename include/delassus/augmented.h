@@ -20,21 +20,17 @@
 extern "C" {
 #endif
 
-/* Fill by dls_augmented_settings_init, then change what you like. */
+/* Fill by dls_augmented_settings_init, then change what you like; NULL in their place: the defaults. */
 typedef struct dls_augmented_settings {
+  dls_limits limits;     /* max_iterations: augmentations; the method's own limit: 400.
+                        warm_start: lambda = r as passed in */
   size_t size;           /* set by init; settings without it are refused */
-  double tol;            /* on the certificate's residual; >= 0; 1e-8 */
-  int max_iterations;    /* augmentations, >= 1; 400 */
   double factor;         /* eps_c = factor / w_c, w_c as in the certificate; > 0; 100 */
   const double *penalty; /* eps_c > 0 (nc of create), force / length, in place of that; copied by
                             create; NULL for none */
   /* 1: all eps_c grow after an augmentation that could be solved (by 5 before the first failure,
    * then by 1.25), halve after one that could not; 0: they stay, and a failure ends the solve; 1 */
   int adaptive;
-  int warm_start;           /* 0: lambda = 0 at the start; 1: r as passed in; 0 */
-  dls_progress_fn progress; /* called after each augmentation; NULL for none */
-  void *progress_data;
-  int blocks; /* what create makes room for: 0: W dense; > 0: W by blocks, up to so many of them; 0 */
 } dls_augmented_settings;
 
 DLS_API void dls_augmented_settings_init(dls_augmented_settings *settings);

@@ -13,7 +13,7 @@
 #ifndef DELASSUS_FILES_H
 #define DELASSUS_FILES_H
 
-#include "delassus/lcp.h"
+#include "delassus/contact.h"
 #include "delassus/model.h"
 
 #ifdef __cplusplus

@@ -9,7 +9,8 @@
 #ifndef DELASSUS_LCP_H
 #define DELASSUS_LCP_H
 
-#include "delassus/info.h"
+#include "delassus/contact.h"
+#include "delassus/limits.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -55,17 +56,15 @@ DLS_API int dls_lcp_certificate_holds(const dls_lcp_certificate *certificate, do
  * It ends because the exchanges are lexicographic (proof in lcp/lemke.c): at z0 = 0, which is a
  * solution, or in a ray, along which it cannot decide. */
 typedef struct dls_lemke_settings {
-  size_t size;              /* set by init; settings without it are refused */
-  double tol;               /* on the certificate's residual; >= 0; 1e-8 */
-  int max_iterations;       /* pivots, and rounds of `crash`; 0: 50 n + 1000; 0 */
-  dls_progress_fn progress; /* every 50 pivots and every round of `crash`; NULL for none; NULL */
-  void *progress_data;
+  /* max_iterations: pivots, and rounds of `crash`; the method's own limit: 50 n + 1000. warm_start: from
+   * the basis of z as passed in, z_i basic where z_i > 0 and y_i elsewhere, as from the last time step;
+   * if that leads nowhere, cold. progress: every 50 pivots and every round of `crash` */
+  dls_limits limits;
+  size_t size; /* set by init; settings without it are refused */
   /* d, n of create, each > 0; copied. NULL: the norms of the rows of M C, for column factors C
    * such that some row factors and they bring the entries of M near 1; where this d ends in a ray
    * without a proof, up to nine more, it times factors between 1/32 and 32. NULL */
   const double *cover;
-  int warm_start; /* 1: start from the basis of z as passed in, z_i basic where z_i > 0 and y_i
-                     elsewhere, as from the last time step; if that leads nowhere, cold; 0 */
   /* 1, without a cover: first exchange many pairs at once (lcp/crash.c), each round for a factorisation of the basis or
    * less, 2/3 (n/2)^3 flops if half of the z_i are basic. If that ends at a solution, after 5 to 10
    * rounds as a rule, there is no path. Else it gives up, commonly after one to six rounds, at the latest

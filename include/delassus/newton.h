@@ -17,18 +17,14 @@
 extern "C" {
 #endif
 
-/* Fill by dls_newton_settings_init, then change what you like. */
+/* Fill by dls_newton_settings_init, then change what you like; NULL in their place: the defaults. */
 typedef struct dls_newton_settings {
-  size_t size;              /* set by init; settings without it are refused */
-  double tol;               /* on the certificate's residual; >= 0; 1e-8 */
-  int max_iterations;       /* steps, >= 1; 30 */
-  int sweeps;               /* of Gauss-Seidel before the first step, >= 0; 20 */
-  int line_search;          /* 1: shorten steps, for starts without sweeps; 0: full steps; 0 */
-  double regularization;    /* eps: the matrix of a step is made of W + eps diag(w); [0, 1); 1e-6 */
-  int warm_start;           /* 0: start from r = 0; 1: from r as passed in; 0 */
-  dls_progress_fn progress; /* NULL for none; hears of sweeps ("nlgs") and of steps ("newton") */
-  void *progress_data;
-  int blocks; /* what create makes room for: 0: W dense; > 0: W by blocks, up to so many of them; 0 */
+  dls_limits limits;     /* max_iterations: steps; the method's own limit: 30.
+                        progress hears of sweeps ("nlgs") and of steps ("newton") */
+  size_t size;           /* set by init; settings without it are refused */
+  int sweeps;            /* of Gauss-Seidel before the first step, >= 0; 20 */
+  int line_search;       /* 1: shorten steps, for starts without sweeps; 0: full steps; 0 */
+  double regularization; /* eps: the matrix of a step is made of W + eps diag(w); [0, 1); 1e-6 */
 } dls_newton_settings;
 
 DLS_API void dls_newton_settings_init(dls_newton_settings *settings);

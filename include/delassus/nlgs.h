@@ -20,15 +20,11 @@ typedef enum dls_acceleration {
   DLS_ACCELERATION_ANDERSON = 2
 } dls_acceleration;
 
-/* Fill by dls_nlgs_settings_init, then change what you like. */
+/* Fill by dls_nlgs_settings_init, then change what you like; NULL in their place: the defaults. */
 typedef struct dls_nlgs_settings {
-  size_t size;        /* set by init; settings without it are refused */
-  double tol;         /* on the certificate's residual; >= 0; 1e-8 */
-  int max_iterations; /* sweeps, >= 1; 10000 */
-  double relaxation;  /* r_c += relaxation * (local solution - r_c), then projected; (0, 2); 1 */
-  int warm_start;     /* 0: start from r = 0; 1: from r as passed in; 0 */
-  dls_progress_fn progress; /* NULL for none */
-  void *progress_data;
+  dls_limits limits; /* max_iterations: sweeps; the method's own limit: 10000 */
+  size_t size;       /* set by init; settings without it are refused */
+  double relaxation; /* r_c += relaxation * (local solution - r_c), then projected; (0, 2); 1 */
   dls_acceleration acceleration; /* DLS_ACCELERATION_NONE */
   int window; /* Anderson: how many differences of sweeps are combined, 1 .. 100; 10 */
 } dls_nlgs_settings;

@@ -16,17 +16,14 @@ extern "C" {
 
 /* ---- block principal pivoting ---------------------------------------------------------------- */
 
-/* Fill by dls_principal_settings_init, then change what you like. */
+/* Fill by dls_principal_settings_init, then change what you like; NULL in their place: the defaults. */
 typedef struct dls_principal_settings {
-  size_t size;        /* set by init; settings without it are refused */
-  double tol;         /* on the certificate's residual; >= 0; 1e-8 */
-  int max_iterations; /* exchanges; 0: 10 n + 1000; 0 */
-  int block_steps;    /* exchanges of all infeasible unknowns at once that may pass without a new
+  dls_limits limits; /* max_iterations: exchanges; the method's own limit: 10 n + 1000.
+                        warm_start: from the support { i : z_i > 0 } of z */
+  size_t size;       /* set by init; settings without it are refused */
+  int block_steps;   /* exchanges of all infeasible unknowns at once that may pass without a new
                          least number of them; then one at a time, least index first (Murty), until
                          there is one. >= 0; 0: always one at a time; 10 */
-  int warm_start;     /* 0: start from z = 0; 1: from the support { i : z_i > 0 } of z; 0 */
-  dls_progress_fn progress; /* after each basis; NULL for none */
-  void *progress_data;
 } dls_principal_settings;
 
 DLS_API void dls_principal_settings_init(dls_principal_settings *settings);

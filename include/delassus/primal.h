@@ -19,16 +19,13 @@
 extern "C" {
 #endif
 
-/* Fill by dls_primal_settings_init, then change what you like. */
+/* Fill by dls_primal_settings_init, then change what you like; NULL in their place: the defaults. */
 typedef struct dls_primal_settings {
-  size_t size;              /* set by init; settings without it are refused */
-  double tol;               /* on both parts of the certificate; >= 0; 1e-8 */
-  int max_iterations;       /* sweeps, >= 1; 100000 */
-  double relaxation;        /* of the unknowns that carry no contact; (0, 2); 1 */
-  int aitken;               /* 1: Aitken acceleration of the sweeps; 0: none; 1 */
-  int warm_start;           /* 0: start from x = 0; 1: from x as passed in; 0 */
-  dls_progress_fn progress; /* NULL for none; residual: the larger part of the certificate */
-  void *progress_data;
+  dls_limits limits; /* tol: on both parts of the certificate. max_iterations: sweeps; the
+                        method's own limit: 100000. warm_start: from x as passed in */
+  size_t size;       /* set by init; settings without it are refused */
+  double relaxation; /* of the unknowns that carry no contact; (0, 2); 1 */
+  int aitken;        /* 1: Aitken acceleration of the sweeps; 0: none; 1 */
 } dls_primal_settings;
 
 DLS_API void dls_primal_settings_init(dls_primal_settings *settings);

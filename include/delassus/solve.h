@@ -11,20 +11,15 @@ extern "C" {
 #endif
 
 typedef struct dls_solver_settings {
-  size_t size;        /* set by init; settings without it are refused */
-  dls_method method;  /* DLS_AUTO */
-  double tol;         /* on the certificate's residual; 1e-8 */
-  int max_iterations; /* sweeps, pivots of each LCP and rounds of its crash start, steps,
-                         augmentations; auto: of all stages together; 0: the method's own; 0 */
-  int warm_start;     /* start from r as passed in, where the method can; 0 */
-  int facets;         /* Lemke, d = 3: of the friction cone, even, 4 to DLS_FACETS_MAX; 0: 8; 0 */
-  dls_progress_fn progress; /* NULL for none */
-  void *progress_data;
+  dls_limits
+      limits;  /* max_iterations: sweeps, pivots of each LCP and rounds of its crash start, steps,
+                        augmentations; auto: of all stages together. dls_solve sets blocks itself */
+  size_t size; /* set by init; settings without it are refused */
+  dls_method method; /* DLS_AUTO */
+  int facets;        /* Lemke, d = 3: of the friction cone, even, 4 to DLS_FACETS_MAX; 0: 8; 0 */
   dls_acceleration acceleration; /* nlgs; DLS_ACCELERATION_NONE */
   int positive_definite; /* 1: W is known to be symmetric positive definite: newton, alone and in
                             auto, leaves its regularisation out; 0 */
-  int blocks; /* what create makes room for: 0: W dense; > 0: W by blocks, up to so many of them; 0;
-                 dls_solve sets it itself */
 } dls_solver_settings;
 
 DLS_API void dls_solver_settings_init(dls_solver_settings *settings);

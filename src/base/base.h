@@ -77,9 +77,30 @@ dls_status dlsi_check_contact(const dls_contact *problem, dls_error *error);
 /* d is 2 or 3, nc at least 1, d nc an int. */
 dls_status dlsi_check_sizes(int d, int nc, dls_error *error);
 
-/* What the settings of every iterative solver hold: tol >= 0 and finite, max_iterations >= 1,
- * warm_start 0 or 1. */
-dls_status dlsi_check_limits(double tol, int max_iterations, int warm_start, dls_error *error);
+/* limits := the defaults. */
+void dlsi_limits_init(dls_limits *limits);
+
+/* The limit of iterations that holds for a method whose own limit is `own`. */
+static inline int dlsi_most_iterations(const dls_limits *limits, int own) {
+  return limits->max_iterations ? limits->max_iterations : own;
+}
+
+dls_status dlsi_check_limits(const dls_limits *limits, dls_error *error);
+
+/* A number among the settings of a method, and where it has to lie: lowest <= value <= highest, or with
+ * `open` between the two. */
+typedef struct dlsi_setting {
+  const char *name;
+  double value, lowest, highest;
+  int open;
+} dlsi_setting;
+
+dls_status dlsi_check_each(int count, const dlsi_setting *setting, dls_error *error);
+
+/* The settings of a method: size is what their init function left in them, wanted the size of the struct;
+ * then the limits, then `count` numbers of the method's own. */
+dls_status dlsi_check_settings(const dls_limits *limits, size_t size, size_t wanted, int count,
+                               const dlsi_setting *own, dls_error *error);
 
 /* A place for r, and with a warm start finite values there. */
 dls_status dlsi_check_start(const dls_contact *problem, const double *r, int warm_start,

@@ -1,5 +1,6 @@
 /* check.c: the checks of the views, once, O(nnz), naming argument and index. */
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -122,15 +123,43 @@ dls_status dlsi_check_sizes(int d, int nc, dls_error *error) {
   return DLS_OK;
 }
 
-dls_status dlsi_check_limits(double tol, int max_iterations, int warm_start, dls_error *error) {
-  if (!(tol >= 0 && tol <= DBL_MAX))
-    return dlsi_fail(error, DLS_E_ARGUMENT, "tol", -1, tol, "must be >= 0, finite");
-  if (max_iterations < 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "max_iterations", -1, max_iterations,
-                     "is %d, must be at least 1", max_iterations);
-  if (warm_start != 0 && warm_start != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "warm_start", -1, warm_start, "must be 0 or 1");
-  return DLS_OK;
+void dlsi_limits_init(dls_limits *limits) {
+  *limits = (dls_limits){.tol = 1e-8};
+}
+
+static dls_status check_setting(const dlsi_setting *s, dls_error *error) {
+  const double x = s->value;
+  const int inside = s->open ? x > s->lowest && x < s->highest : x >= s->lowest && x <= s->highest;
+  if (inside) return DLS_OK;
+  if (s->highest >= INT_MAX)
+    return dlsi_fail(error, DLS_E_ARGUMENT, s->name, -1, x, "is %g, must be %s %g, finite", x,
+                     s->open ? ">" : ">=", s->lowest);
+  return dlsi_fail(error, DLS_E_ARGUMENT, s->name, -1, x, "is %g, must be %s %g and %g", x,
+                   s->open ? "between" : "from", s->lowest, s->highest);
+}
+
+dls_status dlsi_check_each(int count, const dlsi_setting *setting, dls_error *error) {
+  dls_status status = DLS_OK;
+  for (int k = 0; !status && k < count; k++)
+    status = check_setting(&setting[k], error);
+  return status;
+}
+
+dls_status dlsi_check_limits(const dls_limits *limits, dls_error *error) {
+  const dlsi_setting shared[] = {{"tol", limits->tol, 0, DBL_MAX, 0},
+                                 {"max_iterations", limits->max_iterations, 0, INT_MAX, 0},
+                                 {"warm_start", limits->warm_start, 0, 1, 0},
+                                 {"blocks", limits->blocks, 0, INT_MAX, 0}};
+  return dlsi_check_each((int)(sizeof shared / sizeof shared[0]), shared, error);
+}
+
+dls_status dlsi_check_settings(const dls_limits *limits, size_t size, size_t wanted, int count,
+                               const dlsi_setting *own, dls_error *error) {
+  if (size != wanted)
+    return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)size,
+                     "are not filled by their init function");
+  const dls_status status = dlsi_check_limits(limits, error);
+  return status ? status : dlsi_check_each(count, own, error);
 }
 
 dls_status dlsi_check_start(const dls_contact *problem, const double *r, int warm_start,

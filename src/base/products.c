@@ -1,5 +1,5 @@
 /*
- * panel.c: u += W(:,c) dr_c: W dense, for several candidates c at once; W by blocks, for one.
+ * products.c: u += W(:,c) dr_c: W dense, for several candidates c at once; W by blocks, for one.
  *
  * Dense: one pass over u takes the columns of four candidates, so that W is read at the speed of the
  * memory. Each u_i receives the candidates' shares in the order of the list, as one call of

@@ -6,8 +6,8 @@
 void solver_options_init(solver_options *o, double tol) {
   memset(o, 0, sizeof *o);
   dls_solver_settings_init(&o->settings);
-  o->settings.tol = tol;
-  o->settings.progress = show_progress;
+  o->settings.limits.tol = tol;
+  o->settings.limits.progress = show_progress;
 }
 
 const char *method_list(char *text, size_t size) {
@@ -56,9 +56,9 @@ int take_solver_option(int key, const char *text, solver_options *o) {
   case 'a':
     return take_acceleration(text, o);
   case 't':
-    return parse_number("tol", text, &o->settings.tol);
+    return parse_number("tol", text, &o->settings.limits.tol);
   case 'i':
-    return parse_count("max-iter", text, &o->settings.max_iterations);
+    return parse_count("max-iter", text, &o->settings.limits.max_iterations);
   default:
     return -1;
   }

@@ -153,11 +153,11 @@ static dls_status solve_condensed(run *a, const scene_options *o, dls_error *err
 static dls_status solve_primal(run *a, const scene_options *o, dls_error *error) {
   dls_primal_settings settings;
   dls_primal_settings_init(&settings);
-  settings.tol = o->solver.settings.tol;
-  if (o->solver.settings.max_iterations)
-    settings.max_iterations = o->solver.settings.max_iterations;
-  settings.progress = o->solver.settings.progress;
-  settings.progress_data = o->solver.settings.progress_data;
+  settings.limits.tol = o->solver.settings.limits.tol;
+  if (o->solver.settings.limits.max_iterations)
+    settings.limits.max_iterations = o->solver.settings.limits.max_iterations;
+  settings.limits.progress = o->solver.settings.limits.progress;
+  settings.limits.progress_data = o->solver.settings.limits.progress_data;
   dls_status status = dls_primal_create(&a->primal, &a->data.model, &settings, error);
   if (status) return status;
   const double start = cpu_seconds();

@@ -94,7 +94,7 @@ static int solve_contact(const char *path, const solve_options *options) {
   }
   outcome o = {.d = p.contact.d, .nc = p.contact.nc};
   dls_solver_settings settings = options->solver.settings;
-  settings.blocks = p.contact.Wb.x ? p.contact.Wb.p[o.nc] : 0;
+  settings.limits.blocks = p.contact.Wb.x ? p.contact.Wb.p[o.nc] : 0;
   if (dls_solver_create(&solver, o.d, o.nc, &settings, &error)) {
     (void)complain_of(path, &error);
     goto end;
@@ -168,9 +168,9 @@ static int solve_lcp(const char *path_M, const char *path_q, const solve_options
   }
   dls_lemke_settings settings;
   dls_lemke_settings_init(&settings);
-  settings.tol = options->solver.settings.tol;
-  settings.max_iterations = options->solver.settings.max_iterations;
-  settings.progress = options->solver.settings.progress;
+  settings.limits.tol = options->solver.settings.limits.tol;
+  settings.limits.max_iterations = options->solver.settings.limits.max_iterations;
+  settings.limits.progress = options->solver.settings.limits.progress;
   z = malloc((size_t)rows * sizeof *z);
   if (!z || dls_lemke_create(&lemke, rows, &settings, &error)) {
     (void)(z ? complain_of(path_M, &error) : complain("%s: out of memory", path_M));

@@ -129,7 +129,7 @@ static dls_status gauss_seidel(dls_forming *f, dls_error *error) {
   model.Ks = symmetric_part(f);
   dls_primal_settings settings;
   dls_primal_settings_init(&settings);
-  settings.tol = f->settings.tol / 10;
+  settings.limits.tol = f->settings.tol / 10;
   dls_primal *primal;
   dls_primal_info info = {0};
   dls_status status = dls_primal_create(&primal, &model, &settings, error);

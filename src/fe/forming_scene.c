@@ -128,7 +128,6 @@ void dls_forming_settings_init(dls_forming_settings *settings) {
 }
 
 static dls_status check_settings(const dls_forming_settings *s, dls_error *error) {
-  if (!s) return dlsi_is_null(error, "settings");
   if (s->size != sizeof *s)
     return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
                      "not filled by dls_forming_settings_init");
@@ -265,8 +264,8 @@ static dls_status create_solver(dls_forming *f, dls_error *error) {
   dls_solver_settings s;
   dls_solver_settings_init(&s);
   s.method = f->settings.method;
-  s.tol = 1e-5 * f->settings.tol;
-  s.warm_start = 1;
+  s.limits.tol = 1e-5 * f->settings.tol;
+  s.limits.warm_start = 1;
   if (s.method == DLS_NLGS) s.acceleration = DLS_ACCELERATION_ANDERSON;
   return dls_solver_create(&f->solver, 2, f->nc, &s, error);
 }
@@ -283,6 +282,9 @@ dls_status dls_forming_create(dls_forming **out, const char *name,
     return dlsi_at(__func__,
                    dlsi_fail(error, DLS_E_ARGUMENT, "name", -1, 0, "there is no scene %.60s", name),
                    error);
+  dls_forming_settings defaults;
+  dls_forming_settings_init(&defaults);
+  if (!settings) settings = &defaults;
   dls_status status = check_settings(settings, error);
   if (status) return dlsi_at(__func__, status, error);
 

@@ -154,8 +154,9 @@ static double step_cost(const dls_contact *problem, const double *r) {
 /* The caller's callback, and his limit: 1 to stop. */
 static int must_stop(dlsi_auto *work, const dls_progress *p) {
   const dls_solver_settings *s = &work->settings;
-  if (s->progress && s->progress(s->progress_data, p)) return work->cancelled = 1;
-  if (s->max_iterations && work->info.iterations + p->iteration >= s->max_iterations)
+  if (s->limits.progress && s->limits.progress(s->limits.progress_data, p))
+    return work->cancelled = 1;
+  if (s->limits.max_iterations && work->info.iterations + p->iteration >= s->limits.max_iterations)
     return work->limited = 1;
   return 0;
 }
@@ -188,7 +189,7 @@ static int may_rest(const dls_contact *problem) {
 /* (F5), infinite if ADMM is not to be tried */
 static double split_cost(const dlsi_auto *work, const double *r) {
   const dls_contact *problem = work->problem;
-  const int foreseen = !work->settings.blocks == !problem->Wb.x;
+  const int foreseen = !work->settings.limits.blocks == !problem->Wb.x;
   const double size = problem->W.a ? unknowns(problem, r) : problem->d * problem->nc;
   if (!foreseen || work->has_split || size < split_unknowns) return INFINITY;
   if (problem->W.a) return 100 + 2 * cost_of_step(problem, r, 1);
@@ -197,7 +198,7 @@ static double split_cost(const dlsi_auto *work, const double *r) {
 
 /* (C1), before any failure */
 static int first_look(const dlsi_auto *work) {
-  return (work->problem->W.a ? 5 : 10) << !work->settings.warm_start;
+  return (work->problem->W.a ? 5 : 10) << !work->settings.limits.warm_start;
 }
 
 /* After a sweep: 1 to leave the rest to another method. */
@@ -262,7 +263,7 @@ static int watch_rest(void *data, const dls_progress *p) {
 static void begin(dlsi_auto *work) {
   const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
   const dls_certificate *best = &work->info.certificate;
-  const double tol = work->settings.tol, floor = 4 * best->floor;
+  const double tol = work->settings.limits.tol, floor = 4 * best->floor;
   memcpy(work->r, work->best, m * sizeof *work->r);
   work->target = floor > tol ? floor : tol;
   work->rate = 0;
@@ -297,8 +298,9 @@ static dls_status sweep(dlsi_auto *work, dls_error *error) {
   int sweeps;
   begin(work);
   const dlsi_sweeps how = {.order = work->order, .plain = plain_sweeps(work)};
-  const dls_status status = dlsi_nlgs_run(work->sweeps, work->problem, how, work->settings.tol,
-                                          work->r, NULL, &certificate, &sweeps);
+  const dls_status status =
+      dlsi_nlgs_run(work->sweeps, work->problem, how, work->settings.limits.tol, work->r, NULL,
+                    &certificate, &sweeps);
   end(work, DLS_NLGS, sweeps, 0, &certificate);
   if (work->info.certificate.residual <= DBL_MAX || work->info.stages > 1) return status;
   memset(work->best, 0, m * sizeof *work->best);
@@ -381,7 +383,7 @@ static dls_status run(dlsi_auto *work, dls_error *error) {
       status = create_rest(work, work->problem->d, work->problem->nc, error);
     if (!status) status = stages[k](work, error);
     if (status < 0) return status;
-    if (dls_certificate_holds(&work->info.certificate, work->settings.tol)) return DLS_OK;
+    if (dls_certificate_holds(&work->info.certificate, work->settings.limits.tol)) return DLS_OK;
     if (work->cancelled) return DLS_CANCELLED;
     if (work->limited) return DLS_MAX_ITERATIONS;
     if (stages[k] == pivot && work->verdict) return work->verdict;
@@ -400,7 +402,7 @@ dls_status dlsi_auto_solve(dlsi_auto *work, const dls_contact *problem, double *
   work->ahead = INFINITY; /* of sweeps that end before they can tell */
   work->steps = newton_steps(work, 0);
   dlsi_order_candidates(problem, work->memory, work->scratch, work->order);
-  if (work->settings.warm_start)
+  if (work->settings.limits.warm_start)
     memcpy(work->best, r, m * sizeof *r);
   else
     memset(work->best, 0, m * sizeof *r);
@@ -422,60 +424,60 @@ const double *dlsi_auto_direction(const dlsi_auto *work) {
 static dls_status create_sweeps(dlsi_auto *work, int d, int nc, dls_error *error) {
   dls_nlgs_settings s;
   dls_nlgs_settings_init(&s);
-  s.tol = work->settings.tol;
-  s.warm_start = 1;
+  s.limits.tol = work->settings.limits.tol;
+  s.limits.warm_start = 1;
   s.acceleration = DLS_ACCELERATION_ANDERSON;
-  s.progress = watch_sweeps;
-  s.progress_data = work;
+  s.limits.progress = watch_sweeps;
+  s.limits.progress_data = work;
   return dls_nlgs_create(&work->sweeps, d, nc, &s, error);
 }
 
 static dls_status create_newton(dlsi_auto *work, int d, int nc, dls_error *error) {
   dls_newton_settings s;
   dls_newton_settings_init(&s);
-  s.tol = work->settings.tol;
-  s.warm_start = 1;
+  s.limits.tol = work->settings.limits.tol;
+  s.limits.warm_start = 1;
   s.sweeps = 0;
-  s.blocks = work->settings.blocks;
+  s.limits.blocks = work->settings.limits.blocks;
   if (work->settings.positive_definite) s.regularization = 0;
-  s.progress = watch_steps;
-  s.progress_data = work;
+  s.limits.progress = watch_steps;
+  s.limits.progress_data = work;
   return dlsi_newton_create(&work->newton, d, nc, &s, &work->room, error);
 }
 
 static dls_status create_admm(dlsi_auto *work, int d, int nc, dls_error *error) {
   if (d * nc < split_unknowns) return DLS_OK;
-  const int blocks = work->settings.blocks;
+  const int blocks = work->settings.limits.blocks;
   dls_admm_settings s;
   dls_admm_settings_init(&s);
-  s.tol = work->settings.tol;
-  s.max_iterations = blocks ? rest_iterations : split_iterations;
-  s.warm_start = !blocks;
-  s.blocks = blocks;
+  s.limits.tol = work->settings.limits.tol;
+  s.limits.max_iterations = blocks ? rest_iterations : split_iterations;
+  s.limits.warm_start = !blocks;
+  s.limits.blocks = blocks;
   if (blocks) s.rho = rest_rho;
-  s.progress = blocks ? watch_rest : watch_limits;
-  s.progress_data = work;
+  s.limits.progress = blocks ? watch_rest : watch_limits;
+  s.limits.progress_data = work;
   return dlsi_admm_create(&work->admm, d, nc, &s, &work->room, error);
 }
 
 static dls_status create_augmented(dlsi_auto *work, int d, int nc, dls_error *error) {
   dls_augmented_settings s;
   dls_augmented_settings_init(&s);
-  s.tol = work->settings.tol;
-  s.blocks = work->settings.blocks;
-  s.warm_start = 1;
-  s.progress = watch_limits;
-  s.progress_data = work;
+  s.limits.tol = work->settings.limits.tol;
+  s.limits.blocks = work->settings.limits.blocks;
+  s.limits.warm_start = 1;
+  s.limits.progress = watch_limits;
+  s.limits.progress_data = work;
   return dlsi_augmented_create(&work->augmented, d, nc, &s, &work->room, error);
 }
 
 static dls_status create_pivoting(dlsi_auto *work, int d, int nc, dls_error *error) {
   if (nc > (d == 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D)) return DLS_OK;
   dls_solver_settings s = work->settings;
-  s.max_iterations = 0;
-  s.warm_start = 0;
-  s.progress = watch_limits;
-  s.progress_data = work;
+  s.limits.max_iterations = 0;
+  s.limits.warm_start = 0;
+  s.limits.progress = watch_limits;
+  s.limits.progress_data = work;
   return dlsi_pivoting_create(&work->pivoting, d, nc, &s, error);
 }
 

@@ -59,22 +59,22 @@ static dls_status create_parts(dlsi_pivoting *work, dls_error *error) {
   const dls_solver_settings *settings = &work->settings;
   dls_lemke_settings s;
   dls_lemke_settings_init(&s);
-  s.tol = settings->tol;
-  s.max_iterations = settings->max_iterations;
-  s.warm_start = settings->warm_start;
-  s.progress = settings->progress;
-  s.progress_data = settings->progress_data;
+  s.limits.tol = settings->limits.tol;
+  s.limits.max_iterations = settings->limits.max_iterations;
+  s.limits.warm_start = settings->limits.warm_start;
+  s.limits.progress = settings->limits.progress;
+  s.limits.progress_data = settings->limits.progress_data;
   dls_nlgs_settings sweeps;
   dls_nlgs_settings_init(&sweeps);
-  sweeps.tol = settings->tol;
-  sweeps.max_iterations = polish_sweeps;
-  sweeps.warm_start = 1;
+  sweeps.limits.tol = settings->limits.tol;
+  sweeps.limits.max_iterations = polish_sweeps;
+  sweeps.limits.warm_start = 1;
   dls_newton_settings steps;
   dls_newton_settings_init(&steps);
-  steps.tol = settings->tol;
+  steps.limits.tol = settings->limits.tol;
   steps.sweeps = 0;
-  steps.blocks = settings->blocks;
-  steps.warm_start = 1;
+  steps.limits.blocks = settings->limits.blocks;
+  steps.limits.warm_start = 1;
   dls_status status = dls_lemke_create(&work->lemke, work->n, &s, error);
   if (!status) status = dls_nlgs_create(&work->nlgs, work->d, work->nc, &sweeps, error);
   if (!status) status = dls_newton_create(&work->newton, work->d, work->nc, &steps, error);
@@ -154,7 +154,7 @@ static dls_status pivot(dlsi_pivoting *work, const dls_contact *problem, int fac
  * the smaller residual, but not the states.) */
 static dls_status polish(dlsi_pivoting *work, const dls_contact *problem, dls_certificate *best,
                          dls_error *error) {
-  const double tol = work->settings.tol;
+  const double tol = work->settings.limits.tol;
   for (int round = 1; !dls_certificate_holds(best, tol) && round <= polish_rounds; round++) {
     if (round > 1) {
       const dls_status status = dls_nlgs_solve(work->nlgs, problem, work->r, NULL, NULL, error);
@@ -175,7 +175,7 @@ dls_status dlsi_pivoting_solve(dlsi_pivoting *work, const dls_contact *problem, 
   int pivots = 0;
   dls_certificate best = {.residual = INFINITY};
   dlsi_contact_weights(problem, work->w);
-  if (work->settings.warm_start) {
+  if (work->settings.limits.warm_start) {
     memcpy(work->r, r, m * sizeof *r);
     offer(work, problem, &best);
     if (flat) dlsi_friction_start(problem, work->w, work->r, work->u, work->z);
@@ -193,7 +193,7 @@ dls_status dlsi_pivoting_solve(dlsi_pivoting *work, const dls_contact *problem, 
     const dls_status polished = polish(work, problem, &best, error);
     if (polished) return polished;
   }
-  if (dls_certificate_holds(&best, work->settings.tol))
+  if (dls_certificate_holds(&best, work->settings.limits.tol))
     status = DLS_OK;
   else if (status == DLS_OK)
     status = DLS_STALLED;

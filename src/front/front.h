@@ -1,6 +1,6 @@
-/* solve_internal.h: the methods behind the front door that are made of others. */
-#ifndef SOLVE_INTERNAL_H
-#define SOLVE_INTERNAL_H
+/* front.h: the methods behind the front door that are made of others. */
+#ifndef DLSI_FRONT_H
+#define DLSI_FRONT_H
 
 #include "delassus/solve.h"
 #include "lcp/lcp_internal.h"

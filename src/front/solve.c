@@ -65,61 +65,48 @@ int dls_acceleration_find(const char *name, dls_acceleration *acceleration) {
 
 void dls_solver_settings_init(dls_solver_settings *settings) {
   if (!settings) return;
-  memset(settings, 0, sizeof *settings);
-  settings->size = sizeof *settings;
-  settings->method = DLS_AUTO;
-  settings->tol = 1e-8;
+  *settings = (dls_solver_settings){.size = sizeof *settings};
+  dlsi_limits_init(&settings->limits);
 }
 
 static dls_status check_settings(const dls_solver_settings *s, dls_error *error) {
-  if (!s) return dlsi_is_null(error, "settings");
-  if (s->size != sizeof *s)
-    return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, 0,
-                     "must be filled by dls_solver_settings_init first");
+  const dlsi_setting own[] = {{"positive_definite", s->positive_definite, 0, 1, 0}};
+  const dls_status status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 1, own, error);
+  if (status) return status;
   if (!dls_method_name(s->method))
-    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.method", -1, s->method, "%d is no method",
+    return dlsi_fail(error, DLS_E_ARGUMENT, "method", -1, s->method, "%d is no method",
                      (int)s->method);
-  if (!(s->tol >= 0 && isfinite(s->tol)))
-    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.tol", -1, s->tol,
-                     "must be finite and not negative");
-  if (s->max_iterations < 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.max_iterations", -1, s->max_iterations,
-                     "is negative");
   if (s->facets && (s->facets < 4 || s->facets > DLS_FACETS_MAX || s->facets % 2))
-    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.facets", -1, s->facets,
+    return dlsi_fail(error, DLS_E_ARGUMENT, "facets", -1, s->facets,
                      "is %d, must be even, 4 to %d, or 0", s->facets, DLS_FACETS_MAX);
   if (s->acceleration && s->method != DLS_NLGS)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.acceleration", -1, s->acceleration,
-                     "is for nlgs");
-  if (s->positive_definite != 0 && s->positive_definite != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.positive_definite", -1, s->positive_definite,
-                     "must be 0 or 1");
-  if (s->blocks < 0)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "settings.blocks", -1, s->blocks, "is negative");
+    return dlsi_fail(error, DLS_E_ARGUMENT, "acceleration", -1, s->acceleration, "is for nlgs");
   return DLS_OK;
 }
 
 static dls_status create_newton(dls_solver *solver, dls_error *error) {
   dls_newton_settings s;
   dls_newton_settings_init(&s);
-  s.tol = solver->settings.tol;
-  if (solver->settings.max_iterations) s.max_iterations = solver->settings.max_iterations;
-  s.blocks = solver->settings.blocks;
+  s.limits.tol = solver->settings.limits.tol;
+  if (solver->settings.limits.max_iterations)
+    s.limits.max_iterations = solver->settings.limits.max_iterations;
+  s.limits.blocks = solver->settings.limits.blocks;
   if (solver->settings.positive_definite) s.regularization = 0;
-  s.warm_start = solver->settings.warm_start;
-  s.progress = solver->settings.progress;
-  s.progress_data = solver->settings.progress_data;
+  s.limits.warm_start = solver->settings.limits.warm_start;
+  s.limits.progress = solver->settings.limits.progress;
+  s.limits.progress_data = solver->settings.limits.progress_data;
   return dls_newton_create(&solver->newton, solver->d, solver->nc, &s, error);
 }
 
 static dls_status create_nlgs(dls_solver *solver, dls_error *error) {
   dls_nlgs_settings s;
   dls_nlgs_settings_init(&s);
-  s.tol = solver->settings.tol;
-  if (solver->settings.max_iterations) s.max_iterations = solver->settings.max_iterations;
-  s.warm_start = solver->settings.warm_start;
-  s.progress = solver->settings.progress;
-  s.progress_data = solver->settings.progress_data;
+  s.limits.tol = solver->settings.limits.tol;
+  if (solver->settings.limits.max_iterations)
+    s.limits.max_iterations = solver->settings.limits.max_iterations;
+  s.limits.warm_start = solver->settings.limits.warm_start;
+  s.limits.progress = solver->settings.limits.progress;
+  s.limits.progress_data = solver->settings.limits.progress_data;
   s.acceleration = solver->settings.acceleration;
   return dls_nlgs_create(&solver->nlgs, solver->d, solver->nc, &s, error);
 }
@@ -129,17 +116,18 @@ static const double large_penalty = 1e6; /* of the penalty method, in 1 / w_c */
 static dls_status create_augmented(dls_solver *solver, dls_error *error) {
   dls_augmented_settings s;
   dls_augmented_settings_init(&s);
-  s.blocks = solver->settings.blocks;
-  s.tol = solver->settings.tol;
-  if (solver->settings.max_iterations) s.max_iterations = solver->settings.max_iterations;
-  s.warm_start = solver->settings.warm_start;
-  s.progress = solver->settings.progress;
-  s.progress_data = solver->settings.progress_data;
+  s.limits.blocks = solver->settings.limits.blocks;
+  s.limits.tol = solver->settings.limits.tol;
+  if (solver->settings.limits.max_iterations)
+    s.limits.max_iterations = solver->settings.limits.max_iterations;
+  s.limits.warm_start = solver->settings.limits.warm_start;
+  s.limits.progress = solver->settings.limits.progress;
+  s.limits.progress_data = solver->settings.limits.progress_data;
   if (solver->settings.method == DLS_PENALTY) {
-    s.max_iterations = 1;
+    s.limits.max_iterations = 1;
     s.factor = large_penalty;
     s.adaptive = 0;
-    s.warm_start = 0;
+    s.limits.warm_start = 0;
   }
   return dls_augmented_create(&solver->augmented, solver->d, solver->nc, &s, error);
 }
@@ -147,12 +135,13 @@ static dls_status create_augmented(dls_solver *solver, dls_error *error) {
 static dls_status create_admm(dls_solver *solver, dls_error *error) {
   dls_admm_settings s;
   dls_admm_settings_init(&s);
-  s.tol = solver->settings.tol;
-  if (solver->settings.max_iterations) s.max_iterations = solver->settings.max_iterations;
-  s.blocks = solver->settings.blocks;
-  s.warm_start = solver->settings.warm_start;
-  s.progress = solver->settings.progress;
-  s.progress_data = solver->settings.progress_data;
+  s.limits.tol = solver->settings.limits.tol;
+  if (solver->settings.limits.max_iterations)
+    s.limits.max_iterations = solver->settings.limits.max_iterations;
+  s.limits.blocks = solver->settings.limits.blocks;
+  s.limits.warm_start = solver->settings.limits.warm_start;
+  s.limits.progress = solver->settings.limits.progress;
+  s.limits.progress_data = solver->settings.limits.progress_data;
   return dls_admm_create(&solver->admm, solver->d, solver->nc, &s, error);
 }
 
@@ -180,6 +169,9 @@ dls_status dls_solver_create(dls_solver **out, int d, int nc, const dls_solver_s
                              dls_error *error) {
   if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
   *out = NULL;
+  dls_solver_settings defaults;
+  dls_solver_settings_init(&defaults);
+  if (!settings) settings = &defaults;
   dls_status status = check_settings(settings, error);
   if (!status) status = dlsi_check_sizes(d, nc, error);
   if (status) return dlsi_at(__func__, status, error);
@@ -303,9 +295,9 @@ static inline void answer_free(const dls_contact *problem, double *r, double *u,
 /* 1 if auto's answer needs no workspace */
 static int answer(const dls_solver_settings *settings, const dls_contact *problem, double *r,
                   double *u, dls_info *info) {
-  if (settings->method != DLS_AUTO || settings->warm_start) return 0;
+  if (settings->method != DLS_AUTO || settings->limits.warm_start) return 0;
   if (is_pressed(problem))
-    return problem->nc <= DLSI_FEW && dlsi_alone_solve(problem, settings->tol, r, u, info);
+    return problem->nc <= DLSI_FEW && dlsi_alone_solve(problem, settings->limits.tol, r, u, info);
   answer_free(problem, r, u, info);
   return 1;
 }
@@ -327,8 +319,8 @@ static DLSI_NOINLINE dls_status check_and_solve(dls_solver *solver, const dls_co
                                                 dls_error *error) {
   if (!solver) return dlsi_is_null(error, "solver");
   if (!problem) return dlsi_check_contact(NULL, error);
-  const dls_status status =
-      dlsi_check_solve(solver->d, solver->nc, problem, r, solver->settings.warm_start, error);
+  const dls_status status = dlsi_check_solve(solver->d, solver->nc, problem, r,
+                                             solver->settings.limits.warm_start, error);
   return status ? status : solve(solver, problem, r, u, info, error);
 }
 
@@ -336,7 +328,7 @@ dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, doub
                             dls_info *info, dls_error *error) {
   int pressed;
   if (!solver || !problem || !r || solver->settings.method != DLS_AUTO ||
-      solver->settings.warm_start || problem->d != solver->d || problem->nc > solver->nc ||
+      solver->settings.limits.warm_start || problem->d != solver->d || problem->nc > solver->nc ||
       !is_sound(problem, &pressed))
     return dlsi_at(__func__, check_and_solve(solver, problem, r, u, info, error), error);
   if (pressed) return dlsi_at(__func__, solve(solver, problem, r, u, info, error), error);
@@ -376,11 +368,11 @@ dls_status dls_solve(const dls_contact *problem, const dls_solver_settings *sett
   dls_solver_settings s;
   if (!settings) dls_solver_settings_init(&s);
   const dls_solver_settings *given = settings ? settings : &s;
-  status = dlsi_check_start(problem, r, given->warm_start, error);
+  status = dlsi_check_start(problem, r, given->limits.warm_start, error);
   if (status) return dlsi_at(__func__, status, error);
   if (answer(given, problem, r, u, info)) return DLS_OK;
   if (settings) s = *settings;
-  s.blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : 0;
+  s.limits.blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : 0;
   dls_solver solver = {.settings = s, .d = problem->d, .nc = problem->nc};
   status = create_method(&solver, 0, error);
   if (!status) status = solve_by_method(&solver, problem, r, u, info, error);

@@ -1,4 +1,4 @@
-/* room.c: room for a matrix and its factors, dense or sparse; dlsi.h has what it is for. */
+/* room.c: room for a matrix and its factors, dense or sparse; room.h has what it is for. */
 #include <limits.h>
 #include <stdint.h>
 #include <stdlib.h>

@@ -82,7 +82,7 @@ static answer *solve(const dls_fe_scene *scene, dls_method method, double tolera
   dls_solver_settings settings;
   dls_solver_settings_init(&settings);
   settings.method = method;
-  settings.tol = tolerance;
+  settings.limits.tol = tolerance;
   dls_solver *solver;
   ok(dls_solver_create(&solver, 2, nc, &settings, &error));
   ok(dls_solver_solve(solver, &problem, a->r, a->u, &a->info, &error));

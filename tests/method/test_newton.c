@@ -14,7 +14,7 @@ SOLVER(newton, DLS_NEWTON);
 
 static dls_status run(const dls_contact *p, const dls_newton_settings *settings, double *r,
                       double *u, dls_info *info) {
-  return run_with(&the_newton, p, settings, settings->tol, r, u, info);
+  return run_with(&the_newton, p, settings, settings->limits.tol, r, u, info);
 }
 
 /* ---- by hand --------------------------------------------------------------------------------- */
@@ -98,7 +98,7 @@ START_TEST(ambiguous) { /* from any of its solutions no step is taken */
   static const double start[3][2] = {{0, 0}, {2, -3}, {1, -2}};
   set_hand(&a, &ambiguous_case);
   dls_newton_settings s = with_tol(1e-12);
-  s.warm_start = 1;
+  s.limits.warm_start = 1;
   for (int i = 0; i < 3; i++) {
     double r[2] = {start[i][0], start[i][1]}, u[2];
     dls_info info;
@@ -152,7 +152,7 @@ START_TEST(without_friction) {
   dls_newton_settings s = with_tol(1e-14);
   s.sweeps = 0;
   s.regularization = 0;
-  s.warm_start = 1;
+  s.limits.warm_start = 1;
   double r[4] = {.5, 3, .5, -2}, u[4];
   dls_info info;
   ck_assert_int_eq(run(&a.p, &s, r, u, &info), DLS_OK);
@@ -168,7 +168,7 @@ START_TEST(never_worse) {
   set_hand(&a, k);
   set_seed(362436069 + (uint64_t)_i);
   dls_newton_settings s = with_tol(1e-14);
-  s.warm_start = 1;
+  s.limits.warm_start = 1;
   s.sweeps = _i % 3;
   s.line_search = _i % 2;
   double r[4], u[4];
@@ -235,9 +235,9 @@ START_TEST(cancelled) { /* in the sweeps, in the steps, never */
                                       DLS_MAX_ITERATIONS};
   dls_newton_settings s = with_tol(1e-8);
   both w = {INFINITY, 0, 0, at[_i]};
-  s.progress = look_at_both;
-  s.progress_data = &w;
-  if (!at[_i]) s.max_iterations = 3;
+  s.limits.progress = look_at_both;
+  s.limits.progress_data = &w;
+  if (!at[_i]) s.limits.max_iterations = 3;
   double r[4], u[4];
   dls_info info;
   ck_assert_int_eq(run(&a.p, &s, r, u, &info), status[_i]);
@@ -344,8 +344,8 @@ START_TEST(head_is_lu) {
         const dls_contact p = bed(d, mu[k], 0.1 + 0.1 * l, way);
         dls_newton_settings s = with_tol(1e-12);
         s.sweeps = 0;
-        s.progress = write_down;
-        s.progress_data = &seen[way];
+        s.limits.progress = write_down;
+        s.limits.progress_data = &seen[way];
         dls_newton *work;
         dls_info info;
         ck_assert_int_eq(dls_newton_create(&work, p.d, p.nc, &s, NULL), DLS_OK);
@@ -371,7 +371,7 @@ static dls_newton *large_workspace(double tol, int sweeps, int blocks) {
   dls_newton_settings s = with_tol(tol);
   dls_newton *work;
   s.sweeps = sweeps;
-  s.blocks = blocks;
+  s.limits.blocks = blocks;
   ck_assert_int_eq(dls_newton_create(&work, 2, row_nc, &s, NULL), DLS_OK);
   return work;
 }
@@ -439,7 +439,7 @@ START_TEST(sparse_same_bits) {
       .d = 2, .nc = grid_nc, .Wb = {2, grid_nc, p, i, x}, .q = q, .mu = mu};
   dls_newton_settings s = with_tol(1e-12);
   s.sweeps = 1;
-  s.blocks = count;
+  s.limits.blocks = count;
   dls_newton *work[2];
   dls_info info[3];
   for (int k = 0; k < 2; k++)
@@ -496,10 +496,10 @@ START_TEST(memory) {
   const int told[] = {0, p[1].Wb.p[row_nc], 0, full - 1, full, full};
   for (int way = 0; way < 6; way++) {
     dls_newton_settings s = with_tol(1e-10);
-    s.blocks = told[way];
+    s.limits.blocks = told[way];
     s.sweeps = way & 2 ? 20 : 0;
-    const int sparse = s.blocks && s.blocks < full && WITH_MUMPS;
-    const double entries = 4. * s.blocks + m;
+    const int sparse = s.limits.blocks && s.limits.blocks < full && WITH_MUMPS;
+    const double entries = 4. * s.limits.blocks + m;
     const double rest = s.sweeps ? 13 * m + 20 * nc : 9 * m + 8 * nc;
     expect_memory(&the_newton, 2, row_nc, &s,
                   8 * (rest + (sparse ? 250. * 250 + 2 * entries : m * m)) +
@@ -531,7 +531,7 @@ START_TEST(bad_create) {
   s.sweeps = -1;
   refuses_to_create(&the_newton, DLS_E_ARGUMENT, "sweeps", -1, 2, 1, &s);
   s = with_tol(1e-8);
-  s.blocks = -1;
+  s.limits.blocks = -1;
   refuses_to_create(&the_newton, DLS_E_ARGUMENT, "blocks", -1, 2, 1, &s);
   s = with_tol(1e-8);
   s.line_search = 2;

@@ -24,7 +24,7 @@ static void ok(dls_status status) {
 static dls_primal_settings with_tol(double tol) {
   dls_primal_settings s;
   dls_primal_settings_init(&s);
-  s.tol = tol;
+  s.limits.tol = tol;
   return s;
 }
 
@@ -125,8 +125,9 @@ static dls_status run(const springs *s, const dls_primal_settings *settings, ans
   const dls_primal_info *info = &a->info;
   ck_assert_int_eq(info->status, status);
   const double floor = 4 * info->equilibrium_floor;
-  const int holds = info->equilibrium <= (floor <= settings->tol ? settings->tol : floor) &&
-                    dls_certificate_holds(&info->laws, settings->tol);
+  const int holds =
+      info->equilibrium <= (floor <= settings->limits.tol ? settings->limits.tol : floor) &&
+      dls_certificate_holds(&info->laws, settings->limits.tol);
   ck_assert_int_eq(status == DLS_OK, holds);
   return status;
 }
@@ -279,7 +280,7 @@ static void condensed(const springs *s, const double *r, answer *dual,
   ok(dls_contact_certify(&problem, r, NULL, certificate, &error));
   dls_solver_settings settings;
   dls_solver_settings_init(&settings);
-  settings.tol = 1e-14;
+  settings.limits.tol = 1e-14;
   ok(dls_solve(&problem, &settings, dual->r, dual->u, NULL, &error));
   ok(dls_reduction_recover(reduction, dual->r, dual->x, &error));
   dls_reduction_destroy(reduction);
@@ -317,7 +318,7 @@ START_TEST(random_system) {
   ck_assert_mem_eq(a.r, b.r, (size_t)m * sizeof *a.r);
   ck_assert_mem_eq(&a.info, &b.info, sizeof a.info);
   dls_primal_settings other = settings;
-  other.warm_start = 1;
+  other.limits.warm_start = 1;
   ok(run(&s, &other, &b));
   ck_assert_int_eq(b.info.iterations, 0);
   expect_close(b.x, a.x, n, 4 * DBL_EPSILON * largest(a.x, n) + 4 * DBL_EPSILON);
@@ -492,7 +493,7 @@ START_TEST(jean_block) {
   ck_assert_double_le(certificate.residual, 10 * tol);
   dls_solver_settings nlgs;
   dls_solver_settings_init(&nlgs);
-  nlgs.tol = 1e-14;
+  nlgs.limits.tol = 1e-14;
   double x[jean_n], r[jean_m], u[jean_m];
   ok(dls_solve(&problem, &nlgs, r, u, NULL, &error));
   ok(dls_reduction_recover(reduction, r, x, &error));
@@ -546,9 +547,9 @@ START_TEST(stopped_early) { /* cancelled, at the limit: honest, and the best of 
   for (int cancel = 0; cancel < 2; cancel++) {
     watch w = {INFINITY, 0, cancel ? 37 : 0};
     dls_primal_settings settings = with_tol(1e-8);
-    settings.max_iterations = cancel ? 1000 : 60;
-    settings.progress = look;
-    settings.progress_data = &w;
+    settings.limits.max_iterations = cancel ? 1000 : 60;
+    settings.limits.progress = look;
+    settings.limits.progress_data = &w;
     ck_assert_int_eq(solve_scene(&j, &settings), cancel ? DLS_CANCELLED : DLS_MAX_ITERATIONS);
     ck_assert_int_eq(j.info.status, cancel ? DLS_CANCELLED : DLS_MAX_ITERATIONS);
     ck_assert_int_eq(j.info.iterations, cancel ? 37 : 60);
@@ -607,7 +608,7 @@ START_TEST(fixed_point_cycles) {
   set_node(&s, 0, 0, 1, 0);
   finish(&s, 2, 1, DLS_STIFFNESS_DENSE);
   dls_primal_settings settings = with_tol(1e-8);
-  settings.max_iterations = 500;
+  settings.limits.max_iterations = 500;
   answer a;
   ck_assert_int_eq(run(&s, &settings, &a), DLS_MAX_ITERATIONS);
   ck_assert_int_eq(a.info.iterations, 500);
@@ -646,13 +647,15 @@ START_TEST(bad_settings) {
   const dls_primal_settings good = with_tol(1e-8);
   ck_assert_int_eq(dls_primal_create(NULL, &s.model, &good, &error), DLS_E_ARGUMENT);
   ck_assert_str_eq(error.argument, "out");
-  expect_create(&s.model, NULL, DLS_E_ARGUMENT, "settings", -1);
+  dls_primal *work;
+  ck_assert_int_eq(dls_primal_create(&work, &s.model, NULL, &error), DLS_OK); /* the defaults */
+  dls_primal_destroy(work);
   dls_primal_settings bad = {0};
   expect_create(&s.model, &bad, DLS_E_SETTINGS, "settings", -1);
   const double tol[] = {-1, NAN, INFINITY}, relaxation[] = {0, 2, -1, NAN, INFINITY};
   for (int k = 0; k < 3; k++) {
     bad = good;
-    bad.tol = tol[k];
+    bad.limits.tol = tol[k];
     expect_create(&s.model, &bad, DLS_E_ARGUMENT, "tol", -1);
   }
   for (int k = 0; k < 5; k++) {
@@ -661,13 +664,13 @@ START_TEST(bad_settings) {
     expect_create(&s.model, &bad, DLS_E_ARGUMENT, "relaxation", -1);
   }
   bad = good;
-  bad.max_iterations = 0;
+  bad.limits.max_iterations = -1;
   expect_create(&s.model, &bad, DLS_E_ARGUMENT, "max_iterations", -1);
   bad = good;
   bad.aitken = 2;
   expect_create(&s.model, &bad, DLS_E_ARGUMENT, "aitken", -1);
   bad = good;
-  bad.warm_start = -1;
+  bad.limits.warm_start = -1;
   expect_create(&s.model, &bad, DLS_E_ARGUMENT, "warm_start", -1);
   dls_primal_settings_init(NULL);
   dls_primal_destroy(NULL);
@@ -785,7 +788,7 @@ START_TEST(bad_solve) {
   static springs s;
   random_springs(6, &s);
   dls_primal_settings settings = with_tol(1e-8);
-  settings.warm_start = 1;
+  settings.limits.warm_start = 1;
   dls_primal *work;
   ok(dls_primal_create(&work, &s.model, &settings, &error));
   double x[most] = {0}, r[2 * most_nodes] = {0}, f[most], g[2 * most_nodes], mu[most_nodes];

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "delassus.h"
 #include "base/base.h"
+#include "delassus.h"
 #include "malloc_fails.h"
 
 #ifndef TEST_DATA
@@ -78,7 +78,7 @@ static dls_solver_settings lemke_to(double tol) {
   dls_solver_settings s;
   dls_solver_settings_init(&s);
   s.method = DLS_LEMKE;
-  s.tol = tol;
+  s.limits.tol = tol;
   return s;
 }
 
@@ -137,7 +137,7 @@ START_TEST(slip_through_the_middle_of_a_facet) {
     ck_assert_double_eq_tol(r[1], -R * cos(angle), 1e-13);
     ck_assert_double_eq_tol(r[2], -R * sin(angle), 1e-13);
     ck_assert_double_eq_tol(u[1], (5 - R) * cos(angle), 1e-13);
-    s.tol = 1; /* good enough as it is: the polygon's answer, not the round one */
+    s.limits.tol = 1; /* good enough as it is: the polygon's answer, not the round one */
     ck_assert_int_eq(dls_solve(&problem, &s, r, NULL, NULL, NULL), DLS_OK);
     ck_assert(residual_of(&problem, r) <= 1);
   }
@@ -380,9 +380,9 @@ END_TEST
 static int newton_steps(const dls_contact *p, double *r) {
   dls_newton_settings s;
   dls_newton_settings_init(&s);
-  s.tol = 1e-12;
+  s.limits.tol = 1e-12;
   s.sweeps = 0;
-  s.warm_start = 1;
+  s.limits.warm_start = 1;
   dls_newton *newton;
   dls_info info;
   ck_assert_int_eq(dls_newton_create(&newton, p->d, p->nc, &s, NULL), DLS_OK);
@@ -538,7 +538,7 @@ START_TEST(limit_and_cancellation_are_not_polished_away) {
   dls_solver_settings s = lemke_to(1e-12);
   double r[MOST];
   dls_info info;
-  s.max_iterations = 3;
+  s.limits.max_iterations = 3;
   ck_assert_int_eq(dls_solve(&p, &s, r, NULL, &info, NULL), DLS_MAX_ITERATIONS);
   ck_assert_int_eq(info.iterations, 2 + 3); /* two rounds of the crash start, three pivots */
   ck_assert(info.certificate.residual == residual_of(&p, r));

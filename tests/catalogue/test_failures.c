@@ -350,7 +350,7 @@ START_TEST(gauss_seidel) {
   const unsigned any = 1u << DLS_OK | 1u << DLS_MAX_ITERATIONS | 1u << DLS_STALLED;
   dls_nlgs_settings settings;
   dls_nlgs_settings_init(&settings);
-  settings.tol =
+  settings.limits.tol =
       0; /* to 4 floor: in c20 the residual 1e-12 of one support hides an error of the other */
   for (int p = 0; p < problems; p++) {
     const failure *f = &all[p];
@@ -384,7 +384,7 @@ END_TEST
 static dls_status by_method(const char *name, const failure *f, double *r) {
   dls_solver_settings s;
   dls_solver_settings_init(&s);
-  s.tol = 1e-12;
+  s.limits.tol = 1e-12;
   if (!strcmp(name, "nlgs+anderson")) {
     s.method = DLS_NLGS;
     s.acceleration = DLS_ACCELERATION_ANDERSON;

@@ -483,7 +483,7 @@ START_TEST(below_the_bound_there_is_one_solution) {
     settings.method = DLS_LEMKE;
     ck_assert_int_eq(dls_solve(&p, &settings, r, NULL, NULL, NULL), DLS_OK);
     settings.method = DLS_NLGS;
-    settings.max_iterations = 100000;
+    settings.limits.max_iterations = 100000;
     ck_assert_int_eq(dls_solve(&p, &settings, r, NULL, NULL, NULL), DLS_OK);
   }
   ck_assert_int_ge(tried, 250);

@@ -92,16 +92,16 @@ typedef struct tested_solver {
   static dls_##NAME##_settings with_tol(double tol) {                                              \
     dls_##NAME##_settings s;                                                                       \
     dls_##NAME##_settings_init(&s);                                                                \
-    s.tol = tol;                                                                                   \
+    s.limits.tol = tol;                                                                            \
     return s;                                                                                      \
   }                                                                                                \
   static void solver_init(void *settings, double tol, int warm_start) {                            \
     dls_##NAME##_settings *s = settings;                                                           \
     *s = with_tol(tol);                                                                            \
-    s->warm_start = warm_start;                                                                    \
+    s->limits.warm_start = warm_start;                                                             \
   }                                                                                                \
   static void solver_bound(void *settings, int max_iterations) {                                   \
-    ((dls_##NAME##_settings *)settings)->max_iterations = max_iterations;                          \
+    ((dls_##NAME##_settings *)settings)->limits.max_iterations = max_iterations;                   \
   }                                                                                                \
   static dls_status solver_create(void **work, int d, int nc, const void *settings,                \
                                   dls_error *error) {                                              \

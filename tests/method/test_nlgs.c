@@ -11,14 +11,14 @@
 #include "delassus/files.h"
 #include "delassus/nlgs.h"
 #include "delassus/reduction.h"
-#include "vi/vi_internal.h"
 #include "malloc_fails.h"
+#include "vi/vi_internal.h"
 
 SOLVER(nlgs, DLS_NLGS);
 
 static dls_status run(const dls_contact *p, const dls_nlgs_settings *settings, double *r, double *u,
                       dls_info *info) {
-  return run_with(&the_nlgs, p, settings, settings->tol, r, u, info);
+  return run_with(&the_nlgs, p, settings, settings->limits.tol, r, u, info);
 }
 
 /* ---- by hand --------------------------------------------------------------------------------- */
@@ -76,7 +76,7 @@ START_TEST(ambiguous) {
   ck_assert_int_eq(run(&a.p, &s, r, u, &info), DLS_OK);
   ck_assert(r[0] == 0 && r[1] == 0);
   ck_assert_int_eq(info.ambiguous, 1);
-  s.warm_start = 1; /* from the sticking solution: it is one, and stays */
+  s.limits.warm_start = 1; /* from the sticking solution: it is one, and stays */
   r[0] = 2;
   r[1] = -3;
   ck_assert_int_eq(run(&a.p, &s, r, u, &info), DLS_OK);
@@ -115,9 +115,9 @@ START_TEST(cycle) {
   for (int cancel = 0; cancel < 2; cancel++) {
     dls_nlgs_settings s = with_tol(1e-8);
     watch w = {"nlgs", 500, INFINITY, 0, cancel ? 7 : 0};
-    s.max_iterations = 500;
-    s.progress = look;
-    s.progress_data = &w;
+    s.limits.max_iterations = 500;
+    s.limits.progress = look;
+    s.limits.progress_data = &w;
     double r[4], u[4];
     dls_info info;
     ck_assert_int_eq(run(&a.p, &s, r, u, &info), cancel ? DLS_CANCELLED : DLS_MAX_ITERATIONS);
@@ -136,8 +136,8 @@ START_TEST(never_worse) {
   set_hand(&a, k);
   set_seed(362436069 + (uint64_t)_i);
   dls_nlgs_settings s = with_tol(1e-14);
-  s.warm_start = 1;
-  s.max_iterations = 1 + _i % 4;
+  s.limits.warm_start = 1;
+  s.limits.max_iterations = 1 + _i % 4;
   double r[4], u[4];
   for (int i = 0; i < 4; i++)
     r[i] = k->r[i] * (1 + 0.5 * uniform());
@@ -232,7 +232,7 @@ START_TEST(accelerated_random_problem) {
     ck_assert_int_eq(info.iterations, info2.iterations);
 
     /* from the answer: no sweep; from elsewhere, with other windows and relaxed: the same answer */
-    s.warm_start = 1;
+    s.limits.warm_start = 1;
     ck_assert_int_eq(run(&a.p, &s, r2, NULL, &info2), DLS_OK);
     ck_assert_int_eq(info2.iterations, 0);
     for (int o = 0; o < 3; o++) {
@@ -265,7 +265,7 @@ START_TEST(fewer_sweeps) {
   double r[most];
   dls_info none, aitken, anderson;
   dls_nlgs_settings s = with_tol(1e-12);
-  s.max_iterations = 100000;
+  s.limits.max_iterations = 100000;
   ck_assert_int_eq(run(&a.p, &s, r, NULL, &none), DLS_OK);
   s.acceleration = DLS_ACCELERATION_AITKEN;
   ck_assert_int_eq(run(&a.p, &s, r, NULL, &aitken), DLS_OK);
@@ -329,9 +329,9 @@ START_TEST(
   for (int k = 0; k < 2; k++) {
     dls_nlgs_settings s = accelerated(1e-8, accelerations[k]);
     watch w = {"nlgs", 500, INFINITY, 0, 0};
-    s.max_iterations = 500;
-    s.progress = look;
-    s.progress_data = &w;
+    s.limits.max_iterations = 500;
+    s.limits.progress = look;
+    s.limits.progress_data = &w;
     double r[4], u[4];
     dls_info info;
     const dls_status status = run(&a.p, &s, r, u, &info);
@@ -364,8 +364,8 @@ START_TEST(accelerated_workspace) {
   for (int k = 0; k < 2; k++) {
     int at = 0;
     dls_nlgs_settings s = accelerated(1e-12, accelerations[k]);
-    s.progress = stop;
-    s.progress_data = &at;
+    s.limits.progress = stop;
+    s.limits.progress_data = &at;
     double r[most], r2[most];
     dls_info info;
     ck_assert_int_eq(run(&b.p, &s, r, NULL, &info), DLS_OK);
@@ -401,8 +401,8 @@ START_TEST(same_visits_same_bits) {
     }
     for (int k = 0; k < 3; k++) {
       dls_nlgs_settings s = k < 2 ? accelerated(0, accelerations[k]) : with_tol(0);
-      s.max_iterations = k < 2 ? 8 : 60;
-      s.warm_start = 1;
+      s.limits.max_iterations = k < 2 ? 8 : 60;
+      s.limits.warm_start = 1;
       double r[2][most];
       dls_certificate c;
       for (int side = 0; side < 2; side++) {

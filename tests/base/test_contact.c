@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "delassus.h"
 #include "base/base.h"
+#include "delassus.h"
 #include "malloc_fails.h"
 
 /* Two candidates in 2D, coupled: W symmetric positive definite. */
@@ -41,7 +41,9 @@ END_TEST
 
 START_TEST(an_error_says_where) {
   dls_error e;
-  const dls_status s = dlsi_fail(&e, DLS_E_NOT_FINITE, "q", 3, -2.5, "is %s", "odd");
+  dls_status s = dlsi_fail(&e, DLS_E_NOT_FINITE, "q", 3, -2.5, "is %s", "odd");
+  ck_assert_str_eq(e.message, "q[3]: is odd");
+  s = dlsi_at("dls_f", s, &e);
   ck_assert_int_eq(s, DLS_E_NOT_FINITE);
   ck_assert_int_eq(e.status, DLS_E_NOT_FINITE);
   ck_assert_str_eq(e.function, "dls_f");
@@ -49,7 +51,14 @@ START_TEST(an_error_says_where) {
   ck_assert_int_eq(e.index, 3);
   ck_assert(e.value == -2.5);
   ck_assert_str_eq(e.message, "dls_f: q[3]: is odd");
+  ck_assert_int_eq(dlsi_at("dls_outer", s, &e), DLS_E_NOT_FINITE);
+  ck_assert_str_eq(e.function, "dls_outer");
+  ck_assert_str_eq(e.message, "dls_outer: q[3]: is odd");
+  const dls_error same = e;
+  ck_assert_int_eq(dlsi_at("dls_f", DLS_STALLED, &e), DLS_STALLED);
+  ck_assert_mem_eq(&e, &same, sizeof e);
   ck_assert_int_eq(dlsi_fail(NULL, DLS_E_SIZE, "", -1, 0, "x"), DLS_E_SIZE);
+  ck_assert_int_eq(dlsi_at("dls_f", DLS_E_SIZE, NULL), DLS_E_SIZE);
 }
 END_TEST
 

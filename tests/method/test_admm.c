@@ -18,7 +18,7 @@ SOLVER(admm, DLS_ADMM);
 
 static dls_status run(const dls_contact *p, const dls_admm_settings *settings, double *r, double *u,
                       dls_info *info) {
-  return run_with(&the_admm, p, settings, settings->tol, r, u, info);
+  return run_with(&the_admm, p, settings, settings->limits.tol, r, u, info);
 }
 
 /* ---- by hand --------------------------------------------------------------------------------- */
@@ -68,12 +68,12 @@ START_TEST(first_iterations) {
   for (int e = -2; e <= 2; e++) {
     s.rho = pow(10, e);
     const double x = 1 / (1 + s.rho);
-    s.max_iterations = 1;
+    s.limits.max_iterations = 1;
     ck_assert_int_eq(run(&a.p, &s, r, NULL, &info), DLS_MAX_ITERATIONS);
     ck_assert(fabs(r[0] - x) <= 1e-15 && r[1] == 0);
     const double x2 = (s.rho * 1.6 * x + 1) / (1 + s.rho);
     if (fabs(x2 - 1) >= fabs(x - 1)) continue; /* the better one is returned */
-    s.max_iterations = 2;
+    s.limits.max_iterations = 2;
     ck_assert_int_eq(run(&a.p, &s, r, NULL, &info), DLS_MAX_ITERATIONS);
     ck_assert(fabs(r[0] - x2) <= 1e-15 && r[1] == 0);
   }
@@ -85,7 +85,7 @@ START_TEST(ambiguous) { /* from any of its solutions no step is taken */
   static const double start[3][2] = {{0, 0}, {2, -3}, {1, -2}};
   set_hand(&a, &ambiguous_case);
   dls_admm_settings s = with_tol(1e-12);
-  s.warm_start = 1;
+  s.limits.warm_start = 1;
   for (int i = 0; i < 3; i++) {
     double r[2] = {start[i][0], start[i][1]}, u[2];
     dls_info info;
@@ -164,8 +164,8 @@ START_TEST(never_worse) {
   set_seed(362436069 + (uint64_t)_i);
   random_model(&a, 2 + _i % 2, 3, 2);
   dls_admm_settings s = with_tol(1e-14);
-  s.warm_start = 1;
-  s.max_iterations = 1 + _i % 3;
+  s.limits.warm_start = 1;
+  s.limits.max_iterations = 1 + _i % 3;
   s.rho = pow(10, _i % 5 - 2);
   double r[9];
   for (int i = 0; i < 9; i++)
@@ -182,7 +182,7 @@ START_TEST(start_that_overflows) { /* is dropped */
   static model a;
   set_hand(&a, hand_named("stick"));
   dls_admm_settings s = with_tol(1e-14);
-  s.warm_start = 1;
+  s.limits.warm_start = 1;
   double r[2] = {1e308, -1e308};
   dls_info info;
   ck_assert_int_eq(run(&a.p, &s, r, NULL, &info), DLS_OK);
@@ -195,10 +195,10 @@ START_TEST(cancelled) { /* cancelled, or at the limit: the best of what was met 
   set_seed(521288629);
   random_model(&a, 3, 20, 0.6);
   dls_admm_settings s = with_tol(1e-15);
-  s.max_iterations = _i ? 1000 : 5;
-  watch w = {"admm", s.max_iterations, INFINITY, 0, _i ? 7 : 0};
-  s.progress = look;
-  s.progress_data = &w;
+  s.limits.max_iterations = _i ? 1000 : 5;
+  watch w = {"admm", s.limits.max_iterations, INFINITY, 0, _i ? 7 : 0};
+  s.limits.progress = look;
+  s.limits.progress_data = &w;
   double r[most];
   dls_info info;
   ck_assert_int_eq(run(&a.p, &s, r, NULL, &info), _i ? DLS_CANCELLED : DLS_MAX_ITERATIONS);
@@ -261,7 +261,7 @@ END_TEST
 static dls_admm *large_workspace(double tol, int blocks) {
   dls_admm_settings s = with_tol(tol);
   dls_admm *work;
-  s.blocks = blocks;
+  s.limits.blocks = blocks;
   ck_assert_int_eq(dls_admm_create(&work, 2, row_nc, &s, NULL), DLS_OK);
   return work;
 }
@@ -382,8 +382,8 @@ START_TEST(half_plane) {
     dls_solver_settings s;
     dls_solver_settings_init(&s);
     s.method = method[way];
-    s.tol = 1e-10;
-    s.max_iterations = way == 2 ? 3000 : 0;
+    s.limits.tol = 1e-10;
+    s.limits.max_iterations = way == 2 ? 3000 : 0;
     if (way == 2) s.acceleration = DLS_ACCELERATION_ANDERSON;
     const clock_t start = clock();
     const dls_status status = dls_solve(&p, &s, r[way], NULL, &info[way], NULL);
@@ -416,9 +416,9 @@ START_TEST(bad_create) {
     refuses_to_create(&the_admm, DLS_E_ARGUMENT, "rho", -1, 2, 1, &s);
   }
   dls_admm_settings s = with_tol(1e-8);
-  s.blocks = -1;
+  s.limits.blocks = -1;
   refuses_to_create(&the_admm, DLS_E_ARGUMENT, "blocks", -1, 2, 1, &s);
-  s.blocks = INT_MAX;
+  s.limits.blocks = INT_MAX;
   if (WITH_MUMPS) refuses_to_create(&the_admm, DLS_E_SIZE, "blocks", -1, 2, 200, &s);
   dls_admm_settings_init(NULL);
 }
@@ -431,9 +431,9 @@ END_TEST
 
 START_TEST(memory) { /* the formulas of admm.h: dense; by blocks */
   dls_admm_settings s = with_tol(1e-8);
-  s.blocks = 500 * _i;
+  s.limits.blocks = 500 * _i;
   const int nc = _i ? 100 : 10, sparse = _i && WITH_MUMPS;
-  const double m = 3 * nc, entries = 9. * s.blocks + m;
+  const double m = 3 * nc, entries = 9. * s.limits.blocks + m;
   const double matrix = sparse ? 2 * 8 * entries + 3 * sizeof(int) * entries : _i ? 0 : 8 * m * m;
   expect_memory(&the_admm, 3, nc, &s, 8 * 32.6 * m + matrix, sparse ? 12000 : 3000);
 }

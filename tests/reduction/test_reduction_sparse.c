@@ -664,7 +664,7 @@ START_TEST(block_on_the_floor) {
   dls_solver_settings settings;
   dls_solver_settings_init(&settings);
   settings.method = DLS_NEWTON;
-  settings.tol = 1e-12;
+  settings.limits.tol = 1e-12;
   double r[2 * side] = {0}, u[2 * side], imbalance = 1, first = 0;
   int turns = 0;
   while (imbalance > 1e-10 && turns < 60) {

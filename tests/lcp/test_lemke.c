@@ -55,9 +55,9 @@ static dls_status solve(int n, const double *M, const double *q, const dls_lemke
     ck_assert_double_eq(v[i], y[i]);
   }
   if (status == DLS_OK)
-    ck_assert(dls_lcp_certificate_holds(&certificate, settings->tol));
+    ck_assert(dls_lcp_certificate_holds(&certificate, settings->limits.tol));
   else
-    ck_assert(!dls_lcp_certificate_holds(&certificate, settings->tol));
+    ck_assert(!dls_lcp_certificate_holds(&certificate, settings->limits.tol));
   double z0, dz0, violation;
   if (status == DLS_RAY || status == DLS_NO_SOLUTION) {
     ck_assert_int_eq(dls_lemke_ray(w, v, &z0, dz, &dz0, d, &error), DLS_OK);
@@ -701,18 +701,18 @@ START_TEST(progress_and_limit) {
   dls_lemke_settings settings = path_alone();
   dls_lemke_info info;
   spd_and_skew(n, big_M, big_q);
-  settings.progress = watch;
-  settings.progress_data = &seen;
+  settings.limits.progress = watch;
+  settings.limits.progress_data = &seen;
   ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
   ck_assert_int_eq(seen.calls, info.pivots / 50);
   ck_assert_int_gt(seen.calls, 1);
-  settings.progress_data = &cancels;
+  settings.limits.progress_data = &cancels;
   ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_CANCELLED);
   ck_assert_int_eq(info.pivots, 100);
   ck_assert_double_gt(info.certificate.residual, 0);
   ck_assert_double_lt(info.certificate.residual, 1);
-  settings.progress = NULL;
-  settings.max_iterations = 60;
+  settings.limits.progress = NULL;
+  settings.limits.max_iterations = 60;
   ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_MAX_ITERATIONS);
   ck_assert_int_eq(info.pivots, 60);
 }
@@ -742,15 +742,15 @@ START_TEST(bad_arguments) {
   settings.size++;
   const double tols[] = {-1, NAN, INFINITY};
   for (int k = 0; k < 3; k++) {
-    settings.tol = tols[k];
+    settings.limits.tol = tols[k];
     ck_assert_int_eq(dls_lemke_create(&w, 2, &settings, &e), DLS_E_ARGUMENT);
     ck_assert_str_eq(e.argument, "tol");
   }
-  settings.tol = 1e-8;
-  settings.max_iterations = -1;
+  settings.limits.tol = 1e-8;
+  settings.limits.max_iterations = -1;
   ck_assert_int_eq(dls_lemke_create(&w, 2, &settings, &e), DLS_E_ARGUMENT);
   ck_assert_str_eq(e.argument, "max_iterations");
-  settings.max_iterations = 0;
+  settings.limits.max_iterations = 0;
   settings.cover = cover;
   cover[1] = 0;
   ck_assert_int_eq(dls_lemke_create(&w, 2, &settings, &e), DLS_E_ARGUMENT);
@@ -881,10 +881,10 @@ START_TEST(warm_start_follows_a_load) {
   int warm_pivots = 0, cold_pivots = 0;
   for (int k = 0; k < steps; k++) {
     growing_problem(n, 0.05 * k, M, q);
-    settings.warm_start = 0;
+    settings.limits.warm_start = 0;
     ck_assert_int_eq(solve(n, M, q, &settings, cold, &info), DLS_OK);
     if (k > 0) cold_pivots += info.pivots;
-    settings.warm_start = k > 0;
+    settings.limits.warm_start = k > 0;
     ck_assert_int_eq(solve(n, M, q, &settings, z, &info), DLS_OK);
     ck_assert_double_le(info.certificate.residual, 1e-13);
     ck_assert_int_eq(info.starts, 1);
@@ -905,7 +905,7 @@ START_TEST(warm_start_from_anywhere) {
   dls_lemke_info info;
   growing_problem(n, 0, M, q);
   ck_assert_int_eq(solve(n, M, q, &settings, cold, &info), DLS_OK);
-  settings.warm_start = 1;
+  settings.limits.warm_start = 1;
   seed = 5;
   for (int k = 0; k < 500; k++) {
     for (int i = 0; i < n; i++)
@@ -923,7 +923,7 @@ START_TEST(warm_start_that_leads_nowhere) {
   const double singular[4] = {1, 1, 1, 1}, q[2] = {-1, -2};
   double z[2] = {1, 1};
   dls_lemke_settings settings = path_alone();
-  settings.warm_start = 1;
+  settings.limits.warm_start = 1;
   dls_lemke_info info;
   ck_assert_int_eq(solve(2, singular, q, &settings, z, &info), DLS_OK);
   ck_assert_double_eq_tol(z[1], 2, 4e-16);
@@ -942,7 +942,7 @@ START_TEST(warm_start_that_leads_nowhere) {
   ck_assert_int_eq(error.index, 1);
   ck_assert(z[0] == 7);
   dls_lemke_destroy(w);
-  settings.warm_start = 2;
+  settings.limits.warm_start = 2;
   ck_assert_int_eq(dls_lemke_create(&w, 2, &settings, &error), DLS_E_ARGUMENT);
   ck_assert_str_eq(error.argument, "warm_start");
 }
@@ -1112,7 +1112,7 @@ START_TEST(crash_from_a_start_and_with_a_cover) {
   double ones[n];
   spd_and_skew(n, big_M, big_q);
   ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
-  settings.warm_start = 1;
+  settings.limits.warm_start = 1;
   ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
   ck_assert_int_eq(info.crash_rounds, 1);
   ck_assert_int_eq(info.starts, 0);
@@ -1136,8 +1136,8 @@ START_TEST(crash_can_be_cancelled) {
   dls_lemke_info info;
   int calls = 0;
   spd_and_skew(n, big_M, big_q);
-  settings.progress = stop_at_second_round;
-  settings.progress_data = &calls;
+  settings.limits.progress = stop_at_second_round;
+  settings.limits.progress_data = &calls;
   ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_CANCELLED);
   ck_assert_int_eq(info.crash_rounds, 2);
   ck_assert_int_eq(info.pivots, 0);

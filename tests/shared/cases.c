@@ -355,7 +355,7 @@ void expect_answer_of(const tested_solver *s, int i, dls_method other) {
   dls_solver_settings others;
   dls_solver_settings_init(&others);
   others.method = other;
-  others.tol = 1e-12;
+  others.limits.tol = 1e-12;
   double r[most], u[most], r2[most];
   dls_info info;
   ck_assert_int_eq(run_with(s, &a.p, &own, 1e-12, r, u, &info), DLS_OK);
@@ -522,7 +522,9 @@ void expect_bad_create(const tested_solver *s) {
   refuses_to_create(s, DLS_E_ARGUMENT, "d", -1, 4, 1, &good);
   refuses_to_create(s, DLS_E_SIZE, "nc", -1, 2, 0, &good);
   refuses_to_create(s, DLS_E_SIZE, "nc", -1, 3, INT_MAX, &good);
-  refuses_to_create(s, DLS_E_ARGUMENT, "settings", -1, 2, 1, NULL);
+  void *work;
+  ck_assert_int_eq(s->create(&work, 2, 1, NULL, &error), DLS_OK); /* the defaults */
+  s->destroy(work);
   memset(&bad, 0, sizeof bad);
   refuses_to_create(s, DLS_E_SETTINGS, "settings", -1, 2, 1, &bad);
   const double bad_tol[] = {-1, NAN, INFINITY};
@@ -533,7 +535,7 @@ void expect_bad_create(const tested_solver *s) {
   init(s, &bad, 1e-8, 2);
   refuses_to_create(s, DLS_E_ARGUMENT, "warm_start", -1, 2, 1, &bad);
   init(s, &bad, 1e-8, 0);
-  s->bound(&bad, 0);
+  s->bound(&bad, -1);
   refuses_to_create(s, DLS_E_ARGUMENT, "max_iterations", -1, 2, 1, &bad);
   s->destroy(NULL);
 }

@@ -1,0 +1,93 @@
+#!/bin/sh
+# check_arrows.sh BUILD: no arrow of the library runs up or sideways. The rooms, the floor first:
+#
+#   include <- src/base <- src/linear <- { lcp, vi, reduction, src/files } <- src/front <- src/fe <- src/cli
+#
+# Read from the sources: every #include. Read from the objects under BUILD/obj: every symbol that one file
+# defines and another uses. A public header belongs to the room whose file it names; a header that names none
+# is the floor's. Two files that use each other's symbols, directly or around a corner, are a circle.
+set -u
+build=$1
+tmp=$(mktemp -d) || exit 1
+trap 'rm -rf "$tmp"' EXIT
+
+# ROOM LEVEL; a room may use those of lower levels and itself
+cat >"$tmp/rooms" <<'END'
+include 0
+src/base 1
+src/linear 2
+lcp 3
+vi 3
+reduction 3
+src/files 3
+src/front 4
+src/fe 5
+src/cli 6
+END
+
+# the public headers and their rooms
+cat >"$tmp/headers" <<'END'
+lcp.h lcp
+pivoting.h lcp
+facets.h lcp
+nlgs.h vi
+newton.h vi
+admm.h vi
+augmented.h vi
+primal.h vi
+reduction.h reduction
+files.h src/files
+solve.h src/front
+diagnose.h src/front
+fe.h src/fe
+forming.h src/fe
+END
+
+# includes: FILE HEADER, both from the top of the tree
+for file in $(ls src/*/*.[ch] lcp/*.[ch] vi/*.[ch] reduction/*.[ch] include/delassus/*.h); do
+  sed -n 's/^#include "\(.*\)".*/\1/p' "$file" | while read -r header; do
+    for place in "$(dirname "$file")" include src .; do
+      [ -f "$place/$header" ] || continue
+      echo "$file ${place#./}/$header" | sed 's| \./| |'
+      break
+    done
+  done
+done >"$tmp/includes"
+
+# symbols: FILE FILE, user and definer
+for object in $(cd "$build/obj" && ls src/*/*.o lcp/*.o vi/*.o reduction/*.o); do
+  nm "$build/obj/$object" | awk -v f="${object%.o}.c" \
+    'NF == 2 && $1 == "U" { print "U", f, $2 } NF == 3 && $2 ~ /[TDRBWi]/ { print "D", f, $3 }'
+done >"$tmp/symbols"
+awk '$1 == "D" { at[$3] = $2 } $1 == "U" { n++; user[n] = $2; name[n] = $3 }
+  END { for (k = 1; k <= n; k++) if ((name[k] in at) && at[name[k]] != user[k]) print user[k], at[name[k]] }' \
+  "$tmp/symbols" | sort -u >"$tmp/uses"
+
+awk '
+  function room(file,   k, name) {
+    if (file ~ /^include\//) {
+      name = file; sub(/.*\//, "", name)
+      return name in header ? header[name] : "include"
+    }
+    sub(/\/[^\/]*$/, "", file)
+    return file
+  }
+  FILENAME ~ /rooms$/ { level[$1] = $2; next }
+  FILENAME ~ /headers$/ { header[$1] = $2; next }
+  {
+    from = room($1); to = room($2); arrows[from " " to] = 1
+    if (!(from in level)) { print $1 ": " from " is no room"; bad = 1 }
+    else if (!(to in level)) { print $2 ": " to " is no room"; bad = 1 }
+    else if (from != to && level[to] >= level[from]) {
+      print (FILENAME ~ /uses$/ ? "call: " : "include: ") $1 " -> " $2; bad = 1
+    }
+    # a circle within a room: calls of files
+    if (FILENAME ~ /uses$/ && from == to) { n++; a[n] = $1; b[n] = $2; reach[$1, $2] = 1; file[$1] = file[$2] = 1 }
+  }
+  END {
+    for (k in file) for (i in file) if ((i, k) in reach) for (j in file) if ((k, j) in reach) reach[i, j] = 1
+    for (i in file) if ((i, i) in reach) { print "circle through " i; bad = 1 }
+    for (k in arrows) { split(k, p, " "); if (p[1] != p[2]) count++ }
+    if (!bad) print "arrows: " count " between rooms, none up or sideways, no circle"
+    exit bad
+  }' "$tmp/rooms" "$tmp/headers" "$tmp/includes" "$tmp/uses"
