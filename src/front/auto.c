@@ -77,6 +77,7 @@ typedef struct dlsi_auto {
   double target, least; /* logarithms of e* and of the least e that counts */
   double rate;          /* (AT6) */
   double unknowns;      /* k of (AT7) at the last look */
+  int costly;           /* a Newton step, more than a sixth of (AT2) */
   int since;            /* iteration of the least e */
 } dlsi_auto;
 
@@ -108,10 +109,12 @@ static double cost_of_newton(dlsi_auto *work) {
   const dls_contact *problem = work->problem;
   const int dense = problem->W.a != NULL;
   const double k = count_unknowns(problem, work->r), m = (double)problem->d * problem->nc;
-  const double steps = dense && k == work->unknowns ? problem->d - 1 : 4;
+  const int settled = dense && k == work->unknowns;
   const double step = fmin(fmax(5 + k / 12, k / 6), 50);
+  const double dense_step = fmax(step, k * k / (6 * m));
   work->unknowns = k;
-  return steps * (1 << work->failures) * (dense ? fmax(step, k * k / (50 * m)) : step);
+  work->costly = dense && !settled && dense_step > 50;
+  return (settled ? problem->d - 1 : 4) * (1 << work->failures) * (dense ? dense_step : step);
 }
 
 static int watch_sweeps(void *data, const dls_progress *p) {
@@ -181,7 +184,7 @@ static int may_rest(const dls_contact *problem) {
 static int may_split(const dlsi_auto *work) {
   const dls_contact *problem = work->problem;
   if (work->has_split || problem->d * problem->nc < split_unknowns) return 0;
-  return problem->W.a ? work->failures > 0 : may_rest(problem);
+  return problem->W.a ? work->failures > 0 || work->costly : may_rest(problem);
 }
 
 static int may_pivot(const dlsi_auto *work) {
@@ -287,7 +290,7 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   work->problem = problem;
   work->info = (dls_info){.method = DLS_AUTO, .certificate = dlsi_no_certificate};
-  work->cancelled = work->limited = work->failures = work->has_split = 0;
+  work->cancelled = work->limited = work->failures = work->has_split = work->costly = 0;
   work->verdict = DLS_OK;
   memset(work->best, 0, m * sizeof *r);
   if (work->options.limits.warm_start) memcpy(work->best, r, m * sizeof *r);
