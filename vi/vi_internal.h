@@ -95,12 +95,12 @@ static const dls_certificate dlsi_no_certificate = {.residual = INFINITY, .floor
  * make the problem u = (W + diag(E)) r + q; the weights remain those of W. */
 typedef struct dlsi_iterate {
   double tol;
-  const double *E; /* springs: nc, of the caller; NULL for 0 */
-  double *w;       /* weights of the certificate: nc */
-  double *u;       /* W r + q of the r measured last: m */
-  double *a;       /* |W| |r| of that r: m */
-  double *F;       /* F of that r, also scratch: m */
-  double *best;    /* best r so far: m */
+  const double *E;             /* springs: nc, of the caller; NULL for 0 */
+  double *w;                   /* weights of the certificate: nc */
+  double *u;                   /* W r + q of the r measured last: m */
+  double *a;                   /* |W| |r| of that r: m */
+  double *F;                   /* F of that r, also scratch: m */
+  double *best;                /* best r so far: m */
   dls_certificate certificate; /* of best */
 } dlsi_iterate;
 
@@ -152,8 +152,8 @@ static inline double dlsi_target(double tol, double floor) {
 
 /* Tells the caller's progress callback; returns 1 if that cancels the solve. */
 static inline int dlsi_is_cancelled(const dls_limits *limits, const char *method, int iteration,
-                                    int most, double residual) {
-  const dls_progress progress = {method, iteration, most, residual};
+                                    int max_iterations, double residual) {
+  const dls_progress progress = {method, iteration, max_iterations, residual};
   return limits->progress && limits->progress(limits->progress_data, &progress);
 }
 
@@ -175,16 +175,27 @@ void dlsi_order_candidates(const dls_contact *problem, double *const key[3], int
 /* ---- one method inside of another ------------------------------------------------------------- */
 
 /* Solve as dls_nlgs_solve and dls_newton_solve do, for arguments that have been checked, with springs E
- * (nc, NULL for 0) and to tol. order: nc, in which sweeps visit the candidates; NULL: 0, 1, .. r: also the
- * iterate, while the progress callback of sweeps is called. */
+ * (nc, NULL for 0). order: nc, in which sweeps visit the candidates; NULL: 0, 1, .. r: also the iterate,
+ * while the progress callback of sweeps is called. */
 dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const int *order,
-                         const double *E, double tol, double *r, double *u, dls_info *info);
-dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const double *E,
-                           double tol, double *r, double *u, dls_info *info, dls_error *error);
+                         const double *E, double *r, double *u, dls_info *info);
+dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const double *E, double *r,
+                           double *u, dls_info *info, dls_error *error);
 
 /* Create with a room that outlives the workspace; NULL: one of its own. */
 dls_status dlsi_newton_create(dls_newton **out, int d, int nc, const dls_newton_settings *settings,
                               dlsi_room *room, dls_error *error);
+
+/* The two other creates with a room, and solves of what has been checked. */
+dls_status dlsi_admm_create(dls_admm **out, int d, int nc, const dls_admm_settings *settings,
+                            dlsi_room *room, dls_error *error);
+dls_status dlsi_augmented_create(dls_augmented **out, int d, int nc,
+                                 const dls_augmented_settings *settings, dlsi_room *room,
+                                 dls_error *error);
+dls_status dlsi_admm_solve(void *work, const dls_contact *problem, double *r, double *u,
+                           dls_info *info, dls_error *error);
+dls_status dlsi_augmented_solve(void *work, const dls_contact *problem, double *r, double *u,
+                                dls_info *info, dls_error *error);
 
 /* ---- rows of the table of methods -------------------------------------------------------------- */
 

@@ -68,7 +68,6 @@
 
 enum { look_every = 5 }; /* sweeps */
 enum { steps_expected = 4, steps_after_rise = 6, most_steps_to_sort = 5, most_failures = 5 };
-enum { plain_unknowns = 130 };                                               /* (S1) */
 enum { split_unknowns = 150, split_iterations = 200, rest_iterations = 40 }; /* (S3) */
 enum { rest_patience = 16 };                                                 /* (C3) */
 
@@ -283,25 +282,15 @@ static void end(dlsi_auto *work, dls_method method, int iterations, int factoris
   memcpy(work->best, work->r, m * sizeof *work->r);
 }
 
-/* (S1): the sweeps before Anderson's acceleration */
-static int plain_sweeps(const dlsi_auto *work) {
-  const dls_contact *problem = work->problem;
-  const int small = problem->W.a && problem->d * problem->nc <= plain_unknowns;
-  return small && !work->info.stages ? first_look(work) : 0;
-}
-
 /* (S1); a warm start for which W r overflows is dropped */
 static dls_status sweep(dlsi_auto *work, dls_error *error) {
   (void)error;
   const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
-  dls_certificate certificate;
-  int sweeps;
+  dls_info info;
   begin(work);
-  const dlsi_sweeps how = {.order = work->order, .plain = plain_sweeps(work)};
   const dls_status status =
-      dlsi_nlgs_run(work->sweeps, work->problem, how, work->settings.limits.tol, work->r, NULL,
-                    &certificate, &sweeps);
-  end(work, DLS_NLGS, sweeps, 0, &certificate);
+      dlsi_nlgs_run(work->sweeps, work->problem, work->order, NULL, work->r, NULL, &info);
+  end(work, DLS_NLGS, info.iterations, 0, &info.certificate);
   if (work->info.certificate.residual <= DBL_MAX || work->info.stages > 1) return status;
   memset(work->best, 0, m * sizeof *work->best);
   return sweep(work, error);
@@ -313,7 +302,7 @@ static dls_status newton(dlsi_auto *work, dls_error *error) {
   begin(work);
   work->last = log(work->info.certificate.residual);
   const dls_status status =
-      dlsi_newton_solve(work->newton, work->problem, work->r, NULL, &info, error);
+      dlsi_newton_run(work->newton, work->problem, NULL, work->r, NULL, &info, error);
   if (status < 0) return status;
   end(work, DLS_NEWTON, info.iterations, info.factorisations, &info.certificate);
   if (work->failures < most_failures) work->failures++;
@@ -401,7 +390,8 @@ dls_status dlsi_auto_solve(dlsi_auto *work, const dls_contact *problem, double *
   work->verdict = DLS_OK;
   work->ahead = INFINITY; /* of sweeps that end before they can tell */
   work->steps = newton_steps(work, 0);
-  dlsi_order_candidates(problem, work->memory, work->scratch, work->order);
+  double *const key[] = {work->memory, work->memory + problem->nc, work->memory + 2 * problem->nc};
+  dlsi_order_candidates(problem, key, work->scratch, work->order);
   if (work->settings.limits.warm_start)
     memcpy(work->best, r, m * sizeof *r);
   else

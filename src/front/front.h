@@ -47,8 +47,4 @@ static inline void dlsi_alone_report(dls_info *info, int sweeps,
   if (sweeps) info->stage[0] = (dls_stage){DLS_NLGS, sweeps, 0, certificate->residual};
 }
 
-/* order (nc) := the candidates in an order that does not hang on their numbers, order.c. work: 3 nc,
- * scratch: nc. */
-void dlsi_order_candidates(const dls_contact *problem, double *work, int *scratch, int *order);
-
 #endif

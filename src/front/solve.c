@@ -210,7 +210,7 @@ static dls_status solve_by_method(dls_solver *solver, const dls_contact *problem
   case DLS_LEMKE:
     return dlsi_pivoting_solve(solver->pivoting, problem, r, u, info, error);
   case DLS_NEWTON:
-    return dlsi_newton_solve(solver->newton, problem, r, u, info, error);
+    return dlsi_newton_run(solver->newton, problem, NULL, r, u, info, error);
   case DLS_ADMM:
     return dlsi_admm_solve(solver->admm, problem, r, u, info, error);
   case DLS_AUGMENTED_LAGRANGIAN:
