@@ -10,32 +10,32 @@
  * Douglas and Rachford's splitting takes the two in turn, each by its resolvent in the metric
  * rho D, D = diag(w_c) with the weights of the certificate, rho > 0 without unit:
  *
- *   (D1)  z = (I + (rho D)^-1 B)^-1 v:     z_n = max(v_n, 0), z_t = v_t put on the disc |.| <= mu z_n
- *   (D2)  x = (I + (rho D)^-1 A)^-1 (2 z - v):     (W + rho D) x = rho D (2 z - v) - q
- *   (D3)  u = rho D (2 z - v - x)                  which is W x + q
- *   (D4)  v := v + 1.6 (x - z)                     over-relaxed; 1 in the place of 1.6 is ADMM
+ *   (AD1)  z = (I + (rho D)^-1 B)^-1 v:     z_n = max(v_n, 0), z_t = v_t put on the disc |.| <= mu z_n
+ *   (AD2)  x = (I + (rho D)^-1 A)^-1 (2 z - v):     (W + rho D) x = rho D (2 z - v) - q
+ *   (AD3)  u = rho D (2 z - v - x)                  which is W x + q
+ *   (AD4)  v := v + 1.6 (x - z)                     over-relaxed; 1 in the place of 1.6 is ADMM
  *
- * (D1) is exact: it asks for a z that the law joins to the displacement y = rho D (z - v). There,
+ * (AD1) is exact: it asks for a z that the law joins to the displacement y = rho D (z - v). There,
  * z_n - v_n >= 0 is complementary to z_n >= 0, whatever the friction: max(v_n, 0). With z_n known,
  * z_t - v_t is opposed to z_t, and zero inside the disc: the projection of v_t. It has one
  * solution, the metric being the same multiple of I for all of a candidate. No projection on the
  * cone with a lagged mu |u_t|, as the symmetric form of the law needs it, stands in between. Where
  * x = z, u = y: the law and u = W r + q hold together.
  *
- *   (D5)  rho is looked at after 20, 40, 80, .. iterations. Where the smallest residual has halved
+ *   (AD5)  rho is looked at after 20, 40, 80, .. iterations. Where the smallest residual has halved
  *         since, rho := rho sqrt( |x - z| / |z - z'| ), |.| = |D^1/2 .|, z' the z before, if that
  *         changes it by more than sqrt(5). Where it has not, rho may be wrong, and nothing says on
  *         which side: both are tried, farther and farther, rho / 10, 10 rho, rho / 100, .., inside
  *         of 1e-4 .. 100. v := z - (rho_old / rho) (z - v) then keeps z and y. One factorisation.
- *   (D6)  The next v by Anderson's acceleration of (D4) (anderson.c), in the norm |.|.
- *   (D7)  Where an accelerated v has more than twice the |x - z| of the v before, the step is taken
- *         back: v := (D4) of the v before, and the history is forgotten.
+ *   (AD6)  The next v by Anderson's acceleration of (AD4) (anderson.c), in the norm |.|.
+ *   (AD7)  Where an accelerated v has more than twice the |x - z| of the v before, the step is taken
+ *         back: v := (AD4) of the v before, and the history is forgotten.
  *
- * (D3) gives the certificate's residual of x without a product with W; the certificate itself is
+ * (AD3) gives the certificate's residual of x without a product with W; the certificate itself is
  * recomputed from W and q before "solved" is said.
  *
- * Source: Lions and Mercier, SIAM J. Numer. Anal. 16, 1979, 964-979, for monotone A and B. (D5)
- * balances what z and x lack of each other against the change of z, as Boyd et al., Found. Trends
+ * Source: Lions and Mercier, SIAM J. Numer. Anal. 16, 1979, 964-979, for monotone A and B. (AD5)
+ * balances |x - z| against the change of z, as Boyd et al., Found. Trends
  * Mach. Learn. 3, 2011, 3.4.1; the doubled intervals bound the factorisations, to 9 in 5000
  * iterations. Start: v = 0, or warm v = r - (W r + q) / (rho D), whose z is r and whose y is u if
  * they meet the law.
@@ -44,20 +44,15 @@
  * solve with it, 2 m^2, and O(m).
  * What can fail: with mu = 0 or given friction thresholds, and W + W^T positive semidefinite, B and
  * A are monotone and the plain iteration converges from anywhere. Coulomb's B is not: it can cycle
- * at large mu, and crawls where a singular W meets slip. (D5) and (D6) cure most of that and prove
+ * at large mu, and crawls where a singular W meets slip. (AD5) and (AD6) cure most of that and prove
  * nothing. Where there is no solution, v runs away until the limit of iterations.
  */
-#include "delassus/admm.h"
-
 #include <float.h>
 #include <limits.h>
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/base.h"
-#include "linear/blas.h"
 #include "linear/dense.h"
 #include "linear/sparse_lu.h"
 #include "vi_internal.h"
@@ -71,27 +66,29 @@ enum {
   most_doublings = 5
 };
 
-static const double relaxation = 1.6, growth = 2;
+static const double admm_relaxation = 1.6, admm_growth = 2;
 static const double off = 2.2360679774997896; /* sqrt(5) */
 static const double least_rho = 1e-4, most_rho = 100;
-static const double most_floor = 1e-6; /* of an r that is kept */
 
-typedef enum solver { CHOLESKY, LU, SPARSE_LU } solver;
+/* First rho of a stage of auto for W by blocks, perhaps a stack at rest: so small that the first x is nearly
+ * the smallest r with W r = -q. */
+static const double rest_rho = 1e-7;
 
 struct dls_admm {
   dls_admm_settings settings;
   int d, nc;
-  double *w;              /* nc  weights of the certificate */
-  double *metric;         /* nc  sqrt(w), scaled so that |metric v| has no unit */
-  double *v, *z, *before; /* m   before: z' */
-  double *x, *u;          /* m */
-  double *f, *a;          /* m   f: (D6), and F */
-  double *first, *best;   /* m */
+  int stage;              /* of auto: from r as given for W dense, from 0 for W by blocks */
+  dlsi_iterate it;        /* its u is that of x */
+  double *metric;         /* sqrt(w), scaled so that |metric v| has no unit: nc */
+  double *v, *z, *before; /* before: z': m */
+  double *x;              /* m */
+  double *first;          /* start: m */
   dlsi_anderson history;
-  solver solver;
-  int *pivot;      /* m */
-  int *p;          /* m + 1  of the sparse matrix */
-  dlsi_room *room; /* of the matrix: the one given, or */
+  int sparse;       /* 1: this run factorises sparse */
+  dlsi_dense dense; /* else: factors of W + rho D */
+  int *pivot;       /* m */
+  int *p;           /* starts of the columns of the sparse matrix: m + 1 */
+  dlsi_room *room;  /* of the matrix: `own`, or that of the caller */
   dlsi_room own;
 };
 
@@ -101,77 +98,47 @@ void dls_admm_settings_init(dls_admm_settings *settings) {
   dlsi_limits_init(&settings->limits);
 }
 
-static dls_status check_settings(const dls_admm_settings *s, dls_error *error) {
-  const dlsi_setting own[] = {{"rho", s->rho, 0, INFINITY, 1}};
-  return dlsi_check_settings(&s->limits, s->size, sizeof *s, 1, own, error);
+static void admm_carve(void *workspace, dlsi_arena *arena) {
+  dls_admm *work = workspace;
+  const size_t n = (size_t)work->nc, m = (size_t)work->d * n;
+  double **const vectors[] = {&work->v, &work->z, &work->before, &work->x, &work->first};
+  dlsi_iterate_carve(&work->it, arena, work->d, work->nc);
+  work->metric = dlsi_take(arena, n, sizeof *work->metric);
+  dlsi_take_vectors(arena, m, 5, vectors);
+  dlsi_anderson_carve(&work->history, arena, m, window, 0);
+  work->pivot = dlsi_take(arena, m, sizeof *work->pivot);
+  work->p = dlsi_take(arena, m + 1, sizeof *work->p);
 }
 
-/* the workspace and its arrays but for the matrix, in one piece */
-static dls_admm *carve(dlsi_arena *arena, int d, int nc) {
-  const size_t n = (size_t)nc, m = (size_t)d * n, D = sizeof(double);
-  dls_admm *s = dlsi_take(arena, 1, sizeof *s);
-  dls_admm filled = {.d = d, .nc = nc};
-  filled.w = dlsi_take(arena, n, D);
-  filled.metric = dlsi_take(arena, n, D);
-  double **const vectors[] = {&filled.v, &filled.z, &filled.before, &filled.x,   &filled.u,
-                              &filled.f, &filled.a, &filled.first,  &filled.best};
-  for (size_t e = 0; e < sizeof vectors / sizeof vectors[0]; e++)
-    *vectors[e] = dlsi_take(arena, m, D);
-  dlsi_anderson_carve(&filled.history, arena, m, window, 0);
-  filled.pivot = dlsi_take(arena, m, sizeof *filled.pivot);
-  filled.p = dlsi_take(arena, m + 1, sizeof *filled.p);
-  if (arena->failed || !arena->base) return NULL;
-  *s = filled;
-  return s;
-}
-
-/* ---- room for the matrix --------------------------------------------------------------------- */
-
-static int is_dense(const dls_contact *problem) {
-  return problem->W.a != NULL || problem->d * problem->nc <= dense_limit;
-}
-
-static dls_status make_room(dls_admm *work, const dls_contact *problem, dls_error *error) {
-  const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  if (is_dense(problem)) return dlsi_room_dense(work->room, m, error);
-  return dlsi_room_sparse(work->room, problem->d, problem->nc, problem->Wb.p[problem->nc], error);
-}
-
-/* What W is announced to be. Without MUMPS a solve of many blocks says so, not create. */
-static dls_status announce(dls_admm *work, dls_error *error) {
-  const size_t m = (size_t)work->d * (size_t)work->nc;
-  const int blocks = work->settings.limits.blocks;
-  if (!blocks || m <= dense_limit) return dlsi_room_dense(work->room, m, error);
-  dls_error why;
-  const dls_status status = dlsi_room_sparse(work->room, work->d, work->nc, blocks, &why);
-  if (!status || status == DLS_E_UNSUPPORTED) return DLS_OK;
-  if (error) *error = why;
-  return status;
+/* Makes room for the matrix of nc candidates, W dense (blocks = 0) or with so many blocks. */
+static dls_status admm_reserve(dls_admm *work, int nc, int blocks, dls_error *error) {
+  const size_t m = (size_t)work->d * (size_t)nc;
+  work->sparse = blocks && m > dense_limit;
+  return work->sparse ? dlsi_room_sparse(work->room, work->d, nc, blocks, error)
+                      : dlsi_room_dense(work->room, m, error);
 }
 
 dls_status dlsi_admm_create(dls_admm **out, int d, int nc, const dls_admm_settings *settings,
                             dlsi_room *room, dls_error *error) {
+  dls_admm filled = {.d = d, .nc = nc}, *work;
+  dls_admm_settings *s = &filled.settings;
+  dls_admm_settings_init(s);
+  if (settings) *s = *settings;
+  const dlsi_setting own[] = {{"rho", s->rho, 0, INFINITY, 1}};
+  void *made;
+  dls_error why;
   if (!out) return dlsi_is_null(error, "out");
   *out = NULL;
   dls_status status = dlsi_check_sizes(d, nc, error);
-  dls_admm_settings defaults;
-  dls_admm_settings_init(&defaults);
-  if (!settings) settings = &defaults;
-  if (!status) status = check_settings(settings, error);
+  if (!status) status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 1, own, error);
+  if (!status) status = dlsi_workspace(&made, &filled, sizeof filled, admm_carve, nc, error);
   if (status) return status;
-
-  dlsi_arena arena = {0};
-  (void)carve(&arena, d, nc);
-  if (arena.failed) return dlsi_fail(error, DLS_E_SIZE, "nc", -1, nc, "is too large");
-  arena.size = arena.used;
-  arena.used = 0;
-  arena.base = dlsi_alloc(1, arena.size);
-  if (!arena.base) return dlsi_no_memory(error);
-  dls_admm *work = carve(&arena, d, nc);
-  work->settings = *settings;
+  work = made;
   work->room = room ? room : &work->own;
-  status = announce(work, error);
-  if (status) {
+  status = admm_reserve(work, nc, s->limits.blocks, &why);
+  if (status &&
+      status != DLS_E_UNSUPPORTED) { /* without MUMPS a solve says so, if blocks are many */
+    if (error) *error = why;
     dls_admm_destroy(work);
     return status;
   }
@@ -187,13 +154,13 @@ dls_status dls_admm_create(dls_admm **out, int d, int nc, const dls_admm_setting
 void dls_admm_destroy(dls_admm *workspace) {
   if (!workspace) return;
   dlsi_room_free(&workspace->own);
-  free(workspace); /* first in its one piece */
+  free(workspace);
 }
 
-/* ---- W + rho D ------------------------------------------------------------------------------- */
+/* ---- W + rho D --------------------------------------------------------------------------------- */
 
-/* J := W + rho D */
-static void build_dense(dls_admm *work, const dls_contact *problem, double rho) {
+/* J := W + rho D. */
+static void admm_build_dense(dls_admm *work, const dls_contact *problem, double rho) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   for (size_t j = 0; j < m; j++) {
     const size_t c = j / d;
@@ -206,28 +173,12 @@ static void build_dense(dls_admm *work, const dls_contact *problem, double rho) 
       memset(column, 0, m * sizeof *column);
       dlsi_contact_add_columns(problem, (int)c, e, column);
     }
-    column[j] += rho * work->w[c];
+    column[j] += rho * work->it.w[c];
   }
 }
 
-/* J := its factors, Cholesky's if it has any; DLS_E_SINGULAR */
-static dls_status factor_dense(dls_admm *work, const dls_contact *problem, double rho) {
-  const int m = problem->d * problem->nc;
-  double *J = work->room->J;
-  int info;
-  build_dense(work, problem, rho);
-  if (dlsi_is_symmetric(J, (size_t)m)) {
-    work->solver = CHOLESKY;
-    dpotrf_("L", &m, J, &m, &info, 1);
-    if (!info) return DLS_OK;
-    build_dense(work, problem, rho);
-  }
-  work->solver = LU;
-  dgetrf_(&m, &m, J, &m, work->pivot, &info);
-  return info ? DLS_E_SINGULAR : DLS_OK;
-}
-
-static dls_sparse build_sparse(dls_admm *work, const dls_contact *problem, double rho) {
+/* Returns W + rho D in compressed columns. */
+static dls_sparse admm_build_sparse(dls_admm *work, const dls_contact *problem, double rho) {
   const int d = problem->d;
   const dls_blocks *W = &problem->Wb;
   int entries = 0, *row = work->room->i;
@@ -237,7 +188,7 @@ static dls_sparse build_sparse(dls_admm *work, const dls_contact *problem, doubl
       const int column = d * b + j;
       work->p[column] = entries;
       row[entries] = column;
-      value[entries++] = rho * work->w[b];
+      value[entries++] = rho * work->it.w[b];
       for (int s = W->p[b]; s < W->p[b + 1]; s++) {
         const double *x = W->x + (size_t)(d * d) * (size_t)s + d * j;
         for (int i = 0; i < d; i++) {
@@ -251,46 +202,32 @@ static dls_sparse build_sparse(dls_admm *work, const dls_contact *problem, doubl
   return (dls_sparse){m, m, work->p, row, value};
 }
 
-/* Factors W + rho D. Where it is singular, which few rho can do, rho is doubled; DLS_E_SINGULAR if
+/* Factorises W + rho D. Where it is singular, which few rho can make it, rho is doubled; DLS_E_SINGULAR if
  * that does not help. *done counts. */
-static dls_status factor(dls_admm *work, const dls_contact *problem, double *rho, int *done,
-                         dls_error *error) {
-  for (int k = 0; k <= most_doublings; k++) {
+static dls_status admm_factor(dls_admm *work, const dls_contact *problem, double *rho, int *done,
+                              dls_error *error) {
+  for (int k = 0; k <= most_doublings; k++, *rho *= 2) {
     dls_status status;
     dls_error why = {0};
-    if (is_dense(problem))
-      status = factor_dense(work, problem, *rho);
-    else {
-      const dls_sparse A = build_sparse(work, problem, *rho);
-      work->solver = SPARSE_LU;
+    if (work->sparse) {
+      const dls_sparse A = admm_build_sparse(work, problem, *rho);
       status = dlsi_sparse_lu_factor(work->room->lu, &A, &why);
+    } else {
+      admm_build_dense(work, problem, *rho);
+      work->dense = (dlsi_dense){problem->d * problem->nc, work->room->J, work->pivot, 0};
+      status = dlsi_dense_factor(&work->dense, work->it.a) ? DLS_E_SINGULAR : DLS_OK;
     }
     ++*done;
     if (status && status != DLS_E_SINGULAR && error) *error = why;
     if (status != DLS_E_SINGULAR) return status;
-    *rho *= 2;
   }
   return DLS_E_SINGULAR;
 }
 
-/* x := (W + rho D)^-1 x */
-static dls_status back(dls_admm *work, int m, double *x, dls_error *error) {
-  const int one = 1;
-  int info;
-  if (work->solver == CHOLESKY) {
-    dlsi_solve_lower(m, work->room->J, x);
-    dlsi_solve_upper(m, work->room->J, x);
-  } else if (work->solver == LU)
-    dgetrs_("N", &m, &one, work->room->J, &m, work->pivot, x, &m, &info, 1);
-  else
-    return dlsi_sparse_lu_solve(work->room->lu, x, error);
-  return DLS_OK;
-}
+/* ---- the iteration ------------------------------------------------------------------------------- */
 
-/* ---- the iteration --------------------------------------------------------------------------- */
-
-/* (D1) */
-static void resolvent(const dls_contact *problem, const double *v, double *z) {
+/* (AD1) */
+static void admm_resolvent(const dls_contact *problem, const double *v, double *z) {
   const size_t d = (size_t)problem->d;
   for (int c = 0; c < problem->nc; c++) {
     const double *vc = v + d * (size_t)c;
@@ -302,73 +239,70 @@ static void resolvent(const dls_contact *problem, const double *v, double *z) {
   }
 }
 
-/* (D2), (D3) */
-static dls_status solve_linear(dls_admm *work, const dls_contact *problem, double rho,
-                               dls_error *error) {
+/* (AD2), (AD3) */
+static dls_status admm_solve_linear(dls_admm *work, const dls_contact *problem, double rho,
+                                    dls_error *error) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  double *x = work->x, *u = work->u;
+  const double *w = work->it.w;
+  double *x = work->x, *u = work->it.u;
+  dls_status status = DLS_OK;
   for (size_t k = 0; k < m; k++)
-    x[k] = rho * work->w[k / d] * (2 * work->z[k] - work->v[k]) - problem->q[k];
-  const dls_status status = back(work, (int)m, x, error);
+    x[k] = rho * w[k / d] * (2 * work->z[k] - work->v[k]) - problem->q[k];
+  if (work->sparse)
+    status = dlsi_sparse_lu_solve(work->room->lu, x, error);
+  else
+    dlsi_dense_solve(&work->dense, x, (int)m, 1);
   for (size_t k = 0; k < m; k++)
-    u[k] = rho * work->w[k / d] * (2 * work->z[k] - work->v[k] - x[k]);
+    u[k] = rho * w[k / d] * (2 * work->z[k] - work->v[k] - x[k]);
   return status;
 }
 
-/* The certificate's residual of x, from the u at hand. */
-static double estimate(const dls_admm *work, const dls_contact *problem, double q) {
+/* Estimates the certificate's residual of x from the u at hand; q = |q|. */
+static double admm_estimate(const dls_admm *work, const dls_contact *problem, double q) {
+  const dlsi_iterate *it = &work->it;
   const size_t d = (size_t)problem->d;
   for (int c = 0; c < problem->nc; c++) {
     const size_t o = d * (size_t)c;
-    dlsi_contact_residual(problem->d, problem->mu[c], work->w[c], work->x + o, work->u + o,
-                          work->f + o);
+    dlsi_contact_residual(problem->d, problem->mu[c], it->w[c], work->x + o, it->u + o, it->F + o);
   }
-  return dlsi_norm2(work->f, d * (size_t)problem->nc) / q;
+  return dlsi_norm2(it->F, d * (size_t)problem->nc) / q;
 }
 
-/* The certificate of r; work->u := W r + q. */
-static dls_certificate measure(dls_admm *work, const dls_contact *problem, const double *r) {
-  dls_certificate certificate;
-  dlsi_contact_multiply(problem, NULL, r, work->u, work->a);
-  dlsi_contact_measure(problem, r, work->u, work->a, work->w, work->f, &certificate);
-  return certificate;
-}
-
-/* | D^1/2 (a - b) |, without unit */
-static double distance(dls_admm *work, const dls_contact *problem, const double *a,
-                       const double *b) {
+/* Returns | D^1/2 (a - b) |, without unit. */
+static double admm_distance(dls_admm *work, const dls_contact *problem, const double *a,
+                            const double *b) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   for (size_t k = 0; k < m; k++)
-    work->f[k] = work->metric[k / d] * (a[k] - b[k]);
-  return dlsi_norm2(work->f, m);
+    work->it.F[k] = work->metric[k / d] * (a[k] - b[k]);
+  return dlsi_norm2(work->it.F, m);
 }
 
-/* w and metric = D^1/2 / |D^-1/2 q|; q != 0 */
-static void set_metric(dls_admm *work, const dls_contact *problem) {
+/* metric := D^1/2 / |D^-1/2 q|; q != 0. */
+static void admm_set_metric(dls_admm *work, const dls_contact *problem) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  dlsi_contact_weights(problem, work->w);
   for (size_t k = 0; k < m; k++)
-    work->f[k] = problem->q[k] / sqrt(work->w[k / d]);
-  const double scale = dlsi_norm2(work->f, m);
+    work->it.F[k] = problem->q[k] / sqrt(work->it.w[k / d]);
+  const double scale = dlsi_norm2(work->it.F, m);
   for (size_t c = 0; c < m / d; c++)
-    work->metric[c] = sqrt(work->w[c]) / scale;
+    work->metric[c] = sqrt(work->it.w[c]) / scale;
 }
 
-/* what (D5) knows */
-typedef struct schedule {
+/* State of (AD5). */
+typedef struct admm_schedule {
   double rho;
-  double jump;     /* the next factor where the residual stands still */
-  double residual; /* the smallest one at the last look */
-  int look;        /* iteration of the next */
-} schedule;
+  double jump;     /* next factor where the residual stands still */
+  double residual; /* smallest one at the last look */
+  int look;        /* iteration of the next look */
+} admm_schedule;
 
-/* The rho that (D5) asks for; gap = |x - z|, residual: the smallest so far. */
-static double next_rho(dls_admm *work, const dls_contact *problem, double gap, double residual,
-                       schedule *s) {
+/* Returns the rho that (AD5) asks for. gap = |x - z|; residual: the smallest so far. */
+static double admm_next_rho(dls_admm *work, const dls_contact *problem, double gap, double residual,
+                            admm_schedule *s) {
   const int moves = residual <= s->residual / 2;
   double change = s->jump;
   if (moves) {
-    change = sqrt(gap / distance(work, problem, work->z, work->before)); /* infinite: most_rho */
+    change =
+        sqrt(gap / admm_distance(work, problem, work->z, work->before)); /* infinite: most_rho */
     if (change <= off && change >= 1 / off) change = 1;
   } else
     s->jump = s->jump < 1 ? 10 / s->jump : 0.1 / s->jump;
@@ -378,152 +312,147 @@ static double next_rho(dls_admm *work, const dls_contact *problem, double gap, d
   return rho > most_rho ? most_rho : rho < least_rho ? least_rho : rho;
 }
 
-/* (D5): to rho, with the same z and y. DLS_E_SINGULAR, DLS_E_MEMORY */
-static dls_status change_rho(dls_admm *work, const dls_contact *problem, double rho, schedule *s,
-                             int *factorisations, dls_error *error) {
+/* (AD5) Goes on with rho from the same z and y. DLS_E_SINGULAR, DLS_E_MEMORY. */
+static dls_status admm_change_rho(dls_admm *work, const dls_contact *problem, double rho,
+                                  admm_schedule *s, int *factorisations, dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const double old = s->rho;
   s->rho = rho;
-  const dls_status status = factor(work, problem, &s->rho, factorisations, error);
+  const dls_status status = admm_factor(work, problem, &s->rho, factorisations, error);
   for (size_t k = 0; k < m; k++)
     work->v[k] = work->z[k] - old / s->rho * (work->z[k] - work->v[k]);
   dlsi_anderson_clear(&work->history);
   return status;
 }
 
-/* (D4), (D6), (D7); gap = |x - z|, *accepted that of the v before */
-static void advance(dls_admm *work, const dls_contact *problem, double gap, double *accepted) {
+/* (AD4), (AD6), (AD7) gap = |x - z|; *accepted: that of the v before. */
+static void admm_advance(dls_admm *work, const dls_contact *problem, double gap, double *accepted) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   dlsi_anderson *history = &work->history;
-  if (history->columns && !(gap <= growth * *accepted)) {
+  if (history->columns && !(gap <= admm_growth * *accepted)) {
     memcpy(work->v, history->g, m * sizeof *work->v);
     dlsi_anderson_clear(history);
     return;
   }
   *accepted = gap;
   for (size_t k = 0; k < m; k++) {
-    const double step = relaxation * (work->x[k] - work->z[k]);
+    const double step = admm_relaxation * (work->x[k] - work->z[k]);
     work->v[k] += step;
-    work->f[k] = work->metric[k / d] * step;
+    work->it.F[k] = work->metric[k / d] * step;
   }
-  (void)dlsi_anderson_step(history, (int)m, work->f, work->v, NULL);
+  (void)dlsi_anderson_step(history, (int)m, work->it.F, work->v, NULL);
 }
 
-/* The v of r = work->best, to which work->u belongs. */
-static void start(dls_admm *work, const dls_contact *problem, double rho) {
+/* Returns 1 if a solve starts from r as given. From r = 0 a rho that is small for a stack at rest reaches the
+ * answer in a few iterations. */
+static int admm_is_warm(const dls_admm *work) {
+  const dls_limits *limits = &work->settings.limits;
+  return work->stage ? !limits->blocks : limits->warm_start;
+}
+
+/* Iterates from work->first, measured last, until the certificate of an x holds or there is a reason to
+ * stop, which is returned. */
+static dls_status admm_iterate(dls_admm *work, const dls_contact *problem, dls_info *outcome,
+                               dls_error *error) {
+  const dls_limits *limits = &work->settings.limits;
+  dlsi_iterate *it = &work->it;
+  const int most = dlsi_most_iterations(limits, most_iterations);
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  const double q = dlsi_norm2(problem->q, m);
+  int *factorisations = &outcome->factorisations;
+  admm_schedule s = {work->settings.rho, 0.1, INFINITY, first_look};
+  dls_certificate now = it->certificate;
+  double accepted = 0;
+  dls_status status = admm_factor(work, problem, &s.rho, factorisations, error);
   for (size_t k = 0; k < m; k++)
-    work->v[k] =
-        work->settings.limits.warm_start ? work->best[k] - work->u[k] / (rho * work->w[k / d]) : 0;
+    work->v[k] = admm_is_warm(work) ? work->first[k] - it->u[k] / (s.rho * it->w[k / d]) : 0;
   memset(work->z, 0, m * sizeof *work->z);
   dlsi_anderson_clear(&work->history);
-}
-
-/* Iterates from work->best, whose residual is `best`, until the certificate of an x holds or there
- * is a reason to stop, which is returned. work->best: the x of the smallest residual. */
-static dls_status iterate(dls_admm *work, const dls_contact *problem, double best, int *iterations,
-                          int *factorisations, dls_error *error) {
-  const dls_admm_settings *settings = &work->settings;
-  const int most = dlsi_most_iterations(&settings->limits, most_iterations);
-  const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  const double q = dlsi_norm2(problem->q, m);
-  schedule s = {settings->rho, 0.1, INFINITY, first_look};
-  double target = settings->limits.tol, accepted = 0;
-  dls_status status = factor(work, problem, &s.rho, factorisations, error);
-  start(work, problem, s.rho);
   for (int k = 1; !status && k <= most; k++) {
     memcpy(work->before, work->z, m * sizeof *work->z);
-    resolvent(problem, work->v, work->z);               /* (D1) */
-    status = solve_linear(work, problem, s.rho, error); /* (D2), (D3) */
+    admm_resolvent(problem, work->v, work->z);               /* (AD1) */
+    status = admm_solve_linear(work, problem, s.rho, error); /* (AD2), (AD3) */
     if (status) break;
-    *iterations = k;
-    double residual = estimate(work, problem, q);
-    int solved = 0;
-    if (residual <= target || k % refresh_every == 0) {
-      const dls_certificate now = measure(work, problem, work->x);
-      solved = dls_certificate_holds(&now, settings->limits.tol);
-      residual = now.residual;
-      target = 4 * now.floor > settings->limits.tol ? 4 * now.floor : settings->limits.tol;
-    }
-    if (solved || residual < best) {
-      best = residual;
-      memcpy(work->best, work->x, m * sizeof *work->x);
-    }
-    if (solved) return DLS_OK;
-    const dls_progress progress = {"admm", k, most, residual};
-    if (settings->limits.progress &&
-        settings->limits.progress(settings->limits.progress_data, &progress))
-      return DLS_CANCELLED;
-    const double gap = distance(work, problem, work->x, work->z);
+    outcome->iterations = k;
+    now.residual = admm_estimate(work, problem, q);
+    if (now.residual <= dlsi_target(it->tol, now.floor) || k % refresh_every == 0)
+      now = dlsi_iterate_measure(it, problem, work->x);
+    if (dlsi_iterate_keep(it, problem, work->x, &now)) return DLS_OK;
+    if (dlsi_is_cancelled(limits, "admm", k, most, now.residual)) return DLS_CANCELLED;
+    const double gap = admm_distance(work, problem, work->x, work->z);
     if (!(gap > 0 && gap <= DBL_MAX)) return DLS_STALLED;
-    const double rho = k == s.look ? next_rho(work, problem, gap, best, &s) : s.rho; /* (D5) */
-    if (rho != s.rho) {
-      status = change_rho(work, problem, rho, &s, factorisations, error);
-      continue;
-    }
-    advance(work, problem, gap, &accepted); /* (D4), (D6), (D7) */
+    const double rho = k == s.look ? admm_next_rho(work, problem, gap, it->certificate.residual, &s)
+                                   : s.rho; /* (AD5) */
+    if (rho != s.rho)
+      status = admm_change_rho(work, problem, rho, &s, factorisations, error);
+    else
+      admm_advance(work, problem, gap, &accepted); /* (AD4), (AD6), (AD7) */
   }
   return status == DLS_E_SINGULAR ? DLS_STALLED : status ? status : DLS_MAX_ITERATIONS;
 }
 
-/* From work->first; afterwards work->best is the best r, to which work->u and *certificate belong.
- * */
-static dls_status run(dls_admm *work, const dls_contact *problem, dls_certificate *certificate,
-                      int *iterations, int *factorisations, dls_error *error) {
-  const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  *certificate = measure(work, problem, work->first);
-  if (!(certificate->residual <= DBL_MAX)) { /* W r overflows */
-    memset(work->first, 0, m * sizeof *work->first);
-    *certificate = measure(work, problem, work->first);
-  }
-  memcpy(work->best, work->first, m * sizeof *work->best);
-  if (dls_certificate_holds(certificate, work->settings.limits.tol)) return DLS_OK;
-  const dls_certificate at_first = *certificate;
-  const dls_status status =
-      iterate(work, problem, at_first.residual, iterations, factorisations, error);
-  if (status < 0) return status;
-  *certificate = measure(work, problem, work->best);
-  /* an r that has run away in the null space of W has a residual of nothing but rounding */
-  if (!(certificate->residual <= at_first.residual && certificate->floor <= most_floor)) {
-    memcpy(work->best, work->first, m * sizeof *work->best);
-    *certificate = measure(work, problem, work->best);
-  }
-  return dls_certificate_holds(certificate, work->settings.limits.tol) ? DLS_OK : status;
-}
-
-dls_status dlsi_admm_solve(dls_admm *work, const dls_contact *problem, double *r, double *u,
+dls_status dlsi_admm_solve(void *workspace, const dls_contact *problem, double *r, double *u,
                            dls_info *info, dls_error *error) {
+  dls_admm *work = workspace;
+  dlsi_iterate *it = &work->it;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  dls_status status = make_room(work, problem, error);
+  const int blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : 0;
+  dls_info outcome = {.method = DLS_ADMM};
+  dls_status status = admm_reserve(work, problem->nc, blocks, error);
   if (status) return status;
-
-  if (!work->settings.limits.warm_start || dlsi_max_abs(problem->q, m) == 0) /* q = 0: r = 0 */
-    memset(work->first, 0, m * sizeof *r);
-  else
-    memcpy(work->first, r, m * sizeof *r);
-  set_metric(work, problem);
-  int iterations = 0, factorisations = 0;
-  dls_certificate certificate;
-  status = run(work, problem, &certificate, &iterations, &factorisations, error);
-  if (status < 0) return status;
-  memcpy(r, work->best, m * sizeof *r);
-  if (u) memcpy(u, work->u, m * sizeof *u);
-  if (info) {
-    const dls_info outcome = {.status = status,
-                              .method = DLS_ADMM,
-                              .iterations = iterations,
-                              .certificate = certificate,
-                              .factorisations = factorisations};
-    *info = outcome;
+  dlsi_iterate_begin(it, problem, NULL, work->settings.limits.tol, admm_is_warm(work), r,
+                     work->first);
+  if (!dlsi_iterate_start(it, problem, work->first)) {
+    const dls_certificate at_first = it->certificate;
+    admm_set_metric(work, problem);
+    status = admm_iterate(work, problem, &outcome, error);
+    if (status < 0) return status;
+    status = dlsi_iterate_settle(it, problem, status);
+    if (status && !dlsi_is_better(&it->certificate, &at_first)) {
+      memcpy(it->best, work->first, m * sizeof *it->best);
+      it->certificate = at_first;
+    }
   }
-  return status;
+  return dlsi_iterate_end(it, problem, status, &outcome, r, u, info);
 }
 
 dls_status dls_admm_solve(dls_admm *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
-  if (!workspace) return dlsi_at(__func__, dlsi_is_null(error, "workspace"), error);
-  const dls_status status = dlsi_check_solve(workspace->d, workspace->nc, problem, r,
-                                             workspace->settings.limits.warm_start, error);
-  return dlsi_at(__func__, status ? status : dlsi_admm_solve(workspace, problem, r, u, info, error),
-                 error);
+  dls_status status = workspace ? dlsi_check_solve(workspace->d, workspace->nc, problem, r,
+                                                   workspace->settings.limits.warm_start, error)
+                                : dlsi_is_null(error, "workspace");
+  if (!status) status = dlsi_admm_solve(workspace, problem, r, u, info, error);
+  return dlsi_at(__func__, status, error);
 }
+
+/* ---- its row in the table of methods --------------------------------------------------------------- */
+
+static dls_status admm_create_by(void **out, int d, int nc, const dlsi_options *options,
+                                 dls_error *error) {
+  dls_admm_settings s;
+  dls_admm_settings_init(&s);
+  s.limits = options->limits;
+  if (options->stage && s.limits.blocks) s.rho = rest_rho;
+  dls_admm *work;
+  const dls_status status = dlsi_admm_create(&work, d, nc, &s, options->room, error);
+  if (work) work->stage = options->stage;
+  *out = work;
+  return status;
+}
+
+static void admm_destroy(void *work) {
+  dls_admm_destroy(work);
+}
+
+static void admm_set_limits(void *work, const dls_limits *limits) {
+  dlsi_set_limits(&((dls_admm *)work)->settings.limits, limits);
+}
+
+const dlsi_method dlsi_admm_method = {
+    .method = DLS_ADMM,
+    .name = "admm",
+    .summary = "splitting, one factorisation: large dense W, stacks at rest",
+    .create = admm_create_by,
+    .solve = dlsi_admm_solve,
+    .destroy = admm_destroy,
+    .set_limits = admm_set_limits};

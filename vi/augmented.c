@@ -20,22 +20,22 @@
  * with eps_c = 1 / (alpha w_c) the step W + alpha D, q - alpha D lambda of the proximal point
  * method, D = diag(w_c). E > 0 makes a singular W regular and calms cycles. One augmentation:
  *
- *   (A1)  A = W + s E,   b = q - s E lambda
- *   (A2)  x = the solution of v = A x + b: newton.c from lambda, that is up to 20 sweeps of
+ *   (AU1)  A = W + s E,   b = q - s E lambda
+ *   (AU2)  x = the solution of v = A x + b: newton.c from lambda, that is up to 20 sweeps of
  *         Gauss-Seidel, then Newton steps
- *   (A3)  lambda := x  if (A2) succeeded, or if x has half the residual of lambda, W and q given
- *   (A4)  s := 0.2 s   as long as (A2) has never failed, then 0.8 s, after each failure 2 s;
+ *   (AU3)  lambda := x  if (AU2) succeeded, or if x has half the residual of lambda, W and q given
+ *   (AU4)  s := 0.2 s   as long as (AU2) has never failed, then 0.8 s, after each failure 2 s;
  *         1e-7 <= s <= 1e3, from s = 1; only if adaptive
  *
- * (A2) is asked for a residual of a thousandth of lambda's, and not for less than a tenth of what
+ * (AU2) is asked for a residual of a thousandth of lambda's, and not for less than a tenth of what
  * is wanted in the end; in the last augmentation allowed, for this tenth. One augmentation from
  * lambda = 0 is the penalty method; its r is off by about E r.
  *
- * Stop: the certificate of x from the user's W and q holds. Else DLS_STALLED: (A2) failed and s may
+ * Stop: the certificate of x from the user's W and q holds. Else DLS_STALLED: (AU2) failed and s may
  * not grow, or cannot and lambda stayed; or 150 augmentations did not bring the residual down by a
- * tenth; or 10 times running, failures of (A2) not counted,
+ * tenth; or 10 times running, failures of (AU2) not counted,
  *
- *   (A5)  |W delta| < 1e-4 |delta|, q.delta < -1e-4 |q| |delta|,   delta = x - lambda of (A2),
+ *   (AU5)  |W delta| < 1e-4 |delta|, q.delta < -1e-4 |q| |delta|,   delta = x - lambda of (AU2),
  *         |D^-1/2 u| and |D^1/2 r| being the norms. Without a solution lambda grows along such a
  *         delta for ever. Seldom, lambda on its way to a far solution does so, too: hence 10.
  * A warm start for which W r overflows is dropped.
@@ -44,44 +44,41 @@
  * eps_T Delta xi off, as (31) says; in (36) that makes lambda_t the r_t of (34). (33)'s increments
  * add up to lambda_t - eps u_t with u_t the whole slip of the step. Deviations: the unknown of
  * Newton's method is r, not the displacement: the same solution, and a large eps does not spoil the
- * conditioning. eps_T = eps_N = eps_c: w_c is the mean over both directions. The schedule (A4): of
- * eps the paper says that it needs precautions; too small an s fails in (A2), too large a one crawls.
+ * conditioning. eps_T = eps_N = eps_c: w_c is the mean over both directions. The schedule (AU4): of
+ * eps the paper says that it needs precautions; too small an s fails in (AU2), too large a one crawls.
  *
  * Cost of an augmentation: up to 20 sweeps, and 0 to 30 Newton steps, an LU of the unknowns each.
- * What can fail: (A2), for every s, where friction makes even W + s E cycle, or W is indefinite.
+ * What can fail: (AU2), for every s, where friction makes even W + s E cycle, or W is indefinite.
  * Nothing guarantees that the augmentations converge with friction; without, and with W positive
  * semidefinite, they do.
  */
 #include <float.h>
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/base.h"
-#include "delassus/augmented.h"
 #include "vi_internal.h"
 
-enum { most_augmentations = 400, sweeps = 20, patience = 150, escapes_to_believe = 10 };
+enum { most_augmentations = 400, augmented_patience = 150, escapes_to_believe = 10 };
 
 static const double shrink_at_first = 0.2, shrink = 0.8, grow = 2, smallest = 1e-7, largest = 1e3;
+
+/* Factor of the penalty method: eps_c in 1 / w_c. */
+static const double large_penalty = 1e6;
 
 struct dls_augmented {
   dls_augmented_settings settings;
   int d, nc;
-  int escaped;     /* direction holds one that (A5) accepted */
-  double *penalty; /* nc      eps_c as given, if settings.penalty */
-  double *w;       /* nc      weights of the certificate */
-  double *E;       /* nc      1 / eps_c at s = 1 */
-  double *sE;      /* nc      (A1) */
-  double *b;       /* m       (A1) */
-  double *lambda;  /* m */
-  double *x;       /* m */
-  double *best;    /* m       the x with the smallest residual so far */
-  double *delta;   /* m       x - lambda */
-  double *direction;
-  double *u, *a, *F;  /* m each */
-  dls_newton *newton; /* (A2) */
+  dls_method method;      /* DLS_PENALTY: one augmentation, from r = 0 */
+  int stage;              /* of auto: from r as given */
+  int escaped;            /* 1: `direction` holds one that (AU5) accepted */
+  dlsi_iterate it;        /* its u is that of x */
+  double *penalty;        /* eps_c as given, if settings.penalty: nc */
+  double *E, *sE;         /* 1 / eps_c at s = 1, (AU1): nc */
+  double *b, *lambda, *x; /* (AU1): m */
+  double *delta;          /* x - lambda: m */
+  double *direction;      /* m */
+  dls_newton *newton;     /* (AU2) */
 };
 
 void dls_augmented_settings_init(dls_augmented_settings *settings) {
@@ -90,89 +87,53 @@ void dls_augmented_settings_init(dls_augmented_settings *settings) {
   dlsi_limits_init(&settings->limits);
 }
 
-/* x > 0 with a reciprocal */
-static int is_penalty(double x) {
-  return x > 0 && x <= DBL_MAX && 1 / x <= DBL_MAX;
-}
-
-static dls_status check_penalty(const double *penalty, int nc, dls_error *error) {
-  const dls_status status = dlsi_check_vector("penalty", penalty, (size_t)nc, error);
-  if (status) return status;
-  for (int c = 0; c < nc; c++)
-    if (!is_penalty(penalty[c]))
-      return dlsi_fail(error, DLS_E_ARGUMENT, "penalty", c, penalty[c], "is %g, must be > 0",
-                       penalty[c]);
-  return DLS_OK;
-}
-
-static dls_status check_settings(const dls_augmented_settings *s, int nc, dls_error *error) {
+static dls_status augmented_check(int d, int nc, const dls_augmented_settings *s,
+                                  dls_error *error) {
   const dlsi_setting own[] = {{"factor", s->factor, 1 / DBL_MAX, DBL_MAX, 0},
                               {"adaptive", s->adaptive, 0, 1, 0}};
-  const dls_status status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 2, own, error);
-  return status || !s->penalty ? status : check_penalty(s->penalty, nc, error);
+  dls_status status = dlsi_check_sizes(d, nc, error);
+  if (!status) status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 2, own, error);
+  if (!status && s->penalty) status = dlsi_check_vector("penalty", s->penalty, (size_t)nc, error);
+  for (int c = 0; !status && s->penalty && c < nc; c++) /* > 0 with a reciprocal */
+    if (!(s->penalty[c] > 0 && 1 / s->penalty[c] <= DBL_MAX))
+      return dlsi_fail(error, DLS_E_ARGUMENT, "penalty", c, s->penalty[c], "is %g, must be > 0",
+                       s->penalty[c]);
+  return status;
 }
 
-/* the workspace and all its arrays, in one piece */
-static dls_augmented *carve(dlsi_arena *arena, int d, int nc) {
-  const size_t D = sizeof(double), n = (size_t)nc, m = (size_t)d * n;
-  dls_augmented *s = dlsi_take(arena, 1, sizeof *s);
-  dls_augmented filled = {.d = d, .nc = nc};
-  double **const per_candidate[] = {&filled.penalty, &filled.w, &filled.E, &filled.sE};
-  for (size_t e = 0; e < sizeof per_candidate / sizeof per_candidate[0]; e++)
-    *per_candidate[e] = dlsi_take(arena, n, D);
-  double **const vectors[] = {&filled.b,    &filled.lambda, &filled.x,
-                              &filled.best, &filled.delta,  &filled.direction,
-                              &filled.u,    &filled.a,      &filled.F};
-  for (size_t e = 0; e < sizeof vectors / sizeof vectors[0]; e++)
-    *vectors[e] = dlsi_take(arena, m, D);
-  if (arena->failed || !arena->base) return NULL;
-  *s = filled;
-  return s;
-}
-
-/* 20 sweeps and Newton steps, from the r given */
-static dls_status create_newton(dls_newton **out, int d, int nc, int blocks, dlsi_room *room,
-                                dls_error *error) {
-  dls_newton_settings s;
-  dls_newton_settings_init(&s);
-  s.sweeps = sweeps;
-  s.limits.warm_start = 1;
-  s.limits.blocks = blocks;
-  return dlsi_newton_create(out, d, nc, &s, room, error);
+static void augmented_carve(void *workspace, dlsi_arena *arena) {
+  dls_augmented *work = workspace;
+  const size_t n = (size_t)work->nc;
+  double **const of_candidates[] = {&work->penalty, &work->E, &work->sE};
+  double **const vectors[] = {&work->b, &work->lambda, &work->x, &work->delta, &work->direction};
+  dlsi_iterate_carve(&work->it, arena, work->d, work->nc);
+  dlsi_take_vectors(arena, n, 3, of_candidates);
+  dlsi_take_vectors(arena, (size_t)work->d * n, 5, vectors);
 }
 
 dls_status dlsi_augmented_create(dls_augmented **out, int d, int nc,
                                  const dls_augmented_settings *settings, dlsi_room *room,
                                  dls_error *error) {
+  dls_augmented filled = {.d = d, .nc = nc, .method = DLS_AUGMENTED_LAGRANGIAN}, *work;
+  void *made;
+  dls_augmented_settings_init(&filled.settings);
+  if (settings) filled.settings = *settings;
   if (!out) return dlsi_is_null(error, "out");
   *out = NULL;
-  dls_status status = dlsi_check_sizes(d, nc, error);
-  dls_augmented_settings defaults;
-  dls_augmented_settings_init(&defaults);
-  if (!settings) settings = &defaults;
-  if (!status) status = check_settings(settings, nc, error);
-  if (status) return status;
-
-  dls_newton *newton;
-  status = create_newton(&newton, d, nc, settings->limits.blocks, room, error);
-  if (status) return status;
-  dlsi_arena arena = {0};
-  (void)carve(&arena, d, nc); /* smaller than what Newton has got: no overflow */
-  arena.size = arena.used;
-  arena.used = 0;
-  arena.base = dlsi_alloc(1, arena.size);
-  if (!arena.base) {
-    dls_newton_destroy(newton);
-    return dlsi_no_memory(error);
+  dls_status status = augmented_check(d, nc, &filled.settings, error);
+  dls_newton_settings newton;
+  dls_newton_settings_init(&newton);
+  newton.limits.blocks = filled.settings.limits.blocks;
+  if (!status) status = dlsi_newton_create(&filled.newton, d, nc, &newton, room, error);
+  if (!status) status = dlsi_workspace(&made, &filled, sizeof filled, augmented_carve, nc, error);
+  if (status) {
+    dls_newton_destroy(filled.newton);
+    return status;
   }
-  dls_augmented *work = carve(&arena, d, nc);
-  work->settings = *settings;
-  if (settings->penalty) {
-    memcpy(work->penalty, settings->penalty, (size_t)nc * sizeof *work->penalty);
-    work->settings.penalty = work->penalty;
-  }
-  work->newton = newton;
-  *out = work;
+  *out = work = made;
+  if (!work->settings.penalty) return DLS_OK;
+  memcpy(work->penalty, work->settings.penalty, (size_t)nc * sizeof *work->penalty);
+  work->settings.penalty = work->penalty;
   return DLS_OK;
 }
 
@@ -184,28 +145,18 @@ dls_status dls_augmented_create(dls_augmented **out, int d, int nc,
 void dls_augmented_destroy(dls_augmented *workspace) {
   if (!workspace) return;
   dls_newton_destroy(workspace->newton);
-  free(workspace); /* first in its one piece */
+  free(workspace);
 }
 
 const double *dls_augmented_direction(const dls_augmented *workspace) {
   return workspace && workspace->escaped ? workspace->direction : NULL;
 }
 
-/* ---- one augmentation ------------------------------------------------------------------------ */
+/* ---- one augmentation ---------------------------------------------------------------------------- */
 
-static void prepare(dls_augmented *work, const dls_contact *problem) {
-  const dls_augmented_settings *s = &work->settings;
-  work->escaped = 0;
-  dlsi_contact_weights(problem, work->w);
-  for (int c = 0; c < problem->nc; c++)
-    work->E[c] = s->penalty ? 1 / s->penalty[c] : work->w[c] / s->factor;
-}
-
-/* (A1), (A2): x from lambda; DLS_OK if its residual is <= target in units of |q|, q the user's. *now:
- * the certificate of x for the problem as given. */
-static dls_status solve_regularised(dls_augmented *work, const dls_contact *problem, double s,
-                                    double target, dls_certificate *now, int *factorisations,
-                                    dls_error *error) {
+/* (AU1), (AU2) x from lambda; DLS_OK if its residual is <= target in units of |q|, q the user's. */
+static dls_status augmented_regularise(dls_augmented *work, const dls_contact *problem, double s,
+                                       double target, int *factorisations, dls_error *error) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   for (size_t c = 0; c < m / d; c++)
     work->sE[c] = s * work->E[c];
@@ -215,22 +166,21 @@ static dls_status solve_regularised(dls_augmented *work, const dls_contact *prob
   dls_contact regularised = *problem;
   regularised.q = work->b;
   memcpy(work->x, work->lambda, m * sizeof *work->x);
-  dlsi_newton_count count;
-  dls_certificate certificate;
-  const dls_status status = dlsi_newton_run(work->newton, &regularised, work->sE,
-                                            size_b > 0 ? target * (size_q / size_b) : target,
-                                            work->x, NULL, &certificate, &count, error);
-  if (status < 0) return status;
-  *factorisations += count.factorisations;
-  dlsi_contact_multiply(problem, NULL, work->x, work->u, work->a);
-  dlsi_contact_measure(problem, work->x, work->u, work->a, work->w, work->F, now);
+  const dls_limits limits = {.tol = size_b > 0 ? target * (size_q / size_b) : target,
+                             .warm_start = 1};
+  dls_info info;
+  dlsi_newton_method.set_limits(work->newton, &limits);
+  const dls_status status =
+      dlsi_newton_run(work->newton, &regularised, work->sE, work->x, NULL, &info, error);
+  if (status >= 0) *factorisations += info.factorisations;
   return status;
 }
 
-/* (A5) for delta = x - lambda, put into work->delta with its largest entry +-1 */
-static int escapes(const dls_augmented *work, const dls_contact *problem) {
+/* (AU5) delta := x - lambda, its largest entry +-1. Returns 1 if the reactions run away along it. Scratch:
+ * the arrays of it but best. */
+static int augmented_escapes(const dls_augmented *work, const dls_contact *problem) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  double *delta = work->delta, *v = work->u;
+  double *delta = work->delta, *v = work->it.u;
   for (size_t k = 0; k < m; k++)
     delta[k] = work->x[k] - work->lambda[k];
   const double size = dlsi_max_abs(delta, m);
@@ -242,65 +192,53 @@ static int escapes(const dls_augmented *work, const dls_contact *problem) {
     dlsi_contact_add_columns(problem, c, delta + d * (size_t)c, v);
   double gain = 0; /* q.delta */
   for (size_t k = 0; k < m; k++) {
-    const double root = sqrt(work->w[k / d]);
+    const double root = sqrt(work->it.w[k / d]);
     gain += problem->q[k] * delta[k];
     v[k] /= root;
-    work->a[k] = problem->q[k] / root;
-    work->F[k] = delta[k] * root;
+    work->it.a[k] = problem->q[k] / root;
+    work->it.F[k] = delta[k] * root;
   }
-  const double length = dlsi_norm2(work->F, m);
-  return dlsi_norm2(v, m) < 1e-4 * length && gain < -1e-4 * length * dlsi_norm2(work->a, m);
+  const double length = dlsi_norm2(work->it.F, m);
+  return dlsi_norm2(v, m) < 1e-4 * length && gain < -1e-4 * length * dlsi_norm2(work->it.a, m);
 }
 
-/* ---- the augmentations ----------------------------------------------------------------------- */
+/* ---- the augmentations --------------------------------------------------------------------------- */
 
-/* Augmentations from work->lambda until the certificate holds or there is a reason to stop, which
- * is returned; work->best is then the best iterate and outcome->certificate belongs to it. */
-static dls_status iterate(dls_augmented *work, const dls_contact *problem, dls_info *outcome,
-                          dls_error *error) {
+/* Augments from lambda, measured last, until the certificate holds or there is a reason to stop, which is
+ * returned. */
+static dls_status augmented_iterate(dls_augmented *work, const dls_contact *problem,
+                                    dls_info *outcome, dls_error *error) {
   const dls_augmented_settings *settings = &work->settings;
-  const int most = dlsi_most_iterations(&settings->limits, most_augmentations);
+  const dls_limits *limits = &settings->limits;
+  dlsi_iterate *it = &work->it;
+  const dls_certificate *best = &it->certificate;
+  const int most = dlsi_most_iterations(limits, most_augmentations);
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  dls_certificate *best = &outcome->certificate;
-  for (int cold = 0; cold < 2; cold++) {
-    dlsi_contact_multiply(problem, NULL, work->lambda, work->u, work->a);
-    dlsi_contact_measure(problem, work->lambda, work->u, work->a, work->w, work->F, best);
-    if (best->residual <= DBL_MAX) break;
-    memset(work->lambda, 0, m * sizeof *work->lambda);
-  }
-  memcpy(work->best, work->lambda, m * sizeof *work->best);
   double s = 1, residual = best->residual, milestone = residual;
-  int failed = 0;               /* some (A2) did */
-  int passed = 0, escaping = 0; /* augmentation of the milestone; (A5) that many times running */
-  for (int k = 1; !dls_certificate_holds(best, settings->limits.tol); k++) {
+  int failed = 0;               /* 1: some (AU2) did */
+  int passed = 0, escaping = 0; /* augmentation of the milestone; (AU5) that many times running */
+  for (int k = 1; !dls_certificate_holds(best, it->tol); k++) {
     if (k > most) return DLS_MAX_ITERATIONS;
-    const double floor = 4 * best->floor;
-    const double wanted = 0.1 * (floor > settings->limits.tol ? floor : settings->limits.tol);
-    const int last = k == most;
-    const double target = !last && 1e-3 * residual > wanted ? 1e-3 * residual : wanted;
-
-    dls_certificate now; /* (A1), (A2) */
+    const double wanted = 0.1 * dlsi_target(it->tol, best->floor);
+    const double target = k < most && 1e-3 * residual > wanted ? 1e-3 * residual : wanted;
     const dls_status status =
-        solve_regularised(work, problem, s, target, &now, &outcome->factorisations, error);
+        augmented_regularise(work, problem, s, target, &outcome->factorisations, error);
     if (status < 0) return status;
     const int solved = status == DLS_OK;
     outcome->iterations = k;
-    if (solved) { /* (A5) */
-      escaping = escapes(work, problem) ? escaping + 1 : 0;
+    const dls_certificate now = dlsi_iterate_offer(it, problem, work->x);
+    if (solved) { /* (AU5) */
+      escaping = augmented_escapes(work, problem) ? escaping + 1 : 0;
       work->escaped = escaping > 0;
       if (escaping) memcpy(work->direction, work->delta, m * sizeof *work->direction);
     }
-    if (now.residual < best->residual) {
-      *best = now;
-      memcpy(work->best, work->x, m * sizeof *work->best);
-    }
     const int moved = solved || now.residual < residual / 2;
-    if (moved) { /* (A3) */
+    if (moved) { /* (AU3) */
       memcpy(work->lambda, work->x, m * sizeof *work->lambda);
       residual = now.residual;
     }
     const int stuck = !solved && (!settings->adaptive || (!moved && s >= largest));
-    if (settings->adaptive) { /* (A4) */
+    if (settings->adaptive) { /* (AU4) */
       failed |= !solved;
       s *= !solved ? grow : failed ? shrink : shrink_at_first;
       s = s < smallest ? smallest : s > largest ? largest : s;
@@ -309,43 +247,108 @@ static dls_status iterate(dls_augmented *work, const dls_contact *problem, dls_i
       milestone = best->residual;
       passed = k;
     }
-    if (settings->limits.progress) {
-      const dls_progress progress = {"augmented-lagrangian", k, most, now.residual};
-      if (settings->limits.progress(settings->limits.progress_data, &progress) &&
-          !dls_certificate_holds(best, settings->limits.tol))
-        return DLS_CANCELLED;
-    }
-    if ((stuck || k - passed >= patience || escaping >= escapes_to_believe) &&
-        !dls_certificate_holds(best, settings->limits.tol))
+    const int cancelled = dlsi_is_cancelled(limits, "augmented-lagrangian", k, most, now.residual);
+    if (dls_certificate_holds(best, it->tol)) break;
+    if (cancelled) return DLS_CANCELLED;
+    if (stuck || k - passed >= augmented_patience || escaping >= escapes_to_believe)
       return DLS_STALLED;
   }
   return DLS_OK;
 }
 
-dls_status dlsi_augmented_solve(dls_augmented *work, const dls_contact *problem, double *r,
-                                double *u, dls_info *info, dls_error *error) {
-  const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  prepare(work, problem);
-  if (work->settings.limits.warm_start && dlsi_max_abs(problem->q, m) > 0)
-    memcpy(work->lambda, r, m * sizeof *r);
-  else /* q = 0: r = 0 */
-    memset(work->lambda, 0, m * sizeof *r);
-  dls_info outcome = {.method = DLS_AUGMENTED_LAGRANGIAN};
-  const dls_status status = outcome.status = iterate(work, problem, &outcome, error);
-  if (status < 0) return status;
+dls_status dlsi_augmented_solve(void *workspace, const dls_contact *problem, double *r, double *u,
+                                dls_info *info, dls_error *error) {
+  dls_augmented *work = workspace;
+  const dls_augmented_settings *s = &work->settings;
+  dls_info outcome = {.method = work->method};
+  work->escaped = 0;
+  dlsi_iterate_begin(&work->it, problem, NULL, s->limits.tol, work->stage || s->limits.warm_start,
+                     r, work->lambda);
+  for (int c = 0; c < problem->nc; c++)
+    work->E[c] = s->penalty ? 1 / s->penalty[c] : work->it.w[c] / s->factor;
+  (void)dlsi_iterate_start(&work->it, problem, work->lambda);
+  const dls_status status = augmented_iterate(work, problem, &outcome, error);
   if (status == DLS_OK) work->escaped = 0;
-  memcpy(r, work->best, m * sizeof *r);
-  if (u) dlsi_contact_multiply(problem, NULL, r, u, NULL);
-  if (info) *info = outcome;
-  return status;
+  return dlsi_iterate_end(&work->it, problem, status, &outcome, r, u, info);
 }
 
 dls_status dls_augmented_solve(dls_augmented *workspace, const dls_contact *problem, double *r,
                                double *u, dls_info *info, dls_error *error) {
-  if (!workspace) return dlsi_at(__func__, dlsi_is_null(error, "workspace"), error);
-  const dls_status status = dlsi_check_solve(workspace->d, workspace->nc, problem, r,
-                                             workspace->settings.limits.warm_start, error);
-  return dlsi_at(__func__,
-                 status ? status : dlsi_augmented_solve(workspace, problem, r, u, info, error),
-                 error);
+  dls_status status = workspace ? dlsi_check_solve(workspace->d, workspace->nc, problem, r,
+                                                   workspace->settings.limits.warm_start, error)
+                                : dlsi_is_null(error, "workspace");
+  if (!status) status = dlsi_augmented_solve(workspace, problem, r, u, info, error);
+  return dlsi_at(__func__, status, error);
 }
+
+/* ---- its rows in the table of methods -------------------------------------------------------------- */
+
+static void augmented_set_limits(void *workspace, const dls_limits *limits) {
+  dls_augmented *work = workspace;
+  dlsi_set_limits(&work->settings.limits, limits);
+  if (work->method != DLS_PENALTY) return;
+  work->settings.limits.max_iterations = 1;
+  work->settings.limits.warm_start = 0;
+}
+
+static dls_status augmented_create_by(void **out, int d, int nc, const dlsi_options *options,
+                                      dls_error *error) {
+  dls_augmented_settings s;
+  dls_augmented_settings_init(&s);
+  s.limits = options->limits;
+  dls_augmented *work;
+  const dls_status status = dlsi_augmented_create(&work, d, nc, &s, options->room, error);
+  if (work) work->stage = options->stage;
+  *out = work;
+  return status;
+}
+
+/* One augmentation with a large penalty that stays, from r = 0. */
+static dls_status penalty_create_by(void **out, int d, int nc, const dlsi_options *options,
+                                    dls_error *error) {
+  const dls_status status = augmented_create_by(out, d, nc, options, error);
+  dls_augmented *work = *out;
+  if (status) return status;
+  work->method = DLS_PENALTY;
+  work->settings.factor = large_penalty;
+  work->settings.adaptive = 0;
+  augmented_set_limits(work, &options->limits);
+  return DLS_OK;
+}
+
+static dls_status augmented_solve(void *workspace, const dls_contact *problem, double *r, double *u,
+                                  dls_info *info, dls_error *error) {
+  dls_augmented *work = workspace;
+  dls_status status = dlsi_augmented_solve(work, problem, r, u, info, error);
+  if (status == DLS_STALLED && work->escaped) status = DLS_NO_SOLUTION_LIKELY;
+  if (info && status >= 0) info->status = status;
+  return status;
+}
+
+static void augmented_destroy(void *work) {
+  dls_augmented_destroy(work);
+}
+
+static const double *augmented_direction(const void *work) {
+  return dls_augmented_direction(work);
+}
+
+const dlsi_method dlsi_augmented_method = {
+    .method = DLS_AUGMENTED_LAGRANGIAN,
+    .name = "augmented-lagrangian",
+    .summary = "proximal point method: where the others cycle or crawl",
+    .create = augmented_create_by,
+    .solve = augmented_solve,
+    .destroy = augmented_destroy,
+    .set_limits = augmented_set_limits,
+    .direction = augmented_direction};
+
+const dlsi_method dlsi_penalty_method = {
+    .method = DLS_PENALTY,
+    .name = "penalty",
+    .summary = "its first step with large penalties: to see its error",
+    .create = penalty_create_by,
+    .solve = augmented_solve,
+    .destroy = augmented_destroy,
+    .set_limits = augmented_set_limits,
+    .direction = augmented_direction};

@@ -409,10 +409,10 @@ START_TEST(same_visits_same_bits) {
         for (int i = 0; i < d * nc; i++)
           r[side][i] = ((side ? reversed(&a, i) : i) % 7 - 3) * norm_of(a.q, d * nc);
         dls_nlgs *work;
-        int sweeps;
+        dls_info info;
         ck_assert_int_eq(dls_nlgs_create(&work, d, nc, &s, NULL), DLS_OK);
-        (void)dlsi_nlgs_run(work, side ? &b.p : &a.p, (dlsi_sweeps){.order = order[side]}, 0,
-                            r[side], NULL, &c, &sweeps);
+        (void)dlsi_nlgs_run(work, side ? &b.p : &a.p, order[side], NULL, r[side], NULL, &info);
+        c = info.certificate;
         dls_nlgs_destroy(work);
       }
       if (c.residual < 1e-10) continue;

@@ -1,0 +1,130 @@
+/*
+ * iterate.c: what every iteration on the reactions has: a workspace in one piece, the weights, the
+ * certificate of the iterate, the best r so far, the limits, and the hand-over of the answer.
+ */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "vi_internal.h"
+
+/* Beyond this floor u = W r + q has fewer than six digits. Where there is no solution and W is singular, r
+ * can run away until it is all rounding and its residual with it: such an r is no answer. */
+static const double most_floor = 1e-6;
+
+int dlsi_is_better(const dls_certificate *a, const dls_certificate *b) {
+  if (!(b->residual <= DBL_MAX)) return a->residual <= DBL_MAX;
+  if (!(a->floor <= most_floor) && b->floor <= most_floor) return 0;
+  return a->residual < b->residual;
+}
+
+/* ---- workspace --------------------------------------------------------------------------------- */
+
+dls_status dlsi_workspace(void **out, void *filled, size_t size, dlsi_carve *carve, int nc,
+                          dls_error *error) {
+  dlsi_arena arena = {0};
+  *out = NULL;
+  (void)dlsi_take(&arena, 1, size);
+  carve(filled, &arena);
+  const dls_status status = dlsi_arena_allocate(&arena, "nc", nc, error);
+  if (status) return status;
+  *out = memcpy(dlsi_take(&arena, 1, size), filled, size);
+  carve(*out, &arena);
+  return DLS_OK;
+}
+
+void dlsi_take_vectors(dlsi_arena *arena, size_t n, int count, double **const vector[]) {
+  for (int k = 0; k < count; k++)
+    *vector[k] = dlsi_take(arena, n, sizeof **vector[k]);
+}
+
+void dlsi_iterate_carve(dlsi_iterate *it, dlsi_arena *arena, int d, int nc) {
+  const size_t n = (size_t)nc;
+  double **const vectors[] = {&it->u, &it->a, &it->F, &it->best};
+  it->w = dlsi_take(arena, n, sizeof *it->w);
+  dlsi_take_vectors(arena, (size_t)d * n, 4, vectors);
+}
+
+void dlsi_set_limits(dls_limits *to, const dls_limits *from) {
+  const int blocks = to->blocks;
+  *to = *from;
+  to->blocks = blocks;
+}
+
+/* ---- one solve --------------------------------------------------------------------------------- */
+
+static size_t size_of(const dls_contact *problem) {
+  return (size_t)problem->d * (size_t)problem->nc;
+}
+
+void dlsi_multiply(const dls_contact *problem, const int *order, const double *E, const double *r,
+                   double *u, double *a) {
+  const size_t d = (size_t)problem->d, m = size_of(problem);
+  dlsi_contact_multiply(problem, order, r, u, a);
+  for (size_t k = 0; E && k < m; k++) {
+    u[k] += E[k / d] * r[k];
+    if (a) a[k] += E[k / d] * fabs(r[k]);
+  }
+}
+
+void dlsi_iterate_begin(dlsi_iterate *it, const dls_contact *problem, const double *E, double tol,
+                        int warm, const double *start, double *r) {
+  const size_t m = size_of(problem);
+  it->E = E;
+  it->tol = tol;
+  it->certificate = dlsi_no_certificate;
+  dlsi_contact_weights(problem, it->w);
+  if (!warm || dlsi_max_abs(problem->q, m) == 0)
+    memset(r, 0, m * sizeof *r);
+  else if (r != start)
+    memcpy(r, start, m * sizeof *r);
+  memcpy(it->best, r, m * sizeof *r);
+}
+
+dls_certificate dlsi_iterate_measure(dlsi_iterate *it, const dls_contact *problem,
+                                     const double *r) {
+  dls_certificate now;
+  dlsi_multiply(problem, NULL, it->E, r, it->u, it->a);
+  dlsi_contact_measure(problem, r, it->u, it->a, it->w, it->F, &now);
+  return now;
+}
+
+int dlsi_iterate_keep(dlsi_iterate *it, const dls_contact *problem, const double *r,
+                      const dls_certificate *now) {
+  const int holds = dls_certificate_holds(now, it->tol);
+  if (!holds && !dlsi_is_better(now, &it->certificate)) return 0;
+  it->certificate = *now;
+  memcpy(it->best, r, size_of(problem) * sizeof *r);
+  return holds;
+}
+
+dls_certificate dlsi_iterate_offer(dlsi_iterate *it, const dls_contact *problem, const double *r) {
+  const dls_certificate now = dlsi_iterate_measure(it, problem, r);
+  (void)dlsi_iterate_keep(it, problem, r, &now);
+  return now;
+}
+
+int dlsi_iterate_start(dlsi_iterate *it, const dls_contact *problem, double *r) {
+  const dls_certificate now = dlsi_iterate_offer(it, problem, r);
+  if (!(now.residual <= DBL_MAX)) {
+    memset(r, 0, size_of(problem) * sizeof *r);
+    (void)dlsi_iterate_offer(it, problem, r);
+  }
+  return dls_certificate_holds(&it->certificate, it->tol);
+}
+
+dls_status dlsi_iterate_settle(dlsi_iterate *it, const dls_contact *problem, dls_status reason) {
+  it->certificate = dlsi_iterate_measure(it, problem, it->best);
+  return dls_certificate_holds(&it->certificate, it->tol) ? DLS_OK : reason;
+}
+
+dls_status dlsi_iterate_end(const dlsi_iterate *it, const dls_contact *problem, dls_status status,
+                            dls_info *outcome, double *r, double *u, dls_info *info) {
+  if (status < 0) return status;
+  outcome->status = status;
+  outcome->certificate = it->certificate;
+  memcpy(r, it->best, size_of(problem) * sizeof *r);
+  if (u) dlsi_multiply(problem, NULL, it->E, r, u, NULL);
+  if (info) *info = *outcome;
+  return status;
+}

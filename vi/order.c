@@ -1,0 +1,100 @@
+/*
+ * order.c: an order of the candidates that follows from the data and not from their numbers.
+ *
+ * Gauss-Seidel, and every method that starts from its answer, depends on the order of the candidates.
+ * Visited in this one, a permuted problem takes the same sweeps.
+ *
+ *   (OR1)  by q_n / w, |q_t| / w, w, mu, the smaller first: what approaches fastest; then as numbered
+ *   (OR2)  W dense: the first of (OR1); then always the candidate j with the largest sum |W_nn(j, c)|
+ *          over the c that have their place; of several the first of (OR1)
+ *
+ * w are the weights of the certificate. Numbers count to 26 bits: other units, other tangents or the
+ * two halves of a symmetric body must not be told apart by their rounding.
+ *
+ * Candidates that (OR1) does not tell apart, the bricks of a wall for instance, keep their order: there
+ * a permuted problem may take other sweeps. (OR2) walks from neighbour to neighbour, as meshes are
+ * numbered.
+ *
+ * Cost: a sort; (OR2) reads nc^2 / 2 entries of W.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "vi_internal.h"
+
+/* Returns x to its first 26 bits (Dekker). */
+static double order_rounded(double x) {
+  const double c = 0x1.000002p+27 * x;
+  return c - (c - x);
+}
+
+/* Keys of (OR1). */
+typedef struct order_keys {
+  double *approach, *slip, *weight; /* q_n / w, |q_t| / w, w: nc each */
+  const double *mu;                 /* nc */
+} order_keys;
+
+static void order_set_keys(const dls_contact *problem, const order_keys *key) {
+  dlsi_contact_weights(problem, key->weight);
+  const double *q = problem->q;
+  for (int c = 0; c < problem->nc; c++, q += problem->d) {
+    const double w = key->weight[c];
+    key->approach[c] = order_rounded(q[0] / w);
+    key->slip[c] = order_rounded(dlsi_tangent_norm(problem->d, q) / w);
+    key->weight[c] = order_rounded(w);
+  }
+}
+
+/* Returns 1 if candidate a comes before b by (OR1). */
+static int order_precedes(const order_keys *key, int a, int b) {
+  if (key->approach[a] != key->approach[b]) return key->approach[a] < key->approach[b];
+  if (key->slip[a] != key->slip[b]) return key->slip[a] < key->slip[b];
+  if (key->weight[a] != key->weight[b]) return key->weight[a] < key->weight[b];
+  return key->mu[a] < key->mu[b];
+}
+
+/* Sorts order (n), equals as they are. qsort may allocate, and is not stable. scratch: n. */
+static void order_sort(const order_keys *key, int n, int *order, int *scratch) {
+  if (n < 2) return;
+  const int half = n / 2;
+  order_sort(key, half, order, scratch);
+  order_sort(key, n - half, order + half, scratch);
+  memcpy(scratch, order, (size_t)half * sizeof *order);
+  for (int a = 0, b = half, k = 0; a < half; k++)
+    order[k] = b < n && order_precedes(key, order[b], scratch[a]) ? order[b++] : scratch[a++];
+}
+
+/* Turns order from (OR1) into (OR2). coupling: of candidate order[k] while it has no place, scratch, nc. */
+static void order_walk(const dls_contact *problem, double *coupling, int *order) {
+  const size_t d = (size_t)problem->d, ld = (size_t)problem->W.ld;
+  const int nc = problem->nc;
+  memset(coupling, 0, (size_t)nc * sizeof *coupling);
+  for (int k = 1; k < nc; k++) { /* order[0 .. k-1] have their places */
+    const double *W = problem->W.a + d * (size_t)order[k - 1] * ld;
+    double most = -1;
+    int next = k;
+    for (int j = k; j < nc; j++) {
+      coupling[j] += fabs(W[d * (size_t)order[j]]);
+      const double x = order_rounded(coupling[j]);
+      if (!(x > most)) continue;
+      most = x;
+      next = j;
+    }
+    const int c = order[next];
+    const size_t moved = (size_t)(next - k);
+    memmove(order + k + 1, order + k, moved * sizeof *order);
+    memmove(coupling + k + 1, coupling + k, moved * sizeof *coupling);
+    order[k] = c;
+  }
+}
+
+void dlsi_order_candidates(const dls_contact *problem, double *const key[3], int *scratch,
+                           int *order) {
+  const order_keys keys = {key[0], key[1], key[2], problem->mu};
+  for (int c = 0; c < problem->nc; c++)
+    order[c] = c;
+  if (problem->nc == 1) return;
+  order_set_keys(problem, &keys);
+  order_sort(&keys, problem->nc, order, scratch);
+  if (!problem->Wb.x) order_walk(problem, key[0], order);
+}
