@@ -208,7 +208,8 @@ static const part stages[] = {SWEEPS, SPLITTING, NEWTON, SPLITTING, SWEEPS,    N
                               SWEEPS, NEWTON,    SWEEPS, NEWTON,    AUGMENTED, PIVOTING,
                               SWEEPS, NEWTON,    SWEEPS, NEWTON,    SWEEPS};
 enum { stage_count = sizeof stages / sizeof stages[0] };
-_Static_assert((int)stage_count < (int)DLS_STAGES_MAX, "a line for each in the report, and one more");
+_Static_assert((int)stage_count < (int)DLS_STAGES_MAX,
+               "a line for each in the report, and one more");
 
 static dls_limits limits_of(dlsi_auto *work, part k) {
   const int blocks = work->options.limits.blocks;
@@ -243,7 +244,8 @@ static dls_status take_stage(dlsi_auto *work, part k, dls_error *error) {
   memcpy(work->r, work->best, m * sizeof *work->r);
   work->target = log(dlsi_target(limits.tol, all->stages ? best->floor : 0));
   work->least = log(best->residual);
-  work->rate = work->unknowns = 0;
+  work->rate = 0;
+  work->unknowns = count_unknowns(problem, work->r);
   work->since = 0;
   if (!status) {
     part_of[k].method->set_limits(work->part[k], &limits);
