@@ -20,7 +20,8 @@ typedef enum dls_method {
   DLS_NEWTON = 3, /* sweeps, then nonsmooth Newton, d = 2 and 3 */
   DLS_ADMM = 4,   /* splitting with a factorisation, d = 2 and 3 */
   DLS_AUGMENTED_LAGRANGIAN = 5, /* Simo and Laursen's, the proximal point method; d = 2 and 3 */
-  DLS_PENALTY = 6               /* its first step with large penalties: has an error */
+  DLS_HOMOTOPY = 7, /* interior homotopy, d = 2 and 3, up to some 300 rows: where all others fail */
+  DLS_PENALTY = 6   /* its first step with large penalties: has an error */
 } dls_method;
 
 /* A stage of auto: a method that started from the best r of the stages before. */

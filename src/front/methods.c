@@ -13,7 +13,8 @@
   X(newton)                                                                                        \
   X(admm)                                                                                          \
   X(augmented)                                                                                     \
-  X(penalty)
+  X(penalty)                                                                                       \
+  X(homotopy)
 
 #define DECLARE(name) extern const dlsi_method dlsi_##name##_method;
 METHODS(DECLARE)
