@@ -1,0 +1,147 @@
+/*
+ * exact.c: sums of products without any rounding, in one long fixed-point number, and the proof that a contact
+ * problem has no solution.
+ *
+ * A double is an integer of 53 bits times a power of two from 2^-1074 to 2^971, so that a product of three has
+ * 159 bits somewhere between 2^-3222 and 2^3072 (EX1). The sum keeps its digits in 64 bits each and does the
+ * carries when 2^30 products have been added, or when its sign is asked for.
+ *
+ * The proof is a Farkas vector: r in the cones C_mu with u_n = (W r + q)_n >= 0 is what every solution has, and
+ *
+ *   v >= 0,   v.q_n < 0,   (W_n^T v).r <= 0 for all r in the cones                                (EX2)
+ *
+ * rules it out, since then 0 <= v.u_n = (W_n^T v).r + v.q_n < 0. In 2D the last condition is that of the
+ * two edges of each cone: linear in W, mu W and v, and so exact here.
+ */
+#include "base/exact.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { lowest = -3 * 1074, most_pending = 1 << 30 }; /* (EX1) */
+
+void dlsi_exact_clear(dlsi_exact *sum) {
+  memset(sum, 0, sizeof *sum);
+}
+
+static void exact_carry(dlsi_exact *sum) {
+  int64_t carry = 0;
+  for (int k = 0; k < dlsi_exact_digits; k++) {
+    const int64_t x = sum->digit[k] + carry;
+    const int64_t low = x & 0xffffffff; /* the digit, 0 .. 2^32 - 1 */
+    carry = (x - low) / ((int64_t)1 << 32);
+    sum->digit[k] = low;
+  }
+  sum->digit[dlsi_exact_digits - 1] += carry * ((int64_t)1 << 32);
+  sum->pending = 0;
+}
+
+/* Splits |x| = m 2^e with an integer m of 53 bits. */
+static uint64_t exact_split(double x, int *e) {
+  const double f = frexp(fabs(x), e);
+  *e -= 53;
+  if (*e < -1074) { /* denormal: m has fewer bits */
+    const int shift = -1074 - *e;
+    *e = -1074;
+    return (uint64_t)ldexp(f, 53) >> shift;
+  }
+  return (uint64_t)ldexp(f, 53);
+}
+
+void dlsi_exact_add(dlsi_exact *sum, double a, double b, double c) {
+  if (a == 0 || b == 0 || c == 0) return;
+  if (++sum->pending >= most_pending) exact_carry(sum);
+  int ea, eb, ec;
+  const uint64_t ma = exact_split(a, &ea), mb = exact_split(b, &eb), mc = exact_split(c, &ec);
+  const int place = ea + eb + ec - lowest, shift = place % 32;
+  const int negative = (a < 0) ^ (b < 0) ^ (c < 0);
+  /* factors in digits of 32 bits; the product in columns that fit into 64 bits after each carry */
+  const uint64_t x[2] = {ma & 0xffffffff, ma >> 32}, y[2] = {mb & 0xffffffff, mb >> 32};
+  const uint64_t z[2] = {mc & 0xffffffff, mc >> 32};
+  uint64_t p[4] = {0}, r[7] = {0};
+  for (int i = 0; i < 2; i++) {
+    uint64_t carry = 0;
+    for (int j = 0; j < 2; j++) {
+      const uint64_t t = x[i] * y[j] + p[i + j] + carry;
+      p[i + j] = t & 0xffffffff;
+      carry = t >> 32;
+    }
+    p[i + 2] += carry;
+  }
+  for (int i = 0; i < 4; i++) {
+    uint64_t carry = 0;
+    for (int j = 0; j < 2; j++) {
+      const uint64_t t = p[i] * z[j] + r[i + j] + carry;
+      r[i + j] = t & 0xffffffff;
+      carry = t >> 32;
+    }
+    for (int k = i + 2; carry && k < 7; k++) {
+      const uint64_t t = r[k] + carry;
+      r[k] = t & 0xffffffff;
+      carry = t >> 32;
+    }
+  }
+  uint64_t carry = 0;
+  for (int k = 0; k < 7; k++) {
+    const uint64_t t = (r[k] << shift) | carry;
+    const int64_t digit = (int64_t)(t & 0xffffffff);
+    sum->digit[place / 32 + k] += negative ? -digit : digit;
+    carry = t >> 32;
+  }
+}
+
+int dlsi_exact_sign(dlsi_exact *sum) {
+  exact_carry(sum);
+  int64_t top = sum->digit[dlsi_exact_digits - 1];
+  if (top < 0) return -1;
+  for (int k = 0; k < dlsi_exact_digits; k++)
+    if (sum->digit[k]) return 1;
+  return 0;
+}
+
+/* Returns the sign of v.W_n r for the edge r = (1, side mu) of candidate c. */
+static int exact_edge(const dls_contact *problem, int c, double side, const double *v) {
+  const dlsi_block_column W = dlsi_contact_column(problem, (size_t)c);
+  const double mu = side * problem->mu[c];
+  dlsi_exact sum;
+  dlsi_exact_clear(&sum);
+  for (size_t k = W.begin; k < W.end; k++) {
+    const double *block = W.x + k * W.step, vi = v[dlsi_row(&W, k)];
+    dlsi_exact_add(&sum, vi, block[0], 1);
+    dlsi_exact_add(&sum, vi, block[W.ld], mu);
+  }
+  return dlsi_exact_sign(&sum);
+}
+
+int dlsi_contact_is_infeasible(const dls_contact *problem, const double *v) {
+  dlsi_exact sum;
+  dlsi_exact_clear(&sum);
+  if (problem->d != 2) return 0;
+  for (int c = 0; c < problem->nc; c++) {
+    if (!(v[c] >= 0 && isfinite(v[c]))) return 0;
+    dlsi_exact_add(&sum, v[c], problem->q[2 * (size_t)c], 1);
+  }
+  if (dlsi_exact_sign(&sum) >= 0) return 0;
+  for (int c = 0; c < problem->nc; c++)
+    if (exact_edge(problem, c, 1, v) > 0 || exact_edge(problem, c, -1, v) > 0) return 0;
+  return 1;
+}
+
+void dlsi_round_to(int bits, size_t n, const double *v, double *rounded) {
+  int e;
+  (void)frexp(dlsi_max_abs(v, n), &e);
+  for (size_t i = 0; i < n; i++)
+    rounded[i] = ldexp(nearbyint(ldexp(v[i], bits - e)), e - bits);
+}
+
+int dlsi_contact_find_proof(const dls_contact *problem, double *v, double *work) {
+  static const int bits[] = {53, 40, 30, 20, 12, 8, 5, 3};
+  const size_t nc = (size_t)problem->nc;
+  for (size_t k = 0; k < sizeof bits / sizeof bits[0]; k++) {
+    dlsi_round_to(bits[k], nc, v, work);
+    if (!dlsi_contact_is_infeasible(problem, work)) continue;
+    memcpy(v, work, nc * sizeof *v);
+    return 1;
+  }
+  return 0;
+}
