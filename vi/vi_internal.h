@@ -56,6 +56,9 @@ typedef struct dlsi_frames {
 dls_status dlsi_frames_create(dlsi_frames *frames, const dls_model *model, dls_error *error);
 void dlsi_frames_free(dlsi_frames *frames);
 
+/* Returns K'_nt of contact node c. */
+double dlsi_frames_coupling(const dlsi_frames *frames, int c);
+
 /* f' := T^T f, and x := T x', also in place. */
 void dlsi_frames_forces(const dlsi_frames *frames, const double *f, double *local);
 void dlsi_frames_unknowns(const dlsi_frames *frames, const double *local, double *x);
@@ -145,9 +148,10 @@ dls_status dlsi_iterate_settle(dlsi_iterate *it, const dls_contact *problem, dls
 dls_status dlsi_iterate_end(const dlsi_iterate *it, const dls_contact *problem, dls_status status,
                             dls_info *outcome, double *r, double *u, dls_info *info);
 
-/* Returns the residual that a certificate of this floor has to meet: max(tol, 4 floor). */
+/* Returns the residual that a certificate of this floor has to meet: max(tol, 4 floor), NaN for a floor of
+ * NaN, which none meets. */
 static inline double dlsi_target(double tol, double floor) {
-  return 4 * floor > tol ? 4 * floor : tol;
+  return 4 * floor <= tol ? tol : 4 * floor;
 }
 
 /* Tells the caller's progress callback; returns 1 if that cancels the solve. */
