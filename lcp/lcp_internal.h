@@ -106,4 +106,7 @@ void dlsi_table_move_y(const dlsi_table *t, const double *dy, double *dx);
 void dlsi_friction_start(const dls_contact *problem, const double *w, const double *r,
                          const double *u, double *z);
 
+/* Changes the limits of an existing workspace, from the next solve on. */
+void dlsi_lemke_set_limits(dls_lemke *work, const dls_limits *limits);
+
 #endif

@@ -232,6 +232,10 @@ void dls_lemke_destroy(dls_lemke *workspace) {
   free(workspace);
 }
 
+void dlsi_lemke_set_limits(dls_lemke *work, const dls_limits *limits) {
+  work->settings.limits = *limits;
+}
+
 /* ---- the scaled problem ---------------------------------------------------------------------- */
 
 /* max |x_i|, not finite if there is a NaN: as dlsi_max_abs, for a hot loop, four at a time */

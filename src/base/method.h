@@ -18,8 +18,9 @@ typedef struct dlsi_options {
   /* 1: a stage of auto, which goes on from the r of the stages before: no sweeps of other methods, no
    * answer but r and its certificate */
   int stage;
-  struct dlsi_room
-      *room; /* for the matrix, shared with methods that run before or after; NULL: its own */
+  int lazy; /* 1: auto may allocate while it solves what only later stages need */
+  /* for the matrix, shared with methods that run before or after; NULL: a room of its own */
+  struct dlsi_room *room;
 } dlsi_options;
 
 typedef struct dlsi_method {

@@ -14,15 +14,15 @@
  *
  *   y = r_n - r'_n,  x = r_t - r'_t,  p = u_n - u'_n,  v = u_t - u'_t.
  *
- * (B1) y_c p_c = -r_n u'_n - r'_n u_n <= 0
- * (B2) x_c . v_c <= mu_c |y_c| |v_c|, for r_t . u_t = -mu r_n |u_t|, r_t . u'_t >= -mu r_n |u'_t|
+ * (DG1) y_c p_c = -r_n u'_n - r'_n u_n <= 0
+ * (DG2) x_c . v_c <= mu_c |y_c| |v_c|, for r_t . u_t = -mu r_n |u_t|, r_t . u'_t >= -mu r_n |u'_t|
  *        give x . v <= -mu (r_n - r'_n) (|u_t| - |u'_t|)
  *
  * With T = W_tt^-1, P = W_nt T, Q = T W_tn, S = W_nn - W_nt T W_tn:
  *
- * (B3) x = T v - Q y,  p = S y + P v
+ * (DG3) x = T v - Q y,  p = S y + P v
  *
- * Take tau >= 1 times the sum of (B1) and once that of (B2), mu = max mu_c, and Cauchy-Schwarz:
+ * Take tau >= 1 times the sum of (DG1) and once that of (DG2), mu = max mu_c, and Cauchy-Schwarz:
  *
  *   mu |y| |v| >= tau y.p + x.v = tau y^T S y + v^T T v + y^T (P - Q^T + (tau - 1) P) v
  *              >= tau s |y|^2 + t |v|^2 - (g + (tau - 1) h) |y| |v|
@@ -33,7 +33,7 @@
  * and tau s |y|^2 + t |v|^2 >= 2 sqrt(tau s t) |y| |v|. So y = v = 0, hence x = 0, if mu is less
  * than
  *
- * (B4) mu* = max over tau >= 1 of 2 sqrt(tau s t) - (tau - 1) h - g
+ * (DG4) mu* = max over tau >= 1 of 2 sqrt(tau s t) - (tau - 1) h - g
  *          = 2 k - g            if h >= k = sqrt(s t)     (tau = 1)
  *          = h + k^2 / h - g    if h <  k                 (tau = (k/h)^2)
  *
@@ -45,11 +45,11 @@
  *
  * Lemke (2D, the form of delassus/lcp.h). A secondary ray gives dz != 0 that solves LCP(M, dz0 d),
  * d > 0, dz0 >= 0: a friction problem with q = dz0 (d_1, d_2) and -mu r_n <= r_t <= mu r_n + dz0
- * d_3, for which (B1), (B2) hold all the same. It has the solution r = 0, and so no other: phi_2 =
- * 0, and if dz0 > 0, phi_1 > 0, lambda_2 = 0, that is dz = 0. If dz0 = 0, some dz has lambda_2 > 0
- * and dy the same lambda_1; by complementarity phi_1 = phi_2 = 0 at the start of the ray, but
- * there phi_1 + phi_2 = 2 mu r_n + d_3 z0 > 0. So there is no ray, and Lemke's method ends at the
- * solution.
+ * d_3, for which (DG1), (DG2) hold all the same. It has the solution r = 0, and so no other:
+ * phi_2 = 0, and if dz0 > 0, phi_1 > 0, lambda_2 = 0, that is dz = 0. If dz0 = 0, some dz has
+ * lambda_2 > 0 and dy the same lambda_1; by complementarity phi_1 = phi_2 = 0 at the start of the
+ * ray, but there phi_1 + phi_2 = 2 mu r_n + d_3 z0 > 0. So there is no ray, and Lemke's method
+ * ends at the solution.
  *
  * What mu* is worth: for one candidate in 2D with W_nn W_tt >= 2 W_nt^2 it is W_nn / |W_nt|, the
  * exact value, and never more. For many candidates it falls with 1 / sqrt(condition number).
@@ -67,15 +67,17 @@
 #include "base/base.h"
 #include "delassus/diagnose.h"
 #include "linear/blas.h"
+#include "linear/dense.h"
 
-static void count(dls_flaw *flaw, int index) {
+static void flaw_count(dls_flaw *flaw, int index) {
   if (flaw->count++ == 0) flaw->first = index;
 }
 
 /* ---- candidates ------------------------------------------------------------------------------ */
 
-/* 1 if B (d x d, not 0) is singular to rounding: Gauss elimination with complete pivoting. */
-static int is_singular(int d, double *B) {
+/* Returns 1 if B (d x d, not 0) is singular to rounding. Gauss elimination with complete
+ * pivoting. */
+static int is_singular_block(int d, double *B) {
   const size_t D = (size_t)d;
   const double tol = 8 * DBL_EPSILON * dlsi_max_abs(B, D * D);
   for (int k = 0; k < d; k++) {
@@ -125,18 +127,18 @@ static void look_at_candidates(const dls_contact *problem, dls_diagnosis *g) {
     const double critical = !(normal > 0)                     ? 0
                             : coupling > DBL_EPSILON * normal ? normal / coupling
                                                               : INFINITY;
-    if (mu > critical) count(&g->wedged, c);
+    if (mu > critical) flaw_count(&g->wedged, c);
     if (critical < g->friction_critical) {
       g->friction_critical = critical;
       g->critical = c;
     }
     if (!(dlsi_max_abs(B, D * D) > 0)) {
-      count(&g->zero_block, c);
+      flaw_count(&g->zero_block, c);
       continue;
     }
-    if (!(weight > 0)) count(&g->no_weight, c);
-    if (!(normal > 0)) count(&g->no_normal, c);
-    if (is_singular(d, B)) count(&g->singular_block, c);
+    if (!(weight > 0)) flaw_count(&g->no_weight, c);
+    if (!(normal > 0)) flaw_count(&g->no_normal, c);
+    if (is_singular_block(d, B)) flaw_count(&g->singular_block, c);
   }
 }
 
@@ -149,7 +151,7 @@ typedef struct comparison {
   int row, col;
 } comparison;
 
-static void compare(comparison *k, double difference, int i, int j) {
+static void differ(comparison *k, double difference, int i, int j) {
   if (!(difference > k->difference)) return;
   k->difference = difference;
   k->row = i < j ? i : j;
@@ -168,12 +170,12 @@ static void compare_dense(const dls_contact *problem, comparison *k) {
     for (int i = 0; i < m; i++) {
       const double s = k->scale[i / d] * k->scale[j / d], x = s * W[(size_t)i + (size_t)j * ld];
       raise_column(k, j, fabs(x));
-      if (i < j) compare(k, fabs(x - s * W[(size_t)j + (size_t)i * ld]), i, j);
+      if (i < j) differ(k, fabs(x - s * W[(size_t)j + (size_t)i * ld]), i, j);
     }
 }
 
-/* The blocks by rows: those of block row a are at[k], in block column col[k], first[a] <= k <
- * first[a+1]. */
+/* Lists the blocks by rows: those of block row a are at[k], in block column col[k], for first[a]
+ * <= k < first[a+1]. */
 typedef struct block_rows {
   int *first, *at, *col;
 } block_rows;
@@ -197,15 +199,16 @@ static void list_rows(const dls_blocks *B, const block_rows *rows) {
   first[0] = 0;
 }
 
-/* x (d x d) = W_ac - W_ca^T, cleared for the next c */
+/* Compares x (d x d) = W_ac - W_ca^T with zero, and clears it for the next c. */
 static void compare_block(comparison *k, int d, int a, int c, double *x) {
   for (int l = 0; l < d * d; l++) {
-    compare(k, k->scale[a] * k->scale[c] * fabs(x[l]), d * a + l % d, d * c + l / d);
+    differ(k, k->scale[a] * k->scale[c] * fabs(x[l]), d * a + l % d, d * c + l / d);
     x[l] = 0;
   }
 }
 
-/* X (nc blocks of d x d, all 0): the block column c, then less the block row c transposed. */
+/* Forms, for each c, block column c less block row c transposed. X: scratch, nc blocks of d x d,
+ * all 0. */
 static void compare_blocks(const dls_blocks *B, const block_rows *rows, comparison *k, double *X) {
   const int d = B->d;
   const size_t D = (size_t)d, size = D * D;
@@ -252,7 +255,7 @@ static dls_status look_at_symmetry(const dls_contact *problem, const double *sca
     g->row = k.row;
     g->col = k.col;
     for (size_t j = 0; j < m; j++)
-      if (!(k.column[j] > DBL_EPSILON * largest)) count(&g->no_effect, (int)j);
+      if (!(k.column[j] > DBL_EPSILON * largest)) flaw_count(&g->no_effect, (int)j);
     status = DLS_OK;
   }
   free(work);
@@ -264,8 +267,8 @@ static dls_status look_at_symmetry(const dls_contact *problem, const double *sca
 
 enum { eigen_work = 34 }; /* dsyev: (block size 32 + 2) n doubles */
 
-/* A (m x m) := the scaled W, the normal rows and columns of all candidates first. */
-static void expand(const dls_contact *problem, const double *scale, double *A) {
+/* Fills A (m x m) with the scaled W, the normal rows and columns of all candidates first. */
+static void scaled_matrix(const dls_contact *problem, const double *scale, double *A) {
   const size_t d = (size_t)problem->d, nc = (size_t)problem->nc, m = d * nc;
   for (size_t e = 0; e < m * m; e++)
     A[e] = 0;
@@ -283,8 +286,8 @@ static void expand(const dls_contact *problem, const double *scale, double *A) {
   }
 }
 
-/* value (n) := the eigenvalues, ascending, of the symmetric part of X (n x n, leading dimension
- * ld); H (n x n) and work (34 n) are overwritten. 0 if LAPACK did not converge. */
+/* Finds the eigenvalues, ascending, of the symmetric part of X (n x n, leading dimension ld).
+ * Returns 0 if LAPACK did not converge. H: scratch, n x n. value: n. work: scratch, 34 n. */
 static int eigenvalues(int n, const double *X, int ld, double *H, double *value, double *work) {
   const size_t N = (size_t)n, L = (size_t)ld;
   for (size_t j = 0; j < N; j++)
@@ -313,9 +316,9 @@ static void look_at_eigenvalues(int m, const double *value, dls_diagnosis *g) {
   }
 }
 
-/* *norm := |X|_2, X being rows x cols, from X X^T; 0 if LAPACK did not converge. */
-static int norm_of(int rows, int cols, const double *X, double *XXt, double *H, double *value,
-                   double *work, double *norm) {
+/* Finds |X|_2, X being rows x cols, from X X^T. Returns 0 if LAPACK did not converge. */
+static int spectral_norm(int rows, int cols, const double *X, double *XXt, double *H, double *value,
+                         double *work, double *norm) {
   const double one = 1, zero = 0;
   dgemm_("N", "T", &rows, &rows, &cols, &one, X, &rows, X, &rows, &zero, XXt, &rows, 1, 1);
   const int ok = eigenvalues(rows, XXt, rows, H, value, work);
@@ -323,8 +326,8 @@ static int norm_of(int rows, int cols, const double *X, double *XXt, double *H, 
   return ok;
 }
 
-/* mu* of (B4), 0 if there is none. A (m x m) = (W_nn W_nt; W_tn W_tt) is overwritten; H, V: m x m
- * each; value: m, work: 34 m. V has room for T, P and Q: nt^2 + 2 nn nt < m^2. */
+/* Returns mu* of (DG4), 0 if there is none. A: (W_nn W_nt; W_tn W_tt), m x m, overwritten. H, V:
+ * scratch, m x m; V has room for T, P and Q: nt^2 + 2 nn nt < m^2. value: m. work: 34 m. */
 static double unique_below(int nn, int nt, double *A, double *H, double *V, int *pivot,
                            double *value, double *work) {
   const int m = nn + nt;
@@ -332,16 +335,15 @@ static double unique_below(int nn, int nt, double *A, double *H, double *V, int 
   const double one = 1, zero = 0, minus = -1;
   double *Wnn = A, *Wtn = A + N, *Wnt = A + N * M, *Wtt = Wnt + N;
   double *T = V, *P = T + L * L, *Q = P + N * L;
-  int info;
 
   for (size_t j = 0; j < L; j++)
     for (size_t i = 0; i < L; i++) {
       H[i + j * L] = Wtt[i + j * M];
       T[i + j * L] = i == j;
     }
-  dgetrf_(&nt, &nt, H, &nt, pivot, &info);
-  if (info) return 0;
-  dgetrs_("N", &nt, &nt, H, &nt, pivot, T, &nt, &info, 1); /* (B3) */
+  dlsi_dense factors = {.n = nt, .A = H, .pivot = pivot};
+  if (dlsi_dense_lu(&factors)) return 0;
+  dlsi_dense_solve(&factors, T, nt, nt); /* (DG3) */
   dgemm_("N", "N", &nn, &nt, &nt, &one, Wnt, &m, T, &nt, &zero, P, &nn, 1, 1);
   dgemm_("N", "N", &nt, &nn, &nt, &one, T, &nt, Wtn, &m, &zero, Q, &nt, 1, 1);
   dgemm_("N", "N", &nn, &nn, &nt, &minus, P, &nn, Wtn, &m, &one, Wnn, &m, 1, 1); /* S */
@@ -353,13 +355,13 @@ static double unique_below(int nn, int nt, double *A, double *H, double *V, int 
   const double t = value[0];
   if (!(s > 0) || !(t > 0)) return 0;
   double *XXt = A; /* nn x nn; A is not needed any more */
-  if (!norm_of(nn, nt, P, XXt, H, value, work, &h)) return 0;
+  if (!spectral_norm(nn, nt, P, XXt, H, value, work, &h)) return 0;
   for (size_t j = 0; j < L; j++)
     for (size_t i = 0; i < N; i++)
       P[i + j * N] -= Q[j + i * L];
-  if (!norm_of(nn, nt, P, XXt, H, value, work, &g)) return 0;
+  if (!spectral_norm(nn, nt, P, XXt, H, value, work, &g)) return 0;
 
-  const double k = sqrt(s * t); /* (B4) */
+  const double k = sqrt(s * t); /* (DG4) */
   const double bound = (h >= k ? 2 * k : h + k * (k / h)) - g;
   return bound > 0 ? bound : 0;
 }
@@ -375,7 +377,7 @@ static dls_status look_at_spectrum(const dls_contact *problem, const double *sca
   dls_status status = DLS_E_MEMORY;
   if (A && H && V && work && pivot) {
     double *value = work + eigen_work * M;
-    expand(problem, scale, A);
+    scaled_matrix(problem, scale, A);
     if (eigenvalues(m, A, m, H, value, work)) {
       look_at_eigenvalues(m, value, g);
       if (g->rank == m && g->negative == 0)
@@ -393,14 +395,12 @@ static dls_status look_at_spectrum(const dls_contact *problem, const double *sca
 
 /* ---- all ------------------------------------------------------------------------------------- */
 
-dls_status dls_contact_diagnose(const dls_contact *problem, int limit, dls_diagnosis *diagnosis,
-                                dls_error *error) {
+static dls_status diagnose(const dls_contact *problem, int limit, dls_diagnosis *diagnosis,
+                           dls_error *error) {
   dls_status status = dlsi_check_contact(problem, error);
-  if (status) return dlsi_at(__func__, status, error);
-  if (limit < 0)
-    return dlsi_at(__func__, dlsi_fail(error, DLS_E_ARGUMENT, "limit", -1, limit, "is %d", limit),
-                   error);
-  if (!diagnosis) return dlsi_at(__func__, dlsi_is_null(error, "diagnosis"), error);
+  if (status) return status;
+  if (limit < 0) return dlsi_fail(error, DLS_E_ARGUMENT, "limit", -1, limit, "is %d", limit);
+  if (!diagnosis) return dlsi_is_null(error, "diagnosis");
   const dls_flaw none = {0, -1};
   dls_diagnosis g = {.row = -1,
                      .col = -1,
@@ -415,7 +415,7 @@ dls_status dls_contact_diagnose(const dls_contact *problem, int limit, dls_diagn
                      .critical = -1,
                      .wedged = none};
   double *scale = dlsi_alloc((size_t)problem->nc, sizeof *scale);
-  if (!scale) return dlsi_at(__func__, dlsi_no_memory(error), error);
+  if (!scale) return dlsi_no_memory(error);
   dlsi_contact_weights(problem, scale);
   for (int c = 0; c < problem->nc; c++)
     scale[c] = 1 / sqrt(scale[c]);
@@ -426,7 +426,12 @@ dls_status dls_contact_diagnose(const dls_contact *problem, int limit, dls_diagn
   status = look_at_symmetry(problem, scale, &g);
   if (!status && m <= limit) status = look_at_spectrum(problem, scale, &g);
   free(scale);
-  if (status) return dlsi_at(__func__, dlsi_fail(error, status, "", -1, 0, "out of memory"), error);
+  if (status) return dlsi_no_memory(error);
   *diagnosis = g;
   return DLS_OK;
+}
+
+dls_status dls_contact_diagnose(const dls_contact *problem, int limit, dls_diagnosis *diagnosis,
+                                dls_error *error) {
+  return dlsi_at(__func__, diagnose(problem, limit, diagnosis, error), error);
 }

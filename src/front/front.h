@@ -1,50 +1,20 @@
-/* front.h: the methods behind the front door that are made of others. */
+/* front.h: what the files behind the front door share. */
 #ifndef DLSI_FRONT_H
 #define DLSI_FRONT_H
 
+#include "base/method.h"
 #include "delassus/solve.h"
-#include "lcp/lcp_internal.h"
-#include "vi/vi_internal.h"
 
-/* Lemke's method on a contact problem, solve_lemke.c. Settings, sizes and problem have been checked;
- * otherwise as dls_solver_create, _solve, _destroy say. */
-typedef struct dlsi_pivoting dlsi_pivoting;
+/* The row of a method, NULL for a number that is no method. */
+const dlsi_method *dlsi_method_of(dls_method method);
 
-dls_status dlsi_pivoting_create(dlsi_pivoting **out, int d, int nc,
-                                const dls_solver_settings *settings, dls_error *error);
-dls_status dlsi_pivoting_solve(dlsi_pivoting *work, const dls_contact *problem, double *r,
-                               double *u, dls_info *info, dls_error *error);
-void dlsi_pivoting_destroy(dlsi_pivoting *work);
+/* The methods that auto is made of; vi/ and contact_lemke.c. */
+extern const dlsi_method dlsi_nlgs_method, dlsi_newton_method, dlsi_admm_method,
+    dlsi_augmented_method, dlsi_lemke_method;
 
-/* All methods in turn, auto.c; the same. complete = 0: only what the first stage needs; the solve then
- * allocates the rest if it gets so far. */
-typedef struct dlsi_auto dlsi_auto;
-
-dls_status dlsi_auto_create(dlsi_auto **out, int d, int nc, const dls_solver_settings *settings,
-                            int complete, dls_error *error);
-dls_status dlsi_auto_solve(dlsi_auto *work, const dls_contact *problem, double *r, double *u,
-                           dls_info *info, dls_error *error);
-const double *dlsi_auto_direction(const dlsi_auto *work);
-void dlsi_auto_destroy(dlsi_auto *work);
-
-/* So few candidates that preparations, checks and calls can take longer than the solution itself. */
-enum { DLSI_FEW = 20 };
-
-/* alone.c: 1 if r, u (or NULL), info (or NULL) hold a certified answer found from r = 0, else 0 and they are
- * untouched. At most DLSI_FEW candidates, q_n < 0 for one of them. */
+/* Returns 1 if r, u (or NULL), info (or NULL) hold the certified answer of a problem whose
+ * candidates are free or stand alone (alone.c), else 0, and they are untouched. From r = 0,
+ * without a workspace. */
 int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *u, dls_info *info);
-
-/* What info says of such an answer, but for the stages past info->stages: clearing those takes as long as the
- * smallest solve. */
-static inline void dlsi_alone_report(dls_info *info, int sweeps,
-                                     const dls_certificate *certificate) {
-  info->status = DLS_OK;
-  info->method = DLS_AUTO;
-  info->iterations = sweeps;
-  info->certificate = *certificate;
-  info->ambiguous = info->factorisations = info->sweeps = 0;
-  info->stages = sweeps;
-  if (sweeps) info->stage[0] = (dls_stage){DLS_NLGS, sweeps, 0, certificate->residual};
-}
 
 #endif

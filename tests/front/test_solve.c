@@ -361,8 +361,8 @@ START_TEST(every_failing_malloc_unwinds) {
 }
 END_TEST
 
-/* Sweeps do not solve c11 (data/failures): dls_solve then allocates what
- * dls_solver_create does at once, but for the solver itself. */
+/* Sweeps do not solve c11 (data/failures): dls_solve then allocates what the next stages need,
+ * which dls_solver_create does at once for all of them. */
 START_TEST(later_stages_are_allocated_when_needed) {
   const double a[16] = {1, 1, 0, -1, 1, 2, 1, -2, 0, 1, 3, 0, -1, -2, 0, 3}, b[4] = {-1, 1, -1, 0},
                friction[2] = {1, 1};
@@ -373,7 +373,9 @@ START_TEST(later_stages_are_allocated_when_needed) {
   dls_solver *solver;
   ck_assert_int_eq(dls_solve(&p, &s, r, NULL, &info, NULL), DLS_OK);
   ck_assert_int_gt(info.stages, 1);
-  ck_assert_int_eq(fail_in_turn(&p, &s, 1), fail_in_turn(&p, &s, 0) - 1);
+  const long at_once = fail_in_turn(&p, &s, 1);
+  ck_assert_int_gt(at_once, 1);
+  ck_assert_int_lt(at_once, fail_in_turn(&p, &s, 0) - 1);
   ck_assert_int_eq(dls_solver_create(&solver, 2, 2, &s, NULL), DLS_OK);
   ck_assert_int_eq(dls_solver_solve(solver, &p, t, NULL, NULL, NULL), DLS_OK);
   dls_solver_destroy(solver);
@@ -410,7 +412,8 @@ START_TEST(free_problem_is_answered_at_once) {
 }
 END_TEST
 
-/* ---- short calls: what is checked in one go ---------------------------------------------------- */
+/* ---- short calls: what is checked in one go
+ * ---------------------------------------------------- */
 
 enum { FEW = 5 };
 
@@ -637,8 +640,8 @@ static void is_one_sweep(const dls_info *info) {
             info->stage[0].residual == info->certificate.residual);
 }
 
-/* To the bits of plain sweeps, which need a second one to see that nothing changes; up to 20 candidates
- * without memory. */
+/* To the bits of plain sweeps, which need a second one to see that nothing changes; up to 20
+ * candidates without memory. */
 START_TEST(candidates_apart_take_one_sweep) {
   for (unsigned seed = 1; seed <= 60; seed++) {
     apart a;
@@ -699,8 +702,8 @@ START_TEST(candidates_apart_in_any_units) {
 }
 END_TEST
 
-/* Candidate 0 is pressed alone, and by the block W_10 so is 1: that takes more sweeps. Where W_10 opens 1
- * instead, it does not. Where both are pressed from the start they meet. */
+/* Candidate 0 is pressed alone, and by the block W_10 so is 1: that takes more sweeps. Where W_10
+ * opens 1 instead, it does not. Where both are pressed from the start they meet. */
 START_TEST(a_neighbour_pressed_takes_more_sweeps) {
   for (int d = 2; d <= 3; d++)
     for (int way = 0; way < 3; way++) {
@@ -778,7 +781,8 @@ START_TEST(bad_blocks_go_through_the_stages) {
 }
 END_TEST
 
-/* Ten steps of a load that turns: from the states of the step before, one round of the crash start is left. */
+/* Ten steps of a load that turns: from the states of the step before, one round of the crash start
+ * is left. */
 START_TEST(lemke_starts_from_the_last_step) {
   dls_contact p = random_problem(6);
   double load[M], r[M], cold[M];
@@ -817,8 +821,8 @@ typedef struct planted_problem {
   double W[9 * PLANTED * PLANTED], q[3 * PLANTED], mu[PLANTED];
 } planted_problem;
 
-/* W = B B^T of the rank given, scaled, and q = u - W r for some (r, u) that is a solution: a third of the
- * candidates free, slipping, sticking. What sweeps and Newton's method find hard. */
+/* W = B B^T of the rank given, scaled, and q = u - W r for some (r, u) that is a solution: a third
+ * of the candidates free, slipping, sticking. What sweeps and Newton's method find hard. */
 static dls_contact planted(planted_problem *a, int d, int nc, int rank, double friction,
                            unsigned seed) {
   static double B[9 * PLANTED * PLANTED];
@@ -1002,8 +1006,8 @@ static dls_contact permuted(const dls_contact *p, const int *at, planted_problem
   return (dls_contact){.d = d, .nc = p->nc, .W = {m, m, m, b->W}, .q = b->q, .mu = b->mu};
 }
 
-/* Candidates in another order, W dense and by blocks: the same stages. Of sweeps alone the same bits; of full
- * rank, the same certificate but for rounding. */
+/* Candidates in another order, W dense and by blocks: the same stages. Of sweeps alone the same
+ * bits; of full rank, the same certificate but for rounding. */
 START_TEST(auto_does_not_see_the_order) {
   static planted_problem a, b;
   static double x[9 * PLANTED * PLANTED];
@@ -1052,7 +1056,8 @@ START_TEST(auto_does_not_see_the_order) {
 }
 END_TEST
 
-/* More rows than Newton's method has room for before it knows the storage, and more than auto's Lemke. */
+/* More rows than Newton's method has room for before it knows the storage, and more than auto's
+ * Lemke. */
 START_TEST(no_allocation_by_blocks_and_in_larger_problems) {
   enum { nc = 151 };
   static double x[4 * 3 * nc], load[2 * nc], friction[nc], r[2 * nc];
@@ -1098,10 +1103,19 @@ START_TEST(no_allocation_by_blocks_and_in_larger_problems) {
 }
 END_TEST
 
+/* Returns the cost of a report in sweeps, a Newton step being five of them at least
+ * (src/front/auto.c). */
+static int cost_of(const dls_info *info) {
+  int cost = 0;
+  for (int k = 0; k < info->stages; k++)
+    cost += (info->stage[k].method == DLS_NLGS ? 1 : 5) * info->stage[k].iterations;
+  return cost;
+}
+
 /* A warm start helps where it is close, and does no harm where it is nonsense. */
 START_TEST(auto_starts_warm) {
   static planted_problem a;
-  int cold_iterations = 0, warm_iterations = 0;
+  int cold_cost = 0, warm_cost = 0;
   for (int k = 1; k < 30; k += 3) { /* full rank */
     const dls_contact p = planted_case(&a, k);
     const int m = p.d * p.nc;
@@ -1117,14 +1131,14 @@ START_TEST(auto_starts_warm) {
     for (int e = 0; e < m; e++)
       t[e] = r[e] * (1 + 1e-6 * (e % 3));
     ck_assert_int_eq(dls_solve(&p, &s, t, NULL, &info, NULL), DLS_OK);
-    cold_iterations += cold.iterations;
-    warm_iterations += info.iterations;
+    cold_cost += cost_of(&cold);
+    warm_cost += cost_of(&info);
     for (int e = 0; e < m; e++)
       t[e] = e % 2 ? DBL_MAX : -DBL_MAX;
     ck_assert_int_eq(dls_solve(&p, &s, t, NULL, &info, NULL), DLS_OK);
     check_report(&info);
   }
-  ck_assert_int_lt(4 * warm_iterations, 3 * cold_iterations);
+  ck_assert_int_lt(4 * warm_cost, 3 * cold_cost);
 }
 END_TEST
 
@@ -1153,8 +1167,8 @@ START_TEST(positive_definite_saves_steps) {
 }
 END_TEST
 
-/* Bytes that create asks for: those of the methods, whose matrices are one, r, the best r, and up to
- * 2 kB; and those that solve.h counts. */
+/* Bytes that create asks for: those of the methods, whose matrices are one, r, the best r, and up
+ * to 2 kB; and those that solve.h counts. */
 START_TEST(auto_holds_its_methods) {
   static const int size[][2] = {{2, 1},   {2, 150}, {2, 74}, {2, 75},
                                 {2, 151}, {3, 60},  {3, 61}, {3, 100}};
@@ -1215,8 +1229,8 @@ static double log_integral(double x) {
   return x * log(fabs(x)) - x;
 }
 
-/* The surface of an elastic half-plane held far below, pressed and pushed: dense, ill-conditioned, most
- * candidates sticking (test_admm.c). Newton's first steps do not settle it. */
+/* The surface of an elastic half-plane held far below, pressed and pushed: dense, ill-conditioned,
+ * most candidates sticking (test_admm.c). Newton's first steps do not settle it. */
 START_TEST(auto_splits_where_it_is_large_and_stiff) {
   enum { nc = 250, m = 2 * nc };
   static double plane[m * m], load[m], friction[nc], r[m];
@@ -1244,9 +1258,9 @@ START_TEST(auto_splits_where_it_is_large_and_stiff) {
 }
 END_TEST
 
-/* Square bricks one on the other, two candidates at the ends of each face that stands on something; W by
- * blocks, rank deficient. In one time step their weight gives them all the velocity (push, -1), or, stirred,
- * each candidate has a velocity of its own; unit of W, 1 / unit of velocities. */
+/* Square bricks one on the other, two candidates at the ends of each face that stands on something;
+ * W by blocks, rank deficient. In one time step their weight gives them all the velocity (push,
+ * -1), or, stirred, each candidate has a velocity of its own; unit of W, 1 / unit of velocities. */
 static dls_contact column_of_bricks(int bricks, double push, int stirred, double unit) {
   enum { most = 100 };
   static double x[4 * 2 * 6 * most], load[4 * most], friction[2 * most];
@@ -1345,7 +1359,8 @@ START_TEST(a_jam_has_likely_no_solution) {
 }
 END_TEST
 
-/* The sweeps of the jam stall at once and forecast nothing: what the solve before forecast does not count. */
+/* The sweeps of the jam stall at once and forecast nothing: what the solve before forecast does not
+ * count. */
 START_TEST(auto_forgets_the_solve_before) {
   static planted_problem a;
   const dls_contact jam = {.d = 2, .nc = 1, .W = {2, 2, 3, wedge_W}, .q = wedge_q, .mu = two};
