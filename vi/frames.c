@@ -18,8 +18,8 @@
 
 /* ---- the frames ------------------------------------------------------------------------------ */
 
-/* v := the entries of column c of H in the rows unknown[0..1], which are found as they come (-1: not yet).
- * Returns 0 if there is a third row. */
+/* v := the entries of column c of H in the rows unknown[0..1], which are found as they come (-1:
+ * not yet). Returns 0 if there is a third row. */
 static int frames_gather(const dls_sparse *H, int c, int unknown[2], double v[2]) {
   v[0] = v[1] = 0;
   for (int k = H->p[c]; k < H->p[c + 1]; k++) {
@@ -87,8 +87,8 @@ static int frames_row_of_T(const dlsi_frames *a, int i, int column[2], double co
 
 /* ---- K' -------------------------------------------------------------------------------------- */
 
-/* Adds the entries that K_ij = K_ji = v (i >= j) gives to K' = T^T K T: counts them in next[column] while
- * row is NULL, then puts them at next[column]. */
+/* Adds the entries that K_ij = K_ji = v (i >= j) gives to K' = T^T K T: counts them in next[column]
+ * while row is NULL, then puts them at next[column]. */
 static void frames_emit(const dlsi_frames *a, int i, int j, double v, size_t *next) {
   int p[2], q[2];
   double s[2], t[2];

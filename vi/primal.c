@@ -5,36 +5,38 @@
  *   b = mu r_n
  *
  * in the local frames of frames.c: x_c = u_c - g_c, and r stands at the unknowns of the contact
- * nodes. For given thresholds b this is Tresca's problem, the minimum under u_n >= 0 of the strictly
- * convex Q(x) = x^T K x / 2 - f^T x + sum_c b_c |u_tc|, (38). R = f - K x is kept up to date by
- * columns, which are the rows of K. One sweep visits the unknowns in their order:
+ * nodes. For given thresholds b this is Tresca's problem, the minimum under u_n >= 0 of the
+ * strictly convex Q(x) = x^T K x / 2 - f^T x + sum_c b_c |u_tc|, (38). R = f - K x is kept up to
+ * date by columns, which are the rows of K. One sweep visits the unknowns in their order:
  *
  *   (PR1)  x_i += omega R_i / K_ii                    an unknown without contact
  *   (PR2)  u_c := the solution of Tresca's problem of node c alone, the others frozen
  *   (PR3)  Aitken: x := s - gamma (s - s_before), s the end of a sweep, if that does not raise Q
  *   (PR4)  b_c := mu_c max(0, r_nc), r = -R at the contact nodes: a step of the fixed point, taken
- *          in the place of (PR3) when Tresca's problem is solved to half of the residual of Coulomb's
- *   (PR5)  the certificate (primal.h) from a fresh R, when its estimate from the R at hand meets the
- *          target, when a sweep changes nothing, and every 50 sweeps
+ *          in the place of (PR3) when Tresca's problem is solved to half of the residual of
+ *          Coulomb's
+ *   (PR5)  the certificate (primal.h) from a fresh R, when its estimate from the R at hand meets
+ *          the target, when a sweep changes nothing, and every 50 sweeps
  *
  * (PR3) With x_k the start of sweep k, s_k its end and f_k = s_k - x_k,
  *
  *   gamma = <f_k - f_k-1, f_k> / |f_k - f_k-1|^2,   x_k+1 = s_k - gamma (s_k - s_k-1)
  *
- * in the scalar product of diag(K): Aitken's Delta^2 for vectors, by Irons and Tuck (Anderson's with a
- * memory of one). It accelerates the sweeps, not the fixed point: it stands in for over-relaxation,
- * whose parameter [C] wants to be rid of, and sweeps are where the time goes: [J] Fig. 3 to 1e-12
- * takes 495 of them and 19 steps of the fixed point. R being affine in x, it takes no product with K,
- * and neither does Q(x) - Q(s) = -(x - s)^T (R_x + R_s) / 2 + sum_c b_c (|u_tc of x| - |u_tc of s|).
+ * in the scalar product of diag(K): Aitken's Delta^2 for vectors, by Irons and Tuck (Anderson's
+ * with a memory of one). It accelerates the sweeps, not the fixed point: it stands in for
+ * over-relaxation, whose parameter [C] wants to be rid of, and sweeps are where the time goes: [J]
+ * Fig. 3 to 1e-12 takes 495 of them and 19 steps of the fixed point. R being affine in x, it takes
+ * no product with K, and neither does Q(x) - Q(s) = -(x - s)^T (R_x + R_s) / 2 + sum_c b_c (|u_tc
+ * of x| - |u_tc of s|).
  *
- * Convergence: each (PR1) with 0 < omega < 2, (PR2) and (PR3) lowers Q or leaves it, so the sweeps solve
- * Tresca's problem from any start. The fixed point is a contraction for small mu only.
+ * Convergence: each (PR1) with 0 < omega < 2, (PR2) and (PR3) lowers Q or leaves it, so the sweeps
+ * solve Tresca's problem from any start. The fixed point is a contraction for small mu only.
  *
- * Source: [C] 4.2, which gives no formula for its Aitken procedure. Deviations: a contact node takes
- * the exact solution of its 2 x 2 problem, n and t together, and is not over-relaxed (without gain on
- * [J] Figs. 3 and 4, and against the argument above); the inner problems are not solved to the end
- * (PR4), which the paper leaves open; R by columns in the place of (K x)_i by rows:
- * the same products, but an unknown that stays costs nothing, and residual, Q and d^T K d are free.
+ * Source: [C] 4.2, which gives no formula for its Aitken procedure. Deviations: a contact node
+ * takes the exact solution of its 2 x 2 problem, n and t together, and is not over-relaxed (without
+ * gain on [J] Figs. 3 and 4, and against the argument above); the inner problems are not solved to
+ * the end (PR4), which the paper leaves open; R by columns in the place of (K x)_i by rows: the
+ * same products, but an unknown that stays costs nothing, and residual, Q and d^T K d are free.
  *
  * Cost of a sweep: the columns of K once; besides O(n). What can fail: the fixed point diverges or
  * cycles for large mu (DLS_MAX_ITERATIONS); the number of sweeps grows with the mesh.
@@ -395,8 +397,8 @@ static int time_for_thresholds(const primal_measure *now, double balance) {
          now->equilibrium <= primal_larger(0.5 * now->laws, balance);
 }
 
-/* Sweeps until the certificate holds or there is a reason to stop, which is returned; work->x is the
- * best iterate, and work->r, work->u and *info belong to it. < 0: K is not positive definite,
+/* Sweeps until the certificate holds or there is a reason to stop, which is returned; work->x is
+ * the best iterate, and work->r, work->u and *info belong to it. < 0: K is not positive definite,
  * as *curvature shows. */
 static dls_status primal_iterate(dls_primal *work, dls_primal_info *info, double *curvature) {
   const dls_primal_settings *settings = &work->settings;
