@@ -23,30 +23,29 @@
  * x = z, u = y: the law and u = W r + q hold together.
  *
  *   (AD5)  rho is looked at after 20, 40, 80, .. iterations. Where the smallest residual has halved
- *         since, rho := rho sqrt( |x - z| / |z - z'| ), |.| = |D^1/2 .|, z' the z before, if that
- *         changes it by more than sqrt(5). Where it has not, rho may be wrong, and nothing says on
- *         which side: both are tried, farther and farther, rho / 10, 10 rho, rho / 100, .., inside
- *         of 1e-4 .. 100. v := z - (rho_old / rho) (z - v) then keeps z and y. One factorisation.
+ *          since, rho := rho sqrt( |x - z| / |z - z'| ), |.| = |D^1/2 .|, z' the z before, if that
+ *          changes rho by more than sqrt(5). Where the residual has not halved, rho may be wrong,
+ *          and nothing says on which side: both are tried, farther and farther, rho / 10, 10 rho,
+ *          rho / 100, .., inside of 1e-4 .. 100. v := z - (rho_old / rho) (z - v) then keeps z and
+ *          y. One factorisation.
  *   (AD6)  The next v by Anderson's acceleration of (AD4) (anderson.c), in the norm |.|.
  *   (AD7)  Where an accelerated v has more than twice the |x - z| of the v before, the step is
- *          taken
- *         back: v := (AD4) of the v before, and the history is forgotten.
+ *          taken back: v := (AD4) of the v before, and the history is forgotten.
  *
  * (AD3) gives the certificate's residual of x without a product with W; the certificate itself is
  * recomputed from W and q before "solved" is said.
  *
  * Source: Lions and Mercier, SIAM J. Numer. Anal. 16, 1979, 964-979, for monotone A and B. (AD5)
- * balances |x - z| against the change of z, as Boyd et al., Found. Trends
- * Mach. Learn. 3, 2011, 3.4.1; the doubled intervals bound the factorisations, to 9 in 5000
- * iterations. Start: v = 0, or warm v = r - (W r + q) / (rho D), whose z is r and whose y is u if
- * they meet the law.
+ * balances |x - z| against the change of z, as Boyd et al., Found. Trends Mach. Learn. 3, 2011,
+ * 3.4.1; the doubled intervals bound the factorisations, to 9 in 5000 iterations. Start: v = 0, or
+ * warm v = r - (W r + q) / (rho D), whose z is r and whose y is u if they meet the law.
  *
  * Cost: per rho a factorisation, m^3 / 3 dense (2/3 m^3 for an unsymmetric W); per iteration a
- * solve with it, 2 m^2, and O(m). What can fail: with mu = 0 or given friction thresholds, and W +
- * W^T positive semidefinite, B and A are monotone and the plain iteration converges from anywhere.
- * Coulomb's B is not: it can cycle at large mu, and crawls where a singular W meets slip. (AD5) and
- * (AD6) cure most of that and prove nothing. Where there is no solution, v runs away until the
- * limit of iterations.
+ * solve with it, 2 m^2, and O(m).
+ * What can fail: with mu = 0 or given friction thresholds, and W + W^T positive semidefinite, B and
+ * A are monotone and the plain iteration converges from anywhere. Coulomb's B is not: it can cycle
+ * at large mu, and crawls where a singular W meets slip. (AD5) and (AD6) cure most of that and
+ * prove nothing. Where there is no solution, v runs away until the limit of iterations.
  */
 #include <float.h>
 #include <limits.h>
@@ -447,10 +446,6 @@ static void admm_set_limits(void *work, const dls_limits *limits) {
 }
 
 const dlsi_method dlsi_admm_method = {
-    .method = DLS_ADMM,
-    .name = "admm",
-    .summary = "splitting, one factorisation: large dense W, stacks at rest",
-    .create = admm_create_by,
-    .solve = admm_solve,
-    .destroy = admm_destroy,
-    .set_limits = admm_set_limits};
+    DLS_ADMM,        "admm",     "splitting, one factorisation: large dense W, stacks at rest",
+    admm_create_by,  admm_solve, admm_destroy,
+    admm_set_limits, NULL};

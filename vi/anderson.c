@@ -19,8 +19,8 @@
  * update a QR factorisation; the Gram matrix costs less, and its rounding, half of the digits of
  * gamma, is an error in the choice of x_k+1, not in the fixed point.
  *
- * Cost of a step: 3 window m multiplications, and window^3 / 6. The loops are those of panel.c: a
- * BLAS takes as long for its call where m is small, and threads where it is not.
+ * Cost of a step: 3 window m multiplications, and window^3 / 6. The loops are those of products.c:
+ * a BLAS takes as long for its call where m is small, and threads where it is not.
  */
 #include <math.h>
 #include <string.h>

@@ -22,10 +22,10 @@
  *
  *   (AU1)  A = W + s E,   b = q - s E lambda
  *   (AU2)  x = the solution of v = A x + b: newton.c from lambda, that is up to 20 sweeps of
- *         Gauss-Seidel, then Newton steps
+ *          Gauss-Seidel, then Newton steps
  *   (AU3)  lambda := x  if (AU2) succeeded, or if x has half the residual of lambda, W and q given
  *   (AU4)  s := 0.2 s   as long as (AU2) has never failed, then 0.8 s, after each failure 2 s;
- *         1e-7 <= s <= 1e3, from s = 1; only if adaptive
+ *          1e-7 <= s <= 1e3, from s = 1; only if adaptive
  *
  * (AU2) is asked for a residual of a thousandth of lambda's, and not for less than a tenth of what
  * is wanted in the end; in the last augmentation allowed, for this tenth. One augmentation from
@@ -36,8 +36,9 @@
  * by a tenth; or 10 times running, failures of (AU2) not counted,
  *
  *   (AU5)  |W delta| < 1e-4 |delta|, q.delta < -1e-4 |q| |delta|,   delta = x - lambda of (AU2),
- *         |D^-1/2 u| and |D^1/2 r| being the norms. Without a solution lambda grows along such a
- *         delta for ever. Seldom, lambda on its way to a far solution does so, too: hence 10.
+ *          |D^-1/2 u| and |D^1/2 r| being the norms. Without a solution lambda grows along such a
+ *          delta for ever. Seldom, lambda on its way to a far solution does so, too: hence 10.
+ *
  * A warm start for which W r overflows is dropped.
  *
  * Source: [Chabrand 1998] 4.1. Slips there: with Delta xi = f_s / eps_T as printed, (34) must take
@@ -330,22 +331,20 @@ static const double *augmented_direction(const void *work) {
   return dls_augmented_direction(work);
 }
 
-const dlsi_method dlsi_augmented_method = {
-    .method = DLS_AUGMENTED_LAGRANGIAN,
-    .name = "augmented-lagrangian",
-    .summary = "proximal point method: where the others cycle or crawl",
-    .create = augmented_create_by,
-    .solve = augmented_solve,
-    .destroy = augmented_destroy,
-    .set_limits = augmented_set_limits,
-    .direction = augmented_direction};
+const dlsi_method dlsi_augmented_method = {DLS_AUGMENTED_LAGRANGIAN,
+                                           "augmented-lagrangian",
+                                           "proximal point method: where the others cycle or crawl",
+                                           augmented_create_by,
+                                           augmented_solve,
+                                           augmented_destroy,
+                                           augmented_set_limits,
+                                           augmented_direction};
 
-const dlsi_method dlsi_penalty_method = {
-    .method = DLS_PENALTY,
-    .name = "penalty",
-    .summary = "its first step with large penalties: to see its error",
-    .create = penalty_create_by,
-    .solve = augmented_solve,
-    .destroy = augmented_destroy,
-    .set_limits = augmented_set_limits,
-    .direction = augmented_direction};
+const dlsi_method dlsi_penalty_method = {DLS_PENALTY,
+                                         "penalty",
+                                         "its first step with large penalties: to see its error",
+                                         penalty_create_by,
+                                         augmented_solve,
+                                         augmented_destroy,
+                                         augmented_set_limits,
+                                         augmented_direction};

@@ -223,35 +223,31 @@ void dlsi_frames_free(dlsi_frames *frames) {
 
 /* ---- vectors --------------------------------------------------------------------------------- */
 
-void dlsi_frames_forces(const dlsi_frames *frames, const double *f, double *local) {
-  if (local != f) memcpy(local, f, (size_t)frames->n * sizeof *f);
+typedef enum frames_turn { FORCES, UNKNOWNS, POSITIONS } frames_turn;
+
+/* to := T^T from, T from or T^-1 from at the contact nodes, else from. */
+static void frames_apply(const dlsi_frames *frames, frames_turn how, const double *from,
+                         double *to) {
+  if (to != from) memcpy(to, from, (size_t)frames->n * sizeof *from);
   for (int c = 0; c < frames->nodes; c++) {
     const double *T = frames->T + 4 * (size_t)c;
     const int i = frames->normal[c], j = frames->tangent[c];
-    const double a = f[i], b = f[j];
-    local[i] = T[0] * a + T[1] * b;
-    local[j] = T[2] * a + T[3] * b;
+    const double M[3][4] = {
+        {T[0], T[1], T[2], T[3]}, {T[0], T[2], T[1], T[3]}, {T[3], -T[2], -T[1], T[0]}};
+    const double a = from[i], b = from[j], det = how == POSITIONS ? T[0] * T[3] - T[2] * T[1] : 1;
+    to[i] = (M[how][0] * a + M[how][1] * b) / det;
+    to[j] = (M[how][2] * a + M[how][3] * b) / det;
   }
+}
+
+void dlsi_frames_forces(const dlsi_frames *frames, const double *f, double *local) {
+  frames_apply(frames, FORCES, f, local);
 }
 
 void dlsi_frames_unknowns(const dlsi_frames *frames, const double *local, double *x) {
-  if (local != x) memcpy(x, local, (size_t)frames->n * sizeof *x);
-  for (int c = 0; c < frames->nodes; c++) {
-    const double *T = frames->T + 4 * (size_t)c;
-    const int i = frames->normal[c], j = frames->tangent[c];
-    const double a = local[i], b = local[j];
-    x[i] = T[0] * a + T[2] * b;
-    x[j] = T[1] * a + T[3] * b;
-  }
+  frames_apply(frames, UNKNOWNS, local, x);
 }
 
 void dlsi_frames_positions(const dlsi_frames *frames, const double *x, double *local) {
-  if (local != x) memcpy(local, x, (size_t)frames->n * sizeof *x);
-  for (int c = 0; c < frames->nodes; c++) {
-    const double *T = frames->T + 4 * (size_t)c;
-    const int i = frames->normal[c], j = frames->tangent[c];
-    const double a = x[i], b = x[j], det = T[0] * T[3] - T[2] * T[1];
-    local[i] = (T[3] * a - T[2] * b) / det;
-    local[j] = (T[0] * b - T[1] * a) / det;
-  }
+  frames_apply(frames, POSITIONS, x, local);
 }

@@ -577,10 +577,11 @@ static void newton_set_limits(void *work, const dls_limits *limits) {
 }
 
 const dlsi_method dlsi_newton_method = {
-    .method = DLS_NEWTON,
-    .name = "newton",
-    .summary = "nonsmooth Newton steps after sweeps: 1e-8 and better, ill-conditioned W",
-    .create = newton_create_by,
-    .solve = newton_solve,
-    .destroy = newton_destroy,
-    .set_limits = newton_set_limits};
+    DLS_NEWTON,
+    "newton",
+    "nonsmooth Newton steps after sweeps: 1e-8 and better, ill-conditioned W",
+    newton_create_by,
+    newton_solve,
+    newton_destroy,
+    newton_set_limits,
+    NULL};

@@ -46,10 +46,11 @@
  *
  * Cost of a sweep: the columns of W of the candidates that changed, once; besides O(nc).
  * Accelerated: (3 window + 10) m operations or so, and the columns of the candidates that (NL6)
- * projects. What can fail: nothing guarantees convergence with friction. It can cycle for ever (W
- * SPD and mu = 1 suffice, tests/method/test_nlgs.c), and needs many sweeps for ill-conditioned W. A
- * candidate without a local solution (W_cc indefinite, or wedged by a large mu) gets the least bad
- * point; the certificate then does not hold.
+ * projects.
+ * What can fail: nothing guarantees convergence with friction. It can cycle for ever (W SPD and mu
+ * = 1 suffice, tests/method/test_nlgs.c), and needs many sweeps for ill-conditioned W. A candidate
+ * without a local solution (W_cc indefinite, or wedged by a large mu) gets the least bad point; the
+ * certificate then does not hold.
  */
 #include <float.h>
 #include <math.h>
@@ -354,7 +355,7 @@ static void nlgs_repair(const dls_nlgs *work, const dls_contact *problem, double
 
 /* Returns the power of two next to x > 0, which scales f without rounding: the last digit of |q|
  * depends on the numbers of the candidates. */
-static double power_of_two(double x) {
+static double nlgs_power_of_two(double x) {
   int e;
   (void)frexp(x, &e);
   return ldexp(1, e);
@@ -372,7 +373,7 @@ static void nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double r
     dlsi_anderson_clear(history);
   } else {
     *accepted = residual;
-    const double unit = power_of_two(scale);
+    const double unit = nlgs_power_of_two(scale);
     double *f = work->it.F; /* in the order of the visits, as all sums of the history */
     for (size_t k = 0; k < m / d; k++) {
       const size_t c = work->order ? (size_t)work->order[k] : k;
@@ -512,10 +513,6 @@ static void nlgs_set_limits(void *work, const dls_limits *limits) {
 }
 
 const dlsi_method dlsi_nlgs_method = {
-    .method = DLS_NLGS,
-    .name = "nlgs",
-    .summary = "sweeps of Gauss-Seidel: any W, 1e-4 to 1e-8; accelerated, more",
-    .create = nlgs_create_by,
-    .solve = nlgs_solve,
-    .destroy = nlgs_destroy,
-    .set_limits = nlgs_set_limits};
+    DLS_NLGS,        "nlgs",     "sweeps of Gauss-Seidel: any W, 1e-4 to 1e-8; accelerated, more",
+    nlgs_create_by,  nlgs_solve, nlgs_destroy,
+    nlgs_set_limits, NULL};

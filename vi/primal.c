@@ -38,8 +38,9 @@
  * the end (PR4), which the paper leaves open; R by columns in the place of (K x)_i by rows: the
  * same products, but an unknown that stays costs nothing, and residual, Q and d^T K d are free.
  *
- * Cost of a sweep: the columns of K once; besides O(n). What can fail: the fixed point diverges or
- * cycles for large mu (DLS_MAX_ITERATIONS); the number of sweeps grows with the mesh.
+ * Cost of a sweep: the columns of K once; besides O(n).
+ * What can fail: the fixed point diverges or cycles for large mu (DLS_MAX_ITERATIONS); the number
+ * of sweeps grows with the mesh.
  */
 #include <float.h>
 #include <math.h>

@@ -12,21 +12,21 @@
 #include "delassus/nlgs.h"
 #include "linear/room.h"
 
-/* A candidate's own block W_cc (d x d, column-major) and what does not hang on q in its solution:
- * local.c has the formulas. */
+/* A candidate's own block W_cc (d x d, column-major) and the terms of its solution that do not
+ * depend on q: local.c has the formulas. */
 typedef struct dlsi_block_2d {
   double W[4], mu;
-  double f, inv_pivot, inv_s; /* stick: elimination, */
+  double f, inv_pivot, inv_s; /* stick: elimination by row p */
   double inv_slip[2];         /* slip: 1 / (W_nn -+ mu W_nt) */
-  int p;                      /* ... by row p */
+  int p;                      /* pivot row */
 } dlsi_block_2d;
 
 typedef struct dlsi_block_3d {
   double W[9], mu;
-  double inv_a, c[2];        /* (L2): 1 / W_nn, the column below times it, */
-  double S[4], det, trace;   /* Schur's complement, */
-  double f, u01, inv0, inv1; /* its LU factors, rows pivoted, */
-  double scale;              /* and a size for l */
+  double inv_a, c[2];        /* (LO2): 1 / W_nn, the column below times it */
+  double S[4], det, trace;   /* Schur's complement */
+  double f, u01, inv0, inv1; /* LU factors of S, rows pivoted by p */
+  double scale;              /* size of l */
   int p;
 } dlsi_block_3d;
 
@@ -68,10 +68,10 @@ void dlsi_frames_positions(const dlsi_frames *frames, const double *x, double *l
 /* The history of a fixed-point iteration under Anderson acceleration (anderson.c). */
 typedef struct dlsi_anderson {
   int window;
-  int started;          /* f, g, u are there */
-  int columns, newest;  /* of DF, DG, DU, in a ring */
-  double *DF, *DG, *DU; /* m window; DU and u may be NULL: no u */
-  double *f, *g, *u;    /* m  of the last step taken */
+  int started;          /* 1: f, g, u are there */
+  int columns, newest;  /* columns of DF, DG, DU, in a ring */
+  double *DF, *DG, *DU; /* m window; DU and u are NULL without u */
+  double *f, *g, *u;    /* of the last step taken: m */
   double *gram, *L;     /* window^2 */
   double *work;         /* 3 window; from 2 window on: DF^T f */
 } dlsi_anderson;
@@ -79,9 +79,9 @@ typedef struct dlsi_anderson {
 void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window, int with_u);
 void dlsi_anderson_clear(dlsi_anderson *a);
 
-/* Takes g = g(x), the weighted residual f = D (g - x) and u = u(g), m each, in; g and u become the
- * next x and u(x); u is NULL for a history carved without. 0 if the history does not say anything
- * yet: they stay. m: the same since clear. */
+/* Takes g = g(x), the weighted residual f = D (g - x) and u = u(g) into the history; g and u become
+ * the next x and u(x). Returns 0, g and u untouched, while there is nothing to combine. f, g, u: m,
+ * as many as since clear; u: NULL for a history carved without. */
 int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, double *u);
 
 /* ---- vi/iterate.c: an iterate, its certificate, the best r so far ---------------------------- */
