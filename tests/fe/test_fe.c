@@ -451,8 +451,8 @@ START_TEST(scene) {
         ck_assert(m->K.a[(int)place[i] - 1 + ((int)place[j] - 1) * 296] == K[i + j * 306]);
   free(K);
 
-  /* resultants per metre: top 4e-3 m of 5e8 Pa; side segments of 5e-4 m: (10 + 12 + .. + 24) 1e8 Pa,
-   * or 8 times 5e8 Pa. Moments about (0, 0), counterclockwise. */
+  /* resultants per metre: top 4e-3 m of 5e8 Pa; side segments of 5e-4 m: (10 + 12 + .. + 24) 1e8
+   * Pa, or 8 times 5e8 Pa. Moments about (0, 0), counterclockwise. */
   double F[306], sum[3] = {0};
   ck_assert_int_eq(dls_fe_scene_displacement(s, data.f, F, NULL), DLS_OK);
   for (int i = 0; i < 153; i++) {
