@@ -1,6 +1,6 @@
 /*
  * forming_scene.c: builds the two scenes of [Chabrand 1998] section 5 (mm, N, MPa). The paper shows
- * supports and meshes in drawings only; docs/theory.md, 5, says how they are read.
+ * supports and meshes in drawings only, read here as:
  *
  *   indentation, plane strain             extrusion, axisymmetric
  *      way 10 |   rigid cylinder             | way 177.8 |

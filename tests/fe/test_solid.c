@@ -1,4 +1,4 @@
-/* test_solid.c: material, four-node elements, obstacles and banded matrices of the finite
+/* test_solid.c: tests material, four-node elements, obstacles and banded matrices of the finite
  * element module. */
 #include <check.h>
 #include <math.h>
@@ -403,7 +403,7 @@ START_TEST(no_locking) {
   const double fine = cook(32, 0.4999, 0, 10), coarse = cook(8, 0.4999, 0, 10);
   ck_assert_double_eq_tol(coarse, fine, 0.05 * fine);
   ck_assert_double_lt(cook(8, 0.4999, 1, 10), 0.6 * fine);
-  /* compressible: both do */
+  /* compressible: both elements do */
   const double soft = cook(32, 0.3, 0, 10);
   ck_assert_double_eq_tol(cook(32, 0.3, 1, 10), soft, 0.02 * soft);
 }
@@ -492,7 +492,7 @@ START_TEST(beyond_the_end_of_a_line) {
       {{10, 0.5}, 6.4, {0.6, 0.8}}, /* nearer to the first line drawn on than to the second */
       {{1, -0.5}, 0.2, {0.6, 0.8}}, /* likewise, close to the wall */
       {{1, 2}, 2, {0, 1}},   /* the corner is nearest to both: the first line counts, (OB2) */
-      {{0.5, 3}, 3, {0, 1}}, /* the same */
+      {{0.5, 3}, 3, {0, 1}}, /* likewise, farther up */
   };
   for (size_t k = 0; k < sizeof at / sizeof at[0]; k++) {
     double n[2], curvature;
