@@ -227,7 +227,7 @@ START_TEST(symmetric_and_rigid) {
 }
 END_TEST
 
-START_TEST(t3_units) {
+START_TEST(units) {
   /* K per unit thickness does not depend on the unit of length; powers of two change no bit */
   dls_fe_mesh mesh = crooked();
   const size_t size = (size_t)crooked_n * crooked_n;
@@ -760,7 +760,7 @@ int main(void) {
   tcase_add_test(t, one_triangle_by_hand);
   tcase_add_test(t, patch);
   tcase_add_test(t, symmetric_and_rigid);
-  tcase_add_test(t, t3_units);
+  tcase_add_test(t, units);
   tcase_add_test(t, flat_triangles);
   tcase_add_test(t, edge_load);
   tcase_add_loop_test(t, mesh_bad_input, 0, 3);

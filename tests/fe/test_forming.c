@@ -23,7 +23,7 @@ static dls_forming_settings init(void) {
   return s;
 }
 
-static dls_forming *make_scene(const char *name, const dls_forming_settings *s) {
+static dls_forming *create_forming(const char *name, const dls_forming_settings *s) {
   dls_forming *f;
   ck_assert_int_eq(dls_forming_create(&f, name, s, &error), DLS_OK);
   return f;
@@ -78,7 +78,7 @@ START_TEST(reference_forces) {
   s.method = _i < run_count ? DLS_LEMKE : DLS_AUTO;
   s.mu = r->mu;
   s.clamped = r->clamped;
-  dls_forming *f = make_scene(r->name, &s);
+  dls_forming *f = create_forming(r->name, &s);
   for (int k = 0; k < 4 && r->spots[k].travel > 0; k++) {
     step_until(f, r->spots[k].travel);
     const dls_forming_data d = get(f);
@@ -115,7 +115,7 @@ END_TEST
 START_TEST(standard_elements_lock) {
   dls_forming_settings s = init();
   s.standard = 1;
-  dls_forming *f = make_scene("indentation", &s);
+  dls_forming *f = create_forming("indentation", &s);
   step_until(f, 10);
   ck_assert_double_eq_tol(get(f).force, 13761, 0.005 * 13761);
   dls_forming_destroy(f);
@@ -132,7 +132,7 @@ START_TEST(energy) {
   const double bound = _i == 0 ? 0.005 : 0.01;
   dls_forming_settings s = init();
   s.steps = _i == 0 ? 200 : 600;
-  dls_forming *f = make_scene(_i == 0 ? "indentation" : "extrusion", &s);
+  dls_forming *f = create_forming(_i == 0 ? "indentation" : "extrusion", &s);
   step_until(f, get(f).whole);
   const dls_forming_energy e = get(f).energy;
   ck_assert_double_gt(e.friction, bound * e.external);
@@ -150,7 +150,7 @@ START_TEST(friction_energy) {
   s.nx = _i == 0 ? 10 : 2;
   s.ny = 10;
   s.steps = _i == 0 ? 50 : 150;
-  dls_forming *f = make_scene(_i == 0 ? "indentation" : "extrusion", &s);
+  dls_forming *f = create_forming(_i == 0 ? "indentation" : "extrusion", &s);
   enum { most = 11 };
   double before[2 * most], rt[most] = {0}, travel = 0, work = 0;
   dls_forming_data d = get(f);
@@ -184,7 +184,7 @@ START_TEST(update_as_printed) {
   for (int keep = 0; keep < 2; keep++) {
     dls_forming_settings s = init();
     s.keep_trace = keep;
-    dls_forming *f = make_scene("extrusion", &s);
+    dls_forming *f = create_forming("extrusion", &s);
     step_until(f, 81.788);
     const dls_forming_energy e = get(f).energy;
     force[keep] = get(f).force;
@@ -204,7 +204,7 @@ START_TEST(quadratic_convergence) {
   s.nx = s.ny = 10;
   s.steps = 40;
   s.clamped = 1;
-  dls_forming *f = make_scene("indentation", &s);
+  dls_forming *f = create_forming("indentation", &s);
   int seen = 0;
   for (int k = 0; k < 20; k++) {
     ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
@@ -249,18 +249,18 @@ static double relative_distance(const double *a, const double *b, int n) {
   return d / m;
 }
 
-START_TEST(forming_methods_agree) {
+START_TEST(methods_agree) {
   const char *name = _i % 2 ? "extrusion" : "indentation";
   const method *m = &methods[_i / 2];
   dls_forming_settings s = init();
   s.nx = _i % 2 ? 2 : 10;
   s.ny = 10;
   s.steps = _i % 2 ? 150 : 50;
-  dls_forming *reference = make_scene(name, &s);
+  dls_forming *reference = create_forming(name, &s);
   s.contact = m->contact;
   s.tol = m->tol;
   if (m->name) ck_assert(dls_method_find(m->name, &s.method));
-  dls_forming *f = make_scene(name, &s);
+  dls_forming *f = create_forming(name, &s);
   double worst = 0;
   for (int k = 0; k < 60 && k < s.steps; k++) {
     ck_assert_int_eq(dls_forming_step(reference, &error), DLS_OK);
@@ -292,9 +292,9 @@ START_TEST(newton_on_stiffness) {
     s.steps = 12;
     s.mu = 3;
   }
-  dls_forming *reference = make_scene(name, &s);
+  dls_forming *reference = create_forming(name, &s);
   s.method = DLS_AUTO;
-  dls_forming *f = make_scene(name, &s);
+  dls_forming *f = create_forming(name, &s);
   double worst = 0;
   for (int k = 0; k < get(f).steps; k++) {
     ck_assert_int_eq(dls_forming_step(reference, &error), DLS_OK);
@@ -328,7 +328,7 @@ START_TEST(failed_step) {
   dls_forming_settings s = init();
   s.nx = s.ny = 8;
   s.steps = 50;
-  dls_forming *f = make_scene("indentation", &s), *twin = make_scene("indentation", &s);
+  dls_forming *f = create_forming("indentation", &s), *twin = create_forming("indentation", &s);
   step_until(f, 1);
   step_until(twin, 1);
   f->settings.tol = 1e-16;
@@ -417,7 +417,7 @@ START_TEST(without_memory) {
       ck_assert_int_eq(status, DLS_E_MEMORY);
       ck_assert_ptr_null(f);
     }
-    dls_forming *f = make_scene("extrusion", &s), *twin = make_scene("extrusion", &s);
+    dls_forming *f = create_forming("extrusion", &s), *twin = create_forming("extrusion", &s);
     ck_assert_int_eq(dls_forming_step(twin, &error), DLS_OK);
     dls_status status = DLS_E_MEMORY;
     for (long k = 1; status == DLS_E_MEMORY; k++) { /* out of memory: the last good state stays */
@@ -442,7 +442,7 @@ START_TEST(vtu) {
   dls_forming_settings s = init();
   s.nx = 2;
   s.ny = 3;
-  dls_forming *f = make_scene("indentation", &s);
+  dls_forming *f = create_forming("indentation", &s);
   ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
   ck_assert_int_eq(dls_forming_write_vtu(f, path, &error), DLS_OK);
   FILE *file = fopen(path, "r");
@@ -489,7 +489,7 @@ int main(void) {
   tcase_add_loop_test(tests, friction_energy, 0, 2);
   tcase_add_test(tests, update_as_printed);
   tcase_add_test(tests, quadratic_convergence);
-  tcase_add_loop_test(tests, forming_methods_agree, 0, 2 * method_count);
+  tcase_add_loop_test(tests, methods_agree, 0, 2 * method_count);
   tcase_add_loop_test(tests, newton_on_stiffness, 0, 3);
   tcase_add_test(tests, failed_step);
   tcase_add_test(tests, bad_input);
