@@ -65,7 +65,7 @@ static void ok(dls_status status) {
   ck_assert_msg(status == DLS_OK, "%s: %s", dls_status_name(status), error.message);
 }
 
-/* Solves a scene from end to end by one method. The caller frees the answer. */
+/* The scene from end to end by one method; the answer is the caller's to free. */
 static answer *solve_case(const dls_fe_scene *scene, dls_method method, double tolerance) {
   answer *a = calloc(1, sizeof *a);
   ck_assert_ptr_nonnull(a);
