@@ -6,22 +6,22 @@
  *
  * A basis is a set A of indices: z_i = 0 outside of A, y_i = 0 inside. One round:
  *
- *   (CR1)  solve M_AA z_A = -q_A,  y = M z + q;   give up if M_AA is singular
- *   (CR2)  out = { i in A : z_i < 0 },  in = { i not in A : y_i < 0 };  both empty: z solves the LCP
+ *   (CR1)  M_AA z_A = -q_A,  y = M z + q;   M_AA singular: give up
+ *   (CR2)  out = { i in A : z_i < 0 },  in = { i not in A : y_i < 0 };  both empty: a solution
  *   (CR3)  give up if (|M||z|)_i > 1000 |q_i| in most rows of A with q_i != 0, or after `patience`
  *          rounds in a row in which |out| + |in| was more than 3/4 of the least before
  *   (CR4)  A := A \ out u in, without those j for which then M_Aj = 0
  *
- * principal.c has the same iteration with all of H, but for the last words of (CR4): where M_jj = 0,
- * as for the multipliers in the forms with friction, j enters a basis only together with others.
+ * principal.c has the same iteration with all of H, but for the last words of (CR4): where M_jj =
+ * 0, as for the multipliers in the forms with friction, j enters a basis only together with others.
  *
- * The method is a guess without a promise. It costs a few factorisations and is right as a rule where
- * M is well conditioned, as for elastic bodies: each round leaves a half to a tenth of the wrong
- * signs. Near-singular bases, as of statically indeterminate bodies, soon fail (CR3); the rounds end
- * after 4 (1 + log_4/3 2n) at the latest. A change of units changes only roundings.
+ * The method is a guess without a promise. It costs a few factorisations and is right as a rule
+ * where M is well conditioned, as for elastic bodies: each round leaves a half to a tenth of the
+ * wrong signs. Near-singular bases, as of statically indeterminate bodies, soon fail (CR3); the
+ * rounds end after 4 (1 + log_4/3 2n) at the latest. A change of units changes only roundings.
  *
- * Consecutive rounds differ in fewer and fewer indices. With M_00 = P L U for an earlier basis A_0 and
- * A = A_0 \ D u E now, M_AA x = b is solved by
+ * Consecutive rounds differ in fewer and fewer indices. With M_00 = P L U for an earlier basis A_0
+ * and A = A_0 \ D u E now, M_AA x = b is solved by
  *
  *   (CR5)  Y = M_00^-1 ( M_0E  I_D ),   x' = M_00^-1 b_0,
  *          ( M_E0 Y - ( M_EE 0 ) )       ( M_E0 x' - b_E )
@@ -104,8 +104,8 @@ static int crash_changed(const dlsi_crash *work, int i) {
   return work->in[i] != (work->place[i] >= 0);
 }
 
-/* Extends Y of (CR5) by the indices that have changed since A_0 and have no column yet; returns 0 if Y
- * would have too many. */
+/* Extends Y of (CR5) by the indices that have changed since A_0 and have no column yet; returns 0
+ * if Y would have too many. */
 static int crash_add_columns(const dls_lcp *lcp, dlsi_crash *work) {
   const size_t k = (size_t)work->factors.n, n = (size_t)lcp->n;
   size_t c = (size_t)work->columns;
@@ -186,7 +186,8 @@ static void crash_correct(dlsi_crash *work, const double *b) {
 
 /* ---- the iteration --------------------------------------------------------------------------- */
 
-/* Counts the wrong signs of (CR2) and marks them in `wrong`; *hopeless := 1 for the growth of (CR3). */
+/* Marks the wrong signs of (CR2) and returns their number; *hopeless := 1 if (CR3) gives up by
+ * growth. */
 static int crash_find_wrong(const dls_lcp *lcp, dlsi_crash *work, int *hopeless) {
   const double *q = lcp->q;
   int wrong = 0, loaded = 0, grown = 0;

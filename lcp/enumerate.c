@@ -10,23 +10,24 @@
  *
  * For each A:
  *   (EN1)  M_AA regular:  z_A = -M_AA^-1 q_A is a solution if the certificate says so
- *   (EN2)  M_AA singular: x := a vertex of P_A by the simplex method (phase 1, Bland's rule), or P_A
- *         is empty
+ *   (EN2)  M_AA singular: x := a vertex of P_A by the simplex method (phase 1, Bland's rule), or
+ *          P_A is empty
  *   (EN3)  J := { j : x_j > 0 somewhere in P_A }, by the simplex method on each x_j from there
- *   (EN4)  the affine hull of P_A has the directions { v : C_J v_J = 0, v = 0 elsewhere }; z_i takes
- *         more than one value if some v_i != 0
+ *   (EN4)  the affine hull of P_A has the directions { v : C_J v_J = 0, v = 0 elsewhere }; z_i
+ *          takes more than one value if some v_i != 0
  *
- * (EN4): the mean of n points of P_A that show one j of J each is positive on all of J, so that P_A
- * contains it + t v for small t, whatever the sign of t.
- * A solution that is isolated is alone in each P_A that contains it, so that (EN1) or (EN2) find it.
+ * Reason for (EN4): the mean of n points of P_A that show one j of J each is positive on all of J,
+ * so that P_A contains mean + t v for small t of either sign. An isolated solution is alone in each
+ * P_A that contains it, so that (EN1) or (EN2) find it.
  *
  * All is done on (R M C, R q / beta), R and C powers of two that equilibrate M, beta = max |R q|:
  * the tolerances are pure numbers. Listed solutions are certified on the user's M and q.
  *
- * Cost: 2^n eliminations of k x k, k = n/2 on average. What can fail: a matrix within 1e-12 of a
+ * Cost: 2^n eliminations of k x k, k = n/2 on average. Can fail: a matrix within 1e-12 of a
  * singular one is taken for singular, and the simplex method takes 1e-10 for 0.
  */
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -61,7 +62,7 @@ static void simplex_divide_row(table T, int r, int width, double pivot) {
     T[r][j] /= pivot;
 }
 
-/* T_rj = 1, T_ij = 0 for the other rows */
+/* Makes column j unit: T_rj = 1, T_ij = 0 for the other rows. */
 static void enumerate_pivot(table T, int rows, int width, int r, int j) {
   simplex_divide_row(T, r, width, T[r][j]);
   T[r][j] = 1;
@@ -74,8 +75,8 @@ static void enumerate_pivot(table T, int rows, int width, int r, int j) {
   }
 }
 
-/* Gauss-Jordan on (A | b), complete pivoting: row_of[j] := the row of column j, -1 if it has none.
- * Returns the rank of A. */
+/* Eliminates (A | b) by Gauss-Jordan with complete pivoting; row_of[j] := the row of column j, -1
+ * if it has none. Returns the rank of A. */
 static int enumerate_eliminate(table T, int rows, int cols, int *row_of) {
   int rank = 0, used[most] = {0};
   double first = 0;
@@ -109,8 +110,8 @@ typedef struct cone {
   int pivots;      /* a few n; at pivot_limit rounding has undone Bland's rule */
 } cone;
 
-/* Row that leaves for column e, Bland: the least variable among the ties; artificial ones come
- * first. -1: x_e is unbounded. *step := the new value of x_e. */
+/* Returns the row that leaves for column e by Bland's rule: the least variable among the ties,
+ * artificial ones first; -1 if x_e is unbounded. *step := the new value of x_e. */
 static int simplex_leaving_row(const cone *k, int e, double *step) {
   int row = -1;
   *step = INFINITY;
@@ -136,7 +137,7 @@ static void simplex_enter(cone *k, int row, int e) {
     if (fabs(k->T[i][k->n]) <= zero_tol) k->T[i][k->n] = 0;
 }
 
-/* (EN2): 1 if there is a vertex; then x = T_.n in the basic columns */
+/* (EN2) Returns 1 if there is a vertex; then x = T_.n in the basic columns. */
 static int simplex_find_vertex(cone *k) {
   const int n = k->n;
   for (int i = 0; i < n; i++) {
@@ -144,9 +145,8 @@ static int simplex_find_vertex(cone *k) {
     if (k->T[i][n] < 0) simplex_divide_row(k->T, i, n + 1, -1);
   }
   double step;
-  for (int e = 0; e < n && k->pivots < pivot_limit;
-       e++) { /* least column that lowers the sum of the artificial variables */
-    double gain = 0;
+  for (int e = 0; e < n && k->pivots < pivot_limit; e++) { /* least column that ... */
+    double gain = 0;                                       /* ... lowers the artificial sum */
     for (int i = 0; i < n; i++)
       if (k->basic[i] < 0) gain += k->T[i][e];
     if (!(gain > n * zero_tol)) continue;
@@ -157,9 +157,8 @@ static int simplex_find_vertex(cone *k) {
   }
   for (int i = 0; i < n; i++)
     if (k->basic[i] < 0 && k->T[i][n] > 0) return 0;
-  for (int i = 0; i < n;
-       i++) { /* artificial variables at 0: exchanged, or their row is redundant */
-    int e = -1;
+  for (int i = 0; i < n; i++) {
+    int e = -1; /* an artificial variable at 0 is exchanged, or its row is redundant */
     for (int j = 0; k->basic[i] < 0 && j < n; j++)
       if (fabs(k->T[i][j]) > zero_tol && (e < 0 || fabs(k->T[i][j]) > fabs(k->T[i][e]))) e = j;
     if (e >= 0)
@@ -175,7 +174,7 @@ static void simplex_mark_positive(const cone *k, char *positive) {
     if (k->basic[i] >= 0 && k->T[i][k->n] > 0) positive[k->basic[i]] = 1;
 }
 
-/* (EN3) for one j: raises x_j from 0 until it is positive, or cannot be */
+/* (EN3) Raises x_j from 0 until it is positive, or cannot be. */
 static void simplex_try_positive(cone *k, int j, char *positive) {
   const int n = k->n;
   while (!positive[j] && k->pivots < pivot_limit) {
@@ -225,7 +224,7 @@ static outcome enumerate_add(problem *p, const double *z) {
   return listed;
 }
 
-/* x_A := M_AA^-1 b_A; the rank of M_AA is returned */
+/* x_A := M_AA^-1 b_A if M_AA is regular; returns the rank of M_AA. */
 static int enumerate_solve(const problem *p, int k, const int *A, const double *b, double *x) {
   table T;
   int row_of[most];
@@ -240,7 +239,7 @@ static int enumerate_solve(const problem *p, int k, const int *A, const double *
   return rank;
 }
 
-/* (EN1): 0 if M_AA is singular. A sign that is wrong by more than rounding rejects z at once. */
+/* (EN1) Returns 0 if M_AA is singular. A sign wrong by more than rounding rejects z at once. */
 static int enumerate_regular(problem *p, int k, const int *A, outcome *out) {
   const int n = p->n;
   double b[most], z[most] = {0}, largest = 0;
@@ -264,7 +263,7 @@ static int enumerate_regular(problem *p, int k, const int *A, outcome *out) {
   return 1;
 }
 
-/* (EN2) .. (EN4) */
+/* (EN2)-(EN4) for the set `in`, M_AA singular. */
 static outcome enumerate_singular(problem *p, const char *in) {
   const int n = p->n;
   cone k = {.n = n};
@@ -316,8 +315,8 @@ static void enumerate_prepare(problem *p) {
   dlsi_lcp_weights(lcp, p->weights);
   dlsi_lcp_equilibrate(lcp, rho, gamma, work);
   for (int i = 0; i < n; i++) {
-    rho[i] = exp2(round(rho[i]));
-    gamma[i] = exp2(round(gamma[i]));
+    rho[i] = dlsi_power_of_two(rho[i]);
+    gamma[i] = dlsi_power_of_two(gamma[i]);
     p->q[i] = rho[i] * lcp->q[i];
     if (fabs(p->q[i]) > beta) beta = fabs(p->q[i]);
   }
@@ -330,25 +329,23 @@ static void enumerate_prepare(problem *p) {
   }
 }
 
+static dls_status enumerate_check(const dls_lcp *lcp, double tol, int capacity, const double *z,
+                                  const dls_enumeration *found, dls_error *error) {
+  const dls_status status = dlsi_check_lcp(lcp, error);
+  if (status) return status;
+  if (lcp->n > most)
+    return dlsi_fail(error, DLS_E_SIZE, "n", -1, lcp->n, "is %d, must be at most %d", lcp->n, most);
+  if (!z) return dlsi_is_null(error, "z");
+  if (!found) return dlsi_is_null(error, "found");
+  const dlsi_setting own[] = {{"tol", tol, 0, DBL_MAX, 0}, {"capacity", capacity, 1, INT_MAX, 0}};
+  return dlsi_check_each(2, own, error);
+}
+
 dls_status dls_lcp_enumerate(const dls_lcp *lcp, double tol, int capacity, double *z,
                              dls_enumeration *found, dls_error *error) {
-  const dls_status status = dlsi_check_lcp(lcp, error);
+  const dls_status status = enumerate_check(lcp, tol, capacity, z, found, error);
   if (status) return dlsi_at(__func__, status, error);
   const int n = lcp->n;
-  if (n > most)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d, must be at most %d", n, most),
-                   error);
-  if (!(tol >= 0 && tol <= DBL_MAX))
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_ARGUMENT, "tol", -1, tol, "must be finite and >= 0"),
-                   error);
-  if (capacity < 1)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_ARGUMENT, "capacity", -1, capacity, "must be at least 1"),
-                   error);
-  if (!z) return dlsi_at(__func__, dlsi_is_null(error, "z"), error);
-  if (!found) return dlsi_at(__func__, dlsi_is_null(error, "found"), error);
   problem p = {.lcp = lcp, .n = n, .tol = tol, .capacity = capacity, .list = z};
   enumerate_prepare(&p);
   outcome out = none;
@@ -362,9 +359,5 @@ dls_status dls_lcp_enumerate(const dls_lcp *lcp, double tol, int capacity, doubl
     if (!enumerate_regular(&p, k, A, &out)) out = enumerate_singular(&p, in);
   }
   *found = p.found;
-  return dlsi_at(__func__,
-                 out == full      ? DLS_MAX_ITERATIONS
-                 : out == stalled ? DLS_STALLED
-                                  : DLS_OK,
-                 error);
+  return out == full ? DLS_MAX_ITERATIONS : out == stalled ? DLS_STALLED : DLS_OK;
 }

@@ -1,15 +1,15 @@
 /*
- * friction.c: states the contact problem as an LCP, for a friction cone spanned by directions, and in
- * 2D for the form with three rows, [Chabrand 1998] (39) with the sign of (21).
+ * friction.c: states the contact problem as an LCP, for a friction cone spanned by directions, and
+ * in 2D for the form with three rows, [Chabrand 1998] (39) with the sign of (21).
  *
- * A candidate with mu > 0 has the unknowns z = (r_n, beta_0 .. beta_(m-1), lambda), with directions e_k in
- * the tangent plane and
+ * A candidate with mu > 0 has the unknowns z = (r_n, beta_0 .. beta_(m-1), lambda), with directions
+ * e_k in the tangent plane and
  *
  *   (FI1)  r_t = sum_k beta_k e_k - shift mu r_n e_0
  *   (FI2)  y   = ( u_n,  e_k.u_t + lambda,  (1 + shift) mu r_n - sum_k beta_k )
  *
- * A candidate with mu = 0 has z = r_n, y = u_n. shift = 0 gives the cones of facets.c. shift = 1 and m = 1
- * give the three rows in 2D,
+ * A candidate with mu = 0 has z = r_n, y = u_n. shift = 0 gives the cones of facets.c. shift = 1
+ * and m = 1 give the three rows in 2D,
  *
  *   phi_1 = mu r_n - r_t >= 0,   phi_2 = mu r_n + r_t >= 0,   u_t = lambda_1 - lambda_2
  *   lambda_m >= 0,  lambda_m phi_m = 0,   0 <= u_n _|_ r_n >= 0
@@ -61,7 +61,8 @@ static void form_normal(const dls_contact *problem, const dlsi_form *form, int b
     c0[i] = form->c[0][i] - (problem->mu[b] > 0 ? form->shift * problem->mu[b] * form->c[1][i] : 0);
 }
 
-/* M += rows^T (scale W) columns, the block of candidates a and b; W: d x d, leading dimension ldw. */
+/* M += C_rows^T (scale W) C_columns; c0: column 0 of the second C; W: d x d, leading
+ * dimension ldw. */
 static DLSI_INLINE void form_add_block(int d, const dlsi_form *form, double scale, const double *W,
                                        size_t ldw, const double *c0, int rows, int columns,
                                        double *M, size_t ldm) {
@@ -72,13 +73,16 @@ static DLSI_INLINE void form_add_block(int d, const dlsi_form *form, double scal
       for (int i = 0; i < d; i++)
         g[i] += scale * W[(size_t)i + (size_t)j * ldw] * c[j];
     for (int i = 0; i < rows; i++) {
-      const double *e = form->c[i];
-      M[(size_t)i + (size_t)k * ldm] += e[0] * g[0] + e[1] * g[1] + e[2] * g[2];
+      double sum = form->c[i][0] * g[0];
+      for (int j = 1; j < d; j++)
+        sum += form->c[i][j] * g[j];
+      M[(size_t)i + (size_t)k * ldm] += sum;
     }
   }
 }
 
-/* Writes the columns of candidate b from its own row on, without W: lambda, and the last row. */
+/* Writes the entries of M that do not come from W, the column and the row of lambda; own: the
+ * candidate's diagonal block of M. */
 static void form_add_multiplier(double mu, const dlsi_form *form, double *own, size_t ldm) {
   const size_t last = (size_t)form->directions + 1;
   own[last] = (1 + form->shift) * mu;
@@ -182,8 +186,8 @@ dls_status dls_contact_from_lcp(const dls_contact *problem, const double *s, con
   return dlsi_at(__func__, status, error);
 }
 
-/* The state of a candidate says which unknowns are positive: stick (r_n, phi_2); slip in +t (r_n), in -t
- * (r_n, phi_2, lambda_2); free none, but lambda_2 where u_t < 0. */
+/* The state of a candidate says which unknowns are positive: stick (r_n, phi_2); slip in +t (r_n),
+ * in -t (r_n, phi_2, lambda_2); free none, but lambda_2 where u_t < 0. */
 void dlsi_friction_start(const dls_contact *problem, const double *w, const double *r,
                          const double *u, double *z) {
   for (int c = 0; c < problem->nc; z += form_rows(problem, 1, c), c++) {

@@ -1,6 +1,6 @@
 /*
- * lcp.c: checks a linear complementarity problem, certifies its answers, and checks the two proofs that
- * Lemke's method can end with.
+ * lcp.c: checks a linear complementarity problem, certifies its answers, and checks the two proofs
+ * that Lemke's method can end with.
  *
  *   y = M z + q,   y >= 0,  z >= 0,  y^T z = 0                    [Chabrand 1998] (40)
  *   F_i = min( s_i z_i, y_i ),  s_i = |M_ii|              F = 0 if and only if z is a solution

@@ -1,6 +1,6 @@
 /*
- * lcp_internal.h: shared by the files of lcp/: the measure of an LCP's answer, the scaling of an LCP, the
- * parts of Lemke's method, and the contact problem as an LCP.
+ * lcp_internal.h: shared by the files of lcp/: the measure of an LCP's answer, the scaling of an
+ * LCP, the parts of Lemke's method, and the contact problem as an LCP.
  */
 #ifndef LCP_INTERNAL_H
 #define LCP_INTERNAL_H
@@ -14,8 +14,8 @@
 
 dls_status dlsi_check_lcp(const dls_lcp *lcp, dls_error *error);
 
-/* Checks the arguments of a solver with room for `most` unknowns: the LCP, its size, and z, which must be
- * finite with a warm start. */
+/* Checks the arguments of a solver with room for `most` unknowns: the LCP, its size, and z, which
+ * must be finite with a warm start. */
 dls_status dlsi_check_lcp_solve(int most, const dls_lcp *lcp, const double *z, int warm_start,
                                 dls_error *error);
 
@@ -46,9 +46,9 @@ double dlsi_lcp_farkas_violation(const dls_lcp *lcp, const double *v);
 
 /* ---- scale.c --------------------------------------------------------------------------------- */
 
-/* Finds exponents rho (rows) and gamma (columns) for which the entries 2^(rho_i + gamma_j) |M_ij| that are
- * not 0 have geometric mean 1, nearly, in every row and column, negligible entries being raised (SC4).
- * work: scratch, 9 n. */
+/* Finds exponents rho (rows) and gamma (columns) for which the entries 2^(rho_i + gamma_j) |M_ij|
+ * that are not 0 have geometric mean 1, nearly, in every row and column, negligible entries being
+ * raised (SC4). work: scratch, 9 n. */
 void dlsi_lcp_equilibrate(const dls_lcp *lcp, double *rho, double *gamma, double *work);
 
 /* Returns 2^round(e), with e held to -500 .. 500 so that two such factors cannot overflow. */
@@ -56,7 +56,8 @@ double dlsi_power_of_two(double e);
 
 /* ---- crash.c --------------------------------------------------------------------------------- */
 
-/* The state of (CR1)-(CR5). The caller sets s and factors.A; the rest comes from dlsi_crash_carve. */
+/* The state of (CR1)-(CR5). The caller sets s and factors.A, dlsi_crash_carve takes the
+ * rest. */
 typedef struct dlsi_crash {
   const double *s; /* weights of the certificate, n */
   dlsi_dense
@@ -80,15 +81,16 @@ void dlsi_crash_carve(dlsi_crash *work, dlsi_arena *arena, size_t n, size_t ld);
 /* Starts at the basis { i : z_i > 0 }; NULL: at the empty one. */
 void dlsi_crash_begin(const dls_lcp *lcp, const double *z, dlsi_crash *work);
 
-/* Runs one round. Returns 0 to go on, 1 if work->z solves the LCP but for rounding, -1 to give up. */
+/* Runs one round. Returns 0 to go on, 1 if work->z solves the LCP but for rounding, -1 to give
+ * up. */
 int dlsi_crash_round(const dls_lcp *lcp, dlsi_crash *work);
 
 /* ---- table.c --------------------------------------------------------------------------------- */
 
 enum { dlsi_table_block = 96 }; /* exchanges put off */
 
-/* Lemke's table, with (TA3) and (TA4) of table.c. Variables are numbered: y_i is i, z_i is n + i, z0 is
- * 2 n. */
+/* Lemke's table, with (TA3) and (TA4) of table.c. Variables are numbered: y_i is i, z_i is n + i,
+ * z0 is 2 n. */
 typedef struct dlsi_table {
   int n, ld;
   double *T;   /* coefficients without the pending exchanges, ld x (n+1) */
@@ -127,17 +129,19 @@ typedef struct dlsi_form {
   double c[DLS_FACETS_MAX + 1][3]; /* n, then e_k, k = 0 .. directions-1 */
 } dlsi_form;
 
-/* Rows of the LCP where a candidate with mu > 0 has `directions` + 2; 0 if they do not fit an int. */
+/* Counts the rows of the LCP, `directions` + 2 for a candidate with mu > 0; 0 if they do not fit an
+ * int. */
 int dlsi_form_size(const dls_contact *problem, int directions);
 
-/* Do the work of dls_contact_to_lcp and dls_contact_from_lcp for a checked problem; both check the rest. */
+/* Do the work of dls_contact_to_lcp and dls_contact_from_lcp on a checked problem, and check the
+ * other arguments. */
 dls_status dlsi_form_matrix(const dls_contact *problem, const dlsi_form *form, const double *s,
                             double *M, int ldm, double *q, dls_error *error);
 dls_status dlsi_form_reactions(const dls_contact *problem, const dlsi_form *form, const double *s,
                                const double *z, double *r, dls_error *error);
 
-/* z (dls_contact_lcp_size) := 1 where the unknown of the 3-row form is positive in the states of (u, r), else
- * 0: a start for Lemke's method. d = 2; w: weights of the certificate. */
+/* z (dls_contact_lcp_size) := 1 where the unknown of the 3-row form is positive in the states of
+ * (u, r), else 0: a start for Lemke's method. d = 2; w: weights of the certificate. */
 void dlsi_friction_start(const dls_contact *problem, const double *w, const double *r,
                          const double *u, double *z);
 

@@ -12,14 +12,14 @@
  *   (LE4) exchange; if z0 left, b is a solution, else go to (LE2)                   (47)-(48)
  *
  * Ties. Replace q by q(e) = q + e g + (e^2, .., e^(n+1)), g > 0, e -> 0+. The basic variables
- * become b + e g' + .., where the exchanges transform g' as they transform b; and because to move q_j
- * is to move y_j the other way, the coefficient of e^(j+2) in row i is
+ * become b + e g' + .., where the exchanges transform g' as they transform b; and because to move
+ * q_j is to move y_j the other way, the coefficient of e^(j+2) in row i is
  *
  *   (LE5) l_ij = -a_is if y_j stands in column s;  if y_j is basic, 1 in its row, else 0.
  *
  * (LE3) compares (LE6) b_i / -c_i, among ties (LE7) g'_i / -c_i, among ties (LE8) l_ij / -c_i for
- * j = 0, 1, .. One column for (LE8) costs as much as one for (LE2), and with the g taken (LE8) hardly
- * ever starts.
+ * j = 0, 1, .. One column for (LE8) costs as much as one for (LE2), and with the g taken (LE8)
+ * hardly ever starts.
  *
  * It ends. (l_ij) is the inverse of the basis, so the rows (b_i, g'_i, l_i) are linearly
  * independent, no two are proportional, and (LE6)-(LE8) always leave one r. All rows stay
@@ -31,14 +31,14 @@
  * Complementarity Problem, 1992, 4.4, 4.9).
  *
  * Warm start. At the basis of a complementary z, x_B = b + A x_N is an LCP in x_N as (40) is in z:
- * (LE1) can begin there with a cover d' > 0 and a perturbation g' > 0, e^2, e^3, .. of its own, and the
- * proof holds for it. In y these are d = B d' and g = B g', B being the columns of x_B in (I, -M), so
- * that the table can be computed anew at any time. If b >= 0 there is nothing to do. d need not be
- * positive: a ray is then no ray of the user's cover, and the cold start is tried instead.
+ * (LE1) can begin there with a cover d' > 0 and a perturbation g' > 0, e^2, e^3, .. of its own, and
+ * the proof holds for it. In y these are d = B d' and g = B g', B being the columns of x_B in (I,
+ * -M), so that the table can be computed anew at any time. If b >= 0 there is nothing to do. d need
+ * not be positive: a ray is then no ray of the user's cover, and the cold start is tried instead.
  *
  * Crash start. Before the path, unless it is switched off or a cover is given, crash.c guesses a
- * complementary basis with LU factors. If its z has the certificate, that is the answer; else nothing
- * of it is kept and the path is the one without it.
+ * complementary basis with LU factors. If its z has the certificate, that is the answer; else
+ * nothing of it is kept and the path is the one without it.
  *
  * Rounding. Decisions are taken on R M C with powers of two R and C (scale.c), so that the same
  * relative tolerances serve all units. Deviations from (LE1)-(LE8):
@@ -50,11 +50,11 @@
  *          does not fit to 1e-9, and before a ray is believed, the table is computed anew
  *          ("refreshed"): from M, the basic variables are exchanged in, each at the row with the
  *          largest coefficient
- *   (LE12) answers do not carry the table's rounding: b, and c for a ray, are refined with the user's
- *          M, the table serving as approximate inverse
+ *   (LE12) answers do not carry the table's rounding: b, and c for a ray, are refined with the
+ *          user's M, the table serving as approximate inverse
  *   (LE13) an answer must have its certificate, a ray must pass dls_lcp_check_ray; if not, once
- *          more on a fresh table, then from the start without (LE10), with 1e-14 in (LE9) and (LE11)
- *          more often
+ *          more on a fresh table, then from the start without (LE10), with 1e-14 in (LE9) and
+ *          (LE11) more often
  *
  * A ray (z, z0) + t (dz, dz0) with v = dz a Farkas proof (so if M is copositive-plus) means that
  * there is no solution. Another ray means nothing: unless the user chose d, other vectors d are
@@ -108,7 +108,7 @@ struct dls_lemke {
   int max_pivots;
   int pivots, refreshes, starts; /* of this solve */
 
-  /* Before the path. Its factors lie in the memory of table.T, which is written when the path begins. */
+  /* Before the path: its factors lie in the memory of table.T, written when the path begins. */
   dlsi_crash crash;
 
   double *residual;                       /* n */
@@ -131,8 +131,8 @@ void dls_lemke_settings_init(dls_lemke_settings *settings) {
   dlsi_limits_init(&settings->limits);
 }
 
-/* Returns a column length >= n that is no multiple of 512 doubles, so that a row of the table falls on all
- * cache sets. */
+/* Returns a column length >= n that is no multiple of 512 doubles, so that a row of the table falls
+ * on all cache sets. */
 static size_t lemke_leading_dimension(size_t n) {
   const size_t ld = (n + 7) / 8 * 8;
   return ld % 512 ? ld : ld + 8;
@@ -202,8 +202,8 @@ static int lemke_complement(int n, int v) {
   return v < n ? v + n : v - n;
 }
 
-/* cover := R d. Without a given d this is the norms of the rows of R M C, with C = 2^gamma not rounded,
- * so that units do not change d. */
+/* cover := R d. Without a given d this is the norms of the rows of R M C, with C = 2^gamma not
+ * rounded, so that units do not change d. */
 static void lemke_scale_cover(dls_lemke *work, const dls_lcp *lcp, const double *gamma) {
   const int n = lcp->n;
   double *d = work->cover;
@@ -277,8 +277,8 @@ static void lemke_load_table(dls_lemke *work, const dls_lcp *lcp) {
   }
 }
 
-/* Loads the table of the basis that has z_j instead of y_j for the `count` variables of work->reenter, where
- * work->rows[j] = 1; returns 0 if that basis is singular. */
+/* Loads the table of the basis that has z_j instead of y_j for the `count` variables of
+ * work->reenter, where work->rows[j] = 1; returns 0 if that basis is singular. */
 static int lemke_enter_basis(dls_lemke *work, const dls_lcp *lcp, int count) {
   const int n = lcp->n;
   dlsi_table *table = &work->table;
@@ -296,7 +296,7 @@ static int lemke_enter_basis(dls_lemke *work, const dls_lcp *lcp, int count) {
   return 1;
 }
 
-/* (LE11) Computes the table of the present basis from the user's M; returns 0 if the basis is singular. */
+/* (LE11) Computes the table of the present basis from the user's M; returns 0 if it is singular. */
 static int lemke_refresh(dls_lemke *work, const dls_lcp *lcp) {
   const dlsi_table *table = &work->table;
   int count = 0;
@@ -308,8 +308,8 @@ static int lemke_refresh(dls_lemke *work, const dls_lcp *lcp) {
   return lemke_enter_basis(work, lcp, count);
 }
 
-/* (LE0) Makes z_i basic where z_i > 0, y_i elsewhere, and forms d = B d', g = B g' column by column of B,
- * e_i or -M'_i; returns 0 if that basis is singular. */
+/* (LE0) Makes z_i basic where z_i > 0, y_i elsewhere, and forms d = B d', g = B g' column by column
+ * of B, e_i or -M'_i; returns 0 if that basis is singular. */
 static int lemke_enter_warm_basis(dls_lemke *work, const dls_lcp *lcp, const double *z) {
   const int n = lcp->n;
   double *d = work->work, *g = work->work + n;
@@ -339,7 +339,8 @@ static int lemke_enter_warm_basis(dls_lemke *work, const dls_lcp *lcp, const dou
 
 /* ---- values by variable ---------------------------------------------------------------------- */
 
-/* x := the basic variables at b, the others 0. For dx give c as b, and the variable that enters at 1. */
+/* x := the basic variables at b, the others 0. For dx give c as b, and the variable that
+ * enters at 1. */
 static void lemke_read_values(const dlsi_table *table, const double *b, int entering, double *x) {
   memset(x, 0, (2 * (size_t)table->n + 1) * sizeof *x);
   for (int i = 0; i < table->n; i++)
@@ -363,8 +364,9 @@ static double lemke_misfit(dls_lemke *work, const dls_lcp *lcp, const double *x,
   return dlsi_max_abs(f, n);
 }
 
-/* (LE12) Refines x until the residual f is rounding, or does not halve. y_i out of the basis is f_i instead
- * of 0: it has to move by -f_i, and the basic variables follow. y_i in the basis takes up its f_i. */
+/* (LE12) Refines x until the residual f is rounding, or does not halve. y_i out of the basis is f_i
+ * instead of 0: it has to move by -f_i, and the basic variables follow. y_i in the basis takes up
+ * its f_i. */
 static void lemke_refine(dls_lemke *work, const dls_lcp *lcp, double *x, double h) {
   const dlsi_table *table = &work->table;
   const int n = lcp->n;
@@ -389,7 +391,8 @@ static void lemke_refine(dls_lemke *work, const dls_lcp *lcp, double *x, double 
 
 enum { no_row = -1, not_finite = -2 };
 
-/* Keeps those of rows[0..count) whose value[k] is smallest but for rounding; returns their number. */
+/* Keeps those of rows[0..count) whose value[k] is smallest but for rounding; returns their
+ * number. */
 static int ratio_keep_smallest(int count, int *rows, const double *value) {
   double smallest = INFINITY, largest = 0;
   int kept = 0;
@@ -402,9 +405,9 @@ static int ratio_keep_smallest(int count, int *rows, const double *value) {
   return kept;
 }
 
-/* value_k := (LE5) / -c_i for the rows i = rows[k]: the coefficient of e^(j+2), -a_is if v, the basic
- * variable number j of the start (y_j if cold), stands in column s, or 1 if v is basic in row i; a:
- * scratch, n. */
+/* value_k := (LE5) / -c_i for the rows i = rows[k]: the coefficient of e^(j+2), -a_is if v, the
+ * basic variable number j of the start (y_j if cold), stands in column s, or 1 if v is basic in row
+ * i; a: scratch, n. */
 static void ratio_perturbation(const dlsi_table *table, int v, int count, const int *rows,
                                const double *c, double *a, double *value) {
   const int where = table->where[v];
@@ -415,8 +418,8 @@ static void ratio_perturbation(const dlsi_table *table, int v, int count, const 
   }
 }
 
-/* (LE6) Keeps those of rows[0..count), c < 0, that are tied, (LE9), and returns their number; or returns
- * -1 if z0's row may leave, (LE10). */
+/* (LE6) Keeps those of rows[0..count), c < 0, that are tied, (LE9), and returns their number; or
+ * returns -1 if z0's row may leave, (LE10). */
 static int ratio_keep_ties(const dls_lemke *work, int count, int *rows, double bmax) {
   const dlsi_table *table = &work->table;
   const double *b = table->b, *c = work->c;
@@ -465,9 +468,9 @@ static int ratio_leaving_row(dls_lemke *work, double cmax) {
   return r;
 }
 
-/* (LE1) Returns the row that leaves when z0 enters by its column c, ties as in (LE7), (LE8): of rows
- * (e_i / c_i) the last one is lexicographically smallest. no_row: b >= 0, solved; not_finite: rounding has
- * lost c > 0. */
+/* (LE1) Returns the row that leaves when z0 enters by its column c, ties as in (LE7), (LE8): of
+ * rows (e_i / c_i) the last one is lexicographically smallest. no_row: b >= 0, solved; not_finite:
+ * rounding has lost c > 0. */
 static int ratio_first_row(const dlsi_table *table, const double *c) {
   const int n = table->n;
   double least = INFINITY, size = 0, smallest = INFINITY;
@@ -505,7 +508,7 @@ static double lemke_residual_estimate(const dls_lemke *work) {
   return z0 * dlsi_norm2(work->d, n) / dlsi_norm2(work->q, n);
 }
 
-/* (LE4) Exchanges row r and column s; returns the variable that left, and sets its complement to enter. */
+/* (LE4) Exchanges row r and column s; returns the variable that left. Its complement enters next. */
 static int path_exchange(dls_lemke *work, int r, int s) {
   dlsi_table *table = &work->table;
   const int out = table->basic[r];
@@ -634,8 +637,8 @@ static int lemke_accept_ray(dls_lemke *work, const dls_lcp *lcp) {
 
 /* ---- starts ---------------------------------------------------------------------------------- */
 
-/* Runs up to max_pivots rounds of crash.c from the basis of z, or of y if z is NULL; returns path_lost if
- * they lead nowhere. */
+/* Runs up to max_pivots rounds of crash.c from the basis of z, or of y if z is NULL; returns
+ * path_lost if they lead nowhere. */
 static path_end lemke_crash(dls_lemke *work, const dls_lcp *lcp, const double *z) {
   dlsi_crash *crash = &work->crash;
   int outcome = 0;
@@ -651,8 +654,8 @@ static path_end lemke_crash(dls_lemke *work, const dls_lcp *lcp, const double *z
   return path_lost;
 }
 
-/* Follows paths until one settles the problem: again with care (LE13) after an end that could not be
- * confirmed, with another covering vector after a ray that proves nothing. */
+/* Follows paths until one settles the problem: again with care (LE13) after an end that could not
+ * be confirmed, with another covering vector after a ray that proves nothing. */
 static dls_status lemke_paths(dls_lemke *work, const dls_lcp *lcp, const double *warm) {
   const double tol = work->settings.limits.tol;
   int cover = 0;

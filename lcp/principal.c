@@ -12,8 +12,8 @@
  *
  * Sources: (PP4) with all of H, M. M. Kostreva, Block pivot methods for solving the complementarity
  * problem, Linear Algebra Appl. 21 (1978); with min H, K. G. Murty, Note on a Bard-type scheme for
- * solving the complementarity problem, Opsearch 11 (1974); the two together, (PP3), J. J. Judice and
- * F. M. Pires, A block principal pivoting algorithm for large-scale strictly monotone linear
+ * solving the complementarity problem, Opsearch 11 (1974); the two together, (PP3), J. J. Judice
+ * and F. M. Pires, A block principal pivoting algorithm for large-scale strictly monotone linear
  * complementarity problems, Computers Oper. Res. 21 (1994).
  *
  * It ends for every P-matrix: |H| can become less than ever before n times at most; between two
@@ -22,15 +22,16 @@
  * alone can cycle (data/failures/l03, l04), those of min H alone can need 2^n - 1 steps (murty-*,
  * fathi-*).
  *
- * In floating point < 0 in (PP2) means s_i z_i, y_i < -4 eps (|q| + |M||z|)_i. That bounds the rounding
- * of a zero after (PP1) has been corrected once by its residual from the user's M (Skeel). A z_i = 0
- * that rounding makes negative beyond that leaves A, and its y_i then passes the test.
+ * In floating point < 0 in (PP2) means s_i z_i, y_i < -4 eps (|q| + |M||z|)_i. That bounds the
+ * rounding of a zero after (PP1) has been corrected once by its residual from the user's M (Skeel).
+ * A z_i = 0 that rounding makes negative beyond that leaves A, and its y_i then passes the test.
  *
  * M_AA is equilibrated by powers of two, which round nothing. Cholesky if M is symmetric to the
  * last bit, else LU: |A|^3/3 or 2|A|^3/3 flops per basis, n |A| for the rest. A symmetric M on
  * which Cholesky fails is no P-matrix; LU goes on with it, without promise.
  *
- * What can fail: M_AA singular (a hyperstatic W), reported; M no P-matrix, max_iterations.
+ * Can fail: where M_AA is singular (a hyperstatic W), reported; where M is no P-matrix, by
+ * max_iterations.
  */
 #include <float.h>
 #include <limits.h>

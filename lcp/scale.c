@@ -1,7 +1,7 @@
 /*
  * scale.c: scales an LCP. For positive diagonal R, C the problem (R M C, R q) has the solutions
- * C^-1 z, R^-1 y: complementarity does not see positive factors, the tolerances of a pivoting method
- * do.
+ * C^-1 z, R^-1 y: complementarity does not see positive factors, the tolerances of a pivoting
+ * method do.
  *
  * Least squares in the logarithms (Curtis and Reid, J. Inst. Maths Applics 10, 1972, 118-124):
  *
@@ -24,10 +24,10 @@
  * 2^(rho_i + gamma_j) |M_ij| of row i and column j. The bound follows a change of units as M_ij
  * does. Each such round takes two passes over M.
  *
- * A round is one pass over M: gamma_j of (SC2), and the terms of column j in the sums of the next (SC1)
- * and in the row maxima of (SC4), are found while the column is in the cache. The logarithms are taken of
- * products of mantissas, one per row or column and 512 entries. Sums and products of a column are
- * formed eight at a time, in an order that the compiler can turn into vector operations.
+ * A round is one pass over M: gamma_j of (SC2), and the terms of column j in the sums of the next
+ * (SC1) and in the row maxima of (SC4), are found while the column is in the cache. The logarithms
+ * are taken of products of mantissas, one per row or column and 512 entries. Sums and products of a
+ * column are formed eight at a time, in an order that the compiler can turn into vector operations.
  */
 #include <math.h>
 #include <stdint.h>
@@ -69,8 +69,9 @@ double dlsi_power_of_two(double e) {
   return scale_power(rint(e));
 }
 
-/* Splits x > 0 into m 2^(e - 1023), 1 <= m < 2, and returns e (subnormal x: m is too large by less than 2); x = 0
- * gives m = 1, e = 0. The exponent becomes a double as the last digits of 2^52 + e. */
+/* Splits x > 0 into m 2^(e - 1023), 1 <= m < 2, and returns e (subnormal x: m is too large by less
+ * than 2); x = 0 gives m = 1, e = 0. The exponent becomes a double as the last digits of
+ * 2^52 + e. */
 static DLSI_INLINE double scale_split(double x, double *m) {
   uint64_t bits;
   double e;
@@ -109,8 +110,8 @@ static DLSI_INLINE void scale_count(int n, const double *m, int j, const scale_s
   s->in_column[j] = scale_fold(fold_sum, n, s->scratch);
 }
 
-/* Computes L, K and the counts of the values v_ij = |M_ij|; or if `least` the L, K of the values of (SC4), with
- * a_i := sqrt(rowmax_i) / 2^rho_i. Returns 1 if M has a zero, else 0. */
+/* Computes L, K and the counts of the values v_ij = |M_ij|; or if `least` the L, K of the values of
+ * (SC4), with a_i := sqrt(rowmax_i) / 2^rho_i. Returns 1 if M has a zero, else 0. */
 DLSI_CLONES static int scale_sum_logarithms(const dls_lcp *lcp, int least, const double *gamma,
                                             const scale_sums *s) {
   const int n = lcp->n;

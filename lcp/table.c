@@ -54,8 +54,8 @@ void dlsi_table_carve(dlsi_table *table, dlsi_arena *arena, size_t n, size_t ld)
   table->where = dlsi_take(arena, 2 * n + 1, sizeof(int));
 }
 
-/* v_k := entry r_k of a, a combination of columns of T, and puts 0 in its place: gives the right-hand side
- * of (TA4) without the columns of exchanges. */
+/* v_k := entry r_k of a, a combination of columns of T, and puts 0 in its place: gives the
+ * right-hand side of (TA4) without the columns of exchanges. */
 static void table_take_rows(const dlsi_table *table, double *a, double *v) {
   for (int k = 0; k < table->pending; k++) {
     v[k] = a[table->row[k]];
