@@ -66,18 +66,17 @@ static void form_normal(const dls_contact *problem, const dlsi_form *form, int b
 static DLSI_INLINE void form_add_block(int d, const dlsi_form *form, double scale, const double *W,
                                        size_t ldw, const double *c0, int rows, int columns,
                                        double *M, size_t ldm) {
-  for (int k = 0; k < columns; k++) {
+  double S[3][3], g[3] = {0};
+  for (int j = 0; j < d; j++)
+    for (int i = 0; i < d; i++)
+      S[j][i] = scale * W[(size_t)i + (size_t)j * ldw];
+  for (int k = 0; k < columns; k++, M += ldm) {
     const double *c = k ? form->c[k] : c0;
-    double g[3] = {0};
-    for (int j = 0; j < d; j++)
-      for (int i = 0; i < d; i++)
-        g[i] += scale * W[(size_t)i + (size_t)j * ldw] * c[j];
-    for (int i = 0; i < rows; i++) {
-      double sum = form->c[i][0] * g[0];
-      for (int j = 1; j < d; j++)
-        sum += form->c[i][j] * g[j];
-      M[(size_t)i + (size_t)k * ldm] += sum;
-    }
+    for (int i = 0; i < d; i++)
+      g[i] = S[0][i] * c[0] + S[1][i] * c[1] + (d == 3 ? S[2][i] * c[2] : 0);
+    M[0] += g[0];
+    for (int i = 1; i < rows; i++)
+      M[i] += form->c[i][1] * g[1] + (d == 3 ? form->c[i][2] * g[2] : 0);
   }
 }
 
