@@ -56,12 +56,10 @@ double dlsi_power_of_two(double e);
 
 /* ---- crash.c --------------------------------------------------------------------------------- */
 
-/* The state of (CR1)-(CR5). The caller sets s and factors.A, dlsi_crash_carve takes the
- * rest. */
+/* The state of (CR1)-(CR5). The caller sets s and factors.A; dlsi_crash_carve takes the rest. */
 typedef struct dlsi_crash {
-  const double *s; /* weights of the certificate, n */
-  dlsi_dense
-      factors; /* M_00, k x k; A has n x n doubles: Y, G, change.A and a product follow M_00 */
+  const double *s;     /* weights of the certificate, n */
+  dlsi_dense factors;  /* M_00, k x k. A has n x n doubles: Y, G, change.A, a product behind M_00 */
   dlsi_dense change;   /* the matrix of (CR5), h x h; in factors.A */
   double *G;           /* M_E0, e x k; in factors.A */
   double *z, *y, *a;   /* z and y of (CR1), |M||z|, n */
@@ -81,8 +79,7 @@ void dlsi_crash_carve(dlsi_crash *work, dlsi_arena *arena, size_t n, size_t ld);
 /* Starts at the basis { i : z_i > 0 }; NULL: at the empty one. */
 void dlsi_crash_begin(const dls_lcp *lcp, const double *z, dlsi_crash *work);
 
-/* Runs one round. Returns 0 to go on, 1 if work->z solves the LCP but for rounding, -1 to give
- * up. */
+/* Runs one round. Returns 0 to go on, 1 if z solves the LCP but for rounding, -1 to give up. */
 int dlsi_crash_round(const dls_lcp *lcp, dlsi_crash *work);
 
 /* ---- table.c --------------------------------------------------------------------------------- */
