@@ -4,14 +4,25 @@
 
 #include "base/base.h"
 
+/* Takes four at a time; the sum is NaN if some x_i is. */
 double dlsi_max_abs(const double *x, size_t n) {
-  double m = 0;
-  for (size_t i = 0; i < n; i++) {
+  double m[4] = {0}, s[4] = {0};
+  size_t i = 0;
+  for (; i + 4 <= n; i += 4)
+    for (size_t k = 0; k < 4; k++) {
+      const double a = fabs(x[i + k]);
+      m[k] = a > m[k] ? a : m[k];
+      s[k] += a;
+    }
+  for (; i < n; i++) {
     const double a = fabs(x[i]);
-    if (a > m || a != a) m = a;
-    if (m != m) return m;
+    m[0] = a > m[0] ? a : m[0];
+    s[0] += a;
   }
-  return m;
+  const double sum = (s[0] + s[1]) + (s[2] + s[3]);
+  for (size_t k = 1; k < 4; k++)
+    m[0] = m[k] > m[0] ? m[k] : m[0];
+  return sum == sum ? m[0] : sum;
 }
 
 double dlsi_norm2(const double *x, size_t n) {

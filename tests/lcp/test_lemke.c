@@ -1060,7 +1060,7 @@ START_TEST(crash_that_leads_nowhere) {
   const dls_lemke_settings settings = with_crash();
   int failed[6] = {0}, lucky = 0;
   for (int trial = 0; trial < 8000; trial++) {
-    const int n = trial % 2 ? integer(1, 6) : integer(11, most); /* tiny.c, crash.c */
+    const int n = trial % 2 ? integer(1, 6) : integer(11, most);
     double M[most * most], q[most], z[most], other[most];
     dls_lemke_info info, path;
     for (int k = 0; k < n * n; k++)
