@@ -8,8 +8,9 @@
 
 #include "vi_internal.h"
 
-/* Beyond this floor u = W r + q has fewer than six digits. Where there is no solution and W is singular, r
- * can run away until it is all rounding and its residual with it: such an r is no answer. */
+/* Beyond this floor u = W r + q has fewer than six digits. Where there is no solution and W is
+ * singular, r can run away until it is all rounding and its residual with it: such an r is no
+ * answer. */
 static const double most_floor = 1e-6;
 
 int dlsi_is_better(const dls_certificate *a, const dls_certificate *b) {
@@ -18,7 +19,7 @@ int dlsi_is_better(const dls_certificate *a, const dls_certificate *b) {
   return a->residual < b->residual;
 }
 
-/* ---- workspace --------------------------------------------------------------------------------- */
+/* ---- workspace ------------------------------------------------------------------------------- */
 
 dls_status dlsi_workspace(void **out, void *filled, size_t size, dlsi_carve *carve, int nc,
                           dls_error *error) {
@@ -51,7 +52,7 @@ void dlsi_set_limits(dls_limits *to, const dls_limits *from) {
   to->blocks = blocks;
 }
 
-/* ---- one solve --------------------------------------------------------------------------------- */
+/* ---- one solve ------------------------------------------------------------------------------- */
 
 static size_t size_of(const dls_contact *problem) {
   return (size_t)problem->d * (size_t)problem->nc;

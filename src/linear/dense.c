@@ -56,13 +56,3 @@ void dlsi_dense_solve(const dlsi_dense *f, double *X, int ld, int nrhs) {
     dtrsv_("L", "T", "N", &n, f->A, &n, X, &one, 1, 1, 1);
   }
 }
-
-void dlsi_solve_lower(int n, const double *L, double *x) {
-  const int one = 1;
-  if (n) dtrsv_("L", "N", "N", &n, L, &n, x, &one, 1, 1, 1);
-}
-
-void dlsi_solve_upper(int n, const double *L, double *x) {
-  const int one = 1;
-  if (n) dtrsv_("L", "T", "N", &n, L, &n, x, &one, 1, 1, 1);
-}

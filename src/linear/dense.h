@@ -26,8 +26,4 @@ int dlsi_dense_factor(dlsi_dense *f, double *diagonal);
 /* X (n x nrhs, column-major, leading dimension ld) := A^-1 X. */
 void dlsi_dense_solve(const dlsi_dense *f, double *X, int ld, int nrhs);
 
-/* x := L^-1 x, L^-T x with the L of dpotrf. */
-void dlsi_solve_lower(int n, const double *L, double *x);
-void dlsi_solve_upper(int n, const double *L, double *x);
-
 #endif

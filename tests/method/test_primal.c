@@ -829,7 +829,7 @@ START_TEST(no_memory) {
     ck_assert_int_eq(status, DLS_E_MEMORY);
     ck_assert_ptr_null(work);
   }
-  ck_assert_int_eq(k, 7); /* six allocations */
+  ck_assert_int_eq(k, 6); /* five allocations */
   dls_primal_destroy(work);
 }
 END_TEST
