@@ -120,17 +120,23 @@ int dlsi_model_candidates(const dls_model *model);
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
-/* Size-then-carve: run the same sequence of takes twice, first with base = NULL to learn the size,
- * then on memory of `used` bytes. Every piece is aligned to 64 bytes. An overflow of size_t, or a
- * take past `size`, makes this and all later takes fail. */
+/* A workspace in one piece of memory. A carve function is a sequence of takes; run it twice: on {0} to
+ * count bytes, then, after dlsi_arena_allocate, on memory. Every piece is aligned to 64 bytes. An overflow
+ * of size_t, or a take past the end, makes this take and all later ones fail. */
 typedef struct dlsi_arena {
-  char *base;
-  size_t size; /* of base; ignored while base is NULL */
+  char *base;  /* NULL while counting */
+  size_t size; /* of base */
   size_t used;
   int failed;
 } dlsi_arena;
 
+/* Returns the next piece, for count elements of size bytes; NULL while counting and after a failure. */
 void *dlsi_take(dlsi_arena *arena, size_t count, size_t size);
+
+/* Ends the counting run: allocates arena->base, which the caller frees, and rewinds, so that the takes
+ * run again. Where the sizes overflowed, DLS_E_SIZE blames `argument` with its value; DLS_E_MEMORY. */
+dls_status dlsi_arena_allocate(dlsi_arena *arena, const char *argument, long long value,
+                               dls_error *error);
 
 /* malloc(count * size), NULL on overflow or when there is no memory; never of 0 bytes. */
 void *dlsi_alloc(size_t count, size_t size);

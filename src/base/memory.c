@@ -1,4 +1,4 @@
-/* memory.c: checked allocation and size-then-carve. */
+/* memory.c: checked allocation, and workspaces in one piece: count first, then carve. */
 #include <stdint.h>
 #include <stdlib.h>
 
@@ -6,26 +6,34 @@
 
 enum { alignment = 64 };
 
-/* count * size + alignment > SIZE_MAX; a division only where both are large: it takes longer than the rest */
+/* Returns 1 if count * size + alignment > SIZE_MAX. Divides only where a factor is large: the product
+ * of two factors below 2^(half of the bits) cannot overflow, and a division takes longer than the rest. */
 static int overflows(size_t count, size_t size) {
-  const size_t half =
-      SIZE_MAX >> (4 * sizeof(size_t)); /* half squared is less than SIZE_MAX - alignment */
+  const size_t half = SIZE_MAX >> (4 * sizeof(size_t));
   return (count > half || size > half) && size && count > (SIZE_MAX - alignment) / size;
 }
 
 void *dlsi_take(dlsi_arena *arena, size_t count, size_t size) {
-  if (arena->failed || overflows(count, size)) {
-    arena->failed = 1;
-    return NULL;
-  }
+  arena->failed |= overflows(count, size);
+  if (arena->failed) return NULL;
   const size_t bytes = (count * size + alignment - 1) / alignment * alignment;
-  if (bytes > SIZE_MAX - arena->used || (arena->base && bytes > arena->size - arena->used)) {
-    arena->failed = 1;
-    return NULL;
-  }
+  const size_t left = (arena->base ? arena->size : SIZE_MAX) - arena->used;
+  arena->failed = bytes > left;
+  if (arena->failed) return NULL;
   void *piece = arena->base ? arena->base + arena->used : NULL;
   arena->used += bytes;
   return piece;
+}
+
+dls_status dlsi_arena_allocate(dlsi_arena *arena, const char *argument, long long value,
+                               dls_error *error) {
+  if (arena->failed)
+    return dlsi_fail(error, DLS_E_SIZE, argument, -1, (double)value, "is too large");
+  arena->base = dlsi_alloc(arena->used, 1);
+  if (!arena->base) return dlsi_no_memory(error);
+  arena->size = arena->used;
+  arena->used = 0;
+  return DLS_OK;
 }
 
 void *dlsi_alloc(size_t count, size_t size) {
