@@ -11,7 +11,8 @@
 #include "delassus/info.h"
 #include "delassus/model.h"
 
-/* ---- loops that vectorise ------------------------------------------------------------------------ */
+/* ---- loops that vectorise
+ * ------------------------------------------------------------------------ */
 
 /* Compiles a function twice, plain and with AVX2, where the linker can choose at load time.
  * Products and sums are rounded one by one in both, to the same bits. Functions that it calls have
@@ -43,8 +44,8 @@ static inline dlsi_pair dlsi_load(const double *x) {
 
 /* Fills *error (NULL: nothing) and returns status, so that a check reads
  *   if (n < 1) return dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d, must be at least 1", n);
- * argument must be a static string; index -1 for none. The message is "argument[index]: text" until the
- * public function puts its name before it by dlsi_at. */
+ * argument must be a static string; index -1 for none. The message is "argument[index]: text"
+ * until the public function puts its name before it by dlsi_at. */
 dls_status dlsi_fail(dls_error *error, dls_status status, const char *argument, long long index,
                      double value, const char *format, ...) DLSI_PRINTF(6, 7);
 

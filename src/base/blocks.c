@@ -24,32 +24,29 @@ static const double *find_block(const dls_dense *A, size_t d, int row, int col) 
   return NULL;
 }
 
-static dls_status count_blocks(const dls_dense *A, int d, int *count, dls_error *error) {
-  const dls_status status = check_square(A, d, error);
-  if (status) return status;
-  if (!count) return dlsi_is_null(error, "count");
+dls_status dls_blocks_count(const dls_dense *A, int d, int *count, dls_error *error) {
+  dls_status status = check_square(A, d, error);
+  if (!status && !count) status = dlsi_is_null(error, "count");
+  if (status) return dlsi_at(__func__, status, error);
   size_t found = 0;
   for (int b = 0; b < A->rows / d; b++)
     for (int a = 0; a < A->rows / d; a++)
       found += find_block(A, (size_t)d, a, b) != NULL;
   if (found > INT_MAX)
-    return dlsi_fail(error, DLS_E_SIZE, "A", -1, (double)found, "has too many blocks");
-  *count = (int)found;
-  return DLS_OK;
+    status = dlsi_fail(error, DLS_E_SIZE, "A", -1, (double)found, "has too many blocks");
+  else
+    *count = (int)found;
+  return dlsi_at(__func__, status, error);
 }
 
-dls_status dls_blocks_count(const dls_dense *A, int d, int *count, dls_error *error) {
-  return dlsi_at(__func__, count_blocks(A, d, count, error), error);
-}
-
-static dls_status blocks_from_dense(const dls_dense *A, int d, int *p, int *i, double *x,
-                                    dls_blocks *B, dls_error *error) {
-  const dls_status status = check_square(A, d, error);
-  if (status) return status;
-  if (!p) return dlsi_is_null(error, "p");
-  if (!i) return dlsi_is_null(error, "i");
-  if (!x) return dlsi_is_null(error, "x");
-  if (!B) return dlsi_is_null(error, "B");
+dls_status dls_blocks_from_dense(const dls_dense *A, int d, int *p, int *i, double *x,
+                                 dls_blocks *B, dls_error *error) {
+  dls_status status = check_square(A, d, error);
+  if (!status && !p) status = dlsi_is_null(error, "p");
+  if (!status && !i) status = dlsi_is_null(error, "i");
+  if (!status && !x) status = dlsi_is_null(error, "x");
+  if (!status && !B) status = dlsi_is_null(error, "B");
+  if (status) return dlsi_at(__func__, status, error);
   const size_t D = (size_t)d;
   const int n = A->rows / d;
   int k = 0;
@@ -68,18 +65,13 @@ static dls_status blocks_from_dense(const dls_dense *A, int d, int *p, int *i, d
   return DLS_OK;
 }
 
-dls_status dls_blocks_from_dense(const dls_dense *A, int d, int *p, int *i, double *x,
-                                 dls_blocks *B, dls_error *error) {
-  return dlsi_at(__func__, blocks_from_dense(A, d, p, i, x, B, error), error);
-}
-
-static dls_status blocks_to_dense(const dls_blocks *B, double *a, int ld, dls_error *error) {
-  const dls_status status = dlsi_check_blocks(B, error);
-  if (status) return status;
-  if (!a) return dlsi_is_null(error, "a");
+dls_status dls_blocks_to_dense(const dls_blocks *B, double *a, int ld, dls_error *error) {
+  dls_status status = dlsi_check_blocks(B, error);
+  if (!status && !a) status = dlsi_is_null(error, "a");
+  if (!status && (ld < 1 || ld < B->d * B->n))
+    status = dlsi_fail(error, DLS_E_SIZE, "ld", -1, ld, "must be at least %d x %d", B->d, B->n);
+  if (status) return dlsi_at(__func__, status, error);
   const size_t D = (size_t)B->d, rows = D * (size_t)B->n, L = (size_t)ld;
-  if (ld < 1 || L < rows)
-    return dlsi_fail(error, DLS_E_SIZE, "ld", -1, ld, "must be at least %d x %d", B->d, B->n);
   for (size_t j = 0; j < rows; j++)
     memset(a + j * L, 0, rows * sizeof *a);
   for (int b = 0; b < B->n; b++)
@@ -87,8 +79,4 @@ static dls_status blocks_to_dense(const dls_blocks *B, double *a, int ld, dls_er
       for (size_t e = 0; e < D * D; e++)
         a[D * (size_t)B->i[k] + e % D + (D * (size_t)b + e / D) * L] += B->x[D * D * (size_t)k + e];
   return DLS_OK;
-}
-
-dls_status dls_blocks_to_dense(const dls_blocks *B, double *a, int ld, dls_error *error) {
-  return dlsi_at(__func__, blocks_to_dense(B, a, ld, error), error);
 }

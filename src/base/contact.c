@@ -338,16 +338,15 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
   *certificate = c;
 }
 
-static dls_status certify(const dls_contact *problem, const double *r, double *u,
-                          dls_certificate *certificate, dls_error *error) {
+dls_status dls_contact_certify(const dls_contact *problem, const double *r, double *u,
+                               dls_certificate *certificate, dls_error *error) {
   dls_status status = dlsi_check_contact(problem, error);
-  if (status) return status;
-  const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  status = dlsi_check_vector("r", r, m, error);
-  if (status) return status;
-  if (!certificate) return dlsi_is_null(error, "certificate");
-  double *work = dlsi_alloc(4 * m, sizeof *work);
-  if (!work) return dlsi_no_memory(error);
+  const size_t m = status ? 0 : (size_t)problem->d * (size_t)problem->nc;
+  if (!status) status = dlsi_check_vector("r", r, m, error);
+  if (!status && !certificate) status = dlsi_is_null(error, "certificate");
+  double *work = status ? NULL : dlsi_alloc(4 * m, sizeof *work);
+  if (!status && !work) status = dlsi_no_memory(error);
+  if (status) return dlsi_at(__func__, status, error);
   double *v = work, *a = work + m, *w = work + 2 * m, *F = work + 3 * m;
   dlsi_contact_multiply(problem, NULL, r, v, a);
   dlsi_contact_weights(problem, w);
@@ -357,36 +356,25 @@ static dls_status certify(const dls_contact *problem, const double *r, double *u
   return DLS_OK;
 }
 
-dls_status dls_contact_certify(const dls_contact *problem, const double *r, double *u,
-                               dls_certificate *certificate, dls_error *error) {
-  return dlsi_at(__func__, certify(problem, r, u, certificate, error), error);
-}
-
 int dls_certificate_holds(const dls_certificate *certificate, double tol) {
   if (!certificate) return 0;
   const double four = 4 * certificate->floor, coarsest = tol > 1e-8 ? tol : 1e-8;
   return certificate->residual <= (four > tol ? four : tol) && four <= coarsest;
 }
 
-static dls_status find_states(const dls_contact *problem, const double *r, const double *u,
+dls_status dls_contact_states(const dls_contact *problem, const double *r, const double *u,
                               dls_contact_state *state, dls_error *error) {
   dls_status status = dlsi_check_contact(problem, error);
-  if (status) return status;
-  const size_t d = (size_t)problem->d, nc = (size_t)problem->nc;
-  status = dlsi_check_vector("r", r, d * nc, error);
+  const size_t d = status ? 0 : (size_t)problem->d, nc = status ? 0 : (size_t)problem->nc;
+  if (!status) status = dlsi_check_vector("r", r, d * nc, error);
   if (!status) status = dlsi_check_vector("u", u, d * nc, error);
-  if (status) return status;
-  if (!state) return dlsi_is_null(error, "state");
-  double *w = dlsi_alloc(nc, sizeof *w), F[3];
-  if (!w) return dlsi_no_memory(error);
+  if (!status && !state) status = dlsi_is_null(error, "state");
+  double *w = status ? NULL : dlsi_alloc(nc, sizeof *w), F[3];
+  if (!status && !w) status = dlsi_no_memory(error);
+  if (status) return dlsi_at(__func__, status, error);
   dlsi_contact_weights(problem, w);
   for (size_t c = 0; c < nc; c++)
     state[c] = dlsi_contact_residual(problem->d, problem->mu[c], w[c], r + d * c, u + d * c, F);
   free(w);
   return DLS_OK;
-}
-
-dls_status dls_contact_states(const dls_contact *problem, const double *r, const double *u,
-                              dls_contact_state *state, dls_error *error) {
-  return dlsi_at(__func__, find_states(problem, r, u, state, error), error);
 }
