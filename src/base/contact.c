@@ -128,17 +128,16 @@ static dls_status check_leading(const char *argument, int ld, int rows, dls_erro
   return dlsi_fail(error, DLS_E_SIZE, argument, -1, ld, "must be at least %d", rows);
 }
 
-static dls_status get_block(const dls_contact *problem, dls_component row, dls_component col,
-                            double *block, int ld, dls_error *error) {
+dls_status dls_contact_get_block(const dls_contact *problem, dls_component row, dls_component col,
+                                 double *block, int ld, dls_error *error) {
   local_part R = {0}, C = {0};
   dls_status status = dlsi_check_contact(problem, error);
   if (!status) status = find_part("row", row, problem->d, &R, error);
   if (!status) status = find_part("col", col, problem->d, &C, error);
-  if (status) return status;
-  if (!block) return dlsi_is_null(error, "block");
-  const int nc = problem->nc;
-  status = check_leading("ld", ld, R.count * nc, error);
-  if (status) return status;
+  const int nc = status ? 0 : problem->nc;
+  if (!status && !block) status = dlsi_is_null(error, "block");
+  if (!status) status = check_leading("ld", ld, R.count * nc, error);
+  if (status) return dlsi_at(__func__, status, error);
   for (int b = 0; b < nc; b++) {
     const dlsi_block_column column = dlsi_contact_column(problem, (size_t)b);
     for (int j = 0; j < C.count; j++) {
@@ -154,24 +153,18 @@ static dls_status get_block(const dls_contact *problem, dls_component row, dls_c
   return DLS_OK;
 }
 
-dls_status dls_contact_get_block(const dls_contact *problem, dls_component row, dls_component col,
-                                 double *block, int ld, dls_error *error) {
-  return dlsi_at(__func__, get_block(problem, row, col, block, ld, error), error);
-}
-
-static dls_status set_block(int d, int nc, dls_component row, dls_component col,
-                            const double *block, int ld, double *W, int ldw, dls_error *error) {
+dls_status dls_contact_set_block(int d, int nc, dls_component row, dls_component col,
+                                 const double *block, int ld, double *W, int ldw,
+                                 dls_error *error) {
   local_part R = {0}, C = {0};
   dls_status status = dlsi_check_sizes(d, nc, error);
   if (!status) status = find_part("row", row, d, &R, error);
   if (!status) status = find_part("col", col, d, &C, error);
-  if (status) return status;
-  const dls_dense B = {R.count * nc, C.count * nc, ld, block};
-  status = dlsi_check_dense("block", &B, B.rows, B.cols, error);
-  if (status) return status;
-  if (!W) return dlsi_is_null(error, "W");
-  status = check_leading("ldw", ldw, d * nc, error);
-  if (status) return status;
+  const dls_dense B = {status ? 0 : R.count * nc, status ? 0 : C.count * nc, ld, block};
+  if (!status) status = dlsi_check_dense("block", &B, B.rows, B.cols, error);
+  if (!status && !W) status = dlsi_is_null(error, "W");
+  if (!status) status = check_leading("ldw", ldw, d * nc, error);
+  if (status) return dlsi_at(__func__, status, error);
   for (int b = 0; b < nc; b++)
     for (int j = 0; j < C.count; j++) {
       const double *in = block + (size_t)(b * C.count + j) * (size_t)ld;
@@ -181,12 +174,6 @@ static dls_status set_block(int d, int nc, dls_component row, dls_component col,
           w[d * a + i] = in[a * R.count + i];
     }
   return DLS_OK;
-}
-
-dls_status dls_contact_set_block(int d, int nc, dls_component row, dls_component col,
-                                 const double *block, int ld, double *W, int ldw,
-                                 dls_error *error) {
-  return dlsi_at(__func__, set_block(d, nc, row, col, block, ld, W, ldw, error), error);
 }
 
 /* ---- the certificate ------------------------------------------------------------------------- */

@@ -54,19 +54,13 @@ const char *dls_version(void) {
 dls_status dlsi_fail(dls_error *error, dls_status status, const char *argument, long long index,
                      double value, const char *format, ...) {
   if (!error) return status;
-  char text[120], place[32];
+  char text[120], place[32] = "";
   va_list args;
   va_start(args, format);
   if (vsnprintf(text, sizeof text, format, args) < 0) text[0] = '\0';
   va_end(args);
-  place[0] = '\0';
   if (index >= 0) (void)snprintf(place, sizeof place, "[%lld]", index);
-  memset(error, 0, sizeof *error);
-  error->status = status;
-  error->function = "";
-  error->argument = argument;
-  error->index = index;
-  error->value = value;
+  *error = (dls_error){status, "", argument, index, value, ""};
   (void)snprintf(error->message, sizeof error->message, "%s%s%s%s", argument, place,
                  argument[0] ? ": " : "", text);
   return status;

@@ -140,25 +140,19 @@ static dls_status read_doubles(const source *s, const char *name, size_t count, 
 
 /* ---- matrices -------------------------------------------------------------------------------- */
 
-/* Reads where the compressed lines (columns or rows) begin. *p: lines + 1. */
-static dls_status read_lines(const source *s, const char *name, int lines, int nzmax, int **p) {
-  const dls_status status = read_indices(s, name, lines + 1, nzmax + 1, p);
-  if (status) return status;
-  // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): status 0 vouches for it
-  if ((*p)[0] != 0) return dlsi_fail(s->error, DLS_E_FORMAT, name, 0, (*p)[0], "must be 0");
-  for (int j = 0; j < lines; j++)
-    if ((*p)[j + 1] < (*p)[j])
-      return dlsi_fail(s->error, DLS_E_FORMAT, name, j + 1, (*p)[j + 1],
-                       "is less than the one before it");
-  return DLS_OK;
-}
-
-/* Reads compressed lines. *major, *minor: line of each entry, and position in that line, *count
- * each. */
+/* Reads compressed lines, columns or rows. *major, *minor: line of each entry, and position in
+ * that line, *count each. */
 static dls_status read_compressed(const source *s, const matrix_names *name, int lines, int bound,
                                   int nzmax, int *count, int **minor, int **major) {
   int *p = NULL;
-  dls_status status = read_lines(s, name->p, lines, nzmax, &p);
+  dls_status status = read_indices(s, name->p, lines + 1, nzmax + 1, &p);
+  // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): status 0 vouches for it
+  if (!status && p[0] != 0)
+    status = dlsi_fail(s->error, DLS_E_FORMAT, name->p, 0, p[0], "must be 0");
+  for (int j = 0; !status && j < lines; j++)
+    if (p[j + 1] < p[j])
+      status = dlsi_fail(s->error, DLS_E_FORMAT, name->p, j + 1, p[j + 1],
+                         "is less than the one before it");
   if (!status) {
     *count = p[lines];
     status = read_indices(s, name->i, *count, bound, minor);
@@ -200,14 +194,11 @@ static dls_status gather_blocks(const dlsi_columns *A, int d, dlsi_columns *B, d
   const size_t dd = (size_t)d * (size_t)d;
   int *block = dlsi_alloc((size_t)nc, sizeof *block); /* latest block of each block row */
   B->p = dlsi_alloc((size_t)nc + 1, sizeof *B->p);
-  if (!block || !B->p) {
-    free(block);
-    return dlsi_no_memory(error);
-  }
-  for (int pass = 0; pass < 2; pass++) { /* count, fill */
+  dls_status status = block && B->p ? DLS_OK : dlsi_no_memory(error);
+  for (int pass = 0; !status && pass < 2; pass++) { /* count, fill */
+    int count = 0;
     for (int b = 0; b < nc; b++)
       block[b] = -1;
-    int count = 0;
     for (int c = 0; c < nc; c++) {
       B->p[c] = count;
       for (int j = 0; j < d; j++)
@@ -223,16 +214,11 @@ static dls_status gather_blocks(const dlsi_columns *A, int d, dlsi_columns *B, d
     B->p[nc] = count;
     if (pass == 1) break;
     B->i = dlsi_alloc((size_t)count, sizeof *B->i);
-    B->x = dlsi_alloc((size_t)count, dd * sizeof *B->x);
-    if (!B->i || !B->x) {
-      free(block);
-      return dlsi_no_memory(error);
-    }
-    for (size_t e = 0; e < (size_t)count * dd; e++)
-      B->x[e] = 0;
+    B->x = calloc(count ? (size_t)count : 1, dd * sizeof *B->x);
+    if (!B->i || !B->x) status = dlsi_no_memory(error);
   }
   free(block);
-  return DLS_OK;
+  return status;
 }
 
 /* ---- reading --------------------------------------------------------------------------------- */
@@ -292,24 +278,20 @@ static dls_status read_title(const source *s, char **title) {
 static dls_status refuse_bilateral(const source *s, const char *matrix, const char *m,
                                    const char *n, const char *vector) {
   int rows = 0, cols = 0;
+  dls_status status = DLS_OK;
   if (has_link(s, matrix)) {
-    dls_status status = read_int(s, m, 0, &rows);
+    status = read_int(s, m, 0, &rows);
     if (!status) status = read_int(s, n, 0, &cols);
-    if (status) return status;
-    if (rows > 0 && cols > 0)
-      return dlsi_fail(s->error, DLS_E_UNSUPPORTED, matrix, -1, 0,
-                       "bilateral constraints are not read");
   }
-  const hid_t set = H5Dopen2(s->group, vector, H5P_DEFAULT);
-  if (set < 0) return DLS_OK;
-  const hid_t space = H5Dget_space(set);
+  const hid_t set = status ? -1 : H5Dopen2(s->group, vector, H5P_DEFAULT);
+  const hid_t space = set < 0 ? -1 : H5Dget_space(set);
   const hssize_t held = space < 0 ? 0 : H5Sget_simple_extent_npoints(space);
   if (space >= 0) (void)H5Sclose(space);
-  (void)H5Dclose(set);
-  if (held > 0)
-    return dlsi_fail(s->error, DLS_E_UNSUPPORTED, vector, -1, (double)held,
-                     "bilateral constraints are not read");
-  return DLS_OK;
+  if (set >= 0) (void)H5Dclose(set);
+  const int empty = rows < 1 || cols < 1;
+  if (status || (empty && held < 1)) return status;
+  return dlsi_fail(s->error, DLS_E_UNSUPPORTED, empty ? vector : matrix, -1, (double)held,
+                   "bilateral constraints are not read");
 }
 
 /* Sets file->nc from the size of the local space, which data set `name` holds. */

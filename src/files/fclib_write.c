@@ -293,10 +293,13 @@ dls_status dls_fclib_write_local(const char *path, const dls_contact *problem, c
  * or no K. */
 static dls_status check_storable(const dls_model *model, dls_error *error) {
   if (!model) return dlsi_is_null(error, "model");
-  const char *argument = model->P.p ? "P" : model->active ? "active" : "operator_kind";
   const int kind = model->operator_kind;
-  if (model->P.p || model->active || (kind != DLS_STIFFNESS_DENSE && kind != DLS_STIFFNESS_SPARSE))
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, argument, -1, 0, "an FCLIB file holds K and H only");
+  if (model->P.p) return dlsi_fail(error, DLS_E_UNSUPPORTED, "P", -1, 0, "FCLIB has no weighting");
+  if (model->active)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "active", -1, 0,
+                     "FCLIB cannot leave candidates out");
+  if (kind != DLS_STIFFNESS_DENSE && kind != DLS_STIFFNESS_SPARSE)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "operator_kind", -1, kind, "FCLIB holds K only");
   return dlsi_check_model(model, error);
 }
 

@@ -3,6 +3,7 @@
 #include <float.h>
 #include <math.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,6 +37,13 @@ START_TEST(statuses_have_names_and_words) {
   ck_assert_str_eq(dls_status_name((dls_status)77), "unknown status");
   ck_assert_str_eq(dls_status_name(DLS_E_SIZE), "DLS_E_SIZE");
   ck_assert_str_eq(dls_version(), DLS_VERSION);
+  char text[16];
+  snprintf(text, sizeof text, "%d.%d.%d", DLS_VERSION_NUMBER / 10000,
+           DLS_VERSION_NUMBER / 100 % 100, DLS_VERSION_NUMBER % 100);
+  ck_assert_str_eq(text, DLS_VERSION);
+#if DLS_VERSION_NUMBER < 100
+#error DLS_VERSION_NUMBER serves #if
+#endif
 }
 END_TEST
 
