@@ -57,9 +57,10 @@ typedef struct command {
   const struct option *options;
   void (*usage)(FILE *out);
   taken (*take)(int key, const char *text, void *data);
+  int operands; /* names after the options; 0: the command counts them itself */
 } command;
 
-/* Takes all options of a command. Returns GO_ON, or the exit status to end with. */
+/* Takes all options of a command and counts its operands. Returns GO_ON, or the exit status to end with. */
 enum { GO_ON = -1 };
 int take_options(int argc, char **argv, const command *command, void *data);
 

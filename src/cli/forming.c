@@ -157,8 +157,8 @@ static int write_step(const outputs *o, const forming_options *options, const dl
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
-static void print_summary(const forming_options *o, const dls_forming_data *d, dls_status status,
-                          double seconds) {
+static void print_forming_summary(const forming_options *o, const dls_forming_data *d,
+                                  dls_status status, double seconds) {
   const dls_forming_energy *e = &d->energy;
   printf("\n%s by %s: %s at %.6g of %.6g mm\n", o->name, o->method, dls_status_text(status),
          d->travel, d->whole);
@@ -215,7 +215,7 @@ static int run_forming(const forming_options *o) {
     if (run_steps(forming, o, &out, &status)) {
       dls_forming_data d;
       dls_forming_get(forming, &d);
-      print_summary(o, &d, status, cpu_seconds() - out.start);
+      print_forming_summary(o, &d, status, cpu_seconds() - out.start);
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
   if (!close_outputs(&out)) result = EXIT_BAD_INPUT;
@@ -289,13 +289,12 @@ int command_forming(int argc, char **argv) {
                                           {"at", required_argument, NULL, 'a'},
                                           {"out", required_argument, NULL, 'o'},
                                           LAST_OPTIONS};
-  static const command forming = {"m:n:t:o:h", options, forming_usage, take_forming_option};
+  static const command forming = {"m:n:t:o:h", options, forming_usage, take_forming_option, 1};
   forming_options o = {.method = "auto"};
   dls_forming_settings_init(&o.settings);
   if (!forming_method(o.method, &o.settings)) o.method = dls_method_name(o.settings.method);
   const int stop = take_options(argc, argv, &forming, &o);
   if (stop != GO_ON) return stop;
-  if (argc - optind != 1) return wrong_usage(&forming);
   o.name = argv[optind];
   watch_interrupt();
   return run_forming(&o);

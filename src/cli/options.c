@@ -14,7 +14,7 @@ int take_options(int argc, char **argv, const command *c, void *data) {
     if (result == OPTION_UNKNOWN) return wrong_usage(c);
     if (result == OPTION_WRONG) return EXIT_BAD_INPUT;
   }
-  return GO_ON;
+  return c->operands && argc - optind != c->operands ? wrong_usage(c) : GO_ON;
 }
 
 int wrong_usage(const command *c) {

@@ -174,7 +174,7 @@ static dls_status solve_primal(run *a, const scene_options *o, dls_error *error)
 
 /* Computes everything from the model to the tables; < 0 or DLS_OK. The outcome says if the solver
  * arrived. */
-static dls_status compute(run *a, const scene_options *o, dls_error *error) {
+static dls_status scene_compute(run *a, const scene_options *o, dls_error *error) {
   dls_status status = dls_reduction_create(&a->reduction, &a->data.model, error);
   if (!status) status = dls_reduction_load(a->reduction, a->data.f, a->data.g, error);
   if (!status) status = dls_reduction_contact(a->reduction, a->data.mu, &a->contact, error);
@@ -384,7 +384,7 @@ static int run_scene(const scene_options *o) {
     goto end;
   }
   if (o->reference && !read_reference(o->reference, &a)) goto end;
-  if (compute(&a, o, &error)) {
+  if (scene_compute(&a, o, &error)) {
     result = complain_of(o->name, &error);
     goto end;
   }
@@ -447,12 +447,12 @@ int command_scene(int argc, char **argv) {
                                           {"json", no_argument, NULL, 'j'},
                                           {"list", no_argument, NULL, 'l'},
                                           LAST_OPTIONS};
-  static const command scene = {SOLVER_KEYS "wo:s:r:jlh", options, scene_usage, take_scene_option};
+  static const command scene = {SOLVER_KEYS "wo:s:r:jlh", options, scene_usage, take_scene_option,
+                                1};
   scene_options o = {0};
   solver_options_init(&o.solver, default_tol);
   const int stop = take_options(argc, argv, &scene, &o);
   if (stop != GO_ON) return stop;
-  if (argc - optind != 1) return wrong_usage(&scene);
   if (!settle_solver_options(&o.solver)) return EXIT_BAD_INPUT;
   o.name = argv[optind];
   watch_interrupt();

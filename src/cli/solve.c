@@ -230,7 +230,7 @@ int command_solve(int argc, char **argv) {
                                           {"json", no_argument, NULL, 'j'},
                                           {"lcp", no_argument, NULL, 'l'},
                                           LAST_OPTIONS};
-  static const command solve = {SOLVER_KEYS "f:o:jlh", options, solve_usage, take_solve_option};
+  static const command solve = {SOLVER_KEYS "f:o:jlh", options, solve_usage, take_solve_option, 0};
   solve_options o = {0};
   solver_options_init(&o.solver, 1e-8);
   const int stop = take_options(argc, argv, &solve, &o);
