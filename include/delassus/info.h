@@ -39,8 +39,9 @@ typedef struct dls_info {
   int iterations; /* sweeps; pivots and crash rounds of all LCPs; steps; augmentations; iterations;
                      auto: of all stages */
   dls_certificate certificate; /* of the r that is returned */
-  int ambiguous; /* nlgs: candidates at the answer whose local problem has several solutions */
-  int factorisations; /* admm; newton, augmented Lagrangian, penalty, auto: at most one per Newton step */
+  int ambiguous;      /* nlgs: candidates at the answer whose local problem has several solutions */
+  int factorisations; /* admm; newton, augmented Lagrangian, penalty, auto: at most one per Newton
+                         step */
   int sweeps;         /* newton: before the first step */
   int stages;         /* auto: how many of stage[] are set, in the order of time */
   dls_stage stage[DLS_STAGES_MAX];

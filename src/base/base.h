@@ -130,8 +130,9 @@ int dlsi_model_candidates(const dls_model *model);
 /* ---- memory ---------------------------------------------------------------------------------- */
 
 /* A workspace in one piece of memory. A carve function is a sequence of takes; run it twice: on {0}
- * to count bytes, then, after dlsi_arena_allocate, on memory. Every piece is aligned to 64 bytes.
- * An overflow of size_t, or a take past the end, makes this take and all later ones fail. */
+ * to count bytes, then, after dlsi_arena_allocate, on memory. Every piece begins a multiple of 64
+ * bytes after base. An overflow of size_t, or a take past the end, makes this take and all later
+ * ones fail. */
 typedef struct dlsi_arena {
   char *base;  /* NULL while counting */
   size_t size; /* of base */

@@ -60,7 +60,8 @@ typedef struct command {
   int operands; /* names after the options; 0: the command counts them itself */
 } command;
 
-/* Takes all options of a command and counts its operands. Returns GO_ON, or the exit status to end with. */
+/* Takes all options of a command and counts its operands. Returns GO_ON, or the exit status to end
+ * with. */
 enum { GO_ON = -1 };
 int take_options(int argc, char **argv, const command *command, void *data);
 
@@ -69,7 +70,9 @@ int wrong_usage(const command *command);
 
 /* The last options of every command. */
 /* clang-format off */
-#define LAST_OPTIONS {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}
+#define LAST_OPTIONS                             \
+  {"help", no_argument, NULL, 'h'},              \
+  {NULL, 0, NULL, 0}
 /* clang-format on */
 
 /* The method and its settings, from -m, -a, -t, -i. */

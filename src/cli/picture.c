@@ -65,9 +65,10 @@ int run_gnuplot(const char *directory, const char *script) {
 }
 
 void mesh_box(int nodes, const double *xy, const double *displacement, double lo[2], double hi[2]) {
+  for (int k = 0; k < 2; k++)
+    lo[k] = hi[k] = xy[k];
   for (int k = 0; k < 2 * nodes; k++) {
     const double rest = xy[k], moved = rest + (displacement ? displacement[k] : 0);
-    if (k < 2) lo[k] = hi[k] = rest;
     lo[k % 2] = fmin(lo[k % 2], fmin(rest, moved));
     hi[k % 2] = fmax(hi[k % 2], fmax(rest, moved));
   }

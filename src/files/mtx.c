@@ -66,9 +66,10 @@ static void scan(scanner *s) {
 /* Reports what is wrong with the word, unless something was wrong before. */
 static void blame(scanner *s, dls_status status, const char *text) {
   const char *word = s->length ? s->word : "end of file";
-  if (!s->status)
-    s->status = dlsi_fail(s->error, status, "path", s->line, 0, "line %lld, '%.20s': %s", s->line,
-                          word, text);
+  if (s->status) return;
+  s->status = status;
+  (void)dlsi_fail(s->error, status, "path", s->line, 0, "line %lld, '%.20s': %s", s->line, word,
+                  text);
 }
 
 /* Reports the word as a wrong format unless `holds`. */
@@ -76,7 +77,7 @@ static void require(scanner *s, int holds, const char *text) {
   if (!holds) blame(s, DLS_E_FORMAT, text);
 }
 
-/* Returns 1 if the word is `text`, which is of lower case, but for the case of its letters. */
+/* Returns 1 if the word is `text`, given in lower case, with any of its letters in upper case. */
 static int says(const scanner *s, const char *text) {
   if (s->length != strlen(text)) return 0;
   for (size_t k = 0; k < s->length; k++)

@@ -90,6 +90,33 @@ START_TEST(arena_counts_carves_and_refuses) {
 }
 END_TEST
 
+/* Takes two pieces, and returns the second. */
+static double *carve_two(dlsi_arena *arena) {
+  (void)dlsi_take(arena, 3, 8);
+  return dlsi_take(arena, 5, sizeof(double));
+}
+
+START_TEST(arena_allocates_what_it_counted) {
+  dls_error error = {0};
+  dlsi_arena a = {0};
+  ck_assert_ptr_null(carve_two(&a));
+  malloc_fails_at(1);
+  ck_assert_int_eq(dlsi_arena_allocate(&a, "nc", 7, &error), DLS_E_MEMORY);
+  malloc_fails_at(0);
+  ck_assert_int_eq(dlsi_arena_allocate(&a, "nc", 7, &error), DLS_OK);
+  ck_assert_uint_eq(malloc_bytes(), 128);
+  ck_assert_ptr_eq(carve_two(&a), a.base + 64);
+  ck_assert_int_eq(a.failed, 0);
+  free(a.base);
+  dlsi_arena b = {0};
+  (void)dlsi_take(&b, SIZE_MAX / 4, 8);
+  ck_assert_int_eq(dlsi_arena_allocate(&b, "nc", 7, &error), DLS_E_SIZE);
+  ck_assert_str_eq(error.argument, "nc");
+  ck_assert(error.value == 7);
+  ck_assert_ptr_null(b.base);
+}
+END_TEST
+
 START_TEST(norms_keep_nan_and_range) {
   const double big[3] = {3e200, 4e200, 0}, small[2] = {3e-200, 4e-200};
   const double with_nan[3] = {1, NAN, 2}, tiny[1] = {5e-324};
@@ -710,6 +737,7 @@ int main(void) {
   tcase_add_test(tcase, statuses_have_names_and_words);
   tcase_add_test(tcase, an_error_says_where);
   tcase_add_test(tcase, arena_counts_carves_and_refuses);
+  tcase_add_test(tcase, arena_allocates_what_it_counted);
   tcase_add_test(tcase, norms_keep_nan_and_range);
   tcase_add_test(tcase, vectors_of_any_length_are_finite);
   tcase_add_test(tcase, check_names_the_slot);
