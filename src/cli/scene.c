@@ -403,39 +403,28 @@ end:
   return result;
 }
 
-static void list_scenes(void) {
+static taken list_scenes(void) {
   for (int k = 0; dls_fe_scene_name(k); k++)
     printf("%-12s %s\n", dls_fe_scene_name(k), dls_fe_scene_description(k));
   for (int k = 0; dls_forming_name(k); k++)
     printf("%-12s %s\n", dls_forming_name(k), dls_forming_description(k));
+  return OPTION_DONE;
 }
 
 static taken take_scene_option(int key, const char *text, void *data) {
   scene_options *o = data;
   const taken shared = take_solver_option(key, text, &o->solver);
   if (shared != OPTION_UNKNOWN) return shared;
-  switch (key) {
-  case 'w':
-    o->weighted = 1;
-    return OPTION_TAKEN;
-  case 'o':
-    o->out = text;
-    return OPTION_TAKEN;
-  case 's':
-    o->save = text;
-    return OPTION_TAKEN;
-  case 'r':
-    o->reference = text;
-    return OPTION_TAKEN;
-  case 'j':
-    o->json = 1;
-    return OPTION_TAKEN;
-  case 'l':
-    list_scenes();
-    return OPTION_DONE;
-  default:
-    return OPTION_UNKNOWN;
-  }
+  int *flag = key == 'w' ? &o->weighted : key == 'j' ? &o->json : NULL;
+  const char **name = key == 'o'   ? &o->out
+                      : key == 's' ? &o->save
+                      : key == 'r' ? &o->reference
+                                   : NULL;
+  if (key == 'l') return list_scenes();
+  if (!flag && !name) return OPTION_UNKNOWN;
+  if (flag) *flag = 1;
+  if (name) *name = text;
+  return OPTION_TAKEN;
 }
 
 int command_scene(int argc, char **argv) {
