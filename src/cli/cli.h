@@ -68,12 +68,12 @@ int take_options(int argc, char **argv, const command *command, void *data);
 /* Prints --help on stderr; returns EXIT_BAD_INPUT. */
 int wrong_usage(const command *command);
 
-/* The last options of every command. */
-/* clang-format off */
-#define LAST_OPTIONS                             \
-  {"help", no_argument, NULL, 'h'},              \
-  {NULL, 0, NULL, 0}
-/* clang-format on */
+/* Rows of a table of options: with a value, without, and the last rows of every command. */
+#define VALUE(name, key)                                                                           \
+  { name, required_argument, NULL, key }
+#define FLAG(name, key)                                                                            \
+  { name, no_argument, NULL, key }
+#define LAST_OPTIONS FLAG("help", 'h'), FLAG(NULL, 0)
 
 /* The method and its settings, from -m, -a, -t, -i. */
 typedef struct solver_options {
@@ -83,13 +83,8 @@ typedef struct solver_options {
 } solver_options;
 
 #define SOLVER_KEYS "m:a:t:i:"
-/* clang-format off */
-#define SOLVER_OPTIONS                           \
-  {"method", required_argument, NULL, 'm'},      \
-  {"accel", required_argument, NULL, 'a'},       \
-  {"tol", required_argument, NULL, 't'},         \
-  {"max-iter", required_argument, NULL, 'i'}
-/* clang-format on */
+#define SOLVER_OPTIONS                                                                             \
+  VALUE("method", 'm'), VALUE("accel", 'a'), VALUE("tol", 't'), VALUE("max-iter", 'i')
 
 void solver_options_init(solver_options *options, double tol);
 

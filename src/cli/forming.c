@@ -280,15 +280,10 @@ static taken take_forming_option(int key, const char *text, void *data) {
 }
 
 int command_forming(int argc, char **argv) {
-  static const struct option options[] = {{"method", required_argument, NULL, 'm'},
-                                          {"mesh", required_argument, NULL, 'M'},
-                                          {"steps", required_argument, NULL, 'n'},
-                                          {"mu", required_argument, NULL, 'f'},
-                                          {"clamped", no_argument, NULL, 'c'},
-                                          {"tol", required_argument, NULL, 't'},
-                                          {"at", required_argument, NULL, 'a'},
-                                          {"out", required_argument, NULL, 'o'},
-                                          LAST_OPTIONS};
+  static const struct option options[] = {
+      VALUE("method", 'm'), VALUE("mesh", 'M'),   VALUE("steps", 'n'),
+      VALUE("mu", 'f'),     FLAG("clamped", 'c'), VALUE("tol", 't'),
+      VALUE("at", 'a'),     VALUE("out", 'o'),    LAST_OPTIONS};
   static const command forming = {"m:n:t:o:h", options, forming_usage, take_forming_option, 1};
   forming_options o = {.method = "auto"};
   dls_forming_settings_init(&o.settings);

@@ -175,8 +175,7 @@ static taken take_info_option(int key, const char *text, void *data) {
 }
 
 int command_info(int argc, char **argv) {
-  static const struct option options[] = {
-      {"limit", required_argument, NULL, 'l'}, {"json", no_argument, NULL, 'j'}, LAST_OPTIONS};
+  static const struct option options[] = {VALUE("limit", 'l'), FLAG("json", 'j'), LAST_OPTIONS};
   static const command info = {"l:jh", options, info_usage, take_info_option, 1};
   info_options o = {.limit = 2000};
   const int stop = take_options(argc, argv, &info, &o);

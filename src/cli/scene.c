@@ -428,14 +428,9 @@ static taken take_scene_option(int key, const char *text, void *data) {
 }
 
 int command_scene(int argc, char **argv) {
-  static const struct option options[] = {SOLVER_OPTIONS,
-                                          {"weighted", no_argument, NULL, 'w'},
-                                          {"out", required_argument, NULL, 'o'},
-                                          {"save", required_argument, NULL, 's'},
-                                          {"reference", required_argument, NULL, 'r'},
-                                          {"json", no_argument, NULL, 'j'},
-                                          {"list", no_argument, NULL, 'l'},
-                                          LAST_OPTIONS};
+  static const struct option options[] = {
+      SOLVER_OPTIONS,          FLAG("weighted", 'w'), VALUE("out", 'o'), VALUE("save", 's'),
+      VALUE("reference", 'r'), FLAG("json", 'j'),     FLAG("list", 'l'), LAST_OPTIONS};
   static const command scene = {SOLVER_KEYS "wo:s:r:jlh", options, scene_usage, take_scene_option,
                                 1};
   scene_options o = {0};

@@ -224,12 +224,9 @@ static taken take_solve_option(int key, const char *text, void *data) {
 }
 
 int command_solve(int argc, char **argv) {
-  static const struct option options[] = {SOLVER_OPTIONS,
-                                          {"facets", required_argument, NULL, 'f'},
-                                          {"output", required_argument, NULL, 'o'},
-                                          {"json", no_argument, NULL, 'j'},
-                                          {"lcp", no_argument, NULL, 'l'},
-                                          LAST_OPTIONS};
+  static const struct option options[] = {SOLVER_OPTIONS,       VALUE("facets", 'f'),
+                                          VALUE("output", 'o'), FLAG("json", 'j'),
+                                          FLAG("lcp", 'l'),     LAST_OPTIONS};
   static const command solve = {SOLVER_KEYS "f:o:jlh", options, solve_usage, take_solve_option, 0};
   solve_options o = {0};
   solver_options_init(&o.solver, 1e-8);
