@@ -1,4 +1,4 @@
-/* columns.c: sparse matrices that own their arrays, for reading and writing files. */
+/* columns.c: sparse matrices that own their arrays, as readers and writers of files need them. */
 #include "base/columns.h"
 
 #include <stdlib.h>
@@ -36,7 +36,6 @@ int dlsi_column_of(int d, dlsi_part which, int col) {
   return k == 0 ? -1 : (d - 1) * c + k - 1;
 }
 
-/* A := a part of the columns; a counting sort, so that each keeps the order of the file */
 dls_status dlsi_columns_compress(const dlsi_triplets *t, int d, dlsi_part which, dlsi_columns *A,
                                  dls_error *error) {
   const int cols = which == DLSI_ALL ? t->cols : t->cols / d * (which == DLSI_NORMALS ? 1 : d - 1);
@@ -58,7 +57,7 @@ dls_status dlsi_columns_compress(const dlsi_triplets *t, int d, dlsi_part which,
     A->i[A->p[j]] = t->row[k];
     A->x[A->p[j]++] = t->x[k];
   }
-  for (int j = cols; j > 0; j--) /* each p[j] has moved to the end of its column */
+  for (int j = cols; j > 0; j--) /* each p[j] stands at the end of its column now */
     A->p[j] = A->p[j - 1];
   A->p[0] = 0;
   return DLS_OK;

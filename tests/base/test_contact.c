@@ -3,6 +3,7 @@
 #include <float.h>
 #include <math.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,6 +37,13 @@ START_TEST(statuses_have_names_and_words) {
   ck_assert_str_eq(dls_status_name((dls_status)77), "unknown status");
   ck_assert_str_eq(dls_status_name(DLS_E_SIZE), "DLS_E_SIZE");
   ck_assert_str_eq(dls_version(), DLS_VERSION);
+  char text[16];
+  snprintf(text, sizeof text, "%d.%d.%d", DLS_VERSION_NUMBER / 10000,
+           DLS_VERSION_NUMBER / 100 % 100, DLS_VERSION_NUMBER % 100);
+  ck_assert_str_eq(text, DLS_VERSION);
+#if DLS_VERSION_NUMBER < 100
+#error DLS_VERSION_NUMBER serves #if
+#endif
 }
 END_TEST
 
@@ -79,6 +87,33 @@ START_TEST(arena_counts_carves_and_refuses) {
   ck_assert_ptr_null(dlsi_take(&c, SIZE_MAX / 4, 8));
   ck_assert_int_eq(c.failed, 1);
   ck_assert_ptr_null(dlsi_alloc(SIZE_MAX / 4, 8));
+}
+END_TEST
+
+/* Takes two pieces, and returns the second. */
+static double *carve_two(dlsi_arena *arena) {
+  (void)dlsi_take(arena, 3, 8);
+  return dlsi_take(arena, 5, sizeof(double));
+}
+
+START_TEST(arena_allocates_what_it_counted) {
+  dls_error error = {0};
+  dlsi_arena a = {0};
+  ck_assert_ptr_null(carve_two(&a));
+  malloc_fails_at(1);
+  ck_assert_int_eq(dlsi_arena_allocate(&a, "nc", 7, &error), DLS_E_MEMORY);
+  malloc_fails_at(0);
+  ck_assert_int_eq(dlsi_arena_allocate(&a, "nc", 7, &error), DLS_OK);
+  ck_assert_uint_eq(a.size, 128);
+  ck_assert_ptr_eq(carve_two(&a), a.base + 64);
+  ck_assert_int_eq(a.failed, 0);
+  free(a.base);
+  dlsi_arena b = {0};
+  (void)dlsi_take(&b, SIZE_MAX / 4, 8);
+  ck_assert_int_eq(dlsi_arena_allocate(&b, "nc", 7, &error), DLS_E_SIZE);
+  ck_assert_str_eq(error.argument, "nc");
+  ck_assert(error.value == 7);
+  ck_assert_ptr_null(b.base);
 }
 END_TEST
 
@@ -702,6 +737,7 @@ int main(void) {
   tcase_add_test(tcase, statuses_have_names_and_words);
   tcase_add_test(tcase, an_error_says_where);
   tcase_add_test(tcase, arena_counts_carves_and_refuses);
+  tcase_add_test(tcase, arena_allocates_what_it_counted);
   tcase_add_test(tcase, norms_keep_nan_and_range);
   tcase_add_test(tcase, vectors_of_any_length_are_finite);
   tcase_add_test(tcase, check_names_the_slot);
