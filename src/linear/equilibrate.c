@@ -1,5 +1,5 @@
 /*
- * scale.c: A = R K C with diagonal matrices of powers of two that bring the largest entry of each row
+ * equilibrate.c: A = R K C with diagonal matrices of powers of two that bring the largest entry of each row
  * and column near 1 (Ruiz, Rutherford Appleton Laboratory RAL-TR-2001-034): each is divided by the
  * square root of that entry, five times.
  */
