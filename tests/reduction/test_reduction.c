@@ -668,12 +668,14 @@ END_TEST
 
 /* ---- which unknown a bad K names ---------------------------------------------------------------- */
 
-/* Three chains whose unknowns interlace: k of chain c is unknown 3 k + c, so that the position of an unknown
- * in its part is not its number. Chain 0 is sound. Chain 2 is free, and its mode is given, so that no search
- * for modes hides what the factorisation says. Chain 1 is L L^T with small integers, exact in any order: */
+/* Three chains whose unknowns interlace: link k of chain c is unknown 3 k + c, so that the position of an
+ * unknown in its part is not its number. Chain 0 is sound. Chain 2 is free, and its mode is given, so that
+ * no search for modes hides what the factorisation says. Chain 1 is L L^T with small integers: every pivot
+ * is exact, in whatever order LAPACK works. */
 enum { links = 10, bad_link = 6, chained = 3 * links };
 
-/* L, with the diagonal entry `pivot` at bad_link, which link bad_link + 1 passes by. */
+/* Returns L_ij: 1 on the diagonal, `pivot` at bad_link, and links to the one before; link bad_link + 1
+ * passes bad_link by, so that nothing after the bad pivot depends on it. */
 static double chain_factor(int i, int j, double pivot) {
   if (i == j) return i == bad_link ? pivot : 1;
   if (i == bad_link + 1) return j == bad_link - 1 ? -1 : 0;
@@ -763,8 +765,12 @@ START_TEST(overflow_names_its_unknown) {
   ck_assert_int_eq(error.index, bad);
   dls_reduction_destroy(R);
   if (_i) return;
-  for (int k = F.Kp[bad]; k < F.Kp[bad + 1]; k++)
-    F.Kx[k] = DBL_MAX;
+  make_chains(1);
+  F.model.operator_kind = DLS_STIFFNESS_SPARSE;
+  F.model.factorization = DLS_LU;
+  fill_sparse(chained);
+  for (int k = F.Kp[bad]; k < F.Kp[bad + 1]; k++) /* off the diagonal: the column is named */
+    if (F.Ki[k] == bad - 3) F.Kx[k] = DBL_MAX;
   ck_assert_int_eq(dls_reduction_create(&R, &F.model, &error), DLS_E_NOT_FINITE);
   ck_assert_str_eq(error.argument, "Ks");
   ck_assert_int_eq(error.index, bad);
