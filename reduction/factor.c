@@ -8,20 +8,21 @@
  *   host         the callback, one part
  *
  * Scaling. S, R, C are diagonal matrices of powers of two (no rounding): S brings the diagonal into
- * [1, 4), R and C the largest entry of each row, then column, near 1. The condition of the scaled matrix
- * thus says whether K is singular, not in which units forces, moments, displacements and rotations happen
- * to be: the inertia of a sphere in tonnes and millimetres is no rigid-body mode.
+ * [1, 4), R and C the largest entry of each row, then column, near 1. The condition of the scaled
+ * matrix thus says whether K is singular, not in which units forces, moments, displacements and
+ * rotations happen to be: the inertia of a sphere in tonnes and millimetres is no rigid-body mode.
  *
- * Singular: rcond = 1 / (|A|_1 |A^-1|_1) of the scaled matrix A, by dpocon or dgecon, below 10 eps. Of 2166
- * free chains and trusses (2 to 767 unknowns, one to three rigid-body modes, stiffnesses of 1 to 400 side
- * by side), by either factorisation, none came out above 0.4 eps unless a pivot <= 0 had stopped it before.
- * The smallest pivot is reported with its unknown.
+ * Singular: rcond = 1 / (|A|_1 |A^-1|_1) of the scaled matrix A, by dpocon or dgecon, below 10 eps.
+ * Of 2166 free chains and trusses (2 to 767 unknowns, one to three rigid-body modes, stiffnesses of
+ * 1 to 400 side by side), by either factorisation, none came out above 0.4 eps unless a pivot <= 0
+ * had stopped it before. The smallest pivot is reported with its unknown.
  *
- * Small: see dlsi_small_part in reduction_internal.h. A dense K that is symmetric but not definite is
- * factored by LU.
+ * Small: see dlsi_small_part in reduction_internal.h. A dense K that is symmetric but not definite
+ * is factored by LU.
  *
- * Cost: (1/3) s^3 (Cholesky) or (2/3) s^3 (LU) per part of s unknowns, s^2 doubles; 2 s^2 operations per
- * right-hand side. Fails: singular, not positive definite, part too large, no memory, callback.
+ * Cost: (1/3) s^3 (Cholesky) or (2/3) s^3 (LU) per part of s unknowns, s^2 doubles; 2 s^2
+ * operations per right-hand side. Fails: singular, not positive definite, part too large, no
+ * memory, callback.
  */
 #include <float.h>
 #include <math.h>
@@ -48,8 +49,8 @@ static int part_root(int *parent, int i) {
   return i;
 }
 
-/* Finds the connected parts of the graph of Ks + Ks^T, in the order of their smallest unknown. part:
- * receives the part of each unknown, n. */
+/* Finds the connected parts of the graph of Ks + Ks^T, in the order of their smallest unknown.
+ * part: receives the part of each unknown, n. */
 static void part_connect(const dls_sparse *Ks, dlsi_factor *factor, int *part) {
   const int n = factor->n;
   int *parent = factor->unknown, *first = factor->first;

@@ -5,11 +5,11 @@
  *   (MO2)  factor A + sqrt(eps) 1
  *   (MO3)  V := orth((A + sqrt(eps) 1)^-1 V), a block of up to 28 vectors, a few times
  *   (MO4)  A V = U s Y^T; the columns of V Y with s <= 50 eps |A|_1 are null vectors
- *   (MO5)  reduce them to echelon form by complete pivoting: a 1 in unknown[k] of mode k, where the others
- *          are 0; then x = C v
+ *   (MO5)  reduce them to echelon form by complete pivoting: a 1 in unknown[k] of mode k, where the
+ *          others are 0; then x = C v
  *
- * (MO3) shrinks what is not in the null space by sqrt(eps) / s each time. In echelon form the modes of a
- * body have their 1 and their zeros on that body, so that they vanish on others.
+ * (MO3) shrinks what is not in the null space by sqrt(eps) / s each time. In echelon form the modes
+ * of a body have their 1 and their zeros on that body, so that they vanish on others.
  *
  * Cost: a factorisation, 28 solves a time. Fails: no memory, more than INT_MAX entries.
  */
@@ -22,8 +22,8 @@
 #include "linear/equilibrate.h"
 #include "reduction_internal.h"
 
-/* The stiffness of a spring over K_jj. Each turn of dls_reduction_balance shrinks the imbalance by about
- * this and the softness of the body; W is the worse conditioned for it (README.md). */
+/* The stiffness of a spring over K_jj. Each turn of dls_reduction_balance shrinks the imbalance by
+ * about this and the softness of the body; W is the worse conditioned for it (README.md). */
 static const double soft = 1e-4;
 
 enum { block = dlsi_most_modes + 4, times = 5 };

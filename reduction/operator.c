@@ -1,9 +1,9 @@
 /*
- * operator.c: builds H = L P without what the scene does not need: inactive candidates, and the tangents
- * of candidates without friction.
+ * operator.c: builds H = L P without what the scene does not need: inactive candidates, and the
+ * tangents of candidates without friction.
  *
- * H^T is kept by columns, one for each unknown: a part of K then finds its rows of H without a search.
- * Cost: O(nnz H). Fails: no memory, more than INT_MAX entries.
+ * H^T is kept by columns, one for each unknown: a part of K then finds its rows of H without a
+ * search. Cost: O(nnz H). Fails: no memory, more than INT_MAX entries.
  */
 #include <limits.h>
 #include <stdlib.h>
@@ -40,8 +40,8 @@ static dls_status operator_candidates(dlsi_operator *H, const dls_model *model, 
   return DLS_OK;
 }
 
-/* Lists the entries of H^T column by column of H; returns their number. t: receives them, with enough
- * room; NULL to count only. Sets columns. */
+/* Lists the entries of H^T column by column of H; returns their number. t: receives them, with
+ * enough room; NULL to count only. Sets columns. */
 static size_t operator_list(dlsi_operator *H, const dls_model *model, dlsi_triplets *t) {
   const int d = model->d;
   size_t entries = 0;

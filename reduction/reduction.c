@@ -9,9 +9,9 @@
  *   (RE3)  factor K                                                            (factor.c)
  *   (RE4)  form W                                                              (influence.c)
  *
- * An indefinite K whose Schur complement cannot be had is factored as a whole. A singular K is searched
- * for rigid-body modes, and goes back to (RE2) or is reported with them. A K that is not positive
- * definite goes back to (RE3) as DLS_LDLT or is reported.
+ * An indefinite K whose Schur complement cannot be had is factored as a whole. A singular K is
+ * searched for rigid-body modes, and goes back to (RE2) or is reported with them. A K that is not
+ * positive definite goes back to (RE3) as DLS_LDLT or is reported.
  *
  * Memory: m^2 + O(n + nnz H) doubles beside the factor. Load, recover, balance: one solve each.
  */
@@ -130,8 +130,9 @@ static dls_status reduction_factor_once(dls_reduction *work, const dls_model *mo
   return status ? status : dlsi_factor_numeric(work->factor, model, error);
 }
 
-/* Returns 1 if the Schur complement is not to be had, or spoilt, because K without the unknowns that H
- * touches is (nearly) singular: multipliers that tie such unknowns. A definite K has it always. */
+/* Returns 1 if the Schur complement is not to be had, or spoilt, because K without the unknowns
+ * that H touches is (nearly) singular: multipliers that tie such unknowns. A definite K has it
+ * always. */
 static int reduction_schur_fails(const dls_reduction *work, dls_factorization factorization,
                                  dls_status status) {
   if (!work->factor || work->factor->kept == 0 || factorization == DLS_CHOLESKY) return 0;
@@ -226,8 +227,8 @@ static dls_status reduction_fill(dls_reduction *work, const dls_model *model, dl
   return status;
 }
 
-/* Does everything before the factorisation: checks, H, sizes, the modes that are given. *out = NULL after
- * an error. */
+/* Does everything before the factorisation: checks, H, sizes, the modes that are given. *out = NULL
+ * after an error. */
 static dls_status reduction_begin(dls_reduction **out, const dls_model *model,
                                   const dls_reduction_settings *settings, dls_error *error) {
   dls_reduction_settings defaults;

@@ -1,9 +1,10 @@
 /*
- * reduction_internal.h: declares what the files of reduction/ share, and the contract of the back-ends.
+ * reduction_internal.h: declares what the files of reduction/ share, and the contract of the
+ * back-ends.
  *
- * A back-end presents K as a direct sum: renumbering the unknowns makes K block diagonal, with `parts`
- * blocks that nothing couples. Dense matrices, the host's solver, and a sparse K that goes to MUMPS have
- * one part. A position is the number of an unknown in the order of the parts.
+ * A back-end presents K as a direct sum: renumbering the unknowns makes K block diagonal, with
+ * `parts` blocks that nothing couples. Dense matrices, the host's solver, and a sparse K that goes
+ * to MUMPS have one part. A position is the number of an unknown in the order of the parts.
  */
 #ifndef DLSI_REDUCTION_H
 #define DLSI_REDUCTION_H
@@ -45,9 +46,9 @@ typedef struct dlsi_factor {
   void *memory; /* of all arrays but A */
 } dlsi_factor;
 
-/* Lays out and analyses the operator of a model that has passed dlsi_check_model; *out = NULL on error.
- * keep: unknowns of the Schur complement where there is one, ascending, count. DLS_E_SINGULAR
- * (structurally), DLS_E_UNSUPPORTED (a part too large), DLS_E_SIZE, DLS_E_MEMORY. */
+/* Lays out and analyses the operator of a model that has passed dlsi_check_model; *out = NULL on
+ * error. keep: unknowns of the Schur complement where there is one, ascending, count.
+ * DLS_E_SINGULAR (structurally), DLS_E_UNSUPPORTED (a part too large), DLS_E_SIZE, DLS_E_MEMORY. */
 dls_status dlsi_factor_create(dlsi_factor **out, const dls_model *model, int count, const int *keep,
                               dls_error *error);
 
@@ -58,12 +59,13 @@ void dlsi_factor_estimate(const dlsi_factor *factor, dls_reduction_info *info);
 dls_status dlsi_factor_same(const dlsi_factor *factor, const dls_model *model, dls_error *error);
 
 /* Factors the values of a model of the same pattern. DLS_E_NOT_POSITIVE_DEFINITE, DLS_E_SINGULAR,
- * DLS_E_NOT_FINITE (entries that add up to Inf), DLS_E_MEMORY; index: the unknown of the whole K. */
+ * DLS_E_NOT_FINITE (entries that add up to Inf), DLS_E_MEMORY; index: the unknown of the whole
+ * K. */
 dls_status dlsi_factor_numeric(dlsi_factor *factor, const dls_model *model, dls_error *error);
 
-/* Solves X := K_part^-1 X. X: size of the part x nrhs, column-major without gaps, nrhs <= dlsi_batch.
- * work: scratch, factor->scratch * size * nrhs. Allocates nothing but what schur.h does.
- * DLS_E_CALLBACK, DLS_E_MEMORY; X is then undefined. */
+/* Solves X := K_part^-1 X. X: size of the part x nrhs, column-major without gaps, nrhs <=
+ * dlsi_batch. work: scratch, factor->scratch * size * nrhs. Allocates nothing but what schur.h
+ * does. DLS_E_CALLBACK, DLS_E_MEMORY; X is then undefined. */
 dls_status dlsi_factor_solve(const dlsi_factor *factor, int part, double *X, int nrhs, double *work,
                              dls_error *error);
 
@@ -79,21 +81,21 @@ typedef struct dlsi_modes {
 } dlsi_modes;
 
 /* Finds the null space of a checked stiffness, dense or sparse, count 0 if there is none; or, where
- * given.a is not NULL, takes that basis, which must consist of null vectors of K (DLS_E_ARGUMENT naming
- * the column). The caller calls dlsi_modes_free, also after an error. DLS_E_MEMORY. */
+ * given.a is not NULL, takes that basis, which must consist of null vectors of K (DLS_E_ARGUMENT
+ * naming the column). The caller calls dlsi_modes_free, also after an error. DLS_E_MEMORY. */
 dls_status dlsi_modes_create(dlsi_modes *modes, const dls_model *model, dls_dense given,
                              dls_error *error);
 void dlsi_modes_free(dlsi_modes *modes);
 
-/* A model whose K has springs: K + spring_k e_j e_j^T for j = unknown[k] of each mode, spring_k = 1e-4
- * K_jj, or 1e-4 times the largest entry of column j where K_jj is not positive. */
+/* A model whose K has springs: K + spring_k e_j e_j^T for j = unknown[k] of each mode, spring_k =
+ * 1e-4 K_jj, or 1e-4 times the largest entry of column j where K_jj is not positive. */
 typedef struct dlsi_stable {
   dls_model model;
   dlsi_columns K; /* the arrays of the new K; of a dense one only x */
 } dlsi_stable;
 
-/* spring: receives the stiffnesses, modes->count. The caller calls dlsi_stable_free, also after an error.
- * DLS_E_MEMORY, DLS_E_SIZE. */
+/* spring: receives the stiffnesses, modes->count. The caller calls dlsi_stable_free, also after an
+ * error. DLS_E_MEMORY, DLS_E_SIZE. */
 dls_status dlsi_stable_create(dlsi_stable *stable, const dls_model *model, const dlsi_modes *modes,
                               double *spring, dls_error *error);
 void dlsi_stable_free(dlsi_stable *stable);
@@ -120,11 +122,13 @@ static inline int dlsi_has_tangents(const dlsi_operator *H, int c) {
   return !H->mu || H->mu[c] > 0;
 }
 
-/* Adds H^T x to y for an x that is 0 but at s unknowns. unknown: these, s; x: its values there, s; y: m. */
+/* Adds H^T x to y for an x that is 0 but at s unknowns. unknown: these, s; x: its values there, s;
+ * y: m. */
 void dlsi_operator_add(const dlsi_operator *H, const int *unknown, size_t s, const double *x,
                        double *y);
 
-/* Forms W := H^T K^-1 H, m x m. DLS_E_NOT_FINITE naming W, DLS_E_MEMORY, the errors of the solves. */
+/* Forms W := H^T K^-1 H, m x m. DLS_E_NOT_FINITE naming W, DLS_E_MEMORY, the errors of the
+ * solves. */
 dls_status dlsi_influence(const dlsi_factor *factor, const dlsi_operator *H, double *W,
                           dls_error *error);
 

@@ -20,8 +20,8 @@ typedef struct dlsi_triplets {
 /* Which columns of a matrix of local columns (n, t[, s], n, ...), and how they are numbered. */
 typedef enum dlsi_part { DLSI_ALL, DLSI_NORMALS, DLSI_TANGENTS } dlsi_part;
 
-/* Room for `most` triplets, of which there are none yet. Free t after a failure, too. DLS_E_MEMORY; DLS_E_SIZE
- * if they are more than INT_MAX. */
+/* Room for `most` triplets, of which there are none yet. Free t after a failure, too. DLS_E_MEMORY;
+ * DLS_E_SIZE if they are more than INT_MAX. */
 dls_status dlsi_triplets_alloc(int rows, int cols, size_t most, dlsi_triplets *t, dls_error *error);
 
 static inline void dlsi_triplets_add(dlsi_triplets *t, int row, int col, double x) {

@@ -7,8 +7,8 @@
 /* Returns 1 if A (n x n, column-major without gaps) equals its transpose to the last bit. */
 int dlsi_is_symmetric(const double *A, size_t n);
 
-/* Makes A (n x n, column-major without gaps) symmetric to the last bit: copies the lower triangle to the
- * upper one or, if mean is 1, gives both the mean of the two. */
+/* Makes A (n x n, column-major without gaps) symmetric to the last bit: copies the lower triangle
+ * to the upper one or, if mean is 1, gives both the mean of the two. */
 void dlsi_make_symmetric(double *A, size_t n, int mean);
 
 /* Returns |A|_1; symmetric: 1 if only the lower triangle of A is stored. sums: scratch, n. */
@@ -25,8 +25,8 @@ typedef struct dlsi_dense {
   int cholesky; /* 1: A = L L^T, L in the lower triangle; 0: P A = L U */
 } dlsi_dense;
 
-/* Each returns 0, or k > 0 if pivot k, counted from 1, is not positive (Cholesky) or is 0 (LU). Cholesky
- * reads and writes the lower triangle only. */
+/* Each returns 0, or k > 0 if pivot k, counted from 1, is not positive (Cholesky) or is 0 (LU).
+ * Cholesky reads and writes the lower triangle only. */
 int dlsi_dense_cholesky(dlsi_dense *f);
 int dlsi_dense_lu(dlsi_dense *f);
 

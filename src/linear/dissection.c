@@ -1,18 +1,19 @@
 /*
- * dissection.c: nested dissection of the graph of a sparse matrix by METIS (Karypis and Kumar, SIAM J.
- * Sci. Comput. 20, 1998, 359-392).
+ * dissection.c: nested dissection of the graph of a sparse matrix by METIS (Karypis and Kumar, SIAM
+ * J. Sci. Comput. 20, 1998, 359-392).
  *
  *   (DS1)  list the neighbours of each unknown, each of them once
- *   (DS2)  merge unknowns with equal neighbourhoods, themselves included, into one vertex: the d unknowns
- *          of a node, which divides vertices by d and edges by d^2. Such unknowns are neighbours.
+ *   (DS2)  merge unknowns with equal neighbourhoods, themselves included, into one vertex: the d
+ *          unknowns of a node, which divides vertices by d and edges by d^2. Such unknowns are
+ *          neighbours.
  *   (DS3)  call METIS on the vertices, weighted by the number of their unknowns
  *   (DS4)  go back from vertices to unknowns
  *
- * METIS merges vertices, too, but then draws two separators where one is enough: 0.5 s more of 3.4 s in 2D
- * (320,800 unknowns).
+ * METIS merges vertices, too, but then draws two separators where one is enough: 0.5 s more of 3.4
+ * s in 2D (320,800 unknowns).
  *
- * METIS draws from rand(), whose state belongs to the host: (DS3) puts the state back. METIS also holds
- * SIGABRT and SIGTERM while it runs, for its own lack of memory, and puts them back.
+ * METIS draws from rand(), whose state belongs to the host: (DS3) puts the state back. METIS also
+ * holds SIGABRT and SIGTERM while it runs, for its own lack of memory, and puts them back.
  * Cost: O(entries), and METIS. Fails: no memory.
  */
 #define _XOPEN_SOURCE 600 /* initstate, setstate */
@@ -110,8 +111,8 @@ static idx_t graph_merge(graph *g) {
   return count;
 }
 
-/* Makes `other` the neighbours of the vertices, in place. Vertices are neighbours if and only if their
- * first unknowns are. Returns 0 if METIS cannot count so many. */
+/* Makes `other` the neighbours of the vertices, in place. Vertices are neighbours if and only if
+ * their first unknowns are. Returns 0 if METIS cannot count so many. */
 static int graph_contract(graph *g, idx_t count) {
   size_t end = 0;
   for (idx_t v = 0; v < count; v++) {
@@ -126,7 +127,8 @@ static int graph_contract(graph *g, idx_t count) {
   return 1;
 }
 
-/* Asks for more memory than METIS will, which prints when it gets none. Returns 1 if it is there. */
+/* Asks for more memory than METIS will, which prints when it gets none. Returns 1 if it is
+ * there. */
 static int metis_has_memory(idx_t count, idx_t edges) {
   void *trial = dlsi_alloc(64 * (size_t)count + 24 * (size_t)edges, 1);
   free(trial);
@@ -145,7 +147,8 @@ static int metis_run(graph *g, idx_t count) {
   return answer;
 }
 
-/* (DS4) order: unknowns in the order of elimination, n. x serves as the next place of each vertex. */
+/* (DS4) order: unknowns in the order of elimination, n. x serves as the next place of each
+ *       vertex. */
 static void graph_spread(graph *g, idx_t count, int *order) {
   memset(g->x, 0, ((size_t)count + 1) * sizeof *g->x);
   for (idx_t v = 0; v < count; v++)
@@ -156,33 +159,29 @@ static void graph_spread(graph *g, idx_t count, int *order) {
     order[g->x[g->turn[g->vertex[i]]]++] = i;
 }
 
-static void graph_carve(graph *g, size_t n, size_t entries, dlsi_arena *arena) {
-  g->start = dlsi_take(arena, n + 1, sizeof *g->start);
-  g->hash = dlsi_take(arena, n, sizeof *g->hash);
-  g->other = dlsi_take(arena, 2 * entries, sizeof *g->other);
-  g->mark = dlsi_take(arena, n, sizeof *g->mark);
-  g->vertex = dlsi_take(arena, n, sizeof *g->vertex);
-  g->first = dlsi_take(arena, n, sizeof *g->first);
-  g->x = dlsi_take(arena, n + 1, sizeof *g->x);
-  g->weight = dlsi_take(arena, n, sizeof *g->weight);
-  g->turn = dlsi_take(arena, n, sizeof *g->turn);
-}
-
 dls_status dlsi_dissection(int n, size_t entries, const int *row, const int *col, int *order,
                            dls_error *error) {
+  const size_t N = (size_t)n;
   graph g = {.n = n};
-  dlsi_arena arena = {0};
-  graph_carve(&g, (size_t)n, entries, &arena);
-  arena = (dlsi_arena){.size = arena.used, .base = arena.failed ? NULL : dlsi_alloc(arena.used, 1)};
-  if (!arena.base) return dlsi_no_memory(error);
-  graph_carve(&g, (size_t)n, entries, &arena);
-  graph_neighbours(&g, entries, row, col);
-  const idx_t count = graph_merge(&g);
+  g.start = dlsi_alloc(N + 1, sizeof *g.start);
+  g.hash = dlsi_alloc(N, sizeof *g.hash);
+  g.other = dlsi_alloc(2 * entries, sizeof *g.other);
+  g.x = dlsi_alloc(6 * N + 1, sizeof *g.x);
   int answer = METIS_ERROR_MEMORY;
-  if (graph_contract(&g, count) && metis_has_memory(count, g.x[count]))
-    answer = metis_run(&g, count);
-  if (answer == METIS_OK) graph_spread(&g, count, order);
-  free(arena.base);
+  if (g.start && g.hash && g.other && g.x) {
+    idx_t **const pieces[] = {&g.mark, &g.vertex, &g.first, &g.weight, &g.turn};
+    for (size_t k = 0; k < 5; k++)
+      *pieces[k] = g.x + 1 + (k + 1) * N;
+    graph_neighbours(&g, entries, row, col);
+    const idx_t count = graph_merge(&g);
+    if (graph_contract(&g, count) && metis_has_memory(count, g.x[count]))
+      answer = metis_run(&g, count);
+    if (answer == METIS_OK) graph_spread(&g, count, order);
+  }
+  free(g.x);
+  free(g.other);
+  free(g.hash);
+  free(g.start);
   if (answer == METIS_OK) return DLS_OK;
   return dlsi_fail(error, DLS_E_MEMORY, "", -1, answer,
                    "out of memory in the ordering, METIS's code %d", answer);

@@ -1,6 +1,6 @@
 /*
- * mumps.h: calls MUMPS for sparse_lu.c and schur.c. Codes, ICNTL and INFOG are numbered as in the users'
- * guide of MUMPS 5.5. Nothing is printed.
+ * mumps.h: calls MUMPS for sparse_lu.c and schur.c. Codes, ICNTL and INFOG are numbered as in the
+ * users' guide of MUMPS 5.5. Nothing is printed.
  */
 #ifndef DLSI_MUMPS_H
 #define DLSI_MUMPS_H
@@ -46,7 +46,8 @@ static inline void dlsi_mumps_end(DMUMPS_STRUC_C *M) {
   (void)dlsi_mumps_run(M, end, "", NULL);
 }
 
-/* Factors. Pivoting may take more room than was foreseen, by ICNTL(14) per cent: more is foreseen then. */
+/* Factors. Pivoting may take more room than was foreseen, by ICNTL(14) per cent: more is foreseen
+ * then. */
 static inline dls_status dlsi_mumps_factor(DMUMPS_STRUC_C *M, const char *matrix,
                                            dls_error *error) {
   enum { most_relaxation = 1000 };

@@ -1,26 +1,30 @@
 /*
- * schur.c: the Schur complement of a sparse matrix by MUMPS (Amestoy, Duff, L'Excellent, Koster, SIAM J.
- * Matrix Anal. Appl. 23, 2001, 15-41).
+ * schur.c: the Schur complement of a sparse matrix by MUMPS (Amestoy, Duff, L'Excellent, Koster,
+ * SIAM J. Matrix Anal. Appl. 23, 2001, 15-41).
  *
  *   create  (SH1)  order all unknowns by nested dissection, then move c to the end
  *           (SH2)  analyse
  *   factor  (SH3)  A = R K C, scaled (equilibrate.c); R = C if K is symmetric
- *           (SH4)  A_ii = L D L^T without pivoting (positive definite) or L D L^T, L U with threshold
- *                  pivoting; S_A = A_cc - A_ci A_ii^-1 A_ic beside it; more room if pivoting asks for it
- *           (SH5)  S_A = L L^T if K is symmetric and S_A definite, else L U (dense.c). S_A is definite for
- *                  many an indefinite K: multipliers that tie displacements make it so.
- *           (SH6)  |A^-1|_F from two solves with vectors v of +-1: the mean of |A^-1 v|^2 is |A^-1|_F^2;
- *                  and their backward error, which is large where A_ii is nearly singular and A is not
- *   solve   (SH7)  x := C A^-1 R b: condense b to c, solve with S_A, expand; x_c alone needs no expansion
+ *           (SH4)  A_ii = L D L^T without pivoting (positive definite) or L D L^T, L U with
+ *                  threshold pivoting; S_A = A_cc - A_ci A_ii^-1 A_ic beside it; more room if
+ *                  pivoting asks for it
+ *           (SH5)  S_A = L L^T if K is symmetric and S_A definite, else L U (dense.c). S_A is
+ *                  definite for many an indefinite K: multipliers that tie displacements make it
+ *                  so.
+ *           (SH6)  |A^-1|_F from two solves with vectors v of +-1: the mean of |A^-1 v|^2 is
+ *                  |A^-1|_F^2; and their backward error, which is large where A_ii is nearly
+ *                  singular and A is not
+ *   solve   (SH7)  x := C A^-1 R b: condense b to c, solve with S_A, expand; x_c alone needs no
+ *                  expansion
  *   inverse (SH8)  (K^-1)_cc = C_c S_A^-1 R_c
  *
  * The dissection is of the whole graph: contact unknowns that help to cut it are moved last only
- * afterwards. Left alone, MUMPS takes approximate minimum degree beside a Schur complement, which is much
- * dearer in 3D.
+ * afterwards. Left alone, MUMPS takes approximate minimum degree beside a Schur complement, which
+ * is much dearer in 3D.
  *
- * Singular: 1 / (|A|_1 |A^-1|_F) < 10 eps, as for dense matrices in reduction/factor.c, or a pivot of 0.
- * Cost: that of a multifrontal factorisation, b^3 for S^-1; two passes over the factor for a solve, one
- * for x_c.
+ * Singular: 1 / (|A|_1 |A^-1|_F) < 10 eps, as for dense matrices in reduction/factor.c, or a pivot
+ * of 0. Cost: that of a multifrontal factorisation, b^3 for S^-1; two passes over the factor for a
+ * solve, one for x_c.
  */
 #include "linear/schur.h"
 
@@ -145,7 +149,8 @@ static void schur_set_up(dlsi_schur *work) {
   M->mblock = M->nblock = 100; /* asked for, of no effect in one process */
 }
 
-/* Converts a count of MUMPS, which counts in millions what does not fit an int, and says so by the sign. */
+/* Converts a count of MUMPS, which counts in millions what does not fit an int, and says so by the
+ * sign. */
 static double schur_large(int count) {
   return count < 0 ? -1e6 * count : count;
 }

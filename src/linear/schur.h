@@ -8,8 +8,8 @@
  * S is dense and kept as its Cholesky or LU factor. With no unknown kept this is a sparse direct
  * solver. In a build without MUMPS (MUMPS=0) create answers DLS_E_UNSUPPORTED.
  *
- * MUMPS allocates in every call, and its Fortran modules hold process-wide variables: no two threads
- * may be in these functions at once. Nothing is printed.
+ * MUMPS allocates in every call, and its Fortran modules hold process-wide variables: no two
+ * threads may be in these functions at once. Nothing is printed.
  */
 #ifndef DLSI_SCHUR_H
 #define DLSI_SCHUR_H
@@ -21,9 +21,9 @@ typedef struct dlsi_schur dlsi_schur;
 /* Returns 1 if this build has MUMPS. */
 int dlsi_schur_available(void);
 
-/* Takes over the pattern of Ks (DLS_CHOLESKY, DLS_LDLT: of its lower triangle), orders and analyses it.
- * keep: the unknowns c, ascending, count; copied. *out = NULL on error: DLS_E_UNSUPPORTED, DLS_E_MEMORY,
- * DLS_E_SINGULAR (structurally). */
+/* Takes over the pattern of Ks (DLS_CHOLESKY, DLS_LDLT: of its lower triangle), orders and analyses
+ * it. keep: the unknowns c, ascending, count; copied. *out = NULL on error: DLS_E_UNSUPPORTED,
+ * DLS_E_MEMORY, DLS_E_SINGULAR (structurally). */
 dls_status dlsi_schur_create(dlsi_schur **out, const dls_sparse *Ks,
                              dls_factorization factorization, int count, const int *keep,
                              dls_error *error);
@@ -38,17 +38,18 @@ typedef struct dlsi_schur_measures {
   double error; /* |A x - v| / (|A||x|), the larger of two solves with the scaled K */
 } dlsi_schur_measures;
 
-/* Returns the measures, which live as long as `work`. Where K is indefinite, K_ii may be singular or
- * nearly so although K is not: factor then answers DLS_E_SINGULAR, or `error` is far above rounding.
- * Keeping no unknown is the way out. */
+/* Returns the measures, which live as long as `work`. Where K is indefinite, K_ii may be singular
+ * or nearly so although K is not: factor then answers DLS_E_SINGULAR, or `error` is far above
+ * rounding. Keeping no unknown is the way out. */
 const dlsi_schur_measures *dlsi_schur_measured(const dlsi_schur *work);
 
-/* Compares the pattern of Ks, of the right size, with the analysed one. DLS_E_ARGUMENT naming Ks. */
+/* Compares the pattern of Ks, of the right size, with the analysed one. DLS_E_ARGUMENT naming
+ * Ks. */
 dls_status dlsi_schur_same(const dlsi_schur *work, const dls_sparse *Ks, dls_error *error);
 
-/* Takes over the values of Ks, of the same pattern, and factors. DLS_E_NOT_POSITIVE_DEFINITE (value: a
- * pivot, or the number of negative ones), DLS_E_SINGULAR, DLS_E_NOT_FINITE (overflow of entries that add
- * up), DLS_E_MEMORY. */
+/* Takes over the values of Ks, of the same pattern, and factors. DLS_E_NOT_POSITIVE_DEFINITE
+ * (value: a pivot, or the number of negative ones), DLS_E_SINGULAR, DLS_E_NOT_FINITE (overflow of
+ * entries that add up), DLS_E_MEMORY. */
 dls_status dlsi_schur_factor(dlsi_schur *work, const dls_sparse *Ks, dls_error *error);
 
 /* Solves X := K^-1 X. X: n x nrhs, column-major without gaps. DLS_E_MEMORY. */

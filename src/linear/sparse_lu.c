@@ -1,6 +1,7 @@
 /*
- * sparse_lu.c: solves sparse unsymmetric systems by MUMPS (Amestoy, Duff, L'Excellent, Koster, SIAM J. Matrix Anal. Appl.
- * 23, 2001, 15-41): analysis, multifrontal factorisation with threshold pivoting, solve.
+ * sparse_lu.c: solves sparse unsymmetric systems by MUMPS (Amestoy, Duff, L'Excellent, Koster, SIAM
+ * J. Matrix Anal. Appl. 23, 2001, 15-41): analysis, multifrontal factorisation with threshold
+ * pivoting, solve.
  */
 #include "linear/sparse_lu.h"
 

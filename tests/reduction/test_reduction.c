@@ -450,8 +450,8 @@ START_TEST(units) {
 }
 END_TEST
 
-/* Unknowns in three units (displacements, rotations, ...): K is then of condition 1e36 as it stands;
- * W of the unknowns that keep their unit stays the same. */
+/* Unknowns in three units (displacements, rotations, ...): K is then of condition 1e36 as it
+ * stands; W of the unknowns that keep their unit stays the same. */
 START_TEST(mixed_units) {
   const double scale[] = {1, _i % 2 ? 1e9 : 1e-9, _i % 2 ? 1e-9 : 1e9};
   make(2, 21, 2, 1, _i / 2 % 2, 0);
@@ -666,16 +666,16 @@ START_TEST(overflows) {
 }
 END_TEST
 
-/* ---- which unknown a bad K names ---------------------------------------------------------------- */
+/* ---- which unknown a bad K names ------------------------------------------------------------- */
 
-/* Three chains whose unknowns interlace: link k of chain c is unknown 3 k + c, so that the position of an
- * unknown in its part is not its number. Chain 0 is sound. Chain 2 is free, and its mode is given, so that
- * no search for modes hides what the factorisation says. Chain 1 is L L^T with small integers: every pivot
- * is exact, in whatever order LAPACK works. */
+/* Three chains whose unknowns interlace: link k of chain c is unknown 3 k + c, so that the position
+ * of an unknown in its part is not its number. Chain 0 is sound. Chain 2 is free, and its mode is
+ * given, so that no search for modes hides what the factorisation says. Chain 1 is L L^T with small
+ * integers: every pivot is exact, in whatever order LAPACK works. */
 enum { links = 10, bad_link = 6, chained = 3 * links };
 
-/* Returns L_ij: 1 on the diagonal, `pivot` at bad_link, and links to the one before; link bad_link + 1
- * passes bad_link by, so that nothing after the bad pivot depends on it. */
+/* Returns L_ij: 1 on the diagonal, `pivot` at bad_link, and links to the one before; link bad_link
+ * + 1 passes bad_link by, so that nothing after the bad pivot depends on it. */
 static double chain_factor(int i, int j, double pivot) {
   if (i == j) return i == bad_link ? pivot : 1;
   if (i == bad_link + 1) return j == bad_link - 1 ? -1 : 0;
@@ -705,8 +705,8 @@ static int is_factored(dls_factorization tag, int kind) {
   return tag == DLS_CHOLESKY || kind == zero_pivot || kind == tiny_pivot;
 }
 
-/* Sparse parts and a dense K, by each factorisation, as it is and with units that differ from unknown to
- * unknown by powers of two. */
+/* Sparse parts and a dense K, by each factorisation, as it is and with units that differ from
+ * unknown to unknown by powers of two. */
 START_TEST(bad_stiffness_names_its_unknown) {
   const int kind = _i / 4 % kinds, scaled = _i / 2 % 2, dense = _i % 2, bad = 3 * bad_link + 1;
   const dls_factorization tag = (dls_factorization)(1 + _i / (4 * kinds));
