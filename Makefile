@@ -54,7 +54,7 @@ CHECK_LIBS = $(shell $(PKG_CONFIG) --libs check)
 
 LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/linear src/files src/front lcp vi reduction))
 LIB_SRC := $(filter-out $(if $(HDF5_CFLAGS),src/files/fclib_none.c,src/files/fclib_read.c src/files/fclib_write.c),$(LIB_SRC))
-NO_MUMPS := $(addprefix src/linear/,sparse_lu_none.c schur_none.c)
+NO_MUMPS := src/linear/mumps_none.c
 WITH_MUMPS := $(addprefix src/linear/,sparse_lu.c schur.c dissection.c)
 LIB_SRC := $(filter-out $(if $(MUMPS_LIBS),$(NO_MUMPS),$(WITH_MUMPS)),$(LIB_SRC))
 FE_SRC := $(wildcard src/fe/*.c)

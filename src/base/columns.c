@@ -1,6 +1,7 @@
-/* columns.c: sparse matrices that own their arrays, as readers and writers of files need them. */
+/* columns.c: sparse matrices that own their arrays. */
 #include "base/columns.h"
 
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,6 +22,17 @@ dls_status dlsi_columns_alloc(int rows, int cols, int entries, dlsi_columns *A, 
 
 dls_sparse dlsi_columns_view(const dlsi_columns *A) {
   return (dls_sparse){A->rows, A->cols, A->p, A->i, A->x};
+}
+
+dls_status dlsi_triplets_alloc(int rows, int cols, size_t most, dlsi_triplets *t,
+                               dls_error *error) {
+  *t = (dlsi_triplets){.rows = rows, .cols = cols};
+  if (most > INT_MAX)
+    return dlsi_fail(error, DLS_E_SIZE, "", -1, (double)most, "%zu entries are too many", most);
+  t->row = dlsi_alloc(most, sizeof *t->row);
+  t->col = dlsi_alloc(most, sizeof *t->col);
+  t->x = dlsi_alloc(most, sizeof *t->x);
+  return t->row && t->col && t->x ? DLS_OK : dlsi_no_memory(error);
 }
 
 void dlsi_triplets_free(dlsi_triplets *t) {

@@ -1,4 +1,4 @@
-/* columns.h: sparse matrices that own their arrays, as readers and writers of files need them. */
+/* columns.h: sparse matrices that own their arrays. */
 #ifndef DLSI_COLUMNS_H
 #define DLSI_COLUMNS_H
 
@@ -20,6 +20,16 @@ typedef struct dlsi_triplets {
 
 /* A part of the columns of a matrix whose columns are local directions (n, t[, s], n, ...). */
 typedef enum dlsi_part { DLSI_ALL, DLSI_NORMALS, DLSI_TANGENTS } dlsi_part;
+
+/* Room for `most` triplets, of which there are none yet. Free t after a failure, too. DLS_E_MEMORY;
+ * DLS_E_SIZE if they are more than INT_MAX. */
+dls_status dlsi_triplets_alloc(int rows, int cols, size_t most, dlsi_triplets *t, dls_error *error);
+
+static inline void dlsi_triplets_add(dlsi_triplets *t, int row, int col, double x) {
+  t->row[t->count] = row;
+  t->col[t->count] = col;
+  t->x[t->count++] = x;
+}
 
 dls_status dlsi_columns_alloc(int rows, int cols, int entries, dlsi_columns *A, dls_error *error);
 void dlsi_columns_free(dlsi_columns *A);

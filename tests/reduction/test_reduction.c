@@ -450,8 +450,8 @@ START_TEST(units) {
 }
 END_TEST
 
-/* Unknowns in three units (displacements, rotations, ...): K is then of condition 1e36 as it stands;
- * W of the unknowns that keep their unit stays the same. */
+/* Unknowns in three units (displacements, rotations, ...): K is then of condition 1e36 as it
+ * stands; W of the unknowns that keep their unit stays the same. */
 START_TEST(mixed_units) {
   const double scale[] = {1, _i % 2 ? 1e9 : 1e-9, _i % 2 ? 1e-9 : 1e9};
   make(2, 21, 2, 1, _i / 2 % 2, 0);
@@ -663,6 +663,117 @@ START_TEST(overflows) {
   ck_assert_str_eq(error.argument, "x");
   ck_assert(x[0] == 5 && x[1] == 5);
   dls_reduction_destroy(R);
+}
+END_TEST
+
+/* ---- which unknown a bad K names ------------------------------------------------------------- */
+
+/* Three chains whose unknowns interlace: link k of chain c is unknown 3 k + c, so that the position
+ * of an unknown in its part is not its number. Chain 0 is sound. Chain 2 is free, and its mode is
+ * given, so that no search for modes hides what the factorisation says. Chain 1 is L L^T with small
+ * integers: every pivot is exact, in whatever order LAPACK works. */
+enum { links = 10, bad_link = 6, chained = 3 * links };
+
+/* Returns L_ij: 1 on the diagonal, `pivot` at bad_link, and links to the one before; link bad_link
+ * + 1 passes bad_link by, so that nothing after the bad pivot depends on it. */
+static double chain_factor(int i, int j, double pivot) {
+  if (i == j) return i == bad_link ? pivot : 1;
+  if (i == bad_link + 1) return j == bad_link - 1 ? -1 : 0;
+  return i == j + 1 ? -1 : 0;
+}
+
+static double *chain_entry(int chain, int i, int j) {
+  return &F.K[3 * i + chain + chained * (3 * j + chain)];
+}
+
+static void make_chains(double pivot) {
+  make(2, chained, 3, 1, 1, 0);
+  memset(F.K, 0, sizeof F.K);
+  for (int j = 0; j < links; j++)
+    for (int i = 0; i < links; i++) {
+      *chain_entry(0, i, j) = i == j ? 3 : abs(i - j) == 1 ? -1 : 0;
+      *chain_entry(2, i, j) = i == j ? 1 + (i > 0 && i < links - 1) : abs(i - j) == 1 ? -1 : 0;
+      for (int k = 0; k < links; k++)
+        *chain_entry(1, i, j) += chain_factor(i, k, pivot) * chain_factor(j, k, pivot);
+    }
+}
+
+enum { zero_pivot, tiny_pivot, negative_pivot, negative_diagonal, zero_row, zero_column, kinds };
+
+static int is_factored(dls_factorization tag, int kind) {
+  if (kind == zero_row || kind == zero_column) return tag == DLS_LU;
+  return tag == DLS_CHOLESKY || kind == zero_pivot || kind == tiny_pivot;
+}
+
+/* Sparse parts and a dense K, by each factorisation, as it is and with units that differ from
+ * unknown to unknown by powers of two. */
+START_TEST(bad_stiffness_names_its_unknown) {
+  const int kind = _i / 4 % kinds, scaled = _i / 2 % 2, dense = _i % 2, bad = 3 * bad_link + 1;
+  const dls_factorization tag = (dls_factorization)(1 + _i / (4 * kinds));
+  if (!is_factored(tag, kind)) return;
+  make_chains(kind == tiny_pivot ? 0x1p-26 : 0);
+  if (kind == negative_pivot) F.K[bad + chained * bad] -= 0.25;
+  if (kind == negative_diagonal) F.K[bad + chained * bad] = -1;
+  for (int k = 0; k < chained; k++) {
+    if (kind == zero_row) F.K[bad + chained * k] = 0;
+    if (kind == zero_column) F.K[k + chained * bad] = 0;
+  }
+  double mode[chained] = {0};
+  for (int i = 0; i < chained; i++) {
+    const double unit = scaled ? ldexp(1, 7 * i % 41 - 20) : 1;
+    for (int j = 0; j < chained; j++) {
+      F.K[i + chained * j] *= unit;
+      F.K[j + chained * i] *= unit;
+    }
+    if (i % 3 == 2) mode[i] = 1 / unit;
+  }
+  fill_sparse(chained);
+  F.model.operator_kind = dense ? DLS_STIFFNESS_DENSE : DLS_STIFFNESS_SPARSE;
+  F.model.factorization = tag;
+  F.model.modes = (dls_dense){chained, 1, chained, mode};
+  dls_reduction *R = NULL;
+  dls_error error = {0};
+  const dls_status status = dls_reduction_create(&R, &F.model, &error);
+  const int indefinite = tag == DLS_CHOLESKY && kind != tiny_pivot;
+  ck_assert_msg(status == (indefinite ? DLS_E_NOT_POSITIVE_DEFINITE : DLS_E_SINGULAR), "%d: %s", _i,
+                error.message);
+  ck_assert_str_eq(error.argument, dense ? "K" : "Ks");
+  ck_assert_msg(error.index == bad, "%d: %s", _i, error.message);
+}
+END_TEST
+
+/* An x that overflows, and entries of one place that add up to Inf. */
+START_TEST(overflow_names_its_unknown) {
+  const int bad = 3 * bad_link + 1;
+  make_chains(1);
+  for (int k = 0; k < links; k++) /* chain 2 is held */
+    *chain_entry(2, k, k) = 3;
+  for (int k = 0; k < chained; k++) {
+    F.K[bad + chained * k] = F.K[k + chained * bad] = k == bad ? 0x1p-100 : 0;
+    F.f[k] = k == bad ? 0x1p+960 : 0;
+  }
+  fill_sparse(chained);
+  F.model.operator_kind = _i ? DLS_STIFFNESS_DENSE : DLS_STIFFNESS_SPARSE;
+  memset(F.Np, 0, sizeof F.Np); /* with H = 0 no q overflows */
+  memset(F.Tp, 0, sizeof F.Tp);
+  dls_reduction *R = create();
+  dls_error error = {0};
+  double x[chained], r[6] = {0};
+  ck_assert_int_eq(dls_reduction_load(R, F.f, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_recover(R, r, x, &error), DLS_E_NOT_FINITE);
+  ck_assert_str_eq(error.argument, "x");
+  ck_assert_int_eq(error.index, bad);
+  dls_reduction_destroy(R);
+  if (_i) return;
+  make_chains(1);
+  F.model.operator_kind = DLS_STIFFNESS_SPARSE;
+  F.model.factorization = DLS_LU;
+  fill_sparse(chained);
+  for (int k = F.Kp[bad]; k < F.Kp[bad + 1]; k++) /* off the diagonal: the column is named */
+    if (F.Ki[k] == bad - 3) F.Kx[k] = DBL_MAX;
+  ck_assert_int_eq(dls_reduction_create(&R, &F.model, &error), DLS_E_NOT_FINITE);
+  ck_assert_str_eq(error.argument, "Ks");
+  ck_assert_int_eq(error.index, bad);
 }
 END_TEST
 
@@ -1039,6 +1150,8 @@ int main(void) {
   tcase_add_loop_test(t, mixed_units, 0, 8);
   tcase_add_loop_test(t, singular_matrices, 0, 2);
   tcase_add_loop_test(t, free_body, 0, 10);
+  tcase_add_loop_test(t, bad_stiffness_names_its_unknown, 0, 72);
+  tcase_add_loop_test(t, overflow_names_its_unknown, 0, 2);
   tcase_add_test(t, part_too_large);
   tcase_add_test(t, overflows);
   tcase_add_test(t, callback_fails);

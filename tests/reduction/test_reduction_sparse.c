@@ -1,5 +1,5 @@
-/* test_reduction_sparse.c: sparse K through MUMPS, what a scene does not need, singular K, limits. With
- * MUMPS=0 the same models go part by part as dense matrices. */
+/* test_reduction_sparse.c: sparse K through MUMPS, what a scene does not need, singular K, limits.
+ * With MUMPS=0 the same models go part by part as dense matrices. */
 #define _POSIX_C_SOURCE 200809L /* mkstemp, dup2 */
 
 #include <check.h>
@@ -19,7 +19,7 @@
 #include "delassus/solve.h"
 #include "malloc_fails.h"
 
-/* ---- trusses: side x side nodes, bars along edges and diagonals of squares ------------------------ */
+/* ---- trusses: side x side nodes, bars along edges and diagonals of squares ------------------- */
 
 enum { side = 16, body = 2 * side * side, max_n = 2 * body, max_nodes = 2 * side };
 
@@ -206,10 +206,10 @@ static void assert_same(dls_reduction *A, dls_reduction *B, double tol) {
   free(x);
 }
 
-/* ---- the sparse path is the dense path -------------------------------------------------------- */
+/* ---- the sparse path is the dense path ------------------------------------------------------- */
 
-/* kind 0: definite, 1: the same as DLS_LDLT, 2: the same as DLS_LU, 3: unsymmetric, 4: indefinite by a
- * multiplier that ties two unknowns */
+/* kind 0: definite, 1: the same as DLS_LDLT, 2: the same as DLS_LU, 3: unsymmetric, 4: indefinite
+ * by a multiplier that ties two unknowns */
 static void make_kind(int kind, form how) {
   make(1, 1, kind == 3 ? 0.2 : 0);
   if (kind == 4) { /* unknown n - 1 becomes the multiplier of x_40 = x_90 */
@@ -385,7 +385,7 @@ START_TEST(units) {
 }
 END_TEST
 
-/* ---- only what the scene needs ---------------------------------------------------------------- */
+/* ---- only what the scene needs --------------------------------------------------------------- */
 
 START_TEST(without_tangents) {
   make(1, 1, 0);
@@ -465,7 +465,7 @@ START_TEST(without_W) {
 }
 END_TEST
 
-/* ---- the same pattern, new values -------------------------------------------------------------- */
+/* ---- the same pattern, new values ------------------------------------------------------------ */
 
 START_TEST(update) {
   const int dense = _i == 4;
@@ -522,7 +522,7 @@ START_TEST(update) {
 }
 END_TEST
 
-/* ---- memory foreseen --------------------------------------------------------------------------- */
+/* ---- memory foreseen ------------------------------------------------------------------------- */
 
 START_TEST(estimate) {
   make(1, 1, 0);
@@ -556,7 +556,7 @@ START_TEST(estimate) {
 }
 END_TEST
 
-/* ---- no Cholesky factor, no inverse -------------------------------------------------------------- */
+/* ---- no Cholesky factor, no inverse ---------------------------------------------------------- */
 
 START_TEST(indefinite) {
   make(1, 1, 0);
@@ -635,7 +635,8 @@ START_TEST(held_body_has_no_modes) {
 END_TEST
 
 /* A free block pressed on a rough floor by its weight and a push that friction carries: modes found
- * (_i = 0), given (1), of a dense K (2). Solving and balancing ends in equilibrium without springs. */
+ * (_i = 0), given (1), of a dense K (2). Solving and balancing ends in equilibrium without
+ * springs. */
 START_TEST(block_on_the_floor) {
   make(1, 0, 0);
   memset(T.g, 0, sizeof T.g);
@@ -756,7 +757,7 @@ START_TEST(structurally_singular) {
 }
 END_TEST
 
-/* ---- bad input ----------------------------------------------------------------------------------- */
+/* ---- bad input ------------------------------------------------------------------------------- */
 
 START_TEST(bad_input) {
   make(1, 1, 0);
@@ -835,7 +836,7 @@ START_TEST(bad_input) {
 }
 END_TEST
 
-/* ---- what the host shares with us ------------------------------------------------------------------ */
+/* ---- what the host shares with us ------------------------------------------------------------ */
 
 /* Nothing is printed, whatever happens, and rand() goes on as if nothing had been. */
 START_TEST(leaves_the_host_alone) {
