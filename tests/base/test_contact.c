@@ -9,6 +9,7 @@
 #include "base/base.h"
 #include "delassus.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 /* Two candidates in 2D, coupled: W symmetric positive definite. */
 static double W2[16] = {4, 1, 1, 0, 1, 3, 0, 1, 1, 0, 4, -1, 0, 1, -1, 3};
@@ -725,9 +726,5 @@ int main(void) {
   tcase_add_loop_test(tcase, storages_agree, 2, 4);
   tcase_add_test(tcase, bad_conversion);
   suite_add_tcase(suite, tcase);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+  return run_suite(suite);
 }

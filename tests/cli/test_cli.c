@@ -9,6 +9,7 @@
 
 #include "delassus.h"
 #include "program.h"
+#include "run.h"
 
 static int prints(const char *text) {
   return strstr(output, text) != NULL;
@@ -340,9 +341,5 @@ int main(void) {
   tcase_add_test(tcase, info_says_what_it_found);
   tcase_add_test(tcase, info_names_degenerate_contacts);
   suite_add_tcase(suite, tcase);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+  return run_suite(suite);
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "program.h"
+#include "run.h"
 
 /* lines of a file of the test's directory; last (size) := the last one */
 static int count_lines(const char *name, char *last, int size) {
@@ -90,9 +91,5 @@ int main(void) {
   tcase_add_test(tests, not_solved);
   tcase_add_test(tests, bad_options);
   suite_add_tcase(suite, tests);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_suite(suite);
 }

@@ -14,6 +14,7 @@
 
 #include "delassus/fe.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 /* a call that must fail: status, argument and index of the error */
 #define REJECTED(call, wanted, name, place)                                                        \
@@ -779,9 +780,5 @@ int main(void) {
   tcase_add_test(t, vtu_bad_input);
   tcase_add_test(t, vtu_disk_full);
   suite_add_tcase(suite, t);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_suite(suite);
 }

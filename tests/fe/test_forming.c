@@ -14,6 +14,7 @@
 
 #include "fe/forming_internal.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 static dls_error error;
 
@@ -23,7 +24,7 @@ static dls_forming_settings init(void) {
   return s;
 }
 
-static dls_forming *create(const char *name, const dls_forming_settings *s) {
+static dls_forming *create_forming(const char *name, const dls_forming_settings *s) {
   dls_forming *f;
   ck_assert_int_eq(dls_forming_create(&f, name, s, &error), DLS_OK);
   return f;
@@ -78,7 +79,7 @@ START_TEST(reference_forces) {
   s.method = _i < run_count ? DLS_LEMKE : DLS_AUTO;
   s.mu = r->mu;
   s.clamped = r->clamped;
-  dls_forming *f = create(r->name, &s);
+  dls_forming *f = create_forming(r->name, &s);
   for (int k = 0; k < 4 && r->spots[k].travel > 0; k++) {
     step_until(f, r->spots[k].travel);
     const dls_forming_data d = get(f);
@@ -115,7 +116,7 @@ END_TEST
 START_TEST(standard_elements_lock) {
   dls_forming_settings s = init();
   s.standard = 1;
-  dls_forming *f = create("indentation", &s);
+  dls_forming *f = create_forming("indentation", &s);
   step_until(f, 10);
   ck_assert_double_eq_tol(get(f).force, 13761, 0.005 * 13761);
   dls_forming_destroy(f);
@@ -132,7 +133,7 @@ START_TEST(energy) {
   const double bound = _i == 0 ? 0.005 : 0.01;
   dls_forming_settings s = init();
   s.steps = _i == 0 ? 200 : 600;
-  dls_forming *f = create(_i == 0 ? "indentation" : "extrusion", &s);
+  dls_forming *f = create_forming(_i == 0 ? "indentation" : "extrusion", &s);
   step_until(f, get(f).whole);
   const dls_forming_energy e = get(f).energy;
   ck_assert_double_gt(e.friction, bound * e.external);
@@ -148,7 +149,7 @@ START_TEST(update_as_printed) {
   for (int keep = 0; keep < 2; keep++) {
     dls_forming_settings s = init();
     s.keep_trace = keep;
-    dls_forming *f = create("extrusion", &s);
+    dls_forming *f = create_forming("extrusion", &s);
     step_until(f, 81.788);
     const dls_forming_energy e = get(f).energy;
     force[keep] = get(f).force;
@@ -168,7 +169,7 @@ START_TEST(quadratic_convergence) {
   s.nx = s.ny = 10;
   s.steps = 40;
   s.clamped = 1;
-  dls_forming *f = create("indentation", &s);
+  dls_forming *f = create_forming("indentation", &s);
   int seen = 0;
   for (int k = 0; k < 20; k++) {
     ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
@@ -220,11 +221,11 @@ START_TEST(methods_agree) {
   s.nx = _i % 2 ? 2 : 10;
   s.ny = 10;
   s.steps = _i % 2 ? 150 : 50;
-  dls_forming *reference = create(name, &s);
+  dls_forming *reference = create_forming(name, &s);
   s.contact = m->contact;
   s.tol = m->tol;
   if (m->name) ck_assert(dls_method_find(m->name, &s.method));
-  dls_forming *f = create(name, &s);
+  dls_forming *f = create_forming(name, &s);
   double worst = 0;
   for (int k = 0; k < 60 && k < s.steps; k++) {
     ck_assert_int_eq(dls_forming_step(reference, &error), DLS_OK);
@@ -254,9 +255,9 @@ START_TEST(newton_on_stiffness) {
     s.nx = s.ny = 10;
     s.steps = 5;
   }
-  dls_forming *reference = create(name, &s);
+  dls_forming *reference = create_forming(name, &s);
   s.method = DLS_AUTO;
-  dls_forming *f = create(name, &s);
+  dls_forming *f = create_forming(name, &s);
   double worst = 0;
   for (int k = 0; k < get(f).steps; k++) {
     ck_assert_int_eq(dls_forming_step(reference, &error), DLS_OK);
@@ -289,7 +290,7 @@ START_TEST(failed_step) {
   dls_forming_settings s = init();
   s.nx = s.ny = 8;
   s.steps = 50;
-  dls_forming *f = create("indentation", &s), *twin = create("indentation", &s);
+  dls_forming *f = create_forming("indentation", &s), *twin = create_forming("indentation", &s);
   step_until(f, 1);
   step_until(twin, 1);
   f->settings.tol = 1e-16;
@@ -377,7 +378,7 @@ START_TEST(without_memory) {
       ck_assert_int_eq(status, DLS_E_MEMORY);
       ck_assert_ptr_null(f);
     }
-    dls_forming *f = create("extrusion", &s), *twin = create("extrusion", &s);
+    dls_forming *f = create_forming("extrusion", &s), *twin = create_forming("extrusion", &s);
     ck_assert_int_eq(dls_forming_step(twin, &error), DLS_OK);
     dls_status status = DLS_E_MEMORY;
     for (long k = 1; status == DLS_E_MEMORY; k++) { /* out of memory: the last good state stays */
@@ -402,7 +403,7 @@ START_TEST(vtu) {
   dls_forming_settings s = init();
   s.nx = 2;
   s.ny = 3;
-  dls_forming *f = create("indentation", &s);
+  dls_forming *f = create_forming("indentation", &s);
   ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
   ck_assert_int_eq(dls_forming_write_vtu(f, path, &error), DLS_OK);
   FILE *file = fopen(path, "r");
@@ -455,9 +456,5 @@ int main(void) {
   tcase_add_test(tests, without_memory);
   tcase_add_test(tests, vtu);
   suite_add_tcase(suite, tests);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_suite(suite);
 }

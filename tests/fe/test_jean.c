@@ -15,6 +15,7 @@
 
 #include "delassus.h"
 #include "delassus/fe.h"
+#include "run.h"
 
 enum { nc = 16, m = 2 * nc, line = 17, n = 296, mesh_n = 306 };
 enum { Q1, Q2, RT, RN, RN_EQUIVALENT, columns };
@@ -66,7 +67,7 @@ static void ok(dls_status status) {
 }
 
 /* The scene from end to end by one method; the answer is the caller's to free. */
-static answer *solve(const dls_fe_scene *scene, dls_method method, double tolerance) {
+static answer *solve_case(const dls_fe_scene *scene, dls_method method, double tolerance) {
   answer *a = calloc(1, sizeof *a);
   ck_assert_ptr_nonnull(a);
   dls_fe_scene_data data;
@@ -138,7 +139,7 @@ START_TEST(printed_table) {
   ok(dls_fe_scene_create(&scene, t->scene, t->weighted, &error));
   dls_fe_scene_data data;
   dls_fe_scene_get(scene, &data);
-  answer *a = solve(scene, methods[_i % 2], tol);
+  answer *a = solve_case(scene, methods[_i % 2], tol);
 
   double printed[nc][columns];
   const int count = read_table(t->file, printed);
@@ -183,7 +184,7 @@ START_TEST(methods_agree) {
   const table *t = &tables[_i];
   dls_fe_scene *scene;
   ok(dls_fe_scene_create(&scene, t->scene, t->weighted, &error));
-  answer *a = solve(scene, DLS_NLGS, tight), *b = solve(scene, DLS_LEMKE, tol);
+  answer *a = solve_case(scene, DLS_NLGS, tight), *b = solve_case(scene, DLS_LEMKE, tol);
   double r = 0, u = 0, dr = 0, du = 0, dx = 0, x = 0;
   for (int i = 0; i < m; i++) {
     r = fmax(r, fabs(b->r[i]));
@@ -213,7 +214,7 @@ START_TEST(equilibrium) {
   ok(dls_fe_scene_create(&scene, t->scene, t->weighted, &error));
   dls_fe_scene_data data;
   dls_fe_scene_get(scene, &data);
-  answer *a = solve(scene, DLS_LEMKE, tol);
+  answer *a = solve_case(scene, DLS_LEMKE, tol);
 
   double *K = malloc((size_t)mesh_n * mesh_n * sizeof *K);
   ck_assert_ptr_nonnull(K);
@@ -283,7 +284,7 @@ START_TEST(all_slide) {
   answer *a[2];
   for (int w = 0; w < 2; w++) {
     ok(dls_fe_scene_create(&scene[w], "jean-fig4", w, &error));
-    a[w] = solve(scene[w], DLS_LEMKE, tol);
+    a[w] = solve_case(scene[w], DLS_LEMKE, tol);
     for (int c = 0; c < nc; c++)
       ck_assert_double_le(fabs(a[w]->r[2 * c + 1] + a[w]->mu * a[w]->r[2 * c]),
                           agreement * a[w]->r[2 * c]);
@@ -307,9 +308,5 @@ int main(void) {
   tcase_add_loop_test(t, equilibrium, 0, table_count);
   tcase_add_test(t, all_slide);
   suite_add_tcase(suite, t);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_suite(suite);
 }

@@ -8,6 +8,7 @@
 #include "close.h"
 #include "fe/solid.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 static const dlsi_hardening steel = {.factor = 593, .offset = 0.00384, .exponent = 0.202};
 static const dlsi_hardening rigid = {.factor = 1e300, .offset = 1, .exponent = 1};
@@ -537,9 +538,5 @@ int main(void) {
   tcase_add_test(tests, profile_with_joints);
   tcase_add_test(tests, band_solves_with_supports);
   suite_add_tcase(suite, tests);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_suite(suite);
 }

@@ -19,6 +19,7 @@
 
 #include "delassus/files.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 static char scratch[] = "/tmp/delassus-files-XXXXXX"; /* a directory, made in main */
 static char path[sizeof scratch + 16];
@@ -1253,11 +1254,8 @@ int main(void) {
 #endif
   suite_add_tcase(suite, mtx);
   suite_add_tcase(suite, fclib);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
+  const int status = run_suite(suite);
   (void)remove(path);
   (void)rmdir(scratch);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return status;
 }

@@ -7,7 +7,9 @@
 
 #include "base/base.h"
 #include "delassus.h"
+#include "front_cases.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 #ifndef TEST_DATA
 #define TEST_DATA "data"
@@ -19,30 +21,8 @@ static const double pi = 3.14159265358979323846;
 static double W[MOST * MOST], q[MOST], mu[NC];
 static double M[ROWS * ROWS], b[ROWS], z[ROWS], y[ROWS];
 
-static double uniform(unsigned *seed) {
-  *seed = *seed * 1664525u + 1013904223u;
-  return (double)(*seed >> 8) / (1 << 23) - 1;
-}
-
-/* W = A^T A / m + I / 5, symmetric positive definite, normals and tangents coupled; every fourth
- * candidate without friction. */
 static dls_contact random_problem(int d, int nc, double friction, unsigned seed) {
-  const int m = d * nc;
-  double A[MOST * MOST];
-  for (int k = 0; k < m * m; k++)
-    A[k] = uniform(&seed);
-  for (int i = 0; i < m; i++)
-    for (int j = 0; j < m; j++) {
-      double sum = i == j ? 0.2 : 0;
-      for (int k = 0; k < m; k++)
-        sum += A[k + m * i] * A[k + m * j] / m;
-      W[i + m * j] = sum;
-    }
-  for (int i = 0; i < m; i++)
-    q[i] = uniform(&seed) - (i % d ? 0 : 0.5);
-  for (int c = 0; c < nc; c++)
-    mu[c] = c % 4 == 3 ? 0 : friction;
-  return (dls_contact){.d = d, .nc = nc, .W = {m, m, m, W}, .q = q, .mu = mu};
+  return coupled(W, q, mu, d, nc, 0.2, friction, seed);
 }
 
 static dls_contact one_candidate(int d, const double *w, const double *p, const double *friction) {
@@ -252,7 +232,7 @@ static void check_form(const dls_contact *p, int facets, const double *s) {
   for (int k = 0; k < ld * n; k++)
     A[k] = 77;
   for (int i = 0; i < n; i++)
-    z[i] = uniform(&seed);
+    z[i] = draw(&seed);
   ck_assert_int_eq(dls_contact_to_facets_lcp(p, facets, s, A, ld, b, NULL), DLS_OK);
   ck_assert_int_eq(dls_contact_from_facets_lcp(p, facets, s, z, r, NULL), DLS_OK);
   for (int i = 0; i < m; i++) {
@@ -695,9 +675,5 @@ int main(void) {
   tcase_add_test(tcase, sizes);
   tcase_add_test(tcase, bad_input_is_named);
   suite_add_tcase(suite, tcase);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+  return run_suite(suite);
 }

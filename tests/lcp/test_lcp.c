@@ -8,11 +8,9 @@
 
 #include "../lcp/lcp_internal.h"
 #include "delassus/pivoting.h"
+#include "lcp_of.h"
 #include "malloc_fails.h"
-
-static dls_lcp lcp_of(int n, const double *M, const double *q) {
-  return (dls_lcp){n, {n, n, n, M}, q};
-}
+#include "run.h"
 
 static void check_error(const dls_error *error, dls_status status, const char *argument,
                         long long index) {
@@ -617,9 +615,5 @@ int main(void) {
   tcase_add_test(c, tiny_in_any_order);
   tcase_add_test(c, tiny_keeps_to_its_limit);
   suite_add_tcase(suite, c);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed != 0;
+  return run_suite(suite);
 }

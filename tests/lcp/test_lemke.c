@@ -7,7 +7,9 @@
 
 #include "delassus/facets.h"
 #include "delassus/lcp.h"
+#include "lcp_of.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 /* A rounded answer of a well-conditioned problem: a few units in the last place per pivot */
 static const double rounding = 1e-13;
@@ -19,10 +21,6 @@ static double uniform(void) { /* [0, 1) */
 }
 static int integer(int low, int high) {
   return low + (int)(uniform() * (high - low + 1));
-}
-
-static dls_lcp lcp_of(int n, const double *M, const double *q) {
-  return (dls_lcp){n, {n, n, n, M}, q};
 }
 
 static dls_lemke_settings path_alone(void) {
@@ -1188,9 +1186,5 @@ int main(void) {
   tcase_add_test(c, crash_from_a_start_and_with_a_cover);
   tcase_add_test(c, crash_can_be_cancelled);
   suite_add_tcase(suite, c);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed != 0;
+  return run_suite(suite);
 }

@@ -8,6 +8,7 @@
 #include "close.h"
 #include "delassus/reduction.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 /* ---- a model of any size, with room for its arrays ------------------------------------------- */
 
@@ -1049,9 +1050,5 @@ int main(void) {
   tcase_add_test(t, line_as_printed);
   tcase_add_test(t, line_in_a_model);
   tcase_add_test(t, bad_line);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_suite(suite);
 }

@@ -18,6 +18,7 @@
 #include "delassus/reduction.h"
 #include "delassus/solve.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 /* ---- trusses: side x side nodes, bars along edges and diagonals of squares ------------------------ */
 
@@ -931,9 +932,5 @@ int main(void) {
   tcase_add_test(t, bad_input);
   tcase_add_test(t, leaves_the_host_alone);
   tcase_add_loop_test(t, every_malloc_fails, 0, 5);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_suite(suite);
 }

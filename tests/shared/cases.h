@@ -33,6 +33,8 @@ void random_model(model *a, int d, int nc, double mu);
 void numbered_model(model *a, int i);
 /* W = B B^T of half rank, with a solution of free, slipping and sticking candidates; mu = 0.3 */
 void deficient_model(model *a, int i);
+/* W = A A^T / m + I / 1000, pressed all over: many sweeps */
+void slow_model(model *a, int i);
 
 /* q -> length q, W -> length / force W: then r -> force r, u -> length u */
 void scale_model(model *a, const model *b, double length, double force);
@@ -75,55 +77,25 @@ void set_hand(model *a, const hand_case *k);
 
 /* ---- solvers --------------------------------------------------------------------------------- */
 
-typedef struct tested_solver {
-  const char *name; /* "dls_nlgs" */
+/* A solver as its users see it: a method's own functions, or dls_solver with that method. */
+typedef struct tested_solver tested_solver;
+struct tested_solver {
+  const char *name;      /* of its functions: "dls_nlgs" */
+  const char *workspace; /* how its errors call the workspace */
   dls_method method;
+  int restarts; /* 1: from the answer it does its work again, to the same answer but for rounding */
+  double tol;   /* the smallest it reaches: 0, but 1e-4 of the penalty method */
   size_t settings_size;
-  void (*init)(void *settings, double tol, int warm_start);
-  void (*bound)(void *settings, int max_iterations);
+  void (*init)(const tested_solver *self, void *settings, double tol, int warm_start);
+  dls_limits *(*limits)(void *settings);
   dls_status (*create)(void **work, int d, int nc, const void *settings, dls_error *error);
   dls_status (*solve)(void *work, const dls_contact *p, double *r, double *u, dls_info *info,
                       dls_error *error);
   void (*destroy)(void *work);
-} tested_solver;
+};
 
-/* defines static const tested_solver the_NAME, and with_tol */
-#define SOLVER(NAME, METHOD)                                                                       \
-  static dls_##NAME##_settings with_tol(double tol) {                                              \
-    dls_##NAME##_settings s;                                                                       \
-    dls_##NAME##_settings_init(&s);                                                                \
-    s.limits.tol = tol;                                                                            \
-    return s;                                                                                      \
-  }                                                                                                \
-  static void solver_init(void *settings, double tol, int warm_start) {                            \
-    dls_##NAME##_settings *s = settings;                                                           \
-    *s = with_tol(tol);                                                                            \
-    s->limits.warm_start = warm_start;                                                             \
-  }                                                                                                \
-  static void solver_bound(void *settings, int max_iterations) {                                   \
-    ((dls_##NAME##_settings *)settings)->limits.max_iterations = max_iterations;                   \
-  }                                                                                                \
-  static dls_status solver_create(void **work, int d, int nc, const void *settings,                \
-                                  dls_error *error) {                                              \
-    dls_##NAME *own;                                                                               \
-    const dls_status status = dls_##NAME##_create(work ? &own : NULL, d, nc, settings, error);     \
-    if (work) *work = own;                                                                         \
-    return status;                                                                                 \
-  }                                                                                                \
-  static dls_status solver_solve(void *work, const dls_contact *p, double *r, double *u,           \
-                                 dls_info *info, dls_error *error) {                               \
-    return dls_##NAME##_solve(work, p, r, u, info, error);                                         \
-  }                                                                                                \
-  static void solver_destroy(void *work) {                                                         \
-    dls_##NAME##_destroy(work);                                                                    \
-  }                                                                                                \
-  static const tested_solver the_##NAME = {                                                        \
-      "dls_" #NAME, METHOD,        sizeof(dls_##NAME##_settings),                                  \
-      solver_init,  solver_bound,  solver_create,                                                  \
-      solver_solve, solver_destroy}
-
-/* One solve in a workspace, or in one of its own: what it says of r is what the public certificate
- * says, and OK means that it holds. settings: those of create. */
+/* Solves once in a workspace, or in one of its own, with the settings of create. Asserts that the
+ * solver says of r what the public certificate says, and that DLS_OK means that it holds. */
 dls_status run_in(const tested_solver *s, void *work, const dls_contact *p, double tol, double *r,
                   double *u, dls_info *info);
 dls_status run_with(const tested_solver *s, const dls_contact *p, const void *settings, double tol,
@@ -132,8 +104,11 @@ dls_status run_with(const tested_solver *s, const dls_contact *p, const void *se
 /* Of numbered_model i, |r - r'| of answers with residuals of 1e-12 */
 double close_of(const model *a);
 
-/* What every solver has to do; settings as from with_tol(tol) where they are given. First, numbered_model i:
- * again, warm, by blocks, reversed; and the answer of the method `other`. */
+/* ---- what every solver owes (tests/contract) ---------------------------------------------------
+ *
+ * settings: as from s->init(.., tol, 0) */
+
+/* Solves numbered_model i: again, warm, by blocks, reversed; and to the answer of `other`. */
 void expect_solved(const tested_solver *s, int i);
 void expect_answer_of(const tested_solver *s, int i, dls_method other);
 void expect_any_units(const tested_solver *s, const model *a, const void *settings, double tol);
@@ -153,7 +128,7 @@ void expect_bad_solve(const tested_solver *s);
 
 /* progress_data of look, which checks the calls and cancels at one of them; 0: never */
 typedef struct watch {
-  const char *method;
+  const char *method; /* NULL: of any stage, whose iterations count from 1 */
   int max_iterations;
   double least; /* residual so far */
   int calls, cancel_at;
