@@ -183,6 +183,27 @@ START_TEST(close_to_the_floor) {
 }
 END_TEST
 
+/* (D5): a start of rho a hundred or a thousand times too small costs a few times the iterations, not more. */
+START_TEST(wrong_rho_is_mended) {
+  static model a;
+  const double rho[] = {1, 1e-2, 1e-3};
+  int iterations[3] = {0};
+  for (int way = 0; way < 3; way++)
+    for (int i = 20; i < 40; i++) {
+      numbered_model(&a, i);
+      dls_admm_settings s = admm_tol(1e-8);
+      s.rho = rho[way];
+      double r[most];
+      dls_info info;
+      ck_assert_int_eq(run_admm(&a.p, &s, r, NULL, &info), DLS_OK);
+      iterations[way] += info.iterations;
+    }
+  /* 314, 1592, 3049 */
+  ck_assert_msg(iterations[1] <= 8 * iterations[0] && iterations[2] <= 16 * iterations[0],
+                "%d, %d, %d", iterations[0], iterations[1], iterations[2]);
+}
+END_TEST
+
 /* ---- large: both storages -------------------------------------------------------------------- */
 
 static dls_admm *large_workspace(double tol, int blocks) {
@@ -331,6 +352,7 @@ int main(void) {
   t = tcase_create("random");
   tcase_set_timeout(t, 60);
   tcase_add_test(t, close_to_the_floor);
+  tcase_add_test(t, wrong_rho_is_mended);
   suite_add_tcase(suite, t);
   t = tcase_create("large");
   tcase_set_timeout(t, 60);

@@ -202,6 +202,104 @@ START_TEST(line_search_without_sweeps) {
 }
 END_TEST
 
+/* ---- the line search ------------------------------------------------------------------------- */
+
+/* |AC| of newton.c for one candidate in 2D, from r and u */
+static double law_error(double w, double mu, const double *r, const double *u) {
+  const double x = w * r[0] - u[0], R = x > 0 ? mu * x : 0, tau = w * r[1] - u[1];
+  const double held = fmax(-R, fmin(R, tau));
+  return hypot(w * r[0] - fmax(0, x), w * r[1] - held);
+}
+
+static void velocity(const model *a, const double *r, double *u) {
+  for (int i = 0; i < 2; i++)
+    u[i] = a->W[i] * r[0] + a->W[i + 2] * r[1] + a->q[i];
+}
+
+/* to := the full step (N1)-(N3) from r; 0 where its matrix is singular */
+static int full_step(const model *a, double w, const double *r, double *to) {
+  const double *W = a->W, mu = a->mu[0];
+  double u[2];
+  velocity(a, r, u);
+  const double x = w * r[0] - u[0], R = mu * fmax(0, x), tau = w * r[1] - u[1];
+  if (x <= 0) {
+    to[0] = to[1] = 0;
+    return 1;
+  }
+  if (fabs(tau) <= R) {
+    const double det = W[0] * W[3] - W[1] * W[2];
+    to[0] = r[0] - (W[3] * u[0] - W[2] * u[1]) / det;
+    to[1] = r[1] - (W[0] * u[1] - W[1] * u[0]) / det;
+    return fabs(det) > 1e-9;
+  }
+  const double t = tau > 0 ? 1 : -1, k = (mu * u[0] + R) / w - t * r[1];
+  const double slope = W[0] + mu * t * W[2], b = -(u[0] + W[2] * k * t) / slope;
+  to[0] = r[0] + b;
+  to[1] = r[1] + k * t + mu * t * b;
+  return fabs(slope) > 1e-9;
+}
+
+typedef struct residual_list {
+  int steps;
+  double of[30];
+} residual_list;
+
+static int list_residual(void *data, const dls_progress *progress) {
+  residual_list *to = data;
+  to->of[to->steps++] = progress->residual;
+  return 0;
+}
+
+/* (N4) done by hand: step by step the residuals that the method reports. u of a trial is the mean of the
+ * two u it lies between. */
+START_TEST(line_search_by_hand) {
+  int halvings = 0, compared = 0;
+  for (int number = 0; number < 400; number++) {
+    static model a;
+    set_seed(362436069 + (uint64_t)number);
+    random_model(&a, 2, 1, 2);
+    a.W[1] = a.W[2] = 0.95 * copysign(sqrt(a.W[0] * a.W[3]), a.q[1]);
+    const double w = (a.W[0] + a.W[3]) / 2;
+    dls_newton_settings s = newton_tol(1e-12);
+    residual_list seen = {0};
+    s.sweeps = 0;
+    s.regularization = 0;
+    s.line_search = 1;
+    s.limits.warm_start = 1;
+    s.limits.max_iterations = 6;
+    s.limits.progress = list_residual;
+    s.limits.progress_data = &seen;
+    double r[2] = {1 + uniform(), 3 * uniform()}, answer[2] = {r[0], r[1]}, u[2];
+    dls_info info;
+    (void)run_newton(&a.p, &s, answer, NULL, &info);
+    velocity(&a, r, u);
+    double last[5] = {law_error(w, a.mu[0], r, u)};
+    for (int k = 0; k < seen.steps; k++) {
+      double next[2], v[2], bound = 0;
+      if (!full_step(&a, w, r, next)) break;
+      for (int e = 0; e < 5; e++)
+        bound = fmax(bound, last[e]);
+      for (int trial = 0; trial <= 6; trial++) {
+        velocity(&a, next, v);
+        last[(k + 1) % 5] = law_error(w, a.mu[0], next, v);
+        if (last[(k + 1) % 5] < bound || trial == 6) break;
+        halvings++;
+        for (int i = 0; i < 2; i++)
+          next[i] = 0.5 * (r[i] + next[i]);
+      }
+      memcpy(r, next, sizeof r);
+      dls_certificate c;
+      ck_assert_int_eq(dls_contact_certify(&a.p, r, NULL, &c, NULL), DLS_OK);
+      if (c.residual < 1e-9) break;
+      ck_assert_msg(fabs(c.residual - seen.of[k]) <= 1e-6 * c.residual, "%d, step %d: %g, not %g",
+                    number, k + 1, seen.of[k], c.residual);
+      compared++;
+    }
+  }
+  ck_assert_msg(halvings >= 50 && compared >= 200, "%d, %d", halvings, compared);
+}
+END_TEST
+
 /* ---- the head of the matrix -------------------------------------------------------------------- */
 
 enum { bed_nc = 60, bed_m = 3 * bed_nc };
@@ -227,17 +325,6 @@ static dls_contact bed(int d, double mu_of_all, double push, int unsymmetric) {
   return (dls_contact){.d = d, .nc = bed_nc, .W = {m, m, m, W}, .q = q, .mu = mu};
 }
 
-typedef struct residuals {
-  int steps;
-  double of[30];
-} residuals;
-
-static int write_down(void *data, const dls_progress *progress) {
-  residuals *to = data;
-  to->of[to->steps++] = progress->residual;
-  return 0;
-}
-
 /* One bit in each block makes W unsymmetric and the method take LU of all: step by step the same residuals. */
 START_TEST(head_is_lu) {
   const int d = 2 + _i;
@@ -245,13 +332,13 @@ START_TEST(head_is_lu) {
   int most_steps = 0;
   for (int k = 0; k < 4; k++)
     for (int l = 0; l < 4; l++) {
-      residuals seen[2] = {{0}, {0}};
+      residual_list seen[2] = {{0}, {0}};
       double r[2][bed_m];
       for (int way = 0; way < 2; way++) {
         const dls_contact p = bed(d, mu[k], 0.1 + 0.1 * l, way);
         dls_newton_settings s = newton_tol(1e-12);
         s.sweeps = 0;
-        s.limits.progress = write_down;
+        s.limits.progress = list_residual;
         s.limits.progress_data = &seen[way];
         dls_newton *work;
         dls_info info;
@@ -458,6 +545,7 @@ int main(void) {
   t = tcase_create("random");
   tcase_set_timeout(t, 60);
   tcase_add_loop_test(t, line_search_without_sweeps, 0, 40);
+  tcase_add_test(t, line_search_by_hand);
   tcase_add_loop_test(t, head_is_lu, 0, 2);
   suite_add_tcase(suite, t);
   t = tcase_create("large");

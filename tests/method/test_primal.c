@@ -617,6 +617,35 @@ START_TEST(fixed_point_cycles) {
 }
 END_TEST
 
+/* tol = 0: the floors that end it are those of a fresh R, taken every 50 sweeps at least. A chain of unit
+ * springs from a wall to the contact, slow: 50 sweeps earlier the certificate does not hold yet. */
+START_TEST(floors_are_kept_up_to_date) {
+  enum { n = most };
+  static springs s;
+  memset(&s, 0, sizeof s);
+  for (int i = 2; i < n; i++) {
+    s.f[i] = -1;
+    s.K[i + n * i] = 2;
+    if (i + 1 < n) s.K[i + n * (i + 1)] = s.K[i + 1 + n * i] = -1;
+  }
+  s.K[0] = 2;
+  s.K[1 + n] = 1;
+  s.K[n - 1] = s.K[n * (n - 1)] = -1; /* the normal stands at the end */
+  s.f[0] = -1;
+  s.f[1] = .3;
+  s.mu[0] = .5;
+  set_node(&s, 0, 0, 1, 0);
+  finish(&s, n, 1, DLS_STIFFNESS_DENSE);
+  dls_primal_settings settings = primal_tol(0);
+  settings.aitken = 0;
+  answer a;
+  ok(run_springs(&s, &settings, &a));
+  ck_assert_int_gt(a.info.iterations, 1000);
+  settings.limits.max_iterations = a.info.iterations - 50;
+  ck_assert_int_eq(run_springs(&s, &settings, &a), DLS_MAX_ITERATIONS);
+}
+END_TEST
+
 START_TEST(overflow_is_not_solved) { /* f^2 / K_ii is not a number of this arithmetic */
   springs s = {.K = {2, 0, 0, 1}, .f = {-1e200, 1e200}, .mu = {1}};
   set_node(&s, 0, 0, 1, 0);
@@ -848,6 +877,7 @@ int main(void) {
   tcase_add_loop_test(t, tolerance_zero, 0, 20);
   tcase_add_test(t, load_steps);
   tcase_add_test(t, fixed_point_cycles);
+  tcase_add_test(t, floors_are_kept_up_to_date);
   tcase_add_test(t, overflow_is_not_solved);
   suite_add_tcase(suite, t);
   t = tcase_create("jean");
