@@ -698,33 +698,15 @@ START_TEST(bad_conversion) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("contact");
-  TCase *tcase = tcase_create("contact");
-  tcase_add_test(tcase, statuses_have_names_and_words);
-  tcase_add_test(tcase, an_error_says_where);
-  tcase_add_test(tcase, arena_counts_carves_and_refuses);
-  tcase_add_test(tcase, norms_keep_nan_and_range);
-  tcase_add_test(tcase, vectors_of_any_length_are_finite);
-  tcase_add_test(tcase, check_names_the_slot);
-  tcase_add_test(tcase, check_names_the_slot_of_blocks);
-  tcase_add_test(tcase, blocks_come_apart_and_together);
-  tcase_add_test(tcase, blocks_refuse_bad_arguments);
-  tcase_add_test(tcase, certificate_by_hand);
-  tcase_add_test(tcase, certificate_of_q_zero_and_frictionless);
-  tcase_add_test(tcase, weights_fall_back);
-  tcase_add_test(tcase, projection_is_nearest);
-  tcase_add_test(tcase, certificate_ignores_units);
-  tcase_add_test(tcase, certificate_ignores_order_and_tangent_frame);
-  tcase_add_test(tcase, dense_and_blocks_agree);
-  tcase_add_test(tcase, states_of_the_three_kinds);
-  tcase_add_test(tcase, certify_refuses_and_leaves_outputs);
-  tcase_add_test(tcase, nan_is_never_certified);
-  tcase_add_test(tcase, a_runaway_is_never_certified);
-  suite_add_tcase(suite, tcase);
-  tcase = tcase_create("storages");
-  tcase_add_loop_test(tcase, there_and_back, 2, 4);
-  tcase_add_loop_test(tcase, storages_agree, 2, 4);
-  tcase_add_test(tcase, bad_conversion);
-  suite_add_tcase(suite, tcase);
-  return run_suite(suite);
+  return RUN("contact", NULL, NULL, ONCE(statuses_have_names_and_words), ONCE(an_error_says_where),
+             ONCE(arena_counts_carves_and_refuses), ONCE(norms_keep_nan_and_range),
+             ONCE(vectors_of_any_length_are_finite), ONCE(check_names_the_slot),
+             ONCE(check_names_the_slot_of_blocks), ONCE(blocks_come_apart_and_together),
+             ONCE(blocks_refuse_bad_arguments), ONCE(certificate_by_hand),
+             ONCE(certificate_of_q_zero_and_frictionless), ONCE(weights_fall_back),
+             ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
+             ONCE(certificate_ignores_order_and_tangent_frame), ONCE(dense_and_blocks_agree),
+             ONCE(states_of_the_three_kinds), ONCE(certify_refuses_and_leaves_outputs),
+             ONCE(nan_is_never_certified), ONCE(a_runaway_is_never_certified),
+             EACH(there_and_back, 2, 4), EACH(storages_agree, 2, 4), ONCE(bad_conversion));
 }

@@ -450,19 +450,9 @@ START_TEST(table_is_that_of_the_files) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("failures");
-  TCase *tc = tcase_create("catalogue");
-  tcase_set_timeout(tc, 60);
-  tcase_add_checked_fixture(tc, setup, NULL);
-  tcase_add_test(tc, stated_solutions_are_solutions);
-  tcase_add_test(tc, enumeration_finds_exactly_the_stated_solutions);
-  tcase_add_test(tc, lemke_in_any_order);
-  tcase_add_test(tc, principal_pivoting_in_any_order);
-  tcase_add_test(tc, principal_pivoting_is_honest_elsewhere);
-  tcase_add_test(tc, gauss_seidel);
-  tcase_add_test(tc, front_door);
-  tcase_add_test(tc, auto_solves_what_can_be_solved);
-  tcase_add_test(tc, table_is_that_of_the_files);
-  suite_add_tcase(suite, tc);
-  return run_suite(suite);
+  return RUN("failures", setup, NULL, ONCE(stated_solutions_are_solutions),
+             ONCE(enumeration_finds_exactly_the_stated_solutions), ONCE(lemke_in_any_order),
+             ONCE(principal_pivoting_in_any_order), ONCE(principal_pivoting_is_honest_elsewhere),
+             ONCE(gauss_seidel), ONCE(front_door), ONCE(auto_solves_what_can_be_solved),
+             ONCE(table_is_that_of_the_files));
 }

@@ -283,25 +283,12 @@ END_TEST
 
 int main(void) {
   const int doors = direct_doors + method_count();
-  Suite *suite = suite_create("contract");
-  TCase *t = tcase_create("answers");
-  tcase_set_timeout(t, 60);
-  tcase_add_loop_test(t, by_hand, 0, doors * hand_count);
-  tcase_add_loop_test(t, hyperstatic, 0, doors);
-  tcase_add_loop_test(t, a_solution_stays, 0, doors);
-  tcase_add_loop_test(t, no_solution, 0, doors * jammed_count);
-  tcase_add_loop_test(t, never_worse, 0, doors * 30);
-  tcase_add_loop_test(t, start_that_overflows, 0, doors);
-  tcase_add_loop_test(t, random_problem, 0, doors * 40);
-  tcase_add_loop_test(t, units, 0, doors * 12);
-  tcase_add_loop_test(t, turned_tangents, 0, doors * 10);
-  tcase_add_loop_test(t, tolerance_zero, 0, doors * 20);
-  tcase_add_loop_test(t, smaller_problem, 0, doors);
-  tcase_add_loop_test(t, stopped_early, 0, doors * 3);
-  tcase_add_loop_test(t, memory, 0, doors);
-  tcase_add_loop_test(t, bad_create, 0, doors);
-  tcase_add_loop_test(t, bad_solve, 0, doors);
-  tcase_add_test(t, defaults_without_a_place);
-  suite_add_tcase(suite, t);
-  return run_suite(suite);
+  return RUN("contract", NULL, NULL, EACH(by_hand, 0, doors * hand_count),
+             EACH(hyperstatic, 0, doors), EACH(a_solution_stays, 0, doors),
+             EACH(no_solution, 0, doors * jammed_count), EACH(never_worse, 0, doors * 30),
+             EACH(start_that_overflows, 0, doors), EACH(random_problem, 0, doors * 40),
+             EACH(units, 0, doors * 12), EACH(turned_tangents, 0, doors * 10),
+             EACH(tolerance_zero, 0, doors * 20), EACH(smaller_problem, 0, doors),
+             EACH(stopped_early, 0, doors * 3), EACH(memory, 0, doors), EACH(bad_create, 0, doors),
+             EACH(bad_solve, 0, doors), ONCE(defaults_without_a_place));
 }

@@ -751,34 +751,10 @@ START_TEST(vtu_disk_full) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("fe");
-  TCase *t = tcase_create("mesh");
-  tcase_add_test(t, block);
-  tcase_add_test(t, block_ends_at_its_lengths);
-  tcase_add_test(t, block_bad_input);
-  suite_add_tcase(suite, t);
-  t = tcase_create("t3");
-  tcase_add_test(t, one_triangle_by_hand);
-  tcase_add_test(t, patch);
-  tcase_add_test(t, symmetric_and_rigid);
-  tcase_add_test(t, units);
-  tcase_add_test(t, flat_triangles);
-  tcase_add_test(t, edge_load);
-  tcase_add_loop_test(t, mesh_bad_input, 0, 3);
-  tcase_add_test(t, t3_bad_input);
-  suite_add_tcase(suite, t);
-  t = tcase_create("scene");
-  tcase_add_test(t, scene_names);
-  tcase_add_loop_test(t, scene, 0, 4);
-  tcase_add_test(t, scene_twice);
-  tcase_add_test(t, scene_bad_input);
-  tcase_add_test(t, scene_without_memory);
-  suite_add_tcase(suite, t);
-  t = tcase_create("vtu");
-  tcase_add_checked_fixture(t, make_folder, remove_folder);
-  tcase_add_test(t, vtu);
-  tcase_add_test(t, vtu_bad_input);
-  tcase_add_test(t, vtu_disk_full);
-  suite_add_tcase(suite, t);
-  return run_suite(suite);
+  return RUN("fe", make_folder, remove_folder, ONCE(block), ONCE(block_ends_at_its_lengths),
+             ONCE(block_bad_input), ONCE(one_triangle_by_hand), ONCE(patch),
+             ONCE(symmetric_and_rigid), ONCE(units), ONCE(flat_triangles), ONCE(edge_load),
+             EACH(mesh_bad_input, 0, 3), ONCE(t3_bad_input), ONCE(scene_names), EACH(scene, 0, 4),
+             ONCE(scene_twice), ONCE(scene_bad_input), ONCE(scene_without_memory), ONCE(vtu),
+             ONCE(vtu_bad_input), ONCE(vtu_disk_full));
 }

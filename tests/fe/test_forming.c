@@ -441,20 +441,9 @@ START_TEST(vtu) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("forming");
-  TCase *tests = tcase_create("forming");
-  tcase_set_timeout(tests, 600);
-  tcase_add_loop_test(tests, reference_forces, 0, 2 * run_count);
-  tcase_add_test(tests, standard_elements_lock);
-  tcase_add_loop_test(tests, energy, 0, 2);
-  tcase_add_test(tests, update_as_printed);
-  tcase_add_test(tests, quadratic_convergence);
-  tcase_add_loop_test(tests, methods_agree, 0, 2 * method_count);
-  tcase_add_loop_test(tests, newton_on_stiffness, 0, 3);
-  tcase_add_test(tests, failed_step);
-  tcase_add_test(tests, bad_input);
-  tcase_add_test(tests, without_memory);
-  tcase_add_test(tests, vtu);
-  suite_add_tcase(suite, tests);
-  return run_suite(suite);
+  return RUN("forming", NULL, NULL, EACH(reference_forces, 0, 2 * run_count),
+             ONCE(standard_elements_lock), EACH(energy, 0, 2), ONCE(update_as_printed),
+             ONCE(quadratic_convergence), EACH(methods_agree, 0, 2 * method_count),
+             EACH(newton_on_stiffness, 0, 3), ONCE(failed_step), ONCE(bad_input),
+             ONCE(without_memory), ONCE(vtu));
 }

@@ -301,12 +301,7 @@ START_TEST(all_slide) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("jean");
-  TCase *t = tcase_create("jean");
-  tcase_add_loop_test(t, printed_table, 0, 2 * table_count);
-  tcase_add_loop_test(t, methods_agree, 0, table_count);
-  tcase_add_loop_test(t, equilibrium, 0, table_count);
-  tcase_add_test(t, all_slide);
-  suite_add_tcase(suite, t);
-  return run_suite(suite);
+  return RUN("jean", NULL, NULL, EACH(printed_table, 0, 2 * table_count),
+             EACH(methods_agree, 0, table_count), EACH(equilibrium, 0, table_count),
+             ONCE(all_slide));
 }

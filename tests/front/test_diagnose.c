@@ -703,30 +703,15 @@ START_TEST(each_failing_malloc_unwinds) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("diagnose");
-  TCase *tcase = tcase_create("diagnose");
-  tcase_set_timeout(tcase, 300); /* valgrind */
-  tcase_add_test(tcase, diagonal);
-  tcase_add_test(tcase, one_candidate_has_its_closed_form);
-  tcase_add_test(tcase, three_dimensions);
-  tcase_add_test(tcase, rank_and_definiteness);
-  tcase_add_test(tcase, unsymmetric);
-  tcase_add_test(tcase, degenerate_candidates_are_named);
-  tcase_add_test(tcase, singular_blocks_in_three_dimensions);
-  tcase_add_test(tcase, units_do_not_matter);
-  tcase_add_test(tcase, order_does_not_matter);
-  tcase_add_test(tcase, tangent_frames_do_not_matter);
-  tcase_add_test(tcase, blocks_give_the_facts_of_the_dense_matrix);
-  tcase_add_test(tcase, blocks_that_are_missing);
-  tcase_add_test(tcase, catalogue_of_failures);
-  tcase_add_test(tcase, below_the_bound_there_is_one_solution);
-  tcase_add_test(tcase, fixed_points_on_the_threshold_contract);
-  tcase_add_test(tcase, above_the_critical_friction_there_are_several);
-  tcase_add_test(tcase, one_candidate_in_3d_has_one_solution_below_the_bound);
-  tcase_add_test(tcase, too_large_is_said);
-  tcase_add_test(tcase, the_same_bits_twice);
-  tcase_add_test(tcase, bad_input_is_named);
-  tcase_add_test(tcase, each_failing_malloc_unwinds);
-  suite_add_tcase(suite, tcase);
-  return run_suite(suite);
+  return RUN(
+      "diagnose", NULL, NULL, ONCE(diagonal), ONCE(one_candidate_has_its_closed_form),
+      ONCE(three_dimensions), ONCE(rank_and_definiteness), ONCE(unsymmetric),
+      ONCE(degenerate_candidates_are_named), ONCE(singular_blocks_in_three_dimensions),
+      ONCE(units_do_not_matter), ONCE(order_does_not_matter), ONCE(tangent_frames_do_not_matter),
+      ONCE(blocks_give_the_facts_of_the_dense_matrix), ONCE(blocks_that_are_missing),
+      ONCE(catalogue_of_failures), ONCE(below_the_bound_there_is_one_solution),
+      ONCE(fixed_points_on_the_threshold_contract),
+      ONCE(above_the_critical_friction_there_are_several),
+      ONCE(one_candidate_in_3d_has_one_solution_below_the_bound), ONCE(too_large_is_said),
+      ONCE(the_same_bits_twice), ONCE(bad_input_is_named), ONCE(each_failing_malloc_unwinds));
 }

@@ -846,33 +846,17 @@ START_TEST(auto_proves_that_there_is_no_solution) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("solve");
-  TCase *tcase = tcase_create("solve");
-  tcase_set_timeout(tcase, 300); /* valgrind */
-  tcase_add_test(tcase, methods_have_names);
-  tcase_add_test(tcase, methods_agree);
-  tcase_add_test(tcase, accelerations_have_names);
-  tcase_add_test(tcase, bad_settings_are_refused);
-  tcase_add_test(tcase, every_failing_malloc_unwinds);
-  tcase_add_test(tcase, free_problem_is_answered_at_once);
-  tcase_add_test(tcase, short_calls_see_every_bad_number);
-  tcase_add_test(tcase, short_calls_take_large_numbers);
-  tcase_add_test(tcase, short_calls_see_every_bad_view);
-  tcase_add_test(tcase, short_calls_take_a_wider_leading_dimension);
-  tcase_add_test(tcase, candidates_apart_take_one_sweep);
-  tcase_add_test(tcase, one_candidate_takes_one_sweep);
-  tcase_add_test(tcase, candidates_apart_in_any_units);
-  tcase_add_test(tcase, a_neighbour_pressed_takes_more_sweeps);
-  tcase_add_test(tcase, nearly_free_is_answered_by_nothing);
-  tcase_add_test(tcase, bad_blocks_go_through_the_stages);
-  tcase_add_test(tcase, auto_takes_the_same_stages_in_any_units);
-  tcase_add_test(tcase, auto_does_not_see_frames);
-  tcase_add_test(tcase, auto_does_not_see_the_order);
-  tcase_add_test(tcase, no_allocation_by_blocks_and_in_larger_problems);
-  tcase_add_test(tcase, auto_starts_warm);
-  tcase_add_test(tcase, a_jam_has_likely_no_solution);
-  tcase_add_test(tcase, auto_forgets_the_solve_before);
-  tcase_add_test(tcase, auto_proves_that_there_is_no_solution);
-  suite_add_tcase(suite, tcase);
-  return run_suite(suite);
+  return RUN("solve", NULL, NULL, ONCE(methods_have_names), ONCE(methods_agree),
+             ONCE(accelerations_have_names), ONCE(bad_settings_are_refused),
+             ONCE(every_failing_malloc_unwinds), ONCE(free_problem_is_answered_at_once),
+             ONCE(short_calls_see_every_bad_number), ONCE(short_calls_take_large_numbers),
+             ONCE(short_calls_see_every_bad_view), ONCE(short_calls_take_a_wider_leading_dimension),
+             ONCE(candidates_apart_take_one_sweep), ONCE(one_candidate_takes_one_sweep),
+             ONCE(candidates_apart_in_any_units), ONCE(a_neighbour_pressed_takes_more_sweeps),
+             ONCE(nearly_free_is_answered_by_nothing), ONCE(bad_blocks_go_through_the_stages),
+             ONCE(auto_takes_the_same_stages_in_any_units), ONCE(auto_does_not_see_frames),
+             ONCE(auto_does_not_see_the_order),
+             ONCE(no_allocation_by_blocks_and_in_larger_problems), ONCE(auto_starts_warm),
+             ONCE(a_jam_has_likely_no_solution), ONCE(auto_forgets_the_solve_before),
+             ONCE(auto_proves_that_there_is_no_solution));
 }

@@ -651,29 +651,15 @@ START_TEST(bad_input_is_named) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("facets");
-  TCase *tcase = tcase_create("facets");
-  tcase_add_test(tcase, slip_along_a_corner_is_exact);
-  tcase_add_test(tcase, slip_through_the_middle_of_a_facet);
-  tcase_add_test(tcase, free_stick_and_no_friction);
-  tcase_add_test(tcase, four_rows_solve_what_three_cannot);
-  tcase_add_test(tcase, newton_cycle_in_3d);
-  tcase_add_test(tcase, no_solution_is_claimed_in_2d_only);
-  tcase_add_test(tcase, rows_say_what_they_should);
-  tcase_add_test(tcase, facets_two_and_three_rows_agree_in_2d);
-  tcase_add_test(tcase, more_facets_smaller_error);
-  tcase_add_test(tcase, random_problems_to_rounding);
-  tcase_add_test(tcase, few_newton_steps);
-  tcase_add_test(tcase, newton_on_a_singular_matrix);
-  tcase_add_test(tcase, large_friction);
-  tcase_add_test(tcase, rotated_tangents_same_answer);
-  tcase_add_test(tcase, units_do_not_change_the_path);
-  tcase_add_test(tcase, fclib_files);
-  tcase_add_test(tcase, limit_and_cancellation_are_not_polished_away);
-  tcase_add_test(tcase, solver_is_reused_and_allocates_nothing);
-  tcase_add_test(tcase, every_failing_malloc_unwinds);
-  tcase_add_test(tcase, sizes);
-  tcase_add_test(tcase, bad_input_is_named);
-  suite_add_tcase(suite, tcase);
-  return run_suite(suite);
+  return RUN("facets", NULL, NULL, ONCE(slip_along_a_corner_is_exact),
+             ONCE(slip_through_the_middle_of_a_facet), ONCE(free_stick_and_no_friction),
+             ONCE(four_rows_solve_what_three_cannot), ONCE(newton_cycle_in_3d),
+             ONCE(no_solution_is_claimed_in_2d_only), ONCE(rows_say_what_they_should),
+             ONCE(facets_two_and_three_rows_agree_in_2d), ONCE(more_facets_smaller_error),
+             ONCE(random_problems_to_rounding), ONCE(few_newton_steps),
+             ONCE(newton_on_a_singular_matrix), ONCE(large_friction),
+             ONCE(rotated_tangents_same_answer), ONCE(units_do_not_change_the_path),
+             ONCE(fclib_files), ONCE(limit_and_cancellation_are_not_polished_away),
+             ONCE(solver_is_reused_and_allocates_nothing), ONCE(every_failing_malloc_unwinds),
+             ONCE(sizes), ONCE(bad_input_is_named));
 }

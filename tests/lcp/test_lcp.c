@@ -596,24 +596,10 @@ START_TEST(tiny_keeps_to_its_limit) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("lcp");
-  TCase *c = tcase_create("lcp");
-  tcase_add_test(c, certificate_by_hand);
-  tcase_add_test(c, certificate_has_no_unit);
-  tcase_add_test(c, certificate_of_q_zero_and_of_overflow);
-  tcase_add_test(c, holds);
-  tcase_add_test(c, bad_lcp);
-  tcase_add_test(c, ray_by_hand);
-  tcase_add_test(c, farkas_by_hand);
-  tcase_add_test(c, bad_proofs);
-  tcase_add_test(c, states_by_hand);
-  tcase_add_test(c, scaled_and_by_blocks);
-  tcase_add_test(c, bad_contact);
-  tcase_add_test(c, a_high_floor_excuses_nothing);
-  tcase_add_test(c, tiny_agrees_with_all_solutions);
-  tcase_add_test(c, tiny_has_no_unit);
-  tcase_add_test(c, tiny_in_any_order);
-  tcase_add_test(c, tiny_keeps_to_its_limit);
-  suite_add_tcase(suite, c);
-  return run_suite(suite);
+  return RUN("lcp", NULL, NULL, ONCE(certificate_by_hand), ONCE(certificate_has_no_unit),
+             ONCE(certificate_of_q_zero_and_of_overflow), ONCE(holds), ONCE(bad_lcp),
+             ONCE(ray_by_hand), ONCE(farkas_by_hand), ONCE(bad_proofs), ONCE(states_by_hand),
+             ONCE(scaled_and_by_blocks), ONCE(bad_contact), ONCE(a_high_floor_excuses_nothing),
+             ONCE(tiny_agrees_with_all_solutions), ONCE(tiny_has_no_unit), ONCE(tiny_in_any_order),
+             ONCE(tiny_keeps_to_its_limit));
 }

@@ -1148,43 +1148,16 @@ START_TEST(crash_can_be_cancelled) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("lemke");
-  TCase *c = tcase_create("lemke");
-  tcase_set_timeout(c, 60);
-  tcase_add_test(c, size_one);
-  tcase_add_test(c, feasible_q_is_answered_at_once);
-  tcase_add_test(c, size_two);
-  tcase_add_test(c, nearly_impossible);
-  tcase_add_test(c, catalogue_of_contact);
-  tcase_add_test(c, ray_of_large_friction);
-  tcase_add_test(c, bimatrix_game);
-  tcase_add_test(c, cycling_example);
-  tcase_add_test(c, identical_rows);
-  tcase_add_test(c, murty);
-  tcase_add_test(c, p_matrices);
-  tcase_add_test(c, any_matrix);
-  tcase_add_test(c, semidefinite);
-  tcase_add_test(c, hundred_unknowns);
-  tcase_add_test(c, stewart_trinkle);
-  tcase_add_test(c, very_large_friction);
-  tcase_add_test(c, decaying_entries);
-  tcase_add_test(c, units);
-  tcase_add_test(c, permutations);
-  tcase_add_test(c, same_bits_and_reuse);
-  tcase_add_test(c, progress_and_limit);
-  tcase_add_test(c, bad_arguments);
-  tcase_add_test(c, every_malloc_fails);
-  tcase_add_test(c, extreme_numbers);
-  tcase_add_test(c, warm_start_follows_a_load);
-  tcase_add_test(c, warm_start_from_anywhere);
-  tcase_add_test(c, warm_start_that_leads_nowhere);
-  tcase_add_test(c, crash_finds_the_solution);
-  tcase_add_test(c, crash_with_friction);
-  tcase_add_test(c, crash_in_any_unit);
-  tcase_add_test(c, crash_that_leads_nowhere);
-  tcase_add_test(c, crash_does_not_insist);
-  tcase_add_test(c, crash_from_a_start_and_with_a_cover);
-  tcase_add_test(c, crash_can_be_cancelled);
-  suite_add_tcase(suite, c);
-  return run_suite(suite);
+  return RUN("lemke", NULL, NULL, ONCE(size_one), ONCE(feasible_q_is_answered_at_once),
+             ONCE(size_two), ONCE(nearly_impossible), ONCE(catalogue_of_contact),
+             ONCE(ray_of_large_friction), ONCE(bimatrix_game), ONCE(cycling_example),
+             ONCE(identical_rows), ONCE(murty), ONCE(p_matrices), ONCE(any_matrix),
+             ONCE(semidefinite), ONCE(hundred_unknowns), ONCE(stewart_trinkle),
+             ONCE(very_large_friction), ONCE(decaying_entries), ONCE(units), ONCE(permutations),
+             ONCE(same_bits_and_reuse), ONCE(progress_and_limit), ONCE(bad_arguments),
+             ONCE(every_malloc_fails), ONCE(extreme_numbers), ONCE(warm_start_follows_a_load),
+             ONCE(warm_start_from_anywhere), ONCE(warm_start_that_leads_nowhere),
+             ONCE(crash_finds_the_solution), ONCE(crash_with_friction), ONCE(crash_in_any_unit),
+             ONCE(crash_that_leads_nowhere), ONCE(crash_does_not_insist),
+             ONCE(crash_from_a_start_and_with_a_cover), ONCE(crash_can_be_cancelled));
 }

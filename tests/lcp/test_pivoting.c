@@ -598,33 +598,13 @@ START_TEST(every_malloc_fails_in_turn) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("pivoting");
-  TCase *tc = tcase_create("principal");
-  tcase_set_timeout(tc, 60);
-  tcase_add_test(tc, solves_by_hand);
-  tcase_add_test(tc, agrees_with_enumeration);
-  tcase_add_test(tc, needs_few_factorisations);
-  tcase_add_test(tc, degenerate_answers);
-  tcase_add_test(tc, single_exchanges_end_where_block_exchanges_cycle);
-  tcase_add_test(tc, murty_family);
-  tcase_add_test(tc, warm_start_gives_the_cold_answer);
-  tcase_add_test(tc, units_do_not_matter);
-  tcase_add_test(tc, same_bits_twice);
-  tcase_add_test(tc, leading_dimension_and_indices_outside);
-  tcase_add_test(tc, matrices_that_are_no_p_matrices);
-  tcase_add_test(tc, progress_can_cancel);
-  suite_add_tcase(suite, tc);
-  tc = tcase_create("enumerate");
-  tcase_set_timeout(tc, 60);
-  tcase_add_test(tc, enumerates_by_hand);
-  tcase_add_test(tc, all_of_many_solutions_and_a_full_list);
-  tcase_add_test(tc, enumeration_does_not_see_units);
-  suite_add_tcase(suite, tc);
-  tc = tcase_create("bad input");
-  tcase_add_test(tc, create_refuses);
-  tcase_add_test(tc, solve_refuses);
-  tcase_add_test(tc, enumerate_refuses);
-  tcase_add_test(tc, every_malloc_fails_in_turn);
-  suite_add_tcase(suite, tc);
-  return run_suite(suite);
+  return RUN("pivoting", NULL, NULL, ONCE(solves_by_hand), ONCE(agrees_with_enumeration),
+             ONCE(needs_few_factorisations), ONCE(degenerate_answers),
+             ONCE(single_exchanges_end_where_block_exchanges_cycle), ONCE(murty_family),
+             ONCE(warm_start_gives_the_cold_answer), ONCE(units_do_not_matter),
+             ONCE(same_bits_twice), ONCE(leading_dimension_and_indices_outside),
+             ONCE(matrices_that_are_no_p_matrices), ONCE(progress_can_cancel),
+             ONCE(enumerates_by_hand), ONCE(all_of_many_solutions_and_a_full_list),
+             ONCE(enumeration_does_not_see_units), ONCE(create_refuses), ONCE(solve_refuses),
+             ONCE(enumerate_refuses), ONCE(every_malloc_fails_in_turn));
 }

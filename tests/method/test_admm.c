@@ -340,30 +340,10 @@ START_TEST(memory) { /* one matrix, m^2 or the sparse one of the blocks, and O(m
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("admm");
-  TCase *t = tcase_create("by hand");
-  tcase_add_loop_test(t, by_hand, 0, own_count + hand_count);
-  tcase_add_test(t, first_iterations);
-  tcase_add_loop_test(t, no_solution_from_any_rho, 0, jammed_count);
-  tcase_add_loop_test(t, catalogue, 0, 8);
-  tcase_add_loop_test(t, never_worse, 0, 30);
-  tcase_add_loop_test(t, cancelled, 0, 2);
-  suite_add_tcase(suite, t);
-  t = tcase_create("random");
-  tcase_set_timeout(t, 60);
-  tcase_add_test(t, close_to_the_floor);
-  tcase_add_test(t, wrong_rho_is_mended);
-  suite_add_tcase(suite, t);
-  t = tcase_create("large");
-  tcase_set_timeout(t, 60);
-  tcase_add_loop_test(t, sparse_is_dense, 0, 2);
-  tcase_add_loop_test(t, announced_storage_allocates_nothing, 0, 2);
-  tcase_add_loop_test(t, no_memory_for_another, 0, 2);
-  tcase_add_loop_test(t, elastic_half_plane, 0, 4);
-  suite_add_tcase(suite, t);
-  t = tcase_create("bad input");
-  tcase_add_test(t, bad_create);
-  tcase_add_loop_test(t, memory, 0, 2);
-  suite_add_tcase(suite, t);
-  return run_suite(suite);
+  return RUN("admm", NULL, NULL, EACH(by_hand, 0, own_count + hand_count), ONCE(first_iterations),
+             EACH(no_solution_from_any_rho, 0, jammed_count), EACH(catalogue, 0, 8),
+             EACH(never_worse, 0, 30), EACH(cancelled, 0, 2), ONCE(close_to_the_floor),
+             ONCE(wrong_rho_is_mended), EACH(sparse_is_dense, 0, 2),
+             EACH(announced_storage_allocates_nothing, 0, 2), EACH(no_memory_for_another, 0, 2),
+             EACH(elastic_half_plane, 0, 4), ONCE(bad_create), EACH(memory, 0, 2));
 }

@@ -451,31 +451,9 @@ START_TEST(no_memory) { /* by the front door */
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("augmented");
-  TCase *t = tcase_create("springs");
-  tcase_add_test(t, one_candidate);
-  tcase_add_test(t, factor_of_convergence);
-  tcase_add_loop_test(t, return_mapping, 0, 40);
-  suite_add_tcase(suite, t);
-  t = tcase_create("by hand");
-  tcase_add_test(t, other_solution);
-  tcase_add_test(t, start_too_far);
-  tcase_add_loop_test(t, no_solution_gives_a_direction, 0, jammed_count);
-  tcase_add_test(t, catalogue);
-  tcase_add_test(t, too_stiff);
-  suite_add_tcase(suite, t);
-  t = tcase_create("random");
-  tcase_set_timeout(t, 60);
-  tcase_add_loop_test(t, rank_deficient, 0, 24);
-  tcase_add_loop_test(t, units, 0, 12);
-  tcase_add_test(t, smaller_problem);
-  tcase_add_test(t, storage);
-  tcase_add_test(t, cancelled);
-  tcase_add_loop_test(t, by_name, 0, 20);
-  suite_add_tcase(suite, t);
-  t = tcase_create("bad input");
-  tcase_add_test(t, bad_create);
-  tcase_add_test(t, no_memory);
-  suite_add_tcase(suite, t);
-  return run_suite(suite);
+  return RUN("augmented", NULL, NULL, ONCE(one_candidate), ONCE(factor_of_convergence),
+             EACH(return_mapping, 0, 40), ONCE(other_solution), ONCE(start_too_far),
+             EACH(no_solution_gives_a_direction, 0, jammed_count), ONCE(catalogue), ONCE(too_stiff),
+             EACH(rank_deficient, 0, 24), EACH(units, 0, 12), ONCE(smaller_problem), ONCE(storage),
+             ONCE(cancelled), EACH(by_name, 0, 20), ONCE(bad_create), ONCE(no_memory));
 }

@@ -295,16 +295,8 @@ START_TEST(turned_tangents) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("local");
-  TCase *hand = tcase_create("by hand");
-  tcase_add_loop_test(hand, by_hand, 0, sizeof cases / sizeof cases[0]);
-  tcase_add_loop_test(hand, units, 0, sizeof cases / sizeof cases[0]);
-  tcase_add_loop_test(hand, no_solution, 0, sizeof unsolvable / sizeof unsolvable[0]);
-  suite_add_tcase(suite, hand);
-  TCase *random = tcase_create("random");
-  tcase_set_timeout(random, 120);
-  tcase_add_loop_test(random, random_blocks, 0, 4);
-  tcase_add_test(random, turned_tangents);
-  suite_add_tcase(suite, random);
-  return run_suite(suite);
+  return RUN("local", NULL, NULL, EACH(by_hand, 0, sizeof cases / sizeof cases[0]),
+             EACH(units, 0, sizeof cases / sizeof cases[0]),
+             EACH(no_solution, 0, sizeof unsolvable / sizeof unsolvable[0]),
+             EACH(random_blocks, 0, 4), ONCE(turned_tangents));
 }

@@ -532,31 +532,10 @@ START_TEST(bad_create) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("newton");
-  TCase *t = tcase_create("by hand");
-  tcase_add_loop_test(t, no_solution, 0, jammed_count);
-  tcase_add_test(t, hyperstatic_without_sweeps);
-  tcase_add_loop_test(t, cycle, 0, sizeof cycles / sizeof cycles[0]);
-  tcase_add_test(t, without_friction);
-  tcase_add_test(t, catalogue);
-  tcase_add_loop_test(t, never_worse, 0, 30);
-  tcase_add_loop_test(t, cancelled, 0, 4);
-  suite_add_tcase(suite, t);
-  t = tcase_create("random");
-  tcase_set_timeout(t, 60);
-  tcase_add_loop_test(t, line_search_without_sweeps, 0, 40);
-  tcase_add_test(t, line_search_by_hand);
-  tcase_add_loop_test(t, head_is_lu, 0, 2);
-  suite_add_tcase(suite, t);
-  t = tcase_create("large");
-  tcase_set_timeout(t, 60);
-  tcase_add_loop_test(t, sparse_is_dense, 0, 2);
-  tcase_add_test(t, sparse_same_bits);
-  tcase_add_loop_test(t, no_memory_for_large, 0, 2);
-  tcase_add_test(t, memory);
-  suite_add_tcase(suite, t);
-  t = tcase_create("bad input");
-  tcase_add_test(t, bad_create);
-  suite_add_tcase(suite, t);
-  return run_suite(suite);
+  return RUN(
+      "newton", NULL, NULL, EACH(no_solution, 0, jammed_count), ONCE(hyperstatic_without_sweeps),
+      EACH(cycle, 0, sizeof cycles / sizeof cycles[0]), ONCE(without_friction), ONCE(catalogue),
+      EACH(never_worse, 0, 30), EACH(cancelled, 0, 4), EACH(line_search_without_sweeps, 0, 40),
+      ONCE(line_search_by_hand), EACH(head_is_lu, 0, 2), EACH(sparse_is_dense, 0, 2),
+      ONCE(sparse_same_bits), EACH(no_memory_for_large, 0, 2), ONCE(memory), ONCE(bad_create));
 }

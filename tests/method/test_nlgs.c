@@ -302,28 +302,10 @@ START_TEST(memory) { /* O(m), with Anderson O(window m) */
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("nlgs");
-  TCase *t = tcase_create("by hand");
-  tcase_add_loop_test(t, several_solutions_are_told, 0, hand_count);
-  tcase_add_test(t, ambiguous);
-  tcase_add_loop_test(t, one_jammed_candidate_stalls, 0, jammed_count);
-  tcase_add_test(t, cycle);
-  suite_add_tcase(suite, t);
-  t = tcase_create("random");
-  tcase_set_timeout(t, 60);
-  tcase_add_loop_test(t, relaxation_keeps_the_answer, 0, 40);
-  suite_add_tcase(suite, t);
-  t = tcase_create("accelerated");
-  tcase_set_timeout(t, 60);
-  tcase_add_loop_test(t, accelerated_random_problem, 0, 40);
-  tcase_add_loop_test(t, fclib_file, 0, sizeof files / sizeof files[0]);
-  tcase_add_test(t, accelerated_cycle);
-  tcase_add_loop_test(t, accelerated_units, 0, 40);
-  tcase_add_test(t, accelerated_workspace);
-  suite_add_tcase(suite, t);
-  t = tcase_create("bad input");
-  tcase_add_test(t, bad_create);
-  tcase_add_test(t, memory);
-  suite_add_tcase(suite, t);
-  return run_suite(suite);
+  return RUN("nlgs", NULL, NULL, EACH(several_solutions_are_told, 0, hand_count), ONCE(ambiguous),
+             EACH(one_jammed_candidate_stalls, 0, jammed_count), ONCE(cycle),
+             EACH(relaxation_keeps_the_answer, 0, 40), EACH(accelerated_random_problem, 0, 40),
+             EACH(fclib_file, 0, sizeof files / sizeof files[0]), ONCE(accelerated_cycle),
+             EACH(accelerated_units, 0, 40), ONCE(accelerated_workspace), ONCE(bad_create),
+             ONCE(memory));
 }

@@ -865,34 +865,10 @@ START_TEST(no_memory) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("primal");
-  TCase *t = tcase_create("by hand");
-  tcase_add_loop_test(t, by_hand, 0, 2 * hand_count);
-  suite_add_tcase(suite, t);
-  t = tcase_create("random");
-  tcase_set_timeout(t, 60);
-  tcase_add_loop_test(t, random_system, 0, 40);
-  tcase_add_loop_test(t, units, 0, 16);
-  tcase_add_loop_test(t, mixed_units, 0, 16);
-  tcase_add_loop_test(t, tolerance_zero, 0, 20);
-  tcase_add_test(t, load_steps);
-  tcase_add_test(t, fixed_point_cycles);
-  tcase_add_test(t, floors_are_kept_up_to_date);
-  tcase_add_test(t, overflow_is_not_solved);
-  suite_add_tcase(suite, t);
-  t = tcase_create("jean");
-  tcase_set_timeout(t, 60);
-  tcase_add_loop_test(t, jean_block, 0, 2);
-  tcase_add_loop_test(t, acceleration_pays, 0, 2);
-  tcase_add_test(t, stopped_early);
-  tcase_add_loop_test(t, weighted_is_refused, 0, 2);
-  suite_add_tcase(suite, t);
-  t = tcase_create("bad input");
-  tcase_add_test(t, bad_settings);
-  tcase_add_test(t, bad_model);
-  tcase_add_test(t, negative_curvature);
-  tcase_add_test(t, bad_solve);
-  tcase_add_test(t, no_memory);
-  suite_add_tcase(suite, t);
-  return run_suite(suite);
+  return RUN("primal", NULL, NULL, EACH(by_hand, 0, 2 * hand_count), EACH(random_system, 0, 40),
+             EACH(units, 0, 16), EACH(mixed_units, 0, 16), EACH(tolerance_zero, 0, 20),
+             ONCE(load_steps), ONCE(fixed_point_cycles), ONCE(floors_are_kept_up_to_date),
+             ONCE(overflow_is_not_solved), EACH(jean_block, 0, 2), EACH(acceleration_pays, 0, 2),
+             ONCE(stopped_early), EACH(weighted_is_refused, 0, 2), ONCE(bad_settings),
+             ONCE(bad_model), ONCE(negative_curvature), ONCE(bad_solve), ONCE(no_memory));
 }

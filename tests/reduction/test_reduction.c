@@ -1024,31 +1024,12 @@ START_TEST(bad_line) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("reduction");
-  TCase *t = tcase_create("reduction");
-  suite_add_tcase(suite, t);
-  tcase_add_loop_test(t, springs_by_hand, 0, 5);
-  tcase_add_loop_test(t, unsymmetric_by_hand, 0, 2);
-  tcase_add_loop_test(t, all_operators_agree, 0, 4);
-  tcase_add_loop_test(t, unsymmetric_stiffness, 0, 4);
-  tcase_add_loop_test(t, connected_parts, 0, 4);
-  tcase_add_test(t, lower_triangle);
-  tcase_add_test(t, batches);
-  tcase_add_loop_test(t, empty_tangents, 0, 4);
-  tcase_add_loop_test(t, same_bits_twice, 0, 8);
-  tcase_add_loop_test(t, units, 0, 12);
-  tcase_add_loop_test(t, mixed_units, 0, 8);
-  tcase_add_loop_test(t, singular_matrices, 0, 2);
-  tcase_add_loop_test(t, free_body, 0, 10);
-  tcase_add_test(t, part_too_large);
-  tcase_add_test(t, overflows);
-  tcase_add_test(t, callback_fails);
-  tcase_add_loop_test(t, bad_model, 0, 8);
-  tcase_add_test(t, bad_calls);
-  tcase_add_loop_test(t, every_malloc_fails, 0, 8);
-  tcase_add_loop_test(t, line_by_hand, 0, 4);
-  tcase_add_test(t, line_as_printed);
-  tcase_add_test(t, line_in_a_model);
-  tcase_add_test(t, bad_line);
-  return run_suite(suite);
+  return RUN("reduction", NULL, NULL, EACH(springs_by_hand, 0, 5), EACH(unsymmetric_by_hand, 0, 2),
+             EACH(all_operators_agree, 0, 4), EACH(unsymmetric_stiffness, 0, 4),
+             EACH(connected_parts, 0, 4), ONCE(lower_triangle), ONCE(batches),
+             EACH(empty_tangents, 0, 4), EACH(same_bits_twice, 0, 8), EACH(units, 0, 12),
+             EACH(mixed_units, 0, 8), EACH(singular_matrices, 0, 2), EACH(free_body, 0, 10),
+             ONCE(part_too_large), ONCE(overflows), ONCE(callback_fails), EACH(bad_model, 0, 8),
+             ONCE(bad_calls), EACH(every_malloc_fails, 0, 8), EACH(line_by_hand, 0, 4),
+             ONCE(line_as_printed), ONCE(line_in_a_model), ONCE(bad_line));
 }

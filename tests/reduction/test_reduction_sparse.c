@@ -907,30 +907,12 @@ START_TEST(every_malloc_fails) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("sparse reduction");
-  TCase *t = tcase_create("sparse reduction");
-  suite_add_tcase(suite, t);
-  tcase_set_timeout(t, 120);
-  tcase_add_loop_test(t, sparse_equals_dense, 0, 20);
-  tcase_add_test(t, unsymmetric_is_unsymmetric);
-  tcase_add_test(t, few_columns);
-  tcase_add_loop_test(t, jean_block, 0, 2);
-  tcase_add_loop_test(t, tied_contact_nodes, 0, 2);
-  tcase_add_test(t, pivoting_takes_room);
-  tcase_add_loop_test(t, same_bits, 0, 5);
-  tcase_add_loop_test(t, units, 0, 12);
-  tcase_add_loop_test(t, without_tangents, 0, 2);
-  tcase_add_test(t, without_W);
-  tcase_add_loop_test(t, update, 0, 5);
-  tcase_add_loop_test(t, estimate, 0, 2);
-  tcase_add_loop_test(t, indefinite, 0, 2);
-  tcase_add_loop_test(t, free_bodies, 0, 12);
-  tcase_add_test(t, held_body_has_no_modes);
-  tcase_add_loop_test(t, block_on_the_floor, 0, 3);
-  tcase_add_test(t, bad_modes);
-  tcase_add_loop_test(t, structurally_singular, 0, 6);
-  tcase_add_test(t, bad_input);
-  tcase_add_test(t, leaves_the_host_alone);
-  tcase_add_loop_test(t, every_malloc_fails, 0, 5);
-  return run_suite(suite);
+  return RUN("sparse reduction", NULL, NULL, EACH(sparse_equals_dense, 0, 20),
+             ONCE(unsymmetric_is_unsymmetric), ONCE(few_columns), EACH(jean_block, 0, 2),
+             EACH(tied_contact_nodes, 0, 2), ONCE(pivoting_takes_room), EACH(same_bits, 0, 5),
+             EACH(units, 0, 12), EACH(without_tangents, 0, 2), ONCE(without_W), EACH(update, 0, 5),
+             EACH(estimate, 0, 2), EACH(indefinite, 0, 2), EACH(free_bodies, 0, 12),
+             ONCE(held_body_has_no_modes), EACH(block_on_the_floor, 0, 3), ONCE(bad_modes),
+             EACH(structurally_singular, 0, 6), ONCE(bad_input), ONCE(leaves_the_host_alone),
+             EACH(every_malloc_fails, 0, 5));
 }

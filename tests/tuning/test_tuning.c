@@ -392,23 +392,13 @@ START_TEST(auto_splits_a_stack_at_rest) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("tuning");
-  TCase *t = tcase_create("tuning");
-  tcase_set_timeout(t, 300);
-  tcase_add_loop_test(t, sweeps_by_hand, 0, sizeof known_sweeps / sizeof known_sweeps[0]);
-  tcase_add_loop_test(t, fewer_sweeps, 0, 10);
-  tcase_add_test(t, same_visits_same_bits);
-  tcase_add_loop_test(t, steps_by_hand, 0, sizeof known_steps / sizeof known_steps[0]);
-  tcase_add_loop_test(t, few_steps_after_sweeps, 0, 40);
-  tcase_add_test(t, singular_sum_is_factorised_twice);
-  tcase_add_loop_test(t, few_changes_of_rho, 0, 8);
-  tcase_add_test(t, lemke_starts_from_the_last_step);
-  tcase_add_test(t, iteration_limit_is_honest);
-  tcase_add_test(t, later_stages_are_allocated_when_needed);
-  tcase_add_test(t, auto_solves_what_its_methods_do_not);
-  tcase_add_test(t, positive_definite_saves_steps);
-  tcase_add_test(t, auto_splits_where_it_is_large_and_stiff);
-  tcase_add_loop_test(t, auto_splits_a_stack_at_rest, 0, 6);
-  suite_add_tcase(suite, t);
-  return run_suite(suite);
+  return RUN(
+      "tuning", NULL, NULL, EACH(sweeps_by_hand, 0, sizeof known_sweeps / sizeof known_sweeps[0]),
+      EACH(fewer_sweeps, 0, 10), ONCE(same_visits_same_bits),
+      EACH(steps_by_hand, 0, sizeof known_steps / sizeof known_steps[0]),
+      EACH(few_steps_after_sweeps, 0, 40), ONCE(singular_sum_is_factorised_twice),
+      EACH(few_changes_of_rho, 0, 8), ONCE(lemke_starts_from_the_last_step),
+      ONCE(iteration_limit_is_honest), ONCE(later_stages_are_allocated_when_needed),
+      ONCE(auto_solves_what_its_methods_do_not), ONCE(positive_definite_saves_steps),
+      ONCE(auto_splits_where_it_is_large_and_stiff), EACH(auto_splits_a_stack_at_rest, 0, 6));
 }
