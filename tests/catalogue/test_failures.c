@@ -37,11 +37,6 @@ typedef struct instance {
   double M[FAILURE_N * FAILURE_N], q[FAILURE_N]; /* of lcp */
 } instance;
 
-static dls_contact failure_contact(const failure *f) {
-  return (dls_contact){
-      .d = f->d, .nc = f->nc, .W = {f->n, f->n, f->n, f->M}, .q = f->q, .mu = f->mu};
-}
-
 /* 0 for a contact problem in 3D, which has no LCP */
 static int make_instance(const failure *f, instance *i) {
   i->f = f;

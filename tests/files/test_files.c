@@ -1247,7 +1247,7 @@ int main(void) {
                            ONCE(write_arguments),
                            ONCE(fclib_malloc_fails),
 #else
-                            ONCE(without_hdf5),
+                           ONCE(without_hdf5),
 #endif
                            {NULL, 0, 0}};
   const int status = run_tests("files", rows, NULL, NULL);

@@ -207,25 +207,19 @@ END_TEST
 
 /* all of data/failures: solved where there is a solution, a direction where there is none */
 START_TEST(catalogue) {
-  static char names[128][64];
-  static failure f;
-  char why[200];
-  int problems = 0;
-  const int n = failures_list(TEST_DATA "/failures", names, 128);
-  for (int k = 0; k < n; k++) {
-    if (!failure_read(TEST_DATA "/failures", names[k], &f, why)) ck_abort_msg("%s", why);
-    if (!f.d) continue; /* an LCP */
-    const dls_contact p = {.d = f.d, .nc = f.nc, .W = {f.n, f.n, f.n, f.M}, .q = f.q, .mu = f.mu};
+  int problems;
+  const failure *f = contact_failures(&problems);
+  for (const failure *end = f + problems; f < end; f++) {
+    const dls_contact p = failure_contact(f);
     const dls_augmented_settings s = augmented_tol(1e-10);
     dls_augmented *work = new_augmented(&p, &s);
     double r[FAILURE_N];
     dls_info info;
     const dls_status status = solve_augmented(work, &p, &s, r, NULL, &info);
-    ck_assert_msg(status == (f.none ? DLS_STALLED : DLS_OK), "%s: %s", f.name,
+    ck_assert_msg(status == (f->none ? DLS_STALLED : DLS_OK), "%s: %s", f->name,
                   dls_status_name(status));
-    ck_assert_int_eq(dls_augmented_direction(work) != NULL, f.none);
+    ck_assert_int_eq(dls_augmented_direction(work) != NULL, f->none);
     dls_augmented_destroy(work);
-    problems++;
   }
   ck_assert_int_ge(problems, 27);
 }

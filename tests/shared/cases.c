@@ -518,6 +518,32 @@ void expect_memory(const tested_solver *s, int d, int nc, const void *given, dou
   s->destroy(work);
 }
 
+void expect_solve_unwinds(const tested_solver *s, void *work, const dls_contact *p, double *r) {
+  dls_error error;
+  r[0] = 9;
+  long k = 1;
+  for (;; k++) {
+    malloc_fails_at(k);
+    const dls_status status = s->solve(work, p, r, NULL, NULL, &error);
+    malloc_fails_at(0);
+    if (status == DLS_OK) break;
+    ck_assert_int_eq(status, DLS_E_MEMORY);
+    ck_assert_mem_eq(error.function, s->name, strlen(s->name));
+    ck_assert_str_eq(error.function + strlen(s->name), "_solve");
+    ck_assert(r[0] == 9);
+  }
+  ck_assert_int_gt(k, 1);
+}
+
+void expect_no_answer(const tested_solver *s, const dls_contact *p, const void *given) {
+  double r[most];
+  dls_info info;
+  const dls_status status = run_with(s, p, given, 1e-8, r, NULL, &info);
+  ck_assert_msg(status == DLS_STALLED || status == DLS_MAX_ITERATIONS, "%s: %d, %g", s->name,
+                (int)status, info.certificate.residual);
+  ck_assert(info.certificate.residual > 0.1 && info.certificate.residual <= 1 + 1e-15);
+}
+
 /* ---- bad input ------------------------------------------------------------------------------- */
 
 void refuses_to_create(const tested_solver *s, dls_status status, const char *argument,

@@ -120,6 +120,12 @@ void expect_reuse(const tested_solver *s, const model *a, const model *b);
 void expect_memory(const tested_solver *s, int d, int nc, const void *settings, double bytes,
                    double slack);
 
+/* solve of a problem that create was not told of: each malloc may fail, r and the workspace stay as good as
+ * they were */
+void expect_solve_unwinds(const tested_solver *s, void *work, const dls_contact *p, double *r);
+/* no solution: honest, and not worse than r = 0, whose residual is 1 */
+void expect_no_answer(const tested_solver *s, const dls_contact *p, const void *settings);
+
 /* A refused create leaves NULL; what all settings hold; and a refused solve leaves its outputs. */
 void refuses_to_create(const tested_solver *s, dls_status status, const char *argument,
                        long long index, int d, int nc, const void *settings);

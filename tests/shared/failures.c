@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "failures.h"
 
+#include <check.h>
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -151,4 +152,24 @@ int failure_read(const char *directory, const char *name, failure *f, char *why)
   }
   fclose(in);
   return good;
+}
+
+dls_contact failure_contact(const failure *f) {
+  return (dls_contact){
+      .d = f->d, .nc = f->nc, .W = {f->n, f->n, f->n, f->M}, .q = f->q, .mu = f->mu};
+}
+
+const failure *contact_failures(int *count) {
+  enum { capacity = 128 };
+  static char names[capacity][64];
+  static failure list[capacity];
+  char why[200];
+  const int n = failures_list(TEST_DATA "/failures", names, capacity);
+  *count = 0;
+  for (int k = 0; k < n; k++) {
+    failure *f = &list[*count];
+    if (!failure_read(TEST_DATA "/failures", names[k], f, why)) ck_abort_msg("%s", why);
+    *count += f->d > 0;
+  }
+  return list;
 }
