@@ -233,8 +233,9 @@ END_TEST
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
-/* Doubles of a workspace for a dense W, the terms of m^2. Lemke's method has the LCP and its table, each of
- * n^2, n the size of the LCP: 4 nc in 2D and 10 nc in 3D with 8 facets; auto has them up to a limit. */
+/* Doubles of a workspace for a dense W, the terms of m^2. Lemke's method has the LCP and its table,
+ * each of n^2, n the size of the LCP: 4 nc in 2D and 10 nc in 3D with 8 facets; auto has them up to
+ * a limit. */
 static double matrices(dls_method method, int d, int nc, int *pivots) {
   const double m = d * nc, n = (d == 2 ? 4 : 10) * nc;
   const int few = nc <= (d == 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D);
@@ -242,8 +243,8 @@ static double matrices(dls_method method, int d, int nc, int *pivots) {
   return (method == DLS_NLGS || method == DLS_LEMKE ? 0 : m * m) + (*pivots ? 2 * n * n : 0);
 }
 
-/* The order of memory: besides matrices O(m), 160 m doubles or 700 n for a table's pending pivots. A second
- * matrix would be seen. Each malloc may fail. */
+/* The order of memory: besides matrices O(m), 160 m doubles or 700 n for a table's pending pivots.
+ * A second matrix would be seen. Each malloc may fail. */
 START_TEST(memory) {
   const tested_solver s = door(_i);
   for (int d = 2; d <= 3; d++)

@@ -37,7 +37,7 @@ static double *new_doubles(size_t n) {
 }
 
 /* y := K x, a := |K||x| (n); K with leading dimension n */
-static void multiply(const double *K, const double *x, int n, double *y, double *a) {
+static void times(const double *K, const double *x, int n, double *y, double *a) {
   for (int i = 0; i < n; i++)
     y[i] = a[i] = 0;
   for (int j = 0; j < n; j++)
@@ -197,7 +197,7 @@ START_TEST(patch) {
   }
   ck_assert_int_eq(status, DLS_OK);
   ck_assert_int_eq(dls_fe_stiffness(&mesh, E0, nu0, K, crooked_n, NULL), DLS_OK);
-  multiply(K, u, crooked_n, Ku, size);
+  times(K, u, crooked_n, Ku, size);
   for (int i = 0; i < crooked_n; i++)
     ck_assert_double_eq_tol(Ku[i], f[i], 16 * DBL_EPSILON * size[i]);
   free(stress);
@@ -219,7 +219,7 @@ START_TEST(symmetric_and_rigid) {
       u[2 * i] = mode == 0 ? 1 : mode == 1 ? 0 : -mesh.xy[2 * i + 1];
       u[2 * i + 1] = mode == 0 ? 0 : mode == 1 ? 1 : mesh.xy[2 * i];
     }
-    multiply(K, u, crooked_n, Ku, size);
+    times(K, u, crooked_n, Ku, size);
     for (int i = 0; i < crooked_n; i++)
       ck_assert_double_eq_tol(Ku[i], 0, 16 * DBL_EPSILON * size[i]);
   }
@@ -452,8 +452,8 @@ START_TEST(scene) {
         ck_assert(m->K.a[(int)place[i] - 1 + ((int)place[j] - 1) * 296] == K[i + j * 306]);
   free(K);
 
-  /* resultants per metre: top 4e-3 m of 5e8 Pa; side segments of 5e-4 m: (10 + 12 + .. + 24) 1e8 Pa,
-   * or 8 times 5e8 Pa. Moments about (0, 0), counterclockwise. */
+  /* resultants per metre: top 4e-3 m of 5e8 Pa; side segments of 5e-4 m: (10 + 12 + .. + 24) 1e8
+   * Pa, or 8 times 5e8 Pa. Moments about (0, 0), counterclockwise. */
   double F[306], sum[3] = {0};
   ck_assert_int_eq(dls_fe_scene_displacement(s, data.f, F, NULL), DLS_OK);
   for (int i = 0; i < 153; i++) {

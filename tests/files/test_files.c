@@ -1,4 +1,5 @@
-/* test_files.c: FCLIB (HDF5) and Matrix Market files: what is read, what is written, what is refused. */
+/* test_files.c: FCLIB (HDF5) and Matrix Market files: what is read, what is written, what is
+ * refused. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <check.h>

@@ -341,7 +341,7 @@ START_TEST(tangent_frames_do_not_matter) {
 }
 END_TEST
 
-/* The same problem by blocks, in scrambled order, every block of a candidate's own split in two. */
+/* The problem by blocks, in scrambled order, every block of a candidate's own split in two. */
 START_TEST(blocks_give_the_facts_of_the_dense_matrix) {
   for (int d = 2; d <= 3; d++) {
     const int nc = 3, m = 3 * d;

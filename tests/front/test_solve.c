@@ -193,7 +193,7 @@ START_TEST(free_problem_is_answered_at_once) {
 }
 END_TEST
 
-/* ---- short calls: what is checked in one go ---------------------------------------------------- */
+/* ---- short calls: what is checked in one go -------------------------------------------------- */
 
 enum { FEW = 5 };
 
@@ -420,8 +420,8 @@ static void is_one_sweep(const dls_info *info) {
             info->stage[0].residual == info->certificate.residual);
 }
 
-/* To the bits of plain sweeps, which need a second one to see that nothing changes; up to 20 candidates
- * without memory. */
+/* To the bits of plain sweeps, which need a second one to see that nothing changes; up to 20
+ * candidates without memory. */
 START_TEST(candidates_apart_take_one_sweep) {
   for (unsigned seed = 1; seed <= 60; seed++) {
     apart a;
@@ -482,8 +482,8 @@ START_TEST(candidates_apart_in_any_units) {
 }
 END_TEST
 
-/* Candidate 0 is pressed alone, and by the block W_10 so is 1: that takes more sweeps. Where W_10 opens 1
- * instead, it does not. Where both are pressed from the start they meet. */
+/* Candidate 0 is pressed alone, and by the block W_10 so is 1: that takes more sweeps. Where W_10
+ * opens 1 instead, it does not. Where both are pressed from the start they meet. */
 START_TEST(a_neighbour_pressed_takes_more_sweeps) {
   for (int d = 2; d <= 3; d++)
     for (int way = 0; way < 3; way++) {
@@ -646,8 +646,8 @@ static dls_contact permuted(const dls_contact *p, const int *at, planted_problem
   return (dls_contact){.d = d, .nc = p->nc, .W = {m, m, m, b->W}, .q = b->q, .mu = b->mu};
 }
 
-/* Candidates in another order, W dense and by blocks: the same stages. Of sweeps alone the same bits; of full
- * rank, the same certificate but for rounding. */
+/* Candidates in another order, W dense and by blocks: the same stages. Of sweeps alone the same
+ * bits; of full rank, the same certificate but for rounding. */
 START_TEST(auto_does_not_see_the_order) {
   static planted_problem a, b;
   static double x[9 * PLANTED * PLANTED];
@@ -696,7 +696,8 @@ START_TEST(auto_does_not_see_the_order) {
 }
 END_TEST
 
-/* More rows than Newton's method has room for before it knows the storage, and more than auto's Lemke. */
+/* More rows than Newton's method has room for before it knows the storage, and more than auto's
+ * Lemke. */
 START_TEST(no_allocation_by_blocks_and_in_larger_problems) {
   enum { nc = 151 };
   static double x[4 * 3 * nc], load[2 * nc], friction[nc], r[2 * nc];
@@ -817,7 +818,8 @@ START_TEST(a_jam_has_likely_no_solution) {
 }
 END_TEST
 
-/* The sweeps of the jam stall at once and forecast nothing: what the solve before forecast does not count. */
+/* The sweeps of the jam stall at once and forecast nothing: what the solve before forecast does not
+ * count. */
 START_TEST(auto_forgets_the_solve_before) {
   static planted_problem a;
   const dls_contact jam = {.d = 2, .nc = 1, .W = {2, 2, 3, wedge_W}, .q = wedge_q, .mu = two};

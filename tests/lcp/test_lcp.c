@@ -435,8 +435,8 @@ static double uniform(void) { /* in [-1, 1) */
   return (double)(state >> 11) * 0x1p-52 - 1;
 }
 
-/* Kinds: positive definite and skew; small integers, degenerate and of any kind; the form of 2D friction
- * (zeros on the diagonal), one to three candidates. */
+/* Kinds: positive definite and skew; small integers, degenerate and of any kind; the form of 2D
+ * friction (zeros on the diagonal), one to three candidates. */
 enum { kinds = 3, tiny_most = 9 };
 
 static int random_lcp(int kind, double *M, double *q) {
@@ -521,7 +521,8 @@ START_TEST(tiny_agrees_with_all_solutions) {
 }
 END_TEST
 
-/* Units by powers of two, rows and columns separately, 2^-30 to 2^30: the same exchanges to the same bits. */
+/* Units by powers of two, rows and columns separately, 2^-30 to 2^30: the same exchanges to the
+ * same bits. */
 START_TEST(tiny_has_no_unit) {
   double M[tiny_most * tiny_most], q[tiny_most], z[tiny_most], M2[tiny_most * tiny_most],
       q2[tiny_most], z2[tiny_most];

@@ -18,7 +18,8 @@
 /* ---- by hand --------------------------------------------------------------------------------- */
 
 static const hand_case own[] = {
-    /* without friction: 2 r_1 + r_2 = 3, r_1 + 2 r_2 = 3 whatever the tangents do; W not symmetric */
+    /* without friction: 2 r_1 + r_2 = 3, r_1 + 2 r_2 = 3 whatever the tangents do; W not
+     * symmetric */
     {"two without friction",
      2,
      2,
@@ -153,9 +154,9 @@ END_TEST
 
 /* ---- random ---------------------------------------------------------------------------------- */
 
-/* Near the floor it is rounding that says when the certificate holds, and now and then it never does:
- * the error of (D2) is eps |W + rho D||x|, which for rho <= 100 is up to 100 floors. Of 2000 problems it
- * happens to 1 to 5, with 14 floors at the worst. */
+/* Near the floor it is rounding that says when the certificate holds, and now and then it never
+ * does: the error of (D2) is eps |W + rho D||x|, which for rho <= 100 is up to 100 floors. Of 2000
+ * problems it happens to 1 to 5, with 14 floors at the worst. */
 START_TEST(close_to_the_floor) {
   static model a;
   const dls_admm_settings s = admm_tol(0);
@@ -172,7 +173,8 @@ START_TEST(close_to_the_floor) {
 }
 END_TEST
 
-/* (D5): a start of rho a hundred or a thousand times too small costs a few times the iterations, not more. */
+/* (D5): a start of rho a hundred or a thousand times too small costs a few times the iterations,
+ * not more. */
 START_TEST(wrong_rho_is_mended) {
   static model a;
   const double rho[] = {1, 1e-2, 1e-3};

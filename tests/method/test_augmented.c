@@ -304,7 +304,8 @@ START_TEST(smaller_problem) { /* both come to Newton's method */
 END_TEST
 
 /* A chain of candidates by blocks with more unknowns than are factorised dense, pressed and pushed:
- * as announced to create nothing is allocated, not announced the same bits. Sparse and dense agree. */
+ * as announced to create nothing is allocated, not announced the same bits. Sparse and dense
+ * agree. */
 START_TEST(storage) {
   enum { nc = 200, m = 2 * nc };
   static double x[12 * nc], W[m * m], q[m], mu[nc], r[3][m];

@@ -114,8 +114,8 @@ START_TEST(never_worse_in_any_way) {
 }
 END_TEST
 
-/* data/failures: "solved" only where there is a solution, and then with the certificate (run). Which
- * ones it solves: all but C13 and C14. */
+/* data/failures: "solved" only where there is a solution, and then with the certificate (run).
+ * Which ones it solves: all but C13 and C14. */
 START_TEST(catalogue) {
   int contacts, solutions = 0, solved = 0;
   const failure *f = contact_failures(&contacts);
@@ -239,8 +239,8 @@ static int list_residual(void *data, const dls_progress *progress) {
   return 0;
 }
 
-/* (N4) done by hand: step by step the residuals that the method reports. u of a trial is the mean of the
- * two u it lies between. */
+/* (N4) done by hand: step by step the residuals that the method reports. u of a trial is the mean
+ * of the two u it lies between. */
 START_TEST(line_search_by_hand) {
   int halvings = 0, compared = 0;
   for (int number = 0; number < 400; number++) {
@@ -289,12 +289,12 @@ START_TEST(line_search_by_hand) {
 }
 END_TEST
 
-/* ---- the head of the matrix -------------------------------------------------------------------- */
+/* ---- the head of the matrix ------------------------------------------------------------------ */
 
 enum { bed_nc = 60, bed_m = 3 * bed_nc };
 
-/* Candidates in a row on an elastic bed, W the coupling exp(-|a - b| / 4) of blocks that are positive definite,
- * pressed by a hump and pushed; unsymmetric: by one bit. */
+/* Candidates in a row on an elastic bed, W the coupling exp(-|a - b| / 4) of blocks that are
+ * positive definite, pressed by a hump and pushed; unsymmetric: by one bit. */
 static dls_contact bed(int d, double mu_of_all, double push, int unsymmetric) {
   static const double block[] = {1, 0.2, 0.1, 0.2, 0.8, -0.1, 0.1, -0.1, 0.9};
   static double W[bed_m * bed_m], q[bed_m], mu[bed_nc];
@@ -314,7 +314,8 @@ static dls_contact bed(int d, double mu_of_all, double push, int unsymmetric) {
   return (dls_contact){.d = d, .nc = bed_nc, .W = {m, m, m, W}, .q = q, .mu = mu};
 }
 
-/* One bit in each block makes W unsymmetric and the method take LU of all: step by step the same residuals. */
+/* One bit in each block makes W unsymmetric and the method take LU of all: step by step the same
+ * residuals. */
 START_TEST(head_is_lu) {
   const int d = 2 + _i;
   const double mu[] = {0.2, 0.5, 1, 2};
@@ -346,7 +347,7 @@ START_TEST(head_is_lu) {
 }
 END_TEST
 
-/* ---- large: the matrices beyond 250 unknowns --------------------------------------------------- */
+/* ---- large: the matrices beyond 250 unknowns ------------------------------------------------- */
 
 enum { grid = 52, grid_nc = grid * grid, grid_m = 2 * grid_nc };
 
@@ -394,9 +395,9 @@ START_TEST(sparse_is_dense) {
 }
 END_TEST
 
-/* The sparse LU is the same each time, in any workspace. Left to choose (ICNTL(7) = 7) MUMPS takes an
- * ordering that draws random numbers for these unknowns, though not for 1800. A grid of candidates, each
- * coupled to four neighbours, nearly all of them sticking. */
+/* The sparse LU is the same each time, in any workspace. Left to choose (ICNTL(7) = 7) MUMPS takes
+ * an ordering that draws random numbers for these unknowns, though not for 1800. A grid of
+ * candidates, each coupled to four neighbours, nearly all of them sticking. */
 START_TEST(sparse_same_bits) {
   if (!WITH_MUMPS) return;
   static double x[5 * grid_nc * 4], q[grid_m], mu[grid_nc], r[3][grid_m];
@@ -439,7 +440,8 @@ START_TEST(sparse_same_bits) {
 }
 END_TEST
 
-/* What create was not told of: dense, then by blocks. Outputs untouched without memory, and the
+/* Solves a storage that create was not told of: dense, then by blocks. Outputs untouched without
+ * memory, and the
  * workspace as good as new. */
 START_TEST(no_memory_for_large) {
   dls_contact dense, blocks;
@@ -458,8 +460,8 @@ START_TEST(no_memory_for_large) {
 }
 END_TEST
 
-/* One matrix, m^2 or the sparse one of the blocks, and O(m); a solve of what was announced allocates
- * nothing. */
+/* One matrix, m^2 or the sparse one of the blocks, and O(m); a solve of what was announced
+ * allocates nothing. */
 START_TEST(memory) {
   dls_contact p[2];
   row_problem(0, &p[0], &p[1]);

@@ -230,7 +230,7 @@ static int stop(void *data, const dls_progress *progress) {
   return progress->iteration == *at;
 }
 
-/* What an earlier problem left in the workspace, cancelled half-way, plays no part. */
+/* Solves in a workspace that another problem left half-way, cancelled: to the same bits. */
 START_TEST(accelerated_workspace) {
   static model a, b;
   slow_model(&a, 0);

@@ -1,6 +1,6 @@
 /*
- * test_primal.c: projected Gauss-Seidel on the displacements: springs by hand, random systems and the
- * block of [Jean 1988] against Gauss-Seidel on the condensed problem, bad input.
+ * test_primal.c: projected Gauss-Seidel on the displacements: springs by hand, random systems and
+ * the block of [Jean 1988] against Gauss-Seidel on the condensed problem, bad input.
  */
 #include <check.h>
 #include <float.h>
@@ -235,8 +235,8 @@ static double noise(void) {
   return ((double)(seed >> 11) + 0.5) * 0x1p-52 - 1;
 }
 
-/* K = A A^T / n + I, of eigenvalues 1 .. 5 or so; loads that press; contact nodes anywhere, in inclined
- * frames; K dense for even i. */
+/* K = A A^T / n + I, of eigenvalues 1 .. 5 or so; loads that press; contact nodes anywhere, in
+ * inclined frames; K dense for even i. */
 static void random_springs(int i, springs *s) {
   static double A[most * most];
   const int nodes = 1 + i % most_nodes, n = 2 * nodes + 3 * i % 20;
@@ -270,7 +270,7 @@ static void random_springs(int i, springs *s) {
   finish(s, n, nodes, i % 2 ? DLS_STIFFNESS_SPARSE : DLS_STIFFNESS_DENSE);
 }
 
-/* The same by Gauss-Seidel on the reactions; *certificate: of r, in the condensed problem. */
+/* Solves by Gauss-Seidel on the reactions; *certificate: of r, in the condensed problem. */
 static void condensed(const springs *s, const double *r, answer *dual,
                       dls_certificate *certificate) {
   dls_reduction *reduction;
@@ -488,8 +488,8 @@ START_TEST(jean_block) {
   ok(dls_reduction_create(&reduction, &j.data.model, &error));
   ok(dls_reduction_load(reduction, j.data.f, j.data.g, &error));
   ok(dls_reduction_contact(reduction, j.data.mu, &problem, &error));
-  /* what is out of balance, at 1e-12 of the forces, moves the contact nodes by K^-1 times it: factors of
-   * 5.5 and 0.5 are measured; from a residual to r, 18 and 110 (test_jean.c) */
+  /* what is out of balance, at 1e-12 of the forces, moves the contact nodes by K^-1 times it:
+   * factors of 5.5 and 0.5 are measured; from a residual to r, 18 and 110 (test_jean.c) */
   ok(dls_contact_certify(&problem, j.r, NULL, &certificate, &error));
   ck_assert_double_le(certificate.residual, 10 * tol);
   dls_solver_settings nlgs;
@@ -602,8 +602,8 @@ START_TEST(load_steps) {
 }
 END_TEST
 
-/* The fixed point need not converge: u_t = (5 - b) / K_tt and b = mu (1 + K_nt u_t) multiply an error of b
- * by -3.6. The answer is u_t = 1 / 4.6. */
+/* The fixed point need not converge: u_t = (5 - b) / K_tt and b = mu (1 + K_nt u_t) multiply an
+ * error of b by -3.6. The answer is u_t = 1 / 4.6. */
 START_TEST(fixed_point_cycles) {
   springs s = {.K = {1, .9, .9, 1}, .f = {-1, 5}, .mu = {4}};
   set_node(&s, 0, 0, 1, 0);
@@ -617,8 +617,9 @@ START_TEST(fixed_point_cycles) {
 }
 END_TEST
 
-/* tol = 0: the floors that end it are those of a fresh R, taken every 50 sweeps at least. A chain of unit
- * springs from a wall to the contact, slow: 50 sweeps earlier the certificate does not hold yet. */
+/* tol = 0: the floors that end it are those of a fresh R, taken every 50 sweeps at least. A chain
+ * of unit springs from a wall to the contact, slow: 50 sweeps earlier the certificate does not hold
+ * yet. */
 START_TEST(floors_are_kept_up_to_date) {
   enum { n = most };
   static springs s;

@@ -309,7 +309,7 @@ void set_hand(model *a, const hand_case *k) {
     a->mu[c] = k->mu;
 }
 
-/* ---- what every solver owes ----------------------------------------------------------------- */
+/* ---- what every solver owes ------------------------------------------------------------------ */
 
 typedef union settings {
   char bytes[256];

@@ -1,6 +1,6 @@
 /*
- * cases.h: small contact problems that the tests of the solvers share, and what every solver has to do
- * with them.
+ * cases.h: small contact problems that the tests of the solvers share, and what every solver has to
+ * do with them.
  */
 #ifndef CASES_H
 #define CASES_H
@@ -29,7 +29,8 @@ void copy_model(model *a, const model *b);
 
 /* W = A A^T / m + I / 10, symmetric positive definite; q_n mostly < 0 */
 void random_model(model *a, int d, int nc, double mu);
-/* the i-th of them: 2D and 3D, up to 20 candidates, mu = 0 .. 0.6; starts the random numbers anew */
+/* the i-th of them: 2D and 3D, up to 20 candidates, mu = 0 .. 0.6; starts the random numbers
+ * anew */
 void numbered_model(model *a, int i);
 /* W = B B^T of half rank, with a solution of free, slipping and sticking candidates; mu = 0.3 */
 void deficient_model(model *a, int i);
@@ -52,8 +53,8 @@ typedef struct block_storage {
 } block_storage;
 dls_contact by_blocks(const model *a, block_storage *B);
 
-/* A row of row_nc 2D candidates, each coupled to its neighbours, in both storages, which the next call
- * overwrites: sticking, with mu large; or W singular, by pairs. */
+/* A row of row_nc 2D candidates, each coupled to its neighbours, in both storages, which the next
+ * call overwrites: sticking, with mu large; or W singular, by pairs. */
 enum { row_nc = 150, row_m = 2 * row_nc };
 void row_problem(int singular, dls_contact *dense, dls_contact *blocks);
 
@@ -104,9 +105,9 @@ dls_status run_with(const tested_solver *s, const dls_contact *p, const void *se
 /* Of numbered_model i, |r - r'| of answers with residuals of 1e-12 */
 double close_of(const model *a);
 
-/* ---- what every solver owes (tests/contract) ---------------------------------------------------
- *
- * settings: as from s->init(.., tol, 0) */
+/* ---- what every solver owes (tests/contract) ------------------------------------------------- */
+
+/* Below, settings are as from s->init(s, .., tol, 0). */
 
 /* Solves numbered_model i: again, warm, by blocks, reversed; and to the answer of `other`. */
 void expect_solved(const tested_solver *s, int i);
@@ -120,8 +121,8 @@ void expect_reuse(const tested_solver *s, const model *a, const model *b);
 void expect_memory(const tested_solver *s, int d, int nc, const void *settings, double bytes,
                    double slack);
 
-/* solve of a problem that create was not told of: each malloc may fail, r and the workspace stay as good as
- * they were */
+/* solve of a problem that create was not told of: each malloc may fail, r and the workspace stay as
+ * good as they were */
 void expect_solve_unwinds(const tested_solver *s, void *work, const dls_contact *p, double *r);
 /* no solution: honest, and not worse than r = 0, whose residual is 1 */
 void expect_no_answer(const tested_solver *s, const dls_contact *p, const void *settings);

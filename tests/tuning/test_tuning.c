@@ -1,7 +1,8 @@
 /*
- * test_tuning.c: pins what tuning may change: how many sweeps, steps, factorisations and pivots are taken,
- * which stages auto takes and how much it allocates for them, the bits of accelerated sweeps. A change of
- * tuning that breaks a test here needs a new figure; one that breaks a test elsewhere is a defect.
+ * test_tuning.c: pins what tuning may change: how many sweeps, steps, factorisations and pivots are
+ * taken, which stages auto takes and how much it allocates for them, the bits of accelerated
+ * sweeps. A change of tuning that breaks a test here needs a new figure; one that breaks a test
+ * elsewhere is a defect.
  */
 #include <check.h>
 #include <math.h>
@@ -19,7 +20,8 @@
 
 /* ---- sweeps ---------------------------------------------------------------------------------- */
 
-/* From r = 0: sweeps of Gauss-Seidel; steps of Newton without sweeps and eps = 0 (-1: it cycles). */
+/* From r = 0: sweeps of Gauss-Seidel; steps of Newton without sweeps and eps = 0 (-1: it
+ * cycles). */
 static const struct {
   const char *name;
   int sweeps, steps;
@@ -61,8 +63,9 @@ START_TEST(fewer_sweeps) {
 }
 END_TEST
 
-/* The candidates numbered backwards and visited in the same order, W singular, u afresh on the way: as long
- * as no residual is one of rounding, by which the best r is chosen, not a bit is another one. */
+/* The candidates numbered backwards and visited in the same order, W singular, u afresh on the way:
+ * as long as no residual is one of rounding, by which the best r is chosen, not a bit is another
+ * one. */
 START_TEST(same_visits_same_bits) {
   static model a, b;
   const dls_acceleration kinds[] = {DLS_ACCELERATION_AITKEN, DLS_ACCELERATION_ANDERSON,
@@ -173,13 +176,14 @@ enum { NC = 12, M = 2 * NC };
 
 static double W[M * M], q[M], mu[NC];
 
-static dls_contact random_problem(unsigned seed) {
+static dls_contact twelve_candidates(unsigned seed) {
   return coupled(W, q, mu, 2, NC, 0.5, 0.3, seed);
 }
 
-/* Ten steps of a load that turns: from the states of the step before, one round of the crash start is left. */
+/* Ten steps of a load that turns: from the states of the step before, one round of the crash start
+ * is left. */
 START_TEST(lemke_starts_from_the_last_step) {
-  dls_contact p = random_problem(6);
+  dls_contact p = twelve_candidates(6);
   double load[M], r[M], cold[M];
   int warm_pivots = 0, cold_pivots = 0;
   for (int k = 0; k < 10; k++) {
@@ -210,7 +214,7 @@ END_TEST
 
 START_TEST(iteration_limit_is_honest) {
   static const dls_method methods[] = {DLS_NLGS, DLS_LEMKE, DLS_AUTO};
-  const dls_contact p = random_problem(3);
+  const dls_contact p = twelve_candidates(3);
   for (int k = 0; k < 3; k++) { /* Newton is there after 2 */
     dls_solver_settings s = settings_of(methods[k]);
     s.limits.max_iterations = 2;
@@ -295,8 +299,8 @@ START_TEST(positive_definite_saves_steps) {
 }
 END_TEST
 
-/* The surface of an elastic half-plane held far below, pressed and pushed: dense, ill-conditioned, most
- * candidates sticking (test_admm.c). Newton's first steps do not settle it. */
+/* The surface of an elastic half-plane held far below, pressed and pushed: dense, ill-conditioned,
+ * most candidates sticking (test_admm.c). Newton's first steps do not settle it. */
 START_TEST(auto_splits_where_it_is_large_and_stiff) {
   enum { nc = 250, m = 2 * nc };
   static double plane[m * m], load[m], friction[nc], r[m];
@@ -311,9 +315,9 @@ START_TEST(auto_splits_where_it_is_large_and_stiff) {
 }
 END_TEST
 
-/* Square bricks one on the other, two candidates at the ends of each face that stands on something; W by
- * blocks, rank deficient. In one time step their weight gives them all the velocity (push, -1), or, stirred,
- * each candidate has a velocity of its own; unit of W, 1 / unit of velocities. */
+/* Square bricks one on the other, two candidates at the ends of each face that stands on something;
+ * W by blocks, rank deficient. In one time step their weight gives them all the velocity (push,
+ * -1), or, stirred, each candidate has a velocity of its own; unit of W, 1 / unit of velocities. */
 static dls_contact column_of_bricks(int bricks, double push, int stirred, double unit) {
   enum { high = 100 };
   static double x[4 * 2 * 6 * high], load[4 * high], friction[2 * high];
