@@ -230,8 +230,8 @@ END_TEST
 
 /* ---- stages of auto -------------------------------------------------------------------------- */
 
-/* Sweeps do not solve c11 (data/failures): dls_solve then allocates what
- * dls_solver_create does at once, but for the solver itself. */
+/* Sweeps do not solve c11 (data/failures): dls_solve then allocates what the next stages need,
+ * which dls_solver_create does at once for all of them. */
 START_TEST(later_stages_are_allocated_when_needed) {
   const double a[16] = {1, 1, 0, -1, 1, 2, 1, -2, 0, 1, 3, 0, -1, -2, 0, 3}, b[4] = {-1, 1, -1, 0},
                friction[2] = {1, 1};
@@ -242,7 +242,9 @@ START_TEST(later_stages_are_allocated_when_needed) {
   dls_solver *solver;
   ck_assert_int_eq(dls_solve(&p, &s, r, NULL, &info, NULL), DLS_OK);
   ck_assert_int_gt(info.stages, 1);
-  ck_assert_int_eq(fail_in_turn(&p, &s, 1), fail_in_turn(&p, &s, 0) - 1);
+  const long at_once = fail_in_turn(&p, &s, 1);
+  ck_assert_int_gt(at_once, 1);
+  ck_assert_int_le(at_once, fail_in_turn(&p, &s, 0) - 1);
   ck_assert_int_eq(dls_solver_create(&solver, 2, 2, &s, NULL), DLS_OK);
   ck_assert_int_eq(dls_solver_solve(solver, &p, t, NULL, NULL, NULL), DLS_OK);
   dls_solver_destroy(solver);
