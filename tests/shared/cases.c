@@ -375,6 +375,19 @@ void expect_answer_of(const tested_solver *s, int i, dls_method other) {
     ck_assert(fabs(r[k] - r2[k]) <= close_of(&a) * (tol / 1e-12));
 }
 
+void expect_same_answer(const tested_solver *s, int i, const void *given) {
+  static model a;
+  numbered_model(&a, i);
+  settings own;
+  init(s, &own, 1e-12, 0);
+  double r[most], r2[most];
+  dls_info info;
+  ck_assert_int_eq(run_with(s, &a.p, &own, 1e-12, r, NULL, &info), DLS_OK);
+  ck_assert_int_eq(run_with(s, &a.p, given, 1e-12, r2, NULL, &info), DLS_OK);
+  for (int k = 0; k < a.p.d * a.p.nc; k++)
+    ck_assert(fabs(r[k] - r2[k]) <= close_of(&a));
+}
+
 void expect_solved(const tested_solver *s, int i) {
   static model a, b;
   static block_storage B;

@@ -112,6 +112,8 @@ double close_of(const model *a);
 /* Solves numbered_model i: again, warm, by blocks, reversed; and to the answer of `other`. */
 void expect_solved(const tested_solver *s, int i);
 void expect_answer_of(const tested_solver *s, int i, dls_method other);
+/* and to the answer of other settings, tol = 1e-12 too */
+void expect_same_answer(const tested_solver *s, int i, const void *settings);
 void expect_any_units(const tested_solver *s, const model *a, const void *settings, double tol);
 void expect_any_tangents(const tested_solver *s, int i);
 void expect_floor(const tested_solver *s, int i); /* tol = 0 */
