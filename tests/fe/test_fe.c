@@ -14,6 +14,7 @@
 
 #include "delassus/fe.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 /* Makes a call that must fail; checks status, argument and index of the error. */
 #define REJECTED(call, wanted, name, place)                                                        \
@@ -36,7 +37,7 @@ static double *new_doubles(size_t n) {
 }
 
 /* y := K x, a := |K||x| (n); K with leading dimension n */
-static void multiply_full(const double *K, const double *x, int n, double *y, double *a) {
+static void times(const double *K, const double *x, int n, double *y, double *a) {
   for (int i = 0; i < n; i++)
     y[i] = a[i] = 0;
   for (int j = 0; j < n; j++)
@@ -196,7 +197,7 @@ START_TEST(patch) {
   }
   ck_assert_int_eq(status, DLS_OK);
   ck_assert_int_eq(dls_fe_stiffness(&mesh, E0, nu0, K, crooked_n, NULL), DLS_OK);
-  multiply_full(K, u, crooked_n, Ku, size);
+  times(K, u, crooked_n, Ku, size);
   for (int i = 0; i < crooked_n; i++)
     ck_assert_double_eq_tol(Ku[i], f[i], 16 * DBL_EPSILON * size[i]);
   free(stress);
@@ -218,7 +219,7 @@ START_TEST(symmetric_and_rigid) {
       u[2 * i] = mode == 0 ? 1 : mode == 1 ? 0 : -mesh.xy[2 * i + 1];
       u[2 * i + 1] = mode == 0 ? 0 : mode == 1 ? 1 : mesh.xy[2 * i];
     }
-    multiply_full(K, u, crooked_n, Ku, size);
+    times(K, u, crooked_n, Ku, size);
     for (int i = 0; i < crooked_n; i++)
       ck_assert_double_eq_tol(Ku[i], 0, 16 * DBL_EPSILON * size[i]);
   }
@@ -750,38 +751,10 @@ START_TEST(vtu_disk_full) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("fe");
-  TCase *t = tcase_create("mesh");
-  tcase_add_test(t, block);
-  tcase_add_test(t, block_ends_at_its_lengths);
-  tcase_add_test(t, block_bad_input);
-  suite_add_tcase(suite, t);
-  t = tcase_create("t3");
-  tcase_add_test(t, one_triangle_by_hand);
-  tcase_add_test(t, patch);
-  tcase_add_test(t, symmetric_and_rigid);
-  tcase_add_test(t, units);
-  tcase_add_test(t, flat_triangles);
-  tcase_add_test(t, edge_load);
-  tcase_add_loop_test(t, mesh_bad_input, 0, 3);
-  tcase_add_test(t, t3_bad_input);
-  suite_add_tcase(suite, t);
-  t = tcase_create("scene");
-  tcase_add_test(t, scene_names);
-  tcase_add_loop_test(t, scene, 0, 4);
-  tcase_add_test(t, scene_twice);
-  tcase_add_test(t, scene_bad_input);
-  tcase_add_test(t, scene_without_memory);
-  suite_add_tcase(suite, t);
-  t = tcase_create("vtu");
-  tcase_add_checked_fixture(t, make_folder, remove_folder);
-  tcase_add_test(t, vtu);
-  tcase_add_test(t, vtu_bad_input);
-  tcase_add_test(t, vtu_disk_full);
-  suite_add_tcase(suite, t);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return RUN("fe", make_folder, remove_folder, ONCE(block), ONCE(block_ends_at_its_lengths),
+             ONCE(block_bad_input), ONCE(one_triangle_by_hand), ONCE(patch),
+             ONCE(symmetric_and_rigid), ONCE(units), ONCE(flat_triangles), ONCE(edge_load),
+             EACH(mesh_bad_input, 0, 3), ONCE(t3_bad_input), ONCE(scene_names), EACH(scene, 0, 4),
+             ONCE(scene_twice), ONCE(scene_bad_input), ONCE(scene_without_memory), ONCE(vtu),
+             ONCE(vtu_bad_input), ONCE(vtu_disk_full));
 }

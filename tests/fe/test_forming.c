@@ -14,6 +14,7 @@
 
 #include "fe/forming_internal.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 static dls_error error;
 
@@ -240,7 +241,7 @@ static const method methods[] = {
 enum { method_count = sizeof methods / sizeof methods[0] };
 
 /* largest difference of a from b over the largest of b */
-static double relative_distance(const double *a, const double *b, int n) {
+static double worst_of(const double *a, const double *b, int n) {
   double d = 0, m = 0;
   for (int i = 0; i < n; i++) {
     d = fmax(d, fabs(a[i] - b[i]));
@@ -266,8 +267,8 @@ START_TEST(methods_agree) {
     ck_assert_int_eq(dls_forming_step(reference, &error), DLS_OK);
     ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
     const dls_forming_data a = get(f), b = get(reference);
-    worst = fmax(worst, relative_distance(a.reaction, b.reaction, 2 * a.mesh->nodes));
-    worst = fmax(worst, relative_distance(a.displacement, b.displacement, 2 * a.mesh->nodes));
+    worst = fmax(worst, worst_of(a.reaction, b.reaction, 2 * a.mesh->nodes));
+    worst = fmax(worst, worst_of(a.displacement, b.displacement, 2 * a.mesh->nodes));
   }
   ck_assert_double_le(worst, m->agreement);
   if (m->contact == DLS_FORMING_PENALTY) {
@@ -300,7 +301,7 @@ START_TEST(newton_on_stiffness) {
     ck_assert_int_eq(dls_forming_step(reference, &error), DLS_OK);
     ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
     const dls_forming_data a = get(f), b = get(reference);
-    worst = fmax(worst, relative_distance(a.reaction, b.reaction, 2 * a.mesh->nodes));
+    worst = fmax(worst, worst_of(a.reaction, b.reaction, 2 * a.mesh->nodes));
   }
   const dls_forming_data a = get(f), b = get(reference);
   ck_assert_double_le(worst, 1e-10);
@@ -339,12 +340,11 @@ START_TEST(failed_step) {
   ck_assert_int_eq(a.count.halvings, 6);
   ck_assert(a.travel == b.travel && a.force == b.force);
   ck_assert(memcmp(a.displacement, b.displacement, size) == 0);
-  ck_assert_double_le(relative_distance(a.stress, b.stress, 16 * a.mesh->quads), 1e-12);
+  ck_assert_double_le(worst_of(a.stress, b.stress, 16 * a.mesh->quads), 1e-12);
   ck_assert_double_le(a.equilibrium, s.tol);
   ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
   ck_assert_int_eq(dls_forming_step(twin, &error), DLS_OK);
-  ck_assert_double_le(relative_distance(get(f).reaction, get(twin).reaction, 2 * a.mesh->nodes),
-                      1e-8);
+  ck_assert_double_le(worst_of(get(f).reaction, get(twin).reaction, 2 * a.mesh->nodes), 1e-8);
   dls_forming_destroy(f);
   dls_forming_destroy(twin);
 }
@@ -480,25 +480,9 @@ START_TEST(vtu) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("forming");
-  TCase *tests = tcase_create("forming");
-  tcase_set_timeout(tests, 600);
-  tcase_add_loop_test(tests, reference_forces, 0, 2 * run_count);
-  tcase_add_test(tests, standard_elements_lock);
-  tcase_add_loop_test(tests, energy, 0, 2);
-  tcase_add_loop_test(tests, friction_energy, 0, 2);
-  tcase_add_test(tests, update_as_printed);
-  tcase_add_test(tests, quadratic_convergence);
-  tcase_add_loop_test(tests, methods_agree, 0, 2 * method_count);
-  tcase_add_loop_test(tests, newton_on_stiffness, 0, 3);
-  tcase_add_test(tests, failed_step);
-  tcase_add_test(tests, bad_input);
-  tcase_add_test(tests, without_memory);
-  tcase_add_test(tests, vtu);
-  suite_add_tcase(suite, tests);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return RUN("forming", NULL, NULL, EACH(reference_forces, 0, 2 * run_count),
+             ONCE(standard_elements_lock), EACH(energy, 0, 2), EACH(friction_energy, 0, 2),
+             ONCE(update_as_printed), ONCE(quadratic_convergence),
+             EACH(methods_agree, 0, 2 * method_count), EACH(newton_on_stiffness, 0, 3),
+             ONCE(failed_step), ONCE(bad_input), ONCE(without_memory), ONCE(vtu));
 }

@@ -15,6 +15,7 @@
 
 #include "delassus.h"
 #include "delassus/fe.h"
+#include "run.h"
 
 enum { nc = 16, m = 2 * nc, line = 17, n = 296, mesh_n = 306 };
 enum { Q1, Q2, RT, RN, RN_EQUIVALENT, columns };
@@ -276,10 +277,10 @@ START_TEST(equilibrium) {
 }
 END_TEST
 
-/* Fig. 4: all candidates slide, so both ways of computation give the same displacements and
- * nodal reactions (the paper's remark): r_t = -mu r_n at every candidate gives R_t = -mu R_n at
- * every node, and u_n = 0 at every candidate gives u_n = 0 at every node, P being regular without
- * row 17. */
+/* Fig. 4: all candidates slide, so both ways of computation give the same displacements and nodal
+ * reactions (the paper's remark): r_t = -mu r_n at every candidate gives R_t = -mu R_n at every
+ * node, and u_n = 0 at every candidate gives u_n = 0 at every node, P being regular without row
+ * 17. */
 START_TEST(all_slide) {
   dls_fe_scene *scene[2];
   answer *a[2];
@@ -302,16 +303,7 @@ START_TEST(all_slide) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("jean");
-  TCase *t = tcase_create("jean");
-  tcase_add_loop_test(t, printed_table, 0, 2 * table_count);
-  tcase_add_loop_test(t, methods_agree, 0, table_count);
-  tcase_add_loop_test(t, equilibrium, 0, table_count);
-  tcase_add_test(t, all_slide);
-  suite_add_tcase(suite, t);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return RUN("jean", NULL, NULL, EACH(printed_table, 0, 2 * table_count),
+             EACH(methods_agree, 0, table_count), EACH(equilibrium, 0, table_count),
+             ONCE(all_slide));
 }

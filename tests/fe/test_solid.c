@@ -8,6 +8,7 @@
 #include "close.h"
 #include "fe/solid.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 static const dlsi_hardening steel = {.factor = 593, .offset = 0.00384, .exponent = 0.202};
 static const dlsi_hardening rigid = {.factor = 1e300, .offset = 1, .exponent = 1};
@@ -543,28 +544,10 @@ START_TEST(band_solves_with_supports) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("solid");
-  TCase *tests = tcase_create("solid");
-  tcase_set_timeout(tests, 300);
-  tcase_add_test(tests, hardening_functions);
-  tcase_add_test(tests, small_strains_obey_hooke);
-  tcase_add_test(tests, return_mapping);
-  tcase_add_test(tests, bad_points);
-  tcase_add_loop_test(tests, tangent_is_the_derivative_of_the_forces, 0, 8);
-  tcase_add_loop_test(tests, elastic_forces_are_a_gradient, 0, 4);
-  tcase_add_test(tests, rotations_do_no_work);
-  tcase_add_test(tests, inside_out);
-  tcase_add_loop_test(tests, patch, 0, 8);
-  tcase_add_test(tests, no_locking);
-  tcase_add_test(tests, one_element_compressed);
-  tcase_add_test(tests, plane_and_cylinder);
-  tcase_add_test(tests, profile_with_joints);
-  tcase_add_test(tests, beyond_the_end_of_a_line);
-  tcase_add_test(tests, band_solves_with_supports);
-  suite_add_tcase(suite, tests);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return RUN(
+      "solid", NULL, NULL, ONCE(hardening_functions), ONCE(small_strains_obey_hooke),
+      ONCE(return_mapping), ONCE(bad_points), EACH(tangent_is_the_derivative_of_the_forces, 0, 8),
+      EACH(elastic_forces_are_a_gradient, 0, 4), ONCE(rotations_do_no_work), ONCE(inside_out),
+      EACH(patch, 0, 8), ONCE(no_locking), ONCE(one_element_compressed), ONCE(plane_and_cylinder),
+      ONCE(beyond_the_end_of_a_line), ONCE(profile_with_joints), ONCE(band_solves_with_supports));
 }

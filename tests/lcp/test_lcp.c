@@ -8,11 +8,9 @@
 
 #include "../lcp/lcp_internal.h"
 #include "delassus/pivoting.h"
+#include "lcp_of.h"
 #include "malloc_fails.h"
-
-static dls_lcp lcp_of(int n, const double *M, const double *q) {
-  return (dls_lcp){n, {n, n, n, M}, q};
-}
+#include "run.h"
 
 static void check_error(const dls_error *error, dls_status status, const char *argument,
                         long long index) {
@@ -429,24 +427,8 @@ START_TEST(a_high_floor_excuses_nothing) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("lcp");
-  TCase *c = tcase_create("lcp");
-  tcase_add_test(c, certificate_by_hand);
-  tcase_add_test(c, certificate_has_no_unit);
-  tcase_add_test(c, certificate_of_q_zero_and_of_overflow);
-  tcase_add_test(c, holds);
-  tcase_add_test(c, bad_lcp);
-  tcase_add_test(c, ray_by_hand);
-  tcase_add_test(c, farkas_by_hand);
-  tcase_add_test(c, bad_proofs);
-  tcase_add_test(c, states_by_hand);
-  tcase_add_test(c, scaled_and_by_blocks);
-  tcase_add_test(c, bad_contact);
-  tcase_add_test(c, a_high_floor_excuses_nothing);
-  suite_add_tcase(suite, c);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed != 0;
+  return RUN("lcp", NULL, NULL, ONCE(certificate_by_hand), ONCE(certificate_has_no_unit),
+             ONCE(certificate_of_q_zero_and_of_overflow), ONCE(holds), ONCE(bad_lcp),
+             ONCE(ray_by_hand), ONCE(farkas_by_hand), ONCE(bad_proofs), ONCE(states_by_hand),
+             ONCE(scaled_and_by_blocks), ONCE(bad_contact), ONCE(a_high_floor_excuses_nothing));
 }
