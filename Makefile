@@ -54,7 +54,7 @@ CHECK_LIBS = $(shell $(PKG_CONFIG) --libs check)
 
 LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/linear src/files src/front lcp vi reduction))
 LIB_SRC := $(filter-out $(if $(HDF5_CFLAGS),src/files/fclib_none.c,src/files/fclib_read.c src/files/fclib_write.c),$(LIB_SRC))
-NO_MUMPS := $(addprefix src/linear/,sparse_lu_none.c schur_none.c)
+NO_MUMPS := src/linear/mumps_none.c
 WITH_MUMPS := $(addprefix src/linear/,sparse_lu.c schur.c dissection.c)
 LIB_SRC := $(filter-out $(if $(MUMPS_LIBS),$(NO_MUMPS),$(WITH_MUMPS)),$(LIB_SRC))
 FE_SRC := $(wildcard src/fe/*.c)
@@ -68,7 +68,7 @@ ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h tests/*/*.h
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 LIB_OBJ := $(call obj,$(LIB_SRC))
 # fe is a library of its own: it carries the hidden functions that it shares
-FE_OBJ := $(call obj,$(FE_SRC)) $(patsubst %,$(BUILD)/obj/src/%.o,base/status base/memory files/file)
+FE_OBJ := $(call obj,$(FE_SRC)) $(patsubst %,$(BUILD)/obj/src/%.o,base/status base/memory base/number base/check files/file)
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(EXAMPLE_SRC))
 
