@@ -21,7 +21,7 @@ static dls_contact dense2(void) {
   return (dls_contact){.d = 2, .nc = 2, .W = {4, 4, 4, W2}, .q = q2, .mu = mu2};
 }
 
-/* W by blocks, its first column's blocks in descending order, one split in two. */
+/* The same W by blocks, its first column's blocks in descending order, one split in two. */
 static int p2[3] = {0, 3, 5};
 static int i2[5] = {1, 0, 0, 0, 1};
 static double x2[20] = {1, 0, 0, 1, 3, 1, 0, 3, 1, 0, 1, 0, 1, 0, 0, 1, 4, -1, -1, 3};

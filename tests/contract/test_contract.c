@@ -150,10 +150,6 @@ START_TEST(start_that_overflows) {
   double r[2] = {1.7e308, 1.7e308};
   dls_info info;
   const dls_status status = solve_from(&s, &a.p, 1e-12, 1, r, &info);
-  if (s.method == DLS_NLGS) { /* keeps the start */
-    ck_assert_int_eq(status, DLS_STALLED);
-    return;
-  }
   ck_assert_int_eq(status, DLS_OK);
   const double close = s.tol > 0 ? 1e-5 : 1e-11;
   ck_assert(fabs(r[0] - 1) <= close && fabs(r[1] + .5) <= close);
@@ -173,8 +169,12 @@ START_TEST(units) {
   const tested_solver s = door(_i / 12);
   static model a;
   numbered_model(&a, _i % 12);
-  const any_settings settings = settings_for(&s, 1e-10, 0);
-  expect_any_units(&s, &a, &settings, s.tol > 0 ? s.tol : 1e-10);
+  /* powers of ten round: below 1e-8 that decides now and then which columns Anderson drops */
+  for (int two = 0; two < 2; two++) {
+    const double tol = two ? 1e-10 : 1e-8;
+    const any_settings settings = settings_for(&s, tol, 0);
+    expect_any_units(&s, &a, &settings, s.tol > 0 ? s.tol : tol, two);
+  }
 }
 END_TEST
 

@@ -37,7 +37,7 @@ static double *new_doubles(size_t n) {
 }
 
 /* y := K x, a := |K||x| (n); K with leading dimension n */
-static void times(const double *K, const double *x, int n, double *y, double *a) {
+static void multiply_full(const double *K, const double *x, int n, double *y, double *a) {
   for (int i = 0; i < n; i++)
     y[i] = a[i] = 0;
   for (int j = 0; j < n; j++)
@@ -197,7 +197,7 @@ START_TEST(patch) {
   }
   ck_assert_int_eq(status, DLS_OK);
   ck_assert_int_eq(dls_fe_stiffness(&mesh, E0, nu0, K, crooked_n, NULL), DLS_OK);
-  times(K, u, crooked_n, Ku, size);
+  multiply_full(K, u, crooked_n, Ku, size);
   for (int i = 0; i < crooked_n; i++)
     ck_assert_double_eq_tol(Ku[i], f[i], 16 * DBL_EPSILON * size[i]);
   free(stress);
@@ -219,7 +219,7 @@ START_TEST(symmetric_and_rigid) {
       u[2 * i] = mode == 0 ? 1 : mode == 1 ? 0 : -mesh.xy[2 * i + 1];
       u[2 * i + 1] = mode == 0 ? 0 : mode == 1 ? 1 : mesh.xy[2 * i];
     }
-    times(K, u, crooked_n, Ku, size);
+    multiply_full(K, u, crooked_n, Ku, size);
     for (int i = 0; i < crooked_n; i++)
       ck_assert_double_eq_tol(Ku[i], 0, 16 * DBL_EPSILON * size[i]);
   }

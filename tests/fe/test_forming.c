@@ -241,7 +241,7 @@ static const method methods[] = {
 enum { method_count = sizeof methods / sizeof methods[0] };
 
 /* largest difference of a from b over the largest of b */
-static double worst_of(const double *a, const double *b, int n) {
+static double relative_distance(const double *a, const double *b, int n) {
   double d = 0, m = 0;
   for (int i = 0; i < n; i++) {
     d = fmax(d, fabs(a[i] - b[i]));
@@ -267,8 +267,8 @@ START_TEST(methods_agree) {
     ck_assert_int_eq(dls_forming_step(reference, &error), DLS_OK);
     ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
     const dls_forming_data a = get(f), b = get(reference);
-    worst = fmax(worst, worst_of(a.reaction, b.reaction, 2 * a.mesh->nodes));
-    worst = fmax(worst, worst_of(a.displacement, b.displacement, 2 * a.mesh->nodes));
+    worst = fmax(worst, relative_distance(a.reaction, b.reaction, 2 * a.mesh->nodes));
+    worst = fmax(worst, relative_distance(a.displacement, b.displacement, 2 * a.mesh->nodes));
   }
   ck_assert_double_le(worst, m->agreement);
   if (m->contact == DLS_FORMING_PENALTY) {
@@ -301,7 +301,7 @@ START_TEST(newton_on_stiffness) {
     ck_assert_int_eq(dls_forming_step(reference, &error), DLS_OK);
     ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
     const dls_forming_data a = get(f), b = get(reference);
-    worst = fmax(worst, worst_of(a.reaction, b.reaction, 2 * a.mesh->nodes));
+    worst = fmax(worst, relative_distance(a.reaction, b.reaction, 2 * a.mesh->nodes));
   }
   const dls_forming_data a = get(f), b = get(reference);
   ck_assert_double_le(worst, 1e-10);
@@ -340,11 +340,12 @@ START_TEST(failed_step) {
   ck_assert_int_eq(a.count.halvings, 6);
   ck_assert(a.travel == b.travel && a.force == b.force);
   ck_assert(memcmp(a.displacement, b.displacement, size) == 0);
-  ck_assert_double_le(worst_of(a.stress, b.stress, 16 * a.mesh->quads), 1e-12);
+  ck_assert_double_le(relative_distance(a.stress, b.stress, 16 * a.mesh->quads), 1e-12);
   ck_assert_double_le(a.equilibrium, s.tol);
   ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
   ck_assert_int_eq(dls_forming_step(twin, &error), DLS_OK);
-  ck_assert_double_le(worst_of(get(f).reaction, get(twin).reaction, 2 * a.mesh->nodes), 1e-8);
+  ck_assert_double_le(relative_distance(get(f).reaction, get(twin).reaction, 2 * a.mesh->nodes),
+                      1e-8);
   dls_forming_destroy(f);
   dls_forming_destroy(twin);
 }

@@ -277,10 +277,10 @@ START_TEST(equilibrium) {
 }
 END_TEST
 
-/* Fig. 4: all candidates slide, so both ways of computation give the same displacements and nodal
- * reactions (the paper's remark): r_t = -mu r_n at every candidate gives R_t = -mu R_n at every
- * node, and u_n = 0 at every candidate gives u_n = 0 at every node, P being regular without row
- * 17. */
+/* Fig. 4: all candidates slide, so both ways of computation give the same displacements and
+ * nodal reactions (the paper's remark): r_t = -mu r_n at every candidate gives R_t = -mu R_n at
+ * every node, and u_n = 0 at every candidate gives u_n = 0 at every node, P being regular without
+ * row 17. */
 START_TEST(all_slide) {
   dls_fe_scene *scene[2];
   answer *a[2];

@@ -549,5 +549,5 @@ int main(void) {
       ONCE(return_mapping), ONCE(bad_points), EACH(tangent_is_the_derivative_of_the_forces, 0, 8),
       EACH(elastic_forces_are_a_gradient, 0, 4), ONCE(rotations_do_no_work), ONCE(inside_out),
       EACH(patch, 0, 8), ONCE(no_locking), ONCE(one_element_compressed), ONCE(plane_and_cylinder),
-      ONCE(beyond_the_end_of_a_line), ONCE(profile_with_joints), ONCE(band_solves_with_supports));
+      ONCE(profile_with_joints), ONCE(beyond_the_end_of_a_line), ONCE(band_solves_with_supports));
 }
