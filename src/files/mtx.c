@@ -67,9 +67,9 @@ static void scan(scanner *s) {
 static void blame(scanner *s, dls_status status, const char *text) {
   const char *word = s->length ? s->word : "end of file";
   if (s->status) return;
-  s->status = status;
   (void)dlsi_fail(s->error, status, "path", s->line, 0, "line %lld, '%.20s': %s", s->line, word,
                   text);
+  s->status = status;
 }
 
 /* Reports the word as a wrong format unless `holds`. */
