@@ -85,7 +85,7 @@ static dls_contact stamp(int n) {
   return p;
 }
 
-static double log_integral(double x) {
+static double plane_integral(double x) {
   return x * log(fabs(x)) - x;
 }
 
@@ -99,7 +99,7 @@ static dls_contact plane(int n) {
     for (int a = 0; a < n; a++) {
       const double x = (a - b) * h, side = a > b ? across : a < b ? -across : 0;
       column[2 * a] = next[2 * a + 1] =
-          100 - (log_integral(x + h / 2) - log_integral(x - h / 2)) / h;
+          100 - (plane_integral(x + h / 2) - plane_integral(x - h / 2)) / h;
       column[2 * a + 1] = -side;
       next[2 * a] = side;
     }

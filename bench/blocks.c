@@ -60,11 +60,11 @@ typedef struct work {
   double sum; /* of what was read */
 } work;
 
-static void multiply(work *w) {
+static void blocks_multiply(work *w) {
   dlsi_contact_multiply(&w->problem, NULL, w->r, w->u, NULL);
 }
 
-static void multiply_magnitudes(work *w) {
+static void blocks_magnitudes(work *w) {
   dlsi_contact_multiply(&w->problem, NULL, w->r, w->u, w->a);
 }
 
@@ -186,8 +186,8 @@ static void time_dense(FILE *page, int d, int m) {
       W[(size_t)i + (size_t)j * (size_t)m] =
           (j % d ? 0.8 : 1) * exp(-abs(i / d - j / d) / 30.) + 1e-3 * (i == j);
   w.problem.W = (dls_dense){m, m, m, W};
-  void (*const all[])(work *) = {yard,        multiply,  multiply_magnitudes,
-                                 add_columns, solve_few, solve_many};
+  void (*const all[])(work *) = {yard,        blocks_multiply, blocks_magnitudes,
+                                 add_columns, solve_few,       solve_many};
   double t[6], ratio[6];
   race(6, all, &w, t, ratio);
   const double entries = (double)m * m;
@@ -215,7 +215,7 @@ static void time_blocks(FILE *page, int d, int nc, int per_column) {
     p[b + 1] = k;
   }
   w.problem.Wb = (dls_blocks){d, nc, p, i, x};
-  void (*const all[])(work *) = {stream, multiply, solve_few, solve_many};
+  void (*const all[])(work *) = {stream, blocks_multiply, solve_few, solve_many};
   double t[4], ratio[4];
   race(4, all, &w, t, ratio);
   const double bytes = k * (8. * d * d + 4);

@@ -338,7 +338,7 @@ static int compare_generated(int max, int full, const output *to) {
 
 /* ---- one large problem ----------------------------------------------------------------------- */
 
-/* What came of the large problem. */
+/* Outcome of the large problem. */
 typedef struct large {
   outcome o;
   dls_certificate contact;

@@ -294,7 +294,7 @@ static void run_scene(void *data, const scene *s) {
 
 /* ---- program --------------------------------------------------------------------------------- */
 
-static int usage(void) {
+static int print_usage(void) {
   fputs("usage: solvers [--full] [--patient] [--dir DIR] [--set fclib|block|cube|wall]\n"
         "               [--method NAME] [--limit SECONDS] [--out DIR]\n",
         stderr);
@@ -340,7 +340,7 @@ static void one_thread(char **argv) {
 int main(int argc, char **argv) {
   plan p = {.files = "data/fclib", .directory = "bench/results"};
   one_thread(argv);
-  if (!parse_plan(argc, argv, &p)) return usage();
+  if (!parse_plan(argc, argv, &p)) return print_usage();
   p.out = report_open(p.directory, argc, argv);
   if (!p.out) return 1;
   int status = 0;

@@ -1,5 +1,5 @@
 /*
- * point.c: K -> W -> r -> x, the program of README.md and of docs/tour.md. A point (x, y) on springs
+ * point.c: K -> W -> r -> x, the program of README.md and docs/tour.md. A point (x, y) on springs
  * is pushed onto the floor y = 0 and slides to the right.
  *
  * Output:
