@@ -1,6 +1,5 @@
 /*
- * common.h: shared by the benchmark programs: the clock, medians, child processes, pages of
- * results.
+ * common.h: shared by the benchmark programs: clock, medians, child processes, pages of results.
  */
 #ifndef BENCH_COMMON_H
 #define BENCH_COMMON_H

@@ -14,9 +14,9 @@
  *   q_n = wave(x) - press,   q_t = shear;      W = H^T K^-1 H,
  *
  * and some candidates are free, some slip, some stick. W decays along the surface, from 6 to 3e-69
- * at n = 3999. K of the nodes below the back, numbered column by column, is a band of half width 2
- * * 8 + 3: dpbtrf, then dpbtrs with some columns of H at a time. No dense K of 16 nx unknowns is
- * formed. Cost: 4 * 19 * 16 nx * 2 nc flops.
+ * at n = 3999. K of the nodes below the back, numbered column by column, is a band of half width
+ * 19: dpbtrf, then dpbtrs with some columns of H at a time. No dense K of 16 nx unknowns is formed.
+ * Cost: 4 * 19 * 16 nx * 2 nc flops.
  */
 #include <math.h>
 #include <stdint.h>

@@ -2,15 +2,13 @@
  * reduction.c: K, H -> W by delassus and by the ways a careful user has without it, on elastic
  * boxes.
  *
- *   reduction [--full] [--out DIR]      the smaller cases; with --full 30^3 elements and others (2
- *   GB)
- *   reduction --large [--out DIR]       2D, 850 x 850 elements, without peers (6 GB)
- *   reduction --case D CELLS SKEW       one case, on the screen only
+ *   reduction [--full] [--out DIR]   the smaller cases; --full: 30^3 elements and others, too (2 GB)
+ *   reduction --large [--out DIR]    2D, 850 x 850 elements, without peers (6 GB)
+ *   reduction --case D CELLS SKEW    one case, on the screen only
  *
  * The peers factor K and solve for the columns of H: CHOLMOD for 64 columns at a time, adding H^T
  * X to W as it goes; UMFPACK for one. MUMPS alone is its factorisation with the Schur complement
- * in the order of delassus, without ordering, analysis and W: what no way through MUMPS can
- * undercut.
+ * in the order of delassus, without ordering, analysis and W: a bound for every way through MUMPS.
  *
  * Each way runs in a child process that builds the box itself, so that its peak memory is its own;
  * W comes back in shared memory. delassus and MUMPS alone run three times in turn, of which the

@@ -1,6 +1,5 @@
 /*
- * reduction_peer.c: W by CHOLMOD, UMFPACK and MUMPS: the one file of bench/reduction that sees
- * them.
+ * reduction_peer.c: W by CHOLMOD, UMFPACK and MUMPS, which no other file of bench/ sees.
  */
 #include "reduction_peer.h"
 

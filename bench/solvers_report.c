@@ -2,11 +2,9 @@
  * solvers_report.c: DIR/solvers.csv; from it DIR/solvers.md, and for solvers.gp
  *
  *   profile_2d_1e-04.dat ...  performance profiles [Dolan and More 2002]: for each solver, the
- *   part of
- *                             all scenes that it solves in at most tau times the time of the
- *                             fastest
- *   ratio_1e-04.dat ...       time of delassus over that of the best of the peer, by set, against
- *   nc
+ *                             part of all scenes that it solves in at most tau times the time of
+ *                             the fastest
+ *   ratio_1e-04.dat ...       time of delassus over that of the best of the peer, by set, by nc
  */
 #include <math.h>
 #include <stdio.h>

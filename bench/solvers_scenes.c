@@ -15,8 +15,7 @@
  * never formed: 7/3 b^3 flops for each slab. The back, of a block [0,1] x [0,1/2] or [0,1]^3, is
  * moved as a rigid body, so that without reactions the block goes with it and q is
  *
- *   press  down, and along by as much     hertz  down on an obstacle with a paraboloid gap, and
- *   along
+ *   press  down, and along by as much     hertz  down on a paraboloid obstacle, and along
  *   shear  down, and along by 5 times it  tilt   down, turned so that a part opens, and along
  *
  * and in cubes a twist about the vertical besides. raous (2D): a free top under pressure, pushed
@@ -27,7 +26,7 @@
  * --full 0.1 to 2.
  *
  * wall: rigid bricks 2 x 1 x 1 of unit density in running bond on a floor, half bricks at the ends
- * of every other row; two candidates for each pair of faces that touch, 20 to 336 of them; mu =
+ * of every other row; two candidates for each pair of faces that touch, 20 to 336 of them; mu is
  * 0.3, 1, 8, with --full also 0.6 and 3. In one time step, from rest, gravity gives each brick the
  * velocity (push, -1): W = H^T M^-1 H (SS3) is rank deficient and sparse, u a velocity.
  */
