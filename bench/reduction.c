@@ -1,8 +1,7 @@
 /*
- * reduction.c: K, H -> W by delassus and by the ways a careful user has without it, on elastic
- * boxes.
+ * reduction.c: K, H -> W of elastic boxes by delassus and by what a careful user does without it.
  *
- *   reduction [--full] [--out DIR]   the smaller cases; --full: 30^3 elements and others, too (2 GB)
+ *   reduction [--full] [--out DIR]   the smaller cases; --full: 30^3 elements and others (2 GB)
  *   reduction --large [--out DIR]    2D, 850 x 850 elements, without peers (6 GB)
  *   reduction --case D CELLS SKEW    one case, on the screen only
  *

@@ -128,9 +128,10 @@ int scenes_files(const char *directory, scene_fn visit, void *data) {
 
 /* Condenses all slabs to the bottom plane, (SS1).
  *
- *   S: a slab, the lower plane first, 2b x 2b     f: loads, b a plane from the bottom; NULL for
- *   none
- *   Z: stiffness, b x b, lower triangle           h: load, b */
+ *   S: a slab, the lower plane first, 2b x 2b
+ *   f: loads, b a plane from the bottom; NULL for none
+ *   Z: stiffness, b x b, lower triangle
+ *   h: load, b */
 static int block_condense(int b, int slabs, const double *S, const double *f, int glued, double *Z,
                           double *h) {
   const size_t B = (size_t)b, ld = 2 * B;
