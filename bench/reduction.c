@@ -323,6 +323,8 @@ int main(int argc, char **argv) {
       to.csv);
   print_head(to.page);
   const int failed = large ? compare_ways(&to, 2, 850, 0, 0) : run_cases(&to, full);
+  if (!large)
+    bench_print(to.page, "\n![CPU time, memory and speed against unknowns](reduction.svg)\n");
   fclose(to.page);
   fclose(to.csv);
   return failed ? EXIT_FAILURE : EXIT_SUCCESS;
