@@ -154,7 +154,7 @@ $(BUILD)/obj/tests/files/test_files.o: CPPFLAGS += $(HDF5_CFLAGS)
 
 .PHONY: check
 check: deps
-	@$(MAKE) --no-print-directory check-symbols check-build
+	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build
 
 .PHONY: check-build
 check-build: all $(TESTS)
@@ -172,6 +172,14 @@ valgrind: all $(TESTS)
 .PHONY: check-symbols
 check-symbols: $(SO) $(A)
 	@tests/check_symbols.sh $(SO) $(A)
+
+.PHONY: check-arrows
+check-arrows: $(A) $(FE) $(call obj,$(CLI_SRC))
+	@tests/check_arrows.sh $(BUILD)
+
+.PHONY: check-names
+check-names:
+	@tests/check_names.sh
 
 .PHONY: check-headers
 check-headers:

@@ -512,7 +512,8 @@ static double lemke_residual_estimate(const dls_lemke *work) {
   return z0 * dlsi_norm2(work->d, n) / dlsi_norm2(work->q, n);
 }
 
-/* (LE4) Exchanges row r and column s; returns the variable that left. Its complement enters next. */
+/* (LE4) Exchanges row r and column s; returns the variable that left. Its complement enters
+ * next. */
 static int path_exchange(dls_lemke *work, int r, int s) {
   dlsi_table *table = &work->table;
   const int out = table->basic[r];

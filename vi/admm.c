@@ -102,7 +102,7 @@ static void admm_carve(void *workspace, dlsi_arena *arena) {
   dls_admm *work = workspace;
   const size_t n = (size_t)work->nc, m = (size_t)work->d * n;
   double **const vectors[] = {&work->v, &work->z, &work->before, &work->x, &work->first};
-  dlsi_iterate_carve(&work->it, arena, work->d, work->nc);
+  dlsi_iterate_carve(&work->it, arena, work->d, work->nc, &work->settings.limits);
   work->metric = dlsi_take(arena, n, sizeof *work->metric);
   dlsi_take_vectors(arena, m, 5, vectors);
   dlsi_anderson_carve(&work->history, arena, m, window, 0);
@@ -418,15 +418,12 @@ static dls_status admm_solve(void *workspace, const dls_contact *problem, double
 
 dls_status dls_admm_solve(dls_admm *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
-  dls_status status = workspace ? dlsi_check_solve(workspace->d, workspace->nc, problem, r,
-                                                   workspace->settings.limits.warm_start, error)
-                                : dlsi_is_null(error, "workspace");
+  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
   if (!status) status = admm_solve(workspace, problem, r, u, info, error);
   return dlsi_at(__func__, status, error);
 }
 
-/* ---- its row in the table of methods
- * --------------------------------------------------------------- */
+/* ---- in the table of methods ----------------------------------------------------------------- */
 
 static dls_status admm_create_by(void **out, int d, int nc, const dlsi_options *options,
                                  dls_error *error) {

@@ -108,7 +108,7 @@ static void augmented_carve(void *workspace, dlsi_arena *arena) {
   const size_t n = (size_t)work->nc;
   double **const of_candidates[] = {&work->penalty, &work->E, &work->sE};
   double **const vectors[] = {&work->b, &work->lambda, &work->x, &work->delta, &work->direction};
-  dlsi_iterate_carve(&work->it, arena, work->d, work->nc);
+  dlsi_iterate_carve(&work->it, arena, work->d, work->nc, &work->settings.limits);
   dlsi_take_vectors(arena, n, 3, of_candidates);
   dlsi_take_vectors(arena, (size_t)work->d * n, 5, vectors);
 }
@@ -281,15 +281,12 @@ static dls_status augmented_run(dls_augmented *work, const dls_contact *problem,
 
 dls_status dls_augmented_solve(dls_augmented *workspace, const dls_contact *problem, double *r,
                                double *u, dls_info *info, dls_error *error) {
-  dls_status status = workspace ? dlsi_check_solve(workspace->d, workspace->nc, problem, r,
-                                                   workspace->settings.limits.warm_start, error)
-                                : dlsi_is_null(error, "workspace");
+  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
   if (!status) status = augmented_run(workspace, problem, r, u, info, error);
   return dlsi_at(__func__, status, error);
 }
 
-/* ---- its rows in the table of methods
- * -------------------------------------------------------------- */
+/* ---- in the table of methods ----------------------------------------------------------------- */
 
 static dls_status augmented_create_by(void **out, int d, int nc, const dlsi_options *options,
                                       dls_error *error) {

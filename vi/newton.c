@@ -120,7 +120,7 @@ static void newton_carve(void *workspace, dlsi_arena *arena) {
   dls_newton *work = workspace;
   const size_t n = (size_t)work->nc, m = (size_t)work->d * n;
   double **const vectors[] = {&work->r, &work->next, &work->unext, &work->x};
-  dlsi_iterate_carve(&work->it, arena, work->d, work->nc);
+  dlsi_iterate_carve(&work->it, arena, work->d, work->nc, &work->settings.limits);
   dlsi_take_vectors(arena, m, 4, vectors);
   work->branch = dlsi_take(arena, n, sizeof *work->branch);
   work->pivot = dlsi_take(arena, m, sizeof *work->pivot);
@@ -539,15 +539,12 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
 
 dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, double *r, double *u,
                             dls_info *info, dls_error *error) {
-  dls_status status = workspace ? dlsi_check_solve(workspace->d, workspace->nc, problem, r,
-                                                   workspace->settings.limits.warm_start, error)
-                                : dlsi_is_null(error, "workspace");
+  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
   if (!status) status = dlsi_newton_run(workspace, problem, NULL, r, u, info, error);
   return dlsi_at(__func__, status, error);
 }
 
-/* ---- its row in the table of methods
- * --------------------------------------------------------------- */
+/* ---- in the table of methods ----------------------------------------------------------------- */
 
 static dls_status newton_create_by(void **out, int d, int nc, const dlsi_options *options,
                                    dls_error *error) {

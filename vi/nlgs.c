@@ -93,7 +93,7 @@ static void nlgs_carve(void *workspace, dlsi_arena *arena) {
     work->block_2d = dlsi_take(arena, n, sizeof *work->block_2d);
   else
     work->block_3d = dlsi_take(arena, n, sizeof *work->block_3d);
-  dlsi_iterate_carve(&work->it, arena, work->d, work->nc);
+  dlsi_iterate_carve(&work->it, arena, work->d, work->nc, &work->settings.limits);
   if (work->stage) {
     work->own_order = dlsi_take(arena, n, sizeof *work->own_order);
     work->scratch = dlsi_take(arena, n, sizeof *work->scratch);
@@ -484,15 +484,12 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
 
 dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
-  dls_status status = workspace ? dlsi_check_solve(workspace->d, workspace->nc, problem, r,
-                                                   workspace->settings.limits.warm_start, error)
-                                : dlsi_is_null(error, "workspace");
+  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
   if (!status) status = nlgs_solve(workspace, problem, r, u, info, error);
   return dlsi_at(__func__, status, error);
 }
 
-/* ---- its row in the table of methods
- * --------------------------------------------------------------- */
+/* ---- in the table of methods ----------------------------------------------------------------- */
 
 static dls_status nlgs_create_by(void **out, int d, int nc, const dlsi_options *options,
                                  dls_error *error) {

@@ -98,6 +98,8 @@ static const dls_certificate dlsi_no_certificate = {.residual = INFINITY, .floor
 /* The part of a workspace that all iterations on r need. Springs E_c >= 0 on all d rows of
  * candidate c make the problem u = (W + diag(E)) r + q; the weights remain those of W. */
 typedef struct dlsi_iterate {
+  int d, nc;
+  const dls_limits *limits; /* of the workspace's settings */
   double tol;
   const double *E;             /* springs: nc, of the caller; NULL for 0 */
   double *w;                   /* weights of the certificate: nc */
@@ -118,8 +120,14 @@ dls_status dlsi_workspace(void **out, void *filled, size_t size, dlsi_carve *car
 /* Takes `count` arrays of n doubles. */
 void dlsi_take_vectors(dlsi_arena *arena, size_t n, int count, double **const vector[]);
 
-/* Takes the arrays of it for nc candidates. */
-void dlsi_iterate_carve(dlsi_iterate *it, dlsi_arena *arena, int d, int nc);
+/* Takes the arrays of it for nc candidates, and knows the limits of the workspace. */
+void dlsi_iterate_carve(dlsi_iterate *it, dlsi_arena *arena, int d, int nc,
+                        const dls_limits *limits);
+
+/* Checks the arguments of a solve in the workspace that it belongs to; NULL: there is no
+ * workspace. */
+dls_status dlsi_iterate_check(const dlsi_iterate *it, const dls_contact *problem, const double *r,
+                              dls_error *error);
 
 /* Prepares a solve: weights, no best r yet, and r := start if warm is 1, else 0; also 0 where q =
  * 0, whose answer that is. start: m, may be r. */

@@ -25,20 +25,11 @@
 #define DLSI_INLINE inline
 #endif
 
-/* Two doubles in a register, for loops in which the compiler finds no pairs by itself. */
-typedef double dlsi_pair __attribute__((vector_size(16), aligned(8), may_alias));
-
-static inline dlsi_pair dlsi_load(const double *x) {
-  return *(const dlsi_pair *)x;
-}
-
 /* ---- errors ---------------------------------------------------------------------------------- */
 
 #if defined(__GNUC__)
-#define DLSI_NOINLINE     __attribute__((noinline))
 #define DLSI_PRINTF(f, a) __attribute__((cold, format(printf, f, a)))
 #else
-#define DLSI_NOINLINE
 #define DLSI_PRINTF(f, a)
 #endif
 

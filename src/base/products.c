@@ -13,6 +13,13 @@
 
 #include "base/base.h"
 
+/* Two doubles in a register, for loops in which the compiler finds no pairs by itself. */
+typedef double dlsi_pair __attribute__((vector_size(16), aligned(8), may_alias));
+
+static inline dlsi_pair dlsi_load(const double *x) {
+  return *(const dlsi_pair *)x;
+}
+
 /* ---- W dense --------------------------------------------------------------------------------- */
 
 typedef const double *restrict column;

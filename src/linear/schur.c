@@ -387,14 +387,8 @@ dls_status dlsi_schur_inverse(const dlsi_schur *work, double *Z, dls_error *erro
 void dlsi_schur_destroy(dlsi_schur *work) {
   if (!work) return;
   dlsi_mumps_end(&work->mumps);
-  free(work->row);
-  free(work->col);
-  free(work->x);
-  free(work->order);
-  free(work->keep);
-  free(work->R);
-  free(work->S.A);
-  free(work->S.pivot);
-  free(work->reduced);
-  free(work);
+  void *const owned[] = {work->row, work->col, work->x,       work->order,   work->keep,
+                         work->R,   work->S.A, work->S.pivot, work->reduced, work};
+  for (size_t k = 0; k < sizeof owned / sizeof owned[0]; k++)
+    free(owned[k]);
 }

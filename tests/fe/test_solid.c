@@ -284,12 +284,9 @@ static void plate_make(plate *p, int n, const double corner[8]) {
 
 static void plate_free(plate *p) {
   dlsi_band_free(&p->K);
-  free(p->X);
-  free(p->x);
-  free(p->F);
-  free(p->fixed);
-  free(p->old);
-  free(p->now);
+  void *const owned[] = {p->X, p->x, p->F, p->fixed, p->old, p->now};
+  for (int k = 0; k < 6; k++)
+    free(owned[k]);
 }
 
 static void plate_assemble(plate *p) {
