@@ -89,7 +89,7 @@ help:
 	@echo 'make install     PREFIX=/usr/local DESTDIR='
 	@echo 'make asan        tests under the address and undefined sanitizers'
 	@echo 'make valgrind    tests under valgrind, no leak'
-	@echo 'make check-build check-symbols check-headers    parts of it, and each header alone'
+	@echo 'make check-build check-symbols check-arrows check-names check-headers   parts of it, and each header'
 	@echo 'make lint format-check format      clang-tidy and cppcheck; layout and 100 columns'
 	@echo 'make bench-solvers   every solver beside Siconos; BENCH=--full for all problems'
 	@echo 'make bench-reduction K -> W beside CHOLMOD and UMFPACK; BENCH=--full, BENCH=--large'
