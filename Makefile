@@ -54,7 +54,7 @@ CHECK_LIBS = $(shell $(PKG_CONFIG) --libs check)
 
 LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/linear src/files src/front lcp vi reduction))
 LIB_SRC := $(filter-out $(if $(HDF5_CFLAGS),src/files/fclib_none.c,src/files/fclib_read.c src/files/fclib_write.c),$(LIB_SRC))
-NO_MUMPS := $(addprefix src/linear/,sparse_lu_none.c schur_none.c)
+NO_MUMPS := src/linear/mumps_none.c
 WITH_MUMPS := $(addprefix src/linear/,sparse_lu.c schur.c dissection.c)
 LIB_SRC := $(filter-out $(if $(MUMPS_LIBS),$(NO_MUMPS),$(WITH_MUMPS)),$(LIB_SRC))
 FE_SRC := $(wildcard src/fe/*.c)
@@ -68,7 +68,7 @@ ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h tests/*/*.h
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 LIB_OBJ := $(call obj,$(LIB_SRC))
 # fe is a library of its own: it carries the hidden functions that it shares
-FE_OBJ := $(call obj,$(FE_SRC)) $(patsubst %,$(BUILD)/obj/src/%.o,base/status base/memory files/file)
+FE_OBJ := $(call obj,$(FE_SRC)) $(patsubst %,$(BUILD)/obj/src/%.o,base/status base/memory base/number base/check files/file)
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(EXAMPLE_SRC))
 
@@ -89,12 +89,13 @@ help:
 	@echo 'make install     PREFIX=/usr/local DESTDIR='
 	@echo 'make asan        tests under the address and undefined sanitizers'
 	@echo 'make valgrind    tests under valgrind, no leak'
-	@echo 'make bench-lemke bench-lemke-large   Lemke beside Siconos; BENCH=--full for the largest'
-	@echo 'make bench-auto  auto beside the single methods; BENCH=files'
-	@echo 'make bench-blocks            W dense and by blocks beside dgemv and the memory'
-	@echo 'make bench-solvers                   every solver beside Siconos; BENCH=--full for all'
-	@echo 'make bench-reduction         K -> W beside CHOLMOD and UMFPACK; BENCH=--full, BENCH=--large'
-	@echo 'make check-symbols check-headers lint format-check format'
+	@echo 'make check-build check-symbols check-arrows check-names check-headers   parts of it, and each header'
+	@echo 'make lint format-check format      clang-tidy and cppcheck; layout and 100 columns'
+	@echo 'make bench-solvers   every solver beside Siconos; BENCH=--full for all problems'
+	@echo 'make bench-reduction K -> W beside CHOLMOD and UMFPACK; BENCH=--full, BENCH=--large'
+	@echo 'make bench-lemke     Lemke beside Siconos; BENCH=--full, BENCH=--large'
+	@echo 'make bench-auto      auto beside the single methods; BENCH=files'
+	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
 	@echo 'make clean'
 
 # ---- libraries and program ----------------------------------------------------------------------
@@ -153,7 +154,7 @@ $(BUILD)/obj/tests/files/test_files.o: CPPFLAGS += $(HDF5_CFLAGS)
 
 .PHONY: check
 check: deps
-	@$(MAKE) --no-print-directory check-symbols check-build
+	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build
 
 .PHONY: check-build
 check-build: all $(TESTS)
@@ -172,6 +173,14 @@ valgrind: all $(TESTS)
 check-symbols: $(SO) $(A)
 	@tests/check_symbols.sh $(SO) $(A)
 
+.PHONY: check-arrows
+check-arrows: $(A) $(FE) $(call obj,$(CLI_SRC))
+	@tests/check_arrows.sh $(BUILD)
+
+.PHONY: check-names
+check-names:
+	@tests/check_names.sh
+
 .PHONY: check-headers
 check-headers:
 	@for h in $(HEADERS); do \
@@ -189,76 +198,44 @@ lint:
 .PHONY: format format-check
 format:
 	clang-format -i $(ALL_C) $(ALL_H)
+# clang-format does not see long lines in comments
 format-check:
 	clang-format --dry-run --Werror $(ALL_C) $(ALL_H)
+	@awk 'length($$0) > 100 { print FILENAME ":" FNR ": " length($$0) " columns"; long = 1 } END { exit long }' $(ALL_C) $(ALL_H)
 
 # ---- benchmarks, never part of all or check --------------------------------------------------------
 
+# pages, tables and pictures go there
+RESULTS ?= bench/results
 PEER_CFLAGS = -isystem /usr/include/siconos -isystem /usr/include/siconos/numerics
-BENCH_OBJ = $(call obj,bench/lemke.c bench/problems.c bench/peer.c bench/clock.c)
-SOLVERS_OBJ = $(call obj,$(addprefix bench/,solvers.c scenes.c measure.c report.c contact_peer.c clock.c))
-$(BENCH_OBJ) $(SOLVERS_OBJ): CPPFLAGS += -D_GNU_SOURCE $(PEER_CFLAGS)
+bench_obj = $(call obj,bench/common.c $(sort $(wildcard bench/$(1).c bench/$(1)_*.c)))
+$(call bench_obj,lemke) $(call bench_obj,solvers): CPPFLAGS += $(PEER_CFLAGS)
+$(call bench_obj,reduction): CPPFLAGS += -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
+$(call obj,$(wildcard bench/*.c)): CPPFLAGS += -D_GNU_SOURCE
 
-$(BUILD)/bench/lemke: $(BENCH_OBJ) $(FE) $(A)
-	@mkdir -p $(@D)
-	$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ -lsiconos_numerics $(LIBS)
-
-.PHONY: bench-lemke
-bench-lemke:
-	@.ci/deps bench
-	@$(MAKE) --no-print-directory $(BUILD)/bench/lemke
-	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/lemke $(BENCH)
-	gnuplot bench/lemke.gp
-
-REDUCTION_OBJ = $(call obj,bench/reduction.c bench/elastic.c bench/direct.c bench/clock.c)
-$(REDUCTION_OBJ): CPPFLAGS += -D_GNU_SOURCE -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
-
-$(BUILD)/bench/reduction: $(REDUCTION_OBJ) $(FE) $(A)
-	@mkdir -p $(@D)
-	$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ -lcholmod -lumfpack $(LIBS)
-
-# BENCH=--full for 30^3 elements, BENCH=--large for 850 x 850
-.PHONY: bench-reduction
-bench-reduction:
-	@.ci/deps bench
-	@$(MAKE) --no-print-directory $(BUILD)/bench/reduction
-	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/reduction $(BENCH)
-	gnuplot bench/reduction.gp
-
-.PHONY: bench-lemke-large
-bench-lemke-large:
-	@.ci/deps bench
-	@$(MAKE) --no-print-directory $(BUILD)/bench/lemke
-	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/lemke --large
-
-$(BUILD)/bench/auto: $(call obj,bench/auto.c src/cli/problem.c src/cli/report.c) $(A)
+$(BUILD)/bench/lemke: $(call bench_obj,lemke) $(FE) $(A)
+$(BUILD)/bench/solvers: $(call bench_obj,solvers) $(FE) $(A)
+$(BUILD)/bench/reduction: $(call bench_obj,reduction) $(FE) $(A)
+$(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,src/cli/problem.c src/cli/report.c) $(A)
+$(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
+$(BUILD)/bench/lemke $(BUILD)/bench/solvers: PEER_LIBS = -lsiconos_numerics
+$(BUILD)/bench/reduction: PEER_LIBS = -lcholmod -lumfpack
+$(BUILD)/bench/%:
 	@mkdir -p $(@D)
 	$(call say,LINK)
-	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(LIBS)
+	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(PEER_LIBS) $(LIBS)
 
-.PHONY: bench-auto
-bench-auto: $(BUILD)/bench/auto
-	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/auto $(or $(BENCH),data/fclib/*.hdf5)
-
-# needs nothing but the library
-$(BUILD)/bench/blocks: $(call obj,bench/blocks.c) $(A)
-	@mkdir -p $(@D)
-	$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(LIBS)
-
-.PHONY: bench-blocks
-bench-blocks: $(BUILD)/bench/blocks
-	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks
-
-$(BUILD)/bench/solvers: $(SOLVERS_OBJ) $(FE) $(A)
-	@mkdir -p $(@D)
-	$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ -lsiconos_numerics $(LIBS)
-
-.PHONY: bench-solvers
-bench-solvers:
+.PHONY: bench-lemke bench-solvers bench-reduction bench-auto bench-blocks
+bench-lemke bench-solvers bench-reduction: bench-%:
 	@.ci/deps bench
-	@$(MAKE) --no-print-directory $(BUILD)/bench/solvers
-	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/solvers --out $(BUILD)/bench $(BENCH)
-	gnuplot -e "dir='$(BUILD)/bench/'" bench/solvers.gp
+	@$(MAKE) --no-print-directory $(BUILD)/bench/$*
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/$* --out $(RESULTS) $(BENCH)
+	$(if $(filter --large,$(BENCH)),,gnuplot -e "dir='$(RESULTS)/'" bench/$*.gp)
+# these need nothing but the library
+bench-auto: $(BUILD)/bench/auto
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/auto --out $(RESULTS) $(or $(BENCH),data/fclib/*.hdf5)
+bench-blocks: $(BUILD)/bench/blocks
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks --out $(RESULTS)
 
 # ---- demo, install ------------------------------------------------------------------------------
 

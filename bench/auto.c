@@ -1,15 +1,17 @@
 /*
- * auto.c: the method auto beside the single methods, on FCLIB files.
+ * auto.c: the method auto beside the single methods.
  *
- *   auto FILE...          for each file and tolerance: CPU of the solve, ms, "-" for not solved, and the
- *                         stages of auto; then, for each method: how often it got there, and its CPU over
- *                         that of the quickest of the others
- *   auto --cost FILE...   CPU of a sweep, of an accelerated sweep and of a Newton step, us; and the last
- *                         over the second beside what src/auto.c counts for it (F4)
+ *   auto [--out DIR] NAME...
+ *       auto.md: for each problem and tolerance the CPU of the solve, ms, "-" for not solved, and
+ *       the stages of auto; for each method how often it got there, and its CPU over that of the
+ *       quickest of the others
+ *   auto --cost NAME...
+ *       on the screen: CPU of a sweep, of an accelerated sweep and of a Newton step, us; the last
+ *       over the second, and the ratio that auto takes, (AT7) of src/front/auto.c
  *
- * Methods take turns; the least of the runs counts. At most 20000 sweeps. Files are problems of data/fclib's
- * kind; besides, NAME "contact-N": a half-space under a flat stamp of N x N points that presses
- * and turns; "plane-N": an elastic half-plane of N cells, held far below, pressed and pushed, most sticking.
+ * NAME is an FCLIB file; "contact-N", a half-space under a flat stamp of N x N points that presses
+ * and turns; or "plane-N", an elastic half-plane of N cells, held far below, pressed and pushed,
+ * most sticking. Methods take turns; the least of the runs counts. At most 20000 sweeps.
  */
 #include <math.h>
 #include <stdio.h>
@@ -17,6 +19,7 @@
 #include <string.h>
 
 #include "cli/cli.h"
+#include "common.h"
 
 enum { methods = 6, auto_at = 5, tolerances = 3, most_files = 100, most_sweeps = 20000 };
 
@@ -28,8 +31,9 @@ static const dls_method method_of[methods] = {
 
 /* ---- problems -------------------------------------------------------------------------------- */
 
-/* One block of Boussinesq's and Cerruti's half-space, G = 1, nu = 0.3: displacement at distance (x, y),
- * columns: by a normal force, by the two tangential ones; mean over a square of side a for x = y = 0. */
+/* Computes one block of Boussinesq's and Cerruti's half-space, G = 1, nu = 0.3: displacement at
+ * distance (x, y), the mean over a square of side a for x = y = 0. B: 3 x 3, columns by a normal
+ * and two tangential forces. */
 static void half_space(double x, double y, double a, double *B) {
   const double nu = 0.3, k = 1 / (2 * 3.14159265358979), c = k * (1 - 2 * nu) / 2, r = hypot(x, y);
   for (int i = 0; i < 9; i++)
@@ -49,8 +53,8 @@ static void half_space(double x, double y, double a, double *B) {
   B[6] = -B[2];
 }
 
-/* W, q, mu in one piece; exits without memory, as a bench may */
-static dls_contact allocate(int d, int nc) {
+/* Allocates W, q, mu in one piece; exits without memory, as a bench may. */
+static dls_contact dense_problem(int d, int nc) {
   const int m = d * nc;
   const size_t M = (size_t)m;
   double *W = malloc((M * M + M + (size_t)nc) * sizeof *W);
@@ -59,7 +63,7 @@ static dls_contact allocate(int d, int nc) {
 }
 
 static dls_contact stamp(int n) {
-  const dls_contact p = allocate(3, n * n);
+  const dls_contact p = dense_problem(3, n * n);
   double *W = (double *)p.W.a, *q = (double *)p.q, *mu = (double *)p.mu;
   for (int j = 0; j < p.nc; j++)
     for (int i = 0; i < p.nc; i++) {
@@ -78,13 +82,13 @@ static dls_contact stamp(int n) {
   return p;
 }
 
-static double log_integral(double x) {
+static double plane_integral(double x) {
   return x * log(fabs(x)) - x;
 }
 
-/* Flamant's solution, as in tests/test_admm.c */
+/* Makes the half-plane by Flamant's solution, as tests/method/test_admm.c does. */
 static dls_contact plane(int n) {
-  const dls_contact p = allocate(2, n);
+  const dls_contact p = dense_problem(2, n);
   const double h = 2. / n, across = 0.3 / 0.7 * acos(0);
   double *q = (double *)p.q, *mu = (double *)p.mu;
   for (int b = 0; b < n; b++) {
@@ -92,7 +96,7 @@ static dls_contact plane(int n) {
     for (int a = 0; a < n; a++) {
       const double x = (a - b) * h, side = a > b ? across : a < b ? -across : 0;
       column[2 * a] = next[2 * a + 1] =
-          100 - (log_integral(x + h / 2) - log_integral(x - h / 2)) / h;
+          100 - (plane_integral(x + h / 2) - plane_integral(x - h / 2)) / h;
       column[2 * a + 1] = -side;
       next[2 * a] = side;
     }
@@ -103,8 +107,8 @@ static dls_contact plane(int n) {
   return p;
 }
 
-/* 1 if it is there */
-static int load(const char *name, problem *p) {
+/* Returns 1 if the problem is there, 0 after a message. */
+static int named_problem(const char *name, problem *p) {
   int n;
   dls_error error = {0};
   memset(p, 0, sizeof *p);
@@ -120,7 +124,7 @@ static int load(const char *name, problem *p) {
   return complain_of(name, &error), 0;
 }
 
-static void unload(problem *p) {
+static void drop_problem(problem *p) {
   if (!p->file) free((void *)(size_t)p->contact.W.a);
   problem_free(p);
 }
@@ -138,7 +142,8 @@ typedef struct result {
   dls_info info;
 } result;
 
-static void compare(const dls_contact *p, double tol, result *all) {
+/* Solves p by every method. all: one result a method. */
+static void compare_methods(const dls_contact *p, double tol, result *all) {
   const size_t m = (size_t)p->d * (size_t)p->nc;
   double *r = malloc(m * sizeof *r), total = 0;
   dls_solver *solver[methods];
@@ -156,9 +161,9 @@ static void compare(const dls_contact *p, double tol, result *all) {
   for (int round = 0; round < 50 && (round < 2 || total < 0.1); round++)
     for (int k = 0; k < methods; k++) {
       if (round > 1 && all[k].status && all[k].seconds > 0.1) continue; /* known */
-      const double start = cpu_seconds();
+      const double start = bench_seconds();
       all[k].status = dls_solver_solve(solver[k], p, r, NULL, &all[k].info, NULL);
-      const double seconds = cpu_seconds() - start;
+      const double seconds = bench_seconds() - start;
       total += seconds;
       if (seconds < all[k].seconds) all[k].seconds = seconds;
     }
@@ -167,32 +172,28 @@ static void compare(const dls_contact *p, double tol, result *all) {
   free(r);
 }
 
-static void print_row(const char *name, const dls_contact *p, double tol, const result *all) {
-  printf("| %s | %d | %g |", name, p->nc, tol);
+static void print_row(FILE *page, const char *name, const dls_contact *p, double tol,
+                      const result *all) {
+  bench_print(page, "| %s | %d | %g |", name, p->nc, tol);
   for (int k = 0; k < methods; k++) {
     if (all[k].status)
-      printf(" - |");
+      bench_print(page, " - |");
     else
-      printf(" %.3g |", 1e3 * all[k].seconds);
+      bench_print(page, " %.3g |", 1e3 * all[k].seconds);
   }
   const dls_info *info = &all[auto_at].info;
   for (int k = 0; k < info->stages; k++)
-    printf("%s%s %d", k ? ", " : " ", dls_method_name(info->stage[k].method),
-           info->stage[k].iterations);
-  puts(" |");
-  fflush(stdout);
+    bench_print(page, "%s%s %d", k ? ", " : " ", dls_method_name(info->stage[k].method),
+                info->stage[k].iterations);
+  bench_print(page, " |\n");
 }
 
-static int by_size(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-/* solved, and the CPU over that of the best of the others: median, largest */
-static void print_summary(double tol, int count, result (*all)[methods]) {
+/* Prints for each method how many problems it solved, and its CPU over that of the best other one.
+ */
+static void print_summary(FILE *page, double tol, int count, result (*all)[methods]) {
   for (int k = 0; k < methods; k++) {
     double ratio[most_files];
-    int solved = 0, ratios = 0;
+    size_t solved = 0, ratios = 0;
     for (int f = 0; f < count; f++) {
       double best = INFINITY;
       for (int l = 0; l < methods; l++)
@@ -201,30 +202,31 @@ static void print_summary(double tol, int count, result (*all)[methods]) {
       solved++;
       if (best < INFINITY) ratio[ratios++] = all[f][k].seconds / best;
     }
-    qsort(ratio, (size_t)ratios, sizeof *ratio, by_size);
-    printf("| %g | %s | %d/%d | %.2g | %.2g |\n", tol, method_name[k], solved, count,
-           ratios ? ratio[ratios / 2] : NAN, ratios ? ratio[ratios - 1] : NAN);
+    const double median = bench_median(ratios, ratio);
+    bench_print(page, "| %g | %s | %zu/%d | %.2g | %.2g |\n", tol, method_name[k], solved, count,
+                median, ratios ? ratio[ratios - 1] : NAN);
   }
 }
 
-static int run_comparison(int count, char **name) {
+static int run_comparison(FILE *page, int count, char **name) {
   static result all[tolerances][most_files][methods];
-  printf("| file | candidates | tol |");
+  bench_print(page, "CPU of the solve, ms.\n\n| problem | candidates | tol |");
   for (int k = 0; k < methods; k++)
-    printf(" %s |", method_name[k]);
-  printf(" stages of auto |\n|---|---|---|---|---|---|---|---|---|---|\n");
+    bench_print(page, " %s |", method_name[k]);
+  bench_print(page, " stages of auto |\n|---|---|---|---|---|---|---|---|---|---|\n");
   for (int f = 0; f < count; f++) {
     problem p;
-    if (!load(name[f], &p)) return EXIT_BAD_INPUT;
+    if (!named_problem(name[f], &p)) return EXIT_BAD_INPUT;
     for (int t = 0; t < tolerances; t++) {
-      compare(&p.contact, tolerance[t], all[t][f]);
-      print_row(short_name(name[f]), &p.contact, tolerance[t], all[t][f]);
+      compare_methods(&p.contact, tolerance[t], all[t][f]);
+      print_row(page, short_name(name[f]), &p.contact, tolerance[t], all[t][f]);
     }
-    unload(&p);
+    drop_problem(&p);
   }
-  puts("\n| tol | method | solved | CPU / best other, median | largest |\n|---|---|---|---|---|");
+  bench_print(page, "\n| tol | method | solved | CPU / best other, median | largest |\n"
+                    "|---|---|---|---|---|\n");
   for (int t = 0; t < tolerances; t++)
-    print_summary(tolerance[t], count, all[t]);
+    print_summary(page, tolerance[t], count, all[t]);
   return EXIT_SOLVED;
 }
 
@@ -237,16 +239,17 @@ typedef struct ticks {
 
 static int tick(void *data, const dls_progress *progress) {
   ticks *t = data;
-  const double now = cpu_seconds();
+  const double now = bench_seconds();
   const int before_steps = !strcmp(progress->method, "nlgs") && progress->max_iterations == 20;
   if (!before_steps && t->count < 1000) t->all[t->count++] = now - t->last;
-  t->last = cpu_seconds();
+  t->last = bench_seconds();
   return 0;
 }
 
-/* median seconds of an iteration; the r of the second run, in which workspaces are warm */
-static double iteration(const dls_contact *p, dls_method method, int accelerated, double *r,
-                        double *u) {
+/* Returns the median seconds of an iteration of the second run, in which workspaces are warm, and
+ * its r and u. */
+static double time_iteration(const dls_contact *p, dls_method method, int accelerated, double *r,
+                             double *u) {
   static ticks t;
   dls_solver_settings s;
   dls_solver *solver;
@@ -261,53 +264,62 @@ static double iteration(const dls_contact *p, dls_method method, int accelerated
   if (dls_solver_create(&solver, p->d, p->nc, &s, NULL)) exit(1);
   for (int run = 0; run < 2; run++) {
     t.count = 0;
-    t.last = cpu_seconds();
+    t.last = bench_seconds();
     if (dls_solver_solve(solver, p, r, u, NULL, NULL) < 0) exit(1);
   }
   dls_solver_destroy(solver);
-  qsort(t.all, (size_t)t.count, sizeof *t.all, by_size);
-  return t.count ? t.all[t.count / 2] : 0;
+  return t.count ? bench_median((size_t)t.count, t.all) : 0;
 }
 
-/* (F4) of src/auto.c */
-static double model(const dls_contact *p, int k) {
-  const double m = (double)p->d * p->nc, cost = fmin(fmax(5 + k / 12., k / 6.), 50);
-  return p->W.a ? fmax(fmin(cost, 5 + 40 * k / m), k * k / (50 * m)) : cost;
+/* Returns the sweeps that auto expects of a Newton step, (AT7) of src/front/auto.c. */
+static double step_model(const dls_contact *p, int k) {
+  const double sweeps = fmin(fmax(5 + k / 12., k / 6.), 50);
+  return p->W.a ? fmax(sweeps, (double)k * k / (50. * p->d * p->nc)) : sweeps;
 }
 
 static int run_cost(int count, char **name) {
-  puts("| file | rows | k | sweep | accelerated | step | ratio | (F4) |\n"
+  puts("| problem | rows | k | sweep us | accelerated us | step us | step / accelerated | (AT7) |\n"
        "|---|---|---|---|---|---|---|---|");
   for (int f = 0; f < count; f++) {
     problem p;
-    if (!load(name[f], &p)) return EXIT_BAD_INPUT;
+    if (!named_problem(name[f], &p)) return EXIT_BAD_INPUT;
     const dls_contact *c = &p.contact;
     const size_t m = (size_t)c->d * (size_t)c->nc;
     double *r = malloc(2 * m * sizeof *r);
     dls_contact_state *state = malloc((size_t)c->nc * sizeof *state);
     if (!r || !state) return EXIT_BAD_INPUT;
-    const double plain = iteration(c, DLS_NLGS, 0, r, r + m);
-    const double sweep = iteration(c, DLS_NLGS, 1, r, r + m);
-    const double step = iteration(c, DLS_NEWTON, 0, r, r + m);
+    const double plain = time_iteration(c, DLS_NLGS, 0, r, r + m);
+    const double sweep = time_iteration(c, DLS_NLGS, 1, r, r + m);
+    const double step = time_iteration(c, DLS_NEWTON, 0, r, r + m);
     int k = 0;
     if (dls_contact_states(c, r, r + m, state, NULL)) return EXIT_BAD_INPUT;
     for (int i = 0; i < c->nc; i++)
       k += state[i] == DLS_STICK ? c->d : state[i] == DLS_SLIP ? c->d - 1 : 0;
     printf("| %s | %zu | %d | %.3g | %.3g |", short_name(name[f]), m, k, 1e6 * plain, 1e6 * sweep);
     if (step > 0)
-      printf(" %.3g | %.2g | %.2g |\n", 1e6 * step, step / sweep, model(c, k));
+      printf(" %.3g | %.2g | %.2g |\n", 1e6 * step, step / sweep, step_model(c, k));
     else
-      printf(" - | - | %.2g |\n", model(c, k)); /* there before the first step */
+      printf(" - | - | %.2g |\n", step_model(c, k)); /* solved before the first step */
     fflush(stdout);
     free(r);
     free(state);
-    unload(&p);
+    drop_problem(&p);
   }
   return EXIT_SOLVED;
 }
 
 int main(int argc, char **argv) {
-  const int cost = argc > 1 && !strcmp(argv[1], "--cost"), count = argc - 1 - cost;
-  if (count < 1 || count > most_files) return complain("usage: auto [--cost] FILE...");
-  return cost ? run_cost(count, argv + 2) : run_comparison(count, argv + 1);
+  const char *directory = "bench/results";
+  int first = 1;
+  if (argc > 1 && !strcmp(argv[1], "--cost")) return run_cost(argc - 2, argv + 2);
+  if (argc > 2 && !strcmp(argv[1], "--out")) {
+    directory = argv[2];
+    first = 3;
+  }
+  const int count = argc - first;
+  if (count < 1 || count > most_files) return complain("usage: auto [--cost | --out DIR] NAME...");
+  FILE *page = bench_page(directory, "auto", "auto beside the single methods", argc, argv);
+  if (!page) return EXIT_BAD_INPUT;
+  const int status = run_comparison(page, count, argv + first);
+  return fclose(page) ? EXIT_BAD_INPUT : status;
 }

@@ -1,35 +1,39 @@
 /*
- * blocks.c: W dense and by blocks beside the yardsticks of the same memory, in one run, in turn.
+ * blocks.c: products with W, dense and by blocks, beside yardsticks of the same memory, in one run.
  *
- *   dense    u = W r + q, the same with |W| |r|, one column block, and a Gauss-Seidel sweep in which
- *            all candidates change: over one dgemv
- *   blocks   u = W r + q, and a sweep: over reading the same bytes once
+ *   blocks [--out DIR]    blocks.md
  *
- * CPU time. Short rounds in which each has its turn; ratios are medians of ratios within a round, because
- * the clock of a shared machine swings by 2, and products and solutions do not feel it alike. Dense: W_ab = exp(-|a - b| / 30) on normals, 0.8 of it on
- * tangents, 1e-3 more on the diagonal, everything pressed and pushed, mu = 0.5. Blocks: so many
- * symmetric pairs in a band at random places as give the density named.
+ *   dense    u = W r + q; u and |W| |r|; one column block; a Gauss-Seidel sweep in which all
+ *            candidates change: over one dgemv
+ *   blocks   u = W r + q, and a sweep: over reading the bytes of W once
+ *
+ * CPU time. Short rounds in which each has its turn; ratios are medians of ratios within a round,
+ * because the clock of a shared machine swings by 2, and products and solutions do not feel it
+ * alike. Dense: W_ab = exp(-|a - b| / 30) on normals, 0.8 of it on tangents, 1e-3 more on the
+ * diagonal, everything pressed and pushed, mu = 0.5. Blocks: so many symmetric pairs in a band at
+ * random places as give the density named.
  */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "base/base.h"
+#include "common.h"
 #include "delassus/nlgs.h"
 #include "linear/blas.h"
 
 enum { least_rounds = 9, most_rounds = 401, most_things = 6, few = 8, many = 24 };
-/* s. A turn of one thing; before it calls that do not count, because a processor may take half a
- * millisecond to change its clock to or from that of dgemv's wide registers; all turns together. */
+/* Seconds of a turn of one thing; of calls before it that do not count, because a processor may
+ * take half a millisecond to change its clock to or from that of dgemv's wide registers; of all
+ * turns. */
 static const double shortest = 3e-3, settling = 1e-3, enough = 2;
 
 static uint64_t seed = 88172645463325252u;
 
-/* uniform in (-1, 1) */
-static double uniform(void) {
+/* Draws from (-1, 1). */
+static double blocks_uniform(void) {
   seed ^= seed << 13;
   seed ^= seed >> 7;
   seed ^= seed << 17;
@@ -49,23 +53,23 @@ static void must(dls_status status, const dls_error *error) {
   exit(1);
 }
 
-/* what is timed, and what it works on */
+/* Arguments of everything timed. */
 typedef struct work {
   dls_contact problem;
   double *r, *u, *a;
   double sum; /* of what was read */
 } work;
 
-static void multiply(work *w) {
+static void blocks_multiply(work *w) {
   dlsi_contact_multiply(&w->problem, NULL, w->r, w->u, NULL);
 }
 
-static void multiply_magnitudes(work *w) {
+static void blocks_magnitudes(work *w) {
   dlsi_contact_multiply(&w->problem, NULL, w->r, w->u, w->a);
 }
 
-/* the columns of all candidates, one after the other */
-static void columns(work *w) {
+/* Adds the columns of all candidates, one after the other. */
+static void add_columns(work *w) {
   const size_t d = (size_t)w->problem.d;
   for (int c = 0; c < w->problem.nc; c++)
     dlsi_contact_add_columns(&w->problem, c, w->r + d * (size_t)c, w->u);
@@ -79,7 +83,7 @@ static void yard(work *w) {
   dgemv_("N", &A->rows, &A->cols, &one, A->a, &A->ld, w->r, &step, &one, w->u, &step, 1);
 }
 
-/* eight sums, so that the additions do not wait for each other */
+/* Reads W once, into eight sums, so that the additions do not wait for each other. */
 static void stream(work *w) {
   const dls_blocks *B = &w->problem.Wb;
   const size_t blocks = (size_t)B->p[B->n], entries = (size_t)(B->d * B->d) * blocks;
@@ -95,7 +99,7 @@ static void stream(work *w) {
   w->sum += t;
 }
 
-static void solve(work *w, int sweeps) {
+static void solve_sweeps(work *w, int sweeps) {
   dls_nlgs_settings s;
   dls_nlgs_settings_init(&s);
   s.limits.tol = 0;
@@ -108,59 +112,49 @@ static void solve(work *w, int sweeps) {
 }
 
 static void solve_few(work *w) {
-  solve(w, few);
+  solve_sweeps(w, few);
 }
 static void solve_many(work *w) {
-  solve(w, many);
+  solve_sweeps(w, many);
 }
 
-static int compare(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-static double median(int n, double *x) {
-  qsort(x, (size_t)n, sizeof *x, compare);
-  return x[n / 2];
-}
-
-/* CPU time of a call */
-static double turn(void (*f)(work *), work *w) {
+/* Returns the CPU seconds of a call. */
+static double time_turn(void (*f)(work *), work *w) {
   int calls = 0, settled = 0;
-  clock_t start = clock();
+  double start = bench_seconds();
   for (;;) {
     f(w);
     calls++;
-    const double cpu = (double)(clock() - start) / CLOCKS_PER_SEC;
+    const double cpu = bench_seconds() - start;
     if (cpu >= shortest) return cpu / calls;
     if (settled || cpu < settling) continue;
     settled = 1;
     calls = 0;
-    start = clock();
+    start = bench_seconds();
   }
 }
 
-/* t[k], ratio[k] := median CPU time of one call of f[k], and over that of f[0]. The last two solve with
- * few and many sweeps: t[n-1] is of one sweep. */
+/* Times n functions in turn. The last two solve with few and many sweeps, from which the time of
+ * one sweep follows: entry n-1. t: median CPU seconds of a call, n; ratio: over that of f[0], n. */
 static void race(int n, void (*const f[])(work *), work *w, double *t, double *ratio) {
   static double all[most_things][most_rounds], over[most_things][most_rounds];
-  const clock_t start = clock();
+  const double start = bench_seconds();
   int round = 0;
   for (; round < most_rounds; round++) {
-    if (round >= least_rounds && (double)(clock() - start) / CLOCKS_PER_SEC > enough) break;
+    if (round >= least_rounds && bench_seconds() - start > enough) break;
     for (int k = 0; k < n; k++)
-      all[k][round] = turn(f[k], w);
+      all[k][round] = time_turn(f[k], w);
     all[n - 1][round] = (all[n - 1][round] - all[n - 2][round]) / (many - few);
     for (int k = 0; k < n; k++)
       over[k][round] = all[k][round] / all[0][round];
   }
   for (int k = 0; k < n; k++) {
-    t[k] = median(round, all[k]);
-    ratio[k] = median(round, over[k]);
+    t[k] = bench_median((size_t)round, all[k]);
+    ratio[k] = bench_median((size_t)round, over[k]);
   }
 }
 
-static void prepare(work *w, int d, int nc) {
+static void prepare_work(work *w, int d, int nc) {
   const size_t m = (size_t)(d * nc);
   double *q = need(m, sizeof *q), *mu = need((size_t)nc, sizeof *mu);
   *w = (work){.problem = {.d = d, .nc = nc, .q = q, .mu = mu},
@@ -170,12 +164,12 @@ static void prepare(work *w, int d, int nc) {
   for (size_t k = 0; k < m; k++) {
     const double x = (double)(k / (size_t)d) / 40;
     q[k] = k % (size_t)d == 0 ? -1 + 0.1 * sin(x) : 0.4 + 0.2 * cos(x + (double)(k % (size_t)d));
-    w->r[k] = uniform();
+    w->r[k] = blocks_uniform();
     mu[k / (size_t)d] = 0.5;
   }
 }
 
-static void release(work *w) {
+static void release_work(work *w) {
   free((void *)w->problem.q);
   free((void *)w->problem.mu);
   free(w->r);
@@ -183,29 +177,29 @@ static void release(work *w) {
   free(w->a);
 }
 
-static void dense(int d, int m) {
+static void time_dense(FILE *page, int d, int m) {
   work w;
-  prepare(&w, d, m / d);
+  prepare_work(&w, d, m / d);
   double *W = need((size_t)m * (size_t)m, sizeof *W);
   for (int j = 0; j < m; j++)
     for (int i = j % d; i < m; i += d)
       W[(size_t)i + (size_t)j * (size_t)m] =
           (j % d ? 0.8 : 1) * exp(-abs(i / d - j / d) / 30.) + 1e-3 * (i == j);
   w.problem.W = (dls_dense){m, m, m, W};
-  void (*const all[])(work *) = {yard,    multiply,  multiply_magnitudes,
-                                 columns, solve_few, solve_many};
+  void (*const all[])(work *) = {yard,        blocks_multiply, blocks_magnitudes,
+                                 add_columns, solve_few,       solve_many};
   double t[6], ratio[6];
   race(6, all, &w, t, ratio);
   const double entries = (double)m * m;
-  printf("| %dD | %d | %.2f | %.1f | %.2f | %.2f | %.2f | %.2f |\n", d, m, 2e-9 * entries / t[0],
-         8e-9 * entries / t[0], ratio[1], ratio[2], ratio[3], ratio[5]);
+  bench_print(page, "| %dD | %d | %.2f | %.1f | %.2f | %.2f | %.2f | %.2f |\n", d, m,
+              2e-9 * entries / t[0], 8e-9 * entries / t[0], ratio[1], ratio[2], ratio[3], ratio[5]);
   free(W);
-  release(&w);
+  release_work(&w);
 }
 
-static void by_blocks(int d, int nc, int per_column) {
+static void time_blocks(FILE *page, int d, int nc, int per_column) {
   work w;
-  prepare(&w, d, nc);
+  prepare_work(&w, d, nc);
   const int band = 10 * per_column;
   int *p = need((size_t)nc + 1, sizeof *p);
   int *i = need((size_t)(nc * (per_column + 1)), sizeof *i);
@@ -213,41 +207,45 @@ static void by_blocks(int d, int nc, int per_column) {
   int k = 0;
   for (int b = 0; b < nc; b++) {
     for (int e = 0; e < per_column; e++) {
-      const int a = e == 0 ? b : (int)(b + uniform() * band + 2 * nc) % nc;
+      const int a = e == 0 ? b : (int)(b + blocks_uniform() * band + 2 * nc) % nc;
       for (int f = 0; f < d * d; f++)
-        x[d * d * k + f] = e == 0 ? (f % (d + 1) == 0 ? 2 : 0) : uniform() / per_column;
+        x[d * d * k + f] = e == 0 ? (f % (d + 1) == 0 ? 2 : 0) : blocks_uniform() / per_column;
       i[k++] = a;
     }
     p[b + 1] = k;
   }
   w.problem.Wb = (dls_blocks){d, nc, p, i, x};
-  void (*const all[])(work *) = {stream, multiply, solve_few, solve_many};
+  void (*const all[])(work *) = {stream, blocks_multiply, solve_few, solve_many};
   double t[4], ratio[4];
   race(4, all, &w, t, ratio);
   const double bytes = k * (8. * d * d + 4);
-  printf("| %dD | %d | %d | %.1f | %.1f | %.2f | %.2f | %.2f | %.0f |\n", d, nc, k, 1e-6 * bytes,
-         1e-9 * bytes / t[0], 2e-9 * d * d * k / t[1], ratio[1], ratio[3], 1e9 * t[3] / nc);
+  bench_print(page, "| %dD | %d | %d | %.1f | %.1f | %.2f | %.2f | %.2f | %.0f |\n", d, nc, k,
+              1e-6 * bytes, 1e-9 * bytes / t[0], 2e-9 * d * d * k / t[1], ratio[1], ratio[3],
+              1e9 * t[3] / nc);
   free(p);
   free(i);
   free(x);
-  release(&w);
+  release_work(&w);
 }
 
-int main(void) {
+int main(int argc, char **argv) {
   const int rows[] = {126, 504, 1002, 2004, 4002};
-  puts("| dense | m | dgemv GFlop/s | GB/s | u = W r + q | with abs(W) abs(r) | by columns | sweep "
-       "|");
-  puts("|---|---|---|---|---|---|---|---|");
+  const char *directory = argc == 3 && !strcmp(argv[1], "--out") ? argv[2] : "bench/results";
+  FILE *page = bench_page(directory, "blocks", "W dense and by blocks", argc, argv);
+  if (!page) return 1;
+  bench_print(page, "Dense: times over dgemv's on the same W.\n\n"
+                    "| dense | m | dgemv GFlop/s | GB/s | u = W r + q | with abs(W) abs(r) | by "
+                    "columns | sweep |\n|---|---|---|---|---|---|---|---|\n");
   for (int d = 2; d <= 3; d++)
     for (int k = 0; k < 5; k++)
-      dense(d, rows[k]);
-  puts("\n| blocks | candidates | blocks | MB | stream GB/s | GFlop/s | u = W r + q | sweep | ns "
-       "per candidate |");
-  puts("|---|---|---|---|---|---|---|---|---|");
+      time_dense(page, d, rows[k]);
+  bench_print(page, "\nBy blocks: times over reading the same bytes once (stream).\n\n"
+                    "| blocks | candidates | blocks | MB | stream GB/s | GFlop/s | u = W r + q | "
+                    "sweep | ns per candidate |\n|---|---|---|---|---|---|---|---|---|\n");
   for (int d = 2; d <= 3; d++)
     for (int nc = 500; nc <= 128000; nc *= 16) {
-      by_blocks(d, nc, 5);
-      by_blocks(d, nc, 25);
+      time_blocks(page, d, nc, 5);
+      time_blocks(page, d, nc, 25);
     }
-  return 0;
+  return fclose(page) != 0;
 }

@@ -1,35 +1,33 @@
 /*
- * lemke.c: Lemke's method of delassus, the path alone and with its crash start, beside the lexicographic
- * Lemke of Siconos Numerics, on the same LCPs, in the same run, in turn.
+ * lemke.c: Lemke's method of delassus, the path alone and with its crash start, beside the
+ * lexicographic Lemke of Siconos Numerics, on the same LCPs, in one run, in turn.
  *
- *   lemke [--max N] [--full] [--lcp DIR] [--out DIR]     the comparison: lemke.csv
- *   lemke --large [--out DIR]                            one friction LCP of n = 9999: lemke_large.csv
+ *   lemke [--max N] [--full] [--lcp DIR] [--out DIR]   the comparison: lemke.csv, lemke.md
+ *   lemke --large [--out DIR]                          n = 9999, delassus alone: lemke_large.*
  *
- * Every measurement runs in a child process of its own, so that a crash or a run without end costs that
- * one only. It begins with a call that is not counted, unless that takes more than a second; then calls
- * are repeated for 20 ms at least between two readings of the CPU clock, and averaged. Ours are with
- * create and destroy, since the peer allocates inside; "reused" is the solve alone, with the crash start, on
- * a workspace that is there already, as over time steps. The peer's options are made once. The answers
- * come back in shared memory and are certified here, all by dls_lcp_certify. The median over the
- * repetitions counts; the peer stops after n = 2100 unless --full.
+ * --full: the peer runs beyond n = 2100, too. --lcp: also every pair DIR/NAME_M.mtx, NAME_q.mtx.
+ *
+ * Every measurement runs in a child process, so that a crash or a run without end costs that
+ * measurement only. It begins with a call that is not counted, unless that takes more than a
+ * second; then calls are repeated for 20 ms at least between two readings of the CPU clock, and
+ * averaged. Calls of delassus include create and destroy, since the peer allocates inside;
+ * "reused" is the solve alone, with the crash start, on a workspace that is there already, as over
+ * time steps. The peer's options are made once, outside. All answers are certified here by
+ * dls_lcp_certify. The median over the repetitions counts.
  *
  * Beside the time per exchange stand one dger (the update that a Lemke on the full condensed table
  * makes at each exchange) and one dgemv, both on n x (n+1).
  */
 #include <dirent.h>
-#include <errno.h>
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include "bench.h"
-#include "clock.h"
+#include "common.h"
+#include "lemke.h"
 
 void dger_(const int *m, const int *n, const double *alpha, const double *x, const int *incx,
            const double *y, const int *incy, double *a, const int *lda);
@@ -62,14 +60,14 @@ static void call_ours(solver which, const problem *p, int calls, outcome *o, dou
   dls_lemke_info info = {0};
   dls_lemke *lemke = NULL;
   if (which == reused && dls_lemke_create(&lemke, p->n, &settings, NULL) != DLS_OK) return;
-  const double start = cpu_seconds();
+  const double start = bench_seconds();
   for (int k = 0; k < calls; k++) {
     o->status = DLS_OK;
     if (which != reused) o->status = dls_lemke_create(&lemke, p->n, &settings, NULL);
     if (o->status == DLS_OK) o->status = dls_lemke_solve(lemke, &lcp, z, NULL, &info, NULL);
     if (which != reused) dls_lemke_destroy(lemke);
   }
-  o->cpu = (cpu_seconds() - start) / calls;
+  o->cpu = (bench_seconds() - start) / calls;
   if (which == reused) dls_lemke_destroy(lemke);
   o->pivots = which == path ? info.pivots : info.starts ? -1 : info.crash_rounds;
 }
@@ -87,44 +85,42 @@ static void call(solver which, const problem *p, int calls, outcome *o, double *
     call_ours(which, p, calls, o, z);
 }
 
-static void run_child(solver which, const problem *p, outcome *o, double *z) {
+/* A call in a child process; o and z are shared. */
+typedef struct job {
+  solver which;
+  const problem *p;
+  outcome *o;
+  double *z; /* n */
+} job;
+
+static void run_job(void *data) {
+  const job *j = data;
   const struct rlimit limit = {cpu_limit, cpu_limit};
   setrlimit(RLIMIT_CPU, &limit);
-  call(which, p, 1, o, z);
-  if (o->cpu >= long_call || o->cpu < 0) return;
+  call(j->which, j->p, 1, j->o, j->z);
+  if (j->o->cpu >= long_call || j->o->cpu < 0) return;
   for (int calls = 1;; calls *= 2) {
-    call(which, p, calls, o, z);
-    if (o->cpu < 0 || calls * o->cpu >= shortest) return;
+    call(j->which, j->p, calls, j->o, j->z);
+    if (j->o->cpu < 0 || calls * j->o->cpu >= shortest) return;
   }
 }
 
-/* Solves p in a child process and certifies its answer. */
-static outcome measure(solver which, const problem *p) {
-  const size_t n = (size_t)p->n, bytes = sizeof(outcome) + n * sizeof(double);
-  outcome failed = {.cpu = -1, .status = -1, .residual = INFINITY};
-  outcome *o = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  if (o == MAP_FAILED) return failed;
-  double *z = (double *)(o + 1);
+/* Solves p in a child process and certifies the answer. */
+static outcome solve_apart(solver which, const problem *p) {
+  const size_t bytes = sizeof(outcome) + (size_t)p->n * sizeof(double);
+  const outcome failed = {.cpu = -1, .status = -1, .residual = INFINITY};
+  outcome *o = bench_shared(bytes);
+  if (!o) return failed;
   *o = failed;
-  fflush(NULL);
-  const pid_t child = fork();
-  if (child == 0) {
-    run_child(which, p, o, z);
-    _exit(0);
-  }
-  int wait_status = 0;
-  pid_t ended;
-  do
-    ended = waitpid(child, &wait_status, 0);
-  while (ended < 0 && errno == EINTR);
-  if (child < 0 || ended != child || !WIFEXITED(wait_status)) {
+  job j = {which, p, o, (double *)(o + 1)};
+  const int ended = bench_child(run_job, &j);
+  if (ended) {
     o->cpu = -1;
-    if (ended == child && WIFSIGNALED(wait_status)) o->status = WTERMSIG(wait_status);
-  }
-  if (o->cpu >= 0) {
+    o->status = ended;
+  } else if (o->cpu >= 0) {
     const dls_lcp lcp = problem_view(p);
     dls_lcp_certificate certificate;
-    if (dls_lcp_certify(&lcp, z, NULL, &certificate, NULL) == DLS_OK) {
+    if (dls_lcp_certify(&lcp, j.z, NULL, &certificate, NULL) == DLS_OK) {
       o->residual = certificate.residual;
       o->solved = dls_lcp_certificate_holds(&certificate, tol);
     }
@@ -156,10 +152,10 @@ static yardsticks time_blas(int n) {
       double spent = 0, start = 0;
       int calls = -1; /* the first call is not timed */
       do {
-        if (calls == 0) start = cpu_seconds();
+        if (calls == 0) start = bench_seconds();
         if (kind == 0) dger_(&n, &m, &alpha, x, &unit, x, &unit, A, &n);
         if (kind == 1) dgemv_("N", &n, &m, &one, A, &n, x, &unit, &zero, y, &unit, 1);
-        if (calls >= 0) spent = cpu_seconds() - start;
+        if (calls >= 0) spent = bench_seconds() - start;
         calls++;
       } while (spent < 0.05 || calls < 3);
       *(kind == 0 ? &t.dger : &t.dgemv) = spent / calls;
@@ -173,13 +169,8 @@ static yardsticks time_blas(int n) {
 
 /* ---- the comparison -------------------------------------------------------------------------- */
 
-static int compare_doubles(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-/* The outcome of all repetitions: the median of the times, else the worst of them. */
-static outcome summarise(const outcome *o, int count) {
+/* Returns the outcome of all repetitions: the median of the times, the worst of the rest. */
+static outcome lemke_summary(const outcome *o, int count) {
   double cpu[max_repetitions] = {0};
   outcome s = o[0];
   for (int k = 0; k < count; k++) {
@@ -190,77 +181,113 @@ static outcome summarise(const outcome *o, int count) {
       s.status = o[k].status;
     }
   }
-  qsort(cpu, (size_t)count, sizeof *cpu, compare_doubles);
-  s.cpu = cpu[0] < 0 ? -1 : count % 2 ? cpu[count / 2] : (cpu[count / 2 - 1] + cpu[count / 2]) / 2;
+  s.cpu = bench_median((size_t)count, cpu);
+  if (cpu[0] < 0) s.cpu = -1;
   return s;
 }
 
-/* A field of the table; "nan" where there is none, which gnuplot takes for a gap. */
-static void print_field(FILE *csv, double x) {
+/* Prints a field of the CSV file; "nan" where there is none, which gnuplot takes for a gap. */
+static void csv_field(FILE *csv, double x) {
   if (x >= 0 && isfinite(x))
     fprintf(csv, ",%.4g", x);
   else
     fputs(",nan", csv);
 }
 
-static void print_line(const problem *p, int count, const outcome sum[solvers], const double *ratio,
-                       const yardsticks *t) {
-  const outcome *o = &sum[path], *c = &sum[crash], *r = &sum[peer];
-  printf("%-12.12s %5d  %2d  %9.3g %6d %8.1e  %9.3g %6d %8.1e  %9.3g", p->name, p->n, count, o->cpu,
-         o->pivots, o->residual, c->cpu, c->pivots, c->residual, sum[reused].cpu);
-  if (r->cpu >= 0)
-    printf("  %9.3g %6d %8.1e  %6.1f %6.1f %6.1f", r->cpu, r->pivots, r->residual, ratio[path],
-           ratio[crash], ratio[reused]);
-  else
-    printf(" %48s", "");
-  printf("  %9.3g %9.3g %9.3g", 1e6 * o->cpu / o->pivots, 1e6 * t->dger, 1e6 * t->dgemv);
-  for (solver which = path; which <= crash; which++)
-    if (!sum[which].solved) printf("  %s", dls_status_name((dls_status)sum[which].status));
-  if (r->cpu >= 0 && !r->solved) printf("  peer: %d", r->status);
-  putchar('\n');
+/* Prints a cell of the page, empty where there is no figure. */
+static void page_cell(FILE *page, const char *format, double x) {
+  if (x >= 0 && isfinite(x)) {
+    bench_print(page, " ");
+    bench_print(page, format, x); // NOLINT(clang-diagnostic-format-nonliteral)
+  }
+  bench_print(page, " |");
 }
 
-static void compare(const problem *p, int with_peer, FILE *csv) {
+/* Prints time, exchanges and residual, or why there is no answer. */
+static void page_outcome(FILE *page, const outcome *o) {
+  page_cell(page, "%.2g", o->cpu);
+  page_cell(page, "%.0f", o->pivots);
+  if (o->cpu >= 0 && !o->solved)
+    bench_print(page, " not solved, %.0e |", o->residual);
+  else
+    page_cell(page, "%.0e", o->residual);
+}
+
+typedef struct output {
+  FILE *csv, *page;
+} output;
+
+static void write_heads(const output *to) {
+  fputs("problem,n,repetitions,path_cpu_s,path_pivots,path_residual,path_solved,crash_cpu_s,"
+        "crash_rounds,crash_residual,crash_solved,peer_cpu_s,peer_pivots,peer_residual,"
+        "peer_solved,path_ratio,crash_ratio,path_per_pivot_s,dger_s,dgemv_s,"
+        "reused_cpu_s,reused_ratio\n",
+        to->csv);
+  bench_print(to->page, "%s",
+              "CPU of a call. Path: without the crash start. Crash: by default; no rounds where "
+              "the path had to follow.\nReused: as crash, on a workspace that is there already."
+              "\n\n| problem | n | path s | pivots | residual | crash s | rounds | residual | "
+              "reused s | Siconos s | pivots | residual | Siconos / path | Siconos / crash | "
+              "Siconos / reused | path: per pivot us | dger us | dgemv us |\n"
+              "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+}
+
+static void write_row(const output *to, const problem *p, int count, const outcome sum[solvers],
+                      const yardsticks *t) {
+  double ratio[peer];
+  for (solver which = path; which < peer; which++)
+    ratio[which] = sum[which].solved && sum[peer].solved ? sum[peer].cpu / sum[which].cpu : -1;
+  const double per_pivot = sum[path].cpu / sum[path].pivots;
+
+  bench_print(to->page, "| %s | %d |", p->name, p->n);
+  page_outcome(to->page, &sum[path]);
+  page_outcome(to->page, &sum[crash]);
+  page_cell(to->page, "%.2g", sum[reused].cpu);
+  page_outcome(to->page, &sum[peer]);
+  for (solver which = path; which < peer; which++)
+    page_cell(to->page, "%.1f", ratio[which]);
+  bench_print(to->page, " %.3g | %.3g | %.3g |\n", 1e6 * per_pivot, 1e6 * t->dger, 1e6 * t->dgemv);
+
+  FILE *csv = to->csv;
+  fprintf(csv, "%s,%d,%d", p->name, p->n, count);
+  for (solver which = path; which < solvers; which++) {
+    if (which == reused) continue; /* last */
+    csv_field(csv, sum[which].cpu);
+    csv_field(csv, sum[which].pivots);
+    csv_field(csv, sum[which].residual);
+    fprintf(csv, ",%d", sum[which].solved);
+  }
+  csv_field(csv, ratio[path]);
+  csv_field(csv, ratio[crash]);
+  csv_field(csv, per_pivot);
+  csv_field(csv, t->dger);
+  csv_field(csv, t->dgemv);
+  csv_field(csv, sum[reused].cpu);
+  csv_field(csv, ratio[reused]);
+  fputc('\n', csv);
+  fflush(csv);
+}
+
+static void compare_lemke(const problem *p, int with_peer, const output *to) {
   const int count = p->n <= 400 ? max_repetitions : p->n <= 1200 ? 5 : p->n <= 2400 ? 3 : 1;
   outcome runs[solvers][max_repetitions], sum[solvers];
-  double ratio[peer];
   for (int k = 0; k < count; k++)
     for (solver which = path; which < solvers; which++)
       runs[which][k] = which == peer && !with_peer
                            ? (outcome){.cpu = -1, .status = -1, .residual = INFINITY, .pivots = -1}
-                           : measure(which, p);
+                           : solve_apart(which, p);
   for (solver which = path; which < solvers; which++)
-    sum[which] = summarise(runs[which], count);
-  for (solver which = path; which < peer; which++)
-    ratio[which] = sum[which].solved && sum[peer].solved ? sum[peer].cpu / sum[which].cpu : -1;
+    sum[which] = lemke_summary(runs[which], count);
   const yardsticks t = time_blas(p->n);
-  print_line(p, count, sum, ratio, &t);
-
-  fprintf(csv, "%s,%d,%d", p->name, p->n, count);
-  for (solver which = path; which < solvers; which++) {
-    if (which == reused) continue; /* last */
-    print_field(csv, sum[which].cpu);
-    print_field(csv, sum[which].pivots);
-    print_field(csv, sum[which].residual);
-    fprintf(csv, ",%d", sum[which].solved);
-  }
-  print_field(csv, ratio[path]);
-  print_field(csv, ratio[crash]);
-  print_field(csv, sum[path].cpu / sum[path].pivots);
-  print_field(csv, t.dger);
-  print_field(csv, t.dgemv);
-  print_field(csv, sum[reused].cpu);
-  print_field(csv, ratio[reused]);
-  fputc('\n', csv);
-  fflush(csv);
+  write_row(to, p, count, sum, &t);
 }
 
 static int compare_names(const void *a, const void *b) {
   return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* Every pair NAME_M.mtx, NAME_q.mtx of a directory, in alphabetical order. */
-static int compare_directory(const char *directory, int max, FILE *csv) {
+/* Compares on every pair NAME_M.mtx, NAME_q.mtx of a directory, in alphabetical order. */
+static int compare_directory(const char *directory, int max, const output *to) {
   DIR *d = opendir(directory);
   if (!d) {
     perror(directory);
@@ -279,7 +306,7 @@ static int compare_directory(const char *directory, int max, FILE *csv) {
   for (int k = 0; k < count; k++) {
     problem p;
     if (problem_read(&p, directory, names[k]) == 0) {
-      if (p.n <= max) compare(&p, 1, csv);
+      if (p.n <= max) compare_lemke(&p, 1, to);
       problem_free(&p);
     } else
       status = -1;
@@ -288,7 +315,7 @@ static int compare_directory(const char *directory, int max, FILE *csv) {
   return status;
 }
 
-static int compare_generated(int max, int full, FILE *csv) {
+static int compare_generated(int max, int full, const output *to) {
   static const int sizes[] = {100, 300, 1000, 2000, 4000};
   for (size_t k = 0; k < sizeof sizes / sizeof sizes[0] && sizes[k] <= max; k++)
     for (int friction = 0; friction < 2; friction++) {
@@ -303,7 +330,7 @@ static int compare_generated(int max, int full, FILE *csv) {
         fprintf(stderr, "n = %d: out of memory\n", n);
         return -1;
       }
-      compare(&p, full || n <= peer_size, csv);
+      compare_lemke(&p, full || n <= peer_size, to);
       problem_free(&p);
     }
   return 0;
@@ -311,56 +338,67 @@ static int compare_generated(int max, int full, FILE *csv) {
 
 /* ---- one large problem ----------------------------------------------------------------------- */
 
-/* RSS: W (2 nc)^2 and M (3 nc)^2 doubles, and the workspace of Lemke, about the same as M. */
-static int run_large(int nc, FILE *csv) {
-  lining l;
-  problem p;
-  double start = cpu_seconds();
-  if (lining_create(&l, nc)) return -1;
-  const double make = cpu_seconds() - start;
-  if (problem_from_lining(&p, &l)) {
-    lining_free(&l);
-    return -1;
-  }
-  outcome o = {0};
-  double *z = calloc((size_t)p.n, sizeof *z), *r = calloc(2 * (size_t)nc, sizeof *r),
-         *u = calloc(2 * (size_t)nc, sizeof *u);
-  dls_contact_state *state = calloc((size_t)nc, sizeof *state);
-  dls_certificate contact = {0};
-  dls_lcp_certificate certificate = {0};
-  const dls_lcp lcp = problem_view(&p);
-  int count[3] = {0}, failed = !z || !r || !u || !state;
+/* Outcome of the large problem. */
+typedef struct large {
+  outcome o;
+  dls_certificate contact;
+  dls_lcp_certificate lcp;
+  int count[3]; /* of candidates, by dls_contact_state */
+} large;
+
+static int solve_large(const lining *l, const problem *p, large *out) {
+  const size_t nc = (size_t)l->contact.nc;
+  double *z = calloc((size_t)p->n, sizeof *z), *r = calloc(2 * nc, sizeof *r),
+         *u = calloc(2 * nc, sizeof *u);
+  dls_contact_state *state = calloc(nc, sizeof *state);
+  const dls_lcp lcp = problem_view(p);
+  int failed = !z || !r || !u || !state;
   if (!failed) {
-    call_ours(crash, &p, 1, &o, z);
-    failed = dls_lcp_certify(&lcp, z, NULL, &certificate, NULL) ||
-             dls_contact_from_lcp(&l.contact, NULL, z, r, NULL) ||
-             dls_contact_certify(&l.contact, r, u, &contact, NULL) ||
-             dls_contact_states(&l.contact, r, u, state, NULL);
+    call_ours(crash, p, 1, &out->o, z);
+    failed = dls_lcp_certify(&lcp, z, NULL, &out->lcp, NULL) ||
+             dls_contact_from_lcp(&l->contact, NULL, z, r, NULL) ||
+             dls_contact_certify(&l->contact, r, u, &out->contact, NULL) ||
+             dls_contact_states(&l->contact, r, u, state, NULL);
   }
-  for (int c = 0; c < nc && !failed; c++)
-    count[state[c]]++;
-  struct rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  const double gigabytes = (double)usage.ru_maxrss * 1024e-9;
-  if (!failed) {
-    printf("n = %d, %d candidates: %d free, %d slip, %d stick\n", p.n, nc, count[DLS_FREE],
-           count[DLS_SLIP], count[DLS_STICK]);
-    printf("W %.3g s, Lemke %.4g s CPU, %d rounds of the crash start, %s\n", make, o.cpu, o.pivots,
-           dls_status_name((dls_status)o.status));
-    printf("residual: LCP %.1e, contact %.1e; largest RSS %.2f GB\n", certificate.residual,
-           contact.residual, gigabytes);
-    fprintf(
-        csv,
-        "n,candidates,free,slip,stick,make_W_s,cpu_s,crash_rounds,lcp_residual,contact_residual,"
-        "solved,max_rss_GB\n");
-    fprintf(csv, "%d,%d,%d,%d,%d,%.4g,%.4g,%d,%.2e,%.2e,%d,%.3g\n", p.n, nc, count[DLS_FREE],
-            count[DLS_SLIP], count[DLS_STICK], make, o.cpu, o.pivots, certificate.residual,
-            contact.residual, dls_lcp_certificate_holds(&certificate, tol), gigabytes);
-  }
+  for (size_t c = 0; c < nc && !failed; c++)
+    out->count[state[c]]++;
   free(z);
   free(r);
   free(u);
   free(state);
+  return failed;
+}
+
+/* Solves one problem of nc candidates. Memory: W (2 nc)^2 and M (3 nc)^2 doubles, and the
+ * workspace of Lemke, about as much as M. */
+static int run_large(int nc, const output *to) {
+  lining l;
+  problem p = {.n = 0};
+  large a = {.o = {.cpu = -1}};
+  double start = bench_seconds();
+  if (lining_create(&l, nc)) return -1;
+  const double make = bench_seconds() - start;
+  const int failed = problem_from_lining(&p, &l) || solve_large(&l, &p, &a);
+  struct rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  const double gigabytes = (double)usage.ru_maxrss * 1024e-9;
+  const char *const states[] = {"free", "slip", "stick"};
+  if (!failed) {
+    fprintf(to->csv,
+            "n,candidates,free,slip,stick,make_W_s,cpu_s,crash_rounds,lcp_residual,"
+            "contact_residual,solved,max_rss_GB\n%d,%d,%d,%d,%d,%.4g,%.4g,%d,%.2e,%.2e,%d,%.3g\n",
+            p.n, nc, a.count[DLS_FREE], a.count[DLS_SLIP], a.count[DLS_STICK], make, a.o.cpu,
+            a.o.pivots, a.lcp.residual, a.contact.residual, dls_lcp_certificate_holds(&a.lcp, tol),
+            gigabytes);
+    bench_print(to->page, "| n | %d |\n|---|---|\n| candidates | %d |\n", p.n, nc);
+    for (int k = DLS_FREE; k <= DLS_STICK; k++)
+      bench_print(to->page, "| %s | %d |\n", states[k], a.count[k]);
+    bench_print(to->page,
+                "| CPU of W, s | %.3g |\n| CPU of Lemke, s | %.3g |\n| rounds of the crash start | "
+                "%d |\n| residual of the LCP | %.1e |\n| residual of the contact problem | %.1e |\n"
+                "| largest resident set, GB | %.2f |\n",
+                make, a.o.cpu, a.o.pivots, a.lcp.residual, a.contact.residual, gigabytes);
+  }
   problem_free(&p);
   lining_free(&l);
   return failed ? -1 : 0;
@@ -370,13 +408,13 @@ static int run_large(int nc, FILE *csv) {
 
 int main(int argc, char **argv) {
   const char *out = "bench/results", *directory = NULL;
-  int max = 4000, full = 0, large = 0;
+  int max = 4000, full = 0, one = 0;
   for (int k = 1; k < argc; k++) {
     const int more = k + 1 < argc;
     if (!strcmp(argv[k], "--full"))
       full = 1;
     else if (!strcmp(argv[k], "--large"))
-      large = 1;
+      one = 1;
     else if (!strcmp(argv[k], "--max") && more)
       max = atoi(argv[++k]);
     else if (!strcmp(argv[k], "--lcp") && more)
@@ -389,32 +427,23 @@ int main(int argc, char **argv) {
       return 2;
     }
   }
-  char file[1024];
-  snprintf(file, sizeof file, "%s/%s", out, large ? "lemke_large.csv" : "lemke.csv");
-  FILE *csv = fopen(file, "w");
-  if (!csv) {
-    perror(file);
-    return 1;
-  }
+  output to = {bench_open(out, one ? "lemke_large.csv" : "lemke.csv"), NULL};
+  if (to.csv)
+    to.page = bench_page(out, one ? "lemke_large" : "lemke", "Lemke's method beside Siconos'", argc,
+                         argv);
+  if (!to.page) return 1;
   int status = 0;
-  if (large)
-    status = run_large(3333, csv);
+  if (one)
+    status = run_large(3333, &to);
   else {
-    fputs("problem,n,repetitions,path_cpu_s,path_pivots,path_residual,path_solved,crash_cpu_s,"
-          "crash_rounds,crash_residual,crash_solved,peer_cpu_s,peer_pivots,peer_residual,"
-          "peer_solved,path_ratio,crash_ratio,path_per_pivot_s,dger_s,dgemv_s,"
-          "reused_cpu_s,reused_ratio\n",
-          csv);
-    printf("%-12s %5s %3s  %9s %6s %8s  %9s %6s %8s  %9s  %9s %6s %8s  %6s %6s %6s  %9s %9s "
-           "%9s\n",
-           "problem", "n", "rep", "path s", "pivots", "residual", "crash s", "rounds", "residual",
-           "reused s", "peer s", "pivots", "residual", "path", "crash", "reused", "us/pivot",
-           "dger us", "dgemv us");
-    status |= compare_directory("data/lcp", max, csv);
-    if (directory) status |= compare_directory(directory, max, csv);
-    status |= compare_generated(max, full, csv);
+    write_heads(&to);
+    status |= compare_directory("data/lcp", max, &to);
+    if (directory) status |= compare_directory(directory, max, &to);
+    status |= compare_generated(max, full, &to);
+    bench_print(to.page, "\n![CPU time against n](lemke.svg)\n");
   }
-  if (fclose(csv) != 0) status = -1;
+  if (fclose(to.csv) != 0) status = -1;
+  if (fclose(to.page) != 0) status = -1;
   if (status) fprintf(stderr, "lemke: not everything could be run\n");
   return status ? 1 : 0;
 }

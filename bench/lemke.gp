@@ -1,5 +1,5 @@
-# lemke.gp: bench/results/lemke.csv -> lemke.png, lemke.svg beside it. Run from the top of the tree.
-dir = 'bench/results/'
+# lemke.gp: lemke.csv -> lemke.png, lemke.svg, in `dir`.
+if (!exists('dir')) dir = 'bench/results/'
 data = dir.'lemke.csv'
 set datafile separator ','
 set datafile missing NaN # the line goes on over it

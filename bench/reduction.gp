@@ -1,5 +1,5 @@
-# reduction.gp: bench/results/reduction.csv -> reduction.png, reduction.svg beside it. Run from the top.
-dir = 'bench/results/'
+# reduction.gp: reduction.csv -> reduction.png, reduction.svg, in `dir`.
+if (!exists('dir')) dir = 'bench/results/'
 data = dir.'reduction.csv'
 set datafile separator ','
 set datafile missing NaN # the line goes on over it
@@ -17,15 +17,13 @@ do for [type in 'png svg'] {
   set multiplot layout 1,3
   set title 'W of a 3D elastic box: CPU time, one thread'
   set ylabel 's'
-  plot data using 4:(pick('definite', 3, 'columns', 7)) with linespoints pt 6 lc rgb '#c03020' title 'CHOLMOD, all columns', \
-       '' using 4:(pick('definite', 3, 'columns by 64', 7)) with linespoints pt 4 dt 2 lc rgb '#c03020' title 'CHOLMOD, 64 at a time', \
+  plot data using 4:(pick('definite', 3, 'columns', 7)) with linespoints pt 6 lc rgb '#c03020' title 'CHOLMOD, 64 columns at a time', \
        '' using 4:(pick('definite', 3, 'delassus', 7)) with linespoints pt 7 lc rgb '#3060a0' title 'delassus', \
        '' using 4:(pick('unsymmetric', 3, 'columns', 7)) with linespoints pt 8 lc rgb '#a08020' title 'UMFPACK, unsymmetric', \
        '' using 4:(pick('unsymmetric', 3, 'delassus', 7)) with linespoints pt 9 lc rgb '#208060' title 'delassus, unsymmetric'
   set title 'Peak memory'
   set ylabel 'GB'
-  plot data using 4:(pick('definite', 3, 'columns', 8)) with linespoints pt 6 lc rgb '#c03020' title 'CHOLMOD, all columns', \
-       '' using 4:(pick('definite', 3, 'columns by 64', 8)) with linespoints pt 4 dt 2 lc rgb '#c03020' title 'CHOLMOD, 64 at a time', \
+  plot data using 4:(pick('definite', 3, 'columns', 8)) with linespoints pt 6 lc rgb '#c03020' title 'CHOLMOD, 64 columns at a time', \
        '' using 4:(pick('definite', 3, 'delassus', 8)) with linespoints pt 7 lc rgb '#3060a0' title 'delassus', \
        '' using 4:(pick('definite', 3, 'delassus', 9)) with lines dt 3 lc rgb '#3060a0' title 'as foreseen'
   set title 'Operations per second'

@@ -1,25 +1,41 @@
 /*
- * solvers.c: every method of delassus beside the friction contact solvers of Siconos Numerics, on the
- * same problems, in one run.
+ * solvers.c: every method of delassus beside the friction contact solvers of Siconos Numerics, on
+ * the same problems, in one run.
  *
- *   solvers [--full] [--patient] [--dir DIR] [--set SET] [--method NAME] [--limit SECONDS] [--out DIR]
+ *   solvers [--full] [--patient] [--dir DIR] [--set SET] [--method NAME] [--limit SECONDS]
+ *           [--out DIR]
  *
- * --full: all sizes and friction coefficients. --patient: all settings of the peer, 20 s for each solve.
+ *   --full      all sizes and friction coefficients (solvers_scenes.c)
+ *   --patient   all settings of the peer, 20 s for each solve; many hours
+ *   --dir DIR   FCLIB files; data/fclib
+ *   --set SET   fclib, block, cube or wall only
  *
- * A target is a residual of the certificate (contact.h): 1e-4, 1e-8, 1e-12. Whatever a solver says
- * of itself, it has met a target if the certificate of its answer, recomputed here, holds.
+ * A target is a residual of the certificate (contact.h): 1e-4, 1e-8, 1e-12. A solver has met a
+ * target if the certificate of its answer, recomputed here from W, q and mu, holds; its own claim
+ * counts for nothing. Verdicts: `limit`, stopped by the CPU limit; `crash`, a signal or exit();
+ * `wrong`, it claims success with a tolerance not above the target, and the certificate does not
+ * hold; `refused`, it returns an error.
  *
- * delassus is asked for the target itself. The peer measures its error in its own way, so that it is
- * run down a ladder of its own tolerances, and the cheapest run whose answer meets the target counts.
- * The next step of the ladder is a tenth of the last; once 1e-4 is met, what it would take for the
- * next target if our residual were proportional to its tolerance, less a decade: (L).
+ * delassus runs with its default settings and the target as its tolerance. The peer measures its
+ * error in its own way: it is run down a ladder of its own tolerances, and its cheapest run whose
+ * answer meets the target counts. The next step of the ladder is a tenth of the last; once 1e-4 is
+ * met, what it would take for the next target if the residual were proportional to the tolerance,
+ * less a decade: (SO1). Its iterations are limited by the CPU limit alone, but for its Newton and
+ * proximal methods: their defaults, at least 1000.
  *
- * CPU time is that of the solve. An impatient run stops a solver of delassus that takes 10 times as long as
- * the best of delassus so far, one of the peer that takes 3 times as long as the best of the peer so
- * far, but neither before 0.2 s: what it drops could not have been the best of its side. In the end auto
- * and the best of each side take turns three times more, up to 20 times while auto takes more than 0.8 of the best of
- * the peer, for the clock of a machine can change from one solver to the next; the least counts, as a row
- * of its own.
+ * Time is the CPU of the solve, the least of up to 40 readings of the clock while they take less
+ * than 20 ms together; calls are repeated between two readings until these are 50 us apart, each
+ * from r = 0. The peer gets matrix and options anew for each call, and where that repeats calls,
+ * also once for all of them; the faster counts. The peer allocates inside its call, delassus in
+ * dls_solver_create: that is not in the ratios but in the column setup_s, as is what dls_solve
+ * takes more than the solve on a solver that is there.
+ *
+ * An impatient run stops a solver of delassus that takes 10 times as long as the best of delassus
+ * so far, one of the peer that takes 3 times as long as the best of the peer so far, but neither
+ * before 0.2 s: what it drops could not have been the best of its side. In the end auto and the
+ * best of each side take turns three times more, up to 20 times while auto takes more than 0.8 of
+ * the best of the peer, for the clock of a machine can change from one solver to the next; the
+ * least counts, as a row of its own.
  */
 #include <math.h>
 #include <stdio.h>
@@ -27,13 +43,13 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "clock.h"
-#include "report.h"
+#include "common.h"
 #include "solvers.h"
+#include "solvers_report.h"
 
 static const double targets[TARGETS] = {1e-4, 1e-8, 1e-12};
 static const double first_step = 1e-3, last_step = 1e-16; /* of the ladder */
-/* An impatient run: times the best of the same side, s. */
+/* Limits of an impatient run: multiples of the best of the same side; s. */
 static const double hopeless_own = 10, hopeless_peer = 3, patience = 0.2;
 
 enum { pivoting_candidates_2d = 400, pivoting_candidates_3d = 60 };
@@ -67,21 +83,21 @@ static int own_takes(const own_method *w, const scene *s) {
          !(strcmp(w->name, "lemke") == 0 && s->contact.nc > most);
 }
 
-/* A global problem is reduced first, and that counts. */
-static dls_status reduce(const scene *s, dls_reduction **reduction, dls_contact *contact) {
+/* Reduces a global problem, which counts as part of the solve. */
+static dls_status own_reduce(const scene *s, dls_reduction **reduction, dls_contact *contact) {
   dls_status status = dls_reduction_create(reduction, s->model, NULL);
   if (!status) status = dls_reduction_load(*reduction, s->f, s->g, NULL);
   if (!status) status = dls_reduction_contact(*reduction, s->contact.mu, contact, NULL);
   return status;
 }
 
-/* One solve from r = 0, by the solver, or by dls_solve where that is NULL. */
+/* Solves once from r = 0, by the solver, or by dls_solve where solver is NULL. */
 static dls_status own_call(const scene *s, dls_solver *solver, const dls_solver_settings *settings,
                            double *r, dls_info *info) {
   dls_reduction *reduction = NULL;
   dls_contact reduced;
   const dls_contact *contact = s->model ? &reduced : &s->contact;
-  dls_status status = s->model ? reduce(s, &reduction, &reduced) : DLS_OK;
+  dls_status status = s->model ? own_reduce(s, &reduction, &reduced) : DLS_OK;
   memset(r, 0, (size_t)s->contact.d * (size_t)s->contact.nc * sizeof *r);
   if (!status)
     status = solver ? dls_solver_solve(solver, contact, r, NULL, info, NULL)
@@ -93,15 +109,15 @@ static dls_status own_call(const scene *s, dls_solver *solver, const dls_solver_
 static dls_status own_calls(const scene *s, dls_solver *solver, const dls_solver_settings *settings,
                             int calls, double *r, dls_info *info, double *cpu) {
   dls_status status = DLS_OK;
-  const double start = cpu_seconds();
+  const double start = bench_seconds();
   for (int k = 0; k < calls && status >= 0; k++)
     status = own_call(s, solver, settings, r, info);
-  *cpu = (cpu_seconds() - start) / calls;
+  *cpu = (bench_seconds() - start) / calls;
   return status;
 }
 
-/* setup: of short calls what dls_solve takes more than a solver that is there already, else what
- * creating and destroying that takes. */
+/* Times a method of delassus. setup: of short calls the time by which dls_solve exceeds the solve
+ * on a solver that is there already, else that of creating and destroying the solver. */
 static void own_solve(const void *how, const scene *s, double tol, int calls, double *r,
                       outcome *o) {
   const own_method *w = how;
@@ -115,13 +131,13 @@ static void own_solve(const void *how, const scene *s, double tol, int calls, do
   settings.limits.blocks = s->contact.W.a ? 0 : s->contact.Wb.p[s->contact.nc];
   if (settings.method == DLS_NLGS)
     settings.limits.max_iterations = 100000000; /* the CPU limit ends it */
-  const double start = cpu_seconds();
+  const double start = bench_seconds();
   dls_status status = dls_solver_create(&solver, s->contact.d, s->contact.nc, &settings, NULL);
-  const double created = cpu_seconds();
+  const double created = bench_seconds();
   if (!status) status = own_calls(s, solver, &settings, calls, r, &info, &o->cpu);
-  const double solved = cpu_seconds();
+  const double solved = bench_seconds();
   dls_solver_destroy(solver);
-  o->setup = created - start + cpu_seconds() - solved;
+  o->setup = created - start + bench_seconds() - solved;
   if (calls > 1 && status >= 0) {
     double single;
     status = own_calls(s, NULL, &settings, calls, r, &info, &single);
@@ -134,7 +150,7 @@ static void own_solve(const void *how, const scene *s, double tol, int calls, do
 
 /* ---- one scene ------------------------------------------------------------------------------- */
 
-/* CPU allowed for a target. */
+/* Returns the CPU allowed for a target. */
 static double allowance(const plan *p, const record *best, double hopeless) {
   if (p->patient || best->status != SOLVED) return p->limit;
   return fmin(p->limit, fmax(patience, hopeless * best->cpu));
@@ -159,18 +175,18 @@ static record record_of(solve_fn solve, const void *how, const outcome *o, doubl
   return a;
 }
 
-/* a comes before b as the answer of one solver: solved is better, faster is better; and a wrong
- * answer is remembered. */
+/* Returns 1 if a comes before b as the answer of one solver: solved is better, faster is better,
+ * and a wrong answer is remembered. */
 static int replaces(const record *a, const record *b) {
   if (a->status == SOLVED) return b->status != SOLVED || a->cpu < b->cpu;
   return b->status != SOLVED && b->status != WRONG;
 }
 
-static void keep(record *best, const record *a) {
+static void keep_faster(record *best, const record *a) {
   if (a->status == SOLVED && (best->status != SOLVED || a->cpu < best->cpu)) *best = *a;
 }
 
-/* What decides the ratios of a scene. */
+/* The records that decide the ratios of a scene. */
 typedef enum side { AUTO, OWN, PEER, SIDES } side;
 typedef record leaders[SIDES][TARGETS];
 
@@ -188,12 +204,12 @@ static void run_own(const plan *p, const own_method *w, const scene *s, leaders 
     a.setting = "default";
     a.storage = s->model || s->contact.W.a ? "dense" : "blocks";
     report_add(p->out, &a);
-    keep(&best[OWN][k], &a);
-    if (strcmp(w->name, "auto") == 0) keep(&best[AUTO][k], &a);
+    keep_faster(&best[OWN][k], &a);
+    if (strcmp(w->name, "auto") == 0) keep_faster(&best[AUTO][k], &a);
   }
 }
 
-/* The next tolerance (L) after `step` gave `residual`, with `target` the first that is not met. */
+/* Returns the tolerance (SO1) after `step` gave `residual`; target: the first that is not met. */
 static double next_step(double step, double residual, double target, int met) {
   const double proportional = 10 * step * target / residual;
   return met && residual > target ? fmin(step / 10, proportional) : step / 10;
@@ -211,7 +227,7 @@ static void run_peer(const plan *p, const peer_method *w, const scene *s, leader
       const record a = record_of(peer_solve, w, &o, targets[k], step);
       const record b = record_of(peer_solve_again, w, &same, targets[k], step);
       if (replaces(&a, &found[k])) found[k] = a;
-      if (again) keep(&found[k], &b);
+      if (again) keep_faster(&found[k], &b);
     }
     while (met < TARGETS && found[met].status == SOLVED)
       met++;
@@ -225,11 +241,11 @@ static void run_peer(const plan *p, const peer_method *w, const scene *s, leader
     found[k].storage = peer_storage(w, s);
     found[k].peer = 1;
     report_add(p->out, &found[k]);
-    keep(&best[PEER][k], &found[k]);
+    keep_faster(&best[PEER][k], &found[k]);
   }
 }
 
-/* Whether auto is solidly ahead of the best of the peer. */
+/* Returns 1 if auto is ahead of the best of the peer by more than noise. */
 static int is_clear(const record *ours, const record *peer) {
   const double clear = 0.8;
   return ours->status != SOLVED || peer->status != SOLVED || ours->cpu < clear * peer->cpu;
@@ -278,15 +294,15 @@ static void run_scene(void *data, const scene *s) {
 
 /* ---- program --------------------------------------------------------------------------------- */
 
-static int usage(void) {
+static int print_usage(void) {
   fputs("usage: solvers [--full] [--patient] [--dir DIR] [--set fclib|block|cube|wall]\n"
         "               [--method NAME] [--limit SECONDS] [--out DIR]\n",
         stderr);
   return 2;
 }
 
-/* 1, or 0 for bad options. */
-static int parse(int argc, char **argv, plan *p) {
+/* Returns 1, or 0 for bad options. */
+static int parse_plan(int argc, char **argv, plan *p) {
   for (int k = 1; k < argc; k++) {
     if (!strcmp(argv[k], "--full") || !strcmp(argv[k], "--patient")) {
       *(argv[k][2] == 'f' ? &p->full : &p->patient) = 1;
@@ -315,17 +331,17 @@ static int runs(const plan *p, const char *set) {
   return !p->set || strcmp(p->set, set) == 0;
 }
 
-/* A BLAS with threads spoils every measure; it reads this when it is loaded. */
+/* Starts the program anew with a BLAS of one thread, which OpenBLAS reads when it is loaded. */
 static void one_thread(char **argv) {
   if (getenv("OPENBLAS_NUM_THREADS")) return;
   if (setenv("OPENBLAS_NUM_THREADS", "1", 1) == 0) (void)execv("/proc/self/exe", argv);
 }
 
 int main(int argc, char **argv) {
-  plan p = {.files = "data/fclib", .directory = "build/bench"};
+  plan p = {.files = "data/fclib", .directory = "bench/results"};
   one_thread(argv);
-  if (!parse(argc, argv, &p)) return usage();
-  p.out = report_open(p.directory);
+  if (!parse_plan(argc, argv, &p)) return print_usage();
+  p.out = report_open(p.directory, argc, argv);
   if (!p.out) return 1;
   int status = 0;
   if (runs(&p, "fclib")) status |= scenes_files(p.files, run_scene, &p);

@@ -1,6 +1,6 @@
 # solvers.gp: the pictures of bench/solvers from its data in `dir`: performance profiles for 2D and 3D, and
 # the time of ours over that of the best of Siconos, scene by scene.
-if (!exists('dir')) dir = 'build/bench/'
+if (!exists('dir')) dir = 'bench/results/'
 tols = '1e-04 1e-08 1e-12'
 set grid
 own = '#1b4f9c #2a9d8f #6a4c93 #8ab17d #e9a820 #5d6d7e #a05a2c'

@@ -1,14 +1,14 @@
 /*
- * solvers.h: what the files of bench/solvers share: scenes, the peer, one measured call.
+ * solvers.h: shared by the files of bench/solvers: scenes, the peer, one measured call.
  */
 #ifndef SOLVERS_H
 #define SOLVERS_H
 
 #include "delassus.h"
 
-/* ---- scenes (scenes.c) ----------------------------------------------------------------------- */
+/* ---- scenes (solvers_scenes.c) --------------------------------------------------------------- */
 
-/* A contact problem and, of a file with a global problem, what it was reduced from. */
+/* A contact problem; one reduced from a global problem comes with that. */
 typedef struct scene {
   const char *set; /* "fclib", "global", "block", "cube", "wall" */
   char name[64];
@@ -20,14 +20,14 @@ typedef struct scene {
 /* Called for each scene, which lives until the call returns. */
 typedef void (*scene_fn)(void *data, const scene *s);
 
-/* Visit the scenes of a set: the sizes and friction coefficients of the quick run, or all. 0, or -1
- * after a message on stderr. */
+/* Visits the scenes of a set: sizes and friction coefficients of the quick run, or all. Returns 0,
+ * or -1 after a message on stderr. */
 int scenes_files(const char *directory, scene_fn visit, void *data);
 int scenes_blocks(int full, scene_fn visit, void *data);
 int scenes_cubes(int full, scene_fn visit, void *data);
 int scenes_walls(int full, scene_fn visit, void *data);
 
-/* ---- one call in a process of its own (measure.c) -------------------------------------------- */
+/* ---- one call in a process of its own (solvers_call.c) --------------------------------------- */
 
 /* How a call ended. */
 typedef enum ending {
@@ -47,34 +47,34 @@ typedef struct outcome {
   dls_certificate certificate; /* of the answer; residual = INFINITY if there is none */
 } outcome;
 
-/* Solves s `calls` times to its own `tol` by the method that `how` describes, each time from r (m) = 0.
- * Fills all of *o but the certificate, for one call. */
+/* Solves s `calls` times to its own `tol` by the method that `how` describes, each time from r (m)
+ * = 0. Fills all of *o but the certificate, for one call. */
 typedef void (*solve_fn)(const void *how, const scene *s, double tol, int calls, double *r,
                          outcome *o);
 
-/* solve() in a child process that is stopped after `limit` seconds of CPU, and its answer certified
- * here. */
+/* Runs solve() in a child process that is stopped after `limit` seconds of CPU, and certifies the
+ * answer. */
 outcome measure(const scene *s, solve_fn solve, const void *how, double tol, double limit);
 
-/* ---- the peer (contact_peer.c) --------------------------------------------------------------- */
+/* ---- the peer (solvers_peer.c) --------------------------------------------------------------- */
 
 /* A solver of Siconos Numerics with one setting and one storage of W. */
 typedef struct peer_method peer_method;
 
-/* index 0 .. ; NULL past the last */
+/* Returns setting `index` of the list, from 0; NULL past the last. */
 const peer_method *peer_at(int index);
 const char *peer_name(const peer_method *p);    /* of the solver, "siconos-nsgs" */
 const char *peer_setting(const peer_method *p); /* "default", ... */
 int peer_pivots(const peer_method *p);          /* takes no tolerance */
 
-/* "dense", "blocks", "sparse": of W as p gets it; a dense W stays dense. */
+/* Returns the storage of W that p gets: "dense", "blocks", "sparse"; a dense W stays dense. */
 const char *peer_storage(const peer_method *p, const scene *s);
 
-/* 1 if p can be tried on s. patient = 0: only those that were fastest somewhere. */
+/* Returns 1 if p can be tried on s. patient = 0: only a p that was fastest somewhere. */
 int peer_takes(const peer_method *p, const scene *s, int patient);
 
-/* Each a solve_fn; how is a peer_method. The storage is converted and the options are made outside of
- * the time measured, anew for each call or once for all of them. */
+/* Solve s by the peer_method `how`; each is a solve_fn. The storage is converted and the options
+ * are made outside of the time measured: by peer_solve for each call, by peer_solve_again once. */
 void peer_solve(const void *how, const scene *s, double tol, int calls, double *r, outcome *o);
 void peer_solve_again(const void *how, const scene *s, double tol, int calls, double *r,
                       outcome *o);

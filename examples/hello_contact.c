@@ -3,8 +3,8 @@
  *
  * A block hangs on springs of 1000 N/m, one upright and one level. Without the floor it would come
  * to rest 2 mm below it and 3 mm to the right. The floor holds it up with r_n = 2 mm * 1000 N/m =
- * 2 N. To hold it in place as well would take 3 N; friction gives at most mu r_n = 1 N, so the block
- * slips, until the spring is left with 3 N - 1 N: u_t = 2 N / 1000 N/m = 2 mm.
+ * 2 N. To hold it in place as well would take 3 N; friction gives at most mu r_n = 1 N, so the
+ * block slips, until the spring is left with 3 N - 1 N: u_t = 2 N / 1000 N/m = 2 mm.
  *
  * Output:
  *   solved: r_n = 2 N, r_t = -1 N

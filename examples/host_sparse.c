@@ -1,7 +1,8 @@
 /*
- * host_sparse.c: a host with a sparse stiffness matrix and contact in 3D. A cube of 12^3 nodes joined
- * to their neighbours by springs stands on a rough floor, its top held by soft springs; its weight
- * presses, a push along one edge of the top shears it. 432 of the 5184 unknowns are condensed, once.
+ * host_sparse.c: a host with a sparse stiffness matrix and contact in 3D. A cube of 12^3 nodes
+ * joined to their neighbours by springs stands on a rough floor, its top held by soft springs; its
+ * weight presses, a push along one edge of the top shears it. 432 of the 5184 unknowns are
+ * condensed, once.
  *
  * Output:
  *   push 15: the floor carries 1421.4, holds back 348.3; the top moves by 53.2

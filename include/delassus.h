@@ -1,11 +1,13 @@
 /*
  * delassus.h: the whole library in one include.
  *
- *   status.h     statuses and errors
+ *   status.h     statuses, errors, version
  *   matrix.h     views of matrices
  *   contact.h    the problem and its certificate
+ *   limits.h     tolerance, iteration limit, progress
+ *   info.h       methods and outcome
+ *   model.h      K, H_N, H_T of the host
  *   reduction.h  K, f, H -> W, q and back
- *   info.h       progress and outcome
  *   solve.h      one call for any method
  *   diagnose.h   facts about a problem
  *   nlgs.h       projected Gauss-Seidel on the reactions

@@ -1,71 +1,79 @@
 /*
- * crash.c: a complementary basis for LCP(M, q) by exchanging many pairs at once, before Lemke's method
- * goes one pair at a time.
+ * crash.c: guesses a complementary basis of LCP(M, q) by exchanging many pairs at once, before
+ * Lemke's method goes one pair at a time.
  *
  *   y = M z + q,   y >= 0,  z >= 0,  y^T z = 0
  *
- * A basis is a set A of indices: z_i = 0 outside of A, y_i = 0 inside. From the A given:
+ * A basis is a set A of indices: z_i = 0 outside of A, y_i = 0 inside. One round:
  *
- *   (K1)  M_AA z_A = -q_A,   y = M z + q;   M_AA singular: give up
- *   (K2)  out = { i in A : z_i < 0 },  in = { i not in A : y_i < 0 };  both empty: z is a solution
- *   (K3)  give up if (|M||z|)_i > 1000 |q_i| in most rows of A with q_i != 0, or after `patience` rounds
- *         in a row in which |out| + |in| was more than 3/4 of the least before
- *   (K4)  A := A \ out u in, without those j for which then M_Aj = 0
+ *   (CR1)  M_AA z_A = -q_A,  y = M z + q;   M_AA singular: give up
+ *   (CR2)  out = { i in A : z_i < 0 },  in = { i not in A : y_i < 0 };  both empty: a solution
+ *   (CR3)  give up if (|M||z|)_i > 1000 |q_i| in most rows of A with q_i != 0, or after `patience`
+ *          rounds in a row in which |out| + |in| was more than 3/4 of the least before
+ *   (CR4)  A := A \ out u in, without those j for which then M_Aj = 0
  *
- * This is (G1)-(G4) of principal.c with all of H, but for the last words: where M_jj = 0, as for the
- * multipliers in the forms with friction, j has no place in a basis but together with others.
+ * principal.c has the same iteration with all of H, but for the last words of (CR4): where M_jj =
+ * 0, as for the multipliers in the forms with friction, j enters a basis only together with others.
  *
- * Nothing is promised. It is a guess that costs a few factorisations and is right as a rule where M is
- * well conditioned, as of elastic bodies: from round to round a half to a tenth of the wrong signs are
- * left. Near-singular bases, as of statically indeterminate bodies, show in (K3) soon; at the latest it
- * ends after 4 (1 + log_4/3 2n) rounds. A change of units changes nothing but roundings.
+ * The method is a guess without a promise. It costs a few factorisations and is right as a rule
+ * where M is well conditioned, as for elastic bodies: each round leaves a half to a tenth of the
+ * wrong signs. Near-singular bases, as of statically indeterminate bodies, soon fail (CR3); the
+ * rounds end after 4 (1 + log_4/3 2n) at the latest. A change of units changes only roundings.
  *
- * The rounds differ in fewer and fewer indices. With M_00 = P L U for a former basis A_0, and now
- * A = A_0 \ D u E, M_AA x = b is solved by
+ * Consecutive rounds differ in fewer and fewer indices. With M_00 = P L U for an earlier basis A_0
+ * and A = A_0 \ D u E now, M_AA x = b is solved by
  *
- *   (K5)  Y = M_00^-1 ( M_0E  I_D ),   x' = M_00^-1 b_0,
- *         ( M_E0 Y - ( M_EE 0 ) )       ( M_E0 x' - b_E )
- *         ( Y_D                 ) w  =  ( x'_D          ),    x_0 = x' - Y w,   x_E = w_E
+ *   (CR5)  Y = M_00^-1 ( M_0E  I_D ),   x' = M_00^-1 b_0,
+ *          ( M_E0 Y - ( M_EE 0 ) )       ( M_E0 x' - b_E )
+ *          ( Y_D                 ) w  =  ( x'_D          ),    x_0 = x' - Y w,   x_E = w_E
  *
- * where 2 |A_0|^2 flops a column of Y replace 2 |A|^3 / 3; the columns stay for later rounds. M_AA is
- * factorised anew when they would be more than |A_0| / 4.
+ * where a column of Y costs 2 |A_0|^2 flops and is kept for later rounds; a factorisation costs
+ * 2 |A|^3 / 3. M_AA is factorised anew when Y would have more than |A_0| / 4 columns.
+ *
+ * Sources: Kostreva 1978; Judice and Pires 1994 (full references in principal.c).
  */
 #include <math.h>
 #include <string.h>
 
-#include "base/base.h"
 #include "lcp_internal.h"
 #include "linear/blas.h"
 
-enum { patience = 4 };                      /* (K3) */
-static const double most_growth = 1e3;      /* (K3) */
-static const double zero_tolerance = 1e-13; /* (K2): to (|q| + |M||z|)_i */
-static const double singular = 1e-12;       /* a pivot, to what it is the difference of */
-static const double zero = 0, one = 1;
-static const int unit = 1;
+enum { patience = 4 };                        /* (CR3) */
+static const double most_growth = 1e3;        /* (CR3) */
+static const double crash_zero = 1e-13;       /* (CR2): relative to (|q| + |M||z|)_i */
+static const double singular_pivot = 1e-12;   /* relative to the terms of the pivot's sum */
+static const double crash_0 = 0, crash_1 = 1; /* BLAS takes factors by address */
 
-static const double *column(const dls_lcp *lcp, int j) {
-  return lcp->M.a + (size_t)j * (size_t)lcp->M.ld;
+void dlsi_crash_carve(dlsi_crash *work, dlsi_arena *arena, size_t n, size_t ld) {
+  double **vectors[] = {&work->z, &work->y, &work->a, &work->b, &work->x, &work->v};
+  int **indices[] = {&work->in,   &work->wrong,  &work->base,         &work->factors.pivot,
+                     &work->slot, &work->differ, &work->change.pivot, &work->place};
+  for (size_t k = 0; k < sizeof vectors / sizeof vectors[0]; k++)
+    *vectors[k] = dlsi_take(arena, ld, sizeof(double));
+  for (size_t k = 0; k < sizeof indices / sizeof indices[0]; k++)
+    *indices[k] = dlsi_take(arena, n, sizeof(int));
 }
 
-/* A (rows x columns, column-major) := M of the rows i[] and columns j[] */
-static void gather(const dls_lcp *lcp, int rows, const int *i, int columns, const int *j,
-                   double *A) {
+/* Copies rows i[] and columns j[] of M to A (rows x columns, column-major). */
+static void crash_gather(const dls_lcp *lcp, int rows, const int *i, int columns, const int *j,
+                         double *A) {
   for (int l = 0; l < columns; l++) {
-    const double *m = column(lcp, j[l]);
+    const double *m = dlsi_lcp_column(lcp, j[l]);
     for (int k = 0; k < rows; k++)
       *A++ = m[i[k]];
   }
 }
 
-/* ---- LU -------------------------------------------------------------------------------------- */
+/* ---- the factors ----------------------------------------------------------------------------- */
 
-enum { small = 24 }; /* where a call of LAPACK costs more than the arithmetic */
-
-/* 1 if no pivot is what rounding leaves of 0: |u_cc| > 1e-12 sum_l |l_cl| |u_lc|, which units do not
- * change. Tile by tile, since u_lc runs along a row. d: k */
-static int lu_is_regular(int k, const double *A, double *d) {
-  const size_t n = (size_t)k, tile = 32;
+/* Factorises f->A and returns 1, or 0 if a pivot is 0 or only rounding error: not above 1e-12 times
+ * the sum of |l_cl| |u_lc| it was computed from, which units do not change. Runs in tiles because
+ * u_lc lies along a row. d: scratch, f->n. */
+static int crash_lu(dlsi_dense *f, double *d) {
+  const size_t n = (size_t)f->n, tile = 32;
+  const double *A = f->A;
+  if (n == 0) return 1;
+  if (dlsi_dense_lu(f)) return 0;
   memset(d, 0, n * sizeof *d);
   for (size_t c0 = 0; c0 < n; c0 += tile)
     for (size_t l0 = 0; l0 <= c0; l0 += tile)
@@ -73,217 +81,176 @@ static int lu_is_regular(int k, const double *A, double *d) {
         for (size_t c = l < c0 ? c0 : l + 1; c < c0 + tile && c < n; c++)
           d[c] += fabs(A[c + l * n] * A[l + c * n]);
   for (size_t c = 0; c < n; c++)
-    if (!(fabs(A[c + c * n]) > singular * d[c])) return 0;
+    if (!(fabs(A[c + c * n]) > singular_pivot * d[c])) return 0;
   return 1;
 }
 
-/* P A = L U in place of A (k x k); 0 if A is singular. d: k */
-static int lu_factorise(int k, double *A, int *pivots, double *d) {
-  int info = 0;
-  if (k > small) {
-    dgetrf_(&k, &k, A, &k, pivots, &info);
-    return info == 0 && lu_is_regular(k, A, d);
-  }
-  for (int c = 0; c < k; c++) {
-    double *a = A + c * k;
-    int p = c;
-    for (int i = c + 1; i < k; i++)
-      p = fabs(a[i]) > fabs(a[p]) ? i : p;
-    pivots[c] = p + 1;
-    if (a[p] == 0) return 0;
-    for (int j = 0; j < k && p != c; j++) {
-      const double x = A[c + j * k];
-      A[c + j * k] = A[p + j * k];
-      A[p + j * k] = x;
-    }
-    for (int i = c + 1; i < k; i++)
-      a[i] /= a[c];
-    for (int j = c + 1; j < k; j++) {
-      double *b = A + j * k;
-      for (int i = c + 1; i < k; i++)
-        b[i] -= a[i] * b[c];
-    }
-  }
-  return lu_is_regular(k, A, d);
-}
-
-/* B (k x columns) := A^-1 B */
-static void lu_solve(int k, const double *A, const int *pivots, int columns, double *B) {
-  int info;
-  if (k > small) {
-    dgetrs_("N", &k, &columns, A, &k, pivots, B, &k, &info, 1);
-    return;
-  }
-  for (int l = 0; l < columns; l++) {
-    double *b = B + l * k;
-    for (int c = 0; c < k; c++) {
-      const double x = b[pivots[c] - 1];
-      b[pivots[c] - 1] = b[c];
-      b[c] = x;
-    }
-    for (int c = 0; c < k; c++)
-      for (int i = c + 1; i < k; i++)
-        b[i] -= A[i + c * k] * b[c];
-    for (int c = k - 1; c >= 0; c--) {
-      b[c] /= A[c + c * k];
-      for (int i = 0; i < c; i++)
-        b[i] -= A[i + c * k] * b[c];
-    }
-  }
-}
-
-/* ---- the factors ----------------------------------------------------------------------------- */
-
-/* A_0 := A; 0 if M_AA is singular */
-static int factorise(const dls_lcp *lcp, dlsi_crash *w) {
-  w->k = w->columns = w->h = 0;
+/* Sets A_0 := A and factorises M_AA; returns 0 if it is singular. */
+static int crash_start_anew(const dls_lcp *lcp, dlsi_crash *work) {
+  int k = 0;
   for (int i = 0; i < lcp->n; i++) {
-    w->place[i] = w->slot[i] = -1;
-    if (!w->in[i]) continue;
-    w->place[i] = w->k;
-    w->base[w->k++] = i;
+    work->slot[i] = -1;
+    work->place[i] = work->in[i] ? k : -1;
+    if (work->in[i]) work->base[k++] = i;
   }
-  gather(lcp, w->k, w->base, w->k, w->base, w->S);
-  return lu_factorise(w->k, w->S, w->pivots, w->x);
+  work->columns = work->change.n = 0;
+  work->factors.n = k;
+  crash_gather(lcp, k, work->base, k, work->base, work->factors.A);
+  return crash_lu(&work->factors, work->x);
 }
 
-static int changed(const dlsi_crash *w, int i) {
-  return w->in[i] != (w->place[i] >= 0);
+/* Returns 1 if i belongs to one of A and A_0 only. */
+static int crash_changed(const dlsi_crash *work, int i) {
+  return work->in[i] != (work->place[i] >= 0);
 }
 
-/* (K5) Y for what has changed since A_0 and has no column yet; 0 if that would be too many */
-static int add_columns(const dls_lcp *lcp, dlsi_crash *w) {
-  const size_t k = (size_t)w->k, n = (size_t)lcp->n;
-  int added = 0;
+/* Extends Y of (CR5) by the indices that have changed since A_0 and have no column yet; returns 0
+ * if Y would have too many. */
+static int crash_add_columns(const dls_lcp *lcp, dlsi_crash *work) {
+  const size_t k = (size_t)work->factors.n, n = (size_t)lcp->n;
+  size_t c = (size_t)work->columns;
   for (int i = 0; i < lcp->n; i++)
-    added += changed(w, i) && w->slot[i] < 0;
-  const size_t c = (size_t)w->columns + (size_t)added;
+    c += crash_changed(work, i) && work->slot[i] < 0;
   if (4 * c > k || k * k + 2 * k * c + 2 * c * c > n * n) return 0;
-  double *Y = w->S + k * (k + (size_t)w->columns);
-  for (int i = 0, l = 0; i < lcp->n; i++) {
-    if (!changed(w, i) || w->slot[i] >= 0) continue;
-    double *y = Y + (size_t)l++ * k;
-    w->slot[i] = w->columns++;
-    if (w->in[i]) {
-      gather(lcp, w->k, w->base, 1, &i, y);
-    } else {
-      memset(y, 0, k * sizeof *y);
-      y[w->place[i]] = 1;
-    }
+  const int before = work->columns;
+  double *added = work->factors.A + k * (k + (size_t)before), *y = added;
+  for (int i = 0; i < lcp->n; i++) {
+    if (!crash_changed(work, i) || work->slot[i] >= 0) continue;
+    work->slot[i] = work->columns++;
+    memset(y, 0, k * sizeof *y);
+    if (work->in[i])
+      crash_gather(lcp, (int)k, work->base, 1, &i, y);
+    else
+      y[work->place[i]] = 1;
+    y += k;
   }
-  if (added > 0) lu_solve(w->k, w->S, w->pivots, added, Y);
+  dlsi_dense_solve(&work->factors, added, (int)k, work->columns - before);
   return 1;
 }
 
-/* The matrix of (K5), factorised; 0 if it is singular. */
-static int factorise_changes(const dls_lcp *lcp, dlsi_crash *w) {
-  const size_t k = (size_t)w->k;
-  const double *Y = w->S + k * k;
-  int e = 0;
-  w->h = 0;
+/* Forms and factorises the matrix of (CR5); returns 0 if it is singular. */
+static int crash_factor_changes(const dls_lcp *lcp, dlsi_crash *work) {
+  const int K = work->factors.n;
+  const size_t k = (size_t)K;
+  const double *Y = work->factors.A + k * k;
+  int e = 0, count = 0;
   for (int entering = 1; entering >= 0; entering--) { /* E before D */
     for (int i = 0; i < lcp->n; i++)
-      if (changed(w, i) && w->in[i] == entering) w->differ[w->h++] = i;
-    if (entering) e = w->h;
+      if (crash_changed(work, i) && work->in[i] == entering) work->differ[count++] = i;
+    if (entering) e = count;
   }
-  const size_t h = (size_t)w->h;
-  w->e = e;
-  w->G = w->S + k * (k + (size_t)w->columns);
-  w->T = w->G + (size_t)e * k;
-  double *product = w->T + h * h;
-  gather(lcp, e, w->differ, w->k, w->base, w->G);
+  const size_t h = (size_t)count;
+  work->change.n = count;
+  work->e = e;
+  work->G = work->factors.A + k * (k + (size_t)work->columns);
+  work->change.A = work->G + (size_t)e * k;
+  double *product = work->change.A + h * h;
+  crash_gather(lcp, e, work->differ, K, work->base, work->G);
   if (e > 0)
-    dgemm_("N", "N", &e, &w->columns, &w->k, &one, w->G, &e, Y, &w->k, &zero, product, &e, 1, 1);
+    dgemm_("N", "N", &e, &work->columns, &K, &crash_1, work->G, &e, Y, &K, &crash_0, product, &e, 1,
+           1);
   for (size_t l = 0; l < h; l++) {
-    const int j = w->differ[l];
-    const double *y = Y + (size_t)w->slot[j] * k, *p = product + (size_t)w->slot[j] * (size_t)e;
-    double *t = w->T + l * h;
+    const int j = work->differ[l];
+    const double *y = Y + (size_t)work->slot[j] * k,
+                 *p = product + (size_t)work->slot[j] * (size_t)e;
+    double *t = work->change.A + l * h;
     for (int r = 0; r < e; r++)
-      t[r] = p[r] - (w->in[j] ? column(lcp, j)[w->differ[r]] : 0);
-    for (int r = e; r < w->h; r++)
-      t[r] = y[w->place[w->differ[r]]];
+      t[r] = p[r] - (work->in[j] ? dlsi_lcp_column(lcp, j)[work->differ[r]] : 0);
+    for (int r = e; r < count; r++)
+      t[r] = y[work->place[work->differ[r]]];
   }
-  return lu_factorise(w->h, w->T, w->differ_pivots, w->x);
+  return crash_lu(&work->change, work->x);
 }
 
 /* z_A += M_AA^-1 b_A */
-static void correct(dlsi_crash *w, const double *b) {
-  const int k = w->k, h = w->h, e = w->e;
-  const double *Y = w->S + (size_t)k * (size_t)k;
-  double *x = w->x, *v = w->v;
+static void crash_correct(dlsi_crash *work, const double *b) {
+  const int k = work->factors.n, h = work->change.n, e = work->e, unit = 1;
+  const double *Y = work->factors.A + (size_t)k * (size_t)k;
+  double *x = work->x, *v = work->v;
   for (int l = 0; l < k; l++)
-    x[l] = w->in[w->base[l]] ? b[w->base[l]] : 0;
-  lu_solve(k, w->S, w->pivots, 1, x);
-  if (h > 0) {
-    for (int r = 0; r < h; r++)
-      v[r] = r < e ? -b[w->differ[r]] : x[w->place[w->differ[r]]];
-    if (e > 0) dgemv_("N", &e, &k, &one, w->G, &e, x, &unit, &one, v, &unit, 1);
-    lu_solve(h, w->T, w->differ_pivots, 1, v);
-    for (int r = 0; r < h; r++) {
-      const double *y = Y + (size_t)w->slot[w->differ[r]] * (size_t)k;
-      for (int l = 0; l < k; l++)
-        x[l] -= y[l] * v[r];
-      if (r < e) w->z[w->differ[r]] += v[r];
-    }
+    x[l] = work->in[work->base[l]] ? b[work->base[l]] : 0;
+  dlsi_dense_solve(&work->factors, x, k, 1);
+  for (int r = 0; r < h; r++)
+    v[r] = r < e ? -b[work->differ[r]] : x[work->place[work->differ[r]]];
+  if (h > 0 && e > 0) dgemv_("N", &e, &k, &crash_1, work->G, &e, x, &unit, &crash_1, v, &unit, 1);
+  dlsi_dense_solve(&work->change, v, h, 1);
+  for (int r = 0; r < h; r++) {
+    const double *y = Y + (size_t)work->slot[work->differ[r]] * (size_t)k;
+    for (int l = 0; l < k; l++)
+      x[l] -= y[l] * v[r];
+    if (r < e) work->z[work->differ[r]] += v[r];
   }
   for (int l = 0; l < k; l++)
-    if (w->in[w->base[l]]) w->z[w->base[l]] += x[l];
-}
-
-/* (K4) */
-static void exchange(const dls_lcp *lcp, dlsi_crash *w) {
-  const int n = lcp->n;
-  for (int i = 0; i < n; i++)
-    w->in[i] ^= w->wrong[i];
-  for (int j = 0; j < n; j++) {
-    const double *m = column(lcp, j);
-    int i = 0;
-    while (w->in[j] && i < n && (!w->in[i] || m[i] == 0))
-      i++;
-    if (i == n) w->in[j] = 0;
-  }
+    if (work->in[work->base[l]]) work->z[work->base[l]] += x[l];
 }
 
 /* ---- the iteration --------------------------------------------------------------------------- */
 
-void dlsi_crash_begin(const dls_lcp *lcp, dlsi_crash *w) {
-  w->rounds = w->k = w->h = w->columns = 0;
-  w->fewest = 2 * lcp->n; /* anything is less */
-  w->chances = patience;
-  for (int i = 0; i < lcp->n; i++)
-    w->place[i] = w->slot[i] = -1;
+/* Marks the wrong signs of (CR2) and returns their number; *hopeless := 1 if (CR3) gives up by
+ * growth. */
+static int crash_find_wrong(const dls_lcp *lcp, dlsi_crash *work, int *hopeless) {
+  const double *q = lcp->q;
+  int wrong = 0, loaded = 0, grown = 0;
+  for (int i = 0; i < lcp->n; i++) {
+    const double v = work->in[i] ? work->s[i] * work->z[i] : work->y[i];
+    work->wrong[i] = !(v >= -crash_zero * (fabs(q[i]) + work->a[i])); /* 1 for NaN, too */
+    wrong += work->wrong[i];
+    loaded += work->in[i] && q[i] != 0;
+    grown += work->in[i] && q[i] != 0 && !(work->a[i] <= most_growth * fabs(q[i]));
+  }
+  *hopeless = 2 * grown > loaded;
+  return wrong;
 }
 
-int dlsi_crash_round(const dls_lcp *lcp, dlsi_crash *w) {
+/* (CR4) */
+static void crash_exchange(const dls_lcp *lcp, dlsi_crash *work) {
   const int n = lcp->n;
-  const double *q = lcp->q;
-  w->rounds++;
-  if (add_columns(lcp, w) ? !factorise_changes(lcp, w) : !factorise(lcp, w)) return -1; /* (K1) */
-  memset(w->z, 0, (size_t)n * sizeof *w->z);
   for (int i = 0; i < n; i++)
-    w->b[i] = -q[i];
-  correct(w, w->b);
-  dlsi_lcp_multiply(lcp, q, w->z, w->y, w->a);
-  int wrong = 0, loaded = 0, grown = 0;
-  for (int i = 0; i < n; i++) { /* (K2) */
-    const double v = w->in[i] ? w->s[i] * w->z[i] : w->y[i];
-    w->wrong[i] = !(v >= -zero_tolerance * (fabs(q[i]) + w->a[i]));
-    wrong += w->wrong[i];
-    loaded += w->in[i] && q[i] != 0;
-    grown += w->in[i] && q[i] != 0 && !(w->a[i] <= most_growth * fabs(q[i]));
+    work->in[i] ^= work->wrong[i];
+  for (int j = 0; j < n; j++) {
+    const double *m = dlsi_lcp_column(lcp, j);
+    int i = 0;
+    while (work->in[j] && i < n && (!work->in[i] || m[i] == 0))
+      i++;
+    if (i == n) work->in[j] = 0;
   }
-  if (2 * grown > loaded) return -1; /* (K3) */
-  if (wrong == 0) {
-    for (int i = 0; i < n; i++)
-      w->b[i] = -w->y[i];
-    correct(w, w->b);
+}
+
+void dlsi_crash_begin(const dls_lcp *lcp, const double *z, dlsi_crash *work) {
+  work->rounds = work->factors.n = work->change.n = work->columns = 0;
+  work->fewest = 2 * lcp->n; /* above any count */
+  work->chances = patience;
+  for (int i = 0; i < lcp->n; i++) {
+    work->in[i] = z && z[i] > 0;
+    work->place[i] = work->slot[i] = -1;
+  }
+}
+
+int dlsi_crash_round(const dls_lcp *lcp, dlsi_crash *work) {
+  const size_t n = (size_t)lcp->n;
+  int hopeless;
+  work->rounds++;
+  if (crash_add_columns(lcp, work) ? !crash_factor_changes(lcp, work)
+                                   : !crash_start_anew(lcp, work))
+    return -1; /* (CR1) */
+  memset(work->z, 0, n * sizeof *work->z);
+  for (size_t i = 0; i < n; i++)
+    work->b[i] = -lcp->q[i];
+  crash_correct(work, work->b);
+  dlsi_lcp_multiply(lcp, lcp->q, work->z, work->y, work->a);
+  const int wrong = crash_find_wrong(lcp, work, &hopeless); /* (CR2) */
+  if (hopeless) return -1;                                  /* (CR3) */
+  if (wrong == 0) {                                         /* one step of refinement */
+    for (size_t i = 0; i < n; i++)
+      work->b[i] = -work->y[i];
+    crash_correct(work, work->b);
     return 1;
   }
-  if (4 * wrong <= 3 * w->fewest)
-    w->chances = patience;
-  else if (--w->chances == 0)
+  if (4 * wrong <= 3 * work->fewest)
+    work->chances = patience;
+  else if (--work->chances == 0)
     return -1;
-  if (wrong < w->fewest) w->fewest = wrong;
-  exchange(lcp, w); /* (K4) */
+  if (wrong < work->fewest) work->fewest = wrong;
+  crash_exchange(lcp, work); /* (CR4) */
   return 0;
 }

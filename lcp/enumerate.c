@@ -1,5 +1,5 @@
 /*
- * enumerate.c: all solutions of a small LCP(M, q).
+ * enumerate.c: finds all solutions of a small LCP(M, q).
  *
  *   y = M z + q,   y >= 0,  z >= 0,  y^T z = 0
  *
@@ -9,28 +9,28 @@
  *       = { x >= 0 : C x = q },   x_j = z_j, C_j = -M_j for j in A;  x_j = y_j, C_j = e_j elsewhere
  *
  * For each A:
- *   (N1)  M_AA regular:  z_A = -M_AA^-1 q_A is a solution if the certificate says so
- *   (N2)  M_AA singular: x := a vertex of P_A by the simplex method (phase 1, Bland's rule), or P_A
- *         is empty
- *   (N3)  J := { j : x_j > 0 somewhere in P_A }, by the simplex method on each x_j from there
- *   (N4)  the affine hull of P_A has the directions { v : C_J v_J = 0, v = 0 elsewhere }; z_i takes
- *         more than one value if some v_i != 0
+ *   (EN1)  M_AA regular:  z_A = -M_AA^-1 q_A is a solution if the certificate says so
+ *   (EN2)  M_AA singular: x := a vertex of P_A by the simplex method (phase 1, Bland's rule), or
+ *          P_A is empty
+ *   (EN3)  J := { j : x_j > 0 somewhere in P_A }, by the simplex method on each x_j from there
+ *   (EN4)  the affine hull of P_A has the directions { v : C_J v_J = 0, v = 0 elsewhere }; z_i
+ *          takes more than one value if some v_i != 0
  *
- * (N4): the mean of n points of P_A that show one j of J each is positive on all of J, so that P_A
- * contains it + t v for small t, whatever the sign of t.
- * A solution that is isolated is alone in each P_A that contains it, so that (N1) or (N2) find it.
+ * Reason for (EN4): the mean of n points of P_A that show one j of J each is positive on all of J,
+ * so that P_A contains mean + t v for small t of either sign. An isolated solution is alone in each
+ * P_A that contains it, so that (EN1) or (EN2) find it.
  *
  * All is done on (R M C, R q / beta), R and C powers of two that equilibrate M, beta = max |R q|:
- * the tolerances are pure numbers. What is listed is certified on the user's M and q.
+ * the tolerances are pure numbers. Listed solutions are certified on the user's M and q.
  *
- * Cost: 2^n eliminations of k x k, k = n/2 on average. What can fail: a matrix within 1e-12 of a
+ * Cost: 2^n eliminations of k x k, k = n/2 on average. Can fail: a matrix within 1e-12 of a
  * singular one is taken for singular, and the simplex method takes 1e-10 for 0.
  */
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
-#include "base/base.h"
 #include "delassus/pivoting.h"
 #include "lcp_internal.h"
 
@@ -38,7 +38,7 @@ enum { most = DLS_ENUMERATE_MAX, pivot_limit = 10000 };
 
 static const double rank_tol = 1e-12, zero_tol = 1e-10, same_tol = 1e-8;
 
-/* of one set A: no solution, or not certified; its point is in the list; no room; no end */
+/* The end of one set A: no certified solution; a point of it is in the list; no room; rounding. */
 typedef enum outcome { none = 0, listed = 1, full = -1, stalled = -2 } outcome;
 
 typedef double table[most][most + 1]; /* rows of (A | b), b right after the last column of A */
@@ -57,14 +57,14 @@ typedef struct problem {
 
 /* ---- elimination ----------------------------------------------------------------------------- */
 
-static void divide_row(table T, int r, int width, double pivot) {
+static void simplex_divide_row(table T, int r, int width, double pivot) {
   for (int j = 0; j < width; j++)
     T[r][j] /= pivot;
 }
 
-/* T_rj = 1, T_ij = 0 for the other rows */
-static void pivot(table T, int rows, int width, int r, int j) {
-  divide_row(T, r, width, T[r][j]);
+/* Makes column j unit: T_rj = 1, T_ij = 0 for the other rows. */
+static void enumerate_pivot(table T, int rows, int width, int r, int j) {
+  simplex_divide_row(T, r, width, T[r][j]);
   T[r][j] = 1;
   for (int i = 0; i < rows; i++) {
     const double f = T[i][j];
@@ -75,9 +75,9 @@ static void pivot(table T, int rows, int width, int r, int j) {
   }
 }
 
-/* Gauss-Jordan on (A | b), complete pivoting: row_of[j] := the row of column j, -1 if it has none.
- * Returns the rank of A. */
-static int eliminate(table T, int rows, int cols, int *row_of) {
+/* Eliminates (A | b) by Gauss-Jordan with complete pivoting; row_of[j] := the row of column j, -1
+ * if it has none. Returns the rank of A. */
+static int enumerate_eliminate(table T, int rows, int cols, int *row_of) {
   int rank = 0, used[most] = {0};
   double first = 0;
   for (int j = 0; j < cols; j++)
@@ -94,7 +94,7 @@ static int eliminate(table T, int rows, int cols, int *row_of) {
         }
     if (rank == 0) first = largest;
     if (!(largest > rank_tol * first)) return rank;
-    pivot(T, rows, cols + 1, r, c);
+    enumerate_pivot(T, rows, cols + 1, r, c);
     row_of[c] = r;
     used[r] = 1;
     rank++;
@@ -110,9 +110,9 @@ typedef struct cone {
   int pivots;      /* a few n; at pivot_limit rounding has undone Bland's rule */
 } cone;
 
-/* Row that leaves for column e, Bland: the least variable among the ties; artificial ones come
- * first. -1: x_e is unbounded. *step := the new value of x_e. */
-static int leaving_row(const cone *k, int e, double *step) {
+/* Returns the row that leaves for column e by Bland's rule: the least variable among the ties,
+ * artificial ones first; -1 if x_e is unbounded. *step := the new value of x_e. */
+static int simplex_leaving_row(const cone *k, int e, double *step) {
   int row = -1;
   *step = INFINITY;
   for (int i = 0; i < k->n; i++) {
@@ -129,55 +129,53 @@ static int leaving_row(const cone *k, int e, double *step) {
   return row;
 }
 
-static void enter(cone *k, int row, int e) {
-  pivot(k->T, k->n, k->n + 1, row, e);
+static void simplex_enter(cone *k, int row, int e) {
+  enumerate_pivot(k->T, k->n, k->n + 1, row, e);
   k->basic[row] = e;
   k->pivots++;
   for (int i = 0; i < k->n; i++) /* a value within rounding of 0 is 0 */
     if (fabs(k->T[i][k->n]) <= zero_tol) k->T[i][k->n] = 0;
 }
 
-/* (N2): 1 if there is a vertex; then x = T_.n in the basic columns */
-static int find_vertex(cone *k) {
+/* (EN2) Returns 1 if there is a vertex; then x = T_.n in the basic columns. */
+static int simplex_find_vertex(cone *k) {
   const int n = k->n;
   for (int i = 0; i < n; i++) {
     k->basic[i] = -1;
-    if (k->T[i][n] < 0) divide_row(k->T, i, n + 1, -1);
+    if (k->T[i][n] < 0) simplex_divide_row(k->T, i, n + 1, -1);
   }
   double step;
-  for (int e = 0; e < n && k->pivots < pivot_limit;
-       e++) { /* least column that lowers the sum of the artificial variables */
-    double gain = 0;
+  for (int e = 0; e < n && k->pivots < pivot_limit; e++) { /* least column that ... */
+    double gain = 0;                                       /* ... lowers the artificial sum */
     for (int i = 0; i < n; i++)
       if (k->basic[i] < 0) gain += k->T[i][e];
     if (!(gain > n * zero_tol)) continue;
-    const int row = leaving_row(k, e, &step);
+    const int row = simplex_leaving_row(k, e, &step);
     if (row < 0) continue;
-    enter(k, row, e);
+    simplex_enter(k, row, e);
     e = -1;
   }
   for (int i = 0; i < n; i++)
     if (k->basic[i] < 0 && k->T[i][n] > 0) return 0;
-  for (int i = 0; i < n;
-       i++) { /* artificial variables at 0: exchanged, or their row is redundant */
-    int e = -1;
+  for (int i = 0; i < n; i++) {
+    int e = -1; /* an artificial variable at 0 is exchanged, or its row is redundant */
     for (int j = 0; k->basic[i] < 0 && j < n; j++)
       if (fabs(k->T[i][j]) > zero_tol && (e < 0 || fabs(k->T[i][j]) > fabs(k->T[i][e]))) e = j;
     if (e >= 0)
-      enter(k, i, e);
+      simplex_enter(k, i, e);
     else if (k->basic[i] < 0)
       memset(k->T[i], 0, sizeof k->T[i]);
   }
   return 1;
 }
 
-static void mark_positive(const cone *k, char *positive) {
+static void simplex_mark_positive(const cone *k, char *positive) {
   for (int i = 0; i < k->n; i++)
     if (k->basic[i] >= 0 && k->T[i][k->n] > 0) positive[k->basic[i]] = 1;
 }
 
-/* (N3) for one j: raises x_j from 0 until it is positive, or cannot be */
-static void try_positive(cone *k, int j, char *positive) {
+/* (EN3) Raises x_j from 0 until it is positive, or cannot be. */
+static void simplex_try_positive(cone *k, int j, char *positive) {
   const int n = k->n;
   while (!positive[j] && k->pivots < pivot_limit) {
     int row = -1, e = -1;
@@ -188,22 +186,22 @@ static void try_positive(cone *k, int j, char *positive) {
       if (k->T[row][l] < -zero_tol) e = l;
     if (e < 0) return;
     double step;
-    const int leaving = leaving_row(k, e, &step);
+    const int leaving = simplex_leaving_row(k, e, &step);
     if (leaving < 0) { /* a ray of P_A */
       positive[e] = 1;
       for (int i = 0; i < n; i++)
         if (k->basic[i] >= 0 && k->T[i][e] < -zero_tol) positive[k->basic[i]] = 1;
       return;
     }
-    enter(k, leaving, e);
-    mark_positive(k, positive);
+    simplex_enter(k, leaving, e);
+    simplex_mark_positive(k, positive);
   }
 }
 
 /* ---- one set A ------------------------------------------------------------------------------- */
 
 /* z (n, scaled) to the list, if it is certified and new */
-static outcome add(problem *p, const double *z) {
+static outcome enumerate_add(problem *p, const double *z) {
   const int n = p->n;
   double x[most], y[most], a[most], largest = 0;
   for (int i = 0; i < n; i++) {
@@ -226,8 +224,8 @@ static outcome add(problem *p, const double *z) {
   return listed;
 }
 
-/* x_A := M_AA^-1 b_A; the rank of M_AA is returned */
-static int solve(const problem *p, int k, const int *A, const double *b, double *x) {
+/* x_A := M_AA^-1 b_A if M_AA is regular; returns the rank of M_AA. */
+static int enumerate_solve(const problem *p, int k, const int *A, const double *b, double *x) {
   table T;
   int row_of[most];
   for (int i = 0; i < k; i++) {
@@ -235,19 +233,19 @@ static int solve(const problem *p, int k, const int *A, const double *b, double 
       T[i][j] = p->M[A[i]][A[j]];
     T[i][k] = b[A[i]];
   }
-  const int rank = eliminate(T, k, k, row_of);
+  const int rank = enumerate_eliminate(T, k, k, row_of);
   for (int j = 0; j < k && rank == k; j++)
     x[A[j]] = T[row_of[j]][k];
   return rank;
 }
 
-/* (N1): 0 if M_AA is singular. A sign that is wrong by more than rounding rejects z at once. */
-static int regular(problem *p, int k, const int *A, outcome *out) {
+/* (EN1) Returns 0 if M_AA is singular. A sign wrong by more than rounding rejects z at once. */
+static int enumerate_regular(problem *p, int k, const int *A, outcome *out) {
   const int n = p->n;
   double b[most], z[most] = {0}, largest = 0;
   for (int i = 0; i < n; i++)
     b[i] = -p->q[i];
-  if (solve(p, k, A, b, z) < k) return 0;
+  if (enumerate_solve(p, k, A, b, z) < k) return 0;
   *out = none;
   for (int i = 0; i < k; i++)
     if (fabs(z[A[i]]) > largest) largest = fabs(z[A[i]]);
@@ -261,12 +259,12 @@ static int regular(problem *p, int k, const int *A, outcome *out) {
     }
     if (!(b[i] <= same_tol * a)) return 1;
   }
-  *out = add(p, z);
+  *out = enumerate_add(p, z);
   return 1;
 }
 
-/* (N2) .. (N4) */
-static outcome singular(problem *p, const char *in) {
+/* (EN2)-(EN4) for the set `in`, M_AA singular. */
+static outcome enumerate_singular(problem *p, const char *in) {
   const int n = p->n;
   cone k = {.n = n};
   for (int i = 0; i < n; i++) {
@@ -275,29 +273,29 @@ static outcome singular(problem *p, const char *in) {
     k.T[i][n] = p->q[i];
   }
   p->found.singular_bases++;
-  const int vertex = find_vertex(&k); /* (N2) */
+  const int vertex = simplex_find_vertex(&k); /* (EN2) */
   if (k.pivots >= pivot_limit) return stalled;
   if (!vertex) return none;
   double z[most] = {0};
   for (int i = 0; i < n; i++)
     if (k.basic[i] >= 0 && in[k.basic[i]]) z[k.basic[i]] = k.T[i][n];
-  const outcome out = add(p, z);
+  const outcome out = enumerate_add(p, z);
   if (out != listed) return out;
 
   char positive[most] = {0};
-  mark_positive(&k, positive);
+  simplex_mark_positive(&k, positive);
   for (int j = 0; j < n; j++)
-    try_positive(&k, j, positive); /* (N3) */
+    simplex_try_positive(&k, j, positive); /* (EN3) */
   if (k.pivots >= pivot_limit) return stalled;
 
-  int J[most], count = 0, row_of[most]; /* (N4) */
+  int J[most], count = 0, row_of[most]; /* (EN4) */
   for (int j = 0; j < n; j++)
     if (positive[j]) J[count++] = j;
   table T = {{0}};
   for (int i = 0; i < n; i++)
     for (int j = 0; j < count; j++)
       T[i][j] = in[J[j]] ? -p->M[i][J[j]] : i == J[j];
-  if (eliminate(T, n, count, row_of) == count) return listed;
+  if (enumerate_eliminate(T, n, count, row_of) == count) return listed;
   p->found.continua++;
   for (int j = 0; j < count; j++) {
     int moves = row_of[j] < 0;
@@ -310,15 +308,15 @@ static outcome singular(problem *p, const char *in) {
 
 /* ---- all of them ----------------------------------------------------------------------------- */
 
-static void prepare(problem *p) {
+static void enumerate_prepare(problem *p) {
   const dls_lcp *lcp = p->lcp;
   const int n = p->n;
   double rho[most], gamma[most], work[9 * most], beta = 0;
   dlsi_lcp_weights(lcp, p->weights);
   dlsi_lcp_equilibrate(lcp, rho, gamma, work);
   for (int i = 0; i < n; i++) {
-    rho[i] = exp2(round(rho[i]));
-    gamma[i] = exp2(round(gamma[i]));
+    rho[i] = dlsi_power_of_two(rho[i]);
+    gamma[i] = dlsi_power_of_two(gamma[i]);
     p->q[i] = rho[i] * lcp->q[i];
     if (fabs(p->q[i]) > beta) beta = fabs(p->q[i]);
   }
@@ -331,27 +329,25 @@ static void prepare(problem *p) {
   }
 }
 
+static dls_status enumerate_check(const dls_lcp *lcp, double tol, int capacity, const double *z,
+                                  const dls_enumeration *found, dls_error *error) {
+  const dls_status status = dlsi_check_lcp(lcp, error);
+  if (status) return status;
+  if (lcp->n > most)
+    return dlsi_fail(error, DLS_E_SIZE, "n", -1, lcp->n, "is %d, must be at most %d", lcp->n, most);
+  if (!z) return dlsi_is_null(error, "z");
+  if (!found) return dlsi_is_null(error, "found");
+  const dlsi_setting own[] = {{"tol", tol, 0, DBL_MAX, 0}, {"capacity", capacity, 1, INT_MAX, 0}};
+  return dlsi_check_each(2, own, error);
+}
+
 dls_status dls_lcp_enumerate(const dls_lcp *lcp, double tol, int capacity, double *z,
                              dls_enumeration *found, dls_error *error) {
-  const dls_status status = dlsi_check_lcp(lcp, error);
+  const dls_status status = enumerate_check(lcp, tol, capacity, z, found, error);
   if (status) return dlsi_at(__func__, status, error);
   const int n = lcp->n;
-  if (n > most)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d, must be at most %d", n, most),
-                   error);
-  if (!(tol >= 0 && tol <= DBL_MAX))
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_ARGUMENT, "tol", -1, tol, "must be finite and >= 0"),
-                   error);
-  if (capacity < 1)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_ARGUMENT, "capacity", -1, capacity, "must be at least 1"),
-                   error);
-  if (!z) return dlsi_at(__func__, dlsi_is_null(error, "z"), error);
-  if (!found) return dlsi_at(__func__, dlsi_is_null(error, "found"), error);
   problem p = {.lcp = lcp, .n = n, .tol = tol, .capacity = capacity, .list = z};
-  prepare(&p);
+  enumerate_prepare(&p);
   outcome out = none;
   for (unsigned long set = 0; set < 1UL << n && out >= none; set++) {
     char in[most];
@@ -360,12 +356,8 @@ dls_status dls_lcp_enumerate(const dls_lcp *lcp, double tol, int capacity, doubl
       in[i] = set >> i & 1;
       if (in[i]) A[k++] = i;
     }
-    if (!regular(&p, k, A, &out)) out = singular(&p, in);
+    if (!enumerate_regular(&p, k, A, &out)) out = enumerate_singular(&p, in);
   }
   *found = p.found;
-  return dlsi_at(__func__,
-                 out == full      ? DLS_MAX_ITERATIONS
-                 : out == stalled ? DLS_STALLED
-                                  : DLS_OK,
-                 error);
+  return out == full ? DLS_MAX_ITERATIONS : out == stalled ? DLS_STALLED : DLS_OK;
 }

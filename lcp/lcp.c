@@ -1,6 +1,6 @@
 /*
- * lcp.c: the linear complementarity problem, its certificate, and the checks of the two proofs that
- * Lemke's method can end with.
+ * lcp.c: checks a linear complementarity problem, certifies its answers, and checks the two proofs
+ * that Lemke's method can end with.
  *
  *   y = M z + q,   y >= 0,  z >= 0,  y^T z = 0                    [Chabrand 1998] (40)
  *   F_i = min( s_i z_i, y_i ),  s_i = |M_ii|              F = 0 if and only if z is a solution
@@ -11,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/base.h"
 #include "lcp_internal.h"
 
 dls_status dlsi_check_lcp(const dls_lcp *lcp, dls_error *error) {
@@ -21,6 +20,30 @@ dls_status dlsi_check_lcp(const dls_lcp *lcp, dls_error *error) {
   const dls_status status = dlsi_check_dense("M", &lcp->M, n, n, error);
   if (status) return status;
   return dlsi_check_vector("q", lcp->q, (size_t)n, error);
+}
+
+dls_status dlsi_check_lcp_solve(int most, const dls_lcp *lcp, const double *z, int warm_start,
+                                dls_error *error) {
+  const dls_status status = dlsi_check_lcp(lcp, error);
+  if (status) return status;
+  if (lcp->n > most)
+    return dlsi_fail(error, DLS_E_SIZE, "n", -1, lcp->n, "is more than the workspace's %d", most);
+  if (!z) return dlsi_is_null(error, "z");
+  return warm_start ? dlsi_check_vector("z", z, (size_t)lcp->n, error) : DLS_OK;
+}
+
+dls_status dlsi_check_positive(const char *argument, const double *x, int n, dls_error *error) {
+  dls_status status = dlsi_check_vector(argument, x, (size_t)n, error);
+  for (int i = 0; !status && i < n; i++)
+    if (!(x[i] > 0))
+      status = dlsi_fail(error, DLS_E_ARGUMENT, argument, i, x[i], "must be positive");
+  return status;
+}
+
+dls_status dlsi_lcp_allocate(dlsi_arena *arena, int n, dls_error *error) {
+  if (arena->failed) return dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is too large");
+  *arena = (dlsi_arena){.base = dlsi_alloc(arena->used, 1), .size = arena->used};
+  return arena->base ? DLS_OK : dlsi_no_memory(error);
 }
 
 dls_status dls_lcp_check(const dls_lcp *lcp, dls_error *error) {
@@ -54,53 +77,46 @@ void dlsi_lcp_weights(const dls_lcp *lcp, double *s) {
     zeros += s[i] == 0;
   }
   if (zeros == 0) return;
-  for (size_t j = 0; j < n; j++) /* a weight < 0: minus the largest entry so far of such a row */
+  for (size_t j = 0; j < n;
+       j++) /* s_i <= 0: minus the largest entry so far of a row with M_ii = 0 */
     for (size_t i = 0; i < n; i++)
       if (s[i] <= 0 && fabs(lcp->M.a[i + j * ld]) > -s[i]) s[i] = -fabs(lcp->M.a[i + j * ld]);
   for (size_t i = 0; i < n; i++)
     s[i] = s[i] < 0 ? -s[i] : s[i] > 0 ? s[i] : 1;
 }
 
-/* m := max(m, x), keeping NaN */
-static void raise(double *m, double x) {
+/* m := max(m, x), keeping NaN. */
+static void lcp_raise(double *m, double x) {
   if (x > *m || x != x) *m = x;
 }
 
-/* the smaller one; NaN if either is */
-static double least(double a, double b) {
+/* Returns the smaller of a and b; NaN if one of them is. */
+static double lcp_least(double a, double b) {
   return a != a || a < b ? a : b;
-}
-
-/* |x|_2 of the plain sum of its squares, unless that has left the range of doubles */
-static double norm_of(double sum, const double *x, size_t n) {
-  return sum > 0x1p-900 && sum < 0x1p900 ? sqrt(sum) : dlsi_norm2(x, n);
 }
 
 void dlsi_lcp_measure(const dls_lcp *lcp, const double *z, const double *y, const double *a,
                       const double *s, dls_lcp_certificate *certificate) {
   const size_t n = (size_t)lcp->n;
   dls_lcp_certificate c = {0};
-  double largest = -1, FF = 0, aa = 0, qq = 0;
+  const double az = dlsi_norm2(a, n), q = dlsi_norm2(lcp->q, n), scale = q > 0 ? q : az;
+  double largest = -1, FF = 0, unit = 1;
   for (size_t i = 0; i < n; i++) {
-    const double F = fabs(least(s[i] * z[i], y[i]));
+    const double F = fabs(lcp_least(s[i] * z[i], y[i]));
     if (F > largest || F != F) {
       largest = F;
       c.worst = (int)i;
     }
     FF += F * F;
-    aa += a[i] * a[i];
-    qq += lcp->q[i] * lcp->q[i];
-    raise(&c.negative_z, -z[i]);
-    raise(&c.negative_y, -y[i]);
-    raise(&c.complementarity, fabs(y[i] * z[i]));
+    lcp_raise(&c.negative_z, -z[i]);
+    lcp_raise(&c.negative_y, -y[i]);
+    lcp_raise(&c.complementarity, fabs(y[i] * z[i]));
   }
-  const double az = norm_of(aa, a, n), q = norm_of(qq, lcp->q, n), scale = q > 0 ? q : az;
-  double unit = 1;
-  if (largest > 0 && !(FF > 0x1p-900 && FF < 0x1p900)) { /* |F| without overflow or underflow */
+  if (largest > 0 && !dlsi_is_plain(FF)) { /* |F| without overflow or underflow */
     unit = largest;
     FF = 0;
     for (size_t i = 0; i < n; i++) {
-      const double F = least(s[i] * z[i], y[i]) / unit;
+      const double F = lcp_least(s[i] * z[i], y[i]) / unit;
       FF += F * F;
     }
   }
@@ -109,16 +125,15 @@ void dlsi_lcp_measure(const dls_lcp *lcp, const double *z, const double *y, cons
   *certificate = c;
 }
 
-dls_status dls_lcp_certify(const dls_lcp *lcp, const double *z, double *y,
-                           dls_lcp_certificate *certificate, dls_error *error) {
+static dls_status lcp_certify(const dls_lcp *lcp, const double *z, double *y,
+                              dls_lcp_certificate *certificate, dls_error *error) {
   dls_status status = dlsi_check_lcp(lcp, error);
-  if (status) return dlsi_at(__func__, status, error);
+  if (!status) status = dlsi_check_vector("z", z, (size_t)lcp->n, error);
+  if (status) return status;
+  if (!certificate) return dlsi_is_null(error, "certificate");
   const size_t n = (size_t)lcp->n;
-  status = dlsi_check_vector("z", z, n, error);
-  if (status) return dlsi_at(__func__, status, error);
-  if (!certificate) return dlsi_at(__func__, dlsi_is_null(error, "certificate"), error);
   double *work = dlsi_alloc(3 * n, sizeof *work);
-  if (!work) return dlsi_at(__func__, dlsi_no_memory(error), error);
+  if (!work) return dlsi_no_memory(error);
   double *v = work, *a = work + n, *s = work + 2 * n;
   dlsi_lcp_multiply(lcp, lcp->q, z, v, a);
   dlsi_lcp_weights(lcp, s);
@@ -126,6 +141,11 @@ dls_status dls_lcp_certify(const dls_lcp *lcp, const double *z, double *y,
   if (y) memcpy(y, v, n * sizeof *y);
   free(work);
   return DLS_OK;
+}
+
+dls_status dls_lcp_certify(const dls_lcp *lcp, const double *z, double *y,
+                           dls_lcp_certificate *certificate, dls_error *error) {
+  return dlsi_at(__func__, lcp_certify(lcp, z, y, certificate, error), error);
 }
 
 int dls_lcp_certificate_holds(const dls_lcp_certificate *certificate, double tol) {
@@ -137,12 +157,12 @@ int dls_lcp_certificate_holds(const dls_lcp_certificate *certificate, double tol
 /* ---- the ray --------------------------------------------------------------------------------- */
 
 /* y += d z0, a := max(a + |d z0|, |s z|); then v := s z / a, y := y / a, 0 where a is 0. */
-static void relative(size_t n, const double *d, double z0, const double *s, const double *z,
-                     double *y, double *a, double *v) {
+static void ray_relative(size_t n, const double *d, double z0, const double *s, const double *z,
+                         double *y, double *a, double *v) {
   for (size_t i = 0; i < n; i++) {
     y[i] += d[i] * z0;
     a[i] += fabs(d[i] * z0);
-    raise(&a[i], fabs(s[i] * z[i]));
+    lcp_raise(&a[i], fabs(s[i] * z[i]));
     v[i] = a[i] == 0 ? 0 : s[i] * z[i] / a[i];
     y[i] = a[i] == 0 ? 0 : y[i] / a[i];
   }
@@ -158,45 +178,43 @@ double dlsi_lcp_ray_violation(const dls_lcp *lcp, const double *cover, const dou
   dlsi_lcp_multiply(lcp, lcp->q, z, y, a);
   for (size_t i = 0; i < n; i++)
     a[i] += fabs(lcp->q[i]);
-  relative(n, cover, z0, s, z, y, a, v);
+  ray_relative(n, cover, z0, s, z, y, a, v);
   dlsi_lcp_multiply(lcp, NULL, dz, dy, a);
-  relative(n, cover, dz0, s, dz, dy, a, dv);
+  ray_relative(n, cover, dz0, s, dz, dy, a, dv);
   double violation = 0;
   for (size_t i = 0; i < n; i++) {
-    raise(&violation, -v[i]);
-    raise(&violation, -y[i]);
-    raise(&violation, -dv[i]);
-    raise(&violation, -dy[i]);
-    raise(&violation, v[i] > dv[i] ? least(v[i], y[i] > dy[i] ? y[i] : dy[i])
-                                   : least(dv[i], y[i] > dy[i] ? y[i] : dy[i]));
+    lcp_raise(&violation, -v[i]);
+    lcp_raise(&violation, -y[i]);
+    lcp_raise(&violation, -dv[i]);
+    lcp_raise(&violation, -dy[i]);
+    lcp_raise(&violation, lcp_least(v[i] > dv[i] ? v[i] : dv[i], y[i] > dy[i] ? y[i] : dy[i]));
     if (violation != violation) return violation;
   }
   return violation;
 }
 
-dls_status dls_lcp_check_ray(const dls_lcp *lcp, const double *cover, const double *z, double z0,
-                             const double *dz, double dz0, double *violation, dls_error *error) {
+static dls_status ray_check(const dls_lcp *lcp, const double *cover, const double *z, double z0,
+                            const double *dz, double dz0, double *violation, dls_error *error) {
   dls_status status = dlsi_check_lcp(lcp, error);
-  if (status) return dlsi_at(__func__, status, error);
+  if (status) return status;
   const size_t n = (size_t)lcp->n;
-  status = dlsi_check_vector("cover", cover, n, error);
-  for (size_t i = 0; !status && i < n; i++)
-    if (!(cover[i] > 0))
-      return dlsi_at(
-          __func__,
-          dlsi_fail(error, DLS_E_ARGUMENT, "cover", (long long)i, cover[i], "must be positive"),
-          error);
+  status = dlsi_check_positive("cover", cover, lcp->n, error);
   if (!status) status = dlsi_check_vector("z", z, n, error);
   if (!status) status = dlsi_check_vector("z0", &z0, 1, error);
   if (!status) status = dlsi_check_vector("dz", dz, n, error);
   if (!status) status = dlsi_check_vector("dz0", &dz0, 1, error);
-  if (status) return dlsi_at(__func__, status, error);
-  if (!violation) return dlsi_at(__func__, dlsi_is_null(error, "violation"), error);
+  if (status) return status;
+  if (!violation) return dlsi_is_null(error, "violation");
   double *work = dlsi_alloc(6 * n, sizeof *work);
-  if (!work) return dlsi_at(__func__, dlsi_no_memory(error), error);
+  if (!work) return dlsi_no_memory(error);
   *violation = dlsi_lcp_ray_violation(lcp, cover, z, z0, dz, dz0, work);
   free(work);
   return DLS_OK;
+}
+
+dls_status dls_lcp_check_ray(const dls_lcp *lcp, const double *cover, const double *z, double z0,
+                             const double *dz, double dz0, double *violation, dls_error *error) {
+  return dlsi_at(__func__, ray_check(lcp, cover, z, z0, dz, dz0, violation, error), error);
 }
 
 /* ---- Farkas ---------------------------------------------------------------------------------- */
@@ -217,7 +235,7 @@ double dlsi_lcp_farkas_violation(const dls_lcp *lcp, const double *v) {
       p += m[i] * v[i];
       a += fabs(m[i] * v[i]);
     }
-    raise(&worst, a == 0 ? 0 : p / a);
+    lcp_raise(&worst, a == 0 ? 0 : p / a);
     if (worst != worst) return worst;
   }
   return worst / (-qv / aqv);
@@ -226,10 +244,8 @@ double dlsi_lcp_farkas_violation(const dls_lcp *lcp, const double *v) {
 dls_status dls_lcp_check_farkas(const dls_lcp *lcp, const double *v, double *violation,
                                 dls_error *error) {
   dls_status status = dlsi_check_lcp(lcp, error);
-  if (status) return dlsi_at(__func__, status, error);
-  status = dlsi_check_vector("v", v, (size_t)lcp->n, error);
-  if (status) return dlsi_at(__func__, status, error);
-  if (!violation) return dlsi_at(__func__, dlsi_is_null(error, "violation"), error);
-  *violation = dlsi_lcp_farkas_violation(lcp, v);
-  return DLS_OK;
+  if (!status) status = dlsi_check_vector("v", v, (size_t)lcp->n, error);
+  if (!status && !violation) status = dlsi_is_null(error, "violation");
+  if (!status) *violation = dlsi_lcp_farkas_violation(lcp, v);
+  return dlsi_at(__func__, status, error);
 }

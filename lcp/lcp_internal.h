@@ -1,108 +1,144 @@
 /*
- * lcp_internal.h: what the files of lcp/ share: the measure of an LCP's answer, the scaling of an
- * LCP, and the table of Lemke's method.
+ * lcp_internal.h: shared by the files of lcp/: the measure of an LCP's answer, the scaling of an
+ * LCP, the parts of Lemke's method, and the contact problem as an LCP.
  */
 #ifndef LCP_INTERNAL_H
 #define LCP_INTERNAL_H
 
 #include "base/base.h"
+#include "delassus/facets.h"
 #include "delassus/lcp.h"
+#include "linear/dense.h"
 
 /* ---- lcp.c ----------------------------------------------------------------------------------- */
 
 dls_status dlsi_check_lcp(const dls_lcp *lcp, dls_error *error);
 
+/* Checks the arguments of a solver with room for `most` unknowns: the LCP, its size, and z, which
+ * must be finite with a warm start. */
+dls_status dlsi_check_lcp_solve(int most, const dls_lcp *lcp, const double *z, int warm_start,
+                                dls_error *error);
+
+/* Checks that x (n) is finite and each x_i > 0. */
+dls_status dlsi_check_positive(const char *argument, const double *x, int n, dls_error *error);
+
+/* Gives the arena of a sizing pass for n unknowns its memory, to be carved by the same takes. */
+dls_status dlsi_lcp_allocate(dlsi_arena *arena, int n, dls_error *error);
+
+static inline const double *dlsi_lcp_column(const dls_lcp *lcp, int j) {
+  return lcp->M.a + (size_t)j * (size_t)lcp->M.ld;
+}
+
 /* y := M z + q, a := |M||z|; q = NULL for none. */
 void dlsi_lcp_multiply(const dls_lcp *lcp, const double *q, const double *z, double *y, double *a);
 
-/* s_i = |M_ii|, or max_j |M_ij| where M_ii = 0, or 1 for a zero row. */
+/* s_i := |M_ii|, or max_j |M_ij| where M_ii = 0, or 1 for a zero row. */
 void dlsi_lcp_weights(const dls_lcp *lcp, double *s);
 
-/* The certificate of z from given y = M z + q, a = |M||z| and weights s. */
+/* Computes the certificate of z from given y = M z + q, a = |M||z| and weights s. */
 void dlsi_lcp_measure(const dls_lcp *lcp, const double *z, const double *y, const double *a,
                       const double *s, dls_lcp_certificate *certificate);
 
-/* The violations of dls_lcp_check_ray and dls_lcp_check_farkas; work: 6 n and 0 doubles. */
+/* Return the violations of dls_lcp_check_ray (work: scratch, 6 n) and dls_lcp_check_farkas. */
 double dlsi_lcp_ray_violation(const dls_lcp *lcp, const double *cover, const double *z, double z0,
                               const double *dz, double dz0, double *work);
 double dlsi_lcp_farkas_violation(const dls_lcp *lcp, const double *v);
 
 /* ---- scale.c --------------------------------------------------------------------------------- */
 
-/* Exponents rho (rows), gamma (columns) such that the entries 2^(rho_i + gamma_j) |M_ij| that are
- * not 0 have geometric mean 1 in every row and column, nearly, negligible ones being raised
- * (scale.c, S4). work: 9 n doubles. */
+/* Finds exponents rho (rows) and gamma (columns) for which the entries 2^(rho_i + gamma_j) |M_ij|
+ * that are not 0 have geometric mean 1, nearly, in every row and column, negligible entries being
+ * raised (SC4). work: scratch, 9 n. */
 void dlsi_lcp_equilibrate(const dls_lcp *lcp, double *rho, double *gamma, double *work);
+
+/* Returns 2^round(e), with e held to -500 .. 500 so that two such factors cannot overflow. */
+double dlsi_power_of_two(double e);
 
 /* ---- crash.c --------------------------------------------------------------------------------- */
 
-/* See crash.c for (K1)-(K5). */
+/* The state of (CR1)-(CR5). The caller sets s and factors.A; dlsi_crash_carve takes the rest. */
 typedef struct dlsi_crash {
-  const double *s;      /* n: weights of the certificate */
-  double *S;            /* n x n: the factors of M_00, k x k; then Y, G, T and a product */
-  double *G, *T;        /* in S: M_E0, e x k; the matrix of (K5), h x h, factorised */
-  double *z, *y, *a;    /* n: (K1), |M||z| */
-  double *b, *x, *v;    /* n */
-  int *in, *wrong;      /* n: 1 in A; 1 for a negative z_i or y_i */
-  int *base, *pivots;   /* k: A_0, ascending */
-  int *place;           /* n: of an index in A_0, -1 outside */
-  int *slot;            /* n: its column of Y, -1 if it has none */
-  int *differ;          /* h: E, then D */
-  int *differ_pivots;   /* h */
-  int k, columns, h, e; /* |A_0|; of Y; |D| + |E|; |E| */
-  int rounds, fewest, chances;
+  const double *s;     /* weights of the certificate, n */
+  dlsi_dense factors;  /* M_00, k x k. A has n x n doubles: Y, G, change.A, a product behind M_00 */
+  dlsi_dense change;   /* the matrix of (CR5), h x h; in factors.A */
+  double *G;           /* M_E0, e x k; in factors.A */
+  double *z, *y, *a;   /* z and y of (CR1), |M||z|, n */
+  double *b, *x, *v;   /* right-hand sides, n */
+  int *in, *wrong;     /* 1 for i in A; 1 for a negative z_i or y_i, n */
+  int *base;           /* A_0, ascending, k */
+  int *place, *slot;   /* position of i in A_0, column of i in Y; -1 for none, n */
+  int *differ;         /* E, then D, h */
+  int columns, e;      /* of Y; |E| */
+  int rounds;          /* so far */
+  int fewest, chances; /* of (CR3): least |out| + |in|; rounds left */
 } dlsi_crash;
 
-/* The caller has set s, `in` and the memory, of which S, z, y, a, b, x, v and eight arrays of n int are
- * to be n long at least. */
-void dlsi_crash_begin(const dls_lcp *lcp, dlsi_crash *w);
+/* Takes the arrays; ld >= n: length of a vector of doubles. */
+void dlsi_crash_carve(dlsi_crash *work, dlsi_arena *arena, size_t n, size_t ld);
 
-/* One round: 0 to go on, 1 if z solves the LCP but for rounding, -1 if this leads nowhere. */
-int dlsi_crash_round(const dls_lcp *lcp, dlsi_crash *w);
+/* Starts at the basis { i : z_i > 0 }; NULL: at the empty one. */
+void dlsi_crash_begin(const dls_lcp *lcp, const double *z, dlsi_crash *work);
 
-/* ---- tiny.c ---------------------------------------------------------------------------------- */
-
-enum { dlsi_tiny_size = 10 };
-
-/* n <= dlsi_tiny_size. 1 with z >= 0, in all likelihood a solution but for rounding; 0 if it gave up, after
- * `limit` exchanges at the latest. */
-int dlsi_lcp_tiny(const dls_lcp *lcp, int limit, double *z, int *exchanges);
+/* Runs one round. Returns 0 to go on, 1 if z solves the LCP but for rounding, -1 to give up. */
+int dlsi_crash_round(const dls_lcp *lcp, dlsi_crash *work);
 
 /* ---- table.c --------------------------------------------------------------------------------- */
 
 enum { dlsi_table_block = 96 }; /* exchanges put off */
 
-/* Variables are numbered: y_i is i, z_i is n + i, z0 is 2 n. See table.c for (E3), (E4). */
+/* Lemke's table, with (TA3) and (TA4) of table.c. Variables are numbered: y_i is i, z_i is n + i,
+ * z0 is 2 n. */
 typedef struct dlsi_table {
   int n, ld;
-  double *T;   /* ld x (n+1): coefficients, but for the pending exchanges */
+  double *T;   /* coefficients without the pending exchanges, ld x (n+1) */
   double *U;   /* n x block */
   double *L;   /* block x block, lower triangle */
-  double *V;   /* block x (n+1), while flushing */
-  double *W;   /* block x (n+1), the right-hand side of (E4) */
+  double *V;   /* block x (n+1), used while flushing */
+  double *W;   /* right-hand side of (TA4), block x (n+1) */
   int pending; /* exchanges put off */
-  int *row;    /* block: their rows */
-  int *born;   /* n+1: the last one of them in this column, -1 if none */
-  double *b;   /* n: values of the basic variables */
-  double *g;   /* n: their derivative by the perturbation */
-  int *basic;  /* n: variable of each row */
-  int *column; /* n+1: variable of each column */
-  int *where;  /* 2n+1: row of a basic variable, -1 - column of another */
+  int *row;    /* their rows, block */
+  int *born;   /* the last pending exchange of each column, -1 if none, n+1 */
+  double *b;   /* values of the basic variables, n */
+  double *g;   /* their derivatives by the perturbation, n */
+  int *basic;  /* variable of each row, n */
+  int *column; /* variable of each column, n+1 */
+  int *where;  /* of each variable: its row, or -1 - its column, 2n+1 */
 } dlsi_table;
 
-/* c (n) := column s of A */
-void dlsi_table_column(const dlsi_table *t, int s, double *c);
+/* Takes the arrays for n unknowns; ld >= n: length of a column of T. */
+void dlsi_table_carve(dlsi_table *table, dlsi_arena *arena, size_t n, size_t ld);
+
+/* c (n) := column s of A. */
+void dlsi_table_column(const dlsi_table *table, int s, double *c);
 
 /* Exchanges the variables of row r and column s; c: column s as above, c[r] != 0. */
-void dlsi_table_exchange(dlsi_table *t, int r, int s, const double *c);
+void dlsi_table_exchange(dlsi_table *table, int r, int s, const double *c);
 
-/* dx (n) := how the basic variables move when each y_i that is not basic moves by dy_i (n) */
-void dlsi_table_move_y(const dlsi_table *t, const double *dy, double *dx);
+/* dx (n) := the move of the basic variables when each y_i that is not basic moves by dy_i (n). */
+void dlsi_table_move_y(const dlsi_table *table, const double *dy, double *dx);
 
-/* ---- lcp/friction.c ---------------------------------------------------------------------------- */
+/* ---- friction.c ------------------------------------------------------------------------------ */
 
-/* z (dls_contact_lcp_size) := 1 where the 3-row form's unknown is positive by the states of (u, r), 0
- * elsewhere: a start for Lemke. d = 2; w: weights of the certificate. */
+/* A contact problem as an LCP, (FI1)-(FI3) of friction.c. */
+typedef struct dlsi_form {
+  int directions;                  /* tangential unknowns of a candidate with mu > 0 */
+  double shift;                    /* 0 or 1 */
+  double c[DLS_FACETS_MAX + 1][3]; /* n, then e_k, k = 0 .. directions-1 */
+} dlsi_form;
+
+/* Counts the rows of the LCP, `directions` + 2 for a candidate with mu > 0; 0 if they do not fit an
+ * int. */
+int dlsi_form_size(const dls_contact *problem, int directions);
+
+/* Do the work of dls_contact_to_lcp and dls_contact_from_lcp on a checked problem, and check the
+ * other arguments. */
+dls_status dlsi_form_matrix(const dls_contact *problem, const dlsi_form *form, const double *s,
+                            double *M, int ldm, double *q, dls_error *error);
+dls_status dlsi_form_reactions(const dls_contact *problem, const dlsi_form *form, const double *s,
+                               const double *z, double *r, dls_error *error);
+
+/* z (dls_contact_lcp_size) := 1 where the unknown of the 3-row form is positive in the states of
+ * (u, r), else 0: a start for Lemke's method. d = 2; w: weights of the certificate. */
 void dlsi_friction_start(const dls_contact *problem, const double *w, const double *r,
                          const double *u, double *z);
 

@@ -1,90 +1,78 @@
 /*
- * scale.c: the scaling of an LCP. For positive diagonal R, C the problem (R M C, R q) has the
- * solutions C^-1 z, R^-1 y: complementarity does not see positive factors, the tolerances of a
- * pivoting method do.
+ * scale.c: scales an LCP. For positive diagonal R, C the problem (R M C, R q) has the solutions
+ * C^-1 z, R^-1 y: complementarity does not see positive factors, the tolerances of a pivoting
+ * method do.
  *
  * Least squares in the logarithms (Curtis and Reid, J. Inst. Maths Applics 10, 1972, 118-124):
  *
  *   min over rho, gamma of  sum over M_ij != 0 of ( log2|M_ij| + rho_i + gamma_j )^2
  *
  * by alternating rows and columns from gamma = 0:
- *   (S1) rho_i   = -mean_j( log2|M_ij| + gamma_j )
- *   (S2) gamma_j = -mean_i( log2|M_ij| + rho_i )
- *   (S3) rho_i += t, gamma_j -= t, so that both have the same mean
+ *   (SC1) rho_i   = -mean_j( log2|M_ij| + gamma_j )
+ *   (SC2) gamma_j = -mean_i( log2|M_ij| + rho_i )
+ *   (SC3) rho_i += t, gamma_j -= t, so that both have the same mean
  * exact after one round if M has no zero, and after any number of rounds M -> a R M gives the
  * same R M C. Rows or columns of zeros get the mean of the others, so that a change of units
  * moves them along. One round if M has no zero, else two: two passes over M, or three.
  *
- * The mean must not hear of entries that do nothing: in a flexibility that decays along a surface
+ * Entries that do nothing must not enter the mean: in a flexibility that decays along a surface
  * of n points, 2^-|i-j|/L, a row at the end would have a mean smaller than one in the middle by
  * 2^(n/4L), on which Lemke fails if the surface is long enough. Hence, as long as the largest
  * scaled entry of a row differs from row to row by more than 2^20, another round with the values
- *   (S4) max( |M_ij|, 2^-10 sqrt(rowmax_i colmax_j) / 2^(rho_i + gamma_j) )
+ *   (SC4) max( |M_ij|, 2^-10 sqrt(rowmax_i colmax_j) / 2^(rho_i + gamma_j) )
  * in place of those |M_ij| that are not 0, where rowmax and colmax are the largest
  * 2^(rho_i + gamma_j) |M_ij| of row i and column j. The bound follows a change of units as M_ij
- * does. Two passes over M each.
+ * does. Each such round takes two passes over M.
  *
- * A round is one pass over M: gamma_j of (S2) and what column j adds to the sums of the next (S1)
- * and to the row maxima of (S4) are found while it is in the cache. The logarithms are taken of
- * products of mantissas, one per row or column and 512 entries. Sums and products of a column are
- * formed eight at a time, in an order that the compiler can turn into vector operations.
+ * A round is one pass over M: gamma_j of (SC2), and the terms of column j in the sums of the next
+ * (SC1) and in the row maxima of (SC4), are found while the column is in the cache. The logarithms
+ * are taken of products of mantissas, one per row or column and 512 entries. Sums and products of a
+ * column are formed eight at a time, in an order that the compiler can turn into vector operations.
  */
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
 
-#include "base/base.h"
 #include "lcp_internal.h"
 
-static const double negligible = 0x1p-10; /* (S4) */
-static const double uneven = 0x1p20;      /* (S4): row maxima that call for another round */
-enum { max_passes = 8 };                  /* (S4) */
+static const double negligible = 0x1p-10; /* (SC4) */
+static const double uneven = 0x1p20;      /* (SC4): row maxima that call for another round */
+enum { max_passes = 8 };                  /* (SC4) */
 enum { chunk = 512 };                     /* mantissas in one product, which is less than 2^512 */
 
-/* x_0 + .. + x_(n-1), eight sums at a time */
-static DLSI_INLINE double sum_of(int n, const double *x) {
-  double s[8] = {0};
+typedef enum scale_fold_kind { fold_sum, fold_product, fold_largest } scale_fold_kind;
+
+static DLSI_INLINE double scale_combine(scale_fold_kind kind, double a, double b) {
+  return kind == fold_sum ? a + b : kind == fold_product ? a * b : b > a ? b : a;
+}
+
+/* Returns the sum, the product or the largest of x_i >= 0 (n), eight chains at a time. */
+static DLSI_INLINE double scale_fold(scale_fold_kind kind, int n, const double *x) {
+  const double start = kind == fold_product;
+  double f[8] = {start, start, start, start, start, start, start, start};
   int i = 0;
   for (; i + 8 <= n; i += 8)
     for (int k = 0; k < 8; k++)
-      s[k] += x[i + k];
+      f[k] = scale_combine(kind, f[k], x[i + k]);
   for (; i < n; i++)
-    s[0] += x[i];
-  return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
+    f[0] = scale_combine(kind, f[0], x[i]);
+  for (int k = 0; k < 4; k++)
+    f[k] = scale_combine(kind, f[k], f[k + 4]);
+  return scale_combine(kind, scale_combine(kind, f[0], f[1]), scale_combine(kind, f[2], f[3]));
 }
 
-static DLSI_INLINE double product_of(int n, const double *x) {
-  double p[8] = {1, 1, 1, 1, 1, 1, 1, 1};
-  int i = 0;
-  for (; i + 8 <= n; i += 8)
-    for (int k = 0; k < 8; k++)
-      p[k] *= x[i + k];
-  for (; i < n; i++)
-    p[0] *= x[i];
-  return ((p[0] * p[4]) * (p[1] * p[5])) * ((p[2] * p[6]) * (p[3] * p[7]));
-}
-
-/* max x_i >= 0 */
-static DLSI_INLINE double largest_of(int n, const double *x) {
-  double m[8] = {0};
-  int i = 0;
-  for (; i + 8 <= n; i += 8)
-    for (int k = 0; k < 8; k++)
-      m[k] = x[i + k] > m[k] ? x[i + k] : m[k];
-  for (; i < n; i++)
-    m[0] = x[i] > m[0] ? x[i] : m[0];
-  for (int k = 1; k < 8; k++)
-    m[0] = m[k] > m[0] ? m[k] : m[0];
-  return m[0];
-}
-
-static double power(double e) {
+static double scale_power(double e) {
   return exp2(e < -500 ? -500 : e > 500 ? 500 : e);
 }
 
-/* x = m 2^(e - 1023) for x > 0, 1 <= m < 2 (for subnormal x: m is too large by less than 2); m = 1,
- * e = 0 for x = 0. The exponent becomes a double as the last digits of 2^52 + e. */
-static DLSI_INLINE double split(double x, double *m) {
+double dlsi_power_of_two(double e) {
+  return scale_power(rint(e));
+}
+
+/* Splits x > 0 into m 2^(e - 1023), 1 <= m < 2, and returns e (subnormal x: m is too large by less
+ * than 2); x = 0 gives m = 1, e = 0. The exponent becomes a double as the last digits of
+ * 2^52 + e. */
+static DLSI_INLINE double scale_split(double x, double *m) {
   uint64_t bits;
   double e;
   memcpy(&bits, &x, sizeof bits);
@@ -95,37 +83,37 @@ static DLSI_INLINE double split(double x, double *m) {
   return e - 0x1p52;
 }
 
-/* What the rounds are made of; n doubles each. */
-typedef struct sums {
-  double *L, *K;              /* of log2 v_ij over row i, column j */
+/* The state of the rounds; n doubles each. */
+typedef struct scale_sums {
+  double *L, *K;              /* sums of log2 v_ij over row i, column j */
   double *in_row, *in_column; /* number of entries that are not 0 */
   double *R, *a;              /* 2^rho_i; largest 2^(rho_i + gamma_j) |M_ij| of a row */
-  double *next;               /* of gamma_j over row i */
+  double *next;               /* sums of gamma_j over row i */
   double *product, *scratch;
-} sums;
+} scale_sums;
 
-/* v_i := |M_ij|, raised to the least value (S4) if that is known (s->a) and M_ij is not 0 */
-static DLSI_INLINE void take_values(int count, const double *m, const double *a, double b,
-                                    double *v) {
+/* v_i := |M_ij|, raised to the least value a_i b of (SC4) unless a is NULL or M_ij is 0. */
+static DLSI_INLINE void scale_take_values(int count, const double *m, const double *a, double b,
+                                          double *v) {
   for (int i = 0; i < count; i++) {
     const double x = fabs(m[i]), least = a ? a[i] * b : 0;
     v[i] = ((x > 0) & (x < least)) ? least : x;
   }
 }
 
-/* Adds column j, m, to in_row, and counts it in in_column. */
-static DLSI_INLINE void count_entries(int n, const double *m, int j, const sums *s) {
+/* Counts the entries of column j, m, in in_row and in_column. */
+static DLSI_INLINE void scale_count(int n, const double *m, int j, const scale_sums *s) {
   for (int i = 0; i < n; i++) {
     s->scratch[i] = m[i] != 0 ? 1 : 0;
     s->in_row[i] += s->scratch[i];
   }
-  s->in_column[j] = sum_of(n, s->scratch);
+  s->in_column[j] = scale_fold(fold_sum, n, s->scratch);
 }
 
-/* L, K of the values v_ij = |M_ij|, and the counts; or if `least` L, K of those of (S4), a_i :=
- * sqrt(rowmax_i) / 2^rho_i. Returns 1 if M has a zero, else 0. */
-DLSI_CLONES static int sum_logarithms(const dls_lcp *lcp, int least, const double *gamma,
-                                      const sums *s) {
+/* Computes L, K and the counts of the values v_ij = |M_ij|; or if `least` the L, K of the values of
+ * (SC4), with a_i := sqrt(rowmax_i) / 2^rho_i. Returns 1 if M has a zero, else 0. */
+DLSI_CLONES static int scale_sum_logarithms(const dls_lcp *lcp, int least, const double *gamma,
+                                            const scale_sums *s) {
   const int n = lcp->n;
   double *product = s->product, e[chunk], x[chunk];
   int zeros = 0;
@@ -138,26 +126,26 @@ DLSI_CLONES static int sum_logarithms(const dls_lcp *lcp, int least, const doubl
       s->in_row[i] = 0;
   }
   for (int j = 0; j < n; j++) {
-    const double *m = lcp->M.a + (size_t)j * (size_t)lcp->M.ld;
+    const double *m = dlsi_lcp_column(lcp, j);
     double b = 0, exponents = 0, logarithms = 0;
     if (least) {
       for (int i = 0; i < n; i++)
         s->scratch[i] = fabs(m[i]) * s->R[i];
-      const double C = power(gamma[j]);
-      b = negligible * sqrt(largest_of(n, s->scratch) * C) / C;
+      const double C = scale_power(gamma[j]);
+      b = negligible * sqrt(scale_fold(fold_largest, n, s->scratch) * C) / C;
     } else
-      count_entries(n, m, j, s);
+      scale_count(n, m, j, s);
     for (int first = 0; first < n; first += chunk) {
       const int length = n - first < chunk ? n - first : chunk;
       double *L = s->L + first, *p = product + first;
-      take_values(length, m + first, least ? s->a + first : NULL, b, x);
+      scale_take_values(length, m + first, least ? s->a + first : NULL, b, x);
       for (int i = 0; i < length; i++) {
-        e[i] = split(x[i], &x[i]);
+        e[i] = scale_split(x[i], &x[i]);
         L[i] += e[i];
         p[i] *= x[i];
       }
-      exponents += sum_of(length, e);
-      logarithms += log2(product_of(length, x));
+      exponents += scale_fold(fold_sum, length, e);
+      logarithms += log2(scale_fold(fold_product, length, x));
     }
     s->K[j] = exponents - 1023 * s->in_column[j] + logarithms;
     zeros |= s->in_column[j] < n;
@@ -172,8 +160,8 @@ DLSI_CLONES static int sum_logarithms(const dls_lcp *lcp, int least, const doubl
   return zeros;
 }
 
-/* x_i := the mean of the others where count is 0 */
-static void fill_empty(int n, const double *count, double *x) {
+/* x_i := the mean of the others where the count is 0. */
+static void scale_fill_empty(int n, const double *count, double *x) {
   double sum = 0, filled = 0;
   for (int i = 0; i < n; i++)
     if (count[i] > 0) {
@@ -184,24 +172,26 @@ static void fill_empty(int n, const double *count, double *x) {
     if (!(count[i] > 0)) x[i] = filled > 0 ? sum / filled : 0;
 }
 
-/* (S1) with `next` of the round before, (S2) */
-DLSI_CLONES static void alternate(const dls_lcp *lcp, const sums *s, double *rho, double *gamma) {
+/* (SC1) with `next` of the round before, then (SC2). */
+DLSI_CLONES static void scale_alternate(const dls_lcp *lcp, const scale_sums *s, double *rho,
+                                        double *gamma) {
   const int n = lcp->n;
   for (int i = 0; i < n; i++)
     rho[i] = -(s->L[i] + s->next[i]) / s->in_row[i];
-  fill_empty(n, s->in_row, rho);
+  scale_fill_empty(n, s->in_row, rho);
   for (int i = 0; i < n; i++) {
-    s->R[i] = power(rho[i]);
+    s->R[i] = scale_power(rho[i]);
     s->next[i] = s->a[i] = 0;
   }
   for (int j = 0; j < n; j++) {
-    const double *m = lcp->M.a + (size_t)j * (size_t)lcp->M.ld;
+    const double *m = dlsi_lcp_column(lcp, j);
     for (int i = 0; i < n; i++) {
       const double x = rho[i];
       s->scratch[i] = m[i] != 0 ? x : 0;
     }
     if (!(s->in_column[j] > 0)) continue;
-    const double x = -(s->K[j] + sum_of(n, s->scratch)) / s->in_column[j], C = power(x);
+    const double x = -(s->K[j] + scale_fold(fold_sum, n, s->scratch)) / s->in_column[j],
+                 C = scale_power(x);
     gamma[j] = x;
     for (int i = 0; i < n; i++) {
       const double size = fabs(m[i]) * s->R[i] * C;
@@ -209,11 +199,11 @@ DLSI_CLONES static void alternate(const dls_lcp *lcp, const sums *s, double *rho
       s->a[i] = size > s->a[i] ? size : s->a[i];
     }
   }
-  fill_empty(n, s->in_column, gamma);
+  scale_fill_empty(n, s->in_column, gamma);
 }
 
-/* the ratio of the largest to the smallest row maximum */
-static double unevenness(int n, const double *a) {
+/* Returns the ratio of the largest to the smallest row maximum. */
+static double scale_unevenness(int n, const double *a) {
   double least = INFINITY, most = 0;
   for (int i = 0; i < n; i++) {
     if (a[i] > most) most = a[i];
@@ -224,17 +214,17 @@ static double unevenness(int n, const double *a) {
 
 void dlsi_lcp_equilibrate(const dls_lcp *lcp, double *rho, double *gamma, double *work) {
   const size_t n = (size_t)lcp->n;
-  const sums s = {work,         work + n,     work + 2 * n, work + 3 * n, work + 4 * n,
-                  work + 5 * n, work + 6 * n, work + 7 * n, work + 8 * n};
-  const int zeros = sum_logarithms(lcp, 0, gamma, &s);
+  const scale_sums s = {work,         work + n,     work + 2 * n, work + 3 * n, work + 4 * n,
+                        work + 5 * n, work + 6 * n, work + 7 * n, work + 8 * n};
+  const int zeros = scale_sum_logarithms(lcp, 0, gamma, &s);
   memset(s.next, 0, n * sizeof *s.next);
-  alternate(lcp, &s, rho, gamma);
-  if (zeros) alternate(lcp, &s, rho, gamma);
-  for (int pass = 0; pass < max_passes && unevenness(lcp->n, s.a) > uneven; pass++) {
-    sum_logarithms(lcp, 1, gamma, &s);
-    alternate(lcp, &s, rho, gamma);
+  scale_alternate(lcp, &s, rho, gamma);
+  if (zeros) scale_alternate(lcp, &s, rho, gamma);
+  for (int pass = 0; pass < max_passes && scale_unevenness(lcp->n, s.a) > uneven; pass++) {
+    scale_sum_logarithms(lcp, 1, gamma, &s);
+    scale_alternate(lcp, &s, rho, gamma);
   }
-  double shift = 0; /* (S3): half of it on each side, so that neither overflows alone */
+  double shift = 0; /* (SC3): half of it on each side, so that neither overflows alone */
   for (size_t i = 0; i < n; i++)
     shift += (gamma[i] - rho[i]) / (2 * (double)n);
   for (size_t i = 0; i < n; i++) {

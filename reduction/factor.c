@@ -1,24 +1,24 @@
 /*
  * factor.c: the back-ends behind X := K^-1 X.
  *
- *   dense K      K = S^-1 (L L^T) S^-1 or K = R^-1 (P^T L U) C^-1 (LAPACK), one part
- *   sparse K     the same for each connected part of its graph while all are small; else schur.c, one
- *                part
+ *   dense K      K = S^-1 (L L^T) S^-1 or K = R^-1 (P^T L U) C^-1 (linear/dense.c), one part
+ *   sparse K     as a dense K for each connected part of its graph while all are small; else
+ *                linear/schur.c, one part
  *   flexibility  X := F X with F = K^-1 as given, one part
  *   host         the callback, one part
  *
  * Scaling. S, R, C are diagonal matrices of powers of two (no rounding): S brings the diagonal into
- * [1, 4), R and C the largest entry of each row, then column, near 1. The condition of what is
- * factored thus says whether K is singular, not in which units forces, moments, displacements and
+ * [1, 4), R and C the largest entry of each row, then column, near 1. The condition of the scaled
+ * matrix thus says whether K is singular, not in which units forces, moments, displacements and
  * rotations happen to be: the inertia of a sphere in tonnes and millimetres is no rigid-body mode.
  *
- * Singular: rcond = 1 / (|A|_1 |A^-1|_1) of the scaled matrix A, by dpocon or dgecon, below 10
- * eps. Of 2166 free chains and trusses (2 to 767 unknowns, one to three rigid-body modes,
- * stiffnesses of 1 to 400 side by side), by either factorisation, none came out above 0.4 eps
- * unless a pivot <= 0 had stopped it before. The smallest pivot is reported with its unknown.
+ * Singular: rcond = 1 / (|A|_1 |A^-1|_1) of the scaled matrix A, by dpocon or dgecon, below 10 eps.
+ * Of 2166 free chains and trusses (2 to 767 unknowns, one to three rigid-body modes, stiffnesses of
+ * 1 to 400 side by side), by either factorisation, none came out above 0.4 eps unless a pivot <= 0
+ * had stopped it before. The smallest pivot is reported with its unknown.
  *
- * Small: see dlsi_small_part in reduction_internal.h. A dense K that is symmetric but not definite is
- * factored by LU.
+ * Small: see dlsi_small_part in reduction_internal.h. A dense K that is symmetric but not definite
+ * is factored by LU.
  *
  * Cost: (1/3) s^3 (Cholesky) or (2/3) s^3 (LU) per part of s unknowns, s^2 doubles; 2 s^2
  * operations per right-hand side. Fails: singular, not positive definite, part too large, no
@@ -31,12 +31,17 @@
 #include <string.h>
 
 #include "linear/blas.h"
+#include "linear/dense.h"
 #include "reduction_internal.h"
 
 /* ---- parts ----------------------------------------------------------------------------------- */
 
-/* The root of i: the smallest unknown of its tree; halves the path on the way. */
-static int find_root(int *parent, int i) {
+static size_t part_size(const dlsi_factor *factor, int part) {
+  return (size_t)(factor->first[part + 1] - factor->first[part]);
+}
+
+/* Returns the root of i: the smallest unknown of its tree; halves the path on the way. */
+static int part_root(int *parent, int i) {
   while (parent[i] != i) {
     parent[i] = parent[parent[i]];
     i = parent[i];
@@ -44,56 +49,71 @@ static int find_root(int *parent, int i) {
   return i;
 }
 
-/* Connected parts of the graph of Ks + Ks^T, in the order of their smallest unknown. part (n):
- * receives the part of each unknown. */
-static void connect(const dls_sparse *Ks, dlsi_factor *factor, int *part) {
+/* Finds the connected parts of the graph of Ks + Ks^T, in the order of their smallest unknown.
+ * part: receives the part of each unknown, n. */
+static void part_connect(const dls_sparse *Ks, dlsi_factor *factor, int *part) {
   const int n = factor->n;
   int *parent = factor->unknown, *first = factor->first;
-  for (int i = 0; i < n; i++)
-    parent[i] = i;
   for (int j = 0; j < n; j++)
     for (int k = Ks->p[j]; k < Ks->p[j + 1]; k++) {
-      const int a = find_root(parent, j), b = find_root(parent, Ks->i[k]);
-      if (a < b)
-        parent[b] = a;
-      else
-        parent[a] = b;
+      const int a = part_root(parent, j), b = part_root(parent, Ks->i[k]);
+      parent[a < b ? b : a] = a < b ? a : b;
     }
-  int parts = 0;
+  factor->parts = 0;
   for (int i = 0; i < n; i++) { /* a root comes before the others of its tree */
-    const int root = find_root(parent, i);
-    part[i] = root == i ? parts++ : part[root];
+    const int root = part_root(parent, i);
+    part[i] = root == i ? factor->parts++ : part[root];
   }
   memset(first, 0, ((size_t)n + 1) * sizeof *first);
   for (int i = 0; i < n; i++)
     first[part[i] + 1]++;
-  for (int k = 0; k < parts; k++)
+  factor->largest = 0;
+  for (int k = 0; k < factor->parts; k++) {
+    if (first[k + 1] > factor->largest) factor->largest = first[k + 1];
     first[k + 1] += first[k];
+  }
   for (int i = 0; i < n; i++) /* first[k] runs to the end of part k, ... */
     factor->unknown[first[part[i]]++] = i;
-  for (int k = parts; k > 0; k--) /* ... which is where the next one begins */
+  for (int k = factor->parts; k > 0; k--) /* ... where the next one begins */
     first[k] = first[k - 1];
   first[0] = 0;
-  factor->parts = parts;
 }
 
-static void one_part(dlsi_factor *factor) {
+static void part_one(dlsi_factor *factor) {
   factor->parts = 1;
+  factor->largest = factor->first[1] = factor->n;
   factor->first[0] = 0;
-  factor->first[1] = factor->n;
   for (int i = 0; i < factor->n; i++)
     factor->unknown[i] = i;
 }
 
 /* ---- one part -------------------------------------------------------------------------------- */
 
-static size_t size_of(const dlsi_factor *factor, int part) {
-  return (size_t)(factor->first[part + 1] - factor->first[part]);
+/* A dense part on its way through the factorisation, and the names to report it by. */
+typedef struct dense_part {
+  const char *argument; /* "K" or "Ks" */
+  const int *unknown;   /* s */
+  dlsi_dense M;         /* s x s */
+  double *row, *col;    /* s */
+} dense_part;
+
+static dense_part part_of(const dlsi_factor *factor, int part) {
+  const int first = factor->first[part];
+  return (dense_part){
+      .argument = factor->kind == DLS_STIFFNESS_SPARSE ? "Ks" : "K",
+      .unknown = factor->unknown + first,
+      .M = {.n = factor->first[part + 1] - first,
+            .A = factor->A + factor->start[part],
+            .pivot = factor->pivot + first,
+            .cholesky = factor->factorization == DLS_CHOLESKY},
+      .row = factor->row + first,
+      .col = factor->col + first,
+  };
 }
 
-/* A := the part's matrix; for Cholesky its lower triangle over zeros. */
-static void assemble(const dlsi_factor *factor, const dls_model *model, int part) {
-  const size_t s = size_of(factor, part);
+/* Copies the matrix of a part to A; for Cholesky its lower triangle over zeros. */
+static void part_assemble(const dlsi_factor *factor, const dls_model *model, int part) {
+  const size_t s = part_size(factor, part);
   const int *unknown = factor->unknown + factor->first[part];
   const int lower = factor->symmetric, full = factor->factorization == DLS_LDLT;
   double *A = factor->A + factor->start[part];
@@ -116,122 +136,96 @@ static void assemble(const dlsi_factor *factor, const dls_model *model, int part
   }
 }
 
-/* 2^-e with |e| small enough for this to be a normal number */
-static double power_of_two(int e) {
+/* Returns 2^-e, with |e| cut off so that it is a normal number. */
+static double inverse_power(int e) {
   return ldexp(1, -(e < -1000 ? -1000 : e > 1000 ? 1000 : e));
 }
 
-/* One part on its way through the factorisation, and where to report it. */
-typedef struct part_matrix {
-  const char *name;   /* "K" or "Ks" */
-  const int *unknown; /* s */
-  size_t s;
-  double *A, *row, *col; /* s x s, s, s */
-  int *pivot;            /* s */
-} part_matrix;
-
-static dls_status singular(const part_matrix *M, size_t i, double pivot, double rcond,
-                           dls_error *error) {
-  return dlsi_fail(error, DLS_E_SINGULAR, M->name, M->unknown[i], pivot,
+static dls_status part_singular(const dense_part *part, int i, double pivot, double rcond,
+                                dls_error *error) {
+  return dlsi_fail(error, DLS_E_SINGULAR, part->argument, part->unknown[i], pivot,
                    "singular: pivot %.3g (scaled), condition %.3g; is a body free to move?", pivot,
                    1 / rcond);
 }
 
-/* row = col: 1 / sqrt(k_ii), to a power of two */
-static dls_status scale_symmetric(const part_matrix *M, dls_error *error) {
-  const size_t s = M->s;
+/* Sets row = col to 1 / sqrt(k_ii), to a power of two, and scales the lower triangle. */
+static dls_status part_scale_symmetric(const dense_part *part, dls_error *error) {
+  const size_t s = (size_t)part->M.n;
+  double *A = part->M.A;
   for (size_t i = 0; i < s; i++) {
-    const double diagonal = M->A[i + i * s];
+    const double diagonal = A[i + i * s];
     if (!(diagonal > 0))
-      return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, M->name, M->unknown[i], diagonal,
-                       "not positive definite: diagonal entry %.3g", diagonal);
+      return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, part->argument, part->unknown[i],
+                       diagonal, "not positive definite: diagonal entry %.3g", diagonal);
     const int e = ilogb(diagonal);
-    M->row[i] = M->col[i] = power_of_two((e - (e & 1)) / 2);
+    part->row[i] = part->col[i] = inverse_power((e - (e & 1)) / 2);
   }
   for (size_t j = 0; j < s; j++)
     for (size_t i = j; i < s; i++)
-      M->A[i + j * s] = M->row[i] * M->A[i + j * s] * M->col[j];
+      A[i + j * s] = part->row[i] * A[i + j * s] * part->col[j];
   return DLS_OK;
 }
 
-/* row: 1 / max_j |a_ij|; col: 1 / max_i |row_i a_ij|, to powers of two */
-static dls_status scale_general(const part_matrix *M, dls_error *error) {
-  const size_t s = M->s;
-  for (size_t i = 0; i < s; i++)
-    M->row[i] = 0;
+/* Sets row to 1 / max_j |a_ij| and col to 1 / max_i |row_i a_ij|, to powers of two, and scales. */
+static dls_status part_scale_general(const dense_part *part, dls_error *error) {
+  const size_t s = (size_t)part->M.n;
+  double *A = part->M.A;
+  memset(part->row, 0, s * sizeof *part->row);
   for (size_t j = 0; j < s; j++)
     for (size_t i = 0; i < s; i++)
-      if (fabs(M->A[i + j * s]) > M->row[i]) M->row[i] = fabs(M->A[i + j * s]);
+      if (fabs(A[i + j * s]) > part->row[i]) part->row[i] = fabs(A[i + j * s]);
   for (size_t i = 0; i < s; i++) {
-    if (M->row[i] == 0) return singular(M, i, 0, 0, error);
-    M->row[i] = power_of_two(ilogb(M->row[i]));
+    if (part->row[i] == 0) return part_singular(part, (int)i, 0, 0, error);
+    part->row[i] = inverse_power(ilogb(part->row[i]));
   }
   for (size_t j = 0; j < s; j++) {
-    double *a = M->A + j * s;
+    double *a = A + j * s;
     for (size_t i = 0; i < s; i++)
-      a[i] *= M->row[i];
+      a[i] *= part->row[i];
     const double largest = dlsi_max_abs(a, s);
-    if (largest == 0) return singular(M, j, 0, 0, error);
-    M->col[j] = power_of_two(ilogb(largest));
+    if (largest == 0) return part_singular(part, (int)j, 0, 0, error);
+    part->col[j] = inverse_power(ilogb(largest));
     for (size_t i = 0; i < s; i++)
-      a[i] *= M->col[j];
+      a[i] *= part->col[j];
   }
   return DLS_OK;
 }
 
-/* |A|_1; of a symmetric A from its lower triangle. sums (s) */
-static double norm1(const double *A, size_t s, int symmetric, double *sums) {
-  for (size_t j = 0; j < s; j++)
-    sums[j] = 0;
-  for (size_t j = 0; j < s; j++)
-    for (size_t i = symmetric ? j : 0; i < s; i++) {
-      sums[j] += fabs(A[i + j * s]);
-      if (symmetric && i > j) sums[i] += fabs(A[i + j * s]);
-    }
-  return dlsi_max_abs(sums, s);
-}
-
-/* Scales and factors a part; *least := the smaller of it and the part's rcond. work (4 s), iwork (s). */
-static dls_status factor_part(const part_matrix *M, int symmetric, double *work, int *iwork,
-                              double *least, dls_error *error) {
-  const size_t s = M->s;
-  const int n = (int)s;
-  double *A = M->A, rcond = 0;
-  int info = 0;
+/* Scales and factors a part; returns its rcond in *rcond. work: 4 s; iwork: s. */
+static dls_status part_factor(dense_part *part, double *rcond, double *work, int *iwork,
+                              dls_error *error) {
+  const size_t s = (size_t)part->M.n;
+  const int symmetric = part->M.cholesky;
+  double *A = part->M.A;
   const long long bad = dlsi_first_not_finite(A, s * s);
   if (bad >= 0)
-    return dlsi_fail(error, DLS_E_NOT_FINITE, M->name, M->unknown[(size_t)bad / s], A[bad],
-                     "entries of one place in this column add up to %g", A[bad]);
-  const dls_status status = symmetric ? scale_symmetric(M, error) : scale_general(M, error);
+    return dlsi_fail(error, DLS_E_NOT_FINITE, part->argument, part->unknown[(size_t)bad / s],
+                     A[bad], "entries of one place in this column add up to %g", A[bad]);
+  const dls_status status =
+      symmetric ? part_scale_symmetric(part, error) : part_scale_general(part, error);
   if (status) return status;
-  const double norm = norm1(A, s, symmetric, work);
-  if (symmetric) {
-    dpotrf_("L", &n, A, &n, &info, 1);
-    if (info > 0) {
-      const double pivot = A[(size_t)(info - 1) * (s + 1)];
-      return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, M->name, M->unknown[info - 1], pivot,
-                       "not positive definite: pivot %.3g (scaled); is a body free to move?",
-                       pivot);
-    }
-    dpocon_("L", &n, A, &n, &norm, &rcond, work, iwork, &info, 1);
-  } else {
-    dgetrf_(&n, &n, A, &n, M->pivot, &info);
-    if (info > 0) return singular(M, (size_t)info - 1, 0, 0, error);
-    dgecon_("1", &n, A, &n, &norm, &rcond, work, iwork, &info, 1);
+  const double norm = dlsi_dense_norm(A, s, symmetric, work);
+  const int failed = symmetric ? dlsi_dense_cholesky(&part->M) : dlsi_dense_lu(&part->M);
+  if (failed && !symmetric) return part_singular(part, failed - 1, 0, 0, error);
+  if (failed) {
+    const double pivot = A[(size_t)(failed - 1) * (s + 1)];
+    return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, part->argument, part->unknown[failed - 1],
+                     pivot, "not positive definite: pivot %.3g (scaled); is a body free to move?",
+                     pivot);
   }
-  if (rcond < *least) *least = rcond;
-  if (rcond >= 10 * DBL_EPSILON) return DLS_OK; /* false for NaN */
+  *rcond = dlsi_dense_rcond(&part->M, norm, work, iwork);
+  if (*rcond >= 10 * DBL_EPSILON) return DLS_OK; /* false for NaN */
   size_t smallest = 0;
   for (size_t j = 1; j < s; j++)
     if (fabs(A[j * (s + 1)]) < fabs(A[smallest * (s + 1)])) smallest = j;
   const double pivot = A[smallest * (s + 1)];
-  return singular(M, smallest, symmetric ? pivot * pivot : pivot, rcond, error);
+  return part_singular(part, (int)smallest, symmetric ? pivot * pivot : pivot, *rcond, error);
 }
 
 /* ---- create, solve, destroy ------------------------------------------------------------------ */
 
-/* The pieces of a factor but for A. The host's solver wants no more than the list of unknowns. */
-static void carve(dlsi_factor *factor, dlsi_arena *arena) {
+/* Carves all arrays but A. The host's solver wants no more than the list of unknowns. */
+static void factor_carve(dlsi_factor *factor, dlsi_arena *arena) {
   const size_t n = (size_t)factor->n, matrix = factor->kind == DLS_HOST_SOLVER ? 0 : n;
   factor->first = dlsi_take(arena, n + 1, sizeof *factor->first);
   factor->unknown = dlsi_take(arena, n, sizeof *factor->unknown);
@@ -242,20 +236,16 @@ static void carve(dlsi_factor *factor, dlsi_arena *arena) {
   factor->pivot = dlsi_take(arena, matrix, sizeof *factor->pivot);
 }
 
-/* Finds the largest part, sets start, entries and place. */
-static dls_status lay_out(dlsi_factor *factor, dls_error *error) {
-  factor->entries = 0;
-  factor->largest = 0;
+/* Sets start, entries and place. */
+static dls_status factor_lay_out(dlsi_factor *factor, dls_error *error) {
+  for (int k = 0; k < factor->n; k++)
+    factor->place[factor->unknown[k]] = k;
+  if (factor->kind == DLS_HOST_SOLVER || factor->schur) return DLS_OK;
   for (int k = 0; k < factor->parts; k++) {
-    const size_t s = size_of(factor, k);
-    const int *unknown = factor->unknown + factor->first[k];
-    if ((int)s > factor->largest) factor->largest = (int)s;
-    for (size_t i = 0; i < s; i++)
-      factor->place[unknown[i]] = factor->first[k] + (int)i;
-    if (factor->kind == DLS_HOST_SOLVER || factor->schur) continue;
+    const size_t s = part_size(factor, k);
     if (factor->kind == DLS_STIFFNESS_SPARSE && s > dlsi_largest_part)
       return dlsi_fail(
-          error, DLS_E_UNSUPPORTED, "Ks", unknown[0], (double)s,
+          error, DLS_E_UNSUPPORTED, "Ks", factor->unknown[factor->first[k]], (double)s,
           "a connected part of %zu unknowns; at most %d are factored as a dense matrix", s,
           dlsi_largest_part);
     if (s > SIZE_MAX / sizeof(double) / s || factor->entries > SIZE_MAX / sizeof(double) - s * s)
@@ -266,21 +256,14 @@ static dls_status lay_out(dlsi_factor *factor, dls_error *error) {
   return DLS_OK;
 }
 
-static int largest_part(const dlsi_factor *factor) {
-  int largest = 0;
-  for (int k = 0; k < factor->parts; k++)
-    if ((int)size_of(factor, k) > largest) largest = (int)size_of(factor, k);
-  return largest;
-}
-
-/* Parts, and the analysis of a sparse K with a large one. */
-static dls_status divide(dlsi_factor *factor, const dls_model *model, int count, const int *keep,
-                         dls_error *error) {
-  one_part(factor);
+/* Finds the parts, and has a sparse K with a large one analysed by schur.c. */
+static dls_status factor_divide(dlsi_factor *factor, const dls_model *model, int count,
+                                const int *keep, dls_error *error) {
+  part_one(factor);
   if (factor->kind != DLS_STIFFNESS_SPARSE) return DLS_OK;
-  connect(&model->Ks, factor, factor->place);
-  if (largest_part(factor) <= dlsi_small_part || !dlsi_schur_available()) return DLS_OK;
-  one_part(factor);
+  part_connect(&model->Ks, factor, factor->place);
+  if (factor->largest <= dlsi_small_part || !dlsi_schur_available()) return DLS_OK;
+  part_one(factor);
   factor->kept = count;
   return dlsi_schur_create(&factor->schur, &model->Ks, factor->factorization, count, keep, error);
 }
@@ -290,26 +273,24 @@ dls_status dlsi_factor_create(dlsi_factor **out, const dls_model *model, int cou
   *out = NULL;
   dlsi_factor *factor = calloc(1, sizeof *factor);
   if (!factor) return dlsi_no_memory(error);
-  const int stiffness =
-      model->operator_kind == DLS_STIFFNESS_DENSE || model->operator_kind == DLS_STIFFNESS_SPARSE;
-  factor->n = factor->largest = model->n;
+  factor->n = model->n;
   factor->kind = model->operator_kind;
   factor->factorization = model->factorization;
-  factor->symmetric = stiffness && model->factorization != DLS_LU;
-  factor->scratch = model->operator_kind == DLS_FLEXIBILITY;
+  factor->symmetric = model->factorization != DLS_LU &&
+                      (factor->kind == DLS_STIFFNESS_DENSE || factor->kind == DLS_STIFFNESS_SPARSE);
+  factor->scratch = factor->kind == DLS_FLEXIBILITY;
   factor->solve = model->solve;
   factor->user = model->user;
   dlsi_arena arena = {0};
-  carve(factor, &arena);
-  arena.size = arena.used;
-  arena.used = 0;
-  arena.base = factor->memory = arena.failed ? NULL : dlsi_alloc(arena.size, 1);
+  factor_carve(factor, &arena);
+  factor->memory = arena.failed ? NULL : dlsi_alloc(arena.used, 1);
   dls_status status = factor->memory ? DLS_OK : dlsi_no_memory(error);
   if (!status) {
-    carve(factor, &arena);
-    status = divide(factor, model, count, keep, error);
+    arena = (dlsi_arena){.base = factor->memory, .size = arena.used};
+    factor_carve(factor, &arena);
+    status = factor_divide(factor, model, count, keep, error);
   }
-  if (!status) status = lay_out(factor, error);
+  if (!status) status = factor_lay_out(factor, error);
   if (status)
     dlsi_factor_destroy(factor);
   else
@@ -317,121 +298,90 @@ dls_status dlsi_factor_create(dlsi_factor **out, const dls_model *model, int cou
   return status;
 }
 
-void dlsi_factor_estimate(const dlsi_factor *factor, double *factor_bytes, double *bytes,
-                          double *flops) {
-  const double b = factor->kept;
-  *factor_bytes = *bytes = (double)sizeof(double) * (double)factor->entries;
-  *flops = 0;
+void dlsi_factor_estimate(const dlsi_factor *factor, dls_reduction_info *info) {
   if (factor->schur) {
-    dlsi_schur_estimate(factor->schur, factor_bytes, bytes, flops);
-    *factor_bytes += sizeof(double) * b * b;
+    const dlsi_schur_measures *schur = dlsi_schur_measured(factor->schur);
+    const double b = factor->kept;
+    info->factor_bytes = schur->factor_bytes + sizeof(double) * b * b;
+    info->bytes = schur->bytes;
+    info->flops = schur->flops;
     return;
   }
+  info->factor_bytes = info->bytes = (double)sizeof(double) * (double)factor->entries;
+  info->flops = 0;
   if (factor->kind != DLS_STIFFNESS_DENSE && factor->kind != DLS_STIFFNESS_SPARSE) return;
   for (int k = 0; k < factor->parts; k++) {
-    const double s = (double)size_of(factor, k);
-    *flops += (factor->factorization == DLS_CHOLESKY ? 1 : 2) * s * s * s / 3;
+    const double s = (double)part_size(factor, k);
+    info->flops += (factor->factorization == DLS_CHOLESKY ? 1 : 2) * s * s * s / 3;
   }
 }
 
-/* An entry of Ks that ties two parts together: the pattern is not the one of create. */
-static dls_status check_parts(const dlsi_factor *factor, const dls_sparse *Ks, dls_error *error) {
-  for (int k = 0; k < factor->parts; k++)
-    for (int e = factor->first[k]; e < factor->first[k + 1]; e++) {
-      const int j = factor->unknown[e];
-      for (int at = Ks->p[j]; at < Ks->p[j + 1]; at++) {
-        const int place = factor->place[Ks->i[at]];
+dls_status dlsi_factor_same(const dlsi_factor *factor, const dls_model *model, dls_error *error) {
+  const dls_sparse *Ks = &model->Ks;
+  if (factor->kind != DLS_STIFFNESS_SPARSE) return DLS_OK;
+  if (factor->schur) return dlsi_schur_same(factor->schur, Ks, error);
+  for (int k = 0; k < factor->parts; k++) /* no entry may tie two parts together */
+    for (int at = factor->first[k]; at < factor->first[k + 1]; at++) {
+      const int j = factor->unknown[at];
+      for (int e = Ks->p[j]; e < Ks->p[j + 1]; e++) {
+        const int place = factor->place[Ks->i[e]];
         if (place < factor->first[k] || place >= factor->first[k + 1])
-          return dlsi_fail(error, DLS_E_ARGUMENT, "Ks", at, Ks->i[at],
+          return dlsi_fail(error, DLS_E_ARGUMENT, "Ks", e, Ks->i[e],
                            "the pattern is not the one of create");
       }
     }
   return DLS_OK;
 }
 
-dls_status dlsi_factor_same(const dlsi_factor *factor, const dls_model *model, dls_error *error) {
-  if (factor->kind != DLS_STIFFNESS_SPARSE) return DLS_OK;
-  return factor->schur ? dlsi_schur_same(factor->schur, &model->Ks, error)
-                       : check_parts(factor, &model->Ks, error);
-}
-
-static dls_status factor_parts(dlsi_factor *factor, const dls_model *model, double *work,
-                               int *iwork, dls_error *error) {
-  dls_status status = DLS_OK;
-  factor->rcond = 1;
-  for (int k = 0; !status && k < factor->parts; k++) {
-    assemble(factor, model, k);
-    const size_t first = (size_t)factor->first[k];
-    const part_matrix M = {.name = factor->kind == DLS_STIFFNESS_SPARSE ? "Ks" : "K",
-                           .unknown = factor->unknown + first,
-                           .s = size_of(factor, k),
-                           .A = factor->A + factor->start[k],
-                           .row = factor->row + first,
-                           .col = factor->col + first,
-                           .pivot = factor->pivot + first};
-    status =
-        factor_part(&M, factor->factorization == DLS_CHOLESKY, work, iwork, &factor->rcond, error);
-  }
-  return status;
-}
-
 dls_status dlsi_factor_numeric(dlsi_factor *factor, const dls_model *model, dls_error *error) {
   if (factor->kind == DLS_HOST_SOLVER) return DLS_OK;
   if (factor->schur) {
     const dls_status status = dlsi_schur_factor(factor->schur, &model->Ks, error);
-    if (!status) factor->rcond = dlsi_schur_rcond(factor->schur);
+    if (!status) factor->rcond = dlsi_schur_measured(factor->schur)->rcond;
     return status;
   }
   if (!factor->A) factor->A = dlsi_alloc(factor->entries, sizeof *factor->A);
-  if (!factor->A) return dlsi_no_memory(error);
-  if (factor->kind == DLS_FLEXIBILITY) {
-    assemble(factor, model, 0);
-    return DLS_OK;
-  }
   double *work = dlsi_alloc(4 * (size_t)factor->largest, sizeof *work);
   int *iwork = dlsi_alloc((size_t)factor->largest, sizeof *iwork);
-  const dls_status status =
-      work && iwork ? factor_parts(factor, model, work, iwork, error) : dlsi_no_memory(error);
+  dls_status status = factor->A && work && iwork ? DLS_OK : dlsi_no_memory(error);
+  factor->rcond = factor->kind == DLS_FLEXIBILITY ? 0 : 1;
+  for (int k = 0; !status && k < factor->parts; k++) {
+    double rcond = 1;
+    dense_part part = part_of(factor, k);
+    part_assemble(factor, model, k);
+    if (factor->kind != DLS_FLEXIBILITY) status = part_factor(&part, &rcond, work, iwork, error);
+    if (rcond < factor->rcond) factor->rcond = rcond;
+  }
   free(iwork);
   free(work);
   return status;
 }
 
-/* X := diag(scale) X */
-static void scale_rows(const double *scale, int s, double *X, int nrhs) {
-  for (int j = 0; j < nrhs; j++)
-    for (int i = 0; i < s; i++)
-      X[(size_t)i + (size_t)j * (size_t)s] *= scale[i];
+static dls_status factor_host(const dlsi_factor *factor, double *X, int nrhs, dls_error *error) {
+  const int n = factor->n, answer = factor->solve(factor->user, X, n, nrhs);
+  if (answer) return dlsi_fail(error, DLS_E_CALLBACK, "solve", -1, answer, "returned %d", answer);
+  const long long bad = dlsi_first_not_finite(X, (size_t)n * (size_t)nrhs);
+  if (bad < 0) return DLS_OK;
+  return dlsi_fail(error, DLS_E_CALLBACK, "solve", bad % n, X[bad],
+                   "left a result that is not finite");
 }
 
 dls_status dlsi_factor_solve(const dlsi_factor *factor, int part, double *X, int nrhs, double *work,
                              dls_error *error) {
-  const int first = factor->first[part], s = factor->first[part + 1] - first;
-  const size_t entries = (size_t)s * (size_t)nrhs;
-  if (factor->kind == DLS_HOST_SOLVER) {
-    const int answer = factor->solve(factor->user, X, s, nrhs);
-    if (answer) return dlsi_fail(error, DLS_E_CALLBACK, "solve", -1, answer, "returned %d", answer);
-    const long long bad = dlsi_first_not_finite(X, entries);
-    if (bad >= 0)
-      return dlsi_fail(error, DLS_E_CALLBACK, "solve", bad % s, X[bad],
-                       "left a result that is not finite");
-    return DLS_OK;
-  }
+  if (factor->kind == DLS_HOST_SOLVER) return factor_host(factor, X, nrhs, error);
   if (factor->schur) return dlsi_schur_solve(factor->schur, X, nrhs, error);
-  const double *A = factor->A + factor->start[part];
+  const dense_part of = part_of(factor, part);
+  const size_t s = (size_t)of.M.n;
   if (factor->kind == DLS_FLEXIBILITY) {
     const double one = 1, zero = 0;
-    memcpy(work, X, entries * sizeof *work);
-    dgemm_("N", "N", &s, &nrhs, &s, &one, A, &s, work, &s, &zero, X, &s, 1, 1);
+    const int n = of.M.n;
+    memcpy(work, X, s * (size_t)nrhs * sizeof *work);
+    dgemm_("N", "N", &n, &nrhs, &n, &one, of.M.A, &n, work, &n, &zero, X, &n, 1, 1);
     return DLS_OK;
   }
-  int info = 0; /* can only be a wrong argument */
-  scale_rows(factor->row + first, s, X, nrhs);
-  if (factor->factorization == DLS_CHOLESKY)
-    dpotrs_("L", &s, &nrhs, A, &s, X, &s, &info, 1);
-  else
-    dgetrs_("N", &s, &nrhs, A, &s, factor->pivot + first, X, &s, &info, 1);
-  scale_rows(factor->col + first, s, X, nrhs);
+  dlsi_scale_rows(of.row, s, X, nrhs);
+  dlsi_dense_solve(&of.M, X, of.M.n, nrhs);
+  dlsi_scale_rows(of.col, s, X, nrhs);
   return DLS_OK;
 }
 

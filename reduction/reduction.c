@@ -4,16 +4,16 @@
  * Source: [Jean 1988] (3.3)1-6, with the weighting of 4.4. His W_nn, W_nt, W_tn, W_tt come out
  * interleaved, in local order per candidate. The unknowns are M r, so that H = L P without his M.
  *
- *   (R1)  H = L P by rows, without what the scene does not need
- *   (R2)  K with springs at its rigid-body modes, if there are any                  (modes.c)
- *   (R3)  factor                                                                    (factor.c)
- *   (R4)  W                                                                         (influence.c)
+ *   (RE1)  build H = L P by rows, without what the scene does not need         (operator.c)
+ *   (RE2)  put springs at the rigid-body modes of K, if there are any          (modes.c)
+ *   (RE3)  factor K                                                            (factor.c)
+ *   (RE4)  form W                                                              (influence.c)
  *
- * An indefinite K whose Schur complement cannot be had is factored as a whole. A K that turns out
- * singular is searched for rigid-body modes, and goes back to (R2) or is reported
- * with them; one that is not positive definite goes back to (R3) as DLS_LDLT or is reported.
+ * An indefinite K whose Schur complement cannot be had is factored as a whole. A singular K is
+ * searched for rigid-body modes, and goes back to (RE2) or is reported with them. A K that is not
+ * positive definite goes back to (RE3) as DLS_LDLT or is reported.
  *
- * Memory: m^2 + O(n + nnz H) doubles beside the factor. load, recover, balance: one solve each.
+ * Memory: m^2 + O(n + nnz H) doubles beside the factor. Load, recover, balance: one solve each.
  */
 #include <float.h>
 #include <math.h>
@@ -25,30 +25,26 @@
 
 struct dls_reduction {
   dls_reduction_settings settings;
-  int d, nodes, candidates; /* candidates: active ones */
+  int d, nodes;
+  size_t n, m;
   dls_operator kind;
   dls_factorization factorization; /* as tagged */
   dlsi_factor *factor;
   dlsi_modes modes;
-  double spring[dlsi_most_modes], at[dlsi_most_modes]; /* s_j, c_j of each mode */
+  double spring[dlsi_most_modes], foot[dlsi_most_modes]; /* s_j, c_j of each mode */
   dls_reduction_info info;
   int ready; /* 0 after an update that failed */
-  dlsi_rows H;
-  int *keep, kept; /* unknowns that H touches, ascending */
-  int whole;       /* 1: no Schur complement */
-  int columns;     /* of H that are not empty */
-  size_t entries;  /* of H, those of one place counted one by one */
-  int weights;     /* entries of P */
-  int *Pp, *Pi;    /* P by columns, of the active candidates; the nodes themselves without P */
-  double *Px;
-  int *tangents; /* candidates: 0 where they are left out */
-  double *mu;    /* candidates; NULL if the model has none */
-  double *W;     /* m x m, or NULL */
-  double *q;     /* m */
-  double *f;     /* n, by position: the last load */
-  double *x, *y; /* n, by position: room for solves; y as scratch of the solve */
-  double *v, *z; /* m, n: room for load */
-  void *memory;  /* of all of these but the factor and the modes */
+  int whole; /* 1: K is factored without a Schur complement */
+  dlsi_operator H;
+  double *mu;   /* candidates: a copy of H.mu that stays in its place; NULL if the model has none */
+  double *W;    /* m x m, or NULL */
+  double *q;    /* m */
+  double *f;    /* n, by position: the last load */
+  double *x;    /* n, by position: scratch */
+  double *y;    /* n: scratch of a solve with a flexibility */
+  double *z;    /* n: scratch of a solve with a sparse K */
+  double *v;    /* m: scratch, the next q */
+  void *memory; /* of all of these but H, the factor, the modes and W */
 };
 
 void dls_reduction_settings_init(dls_reduction_settings *settings) {
@@ -56,242 +52,115 @@ void dls_reduction_settings_init(dls_reduction_settings *settings) {
   *settings = (dls_reduction_settings){.size = sizeof *settings, .form_W = 1};
 }
 
-static dls_status check_settings(const dls_reduction_settings *s, dls_error *error) {
-  if (s->size != sizeof *s)
-    return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
-                     "not filled by dls_reduction_settings_init");
-  if (!(s->memory_limit >= 0))
-    return dlsi_fail(error, DLS_E_ARGUMENT, "memory_limit", -1, s->memory_limit, "must be >= 0");
-  const struct {
-    const char *name;
-    int value;
-  } switches[] = {{"allow_indefinite", s->allow_indefinite},
-                  {"stabilize", s->stabilize},
-                  {"form_W", s->form_W}};
-  for (size_t k = 0; k < sizeof switches / sizeof switches[0]; k++)
-    if (switches[k].value != 0 && switches[k].value != 1)
-      return dlsi_fail(error, DLS_E_ARGUMENT, switches[k].name, -1, switches[k].value,
-                       "must be 0 or 1");
-  return DLS_OK;
-}
-
-/* ---- H and P (R1) ---------------------------------------------------------------------------- */
-
-static int is_active(const dls_model *model, int c) {
-  return !model->active || model->active[c];
-}
-
-static int count_active(const dls_model *model) {
-  int count = 0;
-  for (int c = 0; c < dlsi_model_candidates(model); c++)
-    count += is_active(model, c);
-  return count;
-}
-
-static int has_tangents(const dls_model *model, int c) {
-  return !model->mu || model->mu[c] > 0;
-}
-
-/* Walks over H = L P: what it does with an entry. */
-typedef struct visit {
-  int *touched;  /* n: marks unknowns, or NULL */
-  size_t *count; /* by position: counts, or NULL */
-  size_t *at;    /* by position: the next free entry of H, or NULL */
-  const int *place;
-  dlsi_rows *H;
-  size_t entries;
-  int columns;
-} visit;
-
-/* Column `column` of L, times weight, as column j of H. */
-static void visit_column(visit *v, const dls_sparse *L, int column, double weight, int j) {
-  for (int e = L->p[column]; e < L->p[column + 1]; e++) {
-    const int i = L->i[e];
-    v->entries++;
-    if (v->touched) v->touched[i] = 1;
-    if (v->count) v->count[v->place[i]]++;
-    if (!v->at) continue;
-    const size_t to = v->at[v->place[i]]++;
-    v->H->j[to] = j;
-    v->H->h[to] = weight * L->x[e];
-  }
-}
-
-static void visit_all(visit *v, const dls_model *model) {
-  const int d = model->d, all = dlsi_model_candidates(model);
-  for (int a = 0, c = 0; a < all; a++) { /* c: number among the active ones */
-    if (!is_active(model, a)) continue;
-    const int begin = model->P.p ? model->P.p[a] : a, end = model->P.p ? model->P.p[a + 1] : a + 1;
-    for (int i = 0; i < (has_tangents(model, a) ? d : 1); i++) { /* n, then the tangents */
-      const size_t before = v->entries;
-      for (int k = begin; k < end; k++) {
-        const int node = model->P.p ? model->P.i[k] : k;
-        visit_column(v, i == 0 ? &model->HN : &model->HT, i == 0 ? node : (d - 1) * node + i - 1,
-                     model->P.p ? model->P.x[k] : 1, d * c + i);
-      }
-      v->columns += v->entries > before;
-    }
-    c++;
-  }
-}
-
-/* room (n) */
-static void list_touched(dls_reduction *R, const dls_model *model, int *room) {
-  memset(room, 0, R->H.n * sizeof *room);
-  visit v = {.touched = room};
-  visit_all(&v, model);
-  R->columns = v.columns;
-  R->kept = 0;
-  for (int i = 0; i < model->n; i++)
-    if (room[i]) R->keep[R->kept++] = i;
-}
-
-static void store_rows(dls_reduction *R, const dls_model *model) {
-  size_t *p = R->H.p; /* counts stand two places on, then starts one place on, which end as p */
-  memset(p, 0, (R->H.n + 2) * sizeof *p);
-  visit count = {.count = p + 2, .place = R->factor->place};
-  visit_all(&count, model);
-  for (size_t k = 1; k <= R->H.n; k++)
-    p[k + 1] += p[k];
-  visit fill = {.at = p + 1, .place = R->factor->place, .H = &R->H};
-  visit_all(&fill, model);
-}
-
-/* Pp, Pi, Px, tangents, mu of the active candidates */
-static void store_candidates(dls_reduction *R, const dls_model *model) {
-  const int all = dlsi_model_candidates(model);
-  int c = 0, to = 0;
-  R->Pp[0] = 0;
-  for (int a = 0; a < all; a++) {
-    if (!is_active(model, a)) continue;
-    if (!model->P.p) {
-      R->Pi[to] = a;
-      R->Px[to++] = 1;
-    }
-    for (int k = model->P.p ? model->P.p[a] : 0; model->P.p && k < model->P.p[a + 1]; k++) {
-      R->Pi[to] = model->P.i[k];
-      R->Px[to++] = model->P.x[k];
-    }
-    R->tangents[c] = has_tangents(model, a);
-    if (model->mu) R->mu[c] = model->mu[a];
-    R->Pp[++c] = to;
-  }
+static dls_status reduction_settings(const dls_reduction_settings *s, dls_error *error) {
+  const dlsi_setting own[] = {{"memory_limit", s->memory_limit, 0, INFINITY, 0},
+                              {"allow_indefinite", s->allow_indefinite, 0, 1, 0},
+                              {"stabilize", s->stabilize, 0, 1, 0},
+                              {"form_W", s->form_W, 0, 1, 0}};
+  if (s->size == sizeof *s) return dlsi_check_each(sizeof own / sizeof own[0], own, error);
+  return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
+                   "are not filled by their init function");
 }
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
-static void carve(dls_reduction *R, const dls_model *model, dlsi_arena *arena) {
-  const size_t n = R->H.n, m = R->H.m, c = (size_t)R->candidates, entries = R->entries;
-  const size_t weights = (size_t)R->weights;
-  R->H.p = dlsi_take(arena, n + 2, sizeof *R->H.p);
-  R->H.j = dlsi_take(arena, entries, sizeof *R->H.j);
-  R->H.h = dlsi_take(arena, entries, sizeof *R->H.h);
-  R->keep = dlsi_take(arena, n, sizeof *R->keep);
-  R->Pp = dlsi_take(arena, c + 1, sizeof *R->Pp);
-  R->Pi = dlsi_take(arena, weights, sizeof *R->Pi);
-  R->Px = dlsi_take(arena, weights, sizeof *R->Px);
-  R->tangents = dlsi_take(arena, c, sizeof *R->tangents);
-  R->mu = model->mu ? dlsi_take(arena, c, sizeof *R->mu) : NULL;
-  R->q = dlsi_take(arena, m, sizeof *R->q);
-  R->v = dlsi_take(arena, m, sizeof *R->v);
-  R->f = dlsi_take(arena, n, sizeof *R->f);
-  R->x = dlsi_take(arena, n, sizeof *R->x);
-  R->z = dlsi_take(arena, R->kind == DLS_STIFFNESS_SPARSE ? n : 0, sizeof *R->z);
-  R->y = dlsi_take(arena, R->kind == DLS_FLEXIBILITY ? n : 0, sizeof *R->y);
+static void reduction_carve(dls_reduction *work, dlsi_arena *arena) {
+  work->mu = work->H.mu ? dlsi_take(arena, (size_t)work->H.candidates, sizeof *work->mu) : NULL;
+  work->q = dlsi_take(arena, work->m, sizeof *work->q);
+  work->v = dlsi_take(arena, work->m, sizeof *work->v);
+  work->f = dlsi_take(arena, work->n, sizeof *work->f);
+  work->x = dlsi_take(arena, work->n, sizeof *work->x);
+  work->z = dlsi_take(arena, work->kind == DLS_STIFFNESS_SPARSE ? work->n : 0, sizeof *work->z);
+  work->y = dlsi_take(arena, work->kind == DLS_FLEXIBILITY ? work->n : 0, sizeof *work->y);
 }
 
-/* Everything that does not depend on values, but W and the factor. */
-static dls_status lay_out(dls_reduction *R, const dls_model *model, dls_error *error) {
-  visit v = {0};
-  visit_all(&v, model);
-  R->entries = v.entries;
-  R->weights = model->P.p ? model->P.p[model->P.cols] : R->candidates;
+static dls_status reduction_allocate(dls_reduction *work, dls_error *error) {
   dlsi_arena arena = {0};
-  carve(R, model, &arena);
-  arena.size = arena.used;
-  arena.used = 0;
-  arena.base = R->memory = arena.failed ? NULL : dlsi_alloc(arena.size, 1);
-  int *room = dlsi_alloc(R->H.n, sizeof *room);
-  if (R->memory && room) {
-    carve(R, model, &arena);
-    list_touched(R, model, room);
-  }
-  free(room);
-  return R->memory && room ? DLS_OK : dlsi_no_memory(error);
-}
-
-/* What the factor and W take. */
-static void foresee(dls_reduction *R) {
-  dls_reduction_info *info = &R->info;
-  const double m = (double)R->H.m, n = (double)R->H.n, b = R->factor->kept;
-  info->condensed = R->factor->kept;
-  dlsi_factor_estimate(R->factor, &info->factor_bytes, &info->bytes, &info->flops);
-  info->W_bytes = R->settings.form_W ? sizeof(double) * m * m : 0;
-  const double batch = m < dlsi_batch ? m : dlsi_batch;
-  const double room = b > 0 ? b * b : (double)R->factor->largest * batch;
-  info->bytes += info->W_bytes + sizeof(double) * (6 * n + (R->settings.form_W ? room : 0));
-}
-
-static dls_status check_limit(const dls_reduction *R, dls_error *error) {
-  const dls_reduction_info *info = &R->info;
-  if (R->settings.memory_limit == 0 || info->bytes <= R->settings.memory_limit) return DLS_OK;
-  return dlsi_fail(error, DLS_E_MEMORY, "memory_limit", -1, info->bytes,
-                   "%.3g GB needed (W %.3g, factor %.3g), limit %.3g; dls_primal needs no W",
-                   1e-9 * info->bytes, 1e-9 * info->W_bytes, 1e-9 * info->factor_bytes,
-                   1e-9 * R->settings.memory_limit);
-}
-
-/* ---- factor (R2), (R3) ----------------------------------------------------------------------- */
-
-/* Lays K out, if that has not been done. A Schur complement on far more unknowns than H has columns
- * would be dearer than solving for these. */
-static dls_status analyse(dls_reduction *R, const dls_model *model, dls_error *error) {
-  if (R->factor) return DLS_OK;
-  const int kept = R->settings.form_W && !R->whole && R->kept / 4 <= R->columns ? R->kept : 0;
-  const dls_status status = dlsi_factor_create(&R->factor, model, kept, R->keep, error);
-  if (status) return status;
-  foresee(R);
+  reduction_carve(work, &arena);
+  work->memory = arena.failed ? NULL : dlsi_alloc(arena.used, 1);
+  if (!work->memory) return dlsi_no_memory(error);
+  arena = (dlsi_arena){.base = work->memory, .size = arena.used};
+  reduction_carve(work, &arena);
   return DLS_OK;
 }
 
-static void forget_factor(dls_reduction *R) {
-  dlsi_factor_destroy(R->factor);
-  R->factor = NULL;
+/* Foresees what the factor and W take. */
+static void reduction_foresee(dls_reduction *work) {
+  dls_reduction_info *info = &work->info;
+  const double m = (double)work->m, n = (double)work->n, b = work->factor->kept;
+  dlsi_factor_estimate(work->factor, info);
+  info->condensed = work->factor->kept;
+  info->W_bytes = work->settings.form_W ? sizeof(double) * m * m : 0;
+  const double batch = m < dlsi_batch ? m : dlsi_batch;
+  const double extra = b > 0 ? b * b : (double)work->factor->largest * batch;
+  info->bytes += info->W_bytes + sizeof(double) * (6 * n + (work->settings.form_W ? extra : 0));
 }
 
-static dls_status analyse_and_factor(dls_reduction *R, const dls_model *model, dls_error *error) {
-  dls_status status = analyse(R, model, error);
-  if (!status) status = check_limit(R, error);
-  return status ? status : dlsi_factor_numeric(R->factor, model, error);
+static dls_status reduction_limit(const dls_reduction *work, dls_error *error) {
+  const dls_reduction_info *info = &work->info;
+  if (work->settings.memory_limit == 0 || info->bytes <= work->settings.memory_limit) return DLS_OK;
+  return dlsi_fail(error, DLS_E_MEMORY, "memory_limit", -1, info->bytes,
+                   "%.3g GB needed (W %.3g, factor %.3g), limit %.3g; dls_primal needs no W",
+                   1e-9 * info->bytes, 1e-9 * info->W_bytes, 1e-9 * info->factor_bytes,
+                   1e-9 * work->settings.memory_limit);
 }
 
-/* The Schur complement is not to be had, or spoilt, because K without the unknowns that H touches is
- * (nearly) singular: multipliers that tie such unknowns. Not so for a definite K. */
-static int schur_fails(const dls_reduction *R, dls_factorization factorization, dls_status status) {
-  if (!R->factor || R->factor->kept == 0 || factorization == DLS_CHOLESKY) return 0;
+/* ---- factor (RE2), (RE3) --------------------------------------------------------------------- */
+
+/* Lays K out, if that has not been done. A Schur complement on far more unknowns than H has columns
+ * would be dearer than solving for these. */
+static dls_status reduction_analyse(dls_reduction *work, const dls_model *model, dls_error *error) {
+  if (work->factor) return DLS_OK;
+  const dlsi_operator *H = &work->H;
+  const int kept = work->settings.form_W && !work->whole && H->kept / 4 <= H->columns ? H->kept : 0;
+  const dls_status status = dlsi_factor_create(&work->factor, model, kept, H->keep, error);
+  if (!status) reduction_foresee(work);
+  return status;
+}
+
+static void reduction_forget_factor(dls_reduction *work) {
+  dlsi_factor_destroy(work->factor);
+  work->factor = NULL;
+}
+
+static dls_status reduction_factor_once(dls_reduction *work, const dls_model *model,
+                                        dls_error *error) {
+  dls_status status = reduction_analyse(work, model, error);
+  if (!status) status = reduction_limit(work, error);
+  return status ? status : dlsi_factor_numeric(work->factor, model, error);
+}
+
+/* Returns 1 if the Schur complement is not to be had, or spoilt, because K without the unknowns
+ * that H touches is (nearly) singular: multipliers that tie such unknowns. A definite K has it
+ * always. */
+static int reduction_schur_fails(const dls_reduction *work, dls_factorization factorization,
+                                 dls_status status) {
+  if (!work->factor || work->factor->kept == 0 || factorization == DLS_CHOLESKY) return 0;
   return status == DLS_E_SINGULAR ||
-         (!status && !(dlsi_schur_error(R->factor->schur) <= 1000 * DBL_EPSILON));
+         (!status && !(dlsi_schur_measured(work->factor->schur)->error <= 1000 * DBL_EPSILON));
 }
 
-static dls_status attempt(dls_reduction *R, const dls_model *model, dls_error *error) {
+/* Factors K with the springs of work->modes, as a whole where the Schur complement fails. */
+static dls_status reduction_attempt(dls_reduction *work, const dls_model *model, dls_error *error) {
   dlsi_stable stable;
-  dls_status status = dlsi_stable_create(&stable, model, &R->modes, R->spring, error);
-  stable.model.factorization = R->info.indefinite ? DLS_LDLT : model->factorization;
+  dls_status status = dlsi_stable_create(&stable, model, &work->modes, work->spring, error);
+  stable.model.factorization = work->info.indefinite ? DLS_LDLT : model->factorization;
   if (!status) {
-    status = analyse_and_factor(R, &stable.model, error);
-    if (schur_fails(R, stable.model.factorization, status)) {
-      forget_factor(R);
-      R->whole = 1;
-      status = analyse_and_factor(R, &stable.model, error);
-      if (status) forget_factor(R);
-      R->whole = !status;
+    status = reduction_factor_once(work, &stable.model, error);
+    if (reduction_schur_fails(work, stable.model.factorization, status)) {
+      reduction_forget_factor(work);
+      work->whole = 1;
+      status = reduction_factor_once(work, &stable.model, error);
+      if (status) reduction_forget_factor(work);
+      work->whole = !status;
     }
   }
   dlsi_stable_free(&stable);
   return status;
 }
 
-static dls_status report_modes(const dls_model *model, const dlsi_modes *modes, dls_error *error) {
+static dls_status reduction_report_modes(const dls_model *model, const dlsi_modes *modes,
+                                         dls_error *error) {
   char list[64] = "";
   size_t end = 0;
   for (int k = 0; k < modes->count && k < 6; k++) {
@@ -307,391 +176,409 @@ static dls_status report_modes(const dls_model *model, const dlsi_modes *modes, 
                    list, modes->count > 6 ? ", .." : "");
 }
 
-/* Attempts, looking for modes and another factorisation where K asks for them. */
-static dls_status factor_model(dls_reduction *R, const dls_model *model, dls_error *error) {
+/* Attempts, and where K asks for it looks for modes and for another factorisation. */
+static dls_status reduction_factor(dls_reduction *work, const dls_model *model, dls_error *error) {
   dls_error first = {0};
-  dls_status status = attempt(R, model, &first);
+  dls_status status = reduction_attempt(work, model, &first);
   const int stuck = status == DLS_E_SINGULAR || status == DLS_E_NOT_POSITIVE_DEFINITE;
-  if (stuck && R->modes.count == 0) {
-    forget_factor(R);
-    if (dlsi_modes_find(model, &R->modes, NULL) || R->modes.count == 0) {
-      dlsi_modes_free(&R->modes);
-    } else if (!R->settings.stabilize) {
-      status = report_modes(model, &R->modes, error);
-      dlsi_modes_free(&R->modes);
-      return status;
-    } else
-      status = attempt(R, model, &first);
+  if (stuck && work->modes.count == 0) {
+    reduction_forget_factor(work);
+    const int found =
+        !dlsi_modes_create(&work->modes, model, (dls_dense){0}, NULL) && work->modes.count;
+    if (found && work->settings.stabilize)
+      status = reduction_attempt(work, model, &first);
+    else {
+      if (found) status = reduction_report_modes(model, &work->modes, &first);
+      dlsi_modes_free(&work->modes);
+    }
   }
-  if (status == DLS_E_NOT_POSITIVE_DEFINITE && R->settings.allow_indefinite &&
-      !R->info.indefinite) {
-    forget_factor(R);
-    R->info.indefinite = 1;
-    status = attempt(R, model, &first);
+  if (status == DLS_E_NOT_POSITIVE_DEFINITE && work->settings.allow_indefinite &&
+      !work->info.indefinite) {
+    reduction_forget_factor(work);
+    work->info.indefinite = 1;
+    status = reduction_attempt(work, model, &first);
   }
   if (status && error) *error = first;
   if (status) return status;
-  R->info.modes = R->modes.count;
-  R->info.condition = R->factor->rcond > 0 ? 1 / R->factor->rcond : 0;
+  work->info.modes = work->modes.count;
+  work->info.condition = work->factor->rcond > 0 ? 1 / work->factor->rcond : 0;
   return DLS_OK;
 }
 
 /* ---- create, update, destroy ----------------------------------------------------------------- */
 
-/* All that depends on values. */
-static dls_status fill(dls_reduction *R, const dls_model *model, dls_error *error) {
-  R->ready = 0;
-  dls_status status = factor_model(R, model, error);
+/* Computes all that depends on values, but H. */
+static dls_status reduction_fill(dls_reduction *work, const dls_model *model, dls_error *error) {
+  work->ready = 0;
+  dls_status status = reduction_factor(work, model, error);
   if (status) return status;
-  store_candidates(R, model);
-  store_rows(R, model);
-  memset(R->q, 0, R->H.m * sizeof *R->q);
-  memset(R->f, 0, R->H.n * sizeof *R->f);
-  memset(R->at, 0, sizeof R->at);
-  if (R->settings.form_W) {
-    if (!R->W) R->W = dlsi_alloc(R->H.m, R->H.m * sizeof *R->W);
-    status = R->W ? dlsi_influence(R->factor, &R->H, R->keep, R->W, error)
-                  : dlsi_fail(error, DLS_E_MEMORY, "", -1, 0,
-                              "out of memory; W alone takes %.3g GB; dls_primal needs no W",
-                              1e-9 * R->info.W_bytes);
+  memset(work->q, 0, work->m * sizeof *work->q);
+  memset(work->f, 0, work->n * sizeof *work->f);
+  memset(work->foot, 0, sizeof work->foot);
+  if (work->mu) memcpy(work->mu, work->H.mu, (size_t)work->H.candidates * sizeof *work->mu);
+  if (work->settings.form_W) {
+    if (!work->W) work->W = dlsi_alloc(work->m, work->m * sizeof *work->W);
+    status = work->W ? dlsi_influence(work->factor, &work->H, work->W, error)
+                     : dlsi_fail(error, DLS_E_MEMORY, "", -1, 0,
+                                 "out of memory; W alone takes %.3g GB; dls_primal needs no W",
+                                 1e-9 * work->info.W_bytes);
   }
-  R->ready = !status;
+  work->ready = !status;
   return status;
 }
 
-/* Checks, sizes, modes that are given, H's pattern: everything before the factorisation. NULL after
- * an error, which is in *status. */
-static dls_reduction *begin(const dls_model *model, const dls_reduction_settings *settings,
-                            dls_status *status, dls_error *error) {
+/* Does everything before the factorisation: checks, H, sizes, the modes that are given. *out = NULL
+ * after an error. */
+static dls_status reduction_begin(dls_reduction **out, const dls_model *model,
+                                  const dls_reduction_settings *settings, dls_error *error) {
   dls_reduction_settings defaults;
   dls_reduction_settings_init(&defaults);
-  *status = check_settings(settings ? settings : &defaults, error);
-  if (!*status) *status = dlsi_check_model(model, error);
-  if (*status) return NULL;
-  dls_reduction *R = calloc(1, sizeof *R);
-  if (!R) {
-    *status = dlsi_no_memory(error);
-    return NULL;
-  }
-  R->settings = settings ? *settings : defaults;
-  R->d = model->d;
-  R->nodes = model->nodes;
-  R->candidates = count_active(model);
-  R->kind = model->operator_kind;
-  R->factorization = model->factorization;
-  R->H.n = (size_t)model->n;
-  R->H.m = (size_t)R->d * (size_t)R->candidates;
-  *status = lay_out(R, model, error);
-  if (!*status && model->modes.a) *status = dlsi_modes_given(model, &R->modes, error);
-  if (!*status) return R;
-  dls_reduction_destroy(R);
-  return NULL;
+  if (!settings) settings = &defaults;
+  *out = NULL;
+  dls_status status = reduction_settings(settings, error);
+  if (!status) status = dlsi_check_model(model, error);
+  if (status) return status;
+  dls_reduction *work = calloc(1, sizeof *work);
+  if (!work) return dlsi_no_memory(error);
+  work->settings = *settings;
+  work->d = model->d;
+  work->nodes = model->nodes;
+  work->kind = model->operator_kind;
+  work->factorization = model->factorization;
+  work->n = (size_t)model->n;
+  status = dlsi_operator_create(&work->H, model, error);
+  work->m = (size_t)work->d * (size_t)work->H.candidates;
+  if (!status) status = reduction_allocate(work, error);
+  if (!status && model->modes.a)
+    status = dlsi_modes_create(&work->modes, model, model->modes, error);
+  if (status)
+    dls_reduction_destroy(work);
+  else
+    *out = work;
+  return status;
 }
 
-static dls_status create(dls_reduction **out, const dls_model *model,
-                         const dls_reduction_settings *settings, dls_error *error) {
+static dls_status reduction_create(dls_reduction **out, const dls_model *model,
+                                   const dls_reduction_settings *settings, dls_error *error) {
   if (!out) return dlsi_is_null(error, "out");
+  dls_status status = reduction_begin(out, model, settings, error);
+  if (status) return status;
+  status = reduction_fill(*out, model, error);
+  if (!status) return DLS_OK;
+  dls_reduction_destroy(*out);
   *out = NULL;
-  dls_status status;
-  dls_reduction *R = begin(model, settings, &status, error);
-  if (!R) return status;
-  status = fill(R, model, error);
-  if (status)
-    dls_reduction_destroy(R);
-  else
-    *out = R;
   return status;
 }
 
 dls_status dls_reduction_create_with(dls_reduction **out, const dls_model *model,
                                      const dls_reduction_settings *settings, dls_error *error) {
-  return dlsi_at(__func__, create(out, model, settings, error), error);
+  return dlsi_at(__func__, reduction_create(out, model, settings, error), error);
 }
 
 dls_status dls_reduction_create(dls_reduction **out, const dls_model *model, dls_error *error) {
-  return dlsi_at(__func__, create(out, model, NULL, error), error);
+  return dlsi_at(__func__, reduction_create(out, model, NULL, error), error);
+}
+
+static dls_status reduction_estimate(const dls_model *model, const dls_reduction_settings *settings,
+                                     dls_reduction_info *info, dls_error *error) {
+  dls_reduction *work;
+  if (!info) return dlsi_is_null(error, "info");
+  dls_status status = reduction_begin(&work, model, settings, error);
+  if (status) return status;
+  dlsi_stable stable;
+  status = dlsi_stable_create(&stable, model, &work->modes, work->spring, error);
+  if (!status) status = reduction_analyse(work, &stable.model, error);
+  dlsi_stable_free(&stable);
+  work->info.modes = work->modes.count;
+  if (!status) *info = work->info;
+  dls_reduction_destroy(work);
+  return status;
 }
 
 dls_status dls_reduction_estimate(const dls_model *model, const dls_reduction_settings *settings,
                                   dls_reduction_info *info, dls_error *error) {
-  if (!info) return dlsi_at(__func__, dlsi_is_null(error, "info"), error);
-  dls_status status;
-  dls_reduction *R = begin(model, settings, &status, error);
-  if (!R) return dlsi_at(__func__, status, error);
-  dlsi_stable stable;
-  status = dlsi_stable_create(&stable, model, &R->modes, R->spring, error);
-  if (!status) status = analyse(R, &stable.model, error);
-  dlsi_stable_free(&stable);
-  R->info.modes = R->modes.count;
-  if (!status) *info = R->info;
-  dls_reduction_destroy(R);
-  return dlsi_at(__func__, status, error);
+  return dlsi_at(__func__, reduction_estimate(model, settings, info, error), error);
 }
 
-/* A model for update: as large as the one of create, and H on the same unknowns. room (n) */
-static dls_status check_same(dls_reduction *R, const dls_model *model, int *room,
-                             dls_error *error) {
-  memset(room, 0, R->H.n * sizeof *room);
-  visit v = {.touched = room};
-  visit_all(&v, model);
-  int touched = 0;
-  for (int i = 0; i < model->n; i++)
-    touched += room[i];
-  for (int k = 0; touched == R->kept && k < R->kept; k++)
-    if (!room[R->keep[k]]) touched = -1;
-  if (v.entries != R->entries || v.columns != R->columns || touched != R->kept)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "HN", -1, (double)v.entries,
-                     "HN, HT, P touch other unknowns than those of create");
-  return DLS_OK;
-}
-
-static dls_status check_sizes(const dls_reduction *R, const dls_model *model, dls_error *error) {
-  const int active = count_active(model);
-  const int weights = model->P.p ? model->P.p[model->P.cols] : active;
+/* Compares sizes and pattern of a new model and its H with those of create. */
+static dls_status reduction_same(const dls_reduction *work, const dls_model *model,
+                                 const dlsi_operator *H, dls_error *error) {
   const struct {
     const char *name;
     int now, then;
-  } sizes[] = {{"d", model->d, R->d},
-               {"n", model->n, (int)R->H.n},
-               {"nodes", model->nodes, R->nodes},
-               {"P", weights, R->weights},
-               {"active", active, R->candidates},
-               {"mu", model->mu != NULL, R->mu != NULL},
-               {"operator_kind", (int)model->operator_kind, (int)R->kind},
-               {"factorization", (int)model->factorization, (int)R->factorization}};
+  } sizes[] = {{"d", model->d, work->d},
+               {"n", model->n, (int)work->n},
+               {"nodes", model->nodes, work->nodes},
+               {"active", H->candidates, work->H.candidates},
+               {"P", H->P.p[H->candidates], work->H.P.p[work->H.candidates]},
+               {"mu", H->mu != NULL, work->mu != NULL},
+               {"operator_kind", (int)model->operator_kind, (int)work->kind},
+               {"factorization", (int)model->factorization, (int)work->factorization}};
   for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; k++)
     if (sizes[k].now != sizes[k].then)
       return dlsi_fail(error, DLS_E_SIZE, sizes[k].name, -1, sizes[k].now,
                        "is not what it was in create");
-  return DLS_OK;
+  const int entries = H->Ht.p[work->n];
+  if (entries != work->H.Ht.p[work->n] || H->columns != work->H.columns ||
+      H->kept != work->H.kept || memcmp(H->keep, work->H.keep, (size_t)H->kept * sizeof *H->keep))
+    return dlsi_fail(error, DLS_E_ARGUMENT, "HN", -1, entries,
+                     "HN, HT, P touch other unknowns than those of create");
+  if (!work->factor) return DLS_OK;
+  dlsi_stable stable;
+  double spring[dlsi_most_modes];
+  dls_status status = dlsi_stable_create(&stable, model, &work->modes, spring, error);
+  if (!status) status = dlsi_factor_same(work->factor, &stable.model, error);
+  dlsi_stable_free(&stable);
+  return status;
+}
+
+static dls_status reduction_update(dls_reduction *work, const dls_model *model, dls_error *error) {
+  if (!work) return dlsi_is_null(error, "reduction");
+  dls_status status = dlsi_check_model(model, error);
+  if (status) return status;
+  dlsi_operator H;
+  status = dlsi_operator_create(&H, model, error);
+  if (!status) status = reduction_same(work, model, &H, error);
+  if (!status) {
+    const dlsi_operator old = work->H;
+    work->H = H;
+    H = old;
+  }
+  dlsi_operator_free(&H);
+  return status ? status : reduction_fill(work, model, error);
 }
 
 dls_status dls_reduction_update(dls_reduction *reduction, const dls_model *model,
                                 dls_error *error) {
-  dls_reduction *R = reduction;
-  if (!R) return dlsi_at(__func__, dlsi_is_null(error, "reduction"), error);
-  dls_status status = dlsi_check_model(model, error);
-  if (!status) status = check_sizes(R, model, error);
-  if (status) return dlsi_at(__func__, status, error);
-  int *room = dlsi_alloc(R->H.n, sizeof *room);
-  if (!room) return dlsi_at(__func__, dlsi_no_memory(error), error);
-  status = check_same(R, model, room, error);
-  free(room);
-  if (!status && R->factor) {
-    dlsi_stable stable;
-    status = dlsi_stable_create(&stable, model, &R->modes, R->spring, error);
-    if (!status) status = dlsi_factor_same(R->factor, &stable.model, error);
-    dlsi_stable_free(&stable);
-  }
-  return dlsi_at(__func__, status ? status : fill(R, model, error), error);
+  return dlsi_at(__func__, reduction_update(reduction, model, error), error);
 }
 
 void dls_reduction_destroy(dls_reduction *reduction) {
   if (!reduction) return;
-  forget_factor(reduction);
+  reduction_forget_factor(reduction);
   dlsi_modes_free(&reduction->modes);
+  dlsi_operator_free(&reduction->H);
   free(reduction->W);
   free(reduction->memory);
   free(reduction);
 }
 
-/* ---- load, contact, recover, balance, nodal -------------------------------------------------- */
+/* ---- info, load, contact, recover, balance, nodal -------------------------------------------- */
 
-static dls_status check_ready(const dls_reduction *R, dls_error *error) {
-  if (!R) return dlsi_is_null(error, "reduction");
-  if (R->ready) return DLS_OK;
+static dls_status reduction_ready(const dls_reduction *work, dls_error *error) {
+  if (!work) return dlsi_is_null(error, "reduction");
+  if (work->ready) return DLS_OK;
   return dlsi_fail(error, DLS_E_ARGUMENT, "reduction", -1, 0,
                    "holds nothing after an update that failed");
 }
 
+/* Checks a reduction, the reactions r and the place of the result. */
+static dls_status reduction_given(const dls_reduction *work, const double *r, const char *argument,
+                                  const void *result, dls_error *error) {
+  dls_status status = reduction_ready(work, error);
+  if (!status) status = dlsi_check_vector("r", r, work->m, error);
+  return status || result ? status : dlsi_is_null(error, argument);
+}
+
 dls_status dls_reduction_get_info(const dls_reduction *reduction, dls_reduction_info *info,
                                   dls_error *error) {
-  const dls_status status = check_ready(reduction, error);
-  if (status) return dlsi_at(__func__, status, error);
-  if (!info) return dlsi_at(__func__, dlsi_is_null(error, "info"), error);
-  *info = reduction->info;
+  dls_status status = reduction_ready(reduction, error);
+  if (!status && !info) status = dlsi_is_null(error, "info");
+  if (!status) *info = reduction->info;
+  return dlsi_at(__func__, status, error);
+}
+
+/* Solves work->x := K^-1 work->x, part by part. */
+static dls_status reduction_solve_x(dls_reduction *work, dls_error *error) {
+  dls_status status = DLS_OK;
+  for (int k = 0; !status && k < work->factor->parts; k++)
+    status =
+        dlsi_factor_solve(work->factor, k, work->x + work->factor->first[k], 1, work->y, error);
+  return status;
+}
+
+/* Adds H^T K^-1 work->x to work->v; spoils work->x. */
+static dls_status reduction_respond(dls_reduction *work, dls_error *error) {
+  const int kept = work->factor->kept;
+  const dls_status status = kept ? dlsi_schur_kept(work->factor->schur, work->x, work->z, error)
+                                 : reduction_solve_x(work, error);
+  if (status) return status;
+  if (kept)
+    dlsi_operator_add(&work->H, work->H.keep, (size_t)kept, work->z, work->v);
+  else
+    dlsi_operator_add(&work->H, work->factor->unknown, work->n, work->x, work->v);
   return DLS_OK;
 }
 
-/* R->x := K^-1 R->x, part by part */
-static dls_status solve_x(dls_reduction *R, dls_error *error) {
-  dls_status status = DLS_OK;
-  for (int k = 0; !status && k < R->factor->parts; k++)
-    status = dlsi_factor_solve(R->factor, k, R->x + R->factor->first[k], 1, R->y, error);
-  return status;
+/* Sets work->v := P^T g, without the tangents that are left out. */
+static void reduction_gaps(const dls_reduction *work, const double *g) {
+  const size_t d = (size_t)work->d;
+  const dlsi_columns *P = &work->H.P;
+  memset(work->v, 0, work->m * sizeof *work->v);
+  for (int c = 0; g && c < work->H.candidates; c++)
+    for (int k = P->p[c]; k < P->p[c + 1]; k++)
+      for (size_t i = 0; i < (dlsi_has_tangents(&work->H, c) ? d : 1); i++)
+        work->v[d * (size_t)c + i] += P->x[k] * g[d * (size_t)P->i[k] + i];
 }
 
-/* R->v += H^T K^-1 R->x; R->x is spoilt */
-static dls_status respond(dls_reduction *R, dls_error *error) {
-  if (R->factor->kept == 0) {
-    const dls_status status = solve_x(R, error);
-    if (!status) dlsi_rows_add(&R->H, 0, R->H.n, R->x, R->v);
-    return status;
-  }
-  const dls_status status = dlsi_schur_kept(R->factor->schur, R->x, R->z, error);
-  for (int k = 0; !status && k < R->kept; k++)
-    dlsi_rows_add(&R->H, (size_t)R->keep[k], 1, R->z + k, R->v);
-  return status;
+/* Sets q := work->v, unless something overflowed. */
+static dls_status reduction_take_q(dls_reduction *work, dls_error *error) {
+  const long long bad = dlsi_first_not_finite(work->v, work->m);
+  if (bad >= 0) return dlsi_fail(error, DLS_E_NOT_FINITE, "q", bad, work->v[bad], "overflow");
+  memcpy(work->q, work->v, work->m * sizeof *work->q);
+  return DLS_OK;
 }
 
-/* v := P^T g, without the tangents that are left out */
-static void gather_gaps(const dls_reduction *R, const double *g, double *v) {
-  const size_t d = (size_t)R->d;
-  memset(v, 0, R->H.m * sizeof *v);
-  for (size_t c = 0; g && c < (size_t)R->candidates; c++)
-    for (int k = R->Pp[c]; k < R->Pp[c + 1]; k++)
-      for (size_t i = 0; i < (R->tangents[c] ? d : 1); i++)
-        v[d * c + i] += R->Px[k] * g[d * (size_t)R->Pi[k] + i];
-}
-
-/* q := v, unless something overflowed */
-static dls_status take_q(dls_reduction *R, dls_error *error) {
-  const long long bad = dlsi_first_not_finite(R->v, R->H.m);
-  if (bad >= 0) return dlsi_fail(error, DLS_E_NOT_FINITE, "q", bad, R->v[bad], "overflow");
-  memcpy(R->q, R->v, R->H.m * sizeof *R->q);
+static dls_status reduction_load(dls_reduction *work, const double *f, const double *g,
+                                 dls_error *error) {
+  dls_status status = reduction_ready(work, error);
+  if (!status && f) status = dlsi_check_vector("f", f, work->n, error);
+  if (!status && g)
+    status = dlsi_check_vector("g", g, (size_t)work->d * (size_t)work->nodes, error);
+  if (status) return status;
+  reduction_gaps(work, g);
+  for (size_t k = 0; f && k < work->n; k++)
+    work->x[k] = f[work->factor->unknown[k]];
+  if (f) status = reduction_respond(work, error);
+  if (!status) status = reduction_take_q(work, error);
+  if (status) return status;
+  for (size_t k = 0; k < work->n; k++)
+    work->f[k] = f ? f[work->factor->unknown[k]] : 0;
+  memset(work->foot, 0, sizeof work->foot);
   return DLS_OK;
 }
 
 dls_status dls_reduction_load(dls_reduction *reduction, const double *f, const double *g,
                               dls_error *error) {
-  dls_reduction *R = reduction;
-  dls_status status = check_ready(R, error);
-  if (status) return dlsi_at(__func__, status, error);
-  const size_t n = R->H.n, d = (size_t)R->d;
-  if (f) status = dlsi_check_vector("f", f, n, error);
-  if (!status && g) status = dlsi_check_vector("g", g, d * (size_t)R->nodes, error);
-  if (status) return dlsi_at(__func__, status, error);
+  return dlsi_at(__func__, reduction_load(reduction, f, g, error), error);
+}
 
-  gather_gaps(R, g, R->v);
-  if (f) { /* v += H^T K^-1 f */
-    for (size_t k = 0; k < n; k++)
-      R->x[k] = f[R->factor->unknown[k]];
-    status = respond(R, error);
-    if (status) return dlsi_at(__func__, status, error);
+static dls_status reduction_contact(const dls_reduction *work, const double *mu,
+                                    dls_contact *problem, dls_error *error) {
+  dls_status status = reduction_ready(work, error);
+  if (status) return status;
+  if (!work->W)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "reduction", -1, 0,
+                     "was made without W (settings.form_W)");
+  if (!mu) mu = work->mu;
+  status = dlsi_check_vector("mu", mu, (size_t)work->H.candidates, error);
+  if (status) return status;
+  for (int c = 0; c < work->H.candidates; c++) {
+    if (mu[c] < 0) return dlsi_fail(error, DLS_E_ARGUMENT, "mu", c, mu[c], "is negative");
+    if (mu[c] > 0 && !dlsi_has_tangents(&work->H, c))
+      return dlsi_fail(error, DLS_E_ARGUMENT, "mu", c, mu[c],
+                       "is %g, but model.mu was 0 there: the tangents were left out", mu[c]);
   }
-  status = take_q(R, error);
-  if (status) return dlsi_at(__func__, status, error);
-  for (size_t k = 0; k < n; k++)
-    R->f[k] = f ? f[R->factor->unknown[k]] : 0;
-  memset(R->at, 0, sizeof R->at);
+  if (!problem) return dlsi_is_null(error, "problem");
+  const int m = (int)work->m;
+  *problem = (dls_contact){
+      .d = work->d, .nc = work->H.candidates, .W = {m, m, m, work->W}, .q = work->q, .mu = mu};
   return DLS_OK;
 }
 
 dls_status dls_reduction_contact(const dls_reduction *reduction, const double *mu,
                                  dls_contact *problem, dls_error *error) {
-  const dls_reduction *R = reduction;
-  dls_status status = check_ready(R, error);
-  if (status) return dlsi_at(__func__, status, error);
-  if (!R->W)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_UNSUPPORTED, "reduction", -1, 0,
-                             "was made without W (settings.form_W)"),
-                   error);
-  if (!mu) mu = R->mu;
-  status = dlsi_check_vector("mu", mu, (size_t)R->candidates, error);
-  if (status) return dlsi_at(__func__, status, error);
-  for (int c = 0; c < R->candidates; c++) {
-    if (mu[c] < 0)
-      return dlsi_at(__func__, dlsi_fail(error, DLS_E_ARGUMENT, "mu", c, mu[c], "is negative"),
-                     error);
-    if (mu[c] > 0 && !R->tangents[c])
-      return dlsi_at(__func__,
-                     dlsi_fail(error, DLS_E_ARGUMENT, "mu", c, mu[c],
-                               "is %g, but model.mu was 0 there: the tangents were left out",
-                               mu[c]),
-                     error);
-  }
-  if (!problem) return dlsi_at(__func__, dlsi_is_null(error, "problem"), error);
-  const int m = (int)R->H.m;
-  *problem =
-      (dls_contact){.d = R->d, .nc = R->candidates, .W = {m, m, m, R->W}, .q = R->q, .mu = mu};
-  return DLS_OK;
+  return dlsi_at(__func__, reduction_contact(reduction, mu, problem, error), error);
 }
 
-/* R->x := K^-1 (f + H r), with the springs at c */
-static dls_status solve_for(dls_reduction *R, const double *r, dls_error *error) {
-  for (size_t k = 0; k < R->H.n; k++) {
-    double sum = R->f[k];
-    for (size_t e = R->H.p[k]; e < R->H.p[k + 1]; e++)
-      sum += R->H.h[e] * r[R->H.j[e]];
-    R->x[k] = sum;
+/* Solves work->x := K^-1 (f + H r), with the springs' feet at c. */
+static dls_status reduction_solve_for(dls_reduction *work, const double *r, dls_error *error) {
+  const dlsi_columns *Ht = &work->H.Ht;
+  for (size_t k = 0; k < work->n; k++) {
+    const int i = work->factor->unknown[k];
+    double sum = work->f[k];
+    for (int e = Ht->p[i]; e < Ht->p[i + 1]; e++)
+      sum += Ht->x[e] * r[Ht->i[e]];
+    work->x[k] = sum;
   }
-  for (int k = 0; k < R->modes.count; k++)
-    R->x[R->factor->place[R->modes.unknown[k]]] += R->spring[k] * R->at[k];
-  const dls_status status = solve_x(R, error);
+  for (int k = 0; k < work->modes.count; k++)
+    work->x[work->factor->place[work->modes.unknown[k]]] += work->spring[k] * work->foot[k];
+  const dls_status status = reduction_solve_x(work, error);
   if (status) return status;
-  const long long bad = dlsi_first_not_finite(R->x, R->H.n);
+  const long long bad = dlsi_first_not_finite(work->x, work->n);
   if (bad < 0) return DLS_OK;
-  return dlsi_fail(error, DLS_E_NOT_FINITE, "x", R->factor->unknown[bad], R->x[bad], "overflow");
+  return dlsi_fail(error, DLS_E_NOT_FINITE, "x", work->factor->unknown[bad], work->x[bad],
+                   "overflow");
+}
+
+static dls_status reduction_recover(dls_reduction *work, const double *r, double *x,
+                                    dls_error *error) {
+  dls_status status = reduction_given(work, r, "x", x, error);
+  if (!status) status = reduction_solve_for(work, r, error);
+  for (size_t k = 0; !status && k < work->n; k++)
+    x[work->factor->unknown[k]] = work->x[k];
+  return status;
 }
 
 dls_status dls_reduction_recover(dls_reduction *reduction, const double *r, double *x,
                                  dls_error *error) {
-  dls_reduction *R = reduction;
-  dls_status status = check_ready(R, error);
-  if (!status) status = dlsi_check_vector("r", r, R->H.m, error);
-  if (status) return dlsi_at(__func__, status, error);
-  if (!x) return dlsi_at(__func__, dlsi_is_null(error, "x"), error);
-  status = solve_for(R, r, error);
-  if (status) return dlsi_at(__func__, status, error);
-  for (size_t k = 0; k < R->H.n; k++)
-    x[R->factor->unknown[k]] = R->x[k];
-  return DLS_OK;
+  return dlsi_at(__func__, reduction_recover(reduction, r, x, error), error);
 }
 
-/* |b|^T (|f| + |H||r|) of mode k */
-static double turmoil(const dls_reduction *R, int k, const double *r) {
+/* Returns |b|^T (|f| + |H||r|) of mode k. */
+static double reduction_turmoil(const dls_reduction *work, int k, const double *r) {
+  const dlsi_columns *Ht = &work->H.Ht;
   double sum = 0;
-  for (size_t i = 0; i < R->H.n; i++) {
-    double load = fabs(R->f[i]);
-    for (size_t e = R->H.p[i]; e < R->H.p[i + 1]; e++)
-      load += fabs(R->H.h[e] * r[R->H.j[e]]);
-    sum += fabs(R->modes.basis[(size_t)R->factor->unknown[i] + (size_t)k * R->H.n]) * load;
+  for (size_t at = 0; at < work->n; at++) {
+    const size_t i = (size_t)work->factor->unknown[at];
+    double load = fabs(work->f[at]);
+    for (int e = Ht->p[i]; e < Ht->p[i + 1]; e++)
+      load += fabs(Ht->x[e] * r[Ht->i[e]]);
+    sum += fabs(work->modes.basis[i + (size_t)k * work->n]) * load;
   }
   return sum;
 }
 
-dls_status dls_reduction_balance(dls_reduction *reduction, const double *r, double *imbalance,
-                                 dls_error *error) {
-  dls_reduction *R = reduction;
-  dls_status status = check_ready(R, error);
-  if (!status) status = dlsi_check_vector("r", r, R->H.m, error);
-  if (!status) status = solve_for(R, r, error);
-  if (status) return dlsi_at(__func__, status, error);
+static dls_status reduction_balance(dls_reduction *work, const double *r, double *imbalance,
+                                    dls_error *error) {
+  dls_status status = reduction_given(work, r, "r", r, error);
+  if (!status) status = reduction_solve_for(work, r, error);
+  if (status) return status;
   double worst = 0, move[dlsi_most_modes] = {0};
-  for (int k = 0; k < R->modes.count; k++) {
-    move[k] = R->x[R->factor->place[R->modes.unknown[k]]] - R->at[k];
-    const double load = turmoil(R, k, r), part = load > 0 ? fabs(R->spring[k] * move[k]) / load : 0;
+  for (int k = 0; k < work->modes.count; k++) {
+    move[k] = work->x[work->factor->place[work->modes.unknown[k]]] - work->foot[k];
+    const double load = reduction_turmoil(work, k, r);
+    const double part = load > 0 ? fabs(work->spring[k] * move[k]) / load : 0;
     if (!(part <= worst)) worst = part;
   }
-  /* the springs alone give K^-1 s_k e_k = b_k: q += H^T sum_k b_k (x_k - c_k) */
-  for (size_t i = 0; i < R->H.n; i++) {
-    R->x[i] = 0;
-    for (int k = 0; k < R->modes.count; k++)
-      R->x[i] += move[k] * R->modes.basis[(size_t)R->factor->unknown[i] + (size_t)k * R->H.n];
+  /* The springs alone give K^-1 s_k e_k = b_k: q += H^T sum_k b_k (x_k - c_k). */
+  for (size_t i = 0; i < work->n; i++) {
+    work->x[i] = 0;
+    for (int k = 0; k < work->modes.count; k++)
+      work->x[i] +=
+          move[k] * work->modes.basis[(size_t)work->factor->unknown[i] + (size_t)k * work->n];
   }
-  memcpy(R->v, R->q, R->H.m * sizeof *R->v);
-  dlsi_rows_add(&R->H, 0, R->H.n, R->x, R->v);
-  status = take_q(R, error);
-  if (status) return dlsi_at(__func__, status, error);
-  for (int k = 0; k < R->modes.count; k++)
-    R->at[k] += move[k];
+  memcpy(work->v, work->q, work->m * sizeof *work->v);
+  dlsi_operator_add(&work->H, work->factor->unknown, work->n, work->x, work->v);
+  status = reduction_take_q(work, error);
+  if (status) return status;
+  for (int k = 0; k < work->modes.count; k++)
+    work->foot[k] += move[k];
   if (imbalance) *imbalance = worst;
+  return DLS_OK;
+}
+
+dls_status dls_reduction_balance(dls_reduction *reduction, const double *r, double *imbalance,
+                                 dls_error *error) {
+  return dlsi_at(__func__, reduction_balance(reduction, r, imbalance, error), error);
+}
+
+/* Sets nodal := P r. */
+static dls_status reduction_nodal(const dls_reduction *work, const double *r, double *nodal,
+                                  dls_error *error) {
+  const dls_status status = reduction_given(work, r, "R", nodal, error);
+  if (status) return status;
+  const size_t d = (size_t)work->d;
+  const dlsi_columns *P = &work->H.P;
+  memset(nodal, 0, d * (size_t)work->nodes * sizeof *nodal);
+  for (int c = 0; c < work->H.candidates; c++)
+    for (int k = P->p[c]; k < P->p[c + 1]; k++)
+      for (size_t i = 0; i < d; i++)
+        nodal[d * (size_t)P->i[k] + i] += P->x[k] * r[d * (size_t)c + i];
   return DLS_OK;
 }
 
 dls_status dls_reduction_nodal(const dls_reduction *reduction, const double *r, double *R,
                                dls_error *error) {
-  const dls_reduction *A = reduction;
-  dls_status status = check_ready(A, error);
-  if (!status) status = dlsi_check_vector("r", r, A->H.m, error);
-  if (status) return dlsi_at(__func__, status, error);
-  if (!R) return dlsi_at(__func__, dlsi_is_null(error, "R"), error);
-  const size_t d = (size_t)A->d;
-  memset(R, 0, d * (size_t)A->nodes * sizeof *R);
-  for (size_t c = 0; c < (size_t)A->candidates; c++)
-    for (int k = A->Pp[c]; k < A->Pp[c + 1]; k++)
-      for (size_t i = 0; i < d; i++)
-        R[d * (size_t)A->Pi[k] + i] += A->Px[k] * r[d * c + i];
-  return DLS_OK;
+  return dlsi_at(__func__, reduction_nodal(reduction, r, R, error), error);
 }

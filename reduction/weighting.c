@@ -17,30 +17,30 @@
 #include "base/base.h"
 #include "delassus/reduction.h"
 
-dls_status dls_weighting_line(int nodes, const double *s, const int *candidate, int *p, int *i,
-                              double *x, double *length, int *columns, dls_error *error) {
+/* Checks the line; the number of its candidates must be > 0. */
+static dls_status weighting_check(int nodes, const double *s, const int *candidate,
+                                  dls_error *error) {
   if (nodes < 2 || nodes > INT_MAX / 3)
-    return dlsi_at(__func__, dlsi_fail(error, DLS_E_SIZE, "nodes", -1, nodes, "is %d", nodes),
-                   error);
+    return dlsi_fail(error, DLS_E_SIZE, "nodes", -1, nodes, "is %d", nodes);
   const dls_status status = dlsi_check_vector("s", s, (size_t)nodes, error);
-  if (status) return dlsi_at(__func__, status, error);
+  if (status) return status;
   int count = 0;
   for (int k = 0; k < nodes; k++) {
     if (k > 0 && !(s[k] > s[k - 1] && isfinite(s[k] - s[k - 1])))
-      return dlsi_at(__func__,
-                     dlsi_fail(error, DLS_E_ARGUMENT, "s", k, s[k],
-                               "does not follow %g in strictly increasing order", s[k - 1]),
-                     error);
+      return dlsi_fail(error, DLS_E_ARGUMENT, "s", k, s[k],
+                       "does not follow %g in strictly increasing order", s[k - 1]);
     count += !candidate || candidate[k];
   }
-  if (count == 0)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_ARGUMENT, "candidate", -1, 0, "names no candidate"),
-                   error);
-  if (!p) return dlsi_at(__func__, dlsi_is_null(error, "p"), error);
-  if (!i) return dlsi_at(__func__, dlsi_is_null(error, "i"), error);
-  if (!x) return dlsi_at(__func__, dlsi_is_null(error, "x"), error);
-  if (!columns) return dlsi_at(__func__, dlsi_is_null(error, "columns"), error);
+  if (count > 0) return DLS_OK;
+  return dlsi_fail(error, DLS_E_ARGUMENT, "candidate", -1, 0, "names no candidate");
+}
+
+dls_status dls_weighting_line(int nodes, const double *s, const int *candidate, int *p, int *i,
+                              double *x, double *length, int *columns, dls_error *error) {
+  dls_status status = weighting_check(nodes, s, candidate, error);
+  if (!status && (!p || !i || !x || !columns))
+    status = dlsi_is_null(error, !p ? "p" : !i ? "i" : !x ? "x" : "columns");
+  if (status) return dlsi_at(__func__, status, error);
 
   int j = 0, e = 0;
   p[0] = 0;

@@ -1,11 +1,12 @@
 #!/bin/sh
-# check_arrows.sh BUILD: no arrow of the library runs up or sideways. The rooms, the floor first:
+# check_arrows.sh BUILD [-v]: no arrow of the library runs up or sideways. The rooms, the floor first:
 #
 #   include <- src/base <- src/linear <- { lcp, vi, reduction, src/files } <- src/front <- src/fe <- src/cli
 #
 # Read from the sources: every #include. Read from the objects under BUILD/obj: every symbol that one file
 # defines and another uses. A public header belongs to the room whose file it names; a header that names none
 # is the floor's. Two files that use each other's symbols, directly or around a corner, are a circle.
+# -v lists the arrows.
 set -u
 build=$1
 tmp=$(mktemp -d) || exit 1
@@ -43,27 +44,31 @@ fe.h src/fe
 forming.h src/fe
 END
 
-# includes: FILE HEADER, both from the top of the tree
-for file in $(ls src/*/*.[ch] lcp/*.[ch] vi/*.[ch] reduction/*.[ch] include/delassus/*.h); do
-  sed -n 's/^#include "\(.*\)".*/\1/p' "$file" | while read -r header; do
-    for place in "$(dirname "$file")" include src .; do
-      [ -f "$place/$header" ] || continue
-      echo "$file ${place#./}/$header" | sed 's| \./| |'
-      break
-    done
-  done
-done >"$tmp/includes"
+# includes: FILE HEADER, both from the top of the tree; a header is looked for beside its user, then in
+# include, in src and at the top
+sources=$(ls src/*/*.[ch] lcp/*.[ch] vi/*.[ch] reduction/*.[ch] include/delassus/*.h)
+ls include/*.h $sources | awk '
+  FNR == NR { is[$1] = 1; next }
+  /^#include "/ {
+    split($0, part, "\""); place = FILENAME; sub(/[^\/]*$/, "", place)
+    n = split(place " include/ src/ ./", places, " ")
+    for (k = 1; k <= n; k++) {
+      header = places[k] part[2]; sub(/^\.\//, "", header)
+      if (header in is) { print FILENAME, header; break }
+    }
+  }' - $sources >"$tmp/includes"
 
-# symbols: FILE FILE, user and definer
-for object in $(cd "$build/obj" && ls src/*/*.o lcp/*.o vi/*.o reduction/*.o); do
-  nm "$build/obj/$object" | awk -v f="${object%.o}.c" \
-    'NF == 2 && $1 == "U" { print "U", f, $2 } NF == 3 && $2 ~ /[TDRBWi]/ { print "D", f, $3 }'
-done >"$tmp/symbols"
+# symbols: D or U, FILE, name
+(cd "$build/obj" && nm -A src/*/*.o lcp/*.o vi/*.o reduction/*.o) | awk '
+  { file = $1; sub(/\.o:.*/, ".c", file) }
+  $(NF - 1) == "U" { print "U", file, $NF }
+  $(NF - 1) ~ /^[TDRBWi]$/ { print "D", file, $NF }' >"$tmp/symbols"
+# uses: FILE FILE, user and definer
 awk '$1 == "D" { at[$3] = $2 } $1 == "U" { n++; user[n] = $2; name[n] = $3 }
   END { for (k = 1; k <= n; k++) if ((name[k] in at) && at[name[k]] != user[k]) print user[k], at[name[k]] }' \
   "$tmp/symbols" | sort -u >"$tmp/uses"
 
-awk '
+awk -v list="${2:-}" '
   function room(file,   k, name) {
     if (file ~ /^include\//) {
       name = file; sub(/.*\//, "", name)
@@ -87,7 +92,12 @@ awk '
   END {
     for (k in file) for (i in file) if ((i, k) in reach) for (j in file) if ((k, j) in reach) reach[i, j] = 1
     for (i in file) if ((i, i) in reach) { print "circle through " i; bad = 1 }
-    for (k in arrows) { split(k, p, " "); if (p[1] != p[2]) count++ }
+    for (k in arrows) {
+      split(k, p, " ")
+      if (p[1] == p[2]) continue
+      count++
+      if (list) print p[1] " -> " p[2]
+    }
     if (!bad) print "arrows: " count " between rooms, none up or sideways, no circle"
     exit bad
   }' "$tmp/rooms" "$tmp/headers" "$tmp/includes" "$tmp/uses"

@@ -1,10 +1,12 @@
 #!/bin/sh
-# check_symbols.sh LIB.so LIB.a: the shared library exports dls_* and nothing else; our own objects call
-# nothing with a process-wide effect and hold no writable global.
+# check_symbols.sh LIB.so LIB.a: the shared library exports dls_* and nothing else, each symbol with the
+# version DELASSUS_0; our own objects call nothing with a process-wide effect and hold no writable global.
 set -u
 bad=0
 others=$(nm -D --defined-only "$1" | awk '$2 != "A" {print $3}' | grep -v '^dls_')
 if [ -n "$others" ]; then echo "exported, not dls_*: $others"; bad=1; fi
+plain=$(nm -D --with-symbol-versions --defined-only "$1" | awk '$2 != "A" {print $3}' | grep -v '@@DELASSUS_0$')
+if [ -n "$plain" ]; then echo "without the version DELASSUS_0: $plain"; bad=1; fi
 hidden=$(nm -A --defined-only --extern-only "$2" 2>/dev/null | awk '{print $NF}' | grep -v -E '^(dls_|dlsi_)')
 if [ -n "$hidden" ]; then echo "neither dls_* nor dlsi_*: $hidden"; bad=1; fi
 calls=$(nm -A --undefined-only "$2" 2>/dev/null | awk '{print $NF}' | sort -u |

@@ -10,7 +10,7 @@
  * Douglas and Rachford's splitting takes the two in turn, each by its resolvent in the metric
  * rho D, D = diag(w_c) with the weights of the certificate, rho > 0 without unit:
  *
- *   (AD1)  z = (I + (rho D)^-1 B)^-1 v:     z_n = max(v_n, 0), z_t = v_t put on the disc |.| <= mu z_n
+ *   (AD1)  z = (I + (rho D)^-1 B)^-1 v:  z_n = max(v_n, 0), z_t = v_t put on the disc |.| <= mu z_n
  *   (AD2)  x = (I + (rho D)^-1 A)^-1 (2 z - v):     (W + rho D) x = rho D (2 z - v) - q
  *   (AD3)  u = rho D (2 z - v - x)                  which is W x + q
  *   (AD4)  v := v + 1.6 (x - z)                     over-relaxed; 1 in the place of 1.6 is ADMM
@@ -23,29 +23,29 @@
  * x = z, u = y: the law and u = W r + q hold together.
  *
  *   (AD5)  rho is looked at after 20, 40, 80, .. iterations. Where the smallest residual has halved
- *         since, rho := rho sqrt( |x - z| / |z - z'| ), |.| = |D^1/2 .|, z' the z before, if that
- *         changes it by more than sqrt(5). Where it has not, rho may be wrong, and nothing says on
- *         which side: both are tried, farther and farther, rho / 10, 10 rho, rho / 100, .., inside
- *         of 1e-4 .. 100. v := z - (rho_old / rho) (z - v) then keeps z and y. One factorisation.
+ *          since, rho := rho sqrt( |x - z| / |z - z'| ), |.| = |D^1/2 .|, z' the z before, if that
+ *          changes rho by more than sqrt(5). Where the residual has not halved, rho may be wrong,
+ *          and nothing says on which side: both are tried, farther and farther, rho / 10, 10 rho,
+ *          rho / 100, .., inside of 1e-4 .. 100. v := z - (rho_old / rho) (z - v) then keeps z and
+ *          y. One factorisation.
  *   (AD6)  The next v by Anderson's acceleration of (AD4) (anderson.c), in the norm |.|.
- *   (AD7)  Where an accelerated v has more than twice the |x - z| of the v before, the step is taken
- *         back: v := (AD4) of the v before, and the history is forgotten.
+ *   (AD7)  Where an accelerated v has more than twice the |x - z| of the v before, the step is
+ *          taken back: v := (AD4) of the v before, and the history is forgotten.
  *
  * (AD3) gives the certificate's residual of x without a product with W; the certificate itself is
  * recomputed from W and q before "solved" is said.
  *
  * Source: Lions and Mercier, SIAM J. Numer. Anal. 16, 1979, 964-979, for monotone A and B. (AD5)
- * balances |x - z| against the change of z, as Boyd et al., Found. Trends
- * Mach. Learn. 3, 2011, 3.4.1; the doubled intervals bound the factorisations, to 9 in 5000
- * iterations. Start: v = 0, or warm v = r - (W r + q) / (rho D), whose z is r and whose y is u if
- * they meet the law.
+ * balances |x - z| against the change of z, as Boyd et al., Found. Trends Mach. Learn. 3, 2011,
+ * 3.4.1; the doubled intervals bound the factorisations, to 9 in 5000 iterations. Start: v = 0, or
+ * warm v = r - (W r + q) / (rho D), whose z is r and whose y is u if they meet the law.
  *
  * Cost: per rho a factorisation, m^3 / 3 dense (2/3 m^3 for an unsymmetric W); per iteration a
  * solve with it, 2 m^2, and O(m).
  * What can fail: with mu = 0 or given friction thresholds, and W + W^T positive semidefinite, B and
  * A are monotone and the plain iteration converges from anywhere. Coulomb's B is not: it can cycle
- * at large mu, and crawls where a singular W meets slip. (AD5) and (AD6) cure most of that and prove
- * nothing. Where there is no solution, v runs away until the limit of iterations.
+ * at large mu, and crawls where a singular W meets slip. (AD5) and (AD6) cure most of that and
+ * prove nothing. Where there is no solution, v runs away until the limit of iterations.
  */
 #include <float.h>
 #include <limits.h>
@@ -70,8 +70,8 @@ static const double admm_relaxation = 1.6, admm_growth = 2;
 static const double off = 2.2360679774997896; /* sqrt(5) */
 static const double least_rho = 1e-4, most_rho = 100;
 
-/* First rho of a stage of auto for W by blocks, perhaps a stack at rest: so small that the first x is nearly
- * the smallest r with W r = -q. */
+/* First rho of a stage of auto for W by blocks, perhaps a stack at rest: so small that the first x
+ * is nearly the smallest r with W r = -q. */
 static const double rest_rho = 1e-7;
 
 struct dls_admm {
@@ -102,7 +102,7 @@ static void admm_carve(void *workspace, dlsi_arena *arena) {
   dls_admm *work = workspace;
   const size_t n = (size_t)work->nc, m = (size_t)work->d * n;
   double **const vectors[] = {&work->v, &work->z, &work->before, &work->x, &work->first};
-  dlsi_iterate_carve(&work->it, arena, work->d, work->nc);
+  dlsi_iterate_carve(&work->it, arena, work->d, work->nc, &work->settings.limits);
   work->metric = dlsi_take(arena, n, sizeof *work->metric);
   dlsi_take_vectors(arena, m, 5, vectors);
   dlsi_anderson_carve(&work->history, arena, m, window, 0);
@@ -118,37 +118,36 @@ static dls_status admm_reserve(dls_admm *work, int nc, int blocks, dls_error *er
                       : dlsi_room_dense(work->room, m, error);
 }
 
-dls_status dlsi_admm_create(dls_admm **out, int d, int nc, const dls_admm_settings *settings,
-                            dlsi_room *room, dls_error *error) {
-  dls_admm filled = {.d = d, .nc = nc}, *work;
+static dls_status admm_create(void **out, int d, int nc, const dls_admm_settings *settings,
+                              const dlsi_options *options, dls_error *error) {
+  dls_admm filled = {.d = d, .nc = nc, .stage = options->stage}, *work;
   dls_admm_settings *s = &filled.settings;
   dls_admm_settings_init(s);
   if (settings) *s = *settings;
   const dlsi_setting own[] = {{"rho", s->rho, 0, INFINITY, 1}};
-  void *made;
   dls_error why;
-  if (!out) return dlsi_is_null(error, "out");
   *out = NULL;
   dls_status status = dlsi_check_sizes(d, nc, error);
   if (!status) status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 1, own, error);
-  if (!status) status = dlsi_workspace(&made, &filled, sizeof filled, admm_carve, nc, error);
+  if (!status) status = dlsi_workspace(out, &filled, sizeof filled, admm_carve, nc, error);
   if (status) return status;
-  work = made;
-  work->room = room ? room : &work->own;
+  work = *out;
+  work->room = options->room ? options->room : &work->own;
   status = admm_reserve(work, nc, s->limits.blocks, &why);
-  if (status &&
-      status != DLS_E_UNSUPPORTED) { /* without MUMPS a solve says so, if blocks are many */
-    if (error) *error = why;
-    dls_admm_destroy(work);
-    return status;
-  }
-  *out = work;
-  return DLS_OK;
+  if (!status || status == DLS_E_UNSUPPORTED) return DLS_OK; /* a solve of many blocks says so */
+  if (error) *error = why;
+  dls_admm_destroy(work);
+  *out = NULL;
+  return status;
 }
 
 dls_status dls_admm_create(dls_admm **out, int d, int nc, const dls_admm_settings *settings,
                            dls_error *error) {
-  return dlsi_at(__func__, dlsi_admm_create(out, d, nc, settings, NULL, error), error);
+  void *work = NULL;
+  const dls_status status = out ? admm_create(&work, d, nc, settings, &(dlsi_options){0}, error)
+                                : dlsi_is_null(error, "out");
+  if (out) *out = work;
+  return dlsi_at(__func__, status, error);
 }
 
 void dls_admm_destroy(dls_admm *workspace) {
@@ -157,7 +156,7 @@ void dls_admm_destroy(dls_admm *workspace) {
   free(workspace);
 }
 
-/* ---- W + rho D --------------------------------------------------------------------------------- */
+/* ---- W + rho D ------------------------------------------------------------------------------- */
 
 /* J := W + rho D. */
 static void admm_build_dense(dls_admm *work, const dls_contact *problem, double rho) {
@@ -202,8 +201,8 @@ static dls_sparse admm_build_sparse(dls_admm *work, const dls_contact *problem, 
   return (dls_sparse){m, m, work->p, row, value};
 }
 
-/* Factorises W + rho D. Where it is singular, which few rho can make it, rho is doubled; DLS_E_SINGULAR if
- * that does not help. *done counts. */
+/* Factorises W + rho D. Where it is singular, which few rho can make it, rho is doubled;
+ * DLS_E_SINGULAR if that does not help. *done counts. */
 static dls_status admm_factor(dls_admm *work, const dls_contact *problem, double *rho, int *done,
                               dls_error *error) {
   for (int k = 0; k <= most_doublings; k++, *rho *= 2) {
@@ -224,7 +223,8 @@ static dls_status admm_factor(dls_admm *work, const dls_contact *problem, double
   return DLS_E_SINGULAR;
 }
 
-/* ---- the iteration ------------------------------------------------------------------------------- */
+/* ---- the iteration
+ * ------------------------------------------------------------------------------- */
 
 /* (AD1) */
 static void admm_resolvent(const dls_contact *problem, const double *v, double *z) {
@@ -343,15 +343,15 @@ static void admm_advance(dls_admm *work, const dls_contact *problem, double gap,
   (void)dlsi_anderson_step(history, (int)m, work->it.F, work->v, NULL);
 }
 
-/* Returns 1 if a solve starts from r as given. From r = 0 a rho that is small for a stack at rest reaches the
- * answer in a few iterations. */
+/* Returns 1 if a solve starts from r as given. From r = 0 a rho that is small for a stack at rest
+ * reaches the answer in a few iterations. */
 static int admm_is_warm(const dls_admm *work) {
   const dls_limits *limits = &work->settings.limits;
   return work->stage ? !limits->blocks : limits->warm_start;
 }
 
-/* Iterates from work->first, measured last, until the certificate of an x holds or there is a reason to
- * stop, which is returned. */
+/* Iterates from work->first, measured last, until the certificate of an x holds or there is a
+ * reason to stop, which is returned. */
 static dls_status admm_iterate(dls_admm *work, const dls_contact *problem, dls_info *outcome,
                                dls_error *error) {
   const dls_limits *limits = &work->settings.limits;
@@ -391,8 +391,8 @@ static dls_status admm_iterate(dls_admm *work, const dls_contact *problem, dls_i
   return status == DLS_E_SINGULAR ? DLS_STALLED : status ? status : DLS_MAX_ITERATIONS;
 }
 
-dls_status dlsi_admm_solve(void *workspace, const dls_contact *problem, double *r, double *u,
-                           dls_info *info, dls_error *error) {
+static dls_status admm_solve(void *workspace, const dls_contact *problem, double *r, double *u,
+                             dls_info *info, dls_error *error) {
   dls_admm *work = workspace;
   dlsi_iterate *it = &work->it;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
@@ -418,14 +418,12 @@ dls_status dlsi_admm_solve(void *workspace, const dls_contact *problem, double *
 
 dls_status dls_admm_solve(dls_admm *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
-  dls_status status = workspace ? dlsi_check_solve(workspace->d, workspace->nc, problem, r,
-                                                   workspace->settings.limits.warm_start, error)
-                                : dlsi_is_null(error, "workspace");
-  if (!status) status = dlsi_admm_solve(workspace, problem, r, u, info, error);
+  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
+  if (!status) status = admm_solve(workspace, problem, r, u, info, error);
   return dlsi_at(__func__, status, error);
 }
 
-/* ---- its row in the table of methods --------------------------------------------------------------- */
+/* ---- in the table of methods ----------------------------------------------------------------- */
 
 static dls_status admm_create_by(void **out, int d, int nc, const dlsi_options *options,
                                  dls_error *error) {
@@ -433,11 +431,7 @@ static dls_status admm_create_by(void **out, int d, int nc, const dlsi_options *
   dls_admm_settings_init(&s);
   s.limits = options->limits;
   if (options->stage && s.limits.blocks) s.rho = rest_rho;
-  dls_admm *work;
-  const dls_status status = dlsi_admm_create(&work, d, nc, &s, options->room, error);
-  if (work) work->stage = options->stage;
-  *out = work;
-  return status;
+  return admm_create(out, d, nc, &s, options, error);
 }
 
 static void admm_destroy(void *work) {
@@ -449,10 +443,6 @@ static void admm_set_limits(void *work, const dls_limits *limits) {
 }
 
 const dlsi_method dlsi_admm_method = {
-    .method = DLS_ADMM,
-    .name = "admm",
-    .summary = "splitting, one factorisation: large dense W, stacks at rest",
-    .create = admm_create_by,
-    .solve = dlsi_admm_solve,
-    .destroy = admm_destroy,
-    .set_limits = admm_set_limits};
+    DLS_ADMM,        "admm",     "splitting, one factorisation: large dense W, stacks at rest",
+    admm_create_by,  admm_solve, admm_destroy,
+    admm_set_limits, NULL};

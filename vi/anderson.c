@@ -2,25 +2,25 @@
  * anderson.c: Anderson acceleration of a fixed-point iteration x := g(x).
  *
  *   f_k = D (g(x_k) - x_k), D a diagonal of weights         the caller's
- *   (A1)  df = f_k - f_k-1,  dg = g_k - g_k-1,  du = u_k - u_k-1      the last `window` of each
- *   (A2)  gamma = argmin | f_k - DF gamma |_2
- *   (A3)  x_k+1 = g_k - DG gamma,  u_k+1 = u_k - DU gamma
+ *   (AN1)  df = f_k - f_k-1,  dg = g_k - g_k-1,  du = u_k - u_k-1      the last `window` of each
+ *   (AN2)  gamma = argmin | f_k - DF gamma |_2
+ *   (AN3)  x_k+1 = g_k - DG gamma,  u_k+1 = u_k - DU gamma
  *
- * u is any affine function of g, here W g + q: its combination costs no product with W. A caller who
- * has none does without.
+ * u is any affine function of g, here W g + q: its combination costs no product with W. A caller
+ * who has none does without.
  *
- * (A2) by the normal equations: one new row of DF^T DF per step, its columns scaled to length 1, and
- * L D L^T from the newest column to the oldest. A column that is a combination of newer ones up to
- * `dependent` of its length gets gamma = 0. DF^T f_k is that of the step before and the new row,
+ * (AN2) by the normal equations: one new row of DF^T DF per step, its columns scaled to length 1,
+ * and L D L^T from the newest column to the oldest. A column that is a combination of newer ones up
+ * to `dependent` of its length gets gamma = 0. DF^T f_k is that of the step before and the new row,
  * f_k being f_k-1 + df: one pass over DF does for both.
  *
- * Source: Anderson 1965; Walker and Ni, SIAM J. Numer. Anal. 49 (2011), type II. With window = 1 it is
- * Aitken's process for vectors in the form of Irons and Tuck 1969. Deviation: Walker and Ni update a
- * QR factorisation; the Gram matrix costs less, and its rounding, half of the digits of gamma, is an
- * error in the choice of x_k+1, not in the fixed point.
+ * Source: Anderson 1965; Walker and Ni, SIAM J. Numer. Anal. 49 (2011), type II. With window = 1 it
+ * is Aitken's process for vectors in the form of Irons and Tuck 1969. Deviation: Walker and Ni
+ * update a QR factorisation; the Gram matrix costs less, and its rounding, half of the digits of
+ * gamma, is an error in the choice of x_k+1, not in the fixed point.
  *
- * Cost of a step: 3 window m multiplications, and window^3 / 6. The loops are those of panel.c: a BLAS
- * takes as long for its call where m is small, and threads where it is not.
+ * Cost of a step: 3 window m multiplications, and window^3 / 6. The loops are those of products.c:
+ * a BLAS takes as long for its call where m is small, and threads where it is not.
  */
 #include <math.h>
 #include <string.h>
@@ -30,8 +30,8 @@
 /* the Gram matrix knows a sine of less than sqrt(eps) as nothing but rounding */
 static const double dependent = 1e-5;
 
-/* (A3) multiplies the rounding of u by up to 1 + 2 |gamma|_1, which no later step takes back: where that
- * is larger, the history is forgotten. Problems that converge need 1 to 1000. */
+/* (AN3) multiplies the rounding of u by up to 1 + 2 |gamma|_1, which no later step takes back:
+ * where that is larger, the history is forgotten. Problems that converge need 1 to 1000. */
 static const double largest = 1e4;
 
 void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window, int with_u) {
@@ -52,9 +52,9 @@ void dlsi_anderson_clear(dlsi_anderson *a) {
   a->started = a->columns = a->newest = 0;
 }
 
-/* (A1): the differences to the step before into the column of the oldest; f, g, u kept */
-static void remember(dlsi_anderson *a, size_t m, const double *f, const double *g,
-                     const double *u) {
+/* (AN1) Puts the differences to the step before into the column of the oldest; keeps f, g, u. */
+static void anderson_remember(dlsi_anderson *a, size_t m, const double *f, const double *g,
+                              const double *u) {
   if (a->started) {
     a->newest = a->columns ? (a->newest + 1) % a->window : 0;
     if (a->columns < a->window) a->columns++;
@@ -72,13 +72,14 @@ static void remember(dlsi_anderson *a, size_t m, const double *f, const double *
   a->started = 1;
 }
 
-/* index of the i-th newest column */
-static int column(const dlsi_anderson *a, int i) {
+/* Returns the index of the i-th newest column. */
+static int anderson_column(const dlsi_anderson *a, int i) {
   return a->newest >= i ? a->newest - i : a->newest - i + a->columns;
 }
 
-/* The new row of the scaled Gram matrix, in the place of whose diagonal stands 1 / |df_j|; b := DF^T f */
-static void new_row(dlsi_anderson *a, size_t m, double *row, double *b) {
+/* The new row of the scaled Gram matrix, in the place of whose diagonal stands 1 / |df_j|; b :=
+ * DF^T f */
+static void anderson_new_row(dlsi_anderson *a, size_t m, double *row, double *b) {
   const int n = a->columns, new = a->newest;
   const size_t k = (size_t)a->window, at = (size_t) new;
   const double *df = a->DF + at * m;
@@ -92,20 +93,20 @@ static void new_row(dlsi_anderson *a, size_t m, double *row, double *b) {
   a->gram[(k + 1) * at] = scale;
 }
 
-/* (A2); 0 if gamma is too large, or not finite */
-static int minimise(dlsi_anderson *a, size_t m, double *gamma) {
+/* (AN2) Returns 0 if gamma is too large, or not finite. */
+static int anderson_minimise(dlsi_anderson *a, size_t m, double *gamma) {
   const int n = a->columns, k = a->window;
   double *L = a->L, *y = a->work + k, *b = a->work + 2 * (size_t)k;
-  new_row(a, m, y, b);
+  anderson_new_row(a, m, y, b);
 
-  /* i = 0, 1, .. from the newest column to the oldest; L D L^T = the scaled Gram matrix, row by row,
-   * 1 / D on the diagonal, 0 for a column left out; y := L^-1 b on the way */
+  /* i = 0, 1, .. from the newest column to the oldest; L D L^T = the scaled Gram matrix, row by
+   * row, 1 / D on the diagonal, 0 for a column left out; y := L^-1 b on the way */
   for (int i = 0; i < n; i++) {
-    const int at = column(a, i);
+    const int at = anderson_column(a, i);
     double *row = L + k * i, pivot = 1;
     for (int j = 0; j < i; j++) { /* the row of L D */
       const double *above = L + k * j;
-      row[j] = a->gram[column(a, j) + k * at];
+      row[j] = a->gram[anderson_column(a, j) + k * at];
       for (int l = 0; l < j; l++)
         row[j] -= row[l] * above[l];
     }
@@ -120,7 +121,7 @@ static int minimise(dlsi_anderson *a, size_t m, double *gamma) {
   }
   double sum = 0;
   for (int i = n - 1; i >= 0; i--) { /* (L D)^-T */
-    const int at = column(a, i);
+    const int at = anderson_column(a, i);
     y[i] *= L[i + k * i];
     for (int j = i + 1; j < n; j++)
       y[i] -= L[i + k * j] * y[j];
@@ -132,14 +133,14 @@ static int minimise(dlsi_anderson *a, size_t m, double *gamma) {
 
 int dlsi_anderson_step(dlsi_anderson *a, int rows, const double *f, double *g, double *u) {
   const size_t m = (size_t)rows;
-  remember(a, m, f, g, u);
+  anderson_remember(a, m, f, g, u);
   if (!a->columns) return 0;
   double *gamma = a->work;
-  if (!minimise(a, m, gamma)) {
+  if (!anderson_minimise(a, m, gamma)) {
     dlsi_anderson_clear(a);
     return 0;
   }
-  dlsi_panel_subtract(m, a->columns, a->DG, gamma, g); /* (A3) */
+  dlsi_panel_subtract(m, a->columns, a->DG, gamma, g); /* (AN3) */
   if (u) dlsi_panel_subtract(m, a->columns, a->DU, gamma, u);
   return 1;
 }

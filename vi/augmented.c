@@ -22,22 +22,23 @@
  *
  *   (AU1)  A = W + s E,   b = q - s E lambda
  *   (AU2)  x = the solution of v = A x + b: newton.c from lambda, that is up to 20 sweeps of
- *         Gauss-Seidel, then Newton steps
+ *          Gauss-Seidel, then Newton steps
  *   (AU3)  lambda := x  if (AU2) succeeded, or if x has half the residual of lambda, W and q given
  *   (AU4)  s := 0.2 s   as long as (AU2) has never failed, then 0.8 s, after each failure 2 s;
- *         1e-7 <= s <= 1e3, from s = 1; only if adaptive
+ *          1e-7 <= s <= 1e3, from s = 1; only if adaptive
  *
  * (AU2) is asked for a residual of a thousandth of lambda's, and not for less than a tenth of what
  * is wanted in the end; in the last augmentation allowed, for this tenth. One augmentation from
  * lambda = 0 is the penalty method; its r is off by about E r.
  *
- * Stop: the certificate of x from the user's W and q holds. Else DLS_STALLED: (AU2) failed and s may
- * not grow, or cannot and lambda stayed; or 150 augmentations did not bring the residual down by a
- * tenth; or 10 times running, failures of (AU2) not counted,
+ * Stop: the certificate of x from the user's W and q holds. Else DLS_STALLED: (AU2) failed and s
+ * may not grow, or cannot and lambda stayed; or 150 augmentations did not bring the residual down
+ * by a tenth; or 10 times running, failures of (AU2) not counted,
  *
  *   (AU5)  |W delta| < 1e-4 |delta|, q.delta < -1e-4 |q| |delta|,   delta = x - lambda of (AU2),
- *         |D^-1/2 u| and |D^1/2 r| being the norms. Without a solution lambda grows along such a
- *         delta for ever. Seldom, lambda on its way to a far solution does so, too: hence 10.
+ *          |D^-1/2 u| and |D^1/2 r| being the norms. Without a solution lambda grows along such a
+ *          delta for ever. Seldom, lambda on its way to a far solution does so, too: hence 10.
+ *
  * A warm start for which W r overflows is dropped.
  *
  * Source: [Chabrand 1998] 4.1. Slips there: with Delta xi = f_s / eps_T as printed, (34) must take
@@ -45,7 +46,8 @@
  * add up to lambda_t - eps u_t with u_t the whole slip of the step. Deviations: the unknown of
  * Newton's method is r, not the displacement: the same solution, and a large eps does not spoil the
  * conditioning. eps_T = eps_N = eps_c: w_c is the mean over both directions. The schedule (AU4): of
- * eps the paper says that it needs precautions; too small an s fails in (AU2), too large a one crawls.
+ * eps the paper says that it needs precautions; too small an s fails in (AU2), too large a one
+ * crawls.
  *
  * Cost of an augmentation: up to 20 sweeps, and 0 to 30 Newton steps, an LU of the unknowns each.
  * What can fail: (AU2), for every s, where friction makes even W + s E cycle, or W is indefinite.
@@ -106,31 +108,29 @@ static void augmented_carve(void *workspace, dlsi_arena *arena) {
   const size_t n = (size_t)work->nc;
   double **const of_candidates[] = {&work->penalty, &work->E, &work->sE};
   double **const vectors[] = {&work->b, &work->lambda, &work->x, &work->delta, &work->direction};
-  dlsi_iterate_carve(&work->it, arena, work->d, work->nc);
+  dlsi_iterate_carve(&work->it, arena, work->d, work->nc, &work->settings.limits);
   dlsi_take_vectors(arena, n, 3, of_candidates);
   dlsi_take_vectors(arena, (size_t)work->d * n, 5, vectors);
 }
 
-dls_status dlsi_augmented_create(dls_augmented **out, int d, int nc,
-                                 const dls_augmented_settings *settings, dlsi_room *room,
-                                 dls_error *error) {
-  dls_augmented filled = {.d = d, .nc = nc, .method = DLS_AUGMENTED_LAGRANGIAN}, *work;
-  void *made;
-  dls_augmented_settings_init(&filled.settings);
-  if (settings) filled.settings = *settings;
-  if (!out) return dlsi_is_null(error, "out");
-  *out = NULL;
-  dls_status status = augmented_check(d, nc, &filled.settings, error);
+static dls_status augmented_create(void **out, int d, int nc,
+                                   const dls_augmented_settings *settings, dls_method method,
+                                   const dlsi_options *options, dls_error *error) {
+  dls_augmented filled = {.d = d, .nc = nc, .method = method, .stage = options->stage}, *work;
   dls_newton_settings newton;
   dls_newton_settings_init(&newton);
+  dls_augmented_settings_init(&filled.settings);
+  if (settings) filled.settings = *settings;
   newton.limits.blocks = filled.settings.limits.blocks;
-  if (!status) status = dlsi_newton_create(&filled.newton, d, nc, &newton, room, error);
-  if (!status) status = dlsi_workspace(&made, &filled, sizeof filled, augmented_carve, nc, error);
+  *out = NULL;
+  dls_status status = augmented_check(d, nc, &filled.settings, error);
+  if (!status) status = dlsi_newton_create(&filled.newton, d, nc, &newton, options->room, error);
+  if (!status) status = dlsi_workspace(out, &filled, sizeof filled, augmented_carve, nc, error);
   if (status) {
     dls_newton_destroy(filled.newton);
     return status;
   }
-  *out = work = made;
+  work = *out;
   if (!work->settings.penalty) return DLS_OK;
   memcpy(work->penalty, work->settings.penalty, (size_t)nc * sizeof *work->penalty);
   work->settings.penalty = work->penalty;
@@ -139,7 +139,12 @@ dls_status dlsi_augmented_create(dls_augmented **out, int d, int nc,
 
 dls_status dls_augmented_create(dls_augmented **out, int d, int nc,
                                 const dls_augmented_settings *settings, dls_error *error) {
-  return dlsi_at(__func__, dlsi_augmented_create(out, d, nc, settings, NULL, error), error);
+  void *work = NULL;
+  const dls_status status = out ? augmented_create(&work, d, nc, settings, DLS_AUGMENTED_LAGRANGIAN,
+                                                   &(dlsi_options){0}, error)
+                                : dlsi_is_null(error, "out");
+  if (out) *out = work;
+  return dlsi_at(__func__, status, error);
 }
 
 void dls_augmented_destroy(dls_augmented *workspace) {
@@ -152,7 +157,8 @@ const double *dls_augmented_direction(const dls_augmented *workspace) {
   return workspace && workspace->escaped ? workspace->direction : NULL;
 }
 
-/* ---- one augmentation ---------------------------------------------------------------------------- */
+/* ---- one augmentation
+ * ---------------------------------------------------------------------------- */
 
 /* (AU1), (AU2) x from lambda; DLS_OK if its residual is <= target in units of |q|, q the user's. */
 static dls_status augmented_regularise(dls_augmented *work, const dls_contact *problem, double s,
@@ -176,8 +182,8 @@ static dls_status augmented_regularise(dls_augmented *work, const dls_contact *p
   return status;
 }
 
-/* (AU5) delta := x - lambda, its largest entry +-1. Returns 1 if the reactions run away along it. Scratch:
- * the arrays of it but best. */
+/* (AU5) delta := x - lambda, its largest entry +-1. Returns 1 if the reactions run away along it.
+ * Scratch: the arrays of it but best. */
 static int augmented_escapes(const dls_augmented *work, const dls_contact *problem) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   double *delta = work->delta, *v = work->it.u;
@@ -202,17 +208,19 @@ static int augmented_escapes(const dls_augmented *work, const dls_contact *probl
   return dlsi_norm2(v, m) < 1e-4 * length && gain < -1e-4 * length * dlsi_norm2(work->it.a, m);
 }
 
-/* ---- the augmentations --------------------------------------------------------------------------- */
+/* ---- the augmentations
+ * --------------------------------------------------------------------------- */
 
-/* Augments from lambda, measured last, until the certificate holds or there is a reason to stop, which is
- * returned. */
+/* Augments from lambda, measured last, until the certificate holds or there is a reason to stop,
+ * which is returned. */
 static dls_status augmented_iterate(dls_augmented *work, const dls_contact *problem,
                                     dls_info *outcome, dls_error *error) {
   const dls_augmented_settings *settings = &work->settings;
   const dls_limits *limits = &settings->limits;
   dlsi_iterate *it = &work->it;
   const dls_certificate *best = &it->certificate;
-  const int most = dlsi_most_iterations(limits, most_augmentations);
+  const int most =
+      work->method == DLS_PENALTY ? 1 : dlsi_most_iterations(limits, most_augmentations);
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   double s = 1, residual = best->residual, milestone = residual;
   int failed = 0;               /* 1: some (AU2) did */
@@ -256,14 +264,13 @@ static dls_status augmented_iterate(dls_augmented *work, const dls_contact *prob
   return DLS_OK;
 }
 
-dls_status dlsi_augmented_solve(void *workspace, const dls_contact *problem, double *r, double *u,
-                                dls_info *info, dls_error *error) {
-  dls_augmented *work = workspace;
+static dls_status augmented_run(dls_augmented *work, const dls_contact *problem, double *r,
+                                double *u, dls_info *info, dls_error *error) {
   const dls_augmented_settings *s = &work->settings;
+  const int warm = work->stage || (s->limits.warm_start && work->method != DLS_PENALTY);
   dls_info outcome = {.method = work->method};
   work->escaped = 0;
-  dlsi_iterate_begin(&work->it, problem, NULL, s->limits.tol, work->stage || s->limits.warm_start,
-                     r, work->lambda);
+  dlsi_iterate_begin(&work->it, problem, NULL, s->limits.tol, warm, r, work->lambda);
   for (int c = 0; c < problem->nc; c++)
     work->E[c] = s->penalty ? 1 / s->penalty[c] : work->it.w[c] / s->factor;
   (void)dlsi_iterate_start(&work->it, problem, work->lambda);
@@ -274,52 +281,36 @@ dls_status dlsi_augmented_solve(void *workspace, const dls_contact *problem, dou
 
 dls_status dls_augmented_solve(dls_augmented *workspace, const dls_contact *problem, double *r,
                                double *u, dls_info *info, dls_error *error) {
-  dls_status status = workspace ? dlsi_check_solve(workspace->d, workspace->nc, problem, r,
-                                                   workspace->settings.limits.warm_start, error)
-                                : dlsi_is_null(error, "workspace");
-  if (!status) status = dlsi_augmented_solve(workspace, problem, r, u, info, error);
+  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
+  if (!status) status = augmented_run(workspace, problem, r, u, info, error);
   return dlsi_at(__func__, status, error);
 }
 
-/* ---- its rows in the table of methods -------------------------------------------------------------- */
-
-static void augmented_set_limits(void *workspace, const dls_limits *limits) {
-  dls_augmented *work = workspace;
-  dlsi_set_limits(&work->settings.limits, limits);
-  if (work->method != DLS_PENALTY) return;
-  work->settings.limits.max_iterations = 1;
-  work->settings.limits.warm_start = 0;
-}
+/* ---- in the table of methods ----------------------------------------------------------------- */
 
 static dls_status augmented_create_by(void **out, int d, int nc, const dlsi_options *options,
                                       dls_error *error) {
   dls_augmented_settings s;
   dls_augmented_settings_init(&s);
   s.limits = options->limits;
-  dls_augmented *work;
-  const dls_status status = dlsi_augmented_create(&work, d, nc, &s, options->room, error);
-  if (work) work->stage = options->stage;
-  *out = work;
-  return status;
+  return augmented_create(out, d, nc, &s, DLS_AUGMENTED_LAGRANGIAN, options, error);
 }
 
-/* One augmentation with a large penalty that stays, from r = 0. */
+/* Creates for one augmentation with a large penalty that stays, from r = 0. */
 static dls_status penalty_create_by(void **out, int d, int nc, const dlsi_options *options,
                                     dls_error *error) {
-  const dls_status status = augmented_create_by(out, d, nc, options, error);
-  dls_augmented *work = *out;
-  if (status) return status;
-  work->method = DLS_PENALTY;
-  work->settings.factor = large_penalty;
-  work->settings.adaptive = 0;
-  augmented_set_limits(work, &options->limits);
-  return DLS_OK;
+  dls_augmented_settings s;
+  dls_augmented_settings_init(&s);
+  s.limits = options->limits;
+  s.factor = large_penalty;
+  s.adaptive = 0;
+  return augmented_create(out, d, nc, &s, DLS_PENALTY, options, error);
 }
 
 static dls_status augmented_solve(void *workspace, const dls_contact *problem, double *r, double *u,
                                   dls_info *info, dls_error *error) {
   dls_augmented *work = workspace;
-  dls_status status = dlsi_augmented_solve(work, problem, r, u, info, error);
+  dls_status status = augmented_run(work, problem, r, u, info, error);
   if (status == DLS_STALLED && work->escaped) status = DLS_NO_SOLUTION_LIKELY;
   if (info && status >= 0) info->status = status;
   return status;
@@ -329,26 +320,28 @@ static void augmented_destroy(void *work) {
   dls_augmented_destroy(work);
 }
 
+static void augmented_set_limits(void *work, const dls_limits *limits) {
+  dlsi_set_limits(&((dls_augmented *)work)->settings.limits, limits);
+}
+
 static const double *augmented_direction(const void *work) {
   return dls_augmented_direction(work);
 }
 
-const dlsi_method dlsi_augmented_method = {
-    .method = DLS_AUGMENTED_LAGRANGIAN,
-    .name = "augmented-lagrangian",
-    .summary = "proximal point method: where the others cycle or crawl",
-    .create = augmented_create_by,
-    .solve = augmented_solve,
-    .destroy = augmented_destroy,
-    .set_limits = augmented_set_limits,
-    .direction = augmented_direction};
+const dlsi_method dlsi_augmented_method = {DLS_AUGMENTED_LAGRANGIAN,
+                                           "augmented-lagrangian",
+                                           "proximal point method: where the others cycle or crawl",
+                                           augmented_create_by,
+                                           augmented_solve,
+                                           augmented_destroy,
+                                           augmented_set_limits,
+                                           augmented_direction};
 
-const dlsi_method dlsi_penalty_method = {
-    .method = DLS_PENALTY,
-    .name = "penalty",
-    .summary = "its first step with large penalties: to see its error",
-    .create = penalty_create_by,
-    .solve = augmented_solve,
-    .destroy = augmented_destroy,
-    .set_limits = augmented_set_limits,
-    .direction = augmented_direction};
+const dlsi_method dlsi_penalty_method = {DLS_PENALTY,
+                                         "penalty",
+                                         "its first step with large penalties: to see its error",
+                                         penalty_create_by,
+                                         augmented_solve,
+                                         augmented_destroy,
+                                         augmented_set_limits,
+                                         augmented_direction};

@@ -14,14 +14,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/base.h"
 #include "vi_internal.h"
 
 /* ---- the frames ------------------------------------------------------------------------------ */
 
-/* Adds the entries of column c of H to the rows unknown[0..1], which are found as they come (-1:
- * not yet). 0 if there is a third row. */
-static int gather(const dls_sparse *H, int c, int unknown[2], double v[2]) {
+/* v := the entries of column c of H in the rows unknown[0..1], which are found as they come (-1:
+ * not yet). Returns 0 if there is a third row. */
+static int frames_gather(const dls_sparse *H, int c, int unknown[2], double v[2]) {
   v[0] = v[1] = 0;
   for (int k = H->p[c]; k < H->p[c + 1]; k++) {
     if (H->x[k] == 0) continue;
@@ -35,28 +34,28 @@ static int gather(const dls_sparse *H, int c, int unknown[2], double v[2]) {
   return 1;
 }
 
-static dls_status unsupported(const char *argument, int c, const char *why, dls_error *error) {
+static dls_status frames_refuse(const char *argument, int c, const char *why, dls_error *error) {
   return dlsi_fail(error, DLS_E_UNSUPPORTED, argument, c, 0, "%s; condense this model", why);
 }
 
-static dls_status find_frames(dlsi_frames *a, const dls_model *model, dls_error *error) {
+static dls_status frames_find(dlsi_frames *a, const dls_model *model, dls_error *error) {
   for (int i = 0; i < a->n; i++)
     a->node[i] = -1;
   for (int c = 0; c < a->nodes; c++) {
     int unknown[2] = {-1, -1};
     double n[2], t[2];
-    if (!gather(&model->HN, c, unknown, n))
-      return unsupported("HN", c, "acts on more than two unknowns", error);
-    if (unknown[0] < 0) return unsupported("HN", c, "acts on no unknown", error);
-    if (!gather(&model->HT, c, unknown, t))
-      return unsupported("HT", c, "acts, with HN, on more than two unknowns", error);
+    if (!frames_gather(&model->HN, c, unknown, n))
+      return frames_refuse("HN", c, "acts on more than two unknowns", error);
+    if (unknown[0] < 0) return frames_refuse("HN", c, "acts on no unknown", error);
+    if (!frames_gather(&model->HT, c, unknown, t))
+      return frames_refuse("HT", c, "acts, with HN, on more than two unknowns", error);
     const double det = n[0] * t[1] - n[1] * t[0];
     if (unknown[1] < 0 || !(fabs(det) > 1e-8 * hypot(n[0], n[1]) * hypot(t[0], t[1])))
-      return unsupported("HT", c, "is parallel to HN", error);
+      return frames_refuse("HT", c, "is parallel to HN", error);
     for (int s = 0; s < 2; s++) {
       if (a->node[unknown[s]] >= 0)
-        return unsupported(n[s] != 0 ? "HN" : "HT", c, "acts on an unknown of another contact node",
-                           error);
+        return frames_refuse(n[s] != 0 ? "HN" : "HT", c,
+                             "acts on an unknown of another contact node", error);
       a->node[unknown[s]] = c;
     }
     a->normal[c] = unknown[0];
@@ -70,8 +69,8 @@ static dls_status find_frames(dlsi_frames *a, const dls_model *model, dls_error 
   return DLS_OK;
 }
 
-/* Row i of T: its one or two columns and their coefficients; returns how many are not zero. */
-static int row_of_T(const dlsi_frames *a, int i, int column[2], double coefficient[2]) {
+/* Finds the one or two entries of row i of T. Returns how many are not zero. */
+static int frames_row_of_T(const dlsi_frames *a, int i, int column[2], double coefficient[2]) {
   const int c = a->node[i];
   column[0] = i;
   coefficient[0] = 1;
@@ -88,12 +87,12 @@ static int row_of_T(const dlsi_frames *a, int i, int column[2], double coefficie
 
 /* ---- K' -------------------------------------------------------------------------------------- */
 
-/* What K_ij = K_ji = v (i >= j) gives K' = T^T K T: counted in next[column] if row is NULL, else
- * put at next[column]. */
-static void emit(const dlsi_frames *a, int i, int j, double v, size_t *next) {
+/* Adds the entries that K_ij = K_ji = v (i >= j) gives to K' = T^T K T: counts them in next[column]
+ * while row is NULL, then puts them at next[column]. */
+static void frames_emit(const dlsi_frames *a, int i, int j, double v, size_t *next) {
   int p[2], q[2];
   double s[2], t[2];
-  const int rows = row_of_T(a, i, p, s), columns = row_of_T(a, j, q, t);
+  const int rows = frames_row_of_T(a, i, p, s), columns = frames_row_of_T(a, j, q, t);
   for (int k = 0; k < rows; k++)
     for (int l = 0; l < columns; l++)
       for (int mirror = 0; mirror < (i == j ? 1 : 2); mirror++) {
@@ -104,24 +103,24 @@ static void emit(const dlsi_frames *a, int i, int j, double v, size_t *next) {
       }
 }
 
-static void emit_all(const dlsi_frames *a, const dls_model *model, size_t *next) {
+static void frames_emit_all(const dlsi_frames *a, const dls_model *model, size_t *next) {
   const dls_sparse *S = &model->Ks;
   const dls_dense *K = &model->K;
   if (model->operator_kind == DLS_STIFFNESS_SPARSE) {
     for (int j = 0; j < a->n; j++)
       for (int k = S->p[j]; k < S->p[j + 1]; k++)
-        if (S->i[k] >= j && S->x[k] != 0) emit(a, S->i[k], j, S->x[k], next);
+        if (S->i[k] >= j && S->x[k] != 0) frames_emit(a, S->i[k], j, S->x[k], next);
     return;
   }
   for (int j = 0; j < a->n; j++)
     for (int i = j; i < a->n; i++) {
       const double v = K->a[(size_t)i + (size_t)j * (size_t)K->ld];
-      if (v != 0) emit(a, i, j, v, next);
+      if (v != 0) frames_emit(a, i, j, v, next);
     }
 }
 
-/* Adds up the entries of the same place, column by column, and takes the diagonal. place (n). */
-static void merge(dlsi_frames *a, size_t *place) {
+/* Adds up entries of one place, column by column, and takes the diagonal. place: scratch, n. */
+static void frames_merge(dlsi_frames *a, size_t *place) {
   size_t end = 0; /* of what is merged */
   memset(place, 0, (size_t)a->n * sizeof *place);
   for (int j = 0; j < a->n; j++) {
@@ -142,8 +141,16 @@ static void merge(dlsi_frames *a, size_t *place) {
   a->start[a->n] = end;
 }
 
-/* The pivots of K' that the sweeps divide by. */
-static dls_status check_pivots(const dlsi_frames *a, const char *K, dls_error *error) {
+double dlsi_frames_coupling(const dlsi_frames *frames, int c) {
+  const int i = frames->normal[c];
+  double coupling = 0;
+  for (size_t k = frames->start[i]; k < frames->start[i + 1]; k++)
+    if (frames->row[k] == frames->tangent[c]) coupling = frames->value[k];
+  return coupling;
+}
+
+/* Checks the pivots of K' that the sweeps divide by. K: its name. */
+static dls_status frames_check_pivots(const dlsi_frames *a, const char *K, dls_error *error) {
   const long long bad = dlsi_first_not_finite(a->value, a->start[a->n]);
   if (bad >= 0)
     return dlsi_fail(error, DLS_E_NOT_FINITE, K, -1, a->value[bad],
@@ -154,9 +161,7 @@ static dls_status check_pivots(const dlsi_frames *a, const char *K, dls_error *e
                        "the diagonal entry of unknown %d is %g", i, a->diagonal[i]);
   for (int c = 0; c < a->nodes; c++) {
     const int i = a->normal[c], j = a->tangent[c];
-    double coupling = 0;
-    for (size_t k = a->start[i]; k < a->start[i + 1]; k++)
-      if (a->row[k] == j) coupling = a->value[k];
+    const double coupling = dlsi_frames_coupling(a, c);
     const double pivot = a->diagonal[j] - coupling * (coupling / a->diagonal[i]);
     if (!(pivot > 0))
       return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, K, j, pivot,
@@ -165,7 +170,7 @@ static dls_status check_pivots(const dlsi_frames *a, const char *K, dls_error *e
   return DLS_OK;
 }
 
-static void carve(dlsi_arena *arena, dlsi_frames *a) {
+static void frames_carve(dlsi_arena *arena, dlsi_frames *a) {
   const size_t n = (size_t)a->n, nodes = (size_t)a->nodes;
   a->start = dlsi_take(arena, n + 1, sizeof *a->start);
   a->diagonal = dlsi_take(arena, n, sizeof *a->diagonal);
@@ -180,18 +185,18 @@ dls_status dlsi_frames_create(dlsi_frames *frames, const dls_model *model, dls_e
   *a = (dlsi_frames){.n = model->n, .nodes = model->nodes};
   const size_t n = (size_t)a->n;
   dlsi_arena arena = {0};
-  carve(&arena, a);
-  a->memory = arena.failed ? NULL : dlsi_alloc(arena.used, 1);
-  if (!a->memory) return dlsi_no_memory(error);
-  arena = (dlsi_arena){.base = a->memory, .size = arena.used};
-  carve(&arena, a);
-  dls_status status = find_frames(a, model, error);
+  frames_carve(&arena, a);
+  dls_status status = dlsi_arena_allocate(&arena, "n", model->n, error);
+  if (status) return status;
+  a->memory = arena.base;
+  frames_carve(&arena, a);
+  status = frames_find(a, model, error);
   if (status) return status;
 
   size_t *next = dlsi_alloc(n, sizeof *next);
   if (!next) return dlsi_no_memory(error);
   memset(next, 0, n * sizeof *next);
-  emit_all(a, model, next); /* counts */
+  frames_emit_all(a, model, next); /* counts */
   a->start[0] = 0;
   for (size_t j = 0; j < n; j++) {
     a->start[j + 1] = a->start[j] + next[j];
@@ -200,10 +205,10 @@ dls_status dlsi_frames_create(dlsi_frames *frames, const dls_model *model, dls_e
   a->row = dlsi_alloc(a->start[n], sizeof *a->row);
   a->value = dlsi_alloc(a->start[n], sizeof *a->value);
   if (a->row && a->value) {
-    emit_all(a, model, next);
-    merge(a, next);
+    frames_emit_all(a, model, next);
+    frames_merge(a, next);
     const int sparse = model->operator_kind == DLS_STIFFNESS_SPARSE;
-    status = check_pivots(a, sparse ? "Ks" : "K", error);
+    status = frames_check_pivots(a, sparse ? "Ks" : "K", error);
   } else
     status = dlsi_no_memory(error);
   free(next);
@@ -218,35 +223,31 @@ void dlsi_frames_free(dlsi_frames *frames) {
 
 /* ---- vectors --------------------------------------------------------------------------------- */
 
-void dlsi_frames_forces(const dlsi_frames *frames, const double *f, double *local) {
-  if (local != f) memcpy(local, f, (size_t)frames->n * sizeof *f);
+typedef enum frames_turn { FORCES, UNKNOWNS, POSITIONS } frames_turn;
+
+/* to := T^T from, T from or T^-1 from at the contact nodes, else from. */
+static void frames_apply(const dlsi_frames *frames, frames_turn how, const double *from,
+                         double *to) {
+  if (to != from) memcpy(to, from, (size_t)frames->n * sizeof *from);
   for (int c = 0; c < frames->nodes; c++) {
     const double *T = frames->T + 4 * (size_t)c;
     const int i = frames->normal[c], j = frames->tangent[c];
-    const double a = f[i], b = f[j];
-    local[i] = T[0] * a + T[1] * b;
-    local[j] = T[2] * a + T[3] * b;
+    const double M[3][4] = {
+        {T[0], T[1], T[2], T[3]}, {T[0], T[2], T[1], T[3]}, {T[3], -T[2], -T[1], T[0]}};
+    const double a = from[i], b = from[j], det = how == POSITIONS ? T[0] * T[3] - T[2] * T[1] : 1;
+    to[i] = (M[how][0] * a + M[how][1] * b) / det;
+    to[j] = (M[how][2] * a + M[how][3] * b) / det;
   }
+}
+
+void dlsi_frames_forces(const dlsi_frames *frames, const double *f, double *local) {
+  frames_apply(frames, FORCES, f, local);
 }
 
 void dlsi_frames_unknowns(const dlsi_frames *frames, const double *local, double *x) {
-  if (local != x) memcpy(x, local, (size_t)frames->n * sizeof *x);
-  for (int c = 0; c < frames->nodes; c++) {
-    const double *T = frames->T + 4 * (size_t)c;
-    const int i = frames->normal[c], j = frames->tangent[c];
-    const double a = local[i], b = local[j];
-    x[i] = T[0] * a + T[2] * b;
-    x[j] = T[1] * a + T[3] * b;
-  }
+  frames_apply(frames, UNKNOWNS, local, x);
 }
 
 void dlsi_frames_positions(const dlsi_frames *frames, const double *x, double *local) {
-  if (local != x) memcpy(local, x, (size_t)frames->n * sizeof *x);
-  for (int c = 0; c < frames->nodes; c++) {
-    const double *T = frames->T + 4 * (size_t)c;
-    const int i = frames->normal[c], j = frames->tangent[c];
-    const double a = x[i], b = x[j], det = T[0] * T[3] - T[2] * T[1];
-    local[i] = (T[3] * a - T[2] * b) / det;
-    local[j] = (T[0] * b - T[1] * a) / det;
-  }
+  frames_apply(frames, POSITIONS, x, local);
 }

@@ -8,8 +8,9 @@
 
 #include "vi_internal.h"
 
-/* Beyond this floor u = W r + q has fewer than six digits. Where there is no solution and W is singular, r
- * can run away until it is all rounding and its residual with it: such an r is no answer. */
+/* Beyond this floor u = W r + q has fewer than six digits. Where there is no solution and W is
+ * singular, r can run away until it is all rounding and its residual with it: such an r is no
+ * answer. */
 static const double most_floor = 1e-6;
 
 int dlsi_is_better(const dls_certificate *a, const dls_certificate *b) {
@@ -18,7 +19,7 @@ int dlsi_is_better(const dls_certificate *a, const dls_certificate *b) {
   return a->residual < b->residual;
 }
 
-/* ---- workspace --------------------------------------------------------------------------------- */
+/* ---- workspace ------------------------------------------------------------------------------- */
 
 dls_status dlsi_workspace(void **out, void *filled, size_t size, dlsi_carve *carve, int nc,
                           dls_error *error) {
@@ -38,11 +39,21 @@ void dlsi_take_vectors(dlsi_arena *arena, size_t n, int count, double **const ve
     *vector[k] = dlsi_take(arena, n, sizeof **vector[k]);
 }
 
-void dlsi_iterate_carve(dlsi_iterate *it, dlsi_arena *arena, int d, int nc) {
+void dlsi_iterate_carve(dlsi_iterate *it, dlsi_arena *arena, int d, int nc,
+                        const dls_limits *limits) {
   const size_t n = (size_t)nc;
+  it->d = d;
+  it->nc = nc;
+  it->limits = limits;
   double **const vectors[] = {&it->u, &it->a, &it->F, &it->best};
   it->w = dlsi_take(arena, n, sizeof *it->w);
   dlsi_take_vectors(arena, (size_t)d * n, 4, vectors);
+}
+
+dls_status dlsi_iterate_check(const dlsi_iterate *it, const dls_contact *problem, const double *r,
+                              dls_error *error) {
+  if (!it) return dlsi_is_null(error, "workspace");
+  return dlsi_check_solve(it->d, it->nc, problem, r, it->limits->warm_start, error);
 }
 
 void dlsi_set_limits(dls_limits *to, const dls_limits *from) {
@@ -51,7 +62,7 @@ void dlsi_set_limits(dls_limits *to, const dls_limits *from) {
   to->blocks = blocks;
 }
 
-/* ---- one solve --------------------------------------------------------------------------------- */
+/* ---- one solve ------------------------------------------------------------------------------- */
 
 static size_t size_of(const dls_contact *problem) {
   return (size_t)problem->d * (size_t)problem->nc;

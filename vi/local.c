@@ -4,28 +4,29 @@
  *   u = W r + q,  W = (a b^T; c B),  0 <= u_n _|_ r_n >= 0,  |r_t| <= mu r_n,
  *   u_t = 0 where |r_t| < mu r_n,  u_t = -alpha r_t with alpha >= 0 else
  *
- *   free   (L1)  r = 0                                       if q_n >= 0
+ *   free   (LO1)  r = 0                                       if q_n >= 0
  *   u_n = 0 in all that follows, so that r_n = -(q_n + b.r_t) / a and u_t = z + S r_t with
- *          (L2)  S = B - c b^T / a,  z = q_t - c q_n / a     the Schur complement of a
- *   stick  (L3)  S r_t = -z                                  if |r_t| <= mu r_n
- *   slip   (L4)  (S + l I) r_t = -z,  h(l) = |r_t| - mu r_n = 0,  l > 0
- *          (L5)  r_n = -q_n / (a + mu b.e),  r_t = mu r_n e  with e = r_t / |r_t|
+ *          (LO2)  S = B - c b^T / a,  z = q_t - c q_n / a     the Schur complement of a
+ *   stick  (LO3)  S r_t = -z                                  if |r_t| <= mu r_n
+ *   slip   (LO4)  (S + l I) r_t = -z,  h(l) = |r_t| - mu r_n = 0,  l > 0
+ *          (LO5)  r_n = -q_n / (a + mu b.e),  r_t = mu r_n e  with e = r_t / |r_t|
  *
- * 2D: e = +1 or -1, so (L5) and the sign of u_t settle slip: four states, each tried in full, which
- * is exact for any W: unsymmetric, singular, with W_nn <= 0, with no solution or with several. For
- * q_n < 0 both slips can only hold together with stick: on the segment u_n = 0 between the two, all
- * of it in the cone, the affine u_t changes sign. So the order of the two slips does not matter.
+ * 2D: e = +1 or -1, so (LO5) and the sign of u_t settle slip: four states, each tried in full,
+ * which is exact for any W: unsymmetric, singular, with W_nn <= 0, with no solution or with
+ * several. For q_n < 0 both slips can only hold together with stick: on the segment u_n = 0 between
+ * the two, all of it in the cone, the affine u_t changes sign. So the order of the two slips does
+ * not matter.
  *
  * 3D: q_n < 0 and no stick mean h(0) > 0 > h(inf) = mu q_n / a, so that h has a root if S + l I
  * stays regular on the way, which it does for W positive semidefinite. The root is bracketed and
  * found by Newton on 1/|r_t| - 1/(mu r_n), almost linear in l (More and Sorensen's secular form),
- * by Newton on h where r_n <= 0, and by bisection where that leaves the bracket. (L5) then makes
- * u_n = 0 and |r_t| = mu r_n hold to rounding; what is left is the angle between u_t and -r_t.
- * A singular S needs no care: its stick solutions are the limit l -> 0 of (L4). r_t(l) is had by
- * Cramer's rule, one division: (L5) takes no more than its direction. Stick takes its length, too, so
- * that (L3) is by the LU factors of S, which W_cc alone gives.
+ * by Newton on h where r_n <= 0, and by bisection where that leaves the bracket. (LO5) then makes
+ * u_n = 0 and |r_t| = mu r_n hold to rounding; what is left is the angle between u_t and -r_t. A
+ * singular S needs no care: its stick solutions are the limit l -> 0 of (LO4). r_t(l) is had by
+ * Cramer's rule, one division: (LO5) takes no more than its direction. Stick takes its length, too,
+ * so that (LO3) is by the LU factors of S, which W_cc alone gives.
  *
- * (L4) squared is a quartic in l: its positive roots give all slip solutions in 3D, and so
+ * (LO4) squared is a quartic in l: its positive roots give all slip solutions in 3D, and so
  * how many solutions there are. That is for the count, and for W that is not positive semidefinite,
  * whose root may lie elsewhere than in the bracket.
  *
@@ -36,19 +37,20 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/base.h"
 #include "vi_internal.h"
 
-/* |F| <= rounding (w |r| + |q|): as good as a solution when every exact test has just failed */
+/* Accepts |F| <= rounding (w |r| + |q|) as a solution where every exact test has failed. */
 static const double rounding = 1e-12;
 
-/* solutions that differ by less than this part of r_n, r_t are one; |h| this close to 0 is no pole */
+/* Takes solutions that differ by less than this part of r_n, r_t for one, and an |h| this close to
+ * 0 for a root, not a pole. */
 static const double same = 1e-8;
 
-/* a step of this part of l: the next one would be of its square */
+/* Ends Newton's steps in l at one of this part of l: the next step would be of its square. */
 static const double last_step = 1e-8;
 
-static dls_local_state set(int d, double *r, double n, double t, double s, dls_local_state state) {
+static dls_local_state local_set(int d, double *r, double n, double t, double s,
+                                 dls_local_state state) {
   r[0] = n;
   r[1] = t;
   if (d == 3) r[2] = s;
@@ -64,7 +66,7 @@ typedef struct point {
 
 static const point apart = {{0, 0, 0}, DLS_LOCAL_NONE}; /* for q_n < 0 */
 
-/* r := the one of the n points with the smallest |F|, the first of which is r = 0; NaN never wins. */
+/* r := the one of n points with the smallest |F|; the first point is r = 0, and NaN never wins. */
 static dls_local_state least_bad(int d, const double *W, const double *q, double mu,
                                  const point *points, int n, double *r) {
   double trace = 0, largest = 0;
@@ -75,7 +77,7 @@ static dls_local_state least_bad(int d, const double *W, const double *q, double
   const double w = trace > 0 ? trace / d : largest > 0 ? largest : 1;
   double best = INFINITY;
   dls_local_state state = DLS_LOCAL_NONE;
-  set(d, r, 0, 0, 0, state);
+  local_set(d, r, 0, 0, 0, state);
   for (int k = 0; k < n; k++) {
     const double *p = points[k].r;
     double u[3] = {0}, F[3] = {0};
@@ -109,7 +111,7 @@ void dlsi_block_2d_set(dlsi_block_2d *b, const double *W, double mu) {
   b->inv_slip[1] = 1 / (W[0] + mu * W[2]);
 }
 
-/* W r = -q by elimination; 1 if r is in the cone and not 0. */
+/* Solves W r = -q by elimination. Returns 1 if r is in the cone and not 0. */
 static int stick_2d(const dlsi_block_2d *b, const double *q, double *r) {
   const int p = b->p;
   const double z = q[1 - p] - b->f * q[p];
@@ -118,7 +120,7 @@ static int stick_2d(const dlsi_block_2d *b, const double *q, double *r) {
   return r[0] > 0 && r[0] <= DBL_MAX && fabs(r[1]) <= b->mu * r[0];
 }
 
-/* (L5) with e = sign; 1 if u_t opposes it. */
+/* (LO5) with e = sign; 1 if u_t opposes it. */
 static int slip_2d(const dlsi_block_2d *b, const double *q, int sign, double *r) {
   r[0] = -q[0] * b->inv_slip[sign > 0];
   r[1] = sign * b->mu * r[0];
@@ -126,22 +128,22 @@ static int slip_2d(const dlsi_block_2d *b, const double *q, int sign, double *r)
          sign * (q[1] + b->W[1] * r[0] + b->W[3] * r[1]) <= 0;
 }
 
-/* mu = 0: the tangential row only tells stick from slip */
+/* Solves for mu = 0, where the tangential row only tells stick from slip. */
 static dls_local_state frictionless(int d, const double *W, const double *q, double *r) {
   if (!(W[0] > 0)) return least_bad(d, W, q, 0, &apart, 1, r);
-  set(d, r, -q[0] / W[0], 0, 0, DLS_LOCAL_SLIP);
+  local_set(d, r, -q[0] / W[0], 0, 0, DLS_LOCAL_SLIP);
   if (!(r[0] <= DBL_MAX)) return least_bad(d, W, q, 0, &apart, 1, r);
   const int still = q[1] + W[1] * r[0] == 0 && (d == 2 || q[2] + W[2] * r[0] == 0);
   return still ? DLS_LOCAL_STICK : DLS_LOCAL_SLIP;
 }
 
 dls_local_state dlsi_local_2d(const dlsi_block_2d *b, const double *q, double *r) {
-  if (q[0] >= 0) return set(2, r, 0, 0, 0, DLS_LOCAL_FREE); /* (L1) */
+  if (q[0] >= 0) return local_set(2, r, 0, 0, 0, DLS_LOCAL_FREE); /* (LO1) */
   if (b->mu == 0) return frictionless(2, b->W, q, r);
-  if (stick_2d(b, q, r)) return DLS_LOCAL_STICK; /* (L3) */
-  double plus[2], minus[2];                      /* (L5) */
-  if (slip_2d(b, q, 1, plus)) return set(2, r, plus[0], plus[1], 0, DLS_LOCAL_SLIP);
-  if (slip_2d(b, q, -1, minus)) return set(2, r, minus[0], minus[1], 0, DLS_LOCAL_SLIP);
+  if (stick_2d(b, q, r)) return DLS_LOCAL_STICK; /* (LO3) */
+  double plus[2], minus[2];                      /* (LO5) */
+  if (slip_2d(b, q, 1, plus)) return local_set(2, r, plus[0], plus[1], 0, DLS_LOCAL_SLIP);
+  if (slip_2d(b, q, -1, minus)) return local_set(2, r, minus[0], minus[1], 0, DLS_LOCAL_SLIP);
   const point points[] = {apart,
                           {{r[0], r[1], 0}, DLS_LOCAL_STICK},
                           {{plus[0], plus[1], 0}, DLS_LOCAL_SLIP},
@@ -185,14 +187,14 @@ void dlsi_block_3d_set(dlsi_block_3d *b, const double *W, double mu) {
   if (!(b->scale > 0)) b->scale = W[0];
 }
 
-/* (L2), and what (L4) needs at one l */
+/* (LO2), and the terms of (LO4) that do not depend on l. */
 typedef struct schur {
   const dlsi_block_3d *block;
   double a, b[2], qn, mu, z[2];
   double N[2]; /* adj(S) z */
 } schur;
 
-static schur schur_complement(const dlsi_block_3d *block, const double *q) {
+static schur local_schur(const dlsi_block_3d *block, const double *q) {
   const double *W = block->W, *S = block->S;
   const double z0 = q[1] - block->c[0] * q[0], z1 = q[2] - block->c[1] * q[0];
   const schur s = {.block = block,
@@ -205,41 +207,42 @@ static schur schur_complement(const dlsi_block_3d *block, const double *q) {
   return s;
 }
 
-/* x := -S^-1 z */
-static void solve(const dlsi_block_3d *k, const double *z, double *x) {
+/* x := -S^-1 z. */
+static void local_solve_schur(const dlsi_block_3d *k, const double *z, double *x) {
   x[1] = -(z[1 - k->p] - k->f * z[k->p]) * k->inv1;
   x[0] = -(z[k->p] + k->u01 * x[1]) * k->inv0;
 }
 
-static double normal(const schur *s, const double *t) {
+static double local_normal(const schur *s, const double *t) {
   return -(s->qn + s->b[0] * t[0] + s->b[1] * t[1]) * s->block->inv_a;
 }
 
-/* (L3): 1 if r is in the cone */
+/* (LO3); returns 1 if r is in the cone. */
 static inline int stick_3d(const schur *s, double *r) {
-  solve(s->block, s->z, r + 1);
-  r[0] = normal(s, r + 1);
+  local_solve_schur(s->block, s->z, r + 1);
+  r[0] = local_normal(s, r + 1);
   return r[0] > 0 && r[0] <= DBL_MAX && sqrt(r[1] * r[1] + r[2] * r[2]) <= s->mu * r[0];
 }
 
-/* (L4) at l: r_t = -y / D, y = N + l z, D = det(S + l I), and r_n = (b.y - q_n D) / (a D) by u_n = 0 */
-typedef struct trial {
+/* (LO4) at l: r_t = -y / D, y = N + l z, D = det(S + l I), and r_n = (b.y - q_n D) / (a D) by u_n =
+ * 0 */
+typedef struct local_trial {
   double y[2], inv, dD; /* 1 / D, D' */
   double size, n, m;    /* |y|, |r_t|, mu r_n */
-} trial;
+} local_trial;
 
-/* What need not wait for the division does not: a sweep is a chain of these. */
-static inline trial evaluate(const schur *s, double l) {
+/* Evaluates (LO4) at l, with few operations after the division: a sweep is a chain of these. */
+static inline local_trial local_evaluate(const schur *s, double l) {
   const dlsi_block_3d *k = s->block;
   const double D = k->det + (k->trace + l) * l, inv = 1 / D;
   const double x = s->N[0] + l * s->z[0], y = s->N[1] + l * s->z[1], sum = x * x + y * y;
   const double size = dlsi_is_plain(sum) ? sqrt(sum) : hypot(x, y);
   const double m = s->mu * k->inv_a * (s->b[0] * x + s->b[1] * y - s->qn * D) * inv;
-  return (trial){{x, y}, inv, k->trace + 2 * l, size, size * fabs(inv), m};
+  return (local_trial){{x, y}, inv, k->trace + 2 * l, size, size * fabs(inv), m};
 }
 
-/* (L5) along r_t, k = r_n / |y|; 1 if r_n > 0 and all is finite */
-static inline int on_cone(const schur *s, const trial *c, double *r) {
+/* (LO5) along r_t, k = r_n / |y|. Returns 1 if r_n > 0 and all is finite. */
+static inline int on_cone(const schur *s, const local_trial *c, double *r) {
   const double sign = copysign(1, -c->inv), x = sign * c->y[0], y = sign * c->y[1];
   const double k = -s->qn / (s->a * c->size + s->mu * (s->b[0] * x + s->b[1] * y));
   r[0] = k * c->size;
@@ -248,8 +251,8 @@ static inline int on_cone(const schur *s, const trial *c, double *r) {
   return r[0] > 0 && s->mu * r[0] <= DBL_MAX && r[0] <= DBL_MAX && c->size <= DBL_MAX;
 }
 
-/* The step from l: Newton's for 1/n - 1/m, or for h = n - m if m <= 0 */
-static inline double newton(const schur *s, const trial *c) {
+/* Returns Newton's step from l for 1/n - 1/m, or for h = n - m if m <= 0. */
+static inline double local_newton(const schur *s, const local_trial *c) {
   const double *y = c->y, *z = s->z, *b = s->b;
   const double n = c->n, m = c->m, h = n - m, inv2 = c->inv * c->inv, turn = c->dD * c->inv;
   const double n2 = (y[0] * y[0] + y[1] * y[1]) * inv2;
@@ -259,18 +262,19 @@ static inline double newton(const schur *s, const trial *c) {
   return m > 0 ? h * (n2 * m) / (dm * n2 * n - ndn * (m * m)) : h * n / (dm * n - ndn);
 }
 
-/* (L4) for q_n < 0 from guess, or from 0 if that is not > 0; DLS_LOCAL_NONE if no root was found. */
+/* Solves (LO4) for q_n < 0 from guess, or from 0 where guess is not > 0. Returns DLS_LOCAL_NONE if
+ * it finds no root. */
 static dls_local_state slip_3d(const schur *s, double guess, double *r) {
   enum { most_steps = 100 };
   double l = guess > 0 && guess <= DBL_MAX ? guess : 0, lo = 0, hi = INFINITY;
   for (int step = 0; step < most_steps; step++) {
-    const trial c = evaluate(s, l);
+    const local_trial c = local_evaluate(s, l);
     const double n = c.n, m = c.m, h = n - m, size = n + fabs(m);
-    /* u_t = -l r_t is below the rounding of z: (L3) on the edge of the cone */
+    /* u_t = -l r_t is below the rounding of z: (LO3) on the edge of the cone */
     if (h <= 0 && m <= DBL_MAX && l * n <= 4 * DBL_EPSILON * (fabs(s->z[0]) + fabs(s->z[1]))) {
       r[1] = -c.y[0] * c.inv;
       r[2] = -c.y[1] * c.inv;
-      r[0] = normal(s, r + 1);
+      r[0] = local_normal(s, r + 1);
       return DLS_LOCAL_STICK;
     }
     if (fabs(h) <= 4 * DBL_EPSILON * size || hi - lo <= 2 * DBL_EPSILON * l) {
@@ -281,9 +285,9 @@ static dls_local_state slip_3d(const schur *s, double guess, double *r) {
       hi = l;
     else
       lo = l; /* also where S is singular and t is not finite */
-    const double next = l + newton(s, &c);
+    const double next = l + local_newton(s, &c);
     if (fabs(next - l) <= last_step * l && fabs(h) <= same * size) {
-      const trial last = evaluate(s, next);
+      const local_trial last = local_evaluate(s, next);
       return on_cone(s, &last, r) ? DLS_LOCAL_SLIP : DLS_LOCAL_NONE;
     }
     if (next > lo && next < hi)
@@ -296,9 +300,9 @@ static dls_local_state slip_3d(const schur *s, double guess, double *r) {
   return DLS_LOCAL_NONE;
 }
 
-/* Positive roots, in increasing order, of p[0] + .. + p[n] x^n, p[n] != 0: between the roots of the
- * derivative p is monotonic, so bisection finds what there is. All roots lie below 1 + max |p_i/p_n|,
- * and so do those of the derivatives (Gauss-Lucas). */
+/* Finds the positive roots, in increasing order, of p[0] + .. + p[n] x^n, p[n] != 0: between the
+ * roots of the derivative p is monotonic, so bisection finds what there is. All roots lie below 1 +
+ * max |p_i/p_n|, and so do those of the derivatives (Gauss-Lucas). */
 static int positive_roots(int n, const double *p, double *x) {
   double last = 1;
   for (int i = 0; i < n; i++)
@@ -344,8 +348,9 @@ static int positive_roots(int n, const double *p, double *x) {
   return count;
 }
 
-/* All slip solutions: with N = adj(S + l I) z, D = det(S + l I), r_t = -N / D and (L4) squared is
- * a^2 |N|^2 = mu^2 E^2, E = q_n D - b.N, a quartic in x = l / scale; r_n = -E / (a D) > 0 is left. */
+/* Finds all slip solutions. With N = adj(S + l I) z, D = det(S + l I), r_t = -N / D and (LO4)
+ * squared is a^2 |N|^2 = mu^2 E^2, E = q_n D - b.N, a quartic in x = l / scale; r_n = -E / (a D) >
+ * 0 is left. */
 static int all_slips(const schur *s, point *points) {
   double S[4];
   for (int e = 0; e < 4; e++)
@@ -369,7 +374,7 @@ static int all_slips(const schur *s, point *points) {
   for (int i = 0; i < roots; i++) {
     if (!(x[i] > rounding)) continue; /* stick on the edge of the cone */
     const double D = det + (trace + x[i]) * x[i], y[2] = {N0 + x[i] * z0, N1 + x[i] * z1};
-    const trial c = {.y = {y[0], y[1]}, .inv = 1 / D, .size = hypot(y[0], y[1])};
+    const local_trial c = {.y = {y[0], y[1]}, .inv = 1 / D, .size = hypot(y[0], y[1])};
     if (-(E[0] + (E[1] + E[2] * x[i]) * x[i]) / (a * D) > 0 && on_cone(s, &c, points[found].r))
       points[found++].state = DLS_LOCAL_SLIP;
   }
@@ -377,10 +382,10 @@ static int all_slips(const schur *s, point *points) {
 }
 
 dls_local_state dlsi_local_3d(const dlsi_block_3d *b, const double *q, double guess, double *r) {
-  if (q[0] >= 0) return set(3, r, 0, 0, 0, DLS_LOCAL_FREE); /* (L1) */
+  if (q[0] >= 0) return local_set(3, r, 0, 0, 0, DLS_LOCAL_FREE); /* (LO1) */
   if (b->mu == 0) return frictionless(3, b->W, q, r);
   if (!(b->W[0] > 0)) return least_bad(3, b->W, q, b->mu, &apart, 1, r);
-  const schur s = schur_complement(b, q);
+  const schur s = local_schur(b, q);
   if (stick_3d(&s, r)) return DLS_LOCAL_STICK;
   const dls_local_state state = slip_3d(&s, guess, r);
   if (state != DLS_LOCAL_NONE) return state;
@@ -398,40 +403,31 @@ static int count_3d(const dlsi_block_3d *b, const double *q) {
   if (!(W[0] > 0)) return n;
   if (n && !(mu * hypot(W[3], W[6]) > W[0])) return n;
   if (mu == 0) return n + (q[0] < 0);
-  const schur s = schur_complement(b, q);
+  const schur s = local_schur(b, q);
   point slip[4];
   double stick[3];
   n += stick_3d(&s, stick);
   return n + all_slips(&s, slip);
 }
 
-static dls_local_state local_2d(const double *W, const double *q, double mu, double *r,
-                                int *count) {
-  dlsi_block_2d b;
-  dlsi_block_2d_set(&b, W, mu);
-  if (count) *count = count_2d(&b, q);
-  return dlsi_local_2d(&b, q, r);
-}
-
-static dls_local_state local_3d(const double *W, const double *q, double mu, double *r,
-                                int *count) {
-  dlsi_block_3d b = {0};
-  dlsi_block_3d_set(&b, W, mu);
-  if (count) *count = count_3d(&b, q);
-  return dlsi_local_3d(&b, q, 0, r);
-}
-
 dls_local_state dls_nlgs_local(int d, const double *W, const double *q, double mu, double *r,
                                int *count) {
   double p[3] = {0};
-  const dls_local_state state = (d == 2 ? local_2d : local_3d)(W, q, mu, p, count);
-  if (count) {
-    /* the answer itself counts, and NONE is 0, where rounding tells the two tests apart */
-    if (state == DLS_LOCAL_NONE) *count = 0;
-    if (state != DLS_LOCAL_NONE && *count < 1) *count = 1;
+  dls_local_state state;
+  if (d == 2) {
+    dlsi_block_2d b;
+    dlsi_block_2d_set(&b, W, mu);
+    if (count) *count = count_2d(&b, q);
+    state = dlsi_local_2d(&b, q, p);
+  } else {
+    dlsi_block_3d b;
+    dlsi_block_3d_set(&b, W, mu);
+    if (count) *count = count_3d(&b, q);
+    state = dlsi_local_3d(&b, q, 0, p);
   }
-  r[0] = p[0];
-  r[1] = p[1];
-  if (d == 3) r[2] = p[2];
+  if (count && state == DLS_LOCAL_NONE) *count = 0;
+  /* the answer itself counts, where rounding tells the two tests apart */
+  if (count && state != DLS_LOCAL_NONE && *count < 1) *count = 1;
+  memcpy(r, p, (size_t)d * sizeof *r);
   return state;
 }

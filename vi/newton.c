@@ -1,15 +1,15 @@
 /*
  * newton.c: nonsmooth Newton on the friction law, d = 2 and 3.
  *
- * With w_c of the certificate, x = w r_n - u_n and tau = w r_t - u_t per candidate, u = W r + q, the
- * law is AC(r, u) = 0,
+ * With w_c of the certificate, x = w r_n - u_n and tau = w r_t - u_t per candidate, u = W r + q,
+ * the law is AC(r, u) = 0,
  *
  *   AC_c = w r_c - ( max(0, x),  tau put on the disc of radius R ),   R = mu max(0, x)
  *
- * (Alart and Curnier, Comp. Meth. Appl. Mech. Eng. 92, 1991, 353-375). Its generalised derivative is
- * reduced by hand: the branch of a candidate says which part of its new r is known, and only the
- * rest stays unknown. With r0 = r + known part, u0 = W r0 + q, t = tau / |tau| and, in 3D, p = t turned
- * by 90 degrees, one step is
+ * (Alart and Curnier, Comp. Meth. Appl. Mech. Eng. 92, 1991, 353-375). Its generalised derivative
+ * is reduced by hand: the branch of a candidate says which part of its new r is known, and only the
+ * rest stays unknown. With r0 = r + known part, u0 = W r0 + q, t = tau / |tau| and, in 3D, p = t
+ * turned by 90 degrees, one step is
  *
  *   (NE1)  free   x <= 0        r0_c = 0                               nothing unknown
  *          stick  |tau| <= R    r0_c = r_c                             dr_c:  u0_c + W_c dr = 0
@@ -18,28 +18,30 @@
  *                               and, 3D, b:  p.(u0_t + W_t dr) + l (p.r_t + b) = 0
  *                               l = w (|tau| - R) / R
  *          slip, mu = 0         r0_c = (r_n, 0), unknown a:            u0_n + W_n dr = 0
- *   (NE2)  these rows and columns of W + eps diag(w), and l on the rows of b: one factorisation, one
- *          solve. While the states stay, and in 3D nobody slides, the matrix does, and its factors are
- *          kept. Dense: Cholesky's where the matrix is symmetric (all stick, or mu = 0, and W is), else LU.
+ *   (NE2)  these rows and columns of W + eps diag(w), and l on the rows of b: one factorisation,
+ *          one solve. While the states stay, and in 3D nobody slides, the matrix does, and its
+ *          factors are kept. Dense: Cholesky's where the matrix is symmetric (all stick, or mu = 0,
+ *          and W is), else LU.
  *   (NE3)  r := r0 + dr
  *
- * k and mu a are the row of AC along t, linearised; the row of b is the one along p divided by
- * R / |tau|, with p.tau = 0. eps = 1e-6 keeps the matrix regular where W is not, and leaves AC alone:
- * steps then shrink the error by eps cond(W) or so instead of squaring it. If the matrix is singular
- * all the same, eps grows a hundredfold for good, from 1e-8 on. And eps grows tenfold, up to 1e-2, after
- * each 4 steps in a row that did not halve the residual: on a W of low rank the rounding of W r + q comes
- * back divided by eps, and shorter steps go round among states less often.
+ * k and mu a are the row of AC along t, linearised; the row of b is the one along p divided by R /
+ * |tau|, with p.tau = 0. eps = 1e-6 keeps the matrix regular where W is not, and leaves AC alone:
+ * steps then shrink the error by eps cond(W) or so instead of squaring it. If the matrix is
+ * singular all the same, eps grows a hundredfold for good, from 1e-8 on. And eps grows tenfold, up
+ * to 1e-2, after each 4 steps in a row that did not halve the residual: on a W of low rank the
+ * rounding of W r + q comes back divided by eps, and shorter steps go round among states less
+ * often.
  *
  * With springs, u = (W + diag(E)) r + q (augmented.c), E stands beside eps diag(w) in (NE2).
  *
- *   (NE0)  First, sweeps of Gauss-Seidel (nlgs.c) sort the states: from r = 0 the full step alone goes
- *          round among states too often.
- *   (NE4)  Line search, for starts without sweeps: r + s (r' - r), s = 1, 1/2, .. 1/64, until |AC| is
- *          below the largest of its last five values (Grippo, Lampariello and Lucidi, SIAM J. Numer.
- *          Anal. 23, 1986, 707-716). u is affine in r, so that a trial costs O(m).
+ *   (NE0)  First, sweeps of Gauss-Seidel (nlgs.c) sort the states: from r = 0 the full step alone
+ *          goes round among states too often.
+ *   (NE4)  Line search, for starts without sweeps: r + s (r' - r), s = 1, 1/2, .. 1/64, until |AC|
+ *          is below the largest of its last five values (Grippo, Lampariello and Lucidi, SIAM J.
+ *          Numer. Anal. 23, 1986, 707-716). u is affine in r, so that a trial costs O(m).
  *
- * Stop: the certificate holds (its F is de Saxce's; both vanish together), the limit of steps, or 12
- * steps that did not halve the residual. Uphill steps are taken, too; the best r met is kept.
+ * Stop: the certificate holds (its F is de Saxce's; both vanish together), the limit of steps, or
+ * 12 steps that did not halve the residual. Uphill steps are taken, too; the best r met is kept.
  *
  * Deviation from the full method, which has m unknowns whatever the states: only that arithmetic is
  * saved, the iterates are the same but for eps.
@@ -118,22 +120,22 @@ static void newton_carve(void *workspace, dlsi_arena *arena) {
   dls_newton *work = workspace;
   const size_t n = (size_t)work->nc, m = (size_t)work->d * n;
   double **const vectors[] = {&work->r, &work->next, &work->unext, &work->x};
-  dlsi_iterate_carve(&work->it, arena, work->d, work->nc);
+  dlsi_iterate_carve(&work->it, arena, work->d, work->nc, &work->settings.limits);
   dlsi_take_vectors(arena, m, 4, vectors);
   work->branch = dlsi_take(arena, n, sizeof *work->branch);
   work->pivot = dlsi_take(arena, m, sizeof *work->pivot);
   work->p = dlsi_take(arena, m + 1, sizeof *work->p);
 }
 
-/* Returns 1 if so many blocks are factorised sparse. From a quarter of all blocks on, the sparse matrix takes
- * the room of the dense one, and MUMPS more time than LAPACK: 1 to 2.5 times (d = 3, 200 and 500
- * candidates, band or scattered; at an eighth 0.4 to 1.1 times). */
+/* Returns 1 if so many blocks are factorised sparse. From a quarter of all blocks on, the sparse
+ * matrix takes the room of the dense one, and MUMPS more time than LAPACK: 1 to 2.5 times (d = 3,
+ * 200 and 500 candidates, band or scattered; at an eighth 0.4 to 1.1 times). */
 static int newton_is_sparse(int nc, int blocks) {
   return blocks < 0.25 * nc * nc;
 }
 
-/* Makes room for the matrix of nc candidates, W dense (blocks = 0) or with so many blocks. The number of
- * blocks announced to create decides how the matrix is factorised. */
+/* Makes room for the matrix of nc candidates, W dense (blocks = 0) or with so many blocks. The
+ * number of blocks announced to create decides how the matrix is factorised. */
 static dls_status newton_reserve(dls_newton *work, int nc, int blocks, dls_error *error) {
   const size_t m = (size_t)work->d * (size_t)nc;
   const int told = work->settings.limits.blocks;
@@ -185,7 +187,7 @@ void dls_newton_destroy(dls_newton *workspace) {
   free(workspace);
 }
 
-/* ---- the matrix of a step ---------------------------------------------------------------------- */
+/* ---- the matrix of a step -------------------------------------------------------------------- */
 
 /* e (3) := the direction of unknown j of a candidate in its r. */
 static void newton_direction(const newton_branch *b, double mu, int j, double *e) {
@@ -208,9 +210,9 @@ static double newton_row(const newton_branch *b, int i, const double *v) {
   return i == 0 ? v[0] : b->p[0] * v[1] + b->p[1] * v[2];
 }
 
-/* Returns what (NE2) adds to the diagonal entry for unknown j of candidate c: eps w_c, the spring E_c and, on
- * b, l. A candidate's test rows times its directions give the unit matrix, but for the tangential part of
- * a, which the row of b, along p, does not see: no other entry is needed. */
+/* Returns what (NE2) adds to the diagonal entry for unknown j of candidate c: eps w_c, the spring
+ * E_c and, on b, l. A candidate's test rows times its directions give the unit matrix, but for the
+ * tangential part of a, which the row of b, along p, does not see: no other entry is needed. */
 static double newton_diagonal(const dls_newton *work, int c, int j, double eps) {
   const newton_branch *b = &work->branch[c];
   return eps * work->it.w[c] + (work->it.E ? work->it.E[c] : 0) +
@@ -260,7 +262,8 @@ static void newton_build_from_dense(dls_newton *work, const dls_contact *problem
     }
 }
 
-/* J, or the sparse arrays of the room with the starts of their columns in p, := (NE2) from W by blocks. */
+/* J, or the sparse arrays of the room with the starts of their columns in p, := (NE2) from W by
+ * blocks. */
 static void newton_build_from_blocks(dls_newton *work, const dls_contact *problem, double eps,
                                      int k) {
   const size_t n = (size_t)k;
@@ -327,7 +330,8 @@ static dls_status newton_solve_matrix(dls_newton *work, const dls_contact *probl
   return DLS_OK;
 }
 
-/* ---- the step ------------------------------------------------------------------------------------ */
+/* ---- the step
+ * ------------------------------------------------------------------------------------ */
 
 /* Returns (NE1) for one candidate; r := r0. */
 static newton_branch newton_branch_of(int d, double mu, double w, const double *u, double *r) {
@@ -433,7 +437,7 @@ static double newton_merit(dls_newton *work, const dls_contact *problem, const d
   return dlsi_norm2(work->it.F, (size_t)d * (size_t)problem->nc);
 }
 
-/* (NE4) next := r + s (next - r). last: |AC| of the last iterates, to which that of next is added. */
+/* (NE4) next := r + s (next - r). last: |AC| of the last iterates, next included: memory. */
 static void newton_search(dls_newton *work, const dls_contact *problem, int step, double *last) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   double bound = last[0];
@@ -451,10 +455,11 @@ static void newton_search(dls_newton *work, const dls_contact *problem, int step
   last[step % memory] = now;
 }
 
-/* ---- the iteration ------------------------------------------------------------------------------- */
+/* ---- the iteration
+ * ------------------------------------------------------------------------------- */
 
-/* (NE1)-(NE3) from r: next. Where the matrix is singular, eps grows. DLS_E_SINGULAR: it is for every eps;
- * DLS_E_MEMORY. */
+/* (NE1)-(NE3) from r: next. Where the matrix is singular, eps grows. DLS_E_SINGULAR: it is for
+ * every eps; DLS_E_MEMORY. */
 static dls_status newton_step(dls_newton *work, const dls_contact *problem, double *eps,
                               int *factorisations, dls_error *error) {
   dls_error why = {0};
@@ -534,14 +539,12 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
 
 dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, double *r, double *u,
                             dls_info *info, dls_error *error) {
-  dls_status status = workspace ? dlsi_check_solve(workspace->d, workspace->nc, problem, r,
-                                                   workspace->settings.limits.warm_start, error)
-                                : dlsi_is_null(error, "workspace");
+  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
   if (!status) status = dlsi_newton_run(workspace, problem, NULL, r, u, info, error);
   return dlsi_at(__func__, status, error);
 }
 
-/* ---- its row in the table of methods --------------------------------------------------------------- */
+/* ---- in the table of methods ----------------------------------------------------------------- */
 
 static dls_status newton_create_by(void **out, int d, int nc, const dlsi_options *options,
                                    dls_error *error) {
@@ -571,10 +574,11 @@ static void newton_set_limits(void *work, const dls_limits *limits) {
 }
 
 const dlsi_method dlsi_newton_method = {
-    .method = DLS_NEWTON,
-    .name = "newton",
-    .summary = "nonsmooth Newton steps after sweeps: 1e-8 and better, ill-conditioned W",
-    .create = newton_create_by,
-    .solve = newton_solve,
-    .destroy = newton_destroy,
-    .set_limits = newton_set_limits};
+    DLS_NEWTON,
+    "newton",
+    "nonsmooth Newton steps after sweeps: 1e-8 and better, ill-conditioned W",
+    newton_create_by,
+    newton_solve,
+    newton_destroy,
+    newton_set_limits,
+    NULL};

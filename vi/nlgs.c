@@ -10,44 +10,47 @@
  *   (NL3)  s := P_Cmu( r_c + omega (s - r_c) )           only if omega is not 1
  *   (NL4)  u += W(:,c) (s - r_c),   r_c := s             only if s is not r_c
  *
- * (NL0) A candidate with r_c = 0 and u_n >= 0 stays free: (NL1)-(NL4) give nothing else. The projection
- * in (NL3) is the orthogonal one on the cone; for omega <= 1 it changes nothing, the cone being convex.
- * Under omega < 1 the r_c of a candidate that has left the obstacle is put to exactly 0 once it is too
- * small to move u.
+ * (NL0) A candidate with r_c = 0 and u_n >= 0 stays free: (NL1)-(NL4) give nothing else. The
+ * projection in (NL3) is the orthogonal one on the cone; for omega <= 1 it changes nothing, the
+ * cone being convex. Under omega < 1 the r_c of a candidate that has left the obstacle is put to
+ * exactly 0 once it is too small to move u.
  *
- * Stop: each sweep ends with an estimate of the certificate's residual from the u at hand, O(nc). (NL5)
- * When the estimate meets max(tol, 4 floor), when a sweep changes nothing, and every 50 sweeps, u and the
- * certificate are recomputed from the user's W and q. A sweep from such a fresh u that changes nothing and
- * is not solved can never change anything: DLS_STALLED. A call that ends early returns the best r met.
+ * Stop: each sweep ends with an estimate of the certificate's residual from the u at hand, O(nc).
+ * (NL5) When the estimate meets max(tol, 4 floor), when a sweep changes nothing, and every 50
+ * sweeps, u and the certificate are recomputed from the user's W and q. A sweep from such a fresh u
+ * that changes nothing and is not solved can never change anything: DLS_STALLED. A call that ends
+ * early returns the best r met.
  *
  * Accelerated, the sweep g is a fixed-point map x -> r = g(x). Between two sweeps,
  *
- *   (NL6)  f = D (r - x), D = diag(w_c) 2^k, 2^k |q| about 1;  x := r - DG gamma, u := u - DU gamma by
- *          Anderson (anderson.c), then each x_c := P_Cmu(x_c) with u by columns
- *   (NL7)  instead, if the residual of r exceeds 1.1 times that of the g before: back to that g, its u
- *          afresh, history forgotten; the plain sweep that follows is always taken
+ *   (NL6)  f = D (r - x), D = diag(w_c) 2^k, 2^k |q| about 1;  x := r - DG gamma, u := u - DU gamma
+ *          by Anderson (anderson.c), then each x_c := P_Cmu(x_c) with u by columns
+ *   (NL7)  instead, if the residual of r exceeds 1.1 times that of the g before: back to that g,
+ *          its u afresh, history forgotten; the plain sweep that follows is always taken
  *
- * Whatever x is, r = g(x) is the iterate that is measured, kept as the best and returned. Sweeps do not damp
- * the rounding of u, and (NL6) amplifies it; with u afresh in (NL7) and a bound on gamma, estimate and
- * certificate stay within 1 % on the FCLIB files but for BoxesStack1 (1 in 25 of its refreshes finds a
- * factor of 10). Without the two, a call on the cycle of tests/method/test_nlgs.c estimated 4e-8 for an r
- * of residual 0.7.
+ * Whatever x is, r = g(x) is the iterate that is measured, kept as the best and returned. Sweeps do
+ * not damp the rounding of u, and (NL6) amplifies it; with u afresh in (NL7) and a bound on gamma,
+ * estimate and certificate stay within 1 % on the FCLIB files but for BoxesStack1 (1 in 25 of its
+ * refreshes finds a factor of 10). Without the two, a call on the cycle of tests/method/test_nlgs.c
+ * estimated 4e-8 for an r of residual 0.7.
  *
  * W dense: u receives the changes of four candidates in one pass over their columns (products.c); a
- * candidate that is visited before that pass adds the outstanding changes to its own rows. Every u_i still
- * receives them in the order of the candidates: the bits are those of one by one.
+ * candidate that is visited before that pass adds the outstanding changes to its own rows. Every
+ * u_i still receives them in the order of the candidates: the bits are those of one by one.
  *
- * Source: [Jean 1988] 3.3 names Gauss-Seidel on (3.3)5-6; the form with exact local solutions is Jourdan,
- * Alart and Jean 1998. Deviation: u is updated by columns, where the usual code recomputes row c of
- * W r: the same arithmetic, but candidates that do not change cost nothing, and the residual is free.
- * (NL6) with two sweeps is what [Chabrand 1998] 4.2 names (Aitken, after Raous, Barbosa and Latil).
+ * Source: [Jean 1988] 3.3 names Gauss-Seidel on (3.3)5-6; the form with exact local solutions is
+ * Jourdan, Alart and Jean 1998. Deviation: u is updated by columns, where the usual code recomputes
+ * row c of W r: the same arithmetic, but candidates that do not change cost nothing, and the
+ * residual is free. (NL6) with two sweeps is what [Chabrand 1998] 4.2 names (Aitken, after Raous,
+ * Barbosa and Latil).
  *
- * Cost of a sweep: the columns of W of the candidates that changed, once; besides O(nc). Accelerated:
- * (3 window + 10) m operations or so, and the columns of the candidates that (NL6) projects.
- * What can fail: nothing guarantees convergence with friction. It can cycle for ever (W SPD and mu = 1
- * suffice, tests/method/test_nlgs.c), and needs many sweeps for ill-conditioned W. A candidate without a
- * local solution (W_cc indefinite, or wedged by a large mu) gets the least bad point; the certificate
- * then does not hold.
+ * Cost of a sweep: the columns of W of the candidates that changed, once; besides O(nc).
+ * Accelerated: (3 window + 10) m operations or so, and the columns of the candidates that (NL6)
+ * projects.
+ * What can fail: nothing guarantees convergence with friction. It can cycle for ever (W SPD and mu
+ * = 1 suffice, tests/method/test_nlgs.c), and needs many sweeps for ill-conditioned W. A candidate
+ * without a local solution (W_cc indefinite, or wedged by a large mu) gets the least bad point; the
+ * certificate then does not hold.
  */
 #include <float.h>
 #include <math.h>
@@ -58,8 +61,8 @@
 
 enum { most_sweeps = 10000, refresh_every = 50, most_window = 100 };
 
-/* (NL7) Growth of the residual that an accelerated iterate may show: on nine FCLIB files together (Anderson,
- * 1e-8) a growth of 2 takes 19335 sweeps where 1.1 takes 11758. */
+/* (NL7) Growth of the residual that an accelerated iterate may show: on nine FCLIB files together
+ * (Anderson, 1e-8) a growth of 2 takes 19335 sweeps where 1.1 takes 11758. */
 static const double nlgs_growth = 1.1;
 
 struct dls_nlgs {
@@ -90,7 +93,7 @@ static void nlgs_carve(void *workspace, dlsi_arena *arena) {
     work->block_2d = dlsi_take(arena, n, sizeof *work->block_2d);
   else
     work->block_3d = dlsi_take(arena, n, sizeof *work->block_3d);
-  dlsi_iterate_carve(&work->it, arena, work->d, work->nc);
+  dlsi_iterate_carve(&work->it, arena, work->d, work->nc, &work->settings.limits);
   if (work->stage) {
     work->own_order = dlsi_take(arena, n, sizeof *work->own_order);
     work->scratch = dlsi_take(arena, n, sizeof *work->scratch);
@@ -129,7 +132,7 @@ void dls_nlgs_destroy(dls_nlgs *workspace) {
   free(workspace);
 }
 
-/* ---- the sweep --------------------------------------------------------------------------------- */
+/* ---- the sweep ------------------------------------------------------------------------------- */
 
 enum { batch_size = 4 };
 
@@ -170,8 +173,8 @@ static void nlgs_flush(const dls_nlgs *work, const dls_contact *problem, nlgs_ba
   b->count = 0;
 }
 
-/* (NL4) for one candidate: into the batch, or at once (b NULL, W by blocks). With springs the batch is
- * flushed at once, since E_c comes after W_cc. */
+/* (NL4) for one candidate: into the batch, or at once (b NULL, W by blocks). With springs the batch
+ * is flushed at once, since E_c comes after W_cc. */
 static inline void nlgs_change(const dls_nlgs *work, const dls_contact *problem, int c,
                                const double *dr, nlgs_batch *b) {
   const size_t d = (size_t)problem->d;
@@ -185,7 +188,7 @@ static inline void nlgs_change(const dls_nlgs *work, const dls_contact *problem,
   nlgs_add_springs(work, problem->d, c, dr);
 }
 
-/* (NL0)-(NL4) for all candidates; d is a constant where this is inlined. Returns how many changed. */
+/* (NL0)-(NL4) for all candidates, inlined for a constant d. Returns how many changed. */
 static DLSI_INLINE int nlgs_visit_all(const int d, const dls_nlgs *work, const dls_contact *problem,
                                       nlgs_batch *b, double *r) {
   const double omega = work->settings.relaxation;
@@ -238,7 +241,7 @@ static int nlgs_sweep(const dls_nlgs *work, const dls_contact *problem, double *
   return changed;
 }
 
-/* ---- the residual ------------------------------------------------------------------------------ */
+/* ---- the residual ---------------------------------------------------------------------------- */
 
 /* Returns sum_c |F_c|^2 / |q|^2 from the u at hand; scale = 1 / |q|. */
 static double nlgs_squares_2d(const dls_nlgs *work, const dls_contact *problem, const double *r,
@@ -255,8 +258,8 @@ static double nlgs_squares_2d(const dls_nlgs *work, const dls_contact *problem, 
   return sum;
 }
 
-/* Returns that sum for d = 3, several candidates at once: their roots and divisions take as long as those
- * of one. */
+/* Returns that sum for d = 3, several candidates at once: their roots and divisions take as long as
+ * those of one. */
 DLSI_CLONES static double nlgs_squares_3d(const dls_nlgs *work, const dls_contact *problem,
                                           const double *r, double scale) {
   enum { lanes = 16 };
@@ -276,7 +279,8 @@ DLSI_CLONES static double nlgs_squares_3d(const dls_nlgs *work, const dls_contac
       }
     }
     if (!moves) continue;
-    /* All branches of dlsi_contact_residual; where t = 0 and `part` is NaN, `inside` or `polar` holds. */
+    /* All branches of dlsi_contact_residual; where t = 0 and `part` is NaN, `inside` or `polar`
+     * holds. */
     for (int k = 0; k < lanes; k++) {
       const double n = v[0][k] - u[0][k] - mu[k] * sqrt(u[1][k] * u[1][k] + u[2][k] * u[2][k]);
       const double x = v[1][k] - u[1][k], y = v[2][k] - u[2][k], t = sqrt(x * x + y * y);
@@ -298,14 +302,16 @@ static double nlgs_estimate(const dls_nlgs *work, const dls_contact *problem, co
   return sqrt((problem->d == 2 ? nlgs_squares_2d : nlgs_squares_3d)(work, problem, r, scale));
 }
 
-/* Brings u to the bits that belong to the order of the visits, not to the numbers: sweeps go on from it. */
+/* Brings u to the bits that belong to the order of the visits, not to the numbers: sweeps go on
+ * from it. */
 static void nlgs_resume(const dls_nlgs *work, const dls_contact *problem, const double *r) {
   if (work->order) dlsi_multiply(problem, work->order, work->it.E, r, work->it.u, NULL);
 }
 
-/* ---- back on the cones --------------------------------------------------------------------------- */
+/* ---- back on the cones
+ * --------------------------------------------------------------------------- */
 
-/* Projects a start on its cones, so that r_n = 0 means r_c = 0 (NL0). Returns 1 if r was outside. */
+/* Projects r on its cones, so that r_n = 0 means r_c = 0 (NL0). Returns 1 if r was outside. */
 static int nlgs_project_start(const dls_contact *problem, double *r) {
   const size_t d = (size_t)problem->d;
   int outside = 0;
@@ -317,7 +323,7 @@ static int nlgs_project_start(const dls_contact *problem, double *r) {
   return outside;
 }
 
-/* dr := P_Cmu(rc) - rc. Returns 0 if that is nothing but rounding, as it is for most r_c that slip. */
+/* dr := P_Cmu(rc) - rc. Returns 0 if that is mere rounding, as it is for most r_c that slip. */
 static inline int nlgs_lack(int d, double mu, const double *rc, double *dr) {
   double p[3], size = 0, moved = 0;
   if (dlsi_project_cone(d, mu, rc, p) == DLS_STICK) return 0;
@@ -344,18 +350,19 @@ static void nlgs_repair(const dls_nlgs *work, const dls_contact *problem, double
   if (b) nlgs_flush(work, problem, b);
 }
 
-/* ---- the iteration ------------------------------------------------------------------------------- */
+/* ---- the iteration
+ * ------------------------------------------------------------------------------- */
 
-/* Returns the power of two next to x > 0, which scales f without rounding: the last digit of |q| depends on
- * the numbers of the candidates. */
-static double power_of_two(double x) {
+/* Returns the power of two next to x > 0, which scales f without rounding: the last digit of |q|
+ * depends on the numbers of the candidates. */
+static double nlgs_power_of_two(double x) {
   int e;
   (void)frexp(x, &e);
   return ldexp(1, e);
 }
 
-/* (NL6) r := the start of the next sweep. r = g(x) has the estimated residual `residual`, the g of the sweep
- * before had *accepted; scale = 1 / |q|. */
+/* (NL6) r := the start of the next sweep. r = g(x) has the estimated residual `residual`, the g of
+ * the sweep before had *accepted; scale = 1 / |q|. */
 static void nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double residual,
                             double scale, double *accepted, double *r) {
   dlsi_anderson *history = &work->history;
@@ -366,7 +373,7 @@ static void nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double r
     dlsi_anderson_clear(history);
   } else {
     *accepted = residual;
-    const double unit = power_of_two(scale);
+    const double unit = nlgs_power_of_two(scale);
     double *f = work->it.F; /* in the order of the visits, as all sums of the history */
     for (size_t k = 0; k < m / d; k++) {
       const size_t c = work->order ? (size_t)work->order[k] : k;
@@ -379,8 +386,8 @@ static void nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double r
   memcpy(work->x, r, m * sizeof *r);
 }
 
-/* Sweeps from r until the certificate holds or there is a reason to stop, which is returned; it.u belongs
- * to it.best then. *iterations: sweeps done. */
+/* Sweeps from r until the certificate holds or there is a reason to stop, which is returned; it.u
+ * belongs to it.best then. *iterations: sweeps done. */
 static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, double *r,
                                int *iterations) {
   const dls_limits *limits = &work->settings.limits;
@@ -477,14 +484,12 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
 
 dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
-  dls_status status = workspace ? dlsi_check_solve(workspace->d, workspace->nc, problem, r,
-                                                   workspace->settings.limits.warm_start, error)
-                                : dlsi_is_null(error, "workspace");
+  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
   if (!status) status = nlgs_solve(workspace, problem, r, u, info, error);
   return dlsi_at(__func__, status, error);
 }
 
-/* ---- its row in the table of methods --------------------------------------------------------------- */
+/* ---- in the table of methods ----------------------------------------------------------------- */
 
 static dls_status nlgs_create_by(void **out, int d, int nc, const dlsi_options *options,
                                  dls_error *error) {
@@ -505,10 +510,6 @@ static void nlgs_set_limits(void *work, const dls_limits *limits) {
 }
 
 const dlsi_method dlsi_nlgs_method = {
-    .method = DLS_NLGS,
-    .name = "nlgs",
-    .summary = "sweeps of Gauss-Seidel: any W, 1e-4 to 1e-8; accelerated, more",
-    .create = nlgs_create_by,
-    .solve = nlgs_solve,
-    .destroy = nlgs_destroy,
-    .set_limits = nlgs_set_limits};
+    DLS_NLGS,        "nlgs",     "sweeps of Gauss-Seidel: any W, 1e-4 to 1e-8; accelerated, more",
+    nlgs_create_by,  nlgs_solve, nlgs_destroy,
+    nlgs_set_limits, NULL};

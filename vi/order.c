@@ -1,19 +1,20 @@
 /*
  * order.c: an order of the candidates that follows from the data and not from their numbers.
  *
- * Gauss-Seidel, and every method that starts from its answer, depends on the order of the candidates.
- * Visited in this one, a permuted problem takes the same sweeps.
+ * Gauss-Seidel, and every method that starts from its answer, depends on the order of the
+ * candidates. Visited in this one, a permuted problem takes the same sweeps.
  *
- *   (OR1)  by q_n / w, |q_t| / w, w, mu, the smaller first: what approaches fastest; then as numbered
- *   (OR2)  W dense: the first of (OR1); then always the candidate j with the largest sum |W_nn(j, c)|
- *          over the c that have their place; of several the first of (OR1)
+ *   (OR1)  by q_n / w, |q_t| / w, w, mu, the smaller first: what approaches fastest; then as
+ *          numbered
+ *   (OR2)  W dense: the first of (OR1); then always the candidate j with the largest sum |W_nn(j,
+ *          c)| over the c that have their place; of several the first of (OR1)
  *
- * w are the weights of the certificate. Numbers count to 26 bits: other units, other tangents or the
- * two halves of a symmetric body must not be told apart by their rounding.
+ * w are the weights of the certificate. Numbers count to 26 bits: other units, other tangents or
+ * the two halves of a symmetric body must not be told apart by their rounding.
  *
- * Candidates that (OR1) does not tell apart, the bricks of a wall for instance, keep their order: there
- * a permuted problem may take other sweeps. (OR2) walks from neighbour to neighbour, as meshes are
- * numbered.
+ * Candidates that (OR1) does not tell apart, the bricks of a wall for instance, keep their order:
+ * there a permuted problem may take other sweeps. (OR2) walks from neighbour to neighbour, as
+ * meshes are numbered.
  *
  * Cost: a sort; (OR2) reads nc^2 / 2 entries of W.
  */
@@ -64,7 +65,8 @@ static void order_sort(const order_keys *key, int n, int *order, int *scratch) {
     order[k] = b < n && order_precedes(key, order[b], scratch[a]) ? order[b++] : scratch[a++];
 }
 
-/* Turns order from (OR1) into (OR2). coupling: of candidate order[k] while it has no place, scratch, nc. */
+/* Turns order from (OR1) into (OR2). coupling: of candidate order[k] while it has no place,
+ * scratch, nc. */
 static void order_walk(const dls_contact *problem, double *coupling, int *order) {
   const size_t d = (size_t)problem->d, ld = (size_t)problem->W.ld;
   const int nc = problem->nc;

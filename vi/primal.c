@@ -5,46 +5,48 @@
  *   b = mu r_n
  *
  * in the local frames of frames.c: x_c = u_c - g_c, and r stands at the unknowns of the contact
- * nodes. For given thresholds b this is Tresca's problem, the minimum under u_n >= 0 of the strictly
- * convex Q(x) = x^T K x / 2 - f^T x + sum_c b_c |u_tc|, (38). R = f - K x is kept up to date by
- * columns, which are the rows of K. One sweep visits the unknowns in their order:
+ * nodes. For given thresholds b this is Tresca's problem, the minimum under u_n >= 0 of the
+ * strictly convex Q(x) = x^T K x / 2 - f^T x + sum_c b_c |u_tc|, (38). R = f - K x is kept up to
+ * date by columns, which are the rows of K. One sweep visits the unknowns in their order:
  *
- *   (G1)  x_i += omega R_i / K_ii                    an unknown without contact
- *   (G2)  u_c := the solution of Tresca's problem of node c alone, the others frozen
- *   (G3)  Aitken: x := s - gamma (s - s_before), s the end of a sweep, if that does not raise Q
- *   (G4)  b_c := mu_c max(0, r_nc), r = -R at the contact nodes: a step of the fixed point, taken
- *         in the place of (G3) when Tresca's problem is solved to half of what Coulomb's lacks
- *   (G5)  the certificate (primal.h) from a fresh R, when its estimate from the R at hand meets the
- *         target, when a sweep changes nothing, and every 50 sweeps
+ *   (PR1)  x_i += omega R_i / K_ii                    an unknown without contact
+ *   (PR2)  u_c := the solution of Tresca's problem of node c alone, the others frozen
+ *   (PR3)  Aitken: x := s - gamma (s - s_before), s the end of a sweep, if that does not raise Q
+ *   (PR4)  b_c := mu_c max(0, r_nc), r = -R at the contact nodes: a step of the fixed point, taken
+ *          in the place of (PR3) when Tresca's problem is solved to half of the residual of
+ *          Coulomb's
+ *   (PR5)  the certificate (primal.h) from a fresh R, when its estimate from the R at hand meets
+ *          the target, when a sweep changes nothing, and every 50 sweeps
  *
- * (G3) With x_k the start of sweep k, s_k its end and f_k = s_k - x_k,
+ * (PR3) With x_k the start of sweep k, s_k its end and f_k = s_k - x_k,
  *
  *   gamma = <f_k - f_k-1, f_k> / |f_k - f_k-1|^2,   x_k+1 = s_k - gamma (s_k - s_k-1)
  *
- * in the scalar product of diag(K): Aitken's Delta^2 for vectors, by Irons and Tuck (Anderson's with a
- * memory of one). It accelerates the sweeps, not the fixed point: it stands in for over-relaxation,
- * whose parameter [C] wants to be rid of, and sweeps are where the time goes: [J] Fig. 3 to 1e-12
- * takes 495 of them and 19 steps of the fixed point. R being affine in x, it takes no product with K,
- * and neither does Q(x) - Q(s) = -(x - s)^T (R_x + R_s) / 2 + sum_c b_c (|u_tc of x| - |u_tc of s|).
+ * in the scalar product of diag(K): Aitken's Delta^2 for vectors, by Irons and Tuck (Anderson's
+ * with a memory of one). It accelerates the sweeps, not the fixed point: it stands in for
+ * over-relaxation, whose parameter [C] wants to be rid of, and sweeps are where the time goes: [J]
+ * Fig. 3 to 1e-12 takes 495 of them and 19 steps of the fixed point. R being affine in x, it takes
+ * no product with K, and neither does Q(x) - Q(s) = -(x - s)^T (R_x + R_s) / 2 + sum_c b_c (|u_tc
+ * of x| - |u_tc of s|).
  *
- * Convergence: each (G1) with 0 < omega < 2, (G2) and (G3) lowers Q or leaves it, so the sweeps solve
- * Tresca's problem from any start. The fixed point is a contraction for small mu only.
+ * Convergence: each (PR1) with 0 < omega < 2, (PR2) and (PR3) lowers Q or leaves it, so the sweeps
+ * solve Tresca's problem from any start. The fixed point is a contraction for small mu only.
  *
- * Source: [C] 4.2, which gives no formula for its Aitken procedure. Deviations: a contact node takes
- * the exact solution of its 2 x 2 problem, n and t together, and is not over-relaxed (it was tried on
- * [J] Figs. 3 and 4, without gain, and would spoil the argument above); the inner problems are not
- * solved to the end (G4), which the paper leaves open; R by columns in the place of (K x)_i by rows:
- * the same products, but an unknown that stays costs nothing, and residual, Q and d^T K d are free.
+ * Source: [C] 4.2, which gives no formula for its Aitken procedure. Deviations: a contact node
+ * takes the exact solution of its 2 x 2 problem, n and t together, and is not over-relaxed (without
+ * gain on [J] Figs. 3 and 4, and against the argument above); the inner problems are not solved to
+ * the end (PR4), which the paper leaves open; R by columns in the place of (K x)_i by rows: the
+ * same products, but an unknown that stays costs nothing, and residual, Q and d^T K d are free.
  *
- * Cost of a sweep: the columns of K once; besides O(n). What can fail: the fixed point diverges or
- * cycles for large mu (DLS_MAX_ITERATIONS); the number of sweeps grows with the mesh.
+ * Cost of a sweep: the columns of K once; besides O(n).
+ * What can fail: the fixed point diverges or cycles for large mu (DLS_MAX_ITERATIONS); the number
+ * of sweeps grows with the mesh.
  */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/base.h"
 #include "delassus/primal.h"
 #include "vi_internal.h"
 
@@ -53,20 +55,20 @@ enum { most_sweeps = 100000, refresh_every = 50 };
 struct dls_primal {
   dls_primal_settings settings;
   dlsi_frames K;
-  void *memory; /* of all that follows */
-  /* n each */
+  /* of unknowns, n each */
   double *inverse; /* 1 / K_ii */
   double *f, *g;   /* loads; gaps, 0 off the contact nodes */
   double *x, *R;   /* x + g (so that it is u at the contact nodes), f - K x */
-  double *x0, *R0; /* at the start of the sweep, then (G3)'s proposal */
+  double *x0, *R0; /* at the start of the sweep, then the proposal of (PR3) */
   double *s, *Rs;  /* at the end of the sweep before */
   double *step;    /* of the sweep before */
   double *a;       /* |f| + |K| (|x| + |g|) */
-  double *best;    /* the x with the smallest certificate */
-  /* contact nodes */
-  double *mu, *b, *w;        /* friction, thresholds, weights of the certificate */
-  double *coupling, *schur;  /* K_nt; K_tt - K_tn K_nn^-1 K_nt */
-  double *r, *u, *q, *A, *F; /* two per node: for the certificate */
+  double *best;    /* x with the smallest residual */
+  /* of contact nodes, one each */
+  double *mu, *b, *w;       /* friction, thresholds, weights of the certificate */
+  double *coupling, *schur; /* K_nt; K_tt - K_tn K_nn^-1 K_nt */
+  /* of contact nodes, two each: for the certificate */
+  double *r, *u, *q, *A, *F;
 };
 
 void dls_primal_settings_init(dls_primal_settings *settings) {
@@ -75,14 +77,12 @@ void dls_primal_settings_init(dls_primal_settings *settings) {
   dlsi_limits_init(&settings->limits);
 }
 
-static dls_status check_settings(const dls_primal_settings *s, dls_error *error) {
+static dls_status primal_check(const dls_primal_settings *s, const dls_model *model,
+                               dls_error *error) {
   const dlsi_setting own[] = {{"relaxation", s->relaxation, 0, 2, 1},
                               {"aitken", s->aitken, 0, 1, 0}};
-  return dlsi_check_settings(&s->limits, s->size, sizeof *s, 2, own, error);
-}
-
-static dls_status check_model(const dls_model *model, dls_error *error) {
-  const dls_status status = dlsi_check_model(model, error);
+  dls_status status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 2, own, error);
+  if (!status) status = dlsi_check_model(model, error);
   if (status) return status;
   if (model->d != 2)
     return dlsi_fail(error, DLS_E_UNSUPPORTED, "d", -1, model->d, "is %d; this method is for d = 2",
@@ -102,30 +102,26 @@ static dls_status check_model(const dls_model *model, dls_error *error) {
   return DLS_OK;
 }
 
-static void carve(dlsi_arena *arena, dls_primal *p) {
-  const size_t n = (size_t)p->K.n, nodes = (size_t)p->K.nodes;
+static void primal_carve(void *workspace, dlsi_arena *arena) {
+  dls_primal *p = workspace;
+  const size_t nodes = (size_t)p->K.nodes;
   double **const of_unknowns[] = {&p->inverse, &p->f, &p->g,  &p->x,    &p->R, &p->x0,
                                   &p->R0,      &p->s, &p->Rs, &p->step, &p->a, &p->best};
   double **const of_nodes[] = {&p->mu, &p->b, &p->w, &p->coupling, &p->schur};
   double **const of_pairs[] = {&p->r, &p->u, &p->q, &p->A, &p->F};
-  for (size_t k = 0; k < sizeof of_unknowns / sizeof of_unknowns[0]; k++)
-    *of_unknowns[k] = dlsi_take(arena, n, sizeof(double));
-  for (size_t k = 0; k < sizeof of_nodes / sizeof of_nodes[0]; k++)
-    *of_nodes[k] = dlsi_take(arena, nodes, sizeof(double));
-  for (size_t k = 0; k < sizeof of_pairs / sizeof of_pairs[0]; k++)
-    *of_pairs[k] = dlsi_take(arena, 2 * nodes, sizeof(double));
+  dlsi_take_vectors(arena, (size_t)p->K.n, 12, of_unknowns);
+  dlsi_take_vectors(arena, nodes, 5, of_nodes);
+  dlsi_take_vectors(arena, 2 * nodes, 5, of_pairs);
 }
 
-/* What depends on K alone. */
-static void prepare(dls_primal *p) {
+/* Computes the arrays that depend on K alone. */
+static void primal_prepare(dls_primal *p) {
   const dlsi_frames *K = &p->K;
   for (int i = 0; i < K->n; i++)
     p->inverse[i] = 1 / K->diagonal[i];
   for (int c = 0; c < K->nodes; c++) {
     const int i = K->normal[c], j = K->tangent[c];
-    p->coupling[c] = 0;
-    for (size_t k = K->start[i]; k < K->start[i + 1]; k++)
-      if (K->row[k] == j) p->coupling[c] = K->value[k];
+    p->coupling[c] = dlsi_frames_coupling(K, c);
     const double ratio = p->coupling[c] / K->diagonal[i];
     p->schur[c] = K->diagonal[j] - p->coupling[c] * ratio;
     /* trace(K_cc^-1) / 2 */
@@ -133,53 +129,41 @@ static void prepare(dls_primal *p) {
   }
 }
 
+static dls_status primal_create(void **out, const dls_model *model,
+                                const dls_primal_settings *settings, dls_error *error) {
+  dls_primal filled = {0};
+  dls_primal_settings_init(&filled.settings);
+  if (settings) filled.settings = *settings;
+  dls_status status = primal_check(&filled.settings, model, error);
+  if (!status) status = dlsi_frames_create(&filled.K, model, error);
+  if (!status)
+    status = dlsi_workspace(out, &filled, sizeof filled, primal_carve, model->nodes, error);
+  if (status)
+    dlsi_frames_free(&filled.K);
+  else
+    primal_prepare(*out);
+  return status;
+}
+
 dls_status dls_primal_create(dls_primal **out, const dls_model *model,
                              const dls_primal_settings *settings, dls_error *error) {
-  if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
-  *out = NULL;
-  dls_primal_settings defaults;
-  dls_primal_settings_init(&defaults);
-  if (!settings) settings = &defaults;
-  dls_status status = check_settings(settings, error);
-  if (!status) status = check_model(model, error);
-  if (status) return dlsi_at(__func__, status, error);
-
-  dls_primal *p = dlsi_alloc(1, sizeof *p);
-  if (!p) return dlsi_at(__func__, dlsi_no_memory(error), error);
-  *p = (dls_primal){.settings = *settings};
-  status = dlsi_frames_create(&p->K, model, error);
-  if (!status) {
-    dlsi_arena arena = {0};
-    carve(&arena, p);
-    arena.size = arena.used;
-    p->memory = arena.failed ? NULL : dlsi_alloc(arena.size, 1);
-    arena.base = p->memory;
-    arena.used = 0;
-    if (arena.base)
-      carve(&arena, p);
-    else
-      status = dlsi_no_memory(error);
-  }
-  if (status) {
-    dls_primal_destroy(p);
-    return dlsi_at(__func__, status, error);
-  }
-  prepare(p);
-  *out = p;
-  return DLS_OK;
+  void *work = NULL;
+  const dls_status status =
+      out ? primal_create(&work, model, settings, error) : dlsi_is_null(error, "out");
+  if (out) *out = work;
+  return dlsi_at(__func__, status, error);
 }
 
 void dls_primal_destroy(dls_primal *workspace) {
   if (!workspace) return;
   dlsi_frames_free(&workspace->K);
-  free(workspace->memory);
   free(workspace);
 }
 
 /* ---- the sweep ------------------------------------------------------------------------------- */
 
-/* x_i := value, R with it; 1 if that is a change */
-static int move(const dlsi_frames *K, int i, double value, double *x, double *R) {
+/* x_i := value, R with it. Returns 1 if that is a change. */
+static int primal_move(const dlsi_frames *K, int i, double value, double *x, double *R) {
   const double step = value - x[i];
   if (step == 0) return 0;
   x[i] = value;
@@ -188,29 +172,29 @@ static int move(const dlsi_frames *K, int i, double value, double *x, double *R)
   return 1;
 }
 
-/* The u_t that minimises k u_t^2 / 2 + p u_t + b |u_t| */
-static double slip(double k, double p, double b) {
+/* Returns the u_t that minimises k u_t^2 / 2 + p u_t + b |u_t|. */
+static double primal_slip(double k, double p, double b) {
   return p > b ? -(p - b) / k : p < -b ? -(p + b) / k : 0;
 }
 
-/* (G2) r = p + K_cc u: contact if that leaves r_n >= 0, else free */
-static int visit_node(const dls_primal *work, int c, double *x, double *R) {
+/* (PR2) r = p + K_cc u: contact if that leaves r_n >= 0, else free. Returns 1 if u has changed. */
+static int primal_visit_node(const dls_primal *work, int c, double *x, double *R) {
   const dlsi_frames *K = &work->K;
   const int i = K->normal[c], j = K->tangent[c];
   const double k_nn = K->diagonal[i], k_nt = work->coupling[c], k_tt = K->diagonal[j];
   const double pn = -R[i] - (k_nn * x[i] + k_nt * x[j]);
   const double pt = -R[j] - (k_nt * x[i] + k_tt * x[j]);
-  double un = 0, ut = slip(k_tt, pt, work->b[c]);
+  double un = 0, ut = primal_slip(k_tt, pt, work->b[c]);
   if (!(pn + k_nt * ut >= 0)) {
-    ut = slip(work->schur[c], pt - k_nt * (pn / k_nn), work->b[c]);
+    ut = primal_slip(work->schur[c], pt - k_nt * (pn / k_nn), work->b[c]);
     un = -(pn + k_nt * ut) / k_nn;
   }
-  const int changed = move(K, i, un, x, R);
-  return move(K, j, ut, x, R) || changed;
+  const int changed = primal_move(K, i, un, x, R);
+  return primal_move(K, j, ut, x, R) || changed;
 }
 
-/* Returns whether anything changed. */
-static int sweep(const dls_primal *work) {
+/* One sweep; returns 1 if anything changed. */
+static int primal_sweep(const dls_primal *work) {
   const dlsi_frames *K = &work->K;
   const double omega = work->settings.relaxation;
   double *x = work->x, *R = work->R;
@@ -218,17 +202,17 @@ static int sweep(const dls_primal *work) {
   for (int i = 0; i < K->n; i++) {
     const int c = K->node[i];
     if (c < 0)
-      changed |= move(K, i, x[i] + omega * (R[i] * work->inverse[i]), x, R); /* (G1) */
+      changed |= primal_move(K, i, x[i] + omega * (R[i] * work->inverse[i]), x, R); /* (PR1) */
     else if (K->normal[c] == i)
-      changed |= visit_node(work, c, x, R); /* (G2) */
+      changed |= primal_visit_node(work, c, x, R); /* (PR2) */
   }
   return changed;
 }
 
 /* ---- the certificate ------------------------------------------------------------------------- */
 
-/* R := f - K x afresh, and a := |f| + |K| (|x| + |g|), the size of what rounds in it */
-static void refresh(const dls_primal *work) {
+/* R := f - K x afresh, and a := |f| + |K| (|x| + |g|), the size of the terms that round in R. */
+static void primal_refresh(const dls_primal *work) {
   const dlsi_frames *K = &work->K;
   memcpy(work->R, work->f, (size_t)K->n * sizeof *work->R);
   for (int i = 0; i < K->n; i++)
@@ -242,32 +226,32 @@ static void refresh(const dls_primal *work) {
   }
 }
 
-/* u = K_cc^-1 r, by the pivots k_nn and schur */
-static void flexibility(const dls_primal *work, int c, double rn, double rt, double u[2]) {
+/* u := K_cc^-1 r, by the pivots k_nn and schur. */
+static void primal_flexibility(const dls_primal *work, int c, double rn, double rt, double u[2]) {
   const double k_nn = work->K.diagonal[work->K.normal[c]], k_nt = work->coupling[c];
   u[1] = (rt - k_nt * (rn / k_nn)) / work->schur[c];
   u[0] = (rn - k_nt * u[1]) / k_nn;
 }
 
-/* sqrt( sum v_i^2 / K_ii ), over the unknowns without contact or over all */
-static double force_norm(const dls_primal *work, const double *v, int all) {
+/* Returns sqrt( sum v_i^2 / K_ii ), over the unknowns without contact or, all = 1, over all. */
+static double primal_force_norm(const dls_primal *work, const double *v, int all) {
   double sum = 0;
   for (int i = 0; i < work->K.n; i++)
     if (all || work->K.node[i] < 0) sum += v[i] * (v[i] * work->inverse[i]);
   return sqrt(sum);
 }
 
-typedef struct measure {
+typedef struct primal_measure {
   double equilibrium, laws; /* the certificate */
   double tresca;            /* laws with |r_t| <= b in the place of |r_t| <= mu r_n */
-} measure;
+} primal_measure;
 
-static double ratio(double part, double whole) {
+static double primal_ratio(double part, double whole) {
   return part == 0 ? 0 : part / whole;
 }
 
-/* The certificate from the R at hand; load = |f|. */
-static measure estimate(const dls_primal *work, double load) {
+/* Estimates the certificate from the R at hand; load = |f|. */
+static primal_measure primal_estimate(const dls_primal *work, double load) {
   const dlsi_frames *K = &work->K;
   double laws = 0, tresca = 0, size = 0, reactions = 0;
   for (int c = 0; c < K->nodes; c++) {
@@ -281,19 +265,20 @@ static measure estimate(const dls_primal *work, double load) {
     F[0] = w * r[0] - (vn > 0 ? vn : 0);
     F[1] = w * r[1] - (vt > limit ? limit : vt < -limit ? -limit : vt);
     tresca += F[0] * F[0] + F[1] * F[1];
-    flexibility(work, c, r[0], r[1], q);
+    primal_flexibility(work, c, r[0], r[1], q);
     size += (u[0] - q[0]) * (u[0] - q[0]) + (u[1] - q[1]) * (u[1] - q[1]);
     reactions += r[0] * (r[0] * work->inverse[i]) + r[1] * (r[1] * work->inverse[j]);
   }
-  const double out_of_balance = force_norm(work, work->R, 0);
-  return (measure){ratio(out_of_balance, load + sqrt(reactions)), ratio(sqrt(laws), sqrt(size)),
-                   ratio(sqrt(tresca), sqrt(size))};
+  const double out_of_balance = primal_force_norm(work, work->R, 0);
+  return (primal_measure){primal_ratio(out_of_balance, load + sqrt(reactions)),
+                          primal_ratio(sqrt(laws), sqrt(size)),
+                          primal_ratio(sqrt(tresca), sqrt(size))};
 }
 
-/* (G5) the certificate and r, u of x, from a fresh R */
-static void certify(const dls_primal *work, double load, dls_primal_info *info) {
+/* (PR5) *info := the certificate of x from a fresh R; r, u := those of x. */
+static void primal_certify(const dls_primal *work, double load, dls_primal_info *info) {
   const dlsi_frames *K = &work->K;
-  refresh(work);
+  primal_refresh(work);
   for (int c = 0; c < K->nodes; c++) {
     const size_t n = 2 * (size_t)c, t = n + 1;
     const int i = K->normal[c], j = K->tangent[c];
@@ -303,7 +288,7 @@ static void certify(const dls_primal *work, double load, dls_primal_info *info) 
     work->r[t] = -work->R[j];
     work->u[n] = work->x[i];
     work->u[t] = work->x[j];
-    flexibility(work, c, work->r[n], work->r[t], q);
+    primal_flexibility(work, c, work->r[n], work->r[t], q);
     work->q[n] = work->u[n] - q[0];
     work->q[t] = work->u[t] - q[1];
     /* |u| + |K_cc^-1| a */
@@ -320,27 +305,23 @@ static void certify(const dls_primal *work, double load, dls_primal_info *info) 
     reactions += work->R[j] * (work->R[j] * work->inverse[j]);
   }
   const double scale = load + sqrt(reactions);
-  info->equilibrium = ratio(force_norm(work, work->R, 0), scale);
-  info->equilibrium_floor = DBL_EPSILON * ratio(force_norm(work, work->a, 1), scale);
+  info->equilibrium = primal_ratio(primal_force_norm(work, work->R, 0), scale);
+  info->equilibrium_floor = DBL_EPSILON * primal_ratio(primal_force_norm(work, work->a, 1), scale);
 }
 
-static double larger(double a, double b) {
+static double primal_larger(double a, double b) {
   return a > b || a != a ? a : b;
 }
 
-static double target(double tol, double floor) {
-  return larger(tol, 4 * floor);
-}
-
-static int holds(const dls_primal_info *info, double tol) {
-  return info->equilibrium <= target(tol, info->equilibrium_floor) &&
+static int primal_holds(const dls_primal_info *info, double tol) {
+  return info->equilibrium <= dlsi_target(tol, info->equilibrium_floor) &&
          dls_certificate_holds(&info->laws, tol);
 }
 
 /* ---- acceleration, thresholds ---------------------------------------------------------------- */
 
-/* (G4); returns whether any b_c changed */
-static int set_thresholds(const dls_primal *work) {
+/* (PR4); returns 1 if any b_c changed. */
+static int primal_set_thresholds(const dls_primal *work) {
   int changed = 0;
   for (int c = 0; c < work->K.nodes; c++) {
     const double rn = -work->R[work->K.normal[c]], b = rn > 0 ? work->mu[c] * rn : 0;
@@ -350,14 +331,14 @@ static int set_thresholds(const dls_primal *work) {
   return changed;
 }
 
-typedef struct comparison {
-  double gamma;     /* of (G3) */
+typedef struct primal_comparison {
+  double gamma;     /* of (PR3) */
   double curvature; /* d^T K d / d^T diag(K) d of the sweep's step d */
   double length;    /* |d| / |x| in the norm of diag(K) */
-} comparison;
+} primal_comparison;
 
 /* Compares the sweep's step with the one before, which it replaces. */
-static comparison compare_steps(const dls_primal *work) {
+static primal_comparison primal_compare_steps(const dls_primal *work) {
   const double *D = work->K.diagonal;
   double ff = 0, fd = 0, dd = 0, fKf = 0, xx = 0;
   for (int i = 0; i < work->K.n; i++) {
@@ -369,18 +350,19 @@ static comparison compare_steps(const dls_primal *work) {
     xx += D[i] * work->x[i] * work->x[i];
     work->step[i] = f;
   }
-  return (comparison){ratio(fd, dd), ratio(fKf, ff), sqrt(ratio(ff, xx))};
+  return (primal_comparison){primal_ratio(fd, dd), primal_ratio(fKf, ff),
+                             sqrt(primal_ratio(ff, xx))};
 }
 
-static void rotate(double **x, double **s, double **x0) {
+static void primal_rotate(double **x, double **s, double **x0) {
   double *free_one = *s;
   *s = *x;
   *x = *x0;
   *x0 = free_one;
 }
 
-/* (G3) x := s_k - gamma (s_k - s_k-1) with u_n >= 0 if that does not raise Q; s := s_k. */
-static void extrapolate(dls_primal *work, double gamma) {
+/* (PR3) x := s_k - gamma (s_k - s_k-1) with u_n >= 0 if that does not raise Q; s := s_k. */
+static void primal_extrapolate(dls_primal *work, double gamma) {
   const dlsi_frames *K = &work->K;
   const double *x = work->x, *R = work->R;
   double *y = work->x0, *Ry = work->R0; /* free by now */
@@ -389,15 +371,15 @@ static void extrapolate(dls_primal *work, double gamma) {
     Ry[i] = R[i] - gamma * (R[i] - work->Rs[i]);
   }
   for (int c = 0; c < K->nodes; c++)
-    if (y[K->normal[c]] < 0) (void)move(K, K->normal[c], 0, y, Ry);
+    if (y[K->normal[c]] < 0) (void)primal_move(K, K->normal[c], 0, y, Ry);
   double rise = 0; /* of Q */
   for (int i = 0; i < K->n; i++)
     rise -= 0.5 * ((y[i] - x[i]) * (Ry[i] + R[i]));
   for (int c = 0; c < K->nodes; c++)
     rise += work->b[c] * (fabs(y[K->tangent[c]]) - fabs(x[K->tangent[c]]));
   if (rise <= 0) {
-    rotate(&work->x, &work->s, &work->x0);
-    rotate(&work->R, &work->Rs, &work->R0);
+    primal_rotate(&work->x, &work->s, &work->x0);
+    primal_rotate(&work->R, &work->Rs, &work->R0);
   } else {
     memcpy(work->s, x, (size_t)K->n * sizeof *x);
     memcpy(work->Rs, R, (size_t)K->n * sizeof *R);
@@ -406,60 +388,59 @@ static void extrapolate(dls_primal *work, double gamma) {
 
 /* ---- the iteration --------------------------------------------------------------------------- */
 
-static void copy(const dls_primal *work, double *to, const double *from) {
+static void primal_copy(const dls_primal *work, double *to, const double *from) {
   memcpy(to, from, (size_t)work->K.n * sizeof *to);
 }
 
-/* Tresca's problem is solved as well as the certificate of Coulomb's needs now. */
-static int time_for_thresholds(const measure *now, double balance) {
-  return now->tresca <= 0.5 * now->laws && now->equilibrium <= larger(0.5 * now->laws, balance);
+/* Returns 1 if Tresca's problem is solved to half of the residual of Coulomb's. */
+static int time_for_thresholds(const primal_measure *now, double balance) {
+  return now->tresca <= 0.5 * now->laws &&
+         now->equilibrium <= primal_larger(0.5 * now->laws, balance);
 }
 
-/* Sweeps until the certificate holds or there is a reason to stop, which is returned; work->x is the
- * best iterate, and work->r, work->u and *info belong to it. < 0: K is not positive definite,
+/* Sweeps until the certificate holds or there is a reason to stop, which is returned; work->x is
+ * the best iterate, and work->r, work->u and *info belong to it. < 0: K is not positive definite,
  * as *curvature shows. */
-static dls_status iterate(dls_primal *work, dls_primal_info *info, double *curvature) {
+static dls_status primal_iterate(dls_primal *work, dls_primal_info *info, double *curvature) {
   const dls_primal_settings *settings = &work->settings;
   const int most = dlsi_most_iterations(&settings->limits, most_sweeps);
-  const double load = force_norm(work, work->f, 1);
+  const double load = primal_force_norm(work, work->f, 1);
 
-  certify(work, load, info);
-  if (holds(info, settings->limits.tol)) return DLS_OK;
-  (void)set_thresholds(work);
-  double best = larger(info->equilibrium, info->laws.residual);
-  copy(work, work->best, work->x);
+  primal_certify(work, load, info);
+  if (primal_holds(info, settings->limits.tol)) return DLS_OK;
+  (void)primal_set_thresholds(work);
+  double best = primal_larger(info->equilibrium, info->laws.residual);
+  primal_copy(work, work->best, work->x);
   dls_status reason = DLS_MAX_ITERATIONS;
   int fresh = 1;   /* R carries no rounding of earlier sweeps */
   int history = 0; /* s and step are of the sweep before, with the same b */
   for (int k = 1; k <= most; k++) {
-    copy(work, work->x0, work->x);
-    copy(work, work->R0, work->R);
-    const int changed = sweep(work); /* (G1), (G2) */
+    primal_copy(work, work->x0, work->x);
+    primal_copy(work, work->R0, work->R);
+    const int changed = primal_sweep(work); /* (PR1), (PR2) */
     info->iterations = k;
-    const comparison steps = compare_steps(work);
+    const primal_comparison steps = primal_compare_steps(work);
     if (steps.curvature < -1e-8 && steps.length > 1e-6) { /* more than rounding can do */
       *curvature = steps.curvature;
       return DLS_E_NOT_POSITIVE_DEFINITE;
     }
-    measure now = estimate(work, load);
-    const double balance = target(settings->limits.tol, info->equilibrium_floor);
-    const double lawful = target(settings->limits.tol, info->laws.floor);
+    primal_measure now = primal_estimate(work, load);
+    const double balance = dlsi_target(settings->limits.tol, info->equilibrium_floor);
+    const double lawful = dlsi_target(settings->limits.tol, info->laws.floor);
     const int was_fresh = fresh;
     fresh =
         !changed || (now.equilibrium <= balance && now.laws <= lawful) || k % refresh_every == 0;
-    if (fresh) { /* (G5) */
-      certify(work, load, info);
-      if (holds(info, settings->limits.tol)) return DLS_OK;
-      now = estimate(work, load);
+    if (fresh) { /* (PR5) */
+      primal_certify(work, load, info);
+      if (primal_holds(info, settings->limits.tol)) return DLS_OK;
+      now = primal_estimate(work, load);
     }
-    const double residual = larger(now.equilibrium, now.laws);
+    const double residual = primal_larger(now.equilibrium, now.laws);
     if (residual < best) {
       best = residual;
-      copy(work, work->best, work->x);
+      primal_copy(work, work->best, work->x);
     }
-    const dls_progress progress = {"gauss-seidel", k, most, residual};
-    if (settings->limits.progress &&
-        settings->limits.progress(settings->limits.progress_data, &progress)) {
+    if (dlsi_is_cancelled(&settings->limits, "gauss-seidel", k, most, residual)) {
       reason = DLS_CANCELLED;
       break;
     }
@@ -467,29 +448,29 @@ static dls_status iterate(dls_primal *work, dls_primal_info *info, double *curva
       reason = DLS_STALLED;
       break;
     }
-    if (!changed || time_for_thresholds(&now, balance)) { /* (G4) */
-      if (!set_thresholds(work) && !changed && was_fresh) {
+    if (!changed || time_for_thresholds(&now, balance)) { /* (PR4) */
+      if (!primal_set_thresholds(work) && !changed && was_fresh) {
         reason = DLS_STALLED;
         break;
       }
       info->thresholds++;
       history = 0;
     } else if (settings->aitken && history)
-      extrapolate(work, steps.gamma); /* (G3) */
+      primal_extrapolate(work, steps.gamma); /* (PR3) */
     else if (settings->aitken) {
-      copy(work, work->s, work->x);
-      copy(work, work->Rs, work->R);
+      primal_copy(work, work->s, work->x);
+      primal_copy(work, work->Rs, work->R);
       history = 1;
     }
   }
-  copy(work, work->x, work->best);
-  certify(work, load, info);
-  return holds(info, settings->limits.tol) ? DLS_OK : reason;
+  primal_copy(work, work->x, work->best);
+  primal_certify(work, load, info);
+  return primal_holds(info, settings->limits.tol) ? DLS_OK : reason;
 }
 
-static dls_status check_input(const dls_primal *work, const double *f, const double *g,
-                              const double *mu, const double *x, const double *r,
-                              dls_error *error) {
+static dls_status primal_check_input(const dls_primal *work, const double *f, const double *g,
+                                     const double *mu, const double *x, const double *r,
+                                     dls_error *error) {
   const size_t n = (size_t)work->K.n, nodes = (size_t)work->K.nodes;
   dls_status status = f ? dlsi_check_vector("f", f, n, error) : DLS_OK;
   if (!status && g) status = dlsi_check_vector("g", g, 2 * nodes, error);
@@ -504,8 +485,8 @@ static dls_status check_input(const dls_primal *work, const double *f, const dou
 }
 
 /* Loads, gaps and the start in local frames. */
-static void load_problem(dls_primal *work, const double *f, const double *g, const double *mu,
-                         const double *x) {
+static void primal_load(dls_primal *work, const double *f, const double *g, const double *mu,
+                        const double *x) {
   const dlsi_frames *K = &work->K;
   const size_t n = (size_t)K->n, nodes = (size_t)K->nodes;
   int at_rest = 1; /* no load, no penetration: x = 0, r = 0 is the answer */
@@ -527,29 +508,31 @@ static void load_problem(dls_primal *work, const double *f, const double *g, con
   memset(work->step, 0, n * sizeof *work->step);
 }
 
-dls_status dls_primal_solve(dls_primal *workspace, const double *f, const double *g,
-                            const double *mu, double *x, double *r, double *u,
-                            dls_primal_info *info, dls_error *error) {
-  if (!workspace) return dlsi_at(__func__, dlsi_is_null(error, "workspace"), error);
-  dls_primal *work = workspace;
-  dls_status status = check_input(work, f, g, mu, x, r, error);
-  if (status) return dlsi_at(__func__, status, error);
+static dls_status primal_solve(dls_primal *work, const double *f, const double *g, const double *mu,
+                               double *x, double *r, double *u, dls_primal_info *info,
+                               dls_error *error) {
   const size_t m = 2 * (size_t)work->K.nodes;
-
-  load_problem(work, f, g, mu, x);
   dls_primal_info outcome = {0};
   double curvature = 0;
-  outcome.status = iterate(work, &outcome, &curvature);
+  primal_load(work, f, g, mu, x);
+  outcome.status = primal_iterate(work, &outcome, &curvature);
   if (outcome.status < 0)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, outcome.status, "K", -1, curvature,
-                             "has a negative curvature, %g", curvature),
-                   error);
+    return dlsi_fail(error, outcome.status, "K", -1, curvature, "has a negative curvature, %g",
+                     curvature);
   for (int i = 0; i < work->K.n; i++)
     work->x[i] -= work->g[i];
   dlsi_frames_unknowns(&work->K, work->x, x);
   memcpy(r, work->r, m * sizeof *r);
   if (u) memcpy(u, work->u, m * sizeof *u);
   if (info) *info = outcome;
-  return dlsi_at(__func__, outcome.status, error);
+  return outcome.status;
+}
+
+dls_status dls_primal_solve(dls_primal *workspace, const double *f, const double *g,
+                            const double *mu, double *x, double *r, double *u,
+                            dls_primal_info *info, dls_error *error) {
+  dls_status status = workspace ? primal_check_input(workspace, f, g, mu, x, r, error)
+                                : dlsi_is_null(error, "workspace");
+  if (!status) status = primal_solve(workspace, f, g, mu, x, r, u, info, error);
+  return dlsi_at(__func__, status, error);
 }

@@ -12,21 +12,21 @@
 #include "delassus/nlgs.h"
 #include "linear/room.h"
 
-/* A candidate's own block W_cc (d x d, column-major) and what does not hang on q in its solution:
- * local.c has the formulas. */
+/* A candidate's own block W_cc (d x d, column-major) and the terms of its solution that do not
+ * depend on q: local.c has the formulas. */
 typedef struct dlsi_block_2d {
   double W[4], mu;
-  double f, inv_pivot, inv_s; /* stick: elimination, */
+  double f, inv_pivot, inv_s; /* stick: elimination by row p */
   double inv_slip[2];         /* slip: 1 / (W_nn -+ mu W_nt) */
-  int p;                      /* ... by row p */
+  int p;                      /* pivot row */
 } dlsi_block_2d;
 
 typedef struct dlsi_block_3d {
   double W[9], mu;
-  double inv_a, c[2];        /* (L2): 1 / W_nn, the column below times it, */
-  double S[4], det, trace;   /* Schur's complement, */
-  double f, u01, inv0, inv1; /* its LU factors, rows pivoted, */
-  double scale;              /* and a size for l */
+  double inv_a, c[2];        /* (LO2): 1 / W_nn, the column below times it */
+  double S[4], det, trace;   /* Schur's complement */
+  double f, u01, inv0, inv1; /* LU factors of S, rows pivoted by p */
+  double scale;              /* size of l */
   int p;
 } dlsi_block_3d;
 
@@ -56,6 +56,9 @@ typedef struct dlsi_frames {
 dls_status dlsi_frames_create(dlsi_frames *frames, const dls_model *model, dls_error *error);
 void dlsi_frames_free(dlsi_frames *frames);
 
+/* Returns K'_nt of contact node c. */
+double dlsi_frames_coupling(const dlsi_frames *frames, int c);
+
 /* f' := T^T f, and x := T x', also in place. */
 void dlsi_frames_forces(const dlsi_frames *frames, const double *f, double *local);
 void dlsi_frames_unknowns(const dlsi_frames *frames, const double *local, double *x);
@@ -65,10 +68,10 @@ void dlsi_frames_positions(const dlsi_frames *frames, const double *x, double *l
 /* The history of a fixed-point iteration under Anderson acceleration (anderson.c). */
 typedef struct dlsi_anderson {
   int window;
-  int started;          /* f, g, u are there */
-  int columns, newest;  /* of DF, DG, DU, in a ring */
-  double *DF, *DG, *DU; /* m window; DU and u may be NULL: no u */
-  double *f, *g, *u;    /* m  of the last step taken */
+  int started;          /* 1: f, g, u are there */
+  int columns, newest;  /* columns of DF, DG, DU, in a ring */
+  double *DF, *DG, *DU; /* m window; DU and u are NULL without u */
+  double *f, *g, *u;    /* of the last step taken: m */
   double *gram, *L;     /* window^2 */
   double *work;         /* 3 window; from 2 window on: DF^T f */
 } dlsi_anderson;
@@ -76,24 +79,27 @@ typedef struct dlsi_anderson {
 void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window, int with_u);
 void dlsi_anderson_clear(dlsi_anderson *a);
 
-/* Takes g = g(x), the weighted residual f = D (g - x) and u = u(g), m each, in; g and u become the
- * next x and u(x); u is NULL for a history carved without. 0 if the history does not say anything
- * yet: they stay. m: the same since clear. */
+/* Takes g = g(x), the weighted residual f = D (g - x) and u = u(g) into the history; g and u become
+ * the next x and u(x). Returns 0, g and u untouched, while there is nothing to combine. f, g, u: m,
+ * as many as since clear; u: NULL for a history carved without. */
 int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, double *u);
 
-/* ---- vi/iterate.c: an iterate, its certificate, the best r so far ----------------------------- */
+/* ---- vi/iterate.c: an iterate, its certificate, the best r so far ---------------------------- */
 
-/* Returns 1 if the r with certificate a is a better answer than the r with certificate b. The only place
- * where that is decided. A residual that is not finite is worse than any other one and never better; an r
- * that has run away, of floor > 1e-6, is nothing but rounding and never better than one that has not. */
+/* Returns 1 if the r with certificate a is a better answer than the r with certificate b. The only
+ * place where that is decided. A residual that is not finite is worse than any other one and never
+ * better; an r that has run away, of floor > 1e-6, is nothing but rounding and never better than
+ * one that has not. */
 int dlsi_is_better(const dls_certificate *a, const dls_certificate *b);
 
 /* Begins a row of certificates: worse than that of any r. */
 static const dls_certificate dlsi_no_certificate = {.residual = INFINITY, .floor = INFINITY};
 
-/* The part of a workspace that all iterations on r need. Springs E_c >= 0 on all d rows of candidate c
- * make the problem u = (W + diag(E)) r + q; the weights remain those of W. */
+/* The part of a workspace that all iterations on r need. Springs E_c >= 0 on all d rows of
+ * candidate c make the problem u = (W + diag(E)) r + q; the weights remain those of W. */
 typedef struct dlsi_iterate {
+  int d, nc;
+  const dls_limits *limits; /* of the workspace's settings */
   double tol;
   const double *E;             /* springs: nc, of the caller; NULL for 0 */
   double *w;                   /* weights of the certificate: nc */
@@ -104,9 +110,9 @@ typedef struct dlsi_iterate {
   dls_certificate certificate; /* of best */
 } dlsi_iterate;
 
-/* Allocates a workspace in one piece of memory, which free() takes back: *out := a copy of `filled` (size
- * bytes), whose arrays carve has taken from the arena. carve is called twice, first on `filled`, to count.
- * DLS_E_SIZE, blaming nc; DLS_E_MEMORY. */
+/* Allocates a workspace in one piece of memory, which free() takes back: *out := a copy of `filled`
+ * (size bytes), whose arrays carve has taken from the arena. carve is called twice, first on
+ * `filled`, to count. DLS_E_SIZE, blaming nc; DLS_E_MEMORY. */
 typedef void dlsi_carve(void *work, dlsi_arena *arena);
 dls_status dlsi_workspace(void **out, void *filled, size_t size, dlsi_carve *carve, int nc,
                           dls_error *error);
@@ -114,11 +120,17 @@ dls_status dlsi_workspace(void **out, void *filled, size_t size, dlsi_carve *car
 /* Takes `count` arrays of n doubles. */
 void dlsi_take_vectors(dlsi_arena *arena, size_t n, int count, double **const vector[]);
 
-/* Takes the arrays of it for nc candidates. */
-void dlsi_iterate_carve(dlsi_iterate *it, dlsi_arena *arena, int d, int nc);
+/* Takes the arrays of it for nc candidates, and knows the limits of the workspace. */
+void dlsi_iterate_carve(dlsi_iterate *it, dlsi_arena *arena, int d, int nc,
+                        const dls_limits *limits);
 
-/* Prepares a solve: weights, no best r yet, and r := start if warm is 1, else 0; also 0 where q = 0, whose
- * answer that is. start: m, may be r. */
+/* Checks the arguments of a solve in the workspace that it belongs to; NULL: there is no
+ * workspace. */
+dls_status dlsi_iterate_check(const dlsi_iterate *it, const dls_contact *problem, const double *r,
+                              dls_error *error);
+
+/* Prepares a solve: weights, no best r yet, and r := start if warm is 1, else 0; also 0 where q =
+ * 0, whose answer that is. start: m, may be r. */
 void dlsi_iterate_begin(dlsi_iterate *it, const dls_contact *problem, const double *E, double tol,
                         int warm, const double *start, double *r);
 
@@ -136,18 +148,20 @@ dls_certificate dlsi_iterate_offer(dlsi_iterate *it, const dls_contact *problem,
  * certificate holds. */
 int dlsi_iterate_start(dlsi_iterate *it, const dls_contact *problem, double *r);
 
-/* Measures the best r anew, where it was kept by an estimate. Returns DLS_OK if its certificate holds, else
- * `reason`. */
+/* Measures the best r anew, where it was kept by an estimate. Returns DLS_OK if its certificate
+ * holds, else `reason`. */
 dls_status dlsi_iterate_settle(dlsi_iterate *it, const dls_contact *problem, dls_status reason);
 
-/* Hands the answer over: r := the best one, u := W r + q with the springs (m, NULL: nothing), *info :=
- * *outcome (NULL: nothing) with status and certificate. Returns status; an error changes nothing. */
+/* Hands the answer over: r := the best one, u := W r + q with the springs (m, NULL: nothing), *info
+ * := *outcome (NULL: nothing) with status and certificate. Returns status; an error changes
+ * nothing. */
 dls_status dlsi_iterate_end(const dlsi_iterate *it, const dls_contact *problem, dls_status status,
                             dls_info *outcome, double *r, double *u, dls_info *info);
 
-/* Returns the residual that a certificate of this floor has to meet: max(tol, 4 floor). */
+/* Returns the residual that a certificate of this floor has to meet: max(tol, 4 floor), NaN for a
+ * floor of NaN, which none meets. */
 static inline double dlsi_target(double tol, double floor) {
-  return 4 * floor > tol ? 4 * floor : tol;
+  return 4 * floor <= tol ? tol : 4 * floor;
 }
 
 /* Tells the caller's progress callback; returns 1 if that cancels the solve. */
@@ -160,8 +174,8 @@ static inline int dlsi_is_cancelled(const dls_limits *limits, const char *method
 /* Copies `from` to `to`, all but blocks, whose room create has made. */
 void dlsi_set_limits(dls_limits *to, const dls_limits *from);
 
-/* u := (W + diag(E)) r + q and, if a is not NULL, a := (|W| + diag(E)) |r|, as dlsi_contact_multiply. E: nc, or
- * NULL for 0. */
+/* u := (W + diag(E)) r + q and, if a is not NULL, a := (|W| + diag(E)) |r|, as
+ * dlsi_contact_multiply. E: nc, or NULL for 0. */
 void dlsi_multiply(const dls_contact *problem, const int *order, const double *E, const double *r,
                    double *u, double *a);
 
@@ -172,11 +186,11 @@ void dlsi_multiply(const dls_contact *problem, const int *order, const double *E
 void dlsi_order_candidates(const dls_contact *problem, double *const key[3], int *scratch,
                            int *order);
 
-/* ---- one method inside of another ------------------------------------------------------------- */
+/* ---- one method inside of another ------------------------------------------------------------ */
 
-/* Solve as dls_nlgs_solve and dls_newton_solve do, for arguments that have been checked, with springs E
- * (nc, NULL for 0). order: nc, in which sweeps visit the candidates; NULL: 0, 1, .. r: also the iterate,
- * while the progress callback of sweeps is called. */
+/* Solve as dls_nlgs_solve and dls_newton_solve do, for arguments that have been checked, with
+ * springs E (nc, NULL for 0). order: nc, in which sweeps visit the candidates; NULL: 0, 1, .. r:
+ * also the iterate, while the progress callback of sweeps is called. */
 dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const int *order,
                          const double *E, double *r, double *u, dls_info *info);
 dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const double *E, double *r,
@@ -186,18 +200,7 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
 dls_status dlsi_newton_create(dls_newton **out, int d, int nc, const dls_newton_settings *settings,
                               dlsi_room *room, dls_error *error);
 
-/* The two other creates with a room, and solves of what has been checked. */
-dls_status dlsi_admm_create(dls_admm **out, int d, int nc, const dls_admm_settings *settings,
-                            dlsi_room *room, dls_error *error);
-dls_status dlsi_augmented_create(dls_augmented **out, int d, int nc,
-                                 const dls_augmented_settings *settings, dlsi_room *room,
-                                 dls_error *error);
-dls_status dlsi_admm_solve(void *work, const dls_contact *problem, double *r, double *u,
-                           dls_info *info, dls_error *error);
-dls_status dlsi_augmented_solve(void *work, const dls_contact *problem, double *r, double *u,
-                                dls_info *info, dls_error *error);
-
-/* ---- rows of the table of methods -------------------------------------------------------------- */
+/* ---- rows of the table of methods ------------------------------------------------------------ */
 
 extern const dlsi_method dlsi_nlgs_method, dlsi_newton_method, dlsi_admm_method;
 extern const dlsi_method dlsi_augmented_method, dlsi_penalty_method;

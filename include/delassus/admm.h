@@ -26,7 +26,7 @@
 extern "C" {
 #endif
 
-/* Fill by dls_admm_settings_init, then change what you like; NULL in their place: the defaults. */
+/* Fill by dls_admm_settings_init, then change what you like; NULL means the defaults. */
 typedef struct dls_admm_settings {
   dls_limits limits; /* max_iterations: iterations; the method's own limit: 5000 */
   size_t size;       /* set by init; settings without it are refused */
@@ -38,13 +38,9 @@ DLS_API void dls_admm_settings_init(dls_admm_settings *settings);
 /* A workspace for problems of dimension d with at most nc candidates; reused over time steps. */
 typedef struct dls_admm dls_admm;
 
-/* *out = new workspace, NULL on error; the settings are copied. With m = d nc it holds about 33 m
- * doubles and
- *
- *   blocks = 0 or m <= 250    m^2 doubles
- *   else                      2 doubles and 3 ints for each of d d blocks + m entries
- *
- * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY. */
+/* *out = new workspace, NULL on error; the settings are copied. Memory, with m = d nc: O(m) and,
+ * for the matrix, m^2 doubles where blocks = 0 or m <= 250, else O(blocks + m). DLS_E_ARGUMENT,
+ * DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_admm_create(dls_admm **out, int d, int nc,
                                                 const dls_admm_settings *settings,
                                                 dls_error *error);
@@ -54,8 +50,8 @@ DLS_API DLS_MUST_USE dls_status dls_admm_create(dls_admm **out, int d, int nc,
  * residual says. u (m) or NULL: W r + q. info or NULL; info->factorisations counts. r, u must not
  * overlap each other or the problem.
  *
- * Allocates nothing for W as announced to create, but for what MUMPS allocates inside of a solve.
- * For the other storage, or more blocks, it takes the room of the table above once and keeps it.
+ * Allocates nothing for a W as announced to create, MUMPS apart, which allocates in every
+ * factorisation; for the other storage, or more blocks, it makes room once and keeps it.
  *
  * DLS_OK; DLS_MAX_ITERATIONS; DLS_STALLED: an iteration changes nothing, overflows, or W + rho D is
  * singular for every rho tried; DLS_CANCELLED; DLS_E_MEMORY, DLS_E_UNSUPPORTED, an error of

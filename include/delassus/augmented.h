@@ -20,7 +20,8 @@
 extern "C" {
 #endif
 
-/* Fill by dls_augmented_settings_init, then change what you like; NULL in their place: the defaults. */
+/* Fill by dls_augmented_settings_init, then change what you like; NULL in their place: the
+ * defaults. */
 typedef struct dls_augmented_settings {
   dls_limits limits;     /* max_iterations: augmentations; the method's own limit: 400.
                         warm_start: lambda = r as passed in */
@@ -38,23 +39,23 @@ DLS_API void dls_augmented_settings_init(dls_augmented_settings *settings);
 /* A workspace for problems of dimension d with at most nc candidates; reused over time steps. */
 typedef struct dls_augmented dls_augmented;
 
-/* *out = new workspace, NULL on error; the settings are copied. It holds 9 m + 4 nc doubles, m = d nc,
- * up to 2 kB, and the workspace of Newton's method with sweeps: dls_newton_create in newton.h.
- * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY; DLS_E_NOT_FINITE for a penalty that is
- * not. */
+/* *out = new workspace, NULL on error; the settings are copied. Memory: O(d nc), and that of
+ * dls_newton_create (newton.h). DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY;
+ * DLS_E_NOT_FINITE for a penalty that is not finite. */
 DLS_API DLS_MUST_USE dls_status dls_augmented_create(dls_augmented **out, int d, int nc,
                                                      const dls_augmented_settings *settings,
                                                      dls_error *error);
 
-/* Solves; allocates nothing where dls_newton_solve does not. r (m): in, the first lambda if warm_start, else ignored; out, the
- * reactions: where the status is > 0, those with the smallest residual met. u (m) or NULL: W r + q.
- * info or NULL. r, u must not overlap each other or the problem.
+/* Solves; allocates nothing where dls_newton_solve does not. r (m): in, the first lambda if
+ * warm_start, else ignored; out, the reactions: where the status is > 0, those with the smallest
+ * residual met. u (m) or NULL: W r + q. info or NULL. r, u must not overlap each other or the
+ * problem.
  *
  * DLS_OK: the certificate holds. DLS_MAX_ITERATIONS: after the last augmentation allowed it does
- * not; with max_iterations = 1 that is the error of the penalty method. DLS_STALLED: an augmentation
- * could not be solved, and no smaller penalty is left to try; or the residual no longer falls; or
- * the reactions run away (below). DLS_CANCELLED. An error of dls_contact_check; DLS_E_SIZE for
- * another d or more candidates than in create; DLS_E_MEMORY. */
+ * not; with max_iterations = 1 its residual is the error of the penalty method. DLS_STALLED: an
+ * augmentation could not be solved, and no smaller penalty is left to try; the residual no longer
+ * falls; or the reactions run away (below). DLS_CANCELLED. An error of dls_contact_check;
+ * DLS_E_SIZE for another d or more candidates than in create; DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_augmented_solve(dls_augmented *workspace,
                                                     const dls_contact *problem, double *r,
                                                     double *u, dls_info *info, dls_error *error);
@@ -65,9 +66,9 @@ DLS_API DLS_MUST_USE dls_status dls_augmented_solve(dls_augmented *workspace,
  *   |W delta| < 1e-4 |delta|   and   q.delta < -1e-4 |q| |delta|,
  *
  * in norms weighted by w_c so that they compare: reactions along delta cost no displacement and
- * would gain work for ever. That makes it likely, and does not prove, that there is no solution.
- * It is a proof where W delta = 0 for a symmetric W, delta_n >= 0 and delta_t = 0: a self-stress of the
- * normal reactions. NULL after DLS_OK. Lives until the next solve or destroy. */
+ * would gain work for ever. Such a delta makes it likely, and does not prove, that there is no
+ * solution. It is a proof where W delta = 0 for a symmetric W, delta_n >= 0 and delta_t = 0: a
+ * self-stress of the normal reactions. NULL after DLS_OK. Lives until the next solve or destroy. */
 DLS_API const double *dls_augmented_direction(const dls_augmented *workspace);
 
 /* NULL is fine. */

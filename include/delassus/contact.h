@@ -24,7 +24,8 @@
 extern "C" {
 #endif
 
-/* A view; everything is borrowed. W is dense or by blocks, not both: leave the other one zero. */
+/* The problem: a view, everything is borrowed. W is dense or by blocks: leave the other one
+ * zero. */
 typedef struct dls_contact {
   int d;            /* 2 or 3 */
   int nc;           /* number of candidates, >= 1 */
@@ -35,66 +36,69 @@ typedef struct dls_contact {
 } dls_contact;
 
 /* Checks sizes, pointers, finite values, mu >= 0, block structure; O(size of W). Every function
- * that takes a dls_contact does this first. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE, each
- * naming the field ("W", "Wb.i", "q", "mu", ...) and the index: position i + j*ld in W, plain
+ * that takes a dls_contact runs this check first. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE,
+ * each naming the field ("W", "Wb.i", "q", "mu", ...) and the index: position i + j*ld in W, plain
  * position elsewhere. */
 DLS_API DLS_MUST_USE dls_status dls_contact_check(const dls_contact *problem, dls_error *error);
 
-/* Block rows and columns by component: W = (W_nn W_nt; W_tn W_tt), the tangents of candidate c
- * standing at (d-1) c .. (d-1) c + d-2. */
+/* A component of all candidates: W = (W_nn W_nt; W_tn W_tt), where the tangents of candidate c
+ * stand at (d-1) c .. (d-1) c + d-2. */
 typedef enum dls_component { DLS_NORMAL = 0, DLS_TANGENT = 1 } dls_component;
 
-/* block := W_(row,col), column-major with leading dimension ld; k_n = nc, k_t = (d-1) nc rows or
- * columns. block is the caller's, ld * columns, and must not overlap W. */
+/* Copies W_(row,col), column-major with leading dimension ld: nc rows or columns for the normals,
+ * (d-1) nc for the tangents. block: ld * columns doubles of the caller, must not overlap W. */
 DLS_API DLS_MUST_USE dls_status dls_contact_get_block(const dls_contact *problem, dls_component row,
                                                       dls_component col, double *block, int ld,
                                                       dls_error *error);
 
-/* W_(row,col) := block, into a dense W (m x m, leading dimension ldw) that the caller owns: how a
- * host that has the four influence matrices of [Jean 1988] (3.3)5-6 puts them together. */
+/* Copies block into W_(row,col) of a dense W (m x m, leading dimension ldw) that the caller owns,
+ * so that a host can put together the four influence matrices of [Jean 1988] (3.3)5-6. */
 DLS_API DLS_MUST_USE dls_status dls_contact_set_block(int d, int nc, dls_component row,
                                                       dls_component col, const double *block,
                                                       int ld, double *W, int ldw, dls_error *error);
 
-/* The state of a candidate as read off (u, r). */
+/* The state of a candidate. */
 typedef enum dls_contact_state { DLS_FREE = 0, DLS_SLIP = 1, DLS_STICK = 2 } dls_contact_state;
 
-/* One measure for every method. With w_c = trace(W_cc) / d (where that is not positive, the mean
- * of the positive ones) and C_mu = { |r_t| <= mu r_n }:
+/* The certificate of r, one measure for every method. With w_c = trace(W_cc) / d (where that is
+ * not positive, the mean of the positive ones) and C_mu = { |r_t| <= mu r_n }:
  *
  *   F_c = w_c r_c - P_Cmu( w_c r_c - (u_c + mu_c |u_tc| n) ),   u = W r + q recomputed
  *   residual = sqrt( sum_c |F_c|^2 ) / |q|_2
  *
  * residual has no unit and does not change under r -> b r, (u,q) -> a u, W -> a/b W, a change of
- * the order of candidates, or (d = 3) of the tangent frame. With a = max(|W||r|, w |r|) by
- * entries, floor = eps |a| / |q| is what the arithmetic can attain. Where q = 0, | |W||r| | takes the
+ * the order of candidates, or (d = 3) of the tangent frame. The arithmetic can attain
+ * floor = eps |a| / |q|, with a = max(|W||r|, w |r|) by entries. Where q = 0, | |W||r| | takes the
  * place of |q|, and r = 0 has residual 0.
- * The rest is for the reader, in the user's units; each is >= 0 and a largest value over candidates. */
+ * The other fields are for the reader, in the user's units; each is >= 0 and a largest value over
+ * candidates. */
 typedef struct dls_certificate {
   double residual;        /* 1 */
   double floor;           /* 1 */
   double penetration;     /* max(0, -u_n)                              length (velocity) */
   double adhesion;        /* max(0, -r_n)                              force */
   double cone_violation;  /* max(0, |r_t| - mu r_n)                    force */
-  double slip_direction;  /* |u_t + |u_t| r_t/|r_t|| where the candidate slips: the part of the
-                             slip that friction does not oppose        length (velocity) */
+  double slip_direction;  /* |u_t + |u_t| r_t/|r_t|| where r_t is not 0, |u_t| where r_t = 0 and
+                             mu r_n > 0: slip that friction does not oppose  length (velocity) */
   double complementarity; /* |u_n r_n|                                 work */
   int worst;              /* candidate with the largest |F_c| */
 } dls_certificate;
 
-/* certificate := measure of r for this problem, from the user's W, q, mu alone. u (m, or NULL)
- * receives W r + q. r (m) must be finite. Allocates 4 m doubles. Statuses: DLS_OK, which says
- * nothing of the quality of r, or an error. */
+/* Measures r for this problem, from the user's W, q, mu alone. Allocates 4 m doubles. r: m, finite.
+ * u: receives W r + q, m; or NULL. Returns DLS_OK, which says nothing of the quality of r, or an
+ * error. */
 DLS_API DLS_MUST_USE dls_status dls_contact_certify(const dls_contact *problem, const double *r,
                                                     double *u, dls_certificate *certificate,
                                                     dls_error *error);
 
-/* 1 if residual <= max(tol, 4 floor), else 0; NaN gives 0. And 0 if 4 floor > max(tol, 1e-8): r is then
- * so large (run away in the null space of W, say) that rounding hides u and q in the residual. */
+/* Returns 1 if residual <= max(tol, 4 floor), else 0; NaN gives 0. Returns 0, too, if
+ * 4 floor > max(tol, 1e-8): r is then so large (run away in the null space of W, say) that
+ * rounding hides u and q in the residual. */
 DLS_API int dls_certificate_holds(const dls_certificate *certificate, double tol);
 
-/* state[c] (nc) of (u, r), by the branch of the projection in F_c: free if w_c r_c - (u_c + mu_c
- * |u_tc| n) falls in the polar cone, stick if inside C_mu, slip otherwise. u as from certify. */
+/* Tells the state of every candidate, by the branch of the projection in F_c: free if
+ * w_c r_c - (u_c + mu_c |u_tc| n) falls in the polar cone, stick if inside C_mu, slip otherwise.
+ * u: W r + q as dls_contact_certify gives it, m. state: nc. */
 DLS_API DLS_MUST_USE dls_status dls_contact_states(const dls_contact *problem, const double *r,
                                                    const double *u, dls_contact_state *state,
                                                    dls_error *error);

@@ -1,6 +1,6 @@
 /*
- * delassus/facets.h: the contact problem on a friction cone with facets, as an LCP. For d = 3, and
- * for d = 2, where the cone has no other form.
+ * delassus/facets.h: states the contact problem on a friction cone with facets as an LCP, for d =
+ * 3, and for d = 2, where facets leave the cone as it is.
  *
  * The disc |r_t| <= mu r_n gives way to the polygon whose corners are the ends of mu r_n e_k, the
  * directions e_k (k = 0 .. facets-1) standing at the angles 2 pi k / facets from t towards s. Per
@@ -11,9 +11,9 @@
  *   y = (u_n, e_k.u_t + lambda,          mu r_n - sum_k beta_k)
  *
  * and one, z = r_n, y = u_n, for one with mu = 0. lambda is the size of the slip. The polygon lies
- * inside the disc: reactions never leave the round cone, and what is missing of friction is at
- * most the part 1 - cos(pi / facets) of mu r_n, 7.6 % for 8 facets, 1.9 % for 16; dls_solve
- * removes the rest.
+ * inside the disc: reactions never leave the round cone, and friction falls short of mu r_n by at
+ * most the part 1 - cos(pi / facets), 7.6 % for 8 facets, 1.9 % for 16; dls_solve removes that
+ * error.
  *
  * d = 2 has facets = 2, the directions t and -t, and no error: 4 rows per candidate where
  * dls_contact_to_lcp has 3. It is the form to prefer where that one ends in a ray: with W positive
@@ -30,8 +30,8 @@ extern "C" {
 
 #define DLS_FACETS_MAX 64
 
-/* Rows of the LCP. 0 for NULL, for a number of facets that is not allowed (2 where d = 2; even, 4
- * to DLS_FACETS_MAX, where d = 3), and where the size does not fit an int. */
+/* Counts the rows of the LCP. 0 for NULL, for a number of facets that is not allowed (2 where d =
+ * 2; even, 4 to DLS_FACETS_MAX, where d = 3), and where the size does not fit an int. */
 DLS_API int dls_contact_facets_size(const dls_contact *problem, int facets);
 
 /* M (n x n, leading dimension ldm >= n) and q (n) := the LCP above, n = dls_contact_facets_size, in

@@ -1,6 +1,6 @@
 /*
- * delassus/fe.h: the small finite element module, a library of its own (libdelassus-fe). It builds
- * the models of the benchmark scenes; a host code does not link it.
+ * delassus/fe.h: the small finite element module, a library of its own (libdelassus-fe), builds the
+ * models of the benchmark scenes. A host code does not link it.
  */
 #ifndef DELASSUS_FE_H
 #define DELASSUS_FE_H
@@ -23,8 +23,8 @@ typedef struct dls_fe_mesh {
 
 /* *mesh := the rectangle [0, lx] x [0, ly] in nx x ny equal rectangles, each cut into two triangles
  * by the diagonal from its bottom-right to its top-left corner; node i + j (nx+1) stands at
- * (i lx/nx, j ly/ny). What *mesh held before is not looked at, and left alone on error. Release
- * with dls_fe_mesh_free, which zeroes the struct. lx, ly > 0: length. nx, ny >= 1.
+ * (i lx/nx, j ly/ny). Ignores what *mesh held before, and leaves it on error. Release with
+ * dls_fe_mesh_free, which zeroes the struct. lx, ly > 0: length. nx, ny >= 1.
  * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_fe_mesh_block(dls_fe_mesh *mesh, double lx, double ly, int nx,
                                                   int ny, dls_error *error);
@@ -62,8 +62,8 @@ DLS_API DLS_MUST_USE dls_status dls_fe_scene_create(dls_fe_scene **out, const ch
                                                     int weighted, dls_error *error);
 DLS_API void dls_fe_scene_destroy(dls_fe_scene *scene); /* NULL is fine */
 
-/* What the scene hands to the reduction. Everything belongs to the scene. Supported unknowns are
- * taken out of the model: it has fewer unknowns than 2 * nodes of the mesh. */
+/* Input of the reduction, all owned by the scene. Supported unknowns are taken out of the model,
+ * which has fewer unknowns than 2 * nodes of the mesh. */
 typedef struct dls_fe_scene_data {
   dls_model model;
   const double *f;  /* model.n                                                force */
@@ -72,7 +72,7 @@ typedef struct dls_fe_scene_data {
   const dls_fe_mesh *mesh;
   int candidates;
   const int *contact_node;   /* model.nodes: node of the mesh of each contact node */
-  const int *candidate_node; /* candidates: contact node of each one, index into contact_node */
+  const int *candidate_node; /* candidates: index of its contact node in contact_node */
   double E, nu;              /* of the material, for dls_fe_stress            force / length^2, 1 */
 } dls_fe_scene_data;
 

@@ -9,7 +9,8 @@
  *
  *   K dx = -F(x) + H r,   u = H^T dx + g(x),   the laws of contact.h between u and r     (24), (25)
  *
- * is solved by the method of choice. What decides: equilibrium, and contact.h's certificate.
+ * is solved by the method of choice. A step is done when equilibrium and contact.h's certificate
+ * hold.
  */
 #ifndef DELASSUS_FORMING_H
 #define DELASSUS_FORMING_H
@@ -20,7 +21,7 @@
 extern "C" {
 #endif
 
-/* How a linearised contact problem is solved. */
+/* Ways to solve a linearised contact problem. */
 typedef enum dls_forming_contact {
   DLS_FORMING_CONDENSED = 1,            /* W, q by the reduction, then settings.method */
   DLS_FORMING_GAUSS_SEIDEL = 2,         /* on the symmetric part of K, primal.h */
@@ -28,14 +29,15 @@ typedef enum dls_forming_contact {
   DLS_FORMING_PENALTY = 4               /* stiffer springs, no multipliers */
 } dls_forming_contact;
 
-/* Fill by dls_forming_settings_init, then change what you like. */
+/* Fill by dls_forming_settings_init, then change what you like; NULL in their place: the
+ * defaults. */
 typedef struct dls_forming_settings {
   size_t size;                 /* set by init; settings without it are refused */
   int nx, ny;                  /* elements along x and y; 0: the scene's own; 0 */
   int steps;                   /* equal steps of the whole way; 0: the scene's own; 0 */
   double mu;                   /* friction; < 0: the scene's own; -1 */
   int clamped;                 /* indentation: the bottom sticks to its support; 0 */
-  int standard;                /* 1: standard elements in the place of Q4/P0, to see them lock; 0 */
+  int standard;                /* 1: standard elements instead of Q4/P0, to see locking; 0 */
   int keep_trace;              /* update (13) as printed instead of det be = 1; 0 */
   double tol;                  /* on equilibrium and certificate; > 0; 1e-9 */
   dls_forming_contact contact; /* DLS_FORMING_CONDENSED */
@@ -46,25 +48,28 @@ DLS_API void dls_forming_settings_init(dls_forming_settings *settings);
 
 enum { DLS_FORMING_MOST_STEPS = 25 }; /* of Newton's method in an equilibrium loop */
 
-/* "indentation", "extrusion", one line about each; NULL past the last. */
+/* Names ("indentation", "extrusion") and one-line descriptions, index 0 ..; NULL past the last. */
 DLS_API const char *dls_forming_name(int index);
 DLS_API const char *dls_forming_description(int index);
 
 typedef struct dls_forming dls_forming;
 
-/* *out = scene `name` at rest, NULL on error. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS,
- * DLS_E_MEMORY. */
+/* *out = scene `name` at rest, NULL on error. DLS_E_ARGUMENT: no scene of that name, or a setting
+ * outside its range, which *error names; DLS_E_NOT_FINITE: mu; DLS_E_SIZE: nx times ny elements are
+ * too many; DLS_E_SETTINGS, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_forming_create(dls_forming **out, const char *name,
                                                    const dls_forming_settings *settings,
                                                    dls_error *error);
 
-/* The next step. Where it fails it is taken in two halves, and so on, six times.
+/* Takes the next step. A step that fails is taken in two halves, and so on, six times. Halves are
+ * another load path, with another plastic answer; which of very large steps are halved can depend
+ * on rounding, and so on the machine.
  *
- * DLS_OK: equilibrium and certificate hold to the tolerance (penalty: equilibrium, and the law of
- * the springs; the certificate shows its error). DLS_STALLED: not even in the smallest parts: the
- * state is the last good one, somewhere within the step, and the next call tries again.
- * DLS_E_ARGUMENT: all steps are done. DLS_E_MEMORY: unlike a solver, a step allocates, for the
- * reduction. */
+ * DLS_OK: equilibrium and certificate hold to the tolerance (penalty: equilibrium and the law of
+ * the springs hold; the certificate shows the penalty's error). DLS_STALLED: the smallest parts
+ * have failed, too: the state is the last good one, somewhere within the step, and the next call
+ * tries again. DLS_E_ARGUMENT: all steps are done. DLS_E_MEMORY: unlike a solver, a step allocates,
+ * for the reduction. */
 DLS_API DLS_MUST_USE dls_status dls_forming_step(dls_forming *forming, dls_error *error);
 
 DLS_API void dls_forming_destroy(dls_forming *forming); /* NULL is fine */
@@ -97,8 +102,8 @@ typedef struct dls_forming_energy {
   double external, elastic, plastic, friction; /* force * length */
 } dls_forming_energy;
 
-/* Views that live until the next step. Reactions, frames and stresses are those of the end of the
- * last step, or where it had to stop. */
+/* Views that live until the next step. Reactions, frames and stresses are those at the end of the
+ * last step, or at the point within the step where it had to stop. */
 typedef struct dls_forming_data {
   const dls_forming_mesh *mesh;
   int axisymmetric; /* x is the radius, forces are per radian; else per unit thickness */

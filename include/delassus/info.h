@@ -1,6 +1,5 @@
 /*
- * delassus/info.h: what a solver reports while it runs and when it has ended. The same for every
- * method.
+ * delassus/info.h: the methods, and the outcome that every one of them reports.
  */
 #ifndef DELASSUS_INFO_H
 #define DELASSUS_INFO_H
@@ -12,16 +11,16 @@
 extern "C" {
 #endif
 
-/* The methods for a contact problem; see dls_solve() for choosing one by name. */
+/* The methods for a contact problem, numbered without gaps; dls_method_find() finds one by name. */
 typedef enum dls_method {
-  DLS_AUTO = 0,   /* those that follow, in turn as the problem needs them, d = 2 and 3 */
+  DLS_AUTO = 0,   /* the other methods in turn, as the problem needs them, d = 2 and 3 */
   DLS_NLGS = 1,   /* projected Gauss-Seidel on the reactions, d = 2 and 3 */
   DLS_LEMKE = 2,  /* complementary pivoting on the LCP; d = 3 on facets, then Newton steps */
   DLS_NEWTON = 3, /* sweeps, then nonsmooth Newton, d = 2 and 3 */
   DLS_ADMM = 4,   /* splitting with a factorisation, d = 2 and 3 */
   DLS_AUGMENTED_LAGRANGIAN = 5, /* Simo and Laursen's, the proximal point method; d = 2 and 3 */
-  DLS_HOMOTOPY = 7, /* interior homotopy, d = 2 and 3, up to some 300 rows: where all others fail */
-  DLS_PENALTY = 6   /* its first step with large penalties: has an error */
+  DLS_PENALTY = 6,              /* one augmentation with large penalties: has an error */
+  DLS_HOMOTOPY = 7 /* interior homotopy, up to some 300 rows, where all others fail; d = 2 and 3 */
 } dls_method;
 
 /* A stage of auto: a method that started from the best r of the stages before. */
@@ -38,13 +37,14 @@ enum { DLS_STAGES_MAX = 20 };
 typedef struct dls_info {
   dls_status status; /* as returned */
   dls_method method;
-  int iterations; /* sweeps; pivots and crash rounds of all LCPs; steps; augmentations; iterations; auto: of all
-                     stages */
+  int iterations; /* sweeps; pivots and crash rounds of all LCPs; steps; augmentations; iterations;
+                     auto: of all stages */
   dls_certificate certificate; /* of the r that is returned */
-  int ambiguous; /* nlgs: candidates at the answer whose local problem has several solutions */
-  int factorisations; /* admm; newton, augmented Lagrangian, penalty, auto: at most one per Newton step */
+  int ambiguous;      /* nlgs: candidates at the answer whose local problem has several solutions */
+  int factorisations; /* admm; newton, augmented Lagrangian, penalty, auto: at most one per Newton
+                         step */
   int sweeps;         /* newton: before the first step */
-  int stages;         /* auto: what it did, in the order of time; those past it are not set */
+  int stages;         /* auto: how many of stage[] are set, in the order of time */
   dls_stage stage[DLS_STAGES_MAX];
 } dls_info;
 

@@ -23,10 +23,10 @@ typedef struct dls_lcp {
   const double *q; /* n */
 } dls_lcp;
 
-/* Sizes, pointers, finite values. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE. */
+/* Checks sizes, pointers and finite values. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE. */
 DLS_API DLS_MUST_USE dls_status dls_lcp_check(const dls_lcp *lcp, dls_error *error);
 
-/* With s_i = |M_ii|, or max_j |M_ij| where M_ii = 0, or 1 for a zero row:
+/* The certificate of z, with s_i = |M_ii|, or max_j |M_ij| where M_ii = 0, or 1 for a zero row:
  *
  *   F_i = min( s_i z_i, y_i ),   y = M z + q recomputed,   residual = |F|_2 / |q|_2
  *
@@ -41,12 +41,12 @@ typedef struct dls_lcp_certificate {
   int worst;              /* index of the largest |F_i| */
 } dls_lcp_certificate;
 
-/* y (n, or NULL) receives M z + q. Allocates 3 n doubles. */
+/* Certifies z (n). y (n, or NULL) := M z + q. Allocates 3 n doubles. */
 DLS_API DLS_MUST_USE dls_status dls_lcp_certify(const dls_lcp *lcp, const double *z, double *y,
                                                 dls_lcp_certificate *certificate, dls_error *error);
 
-/* 1 if residual <= max(tol, min(4 floor, 1e-8)), else 0; NaN gives 0. (A z that ran away has a large
- * floor, which excuses nothing.) */
+/* Returns 1 if residual <= max(tol, min(4 floor, 1e-8)), else 0; NaN gives 0. (A z that ran away
+ * has a large floor, which excuses nothing.) */
 DLS_API int dls_lcp_certificate_holds(const dls_lcp_certificate *certificate, double tol);
 
 /* ---- Lemke ----------------------------------------------------------------------------------- */
@@ -56,23 +56,22 @@ DLS_API int dls_lcp_certificate_holds(const dls_lcp_certificate *certificate, do
  * It ends because the exchanges are lexicographic (proof in lcp/lemke.c): at z0 = 0, which is a
  * solution, or in a ray, along which it cannot decide. */
 typedef struct dls_lemke_settings {
-  /* max_iterations: pivots, and rounds of `crash`; the method's own limit: 50 n + 1000. warm_start: from
-   * the basis of z as passed in, z_i basic where z_i > 0 and y_i elsewhere, as from the last time step;
-   * if that leads nowhere, cold. progress: every 50 pivots and every round of `crash` */
+  /* max_iterations: pivots, and rounds of `crash`; the method's own limit: 50 n + 1000.
+   * warm_start: begin at the basis of z as passed in, z_i basic where z_i > 0 and y_i elsewhere, as
+   * from the last time step; if that leads nowhere, cold. progress: every 50 pivots and every round
+   * of `crash` */
   dls_limits limits;
   size_t size; /* set by init; settings without it are refused */
-  /* d, n of create, each > 0; copied. NULL: the norms of the rows of M C, for column factors C
-   * such that some row factors and they bring the entries of M near 1; where this d ends in a ray
-   * without a proof, up to nine more, it times factors between 1/32 and 32. NULL */
+  /* d, n of create, each > 0; copied. NULL, the default: the norms of the rows of M C, for column
+   * factors C that with some row factors bring the entries of M near 1; where this d ends in a ray
+   * without a proof, up to nine more, it times factors between 1/32 and 32 */
   const double *cover;
-  /* 1, without a cover: first exchange many pairs at once (lcp/crash.c), each round for a factorisation of the basis or
-   * less, 2/3 (n/2)^3 flops if half of the z_i are basic. If that ends at a solution, after 5 to 10
-   * rounds as a rule, there is no path. Else it gives up, commonly after one to six rounds, at the latest
-   * after 14 log(2 n) + 4, nothing of it is kept, and the path is what it would have been. Of several
-   * solutions it may find another one than the path. For n <= 10 and a cold start before that: the z with
-   * one or two entries > 0, then a path without scaling and with a cover of its own (lcp/tiny.c), at most
-   * 4 n + 4 exchanges, no progress.
-   * 0, or with a `cover`: the path alone. 1 */
+  /* 1, the default, and no cover: first exchange many pairs at once (lcp/crash.c), each round for a
+   * factorisation of the basis or less, 2/3 (n/2)^3 flops if half of the z_i are basic. If that
+   * ends at a solution, after 5 to 10 rounds as a rule, there is no path. Else it gives up,
+   * commonly after one to six rounds, at the latest after 14 log(2 n) + 4, nothing of it is kept,
+   * and the path is the one without it. Of several solutions it may find another one than the path.
+   * 0, or with a `cover`: the path alone */
   int crash;
 } dls_lemke_settings;
 
@@ -84,31 +83,31 @@ typedef struct dls_lemke_info {
   dls_lcp_certificate certificate; /* of the z that is returned */
   int starts;       /* paths: 1, or more when an answer could not be certified, or 0 */
   int refreshes;    /* how often the table was computed anew from M */
-  int crash_rounds; /* before the first path, see `crash`, or exchanges of lcp/tiny.c; not in pivots */
+  int crash_rounds; /* before the first path, see `crash`; not in pivots */
 } dls_lemke_info;
 
 typedef struct dls_lemke dls_lemke; /* workspace for n <= the n of create */
 
-/* *out = new workspace, NULL on error; the settings and the cover are copied. It holds
- * n (n + 1) + 320 n doubles or so. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE (cover),
+/* *out := new workspace, NULL on error; the settings and the cover are copied. It holds
+ * n (n + 1) + 330 n doubles or so. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE (cover),
  * DLS_E_SETTINGS, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_lemke_create(dls_lemke **out, int n,
                                                  const dls_lemke_settings *settings,
                                                  dls_error *error);
 
-/* z (n): in, the start if warm_start, else ignored; out, z >= 0. y (n, or NULL) = M z + q, recomputed; neither may overlap the other or the
- * problem. Allocates nothing.
+/* Solves the LCP. z (n): in, the start if warm_start, else ignored; out, z >= 0. y (n, or NULL) :=
+ * M z + q, recomputed; neither may overlap the other or the problem. Allocates nothing.
  *   DLS_OK              z is a solution: dls_lcp_certificate_holds
  *   DLS_NO_SOLUTION     no z >= 0 has M z + q >= 0; dls_lemke_farkas gives the proof, a vector
  *                       whose violation in dls_lcp_check_farkas is at most 1e-14 (n + 10)
  *   DLS_RAY             the path ended in a ray; dls_lemke_ray gives it, to the same tolerance.
- *                       Whether there is a solution is not known, unless theory adds something:
+ *                       There may be a solution or none, unless theory adds something:
  *                       if M is copositive-plus (positive semidefinite, say), a ray means that
  *                       there is none
  *   DLS_MAX_ITERATIONS, DLS_CANCELLED
  *   DLS_STALLED         rounding: an answer or a ray was reached that cannot be confirmed
- * or an error of dls_lcp_check. With a status > 0, z is the best point that was met:
- * the one with the smallest residual. */
+ * or an error of dls_lcp_check. With a status > 0, z is the point met that has the smallest
+ * residual. */
 DLS_API DLS_MUST_USE dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z,
                                                 double *y, dls_lemke_info *info, dls_error *error);
 
@@ -129,7 +128,7 @@ DLS_API void dls_lemke_destroy(dls_lemke *workspace);
 
 /* ---- proofs, checked in O(n^2) --------------------------------------------------------------- */
 
-/* *violation := how far (z, z0), (dz, dz0) are from a secondary ray of LCP(M, q) with covering
+/* *violation := distance of (z, z0), (dz, dz0) from a secondary ray of LCP(M, q) with covering
  * vector `cover` (n, > 0): with y = M z + d z0 + q, dy = M dz + d dz0, it asks that
  *
  *   z, y, dz, dy >= 0,  dz0 >= 0,  z_i y_i = z_i dy_i = dz_i y_i = dz_i dy_i = 0,  z0 > 0,
@@ -144,7 +143,7 @@ DLS_API DLS_MUST_USE dls_status dls_lcp_check_ray(const dls_lcp *lcp, const doub
                                                   const double *z, double z0, const double *dz,
                                                   double dz0, double *violation, dls_error *error);
 
-/* *violation := how far v (n) is from a proof (Farkas) that no z >= 0 has M z + q >= 0:
+/* *violation := distance of v (n) from a proof (Farkas) that no z >= 0 has M z + q >= 0:
  *
  *   v >= 0,  M^T v <= 0,  q^T v < 0;   then  v^T (M z + q) = (M^T v)^T z + q^T v < 0.
  *
@@ -157,8 +156,8 @@ DLS_API DLS_MUST_USE dls_status dls_lcp_check_farkas(const dls_lcp *lcp, const d
 
 /* ---- 2D contact as an LCP -------------------------------------------------------------------- */
 
-/* Rows of the LCP of a 2D contact problem: 3 for a candidate with mu > 0, 1 for one with mu = 0;
- * per candidate, z = (r_n, phi_2, lambda_2), y = (u_n, lambda_1, phi_1), with
+/* Counts the rows of the LCP of a 2D contact problem: 3 for a candidate with mu > 0, 1 for one with
+ * mu = 0; per candidate, z = (r_n, phi_2, lambda_2), y = (u_n, lambda_1, phi_1), with
  *
  *   phi_1 = mu r_n - r_t,  phi_2 = mu r_n + r_t,  u_t = lambda_1 - lambda_2   [C] (39), (21)
  *
@@ -174,7 +173,7 @@ DLS_API int dls_contact_lcp_size(const dls_contact *problem);
 DLS_API DLS_MUST_USE dls_status dls_contact_to_lcp(const dls_contact *problem, const double *s,
                                                    double *M, int ldm, double *q, dls_error *error);
 
-/* r (m) := the reactions that z (n) stands for; the same s as above. */
+/* r (m) := the reactions that z (n) stands for; s as above. */
 DLS_API DLS_MUST_USE dls_status dls_contact_from_lcp(const dls_contact *problem, const double *s,
                                                      const double *z, double *r, dls_error *error);
 

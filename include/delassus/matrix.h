@@ -1,6 +1,6 @@
 /*
- * delassus/matrix.h: views of the host's matrices. A view owns nothing and copies nothing; what it
- * points to must outlive every call (and every object) that is given the view.
+ * delassus/matrix.h: views of the host's matrices. A view owns nothing and copies nothing; its
+ * arrays must outlive every call (and every object) that is given the view.
  * Indices are 0-based. Every value must be finite.
  */
 #ifndef DELASSUS_MATRIX_H
@@ -27,8 +27,8 @@ typedef struct dls_sparse {
   const double *x; /* p[cols] */
 } dls_sparse;
 
-/* Compressed block columns of d x d blocks: block k, p[c] <= k < p[c+1], stands in block row i[k] of
- * block column c and is stored column-major at x + d*d*k. Blocks of the same place add up. */
+/* Compressed block columns of d x d blocks: block k, p[c] <= k < p[c+1], stands in block row i[k]
+ * of block column c and is stored column-major at x + d*d*k. Blocks of the same place add up. */
 typedef struct dls_blocks {
   int d;           /* 2 or 3 */
   int n;           /* block rows = block columns */
@@ -37,18 +37,19 @@ typedef struct dls_blocks {
   const double *x; /* d * d * p[n] */
 } dls_blocks;
 
-/* *count := how many d x d blocks of A (square, d = 2 or 3 times n rows) are not all zeros.
- * DLS_E_ARGUMENT, DLS_E_NOT_FINITE; DLS_E_SIZE, also for more than INT_MAX. */
+/* Counts the d x d blocks of A (square, d = 2 or 3 times n rows) that are not all zeros.
+ * DLS_E_ARGUMENT, DLS_E_NOT_FINITE; DLS_E_SIZE, also for more than INT_MAX blocks. */
 DLS_API DLS_MUST_USE dls_status dls_blocks_count(const dls_dense *A, int d, int *count,
                                                  dls_error *error);
 
-/* *B := those blocks, block rows increasing: a view of p (n + 1), i (count) and x (d d count), the
- * caller's, filled here; they must not overlap A. Errors as above. */
+/* Copies the blocks that dls_blocks_count counts into p, i and x, block rows increasing, and sets
+ * *B to a view of these arrays. p: n + 1, i: count, x: d d count; the caller owns them; they must
+ * not overlap A. Errors of dls_blocks_count. */
 DLS_API DLS_MUST_USE dls_status dls_blocks_from_dense(const dls_dense *A, int d, int *p, int *i,
                                                       double *x, dls_blocks *B, dls_error *error);
 
-/* a := B, dense, d n columns of leading dimension ld >= d n, the caller's; must not overlap B.
- * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE. */
+/* Writes B as a dense matrix of d n columns with leading dimension ld >= d n. a: ld d n doubles
+ * of the caller, must not overlap B. DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE. */
 DLS_API DLS_MUST_USE dls_status dls_blocks_to_dense(const dls_blocks *B, double *a, int ld,
                                                     dls_error *error);
 

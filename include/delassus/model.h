@@ -55,7 +55,7 @@ typedef struct dls_model {
   dls_sparse HT; /* n x (d-1) nodes */
   dls_sparse P;  /* nodes x candidates, every entry >= 0, no empty column; P.p = NULL for none */
 
-  /* what the scene does not need */
+  /* Leave out of the contact problem: */
   const int
       *active;      /* candidates: 0 leaves a candidate out of the contact problem; NULL for none */
   const double *mu; /* candidates: where it is 0 the tangents are left out; NULL: all are wanted */
@@ -65,11 +65,11 @@ typedef struct dls_model {
   dls_dense modes;
 } dls_model;
 
-/* Sizes, pointers, indices, finite values, signs; names the field ("K", "Ks", "HN", "P", "active",
- * "mu", "modes", ...) and the index: position i + j*ld in a dense matrix, position in x, i or p of a
- * sparse matrix, column for an empty column of P. Of a K for DLS_CHOLESKY or DLS_LDLT only the lower
- * triangle is read; a sparse one with entries above the diagonal and none below is refused. Callers
- * need not call it: create does. */
+/* Checks sizes, pointers, indices, finite values, signs; names the field ("K", "Ks", "HN", "P",
+ * "active", "mu", "modes", ...) and the index: position i + j*ld in a dense matrix, position in x,
+ * i or p of a sparse matrix, column for an empty column of P. Of a K for DLS_CHOLESKY or DLS_LDLT
+ * only the lower triangle is read; a sparse one with entries above the diagonal and none below is
+ * refused. Callers need not call it: create does. */
 DLS_API DLS_MUST_USE dls_status dls_model_check(const dls_model *model, dls_error *error);
 
 #ifdef __cplusplus

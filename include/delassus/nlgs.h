@@ -12,15 +12,15 @@
 extern "C" {
 #endif
 
-/* The sweep as a fixed-point map r := g(r), and the next sweep started from a combination of the last
- * ones (vi/anderson.c). Aitken: of the last two, [Chabrand 1998] 4.2; Anderson: of more. */
+/* The sweep as a fixed-point map r := g(r), and the next sweep started from a combination of the
+ * last ones (vi/anderson.c). Aitken: of the last two, [Chabrand 1998] 4.2; Anderson: of more. */
 typedef enum dls_acceleration {
   DLS_ACCELERATION_NONE = 0,
   DLS_ACCELERATION_AITKEN = 1,
   DLS_ACCELERATION_ANDERSON = 2
 } dls_acceleration;
 
-/* Fill by dls_nlgs_settings_init, then change what you like; NULL in their place: the defaults. */
+/* Fill by dls_nlgs_settings_init, then change what you like; NULL means the defaults. */
 typedef struct dls_nlgs_settings {
   dls_limits limits; /* max_iterations: sweeps; the method's own limit: 10000 */
   size_t size;       /* set by init; settings without it are refused */
@@ -34,15 +34,14 @@ DLS_API void dls_nlgs_settings_init(dls_nlgs_settings *settings);
 /* A workspace for problems of dimension d with at most nc candidates; reused over time steps. */
 typedef struct dls_nlgs dls_nlgs;
 
-/* *out = new workspace, NULL on error. It holds 4 m + 12 nc doubles (d = 3: 26 nc), m = d nc, with
- * acceleration (4 + 3 k) m + (2 k + 3) k more, k = window (Aitken: 1), and up to 2 kB; the settings are copied.
- * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY. */
+/* *out = new workspace, NULL on error; the settings are copied. Memory: O(m), m = d nc; accelerated
+ * O(window m). DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_nlgs_create(dls_nlgs **out, int d, int nc,
                                                 const dls_nlgs_settings *settings,
                                                 dls_error *error);
 
-/* Solves; allocates nothing. r (m): in, the start if warm_start (put on the cone first unless it is a
- * solution), else ignored; out, the reactions: where the status is > 0, those with the smallest
+/* Solves; allocates nothing. r (m): in, the start if warm_start (put on the cone first unless it is
+ * a solution), else ignored; out, the reactions: where the status is > 0, those with the smallest
  * residual met. u (m) or NULL: W r + q. info or NULL. r, u must not overlap each other or the
  * problem. DLS_OK, DLS_MAX_ITERATIONS, DLS_CANCELLED, DLS_STALLED (a sweep changes nothing), an
  * error of dls_contact_check, or DLS_E_SIZE for another d or more candidates than in create. */

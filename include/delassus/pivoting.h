@@ -16,7 +16,7 @@ extern "C" {
 
 /* ---- block principal pivoting ---------------------------------------------------------------- */
 
-/* Fill by dls_principal_settings_init, then change what you like; NULL in their place: the defaults. */
+/* Fill by dls_principal_settings_init, then change fields; NULL settings mean the defaults. */
 typedef struct dls_principal_settings {
   dls_limits limits; /* max_iterations: exchanges; the method's own limit: 10 n + 1000.
                         warm_start: from the support { i : z_i > 0 } of z */
@@ -38,14 +38,15 @@ typedef struct dls_principal_info {
 
 typedef struct dls_principal dls_principal; /* workspace for n <= the n of create */
 
-/* *out = new workspace, NULL on error; n^2 + O(n) doubles; the settings are copied.
+/* *out := new workspace, NULL on error; n^2 + O(n) doubles; the settings are copied.
  * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_principal_create(dls_principal **out, int n,
                                                      const dls_principal_settings *settings,
                                                      dls_error *error);
 
-/* z (n): in, the start if warm_start, else ignored; out, the solution, z >= 0. y (n, or NULL):
- * M z + q. info or NULL. z and y must not overlap each other or the problem. Allocates nothing.
+/* Solves the LCP. z (n): in, the start if warm_start, else ignored; out, the solution, z >= 0.
+ * y (n, or NULL) := M z + q. info or NULL. z and y must not overlap each other or the problem.
+ * Allocates nothing.
  *
  *   DLS_OK              certified; the only solution if M is a P-matrix
  *   DLS_MAX_ITERATIONS, DLS_CANCELLED
@@ -75,8 +76,8 @@ typedef struct dls_enumeration {
   char undetermined[DLS_ENUMERATE_MAX]; /* [i] = 1: z_i takes several values in one continuum */
 } dls_enumeration;
 
-/* All solutions of LCP(M, q), n <= 20: for each of the 2^n sets A, the solutions with y_A = 0 and
- * z_i = 0 outside of A form a polyhedron; where M_AA is regular it is one point or empty.
+/* Finds all solutions of LCP(M, q), n <= 20: for each of the 2^n sets A, the solutions with y_A = 0
+ * and z_i = 0 outside of A form a polyhedron; where M_AA is regular it is one point or empty.
  *
  *   z (n x capacity, column-major): the solutions, each with a certificate <= max(tol, 4 floor).
  *   Two that differ by less than 1e-8 of the largest entry, all being scaled as the equilibrated
@@ -90,10 +91,11 @@ typedef struct dls_enumeration {
  * M_AA is taken for singular within 1e-12 of a singular matrix, and 1e-10 for 0 in the polyhedra of
  * singular ones (all after equilibration): to be exact to the last case, use exact arithmetic.
  *
- * tol >= 0, capacity >= 1. DLS_OK; DLS_MAX_ITERATIONS when the list is full, DLS_STALLED if rounding
- * keeps the simplex method from ending: z and *found hold what was found so far. DLS_E_ARGUMENT,
- * DLS_E_SIZE for n > 20, or an error of dls_lcp_check. Allocates nothing. 2^n eliminations: 6 ms for
- * n = 12, 4 s for n = 20, three times that where many of the bases are singular. */
+ * tol >= 0, capacity >= 1. DLS_OK; DLS_MAX_ITERATIONS when the list is full, DLS_STALLED if
+ * rounding keeps the simplex method from ending: z and *found hold the solutions found so far.
+ * DLS_E_ARGUMENT, DLS_E_SIZE for n > 20, or an error of dls_lcp_check. Allocates nothing. 2^n
+ * eliminations: 6 ms for n = 12, 4 s for n = 20, three times that where many of the bases are
+ * singular. */
 DLS_API DLS_MUST_USE dls_status dls_lcp_enumerate(const dls_lcp *lcp, double tol, int capacity,
                                                   double *z, dls_enumeration *found,
                                                   dls_error *error);

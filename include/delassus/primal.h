@@ -5,9 +5,10 @@
  *   K x = f + H r,   u = H^T x + g,   the laws of contact.h between u and r at each contact node
  *
  * A fixed point on the sliding thresholds b_c = mu_c r_n; for fixed b the problem is Tresca's, the
- * minimum of a convex function under u_n >= 0, and relaxing one unknown (contact node) after the other
- * lowers it. Nothing is factored: the memory is K and some vectors, and the sweeps grow in number as
- * the mesh is refined. The slow reference; for so many contact nodes that W would not fit.
+ * minimum of a convex function under u_n >= 0, and relaxing one unknown (contact node) after the
+ * other lowers it. Nothing is factored: the memory is K and some vectors, and the sweeps grow in
+ * number as the mesh is refined. The slow reference; for so many contact nodes that W would not
+ * fit.
  */
 #ifndef DELASSUS_PRIMAL_H
 #define DELASSUS_PRIMAL_H
@@ -19,7 +20,7 @@
 extern "C" {
 #endif
 
-/* Fill by dls_primal_settings_init, then change what you like; NULL in their place: the defaults. */
+/* Fill by dls_primal_settings_init, then change what you like; NULL means the defaults. */
 typedef struct dls_primal_settings {
   dls_limits limits; /* tol: on both parts of the certificate. max_iterations: sweeps; the
                         method's own limit: 100000. warm_start: from x as passed in */
@@ -56,18 +57,17 @@ typedef struct dls_primal_info {
 /* K and H prepared, and room for solving; reused over load steps. */
 typedef struct dls_primal dls_primal;
 
-/* *out = new workspace, NULL on error. The model is read here and not kept; the settings are copied.
- * It holds K' by columns (12 bytes an entry), 14 doubles and an int per unknown, and 19 doubles and
- * 2 ints per contact node; nothing is allocated later.
+/* *out = new workspace, NULL on error. The model is read here, not kept; the settings are copied.
+ * Memory: O(n + entries of K); nothing is allocated later.
  *
  * K: DLS_STIFFNESS_DENSE or DLS_STIFFNESS_SPARSE with DLS_CHOLESKY: symmetric positive definite,
- * its lower triangle is read. H: columns c of H_N and H_T together have entries in exactly two rows,
- * unknowns of contact node c and of no other node, where they form a regular 2 x 2 block: n and t
- * of the node, in any directions. All else is DLS_E_UNSUPPORTED, naming "d", "operator_kind",
- * "factorization", "P", or "HN", "HT" and the column. DLS_E_NOT_POSITIVE_DEFINITE names K or Ks, the
- * unknown (index) whose pivot, alone or within its contact node, is not positive, and the pivot.
- * DLS_E_NOT_FINITE: entries that add up to Inf. DLS_E_ARGUMENT, DLS_E_SETTINGS, DLS_E_MEMORY, and
- * the errors of dls_model_check. */
+ * its lower triangle is read. H: columns c of H_N and H_T together have entries in exactly two
+ * rows, unknowns of contact node c and of no other node, where they form a regular 2 x 2 block: n
+ * and t of the node, in any directions. All else is DLS_E_UNSUPPORTED, naming "d", "operator_kind",
+ * "factorization", "P", or "HN", "HT" and the column. DLS_E_NOT_POSITIVE_DEFINITE names K or Ks,
+ * the unknown (index) whose pivot, alone or within its contact node, is not positive, and the
+ * pivot. DLS_E_NOT_FINITE: entries that add up to Inf. DLS_E_ARGUMENT, DLS_E_SETTINGS,
+ * DLS_E_MEMORY, and the errors of dls_model_check. */
 DLS_API DLS_MUST_USE dls_status dls_primal_create(dls_primal **out, const dls_model *model,
                                                   const dls_primal_settings *settings,
                                                   dls_error *error);

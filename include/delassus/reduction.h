@@ -27,11 +27,11 @@
 extern "C" {
 #endif
 
-/* The rigid-body modes of K, dense or sparse: its null space to working precision, |K x| <= 50 eps
- * |K||x| with rows and columns scaled. *count := how many; up to `most` of them go to basis (n x
- * most; or NULL), each with a 1 in its unknown[k] (most; or NULL) where all others are 0, so that
- * a body's modes live on that body and fixing unknown[0 .. *count-1] fixes all. At most 24 are found. Factors
- * a shifted K. DLS_E_UNSUPPORTED for a flexibility or a host's solver. */
+/* Finds the rigid-body modes of K, dense or sparse: its null space to working precision, |K x| <=
+ * 50 eps |K||x| with rows and columns scaled. *count := how many; up to `most` of them go to basis
+ * (n x most; or NULL), each with a 1 in its unknown[k] (most; or NULL) where all others are 0, so
+ * that a body's modes live on that body and fixing unknown[0 .. *count-1] fixes all. At most 24 are
+ * found. Factors a shifted K. DLS_E_UNSUPPORTED for a flexibility or a host's solver. */
 DLS_API DLS_MUST_USE dls_status dls_model_modes(const dls_model *model, int most, double *basis,
                                                 int *unknown, int *count, dls_error *error);
 
@@ -47,7 +47,7 @@ typedef struct dls_reduction_settings {
 
 DLS_API void dls_reduction_settings_init(dls_reduction_settings *settings);
 
-/* What a reduction takes, or took. */
+/* Cost of a reduction: foreseen, or as it was. */
 typedef struct dls_reduction_info {
   int condensed;       /* unknowns of the dense Schur complement; 0 where there is none */
   double W_bytes;      /* m^2 doubles */
@@ -59,9 +59,9 @@ typedef struct dls_reduction_info {
   int modes;           /* rigid-body modes held by springs */
 } dls_reduction_info;
 
-/* *info := what dls_reduction_create_with would take; for a sparse K from ordering and analysis (a
- * few per cent of the work in 3D, up to half of it in 2D). settings NULL for the defaults; the limit is
- * not applied. */
+/* Foresees what dls_reduction_create_with would take; for a sparse K from ordering and analysis (a
+ * few per cent of the work in 3D, up to half of it in 2D). settings NULL for the defaults; the
+ * limit is not applied. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_estimate(const dls_model *model,
                                                        const dls_reduction_settings *settings,
                                                        dls_reduction_info *info, dls_error *error);
@@ -78,77 +78,78 @@ typedef struct dls_reduction dls_reduction;
  *
  * DLS_E_SINGULAR (condition above 4e14 after scaling rows and columns, so whatever the units of
  * forces, moments, displacements and rotations) names K or Ks. Where the null space is that of
- * rigid-body modes, the message says how many and of which unknowns, value is their number, index the
- * first of these unknowns, and model.modes or settings.stabilize are the way on. Otherwise index is an
- * unknown where it shows. DLS_E_NOT_POSITIVE_DEFINITE: index the unknown of a pivot <= 0 and value
- * the pivot of the scaled matrix; or index -1 and value the number of negative pivots.
+ * rigid-body modes, the message says how many and of which unknowns, value is their number, index
+ * the first of these unknowns, and model.modes or settings.stabilize are the way on. Otherwise
+ * index is an unknown where it shows. DLS_E_NOT_POSITIVE_DEFINITE: index the unknown of a pivot <=
+ * 0 and value the pivot of the scaled matrix; or index -1 and value the number of negative pivots.
  * DLS_E_NOT_FINITE naming "W", or entries of Ks that add up to Inf: an overflow. DLS_E_MEMORY
- * with the figures. DLS_E_UNSUPPORTED, DLS_E_CALLBACK, DLS_E_SIZE, DLS_E_SETTINGS, and the errors of
- * dls_model_check. */
+ * with the figures. DLS_E_UNSUPPORTED, DLS_E_CALLBACK, DLS_E_SIZE, DLS_E_SETTINGS, and the errors
+ * of dls_model_check. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_create(dls_reduction **out, const dls_model *model,
                                                      dls_error *error);
 
-/* The same with settings. */
+/* Works as dls_reduction_create, with settings; NULL for the defaults. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_create_with(dls_reduction **out,
                                                           const dls_model *model,
                                                           const dls_reduction_settings *settings,
                                                           dls_error *error);
 
-/* New values of K, H, P on the pattern of create, whose analysis and memory are reused: W is formed
- * anew, f and q are 0 again, views of them (dls_reduction_contact) stay valid; modes stay those of
- * create. DLS_E_SIZE or
+/* Takes new values of K, H, P on the pattern of create, whose analysis and memory are reused: W is
+ * formed anew, f and q are 0 again, views of them (dls_reduction_contact) stay valid; modes stay
+ * those of create. DLS_E_SIZE or
  * DLS_E_ARGUMENT for another size or pattern, and then the reduction is as it was. After any other
  * error than those of dls_model_check it holds nothing: all but update and destroy answer
  * DLS_E_ARGUMENT. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_update(dls_reduction *reduction,
                                                      const dls_model *model, dls_error *error);
 
-/* *info := what it took. */
+/* Tells what the reduction took. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_get_info(const dls_reduction *reduction,
                                                        dls_reduction_info *info, dls_error *error);
 
-/* New loads and gaps on the same factor: q := H^T K^-1 f + P^T g. f (n) or NULL for 0; g (d *
+/* Takes new loads and gaps on the same factor: q := H^T K^-1 f + P^T g. f (n) or NULL for 0; g (d *
  * nodes) or NULL for 0. Before the first call f and q are 0; an error leaves both as they were.
  * One solve, or half of one where there is a Schur complement. Allocates nothing (MUMPS does). */
 DLS_API DLS_MUST_USE dls_status dls_reduction_load(dls_reduction *reduction, const double *f,
                                                    const double *g, dls_error *error);
 
-/* *problem := the contact problem of the active candidates with the friction coefficients mu (one
- * for each of these; borrowed; NULL for those of the model). W and q belong to the reduction and live
- * as long as it does; q changes with dls_reduction_load. Where tangents were left out, their rows
- * and columns of W and q are 0, and mu must be 0 (DLS_E_ARGUMENT). DLS_E_UNSUPPORTED without W. */
+/* Gives the contact problem of the active candidates with the friction coefficients mu (one
+ * for each of these; borrowed; NULL for those of the model). W and q belong to the reduction and
+ * live as long as it does; q changes with dls_reduction_load. Where tangents were left out, their
+ * rows and columns of W and q are 0, and mu must be 0 (DLS_E_ARGUMENT). DLS_E_UNSUPPORTED without
+ * W. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_contact(const dls_reduction *reduction,
                                                       const double *mu, dls_contact *problem,
                                                       dls_error *error);
 
-/* x (n) := K^-1 (f + H r), f as last given to dls_reduction_load (copied there). r (m). One solve.
- * Allocates nothing (MUMPS does). */
+/* Recovers x := K^-1 (f + H r), n, with f as last given to dls_reduction_load (copied there). r
+ * (m). One solve. Allocates nothing (MUMPS does). */
 DLS_API DLS_MUST_USE dls_status dls_reduction_recover(dls_reduction *reduction, const double *r,
                                                       double *x, dls_error *error);
 
-/* For a K whose k rigid-body modes are held: the springs s_j = 1e-4 K_jj at k unknowns j of the modes make
- * K regular, and take the part of the loads that r does not balance,
+/* Balances a K whose k rigid-body modes are held: the springs s_j = 1e-4 K_jj at k unknowns j of
+ * the modes make K regular, and take the part of the loads that r does not balance,
  *
  *   K x = f + H r - s (x_j - c_j) e_j for each of them,   c = 0 after dls_reduction_load.
  *
  * *imbalance (or NULL) := max over the modes b of |b^T (f + H r)| / |b|^T (|f| + |H||r|): 0 in
- * equilibrium, 1 where nothing holds the body. Then c_j := x_j, and q follows: solving, balancing and
- * solving again until *imbalance is small gives the equilibrium of the free body without any spring
- * (proximal point method on the resultants). One solve. 0 if there are no modes. */
+ * equilibrium, 1 where nothing holds the body. Then c_j := x_j, and q follows: solving, balancing
+ * and solving again until *imbalance is small gives the equilibrium of the free body without any
+ * spring (proximal point method on the resultants). One solve. 0 if there are no modes. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_balance(dls_reduction *reduction, const double *r,
                                                       double *imbalance, dls_error *error);
 
-/* R (d * nodes) := P r in local order, the nodal reactions that r (m) stands for; R = r without P.
- * R and r must not overlap. */
+/* Gives R := P r in local order, d * nodes, the nodal reactions that r (m) stands for; R = r
+ * without P. R and r must not overlap. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_nodal(const dls_reduction *reduction, const double *r,
                                                     double *R, dls_error *error);
 
 /* NULL is fine. */
 DLS_API void dls_reduction_destroy(dls_reduction *reduction);
 
-/* The weighting of a contact line, [J] 4.4 example 2: column j spreads the reaction of candidate j,
- * constant on its dual cell (half way to its neighbours), by the integrals of the nodes' hat
- * functions over that cell divided by its length.
+/* Computes the weighting of a contact line, [J] 4.4 example 2: column j spreads the reaction of
+ * candidate j, constant on its dual cell (half way to its neighbours), by the integrals of the
+ * nodes' hat functions over that cell divided by its length.
  *
  *   nodes      number of nodes of the line, in order, >= 2
  *   s          their abscissae along the line, strictly increasing, nodes      length

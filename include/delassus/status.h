@@ -1,16 +1,22 @@
 /*
- * delassus/status.h: what every call returns, and where the details of an error go.
+ * delassus/status.h: the status that every call returns, the details of an error, and the version.
  *
  *   < 0  error: nothing was computed, every output is as it was before the call
  *   = 0  done; for a solver: solved, and the certificate says so
  *   > 0  stopped early: the outputs hold the best answer found, the info says how good it is
+ *
+ * Layouts of structs and values of enums are fixed for a SONAME (libdelassus.so.0): a library that
+ * changes one of them carries another SONAME. Symbols of libdelassus.so have the version
+ * DELASSUS_0.
  */
 #ifndef DELASSUS_STATUS_H
 #define DELASSUS_STATUS_H
 
 #include <stddef.h>
 
-#define DLS_VERSION "0.1.0"
+/* The version of these headers, as text and, for #if, as major * 10000 + minor * 100 + patch. */
+#define DLS_VERSION        "0.1.0"
+#define DLS_VERSION_NUMBER 100
 
 #if defined(DLS_BUILD_SHARED) && defined(__GNUC__)
 #define DLS_API __attribute__((visibility("default")))
@@ -51,8 +57,8 @@ typedef enum dls_status {
   DLS_E_CALLBACK = -11              /* a callback of the host reported failure */
 } dls_status;
 
-/* Details of the last error; owned by the caller, any call takes NULL instead. Filled when a call
- * returns a status < 0, left alone otherwise. */
+/* Details of an error. The caller owns the struct; every call takes NULL instead. A call fills it
+ * when it returns a status < 0, and leaves it alone otherwise. */
 typedef struct dls_error {
   dls_status status;
   const char *function; /* name of the function that was called; static storage */
@@ -62,13 +68,14 @@ typedef struct dls_error {
   char message[200];    /* one sentence for a log, always terminated */
 } dls_error;
 
-/* "DLS_E_SIZE" and the like; "unknown status" for a number that is none. Static storage. */
+/* Returns the name of a status, "DLS_E_SIZE" say; "unknown status" for any other number. Static
+ * storage. */
 DLS_API const char *dls_status_name(dls_status status);
 
-/* The same in words for people: "iteration limit reached". Static storage. */
+/* Returns a status in words for people, "iteration limit reached" say. Static storage. */
 DLS_API const char *dls_status_text(dls_status status);
 
-/* Version of the library that is linked, as DLS_VERSION of its headers. Static storage. */
+/* Returns the version of the library that runs, written as DLS_VERSION. Static storage. */
 DLS_API const char *dls_version(void);
 
 #ifdef __cplusplus

@@ -1,5 +1,6 @@
 /*
- * base.h: what every folder of the library builds on and users do not see. Names start with dlsi_.
+ * base.h: the hidden floor of the library, which every other room stands on. Names start with
+ * dlsi_.
  */
 #ifndef DLSI_BASE_H
 #define DLSI_BASE_H
@@ -10,10 +11,12 @@
 #include "delassus/info.h"
 #include "delassus/model.h"
 
-/* ---- loops that vectorise ------------------------------------------------------------------------ */
+/* ---- loops that vectorise
+ * ------------------------------------------------------------------------ */
 
-/* Where the linker can choose at load time, such a function exists with AVX2, too. Products and sums are
- * rounded one by one in both: the same bits. What is called from there has to be inlined. */
+/* Compiles a function twice, plain and with AVX2, where the linker can choose at load time.
+ * Products and sums are rounded one by one in both, to the same bits. Functions that it calls have
+ * to be inlined. */
 #if defined(__x86_64__) && defined(__gnu_linux__)
 #define DLSI_CLONES __attribute__((target_clones("avx2", "default")))
 #define DLSI_INLINE inline __attribute__((always_inline))
@@ -22,37 +25,28 @@
 #define DLSI_INLINE inline
 #endif
 
-/* two doubles in a register, where the compiler does not see by itself that they can go in pairs */
-typedef double dlsi_pair __attribute__((vector_size(16), aligned(8), may_alias));
-
-static inline dlsi_pair dlsi_load(const double *x) {
-  return *(const dlsi_pair *)x;
-}
-
 /* ---- errors ---------------------------------------------------------------------------------- */
 
 #if defined(__GNUC__)
-#define DLSI_NOINLINE     __attribute__((noinline))
 #define DLSI_PRINTF(f, a) __attribute__((cold, format(printf, f, a)))
 #else
-#define DLSI_NOINLINE
 #define DLSI_PRINTF(f, a)
 #endif
 
 /* Fills *error (NULL: nothing) and returns status, so that a check reads
  *   if (n < 1) return dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d, must be at least 1", n);
- * argument must be a static string; index -1 for none. The message is "argument[index]: text" until the
- * public function puts its name before it by dlsi_at. */
+ * argument must be a static string; index -1 for none. The message is "argument[index]: text"
+ * until the public function puts its name before it by dlsi_at. */
 dls_status dlsi_fail(dls_error *error, dls_status status, const char *argument, long long index,
                      double value, const char *format, ...) DLSI_PRINTF(6, 7);
 
-/* Returns status; if that is an error, *error (NULL: nothing) gets the name of the public function, which
- * every public function hands over as it returns: return dlsi_at(__func__, status, error). Where one
- * public function has called another, the outer one stays. */
+/* Returns status; puts the name of the public function into *error (NULL: nothing) if status is an
+ * error. Every public function ends in it: return dlsi_at(__func__, status, error). Where one
+ * public function has called another, the name of the outer one stays. */
 dls_status dlsi_at(const char *function, dls_status status, dls_error *error);
 
-/* The two commonest failures. Inline, so that every reader (and analyser) sees that the status is never
- * DLS_OK. */
+/* Report the two commonest failures. They are inline, so that every reader (and analyser) sees that
+ * the status is never DLS_OK. */
 static inline dls_status dlsi_no_memory(dls_error *error) {
   (void)dlsi_fail(error, DLS_E_MEMORY, "", -1, 0, "out of memory");
   return DLS_E_MEMORY;
@@ -62,10 +56,10 @@ static inline dls_status dlsi_is_null(dls_error *error, const char *argument) {
   return DLS_E_ARGUMENT;
 }
 
-/* Index of the first NaN or Inf among x[0..n), -1 if there is none. */
+/* Returns the index of the first NaN or Inf among x[0..n), -1 if there is none. */
 long long dlsi_first_not_finite(const double *x, size_t n);
 
-/* The checks of a view, under the name `argument`. */
+/* Check a view, which errors call `argument`: pointers, sizes, indices, finite values. */
 dls_status dlsi_check_vector(const char *argument, const double *x, size_t n, dls_error *error);
 dls_status dlsi_check_dense(const char *argument, const dls_dense *A, int rows, int cols,
                             dls_error *error);
@@ -73,22 +67,29 @@ dls_status dlsi_check_sparse(const char *argument, const dls_sparse *A, int rows
                              dls_error *error);
 dls_status dlsi_check_blocks(const dls_blocks *B, dls_error *error);
 dls_status dlsi_check_contact(const dls_contact *problem, dls_error *error);
+dls_status dlsi_check_model(const dls_model *model, dls_error *error);
 
-/* d is 2 or 3, nc at least 1, d nc an int. */
+/* Checks that the n friction coefficients "mu" are finite and >= 0. */
+dls_status dlsi_check_friction(const double *mu, size_t n, dls_error *error);
+
+/* Checks that d is 2 or 3. */
+dls_status dlsi_check_dimension(const char *argument, int d, dls_error *error);
+
+/* Checks that d is 2 or 3, nc at least 1, and d nc an int. */
 dls_status dlsi_check_sizes(int d, int nc, dls_error *error);
 
-/* limits := the defaults. */
+/* Sets the limits to their defaults. */
 void dlsi_limits_init(dls_limits *limits);
 
-/* The limit of iterations that holds for a method whose own limit is `own`. */
+/* Returns the limit of iterations that holds for a method whose own limit is `own`. */
 static inline int dlsi_most_iterations(const dls_limits *limits, int own) {
   return limits->max_iterations ? limits->max_iterations : own;
 }
 
 dls_status dlsi_check_limits(const dls_limits *limits, dls_error *error);
 
-/* A number among the settings of a method, and where it has to lie: lowest <= value <= highest, or with
- * `open` between the two. */
+/* A number among the settings of a method and its range: lowest <= value <= highest, or, with
+ * `open`, lowest < value < highest. */
 typedef struct dlsi_setting {
   const char *name;
   double value, lowest, highest;
@@ -97,32 +98,32 @@ typedef struct dlsi_setting {
 
 dls_status dlsi_check_each(int count, const dlsi_setting *setting, dls_error *error);
 
-/* The settings of a method: size is what their init function left in them, wanted the size of the struct;
- * then the limits, then `count` numbers of the method's own. */
+/* Checks the settings of a method: that size, which their init function left in them, is the wanted
+ * size of the struct; the limits; `count` numbers of the method's own. */
 dls_status dlsi_check_settings(const dls_limits *limits, size_t size, size_t wanted, int count,
                                const dlsi_setting *own, dls_error *error);
 
-/* A place for r, and with a warm start finite values there. */
+/* Checks that r is there and, for a warm start, finite. */
 dls_status dlsi_check_start(const dls_contact *problem, const double *r, int warm_start,
                             dls_error *error);
 
-/* What every solver asks: a sound problem of the workspace's d with at most its nc candidates, and
- * dlsi_check_start. */
+/* Checks the arguments of a solve: a sound problem of the workspace's dimension d with at most its
+ * nc candidates, and the start r. */
 dls_status dlsi_check_solve(int d, int nc, const dls_contact *problem, const double *r,
                             int warm_start, dls_error *error);
-dls_status dlsi_check_model(const dls_model *model, dls_error *error);
 
-/* Most rigid-body modes that a model may have. */
+/* The largest number of rigid-body modes that a model may have. */
 enum { dlsi_most_modes = 24 };
 
-/* Candidates of a model, active or not. */
+/* Returns the number of candidates of a model, active or not. */
 int dlsi_model_candidates(const dls_model *model);
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
-/* A workspace in one piece of memory. A carve function is a sequence of takes; run it twice: on {0} to
- * count bytes, then, after dlsi_arena_allocate, on memory. Every piece is aligned to 64 bytes. An overflow
- * of size_t, or a take past the end, makes this take and all later ones fail. */
+/* A workspace in one piece of memory. A carve function is a sequence of takes; run it twice: on {0}
+ * to count bytes, then, after dlsi_arena_allocate, on memory. Every piece begins a multiple of 64
+ * bytes after base. An overflow of size_t, or a take past the end, makes this take and all later
+ * ones fail. */
 typedef struct dlsi_arena {
   char *base;  /* NULL while counting */
   size_t size; /* of base */
@@ -130,34 +131,39 @@ typedef struct dlsi_arena {
   int failed;
 } dlsi_arena;
 
-/* Returns the next piece, for count elements of size bytes; NULL while counting and after a failure. */
+/* Returns the next piece, for count elements of size bytes; NULL while counting and after a
+ * failure. */
 void *dlsi_take(dlsi_arena *arena, size_t count, size_t size);
 
-/* Ends the counting run: allocates arena->base, which the caller frees, and rewinds, so that the takes
- * run again. Where the sizes overflowed, DLS_E_SIZE blames `argument` with its value; DLS_E_MEMORY. */
+/* Ends the counting run: allocates arena->base, which the caller frees, and rewinds, so that the
+ * takes run again. Where the sizes overflowed, DLS_E_SIZE blames `argument` with its value;
+ * DLS_E_MEMORY. */
 dls_status dlsi_arena_allocate(dlsi_arena *arena, const char *argument, long long value,
                                dls_error *error);
 
-/* malloc(count * size), NULL on overflow or when there is no memory; never of 0 bytes. */
+/* Returns malloc(count * size), of 1 byte for 0 bytes; NULL on overflow or when there is no memory.
+ * */
 void *dlsi_alloc(size_t count, size_t size);
 
 /* ---- numbers --------------------------------------------------------------------------------- */
 
-/* |x|_2 without overflow or underflow in between; NaN stays NaN. */
+/* Returns |x|_2 without overflow or underflow in between; NaN stays NaN. */
 double dlsi_norm2(const double *x, size_t n);
 
-/* whether sqrt(sum) will do: a plain sum of squares that has neither over- nor underflown */
+/* Returns 1 if the plain sum of squares `sum` has neither over- nor underflown, so that sqrt(sum)
+ * is the norm. */
 static inline int dlsi_is_plain(double sum) {
   return sum > 0x1p-900 && sum < 0x1p900;
 }
 
-/* max |x_i|, 0 for n = 0; NaN stays NaN (fmax and idamax lose it). */
+/* Returns max |x_i|, 0 for n = 0; NaN stays NaN (fmax and idamax lose it). */
 double dlsi_max_abs(const double *x, size_t n);
 
 /* ---- the contact problem --------------------------------------------------------------------- */
 
-/* Block column c of W, dense or by blocks, block by block: for k = begin .. end-1 the block in block row
- * dlsi_row(&column, k) has its entry (i, j) at block[i + ld j], block = x + k step. */
+/* One block column of W, dense or by blocks, to walk block by block: for k = begin .. end-1 the
+ * block in block row dlsi_row(&column, k) has its entry (i, j) at block[i + ld j], block = x + k
+ * step. */
 typedef struct dlsi_block_column {
   size_t begin, end;
   const int *row; /* NULL: k */
@@ -176,43 +182,47 @@ static inline size_t dlsi_row(const dlsi_block_column *column, size_t k) {
   return column->row ? (size_t)column->row[k] : k;
 }
 
-/* The d x d diagonal block of candidate c, column-major; zero where a block-sparse W has none. */
+/* Copies the d x d diagonal block of candidate c, column-major; zeros where a block-sparse W has
+ * none. */
 void dlsi_contact_diagonal(const dls_contact *problem, int c, double *block);
 
-/* u += W(:,c) dr for the d columns of candidate c. */
+/* Adds W(:,c) dr to u for the d columns of candidate c. */
 void dlsi_contact_add_columns(const dls_contact *problem, int c, const double *dr, double *u);
 
-/* The same, W by blocks. */
+/* Adds W(:,c) dr to u for the d columns of candidate c, W by blocks. */
 void dlsi_contact_add_blocks(const dls_contact *problem, int c, const double *dr, double *u);
 
-/* The same for `count` candidates c[k], dr[d k..], one after the other, W dense. */
+/* Adds W(:,c[k]) dr[d k..] to u for k = 0 .. count-1, one after the other, W dense. */
 void dlsi_contact_add_panel(const dls_contact *problem, int count, const int *c, const double *dr,
                             double *u);
 
-/* y := A^T x and y -= A x for A (m x n, column-major, leading dimension m). */
-void dlsi_panel_dot(size_t m, int n, const double *A, const double *x, double *y);
-void dlsi_panel_subtract(size_t m, int n, const double *A, const double *x, double *y);
-
-/* u += W(:,c) dr and a += |W(:,c)| |dr| for the d columns of candidate c, W dense. */
+/* Adds W(:,c) dr to u and |W(:,c)| |dr| to a for the d columns of candidate c, W dense. */
 void dlsi_contact_add_both(const dls_contact *problem, int c, const double *dr, double *u,
                            double *a);
 
-/* u := W r + q and, if a is not NULL, a := |W| |r|. Column after column, of the candidates in `order` (nc; NULL:
- * 0, 1, ..), on which the rounding depends. */
+/* Computes u := W r + q and, if a is not NULL, a := |W| |r|, column after column of the candidates
+ * in `order`, on which the rounding depends. order: candidates, nc; NULL for 0, 1, .. */
 void dlsi_contact_multiply(const dls_contact *problem, const int *order, const double *r, double *u,
                            double *a);
 
-/* w (nc) := trace(W_cc) / d, the mean of the positive ones where that is not positive; if none is
- * positive, the largest |W_cc| entry of all, or 1 if W's diagonal is zero. */
+/* Compute y := A^T x and y -= A x for A (m x n, column-major, leading dimension m). */
+void dlsi_panel_dot(size_t m, int n, const double *A, const double *x, double *y);
+void dlsi_panel_subtract(size_t m, int n, const double *A, const double *x, double *y);
+
+/* Computes the weights trace(W_cc) / d; where that is not positive, the mean of the positive
+ * weights; if no weight is positive, the largest |entry| of the diagonal blocks, or 1 if all of
+ * them are 0. w: nc. */
 void dlsi_contact_weights(const dls_contact *problem, double *w);
 
-/* The same from blocks at hand: w_c of W_cc (d x d), then the common one where that is not positive. */
+/* Compute the weights in two steps where the diagonal blocks are at hand: trace(W_cc) / d of one
+ * block, then the common weight where that is not positive. */
 static inline double dlsi_block_weight(int d, const double *block) {
   return d == 2 ? (block[0] + block[3]) / 2 : (block[0] + block[4] + block[8]) / 3;
 }
 void dlsi_contact_complete_weights(const dls_contact *problem, double *w);
 
-/* |v_t|. hypot costs ten times the square root, and differs where the squares leave the range of doubles */
+/* Returns |v_t|. hypot costs ten times the square root and is needed only where squares over- or
+ * underflow. */
 static inline double dlsi_tangent_norm(int d, const double *v) {
   if (d == 2) return fabs(v[1]);
   const double s = v[1] * v[1] + v[2] * v[2];
@@ -220,7 +230,7 @@ static inline double dlsi_tangent_norm(int d, const double *v) {
   return v[1] == 0 && v[2] == 0 ? 0 : hypot(v[1], v[2]);
 }
 
-/* P(v): the projection of v (d) on C_mu = { |r_t| <= mu r_n }; returns the branch taken. */
+/* Projects v (d) on C_mu = { |r_t| <= mu r_n }: p := P(v); returns the branch taken. */
 static inline dls_contact_state dlsi_project_cone(int d, double mu, const double *v, double *p) {
   const double t = dlsi_tangent_norm(d, v);
   if (t <= mu * v[0]) { /* inside */
@@ -244,7 +254,7 @@ static inline dls_contact_state dlsi_project_cone(int d, double mu, const double
   return DLS_SLIP;
 }
 
-/* F_c of the certificate for one candidate; returns the branch of the projection. */
+/* Computes F_c of the certificate for one candidate; returns the branch of the projection. */
 static inline dls_contact_state dlsi_contact_residual(int d, double mu, double w, const double *r,
                                                       const double *u, double *F) {
   double v[3] = {0}, p[3] = {0};
@@ -257,7 +267,7 @@ static inline dls_contact_state dlsi_contact_residual(int d, double mu, double w
   return state;
 }
 
-/* The certificate of r from given u = W r + q, a = |W| |r| and weights w; F (m) receives F. */
+/* Measures r: its certificate from u = W r + q, a = |W| |r| and the weights w. F: receives F, m. */
 void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
                           const double *a, const double *w, double *F,
                           dls_certificate *certificate);

@@ -1,62 +1,62 @@
-/* blocks.c: dense matrices and matrices by blocks, from one to the other. */
+/* blocks.c: dense matrices to matrices by blocks, and back. */
 #include <limits.h>
 #include <string.h>
 
 #include "base/base.h"
 
-/* dense, square, finite, of d x d blocks */
+/* Checks that A is dense, square, finite, of d x d blocks. */
 static dls_status check_square(const dls_dense *A, int d, dls_error *error) {
   if (!A) return dlsi_is_null(error, "A");
-  if (d != 2 && d != 3)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "d", -1, d, "is %d, must be 2 or 3", d);
+  const dls_status status = dlsi_check_dimension("d", d, error);
+  if (status) return status;
   if (A->rows < 0 || A->rows % d)
     return dlsi_fail(error, DLS_E_SIZE, "A", -1, A->rows, "has %d rows, not n times %d", A->rows,
                      d);
   return dlsi_check_dense("A", A, A->rows, A->rows, error);
 }
 
-static int is_zero(int d, const double *a, size_t ld) {
-  for (int j = 0; j < d; j++)
-    for (int i = 0; i < d; i++)
-      if (a[(size_t)i + (size_t)j * ld] != 0) return 0;
-  return 1;
+/* Returns block (row, col) of A, or NULL if all its entries are 0. */
+static const double *find_block(const dls_dense *A, size_t d, int row, int col) {
+  const double *block = A->a + d * (size_t)row + d * (size_t)col * (size_t)A->ld;
+  for (size_t j = 0; j < d; j++)
+    for (size_t i = 0; i < d; i++)
+      if (block[i + j * (size_t)A->ld] != 0) return block;
+  return NULL;
 }
 
 dls_status dls_blocks_count(const dls_dense *A, int d, int *count, dls_error *error) {
-  const dls_status status = check_square(A, d, error);
+  dls_status status = check_square(A, d, error);
+  if (!status && !count) status = dlsi_is_null(error, "count");
   if (status) return dlsi_at(__func__, status, error);
-  if (!count) return dlsi_at(__func__, dlsi_is_null(error, "count"), error);
-  const size_t D = (size_t)d, n = (size_t)A->rows / D, ld = (size_t)A->ld;
   size_t found = 0;
-  for (size_t b = 0; b < n; b++)
-    for (size_t a = 0; a < n; a++)
-      found += !is_zero(d, A->a + D * a + D * b * ld, ld);
+  for (int b = 0; b < A->rows / d; b++)
+    for (int a = 0; a < A->rows / d; a++)
+      found += find_block(A, (size_t)d, a, b) != NULL;
   if (found > INT_MAX)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_SIZE, "A", -1, (double)found, "has too many blocks"),
-                   error);
-  *count = (int)found;
-  return DLS_OK;
+    status = dlsi_fail(error, DLS_E_SIZE, "A", -1, (double)found, "has too many blocks");
+  else
+    *count = (int)found;
+  return dlsi_at(__func__, status, error);
 }
 
 dls_status dls_blocks_from_dense(const dls_dense *A, int d, int *p, int *i, double *x,
                                  dls_blocks *B, dls_error *error) {
-  const dls_status status = check_square(A, d, error);
+  dls_status status = check_square(A, d, error);
+  if (!status && !p) status = dlsi_is_null(error, "p");
+  if (!status && !i) status = dlsi_is_null(error, "i");
+  if (!status && !x) status = dlsi_is_null(error, "x");
+  if (!status && !B) status = dlsi_is_null(error, "B");
   if (status) return dlsi_at(__func__, status, error);
-  if (!p) return dlsi_at(__func__, dlsi_is_null(error, "p"), error);
-  if (!i) return dlsi_at(__func__, dlsi_is_null(error, "i"), error);
-  if (!x) return dlsi_at(__func__, dlsi_is_null(error, "x"), error);
-  if (!B) return dlsi_at(__func__, dlsi_is_null(error, "B"), error);
-  const size_t D = (size_t)d, ld = (size_t)A->ld;
+  const size_t D = (size_t)d;
   const int n = A->rows / d;
   int k = 0;
   p[0] = 0;
   for (int b = 0; b < n; b++) {
     for (int a = 0; a < n; a++) {
-      const double *block = A->a + D * (size_t)a + D * (size_t)b * ld;
-      if (is_zero(d, block, ld)) continue;
+      const double *block = find_block(A, D, a, b);
+      if (!block) continue;
       for (size_t j = 0; j < D; j++)
-        memcpy(x + D * D * (size_t)k + D * j, block + j * ld, D * sizeof *x);
+        memcpy(x + D * D * (size_t)k + D * j, block + j * (size_t)A->ld, D * sizeof *x);
       i[k++] = a;
     }
     p[b + 1] = k;
@@ -66,21 +66,17 @@ dls_status dls_blocks_from_dense(const dls_dense *A, int d, int *p, int *i, doub
 }
 
 dls_status dls_blocks_to_dense(const dls_blocks *B, double *a, int ld, dls_error *error) {
-  const dls_status status = dlsi_check_blocks(B, error);
+  dls_status status = dlsi_check_blocks(B, error);
+  if (!status && !a) status = dlsi_is_null(error, "a");
+  if (!status && (ld < 1 || ld < B->d * B->n))
+    status = dlsi_fail(error, DLS_E_SIZE, "ld", -1, ld, "must be at least %d x %d", B->d, B->n);
   if (status) return dlsi_at(__func__, status, error);
   const size_t D = (size_t)B->d, rows = D * (size_t)B->n, L = (size_t)ld;
-  if (!a) return dlsi_at(__func__, dlsi_is_null(error, "a"), error);
-  if (ld < 1 || L < rows)
-    return dlsi_at(
-        __func__,
-        dlsi_fail(error, DLS_E_SIZE, "ld", -1, ld, "must be at least %d x %d", B->d, B->n), error);
   for (size_t j = 0; j < rows; j++)
     memset(a + j * L, 0, rows * sizeof *a);
   for (int b = 0; b < B->n; b++)
     for (int k = B->p[b]; k < B->p[b + 1]; k++)
-      for (size_t j = 0; j < D; j++)
-        for (size_t i = 0; i < D; i++)
-          a[D * (size_t)B->i[k] + i + (D * (size_t)b + j) * L] +=
-              B->x[D * D * (size_t)k + D * j + i];
+      for (size_t e = 0; e < D * D; e++)
+        a[D * (size_t)B->i[k] + e % D + (D * (size_t)b + e / D) * L] += B->x[D * D * (size_t)k + e];
   return DLS_OK;
 }

@@ -1,30 +1,57 @@
-/* check.c: the checks of the views, once, O(nnz), naming argument and index. */
+/* check.c: checks what a public function is given, in O(nnz), naming the argument and the index at
+ * fault. */
 #include <float.h>
 #include <limits.h>
 #include <math.h>
 #include <stdint.h>
-#include <string.h>
 
 #include "base/base.h"
 
-static inline dls_status check_vector(const char *argument, const double *x, size_t n,
-                                      dls_error *error) {
+/* ---- numbers and vectors --------------------------------------------------------------------- */
+
+dls_status dlsi_check_dimension(const char *argument, int d, dls_error *error) {
+  if (d == 2 || d == 3) return DLS_OK;
+  return dlsi_fail(error, DLS_E_ARGUMENT, argument, -1, d, "is %d, must be 2 or 3", d);
+}
+
+dls_status dlsi_check_sizes(int d, int nc, dls_error *error) {
+  const dls_status status = dlsi_check_dimension("d", d, error);
+  if (status) return status;
+  if (nc < 1) return dlsi_fail(error, DLS_E_SIZE, "nc", -1, nc, "is %d, must be at least 1", nc);
+  if (nc > INT32_MAX / d)
+    return dlsi_fail(error, DLS_E_SIZE, "nc", -1, nc, "is %d, which is too large", nc);
+  return DLS_OK;
+}
+
+dls_status dlsi_check_vector(const char *argument, const double *x, size_t n, dls_error *error) {
   if (!x) return dlsi_is_null(error, argument);
   const long long bad = dlsi_first_not_finite(x, n);
   if (bad < 0) return DLS_OK;
   return dlsi_fail(error, DLS_E_NOT_FINITE, argument, bad, x[bad], "is not finite");
 }
 
-dls_status dlsi_check_vector(const char *argument, const double *x, size_t n, dls_error *error) {
-  return check_vector(argument, x, n, error);
+dls_status dlsi_check_friction(const double *mu, size_t n, dls_error *error) {
+  const dls_status status = dlsi_check_vector("mu", mu, n, error);
+  for (size_t c = 0; !status && c < n; c++)
+    if (mu[c] < 0)
+      return dlsi_fail(error, DLS_E_ARGUMENT, "mu", (long long)c, mu[c], "is negative");
+  return status;
+}
+
+/* ---- matrices -------------------------------------------------------------------------------- */
+
+static dls_status check_shape(const char *argument, int rows, int cols, int rows_wanted,
+                              int cols_wanted, dls_error *error) {
+  if (rows == rows_wanted && cols == cols_wanted) return DLS_OK;
+  return dlsi_fail(error, DLS_E_SIZE, argument, -1, rows, "is %d x %d, must be %d x %d", rows, cols,
+                   rows_wanted, cols_wanted);
 }
 
 dls_status dlsi_check_dense(const char *argument, const dls_dense *A, int rows, int cols,
                             dls_error *error) {
   if (!A->a) return dlsi_is_null(error, argument);
-  if (A->rows != rows || A->cols != cols)
-    return dlsi_fail(error, DLS_E_SIZE, argument, -1, A->rows, "is %d x %d, must be %d x %d",
-                     A->rows, A->cols, rows, cols);
+  const dls_status status = check_shape(argument, A->rows, A->cols, rows, cols, error);
+  if (status) return status;
   if (A->ld < rows || A->ld < 1)
     return dlsi_fail(error, DLS_E_SIZE, argument, -1, A->ld, "leading dimension %d is less than %d",
                      A->ld, rows > 1 ? rows : 1);
@@ -38,50 +65,42 @@ dls_status dlsi_check_dense(const char *argument, const dls_dense *A, int rows, 
   return DLS_OK;
 }
 
-/* p and i of a compressed column format with `cols` columns; where = name of the array at fault */
-static dls_status check_pattern(const char *name_p, const char *name_i, const int *p, const int *i,
-                                int rows, int cols, dls_error *error) {
-  if (!p) return dlsi_is_null(error, name_p);
+/* Checks the arrays of a compressed column format. name: of p, i, x. p: cols + 1. i: p[cols]
+ * indices below rows. x: p[cols] entries of `size` doubles. */
+static dls_status check_columns(const char *const name[3], const int *p, const int *i,
+                                const double *x, int size, int rows, int cols, dls_error *error) {
+  if (!p) return dlsi_is_null(error, name[0]);
   const int count = p[cols];
-  if (!i && count > 0) return dlsi_is_null(error, name_i);
-  if (p[0] != 0) return dlsi_fail(error, DLS_E_ARGUMENT, name_p, 0, p[0], "must be 0");
+  if (!i && count > 0) return dlsi_is_null(error, name[1]);
+  if (p[0] != 0) return dlsi_fail(error, DLS_E_ARGUMENT, name[0], 0, p[0], "must be 0");
   for (int j = 0; j < cols; j++)
     if (p[j + 1] < p[j])
-      return dlsi_fail(error, DLS_E_ARGUMENT, name_p, j + 1, p[j + 1],
+      return dlsi_fail(error, DLS_E_ARGUMENT, name[0], j + 1, p[j + 1],
                        "is less than the one before it");
   for (int k = 0; k < count; k++)
     if (i[k] < 0 || i[k] >= rows)
-      return dlsi_fail(error, DLS_E_ARGUMENT, name_i, k, i[k], "is outside of 0 .. %d", rows - 1);
-  return DLS_OK;
+      return dlsi_fail(error, DLS_E_ARGUMENT, name[1], k, i[k], "is outside of 0 .. %d", rows - 1);
+  return count ? dlsi_check_vector(name[2], x, (size_t)count * (size_t)size, error) : DLS_OK;
 }
 
 dls_status dlsi_check_sparse(const char *argument, const dls_sparse *A, int rows, int cols,
                              dls_error *error) {
-  if (A->rows != rows || A->cols != cols)
-    return dlsi_fail(error, DLS_E_SIZE, argument, -1, A->rows, "is %d x %d, must be %d x %d",
-                     A->rows, A->cols, rows, cols);
-  const dls_status status = check_pattern(argument, argument, A->p, A->i, rows, cols, error);
-  if (status) return status;
-  if (A->p[cols] == 0) return DLS_OK;
-  return check_vector(argument, A->x, (size_t)A->p[cols], error);
-}
-
-/* names: of p, i, x */
-static dls_status check_blocks(const char *const names[3], const dls_blocks *B, dls_error *error) {
-  const dls_status status = check_pattern(names[0], names[1], B->p, B->i, B->n, B->n, error);
-  if (status || B->p[B->n] == 0) return status;
-  return check_vector(names[2], B->x, (size_t)B->p[B->n] * (size_t)(B->d * B->d), error);
+  const char *const names[3] = {argument, argument, argument};
+  const dls_status status = check_shape(argument, A->rows, A->cols, rows, cols, error);
+  return status ? status : check_columns(names, A->p, A->i, A->x, 1, rows, cols, error);
 }
 
 dls_status dlsi_check_blocks(const dls_blocks *B, dls_error *error) {
   static const char *const names[3] = {"B.p", "B.i", "B.x"};
   if (!B) return dlsi_is_null(error, "B");
-  if (B->d != 2 && B->d != 3)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "B.d", -1, B->d, "is %d, must be 2 or 3", B->d);
+  const dls_status status = dlsi_check_dimension("B.d", B->d, error);
+  if (status) return status;
   if (B->n < 0 || B->n > INT32_MAX / B->d)
     return dlsi_fail(error, DLS_E_SIZE, "B.n", -1, B->n, "is %d", B->n);
-  return check_blocks(names, B, error);
+  return check_columns(names, B->p, B->i, B->x, B->d * B->d, B->n, B->n, error);
 }
+
+/* ---- the contact problem --------------------------------------------------------------------- */
 
 static dls_status check_Wb(const dls_contact *problem, dls_error *error) {
   static const char *const names[3] = {"Wb.p", "Wb.i", "Wb.x"};
@@ -90,38 +109,47 @@ static dls_status check_Wb(const dls_contact *problem, dls_error *error) {
     return dlsi_fail(error, DLS_E_SIZE, "Wb.d", -1, B->d, "must be %d", problem->d);
   if (B->n != problem->nc)
     return dlsi_fail(error, DLS_E_SIZE, "Wb.n", -1, B->n, "must be %d", problem->nc);
-  return check_blocks(names, B, error);
+  return check_columns(names, B->p, B->i, B->x, B->d * B->d, B->n, B->n, error);
 }
 
 dls_status dlsi_check_contact(const dls_contact *problem, dls_error *error) {
   if (!problem) return dlsi_is_null(error, "problem");
-  const int d = problem->d, nc = problem->nc;
-  dls_status status = dlsi_check_sizes(d, nc, error);
+  dls_status status = dlsi_check_sizes(problem->d, problem->nc, error);
   if (status) return status;
-  const int m = d * nc;
+  const int m = problem->d * problem->nc;
   if (problem->W.a && problem->Wb.x)
     return dlsi_fail(error, DLS_E_ARGUMENT, "Wb", -1, 0, "W and Wb are both given");
   status =
       problem->Wb.x ? check_Wb(problem, error) : dlsi_check_dense("W", &problem->W, m, m, error);
-  if (status) return status;
-  status = check_vector("q", problem->q, (size_t)m, error);
-  if (status) return status;
-  status = check_vector("mu", problem->mu, (size_t)nc, error);
-  if (status) return status;
-  for (int c = 0; c < nc; c++)
-    if (problem->mu[c] < 0)
-      return dlsi_fail(error, DLS_E_ARGUMENT, "mu", c, problem->mu[c], "is negative");
-  return DLS_OK;
+  if (!status) status = dlsi_check_vector("q", problem->q, (size_t)m, error);
+  return status ? status : dlsi_check_friction(problem->mu, (size_t)problem->nc, error);
 }
 
-dls_status dlsi_check_sizes(int d, int nc, dls_error *error) {
-  if (d != 2 && d != 3)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "d", -1, d, "is %d, must be 2 or 3", d);
-  if (nc < 1) return dlsi_fail(error, DLS_E_SIZE, "nc", -1, nc, "is %d, must be at least 1", nc);
-  if (nc > INT32_MAX / d)
-    return dlsi_fail(error, DLS_E_SIZE, "nc", -1, nc, "is %d, which is too large", nc);
-  return DLS_OK;
+dls_status dlsi_check_start(const dls_contact *problem, const double *r, int warm_start,
+                            dls_error *error) {
+  if (!r) return dlsi_is_null(error, "r");
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  return warm_start ? dlsi_check_vector("r", r, m, error) : DLS_OK;
 }
+
+dls_status dlsi_check_solve(int d, int nc, const dls_contact *problem, const double *r,
+                            int warm_start, dls_error *error) {
+  const dls_status status = dlsi_check_contact(problem, error);
+  if (status) return status;
+  if (problem->d != d)
+    return dlsi_fail(error, DLS_E_SIZE, "problem", -1, problem->d,
+                     "has d = %d, the workspace is for %d", problem->d, d);
+  if (problem->nc > nc)
+    return dlsi_fail(error, DLS_E_SIZE, "problem", -1, problem->nc,
+                     "has %d candidates, the workspace is for %d", problem->nc, nc);
+  return dlsi_check_start(problem, r, warm_start, error);
+}
+
+dls_status dls_contact_check(const dls_contact *problem, dls_error *error) {
+  return dlsi_at(__func__, dlsi_check_contact(problem, error), error);
+}
+
+/* ---- settings -------------------------------------------------------------------------------- */
 
 void dlsi_limits_init(dls_limits *limits) {
   *limits = (dls_limits){.tol = 1e-8};
@@ -160,28 +188,4 @@ dls_status dlsi_check_settings(const dls_limits *limits, size_t size, size_t wan
                      "are not filled by their init function");
   const dls_status status = dlsi_check_limits(limits, error);
   return status ? status : dlsi_check_each(count, own, error);
-}
-
-dls_status dlsi_check_start(const dls_contact *problem, const double *r, int warm_start,
-                            dls_error *error) {
-  if (!r) return dlsi_is_null(error, "r");
-  const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  return warm_start ? check_vector("r", r, m, error) : DLS_OK;
-}
-
-dls_status dlsi_check_solve(int d, int nc, const dls_contact *problem, const double *r,
-                            int warm_start, dls_error *error) {
-  const dls_status status = dlsi_check_contact(problem, error);
-  if (status) return status;
-  if (problem->d != d)
-    return dlsi_fail(error, DLS_E_SIZE, "problem", -1, problem->d,
-                     "has d = %d, the workspace is for %d", problem->d, d);
-  if (problem->nc > nc)
-    return dlsi_fail(error, DLS_E_SIZE, "problem", -1, problem->nc,
-                     "has %d candidates, the workspace is for %d", problem->nc, nc);
-  return dlsi_check_start(problem, r, warm_start, error);
-}
-
-dls_status dls_contact_check(const dls_contact *problem, dls_error *error) {
-  return dlsi_at(__func__, dlsi_check_contact(problem, error), error);
 }

@@ -1,6 +1,7 @@
-/* columns.c: sparse matrices that own their arrays, for reading and writing files. */
+/* columns.c: sparse matrices that own their arrays. */
 #include "base/columns.h"
 
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,6 +24,17 @@ dls_sparse dlsi_columns_view(const dlsi_columns *A) {
   return (dls_sparse){A->rows, A->cols, A->p, A->i, A->x};
 }
 
+dls_status dlsi_triplets_alloc(int rows, int cols, size_t most, dlsi_triplets *t,
+                               dls_error *error) {
+  *t = (dlsi_triplets){.rows = rows, .cols = cols};
+  if (most > INT_MAX)
+    return dlsi_fail(error, DLS_E_SIZE, "", -1, (double)most, "%zu entries are too many", most);
+  t->row = dlsi_alloc(most, sizeof *t->row);
+  t->col = dlsi_alloc(most, sizeof *t->col);
+  t->x = dlsi_alloc(most, sizeof *t->x);
+  return t->row && t->col && t->x ? DLS_OK : dlsi_no_memory(error);
+}
+
 void dlsi_triplets_free(dlsi_triplets *t) {
   free(t->row);
   free(t->col);
@@ -36,7 +48,6 @@ int dlsi_column_of(int d, dlsi_part which, int col) {
   return k == 0 ? -1 : (d - 1) * c + k - 1;
 }
 
-/* A := a part of the columns; a counting sort, so that each keeps the order of the file */
 dls_status dlsi_columns_compress(const dlsi_triplets *t, int d, dlsi_part which, dlsi_columns *A,
                                  dls_error *error) {
   const int cols = which == DLSI_ALL ? t->cols : t->cols / d * (which == DLSI_NORMALS ? 1 : d - 1);
@@ -58,7 +69,7 @@ dls_status dlsi_columns_compress(const dlsi_triplets *t, int d, dlsi_part which,
     A->i[A->p[j]] = t->row[k];
     A->x[A->p[j]++] = t->x[k];
   }
-  for (int j = cols; j > 0; j--) /* each p[j] has moved to the end of its column */
+  for (int j = cols; j > 0; j--) /* each p[j] stands at the end of its column now */
     A->p[j] = A->p[j - 1];
   A->p[0] = 0;
   return DLS_OK;

@@ -17,9 +17,9 @@
 
 /* ---- W, dense or by blocks ------------------------------------------------------------------- */
 
-/* block := the sum of those of column c in row c, W by blocks; n = d d in a parameter of its own for the
- * compiler to see */
-static inline void add_diagonal(size_t n, const dls_blocks *B, int c, double *block) {
+/* Sums the blocks of column c that stand in row c, W by blocks. n = d d is a parameter of its own,
+ * so that the compiler knows it where it inlines. block: the sum, n. */
+static inline void sum_diagonal(size_t n, const dls_blocks *B, int c, double *block) {
   for (size_t e = 0; e < n; e++)
     block[e] = 0;
   for (int k = B->p[c]; k < B->p[c + 1]; k++)
@@ -36,32 +36,18 @@ void dlsi_contact_diagonal(const dls_contact *problem, int c, double *block) {
       for (int i = 0; i < d; i++)
         block[i + d * j] = problem->W.a[k + (size_t)i + (k + (size_t)j) * ld];
   } else if (d == 2)
-    add_diagonal(4, &problem->Wb, c, block);
+    sum_diagonal(4, &problem->Wb, c, block);
   else
-    add_diagonal(9, &problem->Wb, c, block);
+    sum_diagonal(9, &problem->Wb, c, block);
 }
 
-void dlsi_contact_add_columns(const dls_contact *problem, int c, const double *dr, double *u) {
-  const int d = problem->d;
-  if (!problem->Wb.x) {
-    const size_t m = (size_t)d * (size_t)problem->nc, ld = (size_t)problem->W.ld;
-    const double *w = problem->W.a + (size_t)d * (size_t)c * ld;
-    if (d == 2)
-      for (size_t i = 0; i < m; i++)
-        u[i] += w[i] * dr[0] + w[i + ld] * dr[1];
-    else
-      for (size_t i = 0; i < m; i++)
-        u[i] += w[i] * dr[0] + w[i + ld] * dr[1] + w[i + 2 * ld] * dr[2];
-    return;
-  }
-  dlsi_contact_add_blocks(problem, c, dr, u);
-}
-
-static int is_zero(size_t d, const double *r) {
+static int reaction_is_zero(size_t d, const double *r) {
   return r[0] == 0 && r[1] == 0 && (d == 2 || r[2] == 0);
 }
 
-/* dense: W is read once */
+/* Adds W r to u and, if a is not NULL, |W| |r| to a, W dense: gathers up to at_once candidates that
+ * carry a reaction, so that dlsi_contact_add_panel reads W at the speed of the memory. Skips
+ * reactions of 0, which add nothing because W is finite. */
 static void multiply_dense(const dls_contact *problem, const int *order, const double *r, double *u,
                            double *a) {
   enum { at_once = 16 };
@@ -71,7 +57,7 @@ static void multiply_dense(const dls_contact *problem, const int *order, const d
   for (int i = 0; i < problem->nc; i++) {
     const int k = order ? order[i] : i;
     const double *rk = r + d * (size_t)k;
-    if (is_zero(d, rk)) continue; /* W is finite */
+    if (reaction_is_zero(d, rk)) continue;
     if (a) {
       dlsi_contact_add_both(problem, k, rk, u, a);
       continue;
@@ -85,7 +71,7 @@ static void multiply_dense(const dls_contact *problem, const int *order, const d
   dlsi_contact_add_panel(problem, count, c, dr, u);
 }
 
-/* a += |W(:,c)| |rc|, W by blocks */
+/* Adds |W(:,c)| |rc| to a, W by blocks. */
 static inline void add_magnitudes(size_t d, const dls_blocks *B, size_t c, const double *rc,
                                   double *a) {
   for (int k = B->p[c]; k < B->p[c + 1]; k++) {
@@ -112,7 +98,7 @@ void dlsi_contact_multiply(const dls_contact *problem, const int *order, const d
   for (int i = 0; i < problem->nc; i++) {
     const int c = order ? order[i] : i;
     const double *rc = r + d * (size_t)c;
-    if (is_zero(d, rc)) continue;
+    if (reaction_is_zero(d, rc)) continue;
     dlsi_contact_add_blocks(problem, c, rc, u);
     if (!a) continue;
     if (d == 2)
@@ -124,43 +110,43 @@ void dlsi_contact_multiply(const dls_contact *problem, const int *order, const d
 
 /* ---- blocks by component --------------------------------------------------------------------- */
 
-/* local rows of a component: first one within the candidate, and how many */
-static int first_of(dls_component component) {
-  return component == DLS_NORMAL ? 0 : 1;
-}
-static int count_of(int d, dls_component component) {
-  return component == DLS_NORMAL ? 1 : d - 1;
+/* Rows or columns of a component: the first within a candidate, and how many of them. */
+typedef struct local_part {
+  int first, count;
+} local_part;
+
+static dls_status find_part(const char *argument, dls_component component, int d, local_part *part,
+                            dls_error *error) {
+  if (component != DLS_NORMAL && component != DLS_TANGENT)
+    return dlsi_fail(error, DLS_E_ARGUMENT, argument, -1, component, "is no component");
+  *part = component == DLS_NORMAL ? (local_part){0, 1} : (local_part){1, d - 1};
+  return DLS_OK;
 }
 
-static dls_status check_components(dls_component row, dls_component col, dls_error *error) {
-  if (row != DLS_NORMAL && row != DLS_TANGENT)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "row", -1, row, "is no component");
-  if (col != DLS_NORMAL && col != DLS_TANGENT)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "col", -1, col, "is no component");
-  return DLS_OK;
+static dls_status check_leading(const char *argument, int ld, int rows, dls_error *error) {
+  if (ld >= rows) return DLS_OK;
+  return dlsi_fail(error, DLS_E_SIZE, argument, -1, ld, "must be at least %d", rows);
 }
 
 dls_status dls_contact_get_block(const dls_contact *problem, dls_component row, dls_component col,
                                  double *block, int ld, dls_error *error) {
+  local_part R = {0}, C = {0};
   dls_status status = dlsi_check_contact(problem, error);
-  if (!status) status = check_components(row, col, error);
+  if (!status) status = find_part("row", row, problem->d, &R, error);
+  if (!status) status = find_part("col", col, problem->d, &C, error);
+  const int nc = status ? 0 : problem->nc;
+  if (!status && !block) status = dlsi_is_null(error, "block");
+  if (!status) status = check_leading("ld", ld, R.count * nc, error);
   if (status) return dlsi_at(__func__, status, error);
-  const int d = problem->d, nc = problem->nc;
-  const int nr = count_of(d, row), nk = count_of(d, col), i0 = first_of(row), j0 = first_of(col);
-  if (!block) return dlsi_at(__func__, dlsi_is_null(error, "block"), error);
-  if (ld < nr * nc)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_SIZE, "ld", -1, ld, "must be at least %d", nr * nc),
-                   error);
   for (int b = 0; b < nc; b++) {
     const dlsi_block_column column = dlsi_contact_column(problem, (size_t)b);
-    for (int j = 0; j < nk; j++) {
-      double *out = block + (size_t)(b * nk + j) * (size_t)ld;
-      memset(out, 0, (size_t)(nr * nc) * sizeof *out);
+    for (int j = 0; j < C.count; j++) {
+      double *out = block + (size_t)(b * C.count + j) * (size_t)ld;
+      memset(out, 0, (size_t)(R.count * nc) * sizeof *out);
       for (size_t k = column.begin; k < column.end; k++) {
-        const double *w = column.x + k * column.step + (size_t)(j0 + j) * column.ld;
-        for (int i = 0; i < nr; i++)
-          out[dlsi_row(&column, k) * (size_t)nr + (size_t)i] += w[i0 + i];
+        const double *w = column.x + k * column.step + (size_t)(C.first + j) * column.ld;
+        for (int i = 0; i < R.count; i++)
+          out[dlsi_row(&column, k) * (size_t)R.count + (size_t)i] += w[R.first + i];
       }
     }
   }
@@ -170,32 +156,30 @@ dls_status dls_contact_get_block(const dls_contact *problem, dls_component row, 
 dls_status dls_contact_set_block(int d, int nc, dls_component row, dls_component col,
                                  const double *block, int ld, double *W, int ldw,
                                  dls_error *error) {
+  local_part R = {0}, C = {0};
   dls_status status = dlsi_check_sizes(d, nc, error);
-  if (!status) status = check_components(row, col, error);
+  if (!status) status = find_part("row", row, d, &R, error);
+  if (!status) status = find_part("col", col, d, &C, error);
+  const dls_dense B = {status ? 0 : R.count * nc, status ? 0 : C.count * nc, ld, block};
+  if (!status) status = dlsi_check_dense("block", &B, B.rows, B.cols, error);
+  if (!status && !W) status = dlsi_is_null(error, "W");
+  if (!status) status = check_leading("ldw", ldw, d * nc, error);
   if (status) return dlsi_at(__func__, status, error);
-  const int nr = count_of(d, row), nk = count_of(d, col), i0 = first_of(row), j0 = first_of(col);
-  const dls_dense B = {nr * nc, nk * nc, ld, block};
-  const dls_status bad = dlsi_check_dense("block", &B, nr * nc, nk * nc, error);
-  if (bad) return dlsi_at(__func__, bad, error);
-  if (!W) return dlsi_at(__func__, dlsi_is_null(error, "W"), error);
-  if (ldw < d * nc)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_SIZE, "ldw", -1, ldw, "must be at least %d", d * nc),
-                   error);
   for (int b = 0; b < nc; b++)
-    for (int j = 0; j < nk; j++) {
-      const double *in = block + (size_t)(b * nk + j) * (size_t)ld;
-      double *w = W + (size_t)(d * b + j0 + j) * (size_t)ldw + i0;
+    for (int j = 0; j < C.count; j++) {
+      const double *in = block + (size_t)(b * C.count + j) * (size_t)ld;
+      double *w = W + (size_t)(d * b + C.first + j) * (size_t)ldw + R.first;
       for (int a = 0; a < nc; a++)
-        for (int i = 0; i < nr; i++)
-          w[d * a + i] = in[a * nr + i];
+        for (int i = 0; i < R.count; i++)
+          w[d * a + i] = in[a * R.count + i];
     }
   return DLS_OK;
 }
 
 /* ---- the certificate ------------------------------------------------------------------------- */
 
-/* w where trace(W_cc) is not positive, for all such c */
+/* Returns the weight of every candidate whose trace(W_cc) is not positive: the mean of the positive
+ * weights, else the largest entry of the diagonal blocks, else 1. w: weights so far, nc. */
 static double common_weight(const dls_contact *problem, const double *w) {
   const int entries = problem->d * problem->d;
   double block[9] = {0}, sum = 0, largest = 0;
@@ -231,18 +215,19 @@ void dlsi_contact_weights(const dls_contact *problem, double *w) {
   dlsi_contact_complete_weights(problem, w);
 }
 
-/* m := max(m, x), keeping NaN */
-static void raise(double *m, double x) {
+/* Sets *m to max(*m, x), keeping NaN. */
+static void raise_to(double *m, double x) {
   if (x > *m || x != x) *m = x;
 }
 
-/* max(a, w |r|) for one row: what F is computed from, and so what its rounding is relative to */
+/* Returns max(a, w |r|) for one row: F is computed from numbers of this size, and rounds relative
+ * to them. */
 static inline double magnitude(double a, double w, double r) {
   const double wr = w * fabs(r);
   return a > wr || a != a ? a : wr;
 }
 
-/* | magnitude |_2, where a plain sum of squares does not tell */
+/* Returns the 2-norm of the magnitudes where their plain sum of squares over- or underflows. */
 static double norm_of_magnitudes(const dls_contact *problem, const double *r, const double *a,
                                  const double *w) {
   const size_t d = (size_t)problem->d, nc = (size_t)problem->nc;
@@ -252,7 +237,7 @@ static double norm_of_magnitudes(const dls_contact *problem, const double *r, co
     for (size_t c = 0, e = 0; c < nc; c++)
       for (size_t i = 0; i < d; i++, e++) {
         const double x = magnitude(a[e], w[c], r[e]);
-        raise(&largest, x);
+        raise_to(&largest, x);
         if (pass) sum += (x / scale) * (x / scale);
       }
     if (!(largest > 0)) return largest;
@@ -260,7 +245,7 @@ static double norm_of_magnitudes(const dls_contact *problem, const double *r, co
   return largest * sqrt(sum);
 }
 
-/* The candidate with the largest |F_c|, where plain sums of squares do not tell. */
+/* Returns the candidate with the largest |F_c| where plain sums of squares over- or underflow. */
 static int find_worst(const dls_contact *problem, const double *F) {
   const size_t d = (size_t)problem->d;
   double worst = -1;
@@ -274,8 +259,9 @@ static int find_worst(const dls_contact *problem, const double *F) {
   return at;
 }
 
-/* F (m), c but for residual and floor; returns sum |F_c|^2; *rounded: that of the magnitudes. d in a
- * parameter of its own for the compiler to see. */
+/* Computes F and every field of c except residual and floor; returns sum |F_c|^2. d is a parameter
+ * of its own, so that the compiler knows it where it inlines. F: residuals, m. *rounded: sum of the
+ * squared magnitudes. */
 static inline double measure_each(int d, const dls_contact *problem, const double *r,
                                   const double *u, const double *a, const double *w, double *F,
                                   dls_certificate *c, double *rounded) {
@@ -290,7 +276,7 @@ static inline double measure_each(int d, const dls_contact *problem, const doubl
       const double x = magnitude(a[o + (size_t)i], w[k], rc[i]);
       *rounded += x * x;
     }
-    if (is_zero((size_t)d, rc) && uc[0] >= 0 && uc[0] + ut <= DBL_MAX) { /* all of it is 0 */
+    if (reaction_is_zero((size_t)d, rc) && uc[0] >= 0 && uc[0] + ut <= DBL_MAX) { /* F_c = 0 */
       for (int i = 0; i < d; i++)
         Fc[i] = 0;
       continue;
@@ -306,17 +292,17 @@ static inline double measure_each(int d, const dls_contact *problem, const doubl
       worst = size;
       c->worst = k;
     }
-    raise(&c->penetration, -uc[0]);
-    raise(&c->adhesion, -rc[0]);
-    raise(&c->cone_violation, rt - mu * (rc[0] > 0 ? rc[0] : 0));
-    raise(&c->complementarity, fabs(uc[0] * rc[0]));
+    raise_to(&c->penetration, -uc[0]);
+    raise_to(&c->adhesion, -rc[0]);
+    raise_to(&c->cone_violation, rt - mu * (rc[0] > 0 ? rc[0] : 0));
+    raise_to(&c->complementarity, fabs(uc[0] * rc[0]));
     if (rt > 0) {
       double e[3] = {0};
       for (int i = 1; i < d; i++)
         e[i] = uc[i] + ut * (rc[i] / rt);
-      raise(&c->slip_direction, dlsi_tangent_norm(d, e));
+      raise_to(&c->slip_direction, dlsi_tangent_norm(d, e));
     } else if (mu * rc[0] > 0)
-      raise(&c->slip_direction, ut);
+      raise_to(&c->slip_direction, ut);
   }
   return sum;
 }
@@ -342,13 +328,12 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
 dls_status dls_contact_certify(const dls_contact *problem, const double *r, double *u,
                                dls_certificate *certificate, dls_error *error) {
   dls_status status = dlsi_check_contact(problem, error);
+  const size_t m = status ? 0 : (size_t)problem->d * (size_t)problem->nc;
+  if (!status) status = dlsi_check_vector("r", r, m, error);
+  if (!status && !certificate) status = dlsi_is_null(error, "certificate");
+  double *work = status ? NULL : dlsi_alloc(4 * m, sizeof *work);
+  if (!status && !work) status = dlsi_no_memory(error);
   if (status) return dlsi_at(__func__, status, error);
-  const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  status = dlsi_check_vector("r", r, m, error);
-  if (status) return dlsi_at(__func__, status, error);
-  if (!certificate) return dlsi_at(__func__, dlsi_is_null(error, "certificate"), error);
-  double *work = dlsi_alloc(4 * m, sizeof *work);
-  if (!work) return dlsi_at(__func__, dlsi_no_memory(error), error);
   double *v = work, *a = work + m, *w = work + 2 * m, *F = work + 3 * m;
   dlsi_contact_multiply(problem, NULL, r, v, a);
   dlsi_contact_weights(problem, w);
@@ -367,20 +352,16 @@ int dls_certificate_holds(const dls_certificate *certificate, double tol) {
 dls_status dls_contact_states(const dls_contact *problem, const double *r, const double *u,
                               dls_contact_state *state, dls_error *error) {
   dls_status status = dlsi_check_contact(problem, error);
+  const size_t d = status ? 0 : (size_t)problem->d, nc = status ? 0 : (size_t)problem->nc;
+  if (!status) status = dlsi_check_vector("r", r, d * nc, error);
+  if (!status) status = dlsi_check_vector("u", u, d * nc, error);
+  if (!status && !state) status = dlsi_is_null(error, "state");
+  double *w = status ? NULL : dlsi_alloc(nc, sizeof *w), F[3];
+  if (!status && !w) status = dlsi_no_memory(error);
   if (status) return dlsi_at(__func__, status, error);
-  const int d = problem->d;
-  const size_t m = (size_t)d * (size_t)problem->nc;
-  status = dlsi_check_vector("r", r, m, error);
-  if (!status) status = dlsi_check_vector("u", u, m, error);
-  if (status) return dlsi_at(__func__, status, error);
-  if (!state) return dlsi_at(__func__, dlsi_is_null(error, "state"), error);
-  double *w = dlsi_alloc((size_t)problem->nc, sizeof *w), F[3];
-  if (!w) return dlsi_at(__func__, dlsi_no_memory(error), error);
   dlsi_contact_weights(problem, w);
-  for (int c = 0; c < problem->nc; c++) {
-    const size_t o = (size_t)d * (size_t)c;
-    state[c] = dlsi_contact_residual(d, problem->mu[c], w[c], r + o, u + o, F);
-  }
+  for (size_t c = 0; c < nc; c++)
+    state[c] = dlsi_contact_residual(problem->d, problem->mu[c], w[c], r + d * c, u + d * c, F);
   free(w);
   return DLS_OK;
 }

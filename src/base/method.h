@@ -1,6 +1,6 @@
 /*
- * method.h: what the table of methods (src/front/methods.c) knows of a method for contact problems. Each
- * method's file ends with its row, const dlsi_method dlsi_<name>_method.
+ * method.h: what the table of methods (src/front/methods.c) knows of a method for contact problems.
+ * Each method's file ends with its row, const dlsi_method dlsi_<name>_method.
  */
 #ifndef DLSI_METHOD_H
 #define DLSI_METHOD_H
@@ -15,8 +15,8 @@ typedef struct dlsi_options {
   int acceleration;      /* dls_acceleration, of sweeps */
   int facets;            /* of the friction cone of an LCP, d = 3; 0: the method's own */
   int positive_definite; /* 1: W is known to be symmetric positive definite */
-  /* 1: a stage of auto, which goes on from the r of the stages before: no sweeps of other methods, no
-   * answer but r and its certificate */
+  /* 1: a stage of auto, which goes on from the r of the stages before: no sweeps of other methods,
+   * no answer but r and its certificate */
   int stage;
   int lazy; /* 1: auto may allocate while it solves what only later stages need */
   /* for the matrix, shared with methods that run before or after; NULL: a room of its own */
@@ -27,14 +27,15 @@ typedef struct dlsi_method {
   dls_method method;
   const char *name;    /* as --method and dls_method_find take it */
   const char *summary; /* one line for --help: for what, and when */
-  /* As dls_solver_create, _solve and _destroy say; d, nc, the options and the problem have been checked. */
+  /* As dls_solver_create, _solve and _destroy say; d, nc, the options and the problem have been
+   * checked. */
   dls_status (*create)(void **out, int d, int nc, const dlsi_options *options, dls_error *error);
   dls_status (*solve)(void *work, const dls_contact *problem, double *r, double *u, dls_info *info,
                       dls_error *error);
   void (*destroy)(void *work);
   void (*set_limits)(void *work, const dls_limits *limits); /* all but blocks */
-  /* After DLS_NO_SOLUTION_LIKELY the direction along which the reactions run away, m. NULL: the method
-   * does not say that. */
+  /* After DLS_NO_SOLUTION_LIKELY the direction along which the reactions run away, m. NULL: the
+   * method does not say that. */
   const double *(*direction)(const void *work);
 } dlsi_method;
 

@@ -3,8 +3,8 @@
 
 #include "base/base.h"
 
-/* A symmetric K: only the lower triangle, since what stands above it may not even be set. */
-static dls_status check_lower(const dls_dense *K, int n, dls_error *error) {
+/* Checks the lower triangle of a symmetric K; the entries above may not even be set. */
+static dls_status model_check_lower(const dls_dense *K, int n, dls_error *error) {
   if (!K->a) return dlsi_is_null(error, "K");
   if (K->rows != n || K->cols != n)
     return dlsi_fail(error, DLS_E_SIZE, "K", -1, K->rows, "is %d x %d, must be %d x %d", K->rows,
@@ -23,8 +23,8 @@ static dls_status check_lower(const dls_dense *K, int n, dls_error *error) {
   return DLS_OK;
 }
 
-/* A symmetric Ks by its upper triangle would be taken for its diagonal. */
-static dls_status check_triangle(const dls_sparse *Ks, dls_error *error) {
+/* Refuses a symmetric Ks given by its upper triangle: it would be taken for its diagonal. */
+static dls_status model_check_triangle(const dls_sparse *Ks, dls_error *error) {
   int upper = -1;
   for (int j = 0; j < Ks->cols; j++)
     for (int k = Ks->p[j]; k < Ks->p[j + 1]; k++) {
@@ -36,7 +36,7 @@ static dls_status check_triangle(const dls_sparse *Ks, dls_error *error) {
                    "is an upper triangle; the lower one or both are wanted");
 }
 
-static dls_status check_operator(const dls_model *model, dls_error *error) {
+static dls_status model_check_operator(const dls_model *model, dls_error *error) {
   const int n = model->n;
   const int stiffness =
       model->operator_kind == DLS_STIFFNESS_DENSE || model->operator_kind == DLS_STIFFNESS_SPARSE;
@@ -46,11 +46,11 @@ static dls_status check_operator(const dls_model *model, dls_error *error) {
                      "is not DLS_CHOLESKY, DLS_LU or DLS_LDLT");
   switch (model->operator_kind) {
   case DLS_STIFFNESS_DENSE:
-    if (symmetric) return check_lower(&model->K, n, error);
+    if (symmetric) return model_check_lower(&model->K, n, error);
     return dlsi_check_dense("K", &model->K, n, n, error);
   case DLS_STIFFNESS_SPARSE: {
     const dls_status status = dlsi_check_sparse("Ks", &model->Ks, n, n, error);
-    return status || !symmetric ? status : check_triangle(&model->Ks, error);
+    return status || !symmetric ? status : model_check_triangle(&model->Ks, error);
   }
   case DLS_FLEXIBILITY:
     return dlsi_check_dense("K", &model->K, n, n, error);
@@ -62,8 +62,9 @@ static dls_status check_operator(const dls_model *model, dls_error *error) {
                    "is no kind of operator");
 }
 
-/* P >= 0 with no row of P^T zero keeps r_n >= 0 and Coulomb's cone: [J] 4.4, proposition 2. */
-static dls_status check_weighting(const dls_model *model, dls_error *error) {
+/* Checks P >= 0 and no row of P^T zero, which keep r_n >= 0 and Coulomb's cone: [J] 4.4,
+ * proposition 2. */
+static dls_status model_check_weighting(const dls_model *model, dls_error *error) {
   const dls_sparse *P = &model->P;
   if (P->cols < 1 || P->cols > INT_MAX / model->d)
     return dlsi_fail(error, DLS_E_SIZE, "P", -1, P->cols, "has %d columns", P->cols);
@@ -81,8 +82,8 @@ static dls_status check_weighting(const dls_model *model, dls_error *error) {
   return DLS_OK;
 }
 
-/* What the scene does not need, and the modes. */
-static dls_status check_rest(const dls_model *model, dls_error *error) {
+/* Checks active, mu and the modes. */
+static dls_status model_check_rest(const dls_model *model, dls_error *error) {
   const int candidates = dlsi_model_candidates(model);
   int active = 0;
   for (int c = 0; c < candidates; c++)
@@ -113,11 +114,11 @@ dls_status dlsi_check_model(const dls_model *model, dls_error *error) {
   if (n < 1) return dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d", n);
   if (nodes < 1 || nodes > INT_MAX / d)
     return dlsi_fail(error, DLS_E_SIZE, "nodes", -1, nodes, "is %d", nodes);
-  dls_status status = check_operator(model, error);
+  dls_status status = model_check_operator(model, error);
   if (!status) status = dlsi_check_sparse("HN", &model->HN, n, nodes, error);
   if (!status) status = dlsi_check_sparse("HT", &model->HT, n, (d - 1) * nodes, error);
-  if (!status && model->P.p) status = check_weighting(model, error);
-  return status ? status : check_rest(model, error);
+  if (!status && model->P.p) status = model_check_weighting(model, error);
+  return status ? status : model_check_rest(model, error);
 }
 
 int dlsi_model_candidates(const dls_model *model) {

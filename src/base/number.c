@@ -1,28 +1,38 @@
-/* number.c: norms that keep NaN, and the search for values that are not finite. */
-#include <float.h>
+/* number.c: computes norms that keep NaN, and finds values that are not finite. */
 #include <math.h>
 
 #include "base/base.h"
 
+/* Takes four at a time; the sum is NaN if some x_i is. */
 double dlsi_max_abs(const double *x, size_t n) {
-  double m = 0;
-  for (size_t i = 0; i < n; i++) {
+  double m[4] = {0}, s[4] = {0};
+  size_t i = 0;
+  for (; i + 4 <= n; i += 4)
+    for (size_t k = 0; k < 4; k++) {
+      const double a = fabs(x[i + k]);
+      m[k] = a > m[k] ? a : m[k];
+      s[k] += a;
+    }
+  for (; i < n; i++) {
     const double a = fabs(x[i]);
-    if (a > m || a != a) m = a;
-    if (m != m) return m;
+    m[0] = a > m[0] ? a : m[0];
+    s[0] += a;
   }
-  return m;
+  const double sum = (s[0] + s[1]) + (s[2] + s[3]);
+  for (size_t k = 1; k < 4; k++)
+    m[0] = m[k] > m[0] ? m[k] : m[0];
+  return sum == sum ? m[0] : sum;
 }
 
 double dlsi_norm2(const double *x, size_t n) {
   double plain = 0;
   for (size_t i = 0; i < n; i++)
     plain += x[i] * x[i];
-  if (dlsi_is_plain(plain)) return sqrt(plain); /* the same bits as below */
+  if (dlsi_is_plain(plain)) return sqrt(plain); /* to the same bits as the scaled sum */
   const double m = dlsi_max_abs(x, n);
   if (!(m > 0) || !isfinite(m)) return m;
   int e;
-  (void)frexp(m, &e); /* scale by a power of two: exact, unless it over- or underflows by itself */
+  (void)frexp(m, &e); /* a power of two scales exactly, unless it over- or underflows by itself */
   const double scale = ldexp(1, e < -1000 ? 1000 : e > 1000 ? -1000 : -e);
   double sum = 0;
   for (size_t i = 0; i < n; i++)
@@ -31,17 +41,16 @@ double dlsi_norm2(const double *x, size_t n) {
 }
 
 long long dlsi_first_not_finite(const double *x, size_t n) {
-  /* 0 * x is 0 for finite x and NaN otherwise: eight sums at a time, then look where */
-  double s[8] = {0}, sum = 0;
+  /* 0 * x is 0 for finite x and NaN otherwise: adds up eight sums side by side, then looks for
+   * the place */
+  double s[8] = {0};
   size_t i = 0;
   for (; i + 8 <= n; i += 8)
     for (size_t k = 0; k < 8; k++)
       s[k] += 0 * x[i + k];
-  if (i > 0) sum = ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
-  int bad = !(sum == 0); /* the rest without a chain of sums */
-  for (; i < n; i++)
-    bad |= !(fabs(x[i]) <= DBL_MAX);
-  if (!bad) return -1;
+  for (size_t k = 0; i + k < n; k++)
+    s[k] += 0 * x[i + k];
+  if (((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7])) == 0) return -1;
   for (i = 0; i < n; i++)
     if (!isfinite(x[i])) return (long long)i;
   return -1;

@@ -1,15 +1,24 @@
 /*
- * products.c: u += W(:,c) dr_c: W dense, for several candidates c at once; W by blocks, for one.
+ * products.c: adds columns of W to u: u += W(:,c) dr_c, for one candidate or for a list of
+ * candidates.
  *
- * Dense: one pass over u takes the columns of four candidates, so that W is read at the speed of the
- * memory. Each u_i receives the candidates' shares in the order of the list, as one call of
- * dlsi_contact_add_columns after the other would give them: the same bits.
+ * Dense W: one pass over u takes the columns of four candidates, so that W is read at the speed of
+ * the memory. Each u_i receives the candidates' shares in the order of the list, to the same bits
+ * as one call of dlsi_contact_add_columns after the other.
  *
- * This file is compiled with -O3 (Makefile): the loops over i are those that vectorise.
+ * The Makefile compiles this file with -O3, which vectorises the loops over i. Each loop is written
+ * once per dimension: the compiler has to know how many columns run side by side.
  */
 #include <math.h>
 
 #include "base/base.h"
+
+/* Two doubles in a register, for loops in which the compiler finds no pairs by itself. */
+typedef double dlsi_pair __attribute__((vector_size(16), aligned(8), may_alias));
+
+static inline dlsi_pair dlsi_load(const double *x) {
+  return *(const dlsi_pair *)x;
+}
 
 /* ---- W dense --------------------------------------------------------------------------------- */
 
@@ -59,7 +68,7 @@ DLSI_CLONES static void add_four_3d(size_t rows, const double *const w[4], size_
   }
 }
 
-/* ... and a += |W(:,c)| |dr_c| */
+/* Add W(:,c) dr_c to u and |W(:,c)| |dr_c| to a. */
 DLSI_CLONES static void add_both_2d(size_t rows, column w, size_t ld, const double *x,
                                     double *restrict u, double *restrict a) {
   column v = w + ld;
@@ -78,6 +87,13 @@ DLSI_CLONES static void add_both_3d(size_t rows, column w, size_t ld, const doub
     u[i] += w[i] * x0 + v[i] * x1 + t[i] * x2;
     a[i] += fabs(w[i]) * y0 + fabs(v[i]) * y1 + fabs(t[i]) * y2;
   }
+}
+
+void dlsi_contact_add_columns(const dls_contact *problem, int c, const double *dr, double *u) {
+  if (problem->Wb.x)
+    dlsi_contact_add_blocks(problem, c, dr, u);
+  else
+    dlsi_contact_add_panel(problem, 1, &c, dr, u);
 }
 
 void dlsi_contact_add_both(const dls_contact *problem, int c, const double *dr, double *u,
@@ -137,7 +153,7 @@ void dlsi_contact_add_blocks(const dls_contact *problem, int c, const double *dr
 
 typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 
-/* y[0], y[1] := a.x, b.x */
+/* Sets y[0] to a.x and y[1] to b.x. */
 DLSI_CLONES static void dot_two(size_t m, const double *a, const double *b, const double *x,
                                 double *y) {
   four s = {0}, t = {0};
@@ -165,7 +181,7 @@ void dlsi_panel_dot(size_t m, int n, const double *A, const double *x, double *y
   }
 }
 
-/* y -= A x for two columns, for four */
+/* Subtract A x from y, A of two columns a and b, or of four columns from a on. */
 DLSI_CLONES static void subtract_two(size_t m, column a, column b, const double *x,
                                      double *restrict y) {
   const double x0 = x[0], x1 = x[1];

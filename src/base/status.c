@@ -1,4 +1,4 @@
-/* status.c: statuses as names and as words, errors, version. */
+/* status.c: gives names and words for statuses, fills errors, tells the version. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -31,19 +31,19 @@ static const status_words words[] = {
     {DLS_E_CALLBACK, "DLS_E_CALLBACK", "host callback failed"},
 };
 
-static const status_words *find(dls_status status) {
+static const status_words *find_words(dls_status status) {
   for (size_t k = 0; k < sizeof words / sizeof words[0]; k++)
     if (words[k].status == status) return &words[k];
   return NULL;
 }
 
 const char *dls_status_name(dls_status status) {
-  const status_words *w = find(status);
+  const status_words *w = find_words(status);
   return w ? w->name : "unknown status";
 }
 
 const char *dls_status_text(dls_status status) {
-  const status_words *w = find(status);
+  const status_words *w = find_words(status);
   return w ? w->text : "unknown status";
 }
 
@@ -54,19 +54,13 @@ const char *dls_version(void) {
 dls_status dlsi_fail(dls_error *error, dls_status status, const char *argument, long long index,
                      double value, const char *format, ...) {
   if (!error) return status;
-  char text[120], place[32];
+  char text[120], place[32] = "";
   va_list args;
   va_start(args, format);
   if (vsnprintf(text, sizeof text, format, args) < 0) text[0] = '\0';
   va_end(args);
-  place[0] = '\0';
   if (index >= 0) (void)snprintf(place, sizeof place, "[%lld]", index);
-  memset(error, 0, sizeof *error);
-  error->status = status;
-  error->function = "";
-  error->argument = argument;
-  error->index = index;
-  error->value = value;
+  *error = (dls_error){status, "", argument, index, value, ""};
   (void)snprintf(error->message, sizeof error->message, "%s%s%s%s", argument, place,
                  argument[0] ? ": " : "", text);
   return status;
@@ -75,7 +69,7 @@ dls_status dlsi_fail(dls_error *error, dls_status status, const char *argument, 
 dls_status dlsi_at(const char *function, dls_status status, dls_error *error) {
   if (status >= 0 || !error) return status;
   char text[sizeof error->message];
-  const char *old = error->message; /* without the name of a public function inside */
+  const char *old = error->message; /* past the name that an inner public function has put there */
   if (error->function[0]) old += strlen(error->function) + 2;
   memcpy(text, old, strlen(old) + 1);
   error->function = function;

@@ -1,21 +1,10 @@
 /*
- * cli.h: the parts of the program `delassus`.
- *
- *   main.c      commands, help, version
- *   scene.c     delassus scene NAME: model -> reduction -> solver -> tables, files, pictures
- *   forming.c   delassus scene indentation, extrusion: load steps, files
- *   forming_picture.c   their pictures
- *   tables.c    delassus tables: both of them by every method
- *   solve.c     delassus solve FILE: FCLIB problems and LCPs
- *   info.c      delassus info FILE: facts about an FCLIB problem
- *   problem.c   FCLIB problems in memory, condensed if they are global
- *   options.c   the options that scene and solve share
- *   report.c    messages, JSON, progress on a terminal, Ctrl-C
- *   picture.c   data files and gnuplot scripts, and running gnuplot on them
+ * cli.h: the parts of the program `delassus`; README.md says which file does what.
  */
 #ifndef CLI_H
 #define CLI_H
 
+#include <getopt.h>
 #include <stdio.h>
 
 #include "delassus.h"
@@ -31,13 +20,10 @@ int command_info(int argc, char **argv);
 int command_forming(int argc, char **argv);
 int command_tables(int argc, char **argv);
 
-/* Creates the directory and its parents; 1 if it is there. */
-int make_directory(const char *path);
-
 /* ---- problem.c ------------------------------------------------------------------------------- */
 
 /* A problem in memory: read from the file, condensed if it was global. Start from {0}; free it
- * whether loading succeeded or not. */
+ * after a failed load, too. */
 typedef struct problem {
   dls_fclib *file;
   dls_reduction *reduction; /* NULL for a local problem */
@@ -50,57 +36,90 @@ typedef struct problem {
 dls_status problem_load(const char *path, problem *p, dls_error *error);
 void problem_free(problem *p);
 
+/* Prints the name, the size and the kind of the problem. */
+void problem_print(const char *path, const problem *p);
+
 /* ---- options.c ------------------------------------------------------------------------------- */
 
-/* Method and settings, of -m, -a, -t, -i. */
+/* The outcome of taking one option. */
+typedef enum taken {
+  OPTION_WRONG = 0, /* after a complaint */
+  OPTION_TAKEN = 1,
+  OPTION_UNKNOWN,
+  OPTION_HELP,
+  OPTION_DONE /* there is nothing left to do */
+} taken;
+
+/* A command as getopt_long reads it: the short keys, all options, the text of --help, and a
+ * function that takes the option `key` with its argument `text` into the command's data. */
+typedef struct command {
+  const char *keys;
+  const struct option *options;
+  void (*usage)(FILE *out);
+  taken (*take)(int key, const char *text, void *data);
+  int operands; /* names after the options; 0: the command counts them itself */
+} command;
+
+/* Takes all options of a command and counts its operands. Returns GO_ON, or the exit status to end
+ * with. */
+enum { GO_ON = -1 };
+int take_options(int argc, char **argv, const command *command, void *data);
+
+/* Prints --help on stderr; returns EXIT_BAD_INPUT. */
+int wrong_usage(const command *command);
+
+/* Rows of a table of options: with a value, without, and the last rows of every command. */
+#define VALUE(name, key)                                                                           \
+  { name, required_argument, NULL, key }
+#define FLAG(name, key)                                                                            \
+  { name, no_argument, NULL, key }
+#define LAST_OPTIONS FLAG("help", 'h'), FLAG(NULL, 0)
+
+/* The method and its settings, from -m, -a, -t, -i. */
 typedef struct solver_options {
   dls_solver_settings settings;
-  int primal; /* gauss-seidel, in the place of settings.method */
+  int primal; /* 1: gauss-seidel on the displacements instead of settings.method */
   int method_given, accel_given;
 } solver_options;
 
 #define SOLVER_KEYS "m:a:t:i:"
-/* clang-format off */
-#define SOLVER_OPTIONS                           \
-  {"method", required_argument, NULL, 'm'},      \
-  {"accel", required_argument, NULL, 'a'},       \
-  {"tol", required_argument, NULL, 't'},         \
-  {"max-iter", required_argument, NULL, 'i'}
-/* clang-format on */
+#define SOLVER_OPTIONS                                                                             \
+  VALUE("method", 'm'), VALUE("accel", 'a'), VALUE("tol", 't'), VALUE("max-iter", 'i')
 
 void solver_options_init(solver_options *options, double tol);
 
-/* Their lines of --help; more: methods that the library does not name. */
+/* Prints the lines of --help for these options. more: methods that the library does not name. */
 void solver_usage(FILE *out, const char *more, double tol);
 
-/* 1: taken; 0: wrong, after a complaint; -1: another key. */
-int take_solver_option(int key, const char *text, solver_options *options);
+/* Takes an option of SOLVER_OPTIONS; OPTION_UNKNOWN for another key. */
+taken take_solver_option(int key, const char *text, solver_options *options);
 
-/* When all are taken: 0 after a complaint. */
+/* Checks the options against each other when all are taken; returns 0 after a complaint. */
 int settle_solver_options(solver_options *options);
 
-/* "auto, nlgs, ...": the names of all methods, in text (size), which is returned. */
+/* Writes the names of all methods, "auto, nlgs, ...", into text (size) and returns it. */
 enum { METHOD_LIST_ROOM = 200 };
 const char *method_list(char *text, size_t size);
 
 /* ---- report.c -------------------------------------------------------------------------------- */
 
-/* "delassus: " and the message on stderr; returns EXIT_BAD_INPUT. */
+/* Prints "delassus: " and the message on stderr; returns EXIT_BAD_INPUT. */
 int complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* The same for an error of the library, about `what` (a file name, say). */
+/* Complains of an error of the library about `what` (a file name, say). */
 int complain_of(const char *what, const dls_error *error);
 
-/* The value of an option, finite and >= 0 (number) or an integer >= 1; 0 after a complaint. */
-int parse_number(const char *option, const char *text, double *value);
-int parse_count(const char *option, const char *text, int *value);
+/* Read the value of an option: finite and >= 0 (number), an integer >= 1 (count). */
+taken parse_number(const char *option, const char *text, double *value);
+taken parse_count(const char *option, const char *text, int *value);
 
-/* "solved", "max_iterations", "stalled", ...: the word of a solver's status in JSON. */
+/* Return the words of JSON for a status ("solved", "max_iterations", ...), for a state and for an
+ * iteration of a method. */
 const char *status_word(dls_status status);
 const char *state_word(dls_contact_state state);
 const char *iteration_word(dls_method method);
 
-/* What a run is summed up by, in text and in JSON. */
+/* The summary of a run, in text and in JSON. */
 typedef struct outcome {
   dls_info info;
   int d, nc;
@@ -113,28 +132,31 @@ typedef struct outcome {
 
 const char *method_word(const outcome *outcome);
 
-/* What auto did, a line for each stage; nothing for the other methods. */
+/* Prints the stages of auto, one a line; nothing for the other methods. */
 void print_stages(const dls_info *info);
 
-/* One object with the fields of the outcome. */
+/* Prints one object with the fields of the outcome. */
 void print_json(FILE *out, const outcome *outcome);
 
-/* A JSON string or number (null if not finite). */
+/* Print a string, a number (null if not finite), and a number as the next field of an object. */
 void print_json_string(FILE *out, const char *text);
 void print_json_number(FILE *out, double value);
+void print_json_field(FILE *out, const char *name, double value);
 
-/* CPU seconds of this process. */
+/* Returns the CPU seconds of this process. */
 double cpu_seconds(void);
 
-/* A progress callback: a line on stderr if that is a terminal and the work is long; cancels on
- * Ctrl-C, which watch_interrupt has to catch first. progress_end clears the line. */
+/* Shows progress: a callback that prints a line on stderr if that is a terminal and the work is
+ * long, and cancels on Ctrl-C, which watch_interrupt has to catch first. progress_end clears the
+ * line. */
 int show_progress(void *data, const dls_progress *progress);
 void watch_interrupt(void);
 void progress_end(void);
 
 /* ---- picture.c ------------------------------------------------------------------------------- */
 
-/* What a scene's pictures show; arrays belong to the caller, NaN where the paper has no value. */
+/* The contents of a scene's pictures; the caller owns the arrays; NaN where the paper has no
+ * value. */
 typedef struct scene_picture {
   const char *directory;
   const char *title;
@@ -150,33 +172,47 @@ typedef struct scene_picture {
  * after a complaint. Without gnuplot, data and scripts are kept and a line on stderr says so. */
 int draw_scene(const scene_picture *picture);
 
-/* A file to write in a directory: NULL after a complaint; 1 if all was written; gnuplot SCRIPT
- * there: 1 if the pictures are there, 0 after a word on stderr. */
-FILE *open_in(const char *directory, const char *name);
-int close_file(FILE *file, const char *name);
-int run_gnuplot(const char *directory, const char *script);
-
-/* "DIRECTORY/NAME" into path; 0 if that is too long. */
+/* Joins "DIRECTORY/NAME" into path; returns 0 after a complaint if that is too long. */
 enum { PATH_ROOM = 4096 };
 int join_path(char path[PATH_ROOM], const char *directory, const char *name);
 
+/* Creates the directory and its parents; returns 1 if it is there. */
+int make_directory(const char *path);
+
+/* Opens a file of the directory for writing; NULL after a complaint. */
+FILE *open_in(const char *directory, const char *name);
+
+/* Closes a file that was written; returns 1 if all of it was. */
+int close_file(FILE *file, const char *name);
+
+/* Runs gnuplot on a script in the directory; returns 1 if the pictures are there, 0 after a
+ * complaint. */
+int run_gnuplot(const char *directory, const char *script);
+
+/* Begins the loop of a script that draws NAME.png and NAME.svg; the caller writes the plot and
+ * closes the brace. */
+void begin_pictures(FILE *script, const char *name, double width, double height);
+
+/* Computes the bounding box of the mesh at rest and, if displacement is not NULL, displaced. */
+void mesh_box(int nodes, const double *xy, const double *displacement, double lo[2], double hi[2]);
+
 /* ---- forming.c ------------------------------------------------------------------------------- */
 
-/* Names of the methods for the forming scenes: those of the front door on W, and "gauss-seidel",
- * "augmented-lagrangian", "penalty" in the equilibrium loop. 0 for no method. */
+/* Sets the method of a forming scene by its name: one of the library on W, or "gauss-seidel",
+ * "augmented-lagrangian", "penalty" in the equilibrium loop. Returns 0 for no method. */
 int forming_method(const char *name, dls_forming_settings *settings);
 
-/* Whether one of the arguments is the name of a forming scene. */
+/* Returns 1 if one of the arguments is the name of a forming scene. */
 int names_forming(int argc, char **argv);
 
-/* Candidates that carry a reaction. */
+/* Counts the candidates that carry a reaction. */
 int count_contacts(const dls_forming_data *data);
 
-/* Progress of a step on the terminal; not 0 after Ctrl-C. */
+/* Shows the progress of a step on the terminal; returns non-zero after Ctrl-C. */
 int show_step(const dls_forming_data *data, int step);
 
-/* forming_picture.c: mesh.*, plastic.*, force.* in a directory that holds force.csv; EXIT_SOLVED,
- * or EXIT_BAD_INPUT after a complaint. */
+/* Draws mesh.*, plastic.*, force.* in a directory that holds force.csv (forming_picture.c);
+ * EXIT_SOLVED, or EXIT_BAD_INPUT after a complaint. */
 int draw_forming(const char *directory, const char *title, const dls_forming_data *data);
 
 #endif

@@ -1,5 +1,6 @@
 /*
- * forming.c: delassus scene indentation, extrusion: load steps by a method of choice, and files.
+ * forming.c: delassus scene indentation, extrusion: runs load steps by a method of choice, and
+ * writes files.
  *
  *   force.csv     every step: travel, force, counts and CPU seconds so far
  *   contact.csv   the candidates where --at asks, and at the end
@@ -25,7 +26,7 @@ typedef struct forming_options {
   const char *out; /* NULL: none */
 } forming_options;
 
-static void usage(FILE *out) {
+static void forming_usage(FILE *out) {
   char methods[METHOD_LIST_ROOM];
   fprintf(
       out,
@@ -83,7 +84,7 @@ int show_step(const dls_forming_data *data, int step) {
   return show_progress(NULL, &progress);
 }
 
-/* ---- what a step leaves behind --------------------------------------------------------------- */
+/* ---- files of a step ------------------------------------------------------------------------ */
 
 typedef struct outputs {
   FILE *force, *contact, *series; /* NULL: not wanted */
@@ -123,7 +124,7 @@ static int open_outputs(outputs *o, const char *directory) {
   return 1;
 }
 
-/* 1 if all was written */
+/* Returns 1 if all was written. */
 static int close_outputs(outputs *o) {
   int good = 1;
   if (o->series) fputs("</Collection>\n</VTKFile>\n", o->series);
@@ -133,7 +134,7 @@ static int close_outputs(outputs *o) {
   return good;
 }
 
-/* The rows and files of a step; asked: --at is reached. */
+/* Writes the rows and files of a step. asked: 1 if the step reaches a displacement of --at. */
 static int write_step(const outputs *o, const forming_options *options, const dls_forming *forming,
                       int step, int asked) {
   dls_forming_data d;
@@ -156,8 +157,8 @@ static int write_step(const outputs *o, const forming_options *options, const dl
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
-static void print_end(const forming_options *o, const dls_forming_data *d, dls_status status,
-                      double seconds) {
+static void print_forming_summary(const forming_options *o, const dls_forming_data *d,
+                                  dls_status status, double seconds) {
   const dls_forming_energy *e = &d->energy;
   printf("\n%s by %s: %s at %.6g of %.6g mm\n", o->name, o->method, dls_status_text(status),
          d->travel, d->whole);
@@ -173,7 +174,7 @@ static void print_end(const forming_options *o, const dls_forming_data *d, dls_s
          d->cpu.assembly, d->cpu.reduction, d->cpu.contact);
 }
 
-/* All steps; *status: of the last one. 0 after a complaint. */
+/* Runs all steps. *status: of the last one. Returns 0 after a complaint. */
 static int run_steps(dls_forming *forming, const forming_options *o, outputs *out,
                      dls_status *status) {
   dls_forming_data d;
@@ -214,7 +215,7 @@ static int run_forming(const forming_options *o) {
     if (run_steps(forming, o, &out, &status)) {
       dls_forming_data d;
       dls_forming_get(forming, &d);
-      print_end(o, &d, status, cpu_seconds() - out.start);
+      print_forming_summary(o, &d, status, cpu_seconds() - out.start);
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
   if (!close_outputs(&out)) result = EXIT_BAD_INPUT;
@@ -231,72 +232,64 @@ static int run_forming(const forming_options *o) {
 
 /* ---- the command ----------------------------------------------------------------------------- */
 
-static int parse_mesh(const char *text, dls_forming_settings *s) {
+static taken parse_mesh(const char *text, dls_forming_settings *s) {
   char more;
-  if (sscanf(text, "%dx%d%c", &s->nx, &s->ny, &more) == 2 && s->nx > 0 && s->ny > 0) return 1;
+  if (sscanf(text, "%dx%d%c", &s->nx, &s->ny, &more) == 2 && s->nx > 0 && s->ny > 0)
+    return OPTION_TAKEN;
   complain("--mesh: '%s' is not NXxNY, two whole numbers >= 1", text);
-  return 0;
+  return OPTION_WRONG;
 }
 
-/* numbers between commas; text is spent */
-static int parse_at(char *text, forming_options *o) {
+/* Reads numbers between commas, overwriting text. */
+static taken parse_at(char *text, forming_options *o) {
   for (char *item; (item = strsep(&text, ","));) {
-    if (o->at_count == MOST_AT) return complain("--at: more than %d displacements", MOST_AT), 0;
-    if (!parse_number("at", item, &o->at[o->at_count++])) return 0;
+    if (o->at_count == MOST_AT)
+      return complain("--at: more than %d displacements", MOST_AT), OPTION_WRONG;
+    if (!parse_number("at", item, &o->at[o->at_count++])) return OPTION_WRONG;
   }
-  return 1;
+  return OPTION_TAKEN;
 }
 
-static int parse_option(int key, forming_options *o) {
+static taken take_forming_option(int key, const char *text, void *data) {
+  forming_options *o = data;
   switch (key) {
   case 'm':
-    o->method = optarg;
-    if (forming_method(optarg, &o->settings)) return 1;
-    complain("--method: '%s' is no method", optarg);
-    return 0;
+    o->method = text;
+    if (forming_method(text, &o->settings)) return OPTION_TAKEN;
+    complain("--method: '%s' is no method", text);
+    return OPTION_WRONG;
   case 'M':
-    return parse_mesh(optarg, &o->settings);
+    return parse_mesh(text, &o->settings);
   case 'n':
-    return parse_count("steps", optarg, &o->settings.steps);
+    return parse_count("steps", text, &o->settings.steps);
   case 'f':
-    return parse_number("mu", optarg, &o->settings.mu);
+    return parse_number("mu", text, &o->settings.mu);
   case 'c':
     o->settings.clamped = 1;
-    return 1;
+    return OPTION_TAKEN;
   case 't':
-    return parse_number("tol", optarg, &o->settings.tol);
+    return parse_number("tol", text, &o->settings.tol);
   case 'a':
     return parse_at(optarg, o);
   case 'o':
-    o->out = optarg;
-    return 1;
+    o->out = text;
+    return OPTION_TAKEN;
   default:
-    usage(stderr);
-    return 0;
+    return OPTION_UNKNOWN;
   }
 }
 
 int command_forming(int argc, char **argv) {
   static const struct option options[] = {
-      {"method", required_argument, NULL, 'm'}, {"mesh", required_argument, NULL, 'M'},
-      {"steps", required_argument, NULL, 'n'},  {"mu", required_argument, NULL, 'f'},
-      {"clamped", no_argument, NULL, 'c'},      {"tol", required_argument, NULL, 't'},
-      {"at", required_argument, NULL, 'a'},     {"out", required_argument, NULL, 'o'},
-      {"help", no_argument, NULL, 'h'},         {NULL, 0, NULL, 0}};
+      VALUE("method", 'm'), VALUE("mesh", 'M'),   VALUE("steps", 'n'),
+      VALUE("mu", 'f'),     FLAG("clamped", 'c'), VALUE("tol", 't'),
+      VALUE("at", 'a'),     VALUE("out", 'o'),    LAST_OPTIONS};
+  static const command forming = {"m:n:t:o:h", options, forming_usage, take_forming_option, 1};
   forming_options o = {.method = "auto"};
   dls_forming_settings_init(&o.settings);
   if (!forming_method(o.method, &o.settings)) o.method = dls_method_name(o.settings.method);
-  for (int key; (key = getopt_long(argc, argv, "m:n:t:o:h", options, NULL)) != -1;) {
-    if (key == 'h') {
-      usage(stdout);
-      return EXIT_SOLVED;
-    }
-    if (!parse_option(key, &o)) return EXIT_BAD_INPUT;
-  }
-  if (argc - optind != 1) {
-    usage(stderr);
-    return EXIT_BAD_INPUT;
-  }
+  const int stop = take_options(argc, argv, &forming, &o);
+  if (stop != GO_ON) return stop;
   o.name = argv[optind];
   watch_interrupt();
   return run_forming(&o);

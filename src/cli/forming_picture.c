@@ -1,45 +1,26 @@
-/* forming_picture.c: the deformed mesh with contact forces, the plastic strain, the force. */
+/* forming_picture.c: draws the deformed mesh with contact forces, the plastic strain, the force. */
 #include <math.h>
 
 #include "cli.h"
 
+/* Returns coordinate i of a node, at rest or deformed. */
 static double corner(const dls_forming_data *d, int node, int i, int deformed) {
   return d->mesh->xy[2 * node + i] + (deformed ? d->displacement[2 * node + i] : 0);
 }
 
-/* lo, hi: of the mesh at rest and deformed */
-static void box_of(const dls_forming_data *d, double lo[2], double hi[2]) {
-  for (int i = 0; i < 2; i++) {
-    lo[i] = hi[i] = d->mesh->xy[i];
-    for (int k = 0; k < 2 * d->mesh->nodes; k++) {
-      const double x = corner(d, k / 2, i, k % 2);
-      lo[i] = fmin(lo[i], x);
-      hi[i] = fmax(hi[i], x);
-    }
-  }
-}
-
-static void both_terminals(FILE *script, const char *name, const double size[2]) {
-  fprintf(script,
-          "do for [type in 'png svg'] {\n"
-          "  if (type eq 'png') { set terminal pngcairo size %g,%g font ',13' }\n"
-          "  if (type eq 'svg') { set terminal svg size %g,%g font ',13' background 'white' }\n"
-          "  set output '%s.'.type\n",
-          size[0], size[1], size[0], size[1], name);
-}
-
-/* Pixels for a picture of this shape, with room beside it. */
-static void shape(const double lo[2], const double hi[2], int panels, double size[2]) {
+/* Chooses the pixels of a picture of this shape, with room beside it. */
+static void fit_picture(const double lo[2], const double hi[2], int panels, double size[2]) {
   const double wide = panels * (hi[0] - lo[0]), high = hi[1] - lo[1];
   const double scale = 760 / fmax(wide, high);
   size[0] = fmax(scale * wide + 200, 720);
   size[1] = fmax(scale * high + 160, 480);
 }
 
-/* The paper's Figs. 2 and 3: at rest beside deformed, an arrow for each contact force. */
+/* Draws Figs. 2 and 3 of the paper: the mesh at rest beside the deformed one, with an arrow for
+ * each contact force. */
 static int write_mesh(const char *directory, const char *title, const dls_forming_data *d) {
   double lo[2], hi[2], largest = 0;
-  box_of(d, lo, hi);
+  mesh_box(d->mesh->nodes, d->mesh->xy, d->displacement, lo, hi);
   for (int i = 0; i < d->mesh->nodes; i++)
     largest = fmax(largest, hypot(d->reaction[2 * i], d->reaction[2 * i + 1]));
   const double span = fmin(hi[0] - lo[0], hi[1] - lo[1]);
@@ -69,8 +50,8 @@ static int write_mesh(const char *directory, const char *title, const dls_formin
   const double edge = 0.45 * span, from[2] = {lo[0] - 0.1 * span, lo[1] - 0.1 * span};
   const double to[2] = {hi[0] + edge, hi[1] + edge};
   double size[2];
-  shape(from, to, 2, size);
-  both_terminals(script, "mesh", size);
+  fit_picture(from, to, 2, size);
+  begin_pictures(script, "mesh", size[0], size[1]);
   fprintf(script,
           "  set multiplot layout 1,2 title '%s, longest arrow %.3g N'\n"
           "  set size ratio -1\n  set key off\n  set xrange [%g:%g]\n  set yrange [%g:%g]\n"
@@ -83,11 +64,11 @@ static int write_mesh(const char *directory, const char *title, const dls_formin
   return close_file(script, "mesh.gp");
 }
 
-/* Equivalent plastic strain, mean of each element, on the deformed mesh. */
+/* Draws the equivalent plastic strain, mean of each element, on the deformed mesh. */
 static int write_plastic(const char *directory, const char *title, const dls_forming_data *d) {
   double lo[2], hi[2], size[2], largest = 0;
-  box_of(d, lo, hi);
-  shape(lo, hi, 1, size);
+  mesh_box(d->mesh->nodes, d->mesh->xy, d->displacement, lo, hi);
+  fit_picture(lo, hi, 1, size);
   FILE *script = open_in(directory, "plastic.gp");
   if (!script) return 0;
   for (int e = 0; e < d->mesh->quads; e++) {
@@ -106,20 +87,20 @@ static int write_plastic(const char *directory, const char *title, const dls_for
           "set palette defined (0 '#f4f4f4', 0.4 '#f0b060', 0.7 '#c03020', 1 '#400020')\n"
           "set xlabel 'mm'\nset xrange [%g:%g]\nset yrange [%g:%g]\nset cbrange [0:%g]\n",
           title, lo[0], hi[0], lo[1], hi[1], largest > 0 ? largest : 1);
-  both_terminals(script, "plastic", size);
+  begin_pictures(script, "plastic", size[0], size[1]);
   fputs("  plot NaN with points palette\n  unset output\n}\n", script);
   return close_file(script, "plastic.gp");
 }
 
+/* Draws the force over the displacement. */
 static int write_force(const char *directory, const char *title, const dls_forming_data *d) {
-  static const double size[2] = {900, 600};
   FILE *script = open_in(directory, "force.gp");
   if (!script) return 0;
   fprintf(script,
           "set title '%s'\nset datafile separator ','\nset key off\nset grid\n"
           "set xlabel 'displacement [mm]'\nset ylabel 'force [%s]'\n",
           title, d->axisymmetric ? "N per radian" : "N per mm of thickness, half of the block");
-  both_terminals(script, "force", size);
+  begin_pictures(script, "force", 900, 600);
   fputs("  plot 'force.csv' every ::1 using 1:2 with lines lw 2 lc rgb '#3060a0'\n"
         "  unset output\n}\n",
         script);

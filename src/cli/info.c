@@ -1,11 +1,11 @@
-/* info.c: delassus info FILE: facts about a contact problem, in words. */
+/* info.c: delassus info FILE: tells facts about a contact problem, in words or as JSON. */
 #define _GNU_SOURCE
 #include <getopt.h>
 #include <math.h>
 
 #include "cli.h"
 
-static void usage(FILE *out) {
+static void info_usage(FILE *out) {
   fputs(
       "Usage: delassus info [OPTION]... FILE\n"
       "Facts about a contact problem (FCLIB, HDF5; local, or global after its reduction):\n"
@@ -97,12 +97,9 @@ static void print_friction(int d, int m, const dls_diagnosis *g) {
            g->wedged.count > 1 ? "s" : "", g->wedged.first, g->wedged.count > 1 ? "are" : "is");
 }
 
-static void print_text(const char *path, const problem *p, int limit, const dls_diagnosis *g) {
+static void print_facts(const char *path, const problem *p, int limit, const dls_diagnosis *g) {
   const dls_contact *contact = &p->contact;
-  printf("%s: %dD, %d contacts, %s\n", path, contact->d, contact->nc,
-         p->reduction ? "global" : "local");
-  if (p->reduction)
-    printf("  reduced from %d unknowns in %.3g s of CPU\n", p->model.n, p->reduction_cpu_seconds);
+  problem_print(path, p);
   print_matrix(p, g);
   print_spectrum(contact->d * contact->nc, limit, g);
   print_scales(contact->nc, g);
@@ -117,11 +114,10 @@ static void print_text(const char *path, const problem *p, int limit, const dls_
 /* ---- JSON ------------------------------------------------------------------------------------ */
 
 static void field(const char *name, double value) {
-  printf(",\n  \"%s\": ", name);
-  print_json_number(stdout, value);
+  print_json_field(stdout, name, value);
 }
 
-/* null for -1 */
+/* Prints an index, null for -1. */
 static void index_field(const char *name, int index) {
   field(name, index < 0 ? (double)NAN : index);
 }
@@ -166,43 +162,35 @@ static void print_info_json(const problem *p, const dls_diagnosis *g) {
 
 /* ---- the command ----------------------------------------------------------------------------- */
 
+typedef struct info_options {
+  int limit, json;
+} info_options;
+
+static taken take_info_option(int key, const char *text, void *data) {
+  info_options *o = data;
+  if (key == 'l') return parse_count("limit", text, &o->limit);
+  if (key != 'j') return OPTION_UNKNOWN;
+  o->json = 1;
+  return OPTION_TAKEN;
+}
+
 int command_info(int argc, char **argv) {
-  static const struct option options[] = {{"limit", required_argument, NULL, 'l'},
-                                          {"json", no_argument, NULL, 'j'},
-                                          {"help", no_argument, NULL, 'h'},
-                                          {NULL, 0, NULL, 0}};
-  int limit = 2000, json = 0;
-  for (int key; (key = getopt_long(argc, argv, "l:jh", options, NULL)) != -1;) {
-    switch (key) {
-    case 'l':
-      if (!parse_count("limit", optarg, &limit)) return EXIT_BAD_INPUT;
-      break;
-    case 'j':
-      json = 1;
-      break;
-    case 'h':
-      usage(stdout);
-      return EXIT_SOLVED;
-    default:
-      usage(stderr);
-      return EXIT_BAD_INPUT;
-    }
-  }
-  if (argc - optind != 1) {
-    usage(stderr);
-    return EXIT_BAD_INPUT;
-  }
+  static const struct option options[] = {VALUE("limit", 'l'), FLAG("json", 'j'), LAST_OPTIONS};
+  static const command info = {"l:jh", options, info_usage, take_info_option, 1};
+  info_options o = {.limit = 2000};
+  const int stop = take_options(argc, argv, &info, &o);
+  if (stop != GO_ON) return stop;
   const char *path = argv[optind];
   problem p = {0};
   dls_error error = {0};
   dls_diagnosis g;
   int result = EXIT_SOLVED;
-  if (problem_load(path, &p, &error) || dls_contact_diagnose(&p.contact, limit, &g, &error))
+  if (problem_load(path, &p, &error) || dls_contact_diagnose(&p.contact, o.limit, &g, &error))
     result = complain_of(path, &error);
-  else if (json)
+  else if (o.json)
     print_info_json(&p, &g);
   else
-    print_text(path, &p, limit, &g);
+    print_facts(path, &p, o.limit, &g);
   problem_free(&p);
   return result;
 }

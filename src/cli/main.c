@@ -1,9 +1,9 @@
-/* main.c: the program `delassus`: commands, help, version. */
+/* main.c: the program `delassus`: runs a command, prints help and version. */
 #include <string.h>
 
 #include "cli.h"
 
-static void usage(FILE *out) {
+static void program_usage(FILE *out) {
   fputs("Usage: delassus COMMAND [OPTION]...\n"
         "Unilateral contact with dry friction: benchmark scenes and problem files.\n"
         "\n"
@@ -22,27 +22,27 @@ static void usage(FILE *out) {
 }
 
 int main(int argc, char **argv) {
-  const char *command = argc > 1 ? argv[1] : "";
+  const char *name = argc > 1 ? argv[1] : "";
   int result;
-  if (!strcmp(command, "scene") && names_forming(argc - 1, argv + 1))
+  if (!strcmp(name, "scene") && names_forming(argc - 1, argv + 1))
     result = command_forming(argc - 1, argv + 1);
-  else if (!strcmp(command, "tables"))
+  else if (!strcmp(name, "tables"))
     result = command_tables(argc - 1, argv + 1);
-  else if (!strcmp(command, "scene"))
+  else if (!strcmp(name, "scene"))
     result = command_scene(argc - 1, argv + 1);
-  else if (!strcmp(command, "solve"))
+  else if (!strcmp(name, "solve"))
     result = command_solve(argc - 1, argv + 1);
-  else if (!strcmp(command, "info"))
+  else if (!strcmp(name, "info"))
     result = command_info(argc - 1, argv + 1);
-  else if (!strcmp(command, "--help") || !strcmp(command, "-h")) {
-    usage(stdout);
+  else if (!strcmp(name, "--help") || !strcmp(name, "-h")) {
+    program_usage(stdout);
     result = EXIT_SOLVED;
-  } else if (!strcmp(command, "--version") || !strcmp(command, "-V")) {
+  } else if (!strcmp(name, "--version") || !strcmp(name, "-V")) {
     printf("delassus %s\n", dls_version());
     result = EXIT_SOLVED;
   } else {
-    result = command[0] ? complain("'%s' is no command; see 'delassus --help'", command)
-                        : (usage(stderr), EXIT_BAD_INPUT);
+    result = name[0] ? complain("'%s' is no command; see 'delassus --help'", name)
+                     : (program_usage(stderr), EXIT_BAD_INPUT);
   }
   if (fflush(stdout) || ferror(stdout)) return complain("cannot write to standard output");
   return result;

@@ -1,7 +1,26 @@
-/* options.c: what scene and solve are told alike: the method, and its settings. */
+/* options.c: reads the options of the commands, and those that scene and solve share: the method
+ * and its settings. */
+#define _GNU_SOURCE
+#include <getopt.h>
 #include <string.h>
 
 #include "cli.h"
+
+int take_options(int argc, char **argv, const command *c, void *data) {
+  for (int key; (key = getopt_long(argc, argv, c->keys, c->options, NULL)) != -1;) {
+    const taken result = key == 'h' ? OPTION_HELP : c->take(key, optarg, data);
+    if (result == OPTION_HELP) c->usage(stdout);
+    if (result == OPTION_HELP || result == OPTION_DONE) return EXIT_SOLVED;
+    if (result == OPTION_UNKNOWN) return wrong_usage(c);
+    if (result == OPTION_WRONG) return EXIT_BAD_INPUT;
+  }
+  return c->operands && argc - optind != c->operands ? wrong_usage(c) : GO_ON;
+}
+
+int wrong_usage(const command *c) {
+  c->usage(stderr);
+  return EXIT_BAD_INPUT;
+}
 
 void solver_options_init(solver_options *o, double tol) {
   memset(o, 0, sizeof *o);
@@ -13,11 +32,9 @@ void solver_options_init(solver_options *o, double tol) {
 const char *method_list(char *text, size_t size) {
   size_t used = 0;
   text[0] = '\0';
-  for (int k = 0; k < 100 && used < size; k++) {
-    const char *name = dls_method_name((dls_method)k);
-    if (name)
-      used += (size_t)snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", name);
-  }
+  for (int k = 0; dls_method_name((dls_method)k) && used < size; k++)
+    used += (size_t)snprintf(text + used, size - used, "%s%s", k > 0 ? ", " : "",
+                             dls_method_name((dls_method)k));
   return text;
 }
 
@@ -31,25 +48,25 @@ void solver_usage(FILE *out, const char *more, double tol) {
           method_list(methods, sizeof methods), more, tol);
 }
 
-/* A method by its name, or gauss-seidel; 0 after a complaint. */
-static int take_method(const char *name, solver_options *o) {
+/* Takes a method by its name, or gauss-seidel. */
+static taken take_method(const char *name, solver_options *o) {
   char methods[METHOD_LIST_ROOM];
   o->method_given = 1;
   o->primal = strcmp(name, "gauss-seidel") == 0;
-  if (o->primal || dls_method_find(name, &o->settings.method)) return 1;
+  if (o->primal || dls_method_find(name, &o->settings.method)) return OPTION_TAKEN;
   complain("--method: '%s' is no method (%s, gauss-seidel)", name,
            method_list(methods, sizeof methods));
-  return 0;
+  return OPTION_WRONG;
 }
 
-static int take_acceleration(const char *name, solver_options *o) {
+static taken take_acceleration(const char *name, solver_options *o) {
   o->accel_given = 1;
-  if (dls_acceleration_find(name, &o->settings.acceleration)) return 1;
+  if (dls_acceleration_find(name, &o->settings.acceleration)) return OPTION_TAKEN;
   complain("--accel: '%s' is no acceleration (none, aitken, anderson)", name);
-  return 0;
+  return OPTION_WRONG;
 }
 
-int take_solver_option(int key, const char *text, solver_options *o) {
+taken take_solver_option(int key, const char *text, solver_options *o) {
   switch (key) {
   case 'm':
     return take_method(text, o);
@@ -60,7 +77,7 @@ int take_solver_option(int key, const char *text, solver_options *o) {
   case 'i':
     return parse_count("max-iter", text, &o->settings.limits.max_iterations);
   default:
-    return -1;
+    return OPTION_UNKNOWN;
   }
 }
 

@@ -1,9 +1,10 @@
-/* picture.c: pictures through gnuplot; data and scripts stay beside them. */
+/* picture.c: draws pictures through gnuplot; data and scripts stay beside them. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <math.h>
 #include <spawn.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -33,6 +34,17 @@ int close_file(FILE *file, const char *name) {
   return 0;
 }
 
+int make_directory(const char *path) {
+  char part[PATH_ROOM];
+  if (!join_path(part, path, "")) return 0;
+  for (char *slash = part + 1; (slash = strchr(slash, '/')); slash++) {
+    *slash = '\0';
+    if (mkdir(part, 0777) && errno != EEXIST) return complain("%s: %s", part, strerror(errno)), 0;
+    *slash = '/';
+  }
+  return 1;
+}
+
 int run_gnuplot(const char *directory, const char *script) {
   char name[] = "gnuplot";
   char copy[64];
@@ -52,15 +64,23 @@ int run_gnuplot(const char *directory, const char *script) {
   return 0;
 }
 
-/* The bounding box of the mesh. */
-static void box_of(const dls_fe_mesh *mesh, double lo[2], double hi[2]) {
+void mesh_box(int nodes, const double *xy, const double *displacement, double lo[2], double hi[2]) {
   for (int k = 0; k < 2; k++)
-    lo[k] = hi[k] = mesh->xy[k];
-  for (int i = 0; i < mesh->nodes; i++)
-    for (int k = 0; k < 2; k++) {
-      lo[k] = fmin(lo[k], mesh->xy[2 * i + k]);
-      hi[k] = fmax(hi[k], mesh->xy[2 * i + k]);
-    }
+    lo[k] = hi[k] = xy[k];
+  for (int k = 0; k < 2 * nodes; k++) {
+    const double rest = xy[k], moved = rest + (displacement ? displacement[k] : 0);
+    lo[k % 2] = fmin(lo[k % 2], fmin(rest, moved));
+    hi[k % 2] = fmax(hi[k % 2], fmax(rest, moved));
+  }
+}
+
+void begin_pictures(FILE *script, const char *name, double width, double height) {
+  fprintf(script,
+          "do for [type in 'png svg'] {\n"
+          "  if (type eq 'png') { set terminal pngcairo size %g,%g font ',13' }\n"
+          "  if (type eq 'svg') { set terminal svg size %g,%g font ',13' background 'white' }\n"
+          "  set output '%s.'.type\n",
+          width, height, width, height, name);
 }
 
 static double largest_pair(const double *v, int n) {
@@ -70,16 +90,16 @@ static double largest_pair(const double *v, int n) {
   return m;
 }
 
-/* 1, 2 or 5 times a power of ten, the largest such number <= x */
+/* Returns the largest number <= x that is 1, 2 or 5 times a power of ten. */
 static double round_down(double x) {
   const double power = pow(10, floor(log10(x)));
   return x >= 5 * power ? 5 * power : x >= 2 * power ? 2 * power : power;
 }
 
-/* The deformed block with an arrow for each nodal reaction, as in [Jean 1988] Fig. 3a. */
+/* Draws the deformed block with an arrow for each nodal reaction, as in [Jean 1988] Fig. 3a. */
 static int write_deformed(const scene_picture *p) {
   double lo[2], hi[2];
-  box_of(p->mesh, lo, hi);
+  mesh_box(p->mesh->nodes, p->mesh->xy, NULL, lo, hi);
   const double size = fmax(hi[0] - lo[0], hi[1] - lo[1]);
   const double dmax = largest_pair(p->displacement, p->mesh->nodes);
   const double rmax = largest_pair(p->reaction, p->mesh->nodes);
@@ -122,11 +142,8 @@ static int write_deformed(const scene_picture *p) {
           p->title, amplify, rmax, size / 4, size / 4, lo[0] - 0.1 * size, hi[0] + 0.3 * size,
           lo[1] - 0.35 * size, hi[1] + 0.15 * size, lo[0] - 0.1 * size, lo[1], hi[0] + 0.3 * size,
           lo[1]);
-  fputs("do for [type in 'png svg'] {\n"
-        "  if (type eq 'png') { set terminal pngcairo size 900,900 font ',13' }\n"
-        "  if (type eq 'svg') { set terminal svg size 900,900 font ',13' background 'white' }\n"
-        "  set output 'deformed.'.type\n"
-        "  plot 'deformed.dat' index 0 with lines lc rgb '#cccccc', \\\n"
+  begin_pictures(script, "deformed", 900, 900);
+  fputs("  plot 'deformed.dat' index 0 with lines lc rgb '#cccccc', \\\n"
         "       '' index 1 with lines lc rgb '#3060a0', \\\n"
         "       '' index 2 using 1:2:3:4 with vectors filled lw 2 lc rgb '#c03020'\n"
         "  unset output\n}\n",
@@ -134,7 +151,7 @@ static int write_deformed(const scene_picture *p) {
   return close_file(script, "deformed.gp");
 }
 
-/* Reactions along the contact line: ours as lines, the paper's as points. */
+/* Draws the reactions along the contact line: computed as lines, the paper's as points. */
 static int write_reactions(const scene_picture *p) {
   FILE *data = open_in(p->directory, "reactions.dat");
   if (!data) return 0;
@@ -149,12 +166,8 @@ static int write_reactions(const scene_picture *p) {
           "set title '%s'\nset key outside bottom center horizontal\nset grid\n"
           "set datafile missing 'nan'\nset xlabel 'x [m]'\nset ylabel 'reaction [N/m]'\n",
           p->title);
-  fputs("do for [type in 'png svg'] {\n"
-        "  if (type eq 'png') { set terminal pngcairo size 1000,650 font ',13' }\n"
-        "  if (type eq 'svg') { set terminal svg size 1000,650 font ',13' background 'white' }\n"
-        "  set output 'reactions.'.type\n"
-        "  plot 'reactions.dat' using 1:3 with lines lw 2 lc rgb '#3060a0' title 'R_N'",
-        script);
+  begin_pictures(script, "reactions", 1000, 650);
+  fputs("  plot 'reactions.dat' using 1:3 with lines lw 2 lc rgb '#3060a0' title 'R_N'", script);
   if (p->paper_rn)
     fputs(", \\\n       '' using 1:5 with points pt 6 ps 1.5 lc rgb '#3060a0' title 'R_N paper'",
           script);

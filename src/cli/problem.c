@@ -1,4 +1,4 @@
-/* problem.c: FCLIB problems in memory, condensed if they are global. */
+/* problem.c: loads FCLIB problems, and condenses them if they are global. */
 #include "cli.h"
 
 dls_status problem_load(const char *path, problem *p, dls_error *error) {
@@ -18,4 +18,11 @@ dls_status problem_load(const char *path, problem *p, dls_error *error) {
 void problem_free(problem *p) {
   dls_reduction_destroy(p->reduction);
   dls_fclib_destroy(p->file);
+}
+
+void problem_print(const char *path, const problem *p) {
+  printf("%s: %dD, %d contacts, %s\n", path, p->contact.d, p->contact.nc,
+         p->reduction ? "global" : "local");
+  if (p->reduction)
+    printf("  reduced from %d unknowns in %.3g s of CPU\n", p->model.n, p->reduction_cpu_seconds);
 }

@@ -1,4 +1,4 @@
-/* report.c: messages, JSON, progress on a terminal, Ctrl-C. */
+/* report.c: prints messages, JSON and progress on a terminal, and listens to Ctrl-C. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <math.h>
@@ -25,49 +25,41 @@ int complain_of(const char *what, const dls_error *error) {
   return complain("%s: %s (%s)", what, dls_status_text(error->status), error->message);
 }
 
-int parse_number(const char *option, const char *text, double *value) {
+taken parse_number(const char *option, const char *text, double *value) {
   char *end;
   errno = 0;
   const double v = strtod(text, &end);
   if (end == text || *end || errno == ERANGE || !isfinite(v) || v < 0) {
     complain("--%s: '%s' is not a number >= 0", option, text);
-    return 0;
+    return OPTION_WRONG;
   }
   *value = v;
-  return 1;
+  return OPTION_TAKEN;
 }
 
-int parse_count(const char *option, const char *text, int *value) {
+taken parse_count(const char *option, const char *text, int *value) {
   char *end;
   errno = 0;
   const long v = strtol(text, &end, 10);
   if (end == text || *end || errno == ERANGE || v < 1 || v > 1000000000L) {
     complain("--%s: '%s' is not a whole number from 1 to 1000000000", option, text);
-    return 0;
+    return OPTION_WRONG;
   }
   *value = (int)v;
-  return 1;
+  return OPTION_TAKEN;
 }
 
 const char *status_word(dls_status status) {
-  switch (status) {
-  case DLS_OK:
-    return "solved";
-  case DLS_MAX_ITERATIONS:
-    return "max_iterations";
-  case DLS_CANCELLED:
-    return "cancelled";
-  case DLS_STALLED:
-    return "stalled";
-  case DLS_RAY:
-    return "ray";
-  case DLS_NO_SOLUTION:
-    return "no_solution";
-  case DLS_NO_SOLUTION_LIKELY:
-    return "no_solution_likely";
-  default:
-    return "error";
-  }
+  static const char *const words[] = {
+      [DLS_OK] = "solved",
+      [DLS_MAX_ITERATIONS] = "max_iterations",
+      [DLS_CANCELLED] = "cancelled",
+      [DLS_STALLED] = "stalled",
+      [DLS_RAY] = "ray",
+      [DLS_NO_SOLUTION] = "no_solution",
+      [DLS_NO_SOLUTION_LIKELY] = "no_solution_likely",
+  };
+  return status < 0 ? "error" : words[status];
 }
 
 const char *state_word(dls_contact_state state) {
@@ -75,21 +67,11 @@ const char *state_word(dls_contact_state state) {
 }
 
 const char *iteration_word(dls_method method) {
-  switch (method) {
-  case DLS_AUTO:
-    return "iterations";
-  case DLS_LEMKE:
-    return "exchanges";
-  case DLS_NEWTON:
-    return "steps";
-  case DLS_ADMM:
-    return "iterations";
-  case DLS_AUGMENTED_LAGRANGIAN:
-  case DLS_PENALTY:
-    return "augmentations";
-  default:
-    return "sweeps";
-  }
+  if (method == DLS_NLGS) return "sweeps";
+  if (method == DLS_LEMKE) return "exchanges";
+  if (method == DLS_NEWTON) return "steps";
+  const int augments = method == DLS_AUGMENTED_LAGRANGIAN || method == DLS_PENALTY;
+  return augments ? "augmentations" : "iterations";
 }
 
 const char *method_word(const outcome *o) {
@@ -130,12 +112,12 @@ void print_json_number(FILE *out, double value) {
     fputs("null", out);
 }
 
-static void number_field(FILE *out, const char *name, double value) {
+void print_json_field(FILE *out, const char *name, double value) {
   fprintf(out, ",\n  \"%s\": ", name);
   print_json_number(out, value);
 }
 
-static void stages_field(FILE *out, const dls_info *info) {
+static void print_json_stages(FILE *out, const dls_info *info) {
   fputs(",\n  \"stages\": [", out);
   for (int k = 0; k < info->stages; k++) {
     const dls_stage *s = &info->stage[k];
@@ -161,39 +143,39 @@ void print_json(FILE *out, const outcome *o) {
           method_word(o));
   fprintf(out, "  \"dimension\": %d,\n  \"contacts\": %d,\n  \"iterations\": %d", o->d, o->nc,
           o->info.iterations);
-  number_field(out, "residual", c->residual);
-  number_field(out, "floor", c->floor);
+  print_json_field(out, "residual", c->residual);
+  print_json_field(out, "floor", c->floor);
   if (o->primal) {
-    number_field(out, "equilibrium", o->primal->equilibrium);
-    number_field(out, "equilibrium_floor", o->primal->equilibrium_floor);
-    number_field(out, "laws", o->primal->laws.residual);
-    number_field(out, "laws_floor", o->primal->laws.floor);
+    print_json_field(out, "equilibrium", o->primal->equilibrium);
+    print_json_field(out, "equilibrium_floor", o->primal->equilibrium_floor);
+    print_json_field(out, "laws", o->primal->laws.residual);
+    print_json_field(out, "laws_floor", o->primal->laws.floor);
     fprintf(out, ",\n  \"thresholds\": %d", o->primal->thresholds);
   }
-  number_field(out, "penetration", c->penetration);
-  number_field(out, "adhesion", c->adhesion);
-  number_field(out, "cone_violation", c->cone_violation);
-  number_field(out, "slip_direction", c->slip_direction);
-  number_field(out, "complementarity", c->complementarity);
+  print_json_field(out, "penetration", c->penetration);
+  print_json_field(out, "adhesion", c->adhesion);
+  print_json_field(out, "cone_violation", c->cone_violation);
+  print_json_field(out, "slip_direction", c->slip_direction);
+  print_json_field(out, "complementarity", c->complementarity);
   if (o->scene) {
-    number_field(out, "resultant_t", o->Rt);
-    number_field(out, "resultant_n", o->Rn);
+    print_json_field(out, "resultant_t", o->Rt);
+    print_json_field(out, "resultant_n", o->Rn);
   }
-  number_field(out, "solve_cpu_seconds", o->solve_cpu_seconds);
-  if (o->info.stages) stages_field(out, &o->info);
+  print_json_field(out, "solve_cpu_seconds", o->solve_cpu_seconds);
+  if (o->info.stages) print_json_stages(out, &o->info);
   fputs("\n}\n", out);
 }
 
 /* ---- time, progress, Ctrl-C ------------------------------------------------------------------ */
 
-static double seconds(clockid_t clock_id) {
+static double clock_seconds(clockid_t clock_id) {
   struct timespec t;
   if (clock_gettime(clock_id, &t)) return 0;
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 double cpu_seconds(void) {
-  return seconds(CLOCK_PROCESS_CPUTIME_ID);
+  return clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
 }
 
 static volatile sig_atomic_t interrupted;
@@ -215,7 +197,7 @@ void watch_interrupt(void) {
 int show_progress(void *data, const dls_progress *p) {
   (void)data;
   if (interrupted) return 1;
-  const double now = seconds(CLOCK_MONOTONIC);
+  const double now = clock_seconds(CLOCK_MONOTONIC);
   if (first_shown == 0) first_shown = now;
   if (now - first_shown < 0.5 || now - last_shown < 0.1 || !isatty(STDERR_FILENO)) return 0;
   last_shown = now;

@@ -1,9 +1,10 @@
 /*
- * scene.c: delassus scene NAME: model -> reduction -> solver -> tables, files, pictures.
+ * scene.c: delassus scene NAME: takes a scene from its model through the reduction and a solver
+ * to tables, files and pictures.
  *
- * For every candidate: (u_t, u_n), the relative position of its node (with weighted reactions, too:
- * the paper prints displacements of nodes), its reactions (r_t, r_n), and with weighting the
- * equivalent concentrated ones, P r at its node.
+ * The tables show for every candidate: (u_t, u_n), the relative position of its node (with weighted
+ * reactions, too: the paper prints displacements of nodes); its reactions (r_t, r_n); with
+ * weighting the equivalent concentrated reactions, P r at its node.
  */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -11,7 +12,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "cli.h"
 
@@ -22,10 +22,10 @@ typedef struct scene_options {
   const char *out, *save, *reference; /* NULL: none */
 } scene_options;
 
-/* Gauss-Seidel and Lemke then agree to 1e-10 in r */
+/* The tolerance at which Gauss-Seidel and Lemke agree to 1e-10 in r. */
 static const double default_tol = 1e-14;
 
-static void usage(FILE *out) {
+static void scene_usage(FILE *out) {
   fputs("Usage: delassus scene [OPTION]... NAME\n"
         "  or:  delassus scene --list\n"
         "Runs a built-in scene and prints displacements and reactions of its candidates.\n"
@@ -71,7 +71,7 @@ typedef struct run {
 
 enum { X, Y, UT, UN, RT, RN, RT_EQ, RN_EQ };
 
-static int allocate(run *a) {
+static int scene_allocate(run *a) {
   const size_t nc = (size_t)a->data.candidates, nodes = (size_t)a->data.model.nodes;
   const size_t n = (size_t)a->data.model.n, mesh = (size_t)a->data.mesh->nodes;
   const size_t triangles = (size_t)a->data.mesh->triangles;
@@ -96,7 +96,7 @@ static int allocate(run *a) {
   return 1;
 }
 
-static void release(run *a) {
+static void scene_release(run *a) {
   dls_solver_destroy(a->solver);
   dls_primal_destroy(a->primal);
   dls_reduction_destroy(a->reduction);
@@ -107,7 +107,7 @@ static void release(run *a) {
 
 /* ---- the computation ------------------------------------------------------------------------- */
 
-/* a^T x for column j of a sparse matrix */
+/* Returns the product of column j of A with x. */
 static double column_dot(const dls_sparse *A, int j, const double *x) {
   double sum = 0;
   for (int k = A->p[j]; k < A->p[j + 1]; k++)
@@ -115,13 +115,13 @@ static double column_dot(const dls_sparse *A, int j, const double *x) {
   return sum;
 }
 
-/* y += A(:,j) s */
+/* Adds A(:,j) s to y. */
 static void column_add(const dls_sparse *A, int j, double s, double *y) {
   for (int k = A->p[j]; k < A->p[j + 1]; k++)
     y[A->i[k]] += A->x[k] * s;
 }
 
-/* The columns of the tables from r, R = P r and x. */
+/* Fills the columns of the tables from r, R = P r and x. */
 static void tabulate(run *a) {
   const dls_fe_scene_data *s = &a->data;
   for (int c = 0; c < s->candidates; c++) {
@@ -139,7 +139,7 @@ static void tabulate(run *a) {
   }
 }
 
-/* r, u by a method on the condensed problem, x from r. */
+/* Computes r and u by a method on the condensed problem, and x from r. */
 static dls_status solve_condensed(run *a, const scene_options *o, dls_error *error) {
   dls_status status = dls_solver_create(&a->solver, 2, a->contact.nc, &o->solver.settings, error);
   if (status) return status;
@@ -149,7 +149,8 @@ static dls_status solve_condensed(run *a, const scene_options *o, dls_error *err
   return status < 0 ? status : dls_reduction_recover(a->reduction, a->r, a->x, error);
 }
 
-/* r, u and x on K itself. It ends by its own certificate; that of the condensed problem is beside it. */
+/* Computes r, u and x on K itself. The method ends by its own certificate; the outcome holds that
+ * of the condensed problem, too. */
 static dls_status solve_primal(run *a, const scene_options *o, dls_error *error) {
   dls_primal_settings settings;
   dls_primal_settings_init(&settings);
@@ -171,9 +172,9 @@ static dls_status solve_primal(run *a, const scene_options *o, dls_error *error)
   return dls_contact_certify(&a->contact, a->r, NULL, &a->outcome.info.certificate, error);
 }
 
-/* Everything from the model to the tables; < 0 or DLS_OK: whether the solver got there, the outcome
- * says. */
-static dls_status compute(run *a, const scene_options *o, dls_error *error) {
+/* Computes everything from the model to the tables; < 0 or DLS_OK. The outcome says if the solver
+ * arrived. */
+static dls_status scene_compute(run *a, const scene_options *o, dls_error *error) {
   dls_status status = dls_reduction_create(&a->reduction, &a->data.model, error);
   if (!status) status = dls_reduction_load(a->reduction, a->data.f, a->data.g, error);
   if (!status) status = dls_reduction_contact(a->reduction, a->data.mu, &a->contact, error);
@@ -206,8 +207,8 @@ static dls_status compute(run *a, const scene_options *o, dls_error *error) {
 
 /* ---- the paper's values ---------------------------------------------------------------------- */
 
-/* Rows "node,Q1,Q2,RT,RN[,RN_eq]", an empty field where there is no value; the first row is a
- * header. 1 if read. */
+/* Reads rows "node,Q1,Q2,RT,RN[,RN_eq]" after a header, an empty field where there is no value.
+ * Returns 1 if all were read. */
 static int read_reference(const char *path, run *a) {
   for (int k = 0; k < REFERENCE_COLUMNS; k++)
     for (int c = 0; c < a->data.candidates; c++)
@@ -239,14 +240,14 @@ static int read_reference(const char *path, run *a) {
 
 /* ---- tables ---------------------------------------------------------------------------------- */
 
-static double largest(const double *v, int n) {
+static double largest_entry(const double *v, int n) {
   double m = 0;
   for (int i = 0; i < n; i++)
     if (fabs(v[i]) > m) m = fabs(v[i]);
   return m;
 }
 
-/* One quantity: our column, the paper's or NULL, and its name. */
+/* A column of a table: its name, the computed values, the paper's or NULL. */
 typedef struct quantity {
   const char *name;
   const double *ours, *paper;
@@ -264,11 +265,11 @@ static void print_cell(const quantity *q, int c, double scale, double *worst) {
   if (fabs(difference) > *worst) *worst = fabs(difference);
 }
 
-static void print_table(const run *a, const quantity *q, int count) {
+static void print_quantities(const run *a, const quantity *q, int count) {
   const int nc = a->data.candidates;
   double worst[2] = {0}, scale[2] = {0};
   for (int k = 0; k < count && q[k].paper; k++)
-    scale[k] = largest(q[k].paper, nc);
+    scale[k] = largest_entry(q[k].paper, nc);
   if (count == 2 && scale[1] == 0) scale[1] = scale[0]; /* Fig. 4: all Q2 are 0 */
   printf("node  status");
   for (int k = 0; k < count; k++) {
@@ -308,65 +309,44 @@ static void print_run(const run *a, const scene_options *o) {
   const quantity equivalent[] = {{"RT eq [N/m]", a->column[RT_EQ], NULL},
                                  {"RN eq [N/m]", a->column[RN_EQ], with ? a->paper[4] : NULL}};
   putchar('\n');
-  print_table(a, positions, 2);
+  print_quantities(a, positions, 2);
   putchar('\n');
-  print_table(a, reactions, 2);
+  print_quantities(a, reactions, 2);
   if (o->weighted) {
     puts("\nequivalent concentrated reactions, P r");
-    print_table(a, with ? equivalent + 1 : equivalent, with ? 1 : 2);
+    print_quantities(a, with ? equivalent + 1 : equivalent, with ? 1 : 2);
   }
   printf("\nresultants of the reactions: Rx = %.5e, Ry = %.5e N/m\n", out->Rt, out->Rn);
 }
 
 /* ---- files ----------------------------------------------------------------------------------- */
 
-static int finish(FILE *file, const char *path) {
-  const int bad = ferror(file);
-  if (fclose(file) == 0 && !bad) return 1;
-  complain("%s: cannot be written", path);
-  return 0;
-}
-
-static int write_csv(const char *path, const run *a, int weighted) {
-  FILE *file = fopen(path, "w");
-  if (!file) return complain("%s: %s", path, strerror(errno)), 0;
-  fprintf(file, "candidate,x,y,ut,un,rt,rn,status%s\n", weighted ? ",rt_eq,rn_eq" : "");
+static int write_csv(const run *a, const scene_options *o) {
+  FILE *file = open_in(o->out, "contact.csv");
+  if (!file) return 0;
+  fprintf(file, "candidate,x,y,ut,un,rt,rn,status%s\n", o->weighted ? ",rt_eq,rn_eq" : "");
   for (int c = 0; c < a->data.candidates; c++) {
     fprintf(file, "%d", c + 1);
     for (int k = X; k <= RN; k++)
       fprintf(file, ",%.17g", a->column[k][c]);
     fprintf(file, ",%s", state_word(a->state[c]));
-    if (weighted) fprintf(file, ",%.17g,%.17g", a->column[RT_EQ][c], a->column[RN_EQ][c]);
+    if (o->weighted) fprintf(file, ",%.17g,%.17g", a->column[RT_EQ][c], a->column[RN_EQ][c]);
     fputc('\n', file);
   }
-  return finish(file, path);
+  return close_file(file, "contact.csv");
 }
 
-static int write_json(const char *path, const outcome *o) {
-  FILE *file = fopen(path, "w");
-  if (!file) return complain("%s: %s", path, strerror(errno)), 0;
+static int write_json(const char *directory, const outcome *o) {
+  FILE *file = open_in(directory, "result.json");
+  if (!file) return 0;
   print_json(file, o);
-  return finish(file, path);
-}
-
-int make_directory(const char *path) {
-  char part[PATH_ROOM];
-  if (!join_path(part, path, "")) return 0;
-  for (char *slash = part + 1; (slash = strchr(slash, '/')); slash++) {
-    *slash = '\0';
-    if (mkdir(part, 0777) && errno != EEXIST) return complain("%s: %s", part, strerror(errno)), 0;
-    *slash = '/';
-  }
-  return 1;
+  return close_file(file, "result.json");
 }
 
 static int write_files(const run *a, const scene_options *o) {
   char path[PATH_ROOM], name[256], title[256];
   dls_error error = {0};
-  if (!make_directory(o->out)) return EXIT_BAD_INPUT;
-  if (!join_path(path, o->out, "contact.csv") || !write_csv(path, a, o->weighted))
-    return EXIT_BAD_INPUT;
-  if (!join_path(path, o->out, "result.json") || !write_json(path, &a->outcome))
+  if (!make_directory(o->out) || !write_csv(a, o) || !write_json(o->out, &a->outcome))
     return EXIT_BAD_INPUT;
   (void)snprintf(name, sizeof name, "%s.vtu", o->name);
   if (!join_path(path, o->out, name)) return EXIT_BAD_INPUT;
@@ -399,12 +379,12 @@ static int run_scene(const scene_options *o) {
     goto end;
   }
   dls_fe_scene_get(a.scene, &a.data);
-  if (!allocate(&a)) {
+  if (!scene_allocate(&a)) {
     result = complain("%s: out of memory", o->name);
     goto end;
   }
   if (o->reference && !read_reference(o->reference, &a)) goto end;
-  if (compute(&a, o, &error)) {
+  if (scene_compute(&a, o, &error)) {
     result = complain_of(o->name, &error);
     goto end;
   }
@@ -419,64 +399,44 @@ static int run_scene(const scene_options *o) {
   if (o->out && write_files(&a, o) != EXIT_SOLVED) goto end;
   result = a.outcome.info.status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
 end:
-  release(&a);
+  scene_release(&a);
   return result;
 }
 
-static int list_scenes(void) {
+static taken list_scenes(void) {
   for (int k = 0; dls_fe_scene_name(k); k++)
     printf("%-12s %s\n", dls_fe_scene_name(k), dls_fe_scene_description(k));
   for (int k = 0; dls_forming_name(k); k++)
     printf("%-12s %s\n", dls_forming_name(k), dls_forming_description(k));
-  return EXIT_SOLVED;
+  return OPTION_DONE;
+}
+
+static taken take_scene_option(int key, const char *text, void *data) {
+  scene_options *o = data;
+  const taken shared = take_solver_option(key, text, &o->solver);
+  if (shared != OPTION_UNKNOWN) return shared;
+  int *flag = key == 'w' ? &o->weighted : key == 'j' ? &o->json : NULL;
+  const char **name = key == 'o'   ? &o->out
+                      : key == 's' ? &o->save
+                      : key == 'r' ? &o->reference
+                                   : NULL;
+  if (key == 'l') return list_scenes();
+  if (!flag && !name) return OPTION_UNKNOWN;
+  if (flag) *flag = 1;
+  if (name) *name = text;
+  return OPTION_TAKEN;
 }
 
 int command_scene(int argc, char **argv) {
-  static const struct option options[] = {SOLVER_OPTIONS,
-                                          {"weighted", no_argument, NULL, 'w'},
-                                          {"out", required_argument, NULL, 'o'},
-                                          {"save", required_argument, NULL, 's'},
-                                          {"reference", required_argument, NULL, 'r'},
-                                          {"json", no_argument, NULL, 'j'},
-                                          {"list", no_argument, NULL, 'l'},
-                                          {"help", no_argument, NULL, 'h'},
-                                          {NULL, 0, NULL, 0}};
+  static const struct option options[] = {
+      SOLVER_OPTIONS,          FLAG("weighted", 'w'), VALUE("out", 'o'), VALUE("save", 's'),
+      VALUE("reference", 'r'), FLAG("json", 'j'),     FLAG("list", 'l'), LAST_OPTIONS};
+  static const command scene = {SOLVER_KEYS "wo:s:r:jlh", options, scene_usage, take_scene_option,
+                                1};
   scene_options o = {0};
   solver_options_init(&o.solver, default_tol);
-  for (int key; (key = getopt_long(argc, argv, SOLVER_KEYS "wo:s:r:jlh", options, NULL)) != -1;) {
-    const int taken = take_solver_option(key, optarg, &o.solver);
-    if (taken == 0) return EXIT_BAD_INPUT;
-    if (taken > 0) continue;
-    switch (key) {
-    case 'w':
-      o.weighted = 1;
-      break;
-    case 'o':
-      o.out = optarg;
-      break;
-    case 's':
-      o.save = optarg;
-      break;
-    case 'r':
-      o.reference = optarg;
-      break;
-    case 'j':
-      o.json = 1;
-      break;
-    case 'l':
-      return list_scenes();
-    case 'h':
-      usage(stdout);
-      return EXIT_SOLVED;
-    default:
-      usage(stderr);
-      return EXIT_BAD_INPUT;
-    }
-  }
-  if (argc - optind != 1) {
-    usage(stderr);
-    return EXIT_BAD_INPUT;
-  }
+  const int stop = take_options(argc, argv, &scene, &o);
+  if (stop != GO_ON) return stop;
   if (!settle_solver_options(&o.solver)) return EXIT_BAD_INPUT;
   o.name = argv[optind];
   watch_interrupt();

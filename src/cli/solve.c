@@ -1,4 +1,4 @@
-/* solve.c: delassus solve FILE, delassus solve --lcp M.mtx q.mtx. */
+/* solve.c: delassus solve FILE, delassus solve --lcp M.mtx q.mtx: solves problems from files. */
 #define _GNU_SOURCE
 #include <getopt.h>
 #include <math.h>
@@ -12,7 +12,7 @@ typedef struct solve_options {
   const char *out; /* NULL: none */
 } solve_options;
 
-static void usage(FILE *out) {
+static void solve_usage(FILE *out) {
   fputs(
       "Usage: delassus solve [OPTION]... FILE\n"
       "  or:  delassus solve --lcp [OPTION]... M.mtx q.mtx\n"
@@ -59,12 +59,10 @@ static void print_states(const dls_contact *contact, const double *r, const doub
   free(state);
 }
 
-static void print_text(const char *path, const problem *p, const outcome *o, const double *r,
-                       const double *u) {
+static void print_outcome(const char *path, const problem *p, const outcome *o, const double *r,
+                          const double *u) {
   const dls_certificate *c = &o->info.certificate;
-  printf("%s: %dD, %d contacts, %s\n", path, o->d, o->nc, p->reduction ? "global" : "local");
-  if (p->reduction)
-    printf("  reduced from %d unknowns in %.3g s of CPU\n", p->model.n, p->reduction_cpu_seconds);
+  problem_print(path, p);
   printf("  %s: %s, %d %s, residual %.2e (floor %.1e), %.3g s of CPU\n",
          dls_method_name(o->info.method), dls_status_text(o->info.status), o->info.iterations,
          iteration_word(o->info.method), c->residual, c->floor, o->solve_cpu_seconds);
@@ -110,7 +108,7 @@ static int solve_contact(const char *path, const solve_options *options) {
   if (options->json)
     print_json(stdout, &o);
   else
-    print_text(path, &p, &o, r, u);
+    print_outcome(path, &p, &o, r, u);
   if (options->out && write_solution(options->out, &p, r, u, &error)) {
     (void)complain_of(options->out, &error);
     goto end;
@@ -129,23 +127,18 @@ end:
 static void print_lcp_json(int n, const dls_lemke_info *info, double solve_cpu_seconds) {
   const dls_lcp_certificate *c = &info->certificate;
   printf("{\n  \"status\": \"%s\",\n  \"method\": \"lemke\",\n  \"dimension\": %d,\n"
-         "  \"contacts\": 0,\n  \"iterations\": %d,\n  \"residual\": ",
+         "  \"contacts\": 0,\n  \"iterations\": %d",
          status_word(info->status), n, info->pivots + info->crash_rounds);
-  print_json_number(stdout, c->residual);
-  fputs(",\n  \"floor\": ", stdout);
-  print_json_number(stdout, c->floor);
-  fputs(",\n  \"penetration\": ", stdout); /* y is what u_n is in a contact problem */
-  print_json_number(stdout, c->negative_y);
-  fputs(",\n  \"cone_violation\": ", stdout);
-  print_json_number(stdout, c->negative_z);
-  fputs(",\n  \"complementarity\": ", stdout);
-  print_json_number(stdout, c->complementarity);
-  fputs(",\n  \"solve_cpu_seconds\": ", stdout);
-  print_json_number(stdout, solve_cpu_seconds);
-  fputs("\n}\n", stdout);
+  print_json_field(stdout, "residual", c->residual);
+  print_json_field(stdout, "floor", c->floor);
+  print_json_field(stdout, "penetration", c->negative_y); /* y stands for u_n */
+  print_json_field(stdout, "cone_violation", c->negative_z);
+  print_json_field(stdout, "complementarity", c->complementarity);
+  print_json_field(stdout, "solve_cpu_seconds", solve_cpu_seconds);
+  puts("\n}");
 }
 
-static int solve_lcp(const char *path_M, const char *path_q, const solve_options *options) {
+static int solve_lcp_files(const char *path_M, const char *path_q, const solve_options *options) {
   dls_error error = {0};
   double *M = NULL, *q = NULL, *z = NULL;
   dls_lemke *lemke = NULL;
@@ -214,46 +207,32 @@ end:
 
 /* ---- options --------------------------------------------------------------------------------- */
 
+static taken take_solve_option(int key, const char *text, void *data) {
+  solve_options *o = data;
+  const taken shared = take_solver_option(key, text, &o->solver);
+  if (shared != OPTION_UNKNOWN) return shared;
+  if (key == 'f') return parse_count("facets", text, &o->solver.settings.facets);
+  if (key == 'o')
+    o->out = text;
+  else if (key == 'j')
+    o->json = 1;
+  else if (key == 'l')
+    o->lcp = 1;
+  else
+    return OPTION_UNKNOWN;
+  return OPTION_TAKEN;
+}
+
 int command_solve(int argc, char **argv) {
-  static const struct option options[] = {SOLVER_OPTIONS,
-                                          {"facets", required_argument, NULL, 'f'},
-                                          {"output", required_argument, NULL, 'o'},
-                                          {"json", no_argument, NULL, 'j'},
-                                          {"lcp", no_argument, NULL, 'l'},
-                                          {"help", no_argument, NULL, 'h'},
-                                          {NULL, 0, NULL, 0}};
+  static const struct option options[] = {SOLVER_OPTIONS,       VALUE("facets", 'f'),
+                                          VALUE("output", 'o'), FLAG("json", 'j'),
+                                          FLAG("lcp", 'l'),     LAST_OPTIONS};
+  static const command solve = {SOLVER_KEYS "f:o:jlh", options, solve_usage, take_solve_option, 0};
   solve_options o = {0};
   solver_options_init(&o.solver, 1e-8);
-  for (int key; (key = getopt_long(argc, argv, SOLVER_KEYS "f:o:jlh", options, NULL)) != -1;) {
-    const int taken = take_solver_option(key, optarg, &o.solver);
-    if (taken == 0) return EXIT_BAD_INPUT;
-    if (taken > 0) continue;
-    switch (key) {
-    case 'f':
-      if (!parse_count("facets", optarg, &o.solver.settings.facets)) return EXIT_BAD_INPUT;
-      break;
-    case 'o':
-      o.out = optarg;
-      break;
-    case 'j':
-      o.json = 1;
-      break;
-    case 'l':
-      o.lcp = 1;
-      break;
-    case 'h':
-      usage(stdout);
-      return EXIT_SOLVED;
-    default:
-      usage(stderr);
-      return EXIT_BAD_INPUT;
-    }
-  }
-  const int files = argc - optind;
-  if (files != (o.lcp ? 2 : 1)) {
-    usage(stderr);
-    return EXIT_BAD_INPUT;
-  }
+  const int stop = take_options(argc, argv, &solve, &o);
+  if (stop != GO_ON) return stop;
+  if (argc - optind != (o.lcp ? 2 : 1)) return wrong_usage(&solve);
   if (o.solver.primal) return complain("--method: gauss-seidel is for scenes");
   if (!settle_solver_options(&o.solver)) return EXIT_BAD_INPUT;
   const dls_method method = o.solver.settings.method;
@@ -262,5 +241,6 @@ int command_solve(int argc, char **argv) {
   if (o.lcp && (o.solver.method_given || o.solver.accel_given) && method != DLS_LEMKE)
     return complain("--%s: an LCP is solved by lemke", o.solver.method_given ? "method" : "accel");
   watch_interrupt();
-  return o.lcp ? solve_lcp(argv[optind], argv[optind + 1], &o) : solve_contact(argv[optind], &o);
+  return o.lcp ? solve_lcp_files(argv[optind], argv[optind + 1], &o)
+               : solve_contact(argv[optind], &o);
 }

@@ -1,6 +1,6 @@
 /*
- * tables.c: delassus tables: Tables 2 and 3 of [Chabrand 1998] beside ours: both scenes by every
- * method in one run.
+ * tables.c: delassus tables: runs both scenes by every method and prints Tables 2 and 3 of
+ * [Chabrand 1998] beside the results.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -8,8 +8,8 @@
 
 #include "cli.h"
 
-/* The paper's minutes, NaN for a method it has not; Lemke comes first, the others are compared
- * with it. */
+/* A row of the tables: a method and the paper's minutes, NaN where the paper has none. Lemke
+ * comes first: the other methods are compared with it. */
 typedef struct row {
   const char *method;
   double paper[2]; /* indentation, extrusion */
@@ -25,7 +25,7 @@ static const row rows[] = {{"lemke", {9, 2}, 1e-9},
                            {"auto", {NAN, NAN}, 1e-9}};
 enum { ROWS = sizeof rows / sizeof rows[0] };
 
-/* What a run is compared by: reactions and displacements at the end of every step. */
+/* Reactions and displacements at the end of every step, by which runs are compared. */
 typedef struct history {
   size_t length; /* doubles of a step: 2 * nodes reactions, then as many displacements */
   double *values;
@@ -38,8 +38,8 @@ typedef struct result {
   double force, displacement; /* largest differences from Lemke's, over the largest of the step */
 } result;
 
-/* largest |a - b| over largest |b| */
-static double distance(const double *a, const double *b, size_t n) {
+/* Returns the largest |a - b| over the largest |b|. */
+static double relative_distance(const double *a, const double *b, size_t n) {
   double d = 0, m = 0;
   for (size_t i = 0; i < n; i++) {
     d = fmax(d, fabs(a[i] - b[i]));
@@ -48,8 +48,8 @@ static double distance(const double *a, const double *b, size_t n) {
   return d > 0 ? d / m : 0;
 }
 
-/* Keeps a step of the first method, compares one of the others. */
-static int compare(const dls_forming_data *d, int step, int first, history *h, result *r) {
+/* Keeps a step of the first method, and compares a step of another method with it. */
+static int compare_step(const dls_forming_data *d, int step, int first, history *h, result *r) {
   const size_t n = 2 * (size_t)d->mesh->nodes;
   if (first && step == 1) {
     h->length = 2 * n;
@@ -61,12 +61,12 @@ static int compare(const dls_forming_data *d, int step, int first, history *h, r
     memcpy(at, d->reaction, n * sizeof *at);
     memcpy(at + n, d->displacement, n * sizeof *at);
   }
-  r->force = fmax(r->force, distance(d->reaction, at, n));
-  r->displacement = fmax(r->displacement, distance(d->displacement, at + n, n));
+  r->force = fmax(r->force, relative_distance(d->reaction, at, n));
+  r->displacement = fmax(r->displacement, relative_distance(d->displacement, at + n, n));
   return 1;
 }
 
-static int run(const char *scene, const row *by, int first, history *h, result *r) {
+static int run_method(const char *scene, const row *by, int first, history *h, result *r) {
   const char *method = by->method;
   dls_forming_settings settings;
   dls_forming *forming;
@@ -87,7 +87,7 @@ static int run(const char *scene, const row *by, int first, history *h, result *
     if (status) {
       complain("%s by %s: %s at %g mm", scene, method, dls_status_text(status), r->data.travel);
       good = 0;
-    } else if (!compare(&r->data, step, first, h, r)) {
+    } else if (!compare_step(&r->data, step, first, h, r)) {
       complain("out of memory");
       good = 0;
     } else if (show_step(&r->data, step)) {
@@ -114,7 +114,7 @@ static void print_result(const char *method, double paper, double paper_lemke, c
          d->count.frames, d->count.iterations, r->force, r->displacement, d->worst_residual);
 }
 
-/* The pairs of the paper's methods whose order by CPU is another one here. */
+/* Prints the pairs of the paper's methods whose order by CPU is another one here. */
 static void print_order(int scene, const result *r) {
   int same = 1;
   for (int a = 0; a < ROWS; a++)
@@ -128,7 +128,7 @@ static void print_order(int scene, const result *r) {
   if (same) puts("The order of the paper's four methods by CPU is the paper's.");
 }
 
-static int print_table(int scene) {
+static int run_table(int scene) {
   const char *name = dls_forming_name(scene);
   history h = {0};
   result r[ROWS];
@@ -143,7 +143,7 @@ static int print_table(int scene) {
          "paper", "ratio", "CPU", "ratio", "assem", "factor", "method", "Newton", "frames",
          "iterations", "force", "displ", "residual");
   for (int k = 0; good && k < ROWS; k++) {
-    good = run(name, &rows[k], k == 0, &h, &r[k]);
+    good = run_method(name, &rows[k], k == 0, &h, &r[k]);
     if (r[k].done)
       print_result(rows[k].method, rows[k].paper[scene], rows[0].paper[scene], &r[k], r[0].cpu);
   }
@@ -166,7 +166,7 @@ int command_tables(int argc, char **argv) {
   }
   watch_interrupt();
   for (int scene = 0; scene < 2; scene++)
-    if (!print_table(scene)) return EXIT_NOT_SOLVED;
+    if (!run_table(scene)) return EXIT_NOT_SOLVED;
   puts(
       "\nWhy: with ten or twenty candidates the method's own share is small, and the assembly for "
       "each\n"

@@ -1,10 +1,10 @@
 /*
- * band.c: banded matrices in LAPACK's storage: assembly, supports, LU.
+ * band.c: assembles, supports, factors and solves banded matrices in LAPACK's storage.
  *
  * Entry (i, j), |i - j| <= k, stands at a[2k + i - j + (3k + 1) j]; the first k rows are room for
- * the fill of row exchanges. Known unknowns stay in the matrix as decoupled rows: the numbering,
- * and with it the storage, is made once.
- * Cost of the LU: 4 n k^2 operations at most, of a solve: 6 n k.
+ * the fill of row exchanges. Prescribed unknowns stay in the matrix as decoupled rows: numbering
+ * and storage are made once.
+ * Cost of the LU: 4 n k^2 operations at most, of a solve: 6 n k. What can fail: a singular matrix.
  */
 #include <math.h>
 #include <stdlib.h>

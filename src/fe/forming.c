@@ -1,50 +1,47 @@
 /*
- * forming.c: the strategy of [Chabrand 1998] Table 1.
+ * forming.c: runs the loops of [Chabrand 1998] Table 1.
  *
- *   loading loop: from load0 to load, in two halves where it fails, and so on, six times      (S1)
- *     x := x0 and the last step's displacement once more, r := r0                             (S2)
- *     contact loop: frames n, t and gaps at x; augmented Lagrangian: multipliers := r         (S3)
+ *   loading loop: from load0 to load, in two halves where it fails, and so on, six times     (FO1)
+ *     x := x0 and the last step's displacement once more, r := r0                            (FO2)
+ *     contact loop: frames n, t and gaps at x; augmented Lagrangian: multipliers := r        (FO3)
  *       equilibrium loop, frames frozen:
- *         dx, r' of the linearised contact problem (forming_contact.c)                        (S4)
- *         (x, r) += s (dx, r' - r), s = 1, 1/2, ..                                            (S5)
+ *         dx, r' of the linearised contact problem (forming_contact.c)                       (FO4)
+ *         (x, r) += s (dx, r' - r), s = 1, 1/2, ..                                           (FO5)
  *       until equilibrium, |F(x) - H r| <= tol |F|, and laws hold
- *     until they still hold in the frames at x
- *     states, x0, r0 := those at x                                                            (S6)
+ *     until equilibrium and laws hold in the frames at x
+ *     states, x0, r0 := those at x                                                           (FO6)
  *
- *   u_n = gap + n.(x - anchor),   u_t = t.(x - x0 - motion of the obstacle since load0)       (S7)
+ *   u_n = gap + n.(x - anchor),   u_t = t.(x - x0 - motion of the obstacle since load0)      (FO7)
  *
  * Laws hold if the certificate of contact.h does for each candidate with the others frozen,
- * W_cc = 2 / trace(K_cc), as in primal.h. (S5) halves s while an element is inside out or, three
- * times at most, while the forces out of balance grow; not as long as supports are still on their
- * way, which starts out of contact.
+ * W_cc = 2 / trace(K_cc), as in primal.h. (FO5) halves s while an element is inside out or, three
+ * times at most, while the forces out of balance grow. While supports are still on their way the
+ * forces may grow: the way starts out of contact.
  *
- * Deviation. The paper leaves the variation of the frames, the second part of (26), out. Then the
- * contact loop oscillates without end when a heavily loaded node passes the rounded corner of the
- * die: turning the frame moves the node by r_n curvature / stiffness times as much, a plastic body
- * being soft along the surface. So the reactions turn with the node to first order within the
+ * Deviation. The paper leaves out the variation of the frames, the second part of (26). The contact
+ * loop then oscillates without end when a heavily loaded node passes the rounded corner of the die:
+ * turning the frame moves the node by r_n curvature / stiffness times as much, and a plastic body
+ * is soft along the surface. Here the reactions turn with the node to first order within the
  * equilibrium loop,
  *
- *   H r + b t t.(x - anchor),   b = curvature r_n of the pass before                          (S8)
+ *   H r + b t t.(x - anchor),   b = curvature r_n of the pass before                         (FO8)
  *
- * which vanishes at the end of the contact loop, where anchor = x. The part of r_t is left out.
- * What can fail: steps beyond what the loops can do: DLS_STALLED.
+ * The turn vanishes at the end of the contact loop, where anchor = x. The part of r_t is left out.
+ * What can fail: a step too large for the loops, DLS_STALLED. Halves of a step are a load path of
+ * their own, and plastic answers depend on the path: where Newton's method does not contract,
+ * rounding decides which steps are halved, and answers of two machines may differ by percents.
  */
 #include <math.h>
 #include <string.h>
-#include <time.h>
 
 #include "forming_internal.h"
 
 enum { most_halvings = 6, most_frames = 40, most_cuts = 8, cuts_for_balance = 3 };
 
-double dlsi_forming_seconds(void) {
-  return (double)clock() / CLOCKS_PER_SEC;
-}
-
 /* ---- forces ---------------------------------------------------------------------------------- */
 
-/* F, K, new states and energy at x; 0 if an element fails. */
-static int assemble(dls_forming *f) {
+/* Assembles F, K, new states and energy at x; returns 0 if an element fails. */
+static int forming_assemble(dls_forming *f) {
   const double start = dlsi_forming_seconds();
   double *K = f->band.a;
   int good = 1;
@@ -80,19 +77,19 @@ static int assemble(dls_forming *f) {
   return good;
 }
 
-/* y (n) += H r */
-static void push(const dls_forming *f, const double *r, double *y) {
+/* y += H r; y: n. */
+static void forming_push(const dls_forming *f, const double *r, double *y) {
   for (int c = 0; c < f->nc; c++)
     for (int i = 0; i < 2; i++)
       y[2 * f->candidate[c] + i] +=
           f->normal[2 * c + i] * r[2 * c] + f->tangent[2 * c + i] * r[2 * c + 1];
 }
 
-/* |F - H r|, (S8) included, over the free unknowns */
-static double imbalance(const dls_forming *f) {
+/* Returns |F - H r|, (FO8) included, over the free unknowns. */
+static double forming_imbalance(const dls_forming *f) {
   double sum = 0;
   memset(f->rhs, 0, (size_t)f->n * sizeof *f->rhs);
-  push(f, f->r, f->rhs);
+  forming_push(f, f->r, f->rhs);
   dlsi_forming_turn(f, f->rhs);
   for (int i = 0; i < f->n; i++) {
     const double d = f->F[i] - f->rhs[i];
@@ -101,15 +98,16 @@ static double imbalance(const dls_forming *f) {
   return sqrt(sum);
 }
 
-/* the same over |F| */
-static double equilibrium(const dls_forming *f) {
-  const double out = imbalance(f);
+/* Returns |F - H r| / |F|. */
+static double forming_equilibrium(const dls_forming *f) {
+  const double out = forming_imbalance(f);
   return out == 0 ? 0 : out / dlsi_norm2(f->F, (size_t)f->n);
 }
 
 /* ---- frames and laws ------------------------------------------------------------------------- */
 
-static void set_frames(dls_forming *f) { /* (S3) */
+/* Sets frames, gaps and bends at x. */
+static void forming_set_frames(dls_forming *f) { /* (FO3) */
   for (int c = 0; c < f->nc; c++) {
     const double *x = f->x + 2 * f->candidate[c];
     const double seen[2] = {x[0] - f->load * f->way[0], x[1] - f->load * f->way[1]};
@@ -122,7 +120,8 @@ static void set_frames(dls_forming *f) { /* (S3) */
   }
 }
 
-static void set_positions(dls_forming *f) { /* (S7) */
+/* Sets u at x. */
+static void forming_set_positions(dls_forming *f) { /* (FO7) */
   const double since = f->load - f->load0;
   for (int c = 0; c < f->nc; c++) {
     const int i = 2 * f->candidate[c];
@@ -133,9 +132,9 @@ static void set_positions(dls_forming *f) { /* (S7) */
   }
 }
 
-/* The certificate of r. Open candidates without reaction obey the laws to the last bit; their gaps,
- * which may be large, are left out of |q|. */
-static dls_status certify(dls_forming *f, dls_error *error) {
+/* Certifies r. Open candidates without reaction obey the laws to the last bit; their gaps, which
+ * may be large, are left out of |q|. */
+static dls_status forming_certify(dls_forming *f, dls_error *error) {
   int count = 0;
   for (int c = 0; c < f->nc; c++) {
     const double *r = f->r + 2 * c, *u = f->u + 2 * c;
@@ -157,17 +156,18 @@ static dls_status certify(dls_forming *f, dls_error *error) {
   return dls_contact_certify(&nodes, f->node_r, NULL, &f->data.certificate, error);
 }
 
-static int balanced(dls_forming *f) {
-  f->data.equilibrium = equilibrium(f);
+/* Measures the equilibrium; returns 1 if it holds to the tolerance. */
+static int forming_balanced(dls_forming *f) {
+  f->data.equilibrium = forming_equilibrium(f);
   return f->data.equilibrium <= f->settings.tol;
 }
 
-/* 1: equilibrium and laws hold in the frames at hand (penalty: those of its springs); 0: they do
- * not; < 0: an error */
-static int holds(dls_forming *f, dls_error *error) {
+/* Returns 1 if equilibrium and laws hold in the frozen frames (penalty: the laws of its springs), 0
+ * if one of them does not, an error < 0. */
+static int forming_holds(dls_forming *f, dls_error *error) {
   const double tol = f->settings.tol;
-  if (!balanced(f)) return 0;
-  const dls_status status = certify(f, error);
+  if (!forming_balanced(f)) return 0;
+  const dls_status status = forming_certify(f, error);
   if (status) return status;
   return f->settings.contact == DLS_FORMING_PENALTY
              ? dlsi_forming_stretch(f) <= tol
@@ -176,76 +176,77 @@ static int holds(dls_forming *f, dls_error *error) {
 
 /* ---- loops ----------------------------------------------------------------------------------- */
 
-/* (x, r) := the start of a Newton step and a part s of it */
-static void move(dls_forming *f, double s) {
+/* (x, r) := the start of the Newton step plus a part s of the step. */
+static void forming_move(dls_forming *f, double s) {
   for (int i = 0; i < f->n; i++)
     f->x[i] = f->start_x[i] + s * f->dx[i];
   for (int i = 0; i < 2 * f->nc; i++)
     f->r[i] = f->start_r[i] + s * (f->next_r[i] - f->start_r[i]);
-  set_positions(f);
+  forming_set_positions(f);
 }
 
-/* Whether (S5) takes the step to x. */
-static int acceptable(dls_forming *f, double before, int grow) {
-  if (!assemble(f)) return 0;
-  return grow || imbalance(f) <= before || equilibrium(f) <= f->settings.tol;
+/* Assembles at x and returns 1 if (FO5) takes the step.
+ *   before: in, the imbalance before the step; grow: in, 1 if it may grow */
+static int forming_acceptable(dls_forming *f, double before, int grow) {
+  if (!forming_assemble(f)) return 0;
+  return grow || forming_imbalance(f) <= before || forming_equilibrium(f) <= f->settings.tol;
 }
 
-/* The equilibrium loop. *away: part of their way that supports, and r of springs, still have to
- * go. */
-static dls_status equilibrate(dls_forming *f, double *away, dls_error *error) {
+/* Runs the equilibrium loop.
+ *   away: in and out, part of the way that supports, and reactions of springs, still have to go */
+static dls_status forming_equilibrate(dls_forming *f, double *away, dls_error *error) {
   const int springs = dlsi_forming_springs(f);
   if (springs) *away = 1; /* frames and multipliers are new */
   f->data.residuals = 0;
   for (int k = 0;; k++) {
-    const int done = springs ? balanced(f) : holds(f, error);
+    const int done = springs ? forming_balanced(f) : forming_holds(f, error);
     if (done < 0) return (dls_status)done;
     f->data.residual[f->data.residuals++] = f->data.equilibrium;
     if (done && *away == 0) return DLS_OK;
     if (k == DLS_FORMING_MOST_STEPS) return DLS_STALLED;
-    const double before = imbalance(f);
-    const dls_status status = dlsi_forming_direction(f, error); /* (S4) */
+    const double before = forming_imbalance(f);
+    const dls_status status = dlsi_forming_direction(f, error); /* (FO4) */
     if (status < 0) return status;
     f->data.count.newton++;
     memcpy(f->start_x, f->x, (size_t)f->n * sizeof *f->x);
     memcpy(f->start_r, f->r, 2 * (size_t)f->nc * sizeof *f->r);
     double s = 1;
-    move(f, s);
-    for (int cut = 0; !acceptable(f, before, *away > 0 || cut >= cuts_for_balance); cut++) {
-      if (cut == most_cuts) return DLS_STALLED; /* (S5) */
+    forming_move(f, s);
+    for (int cut = 0; !forming_acceptable(f, before, *away > 0 || cut >= cuts_for_balance); cut++) {
+      if (cut == most_cuts) return DLS_STALLED; /* (FO5) */
       s /= 2;
-      move(f, s);
+      forming_move(f, s);
     }
     *away *= 1 - s;
   }
 }
 
-/* (S2); 0 if an element fails even at x0. */
-static int start(dls_forming *f) {
+/* Starts a step, (FO2); returns 0 if an element fails even at x0. */
+static int forming_start(dls_forming *f) {
   const double ahead = f->part > 0 ? (f->load - f->load0) / f->part : 0;
   memcpy(f->r, f->r0, 2 * (size_t)f->nc * sizeof *f->r);
   for (int i = 0; i < f->n; i++)
     f->x[i] = f->x0[i] + ahead * (f->x0[i] - f->before[i]);
-  if (ahead > 0 && assemble(f)) return 1;
+  if (ahead > 0 && forming_assemble(f)) return 1;
   memcpy(f->x, f->x0, (size_t)f->n * sizeof *f->x);
-  return assemble(f);
+  return forming_assemble(f);
 }
 
-/* The contact loop at f->load. */
-static dls_status contact_loop(dls_forming *f, dls_error *error) {
-  if (!start(f)) return DLS_STALLED;
+/* Runs the contact loop at f->load. */
+static dls_status forming_contact_loop(dls_forming *f, dls_error *error) {
+  if (!forming_start(f)) return DLS_STALLED;
   dlsi_forming_set_springs(f);
   double away = 1;
   for (int pass = 0; pass < most_frames; pass++) {
     if (pass > 0) dlsi_forming_augment(f);
-    set_frames(f);
-    set_positions(f);
+    forming_set_frames(f);
+    forming_set_positions(f);
     if (pass > 0) {
-      const int done = holds(f, error);
+      const int done = forming_holds(f, error);
       if (done) return done < 0 ? (dls_status)done : DLS_OK;
     }
     f->data.count.frames++;
-    const dls_status status = equilibrate(f, &away, error);
+    const dls_status status = forming_equilibrate(f, &away, error);
     if (status) return status;
   }
   return DLS_STALLED;
@@ -253,8 +254,8 @@ static dls_status contact_loop(dls_forming *f, dls_error *error) {
 
 /* ---- end of a step --------------------------------------------------------------------------- */
 
-/* On a node whose support drives it along the obstacle friction acts, but moves nothing. */
-static void add_driven_friction(dls_forming *f) {
+/* Adds the friction on nodes that their support drives along the obstacle; nothing moves by it. */
+static void forming_add_driven_friction(dls_forming *f) {
   for (int c = 0; c < f->nc; c++) {
     const double slip = f->u[2 * c + 1];
     if (f->driven[c] && slip != 0)
@@ -262,22 +263,23 @@ static void add_driven_friction(dls_forming *f) {
   }
 }
 
-/* Force against the motion: its power at unit rate of load, over the length of the whole way. */
-static double resistance(dls_forming *f) {
+/* Returns the force against the motion: power at unit rate of load over the length of the way. */
+static double forming_resistance(dls_forming *f) {
   double power = 0;
   memset(f->reaction, 0, (size_t)f->n * sizeof *f->reaction);
-  push(f, f->r, f->reaction);
+  forming_push(f, f->r, f->reaction);
   for (int i = 0; i < f->n; i++)
     power += f->reaction[i] * f->way[i % 2] + (f->F[i] - f->reaction[i]) * f->drive[i];
   return power / f->whole;
 }
 
-static void commit(dls_forming *f) { /* (S6) */
+/* Makes x and r the end of a step: books work and energies, fills the views. */
+static void forming_commit(dls_forming *f) { /* (FO6) */
   dls_forming_data *d = &f->data;
   const size_t n = (size_t)f->n, m = 2 * (size_t)f->nc, points = 4 * (size_t)f->mesh.quads;
   const double force0 = d->force;
-  add_driven_friction(f);
-  d->force = resistance(f);
+  forming_add_driven_friction(f);
+  d->force = forming_resistance(f);
   d->travel = f->load * f->whole;
   d->energy.external += (force0 + d->force) / 2 * f->whole * (f->load - f->load0);
   d->energy.elastic = f->elastic;
@@ -299,46 +301,49 @@ static void commit(dls_forming *f) { /* (S6) */
   memcpy(f->old, f->now, points * sizeof *f->old);
 }
 
-/* What the views show is the last good state again; slips are of no step. */
-static dls_status restore(dls_forming *f, dls_error *error) {
+/* Goes back to the last good state, which the views then show, with slips of no step. */
+static dls_status forming_restore(dls_forming *f, dls_error *error) {
   f->load = f->load0;
   memcpy(f->x, f->x0, (size_t)f->n * sizeof *f->x);
   memcpy(f->r, f->r0, 2 * (size_t)f->nc * sizeof *f->r);
-  (void)assemble(f); /* it could be assembled before */
-  set_frames(f);
-  set_positions(f);
-  f->data.equilibrium = equilibrium(f);
-  return certify(f, error);
+  (void)forming_assemble(f); /* x0 could be assembled before */
+  forming_set_frames(f);
+  forming_set_positions(f);
+  f->data.equilibrium = forming_equilibrium(f);
+  return forming_certify(f, error);
 }
 
-/* From load0 to `load`. */
-static dls_status advance(dls_forming *f, double load, int halvings, dls_error *error) { /* (S1) */
+/* Advances from load0 to `load`. halvings: in, how often the step has been halved so far. */
+static dls_status forming_advance(dls_forming *f, double load, int halvings,
+                                  dls_error *error) { /* (FO1) */
   f->load = load;
-  dls_status status = contact_loop(f, error);
-  if (status == DLS_OK) commit(f);
+  dls_status status = forming_contact_loop(f, error);
+  if (status == DLS_OK) forming_commit(f);
   if (status <= DLS_OK || halvings == most_halvings) return status;
   f->data.count.halvings++;
   f->part = 0;
   const double middle = f->load0 + (load - f->load0) / 2;
-  status = advance(f, middle, halvings + 1, error);
-  return status ? status : advance(f, load, halvings + 1, error);
+  status = forming_advance(f, middle, halvings + 1, error);
+  return status ? status : forming_advance(f, load, halvings + 1, error);
+}
+
+static dls_status forming_take_step(dls_forming *f, dls_error *error) {
+  const int step = f->step + 1, steps = f->settings.steps;
+  if (step > steps)
+    return dlsi_fail(error, DLS_E_ARGUMENT, "forming", -1, steps, "has done all of its %d steps",
+                     steps);
+  const dls_status status = forming_advance(f, (double)step / steps, 0, error);
+  if (status == DLS_OK) {
+    f->step = step;
+    return DLS_OK;
+  }
+  const dls_status restored = forming_restore(f, error);
+  return restored ? restored : status;
 }
 
 dls_status dls_forming_step(dls_forming *forming, dls_error *error) {
   if (!forming) return dlsi_at(__func__, dlsi_is_null(error, "forming"), error);
-  const int step = forming->step + 1, steps = forming->settings.steps;
-  if (step > steps)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_ARGUMENT, "forming", -1, steps,
-                             "has done all of its %d steps", steps),
-                   error);
-  const dls_status status = advance(forming, (double)step / steps, 0, error);
-  if (status == DLS_OK) {
-    forming->step = step;
-    return DLS_OK;
-  }
-  const dls_status restored = restore(forming, error);
-  return dlsi_at(__func__, restored ? restored : status, error);
+  return dlsi_at(__func__, forming_take_step(forming, error), error);
 }
 
 void dls_forming_get(const dls_forming *forming, dls_forming_data *data) {

@@ -1,42 +1,43 @@
 /*
- * forming_contact.c: the linearised contact problem of an equilibrium step, [Chabrand 1998]
+ * forming_contact.c: solves the linearised contact problem of an equilibrium step, [Chabrand 1998]
  * (24)-(25).
  *
  *   K dx = f + H r,  f = -F,   u' = u + H^T dx,   0 <= u'_n _|_ r_n >= 0,  |r_t| <= mu r_n, ..
  *
- * with (S8) of forming.c in K and f, and with supports as decoupled rows: K stays banded, its
- * pattern the same. Ways:
+ * with (FO8) of forming.c in K and f, and with supports as decoupled rows: K stays banded, with one
+ * pattern. Ways:
  *
  *   condensed      LU of K, W and q by the reduction, a method of the front door; auto: only where
  *                  Newton's method on K fails
- *   Gauss-Seidel   (37)-(38) on the symmetric part of K, as it must: Newton's method then
- *                  converges linearly, by the weight of the skew part (material.c)
+ *   Gauss-Seidel   (37)-(38) on the symmetric part of K, which the method needs: Newton's method
+ *                  then converges linearly, by the weight of the skew part (material.c)
  *   springs        (28)-(36): K + H D H^T, one LU for each change of branch
  *
- * The first two are given the candidates that carry a reaction or have no gap. If the solution
- * opens all others, it solves the whole problem; if not, it is solved again with those that it
- * closes:
+ * The first two ways are given the candidates that carry a reaction or have no gap. A solution that
+ * opens all other candidates solves the whole problem; the candidates that it closes are added
+ * otherwise:
  *
- *   (C1)  A := { r_n > 0 or u_n <= 0 }
- *   (C2)  solve on A;  A := A + { u'_n < 0 };  again if A has grown
+ *   (FC1)  A := { r_n > 0 or u_n <= 0 }
+ *   (FC2)  solve on A;  A := A + { u'_n < 0 };  again if A has grown
  *
  * Springs, in the paper's words: eps_N = eps_T = eps_c, a multiple of the stiffness of the node at
  * the start of the step; multipliers start from the reactions of the last step; penalty: lambda_n =
- * 0, and lambda_t the friction at the last step's end, to which (33) adds. Their branches (free,
- * stick, slip either way) are found with K as it is:
+ * 0, and lambda_t the friction at the last step's end, to which (33) adds. The branches of springs
+ * (free, stick, slip either way) are found with K frozen:
  *
- *   (C3)  the branches at u; solve; u' and its branches; again until they stay, 30 times at most
+ *   (FC3)  the branches at u; solve; the branches at u'; again until they stay, 30 times at most
  *
- * A slip that turns round goes through stick first: without that + and - alternate for ever.
+ * A slip that turns round goes through stick first: otherwise + and - may alternate without end.
  *
  * Newton's method on K, an active set: r' = H^T (K dx - f) is eliminated. The two rows of a free
- * candidate's node are r' = 0, which is K dx = f there; those of one in contact become
+ * candidate's node are r' = 0, that is K dx = f; the two rows of a node in contact become
  *
- *   (N1)  u'_n = 0,  and  stick: u'_t = 0;  slip: r'_t = s r'_n, s = +-mu
- *   (N2)  the branches of r - stiff u; solve; those of r' - stiff u'; again until they stay, 10 times
- *         at most
+ *   (FC4)  u'_n = 0,  and  stick: u'_t = 0;  slip: r'_t = s r'_n, s = +-mu
+ *   (FC5)  the branches of r - stiff u; solve; the branches of r' - stiff u'; again until they
+ *          stay, 10 times at most
  *
  * Branches that stay are the laws between u' and r', whatever stiff > 0: (24)-(25) is solved.
+ * What can fail: a singular K, DLS_STALLED: the caller halves the step.
  */
 #include <float.h>
 #include <math.h>
@@ -55,8 +56,8 @@ int dlsi_forming_springs(const dls_forming *f) {
 
 /* ---- condensed, Gauss-Seidel ----------------------------------------------------------------- */
 
-/* H of the chosen candidates */
-static dls_model describe(const dls_forming *f) {
+/* Returns a model with H of the chosen candidates and no operator. */
+static dls_model chosen_model(const dls_forming *f) {
   const dlsi_chosen *s = &f->chosen;
   return (dls_model){.d = 2,
                      .n = f->n,
@@ -65,8 +66,8 @@ static dls_model describe(const dls_forming *f) {
                      .HT = {f->n, s->count, s->p, s->i, s->tangent}};
 }
 
-/* lu := the factors of K */
-static dls_status factor(dls_forming *f) {
+/* lu := the factors of K. */
+static dls_status factor_K(dls_forming *f) {
   const double start = dlsi_forming_seconds();
   dlsi_band_load(&f->band);
   const int good = dlsi_band_factor(&f->band);
@@ -74,15 +75,16 @@ static dls_status factor(dls_forming *f) {
   return good ? DLS_OK : DLS_STALLED;
 }
 
-/* dx without contact */
-static dls_status without_contact(dls_forming *f) {
+/* dx := K^-1 rhs by the factors: no contact. */
+static dls_status solve_free(dls_forming *f) {
   memcpy(f->dx, f->rhs, (size_t)f->n * sizeof *f->dx);
   return dlsi_band_solve(&f->band, f->dx, f->n, 1) ? DLS_STALLED : DLS_OK;
 }
 
-static dls_status condensed(dls_forming *f, dls_error *error) {
+/* Condenses K to W of the chosen candidates and solves by the front door. */
+static dls_status solve_condensed(dls_forming *f, dls_error *error) {
   const double start = dlsi_forming_seconds();
-  dls_model model = describe(f);
+  dls_model model = chosen_model(f);
   model.operator_kind = DLS_HOST_SOLVER;
   model.solve = dlsi_band_solve;
   model.user = &f->band;
@@ -104,7 +106,8 @@ static dls_status condensed(dls_forming *f, dls_error *error) {
   return status;
 }
 
-static dls_sparse symmetric_part(dls_forming *f) {
+/* Returns (K + K^T) / 2 by columns. */
+static dls_sparse K_symmetric_part(dls_forming *f) {
   const int n = f->n, k = f->band.k;
   int entries = 0;
   for (int j = 0; j < n; j++) {
@@ -121,12 +124,13 @@ static dls_sparse symmetric_part(dls_forming *f) {
   return (dls_sparse){n, n, f->Kp, f->Ki, f->Kx};
 }
 
-static dls_status gauss_seidel(dls_forming *f, dls_error *error) {
+/* Solves on the chosen candidates by sweeps on the symmetric part of K. */
+static dls_status solve_gauss_seidel(dls_forming *f, dls_error *error) {
   const double start = dlsi_forming_seconds();
-  dls_model model = describe(f);
+  dls_model model = chosen_model(f);
   model.operator_kind = DLS_STIFFNESS_SPARSE;
   model.factorization = DLS_CHOLESKY;
-  model.Ks = symmetric_part(f);
+  model.Ks = K_symmetric_part(f);
   dls_primal_settings settings;
   dls_primal_settings_init(&settings);
   settings.limits.tol = f->settings.tol / 10;
@@ -142,8 +146,8 @@ static dls_status gauss_seidel(dls_forming *f, dls_error *error) {
   return status > 0 ? DLS_OK : status;
 }
 
-/* Gathers the candidates that are marked. */
-static void gather(dls_forming *f) {
+/* Gathers the marked candidates. */
+static void chosen_gather(dls_forming *f) {
   dlsi_chosen *s = &f->chosen;
   s->count = 0;
   for (int c = 0; c < f->nc; c++) {
@@ -160,8 +164,9 @@ static void gather(dls_forming *f) {
   }
 }
 
-/* next_r from the chosen ones; marks what dx would close. Returns whether there is any. */
-static int spread(dls_forming *f) {
+/* Fills next_r from the chosen candidates; marks the others that dx closes and returns 1 if there
+ * is one. */
+static int chosen_spread(dls_forming *f) {
   int more = 0;
   for (int c = 0, k = 0; c < f->nc; c++) {
     const double *dx = f->dx + 2 * f->candidate[c], *n = f->normal + 2 * c;
@@ -175,20 +180,21 @@ static int spread(dls_forming *f) {
   return more;
 }
 
-static dls_status without_springs(dls_forming *f, dls_error *error) {
+/* Solves by the condensed problem or by Gauss-Seidel. */
+static dls_status solve_chosen(dls_forming *f, dls_error *error) {
   const int primal = f->settings.contact == DLS_FORMING_GAUSS_SEIDEL;
   int any = 0;
-  for (int c = 0; c < f->nc; c++) /* (C1) */
+  for (int c = 0; c < f->nc; c++) /* (FC1) */
     any |= f->chosen.mark[c] = f->r[2 * c] > 0 || f->u[2 * c] <= 0;
-  dls_status status = primal && any ? DLS_OK : factor(f);
+  dls_status status = primal && any ? DLS_OK : factor_K(f);
   if (status) return status;
   dls_error why = {0};
-  do { /* (C2) */
-    gather(f);
-    status = !f->chosen.count ? without_contact(f)
-             : primal         ? gauss_seidel(f, &why)
-                              : condensed(f, &why);
-  } while (status == DLS_OK && spread(f));
+  do { /* (FC2) */
+    chosen_gather(f);
+    status = !f->chosen.count ? solve_free(f)
+             : primal         ? solve_gauss_seidel(f, &why)
+                              : solve_condensed(f, &why);
+  } while (status == DLS_OK && chosen_spread(f));
   if (status == DLS_E_NOT_FINITE || status == DLS_E_CALLBACK ||
       status == DLS_E_NOT_POSITIVE_DEFINITE)
     return DLS_STALLED; /* K is to blame, a smaller step may do */
@@ -196,7 +202,7 @@ static dls_status without_springs(dls_forming *f, dls_error *error) {
   return status;
 }
 
-/* ---- branches: springs, Newton on K ----------------------------------------------------------- */
+/* ---- branches: springs, Newton on K ---------------------------------------------------------- */
 
 typedef enum branch { FREE, STICK, SLIP_FORWARD, SLIP_BACK } branch; /* SLIP_FORWARD: r_t > 0 */
 
@@ -214,7 +220,7 @@ void dlsi_forming_augment(dls_forming *f) { /* (35), (36) */
     memcpy(f->lambda, f->r, 2 * (size_t)f->nc * sizeof *f->r);
 }
 
-/* Branch of (32)-(34) at u; without friction there is one slip. */
+/* Returns the branch of (32)-(34) at u; without friction there is only one slip. */
 static branch branch_at(const dls_forming *f, int c, const double u[2]) {
   const double eps = f->eps[c], mu = f->mu[c], *lambda = f->lambda + 2 * c;
   const double rn = lambda[0] - eps * u[0], rt = lambda[1] - eps * u[1];
@@ -223,16 +229,17 @@ static branch branch_at(const dls_forming *f, int c, const double u[2]) {
   return rt > 0 || mu == 0 ? SLIP_FORWARD : SLIP_BACK;
 }
 
-/* r_t / r_n of a slip */
-static double slope_of(const dls_forming *f, int c, branch on) {
+/* Returns r_t / r_n of a slip. */
+static double slip_slope(const dls_forming *f, int c, branch on) {
   return on == SLIP_FORWARD ? f->mu[c] : -f->mu[c];
 }
 
-/* r of candidate c at u by (32)-(34) on that branch; D (2 x 2, column-major) := -dr/du */
-static void spring(const dls_forming *f, int c, branch on, const double u[2], double r[2],
-                   double D[4]) {
+/* Evaluates (32)-(34) of candidate c at u on the branch `on`.
+ *   r: out, reaction, 2; D: out, -dr/du, 2 x 2 column-major */
+static void spring_law(const dls_forming *f, int c, branch on, const double u[2], double r[2],
+                       double D[4]) {
   const double eps = f->eps[c], *lambda = f->lambda + 2 * c;
-  const double slope = on == STICK ? 0 : slope_of(f, c, on);
+  const double slope = on == STICK ? 0 : slip_slope(f, c, on);
   r[0] = on == FREE ? 0 : lambda[0] - eps * u[0];
   r[1] = on == STICK ? lambda[1] - eps * u[1] : slope * r[0];
   D[0] = on == FREE ? 0 : eps;
@@ -247,7 +254,7 @@ double dlsi_forming_stretch(const dls_forming *f) {
     const double *u = f->u + 2 * c, *x = f->anchor + 2 * c;
     const double blur = 4 * DBL_EPSILON * f->eps[c] * (fabs(x[0]) + fabs(x[1]));
     double r[2], D[4];
-    spring(f, c, branch_at(f, c, u), u, r, D);
+    spring_law(f, c, branch_at(f, c, u), u, r, D);
     for (int i = 0; i < 2; i++) {
       change = fmax(change, fabs(r[i] - f->r[2 * c + i]) - blur);
       size = fmax(size, fabs(r[i]));
@@ -256,8 +263,9 @@ double dlsi_forming_stretch(const dls_forming *f) {
   return change > 0 ? change / size : 0;
 }
 
-/* lu := K + H D H^T, dx := rhs + H (r + D (u' - u)), r and D on the branches at u' = trial_u */
-static void attach(dls_forming *f) {
+/* Sets up a solve with springs on the branches at u' = trial_u: lu := K + H D H^T,
+ * dx := rhs + H (r + D (u' - u)). */
+static void attach_springs(dls_forming *f) {
   dlsi_band_load(&f->band);
   memcpy(f->dx, f->rhs, (size_t)f->n * sizeof *f->dx);
   for (int c = 0; c < f->nc; c++) {
@@ -265,7 +273,7 @@ static void attach(dls_forming *f) {
     const double *trial = f->trial_u + 2 * c, *u = f->u + 2 * c;
     const int row = 2 * f->candidate[c];
     double r[2], D[4];
-    spring(f, c, (branch)f->branch[c], trial, r, D);
+    spring_law(f, c, (branch)f->branch[c], trial, r, D);
     for (int a = 0; a < 4; a++) {
       r[a % 2] += D[a] * (trial[a / 2] - u[a / 2]);
       for (int i = 0; i < 2; i++)
@@ -278,26 +286,27 @@ static void attach(dls_forming *f) {
   }
 }
 
-/* columns first .. last are where the two rows of a node, i and i + 1, may have entries */
-static void span(const dls_forming *f, int i, int *first, int *last) {
+/* Finds the columns first .. last in which a node's rows, i and i + 1, may have entries. */
+static void node_columns(const dls_forming *f, int i, int *first, int *last) {
   const int k = f->band.k, n = f->band.n;
   *first = i + 1 > k ? i + 1 - k : 0;
   *last = i + k < n ? i + k : n - 1;
 }
 
-/* lu dx = rhs, of (N1); the row of u'_n is the one where n is the larger */
-static void impose(dls_forming *f) {
+/* Sets up the system lu dx = rhs of (FC4). Of a node's two rows that of u'_n is the one of the
+ * larger component of n. */
+static void impose_laws(dls_forming *f) {
   dlsi_band_load(&f->band);
   memcpy(f->dx, f->rhs, (size_t)f->n * sizeof *f->dx);
   for (int c = 0; c < f->nc; c++) {
     const branch on = (branch)f->branch[c];
     if (on == FREE) continue;
     const double *n = f->normal + 2 * c, *t = f->tangent + 2 * c, *u = f->u + 2 * c;
-    const double size = f->stiff[c], slope = slope_of(f, c, on);
+    const double size = f->stiff[c], slope = slip_slope(f, c, on);
     const double v[2] = {t[0] - slope * n[0], t[1] - slope * n[1]};
     const int i = 2 * f->candidate[c], across = fabs(n[1]) > fabs(n[0]);
     int first, last;
-    span(f, i, &first, &last);
+    node_columns(f, i, &first, &last);
     for (int j = first; j <= last; j++) {
       double *a = f->band.lu + dlsi_band_at(&f->band, i, j);
       const double along = on == STICK ? 0 : v[0] * a[0] + v[1] * a[1];
@@ -315,31 +324,32 @@ static void impose(dls_forming *f) {
   }
 }
 
-/* next_r and lambda := r' of candidate c; rounding is taken off u' where its branch makes it zero */
-static void react(dls_forming *f, int c, branch on, double u[2]) {
+/* next_r and lambda := r' of candidate c. u: in and out, u'; components that the branch makes zero
+ * are set to 0, which takes their rounding off. */
+static void recover_reaction(dls_forming *f, int c, branch on, double u[2]) {
   const int i = 2 * f->candidate[c];
   const double *n = f->normal + 2 * c, *t = f->tangent + 2 * c;
   double *r = f->next_r + 2 * c, force[2] = {-f->rhs[i], -f->rhs[i + 1]};
   r[0] = r[1] = 0;
   if (on != FREE) {
     int first, last;
-    span(f, i, &first, &last);
+    node_columns(f, i, &first, &last);
     for (int j = first; j <= last; j++) {
       const double *a = f->band.a + dlsi_band_at(&f->band, i, j);
       force[0] += a[0] * f->dx[j];
       force[1] += a[1] * f->dx[j];
     }
     r[0] = n[0] * force[0] + n[1] * force[1];
-    r[1] = on == STICK ? t[0] * force[0] + t[1] * force[1] : slope_of(f, c, on) * r[0];
+    r[1] = on == STICK ? t[0] * force[0] + t[1] * force[1] : slip_slope(f, c, on) * r[0];
     u[0] = 0;
     if (on == STICK) u[1] = 0;
   }
   memcpy(f->lambda + 2 * c, r, 2 * sizeof *r);
 }
 
-/* u' := u + H^T dx, next_r there on the branches of before, and the new ones. Returns whether one
- * has changed. */
-static int follow(dls_forming *f) {
+/* u' := u + H^T dx; fills next_r at u' on the branches of the solve, then finds the branches at u'.
+ * Returns 1 if a branch has changed. */
+static int renew_branches(dls_forming *f) {
   const int springs = dlsi_forming_springs(f);
   int changed = 0;
   for (int c = 0; c < f->nc; c++) {
@@ -350,9 +360,9 @@ static int follow(dls_forming *f) {
     u[1] = f->u[2 * c + 1] + t[0] * dx[0] + t[1] * dx[1];
     const branch was = (branch)f->branch[c];
     if (springs)
-      spring(f, c, was, u, f->next_r + 2 * c, D);
+      spring_law(f, c, was, u, f->next_r + 2 * c, D);
     else
-      react(f, c, was, u);
+      recover_reaction(f, c, was, u);
     branch now = branch_at(f, c, u);
     if (now != was && now >= SLIP_FORWARD && was >= SLIP_FORWARD) now = STICK;
     changed |= now != was;
@@ -361,8 +371,9 @@ static int follow(dls_forming *f) {
   return changed;
 }
 
-/* (C3), (N2): whether the branches stay, `most` factorisations at most; -1: singular */
-static int settle(dls_forming *f, int most) {
+/* Runs (FC3) or (FC5) with at most `most` factorisations. Returns 1 if the branches stay, 0 if they
+ * do not, -1 if a matrix is singular. */
+static int settle_branches(dls_forming *f, int most) {
   const double start = dlsi_forming_seconds();
   const int springs = dlsi_forming_springs(f);
   int changed = 1;
@@ -371,24 +382,24 @@ static int settle(dls_forming *f, int most) {
     f->branch[c] = (int)branch_at(f, c, f->u + 2 * c);
   for (int k = 0; changed > 0 && k < most; k++) {
     if (springs)
-      attach(f);
+      attach_springs(f);
     else
-      impose(f);
+      impose_laws(f);
     if (!dlsi_band_factor(&f->band) || dlsi_band_solve(&f->band, f->dx, f->n, 1))
       changed = -1;
     else
-      changed = follow(f);
+      changed = renew_branches(f);
     f->data.count.iterations++;
   }
   f->data.cpu.reduction += dlsi_forming_seconds() - start;
   return changed < 0 ? -1 : !changed;
 }
 
-/* Whether Newton's method on K solves it. */
-static int without_W(dls_forming *f) {
+/* Solves by Newton's method on K; returns 0 if that fails. */
+static int solve_on_K(dls_forming *f) {
   memcpy(f->eps, f->stiff, (size_t)f->nc * sizeof *f->eps);
   memcpy(f->lambda, f->r, 2 * (size_t)f->nc * sizeof *f->r);
-  return settle(f, most_on_K) > 0;
+  return settle_branches(f, most_on_K) > 0;
 }
 
 /* ---- the step -------------------------------------------------------------------------------- */
@@ -403,7 +414,7 @@ void dlsi_forming_turn(const dls_forming *f, double *y) {
   }
 }
 
-/* K -= the derivative of the turn */
+/* K -= the derivative of (FO8). */
 static void subtract_turn(dls_forming *f) {
   for (int c = 0; c < f->nc; c++) {
     const int i = 2 * f->candidate[c];
@@ -421,7 +432,7 @@ dls_status dlsi_forming_direction(dls_forming *f, dls_error *error) {
   for (int i = 0; i < f->n; i++)
     if (f->fixed[i])
       dlsi_band_support(&f->band, i, f->mesh.xy[i] + f->load * f->drive[i] - f->x[i], f->rhs);
-  if (dlsi_forming_springs(f)) return settle(f, most_branches) < 0 ? DLS_STALLED : DLS_OK;
+  if (dlsi_forming_springs(f)) return settle_branches(f, most_branches) < 0 ? DLS_STALLED : DLS_OK;
   const int on_K = f->settings.contact == DLS_FORMING_CONDENSED && f->settings.method == DLS_AUTO;
-  return on_K && without_W(f) ? DLS_OK : without_springs(f, error);
+  return on_K && solve_on_K(f) ? DLS_OK : solve_chosen(f, error);
 }

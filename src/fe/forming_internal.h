@@ -1,6 +1,11 @@
-/* forming_internal.h: what a forming scene holds. */
+/*
+ * forming_internal.h: declares what a forming scene holds. forming_scene.c builds it, forming.c
+ * runs the loops on it, forming_contact.c solves the linearised contact problems for forming.c.
+ */
 #ifndef DLSI_FORMING_INTERNAL_H
 #define DLSI_FORMING_INTERNAL_H
+
+#include <time.h>
 
 #include "delassus/forming.h"
 #include "delassus/primal.h"
@@ -9,17 +14,17 @@
 
 enum { dlsi_most_pieces = 3 };
 
-/* Candidates of a linearised problem, one after the other; H_N and H_T in compressed columns. */
+/* The candidates that a linearised problem is solved on, one after the other. */
 typedef struct dlsi_chosen {
   int count;
-  int *mark;                /* nc   of all candidates: whether it is chosen */
-  int *p, *i;               /* nc + 1, 2 nc */
-  double *normal, *tangent; /* 2 nc each: the values of H_N and H_T */
+  int *mark;                /* nc   for each candidate: 1 if chosen */
+  int *p, *i;               /* nc + 1, 2 nc   pattern of H_N and of H_T, compressed columns */
+  double *normal, *tangent; /* 2 nc each      values of H_N and H_T */
   double *u, *r, *mu;       /* 2 nc, 2 nc, nc */
 } dlsi_chosen;
 
-/* Load is the part of the whole way that has been gone, 0 to 1; n = 2 * nodes unknowns, supported
- * ones included; nc candidates. */
+/* A forming scene. A load is the part of the whole way that is behind, 0 to 1. n = 2 * nodes
+ * unknowns, supported ones included; nc candidates. */
 struct dls_forming {
   dls_forming_settings settings;
   /* the scene */
@@ -35,29 +40,29 @@ struct dls_forming {
   int *candidate;         /* nc    node */
   double *mu;             /* nc    0 at a node that is supported along its tangent */
   int *driven;            /* nc    1 at one that its support drives along */
-  /* the state; 0: at the end of the last step */
+  /* the state; names with 0: at the end of the last step */
   int step;
   double load0, load;
-  double part;                     /* load of the last step, or part; 0 after a failure */
+  double part;                     /* load gone in the last step or part; 0 after a failure */
   dlsi_point *old, *now;           /* 4 * quads */
-  double *before, *x0, *x;         /* n     positions; before: a step before x0 */
+  double *before, *x0, *x;         /* n     positions; before: one step before x0 */
   double *r0, *r;                  /* 2 nc  reactions (n, t) */
   double *F;                       /* n     internal forces at x */
   double elastic, plastic;         /* energy and work at x */
   double *stress;                  /* 16 * quads */
   double *plastic_strain;          /* 4 * quads */
   double *displacement, *reaction; /* n */
-  /* frames, frozen where the nodes were at `anchor` */
+  /* frames, taken with the nodes at `anchor` and frozen */
   double *normal, *tangent, *anchor; /* 2 nc each */
   double *gap;                       /* nc */
-  double *bend;                      /* nc    curvature r_n there */
-  double *u;                         /* 2 nc  gap and slip at x */
+  double *bend;                      /* nc    curvature r_n at the anchor */
+  double *u;                         /* 2 nc  (u_n, u_t) at x, (FO7) */
   /* the linearised problem */
   dlsi_band band;
   double *rhs, *dx, *start_x; /* n */
   double *next_r, *start_r;   /* 2 nc */
   dlsi_chosen chosen;
-  dls_solver *solver; /* condensed */
+  dls_solver *solver; /* of the condensed problem */
   int *Kp, *Ki;       /* Gauss-Seidel: the symmetric part of K by columns */
   double *Kx;
   double *lambda, *eps; /* springs: 2 nc, nc */
@@ -70,25 +75,28 @@ struct dls_forming {
   dls_forming_data data;
 };
 
-/* y (n) += b t t.(x - anchor), forming.c (S8) */
+/* Adds (FO8) of forming.c to y: y += b t t.(x - anchor). y: n. */
 void dlsi_forming_turn(const dls_forming *f, double *y);
 
-/* dx and next_r from the K, F and u at hand, by the method of the settings; K is used up.
- * DLS_STALLED if K is singular, or not positive definite where it must be; other statuses > 0 of
- * the method are good enough. */
+/* Solves the linearised contact problem at x by the method of the settings: reads K, F, u and r of
+ * the scene, writes dx and next_r, and overwrites K. Returns DLS_STALLED if K is singular, or not
+ * positive definite where it must be; DLS_OK also where the method has stopped early. */
 dls_status dlsi_forming_direction(dls_forming *f, dls_error *error);
 
-/* Whether contact is by springs; their stiffness and first multipliers for a step; the next
- * ones. */
+/* Springs, the penalty method and the augmented Lagrangian. springs: returns 1 if contact is by
+ * springs. set_springs: sets the stiffness of the springs and their first multipliers for a step.
+ * augment: renews the multipliers. */
 int dlsi_forming_springs(const dls_forming *f);
 void dlsi_forming_set_springs(dls_forming *f);
 void dlsi_forming_augment(dls_forming *f);
 
-/* The largest difference of r from the springs' reactions at u, beyond what rounding of the
+/* Returns the largest difference of r from the springs' reactions at u, less what rounding of the
  * positions makes of it, over the largest reaction. */
 double dlsi_forming_stretch(const dls_forming *f);
 
-/* CPU seconds of the process. */
-double dlsi_forming_seconds(void);
+/* Returns the CPU seconds of the process. */
+static inline double dlsi_forming_seconds(void) {
+  return (double)clock() / CLOCKS_PER_SEC;
+}
 
 #endif

@@ -1,6 +1,6 @@
 /*
- * forming_scene.c: the two scenes of [Chabrand 1998] section 5, as
- * ../shared/reference/chabrand-1998 makes them definite (mm, N, MPa):
+ * forming_scene.c: builds the two scenes of [Chabrand 1998] section 5 (mm, N, MPa). The paper shows
+ * supports and meshes in drawings only, read here as:
  *
  *   indentation, plane strain             extrusion, axisymmetric
  *      way 10 |   rigid cylinder             | way 177.8 |
@@ -11,15 +11,16 @@
  *         +-------+                         +-----------+ |         the corner an arc tangent to
  *         u_y = 0; clamped: u_x = 0 too                  /          both at 0.5 from it
  *
- * Candidates: the nodes of the top; of the lateral surface. One whose tangent is supported, at the
- * axis under the cylinder or at the ram, is frictionless in the contact problem, as friction does
- * not move it.
+ * Candidates: the nodes of the top; of the lateral surface. A candidate whose tangent is supported,
+ * at the axis under the cylinder or at the ram, is frictionless in the contact problem: friction
+ * does not move it.
  */
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "fe_internal.h"
 #include "forming_internal.h"
 
 typedef struct scene {
@@ -31,16 +32,13 @@ typedef struct scene {
 
 /* ---- building -------------------------------------------------------------------------------- */
 
-/* nx x ny rectangles; node i + j (nx + 1) at (i lx / nx, j ly / ny) */
-static void grid(dls_forming *f, double lx, double ly) {
+/* Makes nx x ny rectangles on [0, lx] x [0, ly]. */
+static void forming_grid(dls_forming *f, double lx, double ly) {
   const int nx = f->settings.nx, ny = f->settings.ny;
-  double *x = f->mesh.xy;
   int *node = f->mesh.node;
-  for (int j = 0; j <= ny; j++)
-    for (int i = 0; i <= nx; i++) {
-      *x++ = lx * ((double)i / nx);
-      *x++ = ly * ((double)j / ny);
-      if (i == nx || j == ny) continue;
+  dlsi_fe_grid(lx, ly, nx, ny, f->mesh.xy);
+  for (int j = 0; j < ny; j++)
+    for (int i = 0; i < nx; i++) {
       const int a = i + j * (nx + 1);
       const int corner[4] = {a, a + 1, a + nx + 2, a + nx + 1};
       for (int k = 0; k < 4; k++)
@@ -51,7 +49,7 @@ static void grid(dls_forming *f, double lx, double ly) {
 static void build_indentation(dls_forming *f) {
   const int nx = f->settings.nx, ny = f->settings.ny;
   const dlsi_hardening power = {.factor = 593, .offset = 0.00384, .exponent = 0.202};
-  grid(f, 40, 40);
+  forming_grid(f, 40, 40);
   f->solid = dlsi_solid_make(2e5, 0.3, power);
   f->piece[0] = (dlsi_piece){.c = {0, 70}, .radius = 30, .side = 1};
   f->obstacle = (dlsi_obstacle){1, f->piece};
@@ -71,7 +69,7 @@ static void build_extrusion(dls_forming *f) {
   const dlsi_hardening linear = {.factor = 261.2, .offset = 0.11868, .exponent = 1};
   const double R = 50.8, L = 254, angle = 5 * acos(-1) / 180, reach = 0.5;
   const double radius = reach / tan(angle / 2), s = sin(angle), c = cos(angle);
-  grid(f, R, L);
+  forming_grid(f, R, L);
   f->axisymmetric = 1;
   f->solid = dlsi_solid_make(6.8955e4, 0.32, linear);
   /* upwards, the body on the left: cone, arc, cylinder */
@@ -127,30 +125,26 @@ void dls_forming_settings_init(dls_forming_settings *settings) {
   *settings = s;
 }
 
-static dls_status check_settings(const dls_forming_settings *s, dls_error *error) {
+static dls_status forming_check(const dls_forming_settings *s, dls_error *error) {
   if (s->size != sizeof *s)
     return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
                      "not filled by dls_forming_settings_init");
-  if (s->nx < 0) return dlsi_fail(error, DLS_E_SIZE, "nx", -1, s->nx, "is %d", s->nx);
-  if (s->ny < 0) return dlsi_fail(error, DLS_E_SIZE, "ny", -1, s->ny, "is %d", s->ny);
-  if (s->steps < 0) return dlsi_fail(error, DLS_E_SIZE, "steps", -1, s->steps, "is %d", s->steps);
   if (!isfinite(s->mu)) return dlsi_fail(error, DLS_E_NOT_FINITE, "mu", -1, s->mu, "is not finite");
-  if (s->clamped != 0 && s->clamped != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "clamped", -1, s->clamped, "must be 0 or 1");
-  if (s->standard != 0 && s->standard != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "standard", -1, s->standard, "must be 0 or 1");
-  if (s->keep_trace != 0 && s->keep_trace != 1)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "keep_trace", -1, s->keep_trace, "must be 0 or 1");
-  if (!(s->tol > 0 && s->tol < 1))
-    return dlsi_fail(error, DLS_E_ARGUMENT, "tol", -1, s->tol, "is %g, must be inside (0, 1)",
-                     s->tol);
-  if (s->contact < DLS_FORMING_CONDENSED || s->contact > DLS_FORMING_PENALTY)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "contact", -1, s->contact, "is %d", (int)s->contact);
-  return DLS_OK;
+  const dlsi_setting each[] = {
+      {"nx", s->nx, 0, INT_MAX, 0},
+      {"ny", s->ny, 0, INT_MAX, 0},
+      {"steps", s->steps, 0, INT_MAX, 0},
+      {"clamped", s->clamped, 0, 1, 0},
+      {"standard", s->standard, 0, 1, 0},
+      {"keep_trace", s->keep_trace, 0, 1, 0},
+      {"tol", s->tol, 0, 1, 1},
+      {"contact", s->contact, DLS_FORMING_CONDENSED, DLS_FORMING_PENALTY, 0}};
+  return dlsi_check_each((int)(sizeof each / sizeof each[0]), each, error);
 }
 
-/* Fills in the scene's own values; checks that what is counted in int can be. */
-static dls_status complete(dls_forming_settings *s, const scene *chosen, dls_error *error) {
+/* Replaces the settings that ask for the scene's own values; checks that the band's entries can be
+ * counted in int. */
+static dls_status forming_complete(dls_forming_settings *s, const scene *chosen, dls_error *error) {
   if (!s->nx) s->nx = chosen->nx;
   if (!s->ny) s->ny = chosen->ny;
   if (!s->steps) s->steps = chosen->steps;
@@ -165,12 +159,12 @@ static dls_status complete(dls_forming_settings *s, const scene *chosen, dls_err
 
 /* ---- create, destroy ------------------------------------------------------------------------- */
 
-static void carve_doubles(dlsi_arena *arena, size_t count, size_t size, double **const *list) {
+static void forming_take(dlsi_arena *arena, size_t count, size_t size, double **const *list) {
   for (size_t k = 0; k < count; k++)
     *list[k] = dlsi_take(arena, size, sizeof(double));
 }
 
-static void carve(dls_forming *f, dlsi_arena *a) {
+static void forming_carve(dls_forming *f, dlsi_arena *a) {
   const size_t n = (size_t)f->n, nc = (size_t)f->nc, quads = (size_t)f->mesh.quads;
   const size_t I = sizeof(int), D = sizeof(double);
   double **const of_unknowns[] = {&f->mesh.xy, &f->drive,        &f->before,   &f->x0,  &f->x,
@@ -182,9 +176,9 @@ static void carve(dls_forming *f, dlsi_arena *a) {
       &f->chosen.u, &f->chosen.r, &f->node_q,        &f->node_r};
   double **const of_candidates[] = {&f->mu,  &f->gap,   &f->bend,   &f->chosen.mu,
                                     &f->eps, &f->stiff, &f->node_mu};
-  carve_doubles(a, sizeof of_unknowns / sizeof of_unknowns[0], n, of_unknowns);
-  carve_doubles(a, sizeof of_reactions / sizeof of_reactions[0], 2 * nc, of_reactions);
-  carve_doubles(a, sizeof of_candidates / sizeof of_candidates[0], nc, of_candidates);
+  forming_take(a, sizeof of_unknowns / sizeof of_unknowns[0], n, of_unknowns);
+  forming_take(a, sizeof of_reactions / sizeof of_reactions[0], 2 * nc, of_reactions);
+  forming_take(a, sizeof of_candidates / sizeof of_candidates[0], nc, of_candidates);
   f->node_W = dlsi_take(a, 4 * nc, D);
   f->stress = dlsi_take(a, 16 * quads, D);
   f->plastic_strain = dlsi_take(a, 4 * quads, D);
@@ -205,8 +199,8 @@ static void carve(dls_forming *f, dlsi_arena *a) {
   f->Kx = dlsi_take(a, entries, D);
 }
 
-/* Sizes and memory, all zero. */
-static int allocate(dls_forming *f, const scene *chosen) {
+/* Sets sizes and takes memory, all zero; returns 0 if there is none. */
+static int forming_allocate(dls_forming *f, const scene *chosen) {
   const dls_forming_settings *s = &f->settings;
   f->mesh.nodes = (s->nx + 1) * (s->ny + 1);
   f->mesh.quads = s->nx * s->ny;
@@ -214,7 +208,7 @@ static int allocate(dls_forming *f, const scene *chosen) {
   f->nc = chosen->build == build_indentation ? s->nx + 1 : s->ny + 1;
   if (!dlsi_band_create(&f->band, f->n, 2 * (s->nx + 2) + 1)) return 0;
   dlsi_arena arena = {0};
-  carve(f, &arena);
+  forming_carve(f, &arena);
   arena.base = arena.failed ? NULL : dlsi_alloc(arena.used, 1);
   if (!arena.base) {
     f->mesh.xy = NULL;
@@ -223,12 +217,12 @@ static int allocate(dls_forming *f, const scene *chosen) {
   memset(arena.base, 0, arena.used);
   arena.size = arena.used;
   arena.used = 0;
-  carve(f, &arena); /* mesh.xy is its first piece */
+  forming_carve(f, &arena); /* mesh.xy is its first piece */
   return 1;
 }
 
-/* What follows from the scene. */
-static void derive(dls_forming *f) {
+/* Fills in what follows from the scene: states at rest, patterns, friction, views. */
+static void forming_derive(dls_forming *f) {
   const dls_forming_settings *s = &f->settings;
   f->solid.keep_trace = s->keep_trace;
   for (int i = 0; i < f->n; i++)
@@ -258,9 +252,10 @@ static void derive(dls_forming *f) {
                                .plastic_strain = f->plastic_strain};
 }
 
-/* Solver tolerance: q is the position without reactions, far from that with them, so that the |q|
- * of a W certificate is large; nlgs alone does not converge in the extrusion. */
-static dls_status create_solver(dls_forming *f, dls_error *error) {
+/* Creates the solver of the condensed problems. Its tolerance is far below that of the step: q
+ * holds the positions without reactions, which are far off, so that the |q| of W's certificate is
+ * large. Sweeps without acceleration do not converge in the extrusion. */
+static dls_status forming_create_solver(dls_forming *f, dls_error *error) {
   dls_solver_settings s;
   dls_solver_settings_init(&s);
   s.method = f->settings.method;
@@ -270,41 +265,43 @@ static dls_status create_solver(dls_forming *f, dls_error *error) {
   return dls_solver_create(&f->solver, 2, f->nc, &s, error);
 }
 
-dls_status dls_forming_create(dls_forming **out, const char *name,
-                              const dls_forming_settings *settings, dls_error *error) {
-  if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
-  *out = NULL;
-  if (!name) return dlsi_at(__func__, dlsi_is_null(error, "name"), error);
+static dls_status forming_make(dls_forming **out, const char *name,
+                               const dls_forming_settings *settings, dls_error *error) {
   const scene *chosen = NULL;
   for (int k = 0; k < scene_count; k++)
     if (strcmp(scenes[k].name, name) == 0) chosen = &scenes[k];
   if (!chosen)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_ARGUMENT, "name", -1, 0, "there is no scene %.60s", name),
-                   error);
-  dls_forming_settings defaults;
-  dls_forming_settings_init(&defaults);
-  if (!settings) settings = &defaults;
-  dls_status status = check_settings(settings, error);
-  if (status) return dlsi_at(__func__, status, error);
-
+    return dlsi_fail(error, DLS_E_ARGUMENT, "name", -1, 0, "there is no scene %.60s", name);
+  dls_status status = forming_check(settings, error);
+  if (status) return status;
   dls_forming *f = dlsi_alloc(1, sizeof *f);
-  if (!f) return dlsi_at(__func__, dlsi_no_memory(error), error);
+  if (!f) return dlsi_no_memory(error);
   memset(f, 0, sizeof *f);
   f->settings = *settings;
-  status = complete(&f->settings, chosen, error);
-  if (!status && !allocate(f, chosen)) status = dlsi_no_memory(error);
+  status = forming_complete(&f->settings, chosen, error);
+  if (!status && !forming_allocate(f, chosen)) status = dlsi_no_memory(error);
   if (!status) {
     chosen->build(f);
-    derive(f);
-    if (f->settings.contact == DLS_FORMING_CONDENSED) status = create_solver(f, error);
+    forming_derive(f);
+    if (f->settings.contact == DLS_FORMING_CONDENSED) status = forming_create_solver(f, error);
   }
-  if (status) {
+  if (!status)
+    *out = f;
+  else
     dls_forming_destroy(f);
-    return dlsi_at(__func__, status, error);
-  }
-  *out = f;
-  return DLS_OK;
+  return status;
+}
+
+dls_status dls_forming_create(dls_forming **out, const char *name,
+                              const dls_forming_settings *settings, dls_error *error) {
+  dls_forming_settings defaults;
+  dls_forming_settings_init(&defaults);
+  if (out) *out = NULL;
+  const dls_status status = !out ? dlsi_is_null(error, "out")
+                            : !name
+                                ? dlsi_is_null(error, "name")
+                                : forming_make(out, name, settings ? settings : &defaults, error);
+  return dlsi_at(__func__, status, error);
 }
 
 void dls_forming_destroy(dls_forming *forming) {

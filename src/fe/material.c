@@ -1,5 +1,5 @@
 /*
- * material.c: finite elastoplasticity of a point, [Chabrand 1998] (1)-(14).
+ * material.c: moves a point of finite elastoplasticity, [Chabrand 1998] (1)-(14).
  *
  *   F = Fe Fp,  J = det F,  be = J^-2/3 F Cp^-1 F^T   (isochoric part, (9); after (8) the paper
  *                                                      prints J^-1/3, a slip)
@@ -9,23 +9,23 @@
  *
  * Radial return with trial s', be' from the old Cp, n = s'/|s'|, m = tr be' / 3, G = mu m:
  *
- *   (R1)  f' = sqrt(3/2) |s'| - sigma0(ep_n) <= 0: elastic, s = s'                          (11)
- *   (R2)  sqrt(3/2) |s'| - 3 G l = sigma0(ep_n + l)        Newton for l                  (5), (12)
- *   (R3)  s = a n,  a = |s'| - sqrt(6) G l,  ep = ep_n + l                               (12), (14)
- *   (R4)  be = s / mu + m 1,  Cp^-1 = J^2/3 F^-1 be F^-T                                     (13)
+ *   (MA1)  f' = sqrt(3/2) |s'| - sigma0(ep_n) <= 0: elastic, s = s'                         (11)
+ *   (MA2)  sqrt(3/2) |s'| - 3 G l = sigma0(ep_n + l)        Newton for l                 (5), (12)
+ *   (MA3)  s = a n,  a = |s'| - sqrt(6) G l,  ep = ep_n + l                              (12), (14)
+ *   (MA4)  be = s / mu + m 1,  Cp^-1 = J^2/3 F^-1 be F^-T                                    (13)
  *
- * (13) keeps the trace, m as above, and lets det be drift from 1 and with it the elastic energy. By
- * default m is the root near 1 of det( s/mu + m 1 ) = m^3 - |s/mu|^2 m / 2 + det(s/mu) = 1.
+ * (13) keeps the trace, m as above, and lets det be drift from 1 and the elastic energy with det
+ * be. By default m is the root near 1 of det( s/mu + m 1 ) = m^3 - |s/mu|^2 m / 2 + det(s/mu) = 1.
  *
  * Tangent. For a rate d of deformation (without spin),
  *
  *   ds' - d s' - s' d = c' : d,   c' = 2 G (I - 1x1/3) - 2/3 (s' x 1 + 1 x s')
- *   d|s'| = (2 |s'| N + 2 G n) : d,  N = dev(n n),     dG = 2/3 s' : d                      (R5)
- *   (R2):  da = (1 - 1/b) (d|s'| - sqrt(6) l dG),   b = 1 + sigma0' / 3G
- *   c = g c' + n x ( da - g d|s'| ),   g = a / |s'|                                         (R6)
+ *   d|s'| = (2 |s'| N + 2 G n) : d,  N = dev(n n),     dG = 2/3 s' : d                     (MA5)
+ *   (MA2):  da = (1 - 1/b) (d|s'| - sqrt(6) l dG),   b = 1 + sigma0' / 3G
+ *   c = g c' + n x ( da - g d|s'| ),   g = a / |s'|                                        (MA6)
  *
- * c is not quite symmetric: n x N has no partner, as the return (12) is not the minimum of an
- * energy. Its weight is |s'| beside G, some percent.
+ * c is not quite symmetric: n x N has no partner, because the return (12) is not the minimum of an
+ * energy. The weight of the skew part is |s'| beside G, some percent.
  * Cost: some hundred operations and a pow. What can fail: J <= 0 or overflow, seen as not finite.
  */
 #include <float.h>
@@ -64,7 +64,7 @@ double dlsi_solid_volume(const dlsi_solid *solid, double J, double *p, double *s
 }
 
 /* B := scale F A F^T */
-static void push(const double F[5], const double A[4], double scale, double B[4]) {
+static void material_push(const double F[5], const double A[4], double scale, double B[4]) {
   const double a = F[0] * A[0] + F[1] * A[3], b = F[0] * A[3] + F[1] * A[1];
   const double c = F[2] * A[0] + F[3] * A[3], d = F[2] * A[3] + F[3] * A[1];
   B[0] = scale * (a * F[0] + b * F[1]);
@@ -73,13 +73,15 @@ static void push(const double F[5], const double A[4], double scale, double B[4]
   B[3] = scale * (a * F[2] + b * F[3]);
 }
 
-static double norm(const double s[4]) {
+/* Returns |s| of a symmetric tensor. */
+static double tensor_norm(const double s[4]) {
   return sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + 2 * s[3] * s[3]);
 }
 
-/* (R2) for the multiplier l; -1 if it fails. The left side minus the right falls in l from f' > 0
- * at 0; a Newton step that leaves the bracket is replaced by its middle. */
-static double multiplier(const dlsi_hardening *h, double trial, double G, double ep) {
+/* Solves (MA2); returns the multiplier l, -1 on failure. The left side minus the right side falls
+ * in l from f' > 0 at l = 0; a Newton step that leaves the bracket is replaced by the bracket's
+ *   middle. trial: sqrt(3/2) |s'|; ep: ep_n */
+static double plastic_multiplier(const dlsi_hardening *h, double trial, double G, double ep) {
   double low = 0, high = trial / (3 * G), l = 0, slope;
   for (int k = 0; k < 60; k++) {
     const double y = trial - 3 * G * l - dlsi_hardening_value(h, ep + l, &slope);
@@ -97,9 +99,9 @@ static double multiplier(const dlsi_hardening *h, double trial, double G, double
   return -1;
 }
 
-/* The root near 1 of det(D + m 1) = 1 for a deviatoric D, from the start m. */
+/* Returns the root near 1 of det(D + m 1) = 1 by Newton's method from m. D: in, deviatoric. */
 static double unit_mean(const double D[4], double m) {
-  const double second = norm(D) * norm(D) / 2;
+  const double second = tensor_norm(D) * tensor_norm(D) / 2;
   const double third = D[2] * (D[0] * D[1] - D[3] * D[3]);
   for (int k = 0; k < 20; k++) {
     const double step = (m * (m * m - second) + third - 1) / (3 * m * m - second);
@@ -109,9 +111,9 @@ static double unit_mean(const double D[4], double m) {
   return m;
 }
 
-/* c := g c' + n x v, (R6); elastic: v = 0 */
-static void tangent(double G, double g, const double trial[4], const double n[4], const double v[4],
-                    double *c) {
+/* c := g c' + n x v, (MA6); an elastic point has g = 1, v = 0. */
+static void material_tangent(double G, double g, const double trial[4], const double n[4],
+                             const double v[4], double *c) {
   static const double one[4] = {1, 1, 1, 0}, identity[4] = {1, 1, 1, 0.5};
   for (int j = 0; j < 4; j++)
     for (int i = 0; i < 4; i++)
@@ -124,23 +126,23 @@ int dlsi_solid_update(const dlsi_solid *solid, const double F[5], double J, cons
                       dlsi_point *now, double s[4], double *c) {
   const double mu = solid->shear;
   double be[4], trial[4], n[4] = {0}, v[4] = {0}, slope;
-  push(F, old->Cp, 1 / cbrt(J * J), be); /* (9) */
+  material_push(F, old->Cp, 1 / cbrt(J * J), be); /* (9) */
   const double m = (be[0] + be[1] + be[2]) / 3, G = mu * m;
   for (int i = 0; i < 4; i++)
     trial[i] = mu * (be[i] - (i < 3 ? m : 0));
-  const double size = norm(trial),
-               before = dlsi_hardening_value(&solid->hardening, old->ep, &slope);
+  const double size = tensor_norm(trial);
+  const double before = dlsi_hardening_value(&solid->hardening, old->ep, &slope);
   if (!isfinite(size + before)) return 0;
   *now = *old;
-  if (sqrt(1.5) * size <= before) { /* (R1) */
+  if (sqrt(1.5) * size <= before) { /* (MA1) */
     memcpy(s, trial, sizeof trial);
     now->elastic = mu / 2 * 3 * (m - 1);
-    if (c) tangent(G, 1, trial, n, v, c);
+    if (c) material_tangent(G, 1, trial, n, v, c);
     return 1;
   }
-  const double l = multiplier(&solid->hardening, sqrt(1.5) * size, G, old->ep); /* (R2) */
+  const double l = plastic_multiplier(&solid->hardening, sqrt(1.5) * size, G, old->ep); /* (MA2) */
   if (!(l >= 0)) return 0;
-  now->ep = old->ep + l; /* (R3) */
+  now->ep = old->ep + l; /* (MA3) */
   const double after = dlsi_hardening_value(&solid->hardening, now->ep, &slope);
   const double a = size - sqrt(6) * G * l, g = a / size;
   double D[4];
@@ -149,24 +151,24 @@ int dlsi_solid_update(const dlsi_solid *solid, const double F[5], double J, cons
     s[i] = a * n[i];
     D[i] = s[i] / mu;
   }
-  const double mean = solid->keep_trace ? m : unit_mean(D, m); /* (R4) */
+  const double mean = solid->keep_trace ? m : unit_mean(D, m); /* (MA4) */
   for (int i = 0; i < 3; i++)
     D[i] += mean;
   const double area = F[0] * F[3] - F[1] * F[2];
   const double inverse[5] = {F[3] / area, -F[1] / area, -F[2] / area, F[0] / area, 1 / F[4]};
-  push(inverse, D, cbrt(J * J), now->Cp);
+  material_push(inverse, D, cbrt(J * J), now->Cp);
   now->elastic = mu / 2 * 3 * (mean - 1);
   now->plastic = old->plastic + (before + after) / 2 * l;
   if (c) {
     const double b = 1 + slope / (3 * G);
     const double square[4] = {n[0] * n[0] + n[3] * n[3], n[1] * n[1] + n[3] * n[3], n[2] * n[2],
                               n[3] * (n[0] + n[1])};
-    for (int i = 0; i < 4; i++) { /* (R5), (R6) */
+    for (int i = 0; i < 4; i++) { /* (MA5), (MA6) */
       const double N = square[i] - (i < 3 ? 1.0 / 3 : 0);
       const double ds = 2 * size * N + 2 * G * n[i];
       v[i] = (1 - 1 / b) * (ds - sqrt(6) * l * (2.0 / 3 * size) * n[i]) - g * ds;
     }
-    tangent(G, g, trial, n, v, c);
+    material_tangent(G, g, trial, n, v, c);
   }
   return isfinite(now->Cp[0] + now->Cp[1] + now->Cp[2] + now->Cp[3]);
 }

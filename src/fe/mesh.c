@@ -1,36 +1,36 @@
-/* mesh.c: the block of three-node triangles, and the checks of a mesh. */
+/* mesh.c: makes the block of three-node triangles, and checks a mesh. */
 #include <float.h>
 #include <limits.h>
-#include <math.h>
 #include <stdlib.h>
 
 #include "fe_internal.h"
 
+void dlsi_fe_grid(double lx, double ly, int nx, int ny, double *xy) {
+  for (int j = 0; j <= ny; j++)
+    for (int i = 0; i <= nx; i++) {
+      *xy++ = lx * ((double)i / nx); /* the last one is lx exactly */
+      *xy++ = ly * ((double)j / ny);
+    }
+}
+
+/* Checks the arguments of dls_fe_mesh_block. 6 nx ny node numbers and 2 (nx+1)(ny+1) <= 8 nx ny
+ * unknowns are counted in int. */
+static dls_status block_check(const dls_fe_mesh *mesh, double lx, double ly, int nx, int ny,
+                              dls_error *error) {
+  if (!mesh) return dlsi_is_null(error, "mesh");
+  const dlsi_setting lengths[] = {{"lx", lx, 0, DBL_MAX, 1}, {"ly", ly, 0, DBL_MAX, 1}};
+  const dls_status status = dlsi_check_each(2, lengths, error);
+  if (status) return status;
+  if (nx < 1) return dlsi_fail(error, DLS_E_SIZE, "nx", -1, nx, "is %d, must be at least 1", nx);
+  if (ny < 1) return dlsi_fail(error, DLS_E_SIZE, "ny", -1, ny, "is %d, must be at least 1", ny);
+  if (ny <= INT_MAX / 8 / nx) return DLS_OK;
+  return dlsi_fail(error, DLS_E_SIZE, "ny", -1, ny, "%d x %d is too large", nx, ny);
+}
+
 dls_status dls_fe_mesh_block(dls_fe_mesh *mesh, double lx, double ly, int nx, int ny,
                              dls_error *error) {
-  if (!mesh) return dlsi_at(__func__, dlsi_is_null(error, "mesh"), error);
-  if (!(lx > 0 && lx <= DBL_MAX))
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_ARGUMENT, "lx", -1, lx, "must be positive and finite"),
-                   error);
-  if (!(ly > 0 && ly <= DBL_MAX))
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_ARGUMENT, "ly", -1, ly, "must be positive and finite"),
-                   error);
-  if (nx < 1)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_SIZE, "nx", -1, nx, "is %d, must be at least 1", nx),
-                   error);
-  if (ny < 1)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_SIZE, "ny", -1, ny, "is %d, must be at least 1", ny),
-                   error);
-  /* 6 nx ny node numbers and 2 (nx+1)(ny+1) <= 8 nx ny unknowns are counted in int */
-  if (ny > INT_MAX / 8 / nx)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_SIZE, "ny", -1, ny, "%d x %d is too large", nx, ny),
-                   error);
-
+  const dls_status status = block_check(mesh, lx, ly, nx, ny, error);
+  if (status) return dlsi_at(__func__, status, error);
   const int nodes = (nx + 1) * (ny + 1), triangles = 2 * nx * ny;
   double *xy = dlsi_alloc(2 * (size_t)nodes, sizeof *xy);
   int *node = dlsi_alloc(3 * (size_t)triangles, sizeof *node);
@@ -39,12 +39,7 @@ dls_status dls_fe_mesh_block(dls_fe_mesh *mesh, double lx, double ly, int nx, in
     free(node);
     return dlsi_at(__func__, dlsi_no_memory(error), error);
   }
-  double *point = xy;
-  for (int j = 0; j <= ny; j++)
-    for (int i = 0; i <= nx; i++) {
-      *point++ = lx * ((double)i / nx); /* the last one is lx exactly */
-      *point++ = ly * ((double)j / ny);
-    }
+  dlsi_fe_grid(lx, ly, nx, ny, xy);
   int *corner = node;
   for (int j = 0; j < ny; j++)
     for (int i = 0; i < nx; i++) {
@@ -64,21 +59,13 @@ void dls_fe_mesh_free(dls_fe_mesh *mesh) {
   *mesh = (dls_fe_mesh){0};
 }
 
-dls_status dlsi_fe_check_vector(const char *argument, const double *x, size_t n, dls_error *error) {
-  if (!x) return dlsi_is_null(error, argument);
-  for (size_t k = 0; k < n; k++)
-    if (!isfinite(x[k]))
-      return dlsi_fail(error, DLS_E_NOT_FINITE, argument, (long long)k, x[k], "is not finite");
-  return DLS_OK;
-}
-
 dls_status dlsi_fe_check_mesh(const dls_fe_mesh *mesh, dls_error *error) {
   if (!mesh) return dlsi_is_null(error, "mesh");
   if (mesh->nodes < 1 || mesh->nodes > INT_MAX / 2)
     return dlsi_fail(error, DLS_E_SIZE, "nodes", -1, mesh->nodes, "is %d", mesh->nodes);
   if (mesh->triangles < 1 || mesh->triangles > INT_MAX / 3)
     return dlsi_fail(error, DLS_E_SIZE, "triangles", -1, mesh->triangles, "is %d", mesh->triangles);
-  const dls_status status = dlsi_fe_check_vector("xy", mesh->xy, 2 * (size_t)mesh->nodes, error);
+  const dls_status status = dlsi_check_vector("xy", mesh->xy, 2 * (size_t)mesh->nodes, error);
   if (status) return status;
   if (!mesh->node) return dlsi_is_null(error, "node");
   for (int k = 0; k < 3 * mesh->triangles; k++)

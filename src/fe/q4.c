@@ -1,22 +1,24 @@
 /*
- * q4.c: the four-node element at finite strain, standard and Q4/P0, plane strain and axisymmetric.
+ * q4.c: computes forces and tangent of the four-node element at finite strain, standard and Q4/P0,
+ * plane strain and axisymmetric.
  *
- * At the 2 x 2 Gauss points, with dV the element of initial volume (2 pi taken out, axisymmetric),
+ * At the 2 x 2 Gauss points, with dV the element of initial volume (axisymmetric: 2 pi taken out),
  *
- *   F = sum of x_a (dN_a/dX)^T,   F_33 = 1, or r / R                                          (Q1)
- *   B:  (d11, d22, d33, 2 d12) of the current gradients g_a = F^-T dN_a/dX, hoop N_a / r      (Q2)
- *   f = sum of B^T tau dV,   tau = J p 1 + s                                                  (Q3)
+ *   F = sum of x_a (dN_a/dX)^T,   F_33 = 1, or r / R                                         (QF1)
+ *   B:  (d11, d22, d33, 2 d12) of the current gradients g_a = F^-T dN_a/dX, hoop N_a / r     (QF2)
+ *   f = sum of B^T tau dV,   tau = J p 1 + s                                                 (QF3)
  *
- * Standard element: p = U'(J) at the point. Q4/P0 (displacement, pressure, dilatation, the latter
- * two constant in the element; [Chabrand 1998] end of section 2): eliminating them leaves
+ * Standard element: p = U'(J) at the point. Q4/P0 ([Chabrand 1998] end of section 2) has the fields
+ * displacement, pressure and dilatation; eliminating pressure and dilatation, which are constant in
+ * the element, leaves
  *
- *   p = U'(T),   T = (sum of J dV) / V                                                        (Q4)
+ *   p = U'(T),   T = (sum of J dV) / V                                                       (QF4)
  *
- * while s is of the point's own isochoric F. Tangent, with the material's c of s, D = d/dx . N_a as
- * a row of div (1, 1, 1, 0) B,
+ * while s belongs to the point's own isochoric F. Tangent, with the material's tangent c of s and
+ * the row of the divergence D = (1, 1, 1, 0) B,
  *
- *   K = sum of ( B^T (c + J p (1x1 - 2 I)) B + g_a.tau g_b 1 + hoop ) dV                      (Q5)
- *     + U'' h h^T / V,   h = sum of J D dV      standard: the same with each point alone      (Q6)
+ *   K = sum of ( B^T (c + J p (1x1 - 2 I)) B + g_a.tau g_b 1 + hoop ) dV                     (QF5)
+ *     + U'' h h^T / V,   h = sum of J D dV;   standard: U'' J^2 D D^T dV of each point       (QF6)
  *
  * Cost: 4 points, 2 x 8 x 4 x 8 operations each. What can fail: J <= 0 at a point.
  */
@@ -28,11 +30,11 @@
 typedef struct gauss {
   double F[5], J, dV;
   double g[4][2]; /* current gradients */
-  double hoop[4]; /* N_a / r, or 0 */
+  double hoop[4]; /* N_a / r, plane strain: 0 */
 } gauss;
 
-/* (Q1), (Q2); 0 if the element is inside out, at rest or now */
-static int kinematics(const dlsi_q4 *e, int point, gauss *p) {
+/* Fills *p by (QF1), (QF2); returns 0 if the element is inside out, at rest or now. */
+static int q4_kinematics(const dlsi_q4 *e, int point, gauss *p) {
   static const double sign[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
   const double at = 1 / sqrt(3), xi = at * sign[point][0], eta = at * sign[point][1];
   double N[4], local[4][2], rest[4] = {0}, R = 0, r = 0;
@@ -68,23 +70,23 @@ static int kinematics(const dlsi_q4 *e, int point, gauss *p) {
   return area > 0 && det > 0 && F[4] > 0 && isfinite(p->J);
 }
 
-/* column of B for corner a, component i */
-static void strain(const gauss *p, int a, int i, double b[4]) {
+/* b := the column of B of corner a, component i. */
+static void q4_strain(const gauss *p, int a, int i, double b[4]) {
   b[0] = i == 0 ? p->g[a][0] : 0;
   b[1] = i == 1 ? p->g[a][1] : 0;
   b[2] = i == 0 ? p->hoop[a] : 0;
   b[3] = p->g[a][1 - i];
 }
 
-/* K += (Q5) of a point; c is changed */
-static void stiffen(const gauss *p, const double tau[4], double pressure, double *c, double *K) {
+/* K += (QF5) of a point; c: in, the material's tangent; out, scratch. */
+static void q4_stiffen(const gauss *p, const double tau[4], double pressure, double *c, double *K) {
   static const double one[4] = {1, 1, 1, 0}, identity[4] = {1, 1, 1, 0.5};
   for (int j = 0; j < 4; j++)
     for (int i = 0; i < 4; i++)
       c[i + 4 * j] += p->J * pressure * (one[i] * one[j] - (i == j ? 2 * identity[i] : 0));
   double B[8][4];
   for (int k = 0; k < 8; k++)
-    strain(p, k / 2, k % 2, B[k]);
+    q4_strain(p, k / 2, k % 2, B[k]);
   for (int l = 0; l < 8; l++) {
     double v[4];
     for (int i = 0; i < 4; i++)
@@ -103,8 +105,8 @@ static void stiffen(const gauss *p, const double tau[4], double pressure, double
     }
 }
 
-/* K += factor h h^T, (Q6) */
-static void add_square(const double h[8], double factor, double *K) {
+/* K += factor h h^T, (QF6) */
+static void q4_add_square(const double h[8], double factor, double *K) {
   for (int l = 0; l < 8; l++)
     for (int k = 0; k < 8; k++)
       K[k + 8 * l] += factor * h[k] * h[l];
@@ -115,11 +117,11 @@ int dlsi_q4_forces(const dlsi_q4 *e, const dlsi_solid *solid, const dlsi_point *
   gauss point[4];
   double V = 0, v = 0, p, slope, h[8] = {0};
   for (int q = 0; q < 4; q++) {
-    if (!kinematics(e, q, &point[q])) return 0;
+    if (!q4_kinematics(e, q, &point[q])) return 0;
     V += point[q].dV;
     v += point[q].J * point[q].dV;
   }
-  const double U = dlsi_solid_volume(solid, v / V, &p, &slope); /* (Q4) */
+  const double U = dlsi_solid_volume(solid, v / V, &p, &slope); /* (QF4) */
   energy[0] = e->full ? 0 : U * V;
   energy[1] = 0;
   memset(f, 0, 8 * sizeof *f);
@@ -137,15 +139,15 @@ int dlsi_q4_forces(const dlsi_q4 *e, const dlsi_solid *solid, const dlsi_point *
       stress[4 * q + i] = tau[i] / g->J;
     for (int k = 0; k < 8; k++) {
       double b[4];
-      strain(g, k / 2, k % 2, b);
-      f[k] += g->dV * (b[0] * tau[0] + b[1] * tau[1] + b[2] * tau[2] + b[3] * tau[3]); /* (Q3) */
+      q4_strain(g, k / 2, k % 2, b);
+      f[k] += g->dV * (b[0] * tau[0] + b[1] * tau[1] + b[2] * tau[2] + b[3] * tau[3]); /* (QF3) */
       D[k] = g->J * (b[0] + b[1] + b[2]);
       h[k] += g->dV * D[k];
     }
     if (!K) continue;
-    stiffen(g, tau, p, c, K);
-    if (e->full) add_square(D, slope * g->dV, K);
+    q4_stiffen(g, tau, p, c, K);
+    if (e->full) q4_add_square(D, slope * g->dV, K);
   }
-  if (K && !e->full) add_square(h, slope / V, K);
+  if (K && !e->full) q4_add_square(h, slope / V, K);
   return 1;
 }

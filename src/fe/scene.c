@@ -1,5 +1,5 @@
 /*
- * scene.c: the scenes of [Jean 1988] 4.5, ready for the reduction.
+ * scene.c: builds the scenes of [Jean 1988] 4.5, ready for the reduction.
  *
  *           | | | | | | |   top: pressure           the right half of the body is the mirror image:
  *           v v v v v v v                           u_x = 0 on x = L
@@ -11,11 +11,12 @@
  *           1 2 3 . . 16 17                         a candidate
  *
  * The paper gives block, material, friction and results, and shows mesh and loads in drawings only.
- * Both were recovered from its printed tables (data/jean-1988/README.md): they are the ones below.
+ * The mesh and loads below follow from its printed tables (data/jean-1988/README.md).
  *
- * Weighted reactions: the dual cell of candidate 16 reaches half way to node 17, so that 1/8 of its
- * reaction goes to that fixed node. The contact nodes are then all 17 and P is 17 x 16; node 17 has
- * empty columns in H_N and H_T. Concentrated: the 16 contact nodes are the candidates, no P.
+ * Weighted reactions: the dual cell of candidate 16 reaches half way to node 17, so that 1/8 of the
+ * reaction of candidate 16 goes to that fixed node. All 17 nodes are contact nodes, P is 17 x 16,
+ * and node 17 has empty columns in H_N and H_T. Concentrated: the 16 candidates are the contact
+ * nodes, no P.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -57,8 +58,8 @@ struct dls_fe_scene {
   int *pn, *in, *pt, *it; /* H_N and H_T; their values are `one` */
   int *pp, *ip;           /* P */
   double *xp;
-  dls_fe_scene_data data; /* views of all this */
-  void *memory;           /* of all but the mesh */
+  dls_fe_scene_data data; /* views of the arrays above */
+  void *memory;           /* of all arrays but the mesh's */
 };
 
 const char *dls_fe_scene_name(int index) {
@@ -71,7 +72,7 @@ const char *dls_fe_scene_description(int index) {
 
 /* ---- making a scene -------------------------------------------------------------------------- */
 
-static void carve(dlsi_arena *arena, dls_fe_scene *s) {
+static void scene_carve(dlsi_arena *arena, dls_fe_scene *s) {
   s->unknown = dlsi_take(arena, 2 * (size_t)s->mesh.nodes, sizeof *s->unknown);
   s->K = dlsi_take(arena, (size_t)unknowns * unknowns, sizeof *s->K);
   s->f = dlsi_take(arena, unknowns, sizeof *s->f);
@@ -89,18 +90,18 @@ static void carve(dlsi_arena *arena, dls_fe_scene *s) {
   s->xp = dlsi_take(arena, 3 * line, sizeof *s->xp);
 }
 
-static dls_status allocate(dls_fe_scene *s, dls_error *error) {
+static dls_status scene_allocate(dls_fe_scene *s, dls_error *error) {
   dlsi_arena arena = {0};
-  carve(&arena, s);
+  scene_carve(&arena, s);
   s->memory = dlsi_alloc(arena.used, 1);
   if (!s->memory) return dlsi_no_memory(error);
   arena = (dlsi_arena){.base = s->memory, .size = arena.used};
-  carve(&arena, s);
+  scene_carve(&arena, s);
   return DLS_OK;
 }
 
 /* Numbers the unknowns in the order of the mesh, u_x on x = L and u_y of node 17 left out. */
-static void number_unknowns(dls_fe_scene *s) {
+static void scene_number_unknowns(dls_fe_scene *s) {
   int n = 0;
   for (int i = 0; i < s->mesh.nodes; i++) {
     const int on_symmetry_face = i % (nx + 1) == nx;
@@ -109,8 +110,9 @@ static void number_unknowns(dls_fe_scene *s) {
   }
 }
 
-/* F (2 * nodes of the mesh, zero) := the loads */
-static dls_status load(const dls_fe_mesh *mesh, const jean_case *c, double *F, dls_error *error) {
+/* Adds the loads of the case to F (2 * nodes of the mesh). */
+static dls_status scene_load(const dls_fe_mesh *mesh, const jean_case *c, double *F,
+                             dls_error *error) {
   dls_status status = DLS_OK;
   const int top = ny * (nx + 1);
   for (int i = 0; !status && i < nx; i++)
@@ -121,15 +123,15 @@ static dls_status load(const dls_fe_mesh *mesh, const jean_case *c, double *F, d
   return status;
 }
 
-/* K, f of the free unknowns */
-static dls_status assemble(dls_fe_scene *s, const jean_case *c, dls_error *error) {
+/* Assembles K and f of the free unknowns. */
+static dls_status scene_assemble(dls_fe_scene *s, const jean_case *c, dls_error *error) {
   const int N = 2 * s->mesh.nodes;
   double *K = dlsi_alloc((size_t)N * (size_t)(N + 1), sizeof *K);
   if (!K) return dlsi_no_memory(error);
   double *F = K + (size_t)N * (size_t)N;
   memset(F, 0, (size_t)N * sizeof *F);
   dls_status status = dls_fe_stiffness(&s->mesh, E, nu, K, N, error);
-  if (!status) status = load(&s->mesh, c, F, error);
+  if (!status) status = scene_load(&s->mesh, c, F, error);
   if (!status)
     for (int j = 0; j < N; j++) {
       const int q = s->unknown[j];
@@ -142,9 +144,9 @@ static dls_status assemble(dls_fe_scene *s, const jean_case *c, dls_error *error
   return status;
 }
 
-/* The operator that picks component k (0: x, 1: y) of the contact nodes; a supported one gives an
- * empty column. */
-static dls_sparse pick(const dls_fe_scene *s, int k, int nodes, int *p, int *i) {
+/* Returns the operator that picks component k (0: x, 1: y) of the contact nodes; a supported
+ * unknown gives an empty column. p: out, nodes + 1; i: out, nodes. */
+static dls_sparse scene_pick(const dls_fe_scene *s, int k, int nodes, int *p, int *i) {
   p[0] = 0;
   for (int c = 0; c < nodes; c++) {
     const int q = s->unknown[2 * s->contact_node[c] + k];
@@ -154,8 +156,9 @@ static dls_sparse pick(const dls_fe_scene *s, int k, int nodes, int *p, int *i) 
   return (dls_sparse){unknowns, nodes, p, i, s->one};
 }
 
-/* Contact nodes, candidates, H_N, H_T, P, g, mu; fills s->data. */
-static dls_status describe(dls_fe_scene *s, const jean_case *c, int weighted, dls_error *error) {
+/* Makes contact nodes, candidates, H_N, H_T, P, g and mu; fills s->data. */
+static dls_status scene_describe(dls_fe_scene *s, const jean_case *c, int weighted,
+                                 dls_error *error) {
   const int nodes = weighted ? line : candidate_count;
   double abscissa[line];
   int candidate[line];
@@ -176,8 +179,8 @@ static dls_status describe(dls_fe_scene *s, const jean_case *c, int weighted, dl
                      .operator_kind = DLS_STIFFNESS_DENSE,
                      .factorization = DLS_CHOLESKY,
                      .K = {unknowns, unknowns, unknowns, s->K},
-                     .HN = pick(s, 1, nodes, s->pn, s->in),
-                     .HT = pick(s, 0, nodes, s->pt, s->it)};
+                     .HN = scene_pick(s, 1, nodes, s->pn, s->in),
+                     .HT = scene_pick(s, 0, nodes, s->pt, s->it)};
   if (weighted) {
     int columns;
     const dls_status status =
@@ -198,35 +201,35 @@ static dls_status describe(dls_fe_scene *s, const jean_case *c, int weighted, dl
   return DLS_OK;
 }
 
-dls_status dls_fe_scene_create(dls_fe_scene **out, const char *name, int weighted,
-                               dls_error *error) {
-  if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
-  *out = NULL;
-  if (!name) return dlsi_at(__func__, dlsi_is_null(error, "name"), error);
+static dls_status scene_make(dls_fe_scene **out, const char *name, int weighted, dls_error *error) {
   const jean_case *c = NULL;
   for (int k = 0; k < case_count; k++)
     if (strcmp(cases[k].name, name) == 0) c = &cases[k];
-  if (!c)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_ARGUMENT, "name", -1, 0, "there is no scene %.60s", name),
-                   error);
-
+  if (!c) return dlsi_fail(error, DLS_E_ARGUMENT, "name", -1, 0, "there is no scene %.60s", name);
   dls_fe_scene *s = dlsi_alloc(1, sizeof *s);
-  if (!s) return dlsi_at(__func__, dlsi_no_memory(error), error);
+  if (!s) return dlsi_no_memory(error);
   *s = (dls_fe_scene){0};
   dls_status status = dls_fe_mesh_block(&s->mesh, L, L, nx, ny, error);
-  if (!status) status = allocate(s, error);
+  if (!status) status = scene_allocate(s, error);
   if (!status) {
-    number_unknowns(s);
-    status = assemble(s, c, error);
+    scene_number_unknowns(s);
+    status = scene_assemble(s, c, error);
   }
-  if (!status) status = describe(s, c, weighted, error);
-  if (status) {
+  if (!status) status = scene_describe(s, c, weighted, error);
+  if (!status)
+    *out = s;
+  else
     dls_fe_scene_destroy(s);
-    return dlsi_at(__func__, status, error);
-  }
-  *out = s;
-  return DLS_OK;
+  return status;
+}
+
+dls_status dls_fe_scene_create(dls_fe_scene **out, const char *name, int weighted,
+                               dls_error *error) {
+  if (out) *out = NULL;
+  const dls_status status = !out    ? dlsi_is_null(error, "out")
+                            : !name ? dlsi_is_null(error, "name")
+                                    : scene_make(out, name, weighted, error);
+  return dlsi_at(__func__, status, error);
 }
 
 void dls_fe_scene_destroy(dls_fe_scene *scene) {
@@ -236,7 +239,7 @@ void dls_fe_scene_destroy(dls_fe_scene *scene) {
   free(scene);
 }
 
-/* ---- what it hands out ----------------------------------------------------------------------- */
+/* ---- views and results ----------------------------------------------------------------------- */
 
 void dls_fe_scene_get(const dls_fe_scene *scene, dls_fe_scene_data *data) {
   if (data) *data = scene ? scene->data : (dls_fe_scene_data){0};
@@ -244,10 +247,10 @@ void dls_fe_scene_get(const dls_fe_scene *scene, dls_fe_scene_data *data) {
 
 dls_status dls_fe_scene_displacement(const dls_fe_scene *scene, const double *x,
                                      double *displacement, dls_error *error) {
-  if (!scene) return dlsi_at(__func__, dlsi_is_null(error, "scene"), error);
-  const dls_status status = dlsi_fe_check_vector("x", x, unknowns, error);
+  dls_status status =
+      !scene ? dlsi_is_null(error, "scene") : dlsi_check_vector("x", x, unknowns, error);
+  if (!status && !displacement) status = dlsi_is_null(error, "displacement");
   if (status) return dlsi_at(__func__, status, error);
-  if (!displacement) return dlsi_at(__func__, dlsi_is_null(error, "displacement"), error);
   for (int i = 0; i < 2 * scene->mesh.nodes; i++)
     displacement[i] = scene->unknown[i] < 0 ? 0 : x[scene->unknown[i]];
   return DLS_OK;

@@ -1,10 +1,15 @@
-/* vtu.c: mesh and results as an unstructured grid of VTK XML, ascii. */
+/* vtu.c: writes mesh and results as an unstructured grid of VTK XML, ascii. */
 #include "fe_internal.h"
 #include "files/file.h"
 
 enum { vtk_triangle = 5, vtk_quad = 9 };
 
-void dlsi_vtu_begin(FILE *file, int nodes, int cells) {
+FILE *dlsi_vtu_begin(const char *path, int nodes, int cells, dls_error *error) {
+  FILE *file = fopen(path, "w");
+  if (!file) {
+    (void)dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "%.60s: cannot be opened", path);
+    return NULL;
+  }
   (void)fprintf(file,
                 "<?xml version=\"1.0\"?>\n"
                 "<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
@@ -12,6 +17,7 @@ void dlsi_vtu_begin(FILE *file, int nodes, int cells) {
                 "<Piece NumberOfPoints=\"%d\" NumberOfCells=\"%d\">\n"
                 "<PointData>\n",
                 nodes, cells);
+  return file;
 }
 
 void dlsi_vtu_plane(FILE *file, const char *name, const double *x, int nodes, int digits) {
@@ -24,8 +30,25 @@ void dlsi_vtu_plane(FILE *file, const char *name, const double *x, int nodes, in
   (void)fprintf(file, "</DataArray>\n");
 }
 
-void dlsi_vtu_end(FILE *file, const double *xy, int nodes, const int *node, int corners, int cells,
-                  int digits) {
+void dlsi_vtu_cells(FILE *file) {
+  (void)fprintf(file, "</PointData>\n<CellData>\n");
+}
+
+void dlsi_vtu_means(FILE *file, const char *head, const double *x, int components, int points,
+                    int cells, int digits) {
+  (void)fprintf(file, "<DataArray type=\"Float64\" %s format=\"ascii\">\n", head);
+  for (int e = 0; e < cells; e++, x += points * components)
+    for (int i = 0; i < components; i++) {
+      double sum = x[i];
+      for (int k = 1; k < points; k++)
+        sum += x[i + k * components];
+      (void)fprintf(file, "%.*g%c", digits, sum / points, i + 1 < components ? ' ' : '\n');
+    }
+  (void)fprintf(file, "</DataArray>\n");
+}
+
+dls_status dlsi_vtu_end(const char *path, FILE *file, const double *xy, int nodes, const int *node,
+                        int corners, int cells, int digits, dls_error *error) {
   (void)fprintf(file, "</CellData>\n<Points>\n");
   dlsi_vtu_plane(file, "points", xy, nodes, digits);
   (void)fprintf(file, "</Points>\n<Cells>\n"
@@ -41,42 +64,37 @@ void dlsi_vtu_end(FILE *file, const double *xy, int nodes, const int *node, int 
   for (int e = 0; e < cells; e++)
     (void)fprintf(file, "%d\n", corners == 3 ? vtk_triangle : vtk_quad);
   (void)fprintf(file, "</DataArray>\n</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
+  return dlsi_file_finish(path, file, error);
 }
 
-static void write_grid(FILE *file, const dls_fe_mesh *mesh, const double *displacement,
-                       const double *reaction, const double *stress) {
+static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh,
+                                const double *displacement, const double *reaction,
+                                const double *stress, dls_error *error) {
   enum { digits = 17 };
-  dlsi_vtu_begin(file, mesh->nodes, mesh->triangles);
+  if (!path) return dlsi_is_null(error, "path");
+  dls_status status = dlsi_fe_check_mesh(mesh, error);
+  if (status) return status;
+  const size_t n = 2 * (size_t)mesh->nodes, cells = 3 * (size_t)mesh->triangles;
+  if (displacement) status = dlsi_check_vector("displacement", displacement, n, error);
+  if (!status && reaction) status = dlsi_check_vector("reaction", reaction, n, error);
+  if (!status && stress) status = dlsi_check_vector("stress", stress, cells, error);
+  if (status) return status;
+
+  FILE *file = dlsi_vtu_begin(path, mesh->nodes, mesh->triangles, error);
+  if (!file) return DLS_E_FILE;
   if (displacement) dlsi_vtu_plane(file, "displacement", displacement, mesh->nodes, digits);
   if (reaction) dlsi_vtu_plane(file, "reaction", reaction, mesh->nodes, digits);
-  (void)fprintf(file, "</PointData>\n<CellData>\n");
-  if (stress) {
-    (void)fprintf(file, "<DataArray type=\"Float64\" Name=\"stress\" NumberOfComponents=\"3\" "
-                        "ComponentName0=\"xx\" ComponentName1=\"yy\" ComponentName2=\"xy\" "
-                        "format=\"ascii\">\n");
-    for (int e = 0; e < mesh->triangles; e++, stress += 3)
-      (void)fprintf(file, "%.17g %.17g %.17g\n", stress[0], stress[1], stress[2]);
-    (void)fprintf(file, "</DataArray>\n");
-  }
-  dlsi_vtu_end(file, mesh->xy, mesh->nodes, mesh->node, 3, mesh->triangles, digits);
+  dlsi_vtu_cells(file);
+  if (stress)
+    dlsi_vtu_means(file,
+                   "Name=\"stress\" NumberOfComponents=\"3\" "
+                   "ComponentName0=\"xx\" ComponentName1=\"yy\" ComponentName2=\"xy\"",
+                   stress, 3, 1, mesh->triangles, digits);
+  return dlsi_vtu_end(path, file, mesh->xy, mesh->nodes, mesh->node, 3, mesh->triangles, digits,
+                      error);
 }
 
 dls_status dls_fe_write_vtu(const char *path, const dls_fe_mesh *mesh, const double *displacement,
                             const double *reaction, const double *stress, dls_error *error) {
-  if (!path) return dlsi_at(__func__, dlsi_is_null(error, "path"), error);
-  dls_status status = dlsi_fe_check_mesh(mesh, error);
-  if (status) return dlsi_at(__func__, status, error);
-  const size_t n = 2 * (size_t)mesh->nodes, cells = 3 * (size_t)mesh->triangles;
-  if (displacement) status = dlsi_fe_check_vector("displacement", displacement, n, error);
-  if (!status && reaction) status = dlsi_fe_check_vector("reaction", reaction, n, error);
-  if (!status && stress) status = dlsi_fe_check_vector("stress", stress, cells, error);
-  if (status) return dlsi_at(__func__, status, error);
-
-  FILE *file = fopen(path, "w");
-  if (!file)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "%.60s: cannot be opened", path),
-                   error);
-  write_grid(file, mesh, displacement, reaction, stress);
-  return dlsi_at(__func__, dlsi_file_finish(path, file, error), error);
+  return dlsi_at(__func__, fe_write_grid(path, mesh, displacement, reaction, stress, error), error);
 }

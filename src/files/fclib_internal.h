@@ -1,4 +1,4 @@
-/* fclib_internal.h: the names of a matrix's data sets, for reading and writing. */
+/* fclib_internal.h: names of the data sets of the matrices in an FCLIB file, within their group. */
 #ifndef DLSI_FCLIB_H
 #define DLSI_FCLIB_H
 
@@ -8,5 +8,7 @@ typedef struct matrix_names {
 
 #define MATRIX(a)                                                                                  \
   { a "/m", a "/n", a "/nz", a "/nzmax", a "/p", a "/i", a "/x" }
+
+static const matrix_names names_W = MATRIX("W"), names_M = MATRIX("M"), names_H = MATRIX("H");
 
 #endif

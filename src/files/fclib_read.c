@@ -1,6 +1,6 @@
 /*
- * fclib_read.c: contact problems from FCLIB files (Acary, Bremond, Koziara, Perignon, "FCLIB: a collection
- * of discrete 3D frictional contact problems", INRIA RT-0444, 2014), in HDF5.
+ * fclib_read.c: reads contact problems from FCLIB files (Acary, Bremond, Koziara, Perignon,
+ * "FCLIB: a collection of discrete 3D frictional contact problems", INRIA RT-0444, 2014), in HDF5.
  *
  *   fclib_local/   W, vectors/q, vectors/mu, spacedim, info/title            u = W r + q
  *   fclib_global/  M, H, vectors/f, w, mu, spacedim, info/title   M v = H r + f,  u = H^T v + w
@@ -8,11 +8,11 @@
  *
  * A matrix is a group m, n, nz, nzmax, p, i, x, as in CSparse:
  *   nz = -1  compressed columns: those of column j stand at p[j] <= k < p[j+1], rows i[k]
- *   nz = -2  compressed rows: the same, transposed
+ *   nz = -2  compressed rows: those of row i stand at p[i] <= k < p[i+1], columns i[k]
  *   nz >= 0  nz triplets, row i[k], column p[k]
  * i and x may be longer than what is used. Entries of the same place add up. Bilateral constraints
  * (V, R, s of a local problem, G, b of a global one) are not read. A file that holds both problems
- * is read as the local one, which is the same condensed.
+ * is read as the local one, which is the global one condensed.
  *
  * A file is not to be trusted: sizes are checked against each other and against the extents of the
  * data sets before memory is taken, indices and values before they are used. HDF5 prints its
@@ -20,7 +20,6 @@
  */
 #include <hdf5.h>
 #include <limits.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,16 +29,10 @@
 #include "files/fclib_internal.h"
 #include "files/file.h"
 
-/* compressed columns of d x d blocks, that own their arrays */
-typedef struct block_columns {
-  int *p, *i;
-  double *x;
-} block_columns;
-
 struct dls_fclib {
   int global, d, nc, n;
   char *title;
-  block_columns W;        /* local */
+  dlsi_columns W;         /* local: by blocks, x[d d k..] in block row i[k] */
   dlsi_columns M, HN, HT; /* global */
   double *f;              /* global: n */
   double *q, *mu;         /* q: d nc, the w of a global problem; mu: nc */
@@ -49,44 +42,33 @@ struct dls_fclib {
 /* ---- data sets ------------------------------------------------------------------------------- */
 
 typedef struct source {
-  hid_t group; /* the names of data sets start here */
+  hid_t group; /* where the names of data sets start */
   dls_error *error;
 } source;
 
-static dls_status bad(const source *s, const char *name, long long index, double value,
-                      const char *format, ...) DLSI_PRINTF(5, 6);
-
-static dls_status bad(const source *s, const char *name, long long index, double value,
-                      const char *format, ...) {
-  char text[120];
-  va_list args;
-  va_start(args, format);
-  if (vsnprintf(text, sizeof text, format, args) < 0) text[0] = '\0';
-  va_end(args);
-  (void)dlsi_fail(s->error, DLS_E_FORMAT, name, index, value, "%s", text);
-  return DLS_E_FORMAT;
-}
-
-/* Space and type of a data set that is to give `count` numbers, more if `longer`. */
+/* Checks space and type of a data set that is to hold `count` numbers, or at least as many if
+ * `longer`. */
 static dls_status check_set(const source *s, const char *name, hid_t set, hid_t space, hid_t type,
                             size_t count, int longer) {
   const hid_t stored = H5Dget_type(set);
   const H5T_class_t kind = stored < 0 ? H5T_NO_CLASS : H5Tget_class(stored);
   if (stored >= 0) (void)H5Tclose(stored);
   if (kind != H5T_INTEGER && (kind != H5T_FLOAT || H5Tget_class(type) != H5T_FLOAT))
-    return bad(s, name, -1, 0, "has the wrong type");
+    return dlsi_fail(s->error, DLS_E_FORMAT, name, -1, 0, "has the wrong type");
   const hssize_t held = H5Sget_simple_extent_npoints(space);
   if (held < 0 || (size_t)held < count || ((size_t)held > count && !longer))
-    return bad(s, name, -1, (double)held, "holds %lld values, must hold %s%zu", (long long)held,
-               longer ? "at least " : "", count);
+    return dlsi_fail(s->error, DLS_E_FORMAT, name, -1, (double)held,
+                     "holds %lld values, must hold %s%zu", (long long)held,
+                     longer ? "at least " : "", count);
   if ((size_t)held > count && H5Sget_simple_extent_ndims(space) != 1)
-    return bad(s, name, -1, 0, "must have one dimension");
-  if (count && H5Dget_storage_size(set) == 0) return bad(s, name, -1, 0, "was never written");
+    return dlsi_fail(s->error, DLS_E_FORMAT, name, -1, 0, "must have one dimension");
+  if (count && H5Dget_storage_size(set) == 0)
+    return dlsi_fail(s->error, DLS_E_FORMAT, name, -1, 0, "was never written");
   return DLS_OK;
 }
 
-/* x := the first `count` values of the data set, converted to `type` */
-static herr_t read_values(hid_t set, hid_t space, hid_t type, size_t count, void *x) {
+/* Reads the first `count` values of the data set into x, converted to `type`. */
+static herr_t read_first(hid_t set, hid_t space, hid_t type, size_t count, void *x) {
   if (!count) return 0;
   const hsize_t start = 0, n = count;
   if (H5Sget_simple_extent_npoints(space) == (hssize_t)count)
@@ -99,22 +81,19 @@ static herr_t read_values(hid_t set, hid_t space, hid_t type, size_t count, void
   return done;
 }
 
-/* *out = a new array of `count` numbers of `type` from data set `name`, NULL on error. Integers that do not fit
- * an int arrive as INT_MAX, which no check lets pass. */
+/* Reads `count` numbers of `type` from data set `name` into a new array *out, NULL on error.
+ * Integers that do not fit an int arrive as INT_MAX, which no check lets pass. */
 static dls_status read_set(const source *s, const char *name, hid_t type, size_t count, int longer,
                            void **out) {
   *out = NULL;
   const hid_t set = H5Dopen2(s->group, name, H5P_DEFAULT);
-  if (set < 0) return bad(s, name, -1, 0, "no such data set");
+  if (set < 0) return dlsi_fail(s->error, DLS_E_FORMAT, name, -1, 0, "no such data set");
   const hid_t space = H5Dget_space(set);
   dls_status status = check_set(s, name, set, space, type, count, longer);
-  void *x = NULL;
-  if (!status) {
-    x = dlsi_alloc(count, H5Tget_size(type));
-    if (!x) status = dlsi_no_memory(s->error);
-  }
-  if (!status && read_values(set, space, type, count, x) < 0)
-    status = bad(s, name, -1, 0, "cannot be read");
+  void *x = status ? NULL : dlsi_alloc(count, H5Tget_size(type));
+  if (!status && !x) status = dlsi_no_memory(s->error);
+  if (!status && read_first(set, space, type, count, x) < 0)
+    status = dlsi_fail(s->error, DLS_E_FORMAT, name, -1, 0, "cannot be read");
   if (space >= 0) (void)H5Sclose(space);
   (void)H5Dclose(set);
   if (status)
@@ -130,12 +109,12 @@ static dls_status read_int(const source *s, const char *name, int least, int *va
   if (!x) return status;
   const int v = *(int *)x;
   free(x);
-  if (v < least || v == INT_MAX) return bad(s, name, -1, v, "is %d", v);
+  if (v < least || v == INT_MAX) return dlsi_fail(s->error, DLS_E_FORMAT, name, -1, v, "is %d", v);
   *value = v;
   return DLS_OK;
 }
 
-/* *out = `count` indices, each in 0 .. bound-1 */
+/* Reads `count` indices, each in 0 .. bound-1. */
 static dls_status read_indices(const source *s, const char *name, int count, int bound, int **out) {
   void *x;
   const dls_status status = read_set(s, name, H5T_NATIVE_INT, (size_t)count, 1, &x);
@@ -143,7 +122,8 @@ static dls_status read_indices(const source *s, const char *name, int count, int
   *out = x;
   for (int k = 0; k < count; k++)
     if ((*out)[k] < 0 || (*out)[k] >= bound)
-      return bad(s, name, k, (*out)[k], "is %d, must be in 0 .. %d", (*out)[k], bound - 1);
+      return dlsi_fail(s->error, DLS_E_FORMAT, name, k, (*out)[k], "is %d, must be in 0 .. %d",
+                       (*out)[k], bound - 1);
   return DLS_OK;
 }
 
@@ -154,31 +134,25 @@ static dls_status read_doubles(const source *s, const char *name, size_t count, 
   if (!x) return status;
   *out = x;
   const long long k = dlsi_first_not_finite(*out, count);
-  if (k >= 0) return bad(s, name, k, (*out)[k], "is not finite");
+  if (k >= 0) return dlsi_fail(s->error, DLS_E_FORMAT, name, k, (*out)[k], "is not finite");
   return DLS_OK;
 }
 
 /* ---- matrices -------------------------------------------------------------------------------- */
 
-static const matrix_names names_W = MATRIX("W"), names_M = MATRIX("M"), names_H = MATRIX("H");
-
-/* *p (lines + 1): where the compressed lines begin */
-static dls_status read_lines(const source *s, const char *name, int lines, int nzmax, int **p) {
-  const dls_status status = read_indices(s, name, lines + 1, nzmax + 1, p);
-  if (status) return status;
-  // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): status 0 vouches for it
-  if ((*p)[0] != 0) return bad(s, name, 0, (*p)[0], "must be 0");
-  for (int j = 0; j < lines; j++)
-    if ((*p)[j + 1] < (*p)[j])
-      return bad(s, name, j + 1, (*p)[j + 1], "is less than the one before it");
-  return DLS_OK;
-}
-
-/* *minor, *major := position within the line, and line, of each of *count entries */
+/* Reads compressed lines, columns or rows. *major, *minor: line of each entry, and position in
+ * that line, *count each. */
 static dls_status read_compressed(const source *s, const matrix_names *name, int lines, int bound,
                                   int nzmax, int *count, int **minor, int **major) {
   int *p = NULL;
-  dls_status status = read_lines(s, name->p, lines, nzmax, &p);
+  dls_status status = read_indices(s, name->p, lines + 1, nzmax + 1, &p);
+  // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): status 0 vouches for it
+  if (!status && p[0] != 0)
+    status = dlsi_fail(s->error, DLS_E_FORMAT, name->p, 0, p[0], "must be 0");
+  for (int j = 0; !status && j < lines; j++)
+    if (p[j + 1] < p[j])
+      status = dlsi_fail(s->error, DLS_E_FORMAT, name->p, j + 1, p[j + 1],
+                         "is less than the one before it");
   if (!status) {
     *count = p[lines];
     status = read_indices(s, name->i, *count, bound, minor);
@@ -194,7 +168,7 @@ static dls_status read_compressed(const source *s, const matrix_names *name, int
   return status;
 }
 
-/* Leaves to the caller what it has read, on error too. */
+/* Reads a matrix in any of the three formats. On error, too, the caller frees t. */
 static dls_status read_matrix(const source *s, const matrix_names *name, dlsi_triplets *t) {
   int nz = 0, nzmax = 0;
   dls_status status = read_int(s, name->m, 1, &t->rows);
@@ -214,20 +188,17 @@ static dls_status read_matrix(const source *s, const matrix_names *name, dlsi_tr
   return status;
 }
 
-/* B := A (d nc x d nc) by blocks: one block wherever A has an entry */
-static dls_status gather_blocks(const dlsi_columns *A, int d, block_columns *B, dls_error *error) {
+/* Gathers A (d nc x d nc) by blocks into B: one block wherever A has an entry. */
+static dls_status gather_blocks(const dlsi_columns *A, int d, dlsi_columns *B, dls_error *error) {
   const int nc = A->cols / d;
   const size_t dd = (size_t)d * (size_t)d;
-  int *block = dlsi_alloc((size_t)nc, sizeof *block); /* the latest block of each block row */
+  int *block = dlsi_alloc((size_t)nc, sizeof *block); /* latest block of each block row */
   B->p = dlsi_alloc((size_t)nc + 1, sizeof *B->p);
-  if (!block || !B->p) {
-    free(block);
-    return dlsi_no_memory(error);
-  }
-  for (int pass = 0; pass < 2; pass++) { /* count, fill */
+  dls_status status = block && B->p ? DLS_OK : dlsi_no_memory(error);
+  for (int pass = 0; !status && pass < 2; pass++) { /* count, fill */
+    int count = 0;
     for (int b = 0; b < nc; b++)
       block[b] = -1;
-    int count = 0;
     for (int c = 0; c < nc; c++) {
       B->p[c] = count;
       for (int j = 0; j < d; j++)
@@ -243,46 +214,37 @@ static dls_status gather_blocks(const dlsi_columns *A, int d, block_columns *B, 
     B->p[nc] = count;
     if (pass == 1) break;
     B->i = dlsi_alloc((size_t)count, sizeof *B->i);
-    B->x = dlsi_alloc((size_t)count, dd * sizeof *B->x);
-    if (!B->i || !B->x) {
-      free(block);
-      return dlsi_no_memory(error);
-    }
-    for (size_t e = 0; e < (size_t)count * dd; e++)
-      B->x[e] = 0;
+    B->x = calloc(count ? (size_t)count : 1, dd * sizeof *B->x);
+    if (!B->i || !B->x) status = dlsi_no_memory(error);
   }
   free(block);
-  return DLS_OK;
+  return status;
 }
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-/* 1 if the link `name`, one step from the group, is there */
-static int has(const source *s, const char *name) {
+/* Returns 1 if the link `name`, one step from the group, is there. */
+static int has_link(const source *s, const char *name) {
   return H5Lexists(s->group, name, H5P_DEFAULT) > 0;
 }
 
-/* *text = a new copy of a string of fixed length, NULL if that cannot be read */
+/* Copies a string of fixed length into a new *text; leaves NULL if HDF5 cannot convert it. */
 static dls_status read_fixed_text(hid_t set, hid_t stored, char **text, dls_error *error) {
   const size_t length = H5Tget_size(stored);
   const hid_t type = H5Tcopy(stored);
   if (type < 0) return DLS_OK;
-  dls_status status = DLS_OK;
-  if (length > 0 && length < SIZE_MAX && H5Tset_size(type, length + 1) >= 0 &&
-      H5Tset_strpad(type, H5T_STR_NULLTERM) >= 0) {
-    *text = dlsi_alloc(length + 1, 1);
-    if (!*text)
-      status = dlsi_no_memory(error);
-    else if (H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, *text) < 0)
-      (*text)[0] = '\0';
-    else
-      (*text)[length] = '\0';
+  const int usable = length > 0 && length < SIZE_MAX && H5Tset_size(type, length + 1) >= 0 &&
+                     H5Tset_strpad(type, H5T_STR_NULLTERM) >= 0;
+  if (usable) *text = dlsi_alloc(length + 1, 1);
+  if (*text) {
+    const herr_t done = H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, *text);
+    (*text)[done < 0 ? 0 : length] = '\0';
   }
   (void)H5Tclose(type);
-  return status;
+  return *text || !usable ? DLS_OK : dlsi_no_memory(error);
 }
 
-/* the same for a string of variable length, which HDF5 allocates */
+/* Copies a string of variable length, which HDF5 allocates, into a new *text. */
 static dls_status read_variable_text(hid_t set, hid_t stored, hid_t space, char **text,
                                      dls_error *error) {
   char *held = NULL;
@@ -294,7 +256,7 @@ static dls_status read_variable_text(hid_t set, hid_t stored, hid_t space, char 
   return *text ? DLS_OK : dlsi_no_memory(error);
 }
 
-/* A title that is not there or is not one string is no error. */
+/* Reads the title; it is no error if none is there or if it is not one string. */
 static dls_status read_title(const source *s, char **title) {
   const hid_t set = H5Dopen2(s->group, "info/title", H5P_DEFAULT);
   if (set < 0) return DLS_OK;
@@ -311,35 +273,33 @@ static dls_status read_title(const source *s, char **title) {
   return status;
 }
 
-/* DLS_E_UNSUPPORTED if matrix or vector of bilateral constraints are there and not empty */
+/* Returns DLS_E_UNSUPPORTED if the matrix or the vector of bilateral constraints is there and not
+ * empty. */
 static dls_status refuse_bilateral(const source *s, const char *matrix, const char *m,
                                    const char *n, const char *vector) {
   int rows = 0, cols = 0;
-  if (has(s, matrix)) {
-    dls_status status = read_int(s, m, 0, &rows);
+  dls_status status = DLS_OK;
+  if (has_link(s, matrix)) {
+    status = read_int(s, m, 0, &rows);
     if (!status) status = read_int(s, n, 0, &cols);
-    if (status) return status;
-    if (rows > 0 && cols > 0)
-      return dlsi_fail(s->error, DLS_E_UNSUPPORTED, matrix, -1, 0,
-                       "bilateral constraints are not read");
   }
-  const hid_t set = H5Dopen2(s->group, vector, H5P_DEFAULT);
-  if (set < 0) return DLS_OK;
-  const hid_t space = H5Dget_space(set);
+  const hid_t set = status ? -1 : H5Dopen2(s->group, vector, H5P_DEFAULT);
+  const hid_t space = set < 0 ? -1 : H5Dget_space(set);
   const hssize_t held = space < 0 ? 0 : H5Sget_simple_extent_npoints(space);
   if (space >= 0) (void)H5Sclose(space);
-  (void)H5Dclose(set);
-  if (held > 0)
-    return dlsi_fail(s->error, DLS_E_UNSUPPORTED, vector, -1, (double)held,
-                     "bilateral constraints are not read");
-  return DLS_OK;
+  if (set >= 0) (void)H5Dclose(set);
+  const int empty = rows < 1 || cols < 1;
+  if (status || (empty && held < 1)) return status;
+  return dlsi_fail(s->error, DLS_E_UNSUPPORTED, empty ? vector : matrix, -1, (double)held,
+                   "bilateral constraints are not read");
 }
 
-/* file->nc from the size of the local space, which `name` gives */
+/* Sets file->nc from the size of the local space, which data set `name` holds. */
 static dls_status set_candidates(const source *s, const char *name, int size, dls_fclib *file) {
   // NOLINTNEXTLINE(clang-analyzer-core.DivideZero): status 0 vouches for it
   if (size % file->d != 0)
-    return bad(s, name, -1, size, "is %d, must be a multiple of spacedim = %d", size, file->d);
+    return dlsi_fail(s->error, DLS_E_FORMAT, name, -1, size,
+                     "is %d, must be a multiple of spacedim = %d", size, file->d);
   file->nc = size / file->d;
   return DLS_OK;
 }
@@ -349,7 +309,8 @@ static dls_status read_friction(const source *s, dls_fclib *file) {
   if (status) return status;
   for (int c = 0; c < file->nc; c++)
     // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): status 0 vouches for it
-    if (file->mu[c] < 0) return bad(s, "vectors/mu", c, file->mu[c], "is negative");
+    if (file->mu[c] < 0)
+      return dlsi_fail(s->error, DLS_E_FORMAT, "vectors/mu", c, file->mu[c], "is negative");
   return DLS_OK;
 }
 
@@ -360,9 +321,11 @@ static dls_status read_local(const source *s, dls_fclib *file) {
   if (!status) status = refuse_bilateral(s, "R", "R/m", "R/n", "vectors/s");
   if (!status) status = read_matrix(s, &names_W, &W);
   if (!status && W.rows != W.cols)
-    status = bad(s, "W/n", -1, W.cols, "is %d, W has %d rows", W.cols, W.rows);
+    status = dlsi_fail(s->error, DLS_E_FORMAT, "W/n", -1, W.cols, "is %d, W has %d rows", W.cols,
+                       W.rows);
   if (!status) status = set_candidates(s, "W/m", W.rows, file);
-  /* before memory is taken: a vector of m values is more than a claim that there are m rows */
+  /* read q before memory is taken: a vector of m values is more than a claim that there are m
+   * rows */
   if (!status) status = read_doubles(s, "vectors/q", (size_t)W.rows, 0, &file->q);
   if (!status) status = dlsi_columns_compress(&W, file->d, DLSI_ALL, &A, s->error);
   if (!status) status = gather_blocks(&A, file->d, &file->W, s->error);
@@ -376,11 +339,13 @@ static dls_status read_global(const source *s, dls_fclib *file) {
   dls_status status = refuse_bilateral(s, "G", "G/m", "G/n", "vectors/b");
   if (!status) status = read_matrix(s, &names_M, &M);
   if (!status && M.rows != M.cols)
-    status = bad(s, "M/n", -1, M.cols, "is %d, M has %d rows", M.cols, M.rows);
+    status = dlsi_fail(s->error, DLS_E_FORMAT, "M/n", -1, M.cols, "is %d, M has %d rows", M.cols,
+                       M.rows);
   file->n = M.rows;
   if (!status) status = read_matrix(s, &names_H, &H);
   if (!status && H.rows != M.rows)
-    status = bad(s, "H/m", -1, H.rows, "is %d, M has %d rows", H.rows, M.rows);
+    status = dlsi_fail(s->error, DLS_E_FORMAT, "H/m", -1, H.rows, "is %d, M has %d rows", H.rows,
+                       M.rows);
   if (!status) status = set_candidates(s, "H/n", H.cols, file);
   if (!status) status = read_doubles(s, "vectors/f", (size_t)M.rows, 0, &file->f);
   if (!status) status = read_doubles(s, "vectors/w", (size_t)H.cols, 0, &file->q);
@@ -395,7 +360,9 @@ static dls_status read_global(const source *s, dls_fclib *file) {
 static dls_status read_problem(const source *s, dls_fclib *file) {
   dls_status status = read_int(s, "spacedim", 2, &file->d);
   if (status) return status;
-  if (file->d > 3) return bad(s, "spacedim", -1, file->d, "is %d, must be 2 or 3", file->d);
+  if (file->d > 3)
+    return dlsi_fail(s->error, DLS_E_FORMAT, "spacedim", -1, file->d, "is %d, must be 2 or 3",
+                     file->d);
   status = file->global ? read_global(s, file) : read_local(s, file);
   if (!status) status = read_friction(s, file);
   if (!status) status = read_title(s, &file->title);
@@ -405,24 +372,26 @@ static dls_status read_problem(const source *s, dls_fclib *file) {
 static dls_status read_solution(const source *s, dls_fclib *file) {
   const size_t m = (size_t)file->d * (size_t)file->nc;
   dls_status status = DLS_OK;
-  if (!has(s, "solution")) return DLS_OK;
+  if (!has_link(s, "solution")) return DLS_OK;
   const source in = {H5Gopen2(s->group, "solution", H5P_DEFAULT), s->error};
-  if (in.group < 0) return bad(s, "solution", -1, 0, "is no group");
-  if (has(&in, "r")) status = read_doubles(&in, "r", m, 0, &file->r);
-  if (!status && has(&in, "u")) status = read_doubles(&in, "u", m, 0, &file->u);
+  if (in.group < 0) return dlsi_fail(s->error, DLS_E_FORMAT, "solution", -1, 0, "is no group");
+  if (has_link(&in, "r")) status = read_doubles(&in, "r", m, 0, &file->r);
+  if (!status && has_link(&in, "u")) status = read_doubles(&in, "u", m, 0, &file->u);
   (void)H5Gclose(in.group);
   return status;
 }
 
 static dls_status read_file(dls_fclib *file, const char *path, dls_error *error) {
   const source top = {H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), error};
-  if (top.group < 0) return bad(&top, "path", -1, 0, "is not an HDF5 file, or not a whole one");
-  file->global = !has(&top, "fclib_local");
+  if (top.group < 0)
+    return dlsi_fail(error, DLS_E_FORMAT, "path", -1, 0, "is not an HDF5 file, or not a whole one");
+  file->global = !has_link(&top, "fclib_local");
   const source s = {H5Gopen2(top.group, file->global ? "fclib_global" : "fclib_local", H5P_DEFAULT),
                     error};
   dls_status status;
   if (s.group < 0)
-    status = bad(&top, "path", -1, 0, "has no group fclib_local or fclib_global");
+    status =
+        dlsi_fail(error, DLS_E_FORMAT, "path", -1, 0, "has no group fclib_local or fclib_global");
   else {
     status = read_problem(&s, file);
     (void)H5Gclose(s.group);
@@ -432,25 +401,30 @@ static dls_status read_file(dls_fclib *file, const char *path, dls_error *error)
   return status;
 }
 
-dls_status dls_fclib_read(dls_fclib **out, const char *path, dls_error *error) {
-  if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
+static dls_status read_new(dls_fclib **out, const char *path, dls_error *error) {
+  if (!out) return dlsi_is_null(error, "out");
   *out = NULL;
-  if (!path) return dlsi_at(__func__, dlsi_is_null(error, "path"), error);
+  if (!path) return dlsi_is_null(error, "path");
   FILE *probe = dlsi_file_open(path, error);
-  if (!probe) return dlsi_at(__func__, DLS_E_FILE, error);
+  if (!probe) return DLS_E_FILE;
   (void)fclose(probe);
   dls_fclib *file = dlsi_alloc(1, sizeof *file);
-  if (!file) return dlsi_at(__func__, dlsi_no_memory(error), error);
+  if (!file) return dlsi_no_memory(error);
   *file = (dls_fclib){0};
-  dls_status status;
-  H5E_BEGIN_TRY {
-    status = read_file(file, path, error);
-  }
-  H5E_END_TRY;
+  const dls_status status = read_file(file, path, error);
   if (status)
     dls_fclib_destroy(file);
   else
     *out = file;
+  return status;
+}
+
+dls_status dls_fclib_read(dls_fclib **out, const char *path, dls_error *error) {
+  dls_status status;
+  H5E_BEGIN_TRY {
+    status = read_new(out, path, error);
+  }
+  H5E_END_TRY;
   return dlsi_at(__func__, status, error);
 }
 
@@ -464,44 +438,37 @@ const char *dls_fclib_title(const dls_fclib *file) {
   return file && file->title ? file->title : "";
 }
 
+/* Checks that there is a file that holds a problem of the wanted kind. */
+static dls_status check_kind(const dls_fclib *file, int global, dls_error *error) {
+  if (!file) return dlsi_is_null(error, "file");
+  if (file->global == global) return DLS_OK;
+  return dlsi_fail(error, DLS_E_ARGUMENT, "file", -1, 0, "holds a %s problem",
+                   file->global ? "global" : "local");
+}
+
 dls_status dls_fclib_contact(const dls_fclib *file, dls_contact *problem, dls_error *error) {
-  if (!file || file->global)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_ARGUMENT, "file", -1, 0,
-                             file ? "holds a global problem" : "is NULL"),
-                   error);
-  if (!problem) return dlsi_at(__func__, dlsi_is_null(error, "problem"), error);
-  *problem = (dls_contact){
-      .d = file->d,
-      .nc = file->nc,
-      .Wb = {file->d, file->nc, file->W.p, file->W.i, file->W.x},
-      .q = file->q,
-      .mu = file->mu,
-  };
+  dls_status status = check_kind(file, 0, error);
+  if (!status && !problem) status = dlsi_is_null(error, "problem");
+  if (status) return dlsi_at(__func__, status, error);
+  *problem = (dls_contact){.d = file->d, .nc = file->nc, .q = file->q, .mu = file->mu};
+  problem->Wb = (dls_blocks){file->d, file->nc, file->W.p, file->W.i, file->W.x};
   return DLS_OK;
 }
 
 dls_status dls_fclib_model(const dls_fclib *file, dls_model *model, const double **f,
                            const double **g, const double **mu, dls_error *error) {
-  if (!file || !file->global)
-    return dlsi_at(
-        __func__,
-        dlsi_fail(error, DLS_E_ARGUMENT, "file", -1, 0, file ? "holds a local problem" : "is NULL"),
-        error);
-  if (!model) return dlsi_at(__func__, dlsi_is_null(error, "model"), error);
-  if (!f) return dlsi_at(__func__, dlsi_is_null(error, "f"), error);
-  if (!g) return dlsi_at(__func__, dlsi_is_null(error, "g"), error);
-  if (!mu) return dlsi_at(__func__, dlsi_is_null(error, "mu"), error);
-  *model = (dls_model){
-      .d = file->d,
-      .n = file->n,
-      .nodes = file->nc,
-      .operator_kind = DLS_STIFFNESS_SPARSE,
-      .factorization = DLS_LU,
-      .Ks = dlsi_columns_view(&file->M),
-      .HN = dlsi_columns_view(&file->HN),
-      .HT = dlsi_columns_view(&file->HT),
-  };
+  dls_status status = check_kind(file, 1, error);
+  if (!status && !model) status = dlsi_is_null(error, "model");
+  if (!status && !f) status = dlsi_is_null(error, "f");
+  if (!status && !g) status = dlsi_is_null(error, "g");
+  if (!status && !mu) status = dlsi_is_null(error, "mu");
+  if (status) return dlsi_at(__func__, status, error);
+  *model = (dls_model){.d = file->d, .n = file->n, .nodes = file->nc};
+  model->operator_kind = DLS_STIFFNESS_SPARSE;
+  model->factorization = DLS_LU;
+  model->Ks = dlsi_columns_view(&file->M);
+  model->HN = dlsi_columns_view(&file->HN);
+  model->HT = dlsi_columns_view(&file->HT);
   *f = file->f;
   *g = file->q;
   *mu = file->mu;
@@ -510,9 +477,10 @@ dls_status dls_fclib_model(const dls_fclib *file, dls_model *model, const double
 
 dls_status dls_fclib_solution(const dls_fclib *file, const double **r, const double **u,
                               dls_error *error) {
-  if (!file) return dlsi_at(__func__, dlsi_is_null(error, "file"), error);
-  if (!r) return dlsi_at(__func__, dlsi_is_null(error, "r"), error);
-  if (!u) return dlsi_at(__func__, dlsi_is_null(error, "u"), error);
+  dls_status status = file ? DLS_OK : dlsi_is_null(error, "file");
+  if (!status && !r) status = dlsi_is_null(error, "r");
+  if (!status && !u) status = dlsi_is_null(error, "u");
+  if (status) return dlsi_at(__func__, status, error);
   *r = file->r;
   *u = file->u;
   return DLS_OK;
@@ -521,9 +489,7 @@ dls_status dls_fclib_solution(const dls_fclib *file, const double **r, const dou
 void dls_fclib_destroy(dls_fclib *file) {
   if (!file) return;
   free(file->title);
-  free(file->W.p);
-  free(file->W.i);
-  free(file->W.x);
+  dlsi_columns_free(&file->W);
   dlsi_columns_free(&file->M);
   dlsi_columns_free(&file->HN);
   dlsi_columns_free(&file->HT);

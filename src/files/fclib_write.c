@@ -1,8 +1,8 @@
 /*
- * fclib_write.c: contact problems to FCLIB files; layout: fclib_read.c.
+ * fclib_write.c: writes contact problems to FCLIB files; fclib_read.c describes the layout.
  *
- * The file is built in HDF5's memory and written in one piece, so that a failure leaves no half file and
- * no handle behind, and the same problem gives the same bytes.
+ * HDF5 builds the file in memory, and it is written in one piece, so that a failure leaves no
+ * half file and no handle behind, and the same problem gives the same bytes.
  */
 #include <hdf5.h>
 #include <limits.h>
@@ -21,70 +21,89 @@ static dls_status too_many(const char *argument, dls_error *error) {
   return dlsi_fail(error, DLS_E_SIZE, argument, -1, 0, "has more entries than an int can count");
 }
 
-/* C := the entries of A that are not zero; with `lower`, the upper triangle is the lower one's */
-static dls_status columns_of_dense(const char *argument, const dls_dense *A, int lower,
-                                   dlsi_columns *C, dls_error *error) {
-  const size_t ld = (size_t)A->ld;
-  long long count = 0;
-  for (int pass = 0; pass < 2; pass++) {
-    if (pass == 1) {
-      if (count > INT_MAX) return too_many(argument, error);
-      const dls_status status = dlsi_columns_alloc(A->rows, A->cols, (int)count, C, error);
-      if (status) return status;
-      C->p[0] = 0;
-      count = 0;
-    }
-    for (int j = 0; j < A->cols; j++) {
-      for (int i = 0; i < A->rows; i++) {
-        const int upper = lower && i < j;
-        const double x =
-            upper ? A->a[(size_t)j + (size_t)i * ld] : A->a[(size_t)i + (size_t)j * ld];
-        if (x == 0) continue;
-        if (pass == 1) {
-          C->i[count] = i;
-          C->x[count] = x;
-        }
-        count++;
-      }
-      if (pass == 1) C->p[j + 1] = (int)count;
-    }
+/* The columns of a matrix, which a column_fn adds entry by entry: twice, to count and to fill. */
+typedef struct builder {
+  dlsi_columns *C; /* C->i: NULL while counting */
+  long long count;
+} builder;
+
+typedef void (*column_fn)(const void *source, int j, builder *b);
+
+static void add_entry(builder *b, int i, double x) {
+  if (b->C->i) {
+    b->C->i[b->count] = i;
+    b->C->x[b->count] = x;
   }
-  return DLS_OK;
+  b->count++;
 }
 
-/* C := W by blocks, every entry of every block */
-static dls_status columns_of_blocks(const dls_blocks *B, dlsi_columns *C, dls_error *error) {
-  const int d = B->d, m = d * B->n;
-  if (B->p[B->n] > INT_MAX / (d * d)) return too_many("Wb", error);
-  const dls_status status = dlsi_columns_alloc(m, m, d * d * B->p[B->n], C, error);
+/* Builds C (rows x cols) column by column. Errors call the source `argument`. */
+static dls_status build_columns(const char *argument, int rows, int cols, column_fn column,
+                                const void *source, dlsi_columns *C, dls_error *error) {
+  builder count = {.C = C}, fill = {.C = C};
+  for (int j = 0; j < cols; j++)
+    column(source, j, &count);
+  if (count.count > INT_MAX) return too_many(argument, error);
+  const dls_status status = dlsi_columns_alloc(rows, cols, (int)count.count, C, error);
   if (status) return status;
-  int count = 0;
-  for (int c = 0; c < B->n; c++)
-    for (int j = 0; j < d; j++) {
-      C->p[d * c + j] = count;
-      for (int k = B->p[c]; k < B->p[c + 1]; k++)
-        for (int i = 0; i < d; i++) {
-          C->i[count] = d * B->i[k] + i;
-          C->x[count++] = B->x[(size_t)k * (size_t)(d * d) + (size_t)(i + d * j)];
-        }
-    }
-  C->p[m] = count;
+  for (int j = 0; j < cols; j++) {
+    C->p[j] = (int)fill.count;
+    column(source, j, &fill);
+  }
+  C->p[cols] = (int)fill.count;
   return DLS_OK;
 }
 
-/* C := K from its lower triangle */
+/* Adds the entries of column j of a dense matrix that are not 0. */
+static void column_of_dense(const void *source, int j, builder *b) {
+  const dls_dense *A = source;
+  for (int i = 0; i < A->rows; i++) {
+    const double x = A->a[(size_t)i + (size_t)j * (size_t)A->ld];
+    if (x != 0) add_entry(b, i, x);
+  }
+}
+
+/* Adds the entries of column j that are not 0 of a symmetric dense matrix, reading its lower
+ * triangle. */
+static void column_of_symmetric(const void *source, int j, builder *b) {
+  const dls_dense *A = source;
+  for (int i = 0; i < A->rows; i++) {
+    const size_t row = (size_t)(i < j ? j : i), col = (size_t)(i < j ? i : j);
+    const double x = A->a[row + col * (size_t)A->ld];
+    if (x != 0) add_entry(b, i, x);
+  }
+}
+
+/* Adds every entry of every block in column j. */
+static void column_of_blocks(const void *source, int j, builder *b) {
+  const dls_blocks *B = source;
+  const int d = B->d;
+  for (int k = B->p[j / d]; k < B->p[j / d + 1]; k++)
+    for (int i = 0; i < d; i++)
+      add_entry(b, d * B->i[k] + i, B->x[(size_t)k * (size_t)(d * d) + (size_t)(i + d * (j % d))]);
+}
+
+/* Adds column j of H, whose columns are those of H_N and H_T candidate by candidate. */
+static void column_of_operators(const void *source, int j, builder *b) {
+  const dls_model *model = source;
+  const int normal = j % model->d == 0;
+  const dls_sparse *A = normal ? &model->HN : &model->HT;
+  const int col = dlsi_column_of(model->d, normal ? DLSI_NORMALS : DLSI_TANGENTS, j);
+  for (int k = A->p[col]; k < A->p[col + 1]; k++)
+    add_entry(b, A->i[k], A->x[k]);
+}
+
+/* Gathers K into C from its lower triangle, mirrored. */
 static dls_status columns_of_lower(const dls_sparse *K, dlsi_columns *C, dls_error *error) {
   long long count = 0;
   for (int j = 0; j < K->cols; j++)
     for (int k = K->p[j]; k < K->p[j + 1]; k++)
       count += K->i[k] > j ? 2 : K->i[k] == j;
   if (count > INT_MAX) return too_many("Ks", error);
-  dlsi_triplets t = {K->rows,
-                     K->cols,
-                     0,
-                     dlsi_alloc((size_t)count, sizeof *t.row),
-                     dlsi_alloc((size_t)count, sizeof *t.col),
-                     dlsi_alloc((size_t)count, sizeof *t.x)};
+  dlsi_triplets t = {.rows = K->rows, .cols = K->cols};
+  t.row = dlsi_alloc((size_t)count, sizeof *t.row);
+  t.col = dlsi_alloc((size_t)count, sizeof *t.col);
+  t.x = dlsi_alloc((size_t)count, sizeof *t.x);
   dls_status status = t.row && t.col && t.x ? DLS_OK : dlsi_no_memory(error);
   for (int j = 0; !status && j < K->cols; j++)
     for (int k = K->p[j]; k < K->p[j + 1]; k++) {
@@ -100,35 +119,13 @@ static dls_status columns_of_lower(const dls_sparse *K, dlsi_columns *C, dls_err
   return status;
 }
 
-/* C := H, the columns of H_N and H_T candidate by candidate */
-static dls_status columns_of_operators(const dls_model *model, dlsi_columns *C, dls_error *error) {
-  const int d = model->d, nc = model->nodes;
-  const dls_sparse *HN = &model->HN, *HT = &model->HT;
-  const int tangents = (d - 1) * nc;
-  if (HN->p[nc] > INT_MAX - HT->p[tangents]) return too_many("HT", error);
-  const dls_status status =
-      dlsi_columns_alloc(model->n, d * nc, HN->p[nc] + HT->p[tangents], C, error);
-  if (status) return status;
-  int count = 0;
-  for (int col = 0; col < d * nc; col++) {
-    const dls_sparse *A = col % d == 0 ? HN : HT;
-    const int j = dlsi_column_of(d, col % d == 0 ? DLSI_NORMALS : DLSI_TANGENTS, col);
-    C->p[col] = count;
-    for (int k = A->p[j]; k < A->p[j + 1]; k++) {
-      C->i[count] = A->i[k];
-      C->x[count++] = A->x[k];
-    }
-  }
-  C->p[d * nc] = count;
-  return DLS_OK;
-}
-
 /* ---- writing --------------------------------------------------------------------------------- */
 
 /* A file under construction, in memory: HDF5 does not recover well from a full disk. */
 typedef struct sink {
   hid_t file, link, create;
-  int failed; /* some step failed: the rest does nothing */
+  const char *group; /* that data sets go to: "fclib_local/", .. */
+  int failed;        /* some step failed: the rest does nothing */
 } sink;
 
 static void sink_open(sink *s, const char *path) {
@@ -150,12 +147,15 @@ static void sink_close(sink *s) {
   if (s->file >= 0) (void)H5Fclose(s->file);
 }
 
-/* a data set of type `stored`, from values x of type `type` in memory */
+/* Puts a data set of type `stored` into the group, from values x of type `type`; x NULL: no
+ * values. */
 static void put_set(sink *s, const char *name, hid_t stored, hid_t type, hid_t space,
                     const void *x) {
+  char path[64];
+  (void)snprintf(path, sizeof path, "%s%s", s->group, name);
   if (s->failed) return;
   s->failed = 1;
-  const hid_t set = H5Dcreate2(s->file, name, stored, space, s->link, s->create, H5P_DEFAULT);
+  const hid_t set = H5Dcreate2(s->file, path, stored, space, s->link, s->create, H5P_DEFAULT);
   if (set < 0) return;
   const herr_t done = !x ? 0 : H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, x);
   s->failed = H5Dclose(set) < 0 || done < 0;
@@ -177,7 +177,7 @@ static void put_doubles(sink *s, const char *name, size_t count, const double *x
   put_vector(s, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, count, x);
 }
 
-/* with its terminating zero, on which FCLIB's own reader relies */
+/* Puts a text with its terminating zero, on which FCLIB's own reader relies. */
 static void put_text(sink *s, const char *name, const char *text) {
   const hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
   if (H5Tset_size(type, strlen(text) + 1) < 0) s->failed = 1;
@@ -185,16 +185,6 @@ static void put_text(sink *s, const char *name, const char *text) {
   if (type >= 0) (void)H5Tclose(type);
   if (space >= 0) (void)H5Sclose(space);
 }
-
-typedef struct group_names {
-  const char *spacedim, *title, *description, *math_info, *mu;
-} group_names;
-
-#define GROUP(a)                                                                                   \
-  { a "/spacedim", a "/info/title", a "/info/description", a "/info/math_info", a "/vectors/mu" }
-static const group_names names_local = GROUP("fclib_local"), names_global = GROUP("fclib_global");
-static const matrix_names local_W = MATRIX("fclib_local/W"), global_M = MATRIX("fclib_global/M"),
-                          global_H = MATRIX("fclib_global/H");
 
 static void put_matrix(sink *s, const matrix_names *name, const dls_sparse *A) {
   // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): status 0 vouches for it
@@ -208,138 +198,141 @@ static void put_matrix(sink *s, const matrix_names *name, const dls_sparse *A) {
   put_doubles(s, name->x, (size_t)entries, A->x);
 }
 
-static void put_common(sink *s, const group_names *name, int d, int nc, const double *mu,
-                       const char *title) {
-  put_ints(s, name->spacedim, 1, &d);
-  put_doubles(s, name->mu, (size_t)nc, mu);
-  if (title && title[0]) put_text(s, name->title, title);
-  put_text(s, name->description, "written by delassus " DLS_VERSION);
-  put_text(s, name->math_info, "unknown");
-}
-
-static void put_solution(sink *s, int n, const double *x, int m, const double *r, const double *u) {
-  if (x) put_doubles(s, "solution/v", (size_t)n, x);
-  if (r) put_doubles(s, "solution/r", (size_t)m, r);
-  if (u) put_doubles(s, "solution/u", (size_t)m, u);
-}
-
-/* The image of the file, from memory to `path`. */
-static dls_status save(sink *s, const char *path, dls_error *error) {
+/* Saves the image of the file from memory to `path`. */
+static dls_status save_image(sink *s, const char *path, dls_error *error) {
   ssize_t size = -1;
   if (!s->failed && H5Fflush(s->file, H5F_SCOPE_GLOBAL) >= 0)
     size = H5Fget_file_image(s->file, NULL, 0);
-  if (size <= 0) return dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "HDF5 cannot build the file");
-  char *image = dlsi_alloc((size_t)size, 1);
-  if (!image) return dlsi_no_memory(error);
+  char *image = size > 0 ? dlsi_alloc((size_t)size, 1) : NULL;
+  if (size > 0 && !image) return dlsi_no_memory(error);
   dls_status status = DLS_OK;
-  FILE *file = NULL;
-  if (H5Fget_file_image(s->file, image, (size_t)size) != size)
+  if (!image || H5Fget_file_image(s->file, image, (size_t)size) != size)
     status = dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "HDF5 cannot build the file");
-  if (!status) {
-    file = fopen(path, "wb");
-    if (!file) status = dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be opened for writing");
-  }
+  FILE *file = status ? NULL : dlsi_file_create(path, "wb", error);
   if (file) {
     (void)fwrite(image, 1, (size_t)size, file); /* a short count sets the file's error */
     status = dlsi_file_finish(path, file, error);
-  }
+  } else
+    status = DLS_E_FILE;
   free(image);
   return status;
 }
 
-/* r and u of m values each, or neither */
+/* A problem and its solution, as they go to a file. */
+typedef struct contents {
+  const char *path, *group, *title;
+  const char *name_of_q; /* in the file */
+  const double *q;       /* d nc */
+  const double *mu;      /* nc */
+  const double *x, *f;   /* n each; NULL: none */
+  const double *r, *u;   /* d nc each; NULL: none */
+  int d, nc, n;          /* n: length of x and f */
+} contents;
+
+/* Writes the contents and `count` matrices. */
+static dls_status write_contents(const contents *c, int count, const matrix_names *const *name,
+                                 const dls_sparse *A, dls_error *error) {
+  const size_t n = (size_t)c->n, nc = (size_t)c->nc, m = (size_t)c->d * nc;
+  sink s = {.group = c->group};
+  sink_open(&s, c->path);
+  put_ints(&s, "spacedim", 1, &c->d);
+  put_doubles(&s, "vectors/mu", nc, c->mu);
+  if (c->title && c->title[0]) put_text(&s, "info/title", c->title);
+  put_text(&s, "info/description", "written by delassus " DLS_VERSION);
+  put_text(&s, "info/math_info", "unknown");
+  for (int k = 0; k < count; k++)
+    put_matrix(&s, name[k], &A[k]);
+  if (c->f) put_doubles(&s, "vectors/f", n, c->f);
+  put_doubles(&s, c->name_of_q, m, c->q);
+  s.group = "solution/";
+  if (c->x) put_doubles(&s, "v", n, c->x);
+  if (c->r) put_doubles(&s, "r", m, c->r);
+  if (c->u) put_doubles(&s, "u", m, c->u);
+  const dls_status status = save_image(&s, c->path, error);
+  sink_close(&s);
+  return status;
+}
+
+/* Checks r and u, of m values each; both may be NULL. */
 static dls_status check_solution(const double *r, const double *u, size_t m, dls_error *error) {
   if (!r && !u) return DLS_OK;
   const dls_status status = dlsi_check_vector("r", r, m, error);
   return status ? status : dlsi_check_vector("u", u, m, error);
 }
 
-static dls_status write_local(const char *path, const dls_contact *problem, const char *title,
-                              const double *r, const double *u, dls_error *error) {
-  const int m = problem->d * problem->nc;
+static dls_status write_local(contents *c, const dls_contact *problem, dls_error *error) {
+  static const matrix_names *const name = &names_W;
+  if (!c->path) return dlsi_is_null(error, "path");
+  dls_status status = dlsi_check_contact(problem, error);
+  if (status) return status;
+  c->d = problem->d, c->nc = problem->nc, c->q = problem->q, c->mu = problem->mu;
+  const int m = c->d * c->nc;
+  status = check_solution(c->r, c->u, (size_t)m, error);
+  if (status) return status;
   dlsi_columns W = {0};
-  dls_status status = problem->Wb.x ? columns_of_blocks(&problem->Wb, &W, error)
-                                    : columns_of_dense("W", &problem->W, 0, &W, error);
-  if (!status) {
-    const dls_sparse A = dlsi_columns_view(&W);
-    sink s;
-    sink_open(&s, path);
-    put_common(&s, &names_local, problem->d, problem->nc, problem->mu, title);
-    put_matrix(&s, &local_W, &A);
-    put_doubles(&s, "fclib_local/vectors/q", (size_t)m, problem->q);
-    put_solution(&s, 0, NULL, m, r, u);
-    status = save(&s, path, error);
-    sink_close(&s);
-  }
+  status = problem->Wb.x ? build_columns("Wb", m, m, column_of_blocks, &problem->Wb, &W, error)
+                         : build_columns("W", m, m, column_of_dense, &problem->W, &W, error);
+  const dls_sparse A = dlsi_columns_view(&W);
+  if (!status) status = write_contents(c, 1, &name, &A, error);
   dlsi_columns_free(&W);
   return status;
 }
 
 dls_status dls_fclib_write_local(const char *path, const dls_contact *problem, const char *title,
                                  const double *r, const double *u, dls_error *error) {
-  if (!path) return dlsi_at(__func__, dlsi_is_null(error, "path"), error);
-  dls_status status = dlsi_check_contact(problem, error);
-  if (status) return dlsi_at(__func__, status, error);
-  status = check_solution(r, u, (size_t)problem->d * (size_t)problem->nc, error);
-  if (status) return dlsi_at(__func__, status, error);
+  contents c = {path, "fclib_local/", title, "vectors/q", .r = r, .u = u};
+  dls_status status;
   H5E_BEGIN_TRY {
-    status = write_local(path, problem, title, r, u, error);
+    status = write_local(&c, problem, error);
   }
   H5E_END_TRY;
   return dlsi_at(__func__, status, error);
 }
 
-static dls_status write_global(const char *path, const dls_model *model, const double *f,
-                               const double *g, const double *mu, const char *title,
-                               const double *x, const double *r, const double *u,
-                               dls_error *error) {
-  const int m = model->d * model->nodes, symmetric = model->factorization != DLS_LU;
-  dlsi_columns K = {0}, H = {0}; /* K: unless the model's own columns serve as they are */
-  dls_status status = DLS_OK;
-  if (model->operator_kind == DLS_STIFFNESS_DENSE)
-    status = columns_of_dense("K", &model->K, symmetric, &K, error);
-  else if (symmetric)
-    status = columns_of_lower(&model->Ks, &K, error);
-  if (!status) status = columns_of_operators(model, &H, error);
-  if (!status) {
-    const dls_sparse M = K.p ? dlsi_columns_view(&K) : model->Ks, A = dlsi_columns_view(&H);
-    sink s;
-    sink_open(&s, path);
-    put_common(&s, &names_global, model->d, model->nodes, mu, title);
-    put_matrix(&s, &global_M, &M);
-    put_matrix(&s, &global_H, &A);
-    put_doubles(&s, "fclib_global/vectors/f", (size_t)model->n, f);
-    put_doubles(&s, "fclib_global/vectors/w", (size_t)m, g);
-    put_solution(&s, model->n, x, m, r, u);
-    status = save(&s, path, error);
-    sink_close(&s);
-  }
-  dlsi_columns_free(&K);
-  dlsi_columns_free(&H);
-  return status;
-}
-
-/* What this file can hold of a model: no P, no operator but K itself. */
-static dls_status check_model(const dls_model *model, dls_error *error) {
+/* Checks a model, and refuses those that an FCLIB file cannot hold: with P, left-out candidates,
+ * or no K. */
+static dls_status check_storable(const dls_model *model, dls_error *error) {
   if (!model) return dlsi_is_null(error, "model");
-  const int d = model->d, n = model->n, nodes = model->nodes;
-  if (d != 2 && d != 3)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "d", -1, d, "is %d, must be 2 or 3", d);
-  if (n < 1) return dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d", n);
-  if (nodes < 1 || nodes > INT_MAX / d)
-    return dlsi_fail(error, DLS_E_SIZE, "nodes", -1, nodes, "is %d", nodes);
+  const int kind = model->operator_kind;
   if (model->P.p) return dlsi_fail(error, DLS_E_UNSUPPORTED, "P", -1, 0, "FCLIB has no weighting");
   if (model->active)
     return dlsi_fail(error, DLS_E_UNSUPPORTED, "active", -1, 0,
-                     "FCLIB has no candidates that are left out");
-  if (model->operator_kind != DLS_STIFFNESS_DENSE && model->operator_kind != DLS_STIFFNESS_SPARSE)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, "operator_kind", -1, model->operator_kind,
-                     "FCLIB holds K only");
-  dls_status status = model->operator_kind == DLS_STIFFNESS_DENSE
-                          ? dlsi_check_dense("K", &model->K, n, n, error)
-                          : dlsi_check_sparse("Ks", &model->Ks, n, n, error);
-  if (!status) status = dlsi_check_sparse("HN", &model->HN, n, nodes, error);
-  if (!status) status = dlsi_check_sparse("HT", &model->HT, n, (d - 1) * nodes, error);
+                     "FCLIB cannot leave candidates out");
+  if (kind != DLS_STIFFNESS_DENSE && kind != DLS_STIFFNESS_SPARSE)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "operator_kind", -1, kind, "FCLIB holds K only");
+  return dlsi_check_model(model, error);
+}
+
+/* Checks the arrays of a global problem. */
+static dls_status check_global(const contents *c, dls_error *error) {
+  const size_t n = (size_t)c->n, nc = (size_t)c->nc, m = (size_t)c->d * nc;
+  dls_status status = dlsi_check_vector("f", c->f, n, error);
+  if (!status) status = dlsi_check_vector("g", c->q, m, error);
+  if (!status) status = dlsi_check_friction(c->mu, nc, error);
+  if (!status && c->x) status = dlsi_check_vector("x", c->x, n, error);
+  return status ? status : check_solution(c->r, c->u, m, error);
+}
+
+static dls_status write_global(contents *c, const dls_model *model, dls_error *error) {
+  static const matrix_names *const name[2] = {&names_M, &names_H};
+  if (!c->path) return dlsi_is_null(error, "path");
+  dls_status status = check_storable(model, error);
+  if (status) return status;
+  c->d = model->d, c->nc = model->nodes, c->n = model->n;
+  status = check_global(c, error);
+  if (status) return status;
+  dlsi_columns K = {0}, H = {0}; /* K: unless the model's own columns serve as they are */
+  const int n = c->n, symmetric = model->factorization != DLS_LU;
+  if (model->operator_kind == DLS_STIFFNESS_DENSE)
+    status = build_columns("K", n, n, symmetric ? column_of_symmetric : column_of_dense, &model->K,
+                           &K, error);
+  else if (symmetric)
+    status = columns_of_lower(&model->Ks, &K, error);
+  if (!status) status = build_columns("HT", n, c->d * c->nc, column_of_operators, model, &H, error);
+  const dls_sparse A[2] = {K.p ? dlsi_columns_view(&K) : model->Ks, dlsi_columns_view(&H)};
+  if (!status) status = write_contents(c, 2, name, A, error);
+  dlsi_columns_free(&K);
+  dlsi_columns_free(&H);
   return status;
 }
 
@@ -347,23 +340,10 @@ dls_status dls_fclib_write_global(const char *path, const dls_model *model, cons
                                   const double *g, const double *mu, const char *title,
                                   const double *x, const double *r, const double *u,
                                   dls_error *error) {
-  if (!path) return dlsi_at(__func__, dlsi_is_null(error, "path"), error);
-  dls_status status = check_model(model, error);
-  if (status) return dlsi_at(__func__, status, error);
-  const size_t n = (size_t)model->n, nc = (size_t)model->nodes, m = (size_t)model->d * nc;
-  status = dlsi_check_vector("f", f, n, error);
-  if (!status) status = dlsi_check_vector("g", g, m, error);
-  if (!status) status = dlsi_check_vector("mu", mu, nc, error);
-  if (!status && x) status = dlsi_check_vector("x", x, n, error);
-  if (!status) status = check_solution(r, u, m, error);
-  if (status) return dlsi_at(__func__, status, error);
-  for (size_t c = 0; c < nc; c++)
-    if (mu[c] < 0)
-      return dlsi_at(__func__,
-                     dlsi_fail(error, DLS_E_ARGUMENT, "mu", (long long)c, mu[c], "is negative"),
-                     error);
+  contents c = {path, "fclib_global/", title, "vectors/w", g, mu, x, f, r, u, 0, 0, 0};
+  dls_status status;
   H5E_BEGIN_TRY {
-    status = write_global(path, model, f, g, mu, title, x, r, u, error);
+    status = write_global(&c, model, error);
   }
   H5E_END_TRY;
   return dlsi_at(__func__, status, error);

@@ -1,5 +1,4 @@
-/* file.c: opening and closing files, with what goes wrong told apart. */
-#include <stdio.h>
+/* file.c: opens and closes files, telling apart what goes wrong. */
 #include <sys/stat.h>
 
 #include "files/file.h"
@@ -20,10 +19,16 @@ FILE *dlsi_file_open(const char *path, dls_error *error) {
   return file;
 }
 
+FILE *dlsi_file_create(const char *path, const char *mode, dls_error *error) {
+  FILE *file = fopen(path, mode);
+  if (!file) (void)dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be opened for writing");
+  return file;
+}
+
 dls_status dlsi_file_finish(const char *path, FILE *file, dls_error *error) {
   const int failed = ferror(file);
   if (fclose(file) == 0 && !failed) return DLS_OK;
-  struct stat what; /* a device that was written to must stay */
-  if (stat(path, &what) == 0 && S_ISREG(what.st_mode)) (void)remove(path);
+  struct stat entry; /* a device that was written to must stay */
+  if (stat(path, &entry) == 0 && S_ISREG(entry.st_mode)) (void)remove(path);
   return dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be written to the end");
 }

@@ -1,13 +1,14 @@
 /*
- * mtx.c: dense matrices as Matrix Market files (Boisvert, Pozo, Remington, NISTIR 5935, 1996).
+ * mtx.c: reads and writes dense matrices as Matrix Market files (Boisvert, Pozo, Remington,
+ * NISTIR 5935, 1996).
  *
  *   %%MatrixMarket matrix array|coordinate real|integer general|symmetric|skew-symmetric
  *   rows cols [entries]
  *   array: the values column by column (symmetric: on and below the diagonal; skew: below it)
  *   coordinate: row column value, 1-based
  *
- * Comments (%) and blank lines may stand anywhere, lines may end in CR LF. Entries of the same place
- * add up. Numbers are read and written with a decimal point whatever the host's locale says.
+ * Comments (%) and blank lines may stand anywhere, lines may end in CR LF. Entries of the same
+ * place add up. Numbers are read and written with a decimal point whatever the host's locale says.
  */
 #include <ctype.h>
 #include <limits.h>
@@ -30,6 +31,8 @@ typedef struct scanner {
   long long line; /* line of the word */
   size_t length;  /* of the word, 0 at the end of the file; more than it holds if it was cut */
   char word[longest + 1];
+  dls_status status; /* of the first thing that was wrong */
+  dls_error *error;
 } scanner;
 
 static int is_space(int c) {
@@ -40,7 +43,7 @@ static int is_digit(int c) {
   return c >= '0' && c <= '9';
 }
 
-/* The next word; a line whose first word starts with % is a comment, but for the banner. */
+/* Scans the next word. A line whose first word starts with % is a comment, except the banner. */
 static void scan(scanner *s) {
   int c = getc(s->file);
   for (int banner = s->length == 0 && s->line == 0;; banner = 0) {
@@ -60,13 +63,21 @@ static void scan(scanner *s) {
   if (c != EOF) (void)ungetc(c, s->file);
 }
 
-static dls_status bad(const scanner *s, dls_error *error, dls_status status, const char *what) {
+/* Reports what is wrong with the word, unless something was wrong before. */
+static void blame(scanner *s, dls_status status, const char *text) {
   const char *word = s->length ? s->word : "end of file";
-  (void)dlsi_fail(error, status, "path", s->line, 0, "line %lld, '%.20s': %s", s->line, word, what);
-  return status;
+  if (s->status) return;
+  (void)dlsi_fail(s->error, status, "path", s->line, 0, "line %lld, '%.20s': %s", s->line, word,
+                  text);
+  s->status = status;
 }
 
-/* s->word is `text`, of lower case, in any case */
+/* Reports the word as a wrong format unless `holds`. */
+static void require(scanner *s, int holds, const char *text) {
+  if (!holds) blame(s, DLS_E_FORMAT, text);
+}
+
+/* Returns 1 if the word is `text`, given in lower case, with any of its letters in upper case. */
 static int says(const scanner *s, const char *text) {
   if (s->length != strlen(text)) return 0;
   for (size_t k = 0; k < s->length; k++)
@@ -76,7 +87,7 @@ static int says(const scanner *s, const char *text) {
 
 /* ---- numbers --------------------------------------------------------------------------------- */
 
-/* word = digits, at most INT_MAX */
+/* Reads word = digits, at most INT_MAX; returns 0 for any other word. */
 static int to_int(const scanner *s, int *value) {
   long long v = 0;
   if (s->length < 1 || s->length > 10) return 0;
@@ -89,8 +100,9 @@ static int to_int(const scanner *s, int *value) {
   return 1;
 }
 
-/* word = [+-] digits [. digits] [e [+-] digits], finite. strtod reads the decimal point of the
- * locale, which is what printf puts between the digits of 0.5. */
+/* Reads word = [+-] digits [. digits] [e [+-] digits], finite; returns 0 for any other word.
+ * strtod reads the decimal point of the locale, which stands between the digits of 0.5 as printf
+ * writes it. */
 static int to_double(const scanner *s, double *value) {
   const char *w = s->word;
   if (s->length > longest) return 0;
@@ -122,7 +134,7 @@ static int to_double(const scanner *s, double *value) {
   return *end == '\0' && isfinite(*value);
 }
 
-/* x with 17 significant digits, which read back to the same bits */
+/* Prints x with 17 significant digits, which read back to the same bits. */
 static void print_double(FILE *file, double x) {
   char text[longest];
   if (snprintf(text, sizeof text, "%.16e", x) < 0) return;
@@ -143,124 +155,117 @@ typedef struct layout {
   int rows, cols, entries; /* entries: of the coordinate form */
 } layout;
 
-static dls_status read_banner(scanner *s, layout *form, dls_error *error) {
+/* Scans the next word, which has to stand on line `line`. */
+static int scan_on(scanner *s, long long line) {
   scan(s);
-  if (s->line != 1 || !says(s, "%%matrixmarket"))
-    return bad(s, error, DLS_E_FORMAT, "is not %%MatrixMarket");
-  scan(s);
-  if (s->line != 1 || !says(s, "matrix")) return bad(s, error, DLS_E_FORMAT, "must be 'matrix'");
-  scan(s);
+  return s->line == line;
+}
+
+static void read_banner(scanner *s, layout *form) {
+  require(s, scan_on(s, 1) && says(s, "%%matrixmarket"), "is not %%MatrixMarket");
+  require(s, scan_on(s, 1) && says(s, "matrix"), "must be 'matrix'");
+  int here = scan_on(s, 1);
   form->coordinate = says(s, "coordinate");
-  if (s->line != 1 || (!form->coordinate && !says(s, "array")))
-    return bad(s, error, DLS_E_FORMAT, "must be 'array' or 'coordinate'");
-  scan(s);
-  if (s->line == 1 && (says(s, "complex") || says(s, "pattern")))
-    return bad(s, error, DLS_E_UNSUPPORTED, "only real matrices are read");
-  if (s->line != 1 || (!says(s, "real") && !says(s, "integer")))
-    return bad(s, error, DLS_E_FORMAT, "must be 'real' or 'integer'");
-  scan(s);
+  require(s, here && (form->coordinate || says(s, "array")), "must be 'array' or 'coordinate'");
+  here = scan_on(s, 1);
+  if (here && (says(s, "complex") || says(s, "pattern")))
+    blame(s, DLS_E_UNSUPPORTED, "only real matrices are read");
+  require(s, here && (says(s, "real") || says(s, "integer")), "must be 'real' or 'integer'");
+  here = scan_on(s, 1);
   form->kind = says(s, "symmetric") ? SYMMETRIC : says(s, "skew-symmetric") ? SKEW : GENERAL;
-  if (s->line != 1 || (form->kind == GENERAL && !says(s, "general")))
-    return bad(s, error, DLS_E_FORMAT, "must be general, symmetric or skew-symmetric");
-  return DLS_OK;
+  require(s, here && (form->kind != GENERAL || says(s, "general")),
+          "must be general, symmetric or skew-symmetric");
 }
 
-static dls_status read_sizes(scanner *s, layout *form, dls_error *error) {
+static void read_sizes(scanner *s, layout *form) {
   scan(s);
-  if (!to_int(s, &form->rows) || form->rows < 1)
-    return bad(s, error, DLS_E_FORMAT, "is no number of rows");
-  if (s->line == 1) return bad(s, error, DLS_E_FORMAT, "is too much for the first line");
   const long long line = s->line;
-  scan(s);
-  if (s->line != line || !to_int(s, &form->cols) || form->cols < 1)
-    return bad(s, error, DLS_E_FORMAT, "is no number of columns");
-  if (form->kind != GENERAL && form->rows != form->cols)
-    return bad(s, error, DLS_E_FORMAT, "a symmetric matrix must be square");
+  require(s, to_int(s, &form->rows) && form->rows > 0, "is no number of rows");
+  require(s, line > 1, "is too much for the first line");
+  require(s, scan_on(s, line) && to_int(s, &form->cols) && form->cols > 0,
+          "is no number of columns");
+  require(s, form->kind == GENERAL || form->rows == form->cols,
+          "a symmetric matrix must be square");
+  if (s->status) return;
   if ((size_t)form->rows > PTRDIFF_MAX / sizeof(double) / (size_t)form->cols)
-    return bad(s, error, DLS_E_SIZE, "rows * cols is too large to address");
-  if (!form->coordinate) return DLS_OK;
-  scan(s);
-  if (s->line != line || !to_int(s, &form->entries))
-    return bad(s, error, DLS_E_FORMAT, "is no number of entries");
-  return DLS_OK;
+    blame(s, DLS_E_SIZE, "rows * cols is too large to address");
+  if (form->coordinate)
+    require(s, scan_on(s, line) && to_int(s, &form->entries), "is no number of entries");
 }
 
-/* *sum += x, where 0 + x is x itself, -0.0 too */
-static void add(double *sum, double x) {
+/* Adds x to *sum, where 0 + x is x itself, -0.0 too. */
+static void add_value(double *sum, double x) {
   *sum = *sum == 0 ? x : *sum + x;
 }
 
-static void put(const layout *form, double *a, int i, int j, double x) {
+static void put_value(const layout *form, double *a, int i, int j, double x) {
   const size_t rows = (size_t)form->rows;
-  add(&a[(size_t)i + (size_t)j * rows], x);
+  add_value(&a[(size_t)i + (size_t)j * rows], x);
   if (form->kind != GENERAL && i != j)
-    add(&a[(size_t)j + (size_t)i * rows], form->kind == SKEW ? -x : x);
+    add_value(&a[(size_t)j + (size_t)i * rows], form->kind == SKEW ? -x : x);
 }
 
-static dls_status read_array(scanner *s, const layout *form, double *a, dls_error *error) {
+static void read_array(scanner *s, const layout *form, double *a) {
   for (int j = 0; j < form->cols; j++)
     for (int i = form->kind == GENERAL ? 0 : form->kind == SKEW ? j + 1 : j; i < form->rows; i++) {
-      double x;
+      double x = 0;
       scan(s);
-      if (!s->length) return bad(s, error, DLS_E_FORMAT, "there are too few values");
-      if (!to_double(s, &x)) return bad(s, error, DLS_E_FORMAT, "is no finite number");
-      put(form, a, i, j, x);
+      require(s, s->length > 0, "there are too few values");
+      require(s, to_double(s, &x), "is no finite number");
+      if (s->status) return;
+      put_value(form, a, i, j, x);
     }
-  return DLS_OK;
 }
 
-static dls_status read_coordinates(scanner *s, const layout *form, double *a, dls_error *error) {
+static void read_coordinates(scanner *s, const layout *form, double *a) {
   for (int k = 0; k < form->entries; k++) {
-    int i, j;
-    double x;
+    int i = 0, j = 0;
+    double x = 0;
     scan(s);
-    if (!s->length) return bad(s, error, DLS_E_FORMAT, "there are too few entries");
-    if (!to_int(s, &i) || i < 1 || i > form->rows)
-      return bad(s, error, DLS_E_FORMAT, "is no row of the matrix");
     const long long line = s->line;
-    scan(s);
-    if (s->line != line || !to_int(s, &j) || j < 1 || j > form->cols)
-      return bad(s, error, DLS_E_FORMAT, "is no column of the matrix");
-    if ((form->kind != GENERAL && i < j) || (form->kind == SKEW && i == j))
-      return bad(s, error, DLS_E_FORMAT, "must be in the lower triangle");
-    scan(s);
-    if (s->line != line || !to_double(s, &x))
-      return bad(s, error, DLS_E_FORMAT, "is no finite number");
-    put(form, a, i - 1, j - 1, x);
+    require(s, s->length > 0, "there are too few entries");
+    require(s, to_int(s, &i) && i >= 1 && i <= form->rows, "is no row of the matrix");
+    require(s, scan_on(s, line) && to_int(s, &j) && j >= 1 && j <= form->cols,
+            "is no column of the matrix");
+    require(s, form->kind == GENERAL || (form->kind == SKEW ? i > j : i >= j),
+            "must be in the lower triangle");
+    require(s, scan_on(s, line) && to_double(s, &x), "is no finite number");
+    if (s->status) return;
+    put_value(form, a, i - 1, j - 1, x);
   }
-  return DLS_OK;
 }
 
-static dls_status read_matrix(FILE *file, layout *form, double **a, dls_error *error) {
-  scanner s = {.file = file, .next = 1};
-  dls_status status = read_banner(&s, form, error);
-  if (!status) status = read_sizes(&s, form, error);
-  if (status) return status;
+static dls_status read_dense(FILE *file, layout *form, double **a, dls_error *error) {
+  scanner s = {.file = file, .next = 1, .error = error};
+  read_banner(&s, form);
+  if (!s.status) read_sizes(&s, form);
+  if (s.status) return s.status;
   /* calloc, not malloc: a short file that claims a large matrix touches no memory */
-  *a = calloc((size_t)form->rows * (size_t)form->cols, sizeof **a);
+  const size_t size = (size_t)form->rows * (size_t)form->cols;
+  *a = calloc(size, sizeof **a);
   if (!*a) return dlsi_no_memory(error);
-  status = (form->coordinate ? read_coordinates : read_array)(&s, form, *a, error);
-  if (status) return status;
+  (form->coordinate ? read_coordinates : read_array)(&s, form, *a);
+  if (s.status) return s.status;
   scan(&s);
-  if (s.length) return bad(&s, error, DLS_E_FORMAT, "comes after the last entry");
-  if (ferror(file)) return dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be read");
+  require(&s, !s.length, "comes after the last entry");
+  if (!s.status && ferror(file))
+    return dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be read");
   /* entries of the same place may add up beyond the range */
-  const long long over = dlsi_first_not_finite(*a, (size_t)form->rows * (size_t)form->cols);
-  if (over >= 0) return bad(&s, error, DLS_E_FORMAT, "entries of one place overflow");
-  return DLS_OK;
+  require(&s, dlsi_first_not_finite(*a, size) < 0, "entries of one place overflow");
+  return s.status;
 }
 
 dls_status dls_mtx_read(const char *path, int *rows, int *cols, double **a, dls_error *error) {
-  if (!a) return dlsi_at(__func__, dlsi_is_null(error, "a"), error);
-  *a = NULL;
-  if (!path) return dlsi_at(__func__, dlsi_is_null(error, "path"), error);
-  if (!rows) return dlsi_at(__func__, dlsi_is_null(error, "rows"), error);
-  if (!cols) return dlsi_at(__func__, dlsi_is_null(error, "cols"), error);
-  FILE *file = dlsi_file_open(path, error);
-  if (!file) return dlsi_at(__func__, DLS_E_FILE, error);
+  dls_status status = a ? DLS_OK : dlsi_is_null(error, "a");
+  if (a) *a = NULL;
+  if (!status && !path) status = dlsi_is_null(error, "path");
+  if (!status && !rows) status = dlsi_is_null(error, "rows");
+  if (!status && !cols) status = dlsi_is_null(error, "cols");
+  FILE *file = status ? NULL : dlsi_file_open(path, error);
+  if (!file) return dlsi_at(__func__, status ? status : DLS_E_FILE, error);
   layout form = {0};
   double *values = NULL;
-  const dls_status status = read_matrix(file, &form, &values, error);
+  status = read_dense(file, &form, &values, error);
   (void)fclose(file);
   if (status) {
     free(values);
@@ -278,23 +283,22 @@ void dls_mtx_free(double *a) {
 
 /* ---- writing --------------------------------------------------------------------------------- */
 
-dls_status dls_mtx_write(const char *path, const dls_dense *A, dls_error *error) {
-  if (!path) return dlsi_at(__func__, dlsi_is_null(error, "path"), error);
-  if (!A) return dlsi_at(__func__, dlsi_is_null(error, "A"), error);
+static dls_status write_dense(const char *path, const dls_dense *A, dls_error *error) {
+  if (!path) return dlsi_is_null(error, "path");
+  if (!A) return dlsi_is_null(error, "A");
   if (A->rows < 1 || A->cols < 1)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_SIZE, "A", -1, A->rows, "is %d x %d", A->rows, A->cols),
-                   error);
+    return dlsi_fail(error, DLS_E_SIZE, "A", -1, A->rows, "is %d x %d", A->rows, A->cols);
   const dls_status status = dlsi_check_dense("A", A, A->rows, A->cols, error);
-  if (status) return dlsi_at(__func__, status, error);
-  FILE *file = fopen(path, "w");
-  if (!file)
-    return dlsi_at(__func__,
-                   dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be opened for writing"),
-                   error);
+  if (status) return status;
+  FILE *file = dlsi_file_create(path, "w", error);
+  if (!file) return DLS_E_FILE;
   (void)fprintf(file, "%%%%MatrixMarket matrix array real general\n%d %d\n", A->rows, A->cols);
   for (int j = 0; j < A->cols; j++)
     for (int i = 0; i < A->rows; i++)
       print_double(file, A->a[(size_t)i + (size_t)j * (size_t)A->ld]);
-  return dlsi_at(__func__, dlsi_file_finish(path, file, error), error);
+  return dlsi_file_finish(path, file, error);
+}
+
+dls_status dls_mtx_write(const char *path, const dls_dense *A, dls_error *error) {
+  return dlsi_at(__func__, write_dense(path, A, error), error);
 }

@@ -50,7 +50,7 @@ static void contact_lemke_carve(void *lemke, dlsi_arena *arena) {
   work->z = dlsi_take(arena, n, D);
   work->s = dlsi_take(arena, nc, D);
   work->r = dlsi_take(arena, (size_t)work->d * nc, D);
-  dlsi_iterate_carve(&work->it, arena, work->d, work->nc);
+  dlsi_iterate_carve(&work->it, arena, work->d, work->nc, &work->limits);
 }
 
 static void contact_lemke_set_limits(void *lemke, const dls_limits *limits) {

@@ -1,6 +1,6 @@
 /*
- * blas.h: the one place where BLAS and LAPACK are declared, as their Fortran symbols with the hidden
- * lengths of the character arguments (gfortran convention: size_t, at the end).
+ * blas.h: the one place where BLAS and LAPACK are declared, as their Fortran symbols with the
+ * hidden lengths of the character arguments (gfortran convention: size_t, at the end).
  */
 #ifndef DLSI_BLAS_H
 #define DLSI_BLAS_H

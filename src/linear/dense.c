@@ -1,5 +1,7 @@
-/* dense.c: Cholesky and LU of dense matrices by LAPACK. */
+/* dense.c: Cholesky and LU of dense matrices by LAPACK; norms, scaling, symmetry. */
 #include "linear/dense.h"
+
+#include <string.h>
 
 #include "linear/blas.h"
 
@@ -12,6 +14,34 @@ int dlsi_is_symmetric(const double *A, size_t n) {
         for (size_t i = i0; i < i0 + tile && i < n; i++)
           if (A[i + n * j] != A[j + n * i]) return 0;
   return 1;
+}
+
+/* Goes in tiles, too. */
+void dlsi_make_symmetric(double *A, size_t n, int mean) {
+  enum { tile = 32 };
+  for (size_t J = 0; J < n; J += tile)
+    for (size_t I = J; I < n; I += tile)
+      for (size_t j = J; j < n && j < J + tile; j++)
+        for (size_t i = I > j ? I : j + 1; i < n && i < I + tile; i++) {
+          if (mean) A[i + j * n] = A[i + j * n] / 2 + A[j + i * n] / 2;
+          A[j + i * n] = A[i + j * n];
+        }
+}
+
+double dlsi_dense_norm(const double *A, size_t n, int symmetric, double *sums) {
+  memset(sums, 0, n * sizeof *sums);
+  for (size_t j = 0; j < n; j++)
+    for (size_t i = symmetric ? j : 0; i < n; i++) {
+      sums[j] += fabs(A[i + j * n]);
+      if (symmetric && i > j) sums[i] += fabs(A[i + j * n]);
+    }
+  return dlsi_max_abs(sums, n);
+}
+
+void dlsi_scale_rows(const double *diagonal, size_t n, double *X, int nrhs) {
+  for (int j = 0; j < nrhs; j++, X += n)
+    for (size_t i = 0; i < n; i++)
+      X[i] *= diagonal[i];
 }
 
 int dlsi_dense_cholesky(dlsi_dense *f) {
@@ -57,12 +87,12 @@ void dlsi_dense_solve(const dlsi_dense *f, double *X, int ld, int nrhs) {
   }
 }
 
-void dlsi_solve_lower(int n, const double *L, double *x) {
-  const int one = 1;
-  if (n) dtrsv_("L", "N", "N", &n, L, &n, x, &one, 1, 1, 1);
-}
-
-void dlsi_solve_upper(int n, const double *L, double *x) {
-  const int one = 1;
-  if (n) dtrsv_("L", "T", "N", &n, L, &n, x, &one, 1, 1, 1);
+double dlsi_dense_rcond(const dlsi_dense *f, double norm, double *work, int *iwork) {
+  double rcond = 0;
+  int info;
+  if (f->cholesky)
+    dpocon_("L", &f->n, f->A, &f->n, &norm, &rcond, work, iwork, &info, 1);
+  else
+    dgecon_("1", &f->n, f->A, &f->n, &norm, &rcond, work, iwork, &info, 1);
+  return rcond;
 }

@@ -1,4 +1,4 @@
-/* dense.h: factors of dense matrices: Cholesky's where there are any, else LU. */
+/* dense.h: factors dense matrices, by Cholesky where that is possible, else by LU. */
 #ifndef DLSI_DENSE_H
 #define DLSI_DENSE_H
 
@@ -6,6 +6,16 @@
 
 /* Returns 1 if A (n x n, column-major without gaps) equals its transpose to the last bit. */
 int dlsi_is_symmetric(const double *A, size_t n);
+
+/* Makes A (n x n, column-major without gaps) symmetric to the last bit: copies the lower triangle
+ * to the upper one or, if mean is 1, gives both the mean of the two. */
+void dlsi_make_symmetric(double *A, size_t n, int mean);
+
+/* Returns |A|_1; symmetric: 1 if only the lower triangle of A is stored. sums: scratch, n. */
+double dlsi_dense_norm(const double *A, size_t n, int symmetric, double *sums);
+
+/* Multiplies row i of X (n x nrhs, column-major without gaps) by diagonal[i]. */
+void dlsi_scale_rows(const double *diagonal, size_t n, double *X, int nrhs);
 
 /* A matrix of the caller's and, after one of the calls below, its factors in the same place. */
 typedef struct dlsi_dense {
@@ -15,19 +25,18 @@ typedef struct dlsi_dense {
   int cholesky; /* 1: A = L L^T, L in the lower triangle; 0: P A = L U */
 } dlsi_dense;
 
-/* Each returns 0, or k > 0 if pivot k, counted from 1, is not positive (Cholesky) or is 0 (LU). Cholesky
- * reads and writes the lower triangle only. */
+/* Each returns 0, or k > 0 if pivot k, counted from 1, is not positive (Cholesky) or is 0 (LU).
+ * Cholesky reads and writes the lower triangle only. */
 int dlsi_dense_cholesky(dlsi_dense *f);
 int dlsi_dense_lu(dlsi_dense *f);
 
 /* Tries Cholesky where A is symmetric, then LU. diagonal: scratch, n. */
 int dlsi_dense_factor(dlsi_dense *f, double *diagonal);
 
-/* X (n x nrhs, column-major, leading dimension ld) := A^-1 X. */
+/* Solves X := A^-1 X. X: n x nrhs, column-major with leading dimension ld. */
 void dlsi_dense_solve(const dlsi_dense *f, double *X, int ld, int nrhs);
 
-/* x := L^-1 x, L^-T x with the L of dpotrf. */
-void dlsi_solve_lower(int n, const double *L, double *x);
-void dlsi_solve_upper(int n, const double *L, double *x);
+/* Returns 1 / (|A|_1 |A^-1|_1) by estimate. norm: |A|_1; work: scratch, 4 n; iwork: scratch, n. */
+double dlsi_dense_rcond(const dlsi_dense *f, double norm, double *work, int *iwork);
 
 #endif

@@ -1,4 +1,4 @@
-/* dissection.h: a fill-reducing order of a sparse symmetric pattern (METIS). */
+/* dissection.h: orders the unknowns of a sparse symmetric pattern for little fill (METIS). */
 #ifndef DLSI_DISSECTION_H
 #define DLSI_DISSECTION_H
 
@@ -6,8 +6,8 @@
 
 #include "delassus/status.h"
 
-/* order (n): receives the unknowns of the graph of the entries (row[k], col[k]), k < entries, in the
- * order of their elimination. Numbers in row and col begin with 1. DLS_E_MEMORY. */
+/* Orders the unknowns of the graph of the entries (row[k], col[k]), k < entries, counted from 1.
+ * order: receives them, counted from 0, in the order of their elimination, n. DLS_E_MEMORY. */
 dls_status dlsi_dissection(int n, size_t entries, const int *row, const int *col, int *order,
                            dls_error *error);
 

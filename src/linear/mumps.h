@@ -1,11 +1,13 @@
 /*
- * mumps.h: what sparse_lu.c and reduction/schur.c ask of MUMPS alike. Codes, ICNTL and INFOG as the
- * users' guide of MUMPS 5.5 numbers them. Nothing is printed.
+ * mumps.h: calls MUMPS for sparse_lu.c and schur.c. Codes, ICNTL and INFOG are numbered as in the
+ * users' guide of MUMPS 5.5. Nothing is printed.
  */
 #ifndef DLSI_MUMPS_H
 #define DLSI_MUMPS_H
 
 #include <dmumps_c.h>
+
+#include "base/base.h"
 
 #define ICNTL(k) icntl[(k)-1]
 #define INFOG(k) infog[(k)-1]
@@ -14,41 +16,62 @@
 enum { start = -1, end = -2, analyse = 1, factorise = 2, solve = 3 };
 enum { singular_structure = -6, singular = -10, small_integers = -8, small_reals = -9 };
 
-/* INFOG(1): < 0 for an error */
-static inline int dlsi_mumps_run(DMUMPS_STRUC_C *M, int job) {
+/* Runs a job; returns INFOG(1) as a status, under the name of the matrix. */
+static inline dls_status dlsi_mumps_run(DMUMPS_STRUC_C *M, int job, const char *matrix,
+                                        dls_error *error) {
   M->job = job;
   dmumps_c(M);
-  return M->INFOG(1);
+  const int info = M->INFOG(1);
+  if (info >= 0) return DLS_OK;
+  if (info == singular || info == singular_structure)
+    return dlsi_fail(error, DLS_E_SINGULAR, matrix, -1, 0, "singular: a pivot of 0");
+  return dlsi_fail(error, DLS_E_MEMORY, "", -1, info, "out of memory in MUMPS, its codes %d, %d",
+                   info, M->INFOG(2));
 }
 
-/* M is all zero; sym as in the guide. 0 if it cannot start. */
-static inline int dlsi_mumps_start(DMUMPS_STRUC_C *M, int sym) {
+/* Starts M, which is all zero. sym: the kind of symmetry, as in the guide. */
+static inline dls_status dlsi_mumps_start(DMUMPS_STRUC_C *M, int sym, dls_error *error) {
   enum { sequential_world = -987654 };
   M->par = 1;
   M->sym = sym;
   M->comm_fortran = sequential_world;
-  if (dlsi_mumps_run(M, start) < 0) return 0;
+  const dls_status status = dlsi_mumps_run(M, start, "", error);
   for (int k = 1; k <= 3; k++)
     M->ICNTL(k) = -1; /* no output unit for errors, warnings, statistics */
   M->ICNTL(4) = 0;
-  return 1;
+  return status;
 }
 
-/* INFOG(1). Pivoting may take more room than was foreseen, by ICNTL(14) per cent: more is foreseen. */
-static inline int dlsi_mumps_factor(DMUMPS_STRUC_C *M) {
+static inline void dlsi_mumps_end(DMUMPS_STRUC_C *M) {
+  (void)dlsi_mumps_run(M, end, "", NULL);
+}
+
+/* Factors. Pivoting may take more room than was foreseen, by ICNTL(14) per cent: more is foreseen
+ * then. */
+static inline dls_status dlsi_mumps_factor(DMUMPS_STRUC_C *M, const char *matrix,
+                                           dls_error *error) {
   enum { most_relaxation = 1000 };
   const int usual = M->ICNTL(14);
   double *const schur = M->schur;
-  int info;
+  dls_status status;
   for (;;) {
     M->schur = schur;
-    info = dlsi_mumps_run(M, factorise);
-    if (info != small_integers && info != small_reals) break;
+    status = dlsi_mumps_run(M, factorise, matrix, error);
+    if (M->INFOG(1) != small_integers && M->INFOG(1) != small_reals) break;
     if (M->ICNTL(14) >= most_relaxation) break;
     M->ICNTL(14) *= 2;
   }
   M->ICNTL(14) = usual;
-  return info;
+  return status;
+}
+
+/* Solves with X (n x nrhs) in place. */
+static inline dls_status dlsi_mumps_solve(DMUMPS_STRUC_C *M, double *X, int nrhs,
+                                          dls_error *error) {
+  M->rhs = X;
+  M->nrhs = nrhs;
+  M->lrhs = M->n;
+  return dlsi_mumps_run(M, solve, "", error);
 }
 
 #endif

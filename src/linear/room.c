@@ -1,4 +1,5 @@
-/* room.c: room for a matrix and its factors, dense or sparse; room.h has what it is for. */
+/* room.c: keeps memory for a matrix and its factors, dense or sparse. It grows and never
+ * shrinks. */
 #include <limits.h>
 #include <stdint.h>
 #include <stdlib.h>

@@ -1,26 +1,27 @@
-/* room.h: room for a matrix and its factors, dense or sparse. */
+/* room.h: keeps memory for a matrix and its factors, dense or sparse. */
 #ifndef DLSI_ROOM_H
 #define DLSI_ROOM_H
 
 #include "base/base.h"
 
-/* Room for a matrix and its factors. Methods that run one after the other may share it: none keeps factors
- * from one solve to the next. */
+/* Room for a matrix and its factors. Methods that run one after the other may share it: none keeps
+ * factors from one solve to the next. */
 typedef struct dlsi_room {
   double *J; /* side^2 */
   size_t side;
-  int *i; /* entries: rows and values of a sparse matrix */
-  double *v;
+  int *i;    /* entries: rows of a sparse matrix */
+  double *v; /* entries: values */
   size_t entries;
   struct dlsi_sparse_lu *lu; /* NULL if never needed, or without MUMPS */
 } dlsi_room;
 
-/* At least this room: for side x side, or W of so many d x d blocks and a diagonal. What was in there is
- * lost. DLS_E_MEMORY, DLS_E_SIZE, without MUMPS DLS_E_UNSUPPORTED. */
+/* Make room for a side x side matrix, or for W of `blocks` d x d blocks and a diagonal. The
+ * contents are lost. DLS_E_MEMORY, DLS_E_SIZE; without MUMPS dlsi_room_sparse answers
+ * DLS_E_UNSUPPORTED. */
 dls_status dlsi_room_dense(dlsi_room *room, size_t side, dls_error *error);
 dls_status dlsi_room_sparse(dlsi_room *room, int d, int nc, int blocks, dls_error *error);
 
-/* its memory, not itself */
+/* Frees the memory, not *room itself. */
 void dlsi_room_free(dlsi_room *room);
 
 #endif

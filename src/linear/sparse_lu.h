@@ -1,6 +1,6 @@
 /*
- * sparse_lu.h: A = L U for a sparse unsymmetric A, by MUMPS (sequential). Nothing else of the
- * library knows MUMPS. In a build without it (MUMPS=0) create answers DLS_E_UNSUPPORTED.
+ * sparse_lu.h: factors a sparse unsymmetric A = L U by MUMPS (sequential). In a build without MUMPS
+ * (MUMPS=0) create answers DLS_E_UNSUPPORTED.
  *
  * MUMPS allocates inside factor and solve, and its Fortran modules hold process-wide variables: no
  * two threads may be in these functions at once. It is told to print nothing.
@@ -12,21 +12,20 @@
 
 typedef struct dlsi_sparse_lu dlsi_sparse_lu;
 
-/* Errors of all of these are reported on behalf of `function`. *out = NULL on error:
- * DLS_E_UNSUPPORTED, DLS_E_MEMORY. */
+/* *out = NULL on error: DLS_E_UNSUPPORTED, DLS_E_MEMORY. */
 dls_status dlsi_sparse_lu_create(dlsi_sparse_lu **out, dls_error *error);
 
-/* Room for matrices with up to so many entries. DLS_E_MEMORY. */
-dls_status dlsi_sparse_lu_reserve(dlsi_sparse_lu *lu, size_t entries, dls_error *error);
+/* Makes room for matrices with up to so many entries. DLS_E_MEMORY. */
+dls_status dlsi_sparse_lu_reserve(dlsi_sparse_lu *work, size_t entries, dls_error *error);
 
-/* A (square, not empty, entries <= reserved) = L U; the matrix may change in size and pattern from
- * call to call, the analysis being done anew when it does. DLS_E_SINGULAR, DLS_E_MEMORY. */
-dls_status dlsi_sparse_lu_factor(dlsi_sparse_lu *lu, const dls_sparse *A, dls_error *error);
+/* Factors A = L U, square, not empty, entries <= reserved. A may change in size and pattern from
+ * call to call; the analysis is done anew when it does. DLS_E_SINGULAR, DLS_E_MEMORY. */
+dls_status dlsi_sparse_lu_factor(dlsi_sparse_lu *work, const dls_sparse *A, dls_error *error);
 
-/* x := A^-1 x, for the A of the last factor, which must have succeeded. DLS_E_MEMORY. */
-dls_status dlsi_sparse_lu_solve(dlsi_sparse_lu *lu, double *x, dls_error *error);
+/* Solves x := A^-1 x with the A of the last factor, which must have succeeded. DLS_E_MEMORY. */
+dls_status dlsi_sparse_lu_solve(dlsi_sparse_lu *work, double *x, dls_error *error);
 
 /* NULL is fine. */
-void dlsi_sparse_lu_destroy(dlsi_sparse_lu *lu);
+void dlsi_sparse_lu_destroy(dlsi_sparse_lu *work);
 
 #endif

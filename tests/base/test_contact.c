@@ -3,12 +3,14 @@
 #include <float.h>
 #include <math.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/base.h"
 #include "delassus.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 /* Two candidates in 2D, coupled: W symmetric positive definite. */
 static double W2[16] = {4, 1, 1, 0, 1, 3, 0, 1, 1, 0, 4, -1, 0, 1, -1, 3};
@@ -36,6 +38,13 @@ START_TEST(statuses_have_names_and_words) {
   ck_assert_str_eq(dls_status_name((dls_status)77), "unknown status");
   ck_assert_str_eq(dls_status_name(DLS_E_SIZE), "DLS_E_SIZE");
   ck_assert_str_eq(dls_version(), DLS_VERSION);
+  char text[16];
+  snprintf(text, sizeof text, "%d.%d.%d", DLS_VERSION_NUMBER / 10000,
+           DLS_VERSION_NUMBER / 100 % 100, DLS_VERSION_NUMBER % 100);
+  ck_assert_str_eq(text, DLS_VERSION);
+#if DLS_VERSION_NUMBER < 100
+#error DLS_VERSION_NUMBER serves #if
+#endif
 }
 END_TEST
 
@@ -79,6 +88,33 @@ START_TEST(arena_counts_carves_and_refuses) {
   ck_assert_ptr_null(dlsi_take(&c, SIZE_MAX / 4, 8));
   ck_assert_int_eq(c.failed, 1);
   ck_assert_ptr_null(dlsi_alloc(SIZE_MAX / 4, 8));
+}
+END_TEST
+
+/* Takes two pieces, and returns the second. */
+static double *carve_two(dlsi_arena *arena) {
+  (void)dlsi_take(arena, 3, 8);
+  return dlsi_take(arena, 5, sizeof(double));
+}
+
+START_TEST(arena_allocates_what_it_counted) {
+  dls_error error = {0};
+  dlsi_arena a = {0};
+  ck_assert_ptr_null(carve_two(&a));
+  malloc_fails_at(1);
+  ck_assert_int_eq(dlsi_arena_allocate(&a, "nc", 7, &error), DLS_E_MEMORY);
+  malloc_fails_at(0);
+  ck_assert_int_eq(dlsi_arena_allocate(&a, "nc", 7, &error), DLS_OK);
+  ck_assert_uint_eq(a.size, 128);
+  ck_assert_ptr_eq(carve_two(&a), a.base + 64);
+  ck_assert_int_eq(a.failed, 0);
+  free(a.base);
+  dlsi_arena b = {0};
+  (void)dlsi_take(&b, SIZE_MAX / 4, 8);
+  ck_assert_int_eq(dlsi_arena_allocate(&b, "nc", 7, &error), DLS_E_SIZE);
+  ck_assert_str_eq(error.argument, "nc");
+  ck_assert(error.value == 7);
+  ck_assert_ptr_null(b.base);
 }
 END_TEST
 
@@ -278,7 +314,7 @@ END_TEST
 
 /* ---- the certificate ------------------------------------------------------------------------- */
 
-static dls_certificate certify(const dls_contact *p, const double *r, double *u) {
+static dls_certificate certified(const dls_contact *p, const double *r, double *u) {
   dls_certificate c;
   dls_error e;
   const dls_status s = dls_contact_certify(p, r, u, &c, &e);
@@ -292,20 +328,20 @@ START_TEST(certificate_by_hand) {
   const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
   /* r = 0: u = q, v = -(u_n + mu |u_t|, u_t) = (1, -4): slip, s = (1 + 2)/1.25 = 2.4;
      P = (2.4, -1.2), F = -P */
-  dls_certificate c = certify(&p, r, u);
+  dls_certificate c = certified(&p, r, u);
   ck_assert_double_eq_tol(c.residual, sqrt(2.4 * 2.4 + 1.2 * 1.2) / 5, 1e-15);
   ck_assert(c.floor == 0 && c.penetration == 3 && c.adhesion == 0 && c.complementarity == 0);
   ck_assert(u[0] == -3 && u[1] == 4);
   /* the solution: slip in +t, u_n = 0: r = (3/2, -3/4), u_t = 4 - 3 = 1 */
   r[0] = 1.5, r[1] = -0.75;
-  c = certify(&p, r, u);
+  c = certified(&p, r, u);
   ck_assert(c.residual == 0 && c.penetration == 0 && c.cone_violation == 0);
   ck_assert(c.slip_direction == 0 && u[0] == 0 && u[1] == 1);
   ck_assert_double_eq_tol(c.floor, DBL_EPSILON * hypot(4.5, 3) / 5, 1e-20);
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
   /* outside the cone, pulling, slip that friction drives: each readable part by hand */
   r[0] = -1, r[1] = 2;
-  c = certify(&p, r, u);
+  c = certified(&p, r, u);
   ck_assert(u[0] == -5 && u[1] == 12);
   ck_assert(c.penetration == 5 && c.adhesion == 1 && c.cone_violation == 2);
   ck_assert(c.complementarity == 5 && c.slip_direction == 24);
@@ -316,14 +352,14 @@ END_TEST
 START_TEST(certificate_of_q_zero_and_frictionless) {
   double W[4] = {2, 0, 0, 4}, q[2] = {0, 0}, mu[1] = {0}, r[2] = {0, 0};
   const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
-  dls_certificate c = certify(&p, r, NULL);
+  dls_certificate c = certified(&p, r, NULL);
   ck_assert(c.residual == 0 && c.floor == 0);
   r[0] = 1; /* u_n = 2 > 0 with r_n > 0: v = 3 - 2, F_n = 3 - 1 = 2, scale |W||r| = 2 */
-  c = certify(&p, r, NULL);
+  c = certified(&p, r, NULL);
   ck_assert_double_eq_tol(c.residual, 1, 1e-15);
   q[0] = -2; /* now u_n = 0: the frictionless solution, though u_t = 0 has no say */
   q[1] = 7;
-  c = certify(&p, r, NULL);
+  c = certified(&p, r, NULL);
   ck_assert(c.residual == 0 && c.slip_direction == 0);
 }
 END_TEST
@@ -370,7 +406,7 @@ END_TEST
 START_TEST(certificate_ignores_units) {
   const double r[4] = {0.1, -0.25, 0.125, 0.5};
   dls_contact p = dense2();
-  const dls_certificate c = certify(&p, r, NULL);
+  const dls_certificate c = certified(&p, r, NULL);
   ck_assert(c.residual > 0.01);
   const double factor[] = {1e-9, 1e-3, 1, 1e3, 1e9};
   for (int i = 0; i < 5; i++)
@@ -382,7 +418,7 @@ START_TEST(certificate_ignores_units) {
       for (int k = 0; k < 4; k++)
         q[k] = q2[k] * a, s[k] = r[k] * b;
       p = dense2(), p.W.a = W, p.q = q;
-      const dls_certificate e = certify(&p, s, NULL);
+      const dls_certificate e = certified(&p, s, NULL);
       ck_assert_double_eq_tol(e.residual / c.residual, 1, 1e-14);
       ck_assert_double_eq_tol(e.floor / c.floor, 1, 1e-14);
       ck_assert_double_eq_tol(e.penetration / (a * c.penetration), 1, 1e-14);
@@ -413,7 +449,7 @@ START_TEST(certificate_ignores_order_and_tangent_frame) {
         W[i + M * j] += A[k + M * i] * A[k + M * j];
     }
   const dls_contact p = {.d = 3, .nc = NC, .W = {M, M, M, W}, .q = q, .mu = mu};
-  const dls_certificate c = certify(&p, r, NULL);
+  const dls_certificate c = certified(&p, r, NULL);
 
   /* T: candidates reversed, each tangent frame turned by 0.3 (c + 1) */
   double T[M * M] = {0};
@@ -439,7 +475,7 @@ START_TEST(certificate_ignores_order_and_tangent_frame) {
     }
   }
   const dls_contact t = {.d = 3, .nc = NC, .W = {M, M, M, V}, .q = qv, .mu = muv};
-  const dls_certificate e = certify(&t, rv, NULL);
+  const dls_certificate e = certified(&t, rv, NULL);
   ck_assert_double_eq_tol(e.residual / c.residual, 1, 1e-13);
   ck_assert_double_eq_tol(e.slip_direction / c.slip_direction, 1, 1e-13);
   ck_assert_int_eq(e.worst, NC - 1 - c.worst);
@@ -450,7 +486,7 @@ START_TEST(dense_and_blocks_agree) {
   const dls_contact d = dense2(), s = blocks2();
   const double r[4] = {0.75, -0.25, 0.125, 0.5};
   double ud[4], us[4];
-  const dls_certificate a = certify(&d, r, ud), b = certify(&s, r, us);
+  const dls_certificate a = certified(&d, r, ud), b = certified(&s, r, us);
   for (int k = 0; k < 4; k++)
     ck_assert_double_eq_tol(ud[k], us[k], 1e-15);
   ck_assert_double_eq_tol(a.residual, b.residual, 1e-15);
@@ -463,7 +499,7 @@ START_TEST(states_of_the_three_kinds) {
     W[7 * k] = 1;
   const dls_contact p = {.d = 2, .nc = 3, .W = {6, 6, 6, W}, .q = q, .mu = mu};
   const double r[6] = {0, 0, 1, -0.25, 1, -0.5};
-  const dls_certificate c = certify(&p, r, u);
+  const dls_certificate c = certified(&p, r, u);
   ck_assert(c.residual == 0);
   dls_contact_state state[3];
   ck_assert_int_eq(dls_contact_states(&p, r, u, state, NULL), DLS_OK);
@@ -517,13 +553,13 @@ END_TEST
 START_TEST(a_runaway_is_never_certified) {
   double W[4] = {1, 1, 1, 1}, q[2] = {-2, 0}, mu[1] = {2}, r[2] = {1e20, -1e20};
   dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
-  dls_certificate c = certify(&p, r, NULL); /* the wedge c03 of data/failures: no solution */
+  dls_certificate c = certified(&p, r, NULL); /* the wedge c03 of data/failures: no solution */
   ck_assert(c.floor > 1e3);
   ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
   ck_assert_int_eq(dls_certificate_holds(&c, 1e-2), 0);
   const double zero[4] = {0};
   p.W.a = zero; /* u = q whatever r is: u_n = -2 */
-  c = certify(&p, r, NULL);
+  c = certified(&p, r, NULL);
   ck_assert(c.residual == 0 && c.penetration == 2);
   ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
   c = (dls_certificate){.residual = 1e-9, .floor = 2e-9};
@@ -697,37 +733,15 @@ START_TEST(bad_conversion) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("contact");
-  TCase *tcase = tcase_create("contact");
-  tcase_add_test(tcase, statuses_have_names_and_words);
-  tcase_add_test(tcase, an_error_says_where);
-  tcase_add_test(tcase, arena_counts_carves_and_refuses);
-  tcase_add_test(tcase, norms_keep_nan_and_range);
-  tcase_add_test(tcase, vectors_of_any_length_are_finite);
-  tcase_add_test(tcase, check_names_the_slot);
-  tcase_add_test(tcase, check_names_the_slot_of_blocks);
-  tcase_add_test(tcase, blocks_come_apart_and_together);
-  tcase_add_test(tcase, blocks_refuse_bad_arguments);
-  tcase_add_test(tcase, certificate_by_hand);
-  tcase_add_test(tcase, certificate_of_q_zero_and_frictionless);
-  tcase_add_test(tcase, weights_fall_back);
-  tcase_add_test(tcase, projection_is_nearest);
-  tcase_add_test(tcase, certificate_ignores_units);
-  tcase_add_test(tcase, certificate_ignores_order_and_tangent_frame);
-  tcase_add_test(tcase, dense_and_blocks_agree);
-  tcase_add_test(tcase, states_of_the_three_kinds);
-  tcase_add_test(tcase, certify_refuses_and_leaves_outputs);
-  tcase_add_test(tcase, nan_is_never_certified);
-  tcase_add_test(tcase, a_runaway_is_never_certified);
-  suite_add_tcase(suite, tcase);
-  tcase = tcase_create("storages");
-  tcase_add_loop_test(tcase, there_and_back, 2, 4);
-  tcase_add_loop_test(tcase, storages_agree, 2, 4);
-  tcase_add_test(tcase, bad_conversion);
-  suite_add_tcase(suite, tcase);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+  return RUN("contact", NULL, NULL, ONCE(statuses_have_names_and_words), ONCE(an_error_says_where),
+             ONCE(arena_counts_carves_and_refuses), ONCE(arena_allocates_what_it_counted),
+             ONCE(norms_keep_nan_and_range), ONCE(vectors_of_any_length_are_finite),
+             ONCE(check_names_the_slot), ONCE(check_names_the_slot_of_blocks),
+             ONCE(blocks_come_apart_and_together), ONCE(blocks_refuse_bad_arguments),
+             ONCE(certificate_by_hand), ONCE(certificate_of_q_zero_and_frictionless),
+             ONCE(weights_fall_back), ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
+             ONCE(certificate_ignores_order_and_tangent_frame), ONCE(dense_and_blocks_agree),
+             ONCE(states_of_the_three_kinds), ONCE(certify_refuses_and_leaves_outputs),
+             ONCE(nan_is_never_certified), ONCE(a_runaway_is_never_certified),
+             EACH(there_and_back, 2, 4), EACH(storages_agree, 2, 4), ONCE(bad_conversion));
 }

@@ -13,6 +13,7 @@
 #include "delassus/pivoting.h"
 #include "delassus/solve.h"
 #include "failures.h"
+#include "run.h"
 
 enum { max_problems = 128, permutations = 1000 };
 
@@ -36,18 +37,13 @@ typedef struct instance {
   double M[FAILURE_N * FAILURE_N], q[FAILURE_N]; /* of lcp */
 } instance;
 
-static dls_contact contact_of(const failure *f) {
-  return (dls_contact){
-      .d = f->d, .nc = f->nc, .W = {f->n, f->n, f->n, f->M}, .q = f->q, .mu = f->mu};
-}
-
 /* 0 for a contact problem in 3D, which has no LCP */
-static int make(const failure *f, instance *i) {
+static int make_instance(const failure *f, instance *i) {
   i->f = f;
   int n = f->n;
   if (f->d == 3) return 0;
   if (f->d == 2) {
-    const dls_contact c = contact_of(f);
+    const dls_contact c = failure_contact(f);
     n = dls_contact_lcp_size(&c);
     ck_assert_int_le(n, FAILURE_N);
     ck_assert_int_eq(dls_contact_to_lcp(&c, NULL, i->M, n, i->q, NULL), DLS_OK);
@@ -62,16 +58,16 @@ static int make(const failure *f, instance *i) {
 /* x := what the file speaks of (r or z) from the z of the LCP */
 static void as_stated(const instance *i, const double *z, double *x) {
   if (i->f->d == 2) {
-    const dls_contact c = contact_of(i->f);
+    const dls_contact c = failure_contact(i->f);
     ck_assert_int_eq(dls_contact_from_lcp(&c, NULL, z, x, NULL), DLS_OK);
   } else
     memcpy(x, z, (size_t)i->f->n * sizeof *x);
 }
 
-static double residual_of(const failure *f, const double *x) {
+static double failure_residual(const failure *f, const double *x) {
   if (f->d) {
     dls_certificate c;
-    const dls_contact problem = contact_of(f);
+    const dls_contact problem = failure_contact(f);
     ck_assert_int_eq(dls_contact_certify(&problem, x, NULL, &c, NULL), DLS_OK);
     return dls_certificate_holds(&c, 1e-12) ? 0 : c.residual;
   }
@@ -108,21 +104,21 @@ START_TEST(stated_solutions_are_solutions) {
   for (int p = 0; p < problems; p++) {
     const failure *f = &all[p];
     for (int s = 0; s < f->points; s++) {
-      ck_assert_msg(residual_of(f, f->point[s].x) == 0, "%s, point %d: residual %.2e", f->name, s,
-                    residual_of(f, f->point[s].x));
+      ck_assert_msg(failure_residual(f, f->point[s].x) == 0, "%s, point %d: residual %.2e", f->name,
+                    s, failure_residual(f, f->point[s].x));
       for (int t = 0; t < s; t++) /* a continuum is convex */
         if (f->point[s].continuum >= 0 && f->point[s].continuum == f->point[t].continuum) {
           double x[FAILURE_N];
           for (int i = 0; i < f->n; i++)
             x[i] = 0.25 * f->point[s].x[i] + 0.75 * f->point[t].x[i];
-          ck_assert_msg(residual_of(f, x) == 0, "%s, between %d and %d", f->name, s, t);
+          ck_assert_msg(failure_residual(f, x) == 0, "%s, between %d and %d", f->name, s, t);
         }
       for (int t = 0; t < f->rays; t++)
         if (f->point[s].continuum == f->ray[t].continuum) {
           double x[FAILURE_N];
           for (int i = 0; i < f->n; i++)
             x[i] = f->point[s].x[i] + 10 * f->ray[t].x[i];
-          ck_assert_msg(residual_of(f, x) == 0, "%s, point %d, ray %d", f->name, s, t);
+          ck_assert_msg(failure_residual(f, x) == 0, "%s, point %d, ray %d", f->name, s, t);
         }
     }
   }
@@ -150,7 +146,7 @@ START_TEST(enumeration_finds_exactly_the_stated_solutions) {
   for (int p = 0; p < problems; p++) {
     const failure *f = &all[p];
     instance it;
-    if (!make(f, &it)) continue;
+    if (!make_instance(f, &it)) continue;
     const int n = it.lcp.n;
     dls_enumeration found;
     ck_assert_int_eq(dls_lcp_enumerate(&it.lcp, 1e-12, 64, list, &found, NULL), DLS_OK);
@@ -267,7 +263,7 @@ START_TEST(lemke_in_any_order) {
     const method m = {settings.crash ? "lemke, crash start" : "lemke", workspace, lemke};
     for (int p = 0; p < problems; p++) {
       instance it;
-      if (!make(&all[p], &it)) continue;
+      if (!make_instance(&all[p], &it)) continue;
       ck_assert_msg(all[p].lemke, "%s says nothing of Lemke's method", all[p].name);
       /* where there is a solution and the path ends in a ray, a crash start may find it */
       const unsigned lucky = settings.crash && !all[p].none ? 1u << DLS_OK : 0;
@@ -290,7 +286,7 @@ START_TEST(principal_pivoting_in_any_order) {
     for (int p = 0; p < problems; p++) {
       instance it;
       if (!all[p].principal) continue;
-      ck_assert(make(&all[p], &it));
+      ck_assert(make_instance(&all[p], &it));
       /* 2^n exchanges one by one take too long */
       if (settings.block_steps || it.lcp.n <= 6) try_orders(&m, &it, all[p].principal);
       tried++;
@@ -311,7 +307,7 @@ START_TEST(principal_pivoting_is_honest_elsewhere) {
   for (int p = 0; p < problems; p++) {
     instance it;
     double z[FAILURE_N];
-    if (all[p].principal || !make(&all[p], &it)) continue;
+    if (all[p].principal || !make_instance(&all[p], &it)) continue;
     const unsigned allowed = all[p].none ? any & ~(1u << DLS_OK) : any;
     judge("block pivots", &it, allowed, principal(workspace, &it.lcp, z), z);
   }
@@ -371,7 +367,8 @@ START_TEST(gauss_seidel) {
       ck_assert_msg(status >= 0 && (allowed >> status & 1), "%s, nlgs: %s", f->name,
                     dls_status_name(status));
       if (status != DLS_OK) continue;
-      ck_assert_msg(residual_of(f, r) == 0, "%s, nlgs: residual %.2e", f->name, residual_of(f, r));
+      ck_assert_msg(failure_residual(f, r) == 0, "%s, nlgs: residual %.2e", f->name,
+                    failure_residual(f, r));
       /* inside of a continuum the certificate alone decides */
       if (f->continua == 0) ck_assert_msg(is_stated(f, r), "%s, nlgs: not stated", f->name);
     }
@@ -390,7 +387,7 @@ static dls_status by_method(const char *name, const failure *f, double *r) {
     s.acceleration = DLS_ACCELERATION_ANDERSON;
   } else
     ck_assert_msg(dls_method_find(name, &s.method), "%s", name);
-  const dls_contact problem = contact_of(f);
+  const dls_contact problem = failure_contact(f);
   return dls_solve(&problem, &s, r, NULL, NULL, NULL);
 }
 
@@ -406,8 +403,8 @@ START_TEST(front_door) {
                     failure_word(status));
       ck_assert_msg(!(f->none && status == DLS_OK), "%s, %s: has no solution", f->name, name);
       if (status != DLS_OK) continue;
-      ck_assert_msg(residual_of(f, r) == 0, "%s, %s: residual %.2e", f->name, name,
-                    residual_of(f, r));
+      ck_assert_msg(failure_residual(f, r) == 0, "%s, %s: residual %.2e", f->name, name,
+                    failure_residual(f, r));
       int met = f->continua > 0; /* inside of one the certificate alone decides */
       for (int s = 0; s < f->points; s++)
         met |= is_near(f, s, r, 1e-4); /* 1e-12 |q| times that condition number, and more for c20 */
@@ -448,23 +445,9 @@ START_TEST(table_is_that_of_the_files) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("failures");
-  TCase *tc = tcase_create("catalogue");
-  tcase_set_timeout(tc, 60);
-  tcase_add_checked_fixture(tc, setup, NULL);
-  tcase_add_test(tc, stated_solutions_are_solutions);
-  tcase_add_test(tc, enumeration_finds_exactly_the_stated_solutions);
-  tcase_add_test(tc, lemke_in_any_order);
-  tcase_add_test(tc, principal_pivoting_in_any_order);
-  tcase_add_test(tc, principal_pivoting_is_honest_elsewhere);
-  tcase_add_test(tc, gauss_seidel);
-  tcase_add_test(tc, front_door);
-  tcase_add_test(tc, auto_solves_what_can_be_solved);
-  tcase_add_test(tc, table_is_that_of_the_files);
-  suite_add_tcase(suite, tc);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_ENV);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed != 0;
+  return RUN("failures", setup, NULL, ONCE(stated_solutions_are_solutions),
+             ONCE(enumeration_finds_exactly_the_stated_solutions), ONCE(lemke_in_any_order),
+             ONCE(principal_pivoting_in_any_order), ONCE(principal_pivoting_is_honest_elsewhere),
+             ONCE(gauss_seidel), ONCE(front_door), ONCE(auto_solves_what_can_be_solved),
+             ONCE(table_is_that_of_the_files));
 }

@@ -9,6 +9,7 @@
 
 #include "delassus.h"
 #include "program.h"
+#include "run.h"
 
 static int prints(const char *text) {
   return strstr(output, text) != NULL;
@@ -320,29 +321,11 @@ START_TEST(info_names_degenerate_contacts) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("cli");
-  TCase *tcase = tcase_create("cli");
-  tcase_set_timeout(tcase, 300); /* valgrind */
-  tcase_add_checked_fixture(tcase, make_directory, remove_directory);
-  tcase_add_test(tcase, help_and_version);
-  tcase_add_test(tcase, bad_usage_is_2);
-  tcase_add_test(tcase, accelerated_scene);
-  tcase_add_test(tcase, auto_says_what_it_did);
-  tcase_add_test(tcase, no_solution_likely_is_1);
-  tcase_add_test(tcase, scene_writes_its_files);
-  tcase_add_test(tcase, scene_on_the_displacements);
-  tcase_add_test(tcase, concentrated_csv_has_no_equivalents);
-  tcase_add_test(tcase, newton_and_the_list_of_methods);
-  tcase_add_test(tcase, lemke_in_3d_takes_facets);
-  tcase_add_test(tcase, saved_problem_solves_to_the_same_answer);
-  tcase_add_test(tcase, not_solved_is_1);
-  tcase_add_test(tcase, lcp_files);
-  tcase_add_test(tcase, info_says_what_it_found);
-  tcase_add_test(tcase, info_names_degenerate_contacts);
-  suite_add_tcase(suite, tcase);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+  return RUN("cli", make_directory, remove_directory, ONCE(help_and_version), ONCE(bad_usage_is_2),
+             ONCE(accelerated_scene), ONCE(auto_says_what_it_did), ONCE(no_solution_likely_is_1),
+             ONCE(scene_writes_its_files), ONCE(scene_on_the_displacements),
+             ONCE(concentrated_csv_has_no_equivalents), ONCE(newton_and_the_list_of_methods),
+             ONCE(lemke_in_3d_takes_facets), ONCE(saved_problem_solves_to_the_same_answer),
+             ONCE(not_solved_is_1), ONCE(lcp_files), ONCE(info_says_what_it_found),
+             ONCE(info_names_degenerate_contacts));
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "program.h"
+#include "run.h"
 
 /* lines of a file of the test's directory; last (size) := the last one */
 static int count_lines(const char *name, char *last, int size) {
@@ -81,18 +82,6 @@ START_TEST(bad_options) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("forming_cli");
-  TCase *tests = tcase_create("forming_cli");
-  tcase_set_timeout(tests, 600);
-  tcase_add_checked_fixture(tests, make_directory, remove_directory);
-  tcase_add_test(tests, files);
-  tcase_add_test(tests, every_method);
-  tcase_add_test(tests, not_solved);
-  tcase_add_test(tests, bad_options);
-  suite_add_tcase(suite, tests);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return RUN("forming_cli", make_directory, remove_directory, ONCE(files), ONCE(every_method),
+             ONCE(not_solved), ONCE(bad_options));
 }

@@ -1,4 +1,4 @@
-/* test_fe.c: mesh, T3, scenes, vtu files of the finite element module. */
+/* test_fe.c: tests mesh, T3, scenes and vtu files of the finite element module. */
 #define _XOPEN_SOURCE 700 /* mkdtemp, setrlimit */
 
 #include <check.h>
@@ -14,8 +14,9 @@
 
 #include "delassus/fe.h"
 #include "malloc_fails.h"
+#include "run.h"
 
-/* a call that must fail: status, argument and index of the error */
+/* Makes a call that must fail; checks status, argument and index of the error. */
 #define REJECTED(call, wanted, name, place)                                                        \
   do {                                                                                             \
     memset(&error, 0, sizeof error);                                                               \
@@ -36,7 +37,7 @@ static double *new_doubles(size_t n) {
 }
 
 /* y := K x, a := |K||x| (n); K with leading dimension n */
-static void multiply(const double *K, const double *x, int n, double *y, double *a) {
+static void multiply_full(const double *K, const double *x, int n, double *y, double *a) {
   for (int i = 0; i < n; i++)
     y[i] = a[i] = 0;
   for (int j = 0; j < n; j++)
@@ -196,7 +197,7 @@ START_TEST(patch) {
   }
   ck_assert_int_eq(status, DLS_OK);
   ck_assert_int_eq(dls_fe_stiffness(&mesh, E0, nu0, K, crooked_n, NULL), DLS_OK);
-  multiply(K, u, crooked_n, Ku, size);
+  multiply_full(K, u, crooked_n, Ku, size);
   for (int i = 0; i < crooked_n; i++)
     ck_assert_double_eq_tol(Ku[i], f[i], 16 * DBL_EPSILON * size[i]);
   free(stress);
@@ -218,7 +219,7 @@ START_TEST(symmetric_and_rigid) {
       u[2 * i] = mode == 0 ? 1 : mode == 1 ? 0 : -mesh.xy[2 * i + 1];
       u[2 * i + 1] = mode == 0 ? 0 : mode == 1 ? 1 : mesh.xy[2 * i];
     }
-    multiply(K, u, crooked_n, Ku, size);
+    multiply_full(K, u, crooked_n, Ku, size);
     for (int i = 0; i < crooked_n; i++)
       ck_assert_double_eq_tol(Ku[i], 0, 16 * DBL_EPSILON * size[i]);
   }
@@ -228,7 +229,7 @@ START_TEST(symmetric_and_rigid) {
 END_TEST
 
 START_TEST(units) {
-  /* K per unit thickness does not know the unit of length; powers of two change no bit */
+  /* K per unit thickness does not depend on the unit of length; powers of two change no bit */
   dls_fe_mesh mesh = crooked();
   const size_t size = (size_t)crooked_n * crooked_n;
   double *K = new_doubles(size), *K1 = new_doubles(size);
@@ -263,7 +264,7 @@ START_TEST(flat_triangles) {
     xy[6] = -h; /* nodes 0, 2, 3 on one line */
     xy[7] = -1e-6 * h;
     REJECTED(dls_fe_stiffness(&mesh, 1, 0.2, K, 8, &error), DLS_E_ARGUMENT, "node", 3);
-    xy[6] = 2 * h; /* twice its area is 2e-16 h^2: what rounding leaves of none */
+    xy[6] = 2 * h; /* twice the triangle's area is 2e-16 h^2, a rounding error */
     xy[7] = 2e-6 * h * (1 + 1e-10);
     REJECTED(dls_fe_stiffness(&mesh, 1, 0.2, K, 8, &error), DLS_E_ARGUMENT, "node", 3);
     xy[6] = 0;
@@ -291,7 +292,7 @@ START_TEST(edge_load) {
 }
 END_TEST
 
-/* every function that reads a whole mesh refuses what is wrong with it */
+/* Hands a wrong mesh to every function that reads whole meshes. */
 typedef dls_status reader(const dls_fe_mesh *mesh);
 static double scratch[12 * 12];
 static dls_status by_stiffness(const dls_fe_mesh *mesh) {
@@ -451,8 +452,8 @@ START_TEST(scene) {
         ck_assert(m->K.a[(int)place[i] - 1 + ((int)place[j] - 1) * 296] == K[i + j * 306]);
   free(K);
 
-  /* resultants per metre: top 4e-3 m of 5e8 Pa; side segments of 5e-4 m: (10 + 12 + .. + 24) 1e8 Pa,
-   * or 8 times 5e8 Pa. Moments about (0, 0), counterclockwise. */
+  /* resultants per metre: top 4e-3 m of 5e8 Pa; side segments of 5e-4 m: (10 + 12 + .. + 24) 1e8
+   * Pa, or 8 times 5e8 Pa. Moments about (0, 0), counterclockwise. */
   double F[306], sum[3] = {0};
   ck_assert_int_eq(dls_fe_scene_displacement(s, data.f, F, NULL), DLS_OK);
   for (int i = 0; i < 153; i++) {
@@ -740,7 +741,7 @@ START_TEST(vtu_disk_full) {
   ck_assert_int_eq(status, DLS_E_FILE);
   ck_assert_str_eq(error.argument, "path");
   ck_assert_int_ne(access(path, F_OK), 0);
-  if (access("/dev/full", W_OK) == 0) { /* what is no file stays: here a link to a device */
+  if (access("/dev/full", W_OK) == 0) { /* only files are removed: here a link to a device */
     ck_assert_int_eq(symlink("/dev/full", path), 0);
     ck_assert_int_eq(dls_fe_write_vtu(path, &mesh, NULL, NULL, NULL, &error), DLS_E_FILE);
     ck_assert_int_eq(unlink(path), 0); /* it is still there */
@@ -750,38 +751,10 @@ START_TEST(vtu_disk_full) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("fe");
-  TCase *t = tcase_create("mesh");
-  tcase_add_test(t, block);
-  tcase_add_test(t, block_ends_at_its_lengths);
-  tcase_add_test(t, block_bad_input);
-  suite_add_tcase(suite, t);
-  t = tcase_create("t3");
-  tcase_add_test(t, one_triangle_by_hand);
-  tcase_add_test(t, patch);
-  tcase_add_test(t, symmetric_and_rigid);
-  tcase_add_test(t, units);
-  tcase_add_test(t, flat_triangles);
-  tcase_add_test(t, edge_load);
-  tcase_add_loop_test(t, mesh_bad_input, 0, 3);
-  tcase_add_test(t, t3_bad_input);
-  suite_add_tcase(suite, t);
-  t = tcase_create("scene");
-  tcase_add_test(t, scene_names);
-  tcase_add_loop_test(t, scene, 0, 4);
-  tcase_add_test(t, scene_twice);
-  tcase_add_test(t, scene_bad_input);
-  tcase_add_test(t, scene_without_memory);
-  suite_add_tcase(suite, t);
-  t = tcase_create("vtu");
-  tcase_add_checked_fixture(t, make_folder, remove_folder);
-  tcase_add_test(t, vtu);
-  tcase_add_test(t, vtu_bad_input);
-  tcase_add_test(t, vtu_disk_full);
-  suite_add_tcase(suite, t);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return RUN("fe", make_folder, remove_folder, ONCE(block), ONCE(block_ends_at_its_lengths),
+             ONCE(block_bad_input), ONCE(one_triangle_by_hand), ONCE(patch),
+             ONCE(symmetric_and_rigid), ONCE(units), ONCE(flat_triangles), ONCE(edge_load),
+             EACH(mesh_bad_input, 0, 3), ONCE(t3_bad_input), ONCE(scene_names), EACH(scene, 0, 4),
+             ONCE(scene_twice), ONCE(scene_bad_input), ONCE(scene_without_memory), ONCE(vtu),
+             ONCE(vtu_bad_input), ONCE(vtu_disk_full));
 }

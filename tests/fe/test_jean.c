@@ -1,10 +1,10 @@
 /*
- * test_jean.c: the four tables of [Jean 1988] Figs. 3 and 4 from end to end: scene, reduction,
- * Gauss-Seidel and Lemke, recovery.
+ * test_jean.c: computes the four tables of [Jean 1988] Figs. 3 and 4 from end to end: scene,
+ * reduction, Gauss-Seidel and Lemke, recovery.
  *
- * The tolerances are those of data/jean-1988/README.md: what the paper's own stop at a relative
- * change of 1e-4 leaves, relative to a column's largest value. Everything that does not depend on
- * the print is held to the solvers' tolerance.
+ * The tolerances, relative to a column's largest value, are those of data/jean-1988/README.md: the
+ * paper stopped at a relative change of 1e-4. Everything that does not depend on the print is held
+ * to the solvers' tolerance.
  */
 #include <check.h>
 #include <float.h>
@@ -15,16 +15,17 @@
 
 #include "delassus.h"
 #include "delassus/fe.h"
+#include "run.h"
 
 enum { nc = 16, m = 2 * nc, line = 17, n = 296, mesh_n = 306 };
 enum { Q1, Q2, RT, RN, RN_EQUIVALENT, columns };
 
 static const double tol = 1e-12;
 
-/* Relative difference of answers. Between the residual and the error of the reactions stands the
- * conditioning of the problem: a factor of 18 and 110 (concentrated, Figs. 3 and 4), 470 and 840
- * (weighted), measured by stopping Gauss-Seidel at 1e-12. So two methods are compared with the
- * iterative one stopped at `tight`, which is above 4 floor = 9e-16. */
+/* agreement: relative difference of two methods' answers; tight: tolerance of the iterative one.
+ * The conditioning of the problem stands between residual and error of the reactions: a factor of
+ * 18 and 110 (concentrated, Figs. 3 and 4), 470 and 840 (weighted), measured by stopping
+ * Gauss-Seidel at 1e-12. tight is above 4 floor = 9e-16. */
 static const double agreement = 1e-10, tight = 1e-14;
 
 typedef struct table {
@@ -59,14 +60,14 @@ typedef struct answer {
   dls_info info;
 } answer;
 
-/* ok() prints the message of a failed call */
+/* Asserts DLS_OK; prints the message of a failed call. */
 static dls_error error;
 static void ok(dls_status status) {
   ck_assert_msg(status == DLS_OK, "%s: %s", dls_status_name(status), error.message);
 }
 
 /* The scene from end to end by one method; the answer is the caller's to free. */
-static answer *solve(const dls_fe_scene *scene, dls_method method, double tolerance) {
+static answer *solve_case(const dls_fe_scene *scene, dls_method method, double tolerance) {
   answer *a = calloc(1, sizeof *a);
   ck_assert_ptr_nonnull(a);
   dls_fe_scene_data data;
@@ -104,7 +105,8 @@ static answer *solve(const dls_fe_scene *scene, dls_method method, double tolera
   return a;
 }
 
-/* printed (nc x columns) := the file, NaN where a field is empty; returns the number of columns */
+/* Reads a table; returns its number of columns. printed: out, nc x columns, NaN for empty
+ * fields. */
 static int read_table(const char *path, double printed[nc][columns]) {
   FILE *file = fopen(path, "r");
   ck_assert_msg(file != NULL, "%s", path);
@@ -138,7 +140,7 @@ START_TEST(printed_table) {
   ok(dls_fe_scene_create(&scene, t->scene, t->weighted, &error));
   dls_fe_scene_data data;
   dls_fe_scene_get(scene, &data);
-  answer *a = solve(scene, methods[_i % 2], tol);
+  answer *a = solve_case(scene, methods[_i % 2], tol);
 
   double printed[nc][columns];
   const int count = read_table(t->file, printed);
@@ -183,7 +185,7 @@ START_TEST(methods_agree) {
   const table *t = &tables[_i];
   dls_fe_scene *scene;
   ok(dls_fe_scene_create(&scene, t->scene, t->weighted, &error));
-  answer *a = solve(scene, DLS_NLGS, tight), *b = solve(scene, DLS_LEMKE, tol);
+  answer *a = solve_case(scene, DLS_NLGS, tight), *b = solve_case(scene, DLS_LEMKE, tol);
   double r = 0, u = 0, dr = 0, du = 0, dx = 0, x = 0;
   for (int i = 0; i < m; i++) {
     r = fmax(r, fabs(b->r[i]));
@@ -205,15 +207,15 @@ START_TEST(methods_agree) {
 }
 END_TEST
 
-/* Without the reduction: the full stiffness times the displacement, less the loads, is what the
- * obstacle and the supports give. */
+/* Checks the balance without the reduction: the full stiffness times the displacement, less the
+ * loads, equals the forces of obstacle and supports. */
 START_TEST(equilibrium) {
   const table *t = &tables[_i];
   dls_fe_scene *scene;
   ok(dls_fe_scene_create(&scene, t->scene, t->weighted, &error));
   dls_fe_scene_data data;
   dls_fe_scene_get(scene, &data);
-  answer *a = solve(scene, DLS_LEMKE, tol);
+  answer *a = solve_case(scene, DLS_LEMKE, tol);
 
   double *K = malloc((size_t)mesh_n * mesh_n * sizeof *K);
   ck_assert_ptr_nonnull(K);
@@ -223,7 +225,7 @@ START_TEST(equilibrium) {
   for (int i = 0; i < n; i++)
     one[i] = 1;
   ok(dls_fe_scene_displacement(scene, one, is_free, &error));
-  double load = 0; /* the vertical one */
+  double load = 0; /* vertical */
   for (int i = 0; i < mesh_n; i++) {
     load += i % 2 ? R[i] : 0;
     R[i] = -R[i];
@@ -236,7 +238,7 @@ START_TEST(equilibrium) {
     }
   free(K);
 
-  /* R so far: K d - f; the contact nodes' share taken off, the free unknowns are in balance */
+  /* R = K d - f here; without the contact nodes' share the free unknowns are in balance */
   double vertical = 0, rounding = 0, largest = 0;
   for (int i = 0; i < mesh_n; i++) {
     rounding = fmax(rounding, size[i]);
@@ -276,21 +278,22 @@ START_TEST(equilibrium) {
 END_TEST
 
 /* Fig. 4: all candidates slide, so both ways of computation give the same displacements and
- * nodal reactions (the paper's remark): r_t = -mu r_n at every candidate gives R_t = -mu R_n at every
- * node, and u_n = 0 at every candidate gives u_n = 0 at every node, P being regular without row 17. */
+ * nodal reactions (the paper's remark): r_t = -mu r_n at every candidate gives R_t = -mu R_n at
+ * every node, and u_n = 0 at every candidate gives u_n = 0 at every node, P being regular without
+ * row 17. */
 START_TEST(all_slide) {
   dls_fe_scene *scene[2];
   answer *a[2];
   for (int w = 0; w < 2; w++) {
     ok(dls_fe_scene_create(&scene[w], "jean-fig4", w, &error));
-    a[w] = solve(scene[w], DLS_LEMKE, tol);
+    a[w] = solve_case(scene[w], DLS_LEMKE, tol);
     for (int c = 0; c < nc; c++)
       ck_assert_double_le(fabs(a[w]->r[2 * c + 1] + a[w]->mu * a[w]->r[2 * c]),
                           agreement * a[w]->r[2 * c]);
   }
   for (int i = 0; i < mesh_n; i++)
     ck_assert_double_le(fabs(a[0]->d[i] - a[1]->d[i]), agreement * fabs(a[0]->d[0]));
-  for (int i = 0; i < 2 * nc; i++) /* and the same nodal reactions */
+  for (int i = 0; i < 2 * nc; i++) /* nodal reactions agree, too */
     ck_assert_double_le(fabs(a[0]->R[i] - a[1]->R[i]), agreement * a[0]->R[2 * nc - 2]);
   for (int w = 0; w < 2; w++) {
     free(a[w]);
@@ -300,16 +303,7 @@ START_TEST(all_slide) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("jean");
-  TCase *t = tcase_create("jean");
-  tcase_add_loop_test(t, printed_table, 0, 2 * table_count);
-  tcase_add_loop_test(t, methods_agree, 0, table_count);
-  tcase_add_loop_test(t, equilibrium, 0, table_count);
-  tcase_add_test(t, all_slide);
-  suite_add_tcase(suite, t);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return RUN("jean", NULL, NULL, EACH(printed_table, 0, 2 * table_count),
+             EACH(methods_agree, 0, table_count), EACH(equilibrium, 0, table_count),
+             ONCE(all_slide));
 }

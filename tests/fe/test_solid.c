@@ -1,4 +1,4 @@
-/* test_solid.c: material, four-node elements, obstacles and banded matrices of the finite
+/* test_solid.c: tests material, four-node elements, obstacles and banded matrices of the finite
  * element module. */
 #include <check.h>
 #include <math.h>
@@ -8,6 +8,7 @@
 #include "close.h"
 #include "fe/solid.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 static const dlsi_hardening steel = {.factor = 593, .offset = 0.00384, .exponent = 0.202};
 static const dlsi_hardening rigid = {.factor = 1e300, .offset = 1, .exponent = 1};
@@ -283,12 +284,9 @@ static void plate_make(plate *p, int n, const double corner[8]) {
 
 static void plate_free(plate *p) {
   dlsi_band_free(&p->K);
-  free(p->X);
-  free(p->x);
-  free(p->F);
-  free(p->fixed);
-  free(p->old);
-  free(p->now);
+  void *const owned[] = {p->X, p->x, p->F, p->fixed, p->old, p->now};
+  for (int k = 0; k < 6; k++)
+    free(owned[k]);
 }
 
 static void plate_assemble(plate *p) {
@@ -403,7 +401,7 @@ START_TEST(no_locking) {
   const double fine = cook(32, 0.4999, 0, 10), coarse = cook(8, 0.4999, 0, 10);
   ck_assert_double_eq_tol(coarse, fine, 0.05 * fine);
   ck_assert_double_lt(cook(8, 0.4999, 1, 10), 0.6 * fine);
-  /* compressible: both do */
+  /* compressible: both elements do */
   const double soft = cook(32, 0.3, 0, 10);
   ck_assert_double_eq_tol(cook(32, 0.3, 1, 10), soft, 0.02 * soft);
 }
@@ -480,6 +478,30 @@ START_TEST(profile_with_joints) {
 }
 END_TEST
 
+/* By hand, lines that meet at a convex corner (0, 0): from (-4, 0) to b = (0, 0), the body above,
+ * then down to (4, -3). Beyond end b of the first line the corner is its nearest point. */
+START_TEST(beyond_the_end_of_a_line) {
+  const dlsi_piece pieces[2] = {{.a = {-4, 0}, .b = {0, 0}}, {.a = {0, 0}, .b = {4, -3}}};
+  const dlsi_obstacle wedge = {2, pieces};
+  const struct {
+    double x[2], gap, n[2];
+  } at[] = {
+      {{-1, 2}, 2, {0, 1}},         /* above the first line */
+      {{10, 0.5}, 6.4, {0.6, 0.8}}, /* nearer to the first line drawn on than to the second */
+      {{1, -0.5}, 0.2, {0.6, 0.8}}, /* likewise, close to the wall */
+      {{1, 2}, 2, {0, 1}},   /* the corner is nearest to both: the first line counts, (OB2) */
+      {{0.5, 3}, 3, {0, 1}}, /* likewise, farther up */
+  };
+  for (size_t k = 0; k < sizeof at / sizeof at[0]; k++) {
+    double n[2], curvature;
+    ck_assert_double_eq_tol(dlsi_obstacle_gap(&wedge, at[k].x, n, &curvature), at[k].gap, 1e-14);
+    ck_assert_double_eq_tol(n[0], at[k].n[0], 1e-15);
+    ck_assert_double_eq_tol(n[1], at[k].n[1], 1e-15);
+    ck_assert(curvature == 0);
+  }
+}
+END_TEST
+
 /* ---- band ------------------------------------------------------------------------------------ */
 
 START_TEST(band_solves_with_supports) {
@@ -519,27 +541,10 @@ START_TEST(band_solves_with_supports) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("solid");
-  TCase *tests = tcase_create("solid");
-  tcase_set_timeout(tests, 300);
-  tcase_add_test(tests, hardening_functions);
-  tcase_add_test(tests, small_strains_obey_hooke);
-  tcase_add_test(tests, return_mapping);
-  tcase_add_test(tests, bad_points);
-  tcase_add_loop_test(tests, tangent_is_the_derivative_of_the_forces, 0, 8);
-  tcase_add_loop_test(tests, elastic_forces_are_a_gradient, 0, 4);
-  tcase_add_test(tests, rotations_do_no_work);
-  tcase_add_test(tests, inside_out);
-  tcase_add_loop_test(tests, patch, 0, 8);
-  tcase_add_test(tests, no_locking);
-  tcase_add_test(tests, one_element_compressed);
-  tcase_add_test(tests, plane_and_cylinder);
-  tcase_add_test(tests, profile_with_joints);
-  tcase_add_test(tests, band_solves_with_supports);
-  suite_add_tcase(suite, tests);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return RUN(
+      "solid", NULL, NULL, ONCE(hardening_functions), ONCE(small_strains_obey_hooke),
+      ONCE(return_mapping), ONCE(bad_points), EACH(tangent_is_the_derivative_of_the_forces, 0, 8),
+      EACH(elastic_forces_are_a_gradient, 0, 4), ONCE(rotations_do_no_work), ONCE(inside_out),
+      EACH(patch, 0, 8), ONCE(no_locking), ONCE(one_element_compressed), ONCE(plane_and_cylinder),
+      ONCE(profile_with_joints), ONCE(beyond_the_end_of_a_line), ONCE(band_solves_with_supports));
 }

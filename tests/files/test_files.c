@@ -1,4 +1,5 @@
-/* test_files.c: FCLIB (HDF5) and Matrix Market files: what is read, what is written, what is refused. */
+/* test_files.c: FCLIB (HDF5) and Matrix Market files: what is read, what is written, what is
+ * refused. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <check.h>
@@ -19,6 +20,7 @@
 
 #include "delassus/files.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 static char scratch[] = "/tmp/delassus-files-XXXXXX"; /* a directory, made in main */
 static char path[sizeof scratch + 16];
@@ -1222,42 +1224,35 @@ END_TEST
 int main(void) {
   if (!mkdtemp(scratch)) return EXIT_FAILURE;
   (void)snprintf(path, sizeof path, "%s/file", scratch);
-  Suite *suite = suite_create("files");
-  TCase *mtx = tcase_create("mtx"), *fclib = tcase_create("fclib");
-  tcase_add_test(mtx, mtx_of_data);
-  tcase_add_test(mtx, mtx_variants);
-  tcase_add_test(mtx, mtx_broken);
-  tcase_add_test(mtx, mtx_arguments);
-  tcase_add_test(mtx, mtx_round_trip);
-  tcase_add_test(mtx, mtx_under_another_locale);
-  tcase_add_test(mtx, mtx_malloc_fails);
-#ifdef DLS_WITH_HDF5
   const int locals = (int)(sizeof broken_local / sizeof broken_local[0]);
   const int globals = (int)(sizeof broken_global / sizeof broken_global[0]);
-  tcase_set_timeout(fclib, 60); /* valgrind */
-  tcase_add_test(fclib, local_files_of_data);
-  tcase_add_test(fclib, global_files_of_data);
-  tcase_add_test(fclib, data_round_trip);
-  tcase_add_test(fclib, local_round_trip);
-  tcase_add_test(fclib, global_round_trip);
-  tcase_add_test(fclib, other_layouts);
-  tcase_add_loop_test(fclib, broken_local_file, 0, locals);
-  tcase_add_loop_test(fclib, broken_global_file, 0, globals);
-  tcase_add_test(fclib, broken_together);
-  tcase_add_test(fclib, no_whole_hdf5_file);
-  tcase_add_test(fclib, fclib_arguments);
-  tcase_add_test(fclib, write_arguments);
-  tcase_add_test(fclib, fclib_malloc_fails);
+  const test_row rows[] = {ONCE(mtx_of_data),
+                           ONCE(mtx_variants),
+                           ONCE(mtx_broken),
+                           ONCE(mtx_arguments),
+                           ONCE(mtx_round_trip),
+                           ONCE(mtx_under_another_locale),
+                           ONCE(mtx_malloc_fails),
+#ifdef DLS_WITH_HDF5
+                           ONCE(local_files_of_data),
+                           ONCE(global_files_of_data),
+                           ONCE(data_round_trip),
+                           ONCE(local_round_trip),
+                           ONCE(global_round_trip),
+                           ONCE(other_layouts),
+                           EACH(broken_local_file, 0, locals),
+                           EACH(broken_global_file, 0, globals),
+                           ONCE(broken_together),
+                           ONCE(no_whole_hdf5_file),
+                           ONCE(fclib_arguments),
+                           ONCE(write_arguments),
+                           ONCE(fclib_malloc_fails),
 #else
-  tcase_add_test(fclib, without_hdf5);
+                           ONCE(without_hdf5),
 #endif
-  suite_add_tcase(suite, mtx);
-  suite_add_tcase(suite, fclib);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
+                           {NULL, 0, 0}};
+  const int status = run_tests("files", rows, NULL, NULL);
   (void)remove(path);
   (void)rmdir(scratch);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return status;
 }

@@ -9,6 +9,7 @@
 #include "delassus.h"
 #include "failures.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 static uint64_t state;
 
@@ -220,7 +221,7 @@ END_TEST
 enum { NC = 4, M = 2 * NC };
 
 /* Random W = B B^T + 0.1 I + skew, its q and mu. */
-static void random_problem(int m, double skew, double *W, double *q) {
+static void random_matrix(int m, double skew, double *W, double *q) {
   double B[64];
   for (int i = 0; i < m * m; i++)
     B[i] = noise();
@@ -255,7 +256,7 @@ START_TEST(units_do_not_matter) {
   double W[M * M], q[M];
   const double mu[NC] = {0.1, 0.2, 0.9, 1.7};
   state = 4;
-  random_problem(M, 0.01, W, q);
+  random_matrix(M, 0.01, W, q);
   const dls_diagnosis g = diagnose(2, NC, W, q, mu);
   ck_assert(g.friction_unique > 0 && g.asymmetry > 0);
   static const double factor[4] = {1e-9, 1e9, 1e-3, 1e3};
@@ -290,7 +291,7 @@ START_TEST(order_does_not_matter) {
   const double mu[NC] = {0.1, 0.2, 0.9, 1.7}, nu[NC] = {0.9, 0.1, 1.7, 0.2};
   static const int from[NC] = {2, 0, 3, 1};
   state = 5;
-  random_problem(M, 0.01, W, q);
+  random_matrix(M, 0.01, W, q);
   for (int i = 0; i < M; i++) {
     const int k = 2 * from[i / 2] + i % 2;
     p[i] = q[k];
@@ -340,7 +341,7 @@ START_TEST(tangent_frames_do_not_matter) {
 }
 END_TEST
 
-/* The same problem by blocks, in scrambled order, every block of a candidate's own split in two. */
+/* The problem by blocks, in scrambled order, every block of a candidate's own split in two. */
 START_TEST(blocks_give_the_facts_of_the_dense_matrix) {
   for (int d = 2; d <= 3; d++) {
     const int nc = 3, m = 3 * d;
@@ -467,7 +468,7 @@ START_TEST(below_the_bound_there_is_one_solution) {
   for (int k = 0; k < 300; k++) {
     const int nc = 1 + k % 3, m = 2 * nc;
     double W[36], q[6], mu[3] = {0}, r[6];
-    random_problem(m, skew[k / 3 % 3], W, q);
+    random_matrix(m, skew[k / 3 % 3], W, q);
     const dls_diagnosis g = diagnose(2, nc, W, q, mu);
     ck_assert(g.friction_unique <= g.friction_critical * (1 + 1e-10));
     if (!(g.friction_unique > 0)) continue;
@@ -513,7 +514,7 @@ START_TEST(fixed_points_on_the_threshold_contract) {
   for (int k = 0; k < 60; k++) {
     const int nc = 1 + k % 3, m = 2 * nc;
     double W[36], q[6], b[2][3], r[2][6], mu[3] = {0}, before = 0, after = 0;
-    random_problem(m, 0, W, q);
+    random_matrix(m, 0, W, q);
     const double bound = diagnose(2, nc, W, q, mu).friction_unique;
     for (int c = 0; c < nc; c++) {
       mu[c] = 0.9 * bound;
@@ -544,7 +545,7 @@ START_TEST(above_the_critical_friction_there_are_several) {
   for (int k = 0; k < 60; k++) {
     const int nc = 1 + k % 3, m = 2 * nc;
     double W[36], q[6], mu[3];
-    random_problem(m, 0.05, W, q);
+    random_matrix(m, 0.05, W, q);
     for (int c = 0; c < nc; c++)
       mu[c] = 0;
     const dls_diagnosis g = diagnose(2, nc, W, q, mu);
@@ -702,34 +703,15 @@ START_TEST(each_failing_malloc_unwinds) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("diagnose");
-  TCase *tcase = tcase_create("diagnose");
-  tcase_set_timeout(tcase, 300); /* valgrind */
-  tcase_add_test(tcase, diagonal);
-  tcase_add_test(tcase, one_candidate_has_its_closed_form);
-  tcase_add_test(tcase, three_dimensions);
-  tcase_add_test(tcase, rank_and_definiteness);
-  tcase_add_test(tcase, unsymmetric);
-  tcase_add_test(tcase, degenerate_candidates_are_named);
-  tcase_add_test(tcase, singular_blocks_in_three_dimensions);
-  tcase_add_test(tcase, units_do_not_matter);
-  tcase_add_test(tcase, order_does_not_matter);
-  tcase_add_test(tcase, tangent_frames_do_not_matter);
-  tcase_add_test(tcase, blocks_give_the_facts_of_the_dense_matrix);
-  tcase_add_test(tcase, blocks_that_are_missing);
-  tcase_add_test(tcase, catalogue_of_failures);
-  tcase_add_test(tcase, below_the_bound_there_is_one_solution);
-  tcase_add_test(tcase, fixed_points_on_the_threshold_contract);
-  tcase_add_test(tcase, above_the_critical_friction_there_are_several);
-  tcase_add_test(tcase, one_candidate_in_3d_has_one_solution_below_the_bound);
-  tcase_add_test(tcase, too_large_is_said);
-  tcase_add_test(tcase, the_same_bits_twice);
-  tcase_add_test(tcase, bad_input_is_named);
-  tcase_add_test(tcase, each_failing_malloc_unwinds);
-  suite_add_tcase(suite, tcase);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+  return RUN(
+      "diagnose", NULL, NULL, ONCE(diagonal), ONCE(one_candidate_has_its_closed_form),
+      ONCE(three_dimensions), ONCE(rank_and_definiteness), ONCE(unsymmetric),
+      ONCE(degenerate_candidates_are_named), ONCE(singular_blocks_in_three_dimensions),
+      ONCE(units_do_not_matter), ONCE(order_does_not_matter), ONCE(tangent_frames_do_not_matter),
+      ONCE(blocks_give_the_facts_of_the_dense_matrix), ONCE(blocks_that_are_missing),
+      ONCE(catalogue_of_failures), ONCE(below_the_bound_there_is_one_solution),
+      ONCE(fixed_points_on_the_threshold_contract),
+      ONCE(above_the_critical_friction_there_are_several),
+      ONCE(one_candidate_in_3d_has_one_solution_below_the_bound), ONCE(too_large_is_said),
+      ONCE(the_same_bits_twice), ONCE(bad_input_is_named), ONCE(each_failing_malloc_unwinds));
 }

@@ -7,7 +7,9 @@
 
 #include "base/base.h"
 #include "delassus.h"
+#include "front_cases.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 #ifndef TEST_DATA
 #define TEST_DATA "data"
@@ -19,30 +21,8 @@ static const double pi = 3.14159265358979323846;
 static double W[MOST * MOST], q[MOST], mu[NC];
 static double M[ROWS * ROWS], b[ROWS], z[ROWS], y[ROWS];
 
-static double uniform(unsigned *seed) {
-  *seed = *seed * 1664525u + 1013904223u;
-  return (double)(*seed >> 8) / (1 << 23) - 1;
-}
-
-/* W = A^T A / m + I / 5, symmetric positive definite, normals and tangents coupled; every fourth
- * candidate without friction. */
 static dls_contact random_problem(int d, int nc, double friction, unsigned seed) {
-  const int m = d * nc;
-  double A[MOST * MOST];
-  for (int k = 0; k < m * m; k++)
-    A[k] = uniform(&seed);
-  for (int i = 0; i < m; i++)
-    for (int j = 0; j < m; j++) {
-      double sum = i == j ? 0.2 : 0;
-      for (int k = 0; k < m; k++)
-        sum += A[k + m * i] * A[k + m * j] / m;
-      W[i + m * j] = sum;
-    }
-  for (int i = 0; i < m; i++)
-    q[i] = uniform(&seed) - (i % d ? 0 : 0.5);
-  for (int c = 0; c < nc; c++)
-    mu[c] = c % 4 == 3 ? 0 : friction;
-  return (dls_contact){.d = d, .nc = nc, .W = {m, m, m, W}, .q = q, .mu = mu};
+  return coupled(W, q, mu, d, nc, 0.2, friction, seed);
 }
 
 static dls_contact one_candidate(int d, const double *w, const double *p, const double *friction) {
@@ -252,7 +232,7 @@ static void check_form(const dls_contact *p, int facets, const double *s) {
   for (int k = 0; k < ld * n; k++)
     A[k] = 77;
   for (int i = 0; i < n; i++)
-    z[i] = uniform(&seed);
+    z[i] = draw(&seed);
   ck_assert_int_eq(dls_contact_to_facets_lcp(p, facets, s, A, ld, b, NULL), DLS_OK);
   ck_assert_int_eq(dls_contact_from_facets_lcp(p, facets, s, z, r, NULL), DLS_OK);
   for (int i = 0; i < m; i++) {
@@ -671,33 +651,15 @@ START_TEST(bad_input_is_named) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("facets");
-  TCase *tcase = tcase_create("facets");
-  tcase_add_test(tcase, slip_along_a_corner_is_exact);
-  tcase_add_test(tcase, slip_through_the_middle_of_a_facet);
-  tcase_add_test(tcase, free_stick_and_no_friction);
-  tcase_add_test(tcase, four_rows_solve_what_three_cannot);
-  tcase_add_test(tcase, newton_cycle_in_3d);
-  tcase_add_test(tcase, no_solution_is_claimed_in_2d_only);
-  tcase_add_test(tcase, rows_say_what_they_should);
-  tcase_add_test(tcase, facets_two_and_three_rows_agree_in_2d);
-  tcase_add_test(tcase, more_facets_smaller_error);
-  tcase_add_test(tcase, random_problems_to_rounding);
-  tcase_add_test(tcase, few_newton_steps);
-  tcase_add_test(tcase, newton_on_a_singular_matrix);
-  tcase_add_test(tcase, large_friction);
-  tcase_add_test(tcase, rotated_tangents_same_answer);
-  tcase_add_test(tcase, units_do_not_change_the_path);
-  tcase_add_test(tcase, fclib_files);
-  tcase_add_test(tcase, limit_and_cancellation_are_not_polished_away);
-  tcase_add_test(tcase, solver_is_reused_and_allocates_nothing);
-  tcase_add_test(tcase, every_failing_malloc_unwinds);
-  tcase_add_test(tcase, sizes);
-  tcase_add_test(tcase, bad_input_is_named);
-  suite_add_tcase(suite, tcase);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+  return RUN("facets", NULL, NULL, ONCE(slip_along_a_corner_is_exact),
+             ONCE(slip_through_the_middle_of_a_facet), ONCE(free_stick_and_no_friction),
+             ONCE(four_rows_solve_what_three_cannot), ONCE(newton_cycle_in_3d),
+             ONCE(no_solution_is_claimed_in_2d_only), ONCE(rows_say_what_they_should),
+             ONCE(facets_two_and_three_rows_agree_in_2d), ONCE(more_facets_smaller_error),
+             ONCE(random_problems_to_rounding), ONCE(few_newton_steps),
+             ONCE(newton_on_a_singular_matrix), ONCE(large_friction),
+             ONCE(rotated_tangents_same_answer), ONCE(units_do_not_change_the_path),
+             ONCE(fclib_files), ONCE(limit_and_cancellation_are_not_polished_away),
+             ONCE(solver_is_reused_and_allocates_nothing), ONCE(every_failing_malloc_unwinds),
+             ONCE(sizes), ONCE(bad_input_is_named));
 }

@@ -7,22 +7,20 @@
 
 #include "delassus/facets.h"
 #include "delassus/lcp.h"
+#include "lcp_of.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 /* A rounded answer of a well-conditioned problem: a few units in the last place per pivot */
 static const double rounding = 1e-13;
 
 static uint64_t seed = 1;
-static double uniform(void) { /* [0, 1) */
+static double fraction(void) { /* [0, 1) */
   seed = seed * 6364136223846793005U + 1442695040888963407U;
   return (double)(seed >> 11) * 0x1p-53;
 }
 static int integer(int low, int high) {
-  return low + (int)(uniform() * (high - low + 1));
-}
-
-static dls_lcp lcp_of(int n, const double *M, const double *q) {
-  return (dls_lcp){n, {n, n, n, M}, q};
+  return low + (int)(fraction() * (high - low + 1));
 }
 
 static dls_lemke_settings path_alone(void) {
@@ -32,9 +30,10 @@ static dls_lemke_settings path_alone(void) {
   return settings;
 }
 
-/* Solves with a workspace of its own, settings NULL: by the path alone; whatever is said must be true. */
-static dls_status solve(int n, const double *M, const double *q, const dls_lemke_settings *settings,
-                        double *z, dls_lemke_info *info) {
+/* Solves with a workspace of its own, settings NULL: by the path alone; whatever is said must be
+ * true. */
+static dls_status solved(int n, const double *M, const double *q,
+                         const dls_lemke_settings *settings, double *z, dls_lemke_info *info) {
   const dls_lcp lcp = lcp_of(n, M, q);
   const dls_lemke_settings path = path_alone();
   if (!settings) settings = &path;
@@ -158,7 +157,7 @@ START_TEST(size_one) {
   for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
     dls_lemke_info info;
     double z[1];
-    ck_assert_int_eq(solve(1, &cases[k].M, &cases[k].q, NULL, z, &info), cases[k].status);
+    ck_assert_int_eq(solved(1, &cases[k].M, &cases[k].q, NULL, z, &info), cases[k].status);
     ck_assert_double_eq(z[0], cases[k].z);
   }
 }
@@ -168,7 +167,7 @@ START_TEST(feasible_q_is_answered_at_once) {
   const double M[4] = {-1, 5, 2, 0}, q[2] = {0, 3};
   double z[2];
   dls_lemke_info info;
-  ck_assert_int_eq(solve(2, M, q, NULL, z, &info), DLS_OK);
+  ck_assert_int_eq(solved(2, M, q, NULL, z, &info), DLS_OK);
   ck_assert_int_eq(info.pivots, 0);
   ck_assert_double_eq(info.certificate.residual, 0);
   ck_assert_double_eq(z[0], 0);
@@ -192,7 +191,7 @@ START_TEST(size_two) {
   for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
     dls_lemke_info info;
     double z[2];
-    ck_assert_int_eq(solve(2, cases[k].M, cases[k].q, NULL, z, &info), cases[k].status);
+    ck_assert_int_eq(solved(2, cases[k].M, cases[k].q, NULL, z, &info), cases[k].status);
     if (info.status != DLS_OK) continue;
     ck_assert_double_eq_tol(z[0], cases[k].z[0], 1e-15);
     ck_assert_double_eq_tol(z[1], cases[k].z[1], 1e-15);
@@ -207,7 +206,7 @@ START_TEST(nearly_impossible) {
     const double e = ldexp(1, -k), M[4] = {1, -1, -1, 1 + e};
     double z[2];
     dls_lemke_info info;
-    ck_assert_int_eq(solve(2, M, q, NULL, z, &info), DLS_OK);
+    ck_assert_int_eq(solved(2, M, q, NULL, z, &info), DLS_OK);
     ck_assert_double_eq_tol(z[0] * e, 2 + e, 8 * 0x1p-52 / e);
     ck_assert_double_eq_tol(z[1] * e, 2, 8 * 0x1p-52 / e);
   }
@@ -252,7 +251,7 @@ START_TEST(catalogue_of_contact) {
     double M[36], q[6], z[6], r[4];
     dls_lemke_info info;
     ck_assert_int_eq(dls_contact_to_lcp(&problem, NULL, M, n, q, NULL), DLS_OK);
-    ck_assert_int_eq(solve(n, M, q, NULL, z, &info), DLS_OK);
+    ck_assert_int_eq(solved(n, M, q, NULL, z, &info), DLS_OK);
     ck_assert_int_eq(dls_contact_from_lcp(&problem, NULL, z, r, NULL), DLS_OK);
     for (int i = 0; i < 2 * nc; i++)
       ck_assert_double_eq_tol(r[i], cases[k].r[i], rounding * (1 + fabs(cases[k].r[i])));
@@ -272,10 +271,10 @@ START_TEST(ray_of_large_friction) {
   dls_lemke_info info;
   settings.cover = ones;
   ck_assert_int_eq(dls_contact_to_lcp(&problem, NULL, M, 3, ql, NULL), DLS_OK);
-  ck_assert_int_eq(solve(3, M, ql, &settings, z, &info), DLS_RAY); /* solve() checks the ray */
+  ck_assert_int_eq(solved(3, M, ql, &settings, z, &info), DLS_RAY); /* solved() checks the ray */
   ck_assert_int_eq(info.pivots, 1);
   /* with the default d: z = (r_n, phi_2, lambda_2) = (1, 1, 0) */
-  ck_assert_int_eq(solve(3, M, ql, NULL, z, &info), DLS_OK);
+  ck_assert_int_eq(solved(3, M, ql, NULL, z, &info), DLS_OK);
   const double answer[3] = {1, 1, 0};
   for (int i = 0; i < 3; i++)
     ck_assert_double_eq_tol(z[i], answer[i], 1e-15);
@@ -288,7 +287,7 @@ START_TEST(bimatrix_game) {
   const double q[4] = {-1, -1, -1, -1};
   double z[4];
   dls_lemke_info info;
-  ck_assert_int_eq(solve(4, M, q, NULL, z, &info), DLS_RAY);
+  ck_assert_int_eq(solved(4, M, q, NULL, z, &info), DLS_RAY);
   ck_assert_int_eq(enumerate(4, M, q, 1e-12, z) > 0, 1);
 }
 END_TEST
@@ -301,7 +300,7 @@ START_TEST(cycling_example) {
   double z[3];
   for (int own = 0; own < 2; own++) {
     settings.cover = own ? ones : NULL;
-    ck_assert_int_eq(solve(3, M, q, &settings, z, &info), DLS_OK);
+    ck_assert_int_eq(solved(3, M, q, &settings, z, &info), DLS_OK);
     for (int i = 0; i < 3; i++)
       ck_assert_double_eq_tol(z[i], 1.0 / 3, 4e-16);
   }
@@ -316,7 +315,7 @@ START_TEST(identical_rows) {
     M[k] = 1;
   for (int k = 0; k < 6; k++)
     q[k] = -3;
-  ck_assert_int_eq(solve(6, M, q, NULL, z, &info), DLS_OK);
+  ck_assert_int_eq(solved(6, M, q, NULL, z, &info), DLS_OK);
   double sum = 0;
   for (int k = 0; k < 6; k++)
     sum += z[k];
@@ -337,7 +336,7 @@ START_TEST(murty) {
       for (int j = 0; j < n; j++)
         M[i + n * j] = i == j ? 1 : i > j ? 2 : 0;
     }
-    ck_assert_int_eq(solve(n, M, q, &settings, z, &info), DLS_OK);
+    ck_assert_int_eq(solved(n, M, q, &settings, z, &info), DLS_OK);
     ck_assert_int_eq(info.pivots, 1 << n);
     ck_assert_double_eq(z[0], ldexp(1, n));
     for (int i = 1; i < n; i++)
@@ -356,16 +355,16 @@ START_TEST(p_matrices) {
     for (int i = 0; i < n; i++) { /* diagonal dominant by rows, unsymmetric: a P-matrix */
       double sum = 0;
       for (int j = 0; j < n; j++) {
-        M[i + n * j] = uniform() - 0.5;
+        M[i + n * j] = fraction() - 0.5;
         if (j != i) sum += fabs(M[i + n * j]);
       }
       M[i + n * i] = sum + 0.1;
-      q[i] = uniform() - 0.6;
+      q[i] = fraction() - 0.6;
     }
     ck_assert_int_eq(enumerate(n, M, q, 1e-12, expected), 1);
     dls_lemke_settings settings = path_alone();
     settings.crash = trial % 2;
-    ck_assert_int_eq(solve(n, M, q, &settings, z, &info), DLS_OK);
+    ck_assert_int_eq(solved(n, M, q, &settings, z, &info), DLS_OK);
     ck_assert(dls_lcp_certificate_holds(&info.certificate, 1e-14));
     for (int i = 0; i < n; i++)
       ck_assert_double_eq_tol(z[i], expected[i], rounding * (1 + fabs(expected[i])));
@@ -384,7 +383,7 @@ START_TEST(any_matrix) {
       M[k] = integer(-2, 2);
     for (int i = 0; i < n; i++)
       q[i] = integer(-2, 1);
-    const dls_status status = solve(n, M, q, NULL, z, &info);
+    const dls_status status = solved(n, M, q, NULL, z, &info);
     ck_assert(status == DLS_OK || status == DLS_RAY || status == DLS_NO_SOLUTION);
     count[status]++;
     if (status == DLS_OK) ck_assert(dls_lcp_certificate_holds(&info.certificate, 1e-14));
@@ -424,7 +423,7 @@ START_TEST(semidefinite) {
       }
     for (int i = 0; i < n; i++)
       q[i] = integer(-2, 1);
-    const dls_status status = solve(n, M, q, NULL, z, &info);
+    const dls_status status = solved(n, M, q, NULL, z, &info);
     ck_assert(status == DLS_OK || status == DLS_NO_SOLUTION);
     count[status]++;
     if (status == DLS_OK) ck_assert(dls_lcp_certificate_holds(&info.certificate, 1e-14));
@@ -442,18 +441,18 @@ static void spd_and_skew(int n, double *M, double *q) {
   double *A = malloc((size_t)(n * n) * sizeof *A);
   ck_assert(A != NULL);
   for (int k = 0; k < n * n; k++)
-    A[k] = uniform() - 0.5;
+    A[k] = fraction() - 0.5;
   for (int j = 0; j < n; j++)
     for (int i = 0; i <= j; i++) {
       double sum = 0;
       for (int k = 0; k < n; k++)
         sum += A[i + n * k] * A[j + n * k];
-      const double skew = i < j ? 0.02 * (uniform() - 0.5) : 0;
+      const double skew = i < j ? 0.02 * (fraction() - 0.5) : 0;
       M[i + n * j] = 12 * sum / n + (i == j ? 0.1 : 0) + skew;
       M[j + n * i] = M[i + n * j] - 2 * skew;
     }
   for (int i = 0; i < n; i++)
-    q[i] = uniform() - 0.5;
+    q[i] = fraction() - 0.5;
   free(A);
 }
 
@@ -463,7 +462,7 @@ START_TEST(hundred_unknowns) {
   for (int n = 20; n <= 180; n += 40) {
     dls_lemke_info info;
     spd_and_skew(n, big_M, big_q);
-    ck_assert_int_eq(solve(n, big_M, big_q, NULL, big_z, &info), DLS_OK);
+    ck_assert_int_eq(solved(n, big_M, big_q, NULL, big_z, &info), DLS_OK);
     ck_assert(dls_lcp_certificate_holds(&info.certificate, 1e-14));
     ck_assert_int_eq(info.starts, 1);
     ck_assert_int_lt(info.pivots, n);
@@ -512,7 +511,7 @@ START_TEST(stewart_trinkle) {
         big_M[4 * a + i + n * (4 * a + 3)] = 1;
       }
     }
-    ck_assert_int_eq(solve(n, big_M, big_q, NULL, big_z, &info), DLS_OK);
+    ck_assert_int_eq(solved(n, big_M, big_q, NULL, big_z, &info), DLS_OK);
     ck_assert(dls_lcp_certificate_holds(&info.certificate, 1e-12));
   }
 }
@@ -533,7 +532,7 @@ START_TEST(decaying_entries) {
           M[i + j * n] = a / b * pow(r, abs(i - j));
         q[j] = a * (cos(0.9 * j) - 0.3);
       }
-      ck_assert_int_eq(solve(n, M, q, NULL, z, &info), DLS_OK);
+      ck_assert_int_eq(solved(n, M, q, NULL, z, &info), DLS_OK);
       ck_assert_int_eq(info.starts, 1);
       ck_assert_double_le(info.certificate.residual, rounding);
       if (unit == 0) pivots = info.pivots;
@@ -547,7 +546,7 @@ static void contact_problem(int nc, double *W, double *q, double *mu) {
   spd_and_skew(2 * nc, W, q);
   for (int c = 0; c < nc; c++) {
     q[2 * c] -= 0.1;
-    mu[c] = 0.2 + 0.6 * uniform();
+    mu[c] = 0.2 + 0.6 * fraction();
   }
 }
 
@@ -559,9 +558,9 @@ START_TEST(very_large_friction) {
     const int nc = integer(1, 4), n = 3 * nc;
     double A[64] = {0}, W[64] = {0}, q[8] = {0}, mu[4] = {0};
     for (int k = 0; k < 4 * nc * nc; k++)
-      A[k] = uniform() - 0.5;
+      A[k] = fraction() - 0.5;
     for (int i = 0; i < 2 * nc; i++) {
-      q[i] = uniform() - 0.7;
+      q[i] = fraction() - 0.7;
       mu[i / 2] = 5;
       for (int j = 0; j < 2 * nc; j++) {
         W[i + 2 * nc * j] = i == j ? 0.01 : 0;
@@ -572,7 +571,7 @@ START_TEST(very_large_friction) {
     const dls_contact problem = {2, nc, {2 * nc, 2 * nc, 2 * nc, W}, {0}, q, mu};
     dls_lemke_info info;
     ck_assert_int_eq(dls_contact_to_lcp(&problem, NULL, big_M, n, big_q, NULL), DLS_OK);
-    ck_assert_int_eq(solve(n, big_M, big_q, NULL, big_z, &info), DLS_OK);
+    ck_assert_int_eq(solved(n, big_M, big_q, NULL, big_z, &info), DLS_OK);
     ck_assert(dls_lcp_certificate_holds(&info.certificate, 1e-12));
     restarted += info.starts > 1;
   }
@@ -598,7 +597,7 @@ START_TEST(units) {
       const dls_contact problem = {2, nc, {m, m, m, W2}, {0}, q2, mu};
       dls_lemke_info info;
       ck_assert_int_eq(dls_contact_to_lcp(&problem, s, big_M, n, big_q, NULL), DLS_OK);
-      ck_assert_int_eq(solve(n, big_M, big_q, NULL, big_z, &info), DLS_OK);
+      ck_assert_int_eq(solved(n, big_M, big_q, NULL, big_z, &info), DLS_OK);
       ck_assert_int_eq(dls_contact_from_lcp(&problem, s, big_z, r, NULL), DLS_OK);
       if (pivots == 0) {
         pivots = info.pivots;
@@ -617,7 +616,7 @@ START_TEST(units) {
         for (int j = 0; j < n; j++)
           big_M[i + n * j] *= f;
       }
-      ck_assert_int_eq(solve(n, big_M, big_q, NULL, big_z2, &info), DLS_OK);
+      ck_assert_int_eq(solved(n, big_M, big_q, NULL, big_z2, &info), DLS_OK);
       if (pivots_of_rows == 0) pivots_of_rows = info.pivots;
       ck_assert_int_eq(info.pivots, pivots_of_rows);
       for (int i = 0; i < n; i++)
@@ -631,7 +630,7 @@ START_TEST(permutations) {
   int at[n];
   dls_lemke_info info;
   spd_and_skew(n, big_M, big_q);
-  ck_assert_int_eq(solve(n, big_M, big_q, NULL, big_z, &info), DLS_OK);
+  ck_assert_int_eq(solved(n, big_M, big_q, NULL, big_z, &info), DLS_OK);
   const int pivots = info.pivots;
   for (int trial = 0; trial < 10; trial++) {
     for (int i = 0; i < n; i++) {
@@ -645,7 +644,7 @@ START_TEST(permutations) {
       for (int i = 0; i < n; i++)
         big_M2[at[i] + n * at[j]] = big_M[i + n * j];
     }
-    ck_assert_int_eq(solve(n, big_M2, big_q2, NULL, big_z2, &info), DLS_OK);
+    ck_assert_int_eq(solved(n, big_M2, big_q2, NULL, big_z2, &info), DLS_OK);
     ck_assert_int_eq(info.pivots, pivots); /* no ties here: the same path */
     for (int i = 0; i < n; i++)
       ck_assert_double_eq_tol(big_z2[at[i]], big_z[i], rounding);
@@ -703,17 +702,17 @@ START_TEST(progress_and_limit) {
   spd_and_skew(n, big_M, big_q);
   settings.limits.progress = watch;
   settings.limits.progress_data = &seen;
-  ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
+  ck_assert_int_eq(solved(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
   ck_assert_int_eq(seen.calls, info.pivots / 50);
   ck_assert_int_gt(seen.calls, 1);
   settings.limits.progress_data = &cancels;
-  ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_CANCELLED);
+  ck_assert_int_eq(solved(n, big_M, big_q, &settings, big_z, &info), DLS_CANCELLED);
   ck_assert_int_eq(info.pivots, 100);
   ck_assert_double_gt(info.certificate.residual, 0);
   ck_assert_double_lt(info.certificate.residual, 1);
   settings.limits.progress = NULL;
   settings.limits.max_iterations = 60;
-  ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_MAX_ITERATIONS);
+  ck_assert_int_eq(solved(n, big_M, big_q, &settings, big_z, &info), DLS_MAX_ITERATIONS);
   ck_assert_int_eq(info.pivots, 60);
 }
 END_TEST
@@ -839,7 +838,7 @@ START_TEST(extreme_numbers) {
       const double q[2] = {-5 * scales[b], -6 * scales[b]}, f = scales[b] / scales[a];
       double z[2];
       dls_lemke_info info;
-      const dls_status status = solve(2, M, q, NULL, z, &info);
+      const dls_status status = solved(2, M, q, NULL, z, &info);
       if (f > 0 && f < 1e307) {
         ck_assert_int_eq(status, DLS_OK);
         ck_assert_double_eq_tol(z[0] / f, 4.0 / 3, 1e-14);
@@ -858,7 +857,7 @@ static void growing_problem(int n, double time, double *M, double *q) {
   ck_assert_ptr_nonnull(A);
   seed = 77;
   for (int k = 0; k < n * n; k++)
-    A[k] = uniform() - 0.5;
+    A[k] = fraction() - 0.5;
   for (int i = 0; i < n; i++)
     for (int j = 0; j < n; j++) {
       double sum = (i == j ? 0.1 : 0) + 0.01 * (A[i + n * j] - A[j + n * i]);
@@ -867,7 +866,7 @@ static void growing_problem(int n, double time, double *M, double *q) {
       M[i + n * j] = sum;
     }
   for (int i = 0; i < n; i++) {
-    const double base = uniform() - 0.5, rate = uniform() - 0.5;
+    const double base = fraction() - 0.5, rate = fraction() - 0.5;
     q[i] = base + time * rate;
   }
   free(A);
@@ -882,16 +881,16 @@ START_TEST(warm_start_follows_a_load) {
   for (int k = 0; k < steps; k++) {
     growing_problem(n, 0.05 * k, M, q);
     settings.limits.warm_start = 0;
-    ck_assert_int_eq(solve(n, M, q, &settings, cold, &info), DLS_OK);
+    ck_assert_int_eq(solved(n, M, q, &settings, cold, &info), DLS_OK);
     if (k > 0) cold_pivots += info.pivots;
     settings.limits.warm_start = k > 0;
-    ck_assert_int_eq(solve(n, M, q, &settings, z, &info), DLS_OK);
+    ck_assert_int_eq(solved(n, M, q, &settings, z, &info), DLS_OK);
     ck_assert_double_le(info.certificate.residual, 1e-13);
     ck_assert_int_eq(info.starts, 1);
     if (k > 0) warm_pivots += info.pivots;
     for (int i = 0; i < n; i++) /* M is positive definite: one solution */
       ck_assert_double_eq_tol(z[i], cold[i], 1e-11 * (1 + cold[i]));
-    ck_assert_int_eq(solve(n, M, q, &settings, z, &info), DLS_OK);
+    ck_assert_int_eq(solved(n, M, q, &settings, z, &info), DLS_OK);
     if (k > 0) ck_assert_int_eq(info.pivots, 0); /* the answer is its own start */
   }
   ck_assert_int_lt(5 * warm_pivots, cold_pivots);
@@ -904,13 +903,13 @@ START_TEST(warm_start_from_anywhere) {
   dls_lemke_settings settings = path_alone();
   dls_lemke_info info;
   growing_problem(n, 0, M, q);
-  ck_assert_int_eq(solve(n, M, q, &settings, cold, &info), DLS_OK);
+  ck_assert_int_eq(solved(n, M, q, &settings, cold, &info), DLS_OK);
   settings.limits.warm_start = 1;
   seed = 5;
   for (int k = 0; k < 500; k++) {
     for (int i = 0; i < n; i++)
-      z[i] = integer(0, 1) ? 1e3 * uniform() : -uniform();
-    ck_assert_int_eq(solve(n, M, q, &settings, z, &info), DLS_OK);
+      z[i] = integer(0, 1) ? 1e3 * fraction() : -fraction();
+    ck_assert_int_eq(solved(n, M, q, &settings, z, &info), DLS_OK);
     ck_assert_int_eq(info.starts, 1);
     for (int i = 0; i < n; i++)
       ck_assert_double_eq_tol(z[i], cold[i], 1e-11 * (1 + cold[i]));
@@ -925,12 +924,12 @@ START_TEST(warm_start_that_leads_nowhere) {
   dls_lemke_settings settings = path_alone();
   settings.limits.warm_start = 1;
   dls_lemke_info info;
-  ck_assert_int_eq(solve(2, singular, q, &settings, z, &info), DLS_OK);
+  ck_assert_int_eq(solved(2, singular, q, &settings, z, &info), DLS_OK);
   ck_assert_double_eq_tol(z[1], 2, 4e-16);
   ck_assert_int_eq(info.starts, 2);
   const double none[4] = {0, -1, 1, 0}; /* y_2 = -z_1 - 2 */
   z[0] = z[1] = 1;
-  ck_assert_int_eq(solve(2, none, q, &settings, z, &info), DLS_NO_SOLUTION);
+  ck_assert_int_eq(solved(2, none, q, &settings, z, &info), DLS_NO_SOLUTION);
   /* NaN in the start */
   const dls_lcp lcp = lcp_of(2, singular, q);
   dls_lemke *w;
@@ -958,15 +957,16 @@ static dls_lemke_settings with_crash(void) {
   return settings;
 }
 
-/* Positive definite: the one solution without a pivot, in the rounds that every order and unit takes. */
+/* Positive definite: the one solution without a pivot, in the rounds that every order and unit
+ * takes. */
 START_TEST(crash_finds_the_solution) {
   for (int n = 20; n <= 300; n += 70) {
     const dls_lemke_settings settings = with_crash();
     dls_lemke_info info, path;
     spd_and_skew(n, big_M, big_q);
-    ck_assert_int_eq(solve(n, big_M, big_q, NULL, big_z2, &path), DLS_OK);
+    ck_assert_int_eq(solved(n, big_M, big_q, NULL, big_z2, &path), DLS_OK);
     ck_assert_int_eq(path.crash_rounds, 0);
-    ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
+    ck_assert_int_eq(solved(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
     ck_assert(dls_lcp_certificate_holds(&info.certificate, 1e-14));
     ck_assert_int_eq(info.starts, 0);
     ck_assert_int_eq(info.pivots, 0);
@@ -994,7 +994,7 @@ START_TEST(crash_finds_the_solution) {
     }
     double column[300];
     memcpy(column, big_z2, sizeof column);
-    ck_assert_int_eq(solve(n, big_M2, big_q2, &settings, big_z2, &info), DLS_OK);
+    ck_assert_int_eq(solved(n, big_M2, big_q2, &settings, big_z2, &info), DLS_OK);
     ck_assert_int_eq(info.crash_rounds, rounds);
     ck_assert_int_eq(info.starts, 0);
     for (int i = 0; i < n; i++)
@@ -1014,8 +1014,8 @@ START_TEST(crash_with_friction) {
     const dls_contact problem = {2, nc, {m, m, m, W}, {0}, q, mu};
     dls_lemke_info info, path;
     ck_assert_int_eq(dls_contact_to_lcp(&problem, NULL, big_M, n, big_q, NULL), DLS_OK);
-    ck_assert_int_eq(solve(n, big_M, big_q, NULL, big_z2, &path), DLS_OK);
-    ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
+    ck_assert_int_eq(solved(n, big_M, big_q, NULL, big_z2, &path), DLS_OK);
+    ck_assert_int_eq(solved(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
     ck_assert(dls_lcp_certificate_holds(&info.certificate, 1e-14));
     without_path += info.starts == 0;
   }
@@ -1045,7 +1045,7 @@ START_TEST(crash_in_any_unit) {
       const dls_contact problem = {3, nc, {m, m, m, W2}, {0}, q2, mu};
       ck_assert_int_eq(dls_contact_to_facets_lcp(&problem, facets, s, big_M, n, big_q, NULL),
                        DLS_OK);
-      ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
+      ck_assert_int_eq(solved(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
       if (k == 0) first = info;
       ck_assert_int_eq(info.crash_rounds, first.crash_rounds);
       ck_assert_int_eq(info.pivots, first.pivots);
@@ -1054,21 +1054,22 @@ START_TEST(crash_in_any_unit) {
 }
 END_TEST
 
-/* A crash start that leads nowhere leaves no trace: the same pivots, the same bits, the same ray. */
+/* A crash start that leads nowhere leaves no trace: the same pivots, the same bits, the same
+ * ray. */
 START_TEST(crash_that_leads_nowhere) {
   enum { most = 14 };
   const dls_lemke_settings settings = with_crash();
   int failed[6] = {0}, lucky = 0;
   for (int trial = 0; trial < 8000; trial++) {
-    const int n = trial % 2 ? integer(1, 6) : integer(11, most); /* tiny.c, crash.c */
+    const int n = trial % 2 ? integer(1, 6) : integer(11, most);
     double M[most * most], q[most], z[most], other[most];
     dls_lemke_info info, path;
     for (int k = 0; k < n * n; k++)
       M[k] = integer(-2, 2);
     for (int i = 0; i < n; i++)
       q[i] = integer(-2, 1);
-    const dls_status expected = solve(n, M, q, NULL, other, &path);
-    const dls_status status = solve(n, M, q, &settings, z, &info);
+    const dls_status expected = solved(n, M, q, NULL, other, &path);
+    const dls_status status = solved(n, M, q, &settings, z, &info);
     if (info.starts == 0) {
       ck_assert_int_eq(status, DLS_OK);
       ck_assert_int_ne(expected, DLS_NO_SOLUTION);
@@ -1098,7 +1099,7 @@ START_TEST(crash_does_not_insist) {
   spd_and_skew(n, big_M, big_q);
   for (int k = 0; k < n * n; k++)
     big_M[k] = 1 + 1e-7 * big_M[k];
-  ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
+  ck_assert_int_eq(solved(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
   ck_assert_int_eq(info.crash_rounds, 2);
   ck_assert_int_eq(info.starts, 1);
 }
@@ -1111,15 +1112,15 @@ START_TEST(crash_from_a_start_and_with_a_cover) {
   dls_lemke_info info;
   double ones[n];
   spd_and_skew(n, big_M, big_q);
-  ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
+  ck_assert_int_eq(solved(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
   settings.limits.warm_start = 1;
-  ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
+  ck_assert_int_eq(solved(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
   ck_assert_int_eq(info.crash_rounds, 1);
   ck_assert_int_eq(info.starts, 0);
   for (int i = 0; i < n; i++)
     ones[i] = 1;
   settings.cover = ones;
-  ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
+  ck_assert_int_eq(solved(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
   ck_assert_int_eq(info.crash_rounds, 0);
   ck_assert_int_eq(info.starts, 1);
 }
@@ -1138,7 +1139,7 @@ START_TEST(crash_can_be_cancelled) {
   spd_and_skew(n, big_M, big_q);
   settings.limits.progress = stop_at_second_round;
   settings.limits.progress_data = &calls;
-  ck_assert_int_eq(solve(n, big_M, big_q, &settings, big_z, &info), DLS_CANCELLED);
+  ck_assert_int_eq(solved(n, big_M, big_q, &settings, big_z, &info), DLS_CANCELLED);
   ck_assert_int_eq(info.crash_rounds, 2);
   ck_assert_int_eq(info.pivots, 0);
   settings.crash = 2;
@@ -1150,47 +1151,16 @@ START_TEST(crash_can_be_cancelled) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("lemke");
-  TCase *c = tcase_create("lemke");
-  tcase_set_timeout(c, 60);
-  tcase_add_test(c, size_one);
-  tcase_add_test(c, feasible_q_is_answered_at_once);
-  tcase_add_test(c, size_two);
-  tcase_add_test(c, nearly_impossible);
-  tcase_add_test(c, catalogue_of_contact);
-  tcase_add_test(c, ray_of_large_friction);
-  tcase_add_test(c, bimatrix_game);
-  tcase_add_test(c, cycling_example);
-  tcase_add_test(c, identical_rows);
-  tcase_add_test(c, murty);
-  tcase_add_test(c, p_matrices);
-  tcase_add_test(c, any_matrix);
-  tcase_add_test(c, semidefinite);
-  tcase_add_test(c, hundred_unknowns);
-  tcase_add_test(c, stewart_trinkle);
-  tcase_add_test(c, very_large_friction);
-  tcase_add_test(c, decaying_entries);
-  tcase_add_test(c, units);
-  tcase_add_test(c, permutations);
-  tcase_add_test(c, same_bits_and_reuse);
-  tcase_add_test(c, progress_and_limit);
-  tcase_add_test(c, bad_arguments);
-  tcase_add_test(c, every_malloc_fails);
-  tcase_add_test(c, extreme_numbers);
-  tcase_add_test(c, warm_start_follows_a_load);
-  tcase_add_test(c, warm_start_from_anywhere);
-  tcase_add_test(c, warm_start_that_leads_nowhere);
-  tcase_add_test(c, crash_finds_the_solution);
-  tcase_add_test(c, crash_with_friction);
-  tcase_add_test(c, crash_in_any_unit);
-  tcase_add_test(c, crash_that_leads_nowhere);
-  tcase_add_test(c, crash_does_not_insist);
-  tcase_add_test(c, crash_from_a_start_and_with_a_cover);
-  tcase_add_test(c, crash_can_be_cancelled);
-  suite_add_tcase(suite, c);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed != 0;
+  return RUN("lemke", NULL, NULL, ONCE(size_one), ONCE(feasible_q_is_answered_at_once),
+             ONCE(size_two), ONCE(nearly_impossible), ONCE(catalogue_of_contact),
+             ONCE(ray_of_large_friction), ONCE(bimatrix_game), ONCE(cycling_example),
+             ONCE(identical_rows), ONCE(murty), ONCE(p_matrices), ONCE(any_matrix),
+             ONCE(semidefinite), ONCE(hundred_unknowns), ONCE(stewart_trinkle),
+             ONCE(very_large_friction), ONCE(decaying_entries), ONCE(units), ONCE(permutations),
+             ONCE(same_bits_and_reuse), ONCE(progress_and_limit), ONCE(bad_arguments),
+             ONCE(every_malloc_fails), ONCE(extreme_numbers), ONCE(warm_start_follows_a_load),
+             ONCE(warm_start_from_anywhere), ONCE(warm_start_that_leads_nowhere),
+             ONCE(crash_finds_the_solution), ONCE(crash_with_friction), ONCE(crash_in_any_unit),
+             ONCE(crash_that_leads_nowhere), ONCE(crash_does_not_insist),
+             ONCE(crash_from_a_start_and_with_a_cover), ONCE(crash_can_be_cancelled));
 }

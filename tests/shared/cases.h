@@ -1,6 +1,6 @@
 /*
- * cases.h: small contact problems that the tests of the solvers share, and what every solver has to do
- * with them.
+ * cases.h: small contact problems that the tests of the solvers share, and what every solver has to
+ * do with them.
  */
 #ifndef CASES_H
 #define CASES_H
@@ -29,10 +29,13 @@ void copy_model(model *a, const model *b);
 
 /* W = A A^T / m + I / 10, symmetric positive definite; q_n mostly < 0 */
 void random_model(model *a, int d, int nc, double mu);
-/* the i-th of them: 2D and 3D, up to 20 candidates, mu = 0 .. 0.6; starts the random numbers anew */
+/* the i-th of them: 2D and 3D, up to 20 candidates, mu = 0 .. 0.6; starts the random numbers
+ * anew */
 void numbered_model(model *a, int i);
 /* W = B B^T of half rank, with a solution of free, slipping and sticking candidates; mu = 0.3 */
 void deficient_model(model *a, int i);
+/* W = A A^T / m + I / 1000, pressed all over: many sweeps */
+void slow_model(model *a, int i);
 
 /* q -> length q, W -> length / force W: then r -> force r, u -> length u */
 void scale_model(model *a, const model *b, double length, double force);
@@ -50,8 +53,8 @@ typedef struct block_storage {
 } block_storage;
 dls_contact by_blocks(const model *a, block_storage *B);
 
-/* A row of row_nc 2D candidates, each coupled to its neighbours, in both storages, which the next call
- * overwrites: sticking, with mu large; or W singular, by pairs. */
+/* A row of row_nc 2D candidates, each coupled to its neighbours, in both storages, which the next
+ * call overwrites: sticking, with mu large; or W singular, by pairs. */
 enum { row_nc = 150, row_m = 2 * row_nc };
 void row_problem(int singular, dls_contact *dense, dls_contact *blocks);
 
@@ -75,55 +78,25 @@ void set_hand(model *a, const hand_case *k);
 
 /* ---- solvers --------------------------------------------------------------------------------- */
 
-typedef struct tested_solver {
-  const char *name; /* "dls_nlgs" */
+/* A solver as its users see it: a method's own functions, or dls_solver with that method. */
+typedef struct tested_solver tested_solver;
+struct tested_solver {
+  const char *name;      /* of its functions: "dls_nlgs" */
+  const char *workspace; /* how its errors call the workspace */
   dls_method method;
+  int restarts; /* 1: from the answer it does its work again, to the same answer but for rounding */
+  double tol;   /* the smallest it reaches: 0, but 1e-4 of the penalty method */
   size_t settings_size;
-  void (*init)(void *settings, double tol, int warm_start);
-  void (*bound)(void *settings, int max_iterations);
+  void (*init)(const tested_solver *self, void *settings, double tol, int warm_start);
+  dls_limits *(*limits)(void *settings);
   dls_status (*create)(void **work, int d, int nc, const void *settings, dls_error *error);
   dls_status (*solve)(void *work, const dls_contact *p, double *r, double *u, dls_info *info,
                       dls_error *error);
   void (*destroy)(void *work);
-} tested_solver;
+};
 
-/* defines static const tested_solver the_NAME, and with_tol */
-#define SOLVER(NAME, METHOD)                                                                       \
-  static dls_##NAME##_settings with_tol(double tol) {                                              \
-    dls_##NAME##_settings s;                                                                       \
-    dls_##NAME##_settings_init(&s);                                                                \
-    s.limits.tol = tol;                                                                            \
-    return s;                                                                                      \
-  }                                                                                                \
-  static void solver_init(void *settings, double tol, int warm_start) {                            \
-    dls_##NAME##_settings *s = settings;                                                           \
-    *s = with_tol(tol);                                                                            \
-    s->limits.warm_start = warm_start;                                                             \
-  }                                                                                                \
-  static void solver_bound(void *settings, int max_iterations) {                                   \
-    ((dls_##NAME##_settings *)settings)->limits.max_iterations = max_iterations;                   \
-  }                                                                                                \
-  static dls_status solver_create(void **work, int d, int nc, const void *settings,                \
-                                  dls_error *error) {                                              \
-    dls_##NAME *own;                                                                               \
-    const dls_status status = dls_##NAME##_create(work ? &own : NULL, d, nc, settings, error);     \
-    if (work) *work = own;                                                                         \
-    return status;                                                                                 \
-  }                                                                                                \
-  static dls_status solver_solve(void *work, const dls_contact *p, double *r, double *u,           \
-                                 dls_info *info, dls_error *error) {                               \
-    return dls_##NAME##_solve(work, p, r, u, info, error);                                         \
-  }                                                                                                \
-  static void solver_destroy(void *work) {                                                         \
-    dls_##NAME##_destroy(work);                                                                    \
-  }                                                                                                \
-  static const tested_solver the_##NAME = {                                                        \
-      "dls_" #NAME, METHOD,        sizeof(dls_##NAME##_settings),                                  \
-      solver_init,  solver_bound,  solver_create,                                                  \
-      solver_solve, solver_destroy}
-
-/* One solve in a workspace, or in one of its own: what it says of r is what the public certificate
- * says, and OK means that it holds. settings: those of create. */
+/* Solves once in a workspace, or in one of its own, with the settings of create. Asserts that the
+ * solver says of r what the public certificate says, and that DLS_OK means that it holds. */
 dls_status run_in(const tested_solver *s, void *work, const dls_contact *p, double tol, double *r,
                   double *u, dls_info *info);
 dls_status run_with(const tested_solver *s, const dls_contact *p, const void *settings, double tol,
@@ -132,11 +105,19 @@ dls_status run_with(const tested_solver *s, const dls_contact *p, const void *se
 /* Of numbered_model i, |r - r'| of answers with residuals of 1e-12 */
 double close_of(const model *a);
 
-/* What every solver has to do; settings as from with_tol(tol) where they are given. First, numbered_model i:
- * again, warm, by blocks, reversed; and the answer of the method `other`. */
+/* ---- what every solver owes (tests/contract) ------------------------------------------------- */
+
+/* Below, settings are as from s->init(s, .., tol, 0). */
+
+/* Solves numbered_model i: again, warm, by blocks, reversed; and to the answer of `other`. */
 void expect_solved(const tested_solver *s, int i);
 void expect_answer_of(const tested_solver *s, int i, dls_method other);
-void expect_any_units(const tested_solver *s, const model *a, const void *settings, double tol);
+/* and to the answer of other settings, tol = 1e-12 too */
+void expect_same_answer(const tested_solver *s, int i, const void *settings);
+/* two: units of powers of two, which scale without rounding, to the same bits; else powers of
+ * ten */
+void expect_any_units(const tested_solver *s, const model *a, const void *settings, double tol,
+                      int two);
 void expect_any_tangents(const tested_solver *s, int i);
 void expect_floor(const tested_solver *s, int i); /* tol = 0 */
 /* b fits into the workspace of a, too; nothing is allocated, and nothing is left of a */
@@ -144,6 +125,12 @@ void expect_reuse(const tested_solver *s, const model *a, const model *b);
 /* create takes from `bytes` to `bytes` + slack bytes, every malloc of it may fail */
 void expect_memory(const tested_solver *s, int d, int nc, const void *settings, double bytes,
                    double slack);
+
+/* solve of a problem that create was not told of: each malloc may fail, r and the workspace stay as
+ * good as they were */
+void expect_solve_unwinds(const tested_solver *s, void *work, const dls_contact *p, double *r);
+/* no solution: honest, and not worse than r = 0, whose residual is 1 */
+void expect_no_answer(const tested_solver *s, const dls_contact *p, const void *settings);
 
 /* A refused create leaves NULL; what all settings hold; and a refused solve leaves its outputs. */
 void refuses_to_create(const tested_solver *s, dls_status status, const char *argument,
@@ -153,7 +140,7 @@ void expect_bad_solve(const tested_solver *s);
 
 /* progress_data of look, which checks the calls and cancels at one of them; 0: never */
 typedef struct watch {
-  const char *method;
+  const char *method; /* NULL: of any stage, whose iterations count from 1 */
   int max_iterations;
   double least; /* residual so far */
   int calls, cancel_at;

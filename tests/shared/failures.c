@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "failures.h"
 
+#include <check.h>
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -73,7 +74,7 @@ static unsigned statuses(const char *text) {
 }
 
 /* METHOD statuses */
-static int solve(failure *f, const char *text) {
+static int take_solve(failure *f, const char *text) {
   text += strspn(text, " \t");
   const size_t length = strcspn(text, " \t\r\n");
   for (int k = 0; k < FAILURE_METHODS; k++)
@@ -82,7 +83,7 @@ static int solve(failure *f, const char *text) {
   return 0;
 }
 
-static int add(failure_point *list, int *count, int continuum, int n, const char *text) {
+static int add_point(failure_point *list, int *count, int continuum, int n, const char *text) {
   if (*count == FAILURE_POINTS) return 0;
   list[*count].continuum = continuum;
   return numbers(text, n, 1, list[(*count)++].x);
@@ -116,12 +117,12 @@ static int take(FILE *in, failure *f, const char *key, const char *text, int *at
   if (!strcmp(key, "mu")) return f->nc > 0 && numbers(text, f->nc, 1, f->mu);
   if (!strcmp(key, "none")) return f->none = 1;
   if (!strcmp(key, "continuum")) return ++f->continua;
-  if (!strcmp(key, "solution")) return add(f->point, &f->points, -1, f->n, text);
-  if (!strcmp(key, "point")) return add(f->point, &f->points, f->continua - 1, f->n, text);
-  if (!strcmp(key, "ray")) return add(f->ray, &f->rays, f->continua - 1, f->n, text);
+  if (!strcmp(key, "solution")) return add_point(f->point, &f->points, -1, f->n, text);
+  if (!strcmp(key, "point")) return add_point(f->point, &f->points, f->continua - 1, f->n, text);
+  if (!strcmp(key, "ray")) return add_point(f->ray, &f->rays, f->continua - 1, f->n, text);
   if (!strcmp(key, "lemke")) return (f->lemke = statuses(text)) != 0;
   if (!strcmp(key, "nlgs")) return (f->nlgs = statuses(text)) != 0;
-  if (!strcmp(key, "solve")) return solve(f, text);
+  if (!strcmp(key, "solve")) return take_solve(f, text);
   if (!strcmp(key, "principal")) return (f->principal = statuses(text)) != 0;
   return 0;
 }
@@ -151,4 +152,24 @@ int failure_read(const char *directory, const char *name, failure *f, char *why)
   }
   fclose(in);
   return good;
+}
+
+dls_contact failure_contact(const failure *f) {
+  return (dls_contact){
+      .d = f->d, .nc = f->nc, .W = {f->n, f->n, f->n, f->M}, .q = f->q, .mu = f->mu};
+}
+
+const failure *contact_failures(int *count) {
+  enum { capacity = 128 };
+  static char names[capacity][64];
+  static failure list[capacity];
+  char why[200];
+  const int n = failures_list(TEST_DATA "/failures", names, capacity);
+  *count = 0;
+  for (int k = 0; k < n; k++) {
+    failure *f = &list[*count];
+    if (!failure_read(TEST_DATA "/failures", names[k], f, why)) ck_abort_msg("%s", why);
+    *count += f->d > 0;
+  }
+  return list;
 }

@@ -6,6 +6,8 @@
 
 #include <stddef.h>
 
+#include "delassus/contact.h"
+
 enum { FAILURE_N = 20, FAILURE_POINTS = 32 };
 
 /* A solution (continuum = -1), or a point or a direction of continuum 0, 1, ... */
@@ -14,7 +16,7 @@ typedef struct failure_point {
   double x[FAILURE_N];
 } failure_point;
 
-/* What dls_solve is asked for: a method by name, nlgs also with "+anderson". */
+/* Methods that dls_solve is asked for: a method by name, nlgs also with "+anderson". */
 enum { FAILURE_METHODS = 8 };
 extern const char *const failure_methods[FAILURE_METHODS];
 
@@ -39,5 +41,12 @@ const char *failure_word(int status);
 
 /* 1 on success; else why (200) says what is wrong. */
 int failure_read(const char *directory, const char *name, failure *f, char *why);
+
+/* The contact problem of f; f->d > 0. */
+dls_contact failure_contact(const failure *f);
+
+/* All contact problems of the catalogue, in storage that stays; fails the test if one is not
+ * read. */
+const failure *contact_failures(int *count);
 
 #endif

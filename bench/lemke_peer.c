@@ -1,4 +1,6 @@
-/* peer.c: the one file that sees Siconos Numerics. */
+/*
+ * lemke_peer.c: Lemke's method of Siconos Numerics: the one file of bench/lemke that sees it.
+ */
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,8 +12,8 @@
 #include <SolverOptions.h>
 #include <lcp_cst.h>
 
-#include "bench.h"
-#include "clock.h"
+#include "common.h"
+#include "lemke.h"
 
 int peer_lemke(int n, double *M, double *q, int calls, double *z, double *w, double *cpu,
                int *pivots) {
@@ -23,13 +25,13 @@ int peer_lemke(int n, double *M, double *q, int calls, double *z, double *w, dou
     numerics_set_verbose(0);
     options->iparam[SICONOS_IPARAM_MAX_ITER] = 50 * n + 1000; /* the default of dls_lemke */
     options->filterOn = false; /* its own check of the answer is not timed */
-    const double start = cpu_seconds();
+    const double start = bench_seconds();
     for (int k = 0; k < calls; k++) {
       memset(z, 0, (size_t)n * sizeof *z);
       memset(w, 0, (size_t)n * sizeof *w);
       status = linearComplementarity_driver(&lcp, z, w, options);
     }
-    *cpu = (cpu_seconds() - start) / calls;
+    *cpu = (bench_seconds() - start) / calls;
     *pivots = options->iparam[SICONOS_IPARAM_ITER_DONE];
   }
   if (options) solver_options_delete(options); /* what it points to */

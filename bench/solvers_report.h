@@ -1,9 +1,9 @@
 /*
- * report.h: what bench/solvers writes: one row for each scene, solver and target, a summary, and the
- * data of the pictures.
+ * solvers_report.h: output of bench/solvers: a row for each scene, solver and target, the page of
+ * results, the data of the pictures.
  */
-#ifndef REPORT_H
-#define REPORT_H
+#ifndef SOLVERS_REPORT_H
+#define SOLVERS_REPORT_H
 
 #include "solvers.h"
 
@@ -32,15 +32,16 @@ typedef struct record {
 
 typedef struct report report;
 
-/* Opens DIR/solvers.csv; NULL after a message. */
-report *report_open(const char *directory);
+/* Opens DIRECTORY/solvers.csv and solvers.md; argv: of the program, for the head of the page. NULL
+ * after a message. */
+report *report_open(const char *directory, int argc, char *const *argv);
 
 void report_scene(report *p, const scene *s); /* the next records are of s; its name is copied */
 void report_add(report *p, const record *a);
 void report_progress(const report *p); /* a line on stdout about the last scene */
 
-/* The summary on stdout, the data of the pictures beside the table; releases p. 0, or -1 if
- * there was no scene or something could not be written. */
+/* Writes the summary on the page and on stdout, and the data of the pictures; releases p. Returns
+ * 0, or -1 if there was no scene or something could not be written. */
 int report_close(report *p);
 
 #endif

@@ -1,5 +1,5 @@
-/* elastic.c: the boxes of bench/reduction. */
-#include "elastic.h"
+/* reduction_boxes.c: K and H of elastic boxes, entry by entry. */
+#include "reduction_boxes.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -7,8 +7,8 @@
 
 enum { most_nodes = 8, most_unknowns = 24 };
 
-/* Ke (d 2^d unknowns) of one element by Gauss's 2^d points */
-static void element(int d, double *Ke) {
+/* Integrates the stiffness of one element by Gauss's 2^d points. Ke: square, d 2^d. */
+static void box_element(int d, double *Ke) {
   const int nodes = 1 << d, size = d * nodes;
   const double nu = 0.3, lambda = nu / ((1 + nu) * (1 - 2 * nu)), mu = 1 / (2 * (1 + nu));
   memset(Ke, 0, (size_t)(size * size) * sizeof *Ke);
@@ -41,20 +41,16 @@ typedef struct grid {
   int nodes[3]; /* of a side */
 } grid;
 
-static grid make_grid(int d, int cells) {
-  grid g = {d, cells, {cells + 1, cells + 1, d == 3 ? cells + 1 : 1}};
-  return g;
-}
-
-/* number of the first unknown of the node at c, -1 if it is clamped */
-static int unknown(const grid *g, const int *c) {
+/* Returns the number of the first unknown of the node at c, -1 if the node is clamped. */
+static int box_unknown(const grid *g, const int *c) {
   if (c[0] == 0) return -1;
   return g->d * (c[0] - 1 + (g->nodes[0] - 1) * (c[1] + g->nodes[1] * c[2]));
 }
 
-/* K_ij of nodes `from` (j) and `to` (i), neighbours: the sum over elements that have both */
-static double stiffness(const grid *g, const double *Ke, const int *to, int i, const int *from,
-                        int j) {
+/* Sums an entry of K over the elements that have both nodes. `to`, i: its row; `from`, j: its
+ * column. */
+static double box_stiffness(const grid *g, const double *Ke, const int *to, int i, const int *from,
+                            int j) {
   const int size = g->d << g->d;
   double sum = 0;
   for (int b = 0; b < 1 << g->d; b++) { /* `from` is node b of the element */
@@ -69,9 +65,10 @@ static double stiffness(const grid *g, const double *Ke, const int *to, int i, c
   return sum;
 }
 
-/* Columns of the node at c: entries from b->p on; only counted while b->i is NULL. */
-static void node_columns(box *b, const grid *g, const double *Ke, const int *c, double skew) {
-  const int d = g->d, first = unknown(g, c), low = d == 3 ? -1 : 0;
+/* Writes the columns of the node at c from b->p on; only counts their entries while b->i is NULL.
+ */
+static void box_columns(box *b, const grid *g, const double *Ke, const int *c, double skew) {
+  const int d = g->d, first = box_unknown(g, c), low = d == 3 ? -1 : 0;
   for (int j = 0; j < d; j++) {
     int at = b->p[first + j];
     int s[3];
@@ -83,11 +80,11 @@ static void node_columns(box *b, const grid *g, const double *Ke, const int *c, 
               to[2] >= g->nodes[2])
             continue;
           for (int i = 0; i < d; i++) {
-            const int row = unknown(g, to) + i, column = first + j;
+            const int row = box_unknown(g, to) + i, column = first + j;
             if (skew == 0 && row < column) continue;
             if (b->i) {
               b->i[at] = row;
-              b->x[at] = stiffness(g, Ke, to, i, c, j);
+              b->x[at] = box_stiffness(g, Ke, to, i, c, j);
               if (row != column) b->x[at] *= 1 + (row > column ? skew : -skew);
             }
             at++;
@@ -97,17 +94,17 @@ static void node_columns(box *b, const grid *g, const double *Ke, const int *c, 
   }
 }
 
-static void all_columns(box *b, const grid *g, const double *Ke, double skew) {
+static void box_matrix(box *b, const grid *g, const double *Ke, double skew) {
   int c[3];
   b->p[0] = 0;
   for (c[2] = 0; c[2] < g->nodes[2]; c[2]++)
     for (c[1] = 0; c[1] < g->nodes[1]; c[1]++)
       for (c[0] = 1; c[0] < g->nodes[0]; c[0]++)
-        node_columns(b, g, Ke, c, skew);
+        box_columns(b, g, Ke, c, skew);
 }
 
-/* Normal and tangents of each node of the face below (y = 0 or z = 0). */
-static int operators(box *b, const grid *g, int n) {
+/* Picks normal and tangents of each node of the face below (y = 0 or z = 0). */
+static int box_operators(box *b, const grid *g, int n) {
   const int d = g->d, nodes = g->cells * (d == 3 ? g->nodes[1] : 1);
   b->hp = malloc((size_t)(d * nodes + 1) * sizeof *b->hp);
   b->hn = malloc((size_t)nodes * sizeof *b->hn);
@@ -119,7 +116,7 @@ static int operators(box *b, const grid *g, int n) {
   for (int k = 0; k < d * nodes; k++)
     b->one[k] = 1;
   for (int k = 0; k < nodes; k++) {
-    const int c[3] = {1 + k % g->cells, d == 3 ? k / g->cells : 0, 0}, first = unknown(g, c);
+    const int c[3] = {1 + k % g->cells, d == 3 ? k / g->cells : 0, 0}, first = box_unknown(g, c);
     b->hn[k] = first + d - 1;
     for (int t = 0; t < d - 1; t++)
       b->ht[(d - 1) * k + t] = first + t;
@@ -131,10 +128,10 @@ static int operators(box *b, const grid *g, int n) {
 }
 
 int box_create(box *b, int d, int cells, double skew) {
-  const grid g = make_grid(d, cells);
+  const grid g = {d, cells, {cells + 1, cells + 1, d == 3 ? cells + 1 : 1}};
   const int n = d * cells * g.nodes[1] * g.nodes[2];
   double Ke[most_unknowns * most_unknowns];
-  element(d, Ke);
+  box_element(d, Ke);
   memset(b, 0, sizeof *b);
   b->model.d = d;
   b->model.n = n;
@@ -142,15 +139,15 @@ int box_create(box *b, int d, int cells, double skew) {
   b->model.factorization = skew == 0 ? DLS_CHOLESKY : DLS_LU;
   b->p = malloc(((size_t)n + 1) * sizeof *b->p);
   if (!b->p) return -1;
-  all_columns(b, &g, Ke, skew);
+  box_matrix(b, &g, Ke, skew);
   const size_t entries = (size_t)b->p[n];
   b->i = malloc(entries * sizeof *b->i);
   b->x = malloc(entries * sizeof *b->x);
-  if (!b->i || !b->x || operators(b, &g, n)) {
+  if (!b->i || !b->x || box_operators(b, &g, n)) {
     box_free(b);
     return -1;
   }
-  all_columns(b, &g, Ke, skew);
+  box_matrix(b, &g, Ke, skew);
   b->model.Ks = (dls_sparse){n, n, b->p, b->i, b->x};
   return 0;
 }

@@ -1,5 +1,7 @@
-/* direct.c: the one file of bench/reduction that sees CHOLMOD, UMFPACK, MUMPS and METIS. */
-#include "direct.h"
+/*
+ * reduction_peer.c: W by CHOLMOD, UMFPACK and MUMPS, which no other file of bench/ sees.
+ */
+#include "reduction_peer.h"
 
 #include <cholmod.h>
 #include <dmumps_c.h>
@@ -8,7 +10,7 @@
 #include <string.h>
 #include <umfpack.h>
 
-#include "clock.h"
+#include "common.h"
 
 void dpotrf_(const char *, const int *, double *, const int *, int *, size_t);
 void dpotri_(const char *, const int *, double *, const int *, int *, size_t);
@@ -18,38 +20,45 @@ int picked(const dls_model *model, int j) {
   return k == 0 ? model->HN.i[node] : model->HT.i[(d - 1) * node + k - 1];
 }
 
-int cholmod_columns(const dls_model *model, int batch, double *W) {
-  const dls_sparse *K = &model->Ks;
+/* Returns K as CHOLMOD takes it, sharing its arrays. */
+static cholmod_sparse cholmod_view(const dls_sparse *K) {
+  return (cholmod_sparse){.nrow = (size_t)K->rows,
+                          .ncol = (size_t)K->cols,
+                          .nzmax = (size_t)K->p[K->cols],
+                          .p = (void *)(size_t)K->p,
+                          .i = (void *)(size_t)K->i,
+                          .x = (void *)(size_t)K->x,
+                          .stype = -1,
+                          .itype = CHOLMOD_INT,
+                          .xtype = CHOLMOD_REAL,
+                          .dtype = CHOLMOD_DOUBLE,
+                          .packed = 1};
+}
+
+/* Adds H^T X to W, `batch` columns of X at a time; H picks entries, so that adding is copying. */
+int cholmod_columns(const dls_model *model, double *W) {
+  enum { batch = 64 };
   const size_t n = (size_t)model->n, m = (size_t)(model->d * model->nodes);
-  const size_t most = batch ? (size_t)batch : m;
   cholmod_common c;
   cholmod_start(&c);
   c.supernodal = CHOLMOD_SUPERNODAL;
-  cholmod_sparse A = {.nrow = n,
-                      .ncol = n,
-                      .nzmax = (size_t)K->p[n],
-                      .p = (void *)(size_t)K->p,
-                      .i = (void *)(size_t)K->i,
-                      .x = (void *)(size_t)K->x,
-                      .stype = -1,
-                      .itype = CHOLMOD_INT,
-                      .xtype = CHOLMOD_REAL,
-                      .dtype = CHOLMOD_DOUBLE,
-                      .packed = 1};
-  cholmod_factor *L = cholmod_analyze(&A, &c);
-  int ok = L && cholmod_factorize(&A, L, &c) && c.status == CHOLMOD_OK;
-  cholmod_dense *X = NULL, *Y = NULL, *E = NULL;
-  for (size_t first = 0; ok && first < m; first += most) {
-    const size_t count = m - first < most ? m - first : most;
-    cholmod_dense *B = cholmod_zeros(n, count, CHOLMOD_REAL, &c);
-    for (size_t j = 0; B && j < count; j++)
-      ((double *)B->x)[(size_t)picked(model, (int)(first + j)) + j * n] = 1;
-    ok = B && cholmod_solve2(CHOLMOD_A, L, B, NULL, &X, NULL, &Y, &E, &c);
-    for (size_t j = 0; ok && j < count; j++)
+  cholmod_sparse K = cholmod_view(&model->Ks);
+  cholmod_factor *L = cholmod_analyze(&K, &c);
+  cholmod_dense *B = cholmod_zeros(n, batch, CHOLMOD_REAL, &c), *X = NULL, *Y = NULL, *E = NULL;
+  int ok = L && B && cholmod_factorize(&K, L, &c) && c.status == CHOLMOD_OK;
+  for (size_t first = 0; ok && first < m; first += batch) {
+    double *b = B->x;
+    B->ncol = m - first < batch ? m - first : batch;
+    for (size_t j = 0; j < B->ncol; j++)
+      b[(size_t)picked(model, (int)(first + j)) + j * n] = 1;
+    ok = cholmod_solve2(CHOLMOD_A, L, B, NULL, &X, NULL, &Y, &E, &c);
+    for (size_t j = 0; ok && j < B->ncol; j++) {
       for (size_t i = 0; i < m; i++)
         W[i + (first + j) * m] = ((double *)X->x)[(size_t)picked(model, (int)i) + j * n];
-    cholmod_free_dense(&B, &c);
+      b[(size_t)picked(model, (int)(first + j)) + j * n] = 0;
+    }
   }
+  cholmod_free_dense(&B, &c);
   cholmod_free_dense(&X, &c);
   cholmod_free_dense(&Y, &c);
   cholmod_free_dense(&E, &c);
@@ -58,8 +67,7 @@ int cholmod_columns(const dls_model *model, int batch, double *W) {
   return ok ? 0 : -1;
 }
 
-int umfpack_columns(const dls_model *model, int batch, double *W) {
-  (void)batch; /* it solves for one column at a time */
+int umfpack_columns(const dls_model *model, double *W) {
   const dls_sparse *K = &model->Ks;
   const int n = model->n, m = model->d * model->nodes;
   void *symbolic = NULL, *numeric = NULL;
@@ -81,8 +89,9 @@ int umfpack_columns(const dls_model *model, int batch, double *W) {
   return ok ? 0 : -1;
 }
 
-/* turn (n) := the place of each unknown, from 1, the m picked ones last in their order */
-static int order(const dls_model *model, int m, int *turn) {
+/* Orders K by nested dissection, the m picked unknowns last. turn: place of each unknown from 1,
+ * n. */
+static int schur_order(const dls_model *model, int m, int *turn) {
   const dls_sparse *K = &model->Ks;
   const int n = model->n;
   idx_t N = n, *x = calloc((size_t)n + 2, sizeof *x);
@@ -128,8 +137,8 @@ int mumps_schur(const dls_model *model, double *before, double *factor, double *
   int *row = malloc(entries * sizeof *row), *col = malloc(entries * sizeof *col);
   int *turn = malloc((size_t)n * sizeof *turn), *list = malloc(M * sizeof *list);
   double *S = malloc(M * M * sizeof *S);
-  double start = cpu_seconds();
-  if (!row || !col || !turn || !list || !S || !order(model, m, turn)) return -1;
+  double start = bench_seconds();
+  if (!row || !col || !turn || !list || !S || !schur_order(model, m, turn)) return -1;
   for (int j = 0; j < n; j++)
     for (int k = K->p[j]; k < K->p[j + 1]; k++) {
       row[k] = K->i[k] + 1;
@@ -160,16 +169,16 @@ int mumps_schur(const dls_model *model, double *before, double *factor, double *
   s.mblock = s.nblock = 100;
   s.job = 1;
   dmumps_c(&s);
-  *before = cpu_seconds() - start;
-  start = cpu_seconds();
+  *before = bench_seconds() - start;
+  start = bench_seconds();
   s.job = 2;
   if (s.infog[0] >= 0) dmumps_c(&s);
-  *factor = cpu_seconds() - start;
-  start = cpu_seconds();
+  *factor = bench_seconds() - start;
+  start = bench_seconds();
   int info = 0;
   dpotrf_("L", &m, S, &m, &info, 1);
   if (info == 0) dpotri_("L", &m, S, &m, &info, 1);
-  *inverse = cpu_seconds() - start;
+  *inverse = bench_seconds() - start;
   const int ok = s.infog[0] >= 0 && info == 0;
   s.job = -2;
   dmumps_c(&s);

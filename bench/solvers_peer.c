@@ -1,10 +1,12 @@
 /*
- * contact_peer.c: the friction contact solvers of Siconos Numerics.
+ * solvers_peer.c: the friction contact solvers of Siconos Numerics.
  *
- * Each is taken with its default options and with one or more of the settings that its headers offer;
- * the tolerance and an iteration limit that never comes first are all that is changed besides.
- * Matrix and options are made anew for each call, since some solvers write into them; short calls are
- * also tried one after the other on the same ones, which are then in the cache.
+ * Each is taken with its default options and with one or more of the settings that its headers
+ * offer; besides, only the tolerance is changed, and the iteration limit to one that never comes
+ * first. W is stored as the solver likes it best: dense where W is dense, else blocks for sweeps,
+ * sparse for Newton and ADMM; small ones dense, too. Matrix and options are made anew for each
+ * call, since some solvers write into them; short calls are also tried one after the other on one
+ * matrix, which is then in the cache.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -19,15 +21,15 @@
 #include <SolverOptions.h>
 #include <SparseBlockMatrix.h>
 
-#include "clock.h"
+#include "common.h"
 #include "solvers.h"
 
 enum {
   most_iterations = 100000000,
   least_iterations = 1000,
-  pivoting_rows = 3000,   /* lexicographic Lemke: seconds */
-  dense_copy_rows = 1500, /* W by blocks is tried as a dense matrix, too, up to here */
-  dense_only_rows = 6000  /* what takes nothing but a dense matrix is given one up to here */
+  pivoting_rows = 3000,   /* most for the lexicographic Lemke, which takes seconds there */
+  dense_copy_rows = 1500, /* most for trying W by blocks as a dense matrix, too */
+  dense_only_rows = 6000  /* most for solvers that take nothing but a dense matrix */
 };
 
 typedef enum storage { DENSE, BLOCKS, SPARSE } storage;
@@ -81,7 +83,7 @@ static void scaled_balancing(SolverOptions *o) {
       SICONOS_FRICTION_3D_ADMM_RHO_STRATEGY_SCALED_RESIDUAL_BALANCING;
 }
 
-/* An impatient run goes quickest if those that get everywhere come first. */
+/* The settings tried; solvers that get everywhere come first, which shortens an impatient run. */
 static const peer_method methods[] = {
     {"siconos-nsgs", "default", SICONOS_FRICTION_2D_NSGS, 2, 0, 1, BLOCKS, NULL},
     {"siconos-nsgs", "default", SICONOS_FRICTION_2D_NSGS, 2, 0, 1, DENSE, NULL},
@@ -129,7 +131,7 @@ const char *peer_name(const peer_method *p) {
 const char *peer_setting(const peer_method *p) {
   return p->setting;
 }
-/* Sweeps and the like: the CPU limit ends them. The others may take as many as they do by default. */
+/* Returns 1 for sweeps and the like, which the CPU limit ends; others keep their own limit. */
 static int iterates_cheaply(int id) {
   return id == SICONOS_FRICTION_2D_NSGS || id == SICONOS_FRICTION_2D_CPG ||
          id == SICONOS_FRICTION_2D_LEMKE || id == SICONOS_FRICTION_3D_NSGS ||
@@ -142,7 +144,7 @@ int peer_pivots(const peer_method *p) {
   return p->id == SICONOS_FRICTION_2D_LEMKE;
 }
 
-/* The storage that p gets of W. */
+/* Returns the storage of W that p gets. */
 static storage storage_of(const peer_method *p, const scene *s) {
   return s->contact.W.a && !p->global ? DENSE : p->of;
 }
@@ -152,7 +154,7 @@ const char *peer_storage(const peer_method *p, const scene *s) {
   return names[storage_of(p, s)];
 }
 
-/* The same solver and setting as in the line before, with another storage. */
+/* Returns 1 if the line before has this solver and setting with another storage. */
 static int is_double(const peer_method *p) {
   return p > methods && p[-1].id == p->id && p[-1].tune == p->tune;
 }
@@ -228,7 +230,7 @@ static NumericsMatrix *sparse_of(const dls_sparse *K) {
   return A;
 }
 
-/* The columns of H_N and H_T, candidate by candidate. */
+/* Orders the columns of H_N and H_T candidate by candidate. */
 static NumericsMatrix *sparse_of_H(const dls_model *model) {
   const int d = model->d, nc = model->nodes;
   const dls_sparse *HN = &model->HN, *HT = &model->HT;
@@ -243,7 +245,7 @@ static NumericsMatrix *sparse_of_H(const dls_model *model) {
   return A;
 }
 
-static double *copy(const double *x, int n) {
+static double *copy_of(const double *x, int n) {
   double *y = malloc((size_t)n * sizeof *y);
   if (y) memcpy(y, x, (size_t)n * sizeof *y);
   return y;
@@ -251,7 +253,7 @@ static double *copy(const double *x, int n) {
 
 /* ---- solving --------------------------------------------------------------------------------- */
 
-/* What a call gets. Solvers write into the matrix, and keep things in it and in the options. */
+/* Arguments of a call. Solvers write into the matrix, and keep things in it and in the options. */
 typedef struct job {
   SolverOptions *options;
   FrictionContactProblem local;
@@ -274,8 +276,8 @@ static FrictionContactProblem local_of(const peer_method *p, const scene *s) {
   return (FrictionContactProblem){.dimension = c->d,
                                   .numberOfContacts = c->nc,
                                   .M = matrix_of(s, storage_of(p, s)),
-                                  .q = copy(c->q, c->d * c->nc),
-                                  .mu = copy(c->mu, c->nc)};
+                                  .q = copy_of(c->q, c->d * c->nc),
+                                  .mu = copy_of(c->mu, c->nc)};
 }
 
 static GlobalFrictionContactProblem *global_of(const scene *s) {
@@ -284,9 +286,9 @@ static GlobalFrictionContactProblem *global_of(const scene *s) {
   problem->numberOfContacts = s->contact.nc;
   problem->M = sparse_of(&s->model->Ks);
   problem->H = sparse_of_H(s->model);
-  problem->q = copy(s->f, s->model->n);
-  problem->b = copy(s->g, s->contact.d * s->contact.nc);
-  problem->mu = copy(s->contact.mu, s->contact.nc);
+  problem->q = copy_of(s->f, s->model->n);
+  problem->b = copy_of(s->g, s->contact.d * s->contact.nc);
+  problem->mu = copy_of(s->contact.mu, s->contact.nc);
   return problem;
 }
 
@@ -314,7 +316,7 @@ static void job_free(job *j) {
   free(j->options);
 }
 
-/* different: how many jobs, 1 or calls */
+/* Solves `calls` times on as many jobs as `different` says, 1 or calls. */
 static void solve_jobs(const peer_method *p, const scene *s, double tol, int calls, int different,
                        double *r, outcome *o) {
   const size_t bytes = (size_t)s->contact.d * (size_t)s->contact.nc * sizeof *r;
@@ -322,22 +324,22 @@ static void solve_jobs(const peer_method *p, const scene *s, double tol, int cal
   job *jobs = calloc((size_t)different, sizeof *jobs);
   if (!u || !jobs) abort(); /* a row */
   numerics_set_verbose(0);
-  const double before = cpu_seconds();
+  const double before = bench_seconds();
   for (int k = 0; k < different; k++)
     jobs[k].options = options_of(p, tol);
-  o->setup = (cpu_seconds() - before) / different;
+  o->setup = (bench_seconds() - before) / different;
   for (int k = 0; k < different; k++)
     job_fill(&jobs[k], p, s);
   int status = 0;
   job *last = jobs;
-  const double start = cpu_seconds();
+  const double start = bench_seconds();
   for (int k = 0; k < calls; k++) {
     last = jobs + (k < different ? k : 0);
     memset(r, 0, bytes);
     memset(u, 0, bytes);
     status = run_job(last, r, u);
   }
-  o->cpu = (cpu_seconds() - start) / calls;
+  o->cpu = (bench_seconds() - start) / calls;
   o->claim = status == 0;
   o->iterations = last->options->iparam[SICONOS_IPARAM_ITER_DONE];
   for (int k = 0; k < different; k++)

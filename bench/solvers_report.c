@@ -1,16 +1,18 @@
 /*
- * report.c: DIR/solvers.csv; from it the summary, and for solvers.gp
+ * solvers_report.c: DIR/solvers.csv; from it DIR/solvers.md, and for solvers.gp
  *
- *   profile_2d_1e-04.dat ...  performance profiles [Dolan and More 2002]: for each solver, the part
- *                             of all scenes that it solves in at most tau times the time of the fastest
- *   ratio_1e-04.dat ...       time of ours over that of the best of the peer, by set, against nc
+ *   profile_2d_1e-04.dat ...  performance profiles [Dolan and More 2002]: for each solver, the
+ *                             part of all scenes that it solves in at most tau times the time of
+ *                             the fastest
+ *   ratio_1e-04.dat ...       time of delassus over that of the best of the peer, by set, by nc
  */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "report.h"
+#include "common.h"
+#include "solvers_report.h"
 
 typedef struct entry { /* a scene */
   char set[8], name[64];
@@ -20,7 +22,7 @@ typedef struct entry { /* a scene */
 
 struct report {
   const char *directory;
-  FILE *csv;
+  FILE *csv, *page;
   entry *scenes;
   record *records;
   size_t scene_count, record_count;
@@ -29,22 +31,17 @@ struct report {
 static const char *const sets[] = {"tiny", "fclib", "global", "block", "cube", "wall"};
 enum { set_count = sizeof sets / sizeof sets[0], tiny = 20 /* candidates */ };
 
-static FILE *open_in(const char *directory, const char *name) {
-  char path[1024];
-  snprintf(path, sizeof path, "%s/%s", directory, name);
-  FILE *file = fopen(path, "w");
-  if (!file) perror(path);
-  return file;
-}
-
 /* ---- collecting ------------------------------------------------------------------------------ */
 
-report *report_open(const char *directory) {
+report *report_open(const char *directory, int argc, char *const *argv) {
   report *p = calloc(1, sizeof *p);
   if (!p) return NULL;
   p->directory = directory;
-  p->csv = open_in(directory, "solvers.csv");
-  if (!p->csv) {
+  p->csv = bench_open(directory, "solvers.csv");
+  if (p->csv)
+    p->page = bench_page(directory, "solvers", "Every solver beside those of Siconos", argc, argv);
+  if (!p->page) {
+    if (p->csv) fclose(p->csv);
     free(p);
     return NULL;
   }
@@ -54,8 +51,8 @@ report *report_open(const char *directory) {
   return p;
 }
 
-/* Room for one more element of an array that doubles at each power of two. */
-static void *grow(void *array, size_t count, size_t size) {
+/* Makes room for one more element of an array that doubles at each power of two. */
+static void *report_grow(void *array, size_t count, size_t size) {
   if (count & (count - 1)) return array;
   array = realloc(array, (count ? 2 * count : 1) * size);
   if (!array) {
@@ -66,7 +63,7 @@ static void *grow(void *array, size_t count, size_t size) {
 }
 
 void report_scene(report *p, const scene *s) {
-  p->scenes = grow(p->scenes, p->scene_count, sizeof *p->scenes);
+  p->scenes = report_grow(p->scenes, p->scene_count, sizeof *p->scenes);
   entry *e = &p->scenes[p->scene_count++];
   *e = (entry){.d = s->contact.d, .nc = s->contact.nc, .first = p->record_count};
   const int small = strcmp(s->set, "fclib") == 0 && s->contact.nc <= tiny;
@@ -74,18 +71,18 @@ void report_scene(report *p, const scene *s) {
   snprintf(e->name, sizeof e->name, "%s", s->name);
 }
 
-static const char *status_name(verdict s) {
+static const char *verdict_name(verdict s) {
   static const char *const names[] = {"not-run", "solved", "unsolved", "wrong",
                                       "limit",   "crash",  "refused"};
   return names[s];
 }
 
 void report_add(report *p, const record *a) {
-  p->records = grow(p->records, p->record_count, sizeof *p->records);
+  p->records = report_grow(p->records, p->record_count, sizeof *p->records);
   p->records[p->record_count++] = *a;
   const entry *e = &p->scenes[p->scene_count - 1];
   fprintf(p->csv, "%s,%s,%d,%d,%d,%s,%s,%s,%.0e,%s", e->set, e->name, e->d, e->nc, e->d * e->nc,
-          a->method, a->setting, a->storage, a->target, status_name(a->status));
+          a->method, a->setting, a->storage, a->target, verdict_name(a->status));
   if (a->status == SOLVED || a->status == UNSOLVED || a->status == WRONG)
     fprintf(p->csv, ",%.0e,%.3e,%.4e,%.4e,%d\n", a->own_tol, a->residual, a->cpu, a->setup,
             a->iterations);
@@ -96,12 +93,11 @@ void report_add(report *p, const record *a) {
 
 /* ---- looking up ------------------------------------------------------------------------------ */
 
-/* Which records of a scene are meant. */
+/* Chooses records of a scene. */
 typedef struct choice {
   const char *label;
   int peer;
-  const char
-      *method; /* of the peer, its beginning: NSGS with any local solver, say; NULL for all */
+  const char *method; /* NULL: all. Of the peer its beginning: NSGS with any local solver, say */
 } choice;
 
 static int is_chosen(const choice *w, const record *a) {
@@ -111,7 +107,7 @@ static int is_chosen(const choice *w, const record *a) {
                  : strcmp(a->method, w->method) == 0;
 }
 
-/* The fastest of the chosen records of a scene that meets a target; NULL for none. */
+/* Returns the fastest of the chosen records of a scene that meets a target; NULL for none. */
 static const record *fastest(const report *p, size_t index, double target, const choice *w) {
   const size_t end = index + 1 < p->scene_count ? p->scenes[index + 1].first : p->record_count;
   const record *best = NULL;
@@ -154,78 +150,123 @@ void report_progress(const report *p) {
 
 /* ---- summary --------------------------------------------------------------------------------- */
 
-static int compare_doubles(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
+static const choice front_door = {"auto", 0, "auto"};
+
+/* The sets of the summary: name, range of candidates. */
+typedef struct range {
+  const char *set; /* NULL: all but global */
+  int least, most;
+} range;
+
+static int in_range(const entry *e, const range *g) {
+  if (e->nc < g->least || e->nc > g->most) return 0;
+  return g->set ? strcmp(e->set, g->set) == 0 : strcmp(e->set, "global") != 0;
 }
 
-/* One line: how often w and the peer meet the target on a set, and the ratio of their times. */
-static void summarise(const report *p, const char *set, double target, const choice *w,
-                      double *ratios) {
-  int scenes = 0, solved = 0, peer_solved = 0;
-  size_t both = 0, worst = 0;
-  double largest = 0;
+/* How often a choice and the peer meet a target on a set, and the ratios of their times. */
+typedef struct summary {
+  int scenes, solved, peer_solved;
+  double median, largest;
+  const char *worst; /* the scene of the largest */
+} summary;
+
+static summary summarise(const report *p, const range *g, double target, const choice *w,
+                         double *ratios) {
+  summary a = {.median = NAN, .worst = ""};
+  size_t both = 0;
   for (size_t s = 0; s < p->scene_count; s++) {
-    if (strcmp(p->scenes[s].set, set) != 0) continue;
-    const record *a = fastest(p, s, target, w), *b = fastest(p, s, target, &best_peer);
-    scenes++;
-    solved += a != NULL;
-    peer_solved += b != NULL;
-    if (!a || !b) continue;
-    ratios[both] = a->cpu / b->cpu;
-    if (ratios[both] > largest) {
-      largest = ratios[both];
-      worst = s;
+    if (!in_range(&p->scenes[s], g)) continue;
+    const record *own = fastest(p, s, target, w), *peer = fastest(p, s, target, &best_peer);
+    a.scenes++;
+    a.solved += own != NULL;
+    a.peer_solved += peer != NULL;
+    if (!own || !peer) continue;
+    ratios[both] = own->cpu / peer->cpu;
+    if (ratios[both] > a.largest) {
+      a.largest = ratios[both];
+      a.worst = p->scenes[s].name;
     }
     both++;
   }
-  if (!scenes) return;
-  printf("%-6s %5.0e  %-20s %3d/%-3d  %3d/%-3d", set, target, w->label, solved, scenes, peer_solved,
-         scenes);
-  if (both) {
-    qsort(ratios, both, sizeof *ratios, compare_doubles);
-    printf("  %8.2f %8.2f  %s", (ratios[(both - 1) / 2] + ratios[both / 2]) / 2, largest,
-           p->scenes[worst].name);
-  }
-  putchar('\n');
+  a.median = bench_median(both, ratios);
+  return a;
 }
 
-/* The scenes on which the best of the peer beats the best of ours by more than noise. */
+static void print_summary(const report *p) {
+  static const range ranges[] = {{"tiny", 0, 1 << 30},   {"fclib", 0, 1 << 30},
+                                 {"global", 0, 1 << 30}, {"block", 0, 1 << 30},
+                                 {"cube", 0, 1 << 30},   {"wall", 0, 1 << 30},
+                                 {NULL, 0, tiny},        {NULL, tiny + 1, 1 << 30}};
+  double *ratios = malloc((p->scene_count + 1) * sizeof *ratios);
+  if (!ratios) return;
+  bench_print(p->page, "%s",
+              "Ratio: CPU of delassus over that of the best solver of Siconos for the problem, "
+              "over the problems that both\nsolve.\n\n"
+              "| set | target | of | solved: auto | best of delassus | best of Siconos | auto: "
+              "median ratio | worst | on | best of delassus: median | worst |\n"
+              "|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++)
+    for (int k = 0; k < TARGETS; k++) {
+      const range *g = &ranges[i];
+      const summary a = summarise(p, g, targets[k], &front_door, ratios);
+      const summary b = summarise(p, g, targets[k], &best_own, ratios);
+      if (!a.scenes) continue;
+      bench_print(p->page, "| %s | %.0e | %d | %d | %d | %d | %.2f | %.2f | %s | %.2f | %.2f |\n",
+                  g->set     ? g->set
+                  : g->least ? "more than 20 candidates"
+                             : "at most 20",
+                  targets[k], a.scenes, a.solved, b.solved, a.peer_solved, a.median, a.largest,
+                  a.worst, b.median, b.largest);
+    }
+  free(ratios);
+}
+
+/* Prints the scenes on which the best of the peer beats auto or the best of delassus by more than
+ * noise. */
 static void print_lost(const report *p) {
   static const double noise = 1.1;
-  puts("\nwhere the best of Siconos is ahead of the best of delassus by more than a tenth:");
+  bench_print(p->page, "%s",
+              "\nWhere the best of Siconos is ahead of auto by more than a tenth:\n\n"
+              "| set | problem | candidates | target | Siconos | s | auto s | best of delassus | s "
+              "|\n|---|---|---|---|---|---|---|---|---|\n");
   for (size_t s = 0; s < p->scene_count; s++)
     for (int k = 0; k < TARGETS; k++) {
-      const record *a = fastest(p, s, targets[k], &best_own),
+      const entry *e = &p->scenes[s];
+      const record *a = fastest(p, s, targets[k], &front_door),
+                   *o = fastest(p, s, targets[k], &best_own),
                    *b = fastest(p, s, targets[k], &best_peer);
       if (!b || (a && a->cpu <= noise * b->cpu)) continue;
-      printf("%-6s %-40s %5d  %5.0e  %s (%s) %.2e s", p->scenes[s].set, p->scenes[s].name,
-             p->scenes[s].nc, targets[k], b->method, b->setting, b->cpu);
+      bench_print(p->page, "| %s | %s | %d | %.0e | %s (%s) | %.2e |", e->set, e->name, e->nc,
+                  targets[k], b->method, b->setting, b->cpu);
       if (a)
-        printf(", %s %.2e s: %.2f\n", a->method, a->cpu, a->cpu / b->cpu);
+        bench_print(p->page, " %.2e |", a->cpu);
       else
-        puts(", delassus does not solve it");
+        bench_print(p->page, " - |");
+      if (o)
+        bench_print(p->page, " %s | %.2e |\n", o->method, o->cpu);
+      else
+        bench_print(p->page, " - | - |\n");
     }
 }
 
-static const choice front_door = {"auto", 0, "auto"};
-
-static void print_summary(const report *p) {
-  double *ratios = malloc((p->scene_count + 1) * sizeof *ratios);
-  if (!ratios) return;
-  const choice lines[] = {front_door, best_own};
-  printf("\n%-6s %5s  %-20s %-7s  %-7s  %8s %8s  %s\n", "set", "tol", "of ours", "solved",
-         "Siconos", "median", "worst", "on (CPU of ours / best of Siconos)");
-  for (int i = 0; i < set_count; i++)
-    for (int k = 0; k < TARGETS; k++)
-      for (int l = 0; l < 2; l++)
-        summarise(p, sets[i], targets[k], &lines[l], ratios);
-  free(ratios);
+/* Prints how often each verdict other than solved or unsolved fell, on either side. */
+static void print_verdicts(const report *p) {
+  int count[2][REFUSED_IT + 1] = {{0}};
+  for (size_t k = 0; k < p->record_count; k++)
+    count[p->records[k].peer][p->records[k].status]++;
+  bench_print(p->page, "\n| rows | solved | unsolved | wrong | limit | crash | refused |\n"
+                       "|---|---|---|---|---|---|---|\n");
+  for (int peer = 0; peer < 2; peer++) {
+    bench_print(p->page, "| %s |", peer ? "Siconos" : "delassus");
+    for (int k = SOLVED; k <= REFUSED_IT; k++)
+      bench_print(p->page, " %d |", count[peer][k]);
+    bench_print(p->page, "\n");
+  }
 }
 
 /* ---- pictures -------------------------------------------------------------------------------- */
 
-/* Curves, in the order of solvers.gp. */
+/* The curves, in the order of solvers.gp. */
 static const choice curves[] = {{"auto", 0, "auto"},
                                 {"newton", 0, "newton"},
                                 {"nlgs, Anderson", 0, "nlgs-anderson"},
@@ -255,7 +296,7 @@ static void write_curve(const report *p, FILE *file, int d, double target, const
                  *b = fastest(p, s, target, &best_peer);
     if (a) taus[count++] = a->cpu / fmin(o ? o->cpu : INFINITY, b ? b->cpu : INFINITY);
   }
-  qsort(taus, count, sizeof *taus, compare_doubles);
+  bench_median(count, taus); /* sorts */
   fprintf(file, "\"%s\"\n", count ? w->label : "");
   fprintf(file, "1 0\n");
   for (size_t k = 0; k < count && taus[k] <= largest_tau; k++)
@@ -273,7 +314,7 @@ static int write_profiles(const report *p) {
     for (int k = 0; k < TARGETS && !bad; k++) {
       char name[64];
       snprintf(name, sizeof name, "profile_%dd_%.0e.dat", d, targets[k]);
-      FILE *file = open_in(p->directory, name);
+      FILE *file = bench_open(p->directory, name);
       for (int i = 0; i < curve_count && file; i++)
         write_curve(p, file, d, targets[k], &curves[i], taus);
       bad = !file || fclose(file) != 0;
@@ -286,7 +327,7 @@ static int write_ratios(const report *p) {
   for (int k = 0; k < TARGETS; k++) {
     char name[64];
     snprintf(name, sizeof name, "ratio_%.0e.dat", targets[k]);
-    FILE *file = open_in(p->directory, name);
+    FILE *file = bench_open(p->directory, name);
     if (!file) return -1;
     for (int i = 0; i < set_count; i++) {
       fprintf(file, "\"%s\"\n", sets[i]);
@@ -307,7 +348,11 @@ int report_close(report *p) {
   int bad = p->scene_count == 0;
   print_summary(p);
   print_lost(p);
+  print_verdicts(p);
+  bench_print(p->page, "\n![performance profiles](solvers_profile.png)\n"
+                       "![ratio for each problem](solvers_ratio.png)\n");
   bad |= fclose(p->csv) != 0;
+  bad |= fclose(p->page) != 0;
   bad |= write_profiles(p) != 0;
   bad |= write_ratios(p) != 0;
   free(p->scenes);

@@ -1,31 +1,34 @@
 /*
- * scenes.c: the contact problems of bench/solvers.
+ * solvers_scenes.c: the contact problems of bench/solvers.
  *
- * fclib, global: every file of a directory. A global one (K, H) comes twice: as it is, and reduced.
+ * fclib, global: every file of a directory; at most 20 candidates: set "tiny". A global problem
+ * (K, H) comes twice: as it is, where delassus reduces first and that counts, and reduced.
  *
- * block, cube: an elastic block, E = 1, nu = 0.3, of equal slabs piled upwards, b unknowns on the plane
- * between two slabs. One slab has the stiffness (ll lu; ul uu), 2 b x 2 b. From the top down, the
- * stiffness Z and load h of all that stands on a plane are condensed to the plane below:
+ * block, cube: an elastic block, E = 1, nu = 0.3, of equal slabs piled upwards, b unknowns on the
+ * plane between two slabs. One slab has the stiffness (ll lu; ul uu), 2 b x 2 b. From the top
+ * down, the stiffness Z and load h of all that stands on a plane are condensed to the plane below:
  *
- *   E = Z + uu,   Z := ll - lu E^-1 ul,   h := f_below - lu E^-1 h                            (B1)
+ *   E = Z + uu,   Z := ll - lu E^-1 ul,   h := f_below - lu E^-1 h                           (SS1)
  *
- * starting with Z = ll where the top is glued to a rigid back, Z = 0 where it is free. On the bottom
- * plane W = Z^-1 and x = Z^-1 h of the contact unknowns (B2). K of the whole block is never formed:
- * 7/3 b^3 flops for each slab. The back, of a block [0,1] x [0,1/2] or [0,1]^3, is
+ * starting with Z = ll where the top is glued to a rigid back, Z = 0 where it is free. On the
+ * bottom plane W = Z^-1 and x = Z^-1 h of the contact unknowns (SS2). K of the whole block is
+ * never formed: 7/3 b^3 flops for each slab. The back, of a block [0,1] x [0,1/2] or [0,1]^3, is
  * moved as a rigid body, so that without reactions the block goes with it and q is
  *
- *   press  down, and along by as much     hertz  down on an obstacle with a paraboloid gap, and along
+ *   press  down, and along by as much     hertz  down on a paraboloid obstacle, and along
  *   shear  down, and along by 5 times it  tilt   down, turned so that a part opens, and along
  *
- * and in cubes a twist about the vertical besides. raous (2D): a free top under pressure, pushed from
- * the left, u_x = 0 on the right edge and both unknowns of its lowest node, as in [Jean 1988] 4.5: W
- * is ill-conditioned, since the block stands on that node and on the candidates. Triangles (src/fe) in
- * 2D, hexahedra with eight nodes in 3D.
+ * and in cubes a twist about the vertical besides. raous (2D): a free top under pressure, pushed
+ * from the left, u_x = 0 on the right edge and both unknowns of its lowest node, as in [Jean 1988]
+ * 4.5: W is ill-conditioned, since the block stands on that node and on the candidates. Triangles
+ * (src/fe) in 2D, 16 to 128 candidates; hexahedra with eight nodes in 3D, 6, 12 and 18 elements a
+ * side (49 to 361 candidates), with --full also 24 (625). mu = 0.3 and 1 (18 a side: 0.3), with
+ * --full 0.1 to 2.
  *
- * wall: rigid bricks 2 x 1 x 1 of unit density in running bond on a floor, half bricks at the ends of
- * every other row; two candidates for each pair of faces that touch. In one time step, from rest,
- * gravity gives each brick the velocity (push, -1): W = H^T M^-1 H (B3) is rank deficient and sparse,
- * u a velocity.
+ * wall: rigid bricks 2 x 1 x 1 of unit density in running bond on a floor, half bricks at the ends
+ * of every other row; two candidates for each pair of faces that touch, 20 to 336 of them; mu is
+ * 0.3, 1, 8, with --full also 0.6 and 3. In one time step, from rest, gravity gives each brick the
+ * velocity (push, -1): W = H^T M^-1 H (SS3) is rank deficient and sparse, u a velocity.
  */
 #include <dirent.h>
 #include <math.h>
@@ -50,7 +53,7 @@ void dgemv_(const char *trans, const int *m, const int *n, const double *alpha, 
 
 static const double E = 1, nu = 0.3;
 
-static double *array(size_t count) {
+static double *zeros(size_t count) {
   return calloc(count, sizeof(double));
 }
 
@@ -123,14 +126,18 @@ int scenes_files(const char *directory, scene_fn visit, void *data) {
 
 /* ---- an elastic block ------------------------------------------------------------------------ */
 
-/* Slabs S (2b x 2b, the lower plane first) with loads f (b for each plane, from the bottom; NULL for
- * none). Z (b x b, its lower triangle) and h (b) receive what stands on the bottom plane. (B1) */
-static int condense(int b, int slabs, const double *S, const double *f, int glued, double *Z,
-                    double *h) {
+/* Condenses all slabs to the bottom plane, (SS1).
+ *
+ *   S: a slab, the lower plane first, 2b x 2b
+ *   f: loads, b a plane from the bottom; NULL for none
+ *   Z: stiffness, b x b, lower triangle
+ *   h: load, b */
+static int block_condense(int b, int slabs, const double *S, const double *f, int glued, double *Z,
+                          double *h) {
   const size_t B = (size_t)b, ld = 2 * B;
   const double one = 1, minus = -1;
   const int unit = 1;
-  double *A = array(B * B), *Y = array(B * B), *y = array(B);
+  double *A = zeros(B * B), *Y = zeros(B * B), *y = zeros(B);
   int info = !A || !Y || !y, plane = glued ? slabs - 1 : slabs;
   memset(h, 0, B * sizeof *h);
   for (size_t k = 0; k < B * B; k++)
@@ -177,12 +184,12 @@ static void block_free(elastic *k) {
 
 static int block_create(elastic *k, int d, int nc) {
   const size_t m = (size_t)d * (size_t)nc;
-  *k = (elastic){d, nc, array(m * m), array(m), array(2 * (size_t)nc), array(m), array(m)};
+  *k = (elastic){d, nc, zeros(m * m), zeros(m), zeros(2 * (size_t)nc), zeros(m), zeros(m)};
   return k->W && k->x && k->place && k->q && k->mu ? 0 : out_of_memory();
 }
 
-/* (B2): W and x from Z and h, whose unknowns are d for each node, the last of them vertical. */
-static int invert(elastic *k, int b, double *Z, double *h) {
+/* Computes W and x from Z and h, (SS2). Unknowns of Z and h: d for each node, the vertical last. */
+static int block_invert(elastic *k, int b, double *Z, double *h) {
   const size_t B = (size_t)b, d = (size_t)k->d, m = d * (size_t)k->nc;
   const double one = 1;
   const int unit = 1;
@@ -203,8 +210,8 @@ static int invert(elastic *k, int b, double *Z, double *h) {
   return info;
 }
 
-/* Unknown i of every slab stays where it is. */
-static void fix(int b, double *S, int i) {
+/* Holds unknown i of every slab. */
+static void block_fix(int b, double *S, int i) {
   for (int k = 0; k < 2 * b; k++)
     for (int half = 0; half < 2; half++) {
       const size_t B = (size_t)b, j = (half ? B : 0) + (size_t)i, K = (size_t)k, ld = 2 * B;
@@ -256,17 +263,17 @@ static void visit_block(elastic *k, const char *set, const char *name, move_fn m
   visit(data, &s);
 }
 
-/* The friction coefficients of a set: a full run takes all, a quick one those of `quick`. */
+/* Friction coefficients: a full run takes all, a quick one the first two. */
 static const double frictions[] = {0.3, 1, 0.1, 0.6, 2};
 enum { quick_frictions = 2, all_frictions = 5 };
 
-/* 2D: n candidates, n - 1 squares of two triangles wide and half as many high. */
+/* Makes a 2D block of n candidates: n - 1 squares of two triangles wide, half as many high. */
 static int block_of_triangles(elastic *k, int n, int raous) {
   const int nx = n - 1, slabs = nx / 2, b = 2 * n;
   const size_t B = (size_t)b;
   dls_fe_mesh slab = {0}, whole = {0};
-  double *S = array(4 * B * B), *Z = array(B * B), *h = array(B),
-         *f = array((size_t)(slabs + 1) * B);
+  double *S = zeros(4 * B * B), *Z = zeros(B * B), *h = zeros(B),
+         *f = zeros((size_t)(slabs + 1) * B);
   dls_status bad = !S || !Z || !h || !f ? DLS_E_MEMORY : DLS_OK;
   if (!bad) bad = dls_fe_mesh_block(&slab, 1, 1.0 / nx, nx, 1, NULL);
   if (!bad) bad = dls_fe_mesh_block(&whole, 1, (double)slabs / nx, nx, slabs, NULL);
@@ -280,18 +287,18 @@ static int block_of_triangles(elastic *k, int n, int raous) {
   dls_fe_mesh_free(&whole);
   int info = bad || block_create(k, 2, raous ? nx : n);
   if (!info && raous) {
-    fix(b, S, b - 2); /* u_x on the right; the loads have nothing there */
+    block_fix(b, S, b - 2); /* u_x on the right; the loads have nothing there */
     for (int j = 0; j <= slabs; j++)
       f[(size_t)(j + 1) * B - 2] = 0;
   }
-  if (!info) info = condense(b, slabs, S, raous ? f : NULL, !raous, Z, h);
+  if (!info) info = block_condense(b, slabs, S, raous ? f : NULL, !raous, Z, h);
   if (!info && raous) { /* u_y of its lowest node: the last unknown */
     for (size_t j = 0; j < B; j++)
       Z[B - 1 + j * B] = 0;
     Z[B * B - 1] = 1;
     h[B - 1] = 0;
   }
-  if (!info) info = invert(k, b, Z, h);
+  if (!info) info = block_invert(k, b, Z, h);
   for (int c = 0; !info && c < k->nc; c++)
     k->place[2 * c] = (double)c / nx - 0.5;
   free(S);
@@ -326,8 +333,8 @@ int scenes_blocks(int full, scene_fn visit, void *data) {
 
 /* ---- hexahedra ------------------------------------------------------------------------------- */
 
-/* K (24 x 24) of a cube of side a, 2 x 2 x 2 Gauss points: with the gradients g of the shape
- * functions, its 3 x 3 block (i, j) is the sum of l g_i g_j^T + G g_j g_i^T + G (g_i . g_j) I times
+/* Integrates K (24 x 24) of a cube of side a by 2 x 2 x 2 Gauss points: with the gradients g of the
+ * shape functions, block (i, j) is the sum of l g_i g_j^T + G g_j g_i^T + G (g_i . g_j) I times
  * a^3/8. Node i stands at the corner of the bits of i. */
 static void hexahedron(double a, double *K) {
   const double l = E * nu / ((1 + nu) * (1 - 2 * nu)), G = E / (2 * (1 + nu));
@@ -354,11 +361,11 @@ static void hexahedron(double a, double *K) {
   }
 }
 
-/* n x n x n hexahedra, glued at the top; a candidate at each node of the bottom. */
+/* Makes a cube of n x n x n hexahedra, glued at the top, a candidate at each node of the bottom. */
 static int block_of_hexahedra(elastic *k, int n) {
   const int nodes = (n + 1) * (n + 1), b = 3 * nodes;
   const size_t B = (size_t)b;
-  double K[24 * 24], *S = array(4 * B * B), *Z = array(B * B), *h = array(B);
+  double K[24 * 24], *S = zeros(4 * B * B), *Z = zeros(B * B), *h = zeros(B);
   int info = !S || !Z || !h || block_create(k, 3, nodes);
   hexahedron(1.0 / n, K);
   for (int e = 0; !info && e < n * n; e++) {
@@ -372,8 +379,8 @@ static int block_of_hexahedra(elastic *k, int n) {
       for (int j = 0; j < 24; j++)
         S[unknown[i] + unknown[j] * 2 * B] += K[i + 24 * j];
   }
-  if (!info) info = condense(b, n, S, NULL, 1, Z, h);
-  if (!info) info = invert(k, b, Z, h);
+  if (!info) info = block_condense(b, n, S, NULL, 1, Z, h);
+  if (!info) info = block_invert(k, b, Z, h);
   for (int c = 0; !info && c < nodes; c++) {
     k->place[2 * c] = (double)(c % (n + 1)) / n - 0.5;
     k->place[2 * c + 1] = (double)(c / (n + 1)) / n - 0.5; // NOLINT(bugprone-integer-division)
@@ -420,7 +427,7 @@ typedef struct touch {
 
 static const double length = 2, height = 1;
 
-/* The bricks of a row from left to right; returns how many. */
+/* Lays the bricks of a row from left to right. Returns how many. */
 static int lay_row(int row, int width, brick *bricks) {
   const int half = row % 2, count = width + half;
   for (int i = 0; i < count; i++) {
@@ -433,8 +440,8 @@ static int lay_row(int row, int width, brick *bricks) {
   return count;
 }
 
-/* Two candidates for every stretch where a brick of this row stands on one below, which is half a
- * brick long, or on the floor. */
+/* Lays two candidates on every stretch, half a brick long, where a brick of this row stands on one
+ * below or on the floor. Returns how many. */
 static int touch_row(int row, int width, int first, int below, touch *touches) {
   int count = 0;
   const int stretches = row ? 2 * width : width;
@@ -449,13 +456,13 @@ static int touch_row(int row, int width, int first, int below, touch *touches) {
   return count;
 }
 
-/* Rows n and t of u at (x, y) for the motion (v_x, v_y, turn) of a brick. */
+/* Computes rows n and t of u at (x, y) for the motion (v_x, v_y, turn) of a brick. */
 static void lever(const brick *b, const touch *c, double G[2][3]) {
   const double rows[2][3] = {{0, 1, c->x - b->x}, {1, 0, b->y - c->y}};
   memcpy(G, rows, sizeof rows);
 }
 
-/* block (2 x 2, column-major) += (B3) of two candidates by way of one brick. */
+/* Adds (SS3) of two candidates by way of one brick. block: 2 x 2, column-major. */
 static void add_flexibility(const brick *b, const touch *c, const touch *e, double sign,
                             double *block) {
   double G[2][3], F[2][3];
@@ -467,8 +474,8 @@ static void add_flexibility(const brick *b, const touch *c, const touch *e, doub
                                   G[i][2] * F[j][2] / b->inertia);
 }
 
-/* The block of candidates c and e; 0 if no brick is common to them. */
-static int couple(const brick *bricks, const touch *c, const touch *e, double *block) {
+/* Computes the block of candidates c and e. Returns 0 if they have no brick in common. */
+static int wall_couple(const brick *bricks, const touch *c, const touch *e, double *block) {
   int coupled = 0;
   memset(block, 0, 4 * sizeof *block);
   for (int k = 0; k < 4; k++) {
@@ -486,7 +493,7 @@ static int visit_wall(int full, int rows, int width, scene_fn visit, void *data)
   brick *bricks = calloc(2 * most, sizeof *bricks);
   touch *touches = calloc(most, sizeof *touches);
   int *p = calloc(most + 1, sizeof *p), *i = calloc(most * most, sizeof *i);
-  double *x = array(4 * most * most), *q = array(2 * most), *mu = array(most);
+  double *x = zeros(4 * most * most), *q = zeros(2 * most), *mu = zeros(most);
   const int bad = !bricks || !touches || !p || !i || !x || !q || !mu;
   int nc = 0, first = 0, below = 0;
   for (int row = 0; row < rows && !bad; row++) {
@@ -498,7 +505,8 @@ static int visit_wall(int full, int rows, int width, scene_fn visit, void *data)
   for (int c = 0; c < nc; c++) {
     p[c + 1] = p[c];
     for (int e = 0; e < nc; e++)
-      if (couple(bricks, &touches[e], &touches[c], x + 4 * (size_t)p[c + 1])) i[p[c + 1]++] = e;
+      if (wall_couple(bricks, &touches[e], &touches[c], x + 4 * (size_t)p[c + 1]))
+        i[p[c + 1]++] = e;
   }
   for (int push = 0; push < 2 && !bad; push++)
     for (int k = 0; k < (full ? 5 : 3); k++) {

@@ -1,0 +1,113 @@
+/* common.c: clock, medians, child processes and pages of results, as common.h describes them. */
+#include "common.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { child_done = 7 /* exit status that no library uses */ };
+
+/* Reads the clock of the calling thread first: Linux brings the clock of a process with a CPU limit
+ * up to date at a tick (1 ms) or when the clock of a thread is read. */
+double bench_seconds(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static int ascending(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+double bench_median(size_t n, double *x) {
+  if (n == 0) return NAN;
+  qsort(x, n, sizeof *x, ascending);
+  return (x[(n - 1) / 2] + x[n / 2]) / 2;
+}
+
+void *bench_shared(size_t bytes) {
+  void *p = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  return p == MAP_FAILED ? NULL : p;
+}
+
+int bench_child(void (*work)(void *data), void *data) {
+  fflush(NULL);
+  const pid_t child = fork();
+  if (child == 0) {
+    work(data);
+    _exit(child_done);
+  }
+  int status = 0;
+  pid_t ended;
+  do
+    ended = waitpid(child, &status, 0);
+  while (ended < 0 && errno == EINTR);
+  if (child < 0 || ended != child) return -1;
+  if (WIFSIGNALED(status)) return WTERMSIG(status);
+  return WIFEXITED(status) && WEXITSTATUS(status) == child_done ? 0 : -1;
+}
+
+FILE *bench_open(const char *directory, const char *name) {
+  char path[1024];
+  snprintf(path, sizeof path, "%s/%s", directory, name);
+  FILE *file = fopen(path, "w");
+  if (!file) perror(path);
+  return file;
+}
+
+/* Prints the name of the processor, "a machine" where /proc/cpuinfo does not tell it. */
+static void print_processor(FILE *page) {
+  char line[256] = "";
+  FILE *info = fopen("/proc/cpuinfo", "r");
+  const char *name = NULL;
+  while (info && !name && fgets(line, sizeof line, info))
+    if (strncmp(line, "model name", 10) == 0) name = strchr(line, ':');
+  if (info) fclose(info);
+  if (name)
+    fprintf(page, "%.*s", (int)strcspn(name + 2, "\n"), name + 2);
+  else
+    fputs("a machine", page);
+}
+
+FILE *bench_page(const char *directory, const char *name, const char *title, int argc,
+                 char *const *argv) {
+  char file[64], options[1024] = "";
+  snprintf(file, sizeof file, "%s.md", name);
+  FILE *page = bench_open(directory, file);
+  if (!page) return NULL;
+  for (int k = 1; k < argc; k++) {
+    const size_t used = strlen(options);
+    if (strcmp(argv[k], "--out") == 0)
+      k++;
+    else
+      snprintf(options + used, sizeof options - used, "%s%s", used ? " " : "", argv[k]);
+  }
+  const char *slash = strrchr(argv[0], '/');
+  fprintf(page, "# %s\n\nWritten by `make bench-%s", title, slash ? slash + 1 : argv[0]);
+  if (*options) fprintf(page, " BENCH='%s'", options);
+  fputs("`: ", page);
+  print_processor(page);
+  fputs(", one BLAS thread, compiler " __VERSION__ ". Compare ratios, not seconds.\n\n", page);
+  return page;
+}
+
+void bench_print(FILE *page, const char *format, ...) {
+  va_list arguments;
+  FILE *const to[] = {page, stdout};
+  for (int k = 0; k < 2; k++) {
+    if (!to[k]) continue;
+    va_start(arguments, format);
+    vfprintf(to[k], format, arguments);
+    va_end(arguments);
+  }
+  fflush(stdout);
+  if (page) fflush(page);
+}

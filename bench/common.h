@@ -1,0 +1,35 @@
+/*
+ * common.h: shared by the benchmark programs: clock, medians, child processes, pages of results.
+ */
+#ifndef BENCH_COMMON_H
+#define BENCH_COMMON_H
+
+#include <stddef.h>
+#include <stdio.h>
+
+/* Returns the CPU seconds of this process, all threads: a BLAS with threads does not go unseen. */
+double bench_seconds(void);
+
+/* Sorts x (n) and returns its median, the mean of the two in the middle for an even n; NAN for 0.
+ */
+double bench_median(size_t n, double *x);
+
+/* Returns zeroed memory that child processes share, or NULL; released by munmap or at exit. */
+void *bench_shared(size_t bytes);
+
+/* Runs work(data) in a child process. Returns 0 if it came to its end, the number of the signal
+ * that ended it, or -1 if it left by exit() or could not be started. */
+int bench_child(void (*work)(void *data), void *data);
+
+/* Opens DIRECTORY/NAME.md and writes its head: the title, the command (make bench-<program> with
+ * the options in argv, --out apart, as BENCH) and the kind of machine. NULL after a message. */
+FILE *bench_page(const char *directory, const char *name, const char *title, int argc,
+                 char *const *argv);
+
+/* Opens DIRECTORY/NAME for writing; NULL after a message. */
+FILE *bench_open(const char *directory, const char *name);
+
+/* Prints to the page and to stdout. */
+void bench_print(FILE *page, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+#endif

@@ -1,0 +1,22 @@
+/*
+ * reduction_boxes.h: elastic boxes of square (Q4, plane strain) or cubic (H8) elements.
+ */
+#ifndef REDUCTION_BOXES_H
+#define REDUCTION_BOXES_H
+
+#include "delassus.h"
+
+/* A box with E = 1, nu = 0.3 and `cells` elements of size 1 a side, clamped on the face x = 0. The
+ * nodes of the face below touch, normal up, tangents along the axes. Owns its arrays. */
+typedef struct box {
+  dls_model model; /* sparse K, DLS_CHOLESKY: its lower triangle; or all of it, DLS_LU */
+  int *p, *i, *hp, *hn, *ht;
+  double *x, *one;
+} box;
+
+/* Makes K and H. skew: size of the skew-symmetric part of K over its off-diagonal entries; 0 makes
+ * a symmetric K. Returns 0, or -1 without memory. */
+int box_create(box *b, int d, int cells, double skew);
+void box_free(box *b);
+
+#endif

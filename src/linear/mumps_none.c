@@ -1,0 +1,69 @@
+/*
+ * mumps_none.c: stands for schur.c and sparse_lu.c in a build without MUMPS. create answers
+ * DLS_E_UNSUPPORTED; no other function is ever reached, because there is nothing to call it with.
+ */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+
+#include "base/base.h"
+#include "linear/schur.h"
+#include "linear/sparse_lu.h"
+
+static dls_status mumps_missing(dls_error *error) {
+  return dlsi_fail(error, DLS_E_UNSUPPORTED, "", -1, 0, "this build has no MUMPS");
+}
+
+int dlsi_schur_available(void) {
+  return 0;
+}
+
+dls_status dlsi_schur_create(dlsi_schur **out, const dls_sparse *Ks,
+                             dls_factorization factorization, int count, const int *keep,
+                             dls_error *error) {
+  *out = NULL;
+  return mumps_missing(error);
+}
+
+const dlsi_schur_measures *dlsi_schur_measured(const dlsi_schur *work) {
+  return NULL;
+}
+
+dls_status dlsi_schur_same(const dlsi_schur *work, const dls_sparse *Ks, dls_error *error) {
+  return mumps_missing(error);
+}
+
+dls_status dlsi_schur_factor(dlsi_schur *work, const dls_sparse *Ks, dls_error *error) {
+  return mumps_missing(error);
+}
+
+dls_status dlsi_schur_solve(dlsi_schur *work, double *X, int nrhs, dls_error *error) {
+  return mumps_missing(error);
+}
+
+dls_status dlsi_schur_kept(dlsi_schur *work, double *x, double *z, dls_error *error) {
+  return mumps_missing(error);
+}
+
+dls_status dlsi_schur_inverse(const dlsi_schur *work, double *Z, dls_error *error) {
+  return mumps_missing(error);
+}
+
+void dlsi_schur_destroy(dlsi_schur *work) {}
+
+dls_status dlsi_sparse_lu_create(dlsi_sparse_lu **out, dls_error *error) {
+  *out = NULL;
+  return mumps_missing(error);
+}
+
+dls_status dlsi_sparse_lu_reserve(dlsi_sparse_lu *work, size_t entries, dls_error *error) {
+  return mumps_missing(error);
+}
+
+dls_status dlsi_sparse_lu_factor(dlsi_sparse_lu *work, const dls_sparse *A, dls_error *error) {
+  return mumps_missing(error);
+}
+
+dls_status dlsi_sparse_lu_solve(dlsi_sparse_lu *work, double *x, dls_error *error) {
+  return mumps_missing(error);
+}
+
+void dlsi_sparse_lu_destroy(dlsi_sparse_lu *work) {}

@@ -1,0 +1,29 @@
+#!/bin/sh
+# check_names.sh [DIRECTORY]: three rules on the C files of the tree at DIRECTORY (here). Reports FILE:LINE.
+#
+#   1 no static function name but main stands in three or more files: a name leads to one place
+#   2 no function of the library but dlsi_at has a parameter `const char *function`: errors get their
+#     name at the door
+#   3 no line is longer than 100 columns
+cd "${1:-.}" || exit 2
+find include src lcp vi reduction tests bench examples -name '*.[ch]' | sort | LC_ALL=C xargs awk '
+  function report(text) { print text; bad = 1 }
+  FNR == 1 { declaration = "" }
+  length($0) > 100 { report(FILENAME ":" FNR ": " length($0) " columns") }
+
+  # a declaration or definition begins in the first column; remember its name for the lines that follow
+  /^[a-z]/ { declaration = $0; sub(/\(.*/, "", declaration); sub(/.*[ *]/, "", declaration) }
+  /const char \*function *[,)]/ && declaration != "dlsi_at" && FILENAME !~ /^tests\// {
+    report(FILENAME ":" FNR ": parameter `function` of " declaration)
+  }
+  /^static [^=]*[A-Za-z0-9_]\(/ && declaration != "main" && !((declaration, FILENAME) in seen) {
+    seen[declaration, FILENAME] = 1
+    files[declaration]++
+    places[declaration] = places[declaration] "\n  " FILENAME ":" FNR
+  }
+  END {
+    for (name in files)
+      if (files[name] > 2) report("static " name " stands in " files[name] " files:" places[name])
+    if (!bad) print "names: no static name in three files, none of a function passed down, 100 columns"
+    exit bad
+  }'

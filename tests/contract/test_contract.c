@@ -1,0 +1,295 @@
+/*
+ * test_contract.c: what every method owes, by whichever door it is called: its own functions, or
+ * dls_solver with each method of the library's table. A method that joins the table is tested here
+ * without an edit.
+ *
+ * A loop test counts doors first: _i = door * cases + case.
+ */
+#include <check.h>
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <string.h>
+
+#include "cases.h"
+#include "doors.h"
+#include "run.h"
+
+/* settings of any door */
+typedef union any_settings {
+  char bytes[256];
+  double alignment;
+  void *pointer;
+} any_settings;
+
+static any_settings settings_for(const tested_solver *s, double tol, int warm_start) {
+  any_settings settings;
+  ck_assert(s->settings_size <= sizeof settings);
+  s->init(s, &settings, tol > s->tol ? tol : s->tol, warm_start);
+  return settings;
+}
+
+/* Solves a problem from r as a start, or from nothing. */
+static dls_status solve_from(const tested_solver *s, const dls_contact *p, double tol,
+                             int warm_start, double *r, dls_info *info) {
+  const any_settings settings = settings_for(s, tol, warm_start);
+  return run_with(s, p, &settings, tol > s->tol ? tol : s->tol, r, NULL, info);
+}
+
+/* ---- answers --------------------------------------------------------------------------------- */
+
+/* The few problems of cases.c that a method is known not to solve; its own tests say more. */
+static int is_beyond(dls_method method, const char *name) {
+  static const struct {
+    dls_method method;
+    const char *name;
+  } known[] = {{DLS_NLGS, "C11"}, {DLS_NLGS, "C13"}, {DLS_NEWTON, "C13"}, {DLS_NEWTON, "C14"}};
+  for (size_t k = 0; k < sizeof known / sizeof known[0]; k++)
+    if (known[k].method == method && strcmp(known[k].name, name) == 0) return 1;
+  return 0;
+}
+
+START_TEST(by_hand) {
+  const tested_solver s = door(_i / hand_count);
+  const hand_case *k = &hand[_i % hand_count];
+  static model a;
+  set_hand(&a, k);
+  const int m = k->d * k->nc;
+  double r[4];
+  dls_info info;
+  const dls_status status = solve_from(&s, &a.p, 1e-14, 0, r, &info);
+  if (s.tol > 0) return; /* run_in has compared what it says with the certificate */
+  if (is_beyond(s.method, k->name)) {
+    ck_assert_int_ne(status, DLS_OK);
+    return;
+  }
+  ck_assert_msg(status == DLS_OK, "%s, %s: %d, %g", s.name, k->name, (int)status,
+                info.certificate.residual);
+  if (strcmp(k->name, "C16") == 0) return; /* three solutions */
+  for (int i = 0; i < m; i++)
+    ck_assert_msg(fabs(r[i] - k->r[i]) <= 1e-12 * fmax(1, norm_of(k->r, m)), "%s: r[%d] = %.17g",
+                  k->name, i, r[i]);
+}
+END_TEST
+
+/* Of all reactions that hold a hyperstatic problem, only the sum is known. */
+START_TEST(hyperstatic) {
+  const tested_solver s = door(_i);
+  static model a;
+  set_hand(&a, &hyperstatic_case);
+  double r[4];
+  dls_info info;
+  ck_assert_int_eq(solve_from(&s, &a.p, 1e-13, 0, r, &info), DLS_OK);
+  const double close = s.tol > 0 ? 1e-5 : 1e-12;
+  ck_assert(fabs(r[0] + r[2] - 1) <= close && fabs(r[1] + r[3] + .25) <= close);
+}
+END_TEST
+
+/* C1 has three solutions: from each of them nothing is done. */
+START_TEST(a_solution_stays) {
+  const tested_solver s = door(_i);
+  static const double start[3][2] = {{0, 0}, {2, -3}, {1, -2}};
+  static model a;
+  if (s.restarts) return;
+  set_hand(&a, &ambiguous_case);
+  for (int k = 0; k < 3; k++) {
+    double r[2] = {start[k][0], start[k][1]};
+    dls_info info;
+    ck_assert_int_eq(solve_from(&s, &a.p, 1e-12, 1, r, &info), DLS_OK);
+    ck_assert(r[0] == start[k][0] && r[1] == start[k][1]);
+    ck_assert(info.iterations == 0 && info.sweeps == 0 && info.factorisations == 0);
+  }
+}
+END_TEST
+
+START_TEST(no_solution) {
+  const tested_solver s = door(_i / jammed_count);
+  const hand_case *k = &jammed[_i % jammed_count];
+  static model a;
+  set_hand(&a, k);
+  double r[4];
+  dls_info info;
+  const dls_status status = solve_from(&s, &a.p, 1e-8, 0, r, &info);
+  ck_assert_msg(status > 0, "%s, %s: %d", s.name, k->name, (int)status);
+  ck_assert(info.certificate.residual > 0.1 && isfinite(info.certificate.residual));
+}
+END_TEST
+
+/* From any start, off the cone too, and after any number of iterations the answer is not worse. */
+START_TEST(never_worse) {
+  const tested_solver s = door(_i / 30);
+  const int i = _i % 30;
+  static model a;
+  if (s.restarts) return;
+  double r[9];
+  set_seed(362436069 + (uint64_t)i);
+  if (i % 2) {
+    const hand_case *k = hand_named("C14");
+    set_hand(&a, k);
+    for (int e = 0; e < 4; e++)
+      r[e] = k->r[e] * (1 + 0.5 * uniform());
+  } else {
+    random_model(&a, 2 + i / 2 % 2, 3, 2);
+    for (int e = 0; e < 9; e++)
+      r[e] = uniform();
+  }
+  any_settings settings = settings_for(&s, 1e-14, 1);
+  s.limits(&settings)->max_iterations = 1 + i % 4;
+  dls_certificate before;
+  ck_assert_int_eq(dls_contact_certify(&a.p, r, NULL, &before, NULL), DLS_OK);
+  dls_info info;
+  (void)run_with(&s, &a.p, &settings, 1e-14, r, NULL, &info);
+  ck_assert(info.certificate.residual <= before.residual);
+}
+END_TEST
+
+START_TEST(start_that_overflows) {
+  const tested_solver s = door(_i);
+  static model a;
+  set_hand(&a, hand_named("stick"));
+  double r[2] = {1.7e308, 1.7e308};
+  dls_info info;
+  const dls_status status = solve_from(&s, &a.p, 1e-12, 1, r, &info);
+  ck_assert_int_eq(status, DLS_OK);
+  const double close = s.tol > 0 ? 1e-5 : 1e-11;
+  ck_assert(fabs(r[0] - 1) <= close && fabs(r[1] + .5) <= close);
+}
+END_TEST
+
+/* ---- random ---------------------------------------------------------------------------------- */
+
+START_TEST(random_problem) {
+  const tested_solver s = door(_i / 40);
+  expect_solved(&s, _i % 40);
+  expect_answer_of(&s, _i % 40, s.method == DLS_NLGS ? DLS_NEWTON : DLS_NLGS);
+}
+END_TEST
+
+START_TEST(units) {
+  const tested_solver s = door(_i / 12);
+  static model a;
+  numbered_model(&a, _i % 12);
+  /* powers of ten round: below 1e-8 that decides now and then which columns Anderson drops */
+  for (int two = 0; two < 2; two++) {
+    const double tol = two ? 1e-10 : 1e-8;
+    const any_settings settings = settings_for(&s, tol, 0);
+    expect_any_units(&s, &a, &settings, s.tol > 0 ? s.tol : tol, two);
+  }
+}
+END_TEST
+
+START_TEST(turned_tangents) {
+  const tested_solver s = door(_i / 10);
+  expect_any_tangents(&s, _i % 10);
+}
+END_TEST
+
+START_TEST(tolerance_zero) {
+  const tested_solver s = door(_i / 20);
+  if (s.tol > 0 || s.method == DLS_ADMM)
+    return; /* near the floor ADMM is left by luck: test_admm */
+  expect_floor(&s, _i % 20);
+}
+END_TEST
+
+START_TEST(smaller_problem) {
+  const tested_solver s = door(_i);
+  static model a, b;
+  numbered_model(&a, 39);
+  numbered_model(&b, 11);
+  expect_reuse(&s, &a, &b);
+}
+END_TEST
+
+/* ---- stopping -------------------------------------------------------------------------------- */
+
+/* Cancelled at the first or second call, or after two iterations: the status says so unless all is
+ * solved by then, and the answer is the best of what was reported. */
+START_TEST(stopped_early) {
+  const tested_solver s = door(_i / 3);
+  const int cancel_at = _i % 3;
+  static model a;
+  set_seed(521288629);
+  random_model(&a, 3, 20, 0.6);
+  any_settings settings = settings_for(&s, 1e-14, 0);
+  watch w = {NULL, 0, INFINITY, 0, cancel_at};
+  dls_limits *limits = s.limits(&settings);
+  limits->progress = look;
+  limits->progress_data = &w;
+  if (!cancel_at) limits->max_iterations = 2;
+  double r[most];
+  dls_info info;
+  const dls_status status = run_with(&s, &a.p, &settings, fmax(s.tol, 1e-14), r, NULL, &info);
+  if (cancel_at && w.calls == cancel_at)
+    ck_assert(status == DLS_CANCELLED || (s.tol > 0 && status == DLS_OK));
+  else
+    ck_assert(status == DLS_OK || (!cancel_at && status == DLS_MAX_ITERATIONS));
+  ck_assert(!cancel_at || w.calls <= cancel_at);
+  ck_assert_int_ge(w.calls, 1);
+  ck_assert(isfinite(info.certificate.residual));
+  ck_assert(info.certificate.residual <= w.least * (1 + 1e-12) + 1e-12);
+}
+END_TEST
+
+/* ---- memory ---------------------------------------------------------------------------------- */
+
+/* Doubles of a workspace for a dense W, the terms of m^2. Lemke's method has the LCP and its table,
+ * each of n^2, n the size of the LCP: 4 nc in 2D and 10 nc in 3D with 8 facets; auto has them up to
+ * a limit. */
+static double matrices(dls_method method, int d, int nc, int *pivots) {
+  const double m = d * nc, n = (d == 2 ? 4 : 10) * nc;
+  const int few = nc <= (d == 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D);
+  *pivots = method == DLS_LEMKE || (method == DLS_AUTO && few);
+  return (method == DLS_NLGS || method == DLS_LEMKE ? 0 : m * m) + (*pivots ? 2 * n * n : 0);
+}
+
+/* The order of memory: besides matrices O(m), 160 m doubles or 700 n for a table's pending pivots.
+ * A second matrix would be seen. Each malloc may fail. */
+START_TEST(memory) {
+  const tested_solver s = door(_i);
+  for (int d = 2; d <= 3; d++)
+    for (int nc = 60; nc <= 180; nc += 60) {
+      int pivots;
+      const any_settings settings = settings_for(&s, 1e-8, 0);
+      const double doubles = matrices(s.method, d, nc, &pivots);
+      const double vectors = 160 * d * nc + (pivots ? 700 * (d == 2 ? 4 : 10) * nc : 0);
+      expect_memory(&s, d, nc, &settings, sizeof(double) * doubles,
+                    sizeof(double) * vectors + 16384);
+    }
+}
+END_TEST
+
+/* ---- bad input ------------------------------------------------------------------------------- */
+
+START_TEST(bad_create) {
+  const tested_solver s = door(_i);
+  expect_bad_create(&s);
+}
+END_TEST
+
+START_TEST(bad_solve) {
+  const tested_solver s = door(_i);
+  expect_bad_solve(&s);
+}
+END_TEST
+
+START_TEST(defaults_without_a_place) {
+  dls_nlgs_settings_init(NULL);
+  dls_newton_settings_init(NULL);
+  dls_admm_settings_init(NULL);
+  dls_augmented_settings_init(NULL);
+  dls_solver_settings_init(NULL);
+}
+END_TEST
+
+int main(void) {
+  const int doors = direct_doors + method_count();
+  return RUN("contract", NULL, NULL, EACH(by_hand, 0, doors * hand_count),
+             EACH(hyperstatic, 0, doors), EACH(a_solution_stays, 0, doors),
+             EACH(no_solution, 0, doors * jammed_count), EACH(never_worse, 0, doors * 30),
+             EACH(start_that_overflows, 0, doors), EACH(random_problem, 0, doors * 40),
+             EACH(units, 0, doors * 12), EACH(turned_tangents, 0, doors * 10),
+             EACH(tolerance_zero, 0, doors * 20), EACH(smaller_problem, 0, doors),
+             EACH(stopped_early, 0, doors * 3), EACH(memory, 0, doors), EACH(bad_create, 0, doors),
+             EACH(bad_solve, 0, doors), ONCE(defaults_without_a_place));
+}
