@@ -508,7 +508,7 @@ static void homotopy_carve(void *homotopy_work, dlsi_arena *arena) {
   work->pivot = dlsi_take(arena, m, sizeof *work->pivot);
   work->eta = dlsi_take(arena, nc, D);
   dlsi_take_vectors(arena, m, (int)(sizeof vectors / sizeof vectors[0]), vectors);
-  dlsi_iterate_carve(&work->it, arena, work->d, work->nc);
+  dlsi_iterate_carve(&work->it, arena, work->d, work->nc, &work->limits);
 }
 
 static void homotopy_destroy(void *homotopy_work) {
