@@ -20,7 +20,9 @@ const char *const rule_text[RULES] = {"kept",
                                       "solved, and the forces do not hold",
                                       "not solved, and the answer holds",
                                       "no solution, and another run has one",
-                                      "powers of two change the answer",
+                                      "powers of four change the answer",
+                                      "odd powers of two change the answer",
+                                      "odd powers of two change the verdict",
                                       "the order of candidates changes the verdict",
                                       "no solution, without an exact proof"};
 
@@ -78,9 +80,11 @@ static rule judge_alone(const problem *p, const run *how, const outcome *o, cons
 static rule judge_pair(const problem *p, const run *one, const outcome *a, const run *two,
                        const outcome *b) {
   const int scaled = one->power_W != two->power_W || one->power_q != two->power_q;
+  const int odd = (two->power_W - one->power_W) % 2 != 0;
+  if (scaled && odd && (a->status == DLS_OK) != (b->status == DLS_OK)) return UNITS;
   if (scaled && (a->status != b->status ||
                  (a->status >= 0 && memcmp(a->r, b->r, (size_t)p->m * sizeof *a->r) != 0)))
-    return BITS;
+    return odd ? ODD_BITS : BITS;
   if (one->shuffle != two->shuffle && (a->status == DLS_OK) != (b->status == DLS_OK)) return ORDER;
   if (a->status == DLS_NO_SOLUTION && !a->proof && b->holds) return CONTRADICTION;
   if (b->status == DLS_NO_SOLUTION && !b->proof && a->holds) return CONTRADICTION;

@@ -16,7 +16,9 @@ typedef enum rule {
   NOT_HELD_R,    /* 2: DLS_OK, and the residual of forces does not hold */
   UNSEEN,        /* 3: not DLS_OK, and the answer holds, or its residual is 0 */
   CONTRADICTION, /* 4: one run claims that there is no solution, another one has an answer that holds */
-  BITS,          /* 5: powers of two change a bit of r, or the status */
+  BITS,          /* 5: powers of four of W, of two of q change a bit of r, or the status */
+  ODD_BITS,      /* 5: the same of an odd power of two of W, whose square root is rounded */
+  UNITS,         /* 5: such an odd power changes the verdict, solved or not */
   ORDER,         /* 6: another order of the candidates is solved, this one not, or the reverse */
   NO_PROOF,      /* 7: DLS_NO_SOLUTION without a proof that is exact */
   RULES

@@ -334,20 +334,48 @@ static void draw_scales(dice *g, const recipe *of, problem *p) {
 
 /* ---- q --------------------------------------------------------------------------------------- */
 
-void plant_q(problem *p, int law_is_exact) {
-  p->exact = law_is_exact;
+/* Returns the sign of a b - c d without rounding. */
+static int sign_of(double a, double b, double c, double d) {
+  exact sum;
+  exact_clear(&sum);
+  exact_add(&sum, a, b, 1);
+  exact_add(&sum, c, -d, 1);
+  return exact_sign(&sum);
+}
+
+/* Returns 1 if u and r of candidate c meet the law without rounding. */
+static int law_holds(const problem *p, int c) {
+  const double *r = p->r + p->d * c, *u = p->u + p->d * c, most = p->mu[c] * r[0];
+  const double rs = p->d == 3 ? r[2] : 0, us = p->d == 3 ? u[2] : 0;
+  exact edge; /* (mu r_n)^2 - |r_t|^2 */
+  if (!(u[0] >= 0 && r[0] >= 0 && (u[0] == 0 || r[0] == 0))) return 0;
+  if (sign_of(p->mu[c], r[0], most, 1) != 0) return 0;
+  exact_clear(&edge);
+  exact_add(&edge, most, most, 1);
+  exact_add(&edge, r[1], -r[1], 1);
+  exact_add(&edge, rs, -rs, 1);
+  const int inside = exact_sign(&edge);
+  if (inside < 0 || (inside > 0 && (u[1] != 0 || us != 0))) return 0;
+  if (u[1] == 0 && us == 0) return 1;
+  return sign_of(u[1], rs, us, r[1]) == 0 && sign_of(u[1], r[1], us, -rs) <= 0;
+}
+
+void plant_q(problem *p) {
+  p->exact = 1;
   for (int i = 0; i < p->m; i++) {
     long double sum = p->u[i];
     for (int j = 0; j < p->m; j++)
       sum -= (long double)p->W[i + j * p->m] * p->r[j];
     p->q[i] = (double)sum;
-    exact whole;
-    exact_clear(&whole);
-    exact_add(&whole, p->u[i], 1, 1);
-    exact_add(&whole, p->q[i], -1, 1);
+  }
+  for (int i = 0; p->exact && i < p->m; i++) {
+    exact sum;
+    exact_clear(&sum);
+    exact_add(&sum, p->u[i], 1, 1);
+    exact_add(&sum, p->q[i], -1, 1);
     for (int j = 0; j < p->m; j++)
-      exact_add(&whole, p->W[i + j * p->m], -p->r[j], 1);
-    if (exact_sign(&whole) != 0) p->exact = 0;
+      exact_add(&sum, p->W[i + j * p->m], -p->r[j], 1);
+    p->exact = exact_sign(&sum) == 0 && law_holds(p, i / p->d);
   }
 }
 
@@ -355,7 +383,7 @@ void plant_q(problem *p, int law_is_exact) {
 static void draw_border(dice *g, const recipe *of, problem *p) {
   const int way = dice_below(g, 3);
   double most = 0;
-  plant_q(p, 0);
+  plant_q(p);
   p->exact = 0;
   for (int i = 0; i < p->m; i++)
     most = fmax(most, fabs(p->q[i]));
@@ -387,6 +415,6 @@ void generate(int class, uint64_t seed, problem *p) {
   if (of->kind != UNSOLVABLE) plant_answer(&g, of, p);
   draw_matrix(&g, of, p);
   draw_scales(&g, of, p);
-  if (of->kind == SOLVABLE) plant_q(p, of->bits > 0);
+  if (of->kind == SOLVABLE) plant_q(p);
   if (of->kind == BORDERLINE) draw_border(&g, of, p);
 }

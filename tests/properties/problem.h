@@ -47,8 +47,9 @@ extern const char *const class_name[CLASSES];
 /* *p := the problem of this class and seed; the same bits at every call. */
 void generate(int class, uint64_t seed, problem *p);
 
-/* SOLVABLE: q := u - W r in long double, rounded once; sets p->exact to 0 where that rounds. */
-void plant_q(problem *p, int law_is_exact);
+/* SOLVABLE: q := u - W r in long double, rounded once; p->exact := 1 if that and the law hold without
+ * rounding, else 0. */
+void plant_q(problem *p);
 
 /* ---- judges ---------------------------------------------------------------------------------- */
 

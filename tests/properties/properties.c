@@ -17,7 +17,7 @@
 
 #include "check.h"
 
-enum { saved_most = 3, text_size = 400 };
+enum { saved_most = 3 /* of a class and rule */, saved_rule = 15, text_size = 400 };
 
 /* Of the symmetric solvable problems at most this share may stay unsolved by auto, besides chance. */
 static const double unsolved_share = 1e-4;
@@ -91,7 +91,7 @@ static int read_command(int count, char **words, command *to) {
 static int save(const command *of, problem *p, int class, uint64_t seed, const finding *found) {
   static const char *const word[RULES] = {"",      "refused",  "likely", "proved",
                                           "held",  "forces",   "unseen", "contradiction",
-                                          "bits",  "order",    "no-proof"};
+                                          "bits",  "odd-bits", "units", "order", "no-proof"};
   char path[text_size], title[text_size], source[text_size];
   snprintf(path, sizeof path, "%s/%s-%s-%llu.txt", of->out, word[found->rule], class_name[class],
            (unsigned long long)seed);
@@ -124,7 +124,7 @@ static void print_tables(const tally *t) {
          "stalled, likely, proved: auto of all problems; forces: worst residual_r of a solved one\n");
   printf("\n%-20s", "rules broken");
   static const char *const head[RULES] = {"",       "error",  "likely", "proved", "hold u", "hold r",
-                                          "unseen", "contra", "bits",   "order",  "no proof"};
+                                          "unseen", "contra", "bits", "odd bits", "units", "order", "no proof"};
   for (int k = 1; k < RULES; k++)
     printf("%9s", head[k]);
   printf("%9s%9s\n", "(both)", "(doubt)");
@@ -179,6 +179,7 @@ static void count_verdict(tally *t, const problem *p, const verdict *v) {
 
 int main(int count, char **words) {
   static tally all[CLASSES];
+  static long saved[RULES];
   static problem p, small;
   static verdict v;
   command of = {.seed = 1, .count = 2000, .class = -1, .ask = {1e-8, 0}, .out = "build/properties"};
@@ -200,7 +201,8 @@ int main(int count, char **words) {
     count_verdict(&all[class], &p, &v);
     runs += v.runs;
     for (int k = 0; k < v.findings; k++) {
-      if (all[class].broken[v.finding[k].rule] > saved_most) continue;
+      const rule broken = v.finding[k].rule;
+      if (all[class].broken[broken] > saved_most || saved[broken]++ >= saved_rule) continue;
       small = p;
       written &= save(&of, &small, class, seed, &v.finding[k]);
     }

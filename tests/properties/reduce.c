@@ -59,7 +59,7 @@ static int is_semidefinite(const problem *p) {
 static int reducer_keep(reducer *r) {
   if (reducer_clock() > r->until) return 0;
   problem *t = r->trial;
-  if (t->kind == SOLVABLE) plant_q(t, t->exact);
+  if (t->kind == SOLVABLE) plant_q(t);
   const int good = (!t->symmetric || is_semidefinite(t)) && finding_stands(t, r->found, r->ask);
   *(good ? r->p : t) = *(good ? t : r->p);
   return good;
@@ -116,22 +116,29 @@ static double rounded(double x, int digits) {
   return strtod(text, NULL);
 }
 
-/* All numbers to fewer digits; a planted slip keeps r_t on the cone (d = 2; d = 3 keeps its r). */
-static int reduce_digits(reducer *r, int digits) {
+/* W to fewer digits */
+static int reduce_matrix(reducer *r, int digits) {
+  for (int k = 0; k < r->p->m * r->p->m; k++)
+    r->trial->W[k] = rounded(r->trial->W[k], digits);
+  return reducer_keep(r);
+}
+
+/* The other numbers to fewer digits; a planted slip keeps r_t on the cone (d = 3 keeps r, u and mu). */
+static int reduce_vectors(reducer *r, int digits) {
   problem *t = r->trial;
-  for (int k = 0; k < t->m * t->m; k++)
-    t->W[k] = rounded(t->W[k], digits);
   for (int c = 0; c < t->nc; c++) {
-    double *push = t->r + t->d * c, *u = t->u + t->d * c;
-    const int edge = t->d == 2 && fabs(push[1]) == t->mu[c] * push[0];
-    if (t->d == 2) t->mu[c] = rounded(t->mu[c], digits);
-    for (int k = 0; k < t->d; k++) {
+    double *push = t->r + t->d * c, *u = t->u + t->d * c, most = t->mu[c] * push[0];
+    const int edge = t->d == 2 && fabs(push[1]) >= most;
+    for (int k = 0; k < t->d; k++)
       t->q[t->d * c + k] = rounded(t->q[t->d * c + k], digits);
-      if (t->d == 2) push[k] = rounded(push[k], digits);
-      if (t->d == 2) u[k] = rounded(u[k], digits);
+    if (t->d == 3) continue;
+    t->mu[c] = rounded(t->mu[c], digits);
+    for (int k = 0; k < 2; k++) {
+      push[k] = rounded(push[k], digits);
+      u[k] = rounded(u[k], digits);
     }
-    if (edge) push[1] = copysign(t->mu[c] * push[0], push[1]);
-    if (!edge && t->d == 2 && fabs(push[1]) > t->mu[c] * push[0]) push[1] = 0;
+    most = t->mu[c] * push[0];
+    if (edge || fabs(push[1]) > most) push[1] = copysign(most, push[1]);
   }
   return reducer_keep(r);
 }
@@ -146,7 +153,9 @@ void reduce_problem(problem *p, const finding *found, const options *ask, double
   }
   reduce_entries(&r);
   for (int digits = 1; digits < 12; digits += digits < 4 ? 1 : 2)
-    if (reduce_digits(&r, digits)) break;
+    if (reduce_matrix(&r, digits)) break;
+  for (int digits = 1; digits < 12; digits += digits < 4 ? 1 : 2)
+    if (reduce_vectors(&r, digits)) break;
   reduce_entries(&r);
 }
 
@@ -187,10 +196,11 @@ int write_problem(const char *path, const problem *p, const finding *found, cons
   if (p->kind == SOLVABLE)
     fprintf(out, "# planted%s; there may be others\n", p->exact ? ", exact" : " to rounding");
   if (p->kind == SOLVABLE) write_numbers(out, "solution", p->r, p->m, 1);
-  if (p->kind == BORDERLINE) fprintf(out, "# not known: the line none, or the solutions\n");
-  if (p->kind == UNSOLVABLE) {
+  if (p->kind == UNSOLVABLE && farkas_holds(p, p->y)) {
     write_numbers(out, "# proof:", p->y, p->nc, 1);
     fprintf(out, "none\n");
+  } else if (p->kind != SOLVABLE) {
+    fprintf(out, "# not known: the line none, or the solutions\n");
   }
   return fclose(out) == 0;
 }
