@@ -67,17 +67,25 @@ static rule judge_alone(const problem *p, const run *how, const outcome *o, cons
     abort();
   }
   if (o->status == DLS_NO_SOLUTION_LIKELY && visible) return LIKELY;
-  if (o->lcp_wrong) return NOT_HELD;
+  if (how->rows && o->status == DLS_OK && !o->lcp_holds) return NOT_HELD;
   if (o->status == DLS_OK && !how->rows && !is_within(&o->is, how->tol, 0)) return NOT_HELD;
   if (o->status == DLS_OK && !how->rows && ask->forces && !is_within(&o->is, how->tol, 1))
     return NOT_HELD_R;
   const int gave_up = o->status == DLS_STALLED || o->status == DLS_NO_SOLUTION_LIKELY;
-  if (gave_up && !how->rows && (o->holds || o->residual == 0)) return UNSEEN;
+  const int held = how->rows ? o->lcp_holds : o->holds || o->residual == 0;
+  if (gave_up && held) return UNSEEN;
   return KEPT;
 }
 
-/* The rule that two outcomes break together. */
-static rule judge_pair(const problem *p, const run *one, const outcome *a, const run *two,
+/* Returns CONTRADICTION if one outcome denies, without an exact proof, what the other one has. */
+static rule judge_claims(const outcome *a, const outcome *b) {
+  const int denied = a->holds && b->status == DLS_NO_SOLUTION && !b->proof;
+  const int denies = b->holds && a->status == DLS_NO_SOLUTION && !a->proof;
+  return denied || denies ? CONTRADICTION : KEPT;
+}
+
+/* The rule that a run and the one it is a copy of, but for scales or order, break together. */
+static rule judge_copy(const problem *p, const run *one, const outcome *a, const run *two,
                        const outcome *b) {
   const int scaled = one->power_W != two->power_W || one->power_q != two->power_q;
   const int odd = (two->power_W - one->power_W) % 2 != 0;
@@ -86,8 +94,6 @@ static rule judge_pair(const problem *p, const run *one, const outcome *a, const
                  (a->status >= 0 && memcmp(a->r, b->r, (size_t)p->m * sizeof *a->r) != 0)))
     return odd ? ODD_BITS : BITS;
   if (one->shuffle != two->shuffle && (a->status == DLS_OK) != (b->status == DLS_OK)) return ORDER;
-  if (a->status == DLS_NO_SOLUTION && !a->proof && b->holds) return CONTRADICTION;
-  if (b->status == DLS_NO_SOLUTION && !b->proof && a->holds) return CONTRADICTION;
   return KEPT;
 }
 
@@ -167,15 +173,13 @@ static void compare_all(const problem *p, const plan *all, const outcome *o, ver
     const int with = all->against[k];
     if (o[k].holds) held = 1, who = k;
     if (with >= 0)
-      note(v, judge_pair(p, &all->run[with], &o[with], &all->run[k], &o[k]), 1, &all->run[with],
+      note(v, judge_copy(p, &all->run[with], &o[with], &all->run[k], &o[k]), 1, &all->run[with],
            &all->run[k]);
     likely |= o[k].status == DLS_NO_SOLUTION_LIKELY;
     proved |= o[k].status == DLS_NO_SOLUTION && o[k].proof;
   }
   for (int k = 0; held && k < all->count; k++)
-    if (o[k].status == DLS_NO_SOLUTION && !v->visible)
-      note(v, judge_pair(p, &all->run[who], &o[who], &all->run[k], &o[k]), 1, &all->run[who],
-           &all->run[k]);
+    if (!v->visible) note(v, judge_claims(&o[who], &o[k]), 1, &all->run[who], &all->run[k]);
   v->both_true = proved && (held || v->visible);
   v->doubtful = likely && held && !v->visible;
 }
@@ -210,6 +214,7 @@ int finding_stands(const problem *p, const finding *found, const options *ask) {
   solve_run(p, &found->first, NULL, &a);
   if (!found->pair) return judge_alone(p, &found->first, &a, ask) == found->rule;
   solve_run(p, &found->second, &a, &b);
+  if (found->rule == CONTRADICTION) return judge_claims(&a, &b) == found->rule;
   return judge_alone(p, &found->second, &b, ask) == found->rule ||
-         judge_pair(p, &found->first, &a, &found->second, &b) == found->rule;
+         judge_copy(p, &found->first, &a, &found->second, &b) == found->rule;
 }

@@ -46,7 +46,7 @@ typedef struct outcome {
   double r[M_MAX]; /* in the problem's own order and unit */
   measure is;      /* of r, by measure_answer */
   int holds;       /* 1: r is a certified answer at the tolerance of the run, with a margin */
-  int lcp_wrong;   /* 1: an LCP said DLS_OK against its own certificate */
+  int lcp_holds;   /* an LCP's own certificate holds */
   int proof;       /* DLS_NO_SOLUTION: 1 exact, 0 not */
 } outcome;
 

@@ -150,8 +150,9 @@ static int conclude(const tally *t, double seconds, long runs) {
     lost += t[k].lost_symmetric;
     problems += t[k].problems;
   }
-  printf("\n%ld problems, %ld solves, %.0f s, %.0f problems a minute\n", problems, runs, seconds,
-         60 * (double)problems / seconds);
+  const double cpu = (double)clock() / CLOCKS_PER_SEC;
+  printf("\n%ld problems, %ld solves, %.0f s, %.0f s CPU: %.0f problems a minute of CPU\n", problems,
+         runs, seconds, cpu, 60 * (double)problems / cpu);
   for (int k = 1; k < RULES; k++) {
     if (!broken[k]) continue;
     printf("broken in %ld problems: %s\n", broken[k], rule_text[k]);

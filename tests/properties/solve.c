@@ -82,7 +82,7 @@ typedef struct lcp_room {
 } lcp_room;
 
 /* at->r := the reactions of Lemke's answer; y (nc): the normal part of its proof after DLS_NO_SOLUTION. */
-static dls_status solve_lcp(room *at, const run *how, int scaled, double *y, int *wrong) {
+static dls_status solve_lcp(room *at, const run *how, int scaled, double *y, int *holds) {
   lcp_room *l = must_have(sizeof *l);
   const dls_contact *contact = &at->contact;
   for (int c = 0; c < at->nc; c++) {
@@ -105,7 +105,7 @@ static dls_status solve_lcp(room *at, const run *how, int scaled, double *y, int
   if (status >= 0) {
     dls_lcp_certificate own;
     if (dls_lcp_certify(&lcp, l->z, NULL, &own, NULL)) abort();
-    *wrong = status == DLS_OK && !dls_lcp_certificate_holds(&own, how->tol);
+    *holds = dls_lcp_certificate_holds(&own, how->tol);
     if (how->rows == 3 ? dls_contact_from_lcp(contact, l->s, l->z, at->r, NULL)
                        : dls_contact_from_facets_lcp(contact, 2, l->s, l->z, at->r, NULL))
       abort();
@@ -123,7 +123,7 @@ static dls_status solve_lcp(room *at, const run *how, int scaled, double *y, int
 /* Returns 1 if one of the forms of the LCP gives a proof that is exact for the problem's numbers. */
 static int search_proof(const problem *p, const run *how, room *at) {
   double y[NC_MAX];
-  int wrong;
+  int holds;
   if (p->d != 2) return 0;
   for (int way = 0; way < 8; way++) {
     run lcp = *how;
@@ -132,7 +132,7 @@ static int search_proof(const problem *p, const run *how, room *at) {
     lcp.blocks = 0;
     memset(y, 0, sizeof y);
     room_fill(at, p, &lcp);
-    if (solve_lcp(at, &lcp, !(way & 2), y, &wrong) != DLS_NO_SOLUTION) continue;
+    if (solve_lcp(at, &lcp, !(way & 2), y, &holds) != DLS_NO_SOLUTION) continue;
     if (farkas_rounded(p, y)) return 1;
   }
   return 0;
@@ -168,7 +168,7 @@ void solve_run(const problem *p, const run *how, const outcome *before, outcome 
   room_fill(at, p, how);
   room_start(at, p, how, before);
   if (how->rows) {
-    out->status = solve_lcp(at, how, 1, y, &out->lcp_wrong);
+    out->status = solve_lcp(at, how, 1, y, &out->lcp_holds);
     out->residual = 1;
   } else {
     out->status = solve_contact(at, how, out);
