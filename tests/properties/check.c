@@ -32,7 +32,9 @@ void describe_run(const run *how, char *text) {
   const size_t at = (size_t)n;
   snprintf(text + at, 200 - at, ", tol %g%s%s%s%s", how->tol, how->blocks ? ", blocks" : "",
            how->front ? ", dls_solve" : "",
-           how->warm == 2 ? ", warm from the first" : how->warm ? ", warm" : "",
+           how->warm == 2 ? ", warm from the first"
+           : how->warm    ? ", warm"
+                          : "",
            how->shuffle ? ", shuffled" : "");
   const size_t end = strlen(text);
   if (how->power_W || how->power_q)
@@ -102,7 +104,8 @@ static rule judge_copy(const problem *p, const run *one, const outcome *a, const
 typedef struct plan {
   int count;
   run run[RUNS_MAX];
-  int against[RUNS_MAX]; /* the run that this one is compared with, bit by bit or in its verdict; -1 */
+  int against
+      [RUNS_MAX]; /* the run that this one is compared with, bit by bit or in its verdict; -1 */
 } plan;
 
 static run *plan_add(plan *all, int against) {

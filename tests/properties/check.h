@@ -9,12 +9,12 @@
 
 typedef enum rule {
   KEPT = 0,
-  REFUSED,       /* an error for a sound problem */
-  LIKELY,        /* 1: solvable, and the status is DLS_NO_SOLUTION_LIKELY */
-  PROVED,        /* 1: solvable, and the status is DLS_NO_SOLUTION */
-  NOT_HELD,      /* 2: DLS_OK, and the residual of positions does not hold */
-  NOT_HELD_R,    /* 2: DLS_OK, and the residual of forces does not hold */
-  UNSEEN,        /* 3: not DLS_OK, and the answer holds, or its residual is 0 */
+  REFUSED,    /* an error for a sound problem */
+  LIKELY,     /* 1: solvable, and the status is DLS_NO_SOLUTION_LIKELY */
+  PROVED,     /* 1: solvable, and the status is DLS_NO_SOLUTION */
+  NOT_HELD,   /* 2: DLS_OK, and the residual of positions does not hold */
+  NOT_HELD_R, /* 2: DLS_OK, and the residual of forces does not hold */
+  UNSEEN,     /* 3: not DLS_OK, and the answer holds, or its residual is 0 */
   CONTRADICTION, /* 4: one run claims that there is no solution, another one has an answer that holds */
   BITS,          /* 5: powers of four of W, of two of q change a bit of r, or the status */
   ODD_BITS,      /* 5: the same of an odd power of two of W, whose square root is rounded */
@@ -29,12 +29,12 @@ extern const char *const rule_text[RULES];
 /* One way to solve a problem. */
 typedef struct run {
   dls_method method;
-  int rows;         /* 0: the contact problem by `method`; 3, 4: Lemke on its LCP of so many rows (d = 2) */
-  int crash;        /* LCP: dls_lemke_settings.crash */
-  int blocks;       /* 1: W by blocks */
-  int front;        /* 1: dls_solve, not dls_solver_solve */
-  int warm;         /* 1: from reactions drawn by `seed`; 2: from the answer of the run before */
-  int shuffle;      /* 1: candidates in an order drawn by `seed` */
+  int rows; /* 0: the contact problem by `method`; 3, 4: Lemke on its LCP of so many rows (d = 2) */
+  int crash;   /* LCP: dls_lemke_settings.crash */
+  int blocks;  /* 1: W by blocks */
+  int front;   /* 1: dls_solve, not dls_solver_solve */
+  int warm;    /* 1: from reactions drawn by `seed`; 2: from the answer of the run before */
+  int shuffle; /* 1: candidates in an order drawn by `seed` */
   int power_W, power_q; /* W and q times two to this power */
   uint64_t seed;
   double tol;
@@ -64,13 +64,13 @@ typedef struct finding {
 
 /* What one problem brought. */
 typedef struct verdict {
-  int visible;      /* SOLVABLE, and rounding does not hide the planted answer */
-  int solved;       /* auto, cold, at the tolerance of the command line */
-  int solved_fine;  /* the same at a hundredth */
+  int visible;       /* SOLVABLE, and rounding does not hide the planted answer */
+  int solved;        /* auto, cold, at the tolerance of the command line */
+  int solved_fine;   /* the same at a hundredth */
   dls_status status; /* of the first of these */
   double forces;     /* residual_r of its answer if solved */
-  int both_true;    /* an exact proof beside an answer that holds to rounding */
-  int doubtful;     /* "likely" of a problem that is not planted, beside an answer that holds */
+  int both_true;     /* an exact proof beside an answer that holds to rounding */
+  int doubtful;      /* "likely" of a problem that is not planted, beside an answer that holds */
   int runs;
   int findings;
   finding finding[RULES];

@@ -94,9 +94,9 @@ static const recipe recipes[CLASSES] = {
 };
 
 const char *const class_name[CLASSES] = {
-    "integers",   "dyadic",  "definite", "rank",       "condition",          "chain",
+    "integers",   "dyadic",  "definite", "rank",        "condition",          "chain",
     "friction",   "scales",  "ratio",    "self-stress", "zero-blocks",        "slight",
-    "skew",       "product", "mixed",    "unsolvable", "unsolvable-rounded", "unsolvable-product",
+    "skew",       "product", "mixed",    "unsolvable",  "unsolvable-rounded", "unsolvable-product",
     "borderline", "random"};
 
 /* A number of the recipe's kind, of size 1 to 4. */
@@ -304,8 +304,8 @@ static void draw_matrix(dice *g, const recipe *of, problem *p) {
   if (way == NO_BLOCKS) shape_zero_blocks(g, p, &f);
   if (of->kind == UNSOLVABLE) shape_farkas(g, of, p, &f);
   memset(p->W, 0, sizeof p->W);
-  add_product(p, way == SKEW ? dice_power(g, -6, 0) : 1,
-              &f, p->symmetric && way != NO_BLOCKS ? f.B : f.C);
+  add_product(p, way == SKEW ? dice_power(g, -6, 0) : 1, &f,
+              p->symmetric && way != NO_BLOCKS ? f.B : f.C);
   const double part = way == SLIGHT ? dice_power(g, -12, -1) : way == SKEW ? 1 : 0;
   for (int j = 0; part > 0 && j < p->m; j++)
     for (int i = 0; i < j; i++) {
@@ -322,7 +322,8 @@ static void draw_scales(dice *g, const recipe *of, problem *p) {
     s[c] = draw_scale(g, of, of->scales / 2);
     p->y[c] /= s[c];
   }
-  const int forces = dice_below(g, 4) > 0; /* else W alone: reactions of one size on all candidates */
+  const int forces =
+      dice_below(g, 4) > 0; /* else W alone: reactions of one size on all candidates */
   for (int i = 0; i < p->m; i++) {
     for (int j = 0; j < p->m; j++)
       p->W[i + j * p->m] *= s[i / p->d] * s[j / p->d];
@@ -403,7 +404,7 @@ static int draw_candidates(dice *g) {
 
 void generate(int class, uint64_t seed, problem *p) {
   const recipe *of = &recipes[class];
-  dice g = {seed * 1000003u + (uint64_t)class * 7919u};
+  dice g = {seed * 1000003u + (uint64_t) class * 7919u};
   memset(p, 0, sizeof *p);
   (void)dice_bits(&g);
   p->kind = of->kind;

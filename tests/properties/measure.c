@@ -39,8 +39,9 @@ static void measure_candidate(int d, long double w, double mu, const double *r,
     x[k] = w * r[k] - u[k] - (k == 0 ? mu * ut : 0);
   for (int k = 1; k < d; k++)
     xt = hypotl(xt, x[k]);
-  long double normal = 1, tangent = 1; /* P(x) = (normal x_n, tangent x_t) or, on the edge, as below */
-  if (xt > mu * x[0]) {
+  long double normal = 1,
+              tangent = 1; /* P(x) = (normal x_n, tangent x_t) or, on the edge, as below */
+  if (x[0] < 0 || xt > mu * x[0]) {
     const long double edge = (x[0] + mu * xt) / (1 + (long double)mu * mu);
     if (edge > 0) {
       x[0] = edge;

@@ -18,13 +18,13 @@ typedef enum kind {
 typedef struct problem {
   int d, nc, m; /* m = d nc */
   kind kind;
-  int exact;                /* SOLVABLE: q = u - W r and the law hold without rounding */
-  int symmetric;            /* W is symmetric and positive semidefinite but for rounding */
-  double W[M_MAX * M_MAX];  /* m x m, column-major, leading dimension m */
-  double q[M_MAX];          /* m */
-  double mu[NC_MAX];        /* nc */
+  int exact;                 /* SOLVABLE: q = u - W r and the law hold without rounding */
+  int symmetric;             /* W is symmetric and positive semidefinite but for rounding */
+  double W[M_MAX * M_MAX];   /* m x m, column-major, leading dimension m */
+  double q[M_MAX];           /* m */
+  double mu[NC_MAX];         /* nc */
   double r[M_MAX], u[M_MAX]; /* SOLVABLE: m */
-  double y[NC_MAX];         /* UNSOLVABLE: nc */
+  double y[NC_MAX];          /* UNSOLVABLE: nc */
 } problem;
 
 /* ---- random numbers: splitmix64 -------------------------------------------------------------- */
@@ -34,10 +34,10 @@ typedef struct dice {
 } dice;
 
 uint64_t dice_bits(dice *g);
-int dice_below(dice *g, int n);                /* 0 .. n-1 */
+int dice_below(dice *g, int n);                   /* 0 .. n-1 */
 double dice_between(dice *g, double a, double b); /* uniform in [a, b) */
-double dice_normal(dice *g);                   /* mean 0, variance about 1 */
-double dice_power(dice *g, double a, double b);   /* 10 to the power of a uniform number in [a, b) */
+double dice_normal(dice *g);                      /* mean 0, variance about 1 */
+double dice_power(dice *g, double a, double b); /* 10 to the power of a uniform number in [a, b) */
 
 /* ---- classes --------------------------------------------------------------------------------- */
 

@@ -75,7 +75,7 @@ static int read_command(int count, char **words, command *to) {
     else if (!strcmp(key, "--out"))
       to->out = text;
     else if (!strcmp(key, "--class")) {
-      for (to->class = CLASSES - 1; to->class >= 0; to->class--)
+      for (to->class = CLASSES - 1; to->class >= 0; to->class --)
         if (!strcmp(class_name[to->class], text)) break;
       if (to->class < 0) return usage();
     } else
@@ -89,9 +89,9 @@ static int read_command(int count, char **words, command *to) {
 
 /* Makes the problem small and writes it to DIR/rule-class-seed.txt. */
 static int save(const command *of, problem *p, int class, uint64_t seed, const finding *found) {
-  static const char *const word[RULES] = {"",      "refused",  "likely", "proved",
-                                          "held",  "forces",   "unseen", "contradiction",
-                                          "bits",  "odd-bits", "units", "order", "no-proof"};
+  static const char *const word[RULES] = {
+      "",     "refused",  "likely", "proved", "held",    "forces", "unseen", "contradiction",
+      "bits", "odd-bits", "units",  "order",  "no-proof"};
   char path[text_size], title[text_size], source[text_size];
   snprintf(path, sizeof path, "%s/%s-%s-%llu.txt", of->out, word[found->rule], class_name[class],
            (unsigned long long)seed);
@@ -114,17 +114,20 @@ static void print_tables(const tally *t) {
          "stalled", "likely", "proved", "forces");
   for (int k = 0; k < CLASSES; k++) {
     if (!t[k].problems) continue;
-    const long other = t[k].problems - t[k].status[DLS_OK] -
-                       t[k].status[DLS_NO_SOLUTION_LIKELY] - t[k].status[DLS_NO_SOLUTION];
+    const long other = t[k].problems - t[k].status[DLS_OK] - t[k].status[DLS_NO_SOLUTION_LIKELY] -
+                       t[k].status[DLS_NO_SOLUTION];
     printf("%-20s%9ld%9ld%9ld%9ld%10ld%9ld%9ld%11.1e\n", class_name[k], t[k].problems, t[k].visible,
            t[k].solved, t[k].fine, other, t[k].status[DLS_NO_SOLUTION_LIKELY],
            t[k].status[DLS_NO_SOLUTION], t[k].forces);
   }
-  printf("solvable: planted, not hidden by rounding; solved, fine: of these by auto at tol and tol / 100;\n"
-         "stalled, likely, proved: auto of all problems; forces: worst residual_r of a solved one\n");
+  printf(
+      "solvable: planted, not hidden by rounding; solved, fine: of these by auto at tol and tol / "
+      "100;\n"
+      "stalled, likely, proved: auto of all problems; forces: worst residual_r of a solved one\n");
   printf("\n%-20s", "rules broken");
-  static const char *const head[RULES] = {"",       "error",  "likely", "proved", "hold u", "hold r",
-                                          "unseen", "contra", "bits", "odd bits", "units", "order", "no proof"};
+  static const char *const head[RULES] = {"",       "error",  "likely",  "proved", "hold u",
+                                          "hold r", "unseen", "contra",  "bits",   "odd bits",
+                                          "units",  "order",  "no proof"};
   for (int k = 1; k < RULES; k++)
     printf("%9s", head[k]);
   printf("%9s%9s\n", "(both)", "(doubt)");
@@ -136,7 +139,8 @@ static void print_tables(const tally *t) {
     printf("%9ld%9ld\n", t[k].both_true, t[k].doubtful);
   }
   printf("counted, not broken: (both) an exact proof beside an answer that holds to rounding;\n"
-         "(doubt) \"likely\" where another run has an answer that holds, the problem not being planted\n");
+         "(doubt) \"likely\" where another run has an answer that holds, the problem not being "
+         "planted\n");
 }
 
 /* Returns 1 if every rule was kept, and prints how many were not. */
@@ -151,8 +155,8 @@ static int conclude(const tally *t, double seconds, long runs) {
     problems += t[k].problems;
   }
   const double cpu = (double)clock() / CLOCKS_PER_SEC;
-  printf("\n%ld problems, %ld solves, %.0f s, %.0f s CPU: %.0f problems a minute of CPU\n", problems,
-         runs, seconds, cpu, 60 * (double)problems / cpu);
+  printf("\n%ld problems, %ld solves, %.0f s, %.0f s CPU: %.0f problems a minute of CPU\n",
+         problems, runs, seconds, cpu, 60 * (double)problems / cpu);
   for (int k = 1; k < RULES; k++) {
     if (!broken[k]) continue;
     printf("broken in %ld problems: %s\n", broken[k], rule_text[k]);

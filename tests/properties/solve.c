@@ -89,7 +89,8 @@ static dls_status solve_lcp(room *at, const run *how, int scaled, double *y, int
     const double *W = at->W + at->d * c * (at->m + 1), trace = W[0] + W[at->m + 1];
     l->s[c] = scaled && trace > 0 ? 1 / sqrt(trace / 2) : 1;
   }
-  const int n = how->rows == 3 ? dls_contact_lcp_size(contact) : dls_contact_facets_size(contact, 2);
+  const int n =
+      how->rows == 3 ? dls_contact_lcp_size(contact) : dls_contact_facets_size(contact, 2);
   dls_status status = how->rows == 3
                           ? dls_contact_to_lcp(contact, l->s, l->M, n, l->q, NULL)
                           : dls_contact_to_facets_lcp(contact, 2, l->s, l->M, n, l->q, NULL);
