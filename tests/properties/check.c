@@ -1,9 +1,10 @@
 /*
  * check.c: the runs of one problem, and the rules that their answers must keep.
  *
- * Every run is judged alone (rules 1, 2, 3, 7) and beside the runs of the same problem (4, 5, 6). A problem is
- * solved by auto at two tolerances always; storages, scales, orders, starts, single methods and the two forms of
- * the LCP take turns, drawn by the seed, so that a minute sees thousands of problems.
+ * Every run is judged alone (rules 1, 2, 3, 7) and beside the runs of the same problem (4, 5, 6).
+ * A problem is solved by auto at two tolerances always; storages, scales, orders, starts, single
+ * methods and the two forms of the LCP take turns, drawn by the seed, so that a minute sees
+ * thousands of problems.
  */
 #include <math.h>
 #include <stdio.h>
@@ -43,7 +44,8 @@ void describe_run(const run *how, char *text) {
 
 /* ---- rules ----------------------------------------------------------------------------------- */
 
-/* Returns 1 if the planted answer is certified with room to spare, so that rounding cannot hide it. */
+/* Returns 1 if the planted answer is certified with room to spare, so that rounding cannot hide
+ * it. */
 static int is_visible(const problem *p, double tol) {
   measure planted;
   if (p->kind != SOLVABLE) return 0;
@@ -51,8 +53,9 @@ static int is_visible(const problem *p, double tol) {
   return measure_holds(&planted, tol, 0.25, 1);
 }
 
-/* Returns 1 if an answer that the library certified is within its tolerance: positions, or forces. The sums of
- * the library are rounded: one floor and a thousandth are spared; the cap on the floor counts fourfold. */
+/* Returns 1 if an answer that the library certified is within its tolerance: positions, or
+ * forces. The sums of the library are rounded: one floor and a thousandth are spared; the cap on
+ * the floor counts fourfold. */
 static int is_within(const measure *a, double tol, int forces) {
   const double x = forces ? a->r : a->u, floor = forces ? a->floor_r : a->floor_u;
   const double bar = 4 * floor > tol ? 4 * floor : tol, cap = tol > 1e-8 ? tol : 1e-8;
@@ -161,7 +164,7 @@ static void plan_lcp(dice *g, const problem *p, plan *all) {
   }
 }
 
-static void note(verdict *v, rule broken, int pair, const run *first, const run *second) {
+static void note_finding(verdict *v, rule broken, int pair, const run *first, const run *second) {
   if (!broken) return;
   for (int k = 0; k < v->findings; k++)
     if (v->finding[k].rule == broken) return;
@@ -176,13 +179,13 @@ static void compare_all(const problem *p, const plan *all, const outcome *o, ver
     const int with = all->against[k];
     if (o[k].holds) held = 1, who = k;
     if (with >= 0)
-      note(v, judge_copy(p, &all->run[with], &o[with], &all->run[k], &o[k]), 1, &all->run[with],
-           &all->run[k]);
+      note_finding(v, judge_copy(p, &all->run[with], &o[with], &all->run[k], &o[k]), 1,
+                   &all->run[with], &all->run[k]);
     likely |= o[k].status == DLS_NO_SOLUTION_LIKELY;
     proved |= o[k].status == DLS_NO_SOLUTION && o[k].proof;
   }
   for (int k = 0; held && k < all->count; k++)
-    if (!v->visible) note(v, judge_claims(&o[who], &o[k]), 1, &all->run[who], &all->run[k]);
+    if (!v->visible) note_finding(v, judge_claims(&o[who], &o[k]), 1, &all->run[who], &all->run[k]);
   v->both_true = proved && (held || v->visible);
   v->doubtful = likely && held && !v->visible;
 }
@@ -200,9 +203,9 @@ void check_problem(const problem *p, uint64_t seed, const options *ask, verdict 
   for (int k = 0; k < all.count; k++) {
     solve_run(p, &all.run[k], &o[0], &o[k]);
     if (all.run[k].warm == 2)
-      note(v, judge_alone(p, &all.run[k], &o[k], ask), 1, &all.run[0], &all.run[k]);
+      note_finding(v, judge_alone(p, &all.run[k], &o[k], ask), 1, &all.run[0], &all.run[k]);
     else
-      note(v, judge_alone(p, &all.run[k], &o[k], ask), 0, &all.run[k], &all.run[k]);
+      note_finding(v, judge_alone(p, &all.run[k], &o[k], ask), 0, &all.run[k], &all.run[k]);
   }
   compare_all(p, &all, o, v);
   v->runs = all.count;

@@ -9,15 +9,15 @@
 
 typedef enum rule {
   KEPT = 0,
-  REFUSED,    /* an error for a sound problem */
-  LIKELY,     /* 1: solvable, and the status is DLS_NO_SOLUTION_LIKELY */
-  PROVED,     /* 1: solvable, and the status is DLS_NO_SOLUTION */
-  NOT_HELD,   /* 2: DLS_OK, and the residual of positions does not hold */
-  NOT_HELD_R, /* 2: DLS_OK, and the residual of forces does not hold */
-  UNSEEN,     /* 3: not DLS_OK, and the answer holds, or its residual is 0 */
-  CONTRADICTION, /* 4: one run claims that there is no solution, another one has an answer that holds */
+  REFUSED,       /* an error for a sound problem */
+  LIKELY,        /* 1: solvable, and the status is DLS_NO_SOLUTION_LIKELY */
+  PROVED,        /* 1: solvable, and the status is DLS_NO_SOLUTION */
+  NOT_HELD,      /* 2: DLS_OK, and the residual of positions does not hold */
+  NOT_HELD_R,    /* 2: DLS_OK, and the residual of forces does not hold */
+  UNSEEN,        /* 3: not DLS_OK, and the answer holds, or its residual is 0 */
+  CONTRADICTION, /* 4: one run denies a solution, another one has an answer that holds */
   BITS,          /* 5: powers of four of W, of two of q change a bit of r, or the status */
-  ODD_BITS,      /* 5: the same of an odd power of two of W, whose square root is rounded */
+  ODD_BITS,      /* 5: so does an odd power of two of W, whose square root is rounded */
   UNITS,         /* 5: such an odd power changes the verdict, solved or not */
   ORDER,         /* 6: another order of the candidates is solved, this one not, or the reverse */
   NO_PROOF,      /* 7: DLS_NO_SOLUTION without a proof that is exact */
@@ -92,6 +92,9 @@ void reduce_problem(problem *p, const finding *found, const options *ask, double
 /* Writes p in the format of data/failures. Returns 0 if the file cannot be written. */
 int write_problem(const char *path, const problem *p, const finding *found, const char *title,
                   const char *source);
+
+/* Seconds of a steady clock. */
+double wall_clock(void);
 
 /* "auto, tol 1e-08, blocks": in words for a report. text: 200. */
 void describe_run(const run *how, char *text);

@@ -1,9 +1,9 @@
 /*
  * exact.c: sums of products of doubles without rounding, and Farkas' proof checked by them.
  *
- * A double is an integer of 53 bits times a power of two, so a product of three is one of 159 bits times a
- * power of two between 2^-3378 and 2^2913. The sum is kept in fixed point as limbs of 32 bits in integers of
- * 64: 2^31 products can be added before the carries must be passed on.
+ * A double is an integer of 53 bits times a power of two, so a product of three is one of 159
+ * bits times a power of two between 2^-3378 and 2^2913. The sum is kept in fixed point as limbs
+ * of 32 bits in integers of 64: 2^31 products can be added before the carries must be passed on.
  */
 #include <math.h>
 #include <string.h>

@@ -1,12 +1,15 @@
 /*
- * generate.c: contact problems whose answer, or whose lack of one, is known before a solver sees them.
+ * generate.c: contact problems whose answer, or whose lack of one, is known before a solver sees
+ * them.
  *
- *   SOLVABLE    states first (free, stick, slip, and the two edges: grazing, stick on the cone), then r and u that
- *               meet the law, then W, then q = u - W r
- *   UNSOLVABLE  y >= 0 on the normals with y' W_n = 0 and q_n.y < 0: y'(W r + q)_n < 0 whatever r is
+ *   SOLVABLE    states first (free, stick, slip, and the two edges: grazing, stick on the cone),
+ *               then r and u that meet the law, then W, then q = u - W r
+ *   UNSOLVABLE  y >= 0 on the normals with y' W_n = 0 and q_n.y < 0, so that y'(W r + q)_n < 0
+ *               whatever r is
  *   BORDERLINE  any q; or one of the two above, moved by a power of two of its size
  *
- * Classes with short numbers (whole numbers and few bits) are exact: rounding changes nothing of the statement.
+ * Classes with short numbers (whole numbers and few bits) are exact: rounding changes nothing of
+ * the statement.
  */
 #include <math.h>
 #include <string.h>
@@ -100,7 +103,7 @@ const char *const class_name[CLASSES] = {
     "borderline", "random"};
 
 /* A number of the recipe's kind, of size 1 to 4. */
-static double draw(dice *g, const recipe *of) {
+static double draw_number(dice *g, const recipe *of) {
   if (of->bits == 0) return dice_normal(g);
   if (of->bits == 1) return dice_below(g, 7) - 3;
   return (dice_below(g, 65) - 32) / 16.0;
@@ -114,7 +117,8 @@ static double draw_scale(dice *g, const recipe *of, double range) {
 
 /* ---- the answer ------------------------------------------------------------------------------ */
 
-/* unit (2) := a direction of the tangent plane; with short numbers whole multiples of 1 / *whole. */
+/* unit (2) := a direction of the tangent plane; with short numbers whole multiples of 1 / *whole.
+ * */
 static void draw_direction(dice *g, int d, int bits, double *unit, int *whole) {
   static const int triple[4][3] = {{3, 4, 5}, {5, 12, 13}, {1, 0, 1}, {0, 1, 1}};
   *whole = 1;
@@ -133,7 +137,8 @@ static void draw_direction(dice *g, int d, int bits, double *unit, int *whole) {
   unit[1] = sin(angle);
 }
 
-/* r and u of candidate c in state 0 free, 1 stick, 2 slip, 3 grazing (u = r = 0), 4 stick on the cone's edge. */
+/* r and u of candidate c in state 0 free, 1 stick, 2 slip, 3 grazing (u = r = 0), 4 stick on the
+ * cone's edge. */
 static void plant_candidate(dice *g, const recipe *of, problem *p, int c, int state, double ratio) {
   double *r = p->r + p->d * c, *u = p->u + p->d * c, unit[2], push = 1 + dice_below(g, 4);
   int whole;
@@ -146,7 +151,7 @@ static void plant_candidate(dice *g, const recipe *of, problem *p, int c, int st
   if (state == 0) {
     u[0] = ratio * slide;
     for (int k = 1; k < p->d; k++)
-      u[k] = ratio * draw(g, of);
+      u[k] = ratio * draw_number(g, of);
     return;
   }
   if (state == 3) return;
@@ -199,7 +204,7 @@ static void add_product(problem *p, double weight, const factor *f, const double
 
 static void draw_factor(dice *g, const recipe *of, const problem *p, double *B, int columns) {
   for (int k = 0; k < columns * p->m; k++)
-    B[k] = draw(g, of);
+    B[k] = draw_number(g, of);
 }
 
 /* Columns of B := orthonormal, times the roots of 1 down to the inverse condition number. */
@@ -277,7 +282,7 @@ static void shape_farkas(dice *g, const recipe *of, problem *p, factor *f) {
   }
   double dot = 0;
   for (int i = 0; i < p->m; i++)
-    p->q[i] = 4 * draw(g, of);
+    p->q[i] = 4 * draw_number(g, of);
   for (int c = 0; c < p->nc; c++)
     if (c != last) dot += p->y[c] * p->q[p->d * c];
   p->q[p->d * last] = -dot - (of->bits ? 1 + dice_below(g, 8) : dice_power(g, -3, 1));
@@ -315,7 +320,8 @@ static void draw_matrix(dice *g, const recipe *of, problem *p) {
     }
 }
 
-/* Gives each candidate a unit of its own: W_ij s_i s_j, u_i s_i (q of an unsolvable one too), r_i / s_i. */
+/* Gives each candidate a unit of its own: W_ij s_i s_j, u_i s_i (q of an unsolvable one too), r_i
+ * / s_i. */
 static void draw_scales(dice *g, const recipe *of, problem *p) {
   double s[NC_MAX];
   for (int c = 0; c < p->nc; c++) {
@@ -390,8 +396,8 @@ static void draw_border(dice *g, const recipe *of, problem *p) {
     most = fmax(most, fabs(p->q[i]));
   const double far = ldexp(most, -10 - dice_below(g, 50));
   for (int i = 0; i < p->m; i++) {
-    if (way == 0) p->q[i] += far * draw(g, of);
-    if (way == 1) p->q[i] = 4 * draw(g, of);
+    if (way == 0) p->q[i] += far * draw_number(g, of);
+    if (way == 1) p->q[i] = 4 * draw_number(g, of);
     if (way == 2 && i % p->d == 0) p->q[i] -= far;
   }
 }

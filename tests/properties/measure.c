@@ -1,12 +1,13 @@
 /*
- * measure.c: the certificate of DESIGN.md in long double, written from its formulas and not from the library.
+ * measure.c: the certificate of DESIGN.md in long double, written from its formulas and not from
+ * the library.
  *
- *   F_c = w_c r_c - P( w_c r_c - (u_c + mu_c |u_tc| n) ),    u = W r + q,    P projects on |r_t| <= mu r_n
- *   positions  sqrt( sum |F_c|^2 ) / |q|          forces  sqrt( sum |F_c / w_c|^2 ) / |r|
+ *   F_c = w_c r_c - P( w_c r_c - (u_c + mu_c |u_tc| n) ),   u = W r + q
+ *   positions  sqrt( sum |F_c|^2 ) / |q|,   forces  sqrt( sum |F_c / w_c|^2 ) / |r|
  *
- * w_c = trace(W_cc) / d; where that is not positive, the mean of the positive ones, or the largest entry of the
- * diagonal blocks where there is none. Rounding a = |W||r| +
- * |q| + w |r| by entries gives the floors eps |a| / |q| and eps |a / w| / |r|.
+ * P projects on the cone |r_t| <= mu r_n; w_c = trace(W_cc) / d; where that is not positive, the
+ * mean of the positive ones, or the largest entry of the diagonal blocks where there is none.
+ * Rounding a = |W||r| + |q| + w |r| by entries gives the floors eps |a| / |q|, eps |a / w| / |r|.
  */
 #include <float.h>
 #include <math.h>

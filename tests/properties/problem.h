@@ -1,6 +1,6 @@
 /*
- * problem.h: a contact problem with what its generator knows of it, the random numbers, and the three judges
- * that use nothing of the library: the residual, the exact sum, and Farkas' proof.
+ * problem.h: a contact problem with what its generator knows of it, the random numbers, and the
+ * three judges that use nothing of the library: the residual, the exact sum, and Farkas' proof.
  */
 #ifndef PROPERTIES_PROBLEM_H
 #define PROPERTIES_PROBLEM_H
@@ -47,8 +47,8 @@ extern const char *const class_name[CLASSES];
 /* *p := the problem of this class and seed; the same bits at every call. */
 void generate(int class, uint64_t seed, problem *p);
 
-/* SOLVABLE: q := u - W r in long double, rounded once; p->exact := 1 if that and the law hold without
- * rounding, else 0. */
+/* SOLVABLE: q := u - W r in long double, rounded once; p->exact := 1 if that and the law hold
+ * without rounding, else 0. */
 void plant_q(problem *p);
 
 /* ---- judges ---------------------------------------------------------------------------------- */
@@ -75,9 +75,9 @@ void exact_clear(exact *sum);
 void exact_add(exact *sum, double a, double b, double c); /* sum += a b c */
 int exact_sign(exact *sum);                               /* -1, 0, 1 */
 
-/* 1 if y (nc) proves, without rounding, that no r in the cones has (W r + q)_n >= 0: y >= 0, q_n.y < 0
- * and, with g = W' y (y on the normal rows), g_n + mu |g_t| <= 0 for every candidate (d = 3: with
- * |g_t| + |g_s| in the place of |g_t|, which is enough but not needed). */
+/* 1 if y (nc) proves, without rounding, that no r in the cones has (W r + q)_n >= 0: y >= 0,
+ * q_n.y < 0 and, with g = W' y (y on the normal rows), g_n + mu |g_t| <= 0 for every candidate (d
+ * = 3: with |g_t| + |g_s| in the place of |g_t|, which is enough but not needed). */
 int farkas_holds(const problem *p, const double *y);
 
 /* 1 if y or one of its roundings to few digits is such a proof. y: nc, overwritten by the proof. */

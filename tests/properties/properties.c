@@ -3,10 +3,10 @@
  *
  *   properties [--seed N] [--count N] [--class NAME] [--seconds S] [--tol T] [--forces] [--out DIR]
  *
- * Problem i has the seed N + i, and of the classes the one that the seed falls on. Exit 0: every rule kept; 1: some
- * rule broken; 2: the command line, or a file that cannot be written.
+ * Problem i has the seed N + i, and of the classes the one that the seed falls on. Exit 0: every
+ * rule kept; 1: some rule broken; 2: the command line, or a file that cannot be written.
  */
-#define _POSIX_C_SOURCE 200809L
+#define _POSIX_C_SOURCE 200809L /* mkdir */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -19,7 +19,8 @@
 
 enum { saved_most = 3 /* of a class and rule */, saved_rule = 15, text_size = 400 };
 
-/* Of the symmetric solvable problems at most this share may stay unsolved by auto, besides chance. */
+/* Of the symmetric solvable problems at most this share may stay unsolved by auto, besides
+ * chance. */
 static const double unsolved_share = 1e-4;
 
 typedef struct tally {
@@ -38,13 +39,7 @@ typedef struct command {
   const char *out;
 } command;
 
-static double now(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static int usage(void) {
+static int print_usage(void) {
   fprintf(stderr, "properties [--seed N] [--count N] [--class NAME] [--seconds S] [--tol T] "
                   "[--forces] [--out DIR]\nclasses:");
   for (int k = 0; k < CLASSES; k++)
@@ -61,7 +56,7 @@ static int read_command(int count, char **words, command *to) {
       to->ask.forces = 1;
       continue;
     }
-    if (!text) return usage();
+    if (!text) return print_usage();
     k++;
     char *end = "";
     if (!strcmp(key, "--seed"))
@@ -77,10 +72,10 @@ static int read_command(int count, char **words, command *to) {
     else if (!strcmp(key, "--class")) {
       for (to->class = CLASSES - 1; to->class >= 0; to->class --)
         if (!strcmp(class_name[to->class], text)) break;
-      if (to->class < 0) return usage();
+      if (to->class < 0) return print_usage();
     } else
-      return usage();
-    if (*end || !(to->ask.tol > 0)) return usage();
+      return print_usage();
+    if (*end || !(to->ask.tol > 0)) return print_usage();
   }
   return 1;
 }
@@ -88,7 +83,8 @@ static int read_command(int count, char **words, command *to) {
 /* ---- failures -------------------------------------------------------------------------------- */
 
 /* Makes the problem small and writes it to DIR/rule-class-seed.txt. */
-static int save(const command *of, problem *p, int class, uint64_t seed, const finding *found) {
+static int save_finding(const command *of, problem *p, int class, uint64_t seed,
+                        const finding *found) {
   static const char *const word[RULES] = {
       "",     "refused",  "likely", "proved", "held",    "forces", "unseen", "contradiction",
       "bits", "odd-bits", "units",  "order",  "no-proof"};
@@ -109,7 +105,7 @@ static int save(const command *of, problem *p, int class, uint64_t seed, const f
 
 /* ---- tables ---------------------------------------------------------------------------------- */
 
-static void print_tables(const tally *t) {
+static void tally_print(const tally *t) {
   printf("\n%-20s%9s%9s%9s%9s%10s%9s%9s%11s\n", "class", "problems", "solvable", "solved", "fine",
          "stalled", "likely", "proved", "forces");
   for (int k = 0; k < CLASSES; k++) {
@@ -144,7 +140,7 @@ static void print_tables(const tally *t) {
 }
 
 /* Returns 1 if every rule was kept, and prints how many were not. */
-static int conclude(const tally *t, double seconds, long runs) {
+static int tally_conclude(const tally *t, double seconds, long runs) {
   long broken[RULES] = {0}, symmetric = 0, lost = 0, problems = 0;
   int good = 1;
   for (int k = 0; k < CLASSES; k++) {
@@ -167,7 +163,7 @@ static int conclude(const tally *t, double seconds, long runs) {
   return good && (double)lost <= bound;
 }
 
-static void count_verdict(tally *t, const problem *p, const verdict *v) {
+static void tally_add(tally *t, const problem *p, const verdict *v) {
   t->problems++;
   if (v->status >= 0 && v->status < 7) t->status[v->status]++;
   t->visible += v->visible;
@@ -195,24 +191,24 @@ int main(int count, char **words) {
     return 2;
   }
   printf("seeds from %llu, tol %g\n", (unsigned long long)of.seed, of.ask.tol);
-  const double start = now();
+  const double start = wall_clock();
   long runs = 0;
   int written = 1;
-  for (long i = 0; i < of.count && now() - start < of.seconds; i++) {
+  for (long i = 0; i < of.count && wall_clock() - start < of.seconds; i++) {
     const uint64_t seed = of.seed + (uint64_t)i;
     const int class = of.class < 0 ? (int)(seed % CLASSES) : of.class;
     generate(class, seed, &p);
     check_problem(&p, seed, &of.ask, &v);
-    count_verdict(&all[class], &p, &v);
+    tally_add(&all[class], &p, &v);
     runs += v.runs;
     for (int k = 0; k < v.findings; k++) {
       const rule broken = v.finding[k].rule;
       if (all[class].broken[broken] > saved_most || saved[broken]++ >= saved_rule) continue;
       small = p;
-      written &= save(&of, &small, class, seed, &v.finding[k]);
+      written &= save_finding(&of, &small, class, seed, &v.finding[k]);
     }
   }
-  print_tables(all);
-  const int good = conclude(all, now() - start, runs);
+  tally_print(all);
+  const int good = tally_conclude(all, wall_clock() - start, runs);
   return !written ? 2 : !good;
 }

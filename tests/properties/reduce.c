@@ -1,9 +1,10 @@
 /*
  * reduce.c: a problem that breaks a rule, made as small as it gets, and written as text.
  *
- * Candidates are dropped, pairs of entries of W set to 0, numbers rounded to fewer digits; each change stays if
- * the finding stands. A planted answer is kept by q = u - W r after each change, a W that is positive semidefinite
- * stays so, and a proof y is given up (the finding does not need it).
+ * Candidates are dropped, pairs of entries of W set to 0, numbers rounded to fewer digits; each
+ * change stays if the finding stands. A planted answer is kept by q = u - W r after each change,
+ * a W that is positive semidefinite stays so, and a proof y is given up (the finding does not
+ * need it).
  */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
@@ -21,13 +22,14 @@ typedef struct reducer {
   double until;
 } reducer;
 
-static double reducer_clock(void) {
+double wall_clock(void) {
   struct timespec t;
   clock_gettime(CLOCK_MONOTONIC, &t);
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Returns 1 if the symmetric W is positive semidefinite but for rounding: Cholesky, largest pivot first. */
+/* Returns 1 if the symmetric W is positive semidefinite but for rounding: Cholesky, largest pivot
+ * first. */
 static int is_semidefinite(const problem *p) {
   static long double a[M_MAX * M_MAX];
   const int m = p->m;
@@ -57,7 +59,7 @@ static int is_semidefinite(const problem *p) {
 
 /* Takes r->trial for r->p if the finding stands; else r->trial is as before. */
 static int reducer_keep(reducer *r) {
-  if (reducer_clock() > r->until) return 0;
+  if (wall_clock() > r->until) return 0;
   problem *t = r->trial;
   if (t->kind == SOLVABLE) plant_q(t);
   const int good = (!t->symmetric || is_semidefinite(t)) && finding_stands(t, r->found, r->ask);
@@ -110,7 +112,7 @@ static void reduce_entries(reducer *r) {
 }
 
 /* x to `digits` decimal digits */
-static double rounded(double x, int digits) {
+static double to_digits(double x, int digits) {
   char text[40];
   snprintf(text, sizeof text, "%.*e", digits - 1, x);
   return strtod(text, NULL);
@@ -119,23 +121,24 @@ static double rounded(double x, int digits) {
 /* W to fewer digits */
 static int reduce_matrix(reducer *r, int digits) {
   for (int k = 0; k < r->p->m * r->p->m; k++)
-    r->trial->W[k] = rounded(r->trial->W[k], digits);
+    r->trial->W[k] = to_digits(r->trial->W[k], digits);
   return reducer_keep(r);
 }
 
-/* The other numbers to fewer digits; a planted slip keeps r_t on the cone (d = 3 keeps r, u and mu). */
+/* The other numbers to fewer digits; a planted slip keeps r_t on the cone (d = 3 keeps r, u and
+ * mu). */
 static int reduce_vectors(reducer *r, int digits) {
   problem *t = r->trial;
   for (int c = 0; c < t->nc; c++) {
     double *push = t->r + t->d * c, *u = t->u + t->d * c, most = t->mu[c] * push[0];
     const int edge = t->d == 2 && fabs(push[1]) >= most;
     for (int k = 0; k < t->d; k++)
-      t->q[t->d * c + k] = rounded(t->q[t->d * c + k], digits);
+      t->q[t->d * c + k] = to_digits(t->q[t->d * c + k], digits);
     if (t->d == 3) continue;
-    t->mu[c] = rounded(t->mu[c], digits);
+    t->mu[c] = to_digits(t->mu[c], digits);
     for (int k = 0; k < 2; k++) {
-      push[k] = rounded(push[k], digits);
-      u[k] = rounded(u[k], digits);
+      push[k] = to_digits(push[k], digits);
+      u[k] = to_digits(u[k], digits);
     }
     most = t->mu[c] * push[0];
     if (edge || fabs(push[1]) > most) push[1] = copysign(most, push[1]);
@@ -145,7 +148,7 @@ static int reduce_vectors(reducer *r, int digits) {
 
 void reduce_problem(problem *p, const finding *found, const options *ask, double seconds) {
   static problem trial;
-  reducer r = {p, &trial, found, ask, reducer_clock() + seconds};
+  reducer r = {p, &trial, found, ask, wall_clock() + seconds};
   trial = *p;
   for (int before = p->nc + 1; p->nc < before;) {
     before = p->nc;

@@ -1,5 +1,6 @@
 /*
- * solve.c: one run: the problem in another order, unit or storage, a method, and its answer carried back.
+ * solve.c: one run: the problem in another order, unit or storage, a method, and its answer
+ * carried back.
  */
 #include <math.h>
 #include <stdio.h>
@@ -19,7 +20,7 @@ typedef struct room {
   dls_contact contact;
 } room;
 
-static void *must_have(size_t size) {
+static void *room_alloc(size_t size) {
   void *out = malloc(size);
   if (out) return out;
   fprintf(stderr, "properties: no memory\n");
@@ -81,9 +82,10 @@ typedef struct lcp_room {
   double M[16 * NC_MAX * NC_MAX], q[4 * NC_MAX], z[4 * NC_MAX], v[4 * NC_MAX], s[NC_MAX];
 } lcp_room;
 
-/* at->r := the reactions of Lemke's answer; y (nc): the normal part of its proof after DLS_NO_SOLUTION. */
+/* at->r := the reactions of Lemke's answer; y (nc): the normal part of its proof after
+ * DLS_NO_SOLUTION. */
 static dls_status solve_lcp(room *at, const run *how, int scaled, double *y, int *holds) {
-  lcp_room *l = must_have(sizeof *l);
+  lcp_room *l = room_alloc(sizeof *l);
   const dls_contact *contact = &at->contact;
   for (int c = 0; c < at->nc; c++) {
     const double *W = at->W + at->d * c * (at->m + 1), trace = W[0] + W[at->m + 1];
@@ -121,7 +123,8 @@ static dls_status solve_lcp(room *at, const run *how, int scaled, double *y, int
   return status;
 }
 
-/* Returns 1 if one of the forms of the LCP gives a proof that is exact for the problem's numbers. */
+/* Returns 1 if one of the forms of the LCP gives a proof that is exact for the problem's numbers.
+ * */
 static int search_proof(const problem *p, const run *how, room *at) {
   double y[NC_MAX];
   int holds;
@@ -163,7 +166,7 @@ static dls_status solve_contact(room *at, const run *how, outcome *out) {
 }
 
 void solve_run(const problem *p, const run *how, const outcome *before, outcome *out) {
-  room *at = must_have(sizeof *at);
+  room *at = room_alloc(sizeof *at);
   double y[NC_MAX] = {0};
   memset(out, 0, sizeof *out);
   room_fill(at, p, how);
