@@ -323,7 +323,7 @@ static void draw_matrix(dice *g, const recipe *of, problem *p) {
 /* Gives each candidate a unit of its own: W_ij s_i s_j, u_i s_i (q of an unsolvable one too), r_i
  * / s_i. */
 static void draw_scales(dice *g, const recipe *of, problem *p) {
-  double s[NC_MAX];
+  double s[NC_MAX] = {0};
   for (int c = 0; c < p->nc; c++) {
     s[c] = draw_scale(g, of, of->scales / 2);
     p->y[c] /= s[c];

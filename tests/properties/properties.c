@@ -17,6 +17,7 @@
 
 #include "check.h"
 
+enum { WAYS = 8 };
 enum { saved_most = 3 /* of a class and rule */, saved_rule = 15, text_size = 400 };
 
 /* Of the symmetric solvable problems at most this share may stay unsolved by auto, besides
@@ -27,7 +28,8 @@ typedef struct tally {
   long problems, visible, symmetric, solved, fine, lost_symmetric;
   long status[7]; /* of auto */
   long broken[RULES], both_true, doubtful;
-  double forces; /* worst residual_r of a solved one */
+  long by[RULES][WAYS]; /* method of the first run that shows it; the last: Lemke on an LCP */
+  double forces;        /* worst residual_r of a solved one */
 } tally;
 
 typedef struct command {
@@ -155,7 +157,14 @@ static int tally_conclude(const tally *t, double seconds, long runs) {
          problems, runs, seconds, cpu, 60 * (double)problems / cpu);
   for (int k = 1; k < RULES; k++) {
     if (!broken[k]) continue;
-    printf("broken in %ld problems: %s\n", broken[k], rule_text[k]);
+    printf("broken in %ld problems: %s:", broken[k], rule_text[k]);
+    for (int way = 0; way < WAYS; way++) {
+      long by = 0;
+      for (int c = 0; c < CLASSES; c++)
+        by += t[c].by[k][way];
+      if (by) printf(" %s %ld", way == WAYS - 1 ? "LCP" : dls_method_name((dls_method)way), by);
+    }
+    printf("\n");
     good = 0;
   }
   const double share = unsolved_share * (double)symmetric, bound = share + 3 * sqrt(share) + 1;
@@ -174,8 +183,12 @@ static void tally_add(tally *t, const problem *p, const verdict *v) {
   t->both_true += v->both_true;
   t->doubtful += v->doubtful;
   if (v->visible && v->forces > t->forces) t->forces = v->forces;
-  for (int k = 0; k < v->findings; k++)
-    t->broken[v->finding[k].rule]++;
+  for (int k = 0; k < v->findings; k++) {
+    const finding *found = &v->finding[k];
+    const run *how = &found->second;
+    t->broken[found->rule]++;
+    t->by[found->rule][how->rows ? WAYS - 1 : (int)how->method]++;
+  }
 }
 
 int main(int count, char **words) {
