@@ -86,15 +86,13 @@ void check_problem(const problem *p, uint64_t seed, const options *ask, verdict 
 /* 1 if p breaks the rule of `found` with its runs. */
 int finding_stands(const problem *p, const finding *found, const options *ask);
 
-/* p made small: candidates dropped, entries set to 0 and rounded, as long as the finding stands. */
+/* p made small: candidates dropped, entries set to 0 and rounded, as long as the finding stands;
+ * `seconds` of CPU at most. */
 void reduce_problem(problem *p, const finding *found, const options *ask, double seconds);
 
 /* Writes p in the format of data/failures. Returns 0 if the file cannot be written. */
 int write_problem(const char *path, const problem *p, const finding *found, const char *title,
                   const char *source);
-
-/* Seconds of a steady clock. */
-double wall_clock(void);
 
 /* "auto, tol 1e-08, blocks": in words for a report. text: 200. */
 void describe_run(const run *how, char *text);

@@ -6,7 +6,7 @@
  * Problem i has the seed N + i, and of the classes the one that the seed falls on. Exit 0: every
  * rule kept; 1: some rule broken; 2: the command line, or a file that cannot be written.
  */
-#define _POSIX_C_SOURCE 200809L /* mkdir */
+#define _POSIX_C_SOURCE 200809L /* mkdir, clock_gettime */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -23,6 +23,12 @@ enum { saved_most = 3 /* of a class and rule */, saved_rule = 15, text_size = 40
 /* Of the symmetric solvable problems at most this share may stay unsolved by auto, besides
  * chance. */
 static const double unsolved_share = 1e-4;
+
+static double wall_clock(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
 
 typedef struct tally {
   long problems, visible, symmetric, solved, fine, lost_symmetric;
@@ -93,7 +99,7 @@ static int save_finding(const command *of, problem *p, int class, uint64_t seed,
   char path[text_size], title[text_size], source[text_size];
   snprintf(path, sizeof path, "%s/%s-%s-%llu.txt", of->out, word[found->rule], class_name[class],
            (unsigned long long)seed);
-  if (finding_stands(p, found, &of->ask)) reduce_problem(p, found, &of->ask, 2);
+  if (finding_stands(p, found, &of->ask)) reduce_problem(p, found, &of->ask, 5);
   snprintf(title, sizeof title, "%s, made small", class_name[class]);
   snprintf(source, sizeof source, "properties, seed %llu, class %s", (unsigned long long)seed,
            class_name[class]);

@@ -6,7 +6,6 @@
  * a W that is positive semidefinite stays so, and a proof y is given up (the finding does not
  * need it).
  */
-#define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,12 +20,6 @@ typedef struct reducer {
   const options *ask;
   double until;
 } reducer;
-
-double wall_clock(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* Returns 1 if the symmetric W is positive semidefinite but for rounding: Cholesky, largest pivot
  * first. */
@@ -59,7 +52,7 @@ static int is_semidefinite(const problem *p) {
 
 /* Takes r->trial for r->p if the finding stands; else r->trial is as before. */
 static int reducer_keep(reducer *r) {
-  if (wall_clock() > r->until) return 0;
+  if ((double)clock() / CLOCKS_PER_SEC > r->until) return 0;
   problem *t = r->trial;
   if (t->kind == SOLVABLE) plant_q(t);
   const int good = (!t->symmetric || is_semidefinite(t)) && finding_stands(t, r->found, r->ask);
@@ -148,7 +141,7 @@ static int reduce_vectors(reducer *r, int digits) {
 
 void reduce_problem(problem *p, const finding *found, const options *ask, double seconds) {
   static problem trial;
-  reducer r = {p, &trial, found, ask, wall_clock() + seconds};
+  reducer r = {p, &trial, found, ask, (double)clock() / CLOCKS_PER_SEC + seconds};
   trial = *p;
   for (int before = p->nc + 1; p->nc < before;) {
     before = p->nc;
@@ -167,6 +160,10 @@ void reduce_problem(problem *p, const finding *found, const options *ask, double
 /* x with as few digits as give it back */
 static void write_number(FILE *out, double x) {
   char text[40];
+  if (fabs(x) < 1e6 && x == nearbyint(x)) {
+    fprintf(out, " %.0f", x);
+    return;
+  }
   for (int digits = 1; digits <= 17; digits++) {
     snprintf(text, sizeof text, "%.*g", digits, x);
     if (strtod(text, NULL) == x) break;
