@@ -6,6 +6,7 @@
  *               then r and u that meet the law, then W, then q = u - W r
  *   UNSOLVABLE  y >= 0 on the normals with y' W_n = 0 and q_n.y < 0, so that y'(W r + q)_n < 0
  *               whatever r is
+ *   SURE        y' B_n = 0 and q_n.y < 0 as above, but W = B B' + 2^-k I: definite, nearly singular
  *   BORDERLINE  any q; or one of the two above, moved by a power of two of its size
  *
  * Classes with short numbers (whole numbers and few bits) are exact: rounding changes nothing of
@@ -94,13 +95,14 @@ static const recipe recipes[CLASSES] = {
     {"unsolvable-product", UNSOLVABLE, PRODUCT, 4, 0, 2, 0, 0},
     {"borderline", BORDERLINE, FACTOR, 4, 0, 2, 0, 0},
     {"random", BORDERLINE, ANY_FORM, 0, 0, 3, 1, 1},
+    {"far", SURE, FACTOR, 1, 0, 3, 0, 0},
 };
 
 const char *const class_name[CLASSES] = {
     "integers",   "dyadic",  "definite", "rank",        "condition",          "chain",
     "friction",   "scales",  "ratio",    "self-stress", "zero-blocks",        "slight",
     "skew",       "product", "mixed",    "unsolvable",  "unsolvable-rounded", "unsolvable-product",
-    "borderline", "random"};
+    "borderline", "random",  "far"};
 
 /* A number of the recipe's kind, of size 1 to 4. */
 static double draw_number(dice *g, const recipe *of) {
@@ -292,6 +294,16 @@ static form draw_form(dice *g, const recipe *of) {
   return of->form == ANY_FORM ? (form)dice_below(g, ANY_FORM) : of->form;
 }
 
+/* W += 2^-k I, with a k that rounds no diagonal entry: a semidefinite W is definite after it. */
+static void shift_diagonal(dice *g, problem *p) {
+  double shift = exp2(-10 - dice_below(g, 31));
+  for (int i = 0; i < p->m; i++)
+    while (p->W[i * (p->m + 1)] + shift - p->W[i * (p->m + 1)] != shift)
+      shift *= 2;
+  for (int i = 0; i < p->m; i++)
+    p->W[i * (p->m + 1)] += shift;
+}
+
 static void draw_matrix(dice *g, const recipe *of, problem *p) {
   static factor f; /* 0.5 MB: too much for some stacks */
   const form way = draw_form(g, of);
@@ -307,10 +319,11 @@ static void draw_matrix(dice *g, const recipe *of, problem *p) {
   else
     draw_factor(g, of, p, f.C, f.columns);
   if (way == NO_BLOCKS) shape_zero_blocks(g, p, &f);
-  if (of->kind == UNSOLVABLE) shape_farkas(g, of, p, &f);
+  if (of->kind == UNSOLVABLE || of->kind == SURE) shape_farkas(g, of, p, &f);
   memset(p->W, 0, sizeof p->W);
   add_product(p, way == SKEW ? dice_power(g, -6, 0) : 1, &f,
               p->symmetric && way != NO_BLOCKS ? f.B : f.C);
+  if (of->kind == SURE) shift_diagonal(g, p);
   const double part = way == SLIGHT ? dice_power(g, -12, -1) : way == SKEW ? 1 : 0;
   for (int j = 0; part > 0 && j < p->m; j++)
     for (int i = 0; i < j; i++) {
@@ -415,11 +428,12 @@ void generate(int class, uint64_t seed, problem *p) {
   (void)dice_bits(&g);
   p->kind = of->kind;
   p->nc = draw_candidates(&g);
-  if (of->kind == UNSOLVABLE && p->nc == 1) p->nc = 2;
-  p->d = of->kind == UNSOLVABLE ? 2 + (dice_below(&g, 4) == 0) : 2 + dice_below(&g, 2);
+  const int shaped = of->kind == UNSOLVABLE || of->kind == SURE;
+  if (shaped && p->nc == 1) p->nc = 2;
+  p->d = shaped ? 2 + (dice_below(&g, 4) == 0) : 2 + dice_below(&g, 2);
   p->m = p->d * p->nc;
   draw_friction(&g, of, p);
-  if (of->kind != UNSOLVABLE) plant_answer(&g, of, p);
+  if (!shaped) plant_answer(&g, of, p);
   draw_matrix(&g, of, p);
   draw_scales(&g, of, p);
   if (of->kind == SOLVABLE) plant_q(p);

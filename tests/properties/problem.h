@@ -12,6 +12,7 @@ enum { NC_MAX = 60, M_MAX = 3 * NC_MAX };
 typedef enum kind {
   SOLVABLE,   /* r, u is an answer: planted */
   BORDERLINE, /* nothing is known */
+  SURE,       /* W is positive definite without rounding: there is an answer, however far */
   UNSOLVABLE  /* y proves it, to rounding at least */
 } kind;
 
@@ -41,7 +42,7 @@ double dice_power(dice *g, double a, double b); /* 10 to the power of a uniform 
 
 /* ---- classes --------------------------------------------------------------------------------- */
 
-enum { CLASSES = 20 };
+enum { CLASSES = 21 };
 extern const char *const class_name[CLASSES];
 
 /* *p := the problem of this class and seed; the same bits at every call. */

@@ -147,6 +147,7 @@ void reduce_problem(problem *p, const finding *found, const options *ask, double
     before = p->nc;
     reduce_candidates(&r);
   }
+  if (p->kind == SURE) return; /* other changes may lose what makes it sure */
   reduce_entries(&r);
   for (int digits = 1; digits < 12; digits += digits < 4 ? 1 : 2)
     if (reduce_matrix(&r, digits)) break;
@@ -199,6 +200,8 @@ int write_problem(const char *path, const problem *p, const finding *found, cons
   if (p->kind == UNSOLVABLE && farkas_holds(p, p->y)) {
     write_numbers(out, "# proof:", p->y, p->nc, 1);
     fprintf(out, "none\n");
+  } else if (p->kind == SURE) {
+    fprintf(out, "# W is positive definite: there are solutions\n");
   } else if (p->kind != SOLVABLE) {
     fprintf(out, "# not known: the line none, or the solutions\n");
   }
