@@ -1,0 +1,441 @@
+/*
+ * generate.c: contact problems whose answer, or whose lack of one, is known before a solver sees
+ * them.
+ *
+ *   SOLVABLE    states first (free, stick, slip, and the two edges: grazing, stick on the cone),
+ *               then r and u that meet the law, then W, then q = u - W r
+ *   UNSOLVABLE  y >= 0 on the normals with y' W_n = 0 and q_n.y < 0, so that y'(W r + q)_n < 0
+ *               whatever r is
+ *   SURE        y' B_n = 0 and q_n.y < 0 as above, but W = B B' + 2^-k I: definite, nearly singular
+ *   BORDERLINE  any q; or one of the two above, moved by a power of two of its size
+ *
+ * Classes with short numbers (whole numbers and few bits) are exact: rounding changes nothing of
+ * the statement.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "problem.h"
+
+/* ---- random numbers -------------------------------------------------------------------------- */
+
+uint64_t dice_bits(dice *g) {
+  uint64_t z = g->state += 0x9e3779b97f4a7c15u;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
+int dice_below(dice *g, int n) {
+  return (int)(dice_bits(g) % (uint64_t)n);
+}
+
+double dice_between(dice *g, double a, double b) {
+  return a + (b - a) * ldexp((double)(dice_bits(g) >> 11), -53);
+}
+
+double dice_normal(dice *g) {
+  double sum = 0;
+  for (int k = 0; k < 6; k++)
+    sum += dice_between(g, -1, 1);
+  return sum / sqrt(2);
+}
+
+double dice_power(dice *g, double a, double b) {
+  return pow(10, dice_between(g, a, b));
+}
+
+static int dice_sign(dice *g) {
+  return dice_below(g, 2) ? 1 : -1;
+}
+
+/* ---- classes --------------------------------------------------------------------------------- */
+
+typedef enum form {
+  FACTOR,    /* W = B B' */
+  DIAGONAL,  /* W = Q D Q', Q orthogonal */
+  CHAIN,     /* W = B B', candidate c in columns c and c + 1 only */
+  STRESS,    /* W = B B' with B' r small against |B||r|: reactions that hold themselves */
+  SLIGHT,    /* W = B B' and a small part without symmetry */
+  SKEW,      /* W = A - A' and a small B B' */
+  NO_BLOCKS, /* W = B B' or B C', some W_cc = 0 */
+  PRODUCT,   /* W = B C', any eigenvalues */
+  ANY_FORM
+} form;
+
+typedef struct recipe {
+  const char *name;
+  kind kind;
+  form form;
+  int bits;      /* 0: any doubles; 1: whole numbers; 4: multiples of 1/16 */
+  int full;      /* 1: rank m; 0: from 15 to 100 % */
+  double mu;     /* greatest friction */
+  double ratio;  /* u is 10^(-ratio .. ratio) times the size of W r */
+  double scales; /* candidates differ by 10^(-scales .. scales) in W_cc */
+} recipe;
+
+static const recipe recipes[CLASSES] = {
+    {"integers", SOLVABLE, FACTOR, 1, 0, 3, 0, 0},
+    {"dyadic", SOLVABLE, FACTOR, 4, 0, 2, 1, 2},
+    {"definite", SOLVABLE, FACTOR, 0, 1, 1, 1, 0},
+    {"rank", SOLVABLE, FACTOR, 0, 0, 1, 1, 0},
+    {"condition", SOLVABLE, DIAGONAL, 0, 1, 1, 1, 0},
+    {"chain", SOLVABLE, CHAIN, 0, 0, 1, 1, 0},
+    {"friction", SOLVABLE, FACTOR, 0, 0, 8, 1, 0},
+    {"scales", SOLVABLE, FACTOR, 0, 0, 1, 1, 6},
+    {"ratio", SOLVABLE, FACTOR, 0, 0, 1, 6, 0},
+    {"self-stress", SOLVABLE, STRESS, 0, 0, 1, 0, 0},
+    {"zero-blocks", SOLVABLE, NO_BLOCKS, 0, 0, 1, 1, 0},
+    {"slight", SOLVABLE, SLIGHT, 0, 0, 2, 1, 0},
+    {"skew", SOLVABLE, SKEW, 0, 0, 1, 1, 0},
+    {"product", SOLVABLE, PRODUCT, 4, 0, 2, 1, 0},
+    {"mixed", SOLVABLE, ANY_FORM, 0, 0, 8, 6, 6},
+    {"unsolvable", UNSOLVABLE, FACTOR, 1, 0, 3, 0, 0},
+    {"unsolvable-rounded", UNSOLVABLE, FACTOR, 0, 0, 2, 0, 2},
+    {"unsolvable-product", UNSOLVABLE, PRODUCT, 4, 0, 2, 0, 0},
+    {"borderline", BORDERLINE, FACTOR, 4, 0, 2, 0, 0},
+    {"random", BORDERLINE, ANY_FORM, 0, 0, 3, 1, 1},
+    {"far", SURE, FACTOR, 1, 0, 3, 0, 0},
+};
+
+const char *const class_name[CLASSES] = {
+    "integers",   "dyadic",  "definite", "rank",        "condition",          "chain",
+    "friction",   "scales",  "ratio",    "self-stress", "zero-blocks",        "slight",
+    "skew",       "product", "mixed",    "unsolvable",  "unsolvable-rounded", "unsolvable-product",
+    "borderline", "random",  "far"};
+
+/* A number of the recipe's kind, of size 1 to 4. */
+static double draw_number(dice *g, const recipe *of) {
+  if (of->bits == 0) return dice_normal(g);
+  if (of->bits == 1) return dice_below(g, 7) - 3;
+  return (dice_below(g, 65) - 32) / 16.0;
+}
+
+/* 10^(-range .. range), a power of two for short numbers */
+static double draw_scale(dice *g, const recipe *of, double range) {
+  const double scale = dice_power(g, -range, range);
+  return of->bits ? exp2(nearbyint(log2(scale))) : scale;
+}
+
+/* ---- the answer ------------------------------------------------------------------------------ */
+
+/* unit (2) := a direction of the tangent plane; with short numbers whole multiples of 1 / *whole.
+ * */
+static void draw_direction(dice *g, int d, int bits, double *unit, int *whole) {
+  static const int triple[4][3] = {{3, 4, 5}, {5, 12, 13}, {1, 0, 1}, {0, 1, 1}};
+  *whole = 1;
+  unit[0] = dice_sign(g);
+  unit[1] = 0;
+  if (d == 2) return;
+  if (bits) {
+    const int *t = triple[dice_below(g, 4)];
+    *whole = t[2];
+    unit[0] = dice_sign(g) * t[0];
+    unit[1] = dice_sign(g) * t[1];
+    return;
+  }
+  const double angle = dice_between(g, 0, 6.283185307179586);
+  unit[0] = cos(angle);
+  unit[1] = sin(angle);
+}
+
+/* r and u of candidate c in state 0 free, 1 stick, 2 slip, 3 grazing (u = r = 0), 4 stick on the
+ * cone's edge. */
+static void plant_candidate(dice *g, const recipe *of, problem *p, int c, int state, double ratio) {
+  double *r = p->r + p->d * c, *u = p->u + p->d * c, unit[2], push = 1 + dice_below(g, 4);
+  int whole;
+  draw_direction(g, p->d, of->bits, unit, &whole);
+  if (!of->bits) push = dice_power(g, -1, 1);
+  const double slide = of->bits ? 1 + dice_below(g, 4) : dice_power(g, -1, 1);
+  const double part = state != 1 ? 1 : of->bits ? dice_below(g, 4) / 4.0 : dice_between(g, 0, 1);
+  for (int k = 0; k < p->d; k++)
+    r[k] = u[k] = 0;
+  if (state == 0) {
+    u[0] = ratio * slide;
+    for (int k = 1; k < p->d; k++)
+      u[k] = ratio * draw_number(g, of);
+    return;
+  }
+  if (state == 3) return;
+  r[0] = push * whole;
+  for (int k = 1; k < p->d; k++) {
+    r[k] = part * push * p->mu[c] * unit[k - 1];
+    if (state == 2) u[k] = -ratio * slide * unit[k - 1];
+  }
+}
+
+static void plant_answer(dice *g, const recipe *of, problem *p) {
+  const double free = dice_between(g, 0, 1), slip = dice_between(g, 0, 1);
+  const double edges = dice_below(g, 3) ? 0 : dice_between(g, 0, 0.5);
+  const double ratio = draw_scale(g, of, of->ratio);
+  for (int c = 0; c < p->nc; c++) {
+    int state = dice_between(g, 0, 1) < free * 0.8 ? 0 : dice_between(g, 0, 1) < slip ? 2 : 1;
+    if (dice_between(g, 0, 1) < edges) state = 3 + dice_below(g, 2);
+    plant_candidate(g, of, p, c, state, ratio);
+  }
+}
+
+static void draw_friction(dice *g, const recipe *of, problem *p) {
+  const int way = dice_below(g, 4);
+  const double one = of->bits ? dice_below(g, (int)(8 * of->mu)) / 8.0 : dice_between(g, 0, of->mu);
+  for (int c = 0; c < p->nc; c++) {
+    p->mu[c] = one; /* ways 0, 1 */
+    if (way > 1 && of->bits) p->mu[c] = dice_below(g, (int)(8 * of->mu) + 1) / 8.0;
+    if (way > 1 && !of->bits) p->mu[c] = dice_between(g, 0, of->mu);
+    if (way == 3 && dice_below(g, 3) == 0) p->mu[c] = 0;
+  }
+}
+
+/* ---- W --------------------------------------------------------------------------------------- */
+
+typedef struct factor {
+  int columns;
+  double B[M_MAX * M_MAX], C[M_MAX * M_MAX]; /* m x columns */
+} factor;
+
+/* W := W + weight B C' in short numbers or to rounding; symmetric to the last bit where C = B. */
+static void add_product(problem *p, double weight, const factor *f, const double *C) {
+  for (int j = 0; j < p->m; j++)
+    for (int i = 0; i < p->m; i++) {
+      double sum = 0;
+      for (int k = 0; k < f->columns; k++)
+        sum += f->B[i + k * p->m] * C[j + k * p->m];
+      p->W[i + j * p->m] += weight * sum;
+    }
+}
+
+static void draw_factor(dice *g, const recipe *of, const problem *p, double *B, int columns) {
+  for (int k = 0; k < columns * p->m; k++)
+    B[k] = draw_number(g, of);
+}
+
+/* Columns of B := orthonormal, times the roots of 1 down to the inverse condition number. */
+static void shape_spectrum(dice *g, const problem *p, factor *f) {
+  const double worst = dice_between(g, 0, 12);
+  for (int k = 0; k < f->columns; k++) {
+    double *b = f->B + k * p->m, norm = 0;
+    for (int twice = 0; twice < 2; twice++)
+      for (int j = 0; j < k; j++) {
+        const double *a = f->C + j * p->m;
+        double dot = 0;
+        for (int i = 0; i < p->m; i++)
+          dot += a[i] * b[i];
+        for (int i = 0; i < p->m; i++)
+          b[i] -= dot * a[i];
+      }
+    for (int i = 0; i < p->m; i++)
+      norm += b[i] * b[i];
+    for (int i = 0; i < p->m; i++)
+      f->C[i + k * p->m] = b[i] / sqrt(norm);
+  }
+  for (int k = 0; k < f->columns; k++)
+    for (int i = 0; i < p->m; i++)
+      f->B[i + k * p->m] = f->C[i + k * p->m] * pow(10, -worst / 2 * k / fmax(1, f->columns - 1));
+}
+
+/* B' r := left B' r, so that the reactions press against each other and W r is small. */
+static void shape_stress(dice *g, const problem *p, factor *f) {
+  const double left = dice_power(g, -6, 0);
+  double rr = 0;
+  for (int i = 0; i < p->m; i++)
+    rr += p->r[i] * p->r[i];
+  if (rr == 0) return;
+  for (int k = 0; k < f->columns; k++) {
+    double dot = 0;
+    for (int i = 0; i < p->m; i++)
+      dot += p->r[i] * f->B[i + k * p->m];
+    for (int i = 0; i < p->m; i++)
+      f->B[i + k * p->m] -= (1 - left) * dot / rr * p->r[i];
+  }
+}
+
+/* Rows of B of some candidates := 0 (the rows of C too, one time in two). */
+static void shape_zero_blocks(dice *g, problem *p, factor *f) {
+  const int both = p->symmetric || dice_below(g, 2);
+  for (int c = 0; c < p->nc; c++) {
+    if (dice_below(g, 4)) continue;
+    for (int k = 0; k < f->columns; k++)
+      for (int i = p->d * c; i < p->d * (c + 1); i++) {
+        f->B[i + k * p->m] = 0;
+        if (both) f->C[i + k * p->m] = 0;
+      }
+  }
+}
+
+static void shape_chain(const problem *p, factor *f) {
+  for (int k = 0; k < f->columns; k++)
+    for (int i = 0; i < p->m; i++) {
+      const int far = i / p->d - k / p->d;
+      if (far != 0 && far != 1) f->B[i + k * p->m] = 0;
+    }
+}
+
+/* y'B_n := 0: the normal row of the last candidate with y = 1 balances the others. */
+static void shape_farkas(dice *g, const recipe *of, problem *p, factor *f) {
+  const int last = dice_below(g, p->nc);
+  const double some = dice_between(g, 0.2, 1);
+  for (int c = 0; c < p->nc; c++)
+    p->y[c] = c == last ? 1 : dice_between(g, 0, 1) > some ? 0 : 1 + dice_below(g, 3);
+  for (int k = 0; k < f->columns; k++) {
+    double *b = f->B + k * p->m, sum = 0;
+    for (int c = 0; c < p->nc; c++)
+      if (c != last) sum += p->y[c] * b[p->d * c];
+    b[p->d * last] = -sum;
+  }
+  double dot = 0;
+  for (int i = 0; i < p->m; i++)
+    p->q[i] = 4 * draw_number(g, of);
+  for (int c = 0; c < p->nc; c++)
+    if (c != last) dot += p->y[c] * p->q[p->d * c];
+  p->q[p->d * last] = -dot - (of->bits ? 1 + dice_below(g, 8) : dice_power(g, -3, 1));
+}
+
+static form draw_form(dice *g, const recipe *of) {
+  return of->form == ANY_FORM ? (form)dice_below(g, ANY_FORM) : of->form;
+}
+
+/* W += 2^-k I, with a k that rounds no diagonal entry: a semidefinite W is definite after it. */
+static void shift_diagonal(dice *g, problem *p) {
+  double shift = exp2(-10 - dice_below(g, 31));
+  for (int i = 0; i < p->m; i++)
+    while (p->W[i * (p->m + 1)] + shift - p->W[i * (p->m + 1)] != shift)
+      shift *= 2;
+  for (int i = 0; i < p->m; i++)
+    p->W[i * (p->m + 1)] += shift;
+}
+
+static void draw_matrix(dice *g, const recipe *of, problem *p) {
+  static factor f; /* 0.5 MB: too much for some stacks */
+  const form way = draw_form(g, of);
+  const int full = of->full || way == DIAGONAL || way == CHAIN;
+  f.columns = full ? p->m : (int)ceil(p->m * dice_between(g, 0.15, 1));
+  draw_factor(g, of, p, f.B, f.columns);
+  p->symmetric = way <= STRESS || (way == NO_BLOCKS && dice_below(g, 2));
+  if (way == DIAGONAL) shape_spectrum(g, p, &f);
+  if (way == CHAIN) shape_chain(p, &f);
+  if (way == STRESS) shape_stress(g, p, &f);
+  if (p->symmetric || way == SLIGHT || way == SKEW)
+    memcpy(f.C, f.B, sizeof f.C);
+  else
+    draw_factor(g, of, p, f.C, f.columns);
+  if (way == NO_BLOCKS) shape_zero_blocks(g, p, &f);
+  if (of->kind == UNSOLVABLE || of->kind == SURE) shape_farkas(g, of, p, &f);
+  memset(p->W, 0, sizeof p->W);
+  add_product(p, way == SKEW ? dice_power(g, -6, 0) : 1, &f,
+              p->symmetric && way != NO_BLOCKS ? f.B : f.C);
+  if (of->kind == SURE) shift_diagonal(g, p);
+  const double part = way == SLIGHT ? dice_power(g, -12, -1) : way == SKEW ? 1 : 0;
+  for (int j = 0; part > 0 && j < p->m; j++)
+    for (int i = 0; i < j; i++) {
+      const double a = part * dice_normal(g);
+      p->W[i + j * p->m] += a;
+      p->W[j + i * p->m] -= a;
+    }
+}
+
+/* Gives each candidate a unit of its own: W_ij s_i s_j, u_i s_i (q of an unsolvable one too), r_i
+ * / s_i. */
+static void draw_scales(dice *g, const recipe *of, problem *p) {
+  double s[NC_MAX] = {0};
+  for (int c = 0; c < p->nc; c++) {
+    s[c] = draw_scale(g, of, of->scales / 2);
+    p->y[c] /= s[c];
+  }
+  const int forces =
+      dice_below(g, 4) > 0; /* else W alone: reactions of one size on all candidates */
+  for (int i = 0; i < p->m; i++) {
+    for (int j = 0; j < p->m; j++)
+      p->W[i + j * p->m] *= s[i / p->d] * s[j / p->d];
+    p->q[i] *= s[i / p->d];
+    p->u[i] *= s[i / p->d];
+    if (forces) p->r[i] /= s[i / p->d];
+  }
+}
+
+/* ---- q --------------------------------------------------------------------------------------- */
+
+/* Returns the sign of a b - c d without rounding. */
+static int sign_of(double a, double b, double c, double d) {
+  exact sum;
+  exact_clear(&sum);
+  exact_add(&sum, a, b, 1);
+  exact_add(&sum, c, -d, 1);
+  return exact_sign(&sum);
+}
+
+/* Returns 1 if u and r of candidate c meet the law without rounding. */
+static int law_holds(const problem *p, int c) {
+  const double *r = p->r + p->d * c, *u = p->u + p->d * c, most = p->mu[c] * r[0];
+  const double rs = p->d == 3 ? r[2] : 0, us = p->d == 3 ? u[2] : 0;
+  exact edge; /* (mu r_n)^2 - |r_t|^2 */
+  if (!(u[0] >= 0 && r[0] >= 0 && (u[0] == 0 || r[0] == 0))) return 0;
+  if (sign_of(p->mu[c], r[0], most, 1) != 0) return 0;
+  exact_clear(&edge);
+  exact_add(&edge, most, most, 1);
+  exact_add(&edge, r[1], -r[1], 1);
+  exact_add(&edge, rs, -rs, 1);
+  const int inside = exact_sign(&edge);
+  if (inside < 0 || (inside > 0 && (u[1] != 0 || us != 0))) return 0;
+  if (u[1] == 0 && us == 0) return 1;
+  return sign_of(u[1], rs, us, r[1]) == 0 && sign_of(u[1], r[1], us, -rs) <= 0;
+}
+
+void plant_q(problem *p) {
+  p->exact = 1;
+  for (int i = 0; i < p->m; i++) {
+    long double sum = p->u[i];
+    for (int j = 0; j < p->m; j++)
+      sum -= (long double)p->W[i + j * p->m] * p->r[j];
+    p->q[i] = (double)sum;
+  }
+  for (int i = 0; p->exact && i < p->m; i++) {
+    exact sum;
+    exact_clear(&sum);
+    exact_add(&sum, p->u[i], 1, 1);
+    exact_add(&sum, p->q[i], -1, 1);
+    for (int j = 0; j < p->m; j++)
+      exact_add(&sum, p->W[i + j * p->m], -p->r[j], 1);
+    p->exact = exact_sign(&sum) == 0 && law_holds(p, i / p->d);
+  }
+}
+
+/* BORDERLINE: a planted answer, exactly on the edge or moved off it by a power of two; or any q. */
+static void draw_border(dice *g, const recipe *of, problem *p) {
+  const int way = dice_below(g, 3);
+  double most = 0;
+  plant_q(p);
+  p->exact = 0;
+  for (int i = 0; i < p->m; i++)
+    most = fmax(most, fabs(p->q[i]));
+  const double far = ldexp(most, -10 - dice_below(g, 50));
+  for (int i = 0; i < p->m; i++) {
+    if (way == 0) p->q[i] += far * draw_number(g, of);
+    if (way == 1) p->q[i] = 4 * draw_number(g, of);
+    if (way == 2 && i % p->d == 0) p->q[i] -= far;
+  }
+}
+
+/* Size: 1 to 8 mostly, some to 30, few of 60. */
+static int draw_candidates(dice *g) {
+  const int luck = dice_below(g, 1000);
+  return luck < 880 ? 1 + dice_below(g, 8) : luck < 997 ? 9 + dice_below(g, 22) : NC_MAX;
+}
+
+void generate(int class, uint64_t seed, problem *p) {
+  const recipe *of = &recipes[class];
+  dice g = {seed * 1000003u + (uint64_t) class * 7919u};
+  memset(p, 0, sizeof *p);
+  (void)dice_bits(&g);
+  p->kind = of->kind;
+  p->nc = draw_candidates(&g);
+  const int shaped = of->kind == UNSOLVABLE || of->kind == SURE;
+  if (shaped && p->nc == 1) p->nc = 2;
+  p->d = shaped ? 2 + (dice_below(&g, 4) == 0) : 2 + dice_below(&g, 2);
+  p->m = p->d * p->nc;
+  draw_friction(&g, of, p);
+  if (!shaped) plant_answer(&g, of, p);
+  draw_matrix(&g, of, p);
+  draw_scales(&g, of, p);
+  if (of->kind == SOLVABLE) plant_q(p);
+  if (of->kind == BORDERLINE) draw_border(&g, of, p);
+}
