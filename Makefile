@@ -203,6 +203,17 @@ format-check:
 	clang-format --dry-run --Werror $(ALL_C) $(ALL_H)
 	@awk 'length($$0) > 100 { print FILENAME ":" FNR ": " length($$0) " columns"; long = 1 } END { exit long }' $(ALL_C) $(ALL_H)
 
+PROPERTIES_PROGRAM = $(BUILD)/tests/properties/properties
+$(PROPERTIES_PROGRAM): $(call obj,$(wildcard tests/properties/*.c)) $(A)
+	@mkdir -p $(@D)
+	$(call say,LINK)
+	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(LIBS)
+
+# PROPERTIES='--seed 2 --count 100000'
+.PHONY: properties
+properties: $(PROPERTIES_PROGRAM)
+	OPENBLAS_NUM_THREADS=1 $(PROPERTIES_PROGRAM) --out $(BUILD)/properties $(PROPERTIES)
+
 # ---- benchmarks, never part of all or check --------------------------------------------------------
 
 # pages, tables and pictures go there
