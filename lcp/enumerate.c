@@ -361,3 +361,15 @@ dls_status dls_lcp_enumerate(const dls_lcp *lcp, double tol, int capacity, doubl
   *found = p.found;
   return out == full ? DLS_MAX_ITERATIONS : out == stalled ? DLS_STALLED : DLS_OK;
 }
+
+int dlsi_find_vertex(int n, const double *C, double *x) {
+  cone k = {.n = n};
+  for (int i = 0; i < n; i++)
+    memcpy(k.T[i], C + (size_t)i * (size_t)(n + 1), (size_t)(n + 1) * sizeof *C);
+  const int found = simplex_find_vertex(&k);
+  if (k.pivots >= pivot_limit) return -1;
+  memset(x, 0, (size_t)n * sizeof *x);
+  for (int i = 0; i < n && found; i++)
+    if (k.basic[i] >= 0) x[k.basic[i]] = k.T[i][n];
+  return found;
+}

@@ -145,4 +145,9 @@ void dlsi_friction_start(const dls_contact *problem, const double *w, const doub
 /* Changes the limits of an existing workspace, from the next solve on. */
 void dlsi_lemke_set_limits(dls_lemke *work, const dls_limits *limits);
 
+/* Finds a vertex x (n) of { x >= 0 : C x = q }. Returns 1, 0 if that is empty to 1e-10, -1 if
+ * rounding keeps the simplex method from ending. C: (C | q) by rows, n x (n + 1), n <=
+ * DLS_ENUMERATE_MAX. */
+int dlsi_find_vertex(int n, const double *C, double *x);
+
 #endif

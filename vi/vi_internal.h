@@ -200,6 +200,14 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
 dls_status dlsi_newton_create(dls_newton **out, int d, int nc, const dls_newton_settings *settings,
                               dlsi_room *room, dls_error *error);
 
+/* ---- vi/exists.c ----------------------------------------------------------------------------- */
+
+/* Returns 1 if W shows that there is a solution, where its symmetric part is positive semidefinite;
+ * 0 says nothing. w: weights of the certificate. J: scratch, m x m; NULL leaves the factorisation
+ * out. v: scratch, m each. */
+int dlsi_solution_exists(const dls_contact *problem, const double *w, double *J,
+                         double *const v[4]);
+
 /* ---- rows of the table of methods ------------------------------------------------------------ */
 
 extern const dlsi_method dlsi_nlgs_method, dlsi_newton_method, dlsi_admm_method;

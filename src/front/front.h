@@ -17,4 +17,13 @@ extern const dlsi_method dlsi_nlgs_method, dlsi_newton_method, dlsi_admm_method,
  * without a workspace. */
 int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *u, dls_info *info);
 
+/* Candidates of the largest problem for dlsi_contact_find_states. */
+enum { dlsi_most_states = 8 };
+
+/* Tries all states of a problem with d = 2 and at most so many candidates (states.c). Returns 1 if
+ * that gives a certified answer, 0 if no states have one, -1 if rounding does not tell. r: scratch,
+ * m. best: the best answer so far, m, replaced with its certificate by a better one. */
+int dlsi_contact_find_states(const dls_contact *problem, double tol, double *r, double *best,
+                             dls_certificate *certificate);
+
 #endif

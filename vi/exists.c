@@ -1,0 +1,96 @@
+/*
+ * exists.c: two signs that a contact problem has a solution, whatever methods make of it.
+ *
+ *   (EX3)  the symmetric part of W is positive definite
+ *   (EX4)  some W x has (W x)_n > mu |(W x)_t| at every candidate: velocities that keep all of them apart,
+ *          with room, are within reach
+ *
+ * For W with a positive semidefinite symmetric part each of them guarantees a solution: reactions
+ * cannot run away, because along a direction delta of the cones with W delta = 0 nothing could make
+ * q.delta < 0 pay (Klarbring and Pang, SIAM J. Optim. 8, 1998, 414-442, for W positive definite;
+ * Acary, Cadoux, Lemarechal and Malick, Z. Angew. Math. Mech. 91, 2011, 155-175, for the second).
+ *
+ * (EX4) asks for x with W x = e, e = 1 in every normal row and 0 in the others, by conjugate
+ * gradients; only what comes out counts, so that neither symmetry nor convergence is needed.
+ *
+ * Cost: a Cholesky factorisation, up to 2 m products with W.
+ */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "linear/dense.h"
+#include "vi_internal.h"
+
+/* y := W x */
+static void multiply_only(const dls_contact *problem, const double *x, double *y) {
+  const size_t d = (size_t)problem->d;
+  memset(y, 0, d * (size_t)problem->nc * sizeof *y);
+  for (int c = 0; c < problem->nc; c++)
+    dlsi_contact_add_columns(problem, c, x + d * (size_t)c, y);
+}
+
+/* (EX3) J: scratch, m x m. A pivot within rounding of 0 says nothing. */
+static int is_positive_definite(const dls_contact *problem, const double *w, double *J) {
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  memset(J, 0, m * m * sizeof *J);
+  for (size_t j = 0; j < m; j++) {
+    double e[3] = {0};
+    e[j % d] = 1;
+    dlsi_contact_add_columns(problem, (int)(j / d), e, J + j * m);
+  }
+  for (size_t j = 0; j < m; j++)
+    for (size_t i = j; i < m; i++)
+      J[i + j * m] = (J[i + j * m] / 2 + J[j + i * m] / 2) / sqrt(w[i / d] * w[j / d]);
+  dlsi_dense f = {.n = (int)m, .A = J};
+  return !dlsi_dense_cholesky(&f);
+}
+
+static double dot(size_t m, const double *x, const double *y) {
+  double sum = 0;
+  for (size_t i = 0; i < m; i++)
+    sum += x[i] * y[i];
+  return sum;
+}
+
+/* Returns 1 if v = W x keeps every candidate apart by more than rounding. */
+static int keeps_apart(const dls_contact *problem, const double *v) {
+  const int d = problem->d;
+  for (int c = 0; c < problem->nc; c++, v += d)
+    if (!(v[0] > 1e-6 + problem->mu[c] * dlsi_tangent_norm(d, v))) return 0;
+  return 1;
+}
+
+/* (EX4) */
+static int can_keep_apart(const dls_contact *problem, const double *w, double *const v[4]) {
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  double *Wx = v[0], *residual = v[1], *p = v[2], *Wp = v[3];
+  memset(Wx, 0, m * sizeof *Wx);
+  for (size_t i = 0; i < m; i++) {
+    residual[i] = i % d == 0;
+    p[i] = residual[i] / w[i / d];
+  }
+  double rho = dot(m, residual, p);
+  for (size_t k = 0; k < 2 * m; k++) {
+    multiply_only(problem, p, Wp);
+    const double curvature = dot(m, p, Wp);
+    if (!(curvature > 0 && curvature <= DBL_MAX)) return 0;
+    const double step = rho / curvature;
+    for (size_t i = 0; i < m; i++) {
+      Wx[i] += step * Wp[i];
+      residual[i] -= step * Wp[i];
+      Wp[i] = residual[i] / w[i / d];
+    }
+    if (keeps_apart(problem, Wx)) return 1;
+    const double next = dot(m, residual, Wp);
+    for (size_t i = 0; i < m; i++)
+      p[i] = Wp[i] + next / rho * p[i];
+    rho = next;
+  }
+  return 0;
+}
+
+int dlsi_solution_exists(const dls_contact *problem, const double *w, double *J,
+                         double *const v[4]) {
+  return (J && is_positive_definite(problem, w, J)) || can_keep_apart(problem, w, v);
+}
