@@ -72,7 +72,7 @@ static const double least_rho = 1e-4, most_rho = 100;
 
 /* First rho of a stage of auto for W by blocks, perhaps a stack at rest: so small that the first x
  * is nearly the smallest r with W r = -q. */
-static const double rest_rho = 1e-7;
+static const double rest_rho = 1e-7, other_rho = 1e-8;
 
 struct dls_admm {
   dls_admm_settings settings;
@@ -347,7 +347,7 @@ static void admm_advance(dls_admm *work, const dls_contact *problem, double gap,
  * reaches the answer in a few iterations. */
 static int admm_is_warm(const dls_admm *work) {
   const dls_limits *limits = &work->settings.limits;
-  return work->stage ? !limits->blocks : limits->warm_start;
+  return work->stage ? work->stage == 1 && !limits->blocks : limits->warm_start;
 }
 
 /* Iterates from work->first, measured last, until the certificate of an x holds or there is a
@@ -431,6 +431,7 @@ static dls_status admm_create_by(void **out, int d, int nc, const dlsi_options *
   dls_admm_settings_init(&s);
   s.limits = options->limits;
   if (options->stage && s.limits.blocks) s.rho = rest_rho;
+  if (options->stage == 2) s.rho = other_rho;
   return admm_create(out, d, nc, &s, options, error);
 }
 

@@ -309,11 +309,7 @@ static dls_status penalty_create_by(void **out, int d, int nc, const dlsi_option
 
 static dls_status augmented_solve(void *workspace, const dls_contact *problem, double *r, double *u,
                                   dls_info *info, dls_error *error) {
-  dls_augmented *work = workspace;
-  dls_status status = augmented_run(work, problem, r, u, info, error);
-  if (status == DLS_STALLED && work->escaped) status = DLS_NO_SOLUTION_LIKELY;
-  if (info && status >= 0) info->status = status;
-  return status;
+  return augmented_run(workspace, problem, r, u, info, error);
 }
 
 static void augmented_destroy(void *work) {

@@ -429,15 +429,13 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
   return dlsi_iterate_settle(it, problem, reason);
 }
 
-/* Returns how many candidates have several solutions when the others stay at r; u = W r + q. */
-static int nlgs_count_ambiguous(const dls_nlgs *work, const dls_contact *problem, const double *r,
-                                const double *u) {
+int dlsi_count_ambiguous(const dls_contact *problem, const double *r, const double *u) {
   const int d = problem->d;
   int ambiguous = 0;
   for (int c = 0; c < problem->nc; c++) {
-    const double *W = d == 2 ? work->block_2d[c].W : work->block_3d[c].W;
     const double *rc = r + (size_t)d * (size_t)c, *uc = u + (size_t)d * (size_t)c;
-    double p[3], s[3];
+    double W[9], p[3], s[3];
+    dlsi_contact_diagonal(problem, c, W);
     for (int i = 0; i < d; i++) {
       p[i] = uc[i];
       for (int j = 0; j < d; j++)
@@ -477,8 +475,13 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
   double *const key[] = {work->it.u, work->it.a, work->it.F};
   (void)error;
   if (work->stage) dlsi_order_candidates(problem, key, work->scratch, work->own_order);
+  for (int c = 0, e = problem->nc - 1; work->stage == 2 && c < e; c++, e--) {
+    const int last = work->own_order[e];
+    work->own_order[e] = work->own_order[c];
+    work->own_order[c] = last;
+  }
   const dls_status status = dlsi_nlgs_run(work, problem, work->own_order, NULL, r, u, info);
-  if (info && !work->stage) info->ambiguous = nlgs_count_ambiguous(work, problem, r, work->it.u);
+  if (info && !work->stage) info->ambiguous = dlsi_count_ambiguous(problem, r, work->it.u);
   return status;
 }
 
@@ -496,8 +499,9 @@ static dls_status nlgs_create_by(void **out, int d, int nc, const dlsi_options *
   dls_nlgs_settings s;
   dls_nlgs_settings_init(&s);
   s.limits = options->limits;
-  s.acceleration =
-      options->stage ? DLS_ACCELERATION_ANDERSON : (dls_acceleration)options->acceleration;
+  s.acceleration = (dls_acceleration)options->acceleration;
+  if (options->stage) /* the other way: plain, in the reverse order */
+    s.acceleration = options->stage == 1 ? DLS_ACCELERATION_ANDERSON : DLS_ACCELERATION_NONE;
   return nlgs_create(out, d, nc, options->stage, &s, error);
 }
 

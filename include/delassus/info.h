@@ -31,7 +31,7 @@ typedef struct dls_stage {
   double residual;    /* of the certificate of the r that the stage ended with */
 } dls_stage;
 
-enum { DLS_STAGES_MAX = 20 };
+enum { DLS_STAGES_MAX = 24 };
 
 /* The outcome of a solve. */
 typedef struct dls_info {

@@ -48,15 +48,29 @@
 #include "vi/vi_internal.h"
 
 enum { look_every = 5, first_sweeps = 10, first_patience = 3, most_failures = 5 };
-enum { split_unknowns = 150 }; /* (AT2): below, other methods take less than its factorisation */
-enum { dense_splits = 200 };   /* iterations of (AT2): more of them cost more than Newton again */
-enum { rest_splits = 40 };     /* the same for a stack, and how many in a row ... */
-enum { rest_patience = 16 };   /* ... may pass without halving e */
+enum { split_unknowns = 150 };  /* (AT2): below, other methods take less than its factorisation */
+enum { dense_splits = 200 };    /* iterations of (AT2): more of them cost more than Newton again */
+enum { rest_splits = 40 };      /* the same for a stack, and how many in a row ... */
+enum { rest_patience = 16 };    /* ... may pass without halving e */
+enum { path_unknowns = 300 };   /* a thousand factorisations then take a few seconds */
+enum { other_unknowns = 3000 }; /* beyond, another way takes too long, and nothing is said */
+enum { other_iterations = 2000 };        /* of sweeps and splitting by another way */
 static const double progress = 0.9;      /* of e, below which a step has brought it down */
 static const double share_outside = 0.1; /* of -q outside of the cones, for what may rest */
 static const double on_cone = 1e-9;      /* a reaction that lacks no more than this share slips */
 
-typedef enum part { SWEEPS, SPLITTING, NEWTON, AUGMENTED, PIVOTING, parts } part;
+/* Its workspaces: each method once, and two of them once more for another way. */
+typedef enum part {
+  SWEEPS,
+  SPLITTING,
+  NEWTON,
+  AUGMENTED,
+  PIVOTING,
+  OTHER_SWEEPS,
+  OTHER_SPLITTING,
+  HOMOTOPY,
+  parts
+} part;
 
 typedef struct dlsi_auto {
   dlsi_options options;
@@ -64,6 +78,8 @@ typedef struct dlsi_auto {
   void *part[parts]; /* workspace of each method, NULL before it is needed */
   dlsi_room room;    /* for their matrices: none keeps factors from one stage to the next */
   double *r, *best;  /* m: of the stage under way, of the best answer so far */
+  double *w;         /* nc: weights of the certificate */
+  double *v[4];      /* m: scratch */
 
   /* of the solve under way */
   const dls_contact *problem;
@@ -71,7 +87,6 @@ typedef struct dlsi_auto {
   int cancelled, limited; /* by the caller's callback, by max_iterations */
   int failures;           /* of Newton's method */
   int has_split;          /* (AT2) has been tried */
-  dls_status verdict;     /* DLS_NO_SOLUTION_LIKELY, DLS_NO_SOLUTION, or DLS_OK for none */
 
   /* of the stage under way */
   double target, least; /* logarithms of e* and of the least e that counts */
@@ -191,32 +206,48 @@ static int may_pivot(const dlsi_auto *work) {
   return work->nc <= (work->d == 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D);
 }
 
-/* Method, its progress callback, and when it is taken (NULL: always). */
+static int may_follow_path(const dlsi_auto *work) {
+  return work->problem->d * work->problem->nc <= path_unknowns;
+}
+
+static int may_go_another_way(const dlsi_auto *work) {
+  return work->problem->d * work->problem->nc <= other_unknowns;
+}
+
+/* Method, its progress callback, when it is taken (NULL: always), its limit of iterations (0: its own). */
 static const struct {
   const dlsi_method *method;
   dls_progress_fn watch;
   int (*may)(const dlsi_auto *work);
+  int most;
 } part_of[] = {
-    [SWEEPS] = {&dlsi_nlgs_method, watch_sweeps, NULL},
-    [SPLITTING] = {&dlsi_admm_method, watch_splitting, may_split},
-    [NEWTON] = {&dlsi_newton_method, watch_newton, NULL},
-    [AUGMENTED] = {&dlsi_augmented_method, watch_limits, NULL},
-    [PIVOTING] = {&dlsi_lemke_method, watch_limits, may_pivot},
+    [SWEEPS] = {&dlsi_nlgs_method, watch_sweeps, NULL, 0},
+    [SPLITTING] = {&dlsi_admm_method, watch_splitting, may_split, dense_splits},
+    [NEWTON] = {&dlsi_newton_method, watch_newton, NULL, 0},
+    [AUGMENTED] = {&dlsi_augmented_method, watch_limits, NULL, 0},
+    [PIVOTING] = {&dlsi_lemke_method, watch_limits, may_pivot, 0},
+    [OTHER_SWEEPS] = {&dlsi_nlgs_method, watch_limits, NULL, other_iterations},
+    [OTHER_SPLITTING] = {&dlsi_admm_method, watch_limits, NULL, other_iterations},
+    [HOMOTOPY] = {&dlsi_homotopy_method, watch_limits, may_follow_path, 0},
 };
 
-static const part stages[] = {SWEEPS, SPLITTING, NEWTON, SPLITTING, SWEEPS,    NEWTON,
-                              SWEEPS, NEWTON,    SWEEPS, NEWTON,    AUGMENTED, PIVOTING,
-                              SWEEPS, NEWTON,    SWEEPS, NEWTON,    SWEEPS};
+/* The stages; cold: from r = 0, whatever was found before. */
+static const struct {
+  part part;
+  int cold;
+} stages[] = {{SWEEPS, 0},    {SPLITTING, 0},    {NEWTON, 0},   {SPLITTING, 0},       {SWEEPS, 0},
+              {NEWTON, 0},    {SWEEPS, 0},       {NEWTON, 0},   {SWEEPS, 0},          {NEWTON, 0},
+              {AUGMENTED, 0}, {PIVOTING, 0},     {HOMOTOPY, 1}, {SWEEPS, 0},          {NEWTON, 0},
+              {SWEEPS, 0},    {OTHER_SWEEPS, 1}, {NEWTON, 0},   {OTHER_SPLITTING, 1}, {NEWTON, 0},
+              {AUGMENTED, 1}};
 enum { stage_count = sizeof stages / sizeof stages[0] };
-_Static_assert((int)stage_count < (int)DLS_STAGES_MAX,
-               "a line for each in the report, and one more");
+_Static_assert((int)stage_count + 2 <= (int)DLS_STAGES_MAX,
+               "a line for each in the report, one for the states");
 
 static dls_limits limits_of(dlsi_auto *work, part k) {
   const int blocks = work->options.limits.blocks;
   return (dls_limits){.tol = work->options.limits.tol,
-                      .max_iterations = k != SPLITTING ? 0
-                                        : blocks       ? rest_splits
-                                                       : dense_splits,
+                      .max_iterations = k == SPLITTING && blocks ? rest_splits : part_of[k].most,
                       .warm_start = k != PIVOTING && !(k == SPLITTING && blocks),
                       .blocks = blocks,
                       .progress = part_of[k].watch,
@@ -227,13 +258,13 @@ static dls_status create_part(dlsi_auto *work, part k, dls_error *error) {
   dlsi_options options = work->options;
   if (work->part[k]) return DLS_OK;
   options.limits = limits_of(work, k);
-  options.stage = 1;
+  options.stage = k == OTHER_SWEEPS || k == OTHER_SPLITTING ? 2 : 1;
   options.room = &work->room;
   return part_of[k].method->create(&work->part[k], work->d, work->nc, &options, error);
 }
 
 /* Takes one stage: its line in the report, and best := r if that is better. */
-static dls_status take_stage(dlsi_auto *work, part k, dls_error *error) {
+static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error) {
   const dls_contact *problem = work->problem;
   const dls_certificate *best = &work->info.certificate;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
@@ -241,7 +272,10 @@ static dls_status take_stage(dlsi_auto *work, part k, dls_error *error) {
   dls_error why = {0};
   dls_status status = create_part(work, k, &why);
   const dls_limits limits = limits_of(work, k);
-  memcpy(work->r, work->best, m * sizeof *work->r);
+  if (cold)
+    memset(work->r, 0, m * sizeof *work->r);
+  else
+    memcpy(work->r, work->best, m * sizeof *work->r);
   work->target = log(dlsi_target(limits.tol, all->stages ? best->floor : 0));
   work->least = log(best->residual);
   work->rate = 0;
@@ -252,7 +286,8 @@ static dls_status take_stage(dlsi_auto *work, part k, dls_error *error) {
     status = part_of[k].method->solve(work->part[k], problem, work->r, NULL, &info, &why);
   }
   if (k == SPLITTING) work->has_split = 1;
-  if (k == SPLITTING && status == DLS_E_UNSUPPORTED) return DLS_STALLED; /* a build without MUMPS */
+  if ((k == SPLITTING || k == OTHER_SPLITTING) && status == DLS_E_UNSUPPORTED)
+    return DLS_STALLED; /* a build without MUMPS */
   if (status < 0) {
     if (error) *error = why;
     return status;
@@ -262,28 +297,49 @@ static dls_status take_stage(dlsi_auto *work, part k, dls_error *error) {
   all->iterations += info.iterations;
   all->factorisations += info.factorisations;
   if (k == NEWTON && work->failures < most_failures) work->failures++;
-  if (status == DLS_NO_SOLUTION || status == DLS_NO_SOLUTION_LIKELY) work->verdict = status;
   if (!dlsi_is_better(&info.certificate, best)) return status;
   all->certificate = info.certificate;
   memcpy(work->best, work->r, m * sizeof *work->best);
   return status;
 }
 
+/* (AT9) for a problem that no stage has solved. Returns DLS_OK, DLS_NO_SOLUTION_LIKELY, DLS_STALLED, or an
+ * error. */
+static dls_status judge(dlsi_auto *work, dls_error *error) {
+  const dls_contact *problem = work->problem;
+  const double tol = work->options.limits.tol;
+  const int m = problem->d * problem->nc;
+  double *J = work->room.side >= (size_t)m && m <= path_unknowns ? work->room.J : NULL;
+  int none = dlsi_augmented_method.direction(work->part[AUGMENTED]) != NULL;
+  if (!may_go_another_way(work)) return DLS_STALLED;
+  if (problem->d == 2 && problem->nc <= dlsi_most_states) {
+    const int found =
+        dlsi_contact_find_states(problem, tol, work->r, work->best, &work->info.certificate);
+    const dls_status status = found ? take_stage(work, NEWTON, 0, error) : DLS_OK;
+    if (status < 0) return status;
+    if (dls_certificate_holds(&work->info.certificate, tol)) return DLS_OK;
+    none = !found;
+  }
+  dlsi_contact_weights(problem, work->w);
+  return none && !dlsi_solution_exists(problem, work->w, J, work->v) ? DLS_NO_SOLUTION_LIKELY
+                                                                     : DLS_STALLED;
+}
+
 /* Takes the stages in turn. Returns DLS_OK, an error, or the reason for the end. */
 static dls_status take_stages(dlsi_auto *work, dls_error *error) {
   const dls_limits *limits = &work->options.limits;
   for (int k = 0; k < stage_count; k++) {
-    const part now = stages[k];
-    if (!part_of[now].may || part_of[now].may(work)) {
-      const dls_status status = take_stage(work, now, error);
-      if (status < 0) return status;
-    }
+    const part now = stages[k].part;
+    if (part_of[now].may && !part_of[now].may(work)) continue;
+    if (stages[k].cold && !may_go_another_way(work)) continue;
+    const dls_status status = take_stage(work, now, stages[k].cold, error);
+    if (status < 0) return status;
     if (dls_certificate_holds(&work->info.certificate, limits->tol)) return DLS_OK;
     if (work->cancelled) return DLS_CANCELLED;
     if (work->limited) return DLS_MAX_ITERATIONS;
-    if (now == PIVOTING && work->verdict) return work->verdict;
+    if (status == DLS_NO_SOLUTION) return status;
   }
-  return DLS_STALLED;
+  return judge(work, error);
 }
 
 static dls_status auto_solve(void *automatic, const dls_contact *problem, double *r, double *u,
@@ -293,13 +349,14 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   work->problem = problem;
   work->info = (dls_info){.method = DLS_AUTO, .certificate = dlsi_no_certificate};
   work->cancelled = work->limited = work->failures = work->has_split = work->costly = 0;
-  work->verdict = DLS_OK;
   memset(work->best, 0, m * sizeof *r);
   if (work->options.limits.warm_start) memcpy(work->best, r, m * sizeof *r);
   const dls_status status = take_stages(work, error);
   if (status < 0) return status;
   memcpy(r, work->best, m * sizeof *r);
-  if (u) dlsi_contact_multiply(problem, NULL, r, u, NULL);
+  dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
+  if (u) memcpy(u, work->v[0], m * sizeof *u);
+  if (info && status == DLS_OK) work->info.ambiguous = dlsi_count_ambiguous(problem, r, work->v[0]);
   work->info.status = status;
   if (info) *info = work->info;
   return status;
@@ -330,6 +387,9 @@ static void auto_carve(void *automatic, dlsi_arena *arena) {
   const size_t m = (size_t)work->d * (size_t)work->nc;
   work->r = dlsi_take(arena, m, sizeof *work->r);
   work->best = dlsi_take(arena, m, sizeof *work->best);
+  work->w = dlsi_take(arena, (size_t)work->nc, sizeof *work->w);
+  for (int k = 0; k < 4; k++)
+    work->v[k] = dlsi_take(arena, m, sizeof *work->v[k]);
 }
 
 static dls_status auto_create(void **out, int d, int nc, const dlsi_options *options,
@@ -340,8 +400,11 @@ static dls_status auto_create(void **out, int d, int nc, const dlsi_options *opt
   if (status) return status;
   dlsi_auto *work = memory;
   for (part k = 0; !status && !options->lazy && k < parts; k++) {
-    const int small = d * nc < split_unknowns;
-    if ((k == SPLITTING && small) || (k == PIVOTING && !may_pivot(work))) continue;
+    const int m = d * nc, large = m > other_unknowns;
+    if (k == SPLITTING && m < split_unknowns) continue;
+    if (k == PIVOTING && !may_pivot(work)) continue;
+    if (k == HOMOTOPY && m > path_unknowns) continue;
+    if ((k == OTHER_SWEEPS || k == OTHER_SPLITTING) && large) continue;
     status = create_part(work, k, error);
   }
   if (status)

@@ -11,7 +11,7 @@
 struct dls_solver {
   dls_solver_settings settings;
   int d, nc;
-  int runaway; /* the last solve ended in DLS_NO_SOLUTION_LIKELY */
+  int runaway; /* the last solve ended so that the reactions may have run away */
   const dlsi_method *method;
   void *work; /* of the method */
 };
@@ -104,7 +104,7 @@ dls_status dls_solver_set_limits(dls_solver *solver, const dls_limits *limits, d
 static dls_status solver_solve(dls_solver *solver, const dls_contact *problem, double *r, double *u,
                                dls_info *info, dls_error *error) {
   const dls_status status = solver->method->solve(solver->work, problem, r, u, info, error);
-  solver->runaway = status == DLS_NO_SOLUTION_LIKELY;
+  solver->runaway = status == DLS_NO_SOLUTION_LIKELY || status == DLS_STALLED;
   return status;
 }
 
@@ -127,7 +127,7 @@ dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, doub
 }
 
 const double *dls_solver_direction(const dls_solver *solver) {
-  if (!solver || !solver->runaway) return NULL;
+  if (!solver || !solver->runaway || !solver->method->direction) return NULL;
   return solver->method->direction(solver->work);
 }
 
