@@ -1,8 +1,8 @@
 /*
  * exists.c: two signs that a contact problem has a solution, whatever methods make of it.
  *
- *   (EX3)  the symmetric part of W is positive definite
- *   (EX4)  some W x has (W x)_n > mu |(W x)_t| at every candidate: velocities that keep all of them apart,
+ *   (XS1)  the symmetric part of W is positive definite
+ *   (XS2)  some W x has (W x)_n > mu |(W x)_t| at every candidate: velocities that keep all of them apart,
  *          with room, are within reach
  *
  * For W with a positive semidefinite symmetric part each of them guarantees a solution: reactions
@@ -10,7 +10,7 @@
  * q.delta < 0 pay (Klarbring and Pang, SIAM J. Optim. 8, 1998, 414-442, for W positive definite;
  * Acary, Cadoux, Lemarechal and Malick, Z. Angew. Math. Mech. 91, 2011, 155-175, for the second).
  *
- * (EX4) asks for x with W x = e, e = 1 in every normal row and 0 in the others, by conjugate
+ * (XS2) asks for x with W x = e, e = 1 in every normal row and 0 in the others, by conjugate
  * gradients; only what comes out counts, so that neither symmetry nor convergence is needed.
  *
  * Cost: a Cholesky factorisation, up to 2 m products with W.
@@ -30,8 +30,9 @@ static void multiply_only(const dls_contact *problem, const double *x, double *y
     dlsi_contact_add_columns(problem, c, x + d * (size_t)c, y);
 }
 
-/* (EX3) J: scratch, m x m. A pivot within rounding of 0 says nothing. */
-static int is_positive_definite(const dls_contact *problem, const double *w, double *J) {
+/* (XS1) J: scratch, m x m. Rounding lets some singular W pass: that costs a verdict, not its
+ * truth. */
+static int is_positive_definite(const dls_contact *problem, double *J) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   memset(J, 0, m * m * sizeof *J);
   for (size_t j = 0; j < m; j++) {
@@ -41,7 +42,7 @@ static int is_positive_definite(const dls_contact *problem, const double *w, dou
   }
   for (size_t j = 0; j < m; j++)
     for (size_t i = j; i < m; i++)
-      J[i + j * m] = (J[i + j * m] / 2 + J[j + i * m] / 2) / sqrt(w[i / d] * w[j / d]);
+      J[i + j * m] = J[i + j * m] / 2 + J[j + i * m] / 2;
   dlsi_dense f = {.n = (int)m, .A = J};
   return !dlsi_dense_cholesky(&f);
 }
@@ -61,7 +62,7 @@ static int keeps_apart(const dls_contact *problem, const double *v) {
   return 1;
 }
 
-/* (EX4) */
+/* (XS2) */
 static int can_keep_apart(const dls_contact *problem, const double *w, double *const v[4]) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   double *Wx = v[0], *residual = v[1], *p = v[2], *Wp = v[3];
@@ -92,5 +93,5 @@ static int can_keep_apart(const dls_contact *problem, const double *w, double *c
 
 int dlsi_solution_exists(const dls_contact *problem, const double *w, double *J,
                          double *const v[4]) {
-  return (J && is_positive_definite(problem, w, J)) || can_keep_apart(problem, w, v);
+  return (J && is_positive_definite(problem, J)) || can_keep_apart(problem, w, v);
 }

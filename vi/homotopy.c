@@ -2,10 +2,10 @@
  * homotopy.c: interior homotopy by arc length, d = 2 and 3, for small problems on which other
  * methods fail.
  *
- * In the unknowns r_c = b k_c (x_n / mu, x_t), with k_c such that the scaled W has a mean diagonal
- * of 1 and b the largest entry of the scaled q, friction cones become the Lorentz cone K = { x :
- * x_n >= |x_t| }, which is its own dual. With z the scaled u + mu |u_t| n the problem is: x and z
- * in K, x.z = 0, and
+ * In the unknowns r_c = b k_c (x_n / mu, x_t), with k_c such that the blocks of the scaled W have a
+ * mean diagonal of 1 and b such that the largest entry of the scaled q is 1, friction cones become
+ * the Lorentz cone K = { x : x_n >= |x_t| }, which is its own dual. With z the scaled u + mu |u_t|
+ * n the problem is: x and z in K, x.z = 0, and
  *
  *   (HO1)  W x + q + t p + (s_c - t c) e = z,   s_c = sqrt(|z_t|^2 + (t c)^2),   e = (1, 0[, 0])
  *   (HO2)  x o z = t a b e,                     x o z = (x.z, x_n z_t + z_n x_t)
@@ -314,22 +314,25 @@ static double largest_step(const homotopy *work, int nc, const double *x, const 
 
 /* ---- the path -------------------------------------------------------------------------------- */
 
-/* Fills W, q, S, b. Returns 0 where q = 0 in the unknowns that are left. */
+/* Fills W, q, S, b. The scales k_c are those of a diagonal over the largest one, `unit`, so that a
+ * change of the unit of W by a power of two changes no bit. Returns 0 where W has no diagonal or q
+ * = 0. */
 static int scale_problem(homotopy *work, const dls_contact *problem) {
   const int d = work->d, nc = problem->nc, m = d * nc;
+  double *diagonal = work->eta, unit = 0;
   for (int c = 0; c < nc; c++) {
-    double block[9], D[3] = {0}, sum = 0;
-    dlsi_contact_diagonal(problem, c, block);
     const double mu = problem->mu[c];
-    D[0] = mu > 0 ? 1 / mu : 1;
-    for (int i = 1; i < d; i++)
-      D[i] = mu > 0;
-    for (int i = 0; i < d; i++)
-      sum += D[i] * D[i] * block[i + d * i];
-    const double k = sum > 0 ? 1 / sqrt(sum / d) : 1;
-    for (int i = 0; i < d; i++)
-      work->S[d * c + i] = k * D[i];
+    double block[9], *D = work->S + d * c;
+    dlsi_contact_diagonal(problem, c, block);
+    diagonal[c] = 0;
+    for (int i = 0; i < d; i++) {
+      D[i] = i ? mu > 0 : mu > 0 ? 1 / mu : 1;
+      diagonal[c] += D[i] * D[i] * block[i + d * i] / d;
+    }
+    unit = fmax(unit, diagonal[c]);
   }
+  for (int i = 0; i < m; i++)
+    work->S[i] *= diagonal[i / d] > 0 ? sqrt(unit / diagonal[i / d]) : 1;
   memset(work->W, 0, (size_t)m * (size_t)m * sizeof *work->W);
   for (int c = 0; c < nc; c++)
     for (int j = 0; j < d; j++) {
@@ -337,14 +340,15 @@ static int scale_problem(homotopy *work, const dls_contact *problem) {
       e[j] = work->S[d * c + j];
       dlsi_contact_add_columns(problem, c, e, column);
       for (int i = 0; i < m; i++)
-        column[i] *= work->S[i];
+        column[i] *= work->S[i] / unit;
     }
   for (int i = 0; i < m; i++)
     work->q[i] = work->S[i] * problem->q[i];
-  work->b = dlsi_max_abs(work->q, (size_t)m);
-  if (!(work->b > 0)) return 0;
+  const double size = dlsi_max_abs(work->q, (size_t)m);
+  if (!(size > 0 && unit > 0)) return 0;
   for (int i = 0; i < m; i++)
-    work->q[i] /= work->b;
+    work->q[i] /= size;
+  work->b = size / unit;
   return 1;
 }
 

@@ -214,7 +214,8 @@ static int may_go_another_way(const dlsi_auto *work) {
   return work->problem->d * work->problem->nc <= other_unknowns;
 }
 
-/* Method, its progress callback, when it is taken (NULL: always), its limit of iterations (0: its own). */
+/* Method, its progress callback, when it is taken (NULL: always), its limit of iterations (0: its
+ * own). */
 static const struct {
   const dlsi_method *method;
   dls_progress_fn watch;
@@ -303,8 +304,8 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
   return status;
 }
 
-/* (AT9) for a problem that no stage has solved. Returns DLS_OK, DLS_NO_SOLUTION_LIKELY, DLS_STALLED, or an
- * error. */
+/* (AT9) for a problem that no stage has solved. Returns DLS_OK, DLS_NO_SOLUTION_LIKELY,
+ * DLS_STALLED, or an error. */
 static dls_status judge(dlsi_auto *work, dls_error *error) {
   const dls_contact *problem = work->problem;
   const double tol = work->options.limits.tol;

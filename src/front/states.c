@@ -26,7 +26,7 @@ enum { most_rows = 2 * dlsi_most_states };
 
 typedef enum state { FREE, STICK, SLIP_LEFT, SLIP_RIGHT } state;
 
-/* The problem in scaled unknowns: W_ij / sqrt(w_i w_j), q / sqrt(w) over its largest entry. */
+/* The problem in scaled unknowns: W_ij / sqrt(w_i w_j), q / sqrt(w), its largest entry being 1. */
 typedef struct states {
   int nc;
   double W[most_rows][most_rows], q[most_rows], mu[dlsi_most_states];
@@ -35,23 +35,25 @@ typedef struct states {
 } states;
 
 static void states_scale(const dls_contact *problem, states *s) {
-  double w[dlsi_most_states], largest = 0;
+  double w[dlsi_most_states], most = 0, largest = 0;
   const int nc = s->nc = problem->nc, m = 2 * nc;
   dlsi_contact_weights(problem, w);
-  for (int c = 0; c < nc; c++) {
-    w[c] = sqrt(w[c]);
+  for (int c = 0; c < nc; c++)
+    most = fmax(most, w[c]);
+  for (int c = 0; c < nc; c++) { /* scales over the largest: powers of two change no bit */
+    s->unit[c] = sqrt(most / w[c]);
     s->mu[c] = problem->mu[c];
   }
   for (int j = 0; j < m; j++) {
     double e[2] = {j % 2 == 0, j % 2}, column[most_rows] = {0};
     dlsi_contact_add_columns(problem, j / 2, e, column);
     for (int i = 0; i < m; i++)
-      s->W[i][j] = column[i] / (w[i / 2] * w[j / 2]);
-    s->q[j] = problem->q[j] / w[j / 2];
+      s->W[i][j] = column[i] * s->unit[i / 2] * s->unit[j / 2] / most;
+    s->q[j] = problem->q[j] * s->unit[j / 2];
     largest = fmax(largest, fabs(s->q[j]));
   }
   for (int c = 0; c < nc; c++)
-    s->unit[c] = largest / w[c];
+    s->unit[c] *= largest / most;
   for (int j = 0; j < m; j++)
     s->q[j] /= largest;
 }
