@@ -429,7 +429,8 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
   return dlsi_iterate_settle(it, problem, reason);
 }
 
-int dlsi_count_ambiguous(const dls_contact *problem, const double *r, const double *u) {
+int dlsi_count_ambiguous(const dls_contact *problem, const double *r, const double *u,
+                         double *other) {
   const int d = problem->d;
   int ambiguous = 0;
   for (int c = 0; c < problem->nc; c++) {
@@ -444,6 +445,8 @@ int dlsi_count_ambiguous(const dls_contact *problem, const double *r, const doub
     int count;
     (void)dls_nlgs_local(d, W, p, problem->mu[c], s, &count);
     ambiguous += count > 1;
+    for (int i = 0; other && i < d; i++)
+      other[d * c + i] = count > 1 ? s[i] : rc[i];
   }
   return ambiguous;
 }
@@ -481,7 +484,7 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
     work->own_order[c] = last;
   }
   const dls_status status = dlsi_nlgs_run(work, problem, work->own_order, NULL, r, u, info);
-  if (info && !work->stage) info->ambiguous = dlsi_count_ambiguous(problem, r, work->it.u);
+  if (info && !work->stage) info->ambiguous = dlsi_count_ambiguous(problem, r, work->it.u, NULL);
   return status;
 }
 

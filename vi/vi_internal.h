@@ -200,10 +200,13 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
 dls_status dlsi_newton_create(dls_newton **out, int d, int nc, const dls_newton_settings *settings,
                               dlsi_room *room, dls_error *error);
 
-/* ---- vi/nlgs.c --------------------------------------------------------------------------------- */
+/* ---- vi/nlgs.c
+ * --------------------------------------------------------------------------------- */
 
-/* Returns how many candidates have several solutions when the others stay at r; u = W r + q. */
-int dlsi_count_ambiguous(const dls_contact *problem, const double *r, const double *u);
+/* Returns how many candidates have several solutions when the others stay at r; u = W r + q. other
+ * (m, or NULL): r with the first of these solutions in their place. */
+int dlsi_count_ambiguous(const dls_contact *problem, const double *r, const double *u,
+                         double *other);
 
 /* ---- vi/exists.c ----------------------------------------------------------------------------- */
 

@@ -33,6 +33,14 @@ typedef struct dls_stage {
 
 enum { DLS_STAGES_MAX = 24 };
 
+/* What is known of other answers to the same problem. A cheap look: dls_contact_diagnose knows
+ * more. */
+typedef enum dls_uniqueness {
+  DLS_UNIQUE_UNKNOWN = 0,
+  DLS_UNIQUE_YES = 1, /* proved: no friction and W_nn diagonally dominant */
+  DLS_UNIQUE_NO = 2   /* a second certified answer was found */
+} dls_uniqueness;
+
 /* The outcome of a solve. */
 typedef struct dls_info {
   dls_status status; /* as returned */
@@ -40,7 +48,8 @@ typedef struct dls_info {
   int iterations; /* sweeps; pivots and crash rounds of all LCPs; steps; augmentations; iterations;
                      auto: of all stages */
   dls_certificate certificate; /* of the r that is returned */
-  int ambiguous;      /* nlgs: candidates at the answer whose local problem has several solutions */
+  int ambiguous; /* nlgs, auto: candidates whose local problem has several solutions at the answer */
+  dls_uniqueness unique; /* auto: of a certified answer */
   int factorisations; /* admm; newton, augmented Lagrangian, penalty, auto: at most one per Newton
                          step */
   int sweeps;         /* newton: before the first step */

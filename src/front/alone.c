@@ -19,6 +19,7 @@
 
 #include "delassus/nlgs.h"
 #include "front/front.h"
+#include "vi/vi_internal.h"
 
 enum { few = 20, most_rows = 3 * few };
 
@@ -77,6 +78,7 @@ int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *
   if (!info) return 1;
   *info = (dls_info){.method = DLS_AUTO, .iterations = sweeps, .stages = sweeps};
   info->certificate = certificate;
+  if (pressed) info->ambiguous = dlsi_count_ambiguous(problem, x, v, NULL);
   if (sweeps) info->stage[0] = (dls_stage){DLS_NLGS, sweeps, 0, certificate.residual};
   return 1;
 }

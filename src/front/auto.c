@@ -1,6 +1,6 @@
 /*
- * auto.c: the method "auto": a list of stages. Each stage is another method's solve from the best
- * r so far; the first r that the certificate accepts is the answer.
+ * auto.c: the method "auto": a list of stages. Each stage is another method's solve from the best r
+ * so far; the first r that the certificate accepts is the answer.
  *
  *   (AT1)  sweeps     Gauss-Seidel with Anderson acceleration, in an order of the candidates that
  *                     follows from the data
@@ -8,8 +8,11 @@
  *                     0 with a small rho, for what may be a stack of bodies at rest (W by blocks,
  *                     -q in the friction cones)
  *   (AT3)  Newton     from the states that the sweeps have sorted
- *   (AT4)  augmented  the augmented Lagrangian, which recognises problems without a solution
- *   (AT5)  pivoting   Lemke's method, if small enough, which can prove that there is none
+ *   (AT4)  augmented  the augmented Lagrangian, which sees reactions run away
+ *   (AT5)  pivoting   Lemke's method, if small enough, which can prove that there is no solution
+ *   (AT8)  the last   up to 300 rows the interior homotopy from several starts; up to 3000 rows, from
+ *                     r = 0, plain sweeps in the reverse order, ADMM with rho from 1e-8 on, and the
+ *                     augmented Lagrangian once more
  *
  * One cost, in sweeps, decides when sweeps give way. With e the residual and e* the one that is
  * asked for, both looked at every 5 sweeps,
@@ -27,15 +30,18 @@
  * each failure, have not brought e down by a tenth. A forecast that was wrong is so believed less
  * each time. No clock is read: the same input takes the same stages and gives the same bits.
  *
- * W dense is what an elastic body leaves, regular. W by blocks comes from many bodies, often
- * rigid ones; it is then singular, and Newton's steps converge slowly. ADMM with a small rho asks
- * first for reactions under which nothing moves, W r = -q, the smallest ones where W is singular,
- * then puts them on their cones: a stack at rest takes a few iterations, however high. The free
- * velocity q of bodies at rest is that of falling, and -q lies in the cones; bodies in motion are
- * far from that.
+ * W dense is what an elastic body leaves, regular. W by blocks comes from many bodies, often rigid
+ * ones; it is then singular, and Newton's steps converge slowly. ADMM with a small rho asks first
+ * for reactions under which nothing moves, W r = -q, the smallest ones where W is singular, then
+ * puts them on their cones: a stack at rest takes a few iterations, however high. The free velocity
+ * q of bodies at rest is that of falling, and -q lies in the cones; bodies in motion are far from
+ * that.
  *
- * If (AT4) sees the reactions run away and (AT5), where there is room for it, finds no solution,
- * the answer is DLS_NO_SOLUTION_LIKELY; DLS_NO_SOLUTION if (AT5) has a proof.
+ *   (AT9)  verdict. DLS_NO_SOLUTION if (AT5) has a proof. DLS_NO_SOLUTION_LIKELY only when all of
+ *          (AT1)-(AT8) have failed and, d = 2 and up to 8 candidates, no states of the candidates
+ *          have a solution (states.c), or, for others, (AT4) sees the reactions run away at last; and
+ *          not where W shows that there is a solution (vi/exists.c). Else DLS_STALLED.
+ *
  * What can fail: every method; then DLS_STALLED with the best r.
  */
 #include <float.h>
@@ -57,6 +63,7 @@ enum { other_unknowns = 3000 }; /* beyond, another way takes too long, and nothi
 enum { other_iterations = 2000 };        /* of sweeps and splitting by another way */
 static const double progress = 0.9;      /* of e, below which a step has brought it down */
 static const double share_outside = 0.1; /* of -q outside of the cones, for what may rest */
+static const double another = 1e-3;      /* difference of two answers, over the largest reaction */
 static const double on_cone = 1e-9;      /* a reaction that lacks no more than this share slips */
 
 /* Its workspaces: each method once, and two of them once more for another way. */
@@ -343,6 +350,49 @@ static dls_status take_stages(dlsi_auto *work, dls_error *error) {
   return judge(work, error);
 }
 
+/* Returns 1 if no candidate has friction and W_nn is strictly diagonally dominant, so that it is a
+ * P-matrix and the answer the only one. row: scratch, nc. */
+static int is_dominant(const dls_contact *problem, double *row) {
+  for (int c = 0; c < problem->nc; c++) {
+    if (problem->mu[c] > 0) return 0;
+    row[c] = 0;
+  }
+  for (int c = 0; c < problem->nc; c++) {
+    const dlsi_block_column W = dlsi_contact_column(problem, (size_t)c);
+    for (size_t k = W.begin; k < W.end; k++) {
+      const size_t i = dlsi_row(&W, k);
+      row[i] += i == (size_t)c ? W.x[k * W.step] : -fabs(W.x[k * W.step]);
+    }
+  }
+  for (int c = 0; c < problem->nc; c++)
+    if (!(row[c] > 0)) return 0;
+  return 1;
+}
+
+/* Fills ambiguous and unique for the answer r, u being in v[0]: where candidates have another
+ * solution by themselves, as many sweeps as the answer took go on from there. */
+static void look_for_others(dlsi_auto *work, const double *r) {
+  const dls_contact *problem = work->problem;
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  double *other = work->v[1];
+  dls_limits limits = {.tol = work->options.limits.tol, .warm_start = 1};
+  dls_info info;
+  work->info.ambiguous = dlsi_count_ambiguous(problem, r, work->v[0], other);
+  if (is_dominant(problem, work->w)) work->info.unique = DLS_UNIQUE_YES;
+  if (!work->info.ambiguous || !work->part[SWEEPS]) return;
+  limits.max_iterations = work->info.iterations > 10 ? work->info.iterations : 10;
+  dlsi_nlgs_method.set_limits(work->part[SWEEPS], &limits);
+  if (dlsi_nlgs_method.solve(work->part[SWEEPS], problem, other, NULL, &info, NULL)) return;
+  dlsi_contact_weights(problem, work->w);
+  double difference = 0, size = 0;
+  for (size_t k = 0; k < m; k++) {
+    const double w = work->w[k / d];
+    difference = fmax(difference, fabs(w * (other[k] - r[k])));
+    size = fmax(size, fabs(w * r[k]));
+  }
+  if (difference > another * size) work->info.unique = DLS_UNIQUE_NO;
+}
+
 static dls_status auto_solve(void *automatic, const dls_contact *problem, double *r, double *u,
                              dls_info *info, dls_error *error) {
   dlsi_auto *work = automatic;
@@ -357,8 +407,8 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   memcpy(r, work->best, m * sizeof *r);
   dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
   if (u) memcpy(u, work->v[0], m * sizeof *u);
-  if (info && status == DLS_OK) work->info.ambiguous = dlsi_count_ambiguous(problem, r, work->v[0]);
   work->info.status = status;
+  if (info && status == DLS_OK) look_for_others(work, r);
   if (info) *info = work->info;
   return status;
 }

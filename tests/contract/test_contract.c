@@ -240,10 +240,12 @@ static double matrices(dls_method method, int d, int nc, int *pivots) {
   const double m = d * nc, n = (d == 2 ? 4 : 10) * nc;
   const int few = nc <= (d == 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D);
   *pivots = method == DLS_LEMKE || (method == DLS_AUTO && few);
-  return (method == DLS_NLGS || method == DLS_LEMKE ? 0 : m * m) + (*pivots ? 2 * n * n : 0);
+  const int path = method == DLS_HOMOTOPY || (method == DLS_AUTO && m <= 300);
+  return (method == DLS_NLGS || method == DLS_LEMKE ? 0 : m * m) + (*pivots ? 2 * n * n : 0) +
+         (path ? 2 * m * m : 0);
 }
 
-/* The order of memory: besides matrices O(m), 160 m doubles or 700 n for a table's pending pivots.
+/* The order of memory: besides matrices O(m), 200 m doubles or 700 n for a table's pending pivots.
  * A second matrix would be seen. Each malloc may fail. */
 START_TEST(memory) {
   const tested_solver s = door(_i);
@@ -252,7 +254,7 @@ START_TEST(memory) {
       int pivots;
       const any_settings settings = settings_for(&s, 1e-8, 0);
       const double doubles = matrices(s.method, d, nc, &pivots);
-      const double vectors = 160 * d * nc + (pivots ? 700 * (d == 2 ? 4 : 10) * nc : 0);
+      const double vectors = 200 * d * nc + (pivots ? 700 * (d == 2 ? 4 : 10) * nc : 0);
       expect_memory(&s, d, nc, &settings, sizeof(double) * doubles,
                     sizeof(double) * vectors + 16384);
     }
