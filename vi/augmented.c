@@ -335,7 +335,8 @@ const dlsi_method dlsi_augmented_method = {DLS_AUGMENTED_LAGRANGIAN,
                                            augmented_solve,
                                            augmented_destroy,
                                            augmented_set_limits,
-                                           augmented_direction};
+                                           augmented_direction,
+                                           NULL};
 
 const dlsi_method dlsi_penalty_method = {DLS_PENALTY,
                                          "penalty",
@@ -344,4 +345,5 @@ const dlsi_method dlsi_penalty_method = {DLS_PENALTY,
                                          augmented_solve,
                                          augmented_destroy,
                                          augmented_set_limits,
-                                         augmented_direction};
+                                         augmented_direction,
+                                         NULL};
