@@ -163,6 +163,7 @@ void print_json(FILE *out, const outcome *o) {
   }
   print_json_field(out, "solve_cpu_seconds", o->solve_cpu_seconds);
   if (o->info.stages) print_json_stages(out, &o->info);
+  verdict_print_json(out, &o->verdict, o->proof);
   fputs("\n}\n", out);
 }
 
