@@ -44,6 +44,8 @@ def main():
     wrong = 0
     for line in sys.stdin:
         kind, n, *numbers = line.split()
+        if kind not in count:  # what the test program says of itself
+            continue
         x = [Fraction(float.fromhex(word)) for word in numbers]
         count[kind] += 1
         if not (proves_lcp if kind == "lcp" else proves_contact)(int(n), x):

@@ -300,13 +300,15 @@ static void print_numbers(int n, const double *x) {
     printf(" %a", x[i]);
 }
 
+static int verdicts; /* to print */
+
 /* "lcp n", M by columns, q, v; "contact nc", W by columns, q, mu, v: one verdict a line. */
-static int print_verdicts(int count) {
+START_TEST(print_verdicts) {
   static lcp_case a;
   static model b;
   double v[4];
   set_seed(18);
-  for (int k = 0; count > 0; k++) {
+  for (int k = 0, count = verdicts; count > 0; k++) {
     draw_lcp(&a, k % 4);
     if (solve_lcp(&a, k / 4 % 2, 1e-8) == DLS_NO_SOLUTION) {
       printf("lcp %d", a.n);
@@ -328,11 +330,14 @@ static int print_verdicts(int count) {
       count--;
     }
   }
-  return 0;
 }
+END_TEST
 
 int main(int argc, char **argv) {
-  if (argc == 3 && !strcmp(argv[1], "print")) return print_verdicts(atoi(argv[2]));
+  if (argc == 3 && !strcmp(argv[1], "print")) {
+    verdicts = atoi(argv[2]);
+    return RUN("proof", NULL, NULL, ONCE(print_verdicts));
+  }
   return RUN("proof", NULL, NULL, ONCE(sums_are_exact), ONCE(whole_numbers_are_found),
              ONCE(crash_and_path_agree), ONCE(tolerance_zero_is_kept),
              ONCE(positive_definite_is_never_refuted), ONCE(contact_proofs_hold),
