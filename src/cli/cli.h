@@ -133,9 +133,8 @@ typedef struct verdict {
 /* Fills says, next and exact; farkas tells a ray that has a solution excluded but for rounding. */
 void verdict_fill(verdict *v, dls_status status, int lcp);
 
-/* Print the verdict; with proof = 1 the vectors, too. In JSON: as further fields of an object. */
+/* Prints the verdict; with proof = 1 the vectors, too. */
 void verdict_print(const verdict *v, int proof);
-void verdict_print_json(FILE *out, const verdict *v, int proof);
 
 /* ---- report.c, outcomes ---------------------------------------------------------------------- */
 
@@ -164,6 +163,9 @@ void print_json(FILE *out, const outcome *outcome);
 void print_json_string(FILE *out, const char *text);
 void print_json_number(FILE *out, double value);
 void print_json_field(FILE *out, const char *name, double value);
+
+/* Prints a verdict as the next fields of an object; with proof = 1 the vectors, too. */
+void print_json_verdict(FILE *out, const verdict *v, int proof);
 
 /* Returns the CPU seconds of this process. */
 double cpu_seconds(void);

@@ -165,7 +165,7 @@ static void print_lcp_json(int n, const dls_lemke_info *info, double solve_cpu_s
   print_json_field(stdout, "cone_violation", c->negative_z);
   print_json_field(stdout, "complementarity", c->complementarity);
   print_json_field(stdout, "solve_cpu_seconds", solve_cpu_seconds);
-  verdict_print_json(stdout, v, proof);
+  print_json_verdict(stdout, v, proof);
   puts("\n}");
 }
 

@@ -58,23 +58,3 @@ void verdict_print(const verdict *v, int proof) {
     print_rows(v->exact ? "proof v:" : "v, a proof but for rounding:", v->rows, 1, v->farkas);
   if (v->ray) print_rows("ray:", v->rows, v->stride, v->ray);
 }
-
-static void print_json_vector(FILE *out, const char *name, int n, const double *x) {
-  fprintf(out, ",\n  \"%s\": [", name);
-  for (int i = 0; i < n; i++) {
-    if (i) fputs(", ", out);
-    print_json_number(out, x[i]);
-  }
-  fputc(']', out);
-}
-
-void verdict_print_json(FILE *out, const verdict *v, int proof) {
-  if (!v->says) return;
-  fputs(",\n  \"verdict\": ", out);
-  print_json_string(out, v->says);
-  fputs(",\n  \"next\": ", out);
-  print_json_string(out, v->next);
-  if (proof && v->farkas)
-    print_json_vector(out, v->exact ? "farkas" : "farkas_to_rounding", v->rows, v->farkas);
-  if (proof && v->ray) print_json_vector(out, "ray", v->rows * v->stride, v->ray);
-}
