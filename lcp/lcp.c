@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/exact.h"
 #include "lcp_internal.h"
 
 dls_status dlsi_check_lcp(const dls_lcp *lcp, dls_error *error) {
@@ -150,8 +151,8 @@ dls_status dls_lcp_certify(const dls_lcp *lcp, const double *z, double *y,
 
 int dls_lcp_certificate_holds(const dls_lcp_certificate *certificate, double tol) {
   if (!certificate) return 0;
-  const double four = 4 * certificate->floor > 1e-8 ? 1e-8 : 4 * certificate->floor;
-  return certificate->residual <= (four > tol ? four : tol);
+  const double four = 4 * certificate->floor, coarsest = tol > 1e-8 ? tol : 1e-8;
+  return certificate->residual <= (four > tol ? four : tol) && four <= coarsest;
 }
 
 /* ---- the ray --------------------------------------------------------------------------------- */
@@ -239,6 +240,29 @@ double dlsi_lcp_farkas_violation(const dls_lcp *lcp, const double *v) {
     if (worst != worst) return worst;
   }
   return worst / (-qv / aqv);
+}
+
+static int farkas_holds(const void *problem, const double *v) {
+  const dls_lcp *lcp = problem;
+  dlsi_exact sum;
+  dlsi_exact_clear(&sum);
+  for (int i = 0; i < lcp->n; i++) {
+    if (!(v[i] >= 0 && isfinite(v[i]))) return 0;
+    dlsi_exact_add(&sum, lcp->q[i], v[i], 1);
+  }
+  if (dlsi_exact_sign(&sum) >= 0) return 0;
+  for (int j = 0; j < lcp->n; j++) {
+    const double *m = dlsi_lcp_column(lcp, j);
+    dlsi_exact_clear(&sum);
+    for (int i = 0; i < lcp->n; i++)
+      dlsi_exact_add(&sum, m[i], v[i], 1);
+    if (dlsi_exact_sign(&sum) > 0) return 0;
+  }
+  return 1;
+}
+
+int dlsi_lcp_find_proof(const dls_lcp *lcp, double *v, double *work) {
+  return dlsi_find_exact((size_t)lcp->n, v, work, farkas_holds, lcp);
 }
 
 dls_status dls_lcp_check_farkas(const dls_lcp *lcp, const double *v, double *violation,

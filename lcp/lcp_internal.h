@@ -44,6 +44,10 @@ double dlsi_lcp_ray_violation(const dls_lcp *lcp, const double *cover, const dou
                               const double *dz, double dz0, double *work);
 double dlsi_lcp_farkas_violation(const dls_lcp *lcp, const double *v);
 
+/* Returns 1 if v (n), or a vector near it, is a Farkas vector without any rounding; v then holds it.
+ * work: n. */
+int dlsi_lcp_find_proof(const dls_lcp *lcp, double *v, double *work);
+
 /* ---- scale.c --------------------------------------------------------------------------------- */
 
 /* Finds exponents rho (rows) and gamma (columns) for which the entries 2^(rho_i + gamma_j) |M_ij|
@@ -149,5 +153,11 @@ void dlsi_lemke_set_limits(dls_lemke *work, const dls_limits *limits);
  * rounding keeps the simplex method from ending. C: (C | q) by rows, n x (n + 1), n <=
  * DLS_ENUMERATE_MAX. */
 int dlsi_find_vertex(int n, const double *C, double *x);
+
+/* Lets `judge` decide, from the next solve on, whether a vector v (n) that is Farkas' but for
+ * rounding proves that there is no solution; NULL: dlsi_lcp_find_proof decides. For an LCP that has
+ * been computed from another problem, whose numbers count. judge may overwrite v; work: n. */
+typedef int dlsi_judge(void *problem, double *v, double *work);
+void dlsi_lemke_set_judge(dls_lemke *work, dlsi_judge *judge, void *problem);
 
 #endif

@@ -56,9 +56,9 @@
  *          more on a fresh table, then from the start without (LE10), with 1e-14 in (LE9) and
  *          (LE11) more often
  *
- * A ray (z, z0) + t (dz, dz0) with v = dz a Farkas proof (so if M is copositive-plus) means that
- * there is no solution. Another ray means nothing: unless the user chose d, other vectors d are
- * tried.
+ * A ray (z, z0) + t (dz, dz0) with v = dz a Farkas vector (so if M is copositive-plus) means that
+ * there is no solution, if v or a vector near it holds without any rounding. Another ray means
+ * nothing: unless the user chose d, other vectors d are tried.
  *
  * Cost: 2 n^2 flops per exchange at the rate of dgemm, and O(96 n); memory n (n + 1) + 330 n. The
  * number of exchanges can be 2^n (Murty) and usually is n/2 to 3 n.
@@ -83,6 +83,10 @@ static const double sharp = 1e-12;           /* a residual that calls for no sec
 
 enum { progress_interval = 50, check_interval = 256, strict_check_interval = 32 }; /* pivots */
 enum { covers = 10 };
+enum {
+  most_vectors = 2
+}; /* of Farkas but for rounding; what it leaves of solutions is too far away
+                              for a certificate, but another ray may prove that there is none */
 
 struct dls_lemke {
   int n; /* of create */
@@ -118,8 +122,11 @@ struct dls_lemke {
   dls_lcp_certificate best;
 
   int solved_n; /* n of the last solve if it ended in a ray, else 0 */
-  int proved;   /* 1: ray_dz is a Farkas proof */
-  double *ray_z, *ray_dz, *ray_cover;
+  int proved;   /* 1: farkas is a proof */
+  int vectors;  /* rays of this solve that are Farkas vectors but for rounding */
+  double *ray_z, *ray_dz, *ray_cover, *farkas; /* n */
+  dlsi_judge *judge;                           /* of farkas; NULL: this LCP */
+  void *judged;
   double ray_z0, ray_dz0;
 };
 
@@ -148,7 +155,7 @@ static dls_lemke *lemke_carve(dlsi_arena *arena, dls_lemke *work) {
                         &work->c,      &work->y,      &work->trial,     &work->magnitude,
                         &work->weight, &work->z,      &work->ray_z,     &work->ray_dz,
                         &work->cover,  &work->best_y, &work->ray_cover, &work->residual,
-                        &work->g};
+                        &work->g,      &work->farkas};
   for (size_t k = 0; k < sizeof vectors / sizeof vectors[0]; k++)
     *vectors[k] = dlsi_take(arena, ld, D);
   work->work = dlsi_take(arena, 9 * n, D);
@@ -197,6 +204,11 @@ void dls_lemke_destroy(dls_lemke *workspace) {
 
 void dlsi_lemke_set_limits(dls_lemke *work, const dls_limits *limits) {
   work->settings.limits = *limits;
+}
+
+void dlsi_lemke_set_judge(dls_lemke *work, dlsi_judge *judge, void *problem) {
+  work->judge = judge;
+  work->judged = problem;
 }
 
 /* ---- the scaled problem ---------------------------------------------------------------------- */
@@ -572,6 +584,13 @@ static path_end path_follow(dls_lemke *work, const dls_lcp *lcp, const double *z
 
 /* ---- answers --------------------------------------------------------------------------------- */
 
+/* Returns the larger one of the residual and what rounding hides: a z that ran away may have
+ * residual 0. */
+static double lemke_error(const dls_lcp_certificate *certificate) {
+  const double hidden = 4 * certificate->floor;
+  return hidden > certificate->residual ? hidden : certificate->residual;
+}
+
 /* Certifies max(0, z), or max(0, kappa C z) of scaled values; keeps it if it is the best so far. */
 static void lemke_offer(dls_lemke *work, const dls_lcp *lcp, const double *z, int scaled) {
   const size_t n = (size_t)lcp->n;
@@ -582,7 +601,7 @@ static void lemke_offer(dls_lemke *work, const dls_lcp *lcp, const double *z, in
   }
   dlsi_lcp_multiply(lcp, lcp->q, work->trial, work->y, work->magnitude);
   dlsi_lcp_measure(lcp, work->trial, work->y, work->magnitude, work->weight, &certificate);
-  if (!(certificate.residual < work->best.residual)) return;
+  if (!(lemke_error(&certificate) < lemke_error(&work->best))) return;
   work->best = certificate;
   memcpy(work->z, work->trial, n * sizeof *work->z);
   memcpy(work->best_y, work->y, n * sizeof *work->best_y);
@@ -599,6 +618,12 @@ static int lemke_holds(const dls_lemke *work, double tol) {
   return dls_lcp_certificate_holds(&work->best, tol);
 }
 
+/* Returns 1 if nothing better is to be expected of the best so far. */
+static int lemke_is_sharp(const dls_lemke *work) {
+  const double tol = work->settings.limits.tol;
+  return lemke_holds(work, tol < sharp ? tol : sharp);
+}
+
 /* (LE13) for a solution: returns 1 if nothing better is to be expected. */
 static int lemke_accept_solution(dls_lemke *work, const dls_lcp *lcp) {
   for (int anew = 0; anew < 2; anew++) {
@@ -606,7 +631,7 @@ static int lemke_accept_solution(dls_lemke *work, const dls_lcp *lcp) {
     lemke_read_values(&work->table, work->table.b, -1, work->x);
     lemke_refine(work, lcp, work->x, 1);
     lemke_offer(work, lcp, work->x + lcp->n, 1);
-    if (lemke_holds(work, sharp)) return 1;
+    if (lemke_is_sharp(work)) return 1;
   }
   return 0;
 }
@@ -635,8 +660,12 @@ static int lemke_accept_ray(dls_lemke *work, const dls_lcp *lcp) {
   if (!(dlsi_lcp_ray_violation(lcp, work->ray_cover, work->ray_z, work->ray_z0, work->ray_dz,
                                work->ray_dz0, work->work) <= tolerance))
     return 0;
-  work->proved = dlsi_lcp_farkas_violation(lcp, work->ray_dz) <= tolerance;
   work->solved_n = lcp->n;
+  if (!(dlsi_lcp_farkas_violation(lcp, work->ray_dz) <= tolerance)) return 1;
+  work->vectors++;
+  memcpy(work->farkas, work->ray_dz, n * sizeof *work->farkas);
+  work->proved = work->judge ? work->judge(work->judged, work->farkas, work->work)
+                             : dlsi_lcp_find_proof(lcp, work->farkas, work->work);
   return 1;
 }
 
@@ -654,7 +683,7 @@ static path_end lemke_crash(dls_lemke *work, const dls_lcp *lcp, const double *z
   }
   if (outcome <= 0) return path_lost;
   lemke_offer(work, lcp, crash->z, 0);
-  if (lemke_holds(work, sharp)) return path_solved;
+  if (lemke_is_sharp(work)) return path_solved;
   lemke_offer_zero(work, lcp);
   return path_lost;
 }
@@ -674,7 +703,7 @@ static dls_status lemke_paths(dls_lemke *work, const dls_lcp *lcp, const double 
     if (end == path_ray && lemke_accept_ray(work, lcp)) {
       if (lemke_holds(work, tol)) break; /* z0 was as good as 0 */
       if (work->proved) return DLS_NO_SOLUTION;
-      if (work->given || ++cover == covers) return DLS_RAY;
+      if (work->given || work->vectors == most_vectors || ++cover == covers) return DLS_RAY;
       continue;
     }
     work->solved_n = 0;
@@ -710,7 +739,7 @@ dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, 
   work->max_pivots =
       dlsi_most_iterations(limits, lcp->n < (INT_MAX - 1000) / 50 ? 50 * lcp->n + 1000 : INT_MAX);
   work->pivots = work->refreshes = work->starts = work->crash.rounds = 0;
-  work->solved_n = work->proved = 0;
+  work->solved_n = work->proved = work->vectors = 0;
   dlsi_lcp_weights(lcp, work->weight);
   lemke_offer_zero(work, lcp);
   if (work->best.negative_y > 0) {
@@ -757,6 +786,6 @@ dls_status dls_lemke_farkas(const dls_lemke *workspace, double *v, dls_error *er
   dls_status status =
       lemke_check_end(work, work && work->proved, "the last solve proved nothing", error);
   if (!status && !v) status = dlsi_is_null(error, "v");
-  if (!status) memcpy(v, work->ray_dz, (size_t)work->solved_n * sizeof *v);
+  if (!status) memcpy(v, work->farkas, (size_t)work->solved_n * sizeof *v);
   return dlsi_at(__func__, status, error);
 }

@@ -446,4 +446,4 @@ static void admm_set_limits(void *work, const dls_limits *limits) {
 const dlsi_method dlsi_admm_method = {
     DLS_ADMM,        "admm",     "splitting, one factorisation: large dense W, stacks at rest",
     admm_create_by,  admm_solve, admm_destroy,
-    admm_set_limits, NULL};
+    admm_set_limits, NULL,       NULL};

@@ -331,7 +331,8 @@ const dlsi_method dlsi_augmented_method = {DLS_AUGMENTED_LAGRANGIAN,
                                            augmented_solve,
                                            augmented_destroy,
                                            augmented_set_limits,
-                                           augmented_direction};
+                                           augmented_direction,
+                                           NULL};
 
 const dlsi_method dlsi_penalty_method = {DLS_PENALTY,
                                          "penalty",
@@ -340,4 +341,5 @@ const dlsi_method dlsi_penalty_method = {DLS_PENALTY,
                                          augmented_solve,
                                          augmented_destroy,
                                          augmented_set_limits,
-                                         augmented_direction};
+                                         augmented_direction,
+                                         NULL};

@@ -581,4 +581,5 @@ const dlsi_method dlsi_newton_method = {
     newton_solve,
     newton_destroy,
     newton_set_limits,
+    NULL,
     NULL};

@@ -519,4 +519,4 @@ static void nlgs_set_limits(void *work, const dls_limits *limits) {
 const dlsi_method dlsi_nlgs_method = {
     DLS_NLGS,        "nlgs",     "sweeps of Gauss-Seidel: any W, 1e-4 to 1e-8; accelerated, more",
     nlgs_create_by,  nlgs_solve, nlgs_destroy,
-    nlgs_set_limits, NULL};
+    nlgs_set_limits, NULL,       NULL};

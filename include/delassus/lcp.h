@@ -45,8 +45,8 @@ typedef struct dls_lcp_certificate {
 DLS_API DLS_MUST_USE dls_status dls_lcp_certify(const dls_lcp *lcp, const double *z, double *y,
                                                 dls_lcp_certificate *certificate, dls_error *error);
 
-/* Returns 1 if residual <= max(tol, min(4 floor, 1e-8)), else 0; NaN gives 0. (A z that ran away
- * has a large floor, which excuses nothing.) */
+/* Returns 1 if residual <= max(tol, 4 floor) and 4 floor <= max(tol, 1e-8), else 0; NaN gives 0.
+ * (Of a z that ran away rounding hides y, and nothing is certified.) */
 DLS_API int dls_lcp_certificate_holds(const dls_lcp_certificate *certificate, double tol);
 
 /* ---- Lemke ----------------------------------------------------------------------------------- */
@@ -98,12 +98,13 @@ DLS_API DLS_MUST_USE dls_status dls_lemke_create(dls_lemke **out, int n,
 /* Solves the LCP. z (n): in, the start if warm_start, else ignored; out, z >= 0. y (n, or NULL) :=
  * M z + q, recomputed; neither may overlap the other or the problem. Allocates nothing.
  *   DLS_OK              z is a solution: dls_lcp_certificate_holds
- *   DLS_NO_SOLUTION     no z >= 0 has M z + q >= 0; dls_lemke_farkas gives the proof, a vector
- *                       whose violation in dls_lcp_check_farkas is at most 1e-14 (n + 10)
- *   DLS_RAY             the path ended in a ray; dls_lemke_ray gives it, to the same tolerance.
+ *   DLS_NO_SOLUTION     no z >= 0 has M z + q >= 0; dls_lemke_farkas gives the proof, which holds
+ *                       exactly for the numbers of M and q
+ *   DLS_RAY             the path ended in a ray; dls_lemke_ray gives it, to 1e-14 (n + 10).
  *                       There may be a solution or none, unless theory adds something:
  *                       if M is copositive-plus (positive semidefinite, say), a ray means that
- *                       there is none
+ *                       there is none, but for rounding. So it does where dls_lcp_check_farkas
+ *                       measures dz as no more than 1e-14 (n + 10) from a proof
  *   DLS_MAX_ITERATIONS, DLS_CANCELLED
  *   DLS_STALLED         rounding: an answer or a ray was reached that cannot be confirmed
  * or an error of dls_lcp_check. With a status > 0, z is the point met that has the smallest
@@ -118,8 +119,8 @@ DLS_API DLS_MUST_USE dls_status dls_lemke_ray(const dls_lemke *workspace, double
                                               double *dz, double *dz0, double *cover,
                                               dls_error *error);
 
-/* After DLS_NO_SOLUTION: v (n), see dls_lcp_check_farkas. DLS_E_ARGUMENT if the last solve did
- * not end so. */
+/* After DLS_NO_SOLUTION: v (n) with v >= 0, M^T v <= 0, q^T v < 0 in exact arithmetic, often of
+ * whole numbers. DLS_E_ARGUMENT if the last solve did not end so. */
 DLS_API DLS_MUST_USE dls_status dls_lemke_farkas(const dls_lemke *workspace, double *v,
                                                  dls_error *error);
 

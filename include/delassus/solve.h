@@ -83,22 +83,35 @@ DLS_API DLS_MUST_USE dls_status dls_solver_set_limits(dls_solver *solver, const 
  * Allocates nothing for a W of the storage that `blocks` announced, MUMPS apart (newton.h).
  *
  * Statuses of the methods. Of lemke with d = 3, DLS_RAY and never DLS_NO_SOLUTION: a proof for the
- * cone with facets does not bind the round one. DLS_NO_SOLUTION of auto: proved by Lemke's method,
- * d = 2. DLS_NO_SOLUTION_LIKELY, of auto alone: all methods have failed, from r = 0 and more ways
- * than one; the reactions run away along the direction that follows or, d = 2 and up to 8
- * candidates, no states of the candidates have a solution; and W shows no reason why there should
- * be one (src/front/auto.c, AT9). DLS_STALLED of auto: all its methods failed. Where every q_n >=
- * 0, and where few candidates press and W couples none of them, auto answers without a workspace
- * unless it starts warm: r = 0 without a stage, or one sweep (src/front/alone.c). */
+ * cone with facets does not bind the round one. DLS_NO_SOLUTION of lemke and auto: proved, d = 2,
+ * exactly for the numbers of W, q and mu; dls_solver_farkas() has the proof. DLS_NO_SOLUTION_LIKELY,
+ * of auto alone: all methods have failed, from r = 0 and more ways than one; the reactions run away
+ * along dls_solver_direction() or, d = 2 and up to 8 candidates, no states of the candidates have a
+ * solution; and W shows no reason why there should be one (src/front/auto.c, AT9). DLS_RAY: the
+ * reactions run away along dls_solver_direction(), which says nothing of solutions; with a
+ * dls_solver_farkas(), that there is none near. DLS_STALLED of auto: all its methods failed. Where
+ * every q_n >= 0, and where few candidates press and W couples none of them, auto answers without
+ * a workspace unless it starts warm: r = 0 without a stage, or one sweep (src/front/alone.c). */
 DLS_API DLS_MUST_USE dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem,
                                                  double *r, double *u, dls_info *info,
                                                  dls_error *error);
 
 /* After DLS_NO_SOLUTION_LIKELY or DLS_STALLED of auto or the augmented Lagrangian, the direction
  * delta (m) of dls_augmented_direction(), augmented.h, if it saw one: W delta is as good as 0 and
- * q.delta < 0. A proof only where W delta = 0, W is symmetric, delta_n >= 0 and delta_t = 0. Else
- * NULL. Lives until the next solve or destroy. */
+ * q.delta < 0. A proof only where W delta = 0, W is symmetric, delta_n >= 0 and delta_t = 0. After
+ * DLS_RAY of lemke, the reactions of the ray (m), in lcp.h dz. Else NULL. Lives until the next
+ * solve or destroy. */
 DLS_API const double *dls_solver_direction(const dls_solver *solver);
+
+/* After DLS_NO_SOLUTION, the proof: v (nc) with
+ *
+ *   v >= 0,   sum_c v_c q_cn < 0,   g_cn + mu_c |g_ct| <= 0,   g_c = sum_a v_a (row n of W_ac)
+ *
+ * exactly for the numbers of the problem, so that no r in the friction cones has u_n = (W r + q)_n
+ * >= 0: 0 <= v.u_n = g.r + v.q_n < 0 otherwise. After DLS_RAY of lemke, d = 2, a v for which this
+ * holds but for rounding: nothing proved, a solution would be too large to be certified. Else NULL.
+ * Lives until the next solve or destroy. */
+DLS_API const double *dls_solver_farkas(const dls_solver *solver);
 
 /* NULL is fine. */
 DLS_API void dls_solver_destroy(dls_solver *solver);

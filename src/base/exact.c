@@ -12,6 +12,10 @@
  *
  * rules it out, since then 0 <= v.u_n = (W_n^T v).r + v.q_n < 0. In 2D the last condition is that of the
  * two edges of each cone: linear in W, mu W and v, and so exact here.
+ *
+ * A vector that a method computed holds but for rounding. The conditions that are equations for it
+ * hold exactly, if at all, near it (EX3): v itself, v without its negligible entries, v in whole
+ * numbers, v rounded to few binary digits.
  */
 #include "base/exact.h"
 
@@ -19,6 +23,8 @@
 #include <string.h>
 
 enum { lowest = -3 * 1074, most_pending = 1 << 30 }; /* (EX1) */
+static const double negligible = 1e-12; /* (EX3), of the largest entry: rounding of a few thousand
+                                           unknowns */
 
 void dlsi_exact_clear(dlsi_exact *sum) {
   memset(sum, 0, sizeof *sum);
@@ -127,21 +133,68 @@ int dlsi_contact_is_infeasible(const dls_contact *problem, const double *v) {
   return 1;
 }
 
-void dlsi_round_to(int bits, size_t n, const double *v, double *rounded) {
+/* ---- vectors near a proof -------------------------------------------------------------------- */
+
+/* Returns the least k <= most with |x - h / k| <= within for a whole h, from the continued fraction
+ * of x; 0 if there is none. */
+static double exact_denominator(double x, double within, double most) {
+  double rest = x - floor(x), h0 = 1, k0 = 0, h = floor(x), k = 1;
+  while (fabs(x - h / k) > within) {
+    const double whole = floor(1 / rest), h2 = whole * h + h0, k2 = whole * k + k0;
+    if (!(k2 <= most)) return 0;
+    rest = 1 / rest - whole;
+    h0 = h;
+    k0 = k;
+    h = h2;
+    k = k2;
+  }
+  return k;
+}
+
+/* whole := v times a factor that makes all entries whole numbers but for rounding; returns 0 if
+ * there is none. */
+static int exact_to_whole(size_t n, const double *v, double *whole) {
+  const double largest = dlsi_max_abs(v, n), most = 0x1p31;
+  double factor = 1;
+  for (size_t i = 0; i < n; i++) {
+    const double k = exact_denominator(v[i] / largest * factor, negligible * factor, most / factor);
+    if (k == 0) return 0;
+    factor *= k;
+  }
+  for (size_t i = 0; i < n; i++)
+    whole[i] = nearbyint(v[i] / largest * factor);
+  return 1;
+}
+
+/* Rounds v to `bits` binary digits of its largest entry. */
+static void exact_round(int bits, size_t n, const double *v, double *rounded) {
   int e;
   (void)frexp(dlsi_max_abs(v, n), &e);
   for (size_t i = 0; i < n; i++)
     rounded[i] = ldexp(nearbyint(ldexp(v[i], bits - e)), e - bits);
 }
 
-int dlsi_contact_find_proof(const dls_contact *problem, double *v, double *work) {
+int dlsi_find_exact(size_t n, double *v, double *work,
+                    int (*holds)(const void *problem, const double *v), const void *problem) {
   static const int bits[] = {53, 40, 30, 20, 12, 8, 5, 3};
-  const size_t nc = (size_t)problem->nc;
-  for (size_t k = 0; k < sizeof bits / sizeof bits[0]; k++) {
-    dlsi_round_to(bits[k], nc, v, work);
-    if (!dlsi_contact_is_infeasible(problem, work)) continue;
-    memcpy(v, work, nc * sizeof *v);
-    return 1;
+  const double largest = dlsi_max_abs(v, n);
+  if (!(largest > 0 && isfinite(largest))) return 0;
+  if (holds(problem, v)) return 1;
+  for (size_t i = 0; i < n; i++)
+    work[i] = v[i] < negligible * largest ? 0 : v[i];
+  int found = holds(problem, work) || (exact_to_whole(n, v, work) && holds(problem, work));
+  for (size_t k = 0; !found && k < sizeof bits / sizeof bits[0]; k++) {
+    exact_round(bits[k], n, v, work);
+    found = holds(problem, work);
   }
-  return 0;
+  if (found) memcpy(v, work, n * sizeof *v);
+  return found;
+}
+
+static int exact_is_contact_proof(const void *problem, const double *v) {
+  return dlsi_contact_is_infeasible(problem, v);
+}
+
+int dlsi_contact_find_proof(const dls_contact *problem, double *v, double *work) {
+  return dlsi_find_exact((size_t)problem->nc, v, work, exact_is_contact_proof, problem);
 }

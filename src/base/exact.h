@@ -27,10 +27,11 @@ int dlsi_exact_sign(dlsi_exact *sum);
  * numbers of the problem. */
 int dlsi_contact_is_infeasible(const dls_contact *problem, const double *v);
 
-/* Returns 1 if v or v rounded to a few digits is such a proof; v then holds it. work: nc. */
+/* Returns 1 if v (nc), or a vector near it (EX3), is such a proof; v then holds it. work: nc. */
 int dlsi_contact_find_proof(const dls_contact *problem, double *v, double *work);
 
-/* Rounds v (n) to `bits` binary digits of its largest entry. */
-void dlsi_round_to(int bits, size_t n, const double *v, double *rounded);
+/* Returns 1 if `holds` is true of v (n), or of a vector near it (EX3), which v then is. work: n. */
+int dlsi_find_exact(size_t n, double *v, double *work,
+                    int (*holds)(const void *problem, const double *v), const void *problem);
 
 #endif

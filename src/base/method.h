@@ -34,9 +34,11 @@ typedef struct dlsi_method {
                       dls_error *error);
   void (*destroy)(void *work);
   void (*set_limits)(void *work, const dls_limits *limits); /* all but blocks */
-  /* After DLS_NO_SOLUTION_LIKELY the direction along which the reactions run away, m. NULL: the
-   * method does not say that. */
+  /* After DLS_NO_SOLUTION_LIKELY, or a ray of Lemke's method, the direction along which the
+   * reactions run away, m. NULL: the method does not say that. */
   const double *(*direction)(const void *work);
+  /* As dls_solver_farkas says. NULL: the method proves nothing. */
+  const double *(*farkas)(const void *work);
 } dlsi_method;
 
 #endif

@@ -119,6 +119,25 @@ const char *status_word(dls_status status);
 const char *state_word(dls_contact_state state);
 const char *iteration_word(dls_method method);
 
+/* ---- verdict.c ------------------------------------------------------------------------------- */
+
+/* The meaning of a solve that ended without an answer. */
+typedef struct verdict {
+  const char *says, *next; /* NULL: there is nothing to say */
+  int exact;               /* 1: farkas is a proof, 0: but for rounding */
+  int rows, stride;        /* of farkas, and numbers in a row of ray */
+  const double *farkas;    /* rows, or NULL */
+  const double *ray;       /* rows x stride, along which the unknowns run away, or NULL */
+} verdict;
+
+/* Fills says, next and exact; farkas tells a ray that has a solution excluded but for rounding. */
+void verdict_fill(verdict *v, dls_status status, int lcp);
+
+/* Prints the verdict; with proof = 1 the vectors, too. */
+void verdict_print(const verdict *v, int proof);
+
+/* ---- report.c, outcomes ---------------------------------------------------------------------- */
+
 /* The summary of a run, in text and in JSON. */
 typedef struct outcome {
   dls_info info;
@@ -128,6 +147,8 @@ typedef struct outcome {
   int weighted;
   double Rt, Rn;                 /* scenes: resultants of the candidates' reactions */
   const dls_primal_info *primal; /* gauss-seidel, its own certificate; NULL: another method */
+  verdict verdict;               /* of solve */
+  int proof;                     /* 1: with its vectors */
 } outcome;
 
 const char *method_word(const outcome *outcome);
@@ -142,6 +163,9 @@ void print_json(FILE *out, const outcome *outcome);
 void print_json_string(FILE *out, const char *text);
 void print_json_number(FILE *out, double value);
 void print_json_field(FILE *out, const char *name, double value);
+
+/* Prints a verdict as the next fields of an object; with proof = 1 the vectors, too. */
+void print_json_verdict(FILE *out, const verdict *v, int proof);
 
 /* Returns the CPU seconds of this process. */
 double cpu_seconds(void);

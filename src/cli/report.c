@@ -117,6 +117,26 @@ void print_json_field(FILE *out, const char *name, double value) {
   print_json_number(out, value);
 }
 
+static void print_json_vector(FILE *out, const char *name, int n, const double *x) {
+  fprintf(out, ",\n  \"%s\": [", name);
+  for (int i = 0; i < n; i++) {
+    if (i) fputs(", ", out);
+    print_json_number(out, x[i]);
+  }
+  fputc(']', out);
+}
+
+void print_json_verdict(FILE *out, const verdict *v, int proof) {
+  if (!v->says) return;
+  fputs(",\n  \"verdict\": ", out);
+  print_json_string(out, v->says);
+  fputs(",\n  \"next\": ", out);
+  print_json_string(out, v->next);
+  if (proof && v->farkas)
+    print_json_vector(out, v->exact ? "farkas" : "farkas_to_rounding", v->rows, v->farkas);
+  if (proof && v->ray) print_json_vector(out, "ray", v->rows * v->stride, v->ray);
+}
+
 static void print_json_stages(FILE *out, const dls_info *info) {
   fputs(",\n  \"stages\": [", out);
   for (int k = 0; k < info->stages; k++) {
@@ -163,6 +183,7 @@ void print_json(FILE *out, const outcome *o) {
   }
   print_json_field(out, "solve_cpu_seconds", o->solve_cpu_seconds);
   if (o->info.stages) print_json_stages(out, &o->info);
+  print_json_verdict(out, &o->verdict, o->proof);
   fputs("\n}\n", out);
 }
 

@@ -8,7 +8,7 @@
 
 typedef struct solve_options {
   solver_options solver;
-  int lcp, json;
+  int lcp, json, proof;
   const char *out; /* NULL: none */
 } solve_options;
 
@@ -25,6 +25,9 @@ static void solve_usage(FILE *out) {
       "  -f, --facets=M        lemke in 3D: facets of the friction cone, even, 4 to 64 (8)\n"
       "  -o, --output=OUT      write the problem with its solution (FCLIB), or z (Matrix Market)\n"
       "  -j, --json            print the outcome as one JSON object\n"
+      "  -p, --proof           print the vectors behind a verdict without an answer: the proof "
+      "that\n"
+      "                        there is no solution, the ray along which the unknowns run away\n"
       "  -l, --lcp             the files hold M and q of an LCP\n"
       "  -h, --help            this text\n",
       out);
@@ -71,6 +74,7 @@ static void print_outcome(const char *path, const problem *p, const outcome *o, 
          "complementarity %.2e\n",
          c->penetration, c->adhesion, c->cone_violation, c->slip_direction, c->complementarity);
   print_states(&p->contact, r, u);
+  verdict_print(&o->verdict, o->proof);
 }
 
 static int solve_contact(const char *path, const solve_options *options) {
@@ -105,6 +109,12 @@ static int solve_contact(const char *path, const solve_options *options) {
     (void)complain_of(path, &error);
     goto end;
   }
+  o.proof = options->proof;
+  o.verdict = (verdict){.rows = o.nc,
+                        .stride = o.d,
+                        .farkas = dls_solver_farkas(solver),
+                        .ray = dls_solver_direction(solver)};
+  verdict_fill(&o.verdict, status, 0);
   if (options->json)
     print_json(stdout, &o);
   else
@@ -124,7 +134,27 @@ end:
 
 /* ---- LCPs ------------------------------------------------------------------------------------ */
 
-static void print_lcp_json(int n, const dls_lemke_info *info, double solve_cpu_seconds) {
+/* Fills v of an LCP after a solve; x: n, room for its vector. Returns DLS_OK, or an error. */
+static dls_status fill_lcp_verdict(verdict *v, const dls_lemke *lemke, const dls_lcp *lcp,
+                                   dls_status status, double *x, dls_error *error) {
+  double violation = INFINITY;
+  dls_status done = DLS_OK;
+  *v = (verdict){.rows = lcp->n, .stride = 1};
+  if (status == DLS_NO_SOLUTION) done = dls_lemke_farkas(lemke, x, error);
+  if (status == DLS_RAY) {
+    done = dls_lemke_ray(lemke, NULL, NULL, x, NULL, NULL, error);
+    if (!done) done = dls_lcp_check_farkas(lcp, x, &violation, error);
+  }
+  if (status == DLS_NO_SOLUTION || violation <= 1e-14 * (lcp->n + 10)) /* as dls_lemke_solve asks */
+    v->farkas = x;
+  else if (status == DLS_RAY)
+    v->ray = x;
+  verdict_fill(v, status, 1);
+  return done;
+}
+
+static void print_lcp_json(int n, const dls_lemke_info *info, double solve_cpu_seconds,
+                           const verdict *v, int proof) {
   const dls_lcp_certificate *c = &info->certificate;
   printf("{\n  \"status\": \"%s\",\n  \"method\": \"lemke\",\n  \"dimension\": %d,\n"
          "  \"contacts\": 0,\n  \"iterations\": %d",
@@ -135,6 +165,7 @@ static void print_lcp_json(int n, const dls_lemke_info *info, double solve_cpu_s
   print_json_field(stdout, "cone_violation", c->negative_z);
   print_json_field(stdout, "complementarity", c->complementarity);
   print_json_field(stdout, "solve_cpu_seconds", solve_cpu_seconds);
+  print_json_verdict(stdout, v, proof);
   puts("\n}");
 }
 
@@ -164,7 +195,7 @@ static int solve_lcp_files(const char *path_M, const char *path_q, const solve_o
   settings.limits.tol = options->solver.settings.limits.tol;
   settings.limits.max_iterations = options->solver.settings.limits.max_iterations;
   settings.limits.progress = options->solver.settings.limits.progress;
-  z = malloc((size_t)rows * sizeof *z);
+  z = calloc(2 * (size_t)rows, sizeof *z);
   if (!z || dls_lemke_create(&lemke, rows, &settings, &error)) {
     (void)(z ? complain_of(path_M, &error) : complain("%s: out of memory", path_M));
     goto end;
@@ -179,8 +210,13 @@ static int solve_lcp_files(const char *path_M, const char *path_q, const solve_o
     (void)complain_of(path_M, &error);
     goto end;
   }
+  verdict v;
+  if (fill_lcp_verdict(&v, lemke, &lcp, status, z + rows, &error)) {
+    (void)complain_of(path_M, &error);
+    goto end;
+  }
   if (options->json)
-    print_lcp_json(rows, &info, solve_cpu_seconds);
+    print_lcp_json(rows, &info, solve_cpu_seconds, &v, options->proof);
   else {
     printf("%s: LCP of %d unknowns\n", path_M, rows);
     printf("  lemke: %s, %d rounds of the crash start, %d pivots, residual %.2e (floor %.1e), %.3g "
@@ -190,6 +226,7 @@ static int solve_lcp_files(const char *path_M, const char *path_q, const solve_o
     printf("  negative z %.2e, negative y %.2e, complementarity %.2e\n",
            info.certificate.negative_z, info.certificate.negative_y,
            info.certificate.complementarity);
+    verdict_print(&v, options->proof);
   }
   const dls_dense answer = {rows, 1, rows, z};
   if (options->out && dls_mtx_write(options->out, &answer, &error)) {
@@ -218,16 +255,18 @@ static taken take_solve_option(int key, const char *text, void *data) {
     o->json = 1;
   else if (key == 'l')
     o->lcp = 1;
+  else if (key == 'p')
+    o->proof = 1;
   else
     return OPTION_UNKNOWN;
   return OPTION_TAKEN;
 }
 
 int command_solve(int argc, char **argv) {
-  static const struct option options[] = {SOLVER_OPTIONS,       VALUE("facets", 'f'),
-                                          VALUE("output", 'o'), FLAG("json", 'j'),
-                                          FLAG("lcp", 'l'),     LAST_OPTIONS};
-  static const command solve = {SOLVER_KEYS "f:o:jlh", options, solve_usage, take_solve_option, 0};
+  static const struct option options[] = {
+      SOLVER_OPTIONS,   VALUE("facets", 'f'), VALUE("output", 'o'), FLAG("json", 'j'),
+      FLAG("lcp", 'l'), FLAG("proof", 'p'),   LAST_OPTIONS};
+  static const command solve = {SOLVER_KEYS "f:o:jlph", options, solve_usage, take_solve_option, 0};
   solve_options o = {0};
   solver_options_init(&o.solver, 1e-8);
   const int stop = take_options(argc, argv, &solve, &o);

@@ -418,6 +418,11 @@ static const double *auto_direction(const void *automatic) {
   return dlsi_augmented_method.direction(work->part[AUGMENTED]);
 }
 
+static const double *auto_farkas(const void *automatic) {
+  const dlsi_auto *work = automatic;
+  return work->part[PIVOTING] ? dlsi_lemke_method.farkas(work->part[PIVOTING]) : NULL;
+}
+
 static void auto_set_limits(void *automatic, const dls_limits *limits) {
   dlsi_set_limits(&((dlsi_auto *)automatic)->options.limits, limits);
 }
@@ -474,4 +479,5 @@ const dlsi_method dlsi_auto_method = {
     .destroy = auto_destroy,
     .set_limits = auto_set_limits,
     .direction = auto_direction,
+    .farkas = auto_farkas,
 };

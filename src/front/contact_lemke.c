@@ -6,6 +6,10 @@
  *   (CL2)  from the LCP's reactions to the round cone by Newton's method; where the states of the
  *          candidates cycle, sweeps of Gauss-Seidel sort them out, and again
  *
+ *   (CL3)  d = 2: v_c = s_c times the entry of row u_n in the LCP's Farkas vector is one of the
+ *          contact problem, (EX2), but for rounding; a proof if it, or a vector near it, holds
+ *          exactly for W, q and mu, which the LCP has only rounded
+ *
  * Unknowns are scaled by s_c = 1 / sqrt(w_c). The certificate decides. In 3D the LCP proves
  * nothing of the problem: the round cone holds more than the one with facets.
  */
@@ -14,6 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/exact.h"
 #include "delassus/facets.h"
 #include "delassus/lcp.h"
 #include "front/front.h"
@@ -39,7 +44,15 @@ typedef struct contact_lemke {
   double *q, *z;      /* n: its right-hand side and unknowns */
   double *s;          /* nc: scales, r_c = s_c r'_c */
   double *r;          /* m: the iterate */
+  double *v;          /* nc: (CL3) */
+  double *dr;         /* m: reactions of the last ray */
   dlsi_iterate it;
+
+  /* of the solve under way, or the last one */
+  const dls_contact *problem;
+  int form;    /* facets of the LCP that Lemke's method solves; 0: the 3-row form */
+  int has_v;   /* 1: v is a Farkas vector, at least but for rounding */
+  int has_ray; /* 1: the solve ended in DLS_RAY, along dr */
 } contact_lemke;
 
 static void contact_lemke_carve(void *lemke, dlsi_arena *arena) {
@@ -50,6 +63,8 @@ static void contact_lemke_carve(void *lemke, dlsi_arena *arena) {
   work->z = dlsi_take(arena, n, D);
   work->s = dlsi_take(arena, nc, D);
   work->r = dlsi_take(arena, (size_t)work->d * nc, D);
+  work->dr = dlsi_take(arena, (size_t)work->d * nc, D);
+  work->v = dlsi_take(arena, nc, D);
   dlsi_iterate_carve(&work->it, arena, work->d, work->nc, &work->limits);
 }
 
@@ -100,6 +115,32 @@ static dls_status contact_lemke_create(void **out, int d, int nc, const dlsi_opt
   return DLS_OK;
 }
 
+/* (CL3) Decides whether the Farkas vector of the LCP is a proof; work->v := that of the contact
+ * problem. d = 3: settles that the cone with facets has no solution. scratch: nc. */
+static int contact_lemke_judge(void *lemke, double *farkas, double *scratch) {
+  contact_lemke *work = lemke;
+  const dls_contact *problem = work->problem;
+  if (problem->d != 2) return 1;
+  for (int c = 0, i = 0; c < problem->nc; c++) {
+    work->v[c] = work->s[c] * farkas[i];
+    i += !(problem->mu[c] > 0) ? 1 : work->form ? work->form + 2 : 3;
+  }
+  work->has_v = 1;
+  return dlsi_contact_find_proof(problem, work->v, scratch);
+}
+
+/* work->dr := the reactions of the ray that the LCP ended in. Returns `status`, or an error. */
+static dls_status read_ray(contact_lemke *work, dls_status status, dls_error *error) {
+  const dls_contact *problem = work->problem;
+  const dls_status ray = dls_lemke_ray(work->lemke, NULL, NULL, work->z, NULL, NULL, error);
+  if (ray) return ray;
+  const dls_status mapped =
+      work->form
+          ? dls_contact_from_facets_lcp(problem, work->form, work->s, work->z, work->dr, error)
+          : dls_contact_from_lcp(problem, work->s, work->z, work->dr, error);
+  return mapped ? mapped : status;
+}
+
 /* (CL1) Solves the LCP of `facets` (0: the 3-row form) in scaled unknowns, warm from the states
  * of work->z, and offers its reactions. Returns the status of the LCP, or an error. */
 static dls_status pivot(contact_lemke *work, const dls_contact *problem, int facets, int *pivots,
@@ -113,6 +154,7 @@ static dls_status pivot(contact_lemke *work, const dls_contact *problem, int fac
   if (facets) memset(work->z, 0, (size_t)n * sizeof *work->z);
   const dls_lcp lcp = {n, {n, n, n, work->M}, work->q};
   dls_lemke_info info;
+  work->form = facets;
   status = dls_lemke_solve(work->lemke, &lcp, work->z, NULL, &info, error);
   if (status < 0) return status;
   *pivots += info.pivots + info.crash_rounds;
@@ -121,7 +163,7 @@ static dls_status pivot(contact_lemke *work, const dls_contact *problem, int fac
              : dls_contact_from_lcp(problem, s, work->z, work->r, error);
   if (mapped) return mapped;
   (void)dlsi_iterate_offer(&work->it, problem, work->r);
-  return status;
+  return status == DLS_RAY || status == DLS_NO_SOLUTION ? read_ray(work, status, error) : status;
 }
 
 /* (CL2) from work->r, not from the best r so far: r = 0 may have the smaller residual, but not the
@@ -149,6 +191,9 @@ static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, d
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const int flat = problem->d == 2, warm = work->limits.warm_start;
   dls_info outcome = {.method = DLS_LEMKE};
+  work->problem = problem;
+  work->has_v = work->has_ray = 0;
+  dlsi_lemke_set_judge(work->lemke, contact_lemke_judge, work);
   dlsi_iterate_begin(it, problem, NULL, work->limits.tol, warm, r, work->r);
   (void)dlsi_iterate_offer(it, problem, work->r);
   if (warm && flat) dlsi_friction_start(problem, it->w, work->r, it->u, work->z);
@@ -170,7 +215,19 @@ static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, d
     status = DLS_OK;
   else if (status == DLS_OK)
     status = DLS_STALLED;
+  work->has_ray = status == DLS_RAY;
+  work->has_v &= work->has_ray || status == DLS_NO_SOLUTION;
   return dlsi_iterate_end(it, problem, status, &outcome, r, u, info);
+}
+
+static const double *contact_lemke_direction(const void *lemke) {
+  const contact_lemke *work = lemke;
+  return work->has_ray ? work->dr : NULL;
+}
+
+static const double *contact_lemke_farkas(const void *lemke) {
+  const contact_lemke *work = lemke;
+  return work->has_v ? work->v : NULL;
 }
 
 const dlsi_method dlsi_lemke_method = {
@@ -181,4 +238,6 @@ const dlsi_method dlsi_lemke_method = {
     .solve = contact_lemke_solve,
     .destroy = contact_lemke_destroy,
     .set_limits = contact_lemke_set_limits,
+    .direction = contact_lemke_direction,
+    .farkas = contact_lemke_farkas,
 };

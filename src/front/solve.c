@@ -11,7 +11,7 @@
 struct dls_solver {
   dls_solver_settings settings;
   int d, nc;
-  int runaway; /* the last solve ended so that the reactions may have run away */
+  dls_status status; /* of the last solve */
   const dlsi_method *method;
   void *work; /* of the method */
 };
@@ -104,7 +104,7 @@ dls_status dls_solver_set_limits(dls_solver *solver, const dls_limits *limits, d
 static dls_status solver_solve(dls_solver *solver, const dls_contact *problem, double *r, double *u,
                                dls_info *info, dls_error *error) {
   const dls_status status = solver->method->solve(solver->work, problem, r, u, info, error);
-  solver->runaway = status == DLS_NO_SOLUTION_LIKELY || status == DLS_STALLED;
+  solver->status = status;
   return status;
 }
 
@@ -121,14 +121,22 @@ dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, doub
   dls_status status = dlsi_check_solve(solver->d, solver->nc, problem, r,
                                        solver->settings.limits.warm_start, error);
   if (status) return dlsi_at(__func__, status, error);
-  solver->runaway = 0;
+  solver->status = DLS_OK;
   if (is_answered(&solver->settings, problem, r, u, info)) return DLS_OK;
   return dlsi_at(__func__, solver_solve(solver, problem, r, u, info, error), error);
 }
 
 const double *dls_solver_direction(const dls_solver *solver) {
-  if (!solver || !solver->runaway || !solver->method->direction) return NULL;
+  if (!solver || !solver->method->direction) return NULL;
+  const dls_status status = solver->status;
+  if (status != DLS_NO_SOLUTION_LIKELY && status != DLS_RAY && status != DLS_STALLED) return NULL;
   return solver->method->direction(solver->work);
+}
+
+const double *dls_solver_farkas(const dls_solver *solver) {
+  if (!solver || !solver->method->farkas) return NULL;
+  if (solver->status != DLS_NO_SOLUTION && solver->status != DLS_RAY) return NULL;
+  return solver->method->farkas(solver->work);
 }
 
 void dls_solver_destroy(dls_solver *solver) {

@@ -416,9 +416,16 @@ END_TEST
 START_TEST(a_high_floor_excuses_nothing) {
   dls_lcp_certificate c = {.residual = 1e-6, .floor = 1e-3};
   ck_assert_int_eq(dls_lcp_certificate_holds(&c, 1e-8), 0);
-  ck_assert_int_eq(dls_lcp_certificate_holds(&c, 1e-5), 1);
-  c.residual = 0; /* exact, however large z is */
-  ck_assert_int_eq(dls_lcp_certificate_holds(&c, 0), 1);
+  ck_assert_int_eq(dls_lcp_certificate_holds(&c, 1e-5), 0);
+  ck_assert_int_eq(dls_lcp_certificate_holds(&c, 1e-2), 1);
+  c.residual = 0; /* a y = 0 of which no digit is right */
+  ck_assert_int_eq(dls_lcp_certificate_holds(&c, 0), 0);
+  for (int k = 0; k < 400; k++) { /* the rule of the contact problem */
+    const double residual = exp2(-40 + k % 20), floor = exp2(-60 + k / 10), tol = exp2(-33 + k % 7);
+    const dls_certificate contact = {.residual = residual, .floor = floor};
+    c = (dls_lcp_certificate){.residual = residual, .floor = floor};
+    ck_assert_int_eq(dls_lcp_certificate_holds(&c, tol), dls_certificate_holds(&contact, tol));
+  }
   c = (dls_lcp_certificate){.residual = 4e-16, .floor = 1e-16};
   ck_assert_int_eq(dls_lcp_certificate_holds(&c, 0), 1);
   c.floor = NAN;
