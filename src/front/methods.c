@@ -13,7 +13,6 @@
   X(newton)                                                                                        \
   X(admm)                                                                                          \
   X(augmented)                                                                                     \
-  X(toy)                                                                                           \
   X(penalty)
 
 #define DECLARE(name) extern const dlsi_method dlsi_##name##_method;
