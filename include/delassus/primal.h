@@ -39,7 +39,7 @@ DLS_API void dls_primal_settings_init(dls_primal_settings *settings);
  *   laws        = the certificate of contact.h for the problem of each node with all other nodes
  *                 frozen: W_cc = K'_cc^-1 (2 x 2), no coupling, q_c = u_c - W_cc r_c
  *
- * so that laws.residual = |F| / |q| with w_c = trace(K'_cc^-1) / 2. The floors are what the
+ * so that laws.residual_u = |F| / |q| with w_c = trace(K'_cc^-1) / 2. The floors are what the
  * arithmetic can attain: eps times the same measures of |f'| + |K'| (|x'| + |g|) (a sum of
  * magnitudes). DLS_OK: equilibrium <= max(tol, 4 equilibrium_floor), and likewise the laws.
  *

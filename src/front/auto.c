@@ -242,7 +242,7 @@ static dls_status take_stage(dlsi_auto *work, part k, dls_error *error) {
   dls_status status = create_part(work, k, &why);
   const dls_limits limits = limits_of(work, k);
   memcpy(work->r, work->best, m * sizeof *work->r);
-  work->target = log(dlsi_target(limits.tol, all->stages ? best->floor : 0));
+  work->target = log(all->stages ? dlsi_certificate_target(best, limits.tol) : limits.tol);
   work->least = log(best->residual);
   work->rate = 0;
   work->unknowns = count_unknowns(problem, work->r);

@@ -330,14 +330,14 @@ START_TEST(certificate_by_hand) {
      P = (2.4, -1.2), F = -P */
   dls_certificate c = certified(&p, r, u);
   ck_assert_double_eq_tol(c.residual, sqrt(2.4 * 2.4 + 1.2 * 1.2) / 5, 1e-15);
-  ck_assert(c.floor == 0 && c.penetration == 3 && c.adhesion == 0 && c.complementarity == 0);
+  ck_assert(c.floor_u == 0 && c.penetration == 3 && c.adhesion == 0 && c.complementarity == 0);
   ck_assert(u[0] == -3 && u[1] == 4);
   /* the solution: slip in +t, u_n = 0: r = (3/2, -3/4), u_t = 4 - 3 = 1 */
   r[0] = 1.5, r[1] = -0.75;
   c = certified(&p, r, u);
   ck_assert(c.residual == 0 && c.penetration == 0 && c.cone_violation == 0);
   ck_assert(c.slip_direction == 0 && u[0] == 0 && u[1] == 1);
-  ck_assert_double_eq_tol(c.floor, DBL_EPSILON * hypot(4.5, 3) / 5, 1e-20);
+  ck_assert_double_eq_tol(c.floor_u, DBL_EPSILON * hypot(4.5, 3) / 5, 1e-20);
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
   /* outside the cone, pulling, slip that friction drives: each readable part by hand */
   r[0] = -1, r[1] = 2;
@@ -353,7 +353,7 @@ START_TEST(certificate_of_q_zero_and_frictionless) {
   double W[4] = {2, 0, 0, 4}, q[2] = {0, 0}, mu[1] = {0}, r[2] = {0, 0};
   const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
   dls_certificate c = certified(&p, r, NULL);
-  ck_assert(c.residual == 0 && c.floor == 0);
+  ck_assert(c.residual == 0 && c.floor_u == 0);
   r[0] = 1; /* u_n = 2 > 0 with r_n > 0: v = 3 - 2, F_n = 3 - 1 = 2, scale |W||r| = 2 */
   c = certified(&p, r, NULL);
   ck_assert_double_eq_tol(c.residual, 1, 1e-15);
@@ -420,7 +420,7 @@ START_TEST(certificate_ignores_units) {
       p = dense2(), p.W.a = W, p.q = q;
       const dls_certificate e = certified(&p, s, NULL);
       ck_assert_double_eq_tol(e.residual / c.residual, 1, 1e-14);
-      ck_assert_double_eq_tol(e.floor / c.floor, 1, 1e-14);
+      ck_assert_double_eq_tol(e.floor_u / c.floor_u, 1, 1e-14);
       ck_assert_double_eq_tol(e.penetration / (a * c.penetration), 1, 1e-14);
     }
 }
@@ -537,12 +537,12 @@ START_TEST(certify_refuses_and_leaves_outputs) {
 END_TEST
 
 START_TEST(nan_is_never_certified) {
-  dls_certificate c = {.residual = NAN, .floor = 0};
+  dls_certificate c = {.residual_u = NAN, .floor_u = 0};
   ck_assert_int_eq(dls_certificate_holds(&c, INFINITY), 0);
-  c.residual = 0, c.floor = NAN;
+  c.residual = 0, c.floor_u = NAN;
   ck_assert_int_eq(dls_certificate_holds(&c, NAN), 0);
   ck_assert_int_eq(dls_certificate_holds(NULL, 1), 0);
-  c = (dls_certificate){.residual = 3e-16, .floor = 1e-16};
+  c = (dls_certificate){.residual_u = 3e-16, .floor_u = 1e-16};
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
   c.residual = 5e-16;
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 0);
@@ -554,7 +554,7 @@ START_TEST(a_runaway_is_never_certified) {
   double W[4] = {1, 1, 1, 1}, q[2] = {-2, 0}, mu[1] = {2}, r[2] = {1e20, -1e20};
   dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
   dls_certificate c = certified(&p, r, NULL); /* the wedge c03 of data/failures: no solution */
-  ck_assert(c.floor > 1e3);
+  ck_assert(c.floor_u > 1e3);
   ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
   ck_assert_int_eq(dls_certificate_holds(&c, 1e-2), 0);
   const double zero[4] = {0};
@@ -562,9 +562,9 @@ START_TEST(a_runaway_is_never_certified) {
   c = certified(&p, r, NULL);
   ck_assert(c.residual == 0 && c.penetration == 2);
   ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
-  c = (dls_certificate){.residual = 1e-9, .floor = 2e-9};
+  c = (dls_certificate){.residual_u = 1e-9, .floor_u = 2e-9};
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
-  c.floor = 3e-9; /* 4 floor > 1e-8: only for who asks for less */
+  c.floor_u = 3e-9; /* 4 floor > 1e-8: only for who asks for less */
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 0);
   ck_assert_int_eq(dls_certificate_holds(&c, 1e-6), 1);
 }

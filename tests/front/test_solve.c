@@ -683,7 +683,7 @@ START_TEST(auto_does_not_see_the_order) {
       alike += info[0].stages == 1;
       if (info[0].stages > 1 && rank < d * nc) continue;
       const dls_certificate *c = &info[0].certificate;
-      ck_assert_double_le(fabs(c->residual - info[1].certificate.residual), 4 * c->floor);
+      ck_assert_double_le(fabs(c->residual - info[1].certificate.residual), 4 * c->floor_u);
       for (int i = 0; i < d * nc; i++)
         size = fmax(size, fabs(r[0][i]));
       for (int i = 0; i < d * nc; i++) { /* the smallest eigenvalue of W is above 1e-5 */

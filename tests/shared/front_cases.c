@@ -14,7 +14,7 @@ double draw(unsigned *seed) {
 }
 
 int same_certificate(const dls_certificate *a, const dls_certificate *b) {
-  return a->residual == b->residual && a->floor == b->floor && a->penetration == b->penetration &&
+  return a->residual == b->residual && a->floor_u == b->floor_u && a->penetration == b->penetration &&
          a->adhesion == b->adhesion && a->cone_violation == b->cone_violation &&
          a->slip_direction == b->slip_direction && a->complementarity == b->complementarity &&
          a->worst == b->worst;
