@@ -16,7 +16,8 @@ static double error_of(const dls_certificate *c) {
 }
 
 int dlsi_is_better(const dls_certificate *a, const dls_certificate *b) {
-  return error_of(a) < error_of(b);
+  const double of_a = error_of(a), of_b = error_of(b);
+  return of_a < of_b || (of_a == of_b && a->residual_u < b->residual_u);
 }
 
 /* ---- workspace ------------------------------------------------------------------------------- */

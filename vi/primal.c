@@ -243,8 +243,8 @@ static double primal_force_norm(const dls_primal *work, const double *v, int all
 
 typedef struct primal_measure {
   double equilibrium;
-  dls_certificate laws;   /* its residuals */
-  dls_certificate tresca; /* those with |r_t| <= b in the place of |r_t| <= mu r_n */
+  dls_certificate laws; /* its residuals */
+  double tresca;        /* residual_u with |r_t| <= b in the place of |r_t| <= mu r_n */
 } primal_measure;
 
 static double primal_ratio(double part, double whole) {
@@ -255,32 +255,28 @@ static double primal_ratio(double part, double whole) {
 static primal_measure primal_estimate(const dls_primal *work, double load) {
   const dlsi_frames *K = &work->K;
   double laws = 0, tresca = 0, size = 0; /* squares, in displacements */
-  double law_force = 0, tresca_force = 0, r2 = 0, reactions = 0;
+  double force = 0, r2 = 0, reactions = 0;
   for (int c = 0; c < K->nodes; c++) {
     const int i = K->normal[c], j = K->tangent[c];
     const double r[2] = {-work->R[i], -work->R[j]}, u[2] = {work->x[i], work->x[j]};
     const double w = work->w[c], limit = w * work->b[c];
     double F[2], q[2];
     dlsi_contact_residual(2, work->mu[c], w, r, u, F);
-    const double law = F[0] * F[0] + F[1] * F[1];
+    laws += F[0] * F[0] + F[1] * F[1];
+    force += (F[0] * F[0] + F[1] * F[1]) / (w * w);
     const double vn = w * r[0] - u[0], vt = w * r[1] - u[1];
     F[0] = w * r[0] - (vn > 0 ? vn : 0);
     F[1] = w * r[1] - (vt > limit ? limit : vt < -limit ? -limit : vt);
-    const double given = F[0] * F[0] + F[1] * F[1];
-    laws += law;
-    law_force += law / (w * w);
-    tresca += given;
-    tresca_force += given / (w * w);
+    tresca += F[0] * F[0] + F[1] * F[1];
     r2 += r[0] * r[0] + r[1] * r[1];
     primal_flexibility(work, c, r[0], r[1], q);
     size += (u[0] - q[0]) * (u[0] - q[0]) + (u[1] - q[1]) * (u[1] - q[1]);
     reactions += r[0] * (r[0] * work->inverse[i]) + r[1] * (r[1] * work->inverse[j]);
   }
   const double out_of_balance = primal_force_norm(work, work->R, 0);
-  primal_measure now = {.equilibrium = primal_ratio(out_of_balance, load + sqrt(reactions))};
-  dlsi_set_residuals(&now.laws, primal_ratio(sqrt(laws), sqrt(size)), sqrt(law_force), sqrt(r2));
-  dlsi_set_residuals(&now.tresca, primal_ratio(sqrt(tresca), sqrt(size)), sqrt(tresca_force),
-                     sqrt(r2));
+  primal_measure now = {.equilibrium = primal_ratio(out_of_balance, load + sqrt(reactions)),
+                        .tresca = primal_ratio(sqrt(tresca), sqrt(size))};
+  dlsi_set_residuals(&now.laws, primal_ratio(sqrt(laws), sqrt(size)), sqrt(force), sqrt(r2));
   return now;
 }
 
@@ -403,8 +399,8 @@ static void primal_copy(const dls_primal *work, double *to, const double *from) 
 
 /* Returns 1 if Tresca's problem is solved to half of the residual of Coulomb's. */
 static int time_for_thresholds(const primal_measure *now, double balance) {
-  return now->tresca.residual <= 0.5 * now->laws.residual &&
-         now->equilibrium <= primal_larger(0.5 * now->laws.residual, balance);
+  const double half = 0.5 * now->laws.residual_u;
+  return now->tresca <= half && now->equilibrium <= primal_larger(half, balance);
 }
 
 /* Sweeps until the certificate holds or there is a reason to stop, which is returned; work->x is

@@ -89,7 +89,8 @@ int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, doub
 /* Returns 1 if the r with certificate a is a better answer than the r with certificate b. The only
  * place where that is decided: the better one has the smaller max(residual_u, 4 floor_u,
  * residual_r), so that an r that has run away, whose residual is nothing but rounding, does not
- * win. What is not finite is never better. */
+ * win; if that is equal (1 of forces far from the answer), the smaller residual_u. What is not
+ * finite is never better. */
 int dlsi_is_better(const dls_certificate *a, const dls_certificate *b);
 
 /* Begins a row of certificates: worse than that of any r. */

@@ -334,8 +334,8 @@ static inline measured_sums measure_each(int d, const measured *of, dls_certific
 void dlsi_set_residuals(dls_certificate *c, double residual_u, double force, double r) {
   c->residual_u = residual_u;
   c->residual_r = force == 0 ? 0 : force > r ? 1 : force / r;
-  c->residual = c->residual_r > residual_u || c->residual_r != c->residual_r ? c->residual_r
-                                                                             : residual_u;
+  c->residual =
+      c->residual_r > residual_u || c->residual_r != c->residual_r ? c->residual_r : residual_u;
 }
 
 void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
@@ -344,8 +344,7 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const measured of = {problem, r, u, a, w, F};
   dls_certificate c = {0};
-  const measured_sums s =
-      problem->d == 2 ? measure_each(2, &of, &c) : measure_each(3, &of, &c);
+  const measured_sums s = problem->d == 2 ? measure_each(2, &of, &c) : measure_each(3, &of, &c);
   const int plain = dlsi_is_plain(s.F);
   if (!plain) c.worst = find_worst(problem, F);
   const double f = plain ? sqrt(s.F) : dlsi_norm2(F, m), q = dlsi_norm2(problem->q, m);

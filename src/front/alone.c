@@ -14,6 +14,7 @@
  * What can fail: a candidate without a local solution, or with trace(W_cc) <= 0; another one that
  * is pressed by the reactions. Then 0 is returned, nothing has been written, and the sweeps begin.
  */
+#include <float.h>
 #include <string.h>
 
 #include "delassus/nlgs.h"
@@ -70,8 +71,10 @@ int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *
   }
   if (pressed)
     memcpy(r, x, m * sizeof *r);
-  else
+  else {
     memset(r, 0, m * sizeof *r);
+    if (dlsi_max_abs(problem->q, m) > 0) certificate.floor_u = DBL_EPSILON;
+  }
   if (u) memcpy(u, pressed ? v : problem->q, m * sizeof *u);
   if (!info) return 1;
   *info = (dls_info){.method = DLS_AUTO, .iterations = sweeps, .stages = sweeps};
