@@ -27,9 +27,9 @@
  *   (AU4)  s := 0.2 s   as long as (AU2) has never failed, then 0.8 s, after each failure 2 s;
  *          1e-7 <= s <= 1e3, from s = 1; only if adaptive
  *
- * (AU2) is asked for a residual of a thousandth of lambda's, and not for less than a tenth of what
- * is wanted in the end; in the last augmentation allowed, for this tenth. One augmentation from
- * lambda = 0 is the penalty method; its r is off by about E r.
+ * (AU2) is asked for both parts of a residual of a thousandth of lambda's, and not for less than a
+ * tenth of what is wanted in the end; in the last augmentation allowed, for this tenth. One
+ * augmentation from lambda = 0 is the penalty method; its r is off by about E r.
  *
  * Stop: the certificate of x from the user's W and q holds. Else DLS_STALLED: (AU2) failed and s
  * may not grow, or cannot and lambda stayed; or 150 augmentations did not bring the residual down

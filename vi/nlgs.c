@@ -15,11 +15,11 @@
  * cone being convex. Under omega < 1 the r_c of a candidate that has left the obstacle is put to
  * exactly 0 once it is too small to move u.
  *
- * Stop: each sweep ends with an estimate of the certificate's residual from the u at hand, O(nc).
- * (NL5) When the estimate meets max(tol, 4 floor), when a sweep changes nothing, and every 50
- * sweeps, u and the certificate are recomputed from the user's W and q. A sweep from such a fresh u
- * that changes nothing and is not solved can never change anything: DLS_STALLED. A call that ends
- * early returns the best r met.
+ * Stop: each sweep ends with an estimate of both parts of the certificate's residual from the u at
+ * hand, O(nc). (NL5) When each meets its target, max(tol, 4 floor), when a sweep changes nothing,
+ * and every 50 sweeps, u and the certificate are recomputed from the user's W and q. A sweep from
+ * such a fresh u that changes nothing and is not solved can never change anything: DLS_STALLED. A
+ * call that ends early returns the best r met.
  *
  * Accelerated, the sweep g is a fixed-point map x -> r = g(x). Between two sweeps,
  *
