@@ -257,15 +257,19 @@ static dls_status admm_solve_linear(dls_admm *work, const dls_contact *problem, 
   return status;
 }
 
-/* Estimates the certificate's residual of x from the u at hand; q = |q|. */
-static double admm_estimate(const dls_admm *work, const dls_contact *problem, double q) {
+/* Estimates the residuals of the certificate of x from the u at hand; q = |q|. */
+static void admm_estimate(const dls_admm *work, const dls_contact *problem, double q,
+                          dls_certificate *now) {
   const dlsi_iterate *it = &work->it;
-  const size_t d = (size_t)problem->d;
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   for (int c = 0; c < problem->nc; c++) {
     const size_t o = d * (size_t)c;
     dlsi_contact_residual(problem->d, problem->mu[c], it->w[c], work->x + o, it->u + o, it->F + o);
   }
-  return dlsi_norm2(it->F, d * (size_t)problem->nc) / q;
+  const double length = dlsi_norm2(it->F, m);
+  for (size_t k = 0; k < m; k++)
+    it->F[k] /= it->w[k / d];
+  dlsi_set_residuals(now, length / q, dlsi_norm2(it->F, m), dlsi_norm2(work->x, m));
 }
 
 /* Returns | D^1/2 (a - b) |, without unit. */
@@ -374,8 +378,8 @@ static dls_status admm_iterate(dls_admm *work, const dls_contact *problem, dls_i
     status = admm_solve_linear(work, problem, s.rho, error); /* (AD2), (AD3) */
     if (status) break;
     outcome->iterations = k;
-    now.residual = admm_estimate(work, problem, q);
-    if (now.residual <= dlsi_target(it->tol, now.floor) || k % refresh_every == 0)
+    admm_estimate(work, problem, q, &now);
+    if (dlsi_certificate_meets(&now, it->tol) || k % refresh_every == 0)
       now = dlsi_iterate_measure(it, problem, work->x);
     if (dlsi_iterate_keep(it, problem, work->x, &now)) return DLS_OK;
     if (dlsi_is_cancelled(limits, "admm", k, most, now.residual)) return DLS_CANCELLED;

@@ -27,9 +27,9 @@
  *   (AU4)  s := 0.2 s   as long as (AU2) has never failed, then 0.8 s, after each failure 2 s;
  *          1e-7 <= s <= 1e3, from s = 1; only if adaptive
  *
- * (AU2) is asked for a residual of a thousandth of lambda's, and not for less than a tenth of what
- * is wanted in the end; in the last augmentation allowed, for this tenth. One augmentation from
- * lambda = 0 is the penalty method; its r is off by about E r.
+ * (AU2) is asked for both parts of a residual of a thousandth of lambda's, and not for less than a
+ * tenth of what is wanted in the end; in the last augmentation allowed, for this tenth. One
+ * augmentation from lambda = 0 is the penalty method; its r is off by about E r.
  *
  * Stop: the certificate of x from the user's W and q holds. Else DLS_STALLED: (AU2) failed and s
  * may not grow, or cannot and lambda stayed; or 150 augmentations did not bring the residual down
@@ -172,8 +172,9 @@ static dls_status augmented_regularise(dls_augmented *work, const dls_contact *p
   dls_contact regularised = *problem;
   regularised.q = work->b;
   memcpy(work->x, work->lambda, m * sizeof *work->x);
-  const dls_limits limits = {.tol = size_b > 0 ? target * (size_q / size_b) : target,
-                             .warm_start = 1};
+  /* |F| <= target |q|; of forces the residual is relative to |x| as ever */
+  const double share = size_b > size_q ? size_q / size_b : 1;
+  const dls_limits limits = {.tol = target * share, .warm_start = 1};
   dls_info info;
   dlsi_newton_method.set_limits(work->newton, &limits);
   const dls_status status =
@@ -227,7 +228,7 @@ static dls_status augmented_iterate(dls_augmented *work, const dls_contact *prob
   int passed = 0, escaping = 0; /* augmentation of the milestone; (AU5) that many times running */
   for (int k = 1; !dls_certificate_holds(best, it->tol); k++) {
     if (k > most) return DLS_MAX_ITERATIONS;
-    const double wanted = 0.1 * dlsi_target(it->tol, best->floor);
+    const double wanted = 0.1 * dlsi_target(it->tol, fmin(best->floor_u, best->floor_r));
     const double target = k < most && 1e-3 * residual > wanted ? 1e-3 * residual : wanted;
     const dls_status status =
         augmented_regularise(work, problem, s, target, &outcome->factorisations, error);

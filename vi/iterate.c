@@ -8,15 +8,16 @@
 
 #include "vi_internal.h"
 
-/* Beyond this floor u = W r + q has fewer than six digits. Where there is no solution and W is
- * singular, r can run away until it is all rounding and its residual with it: such an r is no
- * answer. */
-static const double most_floor = 1e-6;
+/* Returns the error that r may have by its certificate, infinite for NaN. */
+static double error_of(const dls_certificate *c) {
+  const double rounding = 4 * c->floor_u;
+  const double error = rounding > c->residual ? rounding : c->residual;
+  return error <= DBL_MAX && rounding == rounding ? error : INFINITY;
+}
 
 int dlsi_is_better(const dls_certificate *a, const dls_certificate *b) {
-  if (!(b->residual <= DBL_MAX)) return a->residual <= DBL_MAX;
-  if (!(a->floor <= most_floor) && b->floor <= most_floor) return 0;
-  return a->residual < b->residual;
+  const double of_a = error_of(a), of_b = error_of(b);
+  return of_a < of_b || (of_a == of_b && a->residual_u < b->residual_u);
 }
 
 /* ---- workspace ------------------------------------------------------------------------------- */

@@ -15,11 +15,11 @@
  * cone being convex. Under omega < 1 the r_c of a candidate that has left the obstacle is put to
  * exactly 0 once it is too small to move u.
  *
- * Stop: each sweep ends with an estimate of the certificate's residual from the u at hand, O(nc).
- * (NL5) When the estimate meets max(tol, 4 floor), when a sweep changes nothing, and every 50
- * sweeps, u and the certificate are recomputed from the user's W and q. A sweep from such a fresh u
- * that changes nothing and is not solved can never change anything: DLS_STALLED. A call that ends
- * early returns the best r met.
+ * Stop: each sweep ends with an estimate of both parts of the certificate's residual from the u at
+ * hand, O(nc). (NL5) When each meets its target, max(tol, 4 floor), when a sweep changes nothing,
+ * and every 50 sweeps, u and the certificate are recomputed from the user's W and q. A sweep from
+ * such a fresh u that changes nothing and is not solved can never change anything: DLS_STALLED. A
+ * call that ends early returns the best r met.
  *
  * Accelerated, the sweep g is a fixed-point map x -> r = g(x). Between two sweeps,
  *
@@ -243,39 +243,55 @@ static int nlgs_sweep(const dls_nlgs *work, const dls_contact *problem, double *
 
 /* ---- the residual ---------------------------------------------------------------------------- */
 
-/* Returns sum_c |F_c|^2 / |q|^2 from the u at hand; scale = 1 / |q|. */
-static double nlgs_squares_2d(const dls_nlgs *work, const dls_contact *problem, const double *r,
-                              double scale) {
-  double sum = 0;
+/* Sums for the estimate, without unit: lengths times scale = 1 / |q|, forces times scale w_0. */
+typedef struct nlgs_squares {
+  double F, force, r; /* |F|^2, |F / w|^2, |r|^2 */
+} nlgs_squares;
+
+/* Returns the sums from the u at hand. */
+static nlgs_squares nlgs_squares_2d(const dls_nlgs *work, const dls_contact *problem,
+                                    const double *r, double scale) {
+  nlgs_squares sum = {0};
+  const double *w = work->it.w;
   for (int c = 0; c < problem->nc; c++) {
     const double *rc = r + 2 * (size_t)c, *uc = work->it.u + 2 * (size_t)c;
-    if (rc[0] == 0 && uc[0] >= 0) continue; /* F_c = 0 */
-    double F[2];
-    dlsi_contact_residual(2, problem->mu[c], work->it.w[c], rc, uc, F);
-    for (int i = 0; i < 2; i++)
-      sum += (F[i] * scale) * (F[i] * scale);
+    if (rc[0] == 0 && uc[0] >= 0) continue; /* F_c = 0, r_c = 0 */
+    double F[2], F2 = 0, r2 = 0;
+    dlsi_contact_residual(2, problem->mu[c], w[c], rc, uc, F);
+    for (int i = 0; i < 2; i++) {
+      const double v = scale * w[0] * rc[i];
+      F2 += (F[i] * scale) * (F[i] * scale);
+      r2 += v * v;
+    }
+    const double soft = w[0] / w[c];
+    sum.F += F2;
+    sum.force += soft * soft * F2;
+    sum.r += r2;
   }
   return sum;
 }
 
-/* Returns that sum for d = 3, several candidates at once: their roots and divisions take as long as
- * those of one. */
-DLSI_CLONES static double nlgs_squares_3d(const dls_nlgs *work, const dls_contact *problem,
-                                          const double *r, double scale) {
+/* Returns those sums for d = 3, several candidates at once: their roots and divisions take as long
+ * as those of one. */
+DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_contact *problem,
+                                                const double *r, double scale) {
   enum { lanes = 16 };
-  double sum = 0;
+  nlgs_squares sum = {0};
+  const double *w = work->it.w;
   for (int first = 0; first < problem->nc; first += lanes) {
     const int count = problem->nc - first < lanes ? problem->nc - first : lanes;
-    double v[3][lanes] = {{0}}, u[3][lanes] = {{0}}, mu[lanes] = {0}, F2[lanes];
+    double v[3][lanes] = {{0}}, u[3][lanes] = {{0}}, mu[lanes] = {0}, soft[lanes] = {0};
+    double F2[lanes], r2[lanes];
     int moves = 0;
     for (int k = 0; k < count; k++) {
       const int c = first + k;
       const double *rc = r + 3 * (size_t)c, *uc = work->it.u + 3 * (size_t)c;
       moves |= !(rc[0] == 0 && uc[0] >= 0);
       mu[k] = problem->mu[c];
+      soft[k] = w[0] / w[c];
       for (int i = 0; i < 3; i++) {
         u[i][k] = scale * uc[i];
-        v[i][k] = scale * work->it.w[c] * rc[i];
+        v[i][k] = scale * w[c] * rc[i];
       }
     }
     if (!moves) continue;
@@ -289,17 +305,23 @@ DLSI_CLONES static double nlgs_squares_3d(const dls_nlgs *work, const dls_contac
       const double p = inside ? n : polar ? 0 : on, f = inside ? 1 : polar ? 0 : part;
       const double F[3] = {v[0][k] - p, v[1][k] - f * x, v[2][k] - f * y};
       F2[k] = F[0] * F[0] + F[1] * F[1] + F[2] * F[2];
+      r2[k] = v[0][k] * v[0][k] + v[1][k] * v[1][k] + v[2][k] * v[2][k];
     }
-    for (int k = 0; k < count; k++)
-      sum += F2[k];
+    for (int k = 0; k < count; k++) {
+      sum.F += F2[k];
+      sum.force += soft[k] * soft[k] * F2[k];
+      sum.r += soft[k] * soft[k] * r2[k];
+    }
   }
   return sum;
 }
 
-/* Estimates the certificate's residual from the u at hand. */
-static double nlgs_estimate(const dls_nlgs *work, const dls_contact *problem, const double *r,
-                            double scale) {
-  return sqrt((problem->d == 2 ? nlgs_squares_2d : nlgs_squares_3d)(work, problem, r, scale));
+/* Estimates the residuals of the certificate from the u at hand. */
+static void nlgs_estimate(const dls_nlgs *work, const dls_contact *problem, const double *r,
+                          double scale, dls_certificate *now) {
+  const nlgs_squares sum =
+      (problem->d == 2 ? nlgs_squares_2d : nlgs_squares_3d)(work, problem, r, scale);
+  dlsi_set_residuals(now, sqrt(sum.F), sqrt(sum.force), sqrt(sum.r));
 }
 
 /* Brings u to the bits that belong to the order of the visits, not to the numbers: sweeps go on
@@ -415,9 +437,9 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
     }
     changed = nlgs_sweep(work, problem, r);
     *iterations = k;
-    now.residual = nlgs_estimate(work, problem, r, scale);
+    nlgs_estimate(work, problem, r, scale, &now);
     const int was_fresh = fresh;
-    fresh = !changed || now.residual <= dlsi_target(it->tol, now.floor) || k % refresh_every == 0;
+    fresh = !changed || dlsi_certificate_meets(&now, it->tol) || k % refresh_every == 0;
     if (fresh) now = dlsi_iterate_measure(it, problem, r); /* (NL5) */
     if (dlsi_iterate_keep(it, problem, r, &now)) return DLS_OK;
     if (fresh) nlgs_resume(work, problem, r);

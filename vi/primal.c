@@ -242,8 +242,9 @@ static double primal_force_norm(const dls_primal *work, const double *v, int all
 }
 
 typedef struct primal_measure {
-  double equilibrium, laws; /* the certificate */
-  double tresca;            /* laws with |r_t| <= b in the place of |r_t| <= mu r_n */
+  double equilibrium;
+  dls_certificate laws; /* its residuals */
+  double tresca;        /* residual_u with |r_t| <= b in the place of |r_t| <= mu r_n */
 } primal_measure;
 
 static double primal_ratio(double part, double whole) {
@@ -253,7 +254,8 @@ static double primal_ratio(double part, double whole) {
 /* Estimates the certificate from the R at hand; load = |f|. */
 static primal_measure primal_estimate(const dls_primal *work, double load) {
   const dlsi_frames *K = &work->K;
-  double laws = 0, tresca = 0, size = 0, reactions = 0;
+  double laws = 0, tresca = 0, size = 0; /* squares, in displacements */
+  double force = 0, r2 = 0, reactions = 0;
   for (int c = 0; c < K->nodes; c++) {
     const int i = K->normal[c], j = K->tangent[c];
     const double r[2] = {-work->R[i], -work->R[j]}, u[2] = {work->x[i], work->x[j]};
@@ -261,18 +263,21 @@ static primal_measure primal_estimate(const dls_primal *work, double load) {
     double F[2], q[2];
     dlsi_contact_residual(2, work->mu[c], w, r, u, F);
     laws += F[0] * F[0] + F[1] * F[1];
+    force += (F[0] * F[0] + F[1] * F[1]) / (w * w);
     const double vn = w * r[0] - u[0], vt = w * r[1] - u[1];
     F[0] = w * r[0] - (vn > 0 ? vn : 0);
     F[1] = w * r[1] - (vt > limit ? limit : vt < -limit ? -limit : vt);
     tresca += F[0] * F[0] + F[1] * F[1];
+    r2 += r[0] * r[0] + r[1] * r[1];
     primal_flexibility(work, c, r[0], r[1], q);
     size += (u[0] - q[0]) * (u[0] - q[0]) + (u[1] - q[1]) * (u[1] - q[1]);
     reactions += r[0] * (r[0] * work->inverse[i]) + r[1] * (r[1] * work->inverse[j]);
   }
   const double out_of_balance = primal_force_norm(work, work->R, 0);
-  return (primal_measure){primal_ratio(out_of_balance, load + sqrt(reactions)),
-                          primal_ratio(sqrt(laws), sqrt(size)),
-                          primal_ratio(sqrt(tresca), sqrt(size))};
+  primal_measure now = {.equilibrium = primal_ratio(out_of_balance, load + sqrt(reactions)),
+                        .tresca = primal_ratio(sqrt(tresca), sqrt(size))};
+  dlsi_set_residuals(&now.laws, primal_ratio(sqrt(laws), sqrt(size)), sqrt(force), sqrt(r2));
+  return now;
 }
 
 /* (PR5) *info := the certificate of x from a fresh R; r, u := those of x. */
@@ -394,8 +399,8 @@ static void primal_copy(const dls_primal *work, double *to, const double *from) 
 
 /* Returns 1 if Tresca's problem is solved to half of the residual of Coulomb's. */
 static int time_for_thresholds(const primal_measure *now, double balance) {
-  return now->tresca <= 0.5 * now->laws &&
-         now->equilibrium <= primal_larger(0.5 * now->laws, balance);
+  const double half = 0.5 * now->laws.residual_u;
+  return now->tresca <= half && now->equilibrium <= primal_larger(half, balance);
 }
 
 /* Sweeps until the certificate holds or there is a reason to stop, which is returned; work->x is
@@ -426,16 +431,17 @@ static dls_status primal_iterate(dls_primal *work, dls_primal_info *info, double
     }
     primal_measure now = primal_estimate(work, load);
     const double balance = dlsi_target(settings->limits.tol, info->equilibrium_floor);
-    const double lawful = dlsi_target(settings->limits.tol, info->laws.floor);
+    now.laws.floor_u = info->laws.floor_u;
+    now.laws.floor_r = info->laws.floor_r;
+    const int lawful = dlsi_certificate_meets(&now.laws, settings->limits.tol);
     const int was_fresh = fresh;
-    fresh =
-        !changed || (now.equilibrium <= balance && now.laws <= lawful) || k % refresh_every == 0;
+    fresh = !changed || (now.equilibrium <= balance && lawful) || k % refresh_every == 0;
     if (fresh) { /* (PR5) */
       primal_certify(work, load, info);
       if (primal_holds(info, settings->limits.tol)) return DLS_OK;
       now = primal_estimate(work, load);
     }
-    const double residual = primal_larger(now.equilibrium, now.laws);
+    const double residual = primal_larger(now.equilibrium, now.laws.residual);
     if (residual < best) {
       best = residual;
       primal_copy(work, work->best, work->x);

@@ -87,13 +87,15 @@ int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, doub
 /* ---- vi/iterate.c: an iterate, its certificate, the best r so far ---------------------------- */
 
 /* Returns 1 if the r with certificate a is a better answer than the r with certificate b. The only
- * place where that is decided. A residual that is not finite is worse than any other one and never
- * better; an r that has run away, of floor > 1e-6, is nothing but rounding and never better than
- * one that has not. */
+ * place where that is decided: the better one has the smaller max(residual_u, 4 floor_u,
+ * residual_r), so that an r that has run away, whose residual is nothing but rounding, does not
+ * win; if that is equal (1 of forces far from the answer), the smaller residual_u. What is not
+ * finite is never better. */
 int dlsi_is_better(const dls_certificate *a, const dls_certificate *b);
 
 /* Begins a row of certificates: worse than that of any r. */
-static const dls_certificate dlsi_no_certificate = {.residual = INFINITY, .floor = INFINITY};
+static const dls_certificate dlsi_no_certificate = {
+    .residual = INFINITY, .residual_u = INFINITY, .floor_u = INFINITY, .floor_r = INFINITY};
 
 /* The part of a workspace that all iterations on r need. Springs E_c >= 0 on all d rows of
  * candidate c make the problem u = (W + diag(E)) r + q; the weights remain those of W. */
@@ -154,12 +156,6 @@ dls_status dlsi_iterate_settle(dlsi_iterate *it, const dls_contact *problem, dls
  * nothing. */
 dls_status dlsi_iterate_end(const dlsi_iterate *it, const dls_contact *problem, dls_status status,
                             dls_info *outcome, double *r, double *u, dls_info *info);
-
-/* Returns the residual that a certificate of this floor has to meet: max(tol, 4 floor), NaN for a
- * floor of NaN, which none meets. */
-static inline double dlsi_target(double tol, double floor) {
-  return 4 * floor <= tol ? tol : 4 * floor;
-}
 
 /* Tells the caller's progress callback; returns 1 if that cancels the solve. */
 static inline int dlsi_is_cancelled(const dls_limits *limits, const char *method, int iteration,

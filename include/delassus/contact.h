@@ -64,22 +64,36 @@ typedef enum dls_contact_state { DLS_FREE = 0, DLS_SLIP = 1, DLS_STICK = 2 } dls
  * not positive, the mean of the positive ones) and C_mu = { |r_t| <= mu r_n }:
  *
  *   F_c = w_c r_c - P_Cmu( w_c r_c - (u_c + mu_c |u_tc| n) ),   u = W r + q recomputed
- *   residual = sqrt( sum_c |F_c|^2 ) / |q|_2
+ *   residual_u = sqrt( sum_c |F_c|^2 ) / |q|_2                  of positions
+ *   residual_r = sqrt( sum_c |F_c / w_c|^2 ) / |r|_2            of forces
  *
- * residual has no unit and does not change under r -> b r, (u,q) -> a u, W -> a/b W, a change of
- * the order of candidates, or (d = 3) of the tangent frame. The arithmetic can attain
- * floor = eps |a| / |q|, with a = max(|W||r|, w |r|) by entries. Where q = 0, | |W||r| | takes the
- * place of |q|, and r = 0 has residual 0.
+ * Both are needed. |q| holds what does not press: the speed of an obstacle, the gaps of far
+ * candidates, a soft support beside a stiff one; relative to |q| alone reactions can be wrong by
+ * percents at 1e-8. |r| alone would excuse positions where forces are large. Neither has a unit;
+ * they do not change under r -> b r, (u,q) -> a u, W -> a/b W, a change of the order of candidates,
+ * or (d = 3) of the tangent frame.
+ *
+ * With a = |W||r| + |q| + w |r| by entries, the arithmetic can attain floor_u = eps |a| / |q| and
+ * floor_r = eps |a / w| / |r|. Where q = 0, | |W||r| | takes the place of |q|. Where |F / w| is
+ * above |r|, as it is for r = 0 and F not 0, it takes the place of |r|: residual_r is at most 1.
+ * Both parts are 0 for r = 0 if F = 0. floor_r may be large: such reactions are rounding
+ * themselves.
+ *
  * The other fields are for the reader, in the user's units; each is >= 0 and a largest value over
- * candidates. */
+ * candidates. The last three leave out a candidate whose w r is at most 4 eps of the largest entry
+ * of a_c: nothing but rounding. */
 typedef struct dls_certificate {
-  double residual;        /* 1 */
-  double floor;           /* 1 */
+  double residual;        /* max(residual_u, residual_r)               1 */
+  double residual_u;      /* of positions                              1 */
+  double residual_r;      /* of forces                                 1 */
+  double floor_u;         /* of positions                              1 */
+  double floor_r;         /* of forces                                 1 */
   double penetration;     /* max(0, -u_n)                              length (velocity) */
   double adhesion;        /* max(0, -r_n)                              force */
   double cone_violation;  /* max(0, |r_t| - mu r_n)                    force */
-  double slip_direction;  /* |u_t + |u_t| r_t/|r_t|| where r_t is not 0, |u_t| where r_t = 0 and
-                             mu r_n > 0: slip that friction does not oppose  length (velocity) */
+  double slip_direction;  /* |u_t + |u_t| r_t/|r_t||, or |u_t| where r_t = 0 and mu r_n > 0, of
+                             candidates with w r_n > u_n, the closed ones: slip that friction does
+                             not oppose                                length (velocity) */
   double complementarity; /* |u_n r_n|                                 work */
   int worst;              /* candidate with the largest |F_c| */
 } dls_certificate;
@@ -91,9 +105,9 @@ DLS_API DLS_MUST_USE dls_status dls_contact_certify(const dls_contact *problem, 
                                                     double *u, dls_certificate *certificate,
                                                     dls_error *error);
 
-/* Returns 1 if residual <= max(tol, 4 floor), else 0; NaN gives 0. Returns 0, too, if
- * 4 floor > max(tol, 1e-8): r is then so large (run away in the null space of W, say) that
- * rounding hides u and q in the residual. */
+/* Returns 1 if residual_u <= max(tol, 4 floor_u) and residual_r <= max(tol, 4 floor_r), else 0; NaN
+ * gives 0. Returns 0, too, if 4 floor_u > max(tol, 1e-8): r is then so large (run away in the null
+ * space of W, say) that rounding hides u and q in the residual. */
 DLS_API int dls_certificate_holds(const dls_certificate *certificate, double tol);
 
 /* Tells the state of every candidate, by the branch of the projection in F_c: free if

@@ -16,7 +16,8 @@ typedef struct dls_progress {
   const char *method; /* "nlgs", "lemke", "newton", "admm", "augmented-lagrangian", ... */
   int iteration;      /* sweeps, pivots, steps, augmentations: done so far */
   int max_iterations;
-  double residual; /* the certificate's residual as the iteration estimates it; -1 if unknown */
+  double residual; /* the certificate's, the larger part, as the iteration estimates it; -1 if
+                      unknown */
 } dls_progress;
 
 /* A function of the host that a solve calls now and then; a return other than 0 cancels the solve
@@ -25,7 +26,7 @@ typedef int (*dls_progress_fn)(void *data, const dls_progress *progress);
 
 /* The first member of the settings of every iterative method. */
 typedef struct dls_limits {
-  double tol;         /* on the certificate's residual; >= 0, finite; 1e-8 */
+  double tol;         /* on both parts of the certificate; >= 0, finite; 1e-8 */
   int max_iterations; /* in the method's own unit; 0: the method's own limit; 0 */
   int warm_start;     /* 1: start from r (z, x) as passed in; 0: from zero; 0 */
   int blocks; /* storage that create makes room for: 0: W dense; > 0: W by up to so many blocks; 0.

@@ -35,7 +35,7 @@ extern "C" {
 #endif
 
 typedef enum dls_status {
-  DLS_OK = 0, /* done; solvers: certified, residual <= max(tol, 4 floor) */
+  DLS_OK = 0, /* done; solvers: dls_certificate_holds */
 
   DLS_MAX_ITERATIONS = 1,     /* the iteration limit came first */
   DLS_CANCELLED = 2,          /* the progress callback returned non-zero */

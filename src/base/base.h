@@ -274,6 +274,26 @@ static inline dls_contact_state dlsi_contact_residual(int d, double mu, double w
   return state;
 }
 
+/* Returns the residual that a certificate of this floor has to meet: max(tol, 4 floor), NaN for a
+ * floor of NaN, which none meets. */
+static inline double dlsi_target(double tol, double floor) {
+  return 4 * floor <= tol ? tol : 4 * floor;
+}
+
+/* Returns 1 if both parts of the residual meet their targets. */
+static inline int dlsi_certificate_meets(const dls_certificate *c, double tol) {
+  return c->residual_u <= dlsi_target(tol, c->floor_u) &&
+         c->residual_r <= dlsi_target(tol, c->floor_r);
+}
+
+/* Returns the target of the part that `residual` is. */
+static inline double dlsi_certificate_target(const dls_certificate *c, double tol) {
+  return dlsi_target(tol, c->residual_r > c->residual_u ? c->floor_r : c->floor_u);
+}
+
+/* Sets the three residuals. force: |F / w|; r: |r|. */
+void dlsi_set_residuals(dls_certificate *c, double residual_u, double force, double r);
+
 /* Measures r: its certificate from u = W r + q, a = |W| |r| and the weights w. F: receives F, m. */
 void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
                           const double *a, const double *w, double *F,

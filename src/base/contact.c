@@ -220,27 +220,41 @@ static void raise_to(double *m, double x) {
   if (x > *m || x != x) *m = x;
 }
 
-/* Returns max(a, w |r|) for one row: F is computed from numbers of this size, and rounds relative
- * to them. */
-static inline double magnitude(double a, double w, double r) {
-  const double wr = w * fabs(r);
-  return a > wr || a != a ? a : wr;
+/* The arrays that r is measured by: see dlsi_contact_measure. */
+typedef struct measured {
+  const dls_contact *problem;
+  const double *r, *u, *a, *w;
+  double *F;
+} measured;
+
+/* Squares of the 2-norms whose ratios are the certificate's first fields. */
+typedef struct measured_sums {
+  double F, force;         /* |F|, |F / w| */
+  double a, rounded_force; /* |a|, |a / w|, a the size of what rounds in F */
+  double r;
+} measured_sums;
+
+/* Returns a + |q| + w |r| for row e of a candidate of weight w: F is computed from numbers of this
+ * size, and rounds relative to them. */
+static inline double magnitude(const measured *of, size_t e, double w) {
+  return of->a[e] + fabs(of->problem->q[e]) + w * fabs(of->r[e]);
 }
 
-/* Returns the 2-norm of the magnitudes where their plain sum of squares over- or underflows. */
-static double norm_of_magnitudes(const dls_contact *problem, const double *r, const double *a,
-                                 const double *w) {
-  const size_t d = (size_t)problem->d, nc = (size_t)problem->nc;
+/* Returns the 2-norm of F (rounded = 0) or of the magnitudes (1), by candidates over w_c if
+ * of_forces is 1, where the plain sum of squares over- or underflows. */
+static double norm_of(const measured *of, int rounded, int of_forces) {
+  const size_t d = (size_t)of->problem->d, nc = (size_t)of->problem->nc;
   double largest = 0, sum = 0;
   for (int pass = 0; pass < 2; pass++) {
     const double scale = largest;
     for (size_t c = 0, e = 0; c < nc; c++)
       for (size_t i = 0; i < d; i++, e++) {
-        const double x = magnitude(a[e], w[c], r[e]);
+        const double size = rounded ? magnitude(of, e, of->w[c]) : fabs(of->F[e]);
+        const double x = of_forces ? size / of->w[c] : size;
         raise_to(&largest, x);
         if (pass) sum += (x / scale) * (x / scale);
       }
-    if (!(largest > 0)) return largest;
+    if (!(largest > 0 && largest <= DBL_MAX)) return largest;
   }
   return largest * sqrt(sum);
 }
@@ -259,69 +273,90 @@ static int find_worst(const dls_contact *problem, const double *F) {
   return at;
 }
 
-/* Computes F and every field of c except residual and floor; returns sum |F_c|^2. d is a parameter
- * of its own, so that the compiler knows it where it inlines. F: residuals, m. *rounded: sum of the
- * squared magnitudes. */
-static inline double measure_each(int d, const dls_contact *problem, const double *r,
-                                  const double *u, const double *a, const double *w, double *F,
-                                  dls_certificate *c, double *rounded) {
-  double worst = 0, sum = 0;
-  *rounded = 0;
-  for (int k = 0; k < problem->nc; k++) {
+/* Raises the fields for the reader by candidate k, whose magnitudes are at most `largest`. */
+static inline void measure_laws(int d, const measured *of, int k, double largest,
+                                dls_certificate *c) {
+  const size_t o = (size_t)d * (size_t)k;
+  const double mu = of->problem->mu[k], w = of->w[k], *r = of->r + o, *u = of->u + o;
+  const double ut = dlsi_tangent_norm(d, u), rt = dlsi_tangent_norm(d, r);
+  raise_to(&c->penetration, -u[0]);
+  raise_to(&c->adhesion, -r[0]);
+  if (w * fabs(r[0]) + w * rt <= 4 * DBL_EPSILON * largest) return;
+  raise_to(&c->cone_violation, rt - mu * (r[0] > 0 ? r[0] : 0));
+  raise_to(&c->complementarity, fabs(u[0] * r[0]));
+  if (w * r[0] <= u[0]) return;
+  if (rt > 0) {
+    double e[3] = {0};
+    for (int i = 1; i < d; i++)
+      e[i] = u[i] + ut * (r[i] / rt);
+    raise_to(&c->slip_direction, dlsi_tangent_norm(d, e));
+  } else if (mu * r[0] > 0)
+    raise_to(&c->slip_direction, ut);
+}
+
+/* Computes F and the fields of c from penetration on. d is a parameter of its own, so that the
+ * compiler knows it where it inlines. */
+static inline measured_sums measure_each(int d, const measured *of, dls_certificate *c) {
+  measured_sums sums = {0};
+  double worst = 0;
+  for (int k = 0; k < of->problem->nc; k++) {
     const size_t o = (size_t)d * (size_t)k;
-    const double mu = problem->mu[k], *rc = r + o, *uc = u + o;
-    const double ut = dlsi_tangent_norm(d, uc);
-    double *Fc = F + o, size = 0;
+    const double w = of->w[k], inverse = 1 / w, *rc = of->r + o, *uc = of->u + o;
+    double *Fc = of->F + o, size = 0, rounded = 0, largest = 0;
     for (int i = 0; i < d; i++) {
-      const double x = magnitude(a[o + (size_t)i], w[k], rc[i]);
-      *rounded += x * x;
+      const double x = magnitude(of, o + (size_t)i, w);
+      largest = x > largest ? x : largest;
+      rounded += x * x;
+      sums.r += rc[i] * rc[i];
     }
-    if (reaction_is_zero((size_t)d, rc) && uc[0] >= 0 && uc[0] + ut <= DBL_MAX) { /* F_c = 0 */
+    sums.a += rounded;
+    sums.rounded_force += inverse * inverse * rounded;
+    if (reaction_is_zero((size_t)d, rc) && uc[0] >= 0 &&
+        uc[0] + dlsi_tangent_norm(d, uc) <= DBL_MAX) { /* F_c = 0 */
       for (int i = 0; i < d; i++)
         Fc[i] = 0;
       continue;
     }
-    const double rt = dlsi_tangent_norm(d, rc);
-    dlsi_contact_residual(d, mu, w[k], rc, uc, Fc);
-    for (int i = 0; i < d; i++) {
-      const double square = Fc[i] * Fc[i];
-      size += square;
-      sum += square;
-    }
+    dlsi_contact_residual(d, of->problem->mu[k], w, rc, uc, Fc);
+    for (int i = 0; i < d; i++)
+      size += Fc[i] * Fc[i];
+    sums.F += size;
+    sums.force += inverse * inverse * size;
     if (size > worst) {
       worst = size;
       c->worst = k;
     }
-    raise_to(&c->penetration, -uc[0]);
-    raise_to(&c->adhesion, -rc[0]);
-    raise_to(&c->cone_violation, rt - mu * (rc[0] > 0 ? rc[0] : 0));
-    raise_to(&c->complementarity, fabs(uc[0] * rc[0]));
-    if (rt > 0) {
-      double e[3] = {0};
-      for (int i = 1; i < d; i++)
-        e[i] = uc[i] + ut * (rc[i] / rt);
-      raise_to(&c->slip_direction, dlsi_tangent_norm(d, e));
-    } else if (mu * rc[0] > 0)
-      raise_to(&c->slip_direction, ut);
+    measure_laws(d, of, k, largest, c);
   }
-  return sum;
+  return sums;
+}
+
+void dlsi_set_residuals(dls_certificate *c, double residual_u, double force, double r) {
+  c->residual_u = residual_u;
+  c->residual_r = force == 0 ? 0 : force > r ? 1 : force / r;
+  c->residual =
+      c->residual_r > residual_u || c->residual_r != c->residual_r ? c->residual_r : residual_u;
 }
 
 void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
                           const double *a, const double *w, double *F,
                           dls_certificate *certificate) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const measured of = {problem, r, u, a, w, F};
   dls_certificate c = {0};
-  double rounded;
-  const double sum = problem->d == 2 ? measure_each(2, problem, r, u, a, w, F, &c, &rounded)
-                                     : measure_each(3, problem, r, u, a, w, F, &c, &rounded);
-  const int plain = dlsi_is_plain(sum);
+  const measured_sums s = problem->d == 2 ? measure_each(2, &of, &c) : measure_each(3, &of, &c);
+  const int plain = dlsi_is_plain(s.F);
   if (!plain) c.worst = find_worst(problem, F);
-  const double f = plain ? sqrt(sum) : dlsi_norm2(F, m), q = dlsi_norm2(problem->q, m);
-  const double scale = q > 0 ? q : dlsi_norm2(a, m);
-  c.residual = f == 0 ? 0 : f / scale;
-  rounded = dlsi_is_plain(rounded) ? sqrt(rounded) : norm_of_magnitudes(problem, r, a, w);
-  c.floor = rounded == 0 ? 0 : DBL_EPSILON * (rounded / scale);
+  const double f = plain ? sqrt(s.F) : dlsi_norm2(F, m), q = dlsi_norm2(problem->q, m);
+  const double force = dlsi_is_plain(s.force) ? sqrt(s.force) : norm_of(&of, 0, 1);
+  const double size = dlsi_is_plain(s.r) ? sqrt(s.r) : dlsi_norm2(r, m);
+  const double rounded = dlsi_is_plain(s.a) ? sqrt(s.a) : norm_of(&of, 1, 0);
+  const double rounded_force =
+      dlsi_is_plain(s.rounded_force) ? sqrt(s.rounded_force) : norm_of(&of, 1, 1);
+  const double scale_u = q > 0 ? q : dlsi_norm2(a, m), scale_r = force > size ? force : size;
+  dlsi_set_residuals(&c, f == 0 ? 0 : f / scale_u, force, size);
+  c.floor_u = scale_u == 0 ? 0 : DBL_EPSILON * (rounded / scale_u);
+  c.floor_r = scale_r == 0 ? 0 : DBL_EPSILON * (rounded_force / scale_r);
   *certificate = c;
 }
 
@@ -344,9 +379,8 @@ dls_status dls_contact_certify(const dls_contact *problem, const double *r, doub
 }
 
 int dls_certificate_holds(const dls_certificate *certificate, double tol) {
-  if (!certificate) return 0;
-  const double four = 4 * certificate->floor, coarsest = tol > 1e-8 ? tol : 1e-8;
-  return certificate->residual <= (four > tol ? four : tol) && four <= coarsest;
+  return certificate && dlsi_certificate_meets(certificate, tol) &&
+         4 * certificate->floor_u <= (tol > 1e-8 ? tol : 1e-8);
 }
 
 dls_status dls_contact_states(const dls_contact *problem, const double *r, const double *u,

@@ -155,6 +155,8 @@ const char *method_word(const outcome *outcome);
 
 /* Prints the stages of auto, one a line; nothing for the other methods. */
 void print_stages(const dls_info *info);
+/* Prints both parts of the residual, a line. */
+void print_residuals(const char *indent, const dls_certificate *c);
 
 /* Prints one object with the fields of the outcome. */
 void print_json(FILE *out, const outcome *outcome);

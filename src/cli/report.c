@@ -151,6 +151,11 @@ static void print_json_stages(FILE *out, const dls_info *info) {
   fputc(']', out);
 }
 
+void print_residuals(const char *indent, const dls_certificate *c) {
+  printf("%sof positions %.2e (floor %.1e), of forces %.2e (floor %.1e)\n", indent, c->residual_u,
+         c->floor_u, c->residual_r, c->floor_r);
+}
+
 void print_json(FILE *out, const outcome *o) {
   const dls_certificate *c = &o->info.certificate;
   fputs("{\n", out);
@@ -164,12 +169,16 @@ void print_json(FILE *out, const outcome *o) {
   fprintf(out, "  \"dimension\": %d,\n  \"contacts\": %d,\n  \"iterations\": %d", o->d, o->nc,
           o->info.iterations);
   print_json_field(out, "residual", c->residual);
-  print_json_field(out, "floor", c->floor);
+  print_json_field(out, "residual_u", c->residual_u);
+  print_json_field(out, "residual_r", c->residual_r);
+  print_json_field(out, "floor_u", c->floor_u);
+  print_json_field(out, "floor_r", c->floor_r);
   if (o->primal) {
     print_json_field(out, "equilibrium", o->primal->equilibrium);
     print_json_field(out, "equilibrium_floor", o->primal->equilibrium_floor);
     print_json_field(out, "laws", o->primal->laws.residual);
-    print_json_field(out, "laws_floor", o->primal->laws.floor);
+    print_json_field(out, "laws_floor_u", o->primal->laws.floor_u);
+    print_json_field(out, "laws_floor_r", o->primal->laws.floor_r);
     fprintf(out, ",\n  \"thresholds\": %d", o->primal->thresholds);
   }
   print_json_field(out, "penetration", c->penetration);

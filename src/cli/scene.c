@@ -292,15 +292,15 @@ static void print_quantities(const run *a, const quantity *q, int count) {
 static void print_run(const run *a, const scene_options *o) {
   const outcome *out = &a->outcome;
   const dls_certificate *c = &out->info.certificate;
-  printf("%s, %s reactions, %s: %s, %d %s, residual %.1e (floor %.1e), %.2g s of CPU\n", o->name,
+  printf("%s, %s reactions, %s: %s, %d %s, residual %.1e, %.2g s of CPU\n", o->name,
          o->weighted ? "weighted" : "concentrated", method_word(out),
          dls_status_text(out->info.status), out->info.iterations, iteration_word(out->info.method),
-         c->residual, c->floor, out->solve_cpu_seconds);
+         c->residual, out->solve_cpu_seconds);
+  print_residuals("", c);
   print_stages(&out->info);
   if (out->primal)
-    printf("equilibrium %.1e (floor %.1e), laws %.1e (floor %.1e), %d thresholds\n",
-           out->primal->equilibrium, out->primal->equilibrium_floor, out->primal->laws.residual,
-           out->primal->laws.floor, out->primal->thresholds);
+    printf("equilibrium %.1e (floor %.1e), laws %.1e, %d thresholds\n", out->primal->equilibrium,
+           out->primal->equilibrium_floor, out->primal->laws.residual, out->primal->thresholds);
   const int with = o->reference != NULL;
   const quantity positions[] = {{"Q1 [m]", a->column[UT], with ? a->paper[0] : NULL},
                                 {"Q2 [m]", a->column[UN], with ? a->paper[1] : NULL}};

@@ -66,9 +66,10 @@ static void print_outcome(const char *path, const problem *p, const outcome *o, 
                           const double *u) {
   const dls_certificate *c = &o->info.certificate;
   problem_print(path, p);
-  printf("  %s: %s, %d %s, residual %.2e (floor %.1e), %.3g s of CPU\n",
-         dls_method_name(o->info.method), dls_status_text(o->info.status), o->info.iterations,
-         iteration_word(o->info.method), c->residual, c->floor, o->solve_cpu_seconds);
+  printf("  %s: %s, %d %s, residual %.2e, %.3g s of CPU\n", dls_method_name(o->info.method),
+         dls_status_text(o->info.status), o->info.iterations, iteration_word(o->info.method),
+         c->residual, o->solve_cpu_seconds);
+  print_residuals("  ", c);
   print_stages(&o->info);
   printf("  penetration %.2e, adhesion %.2e, cone violation %.2e, slip direction %.2e, "
          "complementarity %.2e\n",

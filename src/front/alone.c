@@ -2,8 +2,7 @@
  * alone.c: the problems that auto answers from r = 0 without a workspace.
  *
  *   (AL1)  r = 0                                  if every q_n >= 0
- *   (AL2)  r = 0                                  if the certificate holds: q_n < 0 by less than
- *   tol
+ *   (AL2)  r = 0                                  if the certificate holds: q_n < 0 by rounding
  *   (AL3)  r_c = the solution of candidate c alone, u_c = W_cc r_c + q_c (vi/local.c), for the c
  *          with q_n < 0 and 0 for the others           if that is one, or nothing couples them
  *
@@ -15,6 +14,7 @@
  * What can fail: a candidate without a local solution, or with trace(W_cc) <= 0; another one that
  * is pressed by the reactions. Then 0 is returned, nothing has been written, and the sweeps begin.
  */
+#include <float.h>
 #include <string.h>
 
 #include "delassus/nlgs.h"
@@ -23,9 +23,9 @@
 
 enum { few = 20, most_rows = 3 * few };
 
-/* Sets r and the weights w of the candidates with q_n < 0 by (AL3); w r = 0 for the others.
- * Returns 0 if W couples two of them, or one has no solution or no weight of its own. */
-static int solve_each(const dls_contact *problem, double *r, double *w) {
+/* Sets r of the candidates with q_n < 0 by (AL3). Returns 0 if W couples two of them, or one has no
+ * solution or no weight of its own. */
+static int solve_each(const dls_contact *problem, double *r) {
   const dls_blocks *B = &problem->Wb;
   const int d = problem->d;
   int pressed = 0, coupled = 0;
@@ -36,8 +36,7 @@ static int solve_each(const dls_contact *problem, double *r, double *w) {
     if (++pressed > 1 && coupled) return 0;
     double W[9];
     dlsi_contact_diagonal(problem, c, W);
-    w[c] = dlsi_block_weight(d, W);
-    if (!(w[c] > 0)) return 0;
+    if (!(dlsi_block_weight(d, W) > 0)) return 0;
     if (dls_nlgs_local(d, W, q, problem->mu[c], r + d * c, NULL) == DLS_LOCAL_NONE) return 0;
   }
   return 1;
@@ -60,20 +59,23 @@ static int is_pressed(const dls_contact *problem) {
 
 int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *u, dls_info *info) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  double x[most_rows] = {0}, v[most_rows], w[few] = {0};
+  double x[most_rows] = {0}, v[most_rows], w[few];
   dls_certificate certificate = {0};
   int sweeps = 0;
   const int pressed = is_pressed(problem);
   if (pressed && problem->nc > few) return 0;
+  if (pressed) dlsi_contact_weights(problem, w);
   if (pressed && !is_certified(problem, tol, x, w, v, &certificate)) {
-    if (!solve_each(problem, x, w)) return 0;
+    if (!solve_each(problem, x)) return 0;
     if (!is_certified(problem, tol, x, w, v, &certificate)) return 0;
     sweeps = 1;
   }
   if (pressed)
     memcpy(r, x, m * sizeof *r);
-  else
+  else {
     memset(r, 0, m * sizeof *r);
+    if (dlsi_max_abs(problem->q, m) > 0) certificate.floor_u = DBL_EPSILON;
+  }
   if (u) memcpy(u, pressed ? v : problem->q, m * sizeof *u);
   if (!info) return 1;
   *info = (dls_info){.method = DLS_AUTO, .iterations = sweeps, .stages = sweeps};

@@ -284,7 +284,7 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
     memset(work->r, 0, m * sizeof *work->r);
   else
     memcpy(work->r, work->best, m * sizeof *work->r);
-  work->target = log(dlsi_target(limits.tol, all->stages ? best->floor : 0));
+  work->target = log(all->stages ? dlsi_certificate_target(best, limits.tol) : limits.tol);
   work->least = log(best->residual);
   work->rate = 0;
   work->unknowns = count_unknowns(problem, work->r);

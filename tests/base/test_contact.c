@@ -329,15 +329,21 @@ START_TEST(certificate_by_hand) {
   /* r = 0: u = q, v = -(u_n + mu |u_t|, u_t) = (1, -4): slip, s = (1 + 2)/1.25 = 2.4;
      P = (2.4, -1.2), F = -P */
   dls_certificate c = certified(&p, r, u);
-  ck_assert_double_eq_tol(c.residual, sqrt(2.4 * 2.4 + 1.2 * 1.2) / 5, 1e-15);
-  ck_assert(c.floor == 0 && c.penetration == 3 && c.adhesion == 0 && c.complementarity == 0);
+  const double F = sqrt(2.4 * 2.4 + 1.2 * 1.2);
+  ck_assert_double_eq_tol(c.residual_u, F / 5, 1e-15);
+  ck_assert(c.residual_r == 1 && c.residual == 1);
+  ck_assert_double_eq_tol(c.floor_u, DBL_EPSILON, 1e-20);
+  ck_assert_double_eq_tol(c.floor_r, DBL_EPSILON * 5 / F, 1e-20);
+  ck_assert(c.penetration == 3 && c.adhesion == 0 && c.complementarity == 0);
   ck_assert(u[0] == -3 && u[1] == 4);
   /* the solution: slip in +t, u_n = 0: r = (3/2, -3/4), u_t = 4 - 3 = 1 */
   r[0] = 1.5, r[1] = -0.75;
   c = certified(&p, r, u);
   ck_assert(c.residual == 0 && c.penetration == 0 && c.cone_violation == 0);
   ck_assert(c.slip_direction == 0 && u[0] == 0 && u[1] == 1);
-  ck_assert_double_eq_tol(c.floor, DBL_EPSILON * hypot(4.5, 3) / 5, 1e-20);
+  /* |W||r| + |q| + w |r| = (3 + 3 + 4.5, 3 + 4 + 2.25) */
+  ck_assert_double_eq_tol(c.floor_u, DBL_EPSILON * hypot(10.5, 9.25) / 5, 1e-20);
+  ck_assert_double_eq_tol(c.floor_r, DBL_EPSILON * hypot(3.5, 9.25 / 3) / hypot(1.5, .75), 1e-20);
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
   /* outside the cone, pulling, slip that friction drives: each readable part by hand */
   r[0] = -1, r[1] = 2;
@@ -345,7 +351,66 @@ START_TEST(certificate_by_hand) {
   ck_assert(u[0] == -5 && u[1] == 12);
   ck_assert(c.penetration == 5 && c.adhesion == 1 && c.cone_violation == 2);
   ck_assert(c.complementarity == 5 && c.slip_direction == 24);
+  /* v = (-3 + 5 - 6, 6 - 12): slip, s = (-4 + 3) / 1.25 < 0: P = 0, F = w r */
+  ck_assert_double_eq_tol(c.residual_u, 3 * sqrt(5) / 5, 1e-15);
+  ck_assert_double_eq_tol(c.residual_r, 1, 1e-15);
   ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
+}
+END_TEST
+
+/* Two candidates without coupling, w = 1 and 2^-20, without friction: u_n = w r_n + q_n. */
+static dls_certificate two_apart(double q_soft, double q_stiff, double r_soft, double r_stiff) {
+  const double w = 0x1p-20, mu[2] = {0, 0}, q[4] = {q_soft, 0, q_stiff, 0};
+  const double W[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, w, 0, 0, 0, 0, w};
+  const double r[4] = {r_soft, 0, r_stiff, 0};
+  const dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, W}, .q = q, .mu = mu};
+  return certified(&p, r, NULL);
+}
+
+/* Each part sees errors that the other does not. */
+START_TEST(either_part_can_fail_alone) {
+  /* stiff: r_n = 2^10 is the answer, 2 % more the error: 1e-6 of |q| = 20 */
+  dls_certificate c = two_apart(20, -0x1p-10, 0, 0x1p10 * 1.02);
+  ck_assert_double_eq_tol(c.residual_u, 0.02 * 0x1p-10 / 20, 1e-12);
+  ck_assert_double_eq_tol(c.residual_r, 0.02 / 1.02, 1e-6);
+  ck_assert(c.residual == c.residual_r);
+  ck_assert_int_eq(dls_certificate_holds(&c, 1e-5), 0);
+  /* soft: 10 % of r_n = 1, which is 1e-7 of the large force beside it */
+  c = two_apart(-1, -1, 1.1, 0x1p20);
+  ck_assert_double_eq_tol(c.residual_u, 0.1 / sqrt(2), 1e-15);
+  ck_assert_double_eq_tol(c.residual_r, 0.1 * 0x1p-20, 1e-12);
+  ck_assert(c.residual == c.residual_u);
+  ck_assert_int_eq(dls_certificate_holds(&c, 1e-5), 0);
+  c = two_apart(-1, -1, 1, 0x1p20);
+  ck_assert(c.residual == 0);
+  ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
+}
+END_TEST
+
+/* r = 0 under a pressure, however small, is no answer: of forces it is wrong by all of them. */
+START_TEST(no_forces_under_pressure) {
+  dls_certificate c = two_apart(1, -1e-12, 0, 0);
+  ck_assert_double_eq_tol(c.residual_u, 1e-12, 1e-20);
+  ck_assert(c.residual_r == 1);
+  ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
+  c = two_apart(1, -1e-30, 0, 0); /* by less than the rounding of u_n */
+  ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 1);
+}
+END_TEST
+
+/* A free candidate whose reaction is rounding shows no friction law broken. */
+START_TEST(rounding_has_no_direction) {
+  double W[4] = {2, 0, 0, 4}, q[2] = {3, 4}, mu[1] = {0.5}, r[2] = {1e-17, 1e-17};
+  const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+  dls_certificate c = certified(&p, r, NULL);
+  ck_assert(c.slip_direction == 0 && c.cone_violation == 0 && c.complementarity == 0);
+  ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 1);
+  r[0] = r[1] = 0x1p-30; /* free, and w r_n < u_n: friction has no say, the other laws do */
+  c = certified(&p, r, NULL);
+  ck_assert(c.slip_direction == 0 && c.cone_violation > 0 && c.complementarity > 0);
+  q[0] = -0x1p-29; /* closed: u_n = 0, u_t = 4 along r_t */
+  c = certified(&p, r, NULL);
+  ck_assert_double_eq_tol(c.slip_direction, 8, 1e-7);
 }
 END_TEST
 
@@ -353,10 +418,11 @@ START_TEST(certificate_of_q_zero_and_frictionless) {
   double W[4] = {2, 0, 0, 4}, q[2] = {0, 0}, mu[1] = {0}, r[2] = {0, 0};
   const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
   dls_certificate c = certified(&p, r, NULL);
-  ck_assert(c.residual == 0 && c.floor == 0);
+  ck_assert(c.residual == 0 && c.floor_u == 0);
   r[0] = 1; /* u_n = 2 > 0 with r_n > 0: v = 3 - 2, F_n = 3 - 1 = 2, scale |W||r| = 2 */
   c = certified(&p, r, NULL);
-  ck_assert_double_eq_tol(c.residual, 1, 1e-15);
+  ck_assert_double_eq_tol(c.residual_u, 1, 1e-15);
+  ck_assert_double_eq_tol(c.residual_r, 2. / 3, 1e-15);
   q[0] = -2; /* now u_n = 0: the frictionless solution, though u_t = 0 has no say */
   q[1] = 7;
   c = certified(&p, r, NULL);
@@ -420,7 +486,10 @@ START_TEST(certificate_ignores_units) {
       p = dense2(), p.W.a = W, p.q = q;
       const dls_certificate e = certified(&p, s, NULL);
       ck_assert_double_eq_tol(e.residual / c.residual, 1, 1e-14);
-      ck_assert_double_eq_tol(e.floor / c.floor, 1, 1e-14);
+      ck_assert_double_eq_tol(e.residual_u / c.residual_u, 1, 1e-14);
+      ck_assert_double_eq_tol(e.residual_r / c.residual_r, 1, 1e-14);
+      ck_assert_double_eq_tol(e.floor_u / c.floor_u, 1, 1e-14);
+      ck_assert_double_eq_tol(e.floor_r / c.floor_r, 1, 1e-14);
       ck_assert_double_eq_tol(e.penetration / (a * c.penetration), 1, 1e-14);
     }
 }
@@ -476,7 +545,8 @@ START_TEST(certificate_ignores_order_and_tangent_frame) {
   }
   const dls_contact t = {.d = 3, .nc = NC, .W = {M, M, M, V}, .q = qv, .mu = muv};
   const dls_certificate e = certified(&t, rv, NULL);
-  ck_assert_double_eq_tol(e.residual / c.residual, 1, 1e-13);
+  ck_assert_double_eq_tol(e.residual_u / c.residual_u, 1, 1e-13);
+  ck_assert_double_eq_tol(e.residual_r / c.residual_r, 1, 1e-13);
   ck_assert_double_eq_tol(e.slip_direction / c.slip_direction, 1, 1e-13);
   ck_assert_int_eq(e.worst, NC - 1 - c.worst);
 }
@@ -489,7 +559,8 @@ START_TEST(dense_and_blocks_agree) {
   const dls_certificate a = certified(&d, r, ud), b = certified(&s, r, us);
   for (int k = 0; k < 4; k++)
     ck_assert_double_eq_tol(ud[k], us[k], 1e-15);
-  ck_assert_double_eq_tol(a.residual, b.residual, 1e-15);
+  ck_assert_double_eq_tol(a.residual_u, b.residual_u, 1e-15);
+  ck_assert_double_eq_tol(a.residual_r, b.residual_r, 1e-15);
 }
 END_TEST
 
@@ -537,15 +608,25 @@ START_TEST(certify_refuses_and_leaves_outputs) {
 END_TEST
 
 START_TEST(nan_is_never_certified) {
-  dls_certificate c = {.residual = NAN, .floor = 0};
+  dls_certificate c = {.residual_u = NAN, .floor_u = 0};
   ck_assert_int_eq(dls_certificate_holds(&c, INFINITY), 0);
-  c.residual = 0, c.floor = NAN;
+  c = (dls_certificate){.residual_r = NAN};
+  ck_assert_int_eq(dls_certificate_holds(&c, INFINITY), 0);
+  c = (dls_certificate){.floor_u = NAN};
   ck_assert_int_eq(dls_certificate_holds(&c, NAN), 0);
+  ck_assert_int_eq(dls_certificate_holds(&c, 1), 0);
+  c = (dls_certificate){.floor_r = NAN};
+  ck_assert_int_eq(dls_certificate_holds(&c, 1), 0);
   ck_assert_int_eq(dls_certificate_holds(NULL, 1), 0);
-  c = (dls_certificate){.residual = 3e-16, .floor = 1e-16};
+  c = (dls_certificate){.residual_u = 3e-16, .floor_u = 1e-16};
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
-  c.residual = 5e-16;
+  c.residual_u = 5e-16;
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 0);
+  c = (dls_certificate){.residual_r = 3e-4, .floor_r = 1e-4}; /* forces may be rounding */
+  ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
+  c.residual_r = 5e-4;
+  ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
+  ck_assert_int_eq(dls_certificate_holds(&c, 1e-3), 1);
 }
 END_TEST
 
@@ -554,17 +635,17 @@ START_TEST(a_runaway_is_never_certified) {
   double W[4] = {1, 1, 1, 1}, q[2] = {-2, 0}, mu[1] = {2}, r[2] = {1e20, -1e20};
   dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
   dls_certificate c = certified(&p, r, NULL); /* the wedge c03 of data/failures: no solution */
-  ck_assert(c.floor > 1e3);
+  ck_assert(c.floor_u > 1e3);
   ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
   ck_assert_int_eq(dls_certificate_holds(&c, 1e-2), 0);
   const double zero[4] = {0};
   p.W.a = zero; /* u = q whatever r is: u_n = -2 */
   c = certified(&p, r, NULL);
-  ck_assert(c.residual == 0 && c.penetration == 2);
+  ck_assert(c.residual_u == 0 && c.penetration == 2);
   ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
-  c = (dls_certificate){.residual = 1e-9, .floor = 2e-9};
+  c = (dls_certificate){.residual_u = 1e-9, .floor_u = 2e-9};
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
-  c.floor = 3e-9; /* 4 floor > 1e-8: only for who asks for less */
+  c.floor_u = 3e-9; /* 4 floor > 1e-8: only for who asks for less */
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 0);
   ck_assert_int_eq(dls_certificate_holds(&c, 1e-6), 1);
 }
@@ -652,8 +733,10 @@ START_TEST(storages_agree) {
   ck_assert_int_eq(dls_contact_certify(&problem, r, u[1], &c[1], NULL), DLS_OK);
   ck_assert_mem_eq(u[0], u[1], (size_t)m * sizeof(double));
   /* |W||r| is added up in another order */
-  ck_assert(fabs(c[1].floor - c[0].floor) <= 4 * DBL_EPSILON * c[0].floor);
-  c[1].floor = c[0].floor;
+  ck_assert(fabs(c[1].floor_u - c[0].floor_u) <= 4 * DBL_EPSILON * c[0].floor_u);
+  ck_assert(fabs(c[1].floor_r - c[0].floor_r) <= 4 * DBL_EPSILON * c[0].floor_r);
+  c[1].floor_u = c[0].floor_u;
+  c[1].floor_r = c[0].floor_r;
   ck_assert_mem_eq(&c[0], &c[1], offsetof(dls_certificate, worst)); /* padding follows */
   ck_assert_int_eq(c[0].worst, c[1].worst);
 }
@@ -738,8 +821,10 @@ int main(void) {
              ONCE(norms_keep_nan_and_range), ONCE(vectors_of_any_length_are_finite),
              ONCE(check_names_the_slot), ONCE(check_names_the_slot_of_blocks),
              ONCE(blocks_come_apart_and_together), ONCE(blocks_refuse_bad_arguments),
-             ONCE(certificate_by_hand), ONCE(certificate_of_q_zero_and_frictionless),
-             ONCE(weights_fall_back), ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
+             ONCE(certificate_by_hand), ONCE(either_part_can_fail_alone),
+             ONCE(no_forces_under_pressure), ONCE(rounding_has_no_direction),
+             ONCE(certificate_of_q_zero_and_frictionless), ONCE(weights_fall_back),
+             ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
              ONCE(certificate_ignores_order_and_tangent_frame), ONCE(dense_and_blocks_agree),
              ONCE(states_of_the_three_kinds), ONCE(certify_refuses_and_leaves_outputs),
              ONCE(nan_is_never_certified), ONCE(a_runaway_is_never_certified),

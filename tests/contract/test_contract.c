@@ -43,7 +43,7 @@ static int is_beyond(dls_method method, const char *name) {
   static const struct {
     dls_method method;
     const char *name;
-  } known[] = {{DLS_NLGS, "C11"}, {DLS_NLGS, "C13"}, {DLS_NEWTON, "C13"}, {DLS_NEWTON, "C14"}};
+  } known[] = {{DLS_NLGS, "C11"}, {DLS_NLGS, "C13"}, {DLS_NEWTON, "C13"}};
   for (size_t k = 0; k < sizeof known / sizeof known[0]; k++)
     if (known[k].method == method && strcmp(known[k].name, name) == 0) return 1;
   return 0;

@@ -14,10 +14,11 @@ double draw(unsigned *seed) {
 }
 
 int same_certificate(const dls_certificate *a, const dls_certificate *b) {
-  return a->residual == b->residual && a->floor == b->floor && a->penetration == b->penetration &&
-         a->adhesion == b->adhesion && a->cone_violation == b->cone_violation &&
-         a->slip_direction == b->slip_direction && a->complementarity == b->complementarity &&
-         a->worst == b->worst;
+  return a->residual == b->residual && a->residual_u == b->residual_u &&
+         a->residual_r == b->residual_r && a->floor_u == b->floor_u && a->floor_r == b->floor_r &&
+         a->penetration == b->penetration && a->adhesion == b->adhesion &&
+         a->cone_violation == b->cone_violation && a->slip_direction == b->slip_direction &&
+         a->complementarity == b->complementarity && a->worst == b->worst;
 }
 
 dls_solver_settings settings_of(dls_method method) {
