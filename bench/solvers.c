@@ -10,11 +10,11 @@
  *   --dir DIR   FCLIB files; data/fclib
  *   --set SET   fclib, block, cube or wall only
  *
- * A target is a residual of the certificate (contact.h): 1e-4, 1e-8, 1e-12. A solver has met a
- * target if the certificate of its answer, recomputed here from W, q and mu, holds; its own claim
- * counts for nothing. Verdicts: `limit`, stopped by the CPU limit; `crash`, a signal or exit();
- * `wrong`, it claims success with a tolerance not above the target, and the certificate does not
- * hold; `refused`, it returns an error.
+ * A target is a residual of the certificate (contact.h), of positions and of forces: 1e-4, 1e-8,
+ * 1e-12. A solver has met a target if the certificate of its answer, recomputed here from W, q and
+ * mu, holds; its own claim counts for nothing. Verdicts: `limit`, stopped by the CPU limit;
+ * `crash`, a signal or exit(); `wrong`, it claims success with a tolerance not above the target,
+ * and the certificate does not hold; `refused`, it returns an error.
  *
  * delassus runs with its default settings and the target as its tolerance. The peer measures its
  * error in its own way: it is run down a ladder of its own tolerances, and its cheapest run whose

@@ -41,7 +41,8 @@ DLS_API void dls_primal_settings_init(dls_primal_settings *settings);
  *
  * so that laws.residual_u = |F| / |q| and laws.residual_r = |F / w| / |r| with
  * w_c = trace(K'_cc^-1) / 2. The floors are what the arithmetic can attain: eps times the same
- * measures of |f'| + |K'| (|x'| + |g|) (a sum of magnitudes). DLS_OK: equilibrium <= max(tol, 4 equilibrium_floor), and likewise the laws.
+ * measures of |f'| + |K'| (|x'| + |g|) (a sum of magnitudes).
+ * DLS_OK: equilibrium <= max(tol, 4 equilibrium_floor), and likewise both parts of the laws.
  *
  * What this says of the condensed problem, W = H^T K^-1 H: its u differs from this one by H^T K^-1
  * times the forces out of balance, which the conditioning of K may magnify. The block of

@@ -25,7 +25,7 @@ static const double tol = 1e-12;
 /* agreement: relative difference of two methods' answers; tight: tolerance of the iterative one.
  * The conditioning of the problem stands between residual and error of the reactions: a factor of
  * 18 and 110 (concentrated, Figs. 3 and 4), 470 and 840 (weighted), measured by stopping
- * Gauss-Seidel at 1e-12. tight is above 4 floor = 9e-16. */
+ * Gauss-Seidel at 1e-12. tight is above 4 floor_u = 2e-15. */
 static const double agreement = 1e-10, tight = 1e-14;
 
 typedef struct table {

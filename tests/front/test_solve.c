@@ -55,9 +55,9 @@ static void eliminate(int n, double *A, double *b, double *r) {
   }
 }
 
-/* A block on a belt that moves at V, a time step h: q_t = -V, q_n = -g h or so. |q| holds the speed,
- * while the reactions, and their errors, live at g h. All candidates slide: with r_t = mu r_n, the
- * normal reactions solve (W_nn + mu W_nt) r_n = -q_n. */
+/* A block on a belt that moves at V, a time step h: q_t = -V, q_n = -g h or so. |q| holds the
+ * speed, while the reactions, and their errors, live at g h. All candidates slide: with
+ * r_t = mu r_n, the normal reactions solve (W_nn + mu W_nt) r_n = -q_n. */
 START_TEST(block_on_a_belt) {
   static const double speed[] = {10, 10, 1000, 0.1}, step[] = {1e-5, 1e-7, 1e-5, 1e-3};
   const int n = BELT, m = 2 * BELT;
