@@ -422,7 +422,8 @@ START_TEST(a_high_floor_excuses_nothing) {
   ck_assert_int_eq(dls_lcp_certificate_holds(&c, 0), 0);
   for (int k = 0; k < 400; k++) { /* the rule of the contact problem */
     const double residual = exp2(-40 + k % 20), floor = exp2(-60 + k / 10), tol = exp2(-33 + k % 7);
-    const dls_certificate contact = {.residual = residual, .floor = floor};
+    const dls_certificate contact = {
+        .residual = residual, .residual_u = residual, .floor_u = floor};
     c = (dls_lcp_certificate){.residual = residual, .floor = floor};
     ck_assert_int_eq(dls_lcp_certificate_holds(&c, tol), dls_certificate_holds(&contact, tol));
   }

@@ -66,7 +66,8 @@ static int is_within(const measure *a, double tol, int forces) {
 static rule judge_alone(const problem *p, const run *how, const outcome *o, const options *ask) {
   if (o->status < 0) return REFUSED;
   const int visible = p->kind == SURE || is_visible(p, how->tol);
-  if (o->status == DLS_NO_SOLUTION && !o->proof) return visible ? PROVED : NO_PROOF;
+  if (o->status == DLS_NO_SOLUTION && !o->proof)
+    return visible ? PROVED : how->rows && o->lcp_proof ? KEPT : NO_PROOF;
   if (o->status == DLS_NO_SOLUTION && (p->exact || p->kind == SURE)) {
     fprintf(stderr, "properties: an answer that exists and a proof against it are both exact\n");
     abort();

@@ -47,6 +47,7 @@ typedef struct outcome {
   measure is;      /* of r, by measure_answer */
   int holds;       /* 1: r is a certified answer at the tolerance of the run, with a margin */
   int lcp_holds;   /* an LCP's own certificate holds */
+  int lcp_proof;   /* DLS_NO_SOLUTION of an LCP: 1 exact for the LCP's own numbers, 0 not */
   int proof;       /* DLS_NO_SOLUTION: 1 exact, 0 not */
 } outcome;
 

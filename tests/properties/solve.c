@@ -82,9 +82,28 @@ typedef struct lcp_room {
   double M[16 * NC_MAX * NC_MAX], q[4 * NC_MAX], z[4 * NC_MAX], v[4 * NC_MAX], s[NC_MAX];
 } lcp_room;
 
-/* at->r := the reactions of Lemke's answer; y (nc): the normal part of its proof after
+/* Returns 1 if l->v proves without rounding that this LCP has no solution. */
+static int lcp_proof_holds(const lcp_room *l, int n) {
+  exact sum;
+  exact_clear(&sum);
+  for (int i = 0; i < n; i++) {
+    if (!(l->v[i] >= 0 && l->v[i] <= 1e300)) return 0;
+    exact_add(&sum, l->q[i], l->v[i], 1);
+  }
+  if (exact_sign(&sum) >= 0) return 0;
+  for (int j = 0; j < n; j++) {
+    exact_clear(&sum);
+    for (int i = 0; i < n; i++)
+      exact_add(&sum, l->M[i + j * n], l->v[i], 1);
+    if (exact_sign(&sum) > 0) return 0;
+  }
+  return 1;
+}
+
+/* at->r := the reactions of Lemke's answer; *proof: 1 if its proof holds exactly for the LCP; y (nc): the normal part of its proof after
  * DLS_NO_SOLUTION. */
-static dls_status solve_lcp(room *at, const run *how, int scaled, double *y, int *holds) {
+static dls_status solve_lcp(room *at, const run *how, int scaled, double *y, int *holds,
+                            int *proof) {
   lcp_room *l = room_alloc(sizeof *l);
   const dls_contact *contact = &at->contact;
   for (int c = 0; c < at->nc; c++) {
@@ -113,7 +132,9 @@ static dls_status solve_lcp(room *at, const run *how, int scaled, double *y, int
                        : dls_contact_from_facets_lcp(contact, 2, l->s, l->z, at->r, NULL))
       abort();
   }
-  if (status == DLS_NO_SOLUTION && dls_lemke_farkas(lemke, l->v, NULL) == DLS_OK)
+  const int proved = status == DLS_NO_SOLUTION && dls_lemke_farkas(lemke, l->v, NULL) == DLS_OK;
+  *proof = proved && lcp_proof_holds(l, n);
+  if (proved)
     for (int c = 0, row = 0; c < at->nc; c++) {
       y[at->from[c]] = l->v[row] * l->s[c];
       row += at->mu[c] > 0 ? how->rows : 1;
@@ -127,7 +148,7 @@ static dls_status solve_lcp(room *at, const run *how, int scaled, double *y, int
  * */
 static int search_proof(const problem *p, const run *how, room *at) {
   double y[NC_MAX];
-  int holds;
+  int holds, proof;
   if (p->d != 2) return 0;
   for (int way = 0; way < 8; way++) {
     run lcp = *how;
@@ -136,7 +157,7 @@ static int search_proof(const problem *p, const run *how, room *at) {
     lcp.blocks = 0;
     memset(y, 0, sizeof y);
     room_fill(at, p, &lcp);
-    if (solve_lcp(at, &lcp, !(way & 2), y, &holds) != DLS_NO_SOLUTION) continue;
+    if (solve_lcp(at, &lcp, !(way & 2), y, &holds, &proof) != DLS_NO_SOLUTION) continue;
     if (farkas_rounded(p, y)) return 1;
   }
   return 0;
@@ -144,7 +165,14 @@ static int search_proof(const problem *p, const run *how, room *at) {
 
 /* ---- the contact problem --------------------------------------------------------------------- */
 
-static dls_status solve_contact(room *at, const run *how, outcome *out) {
+/* y (nc) := the solver's own proof after DLS_NO_SOLUTION, in the problem's order. */
+static void keep_proof(const room *at, const dls_solver *solver, dls_status status, double *y) {
+  const double *v = status == DLS_NO_SOLUTION ? dls_solver_farkas(solver) : NULL;
+  for (int c = 0; v && c < at->nc; c++)
+    y[at->from[c]] = v[c];
+}
+
+static dls_status solve_contact(room *at, const run *how, outcome *out, double *y) {
   dls_solver_settings settings;
   dls_solver_settings_init(&settings);
   settings.limits.tol = how->tol;
@@ -154,11 +182,20 @@ static dls_status solve_contact(room *at, const run *how, outcome *out) {
   dls_info info = {0};
   dls_status status;
   if (how->front) {
+    dls_solver *solver = NULL;
     status = dls_solve(&at->contact, &settings, at->r, NULL, &info, NULL);
+    if (status == DLS_NO_SOLUTION && !dls_solver_create(&solver, at->d, at->nc, &settings, NULL)) {
+      double *r = calloc((size_t)at->m, sizeof *r);
+      memcpy(r, at->r, (size_t)at->m * sizeof *r);
+      keep_proof(at, solver, dls_solver_solve(solver, &at->contact, r, NULL, NULL, NULL), y);
+      free(r);
+    }
+    dls_solver_destroy(solver);
   } else {
     dls_solver *solver = NULL;
     status = dls_solver_create(&solver, at->d, at->nc, &settings, NULL);
     if (!status) status = dls_solver_solve(solver, &at->contact, at->r, NULL, &info, NULL);
+    keep_proof(at, solver, status, y);
     dls_solver_destroy(solver);
   }
   out->residual = info.certificate.residual;
@@ -172,10 +209,10 @@ void solve_run(const problem *p, const run *how, const outcome *before, outcome 
   room_fill(at, p, how);
   room_start(at, p, how, before);
   if (how->rows) {
-    out->status = solve_lcp(at, how, 1, y, &out->lcp_holds);
+    out->status = solve_lcp(at, how, 1, y, &out->lcp_holds, &out->lcp_proof);
     out->residual = 1;
   } else {
-    out->status = solve_contact(at, how, out);
+    out->status = solve_contact(at, how, out, y);
   }
   if (out->status >= 0) {
     room_answer(at, p, how, out->r);
@@ -183,6 +220,6 @@ void solve_run(const problem *p, const run *how, const outcome *before, outcome 
     out->holds = measure_holds(&out->is, how->tol, 0.5, 1);
   }
   if (out->status == DLS_NO_SOLUTION)
-    out->proof = (how->rows && farkas_rounded(p, y)) || search_proof(p, how, at);
+    out->proof = how->rows ? farkas_rounded(p, y) || search_proof(p, how, at) : farkas_holds(p, y);
   free(at);
 }
