@@ -63,7 +63,7 @@ static int is_within(const measure *a, double tol, int forces) {
 }
 
 /* The first rule that one outcome breaks alone. */
-static rule judge_alone(const problem *p, const run *how, const outcome *o, const options *ask) {
+static rule judge_alone(const problem *p, const run *how, const outcome *o) {
   if (o->status < 0) return REFUSED;
   const int visible = p->kind == SURE || is_visible(p, how->tol);
   if (o->status == DLS_NO_SOLUTION && !o->proof)
@@ -75,7 +75,7 @@ static rule judge_alone(const problem *p, const run *how, const outcome *o, cons
   if (o->status == DLS_NO_SOLUTION_LIKELY && visible) return LIKELY;
   if (how->rows && o->status == DLS_OK && !o->lcp_holds) return NOT_HELD;
   if (o->status == DLS_OK && !how->rows && !is_within(&o->is, how->tol, 0)) return NOT_HELD;
-  if (o->status == DLS_OK && !how->rows && ask->forces && !is_within(&o->is, how->tol, 1))
+  if (o->status == DLS_OK && !how->rows && !is_within(&o->is, how->tol, 1))
     return NOT_HELD_R;
   const int gave_up = o->status == DLS_STALLED || o->status == DLS_NO_SOLUTION_LIKELY;
   const int held = how->rows ? o->lcp_holds : o->holds || o->residual == 0;
@@ -204,9 +204,9 @@ void check_problem(const problem *p, uint64_t seed, const options *ask, verdict 
   for (int k = 0; k < all.count; k++) {
     solve_run(p, &all.run[k], &o[0], &o[k]);
     if (all.run[k].warm == 2)
-      note_finding(v, judge_alone(p, &all.run[k], &o[k], ask), 1, &all.run[0], &all.run[k]);
+      note_finding(v, judge_alone(p, &all.run[k], &o[k]), 1, &all.run[0], &all.run[k]);
     else
-      note_finding(v, judge_alone(p, &all.run[k], &o[k], ask), 0, &all.run[k], &all.run[k]);
+      note_finding(v, judge_alone(p, &all.run[k], &o[k]), 0, &all.run[k], &all.run[k]);
   }
   compare_all(p, &all, o, v);
   v->runs = all.count;
@@ -219,9 +219,9 @@ void check_problem(const problem *p, uint64_t seed, const options *ask, verdict 
 int finding_stands(const problem *p, const finding *found, const options *ask) {
   static outcome a, b;
   solve_run(p, &found->first, NULL, &a);
-  if (!found->pair) return judge_alone(p, &found->first, &a, ask) == found->rule;
+  if (!found->pair) return judge_alone(p, &found->first, &a) == found->rule;
   solve_run(p, &found->second, &a, &b);
   if (found->rule == CONTRADICTION) return judge_claims(&a, &b) == found->rule;
-  return judge_alone(p, &found->second, &b, ask) == found->rule ||
+  return judge_alone(p, &found->second, &b) == found->rule ||
          judge_copy(p, &found->first, &a, &found->second, &b) == found->rule;
 }

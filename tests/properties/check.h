@@ -79,7 +79,6 @@ typedef struct verdict {
 
 typedef struct options {
   double tol;
-  int forces; /* 1: rule 2 asks for the residual of forces too */
 } options;
 
 void check_problem(const problem *p, uint64_t seed, const options *ask, verdict *v);

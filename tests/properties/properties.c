@@ -1,7 +1,7 @@
 /*
  * properties.c: random problems whose answer is known, solved in many ways, and counted.
  *
- *   properties [--seed N] [--count N] [--class NAME] [--seconds S] [--tol T] [--forces] [--out DIR]
+ *   properties [--seed N] [--count N] [--class NAME] [--seconds S] [--tol T] [--out DIR]
  *
  * Problem i has the seed N + i, and of the classes the one that the seed falls on. Exit 0: every
  * rule kept; 1: some rule broken; 2: the command line, or a file that cannot be written.
@@ -49,7 +49,7 @@ typedef struct command {
 
 static int print_usage(void) {
   fprintf(stderr, "properties [--seed N] [--count N] [--class NAME] [--seconds S] [--tol T] "
-                  "[--forces] [--out DIR]\nclasses:");
+                  "[--out DIR]\nclasses:");
   for (int k = 0; k < CLASSES; k++)
     fprintf(stderr, " %s", class_name[k]);
   fprintf(stderr, "\n");
@@ -60,10 +60,6 @@ static int print_usage(void) {
 static int read_command(int count, char **words, command *to) {
   for (int k = 1; k < count; k++) {
     const char *key = words[k], *text = k + 1 < count ? words[k + 1] : NULL;
-    if (!strcmp(key, "--forces")) {
-      to->ask.forces = 1;
-      continue;
-    }
     if (!text) return print_usage();
     k++;
     char *end = "";
@@ -202,7 +198,7 @@ int main(int count, char **words) {
   static long saved[RULES];
   static problem p, small;
   static verdict v;
-  command of = {.seed = 1, .count = 2000, .class = -1, .ask = {1e-8, 0}, .out = "build/properties"};
+  command of = {.seed = 1, .count = 2000, .class = -1, .ask = {1e-8}, .out = "build/properties"};
   of.seconds = INFINITY;
   if (!read_command(count, words, &of)) return 2;
   if (mkdir(of.out, 0777) && errno != EEXIST) {
