@@ -34,54 +34,42 @@ enum {
 
 typedef enum storage { DENSE, BLOCKS, SPARSE } storage;
 
+/* What a setting changes: one integer parameter, or the solver of one contact. */
+typedef struct tuning {
+  int local; /* the solver; 0: as it is */
+  int parameter, value;
+} tuning;
+
 struct peer_method {
   const char *name, *setting;
-  int id;                               /* of the solver */
-  int d;                                /* it is for */
-  int global;                           /* K, H as they are */
-  int quick;                            /* part of an impatient run */
-  storage of;                           /* W, where W is given by blocks; a dense W stays dense */
-  void (*tune)(SolverOptions *options); /* NULL for the defaults */
+  int id;             /* of the solver */
+  int d;              /* it is for */
+  int global;         /* K, H as they are */
+  int quick;          /* part of an impatient run */
+  storage of;         /* W, where W is given by blocks; a dense W stays dense */
+  const tuning *tune; /* NULL for the defaults */
 };
 
 /* ---- settings -------------------------------------------------------------------------------- */
 
-static void local_projection(SolverOptions *o) {
-  solver_options_update_internal(o, 0,
-                                 SICONOS_FRICTION_3D_ONECONTACT_ProjectionOnConeWithLocalIteration);
-}
-static void local_quartic(SolverOptions *o) {
-  solver_options_update_internal(o, 0, SICONOS_FRICTION_3D_ONECONTACT_QUARTIC);
-}
-static void local_newton(SolverOptions *o) {
-  solver_options_update_internal(o, 0, SICONOS_FRICTION_3D_ONECONTACT_NSN);
-}
-static void freezing(SolverOptions *o) {
-  o->iparam[SICONOS_FRICTION_3D_NSGS_FREEZING_CONTACT] = 20;
-}
-static void full_error(SolverOptions *o) {
-  o->iparam[SICONOS_FRICTION_3D_IPARAM_ERROR_EVALUATION] =
-      SICONOS_FRICTION_3D_NSGS_ERROR_EVALUATION_FULL;
-}
-static void jean_moreau(SolverOptions *o) {
-  o->iparam[SICONOS_FRICTION_3D_NSN_FORMULATION] =
-      SICONOS_FRICTION_3D_NSN_FORMULATION_JEANMOREAU_STD;
-}
-static void mumps(SolverOptions *o) {
-  o->iparam[SICONOS_FRICTION_3D_NSN_LINEAR_SOLVER] = SICONOS_FRICTION_3D_NSN_USE_MUMPS;
-}
-static void hybrid(SolverOptions *o) {
-  o->iparam[SICONOS_FRICTION_3D_NSN_HYBRID_STRATEGY] =
-      SICONOS_FRICTION_3D_NSN_HYBRID_STRATEGY_VI_EG_NSN;
-}
-static void balancing(SolverOptions *o) {
-  o->iparam[SICONOS_FRICTION_3D_ADMM_IPARAM_RHO_STRATEGY] =
-      SICONOS_FRICTION_3D_ADMM_RHO_STRATEGY_RESIDUAL_BALANCING;
-}
-static void scaled_balancing(SolverOptions *o) {
-  o->iparam[SICONOS_FRICTION_3D_ADMM_IPARAM_RHO_STRATEGY] =
-      SICONOS_FRICTION_3D_ADMM_RHO_STRATEGY_SCALED_RESIDUAL_BALANCING;
-}
+static const tuning local_projection[] = {
+    {.local = SICONOS_FRICTION_3D_ONECONTACT_ProjectionOnConeWithLocalIteration}};
+static const tuning local_quartic[] = {{.local = SICONOS_FRICTION_3D_ONECONTACT_QUARTIC}};
+static const tuning local_newton[] = {{.local = SICONOS_FRICTION_3D_ONECONTACT_NSN}};
+static const tuning freezing[] = {{0, SICONOS_FRICTION_3D_NSGS_FREEZING_CONTACT, 20}};
+static const tuning full_error[] = {{0, SICONOS_FRICTION_3D_IPARAM_ERROR_EVALUATION,
+                                     SICONOS_FRICTION_3D_NSGS_ERROR_EVALUATION_FULL}};
+static const tuning jean_moreau[] = {
+    {0, SICONOS_FRICTION_3D_NSN_FORMULATION, SICONOS_FRICTION_3D_NSN_FORMULATION_JEANMOREAU_STD}};
+static const tuning mumps[] = {
+    {0, SICONOS_FRICTION_3D_NSN_LINEAR_SOLVER, SICONOS_FRICTION_3D_NSN_USE_MUMPS}};
+static const tuning hybrid[] = {{0, SICONOS_FRICTION_3D_NSN_HYBRID_STRATEGY,
+                                 SICONOS_FRICTION_3D_NSN_HYBRID_STRATEGY_VI_EG_NSN}};
+static const tuning balancing[] = {{0, SICONOS_FRICTION_3D_ADMM_IPARAM_RHO_STRATEGY,
+                                    SICONOS_FRICTION_3D_ADMM_RHO_STRATEGY_RESIDUAL_BALANCING}};
+static const tuning scaled_balancing[] = {
+    {0, SICONOS_FRICTION_3D_ADMM_IPARAM_RHO_STRATEGY,
+     SICONOS_FRICTION_3D_ADMM_RHO_STRATEGY_SCALED_RESIDUAL_BALANCING}};
 
 /* The settings tried; solvers that get everywhere come first, which shortens an impatient run. */
 static const peer_method methods[] = {
@@ -261,9 +249,16 @@ typedef struct job {
   double *v;                            /* n of the global one */
 } job;
 
+static void tune(SolverOptions *options, const tuning *t) {
+  if (t->local)
+    solver_options_update_internal(options, 0, t->local);
+  else
+    options->iparam[t->parameter] = t->value;
+}
+
 static SolverOptions *options_of(const peer_method *p, double tol) {
   SolverOptions *options = solver_options_create(p->id);
-  if (p->tune) p->tune(options);
+  if (p->tune) tune(options, p->tune);
   options->dparam[SICONOS_DPARAM_TOL] = tol;
   if (options->iparam[SICONOS_IPARAM_MAX_ITER] < least_iterations)
     options->iparam[SICONOS_IPARAM_MAX_ITER] = least_iterations;

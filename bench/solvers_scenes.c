@@ -241,6 +241,11 @@ static void move_hertz(double X, double Y, double p, double *q) {
   q[1] = 0.5 * p;
 }
 
+typedef struct load {
+  const char *name;
+  move_fn move; /* NULL: raous */
+} load;
+
 static void visit_block(elastic *k, const char *set, const char *name, move_fn move, double mu,
                         scene_fn visit, void *data) {
   const int m = k->d * k->nc;
@@ -308,24 +313,29 @@ static int block_of_triangles(elastic *k, int n, int raous) {
   return info ? -1 : 0;
 }
 
+/* Visits the block under each load with each of the first `count` frictions. */
+static void visit_loads(elastic *k, int size, const load *loads, int load_count, int count,
+                        scene_fn visit, void *data) {
+  for (int l = 0; l < load_count; l++) {
+    char name[32];
+    snprintf(name, sizeof name, "%s-%d-%s", k->d == 2 ? "t3" : "h8", size, loads[l].name);
+    for (int f = 0; f < count; f++)
+      visit_block(k, k->d == 2 ? "block" : "cube", name, loads[l].move, frictions[f], visit, data);
+  }
+}
+
 int scenes_blocks(int full, scene_fn visit, void *data) {
   static const int sizes[] = {16, 32, 64, 128};
-  static const struct {
-    const char *name;
-    move_fn move; /* NULL: raous */
-  } loads[] = {{"press", move_press}, {"tilt", move_tilt}, {"hertz", move_hertz}, {"raous", NULL}};
+  static const load loads[] = {
+      {"press", move_press}, {"tilt", move_tilt}, {"hertz", move_hertz}, {"raous", NULL}};
   int result = 0;
   for (int i = 0; i < 4 && !result; i++)
     for (int raous = 0; raous < 2 && !result; raous++) {
       elastic k = {0};
       result = block_of_triangles(&k, sizes[i], raous);
-      for (int l = 0; l < 4 && !result; l++) {
-        if (raous != !loads[l].move) continue;
-        char name[32];
-        snprintf(name, sizeof name, "t3-%d-%s", sizes[i], loads[l].name);
-        for (int f = 0; f < (full ? all_frictions : quick_frictions); f++)
-          visit_block(&k, "block", name, loads[l].move, frictions[f], visit, data);
-      }
+      const int count = full ? all_frictions : quick_frictions;
+      if (!result)
+        visit_loads(&k, sizes[i], loads + (raous ? 3 : 0), raous ? 1 : 3, count, visit, data);
       block_free(&k);
     }
   return result;
@@ -393,22 +403,14 @@ static int block_of_hexahedra(elastic *k, int n) {
 
 int scenes_cubes(int full, scene_fn visit, void *data) {
   static const int sizes[] = {6, 12, 18, 24};
-  static const struct {
-    const char *name;
-    move_fn move;
-  } loads[] = {
+  static const load loads[] = {
       {"press", move_press}, {"shear", move_shear}, {"tilt", move_tilt}, {"hertz", move_hertz}};
   int result = 0;
   for (int i = 0; i < (full ? 4 : 3) && !result; i++) {
     elastic k = {0};
     result = block_of_hexahedra(&k, sizes[i]);
-    for (int l = 0; l < 4 && !result; l++) {
-      char name[32];
-      snprintf(name, sizeof name, "h8-%d-%s", sizes[i], loads[l].name);
-      const int count = full ? all_frictions : sizes[i] < 18 ? quick_frictions : 1;
-      for (int f = 0; f < count; f++)
-        visit_block(&k, "cube", name, loads[l].move, frictions[f], visit, data);
-    }
+    const int count = full ? all_frictions : sizes[i] < 18 ? quick_frictions : 1;
+    if (!result) visit_loads(&k, sizes[i], loads, 4, count, visit, data);
     block_free(&k);
   }
   return result;

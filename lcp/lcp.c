@@ -40,12 +40,6 @@ dls_status dlsi_check_positive(const char *argument, const double *x, int n, dls
   return status;
 }
 
-dls_status dlsi_lcp_allocate(dlsi_arena *arena, int n, dls_error *error) {
-  if (arena->failed) return dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is too large");
-  *arena = (dlsi_arena){.base = dlsi_alloc(arena->used, 1), .size = arena->used};
-  return arena->base ? DLS_OK : dlsi_no_memory(error);
-}
-
 dls_status dls_lcp_check(const dls_lcp *lcp, dls_error *error) {
   return dlsi_at(__func__, dlsi_check_lcp(lcp, error), error);
 }

@@ -22,9 +22,6 @@ dls_status dlsi_check_lcp_solve(int most, const dls_lcp *lcp, const double *z, i
 /* Checks that x (n) is finite and each x_i > 0. */
 dls_status dlsi_check_positive(const char *argument, const double *x, int n, dls_error *error);
 
-/* Gives the arena of a sizing pass for n unknowns its memory, to be carved by the same takes. */
-dls_status dlsi_lcp_allocate(dlsi_arena *arena, int n, dls_error *error);
-
 static inline const double *dlsi_lcp_column(const dls_lcp *lcp, int j) {
   return lcp->M.a + (size_t)j * (size_t)lcp->M.ld;
 }

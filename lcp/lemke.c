@@ -138,10 +138,9 @@ static size_t lemke_leading_dimension(size_t n) {
   return ld % 512 ? ld : ld + 8;
 }
 
-/* Takes the head and the arrays of *work; returns the head. */
-static dls_lemke *lemke_carve(dlsi_arena *arena, dls_lemke *work) {
+static void lemke_carve(void *workspace, dlsi_arena *arena) {
+  dls_lemke *work = workspace;
   const size_t n = (size_t)work->n, ld = lemke_leading_dimension(n), D = sizeof(double);
-  dls_lemke *head = dlsi_take(arena, 1, sizeof *head);
   dlsi_table_carve(&work->table, arena, n, ld);
   dlsi_crash_carve(&work->crash, arena, n, ld);
   double **vectors[] = {&work->R,      &work->C,      &work->q,         &work->d,
@@ -160,7 +159,6 @@ static dls_lemke *lemke_carve(dlsi_arena *arena, dls_lemke *work) {
   work->crash.factors.A = work->table.T;
   work->crash.s = work->weight;
   if (work->settings.cover) work->given = dlsi_take(arena, n, D);
-  return head;
 }
 
 static dls_status lemke_create(dls_lemke **out, int n, const dls_lemke_settings *settings,
@@ -175,14 +173,11 @@ static dls_status lemke_create(dls_lemke **out, int n, const dls_lemke_settings 
   const dlsi_setting own[] = {{"crash", s->crash, 0, 1, 0}};
   dls_status status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 1, own, error);
   if (!status && s->cover) status = dlsi_check_positive("cover", s->cover, n, error);
-  dlsi_arena arena = {0};
-  lemke_carve(&arena, &work);
-  if (!status) status = dlsi_lcp_allocate(&arena, n, error);
+  void *made = NULL;
+  if (!status) status = dlsi_carve_workspace(&made, &work, sizeof work, lemke_carve, "n", n, error);
   if (status) return status;
-  *out = lemke_carve(&arena, &work);
-  if (s->cover) memcpy(work.given, s->cover, (size_t)n * sizeof *work.given);
-  work.settings.cover = work.given;
-  **out = work;
+  dls_lemke *w = *out = made;
+  if (s->cover) w->settings.cover = memcpy(w->given, s->cover, (size_t)n * sizeof *w->given);
   return DLS_OK;
 }
 

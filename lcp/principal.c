@@ -67,10 +67,9 @@ void dls_principal_settings_init(dls_principal_settings *settings) {
   dlsi_limits_init(&settings->limits);
 }
 
-/* Takes the head and the arrays of *work; returns the head. */
-static dls_principal *principal_carve(dlsi_arena *arena, dls_principal *work) {
+static void principal_carve(void *workspace, dlsi_arena *arena) {
+  dls_principal *work = workspace;
   const size_t n = (size_t)work->n;
-  dls_principal *head = dlsi_take(arena, 1, sizeof *head);
   double **vectors[] = {&work->R, &work->C, &work->x, &work->z,
                         &work->y, &work->a, &work->s, &work->best};
   for (size_t k = 0; k < sizeof vectors / sizeof vectors[0]; k++)
@@ -82,7 +81,6 @@ static dls_principal *principal_carve(dlsi_arena *arena, dls_principal *work) {
   work->work = dlsi_take(arena, 9 * n, sizeof *work->work);
   work->factors.pivot = dlsi_take(arena, n, sizeof *work->factors.pivot);
   work->factors.A = dlsi_take(arena, n, n * sizeof *work->factors.A);
-  return head;
 }
 
 static dls_status principal_create(dls_principal **out, int n,
@@ -96,13 +94,11 @@ static dls_status principal_create(dls_principal **out, int n,
   const dls_principal_settings *s = &work.settings;
   const dlsi_setting own[] = {{"block_steps", s->block_steps, 0, INT_MAX, 0}};
   dls_status status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 1, own, error);
-  dlsi_arena arena = {0};
-  principal_carve(&arena, &work);
-  if (!status) status = dlsi_lcp_allocate(&arena, n, error);
-  if (status) return status;
-  *out = principal_carve(&arena, &work);
-  **out = work;
-  return DLS_OK;
+  void *made = NULL;
+  if (!status)
+    status = dlsi_carve_workspace(&made, &work, sizeof work, principal_carve, "n", n, error);
+  *out = made;
+  return status;
 }
 
 dls_status dls_principal_create(dls_principal **out, int n, const dls_principal_settings *settings,

@@ -23,15 +23,7 @@ int dlsi_is_better(const dls_certificate *a, const dls_certificate *b) {
 
 dls_status dlsi_workspace(void **out, void *filled, size_t size, dlsi_carve *carve, int nc,
                           dls_error *error) {
-  dlsi_arena arena = {0};
-  *out = NULL;
-  (void)dlsi_take(&arena, 1, size);
-  carve(filled, &arena);
-  const dls_status status = dlsi_arena_allocate(&arena, "nc", nc, error);
-  if (status) return status;
-  *out = memcpy(dlsi_take(&arena, 1, size), filled, size);
-  carve(*out, &arena);
-  return DLS_OK;
+  return dlsi_carve_workspace(out, filled, size, carve, "nc", nc, error);
 }
 
 void dlsi_take_vectors(dlsi_arena *arena, size_t n, int count, double **const vector[]) {

@@ -110,10 +110,7 @@ typedef struct dlsi_iterate {
   dls_certificate certificate; /* of best */
 } dlsi_iterate;
 
-/* Allocates a workspace in one piece of memory, which free() takes back: *out := a copy of `filled`
- * (size bytes), whose arrays carve has taken from the arena. carve is called twice, first on
- * `filled`, to count. DLS_E_SIZE, blaming nc; DLS_E_MEMORY. */
-typedef void dlsi_carve(void *work, dlsi_arena *arena);
+/* dlsi_carve_workspace for nc candidates. */
 dls_status dlsi_workspace(void **out, void *filled, size_t size, dlsi_carve *carve, int nc,
                           dls_error *error);
 

@@ -141,6 +141,13 @@ void *dlsi_take(dlsi_arena *arena, size_t count, size_t size);
 dls_status dlsi_arena_allocate(dlsi_arena *arena, const char *argument, long long value,
                                dls_error *error);
 
+/* Both runs: allocates a workspace in one piece of memory, which free() takes back: *out := a copy
+ * of `filled` (size bytes), whose arrays carve has taken from the arena. carve is called twice,
+ * first on `filled`, to count. Errors as above. */
+typedef void dlsi_carve(void *work, dlsi_arena *arena);
+dls_status dlsi_carve_workspace(void **out, void *filled, size_t size, dlsi_carve *carve,
+                                const char *argument, long long value, dls_error *error);
+
 /* Returns malloc(count * size), of 1 byte for 0 bytes; NULL on overflow or when there is no memory.
  * */
 void *dlsi_alloc(size_t count, size_t size);

@@ -1,6 +1,7 @@
 /* memory.c: checked allocation, and workspaces in one piece: count first, then carve. */
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/base.h"
 
@@ -34,6 +35,19 @@ dls_status dlsi_arena_allocate(dlsi_arena *arena, const char *argument, long lon
   if (!arena->base) return dlsi_no_memory(error);
   arena->size = arena->used;
   arena->used = 0;
+  return DLS_OK;
+}
+
+dls_status dlsi_carve_workspace(void **out, void *filled, size_t size, dlsi_carve *carve,
+                                const char *argument, long long value, dls_error *error) {
+  dlsi_arena arena = {0};
+  *out = NULL;
+  (void)dlsi_take(&arena, 1, size);
+  carve(filled, &arena);
+  const dls_status status = dlsi_arena_allocate(&arena, argument, value, error);
+  if (status) return status;
+  *out = memcpy(dlsi_take(&arena, 1, size), filled, size);
+  carve(*out, &arena);
   return DLS_OK;
 }
 

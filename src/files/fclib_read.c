@@ -188,6 +188,13 @@ static dls_status read_matrix(const source *s, const matrix_names *name, dlsi_tr
   return status;
 }
 
+static dls_status read_square(const source *s, const matrix_names *name, dlsi_triplets *t) {
+  const dls_status status = read_matrix(s, name, t);
+  if (status || t->rows == t->cols) return status;
+  return dlsi_fail(s->error, DLS_E_FORMAT, name->n, -1, t->cols, "is %d, %c has %d rows", t->cols,
+                   *name->n, t->rows);
+}
+
 /* Gathers A (d nc x d nc) by blocks into B: one block wherever A has an entry. */
 static dls_status gather_blocks(const dlsi_columns *A, int d, dlsi_columns *B, dls_error *error) {
   const int nc = A->cols / d;
@@ -319,10 +326,7 @@ static dls_status read_local(const source *s, dls_fclib *file) {
   dlsi_columns A = {0};
   dls_status status = refuse_bilateral(s, "V", "V/m", "V/n", "vectors/s");
   if (!status) status = refuse_bilateral(s, "R", "R/m", "R/n", "vectors/s");
-  if (!status) status = read_matrix(s, &names_W, &W);
-  if (!status && W.rows != W.cols)
-    status = dlsi_fail(s->error, DLS_E_FORMAT, "W/n", -1, W.cols, "is %d, W has %d rows", W.cols,
-                       W.rows);
+  if (!status) status = read_square(s, &names_W, &W);
   if (!status) status = set_candidates(s, "W/m", W.rows, file);
   /* read q before memory is taken: a vector of m values is more than a claim that there are m
    * rows */
@@ -337,10 +341,7 @@ static dls_status read_local(const source *s, dls_fclib *file) {
 static dls_status read_global(const source *s, dls_fclib *file) {
   dlsi_triplets M = {0}, H = {0};
   dls_status status = refuse_bilateral(s, "G", "G/m", "G/n", "vectors/b");
-  if (!status) status = read_matrix(s, &names_M, &M);
-  if (!status && M.rows != M.cols)
-    status = dlsi_fail(s->error, DLS_E_FORMAT, "M/n", -1, M.cols, "is %d, M has %d rows", M.cols,
-                       M.rows);
+  if (!status) status = read_square(s, &names_M, &M);
   file->n = M.rows;
   if (!status) status = read_matrix(s, &names_H, &H);
   if (!status && H.rows != M.rows)

@@ -133,11 +133,16 @@ static int read_table(const char *path, double printed[nc][columns]) {
   return count;
 }
 
+static dls_fe_scene *scene_of(const table *t) {
+  dls_fe_scene *scene;
+  ok(dls_fe_scene_create(&scene, t->scene, t->weighted, &error));
+  return scene;
+}
+
 /* _i: 2 * table + method */
 START_TEST(printed_table) {
   const table *t = &tables[_i / 2];
-  dls_fe_scene *scene;
-  ok(dls_fe_scene_create(&scene, t->scene, t->weighted, &error));
+  dls_fe_scene *scene = scene_of(t);
   dls_fe_scene_data data;
   dls_fe_scene_get(scene, &data);
   answer *a = solve_case(scene, methods[_i % 2], tol);
@@ -182,9 +187,7 @@ START_TEST(printed_table) {
 END_TEST
 
 START_TEST(methods_agree) {
-  const table *t = &tables[_i];
-  dls_fe_scene *scene;
-  ok(dls_fe_scene_create(&scene, t->scene, t->weighted, &error));
+  dls_fe_scene *scene = scene_of(&tables[_i]);
   answer *a = solve_case(scene, DLS_NLGS, tight), *b = solve_case(scene, DLS_LEMKE, tol);
   double r = 0, u = 0, dr = 0, du = 0, dx = 0, x = 0;
   for (int i = 0; i < m; i++) {
@@ -211,8 +214,7 @@ END_TEST
  * loads, equals the forces of obstacle and supports. */
 START_TEST(equilibrium) {
   const table *t = &tables[_i];
-  dls_fe_scene *scene;
-  ok(dls_fe_scene_create(&scene, t->scene, t->weighted, &error));
+  dls_fe_scene *scene = scene_of(t);
   dls_fe_scene_data data;
   dls_fe_scene_get(scene, &data);
   answer *a = solve_case(scene, DLS_LEMKE, tol);

@@ -502,6 +502,23 @@ START_TEST(beyond_the_end_of_a_line) {
 }
 END_TEST
 
+/* A hook: a long line, and a short one that turns back above it, whose free end is a or b. The line
+ * of the short one is drawn on beyond that end, and nearer than the long one. */
+START_TEST(free_ends_are_drawn_on) {
+  const double tip[2] = {-0.4, 0.3}, x[2] = {-1.66, 1.12};
+  const dlsi_piece free_b[2] = {{.a = {-4, 0}, .b = {0, 0}}, {.a = {0, 0}, .b = {tip[0], tip[1]}}};
+  const dlsi_piece free_a[2] = {{.a = {tip[0], tip[1]}, .b = {0, 0}}, {.a = {0, 0}, .b = {-4, 0}}};
+  for (int k = 0; k < 2; k++) {
+    const dlsi_obstacle hook = {2, k ? free_a : free_b};
+    const double side = k ? -1 : 1;
+    double n[2], curvature;
+    ck_assert_double_eq_tol(dlsi_obstacle_gap(&hook, x, n, &curvature), side * 0.1, 1e-14);
+    ck_assert_double_eq_tol(n[0], side * -0.6, 1e-15);
+    ck_assert_double_eq_tol(n[1], side * -0.8, 1e-15);
+  }
+}
+END_TEST
+
 /* ---- band ------------------------------------------------------------------------------------ */
 
 START_TEST(band_solves_with_supports) {
@@ -541,10 +558,11 @@ START_TEST(band_solves_with_supports) {
 END_TEST
 
 int main(void) {
-  return RUN(
-      "solid", NULL, NULL, ONCE(hardening_functions), ONCE(small_strains_obey_hooke),
-      ONCE(return_mapping), ONCE(bad_points), EACH(tangent_is_the_derivative_of_the_forces, 0, 8),
-      EACH(elastic_forces_are_a_gradient, 0, 4), ONCE(rotations_do_no_work), ONCE(inside_out),
-      EACH(patch, 0, 8), ONCE(no_locking), ONCE(one_element_compressed), ONCE(plane_and_cylinder),
-      ONCE(profile_with_joints), ONCE(beyond_the_end_of_a_line), ONCE(band_solves_with_supports));
+  return RUN("solid", NULL, NULL, ONCE(hardening_functions), ONCE(small_strains_obey_hooke),
+             ONCE(return_mapping), ONCE(bad_points),
+             EACH(tangent_is_the_derivative_of_the_forces, 0, 8),
+             EACH(elastic_forces_are_a_gradient, 0, 4), ONCE(rotations_do_no_work),
+             ONCE(inside_out), EACH(patch, 0, 8), ONCE(no_locking), ONCE(one_element_compressed),
+             ONCE(plane_and_cylinder), ONCE(profile_with_joints), ONCE(beyond_the_end_of_a_line),
+             ONCE(free_ends_are_drawn_on), ONCE(band_solves_with_supports));
 }

@@ -708,6 +708,15 @@ static void patch(const char *name, action what, size_t count, const double *v) 
     __VA_ARGS__                                                                                    \
   }
 
+/* In file `path`: the size that is claimed for a matrix */
+static void patch_size(const char *matrix, double rows, double cols) {
+  char name[64];
+  (void)snprintf(name, sizeof name, "%s/m", matrix);
+  patch(name, INTS, VALUES(rows));
+  (void)snprintf(name, sizeof name, "%s/n", matrix);
+  patch(name, INTS, VALUES(cols));
+}
+
 START_TEST(other_layouts) {
   /* by rows, 64-bit indices, arrays longer than used, big-endian */
   double rows[20] = {0};
@@ -753,8 +762,7 @@ START_TEST(other_layouts) {
 
   /* no info at all, no bilateral constraint */
   patch("fclib_local/info", DELETE, 0, NULL);
-  patch("fclib_local/V/m", INTS, VALUES(0));
-  patch("fclib_local/V/n", INTS, VALUES(4));
+  patch_size("fclib_local/V", 0, 4);
   patch("fclib_local/vectors/s", REALS, 0, NULL);
   file = read_well(path);
   ck_assert_str_eq(dls_fclib_title(file), "");
@@ -799,6 +807,8 @@ END_TEST
   sizeof((double[]){__VA_ARGS__}) / sizeof(double), {                                              \
     __VA_ARGS__                                                                                    \
   }
+#define MISSING(set, argument)                                                                     \
+  { set, DELETE, DLS_E_FORMAT, 0, {0}, argument, -1 }
 #define W_I 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2
 #define W_X 4, 1, -1, .5, 1, 3, .25, -2, -1, .125, 5, 1, .75, -2, 0
 
@@ -811,18 +821,18 @@ static const struct broken {
   const char *argument;
   long long index;
 } broken_local[] = {
-    {"spacedim", DELETE, DLS_E_FORMAT, 0, {0}, "spacedim", -1},
-    {"vectors/q", DELETE, DLS_E_FORMAT, 0, {0}, "vectors/q", -1},
-    {"vectors/mu", DELETE, DLS_E_FORMAT, 0, {0}, "vectors/mu", -1},
-    {"vectors", DELETE, DLS_E_FORMAT, 0, {0}, "vectors/q", -1},
-    {"W", DELETE, DLS_E_FORMAT, 0, {0}, "W/m", -1},
-    {"W/m", DELETE, DLS_E_FORMAT, 0, {0}, "W/m", -1},
-    {"W/n", DELETE, DLS_E_FORMAT, 0, {0}, "W/n", -1},
-    {"W/nz", DELETE, DLS_E_FORMAT, 0, {0}, "W/nz", -1},
-    {"W/nzmax", DELETE, DLS_E_FORMAT, 0, {0}, "W/nzmax", -1},
-    {"W/p", DELETE, DLS_E_FORMAT, 0, {0}, "W/p", -1},
-    {"W/i", DELETE, DLS_E_FORMAT, 0, {0}, "W/i", -1},
-    {"W/x", DELETE, DLS_E_FORMAT, 0, {0}, "W/x", -1},
+    MISSING("spacedim", "spacedim"),
+    MISSING("vectors/q", "vectors/q"),
+    MISSING("vectors/mu", "vectors/mu"),
+    MISSING("vectors", "vectors/q"),
+    MISSING("W", "W/m"),
+    MISSING("W/m", "W/m"),
+    MISSING("W/n", "W/n"),
+    MISSING("W/nz", "W/nz"),
+    MISSING("W/nzmax", "W/nzmax"),
+    MISSING("W/p", "W/p"),
+    MISSING("W/i", "W/i"),
+    MISSING("W/x", "W/x"),
     {"spacedim", INTS, DLS_E_FORMAT, LIST(1), "spacedim", -1},
     {"spacedim", INTS, DLS_E_FORMAT, LIST(4), "spacedim", -1},
     {"spacedim", INTS, DLS_E_FORMAT, LIST(2, 2), "spacedim", -1},
@@ -877,11 +887,11 @@ static const struct broken {
 
 static const struct broken broken_global[] = {
     {"spacedim", INTS, DLS_E_FORMAT, LIST(2), "vectors/mu", -1}, /* 3 candidates in 2D */
-    {"vectors/f", DELETE, DLS_E_FORMAT, 0, {0}, "vectors/f", -1},
-    {"vectors/w", DELETE, DLS_E_FORMAT, 0, {0}, "vectors/w", -1},
-    {"vectors/mu", DELETE, DLS_E_FORMAT, 0, {0}, "vectors/mu", -1},
-    {"M", DELETE, DLS_E_FORMAT, 0, {0}, "M/m", -1},
-    {"H", DELETE, DLS_E_FORMAT, 0, {0}, "H/m", -1},
+    MISSING("vectors/f", "vectors/f"),
+    MISSING("vectors/w", "vectors/w"),
+    MISSING("vectors/mu", "vectors/mu"),
+    MISSING("M", "M/m"),
+    MISSING("H", "H/m"),
     {"M/m", INTS, DLS_E_FORMAT, LIST(4), "M/n", -1},
     {"M/x", REALS, DLS_E_FORMAT, LIST(1, NAN, 1, 1, 1), "M/x", 1},
     {"M/i", INTS, DLS_E_FORMAT, LIST(0, 2, 1, 0, 3), "M/i", 4},
@@ -927,8 +937,7 @@ END_TEST
 START_TEST(broken_together) {
   /* two thousand million rows without an entry: nothing vouches for them but q, which is short */
   ck_assert_int_eq(write_local2(NULL), DLS_OK);
-  patch("fclib_local/W/m", INTS, VALUES(2e9));
-  patch("fclib_local/W/n", INTS, VALUES(2e9));
+  patch_size("fclib_local/W", 2e9, 2e9);
   patch("fclib_local/W/nz", INTS, VALUES(0));
   check_refused(path, DLS_E_FORMAT, "vectors/q", -1);
   patch("fclib_local/vectors/q", UNWRITTEN, (size_t)2e9, NULL);
@@ -940,11 +949,9 @@ START_TEST(broken_together) {
   check_refused(path, DLS_E_FORMAT, "W/i", -1);
 
   ck_assert_int_eq(write_local2(NULL), DLS_OK);
-  patch("fclib_local/R/m", INTS, VALUES(1));
-  patch("fclib_local/R/n", INTS, VALUES(1));
+  patch_size("fclib_local/R", 1, 1);
   check_refused(path, DLS_E_UNSUPPORTED, "R", -1);
-  patch("fclib_local/V/m", INTS, VALUES(4));
-  patch("fclib_local/V/n", INTS, VALUES(1));
+  patch_size("fclib_local/V", 4, 1);
   check_refused(path, DLS_E_UNSUPPORTED, "V", -1);
   patch("fclib_local", DELETE, 0, NULL);
   check_refused(path, DLS_E_FORMAT, "path", -1);
@@ -952,8 +959,7 @@ START_TEST(broken_together) {
   check_refused(path, DLS_E_FORMAT, "path", -1);
 
   ck_assert_int_eq(write_model3(NULL), DLS_OK);
-  patch("fclib_global/G/m", INTS, VALUES(3));
-  patch("fclib_global/G/n", INTS, VALUES(1));
+  patch_size("fclib_global/G", 3, 1);
   check_refused(path, DLS_E_UNSUPPORTED, "G", -1);
   patch("fclib_global/G/n", INTS, VALUES(0));
   dls_fclib_destroy(read_well(path));

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cases.h"
 #include "delassus.h"
 #include "failures.h"
 #include "malloc_fails.h"
@@ -220,25 +221,9 @@ END_TEST
 
 enum { NC = 4, M = 2 * NC };
 
-/* Random W = B B^T + 0.1 I + skew, its q and mu. */
+/* Random W = (B B^T + 0.1 I + skew) / m, and q. */
 static void random_matrix(int m, double skew, double *W, double *q) {
-  double B[64];
-  for (int i = 0; i < m * m; i++)
-    B[i] = noise();
-  for (int i = 0; i < m; i++)
-    for (int j = 0; j < m; j++) {
-      W[i + m * j] = i == j ? 0.1 : 0;
-      for (int k = 0; k < m; k++)
-        W[i + m * j] += B[i + m * k] * B[j + m * k];
-    }
-  for (int i = 0; i < m; i++)
-    for (int j = 0; j < i; j++) {
-      const double x = skew * noise();
-      W[i + m * j] += x;
-      W[j + m * i] -= x;
-    }
-  for (int i = 0; i < m; i++)
-    q[i] = noise();
+  gram_and_skew(m, noise, 0.1 / m, skew / m, W, q);
 }
 
 static void same_facts(const dls_diagnosis *a, const dls_diagnosis *b) {
@@ -501,8 +486,8 @@ static void solve_threshold(const dls_contact *p, const double *b, double *r) {
       double u = p->q[i];
       for (int j = 0; j < m; j++)
         u += p->W.a[i + m * j] * r[j];
-      const double most = p->mu[i / 2] * b[i / 2], x = r[i] - u / p->W.a[i + m * i];
-      r[i] = i % 2 ? fmin(fmax(x, -most), most) : fmax(x, 0);
+      const double bound = p->mu[i / 2] * b[i / 2], x = r[i] - u / p->W.a[i + m * i];
+      r[i] = i % 2 ? fmin(fmax(x, -bound), bound) : fmax(x, 0);
     }
 }
 

@@ -6,14 +6,12 @@
 #include <string.h>
 
 #include "base/base.h"
+#include "close.h"
 #include "delassus.h"
+#include "fclib_file.h"
 #include "front_cases.h"
 #include "malloc_fails.h"
 #include "run.h"
-
-#ifndef TEST_DATA
-#define TEST_DATA "data"
-#endif
 
 enum { NC = 6, MOST = 3 * NC, ROWS = NC * (16 + 2) };
 
@@ -473,10 +471,8 @@ START_TEST(units_do_not_change_the_path) {
     ck_assert_int_eq(dls_solve(&p, &s, r, NULL, &info, NULL), DLS_OK);
     for (int i = 0; i < 16; i++) {
       const double length = factor[i / 4], force = factor[i % 4];
-      for (int e = 0; e < MOST * MOST; e++)
-        V[e] = W[e] * (length / force);
-      for (int e = 0; e < MOST; e++)
-        v[e] = q[e] * length;
+      scale_vector(V, W, length / force, MOST * MOST);
+      scale_vector(v, q, length, MOST);
       p.W.a = V, p.q = v;
       ck_assert_int_eq(dls_solve(&p, &s, t, NULL, &other, NULL), DLS_OK);
       ck_assert_int_eq(other.iterations, info.iterations);
@@ -490,13 +486,8 @@ END_TEST
 START_TEST(fclib_files) {
   const char *name[] = {"FC3D_Example1", "Confeti-ex13-4contact-Fc3D-SBM"};
   for (int k = 0; k < 2; k++) {
-    char path[128] = TEST_DATA "/fclib/";
-    strcat(strcat(path, name[k]), ".hdf5");
-    dls_fclib *file;
-    dls_error error;
-    const dls_status read = dls_fclib_read(&file, path, &error);
-    if (read == DLS_E_UNSUPPORTED) return; /* built without HDF5 */
-    ck_assert_msg(read == DLS_OK, "%s", error.message);
+    dls_fclib *file = read_fclib_file(name[k]);
+    if (!file) return; /* built without HDF5 */
     dls_contact p;
     ck_assert_int_eq(dls_fclib_contact(file, &p, NULL), DLS_OK);
     ck_assert_int_eq(p.d, 3);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "close.h"
 #include "delassus/facets.h"
 #include "delassus/lcp.h"
 #include "lcp_of.h"
@@ -1034,10 +1035,8 @@ START_TEST(crash_in_any_unit) {
     dls_lemke_info info, first = {.starts = -1};
     for (int k = 0; k < 25; k++) {
       const double length = factors[k / 5], force = factors[k % 5];
-      for (int i = 0; i < m * m; i++)
-        W2[i] = W[i] * (length / force);
-      for (int i = 0; i < m; i++)
-        q2[i] = q[i] * length;
+      scale_vector(W2, W, length / force, m * m);
+      scale_vector(q2, q, length, m);
       for (int c = 0; c < nc; c++) {
         mu[c] = 0.6;
         s[c] = 1 / sqrt(W2[3 * c + m * (3 * c)]);

@@ -5,7 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cases.h"
+#include "close.h"
 #include "delassus/pivoting.h"
+#include "errors.h"
 #include "lcp_of.h"
 #include "malloc_fails.h"
 #include "run.h"
@@ -20,23 +23,9 @@ static double centred(void) { /* in (-1, 1) */
 }
 
 /* M := B B^T / n + I / 10 (+ a skew part), q in (-1, 1): positive definite, so a P-matrix */
-static void fill(int n, double skew, double *M, double *q) {
-  double *B = malloc((size_t)(n * n) * sizeof *B);
-  ck_assert_ptr_nonnull(B);
-  for (int k = 0; k < n * n; k++)
-    B[k] = centred();
-  for (int j = 0; j < n; j++)
-    for (int i = 0; i <= j; i++) {
-      double sum = i == j ? 0.1 : 0;
-      for (int k = 0; k < n; k++)
-        sum += B[i + n * k] * B[j + n * k] / n;
-      const double s = i == j ? 0 : skew * centred();
-      M[i + n * j] = sum + s;
-      M[j + n * i] = sum - s;
-    }
-  for (int i = 0; i < n; i++)
-    q[i] = centred();
-  free(B);
+static dls_lcp random_lcp(int n, double skew, double *M, double *q) {
+  gram_and_skew(n, centred, 0.1, skew, M, q);
+  return lcp_of(n, M, q);
 }
 
 /* Murty: 1 on the diagonal, 2 above, q_i = -(2^i + ... + 2^n); z = (0, ..., 0, 2^n) */
@@ -107,8 +96,7 @@ START_TEST(agrees_with_enumeration) {
   enum { n = 8 };
   for (int trial = 0; trial < 200; trial++) {
     double M[n * n], q[n], z[n], list[n * 4];
-    fill(n, trial % 2 ? 1 : 0, M, q);
-    const dls_lcp lcp = lcp_of(n, M, q);
+    const dls_lcp lcp = random_lcp(n, trial % 2 ? 1 : 0, M, q);
     dls_enumeration found;
     ck_assert_int_eq(dls_lcp_enumerate(&lcp, 0, 4, list, &found, NULL), DLS_OK); /* 4 floor */
     ck_assert_int_eq(found.solutions, 1);
@@ -124,8 +112,7 @@ START_TEST(needs_few_factorisations) {
   enum { n = 150 };
   static double M[n * n], q[n], z[n], y[n];
   for (int trial = 0; trial < 6; trial++) {
-    fill(n, trial % 2 ? 0.1 : 0, M, q);
-    const dls_lcp lcp = lcp_of(n, M, q);
+    const dls_lcp lcp = random_lcp(n, trial % 2 ? 0.1 : 0, M, q);
     const dls_principal_info info = solve_principal(&lcp, NULL, z, y);
     ck_assert_int_eq(info.status, DLS_OK);
     ck_assert_int_eq(info.single_exchanges, 0);
@@ -150,7 +137,7 @@ START_TEST(degenerate_answers) {
   enum { n = 60 };
   static double M[n * n], q[n], z[n], exact[n];
   for (int trial = 0; trial < 40; trial++) {
-    fill(n, trial % 2 ? 0.3 : 0, M, q);
+    (void)random_lcp(n, trial % 2 ? 0.3 : 0, M, q);
     for (int i = 0; i < n; i++)
       exact[i] = i % 2 ? 0 : 1 + centred();
     for (int i = 0; i < n; i++) {
@@ -218,8 +205,7 @@ END_TEST
 START_TEST(warm_start_gives_the_cold_answer) {
   enum { n = 40 };
   double M[n * n], q[n], cold[n], z[n];
-  fill(n, 0, M, q);
-  const dls_lcp lcp = lcp_of(n, M, q);
+  const dls_lcp lcp = random_lcp(n, 0, M, q);
   dls_principal_settings settings;
   dls_principal_settings_init(&settings);
   ck_assert_int_eq(solve_principal(&lcp, &settings, cold, NULL).status, DLS_OK);
@@ -243,18 +229,15 @@ START_TEST(units_do_not_matter) {
   enum { n = 30 };
   static double M[n * n], q[n], z[n], N[n * n], p[n], x[n];
   for (int k = 0; k < 2; k++) {
-    fill(n, k ? 0.5 : 0, M, q);
-    const dls_lcp lcp = lcp_of(n, M, q);
+    const dls_lcp lcp = random_lcp(n, k ? 0.5 : 0, M, q);
     const dls_principal_info info = solve_principal(&lcp, NULL, z, NULL);
     ck_assert_int_eq(info.status, DLS_OK);
     const double factor[] = {1e-9, 1e-3, 1e3, 1e9};
     for (int f = 0; f < 4; f++)
       for (int l = 0; l < 4; l++) { /* z -> force z, y -> length y */
         const double force = factor[f], length = factor[l];
-        for (int i = 0; i < n * n; i++)
-          N[i] = M[i] * (length / force);
-        for (int i = 0; i < n; i++)
-          p[i] = q[i] * length;
+        scale_vector(N, M, length / force, n * n);
+        scale_vector(p, q, length, n);
         const dls_lcp scaled = lcp_of(n, N, p);
         const dls_principal_info other = solve_principal(&scaled, NULL, x, NULL);
         ck_assert_int_eq(other.status, DLS_OK);
@@ -270,8 +253,7 @@ END_TEST
 START_TEST(same_bits_twice) {
   enum { n = 50 };
   static double M[n * n], q[n], z[n], x[n];
-  fill(n, 0.1, M, q);
-  const dls_lcp lcp = lcp_of(n, M, q);
+  const dls_lcp lcp = random_lcp(n, 0.1, M, q);
   dls_principal *w = workspace(n + 7, NULL);
   ck_assert_int_eq(dls_principal_solve(w, &lcp, z, NULL, NULL, NULL), DLS_OK);
   const double small[1] = {2}, one[1] = {-1}; /* another problem in between */
@@ -431,10 +413,8 @@ START_TEST(enumeration_does_not_see_units) {
     ck_assert_int_eq(dls_lcp_enumerate(&lcp, 1e-12, 64, z, &found, NULL), DLS_OK);
     for (int k = 0; k < 4; k++) {
       const double force = k % 2 ? 1e-9 : 1e9, length = k / 2 ? 1e-9 : 1e9;
-      for (int i = 0; i < n * n; i++)
-        N[i] = M[i] * (length / force);
-      for (int i = 0; i < n; i++)
-        p[i] = q[i] * length;
+      scale_vector(N, M, length / force, n * n);
+      scale_vector(p, q, length, n);
       lcp = lcp_of(n, N, p);
       ck_assert_int_eq(dls_lcp_enumerate(&lcp, 1e-12, 64, x, &other, NULL), DLS_OK);
       ck_assert_mem_eq(&other, &found, sizeof found);
@@ -447,15 +427,6 @@ END_TEST
 
 /* ---- bad input ------------------------------------------------------------------------------- */
 
-static void refused(dls_status status, const dls_error *e, dls_status expected,
-                    const char *function, const char *argument, long long index) {
-  ck_assert_int_eq(status, expected);
-  ck_assert_int_eq(e->status, expected);
-  ck_assert_str_eq(e->function, function);
-  ck_assert_str_eq(e->argument, argument);
-  ck_assert_int_eq(e->index, index);
-}
-
 START_TEST(create_refuses) {
   dls_error e;
   dls_principal_settings good, s;
@@ -466,14 +437,14 @@ START_TEST(create_refuses) {
 #define REFUSED(status, argument)                                                                  \
   do {                                                                                             \
     w = (dls_principal *)&e;                                                                       \
-    refused(dls_principal_create(&w, 3, &s, &e), &e, status, f, argument, -1);                     \
+    expect_error(dls_principal_create(&w, 3, &s, &e), &e, status, f, argument, -1);                \
     ck_assert_ptr_null(w);                                                                         \
     ck_assert_int_eq(dls_principal_create(&w, 3, &s, NULL), status);                               \
     s = good;                                                                                      \
   } while (0)
-  refused(dls_principal_create(NULL, 3, &good, &e), &e, DLS_E_ARGUMENT, f, "out", -1);
+  expect_error(dls_principal_create(NULL, 3, &good, &e), &e, DLS_E_ARGUMENT, f, "out", -1);
   w = (dls_principal *)&e;
-  refused(dls_principal_create(&w, 0, &good, &e), &e, DLS_E_SIZE, f, "n", -1);
+  expect_error(dls_principal_create(&w, 0, &good, &e), &e, DLS_E_SIZE, f, "n", -1);
   ck_assert_ptr_null(w);
   ck_assert_int_eq(dls_principal_create(&w, 3, NULL, &e), DLS_OK); /* the defaults */
   dls_principal_destroy(w);
@@ -510,7 +481,8 @@ START_TEST(solve_refuses) {
   dls_lcp bad = good;
 #define REFUSED(workspace, lcp, status, argument, index)                                           \
   do {                                                                                             \
-    refused(dls_principal_solve(workspace, lcp, z, y, &info, &e), &e, status, f, argument, index); \
+    expect_error(dls_principal_solve(workspace, lcp, z, y, &info, &e), &e, status, f, argument,    \
+                 index);                                                                           \
     ck_assert(z[1] == 8 && y[0] == 9 && y[1] == 10);                                               \
     ck_assert_mem_eq(&info, &before, sizeof info);                                                 \
     bad = good;                                                                                    \
@@ -537,7 +509,7 @@ START_TEST(solve_refuses) {
   z[0] = NAN;
   REFUSED(w, &good, DLS_E_NOT_FINITE, "z", 0);
 #undef REFUSED
-  refused(dls_principal_solve(w, &good, NULL, y, &info, &e), &e, DLS_E_ARGUMENT, f, "z", -1);
+  expect_error(dls_principal_solve(w, &good, NULL, y, &info, &e), &e, DLS_E_ARGUMENT, f, "z", -1);
   ck_assert(y[0] == 9);
   dls_principal_destroy(w);
   dls_principal_destroy(small);
@@ -556,7 +528,8 @@ START_TEST(enumerate_refuses) {
   const dls_lcp good = lcp_of(2, M, q), too_large = lcp_of(21, large, large);
 #define REFUSED(lcp, tol, capacity, status, argument, index)                                       \
   do {                                                                                             \
-    refused(dls_lcp_enumerate(lcp, tol, capacity, z, &found, &e), &e, status, f, argument, index); \
+    expect_error(dls_lcp_enumerate(lcp, tol, capacity, z, &found, &e), &e, status, f, argument,    \
+                 index);                                                                           \
     ck_assert(z[0] == 7 && z[1] == 8);                                                             \
     ck_assert_mem_eq(&found, &before, sizeof found);                                               \
   } while (0)
@@ -573,8 +546,8 @@ START_TEST(enumerate_refuses) {
   REFUSED(&good, 0, 2, DLS_E_NOT_FINITE, "q", 0);
   q[0] = -5;
 #undef REFUSED
-  refused(dls_lcp_enumerate(&good, 0, 2, NULL, &found, &e), &e, DLS_E_ARGUMENT, f, "z", -1);
-  refused(dls_lcp_enumerate(&good, 0, 2, z, NULL, &e), &e, DLS_E_ARGUMENT, f, "found", -1);
+  expect_error(dls_lcp_enumerate(&good, 0, 2, NULL, &found, &e), &e, DLS_E_ARGUMENT, f, "z", -1);
+  expect_error(dls_lcp_enumerate(&good, 0, 2, z, NULL, &e), &e, DLS_E_ARGUMENT, f, "found", -1);
 }
 END_TEST
 
@@ -589,7 +562,7 @@ START_TEST(every_malloc_fails_in_turn) {
     const dls_status status = dls_principal_create(&w, 5, &settings, &e);
     malloc_fails_at(0);
     if (status == DLS_OK) break;
-    refused(status, &e, DLS_E_MEMORY, "dls_principal_create", "", -1);
+    expect_error(status, &e, DLS_E_MEMORY, "dls_principal_create", "", -1);
     ck_assert_ptr_null(w);
   }
   ck_assert_int_eq(k, 2);

@@ -206,22 +206,17 @@ static dls_admm *large_workspace(double tol, int blocks) {
 }
 
 START_TEST(sparse_is_dense) {
-  dls_contact dense, blocks;
-  row_problem(_i, &dense, &blocks);
-  double r[row_m], r2[row_m], r3[row_m];
-  dls_info info, info2;
-  dls_error error;
+  double r[row_m];
+  dls_info info[2];
   dls_admm *work = large_workspace(1e-12, 0);
-  ck_assert_int_eq(dls_admm_solve(work, &dense, r, NULL, &info, &error), DLS_OK);
-  const dls_status status = dls_admm_solve(work, &blocks, r2, NULL, &info2, &error);
   if (WITH_MUMPS) {
-    ck_assert_int_eq(status, DLS_OK);
-    for (int k = 0; !_i && k < row_m; k++) /* |W^-1| < 10; |q| < 13 */
-      ck_assert(fabs(r[k] - r2[k]) <= 1e-9);
-    ck_assert_int_eq(dls_admm_solve(work, &blocks, r3, NULL, NULL, &error), DLS_OK);
-    ck_assert_mem_eq(r2, r3, sizeof r2);
+    expect_sparse_is_dense(&the_admm, work, _i, 1e-9, r, info); /* |W^-1| < 10; |q| < 13 */
   } else {
-    ck_assert_int_eq(status, DLS_E_UNSUPPORTED);
+    dls_contact dense, blocks;
+    dls_error error;
+    row_problem(_i, &dense, &blocks);
+    ck_assert_int_eq(dls_admm_solve(work, &dense, r, NULL, NULL, &error), DLS_OK);
+    ck_assert_int_eq(dls_admm_solve(work, &blocks, r, NULL, NULL, &error), DLS_E_UNSUPPORTED);
     ck_assert_str_eq(error.function, "dls_admm_solve");
   }
   dls_admm_destroy(work);
@@ -235,10 +230,7 @@ START_TEST(announced_storage_allocates_nothing) {
   const dls_contact *p = _i ? &blocks : &dense;
   double r[row_m];
   dls_admm *work = large_workspace(1e-8, _i ? blocks.Wb.p[row_nc] : 0);
-  malloc_fails_at(0);
-  const dls_status status = dls_admm_solve(work, p, r, NULL, NULL, NULL);
-  const long calls = malloc_calls();
-  ck_assert(status == DLS_OK && calls == 0);
+  expect_no_allocation(&the_admm, work, p, r);
   dls_admm_destroy(work);
 }
 END_TEST
@@ -251,10 +243,7 @@ START_TEST(no_memory_for_another) { /* outputs untouched, and the workspace as g
   dls_admm *work = large_workspace(1e-8, _i ? 1 : 0);
   double r[row_m];
   expect_solve_unwinds(&the_admm, work, p, r);
-  malloc_fails_at(0); /* the room is kept */
-  const dls_status again = dls_admm_solve(work, p, r, NULL, NULL, NULL);
-  const long calls = malloc_calls();
-  ck_assert(again == DLS_OK && calls == 0);
+  expect_no_allocation(&the_admm, work, p, r); /* the room is kept */
   dls_admm_destroy(work);
 }
 END_TEST

@@ -369,21 +369,14 @@ static int unknowns_at(const dls_contact *problem, const double *r) {
 
 START_TEST(sparse_is_dense) {
   dls_contact dense, blocks;
-  row_problem(_i, &dense, &blocks);
-  double r[row_m], r2[row_m], r3[row_m];
-  dls_info info, info2;
-  dls_error error;
+  double r[row_m];
+  dls_info info[2];
   dls_newton *work = large_workspace(1e-12, !_i, 0);
-  ck_assert_int_eq(dls_newton_solve(work, &dense, r, NULL, &info, &error), DLS_OK);
-  ck_assert_int_ge(info.iterations, 1);
+  expect_sparse_is_dense(&the_newton, work, _i, 1e-10, r, info); /* |W^-1| < 10; |q| < 13 */
+  ck_assert_int_ge(info[0].iterations, 1);
+  ck_assert_int_eq(info[1].iterations, info[0].iterations);
+  row_problem(_i, &dense, &blocks);
   ck_assert_int_gt(unknowns_at(&dense, r), 250); /* more than create has room for */
-
-  ck_assert_int_eq(dls_newton_solve(work, &blocks, r2, NULL, &info2, &error), DLS_OK);
-  ck_assert_int_eq(info2.iterations, info.iterations);
-  for (int k = 0; !_i && k < row_m; k++) /* |W^-1| < 10; |q| < 13 */
-    ck_assert(fabs(r[k] - r2[k]) <= 1e-10);
-  ck_assert_int_eq(dls_newton_solve(work, &blocks, r3, NULL, NULL, &error), DLS_OK);
-  ck_assert_mem_eq(r2, r3, sizeof r2);
   dls_newton_destroy(work);
 }
 END_TEST
@@ -444,11 +437,8 @@ START_TEST(no_memory_for_large) {
   const dls_contact *p = _i ? &dense : &blocks;
   double r[row_m];
   expect_solve_unwinds(&the_newton, work, p, r);
-  malloc_fails_at(0); /* the room is kept, for either */
-  const dls_status again = dls_newton_solve(work, p, r, NULL, NULL, NULL);
-  const dls_status other = dls_newton_solve(work, _i ? &blocks : &dense, r, NULL, NULL, NULL);
-  const long calls = malloc_calls();
-  ck_assert(again == DLS_OK && other == DLS_OK && calls == 0);
+  expect_no_allocation(&the_newton, work, p, r); /* the room is kept, for either */
+  expect_no_allocation(&the_newton, work, _i ? &blocks : &dense, r);
   dls_newton_destroy(work);
 }
 END_TEST
@@ -473,10 +463,7 @@ START_TEST(memory) {
     dls_newton *work;
     ck_assert_int_eq(dls_newton_create(&work, 2, row_nc, &s, NULL), DLS_OK);
     double r[row_m];
-    malloc_fails_at(0);
-    const dls_status status = dls_newton_solve(work, &p[way & 1], r, NULL, NULL, NULL);
-    const long calls = malloc_calls();
-    ck_assert(status == DLS_OK && calls == 0);
+    expect_no_allocation(&the_newton, work, &p[way & 1], r);
     dls_newton_destroy(work);
   }
 }

@@ -8,10 +8,10 @@
 #include <string.h>
 
 #include "cases.h"
-#include "delassus/files.h"
 #include "delassus/nlgs.h"
 #include "delassus/reduction.h"
 #include "doors.h"
+#include "fclib_file.h"
 #include "malloc_fails.h"
 #include "run.h"
 
@@ -151,13 +151,9 @@ static const char *const files[] = {"Confeti-ex13-4contact-Fc3D-SBM",
                                     "gfc2d_granularflowonwall_00069_00350"};
 
 START_TEST(fclib_file) {
-  char path[200];
-  (void)snprintf(path, sizeof path, TEST_DATA "/fclib/%s.hdf5", files[_i]);
-  dls_fclib *file;
+  dls_fclib *file = read_fclib_file(files[_i]);
+  if (!file) return; /* built without HDF5 */
   dls_error error;
-  const dls_status status = dls_fclib_read(&file, path, &error);
-  if (status == DLS_E_UNSUPPORTED) return; /* built without HDF5 */
-  ck_assert_msg(status == DLS_OK, "%s", error.message);
   dls_contact p;
   dls_reduction *reduction = NULL;
   if (dls_fclib_is_global(file)) {

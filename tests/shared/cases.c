@@ -4,6 +4,7 @@
 #include <check.h>
 #include <limits.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "delassus/solve.h"
@@ -44,19 +45,40 @@ void copy_model(model *a, const model *b) {
   a->p.mu = a->mu;
 }
 
+void gram(int m, const double *A, double shift, double *W) {
+  for (int j = 0; j < m; j++)
+    for (int i = 0; i <= j; i++) {
+      double s = i == j ? shift : 0;
+      for (int k = 0; k < m; k++)
+        s += A[i + m * k] * A[j + m * k] / m;
+      W[i + m * j] = W[j + m * i] = s;
+    }
+}
+
+void gram_and_skew(int m, double (*draw)(void), double shift, double skew, double *W, double *q) {
+  double *A = malloc((size_t)(m * m) * sizeof *A);
+  ck_assert_ptr_nonnull(A);
+  for (int k = 0; k < m * m; k++)
+    A[k] = draw();
+  gram(m, A, shift, W);
+  for (int j = 0; j < m; j++)
+    for (int i = 0; i < j; i++) {
+      const double s = skew * draw();
+      W[i + m * j] += s;
+      W[j + m * i] -= s;
+    }
+  for (int i = 0; i < m; i++)
+    q[i] = draw();
+  free(A);
+}
+
 void random_model(model *a, int d, int nc, double mu) {
   static double A[most * most];
   const int m = d * nc;
   set_model(a, d, nc);
   for (int k = 0; k < m * m; k++)
     A[k] = uniform();
-  for (int i = 0; i < m; i++)
-    for (int j = 0; j <= i; j++) {
-      double s = i == j ? 0.1 : 0;
-      for (int k = 0; k < m; k++)
-        s += A[i + m * k] * A[j + m * k] / m;
-      a->W[i + m * j] = a->W[j + m * i] = s;
-    }
+  gram(m, A, 0.1, a->W);
   for (int i = 0; i < m; i++)
     a->q[i] = uniform() - (i % d == 0 ? 0.5 : 0);
   for (int c = 0; c < nc; c++)
@@ -546,6 +568,26 @@ void expect_solve_unwinds(const tested_solver *s, void *work, const dls_contact 
     ck_assert(r[0] == 9);
   }
   ck_assert_int_gt(k, 1);
+}
+
+void expect_sparse_is_dense(const tested_solver *s, void *work, int singular, double tol, double *r,
+                            dls_info info[2]) {
+  dls_contact dense, blocks;
+  row_problem(singular, &dense, &blocks);
+  double r2[row_m], r3[row_m];
+  ck_assert_int_eq(s->solve(work, &dense, r, NULL, &info[0], NULL), DLS_OK);
+  ck_assert_int_eq(s->solve(work, &blocks, r2, NULL, &info[1], NULL), DLS_OK);
+  for (int k = 0; !singular && k < row_m; k++)
+    ck_assert(fabs(r[k] - r2[k]) <= tol);
+  ck_assert_int_eq(s->solve(work, &blocks, r3, NULL, NULL, NULL), DLS_OK);
+  ck_assert_mem_eq(r2, r3, sizeof r2);
+}
+
+void expect_no_allocation(const tested_solver *s, void *work, const dls_contact *p, double *r) {
+  malloc_fails_at(0);
+  const dls_status status = s->solve(work, p, r, NULL, NULL, NULL);
+  const long calls = malloc_calls(); /* Check allocates, too */
+  ck_assert(status == DLS_OK && calls == 0);
 }
 
 void expect_no_answer(const tested_solver *s, const dls_contact *p, const void *given) {

@@ -27,7 +27,12 @@ typedef struct model {
 void set_model(model *a, int d, int nc); /* all zero */
 void copy_model(model *a, const model *b);
 
-/* W = A A^T / m + I / 10, symmetric positive definite; q_n mostly < 0 */
+/* W := A A^T / m + shift I, symmetric positive definite; all m x m, column-major */
+void gram(int m, const double *A, double shift, double *W);
+/* W := A A^T / m + shift I + skew (an antisymmetric matrix), then q; A, that matrix and q are of
+ * draw(), which is in (-1, 1) */
+void gram_and_skew(int m, double (*draw)(void), double shift, double skew, double *W, double *q);
+/* W = A A^T / m + I / 10; q_n mostly < 0 */
 void random_model(model *a, int d, int nc, double mu);
 /* the i-th of them: 2D and 3D, up to 20 candidates, mu = 0 .. 0.6; starts the random numbers
  * anew */
@@ -129,6 +134,13 @@ void expect_memory(const tested_solver *s, int d, int nc, const void *settings, 
 /* solve of a problem that create was not told of: each malloc may fail, r and the workspace stay as
  * good as they were */
 void expect_solve_unwinds(const tested_solver *s, void *work, const dls_contact *p, double *r);
+/* row_problem, dense and then twice by blocks: the same bits again, and the dense answer to tol
+ * unless it is singular, which leaves several.
+ * r: out, the dense answer, row_m; info: out, of both storages */
+void expect_sparse_is_dense(const tested_solver *s, void *work, int singular, double tol, double *r,
+                            dls_info info[2]);
+/* solve of a problem that create was told of, or that was solved before: allocates nothing */
+void expect_no_allocation(const tested_solver *s, void *work, const dls_contact *p, double *r);
 /* no solution: honest, and not worse than r = 0, whose residual is 1 */
 void expect_no_answer(const tested_solver *s, const dls_contact *p, const void *settings);
 

@@ -17,3 +17,8 @@ void assert_close(const double *x, const double *y, int n, double tol) {
     ck_assert_msg(fabs(x[i] - y[i]) <= tol * scale, "[%d] %.17g, expected %.17g of %g", i, x[i],
                   y[i], scale);
 }
+
+void scale_vector(double *y, const double *x, double factor, int n) {
+  for (int i = 0; i < n; i++)
+    y[i] = factor * x[i];
+}

@@ -1,4 +1,4 @@
-/* close.h: vectors that should agree. */
+/* close.h: vectors that should agree, in other units too. */
 #ifndef CLOSE_H
 #define CLOSE_H
 
@@ -7,5 +7,8 @@ double largest(const double *x, int n);
 
 /* |x_i - y_i| <= tol max |y| */
 void assert_close(const double *x, const double *y, int n, double tol);
+
+/* y := factor x */
+void scale_vector(double *y, const double *x, double factor, int n);
 
 #endif

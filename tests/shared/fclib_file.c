@@ -1,0 +1,16 @@
+/* fclib_file.c: what fclib_file.h says. */
+#include "fclib_file.h"
+
+#include <check.h>
+#include <stdio.h>
+
+dls_fclib *read_fclib_file(const char *name) {
+  char path[200];
+  (void)snprintf(path, sizeof path, TEST_DATA "/fclib/%s.hdf5", name);
+  dls_fclib *file = NULL;
+  dls_error error = {0};
+  const dls_status status = dls_fclib_read(&file, path, &error);
+  if (status == DLS_E_UNSUPPORTED) return NULL;
+  ck_assert_msg(status == DLS_OK, "%s", error.message);
+  return file;
+}

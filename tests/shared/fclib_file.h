@@ -1,0 +1,10 @@
+/* fclib_file.h: the problems of data/fclib. */
+#ifndef FCLIB_FILE_H
+#define FCLIB_FILE_H
+
+#include "delassus/files.h"
+
+/* Reads data/fclib/NAME.hdf5, which the caller destroys. NULL in a build without HDF5. */
+dls_fclib *read_fclib_file(const char *name);
+
+#endif
