@@ -420,7 +420,7 @@ dls_local_state dls_nlgs_local(int d, const double *W, const double *q, double m
     if (count) *count = count_2d(&b, q);
     state = dlsi_local_2d(&b, q, p);
   } else {
-    dlsi_block_3d b;
+    dlsi_block_3d b = {0};
     dlsi_block_3d_set(&b, W, mu);
     if (count) *count = count_3d(&b, q);
     state = dlsi_local_3d(&b, q, 0, p);

@@ -293,7 +293,7 @@ dls_status dls_fclib_write_local(const char *path, const dls_contact *problem, c
  * or no K. */
 static dls_status check_storable(const dls_model *model, dls_error *error) {
   if (!model) return dlsi_is_null(error, "model");
-  const int kind = model->operator_kind;
+  const int kind = (int)model->operator_kind;
   if (model->P.p) return dlsi_fail(error, DLS_E_UNSUPPORTED, "P", -1, 0, "FCLIB has no weighting");
   if (model->active)
     return dlsi_fail(error, DLS_E_UNSUPPORTED, "active", -1, 0,
