@@ -75,8 +75,7 @@ static rule judge_alone(const problem *p, const run *how, const outcome *o) {
   if (o->status == DLS_NO_SOLUTION_LIKELY && visible) return LIKELY;
   if (how->rows && o->status == DLS_OK && !o->lcp_holds) return NOT_HELD;
   if (o->status == DLS_OK && !how->rows && !is_within(&o->is, how->tol, 0)) return NOT_HELD;
-  if (o->status == DLS_OK && !how->rows && !is_within(&o->is, how->tol, 1))
-    return NOT_HELD_R;
+  if (o->status == DLS_OK && !how->rows && !is_within(&o->is, how->tol, 1)) return NOT_HELD_R;
   const int gave_up = o->status == DLS_STALLED || o->status == DLS_NO_SOLUTION_LIKELY;
   const int held = how->rows ? o->lcp_holds : o->holds || o->residual == 0;
   if (gave_up && held) return UNSEEN;
@@ -216,7 +215,7 @@ void check_problem(const problem *p, uint64_t seed, const options *ask, verdict 
   v->forces = v->solved ? o[0].is.r : 0;
 }
 
-int finding_stands(const problem *p, const finding *found, const options *ask) {
+int finding_stands(const problem *p, const finding *found) {
   static outcome a, b;
   solve_run(p, &found->first, NULL, &a);
   if (!found->pair) return judge_alone(p, &found->first, &a) == found->rule;

@@ -84,11 +84,11 @@ typedef struct options {
 void check_problem(const problem *p, uint64_t seed, const options *ask, verdict *v);
 
 /* 1 if p breaks the rule of `found` with its runs. */
-int finding_stands(const problem *p, const finding *found, const options *ask);
+int finding_stands(const problem *p, const finding *found);
 
 /* p made small: candidates dropped, entries set to 0 and rounded, as long as the finding stands;
  * `seconds` of CPU at most. */
-void reduce_problem(problem *p, const finding *found, const options *ask, double seconds);
+void reduce_problem(problem *p, const finding *found, double seconds);
 
 /* Writes p in the format of data/failures. Returns 0 if the file cannot be written. */
 int write_problem(const char *path, const problem *p, const finding *found, const char *title,

@@ -95,7 +95,7 @@ static int save_finding(const command *of, problem *p, int class, uint64_t seed,
   char path[text_size], title[text_size], source[text_size];
   snprintf(path, sizeof path, "%s/%s-%s-%llu.txt", of->out, word[found->rule], class_name[class],
            (unsigned long long)seed);
-  if (finding_stands(p, found, &of->ask)) reduce_problem(p, found, &of->ask, 5);
+  if (finding_stands(p, found)) reduce_problem(p, found, 5);
   snprintf(title, sizeof title, "%s, made small", class_name[class]);
   snprintf(source, sizeof source, "properties, seed %llu, class %s", (unsigned long long)seed,
            class_name[class]);

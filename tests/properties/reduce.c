@@ -17,7 +17,6 @@
 typedef struct reducer {
   problem *p, *trial;
   const finding *found;
-  const options *ask;
   double until;
 } reducer;
 
@@ -55,7 +54,7 @@ static int reducer_keep(reducer *r) {
   if ((double)clock() / CLOCKS_PER_SEC > r->until) return 0;
   problem *t = r->trial;
   if (t->kind == SOLVABLE) plant_q(t);
-  const int good = (!t->symmetric || is_semidefinite(t)) && finding_stands(t, r->found, r->ask);
+  const int good = (!t->symmetric || is_semidefinite(t)) && finding_stands(t, r->found);
   *(good ? r->p : t) = *(good ? t : r->p);
   return good;
 }
@@ -139,9 +138,9 @@ static int reduce_vectors(reducer *r, int digits) {
   return reducer_keep(r);
 }
 
-void reduce_problem(problem *p, const finding *found, const options *ask, double seconds) {
+void reduce_problem(problem *p, const finding *found, double seconds) {
   static problem trial;
-  reducer r = {p, &trial, found, ask, (double)clock() / CLOCKS_PER_SEC + seconds};
+  reducer r = {p, &trial, found, (double)clock() / CLOCKS_PER_SEC + seconds};
   trial = *p;
   for (int before = p->nc + 1; p->nc < before;) {
     before = p->nc;
