@@ -41,8 +41,8 @@ double dlsi_lcp_ray_violation(const dls_lcp *lcp, const double *cover, const dou
                               const double *dz, double dz0, double *work);
 double dlsi_lcp_farkas_violation(const dls_lcp *lcp, const double *v);
 
-/* Returns 1 if v (n), or a vector near it, is a Farkas vector without any rounding; v then holds it.
- * work: n. */
+/* Returns 1 if v (n), or a vector near it, is a Farkas vector without any rounding; v then holds
+ * it. work: n. */
 int dlsi_lcp_find_proof(const dls_lcp *lcp, double *v, double *work);
 
 /* ---- scale.c --------------------------------------------------------------------------------- */

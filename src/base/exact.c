@@ -1,17 +1,18 @@
 /*
- * exact.c: sums of products without any rounding, in one long fixed-point number, and the proof that a contact
- * problem has no solution.
+ * exact.c: sums of products without any rounding, in one long fixed-point number, and the proof
+ * that a contact problem has no solution.
  *
- * A double is an integer of 53 bits times a power of two from 2^-1074 to 2^971, so that a product of three has
- * 159 bits somewhere between 2^-3222 and 2^3072 (EX1). The sum keeps its digits in 64 bits each and does the
- * carries when 2^30 products have been added, or when its sign is asked for.
+ * A double is an integer of 53 bits times a power of two from 2^-1074 to 2^971, so that a product
+ * of three has 159 bits somewhere between 2^-3222 and 2^3072 (EX1). The sum keeps its digits in 64
+ * bits each and does the carries when 2^30 products have been added, or when its sign is asked for.
  *
- * The proof is a Farkas vector: r in the cones C_mu with u_n = (W r + q)_n >= 0 is what every solution has, and
+ * The proof is a Farkas vector: r in the cones C_mu with u_n = (W r + q)_n >= 0 is what every
+ * solution has, and
  *
  *   v >= 0,   v.q_n < 0,   (W_n^T v).r <= 0 for all r in the cones                                (EX2)
  *
- * rules it out, since then 0 <= v.u_n = (W_n^T v).r + v.q_n < 0. In 2D the last condition is that of the
- * two edges of each cone: linear in W, mu W and v, and so exact here.
+ * rules it out, since then 0 <= v.u_n = (W_n^T v).r + v.q_n < 0. In 2D the last condition is that
+ * of the two edges of each cone: linear in W, mu W and v, and so exact here.
  *
  * A vector that a method computed holds but for rounding. The conditions that are equations for it
  * hold exactly, if at all, near it (EX3): v itself, v without its negligible entries, v in whole

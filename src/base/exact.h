@@ -6,8 +6,8 @@
 
 #include "base/base.h"
 
-/* A fixed-point number wide enough for every product of three doubles: digits of 32 bits, lowest first, with
- * carries put off. */
+/* A fixed-point number wide enough for every product of three doubles: digits of 32 bits, lowest
+ * first, with carries put off. */
 enum { dlsi_exact_digits = 210 };
 typedef struct dlsi_exact {
   int64_t digit[dlsi_exact_digits];
@@ -22,9 +22,9 @@ void dlsi_exact_add(dlsi_exact *sum, double a, double b, double c);
 /* Returns -1, 0 or 1, the sign of the sum. */
 int dlsi_exact_sign(dlsi_exact *sum);
 
-/* Returns 1 if v (nc) proves that no r in the friction cones, d = 2, has (W r + q)_n >= 0: v >= 0, v.q_n < 0
- * and, for every candidate c, g_n + mu |g_t| <= 0 of g = sum of v_i times row n_i of W_ic. Exact for the
- * numbers of the problem. */
+/* Returns 1 if v (nc) proves that no r in the friction cones, d = 2, has (W r + q)_n >= 0: v >= 0,
+ * v.q_n < 0 and, for every candidate c, g_n + mu |g_t| <= 0 of g = sum of v_i times row n_i of
+ * W_ic. Exact for the numbers of the problem. */
 int dlsi_contact_is_infeasible(const dls_contact *problem, const double *v);
 
 /* Returns 1 if v (nc), or a vector near it (EX3), is such a proof; v then holds it. work: nc. */

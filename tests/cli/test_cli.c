@@ -154,7 +154,8 @@ START_TEST(no_solution_likely_is_1) {
 }
 END_TEST
 
-/* Two walls closer than what is between them, and the same with rows that add up to e instead of 0. */
+/* Two walls closer than what is between them, and the same with rows that add up to e instead of
+ * 0. */
 START_TEST(proofs_are_printed) {
   double W[16] = {1, 0, -1, 0, 0, 1, 0, 0, -1, 0, 1, 0, 0, 0, 0, 1}, q[4] = {-1, 0, -1, 0};
   const double mu[2] = {0, 0};

@@ -48,9 +48,9 @@ static void draw_lcp(lcp_case *a, int unit) {
   a->lcp = (dls_lcp){n, {n, n, n, a->M}, a->q};
 }
 
-/* Solves with the given crash start; asserts that OK means the certificate at tol; a->v := the proof
- * of DLS_NO_SOLUTION, asserted. */
-static dls_status solve_lcp(lcp_case *a, int crash, double tol) {
+/* Solves with the given crash start; asserts that OK means the certificate at tol; a->v := the
+ * proof of DLS_NO_SOLUTION, asserted. */
+static dls_status proof_of_lcp(lcp_case *a, int crash, double tol) {
   dls_lemke_settings settings;
   dls_lemke *work;
   dls_lcp_certificate c;
@@ -98,7 +98,7 @@ static void draw_contact(model *a, int unit) {
 
 /* v (nc) := what the solver says after its status, which is returned. Asserts that a proof holds
  * exactly, and that there is one exactly after DLS_NO_SOLUTION. */
-static dls_status solve_contact(const model *a, dls_method method, double *v) {
+static dls_status proof_of_contact(const model *a, dls_method method, double *v) {
   dls_solver_settings settings;
   dls_solver *solver;
   dls_info info;
@@ -191,7 +191,7 @@ START_TEST(crash_and_path_agree) {
   set_seed(15);
   for (int k = 0; k < 4000; k++) {
     draw_lcp(&a, k < 2000 ? 0 : 1 + k % 3);
-    const dls_status path = solve_lcp(&a, 0, 1e-8), crash = solve_lcp(&a, 1, 1e-8);
+    const dls_status path = proof_of_lcp(&a, 0, 1e-8), crash = proof_of_lcp(&a, 1, 1e-8);
     ck_assert(!(path == DLS_NO_SOLUTION && crash == DLS_OK));
     ck_assert(!(crash == DLS_NO_SOLUTION && path == DLS_OK));
     proved += path == DLS_NO_SOLUTION;
@@ -204,14 +204,14 @@ START_TEST(crash_and_path_agree) {
 }
 END_TEST
 
-/* tol = 0: solve_lcp asserts that DLS_OK is what the certificate says */
+/* tol = 0: proof_of_lcp asserts that DLS_OK is what the certificate says */
 START_TEST(tolerance_zero_is_kept) {
   int solved = 0;
   static lcp_case a;
   set_seed(16);
   for (int k = 0; k < 2000; k++) {
     draw_lcp(&a, k % 4);
-    solved += solve_lcp(&a, k / 4 % 2, 0) == DLS_OK;
+    solved += proof_of_lcp(&a, k / 4 % 2, 0) == DLS_OK;
   }
   ck_assert_int_gt(solved, 400);
 }
@@ -233,7 +233,7 @@ START_TEST(positive_definite_is_never_refuted) {
       a.W[2 * (i % 2) + 1 + a.p.W.ld * (2 * (i / 2) + 1)] = i % 3 == 0;
     }
     for (dls_method method = DLS_AUTO; dls_method_name(method); method++) {
-      const dls_status status = solve_contact(&a, method, v);
+      const dls_status status = proof_of_contact(&a, method, v);
       if (k < 50) ck_assert_int_ne(status, DLS_NO_SOLUTION);
       if (k == 50) ck_assert_int_ne(status, DLS_OK);
       if (k == 50 && method == DLS_LEMKE) {
@@ -245,7 +245,7 @@ START_TEST(positive_definite_is_never_refuted) {
 }
 END_TEST
 
-/* solve_contact asserts that each proof holds; here: proofs are found, and no answer beside one. */
+/* proof_of_contact asserts that each proof holds; here: proofs are found, and no answer beside one. */
 START_TEST(contact_proofs_hold) {
   int proved[4] = {0}, rays = 0;
   set_seed(17);
@@ -253,11 +253,11 @@ START_TEST(contact_proofs_hold) {
     model a;
     double v[4];
     draw_contact(&a, k % 4);
-    const dls_status lemke = solve_contact(&a, DLS_LEMKE, v);
+    const dls_status lemke = proof_of_contact(&a, DLS_LEMKE, v);
     proved[k % 4] += lemke == DLS_NO_SOLUTION;
     rays += lemke == DLS_RAY;
     if (k % 8 >= 4) continue;
-    const dls_status any = solve_contact(&a, DLS_AUTO, v);
+    const dls_status any = proof_of_contact(&a, DLS_AUTO, v);
     ck_assert(!(lemke == DLS_NO_SOLUTION && any == DLS_OK));
     ck_assert(!(any == DLS_NO_SOLUTION && lemke == DLS_OK));
   }
@@ -310,7 +310,7 @@ START_TEST(print_verdicts) {
   set_seed(18);
   for (int k = 0, count = verdicts; count > 0; k++) {
     draw_lcp(&a, k % 4);
-    if (solve_lcp(&a, k / 4 % 2, 1e-8) == DLS_NO_SOLUTION) {
+    if (proof_of_lcp(&a, k / 4 % 2, 1e-8) == DLS_NO_SOLUTION) {
       printf("lcp %d", a.n);
       print_numbers(a.n * a.n, a.M);
       print_numbers(a.n, a.q);
@@ -319,7 +319,7 @@ START_TEST(print_verdicts) {
       count--;
     }
     draw_contact(&b, k % 4);
-    if (count > 0 && solve_contact(&b, k / 4 % 2 ? DLS_AUTO : DLS_LEMKE, v) == DLS_NO_SOLUTION) {
+    if (count > 0 && proof_of_contact(&b, k / 4 % 2 ? DLS_AUTO : DLS_LEMKE, v) == DLS_NO_SOLUTION) {
       printf("contact %d", b.p.nc);
       for (int j = 0; j < 2 * b.p.nc; j++)
         print_numbers(2 * b.p.nc, b.W + b.p.W.ld * j);

@@ -100,8 +100,8 @@ static int lcp_proof_holds(const lcp_room *l, int n) {
   return 1;
 }
 
-/* at->r := the reactions of Lemke's answer; *proof: 1 if its proof holds exactly for the LCP; y (nc): the normal part of its proof after
- * DLS_NO_SOLUTION. */
+/* at->r := the reactions of Lemke's answer; *proof: 1 if its proof holds exactly for the LCP; y
+ * (nc): the normal part of its proof after DLS_NO_SOLUTION. */
 static dls_status solve_lcp(room *at, const run *how, int scaled, double *y, int *holds,
                             int *proof) {
   lcp_room *l = room_alloc(sizeof *l);
