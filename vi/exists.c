@@ -2,8 +2,8 @@
  * exists.c: two signs that a contact problem has a solution, whatever methods make of it.
  *
  *   (XS1)  the symmetric part of W is positive definite
- *   (XS2)  some W x has (W x)_n > mu |(W x)_t| at every candidate: velocities that keep all of them apart,
- *          with room, are within reach
+ *   (XS2)  some W x has (W x)_n > mu |(W x)_t| at every candidate: velocities that keep all of them
+ *          apart, with room, are within reach
  *
  * For W with a positive semidefinite symmetric part each of them guarantees a solution: reactions
  * cannot run away, because along a direction delta of the cones with W delta = 0 nothing could make

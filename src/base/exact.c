@@ -9,7 +9,7 @@
  * The proof is a Farkas vector: r in the cones C_mu with u_n = (W r + q)_n >= 0 is what every
  * solution has, and
  *
- *   v >= 0,   v.q_n < 0,   (W_n^T v).r <= 0 for all r in the cones                                (EX2)
+ *   v >= 0,   v.q_n < 0,   (W_n^T v).r <= 0 for all r in the cones                  (EX2)
  *
  * rules it out, since then 0 <= v.u_n = (W_n^T v).r + v.q_n < 0. In 2D the last condition is that
  * of the two edges of each cone: linear in W, mu W and v, and so exact here.

@@ -4,15 +4,16 @@
  *
  *   (AT1)  sweeps     Gauss-Seidel with Anderson acceleration, in an order of the candidates that
  *                     follows from the data
- *   (AT2)  splitting  ADMM, once: for a dense W after a failure of Newton's method; and, from r =
- *                     0 with a small rho, for what may be a stack of bodies at rest (W by blocks,
- *                     -q in the friction cones)
+ *   (AT2)  splitting  ADMM, once: for a dense W after a failure of Newton's method, or before it where
+ *                     a step costs more than 50 sweeps and the states still change; and, from r = 0
+ *                     with a small rho, for what may be a stack of bodies at rest (W by blocks, -q
+ *                     in the friction cones)
  *   (AT3)  Newton     from the states that the sweeps have sorted
  *   (AT4)  augmented  the augmented Lagrangian, which sees reactions run away
  *   (AT5)  pivoting   Lemke's method, if small enough, which can prove that there is no solution
- *   (AT8)  the last   up to 300 rows the interior homotopy from several starts; up to 3000 rows, from
- *                     r = 0, plain sweeps in the reverse order, ADMM with rho from 1e-8 on, and the
- *                     augmented Lagrangian once more
+ *   (AT8)  the last   up to 300 rows the interior homotopy from several starts; up to 3000 rows,
+ *                     from r = 0, plain sweeps in the reverse order, ADMM with rho from 1e-8 on,
+ *                     and the augmented Lagrangian once more
  *
  * One cost, in sweeps, decides when sweeps give way. With e the residual and e* the one that is
  * asked for, both looked at every 5 sweeps,
@@ -20,7 +21,7 @@
  *   (AT6)  sweeps ahead: log(e / e*) / rate, rate: the mean decrease of log e per sweep since the
  *          stage began, sweep k with the weight k, so that the last half counts most
  *   (AT7)  Newton: s steps of min(max(5 + k / 12, k / 6), 50) sweeps, k unknowns, or, W dense,
- *          k^2 / (50 m) if that is more: a step multiplies by W twice and factorises k^3 where a
+ *          k^2 / (6 m) if that is more: a step multiplies by W twice and factorises k^3 where a
  *          sweep reads k m. s = d - 1 for a dense W whose k has not changed since the last look:
  *          with the right states a step is exact in 2D, and two do in 3D; else s = 4. Each
  *          failure of Newton's method doubles s.
@@ -39,8 +40,8 @@
  *
  *   (AT9)  verdict. DLS_NO_SOLUTION if (AT5) has a proof. DLS_NO_SOLUTION_LIKELY only when all of
  *          (AT1)-(AT8) have failed and, d = 2 and up to 8 candidates, no states of the candidates
- *          have a solution (states.c), or, for others, (AT4) sees the reactions run away at last; and
- *          not where W shows that there is a solution (vi/exists.c). Else DLS_STALLED.
+ *          have a solution (states.c), or, for others, (AT4) sees the reactions run away at last;
+ *          and not where W shows that there is a solution (vi/exists.c). Else DLS_STALLED.
  *
  * What can fail: every method; then DLS_STALLED with the best r.
  */

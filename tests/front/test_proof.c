@@ -245,7 +245,7 @@ START_TEST(positive_definite_is_never_refuted) {
 }
 END_TEST
 
-/* proof_of_contact asserts that each proof holds; here: proofs are found, and no answer beside one. */
+/* proof_of_contact asserts that each proof holds; here: proofs are found, no answer beside one. */
 START_TEST(contact_proofs_hold) {
   int proved[4] = {0}, rays = 0;
   set_seed(17);
