@@ -1,5 +1,6 @@
 /*
- * exists.c: two signs that a contact problem has a solution, whatever methods make of it.
+ * exists.c: whether failed methods mean anything: two signs that a contact problem has a solution,
+ * and one that nothing is known of it.
  *
  *   (XS1)  the symmetric part of W is positive definite
  *   (XS2)  some W x has (W x)_n > mu |(W x)_t| at every candidate: velocities that keep all of them
@@ -13,7 +14,12 @@
  * (XS2) asks for x with W x = e, e = 1 in every normal row and 0 in the others, by conjugate
  * gradients; only what comes out counts, so that neither symmetry nor convergence is needed.
  *
- * Cost: a Cholesky factorisation, up to 2 m products with W.
+ *   (XS3)  Where the symmetric part has a negative eigenvalue there is no theory, and methods fail
+ *          on problems with solutions: their failure means nothing.
+ *
+ * Rounding lets some singular W pass for definite: that costs a verdict, not its truth.
+ *
+ * Cost: two Cholesky factorisations, up to 2 m products with W.
  */
 #include <float.h>
 #include <math.h>
@@ -21,6 +27,9 @@
 
 #include "linear/dense.h"
 #include "vi_internal.h"
+
+/* Shift of W, over its weights, that makes a semidefinite W definite in spite of rounding. */
+static const double rounding = 1e-10;
 
 /* y := W x */
 static void multiply_only(const dls_contact *problem, const double *x, double *y) {
@@ -30,9 +39,8 @@ static void multiply_only(const dls_contact *problem, const double *x, double *y
     dlsi_contact_add_columns(problem, c, x + d * (size_t)c, y);
 }
 
-/* (XS1) J: scratch, m x m. Rounding lets some singular W pass: that costs a verdict, not its
- * truth. */
-static int is_positive_definite(const dls_contact *problem, double *J) {
+/* Returns 1 if the symmetric part of W + shift diag(w) has a Cholesky factor. J: scratch, m x m. */
+static int has_cholesky(const dls_contact *problem, const double *w, double shift, double *J) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   memset(J, 0, m * m * sizeof *J);
   for (size_t j = 0; j < m; j++) {
@@ -40,9 +48,11 @@ static int is_positive_definite(const dls_contact *problem, double *J) {
     e[j % d] = 1;
     dlsi_contact_add_columns(problem, (int)(j / d), e, J + j * m);
   }
-  for (size_t j = 0; j < m; j++)
+  for (size_t j = 0; j < m; j++) {
     for (size_t i = j; i < m; i++)
       J[i + j * m] = J[i + j * m] / 2 + J[j + i * m] / 2;
+    J[j + j * m] += shift * w[j / d];
+  }
   dlsi_dense f = {.n = (int)m, .A = J};
   return !dlsi_dense_cholesky(&f);
 }
@@ -93,5 +103,9 @@ static int can_keep_apart(const dls_contact *problem, const double *w, double *c
 
 int dlsi_solution_exists(const dls_contact *problem, const double *w, double *J,
                          double *const v[4]) {
-  return (J && is_positive_definite(problem, J)) || can_keep_apart(problem, w, v);
+  return has_cholesky(problem, w, 0, J) || can_keep_apart(problem, w, v);
+}
+
+int dlsi_is_semidefinite(const dls_contact *problem, const double *w, double *J) {
+  return has_cholesky(problem, w, rounding, J);
 }

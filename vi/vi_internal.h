@@ -204,10 +204,12 @@ int dlsi_count_ambiguous(const dls_contact *problem, const double *r, const doub
 /* ---- vi/exists.c ----------------------------------------------------------------------------- */
 
 /* Returns 1 if W shows that there is a solution, where its symmetric part is positive semidefinite;
- * 0 says nothing. w: weights of the certificate. J: scratch, m x m; NULL leaves the factorisation
- * out. v: scratch, m each. */
+ * 0 says nothing. w: weights of the certificate. J: scratch, m x m. v: scratch, m each. */
 int dlsi_solution_exists(const dls_contact *problem, const double *w, double *J,
                          double *const v[4]);
+
+/* Returns 1 if the symmetric part of W is positive semidefinite but for rounding. */
+int dlsi_is_semidefinite(const dls_contact *problem, const double *w, double *J);
 
 /* ---- rows of the table of methods ------------------------------------------------------------ */
 

@@ -4,8 +4,8 @@
  *
  *   (AT1)  sweeps     Gauss-Seidel with Anderson acceleration, in an order of the candidates that
  *                     follows from the data
- *   (AT2)  splitting  ADMM, once: for a dense W after a failure of Newton's method, or before it where
- *                     a step costs more than 50 sweeps and the states still change; and, from r = 0
+ *   (AT2)  splitting  ADMM, once: for a dense W after a failure of Newton's method, or before it
+ *                     where a step costs more than 50 sweeps and the states still change; and, from r = 0
  *                     with a small rho, for what may be a stack of bodies at rest (W by blocks, -q
  *                     in the friction cones)
  *   (AT3)  Newton     from the states that the sweeps have sorted
@@ -40,8 +40,8 @@
  *
  *   (AT9)  verdict. DLS_NO_SOLUTION if (AT5) has a proof. DLS_NO_SOLUTION_LIKELY only when all of
  *          (AT1)-(AT8) have failed and, d = 2 and up to 8 candidates, no states of the candidates
- *          have a solution (states.c), or, for others, (AT4) sees the reactions run away at last;
- *          and not where W shows that there is a solution (vi/exists.c). Else DLS_STALLED.
+ *          have a solution (states.c), or, for others up to 300 rows, (AT4) sees the reactions run
+ *          away at last and W gives no reason to doubt it (vi/exists.c). Else DLS_STALLED.
  *
  * What can fail: every method; then DLS_STALLED with the best r.
  */
@@ -317,21 +317,23 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
 static dls_status judge(dlsi_auto *work, dls_error *error) {
   const dls_contact *problem = work->problem;
   const double tol = work->options.limits.tol;
-  const int m = problem->d * problem->nc;
-  double *J = work->room.side >= (size_t)m && m <= path_unknowns ? work->room.J : NULL;
-  int none = dlsi_augmented_method.direction(work->part[AUGMENTED]) != NULL;
-  if (!may_go_another_way(work)) return DLS_STALLED;
-  if (problem->d == 2 && problem->nc <= dlsi_most_states) {
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const int few = problem->d == 2 && problem->nc <= dlsi_most_states;
+  double *J = work->room.J;
+  if (few) {
     const int found =
         dlsi_contact_find_states(problem, tol, work->r, work->best, &work->info.certificate);
-    const dls_status status = found ? take_stage(work, NEWTON, 0, error) : DLS_OK;
+    const dls_status status = found ? take_stage(work, NEWTON, 0, error) : DLS_STALLED;
     if (status < 0) return status;
     if (dls_certificate_holds(&work->info.certificate, tol)) return DLS_OK;
-    none = !found;
+    if (found) return DLS_STALLED;
   }
+  if (!may_follow_path(work) || work->room.side < m) return DLS_STALLED;
   dlsi_contact_weights(problem, work->w);
-  return none && !dlsi_solution_exists(problem, work->w, J, work->v) ? DLS_NO_SOLUTION_LIKELY
-                                                                     : DLS_STALLED;
+  if (!few && !dlsi_augmented_method.direction(work->part[AUGMENTED])) return DLS_STALLED;
+  if (!few && !dlsi_is_semidefinite(problem, work->w, J)) return DLS_STALLED;
+  if (dlsi_solution_exists(problem, work->w, J, work->v)) return DLS_STALLED;
+  return DLS_NO_SOLUTION_LIKELY;
 }
 
 /* Takes the stages in turn. Returns DLS_OK, an error, or the reason for the end. */
