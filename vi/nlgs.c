@@ -451,6 +451,28 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
   return dlsi_iterate_settle(it, problem, reason);
 }
 
+/* Returns 1 if a candidate with this W_cc (d x d) has one solution by itself whatever q is: W_cc
+ * symmetric positive definite and mu below the bound (DG4) of src/front/diagnose.c. */
+static int has_one_solution(int d, const double *W, double mu) {
+  double a[2] = {W[d], d == 3 ? W[6] : 0}, x[2], most; /* W_nt; W_nt W_tt^-1; largest eigenvalue */
+  if (W[1] != a[0] || (d == 3 && (W[2] != a[1] || W[5] != W[7]))) return 0;
+  if (d == 2) {
+    most = W[3];
+    x[0] = a[0] / most;
+    x[1] = 0;
+  } else {
+    const double det = W[4] * W[8] - W[7] * W[7], half = (W[4] + W[8]) / 2;
+    if (!(det > 0 && half > 0)) return 0;
+    most = half + hypot((W[4] - W[8]) / 2, W[7]);
+    x[0] = (W[8] * a[0] - W[7] * a[1]) / det;
+    x[1] = (W[4] * a[1] - W[7] * a[0]) / det;
+  }
+  const double s = W[0] - a[0] * x[0] - a[1] * x[1], h = hypot(x[0], x[1]);
+  if (!(most > 0 && s > 0)) return 0;
+  const double k = sqrt(s / most);
+  return mu < 0.99 * (h < k ? h + k * (k / h) : 2 * k);
+}
+
 int dlsi_count_ambiguous(const dls_contact *problem, const double *r, const double *u,
                          double *other) {
   const int d = problem->d;
@@ -459,6 +481,10 @@ int dlsi_count_ambiguous(const dls_contact *problem, const double *r, const doub
     const double *rc = r + (size_t)d * (size_t)c, *uc = u + (size_t)d * (size_t)c;
     double W[9], p[3], s[3];
     dlsi_contact_diagonal(problem, c, W);
+    const int one = has_one_solution(d, W, problem->mu[c]);
+    for (int i = 0; one && other && i < d; i++)
+      other[d * c + i] = rc[i];
+    if (one) continue;
     for (int i = 0; i < d; i++) {
       p[i] = uc[i];
       for (int j = 0; j < d; j++)
