@@ -44,6 +44,7 @@ static int is_positive_definite(const dls_contact *problem, double *J) {
     for (size_t i = j; i < m; i++)
       J[i + j * m] = J[i + j * m] / 2 + J[j + i * m] / 2;
   dlsi_dense f = {.n = (int)m, .A = J};
+  dlsi_dense_halve(&f);
   return !dlsi_dense_cholesky(&f);
 }
 

@@ -473,8 +473,10 @@ void expect_any_units(const tested_solver *s, const model *a, const void *given,
   const double size = 1 + norm_of(r, m);
   for (int length = -1; length <= 1; length++)
     for (int force = -1; force <= 1; force++) {
-      const double al = two ? ldexp(1, 30 * length) : pow(10, 9 * length);
-      const double be = two ? ldexp(1, 30 * force) : pow(10, 9 * force);
+      /* W in units of 2^-62, 2^-31, 2^-1, 1, 2^30, 2^60: even powers and odd ones, whose square
+       * roots are rounded */
+      const double al = two ? ldexp(1, length < 0 ? -31 : 30 * length) : pow(10, 9 * length);
+      const double be = two ? ldexp(1, force > 0 ? 31 : 30 * force) : pow(10, 9 * force);
       scale_model(&b, a, al, be);
       ck_assert_int_eq(run_with(s, &b.p, given, tol, r2, NULL, &info2), DLS_OK);
       same_work(&info, &info2);
