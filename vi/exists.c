@@ -13,13 +13,12 @@
  * (XS2) asks for x with W x = e, e = 1 in every normal row and 0 in the others, by conjugate
  * gradients; only what comes out counts, so that neither symmetry nor convergence is needed.
  *
- * Cost: a Cholesky factorisation, up to 2 m products with W.
+ * Cost: an L D L^T factorisation, up to 2 m products with W.
  */
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
-#include "linear/dense.h"
 #include "vi_internal.h"
 
 /* y := W x */
@@ -30,8 +29,9 @@ static void multiply_only(const dls_contact *problem, const double *x, double *y
     dlsi_contact_add_columns(problem, c, x + d * (size_t)c, y);
 }
 
-/* (XS1) J: scratch, m x m. Rounding lets some singular W pass: that costs a verdict, not its
- * truth. */
+/* (XS1) by the pivots of L D L^T, without square roots: powers of two keep every bit, and small
+ * whole numbers meet the 0 of a singular W. J: scratch, m x m. Rounding lets some singular W pass:
+ * that costs a verdict, not its truth. */
 static int is_positive_definite(const dls_contact *problem, double *J) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   memset(J, 0, m * m * sizeof *J);
@@ -43,9 +43,16 @@ static int is_positive_definite(const dls_contact *problem, double *J) {
   for (size_t j = 0; j < m; j++)
     for (size_t i = j; i < m; i++)
       J[i + j * m] = J[i + j * m] / 2 + J[j + i * m] / 2;
-  dlsi_dense f = {.n = (int)m, .A = J};
-  dlsi_dense_halve(&f);
-  return !dlsi_dense_cholesky(&f);
+  for (size_t k = 0; k < m; k++) {
+    const double *pivot = J + k * (m + 1);
+    if (!(*pivot > 0 && *pivot <= DBL_MAX)) return 0;
+    for (size_t j = k + 1; j < m; j++) {
+      const double l = J[j + k * m] / *pivot;
+      for (size_t i = j; i < m; i++)
+        J[i + j * m] -= l * J[i + k * m];
+    }
+  }
+  return 1;
 }
 
 static double dot(size_t m, const double *x, const double *y) {

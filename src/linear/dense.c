@@ -59,7 +59,9 @@ int dlsi_dense_lu(dlsi_dense *f) {
   return info;
 }
 
-void dlsi_dense_halve(dlsi_dense *f) {
+/* Halves A where the exponent of its largest |diagonal entry| is odd, so that the square roots of
+ * Cholesky keep every bit when A is multiplied by a power of two. */
+static void dense_halve(dlsi_dense *f) {
   const size_t n = (size_t)f->n;
   double most = 0;
   for (size_t j = 0; j < n; j++)
@@ -74,7 +76,7 @@ int dlsi_dense_factor(dlsi_dense *f, double *diagonal) {
   double *A = f->A;
   f->halved = 0;
   if (!dlsi_is_symmetric(A, n)) return dlsi_dense_lu(f);
-  dlsi_dense_halve(f);
+  dense_halve(f);
   for (size_t j = 0; j < n; j++)
     diagonal[j] = A[j + n * j];
   if (!dlsi_dense_cholesky(f)) return 0;

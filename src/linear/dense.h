@@ -31,11 +31,8 @@ typedef struct dlsi_dense {
 int dlsi_dense_cholesky(dlsi_dense *f);
 int dlsi_dense_lu(dlsi_dense *f);
 
-/* Halves A where the exponent of its largest |diagonal entry| is odd, so that the square roots of
- * Cholesky keep every bit when A is multiplied by a power of two. Call before a factorisation. */
-void dlsi_dense_halve(dlsi_dense *f);
-
-/* Tries Cholesky where A is symmetric, halved if need be, then LU. diagonal: scratch, n. */
+/* Tries Cholesky where A is symmetric, then LU; to the same bits if A is multiplied by a power of
+ * two. diagonal: scratch, n. */
 int dlsi_dense_factor(dlsi_dense *f, double *diagonal);
 
 /* Solves X := A^-1 X. X: n x nrhs, column-major with leading dimension ld. */
