@@ -586,6 +586,15 @@ void expect_sparse_is_dense(const tested_solver *s, void *work, int singular, do
     ck_assert(fabs(r[k] - r2[k]) <= tol);
   ck_assert_int_eq(s->solve(work, &blocks, r3, NULL, NULL, NULL), DLS_OK);
   ck_assert_mem_eq(r2, r3, sizeof r2);
+
+  /* W in a unit that is an odd power of two */
+  double x[3 * row_nc * 4];
+  for (int k = 0; k < 4 * blocks.Wb.p[row_nc]; k++)
+    x[k] = 8 * blocks.Wb.x[k];
+  blocks.Wb.x = x;
+  ck_assert_int_eq(s->solve(work, &blocks, r3, NULL, NULL, NULL), DLS_OK);
+  for (int k = 0; k < row_m; k++)
+    ck_assert(8 * r3[k] == r2[k]);
 }
 
 void expect_no_allocation(const tested_solver *s, void *work, const dls_contact *p, double *r) {
