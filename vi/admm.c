@@ -213,7 +213,8 @@ static dls_status admm_factor(dls_admm *work, const dls_contact *problem, double
       status = dlsi_sparse_lu_factor(work->room->lu, &A, &why);
     } else {
       admm_build_dense(work, problem, *rho);
-      work->dense = (dlsi_dense){problem->d * problem->nc, work->room->J, work->pivot, 0};
+      work->dense =
+          (dlsi_dense){.n = problem->d * problem->nc, .A = work->room->J, .pivot = work->pivot};
       status = dlsi_dense_factor(&work->dense, work->it.a) ? DLS_E_SINGULAR : DLS_OK;
     }
     ++*done;
@@ -281,14 +282,18 @@ static double admm_distance(dls_admm *work, const dls_contact *problem, const do
   return dlsi_norm2(work->it.F, m);
 }
 
-/* metric := D^1/2 / |D^-1/2 q|; q != 0. */
+/* metric := D^1/2 / |D^-1/2 q|; q != 0. Takes the roots of w over the largest w: a change of units
+ * by an odd power of two, whose root is rounded, then changes no bit. */
 static void admm_set_metric(dls_admm *work, const dls_contact *problem) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  for (size_t k = 0; k < m; k++)
-    work->it.F[k] = problem->q[k] / sqrt(work->it.w[k / d]);
-  const double scale = dlsi_norm2(work->it.F, m);
+  const double most = dlsi_max_abs(work->it.w, m / d);
   for (size_t c = 0; c < m / d; c++)
-    work->metric[c] = sqrt(work->it.w[c]) / scale;
+    work->metric[c] = sqrt(work->it.w[c] / most);
+  for (size_t k = 0; k < m; k++)
+    work->it.F[k] = problem->q[k] / work->metric[k / d];
+  const double scale = dlsi_norm2(work->it.F, m) / most;
+  for (size_t c = 0; c < m / d; c++)
+    work->metric[c] /= scale;
 }
 
 /* State of (AD5). */

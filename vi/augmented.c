@@ -197,16 +197,18 @@ static int augmented_escapes(const dls_augmented *work, const dls_contact *probl
   memset(v, 0, m * sizeof *v);
   for (int c = 0; c < problem->nc; c++)
     dlsi_contact_add_columns(problem, c, delta + d * (size_t)c, v);
+  const double most = dlsi_max_abs(work->it.w, m / d);
   double gain = 0; /* q.delta */
   for (size_t k = 0; k < m; k++) {
-    const double root = sqrt(work->it.w[k / d]);
+    const double root = sqrt(work->it.w[k / d] / most); /* powers of two change no bit */
     gain += problem->q[k] * delta[k];
     v[k] /= root;
     work->it.a[k] = problem->q[k] / root;
     work->it.F[k] = delta[k] * root;
   }
   const double length = dlsi_norm2(work->it.F, m);
-  return dlsi_norm2(v, m) < 1e-4 * length && gain < -1e-4 * length * dlsi_norm2(work->it.a, m);
+  return dlsi_norm2(v, m) < 1e-4 * length * most &&
+         gain < -1e-4 * length * dlsi_norm2(work->it.a, m);
 }
 
 /* ---- the augmentations

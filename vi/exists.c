@@ -19,13 +19,12 @@
  *
  * Rounding lets some singular W pass for definite: that costs a verdict, not its truth.
  *
- * Cost: two Cholesky factorisations, up to 2 m products with W.
+ * Cost: two L D L^T factorisations, up to 2 m products with W.
  */
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
-#include "linear/dense.h"
 #include "vi_internal.h"
 
 /* Shift of W, over its weights, that makes a semidefinite W definite in spite of rounding. */
@@ -39,8 +38,10 @@ static void multiply_only(const dls_contact *problem, const double *x, double *y
     dlsi_contact_add_columns(problem, c, x + d * (size_t)c, y);
 }
 
-/* Returns 1 if the symmetric part of W + shift diag(w) has a Cholesky factor. J: scratch, m x m. */
-static int has_cholesky(const dls_contact *problem, const double *w, double shift, double *J) {
+/* Returns 1 if the symmetric part of W + shift diag(w) has pivots > 0 in L D L^T: without square
+ * roots powers of two keep every bit, and small whole numbers meet the 0 of a singular W. J:
+ * scratch, m x m. */
+static int has_pivots(const dls_contact *problem, const double *w, double shift, double *J) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   memset(J, 0, m * m * sizeof *J);
   for (size_t j = 0; j < m; j++) {
@@ -53,8 +54,16 @@ static int has_cholesky(const dls_contact *problem, const double *w, double shif
       J[i + j * m] = J[i + j * m] / 2 + J[j + i * m] / 2;
     J[j + j * m] += shift * w[j / d];
   }
-  dlsi_dense f = {.n = (int)m, .A = J};
-  return !dlsi_dense_cholesky(&f);
+  for (size_t k = 0; k < m; k++) {
+    const double *pivot = J + k * (m + 1);
+    if (!(*pivot > 0 && *pivot <= DBL_MAX)) return 0;
+    for (size_t j = k + 1; j < m; j++) {
+      const double l = J[j + k * m] / *pivot;
+      for (size_t i = j; i < m; i++)
+        J[i + j * m] -= l * J[i + k * m];
+    }
+  }
+  return 1;
 }
 
 static double dot(size_t m, const double *x, const double *y) {
@@ -103,9 +112,9 @@ static int can_keep_apart(const dls_contact *problem, const double *w, double *c
 
 int dlsi_solution_exists(const dls_contact *problem, const double *w, double *J,
                          double *const v[4]) {
-  return has_cholesky(problem, w, 0, J) || can_keep_apart(problem, w, v);
+  return has_pivots(problem, w, 0, J) || can_keep_apart(problem, w, v);
 }
 
 int dlsi_is_semidefinite(const dls_contact *problem, const double *w, double *J) {
-  return has_cholesky(problem, w, rounding, J);
+  return has_pivots(problem, w, rounding, J);
 }

@@ -310,7 +310,7 @@ static dls_status newton_factor(dls_newton *work, const dls_contact *problem, do
     const dls_sparse A = {k, k, work->p, room->i, room->v};
     return dlsi_sparse_lu_factor(room->lu, &A, error);
   }
-  work->dense = (dlsi_dense){k, room->J, work->pivot, 0};
+  work->dense = (dlsi_dense){.n = k, .A = room->J, .pivot = work->pivot};
   return dlsi_dense_factor(&work->dense, work->it.a) ? DLS_E_SINGULAR : DLS_OK;
 }
 

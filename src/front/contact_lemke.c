@@ -10,8 +10,12 @@
  *          contact problem, (EX2), but for rounding; a proof if it, or a vector near it, holds
  *          exactly for W, q and mu, which the LCP has only rounded
  *
- * Unknowns are scaled by s_c = 1 / sqrt(w_c). The certificate decides. In 3D the LCP proves
- * nothing of the problem: the round cone holds more than the one with facets.
+ *   (CL4)  r_c = s_c r'_c with s_c = sqrt(w / w_c), w the largest w_c; what is left of the unit of
+ *          W goes by a division of W and q by a power of two near w, which changes no r. So a W in
+ *          another unit, by a power of two, leads to the LCP with the same bits.
+ *
+ * The certificate decides. In 3D the LCP proves nothing of the problem: the round cone holds more
+ * than the one with facets.
  */
 #include <math.h>
 #include <stdint.h>
@@ -43,6 +47,7 @@ typedef struct contact_lemke {
   double *M;          /* n x n: matrix of the LCP */
   double *q, *z;      /* n: its right-hand side and unknowns */
   double *s;          /* nc: scales, r_c = s_c r'_c */
+  double unit;        /* (CL4) */
   double *r;          /* m: the iterate */
   double *v;          /* nc: (CL3) */
   double *dr;         /* m: reactions of the last ray */
@@ -141,6 +146,24 @@ static dls_status read_ray(contact_lemke *work, dls_status status, dls_error *er
   return mapped ? mapped : status;
 }
 
+/* (CL4) Divides W and q in the LCP of work->form, n rows, by a power of two. Rows and columns of a
+ * multiplier, the last of a candidate with friction, hold nothing of W. */
+static void divide_by_unit(contact_lemke *work, const dls_contact *problem, int n) {
+  const double unit = work->unit;
+  const int rows = work->form ? work->form + 2 : 3;
+  double *column = work->M;
+  for (int b = 0; b < problem->nc; b++)
+    for (int k = 0, columns = problem->mu[b] > 0 ? rows - 1 : 0; k <= columns; k++, column += n)
+      for (int c = 0, i = 0; (!k || k < columns) && c < problem->nc; c++) {
+        const int end = i + (problem->mu[c] > 0 ? rows - 1 : 1);
+        for (; i < end; i++)
+          column[i] /= unit;
+        i += problem->mu[c] > 0;
+      }
+  for (int i = 0; i < n; i++)
+    work->q[i] /= unit;
+}
+
 /* (CL1) Solves the LCP of `facets` (0: the 3-row form) in scaled unknowns, warm from the states
  * of work->z, and offers its reactions. Returns the status of the LCP, or an error. */
 static dls_status pivot(contact_lemke *work, const dls_contact *problem, int facets, int *pivots,
@@ -155,6 +178,7 @@ static dls_status pivot(contact_lemke *work, const dls_contact *problem, int fac
   const dls_lcp lcp = {n, {n, n, n, work->M}, work->q};
   dls_lemke_info info;
   work->form = facets;
+  divide_by_unit(work, problem, n);
   status = dls_lemke_solve(work->lemke, &lcp, work->z, NULL, &info, error);
   if (status < 0) return status;
   *pivots += info.pivots + info.crash_rounds;
@@ -199,8 +223,10 @@ static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, d
   if (warm && flat) dlsi_friction_start(problem, it->w, work->r, it->u, work->z);
   memset(work->r, 0, m * sizeof *r);
   if (warm) (void)dlsi_iterate_offer(it, problem, work->r);
-  for (int c = 0; c < problem->nc; c++)
-    work->s[c] = 1 / sqrt(it->w[c]);
+  const double most = dlsi_max_abs(it->w, (size_t)problem->nc);
+  for (int c = 0; c < problem->nc; c++) /* (CL4) */
+    work->s[c] = sqrt(most / it->w[c]);
+  work->unit = ldexp(1, ilogb(most));
   int *pivots = &outcome.iterations;
   dls_status status = pivot(work, problem, flat ? 0 : work->facets, pivots, error);
   if (flat && status == DLS_RAY && dls_contact_facets_size(problem, 2) <= work->n)

@@ -1,6 +1,7 @@
 /* dense.c: Cholesky and LU of dense matrices by LAPACK; norms, scaling, symmetry. */
 #include "linear/dense.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "linear/blas.h"
@@ -58,10 +59,24 @@ int dlsi_dense_lu(dlsi_dense *f) {
   return info;
 }
 
+/* Halves A where the exponent of its largest |diagonal entry| is odd, so that the square roots of
+ * Cholesky keep every bit when A is multiplied by a power of two. */
+static void dense_halve(dlsi_dense *f) {
+  const size_t n = (size_t)f->n;
+  double most = 0;
+  for (size_t j = 0; j < n; j++)
+    most = fmax(most, fabs(f->A[j + n * j]));
+  f->halved = most > 0 && isfinite(most) && ilogb(most) % 2 != 0;
+  for (size_t k = 0; f->halved && k < n * n; k++)
+    f->A[k] *= 0.5;
+}
+
 int dlsi_dense_factor(dlsi_dense *f, double *diagonal) {
   const size_t n = (size_t)f->n;
   double *A = f->A;
+  f->halved = 0;
   if (!dlsi_is_symmetric(A, n)) return dlsi_dense_lu(f);
+  dense_halve(f);
   for (size_t j = 0; j < n; j++)
     diagonal[j] = A[j + n * j];
   if (!dlsi_dense_cholesky(f)) return 0;
@@ -77,6 +92,9 @@ void dlsi_dense_solve(const dlsi_dense *f, double *X, int ld, int nrhs) {
   const int n = f->n, one = 1;
   int info;
   if (!n || !nrhs) return;
+  for (int j = 0; f->halved && j < nrhs; j++)
+    for (int i = 0; i < n; i++)
+      X[(size_t)i + (size_t)j * (size_t)ld] *= 0.5;
   if (!f->cholesky)
     dgetrs_("N", &n, &nrhs, f->A, &n, f->pivot, X, &ld, &info, 1);
   else if (nrhs > 1)
@@ -90,6 +108,7 @@ void dlsi_dense_solve(const dlsi_dense *f, double *X, int ld, int nrhs) {
 double dlsi_dense_rcond(const dlsi_dense *f, double norm, double *work, int *iwork) {
   double rcond = 0;
   int info;
+  if (f->halved) norm *= 0.5;
   if (f->cholesky)
     dpocon_("L", &f->n, f->A, &f->n, &norm, &rcond, work, iwork, &info, 1);
   else

@@ -23,6 +23,7 @@ typedef struct dlsi_dense {
   double *A;    /* n x n, column-major without gaps */
   int *pivot;   /* n: row exchanges of LU; may be NULL for Cholesky alone */
   int cholesky; /* 1: A = L L^T, L in the lower triangle; 0: P A = L U */
+  int halved;   /* 1: the factors are those of A / 2 */
 } dlsi_dense;
 
 /* Each returns 0, or k > 0 if pivot k, counted from 1, is not positive (Cholesky) or is 0 (LU).
@@ -30,7 +31,8 @@ typedef struct dlsi_dense {
 int dlsi_dense_cholesky(dlsi_dense *f);
 int dlsi_dense_lu(dlsi_dense *f);
 
-/* Tries Cholesky where A is symmetric, then LU. diagonal: scratch, n. */
+/* Tries Cholesky where A is symmetric, then LU; to the same bits if A is multiplied by a power of
+ * two. diagonal: scratch, n. */
 int dlsi_dense_factor(dlsi_dense *f, double *diagonal);
 
 /* Solves X := A^-1 X. X: n x nrhs, column-major with leading dimension ld. */

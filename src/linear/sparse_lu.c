@@ -1,11 +1,14 @@
 /*
  * sparse_lu.c: solves sparse unsymmetric systems by MUMPS (Amestoy, Duff, L'Excellent, Koster, SIAM
  * J. Matrix Anal. Appl. 23, 2001, 15-41): analysis, multifrontal factorisation with threshold
- * pivoting, solve.
+ * pivoting, solve. The matrix goes to MUMPS over a power of two near its largest entry: MUMPS
+ * scales by square roots, which would round an odd power of two in A.
  */
 #include "linear/sparse_lu.h"
 
+#include <float.h>
 #include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,6 +19,7 @@ struct dlsi_sparse_lu {
   DMUMPS_STRUC_C mumps;
   int *row, *col; /* 1-based; of the last pattern */
   double *x;
+  double unit;     /* MUMPS factorises unit A */
   size_t reserved; /* entries */
   int analysed;    /* 1: that pattern */
 };
@@ -48,15 +52,17 @@ dls_status dlsi_sparse_lu_reserve(dlsi_sparse_lu *work, size_t entries, dls_erro
   return got ? DLS_OK : dlsi_no_memory(error);
 }
 
-/* Takes over the entries of A; returns 1 if the pattern is the one that was analysed last. */
+/* Takes over the entries of unit A; returns 1 if the pattern is the one that was analysed last. */
 static int sparse_lu_take_over(dlsi_sparse_lu *work, const dls_sparse *A) {
   int same = work->analysed && work->mumps.n == A->cols && work->mumps.nnz == A->p[A->cols];
+  const double most = dlsi_max_abs(A->x, (size_t)A->p[A->cols]);
+  work->unit = most >= DBL_MIN && most <= 0x1p1000 ? ldexp(1, -ilogb(most)) : 1;
   for (int j = 0; j < A->cols; j++)
     for (int k = A->p[j]; k < A->p[j + 1]; k++) {
       same = same && work->row[k] == A->i[k] + 1 && work->col[k] == j + 1;
       work->row[k] = A->i[k] + 1;
       work->col[k] = j + 1;
-      work->x[k] = A->x[k];
+      work->x[k] = work->unit * A->x[k];
     }
   work->mumps.n = A->cols;
   work->mumps.nnz = A->p[A->cols];
@@ -76,6 +82,8 @@ dls_status dlsi_sparse_lu_factor(dlsi_sparse_lu *work, const dls_sparse *A, dls_
 }
 
 dls_status dlsi_sparse_lu_solve(dlsi_sparse_lu *work, double *x, dls_error *error) {
+  for (int i = 0; i < work->mumps.n; i++)
+    x[i] *= work->unit;
   return dlsi_mumps_solve(&work->mumps, x, 1, error);
 }
 

@@ -100,16 +100,31 @@ static int lcp_proof_holds(const lcp_room *l, int n) {
   return 1;
 }
 
+/* Divides W and q by the power of two below `most`, so that the LCP has the same bits in every unit
+ * that is a power of two; r stays. */
+static void divide_by_unit(room *at, double most) {
+  const int e = most > 0 ? -ilogb(most) : 0;
+  for (int i = 0; i < at->m * at->m; i++)
+    at->W[i] = ldexp(at->W[i], e);
+  for (int i = 0; i < at->m; i++)
+    at->q[i] = ldexp(at->q[i], e);
+}
+
 /* at->r := the reactions of Lemke's answer; *proof: 1 if its proof holds exactly for the LCP; y
  * (nc): the normal part of its proof after DLS_NO_SOLUTION. */
 static dls_status solve_lcp(room *at, const run *how, int scaled, double *y, int *holds,
                             int *proof) {
   lcp_room *l = room_alloc(sizeof *l);
   const dls_contact *contact = &at->contact;
+  double most = 0;
   for (int c = 0; c < at->nc; c++) {
-    const double *W = at->W + at->d * c * (at->m + 1), trace = W[0] + W[at->m + 1];
-    l->s[c] = scaled && trace > 0 ? 1 / sqrt(trace / 2) : 1;
+    const double *W = at->W + at->d * c * (at->m + 1);
+    l->s[c] = scaled ? W[0] + W[at->m + 1] : 0;
+    most = fmax(most, l->s[c]);
   }
+  for (int c = 0; c < at->nc; c++)
+    l->s[c] = most > 0 && l->s[c] > 0 ? sqrt(most / l->s[c]) : 1;
+  divide_by_unit(at, most);
   const int n =
       how->rows == 3 ? dls_contact_lcp_size(contact) : dls_contact_facets_size(contact, 2);
   dls_status status = how->rows == 3

@@ -473,8 +473,10 @@ void expect_any_units(const tested_solver *s, const model *a, const void *given,
   const double size = 1 + norm_of(r, m);
   for (int length = -1; length <= 1; length++)
     for (int force = -1; force <= 1; force++) {
-      const double al = two ? ldexp(1, 30 * length) : pow(10, 9 * length);
-      const double be = two ? ldexp(1, 30 * force) : pow(10, 9 * force);
+      /* W in units of 2^-62, 2^-31, 2^-1, 1, 2^30, 2^60: even powers and odd ones, whose square
+       * roots are rounded */
+      const double al = two ? ldexp(1, length < 0 ? -31 : 30 * length) : pow(10, 9 * length);
+      const double be = two ? ldexp(1, force > 0 ? 31 : 30 * force) : pow(10, 9 * force);
       scale_model(&b, a, al, be);
       ck_assert_int_eq(run_with(s, &b.p, given, tol, r2, NULL, &info2), DLS_OK);
       same_work(&info, &info2);
@@ -584,6 +586,15 @@ void expect_sparse_is_dense(const tested_solver *s, void *work, int singular, do
     ck_assert(fabs(r[k] - r2[k]) <= tol);
   ck_assert_int_eq(s->solve(work, &blocks, r3, NULL, NULL, NULL), DLS_OK);
   ck_assert_mem_eq(r2, r3, sizeof r2);
+
+  /* W in a unit that is an odd power of two */
+  double x[3 * row_nc * 4];
+  for (int k = 0; k < 4 * blocks.Wb.p[row_nc]; k++)
+    x[k] = 8 * blocks.Wb.x[k];
+  blocks.Wb.x = x;
+  ck_assert_int_eq(s->solve(work, &blocks, r3, NULL, NULL, NULL), DLS_OK);
+  for (int k = 0; k < row_m; k++)
+    ck_assert(8 * r3[k] == r2[k]);
 }
 
 void expect_no_allocation(const tested_solver *s, void *work, const dls_contact *p, double *r) {

@@ -119,8 +119,8 @@ void expect_solved(const tested_solver *s, int i);
 void expect_answer_of(const tested_solver *s, int i, dls_method other);
 /* and to the answer of other settings, tol = 1e-12 too */
 void expect_same_answer(const tested_solver *s, int i, const void *settings);
-/* two: units of powers of two, which scale without rounding, to the same bits; else powers of
- * ten */
+/* two: units of powers of two, odd and even, which scale without rounding, to the same bits; else
+ * powers of ten */
 void expect_any_units(const tested_solver *s, const model *a, const void *settings, double tol,
                       int two);
 void expect_any_tangents(const tested_solver *s, int i);
