@@ -11,11 +11,12 @@
  *   (HO2)  x o z = t a b e,                     x o z = (x.z, x_n z_t + z_n x_t)
  *
  * at t = 0. At t = 1 it is solved by x = a e, z = b e, which defines p. Where friction is large the
- * path between the two has folds: t rises again on parts of it, and methods that only let t fall get
- * stuck there. So the path is followed by its arc length.
+ * path between the two has folds: t rises again on parts of it, and methods that only let t fall
+ * get stuck there. So the path is followed by its arc length.
  *
  *   (HO3)  scaling of Nesterov and Todd per candidate: P symmetric, lambda = P x = P^-1 z
- *   (HO4)  a direction for residuals rho of (HO1), rc of (HO2), with G = I - e g', g = (0, z_t / s):
+ *   (HO4)  a direction for residuals rho of (HO1), rc of (HO2), with G = I - e g',
+ *          g = (0, z_t / s):
  *          (W + G P^2) dx = G h - rho,  dz = h - P^2 dx,  h = P (lambda \ rc);  LU, one refinement
  *   (HO5)  tangent: (HO4) for the derivatives by log t. t falls where the determinant of (HO4) has
  *          the sign that it has at t = 1, and rises elsewhere
@@ -23,8 +24,8 @@
  *          corrector: up to 5 of Newton's steps for (HO1), (HO2), orthogonal to the tangent in the
  *          norm |P dx|^2 + |P^-1 dz|^2, until rc < t a b / 5 and rho < t |p| / 5. The step grows
  *          threefold after one correction, and shrinks to a third where the corrector fails
- *   (HO7)  from t < 1e-2 on, and at every tenth of t, Newton's method (newton.c) from the x reached:
- *          an interior point alone ends at a residual of about sqrt(t)
+ *   (HO7)  from t < 1e-2 on, and at every tenth of t, Newton's method (newton.c) from the x
+ *          reached: an interior point alone ends at a residual of about sqrt(t)
  *
  * Several starts (a, b) are tried, because no one of them reaches all solutions.
  *

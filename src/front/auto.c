@@ -4,10 +4,10 @@
  *
  *   (AT1)  sweeps     Gauss-Seidel with Anderson acceleration, in an order of the candidates that
  *                     follows from the data
- *   (AT2)  splitting  ADMM, once: for a dense W after a failure of Newton's method, or before it where
- *                     a step costs more than 50 sweeps and the states still change; and, from r = 0
- *                     with a small rho, for what may be a stack of bodies at rest (W by blocks, -q
- *                     in the friction cones)
+ *   (AT2)  splitting  ADMM, once: for a dense W after a failure of Newton's method, or before it
+ *                     where a step costs more than 50 sweeps and the states still change; and,
+ *                     from r = 0 with a small rho, for what may be a stack of bodies at rest (W by
+ *                     blocks, -q in the friction cones)
  *   (AT3)  Newton     from the states that the sweeps have sorted
  *   (AT4)  augmented  the augmented Lagrangian, which sees reactions run away
  *   (AT5)  pivoting   Lemke's method, if small enough, which can prove that there is no solution

@@ -87,8 +87,9 @@ START_TEST(no_solution_from_any_rho) {
 END_TEST
 
 /* data/failures: "solved" only where there is a solution, and then with the certificate (run): all
- * whose line says so, from any rho (C25 only from 1), C10 (a window of rho without acceleration), C11, C13, C14, C15,
- * C19 among them. Solved is right: where the solution is known to be unique, this is it. */
+ * whose line says so, from any rho (C25 only from 1), C10 (a window of rho without acceleration),
+ * C11, C13, C14, C15, C19 among them. Solved is right: where the solution is known to be unique,
+ * this is it. */
 START_TEST(catalogue) {
   const double rho[] = {0.01, 0.03, 0.1, 0.3, 1, 3, 10, 100};
   int contacts;

@@ -205,8 +205,8 @@ START_TEST(no_solution_gives_a_direction) {
 }
 END_TEST
 
-/* data/failures: solved where the line of the file says so; else a direction along which the reactions
- * run away, or, where there is a solution, it may only say that it stands still. */
+/* data/failures: solved where the line of the file says so; else a direction along which the
+ * reactions run away, or, where there is a solution, it may only say that it stands still. */
 START_TEST(catalogue) {
   int problems;
   const failure *f = contact_failures(&problems);
