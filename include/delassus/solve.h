@@ -47,6 +47,7 @@ enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
  *   m^2 doubles      newton, admm, augmented-lagrangian, penalty, auto, for a W announced as dense
  *   O(blocks)        the same, for a W announced by blocks (limits.blocks), and what MUMPS needs to
  *                    factorise it
+ *   3 m^2 doubles    homotopy, and auto up to 300 rows
  *   2 n^2 doubles    lemke, and auto up to DLS_AUTO_LEMKE_2D, _3D candidates: the LCP and its
  *                    table. n = (facets + 2) nc for d = 3; d = 2: n = 4 nc up to 4 nc = 4000,
  *                    beyond that n = 3 nc, and a ray ends it
