@@ -87,6 +87,8 @@ help:
 	@echo 'make tables      both forming scenes of Chabrand (1998) by every method, beside the paper'
 	@echo 'make check       build and run all tests'
 	@echo 'make install     PREFIX=/usr/local DESTDIR='
+	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
+	@echo 'make check-properties   150 of them'
 	@echo 'make asan        tests under the address and undefined sanitizers'
 	@echo 'make valgrind    tests under valgrind, no leak'
 	@echo 'make check-build check-symbols check-arrows check-names check-headers   parts of it, and each header'
@@ -213,6 +215,11 @@ $(PROPERTIES_PROGRAM): $(call obj,$(wildcard tests/properties/*.c)) $(A)
 .PHONY: properties
 properties: $(PROPERTIES_PROGRAM)
 	OPENBLAS_NUM_THREADS=1 $(PROPERTIES_PROGRAM) --out $(BUILD)/properties $(PROPERTIES)
+
+# the short form
+.PHONY: check-properties
+check-properties: $(PROPERTIES_PROGRAM)
+	@OPENBLAS_NUM_THREADS=1 $(PROPERTIES_PROGRAM) --out $(BUILD)/properties --count 150 --seed 2
 
 # ---- benchmarks, never part of all or check --------------------------------------------------------
 

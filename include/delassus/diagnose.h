@@ -59,7 +59,7 @@ typedef struct dls_diagnosis {
    * and the fixed point on the sliding threshold converges with the factor friction_max /
    * friction_unique. Sufficient only, and up to rounding; Gauss-Seidel and Newton can still cycle.
    * INFINITY: any friction; 0: no bound is known, W being not positive definite, or m > limit.
-   * Proof, and what it is worth: src/diagnose.c. */
+   * Proof, and what it is worth: src/front/diagnose.c. */
   double friction_critical;
   int critical;
   dls_flaw wedged;

@@ -47,6 +47,7 @@ enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
  *   m^2 doubles      newton, admm, augmented-lagrangian, penalty, auto, for a W announced as dense
  *   O(blocks)        the same, for a W announced by blocks (limits.blocks), and what MUMPS needs to
  *                    factorise it
+ *   3 m^2 doubles    homotopy, and auto up to 300 rows
  *   2 n^2 doubles    lemke, and auto up to DLS_AUTO_LEMKE_2D, _3D candidates: the LCP and its
  *                    table. n = (facets + 2) nc for d = 3; d = 2: n = 4 nc up to 4 nc = 4000,
  *                    beyond that n = 3 nc, and a ray ends it
@@ -55,9 +56,11 @@ enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
  *
  * auto takes accelerated sweeps of Gauss-Seidel and Newton's method in turn, as their progress
  * and cost tell; between them ADMM, from 150 rows on, for a dense W and for stacks at rest (W by
- * blocks, -q nearly in the friction cones); then the augmented Lagrangian, then Lemke's method
- * (src/front/auto.c). Each but ADMM for a stack and Lemke's method starts from the best r so far,
- * which is what is returned; info.stage has what was done.
+ * blocks, -q nearly in the friction cones); then the augmented Lagrangian, then Lemke's method.
+ * Each but ADMM for a stack and Lemke's method starts from the best r so far, which is what is
+ * returned. What all of them leave goes to the homotopy (up to 300 rows) and, from r = 0, to sweeps
+ * in the reverse order, ADMM with a tiny rho and the augmented Lagrangian (src/front/auto.c).
+ * info.stage has what was done.
  *
  * lemke solves, for d = 2, the LCP of dls_contact_to_lcp and, where that ends in a ray, the one of
  * dls_contact_to_facets_lcp; for d = 3 the latter. Where the certificate does not hold yet,

@@ -524,7 +524,8 @@ START_TEST(fixed_points_on_the_threshold_contract) {
 }
 END_TEST
 
-/* Above W_nn / |W_nt| of one candidate: the q of src/diagnose.c has two solutions at least. */
+/* Above W_nn / |W_nt| of one candidate: the q of src/front/diagnose.c has two solutions at
+ * least. */
 START_TEST(above_the_critical_friction_there_are_several) {
   state = 9;
   for (int k = 0; k < 60; k++) {

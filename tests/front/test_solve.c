@@ -412,7 +412,7 @@ START_TEST(short_calls_take_a_wider_leading_dimension) {
 }
 END_TEST
 
-/* ---- candidates apart (src/alone.c) ---------------------------------------------------------- */
+/* ---- candidates apart (src/front/alone.c) ---------------------------------------------------- */
 
 enum { APART = 24 };
 

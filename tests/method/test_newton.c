@@ -115,9 +115,9 @@ START_TEST(never_worse_in_any_way) {
 END_TEST
 
 /* data/failures: "solved" only where there is a solution, and then with the certificate (run).
- * Which ones it solves: all but C13. */
+ * Which ones it solves: those whose line says so. */
 START_TEST(catalogue) {
-  int contacts, solutions = 0, solved = 0;
+  int contacts, solved = 0;
   const failure *f = contact_failures(&contacts);
   for (const failure *end = f + contacts; f < end; f++) {
     const dls_contact p = failure_contact(f);
@@ -126,11 +126,10 @@ START_TEST(catalogue) {
     dls_info info;
     const dls_status status = run_newton(&p, &s, r, NULL, &info);
     ck_assert_msg(!(f->none && status == DLS_OK), "%s", f->name);
-    solutions += !f->none;
+    ck_assert_msg((status == DLS_OK) == failure_says(f, "newton", DLS_OK), "%s", f->name);
     solved += status == DLS_OK;
   }
-  ck_assert_msg(contacts >= 20 && solved == solutions - 1, "%d, %d, %d", contacts, solutions,
-                solved);
+  ck_assert_msg(contacts >= 33 && solved >= 22, "%d, %d", contacts, solved);
 }
 END_TEST
 

@@ -46,8 +46,9 @@ static int numbers(const char *text, int count, int stride, double *x) {
   return text[strspn(text, " \t\r\n")] == 0;
 }
 
-const char *const failure_methods[FAILURE_METHODS] = {
-    "auto", "nlgs", "nlgs+anderson", "newton", "admm", "augmented-lagrangian", "penalty", "lemke"};
+const char *const failure_methods[FAILURE_METHODS] = {"auto",    "nlgs",  "nlgs+anderson",
+                                                      "newton",  "admm",  "augmented-lagrangian",
+                                                      "penalty", "lemke", "homotopy"};
 
 enum { statuses_known = 7 };
 
@@ -152,6 +153,12 @@ int failure_read(const char *directory, const char *name, failure *f, char *why)
   }
   fclose(in);
   return good;
+}
+
+int failure_says(const failure *f, const char *method, int status) {
+  for (int k = 0; k < FAILURE_METHODS; k++)
+    if (!strcmp(failure_methods[k], method)) return f->solve[k] == 1u << status;
+  return 0;
 }
 
 dls_contact failure_contact(const failure *f) {

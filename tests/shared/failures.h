@@ -17,7 +17,7 @@ typedef struct failure_point {
 } failure_point;
 
 /* Methods that dls_solve is asked for: a method by name, nlgs also with "+anderson". */
-enum { FAILURE_METHODS = 8 };
+enum { FAILURE_METHODS = 9 };
 extern const char *const failure_methods[FAILURE_METHODS];
 
 typedef struct failure {
@@ -41,6 +41,9 @@ const char *failure_word(int status);
 
 /* 1 on success; else why (200) says what is wrong. */
 int failure_read(const char *directory, const char *name, failure *f, char *why);
+
+/* Returns 1 if the line solve of f allows that method this status alone. */
+int failure_says(const failure *f, const char *method, int status);
 
 /* The contact problem of f; f->d > 0. */
 dls_contact failure_contact(const failure *f);
