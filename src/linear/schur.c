@@ -377,9 +377,10 @@ dls_status dlsi_schur_inverse(const dlsi_schur *work, double *Z, dls_error *erro
     dgetri_(&b, Z, &b, work->S.pivot, scratch, &size, &info);
     free(scratch);
   }
-  for (size_t j = 0; j < n; j++) /* (SH8) */
+  const double share = work->S.halved ? 0.5 : 1; /* the factors are those of S / 2 */
+  for (size_t j = 0; j < n; j++)                 /* (SH8) */
     for (size_t i = work->S.cholesky ? j : 0; i < n; i++)
-      Z[i + j * n] *= work->C[work->keep[i] - 1] * work->R[work->keep[j] - 1];
+      Z[i + j * n] *= share * work->C[work->keep[i] - 1] * work->R[work->keep[j] - 1];
   if (schur_symmetric(work)) dlsi_make_symmetric(Z, n, 0);
   return DLS_OK;
 }
