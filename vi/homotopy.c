@@ -53,7 +53,8 @@ static const double longest = 3;        /* step in log t */
 static const double least_t = 1e-14, most_t = 1e8;
 static const double finish_t = 1e-2; /* (HO7) */
 
-static const double starts[][2] = {{1, 1}, {0.05, 1}, {1, 0.05}, {1e-3, 1}, {20, 1}, {1, 20}};
+static const double starts[][2] = {{1, 1},  {0.05, 1}, {1, 0.05}, {1e-3, 1},  {20, 1},
+                                   {1, 20}, {0.2, 1},  {5, 1},    {0.1, 0.1}, {10, 10}};
 enum { start_count = sizeof starts / sizeof starts[0] };
 
 typedef struct homotopy {

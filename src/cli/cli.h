@@ -158,6 +158,9 @@ void print_stages(const dls_info *info);
 /* Prints both parts of the residual, a line. */
 void print_residuals(const char *indent, const dls_certificate *c);
 
+/* Prints what is known of other answers, a line for each fact. */
+void print_others(const char *indent, const dls_info *info);
+
 /* Prints one object with the fields of the outcome. */
 void print_json(FILE *out, const outcome *outcome);
 

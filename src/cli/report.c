@@ -156,6 +156,18 @@ void print_residuals(const char *indent, const dls_certificate *c) {
          c->floor_u, c->residual_r, c->floor_r);
 }
 
+static const char *uniqueness_word(dls_uniqueness unique) {
+  return unique == DLS_UNIQUE_YES ? "yes" : unique == DLS_UNIQUE_NO ? "no" : "unknown";
+}
+
+void print_others(const char *indent, const dls_info *info) {
+  if (info->unique == DLS_UNIQUE_NO) printf("%sanother certified answer was found\n", indent);
+  if (info->unique == DLS_UNIQUE_YES) printf("%sno other answer: proved\n", indent);
+  if (info->ambiguous)
+    printf("%s%d candidate%s with several answers when the others stay\n", indent, info->ambiguous,
+           info->ambiguous == 1 ? "" : "s");
+}
+
 void print_json(FILE *out, const outcome *o) {
   const dls_certificate *c = &o->info.certificate;
   fputs("{\n", out);
@@ -168,6 +180,8 @@ void print_json(FILE *out, const outcome *o) {
           method_word(o));
   fprintf(out, "  \"dimension\": %d,\n  \"contacts\": %d,\n  \"iterations\": %d", o->d, o->nc,
           o->info.iterations);
+  fprintf(out, ",\n  \"unique\": \"%s\",\n  \"ambiguous\": %d", uniqueness_word(o->info.unique),
+          o->info.ambiguous);
   print_json_field(out, "residual", c->residual);
   print_json_field(out, "residual_u", c->residual_u);
   print_json_field(out, "residual_r", c->residual_r);

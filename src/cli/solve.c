@@ -70,6 +70,7 @@ static void print_outcome(const char *path, const problem *p, const outcome *o, 
          dls_status_text(o->info.status), o->info.iterations, iteration_word(o->info.method),
          c->residual, o->solve_cpu_seconds);
   print_residuals("  ", c);
+  print_others("  ", &o->info);
   print_stages(&o->info);
   printf("  penetration %.2e, adhesion %.2e, cone violation %.2e, slip direction %.2e, "
          "complementarity %.2e\n",

@@ -16,9 +16,11 @@ void verdict_fill(verdict *v, dls_status status, int lcp) {
               "supports of the candidates with v > 0, which --proof shows, or their friction.";
   } else if (status == DLS_NO_SOLUTION_LIKELY) {
     v->says = "no solution likely";
-    v->next =
-        "The reactions run away in the direction that --proof shows: look for candidates that "
-        "jam or are squeezed there, and lower their friction or let the bodies give way.";
+    v->next = v->ray ? "The reactions run away in the direction that --proof shows: look for "
+                       "candidates that jam or are squeezed there, and lower their friction or let "
+                       "the bodies give way."
+                     : "No states of the candidates have a solution: look for candidates that jam "
+                       "or are squeezed, and lower their friction or let the bodies give way.";
   } else if (status == DLS_RAY && v->farkas) {
     v->says = "ray (to rounding)";
     v->next = lcp ? "But for rounding there is no solution, which proves nothing: give the numbers "

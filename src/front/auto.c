@@ -61,11 +61,12 @@ enum { rest_splits = 40 };      /* the same for a stack, and how many in a row .
 enum { rest_patience = 16 };    /* ... may pass without halving e */
 enum { path_unknowns = 300 };   /* a thousand factorisations then take a few seconds */
 enum { other_unknowns = 3000 }; /* beyond, another way takes too long, and nothing is said */
-enum { other_iterations = 2000 };        /* of sweeps and splitting by another way */
-static const double progress = 0.9;      /* of e, below which a step has brought it down */
-static const double share_outside = 0.1; /* of -q outside of the cones, for what may rest */
-static const double another = 1e-3;      /* difference of two answers, over the largest reaction */
-static const double on_cone = 1e-9;      /* a reaction that lacks no more than this share slips */
+enum { other_iterations = 2000 };           /* of sweeps and splitting by another way */
+static const double progress = 0.9;         /* of e, below which a step has brought it down */
+static const double share_outside = 0.1;    /* of -q outside of the cones, for what may rest */
+static const double null_direction = 1e-10; /* |D^-1 W delta| over |delta|: (AT9) */
+static const double another = 1e-3; /* difference of two answers, over the largest reaction */
+static const double on_cone = 1e-9; /* a reaction that lacks no more than this share slips */
 
 /* Its workspaces: each method once, and two of them once more for another way. */
 typedef enum part {
@@ -312,6 +313,22 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
   return status;
 }
 
+/* Returns 1 if the augmented Lagrangian has ended with a direction delta along which W delta is 0
+ * but for rounding: w: weights, set already. */
+static int runs_away(const dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  const double *delta = dlsi_augmented_method.direction(work->part[AUGMENTED]);
+  double *v = work->v[0];
+  if (!delta) return 0;
+  memset(v, 0, m * sizeof *v);
+  for (int c = 0; c < problem->nc; c++)
+    dlsi_contact_add_columns(problem, c, delta + d * (size_t)c, v);
+  for (size_t k = 0; k < m; k++)
+    v[k] /= work->w[k / d];
+  return dlsi_max_abs(v, m) <= null_direction * dlsi_max_abs(delta, m);
+}
+
 /* (AT9) for a problem that no stage has solved. Returns DLS_OK, DLS_NO_SOLUTION_LIKELY,
  * DLS_STALLED, or an error. */
 static dls_status judge(dlsi_auto *work, dls_error *error) {
@@ -330,7 +347,7 @@ static dls_status judge(dlsi_auto *work, dls_error *error) {
   }
   if (!may_follow_path(work) || work->room.side < m) return DLS_STALLED;
   dlsi_contact_weights(problem, work->w);
-  if (!few && !dlsi_augmented_method.direction(work->part[AUGMENTED])) return DLS_STALLED;
+  if (!few && !runs_away(work)) return DLS_STALLED;
   if (!few && !dlsi_is_semidefinite(problem, work->w, J)) return DLS_STALLED;
   if (dlsi_solution_exists(problem, work->w, J, work->v)) return DLS_STALLED;
   return DLS_NO_SOLUTION_LIKELY;
