@@ -192,7 +192,7 @@ static dls_sparse admm_build_sparse(dls_admm *work, const dls_contact *problem, 
         const double *x = W->x + (size_t)(d * d) * (size_t)s + d * j;
         for (int i = 0; i < d; i++) {
           row[entries] = d * W->i[s] + i;
-          value[entries++] = x[i];
+          value[entries++] = x[i]; /* W is by blocks: NOLINT(clang-analyzer-core.NullDereference) */
         }
       }
     }

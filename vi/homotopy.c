@@ -357,13 +357,13 @@ static int scale_problem(homotopy *work, const dls_contact *problem) {
 /* Sets the point at t = 1, and p by (HO1). */
 static void begin_path(homotopy *work, int nc, const double *start) {
   const int d = work->d, m = d * nc, one = 1;
-  const double minus = -1;
+  const double minus = -1, unit = 1;
   for (int i = 0; i < m; i++) {
     work->x[i] = i % d ? 0 : start[0];
     work->z[i] = i % d ? 0 : start[1];
     work->p[i] = work->z[i] - work->q[i];
   }
-  dgemv_("N", &m, &m, &minus, work->W, &m, work->x, &one, &(double){1}, work->p, &one, 1);
+  dgemv_("N", &m, &m, &minus, work->W, &m, work->x, &one, &unit, work->p, &one, 1);
   work->tau = start[0] * start[1];
   work->t = 1;
 }

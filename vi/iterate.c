@@ -43,12 +43,6 @@ void dlsi_iterate_carve(dlsi_iterate *it, dlsi_arena *arena, int d, int nc,
   dlsi_take_vectors(arena, (size_t)d * n, 4, vectors);
 }
 
-dls_status dlsi_iterate_check(const dlsi_iterate *it, const dls_contact *problem, const double *r,
-                              dls_error *error) {
-  if (!it) return dlsi_is_null(error, "workspace");
-  return dlsi_check_solve(it->d, it->nc, problem, r, it->limits->warm_start, error);
-}
-
 void dlsi_set_limits(dls_limits *to, const dls_limits *from) {
   const int blocks = to->blocks;
   *to = *from;

@@ -195,7 +195,7 @@ static DLSI_INLINE int nlgs_visit_all(const int d, const dls_nlgs *work, const d
   int changed = 0;
   for (int k = 0; k < problem->nc; k++) {
     const int c = work->order ? work->order[k] : k;
-    double *rc = r + (size_t)d * (size_t)c, uc[3], p[3], s[3], v[3], dr[3];
+    double *rc = r + (size_t)d * (size_t)c, uc[3] = {0}, p[3] = {0}, s[3] = {0}, v[3], dr[3];
     const double *W = d == 2 ? work->block_2d[c].W : work->block_3d[c].W;
     nlgs_look(d, problem, b, c, work->it.u, uc);
     if (rc[0] == 0 && uc[0] >= 0) continue; /* (NL0) */

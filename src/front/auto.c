@@ -278,7 +278,7 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
   const dls_contact *problem = work->problem;
   const dls_certificate *best = &work->info.certificate;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  dls_info info, *all = &work->info;
+  dls_info info = {.status = DLS_OK}, *all = &work->info;
   dls_error why = {0};
   dls_status status = create_part(work, k, &why);
   const dls_limits limits = limits_of(work, k);
