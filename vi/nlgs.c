@@ -347,7 +347,7 @@ static int nlgs_project_start(const dls_contact *problem, double *r) {
 
 /* dr := P_Cmu(rc) - rc. Returns 0 if that is mere rounding, as it is for most r_c that slip. */
 static inline int nlgs_lack(int d, double mu, const double *rc, double *dr) {
-  double p[3], size = 0, moved = 0;
+  double p[3] = {0}, size = 0, moved = 0;
   if (dlsi_project_cone(d, mu, rc, p) == DLS_STICK) return 0;
   for (int i = 0; i < d; i++) {
     dr[i] = p[i] - rc[i];
