@@ -194,9 +194,7 @@ static int augmented_escapes(const dls_augmented *work, const dls_contact *probl
   if (!(size > 0 && size <= DBL_MAX)) return 0;
   for (size_t k = 0; k < m; k++)
     delta[k] /= size;
-  memset(v, 0, m * sizeof *v);
-  for (int c = 0; c < problem->nc; c++)
-    dlsi_contact_add_columns(problem, c, delta + d * (size_t)c, v);
+  dlsi_contact_apply(problem, delta, v);
   const double most = dlsi_max_abs(work->it.w, m / d);
   double gain = 0; /* q.delta */
   for (size_t k = 0; k < m; k++) {

@@ -30,14 +30,6 @@
 /* Shift of W, over its weights, that makes a semidefinite W definite in spite of rounding. */
 static const double rounding = 1e-10;
 
-/* y := W x */
-static void multiply_only(const dls_contact *problem, const double *x, double *y) {
-  const size_t d = (size_t)problem->d;
-  memset(y, 0, d * (size_t)problem->nc * sizeof *y);
-  for (int c = 0; c < problem->nc; c++)
-    dlsi_contact_add_columns(problem, c, x + d * (size_t)c, y);
-}
-
 /* Returns 1 if the symmetric part of W + shift diag(w) has pivots > 0 in L D L^T: without square
  * roots powers of two keep every bit, and small whole numbers meet the 0 of a singular W. J:
  * scratch, m x m. */
@@ -92,7 +84,7 @@ static int can_keep_apart(const dls_contact *problem, const double *w, double *c
   }
   double rho = dot(m, residual, p);
   for (size_t k = 0; k < 2 * m; k++) {
-    multiply_only(problem, p, Wp);
+    dlsi_contact_apply(problem, p, Wp);
     const double curvature = dot(m, p, Wp);
     if (!(curvature > 0 && curvature <= DBL_MAX)) return 0;
     const double step = rho / curvature;

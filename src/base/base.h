@@ -207,6 +207,9 @@ void dlsi_contact_add_panel(const dls_contact *problem, int count, const int *c,
 void dlsi_contact_add_both(const dls_contact *problem, int c, const double *dr, double *u,
                            double *a);
 
+/* y := W x, without q. */
+void dlsi_contact_apply(const dls_contact *problem, const double *x, double *y);
+
 /* Computes u := W r + q and, if a is not NULL, a := |W| |r|, column after column of the candidates
  * in `order`, on which the rounding depends. order: candidates, nc; NULL for 0, 1, .. */
 void dlsi_contact_multiply(const dls_contact *problem, const int *order, const double *r, double *u,

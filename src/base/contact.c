@@ -108,6 +108,13 @@ void dlsi_contact_multiply(const dls_contact *problem, const int *order, const d
   }
 }
 
+void dlsi_contact_apply(const dls_contact *problem, const double *x, double *y) {
+  const size_t d = (size_t)problem->d;
+  memset(y, 0, d * (size_t)problem->nc * sizeof *y);
+  for (int c = 0; c < problem->nc; c++)
+    dlsi_contact_add_columns(problem, c, x + d * (size_t)c, y);
+}
+
 /* ---- blocks by component --------------------------------------------------------------------- */
 
 /* Rows or columns of a component: the first within a candidate, and how many of them. */

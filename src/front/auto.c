@@ -321,9 +321,7 @@ static int runs_away(const dlsi_auto *work) {
   const double *delta = dlsi_augmented_method.direction(work->part[AUGMENTED]);
   double *v = work->v[0];
   if (!delta) return 0;
-  memset(v, 0, m * sizeof *v);
-  for (int c = 0; c < problem->nc; c++)
-    dlsi_contact_add_columns(problem, c, delta + d * (size_t)c, v);
+  dlsi_contact_apply(problem, delta, v);
   for (size_t k = 0; k < m; k++)
     v[k] /= work->w[k / d];
   return dlsi_max_abs(v, m) <= null_direction * dlsi_max_abs(delta, m);
@@ -425,10 +423,11 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   const dls_status status = take_stages(work, error);
   if (status < 0) return status;
   memcpy(r, work->best, m * sizeof *r);
-  dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
+  const int looks = info && status == DLS_OK;
+  if (u || looks) dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
   if (u) memcpy(u, work->v[0], m * sizeof *u);
   work->info.status = status;
-  if (info && status == DLS_OK) look_for_others(work, r);
+  if (looks) look_for_others(work, r);
   if (info) *info = work->info;
   return status;
 }
