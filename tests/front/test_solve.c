@@ -149,6 +149,63 @@ START_TEST(accelerations_have_names) {
 }
 END_TEST
 
+/* The limits of a solver change between two solves; what is wrong is named and changes nothing. */
+START_TEST(limits_change) {
+  const dls_contact p = random_problem(1);
+  for (dls_method method = DLS_AUTO; dls_method_name(method); method++) {
+    dls_solver_settings s = settings_of(method);
+    s.limits.tol = 1e-2;
+    dls_solver *solver;
+    dls_info coarse, fine;
+    dls_error e;
+    double r[M];
+    ck_assert_int_eq(dls_solver_create(&solver, 2, NC, &s, NULL), DLS_OK);
+    ck_assert_int_eq(dls_solver_solve(solver, &p, r, NULL, &coarse, NULL), DLS_OK);
+    dls_limits limits = s.limits;
+    limits.tol = method == DLS_PENALTY ? 1e-5 : 1e-12;
+    ck_assert_int_eq(dls_solver_set_limits(solver, &limits, &e), DLS_OK);
+    dls_limits bad = limits;
+    bad.tol = -1;
+    ck_assert_int_eq(dls_solver_set_limits(solver, &bad, &e), DLS_E_ARGUMENT);
+    ck_assert_str_eq(e.function, "dls_solver_set_limits");
+    ck_assert_str_eq(e.argument, "tol");
+    ck_assert_int_eq(dls_solver_set_limits(solver, NULL, &e), DLS_E_ARGUMENT);
+    ck_assert_str_eq(e.argument, "limits");
+    ck_assert_int_eq(dls_solver_solve(solver, &p, r, NULL, &fine, NULL), DLS_OK);
+    ck_assert(fine.certificate.residual <= limits.tol);
+    dls_solver_destroy(solver);
+  }
+  dls_error e;
+  const dls_limits limits = {.tol = 1e-8};
+  ck_assert_int_eq(dls_solver_set_limits(NULL, &limits, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "solver");
+}
+END_TEST
+
+/* Without friction and W_nn dominant: proved. Beside a pressed candidate, c01 of data/failures as
+ * it sticks: the candidate could be free as well. */
+START_TEST(auto_tells_of_other_answers) {
+  const double dominant[16] = {2, 0, .5, 0, 0, 2, 0, 0, .5, 0, 2, 0, 0, 0, 0, 2};
+  const double pressed[4] = {-1, 0, -1, 0}, none[2] = {0, 0};
+  const double several[16] = {2, 0, .1, 0, 0, 2, 0, 0, .1, 0, 1, 1, 0, 0, 1, 2};
+  const double load[4] = {-2, 0, .91, 4}, friction[2] = {.5, 2};
+  dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, dominant}, .q = pressed, .mu = none};
+  dls_solver_settings s = settings_of(DLS_AUTO);
+  double r[4];
+  dls_info info;
+  ck_assert_int_eq(dls_solve(&p, &s, r, NULL, &info, NULL), DLS_OK);
+  ck_assert_int_eq(info.unique, DLS_UNIQUE_YES);
+  ck_assert_int_eq(info.ambiguous, 0);
+  p.W.a = several, p.q = load, p.mu = friction;
+  s.limits.warm_start = 1;
+  r[0] = .9, r[1] = 0, r[2] = 2, r[3] = -3;
+  ck_assert_int_eq(dls_solve(&p, &s, r, NULL, &info, NULL), DLS_OK);
+  ck_assert_int_eq(info.ambiguous, 1);
+  ck_assert_int_eq(info.unique, DLS_UNIQUE_NO);
+  ck_assert_double_eq_tol(r[2], 2, 1e-12);
+}
+END_TEST
+
 START_TEST(bad_settings_are_refused) {
   const dls_contact p = random_problem(1);
   double r[M];
@@ -924,17 +981,18 @@ START_TEST(auto_proves_that_there_is_no_solution) {
 END_TEST
 
 int main(void) {
-  return RUN(
-      "solve", NULL, NULL, ONCE(methods_have_names), ONCE(methods_agree),
-      EACH(block_on_a_belt, 0, 4), ONCE(accelerations_have_names), ONCE(bad_settings_are_refused),
-      ONCE(every_failing_malloc_unwinds), ONCE(free_problem_is_answered_at_once),
-      ONCE(short_calls_see_every_bad_number), ONCE(short_calls_take_large_numbers),
-      ONCE(short_calls_see_every_bad_view), ONCE(short_calls_take_a_wider_leading_dimension),
-      ONCE(candidates_apart_take_one_sweep), ONCE(one_candidate_takes_one_sweep),
-      ONCE(candidates_apart_in_any_units), ONCE(a_neighbour_pressed_takes_more_sweeps),
-      ONCE(nearly_free_is_answered_by_nothing), ONCE(bad_blocks_go_through_the_stages),
-      ONCE(auto_takes_the_same_stages_in_any_units), ONCE(auto_does_not_see_frames),
-      ONCE(auto_does_not_see_the_order), ONCE(no_allocation_by_blocks_and_in_larger_problems),
-      ONCE(auto_starts_warm), ONCE(a_jam_has_likely_no_solution),
-      ONCE(auto_forgets_the_solve_before), ONCE(auto_proves_that_there_is_no_solution));
+  return RUN("solve", NULL, NULL, ONCE(methods_have_names), ONCE(methods_agree),
+             EACH(block_on_a_belt, 0, 4), ONCE(accelerations_have_names),
+             ONCE(bad_settings_are_refused), ONCE(limits_change), ONCE(auto_tells_of_other_answers),
+             ONCE(every_failing_malloc_unwinds), ONCE(free_problem_is_answered_at_once),
+             ONCE(short_calls_see_every_bad_number), ONCE(short_calls_take_large_numbers),
+             ONCE(short_calls_see_every_bad_view), ONCE(short_calls_take_a_wider_leading_dimension),
+             ONCE(candidates_apart_take_one_sweep), ONCE(one_candidate_takes_one_sweep),
+             ONCE(candidates_apart_in_any_units), ONCE(a_neighbour_pressed_takes_more_sweeps),
+             ONCE(nearly_free_is_answered_by_nothing), ONCE(bad_blocks_go_through_the_stages),
+             ONCE(auto_takes_the_same_stages_in_any_units), ONCE(auto_does_not_see_frames),
+             ONCE(auto_does_not_see_the_order),
+             ONCE(no_allocation_by_blocks_and_in_larger_problems), ONCE(auto_starts_warm),
+             ONCE(a_jam_has_likely_no_solution), ONCE(auto_forgets_the_solve_before),
+             ONCE(auto_proves_that_there_is_no_solution));
 }
