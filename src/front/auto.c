@@ -15,9 +15,9 @@
  *                     from r = 0, plain sweeps in the reverse order, ADMM with rho from 1e-8 on,
  *                     and the augmented Lagrangian once more; up to 300 rows Newton's method from
  *                     scattered starts (vi/scatter.c)
- *   (AT10) proofs     at the end of (AT5) Farkas' vector of the linear problem (farkas.c): it proves
- *                     that there is no solution, or that none could be certified, and nothing is
- *                     searched for then
+ *   (AT10) proofs     at the end of (AT5) the linear problem that every solution solves (farkas.c):
+ *                     it proves that there is no solution, or shows that none could be certified,
+ *                     and nothing is searched for then
  *   (AT11) copy       up to 300 rows, what (AT1)-(AT3) leave is solved from r = 0 on a copy in an
  *                     order and in units that follow from the data (renumber.c), so that luck does
  *                     not depend on the numbers of the candidates
@@ -370,14 +370,6 @@ static dls_status judge(dlsi_auto *work, dls_error *error) {
   return DLS_NO_SOLUTION_LIKELY;
 }
 
-/* Returns 1 if Lemke's method has left a Farkas vector by which no r can be certified (AT10). */
-static int is_excluded(dlsi_auto *work) {
-  const double *v = dlsi_lemke_method.farkas(work->part[PIVOTING]);
-  if (!v) return 0;
-  dlsi_contact_weights(work->problem, work->w);
-  return dlsi_farkas_excludes(work->problem, work->w, v, work->options.limits.tol);
-}
-
 /* Takes the stages first .. end-1 in turn. Returns DLS_OK, DLS_NO_SOLUTION, an error, DLS_CANCELLED
  * or DLS_MAX_ITERATIONS; DLS_STALLED if nothing is decided, or `excluded` is. */
 static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *error) {
@@ -393,7 +385,8 @@ static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *erro
     if (work->cancelled) return DLS_CANCELLED;
     if (work->limited) return DLS_MAX_ITERATIONS;
     if (status == DLS_NO_SOLUTION) return status;
-    if (now == PIVOTING && (work->excluded = is_excluded(work))) return DLS_STALLED;
+    if (now == PIVOTING && (work->excluded = dlsi_contact_lemke_excludes(work->part[now])))
+      return DLS_STALLED;
   }
   return DLS_STALLED;
 }
@@ -410,10 +403,12 @@ static dls_status leave_copy(dlsi_auto *work, const dls_contact *problem,
   dls_certificate *best = &work->info.certificate;
   work->problem = problem;
   work->has_direction = delta != NULL;
-  work->has_farkas = status == DLS_NO_SOLUTION || work->excluded;
+  const double *v = status == DLS_NO_SOLUTION || work->excluded
+                        ? dlsi_lemke_method.farkas(work->part[PIVOTING])
+                        : NULL;
+  work->has_farkas = v != NULL;
   if (delta) dlsi_renumber_back(copy, problem->d, 0, delta, work->direction);
-  if (work->has_farkas)
-    dlsi_renumber_back(copy, 1, 0, dlsi_lemke_method.farkas(work->part[PIVOTING]), work->farkas);
+  if (v) dlsi_renumber_back(copy, 1, 0, v, work->farkas);
   dlsi_renumber_back(copy, problem->d, copy->power_q - copy->power_W, work->best, work->r);
   dlsi_contact_multiply(problem, NULL, work->r, work->v[0], work->v[1]);
   dlsi_contact_weights(problem, work->w);
@@ -424,6 +419,8 @@ static dls_status leave_copy(dlsi_auto *work, const dls_contact *problem,
     memcpy(work->best, work->kept, m * sizeof *work->best);
     *best = *kept;
   }
+  if (status == DLS_NO_SOLUTION_LIKELY && best->residual <= work->options.limits.tol)
+    return DLS_STALLED; /* only rounding speaks against this answer */
   if (status != DLS_OK || dls_certificate_holds(best, work->options.limits.tol)) return status;
   status = take_stage(work, NEWTON, 0, error); /* sums in another order round otherwise */
   return status < 0 || dls_certificate_holds(best, work->options.limits.tol) ? status : DLS_STALLED;

@@ -15,7 +15,8 @@
  *          another unit, by a power of two, leads to the LCP with the same bits.
  *
  *   (CL5)  after (CL2) without an answer: the linear problem of farkas.c. Its ray is a Farkas vector,
- *          proof or not by the rule of (CL3), in 3D too
+ *          proof or not by the rule of (CL3), in 3D too; its solution may show that no r can be
+ *          certified
  *
  * The certificate decides. In 3D the LCP of (CL1) proves nothing of the problem: the round cone
  * holds more than the one with facets.
@@ -59,9 +60,10 @@ typedef struct contact_lemke {
 
   /* of the solve under way, or the last one */
   const dls_contact *problem;
-  int form;    /* facets of the LCP that Lemke's method solves; 0: the 3-row form; linear_form */
-  int has_v;   /* 1: v is a Farkas vector, at least but for rounding */
-  int has_ray; /* 1: the solve ended in DLS_RAY, along dr */
+  int form;     /* facets of the LCP that Lemke's method solves; 0: the 3-row form; linear_form */
+  int has_v;    /* 1: v is a Farkas vector, at least but for rounding */
+  int has_ray;  /* 1: the solve ended in DLS_RAY, along dr */
+  int excludes; /* 1: (CL5) shows that no r can be certified */
 } contact_lemke;
 
 static void contact_lemke_carve(void *lemke, dlsi_arena *arena) {
@@ -228,6 +230,14 @@ static dls_status pivot_linear(contact_lemke *work, const dls_contact *problem, 
   if (ended < 0) return ended;
   *pivots += info.pivots + info.crash_rounds;
   if (ended == DLS_NO_SOLUTION || ended == DLS_CANCELLED) return ended;
+  if (ended == DLS_RAY) { /* may not pass for Farkas' */
+    const dls_status ray = dls_lemke_ray(work->lemke, NULL, NULL, work->z, NULL, NULL, error);
+    if (ray) return ray;
+  }
+  for (int c = 0; c < problem->nc; c++)
+    work->z[c] *= work->s[c]; /* v of (FA1) */
+  const double *v = work->has_v ? work->v : work->z;
+  work->excludes = dlsi_farkas_excludes(problem, work->it.w, v, work->limits.tol);
   return work->has_v ? DLS_RAY : status;
 }
 
@@ -239,7 +249,7 @@ static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, d
   const int flat = problem->d == 2, warm = work->limits.warm_start;
   dls_info outcome = {.method = DLS_LEMKE};
   work->problem = problem;
-  work->has_v = work->has_ray = 0;
+  work->has_v = work->has_ray = work->excludes = 0;
   dlsi_lemke_set_judge(work->lemke, contact_lemke_judge, work);
   dlsi_iterate_begin(it, problem, NULL, work->limits.tol, warm, r, work->r);
   (void)dlsi_iterate_offer(it, problem, work->r);
@@ -280,6 +290,10 @@ static const double *contact_lemke_direction(const void *lemke) {
 static const double *contact_lemke_farkas(const void *lemke) {
   const contact_lemke *work = lemke;
   return work->has_v ? work->v : NULL;
+}
+
+int dlsi_contact_lemke_excludes(const void *lemke) {
+  return ((const contact_lemke *)lemke)->excludes;
 }
 
 const dlsi_method dlsi_lemke_method = {

@@ -3,23 +3,24 @@
  * solution solves (AT10).
  *
  * A solution has r in the friction cones and u_n = (W r + q)_n >= 0. With the edges of the cones in
- * the columns of E, E_n = W_n E and r = E x, one of two linear problems has a solution,
+ * the columns of E, E_n = W_n E and r = E x, the smallest such r and its dual are
  *
- *   (FA1)  x >= 0,  E_n x + q_n >= 0          or          v >= 0,  E_n' v <= 0,  v.q_n < 0
+ *   (FA1)  min sum_k w_k x_k,  x >= 0,  E_n x + q_n >= 0;   max -v.q_n,  v >= 0,  E_n' v <= w
  *
- * and v, Farkas' vector, is the proof of base/exact.h. Both are the LCP in z = (v, x)
+ * w_k: weight of the candidate. They are the LCP in z = (v, x)
  *
- *   (FA2)  M = (0, E_n; -E_n', 0),  q = (q_n, 0)
+ *   (FA2)  M = (0, E_n; -E_n', 0),  q = (q_n, w)
  *
- * since v = 0 and the x of (FA1) solve it, and M is skew, so that a ray of Lemke's method is
- * Farkas'. d = 2: the two edges of the cone. d = 3: the cone with 8 edges around the round one; a
- * proof for it binds the round one. The LCP is stated in the scaled unknowns of contact_lemke.c.
+ * M is skew, so that Lemke's method either solves it or ends in a ray with E_n' v <= 0, v.q_n < 0,
+ * which is Farkas' vector, the proof of base/exact.h. d = 2: the two edges of the cone. d = 3: the
+ * cone with 8 edges around the round one; what holds for it binds the round one. The LCP is stated
+ * in the scaled unknowns of contact_lemke.c, where w = 1, times the size of q_n.
  *
- * A vector that holds but for rounding is no proof, yet it says how far a solution is. With g_c =
- * sum_a v_a (row n of W_ac), every r has v.u_n = g.r + v.q_n, and e_c = max(0, g_cn + mu |g_ct|)
- * bounds g_c.r_c over r_cn in the cone. An r whose certificate holds has a floor of at most C / 4,
- * C = max(tol, 1e-8), and |F| <= C |q|, hence |w r| <= R = C |q| / (4 eps), u_n >= -sqrt(1 + mu^2)
- * |F_c|, and lies in the cones but for |F_c / w_c|:
+ * The dual v tells how far away a solution is, and a v that is Farkas' but for rounding does, too.
+ * With g_c = sum_a v_a (row n of W_ac), every r has v.u_n = g.r + v.q_n, and e_c = max(0, g_cn + mu
+ * |g_ct|) bounds g_c.r_c / r_cn in the cone. An r whose certificate holds has a floor of at most
+ * C / 4, C = max(tol, 1e-8), and |F| <= C |q|, hence |w r| <= R = C |q| / (4 eps), u_n >= -sqrt(1 +
+ * mu^2) |F_c|, and lies in the cones but for |F_c / w_c|:
  *
  *   (FA3)  -v.q_n  >  |e / w| (R + C |q|) + C |q| (|v sqrt(1 + mu^2)| + |g / w| + (m + 2) |v| / 4)
  *
@@ -61,6 +62,9 @@ void dlsi_farkas_lcp(const dls_contact *problem, const double *s, double unit, d
   memset(q, 0, n * sizeof *q);
   for (size_t a = 0; a < nc; a++)
     q[a] = s[a] * problem->q[d * a] / unit;
+  const double size = dlsi_max_abs(q, nc);
+  for (size_t j = nc; j < n; j++)
+    q[j] = size;
   for (size_t b = 0, j = nc; b < nc; b++)
     for (int k = 0; k < farkas_edges(problem, (int)b); k++, j++) {
       double edge[3];

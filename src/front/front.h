@@ -25,9 +25,13 @@ int dlsi_farkas_size(const dls_contact *problem);
 void dlsi_farkas_lcp(const dls_contact *problem, const double *s, double unit, double *M, double *q,
                      double *column);
 
-/* Returns 1 if v >= 0 (nc), Farkas' vector but for rounding, shows that the certificate of no r can
- * hold, (FA3). w: weights of the certificate. */
+/* Returns 1 if v >= 0 (nc) shows that the certificate of no r can hold, (FA3). w: weights of the
+ * certificate. */
 int dlsi_farkas_excludes(const dls_contact *problem, const double *w, const double *v, double tol);
+
+/* Returns 1 if the last solve in this workspace of dlsi_lemke_method has shown that no r can be
+ * certified. */
+int dlsi_contact_lemke_excludes(const void *lemke);
 
 /* A copy of a problem in an order and in units of its own (renumber.c). */
 typedef struct dlsi_renumber {
