@@ -295,7 +295,7 @@ static dls_local_state slip_3d(const schur *s, double guess, double *r) {
     else if (!(hi < INFINITY))
       l = 8 * l > s->block->scale ? 8 * l : s->block->scale;
     else
-      l = lo > 0 ? sqrt(lo) * sqrt(hi) : hi / 64;
+      l = lo > 0 ? lo * sqrt(hi / lo) : hi / 64; /* powers of two keep every bit */
   }
   return DLS_LOCAL_NONE;
 }

@@ -11,8 +11,13 @@
  *
  *   v >= 0,   v.q_n < 0,   (W_n^T v).r <= 0 for all r in the cones                  (EX2)
  *
- * rules it out, since then 0 <= v.u_n = (W_n^T v).r + v.q_n < 0. In 2D the last condition is that
- * of the two edges of each cone: linear in W, mu W and v, and so exact here.
+ * rules it out, since then 0 <= v.u_n = (W_n^T v).r + v.q_n < 0. With g_c = sum_a v_a (row n of
+ * W_ac) the last condition is g_cn + mu_c |g_ct| <= 0 at each candidate. g_n and mu g_t are sums of
+ * products of three. In 2D their sum and difference have a sign; in 3D
+ *
+ *   g_n <= 0,   g_n^2 - (mu g_t)^2 - (mu g_s)^2 >= 0
+ *
+ * is decided in whole numbers of twice the length.
  *
  * A vector that a method computed holds but for rounding. The conditions that are equations for it
  * hold exactly, if at all, near it (EX3): v itself, v without its negligible entries, v in whole
@@ -106,31 +111,81 @@ int dlsi_exact_sign(dlsi_exact *sum) {
   return 0;
 }
 
-/* Returns the sign of v.W_n r for the edge r = (1, side mu) of candidate c. */
-static int exact_edge(const dls_contact *problem, int c, double side, const double *v) {
-  const dlsi_block_column W = dlsi_contact_column(problem, (size_t)c);
-  const double mu = side * problem->mu[c];
-  dlsi_exact sum;
-  dlsi_exact_clear(&sum);
-  for (size_t k = W.begin; k < W.end; k++) {
-    const double *block = W.x + k * W.step, vi = v[dlsi_row(&W, k)];
-    dlsi_exact_add(&sum, vi, block[0], 1);
-    dlsi_exact_add(&sum, vi, block[W.ld], mu);
+/* sum := row `part` of the block of candidate c in v.W_n, times `factor`. */
+static void exact_row(const dlsi_block_column *W, int part, double factor, const double *v,
+                      dlsi_exact *sum) {
+  for (size_t k = W->begin; k < W->end; k++)
+    dlsi_exact_add(sum, v[dlsi_row(W, k)], W->x[k * W->step + (size_t)part * W->ld], factor);
+}
+
+/* square := square + turn sum^2, digits of 32 bits with carries put off. */
+static void exact_add_square(dlsi_exact *sum, int turn, int64_t square[2 * dlsi_exact_digits + 1]) {
+  enum { n = dlsi_exact_digits };
+  const int negative = dlsi_exact_sign(sum) < 0;
+  uint64_t digit[n];
+  int first = n, end = 0;
+  for (int k = 0, carry = negative; k < n; k++) { /* |sum|: two's complement by digits */
+    const uint64_t low = (uint64_t)sum->digit[k] & 0xffffffff;
+    digit[k] = negative ? (low ^ 0xffffffff) + (uint64_t)carry : low;
+    carry = negative && carry && digit[k] >> 32;
+    digit[k] &= 0xffffffff;
+    if (!digit[k]) continue;
+    first = k < first ? k : first;
+    end = k + 1;
   }
-  return dlsi_exact_sign(&sum);
+  for (int i = first; i < end; i++)
+    for (int j = first; j < end; j++) {
+      const uint64_t p = digit[i] * digit[j];
+      square[i + j] += turn * (int64_t)(p & 0xffffffff);
+      square[i + j + 1] += turn * (int64_t)(p >> 32);
+    }
+}
+
+/* Returns 1 if g_n <= 0 and g_n^2 >= h[0]^2 + h[1]^2. */
+static int exact_in_cone(dlsi_exact *gn, dlsi_exact h[2]) {
+  int64_t square[2 * dlsi_exact_digits + 1] = {0}, carry = 0;
+  if (dlsi_exact_sign(gn) > 0) return 0;
+  exact_add_square(gn, 1, square);
+  exact_add_square(&h[0], -1, square);
+  exact_add_square(&h[1], -1, square);
+  for (int k = 0; k <= 2 * dlsi_exact_digits; k++) {
+    const int64_t x = square[k] + carry;
+    carry = (x - (x & 0xffffffff)) / ((int64_t)1 << 32);
+  }
+  return carry >= 0;
+}
+
+/* Returns 1 if g_n + mu |g_t| <= 0 holds at candidate c (EX2). */
+static int exact_holds_at(const dls_contact *problem, int c, const double *v) {
+  const dlsi_block_column W = dlsi_contact_column(problem, (size_t)c);
+  const double mu = problem->mu[c];
+  dlsi_exact gn, h[2];
+  for (int side = -1; problem->d == 2 && side <= 1; side += 2) {
+    dlsi_exact_clear(&gn);
+    exact_row(&W, 0, 1, v, &gn);
+    exact_row(&W, 1, side * mu, v, &gn);
+    if (dlsi_exact_sign(&gn) > 0) return 0;
+  }
+  if (problem->d == 2) return 1;
+  dlsi_exact_clear(&gn);
+  exact_row(&W, 0, 1, v, &gn);
+  for (int i = 0; i < 2; i++) {
+    dlsi_exact_clear(&h[i]);
+    exact_row(&W, i + 1, mu, v, &h[i]);
+  }
+  return exact_in_cone(&gn, h);
 }
 
 int dlsi_contact_is_infeasible(const dls_contact *problem, const double *v) {
   dlsi_exact sum;
   dlsi_exact_clear(&sum);
-  if (problem->d != 2) return 0;
   for (int c = 0; c < problem->nc; c++) {
     if (!(v[c] >= 0 && isfinite(v[c]))) return 0;
-    dlsi_exact_add(&sum, v[c], problem->q[2 * (size_t)c], 1);
+    dlsi_exact_add(&sum, v[c], problem->q[(size_t)problem->d * (size_t)c], 1);
   }
   if (dlsi_exact_sign(&sum) >= 0) return 0;
   for (int c = 0; c < problem->nc; c++)
-    if (exact_edge(problem, c, 1, v) > 0 || exact_edge(problem, c, -1, v) > 0) return 0;
+    if (!exact_holds_at(problem, c, v)) return 0;
   return 1;
 }
 

@@ -10,10 +10,17 @@
  *                     blocks, -q in the friction cones)
  *   (AT3)  Newton     from the states that the sweeps have sorted
  *   (AT4)  augmented  the augmented Lagrangian, which sees reactions run away
- *   (AT5)  pivoting   Lemke's method, if small enough, which can prove that there is no solution
+ *   (AT5)  pivoting   Lemke's method, if small enough
  *   (AT8)  the last   up to 300 rows the interior homotopy from several starts; up to 3000 rows,
  *                     from r = 0, plain sweeps in the reverse order, ADMM with rho from 1e-8 on,
- *                     and the augmented Lagrangian once more
+ *                     and the augmented Lagrangian once more; up to 300 rows Newton's method from
+ *                     scattered starts (vi/scatter.c)
+ *   (AT10) proofs     at the end of (AT5) the linear problem that every solution solves (farkas.c):
+ *                     it proves that there is no solution, or shows that none could be certified,
+ *                     and nothing is searched for then
+ *   (AT11) copy       up to 300 rows, what (AT1)-(AT3) leave is solved from r = 0 on a copy in an
+ *                     order and in units that follow from the data (renumber.c), so that luck does
+ *                     not depend on the numbers of the candidates
  *
  * One cost, in sweeps, decides when sweeps give way. With e the residual and e* the one that is
  * asked for, both looked at every 5 sweeps,
@@ -38,10 +45,11 @@
  * q of bodies at rest is that of falling, and -q lies in the cones; bodies in motion are far from
  * that.
  *
- *   (AT9)  verdict. DLS_NO_SOLUTION if (AT5) has a proof. DLS_NO_SOLUTION_LIKELY only when all of
- *          (AT1)-(AT8) have failed and, d = 2 and up to 8 candidates, no states of the candidates
- *          have a solution (states.c), or, for others up to 300 rows, (AT4) sees the reactions run
- *          away at last and W gives no reason to doubt it (vi/exists.c). Else DLS_STALLED.
+ *   (AT9)  verdict. DLS_NO_SOLUTION if (AT10) has a proof. DLS_NO_SOLUTION_LIKELY only where W shows
+ *          no reason for a solution (vi/exists.c), and (AT10) shows that none could be certified, or
+ *          all of (AT1)-(AT8) have failed and, d = 2 and up to 8 candidates, no states of the
+ *          candidates have a solution (states.c), or, for others up to 300 rows, (AT4) sees the
+ *          reactions run away at last. Else DLS_STALLED.
  *
  * What can fail: every method; then DLS_STALLED with the best r.
  */
@@ -62,6 +70,7 @@ enum { rest_patience = 16 };    /* ... may pass without halving e */
 enum { path_unknowns = 300 };   /* a thousand factorisations then take a few seconds */
 enum { other_unknowns = 3000 }; /* beyond, another way takes too long, and nothing is said */
 enum { other_iterations = 2000 };           /* of sweeps and splitting by another way */
+enum { copy_failures = 3 };                 /* so much is Newton's method believed on a copy */
 static const double progress = 0.9;         /* of e, below which a step has brought it down */
 static const double share_outside = 0.1;    /* of -q outside of the cones, for what may rest */
 static const double null_direction = 1e-10; /* |D^-1 W delta| over |delta|: (AT9) */
@@ -78,20 +87,27 @@ typedef enum part {
   OTHER_SWEEPS,
   OTHER_SPLITTING,
   HOMOTOPY,
+  SCATTER,
   parts
 } part;
 
 typedef struct dlsi_auto {
   dlsi_options options;
   int d, nc;
-  void *part[parts]; /* workspace of each method, NULL before it is needed */
-  dlsi_room room;    /* for their matrices: none keeps factors from one stage to the next */
-  double *r, *best;  /* m: of the stage under way, of the best answer so far */
-  double *w;         /* nc: weights of the certificate */
-  double *v[4];      /* m: scratch */
+  void *part[parts];  /* workspace of each method, NULL before it is needed */
+  dlsi_room room;     /* for their matrices: none keeps factors from one stage to the next */
+  double *r, *best;   /* m: of the stage under way, of the best answer so far */
+  double *w;          /* nc: weights of the certificate */
+  double *v[4];       /* m: scratch */
+  dlsi_renumber copy; /* (AT11), up to path_unknowns */
+  double *kept;       /* m: the best r before the copy */
+  double *direction;  /* m: the vectors of a verdict on the copy, in the order of the problem */
+  double *farkas;     /* nc */
 
   /* of the solve under way */
-  const dls_contact *problem;
+  const dls_contact *problem; /* the caller's, or the copy */
+  int has_copy, has_direction, has_farkas;
+  int excluded;       /* (AT10): no r can be certified */
   dls_info info;      /* its certificate is that of best */
   dls_status stopped; /* by the caller's callback or time limit; DLS_OK: by neither */
   int limited;        /* by max_iterations */
@@ -244,20 +260,22 @@ static const struct {
     [OTHER_SWEEPS] = {&dlsi_nlgs_method, watch_limits, NULL, other_iterations},
     [OTHER_SPLITTING] = {&dlsi_admm_method, watch_limits, NULL, other_iterations},
     [HOMOTOPY] = {&dlsi_homotopy_method, watch_limits, may_follow_path, 0},
+    [SCATTER] = {&dlsi_scatter_method, watch_limits, may_follow_path, 0},
 };
 
-/* The stages; cold: from r = 0, whatever was found before. */
+/* The stages; cold: from r = 0, whatever was found before; copy: on a copy only (AT11). */
 static const struct {
   part part;
-  int cold;
-} stages[] = {{SWEEPS, 0},    {SPLITTING, 0},    {NEWTON, 0},   {SPLITTING, 0},       {SWEEPS, 0},
-              {NEWTON, 0},    {SWEEPS, 0},       {NEWTON, 0},   {SWEEPS, 0},          {NEWTON, 0},
-              {AUGMENTED, 0}, {PIVOTING, 0},     {HOMOTOPY, 1}, {SWEEPS, 0},          {NEWTON, 0},
-              {SWEEPS, 0},    {OTHER_SWEEPS, 1}, {NEWTON, 0},   {OTHER_SPLITTING, 1}, {NEWTON, 0},
-              {AUGMENTED, 1}};
-enum { stage_count = sizeof stages / sizeof stages[0] };
+  int cold, copy;
+} stages[] = {{SWEEPS, 0, 0},          {SPLITTING, 0, 0}, {NEWTON, 0, 0},       {SPLITTING, 0, 0},
+              {SWEEPS, 0, 0},          {NEWTON, 0, 0},    {SWEEPS, 0, 0},       {NEWTON, 0, 0},
+              {SWEEPS, 0, 0},          {NEWTON, 0, 0},    {SWEEPS, 0, 1},       {NEWTON, 0, 1},
+              {PIVOTING, 0, 1},        {AUGMENTED, 0, 0}, {HOMOTOPY, 1, 1},     {SWEEPS, 0, 0},
+              {NEWTON, 0, 0},          {SWEEPS, 0, 0},    {OTHER_SWEEPS, 1, 0}, {NEWTON, 0, 0},
+              {OTHER_SPLITTING, 1, 0}, {NEWTON, 0, 0},    {AUGMENTED, 1, 0},    {SCATTER, 0, 1}};
+enum { quick_count = 10, stage_count = sizeof stages / sizeof stages[0] };
 _Static_assert((int)stage_count + 2 <= (int)DLS_STAGES_MAX,
-               "a line for each in the report, one for the states");
+               "a line for each in the report, one for the states, one after the copy");
 
 static dls_limits limits_of(dlsi_auto *work, part k) {
   const int blocks = work->options.limits.blocks;
@@ -293,7 +311,8 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
     memset(work->r, 0, m * sizeof *work->r);
   else
     memcpy(work->r, work->best, m * sizeof *work->r);
-  work->target = log(all->stages ? dlsi_certificate_target(best, limits.tol) : limits.tol);
+  const int measured = best->floor_u <= DBL_MAX; /* not at the first stage of all, or of a copy */
+  work->target = log(measured ? dlsi_certificate_target(best, limits.tol) : limits.tol);
   work->least = log(best->residual);
   work->rate = 0;
   work->unknowns = count_unknowns(problem, work->r);
@@ -340,9 +359,9 @@ static dls_status judge(dlsi_auto *work, dls_error *error) {
   const dls_contact *problem = work->problem;
   const double tol = work->options.limits.tol;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  const int few = problem->d == 2 && problem->nc <= dlsi_most_states;
+  const int sure = work->excluded, few = problem->d == 2 && problem->nc <= dlsi_most_states;
   double *J = work->room.J;
-  if (few) {
+  if (few && !sure) {
     const int found =
         dlsi_contact_find_states(problem, tol, work->r, work->best, &work->info.certificate);
     const dls_status status = found ? take_stage(work, NEWTON, 0, error) : DLS_STALLED;
@@ -352,17 +371,19 @@ static dls_status judge(dlsi_auto *work, dls_error *error) {
   }
   if (!may_follow_path(work) || work->room.side < m) return DLS_STALLED;
   dlsi_contact_weights(problem, work->w);
-  if (!few && !runs_away(work)) return DLS_STALLED;
-  if (!few && !dlsi_is_semidefinite(problem, work->w, J)) return DLS_STALLED;
+  if (!few && !sure && !runs_away(work)) return DLS_STALLED;
+  if (!few && !sure && !dlsi_is_semidefinite(problem, work->w, J)) return DLS_STALLED;
   if (dlsi_solution_exists(problem, work->w, J, work->v)) return DLS_STALLED;
   return DLS_NO_SOLUTION_LIKELY;
 }
 
-/* Takes the stages in turn. Returns DLS_OK, an error, or the reason for the end. */
-static dls_status take_stages(dlsi_auto *work, dls_error *error) {
+/* Takes the stages first .. end-1 in turn. Returns DLS_OK, DLS_NO_SOLUTION, an error, DLS_CANCELLED
+ * or DLS_MAX_ITERATIONS; DLS_STALLED if nothing is decided, or `excluded` is. */
+static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *error) {
   const dls_limits *limits = &work->options.limits;
-  for (int k = 0; k < stage_count; k++) {
+  for (int k = first; k < end; k++) {
     const part now = stages[k].part;
+    if (stages[k].copy && !work->has_copy) continue;
     if (part_of[now].may && !part_of[now].may(work)) continue;
     if (stages[k].cold && !may_go_another_way(work)) continue;
     const dls_status status = take_stage(work, now, stages[k].cold, error);
@@ -372,8 +393,72 @@ static dls_status take_stages(dlsi_auto *work, dls_error *error) {
     if (status == DLS_TIME_LIMIT) return status;
     if (work->limited) return DLS_MAX_ITERATIONS;
     if (status == DLS_NO_SOLUTION) return status;
+    if (now == PIVOTING && (work->excluded = dlsi_contact_lemke_excludes(work->part[now])))
+      return DLS_STALLED;
   }
-  return judge(work, error);
+  return DLS_STALLED;
+}
+
+/* Takes back what the stages on the copy have found: the answer if it is better than the one kept,
+ * and the vectors of the verdict. Returns the status for the problem. */
+static dls_status leave_copy(dlsi_auto *work, const dls_contact *problem,
+                             const dls_certificate *kept, dls_status status, dls_error *error) {
+  const dlsi_renumber *copy = &work->copy;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const double *delta = work->part[AUGMENTED] && !work->excluded && status != DLS_NO_SOLUTION
+                            ? dlsi_augmented_method.direction(work->part[AUGMENTED])
+                            : NULL;
+  dls_certificate *best = &work->info.certificate;
+  work->problem = problem;
+  work->has_direction = delta != NULL;
+  const double *v = status == DLS_NO_SOLUTION || work->excluded
+                        ? dlsi_lemke_method.farkas(work->part[PIVOTING])
+                        : NULL;
+  work->has_farkas = v != NULL;
+  if (delta) dlsi_renumber_back(copy, problem->d, 0, delta, work->direction);
+  if (v) dlsi_renumber_back(copy, 1, 0, v, work->farkas);
+  dlsi_renumber_back(copy, problem->d, copy->power_q - copy->power_W, work->best, work->r);
+  dlsi_contact_multiply(problem, NULL, work->r, work->v[0], work->v[1]);
+  dlsi_contact_weights(problem, work->w);
+  dlsi_contact_measure(problem, work->r, work->v[0], work->v[1], work->w, work->v[2], best);
+  if (status == DLS_OK || dlsi_is_better(best, kept)) {
+    memcpy(work->best, work->r, m * sizeof *work->best);
+  } else {
+    memcpy(work->best, work->kept, m * sizeof *work->best);
+    *best = *kept;
+  }
+  if (status == DLS_NO_SOLUTION_LIKELY && best->residual <= work->options.limits.tol)
+    return DLS_STALLED; /* only rounding speaks against this answer */
+  if (status != DLS_OK || dls_certificate_holds(best, work->options.limits.tol)) return status;
+  status = take_stage(work, NEWTON, 0, error); /* sums in another order round otherwise */
+  return status < 0 || dls_certificate_holds(best, work->options.limits.tol) ? status : DLS_STALLED;
+}
+
+/* (AT11) Takes the stages after the quick ones on a copy, from r = 0. */
+static dls_status take_copy(dlsi_auto *work, dls_error *error) {
+  const dls_contact *problem = work->problem;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const dls_certificate kept = work->info.certificate;
+  memcpy(work->kept, work->best, m * sizeof *work->kept);
+  memset(work->best, 0, m * sizeof *work->best);
+  dlsi_renumber_set(&work->copy, problem);
+  work->has_copy = 1;
+  work->problem = &work->copy.problem;
+  work->info.certificate = dlsi_no_certificate;
+  work->failures = copy_failures;
+  dls_status status = take_some(work, quick_count, stage_count, error);
+  if (status == DLS_STALLED) status = judge(work, error);
+  if (status < 0) return status;
+  return leave_copy(work, problem, &kept, status, error);
+}
+
+/* Takes the stages in turn. Returns DLS_OK, an error, or the reason for the end. */
+static dls_status take_stages(dlsi_auto *work, dls_error *error) {
+  dls_status status = take_some(work, 0, quick_count, error);
+  if (status != DLS_STALLED) return status;
+  if (may_follow_path(work)) return take_copy(work, error);
+  status = take_some(work, quick_count, stage_count, error);
+  return status == DLS_STALLED ? judge(work, error) : status;
 }
 
 /* Returns 1 if no candidate has friction and W_nn is strictly diagonally dominant, so that it is a
@@ -429,6 +514,7 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   work->begun = dlsi_clock_start(&work->options.limits);
   work->stopped = DLS_OK;
   work->limited = work->failures = work->has_split = work->costly = 0;
+  work->has_copy = work->has_direction = work->has_farkas = work->excluded = 0;
   memset(work->best, 0, m * sizeof *r);
   if (work->options.limits.warm_start) memcpy(work->best, r, m * sizeof *r);
   const dls_status status = take_stages(work, error);
@@ -445,12 +531,13 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
 
 static const double *auto_direction(const void *automatic) {
   const dlsi_auto *work = automatic;
+  if (work->has_copy) return work->has_direction ? work->direction : NULL;
   return dlsi_augmented_method.direction(work->part[AUGMENTED]);
 }
 
 static const double *auto_farkas(const void *automatic) {
   const dlsi_auto *work = automatic;
-  return work->part[PIVOTING] ? dlsi_lemke_method.farkas(work->part[PIVOTING]) : NULL;
+  return work->has_farkas ? work->farkas : NULL;
 }
 
 static void auto_set_limits(void *automatic, const dls_limits *limits) {
@@ -476,6 +563,11 @@ static void auto_carve(void *automatic, dlsi_arena *arena) {
   work->w = dlsi_take(arena, (size_t)work->nc, sizeof *work->w);
   for (int k = 0; k < 4; k++)
     work->v[k] = dlsi_take(arena, m, sizeof *work->v[k]);
+  if (m > path_unknowns) return;
+  dlsi_renumber_carve(&work->copy, arena, work->d, work->nc);
+  work->kept = dlsi_take(arena, m, sizeof *work->kept);
+  work->direction = dlsi_take(arena, m, sizeof *work->direction);
+  work->farkas = dlsi_take(arena, (size_t)work->nc, sizeof *work->farkas);
 }
 
 static dls_status auto_create(void **out, int d, int nc, const dlsi_options *options,
@@ -489,10 +581,12 @@ static dls_status auto_create(void **out, int d, int nc, const dlsi_options *opt
     const int m = d * nc, large = m > other_unknowns;
     if (k == SPLITTING && m < split_unknowns) continue;
     if (k == PIVOTING && !may_pivot(work)) continue;
-    if (k == HOMOTOPY && m > path_unknowns) continue;
+    if ((k == HOMOTOPY || k == SCATTER) && m > path_unknowns) continue;
     if ((k == OTHER_SWEEPS || k == OTHER_SPLITTING) && large) continue;
     status = create_part(work, k, error);
   }
+  if (!status && !options->lazy && d * nc <= path_unknowns) /* (AT11) is dense */
+    status = dlsi_room_dense(&work->room, (size_t)(d * nc), error);
   if (status)
     auto_destroy(work);
   else

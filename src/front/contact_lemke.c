@@ -14,8 +14,12 @@
  *          W goes by a division of W and q by a power of two near w, which changes no r. So a W in
  *          another unit, by a power of two, leads to the LCP with the same bits.
  *
- * The certificate decides. In 3D the LCP proves nothing of the problem: the round cone holds more
- * than the one with facets.
+ *   (CL5)  after (CL2) without an answer: the linear problem of farkas.c. Its ray is a Farkas vector,
+ *          proof or not by the rule of (CL3), in 3D too; its solution may show that no r can be
+ *          certified
+ *
+ * The certificate decides. In 3D the LCP of (CL1) proves nothing of the problem: the round cone
+ * holds more than the one with facets.
  */
 #include <math.h>
 #include <stdint.h>
@@ -30,6 +34,7 @@
 #include "vi/vi_internal.h"
 
 enum {
+  linear_form = -1, /* of an LCP: (CL5) */
   default_facets = 8,
   most_fallback_rows = 4000, /* d = 2: of a 4-row form that create still has room for */
   polish_sweeps = 30,
@@ -55,10 +60,11 @@ typedef struct contact_lemke {
 
   /* of the solve under way, or the last one */
   const dls_contact *problem;
-  int form;    /* facets of the LCP that Lemke's method solves; 0: the 3-row form */
-  int has_v;   /* 1: v is a Farkas vector, at least but for rounding */
-  int has_ray; /* 1: the solve ended in DLS_RAY, along dr */
-  int pivots;  /* of the LCPs before the one under way */
+  int form;     /* facets of the LCP that Lemke's method solves; 0: the 3-row form; linear_form */
+  int has_v;    /* 1: v is a Farkas vector, at least but for rounding */
+  int has_ray;  /* 1: the solve ended in DLS_RAY, along dr */
+  int excludes; /* 1: (CL5) shows that no r can be certified */
+  int pivots;   /* of the LCPs before the one under way */
 } contact_lemke;
 
 static void contact_lemke_carve(void *lemke, dlsi_arena *arena) {
@@ -121,10 +127,11 @@ static dls_status contact_lemke_create(void **out, int d, int nc, const dlsi_opt
 static int contact_lemke_judge(void *lemke, double *farkas, double *scratch) {
   contact_lemke *work = lemke;
   const dls_contact *problem = work->problem;
-  if (problem->d != 2) return 1;
+  const int rows = work->form == linear_form ? 1 : work->form ? work->form + 2 : 3;
+  if (problem->d != 2 && work->form != linear_form) return 1;
   for (int c = 0, i = 0; c < problem->nc; c++) {
     work->v[c] = work->s[c] * farkas[i];
-    i += !(problem->mu[c] > 0) ? 1 : work->form ? work->form + 2 : 3;
+    i += problem->mu[c] > 0 ? rows : 1;
   }
   work->has_v = 1;
   return dlsi_contact_find_proof(problem, work->v, scratch);
@@ -247,6 +254,36 @@ static dls_status polish(contact_lemke *work, const dls_contact *problem, dls_er
   return DLS_OK;
 }
 
+/* (CL5) Returns DLS_NO_SOLUTION with a proof, DLS_RAY with a vector that is one but for rounding,
+ * DLS_TIME_LIMIT, an error, else `status`. */
+static dls_status pivot_linear(contact_lemke *work, const dls_contact *problem, dls_status status,
+                               int *pivots, dls_error *error) {
+  const int n = dlsi_farkas_size(problem);
+  const dls_lcp lcp = {n, {n, n, n, work->M}, work->q};
+  dls_lemke_info info;
+  if (n > work->n) return status;
+  work->form = linear_form;
+  dlsi_farkas_lcp(problem, work->s, work->unit, work->M, work->q, work->z);
+  memset(work->z, 0, (size_t)n * sizeof *work->z);
+  dls_limits limits = work->limits;
+  limits.progress = NULL; /* the unknowns of this LCP are no reactions */
+  limits.cpu_seconds = dlsi_clock_left(&work->limits, work->it.begun);
+  dlsi_lemke_set_limits(work->lemke, &limits);
+  const dls_status ended = dlsi_lemke_run(work->lemke, &lcp, work->z, NULL, &info);
+  if (ended < 0) return ended;
+  *pivots += info.pivots + info.crash_rounds;
+  if (ended == DLS_NO_SOLUTION || is_stopped(ended)) return ended;
+  if (ended == DLS_RAY) { /* may not pass for Farkas' */
+    const dls_status ray = dls_lemke_ray(work->lemke, NULL, NULL, work->z, NULL, NULL, error);
+    if (ray) return ray;
+  }
+  for (int c = 0; c < problem->nc; c++)
+    work->z[c] *= work->s[c]; /* v of (FA1) */
+  const double *v = work->has_v ? work->v : work->z;
+  work->excludes = dlsi_farkas_excludes(problem, work->it.w, v, work->limits.tol);
+  return work->has_v ? DLS_RAY : status;
+}
+
 static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, double *r, double *u,
                                       dls_info *info, dls_error *error) {
   contact_lemke *work = lemke;
@@ -255,7 +292,7 @@ static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, d
   const int flat = problem->d == 2, warm = work->limits.warm_start;
   dls_info outcome = {.method = DLS_LEMKE};
   work->problem = problem;
-  work->has_v = work->has_ray = 0;
+  work->has_v = work->has_ray = work->excludes = 0;
   dlsi_lemke_set_judge(work->lemke, contact_lemke_judge, work);
   dlsi_iterate_begin(it, problem, NULL, work->limits.tol, warm, r, work->r);
   (void)dlsi_iterate_offer(it, problem, work->r);
@@ -277,11 +314,14 @@ static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, d
     if (polished < 0) return polished;
     if (polished) status = polished;
   }
+  work->has_ray = status == DLS_RAY;
+  if (status == DLS_OK) status = DLS_STALLED;
   if (dls_certificate_holds(&it->certificate, work->limits.tol))
     status = DLS_OK;
-  else if (status == DLS_OK)
-    status = DLS_STALLED;
-  work->has_ray = status == DLS_RAY;
+  else if (status == DLS_RAY || status == DLS_STALLED)
+    status = pivot_linear(work, problem, status, pivots, error);
+  if (status < 0) return status;
+  work->has_ray &= status == DLS_RAY;
   work->has_v &= work->has_ray || status == DLS_NO_SOLUTION;
   return dlsi_iterate_end(it, problem, status, &outcome, r, u, info);
 }
@@ -294,6 +334,10 @@ static const double *contact_lemke_direction(const void *lemke) {
 static const double *contact_lemke_farkas(const void *lemke) {
   const contact_lemke *work = lemke;
   return work->has_v ? work->v : NULL;
+}
+
+int dlsi_contact_lemke_excludes(const void *lemke) {
+  return ((const contact_lemke *)lemke)->excludes;
 }
 
 const dlsi_method dlsi_lemke_method = {

@@ -2,6 +2,8 @@
 #ifndef DLSI_FRONT_H
 #define DLSI_FRONT_H
 
+#include <stdint.h>
+
 #include "base/method.h"
 #include "delassus/solve.h"
 
@@ -10,12 +12,43 @@ const dlsi_method *dlsi_method_of(dls_method method);
 
 /* The methods that auto is made of; vi/ and contact_lemke.c. */
 extern const dlsi_method dlsi_nlgs_method, dlsi_newton_method, dlsi_admm_method,
-    dlsi_augmented_method, dlsi_lemke_method, dlsi_homotopy_method;
+    dlsi_augmented_method, dlsi_lemke_method, dlsi_homotopy_method, dlsi_scatter_method;
 
 /* Returns 1 if r, u (or NULL), info (or NULL) hold the certified answer of a problem whose
  * candidates are free or stand alone (alone.c), else 0, and they are untouched. From r = 0,
  * without a workspace. */
 int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *u, dls_info *info);
+
+/* farkas.c: the linear problem that every solution solves, as an LCP in z = (v, x), (FA2), with the
+ * scales s (nc) and the unit of (CL4). M: n x n, q: n, column: scratch, m. */
+int dlsi_farkas_size(const dls_contact *problem);
+void dlsi_farkas_lcp(const dls_contact *problem, const double *s, double unit, double *M, double *q,
+                     double *column);
+
+/* Returns 1 if v >= 0 (nc) shows that the certificate of no r can hold, (FA3). w: weights of the
+ * certificate. */
+int dlsi_farkas_excludes(const dls_contact *problem, const double *w, const double *v, double tol);
+
+/* Returns 1 if the last solve in this workspace of dlsi_lemke_method has shown that no r can be
+ * certified. */
+int dlsi_contact_lemke_excludes(const void *lemke);
+
+/* A copy of a problem in an order and in units of its own (renumber.c). */
+typedef struct dlsi_renumber {
+  dls_contact problem;  /* the copy, W dense */
+  double *W, *q, *mu;   /* its arrays: m x m, m, nc */
+  int *from;            /* its candidate c is from[c] of the problem; 3 nc, the rest scratch */
+  int power_W, power_q; /* W and q of the problem are 2 to these powers times those of the copy */
+  double *key[3];       /* scratch, nc each */
+  uint64_t *code;       /* scratch, 2 nc */
+} dlsi_renumber;
+
+void dlsi_renumber_carve(dlsi_renumber *copy, dlsi_arena *arena, int d, int nc);
+void dlsi_renumber_set(dlsi_renumber *copy, const dls_contact *problem);
+
+/* back := x, `entries` numbers per candidate, in the order of the problem, times 2^power. */
+void dlsi_renumber_back(const dlsi_renumber *copy, int entries, int power, const double *x,
+                        double *back);
 
 /* Candidates of the largest problem for dlsi_contact_find_states. */
 enum { dlsi_most_states = 8 };

@@ -153,7 +153,7 @@ const double *dls_solver_direction(const dls_solver *solver) {
 
 const double *dls_solver_farkas(const dls_solver *solver) {
   if (!solver || !solver->method->farkas) return NULL;
-  if (solver->status != DLS_NO_SOLUTION && solver->status != DLS_RAY) return NULL;
+  if (solver->status <= 0) return NULL;
   return solver->method->farkas(solver->work);
 }
 

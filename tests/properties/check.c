@@ -77,8 +77,9 @@ static rule judge_alone(const problem *p, const run *how, const outcome *o) {
   if (o->status == DLS_OK && !how->rows && !is_within(&o->is, how->tol, 0)) return NOT_HELD;
   if (o->status == DLS_OK && !how->rows && !is_within(&o->is, how->tol, 1)) return NOT_HELD_R;
   const int gave_up = o->status == DLS_STALLED || o->status == DLS_NO_SOLUTION_LIKELY;
-  const int held = how->rows ? o->lcp_holds : o->holds || o->residual == 0;
+  const int held = how->rows ? o->lcp_holds : o->holds;
   if (gave_up && held) return UNSEEN;
+  if (o->status == DLS_NO_SOLUTION_LIKELY && o->residual == 0) return UNSEEN;
   return KEPT;
 }
 

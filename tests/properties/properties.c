@@ -1,9 +1,9 @@
 /*
  * properties.c: random problems whose answer is known, solved in many ways, and counted.
  *
- *   properties [--seed N] [--count N] [--class NAME] [--seconds S] [--tol T] [--out DIR]
+ *   properties [--seed N] [--step K] [--count N] [--class NAME] [--seconds S] [--tol T] [--out DIR]
  *
- * Problem i has the seed N + i, and of the classes the one that the seed falls on. Exit 0: every
+ * Problem i has the seed N + i K, and of the classes the one that the seed falls on. Exit 0: every
  * rule kept; 1: some rule broken; 2: the command line, or a file that cannot be written.
  */
 #define _POSIX_C_SOURCE 200809L /* mkdir, clock_gettime */
@@ -39,7 +39,7 @@ typedef struct tally {
 } tally;
 
 typedef struct command {
-  uint64_t seed;
+  uint64_t seed, step;
   long count;
   int class; /* -1: all in turn */
   double seconds;
@@ -48,8 +48,8 @@ typedef struct command {
 } command;
 
 static int print_usage(void) {
-  fprintf(stderr, "properties [--seed N] [--count N] [--class NAME] [--seconds S] [--tol T] "
-                  "[--out DIR]\nclasses:");
+  fprintf(stderr, "properties [--seed N] [--step K] [--count N] [--class NAME] [--seconds S] "
+                  "[--tol T] [--out DIR]\nclasses:");
   for (int k = 0; k < CLASSES; k++)
     fprintf(stderr, " %s", class_name[k]);
   fprintf(stderr, "\n");
@@ -65,6 +65,8 @@ static int read_command(int count, char **words, command *to) {
     char *end = "";
     if (!strcmp(key, "--seed"))
       to->seed = strtoull(text, &end, 10);
+    else if (!strcmp(key, "--step"))
+      to->step = strtoull(text, &end, 10);
     else if (!strcmp(key, "--count"))
       to->count = strtol(text, &end, 10);
     else if (!strcmp(key, "--seconds"))
@@ -198,7 +200,8 @@ int main(int count, char **words) {
   static long saved[RULES];
   static problem p, small;
   static verdict v;
-  command of = {.seed = 1, .count = 2000, .class = -1, .ask = {1e-8}, .out = "build/properties"};
+  command of = {
+      .seed = 1, .step = 1, .count = 2000, .class = -1, .ask = {1e-8}, .out = "build/properties"};
   of.seconds = INFINITY;
   if (!read_command(count, words, &of)) return 2;
   if (mkdir(of.out, 0777) && errno != EEXIST) {
@@ -210,7 +213,7 @@ int main(int count, char **words) {
   long runs = 0;
   int written = 1;
   for (long i = 0; i < of.count && wall_clock() - start < of.seconds; i++) {
-    const uint64_t seed = of.seed + (uint64_t)i;
+    const uint64_t seed = of.seed + of.step * (uint64_t)i;
     const int class = of.class < 0 ? (int)(seed % CLASSES) : of.class;
     generate(class, seed, &p);
     check_problem(&p, seed, &of.ask, &v);

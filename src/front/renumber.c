@@ -1,0 +1,176 @@
+/*
+ * renumber.c: a copy of a small contact problem in an order and in units that follow from its data
+ * (AT11).
+ *
+ * Stages that succeed by luck depend on the order of the candidates through rounding and ties, and
+ * on the unit of W through square roots. On this copy they do the same, to the bit, however the
+ * candidates are numbered and whatever powers of two W and q are multiplied by.
+ *
+ *   (RN1)  W and q over the powers of two below their largest entries; W dense
+ *   (RN2)  a code of 64 bits per candidate: of the bits of q_c, mu_c, W_cc; then, as often as the
+ *          number of different codes grows, of the code before and the sum over the others of codes
+ *          of (code of a, W_ca, W_ac), which does not depend on their order
+ *   (RN3)  while some codes are equal, the first of the smallest such code gets one of its own, and
+ *          (RN2) goes on. What is left to the given order so is which of the candidates comes first
+ *          that the whole problem does not tell apart
+ *   (RN4)  by code, then by the order of vi/order.c, which follows the mechanics
+ *
+ * Source: colour refinement, Weisfeiler and Leman, Nauchno-Technicheskaya Informatsiya 2 (9), 1968,
+ * 12-16. Cost: nc^2 d^2 per round; as a rule two rounds.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "front/front.h"
+#include "vi/vi_internal.h"
+
+void dlsi_renumber_carve(dlsi_renumber *copy, dlsi_arena *arena, int d, int nc) {
+  const size_t n = (size_t)nc, m = (size_t)d * n, D = sizeof(double);
+  copy->W = dlsi_take(arena, m, m * D);
+  copy->q = dlsi_take(arena, m, D);
+  copy->mu = dlsi_take(arena, n, D);
+  for (int k = 0; k < 3; k++)
+    copy->key[k] = dlsi_take(arena, n, D);
+  copy->code = dlsi_take(arena, 2 * n, sizeof *copy->code);
+  copy->from = dlsi_take(arena, 3 * n, sizeof *copy->from);
+}
+
+/* Mixes the bits of x into the code h (the finalizer of splitmix64, Steele and others, 2014). */
+static uint64_t code_mix(uint64_t h, uint64_t x) {
+  h = (h ^ x) + 0x9e3779b97f4a7c15u;
+  h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
+  h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
+  return h ^ (h >> 31);
+}
+
+/* Mixes a number into h, 0 and -0 alike. */
+static uint64_t code_add(uint64_t h, double x) {
+  uint64_t bits;
+  x += 0;
+  memcpy(&bits, &x, sizeof bits);
+  return code_mix(h, bits);
+}
+
+/* Mixes block W_ca of the dense W. */
+static uint64_t code_block(uint64_t h, const dls_contact *p, int c, int a) {
+  for (int j = 0; j < p->d; j++)
+    for (int i = 0; i < p->d; i++)
+      h = code_add(h, p->W.a[(size_t)(p->d * c + i) + (size_t)(p->d * a + j) * (size_t)p->W.ld]);
+  return h;
+}
+
+static void code_begin(const dls_contact *p, uint64_t *code) {
+  for (int c = 0; c < p->nc; c++) {
+    code[c] = code_add(0, p->mu[c]);
+    for (int i = 0; i < p->d; i++)
+      code[c] = code_add(code[c], p->q[p->d * c + i]);
+    code[c] = code_block(code[c], p, c, c);
+  }
+}
+
+/* Takes one round of (RN2). next: scratch, nc. */
+static void code_refine(const dls_contact *p, uint64_t *code, uint64_t *next) {
+  for (int c = 0; c < p->nc; c++) {
+    uint64_t sum = 0;
+    for (int a = 0; a < p->nc; a++)
+      if (a != c) sum += code_block(code_block(code_mix(0, code[a]), p, c, a), p, a, c);
+    next[c] = code_mix(code[c], sum);
+  }
+  memcpy(code, next, (size_t)p->nc * sizeof *code);
+}
+
+/* Sorts order (nc) by code, and returns the number of different codes. */
+static int code_sort(int nc, const uint64_t *code, int *order) {
+  int different = nc > 0;
+  for (int k = 1; k < nc; k++) { /* nc is at most some hundred, and mostly sorted already */
+    const int c = order[k];
+    int j = k;
+    for (; j > 0 && code[order[j - 1]] > code[c]; j--)
+      order[j] = order[j - 1];
+    order[j] = c;
+  }
+  for (int k = 1; k < nc; k++)
+    different += code[order[k]] != code[order[k - 1]];
+  return different;
+}
+
+/* (RN2), (RN3); order (nc): in the order of the problem at first. */
+static void code_order(const dls_contact *p, uint64_t *code, int *order) {
+  code_begin(p, code);
+  for (int different = code_sort(p->nc, code, order); different < p->nc;) {
+    code_refine(p, code, code + p->nc);
+    const int now = code_sort(p->nc, code, order);
+    for (int k = 1; now == different && k < p->nc; k++) {
+      if (code[order[k]] != code[order[k - 1]]) continue;
+      code[order[k - 1]] = code_mix(code[order[k]], 1);
+      break;
+    }
+    different = now == different ? code_sort(p->nc, code, order) : now;
+  }
+}
+
+/* Returns the power of two that the largest of n numbers is over one by. */
+static int unit_of(double largest) {
+  return largest > 0 && isfinite(largest) ? ilogb(largest) : 0;
+}
+
+/* Fills W, q, mu from the problem, candidate c := from[c], over powers of two. */
+static void renumber_fill(dlsi_renumber *copy, const dls_contact *problem) {
+  const int d = problem->d, nc = problem->nc, m = d * nc;
+  int *place = copy->from + 2 * nc;
+  for (int c = 0; c < nc; c++)
+    place[copy->from[c]] = c;
+  memset(copy->W, 0, (size_t)m * (size_t)m * sizeof *copy->W);
+  for (int c = 0; c < nc; c++) {
+    const dlsi_block_column W = dlsi_contact_column(problem, (size_t)copy->from[c]);
+    for (size_t k = W.begin; k < W.end; k++) {
+      const double *block = W.x + k * W.step;
+      double *to = copy->W + d * place[dlsi_row(&W, k)] + (size_t)(d * c) * (size_t)m;
+      for (int j = 0; j < d; j++)
+        for (int i = 0; i < d; i++)
+          to[i + j * m] += ldexp(block[(size_t)i + (size_t)j * W.ld], -copy->power_W);
+    }
+    copy->mu[c] = problem->mu[copy->from[c]];
+    for (int i = 0; i < d; i++)
+      copy->q[d * c + i] = ldexp(problem->q[d * copy->from[c] + i], -copy->power_q);
+  }
+}
+
+static double largest_of_W(const dls_contact *problem) {
+  double largest = 0;
+  for (int c = 0; c < problem->nc; c++) {
+    const dlsi_block_column W = dlsi_contact_column(problem, (size_t)c);
+    for (size_t k = W.begin; k < W.end; k++)
+      for (int j = 0; j < problem->d; j++)
+        largest =
+            fmax(largest, dlsi_max_abs(W.x + k * W.step + (size_t)j * W.ld, (size_t)problem->d));
+  }
+  return largest;
+}
+
+void dlsi_renumber_set(dlsi_renumber *copy, const dls_contact *problem) {
+  const int nc = problem->nc, m = problem->d * nc;
+  int *given = copy->from, *order = copy->from + nc, *scratch = copy->from + 2 * nc;
+  copy->power_W = unit_of(largest_of_W(problem));
+  copy->power_q = unit_of(dlsi_max_abs(problem->q, (size_t)m));
+  copy->problem = (dls_contact){
+      .d = problem->d, .nc = nc, .W = {m, m, m, copy->W}, .q = copy->q, .mu = copy->mu};
+  for (int c = 0; c < nc; c++)
+    given[c] = order[c] = c;
+  renumber_fill(copy, problem);
+  code_order(&copy->problem, copy->code, order);
+  memcpy(given, order, (size_t)nc * sizeof *given);
+  renumber_fill(copy, problem);
+  dlsi_order_candidates(&copy->problem, copy->key, scratch, order);
+  for (int c = 0; c < nc; c++)
+    scratch[c] = given[order[c]];
+  memcpy(given, scratch, (size_t)nc * sizeof *given);
+  renumber_fill(copy, problem);
+}
+
+void dlsi_renumber_back(const dlsi_renumber *copy, int entries, int power, const double *x,
+                        double *back) {
+  for (int c = 0; c < copy->problem.nc; c++)
+    for (int i = 0; i < entries; i++)
+      back[entries * copy->from[c] + i] = ldexp(x[entries * c + i], power);
+}
