@@ -231,6 +231,31 @@ START_TEST(stopped_early) {
 }
 END_TEST
 
+/* Without candidates every problem is solved, in a workspace for none or for more, from a start or
+ * from nothing; the callback is called once, and there is nothing left for it to cancel. */
+START_TEST(no_candidates) {
+  const tested_solver s = door(_i / 8);
+  const int d = 2 + _i % 2, room = _i / 2 % 2 ? 3 : 0, warm = _i / 4 % 2;
+  any_settings settings = settings_for(&s, 1e-8, warm);
+  watch w = {NULL, 0, INFINITY, 0, 1};
+  s.limits(&settings)->progress = look;
+  s.limits(&settings)->progress_data = &w;
+  void *work;
+  ck_assert_int_eq(s.create(&work, d, room, &settings, NULL), DLS_OK);
+  const dls_contact p = {.d = d};
+  dls_info info;
+  for (int turn = 1; turn <= 2; turn++) {
+    memset(&info, 0x55, sizeof info);
+    ck_assert_int_eq(s.solve(work, &p, NULL, NULL, turn == 2 ? &info : NULL, NULL), DLS_OK);
+    ck_assert_int_eq(w.calls, turn);
+  }
+  ck_assert(w.least == 0 && info.status == DLS_OK && info.method == s.method);
+  ck_assert(info.iterations == 0 && info.stages == 0 && info.certificate.residual == 0);
+  ck_assert(dls_certificate_holds(&info.certificate, 0));
+  s.destroy(work);
+}
+END_TEST
+
 /* ---- memory ---------------------------------------------------------------------------------- */
 
 /* Doubles of a workspace for a dense W, the terms of m^2. Lemke's method has the LCP and its table,
@@ -294,6 +319,7 @@ int main(void) {
              EACH(start_that_overflows, 0, doors), EACH(random_problem, 0, doors * 40),
              EACH(units, 0, doors * 12), EACH(turned_tangents, 0, doors * 10),
              EACH(tolerance_zero, 0, doors * 20), EACH(smaller_problem, 0, doors),
-             EACH(stopped_early, 0, doors * 3), EACH(memory, 0, doors), EACH(bad_create, 0, doors),
-             EACH(bad_solve, 0, doors), ONCE(defaults_without_a_place));
+             EACH(stopped_early, 0, doors * 3), EACH(no_candidates, 0, doors * 8),
+             EACH(memory, 0, doors), EACH(bad_create, 0, doors), EACH(bad_solve, 0, doors),
+             ONCE(defaults_without_a_place));
 }
