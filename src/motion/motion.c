@@ -2,7 +2,7 @@
  * motion.c: makes a motion, starts it, changes its step, shows it. step.c has the scheme.
  *
  * Memory: that of the reduction of A and of the solver; (d nc)^2 doubles for W of the active
- * candidates in the velocity form; O(n + nnz). Fails: settings or sizes that do not fit, a singular
+ * candidates; O(n + nnz). Fails: settings or sizes that do not fit, a singular
  * A, no memory.
  */
 #include <float.h>
@@ -71,7 +71,7 @@ static dls_status motion_check_model(const dls_motion_model *model, int path, dl
   dls_status status = dlsi_check_dimension("d", model->d, error);
   if (!status && model->n < 1)
     status = dlsi_fail(error, DLS_E_SIZE, "n", -1, model->n, "is %d", model->n);
-  if (!status && model->nodes < 1)
+  if (!status && model->nodes < 0)
     status = dlsi_fail(error, DLS_E_SIZE, "nodes", -1, model->nodes, "is %d", model->nodes);
   if (!status) status = motion_check_matrix("M", &model->M, model->n, path ? -1 : 1, error);
   if (!status) status = motion_check_matrix("C", &model->C, model->n, path ? -1 : 0, error);
@@ -99,23 +99,20 @@ static void motion_carve_point(const dls_motion *motion, motion_point *point, dl
 static void motion_carve(dls_motion *motion, dlsi_arena *arena) {
   const size_t n = motion->n, m = motion->m, nc = motion->candidates;
   const size_t local = (size_t)motion->model.d * motion->nodes;
-  const int some = motion->settings.law == DLS_MOTION_VELOCITY; /* not all are active */
   motion_carve_point(motion, &motion->now, arena);
   motion_carve_point(motion, &motion->next, arena);
   double **const of_n[] = {&motion->b,  &motion->z,    &motion->dx,  &motion->sum,
                            &motion->yn, &motion->yabs, &motion->ways};
   for (size_t k = 0; k < sizeof of_n / sizeof of_n[0]; k++)
     *of_n[k] = dlsi_take(arena, n, sizeof **of_n[k]);
-  double **const of_m[] = {&motion->uc, &motion->mc, &motion->r, &motion->w, &motion->q};
+  double **const of_m[] = {&motion->uc, &motion->mc, &motion->r, &motion->w};
   for (size_t k = 0; k < sizeof of_m / sizeof of_m[0]; k++)
     *of_m[k] = dlsi_take(arena, m, sizeof **of_m[k]);
   motion->gap0 = dlsi_take(arena, motion->nodes, sizeof *motion->gap0);
   motion->local = dlsi_take(arena, local, sizeof *motion->local);
   motion->place = dlsi_take(arena, local, sizeof *motion->place);
   motion->zero = dlsi_take(arena, local > nc ? local : nc, sizeof *motion->zero);
-  motion->mu = dlsi_take(arena, nc, sizeof *motion->mu);
-  motion->held = dlsi_take(arena, nc, sizeof *motion->held);
-  motion->W = dlsi_take(arena, some ? m : 0, m * sizeof *motion->W);
+  motion->values = dlsi_take(arena, m + 2, m * sizeof *motion->values); /* m^2 + (d + 1) nc */
 }
 
 static dls_status motion_allocate(dls_motion *motion, dls_error *error) {
@@ -130,7 +127,6 @@ static dls_status motion_allocate(dls_motion *motion, dls_error *error) {
          (local > motion->candidates ? local : motion->candidates) * sizeof *motion->zero);
   for (size_t k = 0; k < motion->nodes; k++)
     motion->gap0[k] = motion->model.gap ? motion->model.gap[k] : 0;
-  motion->gathered = -1;
   return DLS_OK;
 }
 
@@ -279,7 +275,6 @@ static dls_status motion_set_h(dls_motion *motion, double h, dls_error *error) {
   if (motion->settings.law != DLS_MOTION_PATH) {
     dlsi_motion_form(motion, h);
     const dls_model model = motion_reduced_model(motion);
-    motion->gathered = -1;
     status = dls_reduction_update(motion->reduction, &model, error);
     if (status) {
       motion_name_A(motion, error);
