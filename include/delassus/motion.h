@@ -146,7 +146,8 @@ typedef struct dls_motion_energies {
   double numerical;        /* (1/2 - theta)(|dv|_M^2 + |dx|_K^2); on a path -|dx|_K^2 / 2 */
   /* |left - right| of the identity in the last step, and what is rounded in it: the largest so far
    * of (|v|.|M||v| + |x|.|K||x|) / 2 and of |v_th|.s, where s = |M||dv| + h |f| + h |C||v_th| +
-   * h |K||x_th| + |H||p|, x_th as v_th; on a path of |dx|.(|f| + |K||x+| + |H||r|) */
+   * h |K||x_th| + |H||p|, x_th as v_th (on a path of |dx|.(|f| + |K||x+| + |H||r|)), with what the
+   * obstacle and friction do */
   double residual, scale; /*                                                   work */
   /* max_i |M dv - h (f - C v_th - K x_th) - H p|_i / max_i s_i of the last step   1 */
   double momentum;

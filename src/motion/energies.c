@@ -146,6 +146,7 @@ void dlsi_motion_account(dls_motion *motion, const double *f, const double *y, c
   const double sum =
       work.load + work.damping + work.obstacle + work.friction + work.impact + work.numerical;
   e->residual = fabs((e->kinetic - before->kinetic) + (e->elastic - before->elastic) - sum);
-  /* z, sum: the way and the terms of the momentum */
-  energies_enlarge(&e->scale, energies_size(motion->z, motion->sum, motion->n) / way);
+  /* z, sum: the way and the terms of the momentum; what passes from the obstacle to friction */
+  const double size = energies_size(motion->z, motion->sum, motion->n) / way;
+  energies_enlarge(&e->scale, size + fabs(work.obstacle) + fabs(work.friction));
 }

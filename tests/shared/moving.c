@@ -26,6 +26,12 @@ void moving_add(moving_matrix *A, int i, int j, double x) {
   A->x[k] = x;
 }
 
+void moving_add_dense(moving_matrix *A, int n, const double *dense) {
+  for (int j = 0; j < n; j++)
+    for (int i = j; i < n; i++)
+      if (i == j || dense[i + j * n] != 0) moving_add(A, i, j, dense[i + j * n]);
+}
+
 void moving_touch(moving_parts *parts, int i, int j, double gap) {
   const int c = parts->nodes++;
   moving_reach(&parts->HN, c);

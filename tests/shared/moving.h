@@ -32,9 +32,12 @@ void moving_touch(moving_parts *parts, int i, int j, double gap);
 /* Adds a rigid body of the plane, the next one. */
 void moving_body(moving_parts *parts, int b, double x, double y, double mass, double inertia);
 
-/* Adds a contact node between the bodies a and b (b < 0: the obstacle) at the point X; the normal of
- * angle `angle` points to a, the tangent is the normal turned by -90 degrees. */
+/* Adds a contact node between the bodies a and b (b < 0: the obstacle) at the point X; the normal
+ * of angle `angle` points to a, the tangent is the normal turned by -90 degrees. */
 void moving_joint(moving_parts *parts, int a, int b, const double *X, double angle, double gap);
+
+/* Adds the lower triangle of a dense matrix (n x n, leading dimension n), without its zeros. */
+void moving_add_dense(moving_matrix *A, int n, const double *dense);
 
 /* The model, d = 2, DLS_CHOLESKY. Matrices without a column are left out. */
 dls_motion_model moving_model(moving_parts *parts);
