@@ -56,26 +56,48 @@ static dls_status motion_check_settings(const dls_motion_settings *s, dls_error 
   return DLS_OK;
 }
 
-/* Checks a matrix that a law must have (1), may have (0) or must not have (-1). */
-static dls_status motion_check_matrix(const char *name, const dls_sparse *A, int n, int wanted,
-                                      dls_error *error) {
+/* Gives the matrix of the model of a reduction, its Ks, the name that the caller knows. */
+static dls_status motion_name(dls_status status, const char *name, dls_error *error) {
+  if (!status || !error || strcmp(error->argument, "Ks") != 0) return status;
+  char text[sizeof error->message];
+  const char *after = strstr(error->message, "Ks");
+  (void)snprintf(text, sizeof text, "%s%s", name, after ? after + 2 : "");
+  memcpy(error->message, text, sizeof text);
+  error->argument = name;
+  error->function = "";
+  return status;
+}
+
+/* Tells a reduction of the bodies, with the matrix Ks. */
+static dls_model motion_reduced_model(const dls_motion_model *model, dls_sparse Ks) {
+  return (dls_model){.d = model->d,
+                     .n = model->n,
+                     .nodes = model->nodes,
+                     .operator_kind = DLS_STIFFNESS_SPARSE,
+                     .factorization = model->factorization,
+                     .Ks = Ks,
+                     .HN = model->HN,
+                     .HT = model->HT,
+                     .P = model->P};
+}
+
+/* Checks a matrix that a law must have (1), may have (0) or must not have (-1), and the rest of the
+ * model with it. */
+static dls_status motion_check_matrix(const char *name, const dls_motion_model *model,
+                                      const dls_sparse *A, int wanted, dls_error *error) {
   if (!A->p && wanted > 0) return dlsi_is_null(error, name);
   if (!A->p) return DLS_OK;
   if (wanted < 0)
     return dlsi_fail(error, DLS_E_ARGUMENT, name, -1, 0, "is given, but a path has none");
-  return dlsi_check_sparse(name, A, n, n, error);
+  const dls_model with = motion_reduced_model(model, *A);
+  return motion_name(dlsi_check_model(&with, error), name, error);
 }
 
 static dls_status motion_check_model(const dls_motion_model *model, int path, dls_error *error) {
   if (!model) return dlsi_is_null(error, "model");
-  dls_status status = dlsi_check_dimension("d", model->d, error);
-  if (!status && model->n < 1)
-    status = dlsi_fail(error, DLS_E_SIZE, "n", -1, model->n, "is %d", model->n);
-  if (!status && model->nodes < 0)
-    status = dlsi_fail(error, DLS_E_SIZE, "nodes", -1, model->nodes, "is %d", model->nodes);
-  if (!status) status = motion_check_matrix("M", &model->M, model->n, path ? -1 : 1, error);
-  if (!status) status = motion_check_matrix("C", &model->C, model->n, path ? -1 : 0, error);
-  if (!status) status = motion_check_matrix("K", &model->K, model->n, path ? 1 : 0, error);
+  dls_status status = motion_check_matrix("M", model, &model->M, path ? -1 : 1, error);
+  if (!status) status = motion_check_matrix("C", model, &model->C, path ? -1 : 0, error);
+  if (!status) status = motion_check_matrix("K", model, &model->K, path ? 1 : 0, error);
   if (status || !model->gap) return status;
   return dlsi_check_vector("gap", model->gap, (size_t)model->nodes, error);
 }
@@ -112,6 +134,7 @@ static void motion_carve(dls_motion *motion, dlsi_arena *arena) {
   motion->local = dlsi_take(arena, local, sizeof *motion->local);
   motion->place = dlsi_take(arena, local, sizeof *motion->place);
   motion->zero = dlsi_take(arena, local > nc ? local : nc, sizeof *motion->zero);
+  motion->weight = dlsi_take(arena, nc, sizeof *motion->weight);
   motion->values = dlsi_take(arena, m + 2, m * sizeof *motion->values); /* m^2 + (d + 1) nc */
 }
 
@@ -130,32 +153,6 @@ static dls_status motion_allocate(dls_motion *motion, dls_error *error) {
   return DLS_OK;
 }
 
-/* Gives the matrix of the reduction, its Ks, the name that the caller knows. */
-static void motion_name_A(const dls_motion *motion, dls_error *error) {
-  if (!error || strcmp(error->argument, "Ks") != 0) return;
-  char text[sizeof error->message];
-  const char *after = strstr(error->message, "Ks");
-  const char *name = motion->settings.law == DLS_MOTION_PATH ? "K" : "M";
-  (void)snprintf(text, sizeof text, "%s%s", name, after ? after + 2 : "");
-  memcpy(error->message, text, sizeof text);
-  error->argument = name;
-  error->function = "";
-}
-
-/* Tells the reduction of A. */
-static dls_model motion_reduced_model(const dls_motion *motion) {
-  const dls_motion_model *model = &motion->model;
-  return (dls_model){.d = model->d,
-                     .n = model->n,
-                     .nodes = model->nodes,
-                     .operator_kind = DLS_STIFFNESS_SPARSE,
-                     .factorization = model->factorization,
-                     .Ks = dlsi_columns_view(&motion->A),
-                     .HN = model->HN,
-                     .HT = model->HT,
-                     .P = model->P};
-}
-
 static dls_status motion_reduce(dls_motion *motion, dls_error *error) {
   dls_status status = dlsi_motion_lay(motion, error);
   if (status) return status;
@@ -163,12 +160,9 @@ static dls_status motion_reduce(dls_motion *motion, dls_error *error) {
   dls_reduction_settings settings;
   dls_reduction_settings_init(&settings);
   settings.stabilize = motion->settings.stabilize;
-  const dls_model model = motion_reduced_model(motion);
+  const dls_model model = motion_reduced_model(&motion->model, dlsi_columns_view(&motion->A));
   status = dls_reduction_create_with(&motion->reduction, &model, &settings, error);
-  if (status) {
-    motion_name_A(motion, error);
-    return status;
-  }
+  if (status) return motion_name(status, motion->model.M.p ? "M" : "K", error);
   dls_reduction_info info;
   status = dls_reduction_get_info(motion->reduction, &info, error);
   if (status) return status;
@@ -201,8 +195,8 @@ static dls_status motion_create(dls_motion **out, const dls_motion_model *model,
   motion->nodes = (size_t)model->nodes;
   motion->candidates = (size_t)(model->P.p ? model->P.cols : model->nodes);
   motion->m = (size_t)model->d * motion->candidates;
-  status = motion_reduce(motion, error); /* checks H_N, H_T, P first of all */
-  if (!status) status = motion_prepare_solver(motion, error);
+  status = motion_prepare_solver(motion, error); /* checks the method */
+  if (!status) status = motion_reduce(motion, error);
   if (!status) status = motion_allocate(motion, error);
   if (!status) status = motion_start(motion, NULL, NULL, 0, error);
   if (status)
@@ -274,12 +268,9 @@ static dls_status motion_set_h(dls_motion *motion, double h, dls_error *error) {
   if (status) return status;
   if (motion->settings.law != DLS_MOTION_PATH) {
     dlsi_motion_form(motion, h);
-    const dls_model model = motion_reduced_model(motion);
+    const dls_model model = motion_reduced_model(&motion->model, dlsi_columns_view(&motion->A));
     status = dls_reduction_update(motion->reduction, &model, error);
-    if (status) {
-      motion_name_A(motion, error);
-      return status;
-    }
+    if (status) return motion_name(status, "M", error);
   }
   motion->settings.h = h;
   return DLS_OK;

@@ -45,6 +45,17 @@ static void step_activate(dls_motion *motion) {
       next->list[next->active++] = c;
 }
 
+/* Finds the states of the active candidates from motion->r and motion->w. */
+static void step_find_states(dls_motion *motion, dls_contact_state *state) {
+  const dls_contact *problem = &motion->problem;
+  const int d = problem->d;
+  double F[3];
+  if (problem->nc > 0) dlsi_contact_weights(problem, motion->weight);
+  for (int a = 0; a < problem->nc; a++)
+    state[a] = dlsi_contact_residual(d, problem->mu[a], motion->weight[a], motion->r + d * a,
+                                     motion->w + d * a, F);
+}
+
 /* Solves the problem of the active candidates from the impulses `start` (m) times factor; sets
  * next->p and the states. */
 static dls_status step_solve(dls_motion *motion, const double *start, double factor, dls_info *info,
@@ -55,9 +66,10 @@ static dls_status step_solve(dls_motion *motion, const double *start, double fac
   dls_contact_state *state = next->state; /* of the active ones first, then spread */
   for (size_t k = 0; k < d * (size_t)next->active; k++)
     motion->r[k] = factor * start[d * (size_t)next->list[k / d] + k % d];
-  dls_status status = dls_solver_solve(motion->solver, problem, motion->r, motion->w, info, error);
-  if (!status) status = dls_contact_states(problem, motion->r, motion->w, state, error);
+  const dls_status status =
+      dls_solver_solve(motion->solver, problem, motion->r, motion->w, info, error);
   if (status) return status;
+  step_find_states(motion, state);
   memset(next->p, 0, motion->m * sizeof *next->p);
   int a = next->active;
   for (int c = (int)motion->candidates - 1; c >= 0; c--) { /* from the end: list[a] >= a */
