@@ -170,10 +170,18 @@ static dls_status motion_reduce(dls_motion *motion, dls_error *error) {
   return DLS_OK;
 }
 
+/* Gives the limits of the solver. On a path of free bodies q holds the way of the springs, some 1e3
+ * times that of the bodies, to which the tolerance is meant. */
+static dls_limits motion_solver_limits(const dls_limits *limits, int stabilize) {
+  dls_limits own = *limits;
+  if (stabilize) own.tol *= 1e-3;
+  return own;
+}
+
 static dls_status motion_prepare_solver(dls_motion *motion, dls_error *error) {
   dls_solver_settings settings;
   dls_solver_settings_init(&settings);
-  settings.limits = motion->settings.limits;
+  settings.limits = motion_solver_limits(&motion->settings.limits, motion->settings.stabilize);
   settings.method = motion->settings.method;
   return dls_solver_create(&motion->solver, motion->model.d, (int)motion->candidates, &settings,
                            error);
@@ -280,9 +288,17 @@ dls_status dls_motion_set_h(dls_motion *motion, double h, dls_error *error) {
   return dlsi_at(__func__, motion_set_h(motion, h, error), error);
 }
 
+static dls_status motion_set_limits(dls_motion *motion, const dls_limits *limits,
+                                    dls_error *error) {
+  if (!motion || !limits) return dlsi_is_null(error, motion ? "limits" : "motion");
+  const dls_limits own = motion_solver_limits(limits, motion->settings.stabilize);
+  const dls_status status = dls_solver_set_limits(motion->solver, &own, error);
+  if (!status) motion->settings.limits = *limits;
+  return status;
+}
+
 dls_status dls_motion_set_limits(dls_motion *motion, const dls_limits *limits, dls_error *error) {
-  if (!motion) return dlsi_at(__func__, dlsi_is_null(error, "motion"), error);
-  return dlsi_at(__func__, dls_solver_set_limits(motion->solver, limits, error), error);
+  return dlsi_at(__func__, motion_set_limits(motion, limits, error), error);
 }
 
 /* ---- views ----------------------------------------------------------------------------------- */

@@ -66,8 +66,9 @@ static dls_status step_solve(dls_motion *motion, const double *start, double fac
   dls_contact_state *state = next->state; /* of the active ones first, then spread */
   for (size_t k = 0; k < d * (size_t)next->active; k++)
     motion->r[k] = factor * start[d * (size_t)next->list[k / d] + k % d];
-  const dls_status status =
-      dls_solver_solve(motion->solver, problem, motion->r, motion->w, info, error);
+  dls_status status = dls_solver_solve(motion->solver, problem, motion->r, motion->w, info, error);
+  if (status > 0 && dls_certificate_holds(&info->certificate, motion->settings.limits.tol))
+    status = info->status = DLS_OK; /* the solver was asked for more: motion_solver_limits */
   if (status) return status;
   step_find_states(motion, state);
   memset(next->p, 0, motion->m * sizeof *next->p);

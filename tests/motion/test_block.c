@@ -81,6 +81,97 @@ START_TEST(test_belt) {
 }
 END_TEST
 
+/* ---- two blocks ------------------------------------------------------------------------------ */
+
+enum { wide = 8, tall = 6, pair_line = wide + 1, pair_nodes = pair_line * (tall + 1) };
+enum { pair_n = 2 * pair_nodes - 2 * pair_line, whole_n = 2 * pair_line * 2 * tall };
+
+/* Adds K of a block of wide x tall elements per unit, without the unknowns of its first `fixed`
+ * nodes, at unknown `first`. */
+static void pair_add(int rows, int fixed, int first, moving_matrix *A) {
+  static double K[4 * pair_line * pair_line * (2 * tall + 1) * (2 * tall + 1)];
+  dls_fe_mesh mesh;
+  ck_assert_int_eq(dls_fe_mesh_block(&mesh, 1, 0.5 * rows / tall, wide, rows, NULL), DLS_OK);
+  const int n = 2 * mesh.nodes;
+  ck_assert_int_eq(dls_fe_stiffness(&mesh, 1, 0.3, K, n, NULL), DLS_OK);
+  for (int j = 2 * fixed; j < n; j++)
+    for (int i = j; i < n; i++)
+      if (K[i + j * n] != 0)
+        moving_add(A, first + i - 2 * fixed, first + j - 2 * fixed, K[i + j * n]);
+  dls_fe_mesh_free(&mesh);
+}
+
+/* Loads the last line of nodes: the pressure p, the shear t. f: n. */
+static void pair_load(double *f, int n, double p, double t) {
+  memset(f, 0, (size_t)n * sizeof *f);
+  for (int c = 0; c <= wide; c++) {
+    const double share = (c == 0 || c == wide ? 0.5 : 1) / wide;
+    f[n - 2 * pair_line + 2 * c] = t * share;
+    f[n - 2 * pair_line + 2 * c + 1] = -p * share;
+  }
+}
+
+/* An upper block that nothing but contact holds stands on a lower one, pressed and then sheared; all
+ * sticks: the answer is that of one block, to 1e-11, and the free body is in equilibrium to 1e-12. */
+START_TEST(test_two_blocks) {
+  enum { n = pair_n + 2 * pair_nodes };
+  moving_begin(&parts, n);
+  pair_add(tall, pair_line, 0, &parts.K);
+  pair_add(tall, 0, pair_n, &parts.K);
+  for (int c = 0; c < pair_line; c++) {
+    for (int k = 1; k >= 0; k--) {
+      moving_matrix *L = k ? &parts.HN : &parts.HT;
+      moving_add(L, pair_n - 2 * pair_line + 2 * c + k, c, -1);
+      moving_add(L, pair_n + 2 * c + k, c, 1);
+    }
+    parts.nodes++;
+  }
+  const dls_motion_model model = moving_model(&parts);
+  dls_motion_settings settings = moving_settings(DLS_MOTION_PATH, 1);
+  settings.stabilize = 1;
+  dls_motion *motion = moving_create(&model, &settings, NULL, NULL);
+
+  static moving_parts one;
+  moving_begin(&one, whole_n);
+  pair_add(2 * tall, pair_line, 0, &one.K);
+  moving_touch(&one, whole_n - 1, whole_n - 2, 1e3);
+  const dls_motion_model whole_model = moving_model(&one);
+  settings.stabilize = 0;
+  dls_motion *whole = moving_create(&whole_model, &settings, NULL, NULL);
+
+  static double f[n], F[whole_n];
+  double mu[pair_line];
+  for (int c = 0; c < pair_line; c++)
+    mu[c] = 2;
+  for (int k = 0; k < 4; k++) {
+    const double t = 5e-5 * k;
+    pair_load(f, n, 1e-3, t);
+    pair_load(F, whole_n, 1e-3, t);
+    const dls_motion_state s = moving_step(motion, f, NULL, mu);
+    const dls_motion_state w = moving_step(whole, F, NULL, NULL);
+    double error = 0, size = 0, up = -1e-3, back = t, turn = 0;
+    for (int i = 0; i < whole_n; i++) {
+      const int twice = i >= pair_n ? i + 2 * pair_line : i; /* the interface stands twice */
+      error = fmax(error, fabs(s.x[twice] - w.x[i]));
+      if (i >= pair_n - 2 * pair_line && i < pair_n)
+        error = fmax(error, fabs(s.x[i + 2 * pair_line] - w.x[i]));
+      size = fmax(size, fabs(w.x[i]));
+    }
+    for (int c = 0; c < pair_line; c++) {
+      up += s.p[2 * c];
+      back += s.p[2 * c + 1];
+      turn += s.p[2 * c] * (c - wide / 2) / wide;
+      if (k) ck_assert_int_eq(s.state[c], DLS_STICK);
+    }
+    turn -= 0.5 * t;
+    ck_assert_msg(error <= 1e-11 * size, "%d: %g of %g", k, error, size);
+    ck_assert_double_le(fmax(fabs(up), fmax(fabs(back), fabs(turn))), 1e-12 * 1e-3);
+  }
+  dls_motion_destroy(motion);
+  dls_motion_destroy(whole);
+}
+END_TEST
+
 int main(void) {
-  return RUN("block", NULL, NULL, EACH(test_belt, 0, 4));
+  return RUN("block", NULL, NULL, EACH(test_belt, 0, 4), ONCE(test_two_blocks));
 }
