@@ -24,7 +24,7 @@
 
 /* The stiffness of a spring over K_jj. Each turn of dls_reduction_balance shrinks the imbalance by
  * about this and the softness of the body; W is the worse conditioned for it (README.md). */
-static const double soft = 1e-4;
+static const double soft = 1e-3;
 
 enum { block = dlsi_most_modes + 4, times = 5 };
 

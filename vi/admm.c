@@ -430,6 +430,7 @@ dls_status dls_admm_solve(dls_admm *workspace, const dls_contact *problem, doubl
                           dls_info *info, dls_error *error) {
   dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
   if (status) return dlsi_at(__func__, status, error);
+  if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_ADMM, "admm", info)) return DLS_OK;
   status = admm_solve(workspace, problem, r, u, info, error);
   status = dlsi_iterate_tell_last(&workspace->it, "admm", status, r);
   return dlsi_at(__func__, status, error);

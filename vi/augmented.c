@@ -292,6 +292,9 @@ dls_status dls_augmented_solve(dls_augmented *workspace, const dls_contact *prob
                                double *u, dls_info *info, dls_error *error) {
   dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
   if (status) return dlsi_at(__func__, status, error);
+  if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_AUGMENTED_LAGRANGIAN,
+                    "augmented-lagrangian", info))
+    return DLS_OK;
   status = augmented_run(workspace, problem, r, u, info, error);
   status = dlsi_iterate_tell_last(&workspace->it, augmented_name(workspace), status, r);
   return dlsi_at(__func__, status, error);

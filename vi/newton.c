@@ -111,7 +111,7 @@ static dls_status newton_check(int d, int nc, const dls_newton_settings *s, dls_
   if (!status) status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 3, own, error);
   if (status) return status;
   const size_t m = (size_t)d * (size_t)nc;
-  if (!s->limits.blocks && m > SIZE_MAX / sizeof(double) / m)
+  if (!s->limits.blocks && m > 0 && m > SIZE_MAX / sizeof(double) / m)
     return dlsi_fail(error, DLS_E_SIZE, "nc", -1, nc, "is too large");
   return DLS_OK;
 }
@@ -553,6 +553,8 @@ dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, d
                             dls_info *info, dls_error *error) {
   dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
   if (status) return dlsi_at(__func__, status, error);
+  if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_NEWTON, "newton", info))
+    return DLS_OK;
   status = dlsi_newton_run(workspace, problem, NULL, r, u, info, error);
   status = dlsi_iterate_tell_last(&workspace->it, "newton", status, r);
   return dlsi_at(__func__, status, error);

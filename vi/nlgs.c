@@ -302,7 +302,8 @@ DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_
       const double x = v[1][k] - u[1][k], y = v[2][k] - u[2][k], t = sqrt(x * x + y * y);
       const double on = (n + mu[k] * t) / (1 + mu[k] * mu[k]), part = mu[k] * on / t;
       const int inside = t <= mu[k] * n, polar = mu[k] * t <= -n;
-      const double p = inside ? n : polar ? 0 : on, f = inside ? 1 : polar ? 0 : part;
+      /* polar first: mu = 0 has inside for any n where t = 0 */
+      const double p = polar ? 0 : inside ? n : on, f = polar ? 0 : inside ? 1 : part;
       const double F[3] = {v[0][k] - p, v[1][k] - f * x, v[2][k] - f * y};
       F2[k] = F[0] * F[0] + F[1] * F[1] + F[2] * F[2];
       r2[k] = v[0][k] * v[0][k] + v[1][k] * v[1][k] + v[2][k] * v[2][k];
@@ -541,6 +542,7 @@ dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, doubl
                           dls_info *info, dls_error *error) {
   dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
   if (status) return dlsi_at(__func__, status, error);
+  if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_NLGS, "nlgs", info)) return DLS_OK;
   status = nlgs_solve(workspace, problem, r, u, info, error);
   status = dlsi_iterate_tell_last(&workspace->it, "nlgs", status, r);
   return dlsi_at(__func__, status, error);

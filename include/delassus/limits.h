@@ -28,8 +28,9 @@ typedef struct dls_progress {
 } dls_progress;
 
 /* A function of the host that a solve calls now and then, and once at its end (`last`); a return
- * other than 0 cancels the solve (DLS_CANCELLED, best answer so far). Serves log lines, progress
- * bars, histories and Ctrl-C. */
+ * other than 0 cancels the solve (DLS_CANCELLED, best answer so far). Where there is no candidate,
+ * and where auto answers without a workspace, the last call is the only one. Serves log lines,
+ * progress bars, histories and Ctrl-C. */
 typedef int (*dls_progress_fn)(void *data, const dls_progress *progress);
 
 /* The first member of the settings of every iterative method. */

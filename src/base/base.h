@@ -75,7 +75,7 @@ dls_status dlsi_check_friction(const double *mu, size_t n, dls_error *error);
 /* Checks that d is 2 or 3. */
 dls_status dlsi_check_dimension(const char *argument, int d, dls_error *error);
 
-/* Checks that d is 2 or 3, nc at least 1, and d nc an int. */
+/* Checks that d is 2 or 3, nc at least 0, and d nc an int. */
 dls_status dlsi_check_sizes(int d, int nc, dls_error *error);
 
 /* Sets the limits to their defaults. */
@@ -135,6 +135,11 @@ enum { dlsi_most_modes = 24 };
 
 /* Returns the number of candidates of a model, active or not. */
 int dlsi_model_candidates(const dls_model *model);
+
+/* Returns 1 if the problem has no candidate: then it is solved, *info (or NULL) says so, and the
+ * progress callback has been called once, under `name`. */
+int dlsi_is_empty(const dls_contact *problem, const dls_limits *limits, dls_method method,
+                  const char *name, dls_info *info);
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
@@ -261,7 +266,7 @@ static inline double dlsi_tangent_norm(int d, const double *v) {
 /* Projects v (d) on C_mu = { |r_t| <= mu r_n }: p := P(v); returns the branch taken. */
 static inline dls_contact_state dlsi_project_cone(int d, double mu, const double *v, double *p) {
   const double t = dlsi_tangent_norm(d, v);
-  if (t <= mu * v[0]) { /* inside */
+  if (t <= mu * v[0] && v[0] >= 0) { /* inside; mu = 0 has t = mu v_n for any sign of v_n */
     for (int i = 0; i < d; i++)
       p[i] = v[i];
     return DLS_STICK;
