@@ -10,6 +10,7 @@
  *   reduction.h  K, f, H -> W, q and back
  *   solve.h      one call for any method
  *   diagnose.h   facts about a problem
+ *   motion.h     load paths, moving obstacles, the theta scheme
  *   nlgs.h       projected Gauss-Seidel on the reactions
  *   primal.h     projected Gauss-Seidel on the displacements
  *   newton.h     nonsmooth Newton
@@ -36,6 +37,7 @@
 #include "delassus/limits.h"
 #include "delassus/matrix.h"
 #include "delassus/model.h"
+#include "delassus/motion.h"
 #include "delassus/newton.h"
 #include "delassus/nlgs.h"
 #include "delassus/pivoting.h"

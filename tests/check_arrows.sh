@@ -1,7 +1,7 @@
 #!/bin/sh
 # check_arrows.sh BUILD [-v]: no arrow of the library runs up or sideways. The rooms, the floor first:
 #
-#   include <- src/base <- src/linear <- { lcp, vi, reduction, src/files } <- src/front <- src/fe <- src/cli
+#   include <- src/base <- src/linear <- { lcp, vi, reduction, src/files } <- src/front <- src/motion <- src/fe <- src/cli
 #
 # Read from the sources: every #include. Read from the objects under BUILD/obj: every symbol that one file
 # defines and another uses. A public header belongs to the room whose file it names; a header that names none
@@ -22,8 +22,9 @@ vi 3
 reduction 3
 src/files 3
 src/front 4
-src/fe 5
-src/cli 6
+src/motion 5
+src/fe 6
+src/cli 7
 END
 
 # the public headers and their rooms
@@ -40,6 +41,7 @@ reduction.h reduction
 files.h src/files
 solve.h src/front
 diagnose.h src/front
+motion.h src/motion
 fe.h src/fe
 forming.h src/fe
 END

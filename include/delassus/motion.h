@@ -1,0 +1,173 @@
+/*
+ * delassus/motion.h: bodies that move: the theta scheme with contact and friction, and paths of
+ * equilibria. [Jean 1988] 2 and 3; docs/motion.md says when to take which law.
+ *
+ *   M v' + C v + K x = f + H p/h,   gap = gap0 + H_n^T x - y_n,   u = H^T v - y'
+ *   A = M + h theta C + h^2 theta^2 K                                 reduced once for a given h
+ *   A (v+ - v) = h (f - C v - K x - h theta K v) + H p
+ *   x+ = x + h (theta v+ + (1 - theta) v)
+ *
+ *   x, v   unknowns of the host and their velocities, n             length, length / time
+ *   f      loads, the mean over the step, n                         force
+ *   p      impulses of the obstacle on the body during the step     force time
+ *   u      local relative velocities, at the end of the step        length / time
+ *   y, y'  motion of the obstacle; y' is its mean over the step     length, length / time
+ *   gap0   normal gap at x = 0, nodes                               length
+ *
+ * The laws, at each candidate to contact, with Coulomb's law on u_t+ and p in all of them:
+ *
+ *   velocity form   0 <= u_n+ + e u_n  _|_  p_n >= 0   where gap + forecast h u_n <= activation,
+ *                   p = 0 elsewhere                                 (2.1)3-4, Moreau
+ *   gap form        0 <= u_n+ + gap / h  _|_  p_n >= 0              (3.2)1; theta = 1 only
+ *   path            no M: K x = f + H r; 0 <= gap+ _|_ r_n >= 0; the slip u_t is counted from the
+ *                   step before: u = H^T (x+ - x) - h y', a length  (2.1)1; p stands for r, a force
+ *
+ * In 1/2 <= theta <= 1, with v_th = theta v+ + (1 - theta) v and E = (v.M v + x.K x) / 2, exactly
+ *
+ *   E+ - E = (1/2 - theta)(|dv|_M^2 + |dx|_K^2) - h v_th.C v_th + h f.v_th + p.(H^T v_th)
+ *
+ * for symmetric M and K; on a path E+ - E = f.dx + r.(H^T dx) - |dx|_K^2 / 2.
+ */
+#ifndef DELASSUS_MOTION_H
+#define DELASSUS_MOTION_H
+
+#include "delassus/model.h"
+#include "delassus/solve.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum dls_motion_law {
+  DLS_MOTION_VELOCITY = 1, /* impacts, with restitution; 1/2 <= theta <= 1 */
+  DLS_MOTION_GAP = 2,      /* [J] (3.2)1: no penetration at the end of a step; theta = 1 */
+  DLS_MOTION_PATH = 3      /* equilibria, one after the other: no M, theta is not read */
+} dls_motion_law;
+
+/* The bodies: views, borrowed as long as the motion lives. Of M, C, K tagged as symmetric only the
+ * lower triangle is read. Columns of HN, HT and P are those of dls_model (model.h); candidates are
+ * the columns of P, or the contact nodes. */
+typedef struct dls_motion_model {
+  int d;                           /* 2 or 3 */
+  int n;                           /* unknowns */
+  int nodes;                       /* contact nodes */
+  dls_factorization factorization; /* of M, C, K and A: DLS_CHOLESKY, DLS_LDLT or DLS_LU */
+  dls_sparse M;                    /* n x n; M.p = NULL for a path */
+  dls_sparse C;                    /* n x n; C.p = NULL for none; a path has none */
+  dls_sparse K;                    /* n x n; K.p = NULL for none: rigid bodies */
+  dls_sparse HN;                   /* n x nodes */
+  dls_sparse HT;                   /* n x (d-1) nodes */
+  dls_sparse P;                    /* nodes x candidates; P.p = NULL for none */
+  const double *gap;               /* nodes: gap at x = 0; NULL for 0; read by create only */
+} dls_motion_model;
+
+/* Fill by dls_motion_settings_init, then change what you like. */
+typedef struct dls_motion_settings {
+  dls_limits limits;  /* of the contact problem of a step; tol: 1e-12; warm_start: 1, from the
+                         impulses of the step before */
+  size_t size;        /* set by init; settings without it are refused */
+  dls_motion_law law; /* DLS_MOTION_VELOCITY */
+  dls_method method;  /* of the contact problem; DLS_AUTO */
+  double h;           /* step, > 0; init leaves 0, which is refused; 1 for a path may do   time */
+  double theta;       /* 1/2 <= theta <= 1; 1/2 */
+  double restitution; /* e, 0 <= e <= 1, of the velocity form; 0 */
+  double activation;  /* >= 0: gap below which a candidate is closed in the velocity form; a small
+                         part of the bodies' size where they rest on each other; 0     length */
+  double forecast;    /* 0 <= forecast <= 1: part of the step by which the gap is foreseen; 1/2 */
+  int stabilize;      /* path: 1: bodies that nothing but contact holds; 0 */
+} dls_motion_settings;
+
+DLS_API void dls_motion_settings_init(dls_motion_settings *settings);
+
+typedef struct dls_motion dls_motion;
+
+/* *out := the bodies at rest at x = 0, NULL on error. Reduces A: the memory is that of
+ * dls_reduction_create and dls_solver_create, and O(n + nnz). All arguments are checked before any
+ * work: DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_SETTINGS naming "h", "theta", "M", ...
+ * and the index. The errors of dls_reduction_create, which names A "M" where it has an M, else
+ * "K". */
+DLS_API DLS_MUST_USE dls_status dls_motion_create(dls_motion **out, const dls_motion_model *model,
+                                                  const dls_motion_settings *settings,
+                                                  dls_error *error);
+
+/* Starts anew from x and v (n; NULL for 0; a path has no v) at time t: impulses, slip, works, the
+ * obstacle's way and the count of steps become 0. DLS_E_ARGUMENT, DLS_E_NOT_FINITE. */
+DLS_API DLS_MUST_USE dls_status dls_motion_start(dls_motion *motion, const double *x,
+                                                 const double *v, double t, dls_error *error);
+
+/* Takes a step. f (n; NULL for 0; on a path the loads at the end of the step); y (d nodes in local order: mean velocity y' of the obstacle
+ * during the step, at each contact node; NULL for 0); mu (candidates; NULL for 0); info or NULL: of
+ * the contact problem.
+ *
+ * DLS_OK: the contact problem is certified to limits.tol. Any other status, > 0 or an error: the
+ * state is that of the step before; the host may take other limits, or a smaller h, and try again.
+ * One solve with A and half of one. Allocates nothing (MUMPS does). */
+DLS_API DLS_MUST_USE dls_status dls_motion_step(dls_motion *motion, const double *f,
+                                                const double *y, const double *mu, dls_info *info,
+                                                dls_error *error);
+
+/* Changes the step h from the next step on: A is formed and factored anew, on the old pattern. The
+ * state stays. After another error than that of a wrong h only start, set_h and destroy are left.
+ * DLS_E_ARGUMENT, the errors of dls_reduction_update. On a path h is nothing but the unit of y'. */
+DLS_API DLS_MUST_USE dls_status dls_motion_set_h(dls_motion *motion, double h, dls_error *error);
+
+/* Changes the limits of the contact problem from the next step on. */
+DLS_API DLS_MUST_USE dls_status dls_motion_set_limits(dls_motion *motion, const dls_limits *limits,
+                                                      dls_error *error);
+
+/* The state after the last step that was certified. The arrays belong to the motion, stay in their
+ * place as long as it lives, and change with each step. */
+typedef struct dls_motion_state {
+  int d, n, candidates;
+  long long steps;
+  double t;            /* start + the h of each step */
+  const double *x, *v; /* n; on a path v = (x+ - x) / h */
+  const double *p;     /* d candidates: impulse of the step; on a path the reactions, forces */
+  const double *u;     /* d candidates: H^T v+ - y'; on a path H^T (x+ - x) - h y', a length */
+  const double *gap;   /* candidates: after the step */
+  const double *slip; /* (d-1) candidates: the sum of all h (theta u_t+ + (1-theta) u_t), the way of
+                          the body's point on the obstacle                     length */
+  const dls_contact_state *state; /* candidates; DLS_FREE where it took no part */
+  int active;                     /* candidates in the contact problem of the step */
+  const int *active_list;         /* active: their numbers, ascending */
+} dls_motion_state;
+
+DLS_API DLS_MUST_USE dls_status dls_motion_get_state(const dls_motion *motion,
+                                                     dls_motion_state *state, dls_error *error);
+
+/* Energies now, works of all steps since the start, and the checks of the last step. elastic +
+ * kinetic - (those at the start) = load + damping + obstacle + friction + impact + numerical. */
+typedef struct dls_motion_energies {
+  double kinetic, elastic; /* v.M v / 2, x.K x / 2                             work */
+  double load;             /* h f.v_th */
+  double damping;          /* -h v_th.C v_th */
+  double obstacle;         /* p.y', what the obstacle's motion does */
+  double friction;         /* p_t.u_t,th; <= 0 but for theta < 1, where slip turns round */
+  double impact;           /* p_n.u_n,th: of impacts; on a path r_n (gap+ - gap) */
+  double numerical;        /* (1/2 - theta)(|dv|_M^2 + |dx|_K^2); on a path -|dx|_K^2 / 2 */
+  double residual;         /* of the identity in the last step, |left - right|         work */
+  double scale; /* the largest so far of (|v|.|M||v| + |x|.|K||x|) / 2 and of the sum of |work|
+                      of one step: of the rounding in residual                 work */
+  double
+      momentum; /* of the last step: max_i of |A dv - h (..) - H p|_i over max_i of the sum of the
+                      absolute values of its terms                             1 */
+} dls_motion_energies;
+
+DLS_API DLS_MUST_USE dls_status dls_motion_get_energies(const dls_motion *motion,
+                                                        dls_motion_energies *energies,
+                                                        dls_error *error);
+
+/* Gives the contact problem of the last step, certified or not: of the active candidates, nc = 0
+ * where there was none. For dls_contact_diagnose and for solving it otherwise; it lives until the
+ * next step. */
+DLS_API DLS_MUST_USE dls_status dls_motion_get_problem(const dls_motion *motion,
+                                                       dls_contact *problem, dls_error *error);
+
+/* NULL is fine. */
+DLS_API void dls_motion_destroy(dls_motion *motion);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
