@@ -58,8 +58,8 @@ DLS_API void dls_fe_matrix_free(dls_fe_matrix *matrix); /* NULL is fine */
  * the row and column, 0 .. unknowns-1, of the mesh's unknown k (2 nodes), or -1 where it is
  * supported. Unknowns of the mesh that share a number move together. unknown NULL: all 2 nodes, in
  * order; `unknowns` is then not read. Ignores what *K held before, and leaves it on error.
- * Symmetric to the last bit. Statuses as dls_fe_stiffness; DLS_E_ARGUMENT "unknown", also for a number that
- * no unknown of the mesh has (index = that number); DLS_E_MEMORY. */
+ * Symmetric to the last bit. Statuses as dls_fe_stiffness; DLS_E_ARGUMENT "unknown", also for a
+ * number that no unknown of the mesh has (index = that number); DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_fe_sparse_stiffness(const dls_fe_mesh *mesh, double E,
                                                         double nu, const int *unknown, int unknowns,
                                                         dls_fe_matrix *K, dls_error *error);
