@@ -50,6 +50,7 @@ int dlsi_form_size(const dls_contact *problem, int directions) {
 /* Checks that the LCP has a size, *n, and that the scales s are finite and positive. */
 static dls_status form_check(const dls_contact *problem, const dlsi_form *form, const double *s,
                              int *n, dls_error *error) {
+  if (problem->nc == 0) return dlsi_fail(error, DLS_E_SIZE, "nc", -1, 0, "is 0: no LCP is left");
   *n = dlsi_form_size(problem, form->directions);
   if (*n < 1) return dlsi_fail(error, DLS_E_SIZE, "nc", -1, problem->nc, "is too large");
   return s ? dlsi_check_positive("s", s, problem->nc, error) : DLS_OK;

@@ -33,13 +33,14 @@ struct dls_reduction {
   dlsi_modes modes;
   double spring[dlsi_most_modes], foot[dlsi_most_modes]; /* s_j, c_j of each mode */
   dls_reduction_info info;
-  int ready; /* 0 after an update that failed */
-  int whole; /* 1: K is factored without a Schur complement */
+  int ready;   /* 0 after an update that failed */
+  int whole;   /* 1: K is factored without a Schur complement */
+  int is_free; /* 1: the host gave K^-1 f instead of f */
   dlsi_operator H;
   double *mu;   /* candidates: a copy of H.mu that stays in its place; NULL if the model has none */
   double *W;    /* m x m, or NULL */
   double *q;    /* m */
-  double *f;    /* n, by position: the last load */
+  double *f;    /* n, by position: the last load; or x_free, where is_free */
   double *x;    /* n, by position: scratch */
   double *y;    /* n: scratch of a solve with a flexibility */
   double *z;    /* n: scratch of a solve with a sparse K */
@@ -215,6 +216,7 @@ static dls_status reduction_fill(dls_reduction *work, const dls_model *model, dl
   memset(work->q, 0, work->m * sizeof *work->q);
   memset(work->f, 0, work->n * sizeof *work->f);
   memset(work->foot, 0, sizeof work->foot);
+  work->is_free = 0;
   if (work->mu) memcpy(work->mu, work->H.mu, (size_t)work->H.candidates * sizeof *work->mu);
   if (work->settings.form_W) {
     if (!work->W) work->W = dlsi_alloc(work->m, work->m * sizeof *work->W);
@@ -445,12 +447,40 @@ static dls_status reduction_load(dls_reduction *work, const double *f, const dou
   for (size_t k = 0; k < work->n; k++)
     work->f[k] = f ? f[work->factor->unknown[k]] : 0;
   memset(work->foot, 0, sizeof work->foot);
+  work->is_free = 0;
   return DLS_OK;
 }
 
 dls_status dls_reduction_load(dls_reduction *reduction, const double *f, const double *g,
                               dls_error *error) {
   return dlsi_at(__func__, reduction_load(reduction, f, g, error), error);
+}
+
+static dls_status reduction_load_free(dls_reduction *work, const double *x_free, const double *g,
+                                      dls_error *error) {
+  dls_status status = reduction_ready(work, error);
+  if (!status && work->modes.count > 0)
+    status = dlsi_fail(error, DLS_E_UNSUPPORTED, "reduction", -1, work->modes.count,
+                       "holds %d rigid-body modes: K^-1 f does not exist", work->modes.count);
+  if (!status) status = dlsi_check_vector("x_free", x_free, work->n, error);
+  if (!status && g)
+    status = dlsi_check_vector("g", g, (size_t)work->d * (size_t)work->nodes, error);
+  if (status) return status;
+  const int *unknown = work->factor->unknown;
+  reduction_gaps(work, g);
+  for (size_t k = 0; k < work->n; k++)
+    work->x[k] = x_free[unknown[k]];
+  dlsi_operator_add(&work->H, unknown, work->n, work->x, work->v);
+  status = reduction_take_q(work, error);
+  if (status) return status;
+  memcpy(work->f, work->x, work->n * sizeof *work->f);
+  work->is_free = 1;
+  return DLS_OK;
+}
+
+dls_status dls_reduction_load_free(dls_reduction *reduction, const double *x_free, const double *g,
+                                   dls_error *error) {
+  return dlsi_at(__func__, reduction_load_free(reduction, x_free, g, error), error);
 }
 
 static dls_status reduction_contact(const dls_reduction *work, const double *mu,
@@ -486,7 +516,7 @@ static dls_status reduction_solve_for(dls_reduction *work, const double *r, dls_
   const dlsi_columns *Ht = &work->H.Ht;
   for (size_t k = 0; k < work->n; k++) {
     const int i = work->factor->unknown[k];
-    double sum = work->f[k];
+    double sum = work->is_free ? 0 : work->f[k];
     for (int e = Ht->p[i]; e < Ht->p[i + 1]; e++)
       sum += Ht->x[e] * r[Ht->i[e]];
     work->x[k] = sum;
@@ -495,6 +525,8 @@ static dls_status reduction_solve_for(dls_reduction *work, const double *r, dls_
     work->x[work->factor->place[work->modes.unknown[k]]] += work->spring[k] * work->foot[k];
   const dls_status status = reduction_solve_x(work, error);
   if (status) return status;
+  for (size_t k = 0; work->is_free && k < work->n; k++)
+    work->x[k] += work->f[k];
   const long long bad = dlsi_first_not_finite(work->x, work->n);
   if (bad < 0) return DLS_OK;
   return dlsi_fail(error, DLS_E_NOT_FINITE, "x", work->factor->unknown[bad], work->x[bad],

@@ -428,6 +428,8 @@ static dls_status admm_solve(void *workspace, const dls_contact *problem, double
 dls_status dls_admm_solve(dls_admm *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
   dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
+  if (!status && dlsi_is_empty(problem, &workspace->settings.limits, DLS_ADMM, "admm", info))
+    return DLS_OK;
   if (!status) status = admm_solve(workspace, problem, r, u, info, error);
   return dlsi_at(__func__, status, error);
 }

@@ -283,6 +283,9 @@ static dls_status augmented_run(dls_augmented *work, const dls_contact *problem,
 dls_status dls_augmented_solve(dls_augmented *workspace, const dls_contact *problem, double *r,
                                double *u, dls_info *info, dls_error *error) {
   dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
+  if (!status && dlsi_is_empty(problem, &workspace->settings.limits, DLS_AUGMENTED_LAGRANGIAN,
+                               "augmented-lagrangian", info))
+    return DLS_OK;
   if (!status) status = augmented_run(workspace, problem, r, u, info, error);
   return dlsi_at(__func__, status, error);
 }

@@ -104,7 +104,7 @@ dls_certificate dlsi_iterate_offer(dlsi_iterate *it, const dls_contact *problem,
 
 int dlsi_iterate_start(dlsi_iterate *it, const dls_contact *problem, double *r) {
   const dls_certificate now = dlsi_iterate_offer(it, problem, r);
-  if (!(now.residual <= DBL_MAX)) {
+  if (!(now.residual <= DBL_MAX && now.floor_u < 1)) { /* q is lost in the rounding of W r */
     memset(r, 0, size_of(problem) * sizeof *r);
     (void)dlsi_iterate_offer(it, problem, r);
   }

@@ -111,7 +111,7 @@ static dls_status newton_check(int d, int nc, const dls_newton_settings *s, dls_
   if (!status) status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 3, own, error);
   if (status) return status;
   const size_t m = (size_t)d * (size_t)nc;
-  if (!s->limits.blocks && m > SIZE_MAX / sizeof(double) / m)
+  if (!s->limits.blocks && m > 0 && m > SIZE_MAX / sizeof(double) / m)
     return dlsi_fail(error, DLS_E_SIZE, "nc", -1, nc, "is too large");
   return DLS_OK;
 }
@@ -540,6 +540,8 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
 dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, double *r, double *u,
                             dls_info *info, dls_error *error) {
   dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
+  if (!status && dlsi_is_empty(problem, &workspace->settings.limits, DLS_NEWTON, "newton", info))
+    return DLS_OK;
   if (!status) status = dlsi_newton_run(workspace, problem, NULL, r, u, info, error);
   return dlsi_at(__func__, status, error);
 }

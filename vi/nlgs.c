@@ -539,6 +539,8 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
 dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
   dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
+  if (!status && dlsi_is_empty(problem, &workspace->settings.limits, DLS_NLGS, "nlgs", info))
+    return DLS_OK;
   if (!status) status = nlgs_solve(workspace, problem, r, u, info, error);
   return dlsi_at(__func__, status, error);
 }

@@ -146,8 +146,8 @@ int dlsi_iterate_keep(dlsi_iterate *it, const dls_contact *problem, const double
 /* Measures r and keeps it: the two calls above. Returns the certificate of r. */
 dls_certificate dlsi_iterate_offer(dlsi_iterate *it, const dls_contact *problem, const double *r);
 
-/* Offers the start r of a solve; an r for which W r overflows becomes 0 first. Returns 1 if the
- * certificate holds. */
+/* Offers the start r of a solve; an r for which W r overflows, or so large that the rounding of W r
+ * is larger than q (floor_u >= 1), becomes 0 first. Returns 1 if the certificate holds. */
 int dlsi_iterate_start(dlsi_iterate *it, const dls_contact *problem, double *r);
 
 /* Measures the best r anew, where it was kept by an estimate. Returns DLS_OK if its certificate

@@ -28,7 +28,7 @@ extern "C" {
  * zero. */
 typedef struct dls_contact {
   int d;            /* 2 or 3 */
-  int nc;           /* number of candidates, >= 1 */
+  int nc;           /* number of candidates, >= 0; W, q, mu are not read where it is 0 */
   dls_dense W;      /* m x m; W.a = NULL when Wb is used */
   dls_blocks Wb;    /* nc x nc blocks of d x d; Wb.x = NULL when W is used */
   const double *q;  /* m */
@@ -56,6 +56,23 @@ DLS_API DLS_MUST_USE dls_status dls_contact_get_block(const dls_contact *problem
 DLS_API DLS_MUST_USE dls_status dls_contact_set_block(int d, int nc, dls_component row,
                                                       dls_component col, const double *block,
                                                       int ld, double *W, int ldw, dls_error *error);
+
+/* Makes a problem of some candidates of another, so that a host condenses all of them once and
+ * solves, step by step, for those that may touch. r and u of the candidate k of the subset belong
+ * to candidate[k]; of the others r is 0.
+ *
+ *   candidate  count of them, ascending, each from 0 to nc - 1; NULL for count = 0
+ *   values     memory of W, q, mu of the subset: for a dense W (d count)^2 + (d + 1) count doubles,
+ *              by blocks d d Wb.p[nc] + (d + 1) count (fewer are used where blocks drop out)
+ *   index      memory of Wb.p, Wb.i of the subset: count + 1 + Wb.p[nc]; dense: not used, NULL
+ *   subset     view of values and index, of the storage that the problem has
+ *
+ * The arrays are the caller's, must not overlap the problem, and live as long as the subset is
+ * used; arrays for all candidates serve every subset. DLS_E_SIZE (count), DLS_E_ARGUMENT
+ * (candidate, with its index). */
+DLS_API DLS_MUST_USE dls_status dls_contact_subset(const dls_contact *problem, int count,
+                                                   const int *candidate, double *values, int *index,
+                                                   dls_contact *subset, dls_error *error);
 
 /* The state of a candidate. */
 typedef enum dls_contact_state { DLS_FREE = 0, DLS_SLIP = 1, DLS_STICK = 2 } dls_contact_state;

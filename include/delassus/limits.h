@@ -21,7 +21,9 @@ typedef struct dls_progress {
 } dls_progress;
 
 /* A function of the host that a solve calls now and then; a return other than 0 cancels the solve
- * (DLS_CANCELLED, best answer so far). Serves log lines, progress bars, time limits and Ctrl-C. */
+ * (DLS_CANCELLED, best answer so far). Where there is no candidate, and where auto answers without
+ * a workspace, it is called once, with the answer, which it cannot cancel. Serves log lines,
+ * progress bars, time limits and Ctrl-C. */
 typedef int (*dls_progress_fn)(void *data, const dls_progress *progress);
 
 /* The first member of the settings of every iterative method. */

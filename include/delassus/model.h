@@ -44,7 +44,7 @@ typedef int (*dls_solve_fn)(void *user, double *X, int n, int nrhs);
 typedef struct dls_model {
   int d;     /* 2 or 3 */
   int n;     /* unknowns */
-  int nodes; /* contact nodes */
+  int nodes; /* contact nodes, >= 0 */
   dls_operator operator_kind;
   dls_factorization factorization; /* of K, dense or sparse */
   dls_dense K;                     /* DLS_STIFFNESS_DENSE; or K^-1 for DLS_FLEXIBILITY */

@@ -9,6 +9,7 @@
  *   K  stiffness (mass, or tangent), n x n, regular             force / length
  *   H  = (H_N, H_T): column c of H_N, and columns (d-1) c .. of H_T, give the normal and the
  *      tangents of contact node c
+ *      nodes = 0 (HN, HT are not read then), or none active: W and q are empty, x = K^-1 f
  *   g  initial gap, or the motion of the obstacle with the sign of a gap, d per contact node in
  *      local order ([J] Y_0; gap / h + velocity in dynamics)    length (velocity)
  *
@@ -112,6 +113,14 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_get_info(const dls_reduction *redu
  * One solve, or half of one where there is a Schur complement. Allocates nothing (MUMPS does). */
 DLS_API DLS_MUST_USE dls_status dls_reduction_load(dls_reduction *reduction, const double *f,
                                                    const double *g, dls_error *error);
+
+/* Takes K^-1 f instead of f, from a host that has it: its free displacement or velocity, by a
+ * scheme or a solver of its own. q := H^T x_free + P^T g, and dls_reduction_recover gives
+ * x_free + K^-1 H r. x_free (n); g as in dls_reduction_load. No solve, no allocation.
+ * DLS_E_UNSUPPORTED where rigid-body modes are held: K^-1 does not exist. */
+DLS_API DLS_MUST_USE dls_status dls_reduction_load_free(dls_reduction *reduction,
+                                                        const double *x_free, const double *g,
+                                                        dls_error *error);
 
 /* Gives the contact problem of the active candidates with the friction coefficients mu (one
  * for each of these; borrowed; NULL for those of the model). W and q belong to the reduction and

@@ -75,7 +75,7 @@ dls_status dlsi_check_friction(const double *mu, size_t n, dls_error *error);
 /* Checks that d is 2 or 3. */
 dls_status dlsi_check_dimension(const char *argument, int d, dls_error *error);
 
-/* Checks that d is 2 or 3, nc at least 1, and d nc an int. */
+/* Checks that d is 2 or 3, nc at least 0, and d nc an int. */
 dls_status dlsi_check_sizes(int d, int nc, dls_error *error);
 
 /* Sets the limits to their defaults. */
@@ -117,6 +117,11 @@ enum { dlsi_most_modes = 24 };
 
 /* Returns the number of candidates of a model, active or not. */
 int dlsi_model_candidates(const dls_model *model);
+
+/* Returns 1 if the problem has no candidate: then it is solved, *info (or NULL) says so, and the
+ * progress callback has been called once, under `name`. */
+int dlsi_is_empty(const dls_contact *problem, const dls_limits *limits, dls_method method,
+                  const char *name, dls_info *info);
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 

@@ -17,13 +17,14 @@ dls_status dlsi_check_dimension(const char *argument, int d, dls_error *error) {
 dls_status dlsi_check_sizes(int d, int nc, dls_error *error) {
   const dls_status status = dlsi_check_dimension("d", d, error);
   if (status) return status;
-  if (nc < 1) return dlsi_fail(error, DLS_E_SIZE, "nc", -1, nc, "is %d, must be at least 1", nc);
+  if (nc < 0) return dlsi_fail(error, DLS_E_SIZE, "nc", -1, nc, "is %d, must not be negative", nc);
   if (nc > INT32_MAX / d)
     return dlsi_fail(error, DLS_E_SIZE, "nc", -1, nc, "is %d, which is too large", nc);
   return DLS_OK;
 }
 
 dls_status dlsi_check_vector(const char *argument, const double *x, size_t n, dls_error *error) {
+  if (n == 0) return DLS_OK;
   if (!x) return dlsi_is_null(error, argument);
   const long long bad = dlsi_first_not_finite(x, n);
   if (bad < 0) return DLS_OK;
@@ -115,7 +116,7 @@ static dls_status check_Wb(const dls_contact *problem, dls_error *error) {
 dls_status dlsi_check_contact(const dls_contact *problem, dls_error *error) {
   if (!problem) return dlsi_is_null(error, "problem");
   dls_status status = dlsi_check_sizes(problem->d, problem->nc, error);
-  if (status) return status;
+  if (status || problem->nc == 0) return status;
   const int m = problem->d * problem->nc;
   if (problem->W.a && problem->Wb.x)
     return dlsi_fail(error, DLS_E_ARGUMENT, "Wb", -1, 0, "W and Wb are both given");
@@ -127,7 +128,7 @@ dls_status dlsi_check_contact(const dls_contact *problem, dls_error *error) {
 
 dls_status dlsi_check_start(const dls_contact *problem, const double *r, int warm_start,
                             dls_error *error) {
-  if (!r) return dlsi_is_null(error, "r");
+  if (!r && problem->nc > 0) return dlsi_is_null(error, "r");
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   return warm_start ? dlsi_check_vector("r", r, m, error) : DLS_OK;
 }

@@ -115,6 +115,15 @@ void dlsi_contact_apply(const dls_contact *problem, const double *x, double *y) 
     dlsi_contact_add_columns(problem, c, x + d * (size_t)c, y);
 }
 
+int dlsi_is_empty(const dls_contact *problem, const dls_limits *limits, dls_method method,
+                  const char *name, dls_info *info) {
+  if (problem->nc > 0) return 0;
+  const dls_progress last = {.method = name};
+  if (limits->progress) (void)limits->progress(limits->progress_data, &last);
+  if (info) *info = (dls_info){.status = DLS_OK, .method = method};
+  return 1;
+}
+
 /* ---- blocks by component --------------------------------------------------------------------- */
 
 /* Rows or columns of a component: the first within a candidate, and how many of them. */

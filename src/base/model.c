@@ -66,7 +66,7 @@ static dls_status model_check_operator(const dls_model *model, dls_error *error)
  * proposition 2. */
 static dls_status model_check_weighting(const dls_model *model, dls_error *error) {
   const dls_sparse *P = &model->P;
-  if (P->cols < 1 || P->cols > INT_MAX / model->d)
+  if (P->cols < 0 || P->cols > INT_MAX / model->d)
     return dlsi_fail(error, DLS_E_SIZE, "P", -1, P->cols, "has %d columns", P->cols);
   const dls_status status = dlsi_check_sparse("P", P, model->nodes, P->cols, error);
   if (status) return status;
@@ -85,10 +85,6 @@ static dls_status model_check_weighting(const dls_model *model, dls_error *error
 /* Checks active, mu and the modes. */
 static dls_status model_check_rest(const dls_model *model, dls_error *error) {
   const int candidates = dlsi_model_candidates(model);
-  int active = 0;
-  for (int c = 0; c < candidates; c++)
-    active += !model->active || model->active[c];
-  if (active == 0) return dlsi_fail(error, DLS_E_ARGUMENT, "active", -1, 0, "leaves no candidate");
   if (model->mu) {
     const dls_status status = dlsi_check_vector("mu", model->mu, (size_t)candidates, error);
     if (status) return status;
@@ -112,11 +108,11 @@ dls_status dlsi_check_model(const dls_model *model, dls_error *error) {
   if (d != 2 && d != 3)
     return dlsi_fail(error, DLS_E_ARGUMENT, "d", -1, d, "is %d, must be 2 or 3", d);
   if (n < 1) return dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d", n);
-  if (nodes < 1 || nodes > INT_MAX / d)
+  if (nodes < 0 || nodes > INT_MAX / d)
     return dlsi_fail(error, DLS_E_SIZE, "nodes", -1, nodes, "is %d", nodes);
   dls_status status = model_check_operator(model, error);
-  if (!status) status = dlsi_check_sparse("HN", &model->HN, n, nodes, error);
-  if (!status) status = dlsi_check_sparse("HT", &model->HT, n, (d - 1) * nodes, error);
+  if (!status && nodes > 0) status = dlsi_check_sparse("HN", &model->HN, n, nodes, error);
+  if (!status && nodes > 0) status = dlsi_check_sparse("HT", &model->HT, n, (d - 1) * nodes, error);
   if (!status && model->P.p) status = model_check_weighting(model, error);
   return status ? status : model_check_rest(model, error);
 }

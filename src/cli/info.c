@@ -101,6 +101,7 @@ static void print_facts(const char *path, const problem *p, int limit, const dls
   const dls_contact *contact = &p->contact;
   problem_print(path, p);
   print_matrix(p, g);
+  if (contact->nc == 0) return;
   print_spectrum(contact->d * contact->nc, limit, g);
   print_scales(contact->nc, g);
   print_flaw(&g->zero_block, "contact", "contacts", "W_cc = 0");

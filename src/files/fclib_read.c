@@ -171,8 +171,8 @@ static dls_status read_compressed(const source *s, const matrix_names *name, int
 /* Reads a matrix in any of the three formats. On error, too, the caller frees t. */
 static dls_status read_matrix(const source *s, const matrix_names *name, dlsi_triplets *t) {
   int nz = 0, nzmax = 0;
-  dls_status status = read_int(s, name->m, 1, &t->rows);
-  if (!status) status = read_int(s, name->n, 1, &t->cols);
+  dls_status status = read_int(s, name->m, 0, &t->rows);
+  if (!status) status = read_int(s, name->n, 0, &t->cols);
   if (!status) status = read_int(s, name->nz, -2, &nz);
   if (!status) status = read_int(s, name->nzmax, nz > 0 ? nz : 0, &nzmax);
   if (status) return status;
@@ -342,6 +342,8 @@ static dls_status read_global(const source *s, dls_fclib *file) {
   dlsi_triplets M = {0}, H = {0};
   dls_status status = refuse_bilateral(s, "G", "G/m", "G/n", "vectors/b");
   if (!status) status = read_square(s, &names_M, &M);
+  if (!status && M.rows < 1)
+    status = dlsi_fail(s->error, DLS_E_FORMAT, names_M.m, -1, M.rows, "is %d", M.rows);
   file->n = M.rows;
   if (!status) status = read_matrix(s, &names_H, &H);
   if (!status && H.rows != M.rows)

@@ -414,6 +414,13 @@ static dls_status diagnose(const dls_contact *problem, int limit, dls_diagnosis 
                      .friction_critical = INFINITY,
                      .critical = -1,
                      .wedged = none};
+  if (problem->nc == 0) { /* one answer, which has no entry */
+    g.spectrum = 1;
+    g.rank = g.negative = 0;
+    g.friction_unique = INFINITY;
+    *diagnosis = g;
+    return DLS_OK;
+  }
   double *scale = dlsi_alloc((size_t)problem->nc, sizeof *scale);
   if (!scale) return dlsi_no_memory(error);
   dlsi_contact_weights(problem, scale);

@@ -50,7 +50,8 @@ static dls_status solver_check_settings(const dls_solver_settings *s, dls_error 
   return DLS_OK;
 }
 
-/* Creates the workspace of solver->method. lazy: see dlsi_options. */
+/* Creates the workspace of solver->method, for one candidate at least: without any none is needed.
+ * lazy: see dlsi_options. */
 static dls_status solver_create_work(dls_solver *solver, int lazy, dls_error *error) {
   const dls_solver_settings *s = &solver->settings;
   const dlsi_options options = {.limits = s->limits,
@@ -59,7 +60,8 @@ static dls_status solver_create_work(dls_solver *solver, int lazy, dls_error *er
                                 .positive_definite = s->positive_definite,
                                 .lazy = lazy};
   solver->method = dlsi_method_of(s->method);
-  return solver->method->create(&solver->work, solver->d, solver->nc, &options, error);
+  const int nc = solver->nc > 0 ? solver->nc : 1;
+  return solver->method->create(&solver->work, solver->d, nc, &options, error);
 }
 
 static dls_status solver_create(dls_solver **out, int d, int nc,
@@ -108,11 +110,23 @@ static dls_status solver_solve(dls_solver *solver, const dls_contact *problem, d
   return status;
 }
 
-/* Returns 1 if auto's answer needs no workspace, and gives it. */
+/* Returns 1 if the answer needs no workspace, and gives it: no candidate, or auto's cheapest ones.
+ * The progress callback, which no iteration calls then, is called once: nothing is left to
+ * cancel. */
 static int is_answered(const dls_solver_settings *s, const dls_contact *problem, double *r,
                        double *u, dls_info *info) {
-  return s->method == DLS_AUTO && !s->limits.warm_start &&
-         dlsi_alone_solve(problem, s->limits.tol, r, u, info);
+  const dls_limits *limits = &s->limits;
+  dls_info own;
+  if (!info && limits->progress) info = &own;
+  if (dlsi_is_empty(problem, limits, s->method, dls_method_name(s->method), info)) return 1;
+  if (s->method != DLS_AUTO || limits->warm_start ||
+      !dlsi_alone_solve(problem, limits->tol, r, u, info))
+    return 0;
+  const dls_progress last = {.method = dls_method_name(DLS_AUTO),
+                             .iteration = info ? info->iterations : 0,
+                             .residual = info ? info->certificate.residual : 0};
+  if (limits->progress) (void)limits->progress(limits->progress_data, &last);
+  return 1;
 }
 
 dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, double *r, double *u,

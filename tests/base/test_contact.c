@@ -9,6 +9,7 @@
 
 #include "base/base.h"
 #include "delassus.h"
+#include "errors.h"
 #include "malloc_fails.h"
 #include "run.h"
 
@@ -175,7 +176,7 @@ START_TEST(check_names_the_slot) {
   refuses(NULL, DLS_E_ARGUMENT, "problem", -1);
   p.d = 4;
   refuses(&p, DLS_E_ARGUMENT, "d", -1);
-  p = dense2(), p.nc = 0;
+  p = dense2(), p.nc = -1;
   refuses(&p, DLS_E_SIZE, "nc", -1);
   p = dense2(), p.nc = INT32_MAX;
   refuses(&p, DLS_E_SIZE, "nc", -1);
@@ -305,7 +306,7 @@ START_TEST(blocks_refuse_bad_arguments) {
                    DLS_E_SIZE);
   ck_assert_int_eq(dls_contact_set_block(5, 2, DLS_NORMAL, DLS_NORMAL, block, 2, W, 4, &e),
                    DLS_E_ARGUMENT);
-  ck_assert_int_eq(dls_contact_set_block(2, 0, DLS_NORMAL, DLS_NORMAL, block, 2, W, 4, &e),
+  ck_assert_int_eq(dls_contact_set_block(2, -1, DLS_NORMAL, DLS_NORMAL, block, 2, W, 4, &e),
                    DLS_E_SIZE);
   for (int k = 0; k < 16; k++)
     ck_assert(W[k] == 0);
@@ -815,18 +816,132 @@ START_TEST(bad_conversion) {
 }
 END_TEST
 
+/* ---- subsets --------------------------------------------------------------------------------- */
+
+/* A problem of 4 candidates, d = 2 or 3, whose entries say where they stand; by blocks every block
+ * stands twice, in halves, rows descending, and the column of candidate 1 is empty. */
+typedef struct quad {
+  double W[144], x[32 * 9], q[12], mu[4];
+  int p[5], i[32];
+  dls_contact dense, blocks;
+} quad;
+
+static void set_quad(quad *a, int d) {
+  const int m = 4 * d, ld = m;
+  int k = 0;
+  *a = (quad){.p = {0}};
+  for (int c = 0; c < 4; c++) {
+    for (int half = 0; c != 1 && half < 2; half++)
+      for (int b = 3; b >= 0; b--, k++) {
+        a->i[k] = b;
+        for (int e = 0; e < d * d; e++) {
+          const double w = 1 + 100 * b + 10 * c + e;
+          a->x[d * d * k + e] = w / 2;
+          a->W[d * b + e % d + (d * c + e / d) * ld] = w;
+        }
+      }
+    a->p[c + 1] = k;
+    a->mu[c] = 0.1 * c;
+  }
+  for (int e = 0; e < m; e++)
+    a->q[e] = -e;
+  a->dense = (dls_contact){.d = d, .nc = 4, .W = {m, m, ld, a->W}, .q = a->q, .mu = a->mu};
+  a->blocks = a->dense;
+  a->blocks.W = (dls_dense){0};
+  a->blocks.Wb = (dls_blocks){d, 4, a->p, a->i, a->x};
+}
+
+/* W' r' + q' of a subset are the rows s of W r + q, where r is 0 but at s. */
+START_TEST(a_subset_is_rows_and_columns) {
+  const int d = 2 + _i % 2, list = _i / 2 % 6, blocks = _i / 12;
+  static const int candidate[6][4] = {{0, 1, 2, 3}, {1, 3}, {0}, {1}, {2, 3}, {0}};
+  static const int counts[6] = {4, 2, 1, 1, 2, 0};
+  const int count = counts[list], *s = candidate[list];
+  quad a;
+  set_quad(&a, d);
+  const dls_contact *p = blocks ? &a.blocks : &a.dense;
+  double values[32 * 9 + 16], r[12] = {0}, u[12], rs[12], us[12];
+  int index[4 + 1 + 32];
+  dls_contact sub;
+  ck_assert_int_eq(dls_contact_subset(p, count, s, values, blocks ? index : NULL, &sub, NULL),
+                   DLS_OK);
+  ck_assert_int_eq(sub.d, d);
+  ck_assert_int_eq(sub.nc, count);
+  ck_assert_int_eq(dls_contact_check(&sub, NULL), DLS_OK);
+  ck_assert_int_eq(sub.Wb.x != NULL, blocks && count > 0);
+  for (int k = 0; k < d * count; k++)
+    r[d * s[k / d] + k % d] = rs[k] = 1 + k;
+  dls_certificate c;
+  ck_assert_int_eq(dls_contact_certify(p, r, u, &c, NULL), DLS_OK);
+  ck_assert_int_eq(dls_contact_certify(&sub, rs, us, &c, NULL), DLS_OK);
+  for (int k = 0; k < d * count; k++) {
+    ck_assert(us[k] == u[d * s[k / d] + k % d]);
+    ck_assert(sub.q[k] == a.q[d * s[k / d] + k % d]);
+    ck_assert(sub.mu[k / d] == a.mu[s[k / d]]);
+  }
+  if (count == 0) ck_assert(dls_certificate_holds(&c, 0) && c.residual == 0);
+}
+END_TEST
+
+/* A dense W takes the memory that the header says, to the last double. */
+START_TEST(a_subset_stays_in_its_memory) {
+  quad a;
+  set_quad(&a, 3);
+  enum { count = 2, doubles = (3 * count) * (3 * count) + 4 * count };
+  double values[doubles + 1];
+  values[doubles] = 77;
+  dls_contact sub;
+  ck_assert_int_eq(
+      dls_contact_subset(&a.dense, count, (const int[]){1, 2}, values, NULL, &sub, NULL), DLS_OK);
+  ck_assert(values[doubles] == 77 && sub.mu + count == values + doubles);
+}
+END_TEST
+
+START_TEST(a_bad_subset_is_named) {
+  quad a;
+  set_quad(&a, 2);
+  double values[256], *v = values;
+  int index[64], s[] = {0, 2, 3};
+  dls_contact sub, before;
+  memset(&sub, 0x33, sizeof sub);
+  before = sub;
+  dls_error e;
+  const char *name = "dls_contact_subset";
+#define SUBSET(p, count, s_, v_, i_, out, status, argument, index_)                                \
+  expect_error(dls_contact_subset(p, count, s_, v_, i_, out, &e), &e, status, name, argument,      \
+               index_)
+  SUBSET(NULL, 1, s, v, index, &sub, DLS_E_ARGUMENT, "problem", -1);
+  SUBSET(&a.dense, -1, s, v, NULL, &sub, DLS_E_SIZE, "count", -1);
+  SUBSET(&a.dense, 5, s, v, NULL, &sub, DLS_E_SIZE, "count", -1);
+  SUBSET(&a.dense, 1, NULL, v, NULL, &sub, DLS_E_ARGUMENT, "candidate", -1);
+  SUBSET(&a.dense, 1, s, NULL, NULL, &sub, DLS_E_ARGUMENT, "values", -1);
+  SUBSET(&a.blocks, 1, s, v, NULL, &sub, DLS_E_ARGUMENT, "index", -1);
+  SUBSET(&a.dense, 1, s, v, NULL, NULL, DLS_E_ARGUMENT, "subset", -1);
+  s[2] = 2;
+  SUBSET(&a.blocks, 3, s, v, index, &sub, DLS_E_ARGUMENT, "candidate", 2);
+  s[2] = 4;
+  SUBSET(&a.dense, 3, s, v, NULL, &sub, DLS_E_ARGUMENT, "candidate", 2);
+  s[0] = -1;
+  SUBSET(&a.dense, 3, s, v, NULL, &sub, DLS_E_ARGUMENT, "candidate", 0);
+  a.q[7] = NAN;
+  SUBSET(&a.dense, 0, s, v, NULL, &sub, DLS_E_NOT_FINITE, "q", 7);
+  ck_assert_mem_eq(&sub, &before, sizeof sub);
+}
+END_TEST
+
 int main(void) {
-  return RUN("contact", NULL, NULL, ONCE(statuses_have_names_and_words), ONCE(an_error_says_where),
-             ONCE(arena_counts_carves_and_refuses), ONCE(arena_allocates_what_it_counted),
-             ONCE(norms_keep_nan_and_range), ONCE(vectors_of_any_length_are_finite),
-             ONCE(check_names_the_slot), ONCE(check_names_the_slot_of_blocks),
-             ONCE(blocks_come_apart_and_together), ONCE(blocks_refuse_bad_arguments),
-             ONCE(certificate_by_hand), ONCE(either_part_can_fail_alone),
-             ONCE(no_forces_under_pressure), ONCE(rounding_has_no_direction),
-             ONCE(certificate_of_q_zero_and_frictionless), ONCE(weights_fall_back),
-             ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
-             ONCE(certificate_ignores_order_and_tangent_frame), ONCE(dense_and_blocks_agree),
-             ONCE(states_of_the_three_kinds), ONCE(certify_refuses_and_leaves_outputs),
-             ONCE(nan_is_never_certified), ONCE(a_runaway_is_never_certified),
-             EACH(there_and_back, 2, 4), EACH(storages_agree, 2, 4), ONCE(bad_conversion));
+  return RUN(
+      "contact", NULL, NULL, ONCE(statuses_have_names_and_words), ONCE(an_error_says_where),
+      ONCE(arena_counts_carves_and_refuses), ONCE(arena_allocates_what_it_counted),
+      ONCE(norms_keep_nan_and_range), ONCE(vectors_of_any_length_are_finite),
+      ONCE(check_names_the_slot), ONCE(check_names_the_slot_of_blocks),
+      ONCE(blocks_come_apart_and_together), ONCE(blocks_refuse_bad_arguments),
+      ONCE(certificate_by_hand), ONCE(either_part_can_fail_alone), ONCE(no_forces_under_pressure),
+      ONCE(rounding_has_no_direction), ONCE(certificate_of_q_zero_and_frictionless),
+      ONCE(weights_fall_back), ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
+      ONCE(certificate_ignores_order_and_tangent_frame), ONCE(dense_and_blocks_agree),
+      ONCE(states_of_the_three_kinds), ONCE(certify_refuses_and_leaves_outputs),
+      ONCE(nan_is_never_certified), ONCE(a_runaway_is_never_certified), EACH(there_and_back, 2, 4),
+      EACH(storages_agree, 2, 4), ONCE(bad_conversion), EACH(a_subset_is_rows_and_columns, 0, 24),
+      ONCE(a_subset_stays_in_its_memory), ONCE(a_bad_subset_is_named));
 }

@@ -156,6 +156,31 @@ START_TEST(start_that_overflows) {
 }
 END_TEST
 
+/* A start so large that W r hides q in its rounding is dropped: the answer is that from r = 0, to
+ * the same bits where the method sweeps from its start; a start that is merely bad is not. */
+START_TEST(start_that_hides_q) {
+  const tested_solver s = door(_i / 10);
+  static model a;
+  numbered_model(&a, _i % 10);
+  double cold[most], r[most], u[most];
+  dls_info info;
+  const double tol = 1e-10;
+  ck_assert_int_eq(solve_from(&s, &a.p, tol, 0, cold, &info), DLS_OK);
+  const int m = a.p.d * a.p.nc;
+  const double size = norm_of(cold, m) + norm_of(a.q, m);
+  dls_certificate start;
+  for (int k = 0; k < m; k++)
+    r[k] = 1e25 * size * (k % 2 ? -0.5 : 1);
+  ck_assert_int_eq(dls_contact_certify(&a.p, r, u, &start, NULL), DLS_OK);
+  if (!(start.floor_u >= 1)) return; /* no reaction of the answer, or W weak */
+  ck_assert_int_eq(solve_from(&s, &a.p, tol, 1, r, &info), DLS_OK);
+  if (s.method == DLS_NLGS || s.method == DLS_NEWTON)
+    ck_assert_mem_eq(r, cold, sizeof *r * (size_t)m);
+  for (int k = 0; k < m; k++)
+    ck_assert(fabs(r[k] - cold[k]) <= 1e-4 * size || s.tol > 0);
+}
+END_TEST
+
 /* ---- random ---------------------------------------------------------------------------------- */
 
 START_TEST(random_problem) {
@@ -231,6 +256,31 @@ START_TEST(stopped_early) {
 }
 END_TEST
 
+/* Without candidates every problem is solved, in a workspace for none or for more, from a start or
+ * from nothing; the callback is called once, and there is nothing left for it to cancel. */
+START_TEST(no_candidates) {
+  const tested_solver s = door(_i / 8);
+  const int d = 2 + _i % 2, room = _i / 2 % 2 ? 3 : 0, warm = _i / 4 % 2;
+  any_settings settings = settings_for(&s, 1e-8, warm);
+  watch w = {NULL, 0, INFINITY, 0, 1};
+  s.limits(&settings)->progress = look;
+  s.limits(&settings)->progress_data = &w;
+  void *work;
+  ck_assert_int_eq(s.create(&work, d, room, &settings, NULL), DLS_OK);
+  const dls_contact p = {.d = d};
+  dls_info info;
+  for (int turn = 1; turn <= 2; turn++) {
+    memset(&info, 0x55, sizeof info);
+    ck_assert_int_eq(s.solve(work, &p, NULL, NULL, turn == 2 ? &info : NULL, NULL), DLS_OK);
+    ck_assert_int_eq(w.calls, turn);
+  }
+  ck_assert(w.least == 0 && info.status == DLS_OK && info.method == s.method);
+  ck_assert(info.iterations == 0 && info.stages == 0 && info.certificate.residual == 0);
+  ck_assert(dls_certificate_holds(&info.certificate, 0));
+  s.destroy(work);
+}
+END_TEST
+
 /* ---- memory ---------------------------------------------------------------------------------- */
 
 /* Doubles of a workspace for a dense W, the terms of m^2. Lemke's method has the LCP and its table,
@@ -291,9 +341,10 @@ int main(void) {
   return RUN("contract", NULL, NULL, EACH(by_hand, 0, doors * hand_count),
              EACH(hyperstatic, 0, doors), EACH(a_solution_stays, 0, doors),
              EACH(no_solution, 0, doors * jammed_count), EACH(never_worse, 0, doors * 30),
-             EACH(start_that_overflows, 0, doors), EACH(random_problem, 0, doors * 40),
-             EACH(units, 0, doors * 12), EACH(turned_tangents, 0, doors * 10),
-             EACH(tolerance_zero, 0, doors * 20), EACH(smaller_problem, 0, doors),
-             EACH(stopped_early, 0, doors * 3), EACH(memory, 0, doors), EACH(bad_create, 0, doors),
+             EACH(start_that_overflows, 0, doors), EACH(start_that_hides_q, 0, doors * 10),
+             EACH(random_problem, 0, doors * 40), EACH(units, 0, doors * 12),
+             EACH(turned_tangents, 0, doors * 10), EACH(tolerance_zero, 0, doors * 20),
+             EACH(smaller_problem, 0, doors), EACH(stopped_early, 0, doors * 3),
+             EACH(no_candidates, 0, doors * 8), EACH(memory, 0, doors), EACH(bad_create, 0, doors),
              EACH(bad_solve, 0, doors), ONCE(defaults_without_a_place));
 }

@@ -19,6 +19,8 @@
 #endif
 
 #include "delassus/files.h"
+#include "delassus/reduction.h"
+#include "delassus/solve.h"
 #include "malloc_fails.h"
 #include "run.h"
 
@@ -717,6 +719,42 @@ static void patch_size(const char *matrix, double rows, double cols) {
   patch(name, INTS, VALUES(cols));
 }
 
+/* Without candidates a file comes back, and its problem is solved. */
+START_TEST(no_candidates_round_trip) {
+  double xx[2] = {2, 3}, f[2] = {4, 6}, x[2] = {0};
+  const int pp[3] = {0, 1, 2}, ii[2] = {0, 1};
+  const dls_contact none = {.d = 3};
+  const dls_model model = {.d = 2,
+                           .n = 2,
+                           .operator_kind = DLS_STIFFNESS_SPARSE,
+                           .factorization = DLS_CHOLESKY,
+                           .Ks = {2, 2, pp, ii, xx}};
+  dls_fclib *file;
+  ck_assert_int_eq(dls_fclib_write_local(path, &none, NULL, NULL, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_fclib_read(&file, path, NULL), DLS_OK);
+  dls_contact p;
+  ck_assert_int_eq(dls_fclib_contact(file, &p, NULL), DLS_OK);
+  ck_assert(p.d == 3 && p.nc == 0);
+  ck_assert_int_eq(dls_solve(&p, NULL, NULL, NULL, NULL, NULL), DLS_OK);
+  dls_fclib_destroy(file);
+
+  ck_assert_int_eq(
+      dls_fclib_write_global(path, &model, f, NULL, NULL, NULL, NULL, NULL, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_fclib_read(&file, path, NULL), DLS_OK);
+  dls_model read;
+  const double *load, *g, *mu;
+  ck_assert_int_eq(dls_fclib_model(file, &read, &load, &g, &mu, NULL), DLS_OK);
+  ck_assert(read.n == 2 && read.nodes == 0);
+  dls_reduction *R;
+  ck_assert_int_eq(dls_reduction_create(&R, &read, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load(R, load, g, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_recover(R, NULL, x, NULL), DLS_OK);
+  ck_assert(x[0] == 2 && x[1] == 2);
+  dls_reduction_destroy(R);
+  dls_fclib_destroy(file);
+}
+END_TEST
+
 START_TEST(other_layouts) {
   /* by rows, 64-bit indices, arrays longer than used, big-endian */
   double rows[20] = {0};
@@ -842,7 +880,7 @@ static const struct broken {
     {"spacedim/x", INTS, DLS_E_FORMAT, LIST(2), "spacedim", -1}, /* a group */
     {"spacedim", INTS, DLS_E_FORMAT, LIST(3), "W/m", -1},        /* m = 4 is no multiple of 3 */
     {"W/m", INTS, DLS_E_FORMAT, LIST(-1), "W/m", -1},
-    {"W/m", INTS, DLS_E_FORMAT, LIST(0), "W/m", -1},
+    {"W/m", INTS, DLS_E_FORMAT, LIST(0), "W/i", 0},
     {"W/m", INTS, DLS_E_FORMAT, LIST(3), "W/i", 3},
     {"W/m", INTS, DLS_E_FORMAT, LIST(6), "W/n", -1},
     {"W/m", INTS, DLS_E_FORMAT, LIST(INT_MAX), "W/m", -1},
@@ -1099,7 +1137,7 @@ START_TEST(write_arguments) {
     dls_model model = model3;
     if (k == 0) model.d = 4;
     if (k == 1) model.n = 0;
-    if (k == 2) model.nodes = 0;
+    if (k == 2) model.nodes = -1;
     if (k == 3) model.nodes = INT_MAX / 3 + 1;
     if (k == 4) model.P = model.HN;
     if (k == 5) model.operator_kind = DLS_FLEXIBILITY;
@@ -1245,6 +1283,7 @@ int main(void) {
                            ONCE(data_round_trip),
                            ONCE(local_round_trip),
                            ONCE(global_round_trip),
+                           ONCE(no_candidates_round_trip),
                            ONCE(other_layouts),
                            EACH(broken_local_file, 0, locals),
                            EACH(broken_global_file, 0, globals),

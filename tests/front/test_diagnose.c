@@ -623,13 +623,22 @@ static void refuses(const dls_contact *p, int limit, dls_status status, const ch
   ck_assert_mem_eq(&g, &before, sizeof g);
 }
 
+START_TEST(no_candidates) {
+  const dls_contact p = {.d = 3};
+  dls_diagnosis g;
+  ck_assert_int_eq(dls_contact_diagnose(&p, 10, &g, NULL), DLS_OK);
+  ck_assert(g.spectrum && g.rank == 0 && g.negative == 0 && g.friction_unique > 1e300);
+  ck_assert(g.friction_max == 0 && g.closing == 0 && g.no_effect.count == 0);
+}
+END_TEST
+
 START_TEST(bad_input_is_named) {
   dls_contact p = dense2();
   refuses(NULL, 10, DLS_E_ARGUMENT, "problem", -1);
   refuses(&p, -1, DLS_E_ARGUMENT, "limit", -1);
   p.d = 1;
   refuses(&p, 10, DLS_E_ARGUMENT, "d", -1);
-  p = dense2(), p.nc = 0;
+  p = dense2(), p.nc = -1;
   refuses(&p, 10, DLS_E_SIZE, "nc", -1);
   p = dense2(), p.W.a = NULL;
   refuses(&p, 10, DLS_E_ARGUMENT, "W", -1);
@@ -689,15 +698,16 @@ START_TEST(each_failing_malloc_unwinds) {
 END_TEST
 
 int main(void) {
-  return RUN(
-      "diagnose", NULL, NULL, ONCE(diagonal), ONCE(one_candidate_has_its_closed_form),
-      ONCE(three_dimensions), ONCE(rank_and_definiteness), ONCE(unsymmetric),
-      ONCE(degenerate_candidates_are_named), ONCE(singular_blocks_in_three_dimensions),
-      ONCE(units_do_not_matter), ONCE(order_does_not_matter), ONCE(tangent_frames_do_not_matter),
-      ONCE(blocks_give_the_facts_of_the_dense_matrix), ONCE(blocks_that_are_missing),
-      ONCE(catalogue_of_failures), ONCE(below_the_bound_there_is_one_solution),
-      ONCE(fixed_points_on_the_threshold_contract),
-      ONCE(above_the_critical_friction_there_are_several),
-      ONCE(one_candidate_in_3d_has_one_solution_below_the_bound), ONCE(too_large_is_said),
-      ONCE(the_same_bits_twice), ONCE(bad_input_is_named), ONCE(each_failing_malloc_unwinds));
+  return RUN("diagnose", NULL, NULL, ONCE(diagonal), ONCE(one_candidate_has_its_closed_form),
+             ONCE(three_dimensions), ONCE(rank_and_definiteness), ONCE(unsymmetric),
+             ONCE(degenerate_candidates_are_named), ONCE(singular_blocks_in_three_dimensions),
+             ONCE(units_do_not_matter), ONCE(order_does_not_matter),
+             ONCE(tangent_frames_do_not_matter), ONCE(blocks_give_the_facts_of_the_dense_matrix),
+             ONCE(blocks_that_are_missing), ONCE(catalogue_of_failures),
+             ONCE(below_the_bound_there_is_one_solution),
+             ONCE(fixed_points_on_the_threshold_contract),
+             ONCE(above_the_critical_friction_there_are_several),
+             ONCE(one_candidate_in_3d_has_one_solution_below_the_bound), ONCE(too_large_is_said),
+             ONCE(the_same_bits_twice), ONCE(no_candidates), ONCE(bad_input_is_named),
+             ONCE(each_failing_malloc_unwinds));
 }

@@ -249,7 +249,7 @@ START_TEST(bad_settings_are_refused) {
   s = good, s.limits.max_iterations = -1;
   ck_assert_int_eq(dls_solver_create(&solver, 2, NC, &s, &e), DLS_E_ARGUMENT);
   ck_assert_int_eq(dls_solver_create(&solver, 1, NC, &good, &e), DLS_E_ARGUMENT);
-  ck_assert_int_eq(dls_solver_create(&solver, 2, 0, &good, &e), DLS_E_SIZE);
+  ck_assert_int_eq(dls_solver_create(&solver, 2, -1, &good, &e), DLS_E_SIZE);
   const int facets[] = {-8, 2, 7, 66};
   for (int k = 0; k < 4; k++) {
     s = settings_of(DLS_LEMKE), s.facets = facets[k];
@@ -369,6 +369,32 @@ static dls_status fails_alike(const small *a, int d, int nc) {
   return status;
 }
 
+static int count_last(void *data, const dls_progress *progress) {
+  ck_assert_str_eq(progress->method, "auto");
+  ck_assert(progress->residual >= 0 && progress->residual <= 1e-8);
+  ++*(int *)data;
+  return 1;
+}
+
+/* Where auto needs no iteration, or one sweep, the callback hears of the answer once, and cannot
+ * cancel it; with an info or without one. */
+START_TEST(an_answer_at_once_is_told_once) {
+  double W1[4] = {2, 0, 0, 1}, mu1 = 0.5, r[2];
+  int calls = 0;
+  dls_solver_settings s = settings_of(DLS_AUTO);
+  s.limits.progress = count_last;
+  s.limits.progress_data = &calls;
+  for (int way = 0; way < 4; way++) {
+    double q1[2] = {way & 1 ? -1 : 1, 0.25};
+    const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W1}, .q = q1, .mu = &mu1};
+    dls_info info;
+    ck_assert_int_eq(dls_solve(&p, &s, r, NULL, way & 2 ? &info : NULL, NULL), DLS_OK);
+    ck_assert_int_eq(calls, way + 1);
+    ck_assert_double_eq_tol(r[0], way & 1 ? 0.5 : 0, 1e-15);
+  }
+}
+END_TEST
+
 START_TEST(short_calls_see_every_bad_number) {
   const double bad[] = {NAN, INFINITY, -INFINITY};
   for (int way = 0; way < 8; way++)
@@ -416,7 +442,7 @@ static int spoil(small *a, int fault, int blocks) {
   const int d = p->d, nc = p->nc, m = d * nc;
   if (fault == 0) p->d = 1;
   if (fault == 1) p->d = 4;
-  if (fault == 2) p->nc = 0;
+  if (fault == 2) p->nc = INT32_MAX;
   if (fault == 3) p->nc = -1;
   if (fault == 4) p->q = NULL;
   if (fault == 5) p->mu = NULL;
@@ -981,18 +1007,18 @@ START_TEST(auto_proves_that_there_is_no_solution) {
 END_TEST
 
 int main(void) {
-  return RUN("solve", NULL, NULL, ONCE(methods_have_names), ONCE(methods_agree),
-             EACH(block_on_a_belt, 0, 4), ONCE(accelerations_have_names),
-             ONCE(bad_settings_are_refused), ONCE(limits_change), ONCE(auto_tells_of_other_answers),
-             ONCE(every_failing_malloc_unwinds), ONCE(free_problem_is_answered_at_once),
-             ONCE(short_calls_see_every_bad_number), ONCE(short_calls_take_large_numbers),
-             ONCE(short_calls_see_every_bad_view), ONCE(short_calls_take_a_wider_leading_dimension),
-             ONCE(candidates_apart_take_one_sweep), ONCE(one_candidate_takes_one_sweep),
-             ONCE(candidates_apart_in_any_units), ONCE(a_neighbour_pressed_takes_more_sweeps),
-             ONCE(nearly_free_is_answered_by_nothing), ONCE(bad_blocks_go_through_the_stages),
-             ONCE(auto_takes_the_same_stages_in_any_units), ONCE(auto_does_not_see_frames),
-             ONCE(auto_does_not_see_the_order),
-             ONCE(no_allocation_by_blocks_and_in_larger_problems), ONCE(auto_starts_warm),
-             ONCE(a_jam_has_likely_no_solution), ONCE(auto_forgets_the_solve_before),
-             ONCE(auto_proves_that_there_is_no_solution));
+  return RUN(
+      "solve", NULL, NULL, ONCE(methods_have_names), ONCE(methods_agree),
+      EACH(block_on_a_belt, 0, 4), ONCE(accelerations_have_names), ONCE(bad_settings_are_refused),
+      ONCE(limits_change), ONCE(auto_tells_of_other_answers), ONCE(every_failing_malloc_unwinds),
+      ONCE(free_problem_is_answered_at_once), ONCE(an_answer_at_once_is_told_once),
+      ONCE(short_calls_see_every_bad_number), ONCE(short_calls_take_large_numbers),
+      ONCE(short_calls_see_every_bad_view), ONCE(short_calls_take_a_wider_leading_dimension),
+      ONCE(candidates_apart_take_one_sweep), ONCE(one_candidate_takes_one_sweep),
+      ONCE(candidates_apart_in_any_units), ONCE(a_neighbour_pressed_takes_more_sweeps),
+      ONCE(nearly_free_is_answered_by_nothing), ONCE(bad_blocks_go_through_the_stages),
+      ONCE(auto_takes_the_same_stages_in_any_units), ONCE(auto_does_not_see_frames),
+      ONCE(auto_does_not_see_the_order), ONCE(no_allocation_by_blocks_and_in_larger_problems),
+      ONCE(auto_starts_warm), ONCE(a_jam_has_likely_no_solution),
+      ONCE(auto_forgets_the_solve_before), ONCE(auto_proves_that_there_is_no_solution));
 }

@@ -722,7 +722,7 @@ START_TEST(bad_model) {
   } while (0)
   WITH(b.model.d = 4, DLS_E_ARGUMENT, "d", -1);
   WITH(b.model.n = 0, DLS_E_SIZE, "n", -1);
-  WITH(b.model.nodes = 0, DLS_E_SIZE, "nodes", -1);
+  WITH(b.model.nodes = -1, DLS_E_SIZE, "nodes", -1);
   WITH(b.model.K.a = NULL, DLS_E_ARGUMENT, "K", -1);
   WITH(b.K[5 + n * 3] = NAN, DLS_E_NOT_FINITE, "K", 5 + n * 3);
   WITH(b.nx[3] = INFINITY, DLS_E_NOT_FINITE, "HN", 3);

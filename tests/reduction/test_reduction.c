@@ -7,6 +7,7 @@
 
 #include "close.h"
 #include "delassus/reduction.h"
+#include "delassus/solve.h"
 #include "errors.h"
 #include "malloc_fails.h"
 #include "reduced.h"
@@ -848,7 +849,7 @@ START_TEST(bad_model) {
   BAD(F.model.d = 1, DLS_E_ARGUMENT, "d", -1);
   BAD(F.model.d = 4, DLS_E_ARGUMENT, "d", -1);
   BAD(F.model.n = 0, DLS_E_SIZE, "n", -1);
-  BAD(F.model.nodes = 0, DLS_E_SIZE, "nodes", -1);
+  BAD(F.model.nodes = -1, DLS_E_SIZE, "nodes", -1);
   BAD(F.model.nodes = 1 << 30, DLS_E_SIZE, "nodes", -1);
   BAD(F.model.operator_kind = (dls_operator)0, DLS_E_ARGUMENT, "operator_kind", -1);
   BAD(F.model.operator_kind = (dls_operator)5, DLS_E_ARGUMENT, "operator_kind", -1);
@@ -901,7 +902,7 @@ START_TEST(bad_model) {
   BAD(F.model.P.i = NULL, DLS_E_ARGUMENT, "P", -1);
   BAD(F.model.P.x = NULL, DLS_E_ARGUMENT, "P", -1);
   BAD(F.model.P.rows = 2, DLS_E_SIZE, "P", -1);
-  BAD(F.model.P.cols = 0, DLS_E_SIZE, "P", -1);
+  BAD(F.model.P.cols = -1, DLS_E_SIZE, "P", -1);
   BAD(F.model.P.cols = 1 << 30, DLS_E_SIZE, "P", -1);
   BAD(F.Pp[0] = 1, DLS_E_ARGUMENT, "P", 0);
   BAD(F.Pp[2] = 1, DLS_E_ARGUMENT, "P", 2);
@@ -920,6 +921,85 @@ START_TEST(bad_model) {
   make(2, 6, 3, 1, 1, 0);
   ck_assert_int_eq(dls_reduction_create(NULL, &F.model, &error), DLS_E_ARGUMENT);
   ck_assert_str_eq(error.argument, "out");
+}
+END_TEST
+
+/* No contact node, nodes without an active one, or a P without columns: x = K^-1 f, and a contact
+ * problem without candidates, which is solved. */
+START_TEST(no_candidates) {
+  const int kind = 1 + _i / 3;
+  make(2, 30, 4, 3, 1, 0);
+  take_operator(kind);
+  int active[4] = {0};
+  if (_i % 3 == 0) {
+    F.model.nodes = 0;
+    F.model.HN = F.model.HT = (dls_sparse){0};
+  } else if (_i % 3 == 1)
+    F.model.active = active;
+  else
+    F.model.P = sparse(4, 0, F.Pp, F.Pi, F.Px);
+  dls_reduction *R = new_reduction();
+  ck_assert_int_eq(dls_reduction_load(R, F.f, F.model.nodes ? F.g : NULL, NULL), DLS_OK);
+  dls_contact p;
+  ck_assert_int_eq(dls_reduction_contact(R, NULL, &p, NULL), DLS_OK);
+  ck_assert_int_eq(p.nc, 0);
+  ck_assert_int_eq(p.d, 2);
+  dls_info info;
+  ck_assert_int_eq(dls_solve(&p, NULL, NULL, NULL, &info, NULL), DLS_OK);
+  ck_assert(info.certificate.residual == 0);
+  double x[30], expected[30] = {0}, nodal[8];
+  ck_assert_int_eq(dls_reduction_recover(R, NULL, x, NULL), DLS_OK);
+  for (int j = 0; j < 30; j++)
+    for (int i = 0; i < 30; i++)
+      expected[i] += F.inverse[i + 30 * j] * F.f[j];
+  assert_close(x, expected, 30, rounding());
+  ck_assert_int_eq(dls_reduction_nodal(R, NULL, nodal, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_update(R, &F.model, NULL), DLS_OK);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* A host's own K^-1 f gives the q and the x that f gives, until the next load or update. */
+START_TEST(free_velocity) {
+  make(2 + _i / 8, 30, 6, 3, 1, _i / 4 % 2);
+  take_operator(1 + _i % 4);
+  const int n = 30, m = F.model.d * candidates();
+  dls_reduction *R = new_reduction();
+  double q[max_m], x[max_n], free[max_n], y[max_n], zero[max_m] = {0};
+  ck_assert_int_eq(dls_reduction_load(R, F.f, F.g, NULL), DLS_OK);
+  memcpy(q, contact_of(R).q, (size_t)m * sizeof *q);
+  ck_assert_int_eq(dls_reduction_recover(R, F.r, x, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_recover(R, zero, free, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load(R, NULL, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load_free(R, free, F.g, NULL), DLS_OK);
+  assert_close(contact_of(R).q, q, m, rounding());
+  ck_assert_int_eq(dls_reduction_recover(R, zero, y, NULL), DLS_OK);
+  assert_close(y, free, n, 0);
+  ck_assert_int_eq(dls_reduction_recover(R, F.r, y, NULL), DLS_OK);
+  assert_close(y, x, n, rounding());
+  double imbalance = 7;
+  ck_assert_int_eq(dls_reduction_balance(R, F.r, &imbalance, NULL), DLS_OK);
+  ck_assert(imbalance == 0);
+
+  dls_error e;
+  const char *name = "dls_reduction_load_free";
+  expect_error(dls_reduction_load_free(NULL, free, F.g, &e), &e, DLS_E_ARGUMENT, name, "reduction",
+               -1);
+  expect_error(dls_reduction_load_free(R, NULL, F.g, &e), &e, DLS_E_ARGUMENT, name, "x_free", -1);
+  y[3] = NAN;
+  expect_error(dls_reduction_load_free(R, y, F.g, &e), &e, DLS_E_NOT_FINITE, name, "x_free", 3);
+  F.g[5] = INFINITY;
+  expect_error(dls_reduction_load_free(R, free, F.g, &e), &e, DLS_E_NOT_FINITE, name, "g", 5);
+  assert_close(contact_of(R).q, q, m, rounding());
+
+  ck_assert_int_eq(dls_reduction_load(R, F.f, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_recover(R, F.r, y, NULL), DLS_OK);
+  assert_close(y, x, n, 0);
+  ck_assert_int_eq(dls_reduction_load_free(R, free, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_update(R, &F.model, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_recover(R, zero, y, NULL), DLS_OK);
+  ck_assert(largest(y, n) == 0);
+  dls_reduction_destroy(R);
 }
 END_TEST
 
@@ -1118,6 +1198,7 @@ int main(void) {
              EACH(mixed_units, 0, 8), EACH(singular_matrices, 0, 2), EACH(free_body, 0, 10),
              EACH(bad_stiffness_names_its_unknown, 0, 72), EACH(overflow_names_its_unknown, 0, 2),
              ONCE(part_too_large), ONCE(overflows), ONCE(callback_fails), EACH(bad_model, 0, 8),
-             ONCE(bad_calls), EACH(every_malloc_fails, 0, 8), EACH(line_by_hand, 0, 4),
-             ONCE(line_as_printed), ONCE(line_in_a_model), ONCE(bad_line));
+             EACH(no_candidates, 0, 12), EACH(free_velocity, 0, 16), ONCE(bad_calls),
+             EACH(every_malloc_fails, 0, 8), EACH(line_by_hand, 0, 4), ONCE(line_as_printed),
+             ONCE(line_in_a_model), ONCE(bad_line));
 }

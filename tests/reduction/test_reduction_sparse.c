@@ -265,6 +265,26 @@ START_TEST(unsymmetric_is_unsymmetric) {
 }
 END_TEST
 
+/* No candidate is active: a plain solve. */
+START_TEST(no_candidates) {
+  make_kind(_i, DOUBLED);
+  const int active[side] = {0};
+  T.model.active = active;
+  dls_reduction *S = new_reduction(NULL);
+  ck_assert_int_eq(info_of(S).condensed, 0);
+  double *x = malloc((size_t)T.n * sizeof *x), *Kx = calloc((size_t)T.n, sizeof *Kx);
+  ck_assert_int_eq(dls_reduction_load(S, T.f, T.g, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_recover(S, NULL, x, NULL), DLS_OK);
+  for (int j = 0; j < T.n; j++)
+    for (int i = 0; i < T.n; i++)
+      Kx[i] += *entry(i, j) * x[j];
+  assert_close(Kx, T.f, T.n, 1e-12);
+  free(x);
+  free(Kx);
+  dls_reduction_destroy(S);
+}
+END_TEST
+
 /* Few columns on many unknowns: no Schur complement, the same W. */
 START_TEST(few_columns) {
   make(1, 1, 0);
@@ -766,8 +786,7 @@ START_TEST(bad_input) {
   int active[side] = {0};
   double mu[side] = {0};
   T.model.active = active;
-  ck_assert_int_eq(dls_model_check(&T.model, &error), DLS_E_ARGUMENT);
-  ck_assert_str_eq(error.argument, "active");
+  ck_assert_int_eq(dls_model_check(&T.model, &error), DLS_OK);
   T.model.active = NULL;
   T.model.mu = mu;
   mu[5] = -1;
@@ -809,6 +828,14 @@ START_TEST(bad_input) {
   ck_assert_int_eq(dls_reduction_balance(R, T.r, &imbalance, &error), DLS_E_NOT_FINITE);
   ck_assert(imbalance == 3);
   dls_reduction_destroy(R);
+  make(1, 0, 0); /* a free body has no K^-1 f */
+  s = defaults();
+  s.stabilize = 1;
+  R = new_reduction(&s);
+  ck_assert_int_eq(dls_reduction_load_free(R, T.f, NULL, &error), DLS_E_UNSUPPORTED);
+  ck_assert_str_eq(error.argument, "reduction");
+  dls_reduction_destroy(R);
+  make(1, 1, 0);
   dls_reduction_settings_init(NULL);
   /* the method on K itself knows nothing of these */
   T.model.mu = mu;
@@ -888,11 +915,11 @@ END_TEST
 
 int main(void) {
   return RUN("sparse reduction", NULL, NULL, EACH(sparse_equals_dense, 0, 20),
-             ONCE(unsymmetric_is_unsymmetric), ONCE(few_columns), EACH(jean_block, 0, 2),
-             EACH(tied_contact_nodes, 0, 2), ONCE(pivoting_takes_room), EACH(same_bits, 0, 5),
-             EACH(units, 0, 12), EACH(without_tangents, 0, 2), ONCE(without_W), EACH(update, 0, 5),
-             EACH(estimate, 0, 2), EACH(indefinite, 0, 2), EACH(free_bodies, 0, 12),
-             ONCE(held_body_has_no_modes), EACH(block_on_the_floor, 0, 3), ONCE(bad_modes),
-             EACH(structurally_singular, 0, 6), ONCE(bad_input), ONCE(leaves_the_host_alone),
-             EACH(every_malloc_fails, 0, 5));
+             ONCE(unsymmetric_is_unsymmetric), EACH(no_candidates, 0, 5), ONCE(few_columns),
+             EACH(jean_block, 0, 2), EACH(tied_contact_nodes, 0, 2), ONCE(pivoting_takes_room),
+             EACH(same_bits, 0, 5), EACH(units, 0, 12), EACH(without_tangents, 0, 2),
+             ONCE(without_W), EACH(update, 0, 5), EACH(estimate, 0, 2), EACH(indefinite, 0, 2),
+             EACH(free_bodies, 0, 12), ONCE(held_body_has_no_modes), EACH(block_on_the_floor, 0, 3),
+             ONCE(bad_modes), EACH(structurally_singular, 0, 6), ONCE(bad_input),
+             ONCE(leaves_the_host_alone), EACH(every_malloc_fails, 0, 5));
 }

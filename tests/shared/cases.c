@@ -637,7 +637,7 @@ void expect_bad_create(const tested_solver *s) {
   ck_assert_str_eq(error.argument, "out");
   refuses_to_create(s, DLS_E_ARGUMENT, "d", -1, 1, 1, &good);
   refuses_to_create(s, DLS_E_ARGUMENT, "d", -1, 4, 1, &good);
-  refuses_to_create(s, DLS_E_SIZE, "nc", -1, 2, 0, &good);
+  refuses_to_create(s, DLS_E_SIZE, "nc", -1, 2, -1, &good);
   refuses_to_create(s, DLS_E_SIZE, "nc", -1, 3, INT_MAX, &good);
   void *work;
   ck_assert_int_eq(s->create(&work, 2, 1, NULL, &error), DLS_OK); /* the defaults */
@@ -713,7 +713,7 @@ void expect_bad_solve(const tested_solver *s) {
   WITH(b.p.mu = NULL, DLS_E_ARGUMENT, "mu", -1);
   WITH(b.p.W.a = NULL, DLS_E_ARGUMENT, "W", -1);
   WITH(b.p.W.ld = 3, DLS_E_SIZE, "W", -1);
-  WITH(b.p.nc = 0, DLS_E_SIZE, "nc", -1);
+  WITH(b.p.nc = -1, DLS_E_SIZE, "nc", -1);
   WITH(b.p.d = 5, DLS_E_ARGUMENT, "d", -1);
 #undef WITH
   s->destroy(work);

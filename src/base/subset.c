@@ -1,0 +1,112 @@
+/*
+ * subset.c: some candidates of a contact problem as a problem of their own.
+ *
+ *   W' = W(s, s),  q' = q(s),  mu' = mu(s)          for the list s of candidates, which ascends
+ *
+ * Cost: O(d^2 count^2), or O(blocks in the columns of s, times log count), after the check of the
+ * whole problem. Fails: on its arguments only.
+ */
+#include <string.h>
+
+#include "base/base.h"
+
+/* Checks that the list ascends within 0 .. nc-1. */
+static dls_status subset_check(const dls_contact *problem, int count, const int *candidate,
+                               dls_error *error) {
+  if (count < 0 || count > problem->nc)
+    return dlsi_fail(error, DLS_E_SIZE, "count", -1, count, "is %d, must be from 0 to %d", count,
+                     problem->nc);
+  if (count > 0 && !candidate) return dlsi_is_null(error, "candidate");
+  for (int k = 0; k < count; k++) {
+    if (candidate[k] < 0 || candidate[k] >= problem->nc)
+      return dlsi_fail(error, DLS_E_ARGUMENT, "candidate", k, candidate[k], "is outside of 0 .. %d",
+                       problem->nc - 1);
+    if (k > 0 && candidate[k] <= candidate[k - 1])
+      return dlsi_fail(error, DLS_E_ARGUMENT, "candidate", k, candidate[k],
+                       "does not ascend: comes after %d", candidate[k - 1]);
+  }
+  return DLS_OK;
+}
+
+/* Copies W(s, s) to W', (d count) x (d count), and returns the end of it. */
+static double *subset_dense(const dls_contact *problem, int count, const int *candidate,
+                            double *W) {
+  const size_t d = (size_t)problem->d, ld = (size_t)problem->W.ld;
+  for (int b = 0; b < count; b++)
+    for (size_t j = 0; j < d; j++) {
+      const double *column = problem->W.a + (d * (size_t)candidate[b] + j) * ld;
+      for (int a = 0; a < count; a++, W += d)
+        memcpy(W, column + d * (size_t)candidate[a], d * sizeof *W);
+    }
+  return W;
+}
+
+/* Returns the place of c in the list, which ascends, or -1. */
+static int subset_place(int count, const int *candidate, int c) {
+  int low = 0, high = count;
+  while (low < high) {
+    const int middle = low + (high - low) / 2;
+    if (candidate[middle] < c)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low < count && candidate[low] == c ? low : -1;
+}
+
+/* Copies the blocks of W(s, s), in the order in which W has them, and returns the end of the
+ * values. index: count + 1 starts, then the block rows. */
+static double *subset_blocks(const dls_contact *problem, int count, const int *candidate, double *x,
+                             int *index, dls_blocks *B) {
+  const dls_blocks *all = &problem->Wb;
+  const size_t entries = (size_t)(problem->d * problem->d);
+  int *row = index + count + 1, blocks = 0;
+  *B = (dls_blocks){.d = problem->d, .n = count, .p = index, .i = row, .x = x};
+  for (int b = 0; b < count; b++) {
+    index[b] = blocks;
+    for (int k = all->p[candidate[b]]; k < all->p[candidate[b] + 1]; k++) {
+      const int place = subset_place(count, candidate, all->i[k]);
+      if (place < 0) continue;
+      row[blocks++] = place;
+      memcpy(x, all->x + entries * (size_t)k, entries * sizeof *x);
+      x += entries;
+    }
+  }
+  index[count] = blocks;
+  return x;
+}
+
+static dls_status contact_subset(const dls_contact *problem, int count, const int *candidate,
+                                 double *values, int *index, dls_contact *subset,
+                                 dls_error *error) {
+  dls_status status = dlsi_check_contact(problem, error);
+  if (!status) status = subset_check(problem, count, candidate, error);
+  if (status) return status;
+  const int by_blocks = problem->Wb.x != NULL;
+  if (count > 0 && !values) return dlsi_is_null(error, "values");
+  if (count > 0 && by_blocks && !index) return dlsi_is_null(error, "index");
+  if (!subset) return dlsi_is_null(error, "subset");
+  dls_contact made = {.d = problem->d, .nc = count};
+  const size_t d = (size_t)problem->d, n = (size_t)count;
+  if (count > 0) {
+    const int m = problem->d * count;
+    double *q = by_blocks ? subset_blocks(problem, count, candidate, values, index, &made.Wb)
+                          : subset_dense(problem, count, candidate, values);
+    if (!by_blocks) made.W = (dls_dense){m, m, m, values};
+    double *mu = q + d * n;
+    for (size_t k = 0; k < n; k++) {
+      memcpy(q + d * k, problem->q + d * (size_t)candidate[k], d * sizeof *q);
+      mu[k] = problem->mu[candidate[k]];
+    }
+    made.q = q;
+    made.mu = mu;
+  }
+  *subset = made;
+  return DLS_OK;
+}
+
+dls_status dls_contact_subset(const dls_contact *problem, int count, const int *candidate,
+                              double *values, int *index, dls_contact *subset, dls_error *error) {
+  return dlsi_at(__func__, contact_subset(problem, count, candidate, values, index, subset, error),
+                 error);
+}

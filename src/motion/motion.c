@@ -1,0 +1,344 @@
+/*
+ * motion.c: makes a motion, starts it, changes its step, shows it. step.c has the scheme.
+ *
+ * Memory: that of the reduction of A and of the solver; (d nc)^2 doubles for W of the active
+ * candidates in the velocity form; O(n + nnz). Fails: settings or sizes that do not fit, a singular
+ * A, no memory.
+ */
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "motion/motion_internal.h"
+
+void dls_motion_settings_init(dls_motion_settings *settings) {
+  if (!settings) return;
+  *settings = (dls_motion_settings){.size = sizeof *settings,
+                                    .law = DLS_MOTION_VELOCITY,
+                                    .method = DLS_AUTO,
+                                    .theta = 0.5,
+                                    .forecast = 0.5};
+  dlsi_limits_init(&settings->limits);
+  settings->limits.tol = 1e-12;
+  settings->limits.warm_start = 1;
+}
+
+/* ---- checks ---------------------------------------------------------------------------------- */
+
+static dls_status motion_check_h(double h, dls_error *error) {
+  const dlsi_setting own = {"h", h, 0, INFINITY, 1};
+  return dlsi_check_each(1, &own, error);
+}
+
+static dls_status motion_check_settings(const dls_motion_settings *s, dls_error *error) {
+  const int path = s->law == DLS_MOTION_PATH;
+  const dlsi_setting own[] = {{"law", s->law, DLS_MOTION_VELOCITY, DLS_MOTION_PATH, 0},
+                              {"theta", path ? 1 : s->theta, 0.5, 1, 0},
+                              {"restitution", s->restitution, 0, 1, 0},
+                              {"activation", s->activation, 0, DBL_MAX, 0},
+                              {"forecast", s->forecast, 0, 1, 0},
+                              {"stabilize", s->stabilize, 0, 1, 0}};
+  dls_status status =
+      dlsi_check_settings(&s->limits, s->size, sizeof *s, sizeof own / sizeof own[0], own, error);
+  if (!status) status = motion_check_h(s->h, error);
+  if (status) return status;
+  if (s->law == DLS_MOTION_GAP && s->theta < 1)
+    return dlsi_fail(
+        error, DLS_E_ARGUMENT, "theta", -1, s->theta,
+        "is %g, but the gap form needs 1: with less its impulses do not converge with h", s->theta);
+  if (s->law != DLS_MOTION_VELOCITY && s->restitution > 0)
+    return dlsi_fail(error, DLS_E_ARGUMENT, "restitution", -1, s->restitution,
+                     "is %g, but only the velocity form has impacts", s->restitution);
+  if (!path && s->stabilize)
+    return dlsi_fail(error, DLS_E_ARGUMENT, "stabilize", -1, 1, "is for a path: mass holds bodies");
+  return DLS_OK;
+}
+
+/* Checks a matrix that a law must have (1), may have (0) or must not have (-1). */
+static dls_status motion_check_matrix(const char *name, const dls_sparse *A, int n, int wanted,
+                                      dls_error *error) {
+  if (!A->p && wanted > 0) return dlsi_is_null(error, name);
+  if (!A->p) return DLS_OK;
+  if (wanted < 0)
+    return dlsi_fail(error, DLS_E_ARGUMENT, name, -1, 0, "is given, but a path has none");
+  return dlsi_check_sparse(name, A, n, n, error);
+}
+
+static dls_status motion_check_model(const dls_motion_model *model, int path, dls_error *error) {
+  if (!model) return dlsi_is_null(error, "model");
+  dls_status status = dlsi_check_dimension("d", model->d, error);
+  if (!status && model->n < 1)
+    status = dlsi_fail(error, DLS_E_SIZE, "n", -1, model->n, "is %d", model->n);
+  if (!status && model->nodes < 1)
+    status = dlsi_fail(error, DLS_E_SIZE, "nodes", -1, model->nodes, "is %d", model->nodes);
+  if (!status) status = motion_check_matrix("M", &model->M, model->n, path ? -1 : 1, error);
+  if (!status) status = motion_check_matrix("C", &model->C, model->n, path ? -1 : 0, error);
+  if (!status) status = motion_check_matrix("K", &model->K, model->n, path ? 1 : 0, error);
+  if (status || !model->gap) return status;
+  return dlsi_check_vector("gap", model->gap, (size_t)model->nodes, error);
+}
+
+/* ---- create ---------------------------------------------------------------------------------- */
+
+static void motion_carve_point(const dls_motion *motion, motion_point *point, dlsi_arena *arena) {
+  const size_t d = (size_t)motion->model.d, n = motion->n, nc = motion->candidates;
+  point->x = dlsi_take(arena, n, sizeof *point->x);
+  point->v = dlsi_take(arena, n, sizeof *point->v);
+  point->kx = dlsi_take(arena, n, sizeof *point->kx);
+  point->p = dlsi_take(arena, motion->m, sizeof *point->p);
+  point->u = dlsi_take(arena, motion->m, sizeof *point->u);
+  point->gap = dlsi_take(arena, nc, sizeof *point->gap);
+  point->slip = dlsi_take(arena, (d - 1) * nc, sizeof *point->slip);
+  point->way = dlsi_take(arena, d * motion->nodes, sizeof *point->way);
+  point->state = dlsi_take(arena, nc, sizeof *point->state);
+  point->list = dlsi_take(arena, nc, sizeof *point->list);
+}
+
+static void motion_carve(dls_motion *motion, dlsi_arena *arena) {
+  const size_t n = motion->n, m = motion->m, nc = motion->candidates;
+  const size_t local = (size_t)motion->model.d * motion->nodes;
+  const int some = motion->settings.law == DLS_MOTION_VELOCITY; /* not all are active */
+  motion_carve_point(motion, &motion->now, arena);
+  motion_carve_point(motion, &motion->next, arena);
+  double **const of_n[] = {&motion->b,  &motion->z,    &motion->dx,  &motion->sum,
+                           &motion->yn, &motion->yabs, &motion->ways};
+  for (size_t k = 0; k < sizeof of_n / sizeof of_n[0]; k++)
+    *of_n[k] = dlsi_take(arena, n, sizeof **of_n[k]);
+  double **const of_m[] = {&motion->uc, &motion->mc, &motion->r, &motion->w, &motion->q};
+  for (size_t k = 0; k < sizeof of_m / sizeof of_m[0]; k++)
+    *of_m[k] = dlsi_take(arena, m, sizeof **of_m[k]);
+  motion->gap0 = dlsi_take(arena, motion->nodes, sizeof *motion->gap0);
+  motion->local = dlsi_take(arena, local, sizeof *motion->local);
+  motion->place = dlsi_take(arena, local, sizeof *motion->place);
+  motion->zero = dlsi_take(arena, local > nc ? local : nc, sizeof *motion->zero);
+  motion->mu = dlsi_take(arena, nc, sizeof *motion->mu);
+  motion->held = dlsi_take(arena, nc, sizeof *motion->held);
+  motion->W = dlsi_take(arena, some ? m : 0, m * sizeof *motion->W);
+}
+
+static dls_status motion_allocate(dls_motion *motion, dls_error *error) {
+  dlsi_arena arena = {0};
+  motion_carve(motion, &arena);
+  const dls_status status = dlsi_arena_allocate(&arena, "nodes", motion->model.nodes, error);
+  if (status) return status;
+  motion->memory = arena.base;
+  motion_carve(motion, &arena);
+  const size_t local = (size_t)motion->model.d * motion->nodes;
+  memset(motion->zero, 0,
+         (local > motion->candidates ? local : motion->candidates) * sizeof *motion->zero);
+  for (size_t k = 0; k < motion->nodes; k++)
+    motion->gap0[k] = motion->model.gap ? motion->model.gap[k] : 0;
+  motion->gathered = -1;
+  return DLS_OK;
+}
+
+/* Gives the matrix of the reduction, its Ks, the name that the caller knows. */
+static void motion_name_A(const dls_motion *motion, dls_error *error) {
+  if (!error || strcmp(error->argument, "Ks") != 0) return;
+  char text[sizeof error->message];
+  const char *after = strstr(error->message, "Ks");
+  const char *name = motion->settings.law == DLS_MOTION_PATH ? "K" : "M";
+  (void)snprintf(text, sizeof text, "%s%s", name, after ? after + 2 : "");
+  memcpy(error->message, text, sizeof text);
+  error->argument = name;
+  error->function = "";
+}
+
+/* Tells the reduction of A. */
+static dls_model motion_reduced_model(const dls_motion *motion) {
+  const dls_motion_model *model = &motion->model;
+  return (dls_model){.d = model->d,
+                     .n = model->n,
+                     .nodes = model->nodes,
+                     .operator_kind = DLS_STIFFNESS_SPARSE,
+                     .factorization = model->factorization,
+                     .Ks = dlsi_columns_view(&motion->A),
+                     .HN = model->HN,
+                     .HT = model->HT,
+                     .P = model->P};
+}
+
+static dls_status motion_reduce(dls_motion *motion, dls_error *error) {
+  dls_status status = dlsi_motion_lay(motion, error);
+  if (status) return status;
+  dlsi_motion_form(motion, motion->settings.h);
+  dls_reduction_settings settings;
+  dls_reduction_settings_init(&settings);
+  settings.stabilize = motion->settings.stabilize;
+  const dls_model model = motion_reduced_model(motion);
+  status = dls_reduction_create_with(&motion->reduction, &model, &settings, error);
+  if (status) {
+    motion_name_A(motion, error);
+    return status;
+  }
+  dls_reduction_info info;
+  status = dls_reduction_get_info(motion->reduction, &info, error);
+  if (status) return status;
+  motion->modes = info.modes;
+  return DLS_OK;
+}
+
+static dls_status motion_prepare_solver(dls_motion *motion, dls_error *error) {
+  dls_solver_settings settings;
+  dls_solver_settings_init(&settings);
+  settings.limits = motion->settings.limits;
+  settings.method = motion->settings.method;
+  return dls_solver_create(&motion->solver, motion->model.d, (int)motion->candidates, &settings,
+                           error);
+}
+
+static dls_status motion_start(dls_motion *motion, const double *x, const double *v, double t,
+                               dls_error *error);
+
+static dls_status motion_create(dls_motion **out, const dls_motion_model *model,
+                                const dls_motion_settings *settings, dls_error *error) {
+  if (!settings) return dlsi_is_null(error, "settings");
+  dls_status status = motion_check_settings(settings, error);
+  if (!status) status = motion_check_model(model, settings->law == DLS_MOTION_PATH, error);
+  if (status) return status;
+  dls_motion *motion = dlsi_alloc(1, sizeof *motion);
+  if (!motion) return dlsi_no_memory(error);
+  *motion = (dls_motion){.model = *model, .settings = *settings};
+  motion->n = (size_t)model->n;
+  motion->nodes = (size_t)model->nodes;
+  motion->candidates = (size_t)(model->P.p ? model->P.cols : model->nodes);
+  motion->m = (size_t)model->d * motion->candidates;
+  status = motion_reduce(motion, error); /* checks H_N, H_T, P first of all */
+  if (!status) status = motion_prepare_solver(motion, error);
+  if (!status) status = motion_allocate(motion, error);
+  if (!status) status = motion_start(motion, NULL, NULL, 0, error);
+  if (status)
+    dls_motion_destroy(motion);
+  else
+    *out = motion;
+  return status;
+}
+
+dls_status dls_motion_create(dls_motion **out, const dls_motion_model *model,
+                             const dls_motion_settings *settings, dls_error *error) {
+  if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
+  *out = NULL;
+  return dlsi_at(__func__, motion_create(out, model, settings, error), error);
+}
+
+void dls_motion_destroy(dls_motion *motion) {
+  if (!motion) return;
+  dls_solver_destroy(motion->solver);
+  dls_reduction_destroy(motion->reduction);
+  dlsi_columns_free(&motion->A);
+  free(motion->memory);
+  free(motion);
+}
+
+/* ---- start, set ------------------------------------------------------------------------------ */
+
+static dls_status motion_start(dls_motion *motion, const double *x, const double *v, double t,
+                               dls_error *error) {
+  if (!motion) return dlsi_is_null(error, "motion");
+  dls_status status = x ? dlsi_check_vector("x", x, motion->n, error) : DLS_OK;
+  if (!status && v) status = dlsi_check_vector("v", v, motion->n, error);
+  if (!status) status = dlsi_check_vector("t", &t, 1, error);
+  if (status) return status;
+  if (v && motion->settings.law == DLS_MOTION_PATH)
+    return dlsi_fail(error, DLS_E_ARGUMENT, "v", -1, 0, "is given, but a path has none");
+  motion_point *now = &motion->now;
+  const size_t d = (size_t)motion->model.d, nc = motion->candidates;
+  for (size_t i = 0; i < motion->n; i++) {
+    now->x[i] = x ? x[i] : 0;
+    now->v[i] = v ? v[i] : 0;
+  }
+  memset(now->p, 0, motion->m * sizeof *now->p);
+  memset(now->slip, 0, (d - 1) * nc * sizeof *now->slip);
+  memset(now->way, 0, d * motion->nodes * sizeof *now->way);
+  memset(now->list, 0, nc * sizeof *now->list);
+  for (size_t c = 0; c < nc; c++)
+    now->state[c] = DLS_FREE;
+  now->active = 0;
+  now->energies = (dls_motion_energies){0};
+  dlsi_motion_measure_gap(motion, now);
+  dlsi_motion_local(motion, now->v, motion->local);
+  dlsi_motion_gather(motion, motion->local, now->u);
+  dlsi_motion_weigh(motion, now);
+  motion->problem = (dls_contact){.d = motion->model.d};
+  motion->steps = 0;
+  motion->t = t;
+  motion->h_last = 0;
+  return DLS_OK;
+}
+
+dls_status dls_motion_start(dls_motion *motion, const double *x, const double *v, double t,
+                            dls_error *error) {
+  return dlsi_at(__func__, motion_start(motion, x, v, t, error), error);
+}
+
+static dls_status motion_set_h(dls_motion *motion, double h, dls_error *error) {
+  dls_status status = motion ? motion_check_h(h, error) : dlsi_is_null(error, "motion");
+  if (status) return status;
+  if (motion->settings.law != DLS_MOTION_PATH) {
+    dlsi_motion_form(motion, h);
+    const dls_model model = motion_reduced_model(motion);
+    motion->gathered = -1;
+    status = dls_reduction_update(motion->reduction, &model, error);
+    if (status) {
+      motion_name_A(motion, error);
+      return status;
+    }
+  }
+  motion->settings.h = h;
+  return DLS_OK;
+}
+
+dls_status dls_motion_set_h(dls_motion *motion, double h, dls_error *error) {
+  return dlsi_at(__func__, motion_set_h(motion, h, error), error);
+}
+
+dls_status dls_motion_set_limits(dls_motion *motion, const dls_limits *limits, dls_error *error) {
+  if (!motion) return dlsi_at(__func__, dlsi_is_null(error, "motion"), error);
+  return dlsi_at(__func__, dls_solver_set_limits(motion->solver, limits, error), error);
+}
+
+/* ---- views ----------------------------------------------------------------------------------- */
+
+static dls_status motion_given(const dls_motion *motion, const char *argument, const void *out,
+                               dls_error *error) {
+  if (!motion) return dlsi_is_null(error, "motion");
+  return out ? DLS_OK : dlsi_is_null(error, argument);
+}
+
+dls_status dls_motion_get_state(const dls_motion *motion, dls_motion_state *state,
+                                dls_error *error) {
+  const dls_status status = motion_given(motion, "state", state, error);
+  if (status) return dlsi_at(__func__, status, error);
+  const motion_point *now = &motion->now;
+  *state = (dls_motion_state){.d = motion->model.d,
+                              .n = motion->model.n,
+                              .candidates = (int)motion->candidates,
+                              .steps = motion->steps,
+                              .t = motion->t,
+                              .x = now->x,
+                              .v = now->v,
+                              .p = now->p,
+                              .u = now->u,
+                              .gap = now->gap,
+                              .slip = now->slip,
+                              .state = now->state,
+                              .active = now->active,
+                              .active_list = now->list};
+  return DLS_OK;
+}
+
+dls_status dls_motion_get_energies(const dls_motion *motion, dls_motion_energies *energies,
+                                   dls_error *error) {
+  const dls_status status = motion_given(motion, "energies", energies, error);
+  if (!status) *energies = motion->now.energies;
+  return dlsi_at(__func__, status, error);
+}
+
+dls_status dls_motion_get_problem(const dls_motion *motion, dls_contact *problem,
+                                  dls_error *error) {
+  const dls_status status = motion_given(motion, "problem", problem, error);
+  if (!status) *problem = motion->problem;
+  return dlsi_at(__func__, status, error);
+}

@@ -1,0 +1,91 @@
+/* motion_internal.h: declares what the files of src/motion share. */
+#ifndef DLSI_MOTION_H
+#define DLSI_MOTION_H
+
+#include "base/base.h"
+#include "base/columns.h"
+#include "delassus/motion.h"
+#include "delassus/reduction.h"
+
+/* The state at the end of a step. */
+typedef struct motion_point {
+  double *x, *v, *kx;       /* n; kx = K x */
+  double *p, *u;            /* m */
+  double *gap;              /* candidates */
+  double *slip;             /* (d-1) candidates */
+  double *way;              /* d nodes: y, of the obstacle since the start */
+  dls_contact_state *state; /* candidates */
+  int active, *list;        /* candidates; ascending, `active` of them */
+  dls_motion_energies energies;
+} motion_point;
+
+struct dls_motion {
+  dls_motion_model model;
+  dls_motion_settings settings;
+  size_t n, nodes, candidates, m; /* m = d candidates */
+  int modes;                      /* of free bodies on a path */
+  dlsi_columns A;
+  dls_reduction *reduction;
+  dls_solver *solver;
+  dls_contact problem; /* of the last step */
+
+  long long steps;
+  double t, h_last; /* h_last: of the step that gave now.p */
+  motion_point now, next;
+
+  double *gap0;                         /* nodes */
+  double *b, *z, *dx, *sum, *yn, *yabs; /* n: scratch; dx: solution of (MT6), (MT9) */
+  double *ways;                         /* n: x+ - x on a path */
+  double *local, *place;                /* d nodes: scratch */
+  double *zero;                         /* max(d nodes, candidates): zeros for y and mu */
+  double *uc, *mc;                      /* m: scratch, by candidate */
+  double *r, *w;                        /* m: of the active candidates, reactions and W r + q */
+  double *W, *q, *mu;  /* of the active candidates where some are not; m m, m, candidates */
+  int gathered, *held; /* W holds these candidates; gathered < 0: none */
+  void *memory;        /* of all arrays but A */
+};
+
+/* Returns 0 where the model has no such matrix. */
+static inline int dlsi_motion_has(const dls_sparse *A) {
+  return A->p != NULL;
+}
+
+/* y := A x and, where a is not NULL, a := |A||x|, n each; 0 for a model without A. Of a symmetric A
+ * the lower triangle is read. */
+void dlsi_motion_multiply(const dls_motion *motion, const dls_sparse *A, const double *x, double *y,
+                          double *a);
+
+/* local := L^T x, d nodes. */
+void dlsi_motion_local(const dls_motion *motion, const double *x, double *local);
+
+/* c := P^T local, m; a copy without P. */
+void dlsi_motion_gather(const dls_motion *motion, const double *local, double *c);
+
+/* y += H p and, where a is not NULL, a += |H||p|, n each. p: m. */
+void dlsi_motion_push(const dls_motion *motion, const double *p, double *y, double *a);
+
+/* Lays A = M + h theta C + h^2 theta^2 K out; entries of the same place stand side by side. On a
+ * path A = K. The caller frees motion->A, also after an error. DLS_E_SIZE, DLS_E_MEMORY. */
+dls_status dlsi_motion_lay(dls_motion *motion, dls_error *error);
+
+/* Sets the values of A for the step h. */
+void dlsi_motion_form(dls_motion *motion, double h);
+
+/* Sets the gaps of the state x, way. Spoils local and mc. */
+void dlsi_motion_measure_gap(dls_motion *motion, motion_point *point);
+
+/* Copies a state. */
+void dlsi_motion_keep(const dls_motion *motion, const motion_point *from, motion_point *to);
+
+/* Sets point->kx and the energies of the state x, v; enlarges the scale. */
+void dlsi_motion_weigh(dls_motion *motion, motion_point *point);
+
+/* Adds the works of the step from now to next, and checks it: residual, momentum. f: n or NULL; y: d
+ * nodes; dv: n, the change of v, or of x on a path. */
+void dlsi_motion_account(dls_motion *motion, const double *f, const double *y, const double *dv);
+
+/* Returns max_i |res_i| / max_i (sum of the absolute values of its terms)_i, res = M dv - h (f - C
+ * v_th - K x_th) - H p, or K x+ - f - H r. Spoils b, z, sum, yn, yabs. */
+double dlsi_motion_momentum(dls_motion *motion, const double *f, const double *dv);
+
+#endif

@@ -1,0 +1,319 @@
+/*
+ * step.c: one step of a motion.
+ *
+ * Velocity form and gap form, with v_th = theta v+ + (1 - theta) v, A = M + h theta C + h^2 theta^2 K:
+ *
+ *   (MT1)  b = h (f - C v - K (x + h theta v)),   g = L^T v - y'
+ *   (MT2)  g_n += e g_n in the velocity form;  g_n += gap / h in the gap form
+ *   (MT3)  q = P^T g + H^T A^-1 b                                          (dls_reduction_load)
+ *   (MT4)  closed candidates: velocity form: gap + forecast h u_n <= activation; else all
+ *   (MT5)  p from u = W p + q and the laws of contact, for the closed ones; 0 for others
+ *   (MT6)  A dv = b + H p                                               (dls_reduction_recover)
+ *   (MT7)  v+ = v + dv,   x+ = x + h (v + theta dv)
+ *
+ * Solving for dv instead of v+ keeps the digits of what one step changes. Path, in turns that begin
+ * with z = x:
+ *
+ *   (MT8)  b = f - K z;  g_n = gap(z) at the obstacle's new place,  g_t = L_t^T (z - x) - h y'_t
+ *   (MT9)  (MT3) to (MT5) with A = K, then K dz = b + H r,  z += dz;  x+ = z
+ *
+ * One turn is exact but for rounding, which the next step sees in b and mends. Where springs hold
+ * the modes of a free body (settings.stabilize), dz carries the load that r leaves on them, and
+ * the turns go on (proximal point method) until K z = f + H r without them.
+ *
+ * Sources: [Jean 1988] (3.2)1, (3.3)1-6; J. J. Moreau, Unilateral contact and dry friction in finite
+ * freedom dynamics, 1988, for the velocity form with Newton's restitution. Nothing is kept of a step
+ * that is not certified. Cost: a solve and a half with A, some products, and the contact problem.
+ */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "motion/motion_internal.h"
+
+/* ---- the contact problem of a step ----------------------------------------------------------- */
+
+/* (MT4) */
+static void step_activate(dls_motion *motion) {
+  const dls_motion_settings *s = &motion->settings;
+  const int d = motion->model.d, all = s->law != DLS_MOTION_VELOCITY;
+  motion_point *next = &motion->next;
+  next->active = 0;
+  for (int c = 0; c < (int)motion->candidates; c++)
+    if (all || motion->now.gap[c] + s->forecast * s->h * motion->uc[d * c] <= s->activation)
+      next->list[next->active++] = c;
+}
+
+/* Copies the rows and columns of the active candidates of W; keeps them while these stay. */
+static void step_gather_W(dls_motion *motion, const dls_contact *whole) {
+  const motion_point *next = &motion->next;
+  const size_t count = (size_t)next->active, d = (size_t)whole->d, ld = (size_t)whole->W.ld;
+  if (motion->gathered == next->active &&
+      memcmp(motion->held, next->list, count * sizeof *motion->held) == 0)
+    return;
+  double *W = motion->W;
+  for (size_t j = 0; j < d * count; j++) {
+    const double *column = whole->W.a + (d * (size_t)next->list[j / d] + j % d) * ld;
+    for (size_t a = 0; a < count; a++, W += d)
+      memcpy(W, column + d * (size_t)next->list[a], d * sizeof *W);
+  }
+  memcpy(motion->held, next->list, count * sizeof *motion->held);
+  motion->gathered = next->active;
+}
+
+/* Sets motion->problem to the contact problem of the active candidates of `whole`. */
+static void step_restrict(dls_motion *motion, const dls_contact *whole) {
+  const motion_point *next = &motion->next;
+  const size_t d = (size_t)whole->d;
+  const int m = whole->d * next->active;
+  motion->problem = *whole;
+  if (next->active == whole->nc) return;
+  step_gather_W(motion, whole);
+  for (int a = 0; a < next->active; a++) {
+    const size_t c = (size_t)next->list[a];
+    memcpy(motion->q + d * (size_t)a, whole->q + d * c, d * sizeof *motion->q);
+    motion->mu[a] = whole->mu[c];
+  }
+  motion->problem.nc = next->active;
+  motion->problem.W = (dls_dense){m, m, m > 0 ? m : 1, motion->W};
+  motion->problem.q = motion->q;
+  motion->problem.mu = motion->mu;
+}
+
+/* Solves the problem of the active candidates from the impulses `start` (m) times factor; sets
+ * next->p and the states. */
+static dls_status step_solve(dls_motion *motion, const double *start, double factor, dls_info *info,
+                             dls_error *error) {
+  motion_point *next = &motion->next;
+  const dls_contact *problem = &motion->problem;
+  const size_t d = (size_t)motion->model.d;
+  dls_contact_state *state = next->state; /* of the active ones first, then spread */
+  dls_status status = DLS_OK;
+  if (next->active > 0) {
+    for (size_t k = 0; k < d * (size_t)next->active; k++)
+      motion->r[k] = factor * start[d * (size_t)next->list[k / d] + k % d];
+    status = dls_solver_solve(motion->solver, problem, motion->r, motion->w, info, error);
+    if (!status) status = dls_contact_states(problem, motion->r, motion->w, state, error);
+    if (status) return status;
+  } else
+    *info = (dls_info){.method = motion->settings.method};
+  memset(next->p, 0, motion->m * sizeof *next->p);
+  int a = next->active;
+  for (int c = (int)motion->candidates - 1; c >= 0; c--) { /* from the end: list[a] >= a */
+    const int closed = a > 0 && next->list[a - 1] == c;
+    if (closed) memcpy(next->p + d * (size_t)c, motion->r + d * (size_t)--a, d * sizeof *next->p);
+    state[c] = closed ? state[a] : DLS_FREE;
+  }
+  return DLS_OK;
+}
+
+/* (MT3) to (MT6), for b and g = motion->local; sets motion->dx to the solution. */
+static dls_status step_contact(dls_motion *motion, const double *mu, const double *start,
+                               double factor, dls_info *info, dls_error *error) {
+  dls_contact whole;
+  dls_status status = dls_reduction_load(motion->reduction, motion->b, motion->local, error);
+  if (!status)
+    status = dls_reduction_contact(motion->reduction, mu ? mu : motion->zero, &whole, error);
+  if (status) return status;
+  step_activate(motion);
+  step_restrict(motion, &whole);
+  status = step_solve(motion, start, factor, info, error);
+  return status ? status
+                : dls_reduction_recover(motion->reduction, motion->next.p, motion->dx, error);
+}
+
+/* ---- after the step -------------------------------------------------------------------------- */
+
+/* Sets local := gap0 + L^T x - way, the place of the contact nodes relative to the obstacle. */
+static void step_place(dls_motion *motion, const double *x, const double *way) {
+  const size_t d = (size_t)motion->model.d;
+  dlsi_motion_local(motion, x, motion->local);
+  for (size_t k = 0; k < d * motion->nodes; k++)
+    motion->local[k] += (k % d == 0 ? motion->gap0[k / d] : 0) - way[k];
+}
+
+void dlsi_motion_measure_gap(dls_motion *motion, motion_point *point) {
+  step_place(motion, point->x, point->way);
+  dlsi_motion_gather(motion, motion->local, motion->mc);
+  for (size_t c = 0; c < motion->candidates; c++)
+    point->gap[c] = motion->mc[(size_t)motion->model.d * c];
+}
+
+/* Sets u+, the slip and the gaps of next. dx: x+ - x on a path. y: d nodes. */
+static void step_measure(dls_motion *motion, const double *y, const double *dx) {
+  const dls_motion_settings *s = &motion->settings;
+  const int path = s->law == DLS_MOTION_PATH;
+  const size_t d = (size_t)motion->model.d;
+  const motion_point *now = &motion->now;
+  motion_point *next = &motion->next;
+  dlsi_motion_local(motion, path ? dx : next->v, motion->local);
+  for (size_t k = 0; k < d * motion->nodes; k++) {
+    motion->local[k] -= (path ? s->h : 1) * y[k];
+    next->way[k] = now->way[k] + s->h * y[k];
+  }
+  dlsi_motion_gather(motion, motion->local, next->u);
+  for (size_t c = 0; c < motion->candidates; c++)
+    for (size_t i = 1; i < d; i++) {
+      const size_t k = d * c + i, j = (d - 1) * c + i - 1;
+      next->slip[j] =
+          now->slip[j] +
+          (path ? next->u[k] : s->h * (s->theta * next->u[k] + (1 - s->theta) * motion->uc[k]));
+    }
+  dlsi_motion_measure_gap(motion, next);
+}
+
+static dls_status step_finite(const dls_motion *motion, dls_error *error) {
+  const motion_point *next = &motion->next;
+  long long bad = dlsi_first_not_finite(next->x, motion->n);
+  if (bad >= 0) return dlsi_fail(error, DLS_E_NOT_FINITE, "x", bad, next->x[bad], "overflow");
+  bad = dlsi_first_not_finite(next->v, motion->n);
+  if (bad >= 0) return dlsi_fail(error, DLS_E_NOT_FINITE, "v", bad, next->v[bad], "overflow");
+  return DLS_OK;
+}
+
+void dlsi_motion_keep(const dls_motion *motion, const motion_point *from, motion_point *to) {
+  const size_t d = (size_t)motion->model.d, nc = motion->candidates;
+  memcpy(to->x, from->x, motion->n * sizeof *to->x);
+  memcpy(to->v, from->v, motion->n * sizeof *to->v);
+  memcpy(to->kx, from->kx, motion->n * sizeof *to->kx);
+  memcpy(to->p, from->p, motion->m * sizeof *to->p);
+  memcpy(to->u, from->u, motion->m * sizeof *to->u);
+  memcpy(to->gap, from->gap, nc * sizeof *to->gap);
+  memcpy(to->slip, from->slip, (d - 1) * nc * sizeof *to->slip);
+  memcpy(to->way, from->way, d * motion->nodes * sizeof *to->way);
+  memcpy(to->state, from->state, nc * sizeof *to->state);
+  memcpy(to->list, from->list, nc * sizeof *to->list);
+  to->active = from->active;
+  to->energies = from->energies;
+}
+
+/* ---- dynamics -------------------------------------------------------------------------------- */
+
+/* (MT1), (MT2); sets uc to u before the step. y: d nodes. */
+static void step_predict(dls_motion *motion, const double *f, const double *y) {
+  const dls_motion_settings *s = &motion->settings;
+  const motion_point *now = &motion->now;
+  const size_t d = (size_t)motion->model.d;
+  double *g = motion->local;
+  if (s->law == DLS_MOTION_GAP) step_place(motion, now->x, now->way);
+  for (size_t k = 0; k < d * motion->nodes; k++)
+    motion->place[k] = s->law == DLS_MOTION_GAP ? g[k] / s->h : 0;
+  dlsi_motion_local(motion, now->v, g);
+  for (size_t k = 0; k < d * motion->nodes; k++)
+    g[k] -= y[k];
+  dlsi_motion_gather(motion, g, motion->uc);
+  for (size_t k = 0; k < d * motion->nodes; k += d)
+    g[k] += s->restitution * g[k] + motion->place[k];
+  for (size_t i = 0; i < motion->n; i++)
+    motion->z[i] = now->x[i] + s->h * s->theta * now->v[i];
+  dlsi_motion_multiply(motion, &motion->model.K, motion->z, motion->yn, NULL);
+  dlsi_motion_multiply(motion, &motion->model.C, now->v, motion->z, NULL);
+  for (size_t i = 0; i < motion->n; i++)
+    motion->b[i] = s->h * ((f ? f[i] : 0) - motion->z[i] - motion->yn[i]);
+}
+
+static dls_status step_dynamics(dls_motion *motion, const double *f, const double *y,
+                                const double *mu, dls_info *info, dls_error *error) {
+  const dls_motion_settings *s = &motion->settings;
+  const motion_point *now = &motion->now;
+  motion_point *next = &motion->next;
+  step_predict(motion, f, y);
+  const double factor = motion->h_last > 0 ? s->h / motion->h_last : 1;
+  dls_status status = step_contact(motion, mu, now->p, factor, info, error);
+  if (status) return status;
+  for (size_t i = 0; i < motion->n; i++) { /* (MT7) */
+    next->v[i] = now->v[i] + motion->dx[i];
+    next->x[i] = now->x[i] + s->h * (now->v[i] + s->theta * motion->dx[i]);
+  }
+  status = step_finite(motion, error);
+  if (status) return status;
+  step_measure(motion, y, NULL);
+  dlsi_motion_account(motion, f, y, motion->dx);
+  return DLS_OK;
+}
+
+/* ---- path ------------------------------------------------------------------------------------ */
+
+/* Turns after which the springs of a free body must carry nothing. Each leaves them a part of about
+ * s / (s + k), k the stiffness of what holds the body; the limit is met at k = s / 10. */
+enum { step_most_turns = 300 };
+
+/* (MT8) at next->x = now->x + ways. y: d nodes. */
+static void step_predict_path(dls_motion *motion, const double *f, const double *y) {
+  const double h = motion->settings.h;
+  const size_t d = (size_t)motion->model.d;
+  const motion_point *next = &motion->next;
+  dlsi_motion_local(motion, motion->ways, motion->place);
+  step_place(motion, next->x, motion->now.way);
+  for (size_t k = 0; k < d * motion->nodes; k++)
+    motion->local[k] = (k % d == 0 ? motion->local[k] : motion->place[k]) - h * y[k];
+  dlsi_motion_multiply(motion, &motion->model.K, next->x, motion->b, NULL);
+  for (size_t i = 0; i < motion->n; i++)
+    motion->b[i] = (f ? f[i] : 0) - motion->b[i];
+}
+
+static dls_status step_path(dls_motion *motion, const double *f, const double *y, const double *mu,
+                            dls_info *info, dls_error *error) {
+  motion_point *next = &motion->next;
+  const size_t n = motion->n;
+  memcpy(next->x, motion->now.x, n * sizeof *next->x);
+  memset(motion->ways, 0, n * sizeof *motion->ways);
+  double before = INFINITY, left = INFINITY;
+  int iterations = 0, turn = 0, done = 0;
+  for (; !done && turn < (motion->modes > 0 ? step_most_turns : 1); turn++) {
+    step_predict_path(motion, f, y);
+    dls_status status =
+        step_contact(motion, mu, turn > 0 ? next->p : motion->now.p, 1, info, error);
+    if (status) return status;
+    for (size_t i = 0; i < n; i++) { /* (MT9) */
+      motion->ways[i] += motion->dx[i];
+      next->x[i] = motion->now.x[i] + motion->ways[i];
+      next->v[i] = motion->ways[i] / motion->settings.h;
+    }
+    status = step_finite(motion, error);
+    if (status) return status;
+    iterations += info->iterations;
+    before = left;
+    left = dlsi_motion_momentum(motion, f, motion->ways);
+    done = motion->modes == 0 || left <= 4 * DBL_EPSILON || (left <= 1e-13 && left > before / 2);
+  }
+  info->iterations = iterations;
+  if (!done) return info->status = DLS_STALLED;
+  step_measure(motion, y, motion->ways);
+  dlsi_motion_account(motion, f, y, motion->ways);
+  return DLS_OK;
+}
+
+/* ---- the door -------------------------------------------------------------------------------- */
+
+static dls_status step_check(const dls_motion *motion, const double *f, const double *y,
+                             const double *mu, dls_error *error) {
+  if (!motion) return dlsi_is_null(error, "motion");
+  dls_status status = f ? dlsi_check_vector("f", f, motion->n, error) : DLS_OK;
+  if (!status && y)
+    status = dlsi_check_vector("y", y, (size_t)motion->model.d * motion->nodes, error);
+  if (!status && mu) status = dlsi_check_friction(mu, motion->candidates, error);
+  return status;
+}
+
+static dls_status step_take(dls_motion *motion, const double *f, const double *y, const double *mu,
+                            dls_info *info, dls_error *error) {
+  dls_status status = step_check(motion, f, y, mu, error);
+  if (status) return status;
+  dls_info own;
+  if (!info) info = &own;
+  if (!y) y = motion->zero;
+  status = motion->settings.law == DLS_MOTION_PATH ? step_path(motion, f, y, mu, info, error)
+                                                   : step_dynamics(motion, f, y, mu, info, error);
+  if (status) return status;
+  dlsi_motion_keep(motion, &motion->next, &motion->now);
+  motion->steps++;
+  motion->t += motion->settings.h;
+  motion->h_last = motion->settings.h;
+  return DLS_OK;
+}
+
+dls_status dls_motion_step(dls_motion *motion, const double *f, const double *y, const double *mu,
+                           dls_info *info, dls_error *error) {
+  return dlsi_at(__func__, step_take(motion, f, y, mu, info, error), error);
+}
