@@ -88,7 +88,7 @@ dls_status dlsi_modes_create(dlsi_modes *modes, const dls_model *model, dls_dens
 void dlsi_modes_free(dlsi_modes *modes);
 
 /* A model whose K has springs: K + spring_k e_j e_j^T for j = unknown[k] of each mode, spring_k =
- * 1e-4 K_jj, or 1e-4 times the largest entry of column j where K_jj is not positive. */
+ * 1e-3 K_jj, or 1e-3 times the largest entry of column j where K_jj is not positive. */
 typedef struct dlsi_stable {
   dls_model model;
   dlsi_columns K; /* the arrays of the new K; of a dense one only x */

@@ -54,8 +54,8 @@ DLS_API DLS_MUST_USE dls_status dls_moving_create(dls_moving **out, const char *
                                                   const dls_moving_settings *settings,
                                                   dls_error *error);
 
-/* Takes a step; statuses as dls_motion_step: what is not DLS_OK leaves the scene at the step before.
- * DLS_E_ARGUMENT "moving" after the last step. */
+/* Takes a step; statuses as dls_motion_step: what is not DLS_OK leaves the scene at the step
+ * before. DLS_E_ARGUMENT "moving" after the last step. */
 DLS_API DLS_MUST_USE dls_status dls_moving_step(dls_moving *moving, dls_error *error);
 
 /* A scene after a step. All arrays belong to the scene and change with the next step. */
@@ -68,9 +68,9 @@ typedef struct dls_moving_data {
   int steps;                    /* of the whole time */
   int cycle; /* jean-moving: steps of a cycle; two-blocks: of each part; else steps */
   const dls_fe_mesh *mesh;
-  double E, nu, rho;               /* of the material */
-  const dls_motion_model *model;   /* M, K, H_N, H_T, gap */
-  const int *unknown;              /* 2 mesh nodes: number in the model, -1 if supported */
+  double E, nu, rho;             /* of the material */
+  const dls_motion_model *model; /* M, K, H_N, H_T, gap */
+  const int *unknown;            /* 2 mesh nodes: number in the model, -1 if supported */
   int candidates;
   const int *candidate_node; /* candidates: node of the mesh */
 
@@ -80,13 +80,13 @@ typedef struct dls_moving_data {
   double energy_start;        /* kinetic and elastic, at the start                  work */
   const double *displacement; /* 2 mesh nodes                                       length */
   const double *reaction;     /* 2 mesh nodes: mean forces of the step; zero at the start   force */
-  const double *r;      /* 2 candidates: the same, local (n, t)                     force */
-  double obstacle;      /* jean-moving: where the obstacle is                       length */
-  double impulse[2];    /* sum of the p of all candidates so far, n and t; on a path 0 */
-  double variation;     /* total variation of the sum of r_n so far                 force */
-  double exact_gap;     /* bars: closed form of the gap, and of the force at the middle */
-  double exact_force;   /*   of the step */
-  double gap_error;     /* bars: L2 norm over time of gap - exact_gap, so far */
+  const double *r;            /* 2 candidates: the same, local (n, t)                     force */
+  double obstacle;            /* jean-moving: where the obstacle is                       length */
+  double impulse[2];          /* sum of the p of all candidates so far, n and t; on a path 0 */
+  double variation;           /* total variation of the sum of r_n so far                 force */
+  double exact_gap;           /* bars: closed form of the gap, and of the force at the middle */
+  double exact_force;         /*   of the step */
+  double gap_error;     /* bars: L2 norm over time of gap - exact_gap, over that of exact_gap */
   dls_info info;        /* of the contact problem of the step */
   long long iterations; /* of the methods so far */
   long long cold_iterations;            /* the same from r = 0, with settings.measure */

@@ -136,7 +136,7 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_contact(const dls_reduction *reduc
 DLS_API DLS_MUST_USE dls_status dls_reduction_recover(dls_reduction *reduction, const double *r,
                                                       double *x, dls_error *error);
 
-/* Balances a K whose k rigid-body modes are held: the springs s_j = 1e-4 K_jj at k unknowns j of
+/* Balances a K whose k rigid-body modes are held: the springs s_j = 1e-3 K_jj at k unknowns j of
  * the modes make K regular, and take the part of the loads that r does not balance,
  *
  *   K x = f + H r - s (x_j - c_j) e_j for each of them,   c = 0 after dls_reduction_load.

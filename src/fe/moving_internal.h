@@ -43,13 +43,13 @@ dls_status dlsi_moving_build(dlsi_moving_scene *scene, const char *name,
                              const dls_moving_settings *settings, dls_error *error);
 void dlsi_moving_free(dlsi_moving_scene *scene);
 
-/* Computes the operators of a line of nodes (abscissae a, ascending, na) that presses on another one
- * (b, nb) of the same extent: with the hat functions psi of the first line and N of both,
+/* Computes the operators of a line of nodes (abscissae a, ascending, na) that presses on another
+ * one (b, nb) of the same extent: with the hat functions psi of the first line and N of both,
  *
- *   A_ij = integral of psi_i N_j^a / w_i,  B_ij = integral of psi_i N_j^b / w_i,  w_i = that of psi_i
+ *   A_ij = integral of psi_i N_j^a / w_i,  B_ij = that of psi_i N_j^b / w_i,  w_i = that of psi_i
  *
- * so that u_i = sum of A_ij u_j^a - sum of B_ij u_j^b is the mean of the jump under psi_i, and r_i =
- * p w_i the reaction of a pressure p. A: na x na, B: na x nb, both row-major, zeroed before. */
+ * so that u_i = sum of A_ij u_j^a - sum of B_ij u_j^b is the mean of the jump under psi_i, and r_i
+ * = p w_i the reaction of a pressure p. A: na x na, B: na x nb, both row-major, zeroed before. */
 void dlsi_mortar_line(int na, const double *a, int nb, const double *b, double *A, double *B);
 
 #endif
