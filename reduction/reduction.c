@@ -184,11 +184,16 @@ static dls_status reduction_factor(dls_reduction *work, const dls_model *model, 
   const int stuck = status == DLS_E_SINGULAR || status == DLS_E_NOT_POSITIVE_DEFINITE;
   if (stuck && work->modes.count == 0) {
     reduction_forget_factor(work);
-    const int found =
-        !dlsi_modes_create(&work->modes, model, (dls_dense){0}, NULL) && work->modes.count;
+    dls_error second;
+    const dls_status looked = dlsi_modes_create(&work->modes, model, (dls_dense){0}, &second);
+    const int found = !looked && work->modes.count;
     if (found && work->settings.stabilize)
       status = reduction_attempt(work, model, &first);
     else {
+      if (looked == DLS_E_MEMORY) {
+        status = looked;
+        first = second;
+      }
       if (found) status = reduction_report_modes(model, &work->modes, &first);
       dlsi_modes_free(&work->modes);
     }

@@ -44,6 +44,7 @@ diagnose.h src/front
 motion.h src/motion
 fe.h src/fe
 forming.h src/fe
+moving.h src/fe
 END
 
 # includes: FILE HEADER, both from the top of the tree; a header is looked for beside its user, then in

@@ -11,14 +11,17 @@
 extern "C" {
 #endif
 
-/* A mesh of three-node triangles; owns its arrays. Unknowns of node i: 2 i (x) and 2 i + 1 (y).
- * Every function below that takes a mesh refuses NULL, sizes < 1, values that are not finite and
- * node numbers out of range, naming the field ("xy", "node", ...) and the index. */
+/* A mesh of three-node triangles (T3) or of four-node elements (Q4), never of both; owns its
+ * arrays. Unknowns of node i: 2 i (x) and 2 i + 1 (y). Every function below that takes a mesh
+ * refuses NULL, sizes < 1, values that are not finite and node numbers out of range, naming the
+ * field ("xy", "node", ...) and the index. */
 typedef struct dls_fe_mesh {
   int nodes;
   double *xy; /* 2 * nodes: x_i, y_i     length */
   int triangles;
   int *node; /* 3 * triangles, counterclockwise */
+  int quads;
+  int *quad; /* 4 * quads, counterclockwise, convex */
 } dls_fe_mesh;
 
 /* *mesh := the rectangle [0, lx] x [0, ly] in nx x ny equal rectangles, each cut into two triangles
@@ -28,23 +31,58 @@ typedef struct dls_fe_mesh {
  * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_fe_mesh_block(dls_fe_mesh *mesh, double lx, double ly, int nx,
                                                   int ny, dls_error *error);
+/* Works as dls_fe_mesh_block, with the rectangles themselves as four-node elements. */
+DLS_API DLS_MUST_USE dls_status dls_fe_mesh_quads(dls_fe_mesh *mesh, double lx, double ly, int nx,
+                                                  int ny, dls_error *error);
 DLS_API void dls_fe_mesh_free(dls_fe_mesh *mesh); /* NULL is fine */
 
 /* K (2 nodes x 2 nodes, column-major, leading dimension ldk) := the stiffness of linear elasticity
- * in plane strain, unit thickness, K = sum of A B^T D B over the triangles; symmetric to the last
- * bit. E > 0, -1 < nu < 1/2. E: force / length^2; K: force / length (per unit thickness).
- * DLS_E_ARGUMENT, also for a triangle that is flat or clockwise (index = its place in node);
- * DLS_E_SIZE, DLS_E_NOT_FINITE. Allocates nothing. */
+ * in plane strain, small strain, unit thickness, K = sum of the integrals of B^T D B over the
+ * elements (four-node ones: 2 x 2 Gauss points); symmetric to the last bit. E > 0, -1 < nu < 1/2.
+ * E: force / length^2; K: force / length (per unit thickness). DLS_E_ARGUMENT, also for an element
+ * that is flat, clockwise or not convex (index = its place in node or quad); DLS_E_SIZE,
+ * DLS_E_NOT_FINITE. Allocates nothing. */
 DLS_API DLS_MUST_USE dls_status dls_fe_stiffness(const dls_fe_mesh *mesh, double E, double nu,
                                                  double *K, int ldk, dls_error *error);
+
+/* A sparse matrix that owns its arrays: A has both triangles, rows of a column increasing, each
+ * place once. Start from {0}; release with dls_fe_matrix_free, which zeroes the struct. */
+typedef struct dls_fe_matrix {
+  dls_sparse A;
+  void *memory; /* of the arrays of A */
+} dls_fe_matrix;
+
+DLS_API void dls_fe_matrix_free(dls_fe_matrix *matrix); /* NULL is fine */
+
+/* *K := dls_fe_stiffness as a sparse matrix of the unknowns that `unknown` numbers: unknown[k] is
+ * the row and column, 0 .. unknowns-1, of the mesh's unknown k (2 nodes), or -1 where it is
+ * supported. Unknowns of the mesh that share a number move together. unknown NULL: all 2 nodes, in
+ * order; `unknowns` is then not read. Ignores what *K held before, and leaves it on error.
+ * Symmetric to the last bit. Statuses as dls_fe_stiffness; DLS_E_ARGUMENT "unknown", also for a
+ * number that no unknown of the mesh has (index = that number); DLS_E_MEMORY. */
+DLS_API DLS_MUST_USE dls_status dls_fe_sparse_stiffness(const dls_fe_mesh *mesh, double E,
+                                                        double nu, const int *unknown, int unknowns,
+                                                        dls_fe_matrix *K, dls_error *error);
+
+typedef enum dls_fe_mass_kind {
+  DLS_FE_CONSISTENT = 1, /* integrals of rho N_a N_b, exact */
+  DLS_FE_LUMPED = 2      /* their sums over b on the diagonal */
+} dls_fe_mass_kind;
+
+/* *M := the mass matrix, numbered as dls_fe_sparse_stiffness numbers K. rho > 0: mass / length^3;
+ * M: mass (per unit thickness). Statuses as there. */
+DLS_API DLS_MUST_USE dls_status dls_fe_mass(const dls_fe_mesh *mesh, double rho,
+                                            dls_fe_mass_kind kind, const int *unknown, int unknowns,
+                                            dls_fe_matrix *M, dls_error *error);
 
 /* f (2 nodes) += the traction (tx, ty) on the edge between nodes a and b, lumped half and half.
  * Traction: force / length^2. Looks at the two nodes only. DLS_E_ARGUMENT, DLS_E_NOT_FINITE. */
 DLS_API DLS_MUST_USE dls_status dls_fe_edge_load(const dls_fe_mesh *mesh, int a, int b, double tx,
                                                  double ty, double *f, dls_error *error);
 
-/* stress (3 * triangles: xx, yy, xy) of a displacement (2 * nodes), plane strain; it must not
- * overlap displacement. Statuses as dls_fe_stiffness. Allocates nothing. */
+/* stress (3 * elements: xx, yy, xy) of a displacement (2 * nodes), plane strain; of a four-node
+ * element at its centre. It must not overlap displacement. Statuses as dls_fe_stiffness. Allocates
+ * nothing. */
 DLS_API DLS_MUST_USE dls_status dls_fe_stress(const dls_fe_mesh *mesh, double E, double nu,
                                               const double *displacement, double *stress,
                                               dls_error *error);
@@ -87,12 +125,29 @@ DLS_API DLS_MUST_USE dls_status dls_fe_scene_displacement(const dls_fe_scene *sc
 
 /* Writes an unstructured VTK XML file (.vtu, ascii, 17 digits) of the mesh with the point data
  * "displacement" and "reaction" (2 * nodes each, x and y) and the cell data "stress" (xx, yy, xy;
- * 3 * triangles); each of the three may be NULL. Where the host has set a locale, its decimal sign
+ * 3 * elements); each of the three may be NULL. Where the host has set a locale, its decimal sign
  * must be the point. DLS_E_FILE: cannot be opened (nothing happened), or written (no file is left
  * behind). */
 DLS_API DLS_MUST_USE dls_status dls_fe_write_vtu(const char *path, const dls_fe_mesh *mesh,
                                                  const double *displacement, const double *reaction,
                                                  const double *stress, dls_error *error);
+
+/* A ParaView collection (.pvd) of files in the order of time. */
+typedef struct dls_fe_series dls_fe_series;
+
+/* Opens `path` for writing; *out = NULL on error. DLS_E_ARGUMENT, DLS_E_FILE, DLS_E_MEMORY. */
+DLS_API DLS_MUST_USE dls_status dls_fe_series_create(dls_fe_series **out, const char *path,
+                                                     dls_error *error);
+
+/* Adds `file`, a name relative to the collection's directory without the characters < > & ", at
+ * `time`. The collection on disk is whole after each call, so that a run that is killed leaves what
+ * it had. DLS_E_ARGUMENT, DLS_E_NOT_FINITE, DLS_E_FILE. */
+DLS_API DLS_MUST_USE dls_status dls_fe_series_add(dls_fe_series *series, double time,
+                                                  const char *file, dls_error *error);
+
+/* Closes the file and frees the series, also on error; NULL is fine. DLS_E_FILE: not all of it was
+ * written, and no file is left. */
+DLS_API DLS_MUST_USE dls_status dls_fe_series_finish(dls_fe_series *series, dls_error *error);
 
 #ifdef __cplusplus
 }

@@ -220,6 +220,10 @@ FILE *open_in(const char *directory, const char *name);
 /* Closes a file that was written; returns 1 if all of it was. */
 int close_file(FILE *file, const char *name);
 
+/* Open and close DIRECTORY/series.pvd; NULL, or 0, after a complaint. */
+dls_fe_series *open_series(const char *directory);
+int close_series(dls_fe_series *series);
+
 /* Runs gnuplot on a script in the directory; returns 1 if the pictures are there, 0 after a
  * complaint. */
 int run_gnuplot(const char *directory, const char *script);

@@ -88,7 +88,8 @@ int show_step(const dls_forming_data *data, int step) {
 /* ---- files of a step ------------------------------------------------------------------------ */
 
 typedef struct outputs {
-  FILE *force, *contact, *series; /* NULL: not wanted */
+  FILE *force, *contact; /* NULL: not wanted */
+  dls_fe_series *series;
   double start;
 } outputs;
 
@@ -113,26 +114,21 @@ static void write_contacts(FILE *file, const dls_forming_data *d) {
 
 static int open_outputs(outputs *o, const char *directory) {
   if (!make_directory(directory) || !(o->force = open_in(directory, "force.csv")) ||
-      !(o->contact = open_in(directory, "contact.csv")) ||
-      !(o->series = open_in(directory, "series.pvd")))
+      !(o->contact = open_in(directory, "contact.csv")) || !(o->series = open_series(directory)))
     return 0;
   fputs("travel,force,contacts,newton,frames,iterations,halvings,equilibrium,residual,"
         "assembly_cpu,reduction_cpu,contact_cpu,total_cpu\n",
         o->force);
   fputs("travel,candidate,x,y,n_x,n_y,gap,slip,rn,rt\n", o->contact);
-  fputs("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n",
-        o->series);
   return 1;
 }
 
 /* Returns 1 if all was written. */
 static int close_outputs(outputs *o) {
   int good = 1;
-  if (o->series) fputs("</Collection>\n</VTKFile>\n", o->series);
   if (o->force) good &= close_file(o->force, "force.csv");
   if (o->contact) good &= close_file(o->contact, "contact.csv");
-  if (o->series) good &= close_file(o->series, "series.pvd");
-  return good;
+  return close_series(o->series) && good;
 }
 
 /* Writes the rows and files of a step. asked: 1 if the step reaches a displacement of --at. */
@@ -150,9 +146,10 @@ static int write_step(const outputs *o, const forming_options *options, const dl
   char name[40], path[PATH_ROOM];
   dls_error error = {0};
   (void)snprintf(name, sizeof name, "step_%04d.vtu", step);
-  fprintf(o->series, "<DataSet timestep=\"%.10g\" file=\"%s\"/>\n", d.travel, name);
   if (!join_path(path, options->out, name)) return 0;
-  if (dls_forming_write_vtu(forming, path, &error)) return complain_of(path, &error), 0;
+  if (dls_forming_write_vtu(forming, path, &error) ||
+      dls_fe_series_add(o->series, d.travel, name, &error))
+    return complain_of(path, &error), 0;
   return 1;
 }
 

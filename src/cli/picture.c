@@ -34,6 +34,22 @@ int close_file(FILE *file, const char *name) {
   return 0;
 }
 
+dls_fe_series *open_series(const char *directory) {
+  char path[PATH_ROOM];
+  dls_fe_series *series;
+  dls_error error = {0};
+  if (!join_path(path, directory, "series.pvd")) return NULL;
+  if (dls_fe_series_create(&series, path, &error)) complain_of(path, &error);
+  return series;
+}
+
+int close_series(dls_fe_series *series) {
+  dls_error error = {0};
+  if (!dls_fe_series_finish(series, &error)) return 1;
+  complain_of("series.pvd", &error);
+  return 0;
+}
+
 int make_directory(const char *path) {
   char part[PATH_ROOM];
   if (!join_path(part, path, "")) return 0;

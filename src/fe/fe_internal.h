@@ -14,6 +14,50 @@
 /* Checks pointers, counts, finite coordinates and node numbers; O(nodes + triangles). */
 dls_status dlsi_fe_check_mesh(const dls_fe_mesh *mesh, dls_error *error);
 
+/* Return the number of elements of a mesh, the corners of each (3 or 4), and those of element e. */
+static inline int dlsi_fe_elements(const dls_fe_mesh *mesh) {
+  return mesh->triangles != 0 ? mesh->triangles : mesh->quads;
+}
+static inline int dlsi_fe_corners(const dls_fe_mesh *mesh) {
+  return mesh->triangles == 0 && mesh->quads != 0 ? 4 : 3;
+}
+static inline const int *dlsi_fe_corner(const dls_fe_mesh *mesh, int e) {
+  return mesh->triangles != 0 ? mesh->node + 3 * (size_t)e : mesh->quad + 4 * (size_t)e;
+}
+
+/* Moduli of linear elasticity: s_ij = l tr(e) 1_ij + 2 G e_ij. */
+typedef struct dlsi_lame {
+  double l, G;
+} dlsi_lame;
+
+/* Parts of the elements (t3.c, quad.c), of element e of a mesh that has been checked, c corners:
+ *
+ * is_flat    returns 1 for an element that is flat, clockwise or not convex to rounding
+ * stiffness  k (2c x 2c, column-major) := the integral of B^T D B
+ * mass       m (c x c) := the integrals of rho N_a N_b, per component
+ * stress     s (xx, yy, xy) of the displacement u (2 nodes) of the mesh; at the centre of a quad */
+int dlsi_t3_is_flat(const dls_fe_mesh *mesh, int e);
+int dlsi_quad_is_flat(const dls_fe_mesh *mesh, int e);
+void dlsi_t3_stiffness(const dls_fe_mesh *mesh, int e, const dlsi_lame *D, double *k);
+void dlsi_quad_stiffness(const dls_fe_mesh *mesh, int e, const dlsi_lame *D, double *k);
+void dlsi_t3_mass(const dls_fe_mesh *mesh, int e, double rho, double *m);
+void dlsi_quad_mass(const dls_fe_mesh *mesh, int e, double rho, double *m);
+void dlsi_t3_stress(const dls_fe_mesh *mesh, int e, const dlsi_lame *D, const double *u, double *s);
+void dlsi_quad_stress(const dls_fe_mesh *mesh, int e, const dlsi_lame *D, const double *u,
+                      double *s);
+
+/* Adds factor B_i^T D B_j of the hat functions with gradients (b_i, c_i) and (b_j, c_j) to the
+ * 2 x 2 block k with leading dimension ld. The blocks (i, j) and (j, i) come out as transposes to
+ * the last bit: l and G multiply after the symmetric products. */
+static inline void dlsi_add_elastic(const dlsi_lame *D, double factor, double bi, double ci,
+                                    double bj, double cj, double *k, size_t ld) {
+  const double bb = bi * bj, bc = bi * cj, cb = ci * bj, cc = ci * cj;
+  k[0] += factor * ((D->l + 2 * D->G) * bb + D->G * cc);
+  k[1] += factor * (D->l * cb + D->G * bc);
+  k[ld] += factor * (D->l * bc + D->G * cb);
+  k[ld + 1] += factor * ((D->l + 2 * D->G) * cc + D->G * bb);
+}
+
 /* Places node i + j (nx + 1) at (i lx / nx, j ly / ny). xy: out, 2 (nx + 1) (ny + 1). */
 void dlsi_fe_grid(double lx, double ly, int nx, int ny, double *xy);
 

@@ -1,4 +1,8 @@
-/* vtu.c: writes mesh and results as an unstructured grid of VTK XML, ascii. */
+/* vtu.c: writes mesh and results as an unstructured grid of VTK XML, ascii; collections of such
+ * files in time. */
+#include <stdlib.h>
+#include <string.h>
+
 #include "fe_internal.h"
 #include "files/file.h"
 
@@ -74,13 +78,14 @@ static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh,
   if (!path) return dlsi_is_null(error, "path");
   dls_status status = dlsi_fe_check_mesh(mesh, error);
   if (status) return status;
-  const size_t n = 2 * (size_t)mesh->nodes, cells = 3 * (size_t)mesh->triangles;
+  const size_t n = 2 * (size_t)mesh->nodes, cells = 3 * (size_t)dlsi_fe_elements(mesh);
   if (displacement) status = dlsi_check_vector("displacement", displacement, n, error);
   if (!status && reaction) status = dlsi_check_vector("reaction", reaction, n, error);
   if (!status && stress) status = dlsi_check_vector("stress", stress, cells, error);
   if (status) return status;
 
-  FILE *file = dlsi_vtu_begin(path, mesh->nodes, mesh->triangles, error);
+  const int elements = dlsi_fe_elements(mesh);
+  FILE *file = dlsi_vtu_begin(path, mesh->nodes, elements, error);
   if (!file) return DLS_E_FILE;
   if (displacement) dlsi_vtu_plane(file, "displacement", displacement, mesh->nodes, digits);
   if (reaction) dlsi_vtu_plane(file, "reaction", reaction, mesh->nodes, digits);
@@ -89,12 +94,83 @@ static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh,
     dlsi_vtu_means(file,
                    "Name=\"stress\" NumberOfComponents=\"3\" "
                    "ComponentName0=\"xx\" ComponentName1=\"yy\" ComponentName2=\"xy\"",
-                   stress, 3, 1, mesh->triangles, digits);
-  return dlsi_vtu_end(path, file, mesh->xy, mesh->nodes, mesh->node, 3, mesh->triangles, digits,
-                      error);
+                   stress, 3, 1, elements, digits);
+  return dlsi_vtu_end(path, file, mesh->xy, mesh->nodes, dlsi_fe_corner(mesh, 0),
+                      dlsi_fe_corners(mesh), elements, digits, error);
 }
 
 dls_status dls_fe_write_vtu(const char *path, const dls_fe_mesh *mesh, const double *displacement,
                             const double *reaction, const double *stress, dls_error *error) {
   return dlsi_at(__func__, fe_write_grid(path, mesh, displacement, reaction, stress, error), error);
+}
+
+/* ---- collections ----------------------------------------------------------------------------- */
+
+struct dls_fe_series {
+  FILE *file;
+  char *path;
+};
+
+static const char series_end[] = "</Collection>\n</VTKFile>\n";
+
+static dls_status series_open(dls_fe_series **out, const char *path, dls_error *error) {
+  dls_fe_series *s = dlsi_alloc(1, sizeof *s);
+  char *copy = dlsi_alloc(strlen(path) + 1, 1);
+  dls_status status = s && copy ? DLS_OK : dlsi_no_memory(error);
+  if (!status) {
+    *s = (dls_fe_series){.file = fopen(path, "w"), .path = copy};
+    strcpy(copy, path);
+    if (!s->file)
+      status = dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "%.60s: cannot be opened", path);
+  }
+  if (status) {
+    free(s);
+    free(copy);
+    return status;
+  }
+  (void)fprintf(s->file,
+                "<?xml version=\"1.0\"?>\n"
+                "<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n%s",
+                series_end);
+  *out = s;
+  return DLS_OK;
+}
+
+dls_status dls_fe_series_create(dls_fe_series **out, const char *path, dls_error *error) {
+  if (out) *out = NULL;
+  const dls_status status = !out    ? dlsi_is_null(error, "out")
+                            : !path ? dlsi_is_null(error, "path")
+                                    : series_open(out, path, error);
+  return dlsi_at(__func__, status, error);
+}
+
+/* Writes the row over the end of the collection, and the end anew. */
+static dls_status series_add(dls_fe_series *s, double time, const char *file, dls_error *error) {
+  const long end = (long)sizeof series_end - 1;
+  if (fseek(s->file, -end, SEEK_END) == 0)
+    (void)fprintf(s->file, "<DataSet timestep=\"%.17g\" file=\"%s\"/>\n%s", time, file, series_end);
+  if (fflush(s->file) == 0 && !ferror(s->file)) return DLS_OK;
+  return dlsi_fail(error, DLS_E_FILE, "series", -1, 0, "%.60s: cannot be written", s->path);
+}
+
+dls_status dls_fe_series_add(dls_fe_series *series, double time, const char *file,
+                             dls_error *error) {
+  dls_status status = DLS_OK;
+  if (!series) status = dlsi_is_null(error, "series");
+  if (!status && !isfinite(time))
+    status = dlsi_fail(error, DLS_E_NOT_FINITE, "time", -1, time, "is not finite");
+  if (!status && !file) status = dlsi_is_null(error, "file");
+  if (!status && file[strcspn(file, "<>&\"")])
+    status = dlsi_fail(error, DLS_E_ARGUMENT, "file", (long long)strcspn(file, "<>&\""), 0,
+                       "%.60s: has a character that XML keeps for itself", file);
+  if (!status) status = series_add(series, time, file, error);
+  return dlsi_at(__func__, status, error);
+}
+
+dls_status dls_fe_series_finish(dls_fe_series *series, dls_error *error) {
+  if (!series) return DLS_OK;
+  const dls_status status = dlsi_file_finish(series->path, series->file, error);
+  free(series->path);
+  free(series);
+  return dlsi_at(__func__, status, error);
 }

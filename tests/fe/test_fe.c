@@ -140,7 +140,7 @@ START_TEST(one_triangle_by_hand) {
   /* (0,0) (1,0) (0,1): b = (-1, 1, 0), c = (-1, 0, 1), 1/4A = 1/2, G = 1, l = 3 */
   double xy[] = {0, 0, 1, 0, 0, 1}, K[6 * 7];
   int node[] = {0, 1, 2};
-  const dls_fe_mesh mesh = {3, xy, 1, node};
+  const dls_fe_mesh mesh = {.nodes = 3, .xy = xy, .triangles = 1, .node = node};
   const double by_hand[6][6] = {{3, 2, -2.5, -0.5, -0.5, -1.5}, {2, 3, -1.5, -0.5, -0.5, -2.5},
                                 {-2.5, -1.5, 2.5, 0, 0, 1.5},   {-0.5, -0.5, 0, 0.5, 0.5, 0},
                                 {-0.5, -0.5, 0, 0.5, 0.5, 0},   {-1.5, -2.5, 1.5, 0, 0, 2.5}};
@@ -258,7 +258,7 @@ START_TEST(flat_triangles) {
   for (int e = -30; e <= 30; e += 30) {
     const double h = ldexp(1, e);
     double xy[] = {0, 0, h, 0, h, 1e-6 * h, 0, 1e-6 * h};
-    const dls_fe_mesh mesh = {4, xy, 2, node};
+    const dls_fe_mesh mesh = {.nodes = 4, .xy = xy, .triangles = 2, .node = node};
     double fine[64];
     ck_assert_int_eq(dls_fe_stiffness(&mesh, 1, 0.2, fine, 8, NULL), DLS_OK); /* thin only */
     xy[6] = -h; /* nodes 0, 2, 3 on one line */

@@ -1,0 +1,348 @@
+/*
+ * test_assemble.c: tests the sparse stiffness and mass of both elements, the small-strain element
+ * of four nodes, and collections of files.
+ */
+#define _XOPEN_SOURCE 700 /* mkdtemp */
+
+#include <check.h>
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "close.h"
+#include "delassus/fe.h"
+#include "errors.h"
+#include "malloc_fails.h"
+#include "run.h"
+
+enum { nx = 5, ny = 4, nodes = (nx + 1) * (ny + 1), n = 2 * nodes };
+static const double lx = 3, ly = 2, E0 = 2.75, nu0 = 0.375; /* G = 1, l = 3 */
+static const double eps = DBL_EPSILON;
+static dls_error error;
+
+/* A block of triangles (kind 3) or four-node elements (4), nodes inside moved off the lattice. */
+static dls_fe_mesh crooked(int kind) {
+  dls_fe_mesh mesh;
+  ck_assert_int_eq((kind == 3 ? dls_fe_mesh_block : dls_fe_mesh_quads)(&mesh, lx, ly, nx, ny, NULL),
+                   DLS_OK);
+  ck_assert_int_eq(mesh.nodes, nodes);
+  for (int i = 0; i < nodes; i++) {
+    const int column = i % (nx + 1), row = i / (nx + 1);
+    if (column > 0 && column < nx) mesh.xy[2 * i] += 0.12 * sin(3.0 * i);
+    if (row > 0 && row < ny) mesh.xy[2 * i + 1] += 0.1 * cos(5.0 * i);
+  }
+  return mesh;
+}
+
+/* y := A x */
+static void multiply(const dls_sparse *A, const double *x, double *y) {
+  memset(y, 0, (size_t)A->rows * sizeof *y);
+  for (int j = 0; j < A->cols; j++)
+    for (int k = A->p[j]; k < A->p[j + 1]; k++)
+      y[A->i[k]] += A->x[k] * x[j];
+}
+
+static double dot(const double *x, const double *y, int count) {
+  double sum = 0;
+  for (int i = 0; i < count; i++)
+    sum += x[i] * y[i];
+  return sum;
+}
+
+/* Writes A as a full matrix; rows must increase in each column. */
+static void expand(const dls_sparse *A, double *full) {
+  memset(full, 0, (size_t)A->rows * (size_t)A->cols * sizeof *full);
+  for (int j = 0; j < A->cols; j++)
+    for (int k = A->p[j]; k < A->p[j + 1]; k++) {
+      ck_assert(k == A->p[j] || A->i[k] > A->i[k - 1]);
+      full[A->i[k] + A->rows * j] = A->x[k];
+    }
+}
+
+START_TEST(sparse_is_dense) {
+  const int kind = _i;
+  dls_fe_mesh mesh = crooked(kind);
+  static double K[n * n], S[n * n];
+  dls_fe_matrix sparse;
+  ck_assert_int_eq(dls_fe_stiffness(&mesh, E0, nu0, K, n, NULL), DLS_OK);
+  ck_assert_int_eq(dls_fe_sparse_stiffness(&mesh, E0, nu0, NULL, 0, &sparse, NULL), DLS_OK);
+  ck_assert(sparse.A.rows == n && sparse.A.cols == n);
+  expand(&sparse.A, S);
+  for (int k = 0; k < n * n; k++) {
+    ck_assert(S[k] == K[k]); /* the same sums in the same order */
+    ck_assert(K[k] == K[k / n + n * (k % n)]);
+  }
+  dls_fe_matrix_free(&sparse);
+  ck_assert(!sparse.memory && !sparse.A.p);
+  dls_fe_matrix_free(&sparse);
+  dls_fe_matrix_free(NULL);
+  dls_fe_mesh_free(&mesh);
+}
+END_TEST
+
+/* Supports are left out; unknowns that share a number add up: Z^T K Z with the 0/1 matrix Z. */
+START_TEST(numbered) {
+  const int kind = _i % 2 + 3, mass = _i / 2;
+  dls_fe_mesh mesh = crooked(kind);
+  static double whole[n * n], part[n * n];
+  int unknown[n];
+  for (int k = 0; k < n; k++)
+    unknown[k] = k < 6 ? -1 : (k - 6) / 3;
+  const int count = (n - 7) / 3 + 1;
+  dls_fe_matrix all, few;
+  if (mass == 0) {
+    ck_assert_int_eq(dls_fe_sparse_stiffness(&mesh, E0, nu0, NULL, 0, &all, NULL), DLS_OK);
+    ck_assert_int_eq(dls_fe_sparse_stiffness(&mesh, E0, nu0, unknown, count, &few, NULL), DLS_OK);
+  } else {
+    const dls_fe_mass_kind how = mass == 1 ? DLS_FE_CONSISTENT : DLS_FE_LUMPED;
+    ck_assert_int_eq(dls_fe_mass(&mesh, 7, how, NULL, 0, &all, NULL), DLS_OK);
+    ck_assert_int_eq(dls_fe_mass(&mesh, 7, how, unknown, count, &few, NULL), DLS_OK);
+  }
+  ck_assert_int_eq(few.A.rows, count);
+  expand(&all.A, whole);
+  expand(&few.A, part);
+  for (int j = 0; j < count; j++)
+    for (int i = 0; i < count; i++) {
+      double sum = 0, size = 0;
+      for (int l = 0; l < n; l++)
+        for (int k = 0; k < n; k++)
+          if (unknown[k] == i && unknown[l] == j) {
+            sum += whole[k + n * l];
+            size += fabs(whole[k + n * l]);
+          }
+      ck_assert_double_le(fabs(part[i + count * j] - sum), 8 * eps * size);
+    }
+  dls_fe_matrix_free(&all);
+  dls_fe_matrix_free(&few);
+  dls_fe_mesh_free(&mesh);
+}
+END_TEST
+
+/* Integrals of rho times products of linear fields over the rectangle: exact on every mesh for the
+ * consistent mass; the lumped one has the mass and the centre of mass. */
+START_TEST(mass_of_a_rectangle) {
+  const int kind = _i % 2 + 3, lumped = _i / 2;
+  const double rho = 7, area = lx * ly;
+  dls_fe_mesh mesh = crooked(kind);
+  dls_fe_matrix M;
+  ck_assert_int_eq(
+      dls_fe_mass(&mesh, rho, lumped ? DLS_FE_LUMPED : DLS_FE_CONSISTENT, NULL, 0, &M, NULL),
+      DLS_OK);
+  if (lumped) ck_assert_int_eq(M.A.p[n], n);
+  double field[4][n] = {{0}}, y[n];
+  for (int i = 0; i < nodes; i++) {
+    field[0][2 * i] = 1;
+    field[1][2 * i] = mesh.xy[2 * i];
+    field[2][2 * i] = mesh.xy[2 * i + 1];
+    field[3][2 * i + 1] = 1;
+  }
+  /* 1, x, y in the x component; 1 in y */
+  const double moments[4][4] = {{1, lx / 2, ly / 2, 0},
+                                {lx / 2, lx * lx / 3, lx * ly / 4, 0},
+                                {ly / 2, lx * ly / 4, ly * ly / 3, 0},
+                                {0, 0, 0, 1}};
+  for (int a = 0; a < 4; a++) {
+    multiply(&M.A, field[a], y);
+    for (int b = 0; b < 4; b++)
+      if (!lumped || a == 0 || b == 0 || a == 3 || b == 3)
+        ck_assert_double_le(fabs(dot(y, field[b], n) - rho * area * moments[a][b]),
+                            1e-14 * rho * area * lx * lx);
+  }
+  dls_fe_matrix_free(&M);
+  dls_fe_mesh_free(&mesh);
+}
+END_TEST
+
+/* One square [0,1]^2, rho = 36: M_ab = 4, 2, 1 for a = b, an edge, a diagonal; lumped 9. */
+START_TEST(mass_by_hand) {
+  dls_fe_mesh mesh;
+  dls_fe_matrix M;
+  double full[64];
+  ck_assert_int_eq(dls_fe_mesh_quads(&mesh, 1, 1, 1, 1, NULL), DLS_OK);
+  ck_assert_int_eq(dls_fe_mass(&mesh, 36, DLS_FE_CONSISTENT, NULL, 0, &M, NULL), DLS_OK);
+  expand(&M.A, full);
+  const double wanted[4][4] = {{4, 2, 2, 1}, {2, 4, 1, 2}, {2, 1, 4, 2}, {1, 2, 2, 4}};
+  for (int i = 0; i < 8; i++)
+    for (int j = 0; j < 8; j++)
+      ck_assert_double_eq_tol(full[i + 8 * j], i % 2 == j % 2 ? wanted[i / 2][j / 2] : 0, 1e-14);
+  dls_fe_matrix_free(&M);
+  ck_assert_int_eq(dls_fe_mass(&mesh, 36, DLS_FE_LUMPED, NULL, 0, &M, NULL), DLS_OK);
+  for (int k = 0; k < 8; k++)
+    ck_assert_double_eq_tol(M.A.x[k], 9, 1e-14);
+  dls_fe_matrix_free(&M);
+  dls_fe_mesh_free(&mesh);
+}
+END_TEST
+
+/* u = (x + 2y, 3x - y/2): e = (1, -1/2, 5), s = (3.5, 0.5, 5): no forces inside, no forces and no
+ * stress of rigid motions. */
+START_TEST(quad_patch) {
+  dls_fe_mesh mesh = crooked(4);
+  dls_fe_matrix K;
+  double u[n], f[n], stress[3 * nx * ny];
+  ck_assert_int_eq(dls_fe_sparse_stiffness(&mesh, E0, nu0, NULL, 0, &K, NULL), DLS_OK);
+  for (int rigid = 0; rigid < 2; rigid++) {
+    for (int i = 0; i < nodes; i++) {
+      const double x = mesh.xy[2 * i], y = mesh.xy[2 * i + 1];
+      u[2 * i] = rigid ? 1 - 2 * y : x + 2 * y;
+      u[2 * i + 1] = rigid ? 3 + 2 * x : 3 * x - y / 2;
+    }
+    multiply(&K.A, u, f);
+    ck_assert_int_eq(dls_fe_stress(&mesh, E0, nu0, u, stress, NULL), DLS_OK);
+    for (int e = 0; e < nx * ny; e++) {
+      ck_assert_double_eq_tol(stress[3 * e], rigid ? 0 : 3.5, 1e-12);
+      ck_assert_double_eq_tol(stress[3 * e + 1], rigid ? 0 : 0.5, 1e-12);
+      ck_assert_double_eq_tol(stress[3 * e + 2], rigid ? 0 : 5, 1e-12);
+    }
+    for (int i = 0; i < nodes; i++) {
+      const int column = i % (nx + 1), row = i / (nx + 1);
+      const int inside = column > 0 && column < nx && row > 0 && row < ny;
+      if (inside || rigid) ck_assert_double_le(fabs(f[2 * i]) + fabs(f[2 * i + 1]), 1e-12);
+    }
+  }
+  dls_fe_matrix_free(&K);
+  dls_fe_mesh_free(&mesh);
+}
+END_TEST
+
+START_TEST(bad_input) {
+  dls_fe_mesh mesh = crooked(4), bad = mesh;
+  dls_fe_matrix A = {.memory = &mesh}, before = A;
+  int unknown[n];
+  for (int k = 0; k < n; k++)
+    unknown[k] = k;
+  const char *f = "dls_fe_mass", *g = "dls_fe_sparse_stiffness";
+  const dls_fe_mass_kind kind = DLS_FE_CONSISTENT;
+#define MASS(mesh, rho, kind, unknown, count, M)                                                   \
+  dls_fe_mass(mesh, rho, kind, unknown, count, M, &error)
+  expect_error(MASS(NULL, 1, kind, NULL, 0, &A), &error, DLS_E_ARGUMENT, f, "mesh", -1);
+  expect_error(MASS(&mesh, 0, kind, NULL, 0, &A), &error, DLS_E_ARGUMENT, f, "rho", -1);
+  expect_error(MASS(&mesh, NAN, kind, NULL, 0, &A), &error, DLS_E_ARGUMENT, f, "rho", -1);
+  expect_error(MASS(&mesh, 1, (dls_fe_mass_kind)3, NULL, 0, &A), &error, DLS_E_ARGUMENT, f, "kind",
+               -1);
+  expect_error(MASS(&mesh, 1, kind, NULL, 0, NULL), &error, DLS_E_ARGUMENT, f, "M", -1);
+  expect_error(MASS(&mesh, 1, kind, unknown, 0, &A), &error, DLS_E_SIZE, f, "unknowns", -1);
+  expect_error(MASS(&mesh, 1, kind, unknown, n + 1, &A), &error, DLS_E_SIZE, f, "unknowns", -1);
+  expect_error(MASS(&mesh, 1, kind, unknown, n - 1, &A), &error, DLS_E_ARGUMENT, f, "unknown",
+               n - 1);
+  unknown[5] = -2;
+  expect_error(MASS(&mesh, 1, kind, unknown, n, &A), &error, DLS_E_ARGUMENT, f, "unknown", 5);
+  unknown[5] = 4; /* no unknown has the number 5 */
+  expect_error(MASS(&mesh, 1, kind, unknown, n, &A), &error, DLS_E_ARGUMENT, f, "unknown", 5);
+#undef MASS
+#define STIFFNESS(mesh, E, nu, K) dls_fe_sparse_stiffness(mesh, E, nu, NULL, 0, K, &error)
+  expect_error(STIFFNESS(&mesh, 0, 0, &A), &error, DLS_E_ARGUMENT, g, "E", -1);
+  expect_error(STIFFNESS(&mesh, 1, 0.5, &A), &error, DLS_E_ARGUMENT, g, "nu", -1);
+  expect_error(STIFFNESS(&mesh, 1, 0, NULL), &error, DLS_E_ARGUMENT, g, "K", -1);
+  bad.quads = -1;
+  expect_error(STIFFNESS(&bad, 1, 0, &A), &error, DLS_E_SIZE, g, "quads", -1);
+  bad.quads = mesh.quads;
+  bad.triangles = 1; /* not both */
+  expect_error(STIFFNESS(&bad, 1, 0, &A), &error, DLS_E_SIZE, g, "quads", -1);
+  bad.triangles = 0;
+  bad.quad = NULL;
+  expect_error(STIFFNESS(&bad, 1, 0, &A), &error, DLS_E_ARGUMENT, g, "quad", -1);
+  mesh.quad[7] += nodes;
+  expect_error(STIFFNESS(&mesh, 1, 0, &A), &error, DLS_E_ARGUMENT, g, "quad", 7);
+  mesh.quad[7] -= nodes;
+  for (int k = 0; k < 2; k++) { /* clockwise, then not convex */
+    const double x = mesh.xy[0], y = mesh.xy[1];
+    const int first = mesh.quad[1];
+    if (k == 0) {
+      mesh.quad[1] = mesh.quad[3];
+      mesh.quad[3] = first;
+    } else {
+      mesh.xy[0] = mesh.xy[2 * mesh.quad[2]];
+      mesh.xy[1] = mesh.xy[2 * mesh.quad[2] + 1];
+    }
+    expect_error(STIFFNESS(&mesh, 1, 0, &A), &error, DLS_E_ARGUMENT, g, "quad", 0);
+    if (k == 0) {
+      mesh.quad[3] = mesh.quad[1];
+      mesh.quad[1] = first;
+    }
+    mesh.xy[0] = x;
+    mesh.xy[1] = y;
+  }
+#undef STIFFNESS
+  ck_assert(memcmp(&A, &before, sizeof A) == 0);
+  for (int k = 1; k <= 4; k++) { /* every allocation in turn */
+    malloc_fails_at(k);
+    expect_error(dls_fe_mass(&mesh, 1, kind, NULL, 0, &A, &error), &error, DLS_E_MEMORY, f, "", -1);
+  }
+  malloc_fails_at(0);
+  ck_assert(memcmp(&A, &before, sizeof A) == 0);
+  dls_fe_mesh_free(&mesh);
+}
+END_TEST
+
+/* ---- collections ----------------------------------------------------------------------------- */
+
+static char folder[256], path[300];
+
+static void make_folder(void) {
+  const char *place = getenv("TMPDIR");
+  (void)snprintf(folder, sizeof folder, "%.200s/test_assemble-XXXXXX", place ? place : "/tmp");
+  ck_assert_ptr_nonnull(mkdtemp(folder));
+  (void)snprintf(path, sizeof path, "%s/series.pvd", folder);
+}
+static void remove_folder(void) {
+  (void)remove(path);
+  ck_assert_int_eq(rmdir(folder), 0);
+}
+
+static void expect_text(const char *wanted) {
+  char text[1000] = "";
+  FILE *file = fopen(path, "r");
+  ck_assert_ptr_nonnull(file);
+  text[fread(text, 1, sizeof text - 1, file)] = '\0';
+  ck_assert_int_eq(fclose(file), 0);
+  ck_assert_str_eq(text, wanted);
+}
+
+#define HEAD                                                                                       \
+  "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n"
+#define ROW  "<DataSet timestep=\"0.25\" file=\"step_0001.vtu\"/>\n"
+#define TAIL "</Collection>\n</VTKFile>\n"
+
+START_TEST(series) {
+  dls_fe_series *s;
+  ck_assert_int_eq(dls_fe_series_create(&s, path, NULL), DLS_OK);
+  ck_assert_int_eq(dls_fe_series_add(s, 0.25, "step_0001.vtu", NULL), DLS_OK);
+  expect_text(HEAD ROW TAIL); /* whole before it is closed */
+  ck_assert_int_eq(dls_fe_series_add(s, 1, "b.vtu", NULL), DLS_OK);
+  ck_assert_int_eq(dls_fe_series_finish(s, NULL), DLS_OK);
+  expect_text(HEAD ROW "<DataSet timestep=\"1\" file=\"b.vtu\"/>\n" TAIL);
+  ck_assert_int_eq(dls_fe_series_finish(NULL, NULL), DLS_OK);
+}
+END_TEST
+
+START_TEST(series_bad_input) {
+  const char *create = "dls_fe_series_create", *add = "dls_fe_series_add";
+  dls_fe_series *s;
+  expect_error(dls_fe_series_create(NULL, path, &error), &error, DLS_E_ARGUMENT, create, "out", -1);
+  expect_error(dls_fe_series_create(&s, NULL, &error), &error, DLS_E_ARGUMENT, create, "path", -1);
+  expect_error(dls_fe_series_create(&s, folder, &error), &error, DLS_E_FILE, create, "path", -1);
+  for (int k = 1; k <= 2; k++) {
+    malloc_fails_at(k);
+    expect_error(dls_fe_series_create(&s, path, &error), &error, DLS_E_MEMORY, create, "", -1);
+    ck_assert_ptr_null(s);
+  }
+  malloc_fails_at(0);
+  ck_assert_int_eq(dls_fe_series_create(&s, path, NULL), DLS_OK);
+  expect_error(dls_fe_series_add(NULL, 0, "a", &error), &error, DLS_E_ARGUMENT, add, "series", -1);
+  expect_error(dls_fe_series_add(s, NAN, "a", &error), &error, DLS_E_NOT_FINITE, add, "time", -1);
+  expect_error(dls_fe_series_add(s, 0, NULL, &error), &error, DLS_E_ARGUMENT, add, "file", -1);
+  expect_error(dls_fe_series_add(s, 0, "a&b", &error), &error, DLS_E_ARGUMENT, add, "file", 1);
+  ck_assert_int_eq(dls_fe_series_finish(s, NULL), DLS_OK);
+  expect_text(HEAD TAIL);
+}
+END_TEST
+
+int main(void) {
+  return RUN("assemble", make_folder, remove_folder, EACH(sparse_is_dense, 3, 5),
+             EACH(numbered, 0, 6), EACH(mass_of_a_rectangle, 0, 4), ONCE(mass_by_hand),
+             ONCE(quad_patch), ONCE(bad_input), ONCE(series), ONCE(series_bad_input));
+}
