@@ -99,10 +99,10 @@ static double round_down(double x) {
 /* Draws the deformed block with an arrow for each nodal reaction, as in [Jean 1988] Fig. 3a. */
 static int write_deformed(const scene_picture *p) {
   double lo[2], hi[2];
-  mesh_box(p->mesh->nodes, p->mesh->xy, NULL, lo, hi);
+  mesh_box(p->scene->mesh->nodes, p->scene->mesh->xy, NULL, lo, hi);
   const double size = fmax(hi[0] - lo[0], hi[1] - lo[1]);
-  const double dmax = largest_pair(p->displacement, p->mesh->nodes);
-  const double rmax = largest_pair(p->reaction, p->mesh->nodes);
+  const double dmax = largest_pair(p->displacement, p->scene->mesh->nodes);
+  const double rmax = largest_pair(p->reaction, p->scene->mesh->nodes);
   const double amplify = dmax > 0 ? round_down(0.2 * size / dmax) : 1;
   const double arrow = rmax > 0 ? 0.25 * size / rmax : 0;
 
@@ -112,22 +112,23 @@ static int write_deformed(const scene_picture *p) {
           "# block 0: edges of the triangles at rest, 1: deformed (x %g), 2: reaction arrows\n",
           amplify);
   for (int pass = 0; pass < 2; pass++) {
-    for (int t = 0; t < p->mesh->triangles; t++) {
+    for (int t = 0; t < p->scene->mesh->triangles; t++) {
       for (int k = 0; k < 4; k++) {
-        const int i = p->mesh->node[3 * t + k % 3];
-        fprintf(data, "%.9g %.9g\n", p->mesh->xy[2 * i] + pass * amplify * p->displacement[2 * i],
-                p->mesh->xy[2 * i + 1] + pass * amplify * p->displacement[2 * i + 1]);
+        const int i = p->scene->mesh->node[3 * t + k % 3];
+        fprintf(data, "%.9g %.9g\n",
+                p->scene->mesh->xy[2 * i] + pass * amplify * p->displacement[2 * i],
+                p->scene->mesh->xy[2 * i + 1] + pass * amplify * p->displacement[2 * i + 1]);
       }
       fputc('\n', data);
     }
     fputs("\n", data);
   }
-  for (int i = 0; i < p->mesh->nodes; i++) {
+  for (int i = 0; i < p->scene->mesh->nodes; i++) {
     const double rx = arrow * p->reaction[2 * i], ry = arrow * p->reaction[2 * i + 1];
     if (rx == 0 && ry == 0) continue;
     fprintf(data, "%.9g %.9g %.9g %.9g\n",
-            p->mesh->xy[2 * i] + amplify * p->displacement[2 * i] - rx,
-            p->mesh->xy[2 * i + 1] + amplify * p->displacement[2 * i + 1] - ry, rx, ry);
+            p->scene->mesh->xy[2 * i] + amplify * p->displacement[2 * i] - rx,
+            p->scene->mesh->xy[2 * i + 1] + amplify * p->displacement[2 * i + 1] - ry, rx, ry);
   }
   if (!close_file(data, "deformed.dat")) return 0;
 
@@ -156,7 +157,7 @@ static int write_reactions(const scene_picture *p) {
   FILE *data = open_in(p->directory, "reactions.dat");
   if (!data) return 0;
   fputs("# x rt rn paper_rt paper_rn\n", data);
-  for (int c = 0; c < p->candidates; c++)
+  for (int c = 0; c < p->scene->candidates; c++)
     fprintf(data, "%.9g %.9g %.9g %.9g %.9g\n", p->x[c], p->rt[c], p->rn[c],
             p->paper_rt ? p->paper_rt[c] : NAN, p->paper_rn ? p->paper_rn[c] : NAN);
   if (!close_file(data, "reactions.dat")) return 0;

@@ -50,7 +50,7 @@ static double t3_gradients(const dls_fe_mesh *mesh, int triangle, double b[3], d
 
 /* Checks the mesh, that the area of every triangle is above the rounding of its coordinates, and
  * the material. */
-static dls_status t3_check(const dls_fe_mesh *mesh, double E, double nu, dls_error *error) {
+dls_status dlsi_fe_check_elastic(const dls_fe_mesh *mesh, double E, double nu, dls_error *error) {
   const dls_status status = dlsi_fe_check_mesh(mesh, error);
   if (status) return status;
   for (int e = 0; e < mesh->triangles; e++) {
@@ -69,7 +69,7 @@ static dls_status t3_check(const dls_fe_mesh *mesh, double E, double nu, dls_err
 /* Checks the arguments of dls_fe_stiffness. */
 static dls_status stiffness_check(const dls_fe_mesh *mesh, double E, double nu, const double *K,
                                   int ldk, dls_error *error) {
-  const dls_status status = t3_check(mesh, E, nu, error);
+  const dls_status status = dlsi_fe_check_elastic(mesh, E, nu, error);
   if (status) return status;
   if (!K) return dlsi_is_null(error, "K");
   const int n = 2 * mesh->nodes;
@@ -78,28 +78,37 @@ static dls_status stiffness_check(const dls_fe_mesh *mesh, double E, double nu, 
              : dlsi_fail(error, DLS_E_SIZE, "ldk", -1, ldk, "is %d, must be at least %d", ldk, n);
 }
 
+void dlsi_fe_triangle(const dls_fe_mesh *mesh, int triangle, double E, double nu, double k[36]) {
+  const lame D = t3_moduli(E, nu);
+  double b[3], c[3];
+  const double s = 1 / (2 * t3_gradients(mesh, triangle, b, c)); /* 1/4A */
+  for (int j = 0; j < 3; j++)
+    for (int i = 0; i < 3; i++) { /* (TR3) */
+      double *kij = k + 2 * i + 6 * (2 * j);
+      const double bb = b[i] * b[j], bc = b[i] * c[j], cb = c[i] * b[j], cc = c[i] * c[j];
+      kij[0] = s * ((D.l + 2 * D.G) * bb + D.G * cc);
+      kij[1] = s * (D.l * cb + D.G * bc);
+      kij[6] = s * (D.l * bc + D.G * cb);
+      kij[7] = s * ((D.l + 2 * D.G) * cc + D.G * bb);
+    }
+}
+
 dls_status dls_fe_stiffness(const dls_fe_mesh *mesh, double E, double nu, double *K, int ldk,
                             dls_error *error) {
   const dls_status status = stiffness_check(mesh, E, nu, K, ldk, error);
   if (status) return dlsi_at(__func__, status, error);
   const int n = 2 * mesh->nodes;
   const size_t ld = (size_t)ldk;
-  const lame D = t3_moduli(E, nu);
   for (int j = 0; j < n; j++)
     memset(K + (size_t)j * ld, 0, (size_t)n * sizeof *K);
   for (int e = 0; e < mesh->triangles; e++) {
     const int *node = mesh->node + 3 * (size_t)e;
-    double b[3], c[3];
-    const double s = 1 / (2 * t3_gradients(mesh, e, b, c)); /* 1/4A */
-    for (int j = 0; j < 3; j++)
-      for (int i = 0; i < 3; i++) { /* (TR3) */
-        double *k = K + 2 * (size_t)node[i] + 2 * (size_t)node[j] * ld;
-        const double bb = b[i] * b[j], bc = b[i] * c[j], cb = c[i] * b[j], cc = c[i] * c[j];
-        k[0] += s * ((D.l + 2 * D.G) * bb + D.G * cc);
-        k[1] += s * (D.l * cb + D.G * bc);
-        k[ld] += s * (D.l * bc + D.G * cb);
-        k[ld + 1] += s * ((D.l + 2 * D.G) * cc + D.G * bb);
-      }
+    double k[36];
+    dlsi_fe_triangle(mesh, e, E, nu, k);
+    for (int j = 0; j < 6; j++)
+      for (int i = 0; i < 6; i++)
+        K[2 * (size_t)node[i / 2] + (size_t)(i % 2) +
+          (2 * (size_t)node[j / 2] + (size_t)(j % 2)) * ld] += k[i + 6 * j];
   }
   return DLS_OK;
 }
@@ -138,7 +147,7 @@ dls_status dls_fe_edge_load(const dls_fe_mesh *mesh, int a, int b, double tx, do
 
 dls_status dls_fe_stress(const dls_fe_mesh *mesh, double E, double nu, const double *displacement,
                          double *stress, dls_error *error) {
-  dls_status status = t3_check(mesh, E, nu, error);
+  dls_status status = dlsi_fe_check_elastic(mesh, E, nu, error);
   if (!status)
     status = dlsi_check_vector("displacement", displacement, 2 * (size_t)mesh->nodes, error);
   if (!status && !stress) status = dlsi_is_null(error, "stress");
