@@ -7,10 +7,10 @@
  * (JE3)  stop when a sweep changes no reaction by more than 1e-4 of the largest
  *
  * The paper names Gauss-Seidel, (3.3)5-6, and 1e-4, and prints the counts of sweeps IS. The rest
- * follows from its tables. Concentrated: (JE1) of all candidates, then (JE2) of all. Weighted: (JE1)
- * and (JE2) of one candidate after the other. Of sixteen ways (these two, (JE2) before (JE1), the
- * exact solution of each candidate; in both directions; the 2-norm, too) no other gives all four
- * counts, and these give the five digits of the reactions.
+ * follows from its tables. Concentrated: (JE1) of all candidates, then (JE2) of all. Weighted:
+ * (JE1) and (JE2) of one candidate after the other. These give the printed counts and the printed
+ * digits of the reactions; with (JE2) before (JE1), with the exact solution of each candidate, from
+ * the last candidate to the first, or in the 2-norm no way gives both counts of its kind.
  */
 #include <math.h>
 
@@ -62,7 +62,8 @@ static double jean_weight(const dls_sparse *P, int i, int j) {
   return sum;
 }
 
-/* Eliminates without exchanges of rows: each column of P has more on the diagonal than beside it. */
+/* Eliminates without exchanges of rows: each column of P has more on the diagonal than beside it.
+ */
 void jean_unweight(const dls_sparse *P, const double *r, int i, double *work, double *w) {
   const int n = P->cols;
   for (int c = 0; c < n; c++) {

@@ -3,8 +3,9 @@
  * to tables, files and pictures.
  *
  * The tables show for every candidate: (u_t, u_n), the relative position of its node (with weighted
- * reactions, too: the paper prints displacements of nodes); its reactions (r_t, r_n); the equivalent
- * ones of the other kind: of weighted reactions P r at its node, of concentrated ones P^-1 r.
+ * reactions, too: the paper prints displacements of nodes); its reactions (r_t, r_n); the
+ * equivalent ones of the other kind: of weighted reactions P r at its node, of concentrated ones
+ * P^-1 r.
  */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -346,8 +347,8 @@ static void print_quantities(const run *a, const quantity *q, int count) {
     printf(" %s %.1e%s", q[k].name, worst[k], k + 1 < count ? "," : "\n");
 }
 
-/* Tells if P^-1 of concentrated reactions obeys the laws, too ([Jean 1988] Propositions 2 and 3), to
- * 1e-3 of the largest: ten times what the paper's own reactions are exact to. */
+/* Tells if P^-1 of concentrated reactions obeys the laws, too ([Jean 1988] Propositions 2 and 3),
+ * to 1e-3 of the largest: ten times what the paper's own reactions are exact to. */
 static void print_admissible(const run *a) {
   const double *rn = a->column[RN_EQ], *rt = a->column[RT_EQ];
   const double small = 1e-3 * largest_entry(rn, a->data.candidates);
@@ -373,8 +374,9 @@ static void print_run(const run *a, const scene_options *o) {
   const dls_certificate *c = &out->info.certificate;
   printf("%s, %s reactions, %s: %s, %d %s, residual %.1e, %.2g s of CPU\n", o->name,
          o->weighted ? "weighted" : "concentrated", method_word(out),
-         dls_status_text(out->info.status), out->info.iterations, iteration_word(out->info.method),
-         c->residual, out->solve_cpu_seconds);
+         o->as_printed ? "stopped by the paper's rule" : dls_status_text(out->info.status),
+         out->info.iterations, iteration_word(out->info.method), c->residual,
+         out->solve_cpu_seconds);
   if (a->data.f_first) print_step(o, &a->first);
   print_residuals("", c);
   print_stages(&out->info);

@@ -17,8 +17,8 @@ dls_status dlsi_fe_check_mesh(const dls_fe_mesh *mesh, dls_error *error);
 /* Places node i + j (nx + 1) at (i lx / nx, j ly / ny). xy: out, 2 (nx + 1) (ny + 1). */
 void dlsi_fe_grid(double lx, double ly, int nx, int ny, double *xy);
 
-/* k := the stiffness of a triangle, 6 x 6 by columns, unknowns x and y of its first node, and so on;
- * a sound mesh and material, as dls_fe_stiffness checks them. */
+/* k := the stiffness of a triangle, 6 x 6 by columns, unknowns x and y of its first node, and so
+ * on; a sound mesh and material, as dls_fe_stiffness checks them. */
 void dlsi_fe_triangle(const dls_fe_mesh *mesh, int triangle, double E, double nu, double k[36]);
 
 /* Checks that no triangle is flat or clockwise, the mesh and the material. */

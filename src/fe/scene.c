@@ -158,7 +158,7 @@ static dls_status scene_allocate(dls_fe_scene *s, dls_error *error) {
   return DLS_OK;
 }
 
-/* Numbers the unknowns in the order of the mesh, u_x on x = L and u_y of the fixed node left out. */
+/* Numbers the unknowns in the order of the mesh, but for u_x on x = L and u_y of the fixed node. */
 static void scene_number_unknowns(dls_fe_scene *s) {
   int n = 0;
   for (int i = 0; i < s->mesh.nodes; i++) {
