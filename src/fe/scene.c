@@ -146,9 +146,6 @@ static dls_status scene_allocate(dls_fe_scene *s, dls_error *error) {
   s->line = s->is.nx + 1;
   s->unknowns = 2 * s->mesh.nodes - (s->is.ny + 1) - 1;
   s->entries = 36 * (size_t)s->mesh.triangles;
-  if (s->entries > INT_MAX)
-    return dlsi_fail(error, DLS_E_SIZE, "ny", -1, s->is.ny, "%d x %d is too large", s->is.nx,
-                     s->is.ny);
   dlsi_arena arena = {0};
   scene_carve(&arena, s);
   s->memory = dlsi_alloc(arena.used, 1);
@@ -319,6 +316,8 @@ static dls_status scene_make(dls_fe_scene **out, const char *name, int weighted,
   dls_status status = scene_check(&is, error);
   if (status) return status;
   scene_settle(&is, c);
+  if (is.ny > INT_MAX / 72 / is.nx) /* entries of the triangles are counted in int */
+    return dlsi_fail(error, DLS_E_SIZE, "ny", -1, is.ny, "%d x %d is too large", is.nx, is.ny);
   dls_fe_scene *s = dlsi_alloc(1, sizeof *s);
   if (!s) return dlsi_no_memory(error);
   *s = (dls_fe_scene){.is = is};
