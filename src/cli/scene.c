@@ -374,7 +374,8 @@ static void print_run(const run *a, const scene_options *o) {
   const dls_certificate *c = &out->info.certificate;
   printf("%s, %s reactions, %s: %s, %d %s, residual %.1e, %.2g s of CPU\n", o->name,
          o->weighted ? "weighted" : "concentrated", method_word(out),
-         o->as_printed ? "stopped by the paper's rule" : dls_status_text(out->info.status),
+         o->as_printed && out->info.status == DLS_STALLED ? "stopped by the paper's rule"
+                                                          : dls_status_text(out->info.status),
          out->info.iterations, iteration_word(out->info.method), c->residual,
          out->solve_cpu_seconds);
   if (a->data.f_first) print_step(o, &a->first);
