@@ -231,6 +231,32 @@ START_TEST(scene_writes_its_files) {
     (void)snprintf(path, sizeof path, "%s/a/b/%s", directory, pictures[k]);
     ck_assert_msg(access(path, R_OK) == 0, "%s", path);
   }
+  /* the pictures' states and arrows are those of contact.csv */
+  static char rows[100000];
+  const char *state = strchr(read_text("a/b/contact.csv", text, sizeof text), '\n') + 1;
+  const char *row = strchr(read_text("a/b/reactions.dat", rows, sizeof rows), '\n') + 1;
+  int count[3] = {0};
+  for (int c = 0; c < 16; c++, state = strchr(state, '\n') + 1, row = strchr(row, '\n') + 1) {
+    const int drawn = *(strchr(row, '\n') - 1) - '0';
+    static const char *const words[] = {"free,", "slip,", "stick,"};
+    ck_assert(drawn >= 0 && drawn < 3);
+    for (int k = 0; k < 7; k++)
+      state = strchr(state, ',') + 1;
+    ck_assert(!strncmp(state, words[drawn], strlen(words[drawn])));
+    count[drawn]++;
+  }
+  ck_assert(count[0] == 5 && count[1] + count[2] == 11 && count[2] > 0);
+  (void)read_text("a/b/deformed.dat", rows, sizeof rows);
+  for (char *block = strstr(rows, "\n\n\n"), *k = NULL; block; block = k) {
+    k = strstr(block += 3, "NaN NaN"); /* ends a block of arrows */
+    if (!k) break;
+    int arrows = 0;
+    for (const char *at = block; at < k; at++)
+      arrows += *at == '\n';
+    count[arrows == count[1] ? 1 : arrows == count[2] ? 2 : 0] -= arrows;
+    k = strstr(k, "\n\n\n");
+  }
+  ck_assert(count[1] == 0 && count[2] == 0 && count[0] == 5 - 1); /* P r of node 5: an arrow */
 }
 END_TEST
 
