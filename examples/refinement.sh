@@ -14,7 +14,7 @@ finest=256x128
 
 # rows x, half of the cell, R_N, R_T as densities
 density() { # mesh, option, column of r_t, file
-  "$build/delassus" scene jean-fig3 --mesh "$1" $2 --out "$results/run" > /dev/null 2>&1
+  "$build/delassus" scene jean-fig3 --mesh "$1" $2 --out "$results/run" > /dev/null
   awk -F, -v k="$3" 'NR > 1 { print $2, $11 / 2, $(k + 1) / $11, $k / $11 }' "$results/run/contact.csv" > "$4"
 }
 
@@ -41,7 +41,7 @@ for mesh in $meshes; do
                      if (NR == 1 || $3 < least) least = $3
                      if (NR == 1 || $3 > most) most = $3
                      next }
-         FNR == 1 { middle = $1 + $2 / 2; k = 1; half = $2 }
+         FNR == 1 { middle = $1 + $2; k = 1; half = $2 } # half a cell, at the free end
          FNR > 1 { middle = $1; half = $2 }
          { while (k < count && middle > (x[k] + x[k + 1]) / 2) k++
            N += half * (n[k] - $3) ^ 2; T += half * (t[k] - $4) ^ 2; N0 += half * $3 ^ 2; T0 += half * $4 ^ 2 }

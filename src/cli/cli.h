@@ -197,7 +197,7 @@ void progress_end(void);
 int jean_sweeps(const dls_contact *problem, int weighted, int most, double *r);
 
 /* w := P^-1 r, the weighted reactions equivalent to concentrated ones: of r the entries 2 c + i, of
- * P (tridiagonal but for a last row) the rows of the candidates. work: 2 nc. */
+ * P (tridiagonal but for a last row) the rows of the candidates. work: nc. */
 void jean_unweight(const dls_sparse *P, const double *r, int i, double *work, double *w);
 
 /* ---- picture.c ------------------------------------------------------------------------------- */

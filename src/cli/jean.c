@@ -36,7 +36,8 @@ static double jean_sweep(const dls_contact *p, int weighted, double *r) {
   double change = 0;
   for (int k = 0; k < 2 * p->nc; k++) {
     const int c = weighted ? k / 2 : k % p->nc, normal = weighted ? k % 2 : k / p->nc;
-    change = fmax(change, jean_visit(p, c, normal, r));
+    const double moved = jean_visit(p, c, normal, r);
+    if (!(moved <= change)) change = moved; /* keeps a NaN */
   }
   return change;
 }

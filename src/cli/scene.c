@@ -181,7 +181,9 @@ static dls_status solve_as_printed(run *a, const scene_options *o, dls_error *er
   const dls_status status = dls_contact_certify(&a->contact, a->r, a->u, &info->certificate, error);
   if (status) return status;
   if (!dls_certificate_holds(&info->certificate, limits->tol))
-    info->status = sweeps < 0 ? DLS_MAX_ITERATIONS : DLS_STALLED;
+    info->status = sweeps >= 0                ? DLS_STALLED
+                   : info->iterations == most ? DLS_MAX_ITERATIONS
+                                              : DLS_CANCELLED;
   return dls_reduction_recover(a->reduction, a->r, a->x, error);
 }
 
