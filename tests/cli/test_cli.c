@@ -322,6 +322,9 @@ START_TEST(the_sweeps_as_printed) {
     (void)fclose(file);
   }
   ck_assert(numbers == 269 && rounded == 266);
+  ck_assert_int_eq(run("scene jean-fig3 --method jean --max-iter 61"), 1);
+  ck_assert(prints("jean: iteration limit reached, 61 sweeps"));
+  says("scene jean-fig3 --method jean --tol 1e-4", "jean: solved, 62 sweeps");
 }
 END_TEST
 
