@@ -84,6 +84,7 @@ all: $(A) $(SO) $(FE) $(PROGRAM) $(EXAMPLES)
 help:
 	@echo 'make             libraries, program and examples, under $(BUILD)/'
 	@echo 'make demo        the Jean block with every method, tables and pictures'
+	@echo 'make refinement  its densities of reaction under refinement of the mesh'
 	@echo 'make tables      both forming scenes of Chabrand (1998) by every method, beside the paper'
 	@echo 'make check       build and run all tests'
 	@echo 'make install     PREFIX=/usr/local DESTDIR='
@@ -261,6 +262,10 @@ bench-blocks: $(BUILD)/bench/blocks
 demo: deps
 	@$(MAKE) --no-print-directory all
 	@examples/demo.sh $(BUILD)
+
+.PHONY: refinement
+refinement: $(PROGRAM)
+	@examples/refinement.sh $(BUILD)
 
 .PHONY: tables
 tables: $(PROGRAM)

@@ -94,10 +94,40 @@ typedef struct dls_fe_scene dls_fe_scene;
 DLS_API const char *dls_fe_scene_name(int index);
 DLS_API const char *dls_fe_scene_description(int index);
 
-/* *out = scene `name` with concentrated (weighted = 0) or weighted reactions; NULL on error.
- * DLS_E_ARGUMENT if there is no scene of that name, DLS_E_MEMORY. */
+/* The loads of a scene that has more than one way to come on. With friction the answer depends on
+ * the way: each of two steps starts from where the first has left the contact line. */
+typedef enum dls_fe_order {
+  DLS_FE_TOGETHER = 0,  /* one step, as in the paper */
+  DLS_FE_TOP_FIRST = 1, /* the pressure on top alone, then the traction on the side besides */
+  DLS_FE_SIDE_FIRST = 2
+} dls_fe_order;
+
+/* Fill by dls_fe_scene_settings_init, then change what you like; NULL in their place: the
+ * defaults. */
+typedef struct dls_fe_scene_settings {
+  size_t size;        /* set by init; settings without it are refused */
+  int nx, ny;         /* rectangles along x and y; 0: the scene's own; 0 */
+  double mu;          /* friction; < 0: the scene's own; -1 */
+  double E;           /* Young's modulus; 0: the scene's own; 0               force / length^2 */
+  double nu;          /* Poisson's ratio, < 1/2; -1: the scene's own; -1 */
+  int has_load;       /* 1: top, side and side_top are the loads; 0: the scene's own; 0 */
+  double top;         /* pressure on the top edge, downwards                  force / length^2 */
+  double side;        /* traction +x on the face x = 0, at its bottom         force / length^2 */
+  double side_top;    /* and at its top, linear in between                   force / length^2 */
+  dls_fe_order order; /* DLS_FE_TOGETHER */
+} dls_fe_scene_settings;
+
+DLS_API void dls_fe_scene_settings_init(dls_fe_scene_settings *settings);
+
+/* *out = scene `name` with concentrated (weighted = 0) or weighted reactions; NULL on error. The
+ * model has a dense K up to 1000 unknowns, beyond a sparse one. DLS_E_ARGUMENT if there is no scene
+ * of that name or a setting is out of range; DLS_E_SETTINGS, DLS_E_SIZE, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_fe_scene_create(dls_fe_scene **out, const char *name,
                                                     int weighted, dls_error *error);
+DLS_API DLS_MUST_USE dls_status dls_fe_scene_create_with(dls_fe_scene **out, const char *name,
+                                                         int weighted,
+                                                         const dls_fe_scene_settings *settings,
+                                                         dls_error *error);
 DLS_API void dls_fe_scene_destroy(dls_fe_scene *scene); /* NULL is fine */
 
 /* Input of the reduction, all owned by the scene. Supported unknowns are taken out of the model,
@@ -112,6 +142,10 @@ typedef struct dls_fe_scene_data {
   const int *contact_node;   /* model.nodes: node of the mesh of each contact node */
   const int *candidate_node; /* candidates: index of its contact node in contact_node */
   double E, nu;              /* of the material, for dls_fe_stress            force / length^2, 1 */
+  const double *f_first;     /* model.n: f at the end of the first of two steps; NULL: one step */
+  dls_sparse weighting;      /* line nodes x candidates: P, of a concentrated scene, too; its first
+                                rows are those of the candidates' nodes, in their order */
+  const double *cell;        /* candidates: length of the dual cell, the paper's M      length */
 } dls_fe_scene_data;
 
 /* *data := views of the scene, which live as long as it does; all zero if scene is NULL. */

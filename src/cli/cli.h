@@ -119,6 +119,12 @@ int complain_of(const char *what, const dls_error *error);
 taken parse_number(const char *option, const char *text, double *value);
 taken parse_count(const char *option, const char *text, int *value);
 
+/* Reads the value of --mesh, NXxNY, two integers >= 1. */
+taken parse_mesh(const char *text, int *nx, int *ny);
+
+/* Returns the largest |v_i|; entries that are not a number do not count. */
+double largest_entry(const double *v, int n);
+
 /* Return the words of JSON for a status ("solved", "max_iterations", ...), for a state and for an
  * iteration of a method. */
 const char *status_word(dls_status status);
@@ -153,6 +159,7 @@ typedef struct outcome {
   int weighted;
   double Rt, Rn;                 /* scenes: resultants of the candidates' reactions */
   const dls_primal_info *primal; /* gauss-seidel, its own certificate; NULL: another method */
+  int as_printed;                /* 1: by jean_sweeps */
   verdict verdict;               /* of solve */
   int proof;                     /* 1: with its vectors */
 } outcome;
@@ -188,6 +195,17 @@ int show_progress(void *data, const dls_progress *progress);
 void watch_interrupt(void);
 void progress_end(void);
 
+/* ---- jean.c ---------------------------------------------------------------------------------- */
+
+/* The iteration that printed the tables of [Jean 1988], with its stopping rule, from r = 0. r: out,
+ * 2 nc. Returns the sweeps done; -1 - sweeps where the rule does not hold after `most` of them or
+ * Ctrl-C. */
+int jean_sweeps(const dls_contact *problem, int weighted, int most, double *r);
+
+/* w := P^-1 r, the weighted reactions equivalent to concentrated ones: of r the entries 2 c + i, of
+ * P (tridiagonal but for a last row) the rows of the candidates. work: nc. */
+void jean_unweight(const dls_sparse *P, const double *r, int i, double *work, double *w);
+
 /* ---- picture.c ------------------------------------------------------------------------------- */
 
 /* The contents of a scene's pictures; the caller owns the arrays; NaN where the paper has no
@@ -195,10 +213,10 @@ void progress_end(void);
 typedef struct scene_picture {
   const char *directory;
   const char *title;
-  const dls_fe_mesh *mesh;
-  const double *displacement; /* 2 * nodes */
-  const double *reaction;     /* 2 * nodes, (x, y) */
-  int candidates;
+  const dls_fe_scene_data *scene;
+  const double *displacement;        /* 2 * nodes */
+  const double *reaction;            /* 2 * nodes, (x, y) */
+  const dls_contact_state *state;    /* candidates */
   const double *x, *rt, *rn;         /* candidates */
   const double *paper_rt, *paper_rn; /* candidates, or NULL */
 } scene_picture;

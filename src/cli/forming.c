@@ -230,14 +230,6 @@ static int run_forming(const forming_options *o) {
 
 /* ---- the command ----------------------------------------------------------------------------- */
 
-static taken parse_mesh(const char *text, dls_forming_settings *s) {
-  char more;
-  if (sscanf(text, "%dx%d%c", &s->nx, &s->ny, &more) == 2 && s->nx > 0 && s->ny > 0)
-    return OPTION_TAKEN;
-  complain("--mesh: '%s' is not NXxNY, two whole numbers >= 1", text);
-  return OPTION_WRONG;
-}
-
 /* Reads numbers between commas, overwriting text. */
 static taken parse_at(char *text, forming_options *o) {
   for (char *item; (item = strsep(&text, ","));) {
@@ -257,7 +249,7 @@ static taken take_forming_option(int key, const char *text, void *data) {
     complain("--method: '%s' is no method", text);
     return OPTION_WRONG;
   case 'M':
-    return parse_mesh(text, &o->settings);
+    return parse_mesh(text, &o->settings.nx, &o->settings.ny);
   case 'n':
     return parse_count("steps", text, &o->settings.steps);
   case 'f':

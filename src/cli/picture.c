@@ -112,86 +112,124 @@ static double round_down(double x) {
   return x >= 5 * power ? 5 * power : x >= 2 * power ? 2 * power : power;
 }
 
-/* Draws the deformed block with an arrow for each nodal reaction, as in [Jean 1988] Fig. 3a. */
+/* Colours of the states, in their order, and of the two components of a reaction. */
+static const char *const state_colour[] = {"#909090", "#d95f02", "#1b7837"};
+static const char blue[] = "#3060a0", red[] = "#c03020";
+
+/* Draws the sides of the triangles, displaced `amplify` times. */
+static void write_triangles(FILE *data, const scene_picture *p, double amplify) {
+  const dls_fe_mesh *mesh = p->scene->mesh;
+  for (int t = 0; t < mesh->triangles; t++) {
+    for (int k = 0; k < 4; k++) {
+      const int i = mesh->node[3 * t + k % 3];
+      fprintf(data, "%.9g %.9g\n", mesh->xy[2 * i] + amplify * p->displacement[2 * i],
+              mesh->xy[2 * i + 1] + amplify * p->displacement[2 * i + 1]);
+    }
+    fputc('\n', data);
+  }
+  fputs("\n", data);
+}
+
+/* Draws the nodal reactions of the candidates in one state, each with its head at the node: rows x,
+ * y, components of the arrow. */
+static void write_arrows(FILE *data, const scene_picture *p, dls_contact_state state,
+                         double amplify, double arrow) {
+  const dls_fe_scene_data *s = p->scene;
+  for (int c = 0; c < s->candidates; c++) {
+    const int i = s->contact_node[s->candidate_node[c]];
+    const double rx = arrow * p->reaction[2 * i], ry = arrow * p->reaction[2 * i + 1];
+    if (p->state[c] != state || (rx == 0 && ry == 0)) continue;
+    fprintf(data, "%.9g %.9g %.9g %.9g\n",
+            s->mesh->xy[2 * i] + amplify * p->displacement[2 * i] - rx,
+            s->mesh->xy[2 * i + 1] + amplify * p->displacement[2 * i + 1] - ry, rx, ry);
+  }
+  fputs("NaN NaN NaN NaN\n\n\n", data); /* a block of data, of no candidate, too */
+}
+
+/* Draws the deformed block with an arrow for each nodal reaction, as in [Jean 1988] Fig. 3a. Lines
+ * and heads of the arrows are as thin as the distance of the candidates asks. */
 static int write_deformed(const scene_picture *p) {
+  const dls_fe_mesh *mesh = p->scene->mesh;
   double lo[2], hi[2];
-  mesh_box(p->mesh->nodes, p->mesh->xy, NULL, lo, hi);
+  mesh_box(mesh->nodes, mesh->xy, NULL, lo, hi);
   const double size = fmax(hi[0] - lo[0], hi[1] - lo[1]);
-  const double dmax = largest_pair(p->displacement, p->mesh->nodes);
-  const double rmax = largest_pair(p->reaction, p->mesh->nodes);
+  const double dmax = largest_pair(p->displacement, mesh->nodes);
+  const double rmax = largest_pair(p->reaction, mesh->nodes);
   const double amplify = dmax > 0 ? round_down(0.2 * size / dmax) : 1;
   const double arrow = rmax > 0 ? 0.25 * size / rmax : 0;
+  const double distance = size / p->scene->candidates, head = fmin(size / 40, 0.5 * distance);
+  const double thin = fmin(1, 16.0 / p->scene->candidates);
 
   FILE *data = open_in(p->directory, "deformed.dat");
   if (!data) return 0;
   fprintf(data,
-          "# block 0: edges of the triangles at rest, 1: deformed (x %g), 2: reaction arrows\n",
+          "# block 0: triangles, displacements x %g; reactions where 1: free, 2: slip, "
+          "3: stick\n",
           amplify);
-  for (int pass = 0; pass < 2; pass++) {
-    for (int t = 0; t < p->mesh->triangles; t++) {
-      for (int k = 0; k < 4; k++) {
-        const int i = p->mesh->node[3 * t + k % 3];
-        fprintf(data, "%.9g %.9g\n", p->mesh->xy[2 * i] + pass * amplify * p->displacement[2 * i],
-                p->mesh->xy[2 * i + 1] + pass * amplify * p->displacement[2 * i + 1]);
-      }
-      fputc('\n', data);
-    }
-    fputs("\n", data);
-  }
-  for (int i = 0; i < p->mesh->nodes; i++) {
-    const double rx = arrow * p->reaction[2 * i], ry = arrow * p->reaction[2 * i + 1];
-    if (rx == 0 && ry == 0) continue;
-    fprintf(data, "%.9g %.9g %.9g %.9g\n",
-            p->mesh->xy[2 * i] + amplify * p->displacement[2 * i] - rx,
-            p->mesh->xy[2 * i + 1] + amplify * p->displacement[2 * i + 1] - ry, rx, ry);
-  }
+  write_triangles(data, p, amplify);
+  for (int k = DLS_FREE; k <= DLS_STICK; k++)
+    write_arrows(data, p, (dls_contact_state)k, amplify, arrow);
   if (!close_file(data, "deformed.dat")) return 0;
 
   FILE *script = open_in(p->directory, "deformed.gp");
   if (!script) return 0;
   fprintf(script,
           "set title \"%s\\ndisplacements x %g, longest arrow %.3g N/m\"\n"
-          "set size ratio -1\nset key off\nset xlabel 'x [m]'\nset ylabel 'y [m]'\n"
-          "set xtics %g\nset ytics %g\n"
+          "set size ratio -1\nset key outside top center horizontal\n"
+          "set xlabel 'x [m]'\nset ylabel 'y [m]'\nset xtics %g\nset ytics %g\n"
           "set xrange [%g:%g]\nset yrange [%g:%g]\n"
+          "set object 1 rectangle from %g,%g to %g,%g fs empty border lc rgb '#a0a0a0'\n"
           "set arrow 1 from %g,%g to %g,%g nohead lw 2 lc rgb 'black'\n",
           p->title, amplify, rmax, size / 4, size / 4, lo[0] - 0.1 * size, hi[0] + 0.3 * size,
-          lo[1] - 0.35 * size, hi[1] + 0.15 * size, lo[0] - 0.1 * size, lo[1], hi[0] + 0.3 * size,
-          lo[1]);
-  begin_pictures(script, "deformed", 900, 900);
-  fputs("  plot 'deformed.dat' index 0 with lines lc rgb '#cccccc', \\\n"
-        "       '' index 1 with lines lc rgb '#3060a0', \\\n"
-        "       '' index 2 using 1:2:3:4 with vectors filled lw 2 lc rgb '#c03020'\n"
-        "  unset output\n}\n",
-        script);
+          lo[1] - 0.35 * size, hi[1] + 0.15 * size, lo[0], lo[1], hi[0], hi[1], lo[0] - 0.1 * size,
+          lo[1], hi[0] + 0.3 * size, lo[1]);
+  begin_pictures(script, "deformed", 900, 940);
+  fprintf(script, "  plot 'deformed.dat' index 0 with lines lw %.2g lc rgb '%s' notitle", thin,
+          blue);
+  for (int k = DLS_FREE; k <= DLS_STICK; k++)
+    fprintf(script,
+            ", \\\n       '' index %d using 1:2:3:4 with vectors head size %.3g,20,60 filled lw "
+            "%.2g lc rgb '%s' title '%s'",
+            k + 1, head, fmax(0.5, 2 * thin), state_colour[k], state_word((dls_contact_state)k));
+  fputs("\n  unset output\n}\n", script);
   return close_file(script, "deformed.gp");
 }
 
-/* Draws the reactions along the contact line: computed as lines, the paper's as points. */
+/* Draws the reactions along the contact line: R_N as a broad line, so that -R_T over it hides
+ * nothing where both are one; the states as points on R_N; the paper's as open points. */
 static int write_reactions(const scene_picture *p) {
   FILE *data = open_in(p->directory, "reactions.dat");
   if (!data) return 0;
-  fputs("# x rt rn paper_rt paper_rn\n", data);
-  for (int c = 0; c < p->candidates; c++)
-    fprintf(data, "%.9g %.9g %.9g %.9g %.9g\n", p->x[c], p->rt[c], p->rn[c],
-            p->paper_rt ? p->paper_rt[c] : NAN, p->paper_rn ? p->paper_rn[c] : NAN);
+  fputs("# x rt rn paper_rt paper_rn state (0 free, 1 slip, 2 stick)\n", data);
+  for (int c = 0; c < p->scene->candidates; c++)
+    fprintf(data, "%.9g %.9g %.9g %.9g %.9g %d\n", p->x[c], p->rt[c], p->rn[c],
+            p->paper_rt ? p->paper_rt[c] : NAN, p->paper_rn ? p->paper_rn[c] : NAN,
+            (int)p->state[c]);
   if (!close_file(data, "reactions.dat")) return 0;
   FILE *script = open_in(p->directory, "reactions.gp");
   if (!script) return 0;
+  const double point = fmin(1.3, fmax(0.6, 40.0 / p->scene->candidates));
   fprintf(script,
-          "set title '%s'\nset key outside bottom center horizontal\nset grid\n"
-          "set datafile missing 'nan'\nset xlabel 'x [m]'\nset ylabel 'reaction [N/m]'\n",
+          "set title '%s'\nset key outside top center horizontal\nset grid\n"
+          "set datafile missing 'nan'\nset xlabel 'x [m]'\nset ylabel 'reaction [N/m]'\n"
+          "set autoscale noextend\nset offsets graph 0.02, graph 0.02, graph 0.04, graph 0.03\n",
           p->title);
-  begin_pictures(script, "reactions", 1000, 650);
-  fputs("  plot 'reactions.dat' using 1:3 with lines lw 2 lc rgb '#3060a0' title 'R_N'", script);
-  if (p->paper_rn)
-    fputs(", \\\n       '' using 1:5 with points pt 6 ps 1.5 lc rgb '#3060a0' title 'R_N paper'",
-          script);
-  fputs(", \\\n       '' using 1:(-$2) with lines lw 2 lc rgb '#c03020' title '-R_T'", script);
-  if (p->paper_rt)
-    fputs(
-        ", \\\n       '' using 1:(-$4) with points pt 4 ps 1.5 lc rgb '#c03020' title '-R_T paper'",
+  begin_pictures(script, "reactions", 1000, 680);
+  fputs("  plot 'reactions.dat' using 1:3 with lines lw 7 lc rgb '#a8c4e8' title 'R_N', \\\n",
         script);
+  fprintf(script, "       '' using 1:(-$2) with lines lw 2 lc rgb '%s' title '-R_T'", red);
+  for (int k = DLS_FREE; k <= DLS_STICK; k++)
+    fprintf(script,
+            ", \\\n       '' using 1:($6==%d?$3:NaN) with points pt 7 ps %.2g lc rgb '%s' "
+            "title '%s'",
+            k, point, state_colour[k], state_word((dls_contact_state)k));
+  const double *const paper[] = {p->paper_rn, p->paper_rt};
+  static const char *const points[] = {"1:5 with points pt 6 ps 2.2 lw 1.5 lc rgb '#3060a0' "
+                                       "title 'R_N paper'",
+                                       "1:(-$4) with points pt 4 ps 2 lc rgb '#c03020' "
+                                       "title '-R_T paper'"};
+  for (int k = 0; k < 2; k++)
+    if (paper[k]) fprintf(script, ", \\\n       '' using %s", points[k]);
   fputs("\n  unset output\n}\n", script);
   return close_file(script, "reactions.gp");
 }

@@ -37,6 +37,13 @@ taken parse_number(const char *option, const char *text, double *value) {
   return OPTION_TAKEN;
 }
 
+taken parse_mesh(const char *text, int *nx, int *ny) {
+  char more;
+  if (sscanf(text, "%dx%d%c", nx, ny, &more) == 2 && *nx > 0 && *ny > 0) return OPTION_TAKEN;
+  complain("--mesh: '%s' is not NXxNY, two whole numbers >= 1", text);
+  return OPTION_WRONG;
+}
+
 taken parse_count(const char *option, const char *text, int *value) {
   char *end;
   errno = 0;
@@ -47,6 +54,13 @@ taken parse_count(const char *option, const char *text, int *value) {
   }
   *value = (int)v;
   return OPTION_TAKEN;
+}
+
+double largest_entry(const double *v, int n) {
+  double m = 0;
+  for (int i = 0; i < n; i++)
+    if (fabs(v[i]) > m) m = fabs(v[i]);
+  return m;
 }
 
 const char *status_word(dls_status status) {
@@ -76,7 +90,7 @@ const char *iteration_word(dls_method method) {
 }
 
 const char *method_word(const outcome *o) {
-  return o->primal ? "gauss-seidel" : dls_method_name(o->info.method);
+  return o->primal ? "gauss-seidel" : o->as_printed ? "jean" : dls_method_name(o->info.method);
 }
 
 void print_stages(const dls_info *info) {

@@ -3,8 +3,9 @@
  * to tables, files and pictures.
  *
  * The tables show for every candidate: (u_t, u_n), the relative position of its node (with weighted
- * reactions, too: the paper prints displacements of nodes); its reactions (r_t, r_n); with
- * weighting the equivalent concentrated reactions, P r at its node.
+ * reactions, too: the paper prints displacements of nodes); its reactions (r_t, r_n); the
+ * equivalent ones of the other kind: of weighted reactions P r at its node, of concentrated ones
+ * P^-1 r.
  */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -18,6 +19,8 @@
 typedef struct scene_options {
   const char *name;
   int weighted, json;
+  int as_printed; /* 1: by jean_sweeps instead of a method */
+  dls_fe_scene_settings block;
   solver_options solver;
   const char *out, *save, *reference; /* NULL: none */
 } scene_options;
@@ -31,14 +34,25 @@ static void scene_usage(FILE *out) {
         "Runs a built-in scene and prints displacements and reactions of its candidates.\n"
         "\n",
         out);
-  solver_usage(out, ",\n                        or gauss-seidel, on the displacements",
-               default_tol);
+  solver_usage(
+      out,
+      ",\n                        or gauss-seidel, on the displacements; or jean, the paper's"
+      "\n                        sweeps, which stop at a relative change of 1e-4",
+      default_tol);
   fputs(
+      "      --mesh=NXxNY      rectangles along x and y (16x8)\n"
+      "      --mu=MU           friction (1; 0.1)\n"
+      "      --young=E         Young's modulus (0.13e12)\n"
+      "      --poisson=NU      Poisson's ratio, plane strain (0.2)\n"
+      "      --load=TOP,SIDE[,SIDE_TOP]\n"
+      "                        pressure on top, traction on the side, at its bottom and its top\n"
+      "                        (5e8,9e8,25e8; 5e8,5e8)\n"
+      "      --order=HOW       the loads come on together (default), top-first or side-first\n"
       "  -w, --weighted        weighted instead of concentrated reactions\n"
       "  -o, --out=DIR         write contact.csv, result.json, the deformed mesh (.vtu), pictures\n"
       "  -s, --save=FILE       write the contact problem as an FCLIB file (HDF5)\n"
-      "  -r, --reference=CSV   print and draw beside these values (columns node, Q1, Q2, RT, RN\n"
-      "                        and, weighted, the equivalent RN)\n"
+      "  -r, --reference=CSV   print and draw beside these values (columns node, Q1, Q2, RT, RN,\n"
+      "                        equivalent RT, RN)\n"
       "  -j, --json            print the outcome as one JSON object instead of tables\n"
       "  -l, --list            the names of the scenes\n"
       "  -h, --help            this text\n",
@@ -47,7 +61,7 @@ static void scene_usage(FILE *out) {
 
 /* ---- what a run holds ------------------------------------------------------------------------ */
 
-enum { REFERENCE_COLUMNS = 5 }; /* Q1, Q2, RT, RN, equivalent RN */
+enum { REFERENCE_COLUMNS = 6 }; /* Q1, Q2, RT, RN, equivalent RT, RN */
 
 typedef struct run {
   dls_fe_scene *scene;
@@ -61,7 +75,8 @@ typedef struct run {
   dls_contact_state *state;         /* nc */
   double *memory;                   /* of the arrays below */
   double *r, *u;                    /* 2 nc */
-  double *R;                        /* 2 * contact nodes: P r */
+  double *R, *moved;                /* 2 * contact nodes: P r; g of the second of two steps */
+  dls_info first;                   /* of the first of two steps */
   double *x, *force;                /* model unknowns: displacements, H r */
   double *displacement, *reaction;  /* 2 * mesh nodes */
   double *stress;                   /* 3 * triangles */
@@ -76,7 +91,7 @@ static int scene_allocate(run *a) {
   const size_t n = (size_t)a->data.model.n, mesh = (size_t)a->data.mesh->nodes;
   const size_t triangles = (size_t)a->data.mesh->triangles;
   double *next = malloc(
-      (4 * nc + 2 * nodes + 2 * n + 4 * mesh + 3 * triangles + 8 * nc + REFERENCE_COLUMNS * nc) *
+      (4 * nc + 4 * nodes + 2 * n + 4 * mesh + 3 * triangles + 8 * nc + REFERENCE_COLUMNS * nc) *
       sizeof *next);
   a->memory = next;
   a->state = malloc(nc * sizeof *a->state);
@@ -84,6 +99,7 @@ static int scene_allocate(run *a) {
   a->r = next, next += 2 * nc;
   a->u = next, next += 2 * nc;
   a->R = next, next += 2 * nodes;
+  a->moved = next, next += 2 * nodes;
   a->x = next, next += n;
   a->force = next, next += n;
   a->displacement = next, next += 2 * mesh;
@@ -132,26 +148,49 @@ static void tabulate(run *a) {
     a->column[UT][c] = column_dot(&s->model.HT, node, a->x) + s->g[2 * node + 1];
     a->column[RN][c] = a->r[2 * c];
     a->column[RT][c] = a->r[2 * c + 1];
-    a->column[RN_EQ][c] = a->R[2 * node];
-    a->column[RT_EQ][c] = a->R[2 * node + 1];
+    if (a->outcome.weighted) {
+      a->column[RN_EQ][c] = a->R[2 * node];
+      a->column[RT_EQ][c] = a->R[2 * node + 1];
+    }
     a->outcome.Rn += a->r[2 * c];
     a->outcome.Rt += a->r[2 * c + 1];
   }
+  if (a->outcome.weighted) return;
+  jean_unweight(&s->weighting, a->r, 0, a->moved, a->column[RN_EQ]);
+  jean_unweight(&s->weighting, a->r, 1, a->moved, a->column[RT_EQ]);
 }
 
 /* Computes r and u by a method on the condensed problem, and x from r. */
 static dls_status solve_condensed(run *a, const scene_options *o, dls_error *error) {
-  dls_status status = dls_solver_create(&a->solver, 2, a->contact.nc, &o->solver.settings, error);
-  if (status) return status;
-  const double start = cpu_seconds();
-  status = dls_solver_solve(a->solver, &a->contact, a->r, a->u, &a->outcome.info, error);
-  a->outcome.solve_cpu_seconds = cpu_seconds() - start;
+  dls_status status = DLS_OK;
+  if (!a->solver)
+    status = dls_solver_create(&a->solver, 2, a->contact.nc, &o->solver.settings, error);
+  if (!status)
+    status = dls_solver_solve(a->solver, &a->contact, a->r, a->u, &a->outcome.info, error);
   return status < 0 ? status : dls_reduction_recover(a->reduction, a->r, a->x, error);
 }
 
-/* Computes r, u and x on K itself. The method ends by its own certificate; the outcome holds that
- * of the condensed problem, too. */
-static dls_status solve_primal(run *a, const scene_options *o, dls_error *error) {
+/* Computes r and u by the paper's sweeps, and x from r. The certificate judges the answer by the
+ * tolerance of the other methods. */
+static dls_status solve_as_printed(run *a, const scene_options *o, dls_error *error) {
+  const dls_limits *limits = &o->solver.settings.limits;
+  dls_info *info = &a->outcome.info;
+  const int most = limits->max_iterations ? limits->max_iterations : 10000;
+  const int sweeps = jean_sweeps(&a->contact, o->weighted, most, a->r);
+  *info = (dls_info){.method = DLS_NLGS, .iterations = sweeps < 0 ? -1 - sweeps : sweeps};
+  const dls_status status = dls_contact_certify(&a->contact, a->r, a->u, &info->certificate, error);
+  if (status) return status;
+  if (!dls_certificate_holds(&info->certificate, limits->tol))
+    info->status = sweeps >= 0                ? DLS_STALLED
+                   : info->iterations == most ? DLS_MAX_ITERATIONS
+                                              : DLS_CANCELLED;
+  return dls_reduction_recover(a->reduction, a->r, a->x, error);
+}
+
+/* Computes r, u and x on K itself from loads f and gaps g. The method ends by its own certificate;
+ * the outcome holds that of the condensed problem, too. */
+static dls_status solve_primal(run *a, const scene_options *o, const double *f, const double *g,
+                               dls_error *error) {
   dls_primal_settings settings;
   dls_primal_settings_init(&settings);
   settings.limits.tol = o->solver.settings.limits.tol;
@@ -159,12 +198,11 @@ static dls_status solve_primal(run *a, const scene_options *o, dls_error *error)
     settings.limits.max_iterations = o->solver.settings.limits.max_iterations;
   settings.limits.progress = o->solver.settings.limits.progress;
   settings.limits.progress_data = o->solver.settings.limits.progress_data;
-  dls_status status = dls_primal_create(&a->primal, &a->data.model, &settings, error);
-  if (status) return status;
-  const double start = cpu_seconds();
-  status = dls_primal_solve(a->primal, a->data.f, a->data.g, a->data.mu, a->x, a->r, a->u,
-                            &a->primal_info, error);
-  a->outcome.solve_cpu_seconds = cpu_seconds() - start;
+  dls_status status = DLS_OK;
+  if (!a->primal) status = dls_primal_create(&a->primal, &a->data.model, &settings, error);
+  if (!status)
+    status =
+        dls_primal_solve(a->primal, f, g, a->data.mu, a->x, a->r, a->u, &a->primal_info, error);
   if (status < 0) return status;
   a->outcome.primal = &a->primal_info;
   a->outcome.info.status = a->primal_info.status;
@@ -172,19 +210,48 @@ static dls_status solve_primal(run *a, const scene_options *o, dls_error *error)
   return dls_contact_certify(&a->contact, a->r, NULL, &a->outcome.info.certificate, error);
 }
 
-/* Computes everything from the model to the tables; < 0 or DLS_OK. The outcome says if the solver
- * arrived. */
-static dls_status scene_compute(run *a, const scene_options *o, dls_error *error) {
-  dls_status status = dls_reduction_create(&a->reduction, &a->data.model, error);
-  if (!status) status = dls_reduction_load(a->reduction, a->data.f, a->data.g, error);
+/* Computes a step from loads f and gaps g; < 0 or DLS_OK. The outcome says if the solver arrived.
+ */
+static dls_status scene_step(run *a, const scene_options *o, const double *f, const double *g,
+                             dls_error *error) {
+  dls_status status = dls_reduction_load(a->reduction, f, g, error);
   if (!status) status = dls_reduction_contact(a->reduction, a->data.mu, &a->contact, error);
   if (status) return status;
-  a->outcome.d = a->contact.d;
-  a->outcome.nc = a->contact.nc;
+  const double start = cpu_seconds();
+  status = o->solver.primal ? solve_primal(a, o, f, g, error)
+           : o->as_printed  ? solve_as_printed(a, o, error)
+                            : solve_condensed(a, o, error);
+  a->outcome.solve_cpu_seconds += cpu_seconds() - start;
+  progress_end();
+  return status;
+}
+
+/* Computes the steps of the scene. Friction works on what the second step adds, so that its g takes
+ * off the tangential positions of the first one. */
+static dls_status scene_steps(run *a, const scene_options *o, dls_error *error) {
+  const dls_fe_scene_data *s = &a->data;
+  if (!s->f_first) return scene_step(a, o, s->f, s->g, error);
+  dls_status status = scene_step(a, o, s->f_first, s->g, error);
+  if (status) return status;
+  a->first = a->outcome.info;
+  for (int k = 0; k < s->model.nodes; k++) {
+    a->moved[2 * k] = s->g[2 * k];
+    a->moved[2 * k + 1] = -column_dot(&s->model.HT, k, a->x);
+  }
+  status = scene_step(a, o, s->f, a->moved, error);
+  if (!status && a->first.status) a->outcome.info.status = a->first.status;
+  return status;
+}
+
+/* Computes everything from the model to the tables; < 0 or DLS_OK. */
+static dls_status scene_compute(run *a, const scene_options *o, dls_error *error) {
+  a->outcome.d = 2;
+  a->outcome.nc = a->data.candidates;
   a->outcome.scene = o->name;
   a->outcome.weighted = o->weighted;
-  status = o->solver.primal ? solve_primal(a, o, error) : solve_condensed(a, o, error);
-  progress_end();
+  a->outcome.as_printed = o->as_printed;
+  dls_status status = dls_reduction_create(&a->reduction, &a->data.model, error);
+  if (!status) status = scene_steps(a, o, error);
   if (status) return status;
 
   const dls_model *model = &a->data.model;
@@ -207,7 +274,7 @@ static dls_status scene_compute(run *a, const scene_options *o, dls_error *error
 
 /* ---- the paper's values ---------------------------------------------------------------------- */
 
-/* Reads rows "node,Q1,Q2,RT,RN[,RN_eq]" after a header, an empty field where there is no value.
+/* Reads rows "node,Q1,Q2,RT,RN,RT_eq,RN_eq" after a header, an empty field where there is no value.
  * Returns 1 if all were read. */
 static int read_reference(const char *path, run *a) {
   for (int k = 0; k < REFERENCE_COLUMNS; k++)
@@ -234,18 +301,11 @@ static int read_reference(const char *path, run *a) {
     good = good && (*field == '\n' || *field == '\r' || *field == '\0');
   }
   fclose(file);
-  if (!good) complain("%s: row %d is not 'node,Q1,Q2,RT,RN[,RN_eq]'", path, number);
+  if (!good) complain("%s: row %d is not 'node,Q1,Q2,RT,RN,RT_eq,RN_eq'", path, number);
   return good;
 }
 
 /* ---- tables ---------------------------------------------------------------------------------- */
-
-static double largest_entry(const double *v, int n) {
-  double m = 0;
-  for (int i = 0; i < n; i++)
-    if (fabs(v[i]) > m) m = fabs(v[i]);
-  return m;
-}
 
 /* A column of a table: its name, the computed values, the paper's or NULL. */
 typedef struct quantity {
@@ -289,13 +349,38 @@ static void print_quantities(const run *a, const quantity *q, int count) {
     printf(" %s %.1e%s", q[k].name, worst[k], k + 1 < count ? "," : "\n");
 }
 
+/* Tells if P^-1 of concentrated reactions obeys the laws, too ([Jean 1988] Propositions 2 and 3),
+ * to 1e-3 of the largest: ten times what the paper's own reactions are exact to. */
+static void print_admissible(const run *a) {
+  const double *rn = a->column[RN_EQ], *rt = a->column[RT_EQ];
+  const double small = 1e-3 * largest_entry(rn, a->data.candidates);
+  int pulls = 0, outside = 0;
+  for (int c = 0; c < a->data.candidates; c++) {
+    pulls += rn[c] < -small;
+    outside += rn[c] >= -small && fabs(rt[c]) > a->data.mu[c] * rn[c] + small;
+  }
+  if (pulls + outside == 0)
+    puts("admissible: they solve the problem with weighted reactions");
+  else
+    printf("not admissible: %d pull, %d more lie outside of the cone\n", pulls, outside);
+}
+
+static void print_step(const scene_options *o, const dls_info *first) {
+  printf("first step, %s alone: %s, %d %s, residual %.1e\n",
+         o->block.order == DLS_FE_TOP_FIRST ? "top" : "side", dls_status_text(first->status),
+         first->iterations, iteration_word(first->method), first->certificate.residual);
+}
+
 static void print_run(const run *a, const scene_options *o) {
   const outcome *out = &a->outcome;
   const dls_certificate *c = &out->info.certificate;
   printf("%s, %s reactions, %s: %s, %d %s, residual %.1e, %.2g s of CPU\n", o->name,
          o->weighted ? "weighted" : "concentrated", method_word(out),
-         dls_status_text(out->info.status), out->info.iterations, iteration_word(out->info.method),
-         c->residual, out->solve_cpu_seconds);
+         o->as_printed && out->info.status == DLS_STALLED ? "stopped by the paper's rule"
+                                                          : dls_status_text(out->info.status),
+         out->info.iterations, iteration_word(out->info.method), c->residual,
+         out->solve_cpu_seconds);
+  if (a->data.f_first) print_step(o, &a->first);
   print_residuals("", c);
   print_stages(&out->info);
   if (out->primal)
@@ -306,16 +391,16 @@ static void print_run(const run *a, const scene_options *o) {
                                 {"Q2 [m]", a->column[UN], with ? a->paper[1] : NULL}};
   const quantity reactions[] = {{"RT [N/m]", a->column[RT], with ? a->paper[2] : NULL},
                                 {"RN [N/m]", a->column[RN], with ? a->paper[3] : NULL}};
-  const quantity equivalent[] = {{"RT eq [N/m]", a->column[RT_EQ], NULL},
-                                 {"RN eq [N/m]", a->column[RN_EQ], with ? a->paper[4] : NULL}};
+  const quantity equivalent[] = {{"RT eq [N/m]", a->column[RT_EQ], with ? a->paper[4] : NULL},
+                                 {"RN eq [N/m]", a->column[RN_EQ], with ? a->paper[5] : NULL}};
   putchar('\n');
   print_quantities(a, positions, 2);
   putchar('\n');
   print_quantities(a, reactions, 2);
-  if (o->weighted) {
-    puts("\nequivalent concentrated reactions, P r");
-    print_quantities(a, with ? equivalent + 1 : equivalent, with ? 1 : 2);
-  }
+  puts(o->weighted ? "\nequivalent concentrated reactions, P r"
+                   : "\nequivalent weighted reactions, P^-1 r");
+  print_quantities(a, equivalent, 2);
+  if (!o->weighted) print_admissible(a);
   printf("\nresultants of the reactions: Rx = %.5e, Ry = %.5e N/m\n", out->Rt, out->Rn);
 }
 
@@ -324,14 +409,14 @@ static void print_run(const run *a, const scene_options *o) {
 static int write_csv(const run *a, const scene_options *o) {
   FILE *file = open_in(o->out, "contact.csv");
   if (!file) return 0;
-  fprintf(file, "candidate,x,y,ut,un,rt,rn,status%s\n", o->weighted ? ",rt_eq,rn_eq" : "");
+  fputs("candidate,x,y,ut,un,rt,rn,status,rt_eq,rn_eq,cell\n", file);
   for (int c = 0; c < a->data.candidates; c++) {
     fprintf(file, "%d", c + 1);
     for (int k = X; k <= RN; k++)
       fprintf(file, ",%.17g", a->column[k][c]);
     fprintf(file, ",%s", state_word(a->state[c]));
-    if (o->weighted) fprintf(file, ",%.17g,%.17g", a->column[RT_EQ][c], a->column[RN_EQ][c]);
-    fputc('\n', file);
+    fprintf(file, ",%.17g,%.17g,%.17g\n", a->column[RT_EQ][c], a->column[RN_EQ][c],
+            a->data.cell[c]);
   }
   return close_file(file, "contact.csv");
 }
@@ -356,10 +441,10 @@ static int write_files(const run *a, const scene_options *o) {
                  o->weighted ? "weighted" : "concentrated", method_word(&a->outcome));
   const scene_picture picture = {.directory = o->out,
                                  .title = title,
-                                 .mesh = a->data.mesh,
+                                 .scene = &a->data,
                                  .displacement = a->displacement,
                                  .reaction = a->reaction,
-                                 .candidates = a->data.candidates,
+                                 .state = a->state,
                                  .x = a->column[X],
                                  .rt = a->column[RT],
                                  .rn = a->column[RN],
@@ -374,7 +459,7 @@ static int run_scene(const scene_options *o) {
   run a = {0};
   dls_error error = {0};
   int result = EXIT_BAD_INPUT;
-  if (dls_fe_scene_create(&a.scene, o->name, o->weighted, &error)) {
+  if (dls_fe_scene_create_with(&a.scene, o->name, o->weighted, &o->block, &error)) {
     result = complain_of(o->name, &error);
     goto end;
   }
@@ -411,9 +496,58 @@ static taken list_scenes(void) {
   return OPTION_DONE;
 }
 
+/* Reads TOP,SIDE[,SIDE_TOP]. */
+static taken parse_load(const char *text, dls_fe_scene_settings *block) {
+  char more;
+  const int count =
+      sscanf(text, "%lf,%lf%c%lf%c", &block->top, &block->side, &more, &block->side_top, &more);
+  if (count == 2) block->side_top = block->side;
+  block->has_load = 1;
+  if (count == 2 || (count == 4 && more == ',')) return OPTION_TAKEN;
+  complain("--load: '%s' is not TOP,SIDE or TOP,SIDE,SIDE_TOP", text);
+  return OPTION_WRONG;
+}
+
+static taken parse_order(const char *text, dls_fe_order *order) {
+  static const char *const words[] = {"together", "top-first", "side-first"};
+  for (int k = DLS_FE_TOGETHER; k <= DLS_FE_SIDE_FIRST; k++)
+    if (!strcmp(text, words[k])) return *order = (dls_fe_order)k, OPTION_TAKEN;
+  complain("--order: '%s' is none of together, top-first, side-first", text);
+  return OPTION_WRONG;
+}
+
+static taken parse_young(const char *text, double *E) {
+  const taken result = parse_number("young", text, E);
+  if (result != OPTION_TAKEN || *E > 0) return result;
+  complain("--young: '%s' is not a number > 0", text);
+  return OPTION_WRONG;
+}
+
+/* Takes an option of the block. */
+static taken take_block_option(int key, const char *text, dls_fe_scene_settings *block) {
+  switch (key) {
+  case 'M':
+    return parse_mesh(text, &block->nx, &block->ny);
+  case 'F':
+    return parse_number("mu", text, &block->mu);
+  case 'E':
+    return parse_young(text, &block->E);
+  case 'N':
+    return parse_number("poisson", text, &block->nu);
+  case 'L':
+    return parse_load(text, block);
+  case 'O':
+    return parse_order(text, &block->order);
+  default:
+    return OPTION_UNKNOWN;
+  }
+}
+
 static taken take_scene_option(int key, const char *text, void *data) {
   scene_options *o = data;
-  const taken shared = take_solver_option(key, text, &o->solver);
+  if (key == 'm' && (o->as_printed = !strcmp(text, "jean"))) return OPTION_TAKEN;
+  taken shared = take_solver_option(key, text, &o->solver);
+  if (shared == OPTION_UNKNOWN) shared = take_block_option(key, text, &o->block);
   if (shared != OPTION_UNKNOWN) return shared;
   int *flag = key == 'w' ? &o->weighted : key == 'j' ? &o->json : NULL;
   const char **name = key == 'o'   ? &o->out
@@ -429,12 +563,15 @@ static taken take_scene_option(int key, const char *text, void *data) {
 
 int command_scene(int argc, char **argv) {
   static const struct option options[] = {
-      SOLVER_OPTIONS,          FLAG("weighted", 'w'), VALUE("out", 'o'), VALUE("save", 's'),
-      VALUE("reference", 'r'), FLAG("json", 'j'),     FLAG("list", 'l'), LAST_OPTIONS};
+      SOLVER_OPTIONS,        VALUE("mesh", 'M'), VALUE("mu", 'F'),        VALUE("young", 'E'),
+      VALUE("poisson", 'N'), VALUE("load", 'L'), VALUE("order", 'O'),     FLAG("weighted", 'w'),
+      VALUE("out", 'o'),     VALUE("save", 's'), VALUE("reference", 'r'), FLAG("json", 'j'),
+      FLAG("list", 'l'),     LAST_OPTIONS};
   static const command scene = {SOLVER_KEYS "wo:s:r:jlh", options, scene_usage, take_scene_option,
                                 1};
   scene_options o = {0};
   solver_options_init(&o.solver, default_tol);
+  dls_fe_scene_settings_init(&o.block);
   const int stop = take_options(argc, argv, &scene, &o);
   if (stop != GO_ON) return stop;
   if (!settle_solver_options(&o.solver)) return EXIT_BAD_INPUT;

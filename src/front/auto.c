@@ -130,7 +130,7 @@ static int must_stop(dlsi_auto *work, const dls_progress *p) {
   const dls_limits *limits = &work->options.limits;
   dls_progress mine = *p;
   mine.method = "auto";
-  if (work->has_copy && limits->progress && p->r) { /* the caller's r */
+  if (work->problem == &work->copy.problem && limits->progress && p->r) { /* the caller's r */
     const dlsi_renumber *copy = &work->copy;
     dlsi_renumber_back(copy, work->d, copy->power_q - copy->power_W, p->r, work->v[3]);
     mine.r = work->v[3];

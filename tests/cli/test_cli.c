@@ -120,6 +120,18 @@ START_TEST(bad_usage_is_2) {
                                       "solve Makefile -a fast",
                                       "solve --lcp Makefile Makefile --accel anderson",
                                       "scene jean-fig3 --tol -1",
+                                      "scene jean-fig3 --mesh 16",
+                                      "scene jean-fig3 --mesh 0x8",
+                                      "scene jean-fig3 --mesh 99999x99999",
+                                      "scene jean-fig3 --mu -1",
+                                      "scene jean-fig3 --young 0",
+                                      "scene jean-fig3 --poisson 0.5",
+                                      "scene jean-fig3 --load 5e8",
+                                      "scene jean-fig3 --load 5e8:5e8",
+                                      "scene jean-fig3 --load 5e8,5e8:5e8",
+                                      "scene jean-fig3 --load 5e8,5e8,5e8,5e8",
+                                      "scene jean-fig3 --load 5e8,nan",
+                                      "scene jean-fig3 --order sideways",
                                       "scene jean-fig3 --tol nan",
                                       "scene jean-fig3 --max-iter 0",
                                       "scene jean-fig3 --frobnicate",
@@ -249,7 +261,7 @@ START_TEST(scene_writes_its_files) {
   ck_assert_int_eq((int)json_number("dimension"), 2);
   static char text[100000];
   (void)read_text("a/b/contact.csv", text, sizeof text);
-  ck_assert(!strncmp(text, "candidate,x,y,ut,un,rt,rn,status,rt_eq,rn_eq\n", 45));
+  ck_assert(!strncmp(text, "candidate,x,y,ut,un,rt,rn,status,rt_eq,rn_eq,cell\n", 50));
   int lines = 0;
   for (const char *c = text; *c; c++)
     lines += *c == '\n';
@@ -264,6 +276,32 @@ START_TEST(scene_writes_its_files) {
     (void)snprintf(path, sizeof path, "%s/a/b/%s", directory, pictures[k]);
     ck_assert_msg(access(path, R_OK) == 0, "%s", path);
   }
+  /* the pictures' states and arrows are those of contact.csv */
+  static char rows[100000];
+  const char *state = strchr(read_text("a/b/contact.csv", text, sizeof text), '\n') + 1;
+  const char *row = strchr(read_text("a/b/reactions.dat", rows, sizeof rows), '\n') + 1;
+  int count[3] = {0};
+  for (int c = 0; c < 16; c++, state = strchr(state, '\n') + 1, row = strchr(row, '\n') + 1) {
+    const int drawn = *(strchr(row, '\n') - 1) - '0';
+    static const char *const words[] = {"free,", "slip,", "stick,"};
+    ck_assert(drawn >= 0 && drawn < 3);
+    for (int k = 0; k < 7; k++)
+      state = strchr(state, ',') + 1;
+    ck_assert(!strncmp(state, words[drawn], strlen(words[drawn])));
+    count[drawn]++;
+  }
+  ck_assert(count[0] == 5 && count[1] + count[2] == 11 && count[2] > 0);
+  (void)read_text("a/b/deformed.dat", rows, sizeof rows);
+  for (char *block = strstr(rows, "\n\n\n"), *k = NULL; block; block = k) {
+    k = strstr(block += 3, "NaN NaN"); /* ends a block of arrows */
+    if (!k) break;
+    int arrows = 0;
+    for (const char *at = block; at < k; at++)
+      arrows += *at == '\n';
+    count[arrows == count[1] ? 1 : arrows == count[2] ? 2 : 0] -= arrows;
+    k = strstr(k, "\n\n\n");
+  }
+  ck_assert(count[1] == 0 && count[2] == 0 && count[0] == 5 - 1); /* P r of node 5: an arrow */
 }
 END_TEST
 
@@ -283,11 +321,137 @@ START_TEST(scene_on_the_displacements) {
 }
 END_TEST
 
-START_TEST(concentrated_csv_has_no_equivalents) {
-  static char text[100000];
-  ck_assert_int_eq(run("scene jean-fig4 --out @"), 0);
-  ck_assert(!strncmp(read_text("contact.csv", text, sizeof text),
-                     "candidate,x,y,ut,un,rt,rn,status\n", 33));
+/* Reads numbers between commas; NaN where a field is empty or a word. */
+static void read_row(const char *line, int count, double *value) {
+  for (int k = 0; k < count; k++) {
+    char *end;
+    value[k] = strtod(line, &end);
+    if (end == line) value[k] = NAN;
+    line += strcspn(line, ",\n") + 1;
+  }
+}
+
+/* The sweeps of [Jean 1988], their counts, and the digits that data/jean-1988/README.md names. */
+START_TEST(the_sweeps_as_printed) {
+  static const int IS[] = {62, 85, 42, 146}, column[] = {0, 3, 4, 5, 6, 8, 9};
+  int numbers = 0, rounded = 0;
+  for (int t = 0; t < 4; t++) {
+    char command[128], path[128];
+    (void)snprintf(command, sizeof command, "scene jean-fig%d --method jean%s --json -o @",
+                   3 + t / 2, t % 2 ? " -w" : "");
+    ck_assert_int_eq(run(command), 1); /* 1e-4 is not what the certificate asks */
+    ck_assert(prints("\"method\": \"jean\""));
+    ck_assert_int_eq((int)json_number("iterations"), IS[t]);
+    static char ours[100000];
+    const char *at = strchr(read_text("contact.csv", ours, sizeof ours), '\n') + 1;
+    (void)snprintf(path, sizeof path, "data/jean-1988/fig%d_%s.csv", 3 + t / 2,
+                   t % 2 ? "weighted" : "concentrated");
+    FILE *file = fopen(path, "r");
+    ck_assert_ptr_nonnull(file);
+    char line[512];
+    ck_assert_ptr_nonnull(fgets(line, sizeof line, file));
+    while (fgets(line, sizeof line, file)) {
+      double printed[7], value[10];
+      read_row(line, 7, printed);
+      read_row(at, 10, value);
+      at = strchr(at, '\n') + 1;
+      for (int k = 1; k < 7; k++) {
+        if (isnan(printed[k]) || printed[k] == 0) continue;
+        const double unit = 1e-4 * pow(10, floor(log10(fabs(printed[k]))));
+        const double off = fabs(value[column[k]] - printed[k]) / unit;
+        ck_assert(off < 5.3);
+        numbers++;
+        rounded += off <= 0.55; /* half a unit, but for ties */
+      }
+    }
+    (void)fclose(file);
+  }
+  ck_assert(numbers == 269 && rounded == 266);
+  ck_assert_int_eq(run("scene jean-fig3 --method jean --max-iter 61"), 1);
+  ck_assert(prints("jean: iteration limit reached, 61 sweeps"));
+  says("scene jean-fig3 --method jean --tol 1e-4", "jean: solved, 62 sweeps");
+}
+END_TEST
+
+START_TEST(equivalents_of_concentrated_reactions) {
+  says("scene jean-fig3", "not admissible: 1 pull, 2 more lie outside of the cone");
+  says("scene jean-fig4", "admissible: they solve the problem with weighted reactions");
+  /* and do: P^-1 r of the one is the r of the other */
+  static char text[2][100000];
+  for (int w = 0; w < 2; w++) {
+    ck_assert_int_eq(run(w ? "scene jean-fig4 -w --out @" : "scene jean-fig4 --out @"), 0);
+    (void)read_text("contact.csv", text[w], sizeof text[w]);
+  }
+  const char *at[2] = {text[0], text[1]};
+  double cells = 0;
+  for (int c = 0; c < 16; c++) {
+    double v[2][11];
+    for (int w = 0; w < 2; w++)
+      read_row(at[w] = strchr(at[w], '\n') + 1, 11, v[w]);
+    for (int k = 0; k < 2; k++) {
+      ck_assert_double_eq_tol(v[0][8 + k], v[1][5 + k], 1e-9 * 2e5);
+      ck_assert_double_eq_tol(v[1][8 + k], v[0][5 + k], 1e-9 * 2e5);
+    }
+    cells += v[0][10];
+  }
+  ck_assert_double_eq_tol(cells, 4e-3 * (1 - 0.5 / 16), 1e-15); /* but for node 17's */
+}
+END_TEST
+
+/* One block twice, in other units of force: reactions are as many times larger. */
+START_TEST(a_block_of_its_own) {
+  double Rn[2];
+  for (int k = 0; k < 2; k++) {
+    ck_assert_int_eq(run(k ? "scene jean-fig3 --mesh=12x6 --mu .3 --young=7e4 --poisson=.3 "
+                             "--load=50,20,80 --json"
+                           : "scene jean-fig4 --mesh 12x6 --mu=.3 --young 7e10 --poisson .3 "
+                             "--load 50e6,20e6,80e6 --json"),
+                     0);
+    ck_assert_int_eq((int)json_number("contacts"), 12);
+    Rn[k] = json_number("resultant_n");
+  }
+  ck_assert_double_eq_tol(Rn[0], 1e6 * Rn[1], 1e-9 * Rn[0]);
+  /* side and side_top are one number, and the scene's own values can be given */
+  for (int k = 0; k < 2; k++) {
+    ck_assert_int_eq(run(k ? "scene jean-fig4 --json"
+                           : "scene jean-fig3 --mesh 16x8 --mu .1 --young 0.13e12 --poisson .2 "
+                             "--load 5e8,5e8 --json"),
+                     0);
+    Rn[k] = json_number("resultant_n");
+  }
+  ck_assert(Rn[0] == Rn[1]);
+}
+END_TEST
+
+/* Friction remembers the way, where some candidates end by sliding back or by sticking. */
+START_TEST(loads_one_after_the_other) {
+  static const char *const order[] = {"", "together", "top-first", "side-first"};
+  static const char block[] = "--mu .1 --load 5e8,1e8";
+  double Rt[4];
+  for (int k = 0; k < 4; k++) {
+    char command[128];
+    (void)snprintf(command, sizeof command, "scene jean-fig3 %s --json %s%s", block,
+                   k ? "--order=" : "", order[k]);
+    ck_assert_int_eq(run(command), 0);
+    Rt[k] = json_number("resultant_t");
+  }
+  ck_assert(Rt[0] == Rt[1]);
+  ck_assert(fabs(Rt[2] - Rt[0]) > 0.1 * fabs(Rt[0]));
+  ck_assert(fabs(Rt[3] - Rt[0]) > 0.1 * fabs(Rt[0]));
+  says("scene jean-fig3 --order top-first", "first step, top alone: solved");
+  /* on the displacements, too */
+  ck_assert_int_eq(run("scene jean-fig3 --mu .1 --load 5e8,1e8 --order=top-first "
+                       "--method gauss-seidel -t 1e-12 --json"),
+                   0);
+  ck_assert_double_eq_tol(json_number("resultant_t"), Rt[2], 1e-8 * json_number("resultant_n"));
+  /* with no friction the way is forgotten */
+  for (int k = 0; k < 2; k++) {
+    ck_assert_int_eq(run(k ? "scene jean-fig3 --mu 0 --json"
+                           : "scene jean-fig3 --mu 0 --order side-first --json"),
+                     0);
+    Rt[k] = json_number("resultant_n");
+  }
+  ck_assert_double_eq_tol(Rt[0], Rt[1], 1e-10 * Rt[1]);
 }
 END_TEST
 
@@ -424,7 +588,8 @@ int main(void) {
   return RUN("cli", make_directory, remove_directory, ONCE(help_and_version), ONCE(bad_usage_is_2),
              ONCE(accelerated_scene), ONCE(auto_says_what_it_did), ONCE(no_solution_likely_is_1),
              ONCE(proofs_are_printed), ONCE(scene_writes_its_files),
-             ONCE(scene_on_the_displacements), ONCE(concentrated_csv_has_no_equivalents),
+             ONCE(scene_on_the_displacements), ONCE(equivalents_of_concentrated_reactions),
+             ONCE(the_sweeps_as_printed), ONCE(a_block_of_its_own), ONCE(loads_one_after_the_other),
              ONCE(newton_and_the_list_of_methods), ONCE(lemke_in_3d_takes_facets),
              ONCE(saved_problem_solves_to_the_same_answer), ONCE(not_solved_is_1), ONCE(lcp_files),
              ONCE(text_problems), ONCE(history_of_a_solve), ONCE(info_says_what_it_found),

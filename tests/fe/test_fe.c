@@ -556,14 +556,160 @@ START_TEST(scene_bad_input) {
 }
 END_TEST
 
+static dls_fe_scene_settings scene_settings(int nx, int ny) {
+  dls_fe_scene_settings s;
+  dls_fe_scene_settings_init(&s);
+  s.nx = nx;
+  s.ny = ny;
+  return s;
+}
+
+/* The settings' own values give the scene of no settings, bit by bit. */
+START_TEST(scene_settings_by_default) {
+  dls_fe_scene *s[3];
+  dls_fe_scene_data d[3];
+  dls_fe_scene_settings given = scene_settings(16, 8), none = scene_settings(0, 0);
+  given.mu = 1;
+  given.E = 0.13e12;
+  given.nu = 0.2;
+  given.has_load = 1;
+  given.top = 5e8;
+  given.side = 9e8;
+  given.side_top = 25e8;
+  const dls_fe_scene_settings *settings[] = {NULL, &none, &given};
+  for (int k = 0; k < 3; k++) {
+    ck_assert_int_eq(dls_fe_scene_create_with(&s[k], "jean-fig3", 1, settings[k], NULL), DLS_OK);
+    dls_fe_scene_get(s[k], &d[k]);
+    ck_assert(memcmp(d[0].model.K.a, d[k].model.K.a, 296 * 296 * sizeof(double)) == 0);
+    ck_assert(memcmp(d[0].f, d[k].f, 296 * sizeof(double)) == 0);
+    ck_assert(memcmp(d[0].mu, d[k].mu, 16 * sizeof(double)) == 0);
+    ck_assert_ptr_null(d[k].f_first);
+    ck_assert(d[k].weighting.rows == 17 && d[k].weighting.cols == 16);
+    ck_assert(d[k].cell[0] == 2e-3 / 16 || fabs(d[k].cell[0] - 2e-3 / 16) < 1e-18);
+    ck_assert_double_eq_tol(d[k].cell[15], 4e-3 / 16, 1e-18);
+  }
+  for (int k = 0; k < 3; k++)
+    dls_fe_scene_destroy(s[k]);
+}
+END_TEST
+
+/* K of a finer mesh is sparse, and is the stiffness without the supported rows and columns; loads
+ * have the resultants of the coarse one. */
+START_TEST(scene_of_a_finer_mesh) {
+  const int nx = 24, ny = 22, nodes = (nx + 1) * (ny + 1), all = 2 * nodes, n = all - ny - 2;
+  dls_fe_scene *s;
+  dls_fe_scene_data data;
+  const dls_fe_scene_settings settings = scene_settings(nx, ny);
+  ck_assert_int_eq(dls_fe_scene_create_with(&s, "jean-fig3", 1, &settings, NULL), DLS_OK);
+  dls_fe_scene_get(s, &data);
+  ck_assert(data.model.n == n && data.candidates == nx && data.model.nodes == nx + 1);
+  ck_assert(data.model.operator_kind == DLS_STIFFNESS_SPARSE && data.mesh->nodes == nodes);
+  ck_assert_int_eq(dls_model_check(&data.model, NULL), DLS_OK);
+
+  double *x = new_doubles((size_t)n), *place = new_doubles((size_t)all);
+  double *K = new_doubles((size_t)all * (size_t)all), *Ks = new_doubles((size_t)n * (size_t)n);
+  memset(Ks, 0, (size_t)n * (size_t)n * sizeof *Ks);
+  for (int j = 0; j < n; j++) {
+    x[j] = j + 1;
+    for (int k = data.model.Ks.p[j]; k < data.model.Ks.p[j + 1]; k++)
+      Ks[(size_t)data.model.Ks.i[k] + (size_t)j * (size_t)n] += data.model.Ks.x[k];
+  }
+  ck_assert_int_eq(dls_fe_scene_displacement(s, x, place, NULL), DLS_OK);
+  ck_assert_int_eq(dls_fe_stiffness(data.mesh, data.E, data.nu, K, all, NULL), DLS_OK);
+  for (int j = 0; j < all; j++)
+    for (int i = 0; i < all; i++)
+      if (place[i] > 0 && place[j] > 0)
+        ck_assert(Ks[(size_t)place[i] - 1 + ((size_t)place[j] - 1) * (size_t)n] ==
+                  K[(size_t)i + (size_t)j * (size_t)all]);
+  double sum[2] = {0};
+  ck_assert_int_eq(dls_fe_scene_displacement(s, data.f, place, NULL), DLS_OK);
+  for (int i = 0; i < nodes; i++) {
+    sum[0] += place[2 * i];
+    sum[1] += place[2 * i + 1];
+  }
+  ck_assert_double_eq_tol(sum[0], 6.8e6, 1e3 * DBL_EPSILON * 6.8e6);
+  ck_assert_double_eq_tol(sum[1], -2e6, 1e3 * DBL_EPSILON * 2e6);
+  free(x);
+  free(place);
+  free(K);
+  free(Ks);
+  dls_fe_scene_destroy(s);
+}
+END_TEST
+
+/* The loads of the first step and the rest of them add up to f. */
+START_TEST(scene_loads_in_order) {
+  dls_fe_scene *s[2];
+  dls_fe_scene_data d[2];
+  for (int k = 0; k < 2; k++) {
+    dls_fe_scene_settings settings = scene_settings(4, 3);
+    settings.order = k ? DLS_FE_SIDE_FIRST : DLS_FE_TOP_FIRST;
+    ck_assert_int_eq(dls_fe_scene_create_with(&s[k], "jean-fig3", 0, &settings, NULL), DLS_OK);
+    dls_fe_scene_get(s[k], &d[k]);
+    ck_assert_ptr_nonnull(d[k].f_first);
+  }
+  int tops = 0, sides = 0;
+  for (int i = 0; i < d[0].model.n; i++) {
+    ck_assert(d[0].f[i] == d[1].f[i]);
+    ck_assert(d[0].f_first[i] + d[1].f_first[i] == d[0].f[i]);
+    ck_assert(d[0].f_first[i] <= 0 && d[1].f_first[i] >= 0);
+    tops += d[0].f_first[i] < 0;
+    sides += d[1].f_first[i] > 0;
+  }
+  ck_assert(tops == 5 && sides == 4);
+  for (int k = 0; k < 2; k++)
+    dls_fe_scene_destroy(s[k]);
+}
+END_TEST
+
+START_TEST(scene_bad_settings) {
+  dls_fe_scene *s;
+  dls_fe_scene_settings x;
+#define REFUSED(field, value, code, name)                                                          \
+  do {                                                                                             \
+    x = scene_settings(4, 3);                                                                      \
+    x.field = value;                                                                               \
+    REJECTED(dls_fe_scene_create_with(&s, "jean-fig3", 0, &x, &error), code, name, -1);            \
+    ck_assert_ptr_null(s);                                                                         \
+  } while (0)
+  REFUSED(size, 0, DLS_E_SETTINGS, "settings");
+  REFUSED(nx, -1, DLS_E_ARGUMENT, "nx");
+  REFUSED(ny, -1, DLS_E_ARGUMENT, "ny");
+  REFUSED(ny, INT_MAX, DLS_E_SIZE, "ny");
+  REFUSED(ny, INT_MAX / 100, DLS_E_SIZE, "ny");
+  REFUSED(mu, NAN, DLS_E_ARGUMENT, "mu");
+  REFUSED(mu, INFINITY, DLS_E_ARGUMENT, "mu");
+  REFUSED(E, -1, DLS_E_ARGUMENT, "E");
+  REFUSED(E, NAN, DLS_E_ARGUMENT, "E");
+  REFUSED(nu, 0.5, DLS_E_ARGUMENT, "nu");
+  REFUSED(nu, -1.1, DLS_E_ARGUMENT, "nu");
+  REFUSED(nu, NAN, DLS_E_ARGUMENT, "nu");
+  REFUSED(has_load, 2, DLS_E_ARGUMENT, "has_load");
+  REFUSED(top, NAN, DLS_E_ARGUMENT, "top");
+  REFUSED(side, INFINITY, DLS_E_ARGUMENT, "side");
+  REFUSED(side_top, -INFINITY, DLS_E_ARGUMENT, "side_top");
+  REFUSED(order, (dls_fe_order)3, DLS_E_ARGUMENT, "order");
+#undef REFUSED
+  x = scene_settings(4, 3);
+  REJECTED(dls_fe_scene_create_with(NULL, "jean-fig3", 0, &x, &error), DLS_E_ARGUMENT, "out", -1);
+  REJECTED(dls_fe_scene_create_with(&s, NULL, 0, &x, &error), DLS_E_ARGUMENT, "name", -1);
+  REJECTED(dls_fe_scene_create_with(&s, "x", 0, &x, &error), DLS_E_ARGUMENT, "name", -1);
+  dls_fe_scene_settings_init(NULL);
+}
+END_TEST
+
 START_TEST(scene_without_memory) {
   int dummy = 0;
+  dls_fe_scene_settings settings[] = {scene_settings(0, 0),
+                                      scene_settings(24, 22)}; /* K dense, sparse */
+  settings[1].order = DLS_FE_TOP_FIRST;
   for (int weighted = 0; weighted < 2; weighted++) {
     long k = 1;
     for (;; k++) {
       dls_fe_scene *s = (dls_fe_scene *)(void *)&dummy;
       malloc_fails_at(k);
-      const dls_status status = dls_fe_scene_create(&s, "jean-fig4", weighted, &error);
+      const dls_status status =
+          dls_fe_scene_create_with(&s, "jean-fig4", weighted, &settings[weighted], &error);
       const long calls = malloc_calls();
       malloc_fails_at(0);
       if (status == DLS_OK) {
@@ -575,7 +721,7 @@ START_TEST(scene_without_memory) {
       ck_assert_int_eq(error.status, DLS_E_MEMORY);
       ck_assert_ptr_null(s);
     }
-    ck_assert_int_gt(k, 4); /* scene, mesh (2), arrays, full K */
+    ck_assert_int_gt(k, 6); /* scene, mesh (2), arrays, loads, abscissae */
   }
 }
 END_TEST
@@ -755,6 +901,7 @@ int main(void) {
              ONCE(block_bad_input), ONCE(one_triangle_by_hand), ONCE(patch),
              ONCE(symmetric_and_rigid), ONCE(units), ONCE(flat_triangles), ONCE(edge_load),
              EACH(mesh_bad_input, 0, 3), ONCE(t3_bad_input), ONCE(scene_names), EACH(scene, 0, 4),
-             ONCE(scene_twice), ONCE(scene_bad_input), ONCE(scene_without_memory), ONCE(vtu),
-             ONCE(vtu_bad_input), ONCE(vtu_disk_full));
+             ONCE(scene_twice), ONCE(scene_settings_by_default), ONCE(scene_of_a_finer_mesh),
+             ONCE(scene_loads_in_order), ONCE(scene_bad_settings), ONCE(scene_bad_input),
+             ONCE(scene_without_memory), ONCE(vtu), ONCE(vtu_bad_input), ONCE(vtu_disk_full));
 }
