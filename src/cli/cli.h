@@ -19,6 +19,7 @@ int command_solve(int argc, char **argv);
 int command_info(int argc, char **argv);
 int command_forming(int argc, char **argv);
 int command_tables(int argc, char **argv);
+int command_chart(int argc, char **argv);
 
 /* ---- problem.c ------------------------------------------------------------------------------- */
 
@@ -180,6 +181,7 @@ double cpu_seconds(void);
  * line. */
 int show_progress(void *data, const dls_progress *progress);
 void watch_interrupt(void);
+int was_interrupted(void); /* 1 after Ctrl-C */
 void progress_end(void);
 
 /* ---- picture.c ------------------------------------------------------------------------------- */
