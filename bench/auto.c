@@ -240,7 +240,8 @@ typedef struct ticks {
 static int tick(void *data, const dls_progress *progress) {
   ticks *t = data;
   const double now = bench_seconds();
-  const int before_steps = !strcmp(progress->method, "nlgs") && progress->max_iterations == 20;
+  if (progress->last) return 0;
+  const int before_steps = !strcmp(progress->stage, "nlgs") && progress->max_iterations == 20;
   if (!before_steps && t->count < 1000) t->all[t->count++] = now - t->last;
   t->last = bench_seconds();
   return 0;

@@ -143,6 +143,11 @@ dls_status dlsi_form_reactions(const dls_contact *problem, const dlsi_form *form
 void dlsi_friction_start(const dls_contact *problem, const double *w, const double *r,
                          const double *u, double *z);
 
+/* Does the work of dls_lemke_solve on an LCP that has been checked, without the last call of
+ * progress. */
+dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double *y,
+                          dls_lemke_info *info);
+
 /* Changes the limits of an existing workspace, from the next solve on. */
 void dlsi_lemke_set_limits(dls_lemke *work, const dls_limits *limits);
 

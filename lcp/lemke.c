@@ -127,6 +127,8 @@ struct dls_lemke {
   double *ray_z, *ray_dz, *ray_cover, *farkas; /* n */
   dlsi_judge *judge;                           /* of farkas; NULL: this LCP */
   void *judged;
+  double begun;       /* CPU seconds when the solve began; -1: nobody asks */
+  dls_status stopped; /* by the progress function or the time limit */
   double ray_z0, ray_dz0;
 };
 
@@ -504,11 +506,19 @@ static int ratio_first_row(const dlsi_table *table, const double *c) {
 
 typedef enum path_end { path_solved, path_ray, path_limit, path_cancelled, path_lost } path_end;
 
-/* Calls the user's progress function; returns what it returns, 1 to cancel. */
-static int lemke_report(const dls_lemke *work, double residual) {
+/* Tells the user's progress function of scaled values z (n), or of those that stand for themselves;
+ * returns 1 to stop, work->stopped says why. */
+static int lemke_report(dls_lemke *work, double residual, const double *z, int scaled) {
   const dls_limits *limits = &work->settings.limits;
-  const dls_progress progress = {"lemke", work->pivots, work->max_pivots, residual};
-  return limits->progress && limits->progress(limits->progress_data, &progress);
+  if (!limits->progress && !(limits->cpu_seconds > 0)) return 0;
+  for (int j = 0; j < work->table.n; j++) {
+    const double zj = scaled ? work->kappa * work->C[j] * z[j] : z[j];
+    work->trial[j] = zj > 0 ? zj : 0;
+  }
+  dls_progress progress = {"lemke", "lemke", work->pivots, work->max_pivots, residual, work->trial,
+                           0,       0};
+  work->stopped = dlsi_tell(limits, work->begun, &progress);
+  return work->stopped != DLS_OK;
 }
 
 /* Estimates the residual while z0 > 0: about that of y - d z0 where y - d z0 < 0. */
@@ -517,6 +527,13 @@ static double lemke_residual_estimate(const dls_lemke *work) {
   const size_t n = (size_t)table->n;
   const double z0 = table->where[2 * n] < 0 ? 0 : table->b[table->where[2 * n]];
   return z0 * dlsi_norm2(work->d, n) / dlsi_norm2(work->q, n);
+}
+
+/* Tells of the point of the path; estimates its residual. */
+static int path_report(dls_lemke *work) {
+  if (!work->settings.limits.progress && !(work->settings.limits.cpu_seconds > 0)) return 0;
+  lemke_read_values(&work->table, work->table.b, -1, work->x);
+  return lemke_report(work, lemke_residual_estimate(work), work->x + work->table.n, 1);
 }
 
 /* (LE4) Exchanges row r and column s; returns the variable that left. Its complement enters
@@ -555,8 +572,7 @@ static path_end path_follow(dls_lemke *work, const dls_lcp *lcp, const double *z
   path_exchange(work, r, s);
   for (;;) {
     if (work->pivots >= work->max_pivots) return path_limit;
-    if (work->pivots % progress_interval == 0 && lemke_report(work, lemke_residual_estimate(work)))
-      return path_cancelled;
+    if (work->pivots % progress_interval == 0 && path_report(work)) return path_cancelled;
     s = -1 - table->where[work->entering];
     dlsi_table_column(table, s, work->c); /* (LE2) */
     const double cmax = dlsi_max_abs(work->c, (size_t)n);
@@ -674,7 +690,7 @@ static path_end lemke_crash(dls_lemke *work, const dls_lcp *lcp, const double *z
   dlsi_crash_begin(lcp, z, crash);
   while (outcome == 0 && crash->rounds < work->max_pivots) {
     outcome = dlsi_crash_round(lcp, crash);
-    if (lemke_report(work, -1)) return path_cancelled;
+    if (lemke_report(work, -1, crash->z, 0)) return path_cancelled;
   }
   if (outcome <= 0) return path_lost;
   lemke_offer(work, lcp, crash->z, 0);
@@ -707,7 +723,7 @@ static dls_status lemke_paths(dls_lemke *work, const dls_lcp *lcp, const double 
       lemke_read_values(&work->table, work->table.b, -1, work->x);
       lemke_offer(work, lcp, work->x + lcp->n, 1);
       if (lemke_holds(work, tol)) return DLS_OK;
-      return end == path_limit ? DLS_MAX_ITERATIONS : DLS_CANCELLED;
+      return end == path_limit ? DLS_MAX_ITERATIONS : work->stopped;
     }
     if (warm) continue;
     if (work->strict) return lemke_holds(work, tol) ? DLS_OK : DLS_STALLED;
@@ -723,16 +739,16 @@ static dls_status lemke_check(const dls_lemke *work, const dls_lcp *lcp, const d
   return dlsi_check_lcp_solve(work->n, lcp, z, work->settings.limits.warm_start, error);
 }
 
-dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, double *y,
-                           dls_lemke_info *info, dls_error *error) {
-  dls_lemke *work = workspace;
-  dls_status status = lemke_check(work, lcp, z, error);
-  if (status) return dlsi_at(__func__, status, error);
+dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double *y,
+                          dls_lemke_info *info) {
+  dls_status status = DLS_OK;
   const size_t n = (size_t)lcp->n;
   const dls_limits *limits = &work->settings.limits;
   const double *warm = limits->warm_start ? z : NULL;
   work->max_pivots =
       dlsi_most_iterations(limits, lcp->n < (INT_MAX - 1000) / 50 ? 50 * lcp->n + 1000 : INT_MAX);
+  work->begun = dlsi_clock_start(limits);
+  work->table.n = lcp->n;
   work->pivots = work->refreshes = work->starts = work->crash.rounds = 0;
   work->solved_n = work->proved = work->vectors = 0;
   dlsi_lcp_weights(lcp, work->weight);
@@ -743,13 +759,24 @@ dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, 
     if (end == path_lost)
       status = lemke_paths(work, lcp, warm);
     else if (end == path_cancelled)
-      status = DLS_CANCELLED;
+      status = work->stopped;
   }
   memcpy(z, work->z, n * sizeof *z);
   if (y) memcpy(y, work->best_y, n * sizeof *y);
   if (info)
     *info = (dls_lemke_info){status,       work->pivots,    work->best,
                              work->starts, work->refreshes, work->crash.rounds};
+  return status;
+}
+
+dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, double *y,
+                           dls_lemke_info *info, dls_error *error) {
+  dls_lemke *work = workspace;
+  dls_status status = lemke_check(work, lcp, z, error);
+  if (status) return dlsi_at(__func__, status, error);
+  status = dlsi_lemke_run(work, lcp, z, y, info);
+  dlsi_tell_last(&work->settings.limits, work->begun, "lemke", "lemke",
+                 work->pivots + work->crash.rounds, work->best.residual, z);
   return status;
 }
 

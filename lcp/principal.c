@@ -59,6 +59,7 @@ struct dls_principal {
   double *s;          /* weights of the certificate, n */
   double *best;       /* z of least residual, n */
   double *work;       /* scratch, 9 n */
+  double begun;       /* CPU seconds when the solve began; -1: nobody asks */
 };
 
 void dls_principal_settings_init(dls_principal_settings *settings) {
@@ -211,11 +212,10 @@ static void principal_exchange(dls_principal *work, int n, int all) {
 
 /* ---- the iteration --------------------------------------------------------------------------- */
 
-static int principal_cancelled(const dls_principal *work, int iteration, int limit,
-                               double residual) {
-  const dls_limits *limits = &work->settings.limits;
-  const dls_progress progress = {"principal", iteration, limit, residual};
-  return limits->progress && limits->progress(limits->progress_data, &progress) != 0;
+static dls_status principal_report(const dls_principal *work, int iteration, int limit,
+                                   double residual) {
+  dls_progress progress = {"principal", "principal", iteration, limit, residual, work->z, 0, 0};
+  return dlsi_tell(&work->settings.limits, work->begun, &progress);
 }
 
 static dls_status principal_iterate(dls_principal *work, const dls_lcp *lcp,
@@ -231,7 +231,8 @@ static dls_status principal_iterate(dls_principal *work, const dls_lcp *lcp,
       memcpy(work->best, work->z, (size_t)n * sizeof *work->best);
     }
     if (count == 0) return DLS_OK;
-    if (principal_cancelled(work, info->iterations, limit, residual)) return DLS_CANCELLED;
+    const dls_status stop = principal_report(work, info->iterations, limit, residual);
+    if (stop) return stop;
     if (info->iterations == limit) return DLS_MAX_ITERATIONS;
     if (count < fewest) { /* (PP3) */
       fewest = count;
@@ -257,6 +258,7 @@ dls_status dls_principal_solve(dls_principal *workspace, const dls_lcp *lcp, dou
   if (status) return dlsi_at(__func__, status, error);
   const int n = lcp->n;
   dls_principal_info result = {0};
+  work->begun = dlsi_clock_start(&work->settings.limits);
   work->symmetric = principal_is_symmetric(lcp);
   principal_scale(work, lcp);
   dlsi_lcp_weights(lcp, work->s);
@@ -273,5 +275,7 @@ dls_status dls_principal_solve(dls_principal *workspace, const dls_lcp *lcp, dou
       !dls_lcp_certificate_holds(&result.certificate, work->settings.limits.tol))
     result.status = DLS_STALLED;
   if (info) *info = result;
+  dlsi_tell_last(&work->settings.limits, work->begun, "principal", "principal", result.iterations,
+                 result.certificate.residual, z);
   return result.status;
 }

@@ -387,7 +387,8 @@ static dls_status admm_iterate(dls_admm *work, const dls_contact *problem, dls_i
     if (dlsi_certificate_meets(&now, it->tol) || k % refresh_every == 0)
       now = dlsi_iterate_measure(it, problem, work->x);
     if (dlsi_iterate_keep(it, problem, work->x, &now)) return DLS_OK;
-    if (dlsi_is_cancelled(limits, "admm", k, most, now.residual)) return DLS_CANCELLED;
+    const dls_status stop = dlsi_iterate_tell(it, "admm", k, most, now.residual, work->x);
+    if (stop) return stop;
     const double gap = admm_distance(work, problem, work->x, work->z);
     if (!(gap > 0 && gap <= DBL_MAX)) return DLS_STALLED;
     const double rho = k == s.look ? admm_next_rho(work, problem, gap, it->certificate.residual, &s)
@@ -428,7 +429,9 @@ static dls_status admm_solve(void *workspace, const dls_contact *problem, double
 dls_status dls_admm_solve(dls_admm *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
   dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
-  if (!status) status = admm_solve(workspace, problem, r, u, info, error);
+  if (status) return dlsi_at(__func__, status, error);
+  status = admm_solve(workspace, problem, r, u, info, error);
+  status = dlsi_iterate_tell_last(&workspace->it, "admm", status, r);
   return dlsi_at(__func__, status, error);
 }
 

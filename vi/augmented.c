@@ -174,7 +174,10 @@ static dls_status augmented_regularise(dls_augmented *work, const dls_contact *p
   memcpy(work->x, work->lambda, m * sizeof *work->x);
   /* |F| <= target |q|; of forces the residual is relative to |x| as ever */
   const double share = size_b > size_q ? size_q / size_b : 1;
-  const dls_limits limits = {.tol = target * share, .warm_start = 1};
+  const dls_limits limits = {.tol = target * share,
+                             .warm_start = 1,
+                             .cpu_seconds =
+                                 dlsi_clock_left(&work->settings.limits, work->it.begun)};
   dls_info info;
   dlsi_newton_method.set_limits(work->newton, &limits);
   const dls_status status =
@@ -211,6 +214,10 @@ static int augmented_escapes(const dls_augmented *work, const dls_contact *probl
 
 /* ---- the augmentations
  * --------------------------------------------------------------------------- */
+
+static const char *augmented_name(const dls_augmented *work) {
+  return work->method == DLS_PENALTY ? "penalty" : "augmented-lagrangian";
+}
 
 /* Augments from lambda, measured last, until the certificate holds or there is a reason to stop,
  * which is returned. */
@@ -256,9 +263,10 @@ static dls_status augmented_iterate(dls_augmented *work, const dls_contact *prob
       milestone = best->residual;
       passed = k;
     }
-    const int cancelled = dlsi_is_cancelled(limits, "augmented-lagrangian", k, most, now.residual);
+    const dls_status stop =
+        dlsi_iterate_tell(it, augmented_name(work), k, most, now.residual, work->x);
     if (dls_certificate_holds(best, it->tol)) break;
-    if (cancelled) return DLS_CANCELLED;
+    if (stop) return stop;
     if (stuck || k - passed >= augmented_patience || escaping >= escapes_to_believe)
       return DLS_STALLED;
   }
@@ -283,7 +291,9 @@ static dls_status augmented_run(dls_augmented *work, const dls_contact *problem,
 dls_status dls_augmented_solve(dls_augmented *workspace, const dls_contact *problem, double *r,
                                double *u, dls_info *info, dls_error *error) {
   dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
-  if (!status) status = augmented_run(workspace, problem, r, u, info, error);
+  if (status) return dlsi_at(__func__, status, error);
+  status = augmented_run(workspace, problem, r, u, info, error);
+  status = dlsi_iterate_tell_last(&workspace->it, augmented_name(workspace), status, r);
   return dlsi_at(__func__, status, error);
 }
 

@@ -438,6 +438,10 @@ static dls_status offer_point(homotopy *work, const dls_contact *problem, double
   if (!(work->t < finish_t && work->t < *tried / 10)) return DLS_OK;
   *tried = work->t;
   dls_info info = {.factorisations = 0};
+  const dls_limits steps = {.tol = work->limits.tol,
+                            .warm_start = 1,
+                            .cpu_seconds = dlsi_clock_left(&work->limits, work->it.begun)};
+  dlsi_newton_method.set_limits(work->newton, &steps);
   const dls_status status =
       dlsi_newton_method.solve(work->newton, problem, work->r, NULL, &info, error);
   if (status < 0) return status;
@@ -473,8 +477,9 @@ static dls_status follow_path(homotopy *work, const dls_contact *problem, const 
     if (status) return status;
     const dls_certificate *best = &work->it.certificate;
     if (dls_certificate_holds(best, work->limits.tol)) return DLS_OK;
-    if (dlsi_is_cancelled(&work->limits, "homotopy", outcome->iterations, 0, best->residual))
-      return DLS_CANCELLED;
+    const dls_status stop = dlsi_iterate_tell(&work->it, "homotopy", outcome->iterations, 0,
+                                              best->residual, work->it.best);
+    if (stop) return stop;
     if (work->limits.max_iterations && outcome->iterations >= work->limits.max_iterations)
       return DLS_MAX_ITERATIONS;
     if (!(work->t > least_t && work->t < most_t)) return DLS_STALLED;
@@ -487,8 +492,6 @@ static dls_status homotopy_solve(void *homotopy_work, const dls_contact *problem
   homotopy *work = homotopy_work;
   dls_info outcome = {.method = DLS_HOMOTOPY};
   work->factorisations = 0;
-  const dls_limits steps = {.tol = work->limits.tol, .warm_start = 1};
-  dlsi_newton_method.set_limits(work->newton, &steps);
   dlsi_iterate_begin(&work->it, problem, NULL, work->limits.tol, work->limits.warm_start, r,
                      work->r);
   dls_status status = dlsi_iterate_start(&work->it, problem, work->r) ? DLS_OK : DLS_STALLED;

@@ -70,6 +70,7 @@ void dlsi_iterate_begin(dlsi_iterate *it, const dls_contact *problem, const doub
   const size_t m = size_of(problem);
   it->E = E;
   it->tol = tol;
+  it->begun = dlsi_clock_start(it->limits);
   it->certificate = dlsi_no_certificate;
   dlsi_contact_weights(problem, it->w);
   if (!warm || dlsi_max_abs(problem->q, m) == 0)
@@ -116,10 +117,11 @@ dls_status dlsi_iterate_settle(dlsi_iterate *it, const dls_contact *problem, dls
   return dls_certificate_holds(&it->certificate, it->tol) ? DLS_OK : reason;
 }
 
-dls_status dlsi_iterate_end(const dlsi_iterate *it, const dls_contact *problem, dls_status status,
+dls_status dlsi_iterate_end(dlsi_iterate *it, const dls_contact *problem, dls_status status,
                             dls_info *outcome, double *r, double *u, dls_info *info) {
   if (status < 0) return status;
   outcome->status = status;
+  it->iterations = outcome->iterations;
   outcome->certificate = it->certificate;
   memcpy(r, it->best, size_of(problem) * sizeof *r);
   if (u) dlsi_multiply(problem, NULL, it->E, r, u, NULL);

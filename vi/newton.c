@@ -493,7 +493,8 @@ static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, d
     outcome->iterations = k;
     const dls_certificate now = dlsi_iterate_measure(&work->it, problem, work->r);
     if (dlsi_iterate_keep(&work->it, problem, work->r, &now)) return DLS_OK;
-    if (dlsi_is_cancelled(&settings->limits, "newton", k, most, now.residual)) return DLS_CANCELLED;
+    const dls_status stop = dlsi_iterate_tell(&work->it, "newton", k, most, now.residual, work->r);
+    if (stop) return stop;
     if (now.residual <= halved / 2) {
       halved = now.residual;
       since = k;
@@ -507,12 +508,23 @@ static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, d
   return DLS_MAX_ITERATIONS;
 }
 
+/* Tells the caller of a sweep, as a stage of this method. */
+static int newton_tell_of_sweep(void *newton, const dls_progress *of_sweep) {
+  const dls_newton *work = newton;
+  dls_progress progress = *of_sweep;
+  progress.method = "newton";
+  return dlsi_tell(&work->settings.limits, work->it.begun, &progress) == DLS_CANCELLED;
+}
+
 /* (NE0) Sweeps from r, with the limits of the workspace but for their number. */
 static dls_status newton_sweep(dls_newton *work, const dls_contact *problem, int *sweeps) {
   dls_limits limits = work->settings.limits;
   dls_info info;
   limits.max_iterations = work->settings.sweeps;
   limits.warm_start = 1;
+  limits.cpu_seconds = dlsi_clock_left(&work->settings.limits, work->it.begun);
+  if (limits.progress) limits.progress = newton_tell_of_sweep;
+  limits.progress_data = work;
   dlsi_nlgs_method.set_limits(work->nlgs, &limits);
   const dls_status status =
       dlsi_nlgs_run(work->nlgs, problem, NULL, work->it.E, work->r, NULL, &info);
@@ -532,7 +544,7 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
   if (work->nlgs) status = newton_sweep(work, problem, &outcome.sweeps);
   if (dlsi_iterate_start(&work->it, problem, work->r))
     status = DLS_OK;
-  else if (status != DLS_CANCELLED)
+  else if (status != DLS_CANCELLED && status != DLS_TIME_LIMIT)
     status = newton_iterate(work, problem, &outcome, error);
   return dlsi_iterate_end(&work->it, problem, status, &outcome, r, u, info);
 }
@@ -540,7 +552,9 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
 dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, double *r, double *u,
                             dls_info *info, dls_error *error) {
   dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
-  if (!status) status = dlsi_newton_run(workspace, problem, NULL, r, u, info, error);
+  if (status) return dlsi_at(__func__, status, error);
+  status = dlsi_newton_run(workspace, problem, NULL, r, u, info, error);
+  status = dlsi_iterate_tell_last(&workspace->it, "newton", status, r);
   return dlsi_at(__func__, status, error);
 }
 

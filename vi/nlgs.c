@@ -443,8 +443,9 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
     if (fresh) now = dlsi_iterate_measure(it, problem, r); /* (NL5) */
     if (dlsi_iterate_keep(it, problem, r, &now)) return DLS_OK;
     if (fresh) nlgs_resume(work, problem, r);
-    if (dlsi_is_cancelled(limits, "nlgs", k, most, now.residual))
-      reason = DLS_CANCELLED;
+    const dls_status stop = dlsi_iterate_tell(it, "nlgs", k, most, now.residual, r);
+    if (stop)
+      reason = stop;
     else if ((!changed && was_fresh) || !(now.residual <= DBL_MAX))
       reason = DLS_STALLED;
   }
@@ -539,7 +540,9 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
 dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
   dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
-  if (!status) status = nlgs_solve(workspace, problem, r, u, info, error);
+  if (status) return dlsi_at(__func__, status, error);
+  status = nlgs_solve(workspace, problem, r, u, info, error);
+  status = dlsi_iterate_tell_last(&workspace->it, "nlgs", status, r);
   return dlsi_at(__func__, status, error);
 }
 

@@ -69,7 +69,10 @@ struct dls_primal {
   double *coupling, *schur; /* K_nt; K_tt - K_tn K_nn^-1 K_nt */
   /* of contact nodes, two each: for the certificate */
   double *r, *u, *q, *A, *F;
+  double begun; /* CPU seconds when the solve began; -1: nobody asks */
 };
+
+static const char primal_name[] = "gauss-seidel"; /* in calls of progress */
 
 void dls_primal_settings_init(dls_primal_settings *settings) {
   if (!settings) return;
@@ -446,8 +449,10 @@ static dls_status primal_iterate(dls_primal *work, dls_primal_info *info, double
       best = residual;
       primal_copy(work, work->best, work->x);
     }
-    if (dlsi_is_cancelled(&settings->limits, "gauss-seidel", k, most, residual)) {
-      reason = DLS_CANCELLED;
+    dls_progress progress = {primal_name, primal_name, k, most, residual, NULL, 0, 0};
+    const dls_status stop = dlsi_tell(&settings->limits, work->begun, &progress);
+    if (stop) {
+      reason = stop;
       break;
     }
     if (!(residual <= DBL_MAX)) {
@@ -520,6 +525,7 @@ static dls_status primal_solve(dls_primal *work, const double *f, const double *
   const size_t m = 2 * (size_t)work->K.nodes;
   dls_primal_info outcome = {0};
   double curvature = 0;
+  work->begun = dlsi_clock_start(&work->settings.limits);
   primal_load(work, f, g, mu, x);
   outcome.status = primal_iterate(work, &outcome, &curvature);
   if (outcome.status < 0)
@@ -531,6 +537,8 @@ static dls_status primal_solve(dls_primal *work, const double *f, const double *
   memcpy(r, work->r, m * sizeof *r);
   if (u) memcpy(u, work->u, m * sizeof *u);
   if (info) *info = outcome;
+  dlsi_tell_last(&work->settings.limits, work->begun, primal_name, primal_name, outcome.iterations,
+                 primal_larger(outcome.equilibrium, outcome.laws.residual), r);
   return outcome.status;
 }
 

@@ -110,6 +110,8 @@ typedef struct dlsi_iterate {
   double *F;                   /* F of that r, also scratch: m */
   double *best;                /* best r so far: m */
   dls_certificate certificate; /* of best */
+  double begun;                /* CPU seconds when the solve began; -1: nobody asks */
+  int iterations;              /* of the last solve that has ended */
 } dlsi_iterate;
 
 /* dlsi_carve_workspace for nc candidates. */
@@ -157,14 +159,27 @@ dls_status dlsi_iterate_settle(dlsi_iterate *it, const dls_contact *problem, dls
 /* Hands the answer over: r := the best one, u := W r + q with the springs (m, NULL: nothing), *info
  * := *outcome (NULL: nothing) with status and certificate. Returns status; an error changes
  * nothing. */
-dls_status dlsi_iterate_end(const dlsi_iterate *it, const dls_contact *problem, dls_status status,
+dls_status dlsi_iterate_end(dlsi_iterate *it, const dls_contact *problem, dls_status status,
                             dls_info *outcome, double *r, double *u, dls_info *info);
 
-/* Tells the caller's progress callback; returns 1 if that cancels the solve. */
-static inline int dlsi_is_cancelled(const dls_limits *limits, const char *method, int iteration,
-                                    int max_iterations, double residual) {
-  const dls_progress progress = {method, iteration, max_iterations, residual};
-  return limits->progress && limits->progress(limits->progress_data, &progress);
+/* Tells the caller's progress callback of the residual of r (NULL: not at hand) and keeps to the
+ * time limit. Returns DLS_OK to go on, DLS_CANCELLED, or DLS_TIME_LIMIT. */
+static inline dls_status dlsi_iterate_tell(const dlsi_iterate *it, const char *method,
+                                           int iteration, int max_iterations, double residual,
+                                           const double *r) {
+  if (!it->limits->progress && !(it->limits->cpu_seconds > 0)) return DLS_OK;
+  dls_progress progress = {method, method, iteration, max_iterations, residual, r, 0, 0};
+  return dlsi_tell(it->limits, it->begun, &progress);
+}
+
+/* Makes the last call of a solve that ended in `status`; no error: of its answer r. Returns
+ * status. */
+static inline dls_status dlsi_iterate_tell_last(const dlsi_iterate *it, const char *method,
+                                                dls_status status, const double *r) {
+  if (status >= 0)
+    dlsi_tell_last(it->limits, it->begun, method, method, it->iterations, it->certificate.residual,
+                   r);
+  return status;
 }
 
 /* Copies `from` to `to`, all but blocks, whose room create has made. */

@@ -13,15 +13,24 @@ extern "C" {
 
 /* The state of a solve for the progress callback; valid during the call only. */
 typedef struct dls_progress {
-  const char *method; /* "nlgs", "lemke", "newton", "admm", "augmented-lagrangian", ... */
-  int iteration;      /* sweeps, pivots, steps, augmentations: done so far */
-  int max_iterations;
-  double residual; /* the certificate's, the larger part, as the iteration estimates it; -1 if
-                      unknown */
+  const char *method; /* that was called: "auto", "nlgs", "newton", "lemke", "admm", ... */
+  const char *stage;  /* the part at work: of auto the method of the stage, of newton "nlgs" in its
+                         first sweeps, of lemke "newton" at last; else as method */
+  int iteration;      /* sweeps, pivots, steps, augmentations: done so far in this stage */
+  int max_iterations; /* of the stage; 0: no limit */
+  double residual;    /* the certificate's, max(residual_u, residual_r) in every method for contact
+                         problems, as the iteration estimates it for r; -1 if unknown */
+  const double
+      *r; /* the reactions of that residual, m; z (n) of an LCP; NULL: not at hand */
+  double cpu_seconds; /* of this thread since the solve began */
+  int last; /* 1: the last call of a solve, whatever its end but an error: iteration: of all
+                         stages; residual: the final one, exactly; r: the answer; the return value is
+                         not read */
 } dls_progress;
 
-/* A function of the host that a solve calls now and then; a return other than 0 cancels the solve
- * (DLS_CANCELLED, best answer so far). Serves log lines, progress bars, time limits and Ctrl-C. */
+/* A function of the host that a solve calls now and then, and once at its end (`last`); a return
+ * other than 0 cancels the solve (DLS_CANCELLED, best answer so far). Serves log lines, progress
+ * bars, histories and Ctrl-C. */
 typedef int (*dls_progress_fn)(void *data, const dls_progress *progress);
 
 /* The first member of the settings of every iterative method. */
@@ -33,6 +42,9 @@ typedef struct dls_limits {
                  Methods that form no matrix of W's size do not read it. */
   dls_progress_fn progress; /* NULL for none; NULL */
   void *progress_data;
+  double cpu_seconds; /* > 0: a solve that this thread has spent so much time in ends with the best
+                         answer so far, DLS_TIME_LIMIT, after its current iteration; 0: no limit; 0.
+                         No clock is read for 0 without a callback. */
 } dls_limits;
 
 #ifdef __cplusplus

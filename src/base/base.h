@@ -88,6 +88,24 @@ static inline int dlsi_most_iterations(const dls_limits *limits, int own) {
 
 dls_status dlsi_check_limits(const dls_limits *limits, dls_error *error);
 
+/* Returns the CPU seconds of this thread as a solve begins; -1, and no clock is read, where limits
+ * have neither a time limit nor a callback, or cpu_seconds = dlsi_no_clock. */
+double dlsi_clock_start(const dls_limits *limits);
+
+/* Is the cpu_seconds of a solve inside of another one, which keeps the time itself. */
+static const double dlsi_no_clock = -1;
+
+/* Returns the cpu_seconds for a solve inside of one that began at `begun`. */
+double dlsi_clock_left(const dls_limits *limits, double begun);
+
+/* Calls the caller's callback with progress, cpu_seconds set here, and looks at the time limit.
+ * Returns DLS_OK to go on, DLS_CANCELLED, or DLS_TIME_LIMIT. */
+dls_status dlsi_tell(const dls_limits *limits, double begun, dls_progress *progress);
+
+/* Makes the last call of a solve. */
+void dlsi_tell_last(const dls_limits *limits, double begun, const char *method, const char *stage,
+                    int iterations, double residual, const double *r);
+
 /* A number among the settings of a method and its range: lowest <= value <= highest, or, with
  * `open`, lowest < value < highest. */
 typedef struct dlsi_setting {

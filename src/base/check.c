@@ -177,7 +177,8 @@ dls_status dlsi_check_limits(const dls_limits *limits, dls_error *error) {
   const dlsi_setting shared[] = {{"tol", limits->tol, 0, DBL_MAX, 0},
                                  {"max_iterations", limits->max_iterations, 0, INT_MAX, 0},
                                  {"warm_start", limits->warm_start, 0, 1, 0},
-                                 {"blocks", limits->blocks, 0, INT_MAX, 0}};
+                                 {"blocks", limits->blocks, 0, INT_MAX, 0},
+                                 {"cpu_seconds", limits->cpu_seconds, 0, DBL_MAX, 0}};
   return dlsi_check_each((int)(sizeof shared / sizeof shared[0]), shared, error);
 }
 

@@ -80,7 +80,8 @@ int show_step(const dls_forming_data *data, int step) {
   memset(text + 1, '#', (size_t)(20 * step / data->steps));
   (void)snprintf(text + 22, sizeof text - 22, " %d Newton steps, %d in contact, step",
                  data->count.newton, count_contacts(data));
-  const dls_progress progress = {text, step, data->steps, -1};
+  const dls_progress progress = {
+      .stage = text, .iteration = step, .max_iterations = data->steps, .residual = -1};
   return show_progress(NULL, &progress);
 }
 

@@ -58,6 +58,7 @@ const char *status_word(dls_status status) {
       [DLS_RAY] = "ray",
       [DLS_NO_SOLUTION] = "no_solution",
       [DLS_NO_SOLUTION_LIKELY] = "no_solution_likely",
+      [DLS_TIME_LIMIT] = "time_limit",
   };
   return status < 0 ? "error" : words[status];
 }
@@ -245,12 +246,13 @@ int was_interrupted(void) {
 int show_progress(void *data, const dls_progress *p) {
   (void)data;
   if (interrupted) return 1;
+  if (p->last) return 0;
   const double now = clock_seconds(CLOCK_MONOTONIC);
   if (first_shown == 0) first_shown = now;
   if (now - first_shown < 0.5 || now - last_shown < 0.1 || !isatty(STDERR_FILENO)) return 0;
   last_shown = now;
   line_shown = 1;
-  fprintf(stderr, "\r%s: %d of at most %d", p->method, p->iteration, p->max_iterations);
+  fprintf(stderr, "\r%s: %d of at most %d", p->stage, p->iteration, p->max_iterations);
   if (p->residual >= 0) fprintf(stderr, ", residual %.2e", p->residual);
   fputs("\033[K", stderr);
   fflush(stderr);

@@ -92,10 +92,12 @@ typedef struct dlsi_auto {
 
   /* of the solve under way */
   const dls_contact *problem;
-  dls_info info;          /* its certificate is that of best */
-  int cancelled, limited; /* by the caller's callback, by max_iterations */
-  int failures;           /* of Newton's method */
-  int has_split;          /* (AT2) has been tried */
+  dls_info info;      /* its certificate is that of best */
+  dls_status stopped; /* by the caller's callback or time limit; DLS_OK: by neither */
+  int limited;        /* by max_iterations */
+  double begun;       /* CPU seconds when the solve began; -1: nobody asks */
+  int failures;       /* of Newton's method */
+  int has_split;      /* (AT2) has been tried */
 
   /* of the stage under way */
   double target, least; /* logarithms of e* and of the least e that counts */
@@ -107,10 +109,13 @@ typedef struct dlsi_auto {
 
 /* ---- when a stage gives up ------------------------------------------------------------------- */
 
-/* Tells the caller's callback and keeps to the caller's limit. Returns 1 to stop. */
+/* Tells the caller's callback and keeps to the caller's limits. Returns 1 to stop. */
 static int must_stop(dlsi_auto *work, const dls_progress *p) {
   const dls_limits *limits = &work->options.limits;
-  if (limits->progress && limits->progress(limits->progress_data, p)) return work->cancelled = 1;
+  dls_progress mine = *p;
+  mine.method = "auto";
+  work->stopped = dlsi_tell(limits, work->begun, &mine);
+  if (work->stopped) return 1;
   if (limits->max_iterations && work->info.iterations + p->iteration >= limits->max_iterations)
     return work->limited = 1;
   return 0;
@@ -261,13 +266,15 @@ static dls_limits limits_of(dlsi_auto *work, part k) {
                       .warm_start = k != PIVOTING && !(k == SPLITTING && blocks),
                       .blocks = blocks,
                       .progress = part_of[k].watch,
-                      .progress_data = work};
+                      .progress_data = work,
+                      .cpu_seconds = dlsi_clock_left(&work->options.limits, work->begun)};
 }
 
 static dls_status create_part(dlsi_auto *work, part k, dls_error *error) {
   dlsi_options options = work->options;
   if (work->part[k]) return DLS_OK;
   options.limits = limits_of(work, k);
+  options.limits.cpu_seconds = 0; /* take_stage sets it */
   options.stage = k == OTHER_SWEEPS || k == OTHER_SPLITTING ? 2 : 1;
   options.room = &work->room;
   return part_of[k].method->create(&work->part[k], work->d, work->nc, &options, error);
@@ -361,7 +368,8 @@ static dls_status take_stages(dlsi_auto *work, dls_error *error) {
     const dls_status status = take_stage(work, now, stages[k].cold, error);
     if (status < 0) return status;
     if (dls_certificate_holds(&work->info.certificate, limits->tol)) return DLS_OK;
-    if (work->cancelled) return DLS_CANCELLED;
+    if (work->stopped) return work->stopped;
+    if (status == DLS_TIME_LIMIT) return status;
     if (work->limited) return DLS_MAX_ITERATIONS;
     if (status == DLS_NO_SOLUTION) return status;
   }
@@ -398,6 +406,7 @@ static void look_for_others(dlsi_auto *work, const double *r) {
   work->info.ambiguous = dlsi_count_ambiguous(problem, r, work->v[0], other);
   if (is_dominant(problem, work->w)) work->info.unique = DLS_UNIQUE_YES;
   if (!work->info.ambiguous || !work->part[SWEEPS]) return;
+  limits.cpu_seconds = dlsi_clock_left(&work->options.limits, work->begun);
   limits.max_iterations = work->info.iterations > 10 ? work->info.iterations : 10;
   dlsi_nlgs_method.set_limits(work->part[SWEEPS], &limits);
   if (dlsi_nlgs_method.solve(work->part[SWEEPS], problem, other, NULL, &info, NULL)) return;
@@ -417,7 +426,9 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   work->problem = problem;
   work->info = (dls_info){.method = DLS_AUTO, .certificate = dlsi_no_certificate};
-  work->cancelled = work->limited = work->failures = work->has_split = work->costly = 0;
+  work->begun = dlsi_clock_start(&work->options.limits);
+  work->stopped = DLS_OK;
+  work->limited = work->failures = work->has_split = work->costly = 0;
   memset(work->best, 0, m * sizeof *r);
   if (work->options.limits.warm_start) memcpy(work->best, r, m * sizeof *r);
   const dls_status status = take_stages(work, error);

@@ -58,6 +58,7 @@ typedef struct contact_lemke {
   int form;    /* facets of the LCP that Lemke's method solves; 0: the 3-row form */
   int has_v;   /* 1: v is a Farkas vector, at least but for rounding */
   int has_ray; /* 1: the solve ended in DLS_RAY, along dr */
+  int pivots;  /* of the LCPs before the one under way */
 } contact_lemke;
 
 static void contact_lemke_carve(void *lemke, dlsi_arena *arena) {
@@ -75,12 +76,7 @@ static void contact_lemke_carve(void *lemke, dlsi_arena *arena) {
 
 static void contact_lemke_set_limits(void *lemke, const dls_limits *limits) {
   contact_lemke *work = lemke;
-  const dls_limits sweeps = {.tol = limits->tol, .max_iterations = polish_sweeps, .warm_start = 1};
-  const dls_limits steps = {.tol = limits->tol, .warm_start = 1};
   dlsi_set_limits(&work->limits, limits);
-  dlsi_lemke_set_limits(work->lemke, limits);
-  dlsi_nlgs_method.set_limits(work->nlgs, &sweeps);
-  dlsi_newton_method.set_limits(work->newton, &steps);
 }
 
 static void contact_lemke_destroy(void *lemke) {
@@ -164,6 +160,22 @@ static void divide_by_unit(contact_lemke *work, const dls_contact *problem, int 
     work->q[i] /= unit;
 }
 
+/* Tells the caller of a point z of the LCP's path: of its reactions and their certificate. */
+static int tell_of_path(void *lemke, const dls_progress *of_path) {
+  contact_lemke *work = lemke;
+  const dls_contact *problem = work->problem;
+  const dls_limits *limits = &work->limits;
+  dls_progress progress = *of_path;
+  const dls_status mapped =
+      work->form
+          ? dls_contact_from_facets_lcp(problem, work->form, work->s, of_path->r, work->r, NULL)
+          : dls_contact_from_lcp(problem, work->s, of_path->r, work->r, NULL);
+  progress.iteration += work->pivots;
+  progress.residual = mapped ? -1 : dlsi_iterate_measure(&work->it, problem, work->r).residual;
+  progress.r = mapped ? NULL : work->r;
+  return dlsi_tell(limits, work->it.begun, &progress) == DLS_CANCELLED;
+}
+
 /* (CL1) Solves the LCP of `facets` (0: the 3-row form) in scaled unknowns, warm from the states
  * of work->z, and offers its reactions. Returns the status of the LCP, or an error. */
 static dls_status pivot(contact_lemke *work, const dls_contact *problem, int facets, int *pivots,
@@ -177,10 +189,15 @@ static dls_status pivot(contact_lemke *work, const dls_contact *problem, int fac
   if (facets) memset(work->z, 0, (size_t)n * sizeof *work->z);
   const dls_lcp lcp = {n, {n, n, n, work->M}, work->q};
   dls_lemke_info info;
+  dls_limits limits = work->limits;
   work->form = facets;
+  limits.cpu_seconds = dlsi_clock_left(&work->limits, work->it.begun);
+  limits.progress = work->limits.progress ? tell_of_path : NULL;
+  limits.progress_data = work;
+  dlsi_lemke_set_limits(work->lemke, &limits);
   divide_by_unit(work, problem, n);
-  status = dls_lemke_solve(work->lemke, &lcp, work->z, NULL, &info, error);
-  if (status < 0) return status;
+  work->pivots = *pivots;
+  status = dlsi_lemke_run(work->lemke, &lcp, work->z, NULL, &info);
   *pivots += info.pivots + info.crash_rounds;
   const dls_status mapped =
       facets ? dls_contact_from_facets_lcp(problem, facets, s, work->z, work->r, error)
@@ -190,20 +207,42 @@ static dls_status pivot(contact_lemke *work, const dls_contact *problem, int fac
   return status == DLS_RAY || status == DLS_NO_SOLUTION ? read_ray(work, status, error) : status;
 }
 
+static int is_stopped(dls_status status) {
+  return status == DLS_CANCELLED || status == DLS_TIME_LIMIT;
+}
+
+/* Tells the caller of a step to the round cone. */
+static int tell_of_polish(void *lemke, const dls_progress *of_step) {
+  const contact_lemke *work = lemke;
+  dls_progress progress = *of_step;
+  if (of_step->last) return 0;
+  progress.method = "lemke";
+  return dlsi_tell(&work->limits, work->it.begun, &progress) == DLS_CANCELLED;
+}
+
 /* (CL2) from work->r, not from the best r so far: r = 0 may have the smaller residual, but not the
  * states. */
 static dls_status polish(contact_lemke *work, const dls_contact *problem, dls_error *error) {
   dls_status status = DLS_OK;
+  dls_limits steps = {.tol = work->limits.tol, .warm_start = 1, .progress_data = work};
+  if (work->limits.progress) steps.progress = tell_of_polish;
   for (int round = 1; round <= polish_rounds; round++) {
     if (dls_certificate_holds(&work->it.certificate, work->limits.tol)) return DLS_OK;
+    steps.cpu_seconds = dlsi_clock_left(&work->limits, work->it.begun);
+    steps.max_iterations = polish_sweeps;
+    dlsi_nlgs_method.set_limits(work->nlgs, &steps);
+    steps.max_iterations = 0;
+    dlsi_newton_method.set_limits(work->newton, &steps);
     if (round > 1) {
       status = dls_nlgs_solve(work->nlgs, problem, work->r, NULL, NULL, error);
       if (status < 0) return status;
       (void)dlsi_iterate_offer(&work->it, problem, work->r);
+      if (is_stopped(status)) return status;
     }
     status = dls_newton_solve(work->newton, problem, work->r, NULL, NULL, error);
     if (status < 0) return status;
     (void)dlsi_iterate_offer(&work->it, problem, work->r);
+    if (is_stopped(status)) return status;
   }
   return DLS_OK;
 }
@@ -235,7 +274,8 @@ static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, d
   if (!flat && status == DLS_NO_SOLUTION) status = DLS_RAY;
   if (status == DLS_OK || status == DLS_RAY || status == DLS_STALLED) {
     const dls_status polished = polish(work, problem, error);
-    if (polished) return polished;
+    if (polished < 0) return polished;
+    if (polished) status = polished;
   }
   if (dls_certificate_holds(&it->certificate, work->limits.tol))
     status = DLS_OK;

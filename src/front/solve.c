@@ -100,19 +100,37 @@ dls_status dls_solver_set_limits(dls_solver *solver, const dls_limits *limits, d
   return DLS_OK;
 }
 
+/* Makes the last call of the progress callback. The stage is the last one of auto. */
+static void solver_tell_last(const dls_limits *limits, double begun, const dls_info *info,
+                             const double *r) {
+  const dls_method stage = info->stages ? info->stage[info->stages - 1].method : info->method;
+  dlsi_tell_last(limits, begun, dls_method_name(info->method), dls_method_name(stage),
+                 info->iterations, info->certificate.residual, r);
+}
+
 /* Solves a problem that has been checked. */
 static dls_status solver_solve(dls_solver *solver, const dls_contact *problem, double *r, double *u,
                                dls_info *info, dls_error *error) {
+  const dls_limits *limits = &solver->settings.limits;
+  const double begun = dlsi_clock_start(limits);
+  dls_info own;
+  if (!info && limits->progress) info = &own;
   const dls_status status = solver->method->solve(solver->work, problem, r, u, info, error);
   solver->status = status;
+  if (status >= 0 && limits->progress) solver_tell_last(limits, begun, info, r);
   return status;
 }
 
 /* Returns 1 if auto's answer needs no workspace, and gives it. */
 static int is_answered(const dls_solver_settings *s, const dls_contact *problem, double *r,
                        double *u, dls_info *info) {
-  return s->method == DLS_AUTO && !s->limits.warm_start &&
-         dlsi_alone_solve(problem, s->limits.tol, r, u, info);
+  const double begun = dlsi_clock_start(&s->limits);
+  dls_info own;
+  if (!info && s->limits.progress) info = &own;
+  if (s->method != DLS_AUTO || s->limits.warm_start) return 0;
+  if (!dlsi_alone_solve(problem, s->limits.tol, r, u, info)) return 0;
+  if (s->limits.progress) solver_tell_last(&s->limits, begun, info, r);
+  return 1;
 }
 
 dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, double *r, double *u,

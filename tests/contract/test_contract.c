@@ -231,6 +231,109 @@ START_TEST(stopped_early) {
 }
 END_TEST
 
+/* The calls of one solve; least: the best residual of all but the last; r: of the last. */
+typedef struct history {
+  const dls_contact *problem;
+  const char *method;
+  int calls, lasts;
+  double least, cpu_seconds, residual;
+  double r[most];
+} history;
+
+static int take_history(void *data, const dls_progress *p) {
+  history *h = data;
+  ck_assert_int_eq(h->lasts, 0); /* nothing follows the last call */
+  h->calls++;
+  ck_assert_str_eq(p->method, h->method);
+  ck_assert(p->stage && p->stage[0]);
+  ck_assert_double_ge(p->cpu_seconds, h->cpu_seconds);
+  h->cpu_seconds = p->cpu_seconds;
+  h->lasts += p->last != 0;
+  if (!p->last) {
+    ck_assert_int_ge(p->iteration, 0);
+    if (p->residual >= 0 && p->residual < h->least) h->least = p->residual;
+  } else {
+    h->residual = p->residual;
+    memcpy(h->r, p->r, (size_t)(h->problem->d * h->problem->nc) * sizeof *h->r);
+  }
+  if (!p->r || p->residual < 0) return 0;
+  dls_certificate c;
+  ck_assert_int_eq(dls_contact_certify(h->problem, p->r, NULL, &c, NULL), DLS_OK);
+  /* the certificate of this r: the last time exactly, else as the iteration estimates it */
+  if (p->last)
+    ck_assert(p->residual == c.residual);
+  else if (c.residual < 1 && p->residual < 1)
+    ck_assert_msg(
+        fabs(p->residual - c.residual) <= 1e-6 * c.residual + 100 * (c.floor_u + c.floor_r),
+        "%s, %s %d: %.17g, %.17g", p->method, p->stage, p->iteration, p->residual, c.residual);
+  return 0;
+}
+
+/* Tells of every method the same measure, and once of the end, solved or not. */
+START_TEST(one_last_call) {
+  const tested_solver s = door(_i / 12);
+  const int i = _i % 12;
+  static model a;
+  if (i < 10)
+    numbered_model(&a, 3 * i + 1);
+  else
+    set_hand(&a, i == 10 ? &jammed[0] : hand_named("C11"));
+  any_settings settings = settings_for(&s, 1e-10, 0);
+  history h = {
+      .problem = &a.p, .method = dls_method_name(s.method), .least = INFINITY, .cpu_seconds = 0};
+  dls_limits *limits = s.limits(&settings);
+  limits->progress = take_history;
+  limits->progress_data = &h;
+  double r[most];
+  dls_info info;
+  const dls_status status = run_with(&s, &a.p, &settings, fmax(s.tol, 1e-10), r, NULL, &info);
+  ck_assert_int_ge(status, 0);
+  ck_assert_int_eq(h.lasts, 1);
+  ck_assert(h.residual == info.certificate.residual);
+  ck_assert_mem_eq(h.r, r, (size_t)(a.p.d * a.p.nc) * sizeof *r);
+  if (status && i != 10) /* where reactions run away, less rounding is better than less residual */
+    ck_assert(h.residual <= h.least * (1 + 1e-9) + 1e-13);
+}
+END_TEST
+
+/* A limit that is over at once, on problems that some methods solve before they look at the clock:
+ * the status says so, and the best answer is kept; with time enough nothing changes, to the
+ * bit. */
+START_TEST(time_limit) {
+  const tested_solver s = door(_i / 6);
+  const int i = _i % 6;
+  static model a;
+  if (i < 4)
+    slow_model(&a, i);
+  else
+    set_hand(&a, i == 4 ? &jammed[0] : hand_named("C13"));
+  double r[3][most];
+  dls_info info[3];
+  dls_status status[3];
+  for (int k = 0; k < 3; k++) {
+    any_settings settings = settings_for(&s, 1e-12, 0);
+    s.limits(&settings)->cpu_seconds = k == 0 ? 1e-12 : k == 1 ? 1e6 : 0;
+    status[k] = run_with(&s, &a.p, &settings, fmax(s.tol, 1e-12), r[k], NULL, &info[k]);
+  }
+  ck_assert(status[0] == DLS_TIME_LIMIT || status[0] == DLS_OK);
+  ck_assert(info[0].certificate.residual <= 1 || info[0].status == DLS_OK);
+  ck_assert_int_eq(status[1], status[2]);
+  ck_assert_mem_eq(r[1], r[2], (size_t)(a.p.d * a.p.nc) * sizeof **r);
+  if (status[2] != DLS_OK && status[0] == DLS_TIME_LIMIT && s.method != DLS_PENALTY)
+    ck_assert_int_le(info[0].iterations, info[2].iterations);
+}
+END_TEST
+
+START_TEST(bad_time_limit) {
+  const tested_solver s = door(_i);
+  for (int k = 0; k < 3; k++) {
+    any_settings settings = settings_for(&s, 1e-8, 0);
+    s.limits(&settings)->cpu_seconds = k == 0 ? -1 : k == 1 ? (double)NAN : (double)INFINITY;
+    refuses_to_create(&s, DLS_E_ARGUMENT, "cpu_seconds", -1, 2, 1, &settings);
+  }
+}
+END_TEST
+
 /* ---- memory ---------------------------------------------------------------------------------- */
 
 /* Doubles of a workspace for a dense W, the terms of m^2. Lemke's method has the LCP and its table,
@@ -294,6 +397,7 @@ int main(void) {
              EACH(start_that_overflows, 0, doors), EACH(random_problem, 0, doors * 40),
              EACH(units, 0, doors * 12), EACH(turned_tangents, 0, doors * 10),
              EACH(tolerance_zero, 0, doors * 20), EACH(smaller_problem, 0, doors),
-             EACH(stopped_early, 0, doors * 3), EACH(memory, 0, doors), EACH(bad_create, 0, doors),
-             EACH(bad_solve, 0, doors), ONCE(defaults_without_a_place));
+             EACH(stopped_early, 0, doors * 3), EACH(one_last_call, 0, doors * 12),
+             EACH(time_limit, 0, doors * 6), EACH(bad_time_limit, 0, doors), EACH(memory, 0, doors),
+             EACH(bad_create, 0, doors), EACH(bad_solve, 0, doors), ONCE(defaults_without_a_place));
 }

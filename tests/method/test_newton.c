@@ -141,11 +141,13 @@ typedef struct both {
 
 static int look_at_both(void *data, const dls_progress *progress) {
   both *w = data;
-  const int step = strcmp(progress->method, "newton") == 0;
+  if (progress->last) return 0;
+  const int step = strcmp(progress->stage, "newton") == 0;
+  ck_assert_str_eq(progress->method, "newton");
   if (step)
     ck_assert_int_eq(progress->iteration, ++w->steps);
   else {
-    ck_assert_str_eq(progress->method, "nlgs");
+    ck_assert_str_eq(progress->stage, "nlgs");
     ck_assert_int_eq(progress->iteration, ++w->sweeps);
   }
   if (progress->residual < w->least) w->least = progress->residual;
@@ -227,7 +229,7 @@ typedef struct residual_list {
 
 static int list_residual(void *data, const dls_progress *progress) {
   residual_list *to = data;
-  to->of[to->steps++] = progress->residual;
+  if (!progress->last) to->of[to->steps++] = progress->residual;
   return 0;
 }
 

@@ -524,6 +524,7 @@ typedef struct watch {
 
 static int look_at_sweeps(void *data, const dls_progress *progress) {
   watch *w = data;
+  if (progress->last) return 0;
   ck_assert_int_eq(progress->iteration, ++w->calls);
   ck_assert_str_eq(progress->method, "gauss-seidel");
   if (progress->residual < w->least) w->least = progress->residual;

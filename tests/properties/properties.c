@@ -32,7 +32,7 @@ static double wall_clock(void) {
 
 typedef struct tally {
   long problems, visible, symmetric, solved, fine, lost_symmetric;
-  long status[7]; /* of auto */
+  long status[DLS_TIME_LIMIT + 1]; /* of auto */
   long broken[RULES], both_true, doubtful;
   long by[RULES][WAYS]; /* method of the first run that shows it; the last: Lemke on an LCP */
   double forces;        /* worst residual_r of a solved one */
@@ -176,7 +176,7 @@ static int tally_conclude(const tally *t, double seconds, long runs) {
 
 static void tally_add(tally *t, const problem *p, const verdict *v) {
   t->problems++;
-  if (v->status >= 0 && v->status < 7) t->status[v->status]++;
+  if (v->status >= 0 && v->status <= DLS_TIME_LIMIT) t->status[v->status]++;
   t->visible += v->visible;
   t->solved += v->visible && v->solved;
   t->fine += v->visible && v->solved_fine;

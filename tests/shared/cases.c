@@ -723,10 +723,12 @@ void expect_bad_solve(const tested_solver *s) {
 
 int look(void *data, const dls_progress *progress) {
   watch *w = data;
+  if (progress->last) return 0;
   w->calls++;
   if (w->method) {
     ck_assert_int_eq(progress->iteration, w->calls);
     ck_assert_str_eq(progress->method, w->method);
+    ck_assert_str_eq(progress->stage, w->method);
     ck_assert_int_eq(progress->max_iterations, w->max_iterations);
   }
   if (progress->residual >= 0 && progress->residual < w->least) w->least = progress->residual;

@@ -1,0 +1,45 @@
+/*
+ * progress.c: tells the caller's progress callback of a solve and keeps to the time limit, for
+ * every method in the same way.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <time.h>
+
+#include "base/base.h"
+
+/* Returns the CPU seconds that this thread has spent. */
+static double thread_seconds(void) {
+  struct timespec t;
+  if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t)) return 0;
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+double dlsi_clock_start(const dls_limits *limits) {
+  const int asked = limits->cpu_seconds > 0 || (limits->progress && limits->cpu_seconds == 0);
+  return asked ? thread_seconds() : -1;
+}
+
+double dlsi_clock_left(const dls_limits *limits, double begun) {
+  if (!(limits->cpu_seconds > 0)) return dlsi_no_clock;
+  const double left = limits->cpu_seconds - (thread_seconds() - begun);
+  return left > 1e-9 ? left : 1e-9;
+}
+
+dls_status dlsi_tell(const dls_limits *limits, double begun, dls_progress *progress) {
+  progress->cpu_seconds = begun < 0 ? 0 : thread_seconds() - begun;
+  if (limits->progress && limits->progress(limits->progress_data, progress)) return DLS_CANCELLED;
+  const int over = limits->cpu_seconds > 0 && progress->cpu_seconds >= limits->cpu_seconds;
+  return over ? DLS_TIME_LIMIT : DLS_OK;
+}
+
+void dlsi_tell_last(const dls_limits *limits, double begun, const char *method, const char *stage,
+                    int iterations, double residual, const double *r) {
+  dls_progress progress = {.method = method,
+                           .stage = stage,
+                           .iteration = iterations,
+                           .max_iterations = limits->max_iterations,
+                           .residual = residual,
+                           .r = r,
+                           .last = 1};
+  if (limits->progress) (void)dlsi_tell(limits, begun, &progress);
+}
