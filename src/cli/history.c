@@ -14,35 +14,39 @@ static void history_thin(history *h) {
   h->every *= 2;
 }
 
-static void history_add(history *h, double residual) {
+static void history_add(history *h, const dls_progress *p) {
   if (h->points == HISTORY_POINTS) history_thin(h);
   h->iteration[h->points] = h->before + h->last;
-  h->residual[h->points] = residual;
-  h->seconds[h->points++] = cpu_seconds() - h->start;
+  h->residual[h->points] = p->residual;
+  h->seconds[h->points++] = p->cpu_seconds;
 }
 
 static int history_note(void *data, const dls_progress *p) {
   history *h = data;
-  const int fresh = !h->stages || strcmp(h->stage[h->stages - 1], p->method) != 0;
+  const int fresh = !h->stages || strcmp(h->stage[h->stages - 1], p->stage) != 0;
+  if (p->last) { /* counts the iterations of all stages, with the final residual */
+    h->before = 0;
+    h->last = p->iteration;
+    history_add(h, p);
+    return 0;
+  }
   if (fresh || p->iteration < h->last) { /* another stage counts from 0 */
     h->before += h->last;
     if (h->stages < HISTORY_STAGES && fresh) {
       h->begin[h->stages] = h->before;
-      h->stage[h->stages++] = p->method;
+      h->stage[h->stages++] = p->stage;
     }
   }
   h->last = p->iteration;
-  if (p->residual > 0 && (fresh || h->calls++ % h->every == 0)) history_add(h, p->residual);
-  return cpu_seconds() > h->start + h->limit || show_progress(NULL, p);
+  if (p->residual >= 0 && (fresh || h->calls++ % h->every == 0)) history_add(h, p);
+  return show_progress(NULL, p);
 }
 
 dls_status record_history(history *h, dls_solver *solver, const dls_contact *contact, double tol,
                           double limit, double *r, dls_info *info, dls_error *error) {
-  *h = (history){.every = 1, .start = cpu_seconds(), .limit = limit};
-  const dls_limits limits = {.tol = tol, .progress = history_note, .progress_data = h};
-  dls_status status = dls_solver_set_limits(solver, &limits, error);
-  if (!status) status = dls_solver_solve(solver, contact, r, NULL, info, error);
-  if (status < 0) return status;
-  if (info->certificate.residual > 0) history_add(h, info->certificate.residual);
-  return status;
+  *h = (history){.every = 1};
+  const dls_limits limits = {
+      .tol = tol, .progress = history_note, .progress_data = h, .cpu_seconds = limit};
+  const dls_status status = dls_solver_set_limits(solver, &limits, error);
+  return status ? status : dls_solver_solve(solver, contact, r, NULL, info, error);
 }

@@ -36,17 +36,6 @@ double race_fastest(const race *a, int rung, int singles) {
 
 /* ---- one solve ------------------------------------------------------------------------------- */
 
-typedef struct watch {
-  double end; /* CPU seconds */
-  int late;
-} watch;
-
-static int watch_time(void *data, const dls_progress *p) {
-  watch *w = data;
-  w->late = cpu_seconds() > w->end;
-  return w->late || show_progress(NULL, p);
-}
-
 static ending ending_of(dls_status status) {
   switch (status) {
   case DLS_OK:
@@ -70,13 +59,9 @@ static ending ending_of(dls_status status) {
  * least time. Returns an error of the library. */
 static dls_status race_solve(race *a, int k, int rung, double limit, dls_error *error) {
   trial *t = race_trial(a, k, rung);
-  watch w = {.end = cpu_seconds() + limit};
   dls_info info = {0};
-  dls_limits limits = {.tol = a->tol[rung]};
-  if (limit > 0) {
-    limits.progress = watch_time;
-    limits.progress_data = &w;
-  }
+  dls_limits limits = {.tol = a->tol[rung], .cpu_seconds = limit};
+  if (limit > 0) limits.progress = show_progress;
   dls_status status = dls_solver_set_limits(a->solver[k], &limits, error);
   if (status) return status;
   const double start = cpu_seconds();
@@ -86,7 +71,7 @@ static dls_status race_solve(race *a, int k, int rung, double limit, dls_error *
     *t = (trial){.end = ending_of(status), .asked = 1, .seconds = seconds};
     t->iterations = info.iterations;
     t->residual = status < 0 ? NAN : info.certificate.residual;
-    if (status == DLS_CANCELLED && !w.late) a->interrupted = 1;
+    if (status == DLS_CANCELLED) a->interrupted = 1;
   } else if (seconds < t->seconds)
     t->seconds = seconds;
   return DLS_OK;

@@ -101,7 +101,6 @@ typedef struct history {
   int stages, begin[HISTORY_STAGES]; /* iteration at which the stage began */
   const char *stage[HISTORY_STAGES];
   int before, last; /* iterations of the stages before; of this one so far */
-  double start, limit;
 } history;
 
 /* Solves once more and records. The last point is the residual of the certificate. */
