@@ -20,6 +20,7 @@ int command_info(int argc, char **argv);
 int command_forming(int argc, char **argv);
 int command_tables(int argc, char **argv);
 int command_chart(int argc, char **argv);
+int command_profile(int argc, char **argv);
 
 /* ---- problem.c ------------------------------------------------------------------------------- */
 

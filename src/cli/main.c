@@ -15,6 +15,7 @@ static void program_usage(FILE *out) {
       "                        solve an LCP given as two Matrix Market files\n"
       "  delassus info FILE    facts about an FCLIB problem: symmetry, rank, friction bounds\n"
       "  delassus chart NAME   every method on a file or scene: CPU against precision, a picture\n"
+      "  delassus profile NAME...   every method on many of them: performance profiles\n"
       "\n"
       "  -h, --help            this text; 'delassus COMMAND --help' for a command's options\n"
       "  -V, --version         version\n"
@@ -38,6 +39,8 @@ int main(int argc, char **argv) {
     result = command_info(argc - 1, argv + 1);
   else if (!strcmp(name, "chart"))
     result = command_chart(argc - 1, argv + 1);
+  else if (!strcmp(name, "profile"))
+    result = command_profile(argc - 1, argv + 1);
   else if (!strcmp(name, "--help") || !strcmp(name, "-h")) {
     program_usage(stdout);
     result = EXIT_SOLVED;
