@@ -21,6 +21,7 @@ int command_forming(int argc, char **argv);
 int command_tables(int argc, char **argv);
 int command_chart(int argc, char **argv);
 int command_profile(int argc, char **argv);
+int command_map(int argc, char **argv);
 
 /* ---- problem.c ------------------------------------------------------------------------------- */
 

@@ -39,6 +39,8 @@ int main(int argc, char **argv) {
     result = command_info(argc - 1, argv + 1);
   else if (!strcmp(name, "chart"))
     result = command_chart(argc - 1, argv + 1);
+  else if (!strcmp(name, "map"))
+    result = command_map(argc - 1, argv + 1);
   else if (!strcmp(name, "profile"))
     result = command_profile(argc - 1, argv + 1);
   else if (!strcmp(name, "--help") || !strcmp(name, "-h")) {
