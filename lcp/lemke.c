@@ -515,8 +515,9 @@ static int lemke_report(dls_lemke *work, double residual, const double *z, int s
     const double zj = scaled ? work->kappa * work->C[j] * z[j] : z[j];
     work->trial[j] = zj > 0 ? zj : 0;
   }
-  dls_progress progress = {"lemke", "lemke", work->pivots, work->max_pivots, residual, work->trial,
-                           0,       0};
+  dls_progress progress = {
+      "lemke", "lemke", work->pivots + work->crash.rounds, work->max_pivots, residual, work->trial,
+      0,       0};
   work->stopped = dlsi_tell(limits, work->begun, &progress);
   return work->stopped != DLS_OK;
 }

@@ -121,7 +121,7 @@ dls_status dlsi_iterate_end(dlsi_iterate *it, const dls_contact *problem, dls_st
                             dls_info *outcome, double *r, double *u, dls_info *info) {
   if (status < 0) return status;
   outcome->status = status;
-  it->iterations = outcome->iterations;
+  it->iterations = outcome->sweeps + outcome->iterations;
   outcome->certificate = it->certificate;
   memcpy(r, it->best, size_of(problem) * sizeof *r);
   if (u) dlsi_multiply(problem, NULL, it->E, r, u, NULL);

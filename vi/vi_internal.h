@@ -111,7 +111,7 @@ typedef struct dlsi_iterate {
   double *best;                /* best r so far: m */
   dls_certificate certificate; /* of best */
   double begun;                /* CPU seconds when the solve began; -1: nobody asks */
-  int iterations;              /* of the last solve that has ended */
+  int iterations;              /* of the last solve that has ended, sweeps before included */
 } dlsi_iterate;
 
 /* dlsi_carve_workspace for nc candidates. */

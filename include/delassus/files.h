@@ -1,7 +1,7 @@
 /*
  * delassus/files.h: reads and writes contact problems as FCLIB files (HDF5; Acary et al., INRIA
- * RT-0444) and dense matrices as Matrix Market files. A library built without HDF5 answers
- * DLS_E_UNSUPPORTED to the dls_fclib_ functions.
+ * RT-0444) and dense matrices as Matrix Market files; reads small problems from text. A library
+ * built without HDF5 answers DLS_E_UNSUPPORTED to the dls_fclib_ functions.
  *
  *   fclib_local   W, vectors/q, vectors/mu, spacedim            u = W r + q
  *   fclib_global  M, H, vectors/f, vectors/w, vectors/mu        M v = H r + f,  u = H^T v + w
@@ -85,6 +85,45 @@ DLS_API void dls_mtx_free(double *a);
  * write leaves no file behind. */
 DLS_API DLS_MUST_USE dls_status dls_mtx_write(const char *path, const dls_dense *A,
                                               dls_error *error);
+
+/* A small problem in text, in memory; owns all that the functions below hand out. A line is a key
+ * and its text; # begins a comment line. The lines of a contact problem and of an LCP:
+ *
+ *   contact d nc      lcp n
+ *   W                 M       the m (n) lines that follow are its rows
+ *   q    m numbers    q       n numbers, decimals or fractions p/q
+ *   mu   nc numbers
+ *
+ * in any order after the first. Lines with other keys are kept as they are: data/failures/README.md
+ * has those of the catalogue, such as `solution`. */
+typedef struct dls_text dls_text;
+
+/* Reads the problem in file `path` into a new *out, NULL on error. DLS_E_FILE, DLS_E_FORMAT (index
+ * = line, from 1; -1: something is missing), DLS_E_MEMORY. */
+DLS_API DLS_MUST_USE dls_status dls_text_read(dls_text **out, const char *path, dls_error *error);
+
+/* Returns 1 if the file holds an LCP, 0 if a contact problem. */
+DLS_API int dls_text_is_lcp(const dls_text *text);
+
+/* Returns the text of the first line `title`, "" if there is none. */
+DLS_API const char *dls_text_title(const dls_text *text);
+
+/* Returns the text of line k = 0, 1, .. of those that are no part of the problem, and its *key (or
+ * NULL); NULL after the last one. */
+DLS_API const char *dls_text_line(const dls_text *text, int k, const char **key);
+
+/* Reads exactly `count` numbers from a text; returns 0 if there are more or less. */
+DLS_API int dls_text_numbers(const char *text, int count, double *x);
+
+/* Hand out the problem; of an LCP n, M (n x n, column-major) and q (n). DLS_E_ARGUMENT if it is of
+ * the other kind. */
+DLS_API DLS_MUST_USE dls_status dls_text_contact(const dls_text *text, dls_contact *problem,
+                                                 dls_error *error);
+DLS_API DLS_MUST_USE dls_status dls_text_lcp(const dls_text *text, int *n, const double **M,
+                                             const double **q, dls_error *error);
+
+/* Frees the problem; NULL is fine. */
+DLS_API void dls_text_destroy(dls_text *text);
 
 #ifdef __cplusplus
 }

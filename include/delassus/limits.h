@@ -20,12 +20,11 @@ typedef struct dls_progress {
   int max_iterations; /* of the stage; 0: no limit */
   double residual;    /* the certificate's, max(residual_u, residual_r) in every method for contact
                          problems, as the iteration estimates it for r; -1 if unknown */
-  const double
-      *r; /* the reactions of that residual, m; z (n) of an LCP; NULL: not at hand */
+  const double *r;    /* the reactions of that residual, m; z (n) of an LCP; NULL if not there */
   double cpu_seconds; /* of this thread since the solve began */
-  int last; /* 1: the last call of a solve, whatever its end but an error: iteration: of all
-                         stages; residual: the final one, exactly; r: the answer; the return value is
-                         not read */
+  int last;           /* 1: the last call of a solve, whatever its end but an error: iteration: of
+                         all stages; residual: the final one, exactly; r: the answer; the return
+                         value is not read */
 } dls_progress;
 
 /* A function of the host that a solve calls now and then, and once at its end (`last`); a return

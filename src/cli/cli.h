@@ -28,7 +28,8 @@ int command_map(int argc, char **argv);
 /* A problem in memory: read from the file, condensed if it was global. Start from {0}; free it
  * after a failed load, too. */
 typedef struct problem {
-  dls_fclib *file;
+  dls_fclib *file;          /* NULL for text */
+  dls_text *text;           /* NULL for FCLIB */
   dls_reduction *reduction; /* NULL for a local problem */
   dls_model model;          /* of a global one */
   const double *f, *g, *mu;
@@ -38,6 +39,11 @@ typedef struct problem {
 
 dls_status problem_load(const char *path, problem *p, dls_error *error);
 void problem_free(problem *p);
+
+const char *problem_title(const problem *p);
+
+/* Returns 1 if the file is text with an LCP, read into *text; 0 for any other. */
+int read_lcp_text(const char *path, dls_text **text);
 
 /* Prints the name, the size and the kind of the problem. */
 void problem_print(const char *path, const problem *p);

@@ -8,7 +8,8 @@
 static void info_usage(FILE *out) {
   fputs(
       "Usage: delassus info [OPTION]... FILE\n"
-      "Facts about a contact problem (FCLIB, HDF5; local, or global after its reduction):\n"
+      "Facts about a contact problem (FCLIB, HDF5; local, or global after its reduction; or "
+      "text):\n"
       "symmetry, rank and definiteness of W, scales, degenerate contacts, and how large friction\n"
       "may be. Contacts and rows are counted from 0.\n"
       "\n"

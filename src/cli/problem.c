@@ -1,8 +1,40 @@
-/* problem.c: loads FCLIB problems, and condenses them if they are global. */
+/* problem.c: loads problems, FCLIB or text, and condenses them if they are global. */
+#include <string.h>
+
 #include "cli.h"
 
+/* Returns 1 if the file begins as those of HDF5 do, or cannot be read. */
+static int is_hdf5(const char *path) {
+  static const char signature[8] = {'\x89', 'H', 'D', 'F', '\r', '\n', '\x1a', '\n'};
+  char first[8] = {0};
+  FILE *file = fopen(path, "rb");
+  if (!file) return 1;
+  const size_t got = fread(first, 1, sizeof first, file);
+  const int failed = ferror(file);
+  (void)fclose(file);
+  return failed || (got == sizeof first && memcmp(first, signature, sizeof first) == 0);
+}
+
+int read_lcp_text(const char *path, dls_text **text) {
+  *text = NULL;
+  if (is_hdf5(path) || dls_text_read(text, path, NULL)) return 0;
+  if (dls_text_is_lcp(*text)) return 1;
+  dls_text_destroy(*text);
+  *text = NULL;
+  return 0;
+}
+
+const char *problem_title(const problem *p) {
+  return p->text ? dls_text_title(p->text) : dls_fclib_title(p->file);
+}
+
 dls_status problem_load(const char *path, problem *p, dls_error *error) {
-  dls_status status = dls_fclib_read(&p->file, path, error);
+  dls_status status;
+  if (!is_hdf5(path)) {
+    status = dls_text_read(&p->text, path, error);
+    return status ? status : dls_text_contact(p->text, &p->contact, error);
+  }
+  status = dls_fclib_read(&p->file, path, error);
   if (status) return status;
   if (!dls_fclib_is_global(p->file)) return dls_fclib_contact(p->file, &p->contact, error);
   status = dls_fclib_model(p->file, &p->model, &p->f, &p->g, &p->mu, error);
@@ -18,11 +50,14 @@ dls_status problem_load(const char *path, problem *p, dls_error *error) {
 void problem_free(problem *p) {
   dls_reduction_destroy(p->reduction);
   dls_fclib_destroy(p->file);
+  dls_text_destroy(p->text);
 }
 
 void problem_print(const char *path, const problem *p) {
   printf("%s: %dD, %d contacts, %s\n", path, p->contact.d, p->contact.nc,
-         p->reduction ? "global" : "local");
+         p->reduction ? "global"
+         : p->text    ? "text"
+                      : "local");
   if (p->reduction)
     printf("  reduced from %d unknowns in %.3g s of CPU\n", p->model.n, p->reduction_cpu_seconds);
 }

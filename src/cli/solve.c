@@ -3,27 +3,31 @@
 #include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "cli.h"
 
 typedef struct solve_options {
   solver_options solver;
   int lcp, json, proof;
-  const char *out; /* NULL: none */
+  const char *out, *history; /* NULL: none */
 } solve_options;
 
 static void solve_usage(FILE *out) {
   fputs(
       "Usage: delassus solve [OPTION]... FILE\n"
       "  or:  delassus solve --lcp [OPTION]... M.mtx q.mtx\n"
-      "Solves a contact problem (FCLIB, HDF5; local, or global after its reduction), or an LCP by\n"
-      "Lemke's method.\n"
+      "Solves a contact problem (FCLIB, HDF5; local, or global after its reduction; or text as in\n"
+      "data/failures), or an LCP (Matrix Market, or text) by Lemke's method.\n"
       "\n",
       out);
   solver_usage(out, "", 1e-8);
   fputs(
       "  -f, --facets=M        lemke in 3D: facets of the friction cone, even, 4 to 64 (8)\n"
       "  -o, --output=OUT      write the problem with its solution (FCLIB), or z (Matrix Market)\n"
+      "  -H, --history=CSV     write iteration (of all stages), CPU seconds, residual and stage "
+      "as\n"
+      "                        the solve goes on; the last row is the answer\n"
       "  -j, --json            print the outcome as one JSON object\n"
       "  -p, --proof           print the vectors behind a verdict without an answer: the proof "
       "that\n"
@@ -33,11 +37,34 @@ static void solve_usage(FILE *out) {
       out);
 }
 
+/* ---- the history of a solve ------------------------------------------------------------------ */
+
+typedef struct history {
+  FILE *file;
+  const char *stage;     /* "": none yet */
+  int before, iteration; /* of the stages that are over, of this one */
+} history;
+
+/* Writes a row: the progress callback of --history. */
+static int write_row(void *data, const dls_progress *p) {
+  history *h = data;
+  if (p->iteration < h->iteration || strcmp(p->stage, h->stage) != 0) {
+    h->before += h->iteration;
+    h->stage = p->stage;
+  }
+  h->iteration = p->iteration;
+  (void)fprintf(h->file, "%d,%.9f,", p->last ? p->iteration : h->before + h->iteration,
+                p->cpu_seconds);
+  if (p->residual >= 0) (void)fprintf(h->file, "%.17g", p->residual);
+  (void)fprintf(h->file, ",%s\n", p->stage);
+  return show_progress(NULL, p);
+}
+
 /* ---- contact problems ------------------------------------------------------------------------ */
 
 static dls_status write_solution(const char *out, const problem *p, const double *r,
                                  const double *u, dls_error *error) {
-  const char *title = dls_fclib_title(p->file);
+  const char *title = problem_title(p);
   if (!p->reduction) return dls_fclib_write_local(out, &p->contact, title, r, u, error);
   double *x = malloc((size_t)p->model.n * sizeof *x);
   if (!x) {
@@ -171,56 +198,41 @@ static void print_lcp_json(int n, const dls_lemke_info *info, double solve_cpu_s
   puts("\n}");
 }
 
-static int solve_lcp_files(const char *path_M, const char *path_q, const solve_options *options) {
+/* Solves an LCP and tells of it; `path` names it. */
+static int solve_one_lcp(const char *path, const dls_lcp *lcp, const solve_options *options) {
   dls_error error = {0};
-  double *M = NULL, *q = NULL, *z = NULL;
   dls_lemke *lemke = NULL;
-  int rows, cols, q_rows, q_cols, result = EXIT_BAD_INPUT;
-  if (dls_mtx_read(path_M, &rows, &cols, &M, &error)) {
-    (void)complain_of(path_M, &error);
-    goto end;
-  }
-  if (dls_mtx_read(path_q, &q_rows, &q_cols, &q, &error)) {
-    (void)complain_of(path_q, &error);
-    goto end;
-  }
-  if (rows != cols || rows < 1) {
-    (void)complain("%s: M is %d x %d, must be square", path_M, rows, cols);
-    goto end;
-  }
-  if ((q_rows != rows || q_cols != 1) && (q_rows != 1 || q_cols != rows)) {
-    (void)complain("%s: q is %d x %d, must be %d x 1", path_q, q_rows, q_cols, rows);
-    goto end;
-  }
+  const int n = lcp->n;
+  int result = EXIT_BAD_INPUT;
   dls_lemke_settings settings;
   dls_lemke_settings_init(&settings);
   settings.limits.tol = options->solver.settings.limits.tol;
   settings.limits.max_iterations = options->solver.settings.limits.max_iterations;
   settings.limits.progress = options->solver.settings.limits.progress;
-  z = calloc(2 * (size_t)rows, sizeof *z);
-  if (!z || dls_lemke_create(&lemke, rows, &settings, &error)) {
-    (void)(z ? complain_of(path_M, &error) : complain("%s: out of memory", path_M));
+  settings.limits.progress_data = options->solver.settings.limits.progress_data;
+  double *z = calloc(2 * (size_t)n, sizeof *z);
+  if (!z || dls_lemke_create(&lemke, n, &settings, &error)) {
+    (void)(z ? complain_of(path, &error) : complain("%s: out of memory", path));
     goto end;
   }
-  const dls_lcp lcp = {rows, {rows, rows, rows, M}, q};
   dls_lemke_info info;
   const double start = cpu_seconds();
-  const dls_status status = dls_lemke_solve(lemke, &lcp, z, NULL, &info, &error);
+  const dls_status status = dls_lemke_solve(lemke, lcp, z, NULL, &info, &error);
   const double solve_cpu_seconds = cpu_seconds() - start;
   progress_end();
   if (status < 0) {
-    (void)complain_of(path_M, &error);
+    (void)complain_of(path, &error);
     goto end;
   }
   verdict v;
-  if (fill_lcp_verdict(&v, lemke, &lcp, status, z + rows, &error)) {
-    (void)complain_of(path_M, &error);
+  if (fill_lcp_verdict(&v, lemke, lcp, status, z + n, &error)) {
+    (void)complain_of(path, &error);
     goto end;
   }
   if (options->json)
-    print_lcp_json(rows, &info, solve_cpu_seconds, &v, options->proof);
+    print_lcp_json(n, &info, solve_cpu_seconds, &v, options->proof);
   else {
-    printf("%s: LCP of %d unknowns\n", path_M, rows);
+    printf("%s: LCP of %d unknowns\n", path, n);
     printf("  lemke: %s, %d rounds of the crash start, %d pivots, residual %.2e (floor %.1e), %.3g "
            "s of CPU\n",
            dls_status_text(status), info.crash_rounds, info.pivots, info.certificate.residual,
@@ -230,7 +242,7 @@ static int solve_lcp_files(const char *path_M, const char *path_q, const solve_o
            info.certificate.complementarity);
     verdict_print(&v, options->proof);
   }
-  const dls_dense answer = {rows, 1, rows, z};
+  const dls_dense answer = {n, 1, n, z};
   if (options->out && dls_mtx_write(options->out, &answer, &error)) {
     (void)complain_of(options->out, &error);
     goto end;
@@ -238,9 +250,44 @@ static int solve_lcp_files(const char *path_M, const char *path_q, const solve_o
   result = status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
 end:
   dls_lemke_destroy(lemke);
+  free(z);
+  return result;
+}
+
+static int solve_lcp_files(const char *path_M, const char *path_q, const solve_options *options) {
+  dls_error error = {0};
+  double *M = NULL, *q = NULL;
+  int rows, cols, q_rows, q_cols, result = EXIT_BAD_INPUT;
+  if (dls_mtx_read(path_M, &rows, &cols, &M, &error))
+    (void)complain_of(path_M, &error);
+  else if (dls_mtx_read(path_q, &q_rows, &q_cols, &q, &error))
+    (void)complain_of(path_q, &error);
+  else if (rows != cols || rows < 1)
+    (void)complain("%s: M is %d x %d, must be square", path_M, rows, cols);
+  else if ((q_rows != rows || q_cols != 1) && (q_rows != 1 || q_cols != rows))
+    (void)complain("%s: q is %d x %d, must be %d x 1", path_q, q_rows, q_cols, rows);
+  else
+    result = solve_one_lcp(path_M, &(dls_lcp){rows, {rows, rows, rows, M}, q}, options);
   dls_mtx_free(M);
   dls_mtx_free(q);
-  free(z);
+  return result;
+}
+
+/* Solves the problem in a file, of whatever kind. */
+static int solve_file(const char *path, const solve_options *options) {
+  dls_text *text;
+  int n;
+  const double *M, *q;
+  if (!read_lcp_text(path, &text)) return solve_contact(path, options);
+  int result = EXIT_BAD_INPUT;
+  const dls_solver_settings *s = &options->solver.settings;
+  if ((options->solver.method_given || options->solver.accel_given) && s->method != DLS_LEMKE)
+    (void)complain("%s: an LCP is solved by lemke", path);
+  else if (s->facets)
+    (void)complain("--facets: is for contact problems and lemke");
+  else if (dls_text_lcp(text, &n, &M, &q, NULL) == DLS_OK)
+    result = solve_one_lcp(path, &(dls_lcp){n, {n, n, n, M}, q}, options);
+  dls_text_destroy(text);
   return result;
 }
 
@@ -253,6 +300,8 @@ static taken take_solve_option(int key, const char *text, void *data) {
   if (key == 'f') return parse_count("facets", text, &o->solver.settings.facets);
   if (key == 'o')
     o->out = text;
+  else if (key == 'H')
+    o->history = text;
   else if (key == 'j')
     o->json = 1;
   else if (key == 'l')
@@ -266,9 +315,10 @@ static taken take_solve_option(int key, const char *text, void *data) {
 
 int command_solve(int argc, char **argv) {
   static const struct option options[] = {
-      SOLVER_OPTIONS,   VALUE("facets", 'f'), VALUE("output", 'o'), FLAG("json", 'j'),
-      FLAG("lcp", 'l'), FLAG("proof", 'p'),   LAST_OPTIONS};
-  static const command solve = {SOLVER_KEYS "f:o:jlph", options, solve_usage, take_solve_option, 0};
+      SOLVER_OPTIONS,    VALUE("facets", 'f'), VALUE("output", 'o'), VALUE("history", 'H'),
+      FLAG("json", 'j'), FLAG("lcp", 'l'),     FLAG("proof", 'p'),   LAST_OPTIONS};
+  static const command solve = {SOLVER_KEYS "f:o:H:jlph", options, solve_usage, take_solve_option,
+                                0};
   solve_options o = {0};
   solver_options_init(&o.solver, 1e-8);
   const int stop = take_options(argc, argv, &solve, &o);
@@ -281,7 +331,16 @@ int command_solve(int argc, char **argv) {
     return complain("--facets: is for contact problems and lemke");
   if (o.lcp && (o.solver.method_given || o.solver.accel_given) && method != DLS_LEMKE)
     return complain("--%s: an LCP is solved by lemke", o.solver.method_given ? "method" : "accel");
+  history rows = {.stage = ""};
+  if (o.history) {
+    rows.file = fopen(o.history, "w");
+    if (!rows.file) return complain("%s: cannot be opened for writing", o.history);
+    fputs("iteration,cpu_seconds,residual,stage\n", rows.file);
+    o.solver.settings.limits.progress = write_row;
+    o.solver.settings.limits.progress_data = &rows;
+  }
   watch_interrupt();
-  return o.lcp ? solve_lcp_files(argv[optind], argv[optind + 1], &o)
-               : solve_contact(argv[optind], &o);
+  const int result =
+      o.lcp ? solve_lcp_files(argv[optind], argv[optind + 1], &o) : solve_file(argv[optind], &o);
+  return rows.file && !close_file(rows.file, o.history) ? EXIT_BAD_INPUT : result;
 }

@@ -1,4 +1,8 @@
-/* file.c: opens and closes files, telling apart what goes wrong. */
+/* file.c: opens and closes files, telling apart what goes wrong; reads numbers. */
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
 #include <sys/stat.h>
 
 #include "files/file.h"
@@ -31,4 +35,40 @@ dls_status dlsi_file_finish(const char *path, FILE *file, dls_error *error) {
   struct stat entry; /* a device that was written to must stay */
   if (stat(path, &entry) == 0 && S_ISREG(entry.st_mode)) (void)remove(path);
   return dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be written to the end");
+}
+
+/* Accepts word = [+-] digits [. digits] [e [+-] digits], finite; returns 0 for any other word.
+ * strtod reads the decimal point of the locale, which stands between the digits of 0.5 as printf
+ * writes it. */
+int dlsi_read_number(const char *word, size_t length, double *value) {
+  char w[dlsi_longest_number + 1];
+  if (length > dlsi_longest_number) return 0;
+  memcpy(w, word, length);
+  w[length] = '\0';
+  size_t digits = 0, point = SIZE_MAX, k = w[0] == '+' || w[0] == '-';
+  for (; dlsi_is_digit(w[k]) || (w[k] == '.' && point == SIZE_MAX); k++) {
+    if (w[k] == '.')
+      point = k;
+    else
+      digits++;
+  }
+  if (!digits) return 0;
+  if (w[k] == 'e' || w[k] == 'E') {
+    k += w[k + 1] == '+' || w[k + 1] == '-' ? 2 : 1;
+    if (!dlsi_is_digit(w[k])) return 0;
+    while (dlsi_is_digit(w[k]))
+      k++;
+  }
+  if (w[k] != '\0' || k != length) return 0;
+  char half[16], text[dlsi_longest_number + sizeof half];
+  if (snprintf(half, sizeof half, "%.1f", 0.5) < 3) return 0;
+  const int point_length = (int)strlen(half) - 2;
+  if (point == SIZE_MAX)
+    (void)snprintf(text, sizeof text, "%s", w);
+  else
+    (void)snprintf(text, sizeof text, "%.*s%.*s%s", (int)point, w, point_length, half + 1,
+                   w + point + 1);
+  char *end;
+  *value = strtod(text, &end);
+  return *end == '\0' && isfinite(*value);
 }

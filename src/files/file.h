@@ -16,4 +16,13 @@ FILE *dlsi_file_create(const char *path, const char *mode, dls_error *error);
 /* Closes a file that was written; if any write failed, removes it and returns DLS_E_FILE. */
 dls_status dlsi_file_finish(const char *path, FILE *file, dls_error *error);
 
+static inline int dlsi_is_digit(int c) {
+  return c >= '0' && c <= '9';
+}
+
+/* Reads the finite decimal number that the word of `length` characters is, with a decimal point
+ * whatever the host's locale says. Returns 0 for any other word. */
+enum { dlsi_longest_number = 64 }; /* a double needs 24 characters */
+int dlsi_read_number(const char *word, size_t length, double *value);
+
 #endif

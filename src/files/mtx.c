@@ -23,7 +23,7 @@
 
 /* ---- words ----------------------------------------------------------------------------------- */
 
-enum { longest = 64 }; /* of a word; a double needs 24 characters */
+enum { longest = dlsi_longest_number }; /* of a word */
 
 typedef struct scanner {
   FILE *file;
@@ -37,10 +37,6 @@ typedef struct scanner {
 
 static int is_space(int c) {
   return c == ' ' || (c >= '\t' && c <= '\r');
-}
-
-static int is_digit(int c) {
-  return c >= '0' && c <= '9';
 }
 
 /* Scans the next word. A line whose first word starts with % is a comment, except the banner. */
@@ -92,46 +88,12 @@ static int to_int(const scanner *s, int *value) {
   long long v = 0;
   if (s->length < 1 || s->length > 10) return 0;
   for (size_t k = 0; k < s->length; k++) {
-    if (!is_digit(s->word[k])) return 0;
+    if (!dlsi_is_digit(s->word[k])) return 0;
     v = 10 * v + (s->word[k] - '0');
   }
   if (v > INT_MAX) return 0;
   *value = (int)v;
   return 1;
-}
-
-/* Reads word = [+-] digits [. digits] [e [+-] digits], finite; returns 0 for any other word.
- * strtod reads the decimal point of the locale, which stands between the digits of 0.5 as printf
- * writes it. */
-static int to_double(const scanner *s, double *value) {
-  const char *w = s->word;
-  if (s->length > longest) return 0;
-  size_t digits = 0, point = SIZE_MAX, k = w[0] == '+' || w[0] == '-';
-  for (; is_digit(w[k]) || (w[k] == '.' && point == SIZE_MAX); k++) {
-    if (w[k] == '.')
-      point = k;
-    else
-      digits++;
-  }
-  if (!digits) return 0;
-  if (w[k] == 'e' || w[k] == 'E') {
-    k += w[k + 1] == '+' || w[k + 1] == '-' ? 2 : 1;
-    if (!is_digit(w[k])) return 0;
-    while (is_digit(w[k]))
-      k++;
-  }
-  if (w[k] != '\0' || k != s->length) return 0;
-  char half[16], text[longest + sizeof half];
-  if (snprintf(half, sizeof half, "%.1f", 0.5) < 3) return 0;
-  const int point_length = (int)strlen(half) - 2;
-  if (point == SIZE_MAX)
-    (void)snprintf(text, sizeof text, "%s", w);
-  else
-    (void)snprintf(text, sizeof text, "%.*s%.*s%s", (int)point, w, point_length, half + 1,
-                   w + point + 1);
-  char *end;
-  *value = strtod(text, &end);
-  return *end == '\0' && isfinite(*value);
 }
 
 /* Prints x with 17 significant digits, which read back to the same bits. */
@@ -140,7 +102,7 @@ static void print_double(FILE *file, double x) {
   if (snprintf(text, sizeof text, "%.16e", x) < 0) return;
   const size_t head = text[0] == '-' ? 2 : 1;
   size_t tail = head; /* past the locale's decimal point */
-  while (text[tail] && !is_digit(text[tail]))
+  while (text[tail] && !dlsi_is_digit(text[tail]))
     tail++;
   (void)fprintf(file, "%.*s.%s\n", (int)head, text, text + tail);
 }
@@ -211,7 +173,7 @@ static void read_array(scanner *s, const layout *form, double *a) {
       double x = 0;
       scan(s);
       require(s, s->length > 0, "there are too few values");
-      require(s, to_double(s, &x), "is no finite number");
+      require(s, dlsi_read_number(s->word, s->length, &x), "is no finite number");
       if (s->status) return;
       put_value(form, a, i, j, x);
     }
@@ -229,7 +191,7 @@ static void read_coordinates(scanner *s, const layout *form, double *a) {
             "is no column of the matrix");
     require(s, form->kind == GENERAL || (form->kind == SKEW ? i > j : i >= j),
             "must be in the lower triangle");
-    require(s, scan_on(s, line) && to_double(s, &x), "is no finite number");
+    require(s, scan_on(s, line) && dlsi_read_number(s->word, s->length, &x), "is no finite number");
     if (s->status) return;
     put_value(form, a, i - 1, j - 1, x);
   }

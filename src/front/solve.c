@@ -105,7 +105,7 @@ static void solver_tell_last(const dls_limits *limits, double begun, const dls_i
                              const double *r) {
   const dls_method stage = info->stages ? info->stage[info->stages - 1].method : info->method;
   dlsi_tell_last(limits, begun, dls_method_name(info->method), dls_method_name(stage),
-                 info->iterations, info->certificate.residual, r);
+                 info->sweeps + info->iterations, info->certificate.residual, r);
 }
 
 /* Solves a problem that has been checked. */

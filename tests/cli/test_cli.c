@@ -64,6 +64,51 @@ START_TEST(help_and_version) {
 }
 END_TEST
 
+/* The problems of the catalogue, contact and LCP, in text. */
+START_TEST(text_problems) {
+  says("solve " TEST_DATA "/failures/c24-runaway.txt", "3 contacts, text");
+  ck_assert_int_eq(run("solve --json " TEST_DATA "/failures/c20-scales.txt"), 0);
+  ck_assert(json_number("residual") <= 1e-8 && json_number("contacts") == 2);
+  ck_assert_int_eq(run("solve " TEST_DATA "/failures/c03-jam-above.txt"), 1);
+  says("info " TEST_DATA "/failures/c20-scales.txt", "positive definite");
+  says("solve " TEST_DATA "/failures/l01-cycling.txt", "LCP of");
+  ck_assert_int_eq(run("solve " TEST_DATA "/failures/l01-cycling.txt -m newton"), 2);
+  ck_assert_int_eq(run("solve " TEST_DATA "/failures/l05-no-solution.txt"), 1);
+  ck_assert_int_eq(run("info " TEST_DATA "/failures/l01-cycling.txt"), 2);
+  ck_assert_int_eq(run("solve Makefile"), 2);
+}
+END_TEST
+
+/* The rows of --history: iterations and time go on, the last row is what --json says. */
+START_TEST(history_of_a_solve) {
+  static const char *const methods[] = {"auto", "nlgs", "lemke", "newton"};
+  for (int k = 0; k < 4; k++) {
+    static char text[200000];
+    char arguments[300];
+    (void)snprintf(arguments, sizeof arguments,
+                   "solve --json -m %s " TEST_DATA "/failures/c15-slow-splitting.txt --history %s",
+                   methods[k], path_of("h.csv"));
+    ck_assert_int_eq(run(arguments), 0);
+    char *row = strchr(read_text("h.csv", text, sizeof text), '\n');
+    ck_assert_int_eq(strncmp(text, "iteration,cpu_seconds,residual,stage\n", 37), 0);
+    double before = 0, cpu = 0, iteration = 0, seconds = 0, residual = -1;
+    int rows = 0;
+    for (; row && row[1]; row = strchr(row + 1, '\n'), rows++) {
+      char stage[40];
+      ck_assert_int_eq(sscanf(row + 1, "%lf,%lf,%lf,%39s", &iteration, &seconds, &residual, stage),
+                       4);
+      ck_assert(iteration >= before && seconds >= cpu);
+      before = iteration;
+      cpu = seconds;
+    }
+    ck_assert_int_ge(rows, 2);
+    ck_assert(residual == json_number("residual") &&
+              (k == 3 || iteration == json_number("iterations")));
+  }
+  ck_assert_int_eq(run("solve Makefile --history no/such/h.csv"), 2);
+}
+END_TEST
+
 START_TEST(bad_usage_is_2) {
   static const char *const wrong[] = {"",
                                       "frobnicate",
@@ -382,5 +427,6 @@ int main(void) {
              ONCE(scene_on_the_displacements), ONCE(concentrated_csv_has_no_equivalents),
              ONCE(newton_and_the_list_of_methods), ONCE(lemke_in_3d_takes_facets),
              ONCE(saved_problem_solves_to_the_same_answer), ONCE(not_solved_is_1), ONCE(lcp_files),
-             ONCE(info_says_what_it_found), ONCE(info_names_degenerate_contacts));
+             ONCE(text_problems), ONCE(history_of_a_solve), ONCE(info_says_what_it_found),
+             ONCE(info_names_degenerate_contacts));
 }

@@ -1,4 +1,4 @@
-/* failures.c: the reader of data/failures, line by line. */
+/* failures.c: the reader of data/failures: the problem, and what is said of it. */
 #define _POSIX_C_SOURCE 200809L
 #include "failures.h"
 
@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "delassus/files.h"
 
 static int by_name(const void *a, const void *b) {
   return strcmp(a, b);
@@ -26,24 +28,6 @@ int failures_list(const char *directory, char names[][64], int capacity) {
   closedir(d);
   qsort(names, (size_t)count, sizeof names[0], by_name);
   return count;
-}
-
-/* x[0], x[stride], ... := count numbers, each "1.5e-3" or "p/q"; 1 if there are exactly as many */
-static int numbers(const char *text, int count, int stride, double *x) {
-  for (int i = 0; i < count; i++) {
-    char *end;
-    double v = strtod(text, &end);
-    if (end == text) return 0;
-    text = end;
-    if (*text == '/') {
-      const double below = strtod(text + 1, &end);
-      if (end == text + 1 || below == 0) return 0;
-      v /= below;
-      text = end;
-    }
-    x[i * stride] = v;
-  }
-  return text[strspn(text, " \t\r\n")] == 0;
 }
 
 const char *const failure_methods[FAILURE_METHODS] = {"auto",    "nlgs",  "nlgs+anderson",
@@ -87,35 +71,12 @@ static int take_solve(failure *f, const char *text) {
 static int add_point(failure_point *list, int *count, int continuum, int n, const char *text) {
   if (*count == FAILURE_POINTS) return 0;
   list[*count].continuum = continuum;
-  return numbers(text, n, 1, list[(*count)++].x);
+  return dls_text_numbers(text, n, list[(*count)++].x);
 }
 
-static int sizes(failure *f, int contact, const char *text) {
-  double v[2] = {0};
-  if (!numbers(text, contact ? 2 : 1, 1, v)) return 0;
-  for (int i = 0; i < 2; i++)
-    if (!(v[i] >= 0 && v[i] <= FAILURE_N)) return 0;
-  f->d = contact ? (int)v[0] : 0;
-  f->nc = contact ? (int)v[1] : 0;
-  f->n = contact ? f->d * f->nc : (int)v[0];
-  return f->n >= 1 && f->n <= FAILURE_N;
-}
-
-/* The matrix is the n lines after its key. */
-static int matrix(FILE *in, failure *f, int *at) {
-  char line[1000];
-  for (int i = 0; i < f->n; i++, ++*at)
-    if (!fgets(line, sizeof line, in) || !numbers(line, f->n, f->n, f->M + i)) return 0;
-  return f->n > 0;
-}
-
-/* One line: key and text; 1 if it is understood. */
-static int take(FILE *in, failure *f, const char *key, const char *text, int *at) {
+/* One line that is no part of the problem; 1 if it is understood. */
+static int take(failure *f, const char *key, const char *text) {
   if (!strcmp(key, "title") || !strcmp(key, "shows") || !strcmp(key, "source")) return *text != 0;
-  if (!strcmp(key, "contact") || !strcmp(key, "lcp")) return sizes(f, *key == 'c', text);
-  if (!strcmp(key, "W") || !strcmp(key, "M")) return matrix(in, f, at);
-  if (!strcmp(key, "q")) return numbers(text, f->n, 1, f->q);
-  if (!strcmp(key, "mu")) return f->nc > 0 && numbers(text, f->nc, 1, f->mu);
   if (!strcmp(key, "none")) return f->none = 1;
   if (!strcmp(key, "continuum")) return ++f->continua;
   if (!strcmp(key, "solution")) return add_point(f->point, &f->points, -1, f->n, text);
@@ -128,30 +89,48 @@ static int take(FILE *in, failure *f, const char *key, const char *text, int *at
   return 0;
 }
 
+/* The problem itself; 1 if it fits. */
+static int take_problem(failure *f, const dls_text *text) {
+  dls_contact p;
+  const double *M, *q;
+  const int contact = !dls_text_is_lcp(text);
+  if (contact ? dls_text_contact(text, &p, NULL) : dls_text_lcp(text, &f->n, &M, &q, NULL))
+    return 0;
+  if (contact) f->n = p.d * p.nc;
+  if (f->n > FAILURE_N) return 0;
+  const size_t n = (size_t)f->n;
+  memcpy(f->M, contact ? p.W.a : M, n * n * sizeof *f->M);
+  memcpy(f->q, contact ? p.q : q, n * sizeof *f->q);
+  if (!contact) return 1;
+  f->d = p.d;
+  f->nc = p.nc;
+  memcpy(f->mu, p.mu, (size_t)p.nc * sizeof *f->mu);
+  return 1;
+}
+
 int failure_read(const char *directory, const char *name, failure *f, char *why) {
-  char path[300], line[1000], key[16];
+  char path[300];
+  const char *key, *line;
+  dls_text *text;
+  dls_error error;
   memset(f, 0, sizeof *f);
   snprintf(f->name, sizeof f->name, "%s", name);
   snprintf(path, sizeof path, "%s/%s.txt", directory, name);
-  FILE *in = fopen(path, "r");
-  if (!in) {
-    snprintf(why, 200, "%.150s cannot be opened", path);
+  if (dls_text_read(&text, path, &error)) {
+    snprintf(why, 200, "%.80s: %.110s", path, error.message);
     return 0;
   }
-  int good = 1, at = 0;
-  while (good && fgets(line, sizeof line, in)) {
-    at++;
-    int end = 0;
-    if (sscanf(line, "%15s%n", key, &end) != 1 || key[0] == '#') continue;
-    good = take(in, f, key, line + end, &at);
+  int good = take_problem(f, text);
+  if (!good) snprintf(why, 200, "%.150s is too large", path);
+  for (int k = 0; good && (line = dls_text_line(text, k, &key)); k++) {
+    good = take(f, key, line);
+    if (!good) snprintf(why, 200, "%.100s: '%.15s %.50s' is not understood", path, key, line);
   }
-  if (!good)
-    snprintf(why, 200, "%.150s, line %d is not understood", path, at);
-  else if (f->none ? f->points > 0 : f->points == 0) {
+  if (good && (f->none ? f->points > 0 : f->points == 0)) {
     snprintf(why, 200, "%.150s: solutions or the word none, one of the two", path);
     good = 0;
   }
-  fclose(in);
+  dls_text_destroy(text);
   return good;
 }
 

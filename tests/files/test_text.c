@@ -1,0 +1,186 @@
+/* test_text.c: problems in text: what is read, and what is refused with its line. */
+#define _GNU_SOURCE
+#include <check.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "delassus/files.h"
+#include "malloc_fails.h"
+#include "run.h"
+
+static char path[] = "/tmp/delassus-text-XXXXXX"; /* made in main */
+
+static void write_bytes(const char *bytes, size_t size) {
+  FILE *file = fopen(path, "wb");
+  ck_assert_ptr_nonnull(file);
+  ck_assert_uint_eq(fwrite(bytes, 1, size, file), size);
+  ck_assert_int_eq(fclose(file), 0);
+}
+
+static dls_status read_text(const char *content, dls_text **text, dls_error *error) {
+  write_bytes(content, strlen(content));
+  const dls_status status = dls_text_read(text, path, error);
+  return status;
+}
+
+static const char good[] = "# a comment\n"
+                           "title  two words  \r\n"
+                           "contact 2 1\n"
+                           "\n"
+                           "mu 1/2\n"
+                           "W\n"
+                           "  2   -1e0 \r\n"
+                           "\t0.5 3\n"
+                           "solution 1 2\n"
+                           "none\n"
+                           "q -1 +.25";
+
+START_TEST(a_contact_problem) {
+  dls_text *text;
+  dls_contact p;
+  int n;
+  const double *M, *q;
+  dls_error error;
+  const char *key;
+  ck_assert_int_eq(read_text(good, &text, NULL), DLS_OK);
+  ck_assert(!dls_text_is_lcp(text));
+  ck_assert_str_eq(dls_text_title(text), "two words");
+  ck_assert_int_eq(dls_text_contact(text, &p, NULL), DLS_OK);
+  ck_assert(p.d == 2 && p.nc == 1 && p.W.ld == 2 && p.mu[0] == 0.5);
+  ck_assert(p.W.a[0] == 2 && p.W.a[2] == -1 && p.W.a[1] == 0.5 && p.W.a[3] == 3);
+  ck_assert(p.q[0] == -1 && p.q[1] == 0.25);
+  ck_assert_int_eq(dls_contact_check(&p, NULL), DLS_OK);
+  ck_assert_str_eq(dls_text_line(text, 1, &key), "1 2");
+  ck_assert_str_eq(key, "solution");
+  ck_assert_str_eq(dls_text_line(text, 2, NULL), "");
+  ck_assert_ptr_null(dls_text_line(text, 3, &key));
+  ck_assert_ptr_null(dls_text_line(text, -1, &key));
+  ck_assert_int_eq(dls_text_lcp(text, &n, &M, &q, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.function, "dls_text_lcp");
+  dls_text_destroy(text);
+}
+END_TEST
+
+START_TEST(an_lcp) {
+  dls_text *text;
+  dls_contact p;
+  int n;
+  const double *M, *q;
+  dls_error error;
+  ck_assert_int_eq(read_text("lcp 2\nM\n1 2\n3 4\nq -1 0\nW is words here\n", &text, NULL), DLS_OK);
+  ck_assert(dls_text_is_lcp(text));
+  ck_assert_str_eq(dls_text_title(text), "");
+  ck_assert_int_eq(dls_text_lcp(text, &n, &M, &q, NULL), DLS_OK);
+  ck_assert(n == 2 && M[1] == 3 && M[2] == 2 && q[0] == -1);
+  ck_assert_int_eq(dls_text_lcp(text, NULL, &M, &q, NULL), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_text_lcp(text, &n, NULL, &q, NULL), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_text_lcp(text, &n, &M, NULL, NULL), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_text_contact(text, &p, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "text");
+  dls_text_destroy(text);
+}
+END_TEST
+
+START_TEST(refused_with_the_line) {
+  static const struct {
+    const char *content;
+    int line;
+  } bad[] = {{"", -1},
+             {"q 1\n", 1},
+             {"contact 2 1\n", -1},
+             {"contact 4 1\n", 1},
+             {"contact 2 0\n", 1},
+             {"contact 2 1.5\n", 1},
+             {"contact 2\n", 1},
+             {"contact 3 2000000000\n", 1},
+             {"lcp 2 2\n", 1},
+             {"lcp 1\nlcp 1\n", 2},
+             {"lcp 1\nM 1\n", 2},
+             {"lcp 2\nM\n1 2\n", 3},
+             {"lcp 2\nM\n1 2\n3\n", 4},
+             {"lcp 2\nM\n1 2\n3 4 5\n", 4},
+             {"lcp 2\nM\n1 2\n3 x\n", 4},
+             {"lcp 2\nM\n1 2\n3 inf\n", 4},
+             {"lcp 2\nM\n1 2\n3 1/0\n", 4},
+             {"lcp 2\nM\n1 2\n3 1e999\n", 4},
+             {"lcp 1\nM\n1\nM\n1\n", 4},
+             {"lcp 1\nM\n1\nq 1 2\n", 4},
+             {"lcp 1\nM\n1\nq\n", 4},
+             {"lcp 1\nM\n1\nq nan\n", 4},
+             {"lcp 1\nM\n1\n", -1},
+             {"lcp 30000\nM\n1\n", 2},
+             {"contact 2 1\nW\n1 0\n0 1\nq 1 1\n", -1},
+             {"contact 2 1\nW\n1 0\n0 1\nq 1 1\nmu -1\n", -1},
+             {"contact 2 1\nM\n1 0\n0 1\nq 1 1\nmu 1\n", -1}};
+  for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
+    dls_text *text = (dls_text *)&bad;
+    dls_error error = {0};
+    const dls_status status = read_text(bad[k].content, &text, &error);
+    ck_assert_msg(status == DLS_E_FORMAT && error.index == bad[k].line, "%zu: %s", k,
+                  error.message);
+    ck_assert_ptr_null(text);
+    ck_assert_str_eq(error.argument, "path");
+    ck_assert_str_eq(error.function, "dls_text_read");
+  }
+}
+END_TEST
+
+START_TEST(no_text) {
+  dls_text *text = NULL;
+  dls_error error;
+  static const char zero[] = "lcp 1\nM\n1\nq 1\0\n";
+  write_bytes(zero, sizeof zero);
+  ck_assert_int_eq(dls_text_read(&text, path, &error), DLS_E_FORMAT);
+  ck_assert_int_eq(dls_text_read(&text, "no/such/file", &error), DLS_E_FILE);
+  ck_assert_int_eq(dls_text_read(&text, ".", &error), DLS_E_FILE);
+  ck_assert_int_eq(dls_text_read(NULL, path, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "out");
+  ck_assert_int_eq(dls_text_read(&text, NULL, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "path");
+  dls_contact p;
+  int n;
+  const double *M, *q;
+  ck_assert_int_eq(dls_text_contact(NULL, &p, NULL), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_text_lcp(NULL, &n, &M, &q, NULL), DLS_E_ARGUMENT);
+  ck_assert(!dls_text_is_lcp(NULL) && !dls_text_line(NULL, 0, NULL) && !*dls_text_title(NULL));
+  dls_text_destroy(NULL);
+}
+END_TEST
+
+START_TEST(numbers_alone) {
+  double x[3] = {7, 7, 7};
+  ck_assert(dls_text_numbers(" 1 -2/4\t3e2 ", 3, x) && x[0] == 1 && x[1] == -0.5 && x[2] == 300);
+  ck_assert(dls_text_numbers("", 0, NULL));
+  ck_assert(!dls_text_numbers("1 2", 3, x) && !dls_text_numbers("1 2 3 4", 3, x));
+  ck_assert(!dls_text_numbers("1/", 1, x) && !dls_text_numbers("/2", 1, x));
+  ck_assert(!dls_text_numbers(NULL, 1, x) && !dls_text_numbers("1", 1, NULL));
+}
+END_TEST
+
+START_TEST(each_malloc_fails) {
+  write_bytes(good, strlen(good));
+  long failed = 0;
+  for (dls_status status = DLS_E_MEMORY; status == DLS_E_MEMORY; failed++) {
+    dls_text *text = NULL;
+    malloc_fails_at(failed + 1);
+    status = dls_text_read(&text, path, NULL);
+    malloc_fails_at(0);
+    ck_assert(status == DLS_OK || (status == DLS_E_MEMORY && !text));
+    dls_text_destroy(text);
+  }
+  ck_assert_int_ge(failed, 6);
+}
+END_TEST
+
+int main(void) {
+  const int made = mkstemp(path);
+  if (made < 0 || close(made)) return 1;
+  const int failures =
+      RUN("text", NULL, NULL, ONCE(a_contact_problem), ONCE(an_lcp), ONCE(refused_with_the_line),
+          ONCE(no_text), ONCE(numbers_alone), ONCE(each_malloc_fails));
+  (void)remove(path);
+  return failures;
+}
