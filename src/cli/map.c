@@ -13,6 +13,8 @@
 
 enum { most_rows_of_bounds = 1500, most_rows_of_friction = 60 };
 
+static const double solve_limit = 0.3; /* CPU seconds of a solve, unless --limit says */
+
 static void map_usage(FILE *out) {
   fputs(
       "Usage: delassus map [OPTION]... FILE|SCENE\n"
@@ -29,7 +31,8 @@ static void map_usage(FILE *out) {
       "      --samples=N       random loads a cell (5)\n"
       "  -m, --method=METHOD   of scenes in steps (auto)\n"
       "  -t, --tol=T           tolerance (1e-8)\n"
-      "  -l, --limit=S         CPU seconds that a solve may always take (0.3)\n"
+      "  -l, --limit=S         CPU seconds that a solve may take (0.3; --against 0.05;\n"
+      "                        scenes in steps: a cell 10)\n"
       "  -o, --out=DIR         where the files go (map)\n"
       "  -h, --help            this text\n"
       "\n"
@@ -102,10 +105,10 @@ static void add_line(map_run *m, double mu, const char *colour, const char *text
       m->picture.lines == MAP_LINES)
     return;
   int i = 0;
-  while (i < rows - 2 && m->mu[i + 1] < mu)
+  while (i < rows - 2 && m->mu[i + 1] <= mu)
     i++;
   map_line *line = &m->picture.line[m->picture.lines++];
-  line->row = i + (mu - m->mu[i]) / (m->mu[i + 1] - m->mu[i]);
+  line->row = i + 0.5; /* rows below it have less */
   line->colour = colour;
   (void)snprintf(line->text, sizeof line->text, "%s %.3g", text, mu);
 }
@@ -182,7 +185,6 @@ static int choose_rows(map_run *m, const dls_contact *contact, const map_options
 static void add_lines(map_run *m, const dls_contact *contact, const map_options *o, double *mu,
                       int done) {
   dls_diagnosis facts;
-  add_line(m, own_friction(contact), "#000000", "own friction");
   if (!dls_contact_diagnose(contact, most_rows_of_bounds, &facts, NULL)) {
     if (facts.friction_unique > 0)
       add_line(m, facts.friction_unique, "#009e73", "one answer for all loads below");
@@ -255,7 +257,7 @@ int map_methods(int count, char **names, const map_options *o) {
   m->picture.panels = 1;
   m->picture.x = "";
   m->picture.columns = list_contenders(m->who);
-  m->picture.side = m->side;
+  if (count == 1) m->picture.side = m->side;
   m->picture.side_title = "largest reaction";
   m->picture.y = count > 1 ? "" : "friction";
   for (int k = 0; k < m->picture.columns; k++)
@@ -332,12 +334,23 @@ int command_map(int argc, char **argv) {
       VALUE("method", 'm'),  VALUE("out", 'o'),  LAST_OPTIONS};
   static const command map = {"t:l:m:o:h", options, map_usage, take_map_option, 0};
   map_options o = {
-      .to = -1, .tol = 1e-8, .limit = 0.3, .samples = 5, .method = "auto", .out = "map"};
+      .to = -1, .tol = 1e-8, .limit = -1, .samples = 5, .method = "auto", .out = "map"};
   const int stop = take_options(argc, argv, &map, &o);
   if (stop != GO_ON) return stop;
   const int count = argc - optind;
   if (count < 1) return wrong_usage(&map);
   if (count > MAP_ROWS) return complain("map: at most %d names", MAP_ROWS);
   watch_interrupt();
+  if (names_forming(argc, argv)) {
+    if (count > 1) return complain("map: a scene in steps stands alone");
+    if (o.against && strcmp(o.against, "mesh") != 0)
+      return complain("--against: scenes in steps take mesh");
+    return map_forming(argv[optind], &o);
+  }
+  if (o.against) {
+    if (count > 1) return complain("--against: takes one name");
+    return map_against(argv[optind], &o);
+  }
+  if (o.limit < 0) o.limit = solve_limit;
   return map_methods(count, argv + optind, &o);
 }

@@ -80,14 +80,14 @@ static layout lay_out(const map_picture *p) {
   for (int i = 0; i < p->rows; i++)
     if (strlen(p->row[i]) > longest) longest = strlen(p->row[i]);
   const int many = p->panels > 1;
-  layout l = {.cell_w = many ? 46 : 92, .cell_h = many ? 26 : p->rows > 24 ? 22 : 31};
+  layout l = {.cell_w = many ? 46 : 104, .cell_h = many ? 26 : p->rows > 24 ? 22 : 31};
   l.across = p->panels < 3 ? p->panels : 3;
   l.down = (p->panels + l.across - 1) / l.across;
-  l.left = 65 + 7.6 * (double)longest;
+  l.left = 75 + 7.8 * (double)longest;
   l.top = 95;
   l.side = p->side ? 300 : 0;
   l.gap_x = l.left;
-  l.gap_y = 90;
+  l.gap_y = 80;
   l.width = l.across * (l.left + p->columns * l.cell_w) + (l.side > 0 ? l.side + 95 : 25);
   if (p->lines) l.width += 250;
   l.height = l.top + l.down * (p->rows * l.cell_h + l.gap_y) + (p->notes ? 25 : 0);
@@ -110,7 +110,7 @@ static void write_tics(FILE *s, const map_picture *p) {
   fputs(") noenhanced\n  set xtics scale 0 (", s);
   for (int j = 0; j < p->columns; j++)
     fprintf(s, "%s'%s' %d", j ? ", " : "", p->column[j], j);
-  fprintf(s, ") noenhanced%s\n", p->panels > 1 ? " font ',10'" : "");
+  fprintf(s, ") noenhanced font ',%d'\n", p->panels > 1 ? 10 : 12);
 }
 
 static void write_map_panel(FILE *s, const map_picture *p, const layout *l, int k) {
@@ -124,7 +124,8 @@ static void write_map_panel(FILE *s, const map_picture *p, const layout *l, int 
     fputs("  unset title\n", s);
   fprintf(s,
           "  set xlabel '%s'\n  set ylabel '%s'\n  set xrange [-0.5:%g]\n  set yrange [-0.5:%g]\n",
-          p->x, k % l->across ? "" : p->y, p->columns - 0.5, p->rows - 0.5);
+          k / l->across == l->down - 1 || k + l->across >= p->panels ? p->x : "",
+          k % l->across ? "" : p->y, p->columns - 0.5, p->rows - 0.5);
   write_tics(s, p);
   for (int i = 0; i < p->lines; i++)
     fprintf(s,
@@ -160,9 +161,10 @@ static void write_side(FILE *s, const map_picture *p, const layout *l) {
   }
   set_pixels(s, l, left, right, l->top, l->top + p->rows * l->cell_h);
   fprintf(s,
-          "  set title '%s' offset 0,-0.7\n  set ylabel ''\n  set xlabel ''\n  set logscale x\n"
-          "  set xrange [%g:%g]\n  set yrange [-0.5:%g]\n  set xtics scale 1 autofreq\n"
-          "  set format x '10^{%%T}'\n  set format y ''\n  set grid xtics lc rgb '#d8d8d8'\n"
+          "  set title '%s' offset 0,-0.7\n  unset ylabel\n  unset xlabel\n  unset ytics\n  set "
+          "logscale x\n"
+          "  set xrange [%g:%g]\n  set yrange [-0.5:%g]\n  set format x '10^{%%T}'\n  set grid "
+          "xtics lc rgb '#d8d8d8'\n"
           "  set xtics norangelimit autofreq enhanced\n",
           p->side_title, lo / 1.5, hi * 1.5, p->rows - 0.5);
   double before = -INFINITY;
