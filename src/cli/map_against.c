@@ -1,14 +1,14 @@
 /*
- * map_against.c: how each method bears W as it worsens. The W of a problem is made worse in one way,
- * friction is the other axis, and a cell tells the share of random loads that a method solves.
+ * map_against.c: how each method bears W as it worsens. The W of a problem is made worse in one
+ * way, friction is the other axis, and a cell tells the share of random loads that a method solves.
  *
- *   condition   the eigenvectors of the scaled W, eigenvalues in equal ratios from 1 to 1 / condition
+ *   condition   the eigenvectors of the scaled W; eigenvalues in equal ratios, 1 to 1 / condition
  *   rank        the smallest eigenvalues are set to 0
  *   skew        a random skew-symmetric matrix is added, its size over that of the mean diagonal
  *
- * A load is planted: every candidate is free, sticks or slips by chance, r and u follow from that at
- * random, and q = u - W r, so that each problem has a solution. W need not be one that a body has:
- * the map is about methods.
+ * A load is planted: every candidate is free, sticks or slips by chance, r and u follow from that
+ * at random, and q = u - W r, so that each problem has a solution. W need not be one that a body
+ * has: the map is about methods.
  */
 #include <math.h>
 #include <stdlib.h>

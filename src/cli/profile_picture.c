@@ -120,7 +120,7 @@ static void set_edges(FILE *s, double left, double right, double bottom, double 
           left, right, bottom, top);
 }
 
-/* Draws the profiles of a target, and under them the key: a sample and how many of all it solved. */
+/* Draws the profiles of a target, and under them the key: a sample, and how many it solved. */
 static void write_profile_curves(FILE *s, const profile_picture *p, int target, const strip *all,
                                  double left, double right, double *taus) {
   const double top = 0.515, line = 0.021;
