@@ -135,7 +135,7 @@ static void plot_curves(FILE *s, const chart *c, int x, int y) {
   const race *a = &c->race;
   for (int i = 1; i <= a->count; i++) {
     const int k = i % a->count; /* auto, 0, comes last */
-    if (race_trial(a, k, 0)->end != ENDED_SOLVED) continue;
+    if (race_trial(a, k, 0)->end != ENDED_SOLVED || (y == 5 && !c->answers)) continue;
     fprintf(s,
             ", \\\n      'chart.dat' index %d using %d:%d with linespoints lw %g lc rgb '%s' pt %d "
             "ps %g",

@@ -235,6 +235,11 @@ void begin_pictures(FILE *script, const char *name, double width, double height)
 /* Computes the bounding box of the mesh at rest and, if displacement is not NULL, displaced. */
 void mesh_box(int nodes, const double *xy, const double *displacement, double lo[2], double hi[2]);
 
+/* ---- history_picture.c ----------------------------------------------------------------------- */
+
+/* Draws history.csv of the directory (solve --plot); returns 1, or 0 after a complaint. */
+int draw_history(const char *directory, const char *title);
+
 /* ---- forming.c ------------------------------------------------------------------------------- */
 
 /* Sets the method of a forming scene by its name: one of the library on W, or "gauss-seidel",

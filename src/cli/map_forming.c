@@ -39,16 +39,21 @@ static dls_status walk_forming(const char *name, const dls_forming_settings *s, 
   return status < 0 ? status : DLS_OK;
 }
 
-/* Sets the cell of a walk. */
+/* Sets the cell of a walk: finished, out of time, stalled, or stopped for another reason, which is
+ * named. */
 static void show_walk(map_cell *cell, const walk *w) {
   const ending e = w->status == DLS_OK           ? ENDED_SOLVED
                    : w->status == DLS_TIME_LIMIT ? ENDED_TIME
-                                                 : ENDED_STALLED;
+                   : w->status == DLS_STALLED    ? ENDED_STALLED
+                                                 : ENDED_LIKELY_NONE;
   map_verdict(cell, e, 1);
   if (e == ENDED_SOLVED)
     (void)snprintf(cell->text, sizeof cell->text, "%.2g s", w->seconds);
   else
-    (void)snprintf(cell->text, sizeof cell->text, "%s %.0f %%", e == ENDED_TIME ? "time" : "at",
+    (void)snprintf(cell->text, sizeof cell->text, "%s %.0f %%",
+                   e == ENDED_TIME      ? "time"
+                   : e == ENDED_STALLED ? "at"
+                                        : status_word(w->status),
                    100 * w->part);
 }
 
@@ -117,7 +122,8 @@ int map_forming(const char *name, const map_options *o) {
   if (p.rows > MAP_ROWS) p.rows = MAP_ROWS;
   p.x = mesh ? "elements" : "steps of the whole way";
   p.y = "friction";
-  p.subtitle = "blue: finished, CPU seconds; orange: stopped there, part of the way; grey: time";
+  p.subtitle = "blue: finished, CPU seconds; orange: stopped at that part of the way; red: for "
+               "another reason";
   (void)snprintf(title, sizeof title, "%s by %s: does it finish?", name, o->method);
   p.cells = calloc((size_t)(p.rows * p.columns), sizeof *p.cells);
   if (!p.cells || !make_directory(o->out) || fill_walks(&p, name, o, mesh, &all_done, &error))
