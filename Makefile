@@ -237,6 +237,7 @@ $(BUILD)/bench/solvers: $(call bench_obj,solvers) $(FE) $(A)
 $(BUILD)/bench/reduction: $(call bench_obj,reduction) $(FE) $(A)
 $(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,src/cli/problem.c src/cli/report.c) $(A)
 $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
+$(BUILD)/bench/problems: $(call obj,bench/problems.c bench/solvers_scenes.c) $(FE) $(A)
 $(BUILD)/bench/lemke $(BUILD)/bench/solvers: PEER_LIBS = -lsiconos_numerics
 $(BUILD)/bench/reduction: PEER_LIBS = -lcholmod -lumfpack
 $(BUILD)/bench/%:

@@ -132,6 +132,12 @@ typedef struct dls_forming_data {
 /* *data := views; all zero if forming is NULL. */
 DLS_API void dls_forming_get(const dls_forming *forming, dls_forming_data *data);
 
+/* *problem := the last linearised contact problem that DLS_FORMING_CONDENSED condensed, of the
+ * candidates that may touch; a view that lives until the next step. DLS_E_ARGUMENT: there is none
+ * yet (DLS_AUTO condenses only what it cannot solve on K). */
+DLS_API DLS_MUST_USE dls_status dls_forming_problem(const dls_forming *forming,
+                                                    dls_contact *problem, dls_error *error);
+
 /* An unstructured VTK XML file (.vtu, ascii) with displacement and contact force per node, Cauchy
  * stress and equivalent plastic strain per element (means of its points). DLS_E_FILE: cannot be
  * opened, or written (no file is left behind). */

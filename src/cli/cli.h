@@ -19,6 +19,9 @@ int command_solve(int argc, char **argv);
 int command_info(int argc, char **argv);
 int command_forming(int argc, char **argv);
 int command_tables(int argc, char **argv);
+int command_chart(int argc, char **argv);
+int command_profile(int argc, char **argv);
+int command_map(int argc, char **argv);
 
 /* ---- problem.c ------------------------------------------------------------------------------- */
 
@@ -193,6 +196,7 @@ double cpu_seconds(void);
  * line. */
 int show_progress(void *data, const dls_progress *progress);
 void watch_interrupt(void);
+int was_interrupted(void); /* 1 after Ctrl-C */
 void progress_end(void);
 
 /* ---- jean.c ---------------------------------------------------------------------------------- */
@@ -252,6 +256,11 @@ void begin_pictures(FILE *script, const char *name, double width, double height)
 
 /* Computes the bounding box of the mesh at rest and, if displacement is not NULL, displaced. */
 void mesh_box(int nodes, const double *xy, const double *displacement, double lo[2], double hi[2]);
+
+/* ---- history_picture.c ----------------------------------------------------------------------- */
+
+/* Draws history.csv of the directory (solve --plot); returns 1, or 0 after a complaint. */
+int draw_history(const char *directory, const char *title);
 
 /* ---- forming.c ------------------------------------------------------------------------------- */
 

@@ -23,7 +23,7 @@ typedef struct forming_options {
   dls_forming_settings settings;
   double at[MOST_AT];
   int at_count;
-  const char *out; /* NULL: none */
+  const char *out, *save; /* NULL: none */
 } forming_options;
 
 static void forming_usage(FILE *out) {
@@ -44,6 +44,7 @@ static void forming_usage(FILE *out) {
       "  -t, --tol=T           on equilibrium and certificate (1e-9)\n"
       "      --at=D[,D..]      print the state, and write contact.csv, at the end of the step\n"
       "                        that reaches displacement D\n"
+      "  -s, --save=FILE       write the last condensed contact problem as an FCLIB file (HDF5)\n"
       "  -o, --out=DIR         write force.csv, contact.csv, series.pvd, pictures\n"
       "  -h, --help            this text\n",
       method_list(methods, sizeof methods));
@@ -217,6 +218,12 @@ static int run_forming(const forming_options *o) {
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
   if (!close_outputs(&out)) result = EXIT_BAD_INPUT;
+  if (o->save && result != EXIT_BAD_INPUT) {
+    dls_contact last;
+    if (dls_forming_problem(forming, &last, &error) ||
+        dls_fclib_write_local(o->save, &last, o->name, NULL, NULL, &error))
+      result = complain_of(o->save, &error);
+  }
   if (o->out && result != EXIT_BAD_INPUT) {
     dls_forming_data d;
     char title[128];
@@ -264,6 +271,9 @@ static taken take_forming_option(int key, const char *text, void *data) {
   case 'o':
     o->out = text;
     return OPTION_TAKEN;
+  case 's':
+    o->save = text;
+    return OPTION_TAKEN;
   default:
     return OPTION_UNKNOWN;
   }
@@ -271,10 +281,10 @@ static taken take_forming_option(int key, const char *text, void *data) {
 
 int command_forming(int argc, char **argv) {
   static const struct option options[] = {
-      VALUE("method", 'm'), VALUE("mesh", 'M'),   VALUE("steps", 'n'),
-      VALUE("mu", 'f'),     FLAG("clamped", 'c'), VALUE("tol", 't'),
-      VALUE("at", 'a'),     VALUE("out", 'o'),    LAST_OPTIONS};
-  static const command forming = {"m:n:t:o:h", options, forming_usage, take_forming_option, 1};
+      VALUE("method", 'm'), VALUE("mesh", 'M'), VALUE("steps", 'n'), VALUE("mu", 'f'),
+      FLAG("clamped", 'c'), VALUE("tol", 't'),  VALUE("at", 'a'),    VALUE("save", 's'),
+      VALUE("out", 'o'),    LAST_OPTIONS};
+  static const command forming = {"m:n:t:s:o:h", options, forming_usage, take_forming_option, 1};
   forming_options o = {.method = "auto"};
   dls_forming_settings_init(&o.settings);
   if (!forming_method(o.method, &o.settings)) o.method = dls_method_name(o.settings.method);

@@ -4,21 +4,24 @@
 #include "cli.h"
 
 static void program_usage(FILE *out) {
-  fputs("Usage: delassus COMMAND [OPTION]...\n"
-        "Unilateral contact with dry friction: benchmark scenes and problem files.\n"
-        "\n"
-        "  delassus scene NAME   run a built-in scene ('delassus scene --list' names them)\n"
-        "  delassus tables       Tables 2 and 3 of Chabrand (1998) beside ours\n"
-        "  delassus solve FILE   solve an FCLIB problem (HDF5, local or global)\n"
-        "  delassus solve --lcp M.mtx q.mtx\n"
-        "                        solve an LCP given as two Matrix Market files\n"
-        "  delassus info FILE    facts about an FCLIB problem: symmetry, rank, friction bounds\n"
-        "\n"
-        "  -h, --help            this text; 'delassus COMMAND --help' for a command's options\n"
-        "  -V, --version         version\n"
-        "\n"
-        "Exit status: 0 solved, 1 not solved, 2 bad input.\n",
-        out);
+  fputs(
+      "Usage: delassus COMMAND [OPTION]...\n"
+      "Unilateral contact with dry friction: benchmark scenes and problem files.\n"
+      "\n"
+      "  delassus scene NAME   run a built-in scene ('delassus scene --list' names them)\n"
+      "  delassus tables       Tables 2 and 3 of Chabrand (1998) beside ours\n"
+      "  delassus solve FILE   solve an FCLIB problem (HDF5, local or global)\n"
+      "  delassus solve --lcp M.mtx q.mtx\n"
+      "                        solve an LCP given as two Matrix Market files\n"
+      "  delassus info FILE    facts about an FCLIB problem: symmetry, rank, friction bounds\n"
+      "  delassus chart NAME   every method on a file or scene: CPU against precision, a picture\n"
+      "  delassus profile NAME...   every method on many of them: performance profiles\n"
+      "\n"
+      "  -h, --help            this text; 'delassus COMMAND --help' for a command's options\n"
+      "  -V, --version         version\n"
+      "\n"
+      "Exit status: 0 solved, 1 not solved, 2 bad input.\n",
+      out);
 }
 
 int main(int argc, char **argv) {
@@ -34,6 +37,12 @@ int main(int argc, char **argv) {
     result = command_solve(argc - 1, argv + 1);
   else if (!strcmp(name, "info"))
     result = command_info(argc - 1, argv + 1);
+  else if (!strcmp(name, "chart"))
+    result = command_chart(argc - 1, argv + 1);
+  else if (!strcmp(name, "map"))
+    result = command_map(argc - 1, argv + 1);
+  else if (!strcmp(name, "profile"))
+    result = command_profile(argc - 1, argv + 1);
   else if (!strcmp(name, "--help") || !strcmp(name, "-h")) {
     program_usage(stdout);
     result = EXIT_SOLVED;

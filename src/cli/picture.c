@@ -76,7 +76,8 @@ int run_gnuplot(const char *directory, const char *script) {
       ;
   (void)posix_spawn_file_actions_destroy(&actions);
   if (status == 0) return 1;
-  complain("%s/%s: gnuplot did not draw it (is gnuplot installed?)", directory, script);
+  complain("%s/%s: gnuplot did not draw it; install gnuplot (Debian: gnuplot-nox)", directory,
+           script);
   return 0;
 }
 

@@ -253,6 +253,10 @@ void watch_interrupt(void) {
   (void)sigaction(SIGINT, &action, NULL);
 }
 
+int was_interrupted(void) {
+  return interrupted;
+}
+
 int show_progress(void *data, const dls_progress *p) {
   (void)data;
   if (interrupted) return 1;

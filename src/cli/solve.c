@@ -10,7 +10,7 @@
 typedef struct solve_options {
   solver_options solver;
   int lcp, json, proof;
-  const char *out, *history; /* NULL: none */
+  const char *out, *history, *plot; /* NULL: none */
 } solve_options;
 
 static void solve_usage(FILE *out) {
@@ -28,6 +28,7 @@ static void solve_usage(FILE *out) {
       "  -H, --history=CSV     write iteration (of all stages), CPU seconds, residual and stage "
       "as\n"
       "                        the solve goes on; the last row is the answer\n"
+      "  -P, --plot=DIR        the same as DIR/history.csv, and a picture of it\n"
       "  -j, --json            print the outcome as one JSON object\n"
       "  -p, --proof           print the vectors behind a verdict without an answer: the proof "
       "that\n"
@@ -302,6 +303,8 @@ static taken take_solve_option(int key, const char *text, void *data) {
     o->out = text;
   else if (key == 'H')
     o->history = text;
+  else if (key == 'P')
+    o->plot = text;
   else if (key == 'j')
     o->json = 1;
   else if (key == 'l')
@@ -315,9 +318,10 @@ static taken take_solve_option(int key, const char *text, void *data) {
 
 int command_solve(int argc, char **argv) {
   static const struct option options[] = {
-      SOLVER_OPTIONS,    VALUE("facets", 'f'), VALUE("output", 'o'), VALUE("history", 'H'),
-      FLAG("json", 'j'), FLAG("lcp", 'l'),     FLAG("proof", 'p'),   LAST_OPTIONS};
-  static const command solve = {SOLVER_KEYS "f:o:H:jlph", options, solve_usage, take_solve_option,
+      SOLVER_OPTIONS,        VALUE("facets", 'f'), VALUE("output", 'o'),
+      VALUE("history", 'H'), VALUE("plot", 'P'),   FLAG("json", 'j'),
+      FLAG("lcp", 'l'),      FLAG("proof", 'p'),   LAST_OPTIONS};
+  static const command solve = {SOLVER_KEYS "f:o:H:P:jlph", options, solve_usage, take_solve_option,
                                 0};
   solve_options o = {0};
   solver_options_init(&o.solver, 1e-8);
@@ -331,10 +335,13 @@ int command_solve(int argc, char **argv) {
     return complain("--facets: is for contact problems and lemke");
   if (o.lcp && (o.solver.method_given || o.solver.accel_given) && method != DLS_LEMKE)
     return complain("--%s: an LCP is solved by lemke", o.solver.method_given ? "method" : "accel");
+  if (o.history && o.plot) return complain("--plot: writes the history, too; one of the two");
   history rows = {.stage = ""};
-  if (o.history) {
-    rows.file = fopen(o.history, "w");
-    if (!rows.file) return complain("%s: cannot be opened for writing", o.history);
+  if (o.plot && !make_directory(o.plot)) return EXIT_BAD_INPUT;
+  if (o.plot && !(rows.file = open_in(o.plot, "history.csv"))) return EXIT_BAD_INPUT;
+  if (o.history && !(rows.file = fopen(o.history, "w")))
+    return complain("%s: cannot be opened for writing", o.history);
+  if (rows.file) {
     fputs("iteration,cpu_seconds,residual,stage\n", rows.file);
     o.solver.settings.limits.progress = write_row;
     o.solver.settings.limits.progress_data = &rows;
@@ -342,5 +349,8 @@ int command_solve(int argc, char **argv) {
   watch_interrupt();
   const int result =
       o.lcp ? solve_lcp_files(argv[optind], argv[optind + 1], &o) : solve_file(argv[optind], &o);
-  return rows.file && !close_file(rows.file, o.history) ? EXIT_BAD_INPUT : result;
+  if (rows.file && !close_file(rows.file, o.plot ? o.plot : o.history)) return EXIT_BAD_INPUT;
+  if (o.plot && result != EXIT_BAD_INPUT && !draw_history(o.plot, argv[optind]))
+    return EXIT_BAD_INPUT;
+  return result;
 }

@@ -349,3 +349,14 @@ dls_status dls_forming_step(dls_forming *forming, dls_error *error) {
 void dls_forming_get(const dls_forming *forming, dls_forming_data *data) {
   if (data) *data = forming ? forming->data : (dls_forming_data){0};
 }
+
+dls_status dls_forming_problem(const dls_forming *forming, dls_contact *problem, dls_error *error) {
+  dls_status status = DLS_OK;
+  if (!forming || !problem)
+    status = dlsi_is_null(error, forming ? "problem" : "forming");
+  else if (!forming->problem.nc)
+    status = dlsi_fail(error, DLS_E_ARGUMENT, "forming", -1, 0, "has condensed no problem yet");
+  else
+    *problem = forming->problem;
+  return dlsi_at(__func__, status, error);
+}

@@ -89,7 +89,7 @@ static dls_status solve_condensed(dls_forming *f, dls_error *error) {
   model.solve = dlsi_band_solve;
   model.user = &f->band;
   dls_reduction *reduction;
-  dls_contact problem;
+  dls_contact problem = {0};
   dls_info info = {0};
   dls_status status = dls_reduction_create(&reduction, &model, error);
   if (!status) status = dls_reduction_load(reduction, f->rhs, f->chosen.u, error);
@@ -98,7 +98,9 @@ static dls_status solve_condensed(dls_forming *f, dls_error *error) {
   if (!status) status = dls_solver_solve(f->solver, &problem, f->chosen.r, NULL, &info, error);
   const double solved = dlsi_forming_seconds();
   if (status >= 0) status = dls_reduction_recover(reduction, f->chosen.r, f->dx, error);
-  dls_reduction_destroy(reduction);
+  dls_reduction_destroy(f->reduction);
+  f->reduction = reduction;
+  f->problem = problem;
   f->data.count.reductions++;
   f->data.count.iterations += info.iterations;
   f->data.cpu.contact += solved - reduced;

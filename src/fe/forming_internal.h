@@ -62,8 +62,10 @@ struct dls_forming {
   double *rhs, *dx, *start_x; /* n */
   double *next_r, *start_r;   /* 2 nc */
   dlsi_chosen chosen;
-  dls_solver *solver; /* of the condensed problem */
-  int *Kp, *Ki;       /* Gauss-Seidel: the symmetric part of K by columns */
+  dls_solver *solver;       /* of the condensed problem */
+  dls_reduction *reduction; /* of the last condensed problem, NULL before the first */
+  dls_contact problem;
+  int *Kp, *Ki; /* Gauss-Seidel: the symmetric part of K by columns */
   double *Kx;
   double *lambda, *eps; /* springs: 2 nc, nc */
   double *trial_u;      /* 2 nc */

@@ -307,6 +307,7 @@ dls_status dls_forming_create(dls_forming **out, const char *name,
 void dls_forming_destroy(dls_forming *forming) {
   if (!forming) return;
   dls_solver_destroy(forming->solver);
+  dls_reduction_destroy(forming->reduction);
   dlsi_band_free(&forming->band);
   free(forming->mesh.xy);
   free(forming);

@@ -1,0 +1,391 @@
+/*
+ * chart_picture.c: the files of delassus chart: chart.csv, history.csv, and the picture: four
+ * panels, and under them the table, which is the key of all four.
+ *
+ * chart.dat holds for contender k block 2 k (digits, ms, CPU over the fastest, residual, error; a
+ * row for each rung that it solved) and block 2 k + 1 (iteration, residual).
+ */
+#include <math.h>
+#include <stdlib.h>
+
+#include "chart.h"
+
+static const double least_residual = 1e-17; /* 0 on a logarithmic axis */
+
+/* Panels: their edges in parts of the picture. */
+typedef struct panel {
+  double left, right, bottom, top;
+} panel;
+static const panel panels[4] = {{0.06, 0.48, 0.655, 0.90},
+                                {0.56, 0.98, 0.655, 0.90},
+                                {0.06, 0.48, 0.335, 0.58},
+                                {0.56, 0.98, 0.335, 0.58}};
+
+static double at_least(double x, double least) {
+  return x > least ? x : least; /* NaN: least */
+}
+
+/* ---- tables ---------------------------------------------------------------------------------- */
+
+static int write_chart_csv(const chart *c, const char *directory) {
+  const race *a = &c->race;
+  FILE *file = open_in(directory, "chart.csv");
+  if (!file) return 0;
+  fputs("method,tol,verdict,asked,cpu_s,times_fastest,iterations,residual,error,answer\n", file);
+  for (int k = 0; k < a->count; k++)
+    for (int rung = 0; rung < a->rungs; rung++) {
+      const trial *t = race_trial(a, k, rung);
+      const int solved = t->end == ENDED_SOLVED;
+      fprintf(file, "%s,%.0e,%s,%d,%.4e,%.3f,%d,%.17g,%.3e,%c\n", a->who[k].name, a->tol[rung],
+              ending_word(t->end), t->asked, t->seconds,
+              solved ? t->seconds / race_fastest(a, rung, 0) : (double)NAN, t->iterations,
+              t->residual, c->error[k * a->rungs + rung],
+              solved && c->went_to[k] >= 0 ? 'A' + c->went_to[k] : '-');
+    }
+  return close_file(file, "chart.csv");
+}
+
+static int write_history_csv(const chart *c, const char *directory) {
+  FILE *file = open_in(directory, "history.csv");
+  if (!file) return 0;
+  fputs("method,iteration,cpu_s,residual\n", file);
+  for (int k = 0; k < c->race.count; k++)
+    for (int i = 0; i < c->history[k].points; i++)
+      fprintf(file, "%s,%d,%.4e,%.6e\n", c->race.who[k].name, c->history[k].iteration[i],
+              c->history[k].seconds[i], c->history[k].residual[i]);
+  return close_file(file, "history.csv");
+}
+
+static int write_chart_data(const chart *c, const char *directory) {
+  const race *a = &c->race;
+  FILE *file = open_in(directory, "chart.dat");
+  if (!file) return 0;
+  fputs("# digits ms times residual error | iteration residual\n", file);
+  for (int k = 0; k < a->count; k++) {
+    fputs("0 NaN NaN NaN NaN\n", file); /* keeps a block of no rows */
+    for (int rung = 0; rung < a->rungs; rung++) {
+      const trial *t = race_trial(a, k, rung);
+      const double error = c->error[k * a->rungs + rung];
+      if (t->end != ENDED_SOLVED) break;
+      fprintf(file, "%g %.5g %.4g %.4g %.4g\n", -log10(a->tol[rung]), 1e3 * t->seconds,
+              t->seconds / race_fastest(a, rung, 0), at_least(t->residual, least_residual),
+              isnan(error) ? error : at_least(error, least_residual));
+    }
+    fputs("\n\n0 NaN\n", file);
+    for (int i = 0; i < c->history[k].points; i++)
+      fprintf(file, "%d %.4g\n", c->history[k].iteration[i] > 0 ? c->history[k].iteration[i] : 1,
+              at_least(c->history[k].residual[i], least_residual));
+    fputs("\n\n", file);
+  }
+  return close_file(file, "chart.dat");
+}
+
+/* ---- script ---------------------------------------------------------------------------------- */
+
+/* The ranges of the axes. */
+typedef struct ranges {
+  double ms_min, ms_max, ratio_max, error_max, residual_max, iterations_max;
+} ranges;
+
+static void stretch_range(double x, double *lo, double *hi) {
+  if (lo && x < *lo) *lo = x;
+  if (hi && x > *hi) *hi = x;
+}
+
+static ranges find_ranges(const chart *c) {
+  const race *a = &c->race;
+  ranges g = {INFINITY, 0, 4, 0, 0, 10};
+  for (int k = 0; k < a->count; k++) {
+    for (int rung = 0; rung < a->rungs; rung++) {
+      const trial *t = race_trial(a, k, rung);
+      const double error = c->error[k * a->rungs + rung];
+      stretch_range(1e3 * t->seconds, &g.ms_min, &g.ms_max);
+      if (t->residual > 0) stretch_range(t->residual, NULL, &g.residual_max);
+      if (t->end != ENDED_SOLVED) break;
+      stretch_range(t->seconds / race_fastest(a, rung, 0), NULL, &g.ratio_max);
+      if (error > 0) stretch_range(error, NULL, &g.error_max);
+    }
+    const history *h = &c->history[k];
+    for (int i = 0; i < h->points; i++) {
+      stretch_range(h->iteration[i], NULL, &g.iterations_max);
+      stretch_range(h->residual[i], NULL, &g.residual_max);
+    }
+  }
+  g.ms_min = at_least(g.ms_min, 1e-5) / 1.5;
+  g.ms_max = at_least(g.ms_max, g.ms_min) * 2.5;
+  g.residual_max = fmin(at_least(g.residual_max, 1e-2) * 5, 1e3);
+  g.error_max = at_least(g.error_max, 1e-2) * 5;
+  g.ratio_max = fmin(g.ratio_max * 1.6, 1e4);
+  return g;
+}
+
+static void begin_panel(FILE *s, int i, const char *title, const char *x, const char *y) {
+  const panel *p = &panels[i];
+  fprintf(s,
+          "  set lmargin at screen %g\n  set rmargin at screen %g\n  set bmargin at screen %g\n"
+          "  set tmargin at screen %g\n  unset label\n  unset arrow\n  unset object\n"
+          "  set title '{/:Bold %s}' offset 0,-0.6\n  set xlabel '%s' offset 0,0.5\n"
+          "  set ylabel '%s' offset 0.8,0\n",
+          p->left, p->right, p->bottom, p->top, title, x, y);
+}
+
+/* Draws a curve of each contender that solved a rung, column y over column x, auto last and
+ * thick. */
+static void plot_curves(FILE *s, const chart *c, int x, int y) {
+  const race *a = &c->race;
+  for (int i = 1; i <= a->count; i++) {
+    const int k = i % a->count; /* auto, 0, comes last */
+    if (race_trial(a, k, 0)->end != ENDED_SOLVED || (y == 5 && !c->answers)) continue;
+    fprintf(s,
+            ", \\\n      'chart.dat' index %d using %d:%d with linespoints lw %g lc rgb '%s' pt %d "
+            "ps %g",
+            2 * k, x, y, k ? 1.8 : 4.0, a->who[k].colour, a->who[k].point, k ? 1.1 : 1.5);
+  }
+  fputs("\n", s);
+}
+
+/* A cross where a method gave up, and its words. */
+typedef struct cross {
+  double x, y; /* on the axes */
+  double a, b; /* in the panel, 0 to 1; b of the words */
+  int of, rung;
+} cross;
+
+static int higher_cross(const void *p, const void *q) {
+  const cross *a = p, *b = q;
+  return (a->b < b->b) - (a->b > b->b);
+}
+
+static double part_of(double x, double lo, double hi) {
+  return log(x / lo) / log(hi / lo);
+}
+
+/* Writes a cross and its verdict for each contender that gave up; words keep a line's distance. */
+static void write_crosses(FILE *s, const chart *c, const ranges *g) {
+  static const double line = 0.062, width = 0.33;
+  const race *a = &c->race;
+  cross all[MOST_CONTENDERS];
+  int count = 0;
+  for (int k = 0; k < a->count; k++)
+    for (int rung = 0; rung < a->rungs; rung++) {
+      const trial *t = race_trial(a, k, rung);
+      if (t->end == ENDED_SOLVED) continue;
+      cross *p = &all[count++];
+      *p = (cross){.x = 1e3 * t->seconds, .y = at_least(t->residual, 10 * least_residual)};
+      p->y = fmin(p->y, g->residual_max / 2);
+      p->a = part_of(p->x, g->ms_min, g->ms_max);
+      p->b = part_of(p->y, least_residual, g->residual_max);
+      p->of = k;
+      p->rung = rung;
+      break;
+    }
+  qsort(all, (size_t)count, sizeof *all, higher_cross);
+  for (int i = 0; i < count; i++) {
+    cross *p = &all[i];
+    for (int j = 0; j < i; j++)
+      if (fabs(all[j].a - p->a) < width) p->b = fmin(p->b, all[j].b - line);
+    const contender *who = &a->who[p->of];
+    const int left = p->a > 0.6;
+    fprintf(s, "  set label '' at first %.5g,%.5g point pt 2 ps 1.8 lw 3 lc rgb '%s' front\n", p->x,
+            p->y, who->colour);
+    fprintf(s,
+            "  set label '%s: %s' at graph %.4f,%.4f %s tc rgb '%s' font ',11' noenhanced front "
+            "boxed\n",
+            who->name, ending_word(race_trial(a, p->of, p->rung)->end),
+            p->a + (left ? -0.018 : 0.018), p->b, left ? "right" : "left", who->colour);
+  }
+}
+
+/* Writes the region within twice the fastest, a closed line. */
+static void write_band(FILE *s, const chart *c) {
+  fputs("  $band << END\n", s);
+  int rungs = 0;
+  while (rungs < c->race.rungs && isfinite(race_fastest(&c->race, rungs, 0)))
+    rungs++;
+  for (int i = 0; i < rungs; i++)
+    fprintf(s, "%.5g %.0e\n", 1e3 * race_fastest(&c->race, i, 0), c->tol[i]);
+  for (int i = rungs - 1; i >= 0; i--)
+    fprintf(s, "%.5g %.0e\n", 2e3 * race_fastest(&c->race, i, 0), c->tol[i]);
+  fputs(rungs ? "END\n" : "1 NaN\nEND\n", s);
+}
+
+static void write_work(FILE *s, const chart *c, const ranges *g) {
+  begin_panel(s, 0, "residual reached against CPU; grey: within 2 of the fastest", "CPU [ms]",
+              "residual");
+  fprintf(s,
+          "  set logscale xy\n  set xrange [%g:%g]\n  set yrange [%g:%g]\n"
+          "  set format x '10^{%%T}'\n  set format y '10^{%%T}'\n  set ytics 1e-16,1e4\n",
+          g->ms_min, g->ms_max, least_residual, g->residual_max);
+  write_crosses(s, c, g);
+  fputs("  plot $band using 1:2 with filledcurves closed fc rgb '#e4e4e4'", s);
+  plot_curves(s, c, 2, 4);
+}
+
+static void write_ratios(FILE *s, const chart *c, const ranges *g) {
+  const race *a = &c->race;
+  begin_panel(s, 1, "CPU over the fastest at each tolerance; crosses: gave up", "tolerance, digits",
+              "CPU / fastest");
+  fprintf(
+      s,
+      "  unset logscale x\n  set xrange [1.5:14.5]\n  set yrange [0.9:%g]\n  set format x '%%g'\n"
+      "  set format y '%%g'\n  set xtics 2\n  set ytics auto\n",
+      2 * g->ratio_max);
+  int shift[CHART_RUNGS] = {0};
+  for (int k = 0; k < a->count; k++)
+    for (int rung = 0; rung < a->rungs; rung++) {
+      if (race_trial(a, k, rung)->end == ENDED_SOLVED) continue;
+      fprintf(s, "  set label '' at first %.3f,%.5g point pt 2 ps 1.8 lw 3 lc rgb '%s' front\n",
+              -log10(a->tol[rung]) + 0.25 * shift[rung]++, 1.45 * g->ratio_max, a->who[k].colour);
+      break;
+    }
+  fputs("  plot 2 with filledcurves y1=0.9 fc rgb '#e4e4e4'", s);
+  plot_curves(s, c, 1, 3);
+}
+
+static void write_errors(FILE *s, const chart *c, const ranges *g) {
+  char title[160];
+  (void)snprintf(title, sizeof title, "the true error in %s against CPU",
+                 c->in_u ? "u (W is rank deficient)" : "r");
+  begin_panel(s, 2, title, "CPU [ms]", c->in_u ? "|u - u*| / |q|" : "|r - r*| / |r*|");
+  fprintf(s,
+          "  set logscale xy\n  set xrange [%g:%g]\n  set yrange [%g:%g]\n"
+          "  set format x '10^{%%T}'\n  set format y '10^{%%T}'\n  set xtics auto\n"
+          "  set ytics 1e-16,1e4\n",
+          g->ms_min, g->ms_max, least_residual, g->error_max);
+  const double agreement = c->answers ? c->answer[0].agreement : (double)NAN;
+  if (agreement > 0)
+    fprintf(s,
+            "  set label 'the two best answers agree to this' at graph 0.99,first %g right offset "
+            "0,0.6 tc rgb '#606060' font ',11' front boxed\n",
+            at_least(agreement, 3 * least_residual));
+  if (c->answers > 1)
+    fprintf(s,
+            "  set label '%d different answers: each method from its own' at graph 0.98,0.93 right "
+            "tc rgb '#d55e00'\n",
+            c->answers);
+  if (agreement > 0)
+    fprintf(s, "  plot %g with lines dt 2 lc rgb '#808080'",
+            at_least(agreement, 3 * least_residual));
+  else
+    fputs("  plot 1/0 with lines", s);
+  plot_curves(s, c, 2, 5);
+}
+
+/* Marks the first stages of auto, staggered, along the bottom. */
+static void write_stages(FILE *s, const chart *c) {
+  const history *h = &c->history[0];
+  for (int i = 0; i < h->stages && i < 6 && h->stages > 1; i++) {
+    const double at = h->begin[i] > 0 ? h->begin[i] : 1;
+    const double height = 0.04 + 0.055 * (i % 3);
+    fprintf(s,
+            "  set arrow from first %g,graph 0 to first %g,graph %g nohead lw 1 dt 3 lc rgb "
+            "'#000000'\n  set label ' %s' at first %g,graph %g left font ',10' noenhanced front "
+            "boxed\n",
+            at, at, height + 0.03, h->stage[i], at, height);
+  }
+}
+
+static void write_convergence(FILE *s, const chart *c, const ranges *g) {
+  const race *a = &c->race;
+  begin_panel(s, 3, "convergence, and where the stages of auto begin",
+              "iterations: sweeps, steps, pivots", "residual");
+  fprintf(s,
+          "  set xrange [0.9:%g]\n  set yrange [%g:%g]\n  set format x '10^{%%T}'\n"
+          "  set format y '10^{%%T}'\n  set ytics 1e-16,1e4\n",
+          1.3 * g->iterations_max, least_residual, g->residual_max);
+  write_stages(s, c);
+  fputs("  plot 1/0 with lines", s);
+  for (int i = 1; i <= a->count; i++) {
+    const int k = i % a->count, few = c->history[k].points < 25;
+    if (!c->history[k].points) continue;
+    fprintf(s, ", \\\n      'chart.dat' index %d using 1:2 with %s lw %g lc rgb '%s'", 2 * k + 1,
+            few ? "linespoints" : "lines", k ? 1.8 : 4.0, a->who[k].colour);
+    if (few) fprintf(s, " pt %d ps 0.9", a->who[k].point);
+  }
+  fputs("\n", s);
+}
+
+/* Writes the table that is the key, too. */
+static void write_key(FILE *s, const chart *c) {
+  static const double column[] = {0.06, 0.10, 0.29, 0.45, 0.61, 0.77, 0.89}, top = 0.265;
+  static const char *const head[] = {"1e-4", "1e-8", "1e-12"};
+  const race *a = &c->race;
+  const double line = 0.245 / (a->count + 1);
+  char cell[400];
+  fputs(
+      "  set lmargin at screen 0.01\n  set rmargin at screen 0.99\n  set bmargin at screen 0.005\n"
+      "  set tmargin at screen 0.28\n  unset label\n  unset arrow\n  unset title\n  unset xlabel\n"
+      "  unset ylabel\n  unset border\n  unset tics\n  unset grid\n  unset logscale\n"
+      "  set xrange [0:1]\n  set yrange [0:1]\n",
+      s);
+  for (int i = 0; i < CHART_TARGETS; i++)
+    fprintf(s, "  set label '{/:Bold %s}' at screen %g,%g left font ',12'\n", head[i],
+            column[2 + i], top);
+  fprintf(s, "  set label '{/:Bold error / residual}' at screen %g,%g left font ',12'\n", column[5],
+          top);
+  fprintf(s, "  set label '{/:Bold ms (times the fastest), to}' at screen %g,%g left font ',12'\n",
+          column[1], top);
+  if (c->answers > 1)
+    fprintf(s, "  set label '{/:Bold answer}' at screen %g,%g left font ',12'\n", column[6], top);
+  for (int k = 0; k < a->count; k++) {
+    const double y = top - (k + 1) * line;
+    const contender *who = &a->who[k];
+    fprintf(s,
+            "  set arrow from screen %g,%g to screen %g,%g nohead lw %g lc rgb '%s'\n"
+            "  set label '' at screen %g,%g point pt %d ps 1.3 lc rgb '%s'\n"
+            "  set label '%s' at screen %g,%g left tc rgb '%s' noenhanced\n",
+            column[0], y, column[0] + 0.03, y, k ? 1.8 : 4.0, who->colour, column[0] + 0.015, y,
+            who->point, who->colour, who->name, column[1], y, who->colour);
+    for (int i = 0; i < CHART_TARGETS; i++) {
+      chart_cell(c, k, chart_target[i], cell, sizeof cell);
+      fprintf(s, "  set label '%s' at screen %g,%g left noenhanced%s\n", cell, column[2 + i], y,
+              race_trial(a, k, chart_target[i])->end == ENDED_SOLVED ? "" : " tc rgb '#b00000'");
+    }
+    chart_amplification(c, k, cell, sizeof cell);
+    fprintf(s, "  set label '%s' at screen %g,%g left\n", cell, column[5], y);
+    if (c->answers > 1 && c->went_to[k] >= 0)
+      fprintf(s, "  set label '%c' at screen %g,%g left\n", 'A' + c->went_to[k], column[6], y);
+  }
+  fputs("  plot -1 with lines\n", s);
+}
+
+static int write_chart_script(const chart *c, const char *directory) {
+  FILE *s = open_in(directory, "chart.gp");
+  if (!s) return 0;
+  char advice[400];
+  const ranges g = find_ranges(c);
+  chart_advice(c, advice, sizeof advice);
+  fputs("set datafile missing 'NaN'\n", s);
+  write_band(s, c);
+  begin_pictures(s, "chart", 1500, 1250);
+  fputs("  set key off\n  set border\n  set tics\n  set grid lc rgb '#d8d8d8'\n  set style textbox "
+        "opaque noborder margins 0.3,0.3\n",
+        s);
+  fputs("  set multiplot\n", s);
+  fprintf(s,
+          "  set label 100 '%s: %dD, %d candidates' at screen 0.06,0.975 left font ',17' "
+          "noenhanced\n  set label 101 '%s' at screen 0.06,0.947 left font ',15' noenhanced tc rgb "
+          "'#0050a0'\n",
+          c->subject.name, c->race.d, c->race.nc, advice);
+  fputs("  set lmargin at screen 0\n  set rmargin at screen 1\n  set bmargin at screen 0.92\n"
+        "  set tmargin at screen 1\n  unset border\n  unset tics\n  set xrange [0:1]\n"
+        "  set yrange [0:1]\n  plot -1 with lines\n  set border\n  set tics\n",
+        s);
+  write_work(s, c, &g);
+  write_ratios(s, c, &g);
+  write_errors(s, c, &g);
+  write_convergence(s, c, &g);
+  write_key(s, c);
+  fputs("  unset multiplot\n  unset output\n}\n", s);
+  return close_file(s, "chart.gp");
+}
+
+int draw_chart(const chart *c, const char *directory) {
+  if (!make_directory(directory) || !write_chart_csv(c, directory) ||
+      !write_history_csv(c, directory) || !write_chart_data(c, directory) ||
+      !write_chart_script(c, directory))
+    return EXIT_BAD_INPUT;
+  /* without gnuplot the run is still good: tables and script are there */
+  if (run_gnuplot(directory, "chart.gp")) printf("drawn: %s/chart.png\n", directory);
+  return EXIT_SOLVED;
+}

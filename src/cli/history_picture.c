@@ -1,0 +1,67 @@
+/*
+ * history_picture.c: draws history.csv of delassus solve --plot: the residual against iterations
+ * and against CPU, each stage in the colour of its method.
+ */
+#include <string.h>
+
+#include "race.h"
+
+enum { PICTURE_STAGES = 12 };
+
+/* Collects the names of the stages in a history.csv, its fourth column; returns how many, -1 after
+ * a complaint. */
+static int read_stages(const char *directory, char stage[PICTURE_STAGES][32]) {
+  char path[PATH_ROOM], line[200];
+  int count = 0;
+  if (!join_path(path, directory, "history.csv")) return -1;
+  FILE *file = fopen(path, "r");
+  if (!file) {
+    (void)complain("%s: cannot be read again", path);
+    return -1;
+  }
+  while (fgets(line, sizeof line, file)) {
+    line[strcspn(line, "\n")] = '\0';
+    const char *name = strrchr(line, ',');
+    if (!name || !strcmp(++name, "stage")) continue;
+    int k = 0;
+    while (k < count && strncmp(stage[k], name, 31) != 0)
+      k++;
+    if (k == count && count < PICTURE_STAGES) (void)snprintf(stage[count++], 32, "%s", name);
+  }
+  (void)fclose(file);
+  return count;
+}
+
+int draw_history(const char *directory, const char *title) {
+  char stage[PICTURE_STAGES][32];
+  const int count = read_stages(directory, stage);
+  if (count < 0) return 0;
+  FILE *s = open_in(directory, "history.gp");
+  if (!s) return 0;
+  fputs("set datafile separator ','\nset datafile missing ''\nset logscale y\n"
+        "set format y '10^{%T}'\nset grid lc rgb '#d8d8d8'\n",
+        s);
+  begin_pictures(s, "history", 1300, 560);
+  fprintf(s,
+          "  set multiplot layout 1,2 title '%s' noenhanced\n  set key inside top right "
+          "box opaque\n  set ylabel 'residual of the certificate'\n",
+          title);
+  for (int panel = 0; panel < 2; panel++) {
+    fprintf(s,
+            "  set xlabel '%s'\n  plot 'history.csv' every ::1 using %s:3 with lines lw 1 lc rgb "
+            "'#b0b0b0' notitle",
+            panel ? "CPU [ms]" : "iterations of all stages", panel ? "(1e3*$2)" : "1");
+    for (int k = 0; k < count; k++)
+      fprintf(s,
+              ", \\\n       '' every ::1 using %s:(strcol(4) eq '%s' ? $3 : 1/0) with points pt %d "
+              "ps 1 lw 1.5 lc rgb '%s' title '%s' noenhanced",
+              panel ? "(1e3*$2)" : "1", stage[k], method_point(stage[k]), method_colour(stage[k]),
+              stage[k]);
+    fputs("\n", s);
+  }
+  fputs("  unset multiplot\n  unset output\n}\n", s);
+  if (!close_file(s, "history.gp")) return 0;
+  if (run_gnuplot(directory, "history.gp"))
+    (void)fprintf(stderr, "drawn: %s/history.png\n", directory);
+  return 1;
+}

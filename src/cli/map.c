@@ -1,0 +1,356 @@
+/*
+ * map.c: delassus map NAME...: where each method works. One name: rows are friction. Several names:
+ * rows are the problems, at their own friction. Beside it the largest reaction, which grows without
+ * bound where the body jams.
+ */
+#define _GNU_SOURCE
+#include <getopt.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "map.h"
+
+enum { most_rows_of_bounds = 1500, most_rows_of_friction = 60 };
+
+static const double solve_limit = 0.3; /* CPU seconds of a solve, unless --limit says */
+
+static void map_usage(FILE *out) {
+  fputs(
+      "Usage: delassus map [OPTION]... FILE|SCENE\n"
+      "  or:  delassus map [OPTION]... FILE|SCENE FILE|SCENE...\n"
+      "Where each method works. Columns are methods; rows are friction or, of several names, the\n"
+      "problems. Colours tell the verdict; shade and number, CPU over the fastest of the row.\n"
+      "Scenes that go in steps (indentation, extrusion): friction and the number of steps.\n"
+      "Writes map.csv and the picture map.png, map.svg; Ctrl-C draws what is done.\n"
+      "\n"
+      "      --mu=FROM:TO      friction (0:10; scenes in steps 0:1), and the problem's own\n"
+      "      --rows=N          how many values of friction (18; 8)\n"
+      "      --against=WHAT    condition, rank or skew of W on the x axis, one panel a method:\n"
+      "                        share of the samples that it solves; mesh, of scenes in steps\n"
+      "      --samples=N       random loads a cell (5)\n"
+      "  -m, --method=METHOD   of scenes in steps (auto)\n"
+      "  -t, --tol=T           tolerance (1e-8)\n"
+      "  -l, --limit=S         CPU seconds that a solve may take (0.3; --against 0.05;\n"
+      "                        scenes in steps: a cell 10)\n"
+      "  -o, --out=DIR         where the files go (map)\n"
+      "  -h, --help            this text\n"
+      "\n"
+      "Exit status: 0, 1 if auto failed where another method did not, 2 bad input.\n",
+      out);
+}
+
+void spread_friction(double from, double to, int rows, double *mu) {
+  const double least = from > 0 ? from : to / 200;
+  const int first = from > 0 ? 0 : 1;
+  if (first) mu[0] = 0;
+  for (int i = first; i < rows; i++) {
+    const double part = rows - 1 > first ? (double)(i - first) / (rows - 1 - first) : 1;
+    mu[i] = least * pow(to / least, part);
+  }
+}
+
+/* ---- one row --------------------------------------------------------------------------------- */
+
+/* The map while it is measured. */
+typedef struct map_run {
+  map_picture picture;
+  contender who[MOST_CONTENDERS];
+  double side[MAP_ROWS], mu[MAP_ROWS];
+  int solved_by_auto[MAP_ROWS];
+  FILE *csv;
+  int failed; /* 1: auto failed where another method did not */
+} map_run;
+
+/* Races the methods on one problem and fills row `row`; *stop = 1 after Ctrl-C. */
+static dls_status map_race(map_run *m, int row, const dls_contact *contact, const map_options *o,
+                           int *stop, dls_error *error) {
+  const race_plan plan = {.rungs = 1, .tol = &o->tol, .repeat = 6, .limit = o->limit, .budget = 5};
+  race a = {0};
+  dls_status status = race_run(&a, contact, &plan, error);
+  *stop = a.interrupted;
+  if (status || a.interrupted) {
+    race_free(&a);
+    return status;
+  }
+  const double fastest = race_fastest(&a, 0, 0);
+  m->side[row] = NAN;
+  m->solved_by_auto[row] = race_trial(&a, 0, 0)->end == ENDED_SOLVED;
+  m->failed |= isfinite(fastest) && !m->solved_by_auto[row];
+  for (int k = 0; k < a.count; k++) {
+    const trial *t = race_trial(&a, k, 0);
+    int j = 0;
+    while (strcmp(m->who[j].name, a.who[k].name) != 0)
+      j++;
+    map_verdict(map_at(&m->picture, 0, row, j), t->end, t->seconds / fastest);
+    fprintf(m->csv, "%s,%.9g,%s,%s,%.4e,%d,%.3e\n", m->picture.row[row], m->mu[row], a.who[k].name,
+            ending_word(t->end), t->seconds, t->iterations, t->residual);
+    if (t->end != ENDED_SOLVED || isfinite(m->side[row])) continue;
+    const double *r = race_answer(&a, k, 0);
+    m->side[row] = 0;
+    for (int i = 0; i < a.d * a.nc; i++)
+      m->side[row] = fmax(m->side[row], fabs(r[i]));
+  }
+  fflush(m->csv);
+  race_free(&a);
+  return DLS_OK;
+}
+
+/* ---- lines ----------------------------------------------------------------------------------- */
+
+/* Adds a line at friction mu if the rows reach it. */
+static void add_line(map_run *m, double mu, const char *colour, const char *text) {
+  const int rows = m->picture.rows;
+  if (!isfinite(mu) || rows < 2 || mu < m->mu[0] || mu > m->mu[rows - 1] ||
+      m->picture.lines == MAP_LINES)
+    return;
+  int i = 0;
+  while (i < rows - 2 && m->mu[i + 1] <= mu)
+    i++;
+  map_line *line = &m->picture.line[m->picture.lines++];
+  line->row = i + 0.5; /* rows below it have less */
+  line->colour = colour;
+  (void)snprintf(line->text, sizeof line->text, "%s %.3g", text, mu);
+}
+
+/* Writes friction `mu` into values: of the largest, the others in proportion. */
+static void scale_friction(const dls_contact *contact, double mu, double *values) {
+  double most = 0;
+  for (int c = 0; c < contact->nc; c++)
+    most = fmax(most, contact->mu[c]);
+  for (int c = 0; c < contact->nc; c++)
+    values[c] = most > 0 ? mu * (contact->mu[c] / most) : mu;
+}
+
+static double own_friction(const dls_contact *contact) {
+  double most = 0;
+  for (int c = 0; c < contact->nc; c++)
+    most = fmax(most, contact->mu[c]);
+  return most;
+}
+
+/* Goes up the rows by auto, each from the answer of the row below; returns the last friction that
+ * was solved before one was not, NaN for none. */
+static double continue_rows(const map_run *m, const dls_contact *given, const map_options *o,
+                            double *mu, int rows) {
+  dls_contact contact = *given;
+  dls_solver_settings s;
+  dls_solver *solver = NULL;
+  double last = NAN, *r = calloc((size_t)given->d * (size_t)given->nc, sizeof *r);
+  dls_solver_settings_init(&s);
+  s.limits.tol = o->tol;
+  s.limits.cpu_seconds = 10 * o->limit;
+  s.limits.progress = show_progress;
+  s.limits.blocks = contact.Wb.x ? contact.Wb.p[contact.nc] : 0;
+  contact.mu = mu;
+  if (!r || dls_solver_create(&solver, contact.d, contact.nc, &s, NULL)) rows = 0;
+  for (int i = 0; i < rows; i++) {
+    scale_friction(given, m->mu[i], mu);
+    dls_limits limits = s.limits;
+    limits.warm_start = i > 0;
+    if (dls_solver_set_limits(solver, &limits, NULL) ||
+        dls_solver_solve(solver, &contact, r, NULL, NULL, NULL))
+      break;
+    last = m->mu[i];
+  }
+  progress_end();
+  dls_solver_destroy(solver);
+  free(r);
+  return last;
+}
+
+/* ---- rows of friction ------------------------------------------------------------------------ */
+
+static int by_friction(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* Chooses the rows: the range, and the problem's own friction. */
+static int choose_rows(map_run *m, const dls_contact *contact, const map_options *o) {
+  const double own = own_friction(contact), to = o->to < 0 ? 10 : o->to;
+  int rows = o->rows ? o->rows : 18, is_there = own == 0;
+  if (rows > most_rows_of_friction) rows = most_rows_of_friction;
+  spread_friction(o->from, to, rows, m->mu);
+  for (int i = 0; i < rows; i++)
+    is_there |= m->mu[i] == own;
+  if (!is_there) m->mu[rows++] = own;
+  qsort(m->mu, (size_t)rows, sizeof m->mu[0], by_friction);
+  for (int i = 0; i < rows; i++)
+    (void)snprintf(m->picture.row[i], MAP_NAME, "%.3g%s", m->mu[i],
+                   m->mu[i] == own ? " (own)" : "");
+  return rows;
+}
+
+static void add_lines(map_run *m, const dls_contact *contact, const map_options *o, double *mu,
+                      int done) {
+  dls_diagnosis facts;
+  if (!dls_contact_diagnose(contact, most_rows_of_bounds, &facts, NULL)) {
+    if (facts.friction_unique > 0)
+      add_line(m, facts.friction_unique, "#009e73", "one answer for all loads below");
+    add_line(m, facts.friction_critical, "#d55e00", "some candidate jams above");
+  }
+  const double last = continue_rows(m, contact, o, mu, done);
+  if (done && last < m->mu[done - 1]) add_line(m, last, "#cc79a7", "last reached by continuation");
+}
+
+static dls_status map_friction(map_run *m, const dls_contact *given, const map_options *o,
+                               dls_error *error) {
+  double *mu = malloc((size_t)given->nc * sizeof *mu);
+  dls_contact contact = *given;
+  dls_status status = mu ? DLS_OK : DLS_E_MEMORY;
+  int stop = 0, done = 0;
+  m->picture.rows = choose_rows(m, given, o);
+  contact.mu = mu;
+  for (; done < m->picture.rows && !status && !stop; done += !stop) {
+    scale_friction(given, m->mu[done], mu);
+    status = map_race(m, done, &contact, o, &stop, error);
+  }
+  m->picture.rows = done;
+  if (!status && !stop) add_lines(m, given, o, mu, done);
+  free(mu);
+  return status;
+}
+
+/* ---- rows of problems ------------------------------------------------------------------------ */
+
+/* Fills a row for each name, the first on top. */
+static dls_status map_problems(map_run *m, int count, char **names, const map_options *o,
+                               const char **at, dls_error *error) {
+  int stop = 0, done = 0;
+  dls_status status = DLS_OK;
+  m->picture.rows = count;
+  for (int i = 0; i < count && !status && !stop; i++) {
+    const int row = count - 1 - i;
+    named subject = {0};
+    *at = names[i];
+    status = named_load(names[i], &subject, error);
+    if (!status) {
+      (void)snprintf(m->picture.row[row], MAP_NAME, "%s", subject.name);
+      m->mu[row] = own_friction(&subject.contact);
+      status = map_race(m, row, &subject.contact, o, &stop, error);
+    }
+    named_free(&subject);
+    done += !stop;
+  }
+  /* rows that Ctrl-C left out are the lowest */
+  const int left = count - done;
+  memmove(m->picture.row, m->picture.row + left, (size_t)done * sizeof m->picture.row[0]);
+  memmove(m->picture.cells, map_at(&m->picture, 0, left, 0),
+          (size_t)(done * m->picture.columns) * sizeof *m->picture.cells);
+  memmove(m->side, m->side + left, (size_t)done * sizeof m->side[0]);
+  m->picture.rows = done;
+  return status;
+}
+
+/* ---- the command ----------------------------------------------------------------------------- */
+
+int map_methods(int count, char **names, const map_options *o) {
+  map_run *m = calloc(1, sizeof *m);
+  named subject = {0};
+  dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
+  dls_status status = DLS_E_MEMORY;
+  const char *at = names[0];
+  char title[200], subtitle[200];
+  if (!m) return complain("%s: out of memory", at);
+  m->picture = (map_picture){.directory = o->out, .title = title, .subtitle = subtitle};
+  m->picture.panels = 1;
+  m->picture.x = "";
+  m->picture.columns = list_contenders(m->who);
+  if (count == 1) m->picture.side = m->side;
+  m->picture.side_title = "largest reaction";
+  m->picture.y = count > 1 ? "" : "friction";
+  for (int k = 0; k < m->picture.columns; k++)
+    (void)snprintf(m->picture.column[k], MAP_NAME, "%s",
+                   strcmp(m->who[k].name, "augmented-lagrangian") ? m->who[k].name : "augm. L.");
+  m->picture.cells = calloc((size_t)MAP_ROWS * MAP_COLUMNS, sizeof *m->picture.cells);
+  if (m->picture.cells && make_directory(o->out) && (m->csv = open_in(o->out, "map.csv"))) {
+    fputs("row,mu,method,verdict,cpu_s,iterations,residual\n", m->csv);
+    if (count > 1) {
+      status = map_problems(m, count, names, o, &at, &error);
+      (void)snprintf(title, sizeof title, "Who solves what: %d problems", m->picture.rows);
+    } else {
+      status = named_load(at, &subject, &error);
+      if (!status) status = map_friction(m, &subject.contact, o, &error);
+      (void)snprintf(title, sizeof title, "%s: who solves it, friction by friction", subject.name);
+    }
+    (void)snprintf(subtitle, sizeof subtitle,
+                   "blue: solved to %.0e; the darker the faster; numbers: CPU over the fastest of "
+                   "the row",
+                   o->tol);
+  }
+  int result = EXIT_BAD_INPUT;
+  if (status)
+    (void)complain_of(at, &error);
+  else if (m->csv && close_file(m->csv, "map.csv"))
+    result = draw_map(&m->picture);
+  if (result == EXIT_SOLVED && m->failed) result = EXIT_NOT_SOLVED;
+  named_free(&subject);
+  free(m->picture.cells);
+  free(m);
+  return result;
+}
+
+static taken take_range(const char *text, map_options *o) {
+  char more;
+  if (sscanf(text, "%lf:%lf%c", &o->from, &o->to, &more) == 2 && o->from >= 0 && o->to > o->from &&
+      isfinite(o->to))
+    return OPTION_TAKEN;
+  complain("--mu: '%s' is not FROM:TO, two numbers, 0 <= FROM < TO", text);
+  return OPTION_WRONG;
+}
+
+static taken take_map_option(int key, const char *text, void *data) {
+  map_options *o = data;
+  switch (key) {
+  case 'u':
+    return take_range(text, o);
+  case 'n':
+    return parse_count("rows", text, &o->rows);
+  case 's':
+    return parse_count("samples", text, &o->samples);
+  case 't':
+    return parse_number("tol", text, &o->tol);
+  case 'l':
+    return parse_number("limit", text, &o->limit);
+  case 'a':
+    o->against = text;
+    return OPTION_TAKEN;
+  case 'm':
+    o->method = text;
+    return OPTION_TAKEN;
+  case 'o':
+    o->out = text;
+    return OPTION_TAKEN;
+  default:
+    return OPTION_UNKNOWN;
+  }
+}
+
+int command_map(int argc, char **argv) {
+  static const struct option options[] = {
+      VALUE("mu", 'u'),      VALUE("rows", 'n'), VALUE("against", 'a'),
+      VALUE("samples", 's'), VALUE("tol", 't'),  VALUE("limit", 'l'),
+      VALUE("method", 'm'),  VALUE("out", 'o'),  LAST_OPTIONS};
+  static const command map = {"t:l:m:o:h", options, map_usage, take_map_option, 0};
+  map_options o = {
+      .to = -1, .tol = 1e-8, .limit = -1, .samples = 5, .method = "auto", .out = "map"};
+  const int stop = take_options(argc, argv, &map, &o);
+  if (stop != GO_ON) return stop;
+  const int count = argc - optind;
+  if (count < 1) return wrong_usage(&map);
+  if (count > MAP_ROWS) return complain("map: at most %d names", MAP_ROWS);
+  watch_interrupt();
+  if (names_forming(argc, argv)) {
+    if (count > 1) return complain("map: a scene in steps stands alone");
+    if (o.against && strcmp(o.against, "mesh") != 0)
+      return complain("--against: scenes in steps take mesh");
+    return map_forming(argv[optind], &o);
+  }
+  if (o.against) {
+    if (count > 1) return complain("--against: takes one name");
+    return map_against(argv[optind], &o);
+  }
+  if (o.limit < 0) o.limit = solve_limit;
+  return map_methods(count, argv + optind, &o);
+}

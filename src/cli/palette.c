@@ -1,0 +1,75 @@
+/*
+ * palette.c: the colours of methods and verdicts in all pictures: Okabe and Ito's eight, which
+ * colour-blind readers tell apart, wine and grey; each with a point of its own besides.
+ */
+#include <string.h>
+
+#include "race.h"
+
+static const struct {
+  const char *name, *colour;
+  int point;
+} palette[] = {
+    {"auto", "#000000", 13},         {"nlgs", "#e69f00", 6},
+    {"nlgs+anderson", "#56b4e9", 7}, {"newton", "#0072b2", 5},
+    {"admm", "#009e73", 9},          {"augmented-lagrangian", "#d55e00", 11},
+    {"lemke", "#cc79a7", 15},        {"penalty", "#999999", 4},
+    {"homotopy", "#882255", 8},      {"gauss-seidel", "#b8860b", 10},
+};
+enum { colours = sizeof palette / sizeof palette[0] };
+
+/* Returns the row of a method; -1 if it has none. */
+static int palette_row(const char *name) {
+  for (int k = 0; k < colours; k++)
+    if (strcmp(palette[k].name, name) == 0) return k;
+  return -1;
+}
+
+const char *method_colour(const char *name) {
+  const int row = palette_row(name);
+  return row < 0 ? "#6b6b00" : palette[row].colour;
+}
+
+int method_point(const char *name) {
+  const int row = palette_row(name);
+  return row < 0 ? 12 : palette[row].point;
+}
+
+static void add_contender(contender *c, dls_method method, const char *suffix,
+                          dls_acceleration acceleration) {
+  *c = (contender){.method = method, .acceleration = acceleration};
+  (void)snprintf(c->name, sizeof c->name, "%s%s", dls_method_name(method), suffix);
+  c->colour = method_colour(c->name);
+  c->point = method_point(c->name);
+}
+
+int list_contenders(contender list[MOST_CONTENDERS]) {
+  int count = 0;
+  for (int k = 0; dls_method_name((dls_method)k) && count < MOST_CONTENDERS; k++) {
+    add_contender(&list[count++], (dls_method)k, "", DLS_ACCELERATION_NONE);
+    if ((dls_method)k == DLS_NLGS && count < MOST_CONTENDERS)
+      add_contender(&list[count++], DLS_NLGS, "+anderson", DLS_ACCELERATION_ANDERSON);
+  }
+  return count;
+}
+
+static const struct {
+  const char *word, *colour;
+} endings[ENDINGS] = {
+    [ENDED_SOLVED] = {"solved", "#0072b2"},
+    [ENDED_ITERATIONS] = {"iterations", "#f0e442"},
+    [ENDED_STALLED] = {"stalled", "#e69f00"},
+    [ENDED_RAY] = {"ray", "#cc79a7"},
+    [ENDED_LIKELY_NONE] = {"likely none", "#d55e00"},
+    [ENDED_NONE] = {"proved none", "#882255"},
+    [ENDED_TIME] = {"time", "#bbbbbb"},
+    [ENDED_REFUSED] = {"refused", "#ffffff"},
+};
+
+const char *ending_word(ending e) {
+  return endings[e].word;
+}
+
+const char *ending_colour(ending e) {
+  return endings[e].colour;
+}

@@ -1,0 +1,247 @@
+/*
+ * profile.c: delassus profile NAME...: every method on many problems: performance profiles, and how
+ * far auto is from the fastest single method.
+ */
+#define _GNU_SOURCE
+#include <getopt.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "profile.h"
+#include "race.h"
+
+enum { PROFILE_RUNGS = 7, PROFILE_TARGETS = 3 };
+
+static const double profile_tol[PROFILE_RUNGS] = {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14};
+static const int profile_target[PROFILE_TARGETS] = {1, 3, 5};
+
+typedef struct profile_options {
+  int repeat;
+  double limit, budget;
+  const char *out;
+} profile_options;
+
+static void profile_usage(FILE *out) {
+  fputs("Usage: delassus profile [OPTION]... FILE|SCENE...\n"
+        "Every method on many contact problems, tolerances 1e-2 to 1e-14: performance profiles,\n"
+        "each problem, and the CPU of auto over that of the fastest single method. Writes\n"
+        "profile.csv and the picture profile.png, profile.svg.\n"
+        "\n"
+        "  -r, --repeat=N        time each solve up to N times, the least counts (15)\n"
+        "  -l, --limit=S         CPU seconds that a solve may always take (0.5); more while it\n"
+        "                        is within 30 times the fastest\n"
+        "  -b, --budget=S        CPU seconds for a problem, about (6)\n"
+        "  -o, --out=DIR         where the files go (profile)\n"
+        "  -h, --help            this text\n"
+        "\n"
+        "Exit status: 0, 1 if auto failed on a problem, 2 bad input.\n",
+        out);
+}
+
+/* All that was measured; problems are counted as they are done. */
+typedef struct profile {
+  int solvers, problems, most;
+  contender who[MOST_CONTENDERS];
+  char (*name)[96];
+  double *seconds; /* (rung * solvers + solver) * most + problem; INFINITY: not solved */
+  FILE *csv;
+  int failed; /* 1: auto did not solve something */
+} profile;
+
+static double *profile_seconds(const profile *p, int rung, int solver, int which) {
+  return &p->seconds[(rung * p->solvers + solver) * p->most + which];
+}
+
+/* ---- measuring ------------------------------------------------------------------------------- */
+
+/* Takes the times of a race; methods that its size left out have solved nothing. */
+static void profile_take(profile *p, const race *a, const char *name) {
+  (void)snprintf(p->name[p->problems], sizeof p->name[0], "%s", name);
+  for (int rung = 0; rung < PROFILE_RUNGS; rung++) {
+    for (int k = 0; k < p->solvers; k++)
+      *profile_seconds(p, rung, k, p->problems) = INFINITY;
+    for (int i = 0; i < a->count; i++) {
+      const trial *t = race_trial(a, i, rung);
+      for (int k = 0; k < p->solvers; k++)
+        if (strcmp(p->who[k].name, a->who[i].name) == 0 && t->end == ENDED_SOLVED)
+          *profile_seconds(p, rung, k, p->problems) = t->seconds;
+      fprintf(p->csv, "%s,%d,%d,%s,%.0e,%s,%.4e,%d,%.3e\n", name, a->d, a->nc, a->who[i].name,
+              profile_tol[rung], ending_word(t->end), t->seconds, t->iterations, t->residual);
+    }
+    p->failed |= race_trial(a, 0, rung)->end != ENDED_SOLVED;
+  }
+  fflush(p->csv);
+  p->problems++;
+}
+
+static int profile_add(profile *p, const char *name, const profile_options *o) {
+  const race_plan plan = {.rungs = PROFILE_RUNGS,
+                          .tol = profile_tol,
+                          .repeat = o->repeat,
+                          .limit = o->limit,
+                          .budget = o->budget};
+  named subject = {0};
+  race a = {0};
+  dls_error error = {.status = DLS_E_MEMORY, .message = "out of memory"};
+  dls_status status = named_load(name, &subject, &error);
+  if (!status) status = race_run(&a, &subject.contact, &plan, &error);
+  if (status)
+    (void)complain_of(name, &error);
+  else if (!a.interrupted)
+    profile_take(p, &a, subject.name);
+  race_free(&a);
+  named_free(&subject);
+  return !status;
+}
+
+/* ---- what it says ---------------------------------------------------------------------------- */
+
+static int by_size(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* Prints for each method how many it solved to a tolerance, and its CPU over the fastest. */
+static void print_target(const profile *p, int rung, double *ratio) {
+  printf("\n%-22s  to %.0e: solved   CPU/fastest: median     worst\n", "method", profile_tol[rung]);
+  for (int k = 0; k < p->solvers; k++) {
+    int count = 0, worst = 0;
+    double most = 0;
+    for (int i = 0; i < p->problems; i++) {
+      double fastest = INFINITY;
+      for (int j = 0; j < p->solvers; j++)
+        fastest = fmin(fastest, *profile_seconds(p, rung, j, i));
+      const double seconds = *profile_seconds(p, rung, k, i);
+      if (!isfinite(seconds)) continue;
+      if (seconds / fastest > most) {
+        most = seconds / fastest;
+        worst = i;
+      }
+      ratio[count++] = seconds / fastest;
+    }
+    qsort(ratio, (size_t)count, sizeof *ratio, by_size);
+    if (count)
+      printf("%-22s  %11d/%-3d  %18.2f  %8.1f on %s\n", p->who[k].name, count, p->problems,
+             ratio[(count - 1) / 2], most, p->name[worst]);
+    else
+      printf("%-22s  %11d/%-3d\n", p->who[k].name, 0, p->problems);
+  }
+}
+
+/* Prints the CPU of auto over the fastest single method, over all problems and tolerances. */
+static void print_auto(const profile *p, double *ratio) {
+  int count = 0, worst = 0, worst_rung = 0, only_others = 0, only_auto = 0;
+  double most = 0;
+  for (int rung = 0; rung < PROFILE_RUNGS; rung++)
+    for (int i = 0; i < p->problems; i++) {
+      double single = INFINITY;
+      for (int k = 1; k < p->solvers; k++)
+        single = fmin(single, *profile_seconds(p, rung, k, i));
+      const double seconds = *profile_seconds(p, rung, 0, i);
+      only_others += isfinite(single) && !isfinite(seconds);
+      only_auto += !isfinite(single) && isfinite(seconds);
+      if (!isfinite(single) || !isfinite(seconds)) continue;
+      if (seconds / single > most) {
+        most = seconds / single;
+        worst = i;
+        worst_rung = rung;
+      }
+      ratio[count++] = seconds / single;
+    }
+  qsort(ratio, (size_t)count, sizeof *ratio, by_size);
+  if (!count) return;
+  printf("\nauto over the fastest single method, %d problems, 1e-2 to 1e-14: median %.2f, nine "
+         "tenths below %.2f, worst %.1f (%s to %.0e)\n",
+         p->problems, ratio[(count - 1) / 2], ratio[9 * (count - 1) / 10], most, p->name[worst],
+         profile_tol[worst_rung]);
+  printf("solved by auto alone %d, by others only %d of %d\n", only_auto, only_others,
+         PROFILE_RUNGS * p->problems);
+}
+
+static int draw_profile(const profile *p, const char *directory) {
+  static const char *const targets[] = {"residual 1e-4", "residual 1e-8", "residual 1e-12"};
+  const char *solvers[MOST_CONTENDERS], **names = malloc((size_t)p->problems * sizeof *names);
+  const size_t cells = (size_t)p->solvers * (size_t)p->problems;
+  double *seconds = malloc(PROFILE_TARGETS * cells * sizeof *seconds);
+  char title[120];
+  int good = names && seconds;
+  for (int k = 0; k < p->solvers; k++)
+    solvers[k] = p->who[k].name;
+  for (int i = 0; i < p->problems && good; i++) {
+    names[i] = p->name[i];
+    for (int t = 0; t < PROFILE_TARGETS; t++)
+      for (int k = 0; k < p->solvers; k++)
+        seconds[(t * p->solvers + k) * p->problems + i] =
+            *profile_seconds(p, profile_target[t], k, i);
+  }
+  (void)snprintf(title, sizeof title, "Every method on %d problems", p->problems);
+  const profile_picture picture = {.directory = directory,
+                                   .name = "profile",
+                                   .title = title,
+                                   .solvers = p->solvers,
+                                   .problems = p->problems,
+                                   .targets = PROFILE_TARGETS,
+                                   .solver = solvers,
+                                   .problem = names,
+                                   .target = targets,
+                                   .seconds = seconds};
+  if (good)
+    good = draw_profiles(&picture);
+  else
+    (void)complain("out of memory");
+  free(names);
+  free(seconds);
+  return good;
+}
+
+/* ---- the command ----------------------------------------------------------------------------- */
+
+static int run_profile(int count, char **list, const profile_options *o) {
+  profile p = {.most = count};
+  p.solvers = list_contenders(p.who);
+  const size_t cells = PROFILE_RUNGS * (size_t)p.solvers * (size_t)count;
+  double *ratio = malloc(PROFILE_RUNGS * (size_t)count * sizeof *ratio);
+  p.name = malloc((size_t)count * sizeof *p.name);
+  p.seconds = malloc(cells * sizeof *p.seconds);
+  int good = p.name && p.seconds && ratio;
+  if (!good) (void)complain("out of memory");
+  if (good) good = make_directory(o->out) && (p.csv = open_in(o->out, "profile.csv"));
+  if (good) fputs("problem,d,nc,method,tol,verdict,cpu_s,iterations,residual\n", p.csv);
+  for (int i = 0; i < count && good && !was_interrupted(); i++)
+    good = profile_add(&p, list[i], o);
+  if (p.csv && !close_file(p.csv, "profile.csv")) good = 0;
+  if (good && p.problems) {
+    for (int t = 0; t < PROFILE_TARGETS; t++)
+      print_target(&p, profile_target[t], ratio);
+    print_auto(&p, ratio);
+    good = draw_profile(&p, o->out);
+  }
+  free(ratio);
+  free(p.name);
+  free(p.seconds);
+  return !good ? EXIT_BAD_INPUT : p.failed ? EXIT_NOT_SOLVED : EXIT_SOLVED;
+}
+
+static taken take_profile_option(int key, const char *text, void *data) {
+  profile_options *o = data;
+  if (key == 'r') return parse_count("repeat", text, &o->repeat);
+  if (key == 'l') return parse_number("limit", text, &o->limit);
+  if (key == 'b') return parse_number("budget", text, &o->budget);
+  if (key != 'o') return OPTION_UNKNOWN;
+  o->out = text;
+  return OPTION_TAKEN;
+}
+
+int command_profile(int argc, char **argv) {
+  static const struct option options[] = {VALUE("repeat", 'r'), VALUE("limit", 'l'),
+                                          VALUE("budget", 'b'), VALUE("out", 'o'), LAST_OPTIONS};
+  static const command profile_command = {"r:l:b:o:h", options, profile_usage, take_profile_option,
+                                          0};
+  profile_options o = {.repeat = 15, .limit = 0.5, .budget = 6, .out = "profile"};
+  const int stop = take_options(argc, argv, &profile_command, &o);
+  if (stop != GO_ON) return stop;
+  if (argc == optind) return wrong_usage(&profile_command);
+  watch_interrupt();
+  return run_profile(argc - optind, argv + optind, &o);
+}

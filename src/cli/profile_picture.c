@@ -1,0 +1,256 @@
+/*
+ * profile_picture.c: draws performance profiles (profile.h).
+ *
+ * For target t and solver k, NAME.dat holds block 3 (t solvers + k) (tau, part of the problems: a
+ * staircase), the next block (place of the problem, CPU over the fastest) and the next (place,
+ * lane of the crosses of what it did not solve).
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "profile.h"
+#include "race.h"
+
+static const double most_tau = 1000; /* of the axis */
+static const double outlier = 3; /* CPU of auto over the fastest, from which a problem is named */
+enum { most_named = 6 };
+
+typedef struct place {
+  int problem;
+  double fastest; /* seconds; INFINITY: nobody solved it */
+} place;
+
+/* A target: problems from quick to slow, those that somebody solved first. */
+typedef struct strip {
+  place *places; /* problems */
+  int solved;
+  double most; /* of the axis of ratios */
+} strip;
+
+static double seconds_of(const profile_picture *p, int target, int solver, int which) {
+  return p->seconds[(target * p->solvers + solver) * p->problems + which];
+}
+
+static int quicker(const void *a, const void *b) {
+  const place *x = a, *y = b;
+  return (x->fastest > y->fastest) - (x->fastest < y->fastest);
+}
+
+static int larger(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+static void make_strip(const profile_picture *p, int target, strip *s) {
+  s->solved = 0;
+  s->most = 10;
+  for (int i = 0; i < p->problems; i++) {
+    double fastest = INFINITY;
+    for (int k = 0; k < p->solvers; k++)
+      fastest = fmin(fastest, seconds_of(p, target, k, i));
+    s->places[i] = (place){i, fastest};
+    s->solved += isfinite(fastest) != 0;
+    for (int k = 0; k < p->solvers; k++)
+      if (isfinite(seconds_of(p, target, k, i)))
+        s->most = fmax(s->most, seconds_of(p, target, k, i) / fastest);
+  }
+  s->most = fmin(1.5 * s->most, 1e4);
+  qsort(s->places, (size_t)p->problems, sizeof *s->places, quicker);
+}
+
+/* Returns the height of the crosses of solver k on the axis of ratios, above all ratios. */
+static double lane(const profile_picture *p, const strip *s, int k) {
+  return s->most * pow(s->most, 0.04 * (p->solvers - k));
+}
+
+/* ---- data ------------------------------------------------------------------------------------ */
+
+/* Counts what a solver solved; taus (problems) receives its CPU over the fastest, sorted. */
+static int find_taus(const profile_picture *p, int target, const strip *s, int k, double *taus) {
+  int count = 0;
+  for (int i = 0; i < s->solved; i++) {
+    const double seconds = seconds_of(p, target, k, s->places[i].problem);
+    if (isfinite(seconds)) taus[count++] = seconds / s->places[i].fastest;
+  }
+  qsort(taus, (size_t)count, sizeof *taus, larger);
+  return count;
+}
+
+static void write_profile_blocks(FILE *file, const profile_picture *p, int target, const strip *s,
+                                 double *taus) {
+  for (int k = 0; k < p->solvers; k++) {
+    const int count = find_taus(p, target, s, k, taus);
+    int i = 0;
+    fputs("1 0\n", file);
+    for (; i < count && taus[i] <= most_tau; i++)
+      fprintf(file, "%.4g %.4f\n", taus[i], (double)(i + 1) / p->problems);
+    fprintf(file, "%g %.4f\n\n\n0 NaN\n", most_tau, (double)i / p->problems);
+    for (i = 0; i < s->solved; i++) {
+      const double seconds = seconds_of(p, target, k, s->places[i].problem);
+      if (isfinite(seconds))
+        fprintf(file, "%d %.4g\n", i + 1, fmin(seconds / s->places[i].fastest, s->most));
+    }
+    fputs("\n\n0 NaN\n", file);
+    for (i = 0; i < p->problems; i++)
+      if (!isfinite(seconds_of(p, target, k, s->places[i].problem)))
+        fprintf(file, "%d %.4g\n", i + 1, lane(p, s, k));
+    fputs("\n\n", file);
+  }
+}
+
+/* ---- script ---------------------------------------------------------------------------------- */
+
+/* Writes the style of solver k. */
+static void write_style(FILE *s, const profile_picture *p, int k) {
+  static const char *const reds[] = {"#b00020", "#7f0000", "#ff5a7a", "#a0522d", "#c71585"};
+  int peers = 0;
+  for (int i = 0; p->peer && i < k; i++)
+    peers += p->peer[i];
+  const int dashed = p->peer && p->peer[k];
+  fprintf(s, "lw %g dt %d lc rgb '%s'", k ? 1.8 : 4.0, dashed ? 2 + peers % 4 : 1,
+          dashed ? reds[peers % 5] : method_colour(p->solver[k]));
+}
+
+static void set_edges(FILE *s, double left, double right, double bottom, double top) {
+  fprintf(s,
+          "  set lmargin at screen %.4f\n  set rmargin at screen %.4f\n"
+          "  set bmargin at screen %.4f\n  set tmargin at screen %.4f\n"
+          "  unset label\n  unset arrow\n  unset title\n",
+          left, right, bottom, top);
+}
+
+/* Draws the profiles of a target, and under them the key: a sample, and how many it solved. */
+static void write_profile_curves(FILE *s, const profile_picture *p, int target, const strip *all,
+                                 double left, double right, double *taus) {
+  const double top = 0.515, line = 0.021;
+  const int half = (p->solvers + 1) / 2;
+  set_edges(s, left, right, 0.575, 0.92);
+  fprintf(s,
+          "  set title '{/:Bold %s}' offset 0,-0.6\n  set logscale x\n  unset logscale y\n"
+          "  set xrange [1:%g]\n  set yrange [0:1.02]\n  set format x '%%g'\n"
+          "  set format y '%%g'\n  set xtics 10\n  set ytics 0.2\n"
+          "  set xlabel 'CPU / fastest, at most' offset 0,0.5\n"
+          "  set ylabel '%s' offset 1,0\n",
+          p->target[target], most_tau, target ? "" : "part of the problems");
+  for (int k = 0; k < p->solvers; k++) {
+    const double x = left + (k / half) * (right - left) / 2, y = top - k % half * line;
+    fprintf(s, "  set arrow from screen %.4f,%.4f to screen %.4f,%.4f nohead ", x, y, x + 0.02, y);
+    write_style(s, p, k);
+    fprintf(s, "\n  set label '%s  %d/%d' at screen %.4f,%.4f left font ',11' noenhanced\n",
+            p->solver[k], find_taus(p, target, all, k, taus), p->problems, x + 0.025, y);
+  }
+  for (int i = 1; i <= p->solvers; i++) {
+    const int k = i % p->solvers;
+    fprintf(s, "%s '%s.dat' index %d using 1:2 with steps ", i == 1 ? "  plot" : ", \\\n      ",
+            p->name, 3 * (target * p->solvers + k));
+    write_style(s, p, k);
+  }
+  fputs("\n", s);
+}
+
+/* Names the problems on which auto is far from the fastest or fails; the words keep a distance. */
+static void name_outliers(FILE *s, const profile_picture *p, int target, const strip *all) {
+  const double line = pow(all->most, 0.075);
+  int marked = 0, placed[most_named];
+  double at[most_named];
+  for (int i = 0; i < all->solved && marked < most_named; i++) {
+    const int which = all->places[i].problem;
+    const double ratio = seconds_of(p, target, 0, which) / all->places[i].fastest;
+    if (ratio < outlier) continue;
+    double y = fmin(ratio, all->most) * line;
+    for (int again = 1; again;) {
+      again = 0;
+      for (int j = 0; j < marked; j++)
+        if (abs(placed[j] - i) < p->problems / 2 + 1 && y < at[j] * line && y > at[j] / line) {
+          y = at[j] * line * 1.001;
+          again = 1;
+        }
+    }
+    placed[marked] = i;
+    at[marked++] = y;
+    const int to_left = i > all->solved / 2;
+    fprintf(s, "  set label '%s' at first %d,%.4g %s font ',10' noenhanced front boxed\n",
+            p->problem[which], i + 1, y, to_left ? "right" : "left");
+  }
+}
+
+static void write_strip(FILE *s, const profile_picture *p, int target, const strip *all,
+                        double left, double right, double *taus) {
+  const int step = p->problems > 8 ? p->problems / 4 : p->problems > 1 ? p->problems - 1 : 1;
+  set_edges(s, left, right, 0.075, 0.36);
+  fprintf(s,
+          "  set title 'each problem, quick to slow; diamonds: auto; crosses: not solved' offset "
+          "0,-0.6 font ',12'\n  unset logscale x\n  set logscale y\n  set xrange [0:%d]\n"
+          "  set yrange [0.8:%.4g]\n  set format y '%%g'\n  set ytics 10\n  set ylabel '%s' offset "
+          "1,0\n  set xlabel 'CPU of the fastest [ms]' offset 0,0.3\n  set xtics (",
+          p->problems + 1, lane(p, all, -1), target ? "" : "CPU / fastest");
+  for (int i = 0; i < all->solved; i += step)
+    fprintf(s, "%s'%.2g' %d", i ? ", " : "", 1e3 * all->places[i].fastest, i + 1);
+  fputs(")\n", s);
+  name_outliers(s, p, target, all);
+  fputs("  plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4'", s);
+  for (int i = 1; i <= p->solvers; i++) {
+    const int k = i % p->solvers, block = 3 * (target * p->solvers + k);
+    const int solved = find_taus(p, target, all, k, taus);
+    if (solved) {
+      fprintf(s, ", \\\n      '%s.dat' index %d using 1:2 with points pt %d ps %g ", p->name,
+              block + 1, k ? 7 : 13, k ? 0.65 : 1.6);
+      write_style(s, p, k);
+    }
+    if (solved == p->problems) continue;
+    fprintf(s, ", \\\n      '%s.dat' index %d using 1:2 with points pt 2 ps %g ", p->name,
+            block + 2, k ? 0.55 : 1.0);
+    write_style(s, p, k);
+  }
+  fputs("\n", s);
+}
+
+static void write_profile_target(FILE *s, const profile_picture *p, int target, const strip *all,
+                                 double *taus) {
+  const double width = 1.0 / p->targets, left = target * width + 0.05,
+               right = (target + 1) * width - 0.012;
+  write_profile_curves(s, p, target, all, left, right, taus);
+  write_strip(s, p, target, all, left, right, taus);
+}
+
+/* ---- the picture ----------------------------------------------------------------------------- */
+
+static int write_profile_files(const profile_picture *p, strip *s, double *taus, char *script) {
+  char name[80];
+  (void)snprintf(name, sizeof name, "%s.dat", p->name);
+  (void)snprintf(script, 80, "%s.gp", p->name);
+  FILE *data = open_in(p->directory, name), *gp = data ? open_in(p->directory, script) : NULL;
+  if (gp) {
+    fputs("set datafile missing 'NaN'\nset key off\nset grid lc rgb '#d8d8d8'\n"
+          "set style textbox opaque noborder margins 0.2,0.1\n",
+          gp);
+    begin_pictures(gp, p->name, 580 * p->targets + 60, 1100);
+    fprintf(gp, "  set multiplot title '%s' font ',17' noenhanced\n", p->title);
+    for (int t = 0; t < p->targets; t++) {
+      make_strip(p, t, s);
+      write_profile_blocks(data, p, t, s, taus);
+      write_profile_target(gp, p, t, s, taus);
+    }
+    fputs("  unset multiplot\n  unset output\n}\n", gp);
+  }
+  const int good = data && close_file(data, name);
+  return gp && close_file(gp, script) && good;
+}
+
+int draw_profiles(const profile_picture *p) {
+  const size_t n = (size_t)(p->problems > 0 ? p->problems : 1);
+  strip s = {.places = malloc(n * sizeof *s.places)};
+  double *taus = malloc(n * sizeof *taus);
+  char script[80];
+  int good = 0;
+  if (!s.places || !taus)
+    (void)complain("%s: out of memory", p->name);
+  else
+    good = make_directory(p->directory) && write_profile_files(p, &s, taus, script);
+  if (good && run_gnuplot(p->directory, script))
+    printf("drawn: %s/%s.png\n", p->directory, p->name);
+  free(s.places);
+  free(taus);
+  return good;
+}

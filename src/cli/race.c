@@ -1,0 +1,166 @@
+/* race.c: times the methods on one contact problem, down a ladder of tolerances (race.h). */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "race.h"
+
+/* CPU that a method may take over the fastest before it counts as over time. */
+static const double patience = 30;
+
+/* Sizes beyond which a method is left out: its workspace or its path would take minutes. */
+enum { lemke_rows = 4000, homotopy_rows = 300 };
+
+/* Timing: a quick solve is run so many times in a turn, or until it has taken so many seconds. */
+enum { calls_in_a_turn = 20 };
+static const double turn_seconds = 1e-3;
+
+trial *race_trial(const race *a, int k, int rung) {
+  return &a->trials[k * a->rungs + rung];
+}
+
+double *race_answer(const race *a, int k, int rung) {
+  const size_t m = (size_t)a->d * (size_t)a->nc;
+  return a->answers + (size_t)(k * a->rungs + rung) * m;
+}
+
+double race_fastest(const race *a, int rung, int singles) {
+  double least = INFINITY;
+  for (int k = 0; k < a->count; k++) {
+    const trial *t = race_trial(a, k, rung);
+    if (t->end == ENDED_SOLVED && !(singles && a->who[k].method == DLS_AUTO))
+      least = fmin(least, t->seconds);
+  }
+  return least;
+}
+
+/* ---- one solve ------------------------------------------------------------------------------- */
+
+static ending ending_of(dls_status status) {
+  switch (status) {
+  case DLS_OK:
+    return ENDED_SOLVED;
+  case DLS_MAX_ITERATIONS:
+    return ENDED_ITERATIONS;
+  case DLS_STALLED:
+    return ENDED_STALLED;
+  case DLS_RAY:
+    return ENDED_RAY;
+  case DLS_NO_SOLUTION:
+    return ENDED_NONE;
+  case DLS_NO_SOLUTION_LIKELY:
+    return ENDED_LIKELY_NONE;
+  default:
+    return status < 0 ? ENDED_REFUSED : ENDED_TIME;
+  }
+}
+
+/* Solves once, within `limit` seconds of CPU if that is > 0; *t takes the outcome and keeps the
+ * least time. Returns an error of the library. */
+static dls_status race_solve(race *a, int k, int rung, double limit, dls_error *error) {
+  trial *t = race_trial(a, k, rung);
+  dls_info info = {0};
+  dls_limits limits = {.tol = a->tol[rung], .cpu_seconds = limit};
+  if (limit > 0) limits.progress = show_progress;
+  dls_status status = dls_solver_set_limits(a->solver[k], &limits, error);
+  if (status) return status;
+  const double start = cpu_seconds();
+  status = dls_solver_solve(a->solver[k], a->problem, race_answer(a, k, rung), NULL, &info, error);
+  const double seconds = cpu_seconds() - start;
+  if (limit > 0) {
+    *t = (trial){.end = ending_of(status), .asked = 1, .seconds = seconds};
+    t->iterations = info.iterations;
+    t->residual = status < 0 ? NAN : info.certificate.residual;
+    if (status == DLS_CANCELLED) a->interrupted = 1;
+  } else if (seconds < t->seconds)
+    t->seconds = seconds;
+  return DLS_OK;
+}
+
+/* ---- the ladder ------------------------------------------------------------------------------ */
+
+/* Makes the solvers of all methods that this size allows. */
+static dls_status race_line_up(race *a, dls_error *error) {
+  contender all[MOST_CONTENDERS];
+  const int count = list_contenders(all), m = a->d * a->nc;
+  for (int k = 0; k < count; k++) {
+    if (all[k].method == DLS_HOMOTOPY && m > homotopy_rows) continue;
+    if (all[k].method == DLS_LEMKE && (a->d == 2 ? 4 : 10) * a->nc > lemke_rows) continue;
+    dls_solver_settings s;
+    dls_solver_settings_init(&s);
+    s.method = all[k].method;
+    s.acceleration = all[k].acceleration;
+    s.limits.blocks = a->problem->Wb.x ? a->problem->Wb.p[a->nc] : 0;
+    const dls_status status = dls_solver_create(&a->solver[a->count], a->d, a->nc, &s, error);
+    if (status) return status;
+    a->who[a->count++] = all[k];
+  }
+  return DLS_OK;
+}
+
+/* Runs each contender once on a rung; one that gave up before keeps its verdict. */
+static dls_status race_first(race *a, int rung, double end, dls_error *error) {
+  for (int k = 0; k < a->count; k++) {
+    trial *t = race_trial(a, k, rung);
+    if (rung && race_trial(a, k, rung - 1)->end != ENDED_SOLVED) {
+      *t = *race_trial(a, k, rung - 1);
+      t->asked = 0;
+      continue;
+    }
+    const double fastest = race_fastest(a, rung, 0), left = fmax(end - cpu_seconds(), 0);
+    double limit = fmax(a->plan->limit, isfinite(fastest) ? patience * fastest : 0);
+    if (a->who[k].method == DLS_AUTO) limit = fmax(limit, left / 2);
+    limit = fmin(limit, fmax(left / 4, a->plan->limit));
+    *t = (trial){.end = ENDED_TIME, .residual = NAN};
+    const dls_status status = a->interrupted ? DLS_OK : race_solve(a, k, rung, limit, error);
+    if (status) return status;
+  }
+  return DLS_OK;
+}
+
+/* Times each solved trial again. */
+static dls_status race_turn(race *a, int turn, double end, dls_error *error) {
+  for (int rung = 0; rung < a->rungs; rung++)
+    for (int k = 0; k < a->count; k++) {
+      const trial *t = race_trial(a, k, rung);
+      if (t->end != ENDED_SOLVED || (turn > 1 && t->seconds > 0.2)) continue;
+      const double start = cpu_seconds();
+      for (int call = 0; call < calls_in_a_turn && cpu_seconds() < start + turn_seconds; call++) {
+        const dls_status status = race_solve(a, k, rung, 0, error);
+        if (status) return status;
+      }
+      if (cpu_seconds() > end || was_interrupted()) return DLS_OK;
+    }
+  return DLS_OK;
+}
+
+dls_status race_run(race *a, const dls_contact *contact, const race_plan *plan, dls_error *error) {
+  dls_status status = dls_contact_check(contact, error);
+  if (status) return status;
+  *a = (race){.d = contact->d, .nc = contact->nc, .rungs = plan->rungs, .tol = plan->tol};
+  a->problem = contact;
+  a->plan = plan;
+  const size_t cells = (size_t)plan->rungs * MOST_CONTENDERS;
+  a->trials = calloc(cells, sizeof *a->trials);
+  a->answers = malloc(cells * (size_t)a->d * (size_t)a->nc * sizeof *a->answers);
+  if (!a->trials || !a->answers) {
+    *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"};
+    return DLS_E_MEMORY;
+  }
+  const double end = cpu_seconds() + plan->budget;
+  status = race_line_up(a, error);
+  for (int rung = 0; rung < a->rungs && !status; rung++)
+    status = race_first(a, rung, end, error);
+  for (int turn = 1; turn < plan->repeat && !status && !a->interrupted; turn++)
+    if (cpu_seconds() < end) status = race_turn(a, turn, end, error);
+  a->interrupted |= was_interrupted();
+  progress_end();
+  return status;
+}
+
+void race_free(race *a) {
+  for (int k = 0; k < MOST_CONTENDERS; k++)
+    dls_solver_destroy(a->solver[k]);
+  free(a->trials);
+  free(a->answers);
+}

@@ -1,0 +1,125 @@
+/*
+ * race.h: the methods side by side on one contact problem, for chart, map and profile: who takes
+ * part, in which colour, what each needed for a tolerance, and where each gave up.
+ */
+#ifndef RACE_H
+#define RACE_H
+
+#include "cli.h"
+
+/* ---- palette.c ------------------------------------------------------------------------------- */
+
+/* A method that takes part, the same colour and point in every picture of the project. */
+typedef struct contender {
+  char name[32]; /* "nlgs", "nlgs+anderson" */
+  dls_method method;
+  dls_acceleration acceleration;
+  const char *colour; /* "#rrggbb" */
+  int point;          /* of gnuplot: a type of point */
+} contender;
+
+enum { MOST_CONTENDERS = 16 };
+
+/* Fills list with auto, then every other method of the library, nlgs also with anderson; returns
+ * how many. */
+int list_contenders(contender list[MOST_CONTENDERS]);
+
+/* Returns the colour, and the type of point, of a method by its name; grey for an unknown one. */
+const char *method_colour(const char *name);
+int method_point(const char *name);
+
+/* The verdict on a solve: a word for tables and a colour for maps. */
+typedef enum ending {
+  ENDED_SOLVED = 0,
+  ENDED_ITERATIONS,
+  ENDED_STALLED,
+  ENDED_RAY,
+  ENDED_LIKELY_NONE,
+  ENDED_NONE, /* no solution: proved */
+  ENDED_TIME, /* over the limit of CPU */
+  ENDED_REFUSED,
+  ENDINGS
+} ending;
+
+const char *ending_word(ending e);
+const char *ending_colour(ending e);
+
+/* ---- race.c ---------------------------------------------------------------------------------- */
+
+/* One method, one tolerance. */
+typedef struct trial {
+  ending end;
+  int asked; /* 0: the method gave up at a coarser tolerance, whose verdict stands here too */
+  int iterations;
+  double residual, seconds; /* of the certificate; CPU, the least of all repeats */
+} trial;
+
+typedef struct race_plan {
+  int rungs;
+  const double *tol; /* rungs: falling */
+  int repeat;        /* how often a solve is timed, at most */
+  double limit;      /* CPU seconds of a solve that may always be used */
+  double budget;     /* CPU seconds of all, about */
+} race_plan;
+
+/* What the race found; start from {0}, race_free after a failed race, too. */
+typedef struct race {
+  int d, nc, rungs, count;
+  const double *tol;
+  contender who[MOST_CONTENDERS];
+  trial *trials;              /* count x rungs: race_trial */
+  double *answers;            /* count x rungs x m: race_answer, where solved */
+  const dls_contact *problem; /* borrowed */
+  const race_plan *plan;      /* while it runs */
+  dls_solver *solver[MOST_CONTENDERS];
+  int interrupted; /* 1: Ctrl-C ended it; trials that are missing are marked as over time */
+} race;
+
+/* Runs every contender down the ladder, from the coarsest tolerance on, interleaved, the solvers
+ * made once: first once each, then again in turns. A method that gave up is not asked for more
+ * digits. A solve may take limit, and 30 times what the fastest needed. Returns DLS_OK, or an error
+ * of the problem. */
+dls_status race_run(race *a, const dls_contact *contact, const race_plan *plan, dls_error *error);
+void race_free(race *a);
+
+trial *race_trial(const race *a, int k, int rung);
+double *race_answer(const race *a, int k, int rung);
+
+/* Returns the least CPU of those who solved the rung, INFINITY if none did; singles = 1: auto
+ * apart. */
+double race_fastest(const race *a, int rung, int singles);
+
+/* ---- history.c ------------------------------------------------------------------------------- */
+
+enum { HISTORY_POINTS = 600, HISTORY_STAGES = 24 };
+
+/* The residual of a solve as it went on. */
+typedef struct history {
+  int points, every, calls; /* of calls, every so manieth is kept */
+  int iteration[HISTORY_POINTS];
+  double residual[HISTORY_POINTS], seconds[HISTORY_POINTS];
+  int stages, begin[HISTORY_STAGES]; /* iteration at which the stage began */
+  const char *stage[HISTORY_STAGES];
+  int before, last; /* iterations of the stages before; of this one so far */
+} history;
+
+/* Solves once more and records. The last point is the residual of the certificate. */
+dls_status record_history(history *h, dls_solver *solver, const dls_contact *contact, double tol,
+                          double limit, double *r, dls_info *info, dls_error *error);
+
+/* ---- named.c --------------------------------------------------------------------------------- */
+
+/* A contact problem by the name of a file or of a scene. Start from {0}; free it after a failed
+ * load, too. */
+typedef struct named {
+  problem file;
+  dls_fe_scene *scene;
+  dls_reduction *reduction; /* of the scene */
+  dls_contact contact;
+  char name[96]; /* without directories and ending */
+} named;
+
+dls_status named_load(const char *name, named *p, dls_error *error);
+void named_free(named *p);
+
+#endif

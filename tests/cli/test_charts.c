@@ -1,0 +1,281 @@
+/* test_charts.c: chart, map, profile and solve --plot: figures, verdicts, files, exit statuses. */
+#define _GNU_SOURCE
+#include <check.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+
+#include "program.h"
+#include "run.h"
+
+enum { text_room = 400000 };
+
+static int shows(const char *text) {
+  return strstr(output, text) != NULL;
+}
+
+/* Returns the contents of a file of the test's directory, until the next call. */
+static const char *contents(const char *name) {
+  static char text[text_room];
+  char path[200];
+  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
+  FILE *file = fopen(path, "r");
+  ck_assert_msg(file != NULL, "%s is not there", path);
+  text[fread(text, 1, sizeof text - 1, file)] = '\0';
+  (void)fclose(file);
+  return text;
+}
+
+static int count_of(const char *text, const char *part) {
+  int count = 0;
+  for (const char *at = text; (at = strstr(at, part)); at += strlen(part))
+    count++;
+  return count;
+}
+
+/* The number, or the word, behind "name": in the JSON that was printed. */
+static double number_of(const char *name) {
+  char key[64];
+  (void)snprintf(key, sizeof key, "\"%s\": ", name);
+  const char *at = strstr(output, key);
+  ck_assert_msg(at != NULL, "no %s in %s", name, output);
+  return strtod(at + strlen(key), NULL);
+}
+
+/* ---- chart ----------------------------------------------------------------------------------- */
+
+static const char *const charted[] = {"data/failures/c15-slow-splitting.txt",
+                                      "data/failures/c16-three-solutions-3d.txt",
+                                      "data/fclib/FC2D_SliderCrankLagrangian00000.hdf5"};
+static const char *const by_hand[] = {"auto",     "nlgs",    "nlgs -a anderson",
+                                      "newton",   "lemke",   "admm",
+                                      "homotopy", "penalty", "augmented-lagrangian"};
+static const char *const in_table[] = {"auto",     "nlgs",    "nlgs+anderson",
+                                       "newton",   "lemke",   "admm",
+                                       "homotopy", "penalty", "augmented-lagrangian"};
+static const char *const tolerances[] = {"1e-02", "1e-04", "1e-08", "1e-12"};
+
+/* Each row that was asked tells iterations, verdict and residual of `solve --json` at the same
+ * tolerance, to the last bit. */
+START_TEST(chart_tells_what_solve_tells) {
+  char arguments[300], key[80], verdict[40];
+  (void)snprintf(arguments, sizeof arguments, "chart -r 1 %s -o @", charted[_i]);
+  ck_assert_int_eq(run(arguments), 0);
+  const char *csv = contents("chart.csv");
+  int compared = 0;
+  for (size_t k = 0; k < sizeof by_hand / sizeof by_hand[0]; k++)
+    for (size_t t = 0; t < sizeof tolerances / sizeof tolerances[0]; t++) {
+      int asked, iterations;
+      double cpu, residual;
+      char times[20];
+      (void)snprintf(key, sizeof key, "\n%s,%s,", in_table[k], tolerances[t]);
+      const char *row = strstr(csv, key);
+      ck_assert_msg(row != NULL, "no row %s", key);
+      ck_assert_int_eq(sscanf(row + strlen(key), "%39[^,],%d,%lf,%19[^,],%d,%lf", verdict, &asked,
+                              &cpu, times, &iterations, &residual),
+                       6);
+      if (!asked) continue;
+      (void)snprintf(arguments, sizeof arguments, "solve --json -t %s -m %s %s", tolerances[t],
+                     by_hand[k], charted[_i]);
+      const int exit_status = run(arguments);
+      ck_assert_msg(exit_status == (strcmp(verdict, "solved") ? 1 : 0), "%s: %s", arguments,
+                    verdict);
+      ck_assert_msg(number_of("iterations") == iterations, "%s: %d", arguments, iterations);
+      ck_assert_msg(number_of("residual") == residual, "%s: %g", arguments, residual);
+      compared++;
+    }
+  ck_assert_int_ge(compared, 30);
+}
+END_TEST
+
+START_TEST(chart_names_the_method_and_writes_its_files) {
+  ck_assert_int_eq(run("chart -r 1 jean-fig3 -o @/a/b"), 0);
+  ck_assert(shows("\ntake ") && shows("times the fastest") && shows("\nauto  "));
+  ck_assert(shows("errors in r; answer A of "));
+  ck_assert_int_eq(count_of(contents("a/b/chart.csv"), "\n"), 1 + 9 * 13);
+  ck_assert_int_ge(count_of(contents("a/b/history.csv"), "\nnlgs,"), 50);
+  ck_assert_int_ge(count_of(contents("a/b/chart.gp"), "take "), 1);
+  /* every method has a colour of its own in the key */
+  const char *gp = contents("a/b/chart.gp");
+  char colours[16][8];
+  int found = 0;
+  for (size_t k = 0; k < sizeof in_table / sizeof in_table[0]; k++) {
+    char key[64];
+    (void)snprintf(key, sizeof key, "set label '%s' at screen", in_table[k]);
+    const char *at = strstr(gp, key), *colour = at ? strstr(at, "tc rgb '#") : NULL;
+    ck_assert_msg(colour != NULL, "no %s", key);
+    (void)snprintf(colours[found], 8, "%.7s", colour + 8);
+    for (int j = 0; j < found; j++)
+      ck_assert_str_ne(colours[j], colours[found]);
+    found++;
+  }
+}
+END_TEST
+
+START_TEST(rank_deficient_is_measured_in_u) {
+  ck_assert_int_eq(run("chart -r 1 data/fclib/gfc2d_granularflowonwall_00069_00350.hdf5 -o @"), 0);
+  ck_assert(shows("errors in u, W being rank deficient; answer A of "));
+}
+END_TEST
+
+START_TEST(several_answers_are_told) {
+  ck_assert_int_eq(run("chart -r 1 data/failures/c16-three-solutions-3d.txt -o @"), 0);
+  ck_assert(shows("SEVERAL ANSWERS: answer A of ") && shows("; answer B of "));
+}
+END_TEST
+
+/* No solution: auto fails, and the files are there all the same. */
+START_TEST(chart_is_1_where_auto_fails) {
+  ck_assert_int_eq(run("chart -r 1 data/failures/c04-squeezed.txt -o @"), 1);
+  ck_assert(shows("auto: proved none") && shows("true errors are unknown"));
+  ck_assert_int_ge(count_of(contents("chart.csv"), "proved none"), 13);
+}
+END_TEST
+
+/* Without gnuplot: tables are written, one line says what to install, and the exit is as if
+ * drawn. */
+START_TEST(without_gnuplot) {
+  static const char *const calls[] = {
+      "chart -r 1 jean-fig4 -o @/c", "map --rows 3 jean-fig4 -o @/m",
+      "profile -r 1 jean-fig4 -o @/p", "solve data/failures/c20-scales.txt --plot @/s"};
+  static const char *const files[] = {"c/chart.csv", "m/map.csv", "p/profile.csv", "s/history.csv"};
+  char path[4000];
+  (void)snprintf(path, sizeof path, "%s", getenv("PATH"));
+  for (int k = 0; k < 4; k++) {
+    ck_assert_int_eq(setenv("PATH", "/no/such/place", 1), 0);
+    const int status = run(calls[k]);
+    ck_assert_int_eq(setenv("PATH", path, 1), 0);
+    ck_assert_msg(status == 0, "%s: %d: %s", calls[k], status, output);
+    ck_assert_int_eq(count_of(output, "install gnuplot"), 1);
+    ck_assert(!shows("drawn: "));
+    ck_assert_int_ge(count_of(contents(files[k]), "\n"), 3);
+  }
+}
+END_TEST
+
+/* ---- map ------------------------------------------------------------------------------------- */
+
+START_TEST(map_of_friction) {
+  ck_assert_int_eq(run("map jean-fig3 --rows 5 --mu 0:4 -o @"), 0);
+  const char *csv = contents("map.csv");
+  ck_assert_int_eq(count_of(csv, "\n"), 1 + 6 * 9); /* 1 is the scene's own */
+  ck_assert_int_eq(count_of(csv, ",auto,solved,"), 6);
+  ck_assert_int_eq(count_of(csv, "1 (own),1,"), 9);
+  ck_assert_int_eq(count_of(csv, ",penalty,iterations,"), 6);
+  ck_assert_int_ge(count_of(contents("map.gp"), "one answer for all loads below 0.22"), 1);
+  ck_assert_int_ge(count_of(contents("map.gp"), "some candidate jams above 2.8"), 1);
+}
+END_TEST
+
+/* A wedge jams from a friction on: auto says so, and no other method is better. */
+START_TEST(map_of_a_wedge_that_jams) {
+  ck_assert_int_eq(run("map data/failures/c03-jam-below.txt --rows 9 --mu 0:3 -o @"), 0);
+  const char *csv = contents("map.csv");
+  ck_assert_int_ge(count_of(csv, ",auto,solved,"), 2);
+  ck_assert_int_ge(count_of(csv, ",auto,likely none,"), 1);
+  ck_assert_int_ge(count_of(contents("map.gp"), "last reached by continuation"), 1);
+}
+END_TEST
+
+START_TEST(map_of_problems) {
+  ck_assert_int_eq(run("map data/failures/c04-squeezed.txt data/failures/c20-scales.txt -o @"), 0);
+  const char *csv = contents("map.csv");
+  ck_assert_int_eq(count_of(csv, ",auto,proved none,"), 1);
+  ck_assert_int_eq(count_of(csv, "c20-scales,"), 9);
+}
+END_TEST
+
+START_TEST(map_against_rank) {
+  ck_assert_int_eq(run("map data/failures/c20-scales.txt --against rank --samples 2 --rows 2 -o @"),
+                   0);
+  const char *csv = contents("map.csv");
+  ck_assert_int_eq(count_of(csv, "\n"), 1 + 2 * 7 * 9);
+  ck_assert_int_eq(count_of(csv, ",1,auto,1\n"), 2); /* full rank: all solved */
+}
+END_TEST
+
+START_TEST(map_of_a_scene_in_steps) {
+  ck_assert_int_eq(run("map extrusion --rows 2 --mu 0.05:0.1 --limit 0.5 -o @") & ~1, 0);
+  ck_assert_int_eq(count_of(contents("map.csv"), "\n"), 1 + 2 * 6);
+}
+END_TEST
+
+/* Ctrl-C in a long map: what is done is drawn. */
+START_TEST(interrupted_map_is_drawn) {
+  const char *program = getenv("DELASSUS_PROGRAM");
+  char command[600];
+  (void)snprintf(command, sizeof command,
+                 "timeout -s INT 2 %s map jean-fig3 --against condition --samples 100000 -o %s "
+                 ">%s/log 2>&1",
+                 program ? program : "build/delassus", directory, directory);
+  const int status = system(command);
+  ck_assert(WIFEXITED(status) && WEXITSTATUS(status) == 124); /* ended by timeout */
+  ck_assert_int_ge(count_of(contents("log"), "drawn: ") + count_of(contents("log"), "gnuplot"), 1);
+  ck_assert_int_lt(count_of(contents("map.csv"), "\n"), 1 + 7 * 7 * 9);
+  (void)contents("map.gp");
+}
+END_TEST
+
+/* ---- profile, plot --------------------------------------------------------------------------- */
+
+START_TEST(profile_counts) {
+  ck_assert_int_eq(
+      run("profile -r 1 jean-fig3 jean-fig4 data/failures/c11-gauss-seidel-cycle.txt -o @"), 0);
+  ck_assert(shows("auto over the fastest single method, 3 problems"));
+  ck_assert(shows("solved by auto alone 0, by others only 0 of 21"));
+  const char *gp = contents("profile.gp");
+  ck_assert_int_eq(count_of(gp, "'auto  3/3'"), 3);
+  ck_assert_int_eq(count_of(gp, "'nlgs  2/3'"), 3); /* it cycles on one */
+  ck_assert_int_eq(count_of(contents("profile.csv"), "\n"), 1 + 3 * 9 * 7);
+  ck_assert_int_eq(run("profile -r 1 jean-fig3 data/failures/c04-squeezed.txt -o @"), 1);
+}
+END_TEST
+
+START_TEST(solve_plots_its_history) {
+  ck_assert_int_eq(run("solve data/fclib/FC2D_SliderCrankLagrangian00000.hdf5 --plot @/h"), 0);
+  ck_assert_int_ge(count_of(contents("h/history.csv"), "\n"), 2);
+  ck_assert_int_ge(count_of(contents("h/history.gp"), "title 'nlgs'"), 1);
+}
+END_TEST
+
+START_TEST(wrong_use_is_2) {
+  static const char *const wrong[] = {"chart",
+                                      "chart a b",
+                                      "chart /no/such.hdf5",
+                                      "chart jean-fig3 --repeat 0",
+                                      "chart jean-fig3 --limit x",
+                                      "chart jean-fig3 -r 1 -o /dev/null/x",
+                                      "chart data/failures/l01-cycling.txt",
+                                      "map",
+                                      "map /no/such.hdf5",
+                                      "map jean-fig3 --mu 3:1",
+                                      "map jean-fig3 --mu 3",
+                                      "map jean-fig3 --rows 0",
+                                      "map jean-fig3 --against time",
+                                      "map jean-fig3 jean-fig4 --against rank",
+                                      "map indentation --against rank",
+                                      "map indentation jean-fig3",
+                                      "map indentation --method simplex -o /tmp",
+                                      "map jean-fig3 --rows 2 -o /dev/null/x",
+                                      "profile",
+                                      "profile /no/such.hdf5 -o @",
+                                      "profile jean-fig3 -o /dev/null/x",
+                                      "solve Makefile --plot /dev/null/x",
+                                      "solve data/failures/c20-scales.txt --plot @ --history @/h"};
+  for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
+    ck_assert_msg(run(wrong[k]) == 2, "delassus %s: %s", wrong[k], output);
+    ck_assert_msg(shows("delassus"), "delassus %s says: %s", wrong[k], output);
+  }
+}
+END_TEST
+
+int main(void) {
+  return RUN("charts", make_directory, remove_directory, EACH(chart_tells_what_solve_tells, 0, 3),
+             ONCE(chart_names_the_method_and_writes_its_files),
+             ONCE(rank_deficient_is_measured_in_u), ONCE(several_answers_are_told),
+             ONCE(chart_is_1_where_auto_fails), ONCE(without_gnuplot), ONCE(map_of_friction),
+             ONCE(map_of_a_wedge_that_jams), ONCE(map_of_problems), ONCE(map_against_rank),
+             ONCE(map_of_a_scene_in_steps), ONCE(interrupted_map_is_drawn), ONCE(profile_counts),
+             ONCE(solve_plots_its_history), ONCE(wrong_use_is_2));
+}
