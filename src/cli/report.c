@@ -58,6 +58,7 @@ const char *status_word(dls_status status) {
       [DLS_RAY] = "ray",
       [DLS_NO_SOLUTION] = "no_solution",
       [DLS_NO_SOLUTION_LIKELY] = "no_solution_likely",
+      [DLS_FOLDED] = "folded",
   };
   return status < 0 ? "error" : words[status];
 }
