@@ -29,6 +29,15 @@ typedef enum dls_forming_contact {
   DLS_FORMING_PENALTY = 4               /* stiffer springs, no multipliers */
 } dls_forming_contact;
 
+/* Ways by which the linearised problems of a step are solved. Method auto tries the first three in
+ * turn before it halves a step; every other method has one way. */
+typedef enum dls_forming_way {
+  DLS_FORMING_ON_K = 0,     /* auto: Newton's method on K, W where that does not settle */
+  DLS_FORMING_ON_W = 1,     /* auto: auto on W */
+  DLS_FORMING_BY_LEMKE = 2, /* auto: Lemke's method on W */
+  DLS_FORMING_BY_METHOD = 3 /* the method of the settings */
+} dls_forming_way;
+
 /* Fill by dls_forming_settings_init, then change what you like; NULL in their place: the
  * defaults. */
 typedef struct dls_forming_settings {
@@ -39,7 +48,9 @@ typedef struct dls_forming_settings {
   int clamped;                 /* indentation: the bottom sticks to its support; 0 */
   int standard;                /* 1: standard elements instead of Q4/P0, to see locking; 0 */
   int keep_trace;              /* update (13) as printed instead of det be = 1; 0 */
+  double ram_mu;               /* extrusion: friction at the ram; >= 0; 0 */
   double tol;                  /* on equilibrium and certificate; > 0; 1e-9 */
+  double step_tol;             /* on the error of a step, below; < 1; 0: not estimated; 0 */
   dls_forming_contact contact; /* DLS_FORMING_CONDENSED */
   dls_method method; /* of the condensed problem; DLS_LEMKE. DLS_AUTO: on K itself first */
 } dls_forming_settings;
@@ -61,18 +72,55 @@ DLS_API DLS_MUST_USE dls_status dls_forming_create(dls_forming **out, const char
                                                    const dls_forming_settings *settings,
                                                    dls_error *error);
 
-/* Takes the next step. A step that fails is taken in two halves, and so on, six times. Halves are
- * another load path, with another plastic answer; which of very large steps are halved can depend
- * on rounding, and so on the machine.
+/* Takes the next step. A step that fails is tried in the other ways (dls_forming_way), then taken in
+ * two halves, and so on, six times. Halves are another load path, with another plastic answer;
+ * which of very large steps are halved can depend on rounding, and so on the machine.
+ *
+ * With step_tol > 0 every part of a step is taken once more, in two halves, which are kept if both
+ * forces differ by at most step_tol times the largest force so far, times the part of the whole
+ * way; else each half is taken in this manner, six times, too. Without it that is done where the
+ * force jumps, by more than a quarter of the largest one so far beside its trend, to confirm that.
  *
  * DLS_OK: equilibrium and certificate hold to the tolerance (penalty: equilibrium and the law of
- * the springs hold; the certificate shows the penalty's error). DLS_STALLED: the smallest parts
- * have failed, too: the state is the last good one, somewhere within the step, and the next call
- * tries again. DLS_E_ARGUMENT: all steps are done. DLS_E_MEMORY: unlike a solver, a step allocates,
- * for the reduction. */
+ * the springs hold; the certificate shows the penalty's error), and the body is one: see
+ * dls_forming_fault_kind. DLS_FOLDED: at the end of the smallest part it is none. DLS_STALLED: the
+ * smallest parts have failed, too. In both cases data.fault says where and why, and the state is
+ * the last good one, somewhere within the step; the next call tries again. DLS_E_ARGUMENT: all
+ * steps are done. DLS_E_MEMORY: unlike a solver, a step allocates, for the reduction. */
 DLS_API DLS_MUST_USE dls_status dls_forming_step(dls_forming *forming, dls_error *error);
 
 DLS_API void dls_forming_destroy(dls_forming *forming); /* NULL is fine */
+
+/* Reasons for which a step is refused. Elements, corners and nodes count from 0, as in the files
+ * for ParaView. */
+typedef enum dls_forming_fault_kind {
+  DLS_FORMING_NO_FAULT = 0,
+  DLS_FORMING_CORNER,   /* an element is turned inside out at a corner (DLS_FOLDED, as the next) */
+  DLS_FORMING_SIDE,     /* a node is beyond the axis, a plane of symmetry or the floor */
+  DLS_FORMING_INSIDE,   /* a node of the boundary is inside a tool */
+  DLS_FORMING_CROSSING, /* the boundary crosses itself */
+  DLS_FORMING_BALANCE,  /* the forces on the body do not add up to zero */
+  DLS_FORMING_ENERGY,   /* the energy of the step does not add up */
+  DLS_FORMING_JUMP,     /* the force jumps, and halving the step does not confirm it */
+  DLS_FORMING_ELEMENT,  /* Newton's method turns an element inside out (DLS_STALLED, as the next) */
+  DLS_FORMING_NEWTON    /* Newton's method does not contract */
+} dls_forming_fault_kind;
+
+typedef struct dls_forming_fault {
+  dls_forming_fault_kind kind;
+  int element, corner, node; /* -1: none */
+  double travel;             /* that the refused step should have reached; length */
+  double value;              /* twice the area at the corner, depth, imbalance, .. */
+  char text[96];             /* "element 37, corner 2 is inside out" */
+} dls_forming_fault;
+
+/* A tool or a support: what presses on the body from outside. */
+typedef struct dls_forming_tool {
+  const char *name;
+  double force[2];       /* on the body, (x, y)                     force */
+  int points;            /* of its outline, counterclockwise; 0: none is drawn */
+  const double *outline; /* 2 * points, where it stands      length */
+} dls_forming_tool;
 
 typedef struct dls_forming_mesh {
   int nodes, quads;
@@ -84,6 +132,9 @@ typedef struct dls_forming_mesh {
 typedef struct dls_forming_count {
   int parts;      /* steps, those of halved steps counted each */
   int halvings;   /* steps that were halved */
+  int handed;     /* steps that another way than the first one has solved */
+  int compared;   /* steps that were compared with two halves */
+  int held;       /* nodes that the ram takes along, of the last step */
   int frames;     /* passes of the contact loop; augmentations */
   int newton;     /* steps of Newton's method: linearised contact problems */
   int reductions; /* condensations of K to W */
@@ -114,6 +165,7 @@ typedef struct dls_forming_data {
   const double *reaction;     /* 2 * nodes, on the body, (x, y)             force */
   int candidates;
   const int *candidate_node;    /* candidates */
+  const int *candidate_tool;    /* candidates */
   const double *normal;         /* 2 * candidates; the tangent is (n_2, -n_1) */
   const double *u;              /* 2 * candidates: gap, slip of the step      length */
   const double *r;              /* 2 * candidates: r_n, r_t                   force */
@@ -122,7 +174,15 @@ typedef struct dls_forming_data {
   double equilibrium;           /* |F - H r| / |F| of the last step */
   dls_certificate certificate;  /* each candidate with the others frozen, as in primal.h */
   double worst_equilibrium, worst_residual; /* of all steps */
-  int residuals; /* of the last equilibrium loop: |F - H r| / |F| before .. */
+  double balance, worst_balance; /* |sum of all forces on the body| over the sum of their sizes;
+                                    axisymmetric: along the axis */
+  double step_error;             /* with step_tol: estimate of the error of the force, summed over
+                                    the steps                 force */
+  dls_forming_way way;           /* that solved the last step */
+  dls_forming_fault fault;       /* of the last step that was refused */
+  int tools;
+  const dls_forming_tool *tool; /* tools */
+  int residuals;                /* of the last equilibrium loop: |F - H r| / |F| before .. */
   double residual[DLS_FORMING_MOST_STEPS + 1]; /* .. each step and at its end */
   dls_forming_count count;
   dls_forming_cpu cpu;

@@ -19,6 +19,7 @@ static const status_words words[] = {
     {DLS_NO_SOLUTION, "DLS_NO_SOLUTION", "no solution exists"},
     {DLS_NO_SOLUTION_LIKELY, "DLS_NO_SOLUTION_LIKELY", "no solution likely"},
     {DLS_TIME_LIMIT, "DLS_TIME_LIMIT", "time limit reached"},
+    {DLS_FOLDED, "DLS_FOLDED", "mesh folded"},
     {DLS_E_ARGUMENT, "DLS_E_ARGUMENT", "invalid argument"},
     {DLS_E_SIZE, "DLS_E_SIZE", "sizes do not fit"},
     {DLS_E_NOT_FINITE, "DLS_E_NOT_FINITE", "NaN or Inf in the input"},

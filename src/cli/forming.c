@@ -161,6 +161,8 @@ static void print_forming_summary(const forming_options *o, const dls_forming_da
   const dls_forming_energy *e = &d->energy;
   printf("\n%s by %s: %s at %.6g of %.6g mm\n", o->name, o->method, dls_status_text(status),
          d->travel, d->whole);
+  if (d->fault.kind && status > 0)
+    printf("refused at %.6g mm: %s\n", d->fault.travel, d->fault.text);
   printf("%d steps, %d halved; %d frame updates, %d Newton steps, %d condensations, %d iterations "
          "of the method\n",
          d->count.parts, d->count.halvings, d->count.frames, d->count.newton, d->count.reductions,

@@ -73,6 +73,7 @@ const char *status_word(dls_status status) {
       [DLS_NO_SOLUTION] = "no_solution",
       [DLS_NO_SOLUTION_LIKELY] = "no_solution_likely",
       [DLS_TIME_LIMIT] = "time_limit",
+      [DLS_FOLDED] = "folded",
   };
   return status < 0 ? "error" : words[status];
 }

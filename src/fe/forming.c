@@ -1,7 +1,7 @@
 /*
- * forming.c: runs the loops of [Chabrand 1998] Table 1.
+ * forming.c: runs the loops of a step of [Chabrand 1998] Table 1.
  *
- *   loading loop: from load0 to load, in two halves where it fails, and so on, six times     (FO1)
+ *   loading loop: forming_step.c                                                           (FO1)
  *     x := x0 and the last step's displacement once more, r := r0                            (FO2)
  *     contact loop: frames n, t and gaps at x; augmented Lagrangian: multipliers := r        (FO3)
  *       equilibrium loop, frames frozen:
@@ -12,6 +12,10 @@
  *     states, x0, r0 := those at x                                                           (FO6)
  *
  *   u_n = gap + n.(x - anchor),   u_t = t.(x - x0 - motion of the obstacle since load0)      (FO7)
+ *
+ * Where the last obstacle is a plane that moves, the ram, the loop ends with a look at the nodes of
+ * the boundary: those beyond the plane are taken along from now on, a support of y; those that the
+ * plane would pull are let go; with a change the loop goes on                              (FO9)
  *
  * Laws hold if the certificate of contact.h does for each candidate with the others frozen,
  * W_cc = 2 / trace(K_cc), as in primal.h. (FO5) halves s while an element is inside out or, three
@@ -36,12 +40,11 @@
 
 #include "forming_internal.h"
 
-enum { most_halvings = 6, most_frames = 40, most_cuts = 8, cuts_for_balance = 3 };
+enum { most_frames = 40, most_cuts = 8, cuts_for_balance = 3, most_turns = 2 };
 
 /* ---- forces ---------------------------------------------------------------------------------- */
 
-/* Assembles F, K, new states and energy at x; returns 0 if an element fails. */
-static int forming_assemble(dls_forming *f) {
+int dlsi_forming_assemble(dls_forming *f) {
   const double start = dlsi_forming_seconds();
   double *K = f->band.a;
   int good = 1;
@@ -58,7 +61,10 @@ static int forming_assemble(dls_forming *f) {
     const dlsi_q4 element = {f->axisymmetric, f->settings.standard, X, x};
     good = dlsi_q4_forces(&element, &f->solid, f->old + 4 * e, f->now + 4 * e, Fe, Ke, energy,
                           f->stress + 16 * e);
-    if (!good) break;
+    if (!good) {
+      f->inside_out = e;
+      break;
+    }
     f->elastic += energy[0];
     f->plastic += energy[1];
     for (int l = 0; l < 8; l++) {
@@ -77,8 +83,7 @@ static int forming_assemble(dls_forming *f) {
   return good;
 }
 
-/* y += H r; y: n. */
-static void forming_push(const dls_forming *f, const double *r, double *y) {
+void dlsi_forming_push(const dls_forming *f, const double *r, double *y) {
   for (int c = 0; c < f->nc; c++)
     for (int i = 0; i < 2; i++)
       y[2 * f->candidate[c] + i] +=
@@ -89,7 +94,7 @@ static void forming_push(const dls_forming *f, const double *r, double *y) {
 static double forming_imbalance(const dls_forming *f) {
   double sum = 0;
   memset(f->rhs, 0, (size_t)f->n * sizeof *f->rhs);
-  forming_push(f, f->r, f->rhs);
+  dlsi_forming_push(f, f->r, f->rhs);
   dlsi_forming_turn(f, f->rhs);
   for (int i = 0; i < f->n; i++) {
     const double d = f->F[i] - f->rhs[i];
@@ -110,9 +115,10 @@ static double forming_equilibrium(const dls_forming *f) {
 static void forming_set_frames(dls_forming *f) { /* (FO3) */
   for (int c = 0; c < f->nc; c++) {
     const double *x = f->x + 2 * f->candidate[c];
-    const double seen[2] = {x[0] - f->load * f->way[0], x[1] - f->load * f->way[1]};
+    const dlsi_rigid *rigid = &f->rigid[f->meets[c]];
+    const double seen[2] = {x[0] - f->load * rigid->way[0], x[1] - f->load * rigid->way[1]};
     double *n = f->normal + 2 * c, curvature;
-    f->gap[c] = dlsi_obstacle_gap(&f->obstacle, seen, n, &curvature);
+    f->gap[c] = dlsi_obstacle_gap(&rigid->profile, seen, n, &curvature);
     f->bend[c] = curvature * f->r[2 * c];
     f->tangent[2 * c] = n[1];
     f->tangent[2 * c + 1] = -n[0];
@@ -126,9 +132,10 @@ static void forming_set_positions(dls_forming *f) { /* (FO7) */
   for (int c = 0; c < f->nc; c++) {
     const int i = 2 * f->candidate[c];
     const double *n = f->normal + 2 * c, *t = f->tangent + 2 * c, *a = f->anchor + 2 * c;
+    const double *way = f->rigid[f->meets[c]].way;
     f->u[2 * c] = f->gap[c] + n[0] * (f->x[i] - a[0]) + n[1] * (f->x[i + 1] - a[1]);
-    f->u[2 * c + 1] = t[0] * (f->x[i] - f->x0[i] - since * f->way[0]) +
-                      t[1] * (f->x[i + 1] - f->x0[i + 1] - since * f->way[1]);
+    f->u[2 * c + 1] = t[0] * (f->x[i] - f->x0[i] - since * way[0]) +
+                      t[1] * (f->x[i + 1] - f->x0[i + 1] - since * way[1]);
   }
 }
 
@@ -188,7 +195,7 @@ static void forming_move(dls_forming *f, double s) {
 /* Assembles at x and returns 1 if (FO5) takes the step.
  *   before: in, the imbalance before the step; grow: in, 1 if it may grow */
 static int forming_acceptable(dls_forming *f, double before, int grow) {
-  if (!forming_assemble(f)) return 0;
+  if (!dlsi_forming_assemble(f)) return 0;
   return grow || forming_imbalance(f) <= before || forming_equilibrium(f) <= f->settings.tol;
 }
 
@@ -227,13 +234,56 @@ static int forming_start(dls_forming *f) {
   memcpy(f->r, f->r0, 2 * (size_t)f->nc * sizeof *f->r);
   for (int i = 0; i < f->n; i++)
     f->x[i] = f->x0[i] + ahead * (f->x0[i] - f->before[i]);
-  if (ahead > 0 && forming_assemble(f)) return 1;
+  if (ahead > 0 && dlsi_forming_assemble(f)) return 1;
   memcpy(f->x, f->x0, (size_t)f->n * sizeof *f->x);
-  return forming_assemble(f);
+  return dlsi_forming_assemble(f);
 }
 
-/* Runs the contact loop at f->load. */
-static dls_status forming_contact_loop(dls_forming *f, dls_error *error) {
+double dlsi_forming_held_friction(const dls_forming *f, int c) {
+  const double slip = f->u[2 * c + 1];
+  return !f->held[f->candidate[c]] || slip == 0
+             ? 0
+             : (slip > 0 ? -1 : 1) * f->settings.mu * f->r[2 * c];
+}
+
+int dlsi_forming_worst_node(const dls_forming *f) {
+  int worst = 0;
+  double largest = 0;
+  for (int i = 0; i < f->n; i++) {
+    const double d = fabs(f->F[i] - f->rhs[i]);
+    if (f->fixed[i] || !(d > largest)) continue;
+    largest = d;
+    worst = i / 2;
+  }
+  return worst;
+}
+
+/* Takes along what has met the moving plane and lets go what the plane would pull; returns 1 if a
+ * node has changed. */
+static int forming_renew_holds(dls_forming *f) { /* (FO9) */
+  int changed = 0;
+  if (!f->holds) return 0;
+  const dlsi_rigid *plane = &f->rigid[f->rigids - 1];
+  const double y = plane->piece[0].a[1] + f->load * plane->way[1];
+  for (int k = 0; k < f->edges; k++) {
+    const int node = f->edge[k], i = 2 * node + 1, c = f->candidate_of[node];
+    if ((c >= 0 && f->meets[c] == f->rigids - 1) || f->turns[node] == most_turns) continue;
+    double pull = f->F[i];
+    if (c >= 0)
+      pull -= f->normal[2 * c + 1] * f->r[2 * c] +
+              f->tangent[2 * c + 1] * dlsi_forming_held_friction(f, c);
+    const int on = f->held[node] ? !(pull > 0) : f->x[i] > y;
+    if (on == f->held[node]) continue;
+    dlsi_forming_hold(f, node, on);
+    f->turns[node]++;
+    changed = 1;
+  }
+  return changed;
+}
+
+dls_status dlsi_forming_contact_loop(dls_forming *f, dls_error *error) {
+  memset(f->turns, 0, (size_t)f->mesh.nodes * sizeof *f->turns);
+  f->inside_out = -1;
   if (!forming_start(f)) return DLS_STALLED;
   dlsi_forming_set_springs(f);
   double away = 1;
@@ -243,7 +293,9 @@ static dls_status forming_contact_loop(dls_forming *f, dls_error *error) {
     forming_set_positions(f);
     if (pass > 0) {
       const int done = forming_holds(f, error);
-      if (done) return done < 0 ? (dls_status)done : DLS_OK;
+      if (done < 0) return (dls_status)done;
+      if (done && !forming_renew_holds(f)) return DLS_OK;
+      if (done) away = 1;
     }
     f->data.count.frames++;
     const dls_status status = forming_equilibrate(f, &away, error);
@@ -252,102 +304,10 @@ static dls_status forming_contact_loop(dls_forming *f, dls_error *error) {
   return DLS_STALLED;
 }
 
-/* ---- end of a step --------------------------------------------------------------------------- */
-
-/* Adds the friction on nodes that their support drives along the obstacle; nothing moves by it. */
-static void forming_add_driven_friction(dls_forming *f) {
-  for (int c = 0; c < f->nc; c++) {
-    const double slip = f->u[2 * c + 1];
-    if (f->driven[c] && slip != 0)
-      f->r[2 * c + 1] = (slip > 0 ? -1 : 1) * f->settings.mu * f->r[2 * c];
-  }
-}
-
-/* Returns the force against the motion: power at unit rate of load over the length of the way. */
-static double forming_resistance(dls_forming *f) {
-  double power = 0;
-  memset(f->reaction, 0, (size_t)f->n * sizeof *f->reaction);
-  forming_push(f, f->r, f->reaction);
-  for (int i = 0; i < f->n; i++)
-    power += f->reaction[i] * f->way[i % 2] + (f->F[i] - f->reaction[i]) * f->drive[i];
-  return power / f->whole;
-}
-
-/* Makes x and r the end of a step: books work and energies, fills the views. */
-static void forming_commit(dls_forming *f) { /* (FO6) */
-  dls_forming_data *d = &f->data;
-  const size_t n = (size_t)f->n, m = 2 * (size_t)f->nc, points = 4 * (size_t)f->mesh.quads;
-  const double force0 = d->force;
-  forming_add_driven_friction(f);
-  d->force = forming_resistance(f);
-  d->travel = f->load * f->whole;
-  d->energy.external += (force0 + d->force) / 2 * f->whole * (f->load - f->load0);
-  d->energy.elastic = f->elastic;
-  d->energy.plastic = f->plastic;
-  for (int c = 0; c < f->nc; c++)
-    d->energy.friction -= (f->r0[2 * c + 1] + f->r[2 * c + 1]) / 2 * f->u[2 * c + 1];
-  for (size_t k = 0; k < points; k++)
-    f->plastic_strain[k] = f->now[k].ep;
-  for (size_t i = 0; i < n; i++)
-    f->displacement[i] = f->x[i] - f->mesh.xy[i];
-  d->worst_equilibrium = fmax(d->worst_equilibrium, d->equilibrium);
-  d->worst_residual = fmax(d->worst_residual, d->certificate.residual);
-  d->count.parts++;
-  f->part = f->load - f->load0;
-  f->load0 = f->load;
-  memcpy(f->before, f->x0, n * sizeof *f->x);
-  memcpy(f->x0, f->x, n * sizeof *f->x);
-  memcpy(f->r0, f->r, m * sizeof *f->r);
-  memcpy(f->old, f->now, points * sizeof *f->old);
-}
-
-/* Goes back to the last good state, which the views then show, with slips of no step. */
-static dls_status forming_restore(dls_forming *f, dls_error *error) {
-  f->load = f->load0;
-  memcpy(f->x, f->x0, (size_t)f->n * sizeof *f->x);
-  memcpy(f->r, f->r0, 2 * (size_t)f->nc * sizeof *f->r);
-  (void)forming_assemble(f); /* x0 could be assembled before */
+void dlsi_forming_show(dls_forming *f) {
+  (void)dlsi_forming_assemble(f);
   forming_set_frames(f);
   forming_set_positions(f);
-  f->data.equilibrium = forming_equilibrium(f);
-  return forming_certify(f, error);
-}
-
-/* Advances from load0 to `load`. halvings: in, how often the step has been halved so far. */
-static dls_status forming_advance(dls_forming *f, double load, int halvings,
-                                  dls_error *error) { /* (FO1) */
-  f->load = load;
-  dls_status status = forming_contact_loop(f, error);
-  if (status == DLS_OK) forming_commit(f);
-  if (status <= DLS_OK || halvings == most_halvings) return status;
-  f->data.count.halvings++;
-  f->part = 0;
-  const double middle = f->load0 + (load - f->load0) / 2;
-  status = forming_advance(f, middle, halvings + 1, error);
-  return status ? status : forming_advance(f, load, halvings + 1, error);
-}
-
-static dls_status forming_take_step(dls_forming *f, dls_error *error) {
-  const int step = f->step + 1, steps = f->settings.steps;
-  if (step > steps)
-    return dlsi_fail(error, DLS_E_ARGUMENT, "forming", -1, steps, "has done all of its %d steps",
-                     steps);
-  const dls_status status = forming_advance(f, (double)step / steps, 0, error);
-  if (status == DLS_OK) {
-    f->step = step;
-    return DLS_OK;
-  }
-  const dls_status restored = forming_restore(f, error);
-  return restored ? restored : status;
-}
-
-dls_status dls_forming_step(dls_forming *forming, dls_error *error) {
-  if (!forming) return dlsi_at(__func__, dlsi_is_null(error, "forming"), error);
-  return dlsi_at(__func__, forming_take_step(forming, error), error);
-}
-
-void dls_forming_get(const dls_forming *forming, dls_forming_data *data) {
-  if (data) *data = forming ? forming->data : (dls_forming_data){0};
 }
 
 dls_status dls_forming_problem(const dls_forming *forming, dls_contact *problem, dls_error *error) {

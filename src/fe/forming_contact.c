@@ -88,6 +88,7 @@ static dls_status solve_condensed(dls_forming *f, dls_error *error) {
   model.operator_kind = DLS_HOST_SOLVER;
   model.solve = dlsi_band_solve;
   model.user = &f->band;
+  dls_solver *solver = f->way == DLS_FORMING_BY_LEMKE ? f->last_resort : f->solver;
   dls_reduction *reduction;
   dls_contact problem = {0};
   dls_info info = {0};
@@ -95,7 +96,7 @@ static dls_status solve_condensed(dls_forming *f, dls_error *error) {
   if (!status) status = dls_reduction_load(reduction, f->rhs, f->chosen.u, error);
   if (!status) status = dls_reduction_contact(reduction, f->chosen.mu, &problem, error);
   const double reduced = dlsi_forming_seconds();
-  if (!status) status = dls_solver_solve(f->solver, &problem, f->chosen.r, NULL, &info, error);
+  if (!status) status = dls_solver_solve(solver, &problem, f->chosen.r, NULL, &info, error);
   const double solved = dlsi_forming_seconds();
   if (status >= 0) status = dls_reduction_recover(reduction, f->chosen.r, f->dx, error);
   dls_reduction_destroy(f->reduction);
@@ -433,8 +434,7 @@ dls_status dlsi_forming_direction(dls_forming *f, dls_error *error) {
   subtract_turn(f);
   for (int i = 0; i < f->n; i++)
     if (f->fixed[i])
-      dlsi_band_support(&f->band, i, f->mesh.xy[i] + f->load * f->drive[i] - f->x[i], f->rhs);
+      dlsi_band_support(&f->band, i, f->rest[i] + f->load * f->drive[i] - f->x[i], f->rhs);
   if (dlsi_forming_springs(f)) return settle_branches(f, most_branches) < 0 ? DLS_STALLED : DLS_OK;
-  const int on_K = f->settings.contact == DLS_FORMING_CONDENSED && f->settings.method == DLS_AUTO;
-  return on_K && solve_on_K(f) ? DLS_OK : solve_chosen(f, error);
+  return f->way == DLS_FORMING_ON_K && solve_on_K(f) ? DLS_OK : solve_chosen(f, error);
 }

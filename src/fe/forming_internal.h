@@ -1,6 +1,7 @@
 /*
- * forming_internal.h: declares what a forming scene holds. forming_scene.c builds it, forming.c
- * runs the loops on it, forming_contact.c solves the linearised contact problems for forming.c.
+ * forming_internal.h: declares what a forming scene holds. forming_scene.c builds it,
+ * forming_step.c takes its steps, forming.c runs the loops of a step, forming_contact.c solves the
+ * linearised contact problems, forming_body.c certifies the body, forming_tools.c its tools.
  */
 #ifndef DLSI_FORMING_INTERNAL_H
 #define DLSI_FORMING_INTERNAL_H
@@ -12,7 +13,14 @@
 #include "delassus/reduction.h"
 #include "solid.h"
 
-enum { dlsi_most_pieces = 3 };
+enum { dlsi_most_pieces = 3, dlsi_most_obstacles = 2 };
+
+/* A rigid obstacle that candidates may touch. */
+typedef struct dlsi_rigid {
+  dlsi_piece piece[dlsi_most_pieces];
+  dlsi_obstacle profile; /* where it stands at load 0 */
+  double way[2];         /* of the obstacle up to load 1 */
+} dlsi_rigid;
 
 /* The candidates that a linearised problem is solved on, one after the other. */
 typedef struct dlsi_chosen {
@@ -23,6 +31,13 @@ typedef struct dlsi_chosen {
   double *u, *r, *mu;       /* 2 nc, 2 nc, nc */
 } dlsi_chosen;
 
+enum { dlsi_most_tools = 4, dlsi_most_outline = 64 };
+
+/* The end of a step before it is taken for good. */
+typedef struct dlsi_book {
+  double force, external, friction; /* force; work of the step */
+} dlsi_book;
+
 /* A forming scene. A load is the part of the whole way that is behind, 0 to 1. n = 2 * nodes
  * unknowns, supported ones included; nc candidates. */
 struct dls_forming {
@@ -31,18 +46,29 @@ struct dls_forming {
   dls_forming_mesh mesh;
   int axisymmetric, n, nc;
   dlsi_solid solid;
-  dlsi_piece piece[dlsi_most_pieces];
-  dlsi_obstacle obstacle; /* where it stands at load 0 */
-  double way[2];          /* of the obstacle up to load 1 */
-  double whole;           /* length of the way of obstacle or ram */
-  int *fixed;             /* n     1: supported or driven */
-  double *drive;          /* n     displacement of a fixed unknown at load 1 */
-  int *candidate;         /* nc    node */
-  double *mu;             /* nc    0 at a node that is supported along its tangent */
-  int *driven;            /* nc    1 at one that its support drives along */
+  dlsi_rigid rigid[dlsi_most_obstacles]; /* the last one moves */
+  int rigids;
+  double whole;   /* length of the way of the last obstacle */
+  int holds;      /* 1: the last obstacle is a plane y = const that takes along what it meets */
+  double low[2];  /* planes of symmetry and of support: a body has x >= low[0], y >= low[1] */
+  int *fixed;     /* n     1: supported or driven */
+  double *rest;   /* n     position of a fixed unknown at load 0 */
+  double *drive;  /* n     displacement of a fixed unknown at load 1 */
+  int *candidate; /* nc    node */
+  int *meets;     /* nc    obstacle of the candidate */
+  int *candidate_tool; /* nc    tool of the candidate, as shown */
+  double *mu;          /* nc    0 at a node that is supported along its tangent */
+  int edges;
+  int *edge;         /* edges  nodes of the boundary, counterclockwise */
+  int *held;         /* nodes 1: the last obstacle takes the node along */
+  int *held0;        /* nodes at the end of the last step */
+  int *turns;        /* nodes how often the step has changed it */
+  int *candidate_of; /* nodes: the candidate, -1: none */
   /* the state; names with 0: at the end of the last step */
   int step;
   double load0, load;
+  dls_forming_way way;             /* by which the linearised problems are solved */
+  int inside_out;                  /* element that failed last */
   double part;                     /* load gone in the last step or part; 0 after a failure */
   dlsi_point *old, *now;           /* 4 * quads */
   double *before, *x0, *x;         /* n     positions; before: one step before x0 */
@@ -63,6 +89,7 @@ struct dls_forming {
   double *next_r, *start_r;   /* 2 nc */
   dlsi_chosen chosen;
   dls_solver *solver;       /* of the condensed problem */
+  dls_solver *last_resort;  /* auto: Lemke's method, else NULL */
   dls_reduction *reduction; /* of the last condensed problem, NULL before the first */
   dls_contact problem;
   int *Kp, *Ki; /* Gauss-Seidel: the symmetric part of K by columns */
@@ -70,12 +97,61 @@ struct dls_forming {
   double *lambda, *eps; /* springs: 2 nc, nc */
   double *trial_u;      /* 2 nc */
   int *branch;          /* nc */
+  dlsi_book book;
+  double largest;        /* force so far */
+  double slope;          /* of the force over the load, in the last step or part */
+  dls_forming_data good; /* at the end of the last step */
+  /* a copy of the state at the start of a step that is compared with two halves */
+  dls_forming_data kept_data;
+  double kept_load, kept_part, kept_largest, kept_slope;
+  double *kept_before, *kept_x, *kept_r; /* n, n, 2 nc */
+  int *kept_held;                        /* nodes */
+  dlsi_point *kept_points;               /* 4 * quads */
+  /* tools, as shown */
+  double outline[dlsi_most_tools][2 * dlsi_most_outline];
+  dls_forming_tool tool[dlsi_most_tools];
   /* the certificate's problem, W_cc = 1 / stiff_c */
   double *stiff;                              /* nc */
   int *node_p, *node_i;                       /* nc + 1, nc */
   double *node_W, *node_q, *node_r, *node_mu; /* 4 nc, 2 nc, 2 nc, nc */
   dls_forming_data data;
 };
+
+/* Assembles F, K, new states and energy at x; returns 0 if an element fails. */
+int dlsi_forming_assemble(dls_forming *f);
+
+/* y += H r; y: n. */
+void dlsi_forming_push(const dls_forming *f, const double *r, double *y);
+
+/* Holds a node on the moving plane (on = 1), or lets it go. */
+void dlsi_forming_hold(dls_forming *f, int node, int on);
+
+/* Returns the friction on a candidate whose node is held, which nothing moves by; 0 for other nodes. */
+double dlsi_forming_held_friction(const dls_forming *f, int c);
+
+/* Returns the node of the largest force out of balance. */
+int dlsi_forming_worst_node(const dls_forming *f);
+
+/* Runs the contact loop at f->load, from x0 and r0 in the way f->way. */
+dls_status dlsi_forming_contact_loop(dls_forming *f, dls_error *error);
+
+/* Assembles and sets frames and positions at x, which could be assembled before. */
+void dlsi_forming_show(dls_forming *f);
+
+/* Checks that the positions x are a body (forming_body.c); returns 0 and fills *fault if not. */
+int dlsi_forming_is_body(const dls_forming *f, dls_forming_fault *fault);
+
+/* Returns the corner of an element that a tool presses flat, -1 if there is none. */
+int dlsi_forming_flat_corner(const dls_forming *f, int element);
+
+/* Fills *fault with a kind, places (-1: none), a value and a text. */
+void dlsi_forming_blame(dls_forming_fault *fault, dls_forming_fault_kind kind, int element,
+                        int corner, int node, double value);
+
+/* Tools (forming_tools.c). press: sums up the forces of the tools and their balance, from F and the
+ * reactions of the candidates. move: brings the outlines to f->load. */
+void dlsi_forming_press(dls_forming *f);
+void dlsi_forming_move_tools(dls_forming *f);
 
 /* Adds (FO8) of forming.c to y: y += b t t.(x - anchor). y: n. */
 void dlsi_forming_turn(const dls_forming *f, double *y);

@@ -11,10 +11,13 @@
  *         +-------+                         +-----------+ |         the corner an arc tangent to
  *         u_y = 0; clamped: u_x = 0 too                  /          both at 0.5 from it
  *
- * Candidates: the nodes of the top; of the lateral surface. A candidate whose tangent is supported,
- * at the axis under the cylinder or at the ram, is frictionless in the contact problem: friction
- * does not move it.
+ * Candidates: the nodes of the top, for the cylinder; of the lateral surface and of the front, for
+ * the die. The nodes of the top, and any node of the surface that comes to the ram, are taken along
+ * by it until it would have to pull (FO9); with friction at the ram, those of the top but its edge
+ * are candidates of the ram instead. A candidate whose tangent is supported, at the axis or by the
+ * ram, is frictionless in the contact problem: friction does not move it.
  */
+#include <float.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -51,10 +54,12 @@ static void build_indentation(dls_forming *f) {
   const dlsi_hardening power = {.factor = 593, .offset = 0.00384, .exponent = 0.202};
   forming_grid(f, 40, 40);
   f->solid = dlsi_solid_make(2e5, 0.3, power);
-  f->piece[0] = (dlsi_piece){.c = {0, 70}, .radius = 30, .side = 1};
-  f->obstacle = (dlsi_obstacle){1, f->piece};
+  dlsi_rigid *cylinder = &f->rigid[0];
+  f->rigids = 1;
+  cylinder->piece[0] = (dlsi_piece){.c = {0, 70}, .radius = 30, .side = 1};
+  cylinder->profile = (dlsi_obstacle){1, cylinder->piece};
   f->whole = 10;
-  f->way[1] = -f->whole;
+  cylinder->way[1] = -f->whole;
   for (int j = 0; j <= ny; j++)
     f->fixed[2 * j * (nx + 1)] = 1;
   for (int i = 0; i <= nx; i++) {
@@ -74,25 +79,32 @@ static void build_extrusion(dls_forming *f) {
   f->solid = dlsi_solid_make(6.8955e4, 0.32, linear);
   /* upwards, the body on the left: cone, arc, cylinder */
   const double end[2] = {R - reach * s, -reach * c};
-  f->piece[0] = (dlsi_piece){.a = {end[0] - L * s, end[1] - L * c}, .b = {end[0], end[1]}};
-  f->piece[1] = (dlsi_piece){.a = {end[0], end[1]},
-                             .b = {R, reach},
-                             .c = {R - radius, reach},
-                             .radius = radius,
-                             .side = -1};
-  f->piece[2] = (dlsi_piece){.a = {R, reach}, .b = {R, L}};
-  f->obstacle = (dlsi_obstacle){3, f->piece};
+  dlsi_rigid *die = &f->rigid[0], *ram = &f->rigid[1];
+  f->rigids = 2;
+  die->piece[0] = (dlsi_piece){.a = {end[0] - L * s, end[1] - L * c}, .b = {end[0], end[1]}};
+  die->piece[1] = (dlsi_piece){.a = {end[0], end[1]},
+                               .b = {R, reach},
+                               .c = {R - radius, reach},
+                               .radius = radius,
+                               .side = -1};
+  die->piece[2] = (dlsi_piece){.a = {R, reach}, .b = {R, L}};
+  die->profile = (dlsi_obstacle){3, die->piece};
+  ram->piece[0] = (dlsi_piece){.a = {R, L}, .b = {0, L}};
+  ram->profile = (dlsi_obstacle){1, ram->piece};
   f->whole = 177.8;
+  ram->way[1] = -f->whole;
+  f->low[1] = -INFINITY;
+  f->holds = 1;
   for (int j = 0; j <= ny; j++) {
     f->fixed[2 * j * (nx + 1)] = 1;
     f->candidate[j] = nx + j * (nx + 1);
   }
-  for (int i = 0; i <= nx; i++) {
-    const int z = 2 * (i + ny * (nx + 1)) + 1;
-    f->fixed[z] = 1;
-    f->drive[z] = -f->whole;
+  for (int i = 1; i < nx; i++)
+    f->candidate[ny + i] = i;
+  for (int i = 0; i < nx && f->settings.ram_mu > 0; i++) {
+    f->candidate[nx + ny + i] = i + ny * (nx + 1);
+    f->meets[nx + ny + i] = 1;
   }
-  f->driven[ny] = 1;
 }
 
 static const scene scenes[] = {
@@ -138,6 +150,8 @@ static dls_status forming_check(const dls_forming_settings *s, dls_error *error)
       {"standard", s->standard, 0, 1, 0},
       {"keep_trace", s->keep_trace, 0, 1, 0},
       {"tol", s->tol, 0, 1, 1},
+      {"ram_mu", s->ram_mu, 0, DBL_MAX, 0},
+      {"step_tol", s->step_tol, 0, 1, 0},
       {"contact", s->contact, DLS_FORMING_CONDENSED, DLS_FORMING_PENALTY, 0}};
   return dlsi_check_each((int)(sizeof each / sizeof each[0]), each, error);
 }
@@ -159,6 +173,15 @@ static dls_status forming_complete(dls_forming_settings *s, const scene *chosen,
 
 /* ---- create, destroy ------------------------------------------------------------------------- */
 
+void dlsi_forming_hold(dls_forming *f, int node, int on) {
+  const dlsi_rigid *tool = &f->rigid[f->rigids - 1];
+  const int i = 2 * node + 1, c = f->candidate_of[node];
+  f->held[node] = f->fixed[i] = on;
+  f->rest[i] = tool->piece[0].a[1];
+  f->drive[i] = tool->way[1];
+  if (c >= 0) f->mu[c] = on ? 0 : f->settings.mu;
+}
+
 static void forming_take(dlsi_arena *arena, size_t count, size_t size, double **const *list) {
   for (size_t k = 0; k < count; k++)
     *list[k] = dlsi_take(arena, size, sizeof(double));
@@ -167,13 +190,13 @@ static void forming_take(dlsi_arena *arena, size_t count, size_t size, double **
 static void forming_carve(dls_forming *f, dlsi_arena *a) {
   const size_t n = (size_t)f->n, nc = (size_t)f->nc, quads = (size_t)f->mesh.quads;
   const size_t I = sizeof(int), D = sizeof(double);
-  double **const of_unknowns[] = {&f->mesh.xy, &f->drive,        &f->before,   &f->x0,  &f->x,
-                                  &f->F,       &f->displacement, &f->reaction, &f->rhs, &f->start_x,
-                                  &f->dx};
+  double **const of_unknowns[] = {
+      &f->mesh.xy, &f->rest, &f->drive,        &f->kept_before, &f->kept_x, &f->before,  &f->x0,
+      &f->x,       &f->F,    &f->displacement, &f->reaction,    &f->rhs,    &f->start_x, &f->dx};
   double **const of_reactions[] = {
-      &f->r0,       &f->r,        &f->normal,        &f->tangent,        &f->anchor, &f->u,
-      &f->next_r,   &f->start_r,  &f->chosen.normal, &f->chosen.tangent, &f->lambda, &f->trial_u,
-      &f->chosen.u, &f->chosen.r, &f->node_q,        &f->node_r};
+      &f->r0,      &f->r,        &f->normal,   &f->tangent,       &f->anchor,         &f->u,
+      &f->next_r,  &f->kept_r,   &f->start_r,  &f->chosen.normal, &f->chosen.tangent, &f->lambda,
+      &f->trial_u, &f->chosen.u, &f->chosen.r, &f->node_q,        &f->node_r};
   double **const of_candidates[] = {&f->mu,  &f->gap,   &f->bend,   &f->chosen.mu,
                                     &f->eps, &f->stiff, &f->node_mu};
   forming_take(a, sizeof of_unknowns / sizeof of_unknowns[0], n, of_unknowns);
@@ -184,11 +207,17 @@ static void forming_carve(dls_forming *f, dlsi_arena *a) {
   f->plastic_strain = dlsi_take(a, 4 * quads, D);
   f->old = dlsi_take(a, 4 * quads, sizeof *f->old);
   f->now = dlsi_take(a, 4 * quads, sizeof *f->now);
+  f->kept_points = dlsi_take(a, 4 * quads, sizeof *f->kept_points);
   f->mesh.node = dlsi_take(a, 4 * quads, I);
   f->fixed = dlsi_take(a, n, I);
-  int **const of_nodes[] = {&f->candidate, &f->driven, &f->chosen.mark, &f->branch, &f->node_i};
+  f->edge = dlsi_take(a, (size_t)f->edges, I);
+  int **const of_nodes[] = {&f->held, &f->held0, &f->kept_held, &f->turns, &f->candidate_of};
+  int **const of_contacts[] = {&f->candidate,   &f->meets,  &f->candidate_tool,
+                               &f->chosen.mark, &f->branch, &f->node_i};
   for (size_t k = 0; k < sizeof of_nodes / sizeof of_nodes[0]; k++)
-    *of_nodes[k] = dlsi_take(a, nc, I);
+    *of_nodes[k] = dlsi_take(a, n / 2, I);
+  for (size_t k = 0; k < sizeof of_contacts / sizeof of_contacts[0]; k++)
+    *of_contacts[k] = dlsi_take(a, nc, I);
   f->chosen.p = dlsi_take(a, nc + 1, I);
   f->chosen.i = dlsi_take(a, 2 * nc, I);
   f->node_p = dlsi_take(a, nc + 1, I);
@@ -205,7 +234,9 @@ static int forming_allocate(dls_forming *f, const scene *chosen) {
   f->mesh.nodes = (s->nx + 1) * (s->ny + 1);
   f->mesh.quads = s->nx * s->ny;
   f->n = 2 * f->mesh.nodes;
-  f->nc = chosen->build == build_indentation ? s->nx + 1 : s->ny + 1;
+  f->nc =
+      chosen->build == build_indentation ? s->nx + 1 : s->nx + s->ny + (s->ram_mu > 0 ? s->nx : 0);
+  f->edges = 2 * (s->nx + s->ny);
   if (!dlsi_band_create(&f->band, f->n, 2 * (s->nx + 2) + 1)) return 0;
   dlsi_arena arena = {0};
   forming_carve(f, &arena);
@@ -221,12 +252,28 @@ static int forming_allocate(dls_forming *f, const scene *chosen) {
   return 1;
 }
 
+/* Lists the nodes of the boundary, counterclockwise from the origin. */
+static void forming_trace(dls_forming *f) {
+  const int nx = f->settings.nx, ny = f->settings.ny;
+  int *edge = f->edge;
+  for (int i = 0; i < nx; i++)
+    *edge++ = i;
+  for (int j = 0; j < ny; j++)
+    *edge++ = nx + j * (nx + 1);
+  for (int i = nx; i > 0; i--)
+    *edge++ = i + ny * (nx + 1);
+  for (int j = ny; j > 0; j--)
+    *edge++ = j * (nx + 1);
+}
+
 /* Fills in what follows from the scene: states at rest, patterns, friction, views. */
 static void forming_derive(dls_forming *f) {
   const dls_forming_settings *s = &f->settings;
   f->solid.keep_trace = s->keep_trace;
   for (int i = 0; i < f->n; i++)
-    f->before[i] = f->x0[i] = f->mesh.xy[i];
+    f->before[i] = f->x0[i] = f->rest[i] = f->mesh.xy[i];
+  for (int i = 0; i < f->mesh.nodes; i++)
+    f->candidate_of[i] = -1;
   for (int k = 0; k < 4 * f->mesh.quads; k++)
     f->old[k] = dlsi_point_virgin();
   for (int c = 0; c <= f->nc; c++) {
@@ -234,8 +281,15 @@ static void forming_derive(dls_forming *f) {
     f->node_p[c] = c;
     if (c == f->nc) break;
     const int i = 2 * f->candidate[c];
-    f->mu[c] = f->fixed[i] || f->fixed[i + 1] ? 0 : s->mu;
+    const double mu = f->meets[c] ? s->ram_mu : s->mu;
+    f->mu[c] = f->fixed[i] || f->fixed[i + 1] ? 0 : mu;
+    f->candidate_of[f->candidate[c]] = c;
     f->node_i[c] = c;
+  }
+  for (int i = 0; f->holds && i <= s->nx; i++) { /* the ram holds the top */
+    const int node = i + s->ny * (s->nx + 1), c = f->candidate_of[node];
+    if (c < 0 || !f->meets[c]) dlsi_forming_hold(f, node, 1);
+    f->held0[node] = f->held[node];
   }
   f->data = (dls_forming_data){.mesh = &f->mesh,
                                .axisymmetric = f->axisymmetric,
@@ -245,24 +299,28 @@ static void forming_derive(dls_forming *f) {
                                .reaction = f->reaction,
                                .candidates = f->nc,
                                .candidate_node = f->candidate,
+                               .candidate_tool = f->candidate_tool,
                                .normal = f->normal,
                                .u = f->u,
                                .r = f->r,
                                .stress = f->stress,
                                .plastic_strain = f->plastic_strain};
+  f->good = f->data;
+  dlsi_forming_move_tools(f);
 }
 
 /* Creates the solver of the condensed problems. Its tolerance is far below that of the step: q
  * holds the positions without reactions, which are far off, so that the |q| of W's certificate is
  * large. Sweeps without acceleration do not converge in the extrusion. */
-static dls_status forming_create_solver(dls_forming *f, dls_error *error) {
+static dls_status forming_create_solver(dls_forming *f, dls_solver **out, dls_method method,
+                                        dls_error *error) {
   dls_solver_settings s;
   dls_solver_settings_init(&s);
-  s.method = f->settings.method;
+  s.method = method;
   s.limits.tol = 1e-5 * f->settings.tol;
   s.limits.warm_start = 1;
   if (s.method == DLS_NLGS) s.acceleration = DLS_ACCELERATION_ANDERSON;
-  return dls_solver_create(&f->solver, 2, f->nc, &s, error);
+  return dls_solver_create(out, 2, f->nc, &s, error);
 }
 
 static dls_status forming_make(dls_forming **out, const char *name,
@@ -282,8 +340,14 @@ static dls_status forming_make(dls_forming **out, const char *name,
   if (!status && !forming_allocate(f, chosen)) status = dlsi_no_memory(error);
   if (!status) {
     chosen->build(f);
+    forming_trace(f);
     forming_derive(f);
-    if (f->settings.contact == DLS_FORMING_CONDENSED) status = forming_create_solver(f, error);
+    if (f->settings.contact == DLS_FORMING_CONDENSED) {
+      const dls_method method = f->settings.method;
+      status = forming_create_solver(f, &f->solver, method, error);
+      if (!status && method == DLS_AUTO)
+        status = forming_create_solver(f, &f->last_resort, DLS_LEMKE, error);
+    }
   }
   if (!status)
     *out = f;
@@ -308,6 +372,7 @@ void dls_forming_destroy(dls_forming *forming) {
   if (!forming) return;
   dls_solver_destroy(forming->solver);
   dls_reduction_destroy(forming->reduction);
+  dls_solver_destroy(forming->last_resort);
   dlsi_band_free(&forming->band);
   free(forming->mesh.xy);
   free(forming);

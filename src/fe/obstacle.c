@@ -37,6 +37,12 @@ static double obstacle_project(const dlsi_piece *p, int joined, const double x[2
   const double from_a = (foot[0] - p->a[0]) * chord[0] + (foot[1] - p->a[1]) * chord[1];
   const double from_b = (foot[0] - p->b[0]) * chord[0] + (foot[1] - p->b[1]) * chord[1];
   const double *end = (joined & 1) && from_a < 0 ? p->a : (joined & 2) && from_b > 0 ? p->b : NULL;
+  if (joined && p->side && !end) { /* a foot on the other side of the circle is none */
+    const double bulge[2] = {(p->a[0] + p->b[0]) / 2 - p->c[0], (p->a[1] + p->b[1]) / 2 - p->c[1]};
+    if ((foot[0] - p->c[0]) * bulge[0] + (foot[1] - p->c[1]) * bulge[1] < 0)
+      end = hypot(x[0] - p->a[0], x[1] - p->a[1]) < hypot(x[0] - p->b[0], x[1] - p->b[1]) ? p->a
+                                                                                          : p->b;
+  }
   *reach = end ? hypot(x[0] - end[0], x[1] - end[1]) : fabs(gap);
   return gap;
 }
