@@ -97,6 +97,7 @@ help:
 	@echo 'make bench-solvers   every solver beside Siconos; BENCH=--full for all problems'
 	@echo 'make bench-reduction K -> W beside CHOLMOD and UMFPACK; BENCH=--full, BENCH=--large'
 	@echo 'make bench-lemke     Lemke beside Siconos; BENCH=--full, BENCH=--large'
+	@echo 'make bench-scale     rigid bodies up to 100,000 contacts beside Siconos; BENCH=options'
 	@echo 'make bench-auto      auto beside the single methods; BENCH=files'
 	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
 	@echo 'make clean'
@@ -229,23 +230,29 @@ RESULTS ?= bench/results
 PEER_CFLAGS = -isystem /usr/include/siconos -isystem /usr/include/siconos/numerics
 bench_obj = $(call obj,bench/common.c $(sort $(wildcard bench/$(1).c bench/$(1)_*.c)))
 $(call bench_obj,lemke) $(call bench_obj,solvers): CPPFLAGS += $(PEER_CFLAGS)
+$(call bench_obj,scale) $(call obj,tests/shared/rigid.c): CPPFLAGS += -Itests/shared
 $(call bench_obj,reduction): CPPFLAGS += -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
 $(call obj,$(wildcard bench/*.c)): CPPFLAGS += -D_GNU_SOURCE
 
 $(BUILD)/bench/lemke: $(call bench_obj,lemke) $(FE) $(A)
 $(BUILD)/bench/solvers: $(call bench_obj,solvers) $(FE) $(A)
 $(BUILD)/bench/reduction: $(call bench_obj,reduction) $(FE) $(A)
+$(BUILD)/bench/scale: $(call bench_obj,scale) $(call obj,bench/solvers_call.c bench/solvers_peer.c tests/shared/rigid.c) $(FE) $(A)
 $(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,src/cli/problem.c src/cli/report.c) $(A)
 $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
 $(BUILD)/bench/problems: $(call obj,bench/problems.c bench/solvers_scenes.c) $(FE) $(A)
-$(BUILD)/bench/lemke $(BUILD)/bench/solvers: PEER_LIBS = -lsiconos_numerics
+$(BUILD)/bench/lemke $(BUILD)/bench/solvers $(BUILD)/bench/scale: PEER_LIBS = -lsiconos_numerics
 $(BUILD)/bench/reduction: PEER_LIBS = -lcholmod -lumfpack
 $(BUILD)/bench/%:
 	@mkdir -p $(@D)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(PEER_LIBS) $(LIBS)
 
-.PHONY: bench-lemke bench-solvers bench-reduction bench-auto bench-blocks
+.PHONY: bench-lemke bench-solvers bench-reduction bench-auto bench-blocks bench-scale
+bench-scale:
+	@.ci/deps bench
+	@$(MAKE) --no-print-directory $(BUILD)/bench/scale
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/scale --out $(RESULTS) $(BENCH)
 bench-lemke bench-solvers bench-reduction: bench-%:
 	@.ci/deps bench
 	@$(MAKE) --no-print-directory $(BUILD)/bench/$*

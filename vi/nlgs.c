@@ -28,6 +28,13 @@
  *   (NL7)  instead, if the residual of r exceeds 1.1 times that of the g before: back to that g,
  *          its u afresh, history forgotten; the plain sweep that follows is always taken
  *
+ * With momentum (momentum.c) instead, where W is by blocks,
+ *
+ *   (NL8)  x := r + b p, u likewise, between two sweeps
+ *   (NL9)  from sweep 50 on, every 10: the fewest candidates that hold nine tenths of |F|^2, and
+ *          three layers of what W couples with them, if that is not a third of all, get up to 300
+ *          sweeps of their own, until |F| on them is 0.3 of what it was
+ *
  * Whatever x is, r = g(x) is the iterate that is measured, kept as the best and returned. Sweeps do
  * not damp the rounding of u, and (NL6) amplifies it; with u afresh in (NL7) and a bound on gamma,
  * estimate and certificate stay within 1 % on the FCLIB files but for BoxesStack1 (1 in 25 of its
@@ -77,12 +84,23 @@ struct dls_nlgs {
   dlsi_iterate it;         /* its u is kept up to date by the sweeps */
   double *x;               /* r that the sweep started from, if accelerated: m */
   dlsi_anderson history;
+  dlsi_momentum momentum;
+  int *near; /* of momentum: nc, layer of (NL9) of each candidate, from 1 on; 0: not in a set */
+  int *some, *rows; /* of momentum: nc, the sets of (NL9) */
+  double largest;   /* b of momentum, (NL10) */
+  double halved;    /* the residual that was last half of the one before it ... */
+  int since;        /* ... and its sweep */
 };
 
 void dls_nlgs_settings_init(dls_nlgs_settings *settings) {
   if (!settings) return;
   *settings = (dls_nlgs_settings){.size = sizeof *settings, .relaxation = 1, .window = 10};
   dlsi_limits_init(&settings->limits);
+}
+
+/* Returns 1 for (NL6). */
+static int nlgs_has_history(const dls_nlgs_settings *s) {
+  return s->acceleration == DLS_ACCELERATION_AITKEN || s->acceleration == DLS_ACCELERATION_ANDERSON;
 }
 
 static void nlgs_carve(void *workspace, dlsi_arena *arena) {
@@ -98,7 +116,13 @@ static void nlgs_carve(void *workspace, dlsi_arena *arena) {
     work->own_order = dlsi_take(arena, n, sizeof *work->own_order);
     work->scratch = dlsi_take(arena, n, sizeof *work->scratch);
   }
-  if (s->acceleration == DLS_ACCELERATION_NONE) return;
+  if (s->acceleration == DLS_ACCELERATION_MOMENTUM) {
+    dlsi_momentum_carve(&work->momentum, arena, m);
+    work->near = dlsi_take(arena, n, sizeof *work->near);
+    work->some = dlsi_take(arena, n, sizeof *work->some);
+    work->rows = dlsi_take(arena, n, sizeof *work->rows);
+  }
+  if (!nlgs_has_history(s)) return;
   work->x = dlsi_take(arena, m, sizeof *work->x);
   dlsi_anderson_carve(&work->history, arena, m,
                       s->acceleration == DLS_ACCELERATION_AITKEN ? 1 : s->window, 1);
@@ -111,7 +135,7 @@ static dls_status nlgs_create(void **out, int d, int nc, int stage,
   dls_nlgs_settings_init(s);
   if (settings) *s = *settings;
   const dlsi_setting own[] = {{"relaxation", s->relaxation, 0, 2, 1},
-                              {"acceleration", s->acceleration, 0, DLS_ACCELERATION_ANDERSON, 0},
+                              {"acceleration", s->acceleration, 0, DLS_ACCELERATION_MOMENTUM, 0},
                               {"window", s->window, 1, most_window, 0}};
   *out = NULL;
   dls_status status = dlsi_check_sizes(d, nc, error);
@@ -188,18 +212,18 @@ static inline void nlgs_change(const dls_nlgs *work, const dls_contact *problem,
   nlgs_add_springs(work, problem->d, c, dr);
 }
 
-/* (NL0)-(NL4) for all candidates, inlined for a constant d. Returns how many changed. */
-static DLSI_INLINE int nlgs_visit_all(const int d, const dls_nlgs *work, const dls_contact *problem,
-                                      nlgs_batch *b, double *r) {
+/* (NL0)-(NL4) for the candidates of a set, inlined for a constant d. Returns how many changed. */
+static DLSI_INLINE int nlgs_visit(const int d, const dls_nlgs *work, const dls_contact *problem,
+                                  dlsi_set set, nlgs_batch *b, double *r) {
   const double omega = work->settings.relaxation;
   int changed = 0;
-  for (int k = 0; k < problem->nc; k++) {
-    const int c = work->order ? work->order[k] : k;
+  for (int k = 0; k < set.count; k++) {
+    const int c = set.list ? set.list[k] : k;
     double *rc = r + (size_t)d * (size_t)c, uc[3] = {0}, p[3] = {0}, s[3] = {0}, v[3], dr[3];
     const double *W = d == 2 ? work->block_2d[c].W : work->block_3d[c].W;
     nlgs_look(d, problem, b, c, work->it.u, uc);
-    if (rc[0] == 0 && uc[0] >= 0) continue; /* (NL0) */
-    for (int i = 0; i < d; i++) {           /* (NL1) */
+    if (rc[0] == 0 && uc[0] >= 0 && rc[1] == 0 && (d == 2 || rc[2] == 0)) continue; /* (NL0) */
+    for (int i = 0; i < d; i++) {                                                   /* (NL1) */
       double sum = W[i] * rc[0];
       for (int j = 1; j < d; j++)
         sum += W[i + d * j] * rc[j];
@@ -232,11 +256,11 @@ static DLSI_INLINE int nlgs_visit_all(const int d, const dls_nlgs *work, const d
   return changed;
 }
 
-/* One sweep; returns how many candidates changed. */
-static int nlgs_sweep(const dls_nlgs *work, const dls_contact *problem, double *r) {
+/* One sweep over a set; returns how many candidates changed. */
+static int nlgs_sweep(const dls_nlgs *work, const dls_contact *problem, dlsi_set set, double *r) {
   nlgs_batch dense = {0}, *b = problem->Wb.x ? NULL : &dense;
-  const int changed = problem->d == 2 ? nlgs_visit_all(2, work, problem, b, r)
-                                      : nlgs_visit_all(3, work, problem, b, r);
+  const int changed = problem->d == 2 ? nlgs_visit(2, work, problem, set, b, r)
+                                      : nlgs_visit(3, work, problem, set, b, r);
   if (b) nlgs_flush(work, problem, b);
   return changed;
 }
@@ -409,6 +433,125 @@ static void nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double r
   memcpy(work->x, r, m * sizeof *r);
 }
 
+/* ---- momentum --------------------------------------------------------------------------------- */
+
+enum { local_every = 10, local_first = 50, local_sweeps = 300, local_looks = 5, local_layers = 3 };
+enum { slow_first = 300 };
+static const double slow_momentum = 0.5; /* (NL10) */
+static const double local_share = 0.9;   /* of |F|^2 that the worst candidates hold */
+static const double local_size = 1. / 3; /* of the candidates: a larger set is no gain */
+static const double local_end = 0.3;     /* of |F| on the set */
+
+/* All candidates, in the order of the visits. */
+static dlsi_set nlgs_all(const dls_nlgs *work, const dls_contact *problem) {
+  return (dlsi_set){work->order, problem->nc};
+}
+
+/* Returns the sum of |F_c|^2 over a set; F2 (nc, NULL for none): each of them. */
+static double nlgs_measure(const dls_nlgs *work, const dls_contact *problem, dlsi_set set,
+                           const double *r, double *F2) {
+  const int d = problem->d;
+  double sum = 0;
+  for (int k = 0; k < set.count; k++) {
+    const int c = set.list ? set.list[k] : k;
+    double F[3] = {0};
+    (void)dlsi_contact_residual(d, problem->mu[c], work->it.w[c], r + d * c, work->it.u + d * c, F);
+    const double square = F[0] * F[0] + F[1] * F[1] + (d == 3 ? F[2] * F[2] : 0);
+    if (F2) F2[c] = square;
+    sum += square;
+  }
+  return sum;
+}
+
+/* Returns 2^-k of the largest F2, the largest for which the candidates above it hold their
+ * share. */
+static double nlgs_threshold(const dls_contact *problem, const double *F2, double sum) {
+  double bound = 0, held = 0;
+  for (int c = 0; c < problem->nc; c++)
+    bound = fmax(bound, F2[c]);
+  while (bound > 0 && held < local_share * sum) {
+    bound /= 2;
+    held = 0;
+    for (int c = 0; c < problem->nc; c++)
+      if (F2[c] > bound) held += F2[c];
+  }
+  return bound;
+}
+
+/* near := `layer` + 1 for what W couples with candidates of that layer and is in none. */
+static void nlgs_add_layer(const dls_nlgs *work, const dls_contact *problem, int layer) {
+  const dls_blocks *W = &problem->Wb;
+  for (int c = 0; c < problem->nc; c++)
+    for (int k = W->p[c]; work->near[c] == layer && k < W->p[c + 1]; k++)
+      if (!work->near[W->i[k]]) work->near[W->i[k]] = layer + 1;
+}
+
+/* list := the candidates with near up to `layer`, in the order of the visits. */
+static dlsi_set nlgs_list(const dls_nlgs *work, const dls_contact *problem, int layer, int *list) {
+  int count = 0;
+  for (int k = 0; k < problem->nc; k++) {
+    const int c = work->order ? work->order[k] : k;
+    if (work->near[c] && work->near[c] <= layer) list[count++] = c;
+  }
+  return (dlsi_set){list, count};
+}
+
+/* (NL9) Sweeps where the residual is. u belongs to r. */
+static void nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, double *r) {
+  double *F2 = work->it.F;
+  const double sum = nlgs_measure(work, problem, nlgs_all(work, problem), r, F2);
+  const double bound = nlgs_threshold(problem, F2, sum);
+  for (int c = 0; c < problem->nc; c++)
+    work->near[c] = F2[c] > bound;
+  for (int layer = 1; layer <= local_layers + 1; layer++)
+    nlgs_add_layer(work, problem, layer);
+  const dlsi_set set = nlgs_list(work, problem, local_layers + 1, work->some);
+  if (set.count == 0 || set.count > local_size * problem->nc) return;
+  const dlsi_set rows = nlgs_list(work, problem, local_layers + 2, work->rows);
+  const double end = local_end * local_end * nlgs_measure(work, problem, set, r, NULL);
+  dlsi_momentum *mo = &work->momentum;
+  dlsi_momentum_start(mo, problem->d, set, rows, r, work->it.u);
+  for (int k = 1; k <= local_sweeps; k++) {
+    if (!nlgs_sweep(work, problem, set, r)) break;
+    if (k % local_looks == 0 && nlgs_measure(work, problem, set, r, NULL) <= end) break;
+    if (k < local_sweeps)
+      (void)dlsi_momentum_step(mo, problem->d, work->it.w, work->largest, set, rows, r, work->it.u);
+  }
+}
+
+/* (NL10) Returns 1 when momentum has not halved the residual for so long that it gets smaller. */
+static int nlgs_slows_down(dls_nlgs *work, int k, double residual) {
+  if (residual <= work->halved / 2) {
+    work->halved = residual;
+    work->since = k;
+  }
+  if (work->largest == 0 || k - work->since < slow_first + work->since) return 0;
+  work->largest = work->largest > slow_momentum ? slow_momentum : 0;
+  work->since = k;
+  return 1;
+}
+
+/* (NL8) r := the start of the next sweep k, with local sweeps before it now and then. */
+static void nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double residual,
+                      double *r) {
+  const dlsi_set all = {NULL, problem->nc};
+  if (nlgs_slows_down(work, k, residual)) {
+    memcpy(r, work->it.best, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
+    dlsi_multiply(problem, work->order, work->it.E, r, work->it.u, NULL);
+    dlsi_momentum_start(&work->momentum, problem->d, all, all, r, work->it.u);
+    return;
+  }
+  if (problem->Wb.x && k >= local_first && k % local_every == 0) {
+    nlgs_sweep_locally(work, problem, r);
+    dlsi_momentum_start(&work->momentum, problem->d, all, all, r, work->it.u);
+    return;
+  }
+  (void)dlsi_momentum_step(&work->momentum, problem->d, work->it.w, work->largest, all, all, r,
+                           work->it.u);
+}
+
+/* ---- the solve -------------------------------------------------------------------------------- */
+
 /* Sweeps from r until the certificate holds or there is a reason to stop, which is returned; it.u
  * belongs to it.best then. *iterations: sweeps done. */
 static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, double *r,
@@ -416,7 +559,9 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
   const dls_limits *limits = &work->settings.limits;
   dlsi_iterate *it = &work->it;
   const int most = dlsi_most_iterations(limits, most_sweeps);
-  const int accelerated = work->settings.acceleration != DLS_ACCELERATION_NONE;
+  const int accelerated = nlgs_has_history(&work->settings);
+  const int pushed = work->settings.acceleration == DLS_ACCELERATION_MOMENTUM;
+  const dlsi_set all = nlgs_all(work, problem);
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const double scale = 1 / dlsi_norm2(problem->q, m);
   if (dlsi_iterate_start(it, problem, r)) return DLS_OK;
@@ -428,6 +573,13 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
     dlsi_anderson_clear(&work->history);
     memcpy(work->x, r, m * sizeof *r);
   }
+  if (pushed) {
+    const dlsi_set any = {NULL, problem->nc};
+    work->largest = 1;
+    work->halved = INFINITY;
+    work->since = 0;
+    dlsi_momentum_start(&work->momentum, problem->d, any, any, r, it->u);
+  }
   double accepted = now.residual;
   int fresh = 1, changed = 0; /* fresh: u carries no rounding of earlier sweeps */
   dls_status reason = DLS_MAX_ITERATIONS;
@@ -436,7 +588,11 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
       nlgs_accelerate(work, problem, now.residual, scale, &accepted, r);
       fresh = 0;
     }
-    changed = nlgs_sweep(work, problem, r);
+    if (pushed && changed) {
+      nlgs_push(work, problem, k, now.residual, r);
+      fresh = 0;
+    }
+    changed = nlgs_sweep(work, problem, all, r);
     *iterations = k;
     nlgs_estimate(work, problem, r, scale, &now);
     const int was_fresh = fresh;

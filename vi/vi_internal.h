@@ -84,6 +84,33 @@ void dlsi_anderson_clear(dlsi_anderson *a);
  * as many as since clear; u: NULL for a history carved without. */
 int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, double *u);
 
+/* ---- vi/momentum.c: momentum on sweeps --------------------------------------------------------- */
+
+/* Some candidates, or, list NULL, the first `count`. */
+typedef struct dlsi_set {
+  const int *list;
+  int count;
+} dlsi_set;
+
+typedef struct dlsi_momentum {
+  double *r, *u;    /* that the sweep under way started from: m */
+  double *p, *pu;   /* the last step: m */
+  double reference; /* G* of (MO3) */
+  int k;
+} dlsi_momentum;
+
+void dlsi_momentum_carve(dlsi_momentum *mo, dlsi_arena *arena, size_t m);
+
+/* Begins anew at r and u = W r + q. changes: the candidates whose r the sweeps change; rows: those
+ * whose u it changes. */
+void dlsi_momentum_start(dlsi_momentum *mo, int d, dlsi_set changes, dlsi_set rows, const double *r,
+                         const double *u);
+
+/* r, u: in, after a sweep; out, the start of the next, (MO1)-(MO4) with b <= largest. w: weights.
+ * Returns G. */
+double dlsi_momentum_step(dlsi_momentum *mo, int d, const double *w, double largest,
+                          dlsi_set changes, dlsi_set rows, double *r, double *u);
+
 /* ---- vi/iterate.c: an iterate, its certificate, the best r so far ---------------------------- */
 
 /* Returns 1 if the r with certificate a is a better answer than the r with certificate b. The only

@@ -17,7 +17,8 @@ extern "C" {
 typedef enum dls_acceleration {
   DLS_ACCELERATION_NONE = 0,
   DLS_ACCELERATION_AITKEN = 1,
-  DLS_ACCELERATION_ANDERSON = 2
+  DLS_ACCELERATION_ANDERSON = 2,
+  DLS_ACCELERATION_MOMENTUM = 3
 } dls_acceleration;
 
 /* Fill by dls_nlgs_settings_init, then change what you like; NULL means the defaults. */

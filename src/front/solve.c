@@ -19,7 +19,8 @@ struct dls_solver {
 int dls_acceleration_find(const char *name, dls_acceleration *acceleration) {
   static const char *const names[] = {[DLS_ACCELERATION_NONE] = "none",
                                       [DLS_ACCELERATION_AITKEN] = "aitken",
-                                      [DLS_ACCELERATION_ANDERSON] = "anderson"};
+                                      [DLS_ACCELERATION_ANDERSON] = "anderson",
+                                      [DLS_ACCELERATION_MOMENTUM] = "momentum"};
   for (int k = 0; name && acceleration && k < (int)(sizeof names / sizeof names[0]); k++)
     if (strcmp(names[k], name) == 0) {
       *acceleration = (dls_acceleration)k;
@@ -36,7 +37,7 @@ void dls_solver_settings_init(dls_solver_settings *settings) {
 
 static dls_status solver_check_settings(const dls_solver_settings *s, dls_error *error) {
   const dlsi_setting own[] = {{"positive_definite", s->positive_definite, 0, 1, 0},
-                              {"acceleration", s->acceleration, 0, DLS_ACCELERATION_ANDERSON, 0}};
+                              {"acceleration", s->acceleration, 0, DLS_ACCELERATION_MOMENTUM, 0}};
   const dls_status status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 2, own, error);
   if (status) return status;
   if (!dlsi_method_of(s->method))

@@ -1,0 +1,210 @@
+/*
+ * scale.c: rigid bodies from 300 to 100,000 candidates: every method of delassus that holds out
+ * beside Siconos' Gauss-Seidel by blocks, and how time grows.
+ *
+ *   scale [--kind KIND] [--sizes N,N,..] [--tol TOL] [--seed S] [--seeds COUNT] [--limit SECONDS]
+ *         [--no-peer] [--out DIR]
+ *
+ *   --kind   one of tests/shared/rigid.h, or the beginning of its name; all
+ *   --seeds  so many seeds: S, S + 2, ..
+ *
+ * Time is CPU of the solve from r = 0 (solvers_call.c). A cell that is not a time says how the
+ * solve ended. The exponent of growth is the slope of log(time of auto) over log(candidates).
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+#include "rigid.h"
+#include "solvers.h"
+
+enum { most_sizes = 8 };
+
+typedef struct plan {
+  const char *kind;
+  int sizes[most_sizes], size_count, seeds, no_peer;
+  unsigned long seed;
+  double tol, limit;
+  FILE *page;
+} plan;
+
+typedef struct own_method {
+  const char *name, *method, *acceleration;
+  int most; /* candidates beyond which it is not tried */
+} own_method;
+
+static const own_method own[] = {
+    {"auto", "auto", "none", 1000000},         {"nlgs", "nlgs", "none", 1000000},
+    {"momentum", "nlgs", "momentum", 1000000}, {"anderson", "nlgs", "anderson", 20000},
+    {"admm", "admm", "none", 20000},           {"augmented", "augmented-lagrangian", "none", 5000}};
+enum { own_count = sizeof own / sizeof own[0] };
+
+static void own_solve(const void *how, const scene *s, double tol, int calls, double *r,
+                      outcome *o) {
+  const own_method *w = how;
+  dls_solver_settings settings;
+  dls_solver *solver = NULL;
+  dls_info info = {.iterations = -1};
+  dls_solver_settings_init(&settings);
+  settings.limits.tol = tol;
+  settings.limits.blocks = s->contact.Wb.p[s->contact.nc];
+  if (!dls_method_find(w->method, &settings.method) ||
+      !dls_acceleration_find(w->acceleration, &settings.acceleration)) {
+    o->ended = REFUSED;
+    return;
+  }
+  if (settings.method == DLS_NLGS) settings.limits.max_iterations = 100000000;
+  dls_status status = dls_solver_create(&solver, s->contact.d, s->contact.nc, &settings, NULL);
+  const double start = bench_seconds();
+  for (int k = 0; k < calls && status >= 0; k++)
+    status = dls_solver_solve(solver, &s->contact, r, NULL, &info, NULL);
+  o->cpu = (bench_seconds() - start) / calls;
+  dls_solver_destroy(solver);
+  o->ended = status < 0 ? REFUSED : ENDED;
+  o->claim = status == DLS_OK;
+  o->iterations = info.iterations;
+}
+
+/* Prints a cell of the table and returns the time, INFINITY if the target was not met. */
+static double print_cell(FILE *page, const outcome *o, double tol) {
+  static const char *const why[] = {"", "refused", "limit", "crash"};
+  if (o->ended == ENDED && dls_certificate_holds(&o->certificate, tol)) {
+    bench_print(page, " %.3g (%d) |", o->cpu, o->iterations);
+    return o->cpu;
+  }
+  if (o->ended == ENDED)
+    bench_print(page, " %s %.0e |", o->claim ? "WRONG" : "not", o->certificate.residual);
+  else
+    bench_print(page, " %s |", why[o->ended]);
+  return INFINITY;
+}
+
+/* Returns the peer's sweeps for this dimension. */
+static const peer_method *sweeps_of_peer(const scene *s) {
+  for (int k = 0; peer_at(k); k++)
+    if (strcmp(peer_name(peer_at(k)), "siconos-nsgs") == 0 && peer_takes(peer_at(k), s, 0) &&
+        strcmp(peer_storage(peer_at(k), s), "blocks") == 0)
+      return peer_at(k);
+  return NULL;
+}
+
+/* Runs the peer down its own tolerances until the certificate holds. */
+static outcome run_peer(const plan *p, const scene *s) {
+  const peer_method *peer = sweeps_of_peer(s);
+  outcome o = {.ended = REFUSED, .certificate = {.residual = INFINITY}};
+  for (double own_tol = 10 * p->tol; peer && own_tol > 1e-16; own_tol /= 10) {
+    o = measure(s, peer_solve, peer, own_tol, p->limit);
+    if (o.ended != ENDED || dls_certificate_holds(&o.certificate, p->tol)) break;
+  }
+  return o;
+}
+
+/* Measures one problem. Returns the time of auto. */
+static double run_problem(const plan *p, const char *kind, const rigid *a, unsigned long seed) {
+  scene s = {.set = kind, .contact = a->contact};
+  double best = INFINITY, automatic = INFINITY;
+  bench_print(p->page, "| %s | %lu | %d |", kind, seed, a->contact.nc);
+  for (int k = 0; k < own_count; k++) {
+    if (a->contact.nc > own[k].most) {
+      bench_print(p->page, " |");
+      continue;
+    }
+    const outcome o = measure(&s, own_solve, &own[k], p->tol, p->limit);
+    const double t = print_cell(p->page, &o, p->tol);
+    if (k == 0)
+      automatic = t;
+    else
+      best = fmin(best, t);
+  }
+  double peer = INFINITY;
+  if (p->no_peer)
+    bench_print(p->page, " |");
+  else {
+    const outcome o = run_peer(p, &s);
+    peer = print_cell(p->page, &o, p->tol);
+  }
+  bench_print(p->page, " %.2f | %.2f |\n", automatic / best, automatic / peer);
+  return automatic;
+}
+
+static void run_kind(const plan *p, const char *kind) {
+  double sum[5] = {0}; /* 1, x, y, x x, x y */
+  for (int k = 0; k < p->size_count; k++)
+    for (int s = 0; s < p->seeds; s++) {
+      rigid a;
+      const unsigned long seed = p->seed + 2 * (unsigned long)s;
+      if (rigid_create(&a, kind, p->sizes[k], 0.5, seed)) {
+        fprintf(stderr, "%s: out of memory\n", kind);
+        continue;
+      }
+      const double x = log(a.contact.nc), y = log(run_problem(p, kind, &a, seed));
+      const double terms[] = {1, x, y, x * x, x * y};
+      for (int t = 0; t < 5 && isfinite(y); t++)
+        sum[t] += terms[t];
+      rigid_free(&a);
+    }
+  const double slope = (sum[0] * sum[4] - sum[1] * sum[2]) / (sum[0] * sum[3] - sum[1] * sum[1]);
+  if (p->size_count > 1) bench_print(p->page, "| %s | | time ~ n^%.2f |\n", kind, slope);
+}
+
+static int read_options(int argc, char **argv, plan *p, const char **out) {
+  for (int k = 1; k < argc; k++) {
+    const char *value = k + 1 < argc ? argv[k + 1] : "";
+    if (strcmp(argv[k], "--no-peer") == 0) {
+      p->no_peer = 1;
+      continue;
+    }
+    if (strcmp(argv[k], "--kind") == 0)
+      p->kind = value;
+    else if (strcmp(argv[k], "--tol") == 0)
+      p->tol = strtod(value, NULL);
+    else if (strcmp(argv[k], "--seed") == 0)
+      p->seed = strtoul(value, NULL, 10);
+    else if (strcmp(argv[k], "--seeds") == 0)
+      p->seeds = (int)strtol(value, NULL, 10);
+    else if (strcmp(argv[k], "--limit") == 0)
+      p->limit = strtod(value, NULL);
+    else if (strcmp(argv[k], "--out") == 0)
+      *out = value;
+    else if (strcmp(argv[k], "--sizes") == 0) {
+      char *next = argv[k + 1];
+      for (p->size_count = 0; next && *next && p->size_count < most_sizes; next += *next == ',')
+        p->sizes[p->size_count++] = (int)strtol(next, &next, 10);
+    } else {
+      fprintf(stderr, "scale: unknown option %s\n", argv[k]);
+      return -1;
+    }
+    k++;
+  }
+  return 0;
+}
+
+int main(int argc, char **argv) {
+  plan p = {.kind = "",
+            .sizes = {300, 2500, 20000, 100000},
+            .size_count = 4,
+            .seeds = 1,
+            .seed = 2,
+            .tol = 1e-4,
+            .limit = 60};
+  const char *out = "build";
+  if (read_options(argc, argv, &p, &out)) return 2;
+  p.page = bench_page(out, "scale", "Rigid bodies: time against size", argc, argv);
+  if (!p.page) return 1;
+  bench_print(p.page,
+              "CPU seconds to residual %g (iterations); auto over the best other method of "
+              "delassus, and over Siconos' Gauss-Seidel by blocks.\n\n| kind | seed | candidates |",
+              p.tol);
+  for (int k = 0; k < own_count; k++)
+    bench_print(p.page, " %s |", own[k].name);
+  bench_print(p.page, " Siconos | auto / own | auto / peer |\n|---|---|---|");
+  for (int k = 0; k < own_count + 3; k++)
+    bench_print(p.page, "---|");
+  bench_print(p.page, "\n");
+  for (int k = 0; rigid_kind(k); k++)
+    if (strncmp(rigid_kind(k), p.kind, strlen(p.kind)) == 0) run_kind(&p, rigid_kind(k));
+  fclose(p.page);
+  return 0;
+}

@@ -1,0 +1,431 @@
+/* rigid.c: contact problems of rigid bodies, as rigid.h describes them. */
+#include "rigid.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A body: axes along x, y, z. d = 2: in the plane x, y; the last inertia alone counts. */
+typedef struct solid {
+  double x[3], v[3], spin[3]; /* middle, velocity, angular velocity */
+  double mass, inertia[3];
+} solid;
+
+/* A place where body a may touch body b (-1: fixed); normal from b to a, unit. */
+typedef struct place {
+  int a, b;
+  double x[3], normal[3];
+} place;
+
+typedef struct heap {
+  int d, bodies, places, most_bodies, most_places, bad;
+  solid *body;
+  place *at;
+  uint64_t state;
+} heap;
+
+/* Returns a number in (-1, 1). */
+static double heap_random(heap *h) {
+  h->state = h->state * 6364136223846793005u + 1442695040888963407u;
+  return (double)(h->state >> 11) * 0x1p-52 - 1;
+}
+
+/* Returns memory for one more entry of an array, twice as large where it is full. */
+static void *heap_room(heap *h, void *array, int count, int *most, size_t size) {
+  if (count < *most) return array;
+  const int more = *most ? 2 * *most : 64;
+  void *larger = realloc(array, (size_t)more * size);
+  if (!larger) {
+    h->bad = 1;
+    return array;
+  }
+  *most = more;
+  return larger;
+}
+
+static int heap_add_body(heap *h, solid body) {
+  h->body = heap_room(h, h->body, h->bodies, &h->most_bodies, sizeof body);
+  if (h->bad) return -1;
+  h->body[h->bodies] = body;
+  return h->bodies++;
+}
+
+static void heap_touch(heap *h, place at) {
+  h->at = heap_room(h, h->at, h->places, &h->most_places, sizeof at);
+  if (!h->bad) h->at[h->places++] = at;
+}
+
+/* ---- kinds ----------------------------------------------------------------------------------- */
+
+static const double step_of_gravity = 0.098;
+
+/* Touches spheres a and b where they overlap. radius: of all. */
+static void touch_spheres(heap *h, int a, int b, const double *radius) {
+  const double *x = h->body[a].x, *y = h->body[b].x;
+  double n[3], length = 0;
+  for (int i = 0; i < 3; i++) {
+    n[i] = x[i] - y[i];
+    length += n[i] * n[i];
+  }
+  length = sqrt(length);
+  if (length >= radius[a] + radius[b]) return;
+  place at = {.a = a, .b = b};
+  for (int i = 0; i < 3; i++) {
+    at.normal[i] = n[i] / length;
+    at.x[i] = y[i] + at.normal[i] * radius[b];
+  }
+  heap_touch(h, at);
+}
+
+/* Touches sphere a and the sides of the box, but for its top. */
+static void touch_box(heap *h, int a, double radius, double side) {
+  for (int i = 0; i < 3; i++)
+    for (int end = 0; end < (i == 2 ? 1 : 2); end++) {
+      const double *x = h->body[a].x, wall = end ? side - 0.25 : -0.25;
+      if (fabs(x[i] - wall) - 0.1 >= radius) continue;
+      place at = {.a = a, .b = -1};
+      memcpy(at.x, x, sizeof at.x);
+      at.x[i] += end ? radius : -radius;
+      at.normal[i] = end ? -1 : 1;
+      heap_touch(h, at);
+    }
+}
+
+/* About 12 n^3 candidates for n^3 cells. */
+static void make_packing(heap *h, int candidates, int flow) {
+  static const double corner[4][3] = {{0, 0, 0}, {0.5, 0.5, 0}, {0.5, 0, 0.5}, {0, 0.5, 0.5}};
+  const int n = (int)fmax(1, round(cbrt(candidates / 12.))), count = 4 * n * n * n;
+  double *radius = calloc((size_t)count, sizeof *radius);
+  h->bad |= !radius;
+  h->d = 3;
+  for (int k = 0; k < count && !h->bad; k++) {
+    const int cell[3] = {k / 4 % n, k / 4 / n % n, k / 4 / n / n};
+    const double R = 0.3535 * (1 + 0.03 * heap_random(h)), I = 0.4 * R * R * R * R * R;
+    solid s = {.mass = R * R * R, .inertia = {I, I, I}, .v = {0, 0, -step_of_gravity}};
+    for (int i = 0; i < 3; i++) {
+      s.x[i] = cell[i] + corner[k % 4][i] + 0.05 * heap_random(h);
+      if (flow) s.v[i] += 0.15 * heap_random(h);
+      if (flow) s.spin[i] = 0.15 * heap_random(h);
+    }
+    radius[k] = R;
+    (void)heap_add_body(h, s);
+  }
+  for (int a = 0; a < count && !h->bad; a++) {
+    const int cell[3] = {a / 4 % n, a / 4 / n % n, a / 4 / n / n};
+    touch_box(h, a, radius[a], n);
+    for (int near = 0; near < 27; near++) {
+      const int x = cell[0] + near % 3 - 1, y = cell[1] + near / 3 % 3 - 1;
+      const int z = cell[2] + near / 9 - 1;
+      if (x < 0 || y < 0 || z < 0 || x >= n || y >= n || z >= n) continue;
+      const int first = 4 * (x + n * (y + n * z));
+      for (int b = first; b < first + 4; b++)
+        if (b < a) touch_spheres(h, a, b, radius);
+    }
+  }
+  free(radius);
+}
+
+/* Returns a box with this middle and these sides, of unit density; d = 2: lz = 1. */
+static solid box(double x, double y, double z, double lx, double ly, double lz) {
+  const double m = lx * ly * lz;
+  return (solid){.x = {x, y, z},
+                 .mass = m,
+                 .inertia = {m * (ly * ly + lz * lz) / 12, m * (lx * lx + lz * lz) / 12,
+                             m * (lx * lx + ly * ly) / 12}};
+}
+
+/* Lays a row of bricks from 0 to `width`; edge (2 width + 2): where they begin and end. Returns how
+ * many. */
+static int lay_row(heap *h, int row, int width, int random, double *edge) {
+  int count = 0;
+  edge[0] = 0;
+  while (edge[count] < width) {
+    double length = random ? 2 + heap_random(h) : row % 2 && count == 0 ? 1 : 2;
+    if (width - edge[count] - length < (random ? 1 : 0.5)) length = width - edge[count];
+    edge[count + 1] = edge[count] + length;
+    count++;
+  }
+  for (int i = 0; i < count; i++) {
+    const double length = edge[i + 1] - edge[i];
+    (void)heap_add_body(h, box(edge[i] + length / 2, row + 0.5, 0, length, 1, 1));
+  }
+  return count;
+}
+
+/* Touches a and b along the bottom of a between two x; d = 3: at four corners. */
+static void touch_along(heap *h, int a, int b, double from, double to, double y) {
+  for (int k = 0; k < (h->d == 2 ? 2 : 4); k++)
+    heap_touch(h, (place){.a = a,
+                          .b = b,
+                          .x = {k % 2 ? to : from, y, h->d == 2 ? 0 : k / 2 - 0.5},
+                          .normal = {0, 1, 0}});
+}
+
+/* A wall half as high in bricks as it is wide; 2 (d - 1) candidates an overlap. */
+static void make_wall(heap *h, int d, int candidates, int random, double push) {
+  h->d = d;
+  const int bricks = (int)fmax(2, round(sqrt(candidates / (4. * (d - 1))))), width = 2 * bricks;
+  double *edge = calloc(2 * (2 * (size_t)width + 2), sizeof *edge);
+  double *lower = edge, *upper = edge ? edge + 2 * width + 2 : NULL;
+  h->bad |= !edge;
+  for (int row = 0, first = 0, below = 0, under = 0; row < bricks && !h->bad; row++) {
+    const int count = lay_row(h, row, width, random, upper);
+    for (int i = 0; i < count; i++) {
+      if (row == 0) touch_along(h, first + i, -1, upper[i], upper[i + 1], 0);
+      for (int k = 0; row > 0 && k < under; k++) {
+        const double from = fmax(lower[k], upper[i]), to = fmin(lower[k + 1], upper[i + 1]);
+        if (to > from) touch_along(h, first + i, below + k, from, to, row);
+      }
+    }
+    below = first;
+    first += count;
+    under = count;
+    double *other = lower;
+    lower = upper;
+    upper = other;
+  }
+  for (int b = 0; b < h->bodies; b++) {
+    h->body[b].v[0] = push;
+    h->body[b].v[1] = -1;
+    if (d == 3) h->body[b].v[2] = push / 3;
+  }
+  free(edge);
+}
+
+static void make_chain(heap *h, int candidates) {
+  h->d = 2;
+  for (int k = 0; k < candidates; k++) {
+    const solid disc = {
+        .x = {0, k + 0.5}, .v = {0.01 * heap_random(h), -1}, .mass = 1, .inertia = {0, 0, 0.125}};
+    (void)heap_add_body(h, disc);
+    heap_touch(h, (place){.a = k, .b = k - 1, .x = {0, k}, .normal = {0, 1}});
+  }
+}
+
+static void make_arch(heap *h, int candidates) {
+  const int n = candidates / 2 > 2 ? candidates / 2 - 1 : 1;
+  const double thick = 0.3, angle = acos(-1.) / n;
+  h->d = 2;
+  for (int k = 0; k <= n; k++) { /* joint k stands before voussoir k */
+    const double at = angle * k, middle = angle * (k + 0.5), m = thick * angle;
+    if (k < n)
+      (void)heap_add_body(h, (solid){.x = {-cos(middle), sin(middle)},
+                                     .v = {0, -step_of_gravity},
+                                     .mass = m,
+                                     .inertia = {0, 0, m * (thick * thick + angle * angle) / 12}});
+    for (int end = -1; end <= 1; end += 2) {
+      const double R = 1 + end * thick / 2;
+      const double along = k < n ? 1 : -1; /* the last joint: voussoir n - 1 upon the ground */
+      heap_touch(h, (place){.a = k < n ? k : n - 1,
+                            .b = k < n ? k - 1 : -1,
+                            .x = {-R * cos(at), R * sin(at)},
+                            .normal = {along * sin(at), along * cos(at)}});
+    }
+  }
+}
+
+static void make_tower(heap *h, int candidates) {
+  const double thick = 0.4;
+  h->d = 3; /* y upwards, as in walls */
+  for (int layer = 0; 36 * layer < candidates; layer++)
+    for (int k = 0; k < 3; k++) {
+      const int crosswise = layer % 2;
+      const double side = k - 1., y = thick * (layer + 0.5);
+      solid plank = crosswise ? box(side, y, 0, 1, thick, 3) : box(0, y, side, 3, thick, 1);
+      plank.v[1] = -1;
+      const int a = heap_add_body(h, plank);
+      for (int under = 0; under < 3; under++)
+        for (int corner = 0; corner < 4 && !h->bad; corner++) {
+          const double along = under - 1 + (corner % 2 ? 0.45 : -0.45);
+          const double across = side + (corner / 2 ? 0.45 : -0.45);
+          heap_touch(h, (place){.a = a,
+                                .b = layer ? 3 * (layer - 1) + under : -1,
+                                .x = {crosswise ? across : along, thick * layer,
+                                      crosswise ? along : across},
+                                .normal = {0, 1, 0}});
+        }
+    }
+}
+
+/* ---- W and q --------------------------------------------------------------------------------- */
+
+/* Computes the rows n, t (, s) of the velocity of body b at a place, for its motions times
+ * M^1/2. J: d x n, column-major. */
+static void rigid_rows(int d, const place *at, const solid *b, double sign, double *J) {
+  double frame[3][3] = {{0}}, arm[3];
+  memcpy(frame[0], at->normal, sizeof frame[0]);
+  const double *n = frame[0];
+  if (d == 2) {
+    frame[1][0] = n[1];
+    frame[1][1] = -n[0];
+  } else {
+    const int axis = fabs(n[0]) < 0.6 ? 0 : 1;
+    double length = 0;
+    for (int i = 0; i < 3; i++) {
+      frame[1][i] = (i == axis) - n[axis] * n[i];
+      length += frame[1][i] * frame[1][i];
+    }
+    for (int i = 0; i < 3; i++)
+      frame[1][i] /= sqrt(length);
+    for (int i = 0; i < 3; i++)
+      frame[2][i] = n[(i + 1) % 3] * frame[1][(i + 2) % 3] - n[(i + 2) % 3] * frame[1][(i + 1) % 3];
+  }
+  for (int i = 0; i < 3; i++)
+    arm[i] = at->x[i] - b->x[i];
+  for (int r = 0; r < d; r++) {
+    const double *e = frame[r];
+    for (int i = 0; i < d; i++)
+      J[r + d * i] = sign * e[i] / sqrt(b->mass);
+    for (int i = d == 2 ? 2 : 0; i < 3; i++)
+      J[r + d * (d == 2 ? 2 : 3 + i)] =
+          sign * (arm[(i + 1) % 3] * e[(i + 2) % 3] - arm[(i + 2) % 3] * e[(i + 1) % 3]) /
+          sqrt(b->inertia[i]);
+  }
+}
+
+/* Lists the candidates of each body: of body b list[first[b]] .. list[first[b + 1] - 1]. */
+static void rigid_list(const rigid *a, int *first, int *list) {
+  const int nc = a->contact.nc;
+  for (int k = 0; k < 2 * nc; k++)
+    if (a->body[k] >= 0) first[a->body[k] + 1]++;
+  for (int b = 0; b < a->bodies; b++)
+    first[b + 1] += first[b];
+  for (int k = 0; k < 2 * nc; k++)
+    if (a->body[k] >= 0) list[first[a->body[k]]++] = k / 2;
+  for (int b = a->bodies; b > 0; b--)
+    first[b] = first[b - 1];
+  first[0] = 0;
+}
+
+/* Adds block (e, c) of W, J_e J_c^T of the bodies that both have. */
+static void rigid_couple(const rigid *a, int e, int c, double *block) {
+  const int d = a->d, n = 3 * (d - 1);
+  for (int k = 0; k < 4; k++) {
+    const double *E = a->J + (size_t)(2 * e + k / 2) * (size_t)(d * n);
+    const double *C = a->J + (size_t)(2 * c + k % 2) * (size_t)(d * n);
+    if (a->body[2 * e + k / 2] < 0 || a->body[2 * e + k / 2] != a->body[2 * c + k % 2]) continue;
+    for (int l = 0; l < n; l++)
+      for (int j = 0; j < d; j++)
+        for (int i = 0; i < d; i++)
+          block[i + d * j] += E[i + d * l] * C[j + d * l];
+  }
+}
+
+/* Fills p, i and, if there is room, x. seen: nc, scratch. Returns the number of blocks. */
+static int rigid_blocks(rigid *a, const int *first, const int *list, int *seen) {
+  const int d = a->d, nc = a->contact.nc;
+  int count = 0;
+  memset(seen, -1, (size_t)nc * sizeof *seen);
+  for (int c = 0; c < nc; c++) {
+    a->p[c] = count;
+    for (int side = 0; side < 2; side++) {
+      const int b = a->body[2 * c + side];
+      for (int k = b < 0 ? 0 : first[b]; b >= 0 && k < first[b + 1]; k++) {
+        if (seen[list[k]] == c) continue;
+        seen[list[k]] = c;
+        if (a->x) {
+          a->i[count] = list[k];
+          rigid_couple(a, list[k], c, a->x + (size_t)count * (size_t)(d * d));
+        }
+        count++;
+      }
+    }
+  }
+  a->p[nc] = count;
+  return count;
+}
+
+/* Fills the arrays of a from the heap. Returns 0, or -1 without memory. */
+static int rigid_fill(rigid *a, const heap *h, double mu) {
+  const int d = h->d, n = 3 * (d - 1), nc = h->places;
+  const size_t candidates = (size_t)nc, size = (size_t)(d * n), m = (size_t)d * candidates;
+  *a = (rigid){.d = d, .bodies = h->bodies};
+  a->contact = (dls_contact){.d = d, .nc = nc};
+  a->body = calloc(2 * candidates, sizeof *a->body);
+  a->J = calloc(2 * candidates * size, sizeof *a->J);
+  a->v = calloc((size_t)h->bodies * (size_t)n, sizeof *a->v);
+  a->p = calloc(candidates + 1, sizeof *a->p);
+  a->q = calloc(m, sizeof *a->q);
+  a->mu = calloc(candidates, sizeof *a->mu);
+  int *first = calloc((size_t)h->bodies + 1, sizeof *first);
+  int *list = calloc(2 * candidates, sizeof *list), *seen = calloc(candidates, sizeof *seen);
+  int bad = !a->body || !a->J || !a->v || !a->p || !a->q || !a->mu || !first || !list || !seen;
+  for (int b = 0; !bad && b < h->bodies; b++) {
+    const solid *s = &h->body[b];
+    double *v = a->v + b * n;
+    for (int i = 0; i < d; i++)
+      v[i] = sqrt(s->mass) * s->v[i];
+    for (int i = d == 2 ? 2 : 0; i < 3; i++)
+      v[d == 2 ? 2 : 3 + i] = sqrt(s->inertia[i]) * s->spin[i];
+  }
+  for (int c = 0; !bad && c < nc; c++) {
+    const place *at = &h->at[c];
+    a->mu[c] = mu;
+    for (int side = 0; side < 2; side++) {
+      const int b = a->body[2 * c + side] = side ? at->b : at->a;
+      double *J = a->J + (size_t)(2 * c + side) * size;
+      if (b < 0) continue;
+      rigid_rows(d, at, &h->body[b], side ? -1 : 1, J);
+      for (int l = 0; l < n; l++)
+        for (int i = 0; i < d; i++)
+          a->q[d * c + i] += J[i + d * l] * a->v[b * n + l];
+    }
+  }
+  if (!bad) {
+    rigid_list(a, first, list);
+    const size_t count = (size_t)rigid_blocks(a, first, list, seen);
+    a->i = calloc(count, sizeof *a->i);
+    a->x = calloc(count * (size_t)(d * d), sizeof *a->x);
+    bad = !a->i || !a->x;
+    if (!bad) (void)rigid_blocks(a, first, list, seen);
+  }
+  free(first);
+  free(list);
+  free(seen);
+  a->contact.Wb = (dls_blocks){d, nc, a->p, a->i, a->x};
+  a->contact.q = a->q;
+  a->contact.mu = a->mu;
+  return bad ? -1 : 0;
+}
+
+void rigid_free(rigid *a) {
+  free(a->body);
+  free(a->J);
+  free(a->v);
+  free(a->p);
+  free(a->i);
+  free(a->x);
+  free(a->q);
+  free(a->mu);
+  *a = (rigid){0};
+}
+
+static const char *const kinds[] = {"packing-rest", "packing-flow",  "wall-rest",  "wall-pushed",
+                                    "rubble-rest",  "rubble-pushed", "wall3-rest", "wall3-pushed",
+                                    "chain",        "arch",          "tower"};
+enum { kind_count = sizeof kinds / sizeof kinds[0] };
+
+const char *rigid_kind(int index) {
+  return index >= 0 && index < kind_count ? kinds[index] : NULL;
+}
+
+int rigid_create(rigid *a, const char *kind, int candidates, double mu, uint64_t seed) {
+  heap h = {.state = seed * 0x9E3779B97F4A7C15u + 1};
+  int k = 0;
+  *a = (rigid){0};
+  while (k < kind_count && strcmp(kind, kinds[k]) != 0)
+    k++;
+  for (int warm = 0; warm < 8; warm++)
+    (void)heap_random(&h);
+  if (k < 2) make_packing(&h, candidates, k == 1);
+  if (k >= 2 && k < 8) make_wall(&h, k < 6 ? 2 : 3, candidates, k / 2 == 2, k % 2 ? 0.3 : 0);
+  if (k == 8) make_chain(&h, candidates);
+  if (k == 9) make_arch(&h, candidates);
+  if (k == 10) make_tower(&h, candidates);
+  int bad = h.bad || h.places == 0 ? -1 : 0;
+  if (!bad) bad = rigid_fill(a, &h, mu);
+  if (bad) rigid_free(a);
+  free(h.body);
+  free(h.at);
+  return bad;
+}

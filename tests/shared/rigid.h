@@ -1,0 +1,42 @@
+/*
+ * rigid.h: contact problems of rigid bodies, of any size: packings, walls, chains, arches, towers.
+ *
+ *   W = H^T M^-1 H by blocks,  q = H^T v,  v the motion of the bodies without reactions
+ */
+#ifndef RIGID_H
+#define RIGID_H
+
+#include <stdint.h>
+
+#include "delassus/contact.h"
+
+typedef struct rigid {
+  int d, bodies;
+  dls_contact contact; /* of the arrays below */
+  int *body;  /* 2 nc: of candidate c the upper one 2 c, the lower one 2 c + 1; -1: fixed */
+  double *J;  /* nc times 2 blocks of d x n, column-major: H^T M^-1/2, n = 3 (d - 1) motions */
+  double *v;  /* n bodies: M^1/2 v */
+  int *p, *i; /* of W by blocks */
+  double *x, *q, *mu;
+} rigid;
+
+/* Makes the problem `kind` of about `candidates` candidates with friction mu. Returns 0, or -1 for
+ * an unknown kind or without memory. Kinds:
+ *
+ *   packing-rest, packing-flow   3D spheres of radius .3535 +-3 % on a face-centred lattice, moved
+ *                                by +-5 % of a cell, in a box; under one step of gravity, or with
+ *                                random velocities besides
+ *   wall-rest, wall-pushed       2D bricks 2 x 1 in running bond; pushed along
+ *   rubble-rest, rubble-pushed   the same with bricks of random widths from 1 to 3
+ *   wall3-rest, wall3-pushed     3D bricks 2 x 1 x 1, four candidates an overlap; pushed along and
+ *                                across
+ *   chain                        2D discs upon each other, with small random sideways velocities
+ *   arch                         2D, a half ring of voussoirs of thickness .3 under gravity
+ *   tower                        3D planks 3 x 1 x .4, three a layer, crosswise */
+int rigid_create(rigid *a, const char *kind, int candidates, double mu, uint64_t seed);
+void rigid_free(rigid *a);
+
+/* The kinds above, in that order; NULL past the last. */
+const char *rigid_kind(int index);
+
+#endif
