@@ -48,8 +48,9 @@
  *   (AT9)  verdict. DLS_NO_SOLUTION if (AT10) has a proof. DLS_NO_SOLUTION_LIKELY only where W shows
  *          no reason for a solution (vi/exists.c), and (AT10) shows that none could be certified, or
  *          all of (AT1)-(AT8) have failed and, d = 2 and up to 8 candidates, no states of the
- *          candidates have a solution (states.c), or, for others up to 300 rows, (AT4) sees the
- *          reactions run away at last. Else DLS_STALLED.
+ *          candidates have a solution (states.c), or, d = 3 and up to 2, (AT4) sees the reactions
+ *          run away at last. Else DLS_STALLED: larger problems whose reactions run away may have a
+ *          solution that no stage finds.
  *
  * What can fail: every method; then DLS_STALLED with the best r.
  */
@@ -69,12 +70,14 @@ enum { rest_splits = 40 };      /* the same for a stack, and how many in a row .
 enum { rest_patience = 16 };    /* ... may pass without halving e */
 enum { path_unknowns = 300 };   /* a thousand factorisations then take a few seconds */
 enum { other_unknowns = 3000 }; /* beyond, another way takes too long, and nothing is said */
-enum { other_iterations = 2000 };        /* of sweeps and splitting by another way */
-enum { copy_failures = 3 };              /* so much is Newton's method believed on a copy */
-static const double progress = 0.9;      /* of e, below which a step has brought it down */
-static const double share_outside = 0.1; /* of -q outside of the cones, for what may rest */
-static const double another = 1e-3;      /* difference of two answers, over the largest reaction */
-static const double on_cone = 1e-9;      /* a reaction that lacks no more than this share slips */
+enum { other_iterations = 2000 }; /* of sweeps and splitting by another way */
+enum { sure_starts = 2 };   /* (AT9): candidates, d = 3, whose states scattered starts cover */
+enum { copy_failures = 3 }; /* so much is Newton's method believed on a copy */
+static const double progress = 0.9;         /* of e, below which a step has brought it down */
+static const double share_outside = 0.1;    /* of -q outside of the cones, for what may rest */
+static const double null_direction = 1e-10; /* |D^-1 W delta| over |delta|: (AT9) */
+static const double another = 1e-3; /* difference of two answers, over the largest reaction */
+static const double on_cone = 1e-9; /* a reaction that lacks no more than this share slips */
 
 /* Its workspaces: each method once, and two of them once more for another way. */
 typedef enum part {
@@ -331,6 +334,20 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
   return status;
 }
 
+/* Returns 1 if the augmented Lagrangian has ended with a direction delta along which W delta is 0
+ * but for rounding: w: weights, set already. */
+static int runs_away(const dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  const double *delta = dlsi_augmented_method.direction(work->part[AUGMENTED]);
+  double *v = work->v[0];
+  if (!delta) return 0;
+  dlsi_contact_apply(problem, delta, v);
+  for (size_t k = 0; k < m; k++)
+    v[k] /= work->w[k / d];
+  return dlsi_max_abs(v, m) <= null_direction * dlsi_max_abs(delta, m);
+}
+
 /* (AT9) for a problem that no stage has solved. Returns DLS_OK, DLS_NO_SOLUTION_LIKELY,
  * DLS_STALLED, or an error. */
 static dls_status judge(dlsi_auto *work, dls_error *error) {
@@ -347,9 +364,11 @@ static dls_status judge(dlsi_auto *work, dls_error *error) {
     if (dls_certificate_holds(&work->info.certificate, tol)) return DLS_OK;
     if (found) return DLS_STALLED;
   }
-  if (!few && !sure) return DLS_STALLED;
+  if (!few && !sure && problem->nc > sure_starts) return DLS_STALLED;
   if (!may_follow_path(work) || work->room.side < m) return DLS_STALLED;
   dlsi_contact_weights(problem, work->w);
+  if (!few && !sure && !runs_away(work)) return DLS_STALLED;
+  if (!few && !sure && !dlsi_is_semidefinite(problem, work->w, J)) return DLS_STALLED;
   if (dlsi_solution_exists(problem, work->w, J, work->v)) return DLS_STALLED;
   return DLS_NO_SOLUTION_LIKELY;
 }
