@@ -49,8 +49,14 @@
 #include "linear/dense.h"
 #include "vi_internal.h"
 
-enum { all_factorisations = 25000, first_factorisations = 500, most_factorisations = 250 };
+enum {
+  all_factorisations = 25000,
+  least_factorisations = 3000,
+  first_factorisations = 500,
+  most_factorisations = 250
+};
 enum { most_cuts = 12, most_corrections = 5 };
+static const double most_cubes = 2e10;  /* m^3 times the factorisations of all starts */
 static const double smoothing = 0.1;    /* c of (HO1) */
 static const double nearness = 0.2;     /* (HO6) */
 static const double to_boundary = 0.95; /* (HO6) */
@@ -501,8 +507,10 @@ static dls_status homotopy_solve(void *homotopy_work, const dls_contact *problem
                      work->r);
   dls_status status = dlsi_iterate_start(&work->it, problem, work->r) ? DLS_OK : DLS_STALLED;
   const int begins = status && scale_problem(work, problem);
-  for (int k = 0; begins && status == DLS_STALLED && k < most_starts &&
-                  work->factorisations < all_factorisations;
+  const double m = (double)work->d * problem->nc;
+  const double most =
+      fmax(least_factorisations, fmin(all_factorisations, most_cubes / (m * m * m)));
+  for (int k = 0; begins && status == DLS_STALLED && k < most_starts && work->factorisations < most;
        k++)
     status = follow_path(work, problem, k, &outcome, error);
   if (status < 0) return status;
