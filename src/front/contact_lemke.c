@@ -322,7 +322,7 @@ static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, d
     status = pivot_linear(work, problem, status, pivots, error);
   if (status < 0) return status;
   work->has_ray &= status == DLS_RAY;
-  work->has_v &= work->has_ray || status == DLS_NO_SOLUTION;
+  work->has_v &= status == DLS_RAY || status == DLS_NO_SOLUTION;
   return dlsi_iterate_end(it, problem, status, &outcome, r, u, info);
 }
 
