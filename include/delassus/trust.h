@@ -1,0 +1,54 @@
+/*
+ * delassus/trust.h: how far the answer to a contact problem can be trusted: all solutions of a
+ * small problem, the friction from which on there are loads with several, and what a residual means
+ * for the reactions.
+ */
+#ifndef DELASSUS_TRUST_H
+#define DELASSUS_TRUST_H
+
+#include "delassus/contact.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- all solutions --------------------------------------------------------------------------- */
+
+/* Candidates of the largest problem that dls_contact_enumerate takes. */
+enum { DLS_STATES_MAX = 8 };
+
+typedef struct dls_solution_set {
+  int isolated; /* solutions with no other one near */
+  int continua; /* connected sets of more than one solution */
+  int states;   /* choices of a state (free, stick, slip to the left, to the right) for every
+                   candidate that hold a solution: several hold one on the border between them */
+} dls_solution_set;
+
+/* Finds all solutions of a problem with d = 2 and up to DLS_STATES_MAX candidates: with the states
+ * chosen, the laws are linear, and their solutions a polyhedron.
+ *
+ *   r (m x capacity, column-major): the isolated solutions, then a vertex of each continuum
+ *   low, high (as r, or both NULL): the smallest and largest value of each entry in the connected
+ *   set that holds it, -INFINITY and INFINITY if there is none; isolated solutions: r twice
+ *
+ * A continuum is one of reactions: the position that a free candidate leaves to a multiplier of
+ * some LCP does not make one. Each solution listed has a certificate that holds for tol. Two that
+ * differ by less than 1e-8 of the largest entry, in scaled units, are one.
+ *
+ * DLS_OK: all are listed, up to 1e-10 of the scaled data. DLS_NO_SOLUTION: none, and each choice of
+ * states is refuted by a vector that holds exactly for the numbers of W, q and mu (src/front/states.c),
+ * or Lemke's method has such a proof. DLS_NO_SOLUTION_LIKELY: none, but for rounding.
+ * DLS_MAX_ITERATIONS: there are more than `capacity`, and the first of them are in the list.
+ * DLS_STALLED: rounding keeps a choice of states from being decided; the list holds the others.
+ * Else an error: DLS_E_UNSUPPORTED for d = 3, DLS_E_SIZE for more candidates, DLS_E_ARGUMENT,
+ * DLS_E_MEMORY. 4^nc small linear programs: 8 candidates take seconds. */
+DLS_API DLS_MUST_USE dls_status dls_contact_enumerate(const dls_contact *problem, double tol,
+                                                      int capacity, double *r, double *low,
+                                                      double *high, dls_solution_set *found,
+                                                      dls_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,289 @@
+/*
+ * test_trust.c: all solutions of small problems, the fold, and what a residual means.
+ */
+#include <check.h>
+#include <math.h>
+#include <string.h>
+
+#include "delassus.h"
+#include "failures.h"
+#include "front_cases.h"
+#include "malloc_fails.h"
+#include "run.h"
+
+enum { room = 64, most_m = 2 * DLS_STATES_MAX };
+
+typedef struct solutions {
+  double r[room * most_m], low[room * most_m], high[room * most_m];
+  dls_solution_set set;
+} solutions;
+
+static dls_status enumerate(const dls_contact *p, solutions *s) {
+  return dls_contact_enumerate(p, 1e-8, room, s->r, s->low, s->high, &s->set, NULL);
+}
+
+static int is_close(const double *a, const double *b, int m) {
+  double difference = 0, size = 0;
+  for (int i = 0; i < m; i++) {
+    difference = fmax(difference, fabs(a[i] - b[i]));
+    size = fmax(size, fmax(fabs(a[i]), fabs(b[i])));
+  }
+  return difference <= 1e-6 * size;
+}
+
+/* ---- the catalogue --------------------------------------------------------------------------- */
+
+/* The connected sets of a file: set[k] of continuum k is the least one that it shares a point
+ * with. Returns how many. */
+static int connect(const failure *f, int *set) {
+  int count = 0;
+  for (int k = 0; k < f->continua; k++)
+    set[k] = k;
+  for (int pass = 0; pass < f->continua; pass++)
+    for (int a = 0; a < f->points; a++)
+      for (int b = 0; b < f->points; b++) {
+        const int i = f->point[a].continuum, j = f->point[b].continuum;
+        if (i < 0 || j < 0 || !is_close(f->point[a].x, f->point[b].x, f->n)) continue;
+        set[i] = set[j] = set[i] < set[j] ? set[i] : set[j];
+      }
+  for (int k = 0; k < f->continua; k++)
+    count += set[k] == k;
+  return count;
+}
+
+/* The box around a set of the file. */
+static void box(const failure *f, const int *set, int wanted, double *low, double *high) {
+  for (int i = 0; i < f->n; i++) {
+    low[i] = INFINITY;
+    high[i] = -INFINITY;
+    for (int a = 0; a < f->points; a++) {
+      if (f->point[a].continuum < 0 || set[f->point[a].continuum] != wanted) continue;
+      low[i] = fmin(low[i], f->point[a].x[i]);
+      high[i] = fmax(high[i], f->point[a].x[i]);
+    }
+    for (int a = 0; a < f->rays; a++) {
+      if (set[f->ray[a].continuum] != wanted) continue;
+      if (f->ray[a].x[i] > 0) high[i] = INFINITY;
+      if (f->ray[a].x[i] < 0) low[i] = -INFINITY;
+    }
+  }
+}
+
+static int same_box(const double *low, const double *high, const double *l, const double *h,
+                    int m) {
+  double size = 0;
+  int same = 1;
+  for (int i = 0; i < m; i++) {
+    if (isfinite(l[i])) size = fmax(size, fabs(l[i]));
+    if (isfinite(h[i])) size = fmax(size, fabs(h[i]));
+  }
+  for (int i = 0; i < m; i++) {
+    same &= isfinite(l[i]) ? fabs(low[i] - l[i]) <= 1e-6 * size : low[i] == l[i];
+    same &= isfinite(h[i]) ? fabs(high[i] - h[i]) <= 1e-6 * size : high[i] == h[i];
+  }
+  return same;
+}
+
+START_TEST(all_of_the_catalogue) {
+  int count, problems = 0, continua = 0, none = 0;
+  const failure *list = contact_failures(&count);
+  for (int k = 0; k < count; k++) {
+    const failure *f = &list[k];
+    const dls_contact p = failure_contact(f);
+    static solutions s;
+    int set[FAILURE_POINTS], isolated = 0;
+    if (f->d != 2 || f->nc > DLS_STATES_MAX) continue;
+    problems++;
+    const dls_status status = enumerate(&p, &s);
+    if (f->none) {
+      none++;
+      ck_assert_msg(status == DLS_NO_SOLUTION, "%s: %s", f->name, dls_status_name(status));
+      ck_assert(s.set.isolated == 0 && s.set.continua == 0 && s.set.states == 0);
+      continue;
+    }
+    ck_assert_msg(status == DLS_OK, "%s: %s", f->name, dls_status_name(status));
+    for (int a = 0; a < f->points; a++) {
+      if (f->point[a].continuum >= 0) continue;
+      isolated++;
+      int seen = 0;
+      for (int l = 0; l < s.set.isolated; l++)
+        seen += is_close(s.r + l * f->n, f->point[a].x, f->n);
+      ck_assert_msg(seen == 1, "%s: solution %d is listed %d times", f->name, a, seen);
+    }
+    ck_assert_msg(isolated == s.set.isolated, "%s: %d isolated", f->name, s.set.isolated);
+    const int sets = connect(f, set);
+    ck_assert_msg(sets == s.set.continua, "%s: %d continua", f->name, s.set.continua);
+    continua += sets;
+    for (int a = 0; a < f->continua; a++) {
+      double low[FAILURE_N], high[FAILURE_N];
+      int seen = 0;
+      if (set[a] != a) continue;
+      box(f, set, a, low, high);
+      for (int l = isolated; l < isolated + sets; l++)
+        seen += same_box(s.low + l * f->n, s.high + l * f->n, low, high, f->n);
+      ck_assert_msg(seen == 1, "%s: continuum %d is listed %d times", f->name, a, seen);
+    }
+  }
+  ck_assert_int_ge(problems, 30);
+  ck_assert_msg(continua >= 4 && none >= 4, "%d, %d", continua, none);
+}
+END_TEST
+
+/* ---- random problems ------------------------------------------------------------------------- */
+
+/* Draws a problem of 2 or 3 candidates: W of any kind, whole numbers now and then. */
+static dls_contact any_problem(int k, double *W, double *q, double *mu) {
+  unsigned seed = (unsigned)k * 7919u + 17u;
+  const int nc = 2 + k % 2, m = 2 * nc, kind = k / 2 % 5,
+            rank = kind == 3   ? m - 1 - k % 2
+                   : kind == 4 ? 1 + k / 10 % 2
+                               : m;
+  double B[6 * 6];
+  for (int e = 0; e < m * m; e++)
+    B[e] = kind == 4 ? nearbyint(3 * draw(&seed)) : draw(&seed);
+  for (int i = 0; i < m; i++)
+    for (int j = 0; j < m; j++) {
+      W[i + m * j] = kind == 2 ? B[i + m * j] + (i == j) : 0;
+      for (int l = 0; kind != 2 && l < rank; l++)
+        W[i + m * j] += B[i + m * l] * B[j + m * l];
+      if (kind == 1) W[i + m * j] += i < j ? 0.5 : i > j ? -0.5 : 0;
+    }
+  for (int i = 0; i < m; i++)
+    q[i] = kind == 4 ? nearbyint(4 * draw(&seed)) - (i % 2 == 0) : draw(&seed) - 0.4 * (i % 2 == 0);
+  for (int c = 0; c < nc; c++)
+    mu[c] = (k / 10 + c) % 7 == 6 ? 0 : 0.5 * (1 + k / 10 % 6);
+  return (dls_contact){.d = 2, .nc = nc, .W = {m, m, m, W}, .q = q, .mu = mu};
+}
+
+/* Returns 1 if r is one of the solutions, or in the box around a continuum. */
+static int is_listed(const solutions *s, const double *r, int m) {
+  for (int l = 0; l < s->set.isolated + s->set.continua; l++) {
+    int inside = 1;
+    for (int i = 0; i < m; i++) {
+      const double slack = 1e-5 * (1 + fabs(r[i]));
+      inside &= r[i] >= s->low[l * m + i] - slack && r[i] <= s->high[l * m + i] + slack;
+    }
+    if (inside || is_close(s->r + l * m, r, m)) return 1;
+  }
+  return 0;
+}
+
+/* What any method finds is in the list; a proof that there is none leaves it empty; and where it is
+ * empty no method finds anything. */
+START_TEST(agrees_with_the_verdicts) {
+  int solved = 0, none = 0, proved = 0, several = 0, continua = 0, hidden = 0, farkas = 0;
+  for (int k = 0; k < 1000; k++) {
+    double W[36], q[6], mu[3], r[6];
+    const dls_contact p = any_problem(k, W, q, mu);
+    static solutions s;
+    const dls_status status = enumerate(&p, &s);
+    const int m = 2 * p.nc, listed = s.set.isolated + s.set.continua;
+    ck_assert_msg(status == DLS_OK || status == DLS_NO_SOLUTION ||
+                      status == DLS_NO_SOLUTION_LIKELY || status == DLS_STALLED,
+                  "%d: %s", k, dls_status_name(status));
+    ck_assert((status == DLS_OK) == (listed > 0) || status == DLS_STALLED);
+    hidden += status == DLS_STALLED;
+    none += listed == 0;
+    proved += status == DLS_NO_SOLUTION;
+    several += s.set.isolated > 1;
+    continua += s.set.continua;
+    for (dls_method method = DLS_AUTO; method <= DLS_LEMKE; method += 2) {
+      dls_solver_settings settings = settings_of(method);
+      settings.limits.tol = 1e-9;
+      dls_info info;
+      dls_solver *solver;
+      ck_assert_int_eq(dls_solver_create(&solver, 2, p.nc, &settings, NULL), DLS_OK);
+      const dls_status found = dls_solver_solve(solver, &p, r, NULL, &info, NULL);
+      ck_assert_int_ge(found, 0);
+      if (found == DLS_OK) {
+        solved++;
+        ck_assert_msg(is_listed(&s, r, m) || status == DLS_STALLED, "%d: %s finds another one", k,
+                      dls_method_name(method));
+      }
+      if (found == DLS_NO_SOLUTION) {
+        farkas++;
+        ck_assert_msg(status == DLS_NO_SOLUTION, "%d: %s", k, dls_status_name(status));
+      }
+      if (found == DLS_NO_SOLUTION_LIKELY) ck_assert_int_eq(listed, 0);
+      if (method == DLS_AUTO && listed) ck_assert_int_eq(found, DLS_OK);
+      dls_solver_destroy(solver);
+    }
+  }
+  ck_assert_msg(solved > 1500 && none > 100 && 5 * proved >= 4 * none && several > 50 &&
+                    farkas > 100 && continua > 10 && hidden == 0,
+                "solved %d, none %d, proved %d, several %d, continua %d, hidden %d, Farkas %d",
+                solved, none, proved, several, continua, hidden, farkas);
+}
+END_TEST
+
+START_TEST(enumerates_nothing_wrong) {
+  double W[4] = {1, 0, 0, 1}, q[2] = {-1, 0}, mu[1] = {0.5}, r[2] = {7, 7}, low[2], high[2];
+  dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+  dls_solution_set set = {9, 9, 9};
+  dls_error e;
+#define REFUSED(status, name, call)                                                                \
+  do {                                                                                             \
+    ck_assert_int_eq(call, status);                                                                \
+    ck_assert_str_eq(e.argument, name);                                                            \
+    ck_assert_str_eq(e.function, "dls_contact_enumerate");                                         \
+    ck_assert(r[0] == 7 && set.states == 9);                                                       \
+  } while (0)
+  REFUSED(DLS_E_ARGUMENT, "r", dls_contact_enumerate(&p, 0, 1, NULL, low, high, &set, &e));
+  REFUSED(DLS_E_ARGUMENT, "low", dls_contact_enumerate(&p, 0, 1, r, NULL, high, &set, &e));
+  REFUSED(DLS_E_ARGUMENT, "high", dls_contact_enumerate(&p, 0, 1, r, low, NULL, &set, &e));
+  REFUSED(DLS_E_ARGUMENT, "found", dls_contact_enumerate(&p, 0, 1, r, NULL, NULL, NULL, &e));
+  REFUSED(DLS_E_ARGUMENT, "tol", dls_contact_enumerate(&p, -1, 1, r, NULL, NULL, &set, &e));
+  REFUSED(DLS_E_ARGUMENT, "capacity", dls_contact_enumerate(&p, 0, 0, r, NULL, NULL, &set, &e));
+  p.nc = 0;
+  REFUSED(DLS_E_SIZE, "nc", dls_contact_enumerate(&p, 0, 1, r, NULL, NULL, &set, &e));
+  double many[18 * 18] = {0}, long_q[18] = {0}, long_mu[9] = {0};
+  p = (dls_contact){.d = 2, .nc = 9, .W = {18, 18, 18, many}, .q = long_q, .mu = long_mu};
+  REFUSED(DLS_E_SIZE, "nc", dls_contact_enumerate(&p, 0, 1, r, NULL, NULL, &set, &e));
+  p.d = 3;
+  p.nc = 6;
+  REFUSED(DLS_E_UNSUPPORTED, "d", dls_contact_enumerate(&p, 0, 1, r, NULL, NULL, &set, &e));
+#undef REFUSED
+}
+END_TEST
+
+/* Each malloc fails in turn, with a solution and without; a short list says so; q = 0. */
+START_TEST(enumerates_at_the_edges) {
+  double W[4] = {1, 1, 1, 2}, q[2] = {1, 4}, mu[1] = {2}, r[8] = {7}, zero[2] = {0, 0};
+  const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+  dls_solution_set set;
+  ck_assert_int_eq(dls_contact_enumerate(&p, 1e-8, 4, r, NULL, NULL, &set, NULL), DLS_OK);
+  ck_assert(set.isolated == 3 && set.continua == 0);
+  double all[8], low[8], high[8];
+  memcpy(all, r, sizeof all);
+  ck_assert_int_eq(dls_contact_enumerate(&p, 1e-8, 3, r, low, high, &set, NULL), DLS_OK);
+  for (int i = 0; i < 6; i++)
+    ck_assert(low[i] == all[i] && high[i] == all[i]);
+  r[2] = 7;
+  ck_assert_int_eq(dls_contact_enumerate(&p, 1e-8, 1, r, NULL, NULL, &set, NULL),
+                   DLS_MAX_ITERATIONS);
+  ck_assert(set.isolated == 3 && r[2] == 7);
+  dls_contact rest = p;
+  rest.q = zero;
+  ck_assert_int_eq(dls_contact_enumerate(&rest, 1e-8, 4, r, NULL, NULL, &set, NULL), DLS_OK);
+  ck_assert(set.isolated == 1 && r[0] == 0 && r[1] == 0);
+  double jam[4] = {-1, 0, 0, 1}, against[2] = {-1, 0};
+  const dls_contact jammed = {.d = 2, .nc = 1, .W = {2, 2, 2, jam}, .q = against, .mu = mu};
+  const dls_contact *const both[] = {&p, &jammed};
+  for (int k = 0; k < 2; k++) {
+    long failed = 0;
+    for (dls_status status = DLS_E_MEMORY; status == DLS_E_MEMORY; failed++) {
+      r[0] = 7;
+      malloc_fails_at(failed + 1);
+      status = dls_contact_enumerate(both[k], 1e-8, 4, r, NULL, NULL, &set, NULL);
+      malloc_fails_at(0);
+      ck_assert(status != DLS_E_MEMORY || r[0] == 7 || k == 1);
+    }
+    ck_assert_int_ge(failed, k ? 1 : 2);
+  }
+}
+END_TEST
+
+int main(void) {
+  return RUN("trust", NULL, NULL, ONCE(all_of_the_catalogue), ONCE(agrees_with_the_verdicts),
+             ONCE(enumerates_nothing_wrong), ONCE(enumerates_at_the_edges));
+}
