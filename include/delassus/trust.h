@@ -36,12 +36,12 @@ typedef struct dls_solution_set {
  * differ by less than 1e-8 of the largest entry, in scaled units, are one.
  *
  * DLS_OK: all are listed, up to 1e-10 of the scaled data. DLS_NO_SOLUTION: none, and each choice of
- * states is refuted by a vector that holds exactly for the numbers of W, q and mu (src/front/states.c),
- * or Lemke's method has such a proof. DLS_NO_SOLUTION_LIKELY: none, but for rounding.
- * DLS_MAX_ITERATIONS: there are more than `capacity`, and the first of them are in the list.
- * DLS_STALLED: rounding keeps a choice of states from being decided; the list holds the others.
- * Else an error: DLS_E_UNSUPPORTED for d = 3, DLS_E_SIZE for more candidates, DLS_E_ARGUMENT,
- * DLS_E_MEMORY. 4^nc small linear programs: 8 candidates take seconds. */
+ * states is refuted by a vector that holds exactly for the numbers of W, q and mu, or Lemke's method
+ * has a proof. DLS_NO_SOLUTION_LIKELY: none, but for rounding. DLS_MAX_ITERATIONS: there are more
+ * than `capacity`, and the first of them are in the list. DLS_STALLED: rounding keeps a choice of
+ * states from being decided; the list holds the others. Else an error: DLS_E_UNSUPPORTED for d = 3,
+ * DLS_E_SIZE for more candidates, DLS_E_ARGUMENT, DLS_E_MEMORY. 4^nc small linear programs: 8
+ * candidates take seconds. */
 DLS_API DLS_MUST_USE dls_status dls_contact_enumerate(const dls_contact *problem, double tol,
                                                       int capacity, double *r, double *low,
                                                       double *high, dls_solution_set *found,

@@ -200,7 +200,7 @@ typedef struct piece {
 
 typedef struct pieces {
   const dls_contact *problem;
-  double tol;
+  double tol, w[dlsi_most_states]; /* weights of the certificate */
   states s;
   int count, room;
   piece *of;
@@ -245,7 +245,9 @@ static int pieces_take(pieces *p, const equations *e, const double *r, int *hidd
   const int m = 2 * p->s.nc, n = e->n;
   dls_certificate now;
   double a[most_rows * most_rows];
-  if (dls_contact_certify(p->problem, r, NULL, &now, NULL)) return 0;
+  double u[most_rows], sizes[most_rows], F[most_rows];
+  dlsi_contact_multiply(p->problem, NULL, r, u, sizes);
+  dlsi_contact_measure(p->problem, r, u, sizes, p->w, F, &now);
   if (!dls_certificate_holds(&now, p->tol)) {
     *hidden = 1;
     return 0;
@@ -414,6 +416,7 @@ static dls_status contact_enumerate(const dls_contact *problem, double tol, int 
   pieces p = {.problem = problem, .tol = tol};
   dls_solution_set set = {0, 0, 0};
   int hidden = 0, taken = 0;
+  dlsi_contact_weights(problem, p.w);
   states_scale(problem, &p.s);
   do {
     equations e;
