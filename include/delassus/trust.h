@@ -36,16 +36,44 @@ typedef struct dls_solution_set {
  * differ by less than 1e-8 of the largest entry, in scaled units, are one.
  *
  * DLS_OK: all are listed, up to 1e-10 of the scaled data. DLS_NO_SOLUTION: none, and each choice of
- * states is refuted by a vector that holds exactly for the numbers of W, q and mu, or Lemke's method
- * has a proof. DLS_NO_SOLUTION_LIKELY: none, but for rounding. DLS_MAX_ITERATIONS: there are more
- * than `capacity`, and the first of them are in the list. DLS_STALLED: rounding keeps a choice of
- * states from being decided; the list holds the others. Else an error: DLS_E_UNSUPPORTED for d = 3,
- * DLS_E_SIZE for more candidates, DLS_E_ARGUMENT, DLS_E_MEMORY. 4^nc small linear programs: 8
- * candidates take seconds. */
+ * states is refuted by a vector that holds exactly for the numbers of W, q and mu, or Lemke's
+ * method has a proof. DLS_NO_SOLUTION_LIKELY: none, but for rounding. DLS_MAX_ITERATIONS: there are
+ * more than `capacity`, and the first of them are in the list. DLS_STALLED: rounding keeps a choice
+ * of states from being decided; the list holds the others. Else an error: DLS_E_UNSUPPORTED for
+ * d = 3, DLS_E_SIZE for more candidates, DLS_E_ARGUMENT, DLS_E_MEMORY. 4^nc small linear programs:
+ * 8 candidates take seconds. */
 DLS_API DLS_MUST_USE dls_status dls_contact_enumerate(const dls_contact *problem, double tol,
                                                       int capacity, double *r, double *low,
                                                       double *high, dls_solution_set *found,
                                                       dls_error *error);
+
+/* ---- the fold -------------------------------------------------------------------------------- */
+
+typedef struct dls_fold {
+  double friction; /* the largest coefficient at the fold; INFINITY if there is none */
+  int exact;    /* 1: of all states; 0: of those that the search met: the fold is here or lower */
+  int matrices; /* how many were looked at */
+} dls_fold;
+
+/* Finds the least friction at which the matrix of some slip, stick and free candidates,
+ *
+ *   u_n = 0, u_t = 0 where they stick,  u_n = 0, r_t = +-mu r_n where they slip,  r = 0 elsewhere,
+ *
+ * becomes singular (Hassani, Hild and Ionescu's eigenvalue problem), for d = 2 and W positive
+ * definite. Below it there is exactly one solution, whatever q is; above it there are q with
+ * several. All mu_c are scaled together; where all are 0, they are taken as equal. Exact up to
+ * DLS_STATES_MAX candidates; for more a local search from many starts, which takes seconds.
+ *
+ *   state (nc): the states, slip to the side that r_t tells
+ *   q, r, other (m each): a witness: at the fold's friction, mu_c fold->friction / max mu, the load q
+ *   has the solutions r and other, in these states both
+ *
+ * Each may be NULL; they are set where there is a fold. DLS_OK; DLS_E_UNSUPPORTED for d = 3;
+ * DLS_E_NOT_POSITIVE_DEFINITE; DLS_E_SINGULAR if LAPACK finds no eigenvalues; DLS_E_ARGUMENT,
+ * DLS_E_MEMORY, or an error of dls_contact_check. */
+DLS_API DLS_MUST_USE dls_status dls_contact_fold(const dls_contact *problem, dls_fold *fold,
+                                                 dls_contact_state *state, double *q, double *r,
+                                                 double *other, dls_error *error);
 
 #ifdef __cplusplus
 }

@@ -6,7 +6,9 @@
 #include <string.h>
 
 #include "delassus.h"
+#include "delassus/fe.h"
 #include "failures.h"
+#include "front/front.h"
 #include "front_cases.h"
 #include "malloc_fails.h"
 #include "run.h"
@@ -283,7 +285,174 @@ START_TEST(enumerates_at_the_edges) {
 }
 END_TEST
 
+/* ---- the fold -------------------------------------------------------------------------------- */
+
+/* W symmetric positive definite or, odd k, with an antisymmetric part. */
+static dls_contact regular_problem(int k, double *W, double *q, double *mu) {
+  unsigned seed = (unsigned)k * 104729u + 5u;
+  const int nc = 2 + k % 4;
+  dls_contact p = coupled(W, q, mu, 2, nc, 0.02 + 0.1 * (k % 3), 1, seed);
+  const int m = 2 * nc;
+  for (int i = 0; i < m && k % 2; i++)
+    for (int j = 0; j < i; j++) {
+      const double x = 0.1 * draw(&seed);
+      W[i + m * j] += x;
+      W[j + m * i] -= x;
+    }
+  for (int c = 0; c < nc; c++)
+    mu[c] = k % 5 == 4 && c == 1 ? 0 : 1 + (k % 3) * 0.25 * c;
+  return p;
+}
+
+/* The determinant of the matrix (FO1) of states[c] = 0 free, 1 stick, 2, 3 slip. */
+static double state_determinant(const dls_contact *p, const int *states, double factor) {
+  double A[100];
+  int row[10], k = 0;
+  const int m = 2 * p->nc;
+  for (int c = 0; c < p->nc; c++) {
+    if (states[c]) row[k++] = 2 * c;
+    if (states[c] == 1) row[k++] = 2 * c + 1;
+  }
+  for (int j = 0; j < k; j++) {
+    const int c = row[j] / 2;
+    const double t = states[c] == 2 ? p->mu[c] : states[c] == 3 ? -p->mu[c] : 0;
+    for (int i = 0; i < k; i++)
+      A[i + 10 * j] = p->W.a[row[i] + m * row[j]] +
+                      (states[c] > 1 ? factor * t * p->W.a[row[i] + m * (row[j] + 1)] : 0);
+  }
+  double det = 1;
+  for (int s = 0; s < k; s++) {
+    int best = s;
+    for (int i = s; i < k; i++)
+      if (fabs(A[i + 10 * s]) > fabs(A[best + 10 * s])) best = i;
+    for (int j = 0; j < k; j++) {
+      const double x = A[s + 10 * j];
+      A[s + 10 * j] = A[best + 10 * j];
+      A[best + 10 * j] = x;
+    }
+    det *= (best == s ? 1 : -1) * A[s + 10 * s];
+    for (int i = s + 1; i < k; i++)
+      for (int j = k - 1; j >= s; j--)
+        A[i + 10 * j] -= A[i + 10 * s] / A[s + 10 * s] * A[s + 10 * j];
+  }
+  return det;
+}
+
+/* Returns the least determinant of all states. */
+static double least_determinant(const dls_contact *p, double factor) {
+  double least = INFINITY;
+  for (int n = 0; n < 1 << 2 * p->nc; n++) {
+    int states[5];
+    for (int c = 0; c < p->nc; c++) { /* without friction none sticks */
+      const int state = n >> 2 * c & 3;
+      states[c] = state == 1 && !(p->mu[c] > 0) ? 2 : state;
+    }
+    least = fmin(least, state_determinant(p, states, factor));
+  }
+  return least;
+}
+
+/* The witness at the fold: two certified answers of one load, which the library gives both. */
+static void expect_witness(const dls_contact *p, const dls_fold *fold, const double *q, double *r,
+                           double *other, double *mu) {
+  const int m = 2 * p->nc;
+  double most_mu = 0, difference = 0, size = 0;
+  for (int c = 0; c < p->nc; c++)
+    most_mu = fmax(most_mu, p->mu[c]);
+  for (int c = 0; c < p->nc; c++)
+    mu[c] = p->mu[c] * fold->friction / most_mu;
+  dls_contact w = *p;
+  w.q = q;
+  w.mu = mu;
+  for (int k = 0; k < 2; k++) {
+    double *start = k ? other : r;
+    dls_solver_settings s = settings_of(DLS_AUTO);
+    dls_info info;
+    s.limits.tol = 1e-9;
+    s.limits.warm_start = 1;
+    ck_assert_int_eq(dls_solve(&w, &s, start, NULL, &info, NULL), DLS_OK);
+  }
+  for (int i = 0; i < m; i++) {
+    difference = fmax(difference, fabs(r[i] - other[i]));
+    size = fmax(size, fabs(r[i]));
+  }
+  ck_assert_msg(difference > 1e-3 * size, "%g of %g", difference, size);
+}
+
+START_TEST(fold_of_small_problems) {
+  int found = 0, missed = 0;
+  double late = 0;
+  for (int k = 0; k < 100; k++) {
+    double W[100], q[10], mu[5], load[10], r[10], other[10], at[5], most_mu = 0;
+    double base[10];
+    const dls_contact p = regular_problem(k, W, q, mu);
+    dls_fold fold, search;
+    dls_contact_state state[5];
+    ck_assert_int_eq(dls_contact_fold(&p, &fold, state, load, r, other, NULL), DLS_OK);
+    ck_assert_int_eq(dlsi_contact_fold(&p, 1, &search, NULL, NULL, NULL, NULL, NULL), DLS_OK);
+    ck_assert(fold.exact && !search.exact);
+    ck_assert(search.friction >= fold.friction * (1 - 1e-9));
+    if (!isfinite(fold.friction)) continue;
+    found++;
+    if (search.friction / fold.friction - 1 > 1e-9) missed++;
+    late = fmax(late, search.friction / fold.friction - 1);
+    for (int c = 0; c < p.nc; c++)
+      most_mu = fmax(most_mu, p.mu[c]);
+    for (int l = 1; l <= 20; l++) /* regular all the way, and no longer beyond */
+      ck_assert_msg(least_determinant(&p, 0.9999 * l / 20 * fold.friction / most_mu) > 0,
+                    "%d: %d of 20, fold %.10g", k, l, fold.friction);
+    ck_assert(least_determinant(&p, 1.0001 * fold.friction / most_mu) < 0);
+    memcpy(base, r, sizeof base);
+    expect_witness(&p, &fold, load, r, other, at);
+    for (int beyond = 0; beyond < 2; beyond++) { /* one solution below the fold, several above */
+      static solutions s;
+      const double share = beyond ? 1.001 : 0.999;
+      double close[5], moved[10];
+      const int m = 2 * p.nc;
+      dls_contact w = p;
+      for (int c = 0; c < p.nc; c++)
+        close[c] = share * at[c];
+      for (int i = 0; i < m; i++) { /* r in its states and u stay, but for the slip's r_t */
+        moved[i] = load[i];
+        for (int c = 0; c < p.nc; c++)
+          moved[i] += (1 - share) * W[i + m * (2 * c + 1)] * base[2 * c + 1];
+      }
+      w.q = moved;
+      w.mu = close;
+      const dls_status status = enumerate(&w, &s);
+      ck_assert_msg(status == DLS_OK, "%d: %s", k, dls_status_name(status));
+      ck_assert_msg(s.set.continua == 0, "%d", k);
+      if (!beyond) ck_assert_msg(s.set.isolated == 1, "%d: %d", k, s.set.isolated);
+      if (beyond) ck_assert_msg(s.set.isolated > 1, "%d: %d", k, s.set.isolated);
+    }
+  }
+  ck_assert_msg(found > 90 && missed == 0, "%d, %d missed, by %g", found, missed, late);
+}
+END_TEST
+
+START_TEST(fold_of_the_jean_block) {
+  dls_fe_scene *scene;
+  dls_fe_scene_data data;
+  dls_reduction *reduction;
+  dls_contact p;
+  dls_fold fold;
+  static double q[200], r[200], other[200], mu[100];
+  ck_assert_int_eq(dls_fe_scene_create(&scene, "jean-fig3", 0, NULL), DLS_OK);
+  dls_fe_scene_get(scene, &data);
+  ck_assert_int_eq(dls_reduction_create(&reduction, &data.model, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load(reduction, data.f, data.g, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_contact(reduction, data.mu, &p, NULL), DLS_OK);
+  ck_assert_int_eq(dls_contact_fold(&p, &fold, NULL, q, r, other, NULL), DLS_OK);
+  ck_assert_msg(!fold.exact && fabs(fold.friction - 1.318) <= 0.01 * 1.318, "%.6g of %d matrices",
+                fold.friction, fold.matrices);
+  expect_witness(&p, &fold, q, r, other, mu);
+  dls_reduction_destroy(reduction);
+  dls_fe_scene_destroy(scene);
+}
+END_TEST
+
 int main(void) {
   return RUN("trust", NULL, NULL, ONCE(all_of_the_catalogue), ONCE(agrees_with_the_verdicts),
-             ONCE(enumerates_nothing_wrong), ONCE(enumerates_at_the_edges));
+             ONCE(enumerates_nothing_wrong), ONCE(enumerates_at_the_edges),
+             ONCE(fold_of_small_problems), ONCE(fold_of_the_jean_block));
 }
