@@ -47,6 +47,30 @@ DLS_API DLS_MUST_USE dls_status dls_contact_enumerate(const dls_contact *problem
                                                       double *high, dls_solution_set *found,
                                                       dls_error *error);
 
+/* ---- what a residual means ------------------------------------------------------------------- */
+
+typedef struct dls_sensitivity {
+  int rows; /* equations of the candidates that carry a reaction: d where one sticks, d - 1 where it
+               slips, 1 without friction */
+  int rank; /* of their matrix A, scaled, to rounding */
+  int border;   /* candidates on the border of two states, where A holds on one side */
+  int isolated; /* 1: no other answer near; 0: others near, the reactions are not determined; -1: not
+                   known, border > 0 */
+  double amplification; /* |A^-1| |q| / |r|: relative error of r per residual_u; INFINITY where rank
+                           < rows */
+  double amplification_r; /* |A^-1 diag(w)|: the same per residual_r */
+  double error; /* the relative error of r, |r - r*| / |r|, that its certificate leaves: the smaller
+                   one of both products, residuals below their floors being taken as these */
+} dls_sensitivity;
+
+/* Tells how far r, the answer of a solver, may be from the solution: in the states that r has the
+ * laws are linear, and the norm of A^-1 comes from its singular values. Right to first order, for an r
+ * whose states are those of the solution (bench/results/trust.md). r: m. O(rows^3) operations, rows^2 doubles + O(m) (rows
+ * = 1000: some seconds). DLS_OK, DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_MEMORY. */
+DLS_API DLS_MUST_USE dls_status dls_contact_sensitivity(const dls_contact *problem, const double *r,
+                                                        dls_sensitivity *sensitivity,
+                                                        dls_error *error);
+
 /* ---- the fold -------------------------------------------------------------------------------- */
 
 typedef struct dls_fold {
@@ -65,12 +89,11 @@ typedef struct dls_fold {
  * DLS_STATES_MAX candidates; for more a local search from many starts, which takes seconds.
  *
  *   state (nc): the states, slip to the side that r_t tells
- *   q, r, other (m each): a witness: at the fold's friction, mu_c fold->friction / max mu, the load q
- *   has the solutions r and other, in these states both
+ *   q, r, other (m each): a witness: with the coefficients mu_c fold->friction / max mu, the load q
+ *   has the solutions r and other, both in these states
  *
  * Each may be NULL; they are set where there is a fold. DLS_OK; DLS_E_UNSUPPORTED for d = 3;
- * DLS_E_NOT_POSITIVE_DEFINITE; DLS_E_SINGULAR if LAPACK finds no eigenvalues; DLS_E_ARGUMENT,
- * DLS_E_MEMORY, or an error of dls_contact_check. */
+ * DLS_E_NOT_POSITIVE_DEFINITE; DLS_E_ARGUMENT, DLS_E_MEMORY, or an error of dls_contact_check. */
 DLS_API DLS_MUST_USE dls_status dls_contact_fold(const dls_contact *problem, dls_fold *fold,
                                                  dls_contact_state *state, double *q, double *r,
                                                  double *other, dls_error *error);

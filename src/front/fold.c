@@ -2,8 +2,8 @@
  * fold.c: the least friction at which the solution folds: where the matrix of some states of the
  * candidates becomes singular; d = 2, W positive definite.
  *
- * W stands for the scaled matrix D^-1/2 W D^-1/2 (diagnose.c), mu_c for lambda times shares s_c, the
- * largest of them 1. With candidates K that stick, S that slip to the sides e_c = +-1, and the
+ * W stands for the scaled matrix D^-1/2 W D^-1/2 (diagnose.c), mu_c for lambda times shares s_c,
+ * the largest of them 1. With candidates K that stick, S that slip to the sides e_c = +-1, and the
  * others free, the unknowns are r_n and r_t of K and r_n of S, the equations u_n = 0 of both and
  * u_t = 0 of K:
  *
@@ -33,8 +33,8 @@
  * problem, Math. Methods Appl. Sci. 27 (2004) 47-67: the eigenvalue problem of a state; here the
  * states are looked for, too.
  *
- * Cost: 4^nc / 2 eigenvalue problems of up to nc rows; in (FO3) as many as 4e9 / (40 nc^3), at least
- * 12 nc. What can fail: (FO3) misses the states of the fold, and says too much.
+ * Cost: 4^nc / 2 eigenvalue problems of up to nc rows; in (FO3) up to 1e8 / nc^3, at least 12 nc.
+ * What can fail: (FO3) misses the states of the fold, and says too much.
  */
 #include <float.h>
 #include <math.h>

@@ -451,8 +451,158 @@ START_TEST(fold_of_the_jean_block) {
 }
 END_TEST
 
+START_TEST(no_fold) {
+  double W[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, q[3] = {-1, 0, 0}, mu[1] = {0.5}, r[2] = {7, 7};
+  dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+  dls_fold fold = {.matrices = -7};
+  dls_contact_state state = DLS_STICK;
+  dls_error e;
+  W[1] = W[2] = 0; /* nothing couples n and t */
+  W[3] = 1;
+  ck_assert_int_eq(dls_contact_fold(&p, &fold, &state, NULL, r, NULL, &e), DLS_OK);
+  ck_assert(fold.friction == INFINITY && fold.exact && state == DLS_STICK && r[0] == 7);
+  fold.matrices = -7;
+  W[3] = -1;
+  ck_assert_int_eq(dls_contact_fold(&p, &fold, NULL, NULL, NULL, NULL, &e),
+                   DLS_E_NOT_POSITIVE_DEFINITE);
+  ck_assert_str_eq(e.argument, "W");
+  W[3] = 1;
+  ck_assert_int_eq(dls_contact_fold(&p, NULL, NULL, NULL, NULL, NULL, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "fold");
+  ck_assert_str_eq(e.function, "dls_contact_fold");
+  mu[0] = -1;
+  ck_assert_int_eq(dls_contact_fold(&p, &fold, NULL, NULL, NULL, NULL, &e), DLS_E_ARGUMENT);
+  mu[0] = 0.5;
+  p.d = 3;
+  p.W = (dls_dense){3, 3, 3, W};
+  ck_assert_int_eq(dls_contact_fold(&p, &fold, NULL, NULL, NULL, NULL, &e), DLS_E_UNSUPPORTED);
+  ck_assert_int_eq(dls_contact_fold(NULL, &fold, NULL, NULL, NULL, NULL, &e), DLS_E_ARGUMENT);
+  ck_assert_int_eq(fold.matrices, -7);
+}
+END_TEST
+
+/* One candidate: the fold is W_nn / |W_nt|, in any unit. */
+START_TEST(fold_of_one) {
+  for (int k = 0; k < 3; k++) {
+    const double unit = k == 0 ? 1 : k == 1 ? 1e9 : 1e-9;
+    double W[4] = {unit, -0.8 * unit, -0.8 * unit, unit}, q[2] = {-1, 0}, mu[1] = {0.3};
+    const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+    dls_fold fold;
+    ck_assert_int_eq(dls_contact_fold(&p, &fold, NULL, NULL, NULL, NULL, NULL), DLS_OK);
+    ck_assert(fabs(fold.friction - 1.25) < 1e-12);
+    mu[0] = 0;
+    ck_assert_int_eq(dls_contact_fold(&p, &fold, NULL, NULL, NULL, NULL, NULL), DLS_OK);
+    ck_assert(fabs(fold.friction - 1.25) < 1e-12);
+    long failed = 0;
+    for (dls_status status = DLS_E_MEMORY; status == DLS_E_MEMORY; failed++) {
+      fold.matrices = -7;
+      malloc_fails_at(failed + 1);
+      status = dls_contact_fold(&p, &fold, NULL, NULL, NULL, NULL, NULL);
+      malloc_fails_at(0);
+      ck_assert(status == DLS_OK || (status == DLS_E_MEMORY && fold.matrices == -7));
+    }
+    ck_assert_int_ge(failed, 3);
+  }
+}
+END_TEST
+
+/* ---- what a residual means ------------------------------------------------------------------- */
+
+/* By hand: one candidate that sticks, slips, or is free, W = diag(4, 1). */
+START_TEST(sensitivity_by_hand) {
+  double W[4] = {4, 0, 0, 1}, q[2] = {-4, -0.25}, mu[1] = {0.5}, r[2] = {1, 0.25};
+  const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+  dls_sensitivity s;
+  ck_assert_int_eq(dls_contact_sensitivity(&p, r, &s, NULL), DLS_OK);
+  ck_assert(s.rows == 2 && s.rank == 2 && s.border == 0 && s.isolated == 1);
+  ck_assert(fabs(s.amplification - hypot(4, 0.25) / hypot(1, 0.25)) < 1e-12);
+  ck_assert(fabs(s.amplification_r - 2.5) < 1e-12);
+  q[1] = -2; /* slips: r_t = 0.5, u_t = -1.5 */
+  r[1] = 0.5;
+  ck_assert_int_eq(dls_contact_sensitivity(&p, r, &s, NULL), DLS_OK);
+  ck_assert(s.rows == 1 && s.rank == 1 && s.isolated == 1);
+  ck_assert(fabs(s.amplification - sqrt(1.25) / 4 * hypot(4, 2) / hypot(1, 0.5)) < 1e-12);
+  q[0] = 1; /* free */
+  r[0] = r[1] = 0;
+  ck_assert_int_eq(dls_contact_sensitivity(&p, r, &s, NULL), DLS_OK);
+  ck_assert(s.rows == 0 && s.rank == 0 && s.isolated == 1 && s.error == 0);
+  q[0] = 0; /* on the border */
+  ck_assert_int_eq(dls_contact_sensitivity(&p, r, &s, NULL), DLS_OK);
+  ck_assert(s.border == 1 && s.isolated == -1);
+}
+END_TEST
+
+/* The continua of the catalogue have a rank below their rows; the prediction of a random problem
+ * holds for what sweeps leave, within a factor. */
+START_TEST(sensitivity_of_answers) {
+  int count, singular = 0;
+  const failure *list = contact_failures(&count);
+  for (int k = 0; k < count; k++) {
+    if (strcmp(list[k].name, "c05-hyperstatic") &&
+        strcmp(list[k].name, "c21-frictionless-supports"))
+      continue;
+    const dls_contact p = failure_contact(&list[k]);
+    double r[FAILURE_N];
+    dls_sensitivity s;
+    (void)solve_auto(&p, 1e-10, r);
+    ck_assert_int_eq(dls_contact_sensitivity(&p, r, &s, NULL), DLS_OK);
+    singular += s.rank < s.rows && s.error == INFINITY && s.isolated < 1;
+  }
+  ck_assert_int_eq(singular, 2);
+  double most = 0, least = INFINITY;
+  for (int k = 0; k < 100; k++) {
+    static planted_problem a;
+    const dls_contact p = planted(&a, 2 + k % 2, 8, (2 + k % 2) * 8, 0.4, (unsigned)k + 1);
+    const int m = p.d * p.nc;
+    double exact[24], r[24], difference = 0, size = 0;
+    dls_solver_settings sweeps = settings_of(DLS_NLGS);
+    dls_sensitivity s;
+    dls_info info;
+    if (solve_auto(&p, 1e-13, exact).status) continue;
+    sweeps.limits.tol = 1e-6;
+    if (dls_solve(&p, &sweeps, r, NULL, &info, NULL)) continue;
+    ck_assert_int_eq(dls_contact_sensitivity(&p, r, &s, NULL), DLS_OK);
+    for (int i = 0; i < m; i++) {
+      difference += (r[i] - exact[i]) * (r[i] - exact[i]);
+      size += exact[i] * exact[i];
+    }
+    const double share = s.error / sqrt(difference / size);
+    if (s.border || !(info.certificate.residual > 1e-9) || !isfinite(share)) continue;
+    most = fmax(most, share);
+    least = fmin(least, share);
+  }
+  ck_assert_msg(least > 0.8 && least < 2 && most < 1000, "%g to %g", least, most);
+}
+END_TEST
+
+START_TEST(sensitivity_of_nothing_wrong) {
+  double W[4] = {4, 0, 0, 1}, q[2] = {-4, -0.25}, mu[1] = {0.5}, r[2] = {1, 0.25};
+  const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+  dls_sensitivity s = {.rows = -7};
+  dls_error e;
+  ck_assert_int_eq(dls_contact_sensitivity(NULL, r, &s, &e), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_contact_sensitivity(&p, NULL, &s, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "r");
+  ck_assert_str_eq(e.function, "dls_contact_sensitivity");
+  ck_assert_int_eq(dls_contact_sensitivity(&p, r, NULL, &e), DLS_E_ARGUMENT);
+  r[1] = NAN;
+  ck_assert_int_eq(dls_contact_sensitivity(&p, r, &s, &e), DLS_E_NOT_FINITE);
+  r[1] = 0.25;
+  long failed = 0;
+  for (dls_status status = DLS_E_MEMORY; status == DLS_E_MEMORY; failed++) {
+    malloc_fails_at(failed + 1);
+    status = dls_contact_sensitivity(&p, r, &s, NULL);
+    malloc_fails_at(0);
+    ck_assert(status == DLS_OK || (status == DLS_E_MEMORY && s.rows == -7));
+  }
+  ck_assert_int_ge(failed, 5);
+}
+END_TEST
+
 int main(void) {
   return RUN("trust", NULL, NULL, ONCE(all_of_the_catalogue), ONCE(agrees_with_the_verdicts),
              ONCE(enumerates_nothing_wrong), ONCE(enumerates_at_the_edges),
-             ONCE(fold_of_small_problems), ONCE(fold_of_the_jean_block));
+             ONCE(fold_of_small_problems), ONCE(fold_of_the_jean_block), ONCE(no_fold),
+             ONCE(fold_of_one), ONCE(sensitivity_by_hand), ONCE(sensitivity_of_answers),
+             ONCE(sensitivity_of_nothing_wrong));
 }
