@@ -101,6 +101,7 @@ help:
 	@echo 'make bench-auto      auto beside the single methods; BENCH=files'
 	@echo 'make bench-motion    load and recover of each step beside one solve by CHOLMOD'
 	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
+	@echo 'make bench-trust     predicted error of an answer beside the true one'
 	@echo 'make clean'
 
 # ---- libraries and program ----------------------------------------------------------------------
@@ -245,6 +246,7 @@ $(BUILD)/bench/motion: PEER_LIBS = -lcholmod
 $(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,src/cli/problem.c src/cli/report.c) $(A)
 $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
 $(BUILD)/bench/problems: $(call obj,bench/problems.c bench/solvers_scenes.c) $(FE) $(A)
+$(BUILD)/bench/trust: $(call bench_obj,trust) $(call obj,bench/solvers_scenes.c) $(FE) $(A)
 $(BUILD)/bench/lemke $(BUILD)/bench/solvers $(BUILD)/bench/scale: PEER_LIBS = -lsiconos_numerics
 $(BUILD)/bench/reduction: PEER_LIBS = -lcholmod -lumfpack
 $(BUILD)/bench/%:
@@ -271,6 +273,9 @@ bench-motion:
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/motion --out $(RESULTS) $(BENCH)
 bench-blocks: $(BUILD)/bench/blocks
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks --out $(RESULTS)
+.PHONY: bench-trust
+bench-trust: $(BUILD)/bench/trust
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/trust --out $(RESULTS) $(or $(BENCH),data/failures/c*.txt)
 
 # ---- demo, install ------------------------------------------------------------------------------
 
