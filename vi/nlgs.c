@@ -433,7 +433,7 @@ static void nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double r
   memcpy(work->x, r, m * sizeof *r);
 }
 
-/* ---- momentum --------------------------------------------------------------------------------- */
+/* ---- momentum -------------------------------------------------------------------------------- */
 
 enum { local_every = 10, local_first = 50, local_sweeps = 300, local_looks = 5, local_layers = 3 };
 enum { slow_first = 300 };
@@ -534,7 +534,7 @@ static int nlgs_slows_down(dls_nlgs *work, int k, double residual) {
 /* (NL8) r := the start of the next sweep k, with local sweeps before it now and then. */
 static void nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double residual,
                       double *r) {
-  const dlsi_set all = {NULL, problem->nc};
+  const dlsi_set all = {NULL, problem->nc}, visits = nlgs_all(work, problem);
   if (nlgs_slows_down(work, k, residual)) {
     memcpy(r, work->it.best, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
     dlsi_multiply(problem, work->order, work->it.E, r, work->it.u, NULL);
@@ -546,11 +546,11 @@ static void nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double 
     dlsi_momentum_start(&work->momentum, problem->d, all, all, r, work->it.u);
     return;
   }
-  (void)dlsi_momentum_step(&work->momentum, problem->d, work->it.w, work->largest, all, all, r,
+  (void)dlsi_momentum_step(&work->momentum, problem->d, work->it.w, work->largest, visits, all, r,
                            work->it.u);
 }
 
-/* ---- the solve -------------------------------------------------------------------------------- */
+/* ---- the solve ------------------------------------------------------------------------------- */
 
 /* Sweeps from r until the certificate holds or there is a reason to stop, which is returned; it.u
  * belongs to it.best then. *iterations: sweeps done. */

@@ -85,9 +85,8 @@ DLS_API DLS_MUST_USE dls_status dls_solver_set_limits(dls_solver *solver, const 
 /* r (m): in, the start if warm_start; out, the reactions. u (m) or NULL: W r + q. info or NULL.
  * Allocates nothing for a W of the storage that `blocks` announced, MUMPS apart (newton.h).
  *
- * Statuses of the methods. Of lemke with d = 3, DLS_RAY and never DLS_NO_SOLUTION: a proof for the
- * cone with facets does not bind the round one. DLS_NO_SOLUTION of lemke and auto: proved, d = 2,
- * exactly for the numbers of W, q and mu; dls_solver_farkas() has the proof.
+ * Statuses of the methods. DLS_NO_SOLUTION of lemke and auto: proved, exactly for the numbers of W,
+ * q and mu and, d = 3, the round cone; dls_solver_farkas() has the proof.
  * DLS_NO_SOLUTION_LIKELY, of auto alone: all methods have failed, from r = 0 and more ways than
  * one; the reactions run away along dls_solver_direction() or, d = 2 and up to 8 candidates, no
  * states of the candidates have a solution; and W shows no reason why there should be one

@@ -313,7 +313,7 @@ START_TEST(blocks_in_one_piece) {
 END_TEST
 
 /* Returns the part under the hat function of candidate c of the upper edge. */
-static double part_of(const dls_moving_data *d, int c) {
+static double share_of(const dls_moving_data *d, int c) {
   const double *xy = d->mesh->xy;
   const int *node = d->candidate_node, last = d->candidates - 1;
   return (xy[2 * node[c < last ? c + 1 : c]] - xy[2 * node[c > 0 ? c - 1 : c]]) / 2;
@@ -331,8 +331,8 @@ START_TEST(blocks_patch) {
   dls_moving *moving = create("two-blocks", &s, &d);
   advance(moving, d.cycle, &d);
   for (int c = 0; c < d.candidates; c++) {
-    expect(d.r[2 * c], pressure * part_of(&d, c), 1e-10);
-    ck_assert_double_le(fabs(d.r[2 * c + 1]), 1e-10 * pressure * part_of(&d, c));
+    expect(d.r[2 * c], pressure * share_of(&d, c), 1e-10);
+    ck_assert_double_le(fabs(d.r[2 * c + 1]), 1e-10 * pressure * share_of(&d, c));
   }
   double *stress = malloc(3 * (size_t)d.mesh->quads * sizeof *stress);
   ck_assert_ptr_nonnull(stress);

@@ -231,7 +231,7 @@ START_TEST(bad_settings_are_refused) {
     ck_assert_int_eq(dls_solver_create(&solver, 2, NC, &s, &e), DLS_E_ARGUMENT);
     ck_assert_str_eq(e.argument, "tol");
   }
-  s = good, s.acceleration = (dls_acceleration)3;
+  s = good, s.acceleration = (dls_acceleration)4;
   ck_assert_int_eq(dls_solver_create(&solver, 2, NC, &s, &e), DLS_E_ARGUMENT);
   ck_assert_str_eq(e.argument, "acceleration");
   s = good, s.method = DLS_LEMKE, s.acceleration = DLS_ACCELERATION_AITKEN;
