@@ -236,7 +236,7 @@ START_TEST(enumerates_nothing_wrong) {
   REFUSED(DLS_E_ARGUMENT, "found", dls_contact_enumerate(&p, 0, 1, r, NULL, NULL, NULL, &e));
   REFUSED(DLS_E_ARGUMENT, "tol", dls_contact_enumerate(&p, -1, 1, r, NULL, NULL, &set, &e));
   REFUSED(DLS_E_ARGUMENT, "capacity", dls_contact_enumerate(&p, 0, 0, r, NULL, NULL, &set, &e));
-  p.nc = 0;
+  p.nc = -1;
   REFUSED(DLS_E_SIZE, "nc", dls_contact_enumerate(&p, 0, 1, r, NULL, NULL, &set, &e));
   double many[18 * 18] = {0}, long_q[18] = {0}, long_mu[9] = {0};
   p = (dls_contact){.d = 2, .nc = 9, .W = {18, 18, 18, many}, .q = long_q, .mu = long_mu};
