@@ -111,8 +111,9 @@ static void pair_load(double *f, int n, double p, double t) {
   }
 }
 
-/* An upper block that nothing but contact holds stands on a lower one, pressed and then sheared; all
- * sticks: the answer is that of one block, to 1e-11, and the free body is in equilibrium to 1e-12. */
+/* An upper block that nothing but contact holds stands on a lower one, pressed and then sheared;
+ * all sticks: the answer is that of one block, to 1e-11, and the free body is in equilibrium to
+ * 1e-12. */
 START_TEST(test_two_blocks) {
   enum { n = pair_n + 2 * pair_nodes };
   moving_begin(&parts, n);

@@ -25,8 +25,8 @@ static dls_motion_model point_model(double mass, double k, double gap) {
 
 /* ---- laws ------------------------------------------------------------------------------------ */
 
-/* A ball, v = -3, meets a racket that rises with V = 2, e = 1/2: v+ = V + e (V - v) = 4.5; p = m (v+
- * - v) = 7.5; the racket gives p V = 15, the impact takes p (u+ + u)/2 = 7.5 (2.5 - 5)/2. */
+/* A ball, v = -3, meets a racket that rises with V = 2, e = 1/2: v+ = V + e (V - v) = 4.5; p = m
+ * (v+ - v) = 7.5; the racket gives p V = 15, the impact takes p (u+ + u)/2 = 7.5 (2.5 - 5)/2. */
 START_TEST(test_racket) {
   const dls_motion_model model = point_model(1, 0, 0);
   dls_motion_settings settings = moving_settings(DLS_MOTION_VELOCITY, 1e-3);
@@ -64,8 +64,8 @@ START_TEST(test_gap_form) {
 }
 END_TEST
 
-/* Without contact nodes a spring swings: with theta = 1/2, cos(w t), tan(w h/2) = h/2, without loss;
- * with theta = 1 the scheme takes energy, which it says. */
+/* Without contact nodes a spring swings: with theta = 1/2, cos(w t), tan(w h/2) = h/2, without
+ * loss; with theta = 1 the scheme takes energy, which it says. */
 START_TEST(test_swing) {
   moving_begin(&parts, 1);
   moving_add(&parts.M, 0, 0, 1);
@@ -285,7 +285,7 @@ START_TEST(test_units) {
 }
 END_TEST
 
-/* Falls freely with h, h/2, h/8: theta = 1/2 is exact for any of them; a wrong h changes nothing. */
+/* Falls freely with h, h/2, h/8: theta = 1/2 is exact for any of them; a wrong h is refused. */
 START_TEST(test_set_h) {
   const dls_motion_model model = point_model(2, 0, 100);
   const dls_motion_settings settings = moving_settings(DLS_MOTION_VELOCITY, 0.5);
