@@ -135,9 +135,9 @@ static warm_run warm_go(dls_motion_law law, double tol, int warm) {
   return run;
 }
 
-/* A sweep gains a fixed factor, so a warm start saves those that a cold one needs to come as near as
- * p of the step before: log(1/change) of log(1/tol). Where p changes by .55 % in a step, on this
- * path, that is a fifth of the sweeps at 1e-12, and more than half of them at 1e-4. */
+/* A sweep gains a fixed factor, so a warm start saves those that a cold one needs to come as near
+ * as p of the step before: log(1/change) of log(1/tol). Where p changes by .55 % in a step, on
+ * this path, that is a fifth of the sweeps at 1e-12, and more than half of them at 1e-4. */
 START_TEST(test_warm) {
   const dls_motion_law law = _i < 2 ? DLS_MOTION_VELOCITY : DLS_MOTION_PATH;
   const double tol = _i % 2 ? 1e-4 : 1e-12;
