@@ -127,8 +127,11 @@ START_TEST(test_fixed) {
 }
 END_TEST
 
-/* The gap form with theta < 1, which a motion refuses, by a loop of the host's own: the gap at the
- * end of a step is gap + h (theta u+ + (1 - theta) u) >= 0. Returns the variation of the pressure. */
+/* The gap form with theta < 1, which a motion refuses, by a loop of the host's own:
+ *
+ *   0 <= gap+ = gap + h (theta u+ + (1 - theta) u)  _|_  p >= 0
+ *
+ * Returns the variation of the pressure. */
 static double own_gap_form(int N, double theta) {
   static double A[moving_entries], x[moving_columns], v[moving_columns], b[moving_columns];
   const double h = courant * 10 / N / 30, a = h * h * theta * theta;
