@@ -194,9 +194,9 @@ static double jean_loss(const char *name, int weighted, double a, int steps) {
   return loss;
 }
 
-/* J/m, as an independent program has them; a small amplitude shakes down: all sticks in the second cycle. The
- * weighted candidates carry their slip as well: they shake down at a smaller amplitude, and their
- * losses are of the same size. */
+/* J/m, as an independent program has them; a small amplitude shakes down: all sticks in the second
+ * cycle. The weighted candidates carry their slip as well: they shake down at a smaller amplitude,
+ * and their losses are of the same size. */
 START_TEST(test_jean) {
   ck_assert_double_eq_tol(jean_loss("jean-fig3", 0, 1e-5, 400), 9.35233, 1e-5);
   ck_assert_double_eq_tol(jean_loss("jean-fig3", 0, 1e-5, 1600), 9.35443, 1e-5);
