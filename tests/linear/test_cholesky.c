@@ -2,10 +2,12 @@
 #include <check.h>
 #include <float.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/base.h"
+#include "cases.h"
 #include "close.h"
 #include "linear/cholesky.h"
 #include "malloc_fails.h"
@@ -23,15 +25,8 @@ typedef struct matrix {
 } matrix;
 
 static matrix M;
-static unsigned long long seed;
-
-static double random_number(void) {
-  seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
-  return (double)(seed >> 11) / 4503599627370496.0 - 1;
-}
-
 static void add_entry(int i, int j, double a) {
-  const int turned = random_number() < 0; /* of which triangle an entry is does not matter */
+  const int turned = uniform() < 0; /* of which triangle an entry is does not matter */
   M.row[M.entries] = 1 + (turned ? j : i);
   M.col[M.entries] = 1 + (turned ? i : j);
   M.x[M.entries++] = a;
@@ -41,27 +36,27 @@ static void add_entry(int i, int j, double a) {
 
 /* The number-th matrix: of 1 to 89 unknowns, of every density, with nothing, some or all of it
  * kept, in a random order. */
-static void make(int number) {
+static void make_matrix(int number) {
   memset(&M, 0, sizeof M);
-  seed = 77 + (unsigned long long)number;
+  set_seed(77 + (uint64_t)number);
   M.n = 1 + (number * 37) % 89;
   M.kept = number % 4 == 0 ? 0 : number % 4 == 1 ? M.n / 3 : number % 4 == 2 ? M.n / 9 : M.n;
   const double density = number % 5 == 4 ? 0.6 : 0.02 * (number % 5);
   for (int j = 0; j < M.n; j++)
     for (int i = j + 1; i < M.n; i++)
-      if (fabs(random_number()) < density || (number % 3 == 0 && i == j + 1))
+      if (fabs(uniform()) < density || (number % 3 == 0 && i == j + 1))
         for (int half = 0; half < 1 + (i % 7 == 0); half++)
-          add_entry(i, j, random_number());
+          add_entry(i, j, uniform());
   for (int j = 0; j < M.n; j++) { /* diagonally dominant */
     double sum = 1;
     for (int i = 0; i < M.n; i++)
       sum += fabs(M.A[i + j * M.n]);
     add_entry(j, j, sum);
-    M.b[j] = random_number();
+    M.b[j] = uniform();
     M.order[j] = j + 1;
   }
   for (int j = M.n - 1; j > 0; j--) {
-    const int i = (int)(fabs(random_number()) * (j + 1)) % (j + 1), at = M.order[i];
+    const int i = (int)(fabs(uniform()) * (j + 1)) % (j + 1), at = M.order[i];
     M.order[i] = M.order[j];
     M.order[j] = at;
   }
@@ -88,7 +83,7 @@ static void assert_solves(const double *x, const double *b) {
 
 /* One right-hand side, several at once to rounding the same, and again after a new factor. */
 START_TEST(solves) {
-  make(_i);
+  make_matrix(_i);
   dlsi_cholesky *L = analysed();
   double pivot = 0, X[3 * most_n], x[most_n], again[most_n];
   ck_assert_int_eq(dlsi_cholesky_factor(L, M.x, &pivot), 0);
@@ -113,7 +108,7 @@ END_TEST
 
 /* condense, then expand for one h on c after the other: A x = b + (0, h). b may be 0. */
 START_TEST(halves_make_a_solve) {
-  make(_i);
+  make_matrix(_i);
   dlsi_cholesky *L = analysed();
   double pivot = 0, z[most_n], x[most_n], load[most_n];
   ck_assert_int_eq(dlsi_cholesky_factor(L, M.x, &pivot), 0);
@@ -127,7 +122,7 @@ START_TEST(halves_make_a_solve) {
     for (int i = 0; i < M.n; i++)
       load[i] = loaded ? M.b[i] : 0;
     for (int k = 0; k < b; k++) {
-      const double h = random_number();
+      const double h = uniform();
       xc[k] = z[k] + h;
       load[L->unknown[M.n - b + k]] += h;
     }
@@ -152,7 +147,7 @@ END_TEST
 
 /* The order: c stands last as it was given, and every unknown stands once. */
 START_TEST(kept_stand_last) {
-  make(_i);
+  make_matrix(_i);
   dlsi_cholesky *L = analysed();
   int seen[most_n] = {0};
   for (int k = 0; k < M.n; k++) {
@@ -168,7 +163,7 @@ END_TEST
 
 /* A negative pivot is told with its position, and a good matrix is factored all the same next. */
 START_TEST(indefinite_is_told) {
-  make(_i);
+  make_matrix(_i);
   dlsi_cholesky *L = analysed();
   double pivot = 7;
   const int bad = M.n / 2;
@@ -189,7 +184,7 @@ START_TEST(indefinite_is_told) {
 END_TEST
 
 START_TEST(every_malloc_fails) {
-  make(_i);
+  make_matrix(_i);
   dlsi_cholesky *L = NULL;
   dls_status status = DLS_E_MEMORY;
   long k = 0;
