@@ -10,6 +10,7 @@
 #include "delassus.h"
 #include "delassus/fe.h"
 #include "delassus/forming.h"
+#include "delassus/moving.h"
 
 /* Exit statuses. */
 enum { EXIT_SOLVED = 0, EXIT_NOT_SOLVED = 1, EXIT_BAD_INPUT = 2 };
@@ -19,6 +20,8 @@ int command_solve(int argc, char **argv);
 int command_info(int argc, char **argv);
 int command_forming(int argc, char **argv);
 int command_tables(int argc, char **argv);
+int command_moving(int argc, char **argv);
+int command_converge(int argc, char **argv);
 
 /* ---- problem.c ------------------------------------------------------------------------------- */
 
@@ -228,6 +231,28 @@ void begin_pictures(FILE *script, const char *name, double width, double height)
 
 /* Computes the bounding box of the mesh at rest and, if displacement is not NULL, displaced. */
 void mesh_box(int nodes, const double *xy, const double *displacement, double lo[2], double hi[2]);
+
+/* ---- moving.c -------------------------------------------------------------------------------- */
+
+/* The options of bodies that move, their lines of --help, and the function that takes one of them;
+ * OPTION_UNKNOWN for another key. */
+#define MOVING_KEYS "n:m:t:"
+#define MOVING_OPTIONS                                                                             \
+  VALUE("law", 'L'), VALUE("theta", 'T'), VALUE("mass", 'K'), VALUE("e", 'E'),                     \
+      VALUE("courant", 'C'), VALUE("steps", 'n'), VALUE("mesh", 'M'), VALUE("upper", 'U'),         \
+      VALUE("mu", 'f'), VALUE("amplitude", 'A'), VALUE("frequency", 'F'), VALUE("method", 'm'),    \
+      VALUE("tol", 't')
+void moving_usage_options(FILE *out);
+taken take_moving_setting(int key, const char *text, dls_moving_settings *settings);
+
+/* Returns 1 if one of the arguments is the name of a scene of bodies that move. */
+int names_moving(int argc, char **argv);
+
+/* Draw energy.* and bar.*, map.*, loop.* in a directory that holds energy.csv and their data, and
+ * converge.* with the line factor h^order beside converge.csv (moving_picture.c); EXIT_SOLVED, or
+ * EXIT_BAD_INPUT after a complaint. */
+int draw_moving(const char *directory, const dls_moving_data *data);
+int draw_convergence(const char *directory, const char *name, double order, double factor);
 
 /* ---- forming.c ------------------------------------------------------------------------------- */
 

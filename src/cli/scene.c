@@ -26,11 +26,13 @@ typedef struct scene_options {
 static const double default_tol = 1e-14;
 
 static void scene_usage(FILE *out) {
-  fputs("Usage: delassus scene [OPTION]... NAME\n"
-        "  or:  delassus scene --list\n"
-        "Runs a built-in scene and prints displacements and reactions of its candidates.\n"
-        "\n",
-        out);
+  fputs(
+      "Usage: delassus scene [OPTION]... NAME\n"
+      "  or:  delassus scene --list\n"
+      "Runs a built-in scene and prints displacements and reactions of its candidates. Scenes in\n"
+      "load steps or in time have options of their own: delassus scene NAME --help.\n"
+      "\n",
+      out);
   solver_usage(out, ",\n                        or gauss-seidel, on the displacements",
                default_tol);
   fputs(
@@ -408,6 +410,8 @@ static taken list_scenes(void) {
     printf("%-12s %s\n", dls_fe_scene_name(k), dls_fe_scene_description(k));
   for (int k = 0; dls_forming_name(k); k++)
     printf("%-12s %s\n", dls_forming_name(k), dls_forming_description(k));
+  for (int k = 0; dls_moving_name(k); k++)
+    printf("%-12s %s\n", dls_moving_name(k), dls_moving_description(k));
   return OPTION_DONE;
 }
 

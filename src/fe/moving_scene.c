@@ -61,8 +61,8 @@ static const moving_case moving_cases[] = {
     {"block-drop", "an elastic block thrown on the ground: impact and sliding", NULL, block_drop,
      NULL, DLS_MOTION_VELOCITY, DLS_FE_CONSISTENT, 16, 8, 0, 0.3, 1e7, 0.3, 1000, 0.03, 0, 300, 1},
     {"two-blocks", "two deformable blocks, the upper one free, pressed, then sheared", NULL,
-     two_blocks, NULL, DLS_MOTION_PATH, DLS_FE_CONSISTENT, 16, 8, 11, 0.3, 1e9, 0.3, 1000, 2, 0, 40,
-     2},
+     two_blocks, NULL, DLS_MOTION_PATH, DLS_FE_CONSISTENT, 16, 8, 11, 0.25, 1e9, 0.3, 1000, 2, 0,
+     40, 2},
 };
 enum { moving_case_count = sizeof moving_cases / sizeof moving_cases[0] };
 
