@@ -55,7 +55,7 @@ CHECK_LIBS = $(shell $(PKG_CONFIG) --libs check)
 LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/linear src/files src/front src/motion lcp vi reduction))
 LIB_SRC := $(filter-out $(if $(HDF5_CFLAGS),src/files/fclib_none.c,src/files/fclib_read.c src/files/fclib_write.c),$(LIB_SRC))
 NO_MUMPS := src/linear/mumps_none.c
-WITH_MUMPS := $(addprefix src/linear/,sparse_lu.c schur.c dissection.c)
+WITH_MUMPS := $(addprefix src/linear/,sparse_lu.c schur.c dissection.c cholesky.c cholesky_analyse.c)
 LIB_SRC := $(filter-out $(if $(MUMPS_LIBS),$(NO_MUMPS),$(WITH_MUMPS)),$(LIB_SRC))
 FE_SRC := $(wildcard src/fe/*.c)
 CLI_SRC := $(wildcard src/cli/*.c)
@@ -97,6 +97,7 @@ help:
 	@echo 'make bench-reduction K -> W beside CHOLMOD and UMFPACK; BENCH=--full, BENCH=--large'
 	@echo 'make bench-lemke     Lemke beside Siconos; BENCH=--full, BENCH=--large'
 	@echo 'make bench-auto      auto beside the single methods; BENCH=files'
+	@echo 'make bench-motion    load and recover of each step beside one solve by CHOLMOD'
 	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
 	@echo 'make clean'
 
@@ -229,11 +230,14 @@ PEER_CFLAGS = -isystem /usr/include/siconos -isystem /usr/include/siconos/numeri
 bench_obj = $(call obj,bench/common.c $(sort $(wildcard bench/$(1).c bench/$(1)_*.c)))
 $(call bench_obj,lemke) $(call bench_obj,solvers): CPPFLAGS += $(PEER_CFLAGS)
 $(call bench_obj,reduction): CPPFLAGS += -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
+$(call bench_obj,motion): CPPFLAGS += -isystem /usr/include/suitesparse
 $(call obj,$(wildcard bench/*.c)): CPPFLAGS += -D_GNU_SOURCE
 
 $(BUILD)/bench/lemke: $(call bench_obj,lemke) $(FE) $(A)
 $(BUILD)/bench/solvers: $(call bench_obj,solvers) $(FE) $(A)
 $(BUILD)/bench/reduction: $(call bench_obj,reduction) $(FE) $(A)
+$(BUILD)/bench/motion: $(call bench_obj,motion) $(call obj,bench/reduction_boxes.c) $(A)
+$(BUILD)/bench/motion: PEER_LIBS = -lcholmod
 $(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,src/cli/problem.c src/cli/report.c) $(A)
 $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
 $(BUILD)/bench/lemke $(BUILD)/bench/solvers: PEER_LIBS = -lsiconos_numerics
@@ -243,7 +247,7 @@ $(BUILD)/bench/%:
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(PEER_LIBS) $(LIBS)
 
-.PHONY: bench-lemke bench-solvers bench-reduction bench-auto bench-blocks
+.PHONY: bench-lemke bench-solvers bench-reduction bench-auto bench-blocks bench-motion
 bench-lemke bench-solvers bench-reduction: bench-%:
 	@.ci/deps bench
 	@$(MAKE) --no-print-directory $(BUILD)/bench/$*
@@ -252,6 +256,10 @@ bench-lemke bench-solvers bench-reduction: bench-%:
 # these need nothing but the library
 bench-auto: $(BUILD)/bench/auto
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/auto --out $(RESULTS) $(or $(BENCH),data/fclib/*.hdf5)
+bench-motion:
+	@.ci/deps bench
+	@$(MAKE) --no-print-directory $(BUILD)/bench/motion
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/motion --out $(RESULTS) $(BENCH)
 bench-blocks: $(BUILD)/bench/blocks
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks --out $(RESULTS)
 

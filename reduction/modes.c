@@ -23,8 +23,7 @@
 #include "reduction_internal.h"
 
 /* The stiffness of a spring over K_jj. Each turn of dls_reduction_balance shrinks the imbalance by
- * about this and the softness of the body; W is the worse conditioned for it, and reactions lose
- * the digits of 1 / soft (README.md). */
+ * about this and the softness of the body; W is the worse conditioned for it (README.md). */
 static const double soft = 1e-3;
 
 enum { block = dlsi_most_modes + 4, times = 5 };

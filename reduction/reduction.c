@@ -36,6 +36,7 @@ struct dls_reduction {
   int ready;   /* 0 after an update that failed */
   int whole;   /* 1: K is factored without a Schur complement */
   int is_free; /* 1: the host gave K^-1 f instead of f */
+  int half;    /* 1: the factor holds the forward pass of f, or of 0 where is_free */
   dlsi_operator H;
   double *mu;   /* candidates: a copy of H.mu that stays in its place; NULL if the model has none */
   double *W;    /* m x m, or NULL */
@@ -43,7 +44,7 @@ struct dls_reduction {
   double *f;    /* n, by position: the last load; or x_free, where is_free */
   double *x;    /* n, by position: scratch */
   double *y;    /* n: scratch of a solve with a flexibility */
-  double *z;    /* n: scratch of a solve with a sparse K */
+  double *z;    /* n: scratch of the halves of a solve with a sparse K */
   double *v;    /* m: scratch, the next q */
   void *memory; /* of all of these but H, the factor, the modes and W */
 };
@@ -221,7 +222,7 @@ static dls_status reduction_fill(dls_reduction *work, const dls_model *model, dl
   memset(work->q, 0, work->m * sizeof *work->q);
   memset(work->f, 0, work->n * sizeof *work->f);
   memset(work->foot, 0, sizeof work->foot);
-  work->is_free = 0;
+  work->is_free = work->half = 0;
   if (work->mu) memcpy(work->mu, work->H.mu, (size_t)work->H.candidates * sizeof *work->mu);
   if (work->settings.form_W) {
     if (!work->W) work->W = dlsi_alloc(work->m, work->m * sizeof *work->W);
@@ -407,7 +408,7 @@ static dls_status reduction_solve_x(dls_reduction *work, dls_error *error) {
 /* Adds H^T K^-1 work->x to work->v; spoils work->x. */
 static dls_status reduction_respond(dls_reduction *work, dls_error *error) {
   const int kept = work->factor->kept;
-  const dls_status status = kept ? dlsi_schur_kept(work->factor->schur, work->x, work->z, error)
+  const dls_status status = kept ? dlsi_schur_condense(work->factor->schur, work->x, work->z, error)
                                  : reduction_solve_x(work, error);
   if (status) return status;
   if (kept)
@@ -443,12 +444,15 @@ static dls_status reduction_load(dls_reduction *work, const double *f, const dou
   if (!status && g)
     status = dlsi_check_vector("g", g, (size_t)work->d * (size_t)work->nodes, error);
   if (status) return status;
+  const int solves = f && work->m > 0;
   reduction_gaps(work, g);
-  for (size_t k = 0; f && k < work->n; k++)
+  for (size_t k = 0; solves && k < work->n; k++)
     work->x[k] = f[work->factor->unknown[k]];
-  if (f) status = reduction_respond(work, error);
+  work->half = 0;
+  if (solves) status = reduction_respond(work, error);
   if (!status) status = reduction_take_q(work, error);
   if (status) return status;
+  work->half = solves && work->factor->kept > 0;
   for (size_t k = 0; k < work->n; k++)
     work->f[k] = f ? f[work->factor->unknown[k]] : 0;
   memset(work->foot, 0, sizeof work->foot);
@@ -480,6 +484,7 @@ static dls_status reduction_load_free(dls_reduction *work, const double *x_free,
   if (status) return status;
   memcpy(work->f, work->x, work->n * sizeof *work->f);
   work->is_free = 1;
+  work->half = 0;
   return DLS_OK;
 }
 
@@ -516,26 +521,53 @@ dls_status dls_reduction_contact(const dls_reduction *reduction, const double *m
   return dlsi_at(__func__, reduction_contact(reduction, mu, problem, error), error);
 }
 
-/* Solves work->x := K^-1 (f + H r), with the springs' feet at c. */
+/* Solves work->x := K^-1 (f + H r), f = 0 where the host gave K^-1 f, by the backward half of a
+ * solve, after the forward half if the factor does not hold it. */
+static dls_status reduction_expand(dls_reduction *work, const double *r, dls_error *error) {
+  const dlsi_columns *Ht = &work->H.Ht;
+  const dlsi_factor *factor = work->factor;
+  dls_status status = DLS_OK;
+  if (!work->half) {
+    for (size_t k = 0; k < work->n; k++)
+      work->x[k] = work->is_free ? 0 : work->f[k];
+    status = dlsi_schur_condense(factor->schur, work->x, work->z, error);
+  }
+  for (int k = 0; k < factor->kept; k++) {
+    const int i = work->H.keep[k];
+    work->z[k] = 0;
+    for (int e = Ht->p[i]; e < Ht->p[i + 1]; e++)
+      work->z[k] += Ht->x[e] * r[Ht->i[e]];
+  }
+  if (!status) status = dlsi_schur_expand(factor->schur, work->z, work->x, error);
+  work->half = dlsi_schur_holds(factor->schur);
+  return status;
+}
+
+/* Solves work->x := K^-1 (f + H r), with the springs' feet at c: s_k e_k stretches to b_k alone. */
 static dls_status reduction_solve_for(dls_reduction *work, const double *r, dls_error *error) {
   const dlsi_columns *Ht = &work->H.Ht;
-  for (size_t k = 0; k < work->n; k++) {
-    const int i = work->factor->unknown[k];
-    double sum = work->is_free ? 0 : work->f[k];
-    for (int e = Ht->p[i]; e < Ht->p[i + 1]; e++)
-      sum += Ht->x[e] * r[Ht->i[e]];
-    work->x[k] = sum;
+  const int *unknown = work->factor->unknown;
+  dls_status status;
+  if (work->factor->kept > 0)
+    status = reduction_expand(work, r, error);
+  else {
+    for (size_t k = 0; k < work->n; k++) {
+      double sum = work->is_free ? 0 : work->f[k];
+      for (int e = Ht->p[unknown[k]]; e < Ht->p[unknown[k] + 1]; e++)
+        sum += Ht->x[e] * r[Ht->i[e]];
+      work->x[k] = sum;
+    }
+    status = reduction_solve_x(work, error);
   }
-  for (int k = 0; k < work->modes.count; k++)
-    work->x[work->factor->place[work->modes.unknown[k]]] += work->spring[k] * work->foot[k];
-  const dls_status status = reduction_solve_x(work, error);
   if (status) return status;
   for (size_t k = 0; work->is_free && k < work->n; k++)
     work->x[k] += work->f[k];
+  for (int c = 0; c < work->modes.count; c++)
+    for (size_t k = 0; work->foot[c] != 0 && k < work->n; k++)
+      work->x[k] += work->foot[c] * work->modes.basis[(size_t)unknown[k] + (size_t)c * work->n];
   const long long bad = dlsi_first_not_finite(work->x, work->n);
   if (bad < 0) return DLS_OK;
-  return dlsi_fail(error, DLS_E_NOT_FINITE, "x", work->factor->unknown[bad], work->x[bad],
-                   "overflow");
+  return dlsi_fail(error, DLS_E_NOT_FINITE, "x", unknown[bad], work->x[bad], "overflow");
 }
 
 static dls_status reduction_recover(dls_reduction *work, const double *r, double *x,

@@ -302,7 +302,8 @@ DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_
       const double x = v[1][k] - u[1][k], y = v[2][k] - u[2][k], t = sqrt(x * x + y * y);
       const double on = (n + mu[k] * t) / (1 + mu[k] * mu[k]), part = mu[k] * on / t;
       const int inside = t <= mu[k] * n, polar = mu[k] * t <= -n;
-      const double p = inside ? n : polar ? 0 : on, f = inside ? 1 : polar ? 0 : part;
+      /* polar first: mu = 0 has inside for any n where t = 0 */
+      const double p = polar ? 0 : inside ? n : on, f = polar ? 0 : inside ? 1 : part;
       const double F[3] = {v[0][k] - p, v[1][k] - f * x, v[2][k] - f * y};
       F2[k] = F[0] * F[0] + F[1] * F[1] + F[2] * F[2];
       r2[k] = v[0][k] * v[0][k] + v[1][k] * v[1][k] + v[2][k] * v[2][k];

@@ -50,7 +50,7 @@ typedef enum dls_motion_law {
 typedef struct dls_motion_model {
   int d;                           /* 2 or 3 */
   int n;                           /* unknowns */
-  int nodes;                       /* contact nodes */
+  int nodes;                       /* contact nodes, >= 0 */
   dls_factorization factorization; /* of M, C, K and A: DLS_CHOLESKY, DLS_LDLT or DLS_LU */
   dls_sparse M;                    /* n x n; M.p = NULL for a path */
   dls_sparse C;                    /* n x n; C.p = NULL for none; a path has none */
@@ -84,8 +84,7 @@ typedef struct dls_motion dls_motion;
 /* *out := the bodies at rest at x = 0, NULL on error. Reduces A: the memory is that of
  * dls_reduction_create and dls_solver_create, and O(n + nnz). All arguments are checked before any
  * work: DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_SETTINGS naming "h", "theta", "M", ...
- * and the index. The errors of dls_reduction_create, which names A "M" where it has an M, else
- * "K". */
+ * and the index. The errors of dls_reduction_create: of a singular A they name M, on a path K. */
 DLS_API DLS_MUST_USE dls_status dls_motion_create(dls_motion **out, const dls_motion_model *model,
                                                   const dls_motion_settings *settings,
                                                   dls_error *error);
@@ -95,9 +94,9 @@ DLS_API DLS_MUST_USE dls_status dls_motion_create(dls_motion **out, const dls_mo
 DLS_API DLS_MUST_USE dls_status dls_motion_start(dls_motion *motion, const double *x,
                                                  const double *v, double t, dls_error *error);
 
-/* Takes a step. f (n; NULL for 0; on a path the loads at the end of the step); y (d nodes in local order: mean velocity y' of the obstacle
- * during the step, at each contact node; NULL for 0); mu (candidates; NULL for 0); info or NULL: of
- * the contact problem.
+/* Takes a step. f (n; NULL for 0; on a path the loads at its end); y (d nodes in local order: mean
+ * velocity y' of the obstacle during the step, at each contact node; NULL for 0); mu (candidates;
+ * NULL for 0); info or NULL: of the contact problem.
  *
  * DLS_OK: the contact problem is certified to limits.tol. Any other status, > 0 or an error: the
  * state is that of the step before; the host may take other limits, or a smaller h, and try again.
@@ -141,16 +140,17 @@ typedef struct dls_motion_energies {
   double kinetic, elastic; /* v.M v / 2, x.K x / 2                             work */
   double load;             /* h f.v_th */
   double damping;          /* -h v_th.C v_th */
-  double obstacle;         /* p.y', what the obstacle's motion does */
-  double friction;         /* p_t.u_t,th; <= 0 but for theta < 1, where slip turns round */
-  double impact;           /* p_n.u_n,th: of impacts; on a path r_n (gap+ - gap) */
+  double obstacle;         /* p.y', of the obstacle's motion */
+  double friction;         /* p_t.u_t,th; > 0 only for theta < 1, where slip turns round */
+  double impact;           /* p_n.u_n,th; on a path r_n (gap+ - gap) */
   double numerical;        /* (1/2 - theta)(|dv|_M^2 + |dx|_K^2); on a path -|dx|_K^2 / 2 */
-  double residual;         /* of the identity in the last step, |left - right|         work */
-  double scale; /* the largest so far of (|v|.|M||v| + |x|.|K||x|) / 2 and of the sum of |work|
-                      of one step: of the rounding in residual                 work */
-  double
-      momentum; /* of the last step: max_i of |A dv - h (..) - H p|_i over max_i of the sum of the
-                      absolute values of its terms                             1 */
+  /* |left - right| of the identity in the last step, and what is rounded in it: the largest so far
+   * of (|v|.|M||v| + |x|.|K||x|) / 2 and of |v_th|.s, where s = |M||dv| + h |f| + h |C||v_th| +
+   * h |K||x_th| + |H||p|, x_th as v_th (on a path of |dx|.(|f| + |K||x+| + |H||r|)), with what the
+   * obstacle and friction do */
+  double residual, scale; /*                                                   work */
+  /* max_i |M dv - h (f - C v_th - K x_th) - H p|_i / max_i s_i of the last step   1 */
+  double momentum;
 } dls_motion_energies;
 
 DLS_API DLS_MUST_USE dls_status dls_motion_get_energies(const dls_motion *motion,

@@ -248,7 +248,7 @@ static inline double dlsi_tangent_norm(int d, const double *v) {
 /* Projects v (d) on C_mu = { |r_t| <= mu r_n }: p := P(v); returns the branch taken. */
 static inline dls_contact_state dlsi_project_cone(int d, double mu, const double *v, double *p) {
   const double t = dlsi_tangent_norm(d, v);
-  if (t <= mu * v[0]) { /* inside */
+  if (t <= mu * v[0] && v[0] >= 0) { /* inside; mu = 0 has t = mu v_n for any sign of v_n */
     for (int i = 0; i < d; i++)
       p[i] = v[i];
     return DLS_STICK;

@@ -39,7 +39,15 @@ dls_status dlsi_schur_solve(dlsi_schur *work, double *X, int nrhs, dls_error *er
   return mumps_missing(error);
 }
 
-dls_status dlsi_schur_kept(dlsi_schur *work, double *x, double *z, dls_error *error) {
+dls_status dlsi_schur_condense(dlsi_schur *work, double *x, double *z, dls_error *error) {
+  return mumps_missing(error);
+}
+
+int dlsi_schur_holds(const dlsi_schur *work) {
+  return 0;
+}
+
+dls_status dlsi_schur_expand(dlsi_schur *work, const double *h, double *x, dls_error *error) {
   return mumps_missing(error);
 }
 

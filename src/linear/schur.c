@@ -1,13 +1,13 @@
 /*
- * schur.c: the Schur complement of a sparse matrix by MUMPS (Amestoy, Duff, L'Excellent, Koster,
- * SIAM J. Matrix Anal. Appl. 23, 2001, 15-41).
+ * schur.c: the Schur complement of a sparse matrix: by cholesky.c where the matrix is positive
+ * definite, else by MUMPS (Amestoy, Duff, L'Excellent, Koster, SIAM J. Matrix Anal. Appl. 23, 2001,
+ * 15-41).
  *
  *   create  (SH1)  order all unknowns by nested dissection, then move c to the end
  *           (SH2)  analyse
  *   factor  (SH3)  A = R K C, scaled (equilibrate.c); R = C if K is symmetric
- *           (SH4)  A_ii = L D L^T without pivoting (positive definite) or L D L^T, L U with
- *                  threshold pivoting; S_A = A_cc - A_ci A_ii^-1 A_ic beside it; more room if
- *                  pivoting asks for it
+ *           (SH4)  A_ii = L L^T (positive definite), or L D L^T, L U with threshold pivoting;
+ *                  S_A = A_cc - A_ci A_ii^-1 A_ic beside it; more room if pivoting asks for it
  *           (SH5)  S_A = L L^T if K is symmetric and S_A definite, else L U (dense.c). S_A is
  *                  definite for many an indefinite K: multipliers that tie displacements make it
  *                  so.
@@ -17,6 +17,8 @@
  *   solve   (SH7)  x := C A^-1 R b: condense b to c, solve with S_A, expand; x_c alone needs no
  *                  expansion
  *   inverse (SH8)  (K^-1)_cc = C_c S_A^-1 R_c
+ *   halves  (SH9)  condense b to c, and keep what (SH10) needs; (K^-1 b)_c from S_A
+ *           (SH10) x := K^-1 (b + h), h on c: add h to the condensed b, solve with S_A, expand
  *
  * The dissection is of the whole graph: contact unknowns that help to cut it are moved last only
  * afterwards. Left alone, MUMPS takes approximate minimum degree beside a Schur complement, which
@@ -24,7 +26,7 @@
  *
  * Singular: 1 / (|A|_1 |A^-1|_F) < 10 eps, as for dense matrices in reduction/factor.c, or a pivot
  * of 0. Cost: that of a multifrontal factorisation, b^3 for S^-1; two passes over the factor for a
- * solve, one for x_c.
+ * solve, one for each half.
  */
 #include "linear/schur.h"
 
@@ -34,6 +36,7 @@
 #include <string.h>
 
 #include "linear/blas.h"
+#include "linear/cholesky.h"
 #include "linear/dense.h"
 #include "linear/dissection.h"
 #include "linear/equilibrate.h"
@@ -46,16 +49,20 @@ enum { probes = 2 };                                /* (SH6) */
 #define RINFOG(k) rinfog[(k)-1] /* as the users' guide numbers it */
 
 struct dlsi_schur {
-  DMUMPS_STRUC_C mumps;
+  DMUMPS_STRUC_C mumps;    /* not started where K is positive definite */
+  dlsi_cholesky *definite; /* NULL where it is not */
   dls_factorization factorization;
   dlsi_schur_measures measures;
   int n;
-  int *row, *col;      /* entries, counted from 1 */
-  double *x;           /* entries of A */
-  int *order, *keep;   /* n, count; counted from 1 */
-  double *R, *C;       /* n */
-  dlsi_dense S;        /* count x count: S_A, then its factor */
+  size_t entries;
+  int *row, *col;    /* entries, counted from 1 */
+  double *x;         /* entries of A */
+  int *order, *keep; /* n, count; counted from 1 */
+  double *R, *C;     /* n */
+  dlsi_dense S; /* count x count: S_A, then its factor; A belongs to `definite` if that is there */
   double *reduced;     /* count x nrhs: right-hand sides and solutions on c */
+  double *before;      /* count: what dlsi_schur_condense leaves for expand */
+  int held;            /* 1: the forward pass of dlsi_schur_condense is there */
   size_t reduced_size; /* doubles */
   double norm;         /* |A|_1 */
 };
@@ -87,8 +94,8 @@ static size_t schur_entries(const dlsi_schur *work, const dls_sparse *Ks) {
   return entries;
 }
 
-static dls_status schur_allocate(dlsi_schur *work, size_t entries, dls_error *error) {
-  const size_t n = (size_t)work->n, b = (size_t)work->S.n;
+static dls_status schur_allocate(dlsi_schur *work, dls_error *error) {
+  const size_t n = (size_t)work->n, b = (size_t)work->S.n, entries = work->entries;
   work->row = dlsi_alloc(entries, sizeof *work->row);
   work->col = dlsi_alloc(entries, sizeof *work->col);
   work->x = dlsi_alloc(entries, sizeof *work->x);
@@ -96,9 +103,12 @@ static dls_status schur_allocate(dlsi_schur *work, size_t entries, dls_error *er
   work->keep = dlsi_alloc(b, sizeof *work->keep);
   work->R = dlsi_alloc(2 * n, sizeof *work->R);
   work->S.pivot = dlsi_alloc(b, sizeof *work->S.pivot);
+  work->reduced = dlsi_alloc(b, sizeof *work->reduced);
+  work->before = dlsi_alloc(b, sizeof *work->before);
   if (!work->row || !work->col || !work->x || !work->order || !work->keep || !work->R ||
-      !work->S.pivot)
+      !work->S.pivot || !work->reduced || !work->before)
     return dlsi_no_memory(error);
+  work->reduced_size = b;
   work->C = work->R + n;
   return DLS_OK;
 }
@@ -121,7 +131,7 @@ static dls_status schur_order(dlsi_schur *work, dls_error *error) {
   int *sequence = dlsi_alloc((size_t)n, sizeof *sequence), turn = 0;
   if (!sequence) return dlsi_no_memory(error);
   const dls_status status =
-      dlsi_dissection(n, (size_t)work->mumps.nnz, work->row, work->col, sequence, error);
+      dlsi_dissection(n, work->entries, work->row, work->col, sequence, error);
   memset(work->order, 0, (size_t)n * sizeof *work->order);
   for (int k = 0; k < b; k++)
     work->order[work->keep[k] - 1] = n - b + k + 1;
@@ -137,6 +147,7 @@ static void schur_set_up(dlsi_schur *work) {
   M->ICNTL(7) = 1; /* the order is given */
   M->ICNTL(8) = 0; /* (SH3) replaces the scaling of MUMPS */
   M->n = work->n;
+  M->nnz = (MUMPS_INT8)work->entries;
   M->irn = work->row;
   M->jcn = work->col;
   M->a = work->x;
@@ -156,12 +167,32 @@ static double schur_large(int count) {
 }
 
 static void schur_foresee(dlsi_schur *work) {
-  const double b = work->S.n, entries = (double)work->mumps.nnz;
+  const double b = work->S.n, entries = (double)work->entries;
+  const dlsi_cholesky *L = work->definite;
   dlsi_schur_measures *measures = &work->measures;
+  const double kept = (double)(2 * sizeof(int) + sizeof(double)) * entries;
+  if (L) {
+    measures->factor_bytes = (double)sizeof(double) * (double)L->panel[L->count];
+    measures->bytes = measures->factor_bytes + (double)sizeof(double) * (double)L->update +
+                      (double)sizeof(size_t) * entries + kept;
+    measures->flops = L->flops + b * b * b;
+    return;
+  }
   measures->factor_bytes = (double)sizeof(double) * schur_large(work->mumps.INFOG(3));
-  measures->bytes = 1e6 * work->mumps.INFOG(16) + (2 * sizeof(int) + sizeof(double)) * entries +
-                    sizeof(double) * b * b;
+  measures->bytes = 1e6 * work->mumps.INFOG(16) + kept + sizeof(double) * b * b;
   measures->flops = work->mumps.RINFOG(1) + (schur_symmetric(work) ? 1 : 2) * b * b * b;
+}
+
+/* (SH2) The order is known. */
+static dls_status schur_analyse(dlsi_schur *work, dls_error *error) {
+  if (work->factorization == DLS_CHOLESKY)
+    return dlsi_cholesky_create(&work->definite, work->n, work->entries, work->row, work->col,
+                                work->order, work->S.n, error);
+  const dls_status status =
+      dlsi_mumps_start(&work->mumps, work->factorization == DLS_LDLT ? 2 : 0, error);
+  if (status) return status;
+  schur_set_up(work);
+  return dlsi_mumps_run(&work->mumps, analyse, "Ks", error);
 }
 
 dls_status dlsi_schur_create(dlsi_schur **out, const dls_sparse *Ks,
@@ -173,20 +204,13 @@ dls_status dlsi_schur_create(dlsi_schur **out, const dls_sparse *Ks,
   work->factorization = factorization;
   work->n = Ks->cols;
   work->S.n = count;
-  const int sym = factorization == DLS_CHOLESKY ? 1 : factorization == DLS_LDLT ? 2 : 0;
-  dls_status status = dlsi_mumps_start(&work->mumps, sym, error);
-  if (status) {
-    free(work);
-    return status;
-  }
-  work->mumps.nnz = (MUMPS_INT8)schur_entries(work, Ks);
-  status = schur_allocate(work, (size_t)work->mumps.nnz, error);
+  work->entries = schur_entries(work, Ks);
+  dls_status status = schur_allocate(work, error);
   if (!status) {
     schur_take_pattern(work, Ks, keep);
-    schur_set_up(work);
     status = schur_order(work, error);
   }
-  if (!status) status = dlsi_mumps_run(&work->mumps, analyse, "Ks", error); /* (SH2) */
+  if (!status) status = schur_analyse(work, error);
   if (status) {
     dlsi_schur_destroy(work);
     return status;
@@ -204,7 +228,7 @@ static dls_status schur_other_pattern(long long k, double value, dls_error *erro
 
 dls_status dlsi_schur_same(const dlsi_schur *work, const dls_sparse *Ks, dls_error *error) {
   size_t at = 0;
-  const size_t entries = (size_t)work->mumps.nnz;
+  const size_t entries = work->entries;
   for (int j = 0; j < work->n; j++)
     for (int k = Ks->p[j]; k < Ks->p[j + 1]; k++) {
       if (!schur_reads(work, Ks, k, j)) continue;
@@ -236,16 +260,26 @@ static dls_status schur_take_values(dlsi_schur *work, const dls_sparse *Ks, doub
   return dlsi_fail(error, DLS_E_NOT_FINITE, "Ks", -1, work->norm, "overflow");
 }
 
+/* (SH4), (SH5) where K is positive definite. */
+static dls_status schur_factor_definite(dlsi_schur *work, dls_error *error) {
+  double pivot = 0;
+  const int failed = dlsi_cholesky_factor(work->definite, work->x, &pivot);
+  if (failed < 0) return dlsi_no_memory(error);
+  if (failed > 0)
+    return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, "Ks", work->definite->unknown[failed - 1],
+                     pivot, "not positive definite: pivot %.3g (scaled)", pivot);
+  work->S.A = dlsi_cholesky_of_kept(work->definite);
+  work->S.cholesky = 1;
+  return DLS_OK;
+}
+
 /* (SH4) */
 static dls_status schur_eliminate(dlsi_schur *work, dls_error *error) {
+  const size_t b = (size_t)work->S.n;
+  if (!work->S.A) work->S.A = dlsi_alloc(b, b * sizeof *work->S.A);
+  if (!work->S.A) return dlsi_no_memory(error);
   work->mumps.schur = work->S.A;
-  const dls_status status = dlsi_mumps_factor(&work->mumps, "Ks", error);
-  if (status) return status;
-  const int negative = work->mumps.INFOG(12);
-  if (work->factorization == DLS_CHOLESKY && negative > 0)
-    return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, "Ks", -1, negative,
-                     "not positive definite: %d negative pivots", negative);
-  return DLS_OK;
+  return dlsi_mumps_factor(&work->mumps, "Ks", error);
 }
 
 /* (SH5) MUMPS leaves the lower triangle of a symmetric S. diagonal: scratch, count. */
@@ -253,16 +287,11 @@ static dls_status schur_factor_dense(dlsi_schur *work, double *diagonal, dls_err
   dlsi_dense *S = &work->S;
   if (S->n == 0) return DLS_OK;
   if (work->factorization == DLS_LDLT) dlsi_make_symmetric(S->A, (size_t)S->n, 0);
-  const int failed = work->factorization == DLS_CHOLESKY ? dlsi_dense_cholesky(S)
-                     : work->factorization == DLS_LDLT   ? dlsi_dense_factor(S, diagonal)
-                                                         : dlsi_dense_lu(S);
+  const int failed =
+      work->factorization == DLS_LDLT ? dlsi_dense_factor(S, diagonal) : dlsi_dense_lu(S);
   if (!failed) return DLS_OK;
-  const int unknown = work->keep[failed - 1] - 1;
-  const double pivot = S->A[(size_t)(failed - 1) * ((size_t)S->n + 1)];
-  if (work->factorization == DLS_CHOLESKY)
-    return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, "Ks", unknown, pivot,
-                     "not positive definite: pivot %.3g (scaled)", pivot);
-  return dlsi_fail(error, DLS_E_SINGULAR, "Ks", unknown, 0, "singular: a pivot of 0");
+  return dlsi_fail(error, DLS_E_SINGULAR, "Ks", work->keep[failed - 1] - 1, 0,
+                   "singular: a pivot of 0");
 }
 
 /* Computes the values of A^-1 X on c. reduced: receives them, count x nrhs. MUMPS keeps X until
@@ -270,6 +299,7 @@ static dls_status schur_factor_dense(dlsi_schur *work, double *diagonal, dls_err
 static dls_status schur_solve_kept(dlsi_schur *work, double *X, int nrhs, dls_error *error) {
   const int b = work->S.n;
   const size_t size = (size_t)b * (size_t)nrhs;
+  work->held = 0;
   if (size > work->reduced_size) {
     free(work->reduced);
     work->reduced = dlsi_alloc(size, sizeof *work->reduced);
@@ -286,6 +316,7 @@ static dls_status schur_solve_kept(dlsi_schur *work, double *X, int nrhs, dls_er
 
 /* Solves X := A^-1 X. X: n x nrhs. */
 static dls_status schur_solve_scaled(dlsi_schur *work, double *X, int nrhs, dls_error *error) {
+  if (work->definite) return dlsi_cholesky_solve(work->definite, X, nrhs, error);
   if (work->S.n > 0) {
     const dls_status status = schur_solve_kept(work, X, nrhs, error);
     if (status) return status;
@@ -297,7 +328,7 @@ static dls_status schur_solve_scaled(dlsi_schur *work, double *X, int nrhs, dls_
 /* Returns |v - A x| / (|A|_1 |x|); v becomes the difference. */
 static double schur_backward_error(const dlsi_schur *work, const double *x, double *v) {
   const size_t n = (size_t)work->n;
-  for (MUMPS_INT8 k = 0; k < work->mumps.nnz; k++) {
+  for (size_t k = 0; k < work->entries; k++) {
     const int i = work->row[k] - 1, j = work->col[k] - 1;
     v[i] -= work->x[k] * x[j];
     if (schur_symmetric(work) && i != j) v[j] -= work->x[k] * x[i];
@@ -331,13 +362,17 @@ static dls_status schur_estimate_inverse(dlsi_schur *work, double *x, double *v,
 }
 
 dls_status dlsi_schur_factor(dlsi_schur *work, const dls_sparse *Ks, dls_error *error) {
-  const size_t n = (size_t)work->n, b = (size_t)work->S.n;
+  const size_t n = (size_t)work->n;
   double *scratch = dlsi_alloc(2 * probes * n, sizeof *scratch);
-  if (!work->S.A) work->S.A = dlsi_alloc(b, b * sizeof *work->S.A);
-  dls_status status = scratch && work->S.A ? DLS_OK : dlsi_no_memory(error);
+  work->held = 0;
+  dls_status status = scratch ? DLS_OK : dlsi_no_memory(error);
   if (!status) status = schur_take_values(work, Ks, scratch, error);
-  if (!status) status = schur_eliminate(work, error);
-  if (!status) status = schur_factor_dense(work, scratch, error);
+  if (!status && work->definite)
+    status = schur_factor_definite(work, error);
+  else if (!status) {
+    status = schur_eliminate(work, error);
+    if (!status) status = schur_factor_dense(work, scratch, error);
+  }
   if (!status) status = schur_estimate_inverse(work, scratch, scratch + probes * n, error);
   free(scratch);
   return status;
@@ -352,11 +387,51 @@ dls_status dlsi_schur_solve(dlsi_schur *work, double *X, int nrhs, dls_error *er
   return status;
 }
 
-dls_status dlsi_schur_kept(dlsi_schur *work, double *x, double *z, dls_error *error) {
+/* (SH9) */
+dls_status dlsi_schur_condense(dlsi_schur *work, double *x, double *z, dls_error *error) {
+  const size_t b = (size_t)work->S.n;
+  dls_status status = DLS_OK;
+  work->held = 0;
   dlsi_scale_rows(work->R, (size_t)work->n, x, 1);
-  const dls_status status = schur_solve_kept(work, x, 1, error);
-  for (int k = 0; !status && k < work->S.n; k++)
-    z[k] = work->C[work->keep[k] - 1] * work->reduced[k];
+  if (work->definite)
+    dlsi_cholesky_condense(work->definite, x, work->before);
+  else {
+    work->mumps.redrhs = work->before;
+    work->mumps.lredrhs = work->S.n;
+    work->mumps.ICNTL(26) = condense;
+    status = dlsi_mumps_solve(&work->mumps, x, 1, error);
+  }
+  if (status) return status;
+  work->held = 1;
+  memcpy(z, work->before, b * sizeof *z);
+  dlsi_dense_solve(&work->S, z, work->S.n, 1);
+  for (size_t k = 0; k < b; k++)
+    z[k] *= work->C[work->keep[k] - 1];
+  return DLS_OK;
+}
+
+int dlsi_schur_holds(const dlsi_schur *work) {
+  return work->held;
+}
+
+/* (SH10) MUMPS gives the expansion in the place of its forward pass. */
+dls_status dlsi_schur_expand(dlsi_schur *work, const double *h, double *x, dls_error *error) {
+  const size_t b = (size_t)work->S.n;
+  double *xc = work->reduced;
+  for (size_t k = 0; k < b; k++)
+    xc[k] = work->before[k] + work->R[work->keep[k] - 1] * h[k];
+  dlsi_dense_solve(&work->S, xc, work->S.n, 1);
+  dls_status status = DLS_OK;
+  if (work->definite)
+    dlsi_cholesky_expand(work->definite, xc, x);
+  else {
+    work->held = 0;
+    work->mumps.redrhs = xc;
+    work->mumps.lredrhs = work->S.n;
+    work->mumps.ICNTL(26) = expand;
+    status = dlsi_mumps_solve(&work->mumps, x, 1, error);
+  }
+  if (!status) dlsi_scale_rows(work->C, (size_t)work->n, x, 1);
   return status;
 }
 
@@ -387,9 +462,13 @@ dls_status dlsi_schur_inverse(const dlsi_schur *work, double *Z, dls_error *erro
 
 void dlsi_schur_destroy(dlsi_schur *work) {
   if (!work) return;
-  dlsi_mumps_end(&work->mumps);
-  void *const owned[] = {work->row, work->col, work->x,       work->order,   work->keep,
-                         work->R,   work->S.A, work->S.pivot, work->reduced, work};
+  if (work->definite)
+    dlsi_cholesky_destroy(work->definite);
+  else
+    free(work->S.A);
+  if (work->mumps.n > 0) dlsi_mumps_end(&work->mumps);
+  void *const owned[] = {work->row, work->col,     work->x,       work->order,  work->keep,
+                         work->R,   work->S.pivot, work->reduced, work->before, work};
   for (size_t k = 0; k < sizeof owned / sizeof owned[0]; k++)
     free(owned[k]);
 }

@@ -1,6 +1,6 @@
 /*
- * schur.h: factors a sparse K without the unknowns c that are kept, by MUMPS (sequential) with an
- * ordering by METIS:
+ * schur.h: factors a sparse K without the unknowns c that are kept, in an order by METIS: by
+ * cholesky.c where K is positive definite, else by MUMPS (sequential):
  *
  *   S = K_cc - K_ci K_ii^-1 K_ic,      K x = b:   S x_c = b_c - K_ci K_ii^-1 b_i,
  *                                                 K_ii x_i = b_i - K_ic x_c
@@ -55,9 +55,13 @@ dls_status dlsi_schur_factor(dlsi_schur *work, const dls_sparse *Ks, dls_error *
 /* Solves X := K^-1 X. X: n x nrhs, column-major without gaps. DLS_E_MEMORY. */
 dls_status dlsi_schur_solve(dlsi_schur *work, double *X, int nrhs, dls_error *error);
 
-/* Computes z := (K^-1 x)_c for half of the work of a solve; count > 0. z: count; x: n, spoilt.
- * DLS_E_MEMORY. */
-dls_status dlsi_schur_kept(dlsi_schur *work, double *x, double *z, dls_error *error);
+/* The two halves of a solve, count > 0. condense computes z := (K^-1 b)_c (count) and holds what
+ * expand needs to compute x := K^-1 (b + h) (n) for an h (count) on c. x of condense: in, b; out,
+ * spoilt; n. Returns of holds: 1 if expand may be called; with MUMPS once, otherwise as often as
+ * there is another h. Other solves and a new factor end it. DLS_E_MEMORY. */
+dls_status dlsi_schur_condense(dlsi_schur *work, double *x, double *z, dls_error *error);
+int dlsi_schur_holds(const dlsi_schur *work);
+dls_status dlsi_schur_expand(dlsi_schur *work, const double *h, double *x, dls_error *error);
 
 /* Computes Z := S^-1 = (K^-1)_cc, exactly symmetric where K is. Z: count x count, column-major.
  * DLS_E_MEMORY. */

@@ -5,8 +5,8 @@
  *   E+ - E = (1/2 - theta)(|dv|_M^2 + |dx|_K^2) - h v_th.C v_th + h f.v_th + p.(H^T v_th)
  *   M dv = h (f - C v_th - K x_th) + H p          v_th = theta v+ + (1 - theta) v, x_th alike
  *
- * The work of the reactions is split by H^T v_th = u_th + y': normal (impact), tangential (friction)
- * and that of the obstacle. On a path, where dx takes the place of dv and there is no M:
+ * The work of the reactions is split by H^T v_th = u_th + y': normal (impact), tangential
+ * (friction) and that of the obstacle. On a path, where dx takes the place of dv and there is no M:
  *
  *   E+ - E = f.dx + r.(H^T dx) - |dx|_K^2 / 2,    K x+ = f + H r,   H^T dx = u + h y'
  *
@@ -134,6 +134,7 @@ void dlsi_motion_account(dls_motion *motion, const double *f, const double *y, c
   *e = *before;
   dlsi_motion_weigh(motion, next);
   e->momentum = dlsi_motion_momentum(motion, f, dv);
+  const double way = motion->settings.law == DLS_MOTION_PATH ? 1 : motion->settings.h;
   step_work work = {0};
   work_of_reactions(motion, y, &work);
   work_inside(motion, f, dv, &work);
@@ -143,13 +144,10 @@ void dlsi_motion_account(dls_motion *motion, const double *f, const double *y, c
   e->friction += work.friction;
   e->impact += work.impact;
   e->numerical += work.numerical;
-  const double parts[] = {work.load,     work.damping, work.obstacle,
-                          work.friction, work.impact,  work.numerical};
-  double sum = 0, size = 0;
-  for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++) {
-    sum += parts[k];
-    size += fabs(parts[k]);
-  }
+  const double sum =
+      work.load + work.damping + work.obstacle + work.friction + work.impact + work.numerical;
   e->residual = fabs((e->kinetic - before->kinetic) + (e->elastic - before->elastic) - sum);
-  energies_enlarge(&e->scale, size);
+  /* z, sum: the way and the terms of the momentum; what passes from the obstacle to friction */
+  const double size = energies_size(motion->z, motion->sum, motion->n) / way;
+  energies_enlarge(&e->scale, size + fabs(work.obstacle) + fabs(work.friction));
 }

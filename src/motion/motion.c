@@ -2,7 +2,7 @@
  * motion.c: makes a motion, starts it, changes its step, shows it. step.c has the scheme.
  *
  * Memory: that of the reduction of A and of the solver; (d nc)^2 doubles for W of the active
- * candidates in the velocity form; O(n + nnz). Fails: settings or sizes that do not fit, a singular
+ * candidates; O(n + nnz). Fails: settings or sizes that do not fit, a singular
  * A, no memory.
  */
 #include <float.h>
@@ -56,26 +56,48 @@ static dls_status motion_check_settings(const dls_motion_settings *s, dls_error 
   return DLS_OK;
 }
 
-/* Checks a matrix that a law must have (1), may have (0) or must not have (-1). */
-static dls_status motion_check_matrix(const char *name, const dls_sparse *A, int n, int wanted,
-                                      dls_error *error) {
+/* Gives the matrix of the model of a reduction, its Ks, the name that the caller knows. */
+static dls_status motion_name(dls_status status, const char *name, dls_error *error) {
+  if (!status || !error || strcmp(error->argument, "Ks") != 0) return status;
+  char text[sizeof error->message];
+  const char *after = strstr(error->message, "Ks");
+  (void)snprintf(text, sizeof text, "%s%s", name, after ? after + 2 : "");
+  memcpy(error->message, text, sizeof text);
+  error->argument = name;
+  error->function = "";
+  return status;
+}
+
+/* Tells a reduction of the bodies, with the matrix Ks. */
+static dls_model motion_reduced_model(const dls_motion_model *model, dls_sparse Ks) {
+  return (dls_model){.d = model->d,
+                     .n = model->n,
+                     .nodes = model->nodes,
+                     .operator_kind = DLS_STIFFNESS_SPARSE,
+                     .factorization = model->factorization,
+                     .Ks = Ks,
+                     .HN = model->HN,
+                     .HT = model->HT,
+                     .P = model->P};
+}
+
+/* Checks a matrix that a law must have (1), may have (0) or must not have (-1), and the rest of the
+ * model with it. */
+static dls_status motion_check_matrix(const char *name, const dls_motion_model *model,
+                                      const dls_sparse *A, int wanted, dls_error *error) {
   if (!A->p && wanted > 0) return dlsi_is_null(error, name);
   if (!A->p) return DLS_OK;
   if (wanted < 0)
     return dlsi_fail(error, DLS_E_ARGUMENT, name, -1, 0, "is given, but a path has none");
-  return dlsi_check_sparse(name, A, n, n, error);
+  const dls_model with = motion_reduced_model(model, *A);
+  return motion_name(dlsi_check_model(&with, error), name, error);
 }
 
 static dls_status motion_check_model(const dls_motion_model *model, int path, dls_error *error) {
   if (!model) return dlsi_is_null(error, "model");
-  dls_status status = dlsi_check_dimension("d", model->d, error);
-  if (!status && model->n < 1)
-    status = dlsi_fail(error, DLS_E_SIZE, "n", -1, model->n, "is %d", model->n);
-  if (!status && model->nodes < 1)
-    status = dlsi_fail(error, DLS_E_SIZE, "nodes", -1, model->nodes, "is %d", model->nodes);
-  if (!status) status = motion_check_matrix("M", &model->M, model->n, path ? -1 : 1, error);
-  if (!status) status = motion_check_matrix("C", &model->C, model->n, path ? -1 : 0, error);
-  if (!status) status = motion_check_matrix("K", &model->K, model->n, path ? 1 : 0, error);
+  dls_status status = motion_check_matrix("M", model, &model->M, path ? -1 : 1, error);
+  if (!status) status = motion_check_matrix("C", model, &model->C, path ? -1 : 0, error);
+  if (!status) status = motion_check_matrix("K", model, &model->K, path ? 1 : 0, error);
   if (status || !model->gap) return status;
   return dlsi_check_vector("gap", model->gap, (size_t)model->nodes, error);
 }
@@ -99,23 +121,21 @@ static void motion_carve_point(const dls_motion *motion, motion_point *point, dl
 static void motion_carve(dls_motion *motion, dlsi_arena *arena) {
   const size_t n = motion->n, m = motion->m, nc = motion->candidates;
   const size_t local = (size_t)motion->model.d * motion->nodes;
-  const int some = motion->settings.law == DLS_MOTION_VELOCITY; /* not all are active */
   motion_carve_point(motion, &motion->now, arena);
   motion_carve_point(motion, &motion->next, arena);
   double **const of_n[] = {&motion->b,  &motion->z,    &motion->dx,  &motion->sum,
                            &motion->yn, &motion->yabs, &motion->ways};
   for (size_t k = 0; k < sizeof of_n / sizeof of_n[0]; k++)
     *of_n[k] = dlsi_take(arena, n, sizeof **of_n[k]);
-  double **const of_m[] = {&motion->uc, &motion->mc, &motion->r, &motion->w, &motion->q};
+  double **const of_m[] = {&motion->uc, &motion->mc, &motion->r, &motion->w};
   for (size_t k = 0; k < sizeof of_m / sizeof of_m[0]; k++)
     *of_m[k] = dlsi_take(arena, m, sizeof **of_m[k]);
   motion->gap0 = dlsi_take(arena, motion->nodes, sizeof *motion->gap0);
   motion->local = dlsi_take(arena, local, sizeof *motion->local);
   motion->place = dlsi_take(arena, local, sizeof *motion->place);
   motion->zero = dlsi_take(arena, local > nc ? local : nc, sizeof *motion->zero);
-  motion->mu = dlsi_take(arena, nc, sizeof *motion->mu);
-  motion->held = dlsi_take(arena, nc, sizeof *motion->held);
-  motion->W = dlsi_take(arena, some ? m : 0, m * sizeof *motion->W);
+  motion->weight = dlsi_take(arena, nc, sizeof *motion->weight);
+  motion->values = dlsi_take(arena, m + 2, m * sizeof *motion->values); /* m^2 + (d + 1) nc */
 }
 
 static dls_status motion_allocate(dls_motion *motion, dls_error *error) {
@@ -130,34 +150,7 @@ static dls_status motion_allocate(dls_motion *motion, dls_error *error) {
          (local > motion->candidates ? local : motion->candidates) * sizeof *motion->zero);
   for (size_t k = 0; k < motion->nodes; k++)
     motion->gap0[k] = motion->model.gap ? motion->model.gap[k] : 0;
-  motion->gathered = -1;
   return DLS_OK;
-}
-
-/* Gives the matrix of the reduction, its Ks, the name that the caller knows. */
-static void motion_name_A(const dls_motion *motion, dls_error *error) {
-  if (!error || strcmp(error->argument, "Ks") != 0) return;
-  char text[sizeof error->message];
-  const char *after = strstr(error->message, "Ks");
-  const char *name = motion->settings.law == DLS_MOTION_PATH ? "K" : "M";
-  (void)snprintf(text, sizeof text, "%s%s", name, after ? after + 2 : "");
-  memcpy(error->message, text, sizeof text);
-  error->argument = name;
-  error->function = "";
-}
-
-/* Tells the reduction of A. */
-static dls_model motion_reduced_model(const dls_motion *motion) {
-  const dls_motion_model *model = &motion->model;
-  return (dls_model){.d = model->d,
-                     .n = model->n,
-                     .nodes = model->nodes,
-                     .operator_kind = DLS_STIFFNESS_SPARSE,
-                     .factorization = model->factorization,
-                     .Ks = dlsi_columns_view(&motion->A),
-                     .HN = model->HN,
-                     .HT = model->HT,
-                     .P = model->P};
 }
 
 static dls_status motion_reduce(dls_motion *motion, dls_error *error) {
@@ -167,12 +160,9 @@ static dls_status motion_reduce(dls_motion *motion, dls_error *error) {
   dls_reduction_settings settings;
   dls_reduction_settings_init(&settings);
   settings.stabilize = motion->settings.stabilize;
-  const dls_model model = motion_reduced_model(motion);
+  const dls_model model = motion_reduced_model(&motion->model, dlsi_columns_view(&motion->A));
   status = dls_reduction_create_with(&motion->reduction, &model, &settings, error);
-  if (status) {
-    motion_name_A(motion, error);
-    return status;
-  }
+  if (status) return motion_name(status, motion->model.M.p ? "M" : "K", error);
   dls_reduction_info info;
   status = dls_reduction_get_info(motion->reduction, &info, error);
   if (status) return status;
@@ -180,10 +170,18 @@ static dls_status motion_reduce(dls_motion *motion, dls_error *error) {
   return DLS_OK;
 }
 
+/* Gives the limits of the solver. On a path of free bodies q holds the way of the springs, some 1e3
+ * times that of the bodies, to which the tolerance is meant. */
+static dls_limits motion_solver_limits(const dls_limits *limits, int stabilize) {
+  dls_limits own = *limits;
+  if (stabilize) own.tol *= 1e-3;
+  return own;
+}
+
 static dls_status motion_prepare_solver(dls_motion *motion, dls_error *error) {
   dls_solver_settings settings;
   dls_solver_settings_init(&settings);
-  settings.limits = motion->settings.limits;
+  settings.limits = motion_solver_limits(&motion->settings.limits, motion->settings.stabilize);
   settings.method = motion->settings.method;
   return dls_solver_create(&motion->solver, motion->model.d, (int)motion->candidates, &settings,
                            error);
@@ -205,8 +203,8 @@ static dls_status motion_create(dls_motion **out, const dls_motion_model *model,
   motion->nodes = (size_t)model->nodes;
   motion->candidates = (size_t)(model->P.p ? model->P.cols : model->nodes);
   motion->m = (size_t)model->d * motion->candidates;
-  status = motion_reduce(motion, error); /* checks H_N, H_T, P first of all */
-  if (!status) status = motion_prepare_solver(motion, error);
+  status = motion_prepare_solver(motion, error); /* checks the method */
+  if (!status) status = motion_reduce(motion, error);
   if (!status) status = motion_allocate(motion, error);
   if (!status) status = motion_start(motion, NULL, NULL, 0, error);
   if (status)
@@ -278,13 +276,9 @@ static dls_status motion_set_h(dls_motion *motion, double h, dls_error *error) {
   if (status) return status;
   if (motion->settings.law != DLS_MOTION_PATH) {
     dlsi_motion_form(motion, h);
-    const dls_model model = motion_reduced_model(motion);
-    motion->gathered = -1;
+    const dls_model model = motion_reduced_model(&motion->model, dlsi_columns_view(&motion->A));
     status = dls_reduction_update(motion->reduction, &model, error);
-    if (status) {
-      motion_name_A(motion, error);
-      return status;
-    }
+    if (status) return motion_name(status, "M", error);
   }
   motion->settings.h = h;
   return DLS_OK;
@@ -294,9 +288,17 @@ dls_status dls_motion_set_h(dls_motion *motion, double h, dls_error *error) {
   return dlsi_at(__func__, motion_set_h(motion, h, error), error);
 }
 
+static dls_status motion_set_limits(dls_motion *motion, const dls_limits *limits,
+                                    dls_error *error) {
+  if (!motion || !limits) return dlsi_is_null(error, motion ? "limits" : "motion");
+  const dls_limits own = motion_solver_limits(limits, motion->settings.stabilize);
+  const dls_status status = dls_solver_set_limits(motion->solver, &own, error);
+  if (!status) motion->settings.limits = *limits;
+  return status;
+}
+
 dls_status dls_motion_set_limits(dls_motion *motion, const dls_limits *limits, dls_error *error) {
-  if (!motion) return dlsi_at(__func__, dlsi_is_null(error, "motion"), error);
-  return dlsi_at(__func__, dls_solver_set_limits(motion->solver, limits, error), error);
+  return dlsi_at(__func__, motion_set_limits(motion, limits, error), error);
 }
 
 /* ---- views ----------------------------------------------------------------------------------- */

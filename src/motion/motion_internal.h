@@ -40,9 +40,9 @@ struct dls_motion {
   double *zero;                         /* max(d nodes, candidates): zeros for y and mu */
   double *uc, *mc;                      /* m: scratch, by candidate */
   double *r, *w;                        /* m: of the active candidates, reactions and W r + q */
-  double *W, *q, *mu;  /* of the active candidates where some are not; m m, m, candidates */
-  int gathered, *held; /* W holds these candidates; gathered < 0: none */
-  void *memory;        /* of all arrays but A */
+  double *weight;                       /* candidates: w_c of the active ones */
+  double *values;                       /* memory of W, q, mu of the active candidates */
+  void *memory;                         /* of all arrays but A */
 };
 
 /* Returns 0 where the model has no such matrix. */
@@ -80,8 +80,8 @@ void dlsi_motion_keep(const dls_motion *motion, const motion_point *from, motion
 /* Sets point->kx and the energies of the state x, v; enlarges the scale. */
 void dlsi_motion_weigh(dls_motion *motion, motion_point *point);
 
-/* Adds the works of the step from now to next, and checks it: residual, momentum. f: n or NULL; y: d
- * nodes; dv: n, the change of v, or of x on a path. */
+/* Adds the works of the step from now to next, and checks it: residual, momentum. f: n or NULL; y:
+ * d nodes; dv: n, the change of v, or of x on a path. */
 void dlsi_motion_account(dls_motion *motion, const double *f, const double *y, const double *dv);
 
 /* Returns max_i |res_i| / max_i (sum of the absolute values of its terms)_i, res = M dv - h (f - C

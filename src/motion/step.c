@@ -1,7 +1,7 @@
 /*
  * step.c: one step of a motion.
  *
- * Velocity form and gap form, with v_th = theta v+ + (1 - theta) v, A = M + h theta C + h^2 theta^2 K:
+ * Velocity form and gap form, A = M + h theta C + h^2 theta^2 K:
  *
  *   (MT1)  b = h (f - C v - K (x + h theta v)),   g = L^T v - y'
  *   (MT2)  g_n += e g_n in the velocity form;  g_n += gap / h in the gap form
@@ -21,9 +21,10 @@
  * the modes of a free body (settings.stabilize), dz carries the load that r leaves on them, and
  * the turns go on (proximal point method) until K z = f + H r without them.
  *
- * Sources: [Jean 1988] (3.2)1, (3.3)1-6; J. J. Moreau, Unilateral contact and dry friction in finite
- * freedom dynamics, 1988, for the velocity form with Newton's restitution. Nothing is kept of a step
- * that is not certified. Cost: a solve and a half with A, some products, and the contact problem.
+ * Sources: [Jean 1988] (3.2)1, (3.3)1-6; J. J. Moreau, Unilateral contact and dry friction in
+ * finite freedom dynamics, 1988, for the velocity form with Newton's restitution. Nothing is kept
+ * of a step that is not certified. Cost: a solve and a half with A, some products, and the contact
+ * problem.
  */
 #include <float.h>
 #include <math.h>
@@ -44,40 +45,15 @@ static void step_activate(dls_motion *motion) {
       next->list[next->active++] = c;
 }
 
-/* Copies the rows and columns of the active candidates of W; keeps them while these stay. */
-static void step_gather_W(dls_motion *motion, const dls_contact *whole) {
-  const motion_point *next = &motion->next;
-  const size_t count = (size_t)next->active, d = (size_t)whole->d, ld = (size_t)whole->W.ld;
-  if (motion->gathered == next->active &&
-      memcmp(motion->held, next->list, count * sizeof *motion->held) == 0)
-    return;
-  double *W = motion->W;
-  for (size_t j = 0; j < d * count; j++) {
-    const double *column = whole->W.a + (d * (size_t)next->list[j / d] + j % d) * ld;
-    for (size_t a = 0; a < count; a++, W += d)
-      memcpy(W, column + d * (size_t)next->list[a], d * sizeof *W);
-  }
-  memcpy(motion->held, next->list, count * sizeof *motion->held);
-  motion->gathered = next->active;
-}
-
-/* Sets motion->problem to the contact problem of the active candidates of `whole`. */
-static void step_restrict(dls_motion *motion, const dls_contact *whole) {
-  const motion_point *next = &motion->next;
-  const size_t d = (size_t)whole->d;
-  const int m = whole->d * next->active;
-  motion->problem = *whole;
-  if (next->active == whole->nc) return;
-  step_gather_W(motion, whole);
-  for (int a = 0; a < next->active; a++) {
-    const size_t c = (size_t)next->list[a];
-    memcpy(motion->q + d * (size_t)a, whole->q + d * c, d * sizeof *motion->q);
-    motion->mu[a] = whole->mu[c];
-  }
-  motion->problem.nc = next->active;
-  motion->problem.W = (dls_dense){m, m, m > 0 ? m : 1, motion->W};
-  motion->problem.q = motion->q;
-  motion->problem.mu = motion->mu;
+/* Finds the states of the active candidates from motion->r and motion->w. */
+static void step_find_states(dls_motion *motion, dls_contact_state *state) {
+  const dls_contact *problem = &motion->problem;
+  const int d = problem->d;
+  double F[3];
+  if (problem->nc > 0) dlsi_contact_weights(problem, motion->weight);
+  for (int a = 0; a < problem->nc; a++)
+    state[a] = dlsi_contact_residual(d, problem->mu[a], motion->weight[a], motion->r + d * a,
+                                     motion->w + d * a, F);
 }
 
 /* Solves the problem of the active candidates from the impulses `start` (m) times factor; sets
@@ -88,15 +64,13 @@ static dls_status step_solve(dls_motion *motion, const double *start, double fac
   const dls_contact *problem = &motion->problem;
   const size_t d = (size_t)motion->model.d;
   dls_contact_state *state = next->state; /* of the active ones first, then spread */
-  dls_status status = DLS_OK;
-  if (next->active > 0) {
-    for (size_t k = 0; k < d * (size_t)next->active; k++)
-      motion->r[k] = factor * start[d * (size_t)next->list[k / d] + k % d];
-    status = dls_solver_solve(motion->solver, problem, motion->r, motion->w, info, error);
-    if (!status) status = dls_contact_states(problem, motion->r, motion->w, state, error);
-    if (status) return status;
-  } else
-    *info = (dls_info){.method = motion->settings.method};
+  for (size_t k = 0; k < d * (size_t)next->active; k++)
+    motion->r[k] = factor * start[d * (size_t)next->list[k / d] + k % d];
+  dls_status status = dls_solver_solve(motion->solver, problem, motion->r, motion->w, info, error);
+  if (status > 0 && dls_certificate_holds(&info->certificate, motion->settings.limits.tol))
+    status = info->status = DLS_OK; /* the solver was asked for more: motion_solver_limits */
+  if (status) return status;
+  step_find_states(motion, state);
   memset(next->p, 0, motion->m * sizeof *next->p);
   int a = next->active;
   for (int c = (int)motion->candidates - 1; c >= 0; c--) { /* from the end: list[a] >= a */
@@ -116,8 +90,9 @@ static dls_status step_contact(dls_motion *motion, const double *mu, const doubl
     status = dls_reduction_contact(motion->reduction, mu ? mu : motion->zero, &whole, error);
   if (status) return status;
   step_activate(motion);
-  step_restrict(motion, &whole);
-  status = step_solve(motion, start, factor, info, error);
+  status = dls_contact_subset(&whole, motion->next.active, motion->next.list, motion->values, NULL,
+                              &motion->problem, error);
+  if (!status) status = step_solve(motion, start, factor, info, error);
   return status ? status
                 : dls_reduction_recover(motion->reduction, motion->next.p, motion->dx, error);
 }

@@ -929,19 +929,40 @@ START_TEST(a_bad_subset_is_named) {
 }
 END_TEST
 
+/* mu = 0, u_t = 0: a pull is no answer, and a candidate apart is free, not stuck. */
+START_TEST(frictionless_adhesion_is_refused) {
+  const double W[] = {1, 0, 0, 1}, mu[] = {0}, pull[] = {-1, 0}, none[] = {0, 0};
+  const double apart[] = {1, 0}, press[] = {-1, 0};
+  dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = apart, .mu = mu};
+  dls_certificate c;
+  double u[2];
+  ck_assert_int_eq(dls_contact_certify(&p, pull, u, &c, NULL), DLS_OK);
+  ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
+  ck_assert_double_ge(c.residual, 0.5);
+  dls_contact_state state;
+  ck_assert_int_eq(dls_contact_states(&p, none, apart, &state, NULL), DLS_OK);
+  ck_assert_int_eq(state, DLS_FREE);
+  p.q = press;
+  const double r[] = {1, 0};
+  ck_assert_int_eq(dls_contact_states(&p, r, none, &state, NULL), DLS_OK);
+  ck_assert_int_eq(state, DLS_STICK);
+}
+END_TEST
+
 int main(void) {
-  return RUN(
-      "contact", NULL, NULL, ONCE(statuses_have_names_and_words), ONCE(an_error_says_where),
-      ONCE(arena_counts_carves_and_refuses), ONCE(arena_allocates_what_it_counted),
-      ONCE(norms_keep_nan_and_range), ONCE(vectors_of_any_length_are_finite),
-      ONCE(check_names_the_slot), ONCE(check_names_the_slot_of_blocks),
-      ONCE(blocks_come_apart_and_together), ONCE(blocks_refuse_bad_arguments),
-      ONCE(certificate_by_hand), ONCE(either_part_can_fail_alone), ONCE(no_forces_under_pressure),
-      ONCE(rounding_has_no_direction), ONCE(certificate_of_q_zero_and_frictionless),
-      ONCE(weights_fall_back), ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
-      ONCE(certificate_ignores_order_and_tangent_frame), ONCE(dense_and_blocks_agree),
-      ONCE(states_of_the_three_kinds), ONCE(certify_refuses_and_leaves_outputs),
-      ONCE(nan_is_never_certified), ONCE(a_runaway_is_never_certified), EACH(there_and_back, 2, 4),
-      EACH(storages_agree, 2, 4), ONCE(bad_conversion), EACH(a_subset_is_rows_and_columns, 0, 24),
-      ONCE(a_subset_stays_in_its_memory), ONCE(a_bad_subset_is_named));
+  return RUN("contact", NULL, NULL, ONCE(statuses_have_names_and_words), ONCE(an_error_says_where),
+             ONCE(arena_counts_carves_and_refuses), ONCE(arena_allocates_what_it_counted),
+             ONCE(norms_keep_nan_and_range), ONCE(vectors_of_any_length_are_finite),
+             ONCE(check_names_the_slot), ONCE(check_names_the_slot_of_blocks),
+             ONCE(blocks_come_apart_and_together), ONCE(blocks_refuse_bad_arguments),
+             ONCE(certificate_by_hand), ONCE(either_part_can_fail_alone),
+             ONCE(no_forces_under_pressure), ONCE(rounding_has_no_direction),
+             ONCE(certificate_of_q_zero_and_frictionless), ONCE(weights_fall_back),
+             ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
+             ONCE(certificate_ignores_order_and_tangent_frame), ONCE(dense_and_blocks_agree),
+             ONCE(states_of_the_three_kinds), ONCE(certify_refuses_and_leaves_outputs),
+             ONCE(nan_is_never_certified), ONCE(a_runaway_is_never_certified),
+             EACH(there_and_back, 2, 4), EACH(storages_agree, 2, 4), ONCE(bad_conversion),
+             EACH(a_subset_is_rows_and_columns, 0, 24), ONCE(a_subset_stays_in_its_memory),
+             ONCE(frictionless_adhesion_is_refused), ONCE(a_bad_subset_is_named));
 }

@@ -1,0 +1,217 @@
+/*
+ * motion.c: what the reduction takes of each step of a body that moves, beside one solve.
+ *
+ *   motion [--out DIR] [--case D CELLS]
+ *
+ * A step is dls_reduction_load, the contact problem (not timed here), dls_reduction_recover. The
+ * peer is one solve by CHOLMOD with the same K: supernodal and simplicial, each with its own order,
+ * of which the faster counts. All three take turns in one process, each for as many steps as take
+ * 20 ms; the least CPU time of the turns counts. x is compared with the peer's solve for the same f
+ * + H r, and beside it stands the residual |K x - f - H r| / (|K||x|).
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+#include "motion_peer.h"
+#include "reduction_boxes.h"
+
+enum { turns = 9 };
+
+typedef struct measured {
+  int failed, n, m;
+  double create, factor; /* s: the reduction with W; the peer's factorisation, the faster one */
+  double load, recover, solve[2];
+  double apart, residual;
+} measured;
+
+typedef struct steps {
+  dls_reduction *R;
+  peer *of[2]; /* simplicial, supernodal */
+  int n, m;
+  double *f, *r, *b, *x; /* loads; reactions; f + H r; the answer */
+} steps;
+
+enum { LOAD, RECOVER, SIMPLICIAL, SUPERNODAL, CALLS };
+
+static int one_call(const steps *s, int call) {
+  if (call == LOAD) return dls_reduction_load(s->R, s->f, NULL, NULL) != DLS_OK;
+  if (call == RECOVER) return dls_reduction_recover(s->R, s->r, s->x, NULL) != DLS_OK;
+  return !peer_solve(s->of[call - SIMPLICIAL], s->b);
+}
+
+/* Adds to least[] the CPU seconds of one call of each kind, load and recover in turn. */
+static int one_turn(const steps *s, double *least) {
+  static const int kinds[3][2] = {
+      {LOAD, RECOVER}, {SIMPLICIAL, SIMPLICIAL}, {SUPERNODAL, SUPERNODAL}};
+  for (int k = 0; k < 3; k++) {
+    double start = bench_seconds(), taken = 0, spent[2] = {0};
+    int count = 0;
+    while (taken < 0.02) {
+      const int batch = count ? count : 1;
+      for (int i = 0; i < batch; i++)
+        for (int half = 0; half < 2; half++)
+          if (one_call(s, kinds[k][half])) return 1;
+      count += batch;
+      taken = bench_seconds() - start;
+    }
+    if (k > 0) {
+      spent[0] = taken / (2 * count);
+    } else { /* the first half alone; the second one is the rest */
+      start = bench_seconds();
+      for (int i = 0; i < count; i++)
+        if (one_call(s, LOAD)) return 1;
+      spent[0] = (bench_seconds() - start) / count;
+      spent[1] = taken / count - spent[0];
+    }
+    for (int half = 0; half < 2; half++)
+      if (half == 0 || k == 0)
+        if (!(spent[half] >= least[kinds[k][half]])) least[kinds[k][half]] = spent[half];
+  }
+  return 0;
+}
+
+/* Returns |K x - b| / (|K||x|) in maximum norms, |K| by rows. */
+static double residual_of(const dls_sparse *K, const double *x, const double *b) {
+  const size_t n = (size_t)K->rows;
+  double *y = calloc(2 * n, sizeof *y), left = 0, norm = 0, size = 0;
+  if (!y) return NAN;
+  for (int j = 0; j < K->cols; j++)
+    for (int k = K->p[j]; k < K->p[j + 1]; k++) {
+      const int i = K->i[k];
+      y[i] += K->x[k] * x[j];
+      y[n + (size_t)i] += fabs(K->x[k]);
+      if (i == j) continue;
+      y[j] += K->x[k] * x[i];
+      y[n + (size_t)j] += fabs(K->x[k]);
+    }
+  for (size_t i = 0; i < n; i++) {
+    left = fmax(left, fabs(y[i] - b[i]));
+    norm = fmax(norm, y[n + i]);
+    size = fmax(size, fabs(x[i]));
+  }
+  free(y);
+  return left / (norm * size);
+}
+
+/* Fills loads and reactions from equal random numbers each time, and b := f + H r. */
+static void fill(const dls_model *model, steps *s) {
+  unsigned long long seed = 1;
+  for (int k = 0; k < s->n + s->m; k++) {
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    *(k < s->n ? &s->f[k] : &s->r[k - s->n]) = (double)(seed >> 11) / 4503599627370496.0 - 1;
+  }
+  memcpy(s->b, s->f, (size_t)s->n * sizeof *s->b);
+  for (int c = 0; c < model->nodes; c++)
+    for (int i = 0; i < model->d; i++) {
+      const dls_sparse *H = i ? &model->HT : &model->HN;
+      const int j = i ? (model->d - 1) * c + i - 1 : c;
+      for (int k = H->p[j]; k < H->p[j + 1]; k++)
+        s->b[H->i[k]] += H->x[k] * s->r[model->d * c + i];
+    }
+}
+
+static int measure_steps(const dls_model *model, steps *s, measured *out) {
+  double least[CALLS] = {INFINITY, INFINITY, INFINITY, INFINITY}, factor[2];
+  const double start = bench_seconds();
+  if (dls_reduction_create(&s->R, model, NULL)) return 1;
+  out->create = bench_seconds() - start;
+  for (int k = 0; k < 2; k++)
+    if (!(s->of[k] = peer_create(&model->Ks, k, &factor[k]))) return 1;
+  out->factor = fmin(factor[0], factor[1]);
+  for (int k = 0; k < turns; k++)
+    if (one_turn(s, least)) return 1;
+  out->load = least[LOAD];
+  out->recover = least[RECOVER];
+  out->solve[0] = least[SIMPLICIAL];
+  out->solve[1] = least[SUPERNODAL];
+  const double *x = peer_solve(s->of[1], s->b);
+  double size = 0;
+  if (!x || one_call(s, RECOVER)) return 1;
+  for (int i = 0; i < s->n; i++) {
+    out->apart = fmax(out->apart, fabs(x[i] - s->x[i]));
+    size = fmax(size, fabs(x[i]));
+  }
+  out->apart /= size;
+  out->residual = residual_of(&model->Ks, s->x, s->b);
+  return 0;
+}
+
+static measured measure_box(int d, int cells) {
+  measured out = {.failed = 1};
+  box b;
+  if (box_create(&b, d, cells, 0)) return out;
+  const dls_model *model = &b.model;
+  steps s = {.n = model->n, .m = model->d * model->nodes};
+  const size_t n = (size_t)s.n;
+  out.n = s.n;
+  out.m = s.m;
+  s.f = calloc(3 * n + (size_t)s.m, sizeof *s.f);
+  if (s.f) {
+    s.b = s.f + n;
+    s.x = s.b + n;
+    s.r = s.x + n;
+    fill(model, &s);
+    out.failed = measure_steps(model, &s, &out);
+  }
+  peer_destroy(s.of[0]);
+  peer_destroy(s.of[1]);
+  dls_reduction_destroy(s.R);
+  free(s.f);
+  box_free(&b);
+  return out;
+}
+
+static int print_box(FILE *page, int d, int cells) {
+  const measured r = measure_box(d, cells);
+  if (r.failed) {
+    fprintf(stderr, "%dD, %d cells: failed\n", d, cells);
+    return 1;
+  }
+  const double best = fmin(r.solve[0], r.solve[1]);
+  bench_print(page,
+              "| %dD %d^%d | %d | %d | %.3g | %.3g | %.3g | %.3g | %.2f | %.0e | %.0e | %.3g | "
+              "%.3g |\n",
+              d, cells, d, r.n, r.m, 1e6 * r.load, 1e6 * r.recover, 1e6 * r.solve[0],
+              1e6 * r.solve[1], (r.load + r.recover) / best, r.apart, r.residual, r.create,
+              r.factor);
+  return 0;
+}
+
+int main(int argc, char **argv) {
+  static const int boxes[][2] = {{2, 4},   {2, 8},   {2, 10}, {2, 12}, {2, 22}, {2, 45}, {2, 90},
+                                 {2, 181}, {2, 256}, {3, 4},  {3, 8},  {3, 12}, {3, 18}, {3, 24}};
+  const char *directory = NULL;
+  int d = 0, cells = 0;
+  for (int k = 1; k < argc; k++) {
+    if (strcmp(argv[k], "--out") == 0 && k + 1 < argc)
+      directory = argv[++k];
+    else if (strcmp(argv[k], "--case") == 0 && k + 2 < argc) {
+      d = atoi(argv[++k]);
+      cells = atoi(argv[++k]);
+    } else
+      return fprintf(stderr, "usage: motion [--out DIR] [--case D CELLS]\n"), 2;
+  }
+  FILE *page = NULL;
+  if (directory && !cells) {
+    page = bench_page(directory, "motion", "A step of a body that moves", argc, argv);
+    if (!page) return 1;
+  }
+  bench_print(page, "%s",
+              "Elastic boxes, one face held, all nodes of another candidates. Microseconds of "
+              "CPU: dls_reduction_load, dls_reduction_recover,\none solve by CHOLMOD with a "
+              "simplicial and with a supernodal factor. Ratio: load + recover over the faster of "
+              "these. x differs\nfrom the peer's by this of its largest entry. Seconds: "
+              "dls_reduction_create, W included, and the peer's factorisation, the faster "
+              "one.\n\n| elements | unknowns | of contact | load | recover | simplicial | "
+              "supernodal | ratio | x differs by | residual | create s | peer's factor s "
+              "|\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  int failed = 0;
+  for (size_t k = 0; !cells && k < sizeof boxes / sizeof boxes[0]; k++)
+    failed |= print_box(page, boxes[k][0], boxes[k][1]);
+  if (cells) failed = print_box(NULL, d, cells);
+  if (page && fclose(page)) failed = 1;
+  return failed;
+}

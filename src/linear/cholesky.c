@@ -1,0 +1,221 @@
+/*
+ * cholesky.c: A = L L^T by supernodes, and its two halves (Ng and Peyton, SIAM J. Sci. Comput. 14,
+ * 1993, 1034-1056).
+ *
+ *   factor   for each supernode s
+ *   (CH8)      its panel := the entries of A
+ *   (CH9)      for each d before s with rows among the columns of s, L_d in the order of its rows:
+ *              panel -= (rows of L_d from the first of these on) (those rows of L_d)^T
+ *   (CH10)     L_ss := chol(top of the panel), rows below := rows L_ss^-T
+ *   solve    (CH11)  forward, s = 0, 1, ..: x_s := L_ss^-1 x_s, x_rows -= L_rows x_s
+ *            (CH12)  backward, s = .., 1, 0: x_s := L_ss^-T (x_s - L_rows^T x_rows)
+ *
+ * condense ends (CH11) before c and keeps where it stands; expand begins (CH12) below c, with the
+ * x_c that it is given. Together they are one solve.
+ *
+ * Written for the halves, which no sparse library with a permissive licence gives together with a
+ * set of unknowns last; for loads and recoveries of some microseconds, where a call of a general
+ * library costs more than the work; and for errors instead of printed words. Cost: 2 flops per
+ * entry of L and half solve. Fails: a pivot that is not positive, no memory.
+ */
+#include "linear/cholesky.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "linear/blas.h"
+
+static const double one = 1, minus_one = -1, zero = 0;
+
+/* A panel as BLAS takes it. */
+typedef struct panel {
+  int columns, rows, height; /* height: their sum */
+  int first;                 /* position of the first column */
+  const int *row;            /* positions of the rows */
+  double *L;
+} panel;
+
+static panel panel_of(const dlsi_cholesky *work, int s) {
+  panel p = {.first = work->first[s],
+             .columns = work->first[s + 1] - work->first[s],
+             .rows = (int)(work->start[s + 1] - work->start[s]),
+             .row = work->row + work->start[s],
+             .L = work->L + work->panel[s]};
+  p.height = p.columns + p.rows;
+  return p;
+}
+
+/* ---- factor ---------------------------------------------------------------------------------- */
+
+/* Puts d, whose next row is row[todo[d]], on the list of the supernode that owns it. */
+static void cholesky_enlist(dlsi_cholesky *work, int d) {
+  if (work->todo[d] == work->start[d + 1]) return;
+  const int s = work->owner[work->row[work->todo[d]]];
+  work->next[d] = work->head[s];
+  work->head[s] = d;
+}
+
+/* (CH9) for one d. to: the panel of s. U: scratch, work->update. */
+static void cholesky_update(dlsi_cholesky *work, int d, const panel *to, double *U) {
+  const panel of = panel_of(work, d);
+  const int *row = work->row + work->todo[d];
+  const int height = (int)(work->start[d + 1] - work->todo[d]);
+  int width = 0;
+  while (width < height && row[width] < to->first + to->columns)
+    width++;
+  const double *top = of.L + (of.height - height);
+  const int below = height - width;
+  dsyrk_("L", "N", &width, &of.columns, &one, top, &of.height, &zero, U, &height, 1, 1);
+  if (below > 0)
+    dgemm_("N", "T", &below, &width, &of.columns, &one, top + width, &of.height, top, &of.height,
+           &zero, U + width, &height, 1, 1);
+  for (int j = 0; j < width; j++, U += height) {
+    double *column = to->L + (size_t)(row[j] - to->first) * (size_t)to->height;
+    for (int i = j; i < height; i++)
+      column[work->local[row[i]]] -= U[i];
+  }
+  work->todo[d] += (size_t)width;
+}
+
+/* (CH8) */
+static void cholesky_scatter(dlsi_cholesky *work, const double *x) {
+  memset(work->L, 0, work->panel[work->count] * sizeof *work->L);
+  for (size_t k = 0; k < work->entries; k++)
+    work->L[work->where[k]] += x[k];
+}
+
+/* (CH10) Returns 0, or k > 0 for column k. */
+static int cholesky_eliminate(const panel *p) {
+  int info;
+  dpotrf_("L", &p->columns, p->L, &p->height, &info, 1);
+  if (info == 0 && p->rows > 0)
+    dtrsm_("R", "L", "T", "N", &p->rows, &p->columns, &one, p->L, &p->height, p->L + p->columns,
+           &p->height, 1, 1, 1, 1);
+  return info;
+}
+
+int dlsi_cholesky_factor(dlsi_cholesky *work, const double *x, double *pivot) {
+  const size_t entries = work->panel[work->count];
+  if (!work->L) work->L = dlsi_alloc(entries, sizeof *work->L);
+  double *U = dlsi_alloc(work->update, sizeof *U);
+  int failed = work->L && U ? 0 : -1;
+  if (!failed) cholesky_scatter(work, x);
+  for (int s = 0; s < work->count; s++)
+    work->head[s] = -1;
+  for (int s = 0; !failed && s < work->count; s++) {
+    const panel p = panel_of(work, s);
+    for (int k = 0; k < p.columns; k++)
+      work->local[p.first + k] = k;
+    for (int k = 0; k < p.rows; k++)
+      work->local[p.row[k]] = p.columns + k;
+    for (int d = work->head[s], next; d >= 0; d = next) {
+      next = work->next[d];
+      cholesky_update(work, d, &p, U);
+      cholesky_enlist(work, d);
+    }
+    const int info = cholesky_eliminate(&p);
+    if (info) {
+      failed = p.first + info;
+      *pivot = p.L[(size_t)(info - 1) * ((size_t)p.height + 1)];
+    }
+    work->todo[s] = work->start[s];
+    cholesky_enlist(work, s);
+  }
+  free(U);
+  return failed;
+}
+
+double *dlsi_cholesky_of_kept(const dlsi_cholesky *work) {
+  return work->kept > 0 ? work->L + work->panel[work->count - 1] : NULL;
+}
+
+/* ---- solve ----------------------------------------------------------------------------------- */
+
+/* (CH11) for the first `count` supernodes. Y: n x nrhs, by positions; x: longest x nrhs. */
+static void cholesky_forward(const dlsi_cholesky *work, int count, double *Y, int nrhs, double *x) {
+  const int n = work->n, step = 1;
+  for (int s = 0; s < count; s++) {
+    const panel p = panel_of(work, s);
+    double *y = Y + p.first;
+    if (nrhs == 1)
+      dtrsv_("L", "N", "N", &p.columns, p.L, &p.height, y, &step, 1, 1, 1);
+    else
+      dtrsm_("L", "L", "N", "N", &p.columns, &nrhs, &one, p.L, &p.height, y, &n, 1, 1, 1, 1);
+    if (p.rows == 0) continue;
+    if (nrhs == 1)
+      dgemv_("N", &p.rows, &p.columns, &one, p.L + p.columns, &p.height, y, &step, &zero, x, &step,
+             1);
+    else
+      dgemm_("N", "N", &p.rows, &nrhs, &p.columns, &one, p.L + p.columns, &p.height, y, &n, &zero,
+             x, &p.rows, 1, 1);
+    for (int j = 0; j < nrhs; j++)
+      for (int k = 0; k < p.rows; k++)
+        Y[(size_t)p.row[k] + (size_t)j * (size_t)n] -= x[k + j * p.rows];
+  }
+}
+
+/* (CH12) for the first `count` supernodes. */
+static void cholesky_backward(const dlsi_cholesky *work, int count, double *Y, int nrhs,
+                              double *x) {
+  const int n = work->n, step = 1;
+  for (int s = count - 1; s >= 0; s--) {
+    const panel p = panel_of(work, s);
+    double *y = Y + p.first;
+    for (int j = 0; j < nrhs; j++)
+      for (int k = 0; k < p.rows; k++)
+        x[k + j * p.rows] = Y[(size_t)p.row[k] + (size_t)j * (size_t)n];
+    if (p.rows > 0 && nrhs == 1)
+      dgemv_("T", &p.rows, &p.columns, &minus_one, p.L + p.columns, &p.height, x, &step, &one, y,
+             &step, 1);
+    else if (p.rows > 0)
+      dgemm_("T", "N", &p.columns, &nrhs, &p.rows, &minus_one, p.L + p.columns, &p.height, x,
+             &p.rows, &one, y, &n, 1, 1);
+    if (nrhs == 1)
+      dtrsv_("L", "T", "N", &p.columns, p.L, &p.height, y, &step, 1, 1, 1);
+    else
+      dtrsm_("L", "L", "T", "N", &p.columns, &nrhs, &one, p.L, &p.height, y, &n, 1, 1, 1, 1);
+  }
+}
+
+dls_status dlsi_cholesky_solve(dlsi_cholesky *work, double *X, int nrhs, dls_error *error) {
+  const size_t n = (size_t)work->n, all = n * (size_t)nrhs;
+  double *Y = work->y, *x = work->x;
+  if (nrhs > 1) {
+    Y = dlsi_alloc(n + (size_t)work->longest, (size_t)nrhs * sizeof *Y);
+    if (!Y) return dlsi_no_memory(error);
+    x = Y + all;
+  }
+  for (size_t e = 0; e < all; e++)
+    Y[(size_t)work->place[e % n] + e / n * n] = X[e];
+  cholesky_forward(work, work->count, Y, nrhs, x);
+  cholesky_backward(work, work->count, Y, nrhs, x);
+  for (size_t e = 0; e < all; e++)
+    X[e] = Y[(size_t)work->place[e % n] + e / n * n];
+  if (nrhs > 1) free(Y);
+  return DLS_OK;
+}
+
+void dlsi_cholesky_condense(dlsi_cholesky *work, const double *b, double *z) {
+  const int n = work->n, inner = n - work->kept;
+  for (int k = 0; k < n; k++)
+    work->held[k] = b ? b[work->unknown[k]] : 0;
+  if (b) cholesky_forward(work, work->count - (work->kept > 0), work->held, 1, work->x);
+  memcpy(z, work->held + inner, (size_t)work->kept * sizeof *z);
+}
+
+void dlsi_cholesky_expand(dlsi_cholesky *work, const double *xc, double *x) {
+  const size_t inner = (size_t)(work->n - work->kept);
+  memcpy(work->y, work->held, inner * sizeof *work->y);
+  memcpy(work->y + inner, xc, (size_t)work->kept * sizeof *work->y);
+  cholesky_backward(work, work->count - (work->kept > 0), work->y, 1, work->x);
+  for (int k = 0; k < work->n; k++)
+    x[work->unknown[k]] = work->y[k];
+}
+
+void dlsi_cholesky_destroy(dlsi_cholesky *work) {
+  if (!work) return;
+  void *const owned[] = {work->unknown, work->where, work->y, work->start, work->panel,
+                         work->row,     work->x,     work->L, work};
+  for (size_t k = 0; k < sizeof owned / sizeof owned[0]; k++)
+    free(owned[k]);
+}

@@ -1,0 +1,178 @@
+/*
+ * test_block.c: elastic blocks: on a fast belt, and on a path. Each step meets the energy identity
+ * and the momentum balance (moving_step).
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delassus/fe.h"
+#include "moving.h"
+#include "run.h"
+
+static moving_parts parts;
+
+/* ---- block on a belt ------------------------------------------------------------------------- */
+
+enum { nx = 16, ny = 8, belt_nodes = nx + 1, belt_n = 2 * (nx + 1) * (ny + 1), belt_steps = 200 };
+
+/* .2 x .1, E 1e7, nu .3, rho 1000, lumped mass, on the belt all along its lower edge. */
+static void belt_build(double *load) {
+  static double K[belt_n * belt_n];
+  dls_fe_mesh mesh;
+  const double rho = 1000, area = 0.2 / nx * 0.1 / ny / 2;
+  double mass[belt_n] = {0};
+  ck_assert_int_eq(dls_fe_mesh_block(&mesh, 0.2, 0.1, nx, ny, NULL), DLS_OK);
+  ck_assert_int_eq(dls_fe_stiffness(&mesh, 1e7, 0.3, K, belt_n, NULL), DLS_OK);
+  for (int k = 0; k < 3 * mesh.triangles; k++)
+    for (int i = 0; i < 2; i++)
+      mass[2 * mesh.node[k] + i] += rho * area / 3;
+  moving_begin(&parts, belt_n);
+  moving_add_dense(&parts.K, belt_n, K);
+  for (int j = 0; j < belt_n; j++) {
+    moving_add(&parts.M, j, j, mass[j]);
+    load[j] = j % 2 ? -9.81 * mass[j] : 0;
+  }
+  for (int c = 0; c < belt_nodes; c++)
+    moving_touch(&parts, 2 * c + 1, 2 * c, 0);
+  dls_fe_mesh_free(&mesh);
+}
+
+/* Drives the belt with velocity V; p: impulses of all steps. */
+static void belt_run(double V, double h, double tol, double *p) {
+  static double load[belt_n];
+  belt_build(load);
+  const dls_motion_model model = moving_model(&parts);
+  dls_motion_settings settings = moving_settings(DLS_MOTION_VELOCITY, h);
+  settings.activation = 1e-9;
+  if (tol > 0) settings.limits.tol = tol;
+  dls_motion *motion = moving_create(&model, &settings, NULL, NULL);
+  double y[2 * belt_nodes], mu[belt_nodes];
+  for (int c = 0; c < belt_nodes; c++) {
+    y[2 * c] = 0;
+    y[2 * c + 1] = V;
+    mu[c] = 0.5;
+  }
+  for (int k = 0; k < belt_steps; k++, p += (ptrdiff_t)2 * belt_nodes)
+    memcpy(p, moving_step(motion, load, y, mu).p, 2 * belt_nodes * sizeof *p);
+  dls_motion_destroy(motion);
+}
+
+/* The belt outruns the block, so that all that press slip one way and r does not depend on V: the
+ * run at V = 1 has the reactions of the others. Asked to 1e-6 in each of 200 steps, at V 10 with h
+ * 1e-7 and V 1000 with h 1e-5, where |q| is V and the weight moves q_n by g h; with the tolerance
+ * of a motion, and with 1e-8, that of a solver. */
+START_TEST(test_belt) {
+  static double slow[2 * belt_nodes * belt_steps], fast[2 * belt_nodes * belt_steps];
+  const double h = _i % 2 ? 1e-5 : 1e-7, V = _i % 2 ? 1000 : 10, tol = _i < 2 ? 0 : 1e-8;
+  belt_run(1, h, 1e-14, slow);
+  belt_run(V, h, tol, fast);
+  for (int k = 0; k < belt_steps; k++) {
+    const int at = 2 * belt_nodes * k;
+    double error = 0, size = 0;
+    for (int i = at; i < at + 2 * belt_nodes; i++) {
+      error = fmax(error, fabs(fast[i] - slow[i]));
+      size = fmax(size, fabs(slow[i]));
+      if (i % 2) ck_assert_double_eq_tol(fast[i], 0.5 * fast[i - 1], 1e-6 * size + 1e-300);
+    }
+    ck_assert_double_gt(size, 0);
+    ck_assert_msg(error <= 1e-6 * size, "step %d: %g of %g", k, error, size);
+  }
+}
+END_TEST
+
+/* ---- two blocks ------------------------------------------------------------------------------ */
+
+enum { wide = 8, tall = 6, pair_line = wide + 1, pair_nodes = pair_line * (tall + 1) };
+enum { pair_n = 2 * pair_nodes - 2 * pair_line, whole_n = 2 * pair_line * 2 * tall };
+
+/* Adds K of a block of wide x tall elements per unit, without the unknowns of its first `fixed`
+ * nodes, at unknown `first`. */
+static void pair_add(int rows, int fixed, int first, moving_matrix *A) {
+  static double K[4 * pair_line * pair_line * (2 * tall + 1) * (2 * tall + 1)];
+  dls_fe_mesh mesh;
+  ck_assert_int_eq(dls_fe_mesh_block(&mesh, 1, 0.5 * rows / tall, wide, rows, NULL), DLS_OK);
+  const int n = 2 * mesh.nodes;
+  ck_assert_int_eq(dls_fe_stiffness(&mesh, 1, 0.3, K, n, NULL), DLS_OK);
+  for (int j = 2 * fixed; j < n; j++)
+    for (int i = j; i < n; i++)
+      if (K[i + j * n] != 0)
+        moving_add(A, first + i - 2 * fixed, first + j - 2 * fixed, K[i + j * n]);
+  dls_fe_mesh_free(&mesh);
+}
+
+/* Loads the last line of nodes: the pressure p, the shear t. f: n. */
+static void pair_load(double *f, int n, double p, double t) {
+  memset(f, 0, (size_t)n * sizeof *f);
+  for (int c = 0; c <= wide; c++) {
+    const double share = (c == 0 || c == wide ? 0.5 : 1) / wide;
+    f[n - 2 * pair_line + 2 * c] = t * share;
+    f[n - 2 * pair_line + 2 * c + 1] = -p * share;
+  }
+}
+
+/* An upper block that nothing but contact holds stands on a lower one, pressed and then sheared;
+ * all sticks: the answer is that of one block, to 1e-11, and the free body is in equilibrium to
+ * 1e-12. */
+START_TEST(test_two_blocks) {
+  enum { n = pair_n + 2 * pair_nodes };
+  moving_begin(&parts, n);
+  pair_add(tall, pair_line, 0, &parts.K);
+  pair_add(tall, 0, pair_n, &parts.K);
+  for (int c = 0; c < pair_line; c++) {
+    for (int k = 1; k >= 0; k--) {
+      moving_matrix *L = k ? &parts.HN : &parts.HT;
+      moving_add(L, pair_n - 2 * pair_line + 2 * c + k, c, -1);
+      moving_add(L, pair_n + 2 * c + k, c, 1);
+    }
+    parts.nodes++;
+  }
+  const dls_motion_model model = moving_model(&parts);
+  dls_motion_settings settings = moving_settings(DLS_MOTION_PATH, 1);
+  settings.stabilize = 1;
+  dls_motion *motion = moving_create(&model, &settings, NULL, NULL);
+
+  static moving_parts one;
+  moving_begin(&one, whole_n);
+  pair_add(2 * tall, pair_line, 0, &one.K);
+  moving_touch(&one, whole_n - 1, whole_n - 2, 1e3);
+  const dls_motion_model whole_model = moving_model(&one);
+  settings.stabilize = 0;
+  dls_motion *whole = moving_create(&whole_model, &settings, NULL, NULL);
+
+  static double f[n], F[whole_n];
+  double mu[pair_line];
+  for (int c = 0; c < pair_line; c++)
+    mu[c] = 2;
+  for (int k = 0; k < 4; k++) {
+    const double t = 5e-5 * k;
+    pair_load(f, n, 1e-3, t);
+    pair_load(F, whole_n, 1e-3, t);
+    const dls_motion_state s = moving_step(motion, f, NULL, mu);
+    const dls_motion_state w = moving_step(whole, F, NULL, NULL);
+    double error = 0, size = 0, up = -1e-3, back = t, turn = 0;
+    for (int i = 0; i < whole_n; i++) {
+      const int twice = i >= pair_n ? i + 2 * pair_line : i; /* the interface stands twice */
+      error = fmax(error, fabs(s.x[twice] - w.x[i]));
+      if (i >= pair_n - 2 * pair_line && i < pair_n)
+        error = fmax(error, fabs(s.x[i + 2 * pair_line] - w.x[i]));
+      size = fmax(size, fabs(w.x[i]));
+    }
+    for (int c = 0; c < pair_line; c++) {
+      up += s.p[2 * c];
+      back += s.p[2 * c + 1];
+      turn += s.p[2 * c] * (c - wide / 2) / wide;
+      if (k) ck_assert_int_eq(s.state[c], DLS_STICK);
+    }
+    turn -= 0.5 * t;
+    ck_assert_msg(error <= 1e-11 * size, "%d: %g of %g", k, error, size);
+    ck_assert_double_le(fmax(fabs(up), fmax(fabs(back), fabs(turn))), 1e-12 * 1e-3);
+  }
+  dls_motion_destroy(motion);
+  dls_motion_destroy(whole);
+}
+END_TEST
+
+int main(void) {
+  return RUN("block", NULL, NULL, EACH(test_belt, 0, 4), ONCE(test_two_blocks));
+}
