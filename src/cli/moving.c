@@ -28,7 +28,7 @@ void moving_usage_options(FILE *out) {
           "      --e=E             restitution of the velocity form, 0 to 1 (0)\n"
           "      --courant=NU      bars: steps of NU l / c (0.9)\n"
           "  -n, --steps=N         equal steps of the whole time, instead of --courant\n"
-          "      --mesh=N|NXxNY    elements along the bar (100); along x and y (16x8)\n"
+          "      --mesh=N|NXxNY    elements along the bar (100); along x and y (16x8; jean-moving: no other)\n"
           "      --upper=N         two-blocks: elements of the upper block along x (11)\n"
           "      --mu=MU           friction (0; jean-moving 1, jean-moving4 .1, block-drop .3,\n"
           "                        two-blocks .25)\n"
