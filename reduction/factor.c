@@ -256,13 +256,19 @@ static dls_status factor_lay_out(dlsi_factor *factor, dls_error *error) {
   return DLS_OK;
 }
 
+/* Returns 1 if every part is so small that a dense factor is faster than schur.c. */
+static int factor_is_small(const dlsi_factor *factor) {
+  const int quick = factor->factorization == DLS_CHOLESKY && factor->parts <= dlsi_few_parts;
+  return factor->largest <= (quick ? dlsi_tiny_part : dlsi_small_part);
+}
+
 /* Finds the parts, and has a sparse K with a large one analysed by schur.c. */
 static dls_status factor_divide(dlsi_factor *factor, const dls_model *model, int count,
                                 const int *keep, dls_error *error) {
   part_one(factor);
   if (factor->kind != DLS_STIFFNESS_SPARSE) return DLS_OK;
   part_connect(&model->Ks, factor, factor->place);
-  if (factor->largest <= dlsi_small_part || !dlsi_schur_available()) return DLS_OK;
+  if (factor_is_small(factor) || !dlsi_schur_available()) return DLS_OK;
   part_one(factor);
   factor->kept = count;
   return dlsi_schur_create(&factor->schur, &model->Ks, factor->factorization, count, keep, error);

@@ -16,7 +16,9 @@
 
 enum {
   dlsi_batch = 64,         /* most right-hand sides in one solve; more are not faster */
-  dlsi_small_part = 250,   /* unknowns of a sparse K for which a dense factor is faster */
+  dlsi_small_part = 250,   /* unknowns of a sparse K for which a dense factor is faster, ... */
+  dlsi_tiny_part = 25,     /* ... of one that is definite, in ... */
+  dlsi_few_parts = 4,      /* ... up to so many parts: the Schur complement fills its square */
   dlsi_largest_part = 8000 /* most unknowns of such a part in a build without MUMPS: 0.5 GB */
 };
 

@@ -118,6 +118,8 @@ int dlsi_cholesky_factor(dlsi_cholesky *work, const double *x, double *pivot) {
       failed = p.first + info;
       *pivot = p.L[(size_t)(info - 1) * ((size_t)p.height + 1)];
     }
+    for (size_t k = 0; k < (size_t)p.columns; k++)
+      work->pivot[(size_t)p.first + k] = 1 / p.L[k * ((size_t)p.height + 1)];
     work->todo[s] = work->start[s];
     cholesky_enlist(work, s);
   }
@@ -131,49 +133,140 @@ double *dlsi_cholesky_of_kept(const dlsi_cholesky *work) {
 
 /* ---- solve ----------------------------------------------------------------------------------- */
 
-/* (CH11) for the first `count` supernodes. Y: n x nrhs, by positions; x: longest x nrhs. */
-static void cholesky_forward(const dlsi_cholesky *work, int count, double *Y, int nrhs, double *x) {
-  const int n = work->n, step = 1;
+/* Subtracts the n columns of A (m x n, leading dimension ld) times x from t. n is 1 to 4, and known
+ * to the compiler where this inlines. */
+static DLSI_INLINE void panel_subtract(size_t n, size_t m, const double *restrict A, size_t ld,
+                                       const double *x, double *restrict t) {
+  const double x0 = x[0], x1 = n > 1 ? x[1] : 0, x2 = n > 2 ? x[2] : 0, x3 = n > 3 ? x[3] : 0;
+  for (size_t i = 0; i < m; i++) {
+    double sum = A[i] * x0;
+    if (n > 1) sum += A[i + ld] * x1;
+    if (n > 2) sum += A[i + 2 * ld] * x2;
+    if (n > 3) sum += A[i + 3 * ld] * x3;
+    t[i] -= sum;
+  }
+}
+
+typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
+
+/* Computes y := A^T t, each product in four sums, so that the bits do not depend on the width of
+ * the machine's vectors. */
+static DLSI_INLINE void panel_dot(size_t n, size_t m, const double *A, size_t ld, const double *t,
+                                  double *y) {
+  four sum[4] = {{0}};
+  size_t i = 0;
+  for (; i + 4 <= m; i += 4)
+    for (size_t k = 0; k < n; k++)
+      sum[k] += *(const four *)(A + i + k * ld) * *(const four *)(t + i);
+  for (size_t k = 0; k < n; k++)
+    y[k] = (sum[k][0] + sum[k][1]) + (sum[k][2] + sum[k][3]);
+  for (; i < m; i++)
+    for (size_t k = 0; k < n; k++)
+      y[k] += A[i + k * ld] * t[i];
+}
+
+/* (CH11) for one panel, four columns at a time. t: x_s, then zeros, from which L_rows x_s is
+ * subtracted. pivot: reciprocals of the diagonal. */
+DLSI_CLONES static void panel_forward(size_t columns, size_t height, const double *L,
+                                      const double *pivot, double *t) {
+  for (size_t j = 0; j < columns; j += 4) {
+    const size_t n = columns - j < 4 ? columns - j : 4, below = j + n;
+    const double *A = L + j * height;
+    for (size_t k = 0; k < n; k++) {
+      t[j + k] *= pivot[j + k];
+      for (size_t i = k + 1; i < n; i++)
+        t[j + i] -= A[j + i + k * height] * t[j + k];
+    }
+    if (n == 4)
+      panel_subtract(4, height - below, A + below, height, t + j, t + below);
+    else if (n == 3)
+      panel_subtract(3, height - below, A + below, height, t + j, t + below);
+    else if (n == 2)
+      panel_subtract(2, height - below, A + below, height, t + j, t + below);
+    else
+      panel_subtract(1, height - below, A + below, height, t + j, t + below);
+  }
+}
+
+/* (CH12) for one panel. t: x_s, then x_rows. */
+DLSI_CLONES static void panel_backward(size_t columns, size_t height, const double *L,
+                                       const double *pivot, double *t) {
+  for (size_t j = (columns - 1) / 4 * 4 + 4; j >= 4;) {
+    j -= 4;
+    const size_t n = columns - j < 4 ? columns - j : 4, below = j + n;
+    const double *A = L + j * height;
+    double y[4];
+    if (n == 4)
+      panel_dot(4, height - below, A + below, height, t + below, y);
+    else if (n == 3)
+      panel_dot(3, height - below, A + below, height, t + below, y);
+    else if (n == 2)
+      panel_dot(2, height - below, A + below, height, t + below, y);
+    else
+      panel_dot(1, height - below, A + below, height, t + below, y);
+    for (size_t k = n; k-- > 0;) {
+      double v = t[j + k] - y[k];
+      for (size_t i = k + 1; i < n; i++)
+        v -= A[j + i + k * height] * t[j + i];
+      t[j + k] = v * pivot[j + k];
+    }
+  }
+}
+
+/* (CH11) for the first `count` supernodes. y: n, by positions. */
+static void cholesky_forward(const dlsi_cholesky *work, int count, double *y) {
+  double *t = work->x;
   for (int s = 0; s < count; s++) {
     const panel p = panel_of(work, s);
-    double *y = Y + p.first;
-    if (nrhs == 1)
-      dtrsv_("L", "N", "N", &p.columns, p.L, &p.height, y, &step, 1, 1, 1);
-    else
-      dtrsm_("L", "L", "N", "N", &p.columns, &nrhs, &one, p.L, &p.height, y, &n, 1, 1, 1, 1);
-    if (p.rows == 0) continue;
-    if (nrhs == 1)
-      dgemv_("N", &p.rows, &p.columns, &one, p.L + p.columns, &p.height, y, &step, &zero, x, &step,
-             1);
-    else
-      dgemm_("N", "N", &p.rows, &nrhs, &p.columns, &one, p.L + p.columns, &p.height, y, &n, &zero,
-             x, &p.rows, 1, 1);
-    for (int j = 0; j < nrhs; j++)
-      for (int k = 0; k < p.rows; k++)
-        Y[(size_t)p.row[k] + (size_t)j * (size_t)n] -= x[k + j * p.rows];
+    const size_t columns = (size_t)p.columns;
+    memcpy(t, y + p.first, columns * sizeof *t);
+    memset(t + columns, 0, (size_t)p.rows * sizeof *t);
+    panel_forward(columns, (size_t)p.height, p.L, work->pivot + p.first, t);
+    memcpy(y + p.first, t, columns * sizeof *t);
+    for (int k = 0; k < p.rows; k++)
+      y[p.row[k]] += t[p.columns + k];
   }
 }
 
 /* (CH12) for the first `count` supernodes. */
-static void cholesky_backward(const dlsi_cholesky *work, int count, double *Y, int nrhs,
-                              double *x) {
-  const int n = work->n, step = 1;
+static void cholesky_backward(const dlsi_cholesky *work, int count, double *y) {
+  double *t = work->x;
   for (int s = count - 1; s >= 0; s--) {
     const panel p = panel_of(work, s);
+    const size_t columns = (size_t)p.columns;
+    memcpy(t, y + p.first, columns * sizeof *t);
+    for (int k = 0; k < p.rows; k++)
+      t[p.columns + k] = y[p.row[k]];
+    panel_backward(columns, (size_t)p.height, p.L, work->pivot + p.first, t);
+    memcpy(y + p.first, t, columns * sizeof *t);
+  }
+}
+
+/* (CH11), (CH12) for several right-hand sides. Y: n x nrhs, by positions; x: longest x nrhs. */
+static void cholesky_solve_many(const dlsi_cholesky *work, double *Y, int nrhs, double *x) {
+  const int n = work->n;
+  const size_t N = (size_t)n;
+  for (int s = 0; s < work->count; s++) {
+    const panel p = panel_of(work, s);
     double *y = Y + p.first;
-    for (int j = 0; j < nrhs; j++)
-      for (int k = 0; k < p.rows; k++)
-        x[k + j * p.rows] = Y[(size_t)p.row[k] + (size_t)j * (size_t)n];
-    if (p.rows > 0 && nrhs == 1)
-      dgemv_("T", &p.rows, &p.columns, &minus_one, p.L + p.columns, &p.height, x, &step, &one, y,
-             &step, 1);
-    else if (p.rows > 0)
+    dtrsm_("L", "L", "N", "N", &p.columns, &nrhs, &one, p.L, &p.height, y, &n, 1, 1, 1, 1);
+    if (p.rows == 0) continue;
+    dgemm_("N", "N", &p.rows, &nrhs, &p.columns, &one, p.L + p.columns, &p.height, y, &n, &zero, x,
+           &p.rows, 1, 1);
+    for (size_t j = 0; j < (size_t)nrhs; j++)
+      for (size_t k = 0; k < (size_t)p.rows; k++)
+        Y[(size_t)p.row[k] + j * N] -= x[k + j * (size_t)p.rows];
+  }
+  for (int s = work->count - 1; s >= 0; s--) {
+    const panel p = panel_of(work, s);
+    double *y = Y + p.first;
+    for (size_t j = 0; j < (size_t)nrhs; j++)
+      for (size_t k = 0; k < (size_t)p.rows; k++)
+        x[k + j * (size_t)p.rows] = Y[(size_t)p.row[k] + j * N];
+    if (p.rows > 0)
       dgemm_("T", "N", &p.columns, &nrhs, &p.rows, &minus_one, p.L + p.columns, &p.height, x,
              &p.rows, &one, y, &n, 1, 1);
-    if (nrhs == 1)
-      dtrsv_("L", "T", "N", &p.columns, p.L, &p.height, y, &step, 1, 1, 1);
-    else
-      dtrsm_("L", "L", "T", "N", &p.columns, &nrhs, &one, p.L, &p.height, y, &n, 1, 1, 1, 1);
+    dtrsm_("L", "L", "T", "N", &p.columns, &nrhs, &one, p.L, &p.height, y, &n, 1, 1, 1, 1);
   }
 }
 
@@ -187,8 +280,12 @@ dls_status dlsi_cholesky_solve(dlsi_cholesky *work, double *X, int nrhs, dls_err
   }
   for (size_t e = 0; e < all; e++)
     Y[(size_t)work->place[e % n] + e / n * n] = X[e];
-  cholesky_forward(work, work->count, Y, nrhs, x);
-  cholesky_backward(work, work->count, Y, nrhs, x);
+  if (nrhs > 1)
+    cholesky_solve_many(work, Y, nrhs, x);
+  else {
+    cholesky_forward(work, work->count, Y);
+    cholesky_backward(work, work->count, Y);
+  }
   for (size_t e = 0; e < all; e++)
     X[e] = Y[(size_t)work->place[e % n] + e / n * n];
   if (nrhs > 1) free(Y);
@@ -199,7 +296,7 @@ void dlsi_cholesky_condense(dlsi_cholesky *work, const double *b, double *z) {
   const int n = work->n, inner = n - work->kept;
   for (int k = 0; k < n; k++)
     work->held[k] = b ? b[work->unknown[k]] : 0;
-  if (b) cholesky_forward(work, work->count - (work->kept > 0), work->held, 1, work->x);
+  if (b) cholesky_forward(work, work->count - (work->kept > 0), work->held);
   memcpy(z, work->held + inner, (size_t)work->kept * sizeof *z);
 }
 
@@ -207,7 +304,7 @@ void dlsi_cholesky_expand(dlsi_cholesky *work, const double *xc, double *x) {
   const size_t inner = (size_t)(work->n - work->kept);
   memcpy(work->y, work->held, inner * sizeof *work->y);
   memcpy(work->y + inner, xc, (size_t)work->kept * sizeof *work->y);
-  cholesky_backward(work, work->count - (work->kept > 0), work->y, 1, work->x);
+  cholesky_backward(work, work->count - (work->kept > 0), work->y);
   for (int k = 0; k < work->n; k++)
     x[work->unknown[k]] = work->y[k];
 }

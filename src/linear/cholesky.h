@@ -25,6 +25,7 @@ typedef struct dlsi_cholesky {
   int longest;      /* rows of the longest panel */
   size_t update;    /* entries of the largest update */
   double flops;     /* of the factorisation */
+  double *pivot;    /* n: reciprocals of the diagonal of L */
   double *y, *held; /* n: of the solve under way; L^-1 b of dlsi_cholesky_condense */
   double *x;        /* longest */
   int *head, *next; /* count: list of supernodes whose next update is for this one */

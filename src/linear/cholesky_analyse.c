@@ -7,7 +7,7 @@
  *   (CH3)  entries of each column of L: row k holds the columns on the paths from its neighbours
  *          up to k
  *   (CH4)  supernodes: chains of the tree where a column has the rows of the one before it but one
- *   (CH5)  merge a supernode into the next one, its parent, if no more than `call` zeros come in
+ *   (CH5)  merge a supernode into the next one, its parent, if no more than `spare` zeros come in
  *   (CH6)  rows of the supernodes, by the paths of (CH3) on their tree; they come out ascending
  *   (CH7)  the place of each entry of A in L
  *
@@ -19,9 +19,9 @@
 
 #include "linear/cholesky.h"
 
-/* Zeros that a supernode may bring in to be merged: two calls of BLAS take about as long as a pass
- * over so many doubles. */
-enum { call = 400 };
+/* Zeros that a supernode may bring in to be merged: with half the number or with twice as many,
+ * solves take as long, so that the fewer supernodes decide. */
+enum { spare = 100 };
 
 typedef struct analysis {
   int n, inner;  /* positions; those before c */
@@ -134,7 +134,7 @@ static void analyse_merge(analysis *g, dlsi_cholesky *to, const int *count, int 
     joins[s] = 0;
     if (above < 0 || to->owner[above] != s + 1) continue;
     const double zeros = (double)columns * (columns + size[s + 1] - size[s]);
-    joins[s] = zeros <= call;
+    joins[s] = zeros <= spare;
     if (joins[s]) size[s] = columns + size[s + 1];
   }
   to->count = 0;
@@ -253,7 +253,7 @@ dls_status dlsi_cholesky_create(dlsi_cholesky **out, int n, size_t entries, cons
   to->entries = entries;
   to->unknown = dlsi_alloc(7 * N + 1, sizeof *to->unknown);
   to->where = dlsi_alloc(entries, sizeof *to->where);
-  to->y = dlsi_alloc(2 * N, sizeof *to->y);
+  to->y = dlsi_alloc(3 * N, sizeof *to->y);
   g.start = dlsi_alloc(N + 1, sizeof *g.start);
   g.before = dlsi_alloc(entries, sizeof *g.before);
   g.parent = dlsi_alloc(4 * N, sizeof *g.parent);
@@ -265,6 +265,7 @@ dls_status dlsi_cholesky_create(dlsi_cholesky **out, int n, size_t entries, cons
     for (size_t k = 0; k < sizeof pieces / sizeof pieces[0]; k++)
       *pieces[k] = to->unknown + (k + 1) * N;
     to->held = to->y + N;
+    to->pivot = to->held + N;
     g.mark = g.parent + N;
     g.a = g.mark + N;
     g.b = g.a + N;
