@@ -43,7 +43,8 @@ static int write_energies(const char *directory, const dls_moving_data *d) {
   return close_file(script, "energy.gp");
 }
 
-/* Draws the pressure and the states over surface and time. */
+/* Draws the pressure and the states over surface and time, from a little before the first contact
+ * to a little after the last. */
 static int write_map(const char *directory, const dls_moving_data *d) {
   const double *xy = d->mesh->xy;
   const int *node = d->candidate_node;
@@ -52,10 +53,16 @@ static int write_map(const char *directory, const dls_moving_data *d) {
   FILE *script = open_in(directory, "map.gp");
   if (!script) return 0;
   fprintf(script,
-          "set xlabel 'time'\nset ylabel 'x along the surface'\nset xrange [0:%g]\n"
+          "a = 1e300\nb = -1e300\n"
+          "stats 'map.dat' using (a = $3 > 0 && $1 < a ? $1 : a, b = $3 > 0 && $1 > b ? $1 : b, 1) "
+          "nooutput\n"
+          "if (!(b > a)) { a = 0; b = %g }\n" /* no contact: all of it */
+          "m = 0.15*(b - a)\n"
+          "set xrange [a - m < 0 ? 0 : a - m:b + m > %g ? %g : b + m]\n"
+          "set xlabel 'time'\nset ylabel 'x along the surface'\n"
           "set yrange [%g:%g]\nset format y '%%.3g'\nset key off\n"
           "set lmargin at screen 0.11\nset rmargin at screen 0.85\n",
-          d->state.t, first - half, last + half);
+          d->state.t, d->state.t, d->state.t, first - half, last + half);
   begin_pictures(script, "map", 1000, 760);
   fprintf(script,
           "  set multiplot layout 2,1\n"
