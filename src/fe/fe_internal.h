@@ -1,7 +1,8 @@
 /*
  * fe_internal.h: shares meshes and VTK output among the files of the FE module. The module is a
  * library of its own; of libdelassus' hidden functions it may call those of the objects that its
- * archive carries (Makefile, FE_OBJ): statuses, allocation, checks, norms, closing of files.
+ * archive carries (Makefile, FE_OBJ): statuses, allocation, checks, norms, columns, closing of
+ * files.
  */
 #ifndef DLSI_FE_INTERNAL_H
 #define DLSI_FE_INTERNAL_H

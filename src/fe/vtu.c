@@ -115,11 +115,12 @@ static const char series_end[] = "</Collection>\n</VTKFile>\n";
 
 static dls_status series_open(dls_fe_series **out, const char *path, dls_error *error) {
   dls_fe_series *s = dlsi_alloc(1, sizeof *s);
-  char *copy = dlsi_alloc(strlen(path) + 1, 1);
+  const size_t length = strlen(path) + 1;
+  char *copy = dlsi_alloc(length, 1);
   dls_status status = s && copy ? DLS_OK : dlsi_no_memory(error);
   if (!status) {
     *s = (dls_fe_series){.file = fopen(path, "w"), .path = copy};
-    strcpy(copy, path);
+    memcpy(copy, path, length);
     if (!s->file)
       status = dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "%.60s: cannot be opened", path);
   }
