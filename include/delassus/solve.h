@@ -88,16 +88,16 @@ DLS_API DLS_MUST_USE dls_status dls_solver_set_limits(dls_solver *solver, const 
 /* r (m): in, the start if warm_start; out, the reactions. u (m) or NULL: W r + q. info or NULL.
  * Allocates nothing for a W of the storage that `blocks` announced, MUMPS apart (newton.h).
  *
- * Statuses of the methods. DLS_NO_SOLUTION of lemke and auto: proved, exactly for the numbers of W,
- * q and mu; dls_solver_farkas() has the proof. DLS_NO_SOLUTION_LIKELY, of auto alone: no r can be
- * certified, any solution being too far away (src/front/farkas.c); or all methods have failed, from
- * r = 0 and more ways than one, and no states of the candidates have a solution, d = 2 and up to 8
- * candidates, or the reactions run away along dls_solver_direction(), d = 3 and up to 2; and W
- * shows no reason why there should be one (src/front/auto.c, AT9). DLS_RAY: the reactions run away along dls_solver_direction(), which says
- * nothing of solutions; with a dls_solver_farkas(), that there is none near. DLS_STALLED of auto:
- * all its methods failed. Where every q_n >= 0, and where few candidates press and W couples none
- * of them, auto answers without a workspace unless it starts warm: r = 0 without a stage, or one
- * sweep (src/front/alone.c). */
+ * Statuses of the methods. DLS_NO_SOLUTION of lemke and auto: proved, exactly for the numbers of
+ * W, q and mu; dls_solver_farkas() has the proof. DLS_NO_SOLUTION_LIKELY, of auto alone: no r can
+ * be certified, any solution being too far away (src/front/farkas.c); or all methods have failed,
+ * from r = 0 and more ways than one, and no states of the candidates have a solution, d = 2 and up
+ * to 8 candidates, or the reactions run away along dls_solver_direction(), d = 3 and up to 2; and
+ * W shows no reason why there should be one (src/front/auto.c, AT9). DLS_RAY: the reactions run
+ * away along dls_solver_direction(), which says nothing of solutions; with a dls_solver_farkas(),
+ * that there is none near. DLS_STALLED of auto: all its methods failed. Where every q_n >= 0, and
+ * where few candidates press and W couples none of them, auto answers without a workspace unless
+ * it starts warm: r = 0 without a stage, or one sweep (src/front/alone.c). */
 DLS_API DLS_MUST_USE dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem,
                                                  double *r, double *u, dls_info *info,
                                                  dls_error *error);
