@@ -89,7 +89,7 @@ help:
 	@echo 'make check       build and run all tests'
 	@echo 'make install     PREFIX=/usr/local DESTDIR='
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
-	@echo 'make check-properties   150 of them'
+	@echo 'make check-properties   420 of them'
 	@echo 'make asan        tests under the address and undefined sanitizers'
 	@echo 'make valgrind    tests under valgrind, no leak'
 	@echo 'make check-build check-symbols check-arrows check-names check-headers   parts of it, and each header'
@@ -160,7 +160,7 @@ $(BUILD)/obj/tests/files/test_files.o: CPPFLAGS += $(HDF5_CFLAGS)
 
 .PHONY: check
 check: deps
-	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build
+	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build check-properties
 
 .PHONY: check-build
 check-build: all $(TESTS)
@@ -223,7 +223,7 @@ properties: $(PROPERTIES_PROGRAM)
 # the short form
 .PHONY: check-properties
 check-properties: $(PROPERTIES_PROGRAM)
-	@OPENBLAS_NUM_THREADS=1 $(PROPERTIES_PROGRAM) --out $(BUILD)/properties --count 150 --seed 2
+	@OPENBLAS_NUM_THREADS=1 $(PROPERTIES_PROGRAM) --out $(BUILD)/properties --count 420 --seed 1 --step 2
 
 # ---- benchmarks, never part of all or check --------------------------------------------------------
 

@@ -609,11 +609,15 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
   return dlsi_iterate_settle(it, problem, reason);
 }
 
+static const double unsymmetric = 1e-9; /* of the Schur complement, which margins of 1 % outweigh */
+
 /* Returns 1 if a candidate with this W_cc (d x d) has one solution by itself whatever q is: W_cc
- * symmetric positive definite and mu below the bound (DG4) of src/front/diagnose.c. */
+ * symmetric but for rounding, positive definite, and mu below the bound (DG4) of
+ * src/front/diagnose.c by a margin that rounding does not use up. */
 static int has_one_solution(int d, const double *W, double mu) {
   double a[2] = {W[d], d == 3 ? W[6] : 0}, x[2], most; /* W_nt; W_nt W_tt^-1; largest eigenvalue */
-  if (W[1] != a[0] || (d == 3 && (W[2] != a[1] || W[5] != W[7]))) return 0;
+  double skew = fabs(W[1] - a[0]);
+  if (d == 3) skew = fmax(skew, fmax(fabs(W[2] - a[1]), fabs(W[5] - W[7])));
   if (d == 2) {
     most = W[3];
     x[0] = a[0] / most;
@@ -626,7 +630,7 @@ static int has_one_solution(int d, const double *W, double mu) {
     x[1] = (W[4] * a[1] - W[7] * a[0]) / det;
   }
   const double s = W[0] - a[0] * x[0] - a[1] * x[1], h = hypot(x[0], x[1]);
-  if (!(most > 0 && s > 0)) return 0;
+  if (!(most > 0 && s > 0 && skew <= unsymmetric * s)) return 0;
   const double k = sqrt(s / most);
   return mu < 0.99 * (h < k ? h + k * (k / h) : 2 * k);
 }

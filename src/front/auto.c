@@ -45,12 +45,12 @@
  * q of bodies at rest is that of falling, and -q lies in the cones; bodies in motion are far from
  * that.
  *
- *   (AT9)  verdict. DLS_NO_SOLUTION if (AT10) has a proof. DLS_NO_SOLUTION_LIKELY only where W shows
- *          no reason for a solution (vi/exists.c), and (AT10) shows that none could be certified, or
- *          all of (AT1)-(AT8) have failed and, d = 2 and up to 8 candidates, no states of the
- *          candidates have a solution (states.c), or, d = 3 and up to 2, (AT4) sees the reactions
- *          run away at last. Else DLS_STALLED: larger problems whose reactions run away may have a
- *          solution that no stage finds.
+ *   (AT9)  verdict. DLS_NO_SOLUTION if (AT10) has a proof. DLS_NO_SOLUTION_LIKELY only where W
+ *          shows no reason for a solution (vi/exists.c), and (AT10) shows that none could be
+ *          certified, or all of (AT1)-(AT8) have failed and, d = 2 and up to 8 candidates, no
+ *          states of the candidates have a solution (states.c), or, d = 3 and up to 2, (AT4) sees
+ *          the reactions run away at last. Else DLS_STALLED: larger problems whose reactions run
+ *          away may have a solution that no stage finds.
  *
  * What can fail: every method; then DLS_STALLED with the best r.
  */

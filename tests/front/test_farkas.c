@@ -8,8 +8,8 @@
 #include "front/front.h"
 #include "run.h"
 
-/* Two candidates that a bar presses apart: W_nn = (1 -1; -1 1 + e), q_n = -1: no solution for e = 0,
- * one at a distance of 2 / e else. */
+/* Two candidates that a bar presses apart: W_nn = (1 -1; -1 1 + e), q_n = -1: no solution for e =
+ * 0, one at a distance of 2 / e else. */
 static void pressed(model *a, int d, double e) {
   set_model(a, d, 2);
   for (int c = 0; c < 2; c++) {
