@@ -40,8 +40,7 @@ typedef struct dls_solution_set {
  * method has a proof. DLS_NO_SOLUTION_LIKELY: none, but for rounding. DLS_MAX_ITERATIONS: there are
  * more than `capacity`, and the first of them are in the list. DLS_STALLED: rounding keeps a choice
  * of states from being decided; the list holds the others. Else an error: DLS_E_UNSUPPORTED for
- * d = 3, DLS_E_SIZE for more candidates, DLS_E_ARGUMENT, DLS_E_MEMORY. 4^nc small linear programs:
- * 8 candidates take seconds. */
+ * d = 3, DLS_E_SIZE for more candidates, DLS_E_ARGUMENT, DLS_E_MEMORY. 4^nc small linear programs. */
 DLS_API DLS_MUST_USE dls_status dls_contact_enumerate(const dls_contact *problem, double tol,
                                                       int capacity, double *r, double *low,
                                                       double *high, dls_solution_set *found,
@@ -86,7 +85,7 @@ typedef struct dls_fold {
  * becomes singular (Hassani, Hild and Ionescu's eigenvalue problem), for d = 2 and W positive
  * definite. Below it there is exactly one solution, whatever q is; above it there are q with
  * several. All mu_c are scaled together; where all are 0, they are taken as equal. Exact up to
- * DLS_STATES_MAX candidates; for more a local search from many starts, which takes seconds.
+ * DLS_STATES_MAX candidates; for more a local search from many starts.
  *
  *   state (nc): the states, slip to the side that r_t tells
  *   q, r, other (m each): a witness: with the coefficients mu_c fold->friction / max mu, the load q

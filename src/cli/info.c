@@ -12,7 +12,7 @@ static void info_usage(FILE *out) {
       "text):\n"
       "symmetry, rank and definiteness of W, scales, degenerate contacts, and how large friction\n"
       "may be; in 2D the fold, the friction below which each load has one solution (up to 64\n"
-      "contacts), and all solutions (up to 6). Contacts and rows are counted from 0.\n"
+      "contacts), and all solutions (up to 8). Contacts and rows are counted from 0.\n"
       "\n"
       "  -l, --limit=N         rank, eigenvalues and the bound on friction for up to N rows "
       "(2000)\n"
@@ -101,7 +101,7 @@ static void print_friction(int d, int m, const dls_diagnosis *g) {
 
 /* ---- trust ----------------------------------------------------------------------------------- */
 
-enum { most_fold = 64, most_listed = 6, room = 32, listed_rows = 2 * most_listed };
+enum { most_fold = 64, most_listed = DLS_STATES_MAX, room = 32, listed_rows = 2 * most_listed };
 
 /* The fold and all solutions of a problem in 2D, where it is small enough. */
 typedef struct trust {
