@@ -39,8 +39,9 @@ typedef struct dls_solution_set {
  * states is refuted by a vector that holds exactly for the numbers of W, q and mu, or Lemke's
  * method has a proof. DLS_NO_SOLUTION_LIKELY: none, but for rounding. DLS_MAX_ITERATIONS: there are
  * more than `capacity`, and the first of them are in the list. DLS_STALLED: rounding keeps a choice
- * of states from being decided; the list holds the others. Else an error: DLS_E_UNSUPPORTED for
- * d = 3, DLS_E_SIZE for more candidates, DLS_E_ARGUMENT, DLS_E_MEMORY. 4^nc small linear programs. */
+ * of states from being decided; the list holds the others. Else an error:
+ * DLS_E_UNSUPPORTED for d = 3, DLS_E_SIZE for more candidates, DLS_E_ARGUMENT, DLS_E_MEMORY. Solves
+ * 4^nc small linear programs. */
 DLS_API DLS_MUST_USE dls_status dls_contact_enumerate(const dls_contact *problem, double tol,
                                                       int capacity, double *r, double *low,
                                                       double *high, dls_solution_set *found,
