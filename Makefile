@@ -85,6 +85,7 @@ help:
 	@echo 'make             libraries, program and examples, under $(BUILD)/'
 	@echo 'make demo        the Jean block with every method, tables and pictures'
 	@echo 'make tables      both forming scenes of Chabrand (1998) by every method, beside the paper'
+	@echo 'make charts      every picture of docs/choosing.md, from scratch, in minutes'
 	@echo 'make check       build and run all tests'
 	@echo 'make install     PREFIX=/usr/local DESTDIR='
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
@@ -232,7 +233,7 @@ $(call bench_obj,reduction): CPPFLAGS += -isystem /usr/include/suitesparse $(MUM
 $(call obj,$(wildcard bench/*.c)): CPPFLAGS += -D_GNU_SOURCE
 
 $(BUILD)/bench/lemke: $(call bench_obj,lemke) $(FE) $(A)
-$(BUILD)/bench/solvers: $(call bench_obj,solvers) $(FE) $(A)
+$(BUILD)/bench/solvers: $(call bench_obj,solvers) $(call obj,$(addprefix src/cli/,profile_picture.c palette.c picture.c report.c)) $(FE) $(A)
 $(BUILD)/bench/reduction: $(call bench_obj,reduction) $(FE) $(A)
 $(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,src/cli/problem.c src/cli/report.c) $(A)
 $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
@@ -266,6 +267,11 @@ demo: deps
 .PHONY: tables
 tables: $(PROGRAM)
 	OPENBLAS_NUM_THREADS=1 $(PROGRAM) tables
+
+# every picture of the docs, from scratch: data, scripts and tables under $(BUILD)/charts
+.PHONY: charts
+charts: $(PROGRAM) $(BUILD)/bench/problems
+	@docs/charts.sh $(BUILD)
 
 .PHONY: deps
 deps:

@@ -8,9 +8,11 @@ const int chart_target[CHART_TARGETS] = {2, 6, 10};
 void chart_advice(const chart *c, char *text, size_t size) {
   const race *a = &c->race;
   if (c->take < 0) {
-    (void)snprintf(text, size,
-                   "no method solves it at all tolerances that another solves; auto: %s",
-                   ending_word(race_trial(a, 0, 0)->end));
+    (void)snprintf(text, size, "%s; auto: %s",
+                   isfinite(race_fastest(a, 0, 0))
+                       ? "no method solves it at all tolerances that another solves"
+                       : "no method solves it",
+                   ending_word(race_trial(a, 0, a->rungs - 1)->end));
     return;
   }
   int used = snprintf(text, size, "take %s: at most %.2g times the fastest", a->who[c->take].name,
