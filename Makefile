@@ -99,6 +99,7 @@ help:
 	@echo 'make bench-lemke     Lemke beside Siconos; BENCH=--full, BENCH=--large'
 	@echo 'make bench-auto      auto beside the single methods; BENCH=files'
 	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
+	@echo 'make bench-trust     predicted error of an answer beside the true one'
 	@echo 'make clean'
 
 # ---- libraries and program ----------------------------------------------------------------------
@@ -238,6 +239,7 @@ $(BUILD)/bench/reduction: $(call bench_obj,reduction) $(FE) $(A)
 $(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,src/cli/problem.c src/cli/report.c) $(A)
 $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
 $(BUILD)/bench/problems: $(call obj,bench/problems.c bench/solvers_scenes.c) $(FE) $(A)
+$(BUILD)/bench/trust: $(call bench_obj,trust) $(call obj,bench/solvers_scenes.c) $(FE) $(A)
 $(BUILD)/bench/lemke $(BUILD)/bench/solvers: PEER_LIBS = -lsiconos_numerics
 $(BUILD)/bench/reduction: PEER_LIBS = -lcholmod -lumfpack
 $(BUILD)/bench/%:
@@ -256,6 +258,9 @@ bench-auto: $(BUILD)/bench/auto
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/auto --out $(RESULTS) $(or $(BENCH),data/fclib/*.hdf5)
 bench-blocks: $(BUILD)/bench/blocks
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks --out $(RESULTS)
+.PHONY: bench-trust
+bench-trust: $(BUILD)/bench/trust
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/trust --out $(RESULTS) $(or $(BENCH),data/failures/c*.txt)
 
 # ---- demo, install ------------------------------------------------------------------------------
 

@@ -10,6 +10,7 @@
  *   reduction.h  K, f, H -> W, q and back
  *   solve.h      one call for any method
  *   diagnose.h   facts about a problem
+ *   trust.h      all solutions of a small problem, the fold, what a residual means
  *   nlgs.h       projected Gauss-Seidel on the reactions
  *   primal.h     projected Gauss-Seidel on the displacements
  *   newton.h     nonsmooth Newton
@@ -43,5 +44,6 @@
 #include "delassus/reduction.h"
 #include "delassus/solve.h"
 #include "delassus/status.h"
+#include "delassus/trust.h"
 
 #endif

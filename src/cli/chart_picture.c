@@ -320,7 +320,7 @@ static void write_convergence(FILE *s, const chart *c, const ranges *g) {
 
 /* Writes the table that is the key, too. */
 static void write_key(FILE *s, const chart *c) {
-  static const double column[] = {0.06, 0.10, 0.29, 0.45, 0.61, 0.77, 0.89}, top = 0.265;
+  static const double column[] = {0.06, 0.10, 0.29, 0.45, 0.61, 0.75, 0.94}, top = 0.265;
   static const char *const head[] = {"1e-4", "1e-8", "1e-12"};
   const race *a = &c->race;
   const double line = 0.245 / (a->count + 1);
@@ -334,8 +334,11 @@ static void write_key(FILE *s, const chart *c) {
   for (int i = 0; i < CHART_TARGETS; i++)
     fprintf(s, "  set label '{/:Bold %s}' at screen %g,%g left font ',12'\n", head[i],
             column[2 + i], top);
-  fprintf(s, "  set label '{/:Bold error / residual}' at screen %g,%g left font ',12'\n", column[5],
-          top);
+  char predicted[40] = "";
+  if (isfinite(c->predicted))
+    (void)snprintf(predicted, sizeof predicted, " (predicted: %.2g)", c->predicted);
+  fprintf(s, "  set label '{/:Bold error / residual}%s' at screen %g,%g left font ',12'\n",
+          predicted, column[5], top);
   fprintf(s, "  set label '{/:Bold ms (times the fastest), to}' at screen %g,%g left font ',12'\n",
           column[1], top);
   if (c->answers > 1)

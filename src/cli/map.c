@@ -11,7 +11,7 @@
 
 #include "map.h"
 
-enum { most_rows_of_bounds = 1500, most_rows_of_friction = 60 };
+enum { most_rows_of_bounds = 1500, most_rows_of_friction = 60, most_candidates_of_fold = 40 };
 
 static const double solve_limit = 0.3; /* CPU seconds of a solve, unless --limit says */
 
@@ -190,6 +190,12 @@ static void add_lines(map_run *m, const dls_contact *contact, const map_options 
       add_line(m, facts.friction_unique, "#009e73", "one answer for all loads below");
     add_line(m, facts.friction_critical, "#d55e00", "some candidate jams above");
   }
+  dls_fold fold;
+  if (contact->nc <= most_candidates_of_fold &&
+      !dls_contact_fold(contact, &fold, NULL, NULL, NULL, NULL, NULL))
+    add_line(m, fold.friction, "#000000",
+             fold.exact ? "fold: loads with several answers above"
+                        : "fold, as far as searched: several answers above");
   const double last = continue_rows(m, contact, o, mu, done);
   if (done && last < m->mu[done - 1]) add_line(m, last, "#cc79a7", "last reached by continuation");
 }
