@@ -6,13 +6,13 @@ build=$1
 out=${2:-docs/pictures}
 work=$build/charts
 export OPENBLAS_NUM_THREADS=1
+rm -rf "${work:?}"
 mkdir -p "$out" "$work/problems" || exit 2
 
 # draw PICTURE COMMAND...: runs `delassus COMMAND... -o DIRECTORY`, keeps its picture. Status 1 is a verdict.
 draw() {
   picture=$1
   shift
-  rm -rf "${work:?}/$picture"
   mkdir -p "$work/$picture"
   "$build/delassus" "$@" -o "$work/$picture" >"$work/$picture/log" 2>&1
   status=$?
@@ -25,7 +25,7 @@ draw() {
 }
 
 p=$work/problems
-"$build/bench/problems" "$p" wall-6x5 wall-11x8 t3-16 t3-64 h8-6 h8-12 || exit 2
+"$build/bench/problems" "$p" wall-3x2 wall-6x5 t3-16 t3-64 h8-6 h8-12-tilt-mu0.3 || exit 2
 "$build/delassus" scene indentation --method lemke --save "$p/indentation-step.hdf5" >/dev/null || exit 2
 
 draw chart-jean chart jean-fig3
@@ -39,5 +39,5 @@ draw map-wedge map data/failures/c03-jam-below.txt --mu 0:3
 draw map-catalogue map data/failures/c*.txt
 draw map-condition map jean-fig3 --against condition
 draw map-extrusion map extrusion --rows 6 --mu 0.05:0.5 --limit 2
-draw profile profile jean-fig3 jean-fig4 data/fclib/*.hdf5 "$p"/*.hdf5
+draw profile profile -r 8 -b 2 -l 0.3 jean-fig3 jean-fig4 data/fclib/*.hdf5 "$p"/*.hdf5
 tail -n 3 "$work/profile/log" | head -n 2

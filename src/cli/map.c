@@ -194,8 +194,8 @@ static void add_lines(map_run *m, const dls_contact *contact, const map_options 
   if (contact->nc <= most_candidates_of_fold &&
       !dls_contact_fold(contact, &fold, NULL, NULL, NULL, NULL, NULL))
     add_line(m, fold.friction, "#000000",
-             fold.exact ? "fold: loads with several answers above"
-                        : "fold, as far as searched: several answers above");
+             fold.exact ? "fold: several answers for some loads above"
+                        : "fold (searched): several answers above");
   const double last = continue_rows(m, contact, o, mu, done);
   if (done && last < m->mu[done - 1]) add_line(m, last, "#cc79a7", "last reached by continuation");
 }
