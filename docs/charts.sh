@@ -28,6 +28,7 @@ p=$work/problems
 "$build/bench/problems" "$p" wall-3x2 wall-6x5 t3-16 t3-64 h8-6 h8-12-tilt-mu0.3 || exit 2
 "$build/delassus" scene indentation --method lemke --save "$p/indentation-step.hdf5" >/dev/null || exit 2
 
+draw profile profile -r 6 -b 1 -l 0.3 jean-fig3 jean-fig4 data/fclib/*.hdf5 "$p"/*.hdf5
 draw chart-jean chart jean-fig3
 draw chart-granular chart data/fclib/gfc2d_granularflowonwall_00069_00350.hdf5
 draw chart-wall chart "$p/wall-6x5-push0.3-mu1.hdf5"
@@ -38,6 +39,5 @@ draw map-jean map jean-fig3
 draw map-wedge map data/failures/c03-jam-below.txt --mu 0:3
 draw map-catalogue map data/failures/c*.txt
 draw map-condition map jean-fig3 --against condition
-draw map-extrusion map extrusion --rows 6 --mu 0.05:0.5 --limit 2
-draw profile profile -r 8 -b 2 -l 0.3 jean-fig3 jean-fig4 data/fclib/*.hdf5 "$p"/*.hdf5
+draw map-extrusion map extrusion --rows 5 --mu 0.05:0.5 --limit 1
 tail -n 3 "$work/profile/log" | head -n 2

@@ -40,7 +40,7 @@ static void chart_usage(FILE *out) {
       "  -r, --repeat=N        time each solve up to N times, the least counts (25)\n"
       "  -l, --limit=S         CPU seconds that a solve may always take (1); more while it is\n"
       "                        within 30 times the fastest\n"
-      "  -b, --budget=S        CPU seconds of all solves, about (25)\n"
+      "  -b, --budget=S        CPU seconds of all solves, about (12)\n"
       "  -o, --out=DIR         where the files go (chart)\n"
       "  -h, --help            this text\n"
       "\n"
@@ -317,7 +317,7 @@ int command_chart(int argc, char **argv) {
   static const struct option options[] = {VALUE("repeat", 'r'), VALUE("limit", 'l'),
                                           VALUE("budget", 'b'), VALUE("out", 'o'), LAST_OPTIONS};
   static const command chart_command = {"r:l:b:o:h", options, chart_usage, take_chart_option, 1};
-  chart_options o = {.repeat = 25, .limit = 1, .budget = 25, .out = "chart"};
+  chart_options o = {.repeat = 25, .limit = 1, .budget = 12, .out = "chart"};
   const int stop = take_options(argc, argv, &chart_command, &o);
   if (stop != GO_ON) return stop;
   watch_interrupt();
