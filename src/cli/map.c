@@ -40,16 +40,6 @@ static void map_usage(FILE *out) {
       out);
 }
 
-void spread_friction(double from, double to, int rows, double *mu) {
-  const double least = from > 0 ? from : to / 200;
-  const int first = from > 0 ? 0 : 1;
-  if (first) mu[0] = 0;
-  for (int i = first; i < rows; i++) {
-    const double part = rows - 1 > first ? (double)(i - first) / (rows - 1 - first) : 1;
-    mu[i] = least * pow(to / least, part);
-  }
-}
-
 /* ---- one row --------------------------------------------------------------------------------- */
 
 /* The map while it is measured. */
