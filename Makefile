@@ -260,7 +260,7 @@ bench-blocks: $(BUILD)/bench/blocks
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks --out $(RESULTS)
 .PHONY: bench-trust
 bench-trust: $(BUILD)/bench/trust
-	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/trust --out $(RESULTS) $(or $(BENCH),data/failures/c*.txt)
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/trust --out $(RESULTS)
 
 # ---- demo, install ------------------------------------------------------------------------------
 

@@ -1,12 +1,13 @@
 /*
  * trust.c: what dls_contact_sensitivity says of an answer beside its true error, over files,
- * elastic blocks and cubes, and the problems in text that are named. Writes trust.md.
+ * elastic blocks and cubes, and the contact problems of data/failures. Writes trust.md.
  *
  * r*: auto with tol = 1e-13. Answers r to judge: sweeps of Gauss-Seidel and ADMM, stopped at 1e-4,
  * 1e-5, 1e-6 and 1e-8. Predicted: sensitivity.error of r alone, without r*. Observed: |r - r*| /
  * |r*|. The row of a scene is the r whose prediction is the least in comparison, the most
  * optimistic one.
  */
+#include <dirent.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -108,27 +109,39 @@ static void judge_scene(void *data, const scene *s) {
   free(exact);
 }
 
-static void judge_text(const char *path, trust_table *t) {
+static int is_contact_text(const struct dirent *e) {
+  const char *end = strrchr(e->d_name, '.');
+  return e->d_name[0] == 'c' && end && strcmp(end, ".txt") == 0;
+}
+
+static void judge_text(const char *directory, const char *name, trust_table *t) {
   dls_text *text;
   scene s = {.set = "text"};
+  char path[400];
+  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
   if (dls_text_read(&text, path, NULL)) return;
-  const char *name = strrchr(path, '/');
-  (void)snprintf(s.name, sizeof s.name, "%.50s", name ? name + 1 : path);
+  (void)snprintf(s.name, sizeof s.name, "%.50s", name);
   if (!dls_text_is_lcp(text) && !dls_text_contact(text, &s.contact, NULL)) judge_scene(t, &s);
   dls_text_destroy(text);
+}
+
+static int judge_texts(const char *directory, trust_table *t) {
+  struct dirent **entry;
+  const int count = scandir(directory, &entry, is_contact_text, alphasort);
+  for (int k = 0; k < count; k++) {
+    judge_text(directory, entry[k]->d_name, t);
+    free(entry[k]);
+  }
+  if (count >= 0) free(entry);
+  return count < 0;
 }
 
 int main(int argc, char **argv) {
   static trust_table t;
   static double share[most_scenes];
-  const char *out = NULL;
-  for (int k = 1; k < argc; k++)
-    if (strcmp(argv[k], "--out") == 0 && k + 1 < argc)
-      out = argv[++k];
-    else
-      judge_text(argv[k], &t);
-  if (!out || scenes_files("data/fclib", judge_scene, &t) || scenes_blocks(0, judge_scene, &t) ||
-      scenes_cubes(0, judge_scene, &t))
+  const char *out = argc == 3 && strcmp(argv[1], "--out") == 0 ? argv[2] : NULL;
+  if (!out || judge_texts("data/failures", &t) || scenes_files("data/fclib", judge_scene, &t) ||
+      scenes_blocks(0, judge_scene, &t) || scenes_cubes(0, judge_scene, &t))
     return 1;
   FILE *page = bench_page(out, "trust", "What a residual means for the reactions", argc, argv);
   if (!page) return 1;

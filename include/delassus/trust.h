@@ -39,9 +39,9 @@ typedef struct dls_solution_set {
  * states is refuted by a vector that holds exactly for the numbers of W, q and mu, or Lemke's
  * method has a proof. DLS_NO_SOLUTION_LIKELY: none, but for rounding. DLS_MAX_ITERATIONS: there are
  * more than `capacity`, and the first of them are in the list. DLS_STALLED: rounding keeps a choice
- * of states from being decided; the list holds the others. Else an error: DLS_E_UNSUPPORTED for
- * d = 3, DLS_E_SIZE for more candidates, DLS_E_ARGUMENT, DLS_E_MEMORY. 4^nc small linear programs:
- * 8 candidates take seconds. */
+ * of states from being decided; the list holds the others. Else an error:
+ * DLS_E_UNSUPPORTED for d = 3, DLS_E_SIZE for more candidates, DLS_E_ARGUMENT, DLS_E_MEMORY. Solves
+ * 4^nc small linear programs. */
 DLS_API DLS_MUST_USE dls_status dls_contact_enumerate(const dls_contact *problem, double tol,
                                                       int capacity, double *r, double *low,
                                                       double *high, dls_solution_set *found,
@@ -54,19 +54,19 @@ typedef struct dls_sensitivity {
                slips, 1 without friction */
   int rank; /* of their matrix A, scaled, to rounding */
   int border;   /* candidates on the border of two states, where A holds on one side */
-  int isolated; /* 1: no other answer near; 0: others near, the reactions are not determined; -1: not
-                   known, border > 0 */
-  double amplification; /* |A^-1| |q| / |r|: relative error of r per residual_u; INFINITY where rank
-                           < rows */
+  int isolated; /* 1: no other answer near; 0: others near, the reactions are not determined; -1:
+                   not known, border > 0 */
+  double amplification;   /* |A^-1| |q| / |r|: relative error of r per residual_u; INFINITY where
+                             rank < rows */
   double amplification_r; /* |A^-1 diag(w)|: the same per residual_r */
   double error; /* the relative error of r, |r - r*| / |r|, that its certificate leaves: the smaller
                    one of both products, residuals below their floors being taken as these */
 } dls_sensitivity;
 
 /* Tells how far r, the answer of a solver, may be from the solution: in the states that r has the
- * laws are linear, and the norm of A^-1 comes from its singular values. Right to first order, for an r
- * whose states are those of the solution (bench/results/trust.md). r: m. O(rows^3) operations, rows^2 doubles + O(m) (rows
- * = 1000: some seconds). DLS_OK, DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_MEMORY. */
+ * laws are linear, and the norm of A^-1 comes from its singular values. Right to first order, for
+ * an r whose states are those of the solution (bench/results/trust.md). r: m. O(rows^3) operations,
+ * rows^2 doubles + O(m). DLS_OK, DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_contact_sensitivity(const dls_contact *problem, const double *r,
                                                         dls_sensitivity *sensitivity,
                                                         dls_error *error);
@@ -86,7 +86,7 @@ typedef struct dls_fold {
  * becomes singular (Hassani, Hild and Ionescu's eigenvalue problem), for d = 2 and W positive
  * definite. Below it there is exactly one solution, whatever q is; above it there are q with
  * several. All mu_c are scaled together; where all are 0, they are taken as equal. Exact up to
- * DLS_STATES_MAX candidates; for more a local search from many starts, which takes seconds.
+ * DLS_STATES_MAX candidates; for more a local search from many starts.
  *
  *   state (nc): the states, slip to the side that r_t tells
  *   q, r, other (m each): a witness: with the coefficients mu_c fold->friction / max mu, the load q

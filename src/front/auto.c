@@ -343,8 +343,9 @@ static dls_status judge(dlsi_auto *work, dls_error *error) {
   const int few = problem->d == 2 && problem->nc <= dlsi_most_states;
   double *J = work->room.J;
   if (few) {
-    const int found =
-        dlsi_contact_find_states(problem, tol, work->r, work->best, &work->info.certificate);
+    const int found = dlsi_contact_find_states(problem, &work->options.limits, work->begun, work->r,
+                                               work->best, &work->info.certificate);
+    if (dlsi_clock_is_over(&work->options.limits, work->begun)) return DLS_TIME_LIMIT;
     const dls_status status = found ? take_stage(work, NEWTON, 0, error) : DLS_STALLED;
     if (status < 0) return status;
     if (dls_certificate_holds(&work->info.certificate, tol)) return DLS_OK;

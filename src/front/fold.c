@@ -33,7 +33,7 @@
  * problem, Math. Methods Appl. Sci. 27 (2004) 47-67: the eigenvalue problem of a state; here the
  * states are looked for, too.
  *
- * Cost: 4^nc / 2 eigenvalue problems of up to nc rows; in (FO3) up to 1e8 / nc^3, at least 12 nc.
+ * Cost: 4^nc / 2 eigenvalue problems of up to nc rows; in (FO3) up to 1e8 / nc^3, at least 30 nc.
  * What can fail: (FO3) misses the states of the fold, and says too much.
  */
 #include <float.h>
@@ -47,7 +47,7 @@
 #include "linear/dense.h"
 
 enum { starts = 200 };            /* (FO3) */
-enum { least_rounds = 12 };       /* (FO3): changes of each candidate, however many there are */
+enum { least_rounds = 30 };       /* (FO3): changes of each candidate, however many there are */
 static const double effort = 1e8; /* (FO3): 4e9 / 40 */
 static const double rise = 1e-9;  /* of max |g|, that is more than rounding */
 

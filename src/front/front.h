@@ -28,9 +28,10 @@ dls_status dlsi_contact_fold(const dls_contact *problem, int search, dls_fold *f
                              dls_error *error);
 
 /* Tries all states of a problem with d = 2 and at most so many candidates (states.c). Returns 1 if
- * that gives a certified answer, 0 if no states have one, -1 if rounding does not tell. r: scratch,
- * m. best: the best answer so far, m, replaced with its certificate by a better one. */
-int dlsi_contact_find_states(const dls_contact *problem, double tol, double *r, double *best,
-                             dls_certificate *certificate);
+ * that gives a certified answer, 0 if no states have one, -1 if rounding does not tell or the time
+ * of a solve that began at `begun` is over. r: scratch, m. best: the best answer so far, m,
+ * replaced with its certificate by a better one. */
+int dlsi_contact_find_states(const dls_contact *problem, const dls_limits *limits, double begun,
+                             double *r, double *best, dls_certificate *certificate);
 
 #endif

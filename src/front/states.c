@@ -167,8 +167,8 @@ static int states_next(states *s) {
   return 0;
 }
 
-int dlsi_contact_find_states(const dls_contact *problem, double tol, double *r, double *best,
-                             dls_certificate *certificate) {
+int dlsi_contact_find_states(const dls_contact *problem, const dls_limits *limits, double begun,
+                             double *r, double *best, dls_certificate *certificate) {
   states s;
   equations e;
   int result = 0;
@@ -177,14 +177,14 @@ int dlsi_contact_find_states(const dls_contact *problem, double tol, double *r, 
   do {
     dls_certificate now;
     const int found = states_solve(&s, &e, r);
-    if (found < 0) result = -1;
+    if (dlsi_clock_is_over(limits, begun)) return -1;
+    if (found) result = -1; /* unless it is as good as certified, rounding has the say */
     if (found < 1 || dls_contact_certify(problem, r, NULL, &now, NULL)) continue;
-    result = -1; /* unless it is as good as certified, rounding has the say */
     if (dlsi_is_better(&now, certificate)) {
       *certificate = now;
       memcpy(best, r, 2 * (size_t)problem->nc * sizeof *r);
     }
-    if (dls_certificate_holds(certificate, tol)) return 1;
+    if (dls_certificate_holds(certificate, limits->tol)) return 1;
   } while (states_next(&s));
   return result;
 }
