@@ -86,6 +86,7 @@ help:
 	@echo 'make demo        the Jean block with every method, tables and pictures'
 	@echo 'make refinement  its densities of reaction under refinement of the mesh'
 	@echo 'make tables      both forming scenes of Chabrand (1998) by every method, beside the paper'
+	@echo 'make charts      every picture of docs/choosing.md, from scratch, in minutes'
 	@echo 'make check       build and run all tests'
 	@echo 'make install     PREFIX=/usr/local DESTDIR='
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
@@ -238,7 +239,7 @@ $(call bench_obj,motion): CPPFLAGS += -isystem /usr/include/suitesparse
 $(call obj,$(wildcard bench/*.c)): CPPFLAGS += -D_GNU_SOURCE
 
 $(BUILD)/bench/lemke: $(call bench_obj,lemke) $(FE) $(A)
-$(BUILD)/bench/solvers: $(call bench_obj,solvers) $(FE) $(A)
+$(BUILD)/bench/solvers: $(call bench_obj,solvers) $(call obj,$(addprefix src/cli/,profile_picture.c palette.c picture.c report.c)) $(FE) $(A)
 $(BUILD)/bench/reduction: $(call bench_obj,reduction) $(FE) $(A)
 $(BUILD)/bench/scale: $(call bench_obj,scale) $(call obj,bench/solvers_call.c bench/solvers_peer.c tests/shared/rigid.c) $(FE) $(A)
 $(BUILD)/bench/motion: $(call bench_obj,motion) $(call obj,bench/reduction_boxes.c) $(A)
@@ -291,6 +292,11 @@ refinement: $(PROGRAM)
 .PHONY: tables
 tables: $(PROGRAM)
 	OPENBLAS_NUM_THREADS=1 $(PROGRAM) tables
+
+# every picture of the docs, from scratch: data, scripts and tables under $(BUILD)/charts
+.PHONY: charts
+charts: $(PROGRAM) $(BUILD)/bench/problems
+	@docs/charts.sh $(BUILD)
 
 .PHONY: deps
 deps:
