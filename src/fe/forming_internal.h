@@ -124,7 +124,7 @@ void dlsi_forming_push(const dls_forming *f, const double *r, double *y);
 /* Holds a node on the moving plane (on = 1), or lets it go. */
 void dlsi_forming_hold(dls_forming *f, int node, int on);
 
-/* Returns the friction on a candidate whose node is held, which nothing moves by; 0 for other nodes. */
+/* Returns the friction on a candidate whose node is held, which nothing moves by; else 0. */
 double dlsi_forming_held_friction(const dls_forming *f, int c);
 
 /* Returns the node of the largest force out of balance. */

@@ -271,7 +271,7 @@ static void forming_derive(dls_forming *f) {
   const dls_forming_settings *s = &f->settings;
   f->solid.keep_trace = s->keep_trace;
   for (int i = 0; i < f->n; i++)
-    f->before[i] = f->x0[i] = f->rest[i] = f->mesh.xy[i];
+    f->before[i] = f->x0[i] = f->x[i] = f->rest[i] = f->mesh.xy[i];
   for (int i = 0; i < f->mesh.nodes; i++)
     f->candidate_of[i] = -1;
   for (int k = 0; k < 4 * f->mesh.quads; k++)

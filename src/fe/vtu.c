@@ -2,7 +2,7 @@
 #include "fe_internal.h"
 #include "files/file.h"
 
-enum { vtk_triangle = 5, vtk_quad = 9 };
+enum { vtk_triangle = 5, vtk_polygon = 7, vtk_quad = 9 };
 
 FILE *dlsi_vtu_begin(const char *path, int nodes, int cells, dls_error *error) {
   FILE *file = fopen(path, "w");
@@ -34,35 +34,48 @@ void dlsi_vtu_cells(FILE *file) {
   (void)fprintf(file, "</PointData>\n<CellData>\n");
 }
 
+/* Returns where the corners of cell e end. */
+static int vtu_end(const dlsi_cells *c, int e) {
+  return c->end ? c->end[e] : 3 * (e + 1);
+}
+
 void dlsi_vtu_means(FILE *file, const char *head, const double *x, int components, int points,
-                    int cells, int digits) {
+                    const dlsi_cells *cells, int digits) {
   (void)fprintf(file, "<DataArray type=\"Float64\" %s format=\"ascii\">\n", head);
-  for (int e = 0; e < cells; e++, x += points * components)
+  for (int e = 0; e < cells->cells; e++) {
+    const double *own = x + points * components * (cells->from ? cells->from[e] : e);
     for (int i = 0; i < components; i++) {
-      double sum = x[i];
+      double sum = own[i];
       for (int k = 1; k < points; k++)
-        sum += x[i + k * components];
+        sum += own[i + k * components];
       (void)fprintf(file, "%.*g%c", digits, sum / points, i + 1 < components ? ' ' : '\n');
     }
+  }
   (void)fprintf(file, "</DataArray>\n");
 }
 
-dls_status dlsi_vtu_end(const char *path, FILE *file, const double *xy, int nodes, const int *node,
-                        int corners, int cells, int digits, dls_error *error) {
+dls_status dlsi_vtu_end(const char *path, FILE *file, const double *xy, int nodes,
+                        const dlsi_cells *cells, int digits, dls_error *error) {
   (void)fprintf(file, "</CellData>\n<Points>\n");
   dlsi_vtu_plane(file, "points", xy, nodes, digits);
   (void)fprintf(file, "</Points>\n<Cells>\n"
                       "<DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">\n");
-  for (int k = 0; k < corners * cells; k++)
-    (void)fprintf(file, "%d%c", node[k], (k + 1) % corners ? ' ' : '\n');
+  for (int e = 0, k = 0; e < cells->cells; e++)
+    for (const int end = vtu_end(cells, e); k < end; k++)
+      (void)fprintf(file, "%d%c", cells->node[k], k + 1 < end ? ' ' : '\n');
   (void)fprintf(file, "</DataArray>\n"
                       "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">\n");
-  for (int e = 1; e <= cells; e++)
-    (void)fprintf(file, "%d\n", corners * e);
+  for (int e = 0; e < cells->cells; e++)
+    (void)fprintf(file, "%d\n", vtu_end(cells, e));
   (void)fprintf(file, "</DataArray>\n"
                       "<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">\n");
-  for (int e = 0; e < cells; e++)
-    (void)fprintf(file, "%d\n", corners == 3 ? vtk_triangle : vtk_quad);
+  for (int e = 0; e < cells->cells; e++) {
+    const int corners = vtu_end(cells, e) - (e > 0 ? vtu_end(cells, e - 1) : 0);
+    (void)fprintf(file, "%d\n",
+                  corners == 3   ? vtk_triangle
+                  : corners == 4 ? vtk_quad
+                                 : vtk_polygon);
+  }
   (void)fprintf(file, "</DataArray>\n</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
   return dlsi_file_finish(path, file, error);
 }
@@ -80,6 +93,7 @@ static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh,
   if (!status && stress) status = dlsi_check_vector("stress", stress, cells, error);
   if (status) return status;
 
+  const dlsi_cells triangles = {mesh->triangles, mesh->node, NULL, NULL};
   FILE *file = dlsi_vtu_begin(path, mesh->nodes, mesh->triangles, error);
   if (!file) return DLS_E_FILE;
   if (displacement) dlsi_vtu_plane(file, "displacement", displacement, mesh->nodes, digits);
@@ -89,9 +103,8 @@ static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh,
     dlsi_vtu_means(file,
                    "Name=\"stress\" NumberOfComponents=\"3\" "
                    "ComponentName0=\"xx\" ComponentName1=\"yy\" ComponentName2=\"xy\"",
-                   stress, 3, 1, mesh->triangles, digits);
-  return dlsi_vtu_end(path, file, mesh->xy, mesh->nodes, mesh->node, 3, mesh->triangles, digits,
-                      error);
+                   stress, 3, 1, &triangles, digits);
+  return dlsi_vtu_end(path, file, mesh->xy, mesh->nodes, &triangles, digits, error);
 }
 
 dls_status dls_fe_write_vtu(const char *path, const dls_fe_mesh *mesh, const double *displacement,
