@@ -49,6 +49,12 @@ typedef struct dls_forming_settings {
   int standard;                /* 1: standard elements instead of Q4/P0, to see locking; 0 */
   int keep_trace;              /* update (13) as printed instead of det be = 1; 0 */
   double ram_mu;               /* extrusion: friction at the ram; >= 0; 0 */
+  double penalty;              /* springs: eps over the stiffness of the node; 0: 30, 1000 for the
+                                  penalty method; 0 */
+  int augmentations;           /* of the multipliers in a step at most; 0: as many as it takes, up
+                                  to the limit of the contact loop; 0 */
+  double relaxation;           /* Gauss-Seidel: see primal.h; 1 */
+  int aitken;                  /* Gauss-Seidel: see primal.h; 1 */
   double tol;                  /* on equilibrium and certificate; > 0; 1e-9 */
   double step_tol;             /* on the error of a step, below; < 1; 0: not estimated; 0 */
   dls_forming_contact contact; /* DLS_FORMING_CONDENSED */

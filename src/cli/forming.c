@@ -5,7 +5,8 @@
  *   force.csv     every step: travel, force, forces of the tools, counts and CPU seconds so far
  *   contact.csv   the candidates where --at asks, and at the end
  *   series.pvd    about 50 steps for ParaView, body and tools: step_NNNN.vtu, tools_NNNN.vtu
- *   mesh, plastic, force (.dat or .csv, .gp, .png, .svg)
+ *   pressure.dat  every step: travel, position, pressure, shear of the surface
+ *   mesh, plastic, pressure, force (.dat or .csv, .gp, .png, .svg)
  */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -43,6 +44,10 @@ static void forming_usage(FILE *out) {
       "      --mu=MU           friction (0.2; 0.1)\n"
       "      --clamped         indentation: the bottom sticks to its support\n"
       "      --ram-mu=MU       extrusion: friction at the ram (0)\n"
+      "      --penalty=FACTOR  augmented-lagrangian, penalty: springs over stiffness (30; 1000)\n"
+      "      --augmentations=N augmented-lagrangian: at most N a step (as many as it takes)\n"
+      "      --relaxation=W    gauss-seidel: 0 < W < 2 (1)\n"
+      "      --no-aitken       gauss-seidel: plain sweeps\n"
       "  -t, --tol=T           on equilibrium and certificate (1e-9)\n"
       "      --step-tol=T      compare each step with two halves, and halve it until their forces\n"
       "                        differ by at most T of the largest one; tells their sum\n"
@@ -97,7 +102,7 @@ int show_step(const dls_forming_data *data, int step) {
 /* ---- files of a step ------------------------------------------------------------------------ */
 
 typedef struct outputs {
-  FILE *force, *contact, *series; /* NULL: not wanted */
+  FILE *force, *contact, *series, *pressure; /* NULL: not wanted */
   double start;
 } outputs;
 
@@ -123,7 +128,8 @@ static void write_contacts(FILE *file, const dls_forming_data *d) {
 static int open_outputs(outputs *o, const char *directory, const dls_forming_data *d) {
   if (!make_directory(directory) || !(o->force = open_in(directory, "force.csv")) ||
       !(o->contact = open_in(directory, "contact.csv")) ||
-      !(o->series = open_in(directory, "series.pvd")))
+      !(o->series = open_in(directory, "series.pvd")) ||
+      !(o->pressure = open_in(directory, "pressure.dat")))
     return 0;
   fputs("travel,force,contacts,newton,frames,iterations,halvings,equilibrium,residual,"
         "assembly_cpu,reduction_cpu,contact_cpu,total_cpu,balance,by",
@@ -144,6 +150,7 @@ static int close_outputs(outputs *o) {
   if (o->force) good &= close_file(o->force, "force.csv");
   if (o->contact) good &= close_file(o->contact, "contact.csv");
   if (o->series) good &= close_file(o->series, "series.pvd");
+  if (o->pressure) good &= close_file(o->pressure, "pressure.dat");
   return good;
 }
 
@@ -170,6 +177,7 @@ static int write_step(const outputs *o, const forming_options *options, const dl
   for (int k = 0; k < d.tools; k++)
     fprintf(o->force, ",%.9g,%.9g", d.tool[k].force[0], d.tool[k].force[1]);
   fputc('\n', o->force);
+  write_pressures(o->pressure, &d);
   if (asked) write_contacts(o->contact, &d);
   const int every = (d.steps + VTU_FILES - 1) / VTU_FILES;
   if (step % every && !asked) return 1;
@@ -386,6 +394,15 @@ static taken take_forming_option(int key, const char *text, void *data) {
     return OPTION_TAKEN;
   case 't':
     return parse_number("tol", text, &o->settings.tol);
+  case 'P':
+    return parse_number("penalty", text, &o->settings.penalty);
+  case 'A':
+    return parse_count("augmentations", text, &o->settings.augmentations);
+  case 'w':
+    return parse_number("relaxation", text, &o->settings.relaxation);
+  case 'N':
+    o->settings.aitken = 0;
+    return OPTION_TAKEN;
   case 'r':
     return parse_number("ram-mu", text, &o->settings.ram_mu);
   case 's':
@@ -404,10 +421,14 @@ static taken take_forming_option(int key, const char *text, void *data) {
 }
 
 int command_forming(int argc, char **argv) {
-  static const struct option options[] = {
-      VALUE("method", 'm'), VALUE("mesh", 'M'),     VALUE("steps", 'n'), VALUE("mu", 'f'),
-      FLAG("clamped", 'c'), VALUE("tol", 't'),      VALUE("at", 'a'),    VALUE("out", 'o'),
-      VALUE("ram-mu", 'r'), VALUE("step-tol", 's'), FLAG("json", 'j'),   LAST_OPTIONS};
+  static const struct option options[] = {VALUE("method", 'm'),     VALUE("mesh", 'M'),
+                                          VALUE("steps", 'n'),      VALUE("mu", 'f'),
+                                          FLAG("clamped", 'c'),     VALUE("tol", 't'),
+                                          VALUE("at", 'a'),         VALUE("out", 'o'),
+                                          VALUE("penalty", 'P'),    VALUE("augmentations", 'A'),
+                                          VALUE("relaxation", 'w'), FLAG("no-aitken", 'N'),
+                                          VALUE("ram-mu", 'r'),     VALUE("step-tol", 's'),
+                                          FLAG("json", 'j'),        LAST_OPTIONS};
   static const command forming = {"m:n:t:o:h", options, forming_usage, take_forming_option, 1};
   forming_options o = {.method = "auto"};
   dls_forming_settings_init(&o.settings);

@@ -92,6 +92,7 @@ struct dls_forming {
   dls_solver *last_resort; /* auto: Lemke's method, else NULL */
   int *Kp, *Ki;            /* Gauss-Seidel: the symmetric part of K by columns */
   double *Kx;
+  int augmentations;    /* of the step so far */
   double *lambda, *eps; /* springs: 2 nc, nc */
   double *trial_u;      /* 2 nc */
   int *branch;          /* nc */
@@ -161,10 +162,12 @@ dls_status dlsi_forming_direction(dls_forming *f, dls_error *error);
 
 /* Springs, the penalty method and the augmented Lagrangian. springs: returns 1 if contact is by
  * springs. set_springs: sets the stiffness of the springs and their first multipliers for a step.
- * augment: renews the multipliers. */
+ * augment: renews the multipliers; stays: returns 1 if they stay for the rest of the step, so that
+ * the laws of the springs are all there is to solve. */
 int dlsi_forming_springs(const dls_forming *f);
 void dlsi_forming_set_springs(dls_forming *f);
 void dlsi_forming_augment(dls_forming *f);
+int dlsi_forming_stays(const dls_forming *f);
 
 /* Returns the largest difference of r from the springs' reactions at u, less what rounding of the
  * positions makes of it, over the largest reaction. */

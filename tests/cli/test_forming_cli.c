@@ -36,8 +36,9 @@ START_TEST(files) {
   ck_assert_int_gt(count_lines("a/b/step_0020.vtu", line, sizeof line), 40);
   ck_assert_int_gt(count_lines("a/b/tools_0020.vtu", line, sizeof line), 40);
   ck_assert_int_gt(count_lines("a/b/mesh.gp", line, sizeof line), 10);
-  ck_assert_int_gt(count_lines("a/b/plastic.gp", line, sizeof line), 30);
+  ck_assert_int_gt(count_lines("a/b/plastic.dat", line, sizeof line), 30 * 6);
   ck_assert_int_gt(count_lines("a/b/force.gp", line, sizeof line), 5);
+  ck_assert_int_eq(count_lines("a/b/pressure.dat", line, sizeof line), 20 * 8);
 }
 END_TEST
 
