@@ -302,8 +302,11 @@ int count_contacts(const dls_forming_data *data);
 /* Shows the progress of a step on the terminal; returns non-zero after Ctrl-C. */
 int show_step(const dls_forming_data *data, int step);
 
-/* Draws mesh.*, plastic.*, force.* in a directory that holds force.csv (forming_picture.c);
- * EXIT_SOLVED, or EXIT_BAD_INPUT after a complaint. */
+/* Writes travel, position, pressure and shear of a step, a row for each node, and a blank row. */
+void write_pressures(FILE *data, const dls_forming_data *d);
+
+/* Draws mesh.*, plastic.*, pressure.*, force.* in a directory that holds force.csv and pressure.dat
+ * (forming_picture.c); EXIT_SOLVED, or EXIT_BAD_INPUT after a complaint. */
 int draw_forming(const char *directory, const char *title, const dls_forming_data *data);
 
 #endif

@@ -236,7 +236,7 @@ static int write_series(const moving_files *f, const char *directory, const dls_
   if (!stress) return complain("%s: out of memory", path), 0;
   const int bad = dls_fe_stress(d->mesh, d->E, d->nu, d->displacement, stress, &error) ||
                   dls_fe_write_vtu(path, d->mesh, d->displacement, d->reaction, stress, &error) ||
-                  dls_fe_series_add(f->series, d->state.t, name, &error);
+                  dls_fe_series_add(f->series, d->state.t, 0, name, &error);
   free(stress);
   if (bad) complain_of(path, &error);
   return !bad;
