@@ -49,7 +49,11 @@ static int converge_run(const char *name, const dls_moving_settings *settings, d
     *status = dls_moving_step(moving, &error);
     if (*status < 0) complain_of(name, &error);
     dls_moving_get(moving, d);
-    const dls_progress progress = {name, d->step, d->steps, -1};
+    const dls_progress progress = {.method = name,
+                                   .stage = name,
+                                   .iteration = d->step,
+                                   .max_iterations = d->steps,
+                                   .residual = -1};
     if (!*status && show_progress(NULL, &progress)) *status = DLS_CANCELLED;
   }
   progress_end();

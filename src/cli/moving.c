@@ -305,7 +305,11 @@ static int moving_steps(dls_moving *moving, const moving_options *o, const movin
     dls_moving_get(moving, &d);
     worst->residual = fmax(worst->residual, d.energy.residual / d.energy.scale);
     worst->momentum = fmax(worst->momentum, d.energy.momentum);
-    const dls_progress progress = {o->name, d.step, d.steps, -1};
+    const dls_progress progress = {.method = o->name,
+                                   .stage = o->name,
+                                   .iteration = d.step,
+                                   .max_iterations = d.steps,
+                                   .residual = -1};
     if (show_progress(NULL, &progress)) *status = DLS_CANCELLED;
     if (f->energy && !write_moving_step(f, o->out, &d, *status || d.step == d.steps)) return 0;
   }
