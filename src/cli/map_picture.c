@@ -100,7 +100,7 @@ static layout lay_out(const map_picture *p) {
   l.gap_y = 80;
   l.width = l.across * (l.left + p->columns * l.cell_w) + (l.side > 0 ? l.side + 95 : 25);
   if (p->lines) l.width += 330;
-  l.width = fmax(l.width, 820); /* of the words on top */
+  l.width = fmax(l.width, 880); /* of the words on top */
   l.height = l.top + l.down * (p->rows * l.cell_h + l.gap_y) + (p->notes ? 25 : 0);
   return l;
 }
