@@ -265,6 +265,33 @@ START_TEST(unsymmetric_is_unsymmetric) {
 }
 END_TEST
 
+/* Recovers for one r after the other from one load, and without a load: K x = f + H r each time. */
+START_TEST(recovers_often) {
+  make_kind(_i, DOUBLED);
+  dls_reduction *S = new_reduction(NULL);
+  double *x = malloc(3 * (size_t)T.n * sizeof *x), *left = x + T.n, *first = left + T.n;
+  for (int turn = 0; turn < 6; turn++) {
+    const double factor = turn % 2 ? -2 : 1;
+    double r[2 * side];
+    if (turn % 3 == 0)
+      ck_assert_int_eq(dls_reduction_load(S, turn ? NULL : T.f, T.g, NULL), DLS_OK);
+    scale_vector(r, T.r, factor, 2 * side);
+    ck_assert_int_eq(dls_reduction_recover(S, r, x, NULL), DLS_OK);
+    for (int i = 0; i < T.n; i++)
+      left[i] = (turn < 3 ? T.f[i] : 0) + (i < 2 * side ? r[i % 2 ? i - 1 : i + 1] : 0);
+    const double size = largest(left, T.n);
+    for (int j = 0; j < T.n; j++)
+      for (int i = 0; i < T.n; i++)
+        left[i] -= *entry(i, j) * x[j];
+    ck_assert_double_le(largest(left, T.n), 1e-12 * size);
+    if (turn == 0) memcpy(first, x, (size_t)T.n * sizeof *x);
+    if (turn == 2) assert_close(x, first, T.n, 1e-12);
+  }
+  free(x);
+  dls_reduction_destroy(S);
+}
+END_TEST
+
 /* No candidate is active: a plain solve. */
 START_TEST(no_candidates) {
   make_kind(_i, DOUBLED);
@@ -1006,11 +1033,12 @@ END_TEST
 
 int main(void) {
   return RUN("sparse reduction", NULL, NULL, EACH(sparse_equals_dense, 0, 20),
-             ONCE(unsymmetric_is_unsymmetric), EACH(no_candidates, 0, 5), ONCE(few_columns),
-             EACH(jean_block, 0, 2), EACH(tied_contact_nodes, 0, 2), ONCE(pivoting_takes_room),
-             EACH(same_bits, 0, 5), EACH(units, 0, 12), EACH(without_tangents, 0, 2),
-             ONCE(without_W), EACH(update, 0, 5), EACH(estimate, 0, 2), EACH(indefinite, 0, 2),
-             EACH(free_bodies, 0, 12), ONCE(held_body_has_no_modes), EACH(block_on_the_floor, 0, 3),
+             ONCE(unsymmetric_is_unsymmetric), EACH(recovers_often, 0, 5),
+             EACH(no_candidates, 0, 5), ONCE(few_columns), EACH(jean_block, 0, 2),
+             EACH(tied_contact_nodes, 0, 2), ONCE(pivoting_takes_room), EACH(same_bits, 0, 5),
+             EACH(units, 0, 12), EACH(without_tangents, 0, 2), ONCE(without_W), EACH(update, 0, 5),
+             EACH(estimate, 0, 2), EACH(indefinite, 0, 2), EACH(free_bodies, 0, 12),
+             ONCE(held_body_has_no_modes), EACH(block_on_the_floor, 0, 3),
              EACH(block_between_plates, 0, 2), ONCE(bad_modes), EACH(structurally_singular, 0, 6),
              ONCE(bad_input), ONCE(leaves_the_host_alone), EACH(every_malloc_fails, 0, 5));
 }
