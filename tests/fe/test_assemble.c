@@ -304,7 +304,7 @@ static void expect_text(const char *wanted) {
 
 #define HEAD                                                                                       \
   "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n"
-#define ROW  "<DataSet timestep=\"0.25\" file=\"step_0001.vtu\"/>\n"
+#define ROW  "<DataSet timestep=\"0.25\" part=\"0\" file=\"step_0001.vtu\"/>\n"
 #define TAIL "</Collection>\n</VTKFile>\n"
 
 START_TEST(series) {
@@ -314,7 +314,7 @@ START_TEST(series) {
   expect_text(HEAD ROW TAIL); /* whole before it is closed */
   ck_assert_int_eq(dls_fe_series_add(s, 1, 0, "b.vtu", NULL), DLS_OK);
   ck_assert_int_eq(dls_fe_series_finish(s, NULL), DLS_OK);
-  expect_text(HEAD ROW "<DataSet timestep=\"1\" file=\"b.vtu\"/>\n" TAIL);
+  expect_text(HEAD ROW "<DataSet timestep=\"1\" part=\"0\" file=\"b.vtu\"/>\n" TAIL);
   ck_assert_int_eq(dls_fe_series_finish(NULL, NULL), DLS_OK);
 }
 END_TEST
