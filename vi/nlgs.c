@@ -89,7 +89,8 @@ struct dls_nlgs {
   int *some, *rows; /* of momentum: nc, the sets of (NL9) */
   double largest;   /* b of momentum, (NL10) */
   double halved;    /* the residual that was last half of the one before it ... */
-  int since;        /* ... and its sweep */
+  double since;     /* ... and the sweeps until then, those on a set by its share */
+  double sweeps;
 };
 
 void dls_nlgs_settings_init(dls_nlgs_settings *settings) {
@@ -512,6 +513,7 @@ static void nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, doubl
   dlsi_momentum *mo = &work->momentum;
   dlsi_momentum_start(mo, problem->d, set, rows, r, work->it.u);
   for (int k = 1; k <= local_sweeps; k++) {
+    work->sweeps += (double)set.count / problem->nc;
     if (!nlgs_sweep(work, problem, set, r)) break;
     if (k % local_looks == 0 && nlgs_measure(work, problem, set, r, NULL) <= end) break;
     if (k < local_sweeps)
@@ -519,35 +521,38 @@ static void nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, doubl
   }
 }
 
-/* (NL10) Returns 1 when momentum has not halved the residual for so long that it gets smaller. */
-static int nlgs_slows_down(dls_nlgs *work, int k, double residual) {
+/* (NL10) Returns 1 when the residual has not been halved for as many sweeps as before and 300. */
+static int nlgs_is_slow(dls_nlgs *work, double residual) {
   if (residual <= work->halved / 2) {
     work->halved = residual;
-    work->since = k;
+    work->since = work->sweeps;
   }
-  if (work->largest == 0 || k - work->since < slow_first + work->since) return 0;
-  work->largest = work->largest > slow_momentum ? slow_momentum : 0;
-  work->since = k;
-  return 1;
+  return work->sweeps - work->since >= slow_first + work->since;
 }
 
-/* (NL8) r := the start of the next sweep k, with local sweeps before it now and then. */
-static void nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double residual,
-                      double *r) {
+/* (NL8) r := the start of the next sweep k, with local sweeps before it now and then. Returns 0 if
+ * a stage of auto has no smaller momentum left to try. */
+static int nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double residual,
+                     double *r) {
   const dlsi_set all = {NULL, problem->nc}, visits = nlgs_all(work, problem);
-  if (nlgs_slows_down(work, k, residual)) {
+  const int slow = nlgs_is_slow(work, residual);
+  if (slow && work->largest == 0 && work->stage) return 0;
+  if (slow && work->largest > 0) {
+    work->largest = work->largest > slow_momentum ? slow_momentum : 0;
+    work->since = work->sweeps;
     memcpy(r, work->it.best, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
     dlsi_multiply(problem, work->order, work->it.E, r, work->it.u, NULL);
     dlsi_momentum_start(&work->momentum, problem->d, all, all, r, work->it.u);
-    return;
+    return 1;
   }
   if (problem->Wb.x && k >= local_first && k % local_every == 0) {
     nlgs_sweep_locally(work, problem, r);
     dlsi_momentum_start(&work->momentum, problem->d, all, all, r, work->it.u);
-    return;
+    return 1;
   }
   (void)dlsi_momentum_step(&work->momentum, problem->d, work->it.w, work->largest, visits, all, r,
                            work->it.u);
+  return 1;
 }
 
 /* ---- the solve ------------------------------------------------------------------------------- */
@@ -577,7 +582,7 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
     const dlsi_set any = {NULL, problem->nc};
     work->largest = 1;
     work->halved = INFINITY;
-    work->since = 0;
+    work->since = work->sweeps = 0;
     dlsi_momentum_start(&work->momentum, problem->d, any, any, r, it->u);
   }
   double accepted = now.residual;
@@ -589,10 +594,14 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
       fresh = 0;
     }
     if (pushed && changed) {
-      nlgs_push(work, problem, k, now.residual, r);
+      if (!nlgs_push(work, problem, k, now.residual, r)) {
+        reason = DLS_STALLED;
+        break;
+      }
       fresh = 0;
     }
     changed = nlgs_sweep(work, problem, all, r);
+    work->sweeps++;
     *iterations = k;
     nlgs_estimate(work, problem, r, scale, &now);
     const int was_fresh = fresh;
@@ -687,13 +696,15 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
   dls_nlgs *work = workspace;
   double *const key[] = {work->it.u, work->it.a, work->it.F};
   (void)error;
-  if (work->stage) dlsi_order_candidates(problem, key, work->scratch, work->own_order);
+  /* momentum is for large problems, whose neighbours stand side by side as they are numbered */
+  const int *order = work->stage && work->stage != 3 ? work->own_order : NULL;
+  if (order) dlsi_order_candidates(problem, key, work->scratch, work->own_order);
   for (int c = 0, e = problem->nc - 1; work->stage == 2 && c < e; c++, e--) {
     const int last = work->own_order[e];
     work->own_order[e] = work->own_order[c];
     work->own_order[c] = last;
   }
-  const dls_status status = dlsi_nlgs_run(work, problem, work->own_order, NULL, r, u, info);
+  const dls_status status = dlsi_nlgs_run(work, problem, order, NULL, r, u, info);
   if (info && !work->stage) info->ambiguous = dlsi_count_ambiguous(problem, r, work->it.u, NULL);
   return status;
 }
@@ -716,8 +727,10 @@ static dls_status nlgs_create_by(void **out, int d, int nc, const dlsi_options *
   dls_nlgs_settings_init(&s);
   s.limits = options->limits;
   s.acceleration = (dls_acceleration)options->acceleration;
-  if (options->stage) /* the other way: plain, in the reverse order */
-    s.acceleration = options->stage == 1 ? DLS_ACCELERATION_ANDERSON : DLS_ACCELERATION_NONE;
+  static const dls_acceleration of_stage[] = {[1] = DLS_ACCELERATION_ANDERSON,
+                                              [2] = DLS_ACCELERATION_NONE, /* in reverse order */
+                                              [3] = DLS_ACCELERATION_MOMENTUM};
+  if (options->stage) s.acceleration = of_stage[options->stage];
   return nlgs_create(out, d, nc, options->stage, &s, error);
 }
 

@@ -4,6 +4,9 @@
  *
  *   (AT1)  sweeps     Gauss-Seidel with Anderson acceleration, in an order of the candidates that
  *                     follows from the data
+ *   (AT12) push       W by blocks of more than 1000 candidates: Gauss-Seidel with momentum, in
+ *                     place of (AT1); Newton's method then only from e <= 1e-5 on, and not again
+ *                     where it has failed
  *   (AT2)  splitting  ADMM, once: for a dense W after a failure of Newton's method, or before it
  *                     where a step costs more than 50 sweeps and the states still change; and, from
  *                     r = 0 with a small rho, for what may be a stack of bodies at rest (W by
@@ -63,14 +66,22 @@
 #include "linear/room.h"
 #include "vi/vi_internal.h"
 
-enum { look_every = 5, first_sweeps = 10, first_patience = 3, most_failures = 5 };
-enum { split_unknowns = 150 };  /* (AT2): below, other methods take less than its factorisation */
-enum { dense_splits = 200 };    /* iterations of (AT2): more of them cost more than Newton again */
-enum { rest_splits = 40 };      /* the same for a stack, and how many in a row ... */
-enum { rest_patience = 16 };    /* ... may pass without halving e */
-enum { path_unknowns = 300 };   /* a thousand factorisations then take a few seconds */
-enum { other_unknowns = 3000 }; /* beyond, another way takes too long, and nothing is said */
-enum { other_iterations = 2000 }; /* of sweeps and splitting by another way */
+enum {
+  look_every = 5,
+  first_sweeps = 10,
+  first_patience = 3,
+  most_failures = 5,
+  most_pushes = 1000000
+};
+enum { split_unknowns = 150 };   /* (AT2): below, other methods take less than its factorisation */
+enum { dense_splits = 200 };     /* iterations of (AT2): more of them cost more than Newton again */
+enum { rest_splits = 40 };       /* the same for a stack, and how many in a row ... */
+enum { rest_patience = 16 };     /* ... may pass without halving e */
+enum { push_candidates = 1000 }; /* (AT12): fewer, (AT1) takes as long */
+static const double push_near = 1e-5; /* (AT12) */
+enum { path_unknowns = 300 };         /* a thousand factorisations then take a few seconds */
+enum { other_unknowns = 3000 };       /* beyond, another way takes too long, and nothing is said */
+enum { other_iterations = 2000 };     /* of sweeps and splitting by another way */
 enum { sure_starts = 2 };   /* (AT9): candidates, d = 3, whose states scattered starts cover */
 enum { copy_failures = 3 }; /* so much is Newton's method believed on a copy */
 static const double progress = 0.9;         /* of e, below which a step has brought it down */
@@ -90,6 +101,7 @@ typedef enum part {
   OTHER_SPLITTING,
   HOMOTOPY,
   SCATTER,
+  PUSH,
   parts
 } part;
 
@@ -199,6 +211,18 @@ static int watch_newton(void *data, const dls_progress *p) {
   return must_stop(work, p) || has_no_patience(work, p, progress, first_patience << work->failures);
 }
 
+/* (AT12) Stops when Newton's method may take over. Sweeps that get nowhere stop by themselves. */
+static int watch_push(void *data, const dls_progress *p) {
+  dlsi_auto *work = data;
+  if (must_stop(work, p)) return 1;
+  const double now = log(p->residual);
+  const double gain = now < work->least ? work->least - now : 0;
+  work->least -= gain;
+  work->rate += 2. / (p->iteration + 1) * (gain - work->rate);
+  if (now > log(push_near) || work->failures || p->iteration % look_every) return 0;
+  return (now - work->target) / work->rate > cost_of_newton(work);
+}
+
 /* A stack that is at rest shows it in two iterations. */
 static int watch_splitting(void *data, const dls_progress *p) {
   dlsi_auto *work = data;
@@ -239,6 +263,18 @@ static int may_split(const dlsi_auto *work) {
   return problem->W.a ? work->failures > 0 || work->costly : may_rest(problem);
 }
 
+static int may_push(const dlsi_auto *work) {
+  return work->problem->Wb.x && work->nc > push_candidates;
+}
+
+static int may_sweep(const dlsi_auto *work) {
+  return !may_push(work);
+}
+
+static int may_step(const dlsi_auto *work) {
+  return !may_push(work) || (work->info.certificate.residual <= push_near && !work->failures);
+}
+
 static int may_pivot(const dlsi_auto *work) {
   return work->nc <= (work->d == 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D);
 }
@@ -259,28 +295,30 @@ static const struct {
   int (*may)(const dlsi_auto *work);
   int most;
 } part_of[] = {
-    [SWEEPS] = {&dlsi_nlgs_method, watch_sweeps, NULL, 0},
+    [SWEEPS] = {&dlsi_nlgs_method, watch_sweeps, may_sweep, 0},
     [SPLITTING] = {&dlsi_admm_method, watch_splitting, may_split, dense_splits},
-    [NEWTON] = {&dlsi_newton_method, watch_newton, NULL, 0},
+    [NEWTON] = {&dlsi_newton_method, watch_newton, may_step, 0},
     [AUGMENTED] = {&dlsi_augmented_method, watch_limits, NULL, 0},
     [PIVOTING] = {&dlsi_lemke_method, watch_limits, may_pivot, 0},
     [OTHER_SWEEPS] = {&dlsi_nlgs_method, watch_limits, NULL, other_iterations},
     [OTHER_SPLITTING] = {&dlsi_admm_method, watch_limits, NULL, other_iterations},
     [HOMOTOPY] = {&dlsi_homotopy_method, watch_limits, may_follow_path, 0},
     [SCATTER] = {&dlsi_scatter_method, watch_limits, may_follow_path, 0},
+    [PUSH] = {&dlsi_nlgs_method, watch_push, may_push, most_pushes},
 };
 
 /* The stages; cold: from r = 0, whatever was found before; copy: on a copy only (AT11). */
 static const struct {
   part part;
   int cold, copy;
-} stages[] = {{SWEEPS, 0, 0},          {SPLITTING, 0, 0}, {NEWTON, 0, 0},       {SPLITTING, 0, 0},
-              {SWEEPS, 0, 0},          {NEWTON, 0, 0},    {SWEEPS, 0, 0},       {NEWTON, 0, 0},
-              {SWEEPS, 0, 0},          {NEWTON, 0, 0},    {SWEEPS, 0, 1},       {NEWTON, 0, 1},
-              {PIVOTING, 0, 1},        {AUGMENTED, 0, 0}, {HOMOTOPY, 1, 1},     {SWEEPS, 0, 0},
-              {NEWTON, 0, 0},          {SWEEPS, 0, 0},    {OTHER_SWEEPS, 1, 0}, {NEWTON, 0, 0},
-              {OTHER_SPLITTING, 1, 0}, {NEWTON, 0, 0},    {AUGMENTED, 1, 0},    {SCATTER, 0, 1}};
-enum { quick_count = 10, stage_count = sizeof stages / sizeof stages[0] };
+} stages[] = {{SWEEPS, 0, 0},    {SPLITTING, 0, 0},       {PUSH, 0, 0},      {NEWTON, 0, 0},
+              {SPLITTING, 0, 0}, {SWEEPS, 0, 0},          {NEWTON, 0, 0},    {SWEEPS, 0, 0},
+              {NEWTON, 0, 0},    {SWEEPS, 0, 0},          {NEWTON, 0, 0},    {SWEEPS, 0, 1},
+              {NEWTON, 0, 1},    {PIVOTING, 0, 1},        {AUGMENTED, 0, 0}, {HOMOTOPY, 1, 1},
+              {SWEEPS, 0, 0},    {NEWTON, 0, 0},          {SWEEPS, 0, 0},    {OTHER_SWEEPS, 1, 0},
+              {NEWTON, 0, 0},    {OTHER_SPLITTING, 1, 0}, {NEWTON, 0, 0},    {AUGMENTED, 1, 0},
+              {SCATTER, 0, 1}};
+enum { quick_count = 11, stage_count = sizeof stages / sizeof stages[0] };
 _Static_assert((int)stage_count + 2 <= (int)DLS_STAGES_MAX,
                "a line for each in the report, one for the states, one after the copy");
 
@@ -300,7 +338,7 @@ static dls_status create_part(dlsi_auto *work, part k, dls_error *error) {
   if (work->part[k]) return DLS_OK;
   options.limits = limits_of(work, k);
   options.limits.cpu_seconds = 0; /* take_stage sets it */
-  options.stage = k == OTHER_SWEEPS || k == OTHER_SPLITTING ? 2 : 1;
+  options.stage = k == OTHER_SWEEPS || k == OTHER_SPLITTING ? 2 : k == PUSH ? 3 : 1;
   options.room = &work->room;
   return part_of[k].method->create(&work->part[k], work->d, work->nc, &options, error);
 }
@@ -589,6 +627,8 @@ static dls_status auto_create(void **out, int d, int nc, const dlsi_options *opt
   for (part k = 0; !status && !options->lazy && k < parts; k++) {
     const int m = d * nc, large = m > other_unknowns;
     if (k == SPLITTING && m < split_unknowns) continue;
+    if (k == PUSH && (nc <= push_candidates || !options->limits.blocks)) continue;
+    if (k == SWEEPS && nc > push_candidates && options->limits.blocks) continue;
     if (k == PIVOTING && !may_pivot(work)) continue;
     if ((k == HOMOTOPY || k == SCATTER) && m > path_unknowns) continue;
     if ((k == OTHER_SWEEPS || k == OTHER_SPLITTING) && large) continue;
