@@ -37,7 +37,7 @@ WARNINGS = -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
 CPPFLAGS_ALL = -Iinclude -Isrc -I. -MMD -MP $(CPPFLAGS)
 # no fused products: the same bits everywhere; nobody asks errno or the traps, which keep loops scalar
 CFLAGS_ALL = -std=c11 $(CFLAGS) $(WARNINGS) -ffp-contract=off -fno-math-errno -fno-trapping-math \
-             -fPIC -fvisibility=hidden -DDLS_BUILD_SHARED $(SANITIZE)
+             -pthread -fPIC -fvisibility=hidden -DDLS_BUILD_SHARED $(SANITIZE)
 
 BLAS_LIBS ?= $(shell $(PKG_CONFIG) --silence-errors --libs openblas || echo -lopenblas)
 ifeq ($(HDF5),1)
@@ -49,7 +49,7 @@ ifeq ($(MUMPS),1)
 MUMPS_CFLAGS ?= -isystem /usr/include/mumps_seq
 MUMPS_LIBS ?= -ldmumps_seq -lmetis
 endif
-LIBS = $(HDF5_LIBS) $(MUMPS_LIBS) $(BLAS_LIBS) -lm
+LIBS = $(HDF5_LIBS) $(MUMPS_LIBS) $(BLAS_LIBS) -lm -pthread
 CHECK_LIBS = $(shell $(PKG_CONFIG) --libs check)
 
 LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/linear src/files src/front src/motion lcp vi reduction))
@@ -91,6 +91,7 @@ help:
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
 	@echo 'make check-properties   150 of them'
 	@echo 'make asan        tests under the address and undefined sanitizers'
+	@echo 'make threads     eight threads at once under the thread sanitizer'
 	@echo 'make valgrind    tests under valgrind, no leak'
 	@echo 'make check-build check-symbols check-arrows check-names check-headers   parts of it, and each header'
 	@echo 'make lint format-check format      clang-tidy and cppcheck; layout and 100 columns'
@@ -169,6 +170,13 @@ check-build: all $(TESTS)
 asan:
 	$(MAKE) check-build BUILD=$(BUILD)/asan CFLAGS='-O1 -g -fno-omit-frame-pointer' \
 	  SANITIZE='-fsanitize=address,undefined -fno-sanitize-recover=all'
+
+# host threads under the thread sanitizer
+.PHONY: threads
+threads:
+	@$(MAKE) --no-print-directory $(BUILD)/tsan/tests/reduction/test_threads BUILD=$(BUILD)/tsan CFLAGS='-O1 -g' \
+	  SANITIZE=-fsanitize=thread
+	CK_FORK=no OPENBLAS_NUM_THREADS=1 TSAN_OPTIONS=halt_on_error=1 $(BUILD)/tsan/tests/reduction/test_threads
 
 .PHONY: valgrind
 valgrind: all $(TESTS)
