@@ -114,6 +114,14 @@ $(BUILD)/obj/%.o: %.c Makefile
 # the one loop of the library that has to run at the speed of the memory: vectorise it
 $(BUILD)/obj/src/base/products.o: CFLAGS += -O3
 
+# the names of what layout.c tells other languages; fe is a library of its own
+LAYOUT_H := $(filter-out %/fe.h %/forming.h %/moving.h,$(wildcard include/delassus/*.h))
+$(BUILD)/layout/layout.inc: src/front/layout.awk $(LAYOUT_H)
+	@mkdir -p $(@D)
+	$(Q)awk -f src/front/layout.awk $(LAYOUT_H) > $@
+$(BUILD)/obj/src/front/layout.o: CPPFLAGS += -I$(BUILD)/layout
+$(BUILD)/obj/src/front/layout.o: $(BUILD)/layout/layout.inc
+
 $(A): $(LIB_OBJ)
 	@rm -f $@
 	$(call say,AR  )

@@ -41,6 +41,7 @@ reduction.h reduction
 files.h src/files
 solve.h src/front
 diagnose.h src/front
+layout.h src/front
 motion.h src/motion
 fe.h src/fe
 forming.h src/fe
