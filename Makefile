@@ -12,6 +12,10 @@ ifeq ($(origin CC),default)
 CC = gcc
 endif
 CXX ?= c++
+ifeq ($(origin FC),default)
+FC = gfortran
+endif
+PYTHON ?= $(shell for p in python3 /usr/bin/python3; do $$p -c 'import numpy, scipy' 2>/dev/null && echo $$p && break; done)
 AR ?= ar
 BUILD ?= build
 PREFIX ?= /usr/local
@@ -62,7 +66,8 @@ CLI_SRC := $(wildcard src/cli/*.c)
 TEST_SRC := $(wildcard tests/*/test_*.c)
 EXAMPLE_SRC := $(wildcard examples/*.c)
 HEADERS := $(wildcard include/*.h include/delassus/*.h)
-ALL_C = $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(wildcard tests/*/*.c) $(EXAMPLE_SRC) $(wildcard bench/*.c)
+ALL_CPP = $(wildcard include/*.hpp tests/*/*.cpp examples/*.cpp)
+ALL_C = $(LIB_SRC) $(FE_SRC) $(CLI_SRC) src/fortran/types.c $(wildcard tests/*/*.c) $(EXAMPLE_SRC) $(wildcard bench/*.c)
 ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h tests/*/*.h bench/*.h)
 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
@@ -71,6 +76,11 @@ LIB_OBJ := $(call obj,$(LIB_SRC))
 FE_OBJ := $(call obj,$(FE_SRC)) $(patsubst %,$(BUILD)/obj/src/%.o,base/status base/memory base/number base/check base/columns files/file)
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(EXAMPLE_SRC))
+# programs in other languages, where there is a compiler
+LANGUAGE_SRC := $(if $(shell command -v $(CXX)),$(wildcard tests/languages/*.cpp examples/*.cpp)) \
+                $(if $(shell command -v $(FC)),$(wildcard tests/languages/*.f90 examples/*.f90))
+# point.c, point.cpp and point.f90 become three programs
+LANGUAGES := $(patsubst %.cpp,$(BUILD)/%-cpp,$(patsubst %.f90,$(BUILD)/%-f90,$(LANGUAGE_SRC)))
 
 A = $(BUILD)/libdelassus.a
 SO = $(BUILD)/libdelassus.so
@@ -88,11 +98,13 @@ help:
 	@echo 'make tables      both forming scenes of Chabrand (1998) by every method, beside the paper'
 	@echo 'make check       build and run all tests'
 	@echo 'make install     PREFIX=/usr/local DESTDIR='
+	@echo 'make install-python   the package delassus for PYTHON=python3'
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
 	@echo 'make check-properties   150 of them'
 	@echo 'make asan        tests under the address and undefined sanitizers'
 	@echo 'make threads     eight threads at once under the thread sanitizer'
 	@echo 'make valgrind    tests under valgrind, no leak'
+	@echo 'make check-languages   tests and examples in C++, Fortran and Python'
 	@echo 'make check-build check-symbols check-arrows check-names check-headers   parts of it, and each header'
 	@echo 'make lint format-check format      clang-tidy and cppcheck; layout and 100 columns'
 	@echo 'make bench-solvers   every solver beside Siconos; BENCH=--full for all problems'
@@ -145,6 +157,31 @@ $(PROGRAM): $(call obj,$(CLI_SRC)) $(FE) $(A)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(LIBS)
 
+# ---- other languages ----------------------------------------------------------------------------
+
+CXX_WARNINGS = -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(WERROR)
+$(BUILD)/%-cpp: %.cpp include/delassus.hpp $(HEADERS) $(A)
+	@mkdir -p $(@D)
+	$(call say,CXX )
+	$(Q)$(CXX) -std=c++17 -Iinclude $(CXX_WARNINGS) -O1 -g $(SANITIZE) $(LDFLAGS) -o $@ $< $(A) $(LIBS)
+
+# the module with the types of this library, in one file that compiles by itself
+F90 = $(BUILD)/fortran/delassus.f90
+F90_FLAGS = -std=f2018 -Wall -Wextra -Wno-compare-reals $(WERROR)
+$(F90): src/fortran/delassus.f90 src/fortran/types.c $(A)
+	@mkdir -p $(@D)
+	$(call say,GEN )
+	$(Q)$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) $(LDFLAGS) -o $(@D)/types src/fortran/types.c $(A) $(LIBS)
+	$(Q)$(@D)/types > $(@D)/types.inc
+	$(Q)sed -e '/^!TYPES/{r $(@D)/types.inc' -e 'd}' $< > $@
+$(BUILD)/fortran/delassus.o: $(F90)
+	$(call say,FC  )
+	$(Q)$(FC) $(F90_FLAGS) -J$(@D) -c -o $@ $<
+$(BUILD)/%-f90: %.f90 $(BUILD)/fortran/delassus.o $(A)
+	@mkdir -p $(@D)
+	$(call say,FC  )
+	$(Q)$(FC) $(F90_FLAGS) -I$(BUILD)/fortran -J$(@D) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(LIBS)
+
 $(BUILD)/examples/%: examples/%.c $(FE) $(A)
 	@mkdir -p $(@D)
 	$(call say,LINK)
@@ -171,8 +208,13 @@ check: deps
 	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build
 
 .PHONY: check-build
-check-build: all $(TESTS)
-	@tests/run.sh $(BUILD) $(TEST_RUNNER)
+check-build: all $(TESTS) $(LANGUAGES)
+	@PYTHON='$(PYTHON)' tests/run.sh $(BUILD) $(TEST_RUNNER)
+
+# tests and examples in other languages alone
+.PHONY: check-languages
+check-languages: all $(LANGUAGES)
+	@PYTHON='$(PYTHON)' tests/run.sh $(BUILD) --languages
 
 .PHONY: asan
 asan:
@@ -187,7 +229,7 @@ threads:
 	CK_FORK=no OPENBLAS_NUM_THREADS=1 TSAN_OPTIONS=halt_on_error=1 $(BUILD)/tsan/tests/reduction/test_threads
 
 .PHONY: valgrind
-valgrind: all $(TESTS)
+valgrind: all $(TESTS) $(LANGUAGES)
 	@tests/run.sh $(BUILD) 'valgrind --quiet --leak-check=full --errors-for-leak-kinds=definite,possible --error-exitcode=9 --suppressions=tests/valgrind.supp'
 
 .PHONY: check-symbols
@@ -212,16 +254,16 @@ check-headers:
 
 .PHONY: lint
 lint:
-	clang-tidy --quiet --warnings-as-errors='*' $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(EXAMPLE_SRC) -- -std=c11 -Iinclude -Isrc -I. $(HDF5_CFLAGS) $(MUMPS_CFLAGS) 2>/dev/null
+	clang-tidy --quiet --warnings-as-errors='*' $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(EXAMPLE_SRC) -- -std=c11 -Iinclude -Isrc -I. -I$(BUILD)/layout $(HDF5_CFLAGS) $(MUMPS_CFLAGS) 2>/dev/null
 	cppcheck --quiet --error-exitcode=1 --std=c11 --enable=warning,performance,portability \
 	  --inline-suppr -Iinclude -Isrc -I. src lcp vi reduction examples
 
 .PHONY: format format-check
 format:
-	clang-format -i $(ALL_C) $(ALL_H)
+	clang-format -i $(ALL_C) $(ALL_H) $(ALL_CPP)
 # clang-format does not see long lines in comments
 format-check:
-	clang-format --dry-run --Werror $(ALL_C) $(ALL_H)
+	clang-format --dry-run --Werror $(ALL_C) $(ALL_H) $(ALL_CPP)
 	@awk 'length($$0) > 100 { print FILENAME ":" FNR ": " length($$0) " columns"; long = 1 } END { exit long }' $(ALL_C) $(ALL_H)
 
 PROPERTIES_PROGRAM = $(BUILD)/tests/properties/properties
@@ -308,10 +350,11 @@ deps:
 	@.ci/deps
 
 .PHONY: install
-install: $(A) $(SO) $(FE) $(PROGRAM)
+install: $(A) $(SO) $(FE) $(PROGRAM) $(F90)
 	install -d $(DESTDIR)$(PREFIX)/include/delassus $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/bin
 	install -m 644 include/delassus.h $(DESTDIR)$(PREFIX)/include/
 	install -m 644 include/delassus/*.h $(DESTDIR)$(PREFIX)/include/delassus/
+	install -m 644 include/delassus.hpp $(F90) $(DESTDIR)$(PREFIX)/include/
 	install -m 644 $(A) $(FE) $(DESTDIR)$(PREFIX)/lib/
 	install -m 755 $(SO).$(VERSION) $(DESTDIR)$(PREFIX)/lib/
 	ln -sf libdelassus.so.$(VERSION) $(DESTDIR)$(PREFIX)/lib/libdelassus.so.$(SOVERSION)
@@ -319,6 +362,13 @@ install: $(A) $(SO) $(FE) $(PROGRAM)
 	install -m 755 $(PROGRAM) $(DESTDIR)$(PREFIX)/bin/
 	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@LIBS@|$(LIBS)|' \
 	  src/delassus.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/delassus.pc
+
+# the Python package beside an installed library; without make install, pip install src/python does
+PYTHONDIR ?= $(PREFIX)/lib/$(shell $(PYTHON) -c 'import sys, sysconfig as s; print("python%d.%d/" % sys.version_info[:2] + s.get_path("purelib").split("/")[-1])')
+.PHONY: install-python
+install-python:
+	install -d $(DESTDIR)$(PYTHONDIR)/delassus
+	install -m 644 src/python/delassus/*.py $(DESTDIR)$(PYTHONDIR)/delassus/
 
 .PHONY: clean
 clean:

@@ -1,12 +1,12 @@
 ! test_fortran.f90: delassus.f90: types as C has them, optional arguments, callbacks both ways, errors, motion.
 module callbacks
+  use, intrinsic :: iso_c_binding, only: c_associated
   use delassus
   implicit none
   integer :: calls = 0
 contains
   ! Counts the calls of a solve; stops it where data is given.
   function watch(data, progress) bind(c) result(stop)
-    use, intrinsic :: iso_c_binding, only: c_associated
     type(c_ptr), value :: data
     type(dls_progress), intent(in) :: progress
     integer(c_int) :: stop
@@ -21,8 +21,7 @@ contains
     real(c_double), intent(inout) :: X(n, nrhs)
     integer(c_int) :: failed
     real(c_double) :: first(nrhs)
-    failed = 0
-    if (n /= 2) failed = 1
+    failed = merge(0, 1, n == 2 .and. .not. c_associated(user))
     first = (2 * X(1, :) - X(2, :)) / 5
     X(2, :) = (3 * X(2, :) - X(1, :)) / 5
     X(1, :) = first
@@ -87,13 +86,15 @@ contains
     status = dls_solve(problem, settings, r, u, info)
     call expect(status == DLS_OK .and. info%status == DLS_OK .and. info%method == DLS_NEWTON, 'newton')
     call expect(near(u(2), 2d-3) .and. info%certificate%residual <= 1d-8, 'u and the certificate of info')
-    call expect(dls_contact_states(problem, r, u, state) == DLS_OK .and. state(1) == DLS_SLIP, 'its state')
+    status = dls_contact_states(problem, r, u, state)
+    call expect(status == DLS_OK .and. state(1) == DLS_SLIP, 'its state')
     status = dls_contact_certify(problem, [1d0, 0d0], certificate=certificate)
     call expect(status == DLS_OK .and. near(certificate%penetration, 1d-3), 'penetration')
     call expect(dls_certificate_holds(certificate, 1d-8) == 0, 'a wrong r')
     call expect(dls_solver_create(solver, 2, 1) == DLS_OK, 'a workspace')
     r = 0
-    call expect(dls_solver_solve(solver, problem, r) == DLS_OK .and. near(r(1), 2d0), 'a solve in it')
+    status = dls_solver_solve(solver, problem, r)
+    call expect(status == DLS_OK .and. near(r(1), 2d0), 'a solve in it')
     settings%limits%tol = 1d-12
     call expect(dls_solver_set_limits(solver, settings%limits) == DLS_OK, 'other limits')
     call dls_solver_destroy(solver)
@@ -109,6 +110,7 @@ contains
     type(dls_contact) :: problem
     type(dls_solver_settings) :: settings
     integer :: i, j
+    integer(c_int) :: status
     do j = 1, m
       do i = 1, m
         W(i, j) = min(i, j)
@@ -123,7 +125,8 @@ contains
     problem%mu = c_loc(mu)
     call dls_solver_settings_init(settings)
     settings%limits%progress = c_funloc(watch)
-    call expect(dls_solve(problem, settings, r) == DLS_OK .and. calls > 1, 'calls of a progress function')
+    status = dls_solve(problem, settings, r)
+    call expect(status == DLS_OK .and. calls > 1, 'calls of a progress function')
     settings%limits%progress_data = c_loc(mu)
     call expect(dls_solve(problem, settings, r) == DLS_CANCELLED, 'a cancelled solve')
   end subroutine
@@ -137,6 +140,7 @@ contains
     type(dls_contact) :: problem
     type(dls_reduction_info) :: info
     type(c_ptr) :: reduction
+    integer(c_int) :: status
     mu = 0.2d0
     one = 1
     p = [0, 1]
@@ -152,11 +156,16 @@ contains
     call expect(dls_reduction_create(reduction, model) == DLS_OK, 'a reduction by the host''s solver')
     call expect(dls_reduction_load(reduction, [5d0, -10d0]) == DLS_OK, 'loads')
     call expect(dls_reduction_contact(reduction, c_loc(mu), problem) == DLS_OK, 'the contact problem')
-    call expect(dls_solve(problem, r=r) == DLS_OK .and. near(r(1), 10.9375d0), 'its r')
-    call expect(dls_reduction_recover(reduction, r, x) == DLS_OK .and. near(x(1), 0.9375d0), 'x')
-    call expect(dls_reduction_nodal(reduction, r, nodal) == DLS_OK .and. all(nodal == r), 'nodal reactions')
-    call expect(dls_reduction_balance(reduction, r, imbalance) == DLS_OK .and. imbalance == 0, 'balance')
-    call expect(dls_reduction_get_info(reduction, info) == DLS_OK .and. info%W_bytes == 32, 'info')
+    status = dls_solve(problem, r=r)
+    call expect(status == DLS_OK .and. near(r(1), 10.9375d0), 'its r')
+    status = dls_reduction_recover(reduction, r, x)
+    call expect(status == DLS_OK .and. near(x(1), 0.9375d0), 'x')
+    status = dls_reduction_nodal(reduction, r, nodal)
+    call expect(status == DLS_OK .and. all(nodal == r), 'nodal reactions')
+    status = dls_reduction_balance(reduction, r, imbalance)
+    call expect(status == DLS_OK .and. imbalance == 0, 'balance')
+    status = dls_reduction_get_info(reduction, info)
+    call expect(status == DLS_OK .and. info%W_bytes == 32, 'info')
     call dls_reduction_destroy(reduction)
     call dls_reduction_destroy(c_null_ptr)
   end subroutine
@@ -220,7 +229,8 @@ contains
     do k = 1, 40
       if (dls_motion_step(motion, [0d0, -10d0]) /= DLS_OK) failures = failures + 1
     end do
-    call expect(dls_motion_get_state(motion, state) == DLS_OK .and. state%steps == 40, 'its state')
+    status = dls_motion_get_state(motion, state)
+    call expect(status == DLS_OK .and. state%steps == 40, 'its state')
     call c_f_pointer(state%p, impulse, [2])
     call expect(near(impulse(1), 0.1d0) .and. near(state%t, 1.4d0), 'the weight')
     call expect(dls_motion_get_energies(motion, energies) == DLS_OK, 'energies')
