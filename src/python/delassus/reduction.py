@@ -30,7 +30,7 @@ def operators(HN, HT, d=None):
     HN = columns(HN)
     HT = columns(HT if HT is not None else np.zeros((HN.shape[0], ((d or 2) - 1) * HN.shape[1])))
     found = HT.shape[1] // HN.shape[1] + 1 if HN.shape[1] else d or 2
-    if HT.shape[0] != HN.shape[0] or HT.shape[1] != (found - 1) * HN.shape[1]:
+    if found not in (2, 3) or HT.shape != (HN.shape[0], (found - 1) * HN.shape[1]):
         raise ValueError(f"HT is {HT.shape}, HN {HN.shape}: HT has d - 1 columns for one of HN")
     return found, HN, HT
 
