@@ -1,5 +1,5 @@
-! point.f90: the program of README.md in Fortran: a point on springs is pushed onto the floor y = 0 and slides
-! to the right.
+! point.f90: the program of README.md in Fortran: a point on springs is pushed onto the floor y = 0
+! and slides to the right.
 !
 ! Output:
 !   solved: r_n =  10.9375, r_t =  -2.1875, x =   0.9375
@@ -23,16 +23,17 @@ program point
   model%K = dls_dense_of(K)
   model%HN = dls_sparse_of(2, p, up, one)
   model%HT = dls_sparse_of(2, p, along, one)
-  status = dls_reduction_create(reduction, model, error)                                                ! W
-  if (status == 0) status = dls_reduction_load(reduction, [5d0, -10d0], error=error)                    ! q
-  if (status == 0) status = dls_reduction_contact(reduction, c_loc(mu), problem, error)                 ! W, q, mu
-  if (status == 0) status = dls_solve(problem, r=r, error=error)                                        ! r
+  status = dls_reduction_create(reduction, model, error)  ! W
+  if (status == 0) status = dls_reduction_load(reduction, [5d0, -10d0], error=error)  ! q
+  if (status == 0) status = dls_reduction_contact(reduction, c_loc(mu), problem, error)  ! W, q, mu
+  if (status == 0) status = dls_solve(problem, r=r, error=error)  ! r
   outcome = status
-  if (status >= 0) status = dls_reduction_recover(reduction, r, x, error)                               ! x
+  if (status >= 0) status = dls_reduction_recover(reduction, r, x, error)  ! x
   call dls_reduction_destroy(reduction)
   if (status < 0) then
     print '(a)', dls_message(error)
     stop 1
   end if
-  print '(a, 3(a, f8.4))', dls_text(dls_status_text(outcome)), ': r_n = ', r(1), ', r_t = ', r(2), ', x = ', x(1)
+  print '(a, 3(a, f8.4))', dls_text(dls_status_text(outcome)), ': r_n = ', r(1), &
+    ', r_t = ', r(2), ', x = ', x(1)
 end program

@@ -7,9 +7,9 @@
  *   auto answer = delassus::solve(reduction.contact(mu));
  *   auto x = reduction.recover(answer.r);
  *
- * A status below 0 is thrown as delassus::error. A solve that stops early is no error: answer.status
- * says so, answer.r is the best one found. An exception of a progress function cancels the solve
- * and comes out of it.
+ * A status below 0 is thrown as delassus::error. A solve that stops early is no error:
+ * answer.status says so, answer.r is the best one found. An exception of a progress function
+ * cancels the solve and comes out of it.
  */
 #ifndef DELASSUS_HPP
 #define DELASSUS_HPP

@@ -1,14 +1,16 @@
-! delassus.f90: the library for Fortran 2018: its types and constants as it was compiled with, its functions
-! under their own names, and four helpers. The headers include/delassus/*.h are the manual.
+! delassus.f90: the library for Fortran 2018: its types and constants as it was compiled with, its
+! functions under their own names, and four helpers. include/delassus/*.h are the manual.
 !
 !   type(dls_contact) :: problem;  type(dls_error) :: error
 !   real(c_double), target :: W(m, m), q(m), mu(nc);  real(c_double) :: r(m)
-!   problem%d = 2;  problem%nc = nc;  problem%W = dls_dense_of(W);  problem%q = c_loc(q);  problem%mu = c_loc(mu)
+!   problem%d = 2;  problem%nc = nc;  problem%W = dls_dense_of(W)
+!   problem%q = c_loc(q);  problem%mu = c_loc(mu)
 !   status = dls_solve(problem, r=r, error=error)
 !   if (status < 0) print *, dls_message(error)
 !
-! An argument that may be NULL in C is optional here. Indices in arrays of the library (dls_sparse, active_list,
-! error%index) count from 0. Arrays behind c_loc have the attribute target and live as long as the view is used.
+! An argument that may be NULL in C is optional here. Indices in arrays of the library (dls_sparse,
+! active_list, error%index) count from 0. Arrays behind c_loc have the attribute target and live as
+! long as the view is used.
 module delassus
   use, intrinsic :: iso_c_binding
   implicit none
@@ -220,7 +222,8 @@ module delassus
       import :: c_ptr
       type(c_ptr), value :: reduction
     end subroutine
-    function dls_weighting_line(nodes, s, candidate, p, i, x, length, columns, error) bind(c) result(status)
+    function dls_weighting_line(nodes, s, candidate, p, i, x, length, columns, error) bind(c) &
+        result(status)
       import :: c_int, c_double, dls_error
       integer(c_int), value :: nodes
       real(c_double), intent(in) :: s(*)
@@ -288,15 +291,15 @@ module delassus
       type(c_ptr), value :: motion
     end subroutine
   end interface
-  public :: dls_version, dls_status_name, dls_status_text
-  public :: dls_contact_check, dls_contact_certify, dls_certificate_holds, dls_contact_states
-  public :: dls_solver_settings_init, dls_method_find, dls_solve, dls_solver_create, dls_solver_set_limits
-  public :: dls_solver_solve, dls_solver_destroy
-  public :: dls_reduction_settings_init, dls_reduction_create, dls_reduction_create_with, dls_reduction_update
-  public :: dls_reduction_get_info, dls_reduction_load, dls_reduction_load_free, dls_reduction_contact
-  public :: dls_reduction_recover, dls_reduction_balance, dls_reduction_nodal, dls_reduction_destroy
-  public :: dls_weighting_line
-  public :: dls_motion_settings_init, dls_motion_create, dls_motion_start, dls_motion_step, dls_motion_set_h
+  public :: dls_version, dls_status_name, dls_status_text, dls_contact_check, dls_contact_certify
+  public :: dls_certificate_holds, dls_contact_states, dls_solver_settings_init, dls_method_find
+  public :: dls_solve, dls_solver_create, dls_solver_set_limits, dls_solver_solve
+  public :: dls_solver_destroy, dls_reduction_settings_init, dls_reduction_create
+  public :: dls_reduction_create_with, dls_reduction_update, dls_reduction_get_info
+  public :: dls_reduction_load, dls_reduction_load_free, dls_reduction_contact
+  public :: dls_reduction_recover, dls_reduction_balance, dls_reduction_nodal
+  public :: dls_reduction_destroy, dls_weighting_line, dls_motion_settings_init
+  public :: dls_motion_create, dls_motion_start, dls_motion_step, dls_motion_set_h
   public :: dls_motion_get_state, dls_motion_get_energies, dls_motion_destroy
   public :: c_int, c_double, c_ptr, c_funptr, c_loc, c_funloc, c_null_ptr, c_null_char, c_f_pointer
 

@@ -1,6 +1,6 @@
 /*
- * types.c: prints the public structs and constants of the library in Fortran, for delassus.f90. Runs
- * when the library is built. Every component has a default of zero or null.
+ * types.c: prints the public structs and constants of the library in Fortran, for delassus.f90.
+ * Runs when the library is built. Every component has a default of zero or null.
  */
 #include <stdio.h>
 #include <string.h>

@@ -1,5 +1,5 @@
-# layout.awk: lists the structs, fields, function types and enumerators of the public headers that it is
-# given, as macros for layout.c, so that no table has to follow the headers by hand.
+# layout.awk: lists the structs, fields, function types and enumerators of the public headers that
+# it is given, as macros for layout.c, so that no table has to follow the headers by hand.
 
 # drop comments and directives, join the lines of all files
 {

@@ -1,5 +1,5 @@
-"""Builds the wheel for `pip install src/python`: the package, and build/libdelassus.so.0 of the tree (or what
-DELASSUS_LIBRARY names) beside it. A wheel is a zip file: nothing has to be there but Python, so that no
+"""Builds the wheel for `pip install src/python`: the package, and beside it build/libdelassus.so.0
+of the tree or what DELASSUS_LIBRARY names. A wheel is a zip file: Python alone can write it, and no
 network is needed."""
 
 import base64

@@ -1,4 +1,5 @@
-! test_fortran.f90: delassus.f90: types as C has them, optional arguments, callbacks both ways, errors, motion.
+! test_fortran.f90: delassus.f90: types as C has them, optional arguments, callbacks both ways,
+! errors, motion.
 module callbacks
   use, intrinsic :: iso_c_binding, only: c_associated
   use delassus
@@ -80,12 +81,15 @@ contains
     call expect(near(r(1), 2d0) .and. near(r(2), -1d0), 'r')
     call dls_solver_settings_init(settings)
     call expect(settings%limits%tol == 1d-8, 'tol of the defaults')
-    call expect(dls_method_find('newton' // c_null_char, settings%method) == 1, 'a method by its name')
+    call expect(dls_method_find('newton' // c_null_char, settings%method) == 1, &
+        'a method by its name')
     call expect(settings%method == DLS_NEWTON, 'its number')
     r = 0
     status = dls_solve(problem, settings, r, u, info)
-    call expect(status == DLS_OK .and. info%status == DLS_OK .and. info%method == DLS_NEWTON, 'newton')
-    call expect(near(u(2), 2d-3) .and. info%certificate%residual <= 1d-8, 'u and the certificate of info')
+    call expect(status == DLS_OK .and. info%status == DLS_OK .and. info%method == DLS_NEWTON, &
+        'newton')
+    call expect(near(u(2), 2d-3) .and. info%certificate%residual <= 1d-8, &
+        'u and the certificate of info')
     status = dls_contact_states(problem, r, u, state)
     call expect(status == DLS_OK .and. state(1) == DLS_SLIP, 'its state')
     status = dls_contact_certify(problem, [1d0, 0d0], certificate=certificate)
@@ -153,9 +157,11 @@ contains
     model%solve = c_funloc(two_springs)
     model%HN = dls_sparse_of(2, p, up, one)
     model%HT = dls_sparse_of(2, p, along, one)
-    call expect(dls_reduction_create(reduction, model) == DLS_OK, 'a reduction by the host''s solver')
+    call expect(dls_reduction_create(reduction, model) == DLS_OK, &
+        'a reduction by the host''s solver')
     call expect(dls_reduction_load(reduction, [5d0, -10d0]) == DLS_OK, 'loads')
-    call expect(dls_reduction_contact(reduction, c_loc(mu), problem) == DLS_OK, 'the contact problem')
+    call expect(dls_reduction_contact(reduction, c_loc(mu), problem) == DLS_OK, &
+        'the contact problem')
     status = dls_solve(problem, r=r)
     call expect(status == DLS_OK .and. near(r(1), 10.9375d0), 'its r')
     status = dls_reduction_recover(reduction, r, x)
@@ -187,7 +193,8 @@ contains
     r = 7
     status = dls_solve(problem, r=r, error=error)
     call expect(status == DLS_E_ARGUMENT .and. error%status == status, 'negative friction')
-    call expect(dls_text(error%argument) == 'mu' .and. error%index == 0 .and. error%value == -1, 'its place')
+    call expect(dls_text(error%argument) == 'mu' .and. error%index == 0 .and. error%value == -1, &
+        'its place')
     call expect(index(dls_message(error), 'dls_solve: mu[0]') == 1, 'its message')
     call expect(all(r == 7), 'outputs untouched')
   end subroutine

@@ -1,4 +1,4 @@
-"""test_python.py: the package delassus: numpy and scipy in and out, errors, layouts, motion, threads."""
+"""test_python.py: the package delassus: arrays in and out, errors, layouts, motion, threads."""
 
 import os
 import subprocess
@@ -109,7 +109,8 @@ class Solve(unittest.TestCase):
 class Reduce(unittest.TestCase):
     def test_every_operator(self):
         K, HN, HT = POINT  # docs/tour.md
-        operators = [dict(K=K), dict(K=sp.csr_matrix(K)), dict(K=np.linalg.inv(K), flexibility=True),
+        operators = [dict(K=K), dict(K=sp.csr_matrix(K)),
+                     dict(K=np.linalg.inv(K), flexibility=True),
                      dict(K=scipy.sparse.linalg.splu(sp.csc_matrix(K)).solve),
                      dict(K=K, factorization="lu"), dict(K=sp.csc_matrix(K), factorization="ldlt")]
         for operator in operators:
@@ -224,6 +225,12 @@ class Motion(unittest.TestCase):
 
 
 class Library(unittest.TestCase):
+    def test_script_of_the_readme(self):
+        with open("src/python/README.md") as readme, open("examples/sheet.py") as example:
+            script = readme.read().split("```python\n")[1].split("```")[0]
+            self.assertTrue(example.read().endswith(script))
+        self.assertEqual(len([line for line in script.splitlines() if line]), 15)
+
     def test_threads(self):
         K, HN, HT = chain(600)
         K = (K + sp.diags(0.1 * np.ones(599), 1)).tocsc()  # unsymmetric: MUMPS

@@ -1,5 +1,6 @@
-"""Finds libdelassus, builds its structs from the table of layouts that it carries (delassus/layout.h),
-and declares the functions that the package calls. What does not fit is an ImportError."""
+"""Finds libdelassus, builds its structs from the table of layouts that it carries
+(delassus/layout.h), and declares the functions that the package calls. What does not fit is an
+ImportError."""
 
 import ctypes
 import os
@@ -13,8 +14,8 @@ _NAME = "libdelassus.so.0"
 
 
 def _load():
-    """Returns the library: $DELASSUS_LIBRARY, else the one beside the package (pip), of the prefix or
-    the build/ above it (make install-python, the source tree), else what the loader finds."""
+    """Returns the library: $DELASSUS_LIBRARY, else the one beside the package (pip), in a directory
+    or a build/ above it (make install-python, the source tree), else what the loader finds."""
     named = os.environ.get("DELASSUS_LIBRARY")
     if named:
         return ctypes.CDLL(named)
@@ -70,10 +71,11 @@ _USED = {
     "dls_reduction_settings": "size memory_limit allow_indefinite stabilize form_W",
     "dls_reduction_info": "condensed W_bytes factor_bytes bytes flops condition indefinite modes",
     "dls_motion_model": "d n nodes factorization M C K HN HT P gap",
-    "dls_motion_settings": "limits size law method h theta restitution activation forecast stabilize",
+    "dls_motion_settings": "limits size law method h theta restitution activation forecast "
+                           "stabilize",
     "dls_motion_state": "d n candidates steps t x v p u gap slip state active active_list",
-    "dls_motion_energies": "kinetic elastic load damping obstacle friction impact numerical residual "
-                           "scale momentum",
+    "dls_motion_energies": "kinetic elastic load damping obstacle friction impact numerical "
+                           "residual scale momentum",
 }
 
 
@@ -83,7 +85,7 @@ def _read_tables():
         lib.dls_version.restype = c_char_p
         version = lib.dls_version().decode()
     except AttributeError as missing:
-        raise ImportError(f"delassus: the library is not delassus {VERSION}: {missing}") from missing
+        raise ImportError(f"delassus: this is not delassus {VERSION}: {missing}") from missing
     if version != VERSION:
         raise ImportError(f"delassus: the package is {VERSION}, the library {version}")
     next_field.restype, next_constant.restype = POINTER(_Field), POINTER(_Constant)
@@ -201,8 +203,8 @@ class Error(RuntimeError):
 
 
 def call(name, *arguments):
-    """Calls a function whose last argument is dls_error *; raises Error below 0, returns the status.
-    Threads of Python run on meanwhile."""
+    """Calls a function whose last argument is dls_error *; raises Error for a status below 0, else
+    returns it. Threads of Python run on meanwhile."""
     error = structs["dls_error"]()
     status = getattr(lib, name)(*arguments, byref(error))
     if status < 0:
@@ -225,7 +227,7 @@ def vector(name, x, size):
 
 
 def address(a):
-    """Returns the address of an array for a struct, None (NULL) for None. The array has to outlive it."""
+    """Returns the address of an array, None (NULL) for None. The array has to outlive its use."""
     return None if a is None else a.ctypes.data
 
 

@@ -64,7 +64,7 @@ def _method_name(method):
 
 
 class _Watch:
-    """The callback of one solve: keeps the history, calls the user's function, holds back exceptions."""
+    """The callback of a solve: keeps the history, calls the user's function, holds exceptions."""
 
     def __init__(self, history, progress):
         self.rows = [] if history else None
@@ -144,7 +144,8 @@ def _problem(W, q, mu, d):
     """Returns a dls_contact and the arrays that it views."""
     q = np.asarray(q, dtype=np.float64)
     if d is None:
-        d = q.shape[1] if q.ndim == 2 else q.size // np.size(mu) if np.ndim(mu) and np.size(mu) else None
+        known = np.ndim(mu) and np.size(mu)
+        d = q.shape[1] if q.ndim == 2 else q.size // np.size(mu) if known else None
     if d not in (2, 3):
         raise ValueError("d is neither 2 nor 3: give d, or q as nc x d, or mu for each candidate")
     q = np.ascontiguousarray(q).reshape(-1)
@@ -172,15 +173,15 @@ def _problem(W, q, mu, d):
 def solve(W, q, mu, d=None, **options):
     """Solves u = W r + q with Coulomb friction; returns a Solution.
 
-    W    m x m, numpy (dense) or scipy.sparse (by d x d blocks), rows and columns (n, t) or (n, t, s)
-         of one candidate after the other
+    W    m x m, numpy (dense) or scipy.sparse (by d x d blocks); (n, t) or (n, t, s) of one
+         candidate after the other
     q    m, or nc x d
     mu   nc, or one number
     d    2 or 3, if it does not follow from q or mu
 
-    method="auto" (or "nlgs", "lemke", "newton", "admm", ...), tol=1e-8, max_iterations, cpu_seconds,
-    r0 (a start), acceleration="anderson" (nlgs), facets, positive_definite, history=True,
-    progress=function of a Progress, which cancels by returning True.
+    method="auto" (or "nlgs", "lemke", "newton", "admm", ...), tol=1e-8, max_iterations,
+    cpu_seconds, r0 (a start), acceleration="anderson" (nlgs), facets, positive_definite,
+    history=True, progress=function of a Progress, which cancels by returning True.
 
     Raises Error for wrong data; a solve that stops early has solution.solved == False.
     """

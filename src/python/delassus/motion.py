@@ -14,7 +14,7 @@ _LAWS = {"velocity": "DLS_MOTION_VELOCITY", "gap": "DLS_MOTION_GAP", "path": "DL
 class Motion:
     """Bodies M v' + C v + K x = f + H p/h with contact, as delassus/motion.h has them.
 
-    Motion(K, HN, HT, M=M, h=1e-3)           impacts; restitution, activation, theta as in the header
+    Motion(K, HN, HT, M=M, h=1e-3)           impacts; restitution, activation, theta: see motion.h
     Motion(K, HN, HT, M=M, h=h, law="gap", theta=1)
     Motion(K, HN, HT, law="path")            equilibria, one after the other
 
@@ -31,8 +31,8 @@ class Motion:
         self.n = HN.shape[0]
         if factorization is None:
             given = [A for A in (M, C, K) if A is not None]
-            names = {find_factorization(None, A) for A in given}
-            kind = constants["DLS_LU"] if constants["DLS_LU"] in names else constants["DLS_CHOLESKY"]
+            kinds = {find_factorization(None, A) for A in given}
+            kind = constants["DLS_LU" if constants["DLS_LU"] in kinds else "DLS_CHOLESKY"]
         else:
             kind = find_factorization(factorization, K)
         if law not in _LAWS:
@@ -41,9 +41,9 @@ class Motion:
         self._nodes = HN.shape[1]
         self._candidates = self._nodes if P is None else P.shape[1]
         gap = None if gap is None else vector("gap", gap, self._nodes)
-        model = structs["dls_motion_model"](d=self.d, n=self.n, nodes=self._nodes, factorization=kind,
-                                            M=sparse(M), C=sparse(C), K=sparse(K), HN=sparse(HN),
-                                            HT=sparse(HT), P=sparse(P), gap=address(gap))
+        model = structs["dls_motion_model"](
+            d=self.d, n=self.n, nodes=self._nodes, factorization=kind, M=sparse(M), C=sparse(C),
+            K=sparse(K), HN=sparse(HN), HT=sparse(HT), P=sparse(P), gap=address(gap))
         self._kept = (M, C, K, HN, HT, P, gap)
         create = structs["dls_motion_settings"]()
         lib.dls_motion_settings_init(byref(create))
@@ -68,7 +68,8 @@ class Motion:
         y = None if y is None else vector("y", y, self.d * self._nodes)
         mu = None if mu is None else vector("mu", mu, self._candidates)
         info, problem = structs["dls_info"](), structs["dls_contact"]()
-        status = call("dls_motion_step", self._held, address(f), address(y), address(mu), byref(info))
+        status = call("dls_motion_step", self._held, address(f), address(y), address(mu),
+                      byref(info))
         call("dls_motion_get_problem", self._held, byref(problem))
         if status:
             raise NotCertified(status)
@@ -107,7 +108,8 @@ class Motion:
 
     @property
     def slip(self):
-        return self._array("slip", c_double, (self.d - 1) * self._candidates).reshape(-1, self.d - 1)
+        tangents = self.d - 1
+        return self._array("slip", c_double, tangents * self._candidates).reshape(-1, tangents)
 
     @property
     def states(self):
