@@ -25,6 +25,7 @@ src/front 4
 src/motion 5
 src/fe 6
 src/cli 7
+src/fortran 7
 END
 
 # the public headers and their rooms
