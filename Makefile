@@ -96,11 +96,12 @@ help:
 	@echo 'make demo        the Jean block with every method, tables and pictures'
 	@echo 'make refinement  its densities of reaction under refinement of the mesh'
 	@echo 'make tables      both forming scenes of Chabrand (1998) by every method, beside the paper'
+	@echo 'make charts      every picture of docs/choosing.md, from scratch, in minutes'
 	@echo 'make check       build and run all tests'
 	@echo 'make install     PREFIX=/usr/local DESTDIR='
 	@echo 'make install-python   the package delassus for PYTHON=python3'
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
-	@echo 'make check-properties   150 of them'
+	@echo 'make check-properties   420 of them'
 	@echo 'make asan        tests under the address and undefined sanitizers'
 	@echo 'make threads     eight threads at once under the thread sanitizer'
 	@echo 'make valgrind    tests under valgrind, no leak'
@@ -114,6 +115,7 @@ help:
 	@echo 'make bench-auto      auto beside the single methods; BENCH=files'
 	@echo 'make bench-motion    load and recover of each step beside one solve by CHOLMOD'
 	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
+	@echo 'make bench-trust     predicted error of an answer beside the true one'
 	@echo 'make clean'
 
 # ---- libraries and program ----------------------------------------------------------------------
@@ -205,7 +207,7 @@ $(BUILD)/obj/tests/files/test_files.o: CPPFLAGS += $(HDF5_CFLAGS)
 
 .PHONY: check
 check: deps
-	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build
+	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build check-properties
 
 .PHONY: check-build
 check-build: all $(TESTS) $(LANGUAGES)
@@ -280,7 +282,7 @@ properties: $(PROPERTIES_PROGRAM)
 # the short form
 .PHONY: check-properties
 check-properties: $(PROPERTIES_PROGRAM)
-	@OPENBLAS_NUM_THREADS=1 $(PROPERTIES_PROGRAM) --out $(BUILD)/properties --count 150 --seed 2
+	@OPENBLAS_NUM_THREADS=1 $(PROPERTIES_PROGRAM) --out $(BUILD)/properties --count 420 --seed 1 --step 2
 
 # ---- benchmarks, never part of all or check --------------------------------------------------------
 
@@ -295,7 +297,7 @@ $(call bench_obj,motion): CPPFLAGS += -isystem /usr/include/suitesparse
 $(call obj,$(wildcard bench/*.c)): CPPFLAGS += -D_GNU_SOURCE
 
 $(BUILD)/bench/lemke: $(call bench_obj,lemke) $(FE) $(A)
-$(BUILD)/bench/solvers: $(call bench_obj,solvers) $(FE) $(A)
+$(BUILD)/bench/solvers: $(call bench_obj,solvers) $(call obj,$(addprefix src/cli/,profile_picture.c palette.c picture.c report.c)) $(FE) $(A)
 $(BUILD)/bench/reduction: $(call bench_obj,reduction) $(FE) $(A)
 $(BUILD)/bench/scale: $(call bench_obj,scale) $(call obj,bench/solvers_call.c bench/solvers_peer.c tests/shared/rigid.c) $(FE) $(A)
 $(BUILD)/bench/motion: $(call bench_obj,motion) $(call obj,bench/reduction_boxes.c) $(A)
@@ -303,6 +305,7 @@ $(BUILD)/bench/motion: PEER_LIBS = -lcholmod
 $(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,src/cli/problem.c src/cli/report.c) $(A)
 $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
 $(BUILD)/bench/problems: $(call obj,bench/problems.c bench/solvers_scenes.c) $(FE) $(A)
+$(BUILD)/bench/trust: $(call bench_obj,trust) $(call obj,bench/solvers_scenes.c) $(FE) $(A)
 $(BUILD)/bench/lemke $(BUILD)/bench/solvers $(BUILD)/bench/scale: PEER_LIBS = -lsiconos_numerics
 $(BUILD)/bench/reduction: PEER_LIBS = -lcholmod -lumfpack
 $(BUILD)/bench/%:
@@ -329,6 +332,9 @@ bench-motion:
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/motion --out $(RESULTS) $(BENCH)
 bench-blocks: $(BUILD)/bench/blocks
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks --out $(RESULTS)
+.PHONY: bench-trust
+bench-trust: $(BUILD)/bench/trust
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/trust --out $(RESULTS)
 
 # ---- demo, install ------------------------------------------------------------------------------
 
@@ -344,6 +350,11 @@ refinement: $(PROGRAM)
 .PHONY: tables
 tables: $(PROGRAM)
 	OPENBLAS_NUM_THREADS=1 $(PROGRAM) tables
+
+# every picture of the docs, from scratch: data, scripts and tables under $(BUILD)/charts
+.PHONY: charts
+charts: $(PROGRAM) $(BUILD)/bench/problems
+	@docs/charts.sh $(BUILD)
 
 .PHONY: deps
 deps:

@@ -5,6 +5,9 @@
  *       auto.md: for each problem and tolerance the CPU of the solve, ms, "-" for not solved, and
  *       the stages of auto; for each method how often it got there, and its CPU over that of the
  *       quickest of the others
+ *   auto --unique NAME...
+ *       on the screen: CPU of a solve without and with info, us: the difference is the look for
+ *       other answers, info.unique and info.ambiguous
  *   auto --cost NAME...
  *       on the screen: CPU of a sweep, of an accelerated sweep and of a Newton step, us; the last
  *       over the second, and the ratio that auto takes, (AT7) of src/front/auto.c
@@ -309,16 +312,57 @@ static int run_cost(int count, char **name) {
   return EXIT_SOLVED;
 }
 
+/* ---- the look for other answers -------------------------------------------------------------- */
+
+static int run_unique(int count, char **name) {
+  double ratio[most_files], small[most_files];
+  size_t ratios = 0, smalls = 0;
+  puts("| problem | candidates | without us | with us | ratio |\n|---|---|---|---|---|");
+  for (int f = 0; f < count && f < most_files; f++) {
+    problem p;
+    dls_solver_settings s;
+    dls_solver *solver;
+    dls_info info;
+    double least[2] = {INFINITY, INFINITY}, total = 0;
+    if (!named_problem(name[f], &p)) return EXIT_BAD_INPUT;
+    const dls_contact *c = &p.contact;
+    double *r = malloc((size_t)c->d * (size_t)c->nc * sizeof *r);
+    dls_solver_settings_init(&s);
+    s.limits.blocks = c->Wb.x ? c->Wb.p[c->nc] : 0;
+    if (!r || dls_solver_create(&solver, c->d, c->nc, &s, NULL)) exit(1);
+    for (int round = 0; round < 2000 && (round < 5 || total < 0.3); round++)
+      for (int with = 0; with < 2; with++) {
+        const double start = bench_seconds();
+        if (dls_solver_solve(solver, c, r, NULL, with ? &info : NULL, NULL) < 0) exit(1);
+        const double seconds = bench_seconds() - start;
+        total += seconds;
+        least[with] = fmin(least[with], seconds);
+      }
+    ratio[ratios++] = least[1] / least[0];
+    if (c->nc <= 20) small[smalls++] = least[1] / least[0];
+    printf("| %s | %d | %.3g | %.3g | %.3f |\n", short_name(name[f]), c->nc, 1e6 * least[0],
+           1e6 * least[1], least[1] / least[0]);
+    dls_solver_destroy(solver);
+    free(r);
+    drop_problem(&p);
+  }
+  printf("\n%zu problems: median %.3f; %zu of up to 20 candidates: median %.3f\n", ratios,
+         bench_median(ratios, ratio), smalls, bench_median(smalls, small));
+  return EXIT_SOLVED;
+}
+
 int main(int argc, char **argv) {
   const char *directory = "bench/results";
   int first = 1;
   if (argc > 1 && !strcmp(argv[1], "--cost")) return run_cost(argc - 2, argv + 2);
+  if (argc > 2 && !strcmp(argv[1], "--unique")) return run_unique(argc - 2, argv + 2);
   if (argc > 2 && !strcmp(argv[1], "--out")) {
     directory = argv[2];
     first = 3;
   }
   const int count = argc - first;
-  if (count < 1 || count > most_files) return complain("usage: auto [--cost | --out DIR] NAME...");
+  if (count < 1 || count > most_files)
+    return complain("usage: auto [--cost | --unique | --out DIR] NAME...");
   FILE *page = bench_page(directory, "auto", "auto beside the single methods", argc, argv);
   if (!page) return EXIT_BAD_INPUT;
   const int status = run_comparison(page, count, argv + first);

@@ -1,9 +1,7 @@
 /*
- * solvers_report.c: DIR/solvers.csv; from it DIR/solvers.md, and for solvers.gp
+ * solvers_report.c: DIR/solvers.csv; from it DIR/solvers.md, the performance profiles by the code
+ * of delassus profile (solvers_profile_2d.*, solvers_profile_3d.*), and for solvers.gp
  *
- *   profile_2d_1e-04.dat ...  performance profiles [Dolan and More 2002]: for each solver, the
- *                             part of all scenes that it solves in at most tau times the time of
- *                             the fastest
  *   ratio_1e-04.dat ...       time of delassus over that of the best of the peer, by set, by nc
  */
 #include <math.h>
@@ -11,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/profile.h"
 #include "common.h"
 #include "solvers_report.h"
 
@@ -266,13 +265,13 @@ static void print_verdicts(const report *p) {
 
 /* ---- pictures -------------------------------------------------------------------------------- */
 
-/* The curves, in the order of solvers.gp. */
+/* The curves of the profiles. */
 static const choice curves[] = {{"auto", 0, "auto"},
                                 {"newton", 0, "newton"},
-                                {"nlgs, Anderson", 0, "nlgs-anderson"},
+                                {"nlgs+anderson", 0, "nlgs-anderson"},
                                 {"nlgs", 0, "nlgs"},
                                 {"admm", 0, "admm"},
-                                {"augmented Lagrangian", 0, "augmented-lagrangian"},
+                                {"augmented-lagrangian", 0, "augmented-lagrangian"},
                                 {"lemke", 0, "lemke"},
                                 {"best of Siconos", 1, NULL},
                                 {"Siconos NSGS", 1, "siconos-nsgs"},
@@ -283,44 +282,42 @@ static const choice curves[] = {{"auto", 0, "auto"},
                                 {"Siconos Lemke", 1, "siconos-lemke"}};
 enum { curve_count = sizeof curves / sizeof curves[0] };
 
-static const double largest_tau = 1000;
-
-static void write_curve(const report *p, FILE *file, int d, double target, const choice *w,
-                        double *taus) {
-  size_t count = 0;
-  int scenes = 0;
-  for (size_t s = 0; s < p->scene_count; s++) {
-    if (p->scenes[s].d != d) continue;
-    scenes++;
-    const record *a = fastest(p, s, target, w), *o = fastest(p, s, target, &best_own),
-                 *b = fastest(p, s, target, &best_peer);
-    if (a) taus[count++] = a->cpu / fmin(o ? o->cpu : INFINITY, b ? b->cpu : INFINITY);
+/* Draws the profiles of all scenes of dimension d. */
+static int draw_dimension(const report *p, int d) {
+  static const char *const names[TARGETS] = {"residual 1e-4", "residual 1e-8", "residual 1e-12"};
+  const char *labels[curve_count], **scenes = malloc((p->scene_count + 1) * sizeof *scenes);
+  int peer[curve_count], count = 0, good = 1;
+  for (size_t s = 0; s < p->scene_count && scenes; s++)
+    if (p->scenes[s].d == d) scenes[count++] = p->scenes[s].name;
+  double *seconds = malloc(((size_t)count + 1) * TARGETS * curve_count * sizeof *seconds);
+  for (int i = 0; i < curve_count; i++) {
+    labels[i] = curves[i].label;
+    peer[i] = curves[i].peer;
+    for (int k = 0, at = 0; k < TARGETS && seconds && scenes; k++, at = 0)
+      for (size_t s = 0; s < p->scene_count; s++) {
+        if (p->scenes[s].d != d) continue;
+        const record *a = fastest(p, s, targets[k], &curves[i]);
+        seconds[(k * curve_count + i) * count + at++] = a ? a->cpu : INFINITY;
+      }
   }
-  bench_median(count, taus); /* sorts */
-  fprintf(file, "\"%s\"\n", count ? w->label : "");
-  fprintf(file, "1 0\n");
-  for (size_t k = 0; k < count && taus[k] <= largest_tau; k++)
-    fprintf(file, "%.4g %.4f\n", taus[k], (double)(k + 1) / scenes);
-  size_t inside = count;
-  while (inside && taus[inside - 1] > largest_tau)
-    inside--;
-  fprintf(file, "%g %.4f\n\n\n", largest_tau, scenes ? (double)inside / scenes : 0.0);
-}
-
-static int write_profiles(const report *p) {
-  double *taus = malloc((p->scene_count + 1) * sizeof *taus);
-  int bad = !taus;
-  for (int d = 2; d <= 3 && !bad; d++)
-    for (int k = 0; k < TARGETS && !bad; k++) {
-      char name[64];
-      snprintf(name, sizeof name, "profile_%dd_%.0e.dat", d, targets[k]);
-      FILE *file = bench_open(p->directory, name);
-      for (int i = 0; i < curve_count && file; i++)
-        write_curve(p, file, d, targets[k], &curves[i], taus);
-      bad = !file || fclose(file) != 0;
-    }
-  free(taus);
-  return bad ? -1 : 0;
+  char name[40], title[80];
+  snprintf(name, sizeof name, "solvers_profile_%dd", d);
+  snprintf(title, sizeof title, "%d scenes in %dD: delassus, and dashed Siconos", count, d);
+  const profile_picture picture = {.directory = p->directory,
+                                   .name = name,
+                                   .title = title,
+                                   .solvers = curve_count,
+                                   .problems = count,
+                                   .targets = TARGETS,
+                                   .solver = labels,
+                                   .peer = peer,
+                                   .problem = scenes,
+                                   .target = names,
+                                   .seconds = seconds};
+  if (count) good = seconds && draw_profiles(&picture);
+  free(scenes);
+  free(seconds);
+  return good ? 0 : -1;
 }
 
 static int write_ratios(const report *p) {
@@ -349,11 +346,14 @@ int report_close(report *p) {
   print_summary(p);
   print_lost(p);
   print_verdicts(p);
-  bench_print(p->page, "\n![performance profiles](solvers_profile.png)\n"
-                       "![ratio for each problem](solvers_ratio.png)\n");
+  bench_print(
+      p->page,
+      "\n![performance profiles, 2D](solvers_profile_2d.png)\n![and 3D](solvers_profile_3d.png)\n"
+      "![ratio for each problem](solvers_ratio.png)\n");
   bad |= fclose(p->csv) != 0;
   bad |= fclose(p->page) != 0;
-  bad |= write_profiles(p) != 0;
+  bad |= draw_dimension(p, 2) != 0;
+  bad |= draw_dimension(p, 3) != 0;
   bad |= write_ratios(p) != 0;
   free(p->scenes);
   free(p->records);

@@ -11,6 +11,7 @@
  *   solve.h      one call for any method
  *   diagnose.h   facts about a problem
  *   motion.h     load paths, moving obstacles, the theta scheme
+ *   trust.h      all solutions of a small problem, the fold, what a residual means
  *   nlgs.h       projected Gauss-Seidel on the reactions
  *   primal.h     projected Gauss-Seidel on the displacements
  *   newton.h     nonsmooth Newton
@@ -47,5 +48,6 @@
 #include "delassus/reduction.h"
 #include "delassus/solve.h"
 #include "delassus/status.h"
+#include "delassus/trust.h"
 
 #endif

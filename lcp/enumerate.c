@@ -362,14 +362,95 @@ dls_status dls_lcp_enumerate(const dls_lcp *lcp, double tol, int capacity, doubl
   return out == full ? DLS_MAX_ITERATIONS : out == stalled ? DLS_STALLED : DLS_OK;
 }
 
-int dlsi_find_vertex(int n, const double *C, double *x) {
-  cone k = {.n = n};
+/* ---- polyhedra of others --------------------------------------------------------------------- */
+
+/* Finds a vertex of { x >= 0 : C x = q }. Returns as dlsi_find_vertex. */
+static int cone_begin(cone *k, int n, const double *C) {
+  *k = (cone){.n = n};
   for (int i = 0; i < n; i++)
-    memcpy(k.T[i], C + (size_t)i * (size_t)(n + 1), (size_t)(n + 1) * sizeof *C);
-  const int found = simplex_find_vertex(&k);
-  if (k.pivots >= pivot_limit) return -1;
+    memcpy(k->T[i], C + (size_t)i * (size_t)(n + 1), (size_t)(n + 1) * sizeof *C);
+  const int found = simplex_find_vertex(k);
+  return k->pivots >= pivot_limit ? -1 : found;
+}
+
+int dlsi_find_vertex(int n, const double *C, double *x) {
+  cone k;
+  const int found = cone_begin(&k, n, C);
+  if (found < 0) return -1;
   memset(x, 0, (size_t)n * sizeof *x);
   for (int i = 0; i < n && found; i++)
     if (k.basic[i] >= 0) x[k.basic[i]] = k.T[i][n];
   return found;
+}
+
+/* y: dual values of the least sum of the artificial variables, one for each row that is short. */
+int dlsi_refute_vertex(int n, const double *C, double slack, double *y) {
+  cone k;
+  table B; /* transposed: row j for the variable that is basic in row j */
+  int row_of[most];
+  if (cone_begin(&k, n, C) != 0) return 0;
+  for (int j = 0; j < n; j++) {
+    const int artificial = k.basic[j] < 0;
+    for (int i = 0; i < n; i++)
+      B[j][i] = !artificial ? C[i * (n + 1) + k.basic[j]] : 0;
+    if (artificial) B[j][j] = C[j * (n + 1) + n] < 0 ? -1 : 1;
+    B[j][n] = artificial ? 1 : -slack;
+  }
+  if (enumerate_eliminate(B, n, n, row_of) < n) return 0;
+  for (int i = 0; i < n; i++)
+    y[i] = B[row_of[i]][n];
+  return 1;
+}
+
+/* Raises c.x as far as it goes; returns its value, INFINITY if it has no bound. */
+static double simplex_raise(cone *k, const double *c) {
+  const int n = k->n;
+  for (int e = 0; e < n && k->pivots < pivot_limit; e++) {
+    double gain = c[e], step;
+    for (int i = 0; i < n; i++)
+      if (k->basic[i] >= 0) gain -= c[k->basic[i]] * k->T[i][e];
+    if (!(gain > n * zero_tol)) continue;
+    const int row = simplex_leaving_row(k, e, &step);
+    if (row < 0) return INFINITY;
+    simplex_enter(k, row, e);
+    e = -1;
+  }
+  double value = 0;
+  for (int i = 0; i < n; i++)
+    if (k->basic[i] >= 0) value += c[k->basic[i]] * k->T[i][n];
+  return value;
+}
+
+/* Returns the dimension of P (EN4), from a vertex. */
+static int cone_dimension(cone *k, const double *C) {
+  const int n = k->n;
+  char positive[most] = {0};
+  int count = 0, row_of[most];
+  simplex_mark_positive(k, positive);
+  for (int j = 0; j < n; j++)
+    simplex_try_positive(k, j, positive);
+  table T = {{0}};
+  for (int j = 0; j < n; j++) {
+    if (!positive[j]) continue;
+    for (int i = 0; i < n; i++)
+      T[i][count] = C[i * (n + 1) + j];
+    count++;
+  }
+  return count - enumerate_eliminate(T, n, count, row_of);
+}
+
+int dlsi_spread(int n, const double *C, int count, const double *a, double *low, double *high) {
+  cone k;
+  if (cone_begin(&k, n, C) != 1) return -1;
+  const int dimension = cone_dimension(&k, C);
+  for (int l = 0; dimension > 0 && l < count && k.pivots < pivot_limit; l++) {
+    double c[most];
+    for (int j = 0; j < n; j++)
+      c[j] = a[l * n + j];
+    high[l] = simplex_raise(&k, c);
+    for (int j = 0; j < n; j++)
+      c[j] = -c[j];
+    low[l] = -simplex_raise(&k, c);
+  }
+  return k.pivots >= pivot_limit ? -1 : dimension;
 }

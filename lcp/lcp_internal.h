@@ -156,6 +156,16 @@ void dlsi_lemke_set_limits(dls_lemke *work, const dls_limits *limits);
  * DLS_ENUMERATE_MAX. */
 int dlsi_find_vertex(int n, const double *C, double *x);
 
+/* After dlsi_find_vertex said 0: y (n) := a vector with y.C <= 0 and y.q > 0, but for rounding,
+ * which shows that the polyhedron is empty. slack: by how much the equations among y.C <= 0 are to
+ * be inequalities, beside entries of y of about 1. Returns 0 if rounding hides it. */
+int dlsi_refute_vertex(int n, const double *C, double slack, double *y);
+
+/* After dlsi_find_vertex said 1: returns the dimension of the polyhedron, -1 if rounding hides it;
+ * where that is not 0, low and high (count) := the least and largest value of a_i.x on it,
+ * -INFINITY or INFINITY if there is none. a: count rows of n. */
+int dlsi_spread(int n, const double *C, int count, const double *a, double *low, double *high);
+
 /* Lets `judge` decide, from the next solve on, whether a vector v (n) that is Farkas' but for
  * rounding proves that there is no solution; NULL: dlsi_lcp_find_proof decides. For an LCP that has
  * been computed from another problem, whose numbers count. judge may overwrite v; work: n. */

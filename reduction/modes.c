@@ -7,6 +7,8 @@
  *   (MO4)  A V = U s Y^T; the columns of V Y with s <= 50 eps |A|_1 are null vectors
  *   (MO5)  reduce them to echelon form by complete pivoting: a 1 in unknown[k] of mode k, where the
  *          others are 0; then x = C v
+ *   (MO6)  after each turn of dls_reduction_balance move the feet of the springs by Broyden's
+ *          method (Math. Comp. 19, 1965, 577-593, the first one) to where nothing stretches them
  *
  * (MO3) shrinks what is not in the null space by sqrt(eps) / s each time. In echelon form the modes
  * of a body have their 1 and their zeros on that body, so that they vanish on others.
@@ -22,10 +24,10 @@
 #include "linear/equilibrate.h"
 #include "reduction_internal.h"
 
-/* The stiffness of a spring over K_jj. Each turn of dls_reduction_balance shrinks the imbalance by
- * about this and the softness of the body; W is the worse conditioned for it, and reactions lose
- * the digits of 1 / soft (README.md). */
-static const double soft = 1e-3;
+/* The stiffness of a spring over K_jj. (MO6) takes as many turns with 0.01 and with 1; W loses the
+ * digits by which the springs are softer than K, and the loads are far from balance in the first
+ * turn where the springs are stiff. */
+static const double soft = 0.1;
 
 enum { block = dlsi_most_modes + 4, times = 5 };
 
@@ -315,6 +317,60 @@ static dls_status modes_of_model(const dls_model *model, int most, double *basis
 dls_status dls_model_modes(const dls_model *model, int most, double *basis, int *unknown,
                            int *count, dls_error *error) {
   return dlsi_at(__func__, modes_of_model(model, most, basis, unknown, count, error), error);
+}
+
+/* ---- feet ------------------------------------------------------------------------------------ */
+
+/* Returns a^T diag(spring) b. */
+static double follow_product(int count, const double *spring, const double *a, const double *b) {
+  double sum = 0;
+  for (int k = 0; k < count; k++)
+    sum += spring[k] * a[k] * b[k];
+  return sum;
+}
+
+/* (MO6) After a move d that changed the stretch by e: M := M - (d + M e)(d^T S M) / (d^T S M e). A
+ * stretch that has not shrunk starts anew from M = 1, the step of the proximal point method. */
+static void follow_learn(dlsi_follow *follow, int count, const double *spring,
+                         const double *stretch) {
+  const size_t n = (size_t)count;
+  double e[dlsi_most_modes], Me[dlsi_most_modes] = {0}, dM[dlsi_most_modes] = {0};
+  const double *d = follow->move, *old = follow->stretch;
+  if (follow_product(count, spring, stretch, stretch) >= follow_product(count, spring, old, old)) {
+    follow->learnt = 0;
+    return;
+  }
+  for (size_t k = 0; k < n; k++)
+    e[k] = stretch[k] - old[k];
+  for (size_t j = 0; j < n; j++)
+    for (size_t i = 0; i < n; i++) {
+      Me[i] += follow->M[i + j * n] * e[j];
+      dM[j] += spring[i] * d[i] * follow->M[i + j * n];
+    }
+  const double size = follow_product(count, spring, d, d),
+               slope = follow_product(count, spring, d, Me);
+  if (!(slope < -1e-6 * size)) return; /* no spring feels this move */
+  for (size_t j = 0; j < n; j++)
+    for (size_t i = 0; i < n; i++)
+      follow->M[i + j * n] -= (d[i] + Me[i]) * dM[j] / slope;
+  follow->learnt = 1;
+}
+
+void dlsi_follow_step(dlsi_follow *follow, int count, const double *spring, const double *stretch,
+                      double *move) {
+  const size_t n = (size_t)count;
+  if (follow->turned) follow_learn(follow, count, spring, stretch);
+  if (!follow->learnt)
+    for (size_t e = 0; e < n * n; e++)
+      follow->M[e] = e % (n + 1) == 0;
+  for (size_t i = 0; i < n; i++)
+    move[i] = 0;
+  for (size_t j = 0; j < n; j++)
+    for (size_t i = 0; i < n; i++)
+      move[i] += follow->M[i + j * n] * stretch[j];
+  memcpy(follow->stretch, stretch, n * sizeof *move);
+  memcpy(follow->move, move, n * sizeof *move);
+  follow->turned = 1;
 }
 
 /* ---- springs --------------------------------------------------------------------------------- */

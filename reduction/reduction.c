@@ -32,6 +32,7 @@ struct dls_reduction {
   dlsi_factor *factor;
   dlsi_modes modes;
   double spring[dlsi_most_modes], foot[dlsi_most_modes]; /* s_j, c_j of each mode */
+  dlsi_follow follow;                                    /* of the feet */
   dls_reduction_info info;
   int ready;   /* 0 after an update that failed */
   int whole;   /* 1: K is factored without a Schur complement */
@@ -222,6 +223,7 @@ static dls_status reduction_fill(dls_reduction *work, const dls_model *model, dl
   memset(work->q, 0, work->m * sizeof *work->q);
   memset(work->f, 0, work->n * sizeof *work->f);
   memset(work->foot, 0, sizeof work->foot);
+  work->follow = (dlsi_follow){0};
   work->is_free = work->half = 0;
   if (work->mu) memcpy(work->mu, work->H.mu, (size_t)work->H.candidates * sizeof *work->mu);
   if (work->settings.form_W) {
@@ -456,6 +458,7 @@ static dls_status reduction_load(dls_reduction *work, const double *f, const dou
   for (size_t k = 0; k < work->n; k++)
     work->f[k] = f ? f[work->factor->unknown[k]] : 0;
   memset(work->foot, 0, sizeof work->foot);
+  work->follow.turned = 0;
   work->is_free = 0;
   return DLS_OK;
 }
@@ -603,13 +606,15 @@ static dls_status reduction_balance(dls_reduction *work, const double *r, double
   dls_status status = reduction_given(work, r, "r", r, error);
   if (!status) status = reduction_solve_for(work, r, error);
   if (status) return status;
-  double worst = 0, move[dlsi_most_modes] = {0};
+  double worst = 0, stretch[dlsi_most_modes] = {0}, move[dlsi_most_modes] = {0};
   for (int k = 0; k < work->modes.count; k++) {
-    move[k] = work->x[work->factor->place[work->modes.unknown[k]]] - work->foot[k];
+    stretch[k] = work->x[work->factor->place[work->modes.unknown[k]]] - work->foot[k];
     const double load = reduction_turmoil(work, k, r);
-    const double part = load > 0 ? fabs(work->spring[k] * move[k]) / load : 0;
+    const double part = load > 0 ? fabs(work->spring[k] * stretch[k]) / load : 0;
     if (!(part <= worst)) worst = part;
   }
+  dlsi_follow next = work->follow;
+  dlsi_follow_step(&next, work->modes.count, work->spring, stretch, move);
   /* The springs alone give K^-1 s_k e_k = b_k: q += H^T sum_k b_k (x_k - c_k). */
   for (size_t i = 0; i < work->n; i++) {
     work->x[i] = 0;
@@ -621,6 +626,7 @@ static dls_status reduction_balance(dls_reduction *work, const double *r, double
   dlsi_operator_add(&work->H, work->factor->unknown, work->n, work->x, work->v);
   status = reduction_take_q(work, error);
   if (status) return status;
+  work->follow = next;
   for (int k = 0; k < work->modes.count; k++)
     work->foot[k] += move[k];
   if (imbalance) *imbalance = worst;

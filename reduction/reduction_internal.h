@@ -89,8 +89,20 @@ dls_status dlsi_modes_create(dlsi_modes *modes, const dls_model *model, dls_dens
                              dls_error *error);
 void dlsi_modes_free(dlsi_modes *modes);
 
+/* What the feet of the springs have learnt from one turn of the balance to the next. */
+typedef struct dlsi_follow {
+  int learnt, turned; /* 1: M is not the unit matrix; 1: stretch and move are those of a turn */
+  double M[dlsi_most_modes * dlsi_most_modes]; /* column-major, leading dimension = modes */
+  double stretch[dlsi_most_modes], move[dlsi_most_modes];
+} dlsi_follow;
+
+/* Finds where the feet move next: move := M stretch, M by Broyden's method (modes.c). spring: the
+ * stiffnesses; stretch: x_j - c_j; move: receives what c has to be changed by; count each. */
+void dlsi_follow_step(dlsi_follow *follow, int count, const double *spring, const double *stretch,
+                      double *move);
+
 /* A model whose K has springs: K + spring_k e_j e_j^T for j = unknown[k] of each mode, spring_k =
- * 1e-3 K_jj, or 1e-3 times the largest entry of column j where K_jj is not positive. */
+ * 0.1 K_jj, or 0.1 times the largest entry of column j where K_jj is not positive. */
 typedef struct dlsi_stable {
   dls_model model;
   dlsi_columns K; /* the arrays of the new K; of a dense one only x */

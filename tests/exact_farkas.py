@@ -3,8 +3,8 @@
 
     OPENBLAS_NUM_THREADS=1 build/tests/front/test_proof print 10000 | tests/exact_farkas.py
 
-Reads a verdict a line: "lcp n", M by columns, q, v, or "contact nc", W by columns, q, mu, v (d = 2,
-local order n, t), numbers as the C format %a. A proof is
+Reads a verdict a line: "lcp n", M by columns, q, v, or "contact2 nc", "contact3 nc", W by columns, q,
+mu, v (local order n, t, s), numbers as the C format %a. A proof is
 
     lcp:      v >= 0,  M' v <= 0,  q.v < 0
     contact:  v >= 0,  q_n.v < 0,  g_n + mu |g_t| <= 0 for each candidate, g = the normal rows' v' W
@@ -27,20 +27,23 @@ def proves_lcp(n, x):
     )
 
 
-def proves_contact(nc, x):
-    m = 2 * nc
+def proves_contact(d, nc, x):
+    m = d * nc
     w, q, mu, v = x[: m * m], x[m * m : m * m + m], x[m * m + m : m * m + m + nc], x[m * m + m + nc :]
-    g = [dot(w[j * m : j * m + m : 2], v) for j in range(m)]
+    g = [dot(w[j * m : j * m + m : d], v) for j in range(m)]
     return (
         len(v) == nc
         and min(v) >= 0
-        and dot(q[::2], v) < 0
-        and all(g[2 * c] + mu[c] * abs(g[2 * c + 1]) <= 0 for c in range(nc))
+        and dot(q[::d], v) < 0
+        and all(
+            g[i] <= 0 and mu[i // d] ** 2 * sum(y * y for y in g[i + 1 : i + d]) <= g[i] ** 2
+            for i in range(0, m, d)
+        )
     )
 
 
 def main():
-    count = {"lcp": 0, "contact": 0}
+    count = {"lcp": 0, "contact2": 0, "contact3": 0}
     wrong = 0
     for line in sys.stdin:
         kind, n, *numbers = line.split()
@@ -48,10 +51,11 @@ def main():
             continue
         x = [Fraction(float.fromhex(word)) for word in numbers]
         count[kind] += 1
-        if not (proves_lcp if kind == "lcp" else proves_contact)(int(n), x):
+        good = proves_lcp(int(n), x) if kind == "lcp" else proves_contact(int(kind[-1]), int(n), x)
+        if not good:
             wrong += 1
             print("no proof:", line, end="")
-    print(f"{count['lcp']} LCPs, {count['contact']} contact problems, {wrong} without an exact proof")
+    print(f"{count['lcp']} LCPs, {count['contact2']} contact problems in 2D, {count['contact3']} in 3D, {wrong} without an exact proof")
     return wrong > 0 or sum(count.values()) == 0
 
 

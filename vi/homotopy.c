@@ -26,7 +26,11 @@
  *   (HO7)  from t < 1e-2 on, and at every tenth of t, Newton's method (newton.c) from the x there:
  *          an interior point alone ends at a residual of about sqrt(t)
  *
- * Several starts (a, b) are tried, because no one of them reaches all solutions.
+ *   (HO8)  Several starts are tried, because no one of them reaches all solutions: ten pairs (a, b)
+ *          at first, then the same with x_c = a f_c e, z_c = b / f_c e and factors f_c between 1/8
+ *          and 8 that differ among candidates and starts. A path that leads to a solution is short
+ *          as a rule, so that many starts find more than long paths: 250 factorisations each, but
+ *          500 for the ten
  *
  * Source: the scaling and the algebra of second-order cones as in Alizadeh and Goldfarb, Math.
  * Program. 95, 2003, 3-51; the turn by the sign of the determinant as in Allgower and Georg,
@@ -45,7 +49,14 @@
 #include "linear/dense.h"
 #include "vi_internal.h"
 
-enum { most_factorisations = 2000, most_cuts = 12, most_corrections = 5 };
+enum {
+  all_factorisations = 25000,
+  least_factorisations = 3000,
+  first_factorisations = 500,
+  most_factorisations = 250
+};
+enum { most_cuts = 12, most_corrections = 5 };
+static const double most_cubes = 2e10;  /* m^3 times the factorisations of all starts */
 static const double smoothing = 0.1;    /* c of (HO1) */
 static const double nearness = 0.2;     /* (HO6) */
 static const double to_boundary = 0.95; /* (HO6) */
@@ -55,7 +66,7 @@ static const double finish_t = 1e-2; /* (HO7) */
 
 static const double starts[][2] = {{1, 1},  {0.05, 1}, {1, 0.05}, {1e-3, 1},  {20, 1},
                                    {1, 20}, {0.2, 1},  {5, 1},    {0.1, 0.1}, {10, 10}};
-enum { start_count = sizeof starts / sizeof starts[0] };
+enum { start_count = sizeof starts / sizeof starts[0], most_starts = 1000 };
 
 typedef struct homotopy {
   dls_limits limits;
@@ -354,13 +365,15 @@ static int scale_problem(homotopy *work, const dls_contact *problem) {
   return 1;
 }
 
-/* Sets the point at t = 1, and p by (HO1). */
-static void begin_path(homotopy *work, int nc, const double *start) {
+/* Sets the point at t = 1 for start k (HO8), and p by (HO1). */
+static void begin_path(homotopy *work, int nc, int k) {
   const int d = work->d, m = d * nc, one = 1;
-  const double minus = -1, unit = 1;
+  const double minus = -1, unit = 1, *start = starts[k % start_count];
   for (int i = 0; i < m; i++) {
-    work->x[i] = i % d ? 0 : start[0];
-    work->z[i] = i % d ? 0 : start[1];
+    const double golden = 0.6180339887498949 * (i / d + 1) + 0.7548776662466927 * (k / start_count);
+    const double f = k < start_count ? 1 : exp2(6 * (golden - floor(golden)) - 3);
+    work->x[i] = i % d ? 0 : start[0] * f;
+    work->z[i] = i % d ? 0 : start[1] / f;
     work->p[i] = work->z[i] - work->q[i];
   }
   dgemv_("N", &m, &m, &minus, work->W, &m, work->x, &one, &unit, work->p, &one, 1);
@@ -450,15 +463,16 @@ static dls_status offer_point(homotopy *work, const dls_contact *problem, double
   return DLS_OK;
 }
 
-/* Follows the path of one start. Returns DLS_OK if the certificate holds, DLS_STALLED,
+/* Follows the path of start k. Returns DLS_OK if the certificate holds, DLS_STALLED,
  * DLS_CANCELLED, an error. */
-static dls_status follow_path(homotopy *work, const dls_contact *problem, const double *start,
-                              dls_info *outcome, dls_error *error) {
+static dls_status follow_path(homotopy *work, const dls_contact *problem, int k, dls_info *outcome,
+                              dls_error *error) {
   const int nc = problem->nc, m = work->d * nc;
   double step = 0.5, tried = INFINITY;
   int first = 0;
-  const int budget = work->factorisations + most_factorisations;
-  begin_path(work, nc, start);
+  const int most = k < start_count ? first_factorisations : most_factorisations;
+  const int budget = work->factorisations + most;
+  begin_path(work, nc, k);
   if (!factorise(work, problem, work->x, work->z, work->t)) return DLS_STALLED;
   while (work->factorisations < budget) {
     set_derivatives(work, problem, work->z, work->t); /* (HO5) */
@@ -496,8 +510,12 @@ static dls_status homotopy_solve(void *homotopy_work, const dls_contact *problem
                      work->r);
   dls_status status = dlsi_iterate_start(&work->it, problem, work->r) ? DLS_OK : DLS_STALLED;
   const int begins = status && scale_problem(work, problem);
-  for (int k = 0; begins && k < start_count && status == DLS_STALLED; k++)
-    status = follow_path(work, problem, starts[k], &outcome, error);
+  const double m = (double)work->d * problem->nc;
+  const double most =
+      fmax(least_factorisations, fmin(all_factorisations, most_cubes / (m * m * m)));
+  for (int k = 0; begins && status == DLS_STALLED && k < most_starts && work->factorisations < most;
+       k++)
+    status = follow_path(work, problem, k, &outcome, error);
   if (status < 0) return status;
   outcome.factorisations = work->factorisations;
   return dlsi_iterate_end(&work->it, problem, status, &outcome, r, u, info);

@@ -433,7 +433,7 @@ static void nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double r
   memcpy(work->x, r, m * sizeof *r);
 }
 
-/* ---- momentum --------------------------------------------------------------------------------- */
+/* ---- momentum -------------------------------------------------------------------------------- */
 
 enum { local_every = 10, local_first = 50, local_sweeps = 300, local_looks = 5, local_layers = 3 };
 enum { slow_first = 300 };
@@ -534,7 +534,7 @@ static int nlgs_slows_down(dls_nlgs *work, int k, double residual) {
 /* (NL8) r := the start of the next sweep k, with local sweeps before it now and then. */
 static void nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double residual,
                       double *r) {
-  const dlsi_set all = {NULL, problem->nc};
+  const dlsi_set all = {NULL, problem->nc}, visits = nlgs_all(work, problem);
   if (nlgs_slows_down(work, k, residual)) {
     memcpy(r, work->it.best, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
     dlsi_multiply(problem, work->order, work->it.E, r, work->it.u, NULL);
@@ -546,11 +546,11 @@ static void nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double 
     dlsi_momentum_start(&work->momentum, problem->d, all, all, r, work->it.u);
     return;
   }
-  (void)dlsi_momentum_step(&work->momentum, problem->d, work->it.w, work->largest, all, all, r,
+  (void)dlsi_momentum_step(&work->momentum, problem->d, work->it.w, work->largest, visits, all, r,
                            work->it.u);
 }
 
-/* ---- the solve -------------------------------------------------------------------------------- */
+/* ---- the solve ------------------------------------------------------------------------------- */
 
 /* Sweeps from r until the certificate holds or there is a reason to stop, which is returned; it.u
  * belongs to it.best then. *iterations: sweeps done. */
@@ -609,11 +609,15 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
   return dlsi_iterate_settle(it, problem, reason);
 }
 
+static const double unsymmetric = 1e-9; /* of the Schur complement, which margins of 1 % outweigh */
+
 /* Returns 1 if a candidate with this W_cc (d x d) has one solution by itself whatever q is: W_cc
- * symmetric positive definite and mu below the bound (DG4) of src/front/diagnose.c. */
+ * symmetric but for rounding, positive definite, and mu below the bound (DG4) of
+ * src/front/diagnose.c by a margin that rounding does not use up. */
 static int has_one_solution(int d, const double *W, double mu) {
   double a[2] = {W[d], d == 3 ? W[6] : 0}, x[2], most; /* W_nt; W_nt W_tt^-1; largest eigenvalue */
-  if (W[1] != a[0] || (d == 3 && (W[2] != a[1] || W[5] != W[7]))) return 0;
+  double skew = fabs(W[1] - a[0]);
+  if (d == 3) skew = fmax(skew, fmax(fabs(W[2] - a[1]), fabs(W[5] - W[7])));
   if (d == 2) {
     most = W[3];
     x[0] = a[0] / most;
@@ -626,7 +630,7 @@ static int has_one_solution(int d, const double *W, double mu) {
     x[1] = (W[4] * a[1] - W[7] * a[0]) / det;
   }
   const double s = W[0] - a[0] * x[0] - a[1] * x[1], h = hypot(x[0], x[1]);
-  if (!(most > 0 && s > 0)) return 0;
+  if (!(most > 0 && s > 0 && skew <= unsymmetric * s)) return 0;
   const double k = sqrt(s / most);
   return mu < 0.99 * (h < k ? h + k * (k / h) : 2 * k);
 }

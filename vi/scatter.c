@@ -6,16 +6,19 @@
  * are those of a solution, or near them. Where a problem has a solution that no path leads to,
  * states drawn at random find it sooner or later.
  *
- *   (SC1)  draw shares of free and of sliding candidates, and an exponent s from (-2, 2)
- *   (SC2)  draw each candidate free, sticking (r in the cone) or sliding (r on its edge), with
- *          r_n = 10^(s + x) |q| / w_c, x from (-1, 1), |q| the largest entry
- *   (SC3)  up to 20 steps of Newton's method from there, with its line search at every other start;
- *          stop if the certificate holds
+ *   (SC1)  draw a state for each candidate, free, stick, or slip in some direction t, with shares
+ *          that are drawn, too; at every other start take the states of the best r so far and draw
+ *          one candidate or a few anew
+ *   (SC2)  r: the least linear problem that these states leave, u_n = 0 and r_t = mu r_n t where a
+ *          candidate slips, u = 0 where it sticks; W_cc is raised by 1e-6 w_c, so that a W of low
+ *          rank has an answer. An r_n < 0 changes its sign
+ *   (SC3)  up to 20 steps of Newton's method from there, with its line search at every third and
+ *          fourth start; stop if the certificate holds
  *
- * The numbers follow from a fixed seed: the same problem takes the same starts. As many starts are
- * taken as cost some 3e8 flops, at most 1000.
+ * The numbers follow from a fixed seed: the same problem takes the same starts, as many as cost
+ * some 3e9 flops, at most 2000.
  *
- * Cost: 20 LU of m x m a start. What can fail: that no start is near a solution; that proves
+ * Cost: 21 LU of up to m x m a start. What can fail: that no start is near a solution; that proves
  * nothing.
  */
 #include <float.h>
@@ -24,17 +27,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "linear/dense.h"
 #include "vi_internal.h"
 
-enum { most_starts = 1000, steps_of_start = 20 };
-static const double most_flops = 3e8;
-static const double spread = 2; /* (SC1), decades */
+enum { most_starts = 2000, steps_of_start = 20 };
+static const double most_flops = 3e9;
+static const double on_edge = 1e-6; /* a reaction that lacks no more than this share slips */
+static const double shift = 1e-6;   /* (SC2), of w_c */
 
 typedef struct scatter {
   dls_limits limits;
   dls_newton *newton[2]; /* without and with its line search */
   double *r;             /* m: start and answer of Newton's method */
-  uint64_t state;        /* of the random numbers */
+  double *b;             /* m */
+  int *first, *pivot;    /* nc + 1, m */
+  dlsi_room *room;
+  uint64_t state; /* of the random numbers */
   dlsi_iterate it;
 } scatter;
 
@@ -46,23 +54,98 @@ static double scatter_draw(scatter *work, double low, double high) {
   return low + (high - low) * ldexp((double)((z ^ (z >> 31)) >> 11), -53);
 }
 
-/* (SC1), (SC2) size: of q. */
-static void scatter_start(scatter *work, const dls_contact *problem, double size) {
-  const int d = problem->d;
+/* Sets r to what tells a state: (1, mu t) of a candidate that slides along t, (1, 0) of one that
+ * sticks, 0 of one that is free. */
+static void scatter_draw_state(scatter *work, int d, double mu, double free, double slides,
+                               double *r) {
+  const double is_free = scatter_draw(work, 0, 1), slip = scatter_draw(work, 0, 1);
+  const double turn = scatter_draw(work, 0, 2);
+  memset(r, 0, (size_t)d * sizeof *r);
+  if (is_free < free) return;
+  r[0] = 1;
+  if (!(slip < slides)) return;
+  r[1] = d == 2 ? (turn < 1 ? mu : -mu) : mu * cos(3.141592653589793 * turn);
+  if (d == 3) r[2] = mu * sin(3.141592653589793 * turn);
+}
+
+/* (SC1) r := states drawn anew. */
+static void scatter_anew(scatter *work, const dls_contact *problem) {
   const double free = scatter_draw(work, 0, 1), slides = scatter_draw(work, 0, 1);
-  const double exponent = scatter_draw(work, -spread, spread);
-  for (int c = 0; c < problem->nc; c++) {
+  for (int c = 0; c < problem->nc; c++)
+    scatter_draw_state(work, problem->d, problem->mu[c], free, slides, work->r + problem->d * c);
+}
+
+/* (SC1) r := the states of the best r, but for some. */
+static void scatter_near(scatter *work, const dls_contact *problem) {
+  const int d = problem->d, nc = problem->nc;
+  for (int c = 0; c < nc; c++) {
+    const double *best = work->it.best + d * c, mu = problem->mu[c];
+    const double t = dlsi_tangent_norm(d, best);
     double *r = work->r + d * c;
-    const double is_free = scatter_draw(work, 0, 1), slip = scatter_draw(work, 0, 1);
-    const double push = pow(10, exponent + scatter_draw(work, -1, 1)) * size / work->it.w[c];
-    const double part = scatter_draw(work, 0, 1), turn = scatter_draw(work, 0, 2);
-    const double t = problem->mu[c] * push * (slip < slides ? 1 : part);
     memset(r, 0, (size_t)d * sizeof *r);
-    if (is_free < free) continue;
-    r[0] = push;
-    r[1] = d == 2 ? (turn < 1 ? t : -t) : t * cos(3.141592653589793 * turn);
-    if (d == 3) r[2] = t * sin(3.141592653589793 * turn);
+    if (!(best[0] > 0)) continue;
+    r[0] = 1;
+    for (int i = 1; i < d && t >= (1 - on_edge) * mu * best[0] && t > 0; i++)
+      r[i] = mu * best[i] / t;
   }
+  do {
+    const int c = (int)scatter_draw(work, 0, nc);
+    scatter_draw_state(work, d, problem->mu[c], 1. / 3, 0.5, work->r + d * c);
+  } while (scatter_draw(work, 0, 1) < 0.5);
+}
+
+/* first[c] := the first unknown of candidate c: none if it is free, the size of its r if it slips,
+ * d if it sticks. */
+static void scatter_number(scatter *work, const dls_contact *problem) {
+  const int d = problem->d;
+  int k = 0;
+  for (int c = 0; c < problem->nc; c++) {
+    const double *r = work->r + d * c;
+    const int slips = !(problem->mu[c] > 0) || dlsi_tangent_norm(d, r) > 0;
+    work->first[c] = k;
+    k += !(r[0] > 0) ? 0 : slips ? 1 : d;
+  }
+  work->first[problem->nc] = k;
+}
+
+/* Fills the matrix and the right side b of (SC2). */
+static void scatter_fill(scatter *work, const dls_contact *problem) {
+  const int d = problem->d, nc = problem->nc, *first = work->first;
+  const size_t n = (size_t)first[nc], m = (size_t)d * (size_t)nc;
+  double *column = work->room->J, *u = work->it.u;
+  for (int c = 0; c < nc; c++)
+    for (int j = first[c]; j < first[c + 1]; j++, column += n) {
+      const int part = j - first[c];
+      double e[3] = {0};
+      e[part] = 1;
+      if (first[c + 1] - first[c] == 1) memcpy(e, work->r + d * c, (size_t)d * sizeof *e);
+      memset(u, 0, m * sizeof *u);
+      dlsi_contact_add_columns(problem, c, e, u);
+      for (int a = 0; a < nc; a++)
+        for (int i = first[a]; i < first[a + 1]; i++)
+          column[i] = u[d * a + i - first[a]];
+      column[j] += shift * work->it.w[c];
+      work->b[j] = -problem->q[d * c + part];
+    }
+}
+
+/* (SC2) r := the start for the states that r tells. Returns 0 if there is none. */
+static int scatter_start(scatter *work, const dls_contact *problem) {
+  const int d = problem->d, nc = problem->nc;
+  scatter_number(work, problem);
+  const int *first = work->first, k = first[nc];
+  if (k == 0) return 0;
+  scatter_fill(work, problem);
+  dlsi_dense factors = {.n = k, .A = work->room->J, .pivot = work->pivot};
+  if (dlsi_dense_lu(&factors)) return 0;
+  dlsi_dense_solve(&factors, work->b, k, 1);
+  for (int c = 0; c < nc; c++) {
+    const double *b = work->b + first[c];
+    const int sticks = first[c + 1] - first[c] > 1;
+    for (int i = 0; i < d && first[c + 1] > first[c]; i++)
+      work->r[d * c + i] = sticks ? b[i] : work->r[d * c + i] * fabs(b[0]);
+  }
+  return dlsi_max_abs(work->r, (size_t)(d * nc)) <= DBL_MAX;
 }
 
 static dls_status scatter_solve(void *scatter_work, const dls_contact *problem, double *r,
@@ -71,7 +154,7 @@ static dls_status scatter_solve(void *scatter_work, const dls_contact *problem, 
   dlsi_iterate *it = &work->it;
   dls_info outcome = {.method = DLS_NEWTON}, steps;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  const double size = dlsi_max_abs(problem->q, m), cube = (double)m * (double)m * (double)m;
+  const double cube = (double)m * (double)m * (double)m;
   const double starts = fmin(most_starts, most_flops / (steps_of_start * cube));
   const dls_limits limits = {.tol = work->limits.tol,
                              .max_iterations = steps_of_start,
@@ -81,10 +164,18 @@ static dls_status scatter_solve(void *scatter_work, const dls_contact *problem, 
     dlsi_newton_method.set_limits(work->newton[k], &limits);
   dlsi_iterate_begin(it, problem, NULL, work->limits.tol, work->limits.warm_start, r, work->r);
   dls_status status = dlsi_iterate_start(it, problem, work->r) ? DLS_OK : DLS_STALLED;
+  if (status == DLS_STALLED) {
+    const dls_status room = dlsi_room_dense(work->room, m, error);
+    if (room) return room;
+  }
   work->state = 0;
   for (int k = 0; k < starts && status == DLS_STALLED; k++) {
-    scatter_start(work, problem, size);
-    status = dlsi_newton_run(work->newton[k % 2], problem, NULL, work->r, NULL, &steps, error);
+    if (k % 2 == 0)
+      scatter_anew(work, problem);
+    else
+      scatter_near(work, problem);
+    if (!scatter_start(work, problem)) continue;
+    status = dlsi_newton_run(work->newton[k / 2 % 2], problem, NULL, work->r, NULL, &steps, error);
     if (status < 0) return status;
     outcome.iterations += steps.iterations;
     outcome.factorisations += steps.factorisations;
@@ -104,7 +195,11 @@ static dls_status scatter_solve(void *scatter_work, const dls_contact *problem, 
 
 static void scatter_carve(void *scatter_work, dlsi_arena *arena) {
   scatter *work = scatter_work;
-  work->r = dlsi_take(arena, (size_t)work->it.d * (size_t)work->it.nc, sizeof *work->r);
+  const size_t m = (size_t)work->it.d * (size_t)work->it.nc;
+  work->r = dlsi_take(arena, m, sizeof *work->r);
+  work->b = dlsi_take(arena, m, sizeof *work->b);
+  work->first = dlsi_take(arena, (size_t)work->it.nc + 1, sizeof *work->first);
+  work->pivot = dlsi_take(arena, m, sizeof *work->pivot);
   dlsi_iterate_carve(&work->it, arena, work->it.d, work->it.nc, &work->limits);
 }
 
@@ -122,7 +217,7 @@ static void scatter_set_limits(void *scatter_work, const dls_limits *limits) {
 
 static dls_status scatter_create(void **out, int d, int nc, const dlsi_options *options,
                                  dls_error *error) {
-  scatter filled = {.limits = options->limits, .it = {.d = d, .nc = nc}};
+  scatter filled = {.limits = options->limits, .room = options->room, .it = {.d = d, .nc = nc}};
   void *memory;
   dls_status status = dlsi_workspace(&memory, &filled, sizeof filled, scatter_carve, nc, error);
   if (status) return status;

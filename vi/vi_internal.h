@@ -84,7 +84,7 @@ void dlsi_anderson_clear(dlsi_anderson *a);
  * as many as since clear; u: NULL for a history carved without. */
 int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, double *u);
 
-/* ---- vi/momentum.c: momentum on sweeps --------------------------------------------------------- */
+/* ---- vi/momentum.c: momentum on sweeps ------------------------------------------------------- */
 
 /* Some candidates, or, list NULL, the first `count`. */
 typedef struct dlsi_set {

@@ -174,9 +174,9 @@ DLS_API DLS_MUST_USE dls_status dls_fe_series_create(dls_fe_series **out, const 
                                                      dls_error *error);
 
 /* Adds `file`, a name relative to the collection's directory without the characters < > & ", at
- * `time`. The collection on disk is whole after each call, so that a run that is killed leaves what
- * it had. DLS_E_ARGUMENT, DLS_E_NOT_FINITE, DLS_E_FILE. */
-DLS_API DLS_MUST_USE dls_status dls_fe_series_add(dls_fe_series *series, double time,
+ * `time`, as part >= 0 of the picture then. The collection on disk is whole after each call: a run
+ * that is killed leaves what it had. DLS_E_ARGUMENT, DLS_E_NOT_FINITE, DLS_E_FILE. */
+DLS_API DLS_MUST_USE dls_status dls_fe_series_add(dls_fe_series *series, double time, int part,
                                                   const char *file, dls_error *error);
 
 /* Closes the file and frees the series, also on error; NULL is fine. DLS_E_FILE: not all of it was

@@ -49,6 +49,12 @@ typedef struct dls_forming_settings {
   int standard;                /* 1: standard elements instead of Q4/P0, to see locking; 0 */
   int keep_trace;              /* update (13) as printed instead of det be = 1; 0 */
   double ram_mu;               /* extrusion: friction at the ram; >= 0; 0 */
+  double penalty;              /* springs: eps over the stiffness of the node; 0: 30, 1000 for the
+                                  penalty method; 0 */
+  int augmentations;           /* of the multipliers in a step at most; 0: as many as it takes, up
+                                  to the limit of the contact loop; 0 */
+  double relaxation;           /* Gauss-Seidel: see primal.h; 1 */
+  int aitken;                  /* Gauss-Seidel: see primal.h; 1 */
   double tol;                  /* on equilibrium and certificate; > 0; 1e-9 */
   double step_tol;             /* on the error of a step, below; < 1; 0: not estimated; 0 */
   dls_forming_contact contact; /* DLS_FORMING_CONDENSED */
@@ -72,14 +78,15 @@ DLS_API DLS_MUST_USE dls_status dls_forming_create(dls_forming **out, const char
                                                    const dls_forming_settings *settings,
                                                    dls_error *error);
 
-/* Takes the next step. A step that fails is tried in the other ways (dls_forming_way), then taken in
- * two halves, and so on, six times. Halves are another load path, with another plastic answer;
+/* Takes the next step. A step that fails is tried in the other ways (dls_forming_way), then taken
+ * in two halves, and so on, six times. Halves are another load path, with another plastic answer;
  * which of very large steps are halved can depend on rounding, and so on the machine.
  *
  * With step_tol > 0 every part of a step is taken once more, in two halves, which are kept if both
- * forces differ by at most step_tol times the largest force so far, times the part of the whole
- * way; else each half is taken in this manner, six times, too. Without it that is done where the
- * force jumps, by more than a quarter of the largest one so far beside its trend, to confirm that.
+ * forces differ by at most step_tol times the largest force so far; else each half is taken in this
+ * manner, six times, too. data.step_error sums the differences up. Without step_tol that is done
+ * where the force jumps, by more than a quarter of the largest one so far beside its trend, to
+ * confirm the jump.
  *
  * DLS_OK: equilibrium and certificate hold to the tolerance (penalty: equilibrium and the law of
  * the springs hold; the certificate shows the penalty's error), and the body is one: see
@@ -199,10 +206,16 @@ DLS_API DLS_MUST_USE dls_status dls_forming_problem(const dls_forming *forming,
                                                     dls_contact *problem, dls_error *error);
 
 /* An unstructured VTK XML file (.vtu, ascii) with displacement and contact force per node, Cauchy
- * stress and equivalent plastic strain per element (means of its points). DLS_E_FILE: cannot be
+ * stress and equivalent plastic strain per element (means of its points). An element with a corner
+ * that a tool presses flat is written as the two triangles that meet there. DLS_E_FILE: cannot be
  * opened, or written (no file is left behind). */
 DLS_API DLS_MUST_USE dls_status dls_forming_write_vtu(const dls_forming *forming, const char *path,
                                                       dls_error *error);
+
+/* The outlines of the tools where they stand, as polygons, with the index of the tool and its force
+ * on the body. */
+DLS_API DLS_MUST_USE dls_status dls_forming_write_tools(const dls_forming *forming,
+                                                        const char *path, dls_error *error);
 
 #ifdef __cplusplus
 }

@@ -17,9 +17,10 @@ extern "C" {
 typedef enum dls_operator {
   DLS_STIFFNESS_DENSE = 1,  /* K dense; LAPACK */
   DLS_STIFFNESS_SPARSE = 2, /* K sparse. Where no connected part of its graph has more than 250
-                               unknowns (mass matrices of rigid bodies) part by part as dense
-                               matrices, else by MUMPS; in a build without MUMPS parts may have 8000
-                               unknowns, more are DLS_E_UNSUPPORTED */
+                               unknowns (mass matrices of rigid bodies; DLS_CHOLESKY and up to four
+                               parts: 25) part by part as dense matrices, else DLS_CHOLESKY by
+                               supernodes and the others by MUMPS; in a build without MUMPS parts
+                               may have 8000 unknowns, more are DLS_E_UNSUPPORTED */
   DLS_FLEXIBILITY = 3,      /* K^-1 given, dense; W is as symmetric as it is */
   DLS_HOST_SOLVER = 4       /* the host solves with its own factorisation */
 } dls_operator;

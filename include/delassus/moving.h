@@ -64,7 +64,9 @@ typedef struct dls_moving_data {
   dls_moving_settings settings; /* as the scene runs, its own values filled in */
   int dynamic;                  /* 1: with mass; 0: a path of equilibria */
   int has_exact;                /* 1: exact_gap and exact_force are known */
+  int obstacle_moves;           /* 1: the obstacle goes to and fro */
   double h;                     /* of a step                                        time */
+  double element;               /* bars: length of an element                       length */
   int steps;                    /* of the whole time */
   int cycle; /* jean-moving: steps of a cycle; two-blocks: of each part; else steps */
   const dls_fe_mesh *mesh;

@@ -131,20 +131,25 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_contact(const dls_reduction *reduc
                                                       const double *mu, dls_contact *problem,
                                                       dls_error *error);
 
-/* Recovers x := K^-1 (f + H r), n, with f as last given to dls_reduction_load (copied there). r
- * (m). One solve. Allocates nothing (MUMPS does). */
+/* Recovers x := K^-1 (f + H r), n, with f as last given to dls_reduction_load (copied there), or
+ * x_free + K^-1 H r. r (m). One solve; where there is a Schur complement, the half that load has
+ * left: load and recover are then one solve. With MUMPS that holds for the first recover, and the
+ * next ones of the same load take one solve. Allocates nothing (MUMPS does). */
 DLS_API DLS_MUST_USE dls_status dls_reduction_recover(dls_reduction *reduction, const double *r,
                                                       double *x, dls_error *error);
 
-/* Balances a K whose k rigid-body modes are held: the springs s_j = 1e-3 K_jj at k unknowns j of
+/* Balances a K whose k rigid-body modes are held: the springs s_j = 0.1 K_jj at k unknowns j of
  * the modes make K regular, and take the part of the loads that r does not balance,
  *
  *   K x = f + H r - s (x_j - c_j) e_j for each of them,   c = 0 after dls_reduction_load.
  *
  * *imbalance (or NULL) := max over the modes b of |b^T (f + H r)| / |b|^T (|f| + |H||r|): 0 in
- * equilibrium, 1 where nothing holds the body. Then c_j := x_j, and q follows: solving, balancing
- * and solving again until *imbalance is small gives the equilibrium of the free body without any
- * spring (proximal point method on the resultants). One solve. 0 if there are no modes. */
+ * equilibrium, 1 where nothing holds the body. Then c moves, and q follows: solving, balancing and
+ * solving again until *imbalance is small gives the equilibrium of the free body without any
+ * spring. c_j := x_j first (proximal point method on the resultants); from the second turn on by
+ * what the turns before, of this load and of earlier ones, have taught about x_j and c_j (Broyden's
+ * method), which needs about as many turns as modes while the contacts keep their states. Takes
+ * what dls_reduction_recover takes. *imbalance := 0 if there are no modes. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_balance(dls_reduction *reduction, const double *r,
                                                       double *imbalance, dls_error *error);
 

@@ -47,7 +47,8 @@ enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
  *   m^2 doubles      newton, admm, augmented-lagrangian, penalty, auto, for a W announced as dense
  *   O(blocks)        the same, for a W announced by blocks (limits.blocks), and what MUMPS needs to
  *                    factorise it
- *   3 m^2 doubles    homotopy, and auto up to 300 rows
+ *   3 m^2 doubles    homotopy
+ *   4 m^2 doubles    auto up to 300 rows
  *   2 n^2 doubles    lemke, and auto up to DLS_AUTO_LEMKE_2D, _3D candidates: the LCP and its
  *                    table. n = (facets + 2) nc for d = 3; d = 2: n = 4 nc up to 4 nc = 4000,
  *                    beyond that n = 3 nc, and a ray ends it
@@ -59,8 +60,10 @@ enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
  * blocks, -q nearly in the friction cones); then the augmented Lagrangian, then Lemke's method.
  * Each but ADMM for a stack and Lemke's method starts from the best r so far, which is what is
  * returned. What all of them leave goes to the homotopy (up to 300 rows) and, from r = 0, to sweeps
- * in the reverse order, ADMM with a tiny rho and the augmented Lagrangian (src/front/auto.c).
- * info.stage has what was done.
+ * in the reverse order, ADMM with a tiny rho, the augmented Lagrangian, and Newton's method from
+ * scattered starts (src/front/auto.c). Up to 300 rows all but the first sweeps and Newton steps
+ * work on a copy in an order and in units that follow from the data, so that the order of the
+ * candidates does not decide. info.stage has what was done.
  *
  * lemke solves, for d = 2, the LCP of dls_contact_to_lcp and, where that ends in a ray, the one of
  * dls_contact_to_facets_lcp; for d = 3 the latter. Where the certificate does not hold yet,
@@ -85,17 +88,16 @@ DLS_API DLS_MUST_USE dls_status dls_solver_set_limits(dls_solver *solver, const 
 /* r (m): in, the start if warm_start; out, the reactions. u (m) or NULL: W r + q. info or NULL.
  * Allocates nothing for a W of the storage that `blocks` announced, MUMPS apart (newton.h).
  *
- * Statuses of the methods. Of lemke with d = 3, DLS_RAY and never DLS_NO_SOLUTION: a proof for the
- * cone with facets does not bind the round one. DLS_NO_SOLUTION of lemke and auto: proved, d = 2,
- * exactly for the numbers of W, q and mu; dls_solver_farkas() has the proof.
- * DLS_NO_SOLUTION_LIKELY, of auto alone: all methods have failed, from r = 0 and more ways than
- * one; the reactions run away along dls_solver_direction() or, d = 2 and up to 8 candidates, no
- * states of the candidates have a solution; and W shows no reason why there should be one
- * (src/front/auto.c, AT9). DLS_RAY: the reactions run away along dls_solver_direction(), which says
- * nothing of solutions; with a dls_solver_farkas(), that there is none near. DLS_STALLED of auto:
- * all its methods failed. Where every q_n >= 0, and where few candidates press and W couples none
- * of them, auto answers without a workspace unless it starts warm: r = 0 without a stage, or one
- * sweep (src/front/alone.c). */
+ * Statuses of the methods. DLS_NO_SOLUTION of lemke and auto: proved, exactly for the numbers of
+ * W, q and mu; dls_solver_farkas() has the proof. DLS_NO_SOLUTION_LIKELY, of auto alone: no r can
+ * be certified, any solution being too far away (src/front/farkas.c); or all methods have failed,
+ * from r = 0 and more ways than one, and no states of the candidates have a solution, d = 2 and up
+ * to 8 candidates, or the reactions run away along dls_solver_direction(), d = 3 and up to 2; and
+ * W shows no reason why there should be one (src/front/auto.c, AT9). DLS_RAY: the reactions run
+ * away along dls_solver_direction(), which says nothing of solutions; with a dls_solver_farkas(),
+ * that there is none near. DLS_STALLED of auto: all its methods failed. Where every q_n >= 0, and
+ * where few candidates press and W couples none of them, auto answers without a workspace unless
+ * it starts warm: r = 0 without a stage, or one sweep (src/front/alone.c). */
 DLS_API DLS_MUST_USE dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem,
                                                  double *r, double *u, dls_info *info,
                                                  dls_error *error);
@@ -112,8 +114,9 @@ DLS_API const double *dls_solver_direction(const dls_solver *solver);
  *   v >= 0,   sum_c v_c q_cn < 0,   g_cn + mu_c |g_ct| <= 0,   g_c = sum_a v_a (row n of W_ac)
  *
  * exactly for the numbers of the problem, so that no r in the friction cones has u_n = (W r + q)_n
- * >= 0: 0 <= v.u_n = g.r + v.q_n < 0 otherwise. After DLS_RAY of lemke, d = 2, a v for which this
- * holds but for rounding: nothing proved, a solution would be too large to be certified. Else NULL.
+ * >= 0: 0 <= v.u_n = g.r + v.q_n < 0 otherwise. After DLS_RAY of lemke, DLS_STALLED or
+ * DLS_NO_SOLUTION_LIKELY of auto, a v for which this holds but for rounding, if there is one:
+ * nothing proved, a solution would be too large to be certified. Else NULL.
  * Lives until the next solve or destroy. */
 DLS_API const double *dls_solver_farkas(const dls_solver *solver);
 

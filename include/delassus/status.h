@@ -44,7 +44,7 @@ typedef enum dls_status {
   DLS_NO_SOLUTION = 5,        /* proved: no solution exists */
   DLS_NO_SOLUTION_LIKELY = 6, /* not proved; dls_solver_direction() shows why */
   DLS_TIME_LIMIT = 7,         /* limits.cpu_seconds came first */
-  DLS_FOLDED = 8, /* forming.h: the next step would leave no body; the fault says where */
+  DLS_FOLDED = 8,             /* forming.h: the next step would leave no body */
 
   DLS_E_ARGUMENT = -1,              /* NULL, or a value outside its range */
   DLS_E_SIZE = -2,                  /* dimensions that do not fit, or too large to address */

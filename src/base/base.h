@@ -101,6 +101,9 @@ double dlsi_clock_start(const dls_limits *limits);
 /* Is the cpu_seconds of a solve inside of another one, which keeps the time itself. */
 static const double dlsi_no_clock = -1;
 
+/* Returns 1 if the time of a solve that began at `begun` is over. */
+int dlsi_clock_is_over(const dls_limits *limits, double begun);
+
 /* Returns the cpu_seconds for a solve inside of one that began at `begun`. */
 double dlsi_clock_left(const dls_limits *limits, double begun);
 

@@ -1,4 +1,5 @@
 /* number.c: computes norms that keep NaN, and finds values that are not finite. */
+#include <float.h>
 #include <math.h>
 
 #include "base/base.h"
@@ -37,7 +38,8 @@ double dlsi_norm2(const double *x, size_t n) {
   double sum = 0;
   for (size_t i = 0; i < n; i++)
     sum += (scale * x[i]) * (scale * x[i]);
-  return sqrt(sum) / scale;
+  const double norm = sqrt(sum) / scale;
+  return norm <= DBL_MAX ? norm : DBL_MAX; /* a residual over infinity would be 0, and certify */
 }
 
 long long dlsi_first_not_finite(const double *x, size_t n) {

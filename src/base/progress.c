@@ -19,6 +19,10 @@ double dlsi_clock_start(const dls_limits *limits) {
   return asked ? thread_seconds() : -1;
 }
 
+int dlsi_clock_is_over(const dls_limits *limits, double begun) {
+  return limits->cpu_seconds > 0 && thread_seconds() - begun >= limits->cpu_seconds;
+}
+
 double dlsi_clock_left(const dls_limits *limits, double begun) {
   if (!(limits->cpu_seconds > 0)) return dlsi_no_clock;
   const double left = limits->cpu_seconds - (thread_seconds() - begun);

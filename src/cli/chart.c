@@ -19,7 +19,7 @@
  * problem amplifies errors ten thousand times. */
 static const double same_answer = 1e-4;
 static const double certain = 1e-8; /* tolerance of answers that are compared */
-enum { most_rows_of_rank = 1500 };  /* finding the rank takes a second there */
+enum { most_rows_of_rank = 1500, most_rows_of_prediction = 600 }; /* each takes a second there */
 
 /* auto is the advice unless another method is faster by more than this on the whole. */
 static const double prefer_auto = 1.25;
@@ -40,7 +40,7 @@ static void chart_usage(FILE *out) {
       "  -r, --repeat=N        time each solve up to N times, the least counts (25)\n"
       "  -l, --limit=S         CPU seconds that a solve may always take (1); more while it is\n"
       "                        within 30 times the fastest\n"
-      "  -b, --budget=S        CPU seconds of all solves, about (25)\n"
+      "  -b, --budget=S        CPU seconds of all solves, about (12)\n"
       "  -o, --out=DIR         where the files go (chart)\n"
       "  -h, --help            this text\n"
       "\n"
@@ -161,6 +161,17 @@ static void chart_amplify(chart *c) {
   }
 }
 
+/* Asks the library how much larger than a residual the error of r may be. */
+static void chart_predict(chart *c) {
+  dls_sensitivity s;
+  c->predicted = NAN;
+  if (c->in_u || !c->answers || c->race.d * c->race.nc > most_rows_of_prediction) return;
+  const int of = c->answer[0].of;
+  const double *r = race_answer(&c->race, of, chart_best_rung(c, of));
+  if (!dls_contact_sensitivity(c->race.problem, r, &s, NULL))
+    c->predicted = fmin(s.amplification, s.amplification_r);
+}
+
 /* ---- the advice ------------------------------------------------------------------------------ */
 
 /* Fills worst[] and returns the mean of log(CPU over the fastest) of contender k, INFINITY if a
@@ -214,6 +225,8 @@ static void print_chart(const chart *c) {
   }
   chart_reference(c, text, sizeof text);
   printf("\nerrors in %s; %s\n", c->in_u ? "u, W being rank deficient" : "r", text);
+  if (isfinite(c->predicted))
+    printf("error / residual as the sensitivity predicts: %.2g\n", c->predicted);
   chart_advice(c, text, sizeof text);
   puts(text);
 }
@@ -260,6 +273,7 @@ static dls_status chart_measure(chart *c, const char *name, const chart_options 
   if (status) return status;
   chart_errors(c);
   chart_amplify(c);
+  chart_predict(c);
   chart_choose(c);
   return chart_histories(c, o->limit, error);
 }
@@ -303,7 +317,7 @@ int command_chart(int argc, char **argv) {
   static const struct option options[] = {VALUE("repeat", 'r'), VALUE("limit", 'l'),
                                           VALUE("budget", 'b'), VALUE("out", 'o'), LAST_OPTIONS};
   static const command chart_command = {"r:l:b:o:h", options, chart_usage, take_chart_option, 1};
-  chart_options o = {.repeat = 25, .limit = 1, .budget = 25, .out = "chart"};
+  chart_options o = {.repeat = 25, .limit = 1, .budget = 12, .out = "chart"};
   const int stop = take_options(argc, argv, &chart_command, &o);
   if (stop != GO_ON) return stop;
   watch_interrupt();

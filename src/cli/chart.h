@@ -23,7 +23,8 @@ typedef struct chart {
   chart_answer answer[MOST_CONTENDERS];
   int went_to[MOST_CONTENDERS];          /* the contender's answer; -1: none to 1e-8 */
   double amplification[MOST_CONTENDERS]; /* largest error / residual above the noise, or NaN */
-  int take;                              /* the contender to take; -1: nobody solved it */
+  double predicted; /* the same as dls_contact_sensitivity expects it, of r; NaN: not known */
+  int take;         /* the contender to take; -1: nobody solved it */
   double worst[MOST_CONTENDERS]; /* CPU over the fastest, the most of all rungs; INFINITY: a rung
                                     is missing that another solved */
   history *history;              /* of each contender */

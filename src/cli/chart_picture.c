@@ -144,11 +144,13 @@ static void plot_curves(FILE *s, const chart *c, int x, int y) {
   fputs("\n", s);
 }
 
-/* A cross where a method gave up, and its words. */
+/* A cross where a method gave up, and its words, which stretch from left to right at height b. */
 typedef struct cross {
   double x, y; /* on the axes */
   double a, b; /* in the panel, 0 to 1; b of the words */
-  int of, rung;
+  double left, right;
+  int of, before; /* contender; 1: the words stand before the cross */
+  char words[64];
 } cross;
 
 static int higher_cross(const void *p, const void *q) {
@@ -160,39 +162,47 @@ static double part_of(double x, double lo, double hi) {
   return log(x / lo) / log(hi / lo);
 }
 
-/* Writes a cross and its verdict for each contender that gave up; words keep a line's distance. */
-static void write_crosses(FILE *s, const chart *c, const ranges *g) {
-  static const double line = 0.062, width = 0.33;
-  const race *a = &c->race;
-  cross all[MOST_CONTENDERS];
+static int find_crosses(const chart *c, const ranges *g, cross *all) {
+  static const double letter = 0.0122, gap = 0.018; /* of the panel's width */
   int count = 0;
-  for (int k = 0; k < a->count; k++)
-    for (int rung = 0; rung < a->rungs; rung++) {
-      const trial *t = race_trial(a, k, rung);
-      if (t->end == ENDED_SOLVED) continue;
-      cross *p = &all[count++];
-      *p = (cross){.x = 1e3 * t->seconds, .y = at_least(t->residual, 10 * least_residual)};
-      p->y = fmin(p->y, g->residual_max / 2);
-      p->a = part_of(p->x, g->ms_min, g->ms_max);
-      p->b = part_of(p->y, least_residual, g->residual_max);
-      p->of = k;
-      p->rung = rung;
-      break;
-    }
+  for (int k = 0; k < c->race.count; k++) {
+    const trial *t = race_trial(&c->race, k, c->race.rungs - 1);
+    if (t->end == ENDED_SOLVED) continue; /* else the first rung that failed stands there */
+    cross *p = &all[count++];
+    *p = (cross){.x = 1e3 * t->seconds, .y = at_least(t->residual, 10 * least_residual), .of = k};
+    p->y = fmin(p->y, g->residual_max / 2);
+    p->a = part_of(p->x, g->ms_min, g->ms_max);
+    p->b = part_of(p->y, least_residual, g->residual_max);
+    const int letters =
+        snprintf(p->words, sizeof p->words, "%s: %s", c->race.who[k].name, ending_word(t->end));
+    p->before = p->a > 0.55;
+    p->left = p->a + gap - (p->before ? 2 * gap + letters * letter : 0);
+    p->right = p->left + letters * letter;
+  }
   qsort(all, (size_t)count, sizeof *all, higher_cross);
+  return count;
+}
+
+/* Writes a cross and its verdict for each contender that gave up; words move down until none
+ * overlap. */
+static void write_crosses(FILE *s, const chart *c, const ranges *g) {
+  static const double line = 0.062;
+  cross all[MOST_CONTENDERS];
+  const int count = find_crosses(c, g, all);
   for (int i = 0; i < count; i++) {
     cross *p = &all[i];
-    for (int j = 0; j < i; j++)
-      if (fabs(all[j].a - p->a) < width) p->b = fmin(p->b, all[j].b - line);
-    const contender *who = &a->who[p->of];
-    const int left = p->a > 0.6;
+    for (int j = 0; j < i; j++) {
+      const cross *q = &all[j];
+      if (q->left > p->right || q->right < p->left || fabs(q->b - p->b) > 0.99 * line) continue;
+      p->b = q->b - line;
+      j = -1; /* the new place may touch others */
+    }
     fprintf(s, "  set label '' at first %.5g,%.5g point pt 2 ps 1.8 lw 3 lc rgb '%s' front\n", p->x,
-            p->y, who->colour);
-    fprintf(s,
-            "  set label '%s: %s' at graph %.4f,%.4f %s tc rgb '%s' font ',11' noenhanced front "
-            "boxed\n",
-            who->name, ending_word(race_trial(a, p->of, p->rung)->end),
-            p->a + (left ? -0.018 : 0.018), p->b, left ? "right" : "left", who->colour);
+            p->y, c->race.who[p->of].colour);
+    fprintf(
+        s, "  set label '%s' at graph %.4f,%.4f %s tc rgb '%s' font ',11' noenhanced front boxed\n",
+        p->words, p->before ? p->right : p->left, p->b, p->before ? "right" : "left",
+        c->race.who[p->of].colour);
   }
 }
 
@@ -217,7 +227,10 @@ static void write_work(FILE *s, const chart *c, const ranges *g) {
           "  set format x '10^{%%T}'\n  set format y '10^{%%T}'\n  set ytics 1e-16,1e4\n",
           g->ms_min, g->ms_max, least_residual, g->residual_max);
   write_crosses(s, c, g);
-  fputs("  plot $band using 1:2 with filledcurves closed fc rgb '#e4e4e4'", s);
+  if (isfinite(race_fastest(&c->race, 0, 0)))
+    fputs("  plot $band using 1:2 with filledcurves closed fc rgb '#e4e4e4'", s);
+  else
+    fputs("  plot 1/0 with lines", s);
   plot_curves(s, c, 2, 4);
 }
 
@@ -307,7 +320,7 @@ static void write_convergence(FILE *s, const chart *c, const ranges *g) {
 
 /* Writes the table that is the key, too. */
 static void write_key(FILE *s, const chart *c) {
-  static const double column[] = {0.06, 0.10, 0.29, 0.45, 0.61, 0.77, 0.89}, top = 0.265;
+  static const double column[] = {0.06, 0.10, 0.29, 0.45, 0.61, 0.75, 0.94}, top = 0.265;
   static const char *const head[] = {"1e-4", "1e-8", "1e-12"};
   const race *a = &c->race;
   const double line = 0.245 / (a->count + 1);
@@ -321,8 +334,11 @@ static void write_key(FILE *s, const chart *c) {
   for (int i = 0; i < CHART_TARGETS; i++)
     fprintf(s, "  set label '{/:Bold %s}' at screen %g,%g left font ',12'\n", head[i],
             column[2 + i], top);
-  fprintf(s, "  set label '{/:Bold error / residual}' at screen %g,%g left font ',12'\n", column[5],
-          top);
+  char predicted[40] = "";
+  if (isfinite(c->predicted))
+    (void)snprintf(predicted, sizeof predicted, " (predicted: %.2g)", c->predicted);
+  fprintf(s, "  set label '{/:Bold error / residual}%s' at screen %g,%g left font ',12'\n",
+          predicted, column[5], top);
   fprintf(s, "  set label '{/:Bold ms (times the fastest), to}' at screen %g,%g left font ',12'\n",
           column[1], top);
   if (c->answers > 1)

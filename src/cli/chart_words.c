@@ -8,13 +8,17 @@ const int chart_target[CHART_TARGETS] = {2, 6, 10};
 void chart_advice(const chart *c, char *text, size_t size) {
   const race *a = &c->race;
   if (c->take < 0) {
-    (void)snprintf(text, size,
-                   "no method solves it at all tolerances that another solves; auto: %s",
-                   ending_word(race_trial(a, 0, 0)->end));
+    (void)snprintf(text, size, "%s; auto: %s",
+                   isfinite(race_fastest(a, 0, 0))
+                       ? "no method solves it at all tolerances that another solves"
+                       : "no method solves it",
+                   ending_word(race_trial(a, 0, a->rungs - 1)->end));
     return;
   }
-  int used = snprintf(text, size, "take %s: at most %.2g times the fastest", a->who[c->take].name,
-                      c->worst[c->take]);
+  char how[60] = "the fastest at every tolerance";
+  if (c->worst[c->take] >= 1.05)
+    (void)snprintf(how, sizeof how, "at most %.2g times the fastest", c->worst[c->take]);
+  int used = snprintf(text, size, "take %s: %s", a->who[c->take].name, how);
   if (used < 0 || (size_t)used >= size || c->take == 0) return;
   if (isfinite(c->worst[0]))
     (void)snprintf(text + used, size - (size_t)used, "; auto: at most %.2g times", c->worst[0]);

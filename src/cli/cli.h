@@ -10,6 +10,7 @@
 #include "delassus.h"
 #include "delassus/fe.h"
 #include "delassus/forming.h"
+#include "delassus/moving.h"
 
 /* Exit statuses. */
 enum { EXIT_SOLVED = 0, EXIT_NOT_SOLVED = 1, EXIT_BAD_INPUT = 2 };
@@ -22,6 +23,8 @@ int command_tables(int argc, char **argv);
 int command_chart(int argc, char **argv);
 int command_profile(int argc, char **argv);
 int command_map(int argc, char **argv);
+int command_moving(int argc, char **argv);
+int command_converge(int argc, char **argv);
 
 /* ---- problem.c ------------------------------------------------------------------------------- */
 
@@ -262,6 +265,28 @@ void mesh_box(int nodes, const double *xy, const double *displacement, double lo
 /* Draws history.csv of the directory (solve --plot); returns 1, or 0 after a complaint. */
 int draw_history(const char *directory, const char *title);
 
+/* ---- moving.c -------------------------------------------------------------------------------- */
+
+/* The options of bodies that move, their lines of --help, and the function that takes one of them;
+ * OPTION_UNKNOWN for another key. */
+#define MOVING_KEYS "n:m:t:"
+#define MOVING_OPTIONS                                                                             \
+  VALUE("law", 'L'), VALUE("theta", 'T'), VALUE("mass", 'K'), VALUE("e", 'E'),                     \
+      VALUE("courant", 'C'), VALUE("steps", 'n'), VALUE("mesh", 'M'), VALUE("upper", 'U'),         \
+      VALUE("mu", 'f'), VALUE("amplitude", 'A'), VALUE("frequency", 'F'), VALUE("method", 'm'),    \
+      VALUE("tol", 't')
+void moving_usage_options(FILE *out);
+taken take_moving_setting(int key, const char *text, dls_moving_settings *settings);
+
+/* Returns 1 if one of the arguments is the name of a scene of bodies that move. */
+int names_moving(int argc, char **argv);
+
+/* Draw energy.* and bar.*, map.*, loop.* in a directory that holds energy.csv and their data, and
+ * converge.* with the line factor h^order beside converge.csv (moving_picture.c); EXIT_SOLVED, or
+ * EXIT_BAD_INPUT after a complaint. */
+int draw_moving(const char *directory, const dls_moving_data *data);
+int draw_convergence(const char *directory, const char *name, double order, double factor);
+
 /* ---- forming.c ------------------------------------------------------------------------------- */
 
 /* Sets the method of a forming scene by its name: one of the library on W, or "gauss-seidel",
@@ -277,8 +302,11 @@ int count_contacts(const dls_forming_data *data);
 /* Shows the progress of a step on the terminal; returns non-zero after Ctrl-C. */
 int show_step(const dls_forming_data *data, int step);
 
-/* Draws mesh.*, plastic.*, force.* in a directory that holds force.csv (forming_picture.c);
- * EXIT_SOLVED, or EXIT_BAD_INPUT after a complaint. */
+/* Writes travel, position, pressure and shear of a step, a row for each node, and a blank row. */
+void write_pressures(FILE *data, const dls_forming_data *d);
+
+/* Draws mesh.*, plastic.*, pressure.*, force.* in a directory that holds force.csv and pressure.dat
+ * (forming_picture.c); EXIT_SOLVED, or EXIT_BAD_INPUT after a complaint. */
 int draw_forming(const char *directory, const char *title, const dls_forming_data *data);
 
 #endif

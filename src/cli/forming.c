@@ -2,10 +2,11 @@
  * forming.c: delassus scene indentation, extrusion: runs load steps by a method of choice, and
  * writes files.
  *
- *   force.csv     every step: travel, force, counts and CPU seconds so far
+ *   force.csv     every step: travel, force, forces of the tools, counts and CPU seconds so far
  *   contact.csv   the candidates where --at asks, and at the end
- *   series.pvd    about 50 steps for ParaView, step_NNNN.vtu
- *   mesh, plastic, force (.dat or .csv, .gp, .png, .svg)
+ *   series.pvd    about 50 steps for ParaView, body and tools: step_NNNN.vtu, tools_NNNN.vtu
+ *   pressure.dat  every step: travel, position, pressure, shear of the surface
+ *   mesh, plastic, pressure, force (.dat or .csv, .gp, .png, .svg)
  */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -24,6 +25,7 @@ typedef struct forming_options {
   double at[MOST_AT];
   int at_count;
   const char *out, *save; /* NULL: none */
+  int json;
 } forming_options;
 
 static void forming_usage(FILE *out) {
@@ -41,12 +43,25 @@ static void forming_usage(FILE *out) {
       "  -n, --steps=N         equal steps (100; 300)\n"
       "      --mu=MU           friction (0.2; 0.1)\n"
       "      --clamped         indentation: the bottom sticks to its support\n"
+      "      --ram-mu=MU       extrusion: friction at the ram (0)\n"
+      "      --penalty=FACTOR  augmented-lagrangian, penalty: springs over stiffness (30; 1000)\n"
+      "      --augmentations=N augmented-lagrangian: at most N a step (as many as it takes)\n"
+      "      --relaxation=W    gauss-seidel: 0 < W < 2 (1)\n"
+      "      --no-aitken       gauss-seidel: plain sweeps\n"
       "  -t, --tol=T           on equilibrium and certificate (1e-9)\n"
+      "      --step-tol=T      compare each step with two halves, and halve it until their forces\n"
+      "                        differ by at most T of the largest one; tells their sum\n"
       "      --at=D[,D..]      print the state, and write contact.csv, at the end of the step\n"
       "                        that reaches displacement D\n"
       "  -s, --save=FILE       write the last condensed contact problem as an FCLIB file (HDF5)\n"
       "  -o, --out=DIR         write force.csv, contact.csv, series.pvd, pictures\n"
-      "  -h, --help            this text\n",
+      "      --json            print one object instead of text\n"
+      "  -h, --help            this text\n"
+      "\n"
+      "A run ends early, with exit status 1, where the next step would leave no body (a corner of\n"
+      "an element inside out, a node inside a tool, a boundary that crosses itself, forces or\n"
+      "energy that do not balance) or cannot be solved, and says where. All up to there is "
+      "written.\n",
       method_list(methods, sizeof methods));
 }
 
@@ -89,7 +104,7 @@ int show_step(const dls_forming_data *data, int step) {
 /* ---- files of a step ------------------------------------------------------------------------ */
 
 typedef struct outputs {
-  FILE *force, *contact; /* NULL: not wanted */
+  FILE *force, *contact, *pressure; /* NULL: not wanted */
   dls_fe_series *series;
   double start;
 } outputs;
@@ -113,13 +128,17 @@ static void write_contacts(FILE *file, const dls_forming_data *d) {
   }
 }
 
-static int open_outputs(outputs *o, const char *directory) {
+static int open_outputs(outputs *o, const char *directory, const dls_forming_data *d) {
   if (!make_directory(directory) || !(o->force = open_in(directory, "force.csv")) ||
-      !(o->contact = open_in(directory, "contact.csv")) || !(o->series = open_series(directory)))
+      !(o->contact = open_in(directory, "contact.csv")) || !(o->series = open_series(directory)) ||
+      !(o->pressure = open_in(directory, "pressure.dat")))
     return 0;
   fputs("travel,force,contacts,newton,frames,iterations,halvings,equilibrium,residual,"
-        "assembly_cpu,reduction_cpu,contact_cpu,total_cpu\n",
+        "assembly_cpu,reduction_cpu,contact_cpu,total_cpu,balance,by",
         o->force);
+  for (int k = 0; k < d->tools; k++)
+    fprintf(o->force, ",%s_x,%s_y", d->tool[k].name, d->tool[k].name);
+  fputc('\n', o->force);
   fputs("travel,candidate,x,y,n_x,n_y,gap,slip,rn,rt\n", o->contact);
   return 1;
 }
@@ -129,7 +148,19 @@ static int close_outputs(outputs *o) {
   int good = 1;
   if (o->force) good &= close_file(o->force, "force.csv");
   if (o->contact) good &= close_file(o->contact, "contact.csv");
+  if (o->pressure) good &= close_file(o->pressure, "pressure.dat");
   return close_series(o->series) && good;
+}
+
+/* Returns the word for the way that solved a step. */
+static const char *way_word(dls_forming_way way) {
+  static const char *const words[] = {
+      [DLS_FORMING_ON_K] = "newton-on-K",
+      [DLS_FORMING_ON_W] = "auto-on-W",
+      [DLS_FORMING_BY_LEMKE] = "lemke",
+      [DLS_FORMING_BY_METHOD] = "method",
+  };
+  return words[way];
 }
 
 /* Writes the rows and files of a step. asked: 1 if the step reaches a displacement of --at. */
@@ -137,20 +168,28 @@ static int write_step(const outputs *o, const forming_options *options, const dl
                       int step, int asked) {
   dls_forming_data d;
   dls_forming_get(forming, &d);
-  fprintf(o->force, "%.10g,%.17g,%d,%d,%d,%d,%d,%.3e,%.3e,%.4f,%.4f,%.4f,%.4f\n", d.travel, d.force,
-          count_contacts(&d), d.count.newton, d.count.frames, d.count.iterations, d.count.halvings,
-          d.equilibrium, d.certificate.residual, d.cpu.assembly, d.cpu.reduction, d.cpu.contact,
-          cpu_seconds() - o->start);
+  fprintf(o->force, "%.10g,%.17g,%d,%d,%d,%d,%d,%.3e,%.3e,%.4f,%.4f,%.4f,%.4f,%.3e,%s", d.travel,
+          d.force, count_contacts(&d), d.count.newton, d.count.frames, d.count.iterations,
+          d.count.halvings, d.equilibrium, d.certificate.residual, d.cpu.assembly, d.cpu.reduction,
+          d.cpu.contact, cpu_seconds() - o->start, d.balance, way_word(d.way));
+  for (int k = 0; k < d.tools; k++)
+    fprintf(o->force, ",%.9g,%.9g", d.tool[k].force[0], d.tool[k].force[1]);
+  fputc('\n', o->force);
+  write_pressures(o->pressure, &d);
   if (asked) write_contacts(o->contact, &d);
   const int every = (d.steps + VTU_FILES - 1) / VTU_FILES;
   if (step % every && !asked) return 1;
-  char name[40], path[PATH_ROOM];
-  dls_error error = {0};
-  (void)snprintf(name, sizeof name, "step_%04d.vtu", step);
-  if (!join_path(path, options->out, name)) return 0;
-  if (dls_forming_write_vtu(forming, path, &error) ||
-      dls_fe_series_add(o->series, d.travel, name, &error))
-    return complain_of(path, &error), 0;
+  static dls_status (*const write[])(const dls_forming *, const char *, dls_error *) = {
+      dls_forming_write_vtu, dls_forming_write_tools};
+  for (int part = 0; part < 2; part++) {
+    char name[40], path[PATH_ROOM];
+    dls_error error = {0};
+    (void)snprintf(name, sizeof name, "%s_%04d.vtu", part ? "tools" : "step", step);
+    if (!join_path(path, options->out, name)) return 0;
+    if (write[part](forming, path, &error) ||
+        dls_fe_series_add(o->series, d.travel, part, name, &error))
+      return complain_of(path, &error), 0;
+  }
   return 1;
 }
 
@@ -162,17 +201,94 @@ static void print_forming_summary(const forming_options *o, const dls_forming_da
   printf("\n%s by %s: %s at %.6g of %.6g mm\n", o->name, o->method, dls_status_text(status),
          d->travel, d->whole);
   if (d->fault.kind && status > 0)
-    printf("refused at %.6g mm: %s\n", d->fault.travel, d->fault.text);
+    printf("refused at %.6g of %.6g mm: %s\n", d->fault.travel, d->whole, d->fault.text);
   printf("%d steps, %d halved; %d frame updates, %d Newton steps, %d condensations, %d iterations "
          "of the method\n",
          d->count.parts, d->count.halvings, d->count.frames, d->count.newton, d->count.reductions,
          d->count.iterations);
+  if (d->count.handed)
+    printf("%d steps handed on to another way than Newton's method on K\n", d->count.handed);
+  printf("forces on the body [N]:");
+  const char *comma = "";
+  for (int k = 0; k < d->tools; k++) {
+    if (d->axisymmetric && d->tool[k].force[1] != 0)
+      printf("%s %s %.6g", comma, d->tool[k].name, d->tool[k].force[1]);
+    else if (!d->axisymmetric)
+      printf("%s %s (%.6g, %.6g)", comma, d->tool[k].name, d->tool[k].force[0],
+             d->tool[k].force[1]);
+    else
+      continue;
+    comma = ",";
+  }
+  printf("; sum over sizes %.1e, worst %.1e\n", d->balance, d->worst_balance);
   printf("worst equilibrium %.1e, worst residual %.1e\n", d->worst_equilibrium, d->worst_residual);
+  if (o->settings.step_tol > 0)
+    printf("error of the force by halved steps %.2g, %.1e of the force\n", d->step_error,
+           d->step_error / d->force);
   printf("work %.6g = elastic %.6g + plastic %.6g + friction %.6g, to %.2g %%\n", e->external,
          e->elastic, e->plastic, e->friction,
          100 * fabs(e->elastic + e->plastic + e->friction - e->external) / e->external);
   printf("CPU %.2f s: assembly %.2f, factorisation and condensation %.2f, contact %.2f\n", seconds,
          d->cpu.assembly, d->cpu.reduction, d->cpu.contact);
+}
+
+static void print_json_point(FILE *out, const char *name, const double x[2]) {
+  fprintf(out, "\"%s\": [", name);
+  print_json_number(out, x[0]);
+  fputs(", ", out);
+  print_json_number(out, x[1]);
+  fputs("]", out);
+}
+
+static void print_json_fault(FILE *out, const dls_forming_fault *fault) {
+  fprintf(out, ",\n  \"refused\": {\"element\": %d, \"corner\": %d, \"node\": %d", fault->element,
+          fault->corner, fault->node);
+  fputs(", \"travel\": ", out);
+  print_json_number(out, fault->travel);
+  fputs(", \"value\": ", out);
+  print_json_number(out, fault->value);
+  fputs(", \"reason\": ", out);
+  print_json_string(out, fault->text);
+  fputs("}", out);
+}
+
+static void print_forming_json(const forming_options *o, const dls_forming_data *d,
+                               dls_status status, double seconds) {
+  FILE *out = stdout;
+  fputs("{\n  \"scene\": ", out);
+  print_json_string(out, o->name);
+  fputs(",\n  \"method\": ", out);
+  print_json_string(out, o->method);
+  fprintf(out, ",\n  \"status\": \"%s\",\n  \"elements\": %d,\n  \"contacts\": %d",
+          status_word(status), d->mesh->quads, count_contacts(d));
+  print_json_field(out, "travel", d->travel);
+  print_json_field(out, "whole", d->whole);
+  print_json_field(out, "force", d->force);
+  print_json_field(out, "balance", d->balance);
+  print_json_field(out, "worst_balance", d->worst_balance);
+  print_json_field(out, "worst_equilibrium", d->worst_equilibrium);
+  print_json_field(out, "worst_residual", d->worst_residual);
+  if (o->settings.step_tol > 0) print_json_field(out, "step_error", d->step_error);
+  fprintf(out,
+          ",\n  \"steps\": %d,\n  \"halved\": %d,\n  \"handed_on\": %d,\n  \"compared\": %d,\n"
+          "  \"frames\": %d,\n  \"newton_steps\": %d,\n  \"condensations\": %d,\n"
+          "  \"iterations\": %d",
+          d->count.parts, d->count.halvings, d->count.handed, d->count.compared, d->count.frames,
+          d->count.newton, d->count.reductions, d->count.iterations);
+  print_json_field(out, "work", d->energy.external);
+  print_json_field(out, "elastic", d->energy.elastic);
+  print_json_field(out, "plastic", d->energy.plastic);
+  print_json_field(out, "friction", d->energy.friction);
+  fputs(",\n  \"tools\": [", out);
+  for (int k = 0; k < d->tools; k++) {
+    fprintf(out, "%s\n    {\"name\": \"%s\", ", k ? "," : "", d->tool[k].name);
+    print_json_point(out, "force", d->tool[k].force);
+    fputs("}", out);
+  }
+  fputs("]", out);
+  if (d->fault.kind && status > 0) print_json_fault(out, &d->fault);
+  print_json_field(out, "cpu_seconds", seconds);
+  fputs("\n}\n", out);
 }
 
 /* Runs all steps. *status: of the last one. Returns 0 after a complaint. */
@@ -181,7 +297,7 @@ static int run_steps(dls_forming *forming, const forming_options *o, outputs *ou
   dls_forming_data d;
   dls_error error = {0};
   dls_forming_get(forming, &d);
-  puts("    travel         force  contacts  max strain  equilibr.   residual");
+  if (!o->json) puts("    travel         force  contacts  max strain  equilibr.   residual");
   for (int step = 1; step <= d.steps; step++) {
     const double before = d.travel;
     *status = dls_forming_step(forming, &error);
@@ -194,7 +310,7 @@ static int run_steps(dls_forming *forming, const forming_options *o, outputs *ou
     const int stop = show_step(&d, step);
     if (asked || stop) {
       progress_end();
-      print_state(&d);
+      if (!o->json) print_state(&d);
     }
     if (out->force && !write_step(out, o, forming, step, asked || stop)) return 0;
     if (stop && !*status) *status = DLS_CANCELLED;
@@ -212,11 +328,17 @@ static int run_forming(const forming_options *o) {
     return complain_of(o->name, &error);
   dls_status status = DLS_OK;
   int result = EXIT_BAD_INPUT;
-  if (!o->out || open_outputs(&out, o->out))
+  dls_forming_data first;
+  dls_forming_get(forming, &first);
+  if (!o->out || open_outputs(&out, o->out, &first))
     if (run_steps(forming, o, &out, &status)) {
       dls_forming_data d;
       dls_forming_get(forming, &d);
-      print_forming_summary(o, &d, status, cpu_seconds() - out.start);
+      const double seconds = cpu_seconds() - out.start;
+      if (o->json)
+        print_forming_json(o, &d, status, seconds);
+      else
+        print_forming_summary(o, &d, status, seconds);
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
   if (!close_outputs(&out)) result = EXIT_BAD_INPUT;
@@ -268,6 +390,22 @@ static taken take_forming_option(int key, const char *text, void *data) {
     return OPTION_TAKEN;
   case 't':
     return parse_number("tol", text, &o->settings.tol);
+  case 'P':
+    return parse_number("penalty", text, &o->settings.penalty);
+  case 'A':
+    return parse_count("augmentations", text, &o->settings.augmentations);
+  case 'w':
+    return parse_number("relaxation", text, &o->settings.relaxation);
+  case 'N':
+    o->settings.aitken = 0;
+    return OPTION_TAKEN;
+  case 'r':
+    return parse_number("ram-mu", text, &o->settings.ram_mu);
+  case 'S':
+    return parse_number("step-tol", text, &o->settings.step_tol);
+  case 'j':
+    o->json = 1;
+    return OPTION_TAKEN;
   case 'a':
     return parse_at(optarg, o);
   case 'o':
@@ -282,10 +420,23 @@ static taken take_forming_option(int key, const char *text, void *data) {
 }
 
 int command_forming(int argc, char **argv) {
-  static const struct option options[] = {
-      VALUE("method", 'm'), VALUE("mesh", 'M'), VALUE("steps", 'n'), VALUE("mu", 'f'),
-      FLAG("clamped", 'c'), VALUE("tol", 't'),  VALUE("at", 'a'),    VALUE("save", 's'),
-      VALUE("out", 'o'),    LAST_OPTIONS};
+  static const struct option options[] = {VALUE("method", 'm'),
+                                          VALUE("mesh", 'M'),
+                                          VALUE("steps", 'n'),
+                                          VALUE("mu", 'f'),
+                                          FLAG("clamped", 'c'),
+                                          VALUE("tol", 't'),
+                                          VALUE("at", 'a'),
+                                          VALUE("out", 'o'),
+                                          VALUE("penalty", 'P'),
+                                          VALUE("augmentations", 'A'),
+                                          VALUE("relaxation", 'w'),
+                                          FLAG("no-aitken", 'N'),
+                                          VALUE("ram-mu", 'r'),
+                                          VALUE("step-tol", 'S'),
+                                          VALUE("save", 's'),
+                                          FLAG("json", 'j'),
+                                          LAST_OPTIONS};
   static const command forming = {"m:n:t:s:o:h", options, forming_usage, take_forming_option, 1};
   forming_options o = {.method = "auto"};
   dls_forming_settings_init(&o.settings);

@@ -11,7 +11,8 @@ static void info_usage(FILE *out) {
       "Facts about a contact problem (FCLIB, HDF5; local, or global after its reduction; or "
       "text):\n"
       "symmetry, rank and definiteness of W, scales, degenerate contacts, and how large friction\n"
-      "may be. Contacts and rows are counted from 0.\n"
+      "may be; in 2D the fold, the friction below which each load has one solution (up to 64\n"
+      "contacts), and all solutions (up to 8). Contacts and rows are counted from 0.\n"
       "\n"
       "  -l, --limit=N         rank, eigenvalues and the bound on friction for up to N rows "
       "(2000)\n"
@@ -98,7 +99,68 @@ static void print_friction(int d, int m, const dls_diagnosis *g) {
            g->wedged.count > 1 ? "s" : "", g->wedged.first, g->wedged.count > 1 ? "are" : "is");
 }
 
-static void print_facts(const char *path, const problem *p, int limit, const dls_diagnosis *g) {
+/* ---- trust ----------------------------------------------------------------------------------- */
+
+enum { most_fold = 64, most_listed = DLS_STATES_MAX, room = 32, listed_rows = 2 * most_listed };
+
+/* The fold and all solutions of a problem in 2D, where it is small enough. */
+typedef struct trust {
+  int has_fold, has_list;
+  dls_fold fold;
+  dls_status status; /* of the list */
+  dls_solution_set set;
+  double r[room * listed_rows], low[room * listed_rows], high[room * listed_rows];
+} trust;
+
+static void find_trust(const dls_contact *contact, trust *t) {
+  t->has_fold = contact->d == 2 && contact->nc <= most_fold &&
+                dls_contact_fold(contact, &t->fold, NULL, NULL, NULL, NULL, NULL) == DLS_OK;
+  if (contact->d != 2 || contact->nc > most_listed) return;
+  t->status = dls_contact_enumerate(contact, 1e-8, room, t->r, t->low, t->high, &t->set, NULL);
+  t->has_list = t->status >= 0;
+}
+
+/* Returns how many solutions are in the list. */
+static int listed(const trust *t) {
+  const int all = t->set.isolated + t->set.continua;
+  return all < room ? all : room;
+}
+
+static void print_solutions(int m, const trust *t) {
+  const dls_solution_set *set = &t->set;
+  if (t->status == DLS_NO_SOLUTION)
+    puts("  this load has no solution (proved, state by state)");
+  else if (t->status == DLS_NO_SOLUTION_LIKELY)
+    puts("  this load has no solution, but for rounding");
+  else
+    printf("  all solutions for this load: %d isolated, %d continu%s%s\n", set->isolated,
+           set->continua, set->continua == 1 ? "um" : "a",
+           t->status == DLS_STALLED ? "; rounding may hide others" : "");
+  for (int k = 0; k < listed(t); k++) {
+    const double *r = t->r + k * m, *low = t->low + k * m, *high = t->high + k * m;
+    fputs("    r =", stdout);
+    for (int i = 0; i < m; i++)
+      if (low[i] < high[i])
+        printf(" [%.6g,%.6g]", low[i], high[i]);
+      else
+        printf(" %.6g", r[i]);
+    puts("");
+  }
+}
+
+static void print_trust(const dls_contact *contact, const trust *t) {
+  if (t->has_fold && t->fold.friction <= 1e6)
+    printf("  fold: %s friction %.6g each load has one solution, above it some have several\n"
+           "    (%d matrices%s)\n",
+           t->fold.exact ? "below" : "as far as a search can tell, below", t->fold.friction,
+           t->fold.matrices, t->fold.exact ? ", all states" : "");
+  else if (t->has_fold)
+    puts("  fold: none, whatever the friction");
+  if (t->has_list) print_solutions(2 * contact->nc, t);
+}
+
+static void print_facts(const char *path, const problem *p, int limit, const dls_diagnosis *g,
+                        const trust *t) {
   const dls_contact *contact = &p->contact;
   problem_print(path, p);
   print_matrix(p, g);
@@ -111,6 +173,7 @@ static void print_facts(const char *path, const problem *p, int limit, const dls
   print_flaw(&g->singular_block, "contact", "contacts", "W_cc is singular");
   print_flaw(&g->no_effect, "component of r", "components of r", "without effect on u");
   print_friction(contact->d, contact->d * contact->nc, g);
+  print_trust(contact, t);
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
@@ -130,7 +193,42 @@ static void flaw_field(const char *name, const dls_flaw *flaw) {
   fputc('}', stdout);
 }
 
-static void print_info_json(const problem *p, const dls_diagnosis *g) {
+static void array_field(const char *name, int m, const double *x) {
+  printf("\"%s\": [", name);
+  for (int i = 0; i < m; i++) {
+    if (i) fputs(", ", stdout);
+    print_json_number(stdout, x[i]);
+  }
+  fputc(']', stdout);
+}
+
+/* Prints the fold, null if it is not known or at infinity, and the solutions, null if not known. */
+static void print_trust_json(int m, const trust *t) {
+  field("fold", t->has_fold ? t->fold.friction : (double)NAN);
+  printf(",\n  \"fold_exact\": %s", t->has_fold && t->fold.exact ? "true" : "false");
+  field("isolated", t->has_list ? (double)t->set.isolated : (double)NAN);
+  field("continua", t->has_list ? (double)t->set.continua : (double)NAN);
+  printf(",\n  \"no_solution_proved\": %s",
+         t->has_list && t->status == DLS_NO_SOLUTION ? "true" : "false");
+  fputs(",\n  \"solutions\": ", stdout);
+  if (!t->has_list) {
+    fputs("null", stdout);
+    return;
+  }
+  fputc('[', stdout);
+  for (int k = 0; k < listed(t); k++) {
+    fputs(k ? ",\n    {" : "\n    {", stdout);
+    array_field("r", m, t->r + k * m);
+    fputs(", ", stdout);
+    array_field("low", m, t->low + k * m);
+    fputs(", ", stdout);
+    array_field("high", m, t->high + k * m);
+    fputc('}', stdout);
+  }
+  fputc(']', stdout);
+}
+
+static void print_info_json(const problem *p, const dls_diagnosis *g, const trust *t) {
   const double unknown = g->spectrum ? 0 : NAN;
   printf("{\n  \"dimension\": %d,\n  \"contacts\": %d,\n  \"global\": %s", p->contact.d,
          p->contact.nc, p->reduction ? "true" : "false");
@@ -159,6 +257,7 @@ static void print_info_json(const problem *p, const dls_diagnosis *g) {
   flaw_field("no_normal", &g->no_normal);
   flaw_field("singular_block", &g->singular_block);
   flaw_field("no_effect", &g->no_effect);
+  print_trust_json(p->contact.d * p->contact.nc, t);
   puts("\n}");
 }
 
@@ -186,13 +285,17 @@ int command_info(int argc, char **argv) {
   problem p = {0};
   dls_error error = {0};
   dls_diagnosis g;
+  static trust t;
   int result = EXIT_SOLVED;
   if (problem_load(path, &p, &error) || dls_contact_diagnose(&p.contact, o.limit, &g, &error))
     result = complain_of(path, &error);
-  else if (o.json)
-    print_info_json(&p, &g);
-  else
-    print_facts(path, &p, o.limit, &g);
+  else {
+    find_trust(&p.contact, &t);
+    if (o.json)
+      print_info_json(&p, &g, &t);
+    else
+      print_facts(path, &p, o.limit, &g, &t);
+  }
   problem_free(&p);
   return result;
 }

@@ -9,6 +9,8 @@ static void program_usage(FILE *out) {
       "Unilateral contact with dry friction: benchmark scenes and problem files.\n"
       "\n"
       "  delassus scene NAME   run a built-in scene ('delassus scene --list' names them)\n"
+      "  delassus converge SCENE\n"
+      "                        error of a moving bar against the length of an element\n"
       "  delassus tables       Tables 2 and 3 of Chabrand (1998) beside ours\n"
       "  delassus solve FILE   solve an FCLIB problem (HDF5, local or global)\n"
       "  delassus solve --lcp M.mtx q.mtx\n"
@@ -29,6 +31,10 @@ int main(int argc, char **argv) {
   int result;
   if (!strcmp(name, "scene") && names_forming(argc - 1, argv + 1))
     result = command_forming(argc - 1, argv + 1);
+  else if (!strcmp(name, "scene") && names_moving(argc - 1, argv + 1))
+    result = command_moving(argc - 1, argv + 1);
+  else if (!strcmp(name, "converge"))
+    result = command_converge(argc - 1, argv + 1);
   else if (!strcmp(name, "tables"))
     result = command_tables(argc - 1, argv + 1);
   else if (!strcmp(name, "scene"))

@@ -11,7 +11,7 @@
 
 #include "map.h"
 
-enum { most_rows_of_bounds = 1500, most_rows_of_friction = 60 };
+enum { most_rows_of_bounds = 1500, most_rows_of_friction = 60, most_candidates_of_fold = 40 };
 
 static const double solve_limit = 0.3; /* CPU seconds of a solve, unless --limit says */
 
@@ -38,16 +38,6 @@ static void map_usage(FILE *out) {
       "\n"
       "Exit status: 0, 1 if auto failed where another method did not, 2 bad input.\n",
       out);
-}
-
-void spread_friction(double from, double to, int rows, double *mu) {
-  const double least = from > 0 ? from : to / 200;
-  const int first = from > 0 ? 0 : 1;
-  if (first) mu[0] = 0;
-  for (int i = first; i < rows; i++) {
-    const double part = rows - 1 > first ? (double)(i - first) / (rows - 1 - first) : 1;
-    mu[i] = least * pow(to / least, part);
-  }
 }
 
 /* ---- one row --------------------------------------------------------------------------------- */
@@ -190,6 +180,12 @@ static void add_lines(map_run *m, const dls_contact *contact, const map_options 
       add_line(m, facts.friction_unique, "#009e73", "one answer for all loads below");
     add_line(m, facts.friction_critical, "#d55e00", "some candidate jams above");
   }
+  dls_fold fold;
+  if (contact->nc <= most_candidates_of_fold &&
+      !dls_contact_fold(contact, &fold, NULL, NULL, NULL, NULL, NULL))
+    add_line(m, fold.friction, "#000000",
+             fold.exact ? "fold: several answers for some loads above"
+                        : "fold (searched): several answers above");
   const double last = continue_rows(m, contact, o, mu, done);
   if (done && last < m->mu[done - 1]) add_line(m, last, "#cc79a7", "last reached by continuation");
 }

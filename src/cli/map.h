@@ -43,6 +43,9 @@ void map_verdict(map_cell *cell, ending e, double times_fastest);
 /* Sets the cell of a share, 0 to 1. */
 void map_share(map_cell *cell, double share);
 
+/* Fills mu with rows values from `from` to `to`: 0 if from is 0, then in equal ratios. */
+void spread_friction(double from, double to, int rows, double *mu);
+
 /* Writes map.dat, map.gp, draws map.png, map.svg; returns EXIT_SOLVED, or EXIT_BAD_INPUT after a
  * complaint (map_picture.c). */
 int draw_map(const map_picture *p);
@@ -58,9 +61,6 @@ typedef struct map_options {
   const char *method;  /* of scenes that go in steps */
   const char *out;
 } map_options;
-
-/* Fills mu with rows values from `from` to `to`: 0 if from is 0, then in equal ratios. */
-void spread_friction(double from, double to, int rows, double *mu);
 
 int map_methods(int count, char **names, const map_options *o);
 int map_against(const char *name, const map_options *o); /* map_against.c */

@@ -54,7 +54,7 @@ static void show_walk(map_cell *cell, const walk *w) {
                    e == ENDED_TIME      ? "time"
                    : e == ENDED_STALLED ? "at"
                                         : status_word(w->status),
-                   100 * w->part);
+                   floor(100 * w->part));
 }
 
 /* Sets column j: a number of steps, or a mesh. */
@@ -122,8 +122,7 @@ int map_forming(const char *name, const map_options *o) {
   if (p.rows > MAP_ROWS) p.rows = MAP_ROWS;
   p.x = mesh ? "elements" : "steps of the whole way";
   p.y = "friction";
-  p.subtitle = "blue: finished, CPU seconds; orange: stopped at that part of the way; red: for "
-               "another reason";
+  p.subtitle = "blue: finished, CPU seconds; orange: stopped there; grey: time; red: another cause";
   (void)snprintf(title, sizeof title, "%s by %s: does it finish?", name, o->method);
   p.cells = calloc((size_t)(p.rows * p.columns), sizeof *p.cells);
   if (!p.cells || !make_directory(o->out) || fill_walks(&p, name, o, mesh, &all_done, &error))

@@ -1,4 +1,4 @@
-/* map_picture.c: draws maps of verdicts (map.h). */
+/* map_picture.c: draws maps of verdicts, and what all maps share (map.h). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,6 +7,16 @@
 
 map_cell *map_at(const map_picture *p, int panel, int row, int column) {
   return &p->cells[(panel * p->rows + row) * p->columns + column];
+}
+
+void spread_friction(double from, double to, int rows, double *mu) {
+  const double least = from > 0 ? from : to / 200;
+  const int first = from > 0 ? 0 : 1;
+  if (first) mu[0] = 0;
+  for (int i = first; i < rows; i++) {
+    const double part = rows - 1 > first ? (double)(i - first) / (rows - 1 - first) : 1;
+    mu[i] = least * pow(to / least, part);
+  }
 }
 
 /* Mixes a colour with white: part 1 is the colour, 0 is white. */
@@ -89,7 +99,8 @@ static layout lay_out(const map_picture *p) {
   l.gap_x = l.left;
   l.gap_y = 80;
   l.width = l.across * (l.left + p->columns * l.cell_w) + (l.side > 0 ? l.side + 95 : 25);
-  if (p->lines) l.width += 250;
+  if (p->lines) l.width += 330;
+  l.width = fmax(l.width, 880); /* of the words on top */
   l.height = l.top + l.down * (p->rows * l.cell_h + l.gap_y) + (p->notes ? 25 : 0);
   return l;
 }

@@ -123,8 +123,8 @@ static void set_edges(FILE *s, double left, double right, double bottom, double 
 /* Draws the profiles of a target, and under them the key: a sample, and how many it solved. */
 static void write_profile_curves(FILE *s, const profile_picture *p, int target, const strip *all,
                                  double left, double right, double *taus) {
-  const double top = 0.515, line = 0.021;
   const int half = (p->solvers + 1) / 2;
+  const double top = 0.517, line = fmin(0.021, 0.112 / half);
   set_edges(s, left, right, 0.575, 0.92);
   fprintf(s,
           "  set title '{/:Bold %s}' offset 0,-0.6\n  set logscale x\n  unset logscale y\n"
@@ -134,16 +134,18 @@ static void write_profile_curves(FILE *s, const profile_picture *p, int target, 
           "  set ylabel '%s' offset 1,0\n",
           p->target[target], most_tau, target ? "" : "part of the problems");
   for (int k = 0; k < p->solvers; k++) {
-    const double x = left + (k / half) * (right - left) / 2, y = top - k % half * line;
+    const double x = left + (k / half) * 0.52 * (right - left), y = top - k % half * line;
     fprintf(s, "  set arrow from screen %.4f,%.4f to screen %.4f,%.4f nohead ", x, y, x + 0.02, y);
     write_style(s, p, k);
-    fprintf(s, "\n  set label '%s  %d/%d' at screen %.4f,%.4f left font ',11' noenhanced\n",
+    fprintf(s, "\n  set label '%s  %d/%d' at screen %.4f,%.4f left font ',10' noenhanced\n",
             p->solver[k], find_taus(p, target, all, k, taus), p->problems, x + 0.025, y);
   }
+  fputs("  plot -1 with lines", s);
   for (int i = 1; i <= p->solvers; i++) {
     const int k = i % p->solvers;
-    fprintf(s, "%s '%s.dat' index %d using 1:2 with steps ", i == 1 ? "  plot" : ", \\\n      ",
-            p->name, 3 * (target * p->solvers + k));
+    if (!find_taus(p, target, all, k, taus)) continue;
+    fprintf(s, ", \\\n       '%s.dat' index %d using 1:2 with steps ", p->name,
+            3 * (target * p->solvers + k));
     write_style(s, p, k);
   }
   fputs("\n", s);
@@ -209,7 +211,7 @@ static void write_strip(FILE *s, const profile_picture *p, int target, const str
 static void write_profile_target(FILE *s, const profile_picture *p, int target, const strip *all,
                                  double *taus) {
   const double width = 1.0 / p->targets, left = target * width + 0.05,
-               right = (target + 1) * width - 0.012;
+               right = (target + 1) * width - 0.018;
   write_profile_curves(s, p, target, all, left, right, taus);
   write_strip(s, p, target, all, left, right, taus);
 }

@@ -29,11 +29,13 @@ typedef struct scene_options {
 static const double default_tol = 1e-14;
 
 static void scene_usage(FILE *out) {
-  fputs("Usage: delassus scene [OPTION]... NAME\n"
-        "  or:  delassus scene --list\n"
-        "Runs a built-in scene and prints displacements and reactions of its candidates.\n"
-        "\n",
-        out);
+  fputs(
+      "Usage: delassus scene [OPTION]... NAME\n"
+      "  or:  delassus scene --list\n"
+      "Runs a built-in scene and prints displacements and reactions of its candidates. Scenes in\n"
+      "load steps or in time have options of their own: delassus scene NAME --help.\n"
+      "\n",
+      out);
   solver_usage(
       out,
       ",\n                        or gauss-seidel, on the displacements; or jean, the paper's"
@@ -493,6 +495,8 @@ static taken list_scenes(void) {
     printf("%-12s %s\n", dls_fe_scene_name(k), dls_fe_scene_description(k));
   for (int k = 0; dls_forming_name(k); k++)
     printf("%-12s %s\n", dls_forming_name(k), dls_forming_description(k));
+  for (int k = 0; dls_moving_name(k); k++)
+    printf("%-12s %s\n", dls_moving_name(k), dls_moving_description(k));
   return OPTION_DONE;
 }
 

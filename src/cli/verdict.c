@@ -19,8 +19,12 @@ void verdict_fill(verdict *v, dls_status status, int lcp) {
     v->next = v->ray ? "The reactions run away in the direction that --proof shows: look for "
                        "candidates that jam or are squeezed there, and lower their friction or let "
                        "the bodies give way."
-                     : "No states of the candidates have a solution: look for candidates that jam "
-                       "or are squeezed, and lower their friction or let the bodies give way.";
+              : v->farkas
+                  ? "But for rounding no reactions keep all candidates apart: look at the "
+                    "candidates with v > 0, which --proof shows."
+                  : "No states of the candidates have a solution, or it is too far away to be "
+                    "certified: look for candidates that jam or are squeezed, and lower their "
+                    "friction or let the bodies give way.";
   } else if (status == DLS_RAY && v->farkas) {
     v->says = "ray (to rounding)";
     v->next = lcp ? "But for rounding there is no solution, which proves nothing: give the numbers "

@@ -60,7 +60,10 @@ static void assemble_element(const assembly *a, int e, double *k) {
     return;
   }
   double m[16];
-  (c == 3 ? dlsi_t3_mass : dlsi_quad_mass)(a->mesh, e, a->rho, m);
+  if (c == 3)
+    dlsi_t3_mass(a->mesh, e, a->rho, m);
+  else
+    dlsi_quad_mass(a->mesh, e, a->rho, m);
   memset(k, 0, (size_t)(ld * ld) * sizeof *k);
   for (int j = 0; j < c; j++)
     for (int i = 0; i < c; i++) {

@@ -1,8 +1,8 @@
 /*
  * forming_body.c: certifies that the positions of a forming scene are those of a body.
  *
- *   (FB1)  each corner of each element: the cross product of its edges > 0; but a corner whose three
- *          nodes touch one tool may be pressed flat
+ *   (FB1)  each corner of each element: the cross product of its edges > 0; but a corner whose
+ *          three nodes touch one tool may be pressed flat
  *   (FB2)  x >= low, the planes of symmetry and of support; the axis is one of them
  *   (FB3)  no node of the boundary is inside an obstacle; a candidate obeys the certificate of its
  *          obstacle instead, to which the penalty method answers with the depth of its springs

@@ -137,6 +137,8 @@ static dls_status solve_gauss_seidel(dls_forming *f, dls_error *error) {
   dls_primal_settings settings;
   dls_primal_settings_init(&settings);
   settings.limits.tol = f->settings.tol / 10;
+  settings.relaxation = f->settings.relaxation;
+  settings.aitken = f->settings.aitken;
   dls_primal *primal;
   dls_primal_info info = {0};
   dls_status status = dls_primal_create(&primal, &model, &settings, error);
@@ -211,16 +213,25 @@ typedef enum branch { FREE, STICK, SLIP_FORWARD, SLIP_BACK } branch; /* SLIP_FOR
 
 void dlsi_forming_set_springs(dls_forming *f) {
   const int soft = f->settings.contact == DLS_FORMING_AUGMENTED_LAGRANGIAN;
+  const double own = soft ? augmented_factor : penalty_factor;
+  const double factor = f->settings.penalty > 0 ? f->settings.penalty : own;
+  f->augmentations = 0;
   for (int c = 0; c < f->nc; c++) {
-    f->eps[c] = (soft ? augmented_factor : penalty_factor) * f->stiff[c];
+    f->eps[c] = factor * f->stiff[c];
     f->lambda[2 * c] = soft ? f->r[2 * c] : 0;
     f->lambda[2 * c + 1] = f->r[2 * c + 1];
   }
 }
 
 void dlsi_forming_augment(dls_forming *f) { /* (35), (36) */
-  if (f->settings.contact == DLS_FORMING_AUGMENTED_LAGRANGIAN)
-    memcpy(f->lambda, f->r, 2 * (size_t)f->nc * sizeof *f->r);
+  if (f->settings.contact != DLS_FORMING_AUGMENTED_LAGRANGIAN || dlsi_forming_stays(f)) return;
+  memcpy(f->lambda, f->r, 2 * (size_t)f->nc * sizeof *f->r);
+  f->augmentations++;
+}
+
+int dlsi_forming_stays(const dls_forming *f) {
+  const int most = f->settings.augmentations;
+  return f->settings.contact == DLS_FORMING_PENALTY || (most > 0 && f->augmentations >= most);
 }
 
 /* Returns the branch of (32)-(34) at u; without friction there is only one slip. */

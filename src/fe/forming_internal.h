@@ -94,6 +94,7 @@ struct dls_forming {
   dls_contact problem;
   int *Kp, *Ki; /* Gauss-Seidel: the symmetric part of K by columns */
   double *Kx;
+  int augmentations;    /* of the step so far */
   double *lambda, *eps; /* springs: 2 nc, nc */
   double *trial_u;      /* 2 nc */
   int *branch;          /* nc */
@@ -126,7 +127,7 @@ void dlsi_forming_push(const dls_forming *f, const double *r, double *y);
 /* Holds a node on the moving plane (on = 1), or lets it go. */
 void dlsi_forming_hold(dls_forming *f, int node, int on);
 
-/* Returns the friction on a candidate whose node is held, which nothing moves by; 0 for other nodes. */
+/* Returns the friction on a candidate whose node is held, which nothing moves by; else 0. */
 double dlsi_forming_held_friction(const dls_forming *f, int c);
 
 /* Returns the node of the largest force out of balance. */
@@ -163,10 +164,12 @@ dls_status dlsi_forming_direction(dls_forming *f, dls_error *error);
 
 /* Springs, the penalty method and the augmented Lagrangian. springs: returns 1 if contact is by
  * springs. set_springs: sets the stiffness of the springs and their first multipliers for a step.
- * augment: renews the multipliers. */
+ * augment: renews the multipliers; stays: returns 1 if they stay for the rest of the step, so that
+ * the laws of the springs are all there is to solve. */
 int dlsi_forming_springs(const dls_forming *f);
 void dlsi_forming_set_springs(dls_forming *f);
 void dlsi_forming_augment(dls_forming *f);
+int dlsi_forming_stays(const dls_forming *f);
 
 /* Returns the largest difference of r from the springs' reactions at u, less what rounding of the
  * positions makes of it, over the largest reaction. */

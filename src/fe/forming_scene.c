@@ -131,6 +131,8 @@ void dls_forming_settings_init(dls_forming_settings *settings) {
   if (!settings) return;
   const dls_forming_settings s = {.size = sizeof s,
                                   .mu = -1,
+                                  .relaxation = 1,
+                                  .aitken = 1,
                                   .tol = 1e-9,
                                   .contact = DLS_FORMING_CONDENSED,
                                   .method = DLS_LEMKE};
@@ -150,6 +152,10 @@ static dls_status forming_check(const dls_forming_settings *s, dls_error *error)
       {"standard", s->standard, 0, 1, 0},
       {"keep_trace", s->keep_trace, 0, 1, 0},
       {"tol", s->tol, 0, 1, 1},
+      {"penalty", s->penalty, 0, DBL_MAX, 0},
+      {"augmentations", s->augmentations, 0, INT_MAX, 0},
+      {"relaxation", s->relaxation, 0, 2, 1},
+      {"aitken", s->aitken, 0, 1, 0},
       {"ram_mu", s->ram_mu, 0, DBL_MAX, 0},
       {"step_tol", s->step_tol, 0, 1, 0},
       {"contact", s->contact, DLS_FORMING_CONDENSED, DLS_FORMING_PENALTY, 0}};
@@ -271,7 +277,7 @@ static void forming_derive(dls_forming *f) {
   const dls_forming_settings *s = &f->settings;
   f->solid.keep_trace = s->keep_trace;
   for (int i = 0; i < f->n; i++)
-    f->before[i] = f->x0[i] = f->rest[i] = f->mesh.xy[i];
+    f->before[i] = f->x0[i] = f->x[i] = f->rest[i] = f->mesh.xy[i];
   for (int i = 0; i < f->mesh.nodes; i++)
     f->candidate_of[i] = -1;
   for (int k = 0; k < 4 * f->mesh.quads; k++)

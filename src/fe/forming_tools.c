@@ -74,7 +74,7 @@ static void tool_draw_indentation(dls_forming *f, const double size[2]) {
 }
 
 /* Draws sections of the tools: walls a fifth of the billet's radius thick, the ram as the plate
- * that moves, the die as long as the billet. */
+ * that moves, the die as long as the billet becomes. */
 static void tool_draw_extrusion(dls_forming *f, const double size[2]) {
   enum { arcs = 8 };
   const dlsi_piece *cone = f->rigid[0].piece, *arc = cone + 1, *wall = cone + 2;
@@ -82,8 +82,11 @@ static void tool_draw_extrusion(dls_forming *f, const double size[2]) {
   const double way = f->load * f->rigid[1].way[1];
   tool_rectangle(f, container, wall->a, (double[2]){outside, L + thick});
   tool_rectangle(f, ram, (double[2]){0, L + way}, (double[2]){size[0], L + way + thick});
-  tool_add(f, die, cone->a[0], cone->a[1]);
-  tool_add(f, die, outside, cone->a[1]);
+  double end[2];
+  for (int i = 0; i < 2; i++)
+    end[i] = cone->b[i] + 1.25 * (cone->a[i] - cone->b[i]);
+  tool_add(f, die, end[0], end[1]);
+  tool_add(f, die, outside, end[1]);
   tool_add(f, die, outside, wall->a[1]);
   for (int k = 0; k <= arcs; k++) { /* from b of the arc to its a */
     const double s = (double)k / arcs;

@@ -1,13 +1,15 @@
-/* forming_vtu.c: writes a forming scene as an unstructured grid of VTK XML, ascii. */
+/* forming_vtu.c: writes a forming scene and its tools as unstructured grids of VTK XML, ascii. */
+#include <stdlib.h>
+
 #include "fe_internal.h"
 #include "forming_internal.h"
 
 enum { digits = 9 };
 
-static dls_status forming_write_grid(const dls_forming_data *d, const char *path,
-                                     dls_error *error) {
+static dls_status forming_write_grid(const dls_forming_data *d, const dlsi_cells *cells,
+                                     const char *path, dls_error *error) {
   const dls_forming_mesh *mesh = d->mesh;
-  FILE *file = dlsi_vtu_begin(path, mesh->nodes, mesh->quads, error);
+  FILE *file = dlsi_vtu_begin(path, mesh->nodes, cells->cells, error);
   if (!file) return DLS_E_FILE;
   dlsi_vtu_plane(file, "displacement", d->displacement, mesh->nodes, digits);
   dlsi_vtu_plane(file, "reaction", d->reaction, mesh->nodes, digits);
@@ -15,15 +17,80 @@ static dls_status forming_write_grid(const dls_forming_data *d, const char *path
   dlsi_vtu_means(file,
                  "Name=\"stress\" NumberOfComponents=\"4\" ComponentName0=\"11\" "
                  "ComponentName1=\"22\" ComponentName2=\"33\" ComponentName3=\"12\"",
-                 d->stress, 4, 4, mesh->quads, digits);
+                 d->stress, 4, 4, cells, digits);
   dlsi_vtu_means(file, "Name=\"plastic_strain\" NumberOfComponents=\"1\"", d->plastic_strain, 1, 4,
-                 mesh->quads, digits);
-  return dlsi_vtu_end(path, file, mesh->xy, mesh->nodes, mesh->node, 4, mesh->quads, digits, error);
+                 cells, digits);
+  return dlsi_vtu_end(path, file, mesh->xy, mesh->nodes, cells, digits, error);
+}
+
+/* Lists the quads, one with a flat corner as the two triangles that meet there.
+ *   node: out, 6 * quads; end, from: out, 2 * quads; returns the number of cells */
+static int forming_list_cells(const dls_forming *f, int *node, int *end, int *from) {
+  int cells = 0, corners = 0;
+  for (int e = 0; e < f->mesh.quads; e++) {
+    const int *quad = f->mesh.node + 4 * e, flat = dlsi_forming_flat_corner(f, e);
+    for (int part = 0; part < (flat < 0 ? 1 : 2); part++) {
+      for (int k = 0; k < (flat < 0 ? 4 : 3); k++)
+        node[corners++] = flat < 0 ? quad[k] : quad[(flat + (k > 0 ? k + part : 0)) % 4];
+      from[cells] = e;
+      end[cells++] = corners;
+    }
+  }
+  return cells;
+}
+
+static dls_status forming_write_body(const dls_forming *f, const char *path, dls_error *error) {
+  const size_t quads = (size_t)f->mesh.quads;
+  int *room = dlsi_alloc(10 * quads, sizeof *room);
+  if (!room) return dlsi_no_memory(error);
+  int *node = room, *end = room + 6 * quads, *from = room + 8 * quads;
+  const dlsi_cells cells = {
+      .cells = forming_list_cells(f, node, end, from), .node = node, .end = end, .from = from};
+  const dls_status status = forming_write_grid(&f->data, &cells, path, error);
+  free(room);
+  return status;
+}
+
+static dls_status forming_write_outlines(const dls_forming_data *d, const char *path,
+                                         dls_error *error) {
+  enum { most = dlsi_most_tools * dlsi_most_outline };
+  double xy[2 * most], number[dlsi_most_tools], force[2 * dlsi_most_tools];
+  int node[most], end[dlsi_most_tools], cells = 0, nodes = 0;
+  for (int k = 0; k < d->tools; k++) {
+    const dls_forming_tool *tool = &d->tool[k];
+    if (!tool->points) continue;
+    for (int i = 0; i < tool->points; i++, nodes++)
+      for (int j = 0; j < 2; j++) {
+        xy[2 * nodes + j] = tool->outline[2 * i + j];
+        node[nodes] = nodes;
+      }
+    number[cells] = k;
+    for (int j = 0; j < 2; j++)
+      force[2 * cells + j] = tool->force[j];
+    end[cells++] = nodes;
+  }
+  const dlsi_cells outlines = {.cells = cells, .node = node, .end = end};
+  FILE *file = dlsi_vtu_begin(path, nodes, cells, error);
+  if (!file) return DLS_E_FILE;
+  dlsi_vtu_cells(file);
+  dlsi_vtu_means(file, "Name=\"tool\" NumberOfComponents=\"1\"", number, 1, 1, &outlines, digits);
+  dlsi_vtu_means(file,
+                 "Name=\"force\" NumberOfComponents=\"2\" ComponentName0=\"x\" "
+                 "ComponentName1=\"y\"",
+                 force, 2, 1, &outlines, digits);
+  return dlsi_vtu_end(path, file, xy, nodes, &outlines, digits, error);
 }
 
 dls_status dls_forming_write_vtu(const dls_forming *forming, const char *path, dls_error *error) {
   const dls_status status = !forming ? dlsi_is_null(error, "forming")
                             : !path  ? dlsi_is_null(error, "path")
-                                     : forming_write_grid(&forming->data, path, error);
+                                     : forming_write_body(forming, path, error);
+  return dlsi_at(__func__, status, error);
+}
+
+dls_status dls_forming_write_tools(const dls_forming *forming, const char *path, dls_error *error) {
+  const dls_status status = !forming ? dlsi_is_null(error, "forming")
+                            : !path  ? dlsi_is_null(error, "path")
+                                     : forming_write_outlines(&forming->data, path, error);
   return dlsi_at(__func__, status, error);
 }

@@ -137,7 +137,9 @@ static dls_status moving_make(dls_moving **out, const char *name,
   d->settings = s->settings;
   d->dynamic = s->settings.law != DLS_MOTION_PATH;
   d->has_exact = s->exact != NULL;
+  d->obstacle_moves = s->shaken;
   d->h = s->h;
+  d->element = s->exact ? s->mesh.xy[5] - s->mesh.xy[1] : 0;
   d->steps = s->steps;
   d->cycle = s->cycle;
   d->mesh = &s->mesh;

@@ -61,8 +61,8 @@ static const moving_case moving_cases[] = {
     {"block-drop", "an elastic block thrown on the ground: impact and sliding", NULL, block_drop,
      NULL, DLS_MOTION_VELOCITY, DLS_FE_CONSISTENT, 16, 8, 0, 0.3, 1e7, 0.3, 1000, 0.03, 0, 300, 1},
     {"two-blocks", "two deformable blocks, the upper one free, pressed, then sheared", NULL,
-     two_blocks, NULL, DLS_MOTION_PATH, DLS_FE_CONSISTENT, 16, 8, 11, 0.3, 1e9, 0.3, 1000, 2, 0, 40,
-     2},
+     two_blocks, NULL, DLS_MOTION_PATH, DLS_FE_CONSISTENT, 16, 8, 11, 0.25, 1e9, 0.3, 1000, 2, 0,
+     40, 2},
 };
 enum { moving_case_count = sizeof moving_cases / sizeof moving_cases[0] };
 
@@ -369,8 +369,8 @@ static void moving_fill(dlsi_moving_scene *s, const moving_case *c) {
   if (o->theta == 0) o->theta = o->law == DLS_MOTION_VELOCITY ? 0.5 : 1;
   if (o->restitution < 0) o->restitution = 0;
   if (o->mu < 0) o->mu = c->mu;
-  if (!o->nx || c->block) o->nx = c->nx;
-  if (!o->ny || c->block) o->ny = c->ny;
+  if (!o->nx) o->nx = c->nx;
+  if (!o->ny) o->ny = c->ny;
   if (!o->upper) o->upper = c->upper;
   if (o->amplitude < 0) o->amplitude = 1e-5;
   if (o->frequency == 0) o->frequency = o->law == DLS_MOTION_PATH ? 1 : 1000;
@@ -415,6 +415,9 @@ dls_status dlsi_moving_build(dlsi_moving_scene *scene, const char *name,
     if (strcmp(moving_cases[k].name, name) == 0) c = &moving_cases[k];
   if (!c) return dlsi_fail(error, DLS_E_ARGUMENT, "name", -1, 0, "there is no scene %.60s", name);
   moving_fill(scene, c);
+  if (c->block && (scene->settings.nx != c->nx || scene->settings.ny != c->ny))
+    return dlsi_fail(error, DLS_E_ARGUMENT, "nx", -1, scene->settings.nx,
+                     "the mesh of this scene is %d x %d", c->nx, c->ny);
   if (c->exact && scene->settings.law == DLS_MOTION_PATH)
     return dlsi_fail(error, DLS_E_ARGUMENT, "law", -1, scene->settings.law,
                      "a bar in flight has no equilibrium");

@@ -6,7 +6,7 @@
 #include "fe_internal.h"
 #include "files/file.h"
 
-enum { vtk_triangle = 5, vtk_quad = 9 };
+enum { vtk_triangle = 5, vtk_polygon = 7, vtk_quad = 9 };
 
 FILE *dlsi_vtu_begin(const char *path, int nodes, int cells, dls_error *error) {
   FILE *file = fopen(path, "w");
@@ -38,35 +38,48 @@ void dlsi_vtu_cells(FILE *file) {
   (void)fprintf(file, "</PointData>\n<CellData>\n");
 }
 
+/* Returns where the corners of cell e end. */
+static int vtu_end(const dlsi_cells *c, int e) {
+  return c->end ? c->end[e] : c->corners * (e + 1);
+}
+
 void dlsi_vtu_means(FILE *file, const char *head, const double *x, int components, int points,
-                    int cells, int digits) {
+                    const dlsi_cells *cells, int digits) {
   (void)fprintf(file, "<DataArray type=\"Float64\" %s format=\"ascii\">\n", head);
-  for (int e = 0; e < cells; e++, x += points * components)
+  for (int e = 0; e < cells->cells; e++) {
+    const double *own = x + points * components * (cells->from ? cells->from[e] : e);
     for (int i = 0; i < components; i++) {
-      double sum = x[i];
+      double sum = own[i];
       for (int k = 1; k < points; k++)
-        sum += x[i + k * components];
+        sum += own[i + k * components];
       (void)fprintf(file, "%.*g%c", digits, sum / points, i + 1 < components ? ' ' : '\n');
     }
+  }
   (void)fprintf(file, "</DataArray>\n");
 }
 
-dls_status dlsi_vtu_end(const char *path, FILE *file, const double *xy, int nodes, const int *node,
-                        int corners, int cells, int digits, dls_error *error) {
+dls_status dlsi_vtu_end(const char *path, FILE *file, const double *xy, int nodes,
+                        const dlsi_cells *cells, int digits, dls_error *error) {
   (void)fprintf(file, "</CellData>\n<Points>\n");
   dlsi_vtu_plane(file, "points", xy, nodes, digits);
   (void)fprintf(file, "</Points>\n<Cells>\n"
                       "<DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">\n");
-  for (int k = 0; k < corners * cells; k++)
-    (void)fprintf(file, "%d%c", node[k], (k + 1) % corners ? ' ' : '\n');
+  for (int e = 0, k = 0; e < cells->cells; e++)
+    for (const int end = vtu_end(cells, e); k < end; k++)
+      (void)fprintf(file, "%d%c", cells->node[k], k + 1 < end ? ' ' : '\n');
   (void)fprintf(file, "</DataArray>\n"
                       "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">\n");
-  for (int e = 1; e <= cells; e++)
-    (void)fprintf(file, "%d\n", corners * e);
+  for (int e = 0; e < cells->cells; e++)
+    (void)fprintf(file, "%d\n", vtu_end(cells, e));
   (void)fprintf(file, "</DataArray>\n"
                       "<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">\n");
-  for (int e = 0; e < cells; e++)
-    (void)fprintf(file, "%d\n", corners == 3 ? vtk_triangle : vtk_quad);
+  for (int e = 0; e < cells->cells; e++) {
+    const int corners = vtu_end(cells, e) - (e > 0 ? vtu_end(cells, e - 1) : 0);
+    (void)fprintf(file, "%d\n",
+                  corners == 3   ? vtk_triangle
+                  : corners == 4 ? vtk_quad
+                                 : vtk_polygon);
+  }
   (void)fprintf(file, "</DataArray>\n</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
   return dlsi_file_finish(path, file, error);
 }
@@ -85,6 +98,8 @@ static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh,
   if (status) return status;
 
   const int elements = dlsi_fe_elements(mesh);
+  const dlsi_cells all = {
+      .cells = elements, .corners = dlsi_fe_corners(mesh), .node = dlsi_fe_corner(mesh, 0)};
   FILE *file = dlsi_vtu_begin(path, mesh->nodes, elements, error);
   if (!file) return DLS_E_FILE;
   if (displacement) dlsi_vtu_plane(file, "displacement", displacement, mesh->nodes, digits);
@@ -94,9 +109,8 @@ static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh,
     dlsi_vtu_means(file,
                    "Name=\"stress\" NumberOfComponents=\"3\" "
                    "ComponentName0=\"xx\" ComponentName1=\"yy\" ComponentName2=\"xy\"",
-                   stress, 3, 1, elements, digits);
-  return dlsi_vtu_end(path, file, mesh->xy, mesh->nodes, dlsi_fe_corner(mesh, 0),
-                      dlsi_fe_corners(mesh), elements, digits, error);
+                   stress, 3, 1, &all, digits);
+  return dlsi_vtu_end(path, file, mesh->xy, mesh->nodes, &all, digits, error);
 }
 
 dls_status dls_fe_write_vtu(const char *path, const dls_fe_mesh *mesh, const double *displacement,
@@ -115,11 +129,12 @@ static const char series_end[] = "</Collection>\n</VTKFile>\n";
 
 static dls_status series_open(dls_fe_series **out, const char *path, dls_error *error) {
   dls_fe_series *s = dlsi_alloc(1, sizeof *s);
-  char *copy = dlsi_alloc(strlen(path) + 1, 1);
+  const size_t length = strlen(path) + 1;
+  char *copy = dlsi_alloc(length, 1);
   dls_status status = s && copy ? DLS_OK : dlsi_no_memory(error);
   if (!status) {
     *s = (dls_fe_series){.file = fopen(path, "w"), .path = copy};
-    strcpy(copy, path);
+    memcpy(copy, path, length);
     if (!s->file)
       status = dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "%.60s: cannot be opened", path);
   }
@@ -145,25 +160,30 @@ dls_status dls_fe_series_create(dls_fe_series **out, const char *path, dls_error
 }
 
 /* Writes the row over the end of the collection, and the end anew. */
-static dls_status series_add(dls_fe_series *s, double time, const char *file, dls_error *error) {
+static dls_status series_add(dls_fe_series *s, double time, int part, const char *file,
+                             dls_error *error) {
   const long end = (long)sizeof series_end - 1;
   if (fseek(s->file, -end, SEEK_END) == 0)
-    (void)fprintf(s->file, "<DataSet timestep=\"%.17g\" file=\"%s\"/>\n%s", time, file, series_end);
+    (void)fprintf(s->file, "<DataSet timestep=\"%.17g\" part=\"%d\" file=\"%s\"/>\n%s", time, part,
+                  file, series_end);
   if (fflush(s->file) == 0 && !ferror(s->file)) return DLS_OK;
   return dlsi_fail(error, DLS_E_FILE, "series", -1, 0, "%.60s: cannot be written", s->path);
 }
 
-dls_status dls_fe_series_add(dls_fe_series *series, double time, const char *file,
+dls_status dls_fe_series_add(dls_fe_series *series, double time, int part, const char *file,
                              dls_error *error) {
   dls_status status = DLS_OK;
   if (!series) status = dlsi_is_null(error, "series");
   if (!status && !isfinite(time))
     status = dlsi_fail(error, DLS_E_NOT_FINITE, "time", -1, time, "is not finite");
+  if (!status && part < 0)
+    status =
+        dlsi_fail(error, DLS_E_ARGUMENT, "part", -1, part, "is %d, must not be negative", part);
   if (!status && !file) status = dlsi_is_null(error, "file");
   if (!status && file[strcspn(file, "<>&\"")])
     status = dlsi_fail(error, DLS_E_ARGUMENT, "file", (long long)strcspn(file, "<>&\""), 0,
                        "%.60s: has a character that XML keeps for itself", file);
-  if (!status) status = series_add(series, time, file, error);
+  if (!status) status = series_add(series, time, part, file, error);
   return dlsi_at(__func__, status, error);
 }
 

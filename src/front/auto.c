@@ -45,11 +45,12 @@
  * q of bodies at rest is that of falling, and -q lies in the cones; bodies in motion are far from
  * that.
  *
- *   (AT9)  verdict. DLS_NO_SOLUTION if (AT10) has a proof. DLS_NO_SOLUTION_LIKELY only where W shows
- *          no reason for a solution (vi/exists.c), and (AT10) shows that none could be certified, or
- *          all of (AT1)-(AT8) have failed and, d = 2 and up to 8 candidates, no states of the
- *          candidates have a solution (states.c), or, for others up to 300 rows, (AT4) sees the
- *          reactions run away at last. Else DLS_STALLED.
+ *   (AT9)  verdict. DLS_NO_SOLUTION if (AT10) has a proof. DLS_NO_SOLUTION_LIKELY only where W
+ *          shows no reason for a solution (vi/exists.c), and (AT10) shows that none could be
+ *          certified, or all of (AT1)-(AT8) have failed and, d = 2 and up to 8 candidates, no
+ *          states of the candidates have a solution (states.c), or, d = 3 and up to 2, (AT4) sees
+ *          the reactions run away at last. Else DLS_STALLED: larger problems whose reactions run
+ *          away may have a solution that no stage finds.
  *
  * What can fail: every method; then DLS_STALLED with the best r.
  */
@@ -69,8 +70,9 @@ enum { rest_splits = 40 };      /* the same for a stack, and how many in a row .
 enum { rest_patience = 16 };    /* ... may pass without halving e */
 enum { path_unknowns = 300 };   /* a thousand factorisations then take a few seconds */
 enum { other_unknowns = 3000 }; /* beyond, another way takes too long, and nothing is said */
-enum { other_iterations = 2000 };           /* of sweeps and splitting by another way */
-enum { copy_failures = 3 };                 /* so much is Newton's method believed on a copy */
+enum { other_iterations = 2000 }; /* of sweeps and splitting by another way */
+enum { sure_starts = 2 };   /* (AT9): candidates, d = 3, whose states scattered starts cover */
+enum { copy_failures = 3 }; /* so much is Newton's method believed on a copy */
 static const double progress = 0.9;         /* of e, below which a step has brought it down */
 static const double share_outside = 0.1;    /* of -q outside of the cones, for what may rest */
 static const double null_direction = 1e-10; /* |D^-1 W delta| over |delta|: (AT9) */
@@ -367,13 +369,15 @@ static dls_status judge(dlsi_auto *work, dls_error *error) {
   const int sure = work->excluded, few = problem->d == 2 && problem->nc <= dlsi_most_states;
   double *J = work->room.J;
   if (few && !sure) {
-    const int found =
-        dlsi_contact_find_states(problem, tol, work->r, work->best, &work->info.certificate);
+    const int found = dlsi_contact_find_states(problem, &work->options.limits, work->begun, work->r,
+                                               work->best, &work->info.certificate);
+    if (dlsi_clock_is_over(&work->options.limits, work->begun)) return DLS_TIME_LIMIT;
     const dls_status status = found ? take_stage(work, NEWTON, 0, error) : DLS_STALLED;
     if (status < 0) return status;
     if (dls_certificate_holds(&work->info.certificate, tol)) return DLS_OK;
     if (found) return DLS_STALLED;
   }
+  if (!few && !sure && problem->nc > sure_starts) return DLS_STALLED;
   if (!may_follow_path(work) || work->room.side < m) return DLS_STALLED;
   dlsi_contact_weights(problem, work->w);
   if (!few && !sure && !runs_away(work)) return DLS_STALLED;

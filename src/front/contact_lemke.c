@@ -14,9 +14,9 @@
  *          W goes by a division of W and q by a power of two near w, which changes no r. So a W in
  *          another unit, by a power of two, leads to the LCP with the same bits.
  *
- *   (CL5)  after (CL2) without an answer: the linear problem of farkas.c. Its ray is a Farkas vector,
- *          proof or not by the rule of (CL3), in 3D too; its solution may show that no r can be
- *          certified
+ *   (CL5)  after (CL2) without an answer: the linear problem of farkas.c. Its ray is a Farkas
+ *          vector, proof or not by the rule of (CL3), in 3D too; its solution may show that no r
+ *          can be certified
  *
  * The certificate decides. In 3D the LCP of (CL1) proves nothing of the problem: the round cone
  * holds more than the one with facets.
@@ -322,7 +322,7 @@ static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, d
     status = pivot_linear(work, problem, status, pivots, error);
   if (status < 0) return status;
   work->has_ray &= status == DLS_RAY;
-  work->has_v &= work->has_ray || status == DLS_NO_SOLUTION;
+  work->has_v &= status == DLS_RAY || status == DLS_NO_SOLUTION;
   return dlsi_iterate_end(it, problem, status, &outcome, r, u, info);
 }
 

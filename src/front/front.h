@@ -6,6 +6,7 @@
 
 #include "base/method.h"
 #include "delassus/solve.h"
+#include "delassus/trust.h"
 
 /* The row of a method, NULL for a number that is no method. */
 const dlsi_method *dlsi_method_of(dls_method method);
@@ -53,10 +54,17 @@ void dlsi_renumber_back(const dlsi_renumber *copy, int entries, int power, const
 /* Candidates of the largest problem for dlsi_contact_find_states. */
 enum { dlsi_most_states = 8 };
 
+/* Does the work of dls_contact_fold on a problem; search: 1 for the local search, whatever its
+ * size. */
+dls_status dlsi_contact_fold(const dls_contact *problem, int search, dls_fold *fold,
+                             dls_contact_state *state, double *q, double *r, double *other,
+                             dls_error *error);
+
 /* Tries all states of a problem with d = 2 and at most so many candidates (states.c). Returns 1 if
- * that gives a certified answer, 0 if no states have one, -1 if rounding does not tell. r: scratch,
- * m. best: the best answer so far, m, replaced with its certificate by a better one. */
-int dlsi_contact_find_states(const dls_contact *problem, double tol, double *r, double *best,
-                             dls_certificate *certificate);
+ * that gives a certified answer, 0 if no states have one, -1 if rounding does not tell or the time
+ * of a solve that began at `begun` is over. r: scratch, m. best: the best answer so far, m,
+ * replaced with its certificate by a better one. */
+int dlsi_contact_find_states(const dls_contact *problem, const dls_limits *limits, double begun,
+                             double *r, double *best, dls_certificate *certificate);
 
 #endif

@@ -98,10 +98,9 @@ static void work_of_reactions(dls_motion *motion, const double *y, step_work *wo
   const size_t d = (size_t)motion->model.d;
   dlsi_motion_gather(motion, y, motion->mc);
   for (size_t k = 0; k < motion->m; k++) {
-    const double p = next->p[k], before = path ? 0 : motion->uc[k];
-    const double part = theta * next->u[k] + (1 - theta) * before;
+    const double p = next->p[k], before = path ? 0 : (1 - theta) * motion->uc[k];
     work->obstacle += p * h * motion->mc[k];
-    *(k % d == 0 ? &work->impact : &work->friction) += p * part;
+    *(k % d == 0 ? &work->impact : &work->friction) += p * (theta * next->u[k] + before);
   }
 }
 

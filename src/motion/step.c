@@ -210,8 +210,10 @@ static dls_status step_dynamics(dls_motion *motion, const double *f, const doubl
 /* ---- path ------------------------------------------------------------------------------------ */
 
 /* Turns after which the springs of a free body must carry nothing. Each leaves them a part of about
- * s / (s + k), k the stiffness of what holds the body; the limit is met at k = s / 10. */
+ * s / (s + k), k the stiffness of what holds the body; the limit is met at k = s / 10. A turn that
+ * leaves as much as the one before has come to rounding. */
 enum { step_most_turns = 300 };
+static const double step_as_much = 0.95;
 
 /* (MT8) at next->x = now->x + ways. y: d nodes. */
 static void step_predict_path(dls_motion *motion, const double *f, const double *y) {
@@ -250,7 +252,8 @@ static dls_status step_path(dls_motion *motion, const double *f, const double *y
     iterations += info->iterations;
     before = left;
     left = dlsi_motion_momentum(motion, f, motion->ways);
-    done = motion->modes == 0 || left <= 4 * DBL_EPSILON || (left <= 1e-13 && left > before / 2);
+    done = motion->modes == 0 || left <= 4 * DBL_EPSILON ||
+           (left <= 1e-13 && left > step_as_much * before);
   }
   info->iterations = iterations;
   if (!done) return info->status = DLS_STALLED;

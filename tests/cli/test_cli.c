@@ -109,6 +109,21 @@ START_TEST(history_of_a_solve) {
 }
 END_TEST
 
+START_TEST(info_lists_all_solutions) {
+  says("info " TEST_DATA "/failures/c01-three-solutions.txt",
+       "3 isolated, 0 continua\n    r = 0 0");
+  ck_assert(prints("below friction 1 each load has one solution"));
+  says("info " TEST_DATA "/failures/c05-hyperstatic.txt",
+       "0 isolated, 1 continuum\n    r = [0,1] ");
+  says("info " TEST_DATA "/failures/c03-jam-above.txt", "no solution (proved");
+  says("info --json " TEST_DATA "/failures/c01-three-solutions.txt", "{\"r\": [0, 0], \"low\":");
+  ck_assert(json_number("fold") == 1 && json_number("isolated") == 3);
+  ck_assert(json_number("continua") == 0 && prints("\"no_solution_proved\": false"));
+  says("info --json " TEST_DATA "/failures/c03-jam-above.txt", "\"no_solution_proved\": true");
+  says("info --json " TEST_DATA "/failures/c16-three-solutions-3d.txt", "\"solutions\": null");
+}
+END_TEST
+
 START_TEST(bad_usage_is_2) {
   static const char *const wrong[] = {"",
                                       "frobnicate",
@@ -592,6 +607,6 @@ int main(void) {
              ONCE(the_sweeps_as_printed), ONCE(a_block_of_its_own), ONCE(loads_one_after_the_other),
              ONCE(newton_and_the_list_of_methods), ONCE(lemke_in_3d_takes_facets),
              ONCE(saved_problem_solves_to_the_same_answer), ONCE(not_solved_is_1), ONCE(lcp_files),
-             ONCE(text_problems), ONCE(history_of_a_solve), ONCE(info_says_what_it_found),
-             ONCE(info_names_degenerate_contacts));
+             ONCE(text_problems), ONCE(history_of_a_solve), ONCE(info_lists_all_solutions),
+             ONCE(info_says_what_it_found), ONCE(info_names_degenerate_contacts));
 }

@@ -32,11 +32,13 @@ START_TEST(files) {
   ck_assert_int_eq(sscanf(line, "%lf,%lf,", &travel, &force), 2);
   ck_assert(travel == 10 && force > 9000 && force < 16000);
   ck_assert_int_eq(count_lines("a/b/contact.csv", line, sizeof line), 1 + 3 * 7);
-  ck_assert_int_eq(count_lines("a/b/series.pvd", line, sizeof line), 3 + 20 + 2);
+  ck_assert_int_eq(count_lines("a/b/series.pvd", line, sizeof line), 3 + 2 * 20 + 2);
   ck_assert_int_gt(count_lines("a/b/step_0020.vtu", line, sizeof line), 40);
+  ck_assert_int_gt(count_lines("a/b/tools_0020.vtu", line, sizeof line), 40);
   ck_assert_int_gt(count_lines("a/b/mesh.gp", line, sizeof line), 10);
-  ck_assert_int_gt(count_lines("a/b/plastic.gp", line, sizeof line), 30);
+  ck_assert_int_gt(count_lines("a/b/plastic.dat", line, sizeof line), 30 * 6);
   ck_assert_int_gt(count_lines("a/b/force.gp", line, sizeof line), 5);
+  ck_assert_int_eq(count_lines("a/b/pressure.dat", line, sizeof line), 20 * 8);
 }
 END_TEST
 

@@ -304,17 +304,17 @@ static void expect_text(const char *wanted) {
 
 #define HEAD                                                                                       \
   "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n"
-#define ROW  "<DataSet timestep=\"0.25\" file=\"step_0001.vtu\"/>\n"
+#define ROW  "<DataSet timestep=\"0.25\" part=\"0\" file=\"step_0001.vtu\"/>\n"
 #define TAIL "</Collection>\n</VTKFile>\n"
 
 START_TEST(series) {
   dls_fe_series *s;
   ck_assert_int_eq(dls_fe_series_create(&s, path, NULL), DLS_OK);
-  ck_assert_int_eq(dls_fe_series_add(s, 0.25, "step_0001.vtu", NULL), DLS_OK);
+  ck_assert_int_eq(dls_fe_series_add(s, 0.25, 0, "step_0001.vtu", NULL), DLS_OK);
   expect_text(HEAD ROW TAIL); /* whole before it is closed */
-  ck_assert_int_eq(dls_fe_series_add(s, 1, "b.vtu", NULL), DLS_OK);
+  ck_assert_int_eq(dls_fe_series_add(s, 1, 0, "b.vtu", NULL), DLS_OK);
   ck_assert_int_eq(dls_fe_series_finish(s, NULL), DLS_OK);
-  expect_text(HEAD ROW "<DataSet timestep=\"1\" file=\"b.vtu\"/>\n" TAIL);
+  expect_text(HEAD ROW "<DataSet timestep=\"1\" part=\"0\" file=\"b.vtu\"/>\n" TAIL);
   ck_assert_int_eq(dls_fe_series_finish(NULL, NULL), DLS_OK);
 }
 END_TEST
@@ -332,10 +332,13 @@ START_TEST(series_bad_input) {
   }
   malloc_fails_at(0);
   ck_assert_int_eq(dls_fe_series_create(&s, path, NULL), DLS_OK);
-  expect_error(dls_fe_series_add(NULL, 0, "a", &error), &error, DLS_E_ARGUMENT, add, "series", -1);
-  expect_error(dls_fe_series_add(s, NAN, "a", &error), &error, DLS_E_NOT_FINITE, add, "time", -1);
-  expect_error(dls_fe_series_add(s, 0, NULL, &error), &error, DLS_E_ARGUMENT, add, "file", -1);
-  expect_error(dls_fe_series_add(s, 0, "a&b", &error), &error, DLS_E_ARGUMENT, add, "file", 1);
+  expect_error(dls_fe_series_add(NULL, 0, 0, "a", &error), &error, DLS_E_ARGUMENT, add, "series",
+               -1);
+  expect_error(dls_fe_series_add(s, NAN, 0, "a", &error), &error, DLS_E_NOT_FINITE, add, "time",
+               -1);
+  expect_error(dls_fe_series_add(s, 0, -1, "a", &error), &error, DLS_E_ARGUMENT, add, "part", -1);
+  expect_error(dls_fe_series_add(s, 0, 0, NULL, &error), &error, DLS_E_ARGUMENT, add, "file", -1);
+  expect_error(dls_fe_series_add(s, 0, 0, "a&b", &error), &error, DLS_E_ARGUMENT, add, "file", 1);
   ck_assert_int_eq(dls_fe_series_finish(s, NULL), DLS_OK);
   expect_text(HEAD TAIL);
 }

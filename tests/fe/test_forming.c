@@ -381,6 +381,13 @@ START_TEST(bad_input) {
   REJECTED(clamped, 2, DLS_E_ARGUMENT, "clamped");
   REJECTED(standard, 2, DLS_E_ARGUMENT, "standard");
   REJECTED(keep_trace, 2, DLS_E_ARGUMENT, "keep_trace");
+  REJECTED(ram_mu, -1, DLS_E_ARGUMENT, "ram_mu");
+  REJECTED(ram_mu, NAN, DLS_E_ARGUMENT, "ram_mu");
+  REJECTED(penalty, -1, DLS_E_ARGUMENT, "penalty");
+  REJECTED(augmentations, -1, DLS_E_ARGUMENT, "augmentations");
+  REJECTED(relaxation, 0, DLS_E_ARGUMENT, "relaxation");
+  REJECTED(aitken, 2, DLS_E_ARGUMENT, "aitken");
+  REJECTED(step_tol, 2, DLS_E_ARGUMENT, "step_tol");
   REJECTED(tol, 0, DLS_E_ARGUMENT, "tol");
   REJECTED(tol, NAN, DLS_E_ARGUMENT, "tol");
   REJECTED(contact, (dls_forming_contact)9, DLS_E_ARGUMENT, "contact");
@@ -476,6 +483,9 @@ START_TEST(vtu) {
   ck_assert_int_eq(dls_forming_write_vtu(f, path, &error), DLS_E_FILE);
   ck_assert_int_eq(dls_forming_write_vtu(f, NULL, &error), DLS_E_ARGUMENT);
   ck_assert_int_eq(dls_forming_write_vtu(NULL, path, &error), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_forming_write_tools(f, path, &error), DLS_E_FILE);
+  ck_assert_int_eq(dls_forming_write_tools(f, NULL, &error), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_forming_write_tools(NULL, path, &error), DLS_E_ARGUMENT);
   dls_forming_destroy(f);
 }
 END_TEST

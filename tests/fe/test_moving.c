@@ -225,21 +225,8 @@ END_TEST
 
 /* ---- two blocks ------------------------------------------------------------------------------ */
 
-/* x := K^-1 x, K sparse, symmetric, positive definite, by a dense Cholesky factor. */
-static void solve_dense(const dls_sparse *K, double *x) {
-  const int n = K->rows;
-  double *L = calloc((size_t)n * (size_t)n, sizeof *L);
-  ck_assert_ptr_nonnull(L);
-  for (int j = 0; j < n; j++)
-    for (int k = K->p[j]; k < K->p[j + 1]; k++)
-      L[K->i[k] * n + j] = K->x[k]; /* rows one after the other */
-  for (int i = 0; i < n; i++)
-    for (int j = 0; j <= i; j++) {
-      double s = L[i * n + j];
-      for (int k = 0; k < j; k++)
-        s -= L[i * n + k] * L[j * n + k];
-      L[i * n + j] = i == j ? sqrt(s) : s / L[j * n + j];
-    }
+/* x := K^-1 x by the rows of the Cholesky factor L. */
+static void substitute(const double *L, int n, double *x) {
   for (int i = 0; i < n; i++) {
     for (int k = 0; k < i; k++)
       x[i] -= L[i * n + k] * x[k];
@@ -250,7 +237,40 @@ static void solve_dense(const dls_sparse *K, double *x) {
       x[i] -= L[k * n + i] * x[k];
     x[i] /= L[i * n + i];
   }
+}
+
+/* x := K^-1 f, K sparse, symmetric, positive definite, by a dense Cholesky factor; refined by
+ * residuals in long double, so that x is right to the last digits. */
+static void solve_dense(const dls_sparse *K, const double *f, double *x) {
+  const int n = K->rows;
+  double *L = calloc((size_t)n * (size_t)n, sizeof *L), *left = calloc((size_t)n, sizeof *left);
+  long double *sum = calloc((size_t)n, sizeof *sum);
+  ck_assert(L && left && sum);
+  for (int j = 0; j < n; j++)
+    for (int k = K->p[j]; k < K->p[j + 1]; k++)
+      L[K->i[k] * n + j] = K->x[k]; /* rows one after the other */
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j <= i; j++) {
+      double s = L[i * n + j];
+      for (int k = 0; k < j; k++)
+        s -= L[i * n + k] * L[j * n + k];
+      L[i * n + j] = i == j ? sqrt(s) : s / L[j * n + j];
+    }
+  for (int turn = 0; turn < 4; turn++) {
+    for (int i = 0; i < n; i++)
+      sum[i] = f[i];
+    for (int j = 0; j < n; j++)
+      for (int k = K->p[j]; k < K->p[j + 1]; k++)
+        sum[K->i[k]] -= (long double)K->x[k] * x[j];
+    for (int i = 0; i < n; i++)
+      left[i] = (double)sum[i];
+    substitute(L, n, left);
+    for (int i = 0; i < n; i++)
+      x[i] += left[i];
+  }
   free(L);
+  free(left);
+  free(sum);
 }
 
 enum { bx = 16, by = 8 }; /* of each block */
@@ -263,8 +283,9 @@ static void monolithic(double E, double nu, double *D) {
   ck_assert_int_eq(dls_fe_mesh_quads(&mesh, 0.1, 0.1, bx, 2 * by, NULL), DLS_OK);
   const int N = 2 * mesh.nodes;
   int *unknown = malloc((size_t)N * sizeof *unknown), n = 0;
-  double *F = calloc((size_t)N, sizeof *F), *x = calloc((size_t)N, sizeof *x);
-  ck_assert(unknown && F && x);
+  double *F = calloc((size_t)N, sizeof *F), *f = calloc((size_t)N, sizeof *f);
+  double *x = calloc((size_t)N, sizeof *x);
+  ck_assert(unknown && F && f && x);
   for (int k = 0; k < N; k++)
     unknown[k] = k == 0 || (k % 2 && k / 2 <= bx) ? -1 : n++;
   const int top = mesh.nodes - bx - 1;
@@ -275,12 +296,13 @@ static void monolithic(double E, double nu, double *D) {
   }
   ck_assert_int_eq(dls_fe_sparse_stiffness(&mesh, E, nu, unknown, n, &K, NULL), DLS_OK);
   for (int k = 0; k < N; k++)
-    if (unknown[k] >= 0) x[unknown[k]] = F[k];
-  solve_dense(&K.A, x);
+    if (unknown[k] >= 0) f[unknown[k]] = F[k];
+  solve_dense(&K.A, f, x);
   for (int k = 0; k < N; k++)
     D[k] = unknown[k] < 0 ? 0 : x[unknown[k]];
   free(unknown);
   free(F);
+  free(f);
   free(x);
   dls_fe_matrix_free(&K);
   dls_fe_mesh_free(&mesh);
@@ -290,8 +312,8 @@ START_TEST(blocks_in_one_piece) {
   static double D[2 * (bx + 1) * (2 * by + 1)];
   dls_moving_settings s = defaults();
   s.mu = 10;
+  s.steps = 40;
   s.nx = s.upper = bx;
-  s.limits.tol = 1e-16;
   s.ny = by;
   dls_moving_data d;
   dls_moving *moving = create("two-blocks", &s, &d);
@@ -313,32 +335,30 @@ START_TEST(blocks_in_one_piece) {
 END_TEST
 
 /* Returns the part under the hat function of candidate c of the upper edge. */
-static double part_of(const dls_moving_data *d, int c) {
+static double share_of(const dls_moving_data *d, int c) {
   const double *xy = d->mesh->xy;
   const int *node = d->candidate_node, last = d->candidates - 1;
   return (xy[2 * node[c < last ? c + 1 : c]] - xy[2 * node[c > 0 ? c - 1 : c]]) / 2;
 }
 
-/* Uniform pressure over lines of nodes that do not match, to rounding: the tolerance of the solver
- * is below what arithmetic attains, and the springs that hold the upper block make W 1e3 times
- * larger than the blocks do, which is lost in the reactions. */
+/* Uniform pressure over lines of nodes that do not match, to rounding: the springs that hold the
+ * upper block make W 10 times larger than the blocks do, which is lost in the reactions. */
 START_TEST(blocks_patch) {
   const double pressure = 1e6;
   dls_moving_settings s = defaults();
   s.upper = _i;
-  s.limits.tol = 1e-16;
   dls_moving_data d;
   dls_moving *moving = create("two-blocks", &s, &d);
   advance(moving, d.cycle, &d);
   for (int c = 0; c < d.candidates; c++) {
-    expect(d.r[2 * c], pressure * part_of(&d, c), 1e-10);
-    ck_assert_double_le(fabs(d.r[2 * c + 1]), 1e-10 * pressure * part_of(&d, c));
+    expect(d.r[2 * c], pressure * share_of(&d, c), 1e-11);
+    ck_assert_double_le(fabs(d.r[2 * c + 1]), 1e-11 * pressure * share_of(&d, c));
   }
   double *stress = malloc(3 * (size_t)d.mesh->quads * sizeof *stress);
   ck_assert_ptr_nonnull(stress);
   ck_assert_int_eq(dls_fe_stress(d.mesh, d.E, d.nu, d.displacement, stress, NULL), DLS_OK);
   for (int k = 0; k < 3 * d.mesh->quads; k++)
-    ck_assert_double_le(fabs(stress[k] + (k % 3 == 1 ? pressure : 0)), 1e-10 * pressure);
+    ck_assert_double_le(fabs(stress[k] + (k % 3 == 1 ? pressure : 0)), 1e-11 * pressure);
   free(stress);
   dls_moving_destroy(moving);
 }
@@ -468,6 +488,10 @@ START_TEST(bad_input) {
   REFUSED(frequency, NAN, "frequency");
   REFUSED(limits.tol, -1, "tol");
   s = defaults();
+  s.ny = 9;
+  expect_error(dls_moving_create(&m, "jean-moving", &s, &error), &error, DLS_E_ARGUMENT, make, "nx",
+               -1);
+  s = defaults();
   s.law = DLS_MOTION_GAP;
   s.theta = 0.5; /* its pressure does not converge */
   expect_error(dls_moving_create(&m, "bar-impact", &s, &error), &error, DLS_E_ARGUMENT, make,
@@ -493,8 +517,10 @@ END_TEST
 START_TEST(without_memory) {
   static const char *const scenes[] = {"bar-bounce", "two-blocks", "jean-moving", "block-drop"};
   dls_moving_settings s = defaults();
-  s.nx = 3;
-  s.ny = 2;
+  if (_i != 2) { /* which has one mesh only */
+    s.nx = 3;
+    s.ny = 2;
+  }
   s.upper = 2;
   s.measure = 1;
   for (long k = 1;; k++) {

@@ -231,7 +231,7 @@ START_TEST(bad_settings_are_refused) {
     ck_assert_int_eq(dls_solver_create(&solver, 2, NC, &s, &e), DLS_E_ARGUMENT);
     ck_assert_str_eq(e.argument, "tol");
   }
-  s = good, s.acceleration = (dls_acceleration)3;
+  s = good, s.acceleration = (dls_acceleration)4;
   ck_assert_int_eq(dls_solver_create(&solver, 2, NC, &s, &e), DLS_E_ARGUMENT);
   ck_assert_str_eq(e.argument, "acceleration");
   s = good, s.method = DLS_LEMKE, s.acceleration = DLS_ACCELERATION_AITKEN;
@@ -1006,19 +1006,64 @@ START_TEST(auto_proves_that_there_is_no_solution) {
 }
 END_TEST
 
+/* A time limit ends auto in whichever stage it falls, a little later than it says, with the best
+ * answer so far; the last call tells of it. */
+static int note_last(void *data, const dls_progress *progress) {
+  if (progress->last) *(dls_progress *)data = *progress;
+  return 0;
+}
+
+START_TEST(time_limit_in_any_stage) {
+  enum { nc = 8, m = 2 * nc };
+  double A[m * m], b[m], friction[nc], r[m];
+  dls_contact p = coupled(A, b, friction, 2, nc, 0, 9, 77);
+  for (int c = 0; c < nc; c++) { /* one candidate jams, by itself */
+    friction[c] = 9;
+    for (int k = 0; k < m; k++)
+      if (c == 7) A[14 + m * k] = A[k + m * 14] = A[15 + m * k] = A[k + m * 15] = 0;
+  }
+  A[14 + m * 14] = A[14 + m * 15] = A[15 + m * 14] = A[15 + m * 15] = 1; /* above its critical mu */
+  friction[7] = 2;
+  b[14] = -2;
+  b[15] = 0;
+  dls_solver_settings s = settings_of(DLS_AUTO);
+  dls_progress last = {0};
+  dls_info info;
+  s.limits.progress = note_last;
+  s.limits.progress_data = &last;
+  const dls_status whole = dls_solve(&p, &s, r, NULL, &info, NULL);
+  ck_assert_msg(whole == DLS_NO_SOLUTION_LIKELY || whole == DLS_NO_SOLUTION || whole == DLS_STALLED,
+                "%s", dls_status_name(whole));
+  const double all = last.cpu_seconds;
+  for (int k = 1; k < 20; k++) {
+    s.limits.cpu_seconds = all * k / 20;
+    last.cpu_seconds = -1;
+    const dls_status status = dls_solve(&p, &s, r, NULL, &info, NULL);
+    ck_assert_msg(status == DLS_TIME_LIMIT || status == whole, "%d: %s", k,
+                  dls_status_name(status));
+    ck_assert(last.cpu_seconds >= 0 && last.residual == info.certificate.residual);
+    if (status == DLS_TIME_LIMIT)
+      ck_assert_msg(last.cpu_seconds >= s.limits.cpu_seconds &&
+                        last.cpu_seconds <= s.limits.cpu_seconds + 0.3 * all + 0.02,
+                    "%d: %g of %g, %g", k, last.cpu_seconds, s.limits.cpu_seconds, all);
+  }
+}
+END_TEST
+
 int main(void) {
-  return RUN(
-      "solve", NULL, NULL, ONCE(methods_have_names), ONCE(methods_agree),
-      EACH(block_on_a_belt, 0, 4), ONCE(accelerations_have_names), ONCE(bad_settings_are_refused),
-      ONCE(limits_change), ONCE(auto_tells_of_other_answers), ONCE(every_failing_malloc_unwinds),
-      ONCE(free_problem_is_answered_at_once), ONCE(an_answer_at_once_is_told_once),
-      ONCE(short_calls_see_every_bad_number), ONCE(short_calls_take_large_numbers),
-      ONCE(short_calls_see_every_bad_view), ONCE(short_calls_take_a_wider_leading_dimension),
-      ONCE(candidates_apart_take_one_sweep), ONCE(one_candidate_takes_one_sweep),
-      ONCE(candidates_apart_in_any_units), ONCE(a_neighbour_pressed_takes_more_sweeps),
-      ONCE(nearly_free_is_answered_by_nothing), ONCE(bad_blocks_go_through_the_stages),
-      ONCE(auto_takes_the_same_stages_in_any_units), ONCE(auto_does_not_see_frames),
-      ONCE(auto_does_not_see_the_order), ONCE(no_allocation_by_blocks_and_in_larger_problems),
-      ONCE(auto_starts_warm), ONCE(a_jam_has_likely_no_solution),
-      ONCE(auto_forgets_the_solve_before), ONCE(auto_proves_that_there_is_no_solution));
+  return RUN("solve", NULL, NULL, ONCE(methods_have_names), ONCE(methods_agree),
+             EACH(block_on_a_belt, 0, 4), ONCE(accelerations_have_names),
+             ONCE(bad_settings_are_refused), ONCE(limits_change), ONCE(auto_tells_of_other_answers),
+             ONCE(every_failing_malloc_unwinds), ONCE(free_problem_is_answered_at_once),
+             ONCE(an_answer_at_once_is_told_once), ONCE(short_calls_see_every_bad_number),
+             ONCE(short_calls_take_large_numbers), ONCE(short_calls_see_every_bad_view),
+             ONCE(short_calls_take_a_wider_leading_dimension),
+             ONCE(candidates_apart_take_one_sweep), ONCE(one_candidate_takes_one_sweep),
+             ONCE(candidates_apart_in_any_units), ONCE(a_neighbour_pressed_takes_more_sweeps),
+             ONCE(nearly_free_is_answered_by_nothing), ONCE(bad_blocks_go_through_the_stages),
+             ONCE(auto_takes_the_same_stages_in_any_units), ONCE(auto_does_not_see_frames),
+             ONCE(auto_does_not_see_the_order),
+             ONCE(no_allocation_by_blocks_and_in_larger_problems), ONCE(auto_starts_warm),
+             ONCE(a_jam_has_likely_no_solution), ONCE(auto_forgets_the_solve_before),
+             ONCE(auto_proves_that_there_is_no_solution), ONCE(time_limit_in_any_stage));
 }

@@ -1,6 +1,7 @@
 /* test_lcp.c: the LCP, its certificate, the checks of proofs, and the 2D contact problem as an
  * LCP. */
 #include <check.h>
+#include <float.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -77,6 +78,11 @@ START_TEST(certificate_of_q_zero_and_of_overflow) {
   ck_assert_double_eq(c.residual, 1);
   lcp = lcp_of(1, big, none);
   ck_assert_int_eq(dls_lcp_certify(&lcp, big, NULL, &c, NULL), DLS_OK);
+  ck_assert_int_eq(dls_lcp_certificate_holds(&c, 1e-8), 0);
+  /* |q| overflows, and still z = 0 is no answer */
+  const double I[4] = {1, 0, 0, 1}, far[2] = {-DBL_MAX, -DBL_MAX}, zero[2] = {0};
+  lcp = lcp_of(2, I, far);
+  ck_assert_int_eq(dls_lcp_certify(&lcp, zero, NULL, &c, NULL), DLS_OK);
   ck_assert_int_eq(dls_lcp_certificate_holds(&c, 1e-8), 0);
 }
 END_TEST

@@ -93,8 +93,8 @@ END_TEST
 
 /* ---- acceleration ---------------------------------------------------------------------------- */
 
-static const dls_acceleration accelerations[] = {DLS_ACCELERATION_AITKEN,
-                                                 DLS_ACCELERATION_ANDERSON};
+static const dls_acceleration accelerations[] = {DLS_ACCELERATION_AITKEN, DLS_ACCELERATION_ANDERSON,
+                                                 DLS_ACCELERATION_MOMENTUM};
 
 static dls_nlgs_settings accelerated(double tol, dls_acceleration acceleration) {
   dls_nlgs_settings s = nlgs_tol(tol);
@@ -112,7 +112,7 @@ START_TEST(accelerated_random_problem) {
   dls_info info, info2;
   const dls_nlgs_settings none = nlgs_tol(1e-12);
   ck_assert_int_eq(run_nlgs(&a.p, &none, plain, NULL, &info), DLS_OK);
-  for (int k = 0; k < 2; k++) {
+  for (int k = 0; k < 3; k++) {
     dls_nlgs_settings s = accelerated(1e-12, accelerations[k]);
     ck_assert_int_eq(run_nlgs(&a.p, &s, r, NULL, &info), DLS_OK);
     for (int j = 0; j < m; j++)
@@ -165,7 +165,7 @@ START_TEST(fclib_file) {
     ck_assert_int_eq(dls_reduction_contact(reduction, mu, &p, &error), DLS_OK);
   } else
     ck_assert_int_eq(dls_fclib_contact(file, &p, &error), DLS_OK);
-  for (int k = 0; k < 2; k++) {
+  for (int k = 0; k < 3; k++) {
     const dls_nlgs_settings s = accelerated(1e-12, accelerations[k]);
     double *r = calloc((size_t)p.d * (size_t)p.nc, sizeof *r);
     dls_nlgs *work;
@@ -188,7 +188,7 @@ START_TEST(
     accelerated_cycle) { /* C11 again: solved or not, what is said is true, and it is the best */
   static model a;
   set_hand(&a, hand_named("C11"));
-  for (int k = 0; k < 2; k++) {
+  for (int k = 0; k < 3; k++) {
     dls_nlgs_settings s = accelerated(1e-8, accelerations[k]);
     watch w = {"nlgs", 500, INFINITY, 0, 0};
     s.limits.max_iterations = 500;
@@ -207,7 +207,7 @@ END_TEST
 START_TEST(accelerated_units) {
   static model a;
   numbered_model(&a, _i);
-  const dls_nlgs_settings s = accelerated(1e-10, accelerations[_i / 2 % 2]);
+  const dls_nlgs_settings s = accelerated(1e-10, accelerations[_i / 2 % 3]);
   expect_any_units(&the_nlgs, &a, &s, 1e-10, 0);
   expect_any_units(&the_nlgs, &a, &s, 1e-10, 1);
 }
@@ -224,7 +224,7 @@ START_TEST(accelerated_workspace) {
   slow_model(&a, 0);
   numbered_model(&b, 10);
   ck_assert(a.p.d == b.p.d && a.p.nc > b.p.nc);
-  for (int k = 0; k < 2; k++) {
+  for (int k = 0; k < 3; k++) {
     int at = 0;
     dls_nlgs_settings s = accelerated(1e-12, accelerations[k]);
     s.limits.progress = stop;
@@ -259,7 +259,7 @@ START_TEST(bad_create) {
     s.relaxation = bad_relaxation[k];
     refuses_to_create(&the_nlgs, DLS_E_ARGUMENT, "relaxation", -1, 2, 1, &s);
   }
-  const int bad_window[] = {0, -1, 101, INT_MIN}, bad_acceleration[] = {-1, 3};
+  const int bad_window[] = {0, -1, 101, INT_MIN}, bad_acceleration[] = {-1, 4};
   for (int k = 0; k < 4; k++) {
     dls_nlgs_settings s = good;
     s.window = bad_window[k];

@@ -25,8 +25,8 @@ static dls_motion_model point_model(double mass, double k, double gap) {
 
 /* ---- laws ------------------------------------------------------------------------------------ */
 
-/* A ball, v = -3, meets a racket that rises with V = 2, e = 1/2: v+ = V + e (V - v) = 4.5; p = m (v+
- * - v) = 7.5; the racket gives p V = 15, the impact takes p (u+ + u)/2 = 7.5 (2.5 - 5)/2. */
+/* A ball, v = -3, meets a racket that rises with V = 2, e = 1/2: v+ = V + e (V - v) = 4.5; p = m
+ * (v+ - v) = 7.5; the racket gives p V = 15, the impact takes p (u+ + u)/2 = 7.5 (2.5 - 5)/2. */
 START_TEST(test_racket) {
   const dls_motion_model model = point_model(1, 0, 0);
   dls_motion_settings settings = moving_settings(DLS_MOTION_VELOCITY, 1e-3);
@@ -64,8 +64,8 @@ START_TEST(test_gap_form) {
 }
 END_TEST
 
-/* Without contact nodes a spring swings: with theta = 1/2, cos(w t), tan(w h/2) = h/2, without loss;
- * with theta = 1 the scheme takes energy, which it says. */
+/* Without contact nodes a spring swings: with theta = 1/2, cos(w t), tan(w h/2) = h/2, without
+ * loss; with theta = 1 the scheme takes energy, which it says. */
 START_TEST(test_swing) {
   moving_begin(&parts, 1);
   moving_add(&parts.M, 0, 0, 1);
@@ -164,6 +164,56 @@ START_TEST(test_weighting) {
   ck_assert_double_eq_tol(s.v[1], -4 + 1.92 / 4, 1e-13);
   ck_assert_double_eq_tol(s.v[3], -4 + 1.92 * 3 / 4, 1e-13);
   ck_assert_double_eq_tol(s.slip[0], 0.125 * 0.4, 1e-14);
+  dls_motion_destroy(motion);
+}
+END_TEST
+
+/* In 3D: a puck slides with v = (3, 4) and mu = 1/4 under g = 8: it brakes by 2 along its way and
+ * stops after 2.5 s and 6.25, in the direction (.6, .8): the tangents see (3.75, 5). */
+START_TEST(test_puck) {
+  const int p[] = {0, 1, 2, 3}, i[] = {0, 1, 2}, z[] = {2};
+  const double mass[] = {1, 1, 1}, v[] = {3, 4, 0}, f[] = {0, 0, -8}, mu = 0.25;
+  dls_motion_model model = {.d = 3, .n = 3, .nodes = 1, .factorization = DLS_CHOLESKY};
+  model.M = (dls_sparse){3, 3, p, i, mass};
+  model.HN = (dls_sparse){3, 1, p, z, mass};
+  model.HT = (dls_sparse){3, 2, p, i, mass};
+  const dls_motion_settings settings = moving_settings(DLS_MOTION_VELOCITY, 0.125);
+  dls_motion *motion = moving_create(&model, &settings, NULL, v);
+  dls_motion_state s = moving_state(motion);
+  while (s.t < 3) {
+    s = moving_step(motion, f, NULL, &mu);
+    const int slides = s.t < 2.4;
+    ck_assert_int_eq(s.state[0], slides ? DLS_SLIP : DLS_STICK);
+    ck_assert_double_eq_tol(s.p[1], slides ? -0.15 : s.t < 2.6 ? -0.15 : 0, 1e-11);
+    ck_assert_double_eq_tol(hypot(s.v[0], s.v[1]), fmax(0, 5 - 2 * s.t), 1e-10);
+  }
+  ck_assert_double_eq_tol(s.slip[0], 3.75, 1e-10);
+  ck_assert_double_eq_tol(s.slip[1], 5, 1e-10);
+  ck_assert_double_eq_tol(moving_energies(motion).friction, -12.5, 1e-10);
+  dls_motion_destroy(motion);
+}
+END_TEST
+
+/* An unsymmetric A: C = (0 -1; 1 0) turns the velocity and does no work; theta = 1/2 turns it by
+ * 2 atan(h/2) a step. */
+START_TEST(test_turning) {
+  moving_begin(&parts, 2);
+  for (int j = 0; j < 2; j++) {
+    moving_add(&parts.M, j, j, 1);
+    moving_add(&parts.C, 1 - j, j, j ? -1 : 1);
+  }
+  moving_touch(&parts, 1, 0, 1e3);
+  dls_motion_model model = moving_model(&parts);
+  model.factorization = DLS_LU;
+  const dls_motion_settings settings = moving_settings(DLS_MOTION_VELOCITY, 0.5);
+  const double v[2] = {1, 0};
+  dls_motion *motion = moving_create(&model, &settings, NULL, v);
+  for (int k = 1; k <= 10; k++) {
+    const dls_motion_state s = moving_step(motion, NULL, NULL, NULL);
+    ck_assert_double_eq_tol(s.v[0], cos(2 * k * atan(0.25)), 1e-13);
+    ck_assert_double_eq_tol(s.v[1], -sin(2 * k * atan(0.25)), 1e-13);
+  }
+  ck_assert_double_eq_tol(moving_energies(motion).damping, 0, 1e-14);
   dls_motion_destroy(motion);
 }
 END_TEST
@@ -285,7 +335,7 @@ START_TEST(test_units) {
 }
 END_TEST
 
-/* Falls freely with h, h/2, h/8: theta = 1/2 is exact for any of them; a wrong h changes nothing. */
+/* Falls freely with h, h/2, h/8: theta = 1/2 is exact for any of them; a wrong h is refused. */
 START_TEST(test_set_h) {
   const dls_motion_model model = point_model(2, 0, 100);
   const dls_motion_settings settings = moving_settings(DLS_MOTION_VELOCITY, 0.5);
@@ -459,8 +509,8 @@ END_TEST
 
 int main(void) {
   return RUN("motion", NULL, NULL, ONCE(test_racket), ONCE(test_gap_form), ONCE(test_swing),
-             ONCE(test_damping), ONCE(test_path), ONCE(test_weighting),
-             EACH(test_refused_step, 0, 3), ONCE(test_start_again), ONCE(test_units),
-             ONCE(test_set_h), ONCE(test_settings), ONCE(test_model), ONCE(test_arguments),
-             ONCE(test_malloc));
+             ONCE(test_damping), ONCE(test_path), ONCE(test_weighting), ONCE(test_puck),
+             ONCE(test_turning), EACH(test_refused_step, 0, 3), ONCE(test_start_again),
+             ONCE(test_units), ONCE(test_set_h), ONCE(test_settings), ONCE(test_model),
+             ONCE(test_arguments), ONCE(test_malloc));
 }

@@ -137,13 +137,14 @@ END_TEST
 
 /* ---- structures ------------------------------------------------------------------------------ */
 
+static double closed = 1e-9; /* activation */
 static double load[3 * moving_bodies], friction[4 * moving_bodies];
 
 /* Takes steps of h under the weight of the bodies, gravity (gx, gy); returns max |v| / (g t). */
 static double unrest(double h, int steps, double gx, double gy, double mu, double *crown) {
   const dls_motion_model model = moving_model(&parts);
   dls_motion_settings settings = moving_settings(DLS_MOTION_VELOCITY, h);
-  settings.activation = 1e-9;
+  settings.activation = closed;
   dls_motion *motion = moving_create(&model, &settings, NULL, NULL);
   for (int i = 0; i < parts.n; i++)
     load[i] = parts.M.x[i] * (i % 3 == 0 ? gx : i % 3 == 1 ? gy : 0);
@@ -223,6 +224,10 @@ START_TEST(test_arch_stands) {
   arch_build(20, 0.12);
   ck_assert_double_le(unrest(1e-3, 500, 0, -gravity, 1, &crown), 1e-12);
   ck_assert_double_lt(crown, 1e-12);
+  closed = 0; /* rounding opens gaps, and each time a candidate lets go for a step */
+  (void)unrest(1e-3, 500, 0, -gravity, 1, &crown);
+  ck_assert_double_gt(crown, 1e-5);
+  closed = 1e-9;
 }
 END_TEST
 

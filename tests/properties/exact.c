@@ -64,17 +64,42 @@ int exact_sign(exact *sum) {
   return carry < 0 ? -1 : (any || carry) ? 1 : 0;
 }
 
-/* Returns the sign of g_n + sum_k side_k mu_c g_(t k), g = column block c of W' y. */
-static int farkas_column(const problem *p, const double *y, int c, const int *side) {
-  exact sum;
-  exact_clear(&sum);
-  for (int i = 0; i < p->nc; i++) {
-    const double *row = p->W + p->d * i;
-    exact_add(&sum, y[i], row[p->d * c * p->m], 1);
-    for (int k = 1; k < p->d; k++)
-      exact_add(&sum, y[i], row[(p->d * c + k) * p->m], side[k - 1] * p->mu[c]);
+/* square += turn sum^2; square has twice the limbs, with carries put off. */
+static void add_square(exact *sum, int turn, int64_t *square) {
+  uint64_t limb[EXACT_LIMBS];
+  const int negative = exact_sign(sum) < 0;
+  uint64_t carry = (uint64_t)negative;
+  for (int k = 0; k < EXACT_LIMBS; k++) { /* its magnitude */
+    limb[k] = (uint64_t)sum->limb[k] & 0xffffffffu;
+    if (!negative) continue;
+    limb[k] = (limb[k] ^ 0xffffffffu) + carry;
+    carry = limb[k] >> 32;
+    limb[k] &= 0xffffffffu;
   }
-  return exact_sign(&sum);
+  for (int i = 0; i < EXACT_LIMBS; i++)
+    for (int j = 0; limb[i] && j < EXACT_LIMBS; j++) {
+      const uint64_t product = limb[i] * limb[j];
+      square[i + j] += turn * (int64_t)(product & 0xffffffffu);
+      square[i + j + 1] += turn * (int64_t)(product >> 32);
+    }
+}
+
+/* Returns 1 if g_n <= 0 and g_n^2 >= mu^2 |g_t|^2, g = column block c of W' y. */
+static int farkas_column(const problem *p, const double *y, int c) {
+  int64_t square[2 * EXACT_LIMBS + 1] = {0}, carry = 0;
+  for (int k = 0; k < p->d; k++) {
+    exact sum;
+    exact_clear(&sum);
+    for (int i = 0; i < p->nc; i++)
+      exact_add(&sum, y[i], p->W[p->d * i + (p->d * c + k) * p->m], k ? p->mu[c] : 1);
+    if (k == 0 && exact_sign(&sum) > 0) return 0;
+    add_square(&sum, k ? -1 : 1, square);
+  }
+  for (int i = 0; i <= 2 * EXACT_LIMBS; i++) {
+    const int64_t x = square[i] + carry;
+    carry = (x - (int64_t)((uint64_t)x & 0xffffffffu)) / 4294967296;
+  }
+  return carry >= 0;
 }
 
 int farkas_holds(const problem *p, const double *y) {
@@ -86,11 +111,7 @@ int farkas_holds(const problem *p, const double *y) {
   }
   if (exact_sign(&sum) >= 0) return 0;
   for (int c = 0; c < p->nc; c++)
-    for (int s = 0; s < 4; s++) {
-      const int side[2] = {s & 1 ? 1 : -1, s & 2 ? 1 : -1};
-      if (p->d == 2 && s > 1) break;
-      if (farkas_column(p, y, c, side) > 0) return 0;
-    }
+    if (!farkas_column(p, y, c)) return 0;
   return 1;
 }
 

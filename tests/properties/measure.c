@@ -3,7 +3,7 @@
  * the library.
  *
  *   F_c = w_c r_c - P( w_c r_c - (u_c + mu_c |u_tc| n) ),   u = W r + q
- *   positions  sqrt( sum |F_c|^2 ) / |q|,   forces  sqrt( sum |F_c / w_c|^2 ) / |r|
+ *   positions  sqrt( sum |F_c|^2 ) / |q|,   forces  sqrt( sum |F_c / w_c|^2 ) / |r|,  at most 1
  *
  * P projects on the cone |r_t| <= mu r_n; w_c = trace(W_cc) / d; where that is not positive, the
  * mean of the positive ones, or the largest entry of the diagonal blocks where there is none.
@@ -85,9 +85,10 @@ void measure_answer(const problem *p, const double *r, measure *out) {
   }
   const long double size = qq > 0 ? qq : WW;
   out->u = (double)(FF == 0 ? 0 : sqrtl(FF / size));
-  out->r = (double)(GG == 0 ? 0 : sqrtl(GG / rr));
+  const long double forces = GG > rr ? GG : rr; /* r = 0 is wrong by all of its forces: 1 */
+  out->r = (double)(GG == 0 ? 0 : sqrtl(GG / forces));
   out->floor_u = (double)(aa == 0 ? 0 : DBL_EPSILON * sqrtl(aa / size));
-  out->floor_r = (double)(rr == 0 ? 0 : DBL_EPSILON * sqrtl(bb / rr));
+  out->floor_r = (double)(forces == 0 ? 0 : DBL_EPSILON * sqrtl(bb / forces));
 }
 
 int measure_holds(const measure *a, double tol, double slack, int forces) {

@@ -77,8 +77,7 @@ void exact_add(exact *sum, double a, double b, double c); /* sum += a b c */
 int exact_sign(exact *sum);                               /* -1, 0, 1 */
 
 /* 1 if y (nc) proves, without rounding, that no r in the cones has (W r + q)_n >= 0: y >= 0,
- * q_n.y < 0 and, with g = W' y (y on the normal rows), g_n + mu |g_t| <= 0 for every candidate (d
- * = 3: with |g_t| + |g_s| in the place of |g_t|, which is enough but not needed). */
+ * q_n.y < 0 and, with g = W' y (y on the normal rows), g_n + mu |g_t| <= 0 for every candidate. */
 int farkas_holds(const problem *p, const double *y);
 
 /* 1 if y or one of its roundings to few digits is such a proof. y: nc, overwritten by the proof. */

@@ -265,6 +265,33 @@ START_TEST(unsymmetric_is_unsymmetric) {
 }
 END_TEST
 
+/* Recovers for one r after the other from one load, and without a load: K x = f + H r each time. */
+START_TEST(recovers_often) {
+  make_kind(_i, DOUBLED);
+  dls_reduction *S = new_reduction(NULL);
+  double *x = malloc(3 * (size_t)T.n * sizeof *x), *left = x + T.n, *first = left + T.n;
+  for (int turn = 0; turn < 6; turn++) {
+    const double factor = turn % 2 ? -2 : 1;
+    double r[2 * side];
+    if (turn % 3 == 0)
+      ck_assert_int_eq(dls_reduction_load(S, turn ? NULL : T.f, T.g, NULL), DLS_OK);
+    scale_vector(r, T.r, factor, 2 * side);
+    ck_assert_int_eq(dls_reduction_recover(S, r, x, NULL), DLS_OK);
+    for (int i = 0; i < T.n; i++)
+      left[i] = (turn < 3 ? T.f[i] : 0) + (i < 2 * side ? r[i % 2 ? i - 1 : i + 1] : 0);
+    const double size = largest(left, T.n);
+    for (int j = 0; j < T.n; j++)
+      for (int i = 0; i < T.n; i++)
+        left[i] -= *entry(i, j) * x[j];
+    ck_assert_double_le(largest(left, T.n), 1e-12 * size);
+    if (turn == 0) memcpy(first, x, (size_t)T.n * sizeof *x);
+    if (turn == 2) assert_close(x, first, T.n, 1e-12);
+  }
+  free(x);
+  dls_reduction_destroy(S);
+}
+END_TEST
+
 /* No candidate is active: a plain solve. */
 START_TEST(no_candidates) {
   make_kind(_i, DOUBLED);
@@ -714,6 +741,97 @@ START_TEST(block_on_the_floor) {
 }
 END_TEST
 
+/* Solves and balances until r carries no spring; returns the number of turns. */
+static int solve_and_balance(dls_reduction *R, const dls_contact *p, double *r, double least) {
+  dls_solver_settings settings;
+  dls_solver_settings_init(&settings);
+  settings.method = DLS_NEWTON;
+  settings.limits.tol = 1e-14;
+  settings.limits.warm_start = 1;
+  double imbalance = 1;
+  int turns = 0;
+  for (; imbalance > least && turns < 100; turns++) {
+    dls_info info;
+    ck_assert_int_ge(dls_solve(p, &settings, r, NULL, &info, NULL), 0);
+    ck_assert_double_le(info.certificate.residual, 1e-9);
+    ck_assert_int_eq(dls_reduction_balance(R, r, &imbalance, NULL), DLS_OK);
+  }
+  return turns;
+}
+
+/* A free block between two rough plates, the upper one lowered and moved to the right, without any
+ * load: all nodes of both faces stick, and x is that of the block with these nodes displaced. */
+START_TEST(block_between_plates) {
+  make(1, 0, 0);
+  const int top = 2 * side * (side - 1);
+  for (int k = 0; k < side; k++) { /* the upper face, outer normal down */
+    const int c = side + k;
+    T.Ni[c] = top + 2 * k + 1;
+    T.Ti[c] = top + 2 * k;
+    T.Nx[c] = T.Tx[c] = -1;
+    T.Np[c + 1] = T.Tp[c + 1] = c + 1;
+  }
+  T.model.nodes = 2 * side;
+  T.model.HN = (dls_sparse){T.n, 2 * side, T.Np, T.Ni, T.Nx};
+  T.model.HT = (dls_sparse){T.n, 2 * side, T.Tp, T.Ti, T.Tx};
+  double mu[2 * side], r[4 * side] = {0};
+  memset(T.f, 0, sizeof T.f);
+  memset(T.g, 0, sizeof T.g);
+  for (int c = 0; c < 2 * side; c++) {
+    mu[c] = 2;
+    T.g[2 * c] = c < side ? 0 : -0.1;
+    T.g[2 * c + 1] = c < side ? 0 : 0.01;
+  }
+  dls_reduction_settings s = defaults();
+  s.stabilize = 1;
+  if (_i) T.model.operator_kind = DLS_STIFFNESS_DENSE;
+  dls_reduction *R = new_reduction(&s);
+  ck_assert_int_eq(info_of(R).modes, 3);
+  dls_contact p;
+  ck_assert_int_eq(dls_reduction_contact(R, mu, &p, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load(R, NULL, T.g, NULL), DLS_OK);
+  const int turns = solve_and_balance(R, &p, r, 1e-13);
+  double *x = malloc(2 * body * sizeof *x), *y = x + body;
+  ck_assert_int_eq(dls_reduction_recover(R, r, x, NULL), DLS_OK);
+  for (int c = 0; c < 2 * side; c++)
+    ck_assert(r[2 * c] > 0 && fabs(r[2 * c + 1]) < 2 * r[2 * c]);
+  for (int k = 0; k < 4 * side; k++) /* another step, there and back: to the same place */
+    T.g[k] *= 1.1;
+  ck_assert_int_eq(dls_reduction_load(R, NULL, T.g, NULL), DLS_OK);
+  ck_assert_int_le(solve_and_balance(R, &p, r, 1e-13), turns);
+  double r_back[4 * side] = {0};
+  for (int k = 0; k < 4 * side; k++)
+    T.g[k] /= 1.1;
+  ck_assert_int_eq(dls_reduction_load(R, NULL, T.g, NULL), DLS_OK);
+  ck_assert_int_le(solve_and_balance(R, &p, r_back, 1e-13), turns);
+  for (int k = 0; k < 4 * side; k++)
+    r[k] /= 1.1;
+  assert_close(r, r_back, 4 * side, 1e-12);
+  dls_reduction_destroy(R);
+
+  make(1, 0, 0); /* the nodes of both faces on stiff unit rows */
+  memset(T.f, 0, sizeof T.f);
+  for (int face = 0; face < 2; face++)
+    for (int i = face ? top : 0; i < (face ? body : 2 * side); i++) {
+      const double given = face ? (i % 2 ? -0.1 : 0.01) : 0;
+      for (int j = 0; j < body; j++) {
+        if (j >= 2 * side && j < top) T.f[j] -= *entry(j, i) * given;
+        *entry(i, j) = *entry(j, i) = i == j;
+      }
+      T.f[i] = given;
+    }
+  T.model.operator_kind = DLS_STIFFNESS_DENSE;
+  R = new_reduction(NULL);
+  ck_assert_int_eq(dls_reduction_load(R, T.f, NULL, NULL), DLS_OK);
+  memset(r, 0, sizeof r);
+  ck_assert_int_eq(dls_reduction_recover(R, r, y, NULL), DLS_OK);
+  ck_assert_int_le(turns, 5);
+  assert_close(x, y, body, 1e-12);
+  free(x);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
 START_TEST(bad_modes) {
   make(1, 0, 0);
   static double modes[25 * body];
@@ -915,11 +1033,12 @@ END_TEST
 
 int main(void) {
   return RUN("sparse reduction", NULL, NULL, EACH(sparse_equals_dense, 0, 20),
-             ONCE(unsymmetric_is_unsymmetric), EACH(no_candidates, 0, 5), ONCE(few_columns),
-             EACH(jean_block, 0, 2), EACH(tied_contact_nodes, 0, 2), ONCE(pivoting_takes_room),
-             EACH(same_bits, 0, 5), EACH(units, 0, 12), EACH(without_tangents, 0, 2),
-             ONCE(without_W), EACH(update, 0, 5), EACH(estimate, 0, 2), EACH(indefinite, 0, 2),
-             EACH(free_bodies, 0, 12), ONCE(held_body_has_no_modes), EACH(block_on_the_floor, 0, 3),
-             ONCE(bad_modes), EACH(structurally_singular, 0, 6), ONCE(bad_input),
-             ONCE(leaves_the_host_alone), EACH(every_malloc_fails, 0, 5));
+             ONCE(unsymmetric_is_unsymmetric), EACH(recovers_often, 0, 5),
+             EACH(no_candidates, 0, 5), ONCE(few_columns), EACH(jean_block, 0, 2),
+             EACH(tied_contact_nodes, 0, 2), ONCE(pivoting_takes_room), EACH(same_bits, 0, 5),
+             EACH(units, 0, 12), EACH(without_tangents, 0, 2), ONCE(without_W), EACH(update, 0, 5),
+             EACH(estimate, 0, 2), EACH(indefinite, 0, 2), EACH(free_bodies, 0, 12),
+             ONCE(held_body_has_no_modes), EACH(block_on_the_floor, 0, 3),
+             EACH(block_between_plates, 0, 2), ONCE(bad_modes), EACH(structurally_singular, 0, 6),
+             ONCE(bad_input), ONCE(leaves_the_host_alone), EACH(every_malloc_fails, 0, 5));
 }

@@ -143,7 +143,8 @@ void check_report(const dls_info *info) {
   }
   ck_assert_int_eq(iterations, info->iterations);
   ck_assert_int_eq(factorisations, info->factorisations);
-  ck_assert(least == info->certificate.residual);
+  const dls_certificate *c = &info->certificate; /* auto's copy rounds otherwise */
+  ck_assert(fabs(least - c->residual) <= 4 * fmax(c->floor_u, c->floor_r));
 }
 
 void same_stages(const dls_info *a, const dls_info *b) {

@@ -1,0 +1,105 @@
+/*
+ * delassus/trust.h: how far the answer to a contact problem can be trusted: all solutions of a
+ * small problem, the friction from which on there are loads with several, and what a residual means
+ * for the reactions.
+ */
+#ifndef DELASSUS_TRUST_H
+#define DELASSUS_TRUST_H
+
+#include "delassus/contact.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- all solutions --------------------------------------------------------------------------- */
+
+/* Candidates of the largest problem that dls_contact_enumerate takes. */
+enum { DLS_STATES_MAX = 8 };
+
+typedef struct dls_solution_set {
+  int isolated; /* solutions with no other one near */
+  int continua; /* connected sets of more than one solution */
+  int states;   /* choices of a state (free, stick, slip to the left, to the right) for every
+                   candidate that hold a solution: several hold one on the border between them */
+} dls_solution_set;
+
+/* Finds all solutions of a problem with d = 2 and up to DLS_STATES_MAX candidates: with the states
+ * chosen, the laws are linear, and their solutions a polyhedron.
+ *
+ *   r (m x capacity, column-major): the isolated solutions, then a vertex of each continuum
+ *   low, high (as r, or both NULL): the smallest and largest value of each entry in the connected
+ *   set that holds it, -INFINITY and INFINITY if there is none; isolated solutions: r twice
+ *
+ * A continuum is one of reactions: the position that a free candidate leaves to a multiplier of
+ * some LCP does not make one. Each solution listed has a certificate that holds for tol. Two that
+ * differ by less than 1e-8 of the largest entry, in scaled units, are one.
+ *
+ * DLS_OK: all are listed, up to 1e-10 of the scaled data. DLS_NO_SOLUTION: none, and each choice of
+ * states is refuted by a vector that holds exactly for the numbers of W, q and mu, or Lemke's
+ * method has a proof. DLS_NO_SOLUTION_LIKELY: none, but for rounding. DLS_MAX_ITERATIONS: there are
+ * more than `capacity`, and the first of them are in the list. DLS_STALLED: rounding keeps a choice
+ * of states from being decided; the list holds the others. Else an error:
+ * DLS_E_UNSUPPORTED for d = 3, DLS_E_SIZE for more candidates, DLS_E_ARGUMENT, DLS_E_MEMORY. Solves
+ * 4^nc small linear programs. */
+DLS_API DLS_MUST_USE dls_status dls_contact_enumerate(const dls_contact *problem, double tol,
+                                                      int capacity, double *r, double *low,
+                                                      double *high, dls_solution_set *found,
+                                                      dls_error *error);
+
+/* ---- what a residual means ------------------------------------------------------------------- */
+
+typedef struct dls_sensitivity {
+  int rows; /* equations of the candidates that carry a reaction: d where one sticks, d - 1 where it
+               slips, 1 without friction */
+  int rank; /* of their matrix A, scaled, to rounding */
+  int border;   /* candidates on the border of two states, where A holds on one side */
+  int isolated; /* 1: no other answer near; 0: others near, the reactions are not determined; -1:
+                   not known, border > 0 */
+  double amplification;   /* |A^-1| |q| / |r|: relative error of r per residual_u; INFINITY where
+                             rank < rows */
+  double amplification_r; /* |A^-1 diag(w)|: the same per residual_r */
+  double error; /* the relative error of r, |r - r*| / |r|, that its certificate leaves: the smaller
+                   one of both products, residuals below their floors being taken as these */
+} dls_sensitivity;
+
+/* Tells how far r, the answer of a solver, may be from the solution: in the states that r has the
+ * laws are linear, and the norm of A^-1 comes from its singular values. Right to first order, for
+ * an r whose states are those of the solution (bench/results/trust.md). r: m. O(rows^3) operations,
+ * rows^2 doubles + O(m). DLS_OK, DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_MEMORY. */
+DLS_API DLS_MUST_USE dls_status dls_contact_sensitivity(const dls_contact *problem, const double *r,
+                                                        dls_sensitivity *sensitivity,
+                                                        dls_error *error);
+
+/* ---- the fold -------------------------------------------------------------------------------- */
+
+typedef struct dls_fold {
+  double friction; /* the largest coefficient at the fold; INFINITY if there is none */
+  int exact;    /* 1: of all states; 0: of those that the search met: the fold is here or lower */
+  int matrices; /* how many were looked at */
+} dls_fold;
+
+/* Finds the least friction at which the matrix of some slip, stick and free candidates,
+ *
+ *   u_n = 0, u_t = 0 where they stick,  u_n = 0, r_t = +-mu r_n where they slip,  r = 0 elsewhere,
+ *
+ * becomes singular (Hassani, Hild and Ionescu's eigenvalue problem), for d = 2 and W positive
+ * definite. Below it there is exactly one solution, whatever q is; above it there are q with
+ * several. All mu_c are scaled together; where all are 0, they are taken as equal. Exact up to
+ * DLS_STATES_MAX candidates; for more a local search from many starts.
+ *
+ *   state (nc): the states, slip to the side that r_t tells
+ *   q, r, other (m each): a witness: with the coefficients mu_c fold->friction / max mu, the load q
+ *   has the solutions r and other, both in these states
+ *
+ * Each may be NULL; they are set where there is a fold. DLS_OK; DLS_E_UNSUPPORTED for d = 3;
+ * DLS_E_NOT_POSITIVE_DEFINITE; DLS_E_ARGUMENT, DLS_E_MEMORY, or an error of dls_contact_check. */
+DLS_API DLS_MUST_USE dls_status dls_contact_fold(const dls_contact *problem, dls_fold *fold,
+                                                 dls_contact_state *state, double *q, double *r,
+                                                 double *other, dls_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,145 @@
+/*
+ * converge.c: delassus converge SCENE: runs a scene with a closed form on finer and finer meshes
+ * and tells the order at which its error falls.
+ *
+ * The order over all meshes is the slope of a straight line through the logarithms, least squares.
+ */
+#define _GNU_SOURCE
+#include <getopt.h>
+#include <math.h>
+
+#include "cli.h"
+
+enum { MOST_MESHES = 12 };
+
+typedef struct converge_options {
+  dls_moving_settings settings;
+  int from, meshes;
+  const char *out; /* NULL: none */
+} converge_options;
+
+static void converge_usage(FILE *out) {
+  fputs(
+      "Usage: delassus converge SCENE [OPTION]...\n"
+      "Runs bar-impact, bar-bounce or bar-fixed on meshes of N, 2 N, 4 N, ... elements and prints\n"
+      "the L2 error of the gap beside the closed form, and the order at which it falls.\n"
+      "\n"
+      "      --from=N          elements of the first mesh (25)\n"
+      "      --meshes=K        meshes, each with twice the elements of the one before (5)\n",
+      out);
+  moving_usage_options(out);
+  fputs("  -o, --out=DIR         write converge.csv and a picture\n"
+        "  -h, --help            this text\n",
+        out);
+}
+
+/* Runs the scene to its end; *status: of the last step. Returns 0 after a complaint. */
+static int converge_run(const char *name, const dls_moving_settings *settings, dls_moving_data *d,
+                        dls_status *status) {
+  dls_moving *moving;
+  dls_error error = {0};
+  *status = dls_moving_create(&moving, name, settings, &error);
+  if (*status) return complain_of(name, &error), 0;
+  dls_moving_get(moving, d);
+  if (!d->has_exact) {
+    complain("%s: has no closed form; bar-impact, bar-bounce and bar-fixed have one", name);
+    *status = DLS_E_UNSUPPORTED;
+  }
+  while (!*status && d->step < d->steps) {
+    *status = dls_moving_step(moving, &error);
+    if (*status < 0) complain_of(name, &error);
+    dls_moving_get(moving, d);
+    const dls_progress progress = {.method = name,
+                                   .stage = name,
+                                   .iteration = d->step,
+                                   .max_iterations = d->steps,
+                                   .residual = -1};
+    if (!*status && show_progress(NULL, &progress)) *status = DLS_CANCELLED;
+  }
+  progress_end();
+  dls_moving_destroy(moving);
+  return *status >= 0;
+}
+
+/* Returns the order of error = factor h^order, least squares of the logarithms. */
+static double converge_fit(const double *h, const double *error, int count, double *factor) {
+  double x = 0, y = 0, xx = 0, xy = 0;
+  for (int k = 0; k < count; k++) {
+    const double a = log(h[k]), b = log(error[k]);
+    x += a / count;
+    y += b / count;
+    xx += a * a / count;
+    xy += a * b / count;
+  }
+  const double order = (xy - x * y) / (xx - x * x);
+  *factor = exp(y - order * x);
+  return order;
+}
+
+static int converge_scene(const char *name, const converge_options *o) {
+  double h[MOST_MESHES], error[MOST_MESHES];
+  dls_status status = DLS_OK;
+  FILE *csv = NULL;
+  if (o->out && (!make_directory(o->out) || !(csv = open_in(o->out, "converge.csv"))))
+    return EXIT_BAD_INPUT;
+  if (csv) fputs("elements,h,error,order\n", csv);
+  int count = 0, good = 1;
+  for (; good && !status && count < o->meshes; count++) {
+    dls_moving_settings settings = o->settings;
+    dls_moving_data d;
+    settings.nx = o->from << count;
+    good = converge_run(name, &settings, &d, &status);
+    if (!good || status) break;
+    if (count == 0) puts("elements             h         error   order");
+    h[count] = d.element;
+    error[count] = d.gap_error;
+    double factor;
+    const double order =
+        count > 0 ? converge_fit(h + count - 1, error + count - 1, 2, &factor) : NAN;
+    printf("%8d  %12.6g  %12.5e", settings.nx, h[count], error[count]);
+    printf(count > 0 ? "  %6.3f\n" : "\n", order);
+    if (csv) fprintf(csv, "%d,%.17g,%.17g,%.6g\n", settings.nx, h[count], error[count], order);
+    (void)fflush(stdout);
+  }
+  if (csv) good &= close_file(csv, "converge.csv");
+  if (!good) return EXIT_BAD_INPUT;
+  if (status) printf("%s: %s\n", name, dls_status_text(status));
+  if (count > 1) {
+    double factor;
+    const double order = converge_fit(h, error, count, &factor);
+    printf("observed order %.3f over %d meshes\n", order, count);
+    if (o->out && draw_convergence(o->out, name, order, factor) != EXIT_SOLVED)
+      return EXIT_BAD_INPUT;
+  }
+  return status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
+}
+
+static taken take_converge_option(int key, const char *text, void *data) {
+  converge_options *o = data;
+  switch (key) {
+  case 'a':
+    return parse_count("from", text, &o->from);
+  case 'b':
+    return parse_count("meshes", text, &o->meshes);
+  case 'o':
+    o->out = text;
+    return OPTION_TAKEN;
+  default:
+    return take_moving_setting(key, text, &o->settings);
+  }
+}
+
+int command_converge(int argc, char **argv) {
+  static const struct option options[] = {VALUE("from", 'a'), VALUE("meshes", 'b'), MOVING_OPTIONS,
+                                          VALUE("out", 'o'), LAST_OPTIONS};
+  static const command converge = {MOVING_KEYS "o:h", options, converge_usage, take_converge_option,
+                                   1};
+  converge_options o = {.from = 25, .meshes = 5};
+  dls_moving_settings_init(&o.settings);
+  const int stop = take_options(argc, argv, &converge, &o);
+  if (stop != GO_ON) return stop;
+  if (o.meshes > MOST_MESHES || o.from > 100000)
+    return complain("at most %d meshes, the first of at most 100000 elements", MOST_MESHES);
+  watch_interrupt();
+  return converge_scene(argv[optind], &o);
+}

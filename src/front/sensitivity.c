@@ -1,0 +1,207 @@
+/*
+ * sensitivity.c: what the residual of an answer means for its reactions.
+ *
+ * Where the states of the candidates stay, F = J (r - r*) to first order, J the derivative of the
+ * laws. Candidates that are free have r = 0. For the others let r - r* = E y, with columns of
+ * E of length 1 at right angles:
+ *
+ *   (SN1)  stick  all directions;                             rows of W: all
+ *          slip   (1, mu e) / sqrt(1 + mu^2), e = r_t / |r_t|;        n
+ *                 d = 3: p, at right angles to n and e;               p, plus |u_t| / |r_t| for p
+ *   (SN2)  A y = F of these rows,   A = R W E + L
+ *   (SN3)  |r - r*| = |y| <= |A^-1| |F|,   |F| = residual_u |q|
+ *          |r - r*| <= |A^-1 D| |D^-1 F|,  |D^-1 F| = residual_r |r|,  D = diag(w) of the rows
+ *
+ * The rank is that of D^-1/2 A D^-1/2, in which units do not matter.
+ *
+ * Cost: three times the singular values of a matrix of |rows|. What can fail: states that change
+ * between r and r*, candidates on the border of two: then A holds on one side only.
+ */
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "front/front.h"
+#include "linear/blas.h"
+
+static const double border =
+    1e-6; /* share of the largest w r and u, within which a state is on it */
+
+/* An unknown y_j: r of candidate c along e, with the row of u along the same direction or along the
+ * normal, and l of (SN2). */
+typedef struct sensitivity_row {
+  int c;
+  double row[3], e[3], l;
+} sensitivity_row;
+
+typedef struct sensitivity_work {
+  const dls_contact *problem;
+  const double *r;
+  int rows;
+  sensitivity_row *row;     /* m */
+  double *w, *u, *x;        /* nc; m each: u = W r + q, one column */
+  dls_contact_state *state; /* nc */
+} sensitivity_work;
+
+/* ---- rows ------------------------------------------------------------------------------------ */
+
+/* Returns 1 if candidate c is within `close` of another state. */
+static int sensitivity_is_border(const sensitivity_work *work, int c, double close) {
+  const int d = work->problem->d;
+  const double *r = work->r + (size_t)d * (size_t)c, *u = work->u + (size_t)d * (size_t)c;
+  const double mu = work->problem->mu[c], w = work->w[c];
+  if (work->state[c] == DLS_FREE) return u[0] <= close;
+  if (w * r[0] <= close) return 1;
+  if (!(mu > 0)) return 0;
+  if (work->state[c] == DLS_SLIP) return dlsi_tangent_norm(d, u) <= close;
+  return w * (mu * r[0] - dlsi_tangent_norm(d, r)) <= close;
+}
+
+/* Takes the rows of a candidate (SN1). */
+static void sensitivity_take_rows(sensitivity_work *work, int c) {
+  const int d = work->problem->d;
+  const double *r = work->r + (size_t)d * (size_t)c, *u = work->u + (size_t)d * (size_t)c;
+  const double mu = work->problem->mu[c], t = dlsi_tangent_norm(d, r);
+  const double length = sqrt(1 + mu * mu);
+  if (work->state[c] == DLS_FREE) return;
+  for (int i = 0; work->state[c] == DLS_STICK && mu > 0 && i < d; i++) {
+    sensitivity_row *row = &work->row[work->rows++];
+    *row = (sensitivity_row){.c = c};
+    row->row[i] = row->e[i] = 1;
+  }
+  if (work->state[c] == DLS_STICK && mu > 0) return;
+  sensitivity_row *row = &work->row[work->rows++];
+  *row = (sensitivity_row){.c = c, .row = {1}, .e = {1 / length}};
+  if (!(mu > 0 && t > 0)) return;
+  for (int i = 1; i < d; i++)
+    row->e[i] = mu * r[i] / t / length;
+  if (d == 2) return;
+  const double p[3] = {0, -r[2] / t, r[1] / t};
+  row = &work->row[work->rows++];
+  *row = (sensitivity_row){.c = c, .l = dlsi_tangent_norm(d, u) / t};
+  memcpy(row->row, p, sizeof p);
+  memcpy(row->e, p, sizeof p);
+}
+
+/* ---- the matrix ------------------------------------------------------------------------------ */
+
+/* Fills A of (SN2), row i times left_i and column j times right_j, left = w^a and right = w^b. */
+static void sensitivity_fill(sensitivity_work *work, double a, double b, double *A) {
+  const dls_contact *problem = work->problem;
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc, n = (size_t)work->rows;
+  for (size_t j = 0; j < n; j++) {
+    const sensitivity_row *column = &work->row[j];
+    memset(work->x, 0, m * sizeof *work->x);
+    dlsi_contact_add_columns(problem, column->c, column->e, work->x);
+    for (size_t i = 0; i < n; i++) {
+      const sensitivity_row *row = &work->row[i];
+      double sum = i == j ? row->l : 0;
+      for (size_t k = 0; k < d; k++)
+        sum += row->row[k] * work->x[d * (size_t)row->c + k];
+      A[i + j * n] = sum * pow(work->w[row->c], a) * pow(work->w[column->c], b);
+    }
+  }
+}
+
+/* value (rows) := the singular values of A, descending, which is lost. Returns 0 if LAPACK did not
+ * converge. */
+static int sensitivity_singular_values(int n, double *A, double *value, double *lapack, int room) {
+  const int one = 1;
+  int info;
+  double none[1];
+  dgesvd_("N", "N", &n, &n, A, &n, value, none, &one, none, &one, lapack, &room, &info, 1, 1);
+  return info == 0;
+}
+
+/* Returns how much a residual of these scales counts in r: 1 / the least singular value. */
+static double sensitivity_norm(sensitivity_work *work, double a, double *A, double *value,
+                               double *lapack, int room) {
+  const int n = work->rows;
+  sensitivity_fill(work, a, 0, A);
+  const int ok = sensitivity_singular_values(n, A, value, lapack, room);
+  return ok && value[n - 1] > 0 ? 1 / value[n - 1] : INFINITY;
+}
+
+/* ---- the call -------------------------------------------------------------------------------- */
+
+/* Fills all of *s from the certificate and the rows. A: rows x rows. value: m. lapack: 8 m. */
+static void sensitivity_measure(sensitivity_work *work, const dls_certificate *c, double *A,
+                                double *value, double *lapack, dls_sensitivity *s) {
+  const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
+  const int n = work->rows, room = 8 * (int)m;
+  const double size_r = dlsi_norm2(work->r, m), size_q = dlsi_norm2(work->problem->q, m);
+  s->rows = s->rank = n;
+  if (n) {
+    sensitivity_fill(work, -0.5, -0.5, A);
+    const int ok = sensitivity_singular_values(n, A, value, lapack, room);
+    const double noise = 4 * n * DBL_EPSILON * value[0];
+    s->rank = 0;
+    for (int i = 0; ok && i < n; i++)
+      s->rank += value[i] > noise;
+  }
+  s->isolated = s->border ? -1 : s->rank == n;
+  if (s->rank < n)
+    s->amplification = s->amplification_r = INFINITY;
+  else if (n) {
+    s->amplification = sensitivity_norm(work, 0, A, value, lapack, room) * size_q / size_r;
+    s->amplification_r = sensitivity_norm(work, -1, A, value, lapack, room);
+  }
+  const double by_u = s->amplification * fmax(c->residual_u, c->floor_u);
+  const double by_r = s->amplification_r * fmax(c->residual_r, c->floor_r);
+  s->error = s->rank < n ? INFINITY : n ? fmin(by_u, by_r) : 0;
+}
+
+static dls_status sensitivity_run(const dls_contact *problem, const double *r,
+                                  dls_sensitivity *sensitivity, dls_error *error) {
+  dls_status status = dlsi_check_contact(problem, error);
+  if (status) return status;
+  const size_t nc = (size_t)problem->nc, m = (size_t)problem->d * nc;
+  status = dlsi_check_vector("r", r, m, error);
+  if (status) return status;
+  if (!sensitivity) return dlsi_is_null(error, "sensitivity");
+  if (m > INT_MAX / 8) return dlsi_fail(error, DLS_E_SIZE, "nc", -1, problem->nc, "is too large");
+  sensitivity_work work = {.problem = problem, .r = r};
+  dls_certificate certificate;
+  dls_sensitivity s = {0};
+  double *memory = dlsi_alloc(nc + 11 * m, sizeof *memory), *A = NULL;
+  work.state = dlsi_alloc(nc, sizeof *work.state);
+  work.row = dlsi_alloc(m, sizeof *work.row);
+  status = memory && work.state && work.row ? DLS_OK : dlsi_no_memory(error);
+  if (!status) {
+    work.w = memory;
+    work.u = memory + nc;
+    work.x = work.u + m;
+    status = dls_contact_certify(problem, r, work.u, &certificate, error);
+  }
+  if (!status) status = dls_contact_states(problem, r, work.u, work.state, error);
+  if (!status) {
+    double most = 0;
+    dlsi_contact_weights(problem, work.w);
+    for (size_t k = 0; k < m; k++)
+      most = fmax(most, fmax(fabs(work.u[k]), work.w[k / (m / nc)] * fabs(r[k])));
+    const double close = fmax(border, 10 * certificate.residual) * most;
+    for (int c = 0; c < problem->nc; c++) {
+      s.border += sensitivity_is_border(&work, c, close);
+      sensitivity_take_rows(&work, c);
+    }
+    const size_t n = (size_t)work.rows;
+    A = dlsi_alloc(n, n * sizeof *A);
+    if (!A) status = dlsi_no_memory(error);
+  }
+  if (!status) {
+    sensitivity_measure(&work, &certificate, A, work.x + m, work.x + 2 * m, &s);
+    *sensitivity = s;
+  }
+  free(A);
+  free(memory);
+  free(work.state);
+  free(work.row);
+  return status;
+}
+
+dls_status dls_contact_sensitivity(const dls_contact *problem, const double *r,
+                                   dls_sensitivity *sensitivity, dls_error *error) {
+  return dlsi_at(__func__, sensitivity_run(problem, r, sensitivity, error), error);
+}

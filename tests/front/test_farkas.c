@@ -1,0 +1,97 @@
+/* test_farkas.c: the linear problem that every solution solves, what it proves and excludes. */
+#include <check.h>
+#include <math.h>
+#include <string.h>
+
+#include "cases.h"
+#include "delassus/solve.h"
+#include "front/front.h"
+#include "run.h"
+
+/* Two candidates that a bar presses apart: W_nn = (1 -1; -1 1 + e), q_n = -1: no solution for e =
+ * 0, one at a distance of 2 / e else. */
+static void pressed(model *a, int d, double e) {
+  set_model(a, d, 2);
+  for (int c = 0; c < 2; c++) {
+    a->q[d * c] = -1;
+    a->mu[c] = 0.5;
+    for (int i = 0; i < d; i++)
+      a->W[d * c + i + a->p.W.ld * (d * c + i)] = 1;
+  }
+  a->W[a->p.W.ld * d] = a->W[d] = -1;
+  a->W[d + a->p.W.ld * d] += e;
+}
+
+static dls_status solve_pressed(const model *a, dls_method method, int *has_proof) {
+  dls_solver_settings s;
+  dls_solver *solver;
+  double r[6];
+  dls_solver_settings_init(&s);
+  s.method = method;
+  ck_assert_int_eq(dls_solver_create(&solver, a->p.d, 2, &s, NULL), DLS_OK);
+  const dls_status status = dls_solver_solve(solver, &a->p, r, NULL, NULL, NULL);
+  *has_proof = dls_solver_farkas(solver) != NULL;
+  dls_solver_destroy(solver);
+  return status;
+}
+
+START_TEST(no_solution_is_proved_in_2d_and_3d) {
+  static model a;
+  const dls_method method[] = {DLS_AUTO, DLS_LEMKE};
+  int proof;
+  pressed(&a, 2 + _i / 2, 0);
+  ck_assert_int_eq(solve_pressed(&a, method[_i % 2], &proof), DLS_NO_SOLUTION);
+  ck_assert_int_eq(proof, 1);
+  pressed(&a, 2 + _i / 2, 0x1p-10); /* near enough */
+  ck_assert_int_eq(solve_pressed(&a, method[_i % 2], &proof), DLS_OK);
+  ck_assert_int_eq(proof, 0);
+}
+END_TEST
+
+/* With e = 2^-40 the solution of size 2^41 exists and has a floor that no tolerance of 1e-8
+ * allows: auto neither denies it nor searches. */
+START_TEST(far_is_not_denied_nor_searched) {
+  static model a;
+  dls_info info;
+  double r[6];
+  pressed(&a, 2 + _i, 0x1p-40);
+  ck_assert_int_eq(dls_solve(&a.p, NULL, r, NULL, &info, NULL), DLS_STALLED);
+  for (int k = 0; k < info.stages; k++)
+    ck_assert_int_ne(info.stage[k].method, DLS_HOMOTOPY);
+}
+END_TEST
+
+/* Whatever v says: a problem whose answer is certified is never excluded. */
+START_TEST(certified_is_never_excluded) {
+  static model a;
+  double r[most], w[most], v[most];
+  dls_info info;
+  deficient_model(&a, _i);
+  ck_assert_int_eq(dls_solve(&a.p, NULL, r, NULL, &info, NULL), DLS_OK);
+  dlsi_contact_weights(&a.p, w);
+  for (int k = 0; k < 1000; k++) {
+    for (int c = 0; c < a.p.nc; c++)
+      v[c] = k % 3 && uniform() < 0 ? 0 : exp(5 * uniform());
+    ck_assert_int_eq(dlsi_farkas_excludes(&a.p, w, v, 1e-8), 0);
+  }
+}
+END_TEST
+
+/* (FA3) by hand, W = 1 but for e: v = (1, 1) has g = (0, e), so that R e / w < 2 excludes. */
+START_TEST(exclusion_by_hand) {
+  static model a;
+  const double v[2] = {1, 1}, w[2] = {1, 1}, bad[2] = {1, 0};
+  pressed(&a, 2, 0x1p-26);
+  ck_assert_int_eq(dlsi_farkas_excludes(&a.p, w, v, 1e-8), 1);
+  ck_assert_int_eq(dlsi_farkas_excludes(&a.p, w, v, 1e-6), 0); /* a larger floor is allowed */
+  ck_assert_int_eq(dlsi_farkas_excludes(&a.p, w, bad, 1e-8), 0);
+  pressed(&a, 2, 0x1p-20);
+  ck_assert_int_eq(dlsi_farkas_excludes(&a.p, w, v, 1e-8), 0);
+}
+END_TEST
+
+int main(void) {
+  return RUN("farkas", NULL, NULL, EACH(no_solution_is_proved_in_2d_and_3d, 0, 4),
+             EACH(far_is_not_denied_nor_searched, 0, 2), EACH(certified_is_never_excluded, 0, 10),
+             ONCE(exclusion_by_hand));
+}

@@ -1,0 +1,124 @@
+/* test_renumber.c: the copy of a problem in an order and in units of its own, and auto on it. */
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cases.h"
+#include "delassus/solve.h"
+#include "front/front.h"
+#include "run.h"
+
+typedef struct copied {
+  dlsi_renumber copy;
+  dlsi_arena arena;
+} copied;
+
+static void make_copy(copied *c, const dls_contact *p) {
+  c->arena = (dlsi_arena){0};
+  dlsi_renumber_carve(&c->copy, &c->arena, p->d, p->nc);
+  ck_assert_int_eq(dlsi_arena_allocate(&c->arena, "nc", p->nc, NULL), DLS_OK);
+  dlsi_renumber_carve(&c->copy, &c->arena, p->d, p->nc);
+  dlsi_renumber_set(&c->copy, p);
+}
+
+static void expect_same_copy(const copied *a, const copied *b) {
+  const dls_contact *p = &a->copy.problem, *q = &b->copy.problem;
+  const size_t m = (size_t)(p->d * p->nc);
+  ck_assert_mem_eq(p->W.a, q->W.a, m * m * sizeof(double));
+  ck_assert_mem_eq(p->q, q->q, m * sizeof(double));
+  ck_assert_mem_eq(p->mu, q->mu, (size_t)p->nc * sizeof(double));
+}
+
+/* Candidates in reverse, odd powers of two, and blocks: the same copy, to the bit. */
+START_TEST(copies_are_the_same) {
+  static model a, b, c;
+  static block_storage B;
+  copied one, two, three;
+  numbered_model(&a, _i);
+  reverse_model(&b, &a);
+  scale_model(&c, &b, 0x1p-7, 0x1p20);
+  const dls_contact blocks = by_blocks(&c, &B);
+  make_copy(&one, &a.p);
+  make_copy(&two, &c.p);
+  make_copy(&three, &blocks);
+  expect_same_copy(&one, &two);
+  expect_same_copy(&one, &three);
+  const int m = a.p.d * a.p.nc;
+  double x[most], back[most];
+  for (int k = 0; k < m; k++) /* q, in the order of the problem again */
+    x[k] = one.copy.q[k];
+  dlsi_renumber_back(&one.copy, a.p.d, one.copy.power_q, x, back);
+  ck_assert_mem_eq(back, a.q, (size_t)m * sizeof *back);
+  free(one.arena.base);
+  free(two.arena.base);
+  free(three.arena.base);
+}
+END_TEST
+
+/* A ring of candidates that nothing tells apart but their neighbours, in two orders. */
+START_TEST(equal_candidates_are_told_apart_by_neighbours) {
+  enum { nc = 6 };
+  static model a[2];
+  static const int place[2][nc] = {{0, 1, 2, 3, 4, 5}, {3, 0, 5, 1, 4, 2}};
+  copied c[2];
+  for (int k = 0; k < 2; k++) {
+    set_model(&a[k], 2, nc);
+    for (int i = 0; i < nc; i++) {
+      const int at = 2 * place[k][i], next = 2 * place[k][(i + 1) % nc];
+      const double coupling = i < 3 ? 0.5 : 0.25;
+      a[k].q[at] = -1;
+      for (int e = 0; e < 2; e++) {
+        a[k].W[at + e + a[k].p.W.ld * (at + e)] = 2;
+        a[k].W[at + e + a[k].p.W.ld * (next + e)] = coupling;
+        a[k].W[next + e + a[k].p.W.ld * (at + e)] = coupling;
+      }
+    }
+    make_copy(&c[k], &a[k].p);
+  }
+  expect_same_copy(&c[0], &c[1]);
+  free(c[0].arena.base);
+  free(c[1].arena.base);
+}
+END_TEST
+
+/* W = B B' of whole numbers and low rank, much friction; any q, so that some have no solution. */
+static void hard_model(model *a, int i) {
+  set_seed((uint64_t)i + 1);
+  const int d = 2 + i % 2, nc = 2 + i % 4, m = d * nc, rank = 1 + m / 3;
+  double B[20][20];
+  set_model(a, d, nc);
+  for (int e = 0; e < m; e++) {
+    a->q[e] = floor(8 * uniform());
+    for (int k = 0; k < rank; k++)
+      B[e][k] = floor(4 * uniform());
+  }
+  for (int c = 0; c < nc; c++)
+    a->mu[c] = 3 + floor(3 * uniform());
+  for (int e = 0; e < m; e++)
+    for (int f = 0; f < m; f++)
+      for (int k = 0; k < rank; k++)
+        a->W[e + a->p.W.ld * f] += B[e][k] * B[f][k];
+}
+
+/* Verdicts of auto do not depend on the order of the candidates, nor on odd powers of two. */
+START_TEST(order_keeps_the_verdict) {
+  static model a, b, c;
+  double r[most];
+  dls_info one, two, three;
+  hard_model(&a, _i);
+  reverse_model(&b, &a);
+  scale_model(&c, &a, 0x1p-3, 0x1p8);
+  ck_assert_int_ge(dls_solve(&a.p, NULL, r, NULL, &one, NULL), 0);
+  ck_assert_int_ge(dls_solve(&b.p, NULL, r, NULL, &two, NULL), 0);
+  ck_assert_int_ge(dls_solve(&c.p, NULL, r, NULL, &three, NULL), 0);
+  ck_assert_int_eq(one.status, two.status);
+  ck_assert_int_eq(one.status, three.status);
+}
+END_TEST
+
+int main(void) {
+  return RUN("renumber", NULL, NULL, EACH(copies_are_the_same, 0, 20),
+             ONCE(equal_candidates_are_told_apart_by_neighbours),
+             EACH(order_keeps_the_verdict, 0, 60));
+}

@@ -1,0 +1,230 @@
+/* test_cholesky.c: the sparse Cholesky factor by supernodes, and the two halves of a solve. */
+#include <check.h>
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/base.h"
+#include "cases.h"
+#include "close.h"
+#include "linear/cholesky.h"
+#include "malloc_fails.h"
+#include "run.h"
+
+#if WITH_MUMPS
+
+enum { most_n = 90, most_entries = most_n * most_n };
+
+/* A: dense and its lower triangle as entries, in any order and some in halves. */
+typedef struct matrix {
+  int n, kept, row[most_entries], col[most_entries], order[most_n];
+  size_t entries;
+  double x[most_entries], A[most_n * most_n], b[most_n];
+} matrix;
+
+static matrix M;
+static void add_entry(int i, int j, double a) {
+  const int turned = uniform() < 0; /* of which triangle an entry is does not matter */
+  M.row[M.entries] = 1 + (turned ? j : i);
+  M.col[M.entries] = 1 + (turned ? i : j);
+  M.x[M.entries++] = a;
+  M.A[i + j * M.n] += a;
+  if (i != j) M.A[j + i * M.n] += a;
+}
+
+/* The number-th matrix: of 1 to 89 unknowns, of every density, with nothing, some or all of it
+ * kept, in a random order. */
+static void make_matrix(int number) {
+  memset(&M, 0, sizeof M);
+  set_seed(77 + (uint64_t)number);
+  M.n = 1 + (number * 37) % 89;
+  M.kept = number % 4 == 0 ? 0 : number % 4 == 1 ? M.n / 3 : number % 4 == 2 ? M.n / 9 : M.n;
+  const double density = number % 5 == 4 ? 0.6 : 0.02 * (number % 5);
+  for (int j = 0; j < M.n; j++)
+    for (int i = j + 1; i < M.n; i++)
+      if (fabs(uniform()) < density || (number % 3 == 0 && i == j + 1))
+        for (int half = 0; half < 1 + (i % 7 == 0); half++)
+          add_entry(i, j, uniform());
+  for (int j = 0; j < M.n; j++) { /* diagonally dominant */
+    double sum = 1;
+    for (int i = 0; i < M.n; i++)
+      sum += fabs(M.A[i + j * M.n]);
+    add_entry(j, j, sum);
+    M.b[j] = uniform();
+    M.order[j] = j + 1;
+  }
+  for (int j = M.n - 1; j > 0; j--) {
+    const int i = (int)(fabs(uniform()) * (j + 1)) % (j + 1), at = M.order[i];
+    M.order[i] = M.order[j];
+    M.order[j] = at;
+  }
+}
+
+static dlsi_cholesky *analysed(void) {
+  dlsi_cholesky *L = NULL;
+  ck_assert_int_eq(dlsi_cholesky_create(&L, M.n, M.entries, M.row, M.col, M.order, M.kept, NULL),
+                   DLS_OK);
+  return L;
+}
+
+/* |A x - b| <= rounding |A||x| */
+static void assert_solves(const double *x, const double *b) {
+  double Ax[most_n] = {0}, size = 0;
+  for (int j = 0; j < M.n; j++)
+    for (int i = 0; i < M.n; i++) {
+      Ax[i] += M.A[i + j * M.n] * x[j];
+      size = fmax(size, fabs(M.A[i + j * M.n] * x[j]));
+    }
+  for (int i = 0; i < M.n; i++)
+    ck_assert_double_le(fabs(Ax[i] - b[i]), 4 * M.n * DBL_EPSILON * size);
+}
+
+/* One right-hand side, several at once to rounding the same, and again after a new factor. */
+START_TEST(solves) {
+  make_matrix(_i);
+  dlsi_cholesky *L = analysed();
+  double pivot = 0, X[3 * most_n], x[most_n], again[most_n];
+  ck_assert_int_eq(dlsi_cholesky_factor(L, M.x, &pivot), 0);
+  memcpy(x, M.b, sizeof x);
+  ck_assert_int_eq(dlsi_cholesky_solve(L, x, 1, NULL), DLS_OK);
+  assert_solves(x, M.b);
+  for (int k = 0; k < 3 * M.n; k++)
+    X[k] = (1 + k / M.n) * M.b[k % M.n];
+  ck_assert_int_eq(dlsi_cholesky_solve(L, X, 3, NULL), DLS_OK);
+  for (int k = 0; k < 3; k++) {
+    double b[most_n];
+    scale_vector(b, M.b, 1 + k, M.n);
+    assert_solves(X + k * M.n, b);
+  }
+  ck_assert_int_eq(dlsi_cholesky_factor(L, M.x, &pivot), 0);
+  memcpy(again, M.b, sizeof again);
+  ck_assert_int_eq(dlsi_cholesky_solve(L, again, 1, NULL), DLS_OK);
+  ck_assert_mem_eq(again, x, (size_t)M.n * sizeof *x);
+  dlsi_cholesky_destroy(L);
+}
+END_TEST
+
+/* condense, then expand for one h on c after the other: A x = b + (0, h). b may be 0. */
+START_TEST(halves_make_a_solve) {
+  make_matrix(_i);
+  dlsi_cholesky *L = analysed();
+  double pivot = 0, z[most_n], x[most_n], load[most_n];
+  ck_assert_int_eq(dlsi_cholesky_factor(L, M.x, &pivot), 0);
+  const double *S = dlsi_cholesky_of_kept(L);
+  ck_assert_int_eq(S == NULL, M.kept == 0);
+  const int b = M.kept;
+  for (int turn = 0; turn < 4; turn++) {
+    const int loaded = turn < 2;
+    if (turn % 2 == 0) dlsi_cholesky_condense(L, loaded ? M.b : NULL, z);
+    double xc[most_n];
+    for (int i = 0; i < M.n; i++)
+      load[i] = loaded ? M.b[i] : 0;
+    for (int k = 0; k < b; k++) {
+      const double h = uniform();
+      xc[k] = z[k] + h;
+      load[L->unknown[M.n - b + k]] += h;
+    }
+    for (int k = 0; k < b; k++) { /* x_c = S^-1 (z + h), by the factor L of S */
+      for (int j = 0; j < k; j++)
+        xc[k] -= S[k + j * b] * xc[j];
+      xc[k] /= S[k + k * b];
+    }
+    for (int k = b - 1; k >= 0; k--) {
+      for (int j = k + 1; j < b; j++)
+        xc[k] -= S[j + k * b] * xc[j];
+      xc[k] /= S[k + k * b];
+    }
+    dlsi_cholesky_expand(L, xc, x);
+    assert_solves(x, load);
+    for (int k = 0; k < b; k++)
+      ck_assert(x[L->unknown[M.n - b + k]] == xc[k]);
+  }
+  dlsi_cholesky_destroy(L);
+}
+END_TEST
+
+/* The order: c stands last as it was given, and every unknown stands once. */
+START_TEST(kept_stand_last) {
+  make_matrix(_i);
+  dlsi_cholesky *L = analysed();
+  int seen[most_n] = {0};
+  for (int k = 0; k < M.n; k++) {
+    seen[L->unknown[k]]++;
+    ck_assert_int_eq(L->place[L->unknown[k]], k);
+    if (k >= M.n - M.kept) ck_assert_int_eq(M.order[L->unknown[k]], k + 1);
+  }
+  for (int k = 0; k < M.n; k++)
+    ck_assert_int_eq(seen[k], 1);
+  dlsi_cholesky_destroy(L);
+}
+END_TEST
+
+/* A negative pivot is told with its position, and a good matrix is factored all the same next. */
+START_TEST(indefinite_is_told) {
+  make_matrix(_i);
+  dlsi_cholesky *L = analysed();
+  double pivot = 7;
+  const int bad = M.n / 2;
+  const size_t at = M.entries - (size_t)M.n + (size_t)bad;
+  const double good = M.x[at];
+  M.x[at] = -good;
+  const int failed = dlsi_cholesky_factor(L, M.x, &pivot);
+  ck_assert_int_eq(L->unknown[failed - 1], bad);
+  ck_assert(pivot <= 0);
+  M.x[at] = good;
+  ck_assert_int_eq(dlsi_cholesky_factor(L, M.x, &pivot), 0);
+  double x[most_n];
+  memcpy(x, M.b, sizeof x);
+  ck_assert_int_eq(dlsi_cholesky_solve(L, x, 1, NULL), DLS_OK);
+  assert_solves(x, M.b);
+  dlsi_cholesky_destroy(L);
+}
+END_TEST
+
+START_TEST(every_malloc_fails) {
+  make_matrix(_i);
+  dlsi_cholesky *L = NULL;
+  dls_status status = DLS_E_MEMORY;
+  long k = 0;
+  while (status) {
+    malloc_fails_at(++k);
+    status = dlsi_cholesky_create(&L, M.n, M.entries, M.row, M.col, M.order, M.kept, NULL);
+    malloc_fails_at(0);
+    if (status) ck_assert(status == DLS_E_MEMORY && !L);
+  }
+  ck_assert_int_gt(k, 8);
+  double pivot = 0, X[2 * most_n] = {0};
+  int failed = -1;
+  for (k = 0; failed;) {
+    malloc_fails_at(++k);
+    failed = dlsi_cholesky_factor(L, M.x, &pivot);
+    malloc_fails_at(0);
+    ck_assert(failed == 0 || failed == -1);
+  }
+  ck_assert_int_eq(k, 3);
+  malloc_fails_at(1);
+  const dls_status one = dlsi_cholesky_solve(L, X, 1, NULL);
+  const dls_status two = dlsi_cholesky_solve(L, X, 2, NULL);
+  malloc_fails_at(0);
+  ck_assert_int_eq(one, DLS_OK);
+  ck_assert_int_eq(two, DLS_E_MEMORY);
+  dlsi_cholesky_destroy(L);
+  dlsi_cholesky_destroy(NULL);
+}
+END_TEST
+
+int main(void) {
+  return RUN("cholesky", NULL, NULL, EACH(solves, 0, 120), EACH(halves_make_a_solve, 0, 120),
+             EACH(kept_stand_last, 0, 40), EACH(indefinite_is_told, 0, 40),
+             EACH(every_malloc_fails, 0, 4));
+}
+
+#else
+
+int main(void) {
+  return 0;
+}
+
+#endif

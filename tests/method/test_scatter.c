@@ -1,0 +1,125 @@
+/* test_scatter.c: Newton's method from scattered starts, a stage of auto. */
+#include <check.h>
+#include <math.h>
+#include <string.h>
+
+#include "cases.h"
+#include "front/front.h"
+#include "linear/room.h"
+#include "malloc_fails.h"
+#include "run.h"
+
+/* Two candidates with much friction, W of rank 3: the answer r = (0, 0, 0, 4, -8, -16), u small
+ * beside q, which sweeps, Newton's method and all else do not find from r = 0. */
+static void slippery(model *a) {
+  static const double B[6][3] = {{1, .5, .25}, {.75, .5, .75}, {.5, .25, 0},
+                                 {1, 1, .5},   {-.5, 1, .5},   {0, 1, .75}};
+  static const double r[6] = {0, 0, 0, 4, -8, -16}, u[6] = {.03125, .125, .125, 0, .03125, .0625};
+  set_model(a, 3, 2);
+  for (int i = 0; i < 6; i++) {
+    a->q[i] = u[i];
+    for (int j = 0; j < 6; j++) {
+      for (int k = 0; k < 3; k++)
+        a->W[i + a->p.W.ld * j] += B[i][k] * B[j][k];
+      a->q[i] -= a->W[i + a->p.W.ld * j] * r[j];
+    }
+  }
+  a->mu[0] = a->mu[1] = sqrt(20);
+}
+
+typedef struct scattered {
+  dlsi_room room;
+  void *work;
+} scattered;
+
+static dls_status begin(scattered *s, const dls_contact *p, const dls_limits *limits) {
+  *s = (scattered){.work = NULL};
+  const dlsi_options options = {.limits = *limits, .room = &s->room};
+  return dlsi_scatter_method.create(&s->work, p->d, p->nc, &options, NULL);
+}
+
+static void end(scattered *s) {
+  if (s->work) dlsi_scatter_method.destroy(s->work);
+  dlsi_room_free(&s->room);
+}
+
+static dls_status scatter(const dls_contact *p, const dls_limits *limits, double *r,
+                          dls_info *info) {
+  scattered s;
+  dls_status status = begin(&s, p, limits);
+  if (!status) status = dlsi_scatter_method.solve(s.work, p, r, NULL, info, NULL);
+  end(&s);
+  return status;
+}
+
+START_TEST(finds_what_is_there) {
+  static model a;
+  const dls_limits limits = {.tol = 1e-10};
+  double r[most], again[most];
+  dls_info info;
+  dls_certificate c;
+  if (_i)
+    deficient_model(&a, _i);
+  else
+    slippery(&a);
+  ck_assert_int_eq(scatter(&a.p, &limits, r, &info), DLS_OK);
+  ck_assert_int_eq(dls_contact_certify(&a.p, r, NULL, &c, NULL), DLS_OK);
+  ck_assert(dls_certificate_holds(&c, 1e-10));
+  ck_assert_int_eq(scatter(&a.p, &limits, again, NULL), DLS_OK);
+  ck_assert_mem_eq(r, again, (size_t)(a.p.d * a.p.nc) * sizeof *r);
+}
+END_TEST
+
+static int third_call(void *data, const dls_progress *progress) {
+  int *calls = data;
+  ck_assert_str_eq(progress->method, "scatter");
+  return ++*calls == 3;
+}
+
+/* W = 0 and q_n < 0: no solution. */
+START_TEST(keeps_to_limits) {
+  static model a;
+  double r[most] = {0};
+  int calls = 0;
+  dls_info info;
+  set_model(&a, 2, 3);
+  for (int c = 0; c < 3; c++) {
+    a.q[2 * c] = -1;
+    a.mu[c] = 0.5;
+  }
+  dls_limits limits = {.tol = 1e-8, .progress = third_call, .progress_data = &calls};
+  ck_assert_int_eq(scatter(&a.p, &limits, r, &info), DLS_CANCELLED);
+  ck_assert_int_eq(calls, 3);
+  limits = (dls_limits){.tol = 1e-8, .max_iterations = 7};
+  ck_assert_int_eq(scatter(&a.p, &limits, r, &info), DLS_MAX_ITERATIONS);
+  ck_assert_int_lt(info.iterations, 7 + 20);
+  limits = (dls_limits){.tol = 1e-8};
+  ck_assert_int_eq(scatter(&a.p, &limits, r, &info), DLS_STALLED);
+}
+END_TEST
+
+START_TEST(failing_mallocs_unwind) {
+  static model a;
+  const dls_limits limits = {.tol = 1e-10};
+  double r[most] = {9};
+  dls_status status = DLS_E_MEMORY;
+  int failed = 0;
+  slippery(&a);
+  for (long at = 1; status == DLS_E_MEMORY; at++) {
+    malloc_fails_at(at);
+    status = scatter(&a.p, &limits, r, NULL);
+    malloc_fails_at(0);
+    if (status == DLS_E_MEMORY) {
+      ck_assert_double_eq(r[0], 9);
+      failed++;
+    }
+  }
+  ck_assert_int_eq(status, DLS_OK);
+  ck_assert_int_ge(failed, 4);
+}
+END_TEST
+
+int main(void) {
+  return RUN("scatter", NULL, NULL, EACH(finds_what_is_there, 0, 12), ONCE(keeps_to_limits),
+             ONCE(failing_mallocs_unwind));
+}
