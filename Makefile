@@ -12,6 +12,10 @@ ifeq ($(origin CC),default)
 CC = gcc
 endif
 CXX ?= c++
+ifeq ($(origin FC),default)
+FC = gfortran
+endif
+PYTHON ?= $(shell for p in python3 /usr/bin/python3; do $$p -c 'import numpy, scipy' 2>/dev/null && echo $$p && break; done)
 AR ?= ar
 BUILD ?= build
 PREFIX ?= /usr/local
@@ -37,7 +41,7 @@ WARNINGS = -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
 CPPFLAGS_ALL = -Iinclude -Isrc -I. -MMD -MP $(CPPFLAGS)
 # no fused products: the same bits everywhere; nobody asks errno or the traps, which keep loops scalar
 CFLAGS_ALL = -std=c11 $(CFLAGS) $(WARNINGS) -ffp-contract=off -fno-math-errno -fno-trapping-math \
-             -fPIC -fvisibility=hidden -DDLS_BUILD_SHARED $(SANITIZE)
+             -pthread -fPIC -fvisibility=hidden -DDLS_BUILD_SHARED $(SANITIZE)
 
 BLAS_LIBS ?= $(shell $(PKG_CONFIG) --silence-errors --libs openblas || echo -lopenblas)
 ifeq ($(HDF5),1)
@@ -49,7 +53,7 @@ ifeq ($(MUMPS),1)
 MUMPS_CFLAGS ?= -isystem /usr/include/mumps_seq
 MUMPS_LIBS ?= -ldmumps_seq -lmetis
 endif
-LIBS = $(HDF5_LIBS) $(MUMPS_LIBS) $(BLAS_LIBS) -lm
+LIBS = $(HDF5_LIBS) $(MUMPS_LIBS) $(BLAS_LIBS) -lm -pthread
 CHECK_LIBS = $(shell $(PKG_CONFIG) --libs check)
 
 LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/linear src/files src/front src/motion lcp vi reduction))
@@ -62,7 +66,8 @@ CLI_SRC := $(wildcard src/cli/*.c)
 TEST_SRC := $(wildcard tests/*/test_*.c)
 EXAMPLE_SRC := $(wildcard examples/*.c)
 HEADERS := $(wildcard include/*.h include/delassus/*.h)
-ALL_C = $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(wildcard tests/*/*.c) $(EXAMPLE_SRC) $(wildcard bench/*.c)
+ALL_CPP = $(wildcard include/*.hpp tests/*/*.cpp examples/*.cpp)
+ALL_C = $(LIB_SRC) $(FE_SRC) $(CLI_SRC) src/fortran/types.c $(wildcard tests/*/*.c) $(EXAMPLE_SRC) $(wildcard bench/*.c)
 ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h tests/*/*.h bench/*.h)
 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
@@ -71,6 +76,11 @@ LIB_OBJ := $(call obj,$(LIB_SRC))
 FE_OBJ := $(call obj,$(FE_SRC)) $(patsubst %,$(BUILD)/obj/src/%.o,base/status base/memory base/number base/check base/columns files/file)
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(EXAMPLE_SRC))
+# programs in other languages, where there is a compiler
+LANGUAGE_SRC := $(if $(shell command -v $(CXX)),$(wildcard tests/languages/*.cpp examples/*.cpp)) \
+                $(if $(shell command -v $(FC)),$(wildcard tests/languages/*.f90 examples/*.f90))
+# point.c, point.cpp and point.f90 become three programs
+LANGUAGES := $(patsubst %.cpp,$(BUILD)/%-cpp,$(patsubst %.f90,$(BUILD)/%-f90,$(LANGUAGE_SRC)))
 
 A = $(BUILD)/libdelassus.a
 SO = $(BUILD)/libdelassus.so
@@ -89,10 +99,13 @@ help:
 	@echo 'make charts      every picture of docs/choosing.md, from scratch, in minutes'
 	@echo 'make check       build and run all tests'
 	@echo 'make install     PREFIX=/usr/local DESTDIR='
+	@echo 'make install-python   the package delassus for PYTHON=python3'
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
 	@echo 'make check-properties   420 of them'
 	@echo 'make asan        tests under the address and undefined sanitizers'
+	@echo 'make threads     eight threads at once under the thread sanitizer'
 	@echo 'make valgrind    tests under valgrind, no leak'
+	@echo 'make check-languages   tests and examples in C++, Fortran and Python'
 	@echo 'make check-build check-symbols check-arrows check-names check-headers   parts of it, and each header'
 	@echo 'make lint format-check format      clang-tidy and cppcheck; layout and 100 columns'
 	@echo 'make bench-solvers   every solver beside Siconos; BENCH=--full for all problems'
@@ -114,6 +127,14 @@ $(BUILD)/obj/%.o: %.c Makefile
 
 # the one loop of the library that has to run at the speed of the memory: vectorise it
 $(BUILD)/obj/src/base/products.o: CFLAGS += -O3
+
+# the names of what layout.c tells other languages; fe is a library of its own
+LAYOUT_H := $(filter-out %/fe.h %/forming.h %/moving.h,$(wildcard include/delassus/*.h))
+$(BUILD)/layout/layout.inc: src/front/layout.awk $(LAYOUT_H)
+	@mkdir -p $(@D)
+	$(Q)awk -f src/front/layout.awk $(LAYOUT_H) > $@
+$(BUILD)/obj/src/front/layout.o: CPPFLAGS += -I$(BUILD)/layout
+$(BUILD)/obj/src/front/layout.o: $(BUILD)/layout/layout.inc
 
 $(A): $(LIB_OBJ)
 	@rm -f $@
@@ -137,6 +158,31 @@ $(FE): $(FE_OBJ)
 $(PROGRAM): $(call obj,$(CLI_SRC)) $(FE) $(A)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(LIBS)
+
+# ---- other languages ----------------------------------------------------------------------------
+
+CXX_WARNINGS = -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(WERROR)
+$(BUILD)/%-cpp: %.cpp include/delassus.hpp $(HEADERS) $(A)
+	@mkdir -p $(@D)
+	$(call say,CXX )
+	$(Q)$(CXX) -std=c++17 -Iinclude $(CXX_WARNINGS) -O1 -g $(SANITIZE) $(LDFLAGS) -o $@ $< $(A) $(LIBS)
+
+# the module with the types of this library, in one file that compiles by itself
+F90 = $(BUILD)/fortran/delassus.f90
+F90_FLAGS = -std=f2018 -Wall -Wextra -Wno-compare-reals $(WERROR)
+$(F90): src/fortran/delassus.f90 src/fortran/types.c $(A)
+	@mkdir -p $(@D)
+	$(call say,GEN )
+	$(Q)$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) $(LDFLAGS) -o $(@D)/types src/fortran/types.c $(A) $(LIBS)
+	$(Q)$(@D)/types > $(@D)/types.inc
+	$(Q)sed -e '/^!TYPES/{r $(@D)/types.inc' -e 'd}' $< > $@
+$(BUILD)/fortran/delassus.o: $(F90)
+	$(call say,FC  )
+	$(Q)$(FC) $(F90_FLAGS) -J$(@D) -c -o $@ $<
+$(BUILD)/%-f90: %.f90 $(BUILD)/fortran/delassus.o $(A)
+	@mkdir -p $(@D)
+	$(call say,FC  )
+	$(Q)$(FC) $(F90_FLAGS) -I$(BUILD)/fortran -J$(@D) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(LIBS)
 
 $(BUILD)/examples/%: examples/%.c $(FE) $(A)
 	@mkdir -p $(@D)
@@ -164,16 +210,28 @@ check: deps
 	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build check-properties
 
 .PHONY: check-build
-check-build: all $(TESTS)
-	@tests/run.sh $(BUILD) $(TEST_RUNNER)
+check-build: all $(TESTS) $(LANGUAGES)
+	@PYTHON='$(PYTHON)' tests/run.sh $(BUILD) $(TEST_RUNNER)
+
+# tests and examples in other languages alone
+.PHONY: check-languages
+check-languages: all $(LANGUAGES)
+	@PYTHON='$(PYTHON)' tests/run.sh $(BUILD) --languages
 
 .PHONY: asan
 asan:
 	$(MAKE) check-build BUILD=$(BUILD)/asan CFLAGS='-O1 -g -fno-omit-frame-pointer' \
 	  SANITIZE='-fsanitize=address,undefined -fno-sanitize-recover=all'
 
+# host threads under the thread sanitizer
+.PHONY: threads
+threads:
+	@$(MAKE) --no-print-directory $(BUILD)/tsan/tests/reduction/test_threads BUILD=$(BUILD)/tsan CFLAGS='-O1 -g' \
+	  SANITIZE=-fsanitize=thread
+	CK_FORK=no OPENBLAS_NUM_THREADS=1 TSAN_OPTIONS=halt_on_error=1 $(BUILD)/tsan/tests/reduction/test_threads
+
 .PHONY: valgrind
-valgrind: all $(TESTS)
+valgrind: all $(TESTS) $(LANGUAGES)
 	@tests/run.sh $(BUILD) 'valgrind --quiet --leak-check=full --errors-for-leak-kinds=definite,possible --error-exitcode=9 --suppressions=tests/valgrind.supp'
 
 .PHONY: check-symbols
@@ -198,16 +256,16 @@ check-headers:
 
 .PHONY: lint
 lint:
-	clang-tidy --quiet --warnings-as-errors='*' $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(EXAMPLE_SRC) -- -std=c11 -Iinclude -Isrc -I. $(HDF5_CFLAGS) $(MUMPS_CFLAGS) 2>/dev/null
+	clang-tidy --quiet --warnings-as-errors='*' $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(EXAMPLE_SRC) -- -std=c11 -Iinclude -Isrc -I. -I$(BUILD)/layout $(HDF5_CFLAGS) $(MUMPS_CFLAGS) 2>/dev/null
 	cppcheck --quiet --error-exitcode=1 --std=c11 --enable=warning,performance,portability \
 	  --inline-suppr -Iinclude -Isrc -I. src lcp vi reduction examples
 
 .PHONY: format format-check
 format:
-	clang-format -i $(ALL_C) $(ALL_H)
+	clang-format -i $(ALL_C) $(ALL_H) $(ALL_CPP)
 # clang-format does not see long lines in comments
 format-check:
-	clang-format --dry-run --Werror $(ALL_C) $(ALL_H)
+	clang-format --dry-run --Werror $(ALL_C) $(ALL_H) $(ALL_CPP)
 	@awk 'length($$0) > 100 { print FILENAME ":" FNR ": " length($$0) " columns"; long = 1 } END { exit long }' $(ALL_C) $(ALL_H)
 
 PROPERTIES_PROGRAM = $(BUILD)/tests/properties/properties
@@ -303,10 +361,11 @@ deps:
 	@.ci/deps
 
 .PHONY: install
-install: $(A) $(SO) $(FE) $(PROGRAM)
+install: $(A) $(SO) $(FE) $(PROGRAM) $(F90)
 	install -d $(DESTDIR)$(PREFIX)/include/delassus $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/bin
 	install -m 644 include/delassus.h $(DESTDIR)$(PREFIX)/include/
 	install -m 644 include/delassus/*.h $(DESTDIR)$(PREFIX)/include/delassus/
+	install -m 644 include/delassus.hpp $(F90) $(DESTDIR)$(PREFIX)/include/
 	install -m 644 $(A) $(FE) $(DESTDIR)$(PREFIX)/lib/
 	install -m 755 $(SO).$(VERSION) $(DESTDIR)$(PREFIX)/lib/
 	ln -sf libdelassus.so.$(VERSION) $(DESTDIR)$(PREFIX)/lib/libdelassus.so.$(SOVERSION)
@@ -314,6 +373,13 @@ install: $(A) $(SO) $(FE) $(PROGRAM)
 	install -m 755 $(PROGRAM) $(DESTDIR)$(PREFIX)/bin/
 	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@LIBS@|$(LIBS)|' \
 	  src/delassus.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/delassus.pc
+
+# the Python package beside an installed library; without make install, pip install src/python does
+PYTHONDIR ?= $(PREFIX)/lib/$(shell $(PYTHON) -c 'import sys, sysconfig as s; print("python%d.%d/" % sys.version_info[:2] + s.get_path("purelib").split("/")[-1])')
+.PHONY: install-python
+install-python:
+	install -d $(DESTDIR)$(PYTHONDIR)/delassus
+	install -m 644 src/python/delassus/*.py $(DESTDIR)$(PYTHONDIR)/delassus/
 
 .PHONY: clean
 clean:

@@ -21,6 +21,7 @@
  *   facets.h     contact on a cone with facets as an LCP
  *   pivoting.h   LCP: principal pivoting, enumeration
  *   files.h      FCLIB and Matrix Market files
+ *   layout.h     layouts of these structs, for other languages
  *
  * delassus/fe.h, the finite element module of the benchmark scenes, is a library of its own.
  */
@@ -34,6 +35,7 @@
 #include "delassus/facets.h"
 #include "delassus/files.h"
 #include "delassus/info.h"
+#include "delassus/layout.h"
 #include "delassus/lcp.h"
 #include "delassus/limits.h"
 #include "delassus/matrix.h"

@@ -25,6 +25,7 @@ src/front 4
 src/motion 5
 src/fe 6
 src/cli 7
+src/fortran 7
 END
 
 # the public headers and their rooms
@@ -41,6 +42,7 @@ reduction.h reduction
 files.h src/files
 solve.h src/front
 diagnose.h src/front
+layout.h src/front
 motion.h src/motion
 fe.h src/fe
 forming.h src/fe

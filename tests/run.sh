@@ -1,31 +1,66 @@
 #!/bin/sh
-# run.sh BUILD [RUNNER]: runs every test program of BUILD/tests under RUNNER (valgrind, say), from the
-# top of the repository, then every example against the expected output in its first comment.
+# run.sh BUILD [RUNNER | --languages]: runs every test program of BUILD/tests under RUNNER (valgrind, say), from
+# the top of the repository, then every example against the expected output in its first comment. --languages:
+# those in C++, Fortran and Python alone. PYTHON: an interpreter with numpy and scipy, empty for none.
 set -u
 build=$1
 runner=${2:-}
+languages=
+[ "$runner" = --languages ] && languages=1 && runner=
 passed=0
 failed=0
 export OPENBLAS_NUM_THREADS=1
 export CK_TIMEOUT_MULTIPLIER=5 # a busy machine is no failure
 [ -n "$runner" ] && export CK_FORK=no
+export PYTHONPATH=src/python PYTHONDONTWRITEBYTECODE=1 DELASSUS_LIBRARY=$build/libdelassus.so
 
 for program in "$build"/tests/*/test_*; do
   [ -x "$program" ] || continue
+  [ -n "$languages" ] && case $program in *-cpp | *-f90) ;; *) continue ;; esac
   DELASSUS_PROGRAM=$build/delassus $runner "$program"
   if [ $? -eq 0 ]; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "FAILED: $program"; fi
 done
 
-for source in examples/*.c; do
-  program=$build/examples/$(basename "$source" .c)
-  # expected output: the lines after " * Output:" of the first comment, up to its end
-  expected=$(sed -n '/^ \* Output:/,/^ \*\//p' "$source" | sed -e '1d' -e '$d' -e 's/^ \* \{0,1\}//' -e 's/^  //')
-  actual=$($runner "$program")
+# python SOURCE: runs it. A library with a sanitizer, or under a runner, does not go into an interpreter.
+no_python=
+if [ -z "${PYTHON:-}" ]; then no_python='no python3 with numpy and scipy'
+elif [ -n "$runner" ] || nm -D "$build/libdelassus.so" | grep -q '__[atu]san_'; then no_python='a checked build'
+fi
+python() { "$PYTHON" "$@"; }
+
+for source in tests/languages/test_*.*; do
+  case $source in
+  *.py)
+    [ -n "$no_python" ] && echo "skipped: $source, $no_python" && continue
+    python "$source"
+    if [ $? -eq 0 ]; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "FAILED: $source"; fi ;;
+  *) [ -x "$build/${source%.*}-${source##*.}" ] || echo "skipped: $source, no compiler" ;;
+  esac
+done
+
+for source in examples/*.c examples/*.cpp examples/*.f90 examples/*.py; do
+  name=$build/examples/$(basename "${source%.*}")
+  case $source in
+  *.py)
+    [ -n "$no_python" ] && echo "skipped: $source, $no_python" && continue
+    set -- python "$source" ;;
+  *.c)
+    [ -n "$languages" ] && continue
+    set -- $runner "$name" ;;
+  *)
+    [ -x "$name-${source##*.}" ] || { echo "skipped: $source, no compiler"; continue; }
+    set -- $runner "$name-${source##*.}" ;;
+  esac
+  # expected output: the lines after "Output:" of the first comment, up to its end, without its marks
+  expected=$(awk '/^( \*|!|#) *Output:/ { on = 1; next }
+    on && /^( \*\/|[^ !#]|$)/ { exit }
+    on { sub(/^( \*|!|#) ?/, ""); sub(/^  /, ""); print }' "$source")
+  actual=$("$@")
   if [ $? -eq 0 ] && [ -n "$expected" ] && [ "$expected" = "$actual" ]; then
     passed=$((passed + 1))
   else
     failed=$((failed + 1))
-    echo "FAILED: $program"
+    echo "FAILED: $source"
     echo "expected:"; echo "$expected"; echo "printed:"; echo "$actual"
   fi
 done

@@ -13,9 +13,8 @@
  * vi/README.md says where it wins.
  *
  * Dense Cholesky, or LU where W is not symmetric to the last bit, for a dense W, and for W by
- * blocks up to 250 unknowns; beyond that sparse LU by MUMPS, whose Fortran modules hold
- * process-wide variables: no two threads may be in MUMPS at once. A library built without MUMPS
- * then answers DLS_E_UNSUPPORTED.
+ * blocks up to 250 unknowns; beyond that sparse LU by MUMPS, into which one thread at a time is
+ * let. A library built without MUMPS then answers DLS_E_UNSUPPORTED.
  */
 #ifndef DELASSUS_ADMM_H
 #define DELASSUS_ADMM_H

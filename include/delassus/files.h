@@ -7,8 +7,8 @@
  *   fclib_global  M, H, vectors/f, vectors/w, vectors/mu        M v = H r + f,  u = H^T v + w
  *   solution      v, r, u                                       (optional in both)
  *
- * HDF5 is as a rule built without locks: no two threads may be in the dls_fclib_ functions that
- * read or write a file, or elsewhere in HDF5, at once.
+ * HDF5 is as a rule built without locks: the dls_fclib_ functions let one thread at a time in, but
+ * know nothing of a host that calls HDF5 by itself.
  */
 #ifndef DELASSUS_FILES_H
 #define DELASSUS_FILES_H

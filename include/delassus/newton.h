@@ -6,8 +6,8 @@
  * slips.
  *
  * Dense LU for a dense W, for a W by blocks with a quarter of all blocks or more, and up to 250
- * such unknowns; else sparse LU by MUMPS, whose Fortran modules hold process-wide variables: no two
- * threads may be in MUMPS at once. A library built without MUMPS factorises dense there, too.
+ * such unknowns; else sparse LU by MUMPS, into which one thread at a time is let. A library built
+ * without MUMPS factorises dense there, too.
  */
 #ifndef DELASSUS_NEWTON_H
 #define DELASSUS_NEWTON_H

@@ -74,8 +74,8 @@ typedef struct dls_reduction dls_reduction;
  * small parts of a sparse one, else the sparse factor and the b^2 of the Schur complement on the b
  * unknowns that H touches (or, where these are more than four times the columns of H, the
  * sparse factor alone). Forming W takes at most 128 n, or b^2, doubles more. W is exactly
- * symmetric with DLS_CHOLESKY and DLS_LDLT. METIS and MUMPS are not re-entrant: no two threads
- * may be in the functions of this header with a sparse K at once.
+ * symmetric with DLS_CHOLESKY and DLS_LDLT. Threads with a sparse K each wait for one another in
+ * METIS and MUMPS.
  *
  * DLS_E_SINGULAR (condition above 4e14 after scaling rows and columns, so whatever the units of
  * forces, moments, displacements and rotations) names K or Ks. Where the null space is that of

@@ -16,8 +16,14 @@
 
 /* Compiles a function twice, plain and with AVX2, where the linker can choose at load time.
  * Products and sums are rounded one by one in both, to the same bits. Functions that it calls have
- * to be inlined. */
-#if defined(__x86_64__) && defined(__gnu_linux__)
+ * to be inlined. Not under the thread sanitizer, whose code would run before it is set up, as the
+ * linker chooses. */
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define __SANITIZE_THREAD__
+#endif
+#endif
+#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__SANITIZE_THREAD__)
 #define DLSI_CLONES __attribute__((target_clones("avx2", "default")))
 #define DLSI_INLINE inline __attribute__((always_inline))
 #else
@@ -143,6 +149,13 @@ int dlsi_model_candidates(const dls_model *model);
  * progress callback has been called once, under `name`. */
 int dlsi_is_empty(const dls_contact *problem, const dls_limits *limits, dls_method method,
                   const char *name, dls_info *info);
+
+/* ---- threads --------------------------------------------------------------------------------- */
+
+/* Lock and unlock what is not re-entrant in MUMPS, METIS and HDF5: one call of such a library
+ * stands between both, never a callback of the host. */
+void dlsi_lock(void);
+void dlsi_unlock(void);
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 

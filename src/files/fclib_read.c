@@ -424,10 +424,12 @@ static dls_status read_new(dls_fclib **out, const char *path, dls_error *error) 
 
 dls_status dls_fclib_read(dls_fclib **out, const char *path, dls_error *error) {
   dls_status status;
+  dlsi_lock();
   H5E_BEGIN_TRY {
     status = read_new(out, path, error);
   }
   H5E_END_TRY;
+  dlsi_unlock();
   return dlsi_at(__func__, status, error);
 }
 

@@ -282,10 +282,12 @@ dls_status dls_fclib_write_local(const char *path, const dls_contact *problem, c
                                  const double *r, const double *u, dls_error *error) {
   contents c = {path, "fclib_local/", title, "vectors/q", .r = r, .u = u};
   dls_status status;
+  dlsi_lock();
   H5E_BEGIN_TRY {
     status = write_local(&c, problem, error);
   }
   H5E_END_TRY;
+  dlsi_unlock();
   return dlsi_at(__func__, status, error);
 }
 
@@ -342,9 +344,11 @@ dls_status dls_fclib_write_global(const char *path, const dls_model *model, cons
                                   dls_error *error) {
   contents c = {path, "fclib_global/", title, "vectors/w", g, mu, x, f, r, u, 0, 0, 0};
   dls_status status;
+  dlsi_lock();
   H5E_BEGIN_TRY {
     status = write_global(&c, model, error);
   }
   H5E_END_TRY;
+  dlsi_unlock();
   return dlsi_at(__func__, status, error);
 }

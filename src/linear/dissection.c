@@ -141,9 +141,11 @@ static int metis_run(graph *g, idx_t count) {
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_COMPRESS] = 0;
   char state[64];
+  dlsi_lock();
   char *const host = initstate(1, state, sizeof state);
   const int answer = METIS_NodeND(&count, g->x, g->other, g->weight, options, g->mark, g->turn);
   if (host) setstate(host);
+  dlsi_unlock();
   return answer;
 }
 

@@ -1,6 +1,7 @@
 /*
  * mumps.h: calls MUMPS for sparse_lu.c and schur.c. Codes, ICNTL and INFOG are numbered as in the
- * users' guide of MUMPS 5.5. Nothing is printed.
+ * users' guide of MUMPS 5.5. Nothing is printed. MUMPS keeps state of its own during a call: one
+ * thread at a time is let in.
  */
 #ifndef DLSI_MUMPS_H
 #define DLSI_MUMPS_H
@@ -20,7 +21,9 @@ enum { singular_structure = -6, singular = -10, small_integers = -8, small_reals
 static inline dls_status dlsi_mumps_run(DMUMPS_STRUC_C *M, int job, const char *matrix,
                                         dls_error *error) {
   M->job = job;
+  dlsi_lock();
   dmumps_c(M);
+  dlsi_unlock();
   const int info = M->INFOG(1);
   if (info >= 0) return DLS_OK;
   if (info == singular || info == singular_structure)

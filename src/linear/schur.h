@@ -8,8 +8,7 @@
  * S is dense and kept as its Cholesky or LU factor. With no unknown kept this is a sparse direct
  * solver. In a build without MUMPS (MUMPS=0) create answers DLS_E_UNSUPPORTED.
  *
- * MUMPS allocates in every call, and its Fortran modules hold process-wide variables: no two
- * threads may be in these functions at once. Nothing is printed.
+ * MUMPS allocates in every call; one thread at a time is let in (mumps.h). Nothing is printed.
  */
 #ifndef DLSI_SCHUR_H
 #define DLSI_SCHUR_H

@@ -2,8 +2,8 @@
  * sparse_lu.h: factors a sparse unsymmetric A = L U by MUMPS (sequential). In a build without MUMPS
  * (MUMPS=0) create answers DLS_E_UNSUPPORTED.
  *
- * MUMPS allocates inside factor and solve, and its Fortran modules hold process-wide variables: no
- * two threads may be in these functions at once. It is told to print nothing.
+ * MUMPS allocates inside factor and solve; one thread at a time is let in (mumps.h). It is told to
+ * print nothing.
  */
 #ifndef DLSI_SPARSE_LU_H
 #define DLSI_SPARSE_LU_H

@@ -1,6 +1,7 @@
 /* malloc_fails.c: wrappers of malloc, calloc and realloc that fail on demand. */
 #include "malloc_fails.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 
 void *__real_malloc(size_t size);
@@ -10,8 +11,8 @@ void *__wrap_malloc(size_t size);
 void *__wrap_calloc(size_t count, size_t size);
 void *__wrap_realloc(void *old, size_t size);
 
-static long calls, fail_at;
-static size_t bytes;
+static atomic_long calls, fail_at; /* threads allocate at the same time */
+static atomic_size_t bytes;
 
 void malloc_fails_at(long k) {
   calls = 0;

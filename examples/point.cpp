@@ -1,0 +1,37 @@
+/*
+ * point.cpp: the program of README.md in C++: a point on springs is pushed onto the floor y = 0 and
+ * slides to the right.
+ *
+ * Output:
+ *   solved: r_n = 10.9375, r_t = -2.1875, x = 0.9375
+ *   solve: start: has 1 entries, needs 2
+ */
+#include <cstdio>
+
+#include "delassus.hpp"
+
+int main() {
+  const double K[] = {3, 1, 1, 2};
+  const delassus::sparse HN{2, 1, {0, 1}, {1}, {1}}, HT{2, 1, {0, 1}, {0}, {1}}; /* y and x */
+  dls_model model = {};
+  model.d = model.n = 2;
+  model.nodes = 1;
+  model.operator_kind = DLS_STIFFNESS_DENSE;
+  model.factorization = DLS_CHOLESKY;
+  model.K = {2, 2, 2, K};
+  model.HN = HN.view();
+  model.HT = HT.view();
+  const std::vector<double> mu = {0.2};
+  try {
+    delassus::reduction reduction(model);
+    reduction.load({5, -10});
+    const dls_contact problem = reduction.contact(mu);
+    const delassus::answer a = delassus::solve(problem);
+    const std::vector<double> x = reduction.recover(a.r);
+    std::printf("%s: r_n = %g, r_t = %g, x = %g\n", a.text(), a.r[0], a.r[1], x[0]);
+    (void)delassus::solve(problem, delassus::settings("nlgs"), {1.0});
+  } catch (const delassus::error &e) {
+    std::printf("%s\n", e.what());
+  }
+  return 0;
+}

@@ -1,0 +1,22 @@
+/*
+ * lock.c: lets one thread at a time into libraries that keep state of their own: MUMPS, METIS,
+ * HDF5.
+ *
+ * The one writable global of the library (tests/check_symbols.sh names it). A thread holds the lock
+ * for one call of such a library and calls nothing of the host meanwhile, so that no two locks are
+ * ever held and a callback may use the library freely. Locking a mutex of the default kind that
+ * this thread does not hold cannot fail.
+ */
+#include <pthread.h>
+
+#include "base/base.h"
+
+static pthread_mutex_t lock_of_others = PTHREAD_MUTEX_INITIALIZER;
+
+void dlsi_lock(void) {
+  (void)pthread_mutex_lock(&lock_of_others);
+}
+
+void dlsi_unlock(void) {
+  (void)pthread_mutex_unlock(&lock_of_others);
+}

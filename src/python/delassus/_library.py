@@ -1,0 +1,267 @@
+"""Finds libdelassus, builds its structs from the table of layouts that it carries
+(delassus/layout.h), and declares the functions that the package calls. What does not fit is an
+ImportError."""
+
+import ctypes
+import os
+import pathlib
+from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_void_p
+
+import numpy as np
+
+VERSION = "0.1.0"
+_NAME = "libdelassus.so.0"
+
+
+def _load():
+    """Returns the library: $DELASSUS_LIBRARY, else the one beside the package (pip), in a directory
+    or a build/ above it (make install-python, the source tree), else what the loader finds."""
+    named = os.environ.get("DELASSUS_LIBRARY")
+    if named:
+        return ctypes.CDLL(named)
+    here = pathlib.Path(__file__).resolve().parent
+    places = [here / _NAME]
+    for above in here.parents[:4]:
+        places += [above / _NAME, above / "build" / _NAME]
+    for place in places:
+        if place.exists():
+            return ctypes.CDLL(str(place))
+    return ctypes.CDLL(_NAME)
+
+
+try:
+    lib = _load()
+except OSError as reason:
+    raise ImportError(f"delassus: no {_NAME} ({reason}); DELASSUS_LIBRARY may name it") from reason
+
+
+# ---- structs and constants, from the library's own table -----------------------------------------
+
+
+class _Field(ctypes.Structure):
+    _fields_ = [("record", c_char_p), ("name", c_char_p), ("type", c_char_p),
+                ("offset", c_size_t), ("size", c_size_t), ("count", c_size_t)]
+
+
+class _Constant(ctypes.Structure):
+    _fields_ = [("name", c_char_p), ("value", c_int)]
+
+
+PROGRESS_FN = ctypes.CFUNCTYPE(c_int, c_void_p, c_void_p)
+SOLVE_FN = ctypes.CFUNCTYPE(c_int, c_void_p, POINTER(c_double), c_int, c_int)
+
+_TYPES = {"int": c_int, "double": c_double, "size_t": c_size_t, "long long": ctypes.c_longlong,
+          "char": ctypes.c_char, "pointer": c_void_p, "function": c_void_p}
+
+# the fields that the package reads or sets
+_USED = {
+    "dls_error": "status function argument index value message",
+    "dls_limits": "tol max_iterations warm_start blocks progress progress_data cpu_seconds",
+    "dls_progress": "method stage iteration max_iterations residual r cpu_seconds last",
+    "dls_solver_settings": "limits size method acceleration facets positive_definite",
+    "dls_certificate": "residual residual_u residual_r floor_u floor_r penetration adhesion "
+                       "cone_violation slip_direction complementarity worst",
+    "dls_info": "status method iterations certificate ambiguous unique stages stage",
+    "dls_stage": "method iterations factorisations residual",
+    "dls_dense": "rows cols ld a",
+    "dls_sparse": "rows cols p i x",
+    "dls_blocks": "d n p i x",
+    "dls_contact": "d nc W Wb q mu",
+    "dls_model": "d n nodes operator_kind factorization K Ks solve user HN HT P active mu modes",
+    "dls_reduction_settings": "size memory_limit allow_indefinite stabilize form_W",
+    "dls_reduction_info": "condensed W_bytes factor_bytes bytes flops condition indefinite modes",
+    "dls_motion_model": "d n nodes factorization M C K HN HT P gap",
+    "dls_motion_settings": "limits size law method h theta restitution activation forecast "
+                           "stabilize",
+    "dls_motion_state": "d n candidates steps t x v p u gap slip state active active_list",
+    "dls_motion_energies": "kinetic elastic load damping obstacle friction impact numerical "
+                           "residual scale momentum",
+}
+
+
+def _read_tables():
+    try:
+        next_field, next_constant = lib.dls_layout_field, lib.dls_layout_constant
+        lib.dls_version.restype = c_char_p
+        version = lib.dls_version().decode()
+    except AttributeError as missing:
+        raise ImportError(f"delassus: this is not delassus {VERSION}: {missing}") from missing
+    if version != VERSION:
+        raise ImportError(f"delassus: the package is {VERSION}, the library {version}")
+    next_field.restype, next_constant.restype = POINTER(_Field), POINTER(_Constant)
+    fields, constants = {}, {}
+    k = 0
+    while next_field(k):
+        f = next_field(k).contents
+        fields.setdefault(f.record.decode(), []).append(
+            (f.name.decode(), f.type.decode(), f.offset, f.size, f.count))
+        k += 1
+    k = 0
+    while next_constant(k):
+        c = next_constant(k).contents
+        constants[c.name.decode()] = c.value
+        k += 1
+    return fields, constants
+
+
+def _mismatch(record, what):
+    raise ImportError(f"delassus: {record} of the library is another one: {what}")
+
+
+def _check(struct, record, rows):
+    """Compares a ctypes struct with the rows of the table."""
+    if ctypes.sizeof(struct) != rows[0][3]:
+        _mismatch(record, f"{rows[0][3]} bytes, not {ctypes.sizeof(struct)}")
+    for name, _, offset, size, _ in rows[1:]:
+        field = getattr(struct, name, None)
+        if field is None or (field.offset, field.size) != (offset, size):
+            _mismatch(record, f"field {name}")
+
+
+def _build(fields):
+    structs = {}
+    for record, rows in fields.items():
+        declared = []
+        for name, kind, _, _, count in rows[1:]:
+            one = _TYPES.get(kind) or structs.get(kind)
+            if one is None:
+                _mismatch(record, f"type {kind} of {name}")
+            declared.append((name, one * count if count > 1 else one))
+        # without __slots__ a misspelt field would become a new attribute
+        structs[record] = type(record, (ctypes.Structure,), {"__slots__": (), "_fields_": declared})
+        _check(structs[record], record, rows)
+    for own, record in ((_Field, "dls_field"), (_Constant, "dls_constant")):
+        _check(own, record, fields.get(record) or _mismatch(record, "missing"))
+    for record, names in _USED.items():
+        if record not in structs:
+            _mismatch(record, "missing")
+        lost = set(names.split()) - {row[0] for row in fields[record]}
+        if lost:
+            _mismatch(record, f"no field {sorted(lost)[0]}")
+    return structs
+
+
+_fields, constants = _read_tables()
+structs = _build(_fields)
+
+
+# ---- functions -----------------------------------------------------------------------------------
+
+_SIGNATURES = {
+    "dls_solver_settings_init": (None, "p"),
+    "dls_reduction_settings_init": (None, "p"),
+    "dls_motion_settings_init": (None, "p"),
+    "dls_method_find": (c_int, "sp"),
+    "dls_acceleration_find": (c_int, "sp"),
+    "dls_method_name": (c_char_p, "i"),
+    "dls_status_name": (c_char_p, "i"),
+    "dls_status_text": (c_char_p, "i"),
+    "dls_certificate_holds": (c_int, "pd"),
+    "dls_contact_certify": (c_int, "ppppp"),
+    "dls_contact_states": (c_int, "ppppp"),
+    "dls_solve": (c_int, "pppppp"),
+    "dls_reduction_create_with": (c_int, "pppp"),
+    "dls_reduction_update": (c_int, "ppp"),
+    "dls_reduction_get_info": (c_int, "ppp"),
+    "dls_reduction_load": (c_int, "pppp"),
+    "dls_reduction_load_free": (c_int, "pppp"),
+    "dls_reduction_contact": (c_int, "pppp"),
+    "dls_reduction_recover": (c_int, "pppp"),
+    "dls_reduction_balance": (c_int, "pppp"),
+    "dls_reduction_nodal": (c_int, "pppp"),
+    "dls_reduction_destroy": (None, "p"),
+    "dls_motion_create": (c_int, "pppp"),
+    "dls_motion_start": (c_int, "pppdp"),
+    "dls_motion_step": (c_int, "pppppp"),
+    "dls_motion_set_h": (c_int, "pdp"),
+    "dls_motion_get_state": (c_int, "ppp"),
+    "dls_motion_get_energies": (c_int, "ppp"),
+    "dls_motion_get_problem": (c_int, "ppp"),
+    "dls_motion_destroy": (None, "p"),
+}
+
+for _name, (_result, _arguments) in _SIGNATURES.items():
+    _function = getattr(lib, _name, None)
+    if _function is None:
+        raise ImportError(f"delassus: the library has no {_name}")
+    _function.restype = _result
+    _function.argtypes = [{"p": c_void_p, "s": c_char_p, "i": c_int, "d": c_double}[a]
+                          for a in _arguments]
+
+
+class Error(RuntimeError):
+    """A status below 0: nothing was computed. status, function, argument, index, value say more."""
+
+    def __init__(self, error):
+        super().__init__(error.message.decode(errors="replace"))
+        self.status = error.status
+        self.name = lib.dls_status_name(error.status).decode()
+        self.function = ctypes.string_at(error.function).decode() if error.function else ""
+        self.argument = ctypes.string_at(error.argument).decode() if error.argument else ""
+        self.index = error.index
+        self.value = error.value
+
+
+def call(name, *arguments):
+    """Calls a function whose last argument is dls_error *; raises Error for a status below 0, else
+    returns it. Threads of Python run on meanwhile."""
+    error = structs["dls_error"]()
+    status = getattr(lib, name)(*arguments, byref(error))
+    if status < 0:
+        raise Error(error)
+    return status
+
+
+# ---- arrays --------------------------------------------------------------------------------------
+
+
+def vector(name, x, size):
+    """Returns x as a contiguous array of `size` doubles; a number stands for `size` of it."""
+    a = np.asarray(x, dtype=np.float64)
+    if a.ndim == 0:
+        return np.full(size, float(a))
+    a = np.ascontiguousarray(a).reshape(-1)
+    if a.size != size:
+        raise ValueError(f"{name} has {a.size} entries, needs {size}")
+    return a
+
+
+def address(a):
+    """Returns the address of an array, None (NULL) for None. The array has to outlive its use."""
+    return None if a is None else a.ctypes.data
+
+
+def dense(a):
+    """Returns a dls_dense of a Fortran-ordered array of doubles."""
+    rows, cols = a.shape
+    return structs["dls_dense"](rows, cols, max(1, rows), address(a))
+
+
+def columns(a):
+    """Returns scipy's compressed columns of a matrix with 32-bit indices."""
+    import scipy.sparse
+
+    c = scipy.sparse.csc_matrix(a, dtype=np.float64)
+    if c.nnz > np.iinfo(np.int32).max:
+        raise ValueError("more than 2^31 entries")
+    c.indptr = np.ascontiguousarray(c.indptr, dtype=np.int32)
+    c.indices = np.ascontiguousarray(c.indices, dtype=np.int32)
+    return c
+
+
+def sparse(c):
+    """Returns a dls_sparse of compressed columns; zero for None."""
+    if c is None:
+        return structs["dls_sparse"]()
+    return structs["dls_sparse"](*c.shape, address(c.indptr), address(c.indices), address(c.data))
+
+
+def read(kind, pointer, size, owner):
+    """Returns a read-only array over memory of the library, which `owner` keeps alive."""
+    if not size or not pointer:
+        return np.zeros(0, dtype=np.dtype(kind))
+    memory = (kind * size).from_address(pointer)
+    memory.owner = owner
+    a = np.frombuffer(memory, dtype=np.dtype(kind))
+    a.flags.writeable = False
+    return a

@@ -1,0 +1,137 @@
+/* test_layout.c: the table of layouts misses no field. */
+#include <check.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "delassus.h"
+#include "run.h"
+
+/* Returns the row of a whole struct, -1 if there is none. */
+static int row_of(const char *record) {
+  const dls_field *f;
+  for (int k = 0; (f = dls_layout_field(k)); k++)
+    if (!*f->name && strcmp(f->record, record) == 0) return k;
+  return -1;
+}
+
+static size_t size_of_type(const char *type);
+
+/* Returns the alignment of a type: of a struct the largest of its fields. */
+static size_t alignment(const char *type) {
+  const dls_field *f;
+  size_t most = 1;
+  if (strncmp(type, "dls_", 4) != 0) return size_of_type(type);
+  const int row = row_of(type);
+  ck_assert_msg(row >= 0, "no row of %s", type);
+  for (int k = row + 1; (f = dls_layout_field(k)) && *f->name; k++) {
+    const size_t own = alignment(f->type);
+    if (own > most) most = own;
+  }
+  return most;
+}
+
+static size_t size_of_type(const char *type) {
+  if (strcmp(type, "char") == 0) return 1;
+  if (strcmp(type, "int") == 0) return sizeof(int);
+  if (strcmp(type, "size_t") == 0) return sizeof(size_t);
+  if (strcmp(type, "long long") == 0) return sizeof(long long);
+  if (strcmp(type, "double") == 0) return sizeof(double);
+  if (strcmp(type, "pointer") == 0) return sizeof(void *);
+  if (strcmp(type, "function") == 0) return sizeof(dls_solve_fn);
+  const int row = row_of(type);
+  ck_assert_msg(row >= 0, "no row of %s", type);
+  return dls_layout_field(row)->size;
+}
+
+/* Each field begins where the one before ends, but for alignment; so does the end of the struct. */
+START_TEST(every_byte_of_every_struct_has_a_field) {
+  const dls_field *f;
+  int records = 0;
+  size_t at = 0;
+  for (int k = 0; (f = dls_layout_field(k)); k++) {
+    if (!*f->name) {
+      records++;
+      at = 0;
+      ck_assert_int_eq(row_of(f->record), k);
+      continue;
+    }
+    const size_t a = alignment(f->type);
+    ck_assert_msg(f->offset == (at + a - 1) / a * a, "before %s.%s", f->record, f->name);
+    ck_assert_uint_eq(f->size, f->count * size_of_type(f->type));
+    at = f->offset + f->size;
+    const dls_field *next = dls_layout_field(k + 1);
+    if (next && *next->name) continue;
+    const size_t whole = alignment(f->record), size = size_of_type(f->record);
+    ck_assert_msg(size == (at + whole - 1) / whole * whole, "at the end of %s", f->record);
+  }
+  ck_assert_int_gt(records, 0);
+}
+END_TEST
+
+START_TEST(a_struct_comes_after_those_that_it_contains) {
+  const dls_field *f;
+  for (int k = 0; (f = dls_layout_field(k)); k++)
+    if (*f->name && strncmp(f->type, "dls_", 4) == 0) {
+      ck_assert_int_ge(row_of(f->type), 0);
+      ck_assert_int_lt(row_of(f->type), row_of(f->record));
+    }
+}
+END_TEST
+
+#define EXPECT(s, f, text)                                                                         \
+  do {                                                                                             \
+    const dls_field *row = NULL;                                                                   \
+    for (int k = 0; (row = dls_layout_field(k)); k++)                                              \
+      if (!strcmp(row->record, #s) && !strcmp(row->name, #f)) break;                               \
+    ck_assert_msg(row != NULL, "no row of " #s "." #f);                                            \
+    ck_assert_uint_eq(row->offset, offsetof(s, f));                                                \
+    ck_assert_uint_eq(row->size, sizeof(((s *)0)->f));                                             \
+    ck_assert_str_eq(row->type, text);                                                             \
+  } while (0)
+
+START_TEST(fields_of_each_kind_are_told) {
+  EXPECT(dls_error, status, "int");
+  EXPECT(dls_error, index, "long long");
+  EXPECT(dls_error, message, "char");
+  EXPECT(dls_limits, progress, "function");
+  EXPECT(dls_model, solve, "function");
+  EXPECT(dls_model, active, "pointer");
+  EXPECT(dls_dense, ld, "int");
+  EXPECT(dls_contact, Wb, "dls_blocks");
+  EXPECT(dls_info, stage, "dls_stage");
+  EXPECT(dls_solver_settings, size, "size_t");
+  EXPECT(dls_motion_energies, scale, "double");
+  EXPECT(dls_diagnosis, wedged, "dls_flaw");
+}
+END_TEST
+
+/* Returns the value of a constant, 12345 if there is none of the name. */
+static int value_of(const char *name) {
+  const dls_constant *c;
+  for (int k = 0; (c = dls_layout_constant(k)); k++)
+    if (strcmp(c->name, name) == 0) return c->value;
+  return 12345;
+}
+
+START_TEST(constants_have_their_values) {
+  ck_assert_int_eq(value_of("DLS_OK"), DLS_OK);
+  ck_assert_int_eq(value_of("DLS_E_CALLBACK"), DLS_E_CALLBACK);
+  ck_assert_int_eq(value_of("DLS_LDLT"), DLS_LDLT);
+  ck_assert_int_eq(value_of("DLS_HOMOTOPY"), DLS_HOMOTOPY);
+  ck_assert_int_eq(value_of("DLS_STAGES_MAX"), DLS_STAGES_MAX);
+}
+END_TEST
+
+START_TEST(numbers_outside_give_null) {
+  ck_assert_ptr_null(dls_layout_field(-1));
+  ck_assert_ptr_null(dls_layout_field(100000));
+  ck_assert_ptr_null(dls_layout_constant(-1));
+  ck_assert_ptr_null(dls_layout_constant(100000));
+}
+END_TEST
+
+int main(void) {
+  return RUN("layout", NULL, NULL, ONCE(every_byte_of_every_struct_has_a_field),
+             ONCE(a_struct_comes_after_those_that_it_contains), ONCE(fields_of_each_kind_are_told),
+             ONCE(constants_have_their_values), ONCE(numbers_outside_give_null));
+}

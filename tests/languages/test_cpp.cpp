@@ -1,0 +1,171 @@
+/*
+ * test_cpp.cpp: delassus.hpp: answers, sizes, exceptions through C, objects that move.
+ */
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+
+#include "delassus.hpp"
+
+static int failures;
+
+static void expect(bool good, const char *text, int line) {
+  if (good) return;
+  std::printf("tests/languages/test_cpp.cpp:%d: %s\n", line, text);
+  failures++;
+}
+#define EXPECT(condition) expect(condition, #condition, __LINE__)
+
+/* Returns the status and the argument of the error that f throws, "" for none. */
+template <class F> static std::string refusal(F &&f) {
+  try {
+    f();
+  } catch (const delassus::error &e) {
+    return std::string(dls_status_name(e.status())) + " " + e.argument();
+  }
+  return "";
+}
+
+static bool near(double a, double b) {
+  return std::fabs(a - b) <= 1e-8 * std::fabs(b);
+}
+
+static const std::vector<double> W = {1e-3, 0, 0, 1e-3}, q = {-2e-3, 3e-3}, mu = {0.5};
+
+static void solves() {
+  const dls_contact problem = delassus::contact(2, W, q, mu);
+  const delassus::answer a = delassus::solve(problem);
+  EXPECT(a.solved());
+  EXPECT(std::string(a.text()) == "solved");
+  EXPECT(near(a.r[0], 2) && near(a.r[1], -1) && near(a.u[1], 2e-3)); /* as hello_contact.c */
+  EXPECT(delassus::states(problem, a)[0] == DLS_SLIP);
+  EXPECT(delassus::certify(problem, a.r).residual <= 1e-8);
+  EXPECT(near(delassus::certify(problem, {1, 0}).penetration, 1e-3));
+  delassus::solver first(2, 3, delassus::settings("newton"));
+  delassus::solver second = std::move(first);
+  EXPECT(near(second.solve(problem).r[0], 2));
+  EXPECT(first.get() == nullptr && second.get() != nullptr);
+  const delassus::answer warm = delassus::solve(problem, delassus::settings("nlgs"), a.r);
+  EXPECT(warm.solved() && warm.r == a.r);
+  EXPECT(delassus::solve(delassus::contact(3, {}, {}, {})).solved());
+}
+
+static void refuses() {
+  const dls_contact problem = delassus::contact(2, W, q, mu);
+  EXPECT(refusal([&] { (void)delassus::contact(4, W, q, mu); }) == "DLS_E_ARGUMENT d");
+  EXPECT(refusal([&] { (void)delassus::contact(2, {1}, q, mu); }) == "DLS_E_SIZE W");
+  EXPECT(refusal([&] { (void)delassus::contact(2, W, {1}, mu); }) == "DLS_E_SIZE q");
+  EXPECT(refusal([&] { (void)delassus::contact(2, W, q, {}); }) == "DLS_E_SIZE q");
+  EXPECT(refusal([&] { delassus::settings s("no such"); }) == "DLS_E_ARGUMENT name");
+  EXPECT(refusal([&] { (void)delassus::certify(problem, {1}); }) == "DLS_E_SIZE r");
+  EXPECT(refusal([&] { (void)delassus::solve(problem, {}, {1}); }) == "DLS_E_SIZE start");
+  delassus::settings wrong;
+  wrong.limits.tol = -1;
+  EXPECT(refusal([&] { (void)delassus::solve(problem, wrong); }) == "DLS_E_ARGUMENT limits.tol" ||
+         refusal([&] { (void)delassus::solve(problem, wrong); }) == "DLS_E_ARGUMENT tol");
+  const std::vector<double> bad = {-2e-3, std::nan("")};
+  try {
+    (void)delassus::solve(delassus::contact(2, W, bad, mu));
+    EXPECT(false);
+  } catch (const delassus::error &e) {
+    EXPECT(e.status() == DLS_E_NOT_FINITE && e.argument() == "q" && e.index() == 1);
+    EXPECT(e.function() == "dls_solve" && std::isnan(e.value()));
+  }
+}
+
+/* A chain that couples all candidates, so that no method ends at once. */
+static void calls_back() {
+  const int nc = 30;
+  const std::size_t m = 60;
+  std::vector<double> A(m * m), b(m), friction(30, 0.4);
+  for (std::size_t i = 0; i < m; i++) {
+    for (std::size_t j = 0; j < m; j++)
+      A[i + j * m] = 1 + static_cast<double>(i < j ? i : j);
+    b[i] = i % 2 ? 0.5 : -1 - static_cast<double>(i % 7);
+  }
+  const dls_contact problem = delassus::contact(2, A, b, friction);
+  int calls = 0;
+  bool ended = false;
+  const delassus::answer a = delassus::solve(problem, {}, {}, [&](const dls_progress &p) {
+    calls++;
+    ended = ended || p.last;
+    return false;
+  });
+  EXPECT(a.solved() && calls > 1 && ended && problem.nc == nc);
+  const auto stop = [](const dls_progress &) { return true; };
+  EXPECT(delassus::solve(problem, {}, {}, stop).status == DLS_CANCELLED);
+  bool thrown = false;
+  try {
+    (void)delassus::solve(problem, {}, {},
+                          [](const dls_progress &) -> bool { throw std::out_of_range("mine"); });
+  } catch (const std::out_of_range &e) {
+    thrown = std::string(e.what()) == "mine";
+  }
+  EXPECT(thrown);
+}
+
+static void reduces() {
+  const double K[] = {3, 1, 1, 2};
+  const delassus::sparse HN{2, 1, {0, 1}, {1}, {1}}, HT{2, 1, {0, 1}, {0}, {1}};
+  dls_model model = {};
+  model.d = model.n = 2;
+  model.nodes = 1;
+  model.operator_kind = DLS_STIFFNESS_DENSE;
+  model.factorization = DLS_CHOLESKY;
+  model.K = {2, 2, 2, K};
+  model.HN = HN.view();
+  model.HT = HT.view();
+  delassus::reduction R(model);
+  R.load({5, -10});
+  const std::vector<double> friction = {0.2};
+  const delassus::answer a = delassus::solve(R.contact(friction));
+  EXPECT(near(a.r[0], 10.9375) && near(a.r[1], -2.1875)); /* docs/tour.md */
+  EXPECT(near(R.recover(a.r)[0], 0.9375));
+  EXPECT(R.nodal(a.r) == a.r && R.balance(a.r) == 0 && R.info().W_bytes > 0);
+  R.load_free({4, -7});
+  EXPECT(near(R.contact(friction).q[0], -7));
+  EXPECT(refusal([&] { R.load({1}); }) == "DLS_E_SIZE f");
+  EXPECT(refusal([&] { R.load({}, {1}); }) == "DLS_E_SIZE g");
+  EXPECT(refusal([&] { (void)R.recover({1}); }) == "DLS_E_SIZE r");
+  EXPECT(refusal([&] { (void)R.contact({1, 2}); }) == "DLS_E_SIZE mu");
+  model.n = 0;
+  EXPECT(refusal([&] { delassus::reduction none(model); }) != "");
+}
+
+/* A ball of mass 1 falls freely, then rests on the floor. */
+static void moves() {
+  const delassus::sparse M{2, 2, {0, 1, 2}, {0, 1}, {1, 1}};
+  const delassus::sparse HN{2, 1, {0, 1}, {1}, {1}}, HT{2, 1, {0, 1}, {0}, {1}};
+  const double gap[] = {0.05};
+  dls_motion_model model = {};
+  model.d = model.n = 2;
+  model.nodes = 1;
+  model.factorization = DLS_CHOLESKY;
+  model.M = M.view();
+  model.HN = HN.view();
+  model.HT = HT.view();
+  model.gap = gap;
+  delassus::motion_settings s;
+  EXPECT(refusal([&] { delassus::motion none(model, s); }) == "DLS_E_ARGUMENT h");
+  s.h = 0.01;
+  delassus::motion ball(model, s);
+  for (int k = 0; k < 5; k++)
+    EXPECT(ball.step({0, -10}) == DLS_OK);
+  EXPECT(near(ball.state().v[1], -0.5));
+  for (int k = 0; k < 30; k++)
+    EXPECT(ball.step({0, -10}) == DLS_OK);
+  EXPECT(near(ball.state().p[0], 0.1)); /* weight times h */
+  EXPECT(std::fabs(ball.energies().residual) <= 1e-12 * ball.energies().scale);
+  EXPECT(refusal([&] { (void)ball.step({1}); }) == "DLS_E_SIZE f");
+}
+
+int main() {
+  solves();
+  refuses();
+  calls_back();
+  reduces();
+  moves();
+  std::printf("C++: %s\n", failures ? "failed" : "passed");
+  return failures != 0;
+}

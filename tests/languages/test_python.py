@@ -1,0 +1,284 @@
+"""test_python.py: the package delassus: arrays in and out, errors, layouts, motion, threads."""
+
+import os
+import subprocess
+import sys
+import threading
+import unittest
+
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg
+
+import delassus
+from delassus import _library
+
+POINT = np.array([[3.0, 1.0], [1.0, 2.0]]), np.array([[0.0], [1.0]]), np.array([[1.0], [0.0]])
+
+
+def coupled(d, nc, seed=2, skew=0.0):
+    """Returns W, q of candidates that all couple, W positive definite."""
+    random = np.random.default_rng(seed)
+    A = random.standard_normal((d * nc, d * nc))
+    return A @ A.T + skew * np.triu(A), random.standard_normal((nc, d))
+
+
+def chain(n):
+    """Returns a sparse K of n unknowns, HN and HT for a contact at every fourth pair of them."""
+    K = sp.diags([2.1 * np.ones(n), -np.ones(n - 1), -np.ones(n - 1)], [0, 1, -1], format="csc")
+    nodes = np.arange(0, n - 1, 4)
+    one = np.ones(len(nodes))
+    shape = (n, len(nodes))
+    return (K, sp.csc_matrix((one, (nodes + 1, np.arange(len(nodes)))), shape),
+            sp.csc_matrix((one, (nodes, np.arange(len(nodes)))), shape))
+
+
+class Solve(unittest.TestCase):
+    def test_closed_form(self):
+        s = delassus.solve(np.diag([1e-3, 1e-3]), [-2e-3, 3e-3], [0.5])  # examples/hello_contact.c
+        np.testing.assert_allclose(s.r, [[2, -1]], rtol=1e-8)
+        np.testing.assert_allclose(s.u, [[0, 2e-3]], atol=1e-11)
+        self.assertTrue(s.solved)
+        self.assertEqual((s.words, list(s.states), s.status), ("solved", ["slip"], delassus.DLS_OK))
+        self.assertLessEqual(s.residual, 1e-8)
+
+    def test_dense_and_blocks_agree(self):
+        for d, skew in ((2, 0.0), (3, 0.0), (2, 0.1), (3, 0.1)):
+            W, q = coupled(d, 20, skew=skew)
+            a = delassus.solve(W, q, 0.3, tol=1e-12)
+            b = delassus.solve(sp.coo_matrix(W), q, 0.3, tol=1e-12)
+            self.assertTrue(a.solved and b.solved)
+            np.testing.assert_allclose(a.r, b.r, atol=1e-8 * abs(a.r).max())
+            np.testing.assert_allclose(a.u.ravel(), W @ a.r.ravel() + q.ravel(), atol=1e-10)
+            self.assertEqual(delassus.certify(W, q, 0.3, a.r), a.certificate)
+
+    def test_options(self):
+        W, q = coupled(2, 30)
+        s = delassus.solve(W, q, 0.3, method="nlgs", acceleration="anderson", history=True)
+        self.assertEqual(s.method, "nlgs")
+        self.assertEqual(s.history["iteration"][-1], s.iterations)
+        self.assertEqual(s.history["residual"][-1], s.residual)
+        again = delassus.solve(W, q, 0.3, method="nlgs", r0=s.r)
+        np.testing.assert_array_equal(again.r, s.r)
+        short = delassus.solve(W, q, 0.3, method="nlgs", tol=1e-14, max_iterations=2)
+        self.assertEqual((short.status, short.solved), (delassus.DLS_MAX_ITERATIONS, False))
+        stopped = delassus.solve(W, q, 0.3, method="nlgs", progress=lambda p: p.iteration >= 1)
+        self.assertEqual(stopped.status, delassus.DLS_CANCELLED)
+
+    def test_exception_of_progress(self):
+        W, q = coupled(2, 30)
+
+        def fails(_):
+            raise KeyboardInterrupt
+
+        with self.assertRaises(KeyboardInterrupt):
+            delassus.solve(W, q, 0.3, method="nlgs", progress=fails)
+
+    def test_empty(self):
+        s = delassus.solve(np.zeros((0, 0)), np.zeros((0, 3)), [])
+        self.assertTrue(s.solved)
+        self.assertEqual(s.r.shape, (0, 3))
+        self.assertTrue(delassus.solve(sp.csc_matrix((4, 4)), np.ones((2, 2)), 0.1).solved)
+
+    def test_any_layout_of_arrays(self):
+        W, q = coupled(3, 8, skew=0.1)
+        wanted = delassus.solve(W, q, 0.3).r
+        for other in (np.asfortranarray(W), np.repeat(W, 2, axis=1)[:, ::2], W.tolist()):
+            np.testing.assert_array_equal(delassus.solve(other, q, [0.3] * 8).r, wanted)
+
+    def test_bad_input(self):
+        W, q = coupled(2, 3)
+        for wrong in (dict(W=W[:, :4], q=q, mu=0.3), dict(W=W, q=q[:2], mu=0.3),
+                      dict(W=W, q=q.ravel(), mu=0.3), dict(W=W, q=q, mu=[0.3]),
+                      dict(W=W, q=q, mu=0.3, d=4), dict(W=W, q=q, mu=0.3, method="none such"),
+                      dict(W=W, q=q, mu=0.3, r0=[1]), dict(W=W, q=q, mu=0.3, acceleration="x")):
+            with self.assertRaises(ValueError, msg=wrong.keys()):
+                delassus.solve(**wrong)
+        q[1, 1] = np.nan
+        with self.assertRaises(delassus.Error) as caught:
+            delassus.solve(W, q, 0.3)
+        e = caught.exception
+        self.assertEqual((e.status, e.name), (delassus.DLS_E_NOT_FINITE, "DLS_E_NOT_FINITE"))
+        self.assertEqual((e.function, e.argument, e.index), ("dls_solve", "q", 3))
+        self.assertIn("q[3]", str(e))
+        with self.assertRaises(delassus.Error) as caught:
+            delassus.solve(W, np.nan_to_num(q), 0.3, tol=-1)
+        self.assertIn("tol", caught.exception.argument)
+
+
+class Reduce(unittest.TestCase):
+    def test_every_operator(self):
+        K, HN, HT = POINT  # docs/tour.md
+        operators = [dict(K=K), dict(K=sp.csr_matrix(K)),
+                     dict(K=np.linalg.inv(K), flexibility=True),
+                     dict(K=scipy.sparse.linalg.splu(sp.csc_matrix(K)).solve),
+                     dict(K=K, factorization="lu"), dict(K=sp.csc_matrix(K), factorization="ldlt")]
+        for operator in operators:
+            R = delassus.reduce(HN=HN, HT=HT, **operator)
+            s = R.solve(0.2, f=[5, -10])
+            np.testing.assert_allclose(s.r, [[10.9375, -2.1875]], rtol=1e-12)
+            np.testing.assert_allclose(s.x, [0.9375, 0], atol=1e-12)
+            np.testing.assert_allclose(R.W, [[0.6, -0.2], [-0.2, 0.4]], rtol=1e-12)
+            np.testing.assert_allclose(R.q, [[-7, 4]], rtol=1e-12)
+            self.assertEqual((R.d, R.n, R.m, R.candidates), (2, 2, 2, 1))
+
+    def test_steps(self):
+        K, HN, HT = POINT
+        R = delassus.reduce(K, HN, HT)
+        R.load(f=[0, 0], g=[[1, 0]])
+        np.testing.assert_array_equal(R.q, [[1, 0]])
+        R.load_free(np.linalg.solve(K, [5, -10]))
+        np.testing.assert_allclose(R.solve(0.2).x, [0.9375, 0], atol=1e-12)
+        R.update(2 * K, HN, HT)
+        np.testing.assert_allclose(R.W, [[0.3, -0.1], [-0.1, 0.2]], rtol=1e-12)
+        np.testing.assert_array_equal(R.nodal([[1, 2]]), [[1, 2]])
+        self.assertEqual(R.balance([0, 0]), 0)
+        self.assertEqual(R.info["W_bytes"], 32)
+
+    def test_parts(self):
+        K, HN, HT = chain(40)
+        active = np.arange(HN.shape[1]) % 2
+        R = delassus.reduce(K, HN, HT, active=active)
+        self.assertEqual(R.candidates, active.sum())
+        self.assertEqual(len(R.solve(0.3, f=-np.ones(40)).r), active.sum())
+        no_friction = delassus.reduce(K, HN).solve(f=-np.ones(40))
+        self.assertTrue(no_friction.solved)
+        self.assertEqual(abs(no_friction.r[:, 1]).max(), 0)
+        with_mu = delassus.reduce(K, HN, HT, mu=np.full(HN.shape[1], 0.3)).solve(f=-np.ones(40))
+        given = delassus.reduce(K, HN, HT).solve(0.3, f=-np.ones(40))
+        np.testing.assert_array_equal(with_mu.r, given.r)
+
+    def test_free_body(self):
+        K = sp.csc_matrix([[1.0, -1.0], [-1.0, 1.0]])
+        HN = np.array([[1.0], [0.0]])
+        with self.assertRaises(delassus.Error) as caught:
+            delassus.reduce(K, HN)
+        self.assertEqual(caught.exception.name, "DLS_E_SINGULAR")
+        self.assertEqual(delassus.reduce(K, HN, stabilize=True).info["modes"], 1)
+
+    def test_host_that_fails(self):
+        _, HN, HT = POINT
+        with self.assertRaises(ZeroDivisionError):
+            delassus.reduce(lambda B: 1 / 0, HN, HT)
+        with self.assertRaises(ValueError):
+            delassus.reduce(lambda B: B[:1], HN, HT)
+
+    def test_bad_input(self):
+        K, HN, HT = POINT
+        for wrong in (dict(K=K[:1]), dict(K=K, factorization="qr"), dict(K=K, active=[1, 1]),
+                      dict(K=K, mu=[1, 1]), dict(K=K, modes=np.ones((3, 1)))):
+            with self.assertRaises(ValueError, msg=wrong.keys()):
+                delassus.reduce(HN=HN, HT=HT, **wrong)
+        with self.assertRaises(ValueError):
+            delassus.reduce(K, HN, np.ones((2, 3)))
+        R = delassus.reduce(K, HN, HT)
+        for call in (lambda: R.load(f=[1]), lambda: R.load(g=[1]), lambda: R.recover([1])):
+            with self.assertRaises(ValueError):
+                call()
+
+    def test_views_outlive_the_name(self):
+        W = delassus.reduce(*POINT).W
+        self.assertFalse(W.flags.writeable)
+        np.testing.assert_allclose(W, [[0.6, -0.2], [-0.2, 0.4]], rtol=1e-12)
+
+
+class Motion(unittest.TestCase):
+    def ball(self, **settings):
+        _, HN, HT = POINT
+        return delassus.Motion(None, HN, HT, M=np.eye(2), gap=[0.05], h=0.01, **settings)
+
+    def test_ball(self):
+        ball = self.ball()
+        for _ in range(5):
+            self.assertIsNone(ball.step([0, -10], mu=0.3))
+        np.testing.assert_allclose(ball.v, [0, -0.5], rtol=1e-12)
+        for _ in range(30):
+            s = ball.step([0.1, -10], mu=0.3)
+        np.testing.assert_allclose(ball.p[0], [0.1, -0.001], rtol=1e-8)  # weight and push times h
+        self.assertEqual((list(ball.states), list(s.states)), (["stick"], ["stick"]))
+        np.testing.assert_array_equal(s.r, ball.p)
+        e = ball.energies
+        self.assertLessEqual(e["residual"], 1e-12 * e["scale"])
+        self.assertEqual(ball.steps, 35)
+        ball.start(x=[0, 1], v=[1, 0], t=2)
+        ball.set_h(0.02)
+        ball.step()
+        np.testing.assert_allclose(ball.x, [0.02, 1], rtol=1e-12)
+        self.assertAlmostEqual(ball.t, 2.02)
+
+    def test_path(self):
+        K, HN, HT = POINT
+        path = delassus.Motion(K, HN, HT, law="path")
+        s = path.step([5, -10], mu=0.2)
+        np.testing.assert_allclose(path.x, [0.9375, 0], atol=1e-10)
+        np.testing.assert_allclose(s.r, [[10.9375, -2.1875]], rtol=1e-10)
+        np.testing.assert_allclose(path.slip, [[0.9375]], rtol=1e-10)
+
+    def test_bad_input(self):
+        with self.assertRaises(AttributeError):
+            self.ball(no_such_setting=1)
+        with self.assertRaises(ValueError):
+            self.ball(law="none")
+        with self.assertRaises(delassus.Error) as caught:
+            self.ball(theta=2.0)
+        self.assertEqual(caught.exception.argument, "theta")
+
+
+class Library(unittest.TestCase):
+    def test_script_of_the_readme(self):
+        with open("src/python/README.md") as readme, open("examples/sheet.py") as example:
+            script = readme.read().split("```python\n")[1].split("```")[0]
+            self.assertTrue(example.read().endswith(script))
+        self.assertEqual(len([line for line in script.splitlines() if line]), 15)
+
+    def test_threads(self):
+        K, HN, HT = chain(600)
+        K = (K + sp.diags(0.1 * np.ones(599), 1)).tocsc()  # unsymmetric: MUMPS
+        wanted = delassus.reduce(K, HN, HT).solve(0.3, f=-np.ones(600))
+        answers = [None] * 8
+
+        def run(k):
+            for _ in range(3):
+                answers[k] = delassus.reduce(K, HN, HT).solve(0.3, f=-np.ones(600))
+
+        threads = [threading.Thread(target=run, args=(k,)) for k in range(8)]
+        for t in threads:
+            t.start()
+        for t in threads:
+            t.join()
+        for a in answers:
+            np.testing.assert_array_equal(a.x, wanted.x)
+
+    def test_other_layout_is_refused(self):
+        fields, _ = _library._read_tables()
+        name, kind, offset, size, count = fields["dls_limits"][2]
+        changes = {"moved": (name, kind, offset + 4, size, count),
+                   "renamed": ("other", kind, offset, size, count),
+                   "wider": (name, "double", offset, size, count),
+                   "of no known type": (name, "quaternion", offset, size, count)}
+        for what, row in changes.items():
+            changed = dict(fields, dls_limits=[*fields["dls_limits"][:2], row,
+                                               *fields["dls_limits"][3:]])
+            with self.assertRaises(ImportError, msg=what):
+                _library._build(changed)
+        longer = (*fields["dls_info"][0][:3], fields["dls_info"][0][3] + 8, 1)
+        with self.assertRaises(ImportError):
+            _library._build(dict(fields, dls_info=[longer, *fields["dls_info"][1:]]))
+        for record in ("dls_error", "dls_field"):
+            with self.assertRaises(ImportError):
+                _library._build({k: v for k, v in fields.items() if k != record})
+
+    def test_other_library_is_refused(self):
+        for library in ("libm.so.6", "/nowhere/libdelassus.so"):
+            run = subprocess.run([sys.executable, "-c", "import delassus"], capture_output=True,
+                                 env=dict(os.environ, DELASSUS_LIBRARY=library), text=True)
+            self.assertEqual(run.returncode, 1)
+            self.assertIn("ImportError: delassus: ", run.stderr)
+
+    def test_misspelt_field(self):
+        with self.assertRaises(AttributeError):
+            _library.structs["dls_limits"]().tolerance = 1
+
+
+if __name__ == "__main__":
+    unittest.main()
