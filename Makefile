@@ -128,9 +128,9 @@ $(BUILD)/obj/%.o: %.c Makefile
 # the one loop of the library that has to run at the speed of the memory: vectorise it
 $(BUILD)/obj/src/base/products.o: CFLAGS += -O3
 
-# the names of what layout.c tells other languages; fe is a library of its own
-LAYOUT_H := $(filter-out %/fe.h %/forming.h %/moving.h,$(wildcard include/delassus/*.h))
-$(BUILD)/layout/layout.inc: src/front/layout.awk $(LAYOUT_H)
+# the headers whose structs layout.c tells to other languages
+LAYOUT_H := $(shell sed -n 's|^.include "\(delassus/.*\)"|include/\1|p' include/delassus.h)
+$(BUILD)/layout/layout.inc: src/front/layout.awk include/delassus.h $(LAYOUT_H)
 	@mkdir -p $(@D)
 	$(Q)awk -f src/front/layout.awk $(LAYOUT_H) > $@
 $(BUILD)/obj/src/front/layout.o: CPPFLAGS += -I$(BUILD)/layout
@@ -252,7 +252,10 @@ check-headers:
 	  echo "#include \"$${h#include/}\"" > $(BUILD)/header.c && \
 	  $(CC) -std=c11 $(WARNINGS) -Werror -Iinclude -fsyntax-only $(BUILD)/header.c && \
 	  $(CXX) -std=c++17 -Wall -Wextra -Wpedantic -Werror -Iinclude -fsyntax-only -x c++ $(BUILD)/header.c \
-	  || exit 1; done; echo "each of $(words $(HEADERS)) headers compiles alone, C11 and C++17"
+	  || exit 1; done; \
+	  echo '#include "delassus.hpp"' > $(BUILD)/header.cpp && \
+	  $(CXX) -std=c++17 $(CXX_WARNINGS) -Werror -Iinclude -fsyntax-only $(BUILD)/header.cpp || exit 1; \
+	  echo "each of $(words $(HEADERS)) headers compiles alone, C11 and C++17"
 
 .PHONY: lint
 lint:
