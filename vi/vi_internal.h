@@ -35,6 +35,7 @@ void dlsi_block_3d_set(dlsi_block_3d *block, const double *W, double mu);
 
 /* dls_nlgs_local without the count, for the sweep. guess (3D): where to look first for l >= 0 in
  * u_t = -l r_t, such as |u_t| / |r_t| before; 0 for none. */
+dls_local_state dlsi_local_1d(double W, const double *q, double *r);
 dls_local_state dlsi_local_2d(const dlsi_block_2d *block, const double *q, double *r);
 dls_local_state dlsi_local_3d(const dlsi_block_3d *block, const double *q, double guess, double *r);
 

@@ -50,8 +50,8 @@ enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
  *   3 m^2 doubles    homotopy
  *   4 m^2 doubles    auto up to 300 rows
  *   2 n^2 doubles    lemke, and auto up to DLS_AUTO_LEMKE_2D, _3D candidates: the LCP and its
- *                    table. n = (facets + 2) nc for d = 3; d = 2: n = 4 nc up to 4 nc = 4000,
- *                    beyond that n = 3 nc, and a ray ends it
+ *                    table. n = 2 nc for d = 1; n = (facets + 2) nc for d = 3; d = 2: n = 4 nc up
+ *                    to 4 nc = 4000, beyond that n = 3 nc, and a ray ends it
  *
  * and O(m) besides.
  *
