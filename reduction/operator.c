@@ -1,6 +1,6 @@
 /*
  * operator.c: builds H = L P without what the scene does not need: inactive candidates, and the
- * tangents of candidates without friction. Where the whole scene is without friction, candidates have
+ * tangents of candidates without friction. In a scene without friction, candidates have
  * one row.
  *
  * H^T is kept by columns, one for each unknown: a part of K then finds its rows of H without a

@@ -112,6 +112,21 @@ void dlsi_momentum_start(dlsi_momentum *mo, int d, dlsi_set changes, dlsi_set ro
 double dlsi_momentum_step(dlsi_momentum *mo, int d, const double *w, double largest,
                           dlsi_set changes, dlsi_set rows, double *r, double *u);
 
+/* ---- vi/lanes.c: several small problems at once ---------------------------------------------- */
+
+enum { dlsi_lanes = 8, dlsi_lane_candidates = 8 };
+
+typedef struct dlsi_lane_work dlsi_lane_work;
+
+/* Allocates the workspace, which free() takes back; NULL without memory. */
+dlsi_lane_work *dlsi_lane_create(void);
+
+/* Sweeps over up to dlsi_lanes checked problems with the same number of candidates, at most
+ * dlsi_lane_candidates, from r = 0. Returns the number of sweeps; dlsi_lane_get copies the r of
+ * problem k, d numbers per candidate, of which nothing is known: measure it. */
+int dlsi_lane_solve(dlsi_lane_work *work, int count, const dls_contact *problem, double tol);
+void dlsi_lane_get(const dlsi_lane_work *work, int k, int d, double *r);
+
 /* ---- vi/iterate.c: an iterate, its certificate, the best r so far ---------------------------- */
 
 /* Returns 1 if the r with certificate a is a better answer than the r with certificate b. The only
