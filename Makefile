@@ -307,6 +307,7 @@ $(BUILD)/bench/motion: $(call bench_obj,motion) $(call obj,bench/reduction_boxes
 $(BUILD)/bench/motion: PEER_LIBS = -lcholmod
 $(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,src/cli/problem.c src/cli/report.c) $(A)
 $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
+$(BUILD)/bench/steps: $(call bench_obj,steps) $(A)
 $(BUILD)/bench/problems: $(call obj,bench/problems.c bench/solvers_scenes.c) $(FE) $(A)
 $(BUILD)/bench/trust: $(call bench_obj,trust) $(call obj,bench/solvers_scenes.c) $(FE) $(A)
 $(BUILD)/bench/lemke $(BUILD)/bench/solvers $(BUILD)/bench/scale: PEER_LIBS = -lsiconos_numerics

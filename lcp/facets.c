@@ -30,7 +30,7 @@
 #include "lcp_internal.h"
 
 static int facets_allowed(int d, int facets) {
-  if (d == 2) return facets == 2;
+  if (d <= 2) return facets == 2;
   return d == 3 && facets >= 4 && facets <= DLS_FACETS_MAX && facets % 2 == 0;
 }
 
@@ -46,7 +46,7 @@ static dls_status facets_form(const dls_contact *problem, int facets, dlsi_form 
   if (status) return status;
   if (!facets_allowed(problem->d, facets))
     return dlsi_fail(error, DLS_E_ARGUMENT, "facets", -1, facets, "is %d, must be %s", facets,
-                     problem->d == 2 ? "2 where d = 2" : "even, 4 to 64, where d = 3");
+                     problem->d <= 2 ? "2 where d is 1 or 2" : "even, 4 to 64, where d = 3");
   *form = (dlsi_form){.directions = facets, .c = {{1, 0, 0}}};
   for (int k = 0; k < facets / 2; k++) {
     const double angle = 2 * acos(-1) * k / facets;

@@ -74,7 +74,7 @@ static DLSI_INLINE void form_add_block(int d, const dlsi_form *form, double scal
   for (int k = 0; k < columns; k++, M += ldm) {
     const double *c = k ? form->c[k] : c0;
     for (int i = 0; i < d; i++)
-      g[i] = S[0][i] * c[0] + S[1][i] * c[1] + (d == 3 ? S[2][i] * c[2] : 0);
+      g[i] = S[0][i] * c[0] + (d > 1 ? S[1][i] * c[1] : 0) + (d == 3 ? S[2][i] * c[2] : 0);
     M[0] += g[0];
     for (int i = 1; i < rows; i++)
       M[i] += form->c[i][1] * g[1] + (d == 3 ? form->c[i][2] * g[2] : 0);
@@ -118,7 +118,9 @@ dls_status dlsi_form_matrix(const dls_contact *problem, const dlsi_form *form, c
       const int rows = problem->mu[a] > 0 ? all : 1, columns = mu > 0 ? all : 1;
       const double scale = sb * (s ? s[a] : 1), *W = column.x + k * column.step;
       double *block = own + (size_t)first[a];
-      if (d == 2) /* the loops unrolled */
+      if (d == 1) /* the loops unrolled */
+        block[0] += scale * W[0];
+      else if (d == 2)
         form_add_block(2, form, scale, W, column.ld, c0, rows, columns, block, ld);
       else
         form_add_block(3, form, scale, W, column.ld, c0, rows, columns, block, ld);
@@ -162,14 +164,14 @@ dls_status dlsi_form_reactions(const dls_contact *problem, const dlsi_form *form
 static const dlsi_form three_rows = {.directions = 1, .shift = 1, .c = {{1, 0, 0}, {0, 1, 0}}};
 
 int dls_contact_lcp_size(const dls_contact *problem) {
-  return problem && problem->d == 2 && problem->mu ? dlsi_form_size(problem, 1) : 0;
+  return problem && problem->d <= 2 && problem->mu ? dlsi_form_size(problem, 1) : 0;
 }
 
 static dls_status friction_check(const dls_contact *problem, dls_error *error) {
   const dls_status status = dlsi_check_contact(problem, error);
-  if (status || problem->d == 2) return status;
-  return dlsi_fail(error, DLS_E_UNSUPPORTED, "d", -1, problem->d, "is %d; only d = 2 has this form",
-                   problem->d);
+  if (status || problem->d <= 2) return status;
+  return dlsi_fail(error, DLS_E_UNSUPPORTED, "d", -1, problem->d,
+                   "is %d; only d = 1 and 2 have this form", problem->d);
 }
 
 dls_status dls_contact_to_lcp(const dls_contact *problem, const double *s, double *M, int ldm,
@@ -191,9 +193,10 @@ dls_status dls_contact_from_lcp(const dls_contact *problem, const double *s, con
 void dlsi_friction_start(const dls_contact *problem, const double *w, const double *r,
                          const double *u, double *z) {
   for (int c = 0; c < problem->nc; z += form_rows(problem, 1, c), c++) {
-    const double mu = problem->mu[c], *uc = u + 2 * (size_t)c;
+    const size_t d = (size_t)problem->d;
+    const double mu = problem->mu[c], *rc = r + d * (size_t)c, *uc = u + d * (size_t)c;
     double F[2] = {0};
-    const dls_contact_state state = dlsi_contact_residual(2, mu, w[c], r + 2 * (size_t)c, uc, F);
+    const dls_contact_state state = dlsi_contact_residual((int)d, mu, w[c], rc, uc, F);
     z[0] = state != DLS_FREE;
     if (!(mu > 0)) continue;
     const int back = uc[1] < 0;

@@ -1,6 +1,7 @@
 /*
  * operator.c: builds H = L P without what the scene does not need: inactive candidates, and the
- * tangents of candidates without friction.
+ * tangents of candidates without friction. In a scene without friction, candidates have
+ * one row.
  *
  * H^T is kept by columns, one for each unknown: a part of K then finds its rows of H without a
  * search. Cost: O(nnz H). Fails: no memory, more than INT_MAX entries.
@@ -12,19 +13,25 @@
 #include "reduction_internal.h"
 
 /* Copies P and mu of the active candidates. */
-static dls_status operator_candidates(dlsi_operator *H, const dls_model *model, dls_error *error) {
+static dls_status operator_candidates(dlsi_operator *H, const dls_model *model, int frictionless,
+                                      dls_error *error) {
   const dls_sparse *P = &model->P;
   const int all = dlsi_model_candidates(model);
   int entries = 0;
   for (int a = 0; a < all; a++) {
     if (model->active && !model->active[a]) continue;
+    if (frictionless && model->mu && model->mu[a] > 0)
+      return dlsi_fail(error, DLS_E_ARGUMENT, "mu", a, model->mu[a],
+                       "is %g, must be 0 with settings.frictionless", model->mu[a]);
     entries += P->p ? P->p[a + 1] - P->p[a] : 1;
     H->candidates++;
   }
-  if (model->mu) H->mu = dlsi_alloc((size_t)H->candidates, sizeof *H->mu);
+  const int has_mu = frictionless || model->mu;
+  H->d = frictionless ? 1 : model->d;
+  if (has_mu) H->mu = dlsi_alloc((size_t)H->candidates, sizeof *H->mu);
   const dls_status status = dlsi_columns_alloc(model->nodes, H->candidates, entries, &H->P, error);
   if (status) return status;
-  if (model->mu && !H->mu) return dlsi_no_memory(error);
+  if (has_mu && !H->mu) return dlsi_no_memory(error);
   int c = 0, to = 0;
   for (int a = 0; a < all; a++) {
     if (model->active && !model->active[a]) continue;
@@ -33,7 +40,7 @@ static dls_status operator_candidates(dlsi_operator *H, const dls_model *model, 
       H->P.i[to] = P->p ? P->i[k] : a;
       H->P.x[to++] = P->p ? P->x[k] : 1;
     }
-    if (H->mu) H->mu[c] = model->mu[a];
+    if (H->mu) H->mu[c] = frictionless ? 0 : model->mu[a];
     c++;
   }
   H->P.p[c] = to;
@@ -54,20 +61,21 @@ static size_t operator_list(dlsi_operator *H, const dls_model *model, dlsi_tripl
         const int column = i == 0 ? H->P.i[k] : (d - 1) * H->P.i[k] + i - 1;
         entries += (size_t)(L->p[column + 1] - L->p[column]);
         for (int e = L->p[column]; t && e < L->p[column + 1]; e++)
-          dlsi_triplets_add(t, d * c + i, L->i[e], H->P.x[k] * L->x[e]);
+          dlsi_triplets_add(t, H->d * c + i, L->i[e], H->P.x[k] * L->x[e]);
       }
       H->columns += entries > before;
     }
   return entries;
 }
 
-dls_status dlsi_operator_create(dlsi_operator *H, const dls_model *model, dls_error *error) {
+dls_status dlsi_operator_create(dlsi_operator *H, const dls_model *model, int frictionless,
+                                dls_error *error) {
   *H = (dlsi_operator){0};
-  dls_status status = operator_candidates(H, model, error);
+  dls_status status = operator_candidates(H, model, frictionless, error);
   if (status) return status;
   const size_t entries = operator_list(H, model, NULL);
   dlsi_triplets t;
-  status = dlsi_triplets_alloc(model->d * H->candidates, model->n, entries, &t, error);
+  status = dlsi_triplets_alloc(H->d * H->candidates, model->n, entries, &t, error);
   if (!status) {
     (void)operator_list(H, model, &t);
     status = dlsi_columns_compress(&t, 1, DLSI_ALL, &H->Ht, error);

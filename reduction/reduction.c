@@ -25,7 +25,7 @@
 
 struct dls_reduction {
   dls_reduction_settings settings;
-  int d, nodes;
+  int d, nodes; /* d: of the model; H.d of the contact problem */
   size_t n, m;
   dls_operator kind;
   dls_factorization factorization; /* as tagged */
@@ -59,7 +59,8 @@ static dls_status reduction_settings(const dls_reduction_settings *s, dls_error 
   const dlsi_setting own[] = {{"memory_limit", s->memory_limit, 0, INFINITY, 0},
                               {"allow_indefinite", s->allow_indefinite, 0, 1, 0},
                               {"stabilize", s->stabilize, 0, 1, 0},
-                              {"form_W", s->form_W, 0, 1, 0}};
+                              {"form_W", s->form_W, 0, 1, 0},
+                              {"frictionless", s->frictionless, 0, 1, 0}};
   if (s->size == sizeof *s) return dlsi_check_each(sizeof own / sizeof own[0], own, error);
   return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
                    "are not filled by their init function");
@@ -256,8 +257,8 @@ static dls_status reduction_begin(dls_reduction **out, const dls_model *model,
   work->kind = model->operator_kind;
   work->factorization = model->factorization;
   work->n = (size_t)model->n;
-  status = dlsi_operator_create(&work->H, model, error);
-  work->m = (size_t)work->d * (size_t)work->H.candidates;
+  status = dlsi_operator_create(&work->H, model, settings->frictionless, error);
+  work->m = (size_t)work->H.d * (size_t)work->H.candidates;
   if (!status) status = reduction_allocate(work, error);
   if (!status && model->modes.a)
     status = dlsi_modes_create(&work->modes, model, model->modes, error);
@@ -347,7 +348,7 @@ static dls_status reduction_update(dls_reduction *work, const dls_model *model, 
   dls_status status = dlsi_check_model(model, error);
   if (status) return status;
   dlsi_operator H;
-  status = dlsi_operator_create(&H, model, error);
+  status = dlsi_operator_create(&H, model, work->settings.frictionless, error);
   if (!status) status = reduction_same(work, model, &H, error);
   if (!status) {
     const dlsi_operator old = work->H;
@@ -422,13 +423,13 @@ static dls_status reduction_respond(dls_reduction *work, dls_error *error) {
 
 /* Sets work->v := P^T g, without the tangents that are left out. */
 static void reduction_gaps(const dls_reduction *work, const double *g) {
-  const size_t d = (size_t)work->d;
+  const size_t d = (size_t)work->H.d, space = (size_t)work->d;
   const dlsi_columns *P = &work->H.P;
   memset(work->v, 0, work->m * sizeof *work->v);
   for (int c = 0; g && c < work->H.candidates; c++)
     for (int k = P->p[c]; k < P->p[c + 1]; k++)
       for (size_t i = 0; i < (dlsi_has_tangents(&work->H, c) ? d : 1); i++)
-        work->v[d * (size_t)c + i] += P->x[k] * g[d * (size_t)P->i[k] + i];
+        work->v[d * (size_t)c + i] += P->x[k] * g[space * (size_t)P->i[k] + i];
 }
 
 /* Sets q := work->v, unless something overflowed. */
@@ -515,7 +516,7 @@ static dls_status reduction_contact(const dls_reduction *work, const double *mu,
   if (!problem) return dlsi_is_null(error, "problem");
   const int m = (int)work->m;
   *problem = (dls_contact){
-      .d = work->d, .nc = work->H.candidates, .W = {m, m, m, work->W}, .q = work->q, .mu = mu};
+      .d = work->H.d, .nc = work->H.candidates, .W = {m, m, m, work->W}, .q = work->q, .mu = mu};
   return DLS_OK;
 }
 
@@ -643,13 +644,13 @@ static dls_status reduction_nodal(const dls_reduction *work, const double *r, do
                                   dls_error *error) {
   const dls_status status = reduction_given(work, r, "R", nodal, error);
   if (status) return status;
-  const size_t d = (size_t)work->d;
+  const size_t d = (size_t)work->H.d, space = (size_t)work->d;
   const dlsi_columns *P = &work->H.P;
-  memset(nodal, 0, d * (size_t)work->nodes * sizeof *nodal);
+  memset(nodal, 0, space * (size_t)work->nodes * sizeof *nodal);
   for (int c = 0; c < work->H.candidates; c++)
     for (int k = P->p[c]; k < P->p[c + 1]; k++)
       for (size_t i = 0; i < d; i++)
-        nodal[d * (size_t)P->i[k] + i] += P->x[k] * r[d * (size_t)c + i];
+        nodal[space * (size_t)P->i[k] + i] += P->x[k] * r[d * (size_t)c + i];
   return DLS_OK;
 }
 

@@ -118,6 +118,7 @@ void dlsi_stable_free(dlsi_stable *stable);
 
 /* H = L P without what the scene does not need. */
 typedef struct dlsi_operator {
+  int d;           /* rows of H^T per candidate: 1 where H = H_N */
   int candidates;  /* active ones */
   dlsi_columns P;  /* nodes x candidates; the unit matrix's columns where the model has no P */
   double *mu;      /* candidates; NULL if the model has none */
@@ -126,9 +127,11 @@ typedef struct dlsi_operator {
   int columns;     /* of H that are not empty */
 } dlsi_operator;
 
-/* Builds the operator of a checked model. The caller calls dlsi_operator_free, also after an error.
- * DLS_E_MEMORY, DLS_E_SIZE (more than INT_MAX entries). */
-dls_status dlsi_operator_create(dlsi_operator *H, const dls_model *model, dls_error *error);
+/* Builds the operator of a checked model, H_N alone if frictionless is 1. The caller calls
+ * dlsi_operator_free, also after an error.
+ * DLS_E_MEMORY, DLS_E_SIZE (more than INT_MAX entries), DLS_E_ARGUMENT (mu > 0, frictionless). */
+dls_status dlsi_operator_create(dlsi_operator *H, const dls_model *model, int frictionless,
+                                dls_error *error);
 void dlsi_operator_free(dlsi_operator *H);
 
 /* Returns 0 if the tangents of candidate c are left out. */

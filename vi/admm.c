@@ -234,7 +234,7 @@ static void admm_resolvent(const dls_contact *problem, const double *v, double *
     const double *vc = v + d * (size_t)c;
     double *zc = z + d * (size_t)c;
     zc[0] = vc[0] > 0 ? vc[0] : 0;
-    const double R = problem->mu[c] * zc[0], size = d == 2 ? fabs(vc[1]) : hypot(vc[1], vc[2]);
+    const double R = problem->mu[c] * zc[0], size = dlsi_tangent_norm(problem->d, vc);
     for (size_t i = 1; i < d; i++)
       zc[i] = size > R ? R * (vc[i] / size) : vc[i];
   }

@@ -52,7 +52,7 @@ static const double last_step = 1e-8;
 static dls_local_state local_set(int d, double *r, double n, double t, double s,
                                  dls_local_state state) {
   r[0] = n;
-  r[1] = t;
+  if (d > 1) r[1] = t;
   if (d == 3) r[2] = s;
   return state;
 }
@@ -133,8 +133,13 @@ static dls_local_state frictionless(int d, const double *W, const double *q, dou
   if (!(W[0] > 0)) return least_bad(d, W, q, 0, &apart, 1, r);
   local_set(d, r, -q[0] / W[0], 0, 0, DLS_LOCAL_SLIP);
   if (!(r[0] <= DBL_MAX)) return least_bad(d, W, q, 0, &apart, 1, r);
-  const int still = q[1] + W[1] * r[0] == 0 && (d == 2 || q[2] + W[2] * r[0] == 0);
+  const int still = (d < 2 || q[1] + W[1] * r[0] == 0) && (d < 3 || q[2] + W[2] * r[0] == 0);
   return still ? DLS_LOCAL_STICK : DLS_LOCAL_SLIP;
+}
+
+dls_local_state dlsi_local_1d(double W, const double *q, double *r) {
+  if (q[0] >= 0) return local_set(1, r, 0, 0, 0, DLS_LOCAL_FREE); /* (LO1) */
+  return frictionless(1, &W, q, r);
 }
 
 dls_local_state dlsi_local_2d(const dlsi_block_2d *b, const double *q, double *r) {
@@ -414,7 +419,10 @@ dls_local_state dls_nlgs_local(int d, const double *W, const double *q, double m
                                int *count) {
   double p[3] = {0};
   dls_local_state state;
-  if (d == 2) {
+  if (d == 1) {
+    if (count) *count = (q[0] >= 0) + (-q[0] / W[0] > 0);
+    state = dlsi_local_1d(W[0], q, p);
+  } else if (d == 2) {
     dlsi_block_2d b;
     dlsi_block_2d_set(&b, W, mu);
     if (count) *count = count_2d(&b, q);

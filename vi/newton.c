@@ -223,7 +223,8 @@ static double newton_diagonal(const dls_newton *work, int c, int j, double eps) 
 static void newton_multiply_block(int d, const double *x, size_t ld, const double *e, double *v) {
   v[0] = v[1] = v[2] = 0;
   for (int i = 0; i < d; i++)
-    v[i] = x[i] * e[0] + x[(size_t)i + ld] * e[1] + (d == 3 ? x[(size_t)i + 2 * ld] * e[2] : 0);
+    v[i] = x[i] * e[0] + (d > 1 ? x[(size_t)i + ld] * e[1] : 0) +
+           (d == 3 ? x[(size_t)i + 2 * ld] * e[2] : 0);
 }
 
 /* Returns W(:,b) times the direction of unknown j of candidate b, m; W dense. it.a: scratch. */
@@ -231,7 +232,7 @@ static const double *newton_column(dls_newton *work, const dls_contact *problem,
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   const newton_branch *at = &work->branch[b];
   double e[3];
-  if (at->state == DLS_STICK)
+  if (at->state == DLS_STICK || problem->d == 1)
     return problem->W.a + (d * (size_t)b + (size_t)j) * (size_t)problem->W.ld;
   newton_direction(at, problem->mu[b], j, e);
   memset(work->it.a, 0, m * sizeof *work->it.a);
@@ -341,7 +342,7 @@ static newton_branch newton_branch_of(int d, double mu, double w, const double *
     memset(r, 0, (size_t)d * sizeof *r);
     return b;
   }
-  const double R = mu * x, tau[2] = {w * r[1] - u[1], d == 3 ? w * r[2] - u[2] : 0};
+  const double R = mu * x, tau[2] = {d > 1 ? w * r[1] - u[1] : 0, d == 3 ? w * r[2] - u[2] : 0};
   const double size = hypot(tau[0], tau[1]);
   if (mu > 0 && size <= R) {
     b.state = DLS_STICK;
@@ -413,7 +414,7 @@ static void newton_add_step(dls_newton *work, const dls_contact *problem) {
       const double x = work->x[b->first + j];
       newton_direction(b, problem->mu[c], j, e);
       r[0] += x * e[0];
-      r[1] += x * e[1];
+      if (d > 1) r[1] += x * e[1];
       if (d == 3) r[2] += x * e[2];
     }
   }

@@ -79,8 +79,9 @@ struct dls_nlgs {
   int *own_order;          /* of a stage: nc; else NULL */
   int *scratch;            /* of a stage: nc; else NULL */
   const int *order;        /* of the visits in this run: nc; NULL: 0, 1, .. */
-  dlsi_block_2d *block_2d; /* W_cc (+ E_c): nc; NULL for d = 3 */
-  dlsi_block_3d *block_3d; /* W_cc (+ E_c): nc; NULL for d = 2 */
+  double *block_1d;        /* W_cc (+ E_c): nc; for d = 1, else NULL */
+  dlsi_block_2d *block_2d; /* the same for d = 2 */
+  dlsi_block_3d *block_3d; /* the same for d = 3 */
   dlsi_iterate it;         /* its u is kept up to date by the sweeps */
   double *x;               /* r that the sweep started from, if accelerated: m */
   dlsi_anderson history;
@@ -108,7 +109,9 @@ static void nlgs_carve(void *workspace, dlsi_arena *arena) {
   dls_nlgs *work = workspace;
   const dls_nlgs_settings *s = &work->settings;
   const size_t n = (size_t)work->nc, m = (size_t)work->d * n;
-  if (work->d == 2)
+  if (work->d == 1)
+    work->block_1d = dlsi_take(arena, n, sizeof *work->block_1d);
+  else if (work->d == 2)
     work->block_2d = dlsi_take(arena, n, sizeof *work->block_2d);
   else
     work->block_3d = dlsi_take(arena, n, sizeof *work->block_3d);
@@ -221,17 +224,22 @@ static DLSI_INLINE int nlgs_visit(const int d, const dls_nlgs *work, const dls_c
   for (int k = 0; k < set.count; k++) {
     const int c = set.list ? set.list[k] : k;
     double *rc = r + (size_t)d * (size_t)c, uc[3] = {0}, p[3] = {0}, s[3] = {0}, v[3], dr[3];
-    const double *W = d == 2 ? work->block_2d[c].W : work->block_3d[c].W;
+    const double *W = d == 1   ? work->block_1d + c
+                      : d == 2 ? work->block_2d[c].W
+                               : work->block_3d[c].W;
     nlgs_look(d, problem, b, c, work->it.u, uc);
-    if (rc[0] == 0 && uc[0] >= 0 && rc[1] == 0 && (d == 2 || rc[2] == 0)) continue; /* (NL0) */
-    for (int i = 0; i < d; i++) {                                                   /* (NL1) */
+    if (rc[0] == 0 && uc[0] >= 0 && (d < 2 || rc[1] == 0) && (d < 3 || rc[2] == 0))
+      continue;                   /* (NL0) */
+    for (int i = 0; i < d; i++) { /* (NL1) */
       double sum = W[i] * rc[0];
       for (int j = 1; j < d; j++)
         sum += W[i + d * j] * rc[j];
       p[i] = uc[i] - sum;
     }
     dls_local_state state; /* (NL2) */
-    if (d == 2)
+    if (d == 1)
+      state = dlsi_local_1d(*W, p, s);
+    else if (d == 2)
       state = dlsi_local_2d(work->block_2d + c, p, s);
     else { /* u_t = -guess r_t; NaN for none */
       const double guess = -(uc[1] * rc[1] + uc[2] * rc[2]) / (rc[1] * rc[1] + rc[2] * rc[2]);
@@ -260,8 +268,9 @@ static DLSI_INLINE int nlgs_visit(const int d, const dls_nlgs *work, const dls_c
 /* One sweep over a set; returns how many candidates changed. */
 static int nlgs_sweep(const dls_nlgs *work, const dls_contact *problem, dlsi_set set, double *r) {
   nlgs_batch dense = {0}, *b = problem->Wb.x ? NULL : &dense;
-  const int changed = problem->d == 2 ? nlgs_visit(2, work, problem, set, b, r)
-                                      : nlgs_visit(3, work, problem, set, b, r);
+  const int changed = problem->d == 1   ? nlgs_visit(1, work, problem, set, b, r)
+                      : problem->d == 2 ? nlgs_visit(2, work, problem, set, b, r)
+                                        : nlgs_visit(3, work, problem, set, b, r);
   if (b) nlgs_flush(work, problem, b);
   return changed;
 }
@@ -273,17 +282,18 @@ typedef struct nlgs_squares {
   double F, force, r; /* |F|^2, |F / w|^2, |r|^2 */
 } nlgs_squares;
 
-/* Returns the sums from the u at hand. */
-static nlgs_squares nlgs_squares_2d(const dls_nlgs *work, const dls_contact *problem,
-                                    const double *r, double scale) {
+/* Returns the sums from the u at hand, d = 1 or 2, inlined for a constant d. */
+static DLSI_INLINE nlgs_squares nlgs_squares_flat(const int d, const dls_nlgs *work,
+                                                  const dls_contact *problem, const double *r,
+                                                  double scale) {
   nlgs_squares sum = {0};
   const double *w = work->it.w;
   for (int c = 0; c < problem->nc; c++) {
-    const double *rc = r + 2 * (size_t)c, *uc = work->it.u + 2 * (size_t)c;
+    const double *rc = r + (size_t)d * (size_t)c, *uc = work->it.u + (size_t)d * (size_t)c;
     if (rc[0] == 0 && uc[0] >= 0) continue; /* F_c = 0, r_c = 0 */
     double F[2], F2 = 0, r2 = 0;
-    dlsi_contact_residual(2, problem->mu[c], w[c], rc, uc, F);
-    for (int i = 0; i < 2; i++) {
+    dlsi_contact_residual(d, problem->mu[c], w[c], rc, uc, F);
+    for (int i = 0; i < d; i++) {
       const double v = scale * w[0] * rc[i];
       F2 += (F[i] * scale) * (F[i] * scale);
       r2 += v * v;
@@ -294,6 +304,16 @@ static nlgs_squares nlgs_squares_2d(const dls_nlgs *work, const dls_contact *pro
     sum.r += r2;
   }
   return sum;
+}
+
+static nlgs_squares nlgs_squares_1d(const dls_nlgs *work, const dls_contact *problem,
+                                    const double *r, double scale) {
+  return nlgs_squares_flat(1, work, problem, r, scale);
+}
+
+static nlgs_squares nlgs_squares_2d(const dls_nlgs *work, const dls_contact *problem,
+                                    const double *r, double scale) {
+  return nlgs_squares_flat(2, work, problem, r, scale);
 }
 
 /* Returns those sums for d = 3, several candidates at once: their roots and divisions take as long
@@ -345,8 +365,10 @@ DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_
 /* Estimates the residuals of the certificate from the u at hand. */
 static void nlgs_estimate(const dls_nlgs *work, const dls_contact *problem, const double *r,
                           double scale, dls_certificate *now) {
-  const nlgs_squares sum =
-      (problem->d == 2 ? nlgs_squares_2d : nlgs_squares_3d)(work, problem, r, scale);
+  const int d = problem->d;
+  const nlgs_squares sum = (d == 1   ? nlgs_squares_1d
+                            : d == 2 ? nlgs_squares_2d
+                                     : nlgs_squares_3d)(work, problem, r, scale);
   dlsi_set_residuals(now, sqrt(sum.F), sqrt(sum.force), sqrt(sum.r));
 }
 
@@ -624,6 +646,7 @@ static const double unsymmetric = 1e-9; /* of the Schur complement, which margin
  * symmetric but for rounding, positive definite, and mu below the bound (DG4) of
  * src/front/diagnose.c by a margin that rounding does not use up. */
 static int has_one_solution(int d, const double *W, double mu) {
+  if (d == 1) return W[0] > 0;
   double a[2] = {W[d], d == 3 ? W[6] : 0}, x[2], most; /* W_nt; W_nt W_tt^-1; largest eigenvalue */
   double skew = fabs(W[1] - a[0]);
   if (d == 3) skew = fmax(skew, fmax(fabs(W[2] - a[1]), fabs(W[5] - W[7])));
@@ -679,7 +702,9 @@ dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const int *
     dlsi_contact_diagonal(problem, c, W);
     for (size_t i = 0; E && i < d; i++)
       W[(d + 1) * i] += E[c];
-    if (d == 2)
+    if (d == 1)
+      work->block_1d[c] = W[0];
+    else if (d == 2)
       dlsi_block_2d_set(&work->block_2d[c], W, problem->mu[c]);
     else
       dlsi_block_3d_set(&work->block_3d[c], W, problem->mu[c]);

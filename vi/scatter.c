@@ -63,7 +63,7 @@ static void scatter_draw_state(scatter *work, int d, double mu, double free, dou
   memset(r, 0, (size_t)d * sizeof *r);
   if (is_free < free) return;
   r[0] = 1;
-  if (!(slip < slides)) return;
+  if (!(slip < slides) || d == 1) return;
   r[1] = d == 2 ? (turn < 1 ? mu : -mu) : mu * cos(3.141592653589793 * turn);
   if (d == 3) r[2] = mu * sin(3.141592653589793 * turn);
 }

@@ -35,6 +35,7 @@ void dlsi_block_3d_set(dlsi_block_3d *block, const double *W, double mu);
 
 /* dls_nlgs_local without the count, for the sweep. guess (3D): where to look first for l >= 0 in
  * u_t = -l r_t, such as |u_t| / |r_t| before; 0 for none. */
+dls_local_state dlsi_local_1d(double W, const double *q, double *r);
 dls_local_state dlsi_local_2d(const dlsi_block_2d *block, const double *q, double *r);
 dls_local_state dlsi_local_3d(const dlsi_block_3d *block, const double *q, double guess, double *r);
 
@@ -110,6 +111,21 @@ void dlsi_momentum_start(dlsi_momentum *mo, int d, dlsi_set changes, dlsi_set ro
  * Returns G. */
 double dlsi_momentum_step(dlsi_momentum *mo, int d, const double *w, double largest,
                           dlsi_set changes, dlsi_set rows, double *r, double *u);
+
+/* ---- vi/lanes.c: several small problems at once ---------------------------------------------- */
+
+enum { dlsi_lanes = 8, dlsi_lane_candidates = 8 };
+
+typedef struct dlsi_lane_work dlsi_lane_work;
+
+/* Allocates the workspace, which free() takes back; NULL without memory. */
+dlsi_lane_work *dlsi_lane_create(void);
+
+/* Sweeps over up to dlsi_lanes checked problems with the same number of candidates, at most
+ * dlsi_lane_candidates, from r = 0. Returns the number of sweeps; dlsi_lane_get copies the r of
+ * problem k, d numbers per candidate, of which nothing is known: measure it. */
+int dlsi_lane_solve(dlsi_lane_work *work, int count, const dls_contact *problem, double tol);
+void dlsi_lane_get(const dlsi_lane_work *work, int k, int d, double *r);
 
 /* ---- vi/iterate.c: an iterate, its certificate, the best r so far ---------------------------- */
 

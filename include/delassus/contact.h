@@ -2,7 +2,8 @@
  * delassus/contact.h: the discrete contact problem with dry friction, and its certificate.
  *
  *   nc candidates to contact in dimension d = 2 or 3; candidate c owns entries d c .. d c + d-1 of
- *   every local vector, in the order (n, t) or (n, t, s). m = d nc.
+ *   every local vector, in the order (n, t) or (n, t, s). m = d nc. d = 1: normals alone, without
+ *   friction, in a space of any dimension; W = W_nn and the problem is LCP(W_nn, q_n).
  *
  *     u = W r + q                                              [Jean 1988] (3.3)5-6
  *     0 <= u_n  _|_  r_n >= 0                                                (2.1)1
@@ -27,12 +28,12 @@ extern "C" {
 /* The problem: a view, everything is borrowed. W is dense or by blocks: leave the other one
  * zero. */
 typedef struct dls_contact {
-  int d;            /* 2 or 3 */
+  int d;            /* 1, 2 or 3 */
   int nc;           /* number of candidates, >= 0; W, q, mu are not read where it is 0 */
   dls_dense W;      /* m x m; W.a = NULL when Wb is used */
   dls_blocks Wb;    /* nc x nc blocks of d x d; Wb.x = NULL when W is used */
   const double *q;  /* m */
-  const double *mu; /* nc */
+  const double *mu; /* nc; all 0 where d = 1 */
 } dls_contact;
 
 /* Checks sizes, pointers, finite values, mu >= 0, block structure; O(size of W). Every function
@@ -74,7 +75,7 @@ DLS_API DLS_MUST_USE dls_status dls_contact_subset(const dls_contact *problem, i
                                                    const int *candidate, double *values, int *index,
                                                    dls_contact *subset, dls_error *error);
 
-/* The state of a candidate. */
+/* The state of a candidate; d = 1: free or, where it carries a reaction, stick. */
 typedef enum dls_contact_state { DLS_FREE = 0, DLS_SLIP = 1, DLS_STICK = 2 } dls_contact_state;
 
 /* The certificate of r, one measure for every method. With w_c = trace(W_cc) / d (where that is

@@ -15,7 +15,7 @@
  * most the part 1 - cos(pi / facets), 7.6 % for 8 facets, 1.9 % for 16; dls_solve removes that
  * error.
  *
- * d = 2 has facets = 2, the directions t and -t, and no error: 4 rows per candidate where
+ * d = 1 and 2 have facets = 2, the directions t and -t, and no error: 4 rows per candidate where
  * dls_contact_to_lcp has 3. It is the form to prefer where that one ends in a ray: with W positive
  * definite there is none here, whatever mu (lcp/facets.c).
  */

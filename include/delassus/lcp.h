@@ -164,13 +164,13 @@ DLS_API DLS_MUST_USE dls_status dls_lcp_check_farkas(const dls_lcp *lcp, const d
  *
  * so that M_cc = ( W_nn - mu W_nt   W_nt   0 ;  W_tn - mu W_tt   W_tt   1 ;  2 mu   -1   0 ) and
  * q_c = (q_n, q_t, 0). A frictionless problem is LCP(W_nn, q_n). Returns 0 for NULL,
- * unless d = 2, and where the size does not fit an int. */
+ * unless d is 1 or 2, and where the size does not fit an int. */
 DLS_API int dls_contact_lcp_size(const dls_contact *problem);
 
 /* M (n x n, leading dimension ldm >= n) and q (n) := the LCP above, n = dls_contact_lcp_size, in
  * scaled unknowns r_c = s_c r'_c, u_c = u'_c / s_c; s (nc, each > 0) or NULL for none.
  * s_c = 1 / sqrt(w_c) makes the diagonal blocks of W of size 1. M and q must not overlap each
- * other, s or the problem; rows n .. ldm-1 of M are left alone. DLS_E_UNSUPPORTED unless d = 2. */
+ * other, s or the problem; rows n .. ldm-1 of M are left alone. DLS_E_UNSUPPORTED for d = 3. */
 DLS_API DLS_MUST_USE dls_status dls_contact_to_lcp(const dls_contact *problem, const double *s,
                                                    double *M, int ldm, double *q, dls_error *error);
 

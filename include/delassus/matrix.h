@@ -30,14 +30,14 @@ typedef struct dls_sparse {
 /* Compressed block columns of d x d blocks: block k, p[c] <= k < p[c+1], stands in block row i[k]
  * of block column c and is stored column-major at x + d*d*k. Blocks of the same place add up. */
 typedef struct dls_blocks {
-  int d;           /* 2 or 3 */
+  int d;           /* 1, 2 or 3 */
   int n;           /* block rows = block columns */
   const int *p;    /* n + 1 */
   const int *i;    /* p[n], 0 <= i < n */
   const double *x; /* d * d * p[n] */
 } dls_blocks;
 
-/* Counts the d x d blocks of A (square, d = 2 or 3 times n rows) that are not all zeros.
+/* Counts the d x d blocks of A (square, d = 1, 2 or 3 times n rows) that are not all zeros.
  * DLS_E_ARGUMENT, DLS_E_NOT_FINITE; DLS_E_SIZE, also for more than INT_MAX blocks. */
 DLS_API DLS_MUST_USE dls_status dls_blocks_count(const dls_dense *A, int d, int *count,
                                                  dls_error *error);

@@ -61,7 +61,7 @@ typedef enum dls_local_state {
   DLS_LOCAL_STICK = 2
 } dls_local_state;
 
-/* The exact solution of one candidate alone: r with u = W r + q, d = 2 or 3; W is d x d with
+/* The exact solution of one candidate alone: r with u = W r + q, d = 1, 2 or 3; W is d x d with
  * leading dimension d. Where several solutions exist, the first of free, stick, slip is taken;
  * *count, if not NULL, receives how many there are (0 for none; of a continuum, its ends). In 3D
  * with W_nn <= 0 nothing but free is looked for, and of several slips without stick it is not said

@@ -9,6 +9,7 @@
  *   K  stiffness (mass, or tangent), n x n, regular             force / length
  *   H  = (H_N, H_T): column c of H_N, and columns (d-1) c .. of H_T, give the normal and the
  *      tangents of contact node c
+ *      settings.frictionless: H = H_N, and m, r, u, q are those of d = 1; g and R keep d per node
  *      nodes = 0 (HN, HT are not read then), or none active: W and q are empty, x = K^-1 f
  *   g  initial gap, or the motion of the obstacle with the sign of a gap, d per contact node in
  *      local order ([J] Y_0; gap / h + velocity in dynamics)    length (velocity)
@@ -41,9 +42,12 @@ typedef struct dls_reduction_settings {
   double memory_limit; /* bytes; more than that foreseen is DLS_E_MEMORY before the work; 0: none */
   int allow_indefinite; /* 1: a K tagged DLS_CHOLESKY that is indefinite is factored as DLS_LDLT
                            instead of being an error; 0 */
-  int stabilize; /* 1: rigid-body modes are looked for in a singular K and held as if they had
+  int stabilize;    /* 1: rigid-body modes are looked for in a singular K and held as if they had
                           been given as model.modes, instead of being an error; 0 */
-  int form_W;    /* 0: q and x only, for methods that work on K; 1 */
+  int form_W;       /* 0: q and x only, for methods that work on K; 1 */
+  int frictionless; /* 1: H_N alone is condensed, and the contact problem has d = 1: one entry of r,
+                       u and q per candidate, a quarter (2D) or a ninth (3D) of W's memory. HT is
+                       checked but not used; model.mu must be 0 or NULL (DLS_E_ARGUMENT); 0 */
 } dls_reduction_settings;
 
 DLS_API void dls_reduction_settings_init(dls_reduction_settings *settings);
@@ -69,7 +73,8 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_estimate(const dls_model *model,
 
 typedef struct dls_reduction dls_reduction;
 
-/* Factors K, forms W; *out = NULL on error. With m = d * (active candidates) it holds m^2 doubles
+/* Factors K, forms W; *out = NULL on error. With m = d * (active candidates), or these alone where
+ * settings.frictionless, it holds m^2 doubles
  * for W, H, a few vectors, and the factor or K^-1: n^2 for a dense one, the sum of the squares of
  * small parts of a sparse one, else the sparse factor and the b^2 of the Schur complement on the b
  * unknowns that H touches (or, where these are more than four times the columns of H, the

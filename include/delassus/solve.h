@@ -50,8 +50,8 @@ enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
  *   3 m^2 doubles    homotopy
  *   4 m^2 doubles    auto up to 300 rows
  *   2 n^2 doubles    lemke, and auto up to DLS_AUTO_LEMKE_2D, _3D candidates: the LCP and its
- *                    table. n = (facets + 2) nc for d = 3; d = 2: n = 4 nc up to 4 nc = 4000,
- *                    beyond that n = 3 nc, and a ray ends it
+ *                    table. n = 2 nc for d = 1; n = (facets + 2) nc for d = 3; d = 2: n = 4 nc up
+ *                    to 4 nc = 4000, beyond that n = 3 nc, and a ray ends it
  *
  * and O(m) besides.
  *
@@ -128,6 +128,26 @@ DLS_API void dls_solver_destroy(dls_solver *solver);
 DLS_API DLS_MUST_USE dls_status dls_solve(const dls_contact *problem,
                                           const dls_solver_settings *settings, double *r, double *u,
                                           dls_info *info, dls_error *error);
+
+/* Solves problem[0 .. count-1], each by itself, with one set of settings (NULL: the defaults): r[k]
+ * as in dls_solve, u NULL or u[k] (or NULL) as there, info NULL or info[count]. The memory is
+ * allocated once, for the largest problem, however many there are.
+ *
+ * Problems of the same number of candidates, at most 8, that follow each other are swept eight at a
+ * time, one in each lane of the processor's registers, if the method is auto, no callback and no
+ * limit of iterations or of time is set, and they start from r = 0 (vi/lanes.c). What the
+ * certificate does not accept then, and all else, is solved as by dls_solve. info says which:
+ * an answer by lanes has one stage, nlgs, and unique is not looked for. Where a problem has several
+ * solutions, dls_solve may find another.
+ *
+ * Returns DLS_OK if all are solved, else the status of the first one that is not; info[k].status
+ * has each. Errors: those of dls_solve; an error in problem k names "problem", k and, in the
+ * message, what is wrong there, and nothing has been solved; after DLS_E_MEMORY some may have
+ * been. */
+DLS_API DLS_MUST_USE dls_status dls_solve_batch(int count, const dls_contact *problem,
+                                                const dls_solver_settings *settings,
+                                                double *const *r, double *const *u, dls_info *info,
+                                                dls_error *error);
 
 #ifdef __cplusplus
 }

@@ -78,10 +78,10 @@ dls_status dlsi_check_model(const dls_model *model, dls_error *error);
 /* Checks that the n friction coefficients "mu" are finite and >= 0. */
 dls_status dlsi_check_friction(const double *mu, size_t n, dls_error *error);
 
-/* Checks that d is 2 or 3. */
+/* Checks that d is 1, 2 or 3. */
 dls_status dlsi_check_dimension(const char *argument, int d, dls_error *error);
 
-/* Checks that d is 2 or 3, nc at least 0, and d nc an int. */
+/* Checks that d is 1, 2 or 3, nc at least 0, and d nc an int. */
 dls_status dlsi_check_sizes(int d, int nc, dls_error *error);
 
 /* Sets the limits to their defaults. */
@@ -266,6 +266,7 @@ void dlsi_contact_weights(const dls_contact *problem, double *w);
 /* Compute the weights in two steps where the diagonal blocks are at hand: trace(W_cc) / d of one
  * block, then the common weight where that is not positive. */
 static inline double dlsi_block_weight(int d, const double *block) {
+  if (d == 1) return block[0];
   return d == 2 ? (block[0] + block[3]) / 2 : (block[0] + block[4] + block[8]) / 3;
 }
 void dlsi_contact_complete_weights(const dls_contact *problem, double *w);
@@ -273,6 +274,7 @@ void dlsi_contact_complete_weights(const dls_contact *problem, double *w);
 /* Returns |v_t|. hypot costs ten times the square root and is needed only where squares over- or
  * underflow. */
 static inline double dlsi_tangent_norm(int d, const double *v) {
+  if (d == 1) return 0;
   if (d == 2) return fabs(v[1]);
   const double s = v[1] * v[1] + v[2] * v[2];
   if (s > 1e-280 && s < 1e280) return sqrt(s);
@@ -295,7 +297,7 @@ static inline dls_contact_state dlsi_project_cone(int d, double mu, const double
   p[0] = (v[0] + mu * t) / (1 + mu * mu);
   if (d == 2)
     p[1] = copysign(mu * p[0], v[1]);
-  else {
+  else if (d == 3) {
     const double k = mu * p[0] / t;
     p[1] = k * v[1];
     p[2] = k * v[2];

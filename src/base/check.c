@@ -10,8 +10,8 @@
 /* ---- numbers and vectors --------------------------------------------------------------------- */
 
 dls_status dlsi_check_dimension(const char *argument, int d, dls_error *error) {
-  if (d == 2 || d == 3) return DLS_OK;
-  return dlsi_fail(error, DLS_E_ARGUMENT, argument, -1, d, "is %d, must be 2 or 3", d);
+  if (d >= 1 && d <= 3) return DLS_OK;
+  return dlsi_fail(error, DLS_E_ARGUMENT, argument, -1, d, "is %d, must be 1, 2 or 3", d);
 }
 
 dls_status dlsi_check_sizes(int d, int nc, dls_error *error) {
@@ -123,7 +123,12 @@ dls_status dlsi_check_contact(const dls_contact *problem, dls_error *error) {
   status =
       problem->Wb.x ? check_Wb(problem, error) : dlsi_check_dense("W", &problem->W, m, m, error);
   if (!status) status = dlsi_check_vector("q", problem->q, (size_t)m, error);
-  return status ? status : dlsi_check_friction(problem->mu, (size_t)problem->nc, error);
+  if (!status) status = dlsi_check_friction(problem->mu, (size_t)problem->nc, error);
+  for (int c = 0; !status && problem->d == 1 && c < problem->nc; c++)
+    if (problem->mu[c] > 0)
+      return dlsi_fail(error, DLS_E_ARGUMENT, "mu", c, problem->mu[c],
+                       "is %g, must be 0 where d = 1: there are no tangents", problem->mu[c]);
+  return status;
 }
 
 dls_status dlsi_check_start(const dls_contact *problem, const double *r, int warm_start,

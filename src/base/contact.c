@@ -35,14 +35,16 @@ void dlsi_contact_diagonal(const dls_contact *problem, int c, double *block) {
     for (int j = 0; j < d; j++)
       for (int i = 0; i < d; i++)
         block[i + d * j] = problem->W.a[k + (size_t)i + (k + (size_t)j) * ld];
-  } else if (d == 2)
+  } else if (d == 1)
+    sum_diagonal(1, &problem->Wb, c, block);
+  else if (d == 2)
     sum_diagonal(4, &problem->Wb, c, block);
   else
     sum_diagonal(9, &problem->Wb, c, block);
 }
 
 static int reaction_is_zero(size_t d, const double *r) {
-  return r[0] == 0 && r[1] == 0 && (d == 2 || r[2] == 0);
+  return r[0] == 0 && (d == 1 || r[1] == 0) && (d <= 2 || r[2] == 0);
 }
 
 /* Adds W r to u and, if a is not NULL, |W| |r| to a, W dense: gathers up to at_once candidates that
@@ -101,7 +103,9 @@ void dlsi_contact_multiply(const dls_contact *problem, const int *order, const d
     if (reaction_is_zero(d, rc)) continue;
     dlsi_contact_add_blocks(problem, c, rc, u);
     if (!a) continue;
-    if (d == 2)
+    if (d == 1)
+      add_magnitudes(1, &problem->Wb, (size_t)c, rc, a);
+    else if (d == 2)
       add_magnitudes(2, &problem->Wb, (size_t)c, rc, a);
     else
       add_magnitudes(3, &problem->Wb, (size_t)c, rc, a);
@@ -359,7 +363,9 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const measured of = {problem, r, u, a, w, F};
   dls_certificate c = {0};
-  const measured_sums s = problem->d == 2 ? measure_each(2, &of, &c) : measure_each(3, &of, &c);
+  const measured_sums s = problem->d == 1   ? measure_each(1, &of, &c)
+                          : problem->d == 2 ? measure_each(2, &of, &c)
+                                            : measure_each(3, &of, &c);
   const int plain = dlsi_is_plain(s.F);
   if (!plain) c.worst = find_worst(problem, F);
   const double f = plain ? sqrt(s.F) : dlsi_norm2(F, m), q = dlsi_norm2(problem->q, m);

@@ -169,6 +169,7 @@ static int exact_holds_at(const dls_contact *problem, int c, const double *v) {
   if (problem->d == 2) return 1;
   dlsi_exact_clear(&gn);
   exact_row(&W, 0, 1, v, &gn);
+  if (problem->d == 1) return dlsi_exact_sign(&gn) <= 0;
   for (int i = 0; i < 2; i++) {
     dlsi_exact_clear(&h[i]);
     exact_row(&W, i + 1, mu, v, &h[i]);

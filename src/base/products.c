@@ -24,6 +24,14 @@ static inline dlsi_pair dlsi_load(const double *x) {
 
 typedef const double *restrict column;
 
+DLSI_CLONES static void add_one_1d(size_t rows, column a, size_t ld, const double *x,
+                                   double *restrict u) {
+  const double x0 = x[0];
+  (void)ld;
+  for (size_t i = 0; i < rows; i++)
+    u[i] += a[i] * x0;
+}
+
 DLSI_CLONES static void add_one_2d(size_t rows, column a, size_t ld, const double *x,
                                    double *restrict u) {
   column b = a + ld;
@@ -38,6 +46,19 @@ DLSI_CLONES static void add_one_3d(size_t rows, column a, size_t ld, const doubl
   const double x0 = x[0], x1 = x[1], x2 = x[2];
   for (size_t i = 0; i < rows; i++)
     u[i] += a[i] * x0 + b[i] * x1 + c[i] * x2;
+}
+
+DLSI_CLONES static void add_four_1d(size_t rows, const double *const w[4], size_t ld,
+                                    const double *x, double *restrict u) {
+  column a = w[0], b = w[1], c = w[2], d = w[3];
+  const double x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
+  (void)ld;
+  for (size_t i = 0; i < rows; i++) {
+    double v = u[i] + a[i] * x0;
+    v += b[i] * x1;
+    v += c[i] * x2;
+    u[i] = v + d[i] * x3;
+  }
 }
 
 DLSI_CLONES static void add_four_2d(size_t rows, const double *const w[4], size_t ld,
@@ -69,6 +90,16 @@ DLSI_CLONES static void add_four_3d(size_t rows, const double *const w[4], size_
 }
 
 /* Add W(:,c) dr_c to u and |W(:,c)| |dr_c| to a. */
+DLSI_CLONES static void add_both_1d(size_t rows, column w, size_t ld, const double *x,
+                                    double *restrict u, double *restrict a) {
+  const double x0 = x[0], y0 = fabs(x0);
+  (void)ld;
+  for (size_t i = 0; i < rows; i++) {
+    u[i] += w[i] * x0;
+    a[i] += fabs(w[i]) * y0;
+  }
+}
+
 DLSI_CLONES static void add_both_2d(size_t rows, column w, size_t ld, const double *x,
                                     double *restrict u, double *restrict a) {
   column v = w + ld;
@@ -99,8 +130,10 @@ void dlsi_contact_add_columns(const dls_contact *problem, int c, const double *d
 void dlsi_contact_add_both(const dls_contact *problem, int c, const double *dr, double *u,
                            double *a) {
   const size_t d = (size_t)problem->d, ld = (size_t)problem->W.ld;
-  (d == 2 ? add_both_2d : add_both_3d)(d * (size_t)problem->nc, problem->W.a + d * (size_t)c * ld,
-                                       ld, dr, u, a);
+  (d == 1 ? add_both_1d
+   : d == 2
+       ? add_both_2d
+       : add_both_3d)(d * (size_t)problem->nc, problem->W.a + d * (size_t)c * ld, ld, dr, u, a);
 }
 
 void dlsi_contact_add_panel(const dls_contact *problem, int count, const int *c, const double *dr,
@@ -111,15 +144,21 @@ void dlsi_contact_add_panel(const dls_contact *problem, int count, const int *c,
     const double *w[4];
     for (int j = 0; j < 4; j++)
       w[j] = problem->W.a + d * (size_t)c[k + j] * ld;
-    (d == 2 ? add_four_2d : add_four_3d)(m, w, ld, dr + d * (size_t)k, u);
+    (d == 1 ? add_four_1d : d == 2 ? add_four_2d : add_four_3d)(m, w, ld, dr + d * (size_t)k, u);
   }
   for (; k < count; k++) {
     const double *w = problem->W.a + d * (size_t)c[k] * ld;
-    (d == 2 ? add_one_2d : add_one_3d)(m, w, ld, dr + d * (size_t)k, u);
+    (d == 1 ? add_one_1d : d == 2 ? add_one_2d : add_one_3d)(m, w, ld, dr + d * (size_t)k, u);
   }
 }
 
 /* ---- W by blocks ----------------------------------------------------------------------------- */
+
+static void add_blocks_1d(const dls_blocks *B, int c, const double *dr, double *u) {
+  const double r0 = dr[0];
+  for (int k = B->p[c]; k < B->p[c + 1]; k++)
+    u[B->i[k]] += B->x[k] * r0;
+}
 
 DLSI_CLONES static void add_blocks_2d(const dls_blocks *B, int c, const double *dr, double *u) {
   const double r0 = dr[0], r1 = dr[1];
@@ -146,7 +185,8 @@ DLSI_CLONES static void add_blocks_3d(const dls_blocks *B, int c, const double *
 }
 
 void dlsi_contact_add_blocks(const dls_contact *problem, int c, const double *dr, double *u) {
-  (problem->d == 2 ? add_blocks_2d : add_blocks_3d)(&problem->Wb, c, dr, u);
+  const int d = problem->d;
+  (d == 1 ? add_blocks_1d : d == 2 ? add_blocks_2d : add_blocks_3d)(&problem->Wb, c, dr, u);
 }
 
 /* ---- a few columns --------------------------------------------------------------------------- */

@@ -265,6 +265,8 @@ static dls_status write_local(contents *c, const dls_contact *problem, dls_error
   if (!c->path) return dlsi_is_null(error, "path");
   dls_status status = dlsi_check_contact(problem, error);
   if (status) return status;
+  if (problem->d == 1)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "d", -1, 1, "is 1; the format knows 2 and 3");
   c->d = problem->d, c->nc = problem->nc, c->q = problem->q, c->mu = problem->mu;
   const int m = c->d * c->nc;
   status = check_solution(c->r, c->u, (size_t)m, error);

@@ -98,8 +98,9 @@ static dls_status take_sizes(text_reader *reader, int contact, const char *key, 
   if (to->n) return text_blame(reader, key, "stands there twice");
   if (!dls_text_numbers(text, contact ? 2 : 1, v)) return text_blame(reader, key, "needs sizes");
   const double d = contact ? v[0] : 0, count = v[contact], n = contact ? d * count : count;
-  if (count != floor(count) || !(count >= 1 && n <= INT_MAX) || (contact && d != 2 && d != 3))
-    return text_blame(reader, key, contact ? "needs d = 2 or 3 and nc >= 1" : "needs n >= 1");
+  if (count != floor(count) || !(count >= 1 && n <= INT_MAX) ||
+      (contact && d != 1 && d != 2 && d != 3))
+    return text_blame(reader, key, contact ? "needs d = 1, 2 or 3 and nc >= 1" : "needs n >= 1");
   to->d = (int)d;
   to->nc = contact ? (int)count : 0;
   to->n = (int)n;

@@ -276,7 +276,7 @@ static int may_step(const dlsi_auto *work) {
 }
 
 static int may_pivot(const dlsi_auto *work) {
-  return work->nc <= (work->d == 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D);
+  return work->nc <= (work->d <= 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D);
 }
 
 static int may_follow_path(const dlsi_auto *work) {

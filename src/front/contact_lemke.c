@@ -96,8 +96,9 @@ static void contact_lemke_destroy(void *lemke) {
 
 static dls_status contact_lemke_create(void **out, int d, int nc, const dlsi_options *options,
                                        dls_error *error) {
-  const int facets = d == 2 ? 2 : options->facets ? options->facets : default_facets;
-  long long n = (facets + 2) * (long long)nc;
+  const int facets = d <= 2 ? 2 : options->facets ? options->facets : default_facets;
+  /* d = 1: nc for the LCP, as many again for that of (CL5) */
+  long long n = (d == 1 ? 2 : facets + 2) * (long long)nc;
   if (d == 2 && n > most_fallback_rows) n = 3LL * nc; /* no room for the 4-row form */
   if (n > INT32_MAX / 4) return dlsi_fail(error, DLS_E_SIZE, "nc", -1, nc, "is too large");
   contact_lemke filled = {.d = d, .nc = nc, .facets = facets, .n = (int)n};
@@ -128,7 +129,7 @@ static int contact_lemke_judge(void *lemke, double *farkas, double *scratch) {
   contact_lemke *work = lemke;
   const dls_contact *problem = work->problem;
   const int rows = work->form == linear_form ? 1 : work->form ? work->form + 2 : 3;
-  if (problem->d != 2 && work->form != linear_form) return 1;
+  if (problem->d == 3 && work->form != linear_form) return 1;
   for (int c = 0, i = 0; c < problem->nc; c++) {
     work->v[c] = work->s[c] * farkas[i];
     i += problem->mu[c] > 0 ? rows : 1;
@@ -289,7 +290,7 @@ static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, d
   contact_lemke *work = lemke;
   dlsi_iterate *it = &work->it;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  const int flat = problem->d == 2, warm = work->limits.warm_start;
+  const int flat = problem->d <= 2, warm = work->limits.warm_start;
   dls_info outcome = {.method = DLS_LEMKE};
   work->problem = problem;
   work->has_v = work->has_ray = work->excludes = 0;
@@ -305,7 +306,7 @@ static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, d
   work->unit = ldexp(1, ilogb(most));
   int *pivots = &outcome.iterations;
   dls_status status = pivot(work, problem, flat ? 0 : work->facets, pivots, error);
-  if (flat && status == DLS_RAY && dls_contact_facets_size(problem, 2) <= work->n)
+  if (problem->d == 2 && status == DLS_RAY && dls_contact_facets_size(problem, 2) <= work->n)
     status = pivot(work, problem, 2, pivots, error);
   if (status < 0) return status;
   if (!flat && status == DLS_NO_SOLUTION) status = DLS_RAY;

@@ -330,6 +330,8 @@ static int spectral_norm(int rows, int cols, const double *X, double *XXt, doubl
  * scratch, m x m; V has room for T, P and Q: nt^2 + 2 nn nt < m^2. value: m. work: 34 m. */
 static double unique_below(int nn, int nt, double *A, double *H, double *V, int *pivot,
                            double *value, double *work) {
+  if (nt == 0) /* without tangents a positive definite W_nn is enough */
+    return eigenvalues(nn, A, nn, H, value, work) && value[0] > 0 ? INFINITY : 0;
   const int m = nn + nt;
   const size_t N = (size_t)nn, L = (size_t)nt, M = (size_t)m;
   const double one = 1, zero = 0, minus = -1;

@@ -333,7 +333,7 @@ dls_status dlsi_contact_fold(const dls_contact *problem, int search, dls_fold *f
   dls_status status = dlsi_check_contact(problem, error);
   if (status) return status;
   if (problem->d != 2)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, "d", -1, problem->d, "is 3, must be 2");
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "d", -1, problem->d, "is %d, must be 2", problem->d);
   if (!fold) return dlsi_is_null(error, "fold");
   fold_search filled = {.nc = problem->nc};
   void *memory;

@@ -15,6 +15,13 @@ const dlsi_method *dlsi_method_of(dls_method method);
 extern const dlsi_method dlsi_nlgs_method, dlsi_newton_method, dlsi_admm_method,
     dlsi_augmented_method, dlsi_lemke_method, dlsi_homotopy_method, dlsi_scatter_method;
 
+/* Checks the settings of a solver. */
+dls_status dlsi_solver_check(const dls_solver_settings *settings, dls_error *error);
+
+/* Does the work of dls_solver_create, *out = NULL before. lazy: see dlsi_options. */
+dls_status dlsi_solver_create(dls_solver **out, int d, int nc, int lazy,
+                              const dls_solver_settings *settings, dls_error *error);
+
 /* Returns 1 if r, u (or NULL), info (or NULL) hold the certified answer of a problem whose
  * candidates are free or stand alone (alone.c), else 0, and they are untouched. From r = 0,
  * without a workspace. */

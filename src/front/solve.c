@@ -35,7 +35,7 @@ void dls_solver_settings_init(dls_solver_settings *settings) {
   dlsi_limits_init(&settings->limits);
 }
 
-static dls_status solver_check_settings(const dls_solver_settings *s, dls_error *error) {
+dls_status dlsi_solver_check(const dls_solver_settings *s, dls_error *error) {
   const dlsi_setting own[] = {{"positive_definite", s->positive_definite, 0, 1, 0},
                               {"acceleration", s->acceleration, 0, DLS_ACCELERATION_MOMENTUM, 0}};
   const dls_status status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 2, own, error);
@@ -65,18 +65,18 @@ static dls_status solver_create_work(dls_solver *solver, int lazy, dls_error *er
   return solver->method->create(&solver->work, solver->d, nc, &options, error);
 }
 
-static dls_status solver_create(dls_solver **out, int d, int nc,
-                                const dls_solver_settings *settings, dls_error *error) {
+dls_status dlsi_solver_create(dls_solver **out, int d, int nc, int lazy,
+                              const dls_solver_settings *settings, dls_error *error) {
   dls_solver_settings defaults;
   dls_solver_settings_init(&defaults);
   if (!settings) settings = &defaults;
-  dls_status status = solver_check_settings(settings, error);
+  dls_status status = dlsi_solver_check(settings, error);
   if (!status) status = dlsi_check_sizes(d, nc, error);
   if (status) return status;
   dls_solver *solver = dlsi_alloc(1, sizeof *solver);
   if (!solver) return dlsi_no_memory(error);
   *solver = (dls_solver){.settings = *settings, .d = d, .nc = nc};
-  status = solver_create_work(solver, 0, error);
+  status = solver_create_work(solver, lazy, error);
   if (status)
     free(solver);
   else
@@ -88,7 +88,7 @@ dls_status dls_solver_create(dls_solver **out, int d, int nc, const dls_solver_s
                              dls_error *error) {
   if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
   *out = NULL;
-  return dlsi_at(__func__, solver_create(out, d, nc, settings, error), error);
+  return dlsi_at(__func__, dlsi_solver_create(out, d, nc, 0, settings, error), error);
 }
 
 dls_status dls_solver_set_limits(dls_solver *solver, const dls_limits *limits, dls_error *error) {
@@ -177,7 +177,7 @@ static dls_status solve_once(const dls_contact *problem, const dls_solver_settin
   if (settings) solver.settings = *settings;
   dls_solver_settings *s = &solver.settings;
   dls_status status = dlsi_check_contact(problem, error);
-  if (!status) status = solver_check_settings(s, error);
+  if (!status) status = dlsi_solver_check(s, error);
   if (!status) status = dlsi_check_start(problem, r, s->limits.warm_start, error);
   if (status || is_answered(s, problem, r, u, info)) return status;
   s->limits.blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : 0;

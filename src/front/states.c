@@ -397,7 +397,7 @@ static dls_status enumerate_check(const dls_contact *problem, double tol, int ca
   const dls_status status = dlsi_check_contact(problem, error);
   if (status) return status;
   if (problem->d != 2)
-    return dlsi_fail(error, DLS_E_UNSUPPORTED, "d", -1, problem->d, "is 3, must be 2");
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "d", -1, problem->d, "is %d, must be 2", problem->d);
   if (problem->nc > DLS_STATES_MAX)
     return dlsi_fail(error, DLS_E_SIZE, "nc", -1, problem->nc, "is %d, must be at most %d",
                      problem->nc, DLS_STATES_MAX);

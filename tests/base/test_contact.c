@@ -796,7 +796,7 @@ START_TEST(bad_conversion) {
   refuses_conversion(DLS_E_ARGUMENT, "B", NULL, 0, NULL, 4);
   refuses_conversion(DLS_E_SIZE, "ld", NULL, 0, &B, 3);
   dls_blocks bad = B;
-  bad.d = 1;
+  bad.d = 4;
   refuses_conversion(DLS_E_ARGUMENT, "B.d", NULL, 0, &bad, 4);
   bad = B;
   bad.n = -1;

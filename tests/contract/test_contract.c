@@ -226,6 +226,105 @@ START_TEST(smaller_problem) {
 }
 END_TEST
 
+/* ---- normals alone, d = 1 -------------------------------------------------------------------- */
+
+/* LCP(W_nn, q_n) by hand; r = -1: there is no solution. */
+static const struct {
+  int nc;
+  double W[4], q[2], r[2]; /* W by rows */
+} normal_case[] = {{1, {2}, {-1}, {.5}},
+                   {1, {2}, {1}, {0}},
+                   {1, {2}, {0}, {0}},
+                   {2, {2, 1, 1, 2}, {-1, -1}, {1. / 3, 1. / 3}},
+                   {2, {1, .5, .5, 1}, {-1, 1}, {1, 0}},
+                   {2, {1, -.5, -.5, 1}, {-1, .25}, {7. / 6, 1. / 3}},
+                   {2, {1, .5, .25, 2}, {-1, -2}, {8. / 15, 14. / 15}},
+                   {1, {-1}, {-1}, {-1}},
+                   {1, {0}, {-1}, {-1}},
+                   {2, {1, -1, -1, 1}, {-1, -1}, {-1, -1}}};
+enum { normal_count = sizeof normal_case / sizeof normal_case[0] };
+
+START_TEST(normals_by_hand) {
+  const tested_solver s = door(_i / normal_count);
+  const int k = _i % normal_count, nc = normal_case[k].nc;
+  static model a;
+  set_model(&a, 1, nc);
+  for (int e = 0; e < nc * nc; e++)
+    a.W[e % nc * nc + e / nc] = normal_case[k].W[e];
+  memcpy(a.q, normal_case[k].q, sizeof normal_case[k].q);
+  double r[2];
+  dls_info info;
+  const dls_status status = solve_from(&s, &a.p, 1e-12, 0, r, &info);
+  if (s.tol > 0) return; /* run_in has compared what it says with the certificate */
+  const int solvable = normal_case[k].r[0] >= 0;
+  ck_assert_msg((status == DLS_OK) == solvable && status >= 0, "%s, %d: %d, %g", s.name, k,
+                (int)status, info.certificate.residual);
+  for (int c = 0; solvable && c < nc; c++)
+    ck_assert_double_eq_tol(r[c], normal_case[k].r[c], 1e-10);
+  if (!solvable && (s.method == DLS_AUTO || s.method == DLS_LEMKE))
+    ck_assert_msg(status == DLS_NO_SOLUTION, "%s, %d: %d", s.name, k, (int)status);
+}
+END_TEST
+
+START_TEST(normals) {
+  const tested_solver s = door(_i / 20);
+  const int i = normal_models + _i % 20;
+  static model a;
+  expect_solved(&s, i);
+  expect_answer_of(&s, i, s.method == DLS_NLGS ? DLS_NEWTON : DLS_NLGS);
+  if (s.tol == 0 && s.method != DLS_ADMM) expect_floor(&s, i);
+  numbered_model(&a, i);
+  for (int two = 0; two < 2; two++) {
+    const double tol = two ? 1e-10 : 1e-8;
+    const any_settings settings = settings_for(&s, tol, 0);
+    expect_any_units(&s, &a, &settings, s.tol > 0 ? s.tol : tol, two);
+  }
+}
+END_TEST
+
+/* The normal reactions of a problem without friction are those of d = 1. */
+START_TEST(normals_of_a_space) {
+  const tested_solver s = door(_i / 20);
+  static model a, b;
+  set_seed(88172645463325252u + (uint64_t)_i);
+  random_model(&a, 2 + _i % 2, 1 + _i % 20, 0);
+  const int d = a.p.d, nc = a.p.nc, m = d * nc;
+  set_model(&b, 1, nc);
+  for (int c = 0; c < nc; c++) {
+    b.q[c] = a.q[d * c];
+    for (int k = 0; k < nc; k++)
+      b.W[k + nc * c] = a.W[d * k + m * d * c];
+  }
+  const double tol = s.tol > 0 ? s.tol : 1e-12;
+  double r[most], n[most];
+  dls_info info;
+  ck_assert_int_eq(solve_from(&s, &a.p, tol, 0, r, &info), DLS_OK);
+  ck_assert_int_eq(solve_from(&s, &b.p, tol, 0, n, &info), DLS_OK);
+  for (int c = 0; c < nc; c++)
+    ck_assert(fabs(n[c] - r[d * c]) <= close_of(&a) * (tol / 1e-12));
+}
+END_TEST
+
+START_TEST(normals_have_no_friction) {
+  const tested_solver s = door(_i);
+  static model a;
+  numbered_model(&a, normal_models + 4);
+  a.mu[3] = .5;
+  const any_settings settings = settings_for(&s, 1e-8, 0);
+  void *work;
+  ck_assert_int_eq(s.create(&work, 1, a.p.nc, &settings, NULL), DLS_OK);
+  double r[most] = {7};
+  dls_error error;
+  ck_assert_int_eq(s.solve(work, &a.p, r, NULL, NULL, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "mu");
+  ck_assert_int_eq(error.index, 3);
+  ck_assert(r[0] == 7);
+  a.mu[3] = 0;
+  ck_assert_int_ge(s.solve(work, &a.p, r, NULL, NULL, &error), 0);
+  s.destroy(work);
+}
+END_TEST
+
 /* ---- stopping -------------------------------------------------------------------------------- */
 
 /* Cancelled at the first or second call, or after two iterations: the status says so unless all is
@@ -369,8 +468,8 @@ static int count_lasts(void *data, const dls_progress *p) {
 /* Without candidates every problem is solved, in a workspace for none or for more, from a start or
  * from nothing; the callback is called once, and there is nothing left for it to cancel. */
 START_TEST(no_candidates) {
-  const tested_solver s = door(_i / 8);
-  const int d = 2 + _i % 2, room = _i / 2 % 2 ? 3 : 0, warm = _i / 4 % 2;
+  const tested_solver s = door(_i / 12);
+  const int d = 1 + _i % 3, room = _i / 3 % 2 ? 3 : 0, warm = _i / 6 % 2;
   any_settings settings = settings_for(&s, 1e-8, warm);
   int calls = 0;
   s.limits(&settings)->progress = count_lasts;
@@ -394,28 +493,33 @@ END_TEST
 /* ---- memory ---------------------------------------------------------------------------------- */
 
 /* Doubles of a workspace for a dense W, the terms of m^2. Lemke's method has the LCP and its table,
- * each of n^2, n the size of the LCP: 4 nc in 2D and 10 nc in 3D with 8 facets; auto has them up to
- * a limit. */
+ * each of n^2, n the size of the LCP: 2 nc for d = 1, 4 nc in 2D and 10 nc in 3D with 8 facets;
+ * auto has them up to a limit. */
+static double lcp_rows(int d, int nc) {
+  return (d == 1 ? 2 : d == 2 ? 4 : 10) * nc;
+}
+
 static double matrices(dls_method method, int d, int nc, int *pivots) {
-  const double m = d * nc, n = (d == 2 ? 4 : 10) * nc;
-  const int few = nc <= (d == 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D);
+  const double m = d * nc, n = lcp_rows(d, nc);
+  const int few = nc <= (d <= 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D);
   *pivots = method == DLS_LEMKE || (method == DLS_AUTO && few);
   const int path = method == DLS_HOMOTOPY || (method == DLS_AUTO && m <= 300);
   return (method == DLS_NLGS || method == DLS_LEMKE ? 0 : m * m) + (*pivots ? 2 * n * n : 0) +
          (path ? 2 * m * m : 0);
 }
 
-/* The order of memory: besides matrices O(m), 200 m doubles or 700 n for a table's pending pivots.
- * A second matrix would be seen. A method that is not known here may have one matrix or none. Each
- * malloc may fail. */
+/* The order of memory: besides matrices O(m), 200 m doubles (for d = 1 500 a candidate) or 700 n
+ * for a table's pending pivots. A second matrix would be seen. A method that is not known here may have
+ * one matrix or none. Each malloc may fail. */
 START_TEST(memory) {
   const tested_solver s = door(_i);
-  for (int d = 2; d <= 3; d++)
-    for (int nc = 60; nc <= 180; nc += 60) {
+  for (int d = 1; d <= 3; d++)
+    for (int k = 60; k <= 180; k += 60) {
       int pivots;
+      const int nc = d == 1 ? 3 * k : k; /* so that a matrix outweighs what auto has by candidate */
       const any_settings settings = settings_for(&s, 1e-8, 0);
       const double doubles = matrices(s.method, d, nc, &pivots);
-      const double vectors = 200 * d * nc + (pivots ? 700 * (d == 2 ? 4 : 10) * nc : 0);
+      const double vectors = (d == 1 ? 500 : 200 * d) * nc + (pivots ? 700 * lcp_rows(d, nc) : 0);
       const double least = s.method <= DLS_HOMOTOPY ? doubles : 0;
       expect_memory(&s, d, nc, &settings, sizeof(double) * least,
                     sizeof(double) * (doubles - least + vectors) + 16384);
@@ -454,9 +558,11 @@ int main(void) {
              EACH(start_that_overflows, 0, doors), EACH(start_that_hides_q, 0, doors * 10),
              EACH(random_problem, 0, doors * 40), EACH(units, 0, doors * 12),
              EACH(turned_tangents, 0, doors * 10), EACH(tolerance_zero, 0, doors * 20),
+             EACH(normals_by_hand, 0, doors * normal_count), EACH(normals, 0, doors * 20),
+             EACH(normals_of_a_space, 0, doors * 20), EACH(normals_have_no_friction, 0, doors),
              EACH(smaller_problem, 0, doors), EACH(stopped_early, 0, doors * 3),
              EACH(one_last_call, 0, doors * 12), EACH(time_limit, 0, doors * 6),
-             EACH(bad_time_limit, 0, doors), EACH(no_candidates, 0, doors * 8),
+             EACH(bad_time_limit, 0, doors), EACH(no_candidates, 0, doors * 12),
              EACH(memory, 0, doors), EACH(bad_create, 0, doors), EACH(bad_solve, 0, doors),
              ONCE(defaults_without_a_place));
 }

@@ -636,7 +636,7 @@ START_TEST(bad_input_is_named) {
   dls_contact p = dense2();
   refuses(NULL, 10, DLS_E_ARGUMENT, "problem", -1);
   refuses(&p, -1, DLS_E_ARGUMENT, "limit", -1);
-  p.d = 1;
+  p.d = 4;
   refuses(&p, 10, DLS_E_ARGUMENT, "d", -1);
   p = dense2(), p.nc = -1;
   refuses(&p, 10, DLS_E_SIZE, "nc", -1);

@@ -248,7 +248,7 @@ START_TEST(bad_settings_are_refused) {
   }
   s = good, s.limits.max_iterations = -1;
   ck_assert_int_eq(dls_solver_create(&solver, 2, NC, &s, &e), DLS_E_ARGUMENT);
-  ck_assert_int_eq(dls_solver_create(&solver, 1, NC, &good, &e), DLS_E_ARGUMENT);
+  ck_assert_int_eq(dls_solver_create(&solver, 0, NC, &good, &e), DLS_E_ARGUMENT);
   ck_assert_int_eq(dls_solver_create(&solver, 2, -1, &good, &e), DLS_E_SIZE);
   const int facets[] = {-8, 2, 7, 66};
   for (int k = 0; k < 4; k++) {

@@ -483,6 +483,115 @@ START_TEST(without_tangents) {
 }
 END_TEST
 
+/* A frictionless reduction is H_N alone: W_nn, q_n, the same x, and a quarter of the bytes of W. */
+START_TEST(normals_alone) {
+  make(1, 1, 0);
+  double mu[side] = {0}, x[max_n], y[max_n];
+  int active[side];
+  for (int c = 0; c < side; c++)
+    active[c] = c % 5 != 2;
+  T.model.active = active;
+  dls_reduction *A = new_reduction(NULL);
+  dls_reduction_settings s = defaults();
+  s.frictionless = 1;
+  T.model.mu = _i ? mu : NULL;
+  long failed;
+  dls_reduction *B = create_by_failures(&T.model, &s, 0, &failed);
+  ck_assert_int_gt(failed, 1);
+  ck_assert(info_of(A).W_bytes == 4 * info_of(B).W_bytes);
+  for (int turn = 0; turn < 2; turn++) {
+    ck_assert_int_eq(dls_reduction_load(A, T.f, T.g, NULL), DLS_OK);
+    ck_assert_int_eq(dls_reduction_load(B, T.f, T.g, NULL), DLS_OK);
+    const dls_contact full = contact_of(A);
+    dls_contact p;
+    ck_assert_int_eq(dls_reduction_contact(B, NULL, &p, NULL), DLS_OK);
+    ck_assert_int_eq(dls_contact_check(&p, NULL), DLS_OK);
+    ck_assert(p.d == 1 && p.nc == full.nc && p.W.rows == p.nc);
+    ck_assert(info_of(B).W_bytes == 8. * p.nc * p.nc);
+    const int m = 2 * p.nc;
+    double r[2 * side], n[side], nodal[2 * side], nodal_n[2 * side];
+    for (int a = 0; a < p.nc; a++) {
+      ck_assert_double_eq_tol(p.q[a], full.q[2 * a], 1e-12 * largest(full.q, m));
+      for (int b = 0; b < p.nc; b++)
+        ck_assert_double_eq_tol(p.W.a[a + p.nc * b], full.W.a[2 * a + m * 2 * b],
+                                1e-12 * largest(full.W.a, m * m));
+    }
+    ck_assert_int_eq(dls_solve(&full, NULL, r, NULL, NULL, NULL), DLS_OK);
+    ck_assert_int_eq(dls_solve(&p, NULL, n, NULL, NULL, NULL), DLS_OK);
+    for (int c = 0; c < p.nc; c++)
+      ck_assert_double_eq_tol(n[c], r[2 * c], 1e-6 * largest(r, m));
+    ck_assert_int_eq(dls_reduction_recover(A, r, x, NULL), DLS_OK);
+    ck_assert_int_eq(dls_reduction_recover(B, n, y, NULL), DLS_OK);
+    assert_close(y, x, T.n, 1e-6);
+    ck_assert_int_eq(dls_reduction_nodal(A, r, nodal, NULL), DLS_OK);
+    ck_assert_int_eq(dls_reduction_nodal(B, n, nodal_n, NULL), DLS_OK);
+    assert_close(nodal_n, nodal, 2 * side, 1e-6);
+    ck_assert_int_eq(dls_reduction_update(B, &T.model, NULL), DLS_OK);
+  }
+  dls_error error;
+  dls_reduction *C;
+  mu[8] = .5;
+  T.model.mu = mu;
+  ck_assert_int_eq(dls_reduction_create_with(&C, &T.model, &s, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "mu");
+  ck_assert_int_eq(error.index, 8);
+  ck_assert_ptr_null(C);
+  dls_reduction_destroy(B);
+  dls_reduction_destroy(A);
+}
+END_TEST
+
+/* A dense K in space, node after node: W takes a ninth of its bytes. */
+START_TEST(normals_alone_in_space) {
+  enum { nodes = 20, n = 3 * nodes };
+  static double K[n * n], x[n], g[n];
+  int Np[nodes + 1], Ni[nodes], Tp[2 * nodes + 1], Ti[2 * nodes];
+  double one[2 * nodes], r[nodes], back[n], f[n], nodal[n];
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++)
+      K[i + n * j] = (i == j ? 3 : 0) + 1. / (1 + abs(i - j));
+  for (int k = 0; k < nodes; k++) {
+    Np[k] = k, Ni[k] = 3 * k, Tp[2 * k] = 2 * k, Tp[2 * k + 1] = 2 * k + 1;
+    Ti[2 * k] = 3 * k + 1, Ti[2 * k + 1] = 3 * k + 2, one[2 * k] = one[2 * k + 1] = 1;
+  }
+  Np[nodes] = nodes, Tp[2 * nodes] = 2 * nodes;
+  for (int i = 0; i < n; i++)
+    f[i] = i % 3 ? 0 : -1, g[i] = i % 3 ? 5 : .1 * (i % 7);
+  const dls_model model = {.n = n,
+                           .d = 3,
+                           .nodes = nodes,
+                           .operator_kind = DLS_STIFFNESS_DENSE,
+                           .factorization = DLS_CHOLESKY,
+                           .K = {n, n, n, K},
+                           .HN = {n, nodes, Np, Ni, one},
+                           .HT = {n, 2 * nodes, Tp, Ti, one}};
+  dls_reduction_settings s = defaults();
+  dls_reduction_info full, alone;
+  ck_assert_int_eq(dls_reduction_estimate(&model, &s, &full, NULL), DLS_OK);
+  s.frictionless = 1;
+  ck_assert_int_eq(dls_reduction_estimate(&model, &s, &alone, NULL), DLS_OK);
+  ck_assert(full.W_bytes == 9 * alone.W_bytes && alone.W_bytes == 8. * nodes * nodes);
+  dls_reduction *R;
+  dls_contact p;
+  ck_assert_int_eq(dls_reduction_create_with(&R, &model, &s, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load(R, f, g, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_contact(R, NULL, &p, NULL), DLS_OK);
+  ck_assert_int_eq(dls_solve(&p, NULL, r, NULL, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_recover(R, r, x, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_nodal(R, r, nodal, NULL), DLS_OK);
+  for (int i = 0; i < n; i++) { /* K x - f = the nodal reactions, which are normal */
+    back[i] = -f[i];
+    for (int j = 0; j < n; j++)
+      back[i] += K[i + n * j] * x[j];
+    ck_assert_double_eq_tol(back[i], nodal[i], 1e-10);
+    if (i % 3) continue;
+    ck_assert(x[i] + g[i] >= -1e-7 && nodal[i] >= 0 && fabs(nodal[i] * (x[i] + g[i])) <= 1e-7);
+  }
+  ck_assert(largest(r, nodes) > 0);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
 START_TEST(without_W) {
   make(1, 1, 0);
   dls_reduction *A = new_reduction(NULL);
@@ -931,6 +1040,7 @@ START_TEST(bad_input) {
   SETTING(s.allow_indefinite = 2, "allow_indefinite");
   SETTING(s.stabilize = -1, "stabilize");
   SETTING(s.form_W = 7, "form_W");
+  SETTING(s.frictionless = 2, "frictionless");
   dls_reduction_info info;
   ck_assert_int_eq(dls_reduction_create_with(NULL, &T.model, NULL, &error), DLS_E_ARGUMENT);
   ck_assert_int_eq(dls_reduction_estimate(&T.model, NULL, NULL, &error), DLS_E_ARGUMENT);
@@ -1036,7 +1146,8 @@ int main(void) {
              ONCE(unsymmetric_is_unsymmetric), EACH(recovers_often, 0, 5),
              EACH(no_candidates, 0, 5), ONCE(few_columns), EACH(jean_block, 0, 2),
              EACH(tied_contact_nodes, 0, 2), ONCE(pivoting_takes_room), EACH(same_bits, 0, 5),
-             EACH(units, 0, 12), EACH(without_tangents, 0, 2), ONCE(without_W), EACH(update, 0, 5),
+             EACH(units, 0, 12), EACH(without_tangents, 0, 2), EACH(normals_alone, 0, 2),
+             ONCE(normals_alone_in_space), ONCE(without_W), EACH(update, 0, 5),
              EACH(estimate, 0, 2), EACH(indefinite, 0, 2), EACH(free_bodies, 0, 12),
              ONCE(held_body_has_no_modes), EACH(block_on_the_floor, 0, 3),
              EACH(block_between_plates, 0, 2), ONCE(bad_modes), EACH(structurally_singular, 0, 6),

@@ -88,7 +88,10 @@ void random_model(model *a, int d, int nc, double mu) {
 void numbered_model(model *a, int i) {
   const double mu[] = {0, 0.1, 0.3, 0.6};
   set_seed(88172645463325252u + (uint64_t)i);
-  random_model(a, 2 + i % 2, 1 + i % 20, mu[i % 4]);
+  if (i >= normal_models)
+    random_model(a, 1, 1 + i % 20, 0);
+  else
+    random_model(a, 2 + i % 2, 1 + i % 20, mu[i % 4]);
 }
 
 void deficient_model(model *a, int number) {
@@ -635,7 +638,7 @@ void expect_bad_create(const tested_solver *s) {
   dls_error error;
   ck_assert_int_eq(s->create(NULL, 2, 1, &good, &error), DLS_E_ARGUMENT);
   ck_assert_str_eq(error.argument, "out");
-  refuses_to_create(s, DLS_E_ARGUMENT, "d", -1, 1, 1, &good);
+  refuses_to_create(s, DLS_E_ARGUMENT, "d", -1, 0, 1, &good);
   refuses_to_create(s, DLS_E_ARGUMENT, "d", -1, 4, 1, &good);
   refuses_to_create(s, DLS_E_SIZE, "nc", -1, 2, -1, &good);
   refuses_to_create(s, DLS_E_SIZE, "nc", -1, 3, INT_MAX, &good);

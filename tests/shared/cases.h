@@ -34,8 +34,9 @@ void gram(int m, const double *A, double shift, double *W);
 void gram_and_skew(int m, double (*draw)(void), double shift, double skew, double *W, double *q);
 /* W = A A^T / m + I / 10; q_n mostly < 0 */
 void random_model(model *a, int d, int nc, double mu);
-/* the i-th of them: 2D and 3D, up to 20 candidates, mu = 0 .. 0.6; starts the random numbers
- * anew */
+/* the i-th of them: 2D and 3D, up to 20 candidates, mu = 0 .. 0.6; from `normal_models` on d = 1;
+ * starts the random numbers anew */
+enum { normal_models = 1000 };
 void numbered_model(model *a, int i);
 /* W = B B^T of half rank, with a solution of free, slipping and sticking candidates; mu = 0.3 */
 void deficient_model(model *a, int i);
