@@ -152,7 +152,7 @@ double largest_entry(const double *v, int n);
  * iteration of a method. */
 const char *status_word(dls_status status);
 const char *state_word(dls_contact_state state);
-const char *iteration_word(dls_method method);
+const char *iteration_word(dls_method method, int count);
 
 /* ---- results.c ------------------------------------------------------------------------------- */
 
@@ -207,6 +207,9 @@ void print_residuals(const char *indent, const dls_certificate *c);
 /* Prints what is known of other answers, a line for each fact. */
 void print_others(const char *indent, const dls_info *info);
 
+/* info.c: prints a line for each of dls_diagnosis.hints. */
+void print_hints(const char *indent, int hints);
+
 /* Prints one object with the fields of the outcome. */
 void print_json(FILE *out, const outcome *outcome);
 
@@ -222,8 +225,8 @@ void print_json_verdict(FILE *out, const verdict *v, int proof);
 double cpu_seconds(void);
 
 /* Shows progress: a callback that prints a line on stderr if that is a terminal and the work is
- * long, or with --verbose each call as a line, and cancels on Ctrl-C, which watch_interrupt has to catch first. progress_end clears the
- * line. */
+ * long, or with --verbose each call as a line, and cancels on Ctrl-C, which watch_interrupt has to
+ * catch first. progress_end clears the line. */
 int show_progress(void *data, const dls_progress *progress);
 void watch_interrupt(void);
 int was_interrupted(void); /* 1 after Ctrl-C */

@@ -63,7 +63,8 @@ static void print_scales(int nc, const dls_diagnosis *g) {
   printf("  weights w_c = trace(W_cc)/d: %.3g to %.3g; |q| = %.3g\n", g->weight_min, g->weight_max,
          g->q_norm);
   if (g->closing)
-    printf("  without reactions, %d of %d contacts would interpenetrate\n", g->closing, nc);
+    printf("  without reactions, %d of %d contact%s would interpenetrate\n", g->closing, nc,
+           nc == 1 ? "" : "s");
   else
     puts("  no contact would interpenetrate without reactions: r = 0 is a solution");
 }
@@ -98,6 +99,16 @@ static void print_friction(int d, int m, const dls_diagnosis *g) {
            g->wedged.count > 1 ? "s" : "", g->wedged.first, g->wedged.count > 1 ? "are" : "is");
 }
 
+void print_hints(const char *indent, int hints) {
+  if (hints & DLS_HINT_OUTWARD)
+    printf("%shint: nothing presses; if it should, normals point out of the bodies (the sign of "
+           "H_N)\n",
+           indent);
+  if (hints & DLS_HINT_TRANSPOSED)
+    printf("%shint: the transpose of W has an answer; rows may have been given as columns\n",
+           indent);
+}
+
 static void print_facts(const char *path, const problem *p, int limit, const dls_diagnosis *g) {
   const dls_contact *contact = &p->contact;
   problem_print(path, p);
@@ -111,6 +122,7 @@ static void print_facts(const char *path, const problem *p, int limit, const dls
   print_flaw(&g->singular_block, "contact", "contacts", "W_cc is singular");
   print_flaw(&g->no_effect, "component of r", "components of r", "without effect on u");
   print_friction(contact->d, contact->d * contact->nc, g);
+  print_hints("  ", g->hints);
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
@@ -159,6 +171,9 @@ static void print_info_json(const problem *p, const dls_diagnosis *g) {
   flaw_field("no_normal", &g->no_normal);
   flaw_field("singular_block", &g->singular_block);
   flaw_field("no_effect", &g->no_effect);
+  printf(",\n  \"outward\": %s,\n  \"transposed\": %s",
+         g->hints & DLS_HINT_OUTWARD ? "true" : "false",
+         g->hints & DLS_HINT_TRANSPOSED ? "true" : "false");
   puts("\n}");
 }
 

@@ -108,12 +108,14 @@ const char *state_word(dls_contact_state state) {
   return state == DLS_FREE ? "free" : state == DLS_SLIP ? "slip" : "stick";
 }
 
-const char *iteration_word(dls_method method) {
-  if (method == DLS_NLGS) return "sweeps";
-  if (method == DLS_LEMKE) return "exchanges";
-  if (method == DLS_NEWTON) return "steps";
-  const int augments = method == DLS_AUGMENTED_LAGRANGIAN || method == DLS_PENALTY;
-  return augments ? "augmentations" : "iterations";
+const char *iteration_word(dls_method method, int count) {
+  const int one = count == 1;
+  if (method == DLS_NLGS) return one ? "sweep" : "sweeps";
+  if (method == DLS_LEMKE) return one ? "exchange" : "exchanges";
+  if (method == DLS_NEWTON) return one ? "step" : "steps";
+  if (method == DLS_AUGMENTED_LAGRANGIAN || method == DLS_PENALTY)
+    return one ? "augmentation" : "augmentations";
+  return one ? "iteration" : "iterations";
 }
 
 const char *method_word(const outcome *o) {
@@ -124,9 +126,10 @@ void print_stages(const dls_info *info) {
   for (int k = 0; k < info->stages; k++) {
     const dls_stage *s = &info->stage[k];
     printf("    %s%s: %d %s", dls_method_name(s->method),
-           s->method == DLS_NLGS ? " with anderson" : "", s->iterations, iteration_word(s->method));
+           s->method == DLS_NLGS ? " with anderson" : "", s->iterations,
+           iteration_word(s->method, s->iterations));
     if (s->factorisations != s->iterations && s->factorisations)
-      printf(", %d factorisations", s->factorisations);
+      printf(", %d factorisation%s", s->factorisations, s->factorisations == 1 ? "" : "s");
     printf(", residual %.2e\n", s->residual);
   }
 }

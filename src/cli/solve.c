@@ -112,13 +112,15 @@ static void print_states(const dls_contact *contact, const double *r, const doub
   free(state);
 }
 
+enum { hint_rows = 300 }; /* of a problem that is looked at in full for a hint */
+
 static void print_outcome(const char *path, const problem *p, const outcome *o, const double *r,
                           const double *u) {
   const dls_certificate *c = &o->info.certificate;
   problem_print(path, p);
   printf("  %s: %s, %d %s, residual %.2e, %.3g s of CPU\n", dls_method_name(o->info.method),
-         dls_status_text(o->info.status), o->info.iterations, iteration_word(o->info.method),
-         c->residual, o->solve_cpu_seconds);
+         dls_status_text(o->info.status), o->info.iterations,
+         iteration_word(o->info.method, o->info.iterations), c->residual, o->solve_cpu_seconds);
   print_residuals("  ", c);
   print_others("  ", &o->info);
   print_stages(&o->info);
@@ -127,6 +129,11 @@ static void print_outcome(const char *path, const problem *p, const outcome *o, 
          c->penetration, c->adhesion, c->cone_violation, c->slip_direction, c->complementarity);
   print_states(&p->contact, r, u);
   verdict_print(&o->verdict, o->proof);
+  dls_diagnosis facts;
+  const int m = p->contact.d * p->contact.nc, limit = o->info.status ? hint_rows : 0;
+  if ((o->info.status || r[0] == 0) && m > 0 &&
+      !dls_contact_diagnose(&p->contact, m <= limit ? limit : 0, &facts, NULL))
+    print_hints("  ", facts.hints);
 }
 
 /* Solves the problem in a file or, where options name matrices, of these. */

@@ -264,6 +264,7 @@ static dls_status write_local(contents *c, const dls_contact *problem, dls_error
   static const matrix_names *const name = &names_W;
   if (!c->path) return dlsi_is_null(error, "path");
   dls_status status = dlsi_check_contact(problem, error);
+  if (!status) status = dlsi_check_vector("mu", problem->mu, (size_t)problem->nc, error);
   if (status) return status;
   c->d = problem->d, c->nc = problem->nc, c->q = problem->q, c->mu = problem->mu;
   const int m = c->d * c->nc;
@@ -308,6 +309,7 @@ static dls_status check_global(const contents *c, dls_error *error) {
   const size_t n = (size_t)c->n, nc = (size_t)c->nc, m = (size_t)c->d * nc;
   dls_status status = dlsi_check_vector("f", c->f, n, error);
   if (!status) status = dlsi_check_vector("g", c->q, m, error);
+  if (!status) status = dlsi_check_vector("mu", c->mu, nc, error);
   if (!status) status = dlsi_check_friction(c->mu, nc, error);
   if (!status && c->x) status = dlsi_check_vector("x", c->x, n, error);
   return status ? status : check_solution(c->r, c->u, m, error);

@@ -285,6 +285,7 @@ START_TEST(bad_matrices_are_2) {
       {"--stiffness @/K.txt --nodes @/far.txt --mu 0.1", "no node 2"},
       {"--stiffness @/K.txt --nodes @/flat.txt --mu 0.1", "has no normal"},
       {"--stiffness @/K.txt --nodes @/f.txt --mu 0.1", "2 columns"},
+      {"--stiffness @/lower.txt --HN @/N.txt", "is a lower triangle"},
       {"--W @/K.txt --mu 0.1", "--W: needs --q"},
       {"--W @/K.txt --q @/f.txt --mu 0.1 --f @/f.txt", "--W: goes with"},
       {"--W @/K.txt --q @/three.txt --mu 0.1 --dim 2", "must hold 2"},
@@ -293,6 +294,7 @@ START_TEST(bad_matrices_are_2) {
       {"--stiffness @/K.txt --HN @/N.txt --json --print", "--print"},
   };
   put("K.txt", "3 1\n1 2\n");
+  put("lower.txt", "3 0\n1 2\n");
   put("N.txt", "0\n1\n");
   put("f.txt", "5 -10\n");
   put("three.txt", "1\n2\n3\n");
