@@ -1,6 +1,6 @@
 # delassus: one GNU Makefile. `make help` lists the targets.
 #
-# Variables: CC, CFLAGS, BUILD (build), PREFIX (/usr/local), DESTDIR, HDF5=0 to leave FCLIB files out,
+# Variables: CC, CFLAGS, BUILD (build), PREFIX (/usr/local), LIBDIR (PREFIX/lib), DESTDIR, HDF5=0 to leave FCLIB files out,
 # MUMPS=0 to leave sparse LU out,
 # BLAS_LIBS to link another BLAS and LAPACK.
 
@@ -19,6 +19,7 @@ PYTHON ?= $(shell for p in python3 /usr/bin/python3; do $$p -c 'import numpy, sc
 AR ?= ar
 BUILD ?= build
 PREFIX ?= /usr/local
+LIBDIR ?= $(PREFIX)/lib
 DESTDIR ?=
 HDF5 ?= 1
 MUMPS ?= 1
@@ -98,8 +99,11 @@ help:
 	@echo 'make tables      both forming scenes of Chabrand (1998) by every method, beside the paper'
 	@echo 'make charts      every picture of docs/choosing.md, from scratch, in minutes'
 	@echo 'make check       build and run all tests'
-	@echo 'make install     PREFIX=/usr/local DESTDIR='
 	@echo 'make install-python   the package delassus for PYTHON=python3'
+	@echo 'make install     PREFIX=/usr/local LIBDIR=PREFIX/lib DESTDIR='
+	@echo 'make uninstall   removes what install wrote; make dist: the source as build/delassus-VERSION.tar.gz'
+	@echo 'make check-install   examples built and run from an installed tree alone'
+	@echo 'make check-hosts     GetFEM, CalculiX and PETSc hand their matrices over; installs them'
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
 	@echo 'make check-properties   420 of them'
 	@echo 'make asan        tests under the address and undefined sanitizers'
@@ -207,7 +211,7 @@ $(BUILD)/obj/tests/files/test_files.o: CPPFLAGS += $(HDF5_CFLAGS)
 
 .PHONY: check
 check: deps
-	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build check-properties
+	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build check-properties check-install
 
 .PHONY: check-build
 check-build: all $(TESTS) $(LANGUAGES)
@@ -364,19 +368,55 @@ charts: $(PROGRAM) $(BUILD)/bench/problems
 deps:
 	@.ci/deps
 
+INCLUDEDIR = $(PREFIX)/include
+DATADIR = $(PREFIX)/share
+DOCDIR = $(DATADIR)/doc/delassus
+FILL = sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@SOVERSION@|$(SOVERSION)|' -e 's|@LIBS@|$(LIBS)|'
+
 .PHONY: install
 install: $(A) $(SO) $(FE) $(PROGRAM) $(F90)
-	install -d $(DESTDIR)$(PREFIX)/include/delassus $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/bin
-	install -m 644 include/delassus.h $(DESTDIR)$(PREFIX)/include/
-	install -m 644 include/delassus/*.h $(DESTDIR)$(PREFIX)/include/delassus/
-	install -m 644 include/delassus.hpp $(F90) $(DESTDIR)$(PREFIX)/include/
-	install -m 644 $(A) $(FE) $(DESTDIR)$(PREFIX)/lib/
-	install -m 755 $(SO).$(VERSION) $(DESTDIR)$(PREFIX)/lib/
-	ln -sf libdelassus.so.$(VERSION) $(DESTDIR)$(PREFIX)/lib/libdelassus.so.$(SOVERSION)
-	ln -sf libdelassus.so.$(VERSION) $(DESTDIR)$(PREFIX)/lib/libdelassus.so
+	install -d $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus $(LIBDIR)/pkgconfig $(LIBDIR)/cmake/delassus $(PREFIX)/bin \
+	  $(DATADIR)/man/man1 $(DATADIR)/man/man3 $(DATADIR)/bash-completion/completions $(DOCDIR)/examples)
+	install -m 644 include/delassus.h $(DESTDIR)$(INCLUDEDIR)/
+	install -m 644 include/delassus/*.h $(DESTDIR)$(INCLUDEDIR)/delassus/
+	install -m 644 include/delassus.hpp $(F90) $(DESTDIR)$(INCLUDEDIR)/
+	install -m 644 $(A) $(FE) $(DESTDIR)$(LIBDIR)/
+	install -m 755 $(SO).$(VERSION) $(DESTDIR)$(LIBDIR)/
+	ln -sf libdelassus.so.$(VERSION) $(DESTDIR)$(LIBDIR)/libdelassus.so.$(SOVERSION)
+	ln -sf libdelassus.so.$(VERSION) $(DESTDIR)$(LIBDIR)/libdelassus.so
 	install -m 755 $(PROGRAM) $(DESTDIR)$(PREFIX)/bin/
-	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@LIBS@|$(LIBS)|' \
-	  src/delassus.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/delassus.pc
+	$(FILL) src/delassus.pc.in > $(DESTDIR)$(LIBDIR)/pkgconfig/delassus.pc
+	$(FILL) src/delassus-config.cmake.in > $(DESTDIR)$(LIBDIR)/cmake/delassus/delassus-config.cmake
+	$(FILL) src/delassus-config-version.cmake.in > $(DESTDIR)$(LIBDIR)/cmake/delassus/delassus-config-version.cmake
+	docs/man.sh 1 $(PROGRAM) > $(DESTDIR)$(DATADIR)/man/man1/delassus.1
+	docs/man.sh 3 $(PROGRAM) > $(DESTDIR)$(DATADIR)/man/man3/delassus.3
+	install -m 644 src/cli/completion.bash $(DESTDIR)$(DATADIR)/bash-completion/completions/delassus
+	install -m 644 README.md CHANGELOG.md LICENSE docs/*.md docs/*.png $(DESTDIR)$(DOCDIR)/
+	install -m 644 examples/*.c $(DESTDIR)$(DOCDIR)/examples/
+
+# what install has written, of this version
+.PHONY: uninstall
+uninstall:
+	rm -f $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus.h $(addprefix $(LIBDIR)/,libdelassus.a libdelassus-fe.a \
+	  libdelassus.so libdelassus.so.$(SOVERSION) libdelassus.so.$(VERSION) pkgconfig/delassus.pc) $(PREFIX)/bin/delassus \
+	  $(DATADIR)/man/man1/delassus.1 $(DATADIR)/man/man3/delassus.3 $(DATADIR)/bash-completion/completions/delassus)
+	rm -rf $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus $(LIBDIR)/cmake/delassus $(DOCDIR))
+
+# installs into a directory, builds and runs examples from there alone, uninstalls
+.PHONY: check-install
+check-install: $(A) $(SO) $(FE) $(PROGRAM)
+	@MAKE='$(MAKE)' CC='$(CC)' tests/install.sh $(BUILD)
+
+.PHONY: check-hosts
+check-hosts:
+	@.ci/deps hosts
+	@$(MAKE) --no-print-directory $(A) $(SO) $(PROGRAM)
+	@CC='$(CC)' CXX='$(CXX)' examples/hosts/run.sh $(BUILD)
+
+.PHONY: dist
+dist:
+	git archive --prefix=delassus-$(VERSION)/ -o $(BUILD)/delassus-$(VERSION).tar.gz HEAD
+	@echo $(BUILD)/delassus-$(VERSION).tar.gz
 
 # the Python package beside an installed library; without make install, pip install src/python does
 PYTHONDIR ?= $(PREFIX)/lib/$(shell $(PYTHON) -c 'import sys, sysconfig as s; print("python%d.%d/" % sys.version_info[:2] + s.get_path("purelib").split("/")[-1])')

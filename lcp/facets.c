@@ -42,7 +42,8 @@ int dls_contact_facets_size(const dls_contact *problem, int facets) {
 /* Checks the problem and fills the form; the second half of the e_k is the first turned round. */
 static dls_status facets_form(const dls_contact *problem, int facets, dlsi_form *form,
                               dls_error *error) {
-  const dls_status status = dlsi_check_contact(problem, error);
+  dls_status status = dlsi_check_contact(problem, error);
+  if (!status) status = dlsi_refuse_bonded(problem, error);
   if (status) return status;
   if (!facets_allowed(problem->d, facets))
     return dlsi_fail(error, DLS_E_ARGUMENT, "facets", -1, facets, "is %d, must be %s", facets,

@@ -168,7 +168,8 @@ int dls_contact_lcp_size(const dls_contact *problem) {
 }
 
 static dls_status friction_check(const dls_contact *problem, dls_error *error) {
-  const dls_status status = dlsi_check_contact(problem, error);
+  dls_status status = dlsi_check_contact(problem, error);
+  if (!status) status = dlsi_refuse_bonded(problem, error);
   if (status || problem->d <= 2) return status;
   return dlsi_fail(error, DLS_E_UNSUPPORTED, "d", -1, problem->d,
                    "is %d; only d = 1 and 2 have this form", problem->d);

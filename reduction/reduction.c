@@ -173,11 +173,12 @@ static dls_status reduction_report_modes(const dls_model *model, const dlsi_mode
     if (wrote < 0 || (size_t)wrote >= sizeof list - end) break;
     end += (size_t)wrote;
   }
-  return dlsi_fail(error, DLS_E_SINGULAR, model->operator_kind == DLS_STIFFNESS_DENSE ? "K" : "Ks",
-                   modes->unknown[0], modes->count,
-                   "singular: %d%s rigid-body mode%s, of unknowns %s%s", modes->count,
-                   modes->count == dlsi_most_modes ? " or more" : "", modes->count > 1 ? "s" : "",
-                   list, modes->count > 6 ? ", .." : "");
+  return dlsi_fail(
+      error, DLS_E_SINGULAR, model->operator_kind == DLS_STIFFNESS_DENSE ? "K" : "Ks",
+      modes->unknown[0], modes->count,
+      "singular: %d%s rigid-body mode%s, of unknowns %s%s; settings.stabilize holds %s",
+      modes->count, modes->count == dlsi_most_modes ? " or more" : "", modes->count > 1 ? "s" : "",
+      list, modes->count > 6 ? ", .." : "", modes->count > 1 ? "them" : "it");
 }
 
 /* Attempts, and where K asks for it looks for modes and for another factorisation. */
@@ -505,10 +506,9 @@ static dls_status reduction_contact(const dls_reduction *work, const double *mu,
     return dlsi_fail(error, DLS_E_UNSUPPORTED, "reduction", -1, 0,
                      "was made without W (settings.form_W)");
   if (!mu) mu = work->mu;
-  status = dlsi_check_vector("mu", mu, (size_t)work->H.candidates, error);
+  status = dlsi_check_friction(mu, (size_t)work->H.candidates, error);
   if (status) return status;
   for (int c = 0; c < work->H.candidates; c++) {
-    if (mu[c] < 0) return dlsi_fail(error, DLS_E_ARGUMENT, "mu", c, mu[c], "is negative");
     if (mu[c] > 0 && !dlsi_has_tangents(&work->H, c))
       return dlsi_fail(error, DLS_E_ARGUMENT, "mu", c, mu[c],
                        "is %g, but model.mu was 0 there: the tangents were left out", mu[c]);

@@ -234,7 +234,8 @@ static void admm_resolvent(const dls_contact *problem, const double *v, double *
     const double *vc = v + d * (size_t)c;
     double *zc = z + d * (size_t)c;
     zc[0] = vc[0] > 0 ? vc[0] : 0;
-    const double R = problem->mu[c] * zc[0], size = dlsi_tangent_norm(problem->d, vc);
+    const double R = dlsi_friction_bound(problem->mu[c], zc[0]);
+    const double size = dlsi_tangent_norm(problem->d, vc);
     for (size_t i = 1; i < d; i++)
       zc[i] = size > R ? R * (vc[i] / size) : vc[i];
   }
@@ -428,7 +429,7 @@ static dls_status admm_solve(void *workspace, const dls_contact *problem, double
 
 dls_status dls_admm_solve(dls_admm *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
-  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
+  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, u, error);
   if (status) return dlsi_at(__func__, status, error);
   if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_ADMM, "admm", info)) return DLS_OK;
   status = admm_solve(workspace, problem, r, u, info, error);

@@ -392,6 +392,7 @@ dls_local_state dlsi_local_3d(const dlsi_block_3d *b, const double *q, double gu
   if (!(b->W[0] > 0)) return least_bad(3, b->W, q, b->mu, &apart, 1, r);
   const schur s = local_schur(b, q);
   if (stick_3d(&s, r)) return DLS_LOCAL_STICK;
+  if (dlsi_is_bonded(b->mu)) return least_bad(3, b->W, q, b->mu, &apart, 1, r);
   const dls_local_state state = slip_3d(&s, guess, r);
   if (state != DLS_LOCAL_NONE) return state;
   point points[6] = {apart, {.state = DLS_LOCAL_STICK}};
@@ -406,6 +407,7 @@ static int count_3d(const dlsi_block_3d *b, const double *q) {
   const double *W = b->W, mu = b->mu;
   int n = q[0] >= 0;
   if (!(W[0] > 0)) return n;
+  if (dlsi_is_bonded(mu)) return 1;
   if (n && !(mu * hypot(W[3], W[6]) > W[0])) return n;
   if (mu == 0) return n + (q[0] < 0);
   const schur s = local_schur(b, q);

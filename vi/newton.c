@@ -552,7 +552,7 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
 
 dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, double *r, double *u,
                             dls_info *info, dls_error *error) {
-  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
+  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, u, error);
   if (status) return dlsi_at(__func__, status, error);
   if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_NEWTON, "newton", info))
     return DLS_OK;

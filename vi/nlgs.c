@@ -327,12 +327,13 @@ DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_
     const int count = problem->nc - first < lanes ? problem->nc - first : lanes;
     double v[3][lanes] = {{0}}, u[3][lanes] = {{0}}, mu[lanes] = {0}, soft[lanes] = {0};
     double F2[lanes], r2[lanes];
-    int moves = 0;
+    int moves = 0, bonded = 0;
     for (int k = 0; k < count; k++) {
       const int c = first + k;
       const double *rc = r + 3 * (size_t)c, *uc = work->it.u + 3 * (size_t)c;
       moves |= !(rc[0] == 0 && uc[0] >= 0);
       mu[k] = problem->mu[c];
+      bonded |= dlsi_is_bonded(mu[k]);
       soft[k] = w[0] / w[c];
       for (int i = 0; i < 3; i++) {
         u[i][k] = scale * uc[i];
@@ -352,6 +353,13 @@ DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_
       const double F[3] = {v[0][k] - p, v[1][k] - f * x, v[2][k] - f * y};
       F2[k] = F[0] * F[0] + F[1] * F[1] + F[2] * F[2];
       r2[k] = v[0][k] * v[0][k] + v[1][k] * v[1][k] + v[2][k] * v[2][k];
+    }
+    for (int k = 0; k < count && bonded; k++) { /* infinite friction has no part in the above */
+      const double vk[3] = {v[0][k], v[1][k], v[2][k]}, uk[3] = {u[0][k], u[1][k], u[2][k]};
+      double F[3];
+      (void)dlsi_contact_residual(3, mu[k], 1, vk, uk, F);
+      F2[k] = F[0] * F[0] + F[1] * F[1] + F[2] * F[2];
+      r2[k] = vk[0] * vk[0] + vk[1] * vk[1] + vk[2] * vk[2];
     }
     for (int k = 0; k < count; k++) {
       sum.F += F2[k];
@@ -736,7 +744,7 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
 
 dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
-  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, error);
+  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, u, error);
   if (status) return dlsi_at(__func__, status, error);
   if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_NLGS, "nlgs", info)) return DLS_OK;
   status = nlgs_solve(workspace, problem, r, u, info, error);

@@ -171,9 +171,9 @@ void dlsi_iterate_carve(dlsi_iterate *it, dlsi_arena *arena, int d, int nc,
 /* Checks the arguments of a solve in the workspace that `it` belongs to; NULL: there is no
  * workspace. Inline, so that every reader (and analyser) sees that there is one after DLS_OK. */
 static inline dls_status dlsi_iterate_check(const dlsi_iterate *it, const dls_contact *problem,
-                                            const double *r, dls_error *error) {
+                                            const double *r, const double *u, dls_error *error) {
   if (!it) return dlsi_is_null(error, "workspace");
-  return dlsi_check_solve(it->d, it->nc, problem, r, it->limits->warm_start, error);
+  return dlsi_check_solve(it->d, it->nc, problem, r, u, it->limits->warm_start, error);
 }
 
 /* Prepares a solve: weights, no best r yet, and r := start if warm is 1, else 0; also 0 where q =

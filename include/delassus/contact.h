@@ -15,6 +15,10 @@
  *   W  Delassus (influence) matrix, m x m      length / force; need not be symmetric
  *   q  local positions at r = 0                length (velocity)
  *   mu friction coefficients >= 0, nc          none
+ *      INFINITY: bonded in the tangents, u_t = 0 while r_n > 0, and r = 0 else. nlgs, newton, admm,
+ *      augmented-lagrangian, penalty and auto take it; an LCP, the homotopy and FCLIB files do not
+ *      (DLS_E_UNSUPPORTED, in files DLS_E_NOT_FINITE). There may be no solution where a bonded
+ *      candidate would have to pull.
  */
 #ifndef DELASSUS_CONTACT_H
 #define DELASSUS_CONTACT_H

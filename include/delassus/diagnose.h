@@ -20,6 +20,14 @@ typedef struct dls_flaw {
   int count, first;
 } dls_flaw;
 
+/* Mistakes that a problem looks like it has; a sound one may look so, too. */
+enum {
+  DLS_HINT_OUTWARD = 1,   /* every q_n > 0, so that nothing presses: where bodies were meant to be
+                             pressed together, normals point out of them (H_N has the wrong sign) */
+  DLS_HINT_TRANSPOSED = 2 /* W is unsymmetric, and sweeps solve the problem with its transpose but
+                             not as it is: rows may have been given as columns */
+};
+
 typedef struct dls_diagnosis {
   /* Scales, in the user's units: w_c = trace(W_cc) / d where positive (0 if nowhere), |q|, mu_c. */
   double weight_min, weight_max; /* length (velocity) / force */
@@ -64,6 +72,8 @@ typedef struct dls_diagnosis {
   int critical;
   dls_flaw wedged;
   double friction_unique;
+
+  int hints; /* sum of DLS_HINT_OUTWARD, DLS_HINT_TRANSPOSED (m <= limit) */
 } dls_diagnosis;
 
 /* *diagnosis := the facts. The eigenvalues and friction_unique are computed up to m = limit >= 0,

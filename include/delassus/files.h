@@ -1,6 +1,7 @@
 /*
  * delassus/files.h: reads and writes contact problems as FCLIB files (HDF5; Acary et al., INRIA
- * RT-0444) and dense matrices as Matrix Market files; reads small problems from text. A library
+ * RT-0444) and dense matrices as Matrix Market files; reads sparse matrices from Matrix Market and
+ * CalculiX files and small problems from text. docs/files.md says what each file holds. A library
  * built without HDF5 answers DLS_E_UNSUPPORTED to the dls_fclib_ functions.
  *
  *   fclib_local   W, vectors/q, vectors/mu, spacedim            u = W r + q
@@ -80,6 +81,22 @@ DLS_API DLS_MUST_USE dls_status dls_fclib_write_global(const char *path, const d
 DLS_API DLS_MUST_USE dls_status dls_mtx_read(const char *path, int *rows, int *cols, double **a,
                                              dls_error *error);
 DLS_API void dls_mtx_free(double *a);
+
+/* Reads a Matrix Market file of the same kinds as compressed columns: a symmetric matrix with both
+ * triangles, an array without its zeros. The three arrays of *A are new and go back by
+ * dls_mtx_free_sparse; *A is untouched on error. *symmetric (or NULL) := 1 if the banner says
+ * so. Errors of dls_mtx_read. */
+DLS_API DLS_MUST_USE dls_status dls_mtx_read_sparse(const char *path, dls_sparse *A, int *symmetric,
+                                                    dls_error *error);
+
+/* Reads a matrix that CalculiX has written (*FREQUENCY, SOLVER=MATRIXSTORAGE: job.sti is the
+ * stiffness, job.mas the mass): lines "row column value" of the upper triangle, 1-based; *A has
+ * both triangles. The rest as dls_mtx_read_sparse. */
+DLS_API DLS_MUST_USE dls_status dls_calculix_read(const char *path, dls_sparse *A,
+                                                  dls_error *error);
+
+/* Frees the arrays of a matrix that was read and sets it to zero; NULL is fine. */
+DLS_API void dls_mtx_free_sparse(dls_sparse *A);
 
 /* Writes a dense matrix (array, general, 17 digits, which read back to the same bits). A failed
  * write leaves no file behind. */

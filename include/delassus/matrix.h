@@ -12,7 +12,8 @@
 extern "C" {
 #endif
 
-/* Dense, column-major: A(i,j) = a[i + j*ld], ld >= max(1, rows). */
+/* Dense, column-major: A(i,j) = a[i + j*ld], ld >= max(1, rows). No call can see an ld beyond the
+ * array, nor rows given in the place of columns: a row-major matrix is read as its transpose. */
 typedef struct dls_dense {
   int rows, cols, ld;
   const double *a; /* ld * cols */

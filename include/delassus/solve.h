@@ -86,6 +86,7 @@ DLS_API DLS_MUST_USE dls_status dls_solver_set_limits(dls_solver *solver, const 
                                                       dls_error *error);
 
 /* r (m): in, the start if warm_start; out, the reactions. u (m) or NULL: W r + q. info or NULL.
+ * r and u overlap neither each other nor W, q, mu (DLS_E_ARGUMENT).
  * Allocates nothing for a W of the storage that `blocks` announced, MUMPS apart (newton.h).
  *
  * Statuses of the methods. DLS_NO_SOLUTION of lemke and auto: proved, exactly for the numbers of

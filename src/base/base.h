@@ -5,6 +5,7 @@
 #ifndef DLSI_BASE_H
 #define DLSI_BASE_H
 
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
 
@@ -75,8 +76,24 @@ dls_status dlsi_check_blocks(const dls_blocks *B, dls_error *error);
 dls_status dlsi_check_contact(const dls_contact *problem, dls_error *error);
 dls_status dlsi_check_model(const dls_model *model, dls_error *error);
 
-/* Checks that the n friction coefficients "mu" are finite and >= 0. */
+/* Checks that the n friction coefficients "mu" are >= 0; INFINITY is one. */
 dls_status dlsi_check_friction(const double *mu, size_t n, dls_error *error);
+
+/* Returns 1 for an infinite friction, which bonds the tangents of a candidate that is pressed. */
+static inline int dlsi_is_bonded(double mu) {
+  return mu > DBL_MAX;
+}
+
+/* Returns the first candidate with infinite friction, -1 if there is none. */
+int dlsi_first_bonded(const dls_contact *problem);
+
+/* Answers DLS_E_UNSUPPORTED if there is one, for methods whose form of the law needs mu itself. */
+dls_status dlsi_refuse_bonded(const dls_contact *problem, dls_error *error);
+
+/* Returns the bound mu r_n of |r_t| for r_n >= 0: 0 for r_n = 0, whatever the friction. */
+static inline double dlsi_friction_bound(double mu, double rn) {
+  return rn > 0 ? mu * rn : 0;
+}
 
 /* Checks that d is 1, 2 or 3. */
 dls_status dlsi_check_dimension(const char *argument, int d, dls_error *error);
@@ -131,13 +148,17 @@ dls_status dlsi_check_settings(const dls_limits *limits, size_t size, size_t wan
                                const dlsi_setting *own, dls_error *error);
 
 /* Checks that r is there and, for a warm start, finite. */
-dls_status dlsi_check_start(const dls_contact *problem, const double *r, int warm_start,
+dls_status dlsi_check_start(const dls_contact *problem, const double *r, const double *u,
+                            int warm_start, dls_error *error);
+
+/* Checks that r and u (or NULL), which a solve writes, overlap neither each other nor W, q, mu. */
+dls_status dlsi_check_apart(const dls_contact *problem, const double *r, const double *u,
                             dls_error *error);
 
 /* Checks the arguments of a solve: a sound problem of the workspace's dimension d with at most its
  * nc candidates, and the start r. */
 dls_status dlsi_check_solve(int d, int nc, const dls_contact *problem, const double *r,
-                            int warm_start, dls_error *error);
+                            const double *u, int warm_start, dls_error *error);
 
 /* The largest number of rigid-body modes that a model may have. */
 enum { dlsi_most_modes = 24 };
@@ -283,6 +304,11 @@ static inline double dlsi_tangent_norm(int d, const double *v) {
 
 /* Projects v (d) on C_mu = { |r_t| <= mu r_n }: p := P(v); returns the branch taken. */
 static inline dls_contact_state dlsi_project_cone(int d, double mu, const double *v, double *p) {
+  if (dlsi_is_bonded(mu)) { /* C_mu = { r_n > 0 or r = 0 } */
+    for (int i = 0; i < d; i++)
+      p[i] = v[0] > 0 ? v[i] : 0;
+    return v[0] > 0 ? DLS_STICK : DLS_FREE;
+  }
   const double t = dlsi_tangent_norm(d, v);
   if (t <= mu * v[0] && v[0] >= 0) { /* inside; mu = 0 has t = mu v_n for any sign of v_n */
     for (int i = 0; i < d; i++)
@@ -305,10 +331,17 @@ static inline dls_contact_state dlsi_project_cone(int d, double mu, const double
   return DLS_SLIP;
 }
 
-/* Computes F_c of the certificate for one candidate; returns the branch of the projection. */
+/* Computes F_c of the certificate for one candidate; returns the branch of the projection. With an
+ * infinite friction F_c = u_c where w r_n > u_n, else w r_c. */
 static inline dls_contact_state dlsi_contact_residual(int d, double mu, double w, const double *r,
                                                       const double *u, double *F) {
   double v[3] = {0}, p[3] = {0};
+  if (dlsi_is_bonded(mu)) {
+    const int pressed = w * r[0] > u[0];
+    for (int i = 0; i < d; i++)
+      F[i] = pressed ? u[i] : w * r[i];
+    return pressed ? DLS_STICK : DLS_FREE;
+  }
   for (int i = 0; i < d; i++)
     v[i] = w * r[i] - u[i];
   v[0] -= mu * dlsi_tangent_norm(d, u);

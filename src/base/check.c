@@ -32,11 +32,27 @@ dls_status dlsi_check_vector(const char *argument, const double *x, size_t n, dl
 }
 
 dls_status dlsi_check_friction(const double *mu, size_t n, dls_error *error) {
-  const dls_status status = dlsi_check_vector("mu", mu, n, error);
-  for (size_t c = 0; !status && c < n; c++)
+  if (!mu && n > 0) return dlsi_is_null(error, "mu");
+  for (size_t c = 0; c < n; c++) {
+    if (mu[c] != mu[c] || mu[c] < -DBL_MAX)
+      return dlsi_fail(error, DLS_E_NOT_FINITE, "mu", (long long)c, mu[c], "is not finite");
     if (mu[c] < 0)
       return dlsi_fail(error, DLS_E_ARGUMENT, "mu", (long long)c, mu[c], "is negative");
-  return status;
+  }
+  return DLS_OK;
+}
+
+int dlsi_first_bonded(const dls_contact *problem) {
+  for (int c = 0; c < problem->nc; c++)
+    if (dlsi_is_bonded(problem->mu[c])) return c;
+  return -1;
+}
+
+dls_status dlsi_refuse_bonded(const dls_contact *problem, dls_error *error) {
+  const int c = dlsi_first_bonded(problem);
+  if (c < 0) return DLS_OK;
+  return dlsi_fail(error, DLS_E_UNSUPPORTED, "mu", c, problem->mu[c],
+                   "is infinite, which nlgs, newton, admm and augmented-lagrangian take");
 }
 
 /* ---- matrices -------------------------------------------------------------------------------- */
@@ -131,15 +147,45 @@ dls_status dlsi_check_contact(const dls_contact *problem, dls_error *error) {
   return status;
 }
 
-dls_status dlsi_check_start(const dls_contact *problem, const double *r, int warm_start,
+/* A named array. */
+typedef struct span {
+  const char *name;
+  const void *start;
+  size_t bytes;
+} span;
+
+static int spans_overlap(const span *a, const span *b) {
+  const uintptr_t p = (uintptr_t)a->start, q = (uintptr_t)b->start;
+  return a->start && b->start && p < q + b->bytes && q < p + a->bytes;
+}
+
+dls_status dlsi_check_apart(const dls_contact *problem, const double *r, const double *u,
                             dls_error *error) {
+  const size_t d = (size_t)problem->d, nc = (size_t)problem->nc, m = d * nc, D = sizeof(double);
+  if (m == 0) return DLS_OK;
+  const dls_blocks *B = &problem->Wb;
+  const span W = B->x ? (span){"Wb.x", B->x, d * d * (size_t)B->p[nc] * D}
+                      : (span){"W", problem->W.a, ((size_t)problem->W.ld * (m - 1) + m) * D};
+  const span other[] = {W, {"q", problem->q, m * D}, {"mu", problem->mu, nc * D}, {"u", u, m * D}};
+  const span own[] = {{"r", r, m * D}, {"u", u, m * D}};
+  for (size_t k = 0; k < 2; k++)
+    for (size_t j = 0; j < 4 - k; j++)
+      if (spans_overlap(&own[k], &other[j]))
+        return dlsi_fail(error, DLS_E_ARGUMENT, own[k].name, -1, 0, "overlaps %s", other[j].name);
+  return DLS_OK;
+}
+
+dls_status dlsi_check_start(const dls_contact *problem, const double *r, const double *u,
+                            int warm_start, dls_error *error) {
   if (!r && problem->nc > 0) return dlsi_is_null(error, "r");
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const dls_status status = dlsi_check_apart(problem, r, u, error);
+  if (status) return status;
   return warm_start ? dlsi_check_vector("r", r, m, error) : DLS_OK;
 }
 
 dls_status dlsi_check_solve(int d, int nc, const dls_contact *problem, const double *r,
-                            int warm_start, dls_error *error) {
+                            const double *u, int warm_start, dls_error *error) {
   const dls_status status = dlsi_check_contact(problem, error);
   if (status) return status;
   if (problem->d != d)
@@ -148,7 +194,7 @@ dls_status dlsi_check_solve(int d, int nc, const dls_contact *problem, const dou
   if (problem->nc > nc)
     return dlsi_fail(error, DLS_E_SIZE, "problem", -1, problem->nc,
                      "has %d candidates, the workspace is for %d", problem->nc, nc);
-  return dlsi_check_start(problem, r, warm_start, error);
+  return dlsi_check_start(problem, r, u, warm_start, error);
 }
 
 dls_status dls_contact_check(const dls_contact *problem, dls_error *error) {

@@ -301,7 +301,7 @@ static inline void measure_laws(int d, const measured *of, int k, double largest
   raise_to(&c->penetration, -u[0]);
   raise_to(&c->adhesion, -r[0]);
   if (w * fabs(r[0]) + w * rt <= 4 * DBL_EPSILON * largest) return;
-  raise_to(&c->cone_violation, rt - mu * (r[0] > 0 ? r[0] : 0));
+  raise_to(&c->cone_violation, rt - dlsi_friction_bound(mu, r[0]));
   raise_to(&c->complementarity, fabs(u[0] * r[0]));
   if (w * r[0] <= u[0]) return;
   if (rt > 0) {
@@ -387,6 +387,7 @@ dls_status dls_contact_certify(const dls_contact *problem, const double *r, doub
   const size_t m = status ? 0 : (size_t)problem->d * (size_t)problem->nc;
   if (!status) status = dlsi_check_vector("r", r, m, error);
   if (!status && !certificate) status = dlsi_is_null(error, "certificate");
+  if (!status) status = dlsi_check_apart(problem, r, u, error);
   double *work = status ? NULL : dlsi_alloc(4 * m, sizeof *work);
   if (!status && !work) status = dlsi_no_memory(error);
   if (status) return dlsi_at(__func__, status, error);

@@ -36,6 +36,34 @@ static dls_status model_check_triangle(const dls_sparse *Ks, dls_error *error) {
                    "is an upper triangle; the lower one or both are wanted");
 }
 
+/* Refuses a lower triangle under DLS_LU, which takes K as it stands: half of a symmetric matrix, as
+ * files hold it. below, above: an entry other than 0, or -1. */
+static dls_status model_check_whole(const char *argument, long long below, long long above,
+                                    dls_error *error) {
+  if (below < 0 || above >= 0) return DLS_OK;
+  return dlsi_fail(error, DLS_E_ARGUMENT, argument, below, 0,
+                   "is a lower triangle; DLS_LU wants all entries");
+}
+
+static dls_status model_check_whole_dense(const dls_dense *K, dls_error *error) {
+  long long below = -1, above = -1;
+  for (int j = 0; j < K->cols && (below < 0 || above < 0); j++)
+    for (int i = 0; i < K->rows; i++) {
+      const size_t k = (size_t)i + (size_t)j * (size_t)K->ld;
+      if (K->a[k] == 0 || i == j) continue;
+      *(i > j ? &below : &above) = (long long)k;
+    }
+  return model_check_whole("K", below, above, error);
+}
+
+static dls_status model_check_whole_sparse(const dls_sparse *Ks, dls_error *error) {
+  long long below = -1, above = -1;
+  for (int j = 0; j < Ks->cols && (below < 0 || above < 0); j++)
+    for (int k = Ks->p[j]; k < Ks->p[j + 1]; k++)
+      if (Ks->x[k] != 0 && Ks->i[k] != j) *(Ks->i[k] > j ? &below : &above) = k;
+  return model_check_whole("Ks", below, above, error);
+}
+
 static dls_status model_check_operator(const dls_model *model, dls_error *error) {
   const int n = model->n;
   const int stiffness =
@@ -47,10 +75,15 @@ static dls_status model_check_operator(const dls_model *model, dls_error *error)
   switch (model->operator_kind) {
   case DLS_STIFFNESS_DENSE:
     if (symmetric) return model_check_lower(&model->K, n, error);
-    return dlsi_check_dense("K", &model->K, n, n, error);
+    {
+      const dls_status status = dlsi_check_dense("K", &model->K, n, n, error);
+      return status ? status : model_check_whole_dense(&model->K, error);
+    }
   case DLS_STIFFNESS_SPARSE: {
     const dls_status status = dlsi_check_sparse("Ks", &model->Ks, n, n, error);
-    return status || !symmetric ? status : model_check_triangle(&model->Ks, error);
+    if (status) return status;
+    return symmetric ? model_check_triangle(&model->Ks, error)
+                     : model_check_whole_sparse(&model->Ks, error);
   }
   case DLS_FLEXIBILITY:
     return dlsi_check_dense("K", &model->K, n, n, error);
@@ -86,11 +119,8 @@ static dls_status model_check_weighting(const dls_model *model, dls_error *error
 static dls_status model_check_rest(const dls_model *model, dls_error *error) {
   const int candidates = dlsi_model_candidates(model);
   if (model->mu) {
-    const dls_status status = dlsi_check_vector("mu", model->mu, (size_t)candidates, error);
+    const dls_status status = dlsi_check_friction(model->mu, (size_t)candidates, error);
     if (status) return status;
-    for (int c = 0; c < candidates; c++)
-      if (model->mu[c] < 0)
-        return dlsi_fail(error, DLS_E_ARGUMENT, "mu", c, model->mu[c], "is negative");
   }
   if (!model->modes.a) return DLS_OK;
   if (model->operator_kind != DLS_STIFFNESS_DENSE && model->operator_kind != DLS_STIFFNESS_SPARSE)

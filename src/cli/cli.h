@@ -30,11 +30,13 @@ int command_converge(int argc, char **argv);
 
 /* A problem in memory: read from the file, condensed if it was global. Start from {0}; free it
  * after a failed load, too. */
+struct matrices;
 typedef struct problem {
-  dls_fclib *file;          /* NULL for text */
-  dls_text *text;           /* NULL for FCLIB */
-  dls_reduction *reduction; /* NULL for a local problem */
-  dls_model model;          /* of a global one */
+  dls_fclib *file;           /* NULL for text */
+  dls_text *text;            /* NULL for FCLIB */
+  struct matrices *matrices; /* those of a host code (matrices.c), or NULL */
+  dls_reduction *reduction;  /* NULL for a local problem */
+  dls_model model;           /* of a global one */
   const double *f, *g, *mu;
   dls_contact contact;
   double reduction_cpu_seconds;
@@ -45,11 +47,18 @@ void problem_free(problem *p);
 
 const char *problem_title(const problem *p);
 
+/* matrices.c: tells the host's name of unknown k; returns 0 if it has none. NULL is fine. */
+int problem_unknown(const problem *p, int k, int *node, int *direction);
+void matrices_free(struct matrices *matrices);
+
 /* Returns 1 if the file is text with an LCP, read into *text; 0 for any other. */
 int read_lcp_text(const char *path, dls_text **text);
 
 /* Prints the name, the size and the kind of the problem. */
 void problem_print(const char *path, const problem *p);
+
+/* Prints what the reduction took, if there was one. */
+void print_reduction(FILE *out, const problem *p);
 
 /* ---- options.c ------------------------------------------------------------------------------- */
 
@@ -87,6 +96,13 @@ int wrong_usage(const command *command);
   { name, no_argument, NULL, key }
 #define LAST_OPTIONS FLAG("help", 'h'), FLAG(NULL, 0)
 
+/* How much is told: --quiet, --verbose. Returns 0 for another key. */
+#define LOUDNESS_KEYS    "vq"
+#define LOUDNESS_OPTIONS FLAG("verbose", 'v'), FLAG("quiet", 'q')
+int take_loudness(int key);
+int is_quiet(void);
+int is_verbose(void);
+
 /* The method and its settings, from -m, -a, -t, -i. */
 typedef struct solver_options {
   dls_solver_settings settings;
@@ -118,6 +134,10 @@ const char *method_list(char *text, size_t size);
 /* Prints "delassus: " and the message on stderr; returns EXIT_BAD_INPUT. */
 int complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/* Prints the last line of a command on stdout, "solved" or "not solved: WHY", in colour on a
+ * terminal unless the environment has NO_COLOR. */
+void print_ending(dls_status status);
+
 /* Complains of an error of the library about `what` (a file name, say). */
 int complain_of(const char *what, const dls_error *error);
 
@@ -135,7 +155,17 @@ double largest_entry(const double *v, int n);
  * iteration of a method. */
 const char *status_word(dls_status status);
 const char *state_word(dls_contact_state state);
-const char *iteration_word(dls_method method);
+const char *iteration_word(dls_method method, int count);
+
+/* ---- results.c ------------------------------------------------------------------------------- */
+
+/* Prints the answer as a table: each candidate's state, reaction and position; with x (n), each
+ * unknown's. */
+int print_results(const problem *p, const double *r, const double *u, const double *x);
+
+/* Writes the answer into DIRECTORY/r.csv and, with x, x.csv; 0 after a complaint. */
+int write_results(const char *directory, const problem *p, const double *r, const double *u,
+                  const double *x);
 
 /* ---- verdict.c ------------------------------------------------------------------------------- */
 
@@ -180,6 +210,9 @@ void print_residuals(const char *indent, const dls_certificate *c);
 /* Prints what is known of other answers, a line for each fact. */
 void print_others(const char *indent, const dls_info *info);
 
+/* info.c: prints a line for each of dls_diagnosis.hints. */
+void print_hints(const char *indent, int hints);
+
 /* Prints one object with the fields of the outcome. */
 void print_json(FILE *out, const outcome *outcome);
 
@@ -195,8 +228,8 @@ void print_json_verdict(FILE *out, const verdict *v, int proof);
 double cpu_seconds(void);
 
 /* Shows progress: a callback that prints a line on stderr if that is a terminal and the work is
- * long, and cancels on Ctrl-C, which watch_interrupt has to catch first. progress_end clears the
- * line. */
+ * long, or with --verbose each call as a line, and cancels on Ctrl-C, which watch_interrupt has to
+ * catch first. progress_end clears the line. */
 int show_progress(void *data, const dls_progress *progress);
 void watch_interrupt(void);
 int was_interrupted(void); /* 1 after Ctrl-C */

@@ -355,6 +355,7 @@ static int run_forming(const forming_options *o) {
     (void)snprintf(title, sizeof title, "%s by %s, %.6g mm", o->name, o->method, d.travel);
     if (draw_forming(o->out, title, &d) != EXIT_SOLVED) result = EXIT_BAD_INPUT;
   }
+  if (result != EXIT_BAD_INPUT) print_ending(status);
   dls_forming_destroy(forming);
   return result;
 }

@@ -64,7 +64,8 @@ static void print_scales(int nc, const dls_diagnosis *g) {
   printf("  weights w_c = trace(W_cc)/d: %.3g to %.3g; |q| = %.3g\n", g->weight_min, g->weight_max,
          g->q_norm);
   if (g->closing)
-    printf("  without reactions, %d of %d contacts would interpenetrate\n", g->closing, nc);
+    printf("  without reactions, %d of %d contact%s would interpenetrate\n", g->closing, nc,
+           nc == 1 ? "" : "s");
   else
     puts("  no contact would interpenetrate without reactions: r = 0 is a solution");
 }
@@ -159,6 +160,16 @@ static void print_trust(const dls_contact *contact, const trust *t) {
   if (t->has_list) print_solutions(2 * contact->nc, t);
 }
 
+void print_hints(const char *indent, int hints) {
+  if (hints & DLS_HINT_OUTWARD)
+    printf("%shint: nothing presses; if it should, normals point out of the bodies (the sign of "
+           "H_N)\n",
+           indent);
+  if (hints & DLS_HINT_TRANSPOSED)
+    printf("%shint: the transpose of W has an answer; rows may have been given as columns\n",
+           indent);
+}
+
 static void print_facts(const char *path, const problem *p, int limit, const dls_diagnosis *g,
                         const trust *t) {
   const dls_contact *contact = &p->contact;
@@ -174,6 +185,7 @@ static void print_facts(const char *path, const problem *p, int limit, const dls
   print_flaw(&g->no_effect, "component of r", "components of r", "without effect on u");
   print_friction(contact->d, contact->d * contact->nc, g);
   print_trust(contact, t);
+  print_hints("  ", g->hints);
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
@@ -258,6 +270,9 @@ static void print_info_json(const problem *p, const dls_diagnosis *g, const trus
   flaw_field("singular_block", &g->singular_block);
   flaw_field("no_effect", &g->no_effect);
   print_trust_json(p->contact.d * p->contact.nc, t);
+  printf(",\n  \"outward\": %s,\n  \"transposed\": %s",
+         g->hints & DLS_HINT_OUTWARD ? "true" : "false",
+         g->hints & DLS_HINT_TRANSPOSED ? "true" : "false");
   puts("\n}");
 }
 

@@ -13,6 +13,8 @@ static void program_usage(FILE *out) {
       "                        error of a moving bar against the length of an element\n"
       "  delassus tables       Tables 2 and 3 of Chabrand (1998) beside ours\n"
       "  delassus solve FILE   solve an FCLIB problem (HDF5, local or global)\n"
+      "  delassus solve --stiffness=K --HN=N --HT=T --f=F --mu=MU\n"
+      "                        solve a problem from the matrices of a host code\n"
       "  delassus solve --lcp M.mtx q.mtx\n"
       "                        solve an LCP given as two Matrix Market files\n"
       "  delassus info FILE    facts about an FCLIB problem: symmetry, rank, friction bounds\n"

@@ -25,7 +25,7 @@ int read_lcp_text(const char *path, dls_text **text) {
 }
 
 const char *problem_title(const problem *p) {
-  return p->text ? dls_text_title(p->text) : dls_fclib_title(p->file);
+  return p->text ? dls_text_title(p->text) : p->file ? dls_fclib_title(p->file) : "";
 }
 
 dls_status problem_load(const char *path, problem *p, dls_error *error) {
@@ -51,13 +51,27 @@ void problem_free(problem *p) {
   dls_reduction_destroy(p->reduction);
   dls_fclib_destroy(p->file);
   dls_text_destroy(p->text);
+  matrices_free(p->matrices);
 }
 
 void problem_print(const char *path, const problem *p) {
-  printf("%s: %dD, %d contacts, %s\n", path, p->contact.d, p->contact.nc,
+  printf("%s: %dD, %d contact%s, %s\n", path, p->contact.d, p->contact.nc,
+         p->contact.nc == 1 ? "" : "s",
          p->reduction ? "global"
          : p->text    ? "text"
                       : "local");
   if (p->reduction)
     printf("  reduced from %d unknowns in %.3g s of CPU\n", p->model.n, p->reduction_cpu_seconds);
+}
+
+void print_reduction(FILE *out, const problem *p) {
+  dls_reduction_info info;
+  if (!p->reduction || dls_reduction_get_info(p->reduction, &info, NULL)) return;
+  fprintf(out, "reduction: %d unknowns, %d condensed, %.3g flops, at most %.3g MB, %.3g s of CPU",
+          p->model.n, info.condensed, info.flops, info.bytes * 1e-6, p->reduction_cpu_seconds);
+  if (info.condition > 0) fprintf(out, ", condition of K about %.1e", info.condition);
+  if (info.indefinite) fputs(", K is indefinite", out);
+  if (info.modes)
+    fprintf(out, ", %d rigid-body mode%s held", info.modes, info.modes > 1 ? "s" : "");
+  fputc('\n', out);
 }

@@ -25,6 +25,32 @@ int complain_of(const char *what, const dls_error *error) {
   return complain("%s: %s (%s)", what, dls_status_text(error->status), error->message);
 }
 
+static int loudness; /* -1 quiet, 1 verbose */
+
+int take_loudness(int key) {
+  if (key != 'v' && key != 'q') return 0;
+  loudness = key == 'v' ? 1 : -1;
+  return 1;
+}
+
+int is_quiet(void) {
+  return loudness < 0;
+}
+
+int is_verbose(void) {
+  return loudness > 0;
+}
+
+void print_ending(dls_status status) {
+  const char *no_color = getenv("NO_COLOR");
+  const int color = isatty(STDOUT_FILENO) && !(no_color && *no_color);
+  const char *on = !color ? "" : status ? "\033[31m" : "\033[32m", *off = color ? "\033[0m" : "";
+  if (status)
+    printf("%snot solved: %s%s\n", on, dls_status_text(status), off);
+  else
+    printf("%ssolved%s\n", on, off);
+}
+
 taken parse_number(const char *option, const char *text, double *value) {
   char *end;
   errno = 0;
@@ -82,12 +108,14 @@ const char *state_word(dls_contact_state state) {
   return state == DLS_FREE ? "free" : state == DLS_SLIP ? "slip" : "stick";
 }
 
-const char *iteration_word(dls_method method) {
-  if (method == DLS_NLGS) return "sweeps";
-  if (method == DLS_LEMKE) return "exchanges";
-  if (method == DLS_NEWTON) return "steps";
-  const int augments = method == DLS_AUGMENTED_LAGRANGIAN || method == DLS_PENALTY;
-  return augments ? "augmentations" : "iterations";
+const char *iteration_word(dls_method method, int count) {
+  const int one = count == 1;
+  if (method == DLS_NLGS) return one ? "sweep" : "sweeps";
+  if (method == DLS_LEMKE) return one ? "exchange" : "exchanges";
+  if (method == DLS_NEWTON) return one ? "step" : "steps";
+  if (method == DLS_AUGMENTED_LAGRANGIAN || method == DLS_PENALTY)
+    return one ? "augmentation" : "augmentations";
+  return one ? "iteration" : "iterations";
 }
 
 const char *method_word(const outcome *o) {
@@ -98,9 +126,10 @@ void print_stages(const dls_info *info) {
   for (int k = 0; k < info->stages; k++) {
     const dls_stage *s = &info->stage[k];
     printf("    %s%s: %d %s", dls_method_name(s->method),
-           s->method == DLS_NLGS ? " with anderson" : "", s->iterations, iteration_word(s->method));
+           s->method == DLS_NLGS ? " with anderson" : "", s->iterations,
+           iteration_word(s->method, s->iterations));
     if (s->factorisations != s->iterations && s->factorisations)
-      printf(", %d factorisations", s->factorisations);
+      printf(", %d factorisation%s", s->factorisations, s->factorisations == 1 ? "" : "s");
     printf(", residual %.2e\n", s->residual);
   }
 }
@@ -261,7 +290,14 @@ int was_interrupted(void) {
 int show_progress(void *data, const dls_progress *p) {
   (void)data;
   if (interrupted) return 1;
-  if (p->last) return 0;
+  if (is_verbose()) {
+    fprintf(stderr, "%s: %d of at most %d, %.3g s of CPU", p->last ? p->method : p->stage,
+            p->iteration, p->max_iterations, p->cpu_seconds);
+    if (p->residual >= 0) fprintf(stderr, ", residual %.2e", p->residual);
+    fputs(p->last ? ", end\n" : "\n", stderr);
+    return 0;
+  }
+  if (p->last || is_quiet()) return 0;
   const double now = clock_seconds(CLOCK_MONOTONIC);
   if (first_shown == 0) first_shown = now;
   if (now - first_shown < 0.5 || now - last_shown < 0.1 || !isatty(STDERR_FILENO)) return 0;

@@ -370,7 +370,8 @@ static void print_admissible(const run *a) {
 static void print_step(const scene_options *o, const dls_info *first) {
   printf("first step, %s alone: %s, %d %s, residual %.1e\n",
          o->block.order == DLS_FE_TOP_FIRST ? "top" : "side", dls_status_text(first->status),
-         first->iterations, iteration_word(first->method), first->certificate.residual);
+         first->iterations, iteration_word(first->method, first->iterations),
+         first->certificate.residual);
 }
 
 static void print_run(const run *a, const scene_options *o) {
@@ -380,7 +381,7 @@ static void print_run(const run *a, const scene_options *o) {
          o->weighted ? "weighted" : "concentrated", method_word(out),
          o->as_printed && out->info.status == DLS_STALLED ? "stopped by the paper's rule"
                                                           : dls_status_text(out->info.status),
-         out->info.iterations, iteration_word(out->info.method), c->residual,
+         out->info.iterations, iteration_word(out->info.method, out->info.iterations), c->residual,
          out->solve_cpu_seconds);
   if (a->data.f_first) print_step(o, &a->first);
   print_residuals("", c);
@@ -484,6 +485,7 @@ static int run_scene(const scene_options *o) {
     goto end;
   }
   if (o->out && write_files(&a, o) != EXIT_SOLVED) goto end;
+  if (!o->json) print_ending(a.outcome.info.status);
   result = a.outcome.info.status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
 end:
   scene_release(&a);

@@ -6,36 +6,51 @@
 #include <string.h>
 
 #include "cli.h"
+#include "matrices.h"
+
+enum { KEY_PRINT = KEY_STABILIZE + 1, KEY_CSV };
 
 typedef struct solve_options {
   solver_options solver;
-  int lcp, json, proof;
-  const char *out, *history, *plot; /* NULL: none */
+  matrix_options matrices;
+  int lcp, json, proof, print;
+  const char *out, *csv, *history, *plot; /* NULL: none */
 } solve_options;
 
 static void solve_usage(FILE *out) {
   fputs(
       "Usage: delassus solve [OPTION]... FILE\n"
+      "  or:  delassus solve --stiffness=K --HN=N --HT=T --f=F --mu=MU [OPTION]...\n"
+      "  or:  delassus solve --W=W --q=Q --mu=MU [OPTION]...\n"
       "  or:  delassus solve --lcp [OPTION]... M.mtx q.mtx\n"
       "Solves a contact problem (FCLIB, HDF5; local, or global after its reduction; or text as in\n"
-      "data/failures), or an LCP (Matrix Market, or text) by Lemke's method.\n"
+      "data/failures) or of the matrices of a host code, or an LCP (Matrix Market, or text) by\n"
+      "Lemke's method. The last line on stdout is 'solved' or 'not solved: WHY'.\n"
       "\n",
       out);
+  matrices_usage(out);
+  fputs("\nThe solver:\n", out);
   solver_usage(out, "", 1e-8);
-  fputs(
-      "  -f, --facets=M        lemke in 3D: facets of the friction cone, even, 4 to 64 (8)\n"
-      "  -o, --output=OUT      write the problem with its solution (FCLIB), or z (Matrix Market)\n"
-      "  -H, --history=CSV     write iteration (of all stages), CPU seconds, residual and stage "
-      "as\n"
-      "                        the solve goes on; the last row is the answer\n"
-      "  -P, --plot=DIR        the same as DIR/history.csv, and a picture of it\n"
-      "  -j, --json            print the outcome as one JSON object\n"
-      "  -p, --proof           print the vectors behind a verdict without an answer: the proof "
-      "that\n"
-      "                        there is no solution, the ray along which the unknowns run away\n"
-      "  -l, --lcp             the files hold M and q of an LCP\n"
-      "  -h, --help            this text\n",
-      out);
+  fputs("  -f, --facets=M        lemke in 3D: facets of the friction cone, even, 4 to 64 (8)\n"
+        "\nThe answer:\n"
+        "      --print           print each candidate's state, gap, r and u, and each unknown's x\n"
+        "      --csv=DIR         write the same to DIR/r.csv and DIR/x.csv, to the last digit\n"
+        "  -o, --output=OUT      write the problem with its solution (FCLIB); OUT.mtx: r, or z of "
+        "an\n"
+        "                        LCP (Matrix Market)\n"
+        "  -H, --history=CSV     write iteration (of all stages), CPU seconds, residual and stage "
+        "as\n"
+        "                        the solve goes on; the last row is the answer\n"
+        "  -P, --plot=DIR        the same as DIR/history.csv, and a picture of it\n"
+        "  -j, --json            print the outcome as one JSON object\n"
+        "  -p, --proof           print the vectors behind a verdict without an answer: the proof "
+        "that\n"
+        "                        there is no solution, the ray along which the unknowns run away\n"
+        "  -l, --lcp             the files hold M and q of an LCP\n"
+        "  -v, --verbose         tell of the reduction and of the way of the solve on stderr\n"
+        "  -q, --quiet           print the last line only\n"
+        "  -h, --help            this text\n",
+        out);
 }
 
 /* ---- the history of a solve ------------------------------------------------------------------ */
@@ -63,20 +78,27 @@ static int write_row(void *data, const dls_progress *p) {
 
 /* ---- contact problems ------------------------------------------------------------------------ */
 
+/* Writes r as a Matrix Market file, or the problem with its solution as FCLIB: as it was condensed
+ * where the format does not hold the model (a flexibility, a weighting). x: n, or NULL. */
 static dls_status write_solution(const char *out, const problem *p, const double *r,
-                                 const double *u, dls_error *error) {
+                                 const double *u, const double *x, dls_error *error) {
   const char *title = problem_title(p);
-  if (!p->reduction) return dls_fclib_write_local(out, &p->contact, title, r, u, error);
-  double *x = malloc((size_t)p->model.n * sizeof *x);
-  if (!x) {
-    *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"};
-    return DLS_E_MEMORY;
-  }
-  dls_status status = dls_reduction_recover(p->reduction, r, x, error);
-  if (!status)
-    status = dls_fclib_write_global(out, &p->model, p->f, p->g, p->mu, title, x, r, u, error);
-  free(x);
-  return status;
+  const size_t length = strlen(out);
+  const int m = p->contact.d * p->contact.nc;
+  if (length > 4 && strcmp(out + length - 4, ".mtx") == 0)
+    return dls_mtx_write(out, &(dls_dense){m, 1, m, r}, error);
+  if (!p->reduction || p->model.P.p || p->model.operator_kind == DLS_FLEXIBILITY)
+    return dls_fclib_write_local(out, &p->contact, title, r, u, error);
+  return dls_fclib_write_global(out, &p->model, p->f, p->g, p->mu, title, x, r, u, error);
+}
+
+/* Recovers the unknowns of a problem that was condensed: *x := new array of n. */
+static dls_status recover(const problem *p, const double *r, double **x, dls_error *error) {
+  if (!p->reduction) return DLS_OK;
+  *x = malloc((size_t)p->model.n * sizeof **x);
+  if (*x) return dls_reduction_recover(p->reduction, r, *x, error);
+  *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"};
+  return DLS_E_MEMORY;
 }
 
 static void print_states(const dls_contact *contact, const double *r, const double *u) {
@@ -90,13 +112,15 @@ static void print_states(const dls_contact *contact, const double *r, const doub
   free(state);
 }
 
+enum { hint_rows = 300 }; /* of a problem that is looked at in full for a hint */
+
 static void print_outcome(const char *path, const problem *p, const outcome *o, const double *r,
                           const double *u) {
   const dls_certificate *c = &o->info.certificate;
   problem_print(path, p);
   printf("  %s: %s, %d %s, residual %.2e, %.3g s of CPU\n", dls_method_name(o->info.method),
-         dls_status_text(o->info.status), o->info.iterations, iteration_word(o->info.method),
-         c->residual, o->solve_cpu_seconds);
+         dls_status_text(o->info.status), o->info.iterations,
+         iteration_word(o->info.method, o->info.iterations), c->residual, o->solve_cpu_seconds);
   print_residuals("  ", c);
   print_others("  ", &o->info);
   print_stages(&o->info);
@@ -105,18 +129,27 @@ static void print_outcome(const char *path, const problem *p, const outcome *o, 
          c->penetration, c->adhesion, c->cone_violation, c->slip_direction, c->complementarity);
   print_states(&p->contact, r, u);
   verdict_print(&o->verdict, o->proof);
+  dls_diagnosis facts;
+  const int m = p->contact.d * p->contact.nc, limit = o->info.status ? hint_rows : 0;
+  if ((o->info.status || r[0] == 0) && m > 0 &&
+      !dls_contact_diagnose(&p->contact, m <= limit ? limit : 0, &facts, NULL))
+    print_hints("  ", facts.hints);
 }
 
+/* Solves the problem in a file or, where options name matrices, of these. */
 static int solve_contact(const char *path, const solve_options *options) {
   problem p = {0};
   dls_solver *solver = NULL;
   dls_error error = {0};
-  double *r = NULL, *u = NULL;
+  double *r = NULL, *u = NULL, *x = NULL;
   int result = EXIT_BAD_INPUT;
-  if (problem_load(path, &p, &error)) {
+  if (matrices_name(&options->matrices)) {
+    if (!matrices_load(&options->matrices, &p)) goto end;
+  } else if (problem_load(path, &p, &error)) {
     (void)complain_of(path, &error);
     goto end;
   }
+  if (is_verbose()) print_reduction(stderr, &p);
   const size_t m = (size_t)p.contact.d * (size_t)p.contact.nc;
   r = malloc(m * sizeof *r);
   u = malloc(m * sizeof *u);
@@ -145,20 +178,28 @@ static int solve_contact(const char *path, const solve_options *options) {
                         .farkas = dls_solver_farkas(solver),
                         .ray = dls_solver_direction(solver)};
   verdict_fill(&o.verdict, status, 0);
+  if ((options->out || options->print || options->csv) && recover(&p, r, &x, &error)) {
+    (void)complain_of(path, &error);
+    goto end;
+  }
   if (options->json)
     print_json(stdout, &o);
-  else
+  else if (!is_quiet())
     print_outcome(path, &p, &o, r, u);
-  if (options->out && write_solution(options->out, &p, r, u, &error)) {
+  if (options->out && write_solution(options->out, &p, r, u, x, &error)) {
     (void)complain_of(options->out, &error);
     goto end;
   }
+  if (options->csv && !write_results(options->csv, &p, r, u, x)) goto end;
+  if (options->print && !print_results(&p, r, u, x)) goto end;
+  if (!options->json) print_ending(status);
   result = status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
 end:
   dls_solver_destroy(solver);
   problem_free(&p);
   free(r);
   free(u);
+  free(x);
   return result;
 }
 
@@ -232,7 +273,7 @@ static int solve_one_lcp(const char *path, const dls_lcp *lcp, const solve_optio
   }
   if (options->json)
     print_lcp_json(n, &info, solve_cpu_seconds, &v, options->proof);
-  else {
+  else if (!is_quiet()) {
     printf("%s: LCP of %d unknowns\n", path, n);
     printf("  lemke: %s, %d rounds of the crash start, %d pivots, residual %.2e (floor %.1e), %.3g "
            "s of CPU\n",
@@ -248,6 +289,7 @@ static int solve_one_lcp(const char *path, const dls_lcp *lcp, const solve_optio
     (void)complain_of(options->out, &error);
     goto end;
   }
+  if (!options->json) print_ending(status);
   result = status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
 end:
   dls_lemke_destroy(lemke);
@@ -279,13 +321,16 @@ static int solve_file(const char *path, const solve_options *options) {
   dls_text *text;
   int n;
   const double *M, *q;
-  if (!read_lcp_text(path, &text)) return solve_contact(path, options);
+  if (matrices_name(&options->matrices) || !read_lcp_text(path, &text))
+    return solve_contact(path, options);
   int result = EXIT_BAD_INPUT;
   const dls_solver_settings *s = &options->solver.settings;
   if ((options->solver.method_given || options->solver.accel_given) && s->method != DLS_LEMKE)
     (void)complain("%s: an LCP is solved by lemke", path);
   else if (s->facets)
     (void)complain("--facets: is for contact problems and lemke");
+  else if (options->print || options->csv)
+    (void)complain("--%s: is for contact problems", options->print ? "print" : "csv");
   else if (dls_text_lcp(text, &n, &M, &q, NULL) == DLS_OK)
     result = solve_one_lcp(path, &(dls_lcp){n, {n, n, n, M}, q}, options);
   dls_text_destroy(text);
@@ -298,6 +343,9 @@ static taken take_solve_option(int key, const char *text, void *data) {
   solve_options *o = data;
   const taken shared = take_solver_option(key, text, &o->solver);
   if (shared != OPTION_UNKNOWN) return shared;
+  const taken matrix = take_matrix_option(key, text, &o->matrices);
+  if (matrix != OPTION_UNKNOWN) return matrix;
+  if (take_loudness(key)) return OPTION_TAKEN;
   if (key == 'f') return parse_count("facets", text, &o->solver.settings.facets);
   if (key == 'o')
     o->out = text;
@@ -311,6 +359,10 @@ static taken take_solve_option(int key, const char *text, void *data) {
     o->lcp = 1;
   else if (key == 'p')
     o->proof = 1;
+  else if (key == KEY_PRINT)
+    o->print = 1;
+  else if (key == KEY_CSV)
+    o->csv = text;
   else
     return OPTION_UNKNOWN;
   return OPTION_TAKEN;
@@ -318,16 +370,24 @@ static taken take_solve_option(int key, const char *text, void *data) {
 
 int command_solve(int argc, char **argv) {
   static const struct option options[] = {
-      SOLVER_OPTIONS,        VALUE("facets", 'f'), VALUE("output", 'o'),
-      VALUE("history", 'H'), VALUE("plot", 'P'),   FLAG("json", 'j'),
-      FLAG("lcp", 'l'),      FLAG("proof", 'p'),   LAST_OPTIONS};
-  static const command solve = {SOLVER_KEYS "f:o:H:P:jlph", options, solve_usage, take_solve_option,
-                                0};
+      SOLVER_OPTIONS,     VALUE("facets", 'f'),     VALUE("output", 'o'),  VALUE("history", 'H'),
+      VALUE("plot", 'P'), FLAG("json", 'j'),        FLAG("lcp", 'l'),      FLAG("proof", 'p'),
+      MATRIX_OPTIONS,     FLAG("print", KEY_PRINT), VALUE("csv", KEY_CSV), LOUDNESS_OPTIONS,
+      LAST_OPTIONS};
+  static const command solve = {SOLVER_KEYS LOUDNESS_KEYS "f:o:H:P:jlph", options, solve_usage,
+                                take_solve_option, 0};
   solve_options o = {0};
   solver_options_init(&o.solver, 1e-8);
   const int stop = take_options(argc, argv, &solve, &o);
   if (stop != GO_ON) return stop;
-  if (argc - optind != (o.lcp ? 2 : 1)) return wrong_usage(&solve);
+  const char *named = matrices_name(&o.matrices);
+  if (!named && matrices_given(&o.matrices))
+    return complain("one of --stiffness, --flexibility and --W is wanted");
+  if (argc - optind != (named ? 0 : o.lcp ? 2 : 1)) return wrong_usage(&solve);
+  if (o.print && o.json) return complain("--print, --json: one of the two");
+  if (o.lcp && (named || o.print || o.csv))
+    return complain("--lcp: goes without --W, --stiffness, --flexibility, --print and --csv");
+  const char *path = named ? named : argv[optind];
   if (o.solver.primal) return complain("--method: gauss-seidel is for scenes");
   if (!settle_solver_options(&o.solver)) return EXIT_BAD_INPUT;
   const dls_method method = o.solver.settings.method;
@@ -347,10 +407,8 @@ int command_solve(int argc, char **argv) {
     o.solver.settings.limits.progress_data = &rows;
   }
   watch_interrupt();
-  const int result =
-      o.lcp ? solve_lcp_files(argv[optind], argv[optind + 1], &o) : solve_file(argv[optind], &o);
+  const int result = o.lcp ? solve_lcp_files(path, argv[optind + 1], &o) : solve_file(path, &o);
   if (rows.file && !close_file(rows.file, o.plot ? o.plot : o.history)) return EXIT_BAD_INPUT;
-  if (o.plot && result != EXIT_BAD_INPUT && !draw_history(o.plot, argv[optind]))
-    return EXIT_BAD_INPUT;
+  if (o.plot && result != EXIT_BAD_INPUT && !draw_history(o.plot, path)) return EXIT_BAD_INPUT;
   return result;
 }

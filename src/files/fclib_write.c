@@ -264,6 +264,7 @@ static dls_status write_local(contents *c, const dls_contact *problem, dls_error
   static const matrix_names *const name = &names_W;
   if (!c->path) return dlsi_is_null(error, "path");
   dls_status status = dlsi_check_contact(problem, error);
+  if (!status) status = dlsi_check_vector("mu", problem->mu, (size_t)problem->nc, error);
   if (status) return status;
   if (problem->d == 1)
     return dlsi_fail(error, DLS_E_UNSUPPORTED, "d", -1, 1, "is 1; the format knows 2 and 3");
@@ -312,6 +313,7 @@ static dls_status check_global(const contents *c, dls_error *error) {
   const size_t n = (size_t)c->n, nc = (size_t)c->nc, m = (size_t)c->d * nc;
   dls_status status = dlsi_check_vector("f", c->f, n, error);
   if (!status) status = dlsi_check_vector("g", c->q, m, error);
+  if (!status) status = dlsi_check_vector("mu", c->mu, nc, error);
   if (!status) status = dlsi_check_friction(c->mu, nc, error);
   if (!status && c->x) status = dlsi_check_vector("x", c->x, n, error);
   return status ? status : check_solution(c->r, c->u, m, error);

@@ -1,11 +1,14 @@
 /*
- * mtx.c: reads and writes dense matrices as Matrix Market files (Boisvert, Pozo, Remington,
- * NISTIR 5935, 1996).
+ * mtx.c: reads dense and sparse matrices from Matrix Market files (Boisvert, Pozo, Remington,
+ * NISTIR 5935, 1996) and sparse ones from CalculiX's; writes dense ones.
  *
  *   %%MatrixMarket matrix array|coordinate real|integer general|symmetric|skew-symmetric
  *   rows cols [entries]
  *   array: the values column by column (symmetric: on and below the diagonal; skew: below it)
  *   coordinate: row column value, 1-based
+ *
+ * CalculiX (*FREQUENCY, SOLVER=MATRIXSTORAGE): lines "row column value" of the upper triangle of a
+ * symmetric matrix, 1-based, without a banner and without sizes.
  *
  * Comments (%) and blank lines may stand anywhere, lines may end in CR LF. Entries of the same
  * place add up. Numbers are read and written with a decimal point whatever the host's locale says.
@@ -18,6 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/columns.h"
 #include "delassus/files.h"
 #include "files/file.h"
 
@@ -160,14 +164,25 @@ static void add_value(double *sum, double x) {
   *sum = *sum == 0 ? x : *sum + x;
 }
 
-static void put_value(const layout *form, double *a, int i, int j, double x) {
-  const size_t rows = (size_t)form->rows;
-  add_value(&a[(size_t)i + (size_t)j * rows], x);
-  if (form->kind != GENERAL && i != j)
-    add_value(&a[(size_t)j + (size_t)i * rows], form->kind == SKEW ? -x : x);
+/* The matrix that is read: dense a (rows x cols), or triplets where a is NULL. */
+typedef struct target {
+  double *a;
+  dlsi_triplets *t;
+} target;
+
+static void put_entry(const layout *form, const target *to, int i, int j, double x) {
+  if (to->a)
+    add_value(&to->a[(size_t)i + (size_t)j * (size_t)form->rows], x);
+  else
+    dlsi_triplets_add(to->t, i, j, x);
 }
 
-static void read_array(scanner *s, const layout *form, double *a) {
+static void put_value(const layout *form, const target *to, int i, int j, double x) {
+  put_entry(form, to, i, j, x);
+  if (form->kind != GENERAL && i != j) put_entry(form, to, j, i, form->kind == SKEW ? -x : x);
+}
+
+static void read_array(scanner *s, const layout *form, const target *to) {
   for (int j = 0; j < form->cols; j++)
     for (int i = form->kind == GENERAL ? 0 : form->kind == SKEW ? j + 1 : j; i < form->rows; i++) {
       double x = 0;
@@ -175,11 +190,11 @@ static void read_array(scanner *s, const layout *form, double *a) {
       require(s, s->length > 0, "there are too few values");
       require(s, dlsi_read_number(s->word, s->length, &x), "is no finite number");
       if (s->status) return;
-      put_value(form, a, i, j, x);
+      put_value(form, to, i, j, x);
     }
 }
 
-static void read_coordinates(scanner *s, const layout *form, double *a) {
+static void read_coordinates(scanner *s, const layout *form, const target *to) {
   for (int k = 0; k < form->entries; k++) {
     int i = 0, j = 0;
     double x = 0;
@@ -193,28 +208,150 @@ static void read_coordinates(scanner *s, const layout *form, double *a) {
             "must be in the lower triangle");
     require(s, scan_on(s, line) && dlsi_read_number(s->word, s->length, &x), "is no finite number");
     if (s->status) return;
-    put_value(form, a, i - 1, j - 1, x);
+    put_value(form, to, i - 1, j - 1, x);
   }
 }
 
-static dls_status read_dense(FILE *file, layout *form, double **a, dls_error *error) {
-  scanner s = {.file = file, .next = 1, .error = error};
-  read_banner(&s, form);
-  if (!s.status) read_sizes(&s, form);
-  if (s.status) return s.status;
+/* Reads the entries, which have to be the rest of the file. */
+static dls_status read_entries(scanner *s, const layout *form, const target *to) {
+  (form->coordinate ? read_coordinates : read_array)(s, form, to);
+  if (s->status) return s->status;
+  scan(s);
+  require(s, !s->length, "comes after the last entry");
+  if (!s->status && ferror(s->file))
+    return dlsi_fail(s->error, DLS_E_FILE, "path", -1, 0, "cannot be read");
+  return s->status;
+}
+
+/* Reads the matrix whose banner and sizes have been read into a new array *a. */
+static dls_status read_dense(scanner *s, const layout *form, double **a) {
   /* calloc, not malloc: a short file that claims a large matrix touches no memory */
   const size_t size = (size_t)form->rows * (size_t)form->cols;
   *a = calloc(size, sizeof **a);
-  if (!*a) return dlsi_no_memory(error);
-  (form->coordinate ? read_coordinates : read_array)(&s, form, *a);
-  if (s.status) return s.status;
-  scan(&s);
-  require(&s, !s.length, "comes after the last entry");
-  if (!s.status && ferror(file))
-    return dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be read");
+  if (!*a) return dlsi_no_memory(s->error);
+  const dls_status status = read_entries(s, form, &(target){.a = *a});
+  if (status) return status;
   /* entries of the same place may add up beyond the range */
-  require(&s, dlsi_first_not_finite(*a, size) < 0, "entries of one place overflow");
-  return s.status;
+  require(s, dlsi_first_not_finite(*a, size) < 0, "entries of one place overflow");
+  return s->status;
+}
+
+/* Turns the entries of a dense matrix that are not 0 into triplets. */
+static dls_status triplets_of_dense(const layout *form, const double *a, dlsi_triplets *t,
+                                    dls_error *error) {
+  const size_t rows = (size_t)form->rows, size = rows * (size_t)form->cols;
+  size_t count = 0;
+  for (size_t e = 0; e < size; e++)
+    count += a[e] != 0;
+  const dls_status status = dlsi_triplets_alloc(form->rows, form->cols, count, t, error);
+  for (size_t e = 0; !status && e < size; e++)
+    if (a[e] != 0) dlsi_triplets_add(t, (int)(e % rows), (int)(e / rows), a[e]);
+  return status;
+}
+
+/* Reads the matrix whose banner and sizes have been read into triplets. On error, too, the caller
+ * frees t. */
+static dls_status read_triplets(scanner *s, const layout *form, dlsi_triplets *t) {
+  if (!form->coordinate) {
+    double *a = NULL;
+    dls_status status = read_dense(s, form, &a);
+    if (!status) status = triplets_of_dense(form, a, t, s->error);
+    free(a);
+    return status;
+  }
+  const size_t most = (size_t)form->entries * (form->kind == GENERAL ? 1 : 2);
+  const dls_status status = dlsi_triplets_alloc(form->rows, form->cols, most, t, s->error);
+  return status ? status : read_entries(s, form, &(target){.t = t});
+}
+
+/* Counts the entries of CalculiX's matrix and its size, the largest column, and goes back to its
+ * start. */
+static void count_calculix(scanner *s, layout *form) {
+  for (scan(s); s->length && !s->status; scan(s)) {
+    int row = 0, col = 0;
+    require(s, to_int(s, &row) && row >= 1, "is no row of CalculiX's matrix");
+    scan(s);
+    require(s, to_int(s, &col) && col >= row, "is no column on or above the diagonal");
+    scan(s);
+    if (col > form->cols) form->cols = col;
+    require(s, ++form->entries < INT_MAX, "there are too many entries");
+  }
+  require(s, form->entries > 0, "there are no entries");
+  form->rows = form->cols;
+  rewind(s->file);
+  *s = (scanner){.file = s->file, .next = 1, .status = s->status, .error = s->error};
+}
+
+static dls_status read_calculix(scanner *s, dlsi_triplets *t) {
+  layout form = {.coordinate = 1, .kind = SYMMETRIC};
+  count_calculix(s, &form);
+  if (s->status) return s->status;
+  const dls_status status =
+      dlsi_triplets_alloc(form.rows, form.cols, 2 * (size_t)form.entries, t, s->error);
+  if (status) return status;
+  for (int k = 0; k < form.entries && !s->status; k++) {
+    int row = 0, col = 0;
+    double x = 0;
+    scan(s);
+    (void)to_int(s, &row);
+    scan(s);
+    (void)to_int(s, &col);
+    scan(s);
+    require(s, dlsi_read_number(s->word, s->length, &x), "is no finite number");
+    if (!s->status) put_value(&form, &(target){.t = t}, row - 1, col - 1, x);
+  }
+  return s->status;
+}
+
+/* Hands the triplets over as new compressed columns. */
+static dls_status hand_columns(const dlsi_triplets *t, dls_sparse *A, dls_error *error) {
+  dlsi_columns columns = {0};
+  const dls_status status = dlsi_columns_compress(t, 1, DLSI_ALL, &columns, error);
+  if (status)
+    dlsi_columns_free(&columns);
+  else
+    *A = dlsi_columns_view(&columns);
+  return status;
+}
+
+static dls_status read_sparse(const char *path, int calculix, dls_sparse *A, int *symmetric,
+                              dls_error *error) {
+  if (!path) return dlsi_is_null(error, "path");
+  if (!A) return dlsi_is_null(error, "A");
+  FILE *file = dlsi_file_open(path, error);
+  if (!file) return DLS_E_FILE;
+  scanner s = {.file = file, .next = 1, .error = error};
+  layout form = {.kind = SYMMETRIC};
+  dlsi_triplets t = {0};
+  dls_status status;
+  if (calculix)
+    status = read_calculix(&s, &t);
+  else {
+    read_banner(&s, &form);
+    if (!s.status) read_sizes(&s, &form);
+    status = s.status ? s.status : read_triplets(&s, &form, &t);
+  }
+  (void)fclose(file);
+  if (!status) status = hand_columns(&t, A, error);
+  dlsi_triplets_free(&t);
+  if (!status && symmetric) *symmetric = form.kind == SYMMETRIC;
+  return status;
+}
+
+dls_status dls_mtx_read_sparse(const char *path, dls_sparse *A, int *symmetric, dls_error *error) {
+  return dlsi_at(__func__, read_sparse(path, 0, A, symmetric, error), error);
+}
+
+dls_status dls_calculix_read(const char *path, dls_sparse *A, dls_error *error) {
+  return dlsi_at(__func__, read_sparse(path, 1, A, NULL, error), error);
+}
+
+void dls_mtx_free_sparse(dls_sparse *A) {
+  if (!A) return;
+  dlsi_columns own = {A->rows, A->cols, (int *)(uintptr_t)A->p, (int *)(uintptr_t)A->i,
+                      (double *)(uintptr_t)A->x};
+  dlsi_columns_free(&own);
+  *A = (dls_sparse){0};
 }
 
 dls_status dls_mtx_read(const char *path, int *rows, int *cols, double **a, dls_error *error) {
@@ -225,9 +362,12 @@ dls_status dls_mtx_read(const char *path, int *rows, int *cols, double **a, dls_
   if (!status && !cols) status = dlsi_is_null(error, "cols");
   FILE *file = status ? NULL : dlsi_file_open(path, error);
   if (!file) return dlsi_at(__func__, status ? status : DLS_E_FILE, error);
+  scanner s = {.file = file, .next = 1, .error = error};
   layout form = {0};
   double *values = NULL;
-  status = read_dense(file, &form, &values, error);
+  read_banner(&s, &form);
+  if (!s.status) read_sizes(&s, &form);
+  status = s.status ? s.status : read_dense(&s, &form, &values);
   (void)fclose(file);
   if (status) {
     free(values);

@@ -121,6 +121,7 @@ typedef struct dlsi_auto {
   /* of the solve under way */
   const dls_contact *problem; /* the caller's, or the copy */
   int has_copy, has_direction, has_farkas;
+  int bonded;         /* a candidate has infinite friction: no pivoting, path or verdict */
   int excluded;       /* (AT10): no r can be certified */
   dls_info info;      /* its certificate is that of best */
   dls_status stopped; /* by the caller's callback or time limit; DLS_OK: by neither */
@@ -276,11 +277,12 @@ static int may_step(const dlsi_auto *work) {
 }
 
 static int may_pivot(const dlsi_auto *work) {
+  if (work->bonded) return 0;
   return work->nc <= (work->d <= 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D);
 }
 
 static int may_follow_path(const dlsi_auto *work) {
-  return work->problem->d * work->problem->nc <= path_unknowns;
+  return !work->bonded && work->problem->d * work->problem->nc <= path_unknowns;
 }
 
 static int may_go_another_way(const dlsi_auto *work) {
@@ -406,6 +408,7 @@ static dls_status judge(dlsi_auto *work, dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const int sure = work->excluded, few = problem->d == 2 && problem->nc <= dlsi_most_states;
   double *J = work->room.J;
+  if (work->bonded) return DLS_STALLED;
   if (few && !sure) {
     const int found = dlsi_contact_find_states(problem, &work->options.limits, work->begun, work->r,
                                                work->best, &work->info.certificate);
@@ -557,6 +560,7 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   dlsi_auto *work = automatic;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   work->problem = problem;
+  work->bonded = dlsi_first_bonded(problem) >= 0;
   work->info = (dls_info){.method = DLS_AUTO, .certificate = dlsi_no_certificate};
   work->begun = dlsi_clock_start(&work->options.limits);
   work->stopped = DLS_OK;

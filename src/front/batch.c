@@ -36,7 +36,9 @@ static dls_status batch_look(batch *all, int k, dls_error *error) {
   const dls_contact *problem = &all->problem[k];
   dls_error why = {0};
   dls_status status = dlsi_check_contact(problem, &why);
-  if (!status) status = dlsi_check_start(problem, all->r[k], all->settings.limits.warm_start, &why);
+  if (!status)
+    status = dlsi_check_start(problem, all->r[k], all->u ? all->u[k] : NULL,
+                              all->settings.limits.warm_start, &why);
   if (status) return dlsi_fail(error, status, "problem", k, why.value, "%.150s", why.message);
   batch_sizes *of = &all->of[problem->d];
   const int blocks = problem->nc && problem->Wb.x ? problem->Wb.p[problem->nc] : 0;
@@ -56,7 +58,8 @@ static int batch_count(const batch *all, int k, int count) {
   const int nc = all->problem[k].nc;
   int found = 0;
   if (!all->lanes || nc < 1 || nc > dlsi_lane_candidates) return 0;
-  while (found < dlsi_lanes && k + found < count && all->problem[k + found].nc == nc)
+  while (found < dlsi_lanes && k + found < count && all->problem[k + found].nc == nc &&
+         dlsi_first_bonded(&all->problem[k + found]) < 0)
     found++;
   return found;
 }

@@ -66,6 +66,7 @@
 
 #include "base/base.h"
 #include "delassus/diagnose.h"
+#include "delassus/solve.h"
 #include "linear/blas.h"
 #include "linear/dense.h"
 
@@ -395,6 +396,54 @@ static dls_status look_at_spectrum(const dls_contact *problem, const double *sca
   return status;
 }
 
+/* ---- hints ----------------------------------------------------------------------------------- */
+
+/* Returns 1 if every q_n > 0. */
+static int every_one_opens(const dls_contact *problem) {
+  for (int c = 0; c < problem->nc; c++)
+    if (!(problem->q[(size_t)problem->d * (size_t)c] > 0)) return 0;
+  return 1;
+}
+
+/* Returns 1 if sweeps solve u = W r + q, W as given or a dense copy of it; 0 if not; -1 without
+ * memory. r: scratch, m. */
+static int sweeps_solve(const dls_contact *problem, double *r) {
+  dls_solver_settings settings;
+  dls_solver_settings_init(&settings);
+  settings.method = DLS_NLGS;
+  settings.acceleration = DLS_ACCELERATION_ANDERSON;
+  settings.limits.max_iterations = 300;
+  const dls_status status = dls_solve(problem, &settings, r, NULL, NULL, NULL);
+  return status < 0 ? -1 : status == DLS_OK;
+}
+
+/* Looks whether the transpose of an unsymmetric W has an answer where W has none. DLS_E_MEMORY. */
+static dls_status look_at_transpose(const dls_contact *problem, dls_diagnosis *g) {
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  if (!(g->asymmetry > 1e-10) || g->closing == 0) return DLS_OK;
+  double *r = dlsi_alloc(m, sizeof *r), *T = dlsi_alloc(m * m, sizeof *T);
+  int solved = r && T ? sweeps_solve(problem, r) : -1;
+  if (solved == 0) {
+    dls_contact turned = *problem;
+    turned.W = (dls_dense){(int)m, (int)m, (int)m, T};
+    turned.Wb = (dls_blocks){0};
+    const dls_dense *W = &problem->W;
+    if (problem->Wb.x && dls_blocks_to_dense(&problem->Wb, T, (int)m, NULL)) solved = -1;
+    for (size_t j = 0; j < m && solved == 0; j++)
+      for (size_t i = 0; i < j; i++) {
+        const double lower = W->a ? W->a[j + i * (size_t)W->ld] : T[j + i * m];
+        T[j + i * m] = W->a ? W->a[i + j * (size_t)W->ld] : T[i + j * m];
+        T[i + j * m] = lower;
+      }
+    for (size_t i = 0; i < m && W->a; i++)
+      T[i + i * m] = W->a[i + i * (size_t)W->ld];
+    if (solved == 0 && (solved = sweeps_solve(&turned, r)) > 0) g->hints |= DLS_HINT_TRANSPOSED;
+  }
+  free(r);
+  free(T);
+  return solved < 0 ? DLS_E_MEMORY : DLS_OK;
+}
+
 /* ---- all ------------------------------------------------------------------------------------- */
 
 static dls_status diagnose(const dls_contact *problem, int limit, dls_diagnosis *diagnosis,
@@ -434,6 +483,8 @@ static dls_status diagnose(const dls_contact *problem, int limit, dls_diagnosis 
   look_at_candidates(problem, &g);
   status = look_at_symmetry(problem, scale, &g);
   if (!status && m <= limit) status = look_at_spectrum(problem, scale, &g);
+  if (!status && m <= limit) status = look_at_transpose(problem, &g);
+  if (every_one_opens(problem)) g.hints |= DLS_HINT_OUTWARD;
   free(scale);
   if (status) return dlsi_no_memory(error);
   *diagnosis = g;

@@ -140,11 +140,19 @@ static int is_answered(const dls_solver_settings *s, const dls_contact *problem,
   return 1;
 }
 
+/* Refuses an infinite friction to the methods that divide by mu or put it into a matrix. */
+static dls_status solver_check_friction(const dls_solver_settings *s, const dls_contact *problem,
+                                        dls_error *error) {
+  if (s->method != DLS_LEMKE && s->method != DLS_HOMOTOPY) return DLS_OK;
+  return dlsi_refuse_bonded(problem, error);
+}
+
 dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, double *r, double *u,
                             dls_info *info, dls_error *error) {
   if (!solver) return dlsi_at(__func__, dlsi_is_null(error, "solver"), error);
-  dls_status status = dlsi_check_solve(solver->d, solver->nc, problem, r,
+  dls_status status = dlsi_check_solve(solver->d, solver->nc, problem, r, u,
                                        solver->settings.limits.warm_start, error);
+  if (!status) status = solver_check_friction(&solver->settings, problem, error);
   if (status) return dlsi_at(__func__, status, error);
   solver->status = DLS_OK;
   if (is_answered(&solver->settings, problem, r, u, info)) return DLS_OK;
@@ -178,7 +186,8 @@ static dls_status solve_once(const dls_contact *problem, const dls_solver_settin
   dls_solver_settings *s = &solver.settings;
   dls_status status = dlsi_check_contact(problem, error);
   if (!status) status = dlsi_solver_check(s, error);
-  if (!status) status = dlsi_check_start(problem, r, s->limits.warm_start, error);
+  if (!status) status = dlsi_check_start(problem, r, u, s->limits.warm_start, error);
+  if (!status) status = solver_check_friction(s, problem, error);
   if (status || is_answered(s, problem, r, u, info)) return status;
   s->limits.blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : 0;
   solver.d = problem->d;

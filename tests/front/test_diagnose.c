@@ -697,6 +697,36 @@ START_TEST(each_failing_malloc_unwinds) {
 }
 END_TEST
 
+/* A candidate with an unsymmetric W that has an answer, and none with its transpose; and bodies
+ * that move apart. */
+START_TEST(hints) {
+  const double rows[] = {1, -2, -0.6, 1}, apart[] = {1, 0}, pressed[] = {-1, 0}, mu[] = {1};
+  const double columns[] = {1, -0.6, -2, 1};
+  dls_diagnosis g;
+  dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, rows}, .q = apart, .mu = mu};
+  ck_assert_int_eq(dls_contact_diagnose(&p, 10, &g, NULL), DLS_OK);
+  ck_assert_int_eq(g.hints, DLS_HINT_OUTWARD);
+  p.q = pressed;
+  for (int turned = 0; turned < 2; turned++) {
+    double r[2];
+    p.W.a = turned ? columns : rows;
+    const int solved = dls_solve(&p, NULL, r, NULL, NULL, NULL) == DLS_OK;
+    ck_assert_int_eq(dls_contact_diagnose(&p, 10, &g, NULL), DLS_OK);
+    ck_assert_int_eq(solved, !turned);
+    ck_assert_int_eq(g.hints, solved ? 0 : DLS_HINT_TRANSPOSED);
+    ck_assert_int_eq(dls_contact_diagnose(&p, 1, &g, NULL), DLS_OK); /* beyond the limit */
+    ck_assert_int_eq(g.hints, 0);
+  }
+  dls_blocks B;
+  int start[2], row[1];
+  double x[4];
+  ck_assert_int_eq(dls_blocks_from_dense(&p.W, 2, start, row, x, &B, NULL), DLS_OK);
+  const dls_contact by_blocks = {.d = 2, .nc = 1, .Wb = B, .q = pressed, .mu = mu};
+  ck_assert_int_eq(dls_contact_diagnose(&by_blocks, 10, &g, NULL), DLS_OK);
+  ck_assert_int_eq(g.hints, DLS_HINT_TRANSPOSED);
+}
+END_TEST
+
 int main(void) {
   return RUN("diagnose", NULL, NULL, ONCE(diagonal), ONCE(one_candidate_has_its_closed_form),
              ONCE(three_dimensions), ONCE(rank_and_definiteness), ONCE(unsymmetric),
@@ -708,6 +738,6 @@ int main(void) {
              ONCE(fixed_points_on_the_threshold_contract),
              ONCE(above_the_critical_friction_there_are_several),
              ONCE(one_candidate_in_3d_has_one_solution_below_the_bound), ONCE(too_large_is_said),
-             ONCE(the_same_bits_twice), ONCE(no_candidates), ONCE(bad_input_is_named),
+             ONCE(the_same_bits_twice), ONCE(hints), ONCE(no_candidates), ONCE(bad_input_is_named),
              ONCE(each_failing_malloc_unwinds));
 }

@@ -409,6 +409,7 @@ START_TEST(short_calls_see_every_bad_number) {
         for (int i = 0; i < count[k]; i++) {
           const double sound = numbers[k][i];
           for (int j = 0; j < 3; j++) {
+            if (k == 2 && j == 1) continue; /* an infinite friction is one */
             numbers[k][i] = bad[j];
             ck_assert_int_eq(fails_alike(&a, d, nc), DLS_E_NOT_FINITE);
           }

@@ -1,0 +1,44 @@
+/* arrays.h: matrices and vectors of a host code, read from files; every function complains of what
+ * is wrong itself. */
+#ifndef ARRAYS_H
+#define ARRAYS_H
+
+#include "delassus.h"
+
+/* Rows of numbers: a[i * cols + j], which the caller frees, after a failure, too. */
+typedef struct table {
+  int rows, cols;
+  double *a;
+} table;
+
+/* Reads a table: Matrix Market, .npy or plain text. Returns 1; 0 after a complaint. */
+int table_read(const char *path, table *t);
+
+/* Returns a new copy of the table, column after column; NULL after a complaint. */
+double *table_by_columns(const char *path, const table *t);
+
+/* A sparse matrix that owns its arrays: those of the reader of the library, where p is NULL, or p,
+ * i, x. */
+typedef struct sparse {
+  dls_sparse view;
+  int *p, *i;
+  double *x;
+} sparse;
+
+/* Allocates room for `count` entries; returns 1, or 0 after a complaint. */
+int sparse_alloc(int rows, int cols, size_t count, sparse *A);
+
+/* Reads a matrix of any kind; returns 1, or 0 after a complaint. */
+int sparse_read(const char *path, sparse *A);
+void sparse_free(sparse *A);
+
+/* Return 1 if the file holds entries by row and column; if its name is that of CalculiX. */
+int array_is_sparse(const char *path);
+int array_is_calculix(const char *path);
+
+/* Return 1 if the matrix (n x n) is symmetric but for the rounding of an assembly, 0 if not; -1
+ * after running out of memory. */
+int dense_is_symmetric(int n, const double *a);
+int sparse_is_symmetric(const dls_sparse *A);
+
+#endif

@@ -1,0 +1,536 @@
+/*
+ * matrices.c: makes a contact problem of the matrices that a host code has written into files:
+ *
+ *   --stiffness or --flexibility, --HN and --HT (or --H, or --nodes), --f, --g   to be condensed
+ *   --W, --q                                                                     condensed already
+ *
+ * docs/files.md says what each file holds.
+ */
+#define _GNU_SOURCE
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "matrices.h"
+
+/* The arrays that the model and the problem borrow, and CalculiX's numbering. */
+struct matrices {
+  sparse Ks, HN, HT, P;
+  double *K, *modes, *f, *g, *q, *mu;
+  int *node, *direction; /* of each unknown, from 1; or NULL */
+};
+
+/* ---- options --------------------------------------------------------------------------------- */
+
+taken take_matrix_option(int key, const char *text, matrix_options *o) {
+  const char **const path[] = {&o->stiffness, &o->flexibility, &o->W,    &o->H, &o->HN,
+                               &o->HT,        &o->nodes,       &o->f,    &o->q, &o->g,
+                               &o->mu,        &o->weights,     &o->modes};
+  if (key >= KEY_STIFFNESS && key < KEY_DIM) {
+    *path[key - KEY_STIFFNESS] = text;
+    return OPTION_TAKEN;
+  }
+  if (key == KEY_STABILIZE) {
+    o->stabilize = 1;
+    return OPTION_TAKEN;
+  }
+  if (key != KEY_DIM) return OPTION_UNKNOWN;
+  if (parse_count("dim", text, &o->dim) == OPTION_TAKEN && (o->dim == 2 || o->dim == 3))
+    return OPTION_TAKEN;
+  complain("--dim: '%s' is not 2 or 3", text);
+  return OPTION_WRONG;
+}
+
+const char *matrices_name(const matrix_options *o) {
+  return o->stiffness ? o->stiffness : o->flexibility ? o->flexibility : o->W;
+}
+
+int matrices_given(const matrix_options *o) {
+  return matrices_name(o) || o->H || o->HN || o->HT || o->nodes || o->f || o->q || o->g || o->mu ||
+         o->weights || o->modes || o->dim || o->stabilize;
+}
+
+void matrices_usage(FILE *out) {
+  fputs(
+      "Matrices of a host code, K x = f + H r, u = H^T x + g (files: Matrix Market, .npy, plain\n"
+      "text columns; docs/files.md has what each must hold):\n"
+      "      --stiffness=K     n x n, sparse or dense; CalculiX's job.sti, with job.dof beside it\n"
+      "      --flexibility=F   K^-1, n x n, instead of K\n"
+      "      --HN=N --HT=T     n x nodes and n x (d-1) nodes, the normals and the tangents; "
+      "normals\n"
+      "                        point from the obstacle into the body\n"
+      "      --H=H             both: columns (n, t) or (n, t, s) of each contact node\n"
+      "      --nodes=LIST      both, from rows 'node n_x n_y [n_z]': nodes are numbered from 1, "
+      "as\n"
+      "                        in job.dof, else unknown d (node - 1) + k is direction k of a node\n"
+      "      --f=F             n loads; with --nodes also rows 'node direction value'\n"
+      "      --g=G             gaps: a number, one or d for each contact node; 0 without it\n"
+      "      --mu=MU           friction: a number (inf: no slip) or one for each candidate\n"
+      "      --weights=P       nodes x candidates, the weighting of the reactions\n"
+      "      --W=W --q=Q       the condensed problem u = W r + q itself, instead of K, H, f, g\n"
+      "      --dim=D           2 or 3, where the sizes of the files do not tell\n"
+      "      --stabilize       free bodies: find the rigid-body modes of K and hold them\n"
+      "      --modes=B         free bodies: n x k, a basis of the rigid-body modes\n",
+      out);
+}
+
+/* Checks which matrices go together. */
+static int check_matrices(const matrix_options *o) {
+  const int operators = (o->stiffness != NULL) + (o->flexibility != NULL) + (o->W != NULL);
+  const int traces = (o->H != NULL) + (o->HN != NULL) + (o->nodes != NULL);
+  if (operators != 1)
+    complain("one of --stiffness, --flexibility and --W is wanted");
+  else if (o->W && (traces || o->HT || o->f || o->g || o->weights || o->modes || o->stabilize))
+    complain("--W: goes with --q, --mu and --dim");
+  else if (o->W && !o->q)
+    complain("--W: needs --q");
+  else if (!o->W && o->q)
+    complain("--q: goes with --W");
+  else if (!o->W && traces != 1)
+    complain("one of --HN, --H and --nodes is wanted");
+  else if (o->HT && !o->HN)
+    complain("--HT: goes with --HN");
+  else if (!o->mu && (!o->HN || o->HT))
+    complain("--mu: is wanted, 0 for no friction");
+  else if (o->flexibility && (o->modes || o->stabilize))
+    complain("--%s: is for --stiffness", o->modes ? "modes" : "stabilize");
+  else if (o->modes && o->stabilize)
+    complain("--modes, --stabilize: one of the two");
+  else
+    return 1;
+  return 0;
+}
+
+/* ---- vectors --------------------------------------------------------------------------------- */
+
+/* Returns 1 if the text is a number and no file. */
+static int is_number(const char *text, double *value) {
+  char *end;
+  *value = strtod(text, &end);
+  return end > text && !*end;
+}
+
+static size_t table_count(const table *t) {
+  return (size_t)t->rows * (size_t)t->cols;
+}
+
+static double *new_vector(size_t count) {
+  double *x = calloc(count ? count : 1, sizeof *x);
+  if (!x) (void)complain("out of memory");
+  return x;
+}
+
+/* Reads exactly `count` numbers, row by row. */
+static int read_vector(const char *option, const char *path, int count, double **x) {
+  table t;
+  const int good =
+      table_read(path, &t) &&
+      (table_count(&t) == (size_t)count ||
+       (complain("--%s: %s holds %zu numbers, must hold %d", option, path, table_count(&t), count),
+        0));
+  if (good)
+    *x = t.a;
+  else
+    free(t.a);
+  return good;
+}
+
+/* Reads the friction: one number for all candidates, or one each. */
+static int read_friction(const char *text, int nc, double **mu) {
+  double each = 0;
+  table t = {0};
+  *mu = new_vector((size_t)nc);
+  int good = *mu != NULL;
+  if (good && text && !is_number(text, &each)) {
+    good = table_read(text, &t);
+    if (good && table_count(&t) != 1 && table_count(&t) != (size_t)nc)
+      good =
+          (complain("--mu: %s holds %zu numbers, must hold 1 or %d", text, table_count(&t), nc), 0);
+  }
+  for (int c = 0; good && c < nc; c++)
+    (*mu)[c] = !t.a ? each : table_count(&t) == 1 ? t.a[0] : t.a[c];
+  free(t.a);
+  return good;
+}
+
+/* Reads the gaps of `nodes` contact nodes in local order; those of the normals alone may be given.
+ */
+static int read_gaps(const char *text, int d, int nodes, double **g) {
+  double each = 0;
+  table t = {0};
+  *g = new_vector((size_t)d * (size_t)nodes);
+  int good = *g != NULL, whole = 0;
+  if (good && text && !is_number(text, &each)) {
+    good = table_read(text, &t);
+    const size_t count = good ? table_count(&t) : 0;
+    whole = count == (size_t)d * (size_t)nodes;
+    if (good && !whole && count != (size_t)nodes)
+      good =
+          (complain("--g: %s holds %zu numbers, must hold %d or %d", text, count, nodes, d * nodes),
+           0);
+  }
+  for (int c = 0; good && c < nodes; c++)
+    for (int i = 0; i < (whole ? d : 1); i++)
+      (*g)[d * c + i] = !t.a ? each : whole ? t.a[d * c + i] : t.a[c];
+  free(t.a);
+  return good;
+}
+
+/* ---- the numbering --------------------------------------------------------------------------- */
+
+/* Reads job.dof beside job.sti: lines node.direction, one for each of the n unknowns. */
+static int read_numbering(const char *sti, int n, struct matrices *own) {
+  char path[PATH_ROOM], line[64];
+  if (strlen(sti) >= sizeof path) return complain("%s: the name is too long", sti), 0;
+  strcpy(path, sti);
+  strcpy(path + strlen(path) - 4, ".dof");
+  FILE *file = fopen(path, "r");
+  if (!file) return complain("%s: cannot be opened, CalculiX writes it beside %s", path, sti), 0;
+  own->node = malloc((size_t)n * sizeof *own->node);
+  own->direction = malloc((size_t)n * sizeof *own->direction);
+  int good = own->node && own->direction ? 1 : (complain("out of memory"), 0), k = 0;
+  while (good && fgets(line, sizeof line, file)) {
+    if (k >= n || sscanf(line, "%d.%1d", &own->node[k], &own->direction[k]) != 2 ||
+        own->node[k] < 1)
+      good = (complain("%s: line %d is no node.direction of %d unknowns", path, k + 1, n), 0);
+    k++;
+  }
+  (void)fclose(file);
+  if (good && k != n) good = (complain("%s: holds %d unknowns, %s has %d", path, k, sti, n), 0);
+  return good;
+}
+
+/* Returns the unknown of a node's direction k = 0, 1, ..: -1 if the node is held there, -2 if there
+ * is no such node. */
+static int find_unknown(const struct matrices *own, int d, int n, int node, int k) {
+  if (!own->node) return node < 1 || node > n / d || k >= d ? -2 : d * (node - 1) + k;
+  int known = -2;
+  for (int e = 0; e < n; e++) {
+    if (own->node[e] != node) continue;
+    if (own->direction[e] == k + 1) return e;
+    known = -1;
+  }
+  return known;
+}
+
+/* Reads the loads: n numbers, or, where nodes have numbers, rows (node, direction, value). */
+static int read_loads(const char *path, int d, int n, int numbered, struct matrices *own) {
+  table t;
+  own->f = new_vector((size_t)n);
+  if (!own->f) return 0;
+  if (!path) return 1;
+  int good = table_read(path, &t);
+  const int whole = good && table_count(&t) == (size_t)n;
+  if (good && !whole && !(numbered && t.cols == 3))
+    good = (complain("--f: %s holds %zu numbers, must hold %d%s", path, table_count(&t), n,
+                     numbered ? ", or rows of node, direction and value" : ""),
+            0);
+  for (int e = 0; whole && e < n; e++)
+    own->f[e] = t.a[e];
+  for (int i = 0; good && !whole && i < t.rows; i++) {
+    const double *row = t.a + 3 * (size_t)i;
+    const int is_place = row[0] >= 1 && row[0] < INT_MAX && row[1] >= 1 && row[1] <= d;
+    const int e = is_place ? find_unknown(own, d, n, (int)row[0], (int)row[1] - 1) : -2;
+    if (e == -2)
+      good = (complain("--f: %s, row %d: there is no node %g with direction %g", path, i + 1,
+                       row[0], row[1]),
+              0);
+    else if (e >= 0)
+      own->f[e] += row[2]; /* a load where a node is held moves nothing */
+  }
+  free(t.a);
+  return good;
+}
+
+/* ---- the operators H ------------------------------------------------------------------------- */
+
+/* Copies the columns of H, (n, t[, s]) of each node, into H_N and H_T. */
+static int split_columns(const dls_sparse *H, int d, sparse *HN, sparse *HT) {
+  const int nodes = H->cols / d;
+  const size_t count = (size_t)H->p[H->cols];
+  if (!sparse_alloc(H->rows, nodes, count, HN) ||
+      !sparse_alloc(H->rows, (d - 1) * nodes, count, HT))
+    return 0;
+  int at[2] = {0, 0}, col[2] = {0, 0};
+  HN->p[0] = HT->p[0] = 0;
+  for (int j = 0; j < H->cols; j++) {
+    const int tangent = j % d > 0;
+    sparse *to = tangent ? HT : HN;
+    for (int k = H->p[j]; k < H->p[j + 1]; k++) {
+      to->i[at[tangent]] = H->i[k];
+      to->x[at[tangent]++] = H->x[k];
+    }
+    to->p[++col[tangent]] = at[tangent];
+  }
+  return 1;
+}
+
+/* Completes the frame (n, t[, s]) of a normal: in 2D t is n turned by -90 degrees; in 3D t is the
+ * axis that n leans to least, without its part along n, and s = n x t. */
+static int complete_frame(int d, double frame[3][3]) {
+  double *a = frame[0], *t = frame[1], *s = frame[2], size = 0;
+  for (int k = 0; k < d; k++)
+    size = hypot(size, a[k]);
+  if (!(size > 0 && isfinite(size))) return 0;
+  for (int k = 0; k < d; k++)
+    a[k] /= size;
+  if (d == 2) {
+    t[0] = a[1];
+    t[1] = -a[0];
+    return 1;
+  }
+  int least = 0;
+  for (int k = 1; k < 3; k++)
+    if (fabs(a[k]) < fabs(a[least])) least = k;
+  for (int k = 0; k < 3; k++)
+    t[k] = (k == least) - a[least] * a[k];
+  const double length = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
+  for (int k = 0; k < 3; k++)
+    t[k] /= length;
+  for (int k = 0; k < 3; k++)
+    s[k] = a[(k + 1) % 3] * t[(k + 2) % 3] - a[(k + 2) % 3] * t[(k + 1) % 3];
+  return 1;
+}
+
+/* Makes H of a list of nodes and normals; directions in which a node is held have no entry. */
+static int operators_of_nodes(const char *path, int n, const struct matrices *own, int *d,
+                              sparse *H) {
+  table t;
+  int good = table_read(path, &t);
+  if (good && t.cols != 3 && t.cols != 4)
+    good =
+        (complain("--nodes: %s has %d columns, must have 'node n_x n_y [n_z]'", path, t.cols), 0);
+  if (good) {
+    *d = t.cols - 1;
+    const size_t cols = (size_t)*d * (size_t)t.rows;
+    good = cols <= INT_MAX / 3 ? sparse_alloc(n, (int)cols, 3 * cols, H)
+                               : (complain("--nodes: too many"), 0);
+  }
+  int entries = 0;
+  for (int c = 0; good && c < t.rows; c++) {
+    const double *row = t.a + (size_t)c * (size_t)t.cols;
+    double frame[3][3] = {{row[1], row[2], *d == 3 ? row[3] : 0}};
+    const int node = row[0] >= 1 && row[0] < INT_MAX ? (int)row[0] : 0;
+    if (find_unknown(own, *d, n, node, 0) == -2)
+      good = (complain("--nodes: %s, row %d: there is no node %g", path, c + 1, row[0]), 0);
+    else if (!complete_frame(*d, frame))
+      good = (complain("--nodes: %s, row %d: has no normal", path, c + 1), 0);
+    for (int i = 0; good && i < *d; i++) {
+      H->p[*d * c + i] = entries;
+      for (int k = 0; k < *d; k++) {
+        const int e = find_unknown(own, *d, n, node, k);
+        if (e < 0 || frame[i][k] == 0) continue;
+        H->i[entries] = e;
+        H->x[entries++] = frame[i][k];
+      }
+    }
+  }
+  if (good) H->p[H->view.cols] = entries;
+  free(t.a);
+  return good;
+}
+
+/* Tells the dimension from --dim, else from the numbers of friction or gaps beside the m columns
+ * of H or rows of W; 0 after a complaint. */
+static int find_dimension(const matrix_options *o, int m) {
+  const char *const paths[] = {o->mu, o->g};
+  double number;
+  int d = o->dim;
+  for (int k = 0; k < 2 && !d; k++) {
+    table t = {0};
+    if (!paths[k] || is_number(paths[k], &number) || !table_read(paths[k], &t)) continue;
+    const size_t count = table_count(&t);
+    if (2 * count == (size_t)m) d = 2;
+    if (3 * count == (size_t)m) d = 3;
+    free(t.a);
+  }
+  if (!d)
+    complain("--dim: 2 or 3 is wanted");
+  else if (m % d)
+    d = (complain("--dim: %d does not divide the %d columns of H or rows of W", d, m), 0);
+  return d;
+}
+
+/* Checks the rows of an operator against the n unknowns of K. */
+static int has_rows(const char *option, const char *path, const dls_sparse *A, int n) {
+  if (A->rows == n) return 1;
+  complain("--%s: %s has %d rows, must have %d", option, path, A->rows, n);
+  return 0;
+}
+
+/* Reads H_N and H_T in one of the three ways; sets model->d and nodes. */
+static int load_operators(const matrix_options *o, struct matrices *own, dls_model *model) {
+  sparse H = {0};
+  const int n = model->n;
+  int good = 1, d = o->dim;
+  if (o->HN) {
+    good = sparse_read(o->HN, &own->HN) && has_rows("HN", o->HN, &own->HN.view, n);
+    const int nodes = own->HN.view.cols;
+    if (good && o->HT) {
+      good = sparse_read(o->HT, &own->HT) && has_rows("HT", o->HT, &own->HT.view, n);
+      const int cols = own->HT.view.cols;
+      d = cols == 2 * nodes ? 3 : 2;
+      if (good && (cols != (d - 1) * nodes || (o->dim && d != o->dim)))
+        good = (complain("--HT: %s has %d columns; --HN has %d, so %d or %d are wanted", o->HT,
+                         cols, nodes, nodes, 2 * nodes),
+                0);
+    } else if (good) { /* no tangents */
+      d = o->dim ? o->dim : 2;
+      good = sparse_alloc(n, (d - 1) * nodes, 0, &own->HT);
+      if (good) memset(own->HT.p, 0, ((size_t)((d - 1) * nodes) + 1) * sizeof *own->HT.p);
+    }
+  } else {
+    if (o->nodes)
+      good = operators_of_nodes(o->nodes, n, own, &d, &H);
+    else
+      good = sparse_read(o->H, &H) && has_rows("H", o->H, &H.view, n) &&
+             (d = find_dimension(o, H.view.cols)) > 0;
+    if (good) good = split_columns(&H.view, d, &own->HN, &own->HT);
+    if (good && o->dim && o->dim != d) good = (complain("--dim: the normals have %d parts", d), 0);
+    sparse_free(&H);
+  }
+  model->d = d;
+  model->nodes = own->HN.view.cols;
+  model->HN = own->HN.view;
+  model->HT = own->HT.view;
+  return good;
+}
+
+/* ---- K, W ------------------------------------------------------------------------------------ */
+
+/* Reads a dense square matrix by columns. */
+static int read_square(const char *option, const char *path, int *n, double **a) {
+  table t;
+  int good = table_read(path, &t);
+  if (good && t.rows != t.cols)
+    good = (complain("--%s: %s is %d x %d, must be square", option, path, t.rows, t.cols), 0);
+  if (good) good = (*a = table_by_columns(path, &t)) != NULL;
+  *n = t.rows;
+  free(t.a);
+  return good;
+}
+
+/* Chooses the factorisation: Cholesky, or LDL^T where that fails, for a symmetric K. */
+static int choose_factorization(int symmetric, dls_model *model) {
+  if (symmetric < 0) (void)complain("out of memory");
+  model->factorization = symmetric ? DLS_CHOLESKY : DLS_LU;
+  return symmetric >= 0;
+}
+
+static int load_stiffness(const char *path, struct matrices *own, dls_model *model) {
+  if (!array_is_sparse(path)) {
+    model->operator_kind = DLS_STIFFNESS_DENSE;
+    if (!read_square("stiffness", path, &model->n, &own->K)) return 0;
+    model->K = (dls_dense){model->n, model->n, model->n, own->K};
+    return choose_factorization(dense_is_symmetric(model->n, own->K), model);
+  }
+  model->operator_kind = DLS_STIFFNESS_SPARSE;
+  if (!sparse_read(path, &own->Ks)) return 0;
+  model->Ks = own->Ks.view;
+  model->n = model->Ks.rows;
+  if (model->Ks.rows != model->Ks.cols)
+    return complain("--stiffness: %s is %d x %d, must be square", path, model->Ks.rows,
+                    model->Ks.cols),
+           0;
+  return choose_factorization(sparse_is_symmetric(&model->Ks), model) &&
+         (!array_is_calculix(path) || read_numbering(path, model->n, own));
+}
+
+static int load_condensed(const matrix_options *o, problem *p) {
+  struct matrices *own = p->matrices;
+  int m = 0;
+  if (!read_square("W", o->W, &m, &own->K)) return 0;
+  const int d = find_dimension(o, m);
+  if (!d || !read_vector("q", o->q, m, &own->q) || !read_friction(o->mu, m / d, &own->mu)) return 0;
+  p->contact =
+      (dls_contact){.d = d, .nc = m / d, .W = {m, m, m, own->K}, .q = own->q, .mu = own->mu};
+  return 1;
+}
+
+static int load_modes(const char *path, struct matrices *own, dls_model *model) {
+  table t;
+  const int good = table_read(path, &t) && (own->modes = table_by_columns(path, &t)) != NULL;
+  if (good) model->modes = (dls_dense){t.rows, t.cols, t.rows, own->modes};
+  free(t.a);
+  return good;
+}
+
+static int condense(const matrix_options *o, problem *p) {
+  dls_error error = {0};
+  dls_reduction_settings settings;
+  dls_reduction_settings_init(&settings);
+  settings.allow_indefinite = 1;
+  settings.stabilize = o->stabilize;
+  const double start = cpu_seconds();
+  dls_status status = dls_reduction_create_with(&p->reduction, &p->model, &settings, &error);
+  if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, &error);
+  if (!status) status = dls_reduction_contact(p->reduction, p->mu, &p->contact, &error);
+  p->reduction_cpu_seconds = cpu_seconds() - start;
+  if (!status) return 1;
+  (void)complain_of(matrices_name(o), &error);
+  if (status == DLS_E_SINGULAR && strstr(error.message, "rigid-body"))
+    (void)complain("--stabilize finds and holds the rigid-body modes, --modes takes them");
+  return 0;
+}
+
+/* ---- the problem ----------------------------------------------------------------------------- */
+
+int matrices_load(const matrix_options *o, problem *p) {
+  if (!check_matrices(o)) return 0;
+  struct matrices *own = p->matrices = calloc(1, sizeof *own);
+  if (!own) return complain("out of memory"), 0;
+  if (o->W) return load_condensed(o, p);
+  dls_model *model = &p->model;
+  if (o->stiffness) {
+    if (!load_stiffness(o->stiffness, own, model)) return 0;
+  } else {
+    model->operator_kind = DLS_FLEXIBILITY;
+    if (!read_square("flexibility", o->flexibility, &model->n, &own->K)) return 0;
+    model->K = (dls_dense){model->n, model->n, model->n, own->K};
+  }
+  if (!load_operators(o, own, model)) return 0;
+  if (o->weights) {
+    if (!sparse_read(o->weights, &own->P)) return 0;
+    model->P = own->P.view;
+  }
+  if (o->modes && !load_modes(o->modes, own, model)) return 0;
+  const int candidates = o->weights ? model->P.cols : model->nodes;
+  if (!read_friction(o->mu, candidates, &own->mu) ||
+      !read_gaps(o->g, model->d, model->nodes, &own->g) ||
+      !read_loads(o->f, model->d, model->n, own->node || o->nodes, own))
+    return 0;
+  if (o->HN && !o->HT) { /* without tangents there is no friction */
+    for (int c = 0; c < candidates; c++)
+      if (own->mu[c] != 0) return complain("--mu: friction needs the tangents, --HT"), 0;
+    model->mu = own->mu;
+  }
+  p->f = own->f;
+  p->g = own->g;
+  p->mu = own->mu;
+  return condense(o, p);
+}
+
+void matrices_free(struct matrices *own) {
+  if (!own) return;
+  sparse_free(&own->Ks);
+  sparse_free(&own->HN);
+  sparse_free(&own->HT);
+  sparse_free(&own->P);
+  free(own->K);
+  free(own->modes);
+  free(own->f);
+  free(own->g);
+  free(own->q);
+  free(own->mu);
+  free(own->node);
+  free(own->direction);
+  free(own);
+}
+
+int problem_unknown(const problem *p, int k, int *node, int *direction) {
+  if (!p->matrices || !p->matrices->node) return 0;
+  *node = p->matrices->node[k];
+  *direction = p->matrices->direction[k];
+  return 1;
+}

@@ -1,0 +1,102 @@
+/* results.c: the answer of a solve as a table for people and as CSV files. */
+#include <stdlib.h>
+
+#include "cli.h"
+
+static const char local_names[] = "nts";
+
+/* A table in one of its two dresses. */
+typedef struct sheet {
+  FILE *file;
+  int csv;
+} sheet;
+
+static void put_number(const sheet *s, double value) {
+  (void)fprintf(s->file, s->csv ? ",%.17g" : " %14.7g", value);
+}
+
+static void put_vectors(const sheet *s, int d, const double *r, const double *u) {
+  for (int i = 0; i < d; i++)
+    put_number(s, r[i]);
+  for (int i = 0; i < d; i++)
+    put_number(s, u[i]);
+}
+
+/* Writes a row for each candidate: index, state, gap (u_n where it is free), r, u. */
+static void put_candidates(const sheet *s, const dls_contact *contact,
+                           const dls_contact_state *state, const double *r, const double *u) {
+  const int d = contact->d;
+  (void)fputs(s->csv ? "candidate,state,gap" : "  candidate state            gap", s->file);
+  for (int i = 0; i < d; i++)
+    (void)fprintf(s->file, s->csv ? ",r_%c" : "            r_%c", local_names[i]);
+  for (int i = 0; i < d; i++)
+    (void)fprintf(s->file, s->csv ? ",u_%c" : "            u_%c", local_names[i]);
+  (void)fputc('\n', s->file);
+  for (int c = 0; c < contact->nc; c++) {
+    (void)fprintf(s->file, s->csv ? "%d,%s" : "  %9d %-5s", c, state_word(state[c]));
+    put_number(s, state[c] == DLS_FREE ? u[d * c] : 0);
+    put_vectors(s, d, r + d * c, u + d * c);
+    (void)fputc('\n', s->file);
+  }
+}
+
+/* Writes a row for each unknown: its index, or the host's node and direction, and its value. */
+static void put_unknowns(const sheet *s, const problem *p, const double *x) {
+  int node, direction;
+  const int named = problem_unknown(p, 0, &node, &direction);
+  (void)fputs(
+      s->csv ? (named ? "node,direction,x\n" : "unknown,x\n")
+             : (named ? "       node direction             x\n" : "    unknown              x\n"),
+      s->file);
+  for (int k = 0; k < p->model.n; k++) {
+    if (problem_unknown(p, k, &node, &direction))
+      (void)fprintf(s->file, s->csv ? "%d,%d" : "  %9d %9d", node, direction);
+    else
+      (void)fprintf(s->file, s->csv ? "%d" : "  %9d", k);
+    put_number(s, x[k]);
+    (void)fputc('\n', s->file);
+  }
+}
+
+static dls_contact_state *find_states(const dls_contact *contact, const double *r,
+                                      const double *u) {
+  const size_t count = contact->nc > 0 ? (size_t)contact->nc : 1;
+  dls_contact_state *state = malloc(count * sizeof *state);
+  dls_error error = {0};
+  if (!state)
+    (void)complain("out of memory");
+  else if (dls_contact_states(contact, r, u, state, &error)) {
+    (void)complain_of("states", &error);
+    free(state);
+    state = NULL;
+  }
+  return state;
+}
+
+int print_results(const problem *p, const double *r, const double *u, const double *x) {
+  dls_contact_state *state = find_states(&p->contact, r, u);
+  if (!state) return 0;
+  const sheet s = {stdout, 0};
+  put_candidates(&s, &p->contact, state, r, u);
+  if (x) put_unknowns(&s, p, x);
+  free(state);
+  return 1;
+}
+
+int write_results(const char *directory, const problem *p, const double *r, const double *u,
+                  const double *x) {
+  if (!make_directory(directory)) return 0;
+  dls_contact_state *state = find_states(&p->contact, r, u);
+  sheet s = {state ? open_in(directory, "r.csv") : NULL, 1};
+  int good = s.file != NULL;
+  if (good) {
+    put_candidates(&s, &p->contact, state, r, u);
+    good = close_file(s.file, "r.csv");
+  }
+  free(state);
+  if (!good || !x) return good;
+  s.file = open_in(directory, "x.csv");
+  if (!s.file) return 0;
+  put_unknowns(&s, p, x);
+  return close_file(s.file, "x.csv");
+}

@@ -1,0 +1,336 @@
+/* test_matrices.c: `delassus solve` from the matrices of a host code, beside the same host in C. */
+#define _GNU_SOURCE
+#include <check.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delassus.h"
+#include "program.h"
+#include "run.h"
+
+/* Nodes of a cube joined by springs on a rough floor, its top held by soft springs, pushed. */
+enum { side = 4, nc = side * side, n = 3 * nc * side, m = 3 * nc };
+
+static int p[n + 1], row[4 * n], each[2 * nc + 1], normal[nc], tangent[2 * nc];
+static double value[4 * n], f[n], g[m], mu[nc], ones[2 * nc + 1];
+static dls_model model;
+
+static void make_host(void) {
+  const int step[] = {1, side, side * side};
+  for (int j = 0, e = 0; j < n; j++) {
+    const int node = j / 3, at[] = {node % side, node / side % side, node / side / side};
+    const int diagonal = e++;
+    row[diagonal] = j;
+    value[diagonal] = at[2] == side - 1 ? 0.05 : 0;
+    for (int k = 0; k < 3; k++) {
+      const double stiffness = 1 + 0.3 * k;
+      value[diagonal] += stiffness * ((at[k] > 0) + (at[k] < side - 1));
+      if (at[k] == side - 1) continue;
+      row[e] = j + 3 * step[k];
+      value[e++] = -stiffness;
+    }
+    p[j + 1] = e;
+    f[j] = j % 3 == 2 ? -1 : 0.1 * (at[2] + 1) / (j % 3 + 1.0);
+  }
+  for (int c = 0; c < nc; c++) {
+    normal[c] = 3 * c + 2;
+    tangent[2 * c] = 3 * c;
+    tangent[2 * c + 1] = 3 * c + 1;
+    mu[c] = 0.1 + 0.02 * c;
+    g[3 * c] = 0.3 * (c % 3);
+  }
+  for (int k = 0; k <= 2 * nc; k++) {
+    each[k] = k;
+    ones[k] = 1;
+  }
+  model = (dls_model){.d = 3, .n = n, .nodes = nc, .factorization = DLS_CHOLESKY};
+  model.operator_kind = DLS_STIFFNESS_SPARSE;
+  model.Ks = (dls_sparse){n, n, p, row, value};
+  model.HN = (dls_sparse){n, nc, each, normal, ones};
+  model.HT = (dls_sparse){n, 2 * nc, each, tangent, ones};
+}
+
+static const char *path_in(const char *name) {
+  static char path[128];
+  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
+  return path;
+}
+
+static FILE *begin(const char *name) {
+  FILE *file = fopen(path_in(name), "w");
+  ck_assert_ptr_nonnull(file);
+  return file;
+}
+
+static void run_ok(dls_status status) {
+  ck_assert_int_eq(status, DLS_OK);
+}
+
+static void put(const char *name, const char *text) {
+  FILE *file = begin(name);
+  fputs(text, file);
+  ck_assert_int_eq(fclose(file), 0);
+}
+
+static const char *get(const char *name) {
+  static char text[100000];
+  FILE *file = fopen(path_in(name), "r");
+  ck_assert_msg(file != NULL, "%s is not there", name);
+  text[fread(text, 1, sizeof text - 1, file)] = '\0';
+  (void)fclose(file);
+  return text;
+}
+
+static void put_sparse(const char *name, const char *kind, const dls_sparse *A) {
+  FILE *file = begin(name);
+  fprintf(file, "%%%%MatrixMarket matrix coordinate real %s\n%d %d %d\n", kind, A->rows, A->cols,
+          A->p[A->cols]);
+  for (int j = 0; j < A->cols; j++)
+    for (int k = A->p[j]; k < A->p[j + 1]; k++)
+      fprintf(file, "%d %d %.17g\n", A->i[k] + 1, j + 1, A->x[k]);
+  ck_assert_int_eq(fclose(file), 0);
+}
+
+static void put_vector(const char *name, int count, int cols, const double *x) {
+  FILE *file = begin(name);
+  fputs("# a comment\n", file);
+  for (int k = 0; k < count; k++)
+    fprintf(file, "%.17g%c", x[k], (k + 1) % cols ? ',' : '\n');
+  ck_assert_int_eq(fclose(file), 0);
+}
+
+static void write_host(void) {
+  put_sparse("K.mtx", "symmetric", &model.Ks);
+  put_sparse("N.mtx", "general", &model.HN);
+  put_sparse("T.mtx", "general", &model.HT);
+  put_vector("f.txt", n, 3, f);
+  put_vector("g.txt", m, 3, g);
+  put_vector("mu.txt", nc, 1, mu);
+}
+
+static double r[m], u[m], x[n];
+static dls_contact problem;
+static dls_reduction *reduction;
+
+/* Solves as a host in C does; the caller destroys the reduction. */
+static void solve_in_c(void) {
+  dls_info info;
+  run_ok(dls_reduction_create(&reduction, &model, NULL));
+  run_ok(dls_reduction_load(reduction, f, g, NULL));
+  run_ok(dls_reduction_contact(reduction, mu, &problem, NULL));
+  dls_solver_settings settings;
+  dls_solver_settings_init(&settings);
+  run_ok(dls_solve(&problem, &settings, r, u, &info, NULL));
+  run_ok(dls_reduction_recover(reduction, r, x, NULL));
+}
+
+/* The files r.csv and x.csv of @/out hold the answer of the host in C, digit for digit. */
+static void same_as_in_c(void) {
+  static char want[100000];
+  static const char *const words[] = {"free", "slip", "stick"};
+  dls_contact_state state[nc];
+  run_ok(dls_contact_states(&problem, r, u, state, NULL));
+  int at = sprintf(want, "candidate,state,gap,r_n,r_t,r_s,u_n,u_t,u_s\n");
+  for (int c = 0; c < nc; c++) {
+    const double gap = state[c] == DLS_FREE ? u[3 * c] : 0;
+    const double *a = r + 3 * c, *b = u + 3 * c;
+    at += sprintf(want + at, "%d,%s,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", c,
+                  words[state[c]], gap, a[0], a[1], a[2], b[0], b[1], b[2]);
+  }
+  ck_assert_str_eq(get("out/r.csv"), want);
+  at = sprintf(want, "unknown,x\n");
+  for (int k = 0; k < n; k++)
+    at += sprintf(want + at, "%d,%.17g\n", k, x[k]);
+  ck_assert_str_eq(get("out/x.csv"), want);
+}
+
+static int ends_in(const char *text) {
+  const size_t length = strlen(output), tail = strlen(text);
+  return length >= tail && strcmp(output + length - tail, text) == 0;
+}
+
+START_TEST(equal_to_a_host_in_c) {
+  make_host();
+  write_host();
+  solve_in_c();
+  ck_assert_msg(run("solve --stiffness @/K.mtx --HN @/N.mtx --HT @/T.mtx --f @/f.txt --g @/g.txt "
+                    "--mu @/mu.txt --csv @/out --print") == 0,
+                "%s", output);
+  ck_assert(ends_in("\nsolved\n"));
+  ck_assert(strstr(output, "candidate state") != NULL);
+  same_as_in_c();
+  /* the condensed problem, written to the last digit, has the same answer */
+  ck_assert_int_eq(dls_mtx_write(path_in("W.mtx"), &problem.W, NULL), DLS_OK);
+  put_vector("q.txt", m, 1, problem.q);
+  ck_assert_int_eq(run("solve --W @/W.mtx --q @/q.txt --mu @/mu.txt --csv @/out -o @/r.mtx"), 0);
+  same_as_in_c();
+  dls_reduction_destroy(reduction);
+  int rows, cols;
+  double *again;
+  run_ok(dls_mtx_read(path_in("r.mtx"), &rows, &cols, &again, NULL));
+  ck_assert_int_eq(rows, m);
+  ck_assert_int_eq(memcmp(again, r, sizeof r), 0);
+  dls_mtx_free(again);
+}
+END_TEST
+
+START_TEST(one_h_one_list_and_npy) {
+  make_host();
+  write_host();
+  solve_in_c();
+  /* H has the columns (n, t, s) of each node; --dim is told by mu */
+  FILE *file = begin("H.mtx");
+  fprintf(file, "%%%%MatrixMarket matrix coordinate real general\n%d %d %d\n", n, m, m);
+  for (int c = 0; c < nc; c++)
+    fprintf(file, "%d %d 1\n%d %d 1\n%d %d 1\n", normal[c] + 1, 3 * c + 1, tangent[2 * c] + 1,
+            3 * c + 2, tangent[2 * c + 1] + 1, 3 * c + 3);
+  ck_assert_int_eq(fclose(file), 0);
+  ck_assert_int_eq(run("solve --stiffness @/K.mtx --H @/H.mtx --f @/f.txt --g @/g.txt "
+                       "--mu @/mu.txt --csv @/out"),
+                   0);
+  same_as_in_c();
+  /* rows (node, normal): t = x, s = n x t = y */
+  file = begin("nodes.txt");
+  for (int c = 0; c < nc; c++)
+    fprintf(file, "%d 0 0 2\n", c + 1);
+  ck_assert_int_eq(fclose(file), 0);
+  ck_assert_int_eq(run("solve --stiffness @/K.mtx --nodes @/nodes.txt --f @/f.txt --g @/g.txt "
+                       "--mu @/mu.txt --csv @/out"),
+                   0);
+  same_as_in_c();
+  /* f as NumPy writes it */
+  char header[128];
+  const int length = snprintf(header, sizeof header,
+                              "{'descr': '<f8', 'fortran_order': False, 'shape': (%d,), }", n);
+  file = begin("f.npy");
+  fwrite("\x93NUMPY\1\0", 1, 8, file);
+  fputc(length + 1, file);
+  fputc(0, file);
+  fprintf(file, "%s\n", header);
+  fwrite(f, sizeof *f, n, file);
+  ck_assert_int_eq(fclose(file), 0);
+  ck_assert_msg(run("solve --stiffness @/K.mtx --HN @/N.mtx --HT @/T.mtx --f @/f.npy --g @/g.txt "
+                    "--mu @/mu.txt --csv @/out") == 0,
+                "%s", output);
+  same_as_in_c();
+  dls_reduction_destroy(reduction);
+}
+END_TEST
+
+/* The point of examples/point.c, with the numbers of CalculiX: node 7 is held in z. */
+START_TEST(calculix) {
+  put("job.sti", "1 1 3.0000000000000e+00\n1 2 1.0e0\n2 2 2.0e0\n");
+  put("job.dof", "7.1\n7.2\n");
+  put("nodes.txt", "7  0 1 0\n");
+  put("loads.txt", "7 1 5\n7 2 -10\n7 3 100\n");
+  ck_assert_msg(run("solve --stiffness @/job.sti --nodes @/nodes.txt --f @/loads.txt --mu 0.2 "
+                    "--csv @/out") == 0,
+                "%s", output);
+  double number[6];
+  ck_assert_int_eq(sscanf(strchr(get("out/r.csv"), '\n'), "\n0,slip,%lf,%lf,%lf,%lf", number,
+                          number + 1, number + 2, number + 3),
+                   4);
+  ck_assert_double_eq_tol(number[1], 10.9375, 1e-12);
+  ck_assert(strncmp(get("out/x.csv"), "node,direction,x\n7,1,0.93", 24) == 0);
+  put("job.dof", "7.1\n");
+  ck_assert_int_eq(run("solve --stiffness @/job.sti --nodes @/nodes.txt --f @/loads.txt --mu 1"),
+                   2);
+  ck_assert(strstr(output, "holds 1 unknowns") != NULL);
+  put("job.sti", "2 1 3.0\n");
+  ck_assert_int_eq(run("solve --stiffness @/job.sti --nodes @/nodes.txt --mu 1"), 2);
+  ck_assert(strstr(output, "on or above the diagonal") != NULL);
+}
+END_TEST
+
+/* A bar of two free nodes, pressed onto a wall on each side. */
+START_TEST(free_body) {
+  put("K.txt", "1 -1\n-1 1\n");
+  put("N.txt", "1 0\n0 -1\n");
+  put("f.txt", "3 1\n");
+  ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --f @/f.txt"), 2);
+  ck_assert(strstr(output, "rigid-body") && strstr(output, "--stabilize"));
+  ck_assert_msg(
+      run("solve --stiffness @/K.txt --HN @/N.txt --f @/f.txt --stabilize --print --quiet") == 0,
+      "%s", output);
+  ck_assert(strstr(output, "stick") != NULL || strstr(output, "slip") != NULL);
+  put("B.txt", "1\n1\n");
+  ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --f @/f.txt --modes @/B.txt -q"), 0);
+  ck_assert_str_eq(output, "solved\n");
+}
+END_TEST
+
+/* Each line: the arguments, and what the complaint says. */
+START_TEST(bad_matrices_are_2) {
+  static const char *const wrong[][2] = {
+      {"--HN @/N.txt --f @/f.txt", "one of --stiffness"},
+      {"--stiffness @/K.txt --flexibility @/K.txt --HN @/N.txt", "one of --stiffness"},
+      {"--stiffness @/none --HN @/N.txt", "cannot be opened"},
+      {"--stiffness @/K.txt --f @/f.txt --mu 0", "one of --HN"},
+      {"--stiffness @/K.txt --HN @/N.txt --HT @/N.txt", "--mu: is wanted"},
+      {"--stiffness @/K.txt --HN @/N.txt --mu 0.3", "needs the tangents"},
+      {"--stiffness @/K.txt --HN @/N.txt --HT @/N.txt --mu nan", "mu[0]"},
+      {"--stiffness @/K.txt --HN @/N.txt --HT @/N.txt --mu -1", "mu[0]"},
+      {"--stiffness @/K.txt --HN @/three.txt", "has 3 rows, must have 2"},
+      {"--stiffness @/three.txt --HN @/N.txt", "must be square"},
+      {"--stiffness @/words.txt --HN @/N.txt", "line 2, 'two'"},
+      {"--stiffness @/ragged.txt --HN @/N.txt", "line 2 has 1 numbers"},
+      {"--stiffness @/empty.txt --HN @/N.txt", "holds no number"},
+      {"--stiffness @/K.txt --HN @/N.txt --f @/three.txt", "must hold 2"},
+      {"--stiffness @/K.txt --HN @/N.txt --g @/three.txt", "--g:"},
+      {"--stiffness @/K.txt --HN @/N.txt --HT @/N.txt --mu @/three.txt", "must hold 1 or 1"},
+      {"--stiffness @/K.txt --H @/K.txt --mu 0.1", "--dim: 2 or 3"},
+      {"--stiffness @/K.txt --H @/K.txt --mu 0.1 --dim 3", "does not divide"},
+      {"--stiffness @/K.txt --H @/K.txt --mu 0.1 --dim 4", "is not 2 or 3"},
+      {"--stiffness @/K.txt --nodes @/far.txt --mu 0.1", "no node 2"},
+      {"--stiffness @/K.txt --nodes @/flat.txt --mu 0.1", "has no normal"},
+      {"--stiffness @/K.txt --nodes @/f.txt --mu 0.1", "2 columns"},
+      {"--stiffness @/lower.txt --HN @/N.txt", "is a lower triangle"},
+      {"--W @/K.txt --mu 0.1", "--W: needs --q"},
+      {"--W @/K.txt --q @/f.txt --mu 0.1 --f @/f.txt", "--W: goes with"},
+      {"--W @/K.txt --q @/three.txt --mu 0.1 --dim 2", "must hold 2"},
+      {"--W @/K.txt --q @/broken.npy --mu 0.1 --dim 2", "no .npy"},
+      {"--flexibility @/K.txt --HN @/N.txt --stabilize", "is for --stiffness"},
+      {"--stiffness @/K.txt --HN @/N.txt --json --print", "--print"},
+  };
+  put("K.txt", "3 1\n1 2\n");
+  put("lower.txt", "3 0\n1 2\n");
+  put("N.txt", "0\n1\n");
+  put("f.txt", "5 -10\n");
+  put("three.txt", "1\n2\n3\n");
+  put("words.txt", "1 2\ntwo 3\n");
+  put("ragged.txt", "1 2\n3\n");
+  put("empty.txt", "# nothing\n");
+  put("far.txt", "2 0 1\n");
+  put("flat.txt", "1 0 0\n");
+  put("broken.npy", "\x93NUMPY\1");
+  for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+    char arguments[300];
+    (void)snprintf(arguments, sizeof arguments, "solve %s", wrong[k][0]);
+    ck_assert_msg(run(arguments) == 2 && strstr(output, wrong[k][1]), "%s: %s", arguments, output);
+  }
+}
+END_TEST
+
+/* The last line says how it ended; --quiet leaves it alone, --verbose tells the way on stderr. */
+START_TEST(last_line) {
+  ck_assert_int_eq(run("solve -q " TEST_DATA "/failures/c20-scales.txt"), 0);
+  ck_assert_str_eq(output, "solved\n");
+  ck_assert_int_eq(run("solve -q " TEST_DATA "/failures/c03-jam-above.txt"), 1);
+  ck_assert(strncmp(output, "not solved: ", 12) == 0);
+  ck_assert_int_eq(run("solve " TEST_DATA "/failures/l01-cycling.txt"), 0);
+  ck_assert(ends_in("\nsolved\n"));
+  ck_assert_int_eq(run("solve -q " TEST_DATA "/failures/l05-no-solution.txt"), 1);
+  ck_assert_str_eq(output, "not solved: no solution exists\n");
+  ck_assert_int_eq(run("solve -v " TEST_DATA "/failures/c20-scales.txt"), 0);
+  ck_assert(strstr(output, "s of CPU, residual") != NULL && ends_in("\nsolved\n"));
+  ck_assert_int_eq(run("solve --json " TEST_DATA "/failures/c20-scales.txt"), 0);
+  ck_assert(ends_in("\n}\n"));
+}
+END_TEST
+
+int main(void) {
+  return RUN("matrices", make_directory, remove_directory, ONCE(equal_to_a_host_in_c),
+             ONCE(one_h_one_list_and_npy), ONCE(calculix), ONCE(free_body),
+             ONCE(bad_matrices_are_2), ONCE(last_line));
+}

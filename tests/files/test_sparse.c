@@ -1,0 +1,150 @@
+/* test_sparse.c: sparse matrices from Matrix Market and CalculiX files. */
+#define _GNU_SOURCE
+#include <check.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "delassus/files.h"
+#include "malloc_fails.h"
+#include "run.h"
+
+static char path[64];
+
+static void make_file(void) {
+  (void)snprintf(path, sizeof path, "/tmp/delassus-sparse-XXXXXX");
+  const int file = mkstemp(path);
+  ck_assert_int_ge(file, 0);
+  (void)close(file);
+}
+
+static void remove_file(void) {
+  (void)remove(path);
+}
+
+static void put(const char *text) {
+  FILE *file = fopen(path, "w");
+  ck_assert_ptr_nonnull(file);
+  fputs(text, file);
+  ck_assert_int_eq(fclose(file), 0);
+}
+
+/* The sum of the entries of A at (i, j). */
+static double at(const dls_sparse *A, int i, int j) {
+  double sum = 0;
+  for (int k = A->p[j]; k < A->p[j + 1]; k++)
+    if (A->i[k] == i) sum += A->x[k];
+  return sum;
+}
+
+/* A is the matrix a (rows x cols, row by row) with `entries` stored. */
+static void is_matrix(const dls_sparse *A, int rows, int cols, int entries, const double *a) {
+  ck_assert_int_eq(A->rows, rows);
+  ck_assert_int_eq(A->cols, cols);
+  ck_assert_int_eq(A->p[cols], entries);
+  for (int i = 0; i < rows; i++)
+    for (int j = 0; j < cols; j++)
+      ck_assert_double_eq(at(A, i, j), a[i * cols + j]);
+}
+
+START_TEST(matrix_market) {
+  dls_sparse A;
+  int symmetric = -1;
+  put("%%MatrixMarket matrix coordinate real general\n% c\n2 3 3\n1 1 1.5\n2 3 -2\n2 3 -1\n");
+  ck_assert_int_eq(dls_mtx_read_sparse(path, &A, &symmetric, NULL), DLS_OK);
+  is_matrix(&A, 2, 3, 3, (const double[]){1.5, 0, 0, 0, 0, -3});
+  ck_assert_int_eq(symmetric, 0);
+  dls_mtx_free_sparse(&A);
+  ck_assert(!A.p && !A.i && !A.x && !A.rows);
+  put("%%MatrixMarket matrix coordinate integer symmetric\n2 2 2\n1 1 4\n2 1 7\n");
+  ck_assert_int_eq(dls_mtx_read_sparse(path, &A, &symmetric, NULL), DLS_OK);
+  is_matrix(&A, 2, 2, 3, (const double[]){4, 7, 7, 0});
+  ck_assert_int_eq(symmetric, 1);
+  dls_mtx_free_sparse(&A);
+  put("%%MatrixMarket matrix coordinate real skew-symmetric\n2 2 1\n2 1 7\n");
+  ck_assert_int_eq(dls_mtx_read_sparse(path, &A, NULL, NULL), DLS_OK);
+  is_matrix(&A, 2, 2, 2, (const double[]){0, -7, 7, 0});
+  dls_mtx_free_sparse(&A);
+  put("%%MatrixMarket matrix array real general\n2 2\n1\n0\n0\n3\n");
+  ck_assert_int_eq(dls_mtx_read_sparse(path, &A, &symmetric, NULL), DLS_OK);
+  is_matrix(&A, 2, 2, 2, (const double[]){1, 0, 0, 3});
+  dls_mtx_free_sparse(&A);
+  dls_mtx_free_sparse(NULL);
+}
+END_TEST
+
+START_TEST(of_calculix) {
+  dls_sparse A;
+  put("1 1  3.0000000000000e+00\n1 2 -1.0e+00\n2 2 2\n3 3 5\n");
+  ck_assert_int_eq(dls_calculix_read(path, &A, NULL), DLS_OK);
+  is_matrix(&A, 3, 3, 5, (const double[]){3, -1, 0, -1, 2, 0, 0, 0, 5});
+  dls_mtx_free_sparse(&A);
+}
+END_TEST
+
+START_TEST(bad_files) {
+  static const struct {
+    int calculix;
+    const char *text;
+    dls_status status;
+    long long line;
+  } bad[] = {
+      {0, "", DLS_E_FORMAT, 1},
+      {0, "%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 1\n", DLS_E_FORMAT, 4},
+      {0, "%%MatrixMarket matrix coordinate real general\n2 2 1\n1 3 1\n", DLS_E_FORMAT, 3},
+      {0, "%%MatrixMarket matrix coordinate real general\n2 2 1\n1 1 nan\n", DLS_E_FORMAT, 3},
+      {0, "%%MatrixMarket matrix coordinate pattern general\n2 2 1\n1 1\n", DLS_E_UNSUPPORTED, 1},
+      {0, "%%MatrixMarket matrix coordinate real symmetric\n2 2 2000000000\n", DLS_E_SIZE, -1},
+      {1, "", DLS_E_FORMAT, 1},
+      {1, "1 1 2\n2 1 3\n", DLS_E_FORMAT, 2},
+      {1, "1 1 inf\n", DLS_E_FORMAT, 1},
+      {1, "1 1 2\n2 2\n", DLS_E_FORMAT, 3},
+      {1, "0 1 2\n", DLS_E_FORMAT, 1},
+  };
+  for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+    dls_sparse A = {.rows = 77};
+    dls_error error = {0};
+    put(bad[k].text);
+    const dls_status status = bad[k].calculix ? dls_calculix_read(path, &A, &error)
+                                              : dls_mtx_read_sparse(path, &A, NULL, &error);
+    ck_assert_msg(status == bad[k].status, "%zu: %s", k, error.message);
+    ck_assert_msg(error.index == bad[k].line, "%zu: %s", k, error.message);
+    ck_assert_int_eq(A.rows, 77);
+  }
+  dls_sparse A;
+  dls_error error;
+  ck_assert_int_eq(dls_mtx_read_sparse("/nowhere/at/all", &A, NULL, &error), DLS_E_FILE);
+  ck_assert_str_eq(error.function, "dls_mtx_read_sparse");
+  ck_assert_int_eq(dls_mtx_read_sparse(NULL, &A, NULL, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "path");
+  ck_assert_int_eq(dls_calculix_read(path, NULL, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "A");
+}
+END_TEST
+
+START_TEST(failing_mallocs) {
+  static const char *const texts[] = {"%%MatrixMarket matrix array real general\n2 2\n1\n0\n0\n3\n",
+                                      "1 1 3\n"};
+  for (int calculix = 0; calculix < 2; calculix++) {
+    dls_status status = DLS_E_MEMORY;
+    put(texts[calculix]);
+    for (long k = 1; status; k++) {
+      dls_sparse A = {.rows = 77};
+      malloc_fails_at(k);
+      status =
+          calculix ? dls_calculix_read(path, &A, NULL) : dls_mtx_read_sparse(path, &A, NULL, NULL);
+      malloc_fails_at(0);
+      ck_assert(status == DLS_OK || (status == DLS_E_MEMORY && A.rows == 77));
+      ck_assert_int_lt(k, 20);
+      if (!status) dls_mtx_free_sparse(&A);
+    }
+  }
+}
+END_TEST
+
+int main(void) {
+  return RUN("sparse", make_file, remove_file, ONCE(matrix_market), ONCE(of_calculix),
+             ONCE(bad_files), ONCE(failing_mallocs));
+}
