@@ -4,10 +4,10 @@
  *
  *   (AT1)  sweeps     Gauss-Seidel with Anderson acceleration, in an order of the candidates that
  *                     follows from the data
- *   (AT2)  splitting  ADMM, once: for a dense W after a failure of Newton's method, or before it
- *                     where a step costs more than 50 sweeps and the states still change; and, from
- *                     r = 0 with a small rho, for what may be a stack of bodies at rest (W by
- *                     blocks, -q in the friction cones)
+ *   (AT2)  splitting  ADMM, once, for a dense W after a failure of Newton's method, or before it
+ *                     where a step costs more than 50 sweeps and the states still change
+ *   (AT12) rest       the convex problem without mu |u_t| (vi/rest.c), for what may be a structure
+ *                     at rest: W by blocks, -q in the friction cones
  *   (AT3)  Newton     from the states that the sweeps have sorted
  *   (AT4)  augmented  the augmented Lagrangian, which sees reactions run away
  *   (AT5)  pivoting   Lemke's method, if small enough
@@ -39,11 +39,10 @@
  * each time. No clock is read: the same input takes the same stages and gives the same bits.
  *
  * W dense is what an elastic body leaves, regular. W by blocks comes from many bodies, often rigid
- * ones; it is then singular, and Newton's steps converge slowly. ADMM with a small rho asks first
- * for reactions under which nothing moves, W r = -q, the smallest ones where W is singular, then
- * puts them on their cones: a stack at rest takes a few iterations, however high. The free velocity
- * q of bodies at rest is that of falling, and -q lies in the cones; bodies in motion are far from
- * that.
+ * ones; it is then singular, and Newton's steps converge slowly. The free velocity q of bodies at
+ * rest is that of falling, and -q lies in the cones; bodies in motion are far from that. Where (AT12)
+ * meets the tolerance but for the rounding of W r, no later stage has less of it, and nothing is
+ * tried any more.
  *
  *   (AT9)  verdict. DLS_NO_SOLUTION if (AT10) has a proof. DLS_NO_SOLUTION_LIKELY only where W
  *          shows no reason for a solution (vi/exists.c), and (AT10) shows that none could be
@@ -66,8 +65,6 @@
 enum { look_every = 5, first_sweeps = 10, first_patience = 3, most_failures = 5 };
 enum { split_unknowns = 150 };  /* (AT2): below, other methods take less than its factorisation */
 enum { dense_splits = 200 };    /* iterations of (AT2): more of them cost more than Newton again */
-enum { rest_splits = 40 };      /* the same for a stack, and how many in a row ... */
-enum { rest_patience = 16 };    /* ... may pass without halving e */
 enum { path_unknowns = 300 };   /* a thousand factorisations then take a few seconds */
 enum { other_unknowns = 3000 }; /* beyond, another way takes too long, and nothing is said */
 enum { other_iterations = 2000 }; /* of sweeps and splitting by another way */
@@ -83,6 +80,7 @@ static const double on_cone = 1e-9; /* a reaction that lacks no more than this s
 typedef enum part {
   SWEEPS,
   SPLITTING,
+  REST,
   NEWTON,
   AUGMENTED,
   PIVOTING,
@@ -113,6 +111,7 @@ typedef struct dlsi_auto {
   dls_info info;      /* its certificate is that of best */
   dls_status stopped; /* by the caller's callback or time limit; DLS_OK: by neither */
   int limited;        /* by max_iterations */
+  int rounded;        /* (AT12) only the rounding of W r stands against the answer */
   double begun;       /* CPU seconds when the solve began; -1: nobody asks */
   int failures;       /* of Newton's method */
   int has_split;      /* (AT2) has been tried */
@@ -184,29 +183,15 @@ static int watch_sweeps(void *data, const dls_progress *p) {
   return p->iteration >= first << work->failures && ahead > newton;
 }
 
-/* Returns 1 when `patience` iterations have not brought e below `share` of what it was. */
-static int has_no_patience(dlsi_auto *work, const dls_progress *p, double share, int patience) {
+static int watch_newton(void *data, const dls_progress *p) {
+  dlsi_auto *work = data;
+  if (must_stop(work, p)) return 1;
   const double now = log(p->residual);
-  if (now < work->least + log(share)) {
+  if (now < work->least + log(progress)) {
     work->least = now;
     work->since = p->iteration;
   }
-  return p->iteration - work->since >= patience;
-}
-
-static int watch_newton(void *data, const dls_progress *p) {
-  dlsi_auto *work = data;
-  return must_stop(work, p) || has_no_patience(work, p, progress, first_patience << work->failures);
-}
-
-/* A stack that is at rest shows it in two iterations. */
-static int watch_splitting(void *data, const dls_progress *p) {
-  dlsi_auto *work = data;
-  if (must_stop(work, p)) return 1;
-  if (work->problem->W.a) return 0;
-  if (p->iteration == 1) work->least = INFINITY;
-  if (p->iteration == 2 && p->residual >= 1) return 1;
-  return has_no_patience(work, p, 0.5, rest_patience);
+  return p->iteration - work->since >= first_patience << work->failures;
 }
 
 static int watch_limits(void *data, const dls_progress *p) {
@@ -215,11 +200,13 @@ static int watch_limits(void *data, const dls_progress *p) {
 
 /* ---- stages ---------------------------------------------------------------------------------- */
 
-/* Returns 1 if -q lies in the friction cones, but for a tenth of it. */
-static int may_rest(const dls_contact *problem) {
+/* Returns 1 if -q lies in the friction cones, but for a tenth of it; (AT12). */
+static int may_rest(const dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
   const int d = problem->d;
   const double *q = problem->q;
   double all = 0, outside = 0;
+  if (problem->W.a || d * problem->nc < split_unknowns) return 0;
   for (int c = 0; c < problem->nc; c++, q += d) {
     double v[3] = {0}, p[3] = {0};
     for (int i = 0; i < d; i++)
@@ -236,7 +223,7 @@ static int may_rest(const dls_contact *problem) {
 static int may_split(const dlsi_auto *work) {
   const dls_contact *problem = work->problem;
   if (work->has_split || problem->d * problem->nc < split_unknowns) return 0;
-  return problem->W.a ? work->failures > 0 || work->costly : may_rest(problem);
+  return problem->W.a && (work->failures > 0 || work->costly);
 }
 
 static int may_pivot(const dlsi_auto *work) {
@@ -260,7 +247,8 @@ static const struct {
   int most;
 } part_of[] = {
     [SWEEPS] = {&dlsi_nlgs_method, watch_sweeps, NULL, 0},
-    [SPLITTING] = {&dlsi_admm_method, watch_splitting, may_split, dense_splits},
+    [SPLITTING] = {&dlsi_admm_method, watch_limits, may_split, dense_splits},
+    [REST] = {&dlsi_rest_method, watch_limits, may_rest, 0},
     [NEWTON] = {&dlsi_newton_method, watch_newton, NULL, 0},
     [AUGMENTED] = {&dlsi_augmented_method, watch_limits, NULL, 0},
     [PIVOTING] = {&dlsi_lemke_method, watch_limits, may_pivot, 0},
@@ -274,21 +262,24 @@ static const struct {
 static const struct {
   part part;
   int cold, copy;
-} stages[] = {{SWEEPS, 0, 0},          {SPLITTING, 0, 0}, {NEWTON, 0, 0},       {SPLITTING, 0, 0},
-              {SWEEPS, 0, 0},          {NEWTON, 0, 0},    {SWEEPS, 0, 0},       {NEWTON, 0, 0},
-              {SWEEPS, 0, 0},          {NEWTON, 0, 0},    {SWEEPS, 0, 1},       {NEWTON, 0, 1},
-              {PIVOTING, 0, 1},        {AUGMENTED, 0, 0}, {HOMOTOPY, 1, 1},     {SWEEPS, 0, 0},
-              {NEWTON, 0, 0},          {SWEEPS, 0, 0},    {OTHER_SWEEPS, 1, 0}, {NEWTON, 0, 0},
-              {OTHER_SPLITTING, 1, 0}, {NEWTON, 0, 0},    {AUGMENTED, 1, 0},    {SCATTER, 0, 1}};
-enum { quick_count = 10, stage_count = sizeof stages / sizeof stages[0] };
+} stages[] = {{SWEEPS, 0, 0},          {REST, 0, 0},         {SPLITTING, 0, 0},
+              {NEWTON, 0, 0},          {SPLITTING, 0, 0},    {SWEEPS, 0, 0},
+              {NEWTON, 0, 0},          {SWEEPS, 0, 0},       {NEWTON, 0, 0},
+              {SWEEPS, 0, 0},          {NEWTON, 0, 0},       {SWEEPS, 0, 1},
+              {NEWTON, 0, 1},          {PIVOTING, 0, 1},     {AUGMENTED, 0, 0},
+              {HOMOTOPY, 1, 1},        {SWEEPS, 0, 0},       {NEWTON, 0, 0},
+              {SWEEPS, 0, 0},          {OTHER_SWEEPS, 1, 0}, {NEWTON, 0, 0},
+              {OTHER_SPLITTING, 1, 0}, {NEWTON, 0, 0},       {AUGMENTED, 1, 0},
+              {SCATTER, 0, 1}};
+enum { quick_count = 11, stage_count = sizeof stages / sizeof stages[0] };
 _Static_assert((int)stage_count + 2 <= (int)DLS_STAGES_MAX,
                "a line for each in the report, one for the states, one after the copy");
 
 static dls_limits limits_of(dlsi_auto *work, part k) {
   const int blocks = work->options.limits.blocks;
   return (dls_limits){.tol = work->options.limits.tol,
-                      .max_iterations = k == SPLITTING && blocks ? rest_splits : part_of[k].most,
-                      .warm_start = k != PIVOTING && !(k == SPLITTING && blocks),
+                      .max_iterations = part_of[k].most,
+                      .warm_start = k != PIVOTING,
                       .blocks = blocks,
                       .progress = part_of[k].watch,
                       .progress_data = work,
@@ -329,7 +320,7 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
     status = part_of[k].method->solve(work->part[k], problem, work->r, NULL, &info, &why);
   }
   if (k == SPLITTING) work->has_split = 1;
-  if ((k == SPLITTING || k == OTHER_SPLITTING) && status == DLS_E_UNSUPPORTED)
+  if ((k == SPLITTING || k == OTHER_SPLITTING || k == REST) && status == DLS_E_UNSUPPORTED)
     return DLS_STALLED; /* a build without MUMPS */
   if (status < 0) {
     if (error) *error = why;
@@ -399,6 +390,8 @@ static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *erro
     if (status < 0) return status;
     if (dls_certificate_holds(&work->info.certificate, limits->tol)) return DLS_OK;
     if (work->stopped) return work->stopped;
+    work->rounded = now == REST && dlsi_certificate_meets(&work->info.certificate, limits->tol);
+    if (work->rounded) return DLS_STALLED;
     if (status == DLS_TIME_LIMIT) return status;
     if (work->limited) return DLS_MAX_ITERATIONS;
     if (status == DLS_NO_SOLUTION) return status;
@@ -464,7 +457,7 @@ static dls_status take_copy(dlsi_auto *work, dls_error *error) {
 /* Takes the stages in turn. Returns DLS_OK, an error, or the reason for the end. */
 static dls_status take_stages(dlsi_auto *work, dls_error *error) {
   dls_status status = take_some(work, 0, quick_count, error);
-  if (status != DLS_STALLED) return status;
+  if (status != DLS_STALLED || work->rounded) return status;
   if (may_follow_path(work)) return take_copy(work, error);
   status = take_some(work, quick_count, stage_count, error);
   return status == DLS_STALLED ? judge(work, error) : status;
@@ -522,7 +515,7 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   work->info = (dls_info){.method = DLS_AUTO, .certificate = dlsi_no_certificate};
   work->begun = dlsi_clock_start(&work->options.limits);
   work->stopped = DLS_OK;
-  work->limited = work->failures = work->has_split = work->costly = 0;
+  work->limited = work->failures = work->has_split = work->costly = work->rounded = 0;
   work->has_copy = work->has_direction = work->has_farkas = work->excluded = 0;
   memset(work->best, 0, m * sizeof *r);
   if (work->options.limits.warm_start) memcpy(work->best, r, m * sizeof *r);
@@ -588,7 +581,7 @@ static dls_status auto_create(void **out, int d, int nc, const dlsi_options *opt
   dlsi_auto *work = memory;
   for (part k = 0; !status && !options->lazy && k < parts; k++) {
     const int m = d * nc, large = m > other_unknowns;
-    if (k == SPLITTING && m < split_unknowns) continue;
+    if ((k == SPLITTING || k == REST) && m < split_unknowns) continue;
     if (k == PIVOTING && !may_pivot(work)) continue;
     if ((k == HOMOTOPY || k == SCATTER) && m > path_unknowns) continue;
     if ((k == OTHER_SWEEPS || k == OTHER_SPLITTING) && large) continue;

@@ -13,7 +13,8 @@ const dlsi_method *dlsi_method_of(dls_method method);
 
 /* The methods that auto is made of; vi/ and contact_lemke.c. */
 extern const dlsi_method dlsi_nlgs_method, dlsi_newton_method, dlsi_admm_method,
-    dlsi_augmented_method, dlsi_lemke_method, dlsi_homotopy_method, dlsi_scatter_method;
+    dlsi_augmented_method, dlsi_lemke_method, dlsi_homotopy_method, dlsi_scatter_method,
+    dlsi_rest_method;
 
 /* Returns 1 if r, u (or NULL), info (or NULL) hold the certified answer of a problem whose
  * candidates are free or stand alone (alone.c), else 0, and they are untouched. From r = 0,
