@@ -7,7 +7,7 @@
  *   (AT2)  splitting  ADMM, once, for a dense W after a failure of Newton's method, or before it
  *                     where a step costs more than 50 sweeps and the states still change
  *   (AT12) rest       the convex problem without mu |u_t| (vi/rest.c), for what may be a structure
- *                     at rest: W by blocks, -q in the friction cones
+ *                     at rest: W by blocks, -q in the friction cones, or few neighbours
  *   (AT3)  Newton     from the states that the sweeps have sorted
  *   (AT4)  augmented  the augmented Lagrangian, which sees reactions run away
  *   (AT5)  pivoting   Lemke's method, if small enough
@@ -33,7 +33,7 @@
  *          with the right states a step is exact in 2D, and two do in 3D; else s = 4. Each
  *          failure of Newton's method doubles s.
  *
- * Sweeps end when (AT6) > (AT7), after 10 sweeps (20 for W by blocks; half of that from a warm
+ * Sweeps end when (AT6) > (AT7), or > 100 where (AT12) is next, after 10 sweeps (20 for W by blocks; half of that from a warm
  * start), a number that each failure doubles. Newton's method gives up when 3 steps, doubled by
  * each failure, have not brought e down by a tenth. A forecast that was wrong is so believed less
  * each time. No clock is read: the same input takes the same stages and gives the same bits.
@@ -65,6 +65,8 @@
 enum { look_every = 5, first_sweeps = 10, first_patience = 3, most_failures = 5 };
 enum { split_unknowns = 150 };  /* (AT2): below, other methods take less than its factorisation */
 enum { dense_splits = 200 };    /* iterations of (AT2): more of them cost more than Newton again */
+enum { few_blocks = 4 };        /* of a candidate, its own included */
+enum { rest_sweeps = 100 };     /* what (AT12) costs, analysis included, where it arrives */
 enum { path_unknowns = 300 };   /* a thousand factorisations then take a few seconds */
 enum { other_unknowns = 3000 }; /* beyond, another way takes too long, and nothing is said */
 enum { other_iterations = 2000 }; /* of sweeps and splitting by another way */
@@ -115,6 +117,7 @@ typedef struct dlsi_auto {
   double begun;       /* CPU seconds when the solve began; -1: nobody asks */
   int failures;       /* of Newton's method */
   int has_split;      /* (AT2) has been tried */
+  int may_rest;       /* (AT12) is worth a try, and has not been tried */
 
   /* of the stage under way */
   double target, least; /* logarithms of e* and of the least e that counts */
@@ -178,9 +181,10 @@ static int watch_sweeps(void *data, const dls_progress *p) {
   work->rate += 2. / (p->iteration + 1) * (gain - work->rate);
   if (p->iteration % look_every) return 0;
   const double newton = cost_of_newton(work), ahead = (work->least - work->target) / work->rate;
+  const double next = work->may_rest ? fmin(newton, rest_sweeps) : newton;
   const int first =
       (work->problem->W.a ? 1 : 2) * first_sweeps / (work->options.limits.warm_start + 1);
-  return p->iteration >= first << work->failures && ahead > newton;
+  return p->iteration >= first << work->failures && ahead > next;
 }
 
 static int watch_newton(void *data, const dls_progress *p) {
@@ -200,13 +204,14 @@ static int watch_limits(void *data, const dls_progress *p) {
 
 /* ---- stages ---------------------------------------------------------------------------------- */
 
-/* Returns 1 if -q lies in the friction cones, but for a tenth of it; (AT12). */
-static int may_rest(const dlsi_auto *work) {
-  const dls_contact *problem = work->problem;
+/* Returns 1 if -q lies in the friction cones, but for a tenth of it, or if candidates have at most
+ * three neighbours on average, so that a factorisation costs what a few sweeps do; (AT12). */
+static int looks_at_rest(const dls_contact *problem) {
   const int d = problem->d;
   const double *q = problem->q;
   double all = 0, outside = 0;
   if (problem->W.a || d * problem->nc < split_unknowns) return 0;
+  if (problem->Wb.p[problem->nc] / problem->nc <= few_blocks) return 1;
   for (int c = 0; c < problem->nc; c++, q += d) {
     double v[3] = {0}, p[3] = {0};
     for (int i = 0; i < d; i++)
@@ -218,6 +223,10 @@ static int may_rest(const dlsi_auto *work) {
     }
   }
   return outside <= share_outside * share_outside * all;
+}
+
+static int may_rest(const dlsi_auto *work) {
+  return work->may_rest;
 }
 
 static int may_split(const dlsi_auto *work) {
@@ -320,6 +329,7 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
     status = part_of[k].method->solve(work->part[k], problem, work->r, NULL, &info, &why);
   }
   if (k == SPLITTING) work->has_split = 1;
+  if (k == REST) work->may_rest = 0;
   if ((k == SPLITTING || k == OTHER_SPLITTING || k == REST) && status == DLS_E_UNSUPPORTED)
     return DLS_STALLED; /* a build without MUMPS */
   if (status < 0) {
@@ -517,6 +527,7 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   work->stopped = DLS_OK;
   work->limited = work->failures = work->has_split = work->costly = work->rounded = 0;
   work->has_copy = work->has_direction = work->has_farkas = work->excluded = 0;
+  work->may_rest = looks_at_rest(problem);
   memset(work->best, 0, m * sizeof *r);
   if (work->options.limits.warm_start) memcpy(work->best, r, m * sizeof *r);
   const dls_status status = take_stages(work, error);
