@@ -70,14 +70,14 @@ static const double admm_relaxation = 1.6, admm_growth = 2;
 static const double off = 2.2360679774997896; /* sqrt(5) */
 static const double least_rho = 1e-4, most_rho = 100;
 
-/* First rho of a stage of auto for W by blocks, perhaps a stack at rest: so small that the first x
- * is nearly the smallest r with W r = -q. */
-static const double rest_rho = 1e-7, other_rho = 1e-8;
+/* First rho of the second way of auto: so small that the first x is nearly the smallest r with W r =
+ * -q. */
+static const double other_rho = 1e-8;
 
 struct dls_admm {
   dls_admm_settings settings;
   int d, nc;
-  int stage;              /* of auto: from r as given for W dense, from 0 for W by blocks */
+  int stage;              /* of auto; 2: another way, from v = 0 */
   dlsi_iterate it;        /* its u is that of x */
   double *metric;         /* sqrt(w), scaled so that |metric v| has no unit: nc */
   double *v, *z, *before; /* before: z': m */
@@ -353,11 +353,9 @@ static void admm_advance(dls_admm *work, const dls_contact *problem, double gap,
   (void)dlsi_anderson_step(history, (int)m, work->it.F, work->v, NULL);
 }
 
-/* Returns 1 if a solve starts from r as given. From r = 0 a rho that is small for a stack at rest
- * reaches the answer in a few iterations. */
+/* Returns 1 if a solve starts from r as given, and not from v = 0. */
 static int admm_is_warm(const dls_admm *work) {
-  const dls_limits *limits = &work->settings.limits;
-  return work->stage ? work->stage == 1 && !limits->blocks : limits->warm_start;
+  return work->stage != 2 && work->settings.limits.warm_start;
 }
 
 /* Iterates from work->first, measured last, until the certificate of an x holds or there is a
@@ -444,7 +442,6 @@ static dls_status admm_create_by(void **out, int d, int nc, const dlsi_options *
   dls_admm_settings s;
   dls_admm_settings_init(&s);
   s.limits = options->limits;
-  if (options->stage && s.limits.blocks) s.rho = rest_rho;
   if (options->stage == 2) s.rho = other_rho;
   return admm_create(out, d, nc, &s, options, error);
 }

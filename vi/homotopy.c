@@ -45,6 +45,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cone.h"
 #include "linear/blas.h"
 #include "linear/dense.h"
 #include "vi_internal.h"
@@ -90,67 +91,6 @@ typedef struct homotopy {
   dlsi_iterate it;
 } homotopy;
 
-/* ---- the algebra of the cone, one candidate
- * ---------------------------------------------------- */
-
-static double cone_det(int d, const double *x) {
-  const double t = dlsi_tangent_norm(d, x);
-  return (x[0] - t) * (x[0] + t);
-}
-
-static double cone_dot(int d, const double *x, const double *y) {
-  double sum = 0;
-  for (int i = 0; i < d; i++)
-    sum += x[i] * y[i];
-  return sum;
-}
-
-/* z := x o y */
-static void cone_product(int d, const double *x, const double *y, double *z) {
-  z[0] = cone_dot(d, x, y);
-  for (int i = 1; i < d; i++)
-    z[i] = x[0] * y[i] + y[0] * x[i];
-}
-
-/* y := the solution of x o y = v */
-static void cone_divide(int d, const double *x, const double *v, double *y) {
-  double sum = x[0] * v[0];
-  for (int i = 1; i < d; i++)
-    sum -= x[i] * v[i];
-  y[0] = sum / cone_det(d, x);
-  for (int i = 1; i < d; i++)
-    y[i] = (v[i] - y[0] * x[i]) / x[0];
-}
-
-/* y := P x, inverse = 1: P^-1 x; y is not x. w: (w_0, w_1) of (HO3). */
-static void cone_scale(int d, double eta, const double *w, int inverse, const double *x,
-                       double *y) {
-  const double turn = inverse ? -1 : 1, size = inverse ? 1 / eta : eta;
-  double t = 0;
-  for (int i = 1; i < d; i++)
-    t += turn * w[i] * x[i];
-  const double f = x[0] + t / (1 + w[0]);
-  y[0] = size * (w[0] * x[0] + t);
-  for (int i = 1; i < d; i++)
-    y[i] = size * (x[i] + f * turn * w[i]);
-}
-
-/* Returns the largest a for which x + a dx stays in the cone. */
-static double cone_step(int d, const double *x, const double *dx) {
-  double A = dx[0] * dx[0], B = x[0] * dx[0];
-  for (int i = 1; i < d; i++) {
-    A -= dx[i] * dx[i];
-    B -= x[i] * dx[i];
-  }
-  const double C = fmax(cone_det(d, x), 0), root = B * B - A * C;
-  double a = dx[0] < 0 ? -x[0] / dx[0] : INFINITY;
-  if (root < 0) return a;
-  const double s = -(B + copysign(sqrt(root), B)), roots[2] = {s / A, C / s};
-  for (int k = 0; k < 2; k++)
-    if (roots[k] > 0 && roots[k] < a) a = roots[k];
-  return a;
-}
-
 /* ---- the matrix ------------------------------------------------------------------------------ */
 
 /* y := M x = W x + G P^2 x */
@@ -161,9 +101,9 @@ static void multiply_matrix(const homotopy *work, int nc, const double *x, doubl
   for (int c = 0; c < nc; c++) {
     const double *w = work->w + d * c;
     double v[3], Pv[3];
-    cone_scale(d, work->eta[c], w, 0, x + d * c, v);
-    cone_scale(d, work->eta[c], w, 0, v, Pv);
-    Pv[0] -= cone_dot(d, work->g + d * c, Pv);
+    dlsi_cone_scale(d, work->eta[c], w, 0, x + d * c, v);
+    dlsi_cone_scale(d, work->eta[c], w, 0, v, Pv);
+    Pv[0] -= dlsi_cone_dot(d, work->g + d * c, Pv);
     for (int i = 0; i < d; i++)
       y[d * c + i] += Pv[i];
   }
@@ -175,18 +115,9 @@ static int scale_point(homotopy *work, const dls_contact *problem, const double 
   const int d = work->d;
   for (int c = 0; c < problem->nc; c++) {
     const double *xc = x + d * c, *zc = z + d * c;
-    const double dx = cone_det(d, xc), dz = cone_det(d, zc);
-    if (!(dx > 0 && dz > 0 && xc[0] > 0 && zc[0] > 0)) return 0;
-    const double sx = sqrt(dx), sz = sqrt(dz);
-    const double gamma = sqrt((1 + cone_dot(d, xc, zc) / (sx * sz)) / 2);
-    double *w = work->w + d * c, sum = 0;
-    for (int i = 1; i < d; i++) {
-      w[i] = (zc[i] / sz - xc[i] / sx) / (2 * gamma);
-      sum += w[i] * w[i];
-    }
-    w[0] = sqrt(1 + sum);
-    work->eta[c] = sqrt(sz / sx);
-    cone_scale(d, work->eta[c], w, 0, xc, work->lambda + d * c);
+    double *w = work->w + d * c;
+    if (!dlsi_cone_between(d, xc, zc, &work->eta[c], w)) return 0;
+    dlsi_cone_scale(d, work->eta[c], w, 0, xc, work->lambda + d * c);
   }
   return 1;
 }
@@ -207,9 +138,9 @@ static int factorise(homotopy *work, const dls_contact *problem, const double *x
     for (int j = 0; j < d; j++) {
       double e[3] = {0}, v[3], column[3];
       e[j] = 1;
-      cone_scale(d, work->eta[c], work->w + d * c, 0, e, v);
-      cone_scale(d, work->eta[c], work->w + d * c, 0, v, column);
-      column[0] -= cone_dot(d, g, column);
+      dlsi_cone_scale(d, work->eta[c], work->w + d * c, 0, e, v);
+      dlsi_cone_scale(d, work->eta[c], work->w + d * c, 0, v, column);
+      column[0] -= dlsi_cone_dot(d, g, column);
       for (int i = 0; i < d; i++)
         work->M[(size_t)(d * c + i) + (size_t)(d * c + j) * n] += column[i];
     }
@@ -234,11 +165,11 @@ static void solve_direction(homotopy *work, int nc, double *dx, double *dz) {
   for (int c = 0; c < nc; c++) {
     const int o = d * c;
     double v[3];
-    cone_divide(d, work->lambda + o, work->rc + o, v);
-    cone_scale(d, work->eta[c], work->w + o, 0, v, h + o);
+    dlsi_cone_divide(d, work->lambda + o, work->rc + o, v);
+    dlsi_cone_scale(d, work->eta[c], work->w + o, 0, v, h + o);
     for (int i = 0; i < d; i++)
       right[o + i] = h[o + i] - work->rho[o + i];
-    right[o] -= cone_dot(d, work->g + o, h + o);
+    right[o] -= dlsi_cone_dot(d, work->g + o, h + o);
   }
   memcpy(dx, right, (size_t)m * sizeof *dx);
   dlsi_dense_solve(&factors, dx, m, 1);
@@ -251,8 +182,8 @@ static void solve_direction(homotopy *work, int nc, double *dx, double *dz) {
   for (int c = 0; c < nc; c++) {
     const int o = d * c;
     double v[3], Pv[3];
-    cone_scale(d, work->eta[c], work->w + o, 0, dx + o, v);
-    cone_scale(d, work->eta[c], work->w + o, 0, v, Pv);
+    dlsi_cone_scale(d, work->eta[c], work->w + o, 0, dx + o, v);
+    dlsi_cone_scale(d, work->eta[c], work->w + o, 0, v, Pv);
     for (int i = 0; i < d; i++)
       dz[o + i] = h[o + i] - Pv[i];
   }
@@ -271,7 +202,7 @@ static double set_residuals(homotopy *work, const dls_contact *problem) {
     const int o = d * c;
     const double zt = dlsi_tangent_norm(d, work->z1 + o);
     if (problem->mu[c] > 0) rho[o] += hypot(zt, t * smoothing) - t * smoothing;
-    cone_product(d, work->lambda + o, work->lambda + o, rc + o);
+    dlsi_cone_product(d, work->lambda + o, work->lambda + o, rc + o);
     for (int i = 0; i < d; i++)
       rc[o + i] = (i ? 0 : product) - rc[o + i];
   }
@@ -304,12 +235,12 @@ static double local_product(const homotopy *work, int nc, double t, const double
     const int o = d * c;
     const double eta = work->eta[c], *w = work->w + o;
     double u[3], v[3];
-    cone_scale(d, eta, w, 0, ax + o, u);
-    cone_scale(d, eta, w, 0, bx + o, v);
-    sum += cone_dot(d, u, v);
-    cone_scale(d, eta, w, 1, az + o, u);
-    cone_scale(d, eta, w, 1, bz + o, v);
-    sum += cone_dot(d, u, v);
+    dlsi_cone_scale(d, eta, w, 0, ax + o, u);
+    dlsi_cone_scale(d, eta, w, 0, bx + o, v);
+    sum += dlsi_cone_dot(d, u, v);
+    dlsi_cone_scale(d, eta, w, 1, az + o, u);
+    dlsi_cone_scale(d, eta, w, 1, bz + o, v);
+    sum += dlsi_cone_dot(d, u, v);
   }
   return sum / (t * work->tau * nc);
 }
@@ -320,32 +251,18 @@ static double largest_step(const homotopy *work, int nc, const double *x, const 
   double a = INFINITY;
   for (int c = 0; c < nc; c++) {
     const int o = work->d * c;
-    a = fmin(a, fmin(cone_step(work->d, x + o, dx + o), cone_step(work->d, z + o, dz + o)));
+    a = fmin(a,
+             fmin(dlsi_cone_step(work->d, x + o, dx + o), dlsi_cone_step(work->d, z + o, dz + o)));
   }
   return a;
 }
 
 /* ---- the path -------------------------------------------------------------------------------- */
 
-/* Fills W, q, S, b. The scales k_c are those of a diagonal over the largest one, `unit`, so that a
- * change of the unit of W by a power of two changes no bit. Returns 0 where W has no diagonal or q
- * = 0. */
+/* Fills W, q, S, b. Returns 0 where W has no diagonal or q = 0. */
 static int scale_problem(homotopy *work, const dls_contact *problem) {
   const int d = work->d, nc = problem->nc, m = d * nc;
-  double *diagonal = work->eta, unit = 0;
-  for (int c = 0; c < nc; c++) {
-    const double mu = problem->mu[c];
-    double block[9], *D = work->S + d * c;
-    dlsi_contact_diagonal(problem, c, block);
-    diagonal[c] = 0;
-    for (int i = 0; i < d; i++) {
-      D[i] = i ? mu > 0 : mu > 0 ? 1 / mu : 1;
-      diagonal[c] += D[i] * D[i] * block[i + d * i] / d;
-    }
-    unit = fmax(unit, diagonal[c]);
-  }
-  for (int i = 0; i < m; i++)
-    work->S[i] *= diagonal[i / d] > 0 ? sqrt(unit / diagonal[i / d]) : 1;
+  const double unit = dlsi_cone_scales(problem, work->eta, work->S);
   memset(work->W, 0, (size_t)m * (size_t)m * sizeof *work->W);
   for (int c = 0; c < nc; c++)
     for (int j = 0; j < d; j++) {

@@ -4,13 +4,13 @@
  *
  *   (AT1)  sweeps     Gauss-Seidel with Anderson acceleration, in an order of the candidates that
  *                     follows from the data
- *   (AT12) push       W by blocks of more than 1000 candidates: Gauss-Seidel with momentum, in
- *                     place of (AT1); Newton's method then only from e <= 1e-5 on, and not again
- *                     where it has failed
- *   (AT2)  splitting  ADMM, once: for a dense W after a failure of Newton's method, or before it
- *                     where a step costs more than 50 sweeps and the states still change; and, from
- *                     r = 0 with a small rho, for what may be a stack of bodies at rest (W by
- *                     blocks, -q in the friction cones)
+ *   (AT13) push       W by blocks of more than 1000 candidates: Gauss-Seidel with momentum, in
+ *                     place of (AT1); Newton's method then only where that gets nowhere at e <=
+ *                     1e-5, and not again where it has failed
+ *   (AT2)  splitting  ADMM, once, for a dense W after a failure of Newton's method, or before it
+ *                     where a step costs more than 50 sweeps and the states still change
+ *   (AT12) rest       the convex problem without mu |u_t| (vi/rest.c), for what may be a structure
+ *                     at rest: W by blocks, -q in the friction cones, or few neighbours
  *   (AT3)  Newton     from the states that the sweeps have sorted
  *   (AT4)  augmented  the augmented Lagrangian, which sees reactions run away
  *   (AT5)  pivoting   Lemke's method, if small enough
@@ -36,17 +36,16 @@
  *          with the right states a step is exact in 2D, and two do in 3D; else s = 4. Each
  *          failure of Newton's method doubles s.
  *
- * Sweeps end when (AT6) > (AT7), after 10 sweeps (20 for W by blocks; half of that from a warm
+ * Sweeps end when (AT6) > (AT7), or > 100 where (AT12) is next, after 10 sweeps (20 for W by blocks; half of that from a warm
  * start), a number that each failure doubles. Newton's method gives up when 3 steps, doubled by
  * each failure, have not brought e down by a tenth. A forecast that was wrong is so believed less
  * each time. No clock is read: the same input takes the same stages and gives the same bits.
  *
  * W dense is what an elastic body leaves, regular. W by blocks comes from many bodies, often rigid
- * ones; it is then singular, and Newton's steps converge slowly. ADMM with a small rho asks first
- * for reactions under which nothing moves, W r = -q, the smallest ones where W is singular, then
- * puts them on their cones: a stack at rest takes a few iterations, however high. The free velocity
- * q of bodies at rest is that of falling, and -q lies in the cones; bodies in motion are far from
- * that.
+ * ones; it is then singular, and Newton's steps converge slowly. The free velocity q of bodies at
+ * rest is that of falling, and -q lies in the cones; bodies in motion are far from that. Where (AT12)
+ * meets the tolerance but for the rounding of W r, no later stage has less of it, and nothing is
+ * tried any more.
  *
  *   (AT9)  verdict. DLS_NO_SOLUTION if (AT10) has a proof. DLS_NO_SOLUTION_LIKELY only where W
  *          shows no reason for a solution (vi/exists.c), and (AT10) shows that none could be
@@ -75,10 +74,10 @@ enum {
 };
 enum { split_unknowns = 150 };   /* (AT2): below, other methods take less than its factorisation */
 enum { dense_splits = 200 };     /* iterations of (AT2): more of them cost more than Newton again */
-enum { rest_splits = 40 };       /* the same for a stack, and how many in a row ... */
-enum { rest_patience = 16 };     /* ... may pass without halving e */
-enum { push_candidates = 1000 }; /* (AT12): fewer, (AT1) takes as long */
-static const double push_near = 1e-5; /* (AT12) */
+enum { few_blocks = 4 };         /* of a candidate, its own included */
+enum { rest_sweeps = 100 };      /* what (AT12) costs, analysis included, where it arrives */
+enum { push_candidates = 1000 }; /* (AT13): fewer, (AT1) takes as long */
+static const double push_near = 1e-5; /* (AT13) */
 enum { path_unknowns = 300 };         /* a thousand factorisations then take a few seconds */
 enum { other_unknowns = 3000 };       /* beyond, another way takes too long, and nothing is said */
 enum { other_iterations = 2000 };     /* of sweeps and splitting by another way */
@@ -94,6 +93,7 @@ static const double on_cone = 1e-9; /* a reaction that lacks no more than this s
 typedef enum part {
   SWEEPS,
   SPLITTING,
+  REST,
   NEWTON,
   AUGMENTED,
   PIVOTING,
@@ -126,9 +126,12 @@ typedef struct dlsi_auto {
   dls_info info;      /* its certificate is that of best */
   dls_status stopped; /* by the caller's callback or time limit; DLS_OK: by neither */
   int limited;        /* by max_iterations */
+  int rounded;        /* (AT12) only the rounding of W r stands against the answer */
   double begun;       /* CPU seconds when the solve began; -1: nobody asks */
   int failures;       /* of Newton's method */
   int has_split;      /* (AT2) has been tried */
+  int may_rest;       /* (AT12) is worth a try, and has not been tried */
+  int has_pushed;     /* (AT13) got nowhere */
 
   /* of the stage under way */
   double target, least; /* logarithms of e* and of the least e that counts */
@@ -192,46 +195,34 @@ static int watch_sweeps(void *data, const dls_progress *p) {
   work->rate += 2. / (p->iteration + 1) * (gain - work->rate);
   if (p->iteration % look_every) return 0;
   const double newton = cost_of_newton(work), ahead = (work->least - work->target) / work->rate;
+  const double next = work->may_rest ? fmin(newton, rest_sweeps) : newton;
   const int first =
       (work->problem->W.a ? 1 : 2) * first_sweeps / (work->options.limits.warm_start + 1);
-  return p->iteration >= first << work->failures && ahead > newton;
-}
-
-/* Returns 1 when `patience` iterations have not brought e below `share` of what it was. */
-static int has_no_patience(dlsi_auto *work, const dls_progress *p, double share, int patience) {
-  const double now = log(p->residual);
-  if (now < work->least + log(share)) {
-    work->least = now;
-    work->since = p->iteration;
-  }
-  return p->iteration - work->since >= patience;
+  return p->iteration >= first << work->failures && ahead > next;
 }
 
 static int watch_newton(void *data, const dls_progress *p) {
   dlsi_auto *work = data;
-  return must_stop(work, p) || has_no_patience(work, p, progress, first_patience << work->failures);
+  if (must_stop(work, p)) return 1;
+  const double now = log(p->residual);
+  if (now < work->least + log(progress)) {
+    work->least = now;
+    work->since = p->iteration;
+  }
+  return p->iteration - work->since >= first_patience << work->failures;
 }
 
-/* (AT12) Stops when Newton's method may take over. Sweeps that get nowhere stop by themselves. */
+/* (AT13) Stops when (AT12) is to be tried. Sweeps that get nowhere stop by themselves. */
 static int watch_push(void *data, const dls_progress *p) {
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
   const double now = log(p->residual);
+  if (p->iteration == 1) work->least = now;
   const double gain = now < work->least ? work->least - now : 0;
   work->least -= gain;
   work->rate += 2. / (p->iteration + 1) * (gain - work->rate);
-  if (now > log(push_near) || work->failures || p->iteration % look_every) return 0;
-  return (now - work->target) / work->rate > cost_of_newton(work);
-}
-
-/* A stack that is at rest shows it in two iterations. */
-static int watch_splitting(void *data, const dls_progress *p) {
-  dlsi_auto *work = data;
-  if (must_stop(work, p)) return 1;
-  if (work->problem->W.a) return 0;
-  if (p->iteration == 1) work->least = INFINITY;
-  if (p->iteration == 2 && p->residual >= 1) return 1;
-  return has_no_patience(work, p, 0.5, rest_patience);
+  if (!work->may_rest || p->iteration % look_every) return 0;
+  return p->iteration >= 2 * first_sweeps && (now - work->target) / work->rate > rest_sweeps;
 }
 
 static int watch_limits(void *data, const dls_progress *p) {
@@ -240,11 +231,14 @@ static int watch_limits(void *data, const dls_progress *p) {
 
 /* ---- stages ---------------------------------------------------------------------------------- */
 
-/* Returns 1 if -q lies in the friction cones, but for a tenth of it. */
-static int may_rest(const dls_contact *problem) {
+/* Returns 1 if -q lies in the friction cones, but for a tenth of it, or if candidates have at most
+ * three neighbours on average, so that a factorisation costs what a few sweeps do; (AT12). */
+static int looks_at_rest(const dls_contact *problem) {
   const int d = problem->d;
   const double *q = problem->q;
   double all = 0, outside = 0;
+  if (problem->W.a || d * problem->nc < split_unknowns) return 0;
+  if (problem->Wb.p[problem->nc] / problem->nc <= few_blocks) return 1;
   for (int c = 0; c < problem->nc; c++, q += d) {
     double v[3] = {0}, p[3] = {0};
     for (int i = 0; i < d; i++)
@@ -258,22 +252,30 @@ static int may_rest(const dls_contact *problem) {
   return outside <= share_outside * share_outside * all;
 }
 
+static int may_rest(const dlsi_auto *work) {
+  return work->may_rest;
+}
+
 static int may_split(const dlsi_auto *work) {
   const dls_contact *problem = work->problem;
   if (work->has_split || problem->d * problem->nc < split_unknowns) return 0;
-  return problem->W.a ? work->failures > 0 || work->costly : may_rest(problem);
+  return problem->W.a && (work->failures > 0 || work->costly);
 }
 
-static int may_push(const dlsi_auto *work) {
+static int is_large(const dlsi_auto *work) {
   return work->problem->Wb.x && work->nc > push_candidates;
 }
 
+static int may_push(const dlsi_auto *work) {
+  return is_large(work) && !work->has_pushed;
+}
+
 static int may_sweep(const dlsi_auto *work) {
-  return !may_push(work);
+  return !is_large(work);
 }
 
 static int may_step(const dlsi_auto *work) {
-  return !may_push(work) || (work->info.certificate.residual <= push_near && !work->failures);
+  return !is_large(work) || (work->info.certificate.residual <= push_near && !work->failures);
 }
 
 static int may_pivot(const dlsi_auto *work) {
@@ -298,7 +300,8 @@ static const struct {
   int most;
 } part_of[] = {
     [SWEEPS] = {&dlsi_nlgs_method, watch_sweeps, may_sweep, 0},
-    [SPLITTING] = {&dlsi_admm_method, watch_splitting, may_split, dense_splits},
+    [SPLITTING] = {&dlsi_admm_method, watch_limits, may_split, dense_splits},
+    [REST] = {&dlsi_rest_method, watch_limits, may_rest, 0},
     [NEWTON] = {&dlsi_newton_method, watch_newton, may_step, 0},
     [AUGMENTED] = {&dlsi_augmented_method, watch_limits, NULL, 0},
     [PIVOTING] = {&dlsi_lemke_method, watch_limits, may_pivot, 0},
@@ -313,22 +316,22 @@ static const struct {
 static const struct {
   part part;
   int cold, copy;
-} stages[] = {{SWEEPS, 0, 0},    {SPLITTING, 0, 0},       {PUSH, 0, 0},      {NEWTON, 0, 0},
-              {SPLITTING, 0, 0}, {SWEEPS, 0, 0},          {NEWTON, 0, 0},    {SWEEPS, 0, 0},
-              {NEWTON, 0, 0},    {SWEEPS, 0, 0},          {NEWTON, 0, 0},    {SWEEPS, 0, 1},
-              {NEWTON, 0, 1},    {PIVOTING, 0, 1},        {AUGMENTED, 0, 0}, {HOMOTOPY, 1, 1},
-              {SWEEPS, 0, 0},    {NEWTON, 0, 0},          {SWEEPS, 0, 0},    {OTHER_SWEEPS, 1, 0},
-              {NEWTON, 0, 0},    {OTHER_SPLITTING, 1, 0}, {NEWTON, 0, 0},    {AUGMENTED, 1, 0},
-              {SCATTER, 0, 1}};
-enum { quick_count = 11, stage_count = sizeof stages / sizeof stages[0] };
+} stages[] = {{SWEEPS, 0, 0},    {PUSH, 0, 0},         {REST, 0, 0},      {SPLITTING, 0, 0},
+              {PUSH, 0, 0},      {NEWTON, 0, 0},       {SPLITTING, 0, 0}, {SWEEPS, 0, 0},
+              {NEWTON, 0, 0},    {SWEEPS, 0, 0},       {NEWTON, 0, 0},    {SWEEPS, 0, 0},
+              {NEWTON, 0, 0},    {SWEEPS, 0, 1},       {NEWTON, 0, 1},    {PIVOTING, 0, 1},
+              {AUGMENTED, 0, 0}, {HOMOTOPY, 1, 1},     {SWEEPS, 0, 0},    {NEWTON, 0, 0},
+              {SWEEPS, 0, 0},    {OTHER_SWEEPS, 1, 0}, {NEWTON, 0, 0},    {OTHER_SPLITTING, 1, 0},
+              {NEWTON, 0, 0},    {AUGMENTED, 1, 0},    {SCATTER, 0, 1}};
+enum { quick_count = 13, stage_count = sizeof stages / sizeof stages[0] };
 _Static_assert((int)stage_count + 2 <= (int)DLS_STAGES_MAX,
                "a line for each in the report, one for the states, one after the copy");
 
 static dls_limits limits_of(dlsi_auto *work, part k) {
   const int blocks = work->options.limits.blocks;
   return (dls_limits){.tol = work->options.limits.tol,
-                      .max_iterations = k == SPLITTING && blocks ? rest_splits : part_of[k].most,
-                      .warm_start = k != PIVOTING && !(k == SPLITTING && blocks),
+                      .max_iterations = part_of[k].most,
+                      .warm_start = k != PIVOTING,
                       .blocks = blocks,
                       .progress = part_of[k].watch,
                       .progress_data = work,
@@ -369,7 +372,9 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
     status = part_of[k].method->solve(work->part[k], problem, work->r, NULL, &info, &why);
   }
   if (k == SPLITTING) work->has_split = 1;
-  if ((k == SPLITTING || k == OTHER_SPLITTING) && status == DLS_E_UNSUPPORTED)
+  if (k == REST) work->may_rest = 0;
+  if (k == PUSH && status == DLS_STALLED) work->has_pushed = 1;
+  if ((k == SPLITTING || k == OTHER_SPLITTING || k == REST) && status == DLS_E_UNSUPPORTED)
     return DLS_STALLED; /* a build without MUMPS */
   if (status < 0) {
     if (error) *error = why;
@@ -440,6 +445,8 @@ static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *erro
     if (status < 0) return status;
     if (dls_certificate_holds(&work->info.certificate, limits->tol)) return DLS_OK;
     if (work->stopped) return work->stopped;
+    work->rounded = now == REST && dlsi_certificate_meets(&work->info.certificate, limits->tol);
+    if (work->rounded) return DLS_STALLED;
     if (status == DLS_TIME_LIMIT) return status;
     if (work->limited) return DLS_MAX_ITERATIONS;
     if (status == DLS_NO_SOLUTION) return status;
@@ -505,7 +512,7 @@ static dls_status take_copy(dlsi_auto *work, dls_error *error) {
 /* Takes the stages in turn. Returns DLS_OK, an error, or the reason for the end. */
 static dls_status take_stages(dlsi_auto *work, dls_error *error) {
   dls_status status = take_some(work, 0, quick_count, error);
-  if (status != DLS_STALLED) return status;
+  if (status != DLS_STALLED || work->rounded) return status;
   if (may_follow_path(work)) return take_copy(work, error);
   status = take_some(work, quick_count, stage_count, error);
   return status == DLS_STALLED ? judge(work, error) : status;
@@ -564,8 +571,10 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   work->info = (dls_info){.method = DLS_AUTO, .certificate = dlsi_no_certificate};
   work->begun = dlsi_clock_start(&work->options.limits);
   work->stopped = DLS_OK;
-  work->limited = work->failures = work->has_split = work->costly = 0;
+  work->limited = work->failures = work->has_split = work->costly = work->rounded = 0;
   work->has_copy = work->has_direction = work->has_farkas = work->excluded = 0;
+  work->may_rest = looks_at_rest(problem);
+  work->has_pushed = 0;
   memset(work->best, 0, m * sizeof *r);
   if (work->options.limits.warm_start) memcpy(work->best, r, m * sizeof *r);
   const dls_status status = take_stages(work, error);
@@ -630,7 +639,7 @@ static dls_status auto_create(void **out, int d, int nc, const dlsi_options *opt
   dlsi_auto *work = memory;
   for (part k = 0; !status && !options->lazy && k < parts; k++) {
     const int m = d * nc, large = m > other_unknowns;
-    if (k == SPLITTING && m < split_unknowns) continue;
+    if ((k == SPLITTING || k == REST) && m < split_unknowns) continue;
     if (k == PUSH && (nc <= push_candidates || !options->limits.blocks)) continue;
     if (k == SWEEPS && nc > push_candidates && options->limits.blocks) continue;
     if (k == PIVOTING && !may_pivot(work)) continue;

@@ -13,7 +13,8 @@ const dlsi_method *dlsi_method_of(dls_method method);
 
 /* The methods that auto is made of; vi/ and contact_lemke.c. */
 extern const dlsi_method dlsi_nlgs_method, dlsi_newton_method, dlsi_admm_method,
-    dlsi_augmented_method, dlsi_lemke_method, dlsi_homotopy_method, dlsi_scatter_method;
+    dlsi_augmented_method, dlsi_lemke_method, dlsi_homotopy_method, dlsi_scatter_method,
+    dlsi_rest_method;
 
 /* Checks the settings of a solver. */
 dls_status dlsi_solver_check(const dls_solver_settings *settings, dls_error *error);

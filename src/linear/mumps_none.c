@@ -1,10 +1,11 @@
 /*
- * mumps_none.c: stands for schur.c and sparse_lu.c in a build without MUMPS. create answers
+ * mumps_none.c: stands for schur.c, sparse_lu.c and dissection.c in a build without MUMPS. create answers
  * DLS_E_UNSUPPORTED; no other function is ever reached, because there is nothing to call it with.
  */
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 
 #include "base/base.h"
+#include "linear/dissection.h"
 #include "linear/schur.h"
 #include "linear/sparse_lu.h"
 
@@ -75,3 +76,8 @@ dls_status dlsi_sparse_lu_solve(dlsi_sparse_lu *work, double *x, dls_error *erro
 }
 
 void dlsi_sparse_lu_destroy(dlsi_sparse_lu *work) {}
+
+dls_status dlsi_dissection(int n, size_t entries, const int *row, const int *col, int *order,
+                           dls_error *error) {
+  return mumps_missing(error);
+}
