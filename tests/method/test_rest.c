@@ -56,7 +56,7 @@ START_TEST(structures) {
     ck_assert_int_eq(dls_contact_certify(&s.a.contact, s.r, NULL, &c, NULL), DLS_OK);
     ck_assert(dls_certificate_holds(&c, 1e-8));
     ck_assert_int_le(info.iterations, 100);
-    ck_assert_int_eq(info.factorisations, 2);
+    ck_assert_int_le(info.factorisations, 2);
     tear_down(&s);
   }
 }
