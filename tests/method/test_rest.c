@@ -65,7 +65,7 @@ END_TEST
 /* The interior point: a wall near the load at which it slides, 2D, and one pushed across, 3D. */
 START_TEST(near_the_limit) {
   const dls_limits limits = {.tol = 1e-8};
-  structure s = _i ? build("wall3-pushed", 2500, 0.5) : build("wall-pushed", 2500, 0.42);
+  structure s = _i ? build("wall3-pushed", 1500, 0.4) : build("wall-pushed", 2500, 0.38);
   dls_info info;
   dls_certificate c;
   ck_assert_int_eq(rest(&s, &limits, &info), DLS_OK);
