@@ -70,8 +70,8 @@ static const double admm_relaxation = 1.6, admm_growth = 2;
 static const double off = 2.2360679774997896; /* sqrt(5) */
 static const double least_rho = 1e-4, most_rho = 100;
 
-/* First rho of the second way of auto: so small that the first x is nearly the smallest r with W r =
- * -q. */
+/* First rho of the second way of auto: so small that the first x is nearly the smallest r with
+ * W r = -q. */
 static const double other_rho = 1e-8;
 
 struct dls_admm {

@@ -89,8 +89,8 @@ static inline int dlsi_cone_between(int d, const double *x, const double *z, dou
   return 1;
 }
 
-/* Sets the scales S (m) of r_c = S_c x_c that make friction cones Lorentz cones, and the diagonal of
- * each scaled W_cc the same on average, whose mean is returned, `unit`; 0 where W has no diagonal.
+/* Sets the scales S (m) of r_c = S_c x_c that make friction cones Lorentz cones, and the diagonal
+ * of each scaled W_cc the same on average, whose mean is returned; 0 where W has no diagonal.
  * Tangents without friction have the scale 0. A change of the unit of W by a power of two changes
  * no bit of S. diagonal: scratch, nc. cone.c. */
 double dlsi_cone_scales(const dls_contact *problem, double *diagonal, double *S);

@@ -6,20 +6,21 @@
  *
  *   (AR1)  W x + q = z,   x_c and z_c in the Lorentz cone,  x_c.z_c = 0
  *
- * Its answer is that of the law if |z_t| is 0, which the certificate tells. From r = 0, the law with
- * its s_c leads large structures away from the answer, and they return late or never.
+ * Its answer is that of the law if |z_t| is 0, which the certificate tells. From r = 0, the law
+ * with its s_c leads large structures away from the answer, and they return late or never.
  *
  *   (AR2)  z = P(v), the projection on the cones
  *   (AR3)  (W + R) x = R (2 z - v) - q,   R = diag(rho_c)
- *   (AR4)  v := v + 1.6 (x - z)
+ *   (AR4)  v := v + (x - z), from iteration 10 on v + 1.4 (x - z). The first x is almost the
+ *          smallest one with W x = -q: where it lies in the cones, it is the answer.
  *   (AR5)  rho_c = 1e-8: below the nonzero eigenvalues of W, so that the count of iterations does
  *          not grow with them, and above its rounding, eps / rho of which enters x. Where no pivot
  *          of W + R is below 100 rho, W is regular and 1e-12 takes the place of 1e-8: x is then
  *          almost the answer of W x = -q. Else, after 10 iterations, rho_c = 1e-7 / |z_c| with the
  *          mean of |z| as a unit, at most 1e-4, and v such that z and R (z - v) stay. Balancing
  *          residuals does not find such a rho: they look balanced at a thousand times as much.
- *   (AR6)  ends where 30 iterations have not halved the residual. Where that is above 1e-6,
- *          an interior point follows:
+ *   (AR6)  ends where 50 iterations have not halved the residual. An interior point follows, but
+ *          where only the rounding of W r stands against the answer:
  *
  *   (AR7)  P of cone.h with lambda = P x = P^-1 z. A direction for a right-hand side rc:
  *          (W + P^2 + delta) dx = h - (W x + q - z),  dz = h - P^2 dx,  h = P (lambda \ rc)
@@ -33,7 +34,7 @@
  * Source: (AR2)-(AR4) Lions and Mercier, SIAM J. Numer. Anal. 16, 1979; (AR7)-(AR9) Mehrotra's
  * predictor and corrector for cones, Andersen, Roos and Terlaky, Math. Program. 95, 2003, 249-277.
  * delta = 1e-10 keeps the factorisation definite where W is singular and P small.
- * Cost: W + R and W + P^2 by cholesky.c, analysed once: 1 or 2 factorisations and 40 to 250 solves;
+ * Cost: W + R and W + P^2 by cholesky.c, analysed once: 1 or 2 factorisations and 1 to 250 solves;
  * of the interior point 11 to 20 factorisations, up to 60 for long chains, three solves each.
  * Allocates the matrix and its factor in each solve.
  * What can fail: W not symmetric, or a candidate without W_cc: DLS_STALLED at once. What flows: the
@@ -48,10 +49,10 @@
 #include "linear/dissection.h"
 #include "vi_internal.h"
 
-enum { measured_every = 5, metric_after = 10, rest_patience = 30, most_points = 80 };
+enum { measured_every = 5, metric_after = 10, rest_patience = 50, most_points = 80 };
 static const double singular_rho = 1e-8, regular_rho = 1e-12, metric_rho = 1e-7; /* (AR5) */
 static const double regular_pivot = 100, least_share = 1e-3;                     /* (AR5) */
-static const double rest_relaxation = 1.6, near_enough = 1e-6;
+static const double rest_relaxation = 1.4;
 static const double proximal = 1e-10; /* delta of (AR7) */
 static const double to_boundary = 0.99, short_step = 0.1, least_step = 1e-6;
 static const double slides_tau = 1e-2, slides = 0.03; /* (AR10) */
@@ -257,14 +258,15 @@ static dls_status rest_split(rest *work, const dls_contact *problem, dls_info *o
   for (int k = 0; !status; k++) {
     for (int c = 0; c < nc; c++) /* (AR2) */
       (void)dlsi_project_cone(d, 1, work->v + d * c, work->z + d * c);
-    if (k > 0 && k % measured_every == 0) {
+    if (k > 0 && (k < measured_every || k % measured_every == 0)) {
       const double now = rest_offer(work, problem, work->z);
       if (dls_certificate_holds(&work->it.certificate, work->it.tol)) return DLS_OK;
       if (now < residual / 2) {
         residual = now;
         since = k;
       }
-      if (k - since >= rest_patience || now <= work->it.tol) return DLS_STALLED; /* (AR6) */
+      if (k - since >= rest_patience || dlsi_certificate_meets(&work->it.certificate, work->it.tol))
+        return DLS_STALLED; /* (AR6) */
     }
     if (k == metric_after && !regular) status = rest_next_metric(work, nc, outcome, error);
     if (status) return status;
@@ -272,7 +274,7 @@ static dls_status rest_split(rest *work, const dls_contact *problem, dls_info *o
       work->x[i] = work->rho[i / d] * (2 * work->z[i] - work->v[i]) - work->q[i];
     status = dlsi_cholesky_solve(work->factor, work->x, 1, error);
     for (int i = 0; i < m; i++) /* (AR4) */
-      work->v[i] += rest_relaxation * (work->x[i] - work->z[i]);
+      work->v[i] += (k < metric_after ? 1 : rest_relaxation) * (work->x[i] - work->z[i]);
     if (!status) status = rest_tell(work, outcome);
   }
   return status;
@@ -377,7 +379,8 @@ static dls_status rest_interior(rest *work, const dls_contact *problem, dls_info
       tau += work->x[i] * work->z[i] / nc;
     const double residual = rest_offer(work, problem, work->x);
     if (dls_certificate_holds(&work->it.certificate, work->it.tol)) return DLS_OK;
-    if (!(tau > 0) || residual <= work->it.tol) return DLS_STALLED;
+    if (!(tau > 0) || dlsi_certificate_meets(&work->it.certificate, work->it.tol))
+      return DLS_STALLED;
     if (tau < slides_tau && tau < slides * residual * residual) return DLS_STALLED; /* (AR10) */
     rest_multiply(work, nc, work->x, work->right);
     for (int i = 0; i < m; i++)
@@ -407,7 +410,7 @@ static dls_status rest_solve(void *rest_work, const dls_contact *problem, double
   if (!dlsi_iterate_start(it, problem, work->r)) {
     status = rest_set(work, problem, error);
     if (!status) status = rest_split(work, problem, &outcome, error);
-    if (status == DLS_STALLED && work->factor && it->certificate.residual > near_enough)
+    if (status == DLS_STALLED && work->factor && !dlsi_certificate_meets(&it->certificate, it->tol))
       status = rest_interior(work, problem, &outcome, error);
     rest_forget_matrix(work);
   }
