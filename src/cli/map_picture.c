@@ -92,7 +92,7 @@ static layout lay_out(const map_picture *p) {
   for (int k = 0; k < p->panels * p->rows * p->columns; k++)
     if (strlen(p->cells[k].text) > widest) widest = strlen(p->cells[k].text);
   const int many = p->panels > 1;
-  layout l = {.cell_w = many ? 46 : fmax(104, 16 + 7.2 * (double)widest),
+  layout l = {.cell_w = many ? 46 : fmax(104, 20 + 8 * (double)widest),
               .cell_h = many           ? 26
                         : p->rows > 24 ? 22
                                        : 31};
