@@ -321,5 +321,5 @@ int command_chart(int argc, char **argv) {
   const int stop = take_options(argc, argv, &chart_command, &o);
   if (stop != GO_ON) return stop;
   watch_interrupt();
-  return run_chart(argv[optind], &o);
+  return leave_lcps(1, argv + optind) ? run_chart(argv[optind], &o) : EXIT_SOLVED;
 }

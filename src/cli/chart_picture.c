@@ -269,8 +269,9 @@ static void write_errors(FILE *s, const chart *c, const ranges *g) {
   if (agreement > 0)
     fprintf(s,
             "  set label 'the two best answers agree to this' at graph 0.99,first %g right offset "
-            "0,0.6 tc rgb '#606060' font ',11' front boxed\n",
-            at_least(agreement, 3 * least_residual));
+            "0,%g tc rgb '#606060' font ',11' front boxed\n",
+            at_least(agreement, 3 * least_residual),
+            agreement > 100 * least_residual ? -0.8 : 0.6); /* below, where no curve goes */
   if (c->answers > 1)
     fprintf(s,
             "  set label '%d different answers: each method from its own' at graph 0.98,0.93 right "

@@ -314,6 +314,9 @@ taken take_moving_setting(int key, const char *text, dls_moving_settings *settin
 /* Returns 1 if one of the arguments is the name of a scene of bodies that move. */
 int names_moving(int argc, char **argv);
 
+/* Shows the progress of a step on the terminal; returns non-zero after Ctrl-C. */
+int show_moving_step(const dls_moving_data *data);
+
 /* Draw energy.* and bar.*, map.*, loop.* in a directory that holds energy.csv and their data, and
  * converge.* with the line factor h^order beside converge.csv (moving_picture.c); EXIT_SOLVED, or
  * EXIT_BAD_INPUT after a complaint. */

@@ -21,10 +21,10 @@ static void map_usage(FILE *out) {
       "  or:  delassus map [OPTION]... FILE|SCENE FILE|SCENE...\n"
       "Where each method works. Columns are methods; rows are friction or, of several names, the\n"
       "problems. Colours tell the verdict; shade and number, CPU over the fastest of the row.\n"
-      "Scenes that go in steps (indentation, extrusion): friction and the number of steps.\n"
+      "Scenes that go in steps (indentation, bar-impact, ...): friction and the number of steps.\n"
       "Writes map.csv and the picture map.png, map.svg; Ctrl-C draws what is done.\n"
       "\n"
-      "      --mu=FROM:TO      friction (0:10; scenes in steps 0:1), and the problem's own\n"
+      "      --mu=FROM:TO      friction (0:10; forming 0:1), and the problem's own\n"
       "      --rows=N          how many values of friction (18; 8)\n"
       "      --against=WHAT    condition, rank or skew of W on the x axis, one panel a method:\n"
       "                        share of the samples that it solves; mesh, of scenes in steps\n"
@@ -333,15 +333,17 @@ int command_map(int argc, char **argv) {
       .to = -1, .tol = 1e-8, .limit = -1, .samples = 5, .method = "auto", .out = "map"};
   const int stop = take_options(argc, argv, &map, &o);
   if (stop != GO_ON) return stop;
-  const int count = argc - optind;
-  if (count < 1) return wrong_usage(&map);
+  if (argc == optind) return wrong_usage(&map);
+  const int count = leave_lcps(argc - optind, argv + optind);
+  if (count == 0) return EXIT_SOLVED;
   if (count > MAP_ROWS) return complain("map: at most %d names", MAP_ROWS);
   watch_interrupt();
-  if (names_forming(argc, argv)) {
+  const int moves = names_moving(argc, argv);
+  if (moves || names_forming(argc, argv)) {
     if (count > 1) return complain("map: a scene in steps stands alone");
     if (o.against && strcmp(o.against, "mesh") != 0)
       return complain("--against: scenes in steps take mesh");
-    return map_forming(argv[optind], &o);
+    return map_steps(argv[optind], &o, moves);
   }
   if (o.against) {
     if (count > 1) return complain("--against: takes one name");

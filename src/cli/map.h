@@ -64,6 +64,7 @@ typedef struct map_options {
 
 int map_methods(int count, char **names, const map_options *o);
 int map_against(const char *name, const map_options *o); /* map_against.c */
-int map_forming(const char *name, const map_options *o); /* map_forming.c */
+/* moves = 1: a scene of bodies that move, 0: forming (map_steps.c) */
+int map_steps(const char *name, const map_options *o, int moves);
 
 #endif

@@ -86,11 +86,16 @@ typedef struct layout {
 } layout;
 
 static layout lay_out(const map_picture *p) {
-  size_t longest = 0;
+  size_t longest = 0, widest = 0;
   for (int i = 0; i < p->rows; i++)
     if (strlen(p->row[i]) > longest) longest = strlen(p->row[i]);
+  for (int k = 0; k < p->panels * p->rows * p->columns; k++)
+    if (strlen(p->cells[k].text) > widest) widest = strlen(p->cells[k].text);
   const int many = p->panels > 1;
-  layout l = {.cell_w = many ? 46 : 104, .cell_h = many ? 26 : p->rows > 24 ? 22 : 31};
+  layout l = {.cell_w = many ? 46 : fmax(104, 20 + 8 * (double)widest),
+              .cell_h = many           ? 26
+                        : p->rows > 24 ? 22
+                                       : 31};
   l.across = p->panels < 3 ? p->panels : 3;
   l.down = (p->panels + l.across - 1) / l.across;
   l.left = 75 + 7.8 * (double)longest;

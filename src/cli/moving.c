@@ -291,6 +291,15 @@ static void print_moving_summary(const dls_moving_data *d, const moving_worst *w
   print_contact_cost(d);
 }
 
+int show_moving_step(const dls_moving_data *data) {
+  const dls_progress progress = {.method = data->name,
+                                 .stage = data->name,
+                                 .iteration = data->step,
+                                 .max_iterations = data->steps,
+                                 .residual = -1};
+  return show_progress(NULL, &progress);
+}
+
 /* Runs all steps. Returns 0 after a complaint; *status: of the last one. */
 static int moving_steps(dls_moving *moving, const moving_options *o, const moving_files *f,
                         moving_worst *worst, dls_status *status) {
@@ -305,12 +314,7 @@ static int moving_steps(dls_moving *moving, const moving_options *o, const movin
     dls_moving_get(moving, &d);
     worst->residual = fmax(worst->residual, d.energy.residual / d.energy.scale);
     worst->momentum = fmax(worst->momentum, d.energy.momentum);
-    const dls_progress progress = {.method = o->name,
-                                   .stage = o->name,
-                                   .iteration = d.step,
-                                   .max_iterations = d.steps,
-                                   .residual = -1};
-    if (show_progress(NULL, &progress)) *status = DLS_CANCELLED;
+    if (show_moving_step(&d)) *status = DLS_CANCELLED;
     if (f->energy && !write_moving_step(f, o->out, &d, *status || d.step == d.steps)) return 0;
   }
   progress_end();

@@ -38,6 +38,19 @@ dls_status named_load(const char *name, named *p, dls_error *error) {
   return status;
 }
 
+int leave_lcps(int count, char **names) {
+  int kept = 0;
+  for (int i = 0; i < count; i++) {
+    dls_text *text;
+    if (read_lcp_text(names[i], &text))
+      (void)complain("%s: skipped: an LCP, no contact problem; delassus solve solves it", names[i]);
+    else
+      names[kept++] = names[i];
+    dls_text_destroy(text);
+  }
+  return kept;
+}
+
 void named_free(named *p) {
   dls_reduction_destroy(p->reduction);
   dls_fe_scene_destroy(p->scene);

@@ -64,7 +64,29 @@ static const struct {
     [ENDED_NONE] = {"proved none", "#882255"},
     [ENDED_TIME] = {"time", "#bbbbbb"},
     [ENDED_REFUSED] = {"refused", "#ffffff"},
+    [ENDED_FOLDED] = {"mesh folded", "#303030"},
 };
+
+ending ending_of(dls_status status) {
+  switch (status) {
+  case DLS_OK:
+    return ENDED_SOLVED;
+  case DLS_MAX_ITERATIONS:
+    return ENDED_ITERATIONS;
+  case DLS_STALLED:
+    return ENDED_STALLED;
+  case DLS_RAY:
+    return ENDED_RAY;
+  case DLS_NO_SOLUTION:
+    return ENDED_NONE;
+  case DLS_NO_SOLUTION_LIKELY:
+    return ENDED_LIKELY_NONE;
+  case DLS_FOLDED:
+    return ENDED_FOLDED;
+  default:
+    return status < 0 ? ENDED_REFUSED : ENDED_TIME;
+  }
+}
 
 const char *ending_word(ending e) {
   return endings[e].word;

@@ -243,5 +243,6 @@ int command_profile(int argc, char **argv) {
   if (stop != GO_ON) return stop;
   if (argc == optind) return wrong_usage(&profile_command);
   watch_interrupt();
-  return run_profile(argc - optind, argv + optind, &o);
+  const int count = leave_lcps(argc - optind, argv + optind);
+  return count ? run_profile(count, argv + optind, &o) : EXIT_SOLVED;
 }

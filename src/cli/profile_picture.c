@@ -134,7 +134,7 @@ static void write_profile_curves(FILE *s, const profile_picture *p, int target, 
           "  set ylabel '%s' offset 1,0\n",
           p->target[target], most_tau, target ? "" : "part of the problems");
   for (int k = 0; k < p->solvers; k++) {
-    const double x = left + (k / half) * 0.52 * (right - left), y = top - k % half * line;
+    const double x = left + (k / half) * 0.47 * (right - left), y = top - k % half * line;
     fprintf(s, "  set arrow from screen %.4f,%.4f to screen %.4f,%.4f nohead ", x, y, x + 0.02, y);
     write_style(s, p, k);
     fprintf(s, "\n  set label '%s  %d/%d' at screen %.4f,%.4f left font ',10' noenhanced\n",

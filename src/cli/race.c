@@ -36,25 +36,6 @@ double race_fastest(const race *a, int rung, int singles) {
 
 /* ---- one solve ------------------------------------------------------------------------------- */
 
-static ending ending_of(dls_status status) {
-  switch (status) {
-  case DLS_OK:
-    return ENDED_SOLVED;
-  case DLS_MAX_ITERATIONS:
-    return ENDED_ITERATIONS;
-  case DLS_STALLED:
-    return ENDED_STALLED;
-  case DLS_RAY:
-    return ENDED_RAY;
-  case DLS_NO_SOLUTION:
-    return ENDED_NONE;
-  case DLS_NO_SOLUTION_LIKELY:
-    return ENDED_LIKELY_NONE;
-  default:
-    return status < 0 ? ENDED_REFUSED : ENDED_TIME;
-  }
-}
-
 /* Solves once, within `limit` seconds of CPU if that is > 0; *t takes the outcome and keeps the
  * least time. Returns an error of the library. */
 static dls_status race_solve(race *a, int k, int rung, double limit, dls_error *error) {

@@ -38,9 +38,11 @@ typedef enum ending {
   ENDED_NONE, /* no solution: proved */
   ENDED_TIME, /* over the limit of CPU */
   ENDED_REFUSED,
+  ENDED_FOLDED, /* of scenes in steps: the mesh */
   ENDINGS
 } ending;
 
+ending ending_of(dls_status status);
 const char *ending_word(ending e);
 const char *ending_colour(ending e);
 
@@ -121,5 +123,9 @@ typedef struct named {
 
 dls_status named_load(const char *name, named *p, dls_error *error);
 void named_free(named *p);
+
+/* Takes text files of LCPs, on which methods for contact cannot race, out of the names: a line on
+ * stderr for each. Returns how many names are left, in front. */
+int leave_lcps(int count, char **names);
 
 #endif

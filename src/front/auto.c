@@ -13,7 +13,9 @@
  *                     at rest: W by blocks, -q in the friction cones, or few neighbours
  *   (AT3)  Newton     from the states that the sweeps have sorted
  *   (AT4)  augmented  the augmented Lagrangian, which sees reactions run away
- *   (AT5)  pivoting   Lemke's method, if small enough
+ *   (AT5)  pivoting   Lemke's method, if small enough; after the first failure of Newton's method
+ *                     already, if its table is so small that it takes no longer than the sweeps and
+ *                     steps that would follow. A verdict is left to the copy (AT11) then
  *   (AT8)  the last   up to 300 rows the interior homotopy from several starts; up to 3000 rows,
  *                     from r = 0, plain sweeps in the reverse order, ADMM with rho from 1e-8 on,
  *                     and the augmented Lagrangian once more; up to 300 rows Newton's method from
@@ -76,6 +78,7 @@ enum { split_unknowns = 150 };   /* (AT2): below, other methods take less than i
 enum { dense_splits = 200 };     /* iterations of (AT2): more of them cost more than Newton again */
 enum { few_blocks = 4 };         /* of a candidate, its own included */
 enum { rest_sweeps = 100 };      /* what (AT12) costs, analysis included, where it arrives */
+enum { pivot_rows = 400 };       /* (AT5), early: such a table stays in the cache */
 enum { push_candidates = 1000 }; /* (AT13): fewer, (AT1) takes as long */
 static const double push_near = 1e-5; /* (AT13) */
 enum { path_unknowns = 300 };         /* a thousand factorisations then take a few seconds */
@@ -283,6 +286,11 @@ static int may_pivot(const dlsi_auto *work) {
   return work->nc <= (work->d <= 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D);
 }
 
+/* Returns 1 if the table of (AT5) is small: 3 rows a candidate in 2D, 10 in 3D. */
+static int may_pivot_early(const dlsi_auto *work) {
+  return (work->d == 2 ? 3 : 10) * work->nc <= pivot_rows;
+}
+
 static int may_follow_path(const dlsi_auto *work) {
   return !work->bonded && work->problem->d * work->problem->nc <= path_unknowns;
 }
@@ -316,14 +324,17 @@ static const struct {
 static const struct {
   part part;
   int cold, copy;
-} stages[] = {{SWEEPS, 0, 0},    {PUSH, 0, 0},         {REST, 0, 0},      {SPLITTING, 0, 0},
-              {PUSH, 0, 0},      {NEWTON, 0, 0},       {SPLITTING, 0, 0}, {SWEEPS, 0, 0},
-              {NEWTON, 0, 0},    {SWEEPS, 0, 0},       {NEWTON, 0, 0},    {SWEEPS, 0, 0},
-              {NEWTON, 0, 0},    {SWEEPS, 0, 1},       {NEWTON, 0, 1},    {PIVOTING, 0, 1},
-              {AUGMENTED, 0, 0}, {HOMOTOPY, 1, 1},     {SWEEPS, 0, 0},    {NEWTON, 0, 0},
-              {SWEEPS, 0, 0},    {OTHER_SWEEPS, 1, 0}, {NEWTON, 0, 0},    {OTHER_SPLITTING, 1, 0},
-              {NEWTON, 0, 0},    {AUGMENTED, 1, 0},    {SCATTER, 0, 1}};
-enum { quick_count = 13, stage_count = sizeof stages / sizeof stages[0] };
+} stages[] = {{SWEEPS, 0, 0},          {PUSH, 0, 0},         {REST, 0, 0},
+              {SPLITTING, 0, 0},       {PUSH, 0, 0},         {NEWTON, 0, 0},
+              {PIVOTING, 0, 0},        {SPLITTING, 0, 0},    {SWEEPS, 0, 0},
+              {NEWTON, 0, 0},          {SWEEPS, 0, 0},       {NEWTON, 0, 0},
+              {SWEEPS, 0, 0},          {NEWTON, 0, 0},       {SWEEPS, 0, 1},
+              {NEWTON, 0, 1},          {PIVOTING, 0, 1},     {AUGMENTED, 0, 0},
+              {HOMOTOPY, 1, 1},        {SWEEPS, 0, 0},       {NEWTON, 0, 0},
+              {SWEEPS, 0, 0},          {OTHER_SWEEPS, 1, 0}, {NEWTON, 0, 0},
+              {OTHER_SPLITTING, 1, 0}, {NEWTON, 0, 0},       {AUGMENTED, 1, 0},
+              {SCATTER, 0, 1}};
+enum { quick_count = 14, stage_count = sizeof stages / sizeof stages[0] };
 _Static_assert((int)stage_count + 2 <= (int)DLS_STAGES_MAX,
                "a line for each in the report, one for the states, one after the copy");
 
@@ -440,6 +451,8 @@ static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *erro
     const part now = stages[k].part;
     if (stages[k].copy && !work->has_copy) continue;
     if (part_of[now].may && !part_of[now].may(work)) continue;
+    const int early = now == PIVOTING && k < quick_count;
+    if (early && !may_pivot_early(work)) continue;
     if (stages[k].cold && !may_go_another_way(work)) continue;
     const dls_status status = take_stage(work, now, stages[k].cold, error);
     if (status < 0) return status;
@@ -449,6 +462,7 @@ static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *erro
     if (work->rounded) return DLS_STALLED;
     if (status == DLS_TIME_LIMIT) return status;
     if (work->limited) return DLS_MAX_ITERATIONS;
+    if (early) continue; /* (AT11) finds it again, for any order of the candidates */
     if (status == DLS_NO_SOLUTION) return status;
     if (now == PIVOTING && (work->excluded = dlsi_contact_lemke_excludes(work->part[now])))
       return DLS_STALLED;

@@ -201,6 +201,48 @@ START_TEST(map_of_a_scene_in_steps) {
 }
 END_TEST
 
+/* A coarse mesh folds under much friction: a verdict of its own, in a colour of its own. */
+START_TEST(map_of_meshes_that_fold) {
+  ck_assert_int_eq(run("map extrusion --against mesh --rows 1 --mu 0.3:0.5 --limit 0.5 -o @"), 1);
+  ck_assert_int_ge(count_of(contents("map.csv"), "0.5,2x3,folded,0.3"), 1);
+  ck_assert_int_ge(count_of(contents("map.dat"), "0 0 0x303030 0xffffff \"mesh folded 3"), 1);
+}
+END_TEST
+
+/* Without friction the upper of two blocks slides off; 0.3 keeps it. */
+START_TEST(map_of_bodies_that_move) {
+  ck_assert_int_eq(run("map two-blocks --rows 2 --mu 0:0.3 -o @"), 1);
+  const char *csv = contents("map.csv");
+  ck_assert_int_eq(count_of(csv, "\n"), 1 + 2 * 6);
+  ck_assert_int_eq(count_of(csv, "\n0,"), 6);
+  ck_assert_int_eq(count_of(csv, ",stalled,0."), 6);
+  ck_assert_int_eq(count_of(csv, "\n0.3,"), 6);
+  ck_assert_int_eq(count_of(csv, ",solved,1.0000,"), 6);
+  ck_assert_int_eq(count_of(csv, ",40,"), 2); /* the scene's own steps */
+  ck_assert_int_eq(count_of(contents("map.dat"), "0xe69f00"), 6);
+  ck_assert_int_eq(count_of(contents("map.gp"), "set xlabel 'steps of the whole time, 2'"), 1);
+  ck_assert_int_eq(run("map bar-impact --against mesh --rows 1 --mu 0:1 -m nlgs -o @"), 0);
+  ck_assert_int_eq(count_of(contents("map.csv"), ",100,solved,"), 1);
+  ck_assert_int_eq(run("map block-drop --rows 1 --mu 0.1:1 --limit 10 -o @"), 0);
+}
+END_TEST
+
+/* An LCP is no contact problem: a line, and the rest goes on. */
+START_TEST(lcps_are_skipped) {
+  static const char *const calls[] = {"chart -r 1 %s -o @", "map %s -o @", "profile -r 1 %s -o @",
+                                      "map --rows 2 %s jean-fig4 -o @",
+                                      "profile -r 1 %s jean-fig4 -o @"};
+  char arguments[200];
+  for (int k = 0; k < 5; k++) {
+    (void)snprintf(arguments, sizeof arguments, calls[k], "data/failures/l01-cycling.txt");
+    ck_assert_msg(run(arguments) == 0, "%s: %s", arguments, output);
+    ck_assert_int_eq(count_of(output, "l01-cycling.txt: skipped: an LCP"), 1);
+    ck_assert_int_eq(count_of(output, "\n") > 1, k > 2);
+  }
+  ck_assert_int_eq(run("solve data/failures/l01-cycling.txt"), 0);
+}
+END_TEST
+
 /* Ctrl-C in a long map: what is done is drawn. */
 START_TEST(interrupted_map_is_drawn) {
   const char *program = getenv("DELASSUS_PROGRAM");
@@ -246,7 +288,6 @@ START_TEST(wrong_use_is_2) {
                                       "chart jean-fig3 --repeat 0",
                                       "chart jean-fig3 --limit x",
                                       "chart jean-fig3 -r 1 -o /dev/null/x",
-                                      "chart data/failures/l01-cycling.txt",
                                       "map",
                                       "map /no/such.hdf5",
                                       "map jean-fig3 --mu 3:1",
@@ -257,6 +298,10 @@ START_TEST(wrong_use_is_2) {
                                       "map indentation --against rank",
                                       "map indentation jean-fig3",
                                       "map indentation --method simplex -o /tmp",
+                                      "map block-drop --method gauss-seidel -o /tmp",
+                                      "map block-drop --against rank",
+                                      "map block-drop bar-impact",
+                                      "map jean-moving --against mesh -o @",
                                       "map jean-fig3 --rows 2 -o /dev/null/x",
                                       "profile",
                                       "profile /no/such.hdf5 -o @",
@@ -276,6 +321,7 @@ int main(void) {
              ONCE(rank_deficient_is_measured_in_u), ONCE(several_answers_are_told),
              ONCE(chart_is_1_where_auto_fails), ONCE(without_gnuplot), ONCE(map_of_friction),
              ONCE(map_of_a_wedge_that_jams), ONCE(map_of_problems), ONCE(map_against_rank),
-             ONCE(map_of_a_scene_in_steps), ONCE(interrupted_map_is_drawn), ONCE(profile_counts),
-             ONCE(solve_plots_its_history), ONCE(wrong_use_is_2));
+             ONCE(map_of_a_scene_in_steps), ONCE(map_of_meshes_that_fold),
+             ONCE(map_of_bodies_that_move), ONCE(lcps_are_skipped), ONCE(interrupted_map_is_drawn),
+             ONCE(profile_counts), ONCE(solve_plots_its_history), ONCE(wrong_use_is_2));
 }
