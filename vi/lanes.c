@@ -8,7 +8,8 @@
  *   (LA1)  for c = 1 .. nc, in all lanes:
  *            p := u_c - W_cc r_c;  s := the solution of candidate c alone;  dr := s - r_c
  *            r_c := s,  u := u + W(:,c) dr
- *   (LA2)  until in each lane |w dr| <= tol |q| / 2 and |dr| <= tol |r| / 2 in a sweep, or the limit
+ *   (LA2)  until in each lane |w dr| <= tol |q| / 4 and |dr| <= tol |r| / 4 in a sweep, or the
+ *          limit
  *
  * The local solution is that of local.c, (LO1)-(LO5): free, stick by Cramer's rule, else slip,
  * whose l is that of the candidate's last visit after two of Newton's steps: the sweeps correct
