@@ -40,9 +40,9 @@
  *          is below the largest of its last five values (Grippo, Lampariello and Lucidi, SIAM J.
  *          Numer. Anal. 23, 1986, 707-716). u is affine in r, so that a trial costs O(m).
  *
- *   (NE5)  A run of the same size may begin with the factors of the one before, and keeps them while
- *          the states are those they were made for. W may have changed: where a step with them does
- *          not bring the residual down tenfold, they are made anew.
+ *   (NE5)  A run of the same size may begin with the factors of the one before, and keeps them
+ *          while the states are those they were made for. W may have changed: where a step with
+ *          them does not bring the residual down tenfold, they are made anew.
  *
  * Stop: the certificate holds (its F is de Saxce's; both vanish together), the limit of steps, or
  * 12 steps that did not halve the residual. Uphill steps are taken, too; the best r met is kept.

@@ -45,14 +45,12 @@
  * q of bodies at rest is that of falling, and -q lies in the cones; bodies in motion are far from
  * that.
  *
- *   (AT12) steps     a warm solve after one that Newton's method has ended, or whose sweeps have cost
- *          more than two of its steps, W dense, begins with Newton's method from the start as it
- *          is, with the factors of the solve before (vi/newton.c, NE5): a step in which no state
- *          changes takes products and triangular solves alone. Where that fails once, the next
- *          warm solve does not try.
- *
- *   (AT13) line      where the start of a warm solve is the answer of the one before, the line through
- *          the last two answers is followed: the better one of both starts is taken.
+ *   (AT12) steps     a warm solve after one that Newton's method has ended, or whose sweeps have
+ *          cost more than two of its steps, W dense, begins with Newton's method, with the factors
+ *          of the solve before (vi/newton.c, NE5): a step in which no state changes takes products
+ *          and triangular solves alone. Where that fails, the next warm solve does not try.
+ *   (AT13) line      where the start of a warm solve is the answer of the one before, the line
+ *          through the last two answers is followed: the better one of both starts is taken.
  *
  *   (AT9)  verdict. DLS_NO_SOLUTION if (AT10) has a proof. DLS_NO_SOLUTION_LIKELY only where W
  *          shows no reason for a solution (vi/exists.c), and (AT10) shows that none could be
