@@ -29,7 +29,7 @@
 
 enum { lanes = dlsi_lanes, lane_rows = 3 * dlsi_lane_candidates, lane_steps = 2 };
 enum { lane_look = 2, lane_sweeps = 32 };
-/* Of tol; of 1/4, 1/16, 1/64 the fastest on boxes with four candidates, as 32 sweeps of 32 to 96. */
+/* Of tol; of 1/4 and 1/16 the faster on boxes with four candidates, as 32 sweeps of 32 to 96. */
 static const double lane_margin = 1. / 4;
 
 typedef double lane[lanes];
