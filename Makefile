@@ -119,6 +119,7 @@ help:
 	@echo 'make bench-auto      auto beside the single methods; BENCH=files'
 	@echo 'make bench-motion    load and recover of each step beside one solve by CHOLMOD'
 	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
+	@echo 'make bench-steps     a batch of small problems; a load path, warm beside cold'
 	@echo 'make bench-trust     predicted error of an answer beside the true one'
 	@echo 'make clean'
 
@@ -340,7 +341,9 @@ bench-motion:
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/motion --out $(RESULTS) $(BENCH)
 bench-blocks: $(BUILD)/bench/blocks
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks --out $(RESULTS)
-.PHONY: bench-trust
+bench-steps: $(BUILD)/bench/steps
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/steps --out $(RESULTS)
+.PHONY: bench-trust bench-steps
 bench-trust: $(BUILD)/bench/trust
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/trust --out $(RESULTS)
 

@@ -72,43 +72,194 @@ static void box_make(box *b, int kind) {
 }
 
 static dls_contact box_contact(const box *b) {
-  return (dls_contact){.d = 3,
-                       .nc = corners,
-                       .W = {box_rows, box_rows, box_rows, b->W},
-                       .q = b->q,
-                       .mu = b->mu};
+  return (dls_contact){
+      .d = 3, .nc = corners, .W = {box_rows, box_rows, box_rows, b->W}, .q = b->q, .mu = b->mu};
 }
-int main(int argc, char **argv) {
+
+/* Solves all boxes by a loop of dls_solve (batch = 0) or one dls_solve_batch; returns CPU us per
+ * box, and how many were solved. */
+static double box_time(const dls_contact *p, double (*r)[box_rows], int batch, int *solved) {
+  double *at[boxes];
+  dls_info *info = malloc(boxes * sizeof *info);
+  if (!info) exit(1);
+  for (int k = 0; k < boxes; k++)
+    at[k] = r[k];
+  const double begun = bench_seconds();
+  dls_status status = DLS_OK;
+  for (int k = 0; !batch && k < boxes && status >= 0; k++)
+    status = dls_solve(&p[k], NULL, r[k], NULL, &info[k], NULL);
+  if (batch) status = dls_solve_batch(boxes, p, NULL, at, NULL, info, NULL);
+  const double seconds = bench_seconds() - begun;
+  *solved = 0;
+  for (int k = 0; k < boxes && status >= 0; k++)
+    *solved += info[k].status == DLS_OK;
+  free(info);
+  return 1e6 * seconds / boxes;
+}
+
+static void print_boxes(FILE *page) {
+  static const char *const name[] = {"at rest", "sliding", "tumbling"};
   static box b[boxes];
   static double r[boxes][box_rows];
+  static dls_contact p[boxes];
+  bench_print(
+      page,
+      "## %d boxes with four candidates, d = 3, W dense, 1e-8\n\n"
+      "| boxes | loop of dls_solve, us each | dls_solve_batch | loop over batch | solved |\n"
+      "|---|---|---|---|---|\n",
+      boxes);
+  for (int kind = 0; kind < 3; kind++) {
+    double least[2] = {INFINITY, INFINITY};
+    int solved[2] = {0};
+    steps_state = 2 + 2 * (uint64_t)kind;
+    for (int k = 0; k < boxes; k++) {
+      box_make(&b[k], kind);
+      p[k] = box_contact(&b[k]);
+    }
+    for (int run = 0; run < runs; run++)
+      for (int batch = 0; batch < 2; batch++)
+        least[batch] = fmin(least[batch], box_time(p, r, batch, &solved[batch]));
+    bench_print(page, "| %s | %.2f | %.2f | %.2f | %d, %d |\n", name[kind], least[0], least[1],
+                least[0] / least[1], solved[0], solved[1]);
+  }
+}
+
+/* ---- a load path ----------------------------------------------------------------------------- */
+
+enum { load_steps = 50 };
+
+typedef struct path {
+  int d, side, nc; /* side: candidates along x */
+  double *W, *q, *mu;
+  dls_contact p;
+} path;
+
+/* Returns the integral of log |x|. */
+static double path_integral(double x) {
+  return x == 0 ? 0 : x * (log(fabs(x)) - 1);
+}
+
+/* B (d x d) := the block of an elastic half-plane (Flamant, nu = 1 / 8) or half-space (Boussinesq
+ * and Cerruti, nu = 0.3), cells of width h, at the distance (x, y). */
+static void path_block(int d, double x, double y, double h, double *B) {
+  const double nu = d == 2 ? .125 : .3, r = hypot(x, y), c = (1 - 2 * nu) / 2;
+  memset(B, 0, sizeof *B * (size_t)(d * d));
+  if (d == 2) {
+    const double side = x > 0 ? 1 : x < 0 ? -1 : 0, across = acos(0) * (1 - 2 * nu) / (2 - 2 * nu);
+    B[0] = B[3] = 2 * h - path_integral(x + h / 2) + path_integral(x - h / 2);
+    B[1] = across * side * h;
+    B[2] = -B[1];
+  } else if (r == 0) {
+    B[0] = 3.5255 / h * (1 - nu);
+    B[4] = B[8] = 3.5255 / h * (1 - nu / 2);
+  } else {
+    B[0] = (1 - nu) / r;
+    B[4] = ((1 - nu) + nu * x * x / (r * r)) / r;
+    B[8] = ((1 - nu) + nu * y * y / (r * r)) / r;
+    B[5] = B[7] = nu * x * y / (r * r * r);
+    B[1] = -c * x / (r * r), B[3] = -B[1];
+    B[2] = -c * y / (r * r), B[6] = -B[2];
+  }
+}
+
+static void path_place(const path *a, int c, double *x, double *y) {
+  *x = 2 * (c % a->side + .5) / a->side - 1;
+  *y = a->d == 2 ? 0 : 2 * (c / a->side + .5) / a->side - 1;
+}
+
+static void path_make(path *a, int d, int side) {
+  const int nc = d == 2 ? side : side * side, m = d * nc;
+  *a = (path){.d = d, .side = side, .nc = nc};
+  a->W = malloc(sizeof *a->W * (size_t)m * (size_t)m);
+  a->q = malloc(sizeof *a->q * (size_t)m);
+  a->mu = malloc(sizeof *a->mu * (size_t)nc);
+  if (!a->W || !a->q || !a->mu) exit(1);
+  for (int k = 0; k < nc; k++) {
+    a->mu[k] = .3;
+    for (int c = 0; c < nc; c++) {
+      double x, y, s, t, B[9];
+      path_place(a, c, &x, &y);
+      path_place(a, k, &s, &t);
+      path_block(d, x - s, y - t, 2. / side, B);
+      for (int j = 0; j < d; j++)
+        for (int i = 0; i < d; i++)
+          a->W[d * c + i + (size_t)(d * k + j) * (size_t)m] = B[i + d * j];
+    }
+  }
+  a->p = (dls_contact){.d = d, .nc = nc, .W = {m, m, m, a->W}, .q = a->q, .mu = a->mu};
+}
+
+/* Sets q for the share `load` of the way: a crowned punch that presses, tilts and shears. */
+static void path_load(const path *a, double load) {
+  for (int c = 0; c < a->nc; c++) {
+    double x, y, *q = a->q + a->d * c;
+    path_place(a, c, &x, &y);
+    q[0] = -.2 - .8 * load + .3 * (x * x + y * y) + .05 * x * load;
+    q[1] = .25 * load;
+    if (a->d == 3) q[2] = .1 * load * x;
+  }
+}
+
+/* Walks the path, cold or warm; returns CPU ms per step. */
+static double path_time(const path *a, int warm, int *solved, int *iterations, int *factored) {
   dls_solver_settings s;
   dls_solver_settings_init(&s);
-  
-  steps_state=3;
-  for (int kind = argc>1?1:0; kind < (argc>1?2:3); kind++) {
-    for (int k = 0; k < boxes; k++) box_make(&b[k], kind);
-    double best[4]; for(int i=0;i<4;i++) best[i]=INFINITY; int ok=0,it=0,fac=0;
-    dls_solver *solver; if(dls_solver_create(&solver,3,4,&s,NULL)) return 1;
-    for (int run = 0; run < (argc>1?200:runs); run++) {
-      double t=bench_seconds(); ok=it=fac=0;
-      if(argc<2) for (int k = 0; k < boxes; k++) { dls_contact p=box_contact(&b[k]); dls_info info; ok += dls_solve(&p,&s,r[k],NULL,&info,NULL)==0; it+=info.iterations; fac+=info.factorisations;}
-      best[0]=fmin(best[0],bench_seconds()-t);
-      t=bench_seconds();
-      if(argc<2) for (int k = 0; k < boxes; k++) { dls_contact p=box_contact(&b[k]); if(dls_solver_solve(solver,&p,r[k],NULL,NULL,NULL)<0) return 1;}
-      best[1]=fmin(best[1],bench_seconds()-t);
-      t=bench_seconds();
-      if(argc<2) for (int k = 0; k < boxes; k++) { dls_contact p=box_contact(&b[k]); if(dls_solve(&p,&s,r[k],NULL,NULL,NULL)<0) return 1;}
-      best[2]=fmin(best[2],bench_seconds()-t);
-      static dls_contact all[boxes]; static double *rr[boxes]; static dls_info inf[boxes];
-      for (int k = 0; k < boxes; k++) { all[k]=box_contact(&b[k]); rr[k]=r[k]; }
-      t=bench_seconds();
-      if(dls_solve_batch(boxes,all,&s,rr,NULL,NULL,NULL)<0) return 1;
-      best[3]=fmin(best[3],bench_seconds()-t);
-      if(run==0){ if(dls_solve_batch(boxes,all,&s,rr,NULL,inf,NULL)<0) return 1; int n=0,sw=0; for(int k=0;k<boxes;k++){ n+= inf[k].certificate.worst>=-1 && inf[k].factorisations==0 && inf[k].iterations%2==0 && inf[k].iterations <=40 && inf[k].status==0; sw+=inf[k].iterations; } printf("lanes %d sweeps %.1f\n",n,(double)sw/boxes);}
-
-    }
-    printf("kind %d ok %d it %.1f fac %.1f: solve+info %.2f us, solver %.2f us, solve %.2f batch %.2f\n",kind,ok,(double)it/boxes,(double)fac/boxes,best[0]/boxes*1e6,best[1]/boxes*1e6,best[2]/boxes*1e6,best[3]/boxes*1e6);
-    dls_solver_destroy(solver);
+  s.limits.warm_start = warm;
+  dls_solver *solver;
+  double *r = calloc((size_t)(a->d * a->nc), sizeof *r), seconds = 0;
+  if (!r || dls_solver_create(&solver, a->d, a->nc, &s, NULL)) exit(1);
+  *solved = *iterations = *factored = 0;
+  for (int k = 1; k <= load_steps; k++) {
+    dls_info info = {.status = DLS_STALLED};
+    path_load(a, (double)k / load_steps);
+    const double begun = bench_seconds();
+    const dls_status status = dls_solver_solve(solver, &a->p, r, NULL, &info, NULL);
+    seconds += bench_seconds() - begun;
+    *solved += status == DLS_OK;
+    *iterations += info.iterations;
+    *factored += info.factorisations;
   }
-  (void)argc; (void)argv;
+  dls_solver_destroy(solver);
+  free(r);
+  return 1e3 * seconds / load_steps;
+}
+
+static void print_paths(FILE *page) {
+  static const struct { int d, side; } scene[] = {{2, 64}, {2, 150}, {2, 300}, {3, 8}, {3, 14}};
+  bench_print(page,
+              "\n## A load path of %d steps, elastic, W dense, 1e-8\n\n"
+              "| d | candidates | cold, ms a step | warm | warm over cold | iterations | "
+              "factorisations | solved |\n|---|---|---|---|---|---|---|---|\n",
+              load_steps);
+  for (size_t k = 0; k < sizeof scene / sizeof scene[0]; k++) {
+    path a;
+    double least[2] = {INFINITY, INFINITY};
+    int solved[2], iterations[2], factored[2];
+    path_make(&a, scene[k].d, scene[k].side);
+    for (int run = 0; run < 3; run++)
+      for (int warm = 0; warm < 2; warm++)
+        least[warm] = fmin(least[warm],
+                           path_time(&a, warm, &solved[warm], &iterations[warm], &factored[warm]));
+    bench_print(page, "| %d | %d | %.3f | %.3f | %.2f | %d, %d | %d, %d | %d, %d |\n", a.d, a.nc,
+                least[0], least[1], least[1] / least[0], iterations[0], iterations[1], factored[0],
+                factored[1], solved[0], solved[1]);
+    free(a.W);
+    free(a.q);
+    free(a.mu);
+  }
+}
+
+int main(int argc, char **argv) {
+  const char *out = "bench/results";
+  if (argc == 3 && strcmp(argv[1], "--out") == 0)
+    out = argv[2];
+  else if (argc > 1) {
+    fprintf(stderr, "usage: steps [--out DIR]\n");
+    return 2;
+  }
+  FILE *page = bench_page(out, "steps", "Many problems one after the other", argc, argv);
+  if (!page) return 1;
+  print_boxes(page);
+  print_paths(page);
+  return fclose(page) ? 1 : 0;
 }

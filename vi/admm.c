@@ -161,6 +161,7 @@ void dls_admm_destroy(dls_admm *workspace) {
 /* J := W + rho D. */
 static void admm_build_dense(dls_admm *work, const dls_contact *problem, double rho) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  work->room->owner = work;
   for (size_t j = 0; j < m; j++) {
     const size_t c = j / d;
     double *column = work->room->J + j * m;

@@ -40,6 +40,10 @@
  *          is below the largest of its last five values (Grippo, Lampariello and Lucidi, SIAM J.
  *          Numer. Anal. 23, 1986, 707-716). u is affine in r, so that a trial costs O(m).
  *
+ *   (NE5)  A run of the same size may begin with the factors of the one before, and keeps them
+ *          while the states are those they were made for. W may have changed: where a step with
+ *          them does not bring the residual down tenfold, they are made anew.
+ *
  * Stop: the certificate holds (its F is de Saxce's; both vanish together), the limit of steps, or
  * 12 steps that did not halve the residual. Uphill steps are taken, too; the best r met is kept.
  *
@@ -66,6 +70,7 @@ enum { dense_limit = 250 }; /* of 50, 150, 250, 400 the fastest on FCLIB files b
 
 static const double least_eps = 1e-8;   /* cures a singular matrix */
 static const double most_eps = 1e-2;    /* bounds what a lack of progress leads to */
+static const double stale = 0.1;        /* (NE5) */
 static const double least_beta = 1e-10; /* R / |tau|: l stays finite where R vanishes */
 
 /* (NE1) of a candidate. */
@@ -92,6 +97,7 @@ struct dls_newton {
   int *p;                 /* sparse: starts of columns; W dense: the row of W for each row: m + 1 */
   int sparse;             /* 1: this run factorises sparse beyond dense_limit */
   newton_factors factors; /* of (NE2) as it stands */
+  int keeps, kept_nc; /* (NE5): keeps: 1 if the next run may; kept_nc: candidates of the factors */
   dlsi_dense dense;
   dlsi_room *room; /* of the matrix: `own`, or that of the caller */
   dlsi_room own;
@@ -306,6 +312,7 @@ static dls_status newton_factor(dls_newton *work, const dls_contact *problem, do
                                 dls_error *error) {
   dlsi_room *room = work->room;
   work->factors = work->sparse && k > dense_limit ? SPARSE : DENSE;
+  room->owner = work;
   (problem->Wb.x ? newton_build_from_blocks : newton_build_from_dense)(work, problem, eps, k);
   if (work->factors == SPARSE) {
     const dls_sparse A = {k, k, work->p, room->i, room->v};
@@ -475,6 +482,12 @@ static dls_status newton_step(dls_newton *work, const dls_contact *problem, doub
   return status;
 }
 
+/* Returns 1 if the factors of the last run are there for this one (NE5). */
+static int newton_keeps(const dls_newton *work, const dls_contact *problem) {
+  return work->keeps && work->factors == DENSE && work->kept_nc == problem->nc && !work->it.E &&
+         work->room->owner == work;
+}
+
 /* Steps from r, measured last, until the certificate holds or there is a reason to stop, which is
  * returned. */
 static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, dls_info *outcome,
@@ -483,7 +496,10 @@ static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, d
   const int most = dlsi_most_iterations(&settings->limits, most_steps);
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   double eps = settings->regularization, halved = work->it.certificate.residual, last[memory] = {0};
-  work->factors = NONE;
+  double before = work->it.certificate.residual;
+  int kept = newton_keeps(work, problem);
+  if (!kept) work->factors = NONE;
+  work->kept_nc = work->it.E ? 0 : problem->nc;
   if (settings->line_search) last[0] = newton_merit(work, problem, work->r, work->it.u);
   for (int k = 1, since = 0; k <= most; k++) {
     const dls_status status =
@@ -500,6 +516,11 @@ static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, d
       halved = now.residual;
       since = k;
     }
+    if (kept && !(now.residual <= stale * before)) { /* (NE5) */
+      work->factors = NONE;
+      kept = 0;
+    }
+    before = now.residual;
     if (k > since && (k - since) % impatience == 0 && eps < most_eps) {
       eps *= 10;
       work->factors = NONE;
@@ -547,6 +568,7 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
     status = DLS_OK;
   else if (status != DLS_CANCELLED && status != DLS_TIME_LIMIT)
     status = newton_iterate(work, problem, &outcome, error);
+  work->keeps = 0;
   return dlsi_iterate_end(&work->it, problem, status, &outcome, r, u, info);
 }
 
@@ -559,6 +581,10 @@ dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, d
   status = dlsi_newton_run(workspace, problem, NULL, r, u, info, error);
   status = dlsi_iterate_tell_last(&workspace->it, "newton", status, r);
   return dlsi_at(__func__, status, error);
+}
+
+void dlsi_newton_keep(void *work) {
+  ((dls_newton *)work)->keeps = 1;
 }
 
 /* ---- in the table of methods ----------------------------------------------------------------- */

@@ -113,6 +113,7 @@ static void scatter_fill(scatter *work, const dls_contact *problem) {
   const int d = problem->d, nc = problem->nc, *first = work->first;
   const size_t n = (size_t)first[nc], m = (size_t)d * (size_t)nc;
   double *column = work->room->J, *u = work->it.u;
+  work->room->owner = work;
   for (int c = 0; c < nc; c++)
     for (int j = first[c]; j < first[c + 1]; j++, column += n) {
       const int part = j - first[c];

@@ -112,6 +112,10 @@ void dlsi_momentum_start(dlsi_momentum *mo, int d, dlsi_set changes, dlsi_set ro
 double dlsi_momentum_step(dlsi_momentum *mo, int d, const double *w, double largest,
                           dlsi_set changes, dlsi_set rows, double *r, double *u);
 
+/* Lets the next run of Newton's method in this workspace of dlsi_newton_method begin with the
+ * factors of the last one, if they are still there (NE5). */
+void dlsi_newton_keep(void *work);
+
 /* ---- vi/lanes.c: several small problems at once ---------------------------------------------- */
 
 enum { dlsi_lanes = 8, dlsi_lane_candidates = 8 };

@@ -65,6 +65,11 @@ enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
  * work on a copy in an order and in units that follow from the data, so that the order of the
  * candidates does not decide. info.stage has what was done.
  *
+ * auto in steps, limits.warm_start on one solver: where r is the answer of the solve before, auto
+ * follows the line through its last two answers if that is better; where Newton's method ended the
+ * solve before, W dense, auto begins with it, on the factors kept since. A step in which no
+ * candidate changes its state then factorises nothing. W may have changed all the same.
+ *
  * lemke solves, for d = 2, the LCP of dls_contact_to_lcp and, where that ends in a ray, the one of
  * dls_contact_to_facets_lcp; for d = 3 the latter. Where the certificate does not hold yet,
  * Newton's method takes the answer to the round cone (newton.h).

@@ -49,6 +49,13 @@
  * meets the tolerance but for the rounding of W r, no later stage has less of it, and nothing is
  * tried any more.
  *
+ *   (AT14) steps     a warm solve after one that Newton's method has ended, or whose sweeps have
+ *          cost more than two of its steps, W dense, begins with Newton's method, with the factors
+ *          of the solve before (vi/newton.c, NE5): a step in which no state changes takes products
+ *          and triangular solves alone. Where that fails, the next warm solve does not try.
+ *   (AT15) line      where the start of a warm solve is the answer of the one before, the line
+ *          through the last two answers is followed: the better one of both starts is taken.
+ *
  *   (AT9)  verdict. DLS_NO_SOLUTION if (AT10) has a proof. DLS_NO_SOLUTION_LIKELY only where W
  *          shows no reason for a solution (vi/exists.c), and (AT10) shows that none could be
  *          certified, or all of (AT1)-(AT8) have failed and, d = 2 and up to 8 candidates, no
@@ -120,6 +127,13 @@ typedef struct dlsi_auto {
   double *kept;       /* m: the best r before the copy */
   double *direction;  /* m: the vectors of a verdict on the copy, in the order of the problem */
   double *farkas;     /* nc */
+
+  /* of the solve before: (AT12) */
+  int newton_won, failed_to_step;
+  double last_sweeps; /* of its first stages */
+  int answers;        /* so many of the next two are there, of last_nc candidates */
+  int last_nc;
+  double *last, *former; /* m: its answer, and the one before */
 
   /* of the solve under way */
   const dls_contact *problem; /* the caller's, or the copy */
@@ -335,8 +349,8 @@ static const struct {
               {OTHER_SPLITTING, 1, 0}, {NEWTON, 0, 0},       {AUGMENTED, 1, 0},
               {SCATTER, 0, 1}};
 enum { quick_count = 14, stage_count = sizeof stages / sizeof stages[0] };
-_Static_assert((int)stage_count + 2 <= (int)DLS_STAGES_MAX,
-               "a line for each in the report, one for the states, one after the copy");
+_Static_assert((int)stage_count + 3 <= (int)DLS_STAGES_MAX,
+               "a line for each in the report, for (AT14), the states, and after the copy");
 
 static dls_limits limits_of(dlsi_auto *work, part k) {
   const int blocks = work->options.limits.blocks;
@@ -425,6 +439,7 @@ static dls_status judge(dlsi_auto *work, dls_error *error) {
   const int sure = work->excluded, few = problem->d == 2 && problem->nc <= dlsi_most_states;
   double *J = work->room.J;
   if (work->bonded) return DLS_STALLED;
+  work->room.owner = work;
   if (few && !sure) {
     const int found = dlsi_contact_find_states(problem, &work->options.limits, work->begun, work->r,
                                                work->best, &work->info.certificate);
@@ -523,9 +538,75 @@ static dls_status take_copy(dlsi_auto *work, dls_error *error) {
   return leave_copy(work, problem, &kept, status, error);
 }
 
+/* Returns 1 if a warm solve begins with Newton's method (AT14). */
+static int may_begin_with_step(dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  const int failed = work->failed_to_step;
+  work->failed_to_step = 0;
+  if (!work->options.limits.warm_start || failed || !problem->W.a) return 0;
+  memcpy(work->r, work->best, (size_t)problem->d * (size_t)problem->nc * sizeof *work->r);
+  return work->newton_won || work->last_sweeps > 2 * cost_of_newton(work);
+}
+
+/* Measures r, and keeps it as the best one if it is better. Scratch: v. */
+static void offer(dlsi_auto *work, const double *r) {
+  const dls_contact *problem = work->problem;
+  dls_certificate now;
+  dlsi_contact_multiply(problem, NULL, r, work->v[0], work->v[1]);
+  dlsi_contact_measure(problem, r, work->v[0], work->v[1], work->w, work->v[2], &now);
+  if (!dlsi_is_better(&now, &work->info.certificate)) return;
+  work->info.certificate = now;
+  memcpy(work->best, r, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
+}
+
+/* (AT15) Returns 1 if the certificate of the start holds already. */
+static int predict(dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  if (work->answers < 2 || work->last_nc != problem->nc ||
+      memcmp(work->last, work->best, m * sizeof *work->last) != 0)
+    return 0;
+  dlsi_contact_weights(problem, work->w);
+  offer(work, work->last);
+  for (size_t k = 0; k < m; k++)
+    work->r[k] = 2 * work->last[k] - work->former[k];
+  if (!dls_certificate_holds(&work->info.certificate, work->options.limits.tol))
+    offer(work, work->r);
+  return dls_certificate_holds(&work->info.certificate, work->options.limits.tol);
+}
+
+/* Remembers the answer of a warm solve. */
+static void remember_answer(dlsi_auto *work, const double *r) {
+  const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
+  double *const former = work->former;
+  work->answers = work->answers && work->last_nc == work->problem->nc ? 2 : 1;
+  work->last_nc = work->problem->nc;
+  work->former = work->last;
+  work->last = former;
+  memcpy(work->last, r, m * sizeof *r);
+}
+
+/* (AT14) Returns DLS_OK, an error, the reason for the end, or DLS_STALLED to go on. */
+static dls_status take_step(dlsi_auto *work, dls_error *error) {
+  dls_status status = create_part(work, NEWTON, error);
+  if (status) return status;
+  dlsi_newton_keep(work->part[NEWTON]);
+  status = take_stage(work, NEWTON, 0, error);
+  work->failures = 0;
+  if (status < 0 || dls_certificate_holds(&work->info.certificate, work->options.limits.tol))
+    return status < 0 ? status : DLS_OK;
+  work->failed_to_step = 1;
+  if (work->stopped) return work->stopped;
+  if (status == DLS_TIME_LIMIT) return status;
+  return work->limited ? DLS_MAX_ITERATIONS : DLS_STALLED;
+}
+
 /* Takes the stages in turn. Returns DLS_OK, an error, or the reason for the end. */
 static dls_status take_stages(dlsi_auto *work, dls_error *error) {
-  dls_status status = take_some(work, 0, quick_count, error);
+  if (work->options.limits.warm_start && predict(work)) return DLS_OK;
+  dls_status status = may_begin_with_step(work) ? take_step(work, error) : DLS_STALLED;
+  if (status != DLS_STALLED) return status;
+  status = take_some(work, 0, quick_count, error);
   if (status != DLS_STALLED || work->rounded) return status;
   if (may_follow_path(work)) return take_copy(work, error);
   status = take_some(work, quick_count, stage_count, error);
@@ -576,6 +657,15 @@ static void look_for_others(dlsi_auto *work, const double *r) {
   if (difference > another * size) work->info.unique = DLS_UNIQUE_NO;
 }
 
+/* Remembers for (AT12) what the solve took. */
+static void remember_stages(dlsi_auto *work) {
+  const dls_info *info = &work->info;
+  const int last = info->stages - 1;
+  if (last < 0) return; /* it had nothing to do */
+  work->newton_won = info->status == DLS_OK && info->stage[last].method == DLS_NEWTON;
+  work->last_sweeps = info->stage[0].method == DLS_NLGS ? info->stage[0].iterations : 0;
+}
+
 static dls_status auto_solve(void *automatic, const dls_contact *problem, double *r, double *u,
                              dls_info *info, dls_error *error) {
   dlsi_auto *work = automatic;
@@ -598,6 +688,8 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   if (u || looks) dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
   if (u) memcpy(u, work->v[0], m * sizeof *u);
   work->info.status = status;
+  remember_stages(work);
+  if (work->options.limits.warm_start) remember_answer(work, r);
   if (looks) look_for_others(work, r);
   if (info) *info = work->info;
   return status;
@@ -635,6 +727,8 @@ static void auto_carve(void *automatic, dlsi_arena *arena) {
   work->r = dlsi_take(arena, m, sizeof *work->r);
   work->best = dlsi_take(arena, m, sizeof *work->best);
   work->w = dlsi_take(arena, (size_t)work->nc, sizeof *work->w);
+  work->last = dlsi_take(arena, m, sizeof *work->last);
+  work->former = dlsi_take(arena, m, sizeof *work->former);
   for (int k = 0; k < 4; k++)
     work->v[k] = dlsi_take(arena, m, sizeof *work->v[k]);
   if (m > path_unknowns) return;

@@ -3,8 +3,9 @@
  *
  *   (BT1)  up to dlsi_lanes small problems in a row, of as many candidates each: swept side by side
  *          (vi/lanes.c), then measured one by one
- *   (BT2)  what the certificate does not accept, and whatever is not small: the method's solve, in a
- *          workspace for the largest problem of its dimension, created when it is needed first
+ *   (BT2)  what the certificate does not accept, from there, and whatever is not small: the
+ *          method's solve, in a workspace for the largest problem of its dimension, created when it
+ *          is needed first
  *
  * What can fail: what fails for the method. No answer is taken from one problem to the next.
  */

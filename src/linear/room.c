@@ -10,6 +10,7 @@
 dls_status dlsi_room_dense(dlsi_room *room, size_t side, dls_error *error) {
   if (side <= room->side) return DLS_OK;
   free(room->J);
+  room->owner = NULL;
   room->J = side > SIZE_MAX / side ? NULL : dlsi_alloc(side * side, sizeof *room->J);
   room->side = room->J ? side : 0;
   return room->J ? DLS_OK : dlsi_no_memory(error);

@@ -4,8 +4,8 @@
 
 #include "base/base.h"
 
-/* Room for a matrix and its factors. Methods that run one after the other may share it: none keeps
- * factors from one solve to the next. */
+/* Room for a matrix and its factors. Methods that run one after the other may share it: who
+ * is not the owner any more has lost its factors. */
 typedef struct dlsi_room {
   double *J; /* side^2 */
   size_t side;
@@ -13,6 +13,7 @@ typedef struct dlsi_room {
   double *v; /* entries: values */
   size_t entries;
   struct dlsi_sparse_lu *lu; /* NULL if never needed, or without MUMPS */
+  const void *owner; /* the workspace that wrote to J last; NULL: none */
 } dlsi_room;
 
 /* Make room for a side x side matrix, or for W of `blocks` d x d blocks and a diagonal. The

@@ -509,8 +509,8 @@ static double matrices(dls_method method, int d, int nc, int *pivots) {
 }
 
 /* The order of memory: besides matrices O(m), 200 m doubles (for d = 1 500 a candidate) or 700 n
- * for a table's pending pivots. A second matrix would be seen. A method that is not known here may have
- * one matrix or none. Each malloc may fail. */
+ * for a table's pending pivots. A second matrix would be seen. A method that is not known here may
+ * have one matrix or none. Each malloc may fail. */
 START_TEST(memory) {
   const tested_solver s = door(_i);
   for (int d = 1; d <= 3; d++)
