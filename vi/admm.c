@@ -26,7 +26,7 @@
  *          since, rho := rho sqrt( |x - z| / |z - z'| ), |.| = |D^1/2 .|, z' the z before, if that
  *          changes rho by more than sqrt(5). Where the residual has not halved, rho may be wrong,
  *          and nothing says on which side: both are tried, farther and farther, rho / 10, 10 rho,
- *          rho / 100, .., inside of 1e-4 .. 100. v := z - (rho_old / rho) (z - v) then keeps z and
+ *          rho / 100, .., inside of 1e-8 .. 100. v := z - (rho_old / rho) (z - v) then keeps z and
  *          y. One factorisation.
  *   (AD6)  The next v by Anderson's acceleration of (AD4) (anderson.c), in the norm |.|.
  *   (AD7)  Where an accelerated v has more than twice the |x - z| of the v before, the step is
@@ -68,7 +68,7 @@ enum {
 
 static const double admm_relaxation = 1.6, admm_growth = 2;
 static const double off = 2.2360679774997896; /* sqrt(5) */
-static const double least_rho = 1e-4, most_rho = 100;
+static const double least_rho = 1e-8, most_rho = 100;
 
 /* First rho of the second way of auto: so small that the first x is nearly the smallest r with
  * W r = -q. */

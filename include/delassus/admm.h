@@ -29,7 +29,7 @@ extern "C" {
 typedef struct dls_admm_settings {
   dls_limits limits; /* max_iterations: iterations; the method's own limit: 5000 */
   size_t size;       /* set by init; settings without it are refused */
-  double rho;        /* at first; then 1e-4 .. 100 as it goes; > 0, finite; no unit; 1 */
+  double rho;        /* at first; then 1e-8 .. 100 as it goes; > 0, finite; no unit; 1 */
 } dls_admm_settings;
 
 DLS_API void dls_admm_settings_init(dls_admm_settings *settings);

@@ -38,16 +38,17 @@
  *          with the right states a step is exact in 2D, and two do in 3D; else s = 4. Each
  *          failure of Newton's method doubles s.
  *
- * Sweeps end when (AT6) > (AT7), or > 100 where (AT12) is next, after 10 sweeps (20 for W by blocks; half of that from a warm
- * start), a number that each failure doubles. Newton's method gives up when 3 steps, doubled by
- * each failure, have not brought e down by a tenth. A forecast that was wrong is so believed less
- * each time. No clock is read: the same input takes the same stages and gives the same bits.
+ * Sweeps end when (AT6) > (AT7), or > 100 where (AT12) is next, after 10 sweeps (20 for W by
+ * blocks; half of that from a warm start), a number that each failure doubles. Newton's method
+ * gives up when 3 steps, doubled by each failure, have not brought e down by a tenth. A forecast
+ * that was wrong is so believed less each time. No clock is read: the same input takes the same
+ * stages and gives the same bits.
  *
  * W dense is what an elastic body leaves, regular. W by blocks comes from many bodies, often rigid
  * ones; it is then singular, and Newton's steps converge slowly. The free velocity q of bodies at
- * rest is that of falling, and -q lies in the cones; bodies in motion are far from that. Where (AT12)
- * meets the tolerance but for the rounding of W r, no later stage has less of it, and nothing is
- * tried any more.
+ * rest is that of falling, and -q lies in the cones; bodies in motion are far from that. Where
+ * (AT12) meets the tolerance but for the rounding of W r, no later stage has less of it, and
+ * nothing is tried any more.
  *
  *   (AT14) steps     a warm solve after one that Newton's method has ended, or whose sweeps have
  *          cost more than two of its steps, W dense, begins with Newton's method, with the factors
