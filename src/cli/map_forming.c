@@ -66,11 +66,11 @@ static void set_column(map_picture *p, int j, int mesh, const dls_forming_data *
     (void)snprintf(p->column[j], MAP_NAME, "%d", s->steps);
     return;
   }
-  /* elements along the contact are one less than the candidates */
-  const int along = own->candidates - 1, other = own->mesh->quads / along;
-  const int upright = own->axisymmetric; /* contact along y */
-  s->nx = (int)fmax(2, round((upright ? other : along) * factor));
-  s->ny = (int)fmax(2, round((upright ? along : other) * factor));
+  /* nx <= ny from (nx + 1) (ny + 1) nodes and nx ny elements */
+  const int sum = own->mesh->nodes - own->mesh->quads - 1;
+  const double apart = sqrt(fmax(0, (double)sum * sum - 4.0 * own->mesh->quads));
+  s->nx = (int)fmax(2, round((sum - apart) / 2 * factor));
+  s->ny = (int)fmax(2, round((sum + apart) / 2 * factor));
   (void)snprintf(p->column[j], MAP_NAME, "%dx%d", s->nx, s->ny);
 }
 
@@ -122,7 +122,8 @@ int map_forming(const char *name, const map_options *o) {
   if (p.rows > MAP_ROWS) p.rows = MAP_ROWS;
   p.x = mesh ? "elements" : "steps of the whole way";
   p.y = "friction";
-  p.subtitle = "blue: finished, CPU seconds; orange: stopped there; grey: time; red: another cause";
+  p.subtitle = "blue: finished, CPU seconds; orange: stalled there; grey: time; red: folded there, "
+               "or another cause";
   (void)snprintf(title, sizeof title, "%s by %s: does it finish?", name, o->method);
   p.cells = calloc((size_t)(p.rows * p.columns), sizeof *p.cells);
   if (!p.cells || !make_directory(o->out) || fill_walks(&p, name, o, mesh, &all_done, &error))

@@ -77,8 +77,8 @@ static int compare_step(const dls_forming_data *d, int step, int first, history 
   return 1;
 }
 
-/* Runs a scene by a method up to its end, to a step that fails, or past `limit` seconds of CPU,
- * which is looked at after each step. Returns 0 where the table has to end: after a complaint, or an
+/* Runs a scene by a method up to its end, to a step that fails, or past `limit` seconds of CPU, at
+ * which it looks after each step. Returns 0 where the table has to end: after a complaint, or an
  * interrupt. */
 static int run_method(const char *scene, const row *by, double limit, history *h, result *r) {
   const char *method = by->method;

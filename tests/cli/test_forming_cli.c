@@ -59,8 +59,8 @@ START_TEST(every_method) {
 }
 END_TEST
 
-/* The tables as one object: every method of both scenes, finished, with the paper's four in an order
- * that is said. */
+/* The tables as one object: every method of both scenes, finished; where the order is not the
+ * paper's is said. */
 START_TEST(tables_json) {
   ck_assert_int_eq(run("tables --json"), 0);
   ck_assert_int_eq(output[0], '{');
