@@ -122,8 +122,8 @@ int map_forming(const char *name, const map_options *o) {
   if (p.rows > MAP_ROWS) p.rows = MAP_ROWS;
   p.x = mesh ? "elements" : "steps of the whole way";
   p.y = "friction";
-  p.subtitle = "blue: finished, CPU seconds; orange: stalled there; grey: time; red: folded there, "
-               "or another cause";
+  p.subtitle =
+      "blue: finished, CPU seconds; orange: stalled; grey: out of time; red: folded or else";
   (void)snprintf(title, sizeof title, "%s by %s: does it finish?", name, o->method);
   p.cells = calloc((size_t)(p.rows * p.columns), sizeof *p.cells);
   if (!p.cells || !make_directory(o->out) || fill_walks(&p, name, o, mesh, &all_done, &error))
