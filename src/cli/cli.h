@@ -342,7 +342,8 @@ int show_step(const dls_forming_data *data, int step);
 void write_pressures(FILE *data, const dls_forming_data *d);
 
 /* Draws mesh.*, plastic.*, pressure.*, force.* in a directory that holds force.csv and pressure.dat
- * (forming_picture.c); EXIT_SOLVED, or EXIT_BAD_INPUT after a complaint. */
-int draw_forming(const char *directory, const char *title, const dls_forming_data *data);
+ * (forming_picture.c); EXIT_SOLVED, or EXIT_BAD_INPUT after a complaint. as_is: 1 for a scene with
+ * all of its own settings, whose force other codes have computed. */
+int draw_forming(const char *directory, const char *title, const dls_forming_data *data, int as_is);
 
 #endif

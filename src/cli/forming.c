@@ -353,7 +353,10 @@ static int run_forming(const forming_options *o) {
     char title[128];
     dls_forming_get(forming, &d);
     (void)snprintf(title, sizeof title, "%s by %s, %.6g mm", o->name, o->method, d.travel);
-    if (draw_forming(o->out, title, &d) != EXIT_SOLVED) result = EXIT_BAD_INPUT;
+    const dls_forming_settings *own = &o->settings;
+    const int as_is =
+        !own->nx && !own->ny && own->mu < 0 && !own->steps && !own->clamped && own->ram_mu == 0;
+    if (draw_forming(o->out, title, &d, as_is) != EXIT_SOLVED) result = EXIT_BAD_INPUT;
   }
   if (result != EXIT_BAD_INPUT) print_ending(status);
   dls_forming_destroy(forming);

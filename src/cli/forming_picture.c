@@ -187,20 +187,37 @@ static int write_pressure(const char *directory, const char *title, const dls_fo
   return close_file(script, "pressure.gp");
 }
 
-/* Draws the force over the displacement. */
-static int write_force(const char *directory, const char *title, const dls_forming_data *d) {
+/* Forces of independent codes for the scenes as they come: travel, lowest, highest. */
+static const double force_bands[2][3][3] = {
+    {{1, 4809, 4891}, {5, 9123, 9188}, {10, 12709, 12842}},
+    {{39.116, 40734, 42192}, {81.788, 176615, 183925}, {124.46, 612562, 637928}}};
+
+/* Draws the force over the displacement; as_is: 1 for a scene as it comes, beside other codes. */
+static int write_force(const char *directory, const char *title, const dls_forming_data *d,
+                       int as_is) {
   FILE *script = open_in(directory, "force.gp");
   if (!script) return 0;
   fprintf(script,
-          "set title \"%s\"\nset datafile separator ','\nset key off\nset grid\n"
+          "set title \"%s\"\nset datafile separator ','\nset key %s\nset grid\n"
           "set xrange [0:%g]\nset yrange [0:*]\n"
           "set xlabel 'displacement [mm]'\nset ylabel 'force [%s]'\n",
-          title, d->whole,
+          title, as_is ? "top left" : "off", d->whole,
           d->axisymmetric ? "N per radian" : "N per mm of thickness, half of the block");
+  if (as_is) {
+    fputs("$codes << end\n", script);
+    for (int k = 0; k < 3; k++) {
+      const double *band = force_bands[d->axisymmetric][k];
+      fprintf(script, "%g,%g,%g,%g\n", band[0], (band[1] + band[2]) / 2, band[1], band[2]);
+    }
+    fputs("end\n", script);
+  }
   begin_pictures(script, "force", 900, 600);
-  fputs("  plot 'force.csv' every ::1 using 1:2 with lines lw 2 lc rgb '#3060a0'\n"
-        "  unset output\n}\n",
-        script);
+  fprintf(script,
+          "  plot 'force.csv' every ::1 using 1:2 with lines lw 2 lc rgb '#3060a0' title "
+          "'delassus'%s\n  unset output\n}\n",
+          as_is ? ", \\\n       $codes using 1:2:3:4 with yerrorbars pt 6 ps 1.4 lw 2 lc rgb "
+                  "'#c03020' title 'band of independent codes'"
+                : "");
   return close_file(script, "force.gp");
 }
 
@@ -243,11 +260,12 @@ static int write_end(const char *directory, const dls_forming_data *d) {
   return close_file(data, "pressure_end.dat");
 }
 
-int draw_forming(const char *directory, const char *title, const dls_forming_data *data) {
+int draw_forming(const char *directory, const char *title, const dls_forming_data *data,
+                 int as_is) {
   static const char *const scripts[] = {"mesh.gp", "plastic.gp", "pressure.gp", "force.gp"};
   if (!write_mesh(directory, title, data) || !write_plastic(directory, title, data) ||
       !write_end(directory, data) || !write_pressure(directory, title, data) ||
-      !write_force(directory, title, data))
+      !write_force(directory, title, data, as_is))
     return EXIT_BAD_INPUT;
   /* without gnuplot the run is still good: data and scripts are there */
   for (int k = 0; k < 4 && run_gnuplot(directory, scripts[k]); k++)

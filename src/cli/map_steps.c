@@ -38,9 +38,11 @@ static dls_status forming_own(walker *w, dls_error *error) {
   if (status) return status;
   dls_forming_get(forming, &d);
   /* elements along the contact are one less than the candidates */
-  const int along = d.candidates - 1, across = d.mesh->quads / along;
-  w->nx = d.axisymmetric ? across : along;
-  w->ny = d.axisymmetric ? along : across;
+  /* nx <= ny from (nx + 1) (ny + 1) nodes and nx ny elements */
+  const int sum = d.mesh->nodes - d.mesh->quads - 1;
+  const double apart = sqrt(fmax(0, (double)sum * sum - 4.0 * d.mesh->quads));
+  w->nx = (int)round((sum - apart) / 2);
+  w->ny = (int)round((sum + apart) / 2);
   w->steps = d.steps;
   w->whole = d.whole;
   w->most_mu = 1;

@@ -33,12 +33,16 @@ enum { ROWS = sizeof rows / sizeof rows[0] };
 /* Reactions and displacements at the end of every step, by which runs are compared. */
 typedef struct history {
   size_t length; /* doubles of a step: 2 * nodes reactions, then as many displacements */
+  int steps;     /* that the first method has done */
   double *values;
 } history;
 
 typedef struct result {
-  int done;
-  dls_forming_data data;
+  int present;           /* 0: the method is not in this build */
+  int done;              /* 1: all steps are */
+  dls_status status;     /* of the last step; DLS_TIME_LIMIT: out of time */
+  double travel;         /* at the end */
+  dls_forming_data data; /* its counts and times: what the views show is gone */
   double cpu;
   double force, displacement; /* largest differences from Lemke's, over the largest of the step */
 } result;
@@ -63,170 +67,305 @@ static int compare_step(const dls_forming_data *d, int step, int first, history 
   if (!h->values) return 0;
   double *at = h->values + h->length * (size_t)(step - 1);
   if (first) {
+    h->steps = step;
     memcpy(at, d->reaction, n * sizeof *at);
     memcpy(at + n, d->displacement, n * sizeof *at);
   }
+  if (step > h->steps) return 1;
   r->force = fmax(r->force, relative_distance(d->reaction, at, n));
   r->displacement = fmax(r->displacement, relative_distance(d->displacement, at + n, n));
   return 1;
 }
 
-static int run_method(const char *scene, const row *by, int first, history *h, result *r) {
+/* Runs a scene by a method up to its end, to a step that fails, or past `limit` seconds of CPU, at
+ * which it looks after each step. Returns 0 where the table has to end: after a complaint, or an
+ * interrupt. */
+static int run_method(const char *scene, const row *by, double limit, history *h, result *r) {
   const char *method = by->method;
   dls_forming_settings settings;
   dls_forming *forming;
   dls_error error = {0};
   dls_forming_settings_init(&settings);
   *r = (result){0};
-  if (!forming_method(method, &settings)) return 1; /* not in this build */
+  if (!forming_method(method, &settings)) return 1;
   settings.tol = by->tol;
   settings.penalty = by->penalty;
   settings.augmentations = by->augmentations;
   if (by->relaxation > 0) settings.relaxation = by->relaxation;
   settings.aitken = !by->plain;
+  const int first = !h->values;
   const double start = cpu_seconds();
   if (dls_forming_create(&forming, scene, &settings, &error)) return complain_of(scene, &error), 0;
   dls_forming_get(forming, &r->data);
   int good = 1;
   const int steps = r->data.steps;
-  dls_status status = DLS_OK;
-  for (int step = 1; good && !status && step <= steps; step++) {
-    status = dls_forming_step(forming, &error);
+  for (int step = 1; good && !r->status && step <= steps; step++) {
+    r->status = dls_forming_step(forming, &error);
     dls_forming_get(forming, &r->data);
-    if (status) {
-      complain("%s by %s: %s at %g mm", scene, method, dls_status_text(status), r->data.travel);
+    if (r->status < 0) {
+      (void)complain_of(scene, &error);
       good = 0;
-    } else if (!compare_step(&r->data, step, first, h, r)) {
-      complain("out of memory");
+    } else if (!r->status && !compare_step(&r->data, step, first, h, r)) {
+      (void)complain("out of memory");
       good = 0;
     } else if (show_step(&r->data, step)) {
       good = 0;
+    } else if (!r->status && step < steps && cpu_seconds() - start > limit) {
+      r->status = DLS_TIME_LIMIT;
     }
   }
   progress_end();
   r->cpu = cpu_seconds() - start;
-  r->done = good;
+  r->travel = r->data.travel;
+  r->present = 1;
+  r->done = good && !r->status;
   dls_forming_destroy(forming);
   return good;
 }
 
-static void print_result(const char *method, double paper, double paper_lemke, const result *r,
-                         double lemke) {
+/* Prints why and where a run has stopped, or ends the line. */
+static void print_end(const result *r) {
+  if (r->done)
+    putchar('\n');
+  else
+    printf("  %s at %.4g of %.4g mm\n", status_word(r->status), r->travel, r->data.whole);
+}
+
+static void print_json_result(const char *comma, const row *by, const result *r) {
   const dls_forming_data *d = &r->data;
-  printf("%-20s", method);
+  printf("%s\n      {\"method\": \"%s\", \"status\": \"%s\"", comma, by->method,
+         status_word(r->status));
+  const struct {
+    const char *name;
+    double value;
+  } numbers[] = {{"tol", by->tol},
+                 {"penalty", by->penalty},
+                 {"augmentations", by->augmentations},
+                 {"relaxation", by->relaxation},
+                 {"aitken", !by->plain},
+                 {"travel", r->travel},
+                 {"cpu", r->cpu},
+                 {"assembly_cpu", d->cpu.assembly},
+                 {"reduction_cpu", d->cpu.reduction},
+                 {"contact_cpu", d->cpu.contact},
+                 {"newton_steps", d->count.newton},
+                 {"frames", d->count.frames},
+                 {"iterations", d->count.iterations},
+                 {"halved", d->count.halvings},
+                 {"force_difference", r->force},
+                 {"displacement_difference", r->displacement},
+                 {"worst_residual", d->worst_residual}};
+  for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++) {
+    printf(", \"%s\": ", numbers[k].name);
+    print_json_number(stdout, numbers[k].value);
+  }
+}
+
+/* ---- Tables 2 and 3 -------------------------------------------------------------------------- */
+
+/* Returns 1 if the paper has a before b, and here it is the other way round. */
+static int is_turned(int scene, const result *r, int a, int b) {
+  return rows[a].paper[scene] < rows[b].paper[scene] && r[a].done && r[b].done &&
+         r[a].cpu > r[b].cpu;
+}
+
+static void print_result(const row *by, int scene, const result *r, double lemke) {
+  const dls_forming_data *d = &r->data;
+  const double paper = by->paper[scene];
+  printf("%-20s", by->method);
   if (isnan(paper))
     printf("  %6s  %6s", "-", "-");
   else
-    printf("  %6.2f  %6.2f", paper, paper / paper_lemke);
-  printf("  %7.2f  %6.2f  %6.2f  %6.2f  %6.2f  %7d  %7d  %9d  %8.1e  %8.1e  %8.1e\n", r->cpu,
+    printf("  %6.2f  %6.2f", paper, paper / rows[0].paper[scene]);
+  printf("  %7.2f  %6.2f  %6.2f  %6.2f  %6.2f  %7d  %7d  %9d  %8.1e  %8.1e  %8.1e", r->cpu,
          r->cpu / lemke, d->cpu.assembly, d->cpu.reduction, d->cpu.contact, d->count.newton,
          d->count.frames, d->count.iterations, r->force, r->displacement, d->worst_residual);
+  print_end(r);
 }
 
-/* Prints the pairs of the paper's methods whose order by CPU is another one here. */
+/* Prints a remark on each pair of the paper's methods whose order by CPU is another one here: of
+ * which parts the difference consists. */
 static void print_order(int scene, const result *r) {
   int same = 1;
   for (int a = 0; a < ROWS; a++)
     for (int b = 0; b < ROWS; b++) {
-      if (!(rows[a].paper[scene] < rows[b].paper[scene]) || !r[a].done || !r[b].done) continue;
-      if (r[a].cpu <= r[b].cpu) continue;
+      if (!is_turned(scene, r, a, b)) continue;
+      const dls_forming_data *x = &r[a].data, *y = &r[b].data;
       same = 0;
-      printf("The paper has %s before %s, here it is the other way round (%.2f s and %.2f s).\n",
-             rows[a].method, rows[b].method, r[a].cpu, r[b].cpu);
+      printf("%s: the paper has %s before it. Here %s takes %.2f s more: assembly %+.2f,\n"
+             "  factorisation and condensation %+.2f, method %+.2f; Newton steps %+d, "
+             "condensations %+d.\n",
+             rows[b].method, rows[a].method, rows[a].method, r[a].cpu - r[b].cpu,
+             x->cpu.assembly - y->cpu.assembly, x->cpu.reduction - y->cpu.reduction,
+             x->cpu.contact - y->cpu.contact, x->count.newton - y->count.newton,
+             x->count.reductions - y->count.reductions);
     }
   if (same) puts("The order of the paper's four methods by CPU is the paper's.");
 }
 
-static int run_table(int scene) {
+static void print_json_order(int scene, const result *r) {
+  const char *comma = "";
+  fputs("],\n     \"order_differs\": [", stdout);
+  for (int a = 0; a < ROWS; a++)
+    for (int b = 0; b < ROWS; b++) {
+      if (!is_turned(scene, r, a, b)) continue;
+      printf("%s{\"paper_first\": \"%s\", \"here_first\": \"%s\"}", comma, rows[a].method,
+             rows[b].method);
+      comma = ", ";
+    }
+  fputs("]}", stdout);
+}
+
+static int run_table(int scene, int json) {
   const char *name = dls_forming_name(scene);
   history h = {0};
-  result r[ROWS];
+  result r[ROWS] = {{0}};
   int good = 1;
-  printf(
-      "Table %d of the paper: %s. The paper: minutes, and ratio to Lemke. Here: seconds of CPU,\n"
-      "ratio to Lemke, of which assembly, factorisation and condensation, method; counts; largest\n"
-      "difference of nodal contact forces and of displacements from Lemke's in any step, over the\n"
-      "largest of the step; worst certificate. Tolerance 1e-9, Gauss-Seidel 1e-10.\n\n",
-      scene + 2, name);
-  printf("%-20s  %6s  %6s  %7s  %6s  %6s  %6s  %6s  %7s  %7s  %9s  %8s  %8s  %8s\n", "method",
-         "paper", "ratio", "CPU", "ratio", "assem", "factor", "method", "Newton", "frames",
-         "iterations", "force", "displ", "residual");
+  if (json)
+    printf("%s\n    {\"table\": %d, \"scene\": \"%s\", \"rows\": [", scene ? "," : "", scene + 2,
+           name);
+  else
+    printf(
+        "Table %d of the paper: %s. The paper: minutes, and ratio to Lemke. Here: seconds of CPU,\n"
+        "ratio to Lemke, of which assembly, factorisation and condensation, method; counts; "
+        "largest\n"
+        "difference of nodal contact forces and of displacements from Lemke's in any step, over "
+        "the\n"
+        "largest of the step; worst certificate. Tolerance 1e-9, Gauss-Seidel 1e-10.\n\n"
+        "%-20s  %6s  %6s  %7s  %6s  %6s  %6s  %6s  %7s  %7s  %9s  %8s  %8s  %8s\n",
+        scene + 2, name, "method", "paper", "ratio", "CPU", "ratio", "assem", "factor", "method",
+        "Newton", "frames", "iterations", "force", "displ", "residual");
+  const char *comma = "";
   for (int k = 0; good && k < ROWS; k++) {
-    good = run_method(name, &rows[k], k == 0, &h, &r[k]);
-    if (r[k].done)
-      print_result(rows[k].method, rows[k].paper[scene], rows[0].paper[scene], &r[k], r[0].cpu);
+    good = run_method(name, &rows[k], INFINITY, &h, &r[k]);
+    if (!r[k].present) continue;
+    if (json)
+      print_json_result(comma, &rows[k], &r[k]), putchar('}');
+    else
+      print_result(&rows[k], scene, &r[k], r[0].cpu);
+    comma = ",";
   }
   free(h.values);
-  if (!good) return 0;
-  putchar('\n');
-  print_order(scene, r);
-  return 1;
+  if (json) {
+    print_json_order(scene, r);
+  } else if (good) {
+    putchar('\n');
+    print_order(scene, r);
+    putchar('\n');
+  }
+  return good;
 }
+
+/* ---- section 6 ------------------------------------------------------------------------------- */
+
+static const row study[] = {
+    {"lemke", {NAN, NAN}, 1e-9, 0, 0, 0, 0},
+    {"penalty", {NAN, NAN}, 1e-9, 10, 0, 0, 0},
+    {"penalty", {NAN, NAN}, 1e-9, 100, 0, 0, 0},
+    {"penalty", {NAN, NAN}, 1e-9, 1000, 0, 0, 0},
+    {"penalty", {NAN, NAN}, 1e-9, 10000, 0, 0, 0},
+    {"augmented-lagrangian", {NAN, NAN}, 1e-9, 10, 1, 0, 0},
+    {"augmented-lagrangian", {NAN, NAN}, 1e-9, 10, 5, 0, 0},
+    {"augmented-lagrangian", {NAN, NAN}, 1e-9, 10, 0, 0, 0},
+    {"augmented-lagrangian", {NAN, NAN}, 1e-9, 100, 1, 0, 0},
+    {"augmented-lagrangian", {NAN, NAN}, 1e-9, 100, 5, 0, 0},
+    {"augmented-lagrangian", {NAN, NAN}, 1e-9, 100, 0, 0, 0},
+    {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 0, 1, 1},
+    {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 0, 1.5, 1},
+    {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 0, 1.8, 1},
+    {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 0, 1, 0},
+    {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 0, 1.5, 0},
+};
+
+/* A run is given up past so many times Lemke's CPU: the compromise is settled by then. */
+static const double study_patience = 10;
 
 /* Prints section 6 of the paper: what penalty factor, augmentations, relaxation and Aitken's
  * acceleration give and take, force error against CPU. */
-static int run_study(int scene) {
-  static const row study[] = {
-      {"lemke", {NAN, NAN}, 1e-9, 0, 0, 0, 0},
-      {"penalty", {NAN, NAN}, 1e-9, 10, 0, 0, 0},
-      {"penalty", {NAN, NAN}, 1e-9, 100, 0, 0, 0},
-      {"penalty", {NAN, NAN}, 1e-9, 1000, 0, 0, 0},
-      {"penalty", {NAN, NAN}, 1e-9, 10000, 0, 0, 0},
-      {"augmented-lagrangian", {NAN, NAN}, 1e-9, 10, 1, 0, 0},
-      {"augmented-lagrangian", {NAN, NAN}, 1e-9, 10, 5, 0, 0},
-      {"augmented-lagrangian", {NAN, NAN}, 1e-9, 10, 0, 0, 0},
-      {"augmented-lagrangian", {NAN, NAN}, 1e-9, 100, 1, 0, 0},
-      {"augmented-lagrangian", {NAN, NAN}, 1e-9, 100, 5, 0, 0},
-      {"augmented-lagrangian", {NAN, NAN}, 1e-9, 100, 0, 0, 0},
-      {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 0, 1, 1},
-      {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 0, 1.5, 1},
-      {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 0, 1.8, 1},
-      {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 0, 1, 0},
-      {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 0, 1.5, 0},
-  };
+static int run_study(int scene, int json) {
+  const char *name = dls_forming_name(scene);
   history h = {0};
-  double lemke = 1;
+  double lemke = INFINITY;
   int good = 1;
-  printf(
-      "%s: augmentations a step at most (0: as many as it takes), largest difference of nodal\n"
-      "contact forces from Lemke's in any step over the largest of the step, CPU over Lemke's\n\n"
-      "%-20s  %7s  %5s  %5s  %6s  %8s  %8s  %7s  %10s\n",
-      dls_forming_name(scene), "method", "penalty", "augm", "relax", "Aitken", "force", "CPU",
-      "ratio", "iterations");
+  if (json)
+    printf("%s\n    {\"scene\": \"%s\", \"rows\": [", scene ? "," : "", name);
+  else
+    printf(
+        "%s: augmentations a step at most (0: as many as it takes), largest difference of nodal\n"
+        "contact forces from Lemke's in any step over the largest of the step, CPU over Lemke's. A "
+        "run\nis given up past %g times Lemke's CPU.\n\n"
+        "%-20s  %7s  %5s  %5s  %6s  %8s  %8s  %7s  %10s\n",
+        name, study_patience, "method", "penalty", "augm", "relax", "Aitken", "force", "CPU",
+        "ratio", "iterations");
+  const char *comma = "";
   for (size_t k = 0; good && k < sizeof study / sizeof study[0]; k++) {
     const row *s = &study[k];
     result r;
-    good = run_method(dls_forming_name(scene), s, k == 0, &h, &r);
+    good = run_method(name, s, k ? study_patience * lemke : INFINITY, &h, &r);
+    if (!r.present) continue;
     if (k == 0) lemke = r.cpu;
-    if (!r.done) continue;
-    printf("%-20s  %7g  %5d  %5g  %6s  %8.1e  %8.2f  %7.2f  %10d\n", s->method, s->penalty,
-           s->augmentations, s->relaxation, s->relaxation > 0 ? (s->plain ? "no" : "yes") : "-",
-           r.force, r.cpu, r.cpu / lemke, r.data.count.iterations);
+    if (json) {
+      print_json_result(comma, s, &r), putchar('}');
+    } else {
+      printf("%-20s  %7g  %5d  %5g  %6s  %8.1e  %8.2f  %7.2f  %10d", s->method, s->penalty,
+             s->augmentations, s->relaxation, s->relaxation > 0 ? (s->plain ? "no" : "yes") : "-",
+             r.force, r.cpu, r.cpu / lemke, r.data.count.iterations);
+      print_end(&r);
+      (void)fflush(stdout);
+    }
+    comma = ",";
   }
-  putchar('\n');
+  fputs(json ? "]}" : "\n", stdout);
   free(h.values);
   return good;
 }
 
-int command_tables(int argc, char **argv) {
-  const int study = argc == 2 && !strcmp(argv[1], "--study");
-  if (argc > 1 && !study) {
-    const int help = !strcmp(argv[1], "--help") || !strcmp(argv[1], "-h");
-    fputs(
-        "Usage: delassus tables [--study]\n"
+/* ---- the command ----------------------------------------------------------------------------- */
+
+typedef struct tables_options {
+  int study, json;
+} tables_options;
+
+static void tables_usage(FILE *out) {
+  fputs("Usage: delassus tables [--study] [--json]\n"
         "Runs both forming scenes of Chabrand, Dubois and Raous (1998) by every method and prints\n"
-        "their Tables 2 and 3 beside ours. With --study: the compromise of section 6 between the\n"
-        "error of the forces and the CPU, over penalty factors, augmentations, relaxation, "
-        "Aitken.\n",
-        help ? stdout : stderr);
-    return help ? EXIT_SOLVED : EXIT_BAD_INPUT;
-  }
+        "their Tables 2 and 3 beside ours.\n"
+        "      --study  the compromise of section 6 between the error of the forces and the CPU,\n"
+        "               over penalty factors, augmentations, relaxation, Aitken\n"
+        "  -j, --json   print one object instead of text\n"
+        "  -h, --help   print this\n",
+        out);
+}
+
+static taken take_tables_option(int key, const char *text, void *data) {
+  tables_options *o = data;
+  (void)text;
+  if (key == 's')
+    o->study = 1;
+  else if (key == 'j')
+    o->json = 1;
+  else
+    return OPTION_UNKNOWN;
+  return OPTION_TAKEN;
+}
+
+int command_tables(int argc, char **argv) {
+  static const struct option options[] = {FLAG("study", 's'), FLAG("json", 'j'), LAST_OPTIONS};
+  static const command tables = {"jh", options, tables_usage, take_tables_option, 0};
+  tables_options o = {0};
+  const int stop = take_options(argc, argv, &tables, &o);
+  if (stop != GO_ON) return stop;
+  if (optind < argc) return wrong_usage(&tables);
   watch_interrupt();
-  for (int scene = 0; scene < 2; scene++)
-    if (!(study ? run_study : run_table)(scene)) return EXIT_NOT_SOLVED;
-  if (study) return EXIT_SOLVED;
+  int good = 1;
+  if (o.json) printf("{\n  \"%s\": [", o.study ? "studies" : "tables");
+  for (int scene = 0; good && scene < 2; scene++)
+    good = (o.study ? run_study : run_table)(scene, o.json);
+  if (o.json) puts("\n  ]\n}");
+  if (!good) return EXIT_NOT_SOLVED;
+  if (o.study || o.json) return EXIT_SOLVED;
   puts(
-      "\nWhy: with ten or twenty candidates the method's own share is small, and the assembly for "
+      "Why: with ten or twenty candidates the method's own share is small, and the assembly for "
       "each\n"
       "Newton step is the same for all. On W, a factorisation and a solve for each of its columns\n"
       "come on top. Springs save these columns, and so does auto, which is Newton's method on K\n"

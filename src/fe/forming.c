@@ -19,8 +19,9 @@
  *
  * Laws hold if the certificate of contact.h does for each candidate with the others frozen,
  * W_cc = 2 / trace(K_cc), as in primal.h. (FO5) halves s while an element is inside out or, three
- * times at most, while the forces out of balance grow. While supports are still on their way the
- * forces may grow: the way starts out of contact.
+ * times at most, while the forces out of balance grow; seven times in the second way of auto: where
+ * guesses of stick, slip and yield alternate, other cuts lead out of the circle. While supports are
+ * still on their way the forces may grow: the way starts out of contact.
  *
  * Deviation. The paper leaves out the variation of the frames, the second part of (26). The contact
  * loop then oscillates without end when a heavily loaded node passes the rounded corner of the die:
@@ -219,6 +220,8 @@ static int forming_acceptable(dls_forming *f, double before, int grow) {
  *   away: in and out, part of the way that supports, and reactions of springs, still have to go */
 static dls_status forming_equilibrate(dls_forming *f, double *away, dls_error *error) {
   const int springs = dlsi_forming_springs(f);
+  const int patient = f->way == DLS_FORMING_ON_W;
+  const int cuts = patient ? most_cuts - 1 : cuts_for_balance;
   if (springs) *away = 1; /* frames and multipliers are new */
   f->data.residuals = 0;
   for (int k = 0;; k++) {
@@ -235,7 +238,7 @@ static dls_status forming_equilibrate(dls_forming *f, double *away, dls_error *e
     memcpy(f->start_r, f->r, 2 * (size_t)f->nc * sizeof *f->r);
     double s = 1;
     forming_move(f, s);
-    for (int cut = 0; !forming_acceptable(f, before, *away > 0 || cut >= cuts_for_balance); cut++) {
+    for (int cut = 0; !forming_acceptable(f, before, *away > 0 || cut >= cuts); cut++) {
       if (cut == most_cuts) return DLS_STALLED; /* (FO5) */
       s /= 2;
       forming_move(f, s);

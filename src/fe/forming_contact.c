@@ -136,7 +136,7 @@ static dls_status solve_gauss_seidel(dls_forming *f, dls_error *error) {
   model.Ks = K_symmetric_part(f);
   dls_primal_settings settings;
   dls_primal_settings_init(&settings);
-  settings.limits.tol = f->settings.tol / 10;
+  settings.limits.tol = f->settings.tol / 100; /* the sum of all forces is to hold, too */
   settings.relaxation = f->settings.relaxation;
   settings.aitken = f->settings.aitken;
   dls_primal *primal;

@@ -315,9 +315,13 @@ static void forming_derive(dls_forming *f) {
   dlsi_forming_move_tools(f);
 }
 
+enum { iterations_each = 4 }; /* of auto, for each candidate */
+
 /* Creates the solver of the condensed problems. Its tolerance is far below that of the step: q
  * holds the positions without reactions, which are far off, so that the |q| of W's certificate is
- * large. Sweeps without acceleration do not converge in the extrusion. */
+ * large. Sweeps without acceleration do not converge in the extrusion. auto gives up after about as
+ * many iterations as pivoting takes: a linearised problem far from the end of Newton's method need
+ * not have a solution, and another Newton step or way costs less than the search for one. */
 static dls_status forming_create_solver(dls_forming *f, dls_solver **out, dls_method method,
                                         dls_error *error) {
   dls_solver_settings s;
@@ -325,6 +329,7 @@ static dls_status forming_create_solver(dls_forming *f, dls_solver **out, dls_me
   s.method = method;
   s.limits.tol = 1e-5 * f->settings.tol;
   s.limits.warm_start = 1;
+  if (s.method == DLS_AUTO) s.limits.max_iterations = iterations_each * f->nc;
   if (s.method == DLS_NLGS) s.acceleration = DLS_ACCELERATION_ANDERSON;
   return dls_solver_create(out, 2, f->nc, &s, error);
 }

@@ -557,12 +557,35 @@ START_TEST(band_solves_with_supports) {
 }
 END_TEST
 
+/* A hollow of two lines and an arc between: points at the centre of the arc and beyond are in front
+ * of it, not inside, and see the nearer line. */
+START_TEST(obstacle_beyond_the_centre) {
+  const double half = acos(-1) / 8, s = sin(half), c = cos(half), radius = 2;
+  /* about the origin, the arc at the right; lines along its tangents */
+  const double a[2] = {radius * c, -radius * s}, b[2] = {radius * c, radius * s};
+  dlsi_piece pieces[3] = {{.a = {a[0] - 9 * s, a[1] - 9 * c}, .b = {a[0], a[1]}},
+                          {.a = {a[0], a[1]}, .b = {b[0], b[1]}, .radius = radius, .side = -1},
+                          {.a = {b[0], b[1]}, .b = {b[0] - 9 * s, b[1] + 9 * c}}};
+  const dlsi_obstacle hollow = {3, pieces};
+  for (int k = -4; k <= 4; k++)
+    for (int l = 0; l < 20; l++) {
+      const double x[2] = {-0.5 * l, 0.25 * k};
+      double n[2], curvature;
+      const double gap = dlsi_obstacle_gap(&hollow, x, n, &curvature);
+      /* both lines are at radius - x.c - |y| s or more */
+      ck_assert_double_eq_tol(gap, radius - x[0] * c - fabs(x[1]) * s, 1e-13 * (1 + l));
+      ck_assert_double_eq_tol(n[0], -c, 1e-14);
+      ck_assert(curvature == 0 && fabs(fabs(n[1]) - s) < 1e-14);
+    }
+}
+END_TEST
+
 int main(void) {
-  return RUN("solid", NULL, NULL, ONCE(hardening_functions), ONCE(small_strains_obey_hooke),
-             ONCE(return_mapping), ONCE(bad_points),
-             EACH(tangent_is_the_derivative_of_the_forces, 0, 8),
-             EACH(elastic_forces_are_a_gradient, 0, 4), ONCE(rotations_do_no_work),
-             ONCE(inside_out), EACH(patch, 0, 8), ONCE(no_locking), ONCE(one_element_compressed),
-             ONCE(plane_and_cylinder), ONCE(profile_with_joints), ONCE(beyond_the_end_of_a_line),
-             ONCE(free_ends_are_drawn_on), ONCE(band_solves_with_supports));
+  return RUN(
+      "solid", NULL, NULL, ONCE(hardening_functions), ONCE(small_strains_obey_hooke),
+      ONCE(return_mapping), ONCE(bad_points), EACH(tangent_is_the_derivative_of_the_forces, 0, 8),
+      EACH(elastic_forces_are_a_gradient, 0, 4), ONCE(rotations_do_no_work), ONCE(inside_out),
+      EACH(patch, 0, 8), ONCE(no_locking), ONCE(one_element_compressed), ONCE(plane_and_cylinder),
+      ONCE(profile_with_joints), ONCE(beyond_the_end_of_a_line), ONCE(free_ends_are_drawn_on),
+      ONCE(obstacle_beyond_the_centre), ONCE(band_solves_with_supports));
 }

@@ -1,4 +1,4 @@
-/* test_steps.c: auto in steps: what one solve leaves to the next warm one (AT12), (AT13). */
+/* test_steps.c: auto in steps: what one solve leaves to the next warm one (AT14), (AT15). */
 #include <check.h>
 #include <math.h>
 #include <string.h>
