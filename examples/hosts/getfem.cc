@@ -1,7 +1,7 @@
 /*
- * getfem.cc: GetFEM as the host. A block of trilinear elements, held at its top and sheared, stands on a
- * rough floor. K, the traces B_N, B_T and the load go to delassus; beside it the same matrices go to
- * GetFEM's own contact brick (augmented Lagrangian, its parameter r tuned by hand).
+ * getfem.cc: GetFEM as the host. A block of trilinear elements, held at its top and sheared, stands
+ * on a rough floor. K, the traces B_N, B_T and the load go to delassus; beside it they go to GetFEM's
+ * own contact brick (augmented Lagrangian, its parameter r tuned by hand).
  *
  * GetFEM writes B_N U <= gap and multipliers <= 0: H_N = -B_N^T, r_n = -lambda_N, H_T = B_T^T.
  *
@@ -14,7 +14,6 @@
 #include <getfem/getfem_model_solvers.h>
 #include <getfem/getfem_regular_meshes.h>
 
-#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <delassus.h>
@@ -96,8 +95,8 @@ int main() {
   for (dls_contact_state s : state) count[s]++;
   dls_reduction_destroy(reduction);
   /* GetFEM's brick */
-  getfem::model md;
   start = seconds();
+  getfem::model md;
   md.add_fem_variable("u", mf);
   getfem::add_explicit_matrix(md, "u", "u", K, true, true);
   getfem::add_explicit_rhs(md, "u", f);
@@ -111,7 +110,8 @@ int main() {
   const double theirs = seconds() - start;
   std::vector<double> rn(nc);
   for (size_t c = 0; c < nc; c++) rn[c] = -r[3 * c];
-  const double apart = std::max(distance(md.real_variable("u"), x), distance(md.real_variable("normal"), rn));
+  const std::vector<double> &theirs_n = md.real_variable("normal");
+  const double apart = std::max(distance(md.real_variable("u"), x), distance(theirs_n, rn));
   std::printf("%zu unknowns, %zu contact nodes: ", n, nc);
   std::printf("free %d, slip %d, stick %d\n", count[0], count[1], count[2]);
   std::printf("x and r_n agree with GetFEM's brick to 1e-8: %s\n", apart <= 1e-8 ? "yes" : "no");

@@ -109,10 +109,8 @@ int main(int argc, char **argv) {
   model.user = ksp;
   good &= run("KSP", &model, x[1]);
   double apart = 0, size = 0;
-  for (int k = 0; k < n; k++) {
-    apart = fmax(apart, fabs(x[0][k] - x[1][k]));
-    size = fmax(size, fabs(x[0][k]));
-  }
+  for (int k = 0; k < n; k++)
+    apart = fmax(apart, fabs(x[0][k] - x[1][k])), size = fmax(size, fabs(x[0][k]));
   printf("x of both agree to 1e-8: %s\n", apart <= 1e-8 * size ? "yes" : "no");
   PetscCall(KSPDestroy(&ksp));
   PetscCall(MatDestroy(&K));
