@@ -37,7 +37,6 @@ static dls_status forming_own(walker *w, dls_error *error) {
   const dls_status status = dls_forming_create(&forming, w->name, &w->forming, error);
   if (status) return status;
   dls_forming_get(forming, &d);
-  /* elements along the contact are one less than the candidates */
   /* nx <= ny from (nx + 1) (ny + 1) nodes and nx ny elements */
   const int sum = d.mesh->nodes - d.mesh->quads - 1;
   const double apart = sqrt(fmax(0, (double)sum * sum - 4.0 * d.mesh->quads));

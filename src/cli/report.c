@@ -291,8 +291,9 @@ int show_progress(void *data, const dls_progress *p) {
   (void)data;
   if (interrupted) return 1;
   if (is_verbose()) {
-    fprintf(stderr, "%s: %d of at most %d, %.3g s of CPU", p->last ? p->method : p->stage,
-            p->iteration, p->max_iterations, p->cpu_seconds);
+    fprintf(stderr, "%s: %d", p->last ? p->method : p->stage, p->iteration);
+    if (p->max_iterations > 0) fprintf(stderr, " of at most %d", p->max_iterations);
+    fprintf(stderr, ", %.3g s of CPU", p->cpu_seconds);
     if (p->residual >= 0) fprintf(stderr, ", residual %.2e", p->residual);
     fputs(p->last ? ", end\n" : "\n", stderr);
     return 0;
