@@ -1,7 +1,7 @@
 # delassus: one GNU Makefile. `make help` lists the targets.
 #
 # Variables: CC, CFLAGS, BUILD (build), PREFIX (/usr/local), DESTDIR, HDF5=0 to leave FCLIB files out,
-# MUMPS=0 to leave sparse LU out,
+# MUMPS=0 to leave sparse LU out, MPI=1 for libdelassus-mpi and delassus-mpi,
 # BLAS_LIBS to link another BLAS and LAPACK.
 
 VERSION = 0.1.0
@@ -52,6 +52,13 @@ endif
 LIBS = $(HDF5_LIBS) $(MUMPS_LIBS) $(BLAS_LIBS) -lm
 CHECK_LIBS = $(shell $(PKG_CONFIG) --libs check)
 
+MPI ?= 0
+ifeq ($(MPI),1)
+MPICC ?= mpicc
+MPI_CFLAGS := $(patsubst -I%,-isystem %,$(shell $(MPICC) --showme:compile)) -DDLSI_MPI
+MPI_LIBS := -ldmumps -lscalapack-openmpi -lmetis $(shell $(MPICC) --showme:link)
+endif
+
 LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/linear src/files src/front src/motion lcp vi reduction))
 LIB_SRC := $(filter-out $(if $(HDF5_CFLAGS),src/files/fclib_none.c,src/files/fclib_read.c src/files/fclib_write.c),$(LIB_SRC))
 NO_MUMPS := src/linear/mumps_none.c
@@ -59,10 +66,10 @@ WITH_MUMPS := $(addprefix src/linear/,sparse_lu.c schur.c dissection.c cholesky.
 LIB_SRC := $(filter-out $(if $(MUMPS_LIBS),$(NO_MUMPS),$(WITH_MUMPS)),$(LIB_SRC))
 FE_SRC := $(wildcard src/fe/*.c)
 CLI_SRC := $(wildcard src/cli/*.c)
-TEST_SRC := $(wildcard tests/*/test_*.c)
+TEST_SRC := $(filter-out tests/mpi/%,$(wildcard tests/*/test_*.c))
 EXAMPLE_SRC := $(wildcard examples/*.c)
-HEADERS := $(wildcard include/*.h include/delassus/*.h)
-ALL_C = $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(wildcard tests/*/*.c) $(EXAMPLE_SRC) $(wildcard bench/*.c)
+HEADERS := $(filter-out $(if $(MPI_LIBS),,include/delassus/mpi.h),$(wildcard include/*.h include/delassus/*.h))
+ALL_C = $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(wildcard src/mpi/*.c examples/mpi/*.c) $(wildcard tests/*/*.c) $(EXAMPLE_SRC) $(wildcard bench/*.c)
 ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h tests/*/*.h bench/*.h)
 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
@@ -79,6 +86,12 @@ PROGRAM = $(BUILD)/delassus
 
 .PHONY: all
 all: $(A) $(SO) $(FE) $(PROGRAM) $(EXAMPLES)
+
+# ---- MPI=1: a library that holds all of libdelassus, too, its sparse LU on the parallel MUMPS ------
+
+ifeq ($(MPI),1)
+include src/mpi/mpi.mk
+endif
 
 .PHONY: help
 help:
@@ -103,6 +116,7 @@ help:
 	@echo 'make bench-motion    load and recover of each step beside one solve by CHOLMOD'
 	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
 	@echo 'make bench-trust     predicted error of an answer beside the true one'
+	@echo 'make MPI=1       libdelassus-mpi and delassus-mpi, too; MPI=1 check-mpi, MPI=1 bench-mpi'
 	@echo 'make clean'
 
 # ---- libraries and program ----------------------------------------------------------------------
@@ -192,8 +206,8 @@ check-names:
 check-headers:
 	@for h in $(HEADERS); do \
 	  echo "#include \"$${h#include/}\"" > $(BUILD)/header.c && \
-	  $(CC) -std=c11 $(WARNINGS) -Werror -Iinclude -fsyntax-only $(BUILD)/header.c && \
-	  $(CXX) -std=c++17 -Wall -Wextra -Wpedantic -Werror -Iinclude -fsyntax-only -x c++ $(BUILD)/header.c \
+	  $(CC) -std=c11 $(WARNINGS) -Werror -Iinclude $(MPI_CFLAGS) -fsyntax-only $(BUILD)/header.c && \
+	  $(CXX) -std=c++17 -Wall -Wextra -Wpedantic -Werror -Iinclude $(MPI_CFLAGS) -fsyntax-only -x c++ $(BUILD)/header.c \
 	  || exit 1; done; echo "each of $(words $(HEADERS)) headers compiles alone, C11 and C++17"
 
 .PHONY: lint
