@@ -251,7 +251,9 @@ static dls_status condenser_factor(dlsi_condenser *work, const dlsi_spread *spre
                                    dls_error *error) {
   DMUMPS_STRUC_C *M = &work->mumps;
   const size_t size = dlsi_spread_size(spread);
-  *S = calloc(size + 1, sizeof **S);
+  /* MUMPS clears a share without rows as if it had one */
+  const size_t room = (size_t)(spread->rows + 1) * (size_t)(spread->cols + 1);
+  *S = calloc(room, sizeof **S);
   dls_status status = *S ? DLS_OK : dlsi_no_memory(error);
   if (!status && work->count > 0 &&
       (M->schur_mloc != spread->rows || M->schur_nloc != spread->cols) && size > 0)

@@ -53,7 +53,7 @@ $(BUILD)/mpi/%: $(BUILD)/obj/tests/mpi/%.o $(call obj,tests/mpi/shares.c tests/s
 check-mpi: $(MPI_TESTS) $(MPI_PROGRAM) $(MPI_EXAMPLES)
 	@tests/mpi/run.sh $(BUILD)
 
-$(BUILD)/bench/mpi: $(call obj,bench/mpi.c bench/common.c bench/reduction_boxes.c) $(MPI_A)
+$(BUILD)/bench/mpi: $(call obj,bench/mpi.c tests/mpi/shares.c bench/common.c bench/reduction_boxes.c) $(MPI_A)
 	@mkdir -p $(@D)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(MPI_LIBS_ALL)

@@ -86,11 +86,11 @@ void share_free(share *s) {
   free(s->pt);
 }
 
-double apart(const double *x, const double *y, int n) {
+double apart(const double *x, const double *y, int n, const double *all, int count) {
   double most = 0, scale = 0;
-  for (int i = 0; i < n; i++) {
+  for (int i = 0; i < n; i++)
     if (!(fabs(x[i] - y[i]) <= most)) most = fabs(x[i] - y[i]);
-    if (fabs(y[i]) > scale) scale = fabs(y[i]);
-  }
+  for (int i = 0; i < count; i++)
+    if (fabs(all[i]) > scale) scale = fabs(all[i]);
   return most == 0 ? 0 : most <= 1e300 ? most / scale : INFINITY;
 }

@@ -31,7 +31,7 @@ void expect_at(int holds, const char *file, int line, const char *format, ...)
 /* Returns the number of failures on all ranks; prints a line on rank 0. Collective. */
 int expect_end(const char *name);
 
-/* Returns max |x_i - y_i| / max |y|, infinite for NaN. */
-double apart(const double *x, const double *y, int n);
+/* Returns max |x_i - y_i| / max |all|, infinite for NaN. x, y: n; all: count. */
+double apart(const double *x, const double *y, int n, const double *all, int count);
 
 #endif
