@@ -63,7 +63,7 @@ typedef struct dls_mpi_info {
   int n, condensed, m;         /* unknowns; rows of S; rows of W, of all ranks together */
   double wall[DLS_MPI_PHASES]; /* seconds */
   double cpu[DLS_MPI_PHASES];
-  double factor_bytes; /* most that MUMPS has had on this rank */
+  double factor_bytes; /* most that MUMPS has used on this rank */
   double dense_bytes;  /* of the block-cyclic matrices on this rank, W included */
   double flops;        /* of the elimination on this rank */
 } dls_mpi_info;

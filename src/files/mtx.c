@@ -115,6 +115,7 @@ typedef struct layout {
   int coordinate;
   symmetry kind;
   int rows, cols, entries; /* entries: of the coordinate form */
+  dlsi_triplets *sparse;   /* takes the entries; NULL: a dense array does */
 } layout;
 
 /* Scans the next word, which has to stand on line `line`. */
@@ -162,6 +163,12 @@ static void add_value(double *sum, double x) {
 
 static void put_value(const layout *form, double *a, int i, int j, double x) {
   const size_t rows = (size_t)form->rows;
+  if (form->sparse) {
+    dlsi_triplets_add(form->sparse, i, j, x);
+    if (form->kind != GENERAL && i != j)
+      dlsi_triplets_add(form->sparse, j, i, form->kind == SKEW ? -x : x);
+    return;
+  }
   add_value(&a[(size_t)i + (size_t)j * rows], x);
   if (form->kind != GENERAL && i != j)
     add_value(&a[(size_t)j + (size_t)i * rows], form->kind == SKEW ? -x : x);
@@ -237,6 +244,28 @@ dls_status dls_mtx_read(const char *path, int *rows, int *cols, double **a, dls_
   *cols = form.cols;
   *a = values;
   return DLS_OK;
+}
+
+dls_status dlsi_mtx_read_triplets(const char *path, dlsi_triplets *t, dls_error *error) {
+  layout form = {.sparse = t};
+  *t = (dlsi_triplets){0};
+  FILE *file = dlsi_file_open(path, error);
+  if (!file) return DLS_E_FILE;
+  scanner s = {.file = file, .next = 1, .error = error};
+  read_banner(&s, &form);
+  require(&s, form.coordinate, "must be 'coordinate'");
+  if (!s.status) read_sizes(&s, &form);
+  dls_status status = s.status;
+  if (!status)
+    status = dlsi_triplets_alloc(form.rows, form.cols, 2 * (size_t)form.entries, t, error);
+  if (!status) {
+    read_coordinates(&s, &form, NULL);
+    status = s.status;
+  }
+  if (!status && ferror(file))
+    status = dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be read");
+  (void)fclose(file);
+  return status;
 }
 
 void dls_mtx_free(double *a) {

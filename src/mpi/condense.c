@@ -9,6 +9,9 @@
  *   (MC4)  factor; S = A_cc - A_ci A_ii^-1 A_ic stays spread in blocks (ICNTL(19) = 2, 3)
  *   (MC5)  condense, expand: b, x and the values on c on rank 0
  *
+ * MUMPS wants something to eliminate: where H touches every unknown, K gets one unknown more, 1 on
+ * the diagonal and tied to nothing.
+ *
  * Rank 0 holds the pattern for a while, two ints an entry and METIS's graph of the nodes, and n-
  * vectors; all else is shared. MUMPS needs the pattern on one rank itself.
  * Cost: the ordering is not parallel. Fails: no memory on one rank.
@@ -38,6 +41,7 @@ struct dlsi_condenser {
   const dlsi_grid *grid;
   DMUMPS_STRUC_C mumps;
   int started, symmetric, n, count;
+  int more; /* 1: n counts one unknown more than K has */
   size_t entries;
   int *row, *col;  /* entries of this rank, counted from 1; gone after the factorisation */
   double *x;       /* ... of A */
@@ -60,6 +64,7 @@ static dls_status condenser_allocate(dlsi_condenser *work, const dls_mpi_model *
   const size_t n = (size_t)work->n, b = (size_t)work->count;
   for (size_t k = 0; k < model->entries; k++)
     work->entries += (size_t)condenser_reads(work, model, k);
+  if (work->more && work->grid->rank == 0) work->entries++;
   work->row = dlsi_alloc(2 * work->entries, sizeof *work->row);
   work->x = dlsi_alloc(work->entries, sizeof *work->x);
   work->keep = dlsi_alloc(b, sizeof *work->keep);
@@ -81,6 +86,9 @@ static void condenser_take_entries(dlsi_condenser *work, const dls_mpi_model *mo
     work->col[at] = model->col[k] + 1;
     work->x[at++] = model->x[k];
   }
+  if (at == work->entries) return;
+  work->row[at] = work->col[at] = work->n;
+  work->x[at] = 1;
 }
 
 /* (MC1) As linear/equilibrate.c. Entries that add up count one by one: their sizes, not their sum,
@@ -337,7 +345,8 @@ dls_status dlsi_condenser_create(dlsi_condenser **out, const dlsi_grid *grid, in
   }
   work->grid = grid;
   work->symmetric = model->factorization != DLS_LU;
-  work->n = n;
+  work->more = count == n;
+  work->n = n + work->more;
   work->count = count;
   status = condenser_prepare(work, model, keep, error);
   condenser_end_phase(info, DLS_MPI_ORDER, &clock);
@@ -352,7 +361,7 @@ dls_status dlsi_condenser_create(dlsi_condenser **out, const dlsi_grid *grid, in
     dlsi_condenser_destroy(work);
     return status;
   }
-  info->factor_bytes = condenser_bytes(work->mumps.INFO(16));
+  info->factor_bytes = condenser_bytes(work->mumps.INFO(22));
   info->flops = work->mumps.RINFO(3);
   condenser_shrink(work);
   *out = work;
@@ -376,6 +385,7 @@ static dls_status condenser_solve(dlsi_condenser *work, int half, double *x, dls
 
 dls_status dlsi_condenser_condense(dlsi_condenser *work, double *b, double *z, dls_error *error) {
   const int root = work->grid->rank == 0, count = work->count;
+  if (root && work->more) b[work->n - 1] = 0;
   if (root) dlsi_scale_rows(work->R, (size_t)work->n, b, 1);
   if (count == 0) return DLS_OK;
   const dls_status status = condenser_solve(work, condense, b, error);

@@ -85,7 +85,7 @@ typedef struct dlsi_scales {
 } dlsi_scales;
 dlsi_scales dlsi_condenser_scales(const dlsi_condenser *work);
 
-/* The two halves of a solve. condense: z (count, on every rank) from b (n, on rank 0, spoilt), so
+/* The two halves of a solve. b and x have room for n + 1 numbers. condense: z (count, on every rank) from b (n, on rank 0, spoilt), so
  * that (K^-1 b)_c = (K^-1)_cc z. expand: the x (n, on rank 0) that has the values y (count) on c.
  * Collective. */
 dls_status dlsi_condenser_condense(dlsi_condenser *work, double *b, double *z, dls_error *error);
@@ -113,7 +113,7 @@ struct dls_mpi_reduction {
   double *A;     /* share of (W + rho D)^-1, NULL before the first solve; as Z */
   int A_symmetric;
   double *q;         /* m */
-  double *f, *b;     /* n, on rank 0; b: scratch */
+  double *f, *b;     /* n, on rank 0; b: scratch, n + 1 */
   double *z, *local; /* scratch: count; m */
   dls_mpi_info info;
 };

@@ -365,7 +365,7 @@ static dls_status reduction_allocate(dls_mpi_reduction *work, dls_error *error) 
   dls_status status = dlsi_spread_create(&work->on_kept, &work->grid, work->count, error);
   if (!status) status = dlsi_spread_create(&work->on_W, &work->grid, work->m, error);
   work->q = calloc(2 * m + (size_t)work->count + 1, sizeof *work->q);
-  if (root) work->f = calloc(2 * n, sizeof *work->f);
+  if (root) work->f = calloc(2 * n + 1, sizeof *work->f);
   if (!status && (!work->q || (root && !work->f))) status = dlsi_no_memory(error);
   status = dlsi_agree(work->grid.all, status, error);
   if (status) return status;
