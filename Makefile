@@ -320,7 +320,7 @@ deps:
 install: $(A) $(SO) $(FE) $(PROGRAM)
 	install -d $(DESTDIR)$(PREFIX)/include/delassus $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/bin
 	install -m 644 include/delassus.h $(DESTDIR)$(PREFIX)/include/
-	install -m 644 include/delassus/*.h $(DESTDIR)$(PREFIX)/include/delassus/
+	install -m 644 $(filter include/delassus/%,$(HEADERS)) $(DESTDIR)$(PREFIX)/include/delassus/
 	install -m 644 $(A) $(FE) $(DESTDIR)$(PREFIX)/lib/
 	install -m 755 $(SO).$(VERSION) $(DESTDIR)$(PREFIX)/lib/
 	ln -sf libdelassus.so.$(VERSION) $(DESTDIR)$(PREFIX)/lib/libdelassus.so.$(SOVERSION)

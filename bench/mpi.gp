@@ -25,9 +25,10 @@ set xlabel "ranks"
 set ylabel "seconds"
 set key outside right
 set grid
-do for [t in "png svg"] {
-  set terminal @t size 900,520
-  set output dir."mpi.".t
+do for [type in "png svg"] {
+  if (type eq 'png') { set terminal pngcairo size 900,520 font ',12' }
+  if (type eq 'svg') { set terminal svg size 900,520 font ',12' background 'white' }
+  set output dir."mpi.".type
   plot for [c in "22 30 60 100"] factor(c + 0, x) title "factor, ".c."^3" lw 2, \
        for [c in "22 30 60 100"] solve(c + 0, x) title "solve, ".c."^3" dt 2 lw 2, \
        csv every ::1 using ($1 == 26 ? NaN : $2):12 with points pt 7 lc rgb "black" title "factor, CPU measured", \

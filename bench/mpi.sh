@@ -6,6 +6,7 @@ set -eu
 build=$1
 results=$2
 rounds=${3:-3}
+mkdir -p "$build/bench"
 export OPENBLAS_NUM_THREADS=1 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 rows=$build/bench/mpi_rows.csv
 : >"$rows"
@@ -31,7 +32,8 @@ done
   echo
   echo "\`make MPI=1 bench-mpi\`, least of $rounds rounds; $(grep -m 1 'model name' /proc/cpuinfo | sed 's/.*: //'), $(nproc) cores,"
   echo "load $(cut -d' ' -f1 /proc/loadavg) at the end (wall seconds count only where it is not above the number of ranks). Wall and CPU: of the slowest"
-  echo "rank; waiting ranks burn CPU. MUMPS: used by the largest rank; all: resident memory of the largest rank."
+  echo "rank; CPU: outside of MPI, without messages and waiting. MUMPS: used by the largest rank; all: resident memory of the"
+  echo "largest rank."
   echo
   echo "| cells | ranks | order | analyse | factor, Schur: wall | CPU | S^-1: CPU | W: CPU | solve: wall | CPU | iterations | residual | MUMPS MB | all MB | flops of a rank | size of r |"
   echo "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"

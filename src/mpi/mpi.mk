@@ -11,18 +11,10 @@ MPI_PROGRAM = $(BUILD)/delassus-mpi
 MPI_LIBS_ALL = $(MPI_LIBS) $(HDF5_LIBS) $(BLAS_LIBS) -lm
 MPI_TESTS := $(patsubst tests/mpi/%.c,$(BUILD)/mpi/%,$(wildcard tests/mpi/test_*.c))
 MPI_EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/mpi/host_slabs.c))
-# PETSc's example where petsc-dev is there
-PETSC_CFLAGS := $(shell $(PKG_CONFIG) --silence-errors --cflags petsc)
-PETSC_LIBS := $(shell $(PKG_CONFIG) --silence-errors --libs petsc)
-MPI_EXAMPLES += $(if $(PETSC_LIBS),$(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/mpi/host_petsc.c)))
-
-.PHONY: deps-mpi
-deps-mpi:
-	@.ci/deps mpi
 
 all: $(MPI_A) $(MPI_PROGRAM) $(MPI_EXAMPLES)
 
-$(call obj,$(wildcard src/mpi/*.c)) $(call obj,$(wildcard tests/mpi/*.c bench/mpi.c)): CPPFLAGS += $(MPI_CFLAGS)
+$(call obj,$(wildcard src/mpi/*.c)) $(call obj,$(wildcard tests/mpi/*.c bench/mpi*.c)): CPPFLAGS += $(MPI_CFLAGS)
 
 $(BUILD)/obj/mpi/%.o: %.c Makefile src/mpi/mpi.mk
 	@mkdir -p $(@D)
@@ -41,7 +33,6 @@ $(MPI_PROGRAM): $(call obj,src/mpi/main.c) $(MPI_A)
 $(BUILD)/examples/mpi/%: examples/mpi/%.c $(MPI_A)
 	@mkdir -p $(@D)
 	$(call say,LINK)
-	$(Q)$(CC) $(CPPFLAGS_ALL) $(MPI_CFLAGS) $(if $(findstring petsc,$@),$(patsubst -I%,-isystem %,$(PETSC_CFLAGS))) $(CFLAGS_ALL) $(LDFLAGS) -o $@ $< $(MPI_A) $(if $(findstring petsc,$@),$(PETSC_LIBS)) $(MPI_LIBS_ALL)
 
 $(call obj,$(wildcard tests/mpi/*.c)): CPPFLAGS += -Itests/shared -D_GNU_SOURCE
 $(BUILD)/mpi/%: $(BUILD)/obj/tests/mpi/%.o $(call obj,tests/mpi/shares.c tests/shared/malloc_fails.c bench/reduction_boxes.c) $(MPI_A)
@@ -53,10 +44,19 @@ $(BUILD)/mpi/%: $(BUILD)/obj/tests/mpi/%.o $(call obj,tests/mpi/shares.c tests/s
 check-mpi: $(MPI_TESTS) $(MPI_PROGRAM) $(MPI_EXAMPLES)
 	@tests/mpi/run.sh $(BUILD)
 
-$(BUILD)/bench/mpi: $(call obj,bench/mpi.c tests/mpi/shares.c bench/common.c bench/reduction_boxes.c) $(MPI_A)
+$(BUILD)/bench/mpi: $(call obj,bench/mpi.c bench/mpi_waits.c tests/mpi/shares.c bench/common.c bench/reduction_boxes.c) $(MPI_A)
 	@mkdir -p $(@D)
 	$(call say,LINK)
-	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(MPI_LIBS_ALL)
+	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -Wl,--wrap=clock_gettime -o $@ $^ $(MPI_LIBS_ALL) -lmpi_mpifh
+
+$(if $(shell command -v $(MPICC)),,$(error MPI=1 needs $(MPICC) and more: run .ci/deps mpi))
+
+install: install-mpi
+.PHONY: install-mpi
+install-mpi: $(MPI_A) $(MPI_PROGRAM)
+	install -d $(DESTDIR)$(PREFIX)/include/delassus $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/bin
+	install -m 644 $(MPI_A) $(DESTDIR)$(PREFIX)/lib/
+	install -m 755 $(MPI_PROGRAM) $(DESTDIR)$(PREFIX)/bin/
 
 .PHONY: bench-mpi
 bench-mpi: $(BUILD)/bench/mpi
