@@ -1,6 +1,7 @@
 /*
  * mpi.c: the reduction and the solve of an elastic cube on the ranks that mpirun has started: wall
- * seconds, CPU seconds outside of MPI (bench/mpi_waits.c), memory and operations of each phase, as one row of numbers for bench/mpi.sh.
+ * seconds, CPU seconds outside of MPI (mpi_waits.c), memory and operations of each phase, as one
+ * row of numbers for bench/mpi.sh.
  *
  *   mpirun -np RANKS mpi CELLS [rows]    rows: prints the names of the columns first
  */

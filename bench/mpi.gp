@@ -13,11 +13,13 @@ n(c) = 3.0 * c * (c + 1)**2
 m(c) = 3.0 * c * (c + 1)
 log2(p) = log(p) / log(2)
 flops(c) = 32.5 * n(c)**2
-# entries of the factor: 13.6 n^(4/3) fits the memory of one rank
-entries(c) = 13.6 * n(c)**(4.0 / 3)
-factor(c, p) = flops(c) / (R * p) + (p > 1 ? 8 * entries(c) / network : 0)
+# bytes of the factor: 272 n^(4/3) is what MUMPS uses on one rank at 30^3
+bytes(c) = 272 * n(c)**(4.0 / 3)
+# what shares of 30^3 compute on two ranks, over half of one rank's: smaller blocks, assembly, copies
+loss(p) = p > 1 ? 1.28 : 1
+factor(c, p) = loss(p) * flops(c) / (R * p) + (p > 1 ? bytes(c) / network : 0)
 # a factor and inverse of W + rho D, and 45 iterations: half of W from the memory, a reduce and a broadcast of m numbers
-solve(c, p) = m(c)**3 / (R * p) + 45 * (4 * m(c)**2 / p / memory + 2 * log2(p) * (latency + 8 * m(c) / network))
+solve(c, p) = loss(p) * m(c)**3 / (R * p) + 45 * (4 * m(c)**2 / p / memory + 2 * log2(p) * (latency + 8 * m(c) / network))
 set logscale xy
 set xrange [1:64]
 set xtics (1, 2, 4, 8, 16, 32, 64)

@@ -38,8 +38,8 @@ static inline dls_status dlsi_mumps_run(DMUMPS_STRUC_C *M, int job, const char *
                    info, M->INFOG(2));
 }
 
-/* Starts M, which is all zero. sym: the kind of symmetry, as in the guide; comm: Fortran's number of
- * the communicator. */
+/* Starts M, which is all zero. sym: the kind of symmetry, as in the guide; comm: the communicator,
+ * Fortran's number of it. */
 static inline dls_status dlsi_mumps_start(DMUMPS_STRUC_C *M, int sym, int comm, dls_error *error) {
   M->par = 1;
   M->sym = sym;

@@ -67,8 +67,8 @@ void dlsi_spread_add_transpose(const dlsi_spread *s, const double *A, double *C)
 
 typedef struct dlsi_condenser dlsi_condenser;
 
-/* Orders, analyses, factors K as the ranks have it: entries of a checked model. keep: the unknowns c
- * that H touches, count, ascending, equal on all ranks. *S: receives the share of the Schur
+/* Orders, analyses, factors K as the ranks have it: entries of a checked model. keep: the unknowns
+ * c that H touches, count, ascending, equal on all ranks. *S: receives the share of the Schur
  * complement of the scaled A = R K C, as `spread` says, to be freed; its lower triangle where K is
  * symmetric. info: receives the phases and what MUMPS took. Collective, status equal on all ranks;
  * *out and *S are NULL on error. */
@@ -85,9 +85,9 @@ typedef struct dlsi_scales {
 } dlsi_scales;
 dlsi_scales dlsi_condenser_scales(const dlsi_condenser *work);
 
-/* The two halves of a solve. b and x have room for n + 1 numbers. condense: z (count, on every rank) from b (n, on rank 0, spoilt), so
+/* The two halves of a solve. condense: z (count, on every rank) from b (n, on rank 0, spoilt), so
  * that (K^-1 b)_c = (K^-1)_cc z. expand: the x (n, on rank 0) that has the values y (count) on c.
- * Collective. */
+ * b and x have room for n + 1 numbers. Collective. */
 dls_status dlsi_condenser_condense(dlsi_condenser *work, double *b, double *z, dls_error *error);
 dls_status dlsi_condenser_expand(dlsi_condenser *work, const double *y, double *x,
                                  dls_error *error);

@@ -2,9 +2,9 @@
  * solve.c: solves the contact problem of a reduction on several ranks.
  *
  *   (MS1)  up to settings.gather rows: W goes to rank 0, which calls dls_solve
- *   (MS2)  above: each rank runs the iteration of vi/admm.c on the same vectors, and only what takes
- *          the matrix is shared: A := (W + rho D)^-1 for each rho, one product with A an iteration,
- *          one with W and one with |W| for a certificate
+ *   (MS2)  above: each rank runs the iteration of vi/admm.c on the same vectors, and only what
+ *          takes the matrix is shared: A := (W + rho D)^-1 for each rho, one product with A an
+ *          iteration, one with W and one with |W| for a certificate
  *
  * Numbers of (MS2) are equal on all ranks to the last bit (grid.c), so that all ranks stop at the
  * same place. What differs by rank, the clock and the callback, is rank 0's word (MS3).

@@ -1,4 +1,4 @@
-/* shares.h: a box of bench/reduction_boxes.c cut in shares for the ranks, and checks without forks. */
+/* shares.h: a box of bench/reduction_boxes.c cut in shares for the ranks; checks without forks. */
 #ifndef SHARES_H
 #define SHARES_H
 

@@ -195,9 +195,9 @@ static void test_operator(void) {
   scene_free(&s);
 }
 
-/* Equal bits of a second solve, the same answer after a second reduction, warm as cold, no candidate
- * at all. (The order in which MUMPS adds up follows the messages: W has other last bits each time
- * where there are more than two ranks.) */
+/* Equal bits of a second solve, the same answer after a second reduction, warm as cold, no
+ * candidate at all. (The order in which MUMPS adds up follows the messages: W has other last bits
+ * each time where there are more than two ranks.) */
 static void test_repeat(void) {
   scene s = scene_create(3, 4, 0);
   share part = share_take(&s.b.model, CUT_EVEN, s.f, s.g, s.mu);
