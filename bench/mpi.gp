@@ -15,8 +15,10 @@ log2(p) = log(p) / log(2)
 flops(c) = 32.5 * n(c)**2
 # bytes of the factor: 272 n^(4/3) is what MUMPS uses on one rank at 30^3
 bytes(c) = 272 * n(c)**(4.0 / 3)
-# what shares of 30^3 compute on two ranks, over half of one rank's: smaller blocks, assembly, copies
-loss(p) = p > 1 ? 1.28 : 1
+# what both shares of 30^3 compute on two ranks, over one rank: narrower blocks, assembly, copies
+stats csv using ($1 == 30 && $2 == 1 ? $13 : NaN) every ::1 name "ALONE" nooutput
+stats csv using ($1 == 30 && $2 == 2 ? $13 : NaN) every ::1 name "BOTH" nooutput
+loss(p) = p > 1 ? BOTH_max / ALONE_max : 1
 factor(c, p) = loss(p) * flops(c) / (R * p) + (p > 1 ? bytes(c) / network : 0)
 # a factor and inverse of W + rho D, and 45 iterations: half of W from the memory, a reduce and a broadcast of m numbers
 solve(c, p) = loss(p) * m(c)**3 / (R * p) + 45 * (4 * m(c)**2 / p / memory + 2 * log2(p) * (latency + 8 * m(c) / network))

@@ -47,6 +47,23 @@ for ranks in 1 2 4; do
   run $ranks "$build/delassus-mpi" solve --gather 0 data/fclib/GFC3D_OneContact.hdf5 >/dev/null
   tell $? "GFC3D_OneContact on $ranks ranks"
 done
+dir=$(mktemp -d) || exit 1
+trap 'rm -rf "$dir"' EXIT
+printf '%%%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 4\n2 2 4\n3 3 2\n2 1 -1\n3 2 -1\n' >"$dir/K.mtx"
+printf '%%%%MatrixMarket matrix coordinate real general\n3 2 2\n1 1 1\n2 2 1\n' >"$dir/H.mtx"
+printf '%%%%MatrixMarket matrix array real general\n3 1\n-1\n.2\n0\n' >"$dir/f.mtx"
+printf '%%%%MatrixMarket matrix array real general\n2 1\n0\n0\n' >"$dir/w.mtx"
+printf '%%%%MatrixMarket matrix array real general\n1 1\n.5\n' >"$dir/mu.mtx"
+for kind in cholesky ldlt lu; do
+  out=$(run 2 "$build/delassus-mpi" solve -r -k $kind -t 1e-12 "$dir"/[KH].mtx "$dir/f.mtx" "$dir/w.mtx" "$dir/mu.mtx" 2>&1)
+  status=$?
+  [ $status -eq 2 ] && echo "$out" | grep -q 'K, H and mu do not fit'
+  tell $? "H in the place of K: status $status: $out"
+  out=$(run 2 "$build/delassus-mpi" solve -r -k $kind -t 1e-12 "$dir/K.mtx" "$dir/H.mtx" "$dir/f.mtx" "$dir/w.mtx" "$dir/mu.mtx" 2>&1)
+  status=$?
+  [ $status -eq 0 ] && echo "$out" | grep -q 'rank 1: wall'
+  tell $? "Matrix Market, $kind: status $status: $out"
+done
 out=$(seconds=10 run 2 "$build/delassus-mpi" solve nowhere.hdf5 2>&1)
 status=$?
 [ $status -eq 2 ] && echo "$out" | grep -q 'nowhere.hdf5'
