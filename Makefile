@@ -1,7 +1,7 @@
 # delassus: one GNU Makefile. `make help` lists the targets.
 #
 # Variables: CC, CFLAGS, BUILD (build), PREFIX (/usr/local), LIBDIR (PREFIX/lib), DESTDIR, HDF5=0 to leave FCLIB files out,
-# MUMPS=0 to leave sparse LU out,
+# MUMPS=0 to leave sparse LU out, MPI=1 for libdelassus-mpi and delassus-mpi,
 # BLAS_LIBS to link another BLAS and LAPACK.
 
 VERSION = 0.1.0
@@ -57,6 +57,13 @@ endif
 LIBS = $(HDF5_LIBS) $(MUMPS_LIBS) $(BLAS_LIBS) -lm -pthread
 CHECK_LIBS = $(shell $(PKG_CONFIG) --libs check)
 
+MPI ?= 0
+ifeq ($(MPI),1)
+MPICC ?= mpicc
+MPI_CFLAGS := $(patsubst -I%,-isystem %,$(shell $(MPICC) --showme:compile)) -DDLSI_MPI
+MPI_LIBS := -ldmumps -lscalapack-openmpi -lmetis $(shell $(MPICC) --showme:link)
+endif
+
 LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/linear src/files src/front src/motion lcp vi reduction))
 LIB_SRC := $(filter-out $(if $(HDF5_CFLAGS),src/files/fclib_none.c,src/files/fclib_read.c src/files/fclib_write.c),$(LIB_SRC))
 NO_MUMPS := src/linear/mumps_none.c
@@ -64,11 +71,11 @@ WITH_MUMPS := $(addprefix src/linear/,sparse_lu.c schur.c dissection.c)
 LIB_SRC := $(filter-out $(if $(MUMPS_LIBS),$(NO_MUMPS),$(WITH_MUMPS)),$(LIB_SRC))
 FE_SRC := $(wildcard src/fe/*.c)
 CLI_SRC := $(wildcard src/cli/*.c)
-TEST_SRC := $(wildcard tests/*/test_*.c)
+TEST_SRC := $(filter-out tests/mpi/%,$(wildcard tests/*/test_*.c))
 EXAMPLE_SRC := $(wildcard examples/*.c)
-HEADERS := $(wildcard include/*.h include/delassus/*.h)
+HEADERS := $(filter-out $(if $(MPI_LIBS),,include/delassus/mpi.h),$(wildcard include/*.h include/delassus/*.h))
 ALL_CPP = $(wildcard include/*.hpp tests/*/*.cpp examples/*.cpp)
-ALL_C = $(LIB_SRC) $(FE_SRC) $(CLI_SRC) src/fortran/types.c $(wildcard tests/*/*.c) $(EXAMPLE_SRC) $(wildcard bench/*.c)
+ALL_C = $(LIB_SRC) $(FE_SRC) $(CLI_SRC) src/fortran/types.c $(wildcard src/mpi/*.c examples/mpi/*.c) $(wildcard tests/*/*.c) $(EXAMPLE_SRC) $(wildcard bench/*.c)
 ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h tests/*/*.h bench/*.h)
 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
@@ -90,6 +97,12 @@ PROGRAM = $(BUILD)/delassus
 
 .PHONY: all
 all: $(A) $(SO) $(FE) $(PROGRAM) $(EXAMPLES)
+
+# ---- MPI=1: a library that holds all of libdelassus, too, its sparse LU on the parallel MUMPS ------
+
+ifeq ($(MPI),1)
+include src/mpi/mpi.mk
+endif
 
 .PHONY: help
 help:
@@ -121,6 +134,7 @@ help:
 	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
 	@echo 'make bench-steps     a batch of small problems; a load path, warm beside cold'
 	@echo 'make bench-trust     predicted error of an answer beside the true one'
+	@echo 'make MPI=1       libdelassus-mpi and delassus-mpi, too; MPI=1 check-mpi, MPI=1 bench-mpi'
 	@echo 'make clean'
 
 # ---- libraries and program ----------------------------------------------------------------------
@@ -255,8 +269,8 @@ check-names:
 check-headers:
 	@for h in $(HEADERS); do \
 	  echo "#include \"$${h#include/}\"" > $(BUILD)/header.c && \
-	  $(CC) -std=c11 $(WARNINGS) -Werror -Iinclude -fsyntax-only $(BUILD)/header.c && \
-	  $(CXX) -std=c++17 -Wall -Wextra -Wpedantic -Werror -Iinclude -fsyntax-only -x c++ $(BUILD)/header.c \
+	  $(CC) -std=c11 $(WARNINGS) -Werror -Iinclude $(MPI_CFLAGS) -fsyntax-only $(BUILD)/header.c && \
+	  $(CXX) -std=c++17 -Wall -Wextra -Wpedantic -Werror -Iinclude $(MPI_CFLAGS) -fsyntax-only -x c++ $(BUILD)/header.c \
 	  || exit 1; done; \
 	  echo '#include "delassus.hpp"' > $(BUILD)/header.cpp && \
 	  $(CXX) -std=c++17 $(CXX_WARNINGS) -Werror -Iinclude -fsyntax-only $(BUILD)/header.cpp || exit 1; \
@@ -379,9 +393,9 @@ FILL = sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR)|' -e 's|@VERSION@
 .PHONY: install
 install: $(A) $(SO) $(FE) $(PROGRAM) $(F90)
 	install -d $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus $(LIBDIR)/pkgconfig $(LIBDIR)/cmake/delassus $(PREFIX)/bin \
-	  $(DATADIR)/man/man1 $(DATADIR)/man/man3 $(DATADIR)/bash-completion/completions $(DOCDIR)/examples)
+	  $(DATADIR)/man/man1 $(DATADIR)/man/man3 $(DATADIR)/bash-completion/completions $(DOCDIR)/examples $(DOCDIR)/pictures)
 	install -m 644 include/delassus.h $(DESTDIR)$(INCLUDEDIR)/
-	install -m 644 include/delassus/*.h $(DESTDIR)$(INCLUDEDIR)/delassus/
+	install -m 644 $(filter include/delassus/%,$(HEADERS)) $(DESTDIR)$(INCLUDEDIR)/delassus/
 	install -m 644 include/delassus.hpp $(F90) $(DESTDIR)$(INCLUDEDIR)/
 	install -m 644 $(A) $(FE) $(DESTDIR)$(LIBDIR)/
 	install -m 755 $(SO).$(VERSION) $(DESTDIR)$(LIBDIR)/
@@ -395,7 +409,8 @@ install: $(A) $(SO) $(FE) $(PROGRAM) $(F90)
 	docs/man.sh 3 $(PROGRAM) > $(DESTDIR)$(DATADIR)/man/man3/delassus.3
 	install -m 644 src/cli/completion.bash $(DESTDIR)$(DATADIR)/bash-completion/completions/delassus
 	install -m 644 README.md CHANGELOG.md LICENSE docs/*.md docs/*.png $(DESTDIR)$(DOCDIR)/
-	install -m 644 examples/*.c $(DESTDIR)$(DOCDIR)/examples/
+	install -m 644 docs/pictures/*.png $(DESTDIR)$(DOCDIR)/pictures/
+	install -m 644 examples/*.c examples/*.cpp examples/*.f90 examples/*.py $(DESTDIR)$(DOCDIR)/examples/
 
 # what install has written, of this version
 .PHONY: uninstall

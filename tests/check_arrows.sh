@@ -24,6 +24,7 @@ src/files 3
 src/front 4
 src/motion 5
 src/fe 6
+src/mpi 6
 src/cli 7
 src/fortran 7
 END
@@ -47,6 +48,7 @@ motion.h src/motion
 fe.h src/fe
 forming.h src/fe
 moving.h src/fe
+mpi.h src/mpi
 END
 
 # includes: FILE HEADER, both from the top of the tree; a header is looked for beside its user, then in

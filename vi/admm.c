@@ -156,6 +156,10 @@ void dls_admm_destroy(dls_admm *workspace) {
   free(workspace);
 }
 
+void dlsi_admm_share(dls_admm *work, const dlsi_shared *shared) {
+  work->it.shared = shared;
+}
+
 /* ---- W + rho D ------------------------------------------------------------------------------- */
 
 /* J := W + rho D. */
@@ -209,7 +213,10 @@ static dls_status admm_factor(dls_admm *work, const dls_contact *problem, double
   for (int k = 0; k <= most_doublings; k++, *rho *= 2) {
     dls_status status;
     dls_error why = {0};
-    if (work->sparse) {
+    const dlsi_shared *shared = work->it.shared;
+    if (shared)
+      status = shared->factor(shared->data, *rho, work->it.w, &why);
+    else if (work->sparse) {
       const dls_sparse A = admm_build_sparse(work, problem, *rho);
       status = dlsi_sparse_lu_factor(work->room->lu, &A, &why);
     } else {
@@ -251,7 +258,9 @@ static dls_status admm_solve_linear(dls_admm *work, const dls_contact *problem, 
   dls_status status = DLS_OK;
   for (size_t k = 0; k < m; k++)
     x[k] = rho * w[k / d] * (2 * work->z[k] - work->v[k]) - problem->q[k];
-  if (work->sparse)
+  if (work->it.shared)
+    work->it.shared->solve(work->it.shared->data, x);
+  else if (work->sparse)
     status = dlsi_sparse_lu_solve(work->room->lu, x, error);
   else
     dlsi_dense_solve(&work->dense, x, (int)m, 1);
@@ -408,7 +417,7 @@ static dls_status admm_solve(void *workspace, const dls_contact *problem, double
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const int blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : 0;
   dls_info outcome = {.method = DLS_ADMM};
-  dls_status status = admm_reserve(work, problem->nc, blocks, error);
+  dls_status status = it->shared ? DLS_OK : admm_reserve(work, problem->nc, blocks, error);
   if (status) return status;
   dlsi_iterate_begin(it, problem, NULL, work->settings.limits.tol, admm_is_warm(work), r,
                      work->first);

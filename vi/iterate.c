@@ -65,6 +65,15 @@ void dlsi_multiply(const dls_contact *problem, const int *order, const double *E
   }
 }
 
+/* u := W r + q with the springs and, if a is not NULL, a := |W| |r| with them. */
+static void iterate_multiply(const dlsi_iterate *it, const dls_contact *problem, const double *r,
+                             double *u, double *a) {
+  if (it->shared)
+    it->shared->multiply(it->shared->data, r, u, a);
+  else
+    dlsi_multiply(problem, NULL, it->E, r, u, a);
+}
+
 void dlsi_iterate_begin(dlsi_iterate *it, const dls_contact *problem, const double *E, double tol,
                         int warm, const double *start, double *r) {
   const size_t m = size_of(problem);
@@ -83,7 +92,7 @@ void dlsi_iterate_begin(dlsi_iterate *it, const dls_contact *problem, const doub
 dls_certificate dlsi_iterate_measure(dlsi_iterate *it, const dls_contact *problem,
                                      const double *r) {
   dls_certificate now;
-  dlsi_multiply(problem, NULL, it->E, r, it->u, it->a);
+  iterate_multiply(it, problem, r, it->u, it->a);
   dlsi_contact_measure(problem, r, it->u, it->a, it->w, it->F, &now);
   return now;
 }
@@ -124,7 +133,7 @@ dls_status dlsi_iterate_end(dlsi_iterate *it, const dls_contact *problem, dls_st
   it->iterations = outcome->sweeps + outcome->iterations;
   outcome->certificate = it->certificate;
   memcpy(r, it->best, size_of(problem) * sizeof *r);
-  if (u) dlsi_multiply(problem, NULL, it->E, r, u, NULL);
+  if (u) iterate_multiply(it, problem, r, u, NULL);
   if (info) *info = *outcome;
   return status;
 }

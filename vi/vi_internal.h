@@ -144,12 +144,27 @@ int dlsi_is_better(const dls_certificate *a, const dls_certificate *b);
 static const dls_certificate dlsi_no_certificate = {
     .residual = INFINITY, .residual_u = INFINITY, .floor_u = INFINITY, .floor_r = INFINITY};
 
+/* A W that several processes share, none of which holds all of it. Each runs the same iteration on
+ * the same numbers, the problem has the d x d blocks of W's diagonal as its Wb, and what takes the
+ * whole of W is done by these functions, all processes together, with equal results on each. */
+typedef struct dlsi_shared {
+  void *data; /* first argument of each */
+  /* u := W r + q, and, if a is not NULL, a := |W| |r|. m each. */
+  void (*multiply)(void *data, const double *r, double *u, double *a);
+  /* Prepares solves with A = W + rho diag(w), w for each candidate. DLS_E_SINGULAR,
+   * DLS_E_MEMORY. */
+  dls_status (*factor)(void *data, double rho, const double *w, dls_error *error);
+  /* x := A^-1 x, m. */
+  void (*solve)(void *data, double *x);
+} dlsi_shared;
+
 /* The part of a workspace that all iterations on r need. Springs E_c >= 0 on all d rows of
  * candidate c make the problem u = (W + diag(E)) r + q; the weights remain those of W. */
 typedef struct dlsi_iterate {
   int d, nc;
   const dls_limits *limits; /* of the workspace's settings */
   double tol;
+  const dlsi_shared *shared;   /* where W is; NULL: in the problem */
   const double *E;             /* springs: nc, of the caller; NULL for 0 */
   double *w;                   /* weights of the certificate: nc */
   double *u;                   /* W r + q of the r measured last: m */
@@ -257,6 +272,12 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
 /* Create with a room that outlives the workspace; NULL: one of its own. */
 dls_status dlsi_newton_create(dls_newton **out, int d, int nc, const dls_newton_settings *settings,
                               dlsi_room *room, dls_error *error);
+
+/* ---- vi/admm.c
+ * --------------------------------------------------------------------------------- */
+
+/* Makes later solves in the workspace take W from `shared` (borrowed); NULL: from the problem. */
+void dlsi_admm_share(dls_admm *work, const dlsi_shared *shared);
 
 /* ---- vi/nlgs.c
  * --------------------------------------------------------------------------------- */

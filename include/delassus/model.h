@@ -70,7 +70,8 @@ typedef struct dls_model {
  * "active", "mu", "modes", ...) and the index: position i + j*ld in a dense matrix, position in x,
  * i or p of a sparse matrix, column for an empty column of P. Of a K for DLS_CHOLESKY or DLS_LDLT
  * only the lower triangle is read; a sparse one with entries above the diagonal and none below is
- * refused. Of a K for DLS_LU a lower triangle alone is refused. Callers need not call it: create does. */
+ * refused. Of a K for DLS_LU a lower triangle alone is refused. Callers need not call it: create
+ * does. */
 DLS_API DLS_MUST_USE dls_status dls_model_check(const dls_model *model, dls_error *error);
 
 #ifdef __cplusplus

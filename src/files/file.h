@@ -6,6 +6,7 @@
 #include <stdio.h>
 
 #include "base/base.h"
+#include "base/columns.h"
 
 /* Opens `path` for reading; NULL and DLS_E_FILE in *error if it is missing or a directory. */
 FILE *dlsi_file_open(const char *path, dls_error *error);
@@ -15,6 +16,10 @@ FILE *dlsi_file_create(const char *path, const char *mode, dls_error *error);
 
 /* Closes a file that was written; if any write failed, removes it and returns DLS_E_FILE. */
 dls_status dlsi_file_finish(const char *path, FILE *file, dls_error *error);
+
+/* Reads a real Matrix Market file; of a symmetric one both halves are listed. t: to be freed also
+ * after an error. Errors of dls_mtx_read. */
+dls_status dlsi_mtx_read_triplets(const char *path, dlsi_triplets *t, dls_error *error);
 
 static inline int dlsi_is_digit(int c) {
   return c >= '0' && c <= '9';

@@ -314,27 +314,41 @@ static dls_status hand_columns(const dlsi_triplets *t, dls_sparse *A, dls_error 
   return status;
 }
 
-static dls_status read_sparse(const char *path, int calculix, dls_sparse *A, int *symmetric,
-                              dls_error *error) {
-  if (!path) return dlsi_is_null(error, "path");
-  if (!A) return dlsi_is_null(error, "A");
+/* Reads a file of either kind into triplets. On error, too, the caller frees t. */
+static dls_status read_file(const char *path, int calculix, dlsi_triplets *t, int *symmetric,
+                            dls_error *error) {
   FILE *file = dlsi_file_open(path, error);
   if (!file) return DLS_E_FILE;
   scanner s = {.file = file, .next = 1, .error = error};
   layout form = {.kind = SYMMETRIC};
-  dlsi_triplets t = {0};
   dls_status status;
   if (calculix)
-    status = read_calculix(&s, &t);
+    status = read_calculix(&s, t);
   else {
     read_banner(&s, &form);
     if (!s.status) read_sizes(&s, &form);
-    status = s.status ? s.status : read_triplets(&s, &form, &t);
+    status = s.status ? s.status : read_triplets(&s, &form, t);
   }
   (void)fclose(file);
+  if (!status && symmetric) *symmetric = form.kind == SYMMETRIC;
+  return status;
+}
+
+dls_status dlsi_mtx_read_triplets(const char *path, dlsi_triplets *t, dls_error *error) {
+  *t = (dlsi_triplets){0};
+  return read_file(path, 0, t, NULL, error);
+}
+
+static dls_status read_sparse(const char *path, int calculix, dls_sparse *A, int *symmetric,
+                              dls_error *error) {
+  if (!path) return dlsi_is_null(error, "path");
+  if (!A) return dlsi_is_null(error, "A");
+  dlsi_triplets t = {0};
+  int is_symmetric = 0;
+  dls_status status = read_file(path, calculix, &t, &is_symmetric, error);
   if (!status) status = hand_columns(&t, A, error);
   dlsi_triplets_free(&t);
-  if (!status && symmetric) *symmetric = form.kind == SYMMETRIC;
+  if (!status && symmetric) *symmetric = is_symmetric;
   return status;
 }
 

@@ -10,6 +10,15 @@
 
 #include "base/base.h"
 
+/* the communicator of a process that factors alone: the one number that the sequential MUMPS knows,
+ * or, in libdelassus-mpi, which has the parallel MUMPS, a communicator of this process */
+#ifdef DLSI_MPI
+#include <mpi.h>
+#define DLSI_MUMPS_ALONE MPI_Comm_c2f(MPI_COMM_SELF)
+#else
+#define DLSI_MUMPS_ALONE (-987654)
+#endif
+
 #define ICNTL(k) icntl[(k)-1]
 #define INFOG(k) infog[(k)-1]
 
@@ -32,12 +41,12 @@ static inline dls_status dlsi_mumps_run(DMUMPS_STRUC_C *M, int job, const char *
                    info, M->INFOG(2));
 }
 
-/* Starts M, which is all zero. sym: the kind of symmetry, as in the guide. */
-static inline dls_status dlsi_mumps_start(DMUMPS_STRUC_C *M, int sym, dls_error *error) {
-  enum { sequential_world = -987654 };
+/* Starts M, which is all zero. sym: the kind of symmetry, as in the guide; comm: the communicator,
+ * Fortran's number of it. */
+static inline dls_status dlsi_mumps_start(DMUMPS_STRUC_C *M, int sym, int comm, dls_error *error) {
   M->par = 1;
   M->sym = sym;
-  M->comm_fortran = sequential_world;
+  M->comm_fortran = comm;
   const dls_status status = dlsi_mumps_run(M, start, "", error);
   for (int k = 1; k <= 3; k++)
     M->ICNTL(k) = -1; /* no output unit for errors, warnings, statistics */

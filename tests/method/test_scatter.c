@@ -32,7 +32,7 @@ typedef struct scattered {
   void *work;
 } scattered;
 
-static dls_status begin(scattered *s, const dls_contact *p, const dls_limits *limits) {
+static dls_status open_run(scattered *s, const dls_contact *p, const dls_limits *limits) {
   *s = (scattered){.work = NULL};
   const dlsi_options options = {.limits = *limits, .room = &s->room};
   return dlsi_scatter_method.create(&s->work, p->d, p->nc, &options, NULL);
@@ -46,7 +46,7 @@ static void end(scattered *s) {
 static dls_status scatter(const dls_contact *p, const dls_limits *limits, double *r,
                           dls_info *info) {
   scattered s;
-  dls_status status = begin(&s, p, limits);
+  dls_status status = open_run(&s, p, limits);
   if (!status) status = dlsi_scatter_method.solve(s.work, p, r, NULL, info, NULL);
   end(&s);
   return status;

@@ -1,0 +1,150 @@
+/*
+ * delassus/mpi.h: a model that does not fit one machine: reduction and solve on several processes.
+ *
+ *   K x = f + H r,   u = H^T x + g,   W = H^T K^-1 H,   q = H^T K^-1 f + g,   u = W r + q
+ *
+ * as in reduction.h. Every process (rank) of a communicator has a share of the rows and of the
+ * contact nodes; K is factored by the distributed MUMPS, the Schur complement and W are
+ * block-cyclic matrices of ScaLAPACK. The functions belong to libdelassus-mpi (make MPI=1), which
+ * holds all of libdelassus, too, and is linked in its place.
+ *
+ * All functions but those said to be local are collective: every rank of the communicator calls
+ * them, in the same order. Status, error and info are then equal on every rank: an error of one
+ * rank is an error of all, its message begins with the rank's number, and index counts in the
+ * arguments of that rank. A rank that ends without a word is the business of mpirun, which ends the
+ * others.
+ *
+ * Rows and contact nodes are numbered through the ranks: those of rank 0 first, then those of rank
+ * 1, and so on; a rank may have none. Indices are 0-based. Neither MUMPS nor METIS is re-entrant:
+ * one thread of a process at a time.
+ */
+#ifndef DELASSUS_MPI_H
+#define DELASSUS_MPI_H
+
+#include <mpi.h>
+
+#include "delassus/info.h"
+#include "delassus/model.h"
+#include "delassus/reduction.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The share of one rank; a view, everything is borrowed and read by dls_mpi_reduction_create
+ * only. n: the rows of all ranks together. */
+typedef struct dls_mpi_model {
+  int d;                           /* 2 or 3, equal on all ranks */
+  dls_factorization factorization; /* of K, equal on all ranks; of a symmetric K only entries on and
+                                      below the diagonal are read */
+  int rows;                        /* of this rank, >= 0 */
+  size_t entries;                  /* of K that this rank has, wherever they stand; entries of the
+                                      same place add up, on one rank or on several */
+  const int *row, *col;            /* entries, 0 .. n-1 */
+  const double *x;                 /* entries; force / length */
+  int nodes;                       /* contact nodes of this rank, >= 0 */
+  dls_sparse HN;                   /* n x nodes; not read where nodes = 0 */
+  dls_sparse HT;                   /* n x (d-1) nodes */
+} dls_mpi_model;
+
+typedef enum dls_mpi_phase {
+  DLS_MPI_ORDER = 0,   /* gather the pattern, nested dissection on rank 0 */
+  DLS_MPI_ANALYSE = 1, /* MUMPS */
+  DLS_MPI_FACTOR = 2,  /* MUMPS: factor and Schur complement S */
+  DLS_MPI_INVERT = 3,  /* S^-1 */
+  DLS_MPI_FORM = 4,    /* W */
+  DLS_MPI_PHASES = 5
+} dls_mpi_phase;
+
+/* What this rank has spent. */
+typedef struct dls_mpi_info {
+  int ranks, rank;
+  int grid[2];                 /* process rows and columns of the block-cyclic matrices */
+  int n, condensed, m;         /* unknowns; rows of S; rows of W, of all ranks together */
+  double wall[DLS_MPI_PHASES]; /* seconds */
+  double cpu[DLS_MPI_PHASES];
+  double factor_bytes; /* most that MUMPS has used on this rank */
+  double dense_bytes;  /* of the block-cyclic matrices on this rank, W included */
+  double flops;        /* of the elimination on this rank */
+} dls_mpi_info;
+
+typedef struct dls_mpi_reduction dls_mpi_reduction;
+
+/* Orders, factors, forms W; *out = NULL on error. settings: those of the serial reduction, of which
+ * memory_limit (bytes on a rank, the factor as foreseen by MUMPS) counts; stabilize, or form_W = 0:
+ * DLS_E_UNSUPPORTED. NULL for the defaults. Rank 0's settings hold.
+ *
+ * Memory of a rank: its share of the factor, three times its share of b^2 doubles (b unknowns that
+ * H touches) and H; on rank 0 the pattern of K while it is ordered. Errors as
+ * dls_reduction_create, and DLS_E_MEMORY if one rank has none. No reference to the model is
+ * kept; comm is duplicated. */
+DLS_API DLS_MUST_USE dls_status dls_mpi_reduction_create(dls_mpi_reduction **out, MPI_Comm comm,
+                                                         const dls_mpi_model *model,
+                                                         const dls_reduction_settings *settings,
+                                                         dls_error *error);
+
+/* Local. */
+DLS_API DLS_MUST_USE dls_status dls_mpi_reduction_get_info(const dls_mpi_reduction *reduction,
+                                                           dls_mpi_info *info, dls_error *error);
+
+/* q := H^T K^-1 f + g. f (rows of this rank) or NULL for 0; g (d nodes of this rank) or NULL for
+ * 0. Half a solve. An error leaves f and q as they were. */
+DLS_API DLS_MUST_USE dls_status dls_mpi_reduction_load(dls_mpi_reduction *reduction,
+                                                       const double *f, const double *g,
+                                                       dls_error *error);
+
+/* The contact problem where it lives: views into the reduction, valid as long as it is. */
+typedef struct dls_mpi_contact {
+  int d, nc;       /* of all ranks */
+  int m, block;    /* rows of W; of its square blocks */
+  int rows, cols;  /* of this rank's share of W */
+  const int *row;  /* rows: the row of W that stands in each row of the share */
+  const int *col;  /* cols */
+  const double *W; /* rows x cols, column-major without gaps */
+  const double *q; /* m: all of it, on every rank */
+} dls_mpi_contact;
+
+/* Local. */
+DLS_API DLS_MUST_USE dls_status dls_mpi_reduction_contact(const dls_mpi_reduction *reduction,
+                                                          dls_mpi_contact *problem,
+                                                          dls_error *error);
+
+/* Copies all of W to rank 0. W: m x m, column-major without gaps, on rank 0; not read on others. */
+DLS_API DLS_MUST_USE dls_status dls_mpi_reduction_gather(const dls_mpi_reduction *reduction,
+                                                         double *W, dls_error *error);
+
+/* x := K^-1 (f + H r). r: d nodes of this rank; x: rows of this rank. One solve. */
+DLS_API DLS_MUST_USE dls_status dls_mpi_reduction_recover(dls_mpi_reduction *reduction,
+                                                          const double *r, double *x,
+                                                          dls_error *error);
+
+/* Local, but for the end of MPI's communicator, which is collective. NULL is fine. */
+DLS_API void dls_mpi_reduction_destroy(dls_mpi_reduction *reduction);
+
+/* Rank 0's settings hold. */
+typedef struct dls_mpi_settings {
+  dls_limits limits; /* blocks is not read; progress is called on rank 0, cpu_seconds are those of
+                        rank 0 */
+  size_t size;       /* set by init; settings without it are refused */
+  int gather;        /* rows of W up to which W goes to rank 0 and is solved there by dls_solve
+                        (auto), while the others wait; 1000 */
+} dls_mpi_settings;
+
+DLS_API void dls_mpi_settings_init(dls_mpi_settings *settings);
+
+/* Solves u = W r + q with the law of contact.h: on rank 0 by dls_solve, or by ADMM (admm.h) on the
+ * shared W, whose certificate is computed from W and q as everywhere. mu: nodes of this rank.
+ * r (d nodes of this rank): in, the start if warm_start; out, the reactions. u (d nodes) or NULL: W
+ * r + q. info or NULL. settings NULL for the defaults.
+ *
+ * Takes one more share of m^2 doubles, on every rank, or m^2 doubles on rank 0. Statuses of
+ * dls_solver_solve and of dls_admm_solve. */
+DLS_API DLS_MUST_USE dls_status dls_mpi_solve(dls_mpi_reduction *reduction, const double *mu,
+                                              const dls_mpi_settings *settings, double *r,
+                                              double *u, dls_info *info, dls_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,63 @@
+# mpi.mk: what make MPI=1 adds; Makefile includes it from the top of the tree.
+
+MPI_SRC := $(filter-out src/mpi/main.c,$(wildcard src/mpi/*.c))
+# both MUMPS have the same names, so that one program can have but one: these two files are compiled
+# again, for the parallel one
+MPI_AGAIN := src/linear/sparse_lu.c src/linear/schur.c
+MPI_AGAIN_OBJ := $(patsubst %.c,$(BUILD)/obj/mpi/%.o,$(MPI_AGAIN))
+MPI_OBJ := $(call obj,$(MPI_SRC)) $(MPI_AGAIN_OBJ) $(filter-out $(call obj,$(MPI_AGAIN)),$(LIB_OBJ))
+MPI_A = $(BUILD)/libdelassus-mpi.a
+MPI_PROGRAM = $(BUILD)/delassus-mpi
+MPI_LIBS_ALL = $(MPI_LIBS) $(HDF5_LIBS) $(BLAS_LIBS) -lm
+MPI_TESTS := $(patsubst tests/mpi/%.c,$(BUILD)/mpi/%,$(wildcard tests/mpi/test_*.c))
+MPI_EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/mpi/host_slabs.c))
+
+all: $(MPI_A) $(MPI_PROGRAM) $(MPI_EXAMPLES)
+
+$(call obj,$(wildcard src/mpi/*.c)) $(call obj,$(wildcard tests/mpi/*.c bench/mpi*.c)): CPPFLAGS += $(MPI_CFLAGS)
+
+$(BUILD)/obj/mpi/%.o: %.c Makefile src/mpi/mpi.mk
+	@mkdir -p $(@D)
+	$(call say,CC  )
+	$(Q)$(CC) $(CPPFLAGS_ALL) $(MPI_CFLAGS) $(CFLAGS_ALL) -c -o $@ $<
+
+$(MPI_A): $(MPI_OBJ)
+	@rm -f $@
+	$(call say,AR  )
+	$(Q)$(AR) rcs $@ $^
+
+$(MPI_PROGRAM): $(call obj,src/mpi/main.c) $(MPI_A)
+	$(call say,LINK)
+	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(MPI_LIBS_ALL)
+
+$(BUILD)/examples/mpi/%: examples/mpi/%.c $(MPI_A)
+	@mkdir -p $(@D)
+	$(call say,LINK)
+
+$(call obj,$(wildcard tests/mpi/*.c)): CPPFLAGS += -Itests/shared -D_GNU_SOURCE
+$(BUILD)/mpi/%: $(BUILD)/obj/tests/mpi/%.o $(call obj,tests/mpi/shares.c tests/shared/malloc_fails.c bench/reduction_boxes.c) $(MPI_A)
+	@mkdir -p $(@D)
+	$(call say,LINK)
+	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) $(WRAP) -o $@ $^ $(MPI_LIBS_ALL)
+
+.PHONY: check-mpi
+check-mpi: $(MPI_TESTS) $(MPI_PROGRAM) $(MPI_EXAMPLES)
+	@tests/mpi/run.sh $(BUILD)
+
+$(BUILD)/bench/mpi: $(call obj,bench/mpi.c bench/mpi_waits.c tests/mpi/shares.c bench/common.c bench/reduction_boxes.c) $(MPI_A)
+	@mkdir -p $(@D)
+	$(call say,LINK)
+	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -Wl,--wrap=clock_gettime -o $@ $^ $(MPI_LIBS_ALL) -lmpi_mpifh
+
+$(if $(shell command -v $(MPICC)),,$(error MPI=1 needs $(MPICC) and more: run .ci/deps mpi))
+
+install: install-mpi
+.PHONY: install-mpi
+install-mpi: $(MPI_A) $(MPI_PROGRAM)
+	install -d $(DESTDIR)$(PREFIX)/include/delassus $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/bin
+	install -m 644 $(MPI_A) $(DESTDIR)$(PREFIX)/lib/
+	install -m 755 $(MPI_PROGRAM) $(DESTDIR)$(PREFIX)/bin/
+
+.PHONY: bench-mpi
+bench-mpi: $(BUILD)/bench/mpi
+	bench/mpi.sh $(BUILD) $(RESULTS) $(BENCH)

@@ -1,0 +1,130 @@
+/* mpi_internal.h: what the files of src/mpi share. */
+#ifndef MPI_INTERNAL_H
+#define MPI_INTERNAL_H
+
+#include <mpi.h>
+
+#include "base/base.h"
+#include "base/columns.h"
+#include "delassus/mpi.h"
+
+/* ---- agree.c: one status for all ranks ------------------------------------------------------- */
+
+/* Returns a status that is equal on all ranks: the error of the first rank that has one, which
+ * *error then tells on every rank, or DLS_OK. error: not NULL; of a rank with an error, filled.
+ * Collective. */
+dls_status dlsi_agree(MPI_Comm comm, dls_status status, dls_error *error);
+
+/* ---- grid.c: the ranks as a grid, and block-cyclic matrices on it ---------------------------- */
+
+enum { dlsi_cyclic_block = 64 };
+
+typedef struct dlsi_grid {
+  MPI_Comm all, row, column; /* all ranks in their order; those of this process row, column */
+  int rank, ranks;
+  int rows, cols, my_row, my_col;
+  int handle, context; /* of BLACS */
+  int open;            /* 1: BLACS has the grid */
+} dlsi_grid;
+
+/* *grid (to be closed also after an error) := the ranks of comm, row by row. Collective. */
+dls_status dlsi_grid_open(dlsi_grid *grid, MPI_Comm comm, dls_error *error);
+void dlsi_grid_close(dlsi_grid *grid);
+
+/* How the square matrices of n rows are spread: entry (i, j) of the share, i + rows j, is entry
+ * (row[i], col[j]), both ascending. */
+typedef struct dlsi_spread {
+  const dlsi_grid *grid;
+  int n, rows, cols;
+  int *row, *col;
+  double *x, *y, *all; /* scratch: rows + cols, rows + cols, n */
+  int desc[9];
+} dlsi_spread;
+
+/* Local. */
+dls_status dlsi_spread_create(dlsi_spread *s, const dlsi_grid *grid, int n, dls_error *error);
+void dlsi_spread_free(dlsi_spread *s);
+
+/* Returns the number of entries of a share. */
+static inline size_t dlsi_spread_size(const dlsi_spread *s) {
+  return (size_t)s->rows * (size_t)s->cols;
+}
+
+/* y := A x or, magnitudes = 1, |A| |x|, equal on all ranks to the last bit. symmetric: 1 if only
+ * the lower triangle of A is read. x, y: n, may be the same. Collective. */
+void dlsi_spread_multiply(const dlsi_spread *s, const double *A, int symmetric, int magnitudes,
+                          const double *x, double *y);
+
+/* A := A^-1, symmetric: 1 if A is positive definite, whose lower triangle alone is read and
+ * written. Returns 0, or k > 0 if pivot k, counted from 1, is not positive or is 0; -1 without
+ * memory. Equal on all ranks. Collective. */
+int dlsi_spread_invert(const dlsi_spread *s, double *A, int symmetric);
+
+/* C := C + A^T. Collective. */
+void dlsi_spread_add_transpose(const dlsi_spread *s, const double *A, double *C);
+
+/* ---- condense.c: K without the unknowns that are kept ---------------------------------------- */
+
+typedef struct dlsi_condenser dlsi_condenser;
+
+/* Orders, analyses, factors K as the ranks have it: entries of a checked model. keep: the unknowns
+ * c that H touches, count, ascending, equal on all ranks. *S: receives the share of the Schur
+ * complement of the scaled A = R K C, as `spread` says, to be freed; its lower triangle where K is
+ * symmetric. info: receives the phases and what MUMPS took. Collective, status equal on all ranks;
+ * *out and *S are NULL on error. */
+dls_status dlsi_condenser_create(dlsi_condenser **out, const dlsi_grid *grid, int n,
+                                 const dls_mpi_model *model, double memory_limit, int count,
+                                 const int *keep, const dlsi_spread *spread, double **S,
+                                 dls_mpi_info *info, dls_error *error);
+
+/* R and C on the kept unknowns, count each, on every rank: (K^-1)_cc = C_c S^-1 R_c. Of all
+ * unknowns, n each, on rank 0. */
+typedef struct dlsi_scales {
+  const double *row, *col, *all_rows, *all_cols;
+  double norm; /* |A|_1 */
+} dlsi_scales;
+dlsi_scales dlsi_condenser_scales(const dlsi_condenser *work);
+
+/* The two halves of a solve. condense: z (count, on every rank) from b (n, on rank 0, spoilt), so
+ * that (K^-1 b)_c = (K^-1)_cc z. expand: the x (n, on rank 0) that has the values y (count) on c.
+ * b and x have room for n + 1 numbers. Collective. */
+dls_status dlsi_condenser_condense(dlsi_condenser *work, double *b, double *z, dls_error *error);
+dls_status dlsi_condenser_expand(dlsi_condenser *work, const double *y, double *x,
+                                 dls_error *error);
+
+/* NULL is fine. Collective. */
+void dlsi_condenser_destroy(dlsi_condenser *work);
+
+/* ---- reduction.c ----------------------------------------------------------------------------- */
+
+struct dls_mpi_reduction {
+  dlsi_grid grid;
+  int d, n, nodes, m;             /* of all ranks */
+  int rows, first_row;            /* of this rank */
+  int own, first;                 /* contact nodes of this rank */
+  int *row_counts, *row_starts;   /* ranks each: rows */
+  int *node_counts, *node_starts; /* ranks each: d nodes */
+  int symmetric;
+  dlsi_columns H, Ht; /* count x m: all of H on the unknowns that it touches; its transpose */
+  int count, *keep;
+  dlsi_condenser *condenser;
+  dlsi_spread on_kept, on_W;
+  double *Z, *W; /* shares of (A^-1)_cc (lower triangle where symmetric) and of W */
+  double *A;     /* share of (W + rho D)^-1, NULL before the first solve; as Z */
+  int A_symmetric;
+  double *q;         /* m */
+  double *f, *b;     /* n, on rank 0; b: scratch, n + 1 */
+  double *z, *local; /* scratch: count; m */
+  dls_mpi_info info;
+};
+
+/* Gathers the d values of each node of this rank, local, to all (m). Collective. */
+void dlsi_mpi_gather_nodes(const dls_mpi_reduction *work, const double *own, double *all);
+
+/* Returns the wall clock and the CPU seconds of this thread, to take differences of. */
+typedef struct dlsi_mpi_clock {
+  double wall, cpu;
+} dlsi_mpi_clock;
+dlsi_mpi_clock dlsi_mpi_now(void);
+
+#endif
