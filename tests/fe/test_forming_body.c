@@ -189,8 +189,8 @@ START_TEST(methods_agree_beyond_the_paper) {
 END_TEST
 
 /* Beyond the friction that the mesh bears auto and Lemke's method stop at one corner, at about the
- * same travel. Halved steps are paths of their own: the last digits of the arithmetic move each stop
- * by a few steps, the refusals before it being many. */
+ * same travel. Halved steps are paths of their own: the last digits of the arithmetic move each
+ * stop by a few steps. */
 START_TEST(auto_goes_as_far) {
   static const double mu[] = {0.3, 0.35, 0.4};
   double travel[2];
