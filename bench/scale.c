@@ -81,6 +81,14 @@ static double print_cell(FILE *page, const outcome *o, double tol) {
   return INFINITY;
 }
 
+/* Prints a over b; nothing where neither is a time. */
+static void print_ratio(FILE *page, double a, double b) {
+  if (isfinite(a) && isfinite(b))
+    bench_print(page, " %.2f |", a / b);
+  else
+    bench_print(page, isfinite(a) ? " alone |" : " |");
+}
+
 /* Returns the peer's sweeps for this dimension. */
 static const peer_method *sweeps_of_peer(const scene *s) {
   for (int k = 0; peer_at(k); k++)
@@ -120,12 +128,14 @@ static double run_problem(const plan *p, const char *kind, const rigid *a, unsig
   }
   double peer = INFINITY;
   if (p->no_peer)
-    bench_print(p->page, " |");
+    bench_print(p->page, " - |");
   else {
     const outcome o = run_peer(p, &s);
     peer = print_cell(p->page, &o, p->tol);
   }
-  bench_print(p->page, " %.2f | %.2f |\n", automatic / best, automatic / peer);
+  print_ratio(p->page, automatic, best);
+  print_ratio(p->page, automatic, peer);
+  bench_print(p->page, "\n");
   return automatic;
 }
 

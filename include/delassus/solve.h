@@ -32,7 +32,7 @@ DLS_API const char *dls_method_summary(dls_method method);
 /* *method := the one of that name. Returns 0 if there is none. */
 DLS_API int dls_method_find(const char *name, dls_method *method);
 
-/* "none", "aitken", "anderson"; 0 for another name. */
+/* "none", "aitken", "anderson", "momentum"; 0 for another name. */
 DLS_API int dls_acceleration_find(const char *name, dls_acceleration *acceleration);
 
 /* Workspace for problems of dimension d with at most nc candidates, reused over time steps. */
@@ -64,6 +64,9 @@ enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
  * scattered starts (src/front/auto.c). Up to 300 rows all but the first sweeps and Newton steps
  * work on a copy in an order and in units that follow from the data, so that the order of the
  * candidates does not decide. info.stage has what was done.
+ *
+ * Beyond 1000 candidates by blocks sweeps with momentum take the place of accelerated sweeps and
+ * Newton steps.
  *
  * auto in steps, limits.warm_start on one solver: where r is the answer of the solve before, auto
  * follows the line through its last two answers if that is better; where Newton's method ended the

@@ -42,7 +42,8 @@ void solver_usage(FILE *out, const char *more, double tol) {
   char methods[METHOD_LIST_ROOM];
   fprintf(out,
           "  -m, --method=METHOD   one of: %s%s (auto)\n"
-          "  -a, --accel=HOW       nlgs, which it asks for: none (default), aitken or anderson\n"
+          "  -a, --accel=HOW       nlgs, which it asks for: none (default), aitken, anderson\n"
+          "                        or momentum\n"
           "  -t, --tol=T           tolerance on the certificate's residual (%g)\n"
           "  -i, --max-iter=N      limit of sweeps, pivots, steps or augmentations\n",
           method_list(methods, sizeof methods), more, tol);
@@ -62,7 +63,7 @@ static taken take_method(const char *name, solver_options *o) {
 static taken take_acceleration(const char *name, solver_options *o) {
   o->accel_given = 1;
   if (dls_acceleration_find(name, &o->settings.acceleration)) return OPTION_TAKEN;
-  complain("--accel: '%s' is no acceleration (none, aitken, anderson)", name);
+  complain("--accel: '%s' is no acceleration (none, aitken, anderson, momentum)", name);
   return OPTION_WRONG;
 }
 
