@@ -297,6 +297,13 @@ int dlsi_solution_exists(const dls_contact *problem, const double *w, double *J,
 /* Returns 1 if the symmetric part of W is positive semidefinite but for rounding. */
 int dlsi_is_semidefinite(const dls_contact *problem, const double *w, double *J);
 
+/* ---- vi/unique.c ----------------------------------------------------------------------------- */
+
+/* Returns 1 if the problem has one answer at most, proved but for rounding; 0 says nothing. w:
+ * weights of the certificate. row: scratch, nc. J: without friction scratch, nc x nc, or NULL for
+ * the cheap look; with friction NULL. */
+int dlsi_is_unique(const dls_contact *problem, const double *w, double *row, double *J);
+
 /* ---- rows of the table of methods ------------------------------------------------------------ */
 
 extern const dlsi_method dlsi_nlgs_method, dlsi_newton_method, dlsi_admm_method;

@@ -77,13 +77,14 @@ static dls_status model_check_operator(const dls_model *model, dls_error *error)
     if (symmetric) return model_check_lower(&model->K, n, error);
     {
       const dls_status status = dlsi_check_dense("K", &model->K, n, n, error);
-      return status ? status : model_check_whole_dense(&model->K, error);
+      if (status || model->triangular) return status;
+      return model_check_whole_dense(&model->K, error);
     }
   case DLS_STIFFNESS_SPARSE: {
     const dls_status status = dlsi_check_sparse("Ks", &model->Ks, n, n, error);
     if (status) return status;
-    return symmetric ? model_check_triangle(&model->Ks, error)
-                     : model_check_whole_sparse(&model->Ks, error);
+    if (symmetric) return model_check_triangle(&model->Ks, error);
+    return model->triangular ? DLS_OK : model_check_whole_sparse(&model->Ks, error);
   }
   case DLS_FLEXIBILITY:
     return dlsi_check_dense("K", &model->K, n, n, error);

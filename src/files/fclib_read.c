@@ -471,6 +471,7 @@ dls_status dls_fclib_model(const dls_fclib *file, dls_model *model, const double
   *model = (dls_model){.d = file->d, .n = file->n, .nodes = file->nc};
   model->operator_kind = DLS_STIFFNESS_SPARSE;
   model->factorization = DLS_LU;
+  model->triangular = 1; /* a file holds the whole of M */
   model->Ks = dlsi_columns_view(&file->M);
   model->HN = dlsi_columns_view(&file->HN);
   model->HT = dlsi_columns_view(&file->HT);

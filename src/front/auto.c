@@ -97,6 +97,8 @@ enum { copy_failures = 3 }; /* so much is Newton's method believed on a copy */
 static const double progress = 0.9;         /* of e, below which a step has brought it down */
 static const double share_outside = 0.1;    /* of -q outside of the cones, for what may rest */
 static const double null_direction = 1e-10; /* |D^-1 W delta| over |delta|: (AT9) */
+enum { few_normals = 6 };                   /* whose factorisation is below the cost of a call */
+static const double small_part = 0.05;      /* of a solve, for a look at other answers */
 static const double another = 1e-3; /* difference of two answers, over the largest reaction */
 static const double on_cone = 1e-9; /* a reaction that lacks no more than this share slips */
 
@@ -614,23 +616,23 @@ static dls_status take_stages(dlsi_auto *work, dls_error *error) {
   return status == DLS_STALLED ? judge(work, error) : status;
 }
 
-/* Returns 1 if no candidate has friction and W_nn is strictly diagonally dominant, so that it is a
- * P-matrix and the answer the only one. row: scratch, nc. */
-static int is_dominant(const dls_contact *problem, double *row) {
-  for (int c = 0; c < problem->nc; c++) {
-    if (problem->mu[c] > 0) return 0;
-    row[c] = 0;
-  }
-  for (int c = 0; c < problem->nc; c++) {
-    const dlsi_block_column W = dlsi_contact_column(problem, (size_t)c);
-    for (size_t k = W.begin; k < W.end; k++) {
-      const size_t i = dlsi_row(&W, k);
-      row[i] += i == (size_t)c ? W.x[k * W.step] : -fabs(W.x[k * W.step]);
-    }
-  }
-  for (int c = 0; c < problem->nc; c++)
-    if (!(row[c] > 0)) return 0;
-  return 1;
+/* Returns room for W_nn, or NULL where there is friction, its factorisation would be more than a
+ * small part of what the solve took, or the room keeps factors for the next solve. */
+static double *room_of_normals(dlsi_auto *work) {
+  const size_t n = (size_t)work->problem->nc;
+  const double m = (double)n * work->problem->d, cost = (double)n * (double)n * (double)n / 3;
+  double spent = 0;
+  for (size_t c = 0; c < n; c++)
+    if (work->problem->mu[c] > 0) return NULL;
+  for (int k = 0; k < work->info.stages; k++)
+    spent += 2 * m * m * work->info.stage[k].iterations +
+             m * m * m / 3 * work->info.stage[k].factorisations;
+  if (work->options.limits.warm_start || (n > few_normals && cost > small_part * spent))
+    return NULL;
+  if (work->options.lazy && dlsi_room_dense(&work->room, n, NULL)) return NULL;
+  if (work->room.side < n) return NULL;
+  work->room.owner = work;
+  return work->room.J;
 }
 
 /* Fills ambiguous and unique for the answer r, u being in v[0]: where candidates have another
@@ -642,7 +644,9 @@ static void look_for_others(dlsi_auto *work, const double *r) {
   dls_limits limits = {.tol = work->options.limits.tol, .warm_start = 1};
   dls_info info;
   work->info.ambiguous = dlsi_count_ambiguous(problem, r, work->v[0], other);
-  if (is_dominant(problem, work->w)) work->info.unique = DLS_UNIQUE_YES;
+  dlsi_contact_weights(problem, work->w);
+  if (dlsi_is_unique(problem, work->w, work->v[2], room_of_normals(work)))
+    work->info.unique = DLS_UNIQUE_YES;
   if (!work->info.ambiguous || !work->part[SWEEPS]) return;
   limits.cpu_seconds = dlsi_clock_left(&work->options.limits, work->begun);
   limits.max_iterations = work->info.iterations > 10 ? work->info.iterations : 10;

@@ -496,6 +496,20 @@ START_TEST(global_files_of_data) {
 }
 END_TEST
 
+/* M of CubeH8 is a lower triangle, and all of it counts. */
+START_TEST(matrix_of_a_file_is_whole) {
+  dls_fclib *file = read_well(TEST_DATA "/fclib/CubeH8.hdf5");
+  dls_model model;
+  const double *f, *g, *mu;
+  ck_assert_int_eq(dls_fclib_model(file, &model, &f, &g, &mu, NULL), DLS_OK);
+  ck_assert(model.n == 162 && model.nodes == 1);
+  ck_assert_int_eq(dls_model_check(&model, NULL), DLS_OK);
+  model.triangular = 0;
+  ck_assert_int_eq(dls_model_check(&model, NULL), DLS_E_ARGUMENT);
+  dls_fclib_destroy(file);
+}
+END_TEST
+
 /* every problem of data/, written and read again, has the same numbers in the same places */
 START_TEST(data_round_trip) {
   static const char *const locals[] = {"FC3D_Example1", "FC2D_SliderCrankLagrangian00000",
@@ -1281,6 +1295,7 @@ int main(void) {
                            ONCE(local_files_of_data),
                            ONCE(global_files_of_data),
                            ONCE(data_round_trip),
+                           ONCE(matrix_of_a_file_is_whole),
                            ONCE(local_round_trip),
                            ONCE(global_round_trip),
                            ONCE(no_candidates_round_trip),
