@@ -675,6 +675,15 @@ static int has_one_solution(int d, const double *W, double mu) {
   return mu < 0.99 * (h < k ? h + k * (k / h) : 2 * k);
 }
 
+int dlsi_may_be_ambiguous(const dls_contact *problem) {
+  double W[9];
+  for (int c = 0; c < problem->nc; c++) {
+    dlsi_contact_diagonal(problem, c, W);
+    if (!has_one_solution(problem->d, W, problem->mu[c])) return 1;
+  }
+  return 0;
+}
+
 int dlsi_count_ambiguous(const dls_contact *problem, const double *r, const double *u,
                          double *other) {
   const int d = problem->d;

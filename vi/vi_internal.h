@@ -282,6 +282,9 @@ void dlsi_admm_share(dls_admm *work, const dlsi_shared *shared);
 /* ---- vi/nlgs.c
  * --------------------------------------------------------------------------------- */
 
+/* Returns 0 if no candidate has several solutions whatever the others do. */
+int dlsi_may_be_ambiguous(const dls_contact *problem);
+
 /* Returns how many candidates have several solutions when the others stay at r; u = W r + q. other
  * (m, or NULL): r with the first of these solutions in their place. */
 int dlsi_count_ambiguous(const dls_contact *problem, const double *r, const double *u,

@@ -635,24 +635,21 @@ static double *room_of_normals(dlsi_auto *work) {
   return work->room.J;
 }
 
-/* Fills ambiguous and unique for the answer r, u being in v[0]: where candidates have another
- * solution by themselves, as many sweeps as the answer took go on from there. */
-static void look_for_others(dlsi_auto *work, const double *r) {
+/* Counts the ambiguous candidates. Sets unique to no if as many sweeps as the answer r took, from
+ * where these have another solution by themselves, end at another answer. */
+static void sweep_to_another(dlsi_auto *work, const double *r) {
   const dls_contact *problem = work->problem;
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   double *other = work->v[1];
   dls_limits limits = {.tol = work->options.limits.tol, .warm_start = 1};
   dls_info info;
+  dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
   work->info.ambiguous = dlsi_count_ambiguous(problem, r, work->v[0], other);
-  dlsi_contact_weights(problem, work->w);
-  if (dlsi_is_unique(problem, work->w, work->v[2], room_of_normals(work)))
-    work->info.unique = DLS_UNIQUE_YES;
   if (!work->info.ambiguous || !work->part[SWEEPS]) return;
   limits.cpu_seconds = dlsi_clock_left(&work->options.limits, work->begun);
   limits.max_iterations = work->info.iterations > 10 ? work->info.iterations : 10;
   dlsi_nlgs_method.set_limits(work->part[SWEEPS], &limits);
   if (dlsi_nlgs_method.solve(work->part[SWEEPS], problem, other, NULL, &info, NULL)) return;
-  dlsi_contact_weights(problem, work->w);
   double difference = 0, size = 0;
   for (size_t k = 0; k < m; k++) {
     const double w = work->w[k / d];
@@ -660,6 +657,16 @@ static void look_for_others(dlsi_auto *work, const double *r) {
     size = fmax(size, fabs(w * r[k]));
   }
   if (difference > another * size) work->info.unique = DLS_UNIQUE_NO;
+}
+
+/* Fills ambiguous and unique for the answer r. */
+static void look_for_others(dlsi_auto *work, const double *r) {
+  const dls_contact *problem = work->problem;
+  dlsi_contact_weights(problem, work->w);
+  if (dlsi_may_be_ambiguous(problem))
+    sweep_to_another(work, r);
+  else if (dlsi_is_unique(problem, work->w, work->v[2], room_of_normals(work)))
+    work->info.unique = DLS_UNIQUE_YES;
 }
 
 /* Remembers for (AT12) what the solve took. */
@@ -689,13 +696,12 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   const dls_status status = take_stages(work, error);
   if (status < 0) return status;
   memcpy(r, work->best, m * sizeof *r);
-  const int looks = info && status == DLS_OK;
-  if (u || looks) dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
+  if (u) dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
   if (u) memcpy(u, work->v[0], m * sizeof *u);
   work->info.status = status;
   remember_stages(work);
   if (work->options.limits.warm_start) remember_answer(work, r);
-  if (looks) look_for_others(work, r);
+  if (info && status == DLS_OK) look_for_others(work, r);
   if (info) *info = work->info;
   return status;
 }

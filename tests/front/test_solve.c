@@ -183,8 +183,8 @@ START_TEST(limits_change) {
 END_TEST
 
 /* W = [8 1 1; 1 8 1; 1 1 8] of normals on each other is dominant and stays so with some friction;
- * [2 1.5 1.5; ..] is definite and not dominant; [1 2; 2 1] is neither, and pressed by (1, 1) has the
- * answers (1, 0), (0, 1) and (1/3, 1/3). */
+ * [2 1.5 1.5; ..] is definite and not dominant; [1 2; 2 1] is neither, and pressed by (1, 1) has
+ * the answers (1, 0), (0, 1) and (1/3, 1/3). */
 START_TEST(one_answer_is_proved) {
   const struct {
     int nc;
