@@ -193,7 +193,8 @@ dls_status dlsi_check_solve(int d, int nc, const dls_contact *problem, const dou
                      "has d = %d, the workspace is for %d", problem->d, d);
   if (problem->nc > nc)
     return dlsi_fail(error, DLS_E_SIZE, "problem", -1, problem->nc,
-                     "has %d candidates, the workspace is for %d", problem->nc, nc);
+                     "has %d candidate%s, the workspace is for %d", problem->nc,
+                     problem->nc == 1 ? "" : "s", nc);
   return dlsi_check_start(problem, r, u, warm_start, error);
 }
 

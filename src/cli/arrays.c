@@ -44,6 +44,12 @@ static array_kind find_kind(const char *path) {
     (void)complain("%s: cannot be read", path);
     return ARRAY_NONE;
   }
+  if (got >= 4 && memcmp(first, "PK\3\4", 4) == 0) {
+    (void)complain("%s: is a zip file; of an .npz write each array by numpy.save, a sparse matrix "
+                   "by scipy.io.mmwrite",
+                   path);
+    return ARRAY_NONE;
+  }
   if (got >= 14 && strncasecmp(first, "%%MatrixMarket", 14) == 0) return ARRAY_MTX;
   return got >= 6 && memcmp(first, npy_magic, 6) == 0 ? ARRAY_NPY : ARRAY_TEXT;
 }
@@ -93,8 +99,8 @@ static int array_read_text(const char *path, FILE *file, table *t) {
     if (t->rows++ == 0) t->cols = cols;
     if (cols != t->cols) {
       good = 0;
-      (void)complain("%s: line %d has %d numbers, those before have %d", path, number, cols,
-                     t->cols);
+      (void)complain("%s: line %d has %d number%s, those before have %d", path, number, cols,
+                     plural(cols), t->cols);
     }
   }
   free(line);
@@ -140,7 +146,8 @@ static int read_npy(const char *path, FILE *file, table *t) {
   for (size_t e = 0; good && e < size; e++)
     t->a[e] = by_columns ? x[e / cols + e % cols * rows] : x[e];
   if (!good)
-    (void)(t->a && x ? complain("%s: holds more or less than %zu numbers", path, size)
+    (void)(t->a && x ? complain("%s: holds more or less than %zu number%s", path, size,
+                                plural((long long)size))
                      : complain("%s: out of memory", path));
   free(x);
   return good;

@@ -7,8 +7,12 @@
 #include "cli.h"
 
 int take_options(int argc, char **argv, const command *c, void *data) {
-  for (int key; (key = getopt_long(argc, argv, c->keys, c->options, NULL)) != -1;) {
-    const taken result = key == 'h' ? OPTION_HELP : c->take(key, optarg, data);
+  char keys[64];
+  (void)snprintf(keys, sizeof keys, "%s" LAST_KEYS, c->keys);
+  for (int key; (key = getopt_long(argc, argv, keys, c->options, NULL)) != -1;) {
+    const taken result = key == 'h'           ? OPTION_HELP
+                         : take_loudness(key) ? OPTION_TAKEN
+                                              : c->take(key, optarg, data);
     if (result == OPTION_HELP) c->usage(stdout);
     if (result == OPTION_HELP || result == OPTION_DONE) return EXIT_SOLVED;
     if (result == OPTION_UNKNOWN) return wrong_usage(c);
