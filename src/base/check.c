@@ -51,8 +51,9 @@ int dlsi_first_bonded(const dls_contact *problem) {
 dls_status dlsi_refuse_bonded(const dls_contact *problem, dls_error *error) {
   const int c = dlsi_first_bonded(problem);
   if (c < 0) return DLS_OK;
-  return dlsi_fail(error, DLS_E_UNSUPPORTED, "mu", c, problem->mu[c],
-                   "is infinite, which nlgs, newton, admm and augmented-lagrangian take");
+  return dlsi_fail(
+      error, DLS_E_UNSUPPORTED, "mu", c, problem->mu[c],
+      "is infinite, which auto, nlgs, newton, admm, augmented-lagrangian and penalty take");
 }
 
 /* ---- matrices -------------------------------------------------------------------------------- */

@@ -315,3 +315,28 @@ int sparse_is_symmetric(const dls_sparse *A) {
   sparse_free(&T);
   return same;
 }
+
+static const char *triangle_word(int below, int above) {
+  return below == above ? NULL : below ? "a lower" : "an upper";
+}
+
+const char *dense_triangle(int n, const double *a) {
+  const size_t ld = (size_t)n;
+  int below = 0, above = 0;
+  for (size_t j = 0; j < ld; j++)
+    for (size_t i = 0; i < j; i++) {
+      below |= a[j + i * ld] != 0;
+      above |= a[i + j * ld] != 0;
+    }
+  return triangle_word(below, above);
+}
+
+const char *sparse_triangle(const dls_sparse *A) {
+  int below = 0, above = 0;
+  for (int j = 0; j < A->cols; j++)
+    for (int k = A->p[j]; k < A->p[j + 1]; k++) {
+      below |= A->x[k] != 0 && A->i[k] > j;
+      above |= A->x[k] != 0 && A->i[k] < j;
+    }
+  return triangle_word(below, above);
+}

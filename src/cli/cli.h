@@ -86,8 +86,8 @@ typedef struct command {
 enum { GO_ON = -1 };
 int take_options(int argc, char **argv, const command *command, void *data);
 
-/* Prints --help on stderr; returns EXIT_BAD_INPUT. */
-int wrong_usage(const command *command);
+/* Complains of the number of names after the options of command `name`; returns EXIT_BAD_INPUT. */
+int wrong_names(const char *name);
 
 /* Rows of a table of options: with a value, without, and the last rows of every command. */
 #define VALUE(name, key)                                                                           \

@@ -332,7 +332,7 @@ int command_map(int argc, char **argv) {
       .to = -1, .tol = 1e-8, .limit = -1, .samples = 5, .method = "auto", .out = "map"};
   const int stop = take_options(argc, argv, &map, &o);
   if (stop != GO_ON) return stop;
-  if (argc == optind) return wrong_usage(&map);
+  if (argc == optind) return wrong_names(argv[0]);
   const int count = leave_lcps(argc - optind, argv + optind);
   if (count == 0) return EXIT_SOLVED;
   if (count > MAP_ROWS) return complain("map: at most %d names", MAP_ROWS);

@@ -417,9 +417,16 @@ static int read_square(const char *option, const char *path, int *n, double **a)
   return good;
 }
 
-/* Chooses the factorisation: Cholesky, or LDL^T where that fails, for a symmetric K. */
-static int choose_factorization(int symmetric, dls_model *model) {
+/* Chooses the factorisation: Cholesky, or LDL^T where that fails, for a symmetric K. Refuses a
+ * triangle: half of a symmetric matrix, as many codes write it. */
+static int choose_factorization(const char *path, int symmetric, const char *triangle,
+                                dls_model *model) {
   if (symmetric < 0) (void)complain("out of memory");
+  if (!symmetric && triangle)
+    return complain("--stiffness: %s is %s triangle; half of a symmetric matrix goes as the lower "
+                    "triangle of a Matrix Market file that says 'symmetric'",
+                    path, triangle),
+           0;
   model->factorization = symmetric ? DLS_CHOLESKY : DLS_LU;
   return symmetric >= 0;
 }
@@ -429,7 +436,8 @@ static int load_stiffness(const char *path, struct matrices *own, dls_model *mod
     model->operator_kind = DLS_STIFFNESS_DENSE;
     if (!read_square("stiffness", path, &model->n, &own->K)) return 0;
     model->K = (dls_dense){model->n, model->n, model->n, own->K};
-    return choose_factorization(dense_is_symmetric(model->n, own->K), model);
+    return choose_factorization(path, dense_is_symmetric(model->n, own->K),
+                                dense_triangle(model->n, own->K), model);
   }
   model->operator_kind = DLS_STIFFNESS_SPARSE;
   if (!sparse_read(path, &own->Ks)) return 0;
@@ -439,7 +447,8 @@ static int load_stiffness(const char *path, struct matrices *own, dls_model *mod
     return complain("--stiffness: %s is %d x %d, must be square", path, model->Ks.rows,
                     model->Ks.cols),
            0;
-  return choose_factorization(sparse_is_symmetric(&model->Ks), model) &&
+  return choose_factorization(path, sparse_is_symmetric(&model->Ks), sparse_triangle(&model->Ks),
+                              model) &&
          (!array_is_calculix(path) || read_numbering(path, model->n, own));
 }
 

@@ -245,7 +245,7 @@ int command_profile(int argc, char **argv) {
   profile_options o = {.repeat = 15, .limit = 0.5, .budget = 6, .out = "profile"};
   const int stop = take_options(argc, argv, &profile_command, &o);
   if (stop != GO_ON) return stop;
-  if (argc == optind) return wrong_usage(&profile_command);
+  if (argc == optind) return wrong_names(argv[0]);
   watch_interrupt();
   const int count = leave_lcps(argc - optind, argv + optind);
   return count ? run_profile(count, argv + optind, &o) : EXIT_SOLVED;

@@ -380,7 +380,7 @@ int command_solve(int argc, char **argv) {
   const char *named = matrices_name(&o.matrices);
   if (!named && matrices_given(&o.matrices))
     return complain("one of --stiffness, --flexibility and --W is wanted");
-  if (argc - optind != (named ? 0 : o.lcp ? 2 : 1)) return wrong_usage(&solve);
+  if (argc - optind != (named ? 0 : o.lcp ? 2 : 1)) return wrong_names(argv[0]);
   if (o.print && o.json) return complain("--print, --json: one of the two");
   if (o.lcp && (named || o.print || o.csv))
     return complain("--lcp: goes without --W, --stiffness, --flexibility, --print and --csv");

@@ -361,7 +361,7 @@ int command_tables(int argc, char **argv) {
   tables_options o = {0};
   const int stop = take_options(argc, argv, &tables, &o);
   if (stop != GO_ON) return stop;
-  if (optind < argc) return wrong_usage(&tables);
+  if (optind < argc) return wrong_names(argv[0]);
   watch_interrupt();
   int good = 1, stopped = 0;
   if (o.json) printf("{\n  \"%s\": [", o.study ? "studies" : "tables");

@@ -286,6 +286,9 @@ START_TEST(bad_matrices_are_2) {
       {"--stiffness @/K.txt --nodes @/flat.txt --mu 0.1", "has no normal"},
       {"--stiffness @/K.txt --nodes @/f.txt --mu 0.1", "2 columns"},
       {"--stiffness @/lower.txt --HN @/N.txt", "is a lower triangle"},
+      {"--stiffness @/lower.txt --HN @/N.txt", "says 'symmetric'"},
+      {"--stiffness @/upper.txt --HN @/N.txt", "is an upper triangle"},
+      {"--stiffness @/upper.mtx --HN @/N.txt", "is an upper triangle"},
       {"--W @/K.txt --mu 0.1", "--W: needs --q"},
       {"--W @/K.txt --q @/f.txt --mu 0.1 --f @/f.txt", "--W: goes with"},
       {"--W @/K.txt --q @/three.txt --mu 0.1 --dim 2", "must hold 2"},
@@ -297,6 +300,8 @@ START_TEST(bad_matrices_are_2) {
   };
   put("K.txt", "3 1\n1 2\n");
   put("lower.txt", "3 0\n1 2\n");
+  put("upper.mtx", "%%MatrixMarket matrix coordinate real general\n2 2 3\n1 1 3\n1 2 1\n2 2 2\n");
+  put("upper.txt", "3 1\n0 2\n");
   put("N.txt", "0\n1\n");
   put("f.txt", "5 -10\n");
   put("three.txt", "1\n2\n3\n");

@@ -165,7 +165,8 @@ class Reduce(unittest.TestCase):
 
     def test_bad_input(self):
         K, HN, HT = POINT
-        for wrong in (dict(K=K[:1]), dict(K=K, factorization="qr"), dict(K=K, active=[1, 1]),
+        for wrong in (dict(K=K[:1]), dict(K=np.triu(K)), dict(K=sp.triu(K)),
+                      dict(K=K, factorization="qr"), dict(K=K, active=[1, 1]),
                       dict(K=K, mu=[1, 1]), dict(K=K, modes=np.ones((3, 1)))):
             with self.assertRaises(ValueError, msg=wrong.keys()):
                 delassus.reduce(HN=HN, HT=HT, **wrong)
