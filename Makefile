@@ -418,12 +418,12 @@ uninstall:
 	rm -f $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus.h $(INCLUDEDIR)/delassus.hpp $(INCLUDEDIR)/delassus.f90 $(addprefix $(LIBDIR)/,libdelassus.a libdelassus-fe.a \
 	  libdelassus.so libdelassus.so.$(SOVERSION) libdelassus.so.$(VERSION) pkgconfig/delassus.pc) $(PREFIX)/bin/delassus \
 	  $(DATADIR)/man/man1/delassus.1 $(DATADIR)/man/man3/delassus.3 $(DATADIR)/bash-completion/completions/delassus)
-	rm -rf $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus $(LIBDIR)/cmake/delassus $(DOCDIR))
+	rm -rf $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus $(LIBDIR)/cmake/delassus $(DOCDIR) $(if $(PYTHON),$(PYTHONDIR)/delassus))
 
 # installs into a directory, builds and runs examples from there alone, uninstalls
 .PHONY: check-install
 check-install: $(A) $(SO) $(FE) $(PROGRAM)
-	@MAKE='$(MAKE)' CC='$(CC)' tests/install.sh $(BUILD)
+	@MAKE='$(MAKE)' CC='$(CC)' CXX='$(CXX)' FC='$(FC)' PYTHON='$(PYTHON)' tests/install.sh $(BUILD)
 
 .PHONY: check-hosts
 check-hosts:
@@ -437,9 +437,10 @@ dist:
 	@echo $(BUILD)/delassus-$(VERSION).tar.gz
 
 # the Python package beside an installed library; without make install, pip install src/python does
-PYTHONDIR ?= $(PREFIX)/lib/$(shell $(PYTHON) -c 'import sys, sysconfig as s; print("python%d.%d/" % sys.version_info[:2] + s.get_path("purelib").split("/")[-1])')
+PYTHONDIR ?= $(PREFIX)/lib/$(shell $(or $(PYTHON),python3) -c 'import sys, sysconfig as s; print("python%d.%d/" % sys.version_info[:2] + s.get_path("purelib").split("/")[-1])')
 .PHONY: install-python
 install-python:
+	@test -n '$(PYTHON)' || { echo 'install-python: no python3 with numpy and scipy; PYTHON=... names one'; exit 2; }
 	install -d $(DESTDIR)$(PYTHONDIR)/delassus
 	install -m 644 src/python/delassus/*.py $(DESTDIR)$(PYTHONDIR)/delassus/
 

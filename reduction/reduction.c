@@ -475,7 +475,8 @@ static dls_status reduction_load_free(dls_reduction *work, const double *x_free,
   dls_status status = reduction_ready(work, error);
   if (!status && work->modes.count > 0)
     status = dlsi_fail(error, DLS_E_UNSUPPORTED, "reduction", -1, work->modes.count,
-                       "holds %d rigid-body modes: K^-1 f does not exist", work->modes.count);
+                       "holds %d rigid-body mode%s: K^-1 f does not exist", work->modes.count,
+                       work->modes.count == 1 ? "" : "s");
   if (!status) status = dlsi_check_vector("x_free", x_free, work->n, error);
   if (!status && g)
     status = dlsi_check_vector("g", g, (size_t)work->d * (size_t)work->nodes, error);

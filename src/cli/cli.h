@@ -86,22 +86,28 @@ typedef struct command {
 enum { GO_ON = -1 };
 int take_options(int argc, char **argv, const command *command, void *data);
 
-/* Prints --help on stderr; returns EXIT_BAD_INPUT. */
-int wrong_usage(const command *command);
+/* Complains of the number of names after the options of command `name`; returns EXIT_BAD_INPUT. */
+int wrong_names(const char *name);
 
 /* Rows of a table of options: with a value, without, and the last rows of every command. */
 #define VALUE(name, key)                                                                           \
   { name, required_argument, NULL, key }
 #define FLAG(name, key)                                                                            \
   { name, no_argument, NULL, key }
-#define LAST_OPTIONS FLAG("help", 'h'), FLAG(NULL, 0)
+#define LAST_OPTIONS FLAG("verbose", 'v'), FLAG("quiet", 'q'), FLAG("help", 'h'), FLAG(NULL, 0)
+#define LAST_KEYS    "vqh"
+#define LAST_USAGE                                                                                 \
+  "  -v, --verbose         tell of the way on stderr, line by line\n"                              \
+  "  -q, --quiet           print the last line only, and what another option asks for\n"           \
+  "  -h, --help            this text\n"
 
 /* How much is told: --quiet, --verbose. Returns 0 for another key. */
-#define LOUDNESS_KEYS    "vq"
-#define LOUDNESS_OPTIONS FLAG("verbose", 'v'), FLAG("quiet", 'q')
 int take_loudness(int key);
 int is_quiet(void);
 int is_verbose(void);
+
+/* Prints on stdout, unless --quiet. */
+void tell(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* The method and its settings, from -m, -a, -t, -i. */
 typedef struct solver_options {
@@ -138,8 +144,15 @@ int complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
  * terminal unless the environment has NO_COLOR. */
 void print_ending(dls_status status);
 
+/* Does the same for a command of many solves, by its exit status; why: of EXIT_NOT_SOLVED. Returns
+ * the exit status: after Ctrl-C, EXIT_NOT_SOLVED. */
+int end_command(int result, const char *why);
+
 /* Complains of an error of the library about `what` (a file name, say). */
 int complain_of(const char *what, const dls_error *error);
+
+/* Returns "" for 1, else "s". */
+const char *plural(long long count);
 
 /* Read the value of an option: finite and >= 0 (number), an integer >= 1 (count). */
 taken parse_number(const char *option, const char *text, double *value);

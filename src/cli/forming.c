@@ -55,9 +55,7 @@ static void forming_usage(FILE *out) {
       "                        that reaches displacement D\n"
       "  -s, --save=FILE       write the last condensed contact problem as an FCLIB file (HDF5)\n"
       "  -o, --out=DIR         write force.csv, contact.csv, series.pvd, pictures\n"
-      "      --json            print one object instead of text\n"
-      "  -h, --help            this text\n"
-      "\n"
+      "      --json            print one object instead of text\n" LAST_USAGE "\n"
       "A run ends early, with exit status 1, where the next step would leave no body (a corner of\n"
       "an element inside out, a node inside a tool, a boundary that crosses itself, forces or\n"
       "energy that do not balance) or cannot be solved, and says where. All up to there is "
@@ -202,12 +200,14 @@ static void print_forming_summary(const forming_options *o, const dls_forming_da
          d->travel, d->whole);
   if (d->fault.kind && status > 0)
     printf("refused at %.6g of %.6g mm: %s\n", d->fault.travel, d->whole, d->fault.text);
-  printf("%d steps, %d halved; %d frame updates, %d Newton steps, %d condensations, %d iterations "
-         "of the method\n",
-         d->count.parts, d->count.halvings, d->count.frames, d->count.newton, d->count.reductions,
-         d->count.iterations);
+  printf("%d step%s, %d halved; %d frame update%s, %d Newton step%s, %d condensation%s, "
+         "%d iteration%s of the method\n",
+         d->count.parts, plural(d->count.parts), d->count.halvings, d->count.frames,
+         plural(d->count.frames), d->count.newton, plural(d->count.newton), d->count.reductions,
+         plural(d->count.reductions), d->count.iterations, plural(d->count.iterations));
   if (d->count.handed)
-    printf("%d steps handed on to another way than Newton's method on K\n", d->count.handed);
+    printf("%d step%s handed on to another way than Newton's method on K\n", d->count.handed,
+           plural(d->count.handed));
   printf("forces on the body [N]:");
   const char *comma = "";
   for (int k = 0; k < d->tools; k++) {
@@ -297,7 +297,8 @@ static int run_steps(dls_forming *forming, const forming_options *o, outputs *ou
   dls_forming_data d;
   dls_error error = {0};
   dls_forming_get(forming, &d);
-  if (!o->json) puts("    travel         force  contacts  max strain  equilibr.   residual");
+  if (!o->json && !is_quiet())
+    puts("    travel         force  contacts  max strain  equilibr.   residual");
   for (int step = 1; step <= d.steps; step++) {
     const double before = d.travel;
     *status = dls_forming_step(forming, &error);
@@ -310,7 +311,7 @@ static int run_steps(dls_forming *forming, const forming_options *o, outputs *ou
     const int stop = show_step(&d, step);
     if (asked || stop) {
       progress_end();
-      if (!o->json) print_state(&d);
+      if (!o->json && !is_quiet()) print_state(&d);
     }
     if (out->force && !write_step(out, o, forming, step, asked || stop)) return 0;
     if (stop && !*status) *status = DLS_CANCELLED;
@@ -337,7 +338,7 @@ static int run_forming(const forming_options *o) {
       const double seconds = cpu_seconds() - out.start;
       if (o->json)
         print_forming_json(o, &d, status, seconds);
-      else
+      else if (!is_quiet())
         print_forming_summary(o, &d, status, seconds);
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
@@ -358,7 +359,7 @@ static int run_forming(const forming_options *o) {
         !own->nx && !own->ny && own->mu < 0 && !own->steps && !own->clamped && own->ram_mu == 0;
     if (draw_forming(o->out, title, &d, as_is) != EXIT_SOLVED) result = EXIT_BAD_INPUT;
   }
-  if (result != EXIT_BAD_INPUT) print_ending(status);
+  if (result != EXIT_BAD_INPUT && !o->json) print_ending(status);
   dls_forming_destroy(forming);
   return result;
 }
@@ -441,7 +442,7 @@ int command_forming(int argc, char **argv) {
                                           VALUE("save", 's'),
                                           FLAG("json", 'j'),
                                           LAST_OPTIONS};
-  static const command forming = {"m:n:t:s:o:h", options, forming_usage, take_forming_option, 1};
+  static const command forming = {"m:n:t:s:o:", options, forming_usage, take_forming_option, 1};
   forming_options o = {.method = "auto"};
   dls_forming_settings_init(&o.settings);
   if (!forming_method(o.method, &o.settings)) o.method = dls_method_name(o.settings.method);

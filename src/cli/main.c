@@ -19,6 +19,7 @@ static void program_usage(FILE *out) {
       "                        solve an LCP given as two Matrix Market files\n"
       "  delassus info FILE    facts about an FCLIB problem: symmetry, rank, friction bounds\n"
       "  delassus chart NAME   every method on a file or scene: CPU against precision, a picture\n"
+      "  delassus map NAME...  which method works up to which friction: a picture\n"
       "  delassus profile NAME...   every method on many of them: performance profiles\n"
       "\n"
       "  -h, --help            this text; 'delassus COMMAND --help' for a command's options\n"

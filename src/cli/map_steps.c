@@ -206,5 +206,6 @@ int map_steps(const char *name, const map_options *o, int moves) {
   else
     result = draw_map(&p);
   free(p.cells);
-  return result == EXIT_SOLVED && !all_done ? EXIT_NOT_SOLVED : result;
+  if (result == EXIT_SOLVED && !all_done) result = EXIT_NOT_SOLVED;
+  return end_command(result, "not every run finishes");
 }

@@ -216,7 +216,7 @@ static void print_json_order(int scene, const result *r) {
   fputs("]}", stdout);
 }
 
-static int run_table(int scene, int json) {
+static int run_table(int scene, int json, int *stopped) {
   const char *name = dls_forming_name(scene);
   history h = {0};
   result r[ROWS] = {{0}};
@@ -225,7 +225,7 @@ static int run_table(int scene, int json) {
     printf("%s\n    {\"table\": %d, \"scene\": \"%s\", \"rows\": [", scene ? "," : "", scene + 2,
            name);
   else
-    printf(
+    tell(
         "Table %d of the paper: %s. The paper: minutes, and ratio to Lemke. Here: seconds of CPU,\n"
         "ratio to Lemke, of which assembly, factorisation and condensation, method; counts; "
         "largest\n"
@@ -239,16 +239,17 @@ static int run_table(int scene, int json) {
   for (int k = 0; good && k < ROWS; k++) {
     good = run_method(name, &rows[k], INFINITY, &h, &r[k]);
     if (!r[k].present) continue;
+    *stopped |= !r[k].done;
     if (json)
       print_json_result(comma, &rows[k], &r[k]), putchar('}');
-    else
+    else if (!is_quiet())
       print_result(&rows[k], scene, &r[k], r[0].cpu);
     comma = ",";
   }
   free(h.values);
   if (json) {
     print_json_order(scene, r);
-  } else if (good) {
+  } else if (good && !is_quiet()) {
     putchar('\n');
     print_order(scene, r);
     putchar('\n');
@@ -282,15 +283,16 @@ static const double study_patience = 10;
 
 /* Prints section 6 of the paper: what penalty factor, augmentations, relaxation and Aitken's
  * acceleration give and take, force error against CPU. */
-static int run_study(int scene, int json) {
+static int run_study(int scene, int json, int *stopped) {
   const char *name = dls_forming_name(scene);
   history h = {0};
   double lemke = INFINITY;
   int good = 1;
+  (void)stopped; /* runs are given up on purpose */
   if (json)
     printf("%s\n    {\"scene\": \"%s\", \"rows\": [", scene ? "," : "", name);
   else
-    printf(
+    tell(
         "%s: augmentations a step at most (0: as many as it takes), largest difference of nodal\n"
         "contact forces from Lemke's in any step over the largest of the step, CPU over Lemke's. A "
         "run\nis given up past %g times Lemke's CPU.\n\n"
@@ -306,7 +308,7 @@ static int run_study(int scene, int json) {
     if (k == 0) lemke = r.cpu;
     if (json) {
       print_json_result(comma, s, &r), putchar('}');
-    } else {
+    } else if (!is_quiet()) {
       printf("%-20s  %7g  %5d  %5g  %6s  %8.1e  %8.2f  %7.2f  %10d", s->method, s->penalty,
              s->augmentations, s->relaxation, s->relaxation > 0 ? (s->plain ? "no" : "yes") : "-",
              r.force, r.cpu, r.cpu / lemke, r.data.count.iterations);
@@ -315,7 +317,10 @@ static int run_study(int scene, int json) {
     }
     comma = ",";
   }
-  fputs(json ? "]}" : "\n", stdout);
+  if (json)
+    fputs("]}", stdout);
+  else
+    tell("\n");
   free(h.values);
   return good;
 }
@@ -330,10 +335,11 @@ static void tables_usage(FILE *out) {
   fputs("Usage: delassus tables [--study] [--json]\n"
         "Runs both forming scenes of Chabrand, Dubois and Raous (1998) by every method and prints\n"
         "their Tables 2 and 3 beside ours.\n"
-        "      --study  the compromise of section 6 between the error of the forces and the CPU,\n"
-        "               over penalty factors, augmentations, relaxation, Aitken\n"
-        "  -j, --json   print one object instead of text\n"
-        "  -h, --help   print this\n",
+        "\n"
+        "      --study           the compromise of section 6 between the error of the forces and\n"
+        "                        the CPU, over penalty factors, augmentations, relaxation, Aitken\n"
+        "  -j, --json            print one object instead of text\n" LAST_USAGE "\n"
+        "Exit status: 0, 1 if a run of the tables stops before its end, 2 bad input.\n",
         out);
 }
 
@@ -351,26 +357,29 @@ static taken take_tables_option(int key, const char *text, void *data) {
 
 int command_tables(int argc, char **argv) {
   static const struct option options[] = {FLAG("study", 's'), FLAG("json", 'j'), LAST_OPTIONS};
-  static const command tables = {"jh", options, tables_usage, take_tables_option, 0};
+  static const command tables = {"j", options, tables_usage, take_tables_option, 0};
   tables_options o = {0};
   const int stop = take_options(argc, argv, &tables, &o);
   if (stop != GO_ON) return stop;
-  if (optind < argc) return wrong_usage(&tables);
+  if (optind < argc) return wrong_names(argv[0]);
   watch_interrupt();
-  int good = 1;
+  int good = 1, stopped = 0;
   if (o.json) printf("{\n  \"%s\": [", o.study ? "studies" : "tables");
   for (int scene = 0; good && scene < 2; scene++)
-    good = (o.study ? run_study : run_table)(scene, o.json);
+    good = (o.study ? run_study : run_table)(scene, o.json, &stopped);
   if (o.json) puts("\n  ]\n}");
-  if (!good) return EXIT_NOT_SOLVED;
-  if (o.study || o.json) return EXIT_SOLVED;
-  puts(
-      "Why: with ten or twenty candidates the method's own share is small, and the assembly for "
-      "each\n"
-      "Newton step is the same for all. On W, a factorisation and a solve for each of its columns\n"
-      "come on top. Springs save these columns, and so does auto, which is Newton's method on K\n"
-      "here: both factorise once for each guess of what sticks and slips. Augmentations cost\n"
-      "assemblies and factorisations of their own; the penalty method has but one, and the error\n"
-      "that the table shows.");
-  return EXIT_SOLVED;
+  const int ended = good && !stopped ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+  if (o.json) return ended;
+  if (good && !o.study)
+    tell(
+        "Why: with ten or twenty candidates the method's own share is small, and the assembly for "
+        "each\n"
+        "Newton step is the same for all. On W, a factorisation and a solve for each of its "
+        "columns\n"
+        "come on top. Springs save these columns, and so does auto, which is Newton's method on K\n"
+        "here: both factorise once for each guess of what sticks and slips. Augmentations cost\n"
+        "assemblies and factorisations of their own; the penalty method has but one, and the "
+        "error\n"
+        "that the table shows.\n");
+  return end_command(ended, "a run stops before its end");
 }

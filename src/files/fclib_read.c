@@ -191,8 +191,8 @@ static dls_status read_matrix(const source *s, const matrix_names *name, dlsi_tr
 static dls_status read_square(const source *s, const matrix_names *name, dlsi_triplets *t) {
   const dls_status status = read_matrix(s, name, t);
   if (status || t->rows == t->cols) return status;
-  return dlsi_fail(s->error, DLS_E_FORMAT, name->n, -1, t->cols, "is %d, %c has %d rows", t->cols,
-                   *name->n, t->rows);
+  return dlsi_fail(s->error, DLS_E_FORMAT, name->n, -1, t->cols, "is %d, %c has %d row%s", t->cols,
+                   *name->n, t->rows, t->rows == 1 ? "" : "s");
 }
 
 /* Gathers A (d nc x d nc) by blocks into B: one block wherever A has an entry. */
@@ -347,8 +347,8 @@ static dls_status read_global(const source *s, dls_fclib *file) {
   file->n = M.rows;
   if (!status) status = read_matrix(s, &names_H, &H);
   if (!status && H.rows != M.rows)
-    status = dlsi_fail(s->error, DLS_E_FORMAT, "H/m", -1, H.rows, "is %d, M has %d rows", H.rows,
-                       M.rows);
+    status = dlsi_fail(s->error, DLS_E_FORMAT, "H/m", -1, H.rows, "is %d, M has %d row%s", H.rows,
+                       M.rows, M.rows == 1 ? "" : "s");
   if (!status) status = set_candidates(s, "H/n", H.cols, file);
   if (!status) status = read_doubles(s, "vectors/f", (size_t)M.rows, 0, &file->f);
   if (!status) status = read_doubles(s, "vectors/w", (size_t)H.cols, 0, &file->q);
