@@ -6,8 +6,17 @@
 
 #include "cli.h"
 
+/* Returns the name of the option `key`. */
+static const char *option_name(const command *c, int key) {
+  const struct option *o = c->options;
+  while (o->name && o->val != key)
+    o++;
+  return o->name ? o->name : "";
+}
+
 int take_options(int argc, char **argv, const command *c, void *data) {
   for (int key; (key = getopt_long(argc, argv, c->keys, c->options, NULL)) != -1;) {
+    if (optarg && !*optarg) return complain("--%s: is empty", option_name(c, key));
     const taken result = key == 'h' ? OPTION_HELP : c->take(key, optarg, data);
     if (result == OPTION_HELP) c->usage(stdout);
     if (result == OPTION_HELP || result == OPTION_DONE) return EXIT_SOLVED;

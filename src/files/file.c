@@ -1,9 +1,8 @@
-/* file.c: opens and closes files, telling apart what goes wrong; reads numbers. */
+/* file.c: opens files for reading, telling apart what goes wrong; reads numbers. */
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "files/file.h"
 
@@ -21,20 +20,6 @@ FILE *dlsi_file_open(const char *path, dls_error *error) {
   }
   if (first != EOF) (void)ungetc(first, file);
   return file;
-}
-
-FILE *dlsi_file_create(const char *path, const char *mode, dls_error *error) {
-  FILE *file = fopen(path, mode);
-  if (!file) (void)dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be opened for writing");
-  return file;
-}
-
-dls_status dlsi_file_finish(const char *path, FILE *file, dls_error *error) {
-  const int failed = ferror(file);
-  if (fclose(file) == 0 && !failed) return DLS_OK;
-  struct stat entry; /* a device that was written to must stay */
-  if (stat(path, &entry) == 0 && S_ISREG(entry.st_mode)) (void)remove(path);
-  return dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be written to the end");
 }
 
 /* Accepts word = [+-] digits [. digits] [e [+-] digits], finite; returns 0 for any other word.

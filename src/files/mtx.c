@@ -24,6 +24,7 @@
 #include "base/columns.h"
 #include "delassus/files.h"
 #include "files/file.h"
+#include "files/output.h"
 
 /* ---- words ----------------------------------------------------------------------------------- */
 
@@ -404,15 +405,16 @@ static dls_status write_dense(const char *path, const dls_dense *A, dls_error *e
   if (!A) return dlsi_is_null(error, "A");
   if (A->rows < 1 || A->cols < 1)
     return dlsi_fail(error, DLS_E_SIZE, "A", -1, A->rows, "is %d x %d", A->rows, A->cols);
-  const dls_status status = dlsi_check_dense("A", A, A->rows, A->cols, error);
+  dls_status status = dlsi_check_dense("A", A, A->rows, A->cols, error);
   if (status) return status;
-  FILE *file = dlsi_file_create(path, "w", error);
-  if (!file) return DLS_E_FILE;
-  (void)fprintf(file, "%%%%MatrixMarket matrix array real general\n%d %d\n", A->rows, A->cols);
+  dlsi_output out;
+  status = dlsi_output_open(&out, path, error);
+  if (status) return status;
+  (void)fprintf(out.file, "%%%%MatrixMarket matrix array real general\n%d %d\n", A->rows, A->cols);
   for (int j = 0; j < A->cols; j++)
     for (int i = 0; i < A->rows; i++)
-      print_double(file, A->a[(size_t)i + (size_t)j * (size_t)A->ld]);
-  return dlsi_file_finish(path, file, error);
+      print_double(out.file, A->a[(size_t)i + (size_t)j * (size_t)A->ld]);
+  return dlsi_output_finish(&out, error);
 }
 
 dls_status dls_mtx_write(const char *path, const dls_dense *A, dls_error *error) {
