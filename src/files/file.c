@@ -1,8 +1,10 @@
 /* file.c: opens files for reading, telling apart what goes wrong; reads numbers. */
+#define _XOPEN_SOURCE 700
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "files/file.h"
 
@@ -20,6 +22,12 @@ FILE *dlsi_file_open(const char *path, dls_error *error) {
   }
   if (first != EOF) (void)ungetc(first, file);
   return file;
+}
+
+long long dlsi_file_size(FILE *file) {
+  struct stat entry;
+  if (fstat(fileno(file), &entry) || !S_ISREG(entry.st_mode)) return -1;
+  return (long long)entry.st_size;
 }
 
 /* Accepts word = [+-] digits [. digits] [e [+-] digits], finite; returns 0 for any other word.

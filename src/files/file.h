@@ -10,6 +10,10 @@
 /* Opens `path` for reading; NULL and DLS_E_FILE in *error if it is missing or a directory. */
 FILE *dlsi_file_open(const char *path, dls_error *error);
 
+/* Returns the bytes of an open file, -1 of a pipe. What a file claims to hold is compared with them
+ * before memory is taken. */
+long long dlsi_file_size(FILE *file);
+
 /* Reads a real Matrix Market file; of a symmetric one both halves are listed. t: to be freed also
  * after an error. Errors of dls_mtx_read. */
 dls_status dlsi_mtx_read_triplets(const char *path, dlsi_triplets *t, dls_error *error);

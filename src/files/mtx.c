@@ -114,6 +114,11 @@ static void print_double(FILE *file, double x) {
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
+/* A matrix of this many rows and columns, or dense one of this many values, is taken at its word.
+ * For a larger one a file has at least an entry for each row and each column: the others make it
+ * singular, and a few bytes could ask for all memory. */
+enum { free_lines = 1 << 22, free_values = 1 << 23 };
+
 typedef enum symmetry { GENERAL, SYMMETRIC, SKEW } symmetry;
 
 typedef struct layout {
@@ -144,7 +149,27 @@ static void read_banner(scanner *s, layout *form) {
           "must be general, symmetric or skew-symmetric");
 }
 
-static void read_sizes(scanner *s, layout *form) {
+/* Requires that the rest of a file of `bytes` can hold `count` items of `least` characters. */
+static void require_bytes(scanner *s, size_t count, size_t least) {
+  const long long bytes = dlsi_file_size(s->file);
+  if (bytes >= 0 && count > (size_t)bytes / least)
+    blame(s, DLS_E_FORMAT, "claims more values than the file has room for");
+}
+
+/* Compares what a file claims with its size; dense = 1: for the dense form. */
+static void check_sizes(scanner *s, const layout *form, int dense) {
+  const size_t rows = (size_t)form->rows, cols = (size_t)form->cols;
+  const size_t lines = rows > cols ? rows : cols, entries = (size_t)form->entries;
+  if (!form->coordinate)
+    require_bytes(s, form->kind == GENERAL ? rows * cols : rows * (rows - 1) / 2, 2);
+  else
+    require_bytes(s, entries, 6); /* "1 1 1\n" */
+  if (form->coordinate && entries < lines &&
+      (lines > free_lines || (dense && rows * cols > free_values)))
+    blame(s, DLS_E_SIZE, "are too few entries for a matrix of this size");
+}
+
+static void read_sizes(scanner *s, layout *form, int dense) {
   scan(s);
   const long long line = s->line;
   require(s, to_int(s, &form->rows) && form->rows > 0, "is no number of rows");
@@ -158,6 +183,7 @@ static void read_sizes(scanner *s, layout *form) {
     blame(s, DLS_E_SIZE, "rows * cols is too large to address");
   if (form->coordinate)
     require(s, scan_on(s, line) && to_int(s, &form->entries), "is no number of entries");
+  if (!s->status) check_sizes(s, form, dense);
 }
 
 /* Adds x to *sum, where 0 + x is x itself, -0.0 too. */
@@ -278,6 +304,8 @@ static void count_calculix(scanner *s, layout *form) {
     require(s, ++form->entries < INT_MAX, "there are too many entries");
   }
   require(s, form->entries > 0, "there are no entries");
+  if (form->cols > free_lines && form->entries < form->cols)
+    blame(s, DLS_E_SIZE, "there are too few entries for a matrix of this size");
   form->rows = form->cols;
   rewind(s->file);
   *s = (scanner){.file = s->file, .next = 1, .status = s->status, .error = s->error};
@@ -327,7 +355,7 @@ static dls_status read_file(const char *path, int calculix, dlsi_triplets *t, in
     status = read_calculix(&s, t);
   else {
     read_banner(&s, &form);
-    if (!s.status) read_sizes(&s, &form);
+    if (!s.status) read_sizes(&s, &form, 0);
     status = s.status ? s.status : read_triplets(&s, &form, t);
   }
   (void)fclose(file);
@@ -381,7 +409,7 @@ dls_status dls_mtx_read(const char *path, int *rows, int *cols, double **a, dls_
   layout form = {0};
   double *values = NULL;
   read_banner(&s, &form);
-  if (!s.status) read_sizes(&s, &form);
+  if (!s.status) read_sizes(&s, &form, 1);
   status = s.status ? s.status : read_dense(&s, &form, &values);
   (void)fclose(file);
   if (status) {
