@@ -10,6 +10,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "arrays.h"
 #include "cli.h"
@@ -140,6 +141,9 @@ static int read_npy(const char *path, FILE *file, table *t) {
   if (!read_npy_header(file, &by_columns, t))
     return complain("%s: is no .npy of float64 in one or two dimensions", path), 0;
   const size_t rows = (size_t)t->rows, cols = (size_t)t->cols, size = rows * cols;
+  struct stat entry; /* a claim of more than the file holds takes no memory */
+  if (fstat(fileno(file), &entry) || size > (size_t)entry.st_size / sizeof *t->a)
+    return complain("%s: holds less than %zu numbers", path, size), 0;
   t->a = calloc(size, sizeof *t->a);
   double *x = calloc(size, sizeof *x);
   const int good = t->a && x && fread(x, sizeof *x, size, file) == size && getc(file) == EOF;

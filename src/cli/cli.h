@@ -285,11 +285,17 @@ int join_path(char path[PATH_ROOM], const char *directory, const char *name);
 /* Creates the directory and its parents; returns 1 if it is there. */
 int make_directory(const char *path);
 
-/* Opens a file of the directory for writing; NULL after a complaint. */
+/* Open a file for writing, by its path or in a directory; NULL after a complaint. It takes the
+ * place of an old one when close_file has brought it to the disk. */
+FILE *open_path(const char *path);
 FILE *open_in(const char *directory, const char *name);
 
-/* Closes a file that was written; returns 1 if all of it was. */
+/* Closes a file that was opened so, by its name in a complaint; returns 1 if all of it was
+ * written. Otherwise the old one stays. */
 int close_file(FILE *file, const char *name);
+
+/* Gives up the files that are still open; old ones stay. */
+void drop_files(void);
 
 /* Open and close DIRECTORY/series.pvd; NULL, or 0, after a complaint. */
 dls_fe_series *open_series(const char *directory);

@@ -141,13 +141,20 @@ static int open_outputs(outputs *o, const char *directory, const dls_forming_dat
   return 1;
 }
 
-/* Returns 1 if all was written. */
+/* Puts the files in their places; returns 1 if all were written. A file that cannot be written
+ * leaves those after it as they were. */
 static int close_outputs(outputs *o) {
-  int good = 1;
-  if (o->force) good &= close_file(o->force, "force.csv");
-  if (o->contact) good &= close_file(o->contact, "contact.csv");
-  if (o->pressure) good &= close_file(o->pressure, "pressure.dat");
-  return close_series(o->series) && good;
+  int good = close_series(o->series);
+  if (o->force) good = good && close_file(o->force, "force.csv");
+  if (o->contact) good = good && close_file(o->contact, "contact.csv");
+  if (o->pressure) good = good && close_file(o->pressure, "pressure.dat");
+  return good;
+}
+
+/* Gives the files up; those of before stay. */
+static void drop_outputs(outputs *o) {
+  o->force = o->contact = o->pressure = NULL;
+  drop_files();
 }
 
 /* Returns the word for the way that solved a step. */
@@ -342,6 +349,8 @@ static int run_forming(const forming_options *o) {
         print_forming_summary(o, &d, status, seconds);
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
+  /* where a file could not be written, not those of a part of the steps either */
+  if (result == EXIT_BAD_INPUT && status >= 0) drop_outputs(&out);
   if (!close_outputs(&out)) result = EXIT_BAD_INPUT;
   if (o->save && result != EXIT_BAD_INPUT) {
     dls_contact last;

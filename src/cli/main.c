@@ -62,6 +62,7 @@ int main(int argc, char **argv) {
     result = name[0] ? complain("'%s' is no command; see 'delassus --help'", name)
                      : (program_usage(stderr), EXIT_BAD_INPUT);
   }
+  drop_files();
   if (fflush(stdout) || ferror(stdout)) return complain("cannot write to standard output");
   return result;
 }

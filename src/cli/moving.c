@@ -184,15 +184,22 @@ static int moving_open(moving_files *f, const char *directory, const dls_moving_
   return 1;
 }
 
-/* Returns 1 if all was written. */
+/* Puts the files in their places; returns 1 if all were written. A file that cannot be written
+ * leaves those after it as they were. */
 static int moving_close(moving_files *f) {
-  int good = 1;
-  if (f->energy) good &= close_file(f->energy, "energy.csv");
-  if (f->contact) good &= close_file(f->contact, "contact.csv");
-  if (f->map) good &= close_file(f->map, "map.dat");
-  if (f->bar) good &= close_file(f->bar, "bar.dat");
-  if (f->loop) good &= close_file(f->loop, "loop.dat");
-  return close_series(f->series) && good;
+  int good = close_series(f->series);
+  if (f->energy) good = good && close_file(f->energy, "energy.csv");
+  if (f->contact) good = good && close_file(f->contact, "contact.csv");
+  if (f->map) good = good && close_file(f->map, "map.dat");
+  if (f->bar) good = good && close_file(f->bar, "bar.dat");
+  if (f->loop) good = good && close_file(f->loop, "loop.dat");
+  return good;
+}
+
+/* Gives the files up; those of before stay. */
+static void drop_moving(moving_files *f) {
+  f->energy = f->contact = f->map = f->bar = f->loop = NULL;
+  drop_files();
 }
 
 static void write_energy(FILE *file, const dls_moving_data *d) {
@@ -339,6 +346,8 @@ static int run_moving(const moving_options *o) {
       if (!is_quiet()) print_moving_summary(&d, &worst, status);
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
+  /* where a file could not be written, not those of a part of the steps either */
+  if (result == EXIT_BAD_INPUT && status >= 0) drop_moving(&files);
   if (!moving_close(&files)) result = EXIT_BAD_INPUT;
   if (o->out && d.step > 0 && result != EXIT_BAD_INPUT && draw_moving(o->out, &d) != EXIT_SOLVED)
     result = EXIT_BAD_INPUT;

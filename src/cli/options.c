@@ -6,10 +6,19 @@
 
 #include "cli.h"
 
+/* Returns the name of the option `key`. */
+static const char *option_name(const command *c, int key) {
+  const struct option *o = c->options;
+  while (o->name && o->val != key)
+    o++;
+  return o->name ? o->name : "";
+}
+
 int take_options(int argc, char **argv, const command *c, void *data) {
   char keys[64];
   (void)snprintf(keys, sizeof keys, "%s" LAST_KEYS, c->keys);
   for (int key; (key = getopt_long(argc, argv, keys, c->options, NULL)) != -1;) {
+    if (optarg && !*optarg) return complain("--%s: is empty", option_name(c, key));
     const taken result = key == 'h'           ? OPTION_HELP
                          : take_loudness(key) ? OPTION_TAKEN
                                               : c->take(key, optarg, data);

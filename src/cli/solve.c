@@ -396,8 +396,7 @@ int command_solve(int argc, char **argv) {
   history rows = {.stage = ""};
   if (o.plot && !make_directory(o.plot)) return EXIT_BAD_INPUT;
   if (o.plot && !(rows.file = open_in(o.plot, "history.csv"))) return EXIT_BAD_INPUT;
-  if (o.history && !(rows.file = fopen(o.history, "w")))
-    return complain("%s: cannot be opened for writing", o.history);
+  if (o.history && !(rows.file = open_path(o.history))) return EXIT_BAD_INPUT;
   if (rows.file) {
     fputs("iteration,cpu_seconds,residual,stage\n", rows.file);
     o.solver.settings.limits.progress = write_row;
