@@ -753,11 +753,12 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
 
 dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
-  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, u, error);
+  dls_status status = dlsi_iterate_enter(workspace ? &workspace->it : NULL, problem, r, u, error);
   if (status) return dlsi_at(__func__, status, error);
-  if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_NLGS, "nlgs", info)) return DLS_OK;
+  if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_NLGS, "nlgs", info))
+    return dlsi_leave(&workspace->it.busy, DLS_OK);
   status = nlgs_solve(workspace, problem, r, u, info, error);
-  status = dlsi_iterate_tell_last(&workspace->it, "nlgs", status, r);
+  status = dlsi_iterate_leave(&workspace->it, "nlgs", status, r);
   return dlsi_at(__func__, status, error);
 }
 
