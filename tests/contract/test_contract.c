@@ -522,7 +522,7 @@ START_TEST(memory) {
       const double vectors = (d == 1 ? 500 : 200 * d) * nc + (pivots ? 700 * lcp_rows(d, nc) : 0);
       const double least = s.method <= DLS_HOMOTOPY ? doubles : 0;
       expect_memory(&s, d, nc, &settings, sizeof(double) * least,
-                    sizeof(double) * (doubles - least + vectors) + 16384);
+                    sizeof(double) * (doubles - least + vectors) + 20480);
     }
 }
 END_TEST
