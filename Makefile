@@ -1,7 +1,7 @@
 # delassus: one GNU Makefile. `make help` lists the targets.
 #
 # Variables: CC, CFLAGS, BUILD (build), PREFIX (/usr/local), LIBDIR (PREFIX/lib), DESTDIR, HDF5=0 to leave FCLIB files out,
-# MUMPS=0 to leave sparse LU out, MPI=1 for libdelassus-mpi and delassus-mpi,
+# MUMPS=0 to leave sparse LU out, OPENMP= to leave threads out, MPI=1 for libdelassus-mpi and delassus-mpi,
 # BLAS_LIBS to link another BLAS and LAPACK.
 
 VERSION = 0.1.0
@@ -54,7 +54,12 @@ ifeq ($(MUMPS),1)
 MUMPS_CFLAGS ?= -isystem /usr/include/mumps_seq
 MUMPS_LIBS ?= -ldmumps_seq -lmetis
 endif
-LIBS = $(HDF5_LIBS) $(MUMPS_LIBS) $(BLAS_LIBS) -lm -pthread
+# sweeps on several threads, where the compiler has OpenMP; OPENMP= leaves it out
+ifeq ($(origin OPENMP),undefined)
+OPENMP := $(shell echo 'int main(void) { return 0; }' | $(CC) -fopenmp -xc - -o /dev/null 2>/dev/null && echo -fopenmp)
+endif
+OPENMP_LIBS := $(if $(OPENMP),$(if $(findstring clang,$(shell $(CC) --version)),-fopenmp,-lgomp))
+LIBS = $(HDF5_LIBS) $(MUMPS_LIBS) $(BLAS_LIBS) $(OPENMP_LIBS) -lm -pthread
 CHECK_LIBS = $(shell $(PKG_CONFIG) --libs check)
 
 MPI ?= 0
@@ -146,6 +151,7 @@ $(BUILD)/obj/%.o: %.c Makefile
 
 # the one loop of the library that has to run at the speed of the memory: vectorise it
 $(BUILD)/obj/src/base/products.o: CFLAGS += -O3
+$(BUILD)/obj/src/base/parallel.o: CFLAGS += $(OPENMP)
 
 # the headers whose structs layout.c tells to other languages
 LAYOUT_H := $(shell sed -n 's|^.include "\(delassus/.*\)"|include/\1|p' include/delassus.h)

@@ -63,8 +63,11 @@ static dls_status facets_form(const dls_contact *problem, int facets, dlsi_form 
 dls_status dls_contact_to_facets_lcp(const dls_contact *problem, int facets, const double *s,
                                      double *M, int ldm, double *q, dls_error *error) {
   dlsi_form form;
+  dlsi_formed formed = {.work = NULL};
   dls_status status = facets_form(problem, facets, &form, error);
+  if (!status) status = dlsi_form_blocks(&formed, &problem, error);
   if (!status) status = dlsi_form_matrix(problem, &form, s, M, ldm, q, error);
+  dlsi_formed_free(&formed);
   return dlsi_at(__func__, status, error);
 }
 

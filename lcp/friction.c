@@ -177,8 +177,11 @@ static dls_status friction_check(const dls_contact *problem, dls_error *error) {
 
 dls_status dls_contact_to_lcp(const dls_contact *problem, const double *s, double *M, int ldm,
                               double *q, dls_error *error) {
+  dlsi_formed formed = {.work = NULL};
   dls_status status = friction_check(problem, error);
+  if (!status) status = dlsi_form_blocks(&formed, &problem, error);
   if (!status) status = dlsi_form_matrix(problem, &three_rows, s, M, ldm, q, error);
+  dlsi_formed_free(&formed);
   return dlsi_at(__func__, status, error);
 }
 

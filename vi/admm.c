@@ -90,6 +90,7 @@ struct dls_admm {
   int *p;           /* starts of the columns of the sparse matrix: m + 1 */
   dlsi_room *room;  /* of the matrix: `own`, or that of the caller */
   dlsi_room own;
+  dlsi_formed formed; /* W of bodies by blocks */
 };
 
 void dls_admm_settings_init(dls_admm_settings *settings) {
@@ -153,6 +154,7 @@ dls_status dls_admm_create(dls_admm **out, int d, int nc, const dls_admm_setting
 void dls_admm_destroy(dls_admm *workspace) {
   if (!workspace) return;
   dlsi_room_free(&workspace->own);
+  dlsi_formed_free(&workspace->formed);
   free(workspace);
 }
 
@@ -441,7 +443,8 @@ dls_status dls_admm_solve(dls_admm *workspace, const dls_contact *problem, doubl
   if (status) return dlsi_at(__func__, status, error);
   if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_ADMM, "admm", info))
     return dlsi_leave(&workspace->it.busy, DLS_OK);
-  status = admm_solve(workspace, problem, r, u, info, error);
+  status = dlsi_form_blocks(&workspace->formed, &problem, error);
+  if (!status) status = admm_solve(workspace, problem, r, u, info, error);
   status = dlsi_iterate_leave(&workspace->it, "admm", status, r);
   return dlsi_at(__func__, status, error);
 }
@@ -465,7 +468,13 @@ static void admm_set_limits(void *work, const dls_limits *limits) {
   dlsi_set_limits(&((dls_admm *)work)->settings.limits, limits);
 }
 
-const dlsi_method dlsi_admm_method = {
-    DLS_ADMM,        "admm",     "splitting, one factorisation: large dense W, stacks at rest",
-    admm_create_by,  admm_solve, admm_destroy,
-    admm_set_limits, NULL,       NULL};
+const dlsi_method dlsi_admm_method = {DLS_ADMM,
+                                      "admm",
+                                      "splitting, one factorisation: large dense W, stacks at rest",
+                                      admm_create_by,
+                                      admm_solve,
+                                      admm_destroy,
+                                      admm_set_limits,
+                                      NULL,
+                                      NULL,
+                                      0};

@@ -81,6 +81,7 @@ struct dls_augmented {
   double *delta;          /* x - lambda: m */
   double *direction;      /* m */
   dls_newton *newton;     /* (AU2) */
+  dlsi_formed formed;     /* W of bodies by blocks */
 };
 
 void dls_augmented_settings_init(dls_augmented_settings *settings) {
@@ -150,6 +151,7 @@ dls_status dls_augmented_create(dls_augmented **out, int d, int nc,
 void dls_augmented_destroy(dls_augmented *workspace) {
   if (!workspace) return;
   dls_newton_destroy(workspace->newton);
+  dlsi_formed_free(&workspace->formed);
   free(workspace);
 }
 
@@ -295,7 +297,8 @@ dls_status dls_augmented_solve(dls_augmented *workspace, const dls_contact *prob
   if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_AUGMENTED_LAGRANGIAN,
                     "augmented-lagrangian", info))
     return dlsi_leave(&workspace->it.busy, DLS_OK);
-  status = augmented_run(workspace, problem, r, u, info, error);
+  status = dlsi_form_blocks(&workspace->formed, &problem, error);
+  if (!status) status = augmented_run(workspace, problem, r, u, info, error);
   status = dlsi_iterate_leave(&workspace->it, augmented_name(workspace), status, r);
   return dlsi_at(__func__, status, error);
 }
@@ -346,7 +349,8 @@ const dlsi_method dlsi_augmented_method = {DLS_AUGMENTED_LAGRANGIAN,
                                            augmented_destroy,
                                            augmented_set_limits,
                                            augmented_direction,
-                                           NULL};
+                                           NULL,
+                                           0};
 
 const dlsi_method dlsi_penalty_method = {DLS_PENALTY,
                                          "penalty",
@@ -356,4 +360,5 @@ const dlsi_method dlsi_penalty_method = {DLS_PENALTY,
                                          augmented_destroy,
                                          augmented_set_limits,
                                          augmented_direction,
-                                         NULL};
+                                         NULL,
+                                         0};

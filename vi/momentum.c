@@ -40,28 +40,60 @@ static void momentum_copy(size_t d, dlsi_set set, const double *from, double *v)
       v[at + i] = from ? from[at + i] : 0;
 }
 
-void dlsi_momentum_start(dlsi_momentum *mo, int d, dlsi_set changes, dlsi_set rows, const double *r,
-                         const double *u) {
+void dlsi_momentum_start(dlsi_momentum *mo, int d, int e, dlsi_set changes, dlsi_set rows,
+                         const double *r, const double *u) {
   mo->k = 0;
   mo->reference = INFINITY;
   momentum_copy((size_t)d, changes, r, mo->r);
   momentum_copy((size_t)d, changes, NULL, mo->p);
-  momentum_copy((size_t)d, rows, u, mo->u);
-  momentum_copy((size_t)d, rows, NULL, mo->pu);
+  momentum_copy((size_t)e, rows, u, mo->u);
+  momentum_copy((size_t)e, rows, NULL, mo->pu);
 }
 
-/* (MO4) for one vector: v := v + b p, p := v - old, old := v. */
-static void momentum_extrapolate(size_t d, dlsi_set set, double b, double *p, double *old,
-                                 double *v) {
+/* One step, by pieces of its two sets. */
+typedef struct momentum_step {
+  const dlsi_momentum *mo;
+  size_t d, e;
+  const double *w;
+  dlsi_set changes, rows;
+  double *r, *u;
+  double b;
+  int pieces, row_pieces;
+  double G[dlsi_most_pieces], uphill[dlsi_most_pieces];
+} momentum_step;
+
+static void momentum_measure(void *data, int piece) {
+  momentum_step *s = data;
+  const int end = dlsi_piece(s->changes.count, s->pieces, piece + 1);
+  const size_t d = s->d;
+  double G = 0, uphill = 0;
+  for (int k = dlsi_piece(s->changes.count, s->pieces, piece); k < end; k++) {
+    const size_t c = s->changes.list ? (size_t)s->changes.list[k] : (size_t)k;
+    double ee = 0, ep = 0;
+    for (size_t i = d * c; i < d * (c + 1); i++) {
+      const double e = s->mo->r[i] - s->r[i];
+      ee += e * e;
+      ep += e * s->mo->p[i];
+    }
+    G += s->w[c] * ee;
+    uphill += s->w[c] * ep;
+  }
+  s->G[piece] = G;
+  s->uphill[piece] = uphill;
+}
+
+/* (MO4) for one vector, entries first .. end-1 of the set: v := v + b p, p := v - old, old := v. */
+static void momentum_extrapolate(size_t d, dlsi_set set, int first, int end, double b, double *p,
+                                 double *old, double *v) {
   if (!set.list) {
-    for (size_t i = 0; i < d * (size_t)set.count; i++) {
+    for (size_t i = d * (size_t)first; i < d * (size_t)end; i++) {
       v[i] += b * p[i];
       p[i] = v[i] - old[i];
       old[i] = v[i];
     }
     return;
   }
-  for (int k = 0; k < set.count; k++)
+  for (int k = first; k < end; k++)
     for (size_t j = 0, i = d * (size_t)set.list[k]; j < d; j++, i++) {
       v[i] += b * p[i];
       p[i] = v[i] - old[i];
@@ -69,26 +101,39 @@ static void momentum_extrapolate(size_t d, dlsi_set set, double b, double *p, do
     }
 }
 
-double dlsi_momentum_step(dlsi_momentum *mo, int d, const double *w, double largest,
-                          dlsi_set changes, dlsi_set rows, double *r, double *u) {
-  const size_t D = (size_t)d;
+/* (MO4) for a piece of r, or, the pieces after those, of u. */
+static void momentum_push(void *data, int piece) {
+  momentum_step *s = data;
+  const int of_u = piece >= s->pieces, k = of_u ? piece - s->pieces : piece;
+  const int pieces = of_u ? s->row_pieces : s->pieces;
+  const dlsi_set set = of_u ? s->rows : s->changes;
+  momentum_extrapolate(of_u ? s->e : s->d, set, dlsi_piece(set.count, pieces, k),
+                       dlsi_piece(set.count, pieces, k + 1), s->b, of_u ? s->mo->pu : s->mo->p,
+                       of_u ? s->mo->u : s->mo->r, of_u ? s->u : s->r);
+}
+
+double dlsi_momentum_step(dlsi_momentum *mo, int d, int e, int threads, const double *w,
+                          double largest, dlsi_set changes, dlsi_set rows, double *r, double *u) {
+  momentum_step s = {.mo = mo,
+                     .d = (size_t)d,
+                     .e = (size_t)e,
+                     .w = w,
+                     .changes = changes,
+                     .rows = rows,
+                     .r = r,
+                     .u = u,
+                     .pieces = dlsi_pieces(threads, changes.count),
+                     .row_pieces = dlsi_pieces(threads, rows.count)};
   double G = 0, uphill = 0;
-  for (int k = 0; k < changes.count; k++) {
-    const size_t c = changes.list ? (size_t)changes.list[k] : (size_t)k;
-    double ee = 0, ep = 0;
-    for (size_t i = D * c; i < D * (c + 1); i++) {
-      const double e = mo->r[i] - r[i];
-      ee += e * e;
-      ep += e * mo->p[i];
-    }
-    G += w[c] * ee;
-    uphill += w[c] * ep;
+  dlsi_parallel(threads, s.pieces, momentum_measure, &s);
+  for (int k = 0; k < s.pieces; k++) {
+    G += s.G[k];
+    uphill += s.uphill[k];
   }
   mo->k++;
-  double b = fmin((mo->k - 1) / (mo->k + momentum_slowness), largest);
-  if (uphill > 0 || G > momentum_growth * mo->reference) mo->k = 0, b = 0;
-  if (G < mo->reference || b == 0) mo->reference = G;
-  momentum_extrapolate(D, changes, b, mo->p, mo->r, r);
-  momentum_extrapolate(D, rows, b, mo->pu, mo->u, u);
+  s.b = fmin((mo->k - 1) / (mo->k + momentum_slowness), largest);
+  if (uphill > 0 || G > momentum_growth * mo->reference) mo->k = 0, s.b = 0;
+  if (G < mo->reference || s.b == 0) mo->reference = G;
+  dlsi_parallel(threads, s.pieces + s.row_pieces, momentum_push, &s);
   return G;
 }

@@ -101,6 +101,7 @@ struct dls_newton {
   dlsi_dense dense;
   dlsi_room *room; /* of the matrix: `own`, or that of the caller */
   dlsi_room own;
+  dlsi_formed formed; /* W of bodies by blocks */
 };
 
 void dls_newton_settings_init(dls_newton_settings *settings) {
@@ -190,6 +191,7 @@ void dls_newton_destroy(dls_newton *workspace) {
   if (!workspace) return;
   dls_nlgs_destroy(workspace->nlgs);
   dlsi_room_free(&workspace->own);
+  dlsi_formed_free(&workspace->formed);
   free(workspace);
 }
 
@@ -578,7 +580,8 @@ dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, d
   if (status) return dlsi_at(__func__, status, error);
   if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_NEWTON, "newton", info))
     return dlsi_leave(&workspace->it.busy, DLS_OK);
-  status = dlsi_newton_run(workspace, problem, NULL, r, u, info, error);
+  status = dlsi_form_blocks(&workspace->formed, &problem, error);
+  if (!status) status = dlsi_newton_run(workspace, problem, NULL, r, u, info, error);
   status = dlsi_iterate_leave(&workspace->it, "newton", status, r);
   return dlsi_at(__func__, status, error);
 }
@@ -625,4 +628,5 @@ const dlsi_method dlsi_newton_method = {
     newton_destroy,
     newton_set_limits,
     NULL,
-    NULL};
+    NULL,
+    0};

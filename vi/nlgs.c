@@ -35,6 +35,15 @@
  *          three layers of what W couples with them, if that is not a third of all, get up to 300
  *          sweeps of their own, until |F| on them is 0.3 of what it was
  *
+ * Of rigid bodies, W = H^T H, a sweep keeps v = H r up to date in place of u:
+ *
+ *   (NL11) u_c = q_c + H_c^T v in (NL1);  v += H_c (s - r_c) in (NL4). u of all candidates, and
+ *          with it the estimate, is made every 5 sweeps, from 1000 candidates on: it costs half a
+ *          sweep. (NL9) then begins after a sweep that has it.
+ *
+ * With several threads W by blocks and bodies are swept in slabs, two colours of them (slabs.c), a
+ * dense W row by row: to the bits of one thread.
+ *
  * Whatever x is, r = g(x) is the iterate that is measured, kept as the best and returned. Sweeps do
  * not damp the rounding of u, and (NL6) amplifies it; with u afresh in (NL7) and a bound on gamma,
  * estimate and certificate stay within 1 % on the FCLIB files but for BoxesStack1 (1 in 25 of its
@@ -72,6 +81,13 @@ enum { most_sweeps = 10000, refresh_every = 50, most_window = 100 };
  * (Anderson, 1e-8) a growth of 2 takes 19335 sweeps where 1.1 takes 11758. */
 static const double nlgs_growth = 1.1;
 
+/* What momentum needs for a problem of bodies; memory is kept from one to the next. */
+typedef struct nlgs_bodies {
+  double *moved; /* u and pu of momentum: n count each */
+  int *some;     /* bodies of (NL9), then a mark for each: 2 count */
+  size_t moved_room, some_room;
+} nlgs_bodies;
+
 struct dls_nlgs {
   dls_nlgs_settings settings;
   int d, nc;
@@ -79,11 +95,17 @@ struct dls_nlgs {
   int *own_order;          /* of a stage: nc; else NULL */
   int *scratch;            /* of a stage: nc; else NULL */
   const int *order;        /* of the visits in this run: nc; NULL: 0, 1, .. */
+  double *carved[2];       /* u and pu of momentum, where it is not of bodies */
   double *block_1d;        /* W_cc (+ E_c): nc; for d = 1, else NULL */
   dlsi_block_2d *block_2d; /* the same for d = 2 */
   dlsi_block_3d *block_3d; /* the same for d = 3 */
   dlsi_iterate it;         /* its u is kept up to date by the sweeps */
-  double *x;               /* r that the sweep started from, if accelerated: m */
+  dlsi_formed formed;      /* of a problem of bodies: scratch, W by blocks */
+  int motions;             /* of a body; 0 where u is kept up to date */
+  double *v;               /* H r of bodies, kept up to date by the sweeps in place of u */
+  nlgs_bodies bodies;
+  dlsi_slabs slabs; /* more than one thread */
+  double *x;        /* r that the sweep started from, if accelerated: m */
   dlsi_anderson history;
   dlsi_momentum momentum;
   int *near; /* of momentum: nc, layer of (NL9) of each candidate, from 1 on; 0: not in a set */
@@ -122,6 +144,8 @@ static void nlgs_carve(void *workspace, dlsi_arena *arena) {
   }
   if (s->acceleration == DLS_ACCELERATION_MOMENTUM) {
     dlsi_momentum_carve(&work->momentum, arena, m);
+    work->carved[0] = work->momentum.u;
+    work->carved[1] = work->momentum.pu;
     work->near = dlsi_take(arena, n, sizeof *work->near);
     work->some = dlsi_take(arena, n, sizeof *work->some);
     work->rows = dlsi_take(arena, n, sizeof *work->rows);
@@ -157,12 +181,18 @@ dls_status dls_nlgs_create(dls_nlgs **out, int d, int nc, const dls_nlgs_setting
 }
 
 void dls_nlgs_destroy(dls_nlgs *workspace) {
+  if (!workspace) return;
+  dlsi_formed_free(&workspace->formed);
+  dlsi_slabs_free(&workspace->slabs);
+  free(workspace->bodies.moved);
+  free(workspace->bodies.some);
   free(workspace);
 }
 
 /* ---- the sweep ------------------------------------------------------------------------------- */
 
 enum { batch_size = 4 };
+enum { large_panel = 2000 }; /* rows: W is 32 MB then, and a panel takes longer than a barrier */
 
 /* W dense: changes of r that u is still to receive, all rows of u in one go. */
 typedef struct nlgs_batch {
@@ -194,8 +224,31 @@ static inline void nlgs_add_springs(const dls_nlgs *work, int d, int c, const do
     uc[i] += work->it.E[c] * dr[i];
 }
 
+/* A batch and the rows of u that one thread adds it to. */
+typedef struct nlgs_panel {
+  const dls_nlgs *work;
+  const dls_contact *problem;
+  const nlgs_batch *b;
+  int pieces;
+} nlgs_panel;
+
+static void nlgs_add_rows(void *data, int piece) {
+  const nlgs_panel *s = data;
+  const int first = dlsi_piece(s->problem->nc, s->pieces, piece);
+  const size_t row = (size_t)s->problem->d * (size_t)first;
+  dls_contact part = *s->problem;
+  part.nc = dlsi_piece(s->problem->nc, s->pieces, piece + 1) - first;
+  part.W.a += row;
+  dlsi_contact_add_panel(&part, s->b->count, s->b->c, s->b->dr, s->work->it.u + row);
+}
+
 static void nlgs_flush(const dls_nlgs *work, const dls_contact *problem, nlgs_batch *b) {
-  dlsi_contact_add_panel(problem, b->count, b->c, b->dr, work->it.u);
+  const int threads = work->settings.limits.threads;
+  if (threads > 1 && problem->d * problem->nc >= large_panel && b->count) {
+    nlgs_panel s = {work, problem, b, threads};
+    dlsi_parallel(threads, threads, nlgs_add_rows, &s);
+  } else
+    dlsi_contact_add_panel(problem, b->count, b->c, b->dr, work->it.u);
   for (int k = 0; k < b->count; k++)
     nlgs_add_springs(work, problem->d, b->c[k], b->dr + problem->d * k);
   b->count = 0;
@@ -216,9 +269,11 @@ static inline void nlgs_change(const dls_nlgs *work, const dls_contact *problem,
   nlgs_add_springs(work, problem->d, c, dr);
 }
 
-/* (NL0)-(NL4) for the candidates of a set, inlined for a constant d. Returns how many changed. */
-static DLSI_INLINE int nlgs_visit(const int d, const dls_nlgs *work, const dls_contact *problem,
-                                  dlsi_set set, nlgs_batch *b, double *r) {
+/* (NL0)-(NL4) for the candidates of a set, inlined for constants d and n, motions of a body or 0.
+ * Returns how many changed. */
+static DLSI_INLINE int nlgs_visit(const int d, const int n, const dls_nlgs *work,
+                                  const dls_contact *problem, dlsi_set set, nlgs_batch *b,
+                                  double *r) {
   const double omega = work->settings.relaxation;
   int changed = 0;
   for (int k = 0; k < set.count; k++) {
@@ -227,7 +282,12 @@ static DLSI_INLINE int nlgs_visit(const int d, const dls_nlgs *work, const dls_c
     const double *W = d == 1   ? work->block_1d + c
                       : d == 2 ? work->block_2d[c].W
                                : work->block_3d[c].W;
-    nlgs_look(d, problem, b, c, work->it.u, uc);
+    dlsi_pair_of_bodies of;
+    if (n) {
+      of = dlsi_bodies_of(&problem->bodies, (size_t)(d * n), (size_t)c, work->v);
+      dlsi_bodies_look(d, n, &of, problem->q + (size_t)d * (size_t)c, uc);
+    } else
+      nlgs_look(d, problem, b, c, work->it.u, uc);
     if (rc[0] == 0 && uc[0] >= 0 && (d < 2 || rc[1] == 0) && (d < 3 || rc[2] == 0))
       continue;                   /* (NL0) */
     for (int i = 0; i < d; i++) { /* (NL1) */
@@ -257,7 +317,10 @@ static DLSI_INLINE int nlgs_visit(const int d, const dls_nlgs *work, const dls_c
       moves |= dr[i] != 0;
     }
     if (!moves) continue;
-    nlgs_change(work, problem, c, dr, b); /* (NL4) */
+    if (n) /* (NL4) */
+      dlsi_bodies_push(d, n, &of, dr);
+    else
+      nlgs_change(work, problem, c, dr, b);
     for (int i = 0; i < d; i++)
       rc[i] = s[i];
     changed++;
@@ -265,13 +328,48 @@ static DLSI_INLINE int nlgs_visit(const int d, const dls_nlgs *work, const dls_c
   return changed;
 }
 
+/* One sweep over a list; returns how many candidates changed. */
+static int nlgs_sweep_list(const dls_nlgs *work, const dls_contact *problem, dlsi_set set,
+                           double *r) {
+  if (work->motions)
+    return problem->d == 3      ? nlgs_visit(3, 6, work, problem, set, NULL, r)
+           : problem->d == 2    ? nlgs_visit(2, 3, work, problem, set, NULL, r)
+           : work->motions == 3 ? nlgs_visit(1, 3, work, problem, set, NULL, r)
+                                : nlgs_visit(1, 6, work, problem, set, NULL, r);
+  nlgs_batch dense = {0}, *b = problem->Wb.x ? NULL : &dense;
+  const int changed = problem->d == 1   ? nlgs_visit(1, 0, work, problem, set, b, r)
+                      : problem->d == 2 ? nlgs_visit(2, 0, work, problem, set, b, r)
+                                        : nlgs_visit(3, 0, work, problem, set, b, r);
+  if (b) nlgs_flush(work, problem, b);
+  return changed;
+}
+
+/* The slabs of one parity in a sweep. */
+typedef struct nlgs_slabs {
+  const dls_nlgs *work;
+  const dls_contact *problem;
+  dlsi_set set;
+  double *r;
+  int parity;
+} nlgs_slabs;
+
+static void nlgs_sweep_slab(void *data, int k) {
+  const nlgs_slabs *s = data;
+  const int slab = 2 * k + s->parity, first = s->set.start[slab];
+  const dlsi_set part = {.list = s->set.list + first, .count = s->set.start[slab + 1] - first};
+  s->work->slabs.changed[slab] = nlgs_sweep_list(s->work, s->problem, part, s->r);
+}
+
 /* One sweep over a set; returns how many candidates changed. */
 static int nlgs_sweep(const dls_nlgs *work, const dls_contact *problem, dlsi_set set, double *r) {
-  nlgs_batch dense = {0}, *b = problem->Wb.x ? NULL : &dense;
-  const int changed = problem->d == 1   ? nlgs_visit(1, work, problem, set, b, r)
-                      : problem->d == 2 ? nlgs_visit(2, work, problem, set, b, r)
-                                        : nlgs_visit(3, work, problem, set, b, r);
-  if (b) nlgs_flush(work, problem, b);
+  if (!set.slabs) return nlgs_sweep_list(work, problem, set, r);
+  nlgs_slabs s = {work, problem, set, r, 0};
+  int changed = 0;
+  for (; s.parity < 2; s.parity++)
+    dlsi_parallel(work->settings.limits.threads, (set.slabs + 1 - s.parity) / 2, nlgs_sweep_slab,
+                  &s);
+  for (int k = 0; k < set.slabs; k++)
+    changed += work->slabs.changed[k];
   return changed;
 }
 
@@ -285,10 +383,10 @@ typedef struct nlgs_squares {
 /* Returns the sums from the u at hand, d = 1 or 2, inlined for a constant d. */
 static DLSI_INLINE nlgs_squares nlgs_squares_flat(const int d, const dls_nlgs *work,
                                                   const dls_contact *problem, const double *r,
-                                                  double scale) {
+                                                  double scale, int begin, int end) {
   nlgs_squares sum = {0};
   const double *w = work->it.w;
-  for (int c = 0; c < problem->nc; c++) {
+  for (int c = begin; c < end; c++) {
     const double *rc = r + (size_t)d * (size_t)c, *uc = work->it.u + (size_t)d * (size_t)c;
     if (rc[0] == 0 && uc[0] >= 0) continue; /* F_c = 0, r_c = 0 */
     double F[2], F2 = 0, r2 = 0;
@@ -307,24 +405,24 @@ static DLSI_INLINE nlgs_squares nlgs_squares_flat(const int d, const dls_nlgs *w
 }
 
 static nlgs_squares nlgs_squares_1d(const dls_nlgs *work, const dls_contact *problem,
-                                    const double *r, double scale) {
-  return nlgs_squares_flat(1, work, problem, r, scale);
+                                    const double *r, double scale, int begin, int end) {
+  return nlgs_squares_flat(1, work, problem, r, scale, begin, end);
 }
 
 static nlgs_squares nlgs_squares_2d(const dls_nlgs *work, const dls_contact *problem,
-                                    const double *r, double scale) {
-  return nlgs_squares_flat(2, work, problem, r, scale);
+                                    const double *r, double scale, int begin, int end) {
+  return nlgs_squares_flat(2, work, problem, r, scale, begin, end);
 }
 
 /* Returns those sums for d = 3, several candidates at once: their roots and divisions take as long
  * as those of one. */
 DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_contact *problem,
-                                                const double *r, double scale) {
+                                                const double *r, double scale, int begin, int end) {
   enum { lanes = 16 };
   nlgs_squares sum = {0};
   const double *w = work->it.w;
-  for (int first = 0; first < problem->nc; first += lanes) {
-    const int count = problem->nc - first < lanes ? problem->nc - first : lanes;
+  for (int first = begin; first < end; first += lanes) {
+    const int count = end - first < lanes ? end - first : lanes;
     double v[3][lanes] = {{0}}, u[3][lanes] = {{0}}, mu[lanes] = {0}, soft[lanes] = {0};
     double F2[lanes], r2[lanes];
     int moves = 0, bonded = 0;
@@ -370,13 +468,39 @@ DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_
   return sum;
 }
 
-/* Estimates the residuals of the certificate from the u at hand. */
+/* The sums by pieces. */
+typedef struct nlgs_estimates {
+  const dls_nlgs *work;
+  const dls_contact *problem;
+  const double *r;
+  double scale;
+  int pieces;
+  nlgs_squares sum[dlsi_most_pieces];
+} nlgs_estimates;
+
+static void nlgs_sum_piece(void *data, int k) {
+  nlgs_estimates *s = data;
+  const dls_contact *problem = s->problem;
+  const int d = problem->d, begin = dlsi_piece(problem->nc, s->pieces, k);
+  const int end = dlsi_piece(problem->nc, s->pieces, k + 1);
+  if (s->work->motions) dlsi_bodies_unfold(problem, begin, end, s->work->it.u);
+  s->sum[k] = (d == 1   ? nlgs_squares_1d
+               : d == 2 ? nlgs_squares_2d
+                        : nlgs_squares_3d)(s->work, problem, s->r, s->scale, begin, end);
+}
+
+/* Estimates the residuals of the certificate from the u at hand, of bodies from their motions. */
 static void nlgs_estimate(const dls_nlgs *work, const dls_contact *problem, const double *r,
                           double scale, dls_certificate *now) {
-  const int d = problem->d;
-  const nlgs_squares sum = (d == 1   ? nlgs_squares_1d
-                            : d == 2 ? nlgs_squares_2d
-                                     : nlgs_squares_3d)(work, problem, r, scale);
+  const int threads = work->settings.limits.threads;
+  nlgs_estimates s = {work, problem, r, scale, dlsi_pieces(threads, problem->nc), {{0, 0, 0}}};
+  nlgs_squares sum = {0};
+  dlsi_parallel(threads, s.pieces, nlgs_sum_piece, &s);
+  for (int k = 0; k < s.pieces; k++) {
+    sum.F += s.sum[k].F;
+    sum.force += s.sum[k].force;
+    sum.r += s.sum[k].r;
+  }
   dlsi_set_residuals(now, sqrt(sum.F), sqrt(sum.force), sqrt(sum.r));
 }
 
@@ -468,29 +592,69 @@ static void nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double r
 
 enum { local_every = 10, local_first = 50, local_sweeps = 300, local_looks = 5, local_layers = 3 };
 enum { slow_first = 300 };
-static const double slow_momentum = 0.5; /* (NL10) */
-static const double local_share = 0.9;   /* of |F|^2 that the worst candidates hold */
-static const double local_size = 1. / 3; /* of the candidates: a larger set is no gain */
-static const double local_end = 0.3;     /* of |F| on the set */
+enum { body_looks = 5, few_bodies = 1000 }; /* (NL11) */
+static const double slow_momentum = 0.5;    /* (NL10) */
+static const double local_share = 0.9;      /* of |F|^2 that the worst candidates hold */
+static const double local_size = 1. / 3;    /* of the candidates: a larger set is no gain */
+static const double local_end = 0.3;        /* of |F| on the set */
 
 /* All candidates, in the order of the visits. */
 static dlsi_set nlgs_all(const dls_nlgs *work, const dls_contact *problem) {
-  return (dlsi_set){work->order, problem->nc};
+  if (work->slabs.set.slabs) return work->slabs.set;
+  return (dlsi_set){.list = work->order, .count = problem->nc};
+}
+
+/* Begins momentum anew at r, which u (or v) belongs to. */
+static void nlgs_start_momentum(dls_nlgs *work, const dls_contact *problem, const double *r) {
+  const dlsi_set all = {.count = problem->nc}, bodies = {.count = problem->bodies.count};
+  const int n = work->motions, d = problem->d;
+  dlsi_momentum_start(&work->momentum, d, n ? n : d, all, n ? bodies : all, r,
+                      n ? work->v : work->it.u);
+}
+
+/* A sum of |F_c|^2 by pieces. */
+typedef struct nlgs_measures {
+  const dls_nlgs *work;
+  const dls_contact *problem;
+  dlsi_set set;
+  const double *r;
+  double *F2; /* nc, NULL for none */
+  int pieces;
+  double sum[dlsi_most_pieces];
+} nlgs_measures;
+
+static void nlgs_measure_piece(void *data, int piece) {
+  nlgs_measures *s = data;
+  const dls_nlgs *work = s->work;
+  const int d = s->problem->d, n = work->motions;
+  const int end = dlsi_piece(s->set.count, s->pieces, piece + 1);
+  double sum = 0;
+  for (int k = dlsi_piece(s->set.count, s->pieces, piece); k < end; k++) {
+    const int c = s->set.list ? s->set.list[k] : k;
+    double F[3] = {0}, u[3] = {0};
+    if (n) {
+      const dlsi_pair_of_bodies of =
+          dlsi_bodies_of(&s->problem->bodies, (size_t)(n * d), (size_t)c, work->v);
+      dlsi_bodies_look(d, n, &of, s->problem->q + d * c, u);
+    }
+    (void)dlsi_contact_residual(d, s->problem->mu[c], work->it.w[c], s->r + d * c,
+                                n ? u : work->it.u + d * c, F);
+    const double square = F[0] * F[0] + F[1] * F[1] + F[2] * F[2];
+    if (s->F2) s->F2[c] = square;
+    sum += square;
+  }
+  s->sum[piece] = sum;
 }
 
 /* Returns the sum of |F_c|^2 over a set; F2 (nc, NULL for none): each of them. */
 static double nlgs_measure(const dls_nlgs *work, const dls_contact *problem, dlsi_set set,
                            const double *r, double *F2) {
-  const int d = problem->d;
+  const int threads = work->settings.limits.threads;
+  nlgs_measures s = {work, problem, set, r, F2, dlsi_pieces(threads, set.count), {0}};
   double sum = 0;
-  for (int k = 0; k < set.count; k++) {
-    const int c = set.list ? set.list[k] : k;
-    double F[3] = {0};
-    (void)dlsi_contact_residual(d, problem->mu[c], work->it.w[c], r + d * c, work->it.u + d * c, F);
-    const double square = F[0] * F[0] + F[1] * F[1] + (d == 3 ? F[2] * F[2] : 0);
-    if (F2) F2[c] = square;
-    sum += square;
-  }
+  dlsi_parallel(threads, s.pieces, nlgs_measure_piece, &s);
+  for (int k = 0; k < s.pieces; k++)
+    sum += s.sum[k];
   return sum;
 }
 
@@ -509,45 +673,79 @@ static double nlgs_threshold(const dls_contact *problem, const double *F2, doubl
   return bound;
 }
 
+/* Marks the bodies of the candidates with near = `layer`, and puts those that share them and are in
+ * no layer into the next. */
+static void nlgs_add_layer_of_bodies(const dls_nlgs *work, const dls_contact *problem, int layer) {
+  const int *body = problem->bodies.body;
+  int *mark = work->bodies.some + problem->bodies.count;
+  for (int k = 0; k < 2 * problem->nc; k++)
+    if (work->near[k / 2] == layer && body[k] >= 0) mark[body[k]] = 1;
+  for (int k = 0; k < 2 * problem->nc; k++)
+    if (!work->near[k / 2] && body[k] >= 0 && mark[body[k]]) work->near[k / 2] = layer + 1;
+}
+
 /* near := `layer` + 1 for what W couples with candidates of that layer and is in none. */
 static void nlgs_add_layer(const dls_nlgs *work, const dls_contact *problem, int layer) {
   const dls_blocks *W = &problem->Wb;
-  for (int c = 0; c < problem->nc; c++)
+  if (work->motions) nlgs_add_layer_of_bodies(work, problem, layer);
+  for (int c = 0; !work->motions && c < problem->nc; c++)
     for (int k = W->p[c]; work->near[c] == layer && k < W->p[c + 1]; k++)
       if (!work->near[W->i[k]]) work->near[W->i[k]] = layer + 1;
 }
 
-/* list := the candidates with near up to `layer`, in the order of the visits. */
-static dlsi_set nlgs_list(const dls_nlgs *work, const dls_contact *problem, int layer, int *list) {
-  int count = 0;
+/* list := the candidates with near up to `layer`, in the order of the visits; start: of the slabs,
+ * if there are any, in the list. */
+static dlsi_set nlgs_list(const dls_nlgs *work, const dls_contact *problem, int layer, int *list,
+                          int *start) {
+  const dlsi_set all = nlgs_all(work, problem);
+  int count = 0, slab = 0;
   for (int k = 0; k < problem->nc; k++) {
-    const int c = work->order ? work->order[k] : k;
+    const int c = all.list ? all.list[k] : k;
+    while (slab < all.slabs && all.start[slab] <= k)
+      start[slab++] = count;
     if (work->near[c] && work->near[c] <= layer) list[count++] = c;
   }
-  return (dlsi_set){list, count};
+  if (all.slabs) start[all.slabs] = count;
+  return (dlsi_set){.list = list, .count = count, .slabs = all.slabs, .start = start};
+}
+
+/* Lists the bodies that have a mark. */
+static dlsi_set nlgs_list_bodies(const dls_nlgs *work, const dls_contact *problem) {
+  int *list = work->bodies.some, count = 0;
+  for (int b = 0; b < problem->bodies.count; b++)
+    if (list[problem->bodies.count + b]) list[count++] = b;
+  return (dlsi_set){.list = list, .count = count};
 }
 
 /* (NL9) Sweeps where the residual is. u belongs to r. */
 static void nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, double *r) {
-  double *F2 = work->it.F;
+  const int d = problem->d, n = work->motions, threads = work->settings.limits.threads;
+  double *F2 = work->it.F, *const u = n ? work->v : work->it.u;
   const double sum = nlgs_measure(work, problem, nlgs_all(work, problem), r, F2);
   const double bound = nlgs_threshold(problem, F2, sum);
   for (int c = 0; c < problem->nc; c++)
     work->near[c] = F2[c] > bound;
+  for (int b = 0; n && b < problem->bodies.count; b++)
+    work->bodies.some[problem->bodies.count + b] = 0;
   for (int layer = 1; layer <= local_layers + 1; layer++)
     nlgs_add_layer(work, problem, layer);
-  const dlsi_set set = nlgs_list(work, problem, local_layers + 1, work->some);
+  const dlsi_set set = nlgs_list(work, problem, local_layers + 1, work->some, work->slabs.some);
   if (set.count == 0 || set.count > local_size * problem->nc) return;
-  const dlsi_set rows = nlgs_list(work, problem, local_layers + 2, work->rows);
+  dlsi_set rows;
+  if (n)
+    rows = nlgs_list_bodies(work, problem);
+  else
+    rows = nlgs_list(work, problem, local_layers + 2, work->rows, work->slabs.changed);
   const double end = local_end * local_end * nlgs_measure(work, problem, set, r, NULL);
   dlsi_momentum *mo = &work->momentum;
-  dlsi_momentum_start(mo, problem->d, set, rows, r, work->it.u);
+  dlsi_momentum_start(mo, d, n ? n : d, set, rows, r, u);
   for (int k = 1; k <= local_sweeps; k++) {
     work->sweeps += (double)set.count / problem->nc;
     if (!nlgs_sweep(work, problem, set, r)) break;
     if (k % local_looks == 0 && nlgs_measure(work, problem, set, r, NULL) <= end) break;
     if (k < local_sweeps)
-      (void)dlsi_momentum_step(mo, problem->d, work->it.w, work->largest, set, rows, r, work->it.u);
+      (void)dlsi_momentum_step(mo, d, n ? n : d, threads, work->it.w, work->largest, set, rows, r,
+                               u);
   }
 }
 
@@ -564,24 +762,26 @@ static int nlgs_is_slow(dls_nlgs *work, double residual) {
  * a stage of auto has no smaller momentum left to try. */
 static int nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double residual,
                      double *r) {
-  const dlsi_set all = {NULL, problem->nc}, visits = nlgs_all(work, problem);
-  const int slow = nlgs_is_slow(work, residual);
+  const int slow = nlgs_is_slow(work, residual), n = work->motions;
   if (slow && work->largest == 0 && work->stage) return 0;
   if (slow && work->largest > 0) {
     work->largest = work->largest > slow_momentum ? slow_momentum : 0;
     work->since = work->sweeps;
     memcpy(r, work->it.best, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
     dlsi_multiply(problem, work->order, work->it.E, r, work->it.u, NULL);
-    dlsi_momentum_start(&work->momentum, problem->d, all, all, r, work->it.u);
+    nlgs_start_momentum(work, problem, r);
     return 1;
   }
-  if (problem->Wb.x && k >= local_first && k % local_every == 0) {
+  const int at = n ? k - 1 : k; /* of bodies: u is there after sweep k - 1 */
+  if (!problem->W.a && at >= local_first && at % local_every == 0) {
     nlgs_sweep_locally(work, problem, r);
-    dlsi_momentum_start(&work->momentum, problem->d, all, all, r, work->it.u);
+    nlgs_start_momentum(work, problem, r);
     return 1;
   }
-  (void)dlsi_momentum_step(&work->momentum, problem->d, work->it.w, work->largest, visits, all, r,
-                           work->it.u);
+  const dlsi_set all = {.count = problem->nc}, bodies = {.count = problem->bodies.count};
+  (void)dlsi_momentum_step(&work->momentum, problem->d, n ? n : problem->d,
+                           work->settings.limits.threads, work->it.w, work->largest,
+                           nlgs_all(work, problem), n ? bodies : all, r, n ? work->v : work->it.u);
   return 1;
 }
 
@@ -609,12 +809,12 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
     memcpy(work->x, r, m * sizeof *r);
   }
   if (pushed) {
-    const dlsi_set any = {NULL, problem->nc};
     work->largest = 1;
     work->halved = INFINITY;
     work->since = work->sweeps = 0;
-    dlsi_momentum_start(&work->momentum, problem->d, any, any, r, it->u);
+    nlgs_start_momentum(work, problem, r);
   }
+  const int looks = work->motions && problem->nc >= few_bodies ? body_looks : 1;
   double accepted = now.residual;
   int fresh = 1, changed = 0; /* fresh: u carries no rounding of earlier sweeps */
   dls_status reason = DLS_MAX_ITERATIONS;
@@ -623,7 +823,7 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
       nlgs_accelerate(work, problem, now.residual, scale, &accepted, r);
       fresh = 0;
     }
-    if (pushed && changed) {
+    if (pushed && changed) { /* (NL8), (NL9) */
       if (!nlgs_push(work, problem, k, now.residual, r)) {
         reason = DLS_STALLED;
         break;
@@ -633,6 +833,10 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
     changed = nlgs_sweep(work, problem, all, r);
     work->sweeps++;
     *iterations = k;
+    if (changed && k % looks && k < most) { /* (NL11) */
+      fresh = 0;
+      continue;
+    }
     nlgs_estimate(work, problem, r, scale, &now);
     const int was_fresh = fresh;
     fresh = !changed || dlsi_certificate_meets(&now, it->tol) || k % refresh_every == 0;
@@ -733,20 +937,58 @@ dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const int *
   return dlsi_iterate_end(&work->it, problem, status, &outcome, r, u, info);
 }
 
+/* Makes room for the motions of bodies and what momentum needs of them. DLS_E_MEMORY. */
+static dls_status nlgs_take_bodies(dls_nlgs *work, const dls_contact *problem, dls_error *error) {
+  nlgs_bodies *of = &work->bodies;
+  const size_t count = (size_t)problem->bodies.count, all = (size_t)problem->bodies.n * count;
+  const int pushed = work->settings.acceleration == DLS_ACCELERATION_MOMENTUM;
+  work->motions = problem->bodies.n;
+  work->v = problem->bodies.work;
+  if (!pushed) return DLS_OK;
+  double *moved = dlsi_make_room(of->moved, &of->moved_room, 2 * all, sizeof *moved);
+  if (!moved) return dlsi_no_memory(error);
+  of->moved = moved;
+  int *some = dlsi_make_room(of->some, &of->some_room, 2 * count, sizeof *some);
+  if (!some) return dlsi_no_memory(error);
+  of->some = some;
+  work->momentum.u = moved;
+  work->momentum.pu = moved + all;
+  return DLS_OK;
+}
+
+/* Prepares the workspace for the storage and the threads. Bodies keep their factors (NL11), but
+ * for (NL6), which combines u. DLS_E_MEMORY, DLS_E_SIZE. */
+static dls_status nlgs_prepare(dls_nlgs *work, const dls_contact **problem, const int *order,
+                               dls_error *error) {
+  work->motions = 0;
+  work->momentum.u = work->carved[0];
+  work->momentum.pu = work->carved[1];
+  work->slabs.set.slabs = 0;
+  dls_status status = nlgs_has_history(&work->settings)
+                          ? dlsi_form_blocks(&work->formed, problem, error)
+                          : dlsi_lend(&work->formed, problem, error);
+  if (!status && dlsi_is_factored(*problem)) status = nlgs_take_bodies(work, *problem, error);
+  const int threads = work->settings.limits.threads > 1 && (*problem)->nc >= few_bodies;
+  if (!status && threads && !order && !(*problem)->W.a)
+    status = dlsi_slabs_set(&work->slabs, *problem, error);
+  return status;
+}
+
 static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double *r, double *u,
                              dls_info *info, dls_error *error) {
   dls_nlgs *work = workspace;
   double *const key[] = {work->it.u, work->it.a, work->it.F};
-  (void)error;
   /* momentum is for large problems, whose neighbours stand side by side as they are numbered */
   const int *order = work->stage && work->stage != 3 ? work->own_order : NULL;
+  dls_status status = nlgs_prepare(work, &problem, order, error);
+  if (status) return status;
   if (order) dlsi_order_candidates(problem, key, work->scratch, work->own_order);
   for (int c = 0, e = problem->nc - 1; work->stage == 2 && c < e; c++, e--) {
     const int last = work->own_order[e];
     work->own_order[e] = work->own_order[c];
     work->own_order[c] = last;
   }
-  const dls_status status = dlsi_nlgs_run(work, problem, order, NULL, r, u, info);
+  status = dlsi_nlgs_run(work, problem, order, NULL, r, u, info);
   if (info && !work->stage) info->ambiguous = dlsi_count_ambiguous(problem, r, work->it.u, NULL);
   return status;
 }
@@ -786,6 +1028,13 @@ static void nlgs_set_limits(void *work, const dls_limits *limits) {
 }
 
 const dlsi_method dlsi_nlgs_method = {
-    DLS_NLGS,        "nlgs",     "sweeps of Gauss-Seidel: any W, 1e-4 to 1e-8; accelerated, more",
-    nlgs_create_by,  nlgs_solve, nlgs_destroy,
-    nlgs_set_limits, NULL,       NULL};
+    DLS_NLGS,
+    "nlgs",
+    "sweeps of Gauss-Seidel: any W, 1e-4 to 1e-8; accelerated, more",
+    nlgs_create_by,
+    nlgs_solve,
+    nlgs_destroy,
+    nlgs_set_limits,
+    NULL,
+    NULL,
+    1};

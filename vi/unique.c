@@ -104,5 +104,6 @@ static int is_definite(const dls_contact *problem, const double *w, double *J) {
 }
 
 int dlsi_is_unique(const dls_contact *problem, const double *w, double *row, double *J) {
+  if (dlsi_is_factored(problem)) return 0;
   return is_dominant(problem, w, row) || (J && is_definite(problem, w, J));
 }

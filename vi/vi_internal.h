@@ -87,30 +87,56 @@ int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, doub
 
 /* ---- vi/momentum.c: momentum on sweeps ------------------------------------------------------- */
 
-/* Some candidates, or, list NULL, the first `count`. */
+/* Some candidates (or bodies), or, list NULL, the first `count`. With slabs > 0 slab k holds
+ * list[start[k]] .. list[start[k+1]-1]: no two even slabs share a row of u, nor two odd ones. */
 typedef struct dlsi_set {
   const int *list;
-  int count;
+  int count, slabs;
+  const int *start; /* slabs + 1 */
 } dlsi_set;
 
 typedef struct dlsi_momentum {
-  double *r, *u;    /* that the sweep under way started from: m */
-  double *p, *pu;   /* the last step: m */
+  double *r, *u;    /* that the sweep under way started from: m; u of bodies: v, n count */
+  double *p, *pu;   /* the last step: m; pu as u */
   double reference; /* G* of (MO3) */
   int k;
 } dlsi_momentum;
 
 void dlsi_momentum_carve(dlsi_momentum *mo, dlsi_arena *arena, size_t m);
 
-/* Begins anew at r and u = W r + q. changes: the candidates whose r the sweeps change; rows: those
- * whose u it changes. */
-void dlsi_momentum_start(dlsi_momentum *mo, int d, dlsi_set changes, dlsi_set rows, const double *r,
-                         const double *u);
+/* Begins anew at r and u = W r + q. changes: the candidates whose r the sweeps change, d numbers
+ * each; rows: those whose u it changes, e numbers each; of bodies e motions. */
+void dlsi_momentum_start(dlsi_momentum *mo, int d, int e, dlsi_set changes, dlsi_set rows,
+                         const double *r, const double *u);
 
 /* r, u: in, after a sweep; out, the start of the next, (MO1)-(MO4) with b <= largest. w: weights.
  * Returns G. */
-double dlsi_momentum_step(dlsi_momentum *mo, int d, const double *w, double largest,
-                          dlsi_set changes, dlsi_set rows, double *r, double *u);
+double dlsi_momentum_step(dlsi_momentum *mo, int d, int e, int threads, const double *w,
+                          double largest, dlsi_set changes, dlsi_set rows, double *r, double *u);
+
+/* ---- vi/slabs.c: candidates that may be swept at the same time ------------------------------- */
+
+/* Into how many pieces a loop over so many candidates goes: 1 for one thread; else the same for any
+ * number of them, so that sums by pieces have the same bits. */
+enum { dlsi_most_pieces = 64 };
+int dlsi_pieces(int threads, int count);
+
+/* Piece k of `pieces` of 0 .. count-1 begins here. */
+static inline int dlsi_piece(int count, int pieces, int k) {
+  return (int)((long long)count * k / pieces);
+}
+
+typedef struct dlsi_slabs {
+  int *memory; /* of the arrays below, kept from one problem to the next */
+  size_t room;
+  dlsi_set set; /* all candidates, ascending in each slab */
+  int *some;    /* start of a part of the set: slabs + 1 */
+  int *changed; /* slabs: what a sweep over each has changed */
+} dlsi_slabs;
+
+/* Sorts the candidates of a problem by blocks or of bodies into slabs. DLS_E_MEMORY. */
+dls_status dlsi_slabs_set(dlsi_slabs *slabs, const dls_contact *problem, dls_error *error);
+void dlsi_slabs_free(dlsi_slabs *slabs);
 
 /* Lets the next run of Newton's method in this workspace of dlsi_newton_method begin with the
  * factors of the last one, if they are still there (NE5). */

@@ -29,15 +29,33 @@
 extern "C" {
 #endif
 
-/* The problem: a view, everything is borrowed. W is dense or by blocks: leave the other one
- * zero. */
+/* W of rigid bodies, kept factored. Candidate c presses with r_c on two bodies, and moves each by
+ * M^-1/2 H_c r_c, M its mass matrix (any factor of M^-1 does in place of M^-1/2):
+ *
+ *   W_ck = sum over the bodies that c and k share of  H_c^T H_k,   H here with M^-1/2 in it
+ *
+ * symmetric and positive semidefinite. Sweeps then cost what a body has motions, not what a
+ * candidate has neighbours, in a third of the memory. */
+typedef struct dls_bodies {
+  int n;           /* motions of a body: 3 (d - 1); d = 1: 3 or 6 */
+  int count;       /* bodies, >= 0 */
+  const int *body; /* 2 nc: body[2 c] and body[2 c + 1] of candidate c, 0 .. count-1, not the same;
+                      -1: fixed */
+  const double *H; /* 2 n d nc: block k of n x d, column-major at H + n d k, belongs to body[k]; of
+                      a fixed body it is not read. 1 / sqrt(mass) */
+  double *work;    /* NULL; in copies of the view that the library makes, its own scratch */
+} dls_bodies;
+
+/* The problem: a view, everything is borrowed. W is dense, by blocks, or of rigid bodies: leave the
+ * other two zero. */
 typedef struct dls_contact {
-  int d;            /* 1, 2 or 3 */
-  int nc;           /* number of candidates, >= 0; W, q, mu are not read where it is 0 */
-  dls_dense W;      /* m x m; W.a = NULL when Wb is used */
-  dls_blocks Wb;    /* nc x nc blocks of d x d; Wb.x = NULL when W is used */
-  const double *q;  /* m */
-  const double *mu; /* nc; all 0 where d = 1 */
+  int d;             /* 1, 2 or 3 */
+  int nc;            /* number of candidates, >= 0; W, q, mu are not read where it is 0 */
+  dls_dense W;       /* m x m; W.a = NULL where it is not used */
+  dls_blocks Wb;     /* nc x nc blocks of d x d; Wb.x = NULL where it is not used */
+  dls_bodies bodies; /* bodies.H = NULL where it is not used */
+  const double *q;   /* m */
+  const double *mu;  /* nc; all 0 where d = 1 */
 } dls_contact;
 
 /* Checks sizes, pointers, finite values, mu >= 0, block structure; O(size of W). Every function
@@ -45,6 +63,17 @@ typedef struct dls_contact {
  * each naming the field ("W", "Wb.i", "q", "mu", ...) and the index: position i + j*ld in W, plain
  * position elsewhere. */
 DLS_API DLS_MUST_USE dls_status dls_contact_check(const dls_contact *problem, dls_error *error);
+
+/* Counts the blocks of W of a problem of bodies: what limits.blocks is to hold for the methods that
+ * form W by blocks, and the size of the arrays below. Errors of dls_contact_check; DLS_E_ARGUMENT
+ * for another storage, DLS_E_SIZE for more than INT_MAX blocks, DLS_E_MEMORY. */
+DLS_API DLS_MUST_USE dls_status dls_bodies_count(const dls_contact *problem, int *count,
+                                                 dls_error *error);
+
+/* Forms W of a problem of bodies by blocks in p (nc + 1), i (count) and x (d d count), block rows
+ * increasing, which the caller owns, and sets *B to a view of them. Errors of dls_bodies_count. */
+DLS_API DLS_MUST_USE dls_status dls_blocks_from_bodies(const dls_contact *problem, int *p, int *i,
+                                                       double *x, dls_blocks *B, dls_error *error);
 
 /* A component of all candidates: W = (W_nn W_nt; W_tn W_tt), where the tangents of candidate c
  * stand at (d-1) c .. (d-1) c + d-2. */
@@ -68,8 +97,10 @@ DLS_API DLS_MUST_USE dls_status dls_contact_set_block(int d, int nc, dls_compone
  *
  *   candidate  count of them, ascending, each from 0 to nc - 1; NULL for count = 0
  *   values     memory of W, q, mu of the subset: for a dense W (d count)^2 + (d + 1) count doubles,
- *              by blocks d d Wb.p[nc] + (d + 1) count (fewer are used where blocks drop out)
- *   index      memory of Wb.p, Wb.i of the subset: count + 1 + Wb.p[nc]; dense: not used, NULL
+ *              by blocks d d Wb.p[nc] + (d + 1) count (fewer are used where blocks drop out), of
+ *              bodies (2 n d + d + 1) count
+ *   index      memory of Wb.p, Wb.i of the subset: count + 1 + Wb.p[nc]; of bodies.body: 2 count;
+ *              dense: not used, NULL
  *   subset     view of values and index, of the storage that the problem has
  *
  * The arrays are the caller's, must not overlap the problem, and live as long as the subset is
@@ -120,7 +151,8 @@ typedef struct dls_certificate {
   int worst;              /* candidate with the largest |F_c| */
 } dls_certificate;
 
-/* Measures r for this problem, from the user's W, q, mu alone. Allocates 4 m doubles. r: m, finite.
+/* Measures r for this problem, from the user's W, q, mu alone. Allocates 4 m doubles, for bodies
+ * 2 n count besides. r: m, finite.
  * u: receives W r + q, m; or NULL. Returns DLS_OK, which says nothing of the quality of r, or an
  * error. */
 DLS_API DLS_MUST_USE dls_status dls_contact_certify(const dls_contact *problem, const double *r,

@@ -38,13 +38,17 @@ typedef struct dls_limits {
   double tol;         /* on both parts of the certificate; >= 0, finite; 1e-8 */
   int max_iterations; /* in the method's own unit; 0: the method's own limit; 0 */
   int warm_start;     /* 1: start from r (z, x) as passed in; 0: from zero; 0 */
-  int blocks; /* storage that create makes room for: 0: W dense; > 0: W by up to so many blocks; 0.
-                 Methods that form no matrix of W's size do not read it. */
+  int blocks; /* storage that create makes room for: 0: W dense; > 0: W by up to so many blocks,
+                 also where they are formed of bodies (dls_bodies_count); 0. Methods that form no
+                 matrix of W's size do not read it. */
   dls_progress_fn progress; /* NULL for none; NULL */
   void *progress_data;
   double cpu_seconds; /* > 0: a solve that this thread has spent so much time in ends with the best
                          answer so far, DLS_TIME_LIMIT, after its current iteration; 0: no limit; 0.
                          No clock is read for 0 without a callback. */
+  int threads; /* of sweeps, from 1 on: more than 1 sweep over a large W in slabs, two colours
+                         of them, at the same time (docs/threads.md); the bits do not depend on how
+                         many there are beyond 1, nor on how many cores; 1 (0: the same) */
 } dls_limits;
 
 #ifdef __cplusplus

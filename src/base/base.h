@@ -186,6 +186,14 @@ void dlsi_unlock(void);
 dls_status dlsi_enter(atomic_int *busy, const char *argument, dls_error *error);
 dls_status dlsi_leave(atomic_int *busy, dls_status status);
 
+/* Runs task(data, k) for k = 0 .. tasks-1, on up to `threads` threads at the same time where the
+ * compiler has OpenMP, in any order. Tasks write to memory of their own, so that their bits do not
+ * depend on the number of threads. */
+typedef void dlsi_task(void *data, int k);
+void dlsi_parallel(int threads, int tasks, dlsi_task *task, void *data);
+
+enum { dlsi_most_threads = 1024 };
+
 /* ---- memory ---------------------------------------------------------------------------------- */
 
 /* A workspace in one piece of memory. A carve function is a sequence of takes; run it twice: on {0}
@@ -234,6 +242,105 @@ static inline int dlsi_is_plain(double sum) {
 /* Returns max |x_i|, 0 for n = 0; NaN stays NaN (fmax and idamax lose it). */
 double dlsi_max_abs(const double *x, size_t n);
 
+/* ---- rigid bodies (bodies.c) ----------------------------------------------------------------- */
+
+/* A copy of a problem of bodies with scratch, and perhaps with W by blocks besides: products and
+ * the certificate are those of the factors then, the blocks serve what walks over W. Zero at first;
+ * the memory stays from one problem to the next. */
+typedef struct dlsi_formed {
+  dls_contact problem;
+  double *work, *x;  /* bodies.work; Wb.x */
+  int *p, *i, *list; /* Wb.p; Wb.i; the candidates of each body: starts, then these */
+  size_t work_room, x_room, p_room, i_room, list_room;
+} dlsi_formed;
+
+/* Turn *problem, one of bodies, into a copy with scratch (lend) and with W by blocks (form), the
+ * memory in *formed; of another storage nothing is done. dlsi_form_blocks checks a problem of
+ * bodies first.
+ * DLS_E_MEMORY; DLS_E_SIZE for too many blocks. */
+dls_status dlsi_lend(dlsi_formed *formed, const dls_contact **problem, dls_error *error);
+dls_status dlsi_form_blocks(dlsi_formed *formed, const dls_contact **problem, dls_error *error);
+void dlsi_formed_free(dlsi_formed *formed);
+
+/* Returns 1 if W is there as H^T H alone. */
+static inline int dlsi_is_factored(const dls_contact *problem) {
+  return problem->bodies.H && !problem->Wb.x;
+}
+
+/* Returns `held` if it has room for `count` entries, else a new array of them, and held is gone
+ * with its contents; NULL without memory, and held stays. room: of held. */
+void *dlsi_make_room(void *held, size_t *room, size_t count, size_t size);
+
+/* Computes u := W r + q (q NULL for 0) and, if a is not NULL, a := |H|^T |H| |r|; bodies.work := H
+ * r. */
+void dlsi_bodies_multiply(const dls_contact *problem, const int *order, const double *q,
+                          const double *r, double *u, double *a);
+
+/* Copies the d x d diagonal block of candidate c. */
+void dlsi_bodies_diagonal(const dls_contact *problem, int c, double *block);
+
+/* The two bodies of candidate c: their numbers, H and motions v; NULL for a fixed one. */
+typedef struct dlsi_pair_of_bodies {
+  const double *H[2];
+  double *v[2];
+} dlsi_pair_of_bodies;
+
+static inline dlsi_pair_of_bodies dlsi_bodies_of(const dls_bodies *B, size_t size, size_t c,
+                                                 double *v) {
+  dlsi_pair_of_bodies of = {{NULL, NULL}, {NULL, NULL}};
+  for (size_t side = 0; side < 2; side++) {
+    const int b = B->body[2 * c + side];
+    if (b < 0) continue;
+    of.H[side] = B->H + (2 * c + side) * size;
+    of.v[side] = v + (size_t)B->n * (size_t)b;
+  }
+  return of;
+}
+
+/* Two motions of a body. */
+typedef double dlsi_two __attribute__((vector_size(16), aligned(8), may_alias));
+
+/* Returns h . v, n = 3 or 6 known where it inlines. */
+static DLSI_INLINE double dlsi_motion_dot(const int n, const double *h, const double *v) {
+  const dlsi_two *a = (const dlsi_two *)h, *b = (const dlsi_two *)v;
+  dlsi_two s = a[0] * b[0];
+  if (n == 6) {
+    s += a[1] * b[1];
+    s += a[2] * b[2];
+    return s[0] + s[1];
+  }
+  return (s[0] + s[1]) + h[2] * v[2];
+}
+
+/* u (d) := q + H^T v over both bodies. */
+static DLSI_INLINE void dlsi_bodies_look(const int d, const int n, const dlsi_pair_of_bodies *of,
+                                         const double *q, double *u) {
+  for (int i = 0; i < d; i++)
+    u[i] = q[i];
+  for (int side = 0; side < 2; side++)
+    for (int i = 0; of->H[side] && i < d; i++)
+      u[i] += dlsi_motion_dot(n, of->H[side] + n * i, of->v[side]);
+}
+
+/* v += H r of both bodies. */
+static DLSI_INLINE void dlsi_bodies_push(const int d, const int n, const dlsi_pair_of_bodies *of,
+                                         const double *r) {
+  for (int side = 0; side < 2; side++) {
+    const double *h = of->H[side];
+    double *v = of->v[side];
+    if (!h) continue;
+    for (int k = 0; k < n; k++) {
+      double sum = h[k] * r[0];
+      for (int i = 1; i < d; i++)
+        sum += h[k + n * i] * r[i];
+      v[k] += sum;
+    }
+  }
+}
+
+/* u := q + H^T v for the candidates first .. end-1, v = bodies.work. */
+void dlsi_bodies_unfold(const dls_contact *problem, int first, int end, double *u);
+
 /* ---- the contact problem --------------------------------------------------------------------- */
 
 /* One block column of W, dense or by blocks, to walk block by block: for k = begin .. end-1 the
@@ -279,7 +386,8 @@ void dlsi_contact_add_both(const dls_contact *problem, int c, const double *dr, 
 void dlsi_contact_apply(const dls_contact *problem, const double *x, double *y);
 
 /* Computes u := W r + q and, if a is not NULL, a := |W| |r|, column after column of the candidates
- * in `order`, on which the rounding depends. order: candidates, nc; NULL for 0, 1, .. */
+ * in `order`, on which the rounding depends. order: candidates, nc; NULL for 0, 1, .. Of bodies a
+ * is |H|^T |H| |r|, relative to which H^T (H r) rounds, and bodies.work := H r. */
 void dlsi_contact_multiply(const dls_contact *problem, const int *order, const double *r, double *u,
                            double *a);
 

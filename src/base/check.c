@@ -130,6 +130,42 @@ static dls_status check_Wb(const dls_contact *problem, dls_error *error) {
   return check_columns(names, B->p, B->i, B->x, B->d * B->d, B->n, B->n, error);
 }
 
+/* Checks the bodies of a candidate and its blocks of H. */
+static dls_status check_bodies_of(const dls_contact *problem, size_t c, dls_error *error) {
+  const dls_bodies *B = &problem->bodies;
+  const size_t size = (size_t)B->n * (size_t)problem->d;
+  for (size_t k = 2 * c; k < 2 * c + 2; k++) {
+    const int b = B->body[k];
+    if (b < -1 || b >= B->count)
+      return dlsi_fail(error, DLS_E_ARGUMENT, "bodies.body", (long long)k, b,
+                       "is %d, must be from -1 to %d", b, B->count - 1);
+    const long long at = b < 0 ? -1 : dlsi_first_not_finite(B->H + k * size, size);
+    if (at >= 0)
+      return dlsi_fail(error, DLS_E_NOT_FINITE, "bodies.H", (long long)(k * size) + at,
+                       B->H[k * size + (size_t)at], "is not finite");
+  }
+  if (B->body[2 * c] < 0 || B->body[2 * c] != B->body[2 * c + 1]) return DLS_OK;
+  return dlsi_fail(error, DLS_E_ARGUMENT, "bodies.body", (long long)(2 * c + 1), B->body[2 * c + 1],
+                   "is %d, as the other body of candidate %zu", B->body[2 * c + 1], c);
+}
+
+static dls_status check_bodies(const dls_contact *problem, dls_error *error) {
+  const dls_bodies *B = &problem->bodies;
+  const int d = problem->d;
+  if (!(B->n == 3 || B->n == 6) || (d > 1 && B->n != 3 * (d - 1)))
+    return dlsi_fail(error, DLS_E_SIZE, "bodies.n", -1, B->n, "is %d, must be %s", B->n,
+                     d == 1   ? "3 or 6"
+                     : d == 2 ? "3"
+                              : "6");
+  if (B->count < 0 || B->count > INT32_MAX / 12)
+    return dlsi_fail(error, DLS_E_SIZE, "bodies.count", -1, B->count, "is %d", B->count);
+  if (!B->body) return dlsi_is_null(error, "bodies.body");
+  dls_status status = DLS_OK;
+  for (size_t c = 0; !status && c < (size_t)problem->nc; c++)
+    status = check_bodies_of(problem, c, error);
+  return status;
+}
+
 dls_status dlsi_check_contact(const dls_contact *problem, dls_error *error) {
   if (!problem) return dlsi_is_null(error, "problem");
   dls_status status = dlsi_check_sizes(problem->d, problem->nc, error);
@@ -137,8 +173,13 @@ dls_status dlsi_check_contact(const dls_contact *problem, dls_error *error) {
   const int m = problem->d * problem->nc;
   if (problem->W.a && problem->Wb.x)
     return dlsi_fail(error, DLS_E_ARGUMENT, "Wb", -1, 0, "W and Wb are both given");
-  status =
-      problem->Wb.x ? check_Wb(problem, error) : dlsi_check_dense("W", &problem->W, m, m, error);
+  const int formed = problem->bodies.work && problem->Wb.x; /* by dlsi_form_blocks */
+  if (problem->bodies.H && !formed && (problem->W.a || problem->Wb.x))
+    return dlsi_fail(error, DLS_E_ARGUMENT, "bodies", -1, 0, "%s and bodies are both given",
+                     problem->W.a ? "W" : "Wb");
+  status = problem->bodies.H ? check_bodies(problem, error)
+           : problem->Wb.x   ? check_Wb(problem, error)
+                             : dlsi_check_dense("W", &problem->W, m, m, error);
   if (!status) status = dlsi_check_vector("q", problem->q, (size_t)m, error);
   if (!status) status = dlsi_check_friction(problem->mu, (size_t)problem->nc, error);
   for (int c = 0; !status && problem->d == 1 && c < problem->nc; c++)
@@ -165,8 +206,10 @@ dls_status dlsi_check_apart(const dls_contact *problem, const double *r, const d
   const size_t d = (size_t)problem->d, nc = (size_t)problem->nc, m = d * nc, D = sizeof(double);
   if (m == 0) return DLS_OK;
   const dls_blocks *B = &problem->Wb;
-  const span W = B->x ? (span){"Wb.x", B->x, d * d * (size_t)B->p[nc] * D}
-                      : (span){"W", problem->W.a, ((size_t)problem->W.ld * (m - 1) + m) * D};
+  const dls_bodies *H = &problem->bodies;
+  const span W = H->H   ? (span){"bodies.H", H->H, 2 * (size_t)H->n * m * D}
+                 : B->x ? (span){"Wb.x", B->x, d * d * (size_t)B->p[nc] * D}
+                        : (span){"W", problem->W.a, ((size_t)problem->W.ld * (m - 1) + m) * D};
   const span other[] = {W, {"q", problem->q, m * D}, {"mu", problem->mu, nc * D}, {"u", u, m * D}};
   const span own[] = {{"r", r, m * D}, {"u", u, m * D}};
   for (size_t k = 0; k < 2; k++)
@@ -206,7 +249,7 @@ dls_status dls_contact_check(const dls_contact *problem, dls_error *error) {
 /* ---- settings -------------------------------------------------------------------------------- */
 
 void dlsi_limits_init(dls_limits *limits) {
-  *limits = (dls_limits){.tol = 1e-8};
+  *limits = (dls_limits){.tol = 1e-8, .threads = 1};
 }
 
 static dls_status check_setting(const dlsi_setting *s, dls_error *error) {
@@ -232,6 +275,7 @@ dls_status dlsi_check_limits(const dls_limits *limits, dls_error *error) {
                                  {"max_iterations", limits->max_iterations, 0, INT_MAX, 0},
                                  {"warm_start", limits->warm_start, 0, 1, 0},
                                  {"blocks", limits->blocks, 0, INT_MAX, 0},
+                                 {"threads", limits->threads, 0, dlsi_most_threads, 0},
                                  {"cpu_seconds", limits->cpu_seconds, 0, DBL_MAX, 0}};
   return dlsi_check_each((int)(sizeof shared / sizeof shared[0]), shared, error);
 }

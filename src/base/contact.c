@@ -30,7 +30,9 @@ static inline void sum_diagonal(size_t n, const dls_blocks *B, int c, double *bl
 
 void dlsi_contact_diagonal(const dls_contact *problem, int c, double *block) {
   const int d = problem->d;
-  if (!problem->Wb.x) {
+  if (problem->bodies.H)
+    dlsi_bodies_diagonal(problem, c, block);
+  else if (!problem->Wb.x) {
     const size_t ld = (size_t)problem->W.ld, k = (size_t)d * (size_t)c;
     for (int j = 0; j < d; j++)
       for (int i = 0; i < d; i++)
@@ -91,6 +93,10 @@ static inline void add_magnitudes(size_t d, const dls_blocks *B, size_t c, const
 void dlsi_contact_multiply(const dls_contact *problem, const int *order, const double *r, double *u,
                            double *a) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  if (problem->bodies.H) {
+    dlsi_bodies_multiply(problem, order, problem->q, r, u, a);
+    return;
+  }
   memcpy(u, problem->q, m * sizeof *u);
   if (a) memset(a, 0, m * sizeof *a);
   if (!problem->Wb.x) {
@@ -114,6 +120,10 @@ void dlsi_contact_multiply(const dls_contact *problem, const int *order, const d
 
 void dlsi_contact_apply(const dls_contact *problem, const double *x, double *y) {
   const size_t d = (size_t)problem->d;
+  if (problem->bodies.H) {
+    dlsi_bodies_multiply(problem, NULL, NULL, x, y, NULL);
+    return;
+  }
   memset(y, 0, d * (size_t)problem->nc * sizeof *y);
   for (int c = 0; c < problem->nc; c++)
     dlsi_contact_add_columns(problem, c, x + d * (size_t)c, y);
@@ -147,8 +157,8 @@ static dls_status check_leading(const char *argument, int ld, int rows, dls_erro
   return dlsi_fail(error, DLS_E_SIZE, argument, -1, ld, "must be at least %d", rows);
 }
 
-dls_status dls_contact_get_block(const dls_contact *problem, dls_component row, dls_component col,
-                                 double *block, int ld, dls_error *error) {
+static dls_status contact_get_block(const dls_contact *problem, dls_component row,
+                                    dls_component col, double *block, int ld, dls_error *error) {
   local_part R = {0}, C = {0};
   dls_status status = dlsi_check_contact(problem, error);
   if (!status) status = find_part("row", row, problem->d, &R, error);
@@ -156,7 +166,7 @@ dls_status dls_contact_get_block(const dls_contact *problem, dls_component row, 
   const int nc = status ? 0 : problem->nc;
   if (!status && !block) status = dlsi_is_null(error, "block");
   if (!status) status = check_leading("ld", ld, R.count * nc, error);
-  if (status) return dlsi_at(__func__, status, error);
+  if (status) return status;
   for (int b = 0; b < nc; b++) {
     const dlsi_block_column column = dlsi_contact_column(problem, (size_t)b);
     for (int j = 0; j < C.count; j++) {
@@ -170,6 +180,15 @@ dls_status dls_contact_get_block(const dls_contact *problem, dls_component row, 
     }
   }
   return DLS_OK;
+}
+
+dls_status dls_contact_get_block(const dls_contact *problem, dls_component row, dls_component col,
+                                 double *block, int ld, dls_error *error) {
+  dlsi_formed formed = {.work = NULL};
+  dls_status status = dlsi_form_blocks(&formed, &problem, error);
+  if (!status) status = contact_get_block(problem, row, col, block, ld, error);
+  dlsi_formed_free(&formed);
+  return dlsi_at(__func__, status, error);
 }
 
 dls_status dls_contact_set_block(int d, int nc, dls_component row, dls_component col,
@@ -381,16 +400,11 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
   *certificate = c;
 }
 
-dls_status dls_contact_certify(const dls_contact *problem, const double *r, double *u,
-                               dls_certificate *certificate, dls_error *error) {
-  dls_status status = dlsi_check_contact(problem, error);
-  const size_t m = status ? 0 : (size_t)problem->d * (size_t)problem->nc;
-  if (!status) status = dlsi_check_vector("r", r, m, error);
-  if (!status && !certificate) status = dlsi_is_null(error, "certificate");
-  if (!status) status = dlsi_check_apart(problem, r, u, error);
-  double *work = status ? NULL : dlsi_alloc(4 * m, sizeof *work);
-  if (!status && !work) status = dlsi_no_memory(error);
-  if (status) return dlsi_at(__func__, status, error);
+static dls_status contact_certify(const dls_contact *problem, const double *r, double *u,
+                                  dls_certificate *certificate, dls_error *error) {
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  double *work = dlsi_alloc(4 * m, sizeof *work);
+  if (!work) return dlsi_no_memory(error);
   double *v = work, *a = work + m, *w = work + 2 * m, *F = work + 3 * m;
   dlsi_contact_multiply(problem, NULL, r, v, a);
   dlsi_contact_weights(problem, w);
@@ -398,6 +412,20 @@ dls_status dls_contact_certify(const dls_contact *problem, const double *r, doub
   if (u) memcpy(u, v, m * sizeof *u);
   free(work);
   return DLS_OK;
+}
+
+dls_status dls_contact_certify(const dls_contact *problem, const double *r, double *u,
+                               dls_certificate *certificate, dls_error *error) {
+  dlsi_formed formed = {.work = NULL};
+  dls_status status = dlsi_check_contact(problem, error);
+  const size_t m = status ? 0 : (size_t)problem->d * (size_t)problem->nc;
+  if (!status) status = dlsi_check_vector("r", r, m, error);
+  if (!status && !certificate) status = dlsi_is_null(error, "certificate");
+  if (!status) status = dlsi_check_apart(problem, r, u, error);
+  if (!status) status = dlsi_lend(&formed, &problem, error);
+  if (!status) status = contact_certify(problem, r, u, certificate, error);
+  dlsi_formed_free(&formed);
+  return dlsi_at(__func__, status, error);
 }
 
 int dls_certificate_holds(const dls_certificate *certificate, double tol) {

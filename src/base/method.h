@@ -40,6 +40,7 @@ typedef struct dlsi_method {
   const double *(*direction)(const void *work);
   /* As dls_solver_farkas says. NULL: the method proves nothing. */
   const double *(*farkas)(const void *work);
+  int takes_bodies; /* 1: solves a problem of bodies as it is, 0: wants W by blocks besides */
 } dlsi_method;
 
 #endif

@@ -76,23 +76,38 @@ static double *subset_blocks(const dls_contact *problem, int count, const int *c
   return x;
 }
 
+/* Copies the bodies of the candidates and their H, and returns the end of the values. */
+static double *subset_bodies(const dls_contact *problem, int count, const int *candidate, double *x,
+                             int *index, dls_bodies *B) {
+  const size_t size = 2 * (size_t)problem->bodies.n * (size_t)problem->d;
+  *B = problem->bodies;
+  B->body = index;
+  B->H = x;
+  for (int k = 0; k < count; k++) {
+    memcpy(index + 2 * k, problem->bodies.body + 2 * (size_t)candidate[k], 2 * sizeof *index);
+    memcpy(x + size * (size_t)k, problem->bodies.H + size * (size_t)candidate[k], size * sizeof *x);
+  }
+  return x + size * (size_t)count;
+}
+
 static dls_status contact_subset(const dls_contact *problem, int count, const int *candidate,
                                  double *values, int *index, dls_contact *subset,
                                  dls_error *error) {
   dls_status status = dlsi_check_contact(problem, error);
   if (!status) status = subset_check(problem, count, candidate, error);
   if (status) return status;
-  const int by_blocks = problem->Wb.x != NULL;
+  const int by_blocks = problem->Wb.x != NULL, of_bodies = problem->bodies.H != NULL;
   if (count > 0 && !values) return dlsi_is_null(error, "values");
-  if (count > 0 && by_blocks && !index) return dlsi_is_null(error, "index");
+  if (count > 0 && (by_blocks || of_bodies) && !index) return dlsi_is_null(error, "index");
   if (!subset) return dlsi_is_null(error, "subset");
   dls_contact made = {.d = problem->d, .nc = count};
   const size_t d = (size_t)problem->d, n = (size_t)count;
   if (count > 0) {
     const int m = problem->d * count;
-    double *q = by_blocks ? subset_blocks(problem, count, candidate, values, index, &made.Wb)
-                          : subset_dense(problem, count, candidate, values);
-    if (!by_blocks) made.W = (dls_dense){m, m, m, values};
+    double *q = of_bodies   ? subset_bodies(problem, count, candidate, values, index, &made.bodies)
+                : by_blocks ? subset_blocks(problem, count, candidate, values, index, &made.Wb)
+                            : subset_dense(problem, count, candidate, values);
+    if (!by_blocks && !of_bodies) made.W = (dls_dense){m, m, m, values};
     double *mu = q + d * n;
     for (size_t k = 0; k < n; k++) {
       memcpy(q + d * k, problem->q + d * (size_t)candidate[k], d * sizeof *q);

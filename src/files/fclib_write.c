@@ -285,13 +285,15 @@ static dls_status write_local(contents *c, const dls_contact *problem, dls_error
 dls_status dls_fclib_write_local(const char *path, const dls_contact *problem, const char *title,
                                  const double *r, const double *u, dls_error *error) {
   contents c = {path, "fclib_local/", title, "vectors/q", .r = r, .u = u};
-  dls_status status;
+  dlsi_formed formed = {.work = NULL};
+  dls_status status = dlsi_form_blocks(&formed, &problem, error);
   dlsi_lock();
   H5E_BEGIN_TRY {
-    status = write_local(&c, problem, error);
+    if (!status) status = write_local(&c, problem, error);
   }
   H5E_END_TRY;
   dlsi_unlock();
+  dlsi_formed_free(&formed);
   return dlsi_at(__func__, status, error);
 }
 

@@ -63,7 +63,7 @@ int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *
   dls_certificate certificate = {0};
   int sweeps = 0;
   const int pressed = is_pressed(problem);
-  if (pressed && problem->nc > few) return 0;
+  if (pressed && (problem->nc > few || dlsi_is_factored(problem))) return 0;
   if (pressed) dlsi_contact_weights(problem, w);
   if (pressed && !is_certified(problem, tol, x, w, v, &certificate)) {
     if (!solve_each(problem, x)) return 0;

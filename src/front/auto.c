@@ -67,6 +67,7 @@
  * What can fail: every method; then DLS_STALLED with the best r.
  */
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -126,6 +127,7 @@ typedef struct dlsi_auto {
   double *r, *best;   /* m: of the stage under way, of the best answer so far */
   double *w;          /* nc: weights of the certificate */
   double *v[4];       /* m: scratch */
+  dlsi_formed formed; /* of a problem of bodies: scratch, W by blocks for all but (AT13) */
   dlsi_renumber copy; /* (AT11), up to path_unknowns */
   double *kept;       /* m: the best r before the copy */
   double *direction;  /* m: the vectors of a verdict on the copy, in the order of the problem */
@@ -158,7 +160,7 @@ typedef struct dlsi_auto {
   double rate;          /* (AT6) */
   double unknowns;      /* k of (AT7) at the last look */
   int costly;           /* a Newton step, more than a sixth of (AT2) */
-  int since;            /* iteration of the least e */
+  int since;            /* iteration of the least e; of (AT13): of the last look */
 } dlsi_auto;
 
 /* ---- when a stage gives up ------------------------------------------------------------------- */
@@ -237,10 +239,12 @@ static int watch_push(void *data, const dls_progress *p) {
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
   const double now = log(p->residual);
-  if (p->iteration == 1) work->least = now;
+  if (!work->since) work->least = now;
   const double gain = now < work->least ? work->least - now : 0;
+  const int sweeps = p->iteration - work->since; /* of bodies some in one go */
   work->least -= gain;
-  work->rate += 2. / (p->iteration + 1) * (gain - work->rate);
+  work->rate += 2. * sweeps / (p->iteration + sweeps) * (gain / sweeps - work->rate);
+  work->since = p->iteration;
   if (!work->may_rest || p->iteration % look_every) return 0;
   return p->iteration >= 2 * first_sweeps && (now - work->target) / work->rate > rest_sweeps;
 }
@@ -253,12 +257,15 @@ static int watch_limits(void *data, const dls_progress *p) {
 
 /* Returns 1 if -q lies in the friction cones, but for a tenth of it, or if candidates have at most
  * three neighbours on average, so that a factorisation costs what a few sweeps do; (AT12). */
-static int looks_at_rest(const dls_contact *problem) {
+static int looks_at_rest(const dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
   const int d = problem->d;
   const double *q = problem->q;
   double all = 0, outside = 0;
   if (problem->W.a || d * problem->nc < split_unknowns) return 0;
-  if (problem->Wb.p[problem->nc] / problem->nc <= few_blocks) return 1;
+  const int told = work->options.limits.blocks; /* of bodies */
+  const int blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : told > 1 ? told : INT_MAX;
+  if (blocks / problem->nc <= few_blocks) return 1;
   for (int c = 0; c < problem->nc; c++, q += d) {
     double v[3] = {0}, p[3] = {0};
     for (int i = 0; i < d; i++)
@@ -283,7 +290,7 @@ static int may_split(const dlsi_auto *work) {
 }
 
 static int is_large(const dlsi_auto *work) {
-  return work->problem->Wb.x && work->nc > push_candidates;
+  return !work->problem->W.a && work->nc > push_candidates;
 }
 
 static int may_push(const dlsi_auto *work) {
@@ -363,7 +370,8 @@ static dls_limits limits_of(dlsi_auto *work, part k) {
                       .blocks = blocks,
                       .progress = part_of[k].watch,
                       .progress_data = work,
-                      .cpu_seconds = dlsi_clock_left(&work->options.limits, work->begun)};
+                      .cpu_seconds = dlsi_clock_left(&work->options.limits, work->begun),
+                      .threads = work->options.limits.threads};
 }
 
 static dls_status create_part(dlsi_auto *work, part k, dls_error *error) {
@@ -376,14 +384,26 @@ static dls_status create_part(dlsi_auto *work, part k, dls_error *error) {
   return part_of[k].method->create(&work->part[k], work->d, work->nc, &options, error);
 }
 
+/* Forms W of a problem of bodies by blocks. Errors of dlsi_form_blocks. */
+static dls_status form_blocks(dlsi_auto *work, dls_error *error) {
+  if (!dlsi_is_factored(work->problem)) return DLS_OK;
+  const dls_status status = dlsi_form_blocks(&work->formed, &work->problem, error);
+  if (status) return status;
+  const int blocks = work->problem->Wb.p[work->problem->nc];
+  if (blocks > work->options.limits.blocks) work->options.limits.blocks = blocks;
+  return DLS_OK;
+}
+
 /* Takes one stage: its line in the report, and best := r if that is better. */
 static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error) {
+  dls_error why = {0};
+  dls_status status = k == PUSH ? DLS_OK : form_blocks(work, &why);
+  if (status == DLS_E_SIZE) return DLS_STALLED; /* too many blocks: sweeps on bodies alone */
   const dls_contact *problem = work->problem;
   const dls_certificate *best = &work->info.certificate;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   dls_info info = {.status = DLS_OK}, *all = &work->info;
-  dls_error why = {0};
-  dls_status status = create_part(work, k, &why);
+  if (!status) status = create_part(work, k, &why);
   const dls_limits limits = limits_of(work, k);
   if (cold)
     memset(work->r, 0, m * sizeof *work->r);
@@ -396,8 +416,10 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
   work->unknowns = count_unknowns(problem, work->r);
   work->since = 0;
   if (!status) {
+    dls_contact of_bodies = *problem; /* (AT13) takes the factors even where there are blocks */
+    if (k == PUSH && problem->bodies.H) of_bodies.Wb = (dls_blocks){0};
     part_of[k].method->set_limits(work->part[k], &limits);
-    status = part_of[k].method->solve(work->part[k], problem, work->r, NULL, &info, &why);
+    status = part_of[k].method->solve(work->part[k], &of_bodies, work->r, NULL, &info, &why);
   }
   if (k == SPLITTING) work->has_split = 1;
   if (k == REST) work->may_rest = 0;
@@ -682,19 +704,24 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
                              dls_info *info, dls_error *error) {
   dlsi_auto *work = automatic;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  dls_status status = dlsi_lend(&work->formed, &problem, error);
   work->problem = problem;
+  if (!status && !is_large(work)) status = form_blocks(work, error);
+  if (status) return status;
+  problem = work->problem;
   work->bonded = dlsi_first_bonded(problem) >= 0;
   work->info = (dls_info){.method = DLS_AUTO, .certificate = dlsi_no_certificate};
   work->begun = dlsi_clock_start(&work->options.limits);
   work->stopped = DLS_OK;
   work->limited = work->failures = work->has_split = work->costly = work->rounded = 0;
   work->has_copy = work->has_direction = work->has_farkas = work->excluded = 0;
-  work->may_rest = looks_at_rest(problem);
+  work->may_rest = looks_at_rest(work);
   work->has_pushed = 0;
   memset(work->best, 0, m * sizeof *r);
   if (work->options.limits.warm_start) memcpy(work->best, r, m * sizeof *r);
-  const dls_status status = take_stages(work, error);
+  status = take_stages(work, error);
   if (status < 0) return status;
+  problem = work->problem;
   memcpy(r, work->best, m * sizeof *r);
   if (u) dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
   if (u) memcpy(u, work->v[0], m * sizeof *u);
@@ -729,6 +756,7 @@ static void auto_destroy(void *automatic) {
   for (part k = 0; k < parts; k++)
     part_of[k].method->destroy(work->part[k]);
   dlsi_room_free(&work->room);
+  dlsi_formed_free(&work->formed);
   free(work);
 }
 
@@ -785,4 +813,5 @@ const dlsi_method dlsi_auto_method = {
     .set_limits = auto_set_limits,
     .direction = auto_direction,
     .farkas = auto_farkas,
+    .takes_bodies = 1,
 };

@@ -427,6 +427,7 @@ static dls_status look_at_transpose(const dls_contact *problem, dls_diagnosis *g
     dls_contact turned = *problem;
     turned.W = (dls_dense){(int)m, (int)m, (int)m, T};
     turned.Wb = (dls_blocks){0};
+    turned.bodies = (dls_bodies){0};
     const dls_dense *W = &problem->W;
     if (problem->Wb.x && dls_blocks_to_dense(&problem->Wb, T, (int)m, NULL)) solved = -1;
     for (size_t j = 0; j < m && solved == 0; j++)
@@ -493,5 +494,9 @@ static dls_status diagnose(const dls_contact *problem, int limit, dls_diagnosis 
 
 dls_status dls_contact_diagnose(const dls_contact *problem, int limit, dls_diagnosis *diagnosis,
                                 dls_error *error) {
-  return dlsi_at(__func__, diagnose(problem, limit, diagnosis, error), error);
+  dlsi_formed formed = {.work = NULL};
+  dls_status status = dlsi_form_blocks(&formed, &problem, error);
+  if (!status) status = diagnose(problem, limit, diagnosis, error);
+  dlsi_formed_free(&formed);
+  return dlsi_at(__func__, status, error);
 }

@@ -365,6 +365,9 @@ dls_status dlsi_contact_fold(const dls_contact *problem, int search, dls_fold *f
 dls_status dls_contact_fold(const dls_contact *problem, dls_fold *fold, dls_contact_state *state,
                             double *q, double *r, double *other, dls_error *error) {
   const int search = problem && problem->nc > DLS_STATES_MAX;
-  return dlsi_at(__func__, dlsi_contact_fold(problem, search, fold, state, q, r, other, error),
-                 error);
+  dlsi_formed formed = {.work = NULL};
+  dls_status status = dlsi_form_blocks(&formed, &problem, error);
+  if (!status) status = dlsi_contact_fold(problem, search, fold, state, q, r, other, error);
+  dlsi_formed_free(&formed);
+  return dlsi_at(__func__, status, error);
 }

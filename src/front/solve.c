@@ -14,7 +14,8 @@ struct dls_solver {
   atomic_int busy;   /* 1: a call is at work */
   dls_status status; /* of the last solve */
   const dlsi_method *method;
-  void *work; /* of the method */
+  void *work;         /* of the method */
+  dlsi_formed formed; /* W of bodies by blocks, for methods that want them */
 };
 
 int dls_acceleration_find(const char *name, dls_acceleration *acceleration) {
@@ -120,7 +121,9 @@ static dls_status solver_solve(dls_solver *solver, const dls_contact *problem, d
   const double begun = dlsi_clock_start(limits);
   dls_info own;
   if (!info && limits->progress) info = &own;
-  const dls_status status = solver->method->solve(solver->work, problem, r, u, info, error);
+  dls_status status = DLS_OK;
+  if (!solver->method->takes_bodies) status = dlsi_form_blocks(&solver->formed, &problem, error);
+  if (!status) status = solver->method->solve(solver->work, problem, r, u, info, error);
   solver->status = status;
   if (status >= 0 && limits->progress) solver_tell_last(limits, begun, info, r);
   return status;
@@ -179,6 +182,7 @@ const double *dls_solver_farkas(const dls_solver *solver) {
 void dls_solver_destroy(dls_solver *solver) {
   if (!solver) return;
   solver->method->destroy(solver->work);
+  dlsi_formed_free(&solver->formed);
   free(solver);
 }
 
@@ -193,12 +197,15 @@ static dls_status solve_once(const dls_contact *problem, const dls_solver_settin
   if (!status) status = dlsi_check_start(problem, r, u, s->limits.warm_start, error);
   if (!status) status = solver_check_friction(s, problem, error);
   if (status || is_answered(s, problem, r, u, info)) return status;
-  s->limits.blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : 0;
   solver.d = problem->d;
   solver.nc = problem->nc;
-  status = solver_create_work(&solver, 1, error);
+  if (!dlsi_method_of(s->method)->takes_bodies)
+    status = dlsi_form_blocks(&solver.formed, &problem, error);
+  s->limits.blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : dlsi_is_factored(problem);
+  if (!status) status = solver_create_work(&solver, 1, error);
   if (!status) status = solver_solve(&solver, problem, r, u, info, error);
-  solver.method->destroy(solver.work);
+  if (solver.method) solver.method->destroy(solver.work);
+  dlsi_formed_free(&solver.formed);
   return status;
 }
 

@@ -449,6 +449,9 @@ static dls_status contact_enumerate(const dls_contact *problem, double tol, int 
 dls_status dls_contact_enumerate(const dls_contact *problem, double tol, int capacity, double *r,
                                  double *low, double *high, dls_solution_set *found,
                                  dls_error *error) {
-  return dlsi_at(__func__, contact_enumerate(problem, tol, capacity, r, low, high, found, error),
-                 error);
+  dlsi_formed formed = {.work = NULL};
+  dls_status status = dlsi_form_blocks(&formed, &problem, error);
+  if (!status) status = contact_enumerate(problem, tol, capacity, r, low, high, found, error);
+  dlsi_formed_free(&formed);
+  return dlsi_at(__func__, status, error);
 }

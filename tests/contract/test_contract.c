@@ -226,6 +226,113 @@ START_TEST(smaller_problem) {
 }
 END_TEST
 
+/* ---- rigid bodies, W = H^T H ----------------------------------------------------------------- */
+
+/* Largest |r| over the tolerance that two answers to 1e-12 may differ by, W as random as here. */
+static const double close_of_bodies = 1e-7;
+
+/* The answer is that of W dense; again in the same workspace, without memory, and warm. */
+START_TEST(bodies) {
+  const tested_solver s = door(_i / 30);
+  static model a;
+  static bodies_storage B;
+  dls_contact p;
+  bodies_model(&a, &B, &p, _i % 30);
+  const int m = a.p.d * a.p.nc;
+  const double tol = s.tol > 0 ? s.tol : 1e-12;
+  const double close = close_of_bodies * (tol / 1e-12);
+  any_settings cold = settings_for(&s, tol, 0);
+  s.limits(&cold)->blocks = a.p.nc * a.p.nc;
+  double dense[most], r[most], r2[most], u[most];
+  dls_info info;
+  ck_assert_int_eq(solve_from(&s, &a.p, tol, 0, dense, &info), DLS_OK);
+  void *work;
+  ck_assert_int_eq(s.create(&work, a.p.d, a.p.nc, &cold, NULL), DLS_OK);
+  ck_assert_int_eq(run_in(&s, work, &p, tol, r, u, &info), DLS_OK);
+  expect_no_allocation(&s, work, &p, r2);
+  ck_assert_mem_eq(r, r2, (size_t)m * sizeof *r);
+  const double size = 1 + norm_of(dense, m);
+  for (int k = 0; k < m; k++) {
+    double expected = a.q[k];
+    for (int l = 0; l < m; l++)
+      expected += a.W[k + m * l] * r[l];
+    ck_assert(fabs(r[k] - dense[k]) <= close * size);
+    ck_assert(fabs(u[k] - expected) <= 1e-13 * size);
+  }
+  s.destroy(work);
+  if (s.restarts) return;
+  ck_assert_int_eq(solve_from(&s, &p, tol, 1, r2, &info), DLS_OK);
+  ck_assert_mem_eq(r, r2, (size_t)m * sizeof *r);
+  ck_assert(info.iterations == 0 && info.sweeps == 0 && info.factorisations == 0);
+}
+END_TEST
+
+/* Each malloc of a solve may fail; then one limit of iterations, one call that cancels. */
+START_TEST(bodies_unwind_and_stop) {
+  const tested_solver s = door(_i);
+  static model a;
+  static bodies_storage B;
+  dls_contact p;
+  bodies_model(&a, &B, &p, 29);
+  any_settings settings = settings_for(&s, s.tol > 0 ? s.tol : 1e-10, 0);
+  void *work;
+  double r[most];
+  dls_info info;
+  ck_assert_int_eq(s.create(&work, p.d, p.nc, &settings, NULL), DLS_OK);
+  expect_solve_unwinds(&s, work, &p, r);
+  s.destroy(work);
+  watch w = {NULL, 0, INFINITY, 0, 1};
+  settings = settings_for(&s, 1e-14, 0);
+  s.limits(&settings)->progress = look;
+  s.limits(&settings)->progress_data = &w;
+  const dls_status status = run_with(&s, &p, &settings, fmax(s.tol, 1e-14), r, NULL, &info);
+  ck_assert(status == DLS_CANCELLED || status == DLS_OK);
+  ck_assert(w.calls == 1 && isfinite(info.certificate.residual));
+}
+END_TEST
+
+START_TEST(bad_bodies) {
+  const tested_solver s = door(_i);
+  static model a;
+  static bodies_storage B;
+  dls_contact good, bad;
+  bodies_model(&a, &B, &good, 29);
+  const any_settings settings = settings_for(&s, 1e-8, 0);
+  const struct {
+    dls_status status;
+    const char *argument;
+    long long index;
+  } wrong[] = {{DLS_E_SIZE, "bodies.n", -1},           {DLS_E_SIZE, "bodies.count", -1},
+               {DLS_E_ARGUMENT, "bodies.body", -1},    {DLS_E_ARGUMENT, "bodies.body", 4},
+               {DLS_E_ARGUMENT, "bodies.body", 3},     {DLS_E_ARGUMENT, "bodies.body", 5},
+               {DLS_E_NOT_FINITE, "bodies.H", 18 * 7}, {DLS_E_ARGUMENT, "bodies", -1}};
+  void *work;
+  ck_assert_int_eq(s.create(&work, good.d, good.nc, &settings, NULL), DLS_OK);
+  for (int k = 0; k < 8; k++) {
+    static bodies_storage C;
+    double r[most] = {7};
+    dls_error error;
+    C = B;
+    bad = good;
+    bad.bodies.body = C.body;
+    bad.bodies.H = C.H;
+    if (k == 0) bad.bodies.n = 3;
+    if (k == 1) bad.bodies.count = -1;
+    if (k == 2) bad.bodies.body = NULL;
+    if (k == 3) C.body[4] = good.bodies.count;
+    if (k == 4) C.body[3] = -2;
+    if (k == 5) C.body[4] = C.body[5] = 1;
+    if (k == 6) C.body[7] = 0, C.H[18 * 7] = INFINITY;
+    if (k == 7) bad.W = a.p.W;
+    ck_assert_int_eq(s.solve(work, &bad, r, NULL, NULL, &error), wrong[k].status);
+    ck_assert_str_eq(error.argument, wrong[k].argument);
+    ck_assert_msg(error.index == wrong[k].index, "%d: %lld", k, error.index);
+    ck_assert(r[0] == 7);
+  }
+  s.destroy(work);
+}
+END_TEST
+
 /* ---- normals alone, d = 1 -------------------------------------------------------------------- */
 
 /* LCP(W_nn, q_n) by hand; r = -1: there is no solution. */
@@ -601,7 +708,7 @@ START_TEST(memory) {
       const double vectors = (d == 1 ? 500 : 200 * d) * nc + (pivots ? 700 * lcp_rows(d, nc) : 0);
       const double least = s.method <= DLS_HOMOTOPY ? doubles : 0;
       expect_memory(&s, d, nc, &settings, sizeof(double) * least,
-                    sizeof(double) * (doubles - least + vectors) + 16384);
+                    sizeof(double) * (doubles - least + vectors) + 20480);
     }
 }
 END_TEST
@@ -637,11 +744,12 @@ int main(void) {
              EACH(start_that_overflows, 0, doors), EACH(start_that_hides_q, 0, doors * 10),
              EACH(random_problem, 0, doors * 40), EACH(units, 0, doors * 12),
              EACH(turned_tangents, 0, doors * 10), EACH(tolerance_zero, 0, doors * 20),
-             EACH(normals_by_hand, 0, doors * normal_count), EACH(normals, 0, doors * 20),
-             EACH(normals_of_a_space, 0, doors * 20), EACH(normals_have_no_friction, 0, doors),
-             EACH(smaller_problem, 0, doors), EACH(stopped_early, 0, doors * 3),
-             EACH(one_last_call, 0, doors * 12), EACH(time_limit, 0, doors * 6),
-             EACH(bad_time_limit, 0, doors), EACH(busy, 0, doors * 8),
-             EACH(no_candidates, 0, doors * 12), EACH(memory, 0, doors), EACH(bad_create, 0, doors),
-             EACH(bad_solve, 0, doors), ONCE(defaults_without_a_place));
+             EACH(bodies, 0, doors * 30), EACH(bodies_unwind_and_stop, 0, doors),
+             EACH(bad_bodies, 0, doors), EACH(normals_by_hand, 0, doors * normal_count),
+             EACH(normals, 0, doors * 20), EACH(normals_of_a_space, 0, doors * 20),
+             EACH(normals_have_no_friction, 0, doors), EACH(smaller_problem, 0, doors),
+             EACH(stopped_early, 0, doors * 3), EACH(one_last_call, 0, doors * 12),
+             EACH(time_limit, 0, doors * 6), EACH(bad_time_limit, 0, doors),
+             EACH(busy, 0, doors * 8), EACH(no_candidates, 0, doors * 12), EACH(memory, 0, doors),
+             EACH(bad_create, 0, doors), EACH(bad_solve, 0, doors), ONCE(defaults_without_a_place));
 }

@@ -194,6 +194,35 @@ dls_contact by_blocks(const model *a, block_storage *B) {
   return p;
 }
 
+/* Candidate c pushes on the new body c, and on an older one or on a fixed one. */
+void bodies_model(model *a, bodies_storage *B, dls_contact *factored, int i) {
+  const double mu[] = {0, 0.1, 0.3, 0.6};
+  const int d = 1 + i % 3, n = d == 1 ? 3 + 3 * (i / 3 % 2) : 3 * (d - 1), nc = 1 + i % 10;
+  const int m = d * nc;
+  set_seed(88172645463325252u + 13 * (uint64_t)i);
+  set_model(a, d, nc);
+  for (int c = 0; c < nc; c++) {
+    const int other = (int)((uniform() + 1) / 2 * (c + 1)) - 1;
+    B->body[2 * c + i % 2] = c;
+    B->body[2 * c + 1 - i % 2] = other;
+    a->mu[c] = d == 1 ? 0 : mu[i / 3 % 4];
+  }
+  for (int k = 0; k < 2 * n * m; k++)
+    B->H[k] = B->body[k / (n * d)] < 0 ? NAN : uniform();
+  for (int k = 0; k < m; k++)
+    a->q[k] = uniform() - (k % d == 0 ? 0.5 : 0);
+  for (int j = 0; j < 2 * m; j++)
+    for (int k = 0; k < 2 * m; k++) {
+      const int b = B->body[j / d];
+      for (int l = 0; b >= 0 && b == B->body[k / d] && l < n; l++)
+        a->W[j / (2 * d) * d + j % d + m * (k / (2 * d) * d + k % d)] +=
+            B->H[n * j + l] * B->H[n * k + l];
+    }
+  *factored = a->p;
+  factored->W = (dls_dense){0, 0, 0, NULL};
+  factored->bodies = (dls_bodies){n, nc, B->body, B->H, NULL};
+}
+
 void row_problem(int singular, dls_contact *dense, dls_contact *blocks) {
   static double W[row_m * row_m], x[3 * row_nc * 4], q[row_m], mu[row_nc];
   static int p[row_nc + 1], i[3 * row_nc];

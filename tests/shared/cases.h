@@ -59,6 +59,15 @@ typedef struct block_storage {
 } block_storage;
 dls_contact by_blocks(const model *a, block_storage *B);
 
+/* W = H^T H of random bodies, some candidates on a fixed one: *factored, in storage of its own; a:
+ * the same with W dense. The i-th of them: d = 1 + i % 3, up to 10 candidates, W positive
+ * definite. */
+typedef struct bodies_storage {
+  int body[2 * most];
+  double H[12 * most];
+} bodies_storage;
+void bodies_model(model *a, bodies_storage *B, dls_contact *factored, int i);
+
 /* A row of row_nc 2D candidates, each coupled to its neighbours, in both storages, which the next
  * call overwrites: sticking, with mu large; or W singular, by pairs. */
 enum { row_nc = 150, row_m = 2 * row_nc };

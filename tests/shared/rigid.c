@@ -250,8 +250,8 @@ static void make_tower(heap *h, int candidates) {
 /* ---- W and q --------------------------------------------------------------------------------- */
 
 /* Computes the rows n, t (, s) of the velocity of body b at a place, for its motions times
- * M^1/2. J: d x n, column-major. */
-static void rigid_rows(int d, const place *at, const solid *b, double sign, double *J) {
+ * M^1/2. H: n x d, their transpose, column-major. */
+static void rigid_rows(int d, const place *at, const solid *b, double sign, double *H) {
   double frame[3][3] = {{0}}, arm[3];
   memcpy(frame[0], at->normal, sizeof frame[0]);
   const double *n = frame[0];
@@ -272,12 +272,12 @@ static void rigid_rows(int d, const place *at, const solid *b, double sign, doub
   }
   for (int i = 0; i < 3; i++)
     arm[i] = at->x[i] - b->x[i];
-  for (int r = 0; r < d; r++) {
+  for (int r = 0; r < d; r++, H += 3 * (d - 1)) {
     const double *e = frame[r];
     for (int i = 0; i < d; i++)
-      J[r + d * i] = sign * e[i] / sqrt(b->mass);
+      H[i] = sign * e[i] / sqrt(b->mass);
     for (int i = d == 2 ? 2 : 0; i < 3; i++)
-      J[r + d * (d == 2 ? 2 : 3 + i)] =
+      H[d == 2 ? 2 : 3 + i] =
           sign * (arm[(i + 1) % 3] * e[(i + 2) % 3] - arm[(i + 2) % 3] * e[(i + 1) % 3]) /
           sqrt(b->inertia[i]);
   }
@@ -297,17 +297,17 @@ static void rigid_list(const rigid *a, int *first, int *list) {
   first[0] = 0;
 }
 
-/* Adds block (e, c) of W, J_e J_c^T of the bodies that both have. */
+/* Adds block (e, c) of W, H_e^T H_c of the bodies that both have. */
 static void rigid_couple(const rigid *a, int e, int c, double *block) {
   const int d = a->d, n = 3 * (d - 1);
   for (int k = 0; k < 4; k++) {
-    const double *E = a->J + (size_t)(2 * e + k / 2) * (size_t)(d * n);
-    const double *C = a->J + (size_t)(2 * c + k % 2) * (size_t)(d * n);
+    const double *E = a->H + (size_t)(2 * e + k / 2) * (size_t)(d * n);
+    const double *C = a->H + (size_t)(2 * c + k % 2) * (size_t)(d * n);
     if (a->body[2 * e + k / 2] < 0 || a->body[2 * e + k / 2] != a->body[2 * c + k % 2]) continue;
     for (int l = 0; l < n; l++)
       for (int j = 0; j < d; j++)
         for (int i = 0; i < d; i++)
-          block[i + d * j] += E[i + d * l] * C[j + d * l];
+          block[i + d * j] += E[l + n * i] * C[l + n * j];
   }
 }
 
@@ -342,14 +342,14 @@ static int rigid_fill(rigid *a, const heap *h, double mu) {
   *a = (rigid){.d = d, .bodies = h->bodies};
   a->contact = (dls_contact){.d = d, .nc = nc};
   a->body = calloc(2 * candidates, sizeof *a->body);
-  a->J = calloc(2 * candidates * size, sizeof *a->J);
+  a->H = calloc(2 * candidates * size, sizeof *a->H);
   a->v = calloc((size_t)h->bodies * (size_t)n, sizeof *a->v);
   a->p = calloc(candidates + 1, sizeof *a->p);
   a->q = calloc(m, sizeof *a->q);
   a->mu = calloc(candidates, sizeof *a->mu);
   int *first = calloc((size_t)h->bodies + 1, sizeof *first);
   int *list = calloc(2 * candidates, sizeof *list), *seen = calloc(candidates, sizeof *seen);
-  int bad = !a->body || !a->J || !a->v || !a->p || !a->q || !a->mu || !first || !list || !seen;
+  int bad = !a->body || !a->H || !a->v || !a->p || !a->q || !a->mu || !first || !list || !seen;
   for (int b = 0; !bad && b < h->bodies; b++) {
     const solid *s = &h->body[b];
     double *v = a->v + b * n;
@@ -363,12 +363,12 @@ static int rigid_fill(rigid *a, const heap *h, double mu) {
     a->mu[c] = mu;
     for (int side = 0; side < 2; side++) {
       const int b = a->body[2 * c + side] = side ? at->b : at->a;
-      double *J = a->J + (size_t)(2 * c + side) * size;
+      double *H = a->H + (size_t)(2 * c + side) * size;
       if (b < 0) continue;
-      rigid_rows(d, at, &h->body[b], side ? -1 : 1, J);
+      rigid_rows(d, at, &h->body[b], side ? -1 : 1, H);
       for (int l = 0; l < n; l++)
         for (int i = 0; i < d; i++)
-          a->q[d * c + i] += J[i + d * l] * a->v[b * n + l];
+          a->q[d * c + i] += H[l + n * i] * a->v[b * n + l];
     }
   }
   if (!bad) {
@@ -385,12 +385,15 @@ static int rigid_fill(rigid *a, const heap *h, double mu) {
   a->contact.Wb = (dls_blocks){d, nc, a->p, a->i, a->x};
   a->contact.q = a->q;
   a->contact.mu = a->mu;
+  a->factored = a->contact;
+  a->factored.Wb = (dls_blocks){0};
+  a->factored.bodies = (dls_bodies){n, a->bodies, a->body, a->H, NULL};
   return bad ? -1 : 0;
 }
 
 void rigid_free(rigid *a) {
   free(a->body);
-  free(a->J);
+  free(a->H);
   free(a->v);
   free(a->p);
   free(a->i);

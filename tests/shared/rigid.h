@@ -12,9 +12,10 @@
 
 typedef struct rigid {
   int d, bodies;
-  dls_contact contact; /* of the arrays below */
+  dls_contact contact;  /* of the arrays below, W by blocks */
+  dls_contact factored; /* the same, of bodies */
   int *body;  /* 2 nc: of candidate c the upper one 2 c, the lower one 2 c + 1; -1: fixed */
-  double *J;  /* nc times 2 blocks of d x n, column-major: H^T M^-1/2, n = 3 (d - 1) motions */
+  double *H;  /* nc times 2 blocks of n x d, column-major: M^-1/2 H, n = 3 (d - 1) motions */
   double *v;  /* n bodies: M^1/2 v */
   int *p, *i; /* of W by blocks */
   double *x, *q, *mu;

@@ -1,0 +1,185 @@
+/* test_slabs.c: slabs (vi/slabs.c), and sweeps on several threads. */
+#include <check.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cases.h"
+#include "delassus.h"
+#include "malloc_fails.h"
+#include "rigid.h"
+#include "run.h"
+#include "vi/vi_internal.h"
+
+static rigid s;
+
+static void make(const char *kind, int candidates, uint64_t number) {
+  ck_assert_int_eq(rigid_create(&s, kind, candidates, .5, number), 0);
+}
+
+/* Each candidate stands in one slab; no row of u, or no body, is changed by two slabs of a
+ * parity. */
+START_TEST(slabs_of_a_parity_share_nothing) {
+  static const char *const kind[] = {"packing-flow", "wall-rest", "chain", "tower"};
+  make(kind[_i / 2], 1500, 3);
+  const dls_contact *p = _i % 2 ? &s.factored : &s.contact;
+  const int rows = _i % 2 ? s.bodies : p->nc;
+  dlsi_slabs slabs = {.memory = NULL};
+  ck_assert_int_eq(dlsi_slabs_set(&slabs, p, NULL), DLS_OK);
+  int *owner = malloc(2 * (size_t)rows * sizeof *owner),
+      *seen = calloc((size_t)p->nc, sizeof *seen);
+  ck_assert(owner && seen);
+  for (int k = 0; k < 2 * rows; k++)
+    owner[k] = -1;
+  ck_assert_int_gt(slabs.set.slabs, 3);
+  ck_assert_int_eq(slabs.set.start[slabs.set.slabs], p->nc);
+  for (int k = 0; k < slabs.set.slabs; k++)
+    for (int at = slabs.set.start[k]; at < slabs.set.start[k + 1]; at++) {
+      const int c = slabs.set.list[at], first = _i % 2 ? 2 * c : p->Wb.p[c];
+      const int end = _i % 2 ? 2 * c + 2 : p->Wb.p[c + 1];
+      ck_assert_int_eq(seen[c]++, 0);
+      for (int e = first; e < end; e++) {
+        const int row = _i % 2 ? p->bodies.body[e] : p->Wb.i[e];
+        if (row < 0) continue;
+        int *of = &owner[2 * row + k % 2];
+        ck_assert(*of < 0 || *of == k);
+        *of = k;
+      }
+    }
+  free(owner);
+  free(seen);
+  dlsi_slabs_free(&slabs);
+  rigid_free(&s);
+}
+END_TEST
+
+/* Solves with so many threads; r is the caller's, m. */
+static dls_info solve_with(const dls_contact *p, int threads, dls_acceleration acceleration,
+                           dls_method method, double *r) {
+  dls_solver_settings settings;
+  dls_info info;
+  dls_solver_settings_init(&settings);
+  ck_assert_int_eq(settings.limits.threads, 1);
+  settings.limits.threads = threads;
+  settings.limits.tol = 1e-3;
+  settings.limits.max_iterations = 2000;
+  settings.method = method;
+  settings.acceleration = acceleration;
+  ck_assert_int_eq(dls_solve(p, &settings, r, NULL, &info, NULL), DLS_OK);
+  ck_assert_double_le(info.certificate.residual, 1e-3);
+  return info;
+}
+
+/* Two, three and seven threads give the same bits, plain and with momentum, by blocks and of
+ * bodies; one thread solves, too. */
+START_TEST(bits_do_not_depend_on_threads) {
+  make("packing-flow", 2400, 3);
+  const dls_contact *p = _i % 2 ? &s.factored : &s.contact;
+  const dls_method method = _i / 2 == 2 ? DLS_AUTO : DLS_NLGS;
+  const dls_acceleration acceleration =
+      _i / 2 == 1 ? DLS_ACCELERATION_MOMENTUM : DLS_ACCELERATION_NONE;
+  const size_t m = (size_t)(s.d * p->nc);
+  double *r = malloc(3 * m * sizeof *r);
+  ck_assert_ptr_nonnull(r);
+  const dls_info one = solve_with(p, 1, acceleration, method, r);
+  const dls_info two = solve_with(p, 3, acceleration, method, r);
+  const dls_info many = solve_with(p, 7, acceleration, method, r + m);
+  ck_assert_mem_eq(r, r + m, (size_t)m * sizeof *r);
+  ck_assert_int_eq(two.iterations, many.iterations);
+  ck_assert_int_gt(one.iterations, 0);
+  free(r);
+  rigid_free(&s);
+}
+END_TEST
+
+/* A dense W beyond the cache: the bits of one thread. */
+START_TEST(dense_on_threads) {
+  enum { nc = 700, m = 3 * nc };
+  double *W = calloc((size_t)m * (size_t)m, sizeof *W);
+  double *q = malloc(3 * sizeof *q * (size_t)m), *r = q + m;
+  static double mu[nc];
+  ck_assert(W && q);
+  set_seed(20011);
+  for (int k = 0; k < m; k++) {
+    q[k] = uniform() - (k % 3 == 0 ? 1 : 0);
+    mu[k / 3] = .3;
+    for (int j = 0; j < m; j++)
+      W[k + (size_t)m * (size_t)j] = (k == j ? 1 : .2) / (1 + (k > j ? k - j : j - k));
+  }
+  const dls_contact p = {.d = 3, .nc = nc, .W = {m, m, m, W}, .q = q, .mu = mu};
+  (void)solve_with(&p, 1, DLS_ACCELERATION_NONE, DLS_NLGS, r);
+  (void)solve_with(&p, 3, DLS_ACCELERATION_NONE, DLS_NLGS, r + m);
+  ck_assert_mem_eq(r, r + m, (size_t)m * sizeof *r);
+  free(W);
+  free(q);
+}
+END_TEST
+
+/* From 1000 candidates on sweeps on bodies look every 5: what they say holds, and they keep to the
+ * limit and to a callback. */
+START_TEST(bodies_stop_in_time) {
+  make("packing-rest", 2400, 3);
+  const dls_contact *p = &s.factored;
+  double *r = malloc((size_t)(s.d * p->nc) * sizeof *r);
+  ck_assert_ptr_nonnull(r);
+  for (int most_sweeps = 1; most_sweeps <= 13; most_sweeps += 3) {
+    dls_nlgs_settings settings = {.size = 0};
+    dls_nlgs_settings_init(&settings);
+    settings.limits.max_iterations = most_sweeps;
+    settings.acceleration = most_sweeps % 2 ? DLS_ACCELERATION_NONE : DLS_ACCELERATION_MOMENTUM;
+    dls_nlgs *work;
+    dls_info info;
+    dls_certificate c;
+    ck_assert_int_eq(dls_nlgs_create(&work, s.d, p->nc, &settings, NULL), DLS_OK);
+    ck_assert_int_eq(dls_nlgs_solve(work, p, r, NULL, &info, NULL), DLS_MAX_ITERATIONS);
+    ck_assert_int_eq(info.iterations, most_sweeps);
+    ck_assert_int_eq(dls_contact_certify(p, r, NULL, &c, NULL), DLS_OK);
+    ck_assert(c.residual == info.certificate.residual && c.residual < 1);
+    dls_nlgs_destroy(work);
+  }
+  watch w = {NULL, 0, 1e300, 0, 2};
+  dls_solver_settings settings;
+  dls_info info;
+  dls_solver_settings_init(&settings);
+  settings.method = DLS_NLGS;
+  settings.limits.progress = look;
+  settings.limits.progress_data = &w;
+  ck_assert_int_eq(dls_solve(p, &settings, r, NULL, &info, NULL), DLS_CANCELLED);
+  ck_assert_int_eq(info.iterations, 10);
+  free(r);
+  rigid_free(&s);
+}
+END_TEST
+
+/* Each malloc of a first solve with threads and momentum may fail. */
+START_TEST(memory_of_threads) {
+  make("packing-flow", 1200, 3);
+  const dls_contact *p = _i ? &s.factored : &s.contact;
+  double *r = calloc((size_t)(s.d * p->nc), sizeof *r);
+  dls_solver_settings settings;
+  dls_solver_settings_init(&settings);
+  settings.method = DLS_NLGS;
+  settings.acceleration = DLS_ACCELERATION_MOMENTUM;
+  settings.limits.threads = 2;
+  settings.limits.max_iterations = 1;
+  dls_status status = DLS_E_MEMORY;
+  for (long k = 1; status < 0; k++) {
+    malloc_fails_at(k);
+    status = dls_solve(p, &settings, r, NULL, NULL, NULL);
+    malloc_fails_at(0);
+    ck_assert(status == DLS_E_MEMORY || (status == DLS_MAX_ITERATIONS && k > 3));
+    ck_assert(status != DLS_E_MEMORY || r[0] == 0);
+  }
+  settings.limits.threads = -1;
+  dls_error error;
+  ck_assert_int_eq(dls_solve(p, &settings, r, NULL, NULL, &error), DLS_E_ARGUMENT);
+  ck_assert_str_eq(error.argument, "threads");
+  free(r);
+  rigid_free(&s);
+}
+END_TEST
+
+int main(void) {
+  return RUN("slabs", NULL, NULL, EACH(slabs_of_a_parity_share_nothing, 0, 8),
+             EACH(bits_do_not_depend_on_threads, 0, 6), ONCE(dense_on_threads),
+             ONCE(bodies_stop_in_time), EACH(memory_of_threads, 0, 2));
+}
