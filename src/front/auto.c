@@ -4,9 +4,10 @@
  *
  *   (AT1)  sweeps     Gauss-Seidel with Anderson acceleration, in an order of the candidates that
  *                     follows from the data
- *   (AT13) push       W by blocks of more than 1000 candidates: Gauss-Seidel with momentum, in
- *                     place of (AT1); Newton's method then only where that gets nowhere at e <=
- *                     1e-5, and not again where it has failed
+ *   (AT13) push       W by blocks of more than 100 candidates: Gauss-Seidel with momentum after
+ *                     (AT1), which ends there when more than 100 sweeps are ahead; beyond 1000 in
+ *                     its place. Newton's method then only at e <= 1e-5, and after a failure only
+ *                     at a tenth of that: on packings its steps lead nowhere before
  *   (AT2)  splitting  ADMM, once, for a dense W after a failure of Newton's method, or before it
  *                     where a step costs more than 50 sweeps and the states still change
  *   (AT12) rest       the convex problem without mu |u_t| (vi/rest.c), for what may be a structure
@@ -38,8 +39,8 @@
  *          with the right states a step is exact in 2D, and two do in 3D; else s = 4. Each
  *          failure of Newton's method doubles s.
  *
- * Sweeps end when (AT6) > (AT7), or > 100 where (AT12) is next, after 10 sweeps (20 for W by
- * blocks; half of that from a warm start), a number that each failure doubles. Newton's method
+ * Sweeps end when (AT6) > (AT7), or > 100 where (AT12) or (AT13) is next, after 10 sweeps (20 for W
+ * by blocks; half of that from a warm start), a number that each failure doubles. Newton's method
  * gives up when 3 steps, doubled by each failure, have not brought e down by a tenth. A forecast
  * that was wrong is so believed less each time. No clock is read: the same input takes the same
  * stages and gives the same bits.
@@ -88,7 +89,9 @@ enum { dense_splits = 200 };     /* iterations of (AT2): more of them cost more 
 enum { few_blocks = 4 };         /* of a candidate, its own included */
 enum { rest_sweeps = 100 };      /* what (AT12) costs, analysis included, where it arrives */
 enum { pivot_rows = 400 };       /* (AT5), early: such a table stays in the cache */
-enum { push_candidates = 1000 }; /* (AT13): fewer, (AT1) takes as long */
+enum { few_push = 100 };         /* (AT13): fewer candidates by blocks are left to (AT1)-(AT5) */
+enum { push_candidates = 1000 }; /* ... more are not tried by (AT1) at all */
+enum { push_ahead = 100 };       /* (AT13): accelerated sweeps that take as long as it does */
 static const double push_near = 1e-5; /* (AT13) */
 enum { path_unknowns = 300 };         /* a thousand factorisations then take a few seconds */
 enum { other_unknowns = 3000 };       /* beyond, another way takes too long, and nothing is said */
@@ -154,6 +157,7 @@ typedef struct dlsi_auto {
   int has_split;      /* (AT2) has been tried */
   int may_rest;       /* (AT12) is worth a try, and has not been tried */
   int has_pushed;     /* (AT13) got nowhere */
+  int has_augmented;  /* (AT4) has been tried */
 
   /* of the stage under way */
   double target, least; /* logarithms of e* and of the least e that counts */
@@ -162,6 +166,30 @@ typedef struct dlsi_auto {
   int costly;           /* a Newton step, more than a sixth of (AT2) */
   int since;            /* iteration of the least e; of (AT13): of the last look */
 } dlsi_auto;
+
+/* ---- (AT13) ---------------------------------------------------------------------------------- */
+
+static int is_packing(const dlsi_auto *work) {
+  return !work->problem->W.a && work->problem->nc > few_push;
+}
+
+static int may_push(const dlsi_auto *work) {
+  return is_packing(work) && !work->has_pushed;
+}
+
+/* Not where (AT13) has got nowhere, but for once the augmented Lagrangian has failed, too. */
+static int may_sweep(const dlsi_auto *work) {
+  return !is_packing(work) ||
+         (work->problem->nc <= push_candidates && (work->info.stages == 0 || work->has_augmented));
+}
+
+static int is_near(const dlsi_auto *work, double residual) {
+  return residual <= push_near * pow(10, -work->failures);
+}
+
+static int may_step(const dlsi_auto *work) {
+  return !is_packing(work) || is_near(work, work->info.certificate.residual) || work->has_augmented;
+}
 
 /* ---- when a stage gives up ------------------------------------------------------------------- */
 
@@ -217,7 +245,8 @@ static int watch_sweeps(void *data, const dls_progress *p) {
   work->rate += 2. / (p->iteration + 1) * (gain - work->rate);
   if (p->iteration % look_every) return 0;
   const double newton = cost_of_newton(work), ahead = (work->least - work->target) / work->rate;
-  const double next = work->may_rest ? fmin(newton, rest_sweeps) : newton;
+  const double other = may_push(work) ? push_ahead : newton;
+  const double next = work->may_rest ? fmin(other, rest_sweeps) : other;
   const int first =
       (work->problem->W.a ? 1 : 2) * first_sweeps / (work->options.limits.warm_start + 1);
   return p->iteration >= first << work->failures && ahead > next;
@@ -245,8 +274,10 @@ static int watch_push(void *data, const dls_progress *p) {
   work->least -= gain;
   work->rate += 2. * sweeps / (p->iteration + sweeps) * (gain / sweeps - work->rate);
   work->since = p->iteration;
-  if (!work->may_rest || p->iteration % look_every) return 0;
-  return p->iteration >= 2 * first_sweeps && (now - work->target) / work->rate > rest_sweeps;
+  if (p->iteration % look_every || p->iteration < 2 * first_sweeps) return 0;
+  const double ahead = (now - work->target) / work->rate;
+  if (work->may_rest && ahead > rest_sweeps) return 1;
+  return is_near(work, p->residual) && ahead > cost_of_newton(work);
 }
 
 static int watch_limits(void *data, const dls_progress *p) {
@@ -289,20 +320,9 @@ static int may_split(const dlsi_auto *work) {
   return problem->W.a && (work->failures > 0 || work->costly);
 }
 
+/* Of bodies W by blocks is then formed only where a stage asks for it. */
 static int is_large(const dlsi_auto *work) {
-  return !work->problem->W.a && work->nc > push_candidates;
-}
-
-static int may_push(const dlsi_auto *work) {
-  return is_large(work) && !work->has_pushed;
-}
-
-static int may_sweep(const dlsi_auto *work) {
-  return !is_large(work);
-}
-
-static int may_step(const dlsi_auto *work) {
-  return !is_large(work) || (work->info.certificate.residual <= push_near && !work->failures);
+  return is_packing(work) && work->problem->nc > push_candidates;
 }
 
 static int may_pivot(const dlsi_auto *work) {
@@ -348,17 +368,14 @@ static const struct {
 static const struct {
   part part;
   int cold, copy;
-} stages[] = {{SWEEPS, 0, 0},          {PUSH, 0, 0},         {REST, 0, 0},
-              {SPLITTING, 0, 0},       {PUSH, 0, 0},         {NEWTON, 0, 0},
-              {PIVOTING, 0, 0},        {SPLITTING, 0, 0},    {SWEEPS, 0, 0},
-              {NEWTON, 0, 0},          {SWEEPS, 0, 0},       {NEWTON, 0, 0},
-              {SWEEPS, 0, 0},          {NEWTON, 0, 0},       {SWEEPS, 0, 1},
-              {NEWTON, 0, 1},          {PIVOTING, 0, 1},     {AUGMENTED, 0, 0},
-              {HOMOTOPY, 1, 1},        {SWEEPS, 0, 0},       {NEWTON, 0, 0},
-              {SWEEPS, 0, 0},          {OTHER_SWEEPS, 1, 0}, {NEWTON, 0, 0},
-              {OTHER_SPLITTING, 1, 0}, {NEWTON, 0, 0},       {AUGMENTED, 1, 0},
-              {SCATTER, 0, 1}};
-enum { quick_count = 14, stage_count = sizeof stages / sizeof stages[0] };
+} stages[] = {{SWEEPS, 0, 0},    {REST, 0, 0},         {SPLITTING, 0, 0}, {PUSH, 0, 0},
+              {NEWTON, 0, 0},    {PIVOTING, 0, 0},     {SPLITTING, 0, 0}, {SWEEPS, 0, 0},
+              {NEWTON, 0, 0},    {SWEEPS, 0, 0},       {NEWTON, 0, 0},    {SWEEPS, 0, 0},
+              {NEWTON, 0, 0},    {SWEEPS, 0, 1},       {NEWTON, 0, 1},    {PIVOTING, 0, 1},
+              {AUGMENTED, 0, 0}, {HOMOTOPY, 1, 1},     {SWEEPS, 0, 0},    {NEWTON, 0, 0},
+              {SWEEPS, 0, 0},    {OTHER_SWEEPS, 1, 0}, {NEWTON, 0, 0},    {OTHER_SPLITTING, 1, 0},
+              {NEWTON, 0, 0},    {AUGMENTED, 1, 0},    {SCATTER, 0, 1}};
+enum { quick_count = 13, stage_count = sizeof stages / sizeof stages[0] };
 _Static_assert((int)stage_count + 3 <= (int)DLS_STAGES_MAX,
                "a line for each in the report, for (AT14), the states, and after the copy");
 
@@ -424,6 +441,7 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
   if (k == SPLITTING) work->has_split = 1;
   if (k == REST) work->may_rest = 0;
   if (k == PUSH && status == DLS_STALLED) work->has_pushed = 1;
+  if (k == AUGMENTED) work->has_augmented = 1;
   if ((k == SPLITTING || k == OTHER_SPLITTING || k == REST) && status == DLS_E_UNSUPPORTED)
     return DLS_STALLED; /* a build without MUMPS */
   if (status < 0) {
@@ -488,7 +506,9 @@ static dls_status judge(dlsi_auto *work, dls_error *error) {
 static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *error) {
   const dls_limits *limits = &work->options.limits;
   for (int k = first; k < end; k++) {
-    const part now = stages[k].part;
+    const part listed = stages[k].part;
+    const part now = listed == SWEEPS && !may_sweep(work) && may_push(work) ? PUSH : listed;
+    if (listed == PUSH && is_near(work, work->info.certificate.residual)) continue;
     if (stages[k].copy && !work->has_copy) continue;
     if (part_of[now].may && !part_of[now].may(work)) continue;
     const int early = now == PIVOTING && k < quick_count;
@@ -716,7 +736,7 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   work->limited = work->failures = work->has_split = work->costly = work->rounded = 0;
   work->has_copy = work->has_direction = work->has_farkas = work->excluded = 0;
   work->may_rest = looks_at_rest(work);
-  work->has_pushed = 0;
+  work->has_pushed = work->has_augmented = 0;
   memset(work->best, 0, m * sizeof *r);
   if (work->options.limits.warm_start) memcpy(work->best, r, m * sizeof *r);
   status = take_stages(work, error);
@@ -787,7 +807,7 @@ static dls_status auto_create(void **out, int d, int nc, const dlsi_options *opt
   for (part k = 0; !status && !options->lazy && k < parts; k++) {
     const int m = d * nc, large = m > other_unknowns;
     if ((k == SPLITTING || k == REST) && m < split_unknowns) continue;
-    if (k == PUSH && (nc <= push_candidates || !options->limits.blocks)) continue;
+    if (k == PUSH && (nc <= few_push || !options->limits.blocks)) continue;
     if (k == SWEEPS && nc > push_candidates && options->limits.blocks) continue;
     if (k == PIVOTING && !may_pivot(work)) continue;
     if ((k == HOMOTOPY || k == SCATTER) && m > path_unknowns) continue;
