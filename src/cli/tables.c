@@ -77,9 +77,8 @@ static int compare_step(const dls_forming_data *d, int step, int first, history 
   return 1;
 }
 
-/* Runs a scene by a method up to its end, to a step that fails, or past `limit` seconds of CPU, at
- * which it looks after each step. Returns 0 where the table has to end: after a complaint, or an
- * interrupt. */
+/* Runs a scene by a method up to its end, to a step that fails, or to `limit` seconds of CPU (0:
+ * none). Returns 0 where the table has to end: after a complaint, or an interrupt. */
 static int run_method(const char *scene, const row *by, double limit, history *h, result *r) {
   const char *method = by->method;
   dls_forming_settings settings;
@@ -93,6 +92,7 @@ static int run_method(const char *scene, const row *by, double limit, history *h
   settings.augmentations = by->augmentations;
   if (by->relaxation > 0) settings.relaxation = by->relaxation;
   settings.aitken = !by->plain;
+  settings.cpu_seconds = limit;
   const int first = !h->values;
   const double start = cpu_seconds();
   if (dls_forming_create(&forming, scene, &settings, &error)) return complain_of(scene, &error), 0;
@@ -110,8 +110,6 @@ static int run_method(const char *scene, const row *by, double limit, history *h
       good = 0;
     } else if (show_step(&r->data, step)) {
       good = 0;
-    } else if (!r->status && step < steps && cpu_seconds() - start > limit) {
-      r->status = DLS_TIME_LIMIT;
     }
   }
   progress_end();
@@ -237,7 +235,7 @@ static int run_table(int scene, int json) {
         "Newton", "frames", "iterations", "force", "displ", "residual");
   const char *comma = "";
   for (int k = 0; good && k < ROWS; k++) {
-    good = run_method(name, &rows[k], INFINITY, &h, &r[k]);
+    good = run_method(name, &rows[k], 0, &h, &r[k]);
     if (!r[k].present) continue;
     if (json)
       print_json_result(comma, &rows[k], &r[k]), putchar('}');
@@ -285,7 +283,7 @@ static const double study_patience = 10;
 static int run_study(int scene, int json) {
   const char *name = dls_forming_name(scene);
   history h = {0};
-  double lemke = INFINITY;
+  double lemke = 0;
   int good = 1;
   if (json)
     printf("%s\n    {\"scene\": \"%s\", \"rows\": [", scene ? "," : "", name);
@@ -301,7 +299,7 @@ static int run_study(int scene, int json) {
   for (size_t k = 0; good && k < sizeof study / sizeof study[0]; k++) {
     const row *s = &study[k];
     result r;
-    good = run_method(name, s, k ? study_patience * lemke : INFINITY, &h, &r);
+    good = run_method(name, s, study_patience * lemke, &h, &r);
     if (!r.present) continue;
     if (k == 0) lemke = r.cpu;
     if (json) {
