@@ -26,6 +26,11 @@ static void solve_usage(FILE *out) {
       "Solves a contact problem (FCLIB, HDF5; local, or global after its reduction; or text as in\n"
       "data/failures) or of the matrices of a host code, or an LCP (Matrix Market, or text) by\n"
       "Lemke's method. The last line on stdout is 'solved' or 'not solved: WHY'.\n"
+      "An FCLIB file holds fclib_local/ with W, vectors/q, vectors/mu and spacedim, or\n"
+      "fclib_global/ with M, H, vectors/f, vectors/w, vectors/mu and spacedim; a matrix is a group "
+      "of\n"
+      "m n nz nzmax p i x, with nz = -1 compressed columns. delassus(1), docs/files.md: the "
+      "details.\n"
       "\n",
       out);
   matrices_usage(out);
