@@ -399,7 +399,9 @@ int command_solve(int argc, char **argv) {
     return complain("--%s: an LCP is solved by lemke", o.solver.method_given ? "method" : "accel");
   if (o.history && o.plot) return complain("--plot: writes the history, too; one of the two");
   history rows = {.stage = ""};
-  if (o.plot && !make_directory(o.plot)) return EXIT_BAD_INPUT;
+  /* before the work: an answer that cannot be written is lost */
+  if ((o.plot && !make_directory(o.plot)) || (o.csv && !make_directory(o.csv)))
+    return EXIT_BAD_INPUT;
   if (o.plot && !(rows.file = open_in(o.plot, "history.csv"))) return EXIT_BAD_INPUT;
   if (o.history && !(rows.file = fopen(o.history, "w")))
     return complain("%s: cannot be opened for writing", o.history);
