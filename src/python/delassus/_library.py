@@ -67,7 +67,7 @@ _USED = {
     "dls_sparse": "rows cols p i x",
     "dls_blocks": "d n p i x",
     "dls_bodies": "n count body H work",
-    "dls_contact": "d nc W Wb bodies q mu",
+    "dls_contact": "d nc W Wb q mu bodies",
     "dls_model": "d n nodes operator_kind factorization K Ks solve user HN HT P active mu modes "
                  "triangular",
     "dls_reduction_settings": "size memory_limit allow_indefinite stabilize form_W",
