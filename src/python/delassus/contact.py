@@ -6,7 +6,7 @@ from ctypes import byref, c_int
 
 import numpy as np
 
-from ._library import (PROGRESS_FN, address, call, constants, dense, lib, structs, vector)
+from ._library import (PROGRESS_FN, address, call, constants, dense, entries, lib, structs, vector)
 
 _STATES = np.array(["free", "slip", "stick"])
 
@@ -153,7 +153,7 @@ def _problem(W, q, mu, d):
     q = vector("q", q, d * nc)
     mu = vector("mu", mu, nc)
     if W.shape != (q.size, q.size):
-        raise ValueError(f"W is {W.shape[0]} x {W.shape[1]}, q has {q.size} entries")
+        raise ValueError(f"W is {W.shape[0]} x {W.shape[1]}, q has {entries(q)}")
     problem = structs["dls_contact"](d=d, nc=nc, q=address(q), mu=address(mu))
     if hasattr(W, "tocsc"):
         # rows of blocks of the transpose, each stored by rows: the columns of W, stored by columns
