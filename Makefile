@@ -306,6 +306,36 @@ properties: $(PROPERTIES_PROGRAM)
 check-properties: $(PROPERTIES_PROGRAM)
 	@OPENBLAS_NUM_THREADS=1 $(PROPERTIES_PROGRAM) --out $(BUILD)/properties --count 420 --seed 1 --step 2
 
+# ---- torments (tests/torment/README.md) ------------------------------------------------------------
+
+# any bytes into every door: an engine of its own, or with clang libFuzzer's
+FUZZ_OBJ = $(call obj,$(wildcard tests/torment/fuzz*.c)) $(BUILD)/obj/tests/torment/main.o
+FUZZ_CLI = $(filter-out %/main.o,$(call obj,$(CLI_SRC)))
+$(call obj,$(wildcard tests/torment/fuzz*.c)): CPPFLAGS += $(HDF5_CFLAGS) $(FUZZ_CPP)
+$(BUILD)/obj/tests/torment/main.o: src/cli/main.c
+	@mkdir -p $(@D)
+	$(call say,CC  )
+	$(Q)$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -Dmain=delassus_main -Wno-missing-prototypes -c -o $@ $<
+$(BUILD)/tests/torment/fuzz: $(FUZZ_OBJ) $(FUZZ_CLI) $(FE) $(A)
+	@mkdir -p $(@D)
+	$(call say,LINK)
+	$(Q)$(CC) $(SANITIZE) $(FUZZ_LINK) $(LDFLAGS) -o $@ $^ $(LIBS)
+
+.PHONY: fuzz check-fuzz
+FUZZ_TARGETS = fclib sets mtx text calculix program lcp contact reduction motion
+FUZZ_SECONDS ?= 60
+# under the sanitizers; a target of libFuzzer is told by the program's name
+FUZZ_FLAGS = BUILD=$(BUILD)/fuzz CFLAGS='-O1 -g -fno-omit-frame-pointer'
+fuzz:
+	@if command -v clang >/dev/null; then tests/torment/fuzz.sh '$(MAKE)' $(BUILD)/fuzz $(FUZZ_SECONDS) $(FUZZ_TARGETS); else \
+	  $(MAKE) --no-print-directory $(BUILD)/fuzz/tests/torment/fuzz $(FUZZ_FLAGS) SANITIZE='-fsanitize=address,undefined -fno-sanitize-recover=all' && \
+	  OPENBLAS_NUM_THREADS=1 $(BUILD)/fuzz/tests/torment/fuzz --seconds=$(FUZZ_SECONDS) --sanitized --out=$(BUILD)/fuzz; fi
+
+# without clang and sanitizers: memory and time, too
+FUZZ ?= --seconds=2
+check-fuzz: $(BUILD)/tests/torment/fuzz
+	@OPENBLAS_NUM_THREADS=1 $< --out=$(BUILD) $(FUZZ)
+
 # ---- benchmarks, never part of all or check --------------------------------------------------------
 
 # pages, tables and pictures go there
