@@ -321,6 +321,20 @@ $(BUILD)/tests/torment/fuzz: $(FUZZ_OBJ) $(FUZZ_CLI) $(FE) $(A)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(FUZZ_LINK) $(LDFLAGS) -o $@ $^ $(LIBS)
 
+# every k-th call of malloc, open, fsync, rename, close fails
+FAULT_WRAP = $(patsubst %,-Wl$(comma)--wrap=%,malloc calloc realloc free fopen open fdopen fsync rename fclose)
+comma = ,
+$(BUILD)/tests/torment/faults: $(call obj,tests/torment/faults.c) $(BUILD)/obj/tests/torment/main.o $(FUZZ_CLI) $(FE) $(A)
+	@mkdir -p $(@D)
+	$(call say,LINK)
+	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) $(FAULT_WRAP) -o $@ $^ $(LIBS)
+.PHONY: faults check-faults
+FAULTS ?= --most=0
+faults: $(BUILD)/tests/torment/faults
+	OPENBLAS_NUM_THREADS=1 $< $(FAULTS)
+check-faults: $(BUILD)/tests/torment/faults
+	@OPENBLAS_NUM_THREADS=1 $< --most=8
+
 .PHONY: fuzz check-fuzz
 FUZZ_TARGETS = fclib sets mtx text calculix program lcp contact reduction motion
 FUZZ_SECONDS ?= 60

@@ -159,6 +159,9 @@ const char *iteration_word(dls_method method, int count);
 
 /* ---- results.c ------------------------------------------------------------------------------- */
 
+/* Finds the state of each candidate; a new array, or NULL after a complaint. */
+dls_contact_state *find_states(const dls_contact *contact, const double *r, const double *u);
+
 /* Prints the answer as a table: each candidate's state, reaction and position; with x (n), each
  * unknown's. */
 int print_results(const problem *p, const double *r, const double *u, const double *x);

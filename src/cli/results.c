@@ -58,8 +58,7 @@ static void put_unknowns(const sheet *s, const problem *p, const double *x) {
   }
 }
 
-static dls_contact_state *find_states(const dls_contact *contact, const double *r,
-                                      const double *u) {
+dls_contact_state *find_states(const dls_contact *contact, const double *r, const double *u) {
   const size_t count = contact->nc > 0 ? (size_t)contact->nc : 1;
   dls_contact_state *state = malloc(count * sizeof *state);
   dls_error error = {0};

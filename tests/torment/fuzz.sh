@@ -4,12 +4,12 @@
 # BUILD/corpus. An input of 1 s by the wall or an allocation of 64 MB is a failure; the input that fails stays in BUILD.
 set -u
 make=$1
-build=$2
+build=$(mkdir -p "$2" && cd "$2" && pwd) # targets change the directory
 seconds=$3
-shift 3
-$make --no-print-directory "$build/tests/torment/fuzz" BUILD="$build" CC=clang CFLAGS='-O1 -g -fno-omit-frame-pointer' \
+$make --no-print-directory "$2/tests/torment/fuzz" BUILD="$2" CC=clang CFLAGS='-O1 -g -fno-omit-frame-pointer' \
   SANITIZE='-fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all' FUZZ_LINK=-fsanitize=fuzzer \
   FUZZ_CPP=-DFUZZ_ENGINE || exit 1
+shift 3
 bad=0
 export OPENBLAS_NUM_THREADS=1 ASAN_OPTIONS=quarantine_size_mb=16:allocator_may_return_null=1
 for target in "$@"; do
