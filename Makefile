@@ -122,6 +122,8 @@ help:
 	@echo 'make asan        tests under the address and undefined sanitizers'
 	@echo 'make threads     eight threads at once under the thread sanitizer'
 	@echo 'make valgrind    tests under valgrind, no leak'
+	@echo 'make torment     faults, fuzz, threads, mutants; make fuzz FUZZ_SECONDS=600; make faults'
+	@echo 'make check-fuzz check-faults   the short forms of two of them'
 	@echo 'make check-languages   tests and examples in C++, Fortran and Python'
 	@echo 'make check-build check-symbols check-arrows check-names check-headers   parts of it, and each header'
 	@echo 'make lint format-check format      clang-tidy and cppcheck; layout and 100 columns'
@@ -226,7 +228,7 @@ $(BUILD)/obj/tests/files/test_files.o: CPPFLAGS += $(HDF5_CFLAGS)
 
 .PHONY: check
 check: deps
-	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build check-properties check-install
+	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build check-properties check-faults check-fuzz check-install
 
 .PHONY: check-build
 check-build: all $(TESTS) $(LANGUAGES)
@@ -307,6 +309,13 @@ check-properties: $(PROPERTIES_PROGRAM)
 	@OPENBLAS_NUM_THREADS=1 $(PROPERTIES_PROGRAM) --out $(BUILD)/properties --count 420 --seed 1 --step 2
 
 # ---- torments (tests/torment/README.md) ------------------------------------------------------------
+
+.PHONY: torment
+torment:
+	@$(MAKE) --no-print-directory faults
+	@$(MAKE) --no-print-directory fuzz
+	@$(MAKE) --no-print-directory threads
+	@$(MAKE) --no-print-directory mutants
 
 # any bytes into every door: an engine of its own, or with clang libFuzzer's
 FUZZ_OBJ = $(call obj,$(wildcard tests/torment/fuzz*.c)) $(BUILD)/obj/tests/torment/main.o

@@ -346,6 +346,8 @@ static int run_forming(const forming_options *o) {
         print_forming_json(o, &d, status, seconds);
       else
         print_forming_summary(o, &d, status, seconds);
+      if (out.force && status)
+        fprintf(out.force, "# %s at %.6g of %.6g mm\n", dls_status_text(status), d.travel, d.whole);
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
   if (result == EXIT_BAD_INPUT) drop_outputs(&out);

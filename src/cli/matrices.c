@@ -411,9 +411,9 @@ static int read_square(const char *option, const char *path, int *n, double **a)
   return good;
 }
 
-/* Chooses the factorisation: Cholesky, or LDL^T where that fails, for a symmetric K. */
+/* Chooses the factorisation: Cholesky, or LDL^T where that fails, for a symmetric K (1; -1: after a
+ * complaint). */
 static int choose_factorization(int symmetric, dls_model *model) {
-  if (symmetric < 0) (void)complain("out of memory");
   model->factorization = symmetric ? DLS_CHOLESKY : DLS_LU;
   return symmetric >= 0;
 }

@@ -344,6 +344,9 @@ static int run_moving(const moving_options *o) {
     if (moving_steps(moving, o, &files, &worst, &status)) {
       dls_moving_get(moving, &d);
       print_moving_summary(&d, &worst, status);
+      if (files.energy && status)
+        fprintf(files.energy, "# %s after %d of %d steps\n", dls_status_text(status), d.step,
+                d.steps);
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
   if (result == EXIT_BAD_INPUT) drop_moving(&files);

@@ -83,12 +83,13 @@ int print_results(const problem *p, const double *r, const double *u, const doub
 }
 
 int write_results(const char *directory, const problem *p, const double *r, const double *u,
-                  const double *x) {
+                  const double *x, const char *unsolved) {
   if (!make_directory(directory)) return 0;
   dls_contact_state *state = find_states(&p->contact, r, u);
   sheet s = {state ? open_in(directory, "r.csv") : NULL, 1};
   int good = s.file != NULL;
   if (good) {
+    if (*unsolved) (void)fprintf(s.file, "# %s\n", unsolved);
     put_candidates(&s, &p->contact, state, r, u);
     good = close_file(s.file, "r.csv");
   }
@@ -96,6 +97,7 @@ int write_results(const char *directory, const problem *p, const double *r, cons
   if (!good || !x) return good;
   s.file = open_in(directory, "x.csv");
   if (!s.file) return 0;
+  if (*unsolved) (void)fprintf(s.file, "# %s\n", unsolved);
   put_unknowns(&s, p, x);
   return close_file(s.file, "x.csv");
 }

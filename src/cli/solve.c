@@ -78,15 +78,32 @@ static int write_row(void *data, const dls_progress *p) {
 
 /* ---- contact problems ------------------------------------------------------------------------ */
 
+/* Writes the problem's title into text (size), followed by `unsolved` instead of what an earlier
+ * solve has put there. */
+static const char *make_title(const problem *p, const char *unsolved, char *text, size_t size) {
+  const char *title = problem_title(p), *before = strstr(title, "[not solved: ");
+  int length = before ? (int)(before - title) : (int)strlen(title);
+  while (length > 0 && title[length - 1] == ' ')
+    length--;
+  if (*unsolved)
+    (void)snprintf(text, size, "%.*s%s[%s]", length, title, length ? " " : "", unsolved);
+  else
+    (void)snprintf(text, size, "%.*s", length, title);
+  return text;
+}
+
 /* Writes r as a Matrix Market file, or the problem with its solution as FCLIB: as it was condensed
- * where the format does not hold the model (a flexibility, a weighting). x: n, or NULL. */
+ * where the format does not hold the model (a flexibility, a weighting). x: n, or NULL. unsolved:
+ * in a comment, or in the title. */
 static dls_status write_solution(const char *out, const problem *p, const double *r,
-                                 const double *u, const double *x, dls_error *error) {
-  const char *title = problem_title(p);
+                                 const double *u, const double *x, const char *unsolved,
+                                 dls_error *error) {
+  char room[1000];
+  const char *title = make_title(p, unsolved, room, sizeof room);
   const size_t length = strlen(out);
   const int m = p->contact.d * p->contact.nc;
   if (length > 4 && strcmp(out + length - 4, ".mtx") == 0)
-    return dls_mtx_write(out, &(dls_dense){m, 1, m, r}, error);
+    return dls_mtx_write_commented(out, &(dls_dense){m, 1, m, r}, unsolved, error);
   if (!p->reduction || p->model.P.p || p->model.operator_kind == DLS_FLEXIBILITY)
     return dls_fclib_write_local(out, &p->contact, title, r, u, error);
   return dls_fclib_write_global(out, &p->model, p->f, p->g, p->mu, title, x, r, u, error);
@@ -191,11 +208,13 @@ static int solve_contact(const char *path, const solve_options *options) {
     print_json(stdout, &o);
   else if (!is_quiet() && !print_outcome(path, &p, &o, r, u))
     goto end;
-  if (options->out && write_solution(options->out, &p, r, u, x, &error)) {
+  char room[UNSOLVED_ROOM];
+  const char *unsolved = unsolved_words(status, o.info.certificate.residual, room, sizeof room);
+  if (options->out && write_solution(options->out, &p, r, u, x, unsolved, &error)) {
     (void)complain_of(options->out, &error);
     goto end;
   }
-  if (options->csv && !write_results(options->csv, &p, r, u, x)) goto end;
+  if (options->csv && !write_results(options->csv, &p, r, u, x, unsolved)) goto end;
   if (options->print && !print_results(&p, r, u, x)) goto end;
   if (!options->json) print_ending(status);
   result = status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
@@ -290,7 +309,9 @@ static int solve_one_lcp(const char *path, const dls_lcp *lcp, const solve_optio
     verdict_print(&v, options->proof);
   }
   const dls_dense answer = {n, 1, n, z};
-  if (options->out && dls_mtx_write(options->out, &answer, &error)) {
+  char room[UNSOLVED_ROOM];
+  const char *unsolved = unsolved_words(status, info.certificate.residual, room, sizeof room);
+  if (options->out && dls_mtx_write_commented(options->out, &answer, unsolved, &error)) {
     (void)complain_of(options->out, &error);
     goto end;
   }
