@@ -127,6 +127,8 @@ help:
 	@echo 'make asan        tests under the address and undefined sanitizers'
 	@echo 'make threads     eight threads at once under the thread sanitizer'
 	@echo 'make valgrind    tests under valgrind, no leak'
+	@echo 'make torment     faults, fuzz, threads, mutants; make fuzz FUZZ_SECONDS=600; make faults'
+	@echo 'make check-fuzz check-faults   the short forms of two of them'
 	@echo 'make check-languages   tests and examples in C++, Fortran and Python'
 	@echo 'make check-build check-symbols check-arrows check-names check-headers   parts of it, and each header'
 	@echo 'make lint format-check format      clang-tidy and cppcheck; layout and 100 columns'
@@ -232,7 +234,7 @@ $(BUILD)/obj/tests/files/test_files.o: CPPFLAGS += $(HDF5_CFLAGS)
 
 .PHONY: check
 check: deps
-	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build check-properties check-install
+	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build check-properties check-faults check-fuzz check-install
 
 .PHONY: check-build
 check-build: all $(TESTS) $(LANGUAGES) $(addprefix $(BUILD)/bench/,auto blocks steps trust)
@@ -311,6 +313,57 @@ properties: $(PROPERTIES_PROGRAM)
 .PHONY: check-properties
 check-properties: $(PROPERTIES_PROGRAM)
 	@OPENBLAS_NUM_THREADS=1 $(PROPERTIES_PROGRAM) --out $(BUILD)/properties --count 420 --seed 1 --step 2
+
+# ---- torments (tests/torment/README.md) ------------------------------------------------------------
+
+.PHONY: torment
+torment:
+	@$(MAKE) --no-print-directory faults
+	@$(MAKE) --no-print-directory fuzz
+	@$(MAKE) --no-print-directory threads
+	@$(MAKE) --no-print-directory mutants
+
+# any bytes into every door: an engine of its own, or with clang libFuzzer's
+FUZZ_OBJ = $(call obj,$(wildcard tests/torment/fuzz*.c)) $(BUILD)/obj/tests/torment/main.o
+FUZZ_CLI = $(filter-out %/main.o,$(call obj,$(CLI_SRC)))
+$(call obj,$(wildcard tests/torment/fuzz*.c)): CPPFLAGS += $(HDF5_CFLAGS) $(FUZZ_CPP)
+$(BUILD)/obj/tests/torment/main.o: src/cli/main.c
+	@mkdir -p $(@D)
+	$(call say,CC  )
+	$(Q)$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -Dmain=delassus_main -Wno-missing-prototypes -c -o $@ $<
+$(BUILD)/tests/torment/fuzz: $(FUZZ_OBJ) $(FUZZ_CLI) $(FE) $(A)
+	@mkdir -p $(@D)
+	$(call say,LINK)
+	$(Q)$(CC) $(SANITIZE) $(FUZZ_LINK) $(LDFLAGS) -o $@ $^ $(LIBS)
+
+# every k-th call of malloc, open, fsync, rename, close fails
+FAULT_WRAP = $(patsubst %,-Wl$(comma)--wrap=%,malloc calloc realloc free fopen open fdopen fsync rename fclose)
+comma = ,
+$(BUILD)/tests/torment/faults: $(call obj,tests/torment/faults.c) $(BUILD)/obj/tests/torment/main.o $(FUZZ_CLI) $(FE) $(A)
+	@mkdir -p $(@D)
+	$(call say,LINK)
+	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) $(FAULT_WRAP) -o $@ $^ $(LIBS)
+.PHONY: faults check-faults
+FAULTS ?= --most=0
+faults: $(BUILD)/tests/torment/faults
+	OPENBLAS_NUM_THREADS=1 $< $(FAULTS)
+check-faults: $(BUILD)/tests/torment/faults
+	@OPENBLAS_NUM_THREADS=1 $< --most=8
+
+.PHONY: fuzz check-fuzz
+FUZZ_TARGETS = fclib sets mtx text calculix program lcp contact reduction motion
+FUZZ_SECONDS ?= 60
+# under the sanitizers; a target of libFuzzer is told by the program's name
+FUZZ_FLAGS = BUILD=$(BUILD)/fuzz CFLAGS='-O1 -g -fno-omit-frame-pointer'
+fuzz:
+	@if command -v clang >/dev/null; then tests/torment/fuzz.sh '$(MAKE)' $(BUILD)/fuzz $(FUZZ_SECONDS) $(FUZZ_TARGETS); else \
+	  $(MAKE) --no-print-directory $(BUILD)/fuzz/tests/torment/fuzz $(FUZZ_FLAGS) SANITIZE='-fsanitize=address,undefined -fno-sanitize-recover=all' && \
+	  OPENBLAS_NUM_THREADS=1 $(BUILD)/fuzz/tests/torment/fuzz --seconds=$(FUZZ_SECONDS) --sanitized --out=$(BUILD)/fuzz; fi
+
+# without clang and sanitizers: memory and time, too
+FUZZ ?= --seconds=2
+check-fuzz: $(BUILD)/tests/torment/fuzz
+	@OPENBLAS_NUM_THREADS=1 $< --out=$(BUILD) $(FUZZ)
 
 # ---- benchmarks, never part of all or check --------------------------------------------------------
 

@@ -10,6 +10,7 @@
 #include "cases.h"
 #include "delassus/nlgs.h"
 #include "delassus/reduction.h"
+#include "delassus/solve.h"
 #include "doors.h"
 #include "fclib_file.h"
 #include "malloc_fails.h"
@@ -250,6 +251,32 @@ END_TEST
 
 /* ---- bad input ------------------------------------------------------------------------------- */
 
+/* |F|^2 overflows where the residual is looked for: the search has to end. */
+START_TEST(squares_beyond_numbers) {
+  enum { nc = 60 };
+  static int p[nc + 1], i[3 * nc];
+  static double x[4 * 3 * nc], q[2 * nc], mu[nc], r[2 * nc];
+  int count = 0;
+  for (int c = 0; c < nc; c++) {
+    p[c] = count;
+    for (int b = c > 0 ? c - 1 : 0; b <= c + 1 && b < nc; b++, count++) {
+      i[count] = b;
+      x[4 * count] = x[4 * count + 3] = b == c ? 2e170 : -0.9999e170;
+    }
+    q[2 * c] = -1e170 * (1 + c % 3);
+    mu[c] = 0.3;
+  }
+  p[nc] = count;
+  const dls_contact problem = {.d = 2, .nc = nc, .Wb = {2, nc, p, i, x}, .q = q, .mu = mu};
+  dls_solver_settings s;
+  dls_solver_settings_init(&s);
+  s.method = DLS_NLGS;
+  s.acceleration = DLS_ACCELERATION_MOMENTUM;
+  s.limits.max_iterations = 400;
+  ck_assert_int_ge(dls_solve(&problem, &s, r, NULL, NULL, NULL), DLS_OK);
+}
+END_TEST
+
 START_TEST(bad_create) {
   expect_bad_create(&the_nlgs);
   const dls_nlgs_settings good = nlgs_tol(1e-8);
@@ -294,6 +321,6 @@ int main(void) {
              EACH(one_jammed_candidate_stalls, 0, jammed_count), ONCE(cycle),
              EACH(relaxation_keeps_the_answer, 0, 80), EACH(accelerated_random_problem, 0, 40),
              EACH(fclib_file, 0, sizeof files / sizeof files[0]), ONCE(accelerated_cycle),
-             EACH(accelerated_units, 0, 40), ONCE(accelerated_workspace), ONCE(bad_create),
-             ONCE(memory));
+             EACH(accelerated_units, 0, 40), ONCE(accelerated_workspace),
+             ONCE(squares_beyond_numbers), ONCE(bad_create), ONCE(memory));
 }
