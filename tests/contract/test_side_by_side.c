@@ -1,5 +1,5 @@
 /*
- * test_side_by_side.c: eight host threads at once, each with objects of its own: every method of the
+ * test_side_by_side.c: eight host threads at once, each with its own objects: every method of the
  * table by every door, LCP solvers, a motion. Each answer has the bits that one thread alone gets.
  * Reductions and files: tests/reduction/test_threads.c.
  */

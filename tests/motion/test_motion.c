@@ -462,6 +462,11 @@ START_TEST(test_arguments) {
   EXPECT(dls_motion_start(motion, bad, NULL, 0, &error), start, DLS_E_NOT_FINITE, "x", 1);
   EXPECT(dls_motion_start(motion, NULL, bad, 0, &error), start, DLS_E_NOT_FINITE, "v", 1);
   EXPECT(dls_motion_start(motion, NULL, NULL, bad[1], &error), start, DLS_E_NOT_FINITE, "t", 0);
+  const dls_motion_model pressed = point_model(0, 1, 0);
+  const dls_motion_settings along = moving_settings(DLS_MOTION_PATH, 1);
+  dls_motion *path = moving_create(&pressed, &along, NULL, NULL);
+  EXPECT(dls_motion_start(path, NULL, huge, 0, &error), start, DLS_E_ARGUMENT, "v", -1);
+  dls_motion_destroy(path);
   EXPECT(dls_motion_set_h(NULL, 1, &error), "dls_motion_set_h", DLS_E_ARGUMENT, "motion", -1);
   const dls_limits negative = {.tol = -1};
   EXPECT(dls_motion_set_limits(NULL, &settings.limits, &error), "dls_motion_set_limits",

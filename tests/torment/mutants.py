@@ -34,6 +34,7 @@ NEAR = {
     "src/files": ["files"],
     "src/front": ["front", "tuning", "contract", "catalogue"],
     "src/motion": ["motion"],
+    "src/base/exact.c": ["lcp", "front"],
 }
 # Minutes of forming and of pictures, which see the library through the same calls as the rest.
 SLOW = {"fe/test_forming", "fe/test_forming_body", "fe/test_moving", "cli/test_charts",
@@ -154,7 +155,7 @@ class Tree:
 
 def tests_of(file, tests):
     """Returns the tests in the order in which they are tried on a file."""
-    near = NEAR[next(room for room in ROOMS if file.startswith(room + "/"))]
+    near = NEAR.get(file) or NEAR[next(room for room in ROOMS if file.startswith(room + "/"))]
     rank = lambda test: near.index(test.split("/")[0]) if test.split("/")[0] in near else len(near)
     tests = [t for t in tests if t not in HEAVY or rank(t) < len(near)]
     return sorted(tests, key=lambda t: (rank(t), t in HEAVY, t))
