@@ -125,7 +125,9 @@ help:
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
 	@echo 'make check-properties   420 of them'
 	@echo 'make asan        tests under the address and undefined sanitizers'
-	@echo 'make threads     eight threads at once under the thread sanitizer'
+	@echo 'make threads     eight threads at once under the thread sanitizer; RUNS=20'
+	@echo 'make mutants     changes of the code that no test sees; MUTANTS=100 SEED=n'
+	@echo 'make coverage    lines and branches of the library that no test runs'
 	@echo 'make valgrind    tests under valgrind, no leak'
 	@echo 'make torment     faults, fuzz, threads, mutants; make fuzz FUZZ_SECONDS=600; make faults'
 	@echo 'make check-fuzz check-faults   the short forms of two of them'
@@ -250,12 +252,32 @@ asan:
 	$(MAKE) check-build BUILD=$(BUILD)/asan CFLAGS='-O1 -g -fno-omit-frame-pointer' \
 	  SANITIZE='-fsanitize=address,undefined -fno-sanitize-recover=all'
 
-# host threads under the thread sanitizer
+# host threads under the thread sanitizer, RUNS times
 .PHONY: threads
+RUNS ?= 1
+THREADS = $(addprefix $(BUILD)/tsan/tests/,reduction/test_threads contract/test_side_by_side)
 threads:
-	@$(MAKE) --no-print-directory $(BUILD)/tsan/tests/reduction/test_threads BUILD=$(BUILD)/tsan CFLAGS='-O1 -g' \
-	  SANITIZE=-fsanitize=thread
-	CK_FORK=no OPENBLAS_NUM_THREADS=1 TSAN_OPTIONS=halt_on_error=1 $(BUILD)/tsan/tests/reduction/test_threads
+	@$(MAKE) --no-print-directory $(THREADS) BUILD=$(BUILD)/tsan CFLAGS='-O1 -g' SANITIZE=-fsanitize=thread
+	for run in $$(seq $(RUNS)); do for test in $(THREADS); do \
+	  CK_FORK=no OPENBLAS_NUM_THREADS=1 TSAN_OPTIONS=halt_on_error=1 $$test || exit 1; done; done
+
+# lines and branches of the library that no test runs; the slow tests of forming are left out
+.PHONY: coverage
+COVERED = $(filter-out %/test_forming %/test_forming_body %/test_forming_cli %/test_charts,$(TESTS))
+coverage:
+	@$(MAKE) --no-print-directory coverage-build BUILD=$(BUILD)/coverage CFLAGS='-O0 -g' SANITIZE=--coverage
+	@python3 tests/torment/coverage.py $(BUILD)/coverage
+.PHONY: coverage-build
+coverage-build: $(PROGRAM) $(COVERED)
+	@find $(BUILD) -name '*.gcda' -delete
+	@for test in $(COVERED); do \
+	  OPENBLAS_NUM_THREADS=1 CK_TIMEOUT_MULTIPLIER=10 DELASSUS_PROGRAM=$(PROGRAM) $$test || exit 1; done
+
+# a change that no test sees: MUTANTS of them, by chance from SEED on; tests/torment/README.md
+.PHONY: mutants
+MUTANTS ?= 100
+mutants: all
+	@python3 tests/torment/mutants.py $(BUILD) --count $(MUTANTS) $(if $(SEED),--seed $(SEED))
 
 .PHONY: valgrind
 valgrind: all $(TESTS) $(LANGUAGES)

@@ -43,6 +43,11 @@ typedef struct problem {
 } problem;
 
 dls_status problem_load(const char *path, problem *p, dls_error *error);
+
+/* Keeps the BLAS of this process to one thread for a small problem: threads that wait for work of
+ * some microseconds take more CPU than the work (docs/threads.md). The library itself leaves the
+ * BLAS of its host alone. */
+void problem_fit_threads(const problem *p);
 void problem_free(problem *p);
 
 const char *problem_title(const problem *p);

@@ -173,6 +173,7 @@ static int solve_contact(const char *path, const solve_options *options) {
     (void)complain_of(path, &error);
     goto end;
   }
+  problem_fit_threads(&p);
   if (is_verbose()) print_reduction(stderr, &p);
   const size_t m = (size_t)p.contact.d * (size_t)p.contact.nc;
   r = malloc(m * sizeof *r);

@@ -28,6 +28,12 @@ START_TEST(methods_have_names) {
   ck_assert_str_eq(dls_method_name(DLS_PENALTY), "penalty");
   ck_assert_str_eq(dls_method_name(DLS_NEWTON), "newton");
   ck_assert_ptr_null(dls_method_name((dls_method)99));
+  for (int k = 0; dls_method_name((dls_method)k); k++) {
+    ck_assert_int_eq(dls_method_find(dls_method_name((dls_method)k), &m), 1);
+    ck_assert_int_eq(m, k);
+    ck_assert_ptr_nonnull(dls_method_summary((dls_method)k));
+  }
+  ck_assert_ptr_null(dls_method_summary((dls_method)99));
   ck_assert_int_eq(dls_method_find("lemke", &m), 1);
   ck_assert_int_eq(m, DLS_LEMKE);
   ck_assert_int_eq(dls_method_find("newton-raphson", &m), 0);
