@@ -38,11 +38,13 @@ typedef struct problem {
   dls_reduction *reduction;  /* NULL for a local problem */
   dls_model model;           /* of a global one */
   const double *f, *g, *mu;
+  int of_bodies; /* 1: a global one whose contact is one of bodies, not reduced */
   dls_contact contact;
   double reduction_cpu_seconds;
 } problem;
 
-dls_status problem_load(const char *path, problem *p, dls_error *error);
+/* Reads a problem. bodies: 1 to keep a global one of rigid bodies factored, 0 to reduce it. */
+dls_status problem_load(const char *path, int bodies, problem *p, dls_error *error);
 void problem_free(problem *p);
 
 const char *problem_title(const problem *p);
