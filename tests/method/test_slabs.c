@@ -103,7 +103,7 @@ START_TEST(dense_on_threads) {
     q[k] = uniform() - (k % 3 == 0 ? 1 : 0);
     mu[k / 3] = .3;
     for (int j = 0; j < m; j++)
-      W[k + (size_t)m * (size_t)j] = (k == j ? 1 : .2) / (1 + abs(k - j));
+      W[(size_t)k + (size_t)m * (size_t)j] = (k == j ? 1 : .2) / (1 + abs(k - j));
   }
   const dls_contact p = {.d = 3, .nc = nc, .W = {m, m, m, W}, .q = q, .mu = mu};
   (void)solve_with(&p, 1, DLS_ACCELERATION_NONE, DLS_NLGS, r);
