@@ -57,7 +57,7 @@ typedef struct way {
   double tol;
 } way;
 
-static void solve(const plan *p, const dls_contact *problem, const way *w, timing *best) {
+static void time_solve(const plan *p, const dls_contact *problem, const way *w, timing *best) {
   dls_solver_settings s;
   dls_solver *solver = NULL;
   dls_info info = {.iterations = 0};
@@ -101,7 +101,7 @@ static void compare_storages(const plan *p, const rigid *a) {
   timing t[2][4];
   for (int k = 0; k < 4; k++)
     for (int b = 0; b < 2; b++)
-      solve(p, b ? &a->factored : &a->contact, &all[k], &t[b][k]);
+      time_solve(p, b ? &a->factored : &a->contact, &all[k], &t[b][k]);
   bench_print(p->page, "| %d | %.1f | %.1f |", a->contact.nc, megabytes(&a->contact),
               megabytes(&a->factored));
   bench_print(p->page, " %.3f | %.3f |", 1e6 * t[0][0].cpu / p->sweeps / a->contact.nc,
@@ -124,8 +124,8 @@ static void compare_threads(const plan *p, const char *name, const dls_contact *
     const way sweeps = {DLS_NLGS, DLS_ACCELERATION_NONE, 1 + k, p->sweeps, 0};
     const way fast = {DLS_NLGS, problem->W.a ? DLS_ACCELERATION_NONE : DLS_ACCELERATION_MOMENTUM,
                       1 + k, 0, 1e-4};
-    solve(p, problem, &sweeps, &sweep[k]);
-    solve(p, problem, &fast, &whole[k]);
+    time_solve(p, problem, &sweeps, &sweep[k]);
+    time_solve(p, problem, &fast, &whole[k]);
     seconds[k] = sweep[k].wall / p->sweeps;
   }
   seconds[2] = sweep[0].cpu / p->sweeps;
@@ -293,7 +293,7 @@ static int read_options(int argc, char **argv, plan *p, const char **out) {
 }
 
 /* The cell that is the same in all tables of a size. */
-static void run(const plan *p, rigid *a) {
+static void run_sizes(const plan *p, rigid *a) {
   bench_print(p->page,
               "\n## Storages, one thread\n\nMegabytes of W; CPU microseconds of a plain sweep for "
               "a candidate; CPU seconds (sweeps) to 1e-4.\n\n| candidates | MB: blocks | bodies | "
@@ -355,7 +355,7 @@ int main(int argc, char **argv) {
   while (made < p.size_count && rigid_create(&a[made], p.kind, p.sizes[made], .5, p.seed) == 0)
     made++;
   if (made == p.size_count)
-    run(&p, a);
+    run_sizes(&p, a);
   else
     fprintf(stderr, "bodies: %s: unknown, or out of memory\n", p.kind);
   while (made > 0)
