@@ -105,16 +105,18 @@ int take_loudness(int key);
 int is_quiet(void);
 int is_verbose(void);
 
-/* The method and its settings, from -m, -a, -t, -i. */
+/* The method and its settings, from -m, -a, -t, -i, --threads. */
 typedef struct solver_options {
   dls_solver_settings settings;
   int primal; /* 1: gauss-seidel on the displacements instead of settings.method */
   int method_given, accel_given;
 } solver_options;
 
+enum { KEY_THREADS = 900 }; /* no letter */
 #define SOLVER_KEYS "m:a:t:i:"
 #define SOLVER_OPTIONS                                                                             \
-  VALUE("method", 'm'), VALUE("accel", 'a'), VALUE("tol", 't'), VALUE("max-iter", 'i')
+  VALUE("method", 'm'), VALUE("accel", 'a'), VALUE("tol", 't'), VALUE("max-iter", 'i'),            \
+      VALUE("threads", KEY_THREADS)
 
 void solver_options_init(solver_options *options, double tol);
 
