@@ -86,7 +86,7 @@ ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h tests/*/*.h
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 LIB_OBJ := $(call obj,$(LIB_SRC))
 # fe is a library of its own: it carries the hidden functions that it shares
-FE_OBJ := $(call obj,$(FE_SRC)) $(patsubst %,$(BUILD)/obj/src/%.o,base/status base/memory base/number base/check base/columns files/file)
+FE_OBJ := $(call obj,$(FE_SRC)) $(patsubst %,$(BUILD)/obj/src/%.o,base/status base/memory base/number base/check base/columns files/file files/output)
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(EXAMPLE_SRC))
 # programs in other languages, where there is a compiler
@@ -236,7 +236,7 @@ check: deps
 	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build check-properties check-install
 
 .PHONY: check-build
-check-build: all $(TESTS) $(LANGUAGES)
+check-build: all $(TESTS) $(LANGUAGES) $(addprefix $(BUILD)/bench/,auto blocks steps trust)
 	@PYTHON='$(PYTHON)' tests/run.sh $(BUILD) $(TEST_RUNNER)
 
 # tests and examples in other languages alone
@@ -332,7 +332,7 @@ $(BUILD)/bench/scale: $(call bench_obj,scale) $(call obj,bench/solvers_call.c be
 $(BUILD)/bench/bodies: $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c) $(A)
 $(BUILD)/bench/motion: $(call bench_obj,motion) $(call obj,bench/reduction_boxes.c) $(A)
 $(BUILD)/bench/motion: PEER_LIBS = -lcholmod
-$(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,src/cli/problem.c src/cli/report.c) $(A)
+$(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,$(addprefix src/cli/,problem.c matrices.c arrays.c report.c)) $(A)
 $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
 $(BUILD)/bench/steps: $(call bench_obj,steps) $(A)
 $(BUILD)/bench/problems: $(call obj,bench/problems.c bench/solvers_scenes.c) $(FE) $(A)
@@ -430,12 +430,12 @@ uninstall:
 	rm -f $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus.h $(INCLUDEDIR)/delassus.hpp $(INCLUDEDIR)/delassus.f90 $(addprefix $(LIBDIR)/,libdelassus.a libdelassus-fe.a \
 	  libdelassus.so libdelassus.so.$(SOVERSION) libdelassus.so.$(VERSION) pkgconfig/delassus.pc) $(PREFIX)/bin/delassus \
 	  $(DATADIR)/man/man1/delassus.1 $(DATADIR)/man/man3/delassus.3 $(DATADIR)/bash-completion/completions/delassus)
-	rm -rf $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus $(LIBDIR)/cmake/delassus $(DOCDIR))
+	rm -rf $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus $(LIBDIR)/cmake/delassus $(DOCDIR) $(if $(PYTHON),$(PYTHONDIR)/delassus))
 
 # installs into a directory, builds and runs examples from there alone, uninstalls
 .PHONY: check-install
 check-install: $(A) $(SO) $(FE) $(PROGRAM)
-	@MAKE='$(MAKE)' CC='$(CC)' tests/install.sh $(BUILD)
+	@MAKE='$(MAKE)' CC='$(CC)' CXX='$(CXX)' FC='$(FC)' PYTHON='$(PYTHON)' tests/install.sh $(BUILD)
 
 .PHONY: check-hosts
 check-hosts:
@@ -449,9 +449,10 @@ dist:
 	@echo $(BUILD)/delassus-$(VERSION).tar.gz
 
 # the Python package beside an installed library; without make install, pip install src/python does
-PYTHONDIR ?= $(PREFIX)/lib/$(shell $(PYTHON) -c 'import sys, sysconfig as s; print("python%d.%d/" % sys.version_info[:2] + s.get_path("purelib").split("/")[-1])')
+PYTHONDIR ?= $(PREFIX)/lib/$(shell $(or $(PYTHON),python3) -c 'import sys, sysconfig as s; print("python%d.%d/" % sys.version_info[:2] + s.get_path("purelib").split("/")[-1])')
 .PHONY: install-python
 install-python:
+	@test -n '$(PYTHON)' || { echo 'install-python: no python3 with numpy and scipy; PYTHON=... names one'; exit 2; }
 	install -d $(DESTDIR)$(PYTHONDIR)/delassus
 	install -m 644 src/python/delassus/*.py $(DESTDIR)$(PYTHONDIR)/delassus/
 

@@ -183,7 +183,7 @@ static void path_make(path *a, int d, int side) {
       path_block(d, x - s, y - t, 2. / side, B);
       for (int j = 0; j < d; j++)
         for (int i = 0; i < d; i++)
-          a->W[d * c + i + (size_t)(d * k + j) * (size_t)m] = B[i + d * j];
+          a->W[(size_t)(d * c + i) + (size_t)(d * k + j) * (size_t)m] = B[i + d * j];
     }
   }
   a->p = (dls_contact){.d = d, .nc = nc, .W = {m, m, m, a->W}, .q = a->q, .mu = a->mu};

@@ -16,13 +16,14 @@ if [ "$section" = 1 ]; then
   printf '%s\n' '.fi' '.SH DESCRIPTION' '.nf'
   "$program" --help | sed 1d | literal
   echo .fi
-  for command in solve info scene tables chart profile map; do
+  for command in solve info scene converge tables chart profile map; do
     echo ".SH DELASSUS $command" | tr a-z A-Z
     echo .nf
     "$program" $command --help | literal
     echo .fi
   done
-  printf '%s\n' '.SH ENVIRONMENT' '.TP' '.B NO_COLOR' 'If it is set and not empty, the last line is not coloured on a terminal.'
+  printf '%s\n' '.SH ENVIRONMENT' '.TP' '.B NO_COLOR' 'If it is set and not empty, the last line is not coloured on a terminal.' \
+    '.SH EXIT STATUS' '0 solved, 1 not solved, 2 bad input; the last line on stdout says it in words.'
   printf '%s\n' '.SH SEE ALSO' '.BR delassus (3),' 'files.md in the documentation: what each file must hold.'
 else
   printf '%s\n' '.SH NAME' 'delassus \- library for discrete contact with dry friction' '.SH SYNOPSIS' '.nf' \

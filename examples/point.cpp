@@ -4,7 +4,7 @@
  *
  * Output:
  *   solved: r_n = 10.9375, r_t = -2.1875, x = 0.9375
- *   solve: start: has 1 entries, needs 2
+ *   solve: start: has 1 entry, needs 2
  */
 #include <cstdio>
 

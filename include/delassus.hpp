@@ -79,7 +79,8 @@ inline const double *pointer(const std::vector<double> &x, std::size_t size, con
   if (x.empty() && (optional || size == 0)) return nullptr;
   if (x.size() != size)
     refuse(DLS_E_SIZE, function, argument,
-           "has " + std::to_string(x.size()) + " entries, needs " + std::to_string(size));
+           "has " + std::to_string(x.size()) +
+               (x.size() == 1 ? " entry, needs " : " entries, needs ") + std::to_string(size));
   return x.data();
 }
 

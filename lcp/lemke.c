@@ -90,6 +90,7 @@ enum {
 
 struct dls_lemke {
   int n; /* of create */
+  atomic_int busy;
   dls_lemke_settings settings;
   double *given; /* the user's covering vector, or NULL, n */
 
@@ -734,10 +735,13 @@ static dls_status lemke_paths(dls_lemke *work, const dls_lcp *lcp, const double 
   return DLS_OK;
 }
 
-static dls_status lemke_check(const dls_lemke *work, const dls_lcp *lcp, const double *z,
+/* Checks the arguments of a solve and enters the workspace. */
+static dls_status lemke_enter(dls_lemke *work, const dls_lcp *lcp, const double *z,
                               dls_error *error) {
   if (!work) return dlsi_is_null(error, "workspace");
-  return dlsi_check_lcp_solve(work->n, lcp, z, work->settings.limits.warm_start, error);
+  const dls_status status =
+      dlsi_check_lcp_solve(work->n, lcp, z, work->settings.limits.warm_start, error);
+  return status ? status : dlsi_enter(&work->busy, "workspace", error);
 }
 
 dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double *y,
@@ -773,12 +777,12 @@ dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double
 dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, double *y,
                            dls_lemke_info *info, dls_error *error) {
   dls_lemke *work = workspace;
-  dls_status status = lemke_check(work, lcp, z, error);
+  dls_status status = lemke_enter(work, lcp, z, error);
   if (status) return dlsi_at(__func__, status, error);
   status = dlsi_lemke_run(work, lcp, z, y, info);
   dlsi_tell_last(&work->settings.limits, work->begun, "lemke", "lemke",
                  work->pivots + work->crash.rounds, work->best.residual, z);
-  return status;
+  return dlsi_leave(&work->busy, status);
 }
 
 /* ---- the proof of a ray ---------------------------------------------------------------------- */

@@ -45,7 +45,8 @@
 
 struct dls_principal {
   dls_principal_settings settings;
-  int n;              /* of create */
+  int n; /* of create */
+  atomic_int busy;
   int symmetric;      /* 1: M = M^T, and Cholesky has not failed on it */
   int *A;             /* the basis, ascending, factors.n = |A| of n */
   char *in;           /* 1 for i in A, n */
@@ -245,16 +246,19 @@ static dls_status principal_iterate(dls_principal *work, const dls_lcp *lcp,
   }
 }
 
-static dls_status principal_check(const dls_principal *work, const dls_lcp *lcp, const double *z,
+/* Checks the arguments of a solve and enters the workspace. */
+static dls_status principal_enter(dls_principal *work, const dls_lcp *lcp, const double *z,
                                   dls_error *error) {
   if (!work) return dlsi_is_null(error, "workspace");
-  return dlsi_check_lcp_solve(work->n, lcp, z, work->settings.limits.warm_start, error);
+  const dls_status status =
+      dlsi_check_lcp_solve(work->n, lcp, z, work->settings.limits.warm_start, error);
+  return status ? status : dlsi_enter(&work->busy, "workspace", error);
 }
 
 dls_status dls_principal_solve(dls_principal *workspace, const dls_lcp *lcp, double *z, double *y,
                                dls_principal_info *info, dls_error *error) {
   dls_principal *work = workspace;
-  const dls_status status = principal_check(work, lcp, z, error);
+  const dls_status status = principal_enter(work, lcp, z, error);
   if (status) return dlsi_at(__func__, status, error);
   const int n = lcp->n;
   dls_principal_info result = {0};
@@ -277,5 +281,5 @@ dls_status dls_principal_solve(dls_principal *workspace, const dls_lcp *lcp, dou
   if (info) *info = result;
   dlsi_tell_last(&work->settings.limits, work->begun, "principal", "principal", result.iterations,
                  result.certificate.residual, z);
-  return result.status;
+  return dlsi_leave(&work->busy, result.status);
 }

@@ -25,7 +25,8 @@
 
 struct dls_reduction {
   dls_reduction_settings settings;
-  int d, nodes; /* d: of the model; H.d of the contact problem */
+  atomic_int busy; /* a call is at work, in the host's solver perhaps */
+  int d, nodes;    /* d: of the model; H.d of the contact problem */
   size_t n, m;
   dls_operator kind;
   dls_factorization factorization; /* as tagged */
@@ -312,6 +313,11 @@ dls_status dls_reduction_estimate(const dls_model *model, const dls_reduction_se
   return dlsi_at(__func__, reduction_estimate(model, settings, info, error), error);
 }
 
+static dls_status reduction_enter(dls_reduction *work, dls_error *error) {
+  if (!work) return dlsi_is_null(error, "reduction");
+  return dlsi_enter(&work->busy, "reduction", error);
+}
+
 /* Compares sizes and pattern of a new model and its H with those of create. */
 static dls_status reduction_same(const dls_reduction *work, const dls_model *model,
                                  const dlsi_operator *H, dls_error *error) {
@@ -345,7 +351,6 @@ static dls_status reduction_same(const dls_reduction *work, const dls_model *mod
 }
 
 static dls_status reduction_update(dls_reduction *work, const dls_model *model, dls_error *error) {
-  if (!work) return dlsi_is_null(error, "reduction");
   dls_status status = dlsi_check_model(model, error);
   if (status) return status;
   dlsi_operator H;
@@ -362,7 +367,9 @@ static dls_status reduction_update(dls_reduction *work, const dls_model *model, 
 
 dls_status dls_reduction_update(dls_reduction *reduction, const dls_model *model,
                                 dls_error *error) {
-  return dlsi_at(__func__, reduction_update(reduction, model, error), error);
+  dls_status status = reduction_enter(reduction, error);
+  if (!status) status = dlsi_leave(&reduction->busy, reduction_update(reduction, model, error));
+  return dlsi_at(__func__, status, error);
 }
 
 void dls_reduction_destroy(dls_reduction *reduction) {
@@ -467,7 +474,9 @@ static dls_status reduction_load(dls_reduction *work, const double *f, const dou
 
 dls_status dls_reduction_load(dls_reduction *reduction, const double *f, const double *g,
                               dls_error *error) {
-  return dlsi_at(__func__, reduction_load(reduction, f, g, error), error);
+  dls_status status = reduction_enter(reduction, error);
+  if (!status) status = dlsi_leave(&reduction->busy, reduction_load(reduction, f, g, error));
+  return dlsi_at(__func__, status, error);
 }
 
 static dls_status reduction_load_free(dls_reduction *work, const double *x_free, const double *g,
@@ -475,7 +484,8 @@ static dls_status reduction_load_free(dls_reduction *work, const double *x_free,
   dls_status status = reduction_ready(work, error);
   if (!status && work->modes.count > 0)
     status = dlsi_fail(error, DLS_E_UNSUPPORTED, "reduction", -1, work->modes.count,
-                       "holds %d rigid-body modes: K^-1 f does not exist", work->modes.count);
+                       "holds %d rigid-body mode%s: K^-1 f does not exist", work->modes.count,
+                       work->modes.count == 1 ? "" : "s");
   if (!status) status = dlsi_check_vector("x_free", x_free, work->n, error);
   if (!status && g)
     status = dlsi_check_vector("g", g, (size_t)work->d * (size_t)work->nodes, error);
@@ -495,7 +505,10 @@ static dls_status reduction_load_free(dls_reduction *work, const double *x_free,
 
 dls_status dls_reduction_load_free(dls_reduction *reduction, const double *x_free, const double *g,
                                    dls_error *error) {
-  return dlsi_at(__func__, reduction_load_free(reduction, x_free, g, error), error);
+  dls_status status = reduction_enter(reduction, error);
+  if (!status)
+    status = dlsi_leave(&reduction->busy, reduction_load_free(reduction, x_free, g, error));
+  return dlsi_at(__func__, status, error);
 }
 
 static dls_status reduction_contact(const dls_reduction *work, const double *mu,
@@ -585,7 +598,9 @@ static dls_status reduction_recover(dls_reduction *work, const double *r, double
 
 dls_status dls_reduction_recover(dls_reduction *reduction, const double *r, double *x,
                                  dls_error *error) {
-  return dlsi_at(__func__, reduction_recover(reduction, r, x, error), error);
+  dls_status status = reduction_enter(reduction, error);
+  if (!status) status = dlsi_leave(&reduction->busy, reduction_recover(reduction, r, x, error));
+  return dlsi_at(__func__, status, error);
 }
 
 /* Returns |b|^T (|f| + |H||r|) of mode k. */
@@ -636,7 +651,10 @@ static dls_status reduction_balance(dls_reduction *work, const double *r, double
 
 dls_status dls_reduction_balance(dls_reduction *reduction, const double *r, double *imbalance,
                                  dls_error *error) {
-  return dlsi_at(__func__, reduction_balance(reduction, r, imbalance, error), error);
+  dls_status status = reduction_enter(reduction, error);
+  if (!status)
+    status = dlsi_leave(&reduction->busy, reduction_balance(reduction, r, imbalance, error));
+  return dlsi_at(__func__, status, error);
 }
 
 /* Sets nodal := P r. */

@@ -1,6 +1,7 @@
 #!/bin/sh
-# install.sh BUILD: installs into a fresh directory (DESTDIR), builds and runs examples from what is there
-# alone, with pkg-config and with CMake, looks at the man pages and the completion, and uninstalls.
+# install.sh BUILD: installs into a fresh directory (DESTDIR), builds and runs an example in C (with pkg-config
+# and with CMake), C++, Fortran and Python from what is there alone, looks at the man pages and the completion,
+# and uninstalls. PYTHON: an interpreter with numpy and scipy, empty for none.
 set -eu
 build=$1
 root=$(mktemp -d)
@@ -12,19 +13,47 @@ fail() {
   echo "check-install: $*"
   exit 1
 }
-$make --no-print-directory install BUILD="$build" DESTDIR="$tree" PREFIX=/usr LIBDIR=/usr/lib/here > "$root/log" 2>&1 ||
-  { cat "$root/log"; fail install; }
-cp "$tree"/usr/share/doc/delassus/examples/point.c "$root"
+run_make() { # target
+  $make --no-print-directory "$1" BUILD="$build" DESTDIR="$tree" PREFIX=/usr LIBDIR=/usr/lib/here PYTHON="${PYTHON:-}" \
+    > "$root/log" 2>&1 || { cat "$root/log"; fail "$1"; }
+}
+run_make install
+[ -z "${PYTHON:-}" ] || run_make install-python
+work=$(pwd)
 cd "$root"
+cp "$tree"/usr/share/doc/delassus/examples/point.* .
 export LD_LIBRARY_PATH="$tree/usr/lib/here"
 export PKG_CONFIG_SYSROOT_DIR="$tree" PKG_CONFIG_PATH="$tree/usr/lib/here/pkgconfig"
+flags=$(pkg-config --cflags --libs delassus)
 point='solved: r_n = 10.9375, r_t = -2.1875, x = 0.9375'
-check() { # what, program
-  [ "$("$2")" = "$point" ] || fail "$1: $("$2")"
-  echo "$1: builds and runs from the installed tree"
+check() { # language, program and arguments: its first line has to be the point's
+  language=$1
+  shift
+  "$@" > printed || fail "$language: exit status $?"
+  [ "$(sed 1q printed | tr -s ' ')" = "$point" ] || fail "$language: $(cat printed)"
+  echo "$language: builds and runs from the installed tree"
 }
-${CC:-cc} -o point-c point.c $(pkg-config --cflags --libs delassus) -lm
+${CC:-cc} -o point-c point.c $flags -lm
 check C ./point-c
+if command -v "${CXX:-c++}" > /dev/null; then
+  ${CXX:-c++} -std=c++17 -o point-cpp point.cpp $flags
+  check C++ ./point-cpp
+else
+  echo "skipped: C++, no ${CXX:-c++}"
+fi
+if command -v "${FC:-gfortran}" > /dev/null; then
+  ${FC:-gfortran} -c "$tree/usr/include/delassus.f90"
+  ${FC:-gfortran} -o point-f90 point.f90 delassus.o $flags
+  check Fortran ./point-f90
+else
+  echo "skipped: Fortran, no ${FC:-gfortran}"
+fi
+if [ -n "${PYTHON:-}" ]; then
+  package=$(find "$tree" -type d -name delassus -path '*/python*')
+  check Python env PYTHONPATH="${package%/delassus}" "$PYTHON" point.py
+else
+  echo 'skipped: Python, no python3 with numpy and scipy'
+fi
 if command -v cmake > /dev/null; then
   mkdir cmake
   printf '%s\n' 'cmake_minimum_required(VERSION 3.10)' 'project(point C)' 'find_package(delassus 0.1 REQUIRED)' \
@@ -32,7 +61,7 @@ if command -v cmake > /dev/null; then
   (cd cmake && cmake -Ddelassus_DIR="$tree/usr/lib/here/cmake/delassus" . && cmake --build .) > log 2>&1 || { cat log; fail CMake; }
   check 'C by CMake' cmake/point
 else
-  echo 'no cmake: left out'
+  echo 'skipped: CMake, no cmake'
 fi
 "$tree/usr/bin/delassus" --version > /dev/null || fail program
 for page in man1/delassus.1 man3/delassus.3; do
@@ -47,8 +76,8 @@ if command -v bash > /dev/null; then
   PATH="$tree/usr/bin:$PATH" bash -c '. "$1"; COMP_WORDS=(delassus solve --stiff); COMP_CWORD=2; _delassus
     [ "${COMPREPLY[*]}" = --stiffness ]' - "$tree/usr/share/bash-completion/completions/delassus" || fail completion
 fi
-cd - > /dev/null
-$make --no-print-directory uninstall BUILD="$build" DESTDIR="$tree" PREFIX=/usr LIBDIR=/usr/lib/here > "$root/log" 2>&1 || fail uninstall
+cd "$work"
+run_make uninstall
 left=$(find "$tree" ! -type d)
 [ -z "$left" ] || fail "uninstall leaves $left"
 echo 'man pages, completion, uninstall: fine'

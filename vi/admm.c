@@ -439,12 +439,13 @@ static dls_status admm_solve(void *workspace, const dls_contact *problem, double
 
 dls_status dls_admm_solve(dls_admm *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
-  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, u, error);
+  dls_status status = dlsi_iterate_enter(workspace ? &workspace->it : NULL, problem, r, u, error);
   if (status) return dlsi_at(__func__, status, error);
-  if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_ADMM, "admm", info)) return DLS_OK;
+  if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_ADMM, "admm", info))
+    return dlsi_leave(&workspace->it.busy, DLS_OK);
   status = dlsi_form_blocks(&workspace->formed, &problem, error);
   if (!status) status = admm_solve(workspace, problem, r, u, info, error);
-  status = dlsi_iterate_tell_last(&workspace->it, "admm", status, r);
+  status = dlsi_iterate_leave(&workspace->it, "admm", status, r);
   return dlsi_at(__func__, status, error);
 }
 

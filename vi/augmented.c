@@ -292,14 +292,14 @@ static dls_status augmented_run(dls_augmented *work, const dls_contact *problem,
 
 dls_status dls_augmented_solve(dls_augmented *workspace, const dls_contact *problem, double *r,
                                double *u, dls_info *info, dls_error *error) {
-  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, u, error);
+  dls_status status = dlsi_iterate_enter(workspace ? &workspace->it : NULL, problem, r, u, error);
   if (status) return dlsi_at(__func__, status, error);
   if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_AUGMENTED_LAGRANGIAN,
                     "augmented-lagrangian", info))
-    return DLS_OK;
+    return dlsi_leave(&workspace->it.busy, DLS_OK);
   status = dlsi_form_blocks(&workspace->formed, &problem, error);
   if (!status) status = augmented_run(workspace, problem, r, u, info, error);
-  status = dlsi_iterate_tell_last(&workspace->it, augmented_name(workspace), status, r);
+  status = dlsi_iterate_leave(&workspace->it, augmented_name(workspace), status, r);
   return dlsi_at(__func__, status, error);
 }
 

@@ -576,13 +576,13 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
 
 dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, double *r, double *u,
                             dls_info *info, dls_error *error) {
-  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, u, error);
+  dls_status status = dlsi_iterate_enter(workspace ? &workspace->it : NULL, problem, r, u, error);
   if (status) return dlsi_at(__func__, status, error);
   if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_NEWTON, "newton", info))
-    return DLS_OK;
+    return dlsi_leave(&workspace->it.busy, DLS_OK);
   status = dlsi_form_blocks(&workspace->formed, &problem, error);
   if (!status) status = dlsi_newton_run(workspace, problem, NULL, r, u, info, error);
-  status = dlsi_iterate_tell_last(&workspace->it, "newton", status, r);
+  status = dlsi_iterate_leave(&workspace->it, "newton", status, r);
   return dlsi_at(__func__, status, error);
 }
 

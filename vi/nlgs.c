@@ -877,6 +877,15 @@ static int has_one_solution(int d, const double *W, double mu) {
   return mu < 0.99 * (h < k ? h + k * (k / h) : 2 * k);
 }
 
+int dlsi_may_be_ambiguous(const dls_contact *problem) {
+  double W[9];
+  for (int c = 0; c < problem->nc; c++) {
+    dlsi_contact_diagonal(problem, c, W);
+    if (!has_one_solution(problem->d, W, problem->mu[c])) return 1;
+  }
+  return 0;
+}
+
 int dlsi_count_ambiguous(const dls_contact *problem, const double *r, const double *u,
                          double *other) {
   const int d = problem->d;
@@ -1006,11 +1015,12 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
 
 dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
-  dls_status status = dlsi_iterate_check(workspace ? &workspace->it : NULL, problem, r, u, error);
+  dls_status status = dlsi_iterate_enter(workspace ? &workspace->it : NULL, problem, r, u, error);
   if (status) return dlsi_at(__func__, status, error);
-  if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_NLGS, "nlgs", info)) return DLS_OK;
+  if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_NLGS, "nlgs", info))
+    return dlsi_leave(&workspace->it.busy, DLS_OK);
   status = nlgs_solve(workspace, problem, r, u, info, error);
-  status = dlsi_iterate_tell_last(&workspace->it, "nlgs", status, r);
+  status = dlsi_iterate_leave(&workspace->it, "nlgs", status, r);
   return dlsi_at(__func__, status, error);
 }
 

@@ -54,6 +54,7 @@ enum { most_sweeps = 100000, refresh_every = 50 };
 
 struct dls_primal {
   dls_primal_settings settings;
+  atomic_int busy;
   dlsi_frames K;
   /* of unknowns, n each */
   double *inverse; /* 1 / K_ii */
@@ -547,6 +548,8 @@ dls_status dls_primal_solve(dls_primal *workspace, const double *f, const double
                             dls_primal_info *info, dls_error *error) {
   dls_status status = workspace ? primal_check_input(workspace, f, g, mu, x, r, error)
                                 : dlsi_is_null(error, "workspace");
-  if (!status) status = primal_solve(workspace, f, g, mu, x, r, u, info, error);
-  return dlsi_at(__func__, status, error);
+  if (!status) status = dlsi_enter(&workspace->busy, "workspace", error);
+  if (status) return dlsi_at(__func__, status, error);
+  status = primal_solve(workspace, f, g, mu, x, r, u, info, error);
+  return dlsi_at(__func__, dlsi_leave(&workspace->busy, status), error);
 }

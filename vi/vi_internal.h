@@ -190,6 +190,7 @@ typedef struct dlsi_shared {
  * candidate c make the problem u = (W + diag(E)) r + q; the weights remain those of W. */
 typedef struct dlsi_iterate {
   int d, nc;
+  atomic_int busy;          /* 1: a public solve is at work in the workspace */
   const dls_limits *limits; /* of the workspace's settings */
   double tol;
   const dlsi_shared *shared;   /* where W is; NULL: in the problem */
@@ -215,12 +216,15 @@ void dlsi_take_vectors(dlsi_arena *arena, size_t n, int count, double **const ve
 void dlsi_iterate_carve(dlsi_iterate *it, dlsi_arena *arena, int d, int nc,
                         const dls_limits *limits);
 
-/* Checks the arguments of a solve in the workspace that `it` belongs to; NULL: there is no
- * workspace. Inline, so that every reader (and analyser) sees that there is one after DLS_OK. */
-static inline dls_status dlsi_iterate_check(const dlsi_iterate *it, const dls_contact *problem,
+/* Checks the arguments of a solve in the workspace that `it` belongs to (NULL: there is no
+ * workspace) and enters the workspace; dlsi_iterate_leave ends that. Inline, so that every reader
+ * (and analyser) sees that there is one after DLS_OK. */
+static inline dls_status dlsi_iterate_enter(dlsi_iterate *it, const dls_contact *problem,
                                             const double *r, const double *u, dls_error *error) {
   if (!it) return dlsi_is_null(error, "workspace");
-  return dlsi_check_solve(it->d, it->nc, problem, r, u, it->limits->warm_start, error);
+  const dls_status status =
+      dlsi_check_solve(it->d, it->nc, problem, r, u, it->limits->warm_start, error);
+  return status ? status : dlsi_enter(&it->busy, "workspace", error);
 }
 
 /* Prepares a solve: weights, no best r yet, and r := start if warm is 1, else 0; also 0 where q =
@@ -262,14 +266,14 @@ static inline dls_status dlsi_iterate_tell(const dlsi_iterate *it, const char *m
   return dlsi_tell(it->limits, it->begun, &progress);
 }
 
-/* Makes the last call of a solve that ended in `status`; no error: of its answer r. Returns
- * status. */
-static inline dls_status dlsi_iterate_tell_last(const dlsi_iterate *it, const char *method,
-                                                dls_status status, const double *r) {
+/* Makes the last call of a solve that ended in `status`; no error: of its answer r. Leaves the
+ * workspace. Returns status. */
+static inline dls_status dlsi_iterate_leave(dlsi_iterate *it, const char *method, dls_status status,
+                                            const double *r) {
   if (status >= 0)
     dlsi_tell_last(it->limits, it->begun, method, method, it->iterations, it->certificate.residual,
                    r);
-  return status;
+  return dlsi_leave(&it->busy, status);
 }
 
 /* Copies `from` to `to`, all but blocks, whose room create has made. */
@@ -310,6 +314,9 @@ void dlsi_admm_share(dls_admm *work, const dlsi_shared *shared);
 /* ---- vi/nlgs.c
  * --------------------------------------------------------------------------------- */
 
+/* Returns 0 if no candidate has several solutions whatever the others do. */
+int dlsi_may_be_ambiguous(const dls_contact *problem);
+
 /* Returns how many candidates have several solutions when the others stay at r; u = W r + q. other
  * (m, or NULL): r with the first of these solutions in their place. */
 int dlsi_count_ambiguous(const dls_contact *problem, const double *r, const double *u,
@@ -324,6 +331,13 @@ int dlsi_solution_exists(const dls_contact *problem, const double *w, double *J,
 
 /* Returns 1 if the symmetric part of W is positive semidefinite but for rounding. */
 int dlsi_is_semidefinite(const dls_contact *problem, const double *w, double *J);
+
+/* ---- vi/unique.c ----------------------------------------------------------------------------- */
+
+/* Returns 1 if the problem has one answer at most, proved but for rounding; 0 says nothing. w:
+ * weights of the certificate. row: scratch, nc. J: without friction scratch, nc x nc, or NULL for
+ * the cheap look; with friction NULL. */
+int dlsi_is_unique(const dls_contact *problem, const double *w, double *row, double *J);
 
 /* ---- rows of the table of methods ------------------------------------------------------------ */
 

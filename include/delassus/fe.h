@@ -160,8 +160,8 @@ DLS_API DLS_MUST_USE dls_status dls_fe_scene_displacement(const dls_fe_scene *sc
 /* Writes an unstructured VTK XML file (.vtu, ascii, 17 digits) of the mesh with the point data
  * "displacement" and "reaction" (2 * nodes each, x and y) and the cell data "stress" (xx, yy, xy;
  * 3 * elements); each of the three may be NULL. Where the host has set a locale, its decimal sign
- * must be the point. DLS_E_FILE: cannot be opened (nothing happened), or written (no file is left
- * behind). */
+ * must be the point. DLS_E_FILE: cannot be opened or written to the end; an old file stays as
+ * it was. */
 DLS_API DLS_MUST_USE dls_status dls_fe_write_vtu(const char *path, const dls_fe_mesh *mesh,
                                                  const double *displacement, const double *reaction,
                                                  const double *stress, dls_error *error);
@@ -169,18 +169,19 @@ DLS_API DLS_MUST_USE dls_status dls_fe_write_vtu(const char *path, const dls_fe_
 /* A ParaView collection (.pvd) of files in the order of time. */
 typedef struct dls_fe_series dls_fe_series;
 
-/* Opens `path` for writing; *out = NULL on error. DLS_E_ARGUMENT, DLS_E_FILE, DLS_E_MEMORY. */
+/* Writes a collection of no file to `path`; *out = NULL on error. DLS_E_ARGUMENT, DLS_E_FILE,
+ * DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_fe_series_create(dls_fe_series **out, const char *path,
                                                      dls_error *error);
 
 /* Adds `file`, a name relative to the collection's directory without the characters < > & ", at
  * `time`, as part >= 0 of the picture then. The collection on disk is whole after each call: a run
- * that is killed leaves what it had. DLS_E_ARGUMENT, DLS_E_NOT_FINITE, DLS_E_FILE. */
+ * that is killed leaves what it had. After an error it is without this file. DLS_E_ARGUMENT,
+ * DLS_E_NOT_FINITE, DLS_E_FILE, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_fe_series_add(dls_fe_series *series, double time, int part,
                                                   const char *file, dls_error *error);
 
-/* Closes the file and frees the series, also on error; NULL is fine. DLS_E_FILE: not all of it was
- * written, and no file is left. */
+/* Frees the series; its file is whole already. NULL is fine. Returns DLS_OK. */
 DLS_API DLS_MUST_USE dls_status dls_fe_series_finish(dls_fe_series *series, dls_error *error);
 
 #ifdef __cplusplus

@@ -62,10 +62,11 @@ DLS_API DLS_MUST_USE dls_status dls_fclib_solution(const dls_fclib *file, const 
 DLS_API void dls_fclib_destroy(dls_fclib *file);
 
 /* Writes a local problem to `path`, anew. title: "" or NULL for none. r, u: m each, both NULL for
- * no solution group. A failed write leaves no file behind; bad input leaves an old file alone.
- * The file is built in memory first (once its size). Equal problems give equal bytes. Numbers
- * read back are those that were written, but entries equal to 0 of a dense W or K are left out
- * (so -0.0 is 0 there) and blocks of one place are one block. */
+ * no solution group. After any error an old file is as it was: the new one is written beside it,
+ * brought to the disk and renamed; a link stays one. The file is built in memory first (once its
+ * size). Equal problems give equal bytes. Numbers read back are those that were written, but
+ * entries equal to 0 of a dense W or K are left out (so -0.0 is 0 there) and blocks of one place
+ * are one block. */
 DLS_API DLS_MUST_USE dls_status dls_fclib_write_local(const char *path, const dls_contact *problem,
                                                       const char *title, const double *r,
                                                       const double *u, dls_error *error);
@@ -105,8 +106,8 @@ DLS_API DLS_MUST_USE dls_status dls_calculix_read(const char *path, dls_sparse *
 /* Frees the arrays of a matrix that was read and sets it to zero; NULL is fine. */
 DLS_API void dls_mtx_free_sparse(dls_sparse *A);
 
-/* Writes a dense matrix (array, general, 17 digits, which read back to the same bits). A failed
- * write leaves no file behind. */
+/* Writes a dense matrix (array, general, 17 digits, which read back to the same bits). After any
+ * error an old file is as it was. */
 DLS_API DLS_MUST_USE dls_status dls_mtx_write(const char *path, const dls_dense *A,
                                               dls_error *error);
 

@@ -57,6 +57,8 @@ typedef struct dls_forming_settings {
   int aitken;                  /* Gauss-Seidel: see primal.h; 1 */
   double tol;                  /* on equilibrium and certificate; > 0; 1e-9 */
   double step_tol;             /* on the error of a step, below; < 1; 0: not estimated; 0 */
+  double cpu_seconds;          /* > 0: of the process in all steps together, then DLS_TIME_LIMIT;
+                                  0: no limit; 0 */
   dls_forming_contact contact; /* DLS_FORMING_CONDENSED */
   dls_method method; /* of the condensed problem; DLS_LEMKE. DLS_AUTO: on K itself first */
 } dls_forming_settings;
@@ -92,8 +94,10 @@ DLS_API DLS_MUST_USE dls_status dls_forming_create(dls_forming **out, const char
  * the springs hold; the certificate shows the penalty's error), and the body is one: see
  * dls_forming_fault_kind. DLS_FOLDED: at the end of the smallest part it is none. DLS_STALLED: the
  * smallest parts have failed, too. In both cases data.fault says where and why, and the state is
- * the last good one, somewhere within the step; the next call tries again. DLS_E_ARGUMENT: all
- * steps are done. DLS_E_MEMORY: unlike a solver, a step allocates, for the reduction. */
+ * the last good one, somewhere within the step; the next call tries again. DLS_TIME_LIMIT: the time
+ * of the settings is over; the state, too, is the last good one, and there is no fault.
+ * DLS_E_ARGUMENT: all steps are done. DLS_E_MEMORY: unlike a solver, a step allocates, for the
+ * reduction. */
 DLS_API DLS_MUST_USE dls_status dls_forming_step(dls_forming *forming, dls_error *error);
 
 DLS_API void dls_forming_destroy(dls_forming *forming); /* NULL is fine */

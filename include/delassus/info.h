@@ -37,7 +37,7 @@ enum { DLS_STAGES_MAX = 32 };
  * more. */
 typedef enum dls_uniqueness {
   DLS_UNIQUE_UNKNOWN = 0,
-  DLS_UNIQUE_YES = 1, /* proved: no friction and W_nn diagonally dominant */
+  DLS_UNIQUE_YES = 1, /* proved: W definite without friction, or dominant beside it */
   DLS_UNIQUE_NO = 2   /* a second certified answer was found */
 } dls_uniqueness;
 

@@ -64,14 +64,17 @@ typedef struct dls_model {
   /* K singular by rigid-body motions: n x k, a basis of its null space, to be held by springs
    * (dls_reduction_balance); modes.a = NULL for none. DLS_STIFFNESS_DENSE and _SPARSE only. */
   dls_dense modes;
+
+  /* DLS_LU: 1 says that a K without entries above its diagonal is all of K, not half of it. */
+  int triangular;
 } dls_model;
 
 /* Checks sizes, pointers, indices, finite values, signs; names the field ("K", "Ks", "HN", "P",
  * "active", "mu", "modes", ...) and the index: position i + j*ld in a dense matrix, position in x,
  * i or p of a sparse matrix, column for an empty column of P. Of a K for DLS_CHOLESKY or DLS_LDLT
  * only the lower triangle is read; a sparse one with entries above the diagonal and none below is
- * refused. Of a K for DLS_LU a lower triangle alone is refused. Callers need not call it: create
- * does. */
+ * refused. Of a K for DLS_LU a lower triangle alone is refused unless `triangular`. Callers need
+ * not call it: create does. */
 DLS_API DLS_MUST_USE dls_status dls_model_check(const dls_model *model, dls_error *error);
 
 #ifdef __cplusplus

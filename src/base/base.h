@@ -7,6 +7,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdatomic.h>
 #include <stddef.h>
 
 #include "delassus/info.h"
@@ -177,6 +178,13 @@ int dlsi_is_empty(const dls_contact *problem, const dls_limits *limits, dls_meth
  * stands between both, never a callback of the host. */
 void dlsi_lock(void);
 void dlsi_unlock(void);
+
+/* Begin and end a call that changes the object with this flag, so that a call on it from inside of
+ * its own callback, or from another thread, finds it busy and is refused: DLS_E_BUSY, naming
+ * `argument`, and the object goes on undisturbed. dlsi_leave, after DLS_OK of dlsi_enter alone,
+ * returns status. */
+dls_status dlsi_enter(atomic_int *busy, const char *argument, dls_error *error);
+dls_status dlsi_leave(atomic_int *busy, dls_status status);
 
 /* Threads that help the caller with tasks; NULL: none. */
 typedef struct dlsi_team dlsi_team;

@@ -10,8 +10,8 @@ static dls_status check_square(const dls_dense *A, int d, dls_error *error) {
   const dls_status status = dlsi_check_dimension("d", d, error);
   if (status) return status;
   if (A->rows < 0 || A->rows % d)
-    return dlsi_fail(error, DLS_E_SIZE, "A", -1, A->rows, "has %d rows, not n times %d", A->rows,
-                     d);
+    return dlsi_fail(error, DLS_E_SIZE, "A", -1, A->rows, "has %d row%s, not n times %d", A->rows,
+                     A->rows == 1 ? "" : "s", d);
   return dlsi_check_dense("A", A, A->rows, A->rows, error);
 }
 

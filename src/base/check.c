@@ -51,8 +51,9 @@ int dlsi_first_bonded(const dls_contact *problem) {
 dls_status dlsi_refuse_bonded(const dls_contact *problem, dls_error *error) {
   const int c = dlsi_first_bonded(problem);
   if (c < 0) return DLS_OK;
-  return dlsi_fail(error, DLS_E_UNSUPPORTED, "mu", c, problem->mu[c],
-                   "is infinite, which nlgs, newton, admm and augmented-lagrangian take");
+  return dlsi_fail(
+      error, DLS_E_UNSUPPORTED, "mu", c, problem->mu[c],
+      "is infinite, which auto, nlgs, newton, admm, augmented-lagrangian and penalty take");
 }
 
 /* ---- matrices -------------------------------------------------------------------------------- */
@@ -238,7 +239,8 @@ dls_status dlsi_check_solve(int d, int nc, const dls_contact *problem, const dou
                      "has d = %d, the workspace is for %d", problem->d, d);
   if (problem->nc > nc)
     return dlsi_fail(error, DLS_E_SIZE, "problem", -1, problem->nc,
-                     "has %d candidates, the workspace is for %d", problem->nc, nc);
+                     "has %d candidate%s, the workspace is for %d", problem->nc,
+                     problem->nc == 1 ? "" : "s", nc);
   return dlsi_check_start(problem, r, u, warm_start, error);
 }
 

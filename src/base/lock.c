@@ -1,6 +1,6 @@
 /*
  * lock.c: lets one thread at a time into libraries that keep state of their own: MUMPS, METIS,
- * HDF5.
+ * HDF5; lets one call at a time into an object.
  *
  * The one writable global of the library (tests/check_symbols.sh names it). A thread holds the lock
  * for one call of such a library and calls nothing of the host meanwhile, so that no two locks are
@@ -19,4 +19,14 @@ void dlsi_lock(void) {
 
 void dlsi_unlock(void) {
   (void)pthread_mutex_unlock(&lock_of_others);
+}
+
+dls_status dlsi_enter(atomic_int *busy, const char *argument, dls_error *error) {
+  if (!atomic_exchange(busy, 1)) return DLS_OK;
+  return dlsi_fail(error, DLS_E_BUSY, argument, -1, 0, "another call is at work on it");
+}
+
+dls_status dlsi_leave(atomic_int *busy, dls_status status) {
+  atomic_store(busy, 0);
+  return status;
 }

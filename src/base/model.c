@@ -77,13 +77,14 @@ static dls_status model_check_operator(const dls_model *model, dls_error *error)
     if (symmetric) return model_check_lower(&model->K, n, error);
     {
       const dls_status status = dlsi_check_dense("K", &model->K, n, n, error);
-      return status ? status : model_check_whole_dense(&model->K, error);
+      if (status || model->triangular) return status;
+      return model_check_whole_dense(&model->K, error);
     }
   case DLS_STIFFNESS_SPARSE: {
     const dls_status status = dlsi_check_sparse("Ks", &model->Ks, n, n, error);
     if (status) return status;
-    return symmetric ? model_check_triangle(&model->Ks, error)
-                     : model_check_whole_sparse(&model->Ks, error);
+    if (symmetric) return model_check_triangle(&model->Ks, error);
+    return model->triangular ? DLS_OK : model_check_whole_sparse(&model->Ks, error);
   }
   case DLS_FLEXIBILITY:
     return dlsi_check_dense("K", &model->K, n, n, error);
@@ -100,7 +101,8 @@ static dls_status model_check_operator(const dls_model *model, dls_error *error)
 static dls_status model_check_weighting(const dls_model *model, dls_error *error) {
   const dls_sparse *P = &model->P;
   if (P->cols < 0 || P->cols > INT_MAX / model->d)
-    return dlsi_fail(error, DLS_E_SIZE, "P", -1, P->cols, "has %d columns", P->cols);
+    return dlsi_fail(error, DLS_E_SIZE, "P", -1, P->cols, "has %d column%s", P->cols,
+                     P->cols == 1 ? "" : "s");
   const dls_status status = dlsi_check_sparse("P", P, model->nodes, P->cols, error);
   if (status) return status;
   for (int j = 0; j < P->cols; j++) {
@@ -127,8 +129,8 @@ static dls_status model_check_rest(const dls_model *model, dls_error *error) {
     return dlsi_fail(error, DLS_E_UNSUPPORTED, "modes", -1, model->operator_kind,
                      "this operator has an inverse");
   if (model->modes.cols < 1 || model->modes.cols > model->n || model->modes.cols > dlsi_most_modes)
-    return dlsi_fail(error, DLS_E_SIZE, "modes", -1, model->modes.cols, "has %d columns",
-                     model->modes.cols);
+    return dlsi_fail(error, DLS_E_SIZE, "modes", -1, model->modes.cols, "has %d column%s",
+                     model->modes.cols, model->modes.cols == 1 ? "" : "s");
   return dlsi_check_dense("modes", &model->modes, model->n, model->modes.cols, error);
 }
 

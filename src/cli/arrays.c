@@ -10,6 +10,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "arrays.h"
 #include "cli.h"
@@ -42,6 +43,12 @@ static array_kind find_kind(const char *path) {
   (void)fclose(file);
   if (failed) {
     (void)complain("%s: cannot be read", path);
+    return ARRAY_NONE;
+  }
+  if (got >= 4 && memcmp(first, "PK\3\4", 4) == 0) {
+    (void)complain("%s: is a zip file; of an .npz write each array by numpy.save, a sparse matrix "
+                   "by scipy.io.mmwrite",
+                   path);
     return ARRAY_NONE;
   }
   if (got >= 14 && strncasecmp(first, "%%MatrixMarket", 14) == 0) return ARRAY_MTX;
@@ -93,8 +100,8 @@ static int array_read_text(const char *path, FILE *file, table *t) {
     if (t->rows++ == 0) t->cols = cols;
     if (cols != t->cols) {
       good = 0;
-      (void)complain("%s: line %d has %d numbers, those before have %d", path, number, cols,
-                     t->cols);
+      (void)complain("%s: line %d has %d number%s, those before have %d", path, number, cols,
+                     plural(cols), t->cols);
     }
   }
   free(line);
@@ -134,13 +141,17 @@ static int read_npy(const char *path, FILE *file, table *t) {
   if (!read_npy_header(file, &by_columns, t))
     return complain("%s: is no .npy of float64 in one or two dimensions", path), 0;
   const size_t rows = (size_t)t->rows, cols = (size_t)t->cols, size = rows * cols;
+  struct stat entry; /* a claim of more than the file holds takes no memory */
+  if (fstat(fileno(file), &entry) || size > (size_t)entry.st_size / sizeof *t->a)
+    return complain("%s: holds less than %zu numbers", path, size), 0;
   t->a = calloc(size, sizeof *t->a);
   double *x = calloc(size, sizeof *x);
   const int good = t->a && x && fread(x, sizeof *x, size, file) == size && getc(file) == EOF;
   for (size_t e = 0; good && e < size; e++)
     t->a[e] = by_columns ? x[e / cols + e % cols * rows] : x[e];
   if (!good)
-    (void)(t->a && x ? complain("%s: holds more or less than %zu numbers", path, size)
+    (void)(t->a && x ? complain("%s: holds more or less than %zu number%s", path, size,
+                                plural((long long)size))
                      : complain("%s: out of memory", path));
   free(x);
   return good;
@@ -307,4 +318,29 @@ int sparse_is_symmetric(const dls_sparse *A) {
   free(column);
   sparse_free(&T);
   return same;
+}
+
+static const char *triangle_word(int below, int above) {
+  return below == above ? NULL : below ? "a lower" : "an upper";
+}
+
+const char *dense_triangle(int n, const double *a) {
+  const size_t ld = (size_t)n;
+  int below = 0, above = 0;
+  for (size_t j = 0; j < ld; j++)
+    for (size_t i = 0; i < j; i++) {
+      below |= a[j + i * ld] != 0;
+      above |= a[i + j * ld] != 0;
+    }
+  return triangle_word(below, above);
+}
+
+const char *sparse_triangle(const dls_sparse *A) {
+  int below = 0, above = 0;
+  for (int j = 0; j < A->cols; j++)
+    for (int k = A->p[j]; k < A->p[j + 1]; k++) {
+      below |= A->x[k] != 0 && A->i[k] > j;
+      above |= A->x[k] != 0 && A->i[k] < j;
+    }
+  return triangle_word(below, above);
 }

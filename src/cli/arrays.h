@@ -41,4 +41,9 @@ int array_is_calculix(const char *path);
 int dense_is_symmetric(int n, const double *a);
 int sparse_is_symmetric(const dls_sparse *A);
 
+/* Return "a lower" or "an upper" if all entries beside the diagonal stand on one side of it, else
+ * NULL. */
+const char *dense_triangle(int n, const double *a);
+const char *sparse_triangle(const dls_sparse *A);
+
 #endif

@@ -41,9 +41,7 @@ static void chart_usage(FILE *out) {
       "  -l, --limit=S         CPU seconds that a solve may always take (1); more while it is\n"
       "                        within 30 times the fastest\n"
       "  -b, --budget=S        CPU seconds of all solves, about (12)\n"
-      "  -o, --out=DIR         where the files go (chart)\n"
-      "  -h, --help            this text\n"
-      "\n"
+      "  -o, --out=DIR         where the files go (chart)\n" LAST_USAGE "\n"
       "Exit status: 0, 1 if auto failed at a tolerance, 2 bad input.\n",
       out);
 }
@@ -207,8 +205,8 @@ static void chart_choose(chart *c) {
 static void print_chart(const chart *c) {
   char text[400], cell[64];
   const race *a = &c->race;
-  printf("%s: %dD, %d candidates; CPU, and in brackets CPU over the fastest\n\n%-22s",
-         c->subject.name, a->d, a->nc, "method");
+  printf("%s: %dD, %d candidate%s; CPU, and in brackets CPU over the fastest\n\n%-22s",
+         c->subject.name, a->d, a->nc, plural(a->nc), "method");
   for (int i = 0; i < CHART_TARGETS; i++)
     printf("  %-18.0e", c->tol[chart_target[i]]);
   puts("  error / residual");
@@ -278,11 +276,11 @@ static dls_status chart_measure(chart *c, const char *name, const chart_options 
   return chart_histories(c, o->limit, error);
 }
 
-/* Returns 1 if auto solved every rung. */
-static int chart_holds(const chart *c) {
+/* Returns the first rung that auto did not solve, -1 for none. */
+static int chart_fails(const chart *c) {
   for (int rung = 0; rung < c->race.rungs; rung++)
-    if (race_trial(&c->race, 0, rung)->end != ENDED_SOLVED) return 0;
-  return 1;
+    if (race_trial(&c->race, 0, rung)->end != ENDED_SOLVED) return rung;
+  return -1;
 }
 
 static int run_chart(const char *name, const chart_options *o) {
@@ -292,9 +290,16 @@ static int run_chart(const char *name, const chart_options *o) {
   if (chart_measure(&c, name, o, &error))
     (void)complain_of(name, &error);
   else {
-    print_chart(&c);
+    if (!is_quiet()) print_chart(&c);
     result = draw_chart(&c, o->out);
-    if (result == EXIT_SOLVED && !chart_holds(&c)) result = EXIT_NOT_SOLVED;
+    const int rung = chart_fails(&c);
+    char why[80] = "";
+    if (result == EXIT_SOLVED && rung >= 0) {
+      result = EXIT_NOT_SOLVED;
+      (void)snprintf(why, sizeof why, "auto to %.0e: %s", c.tol[rung],
+                     ending_word(race_trial(&c.race, 0, rung)->end));
+    }
+    result = end_command(result, why);
   }
   race_free(&c.race);
   named_free(&c.subject);
@@ -316,7 +321,7 @@ static taken take_chart_option(int key, const char *text, void *data) {
 int command_chart(int argc, char **argv) {
   static const struct option options[] = {VALUE("repeat", 'r'), VALUE("limit", 'l'),
                                           VALUE("budget", 'b'), VALUE("out", 'o'), LAST_OPTIONS};
-  static const command chart_command = {"r:l:b:o:h", options, chart_usage, take_chart_option, 1};
+  static const command chart_command = {"r:l:b:o:", options, chart_usage, take_chart_option, 1};
   chart_options o = {.repeat = 25, .limit = 1, .budget = 12, .out = "chart"};
   const int stop = take_options(argc, argv, &chart_command, &o);
   if (stop != GO_ON) return stop;

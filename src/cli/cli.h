@@ -88,22 +88,28 @@ typedef struct command {
 enum { GO_ON = -1 };
 int take_options(int argc, char **argv, const command *command, void *data);
 
-/* Prints --help on stderr; returns EXIT_BAD_INPUT. */
-int wrong_usage(const command *command);
+/* Complains of the number of names after the options of command `name`; returns EXIT_BAD_INPUT. */
+int wrong_names(const char *name);
 
 /* Rows of a table of options: with a value, without, and the last rows of every command. */
 #define VALUE(name, key)                                                                           \
   { name, required_argument, NULL, key }
 #define FLAG(name, key)                                                                            \
   { name, no_argument, NULL, key }
-#define LAST_OPTIONS FLAG("help", 'h'), FLAG(NULL, 0)
+#define LAST_OPTIONS FLAG("verbose", 'v'), FLAG("quiet", 'q'), FLAG("help", 'h'), FLAG(NULL, 0)
+#define LAST_KEYS    "vqh"
+#define LAST_USAGE                                                                                 \
+  "  -v, --verbose         tell of the way on stderr, line by line\n"                              \
+  "  -q, --quiet           print the last line only, and what another option asks for\n"           \
+  "  -h, --help            this text\n"
 
 /* How much is told: --quiet, --verbose. Returns 0 for another key. */
-#define LOUDNESS_KEYS    "vq"
-#define LOUDNESS_OPTIONS FLAG("verbose", 'v'), FLAG("quiet", 'q')
 int take_loudness(int key);
 int is_quiet(void);
 int is_verbose(void);
+
+/* Prints on stdout, unless --quiet. */
+void tell(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* The method and its settings, from -m, -a, -t, -i, --threads. */
 typedef struct solver_options {
@@ -142,8 +148,15 @@ int complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
  * terminal unless the environment has NO_COLOR. */
 void print_ending(dls_status status);
 
+/* Does the same for a command of many solves, by its exit status; why: of EXIT_NOT_SOLVED. Returns
+ * the exit status: after Ctrl-C, EXIT_NOT_SOLVED. */
+int end_command(int result, const char *why);
+
 /* Complains of an error of the library about `what` (a file name, say). */
 int complain_of(const char *what, const dls_error *error);
+
+/* Returns "" for 1, else "s". */
+const char *plural(long long count);
 
 /* Read the value of an option: finite and >= 0 (number), an integer >= 1 (count). */
 taken parse_number(const char *option, const char *text, double *value);
@@ -276,11 +289,17 @@ int join_path(char path[PATH_ROOM], const char *directory, const char *name);
 /* Creates the directory and its parents; returns 1 if it is there. */
 int make_directory(const char *path);
 
-/* Opens a file of the directory for writing; NULL after a complaint. */
+/* Open a file for writing, by its path or in a directory; NULL after a complaint. It takes the
+ * place of an old one when close_file has brought it to the disk. */
+FILE *open_path(const char *path);
 FILE *open_in(const char *directory, const char *name);
 
-/* Closes a file that was written; returns 1 if all of it was. */
+/* Closes a file that was opened so, by its name in a complaint; returns 1 if all of it was
+ * written. Otherwise the old one stays. */
 int close_file(FILE *file, const char *name);
+
+/* Gives up the files that are still open; old ones stay. */
+void drop_files(void);
 
 /* Open and close DIRECTORY/series.pvd; NULL, or 0, after a complaint. */
 dls_fe_series *open_series(const char *directory);

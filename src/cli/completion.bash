@@ -2,7 +2,7 @@
 _delassus() {
   local word=${COMP_WORDS[COMP_CWORD]} command=${COMP_WORDS[1]}
   if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W 'scene tables solve info chart profile map --help --version' -- "$word"))
+    COMPREPLY=($(compgen -W 'scene converge tables solve info chart profile map --help --version' -- "$word"))
   elif [[ $word == -* ]]; then
     COMPREPLY=($(compgen -W "$(delassus "$command" --help 2>/dev/null |
       grep -o -e '--[A-Za-z][A-Za-z-]*' | sort -u)" -- "$word"))

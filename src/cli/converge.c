@@ -28,9 +28,7 @@ static void converge_usage(FILE *out) {
       "      --meshes=K        meshes, each with twice the elements of the one before (5)\n",
       out);
   moving_usage_options(out);
-  fputs("  -o, --out=DIR         write converge.csv and a picture\n"
-        "  -h, --help            this text\n",
-        out);
+  fputs("  -o, --out=DIR         write converge.csv and a picture\n" LAST_USAGE, out);
 }
 
 /* Runs the scene to its end; *status: of the last step. Returns 0 after a complaint. */
@@ -90,27 +88,28 @@ static int converge_scene(const char *name, const converge_options *o) {
     settings.nx = o->from << count;
     good = converge_run(name, &settings, &d, &status);
     if (!good || status) break;
-    if (count == 0) puts("elements             h         error   order");
+    if (count == 0) tell("elements             h         error   order\n");
     h[count] = d.element;
     error[count] = d.gap_error;
     double factor;
     const double order =
         count > 0 ? converge_fit(h + count - 1, error + count - 1, 2, &factor) : NAN;
-    printf("%8d  %12.6g  %12.5e", settings.nx, h[count], error[count]);
-    printf(count > 0 ? "  %6.3f\n" : "\n", order);
+    tell("%8d  %12.6g  %12.5e", settings.nx, h[count], error[count]);
+    if (count > 0) tell("  %6.3f", order);
+    tell("\n");
     if (csv) fprintf(csv, "%d,%.17g,%.17g,%.6g\n", settings.nx, h[count], error[count], order);
     (void)fflush(stdout);
   }
   if (csv) good &= close_file(csv, "converge.csv");
   if (!good) return EXIT_BAD_INPUT;
-  if (status) printf("%s: %s\n", name, dls_status_text(status));
   if (count > 1) {
     double factor;
     const double order = converge_fit(h, error, count, &factor);
-    printf("observed order %.3f over %d meshes\n", order, count);
+    tell("observed order %.3f over %d meshes\n", order, count);
     if (o->out && draw_convergence(o->out, name, order, factor) != EXIT_SOLVED)
       return EXIT_BAD_INPUT;
   }
+  print_ending(status);
   return status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
 }
 
@@ -132,7 +131,7 @@ static taken take_converge_option(int key, const char *text, void *data) {
 int command_converge(int argc, char **argv) {
   static const struct option options[] = {VALUE("from", 'a'), VALUE("meshes", 'b'), MOVING_OPTIONS,
                                           VALUE("out", 'o'), LAST_OPTIONS};
-  static const command converge = {MOVING_KEYS "o:h", options, converge_usage, take_converge_option,
+  static const command converge = {MOVING_KEYS "o:", options, converge_usage, take_converge_option,
                                    1};
   converge_options o = {.from = 25, .meshes = 5};
   dls_moving_settings_init(&o.settings);

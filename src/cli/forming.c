@@ -2,7 +2,8 @@
  * forming.c: delassus scene indentation, extrusion: runs load steps by a method of choice, and
  * writes files.
  *
- *   force.csv     every step: travel, force, forces of the tools, counts and CPU seconds so far
+ *   force.csv     at rest and every step: travel, force, forces of the tools, counts and CPU
+ *                 seconds so far
  *   contact.csv   the candidates where --at asks, and at the end
  *   series.pvd    about 50 steps for ParaView, body and tools: step_NNNN.vtu, tools_NNNN.vtu
  *   pressure.dat  every step: travel, position, pressure, shear of the surface
@@ -51,13 +52,12 @@ static void forming_usage(FILE *out) {
       "  -t, --tol=T           on equilibrium and certificate (1e-9)\n"
       "      --step-tol=T      compare each step with two halves, and halve it until their forces\n"
       "                        differ by at most T of the largest one; tells their sum\n"
+      "  -l, --limit=S         CPU seconds of the whole run (none)\n"
       "      --at=D[,D..]      print the state, and write contact.csv, at the end of the step\n"
       "                        that reaches displacement D\n"
       "  -s, --save=FILE       write the last condensed contact problem as an FCLIB file (HDF5)\n"
       "  -o, --out=DIR         write force.csv, contact.csv, series.pvd, pictures\n"
-      "      --json            print one object instead of text\n"
-      "  -h, --help            this text\n"
-      "\n"
+      "      --json            print one object instead of text\n" LAST_USAGE "\n"
       "A run ends early, with exit status 1, where the next step would leave no body (a corner of\n"
       "an element inside out, a node inside a tool, a boundary that crosses itself, forces or\n"
       "energy that do not balance) or cannot be solved, and says where. All up to there is "
@@ -128,28 +128,20 @@ static void write_contacts(FILE *file, const dls_forming_data *d) {
   }
 }
 
-static int open_outputs(outputs *o, const char *directory, const dls_forming_data *d) {
-  if (!make_directory(directory) || !(o->force = open_in(directory, "force.csv")) ||
-      !(o->contact = open_in(directory, "contact.csv")) || !(o->series = open_series(directory)) ||
-      !(o->pressure = open_in(directory, "pressure.dat")))
-    return 0;
-  fputs("travel,force,contacts,newton,frames,iterations,halvings,equilibrium,residual,"
-        "assembly_cpu,reduction_cpu,contact_cpu,total_cpu,balance,by",
-        o->force);
-  for (int k = 0; k < d->tools; k++)
-    fprintf(o->force, ",%s_x,%s_y", d->tool[k].name, d->tool[k].name);
-  fputc('\n', o->force);
-  fputs("travel,candidate,x,y,n_x,n_y,gap,slip,rn,rt\n", o->contact);
-  return 1;
+/* Puts the files in their places; returns 1 if all were written. A file that cannot be written
+ * leaves those after it as they were. */
+static int close_outputs(outputs *o) {
+  int good = close_series(o->series);
+  if (o->force) good = good && close_file(o->force, "force.csv");
+  if (o->contact) good = good && close_file(o->contact, "contact.csv");
+  if (o->pressure) good = good && close_file(o->pressure, "pressure.dat");
+  return good;
 }
 
-/* Returns 1 if all was written. */
-static int close_outputs(outputs *o) {
-  int good = 1;
-  if (o->force) good &= close_file(o->force, "force.csv");
-  if (o->contact) good &= close_file(o->contact, "contact.csv");
-  if (o->pressure) good &= close_file(o->pressure, "pressure.dat");
-  return close_series(o->series) && good;
+/* Gives the files up; those of before stay. */
+static void drop_outputs(outputs *o) {
+  o->force = o->contact = o->pressure = NULL;
+  drop_files();
 }
 
 /* Returns the word for the way that solved a step. */
@@ -163,18 +155,39 @@ static const char *way_word(dls_forming_way way) {
   return words[way];
 }
 
+/* Writes a row of force.csv; by: in, the word for what solved the step. */
+static void write_force(const outputs *o, const dls_forming_data *d, const char *by) {
+  fprintf(o->force, "%.10g,%.17g,%d,%d,%d,%d,%d,%.3e,%.3e,%.4f,%.4f,%.4f,%.4f,%.3e,%s", d->travel,
+          d->force, count_contacts(d), d->count.newton, d->count.frames, d->count.iterations,
+          d->count.halvings, d->equilibrium, d->certificate.residual, d->cpu.assembly,
+          d->cpu.reduction, d->cpu.contact, cpu_seconds() - o->start, d->balance, by);
+  for (int k = 0; k < d->tools; k++)
+    fprintf(o->force, ",%.9g,%.9g", d->tool[k].force[0], d->tool[k].force[1]);
+  fputc('\n', o->force);
+}
+
+static int open_outputs(outputs *o, const char *directory, const dls_forming_data *d) {
+  if (!make_directory(directory) || !(o->force = open_in(directory, "force.csv")) ||
+      !(o->contact = open_in(directory, "contact.csv")) || !(o->series = open_series(directory)) ||
+      !(o->pressure = open_in(directory, "pressure.dat")))
+    return 0;
+  fputs("travel,force,contacts,newton,frames,iterations,halvings,equilibrium,residual,"
+        "assembly_cpu,reduction_cpu,contact_cpu,total_cpu,balance,by",
+        o->force);
+  for (int k = 0; k < d->tools; k++)
+    fprintf(o->force, ",%s_x,%s_y", d->tool[k].name, d->tool[k].name);
+  fputc('\n', o->force);
+  write_force(o, d, "rest");
+  fputs("travel,candidate,x,y,n_x,n_y,gap,slip,rn,rt\n", o->contact);
+  return 1;
+}
+
 /* Writes the rows and files of a step. asked: 1 if the step reaches a displacement of --at. */
 static int write_step(const outputs *o, const forming_options *options, const dls_forming *forming,
                       int step, int asked) {
   dls_forming_data d;
   dls_forming_get(forming, &d);
-  fprintf(o->force, "%.10g,%.17g,%d,%d,%d,%d,%d,%.3e,%.3e,%.4f,%.4f,%.4f,%.4f,%.3e,%s", d.travel,
-          d.force, count_contacts(&d), d.count.newton, d.count.frames, d.count.iterations,
-          d.count.halvings, d.equilibrium, d.certificate.residual, d.cpu.assembly, d.cpu.reduction,
-          d.cpu.contact, cpu_seconds() - o->start, d.balance, way_word(d.way));
-  for (int k = 0; k < d.tools; k++)
-    fprintf(o->force, ",%.9g,%.9g", d.tool[k].force[0], d.tool[k].force[1]);
-  fputc('\n', o->force);
+  write_force(o, &d, way_word(d.way));
   write_pressures(o->pressure, &d);
   if (asked) write_contacts(o->contact, &d);
   const int every = (d.steps + VTU_FILES - 1) / VTU_FILES;
@@ -202,12 +215,14 @@ static void print_forming_summary(const forming_options *o, const dls_forming_da
          d->travel, d->whole);
   if (d->fault.kind && status > 0)
     printf("refused at %.6g of %.6g mm: %s\n", d->fault.travel, d->whole, d->fault.text);
-  printf("%d steps, %d halved; %d frame updates, %d Newton steps, %d condensations, %d iterations "
-         "of the method\n",
-         d->count.parts, d->count.halvings, d->count.frames, d->count.newton, d->count.reductions,
-         d->count.iterations);
+  printf("%d step%s, %d halved; %d frame update%s, %d Newton step%s, %d condensation%s, "
+         "%d iteration%s of the method\n",
+         d->count.parts, plural(d->count.parts), d->count.halvings, d->count.frames,
+         plural(d->count.frames), d->count.newton, plural(d->count.newton), d->count.reductions,
+         plural(d->count.reductions), d->count.iterations, plural(d->count.iterations));
   if (d->count.handed)
-    printf("%d steps handed on to another way than Newton's method on K\n", d->count.handed);
+    printf("%d step%s handed on to another way than Newton's method on K\n", d->count.handed,
+           plural(d->count.handed));
   printf("forces on the body [N]:");
   const char *comma = "";
   for (int k = 0; k < d->tools; k++) {
@@ -297,7 +312,8 @@ static int run_steps(dls_forming *forming, const forming_options *o, outputs *ou
   dls_forming_data d;
   dls_error error = {0};
   dls_forming_get(forming, &d);
-  if (!o->json) puts("    travel         force  contacts  max strain  equilibr.   residual");
+  if (!o->json && !is_quiet())
+    puts("    travel         force  contacts  max strain  equilibr.   residual");
   for (int step = 1; step <= d.steps; step++) {
     const double before = d.travel;
     *status = dls_forming_step(forming, &error);
@@ -310,7 +326,7 @@ static int run_steps(dls_forming *forming, const forming_options *o, outputs *ou
     const int stop = show_step(&d, step);
     if (asked || stop) {
       progress_end();
-      if (!o->json) print_state(&d);
+      if (!o->json && !is_quiet()) print_state(&d);
     }
     if (out->force && !write_step(out, o, forming, step, asked || stop)) return 0;
     if (stop && !*status) *status = DLS_CANCELLED;
@@ -337,10 +353,12 @@ static int run_forming(const forming_options *o) {
       const double seconds = cpu_seconds() - out.start;
       if (o->json)
         print_forming_json(o, &d, status, seconds);
-      else
+      else if (!is_quiet())
         print_forming_summary(o, &d, status, seconds);
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
+  /* where a file could not be written, not those of a part of the steps either */
+  if (result == EXIT_BAD_INPUT && status >= 0) drop_outputs(&out);
   if (!close_outputs(&out)) result = EXIT_BAD_INPUT;
   if (o->save && result != EXIT_BAD_INPUT) {
     dls_contact last;
@@ -352,13 +370,14 @@ static int run_forming(const forming_options *o) {
     dls_forming_data d;
     char title[128];
     dls_forming_get(forming, &d);
-    (void)snprintf(title, sizeof title, "%s by %s, %.6g mm", o->name, o->method, d.travel);
+    (void)snprintf(title, sizeof title, "%s by %s, %s%s%.6g mm", o->name, o->method,
+                   status ? status_word(status) : "", status ? " at " : "", d.travel);
     const dls_forming_settings *own = &o->settings;
     const int as_is =
         !own->nx && !own->ny && own->mu < 0 && !own->steps && !own->clamped && own->ram_mu == 0;
     if (draw_forming(o->out, title, &d, as_is) != EXIT_SOLVED) result = EXIT_BAD_INPUT;
   }
-  if (result != EXIT_BAD_INPUT) print_ending(status);
+  if (result != EXIT_BAD_INPUT && !o->json) print_ending(status);
   dls_forming_destroy(forming);
   return result;
 }
@@ -407,6 +426,8 @@ static taken take_forming_option(int key, const char *text, void *data) {
     return parse_number("ram-mu", text, &o->settings.ram_mu);
   case 'S':
     return parse_number("step-tol", text, &o->settings.step_tol);
+  case 'l':
+    return parse_number("limit", text, &o->settings.cpu_seconds);
   case 'j':
     o->json = 1;
     return OPTION_TAKEN;
@@ -424,24 +445,16 @@ static taken take_forming_option(int key, const char *text, void *data) {
 }
 
 int command_forming(int argc, char **argv) {
-  static const struct option options[] = {VALUE("method", 'm'),
-                                          VALUE("mesh", 'M'),
-                                          VALUE("steps", 'n'),
-                                          VALUE("mu", 'f'),
-                                          FLAG("clamped", 'c'),
-                                          VALUE("tol", 't'),
-                                          VALUE("at", 'a'),
-                                          VALUE("out", 'o'),
-                                          VALUE("penalty", 'P'),
-                                          VALUE("augmentations", 'A'),
-                                          VALUE("relaxation", 'w'),
-                                          FLAG("no-aitken", 'N'),
-                                          VALUE("ram-mu", 'r'),
-                                          VALUE("step-tol", 'S'),
-                                          VALUE("save", 's'),
-                                          FLAG("json", 'j'),
-                                          LAST_OPTIONS};
-  static const command forming = {"m:n:t:s:o:h", options, forming_usage, take_forming_option, 1};
+  static const struct option options[] = {VALUE("method", 'm'),     VALUE("mesh", 'M'),
+                                          VALUE("steps", 'n'),      VALUE("mu", 'f'),
+                                          FLAG("clamped", 'c'),     VALUE("tol", 't'),
+                                          VALUE("at", 'a'),         VALUE("out", 'o'),
+                                          VALUE("penalty", 'P'),    VALUE("augmentations", 'A'),
+                                          VALUE("relaxation", 'w'), FLAG("no-aitken", 'N'),
+                                          VALUE("ram-mu", 'r'),     VALUE("step-tol", 'S'),
+                                          VALUE("save", 's'),       VALUE("limit", 'l'),
+                                          FLAG("json", 'j'),        LAST_OPTIONS};
+  static const command forming = {"m:n:t:s:o:l:", options, forming_usage, take_forming_option, 1};
   forming_options o = {.method = "auto"};
   dls_forming_settings_init(&o.settings);
   if (!forming_method(o.method, &o.settings)) o.method = dls_method_name(o.settings.method);

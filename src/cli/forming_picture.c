@@ -76,7 +76,7 @@ static int write_mesh(const char *directory, const char *title, const dls_formin
   fit_view(d, &w);
   for (int i = 0; i < d->mesh->nodes; i++)
     largest = fmax(largest, hypot(d->reaction[2 * i], d->reaction[2 * i + 1]));
-  const double arrow = largest > 0 ? (w.turned ? 0.2 : 0.3) * (w.hi[1] - w.lo[1]) / largest : 0;
+  const double arrow = largest > 0 ? (w.turned ? 0.15 : 0.3) * (w.hi[1] - w.lo[1]) / largest : 0;
   FILE *data = open_in(directory, "mesh.dat");
   if (!data) return 0;
   fputs("# blocks 0, 1: tools and elements at rest; 2, 3: deformed; 4: contact forces\n", data);
@@ -202,18 +202,19 @@ static int write_force(const char *directory, const char *title, const dls_formi
           "set xrange [0:%g]\nset yrange [0:*]\n"
           "set xlabel 'displacement [mm]'\nset ylabel 'force [%s]'\n",
           title, as_is ? "top left" : "off", d->whole,
-          d->axisymmetric ? "N per radian" : "N per mm of thickness, half of the block");
+          d->axisymmetric ? "kN per radian" : "kN per mm of thickness, half of the block");
   if (as_is) {
     fputs("$codes << end\n", script);
     for (int k = 0; k < 3; k++) {
       const double *band = force_bands[d->axisymmetric][k];
-      fprintf(script, "%g,%g,%g,%g\n", band[0], (band[1] + band[2]) / 2, band[1], band[2]);
+      fprintf(script, "%g,%g,%g,%g\n", band[0], (band[1] + band[2]) / 2e3, band[1] / 1e3,
+              band[2] / 1e3);
     }
     fputs("end\n", script);
   }
   begin_pictures(script, "force", 900, 600);
   fprintf(script,
-          "  plot 'force.csv' every ::1 using 1:2 with lines lw 2 lc rgb '#3060a0' title "
+          "  plot 'force.csv' every ::1 using 1:($2/1000) with lines lw 2 lc rgb '#3060a0' title "
           "'delassus'%s\n  unset output\n}\n",
           as_is ? ", \\\n       $codes using 1:2:3:4 with yerrorbars pt 6 ps 1.4 lw 2 lc rgb "
                   "'#c03020' title 'band of independent codes'"

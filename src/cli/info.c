@@ -16,8 +16,8 @@ static void info_usage(FILE *out) {
       "\n"
       "  -l, --limit=N         rank, eigenvalues and the bound on friction for up to N rows "
       "(2000)\n"
-      "  -j, --json            print one JSON object; null: not known, none, or unbounded\n"
-      "  -h, --help            this text\n",
+      "  -j, --json            print one JSON object; null: not known, none, or "
+      "unbounded\n" LAST_USAGE,
       out);
 }
 
@@ -27,7 +27,7 @@ static void print_matrix(const problem *p, const dls_diagnosis *g) {
   const int m = p->contact.d * p->contact.nc;
   printf("  W: %d x %d, ", m, m);
   if (p->contact.Wb.x)
-    printf("%d blocks; ", p->contact.Wb.p[p->contact.nc]);
+    printf("%d block%s; ", p->contact.Wb.p[p->contact.nc], plural(p->contact.Wb.p[p->contact.nc]));
   else
     fputs("dense; ", stdout);
   if (g->asymmetry <= m * 2.3e-16)
@@ -44,9 +44,10 @@ static void print_spectrum(int m, int limit, const dls_diagnosis *g) {
   }
   printf("  rank %d of %d: ", g->rank, m);
   if (g->negative)
-    printf("indefinite, %d negative eigenvalues\n", g->negative);
+    printf("indefinite, %d negative eigenvalue%s\n", g->negative, plural(g->negative));
   else if (g->rank < m)
-    printf("positive semidefinite, statically indeterminate (%d self-stresses)\n", m - g->rank);
+    printf("positive semidefinite, statically indeterminate (%d self-stress%s)\n", m - g->rank,
+           m - g->rank == 1 ? "" : "es");
   else
     puts("positive definite");
   printf("  eigenvalues of the scaled W: %.2e to %.2e", g->smallest, g->largest);
@@ -65,7 +66,7 @@ static void print_scales(int nc, const dls_diagnosis *g) {
          g->q_norm);
   if (g->closing)
     printf("  without reactions, %d of %d contact%s would interpenetrate\n", g->closing, nc,
-           nc == 1 ? "" : "s");
+           plural(nc));
   else
     puts("  no contact would interpenetrate without reactions: r = 0 is a solution");
 }
@@ -97,7 +98,7 @@ static void print_friction(int d, int m, const dls_diagnosis *g) {
            g->friction_critical, g->critical);
   if (g->wedged.count)
     printf("    %d contact%s (first: %d) %s above W_nn/|W_nt| and can jam alone\n", g->wedged.count,
-           g->wedged.count > 1 ? "s" : "", g->wedged.first, g->wedged.count > 1 ? "are" : "is");
+           plural(g->wedged.count), g->wedged.first, g->wedged.count > 1 ? "are" : "is");
 }
 
 /* ---- trust ----------------------------------------------------------------------------------- */
@@ -292,7 +293,7 @@ static taken take_info_option(int key, const char *text, void *data) {
 
 int command_info(int argc, char **argv) {
   static const struct option options[] = {VALUE("limit", 'l'), FLAG("json", 'j'), LAST_OPTIONS};
-  static const command info = {"l:jh", options, info_usage, take_info_option, 1};
+  static const command info = {"l:j", options, info_usage, take_info_option, 1};
   info_options o = {.limit = 2000};
   const int stop = take_options(argc, argv, &info, &o);
   if (stop != GO_ON) return stop;
@@ -305,10 +306,11 @@ int command_info(int argc, char **argv) {
   if (problem_load(path, 0, &p, &error) || dls_contact_diagnose(&p.contact, o.limit, &g, &error))
     result = complain_of(path, &error);
   else {
+    if (is_verbose()) print_reduction(stderr, &p);
     find_trust(&p.contact, &t);
     if (o.json)
       print_info_json(&p, &g, &t);
-    else
+    else if (!is_quiet())
       print_facts(path, &p, o.limit, &g, &t);
   }
   problem_free(&p);

@@ -19,6 +19,7 @@ static void program_usage(FILE *out) {
       "                        solve an LCP given as two Matrix Market files\n"
       "  delassus info FILE    facts about an FCLIB problem: symmetry, rank, friction bounds\n"
       "  delassus chart NAME   every method on a file or scene: CPU against precision, a picture\n"
+      "  delassus map NAME...  which method works up to which friction: a picture\n"
       "  delassus profile NAME...   every method on many of them: performance profiles\n"
       "\n"
       "  -h, --help            this text; 'delassus COMMAND --help' for a command's options\n"
@@ -61,6 +62,7 @@ int main(int argc, char **argv) {
     result = name[0] ? complain("'%s' is no command; see 'delassus --help'", name)
                      : (program_usage(stderr), EXIT_BAD_INPUT);
   }
+  drop_files();
   if (fflush(stdout) || ferror(stdout)) return complain("cannot write to standard output");
   return result;
 }

@@ -33,9 +33,7 @@ static void map_usage(FILE *out) {
       "  -t, --tol=T           tolerance (1e-8)\n"
       "  -l, --limit=S         CPU seconds that a solve may take (0.3; --against 0.05;\n"
       "                        scenes in steps: a cell 10)\n"
-      "  -o, --out=DIR         where the files go (map)\n"
-      "  -h, --help            this text\n"
-      "\n"
+      "  -o, --out=DIR         where the files go (map)\n" LAST_USAGE "\n"
       "Exit status: 0, 1 if auto failed where another method did not, 2 bad input.\n",
       out);
 }
@@ -264,7 +262,8 @@ int map_methods(int count, char **names, const map_options *o) {
     fputs("row,mu,method,verdict,cpu_s,iterations,residual\n", m->csv);
     if (count > 1) {
       status = map_problems(m, count, names, o, &at, &error);
-      (void)snprintf(title, sizeof title, "Who solves what: %d problems", m->picture.rows);
+      (void)snprintf(title, sizeof title, "Who solves what: %d problem%s", m->picture.rows,
+                     plural(m->picture.rows));
     } else {
       status = named_load(at, &subject, &error);
       if (!status) status = map_friction(m, &subject.contact, o, &error);
@@ -284,7 +283,7 @@ int map_methods(int count, char **names, const map_options *o) {
   named_free(&subject);
   free(m->picture.cells);
   free(m);
-  return result;
+  return end_command(result, "auto fails where another method does not");
 }
 
 static taken take_range(const char *text, map_options *o) {
@@ -328,12 +327,12 @@ int command_map(int argc, char **argv) {
       VALUE("mu", 'u'),      VALUE("rows", 'n'), VALUE("against", 'a'),
       VALUE("samples", 's'), VALUE("tol", 't'),  VALUE("limit", 'l'),
       VALUE("method", 'm'),  VALUE("out", 'o'),  LAST_OPTIONS};
-  static const command map = {"t:l:m:o:h", options, map_usage, take_map_option, 0};
+  static const command map = {"t:l:m:o:", options, map_usage, take_map_option, 0};
   map_options o = {
       .to = -1, .tol = 1e-8, .limit = -1, .samples = 5, .method = "auto", .out = "map"};
   const int stop = take_options(argc, argv, &map, &o);
   if (stop != GO_ON) return stop;
-  if (argc == optind) return wrong_usage(&map);
+  if (argc == optind) return wrong_names(argv[0]);
   const int count = leave_lcps(argc - optind, argv + optind);
   if (count == 0) return EXIT_SOLVED;
   if (count > MAP_ROWS) return complain("map: at most %d names", MAP_ROWS);

@@ -305,5 +305,5 @@ int map_against(const char *name, const map_options *o) {
     result = draw_map(p);
   free(p->cells);
   named_free(&subject);
-  return result;
+  return end_command(result, NULL);
 }

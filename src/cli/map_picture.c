@@ -231,6 +231,6 @@ int draw_map(const map_picture *given) {
   qsort(p.line, (size_t)p.lines, sizeof p.line[0], by_row);
   if (!make_directory(p.directory) || !write_map_data(&p) || !write_map_script(&p))
     return EXIT_BAD_INPUT;
-  if (run_gnuplot(p.directory, "map.gp")) printf("drawn: %s/map.png\n", p.directory);
+  if (run_gnuplot(p.directory, "map.gp")) tell("drawn: %s/map.png\n", p.directory);
   return EXIT_SOLVED;
 }

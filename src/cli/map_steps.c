@@ -69,7 +69,9 @@ static dls_status moving_own(walker *w, dls_error *error) {
 static dls_status walk_forming(const walker *w, double limit, walk *out, dls_error *error) {
   dls_forming *forming;
   dls_forming_data d;
-  dls_status status = dls_forming_create(&forming, w->name, &w->forming, error);
+  dls_forming_settings s = w->forming;
+  s.cpu_seconds = limit;
+  dls_status status = dls_forming_create(&forming, w->name, &s, error);
   if (status) return status;
   const double start = cpu_seconds();
   dls_forming_get(forming, &d);
@@ -77,7 +79,6 @@ static dls_status walk_forming(const walker *w, double limit, walk *out, dls_err
     status = dls_forming_step(forming, error);
     dls_forming_get(forming, &d);
     if (!status && show_step(&d, step)) status = DLS_CANCELLED;
-    if (!status && step < d.steps && cpu_seconds() - start > limit) status = DLS_TIME_LIMIT;
   }
   *out = (walk){status, d.travel / d.whole, cpu_seconds() - start};
   dls_forming_destroy(forming);
@@ -206,5 +207,6 @@ int map_steps(const char *name, const map_options *o, int moves) {
   else
     result = draw_map(&p);
   free(p.cells);
-  return result == EXIT_SOLVED && !all_done ? EXIT_NOT_SOLVED : result;
+  if (result == EXIT_SOLVED && !all_done) result = EXIT_NOT_SOLVED;
+  return end_command(result, "not every run finishes");
 }

@@ -124,11 +124,11 @@ static double *new_vector(size_t count) {
 /* Reads exactly `count` numbers, row by row. */
 static int read_vector(const char *option, const char *path, int count, double **x) {
   table t;
-  const int good =
-      table_read(path, &t) &&
-      (table_count(&t) == (size_t)count ||
-       (complain("--%s: %s holds %zu numbers, must hold %d", option, path, table_count(&t), count),
-        0));
+  const int good = table_read(path, &t) &&
+                   (table_count(&t) == (size_t)count ||
+                    (complain("--%s: %s holds %zu number%s, must hold %d", option, path,
+                              table_count(&t), plural((long long)table_count(&t)), count),
+                     0));
   if (good)
     *x = t.a;
   else
@@ -145,8 +145,9 @@ static int read_friction(const char *text, int nc, double **mu) {
   if (good && text && !is_number(text, &each)) {
     good = table_read(text, &t);
     if (good && table_count(&t) != 1 && table_count(&t) != (size_t)nc)
-      good =
-          (complain("--mu: %s holds %zu numbers, must hold 1 or %d", text, table_count(&t), nc), 0);
+      good = (complain("--mu: %s holds %zu number%s, must hold 1 or %d", text, table_count(&t),
+                       plural((long long)table_count(&t)), nc),
+              0);
   }
   for (int c = 0; good && c < nc; c++)
     (*mu)[c] = !t.a ? each : table_count(&t) == 1 ? t.a[0] : t.a[c];
@@ -166,9 +167,9 @@ static int read_gaps(const char *text, int d, int nodes, double **g) {
     const size_t count = good ? table_count(&t) : 0;
     whole = count == (size_t)d * (size_t)nodes;
     if (good && !whole && count != (size_t)nodes)
-      good =
-          (complain("--g: %s holds %zu numbers, must hold %d or %d", text, count, nodes, d * nodes),
-           0);
+      good = (complain("--g: %s holds %zu number%s, must hold %d or %d", text, count,
+                       plural((long long)count), nodes, d * nodes),
+              0);
   }
   for (int c = 0; good && c < nodes; c++)
     for (int i = 0; i < (whole ? d : 1); i++)
@@ -193,11 +194,14 @@ static int read_numbering(const char *sti, int n, struct matrices *own) {
   while (good && fgets(line, sizeof line, file)) {
     if (k >= n || sscanf(line, "%d.%1d", &own->node[k], &own->direction[k]) != 2 ||
         own->node[k] < 1)
-      good = (complain("%s: line %d is no node.direction of %d unknowns", path, k + 1, n), 0);
+      good =
+          (complain("%s: line %d is no node.direction of %d unknown%s", path, k + 1, n, plural(n)),
+           0);
     k++;
   }
   (void)fclose(file);
-  if (good && k != n) good = (complain("%s: holds %d unknowns, %s has %d", path, k, sti, n), 0);
+  if (good && k != n)
+    good = (complain("%s: holds %d unknown%s, %s has %d", path, k, plural(k), sti, n), 0);
   return good;
 }
 
@@ -223,7 +227,8 @@ static int read_loads(const char *path, int d, int n, int numbered, struct matri
   int good = table_read(path, &t);
   const int whole = good && table_count(&t) == (size_t)n;
   if (good && !whole && !(numbered && t.cols == 3))
-    good = (complain("--f: %s holds %zu numbers, must hold %d%s", path, table_count(&t), n,
+    good = (complain("--f: %s holds %zu number%s, must hold %d%s", path, table_count(&t),
+                     plural((long long)table_count(&t)), n,
                      numbered ? ", or rows of node, direction and value" : ""),
             0);
   for (int e = 0; whole && e < n; e++)
@@ -299,8 +304,9 @@ static int operators_of_nodes(const char *path, int n, const struct matrices *ow
   table t;
   int good = table_read(path, &t);
   if (good && t.cols != 3 && t.cols != 4)
-    good =
-        (complain("--nodes: %s has %d columns, must have 'node n_x n_y [n_z]'", path, t.cols), 0);
+    good = (complain("--nodes: %s has %d column%s, must have 'node n_x n_y [n_z]'", path, t.cols,
+                     plural(t.cols)),
+            0);
   if (good) {
     *d = t.cols - 1;
     const size_t cols = (size_t)*d * (size_t)t.rows;
@@ -348,14 +354,14 @@ static int find_dimension(const matrix_options *o, int m) {
   if (!d)
     complain("--dim: 2 or 3 is wanted");
   else if (m % d)
-    d = (complain("--dim: %d does not divide the %d columns of H or rows of W", d, m), 0);
+    d = (complain("--dim: %d does not divide %d, the columns of H or rows of W", d, m), 0);
   return d;
 }
 
 /* Checks the rows of an operator against the n unknowns of K. */
 static int has_rows(const char *option, const char *path, const dls_sparse *A, int n) {
   if (A->rows == n) return 1;
-  complain("--%s: %s has %d rows, must have %d", option, path, A->rows, n);
+  complain("--%s: %s has %d row%s, must have %d", option, path, A->rows, plural(A->rows), n);
   return 0;
 }
 
@@ -372,8 +378,8 @@ static int load_operators(const matrix_options *o, struct matrices *own, dls_mod
       const int cols = own->HT.view.cols;
       d = cols == 2 * nodes ? 3 : 2;
       if (good && (cols != (d - 1) * nodes || (o->dim && d != o->dim)))
-        good = (complain("--HT: %s has %d columns; --HN has %d, so %d or %d are wanted", o->HT,
-                         cols, nodes, nodes, 2 * nodes),
+        good = (complain("--HT: %s has %d column%s; --HN has %d, so %d or %d are wanted", o->HT,
+                         cols, plural(cols), nodes, nodes, 2 * nodes),
                 0);
     } else if (good) { /* no tangents */
       d = o->dim ? o->dim : 2;
@@ -411,9 +417,16 @@ static int read_square(const char *option, const char *path, int *n, double **a)
   return good;
 }
 
-/* Chooses the factorisation: Cholesky, or LDL^T where that fails, for a symmetric K. */
-static int choose_factorization(int symmetric, dls_model *model) {
+/* Chooses the factorisation: Cholesky, or LDL^T where that fails, for a symmetric K. Refuses a
+ * triangle: half of a symmetric matrix, as many codes write it. */
+static int choose_factorization(const char *path, int symmetric, const char *triangle,
+                                dls_model *model) {
   if (symmetric < 0) (void)complain("out of memory");
+  if (!symmetric && triangle)
+    return complain("--stiffness: %s is %s triangle; half of a symmetric matrix goes as the lower "
+                    "triangle of a Matrix Market file that says 'symmetric'",
+                    path, triangle),
+           0;
   model->factorization = symmetric ? DLS_CHOLESKY : DLS_LU;
   return symmetric >= 0;
 }
@@ -423,7 +436,8 @@ static int load_stiffness(const char *path, struct matrices *own, dls_model *mod
     model->operator_kind = DLS_STIFFNESS_DENSE;
     if (!read_square("stiffness", path, &model->n, &own->K)) return 0;
     model->K = (dls_dense){model->n, model->n, model->n, own->K};
-    return choose_factorization(dense_is_symmetric(model->n, own->K), model);
+    return choose_factorization(path, dense_is_symmetric(model->n, own->K),
+                                dense_triangle(model->n, own->K), model);
   }
   model->operator_kind = DLS_STIFFNESS_SPARSE;
   if (!sparse_read(path, &own->Ks)) return 0;
@@ -433,7 +447,8 @@ static int load_stiffness(const char *path, struct matrices *own, dls_model *mod
     return complain("--stiffness: %s is %d x %d, must be square", path, model->Ks.rows,
                     model->Ks.cols),
            0;
-  return choose_factorization(sparse_is_symmetric(&model->Ks), model) &&
+  return choose_factorization(path, sparse_is_symmetric(&model->Ks), sparse_triangle(&model->Ks),
+                              model) &&
          (!array_is_calculix(path) || read_numbering(path, model->n, own));
 }
 

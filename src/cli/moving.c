@@ -47,8 +47,7 @@ static void moving_usage(FILE *out) {
     fprintf(out, "  %-13s %s\n", dls_moving_name(k), dls_moving_description(k));
   fputs("\n", out);
   moving_usage_options(out);
-  fputs("  -o, --out=DIR         write energy.csv, contact.csv, series.pvd, pictures\n"
-        "  -h, --help            this text\n"
+  fputs("  -o, --out=DIR         write energy.csv, contact.csv, series.pvd, pictures\n" LAST_USAGE
         "\nCtrl-C ends the run after the step; what was computed is written.\n",
         out);
 }
@@ -185,15 +184,22 @@ static int moving_open(moving_files *f, const char *directory, const dls_moving_
   return 1;
 }
 
-/* Returns 1 if all was written. */
+/* Puts the files in their places; returns 1 if all were written. A file that cannot be written
+ * leaves those after it as they were. */
 static int moving_close(moving_files *f) {
-  int good = 1;
-  if (f->energy) good &= close_file(f->energy, "energy.csv");
-  if (f->contact) good &= close_file(f->contact, "contact.csv");
-  if (f->map) good &= close_file(f->map, "map.dat");
-  if (f->bar) good &= close_file(f->bar, "bar.dat");
-  if (f->loop) good &= close_file(f->loop, "loop.dat");
-  return close_series(f->series) && good;
+  int good = close_series(f->series);
+  if (f->energy) good = good && close_file(f->energy, "energy.csv");
+  if (f->contact) good = good && close_file(f->contact, "contact.csv");
+  if (f->map) good = good && close_file(f->map, "map.dat");
+  if (f->bar) good = good && close_file(f->bar, "bar.dat");
+  if (f->loop) good = good && close_file(f->loop, "loop.dat");
+  return good;
+}
+
+/* Gives the files up; those of before stay. */
+static void drop_moving(moving_files *f) {
+  f->energy = f->contact = f->map = f->bar = f->loop = NULL;
+  drop_files();
 }
 
 static void write_energy(FILE *file, const dls_moving_data *d) {
@@ -261,8 +267,9 @@ static void print_moving_head(const dls_moving_data *d) {
            mass_names[s->mass - 1], s->restitution);
   else
     printf("path of equilibria, ");
-  printf("mu %g, %d %s, %d candidates, %d steps of %g\n", s->mu, elements,
-         d->mesh->triangles ? "triangles" : "elements", d->candidates, d->steps, d->h);
+  printf("mu %g, %d %s%s, %d candidate%s, %d step%s of %g\n", s->mu, elements,
+         d->mesh->triangles ? "triangle" : "element", plural(elements), d->candidates,
+         plural(d->candidates), d->steps, plural(d->steps), d->h);
 }
 
 static void print_contact_cost(const dls_moving_data *d) {
@@ -276,8 +283,8 @@ static void print_contact_cost(const dls_moving_data *d) {
 static void print_moving_summary(const dls_moving_data *d, const moving_worst *worst,
                                  dls_status status) {
   const dls_motion_energies *e = &d->energy;
-  printf("%s after %d of %d steps, t = %g\n", status ? dls_status_text(status) : "finished",
-         d->step, d->steps, d->state.t);
+  printf("%s after %d of %d step%s, t = %g\n", status ? dls_status_text(status) : "finished",
+         d->step, d->steps, plural(d->steps), d->state.t);
   printf("energy: %.8g at the start; kinetic %.8g, elastic %.8g\n", d->energy_start, e->kinetic,
          e->elastic);
   printf("works: load %.8g, obstacle %.8g, friction %.8g, impact %.8g, numerical %.8g\n", e->load,
@@ -332,16 +339,19 @@ static int run_moving(const moving_options *o) {
   if (dls_moving_create(&moving, o->name, &o->settings, &error))
     return complain_of(o->name, &error);
   dls_moving_get(moving, &d);
-  print_moving_head(&d);
+  if (!is_quiet()) print_moving_head(&d);
   if (!o->out || moving_open(&files, o->out, &d))
     if (moving_steps(moving, o, &files, &worst, &status)) {
       dls_moving_get(moving, &d);
-      print_moving_summary(&d, &worst, status);
+      if (!is_quiet()) print_moving_summary(&d, &worst, status);
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
+  /* where a file could not be written, not those of a part of the steps either */
+  if (result == EXIT_BAD_INPUT && status >= 0) drop_moving(&files);
   if (!moving_close(&files)) result = EXIT_BAD_INPUT;
   if (o->out && d.step > 0 && result != EXIT_BAD_INPUT && draw_moving(o->out, &d) != EXIT_SOLVED)
     result = EXIT_BAD_INPUT;
+  if (result != EXIT_BAD_INPUT) print_ending(status);
   dls_moving_destroy(moving);
   return result;
 }
@@ -357,7 +367,7 @@ static taken take_moving_option(int key, const char *text, void *data) {
 
 int command_moving(int argc, char **argv) {
   static const struct option options[] = {MOVING_OPTIONS, VALUE("out", 'o'), LAST_OPTIONS};
-  static const command moving = {MOVING_KEYS "o:h", options, moving_usage, take_moving_option, 1};
+  static const command moving = {MOVING_KEYS "o:", options, moving_usage, take_moving_option, 1};
   moving_options o = {0};
   dls_moving_settings_init(&o.settings);
   o.settings.measure = 1;

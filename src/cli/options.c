@@ -6,20 +6,33 @@
 
 #include "cli.h"
 
-int take_options(int argc, char **argv, const command *c, void *data) {
-  for (int key; (key = getopt_long(argc, argv, c->keys, c->options, NULL)) != -1;) {
-    const taken result = key == 'h' ? OPTION_HELP : c->take(key, optarg, data);
-    if (result == OPTION_HELP) c->usage(stdout);
-    if (result == OPTION_HELP || result == OPTION_DONE) return EXIT_SOLVED;
-    if (result == OPTION_UNKNOWN) return wrong_usage(c);
-    if (result == OPTION_WRONG) return EXIT_BAD_INPUT;
-  }
-  return c->operands && argc - optind != c->operands ? wrong_usage(c) : GO_ON;
+/* Returns the name of the option `key`. */
+static const char *option_name(const command *c, int key) {
+  const struct option *o = c->options;
+  while (o->name && o->val != key)
+    o++;
+  return o->name ? o->name : "";
 }
 
-int wrong_usage(const command *c) {
-  c->usage(stderr);
-  return EXIT_BAD_INPUT;
+int take_options(int argc, char **argv, const command *c, void *data) {
+  char keys[64];
+  (void)snprintf(keys, sizeof keys, "%s" LAST_KEYS, c->keys);
+  for (int key; (key = getopt_long(argc, argv, keys, c->options, NULL)) != -1;) {
+    if (optarg && !*optarg) return complain("--%s: is empty", option_name(c, key));
+    const taken result = key == 'h'           ? OPTION_HELP
+                         : take_loudness(key) ? OPTION_TAKEN
+                                              : c->take(key, optarg, data);
+    if (result == OPTION_HELP) c->usage(stdout);
+    if (result == OPTION_HELP || result == OPTION_DONE) return EXIT_SOLVED;
+    if (result == OPTION_UNKNOWN) /* of which getopt has complained */
+      return complain("see 'delassus %s --help'", argv[0]);
+    if (result == OPTION_WRONG) return EXIT_BAD_INPUT;
+  }
+  return c->operands && argc - optind != c->operands ? wrong_names(argv[0]) : GO_ON;
+}
+
+int wrong_names(const char *name) {
+  return complain("%s: too few or too many names; see 'delassus %s --help'", name, name);
 }
 
 void solver_options_init(solver_options *o, double tol) {

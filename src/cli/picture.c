@@ -3,12 +3,14 @@
 #include <errno.h>
 #include <math.h>
 #include <spawn.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "cli.h"
+#include "files/output.h"
 
 extern char **environ;
 
@@ -19,19 +21,55 @@ int join_path(char path[PATH_ROOM], const char *directory, const char *name) {
   return 0;
 }
 
+/* The files that are open, the latest first. */
+typedef struct open_file {
+  dlsi_output out;
+  struct open_file *next;
+} open_file;
+static open_file *open_files;
+
+FILE *open_path(const char *path) {
+  dls_error error = {0};
+  open_file *entry = malloc(sizeof *entry);
+  if (!entry) {
+    (void)complain("%s: out of memory", path);
+    return NULL;
+  }
+  if (dlsi_output_open(&entry->out, path, &error)) {
+    (void)complain_of(path, &error);
+    free(entry);
+    return NULL;
+  }
+  entry->next = open_files;
+  open_files = entry;
+  return entry->out.file;
+}
+
 FILE *open_in(const char *directory, const char *name) {
   char path[PATH_ROOM];
-  if (!join_path(path, directory, name)) return NULL;
-  FILE *file = fopen(path, "w");
-  if (!file) complain("%s: %s", path, strerror(errno));
-  return file;
+  return join_path(path, directory, name) ? open_path(path) : NULL;
 }
 
 int close_file(FILE *file, const char *name) {
-  const int bad = ferror(file);
-  if (fclose(file) == 0 && !bad) return 1;
-  complain("%s: cannot be written", name);
-  return 0;
+  open_file **at = &open_files;
+  while ((*at)->out.file != file)
+    at = &(*at)->next;
+  open_file *entry = *at;
+  dls_error error = {0};
+  *at = entry->next;
+  const int good = dlsi_output_finish(&entry->out, &error) == DLS_OK;
+  if (!good) (void)complain_of(name, &error);
+  free(entry);
+  return good;
+}
+
+void drop_files(void) {
+  while (open_files) {
+    open_file *entry = open_files;
+    open_files = entry->next;
+    dlsi_output_drop(&entry->out);
+    free(entry);
+  }
 }
 
 dls_fe_series *open_series(const char *directory) {

@@ -57,25 +57,27 @@ void problem_free(problem *p) {
 }
 
 void problem_print(const char *path, const problem *p) {
-  printf("%s: %dD, %d contact%s, %s\n", path, p->contact.d, p->contact.nc,
-         p->contact.nc == 1 ? "" : "s",
+  printf("%s: %dD, %d contact%s, %s\n", path, p->contact.d, p->contact.nc, plural(p->contact.nc),
          p->reduction   ? "global"
          : p->of_bodies ? "global"
          : p->text      ? "text"
                         : "local");
-  if (p->of_bodies) printf("  of %d rigid bodies\n", p->contact.bodies.count);
+  if (p->of_bodies)
+    printf("  of %d rigid bod%s\n", p->contact.bodies.count,
+           p->contact.bodies.count == 1 ? "y" : "ies");
   if (p->reduction && !p->of_bodies)
-    printf("  reduced from %d unknowns in %.3g s of CPU\n", p->model.n, p->reduction_cpu_seconds);
+    printf("  reduced from %d unknown%s in %.3g s of CPU\n", p->model.n, plural(p->model.n),
+           p->reduction_cpu_seconds);
 }
 
 void print_reduction(FILE *out, const problem *p) {
   dls_reduction_info info;
   if (!p->reduction || dls_reduction_get_info(p->reduction, &info, NULL)) return;
-  fprintf(out, "reduction: %d unknowns, %d condensed, %.3g flops, at most %.3g MB, %.3g s of CPU",
-          p->model.n, info.condensed, info.flops, info.bytes * 1e-6, p->reduction_cpu_seconds);
+  fprintf(out, "reduction: %d unknown%s, %d condensed, %.3g flops, at most %.3g MB, %.3g s of CPU",
+          p->model.n, plural(p->model.n), info.condensed, info.flops, info.bytes * 1e-6,
+          p->reduction_cpu_seconds);
   if (info.condition > 0) fprintf(out, ", condition of K about %.1e", info.condition);
   if (info.indefinite) fputs(", K is indefinite", out);
-  if (info.modes)
-    fprintf(out, ", %d rigid-body mode%s held", info.modes, info.modes > 1 ? "s" : "");
+  if (info.modes) fprintf(out, ", %d rigid-body mode%s held", info.modes, plural(info.modes));
   fputc('\n', out);
 }

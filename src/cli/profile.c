@@ -32,9 +32,7 @@ static void profile_usage(FILE *out) {
         "  -l, --limit=S         CPU seconds that a solve may always take (0.5); more while it\n"
         "                        is within 30 times the fastest\n"
         "  -b, --budget=S        CPU seconds for a problem, about (6)\n"
-        "  -o, --out=DIR         where the files go (profile)\n"
-        "  -h, --help            this text\n"
-        "\n"
+        "  -o, --out=DIR         where the files go (profile)\n" LAST_USAGE "\n"
         "Exit status: 0, 1 if auto failed on a problem, 2 bad input.\n",
         out);
 }
@@ -46,7 +44,7 @@ typedef struct profile {
   char (*name)[96];
   double *seconds; /* (rung * solvers + solver) * most + problem; INFINITY: not solved */
   FILE *csv;
-  int failed; /* 1: auto did not solve something */
+  int failed; /* problems that auto did not solve to every tolerance */
 } profile;
 
 static double *profile_seconds(const profile *p, int rung, int solver, int which) {
@@ -57,6 +55,7 @@ static double *profile_seconds(const profile *p, int rung, int solver, int which
 
 /* Takes the times of a race; methods that its size left out have solved nothing. */
 static void profile_take(profile *p, const race *a, const char *name) {
+  int failed = 0;
   (void)snprintf(p->name[p->problems], sizeof p->name[0], "%s", name);
   for (int rung = 0; rung < PROFILE_RUNGS; rung++) {
     for (int k = 0; k < p->solvers; k++)
@@ -69,9 +68,10 @@ static void profile_take(profile *p, const race *a, const char *name) {
       fprintf(p->csv, "%s,%d,%d,%s,%.0e,%s,%.4e,%d,%.3e\n", name, a->d, a->nc, a->who[i].name,
               profile_tol[rung], ending_word(t->end), t->seconds, t->iterations, t->residual);
     }
-    p->failed |= race_trial(a, 0, rung)->end != ENDED_SOLVED;
+    failed |= race_trial(a, 0, rung)->end != ENDED_SOLVED;
   }
   fflush(p->csv);
+  p->failed += failed;
   p->problems++;
 }
 
@@ -151,10 +151,10 @@ static void print_auto(const profile *p, double *ratio) {
     }
   qsort(ratio, (size_t)count, sizeof *ratio, by_size);
   if (!count) return;
-  printf("\nauto over the fastest single method, %d problems, 1e-2 to 1e-14: median %.2f, nine "
+  printf("\nauto over the fastest single method, %d problem%s, 1e-2 to 1e-14: median %.2f, nine "
          "tenths below %.2f, worst %.1f (%s to %.0e)\n",
-         p->problems, ratio[(count - 1) / 2], ratio[9 * (count - 1) / 10], most, p->name[worst],
-         profile_tol[worst_rung]);
+         p->problems, plural(p->problems), ratio[(count - 1) / 2], ratio[9 * (count - 1) / 10],
+         most, p->name[worst], profile_tol[worst_rung]);
   printf("solved by auto alone %d, by others only %d of %d\n", only_auto, only_others,
          PROFILE_RUNGS * p->problems);
 }
@@ -175,7 +175,8 @@ static int draw_profile(const profile *p, const char *directory) {
         seconds[(t * p->solvers + k) * p->problems + i] =
             *profile_seconds(p, profile_target[t], k, i);
   }
-  (void)snprintf(title, sizeof title, "Every method on %d problems", p->problems);
+  (void)snprintf(title, sizeof title, "Every method on %d problem%s", p->problems,
+                 plural(p->problems));
   const profile_picture picture = {.directory = directory,
                                    .name = "profile",
                                    .title = title,
@@ -212,15 +213,18 @@ static int run_profile(int count, char **list, const profile_options *o) {
     good = profile_add(&p, list[i], o);
   if (p.csv && !close_file(p.csv, "profile.csv")) good = 0;
   if (good && p.problems) {
-    for (int t = 0; t < PROFILE_TARGETS; t++)
+    for (int t = 0; t < PROFILE_TARGETS && !is_quiet(); t++)
       print_target(&p, profile_target[t], ratio);
-    print_auto(&p, ratio);
+    if (!is_quiet()) print_auto(&p, ratio);
     good = draw_profile(&p, o->out);
   }
   free(ratio);
   free(p.name);
   free(p.seconds);
-  return !good ? EXIT_BAD_INPUT : p.failed ? EXIT_NOT_SOLVED : EXIT_SOLVED;
+  char why[80];
+  (void)snprintf(why, sizeof why, "auto fails on %d of %d problem%s", p.failed, p.problems,
+                 plural(p.problems));
+  return end_command(!good ? EXIT_BAD_INPUT : p.failed ? EXIT_NOT_SOLVED : EXIT_SOLVED, why);
 }
 
 static taken take_profile_option(int key, const char *text, void *data) {
@@ -236,12 +240,12 @@ static taken take_profile_option(int key, const char *text, void *data) {
 int command_profile(int argc, char **argv) {
   static const struct option options[] = {VALUE("repeat", 'r'), VALUE("limit", 'l'),
                                           VALUE("budget", 'b'), VALUE("out", 'o'), LAST_OPTIONS};
-  static const command profile_command = {"r:l:b:o:h", options, profile_usage, take_profile_option,
+  static const command profile_command = {"r:l:b:o:", options, profile_usage, take_profile_option,
                                           0};
   profile_options o = {.repeat = 15, .limit = 0.5, .budget = 6, .out = "profile"};
   const int stop = take_options(argc, argv, &profile_command, &o);
   if (stop != GO_ON) return stop;
-  if (argc == optind) return wrong_usage(&profile_command);
+  if (argc == optind) return wrong_names(argv[0]);
   watch_interrupt();
   const int count = leave_lcps(argc - optind, argv + optind);
   return count ? run_profile(count, argv + optind, &o) : EXIT_SOLVED;

@@ -250,8 +250,7 @@ int draw_profiles(const profile_picture *p) {
     (void)complain("%s: out of memory", p->name);
   else
     good = make_directory(p->directory) && write_profile_files(p, &s, taus, script);
-  if (good && run_gnuplot(p->directory, script))
-    printf("drawn: %s/%s.png\n", p->directory, p->name);
+  if (good && run_gnuplot(p->directory, script)) tell("drawn: %s/%s.png\n", p->directory, p->name);
   free(s.places);
   free(taus);
   return good;

@@ -26,6 +26,7 @@ int complain_of(const char *what, const dls_error *error) {
 }
 
 static int loudness; /* -1 quiet, 1 verbose */
+static volatile sig_atomic_t interrupted;
 
 int take_loudness(int key) {
   if (key != 'v' && key != 'q') return 0;
@@ -41,14 +42,41 @@ int is_verbose(void) {
   return loudness > 0;
 }
 
-void print_ending(dls_status status) {
+void tell(const char *format, ...) {
+  va_list args;
+  if (is_quiet()) return;
+  va_start(args, format);
+  vprintf(format, args);
+  va_end(args);
+}
+
+/* Prints the last line; why: NULL for "solved". */
+static void print_last_line(const char *why) {
   const char *no_color = getenv("NO_COLOR");
   const int color = isatty(STDOUT_FILENO) && !(no_color && *no_color);
-  const char *on = !color ? "" : status ? "\033[31m" : "\033[32m", *off = color ? "\033[0m" : "";
-  if (status)
-    printf("%snot solved: %s%s\n", on, dls_status_text(status), off);
+  const char *on = !color ? "" : why ? "\033[31m" : "\033[32m", *off = color ? "\033[0m" : "";
+  if (why)
+    printf("%snot solved: %s%s\n", on, why, off);
   else
     printf("%ssolved%s\n", on, off);
+}
+
+void print_ending(dls_status status) {
+  print_last_line(status ? dls_status_text(status) : NULL);
+}
+
+int end_command(int result, const char *why) {
+  if (result == EXIT_BAD_INPUT) return result;
+  if (interrupted) {
+    result = EXIT_NOT_SOLVED;
+    why = dls_status_text(DLS_CANCELLED);
+  }
+  print_last_line(result == EXIT_SOLVED ? NULL : why);
+  return result;
+}
+
+const char *plural(long long count) {
+  return count == 1 ? "" : "s";
 }
 
 taken parse_number(const char *option, const char *text, double *value) {
@@ -129,7 +157,7 @@ void print_stages(const dls_info *info) {
            s->method == DLS_NLGS ? " with anderson" : "", s->iterations,
            iteration_word(s->method, s->iterations));
     if (s->factorisations != s->iterations && s->factorisations)
-      printf(", %d factorisation%s", s->factorisations, s->factorisations == 1 ? "" : "s");
+      printf(", %d factorisation%s", s->factorisations, plural(s->factorisations));
     printf(", residual %.2e\n", s->residual);
   }
 }
@@ -210,7 +238,7 @@ void print_others(const char *indent, const dls_info *info) {
   if (info->unique == DLS_UNIQUE_YES) printf("%sno other answer: proved\n", indent);
   if (info->ambiguous)
     printf("%s%d candidate%s with several answers when the others stay\n", indent, info->ambiguous,
-           info->ambiguous == 1 ? "" : "s");
+           plural(info->ambiguous));
 }
 
 void print_json(FILE *out, const outcome *o) {
@@ -267,7 +295,6 @@ double cpu_seconds(void) {
   return clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
 }
 
-static volatile sig_atomic_t interrupted;
 static double first_shown, last_shown; /* wall seconds; 0: nothing yet */
 static int line_shown;
 
@@ -293,7 +320,7 @@ int show_progress(void *data, const dls_progress *p) {
   if (is_verbose()) {
     fprintf(stderr, "%s: %d", p->last ? p->method : p->stage, p->iteration);
     if (p->max_iterations > 0) fprintf(stderr, " of at most %d", p->max_iterations);
-    fprintf(stderr, ", %.3g s of CPU", p->cpu_seconds);
+    if (p->cpu_seconds > 0) fprintf(stderr, ", %.3g s of CPU", p->cpu_seconds);
     if (p->residual >= 0) fprintf(stderr, ", residual %.2e", p->residual);
     fputs(p->last ? ", end\n" : "\n", stderr);
     return 0;

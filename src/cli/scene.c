@@ -56,8 +56,7 @@ static void scene_usage(FILE *out) {
       "  -r, --reference=CSV   print and draw beside these values (columns node, Q1, Q2, RT, RN,\n"
       "                        equivalent RT, RN)\n"
       "  -j, --json            print the outcome as one JSON object instead of tables\n"
-      "  -l, --list            the names of the scenes\n"
-      "  -h, --help            this text\n",
+      "  -l, --list            the names of the scenes\n" LAST_USAGE,
       out);
 }
 
@@ -387,8 +386,9 @@ static void print_run(const run *a, const scene_options *o) {
   print_residuals("", c);
   print_stages(&out->info);
   if (out->primal)
-    printf("equilibrium %.1e (floor %.1e), laws %.1e, %d thresholds\n", out->primal->equilibrium,
-           out->primal->equilibrium_floor, out->primal->laws.residual, out->primal->thresholds);
+    printf("equilibrium %.1e (floor %.1e), laws %.1e, %d threshold%s\n", out->primal->equilibrium,
+           out->primal->equilibrium_floor, out->primal->laws.residual, out->primal->thresholds,
+           plural(out->primal->thresholds));
   const int with = o->reference != NULL;
   const quantity positions[] = {{"Q1 [m]", a->column[UT], with ? a->paper[0] : NULL},
                                 {"Q2 [m]", a->column[UN], with ? a->paper[1] : NULL}};
@@ -478,7 +478,7 @@ static int run_scene(const scene_options *o) {
   }
   if (o->json)
     print_json(stdout, &a.outcome);
-  else
+  else if (!is_quiet())
     print_run(&a, o);
   if (o->save && dls_fclib_write_local(o->save, &a.contact, o->name, a.r, a.u, &error)) {
     result = complain_of(o->save, &error);
@@ -573,7 +573,7 @@ int command_scene(int argc, char **argv) {
       VALUE("poisson", 'N'), VALUE("load", 'L'), VALUE("order", 'O'),     FLAG("weighted", 'w'),
       VALUE("out", 'o'),     VALUE("save", 's'), VALUE("reference", 'r'), FLAG("json", 'j'),
       FLAG("list", 'l'),     LAST_OPTIONS};
-  static const command scene = {SOLVER_KEYS "wo:s:r:jlh", options, scene_usage, take_scene_option,
+  static const command scene = {SOLVER_KEYS "wo:s:r:jl", options, scene_usage, take_scene_option,
                                 1};
   scene_options o = {0};
   solver_options_init(&o.solver, default_tol);

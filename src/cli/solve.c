@@ -46,10 +46,7 @@ static void solve_usage(FILE *out) {
         "  -p, --proof           print the vectors behind a verdict without an answer: the proof "
         "that\n"
         "                        there is no solution, the ray along which the unknowns run away\n"
-        "  -l, --lcp             the files hold M and q of an LCP\n"
-        "  -v, --verbose         tell of the reduction and of the way of the solve on stderr\n"
-        "  -q, --quiet           print the last line only\n"
-        "  -h, --help            this text\n",
+        "  -l, --lcp             the files hold M and q of an LCP\n" LAST_USAGE,
         out);
 }
 
@@ -286,11 +283,12 @@ static int solve_one_lcp(const char *path, const dls_lcp *lcp, const solve_optio
   if (options->json)
     print_lcp_json(n, &info, solve_cpu_seconds, &v, options->proof);
   else if (!is_quiet()) {
-    printf("%s: LCP of %d unknowns\n", path, n);
-    printf("  lemke: %s, %d rounds of the crash start, %d pivots, residual %.2e (floor %.1e), %.3g "
-           "s of CPU\n",
-           dls_status_text(status), info.crash_rounds, info.pivots, info.certificate.residual,
-           info.certificate.floor, solve_cpu_seconds);
+    printf("%s: LCP of %d unknown%s\n", path, n, plural(n));
+    printf(
+        "  lemke: %s, %d round%s of the crash start, %d pivot%s, residual %.2e (floor %.1e), %.3g "
+        "s of CPU\n",
+        dls_status_text(status), info.crash_rounds, plural(info.crash_rounds), info.pivots,
+        plural(info.pivots), info.certificate.residual, info.certificate.floor, solve_cpu_seconds);
     printf("  negative z %.2e, negative y %.2e, complementarity %.2e\n",
            info.certificate.negative_z, info.certificate.negative_y,
            info.certificate.complementarity);
@@ -384,10 +382,9 @@ int command_solve(int argc, char **argv) {
   static const struct option options[] = {
       SOLVER_OPTIONS,     VALUE("facets", 'f'),     VALUE("output", 'o'),  VALUE("history", 'H'),
       VALUE("plot", 'P'), FLAG("json", 'j'),        FLAG("lcp", 'l'),      FLAG("proof", 'p'),
-      MATRIX_OPTIONS,     FLAG("print", KEY_PRINT), VALUE("csv", KEY_CSV), LOUDNESS_OPTIONS,
-      LAST_OPTIONS};
-  static const command solve = {SOLVER_KEYS LOUDNESS_KEYS "f:o:H:P:jlph", options, solve_usage,
-                                take_solve_option, 0};
+      MATRIX_OPTIONS,     FLAG("print", KEY_PRINT), VALUE("csv", KEY_CSV), LAST_OPTIONS};
+  static const command solve = {SOLVER_KEYS "f:o:H:P:jlp", options, solve_usage, take_solve_option,
+                                0};
   solve_options o = {0};
   solver_options_init(&o.solver, 1e-8);
   const int stop = take_options(argc, argv, &solve, &o);
@@ -395,7 +392,7 @@ int command_solve(int argc, char **argv) {
   const char *named = matrices_name(&o.matrices);
   if (!named && matrices_given(&o.matrices))
     return complain("one of --stiffness, --flexibility and --W is wanted");
-  if (argc - optind != (named ? 0 : o.lcp ? 2 : 1)) return wrong_usage(&solve);
+  if (argc - optind != (named ? 0 : o.lcp ? 2 : 1)) return wrong_names(argv[0]);
   if (o.print && o.json) return complain("--print, --json: one of the two");
   if (o.lcp && (named || o.print || o.csv))
     return complain("--lcp: goes without --W, --stiffness, --flexibility, --print and --csv");
@@ -411,8 +408,7 @@ int command_solve(int argc, char **argv) {
   history rows = {.stage = ""};
   if (o.plot && !make_directory(o.plot)) return EXIT_BAD_INPUT;
   if (o.plot && !(rows.file = open_in(o.plot, "history.csv"))) return EXIT_BAD_INPUT;
-  if (o.history && !(rows.file = fopen(o.history, "w")))
-    return complain("%s: cannot be opened for writing", o.history);
+  if (o.history && !(rows.file = open_path(o.history))) return EXIT_BAD_INPUT;
   if (rows.file) {
     fputs("iteration,cpu_seconds,residual,stage\n", rows.file);
     o.solver.settings.limits.progress = write_row;

@@ -77,9 +77,8 @@ static int compare_step(const dls_forming_data *d, int step, int first, history 
   return 1;
 }
 
-/* Runs a scene by a method up to its end, to a step that fails, or past `limit` seconds of CPU, at
- * which it looks after each step. Returns 0 where the table has to end: after a complaint, or an
- * interrupt. */
+/* Runs a scene by a method up to its end, to a step that fails, or to `limit` seconds of CPU (0:
+ * none). Returns 0 where the table has to end: after a complaint, or an interrupt. */
 static int run_method(const char *scene, const row *by, double limit, history *h, result *r) {
   const char *method = by->method;
   dls_forming_settings settings;
@@ -93,6 +92,7 @@ static int run_method(const char *scene, const row *by, double limit, history *h
   settings.augmentations = by->augmentations;
   if (by->relaxation > 0) settings.relaxation = by->relaxation;
   settings.aitken = !by->plain;
+  settings.cpu_seconds = limit;
   const int first = !h->values;
   const double start = cpu_seconds();
   if (dls_forming_create(&forming, scene, &settings, &error)) return complain_of(scene, &error), 0;
@@ -110,8 +110,6 @@ static int run_method(const char *scene, const row *by, double limit, history *h
       good = 0;
     } else if (show_step(&r->data, step)) {
       good = 0;
-    } else if (!r->status && step < steps && cpu_seconds() - start > limit) {
-      r->status = DLS_TIME_LIMIT;
     }
   }
   progress_end();
@@ -169,7 +167,17 @@ static int is_turned(int scene, const result *r, int a, int b) {
          r[a].cpu > r[b].cpu;
 }
 
-static void print_result(const row *by, int scene, const result *r, double lemke) {
+/* Returns 1 if the order of a method and of one before it in the table is not the paper's. */
+static int is_marked(int scene, const result *r, int k) {
+  for (int a = 0; a < k; a++)
+    if (is_turned(scene, r, a, k) || is_turned(scene, r, k, a)) return 1;
+  return 0;
+}
+
+/* Prints line k of a table, with a star where a remark follows. */
+static void print_result(int scene, const result *all, int k) {
+  const row *by = &rows[k];
+  const result *r = &all[k];
   const dls_forming_data *d = &r->data;
   const double paper = by->paper[scene];
   printf("%-20s", by->method);
@@ -178,26 +186,32 @@ static void print_result(const row *by, int scene, const result *r, double lemke
   else
     printf("  %6.2f  %6.2f", paper, paper / rows[0].paper[scene]);
   printf("  %7.2f  %6.2f  %6.2f  %6.2f  %6.2f  %7d  %7d  %9d  %8.1e  %8.1e  %8.1e", r->cpu,
-         r->cpu / lemke, d->cpu.assembly, d->cpu.reduction, d->cpu.contact, d->count.newton,
+         r->cpu / all[0].cpu, d->cpu.assembly, d->cpu.reduction, d->cpu.contact, d->count.newton,
          d->count.frames, d->count.iterations, r->force, r->displacement, d->worst_residual);
+  if (is_marked(scene, all, k)) fputs("  *", stdout);
   print_end(r);
 }
 
-/* Prints a remark on each pair of the paper's methods whose order by CPU is another one here: of
- * which parts the difference consists. */
+/* Prints a remark on each pair of the paper's methods whose order by CPU is another one here: in
+ * which part most of the difference lies, and of which parts it consists. */
 static void print_order(int scene, const result *r) {
   int same = 1;
   for (int a = 0; a < ROWS; a++)
     for (int b = 0; b < ROWS; b++) {
       if (!is_turned(scene, r, a, b)) continue;
       const dls_forming_data *x = &r[a].data, *y = &r[b].data;
+      const double assembly = x->cpu.assembly - y->cpu.assembly;
+      const double reduction = x->cpu.reduction - y->cpu.reduction;
+      const double contact = x->cpu.contact - y->cpu.contact;
+      const char *most = reduction >= fmax(assembly, contact) ? "factorisation and condensation"
+                         : assembly >= contact                ? "assembly"
+                                                              : "the method";
       same = 0;
-      printf("%s: the paper has %s before it. Here %s takes %.2f s more: assembly %+.2f,\n"
-             "  factorisation and condensation %+.2f, method %+.2f; Newton steps %+d, "
-             "condensations %+d.\n",
-             rows[b].method, rows[a].method, rows[a].method, r[a].cpu - r[b].cpu,
-             x->cpu.assembly - y->cpu.assembly, x->cpu.reduction - y->cpu.reduction,
-             x->cpu.contact - y->cpu.contact, x->count.newton - y->count.newton,
+      printf("* The paper has %s before %s. Here %s takes %.2f s more, most of it in\n"
+             "  %s: assembly %+.2f, factorisation and condensation %+.2f, method %+.2f;\n"
+             "  Newton steps %+d, condensations of K to W %+d.\n",
+             rows[a].method, rows[b].method, rows[a].method, r[a].cpu - r[b].cpu, most, assembly,
+             reduction, contact, x->count.newton - y->count.newton,
              x->count.reductions - y->count.reductions);
     }
   if (same) puts("The order of the paper's four methods by CPU is the paper's.");
@@ -216,7 +230,7 @@ static void print_json_order(int scene, const result *r) {
   fputs("]}", stdout);
 }
 
-static int run_table(int scene, int json) {
+static int run_table(int scene, int json, int *stopped) {
   const char *name = dls_forming_name(scene);
   history h = {0};
   result r[ROWS] = {{0}};
@@ -225,7 +239,7 @@ static int run_table(int scene, int json) {
     printf("%s\n    {\"table\": %d, \"scene\": \"%s\", \"rows\": [", scene ? "," : "", scene + 2,
            name);
   else
-    printf(
+    tell(
         "Table %d of the paper: %s. The paper: minutes, and ratio to Lemke. Here: seconds of CPU,\n"
         "ratio to Lemke, of which assembly, factorisation and condensation, method; counts; "
         "largest\n"
@@ -237,18 +251,19 @@ static int run_table(int scene, int json) {
         "Newton", "frames", "iterations", "force", "displ", "residual");
   const char *comma = "";
   for (int k = 0; good && k < ROWS; k++) {
-    good = run_method(name, &rows[k], INFINITY, &h, &r[k]);
+    good = run_method(name, &rows[k], 0, &h, &r[k]);
     if (!r[k].present) continue;
+    *stopped |= !r[k].done;
     if (json)
       print_json_result(comma, &rows[k], &r[k]), putchar('}');
-    else
-      print_result(&rows[k], scene, &r[k], r[0].cpu);
+    else if (!is_quiet())
+      print_result(scene, r, k);
     comma = ",";
   }
   free(h.values);
   if (json) {
     print_json_order(scene, r);
-  } else if (good) {
+  } else if (good && !is_quiet()) {
     putchar('\n');
     print_order(scene, r);
     putchar('\n');
@@ -282,15 +297,16 @@ static const double study_patience = 10;
 
 /* Prints section 6 of the paper: what penalty factor, augmentations, relaxation and Aitken's
  * acceleration give and take, force error against CPU. */
-static int run_study(int scene, int json) {
+static int run_study(int scene, int json, int *stopped) {
   const char *name = dls_forming_name(scene);
   history h = {0};
-  double lemke = INFINITY;
+  double lemke = 0;
   int good = 1;
+  (void)stopped; /* runs are given up on purpose */
   if (json)
     printf("%s\n    {\"scene\": \"%s\", \"rows\": [", scene ? "," : "", name);
   else
-    printf(
+    tell(
         "%s: augmentations a step at most (0: as many as it takes), largest difference of nodal\n"
         "contact forces from Lemke's in any step over the largest of the step, CPU over Lemke's. A "
         "run\nis given up past %g times Lemke's CPU.\n\n"
@@ -301,12 +317,12 @@ static int run_study(int scene, int json) {
   for (size_t k = 0; good && k < sizeof study / sizeof study[0]; k++) {
     const row *s = &study[k];
     result r;
-    good = run_method(name, s, k ? study_patience * lemke : INFINITY, &h, &r);
+    good = run_method(name, s, study_patience * lemke, &h, &r);
     if (!r.present) continue;
     if (k == 0) lemke = r.cpu;
     if (json) {
       print_json_result(comma, s, &r), putchar('}');
-    } else {
+    } else if (!is_quiet()) {
       printf("%-20s  %7g  %5d  %5g  %6s  %8.1e  %8.2f  %7.2f  %10d", s->method, s->penalty,
              s->augmentations, s->relaxation, s->relaxation > 0 ? (s->plain ? "no" : "yes") : "-",
              r.force, r.cpu, r.cpu / lemke, r.data.count.iterations);
@@ -315,7 +331,10 @@ static int run_study(int scene, int json) {
     }
     comma = ",";
   }
-  fputs(json ? "]}" : "\n", stdout);
+  if (json)
+    fputs("]}", stdout);
+  else
+    tell("\n");
   free(h.values);
   return good;
 }
@@ -330,10 +349,11 @@ static void tables_usage(FILE *out) {
   fputs("Usage: delassus tables [--study] [--json]\n"
         "Runs both forming scenes of Chabrand, Dubois and Raous (1998) by every method and prints\n"
         "their Tables 2 and 3 beside ours.\n"
-        "      --study  the compromise of section 6 between the error of the forces and the CPU,\n"
-        "               over penalty factors, augmentations, relaxation, Aitken\n"
-        "  -j, --json   print one object instead of text\n"
-        "  -h, --help   print this\n",
+        "\n"
+        "      --study           the compromise of section 6 between the error of the forces and\n"
+        "                        the CPU, over penalty factors, augmentations, relaxation, Aitken\n"
+        "  -j, --json            print one object instead of text\n" LAST_USAGE "\n"
+        "Exit status: 0, 1 if a run of the tables stops before its end, 2 bad input.\n",
         out);
 }
 
@@ -351,26 +371,29 @@ static taken take_tables_option(int key, const char *text, void *data) {
 
 int command_tables(int argc, char **argv) {
   static const struct option options[] = {FLAG("study", 's'), FLAG("json", 'j'), LAST_OPTIONS};
-  static const command tables = {"jh", options, tables_usage, take_tables_option, 0};
+  static const command tables = {"j", options, tables_usage, take_tables_option, 0};
   tables_options o = {0};
   const int stop = take_options(argc, argv, &tables, &o);
   if (stop != GO_ON) return stop;
-  if (optind < argc) return wrong_usage(&tables);
+  if (optind < argc) return wrong_names(argv[0]);
   watch_interrupt();
-  int good = 1;
+  int good = 1, stopped = 0;
   if (o.json) printf("{\n  \"%s\": [", o.study ? "studies" : "tables");
   for (int scene = 0; good && scene < 2; scene++)
-    good = (o.study ? run_study : run_table)(scene, o.json);
+    good = (o.study ? run_study : run_table)(scene, o.json, &stopped);
   if (o.json) puts("\n  ]\n}");
-  if (!good) return EXIT_NOT_SOLVED;
-  if (o.study || o.json) return EXIT_SOLVED;
-  puts(
-      "Why: with ten or twenty candidates the method's own share is small, and the assembly for "
-      "each\n"
-      "Newton step is the same for all. On W, a factorisation and a solve for each of its columns\n"
-      "come on top. Springs save these columns, and so does auto, which is Newton's method on K\n"
-      "here: both factorise once for each guess of what sticks and slips. Augmentations cost\n"
-      "assemblies and factorisations of their own; the penalty method has but one, and the error\n"
-      "that the table shows.");
-  return EXIT_SOLVED;
+  const int ended = good && !stopped ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+  if (o.json) return ended;
+  if (good && !o.study)
+    tell(
+        "Why: with ten or twenty candidates the method's own share is small, and the assembly for "
+        "each\n"
+        "Newton step is the same for all. On W, a factorisation and a solve for each of its "
+        "columns\n"
+        "come on top. Springs save these columns, and so does auto, which is Newton's method on K\n"
+        "here: both factorise once for each guess of what sticks and slips. Augmentations cost\n"
+        "assemblies and factorisations of their own; the penalty method has but one, and the "
+        "error\n"
+        "that the table shows.\n");
+  return end_command(ended, "a run stops before its end");
 }

@@ -11,6 +11,7 @@
 
 #include "base/base.h"
 #include "delassus/fe.h"
+#include "files/output.h"
 
 /* Checks pointers, counts, finite coordinates and node numbers; O(nodes + triangles). */
 dls_status dlsi_fe_check_mesh(const dls_fe_mesh *mesh, dls_error *error);
@@ -72,19 +73,20 @@ typedef struct dlsi_cells {
 
 /* Parts of a grid of VTK XML in the order of the file (vtu.c); numbers have `digits` digits.
  *
- * begin  opens `path` and writes everything up to the data of points; NULL and *error on failure
+ * begin  opens `path` and writes everything up to the data of points
  * plane  one array of the data of points, or the points: vectors x of the plane (2 nodes), which
  *        VTK wants in space
  * cells  ends the data of points, begins the data of cells
  * means  one array of the data of cells: the mean over the points of each cell; head: Name and
  *        component attributes; x: components x points x cells
- * end    everything else: xy (2 nodes); closes the file */
-FILE *dlsi_vtu_begin(const char *path, int nodes, int cells, dls_error *error);
+ * end    everything else: xy (2 nodes); finishes the file */
+dls_status dlsi_vtu_begin(dlsi_output *out, const char *path, int nodes, int cells,
+                          dls_error *error);
 void dlsi_vtu_plane(FILE *file, const char *name, const double *x, int nodes, int digits);
 void dlsi_vtu_cells(FILE *file);
 void dlsi_vtu_means(FILE *file, const char *head, const double *x, int components, int points,
                     const dlsi_cells *cells, int digits);
-dls_status dlsi_vtu_end(const char *path, FILE *file, const double *xy, int nodes,
-                        const dlsi_cells *cells, int digits, dls_error *error);
+dls_status dlsi_vtu_end(dlsi_output *out, const double *xy, int nodes, const dlsi_cells *cells,
+                        int digits, dls_error *error);
 
 #endif

@@ -230,6 +230,7 @@ static dls_status forming_equilibrate(dls_forming *f, double *away, dls_error *e
     f->data.residual[f->data.residuals++] = f->data.equilibrium;
     if (done && *away == 0) return DLS_OK;
     if (k == DLS_FORMING_MOST_STEPS) return DLS_STALLED;
+    if (f->settings.cpu_seconds > 0 && dlsi_forming_left(f) <= 0) return DLS_TIME_LIMIT;
     const double before = forming_imbalance(f);
     const dls_status status = dlsi_forming_direction(f, error); /* (FO4) */
     if (status < 0) return status;

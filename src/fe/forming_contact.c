@@ -139,6 +139,7 @@ static dls_status solve_gauss_seidel(dls_forming *f, dls_error *error) {
   settings.limits.tol = f->settings.tol / 100; /* the sum of all forces is to hold, too */
   settings.relaxation = f->settings.relaxation;
   settings.aitken = f->settings.aitken;
+  if (f->settings.cpu_seconds > 0) settings.limits.cpu_seconds = fmax(dlsi_forming_left(f), 1e-9);
   dls_primal *primal;
   dls_primal_info info = {0};
   dls_status status = dls_primal_create(&primal, &model, &settings, error);

@@ -66,6 +66,7 @@ struct dls_forming {
   int *candidate_of; /* nodes: the candidate, -1: none */
   /* the state; names with 0: at the end of the last step */
   int step;
+  double seconds, begun; /* CPU of the steps before, and when the step began */
   double load0, load;
   dls_forming_way way;             /* by which the linearised problems are solved */
   int inside_out;                  /* element that failed last */
@@ -178,6 +179,11 @@ double dlsi_forming_stretch(const dls_forming *f);
 /* Returns the CPU seconds of the process. */
 static inline double dlsi_forming_seconds(void) {
   return (double)clock() / CLOCKS_PER_SEC;
+}
+
+/* Returns what is left of settings.cpu_seconds. */
+static inline double dlsi_forming_left(const dls_forming *f) {
+  return f->settings.cpu_seconds - f->seconds - (dlsi_forming_seconds() - f->begun);
 }
 
 #endif

@@ -158,6 +158,7 @@ static dls_status forming_check(const dls_forming_settings *s, dls_error *error)
       {"aitken", s->aitken, 0, 1, 0},
       {"ram_mu", s->ram_mu, 0, DBL_MAX, 0},
       {"step_tol", s->step_tol, 0, 1, 0},
+      {"cpu_seconds", s->cpu_seconds, 0, DBL_MAX, 0},
       {"contact", s->contact, DLS_FORMING_CONDENSED, DLS_FORMING_PENALTY, 0}};
   return dlsi_check_each((int)(sizeof each / sizeof each[0]), each, error);
 }

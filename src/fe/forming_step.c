@@ -194,9 +194,9 @@ static dls_status step_try(dls_forming *f, double load, dls_error *error) { /* (
     step_hold(f);
     f->load = load;
     status = dlsi_forming_contact_loop(f, error);
-    if (f->way == last || status <= 0) break;
+    if (f->way == last || status <= 0 || status == DLS_TIME_LIMIT) break;
   }
-  if (status < 0) return status;
+  if (status < 0 || status == DLS_TIME_LIMIT) return status;
   if (status > 0) {
     dls_forming_fault *fault = &f->data.fault;
     if (f->inside_out >= 0)
@@ -261,7 +261,8 @@ static dls_status step_advance(dls_forming *f, double load, int halvings, dls_er
     else
       step_commit(f);
   }
-  if (status <= DLS_OK || halvings == most_halvings) return status; /* (FS4) */
+  if (status <= DLS_OK || status == DLS_TIME_LIMIT || halvings == most_halvings)
+    return status; /* (FS4) */
   f->data.count.halvings++;
   f->part = 0;
   const double middle = f->load0 + (load - f->load0) / 2;
@@ -275,12 +276,15 @@ static dls_status step_take(dls_forming *f, dls_error *error) {
     return dlsi_fail(error, DLS_E_ARGUMENT, "forming", -1, steps, "has done all of its %d steps",
                      steps);
   f->data.fault = (dls_forming_fault){0};
+  f->begun = dlsi_forming_seconds();
   const dls_status status = step_advance(f, (double)step / steps, 0, error);
   if (status == DLS_OK)
     f->step = step;
   else
     step_restore(f);
+  if (status == DLS_TIME_LIMIT) f->data.fault = (dls_forming_fault){0};
   dlsi_forming_move_tools(f);
+  f->seconds += dlsi_forming_seconds() - f->begun;
   return status;
 }
 

@@ -9,8 +9,10 @@ enum { digits = 9 };
 static dls_status forming_write_grid(const dls_forming_data *d, const dlsi_cells *cells,
                                      const char *path, dls_error *error) {
   const dls_forming_mesh *mesh = d->mesh;
-  FILE *file = dlsi_vtu_begin(path, mesh->nodes, cells->cells, error);
-  if (!file) return DLS_E_FILE;
+  dlsi_output out;
+  const dls_status status = dlsi_vtu_begin(&out, path, mesh->nodes, cells->cells, error);
+  if (status) return status;
+  FILE *file = out.file;
   dlsi_vtu_plane(file, "displacement", d->displacement, mesh->nodes, digits);
   dlsi_vtu_plane(file, "reaction", d->reaction, mesh->nodes, digits);
   dlsi_vtu_cells(file);
@@ -20,7 +22,7 @@ static dls_status forming_write_grid(const dls_forming_data *d, const dlsi_cells
                  d->stress, 4, 4, cells, digits);
   dlsi_vtu_means(file, "Name=\"plastic_strain\" NumberOfComponents=\"1\"", d->plastic_strain, 1, 4,
                  cells, digits);
-  return dlsi_vtu_end(path, file, mesh->xy, mesh->nodes, cells, digits, error);
+  return dlsi_vtu_end(&out, mesh->xy, mesh->nodes, cells, digits, error);
 }
 
 /* Lists the quads, one with a flat corner as the two triangles that meet there.
@@ -70,15 +72,17 @@ static dls_status forming_write_outlines(const dls_forming_data *d, const char *
     end[cells++] = nodes;
   }
   const dlsi_cells outlines = {.cells = cells, .node = node, .end = end};
-  FILE *file = dlsi_vtu_begin(path, nodes, cells, error);
-  if (!file) return DLS_E_FILE;
+  dlsi_output out;
+  const dls_status status = dlsi_vtu_begin(&out, path, nodes, cells, error);
+  if (status) return status;
+  FILE *file = out.file;
   dlsi_vtu_cells(file);
   dlsi_vtu_means(file, "Name=\"tool\" NumberOfComponents=\"1\"", number, 1, 1, &outlines, digits);
   dlsi_vtu_means(file,
                  "Name=\"force\" NumberOfComponents=\"2\" ComponentName0=\"x\" "
                  "ComponentName1=\"y\"",
                  force, 2, 1, &outlines, digits);
-  return dlsi_vtu_end(path, file, xy, nodes, &outlines, digits, error);
+  return dlsi_vtu_end(&out, xy, nodes, &outlines, digits, error);
 }
 
 dls_status dls_forming_write_vtu(const dls_forming *forming, const char *path, dls_error *error) {

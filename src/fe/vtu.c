@@ -4,24 +4,21 @@
 #include <string.h>
 
 #include "fe_internal.h"
-#include "files/file.h"
 
 enum { vtk_triangle = 5, vtk_polygon = 7, vtk_quad = 9 };
 
-FILE *dlsi_vtu_begin(const char *path, int nodes, int cells, dls_error *error) {
-  FILE *file = fopen(path, "w");
-  if (!file) {
-    (void)dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "%.60s: cannot be opened", path);
-    return NULL;
-  }
-  (void)fprintf(file,
+dls_status dlsi_vtu_begin(dlsi_output *out, const char *path, int nodes, int cells,
+                          dls_error *error) {
+  const dls_status status = dlsi_output_open(out, path, error);
+  if (status) return status;
+  (void)fprintf(out->file,
                 "<?xml version=\"1.0\"?>\n"
                 "<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
                 "<UnstructuredGrid>\n"
                 "<Piece NumberOfPoints=\"%d\" NumberOfCells=\"%d\">\n"
                 "<PointData>\n",
                 nodes, cells);
-  return file;
+  return DLS_OK;
 }
 
 void dlsi_vtu_plane(FILE *file, const char *name, const double *x, int nodes, int digits) {
@@ -58,8 +55,9 @@ void dlsi_vtu_means(FILE *file, const char *head, const double *x, int component
   (void)fprintf(file, "</DataArray>\n");
 }
 
-dls_status dlsi_vtu_end(const char *path, FILE *file, const double *xy, int nodes,
-                        const dlsi_cells *cells, int digits, dls_error *error) {
+dls_status dlsi_vtu_end(dlsi_output *out, const double *xy, int nodes, const dlsi_cells *cells,
+                        int digits, dls_error *error) {
+  FILE *file = out->file;
   (void)fprintf(file, "</CellData>\n<Points>\n");
   dlsi_vtu_plane(file, "points", xy, nodes, digits);
   (void)fprintf(file, "</Points>\n<Cells>\n"
@@ -81,7 +79,7 @@ dls_status dlsi_vtu_end(const char *path, FILE *file, const double *xy, int node
                                  : vtk_polygon);
   }
   (void)fprintf(file, "</DataArray>\n</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
-  return dlsi_file_finish(path, file, error);
+  return dlsi_output_finish(out, error);
 }
 
 static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh,
@@ -100,8 +98,10 @@ static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh,
   const int elements = dlsi_fe_elements(mesh);
   const dlsi_cells all = {
       .cells = elements, .corners = dlsi_fe_corners(mesh), .node = dlsi_fe_corner(mesh, 0)};
-  FILE *file = dlsi_vtu_begin(path, mesh->nodes, elements, error);
-  if (!file) return DLS_E_FILE;
+  dlsi_output out;
+  status = dlsi_vtu_begin(&out, path, mesh->nodes, elements, error);
+  if (status) return status;
+  FILE *file = out.file;
   if (displacement) dlsi_vtu_plane(file, "displacement", displacement, mesh->nodes, digits);
   if (reaction) dlsi_vtu_plane(file, "reaction", reaction, mesh->nodes, digits);
   dlsi_vtu_cells(file);
@@ -110,7 +110,7 @@ static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh,
                    "Name=\"stress\" NumberOfComponents=\"3\" "
                    "ComponentName0=\"xx\" ComponentName1=\"yy\" ComponentName2=\"xy\"",
                    stress, 3, 1, &all, digits);
-  return dlsi_vtu_end(path, file, mesh->xy, mesh->nodes, &all, digits, error);
+  return dlsi_vtu_end(&out, mesh->xy, mesh->nodes, &all, digits, error);
 }
 
 dls_status dls_fe_write_vtu(const char *path, const dls_fe_mesh *mesh, const double *displacement,
@@ -121,11 +121,22 @@ dls_status dls_fe_write_vtu(const char *path, const dls_fe_mesh *mesh, const dou
 /* ---- collections ----------------------------------------------------------------------------- */
 
 struct dls_fe_series {
-  FILE *file;
-  char *path;
+  char *path, *rows;   /* rows: the text between head and end of the file */
+  size_t length, room; /* of rows */
 };
 
-static const char series_end[] = "</Collection>\n</VTKFile>\n";
+/* Writes the collection anew, so that the file is whole after every row. */
+static dls_status series_write(const dls_fe_series *s, dls_error *error) {
+  dlsi_output out;
+  const dls_status status = dlsi_output_open(&out, s->path, error);
+  if (status) return status;
+  (void)fprintf(out.file,
+                "<?xml version=\"1.0\"?>\n"
+                "<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n%s"
+                "</Collection>\n</VTKFile>\n",
+                s->length ? s->rows : "");
+  return dlsi_output_finish(&out, error);
+}
 
 static dls_status series_open(dls_fe_series **out, const char *path, dls_error *error) {
   dls_fe_series *s = dlsi_alloc(1, sizeof *s);
@@ -133,20 +144,15 @@ static dls_status series_open(dls_fe_series **out, const char *path, dls_error *
   char *copy = dlsi_alloc(length, 1);
   dls_status status = s && copy ? DLS_OK : dlsi_no_memory(error);
   if (!status) {
-    *s = (dls_fe_series){.file = fopen(path, "w"), .path = copy};
+    *s = (dls_fe_series){.path = copy};
     memcpy(copy, path, length);
-    if (!s->file)
-      status = dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "%.60s: cannot be opened", path);
+    status = series_write(s, error);
   }
   if (status) {
     free(s);
     free(copy);
     return status;
   }
-  (void)fprintf(s->file,
-                "<?xml version=\"1.0\"?>\n"
-                "<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n%s",
-                series_end);
   *out = s;
   return DLS_OK;
 }
@@ -159,15 +165,31 @@ dls_status dls_fe_series_create(dls_fe_series **out, const char *path, dls_error
   return dlsi_at(__func__, status, error);
 }
 
-/* Writes the row over the end of the collection, and the end anew. */
+/* Makes room for `more` characters and a final 0. */
+static dls_status series_reserve(dls_fe_series *s, size_t more, dls_error *error) {
+  if (more < s->room - s->length) return DLS_OK;
+  const size_t room = 2 * s->room + more + 1;
+  char *rows = dlsi_alloc(room, 1);
+  if (!rows) return dlsi_no_memory(error);
+  if (s->length) memcpy(rows, s->rows, s->length);
+  free(s->rows);
+  s->rows = rows;
+  s->room = room;
+  return DLS_OK;
+}
+
 static dls_status series_add(dls_fe_series *s, double time, int part, const char *file,
                              dls_error *error) {
-  const long end = (long)sizeof series_end - 1;
-  if (fseek(s->file, -end, SEEK_END) == 0)
-    (void)fprintf(s->file, "<DataSet timestep=\"%.17g\" part=\"%d\" file=\"%s\"/>\n%s", time, part,
-                  file, series_end);
-  if (fflush(s->file) == 0 && !ferror(s->file)) return DLS_OK;
-  return dlsi_fail(error, DLS_E_FILE, "series", -1, 0, "%.60s: cannot be written", s->path);
+  enum { numbers = 100 }; /* room for the words of a row, its time and its part */
+  dls_status status = series_reserve(s, strlen(file) + numbers, error);
+  if (status) return status;
+  const int length =
+      snprintf(s->rows + s->length, s->room - s->length,
+               "<DataSet timestep=\"%.17g\" part=\"%d\" file=\"%s\"/>\n", time, part, file);
+  s->length += (size_t)length;
+  status = series_write(s, error);
+  if (status) s->length -= (size_t)length; /* a later call writes the rows that are on the disk */
+  return status;
 }
 
 dls_status dls_fe_series_add(dls_fe_series *series, double time, int part, const char *file,
@@ -188,9 +210,10 @@ dls_status dls_fe_series_add(dls_fe_series *series, double time, int part, const
 }
 
 dls_status dls_fe_series_finish(dls_fe_series *series, dls_error *error) {
+  (void)error;
   if (!series) return DLS_OK;
-  const dls_status status = dlsi_file_finish(series->path, series->file, error);
   free(series->path);
+  free(series->rows);
   free(series);
-  return dlsi_at(__func__, status, error);
+  return DLS_OK;
 }

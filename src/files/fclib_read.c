@@ -44,9 +44,42 @@ struct dls_fclib {
 /* ---- data sets ------------------------------------------------------------------------------- */
 
 typedef struct source {
-  hid_t group; /* where the names of data sets start */
+  hid_t group;                    /* where the names of data sets start */
+  hsize_t bytes;                  /* of the file */
+  hid_t set_access, group_access; /* that data sets and groups are opened with */
   dls_error *error;
 } source;
+
+enum { largest_type = 16 }; /* bytes of a number in a file: a double has 8 */
+
+/* Refuses to follow a link into another file. */
+static herr_t stay_inside(const char *parent_file, const char *parent_group, const char *child_file,
+                          const char *child_name, unsigned *flags, hid_t access, void *data) {
+  (void)parent_file, (void)parent_group, (void)child_file, (void)child_name, (void)flags;
+  (void)access, (void)data;
+  return -1;
+}
+
+/* Returns 1 if the values lie in this file and none of the pieces that HDF5 reads them by is larger
+ * than the file. */
+static int is_stored_here(const source *s, hid_t set) {
+  hsize_t chunk[H5S_MAX_RANK], values = 1;
+  const hid_t create = H5Dget_create_plist(set);
+  if (create < 0) return 0;
+  const H5D_layout_t layout = H5Pget_layout(create);
+  int good = layout == H5D_COMPACT || layout == H5D_CONTIGUOUS || layout == H5D_CHUNKED;
+  if (good && layout == H5D_CONTIGUOUS) good = H5Pget_external_count(create) == 0;
+  if (good && layout == H5D_CHUNKED) {
+    const int rank = H5Pget_chunk(create, H5S_MAX_RANK, chunk);
+    good = rank > 0;
+    for (int k = 0; k < rank && good; k++) {
+      good = chunk[k] > 0 && chunk[k] <= s->bytes / values;
+      values *= chunk[k];
+    }
+  }
+  (void)H5Pclose(create);
+  return good;
+}
 
 /* Checks space and type of a data set that is to hold `count` numbers, or at least as many if
  * `longer`. */
@@ -54,8 +87,10 @@ static dls_status check_set(const source *s, const char *name, hid_t set, hid_t 
                             size_t count, int longer) {
   const hid_t stored = H5Dget_type(set);
   const H5T_class_t kind = stored < 0 ? H5T_NO_CLASS : H5Tget_class(stored);
+  const size_t size = stored < 0 ? 0 : H5Tget_size(stored);
   if (stored >= 0) (void)H5Tclose(stored);
-  if (kind != H5T_INTEGER && (kind != H5T_FLOAT || H5Tget_class(type) != H5T_FLOAT))
+  if ((kind != H5T_INTEGER && (kind != H5T_FLOAT || H5Tget_class(type) != H5T_FLOAT)) ||
+      size > largest_type)
     return dlsi_fail(s->error, DLS_E_FORMAT, name, -1, 0, "has the wrong type");
   const hssize_t held = H5Sget_simple_extent_npoints(space);
   if (held < 0 || (size_t)held < count || ((size_t)held > count && !longer))
@@ -66,6 +101,9 @@ static dls_status check_set(const source *s, const char *name, hid_t set, hid_t 
     return dlsi_fail(s->error, DLS_E_FORMAT, name, -1, 0, "must have one dimension");
   if (count && H5Dget_storage_size(set) == 0)
     return dlsi_fail(s->error, DLS_E_FORMAT, name, -1, 0, "was never written");
+  if ((hsize_t)held > s->bytes || (count && !is_stored_here(s, set)))
+    return dlsi_fail(s->error, DLS_E_FORMAT, name, -1, (double)held,
+                     "claims more values than the file has room for");
   return DLS_OK;
 }
 
@@ -88,7 +126,7 @@ static herr_t read_first(hid_t set, hid_t space, hid_t type, size_t count, void 
 static dls_status read_set(const source *s, const char *name, hid_t type, size_t count, int longer,
                            void **out) {
   *out = NULL;
-  const hid_t set = H5Dopen2(s->group, name, H5P_DEFAULT);
+  const hid_t set = H5Dopen2(s->group, name, s->set_access);
   if (set < 0) return dlsi_fail(s->error, DLS_E_FORMAT, name, -1, 0, "no such data set");
   const hid_t space = H5Dget_space(set);
   dls_status status = check_set(s, name, set, space, type, count, longer);
@@ -193,8 +231,8 @@ static dls_status read_matrix(const source *s, const matrix_names *name, dlsi_tr
 static dls_status read_square(const source *s, const matrix_names *name, dlsi_triplets *t) {
   const dls_status status = read_matrix(s, name, t);
   if (status || t->rows == t->cols) return status;
-  return dlsi_fail(s->error, DLS_E_FORMAT, name->n, -1, t->cols, "is %d, %c has %d rows", t->cols,
-                   *name->n, t->rows);
+  return dlsi_fail(s->error, DLS_E_FORMAT, name->n, -1, t->cols, "is %d, %c has %d row%s", t->cols,
+                   *name->n, t->rows, t->rows == 1 ? "" : "s");
 }
 
 /* Gathers A (d nc x d nc) by blocks into B: one block wherever A has an entry. */
@@ -267,12 +305,13 @@ static dls_status read_variable_text(hid_t set, hid_t stored, hid_t space, char 
 
 /* Reads the title; it is no error if none is there or if it is not one string. */
 static dls_status read_title(const source *s, char **title) {
-  const hid_t set = H5Dopen2(s->group, "info/title", H5P_DEFAULT);
+  const hid_t set = H5Dopen2(s->group, "info/title", s->set_access);
   if (set < 0) return DLS_OK;
   dls_status status = DLS_OK;
   const hid_t stored = H5Dget_type(set), space = H5Dget_space(set);
   if (stored >= 0 && space >= 0 && H5Tget_class(stored) == H5T_STRING &&
-      H5Sget_simple_extent_npoints(space) == 1 && H5Dget_storage_size(set) > 0)
+      H5Sget_simple_extent_npoints(space) == 1 && H5Dget_storage_size(set) > 0 &&
+      H5Tget_size(stored) <= s->bytes && is_stored_here(s, set))
     status = H5Tis_variable_str(stored) > 0
                  ? read_variable_text(set, stored, space, title, s->error)
                  : read_fixed_text(set, stored, title, s->error);
@@ -292,7 +331,7 @@ static dls_status refuse_bilateral(const source *s, const char *matrix, const ch
     status = read_int(s, m, 0, &rows);
     if (!status) status = read_int(s, n, 0, &cols);
   }
-  const hid_t set = status ? -1 : H5Dopen2(s->group, vector, H5P_DEFAULT);
+  const hid_t set = status ? -1 : H5Dopen2(s->group, vector, s->set_access);
   const hid_t space = set < 0 ? -1 : H5Dget_space(set);
   const hssize_t held = space < 0 ? 0 : H5Sget_simple_extent_npoints(space);
   if (space >= 0) (void)H5Sclose(space);
@@ -349,8 +388,8 @@ static dls_status read_global(const source *s, dls_fclib *file) {
   file->n = M.rows;
   if (!status) status = read_matrix(s, &names_H, &H);
   if (!status && H.rows != M.rows)
-    status = dlsi_fail(s->error, DLS_E_FORMAT, "H/m", -1, H.rows, "is %d, M has %d rows", H.rows,
-                       M.rows);
+    status = dlsi_fail(s->error, DLS_E_FORMAT, "H/m", -1, H.rows, "is %d, M has %d row%s", H.rows,
+                       M.rows, M.rows == 1 ? "" : "s");
   if (!status) status = set_candidates(s, "H/n", H.cols, file);
   if (!status) status = read_doubles(s, "vectors/f", (size_t)M.rows, 0, &file->f);
   if (!status) status = read_doubles(s, "vectors/w", (size_t)H.cols, 0, &file->q);
@@ -386,7 +425,8 @@ static dls_status read_solution(const source *s, dls_fclib *file) {
   const size_t m = (size_t)file->d * (size_t)file->nc;
   dls_status status = DLS_OK;
   if (!has_link(s, "solution")) return DLS_OK;
-  const source in = {H5Gopen2(s->group, "solution", H5P_DEFAULT), s->error};
+  source in = *s;
+  in.group = H5Gopen2(s->group, "solution", s->group_access);
   if (in.group < 0) return dlsi_fail(s->error, DLS_E_FORMAT, "solution", -1, 0, "is no group");
   if (has_link(&in, "r")) status = read_doubles(&in, "r", m, 0, &file->r);
   if (!status && has_link(&in, "u")) status = read_doubles(&in, "u", m, 0, &file->u);
@@ -394,22 +434,34 @@ static dls_status read_solution(const source *s, dls_fclib *file) {
   return status;
 }
 
+static dls_status read_open_file(const source *top, dls_fclib *file) {
+  source s = *top;
+  file->global = !has_link(top, "fclib_local");
+  s.group = H5Gopen2(top->group, file->global ? "fclib_global" : "fclib_local", top->group_access);
+  if (s.group < 0)
+    return dlsi_fail(s.error, DLS_E_FORMAT, "path", -1, 0,
+                     "has no group fclib_local or fclib_global");
+  dls_status status = read_problem(&s, file);
+  (void)H5Gclose(s.group);
+  if (!status) status = read_solution(top, file);
+  return status;
+}
+
 static dls_status read_file(dls_fclib *file, const char *path, dls_error *error) {
-  const source top = {H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), error};
+  source top = {H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), .error = error};
   if (top.group < 0)
     return dlsi_fail(error, DLS_E_FORMAT, "path", -1, 0, "is not an HDF5 file, or not a whole one");
-  file->global = !has_link(&top, "fclib_local");
-  const source s = {H5Gopen2(top.group, file->global ? "fclib_global" : "fclib_local", H5P_DEFAULT),
-                    error};
   dls_status status;
-  if (s.group < 0)
-    status =
-        dlsi_fail(error, DLS_E_FORMAT, "path", -1, 0, "has no group fclib_local or fclib_global");
-  else {
-    status = read_problem(&s, file);
-    (void)H5Gclose(s.group);
-  }
-  if (!status) status = read_solution(&top, file);
+  top.set_access = H5Pcreate(H5P_DATASET_ACCESS);
+  top.group_access = H5Pcreate(H5P_GROUP_ACCESS);
+  if (top.set_access < 0 || H5Pset_elink_cb(top.set_access, stay_inside, NULL) < 0 ||
+      top.group_access < 0 || H5Pset_elink_cb(top.group_access, stay_inside, NULL) < 0 ||
+      H5Fget_filesize(top.group, &top.bytes) < 0)
+    status = dlsi_fail(error, DLS_E_FORMAT, "path", -1, 0, "HDF5 cannot tell its size");
+  else
+    status = read_open_file(&top, file);
+  if (top.set_access >= 0) (void)H5Pclose(top.set_access);
+  if (top.group_access >= 0) (void)H5Pclose(top.group_access);
   (void)H5Fclose(top.group);
   return status;
 }
@@ -481,6 +533,7 @@ dls_status dls_fclib_model(const dls_fclib *file, dls_model *model, const double
   *model = (dls_model){.d = file->d, .n = file->n, .nodes = file->nc};
   model->operator_kind = DLS_STIFFNESS_SPARSE;
   model->factorization = DLS_LU;
+  model->triangular = 1; /* a file holds the whole of M */
   model->Ks = dlsi_columns_view(&file->M);
   model->HN = dlsi_columns_view(&file->HN);
   model->HT = dlsi_columns_view(&file->HT);

@@ -14,6 +14,7 @@
 #include "delassus/files.h"
 #include "files/fclib_internal.h"
 #include "files/file.h"
+#include "files/output.h"
 
 /* ---- matrices to write ----------------------------------------------------------------------- */
 
@@ -208,12 +209,12 @@ static dls_status save_image(sink *s, const char *path, dls_error *error) {
   dls_status status = DLS_OK;
   if (!image || H5Fget_file_image(s->file, image, (size_t)size) != size)
     status = dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "HDF5 cannot build the file");
-  FILE *file = status ? NULL : dlsi_file_create(path, "wb", error);
-  if (file) {
-    (void)fwrite(image, 1, (size_t)size, file); /* a short count sets the file's error */
-    status = dlsi_file_finish(path, file, error);
-  } else
-    status = DLS_E_FILE;
+  dlsi_output out;
+  if (!status) status = dlsi_output_open(&out, path, error);
+  if (!status) {
+    (void)fwrite(image, 1, (size_t)size, out.file); /* a short count sets the file's error */
+    status = dlsi_output_finish(&out, error);
+  }
   free(image);
   return status;
 }

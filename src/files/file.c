@@ -1,4 +1,5 @@
-/* file.c: opens and closes files, telling apart what goes wrong; reads numbers. */
+/* file.c: opens files for reading, telling apart what goes wrong; reads numbers. */
+#define _XOPEN_SOURCE 700
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -23,18 +24,10 @@ FILE *dlsi_file_open(const char *path, dls_error *error) {
   return file;
 }
 
-FILE *dlsi_file_create(const char *path, const char *mode, dls_error *error) {
-  FILE *file = fopen(path, mode);
-  if (!file) (void)dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be opened for writing");
-  return file;
-}
-
-dls_status dlsi_file_finish(const char *path, FILE *file, dls_error *error) {
-  const int failed = ferror(file);
-  if (fclose(file) == 0 && !failed) return DLS_OK;
-  struct stat entry; /* a device that was written to must stay */
-  if (stat(path, &entry) == 0 && S_ISREG(entry.st_mode)) (void)remove(path);
-  return dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "cannot be written to the end");
+long long dlsi_file_size(FILE *file) {
+  struct stat entry;
+  if (fstat(fileno(file), &entry) || !S_ISREG(entry.st_mode)) return -1;
+  return (long long)entry.st_size;
 }
 
 /* Accepts word = [+-] digits [. digits] [e [+-] digits], finite; returns 0 for any other word.

@@ -1,5 +1,4 @@
-/* file.h: opens and closes files for all readers and writers, with one report of what goes
- * wrong. */
+/* file.h: opens files for all readers and writers, with one report of what goes wrong. */
 #ifndef DLSI_FILE_H
 #define DLSI_FILE_H
 
@@ -11,11 +10,9 @@
 /* Opens `path` for reading; NULL and DLS_E_FILE in *error if it is missing or a directory. */
 FILE *dlsi_file_open(const char *path, dls_error *error);
 
-/* Opens `path` for writing anew, mode "w" or "wb"; NULL and DLS_E_FILE in *error on failure. */
-FILE *dlsi_file_create(const char *path, const char *mode, dls_error *error);
-
-/* Closes a file that was written; if any write failed, removes it and returns DLS_E_FILE. */
-dls_status dlsi_file_finish(const char *path, FILE *file, dls_error *error);
+/* Returns the bytes of an open file, -1 of a pipe. What a file claims to hold is compared with them
+ * before memory is taken. */
+long long dlsi_file_size(FILE *file);
 
 /* Reads a real Matrix Market file; of a symmetric one both halves are listed. t: to be freed also
  * after an error. Errors of dls_mtx_read. */

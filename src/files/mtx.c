@@ -24,6 +24,7 @@
 #include "base/columns.h"
 #include "delassus/files.h"
 #include "files/file.h"
+#include "files/output.h"
 
 /* ---- words ----------------------------------------------------------------------------------- */
 
@@ -113,6 +114,11 @@ static void print_double(FILE *file, double x) {
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
+/* A matrix of this many rows and columns, or dense one of this many values, is taken at its word.
+ * For a larger one a file has at least an entry for each row and each column: the others make it
+ * singular, and a few bytes could ask for all memory. */
+enum { free_lines = 1 << 22, free_values = 1 << 23 };
+
 typedef enum symmetry { GENERAL, SYMMETRIC, SKEW } symmetry;
 
 typedef struct layout {
@@ -143,7 +149,27 @@ static void read_banner(scanner *s, layout *form) {
           "must be general, symmetric or skew-symmetric");
 }
 
-static void read_sizes(scanner *s, layout *form) {
+/* Requires that the rest of a file of `bytes` can hold `count` items of `least` characters. */
+static void require_bytes(scanner *s, size_t count, size_t least) {
+  const long long bytes = dlsi_file_size(s->file);
+  if (bytes >= 0 && count > (size_t)bytes / least)
+    blame(s, DLS_E_FORMAT, "claims more values than the file has room for");
+}
+
+/* Compares what a file claims with its size; dense = 1: for the dense form. */
+static void check_sizes(scanner *s, const layout *form, int dense) {
+  const size_t rows = (size_t)form->rows, cols = (size_t)form->cols;
+  const size_t lines = rows > cols ? rows : cols, entries = (size_t)form->entries;
+  if (!form->coordinate)
+    require_bytes(s, form->kind == GENERAL ? rows * cols : rows * (rows - 1) / 2, 2);
+  else
+    require_bytes(s, entries, 6); /* "1 1 1\n" */
+  if (form->coordinate && entries < lines &&
+      (lines > free_lines || (dense && rows * cols > free_values)))
+    blame(s, DLS_E_SIZE, "are too few entries for a matrix of this size");
+}
+
+static void read_sizes(scanner *s, layout *form, int dense) {
   scan(s);
   const long long line = s->line;
   require(s, to_int(s, &form->rows) && form->rows > 0, "is no number of rows");
@@ -157,6 +183,7 @@ static void read_sizes(scanner *s, layout *form) {
     blame(s, DLS_E_SIZE, "rows * cols is too large to address");
   if (form->coordinate)
     require(s, scan_on(s, line) && to_int(s, &form->entries), "is no number of entries");
+  if (!s->status) check_sizes(s, form, dense);
 }
 
 /* Adds x to *sum, where 0 + x is x itself, -0.0 too. */
@@ -277,6 +304,8 @@ static void count_calculix(scanner *s, layout *form) {
     require(s, ++form->entries < INT_MAX, "there are too many entries");
   }
   require(s, form->entries > 0, "there are no entries");
+  if (form->cols > free_lines && form->entries < form->cols)
+    blame(s, DLS_E_SIZE, "there are too few entries for a matrix of this size");
   form->rows = form->cols;
   rewind(s->file);
   *s = (scanner){.file = s->file, .next = 1, .status = s->status, .error = s->error};
@@ -326,7 +355,7 @@ static dls_status read_file(const char *path, int calculix, dlsi_triplets *t, in
     status = read_calculix(&s, t);
   else {
     read_banner(&s, &form);
-    if (!s.status) read_sizes(&s, &form);
+    if (!s.status) read_sizes(&s, &form, 0);
     status = s.status ? s.status : read_triplets(&s, &form, t);
   }
   (void)fclose(file);
@@ -380,7 +409,7 @@ dls_status dls_mtx_read(const char *path, int *rows, int *cols, double **a, dls_
   layout form = {0};
   double *values = NULL;
   read_banner(&s, &form);
-  if (!s.status) read_sizes(&s, &form);
+  if (!s.status) read_sizes(&s, &form, 1);
   status = s.status ? s.status : read_dense(&s, &form, &values);
   (void)fclose(file);
   if (status) {
@@ -404,15 +433,16 @@ static dls_status write_dense(const char *path, const dls_dense *A, dls_error *e
   if (!A) return dlsi_is_null(error, "A");
   if (A->rows < 1 || A->cols < 1)
     return dlsi_fail(error, DLS_E_SIZE, "A", -1, A->rows, "is %d x %d", A->rows, A->cols);
-  const dls_status status = dlsi_check_dense("A", A, A->rows, A->cols, error);
+  dls_status status = dlsi_check_dense("A", A, A->rows, A->cols, error);
   if (status) return status;
-  FILE *file = dlsi_file_create(path, "w", error);
-  if (!file) return DLS_E_FILE;
-  (void)fprintf(file, "%%%%MatrixMarket matrix array real general\n%d %d\n", A->rows, A->cols);
+  dlsi_output out;
+  status = dlsi_output_open(&out, path, error);
+  if (status) return status;
+  (void)fprintf(out.file, "%%%%MatrixMarket matrix array real general\n%d %d\n", A->rows, A->cols);
   for (int j = 0; j < A->cols; j++)
     for (int i = 0; i < A->rows; i++)
-      print_double(file, A->a[(size_t)i + (size_t)j * (size_t)A->ld]);
-  return dlsi_file_finish(path, file, error);
+      print_double(out.file, A->a[(size_t)i + (size_t)j * (size_t)A->ld]);
+  return dlsi_output_finish(&out, error);
 }
 
 dls_status dls_mtx_write(const char *path, const dls_dense *A, dls_error *error) {

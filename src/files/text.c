@@ -111,6 +111,9 @@ static dls_status take_vector(text_reader *reader, const char *key, const char *
                               double **x) {
   if (!reader->to->n) return text_blame(reader, key, "stands before the sizes");
   if (*x) return text_blame(reader, key, "stands there twice");
+  /* numbers have blanks between them: a claim of more takes no memory */
+  if (count > 0 && (size_t)count - 1 > strlen(text) / 2)
+    return text_blame(reader, key, "has too few numbers");
   *x = dlsi_alloc((size_t)count, sizeof **x);
   if (!*x) return dlsi_no_memory(reader->error);
   if (dls_text_numbers(text, count, *x)) return DLS_OK;
@@ -124,7 +127,7 @@ static dls_status take_matrix(text_reader *reader, const char *key, const char *
   if (!n) return text_blame(reader, key, "stands before the sizes");
   if (to->M) return text_blame(reader, key, "stands there twice");
   if (*text) return text_blame(reader, text, "belongs under its key");
-  if (n > strlen(reader->next)) return text_blame(reader, key, "has too few rows");
+  if (n - 1 > strlen(reader->next) / 2 / n) return text_blame(reader, key, "has too few rows");
   double *row = dlsi_alloc(n, sizeof *row);
   to->M = dlsi_alloc(n * n, sizeof *to->M);
   dls_status status = row && to->M ? DLS_OK : dlsi_no_memory(reader->error);

@@ -4,9 +4,10 @@
  *
  *   (AT1)  sweeps     Gauss-Seidel with Anderson acceleration, in an order of the candidates that
  *                     follows from the data
- *   (AT13) push       W by blocks of more than 1000 candidates: Gauss-Seidel with momentum, in
- *                     place of (AT1); Newton's method then only where that gets nowhere at e <=
- *                     1e-5, and not again where it has failed
+ *   (AT13) push       W by blocks of more than 100 candidates: Gauss-Seidel with momentum after
+ *                     (AT1), which ends there when more than 100 sweeps are ahead; beyond 1000 in
+ *                     its place. Newton's method then only at e <= 1e-5, and after a failure only
+ *                     at a tenth of that: on packings its steps lead nowhere before
  *   (AT2)  splitting  ADMM, once, for a dense W after a failure of Newton's method, or before it
  *                     where a step costs more than 50 sweeps and the states still change
  *   (AT12) rest       the convex problem without mu |u_t| (vi/rest.c), for what may be a structure
@@ -38,8 +39,8 @@
  *          with the right states a step is exact in 2D, and two do in 3D; else s = 4. Each
  *          failure of Newton's method doubles s.
  *
- * Sweeps end when (AT6) > (AT7), or > 100 where (AT12) is next, after 10 sweeps (20 for W by
- * blocks; half of that from a warm start), a number that each failure doubles. Newton's method
+ * Sweeps end when (AT6) > (AT7), or > 100 where (AT12) or (AT13) is next, after 10 sweeps (20 for W
+ * by blocks; half of that from a warm start), a number that each failure doubles. Newton's method
  * gives up when 3 steps, doubled by each failure, have not brought e down by a tenth. A forecast
  * that was wrong is so believed less each time. No clock is read: the same input takes the same
  * stages and gives the same bits.
@@ -88,7 +89,9 @@ enum { dense_splits = 200 };     /* iterations of (AT2): more of them cost more 
 enum { few_blocks = 4 };         /* of a candidate, its own included */
 enum { rest_sweeps = 100 };      /* what (AT12) costs, analysis included, where it arrives */
 enum { pivot_rows = 400 };       /* (AT5), early: such a table stays in the cache */
-enum { push_candidates = 1000 }; /* (AT13): fewer, (AT1) takes as long */
+enum { few_push = 100 };         /* (AT13): fewer candidates by blocks are left to (AT1)-(AT5) */
+enum { push_candidates = 1000 }; /* ... more are not tried by (AT1) at all */
+enum { push_ahead = 100 };       /* (AT13): accelerated sweeps that take as long as it does */
 static const double push_near = 1e-5; /* (AT13) */
 enum { path_unknowns = 300 };         /* a thousand factorisations then take a few seconds */
 enum { other_unknowns = 3000 };       /* beyond, another way takes too long, and nothing is said */
@@ -98,6 +101,8 @@ enum { copy_failures = 3 }; /* so much is Newton's method believed on a copy */
 static const double progress = 0.9;         /* of e, below which a step has brought it down */
 static const double share_outside = 0.1;    /* of -q outside of the cones, for what may rest */
 static const double null_direction = 1e-10; /* |D^-1 W delta| over |delta|: (AT9) */
+enum { few_normals = 6 };                   /* whose factorisation is below the cost of a call */
+static const double small_part = 0.05;      /* of a solve, for a look at other answers */
 static const double another = 1e-3; /* difference of two answers, over the largest reaction */
 static const double on_cone = 1e-9; /* a reaction that lacks no more than this share slips */
 
@@ -152,6 +157,7 @@ typedef struct dlsi_auto {
   int has_split;      /* (AT2) has been tried */
   int may_rest;       /* (AT12) is worth a try, and has not been tried */
   int has_pushed;     /* (AT13) got nowhere */
+  int has_augmented;  /* (AT4) has been tried */
 
   /* of the stage under way */
   double target, least; /* logarithms of e* and of the least e that counts */
@@ -160,6 +166,30 @@ typedef struct dlsi_auto {
   int costly;           /* a Newton step, more than a sixth of (AT2) */
   int since;            /* iteration of the least e; of (AT13): of the last look */
 } dlsi_auto;
+
+/* ---- (AT13) ---------------------------------------------------------------------------------- */
+
+static int is_packing(const dlsi_auto *work) {
+  return !work->problem->W.a && work->problem->nc > few_push;
+}
+
+static int may_push(const dlsi_auto *work) {
+  return is_packing(work) && !work->has_pushed;
+}
+
+/* Not where (AT13) has got nowhere, but for once the augmented Lagrangian has failed, too. */
+static int may_sweep(const dlsi_auto *work) {
+  return !is_packing(work) ||
+         (work->problem->nc <= push_candidates && (work->info.stages == 0 || work->has_augmented));
+}
+
+static int is_near(const dlsi_auto *work, double residual) {
+  return residual <= push_near * pow(10, -work->failures);
+}
+
+static int may_step(const dlsi_auto *work) {
+  return !is_packing(work) || is_near(work, work->info.certificate.residual) || work->has_augmented;
+}
 
 /* ---- when a stage gives up ------------------------------------------------------------------- */
 
@@ -215,7 +245,8 @@ static int watch_sweeps(void *data, const dls_progress *p) {
   work->rate += 2. / (p->iteration + 1) * (gain - work->rate);
   if (p->iteration % look_every) return 0;
   const double newton = cost_of_newton(work), ahead = (work->least - work->target) / work->rate;
-  const double next = work->may_rest ? fmin(newton, rest_sweeps) : newton;
+  const double other = may_push(work) ? push_ahead : newton;
+  const double next = work->may_rest ? fmin(other, rest_sweeps) : other;
   const int first =
       (work->problem->W.a ? 1 : 2) * first_sweeps / (work->options.limits.warm_start + 1);
   return p->iteration >= first << work->failures && ahead > next;
@@ -243,8 +274,10 @@ static int watch_push(void *data, const dls_progress *p) {
   work->least -= gain;
   work->rate += 2. * sweeps / (p->iteration + sweeps) * (gain / sweeps - work->rate);
   work->since = p->iteration;
-  if (!work->may_rest || p->iteration % look_every) return 0;
-  return p->iteration >= 2 * first_sweeps && (now - work->target) / work->rate > rest_sweeps;
+  if (p->iteration % look_every || p->iteration < 2 * first_sweeps) return 0;
+  const double ahead = (now - work->target) / work->rate;
+  if (work->may_rest && ahead > rest_sweeps) return 1;
+  return is_near(work, p->residual) && ahead > cost_of_newton(work);
 }
 
 static int watch_limits(void *data, const dls_progress *p) {
@@ -287,20 +320,9 @@ static int may_split(const dlsi_auto *work) {
   return problem->W.a && (work->failures > 0 || work->costly);
 }
 
+/* Of bodies W by blocks is then formed only where a stage asks for it. */
 static int is_large(const dlsi_auto *work) {
-  return !work->problem->W.a && work->nc > push_candidates;
-}
-
-static int may_push(const dlsi_auto *work) {
-  return is_large(work) && !work->has_pushed;
-}
-
-static int may_sweep(const dlsi_auto *work) {
-  return !is_large(work);
-}
-
-static int may_step(const dlsi_auto *work) {
-  return !is_large(work) || (work->info.certificate.residual <= push_near && !work->failures);
+  return is_packing(work) && work->problem->nc > push_candidates;
 }
 
 static int may_pivot(const dlsi_auto *work) {
@@ -346,17 +368,14 @@ static const struct {
 static const struct {
   part part;
   int cold, copy;
-} stages[] = {{SWEEPS, 0, 0},          {PUSH, 0, 0},         {REST, 0, 0},
-              {SPLITTING, 0, 0},       {PUSH, 0, 0},         {NEWTON, 0, 0},
-              {PIVOTING, 0, 0},        {SPLITTING, 0, 0},    {SWEEPS, 0, 0},
-              {NEWTON, 0, 0},          {SWEEPS, 0, 0},       {NEWTON, 0, 0},
-              {SWEEPS, 0, 0},          {NEWTON, 0, 0},       {SWEEPS, 0, 1},
-              {NEWTON, 0, 1},          {PIVOTING, 0, 1},     {AUGMENTED, 0, 0},
-              {HOMOTOPY, 1, 1},        {SWEEPS, 0, 0},       {NEWTON, 0, 0},
-              {SWEEPS, 0, 0},          {OTHER_SWEEPS, 1, 0}, {NEWTON, 0, 0},
-              {OTHER_SPLITTING, 1, 0}, {NEWTON, 0, 0},       {AUGMENTED, 1, 0},
-              {SCATTER, 0, 1}};
-enum { quick_count = 14, stage_count = sizeof stages / sizeof stages[0] };
+} stages[] = {{SWEEPS, 0, 0},    {REST, 0, 0},         {SPLITTING, 0, 0}, {PUSH, 0, 0},
+              {NEWTON, 0, 0},    {PIVOTING, 0, 0},     {SPLITTING, 0, 0}, {SWEEPS, 0, 0},
+              {NEWTON, 0, 0},    {SWEEPS, 0, 0},       {NEWTON, 0, 0},    {SWEEPS, 0, 0},
+              {NEWTON, 0, 0},    {SWEEPS, 0, 1},       {NEWTON, 0, 1},    {PIVOTING, 0, 1},
+              {AUGMENTED, 0, 0}, {HOMOTOPY, 1, 1},     {SWEEPS, 0, 0},    {NEWTON, 0, 0},
+              {SWEEPS, 0, 0},    {OTHER_SWEEPS, 1, 0}, {NEWTON, 0, 0},    {OTHER_SPLITTING, 1, 0},
+              {NEWTON, 0, 0},    {AUGMENTED, 1, 0},    {SCATTER, 0, 1}};
+enum { quick_count = 13, stage_count = sizeof stages / sizeof stages[0] };
 _Static_assert((int)stage_count + 3 <= (int)DLS_STAGES_MAX,
                "a line for each in the report, for (AT14), the states, and after the copy");
 
@@ -422,6 +441,7 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
   if (k == SPLITTING) work->has_split = 1;
   if (k == REST) work->may_rest = 0;
   if (k == PUSH && status == DLS_STALLED) work->has_pushed = 1;
+  if (k == AUGMENTED) work->has_augmented = 1;
   if ((k == SPLITTING || k == OTHER_SPLITTING || k == REST) && status == DLS_E_UNSUPPORTED)
     return DLS_STALLED; /* a build without MUMPS */
   if (status < 0) {
@@ -486,7 +506,9 @@ static dls_status judge(dlsi_auto *work, dls_error *error) {
 static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *error) {
   const dls_limits *limits = &work->options.limits;
   for (int k = first; k < end; k++) {
-    const part now = stages[k].part;
+    const part listed = stages[k].part;
+    const part now = listed == SWEEPS && !may_sweep(work) && may_push(work) ? PUSH : listed;
+    if (listed == PUSH && is_near(work, work->info.certificate.residual)) continue;
     if (stages[k].copy && !work->has_copy) continue;
     if (part_of[now].may && !part_of[now].may(work)) continue;
     const int early = now == PIVOTING && k < quick_count;
@@ -636,42 +658,40 @@ static dls_status take_stages(dlsi_auto *work, dls_error *error) {
   return status == DLS_STALLED ? judge(work, error) : status;
 }
 
-/* Returns 1 if no candidate has friction and W_nn is strictly diagonally dominant, so that it is a
- * P-matrix and the answer the only one. row: scratch, nc. */
-static int is_dominant(const dls_contact *problem, double *row) {
-  if (dlsi_is_factored(problem)) return 0;
-  for (int c = 0; c < problem->nc; c++) {
-    if (problem->mu[c] > 0) return 0;
-    row[c] = 0;
-  }
-  for (int c = 0; c < problem->nc; c++) {
-    const dlsi_block_column W = dlsi_contact_column(problem, (size_t)c);
-    for (size_t k = W.begin; k < W.end; k++) {
-      const size_t i = dlsi_row(&W, k);
-      row[i] += i == (size_t)c ? W.x[k * W.step] : -fabs(W.x[k * W.step]);
-    }
-  }
-  for (int c = 0; c < problem->nc; c++)
-    if (!(row[c] > 0)) return 0;
-  return 1;
+/* Returns room for W_nn, or NULL where there is friction, its factorisation would be more than a
+ * small part of what the solve took, or the room keeps factors for the next solve. */
+static double *room_of_normals(dlsi_auto *work) {
+  const size_t n = (size_t)work->problem->nc;
+  const double m = (double)n * work->problem->d, cost = (double)n * (double)n * (double)n / 3;
+  double spent = 0;
+  for (size_t c = 0; c < n; c++)
+    if (work->problem->mu[c] > 0) return NULL;
+  for (int k = 0; k < work->info.stages; k++)
+    spent += 2 * m * m * work->info.stage[k].iterations +
+             m * m * m / 3 * work->info.stage[k].factorisations;
+  if (work->options.limits.warm_start || (n > few_normals && cost > small_part * spent))
+    return NULL;
+  if (work->options.lazy && dlsi_room_dense(&work->room, n, NULL)) return NULL;
+  if (work->room.side < n) return NULL;
+  work->room.owner = work;
+  return work->room.J;
 }
 
-/* Fills ambiguous and unique for the answer r, u being in v[0]: where candidates have another
- * solution by themselves, as many sweeps as the answer took go on from there. */
-static void look_for_others(dlsi_auto *work, const double *r) {
+/* Counts the ambiguous candidates. Sets unique to no if as many sweeps as the answer r took, from
+ * where these have another solution by themselves, end at another answer. */
+static void sweep_to_another(dlsi_auto *work, const double *r) {
   const dls_contact *problem = work->problem;
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   double *other = work->v[1];
   dls_limits limits = {.tol = work->options.limits.tol, .warm_start = 1};
   dls_info info;
+  dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
   work->info.ambiguous = dlsi_count_ambiguous(problem, r, work->v[0], other);
-  if (is_dominant(problem, work->w)) work->info.unique = DLS_UNIQUE_YES;
   if (!work->info.ambiguous || !work->part[SWEEPS]) return;
   limits.cpu_seconds = dlsi_clock_left(&work->options.limits, work->begun);
   limits.max_iterations = work->info.iterations > 10 ? work->info.iterations : 10;
   dlsi_nlgs_method.set_limits(work->part[SWEEPS], &limits);
   if (dlsi_nlgs_method.solve(work->part[SWEEPS], problem, other, NULL, &info, NULL)) return;
-  dlsi_contact_weights(problem, work->w);
   double difference = 0, size = 0;
   for (size_t k = 0; k < m; k++) {
     const double w = work->w[k / d];
@@ -679,6 +699,16 @@ static void look_for_others(dlsi_auto *work, const double *r) {
     size = fmax(size, fabs(w * r[k]));
   }
   if (difference > another * size) work->info.unique = DLS_UNIQUE_NO;
+}
+
+/* Fills ambiguous and unique for the answer r. */
+static void look_for_others(dlsi_auto *work, const double *r) {
+  const dls_contact *problem = work->problem;
+  dlsi_contact_weights(problem, work->w);
+  if (dlsi_may_be_ambiguous(problem))
+    sweep_to_another(work, r);
+  else if (dlsi_is_unique(problem, work->w, work->v[2], room_of_normals(work)))
+    work->info.unique = DLS_UNIQUE_YES;
 }
 
 /* Remembers for (AT12) what the solve took. */
@@ -706,20 +736,19 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   work->limited = work->failures = work->has_split = work->costly = work->rounded = 0;
   work->has_copy = work->has_direction = work->has_farkas = work->excluded = 0;
   work->may_rest = looks_at_rest(work);
-  work->has_pushed = 0;
+  work->has_pushed = work->has_augmented = 0;
   memset(work->best, 0, m * sizeof *r);
   if (work->options.limits.warm_start) memcpy(work->best, r, m * sizeof *r);
   status = take_stages(work, error);
   if (status < 0) return status;
   problem = work->problem;
   memcpy(r, work->best, m * sizeof *r);
-  const int looks = info && status == DLS_OK;
-  if (u || looks) dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
+  if (u) dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
   if (u) memcpy(u, work->v[0], m * sizeof *u);
   work->info.status = status;
   remember_stages(work);
   if (work->options.limits.warm_start) remember_answer(work, r);
-  if (looks) look_for_others(work, r);
+  if (info && status == DLS_OK) look_for_others(work, r);
   if (info) *info = work->info;
   return status;
 }
@@ -778,7 +807,7 @@ static dls_status auto_create(void **out, int d, int nc, const dlsi_options *opt
   for (part k = 0; !status && !options->lazy && k < parts; k++) {
     const int m = d * nc, large = m > other_unknowns;
     if ((k == SPLITTING || k == REST) && m < split_unknowns) continue;
-    if (k == PUSH && (nc <= push_candidates || !options->limits.blocks)) continue;
+    if (k == PUSH && (nc <= few_push || !options->limits.blocks)) continue;
     if (k == SWEEPS && nc > push_candidates && options->limits.blocks) continue;
     if (k == PIVOTING && !may_pivot(work)) continue;
     if ((k == HOMOTOPY || k == SCATTER) && m > path_unknowns) continue;

@@ -11,6 +11,7 @@
 struct dls_solver {
   dls_solver_settings settings;
   int d, nc;
+  atomic_int busy;   /* 1: a call is at work */
   dls_status status; /* of the last solve */
   const dlsi_method *method;
   void *work;         /* of the method */
@@ -96,12 +97,13 @@ dls_status dls_solver_set_limits(dls_solver *solver, const dls_limits *limits, d
   dls_status status = !solver   ? dlsi_is_null(error, "solver")
                       : !limits ? dlsi_is_null(error, "limits")
                                 : dlsi_check_limits(limits, error);
+  if (!status) status = dlsi_enter(&solver->busy, "solver", error);
   if (status) return dlsi_at(__func__, status, error);
   const int blocks = solver->settings.limits.blocks;
   solver->settings.limits = *limits;
   solver->settings.limits.blocks = blocks;
   solver->method->set_limits(solver->work, &solver->settings.limits);
-  return DLS_OK;
+  return dlsi_leave(&solver->busy, DLS_OK);
 }
 
 /* Makes the last call of the progress callback. The stage is the last one of auto. */
@@ -156,10 +158,12 @@ dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, doub
   dls_status status = dlsi_check_solve(solver->d, solver->nc, problem, r, u,
                                        solver->settings.limits.warm_start, error);
   if (!status) status = solver_check_friction(&solver->settings, problem, error);
+  if (!status) status = dlsi_enter(&solver->busy, "solver", error);
   if (status) return dlsi_at(__func__, status, error);
   solver->status = DLS_OK;
-  if (is_answered(&solver->settings, problem, r, u, info)) return DLS_OK;
-  return dlsi_at(__func__, solver_solve(solver, problem, r, u, info, error), error);
+  if (!is_answered(&solver->settings, problem, r, u, info))
+    status = solver_solve(solver, problem, r, u, info, error);
+  return dlsi_at(__func__, dlsi_leave(&solver->busy, status), error);
 }
 
 const double *dls_solver_direction(const dls_solver *solver) {

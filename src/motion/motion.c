@@ -234,7 +234,6 @@ void dls_motion_destroy(dls_motion *motion) {
 
 static dls_status motion_start(dls_motion *motion, const double *x, const double *v, double t,
                                dls_error *error) {
-  if (!motion) return dlsi_is_null(error, "motion");
   dls_status status = x ? dlsi_check_vector("x", x, motion->n, error) : DLS_OK;
   if (!status && v) status = dlsi_check_vector("v", v, motion->n, error);
   if (!status) status = dlsi_check_vector("t", &t, 1, error);
@@ -268,11 +267,13 @@ static dls_status motion_start(dls_motion *motion, const double *x, const double
 
 dls_status dls_motion_start(dls_motion *motion, const double *x, const double *v, double t,
                             dls_error *error) {
-  return dlsi_at(__func__, motion_start(motion, x, v, t, error), error);
+  dls_status status = dlsi_motion_enter(motion, error);
+  if (!status) status = dlsi_leave(&motion->busy, motion_start(motion, x, v, t, error));
+  return dlsi_at(__func__, status, error);
 }
 
 static dls_status motion_set_h(dls_motion *motion, double h, dls_error *error) {
-  dls_status status = motion ? motion_check_h(h, error) : dlsi_is_null(error, "motion");
+  dls_status status = motion_check_h(h, error);
   if (status) return status;
   if (motion->settings.law != DLS_MOTION_PATH) {
     dlsi_motion_form(motion, h);
@@ -285,12 +286,14 @@ static dls_status motion_set_h(dls_motion *motion, double h, dls_error *error) {
 }
 
 dls_status dls_motion_set_h(dls_motion *motion, double h, dls_error *error) {
-  return dlsi_at(__func__, motion_set_h(motion, h, error), error);
+  dls_status status = dlsi_motion_enter(motion, error);
+  if (!status) status = dlsi_leave(&motion->busy, motion_set_h(motion, h, error));
+  return dlsi_at(__func__, status, error);
 }
 
 static dls_status motion_set_limits(dls_motion *motion, const dls_limits *limits,
                                     dls_error *error) {
-  if (!motion || !limits) return dlsi_is_null(error, motion ? "limits" : "motion");
+  if (!limits) return dlsi_is_null(error, "limits");
   const dls_limits own = motion_solver_limits(limits, motion->settings.stabilize);
   const dls_status status = dls_solver_set_limits(motion->solver, &own, error);
   if (!status) motion->settings.limits = *limits;
@@ -298,7 +301,9 @@ static dls_status motion_set_limits(dls_motion *motion, const dls_limits *limits
 }
 
 dls_status dls_motion_set_limits(dls_motion *motion, const dls_limits *limits, dls_error *error) {
-  return dlsi_at(__func__, motion_set_limits(motion, limits, error), error);
+  dls_status status = dlsi_motion_enter(motion, error);
+  if (!status) status = dlsi_leave(&motion->busy, motion_set_limits(motion, limits, error));
+  return dlsi_at(__func__, status, error);
 }
 
 /* ---- views ----------------------------------------------------------------------------------- */

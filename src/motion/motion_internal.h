@@ -22,6 +22,7 @@ typedef struct motion_point {
 struct dls_motion {
   dls_motion_model model;
   dls_motion_settings settings;
+  atomic_int busy;
   size_t n, nodes, candidates, m; /* m = d candidates */
   int modes;                      /* of free bodies on a path */
   dlsi_columns A;
@@ -44,6 +45,10 @@ struct dls_motion {
   double *values;                       /* memory of W, q, mu of the active candidates */
   void *memory;                         /* of all arrays but A */
 };
+
+static inline dls_status dlsi_motion_enter(dls_motion *motion, dls_error *error) {
+  return motion ? dlsi_enter(&motion->busy, "motion", error) : dlsi_is_null(error, "motion");
+}
 
 /* Returns 0 where the model has no such matrix. */
 static inline int dlsi_motion_has(const dls_sparse *A) {

@@ -266,7 +266,6 @@ static dls_status step_path(dls_motion *motion, const double *f, const double *y
 
 static dls_status step_check(const dls_motion *motion, const double *f, const double *y,
                              const double *mu, dls_error *error) {
-  if (!motion) return dlsi_is_null(error, "motion");
   dls_status status = f ? dlsi_check_vector("f", f, motion->n, error) : DLS_OK;
   if (!status && y)
     status = dlsi_check_vector("y", y, (size_t)motion->model.d * motion->nodes, error);
@@ -293,5 +292,7 @@ static dls_status step_take(dls_motion *motion, const double *f, const double *y
 
 dls_status dls_motion_step(dls_motion *motion, const double *f, const double *y, const double *mu,
                            dls_info *info, dls_error *error) {
-  return dlsi_at(__func__, step_take(motion, f, y, mu, info, error), error);
+  dls_status status = dlsi_motion_enter(motion, error);
+  if (!status) status = dlsi_leave(&motion->busy, step_take(motion, f, y, mu, info, error));
+  return dlsi_at(__func__, status, error);
 }

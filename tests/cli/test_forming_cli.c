@@ -27,7 +27,7 @@ START_TEST(files) {
   ck_assert_ptr_nonnull(strstr(output, "\n    2.0000"));
   ck_assert_ptr_nonnull(strstr(output, "\n    4.5000")); /* the step that reaches 4.1 */
   ck_assert_ptr_nonnull(strstr(output, "indentation by newton: solved at 10 of 10 mm"));
-  ck_assert_int_eq(count_lines("a/b/force.csv", line, sizeof line), 21);
+  ck_assert_int_eq(count_lines("a/b/force.csv", line, sizeof line), 22); /* rest, too */
   double travel, force;
   ck_assert_int_eq(sscanf(line, "%lf,%lf,", &travel, &force), 2);
   ck_assert(travel == 10 && force > 9000 && force < 16000);
@@ -81,6 +81,10 @@ START_TEST(not_solved) {
   ck_assert_int_eq(run("scene indentation --mesh 4x4 --tol 1e-16"), 1);
   ck_assert_ptr_nonnull(strstr(output, "of 10 mm"));
   ck_assert_ptr_nonnull(strstr(output, "\nnot solved: "));
+  ck_assert_int_eq(run("scene extrusion --limit 0.05 --out @/limited"), 1);
+  ck_assert_ptr_nonnull(strstr(output, "extrusion by auto: time limit reached at "));
+  char line[400];
+  ck_assert_int_gt(count_lines("limited/force.csv", line, sizeof line), 2);
 }
 END_TEST
 
@@ -91,7 +95,8 @@ START_TEST(bad_options) {
       "scene indentation --mu x",          "scene indentation --method magic",
       "scene indentation --tol 0",         "scene indentation extrusion",
       "scene indentation --at -1",         "scene indentation --at 1,,2",
-      "scene indentation --out /dev/null", "scene extrusion --nonsense"};
+      "scene indentation --out /dev/null", "scene extrusion --nonsense",
+      "scene extrusion --limit x"};
   for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++)
     ck_assert_msg(run(bad[k]) == 2, "%s: not 2", bad[k]);
   ck_assert_int_eq(run("scene indentation --help"), 0);

@@ -236,7 +236,7 @@ START_TEST(calculix) {
   put("job.dof", "7.1\n");
   ck_assert_int_eq(run("solve --stiffness @/job.sti --nodes @/nodes.txt --f @/loads.txt --mu 1"),
                    2);
-  ck_assert(strstr(output, "holds 1 unknowns") != NULL);
+  ck_assert(strstr(output, "holds 1 unknown, ") != NULL);
   put("job.sti", "2 1 3.0\n");
   ck_assert_int_eq(run("solve --stiffness @/job.sti --nodes @/nodes.txt --mu 1"), 2);
   ck_assert(strstr(output, "on or above the diagonal") != NULL);
@@ -274,7 +274,7 @@ START_TEST(bad_matrices_are_2) {
       {"--stiffness @/K.txt --HN @/three.txt", "has 3 rows, must have 2"},
       {"--stiffness @/three.txt --HN @/N.txt", "must be square"},
       {"--stiffness @/words.txt --HN @/N.txt", "line 2, 'two'"},
-      {"--stiffness @/ragged.txt --HN @/N.txt", "line 2 has 1 numbers"},
+      {"--stiffness @/ragged.txt --HN @/N.txt", "line 2 has 1 number,"},
       {"--stiffness @/empty.txt --HN @/N.txt", "holds no number"},
       {"--stiffness @/K.txt --HN @/N.txt --f @/three.txt", "must hold 2"},
       {"--stiffness @/K.txt --HN @/N.txt --g @/three.txt", "--g:"},
@@ -286,15 +286,22 @@ START_TEST(bad_matrices_are_2) {
       {"--stiffness @/K.txt --nodes @/flat.txt --mu 0.1", "has no normal"},
       {"--stiffness @/K.txt --nodes @/f.txt --mu 0.1", "2 columns"},
       {"--stiffness @/lower.txt --HN @/N.txt", "is a lower triangle"},
+      {"--stiffness @/lower.txt --HN @/N.txt", "says 'symmetric'"},
+      {"--stiffness @/upper.txt --HN @/N.txt", "is an upper triangle"},
+      {"--stiffness @/upper.mtx --HN @/N.txt", "is an upper triangle"},
       {"--W @/K.txt --mu 0.1", "--W: needs --q"},
       {"--W @/K.txt --q @/f.txt --mu 0.1 --f @/f.txt", "--W: goes with"},
       {"--W @/K.txt --q @/three.txt --mu 0.1 --dim 2", "must hold 2"},
       {"--W @/K.txt --q @/broken.npy --mu 0.1 --dim 2", "no .npy"},
+      {"--W @/zip.npz --q @/f.txt --mu 0.1", "scipy.io.mmwrite"},
+      {"--stiffness @/zip.npz --HN @/N.txt", "numpy.save"},
       {"--flexibility @/K.txt --HN @/N.txt --stabilize", "is for --stiffness"},
       {"--stiffness @/K.txt --HN @/N.txt --json --print", "--print"},
   };
   put("K.txt", "3 1\n1 2\n");
   put("lower.txt", "3 0\n1 2\n");
+  put("upper.mtx", "%%MatrixMarket matrix coordinate real general\n2 2 3\n1 1 3\n1 2 1\n2 2 2\n");
+  put("upper.txt", "3 1\n0 2\n");
   put("N.txt", "0\n1\n");
   put("f.txt", "5 -10\n");
   put("three.txt", "1\n2\n3\n");
@@ -303,6 +310,7 @@ START_TEST(bad_matrices_are_2) {
   put("empty.txt", "# nothing\n");
   put("far.txt", "2 0 1\n");
   put("flat.txt", "1 0 0\n");
+  put("zip.npz", "PK\3\4 and so on");
   put("broken.npy", "\x93NUMPY\1");
   for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
     char arguments[300];

@@ -567,6 +567,85 @@ START_TEST(bad_time_limit) {
 }
 END_TEST
 
+/* ---- one call at a time ---------------------------------------------------------------------- */
+
+/* The solve that a callback is called from. */
+typedef struct own_solve {
+  const tested_solver *s;
+  const dls_contact *problem;
+  void *work;
+  int calls, reenters;
+} own_solve;
+
+/* Solves again in the workspace that is at work, and changes its limits. */
+static int solve_again(void *data, const dls_progress *p) {
+  (void)p;
+  own_solve *own = data;
+  own->calls++;
+  if (!own->reenters) return 0;
+  double r[most] = {7}, u[most] = {7};
+  dls_info info = {.iterations = 7};
+  dls_error error;
+  ck_assert_int_eq(own->s->solve(own->work, own->problem, r, u, &info, &error), DLS_E_BUSY);
+  ck_assert_str_eq(error.argument, own->s->workspace);
+  ck_assert_int_eq(error.status, DLS_E_BUSY);
+  ck_assert(r[0] == 7 && u[0] == 7 && info.iterations == 7);
+  if (strcmp(own->s->workspace, "solver")) return 0;
+  const dls_limits limits = {.tol = 1e-3};
+  ck_assert_int_eq(dls_solver_set_limits(own->work, &limits, &error), DLS_E_BUSY);
+  ck_assert_str_eq(error.argument, "solver");
+  return 0;
+}
+
+/* A workspace used again from inside of its own callback refuses, and the solve that is at work
+ * gives the bits that it gives undisturbed; then the workspace is free again, also after bad input
+ * and after a problem without candidates. */
+START_TEST(busy) {
+  const tested_solver s = door(_i / 8);
+  const int i = _i % 8;
+  static model a;
+  if (i < 4)
+    numbered_model(&a, 9 * i + 2);
+  else if (i < 6)
+    set_hand(&a, i == 4 ? &jammed[0] : hand_named("C13"));
+  else
+    slow_model(&a, i - 6);
+  own_solve own = {.s = &s, .problem = &a.p};
+  any_settings settings = settings_for(&s, 1e-10, 0);
+  s.limits(&settings)->progress = solve_again;
+  s.limits(&settings)->progress_data = &own;
+  double r[4][most];
+  dls_status status[4];
+  int calls[4];
+  ck_assert_int_eq(s.create(&own.work, a.p.d, a.p.nc, &settings, NULL), DLS_OK);
+  for (int k = 0; k < 4; k++) {
+    own.calls = 0;
+    own.reenters = k == 1;
+    if (k == 2) {
+      const dls_contact none = {.d = a.p.d};
+      own.reenters = 1;
+      own.problem = &none;
+      ck_assert_int_eq(s.solve(own.work, &none, NULL, NULL, NULL, NULL), DLS_OK);
+      own.problem = &a.p;
+      ck_assert_int_eq(s.solve(own.work, &a.p, NULL, NULL, NULL, NULL), DLS_E_ARGUMENT);
+      own.calls = own.reenters = 0;
+      s.destroy(own.work);
+      ck_assert_int_eq(s.create(&own.work, a.p.d, a.p.nc, &settings, NULL), DLS_OK);
+    }
+    status[k] = s.solve(own.work, &a.p, r[k], NULL, NULL, NULL);
+    ck_assert_int_ge(status[k], 0);
+    calls[k] = own.calls;
+    ck_assert_int_ge(calls[k], 1);
+  }
+  for (int k = 0; k < 2; k++) { /* the first and the second solve in a new workspace */
+    ck_assert_int_eq(status[k], status[k + 2]);
+    ck_assert_int_eq(calls[k], calls[k + 2]);
+    ck_assert_mem_eq(r[k], r[k + 2], (size_t)(a.p.d * a.p.nc) * sizeof **r);
+  }
+  s.destroy(own.work);
+}
+END_TEST
+
 /* Counts the calls, each the last one of a solve whose residual is 0, and tries to cancel. */
 static int count_lasts(void *data, const dls_progress *p) {
   ck_assert(p->last && p->residual == 0 && p->iteration == 0);
@@ -673,6 +752,6 @@ int main(void) {
              EACH(normals_have_no_friction, 0, doors), EACH(smaller_problem, 0, doors),
              EACH(stopped_early, 0, doors * 3), EACH(one_last_call, 0, doors * 12),
              EACH(time_limit, 0, doors * 6), EACH(bad_time_limit, 0, doors),
-             EACH(no_candidates, 0, doors * 12), EACH(memory, 0, doors), EACH(bad_create, 0, doors),
-             EACH(bad_solve, 0, doors), ONCE(defaults_without_a_place));
+             EACH(busy, 0, doors * 8), EACH(no_candidates, 0, doors * 12), EACH(memory, 0, doors),
+             EACH(bad_create, 0, doors), EACH(bad_solve, 0, doors), ONCE(defaults_without_a_place));
 }

@@ -351,6 +351,32 @@ START_TEST(failed_step) {
 }
 END_TEST
 
+/* A limit that is over within the first step: its status, the state at rest, no fault; without the
+ * limit the same scene goes on to the bits of its twin. */
+START_TEST(time_limit) {
+  for (int contact = DLS_FORMING_CONDENSED; contact <= DLS_FORMING_PENALTY; contact++) {
+    dls_forming_settings s = init();
+    s.contact = (dls_forming_contact)contact;
+    s.method = DLS_AUTO;
+    dls_forming *twin = create_forming("extrusion", &s);
+    ck_assert_int_eq(dls_forming_step(twin, &error), DLS_OK);
+    s.cpu_seconds = 1e-12;
+    dls_forming *f = create_forming("extrusion", &s);
+    for (int again = 0; again < 2; again++) {
+      ck_assert_int_eq(dls_forming_step(f, &error), DLS_TIME_LIMIT);
+      const dls_forming_data d = get(f);
+      ck_assert_int_eq(d.fault.kind, DLS_FORMING_NO_FAULT);
+      ck_assert(d.travel == 0 && d.force == 0 && d.count.newton == 0 && d.count.halvings == 0);
+    }
+    f->settings.cpu_seconds = 1e9;
+    ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
+    ck_assert(get(f).force == get(twin).force);
+    dls_forming_destroy(f);
+    dls_forming_destroy(twin);
+  }
+}
+END_TEST
+
 #define REJECTED(field, value, status, argument_)                                                  \
   do {                                                                                             \
     dls_forming_settings bad = init();                                                             \
@@ -388,6 +414,8 @@ START_TEST(bad_input) {
   REJECTED(relaxation, 0, DLS_E_ARGUMENT, "relaxation");
   REJECTED(aitken, 2, DLS_E_ARGUMENT, "aitken");
   REJECTED(step_tol, 2, DLS_E_ARGUMENT, "step_tol");
+  REJECTED(cpu_seconds, -1, DLS_E_ARGUMENT, "cpu_seconds");
+  REJECTED(cpu_seconds, NAN, DLS_E_ARGUMENT, "cpu_seconds");
   REJECTED(tol, 0, DLS_E_ARGUMENT, "tol");
   REJECTED(tol, NAN, DLS_E_ARGUMENT, "tol");
   REJECTED(contact, (dls_forming_contact)9, DLS_E_ARGUMENT, "contact");
@@ -495,5 +523,5 @@ int main(void) {
              ONCE(standard_elements_lock), EACH(energy, 0, 2), EACH(friction_energy, 0, 2),
              ONCE(update_as_printed), ONCE(quadratic_convergence),
              EACH(methods_agree, 0, 2 * method_count), EACH(newton_on_stiffness, 0, 3),
-             ONCE(failed_step), ONCE(bad_input), ONCE(without_memory), ONCE(vtu));
+             ONCE(failed_step), ONCE(time_limit), ONCE(bad_input), ONCE(without_memory), ONCE(vtu));
 }

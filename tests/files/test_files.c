@@ -200,7 +200,10 @@ static const struct {
     {ARRAY "2147483648 1\n1\n", DLS_E_FORMAT, 2},
     {ARRAY "99999999999999999999 1\n1\n", DLS_E_FORMAT, 2},
     {ARRAY "2147483647 2147483647\n1\n", DLS_E_SIZE, 2},
-    {ARRAY "4000 4000\n1\n", DLS_E_FORMAT, 4}, /* claims 128 MB, holds one value */
+    {ARRAY "4000 4000\n1\n", DLS_E_FORMAT, 2}, /* claims 128 MB, holds one value */
+    {COORDINATE "2 2 46000\n1 1 1\n", DLS_E_FORMAT, 2},
+    {COORDINATE "46000 46000 1\n1 1 1\n", DLS_E_SIZE, 2}, /* 17 GB dense */
+    {COORDINATE "2147483647 1 1\n1 1 1\n", DLS_E_SIZE, 2},
     {ARRAY "2 1\n1\n", DLS_E_FORMAT, 4},
     {ARRAY "2 1\n1\n2\n3\n", DLS_E_FORMAT, 5},
     {ARRAY "2 1\n% a\n\n1\nnan\n", DLS_E_FORMAT, 6},
@@ -536,6 +539,20 @@ START_TEST(bodies_of_data) {
 }
 END_TEST
 
+/* M of CubeH8 is a lower triangle, and all of it counts. */
+START_TEST(matrix_of_a_file_is_whole) {
+  dls_fclib *file = read_well(TEST_DATA "/fclib/CubeH8.hdf5");
+  dls_model model;
+  const double *f, *g, *mu;
+  ck_assert_int_eq(dls_fclib_model(file, &model, &f, &g, &mu, NULL), DLS_OK);
+  ck_assert(model.n == 162 && model.nodes == 1);
+  ck_assert_int_eq(dls_model_check(&model, NULL), DLS_OK);
+  model.triangular = 0;
+  ck_assert_int_eq(dls_model_check(&model, NULL), DLS_E_ARGUMENT);
+  dls_fclib_destroy(file);
+}
+END_TEST
+
 /* every problem of data/, written and read again, has the same numbers in the same places */
 START_TEST(data_round_trip) {
   static const char *const locals[] = {"FC3D_Example1", "FC2D_SliderCrankLagrangian00000",
@@ -792,6 +809,79 @@ START_TEST(no_candidates_round_trip) {
   ck_assert(x[0] == 2 && x[1] == 2);
   dls_reduction_destroy(R);
   dls_fclib_destroy(file);
+}
+END_TEST
+
+static const char *other_file(void) {
+  static char name[sizeof path];
+  (void)snprintf(name, sizeof name, "%s/other", scratch);
+  return name;
+}
+
+/* Makes data set `name` of file `path` anew: `count` integers of `size` bytes, in chunks (0: in one
+ * piece), deflated, or in another file. */
+static void patch_odd(const char *name, size_t count, size_t size, size_t chunk, int outside) {
+  const hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t create = H5Pcreate(H5P_DATASET_CREATE), type = H5Tcopy(H5T_STD_I32LE);
+  const hsize_t n = count, piece = chunk, most = H5S_UNLIMITED;
+  const hid_t space = H5Screate_simple(1, &n, chunk ? &most : NULL);
+  ck_assert_int_ge(H5Tset_size(type, size), 0);
+  if (chunk) ck_assert_int_ge(H5Pset_chunk(create, 1, &piece), 0);
+  if (chunk) ck_assert_int_ge(H5Pset_deflate(create, 9), 0);
+  if (outside) ck_assert_int_ge(H5Pset_external(create, other_file(), 0, 4 * n), 0);
+  ck_assert_int_ge(H5Ldelete(file, name, H5P_DEFAULT), 0);
+  const hid_t set = H5Dcreate2(file, name, type, space, H5P_DEFAULT, create, H5P_DEFAULT);
+  ck_assert_int_ge(set, 0);
+  void *zeros = calloc(count, size);
+  ck_assert_int_ge(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, zeros), 0);
+  free(zeros);
+  (void)H5Dclose(set);
+  (void)H5Sclose(space);
+  (void)H5Tclose(type);
+  (void)H5Pclose(create);
+  ck_assert_int_ge(H5Fclose(file), 0);
+}
+
+/* A file must not take more memory than its size explains, nor open another file. */
+START_TEST(fclib_claims) {
+  static const char *const room = "claims more values than the file has room for";
+  static const struct {
+    size_t count, size, chunk;
+    int outside;
+    const char *text;
+  } odd[] = {{64, 17, 0, 0, "has the wrong type"},
+             {64, 4096, 0, 0, "has the wrong type"},
+             {4000000, 4, 4000000, 0, room},
+             {64, 4, 4000000, 0, room},
+             {64, 4, 0, 1, room}};
+  for (size_t k = 0; k < sizeof odd / sizeof odd[0]; k++) {
+    dls_fclib *file;
+    dls_error error = {0};
+    ck_assert_int_eq(write_local2(NULL), DLS_OK);
+    patch_odd("fclib_local/W/i", odd[k].count, odd[k].size, odd[k].chunk, odd[k].outside);
+    check_error(&error, dls_fclib_read(&file, path, &error), DLS_E_FORMAT, "W/i", -1);
+    ck_assert_msg(strstr(error.message, odd[k].text) != NULL, "%zu: %s", k, error.message);
+  }
+  (void)remove(other_file());
+}
+END_TEST
+
+/* Links into another file are not followed, neither to a group nor to a data set. */
+START_TEST(fclib_links_stay_inside) {
+  static const char *const names[] = {"fclib_local", "fclib_local/vectors/q"};
+  for (int k = 0; k < 2; k++) {
+    dls_fclib *file;
+    ck_assert_int_eq(write_local2(NULL), DLS_OK);
+    ck_assert_int_eq(rename(path, other_file()), 0);
+    ck_assert_int_eq(write_local2(NULL), DLS_OK);
+    const hid_t h5 = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
+    ck_assert_int_ge(H5Ldelete(h5, names[k], H5P_DEFAULT), 0);
+    ck_assert_int_ge(
+        H5Lcreate_external(other_file(), names[k], h5, names[k], H5P_DEFAULT, H5P_DEFAULT), 0);
+    ck_assert_int_ge(H5Fclose(h5), 0);
+    ck_assert_int_eq(dls_fclib_read(&file, path, NULL), DLS_E_FORMAT);
+    (void)remove(other_file());
+  }
 }
 END_TEST
 
@@ -1322,9 +1412,12 @@ int main(void) {
                            ONCE(global_files_of_data),
                            EACH(bodies_of_data, 0, 4),
                            ONCE(data_round_trip),
+                           ONCE(matrix_of_a_file_is_whole),
                            ONCE(local_round_trip),
                            ONCE(global_round_trip),
                            ONCE(no_candidates_round_trip),
+                           ONCE(fclib_claims),
+                           ONCE(fclib_links_stay_inside),
                            ONCE(other_layouts),
                            EACH(broken_local_file, 0, locals),
                            EACH(broken_global_file, 0, globals),

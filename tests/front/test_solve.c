@@ -182,6 +182,38 @@ START_TEST(limits_change) {
 }
 END_TEST
 
+/* W = [8 1 1; 1 8 1; 1 1 8] of normals on each other is dominant and stays so with some friction;
+ * [2 1.5 1.5; ..] is definite and not dominant; [1 2; 2 1] is neither, and pressed by (1, 1) has
+ * the answers (1, 0), (0, 1) and (1/3, 1/3). */
+START_TEST(one_answer_is_proved) {
+  const struct {
+    int nc;
+    double own, off, mu;
+    dls_uniqueness unique;
+  } of[] = {{3, 8, 1, 0, DLS_UNIQUE_YES},        {3, 8, 1, .3, DLS_UNIQUE_YES},
+            {3, 8, 1, 4, DLS_UNIQUE_UNKNOWN},    {3, 2, 1.5, 0, DLS_UNIQUE_YES},
+            {3, 2, 1.5, .3, DLS_UNIQUE_UNKNOWN}, {2, 1, 2, 0, DLS_UNIQUE_UNKNOWN}};
+  for (size_t k = 0; k < sizeof of / sizeof of[0]; k++)
+    for (int d = 2; d < 4; d++) {
+      const int m = d * of[k].nc;
+      double A[81] = {0}, load[9] = {0}, friction[3], x[9];
+      for (int i = 0; i < m; i++)
+        for (int j = 0; j < m; j++) {
+          if (i == j) A[i + m * j] = of[k].own;
+          if (i % d == 0 && j % d == 0 && i != j) A[i + m * j] = of[k].off;
+          if (i % d == 1 && j % d == 0 && i != j + 1) A[i + m * j] = A[j + m * i] = .25;
+        }
+      for (int c = 0; c < of[k].nc; c++)
+        load[d * c] = -1, friction[c] = of[k].mu;
+      const dls_contact p = {.d = d, .nc = of[k].nc, .W = {m, m, m, A}, .q = load, .mu = friction};
+      dls_solver_settings s = settings_of(DLS_AUTO);
+      dls_info info;
+      ck_assert_int_eq(dls_solve(&p, &s, x, NULL, &info, NULL), DLS_OK);
+      ck_assert_msg(info.unique == of[k].unique, "%zu, d = %d: %d", k, d, (int)info.unique);
+    }
+}
+END_TEST
+
 /* Without friction and W_nn dominant: proved. Beside a pressed candidate, c01 of data/failures as
  * it sticks: the candidate could be free as well. */
 START_TEST(auto_tells_of_other_answers) {
@@ -1055,10 +1087,10 @@ int main(void) {
   return RUN("solve", NULL, NULL, ONCE(methods_have_names), ONCE(methods_agree),
              EACH(block_on_a_belt, 0, 4), ONCE(accelerations_have_names),
              ONCE(bad_settings_are_refused), ONCE(limits_change), ONCE(auto_tells_of_other_answers),
-             ONCE(every_failing_malloc_unwinds), ONCE(free_problem_is_answered_at_once),
-             ONCE(an_answer_at_once_is_told_once), ONCE(short_calls_see_every_bad_number),
-             ONCE(short_calls_take_large_numbers), ONCE(short_calls_see_every_bad_view),
-             ONCE(short_calls_take_a_wider_leading_dimension),
+             ONCE(one_answer_is_proved), ONCE(every_failing_malloc_unwinds),
+             ONCE(free_problem_is_answered_at_once), ONCE(an_answer_at_once_is_told_once),
+             ONCE(short_calls_see_every_bad_number), ONCE(short_calls_take_large_numbers),
+             ONCE(short_calls_see_every_bad_view), ONCE(short_calls_take_a_wider_leading_dimension),
              ONCE(candidates_apart_take_one_sweep), ONCE(one_candidate_takes_one_sweep),
              ONCE(candidates_apart_in_any_units), ONCE(a_neighbour_pressed_takes_more_sweeps),
              ONCE(nearly_free_is_answered_by_nothing), ONCE(bad_blocks_go_through_the_stages),

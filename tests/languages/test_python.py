@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import tempfile
 import threading
 import unittest
 
@@ -186,7 +187,8 @@ class Reduce(unittest.TestCase):
 
     def test_bad_input(self):
         K, HN, HT = POINT
-        for wrong in (dict(K=K[:1]), dict(K=K, factorization="qr"), dict(K=K, active=[1, 1]),
+        for wrong in (dict(K=K[:1]), dict(K=np.triu(K)), dict(K=sp.triu(K)),
+                      dict(K=K, factorization="qr"), dict(K=K, active=[1, 1]),
                       dict(K=K, mu=[1, 1]), dict(K=K, modes=np.ones((3, 1)))):
             with self.assertRaises(ValueError, msg=wrong.keys()):
                 delassus.reduce(HN=HN, HT=HT, **wrong)
@@ -251,6 +253,37 @@ class Library(unittest.TestCase):
             script = readme.read().split("```python\n")[1].split("```")[0]
             self.assertTrue(example.read().endswith(script))
         self.assertEqual(len([line for line in script.splitlines() if line]), 15)
+
+    def test_files_of_the_document(self):
+        """Runs the scripts and the command of docs/files.md: the program's answer is the package's, to
+        the last digit."""
+        program = os.path.abspath(os.path.join(os.path.dirname(_library.lib._name), "delassus"))
+        with open("docs/files.md") as document:
+            text = document.read()
+        scipy_block, h5py_block = [part.split("```")[0] for part in text.split("```python\n")[1:]]
+        command = next(line.split()[1:] for line in text.split(scipy_block)[1].splitlines()
+                       if line.startswith("    delassus solve"))
+        before = os.getcwd()
+        with tempfile.TemporaryDirectory() as directory:
+            os.chdir(directory)
+            try:
+                exec(scipy_block, {})
+                printed = subprocess.run([program, *command, "--quiet"], capture_output=True)
+                r = np.genfromtxt("answer/r.csv", delimiter=",", skip_header=1)[3:5]
+                x = np.genfromtxt("answer/x.csv", delimiter=",", skip_header=1)[:, 1]
+                try:
+                    exec(h5py_block, {})
+                except ModuleNotFoundError:
+                    print("skipped: FCLIB of docs/files.md, no h5py")
+                else:
+                    subprocess.run([program, "solve", "problem.hdf5", "--quiet"], check=True,
+                                   capture_output=True)
+            finally:
+                os.chdir(before)
+        self.assertEqual(printed.stdout, b"solved\n")
+        K, HN, HT = POINT
+        s = delassus.reduce(sp.csc_matrix(K), HN, HT).solve(0.2, f=[5.0, -10.0])
+        self.assertEqual((r.tolist(), x.tolist()), (s.r[0].tolist(), s.x.tolist()))
 
     def test_threads(self):
         K, HN, HT = chain(600)

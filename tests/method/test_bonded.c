@@ -167,6 +167,8 @@ START_TEST(triangles) {
     model.Ks = (dls_sparse){2, 2, p, i, K[k % 3]};
     ck_assert_int_eq(dls_model_check(&model, &error), k % 3 == 1 ? DLS_E_ARGUMENT : DLS_OK);
     if (k % 3 == 1) ck_assert(strstr(error.message, "a lower triangle") != NULL);
+    model.triangular = 1;
+    ck_assert_int_eq(dls_model_check(&model, &error), DLS_OK);
   }
 }
 END_TEST

@@ -12,7 +12,7 @@
 
 static rigid s;
 
-static void make_rigid(const char *kind, int candidates, uint64_t number) {
+static void slabs_make(const char *kind, int candidates, uint64_t number) {
   ck_assert_int_eq(rigid_create(&s, kind, candidates, .5, number), 0);
 }
 
@@ -20,7 +20,7 @@ static void make_rigid(const char *kind, int candidates, uint64_t number) {
  * parity. */
 START_TEST(slabs_of_a_parity_share_nothing) {
   static const char *const kind[] = {"packing-flow", "wall-rest", "chain", "tower"};
-  make_rigid(kind[_i / 2], 1500, 3);
+  slabs_make(kind[_i / 2], 1500, 3);
   const dls_contact *p = _i % 2 ? &s.factored : &s.contact;
   const int rows = _i % 2 ? s.bodies : p->nc;
   dlsi_slabs slabs = {.memory = NULL};
@@ -72,7 +72,7 @@ static dls_info solve_with(const dls_contact *p, int threads, dls_acceleration a
 /* Two, three and seven threads give the same bits, plain and with momentum, by blocks and of
  * bodies; one thread solves, too. */
 START_TEST(bits_do_not_depend_on_threads) {
-  make_rigid("packing-flow", 2400, 3);
+  slabs_make("packing-flow", 2400, 3);
   const dls_contact *p = _i % 2 ? &s.factored : &s.contact;
   const dls_method method = _i / 2 == 2 ? DLS_AUTO : DLS_NLGS;
   const dls_acceleration acceleration =
@@ -103,7 +103,7 @@ START_TEST(dense_on_threads) {
     q[k] = uniform() - (k % 3 == 0 ? 1 : 0);
     mu[k / 3] = .3;
     for (int j = 0; j < m; j++)
-      W[(size_t)k + (size_t)m * (size_t)j] = (k == j ? 1 : .2) / (1 + abs(k - j));
+      W[(size_t)k + (size_t)m * (size_t)j] = (k == j ? 1 : .2) / (1 + (k > j ? k - j : j - k));
   }
   const dls_contact p = {.d = 3, .nc = nc, .W = {m, m, m, W}, .q = q, .mu = mu};
   (void)solve_with(&p, 1, DLS_ACCELERATION_NONE, DLS_NLGS, r);
@@ -117,7 +117,7 @@ END_TEST
 /* From 1000 candidates on sweeps on bodies look every 5: what they say holds, and they keep to the
  * limit and to a callback. */
 START_TEST(bodies_stop_in_time) {
-  make_rigid("packing-rest", 2400, 3);
+  slabs_make("packing-rest", 2400, 3);
   const dls_contact *p = &s.factored;
   double *r = malloc((size_t)(s.d * p->nc) * sizeof *r);
   ck_assert_ptr_nonnull(r);
@@ -152,7 +152,7 @@ END_TEST
 
 /* Each malloc of a first solve with threads and momentum may fail. */
 START_TEST(memory_of_threads) {
-  make_rigid("packing-flow", 1200, 3);
+  slabs_make("packing-flow", 1200, 3);
   const dls_contact *p = _i ? &s.factored : &s.contact;
   double *r = calloc((size_t)(s.d * p->nc), sizeof *r);
   dls_solver_settings settings;

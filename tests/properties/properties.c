@@ -232,6 +232,7 @@ int main(int count, char **words) {
       .seed = 1, .step = 1, .count = 2000, .class = -1, .ask = {1e-8}, .out = "build/properties"};
   of.seconds = INFINITY;
   if (!read_command(count, words, &of)) return 2;
+  setvbuf(stdout, NULL, _IOLBF, 0);
   if (mkdir(of.out, 0777) && errno != EEXIST) {
     fprintf(stderr, "properties: %s: %s\n", of.out, strerror(errno));
     return 2;
@@ -246,6 +247,9 @@ int main(int count, char **words) {
     generate(class, seed, &p);
     check_problem(&p, seed, &of.ask, &v);
     tally_add(&all[class], &p, &v);
+    if (v.visible && p.symmetric && !v.solved)
+      printf("not solved: --seed %llu --count 1 --class %s\n", (unsigned long long)seed,
+             class_name[class]);
     runs += v.runs;
     for (int k = 0; k < v.findings; k++) {
       const rule broken = v.finding[k].rule;

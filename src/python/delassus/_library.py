@@ -69,7 +69,8 @@ _USED = {
     "dls_blocks": "d n p i x",
     "dls_bodies": "n count body H work",
     "dls_contact": "d nc W Wb bodies q mu",
-    "dls_model": "d n nodes operator_kind factorization K Ks solve user HN HT P active mu modes",
+    "dls_model": "d n nodes operator_kind factorization K Ks solve user HN HT P active mu modes "
+                 "triangular",
     "dls_reduction_settings": "size memory_limit allow_indefinite stabilize form_W",
     "dls_reduction_info": "condensed W_bytes factor_bytes bytes flops condition indefinite modes",
     "dls_motion_model": "d n nodes factorization M C K HN HT P gap",

@@ -3,6 +3,7 @@
 from ctypes import byref, c_double, c_void_p, cast
 
 import numpy as np
+import scipy.sparse as sp
 
 from ._library import (SOLVE_FN, address, call, columns, constants, dense, lib, read, sparse,
                        structs, vector)
@@ -11,15 +12,21 @@ from .contact import solve_problem
 _FACTORIZATIONS = {"cholesky": "DLS_CHOLESKY", "ldlt": "DLS_LDLT", "lu": "DLS_LU"}
 
 
-def is_symmetric(A):
-    """Tells whether A equals its transpose to the last bit."""
-    difference = A != A.T
-    return difference.nnz == 0 if hasattr(difference, "nnz") else not difference.any()
+def is_symmetric(K):
+    """Tells whether K equals its transpose but for the rounding of an assembly, as the program
+    does (src/cli/arrays.c)."""
+    K = sp.coo_matrix(K)
+    size = np.sqrt(np.abs(K.diagonal()))
+    apart = (K - K.T).tocoo()
+    return bool(np.all(np.abs(apart.data) <= 1e-12 * size[apart.row] * size[apart.col]))
 
 
 def find_factorization(name, K):
     if name is None:
         name = "cholesky" if is_symmetric(K) else "lu"
+        if name == "lu" and sp.tril(K, -1).nnz == 0:
+            raise ValueError("K is an upper triangle; a symmetric K is wanted whole, or "
+                             "factorization='lu' takes it as it stands")
     if name not in _FACTORIZATIONS:
         raise ValueError(f"no factorization {name!r}: cholesky, ldlt or lu")
     return constants[_FACTORIZATIONS[name]]

@@ -1,0 +1,116 @@
+/*
+ * output.c: writes files that are either the old ones or whole new ones. A file grows under a
+ * temporary name in its own directory; only when all of it is on the disk does one rename put it in
+ * the place of the old one. Whatever fails or is killed before that leaves the old file as it is.
+ *
+ * The name may be a link: the file that it leads to is replaced, and the link stays. A device or a
+ * pipe cannot be replaced and is written itself, as is what another process or this one holds open
+ * (/dev/stdout leads to /proc/self/fd/1, which may be a file).
+ */
+#define _XOPEN_SOURCE 700
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/base.h"
+#include "files/output.h"
+
+enum { most_links = 40, most_names = 1000 };
+
+/* Reports `text` with the reason that errno holds; 0: none is known. */
+static dls_status output_fail(int reason, const char *text, dls_error *error) {
+  char words[80];
+  if (!reason || strerror_r(reason, words, sizeof words))
+    return dlsi_fail(error, DLS_E_FILE, "path", -1, 0, "%s", text);
+  return dlsi_fail(error, DLS_E_FILE, "path", -1, reason, "%s: %s", text, words);
+}
+
+static int is_held_open(const char *path) {
+  return strncmp(path, "/proc/", 6) == 0 || strncmp(path, "/dev/fd/", 8) == 0;
+}
+
+/* Replaces `path` by the file that its links lead to, which need not be there. Returns 0 and sets
+ * errno if there is no end to them. */
+static int output_follow(char path[dlsi_longest_path]) {
+  char link[dlsi_longest_path];
+  for (int k = 0; k < most_links && !is_held_open(path); k++) {
+    const ssize_t length = readlink(path, link, sizeof link);
+    if (length < 0) return 1; /* no link: opening tells what else may be wrong */
+    const char *slash = strrchr(path, '/');
+    const size_t head = link[0] == '/' || !slash ? 0 : (size_t)(slash + 1 - path);
+    if (head + (size_t)length >= dlsi_longest_path) return errno = ENAMETOOLONG, 0;
+    memcpy(path + head, link, (size_t)length);
+    path[head + (size_t)length] = '\0';
+  }
+  return is_held_open(path) || (errno = ELOOP, 0);
+}
+
+/* Opens a new file beside out->path; returns its descriptor, -1 with errno on failure. */
+static int output_open_beside(dlsi_output *out, mode_t mode) {
+  const char *slash = strrchr(out->path, '/');
+  const int head = slash ? (int)(slash + 1 - out->path) : 0;
+  for (int k = 0; k < most_names; k++) {
+    const int length = snprintf(out->temporary, sizeof out->temporary, "%.*s.delassus-%ld-%d", head,
+                                out->path, (long)getpid(), k);
+    if (length < 0 || (size_t)length >= sizeof out->temporary) return errno = ENAMETOOLONG, -1;
+    const int fd = open(out->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    if (fd >= 0 || errno != EEXIST) return fd;
+  }
+  return -1;
+}
+
+dls_status dlsi_output_open(dlsi_output *out, const char *path, dls_error *error) {
+  static const char *const text = "cannot be opened for writing";
+  *out = (dlsi_output){.file = NULL};
+  if (strlen(path) >= sizeof out->path) return output_fail(ENAMETOOLONG, text, error);
+  strcpy(out->path, path);
+  struct stat old;
+  const int there = stat(path, &old) == 0;
+  if (there && S_ISREG(old.st_mode) && access(path, W_OK)) return output_fail(errno, text, error);
+  if (!(there && !S_ISREG(old.st_mode)) && !output_follow(out->path))
+    return output_fail(errno, text, error);
+  if ((there && !S_ISREG(old.st_mode)) || is_held_open(out->path)) {
+    out->file = fopen(path, "w");
+    return out->file ? DLS_OK : output_fail(errno, text, error);
+  }
+  const mode_t mode = there ? old.st_mode & 0777 : 0666;
+  const int fd = output_open_beside(out, mode);
+  if (fd < 0) return output_fail(errno, text, error);
+  /* the umask has taken bits that the old file had; a file system without modes does no harm */
+  if (there && fchmod(fd, mode)) errno = 0;
+  out->file = fdopen(fd, "w");
+  if (out->file) return DLS_OK;
+  const int reason = errno;
+  (void)close(fd);
+  (void)unlink(out->temporary);
+  return output_fail(reason, text, error);
+}
+
+void dlsi_output_drop(dlsi_output *out) {
+  if (!out->file) return;
+  (void)fclose(out->file);
+  if (out->temporary[0]) (void)unlink(out->temporary);
+  out->file = NULL;
+}
+
+dls_status dlsi_output_finish(dlsi_output *out, dls_error *error) {
+  static const char *const text = "cannot be written to the end";
+  const int whole = out->temporary[0] != '\0'; /* a file of its own */
+  int reason = 0, failed = ferror(out->file);
+  if (!failed) {
+    failed = fflush(out->file) != 0 || (whole && fsync(fileno(out->file)) != 0);
+    reason = failed ? errno : 0;
+  }
+  if (failed) {
+    dlsi_output_drop(out);
+    return output_fail(reason, text, error);
+  }
+  failed = fclose(out->file) != 0 || (whole && rename(out->temporary, out->path) != 0);
+  reason = errno;
+  out->file = NULL;
+  if (!failed) return DLS_OK;
+  if (whole) (void)unlink(out->temporary);
+  return output_fail(reason, text, error);
+}

@@ -1,0 +1,240 @@
+#!/usr/bin/env python3
+"""mutants.py BUILD [--count N] [--seed S] [--file PATH]: shows which code no test watches.
+
+Changes one operator, index, sign or factor at a random place of the library, rebuilds its object and
+the tests, and runs these, those of the file's own room first, until one fails. A mutant that passes
+them all has survived: its line wants a test, or an entry in harmless.txt that says why the change
+does no harm. All happens in a copy of the tree, so that a run that is cut off leaves nothing behind.
+
+Not counted: what does not compile, and what compiles to the same code. Exit status 1 if more than
+one mutant in twenty has survived.
+"""
+import argparse
+import os
+import pathlib
+import random
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOMS = ["lcp", "vi", "reduction", "src/base", "src/linear", "src/files", "src/front", "src/motion"]
+# The tests of a room, the quickest and sharpest first; all others but SLOW follow.
+NEAR = {
+    "lcp": ["lcp"],
+    "vi": ["method", "tuning", "contract"],
+    "reduction": ["reduction", "motion"],
+    "src/base": ["base", "linear", "lcp", "contract"],
+    "src/linear": ["linear", "reduction", "method"],
+    "src/files": ["files"],
+    "src/front": ["front", "tuning", "contract", "catalogue"],
+    "src/motion": ["motion"],
+}
+# Minutes of forming and of pictures, which see the library through the same calls as the rest.
+SLOW = {"fe/test_forming", "fe/test_forming_body", "cli/test_charts", "cli/test_forming_cli"}
+SWAP = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "&&": "||", "||": "&&",
+        "+": "-", "-": "+", "*": "/", "/": "*", "+=": "-=", "-=": "+=", "*=": "/=", "/=": "*="}
+
+
+def code_of(text):
+    """Returns text with blanks for comments, strings and preprocessor lines, of the same length."""
+    pattern = r'/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|^[ \t]*#(?:\\\n|[^\n])*'
+    blank = lambda m: re.sub(r"[^\n]", " ", m.group())
+    return re.sub(pattern, blank, text, flags=re.S | re.M)
+
+
+def is_declared(before):
+    """Returns 1 if the [ that follows `before` on its line gives an array its size."""
+    types = r"(?:double|float|char|int|long|size_t|int64_t|uint64_t|[a-z]+_[a-z_]+)"
+    return bool(re.search(r"\b%s (?:const )?\**\w+(?:\[[^\]]*\])*$" % types, before)
+                or re.match(r"\s*(?:static |const |enum )*%s [^=(]*$" % types, before))
+
+
+def places_of(path, text):
+    """Returns all (path, begin, end, replacement, kind) of a file."""
+    code, places = code_of(text), []
+
+    def add(begin, end, new, kind):
+        places.append((path, begin, end, new, kind))
+
+    for m in re.finditer(r"(?<= )(<=|>=|==|!=|&&|\|\||[-+*/]=|[-+*/<>])(?=[ \n])", code):
+        add(m.start(), m.end(), SWAP[m.group()], "operator")
+    for m in re.finditer(r"(?<=\w)\[([^\[\]]+)\]", code):
+        before = code[code.rfind("\n", 0, m.start()) + 1:m.start()]
+        if not is_declared(before):
+            add(m.start(1), m.end(1), "(%s) + 1" % text[m.start(1):m.end(1)], "index")
+    for m in re.finditer(r"(?<=[(=,?:] )-(?=[\w(])|(?<=[(\[])-(?=[\w(])|(?<=return )-(?=[\w(])", code):
+        add(m.start(), m.end(), "", "sign")
+    for m in re.finditer(r"\bfabs(?=\()", code):
+        add(m.start(), m.end(), "", "sign")
+    number = r"(?<![\w.])(?:0x[0-9a-f.]+p[-+]?\d+|\d+\.?\d*(?:e[-+]?\d+)?|\.\d+(?:e[-+]?\d+)?)(?![\w.])"
+    for m in re.finditer(number, code):
+        before = code[code.rfind("\n", 0, m.start()) + 1:m.start()]
+        if before.endswith("[") and is_declared(before[:-1]):
+            continue
+        whole = re.fullmatch(r"\d+", m.group())
+        add(m.start(), m.end(), str(int(m.group()) + 1) if whole else "2 * " + m.group(), "factor")
+    return places
+
+
+def line_at(text, at):
+    """Returns the number of the line at an offset, and its words, single-spaced."""
+    begin, end = text.rfind("\n", 0, at) + 1, text.find("\n", at)
+    return text.count("\n", 0, at) + 1, " ".join(text[begin:end].split())
+
+
+def read_harmless(path):
+    """Returns {(file, mutated line): reason} of harmless.txt: file | line | reason."""
+    known = {}
+    for line in path.read_text().splitlines():
+        if line.strip() and not line.startswith("#"):
+            file, rest = line.split(" | ", 1)
+            mutated, reason = rest.rsplit(" | ", 1)
+            known[file.strip(), " ".join(mutated.split())] = reason.strip()
+    return known
+
+
+class Tree:
+    """A copy of the tree, in which one file at a time differs."""
+
+    def __init__(self, build):
+        self.root = pathlib.Path(tempfile.mkdtemp(prefix="delassus-mutants-"))
+        self.build = "build"
+        for name in subprocess.check_output(["git", "ls-files"], text=True).splitlines():
+            if os.path.exists(name):
+                (self.root / name).parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy2(name, self.root / name)
+        if os.path.isdir(build):  # spares the first build; make makes up what is missing
+            keep = lambda d, names: [n for n in names if d == build and n in ("asan", "tsan", "coverage")]
+            shutil.copytree(build, self.root / "build", symlinks=True, ignore=keep)
+        self.cost = {}  # CPU seconds of each test
+        self.env = dict(os.environ, OPENBLAS_NUM_THREADS="1", CK_FORK="no",
+                        DELASSUS_PROGRAM="build/delassus", MAKEFLAGS="")
+
+    def make(self, *goals):
+        done = subprocess.run(["make", "-s", "-k", *goals], cwd=self.root, env=self.env,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        return done.returncode == 0, done.stdout
+
+    def code(self, object_file):
+        """Returns the object without the tables for a debugger, which know lines and columns."""
+        stripped = self.root / "stripped.o"
+        subprocess.run(["strip", "-g", "-o", stripped, self.root / object_file], check=True)
+        return stripped.read_bytes()
+
+    def run(self, test):
+        """Runs a test with limits of time and memory. Returns 1 if it passes."""
+        limit = int(10 + 10 * self.cost.get(test, 60))
+
+        def confine():
+            resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 1))
+            resource.setrlimit(resource.RLIMIT_AS, (1 << 33, 1 << 33))
+            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+        null = subprocess.DEVNULL
+        process = subprocess.Popen(["build/tests/" + test], cwd=self.root, env=self.env, stdin=null,
+                                   stdout=null, stderr=null, start_new_session=True,
+                                   preexec_fn=confine)
+        try:
+            return process.wait(timeout=60 + 20 * limit) == 0
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+            return False
+
+
+def tests_of(file, tests):
+    """Returns the tests in the order in which they are tried on a file."""
+    near = NEAR[next(room for room in ROOMS if file.startswith(room + "/"))]
+    rank = lambda test: near.index(test.split("/")[0]) if test.split("/")[0] in near else len(near)
+    return sorted(tests, key=rank)
+
+
+def try_mutant(tree, place, tests):
+    """Returns what became of the mutant: a test that kills it, "" for none, None for no mutant."""
+    path, begin, end, new, _ = place
+    source = tree.root / path
+    text = source.read_text()
+    object_file = "build/obj/" + path[:-2] + ".o"
+    before = tree.code(object_file)
+    try:
+        source.write_text(text[:begin] + new + text[end:])
+        built, _ = tree.make(object_file)
+        if not built or tree.code(object_file) == before:
+            return None
+        ordered = tests_of(path, tests)
+        first = [t for t in ordered if t.split("/")[0] == ordered[0].split("/")[0]]
+        for group in (first, [t for t in ordered if t not in first]):
+            tree.make("build/delassus", *("build/tests/" + t for t in group))
+            for test in group:
+                if not tree.run(test):
+                    return test
+        return ""
+    finally:
+        source.write_text(text)
+        os.utime(source)
+        tree.make(object_file)
+
+
+def main():
+    ask = argparse.ArgumentParser()
+    ask.add_argument("build")
+    ask.add_argument("--count", type=int, default=100)
+    ask.add_argument("--seed", type=int, default=int(time.time()))
+    ask.add_argument("--file", default="", help="mutants of files whose path begins so, alone")
+    own = ask.parse_args()
+    harmless = read_harmless(pathlib.Path("tests/torment/harmless.txt"))
+    print("seed %d" % own.seed, flush=True)
+    tree = Tree(own.build)
+    try:
+        tests = sorted(str(p)[6:-2] for p in pathlib.Path("tests").glob("*/test_*.c"))
+        tests = [t for t in tests if t not in SLOW and not t.startswith("mpi/")]
+        built, said = tree.make("all", *("build/tests/" + t for t in tests))
+        if not built:
+            sys.exit("the tree does not build:\n" + said)
+        for test in tests:
+            begun = resource.getrusage(resource.RUSAGE_CHILDREN)
+            if not tree.run(test):
+                sys.exit("%s fails without any mutant" % test)
+            ended = resource.getrusage(resource.RUSAGE_CHILDREN)
+            tree.cost[test] = ended.ru_utime - begun.ru_utime + ended.ru_stime - begun.ru_stime
+        tests.sort(key=lambda t: tree.cost[t])
+        places = []
+        for room in ROOMS:
+            for path in sorted(pathlib.Path(room).glob("*.c")):
+                if str(path).startswith(own.file) and os.path.exists(tree.root / "build/obj" / path.with_suffix(".o")):
+                    places += places_of(str(path), path.read_text())
+        random.Random(own.seed).shuffle(places)
+        count = {"killed": 0, "harmless": 0, "SURVIVED": 0}
+        for place in places:
+            if sum(count.values()) >= own.count:
+                break
+            path, begin, end, new, kind = place
+            text = (tree.root / path).read_text()
+            number, old = line_at(text, begin)
+            _, mutated = line_at(text[:begin] + new + text[end:], begin)
+            reason = harmless.get((path, mutated))
+            if reason:
+                what, by = "harmless", reason
+            else:
+                by = try_mutant(tree, place, tests)
+                if by is None:
+                    continue
+                what = "killed" if by else "SURVIVED"
+            count[what] += 1
+            print("%-8s %s:%d %s: %s%s" % (what, path, number, kind, mutated,
+                  "  <-  " + old if what == "SURVIVED" else "  [%s]" % by), flush=True)
+        total = sum(count.values())
+        print("seed %d: of %d mutants %d killed, %d harmless, %d survived"
+              % (own.seed, total, count["killed"], count["harmless"], count["SURVIVED"]))
+        return count["SURVIVED"] * 20 > total
+    finally:
+        shutil.rmtree(tree.root, ignore_errors=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,109 @@
+/*
+ * unique.c: whether a contact problem has one answer at most, d = 1, 2, 3; any W.
+ *
+ * Let delta be the difference of two answers and v = W delta. The normal law says delta_n v_n <= 0;
+ * the discs that hold r_t have radii mu r_n, which differ by mu |delta_n|, and -u_t is normal to
+ * them, so that for each candidate
+ *
+ *   (UN1)  delta_c.v_c <= mu_c |delta_n| |v_t|
+ *
+ *   (UN2)  Without friction delta_n.W_nn delta_n <= 0: there is one answer if the symmetric part of
+ *          W_nn is positive definite.
+ *   (UN3)  With |v_t| <= sum_j |W_tc,j| |delta_j| in (UN1): there is one answer if, in rows and
+ *          columns scaled by 1/sqrt(w_c), the symmetric part of N is dominant by its diagonal,
+ *            N_cc = least eigenvalue of W_cc - mu_c |W_tc,c|,   N_cj = -(|W_cj| + mu_c |W_tc,j|).
+ *
+ * |.| of a block is Frobenius' norm. Source: (UN2) Cottle, Pang, Stone, The Linear Complementarity
+ * Problem, 1992, 3.3; (UN1) and (UN3) from the law as said.
+ * Cost: (UN3) a product with W at most; (UN2) n^3/3 for n candidates.
+ * What can fail: (UN3) proves nothing where many candidates touch one body, as a rule.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "vi_internal.h"
+
+/* Share of the diagonal that rounding may take. */
+static const double rounding = 1e-10;
+
+/* Returns the least eigenvalue of [a g; g b]. */
+static double least_of_two(double a, double b, double g) {
+  return (a + b) / 2 - hypot((a - b) / 2, g);
+}
+
+/* Returns a bound from below of the least eigenvalue of the symmetric part of W, d x d. */
+static double least_eigenvalue(int d, const double *W) {
+  if (d == 1) return W[0];
+  if (d == 2) return least_of_two(W[0], W[3], (W[1] + W[2]) / 2);
+  const double along = least_of_two(W[4], W[8], (W[5] + W[7]) / 2);
+  return least_of_two(W[0], along, hypot(W[1] + W[3], W[2] + W[6]) / 2);
+}
+
+/* Sets *all and *tangents to the norm of a block, and of its rows of tangents. */
+static void measure_block(int d, const double *block, size_t ld, double *all, double *tangents) {
+  double n = 0, t = 0;
+  for (int j = 0; j < d; j++) {
+    const double *x = block + (size_t)j * ld;
+    n += x[0] * x[0];
+    for (int i = 1; i < d; i++)
+      t += x[i] * x[i];
+  }
+  *all = sqrt(n + t);
+  *tangents = sqrt(t);
+}
+
+/* (UN3). row: scratch, nc. Ends with the first row that is not dominant. */
+static int is_dominant(const dls_contact *problem, const double *w, double *row) {
+  const int d = problem->d;
+  double all, tangents, own[9];
+  for (int c = 0; c < problem->nc; c++) {
+    dlsi_contact_diagonal(problem, c, own);
+    measure_block(d, own, (size_t)d, &all, &tangents);
+    row[c] = (least_eigenvalue(d, own) - problem->mu[c] * tangents) / w[c];
+    if (!(row[c] > rounding)) return 0;
+  }
+  for (int c = 0; c < problem->nc; c++) {
+    const dlsi_block_column W = dlsi_contact_column(problem, (size_t)c);
+    for (size_t k = W.begin; k < W.end; k++) {
+      const size_t i = dlsi_row(&W, k);
+      if (i == (size_t)c) continue;
+      measure_block(d, W.x + k * W.step, W.ld, &all, &tangents);
+      if (!(all > 0)) continue;
+      const double half = (all + problem->mu[i] * tangents) / sqrt(w[i] * w[c]) / 2;
+      row[i] -= half;
+      row[c] -= half;
+      if (!(row[i] > rounding && row[c] > rounding)) return 0;
+    }
+  }
+  return 1;
+}
+
+/* (UN2). J: scratch, nc x nc. */
+static int is_definite(const dls_contact *problem, const double *w, double *J) {
+  const size_t n = (size_t)problem->nc;
+  memset(J, 0, n * n * sizeof *J);
+  for (size_t c = 0; c < n; c++) {
+    const dlsi_block_column W = dlsi_contact_column(problem, c);
+    for (size_t k = W.begin; k < W.end; k++) {
+      const size_t i = dlsi_row(&W, k);
+      const double half = W.x[k * W.step] / sqrt(w[i] * w[c]) / 2;
+      J[i + c * n] += half;
+      J[c + i * n] += half;
+    }
+  }
+  for (size_t k = 0; k < n; k++) {
+    const double pivot = J[k * (n + 1)];
+    if (!(pivot > rounding)) return 0;
+    for (size_t j = k + 1; j < n; j++) {
+      const double l = J[j + k * n] / pivot;
+      for (size_t i = j; i < n; i++)
+        J[i + j * n] -= l * J[i + k * n];
+    }
+  }
+  return 1;
+}
+
+int dlsi_is_unique(const dls_contact *problem, const double *w, double *row, double *J) {
+  if (dlsi_is_factored(problem)) return 0;
+  return is_dominant(problem, w, row) || (J && is_definite(problem, w, J));
+}
