@@ -1,6 +1,6 @@
 /*
  * host_rigid.c: rigid bodies as they are. Three discs stand upon each other on the floor, the top
- * one is pushed to the right; one step of time. W = H^T M^-1 H is never formed.
+ * one is pushed to the right; one step of time. The host does not form W = H^T M^-1 H.
  *
  * Output:
  *   solved: impulses 0.5886 0.3924 0.1962, friction -0.0020 0.0061 -0.0343, top at 0.0828 m/s
