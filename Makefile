@@ -427,8 +427,8 @@ install: $(A) $(SO) $(FE) $(PROGRAM) $(F90)
 # what install has written, of this version
 .PHONY: uninstall
 uninstall:
-	rm -f $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus.h $(INCLUDEDIR)/delassus.hpp $(INCLUDEDIR)/delassus.f90 $(addprefix $(LIBDIR)/,libdelassus.a libdelassus-fe.a \
-	  libdelassus.so libdelassus.so.$(SOVERSION) libdelassus.so.$(VERSION) pkgconfig/delassus.pc) $(PREFIX)/bin/delassus \
+	rm -f $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus.h $(INCLUDEDIR)/delassus.hpp $(INCLUDEDIR)/delassus.f90 $(addprefix $(LIBDIR)/,libdelassus.a libdelassus-fe.a libdelassus-mpi.a \
+	  libdelassus.so libdelassus.so.$(SOVERSION) libdelassus.so.$(VERSION) pkgconfig/delassus.pc) $(PREFIX)/bin/delassus $(PREFIX)/bin/delassus-mpi \
 	  $(DATADIR)/man/man1/delassus.1 $(DATADIR)/man/man3/delassus.3 $(DATADIR)/bash-completion/completions/delassus)
 	rm -rf $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus $(LIBDIR)/cmake/delassus $(DOCDIR) $(if $(PYTHON),$(PYTHONDIR)/delassus))
 

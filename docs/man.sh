@@ -22,6 +22,10 @@ if [ "$section" = 1 ]; then
     "$program" $command --help | literal
     echo .fi
   done
+  echo '.SH FCLIB FILES'
+  echo .nf
+  sed -n '/^## FCLIB/,/^## /{/^## /d;/^```/d;p;}' docs/files.md | literal
+  echo .fi
   printf '%s\n' '.SH ENVIRONMENT' '.TP' '.B NO_COLOR' 'If it is set and not empty, the last line is not coloured on a terminal.' \
     '.SH EXIT STATUS' '0 solved, 1 not solved, 2 bad input; the last line on stdout says it in words.'
   printf '%s\n' '.SH SEE ALSO' '.BR delassus (3),' 'files.md in the documentation: what each file must hold.'

@@ -72,6 +72,7 @@ for page in man1/delassus.1 man3/delassus.3; do
   fi
 done
 grep -q -e '\\-\\-stiffness' "$tree/usr/share/man/man1/delassus.1" || fail 'delassus.1 has no --stiffness'
+grep -q 'fclib_local' "$tree/usr/share/man/man1/delassus.1" || fail 'delassus.1 has no layout of FCLIB'
 if command -v bash > /dev/null; then
   PATH="$tree/usr/bin:$PATH" bash -c '. "$1"; COMP_WORDS=(delassus solve --stiff); COMP_CWORD=2; _delassus
     [ "${COMPREPLY[*]}" = --stiffness ]' - "$tree/usr/share/bash-completion/completions/delassus" || fail completion

@@ -53,9 +53,9 @@ typedef struct dls_contact {
   int nc;            /* number of candidates, >= 0; W, q, mu are not read where it is 0 */
   dls_dense W;       /* m x m; W.a = NULL where it is not used */
   dls_blocks Wb;     /* nc x nc blocks of d x d; Wb.x = NULL where it is not used */
-  dls_bodies bodies; /* bodies.H = NULL where it is not used */
   const double *q;   /* m */
   const double *mu;  /* nc; all 0 where d = 1 */
+  dls_bodies bodies; /* bodies.H = NULL where it is not used */
 } dls_contact;
 
 /* Checks sizes, pointers, finite values, mu >= 0, block structure; O(size of W). Every function

@@ -4,7 +4,7 @@
  * CalculiX's by the name.
  */
 #define _GNU_SOURCE
-#include <ctype.h>
+#include <errno.h>
 #include <limits.h>
 #include <math.h>
 #include <stdint.h>
@@ -35,7 +35,7 @@ static array_kind find_kind(const char *path) {
   if (array_is_calculix(path)) return ARRAY_CALCULIX;
   FILE *file = fopen(path, "rb");
   if (!file) {
-    (void)complain("%s: cannot be opened", path);
+    (void)complain("%s: cannot be opened: %s", path, strerror(errno));
     return ARRAY_NONE;
   }
   const size_t got = fread(first, 1, sizeof first - 1, file);

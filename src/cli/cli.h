@@ -180,7 +180,8 @@ const char *iteration_word(dls_method method, int count);
  * unknown's. */
 int print_results(const problem *p, const double *r, const double *u, const double *x);
 
-/* Writes the answer into DIRECTORY/r.csv and, with x, x.csv; 0 after a complaint. */
+/* Writes the answer into DIRECTORY/r.csv and, with x, x.csv; 0 after a complaint. The directory is
+ * there: make_directory. */
 int write_results(const char *directory, const problem *p, const double *r, const double *u,
                   const double *x);
 

@@ -104,7 +104,7 @@ static int check_matrices(const matrix_options *o) {
 
 /* ---- vectors --------------------------------------------------------------------------------- */
 
-/* Returns 1 if the text is a number and no file. */
+/* Returns 1 if the text is a number, which is then no file's name. */
 static int is_number(const char *text, double *value) {
   char *end;
   *value = strtod(text, &end);

@@ -85,7 +85,6 @@ int print_results(const problem *p, const double *r, const double *u, const doub
 
 int write_results(const char *directory, const problem *p, const double *r, const double *u,
                   const double *x) {
-  if (!make_directory(directory)) return 0;
   dls_contact_state *state = find_states(&p->contact, r, u);
   sheet s = {state ? open_in(directory, "r.csv") : NULL, 1};
   int good = s.file != NULL;

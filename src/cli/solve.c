@@ -26,6 +26,11 @@ static void solve_usage(FILE *out) {
       "Solves a contact problem (FCLIB, HDF5; local, or global after its reduction; or text as in\n"
       "data/failures) or of the matrices of a host code, or an LCP (Matrix Market, or text) by\n"
       "Lemke's method. The last line on stdout is 'solved' or 'not solved: WHY'.\n"
+      "An FCLIB file holds fclib_local/ with W, vectors/q, vectors/mu and spacedim, or\n"
+      "fclib_global/ with M, H, vectors/f, vectors/w, vectors/mu and spacedim; a matrix is a group "
+      "of\n"
+      "m n nz nzmax p i x, with nz = -1 compressed columns. delassus(1), docs/files.md: the "
+      "details.\n"
       "\n",
       out);
   matrices_usage(out);
@@ -406,7 +411,9 @@ int command_solve(int argc, char **argv) {
     return complain("--%s: an LCP is solved by lemke", o.solver.method_given ? "method" : "accel");
   if (o.history && o.plot) return complain("--plot: writes the history, too; one of the two");
   history rows = {.stage = ""};
-  if (o.plot && !make_directory(o.plot)) return EXIT_BAD_INPUT;
+  /* before the work: an answer that cannot be written is lost */
+  if ((o.plot && !make_directory(o.plot)) || (o.csv && !make_directory(o.csv)))
+    return EXIT_BAD_INPUT;
   if (o.plot && !(rows.file = open_in(o.plot, "history.csv"))) return EXIT_BAD_INPUT;
   if (o.history && !(rows.file = open_path(o.history))) return EXIT_BAD_INPUT;
   if (rows.file) {

@@ -54,8 +54,8 @@ $(if $(shell command -v $(MPICC)),,$(error MPI=1 needs $(MPICC) and more: run .c
 install: install-mpi
 .PHONY: install-mpi
 install-mpi: $(MPI_A) $(MPI_PROGRAM)
-	install -d $(DESTDIR)$(PREFIX)/include/delassus $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/bin
-	install -m 644 $(MPI_A) $(DESTDIR)$(PREFIX)/lib/
+	install -d $(DESTDIR)$(PREFIX)/include/delassus $(DESTDIR)$(LIBDIR) $(DESTDIR)$(PREFIX)/bin
+	install -m 644 $(MPI_A) $(DESTDIR)$(LIBDIR)/
 	install -m 755 $(MPI_PROGRAM) $(DESTDIR)$(PREFIX)/bin/
 
 .PHONY: bench-mpi

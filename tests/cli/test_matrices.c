@@ -297,6 +297,8 @@ START_TEST(bad_matrices_are_2) {
       {"--stiffness @/zip.npz --HN @/N.txt", "numpy.save"},
       {"--flexibility @/K.txt --HN @/N.txt --stabilize", "is for --stiffness"},
       {"--stiffness @/K.txt --HN @/N.txt --json --print", "--print"},
+      {"--stiffness @/K.txt --HN @/N.txt -v --csv /dev/null/x", "/dev/null/x"},
+      {"--stiffness @/none --HN @/N.txt", "No such file"},
   };
   put("K.txt", "3 1\n1 2\n");
   put("lower.txt", "3 0\n1 2\n");

@@ -195,6 +195,8 @@ class Reduce(unittest.TestCase):
         with self.assertRaises(ValueError):
             delassus.reduce(K, HN, np.ones((2, 3)))
         R = delassus.reduce(K, HN, HT)
+        with self.assertRaisesRegex(ValueError, "f has 1 entry, needs 2"):
+            R.load(f=[1])
         for call in (lambda: R.load(f=[1]), lambda: R.load(g=[1]), lambda: R.recover([1])):
             with self.assertRaises(ValueError):
                 call()

@@ -296,7 +296,7 @@ START_TEST(states_by_hand) {
           for (int j = 0; j < 6; j++)
             q[i] -= W[i + 6 * j] * r[j];
         }
-        const dls_contact problem = {2, 3, {6, 6, 6, W}, {0}, q, mu};
+        const dls_contact problem = {.d = 2, .nc = 3, .W = {6, 6, 6, W}, .q = q, .mu = mu};
         dls_error error;
         ck_assert_int_eq(dls_contact_lcp_size(&problem), 7);
         ck_assert_int_eq(dls_contact_to_lcp(&problem, NULL, M, 8, qz, &error), DLS_OK);
@@ -330,8 +330,8 @@ START_TEST(scaled_and_by_blocks) {
     for (int k = p[b]; k < p[b + 1]; k++)
       for (int e = 0; e < 4; e++)
         x[4 * k + e] = W[2 * row[k] + e % 2 + 6 * (2 * b + e / 2)] * (k == 2 ? 3 : k == 3 ? -2 : 1);
-  const dls_contact dense = {2, 3, {6, 6, 6, W}, {0}, q, mu};
-  const dls_contact blocks = {2, 3, {0}, {2, 3, p, row, x}, q, mu};
+  const dls_contact dense = {.d = 2, .nc = 3, .W = {6, 6, 6, W}, .q = q, .mu = mu};
+  const dls_contact blocks = {.d = 2, .nc = 3, .Wb = {2, 3, p, row, x}, .q = q, .mu = mu};
   ck_assert_int_eq(dls_contact_to_lcp(&dense, NULL, M, 7, q1, NULL), DLS_OK);
   ck_assert_int_eq(dls_contact_to_lcp(&dense, s, M1, 7, q1, NULL), DLS_OK);
   ck_assert_int_eq(dls_contact_to_lcp(&blocks, s, M2, 7, q2, NULL), DLS_OK);
@@ -367,7 +367,7 @@ START_TEST(bad_contact) {
     qz[k] = M[7 * k] = 3;
   for (int k = 0; k < 6; k++)
     r[k] = 3;
-  dls_contact problem = {2, 3, {6, 6, 6, W}, {0}, q, mu};
+  dls_contact problem = {.d = 2, .nc = 3, .W = {6, 6, 6, W}, .q = q, .mu = mu};
   ck_assert_int_eq(dls_contact_lcp_size(NULL), 0);
   ck_assert_int_lt(dls_contact_to_lcp(NULL, NULL, M, 7, qz, &e), 0);
   check_error(&e, DLS_E_ARGUMENT, "problem", -1);

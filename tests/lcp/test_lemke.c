@@ -249,7 +249,8 @@ START_TEST(catalogue_of_contact) {
   for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
     const int nc = cases[k].nc, n = 3 * nc;
     const double mu[2] = {cases[k].mu, cases[k].mu};
-    const dls_contact problem = {2, nc, {2 * nc, 2 * nc, 2 * nc, cases[k].W}, {0}, cases[k].q, mu};
+    const dls_contact problem = {
+        .d = 2, .nc = nc, .W = {2 * nc, 2 * nc, 2 * nc, cases[k].W}, .q = cases[k].q, .mu = mu};
     double M[36], q[6], z[6], r[4];
     dls_lemke_info info;
     ck_assert_int_eq(dls_contact_to_lcp(&problem, NULL, M, n, q, NULL), DLS_OK);
@@ -267,7 +268,7 @@ END_TEST
 START_TEST(ray_of_large_friction) {
   /* mu > W_nn / W_nt: with d = 1 the 3 nc form ends in a ray, though r = (1, -2) is a solution */
   const double W[4] = {5, 2, 2, 1}, q[2] = {-1, 0}, mu[1] = {3}, ones[3] = {1, 1, 1};
-  const dls_contact problem = {2, 1, {2, 2, 2, W}, {0}, q, mu};
+  const dls_contact problem = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
   double M[9], ql[3], z[3];
   dls_lemke_settings settings = path_alone();
   dls_lemke_info info;
@@ -570,7 +571,8 @@ START_TEST(very_large_friction) {
           W[i + 2 * nc * j] += A[i + 2 * nc * k] * A[j + 2 * nc * k];
       }
     }
-    const dls_contact problem = {2, nc, {2 * nc, 2 * nc, 2 * nc, W}, {0}, q, mu};
+    const dls_contact problem = {
+        .d = 2, .nc = nc, .W = {2 * nc, 2 * nc, 2 * nc, W}, .q = q, .mu = mu};
     dls_lemke_info info;
     ck_assert_int_eq(dls_contact_to_lcp(&problem, NULL, big_M, n, big_q, NULL), DLS_OK);
     ck_assert_int_eq(solved(n, big_M, big_q, NULL, big_z, &info), DLS_OK);
@@ -596,7 +598,7 @@ START_TEST(units) {
         q2[k] = q[k] * length;
       for (int c = 0; c < nc; c++)
         s[c] = 1 / sqrt(0.5 * (W2[2 * c + m * (2 * c)] + W2[2 * c + 1 + m * (2 * c + 1)]));
-      const dls_contact problem = {2, nc, {m, m, m, W2}, {0}, q2, mu};
+      const dls_contact problem = {.d = 2, .nc = nc, .W = {m, m, m, W2}, .q = q2, .mu = mu};
       dls_lemke_info info;
       ck_assert_int_eq(dls_contact_to_lcp(&problem, s, big_M, n, big_q, NULL), DLS_OK);
       ck_assert_int_eq(solved(n, big_M, big_q, NULL, big_z, &info), DLS_OK);
@@ -1014,7 +1016,7 @@ START_TEST(crash_with_friction) {
   int without_path = 0;
   for (int trial = 0; trial < 10; trial++) {
     contact_problem(nc, W, q, mu);
-    const dls_contact problem = {2, nc, {m, m, m, W}, {0}, q, mu};
+    const dls_contact problem = {.d = 2, .nc = nc, .W = {m, m, m, W}, .q = q, .mu = mu};
     dls_lemke_info info, path;
     ck_assert_int_eq(dls_contact_to_lcp(&problem, NULL, big_M, n, big_q, NULL), DLS_OK);
     ck_assert_int_eq(solved(n, big_M, big_q, NULL, big_z2, &path), DLS_OK);
@@ -1043,7 +1045,7 @@ START_TEST(crash_in_any_unit) {
         mu[c] = 0.6;
         s[c] = 1 / sqrt(W2[3 * c + m * (3 * c)]);
       }
-      const dls_contact problem = {3, nc, {m, m, m, W2}, {0}, q2, mu};
+      const dls_contact problem = {.d = 3, .nc = nc, .W = {m, m, m, W2}, .q = q2, .mu = mu};
       ck_assert_int_eq(dls_contact_to_facets_lcp(&problem, facets, s, big_M, n, big_q, NULL),
                        DLS_OK);
       ck_assert_int_eq(solved(n, big_M, big_q, &settings, big_z, &info), DLS_OK);

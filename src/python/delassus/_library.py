@@ -68,7 +68,7 @@ _USED = {
     "dls_sparse": "rows cols p i x",
     "dls_blocks": "d n p i x",
     "dls_bodies": "n count body H work",
-    "dls_contact": "d nc W Wb bodies q mu",
+    "dls_contact": "d nc W Wb q mu bodies",
     "dls_model": "d n nodes operator_kind factorization K Ks solve user HN HT P active mu modes "
                  "triangular",
     "dls_reduction_settings": "size memory_limit allow_indefinite stabilize form_W",
@@ -218,6 +218,11 @@ def call(name, *arguments):
 # ---- arrays --------------------------------------------------------------------------------------
 
 
+def entries(a):
+    """Returns the number of entries in words."""
+    return f"{a.size} entry" if a.size == 1 else f"{a.size} entries"
+
+
 def vector(name, x, size):
     """Returns x as a contiguous array of `size` doubles; a number stands for `size` of it."""
     a = np.asarray(x, dtype=np.float64)
@@ -225,7 +230,7 @@ def vector(name, x, size):
         return np.full(size, float(a))
     a = np.ascontiguousarray(a).reshape(-1)
     if a.size != size:
-        raise ValueError(f"{name} has {a.size} entries, needs {size}")
+        raise ValueError(f"{name} has {entries(a)}, needs {size}")
     return a
 
 

@@ -6,7 +6,7 @@ from ctypes import byref, c_int
 
 import numpy as np
 
-from ._library import (PROGRESS_FN, address, call, constants, dense, lib, structs, vector)
+from ._library import (PROGRESS_FN, address, call, constants, dense, entries, lib, structs, vector)
 
 _STATES = np.array(["free", "slip", "stick"])
 
@@ -163,7 +163,7 @@ def _problem(W, q, mu, d):
         problem.bodies = structs["dls_bodies"](H.shape[3], count, address(body), address(H), None)
         return problem, (q, mu, body, H)
     if W.shape != (q.size, q.size):
-        raise ValueError(f"W is {W.shape[0]} x {W.shape[1]}, q has {q.size} entries")
+        raise ValueError(f"W is {W.shape[0]} x {W.shape[1]}, q has {entries(q)}")
     if hasattr(W, "tocsc"):
         # rows of blocks of the transpose, each stored by rows: the columns of W, stored by columns
         B = W.T.tobsr(blocksize=(d, d))

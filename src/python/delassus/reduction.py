@@ -5,8 +5,8 @@ from ctypes import byref, c_double, c_void_p, cast
 import numpy as np
 import scipy.sparse as sp
 
-from ._library import (SOLVE_FN, address, call, columns, constants, dense, lib, read, sparse,
-                       structs, vector)
+from ._library import (SOLVE_FN, address, call, columns, constants, dense, entries, lib, read,
+                       sparse, structs, vector)
 from .contact import solve_problem
 
 _FACTORIZATIONS = {"cholesky": "DLS_CHOLESKY", "ldlt": "DLS_LDLT", "lu": "DLS_LU"}
@@ -72,7 +72,7 @@ class Reduction:
         mu = None if mu is None else vector("mu", mu, candidates)
         active = None if active is None else np.ascontiguousarray(active, dtype=np.intc).reshape(-1)
         if active is not None and active.size != candidates:
-            raise ValueError(f"active has {active.size} entries, needs {candidates}")
+            raise ValueError(f"active has {entries(active)}, needs {candidates}")
         modes = None if modes is None else np.asfortranarray(modes, dtype=np.float64)
         if modes is not None and (modes.ndim != 2 or modes.shape[0] != self.n):
             raise ValueError(f"modes is {modes.shape}, needs {self.n} rows")
