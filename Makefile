@@ -140,6 +140,7 @@ help:
 	@echo 'make bench-scale     rigid bodies up to 100,000 contacts beside Siconos; BENCH=options'
 	@echo 'make bench-auto      auto beside the single methods; BENCH=files'
 	@echo 'make bench-motion    load and recover of each step beside one solve by CHOLMOD'
+	@echo 'make bench-bodies    rigid bodies as W = H^T H beside W by blocks, one and two threads'
 	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
 	@echo 'make bench-steps     a batch of small problems; a load path, warm beside cold'
 	@echo 'make bench-trust     predicted error of an answer beside the true one'
@@ -394,7 +395,7 @@ RESULTS ?= bench/results
 PEER_CFLAGS = -isystem /usr/include/siconos -isystem /usr/include/siconos/numerics
 bench_obj = $(call obj,bench/common.c $(sort $(wildcard bench/$(1).c bench/$(1)_*.c)))
 $(call bench_obj,lemke) $(call bench_obj,solvers): CPPFLAGS += $(PEER_CFLAGS)
-$(call bench_obj,scale) $(call obj,tests/shared/rigid.c): CPPFLAGS += -Itests/shared
+$(call bench_obj,scale) $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c): CPPFLAGS += -Itests/shared
 $(call bench_obj,reduction): CPPFLAGS += -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
 $(call bench_obj,motion): CPPFLAGS += -isystem /usr/include/suitesparse
 $(call obj,$(wildcard bench/*.c)): CPPFLAGS += -D_GNU_SOURCE
@@ -403,6 +404,7 @@ $(BUILD)/bench/lemke: $(call bench_obj,lemke) $(FE) $(A)
 $(BUILD)/bench/solvers: $(call bench_obj,solvers) $(call obj,$(addprefix src/cli/,profile_picture.c palette.c picture.c report.c)) $(FE) $(A)
 $(BUILD)/bench/reduction: $(call bench_obj,reduction) $(FE) $(A)
 $(BUILD)/bench/scale: $(call bench_obj,scale) $(call obj,bench/solvers_call.c bench/solvers_peer.c tests/shared/rigid.c) $(FE) $(A)
+$(BUILD)/bench/bodies: $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c) $(A)
 $(BUILD)/bench/motion: $(call bench_obj,motion) $(call obj,bench/reduction_boxes.c) $(A)
 $(BUILD)/bench/motion: PEER_LIBS = -lcholmod
 $(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,$(addprefix src/cli/,problem.c matrices.c arrays.c report.c)) $(A)
@@ -434,6 +436,10 @@ bench-motion:
 	@.ci/deps bench
 	@$(MAKE) --no-print-directory $(BUILD)/bench/motion
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/motion --out $(RESULTS) $(BENCH)
+.PHONY: bench-bodies
+bench-bodies: $(BUILD)/bench/bodies
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/bodies --out $(RESULTS) $(BENCH)
+	gnuplot -e "dir='$(RESULTS)/'" bench/bodies.gp
 bench-blocks: $(BUILD)/bench/blocks
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks --out $(RESULTS)
 bench-steps: $(BUILD)/bench/steps

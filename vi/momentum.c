@@ -112,8 +112,8 @@ static void momentum_push(void *data, int piece) {
                        of_u ? s->mo->u : s->mo->r, of_u ? s->u : s->r);
 }
 
-double dlsi_momentum_step(dlsi_momentum *mo, int d, int e, int threads, const double *w,
-                          double largest, dlsi_set changes, dlsi_set rows, double *r, double *u) {
+double dlsi_momentum_step(dlsi_momentum *mo, int d, int e, const double *w, double largest,
+                          dlsi_set changes, dlsi_set rows, double *r, double *u) {
   momentum_step s = {.mo = mo,
                      .d = (size_t)d,
                      .e = (size_t)e,
@@ -122,10 +122,10 @@ double dlsi_momentum_step(dlsi_momentum *mo, int d, int e, int threads, const do
                      .rows = rows,
                      .r = r,
                      .u = u,
-                     .pieces = dlsi_pieces(threads, changes.count),
-                     .row_pieces = dlsi_pieces(threads, rows.count)};
+                     .pieces = dlsi_pieces(mo->threads, changes.count),
+                     .row_pieces = dlsi_pieces(mo->threads, rows.count)};
   double G = 0, uphill = 0;
-  dlsi_parallel(threads, s.pieces, momentum_measure, &s);
+  dlsi_parallel(mo->team, s.pieces, momentum_measure, &s);
   for (int k = 0; k < s.pieces; k++) {
     G += s.G[k];
     uphill += s.uphill[k];
@@ -134,6 +134,6 @@ double dlsi_momentum_step(dlsi_momentum *mo, int d, int e, int threads, const do
   s.b = fmin((mo->k - 1) / (mo->k + momentum_slowness), largest);
   if (uphill > 0 || G > momentum_growth * mo->reference) mo->k = 0, s.b = 0;
   if (G < mo->reference || s.b == 0) mo->reference = G;
-  dlsi_parallel(threads, s.pieces + s.row_pieces, momentum_push, &s);
+  dlsi_parallel(mo->team, s.pieces + s.row_pieces, momentum_push, &s);
   return G;
 }

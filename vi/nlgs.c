@@ -105,6 +105,7 @@ struct dls_nlgs {
   double *v;               /* H r of bodies, kept up to date by the sweeps in place of u */
   nlgs_bodies bodies;
   dlsi_slabs slabs; /* more than one thread */
+  dlsi_team *team;  /* that help in this run; NULL: none */
   double *x;        /* r that the sweep started from, if accelerated: m */
   dlsi_anderson history;
   dlsi_momentum momentum;
@@ -243,10 +244,9 @@ static void nlgs_add_rows(void *data, int piece) {
 }
 
 static void nlgs_flush(const dls_nlgs *work, const dls_contact *problem, nlgs_batch *b) {
-  const int threads = work->settings.limits.threads;
-  if (threads > 1 && problem->d * problem->nc >= large_panel && b->count) {
-    nlgs_panel s = {work, problem, b, threads};
-    dlsi_parallel(threads, threads, nlgs_add_rows, &s);
+  if (work->team && b->count) {
+    nlgs_panel s = {work, problem, b, work->settings.limits.threads};
+    dlsi_parallel(work->team, s.pieces, nlgs_add_rows, &s);
   } else
     dlsi_contact_add_panel(problem, b->count, b->c, b->dr, work->it.u);
   for (int k = 0; k < b->count; k++)
@@ -366,8 +366,7 @@ static int nlgs_sweep(const dls_nlgs *work, const dls_contact *problem, dlsi_set
   nlgs_slabs s = {work, problem, set, r, 0};
   int changed = 0;
   for (; s.parity < 2; s.parity++)
-    dlsi_parallel(work->settings.limits.threads, (set.slabs + 1 - s.parity) / 2, nlgs_sweep_slab,
-                  &s);
+    dlsi_parallel(work->team, (set.slabs + 1 - s.parity) / 2, nlgs_sweep_slab, &s);
   for (int k = 0; k < set.slabs; k++)
     changed += work->slabs.changed[k];
   return changed;
@@ -495,7 +494,7 @@ static void nlgs_estimate(const dls_nlgs *work, const dls_contact *problem, cons
   const int threads = work->settings.limits.threads;
   nlgs_estimates s = {work, problem, r, scale, dlsi_pieces(threads, problem->nc), {{0, 0, 0}}};
   nlgs_squares sum = {0};
-  dlsi_parallel(threads, s.pieces, nlgs_sum_piece, &s);
+  dlsi_parallel(work->team, s.pieces, nlgs_sum_piece, &s);
   for (int k = 0; k < s.pieces; k++) {
     sum.F += s.sum[k].F;
     sum.force += s.sum[k].force;
@@ -652,7 +651,7 @@ static double nlgs_measure(const dls_nlgs *work, const dls_contact *problem, dls
   const int threads = work->settings.limits.threads;
   nlgs_measures s = {work, problem, set, r, F2, dlsi_pieces(threads, set.count), {0}};
   double sum = 0;
-  dlsi_parallel(threads, s.pieces, nlgs_measure_piece, &s);
+  dlsi_parallel(work->team, s.pieces, nlgs_measure_piece, &s);
   for (int k = 0; k < s.pieces; k++)
     sum += s.sum[k];
   return sum;
@@ -719,7 +718,7 @@ static dlsi_set nlgs_list_bodies(const dls_nlgs *work, const dls_contact *proble
 
 /* (NL9) Sweeps where the residual is. u belongs to r. */
 static void nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, double *r) {
-  const int d = problem->d, n = work->motions, threads = work->settings.limits.threads;
+  const int d = problem->d, n = work->motions;
   double *F2 = work->it.F, *const u = n ? work->v : work->it.u;
   const double sum = nlgs_measure(work, problem, nlgs_all(work, problem), r, F2);
   const double bound = nlgs_threshold(problem, F2, sum);
@@ -744,8 +743,7 @@ static void nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, doubl
     if (!nlgs_sweep(work, problem, set, r)) break;
     if (k % local_looks == 0 && nlgs_measure(work, problem, set, r, NULL) <= end) break;
     if (k < local_sweeps)
-      (void)dlsi_momentum_step(mo, d, n ? n : d, threads, work->it.w, work->largest, set, rows, r,
-                               u);
+      (void)dlsi_momentum_step(mo, d, n ? n : d, work->it.w, work->largest, set, rows, r, u);
   }
 }
 
@@ -779,9 +777,9 @@ static int nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double r
     return 1;
   }
   const dlsi_set all = {.count = problem->nc}, bodies = {.count = problem->bodies.count};
-  (void)dlsi_momentum_step(&work->momentum, problem->d, n ? n : problem->d,
-                           work->settings.limits.threads, work->it.w, work->largest,
-                           nlgs_all(work, problem), n ? bodies : all, r, n ? work->v : work->it.u);
+  (void)dlsi_momentum_step(&work->momentum, problem->d, n ? n : problem->d, work->it.w,
+                           work->largest, nlgs_all(work, problem), n ? bodies : all, r,
+                           n ? work->v : work->it.u);
   return 1;
 }
 
@@ -961,6 +959,7 @@ static dls_status nlgs_take_bodies(dls_nlgs *work, const dls_contact *problem, d
 static dls_status nlgs_prepare(dls_nlgs *work, const dls_contact **problem, const int *order,
                                dls_error *error) {
   work->motions = 0;
+  work->momentum.threads = work->settings.limits.threads;
   work->momentum.u = work->carved[0];
   work->momentum.pu = work->carved[1];
   work->slabs.set.slabs = 0;
@@ -972,6 +971,23 @@ static dls_status nlgs_prepare(dls_nlgs *work, const dls_contact **problem, cons
   if (!status && threads && !order && !(*problem)->W.a)
     status = dlsi_slabs_set(&work->slabs, *problem, error);
   return status;
+}
+
+/* The arguments of dlsi_nlgs_run, for a team. */
+typedef struct nlgs_run {
+  dls_nlgs *work;
+  const dls_contact *problem;
+  const int *order;
+  double *r, *u;
+  dls_info *info;
+  dls_status status;
+} nlgs_run;
+
+static void nlgs_run_in_team(dlsi_team *team, void *data) {
+  nlgs_run *run = data;
+  run->work->team = run->work->momentum.team = team;
+  run->status = dlsi_nlgs_run(run->work, run->problem, run->order, NULL, run->r, run->u, run->info);
+  run->work->team = run->work->momentum.team = NULL;
 }
 
 static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double *r, double *u,
@@ -988,7 +1004,11 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
     work->own_order[e] = work->own_order[c];
     work->own_order[c] = last;
   }
-  status = dlsi_nlgs_run(work, problem, order, NULL, r, u, info);
+  nlgs_run run = {work, problem, order, r, u, info, DLS_OK};
+  const int large =
+      work->slabs.set.slabs || (problem->W.a && problem->d * problem->nc >= large_panel);
+  dlsi_team_run(large ? work->settings.limits.threads : 1, nlgs_run_in_team, &run);
+  status = run.status;
   if (info && !work->stage) info->ambiguous = dlsi_count_ambiguous(problem, r, work->it.u, NULL);
   return status;
 }

@@ -99,6 +99,8 @@ typedef struct dlsi_momentum {
   double *r, *u;    /* that the sweep under way started from: m; u of bodies: v, n count */
   double *p, *pu;   /* the last step: m; pu as u */
   double reference; /* G* of (MO3) */
+  int threads;      /* of the caller's limits */
+  dlsi_team *team;
   int k;
 } dlsi_momentum;
 
@@ -111,8 +113,8 @@ void dlsi_momentum_start(dlsi_momentum *mo, int d, int e, dlsi_set changes, dlsi
 
 /* r, u: in, after a sweep; out, the start of the next, (MO1)-(MO4) with b <= largest. w: weights.
  * Returns G. */
-double dlsi_momentum_step(dlsi_momentum *mo, int d, int e, int threads, const double *w,
-                          double largest, dlsi_set changes, dlsi_set rows, double *r, double *u);
+double dlsi_momentum_step(dlsi_momentum *mo, int d, int e, const double *w, double largest,
+                          dlsi_set changes, dlsi_set rows, double *r, double *u);
 
 /* ---- vi/slabs.c: candidates that may be swept at the same time ------------------------------- */
 

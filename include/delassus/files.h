@@ -47,6 +47,13 @@ DLS_API DLS_MUST_USE dls_status dls_fclib_model(const dls_fclib *file, dls_model
                                                 const double **f, const double **g,
                                                 const double **mu, dls_error *error);
 
+/* Hands out a global problem of rigid bodies as one of bodies: M has blocks of 3 (d - 1) rows, each
+ * symmetric and positive definite, and no candidate moves more than two of them; q is w + H^T M^-1
+ * f. The v of the file is M^-1 (H r + f). DLS_E_UNSUPPORTED where it is none: take dls_fclib_model.
+ * DLS_E_ARGUMENT if the problem is local. */
+DLS_API DLS_MUST_USE dls_status dls_fclib_bodies(const dls_fclib *file, dls_contact *problem,
+                                                 dls_error *error);
+
 /* Hands out the solution that the file holds. *r, *u: m each, NULL if there is none. */
 DLS_API DLS_MUST_USE dls_status dls_fclib_solution(const dls_fclib *file, const double **r,
                                                    const double **u, dls_error *error);

@@ -53,7 +53,9 @@ enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
  *                    table. n = 2 nc for d = 1; n = (facets + 2) nc for d = 3; d = 2: n = 4 nc up
  *                    to 4 nc = 4000, beyond that n = 3 nc, and a ray ends it
  *
- * and O(m) besides.
+ * and O(m) besides. For W of bodies nlgs and, beyond 1000 candidates, auto take the motions of the
+ * bodies; W by blocks, which all else needs, is formed at the first solve that comes to it, and
+ * that memory kept.
  *
  * auto takes accelerated sweeps of Gauss-Seidel and Newton's method in turn, as their progress
  * and cost tell; between them ADMM, from 150 rows on, for a dense W and for stacks at rest (W by

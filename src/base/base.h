@@ -187,11 +187,17 @@ void dlsi_unlock(void);
 dls_status dlsi_enter(atomic_int *busy, const char *argument, dls_error *error);
 dls_status dlsi_leave(atomic_int *busy, dls_status status);
 
-/* Runs task(data, k) for k = 0 .. tasks-1, on up to `threads` threads at the same time where the
- * compiler has OpenMP, in any order. Tasks write to memory of their own, so that their bits do not
- * depend on the number of threads. */
+/* Threads that help the caller with tasks; NULL: none. */
+typedef struct dlsi_team dlsi_team;
+
+/* Runs body(team, data) in this thread, with up to threads - 1 helpers where the compiler has
+ * OpenMP; team is NULL for threads < 2 or without it. */
+void dlsi_team_run(int threads, void (*body)(dlsi_team *team, void *data), void *data);
+
+/* Runs task(data, k) for k = 0 .. tasks-1, in any order and at the same time. Tasks write to memory
+ * of their own, so that their bits do not depend on the threads. */
 typedef void dlsi_task(void *data, int k);
-void dlsi_parallel(int threads, int tasks, dlsi_task *task, void *data);
+void dlsi_parallel(dlsi_team *team, int tasks, dlsi_task *task, void *data);
 
 enum { dlsi_most_threads = 1024 };
 

@@ -244,7 +244,8 @@ static dls_status bodies_reserve(dlsi_formed *formed, size_t entries, size_t nc,
 
 dls_status dlsi_form_blocks(dlsi_formed *formed, const dls_contact **problem, dls_error *error) {
   if (!*problem || !dlsi_is_factored(*problem)) return DLS_OK;
-  dls_status status = dlsi_check_contact(*problem, error);
+  const int lent = (*problem)->bodies.work != NULL; /* a copy of the library's own */
+  dls_status status = lent ? DLS_OK : dlsi_check_contact(*problem, error);
   if (status || (*problem)->nc == 0) return status;
   const dls_contact *given = *problem;
   int count = 0;

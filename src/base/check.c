@@ -160,6 +160,8 @@ static dls_status check_bodies(const dls_contact *problem, dls_error *error) {
   if (B->count < 0 || B->count > INT32_MAX / 12)
     return dlsi_fail(error, DLS_E_SIZE, "bodies.count", -1, B->count, "is %d", B->count);
   if (!B->body) return dlsi_is_null(error, "bodies.body");
+  if (B->work && !problem->Wb.x)
+    return dlsi_fail(error, DLS_E_ARGUMENT, "bodies.work", -1, 0, "must be NULL");
   dls_status status = DLS_OK;
   for (size_t c = 0; !status && c < (size_t)problem->nc; c++)
     status = check_bodies_of(problem, c, error);

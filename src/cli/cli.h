@@ -38,11 +38,13 @@ typedef struct problem {
   dls_reduction *reduction;  /* NULL for a local problem */
   dls_model model;           /* of a global one */
   const double *f, *g, *mu;
+  int of_bodies; /* 1: a global one whose contact is one of bodies, not reduced */
   dls_contact contact;
   double reduction_cpu_seconds;
 } problem;
 
-dls_status problem_load(const char *path, problem *p, dls_error *error);
+/* Reads a problem. bodies: 1 to keep a global one of rigid bodies factored, 0 to reduce it. */
+dls_status problem_load(const char *path, int bodies, problem *p, dls_error *error);
 
 /* Keeps the BLAS of this process to one thread for a small problem: threads that wait for work of
  * some microseconds take more CPU than the work (docs/threads.md). The library itself leaves the
@@ -114,16 +116,18 @@ int is_verbose(void);
 /* Prints on stdout, unless --quiet. */
 void tell(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* The method and its settings, from -m, -a, -t, -i. */
+/* The method and its settings, from -m, -a, -t, -i, --threads. */
 typedef struct solver_options {
   dls_solver_settings settings;
   int primal; /* 1: gauss-seidel on the displacements instead of settings.method */
   int method_given, accel_given;
 } solver_options;
 
+enum { KEY_THREADS = 900 }; /* no letter */
 #define SOLVER_KEYS "m:a:t:i:"
 #define SOLVER_OPTIONS                                                                             \
-  VALUE("method", 'm'), VALUE("accel", 'a'), VALUE("tol", 't'), VALUE("max-iter", 'i')
+  VALUE("method", 'm'), VALUE("accel", 'a'), VALUE("tol", 't'), VALUE("max-iter", 'i'),            \
+      VALUE("threads", KEY_THREADS)
 
 void solver_options_init(solver_options *options, double tol);
 

@@ -58,7 +58,8 @@ void solver_usage(FILE *out, const char *more, double tol) {
           "  -a, --accel=HOW       nlgs, which it asks for: none (default), aitken, anderson\n"
           "                        or momentum\n"
           "  -t, --tol=T           tolerance on the certificate's residual (%g)\n"
-          "  -i, --max-iter=N      limit of sweeps, pivots, steps or augmentations\n",
+          "  -i, --max-iter=N      limit of sweeps, pivots, steps or augmentations\n"
+          "      --threads=N       threads for sweeps over a large W (1)\n",
           method_list(methods, sizeof methods), more, tol);
 }
 
@@ -90,6 +91,8 @@ taken take_solver_option(int key, const char *text, solver_options *o) {
     return parse_number("tol", text, &o->settings.limits.tol);
   case 'i':
     return parse_count("max-iter", text, &o->settings.limits.max_iterations);
+  case KEY_THREADS:
+    return parse_count("threads", text, &o->settings.limits.threads);
   default:
     return OPTION_UNKNOWN;
   }

@@ -28,7 +28,7 @@ const char *problem_title(const problem *p) {
   return p->text ? dls_text_title(p->text) : p->file ? dls_fclib_title(p->file) : "";
 }
 
-dls_status problem_load(const char *path, problem *p, dls_error *error) {
+dls_status problem_load(const char *path, int bodies, problem *p, dls_error *error) {
   dls_status status;
   if (!is_hdf5(path)) {
     status = dls_text_read(&p->text, path, error);
@@ -39,6 +39,8 @@ dls_status problem_load(const char *path, problem *p, dls_error *error) {
   if (!dls_fclib_is_global(p->file)) return dls_fclib_contact(p->file, &p->contact, error);
   status = dls_fclib_model(p->file, &p->model, &p->f, &p->g, &p->mu, error);
   if (status) return status;
+  p->of_bodies = bodies && dls_fclib_bodies(p->file, &p->contact, NULL) == DLS_OK;
+  if (p->of_bodies) return DLS_OK;
   const double start = cpu_seconds();
   status = dls_reduction_create(&p->reduction, &p->model, error);
   if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, error);
@@ -66,10 +68,14 @@ void problem_free(problem *p) {
 
 void problem_print(const char *path, const problem *p) {
   printf("%s: %dD, %d contact%s, %s\n", path, p->contact.d, p->contact.nc, plural(p->contact.nc),
-         p->reduction ? "global"
-         : p->text    ? "text"
-                      : "local");
-  if (p->reduction)
+         p->reduction   ? "global"
+         : p->of_bodies ? "global"
+         : p->text      ? "text"
+                        : "local");
+  if (p->of_bodies)
+    printf("  of %d rigid bod%s\n", p->contact.bodies.count,
+           p->contact.bodies.count == 1 ? "y" : "ies");
+  if (p->reduction && !p->of_bodies)
     printf("  reduced from %d unknown%s in %.3g s of CPU\n", p->model.n, plural(p->model.n),
            p->reduction_cpu_seconds);
 }

@@ -106,13 +106,21 @@ static dls_status write_solution(const char *out, const problem *p, const double
   const int m = p->contact.d * p->contact.nc;
   if (length > 4 && strcmp(out + length - 4, ".mtx") == 0)
     return dls_mtx_write_commented(out, &(dls_dense){m, 1, m, r}, unsolved, error);
-  if (!p->reduction || p->model.P.p || p->model.operator_kind == DLS_FLEXIBILITY)
+  if (!(p->reduction || p->of_bodies) || p->model.P.p || p->model.operator_kind == DLS_FLEXIBILITY)
     return dls_fclib_write_local(out, &p->contact, title, r, u, error);
   return dls_fclib_write_global(out, &p->model, p->f, p->g, p->mu, title, x, r, u, error);
 }
 
 /* Recovers the unknowns of a problem that was condensed: *x := new array of n. */
-static dls_status recover(const problem *p, const double *r, double **x, dls_error *error) {
+static dls_status recover(problem *p, const double *r, double **x, dls_error *error) {
+  if (p->of_bodies) {
+    dls_reduction_settings settings;
+    dls_reduction_settings_init(&settings);
+    settings.form_W = 0;
+    dls_status status = dls_reduction_create_with(&p->reduction, &p->model, &settings, error);
+    if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, error);
+    if (status) return status;
+  }
   if (!p->reduction) return DLS_OK;
   *x = malloc((size_t)p->model.n * sizeof **x);
   if (*x) return dls_reduction_recover(p->reduction, r, *x, error);
@@ -169,7 +177,7 @@ static int solve_contact(const char *path, const solve_options *options) {
   int result = EXIT_BAD_INPUT;
   if (matrices_name(&options->matrices)) {
     if (!matrices_load(&options->matrices, &p)) goto end;
-  } else if (problem_load(path, &p, &error)) {
+  } else if (problem_load(path, 1, &p, &error)) {
     (void)complain_of(path, &error);
     goto end;
   }
@@ -185,6 +193,10 @@ static int solve_contact(const char *path, const solve_options *options) {
   outcome o = {.d = p.contact.d, .nc = p.contact.nc};
   dls_solver_settings settings = options->solver.settings;
   settings.limits.blocks = p.contact.Wb.x ? p.contact.Wb.p[o.nc] : 0;
+  if (p.of_bodies && dls_bodies_count(&p.contact, &settings.limits.blocks, &error)) {
+    (void)complain_of(path, &error);
+    goto end;
+  }
   if (dls_solver_create(&solver, o.d, o.nc, &settings, &error)) {
     (void)complain_of(path, &error);
     goto end;

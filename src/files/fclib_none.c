@@ -31,6 +31,10 @@ dls_status dls_fclib_model(const dls_fclib *file, dls_model *model, const double
   return UNSUPPORTED(error);
 }
 
+dls_status dls_fclib_bodies(const dls_fclib *file, dls_contact *problem, dls_error *error) {
+  return UNSUPPORTED(error);
+}
+
 dls_status dls_fclib_solution(const dls_fclib *file, const double **r, const double **u,
                               dls_error *error) {
   return UNSUPPORTED(error);

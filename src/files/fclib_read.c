@@ -26,17 +26,19 @@
 
 #include "base/columns.h"
 #include "delassus/files.h"
+#include "files/fclib_bodies.h"
 #include "files/fclib_internal.h"
 #include "files/file.h"
 
 struct dls_fclib {
   int global, d, nc, n;
   char *title;
-  dlsi_columns W;         /* local: by blocks, x[d d k..] in block row i[k] */
-  dlsi_columns M, HN, HT; /* global */
-  double *f;              /* global: n */
-  double *q, *mu;         /* q: d nc, the w of a global problem; mu: nc */
-  double *r, *u;          /* d nc, or NULL */
+  dlsi_columns W;           /* local: by blocks, x[d d k..] in block row i[k] */
+  dlsi_columns M, HN, HT;   /* global */
+  dlsi_fclib_bodies bodies; /* global: the same of rigid bodies, where it is */
+  double *f;                /* global: n */
+  double *q, *mu;           /* q: d nc, the w of a global problem; mu: nc */
+  double *r, *u;            /* d nc, or NULL */
 };
 
 /* ---- data sets ------------------------------------------------------------------------------- */
@@ -396,7 +398,15 @@ static dls_status read_global(const source *s, dls_fclib *file) {
   if (!status) status = dlsi_columns_compress(&H, file->d, DLSI_TANGENTS, &file->HT, s->error);
   dlsi_triplets_free(&M);
   dlsi_triplets_free(&H);
-  return status;
+  if (status) return status;
+  const dlsi_fclib_global of = {.d = file->d,
+                                .nc = file->nc,
+                                .M = dlsi_columns_view(&file->M),
+                                .HN = dlsi_columns_view(&file->HN),
+                                .HT = dlsi_columns_view(&file->HT),
+                                .f = file->f,
+                                .w = file->q};
+  return dlsi_fclib_bodies_create(&file->bodies, &of, s->error);
 }
 
 static dls_status read_problem(const source *s, dls_fclib *file) {
@@ -533,6 +543,19 @@ dls_status dls_fclib_model(const dls_fclib *file, dls_model *model, const double
   return DLS_OK;
 }
 
+dls_status dls_fclib_bodies(const dls_fclib *file, dls_contact *problem, dls_error *error) {
+  dls_status status = check_kind(file, 1, error);
+  if (!status && !problem) status = dlsi_is_null(error, "problem");
+  if (!status && !file->bodies.body)
+    status = dlsi_fail(error, DLS_E_UNSUPPORTED, "file", -1, 0,
+                       "holds no problem of rigid bodies; dls_fclib_model hands it out");
+  if (status) return dlsi_at(__func__, status, error);
+  const dlsi_fclib_bodies *B = &file->bodies;
+  *problem = (dls_contact){.d = file->d, .nc = file->nc, .q = B->q, .mu = file->mu};
+  problem->bodies = (dls_bodies){B->n, B->count, B->body, B->H, NULL};
+  return DLS_OK;
+}
+
 dls_status dls_fclib_solution(const dls_fclib *file, const double **r, const double **u,
                               dls_error *error) {
   dls_status status = file ? DLS_OK : dlsi_is_null(error, "file");
@@ -551,6 +574,7 @@ void dls_fclib_destroy(dls_fclib *file) {
   dlsi_columns_free(&file->M);
   dlsi_columns_free(&file->HN);
   dlsi_columns_free(&file->HT);
+  dlsi_fclib_bodies_free(&file->bodies);
   free(file->f);
   free(file->q);
   free(file->mu);

@@ -60,6 +60,7 @@ START_TEST(help_and_version) {
   ck_assert_int_eq(run("-V"), 0);
   says("scene --help", "--weighted");
   says("solve -h", "--max-iter");
+  says("solve -h", "--threads");
   ck_assert_int_eq(run("scene --list"), 0);
   ck_assert(prints("jean-fig3") && prints("jean-fig4"));
 }

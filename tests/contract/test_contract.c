@@ -305,10 +305,11 @@ START_TEST(bad_bodies) {
   } wrong[] = {{DLS_E_SIZE, "bodies.n", -1},           {DLS_E_SIZE, "bodies.count", -1},
                {DLS_E_ARGUMENT, "bodies.body", -1},    {DLS_E_ARGUMENT, "bodies.body", 4},
                {DLS_E_ARGUMENT, "bodies.body", 3},     {DLS_E_ARGUMENT, "bodies.body", 5},
-               {DLS_E_NOT_FINITE, "bodies.H", 18 * 7}, {DLS_E_ARGUMENT, "bodies", -1}};
+               {DLS_E_NOT_FINITE, "bodies.H", 18 * 7}, {DLS_E_ARGUMENT, "bodies", -1},
+               {DLS_E_ARGUMENT, "bodies.work", -1}};
   void *work;
   ck_assert_int_eq(s.create(&work, good.d, good.nc, &settings, NULL), DLS_OK);
-  for (int k = 0; k < 8; k++) {
+  for (int k = 0; k < 9; k++) {
     static bodies_storage C;
     double r[most] = {7};
     dls_error error;
@@ -324,6 +325,7 @@ START_TEST(bad_bodies) {
     if (k == 5) C.body[4] = C.body[5] = 1;
     if (k == 6) C.body[7] = 0, C.H[18 * 7] = INFINITY;
     if (k == 7) bad.W = a.p.W;
+    if (k == 8) bad.bodies.work = r;
     ck_assert_int_eq(s.solve(work, &bad, r, NULL, NULL, &error), wrong[k].status);
     ck_assert_str_eq(error.argument, wrong[k].argument);
     ck_assert_msg(error.index == wrong[k].index, "%d: %lld", k, error.index);

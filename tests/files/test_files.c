@@ -506,6 +506,46 @@ START_TEST(global_files_of_data) {
 }
 END_TEST
 
+/* A global problem of rigid bodies is W = H^T H with the u of its reduction; v = M^-1 (H r + f) of
+ * another one, or of none, is refused. */
+START_TEST(bodies_of_data) {
+  static const char *const name[] = {"gfc2d_granularflowonwall_00069_00350", "GFC3D_OneContact",
+                                     "GFC3D_Example0", "FC3D_Example1"};
+  static const dls_status expected[] = {DLS_OK, DLS_E_UNSUPPORTED, DLS_E_UNSUPPORTED,
+                                        DLS_E_ARGUMENT};
+  char file_name[200];
+  (void)snprintf(file_name, sizeof file_name, TEST_DATA "/fclib/%s.hdf5", name[_i]);
+  dls_fclib *file = read_well(file_name);
+  dls_contact p = {.d = 77}, reduced;
+  dls_error error;
+  ck_assert_int_eq(dls_fclib_bodies(file, &p, &error), expected[_i]);
+  ck_assert(expected[_i] || dls_fclib_bodies(file, NULL, &error) == DLS_E_ARGUMENT);
+  ck_assert(!expected[_i] || (p.d == 77 && strcmp(error.argument, "file") == 0));
+  if (!expected[_i]) {
+    dls_model model;
+    const double *f, *g, *mu;
+    dls_reduction *reduction;
+    ck_assert(p.d == 2 && p.nc == 69 && p.bodies.n == 3 && p.bodies.count == 300);
+    ck_assert_int_eq(dls_fclib_model(file, &model, &f, &g, &mu, NULL), DLS_OK);
+    ck_assert_int_eq(dls_reduction_create(&reduction, &model, NULL), DLS_OK);
+    ck_assert_int_eq(dls_reduction_load(reduction, f, g, NULL), DLS_OK);
+    ck_assert_int_eq(dls_reduction_contact(reduction, mu, &reduced, NULL), DLS_OK);
+    double r[138], u[2][138], size = 0;
+    dls_certificate c;
+    for (int k = 0; k < 138; k++)
+      r[k] = sin(k + 1.);
+    ck_assert_int_eq(dls_contact_certify(&p, r, u[0], &c, NULL), DLS_OK);
+    ck_assert_int_eq(dls_contact_certify(&reduced, r, u[1], &c, NULL), DLS_OK);
+    for (int k = 0; k < 138; k++)
+      size = fmax(size, fabs(u[1][k]));
+    for (int k = 0; k < 138; k++)
+      ck_assert(fabs(u[0][k] - u[1][k]) <= 1e-13 * size);
+    dls_reduction_destroy(reduction);
+  }
+  dls_fclib_destroy(file);
+}
+END_TEST
+
 /* M of CubeH8 is a lower triangle, and all of it counts. */
 START_TEST(matrix_of_a_file_is_whole) {
   dls_fclib *file = read_well(TEST_DATA "/fclib/CubeH8.hdf5");
@@ -1377,6 +1417,7 @@ int main(void) {
 #ifdef DLS_WITH_HDF5
                            ONCE(local_files_of_data),
                            ONCE(global_files_of_data),
+                           EACH(bodies_of_data, 0, 4),
                            ONCE(data_round_trip),
                            ONCE(matrix_of_a_file_is_whole),
                            ONCE(local_round_trip),

@@ -53,6 +53,27 @@ class Solve(unittest.TestCase):
             np.testing.assert_allclose(a.u.ravel(), W @ a.r.ravel() + q.ravel(), atol=1e-10)
             self.assertEqual(delassus.certify(W, q, 0.3, a.r), a.certificate)
 
+    def test_bodies(self):
+        random = np.random.default_rng(5)
+        for d, n in ((2, 3), (3, 6)):
+            nc = 12
+            body = np.array([[c, random.integers(-1, c) if c else -1] for c in range(nc)])
+            H = random.uniform(-1, 1, (nc, 2, d, n))
+            J = np.zeros((nc * d, nc * n))
+            for c in range(nc):
+                for side in range(2):
+                    if body[c, side] >= 0:
+                        at = n * body[c, side]
+                        J[d * c:d * c + d, at:at + n] = H[c, side]
+            q = random.uniform(-1, 1, (nc, d)) - np.eye(d)[0] / 2
+            a = delassus.solve(J @ J.T, q, 0.3, tol=1e-12)
+            b = delassus.solve((body, H), q, 0.3, tol=1e-12, threads=2)
+            self.assertTrue(a.solved and b.solved)
+            np.testing.assert_allclose(a.r, b.r, atol=1e-7 * abs(a.r).max())
+            self.assertEqual(delassus.certify((body, H), q, 0.3, b.r), b.certificate)
+            with self.assertRaises(ValueError):
+                delassus.solve((body[1:], H), q, 0.3)
+
     def test_options(self):
         W, q = coupled(2, 30)
         s = delassus.solve(W, q, 0.3, method="nlgs", acceleration="anderson", history=True)

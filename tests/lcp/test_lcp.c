@@ -331,7 +331,7 @@ START_TEST(scaled_and_by_blocks) {
       for (int e = 0; e < 4; e++)
         x[4 * k + e] = W[2 * row[k] + e % 2 + 6 * (2 * b + e / 2)] * (k == 2 ? 3 : k == 3 ? -2 : 1);
   const dls_contact dense = {.d = 2, .nc = 3, .W = {6, 6, 6, W}, .q = q, .mu = mu};
-  const dls_contact blocks = {2, 3, {0}, {2, 3, p, row, x}, q, mu};
+  const dls_contact blocks = {.d = 2, .nc = 3, .Wb = {2, 3, p, row, x}, .q = q, .mu = mu};
   ck_assert_int_eq(dls_contact_to_lcp(&dense, NULL, M, 7, q1, NULL), DLS_OK);
   ck_assert_int_eq(dls_contact_to_lcp(&dense, s, M1, 7, q1, NULL), DLS_OK);
   ck_assert_int_eq(dls_contact_to_lcp(&blocks, s, M2, 7, q2, NULL), DLS_OK);

@@ -56,7 +56,8 @@ _TYPES = {"int": c_int, "double": c_double, "size_t": c_size_t, "long long": cty
 # the fields that the package reads or sets
 _USED = {
     "dls_error": "status function argument index value message",
-    "dls_limits": "tol max_iterations warm_start blocks progress progress_data cpu_seconds",
+    "dls_limits": "tol max_iterations warm_start blocks progress progress_data cpu_seconds "
+                  "threads",
     "dls_progress": "method stage iteration max_iterations residual r cpu_seconds last",
     "dls_solver_settings": "limits size method acceleration facets positive_definite",
     "dls_certificate": "residual residual_u residual_r floor_u floor_r penetration adhesion "

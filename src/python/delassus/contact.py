@@ -91,7 +91,7 @@ class _Watch:
                                           ("cpu_seconds", "f8")])
 
 
-def set_limits(limits, tol, max_iterations, cpu_seconds, warm_start, watch):
+def set_limits(limits, tol, max_iterations, cpu_seconds, warm_start, watch, threads=None):
     """Fills a dls_limits; None leaves the default."""
     if tol is not None:
         limits.tol = tol
@@ -99,6 +99,8 @@ def set_limits(limits, tol, max_iterations, cpu_seconds, warm_start, watch):
         limits.max_iterations = max_iterations
     if cpu_seconds is not None:
         limits.cpu_seconds = cpu_seconds
+    if threads is not None:
+        limits.threads = threads
     if warm_start is not None:
         limits.warm_start = warm_start
     if watch:
@@ -114,7 +116,7 @@ def find_method(name):
 
 def solve_problem(problem, method="auto", tol=None, max_iterations=None, cpu_seconds=None, r0=None,
                   acceleration=None, facets=None, positive_definite=None, history=False,
-                  progress=None):
+                  progress=None, threads=None):
     """Solves a dls_contact; the arguments are those of solve()."""
     settings = structs["dls_solver_settings"]()
     lib.dls_solver_settings_init(byref(settings))
@@ -132,7 +134,7 @@ def solve_problem(problem, method="auto", tol=None, max_iterations=None, cpu_sec
     m = problem.d * problem.nc
     r = np.zeros(m) if r0 is None else vector("r0", r0, m).copy()
     u = np.zeros(m)
-    set_limits(settings.limits, tol, max_iterations, cpu_seconds, r0 is not None, watch)
+    set_limits(settings.limits, tol, max_iterations, cpu_seconds, r0 is not None, watch, threads)
     info = structs["dls_info"]()
     status = call("dls_solve", byref(problem), byref(settings), address(r), address(u), byref(info))
     if watch and watch.exception:
@@ -152,9 +154,16 @@ def _problem(W, q, mu, d):
     nc = q.size // d
     q = vector("q", q, d * nc)
     mu = vector("mu", mu, nc)
+    problem = structs["dls_contact"](d=d, nc=nc, q=address(q), mu=address(mu))
+    if isinstance(W, tuple):
+        body, H = np.array(W[0], dtype=np.int32, order="C"), np.array(W[1], np.float64, order="C")
+        if body.shape != (nc, 2) or H.shape[:3] != (nc, 2, d) or H.ndim != 4:
+            raise ValueError(f"body is {body.shape}, H is {H.shape}; nc = {nc}, d = {d}")
+        count = int(body.max(initial=-1)) + 1
+        problem.bodies = structs["dls_bodies"](H.shape[3], count, address(body), address(H), None)
+        return problem, (q, mu, body, H)
     if W.shape != (q.size, q.size):
         raise ValueError(f"W is {W.shape[0]} x {W.shape[1]}, q has {entries(q)}")
-    problem = structs["dls_contact"](d=d, nc=nc, q=address(q), mu=address(mu))
     if hasattr(W, "tocsc"):
         # rows of blocks of the transpose, each stored by rows: the columns of W, stored by columns
         B = W.T.tobsr(blocksize=(d, d))
@@ -174,18 +183,20 @@ def solve(W, q, mu, d=None, **options):
     """Solves u = W r + q with Coulomb friction; returns a Solution.
 
     W    m x m, numpy (dense) or scipy.sparse (by d x d blocks); (n, t) or (n, t, s) of one
-         candidate after the other
+         candidate after the other. Or (body, H) of rigid bodies: body is nc x 2, -1 for a fixed
+         one; H is nc x 2 x d x 3 (d - 1): how the reaction's component moves the body, with
+         M^-1/2 in it (dls_bodies)
     q    m, or nc x d
     mu   nc, or one number
     d    2 or 3, if it does not follow from q or mu
 
     method="auto" (or "nlgs", "lemke", "newton", "admm", ...), tol=1e-8, max_iterations,
     cpu_seconds, r0 (a start), acceleration="anderson" (nlgs), facets, positive_definite,
-    history=True, progress=function of a Progress, which cancels by returning True.
+    history=True, progress=function of a Progress, which cancels by returning True, threads.
 
     Raises Error for wrong data; a solve that stops early has solution.solved == False.
     """
-    if not hasattr(W, "tocsc"):
+    if not hasattr(W, "tocsc") and not isinstance(W, tuple):
         W = np.atleast_2d(np.asarray(W, dtype=np.float64))
     problem, kept = _problem(W, q, mu, d)
     solution = solve_problem(problem, **options)
@@ -195,7 +206,7 @@ def solve(W, q, mu, d=None, **options):
 
 def certify(W, q, mu, r, d=None):
     """Measures r: returns its Certificate, with u = W r + q recomputed from W and q."""
-    if not hasattr(W, "tocsc"):
+    if not hasattr(W, "tocsc") and not isinstance(W, tuple):
         W = np.atleast_2d(np.asarray(W, dtype=np.float64))
     problem, kept = _problem(W, q, mu, d)
     r = vector("r", r, problem.d * problem.nc)
