@@ -40,10 +40,10 @@
  *          failure of Newton's method doubles s.
  *
  * Sweeps end when (AT6) > (AT7), or > 100 where (AT12) or (AT13) is next, after 10 sweeps (20 for W
- * by blocks; half of that from a warm start), a number that each failure doubles. Newton's method
- * gives up when 3 steps, doubled by each failure, have not brought e down by a tenth. A forecast
- * that was wrong is so believed less each time. No clock is read: the same input takes the same
- * stages and gives the same bits.
+ * by blocks, or while e > .05 before any failure; half of that from a warm start), a number that
+ * each failure doubles. Newton's method gives up when 4 steps, doubled by each failure, have
+ * not brought e down by a tenth. A forecast that was wrong is so believed less each time. No clock
+ * is read: the same input takes the same stages and gives the same bits.
  *
  * W dense is what an elastic body leaves, regular. W by blocks comes from many bodies, often rigid
  * ones; it is then singular, and Newton's steps converge slowly. The free velocity q of bodies at
@@ -79,7 +79,7 @@
 enum {
   look_every = 5,
   first_sweeps = 10,
-  first_patience = 3,
+  first_patience = 4,
   most_failures = 5,
   most_pushes = 1000000
 };
@@ -97,6 +97,7 @@ enum { other_unknowns = 3000 };       /* beyond, another way takes too long, and
 enum { other_iterations = 2000 };     /* of sweeps and splitting by another way */
 enum { sure_starts = 2 };   /* (AT9): candidates, d = 3, whose states scattered starts cover */
 enum { copy_failures = 3 }; /* so much is Newton's method believed on a copy */
+static const double unsorted = 0.05;        /* e: with more, few states are those of the answer */
 static const double progress = 0.9;         /* of e, below which a step has brought it down */
 static const double share_outside = 0.1;    /* of -q outside of the cones, for what may rest */
 static const double null_direction = 1e-10; /* |D^-1 W delta| over |delta|: (AT9) */
@@ -243,8 +244,9 @@ static int watch_sweeps(void *data, const dls_progress *p) {
   const double newton = cost_of_newton(work), ahead = (work->least - work->target) / work->rate;
   const double other = may_push(work) ? push_ahead : newton;
   const double next = work->may_rest ? fmin(other, rest_sweeps) : other;
-  const int first =
-      (work->problem->W.a ? 1 : 2) * first_sweeps / (work->options.limits.warm_start + 1);
+  const int sorted = work->failures || p->residual <= unsorted;
+  const int twice = !work->problem->W.a || !sorted;
+  const int first = (twice + 1) * first_sweeps / (work->options.limits.warm_start + 1);
   return p->iteration >= first << work->failures && ahead > next;
 }
 
