@@ -58,6 +58,10 @@
  *   (AT15) line      where the start of a warm solve is the answer of the one before, the line
  *          through the last two answers is followed: the better one of both starts is taken.
  *
+ *   (AT16) apart     where two in five candidates or more provably cannot touch (apart.c), W
+ *          dense, a cold solve begins with the problem of the others, a copy. Its answer is that of
+ *          the whole; without one, the whole is solved as if there had been no copy.
+ *
  *   (AT9)  verdict. DLS_NO_SOLUTION if (AT10) has a proof. DLS_NO_SOLUTION_LIKELY only where W
  *          shows no reason for a solution (vi/exists.c), and (AT10) shows that none could be
  *          certified, or all of (AT1)-(AT8) have failed and, d = 2 and up to 8 candidates, no
@@ -132,6 +136,8 @@ typedef struct dlsi_auto {
   double *kept;       /* m: the best r before the copy */
   double *direction;  /* m: the vectors of a verdict on the copy, in the order of the problem */
   double *farkas;     /* nc */
+  int *touching;      /* (AT16) those of the problem of the others; NULL in between */
+  double *shown;      /* m: then, r of all candidates for the caller's callback */
 
   /* of the solve before: (AT12) */
   int newton_won, failed_to_step;
@@ -143,6 +149,8 @@ typedef struct dlsi_auto {
   /* of the solve under way */
   const dls_contact *problem; /* the caller's, or the copy */
   int has_copy, has_direction, has_farkas;
+  int touches;        /* (AT16): candidates of the problem of the others; 0: the whole is solved */
+  int whole;          /* candidates of the caller's problem */
   int bonded;         /* a candidate has infinite friction: no pivoting, path or verdict */
   int excluded;       /* (AT10): no r can be certified */
   dls_info info;      /* its certificate is that of best */
@@ -190,6 +198,14 @@ static int may_step(const dlsi_auto *work) {
 
 /* ---- when a stage gives up ------------------------------------------------------------------- */
 
+/* all := r of the candidates that may touch, 0 for the others. */
+static void put_among_all(const dlsi_auto *work, const double *r, double *all) {
+  const size_t d = (size_t)work->d;
+  memset(all, 0, d * (size_t)work->whole * sizeof *all);
+  for (size_t k = 0; k < (size_t)work->touches; k++)
+    memcpy(all + d * (size_t)work->touching[k], r + d * k, d * sizeof *all);
+}
+
 /* Tells the caller's callback and keeps to the caller's limits. Returns 1 to stop. */
 static int must_stop(dlsi_auto *work, const dls_progress *p) {
   const dls_limits *limits = &work->options.limits;
@@ -199,6 +215,10 @@ static int must_stop(dlsi_auto *work, const dls_progress *p) {
     const dlsi_renumber *copy = &work->copy;
     dlsi_renumber_back(copy, work->d, copy->power_q - copy->power_W, p->r, work->v[3]);
     mine.r = work->v[3];
+  }
+  if (work->touches && limits->progress && mine.r) {
+    put_among_all(work, mine.r, work->shown);
+    mine.r = work->shown;
   }
   work->stopped = dlsi_tell(limits, work->begun, &mine);
   if (work->stopped) return 1;
@@ -684,22 +704,71 @@ static void remember_stages(dlsi_auto *work) {
   work->last_sweeps = info->stage[0].method == DLS_NLGS ? info->stage[0].iterations : 0;
 }
 
-static dls_status auto_solve(void *automatic, const dls_contact *problem, double *r, double *u,
-                             dls_info *info, dls_error *error) {
-  dlsi_auto *work = automatic;
-  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+/* Prepares a solve of this problem from r = 0. */
+static void begin_solve(dlsi_auto *work, const dls_contact *problem) {
   work->problem = problem;
   work->bonded = dlsi_first_bonded(problem) >= 0;
   work->info = (dls_info){.method = DLS_AUTO, .certificate = dlsi_no_certificate};
-  work->begun = dlsi_clock_start(&work->options.limits);
   work->stopped = DLS_OK;
   work->limited = work->failures = work->has_split = work->costly = work->rounded = 0;
   work->has_copy = work->has_direction = work->has_farkas = work->excluded = 0;
   work->may_rest = looks_at_rest(problem);
   work->has_pushed = work->has_augmented = 0;
-  memset(work->best, 0, m * sizeof *r);
-  if (work->options.limits.warm_start) memcpy(work->best, r, m * sizeof *r);
+  memset(work->best, 0, (size_t)problem->d * (size_t)problem->nc * sizeof *work->best);
+}
+
+/* (AT16) Solves the problem of `count` candidates that may touch. values: memory of the copy.
+ * Returns as take_touching does. */
+static dls_status take_others(dlsi_auto *work, const dls_contact *problem, int count,
+                              double *values, dls_error *error) {
+  dls_contact others;
+  dlsi_subset(problem, count, work->touching, values, NULL, &others);
+  begin_solve(work, &others);
+  work->touches = count;
   const dls_status status = take_stages(work, error);
+  memcpy(work->r, work->best, (size_t)problem->d * (size_t)count * sizeof *work->r);
+  put_among_all(work, work->r, work->best);
+  work->touches = 0;
+  work->problem = problem;
+  if (status < 0) return status;
+  dlsi_contact_weights(problem, work->w);
+  dlsi_contact_multiply(problem, NULL, work->best, work->v[0], work->v[1]);
+  dlsi_contact_measure(problem, work->best, work->v[0], work->v[1], work->w, work->v[2],
+                       &work->info.certificate);
+  if (dls_certificate_holds(&work->info.certificate, work->options.limits.tol)) return DLS_OK;
+  return work->stopped || work->limited || status == DLS_TIME_LIMIT ? status : DLS_STALLED;
+}
+
+/* (AT16) Returns DLS_OK, an error, the reason for an end by the caller, or DLS_STALLED to go on. */
+static dls_status take_touching(dlsi_auto *work, const dls_contact *problem, dls_error *error) {
+  const int count = dlsi_list_touching(problem, &work->touching);
+  const size_t d = (size_t)problem->d, n = (size_t)count, m = d * n;
+  dls_status status = DLS_STALLED;
+  if (count == 0) return status;
+  double *values = dlsi_alloc(m * m + m + n + d * (size_t)problem->nc, sizeof *values);
+  if (values) { /* else the whole, which needs no copy */
+    work->shown = values + m * m + m + n;
+    status = take_others(work, problem, count, values, error);
+  }
+  free(values);
+  free(work->touching);
+  work->touching = NULL;
+  return status;
+}
+
+static dls_status auto_solve(void *automatic, const dls_contact *problem, double *r, double *u,
+                             dls_info *info, dls_error *error) {
+  dlsi_auto *work = automatic;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const int warm = work->options.limits.warm_start;
+  work->begun = dlsi_clock_start(&work->options.limits);
+  work->whole = problem->nc;
+  dls_status status = warm ? DLS_STALLED : take_touching(work, problem, error);
+  if (status == DLS_STALLED) {
+    begin_solve(work, problem);
+    if (warm) memcpy(work->best, r, m * sizeof *r);
+    status = take_stages(work, error);
+  }
   if (status < 0) return status;
   memcpy(r, work->best, m * sizeof *r);
   const int looks = info && status == DLS_OK;
@@ -707,7 +776,7 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   if (u) memcpy(u, work->v[0], m * sizeof *u);
   work->info.status = status;
   remember_stages(work);
-  if (work->options.limits.warm_start) remember_answer(work, r);
+  if (warm) remember_answer(work, r);
   if (looks) look_for_others(work, r);
   if (info) *info = work->info;
   return status;
