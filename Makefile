@@ -371,7 +371,7 @@ FAULTS ?= --most=0
 faults: $(BUILD)/tests/torment/faults
 	OPENBLAS_NUM_THREADS=1 $< $(FAULTS)
 check-faults: $(BUILD)/tests/torment/faults
-	@OPENBLAS_NUM_THREADS=1 $< --most=8
+	@OPENBLAS_NUM_THREADS=1 $< --most=16
 
 .PHONY: fuzz check-fuzz
 FUZZ_TARGETS = fclib sets mtx text calculix program lcp contact reduction motion

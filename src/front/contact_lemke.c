@@ -184,6 +184,12 @@ static int tell_of_path(void *lemke, const dls_progress *of_path) {
   return dlsi_tell(limits, work->it.begun, &progress) == DLS_CANCELLED;
 }
 
+/* Returns DLS_STALLED for an LCP whose scales or unknowns lie beyond the range of numbers: those of
+ * the problem do not, and the best r so far stays. */
+static dls_status stall_beyond_range(dls_status status) {
+  return status == DLS_E_NOT_FINITE ? DLS_STALLED : status;
+}
+
 /* (CL1) Solves the LCP of `facets` (0: the 3-row form) in scaled unknowns, warm from the states
  * of work->z, and offers its reactions. Returns the status of the LCP, or an error. */
 static dls_status pivot(contact_lemke *work, const dls_contact *problem, int facets, int *pivots,
@@ -193,7 +199,7 @@ static dls_status pivot(contact_lemke *work, const dls_contact *problem, int fac
   dls_status status =
       facets ? dls_contact_to_facets_lcp(problem, facets, s, work->M, n, work->q, error)
              : dls_contact_to_lcp(problem, s, work->M, n, work->q, error);
-  if (status) return status;
+  if (status) return stall_beyond_range(status);
   if (facets) memset(work->z, 0, (size_t)n * sizeof *work->z);
   const dls_lcp lcp = {n, {n, n, n, work->M}, work->q};
   dls_lemke_info info;
@@ -210,7 +216,7 @@ static dls_status pivot(contact_lemke *work, const dls_contact *problem, int fac
   const dls_status mapped =
       facets ? dls_contact_from_facets_lcp(problem, facets, s, work->z, work->r, error)
              : dls_contact_from_lcp(problem, s, work->z, work->r, error);
-  if (mapped) return mapped;
+  if (mapped) return stall_beyond_range(mapped);
   (void)dlsi_iterate_offer(&work->it, problem, work->r);
   return status == DLS_RAY || status == DLS_NO_SOLUTION ? read_ray(work, status, error) : status;
 }

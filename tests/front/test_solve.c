@@ -964,6 +964,32 @@ START_TEST(forces_beyond_numbers) {
 }
 END_TEST
 
+/* W next to the ends of the range is no error of an argument that nobody has given. */
+START_TEST(entries_at_the_ends_of_the_range) {
+  static const double ends[] = {5e-324, 1e-310, 1e-160, 1e160, 1e300, 1.7e308};
+  const double rough[] = {.3, .5};
+  for (int d = 2; d <= 3; d++)
+    for (size_t e = 0; e < sizeof ends / sizeof *ends; e++)
+      for (int method = 0; dls_method_name((dls_method)method); method++) {
+        const int m = 2 * d;
+        double large_W[36] = {0}, load[6], r[6];
+        for (int k = 0; k < m; k++) {
+          large_W[k + m * k] = ends[e];
+          load[k] = k % d ? .3 : -1;
+        }
+        const dls_contact problem = {
+            .d = d, .nc = 2, .W = {m, m, m, large_W}, .q = load, .mu = rough};
+        dls_error error = {0};
+        dls_solver_settings s;
+        dls_solver_settings_init(&s);
+        s.method = (dls_method)method;
+        s.limits.max_iterations = 100;
+        const dls_status status = dls_solve(&problem, &s, r, NULL, NULL, &error);
+        ck_assert_msg(status >= 0, "%s, %g: %s", dls_method_name(s.method), ends[e], error.message);
+      }
+}
+END_TEST
+
 START_TEST(auto_starts_warm) {
   static planted_problem a;
   int cold_cost = 0, warm_cost = 0;
@@ -1126,7 +1152,7 @@ int main(void) {
              ONCE(auto_takes_the_same_stages_in_any_units), ONCE(auto_does_not_see_frames),
              ONCE(auto_does_not_see_the_order),
              ONCE(no_allocation_by_blocks_and_in_larger_problems), ONCE(forces_beyond_numbers),
-             ONCE(auto_starts_warm), ONCE(a_jam_has_likely_no_solution),
-             ONCE(auto_forgets_the_solve_before), ONCE(auto_proves_that_there_is_no_solution),
-             ONCE(time_limit_in_any_stage));
+             ONCE(entries_at_the_ends_of_the_range), ONCE(auto_starts_warm),
+             ONCE(a_jam_has_likely_no_solution), ONCE(auto_forgets_the_solve_before),
+             ONCE(auto_proves_that_there_is_no_solution), ONCE(time_limit_in_any_stage));
 }
