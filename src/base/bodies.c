@@ -189,12 +189,17 @@ static int bodies_next(const dls_contact *problem, bodies_column *column, double
 
 static dls_status bodies_count(const dlsi_formed *formed, const dls_contact *problem, int *count,
                                dls_error *error) {
-  size_t found = 0;
-  for (int c = 0; c < problem->nc && found <= INT_MAX; c++) {
+  size_t found = 0, least = 0; /* blocks: a body couples all of its candidates */
+  for (int b = 0; b < problem->bodies.count; b++) {
+    const size_t of = (size_t)(formed->list[b + 1] - formed->list[b]);
+    if (of * of > least) least = of * of;
+  }
+  for (int c = 0; least <= INT_MAX && found <= INT_MAX && c < problem->nc; c++) {
     bodies_column column = bodies_begin(formed, problem, c);
     while (bodies_next(problem, &column, NULL) >= 0)
       found++;
   }
+  if (least > found) found = least;
   if (found > INT_MAX)
     return dlsi_fail(error, DLS_E_SIZE, "bodies", -1, (double)found, "leave W too many blocks");
   *count = (int)found;
