@@ -125,8 +125,12 @@ help:
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
 	@echo 'make check-properties   420 of them'
 	@echo 'make asan        tests under the address and undefined sanitizers'
-	@echo 'make threads     eight threads at once under the thread sanitizer'
+	@echo 'make threads     eight threads at once under the thread sanitizer; RUNS=20'
+	@echo 'make mutants     changes of the code that no test sees; MUTANTS=100 SEED=n'
+	@echo 'make coverage    lines and branches of the library that no test runs'
 	@echo 'make valgrind    tests under valgrind, no leak'
+	@echo 'make torment     faults, fuzz, threads, mutants; make fuzz FUZZ_SECONDS=600; make faults'
+	@echo 'make check-fuzz check-faults   the short forms of two of them'
 	@echo 'make check-languages   tests and examples in C++, Fortran and Python'
 	@echo 'make check-build check-symbols check-arrows check-names check-headers   parts of it, and each header'
 	@echo 'make lint format-check format      clang-tidy and cppcheck; layout and 100 columns'
@@ -233,7 +237,7 @@ $(BUILD)/obj/tests/files/test_files.o: CPPFLAGS += $(HDF5_CFLAGS)
 
 .PHONY: check
 check: deps
-	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build check-properties check-install
+	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build check-properties check-faults check-fuzz check-install
 
 .PHONY: check-build
 check-build: all $(TESTS) $(LANGUAGES) $(addprefix $(BUILD)/bench/,auto blocks steps trust)
@@ -249,12 +253,32 @@ asan:
 	$(MAKE) check-build BUILD=$(BUILD)/asan CFLAGS='-O1 -g -fno-omit-frame-pointer' \
 	  SANITIZE='-fsanitize=address,undefined -fno-sanitize-recover=all'
 
-# host threads under the thread sanitizer
+# host threads under the thread sanitizer, RUNS times
 .PHONY: threads
+RUNS ?= 1
+THREADS = $(addprefix $(BUILD)/tsan/tests/,reduction/test_threads contract/test_side_by_side)
 threads:
-	@$(MAKE) --no-print-directory $(BUILD)/tsan/tests/reduction/test_threads BUILD=$(BUILD)/tsan CFLAGS='-O1 -g' \
-	  SANITIZE=-fsanitize=thread
-	CK_FORK=no OPENBLAS_NUM_THREADS=1 TSAN_OPTIONS=halt_on_error=1 $(BUILD)/tsan/tests/reduction/test_threads
+	@$(MAKE) --no-print-directory $(THREADS) BUILD=$(BUILD)/tsan CFLAGS='-O1 -g' SANITIZE=-fsanitize=thread
+	for run in $$(seq $(RUNS)); do for test in $(THREADS); do \
+	  CK_FORK=no OPENBLAS_NUM_THREADS=1 TSAN_OPTIONS=halt_on_error=1 $$test || exit 1; done; done
+
+# lines and branches of the library that no test runs; the slow tests of forming are left out
+.PHONY: coverage
+COVERED = $(filter-out %/test_forming %/test_forming_body %/test_forming_cli %/test_charts,$(TESTS))
+coverage:
+	@$(MAKE) --no-print-directory coverage-build BUILD=$(BUILD)/coverage CFLAGS='-O0 -g' SANITIZE=--coverage
+	@python3 tests/torment/coverage.py $(BUILD)/coverage
+.PHONY: coverage-build
+coverage-build: $(PROGRAM) $(COVERED)
+	@find $(BUILD) -name '*.gcda' -delete
+	@for test in $(COVERED); do \
+	  OPENBLAS_NUM_THREADS=1 CK_TIMEOUT_MULTIPLIER=10 DELASSUS_PROGRAM=$(PROGRAM) $$test || exit 1; done
+
+# a change that no test sees: MUTANTS of them, by chance from SEED on; tests/torment/README.md
+.PHONY: mutants
+MUTANTS ?= 100
+mutants: all
+	@python3 tests/torment/mutants.py $(BUILD) --count $(MUTANTS) $(if $(SEED),--seed $(SEED))
 
 .PHONY: valgrind
 valgrind: all $(TESTS) $(LANGUAGES)
@@ -312,6 +336,57 @@ properties: $(PROPERTIES_PROGRAM)
 .PHONY: check-properties
 check-properties: $(PROPERTIES_PROGRAM)
 	@OPENBLAS_NUM_THREADS=1 $(PROPERTIES_PROGRAM) --out $(BUILD)/properties --count 420 --seed 1 --step 2
+
+# ---- torments (tests/torment/README.md) ------------------------------------------------------------
+
+.PHONY: torment
+torment:
+	@$(MAKE) --no-print-directory faults
+	@$(MAKE) --no-print-directory fuzz
+	@$(MAKE) --no-print-directory threads
+	@$(MAKE) --no-print-directory mutants
+
+# any bytes into every door: an engine of its own, or with clang libFuzzer's
+FUZZ_OBJ = $(call obj,$(wildcard tests/torment/fuzz*.c)) $(BUILD)/obj/tests/torment/main.o
+FUZZ_CLI = $(filter-out %/main.o,$(call obj,$(CLI_SRC)))
+$(call obj,$(wildcard tests/torment/fuzz*.c)): CPPFLAGS += $(HDF5_CFLAGS) $(FUZZ_CPP)
+$(BUILD)/obj/tests/torment/main.o: src/cli/main.c
+	@mkdir -p $(@D)
+	$(call say,CC  )
+	$(Q)$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -Dmain=delassus_main -Wno-missing-prototypes -c -o $@ $<
+$(BUILD)/tests/torment/fuzz: $(FUZZ_OBJ) $(FUZZ_CLI) $(FE) $(A)
+	@mkdir -p $(@D)
+	$(call say,LINK)
+	$(Q)$(CC) $(SANITIZE) $(FUZZ_LINK) $(LDFLAGS) -o $@ $^ $(LIBS)
+
+# every k-th call of malloc, open, fsync, rename, close fails
+FAULT_WRAP = $(patsubst %,-Wl$(comma)--wrap=%,malloc calloc realloc free fopen open fdopen fsync rename fclose)
+comma = ,
+$(BUILD)/tests/torment/faults: $(call obj,tests/torment/faults.c) $(BUILD)/obj/tests/torment/main.o $(FUZZ_CLI) $(FE) $(A)
+	@mkdir -p $(@D)
+	$(call say,LINK)
+	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) $(FAULT_WRAP) -o $@ $^ $(LIBS)
+.PHONY: faults check-faults
+FAULTS ?= --most=0
+faults: $(BUILD)/tests/torment/faults
+	OPENBLAS_NUM_THREADS=1 $< $(FAULTS)
+check-faults: $(BUILD)/tests/torment/faults
+	@OPENBLAS_NUM_THREADS=1 $< --most=8
+
+.PHONY: fuzz check-fuzz
+FUZZ_TARGETS = fclib sets mtx text calculix program lcp contact reduction motion
+FUZZ_SECONDS ?= 60
+# under the sanitizers; a target of libFuzzer is told by the program's name
+FUZZ_FLAGS = BUILD=$(BUILD)/fuzz CFLAGS='-O1 -g -fno-omit-frame-pointer'
+fuzz:
+	@if command -v clang >/dev/null; then tests/torment/fuzz.sh '$(MAKE)' $(BUILD)/fuzz $(FUZZ_SECONDS) $(FUZZ_TARGETS); else \
+	  $(MAKE) --no-print-directory $(BUILD)/fuzz/tests/torment/fuzz $(FUZZ_FLAGS) SANITIZE='-fsanitize=address,undefined -fno-sanitize-recover=all' && \
+	  OPENBLAS_NUM_THREADS=1 $(BUILD)/fuzz/tests/torment/fuzz --seconds=$(FUZZ_SECONDS) --sanitized --out=$(BUILD)/fuzz; fi
+
+# without clang and sanitizers: memory and time, too
+FUZZ ?= --seconds=2
+check-fuzz: $(BUILD)/tests/torment/fuzz
+	@OPENBLAS_NUM_THREADS=1 $< --out=$(BUILD) $(FUZZ)
 
 # ---- benchmarks, never part of all or check --------------------------------------------------------
 

@@ -115,7 +115,8 @@ void dlsi_lcp_measure(const dls_lcp *lcp, const double *z, const double *y, cons
       FF += F * F;
     }
   }
-  c.residual = largest == 0 ? 0 : unit * sqrt(FF) / scale;
+  /* against a norm beyond the range of numbers everything is small: it certifies nothing */
+  c.residual = largest == 0 ? 0 : scale <= DBL_MAX ? unit * sqrt(FF) / scale : INFINITY;
   c.floor = az == 0 ? 0 : DBL_EPSILON * (az / scale);
   *certificate = c;
 }

@@ -622,8 +622,11 @@ static void lemke_offer(dls_lemke *work, const dls_lcp *lcp, const double *z, in
 
 /* Makes z = 0 the best so far, [C] (41). */
 static void lemke_offer_zero(dls_lemke *work, const dls_lcp *lcp) {
-  memset(work->work, 0, (size_t)lcp->n * sizeof *work->work);
-  work->best.residual = INFINITY;
+  const size_t n = (size_t)lcp->n;
+  memset(work->work, 0, n * sizeof *work->work);
+  memset(work->z, 0, n * sizeof *work->z);
+  memcpy(work->best_y, lcp->q, n * sizeof *work->best_y);
+  work->best = (dls_lcp_certificate){.residual = INFINITY, .negative_y = INFINITY};
   lemke_offer(work, lcp, work->work, 0);
 }
 

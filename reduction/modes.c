@@ -178,6 +178,8 @@ static dls_status modes_split(const scaled *A, double *V, int count, double *T, 
   double s[block], Y[block * block], best, unused;
   int info;
   scaled_multiply(A, V, count, T);
+  *found = 0;
+  if (dlsi_first_not_finite(T, (size_t)n * (size_t)count) >= 0) return DLS_OK;
   dgesvd_("N", "A", &n, &count, T, &n, s, &unused, &n, Y, &count, &best, &ask, &info, 1, 1);
   const int size = (int)best;
   double *work = dlsi_alloc((size_t)size, sizeof *work);

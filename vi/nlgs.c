@@ -663,7 +663,7 @@ static double nlgs_threshold(const dls_contact *problem, const double *F2, doubl
   double bound = 0, held = 0;
   for (int c = 0; c < problem->nc; c++)
     bound = fmax(bound, F2[c]);
-  while (bound > 0 && held < local_share * sum) {
+  while (bound > 0 && bound <= DBL_MAX && held < local_share * sum) {
     bound /= 2;
     held = 0;
     for (int c = 0; c < problem->nc; c++)

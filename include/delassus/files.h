@@ -111,6 +111,11 @@ DLS_API void dls_mtx_free_sparse(dls_sparse *A);
 DLS_API DLS_MUST_USE dls_status dls_mtx_write(const char *path, const dls_dense *A,
                                               dls_error *error);
 
+/* Writes as dls_mtx_write does, with `comment`, a line, below the banner; NULL or "": none.
+ * DLS_E_ARGUMENT for a comment of several lines. */
+DLS_API DLS_MUST_USE dls_status dls_mtx_write_commented(const char *path, const dls_dense *A,
+                                                        const char *comment, dls_error *error);
+
 /* A small problem in text, in memory; owns all that the functions below hand out. A line is a key
  * and its text; # begins a comment line. The lines of a contact problem and of an LCP:
  *

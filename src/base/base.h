@@ -19,13 +19,14 @@
 /* Compiles a function twice, plain and with AVX2, where the linker can choose at load time.
  * Products and sums are rounded one by one in both, to the same bits. Functions that it calls have
  * to be inlined. Not under the thread sanitizer, whose code would run before it is set up, as the
- * linker chooses. */
+ * linker chooses; not without optimisation, so that make coverage sees each line once. */
 #if defined(__has_feature)
 #if __has_feature(thread_sanitizer)
 #define __SANITIZE_THREAD__
 #endif
 #endif
-#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__SANITIZE_THREAD__)
+#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__OPTIMIZE__) &&                      \
+    !defined(__SANITIZE_THREAD__)
 #define DLSI_CLONES __attribute__((target_clones("avx2", "default")))
 #define DLSI_INLINE inline __attribute__((always_inline))
 #else

@@ -394,7 +394,8 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
   const double rounded_force =
       dlsi_is_plain(s.rounded_force) ? sqrt(s.rounded_force) : norm_of(&of, 1, 1);
   const double scale_u = q > 0 ? q : dlsi_norm2(a, m), scale_r = force > size ? force : size;
-  dlsi_set_residuals(&c, f == 0 ? 0 : f / scale_u, force, size);
+  /* against a norm beyond the range of numbers everything is small: it certifies nothing */
+  dlsi_set_residuals(&c, f == 0 ? 0 : scale_u <= DBL_MAX ? f / scale_u : INFINITY, force, size);
   c.floor_u = scale_u == 0 ? 0 : DBL_EPSILON * (rounded / scale_u);
   c.floor_r = scale_r == 0 ? 0 : DBL_EPSILON * (rounded_force / scale_r);
   *certificate = c;

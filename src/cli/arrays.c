@@ -293,7 +293,8 @@ int sparse_is_symmetric(const dls_sparse *A) {
   const int n = A->rows;
   sparse T = {0};
   double *column = calloc(3 * (size_t)n, sizeof *column), *row = column + n, *diagonal = row + n;
-  int same = column && sparse_alloc(n, n, (size_t)A->p[n], &T) ? 1 : -1;
+  if (!column) return complain("out of memory"), -1;
+  int same = sparse_alloc(n, n, (size_t)A->p[n], &T) ? 1 : -1;
   if (same > 0) transpose(A, &T);
   for (int j = 0; j < n && same > 0; j++)
     for (int k = A->p[j]; k < A->p[j + 1]; k++)

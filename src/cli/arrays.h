@@ -37,7 +37,7 @@ int array_is_sparse(const char *path);
 int array_is_calculix(const char *path);
 
 /* Return 1 if the matrix (n x n) is symmetric but for the rounding of an assembly, 0 if not; -1
- * after running out of memory. */
+ * after a complaint of no memory. */
 int dense_is_symmetric(int n, const double *a);
 int sparse_is_symmetric(const dls_sparse *A);
 

@@ -159,15 +159,17 @@ static void chart_amplify(chart *c) {
   }
 }
 
-/* Asks the library how much larger than a residual the error of r may be. */
-static void chart_predict(chart *c) {
+/* Asks the library how much larger than a residual the error of r may be; without memory returns
+ * DLS_E_MEMORY. */
+static dls_status chart_predict(chart *c, dls_error *error) {
   dls_sensitivity s;
   c->predicted = NAN;
-  if (c->in_u || !c->answers || c->race.d * c->race.nc > most_rows_of_prediction) return;
+  if (c->in_u || !c->answers || c->race.d * c->race.nc > most_rows_of_prediction) return DLS_OK;
   const int of = c->answer[0].of;
   const double *r = race_answer(&c->race, of, chart_best_rung(c, of));
-  if (!dls_contact_sensitivity(c->race.problem, r, &s, NULL))
-    c->predicted = fmin(s.amplification, s.amplification_r);
+  const dls_status status = dls_contact_sensitivity(c->race.problem, r, &s, error);
+  if (!status) c->predicted = fmin(s.amplification, s.amplification_r);
+  return status == DLS_E_MEMORY ? status : DLS_OK;
 }
 
 /* ---- the advice ------------------------------------------------------------------------------ */
@@ -271,7 +273,8 @@ static dls_status chart_measure(chart *c, const char *name, const chart_options 
   if (status) return status;
   chart_errors(c);
   chart_amplify(c);
-  chart_predict(c);
+  status = chart_predict(c, error);
+  if (status) return status;
   chart_choose(c);
   return chart_histories(c, o->limit, error);
 }

@@ -45,6 +45,11 @@ typedef struct problem {
 
 /* Reads a problem. bodies: 1 to keep a global one of rigid bodies factored, 0 to reduce it. */
 dls_status problem_load(const char *path, int bodies, problem *p, dls_error *error);
+
+/* Keeps the BLAS of this process to one thread for a small problem: threads that wait for work of
+ * some microseconds take more CPU than the work (docs/threads.md). The library itself leaves the
+ * BLAS of its host alone. */
+void problem_fit_threads(const problem *p);
 void problem_free(problem *p);
 
 const char *problem_title(const problem *p);
@@ -172,18 +177,26 @@ double largest_entry(const double *v, int n);
  * iteration of a method. */
 const char *status_word(dls_status status);
 const char *state_word(dls_contact_state state);
+
+/* Writes "not solved: WHY, residual R" into text (size), nothing for solved, and returns it: what
+ * every file with an answer carries. */
+enum { UNSOLVED_ROOM = 120 };
+const char *unsolved_words(dls_status status, double residual, char *text, size_t size);
 const char *iteration_word(dls_method method, int count);
 
 /* ---- results.c ------------------------------------------------------------------------------- */
+
+/* Finds the state of each candidate; a new array, or NULL after a complaint. */
+dls_contact_state *find_states(const dls_contact *contact, const double *r, const double *u);
 
 /* Prints the answer as a table: each candidate's state, reaction and position; with x (n), each
  * unknown's. */
 int print_results(const problem *p, const double *r, const double *u, const double *x);
 
-/* Writes the answer into DIRECTORY/r.csv and, with x, x.csv; 0 after a complaint. The directory is
- * there: make_directory. */
+/* Writes the answer into DIRECTORY/r.csv and, with x, x.csv, `unsolved` in a line before it; 0
+ * after a complaint. The directory is there: make_directory. */
 int write_results(const char *directory, const problem *p, const double *r, const double *u,
-                  const double *x);
+                  const double *x, const char *unsolved);
 
 /* ---- verdict.c ------------------------------------------------------------------------------- */
 

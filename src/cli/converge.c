@@ -100,7 +100,7 @@ static int converge_scene(const char *name, const converge_options *o) {
     if (csv) fprintf(csv, "%d,%.17g,%.17g,%.6g\n", settings.nx, h[count], error[count], order);
     (void)fflush(stdout);
   }
-  if (csv) good &= close_file(csv, "converge.csv");
+  if (csv) good = good && close_file(csv, "converge.csv");
   if (!good) return EXIT_BAD_INPUT;
   if (count > 1) {
     double factor;

@@ -355,10 +355,11 @@ static int run_forming(const forming_options *o) {
         print_forming_json(o, &d, status, seconds);
       else if (!is_quiet())
         print_forming_summary(o, &d, status, seconds);
+      if (out.force && status)
+        fprintf(out.force, "# %s at %.6g of %.6g mm\n", dls_status_text(status), d.travel, d.whole);
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
-  /* where a file could not be written, not those of a part of the steps either */
-  if (result == EXIT_BAD_INPUT && status >= 0) drop_outputs(&out);
+  if (result == EXIT_BAD_INPUT) drop_outputs(&out);
   if (!close_outputs(&out)) result = EXIT_BAD_INPUT;
   if (o->save && result != EXIT_BAD_INPUT) {
     dls_contact last;

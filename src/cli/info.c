@@ -114,12 +114,17 @@ typedef struct trust {
   double r[room * listed_rows], low[room * listed_rows], high[room * listed_rows];
 } trust;
 
-static void find_trust(const dls_contact *contact, trust *t) {
-  t->has_fold = contact->d == 2 && contact->nc <= most_fold &&
-                dls_contact_fold(contact, &t->fold, NULL, NULL, NULL, NULL, NULL) == DLS_OK;
-  if (contact->d != 2 || contact->nc > most_listed) return;
-  t->status = dls_contact_enumerate(contact, 1e-8, room, t->r, t->low, t->high, &t->set, NULL);
+/* Finds fold and solutions where the problem has them; without memory returns DLS_E_MEMORY. */
+static dls_status find_trust(const dls_contact *contact, trust *t, dls_error *error) {
+  dls_status status = contact->d == 2 && contact->nc <= most_fold
+                          ? dls_contact_fold(contact, &t->fold, NULL, NULL, NULL, NULL, error)
+                          : DLS_E_UNSUPPORTED;
+  t->has_fold = status == DLS_OK;
+  if (status == DLS_E_MEMORY) return status;
+  if (contact->d != 2 || contact->nc > most_listed) return DLS_OK;
+  t->status = dls_contact_enumerate(contact, 1e-8, room, t->r, t->low, t->high, &t->set, error);
   t->has_list = t->status >= 0;
+  return t->status == DLS_E_MEMORY ? t->status : DLS_OK;
 }
 
 /* Returns how many solutions are in the list. */
@@ -303,11 +308,11 @@ int command_info(int argc, char **argv) {
   dls_diagnosis g;
   static trust t;
   int result = EXIT_SOLVED;
-  if (problem_load(path, 0, &p, &error) || dls_contact_diagnose(&p.contact, o.limit, &g, &error))
+  if (problem_load(path, 0, &p, &error) || dls_contact_diagnose(&p.contact, o.limit, &g, &error) ||
+      find_trust(&p.contact, &t, &error))
     result = complain_of(path, &error);
   else {
     if (is_verbose()) print_reduction(stderr, &p);
-    find_trust(&p.contact, &t);
     if (o.json)
       print_info_json(&p, &g, &t);
     else if (!is_quiet())

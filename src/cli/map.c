@@ -170,22 +170,29 @@ static int choose_rows(map_run *m, const dls_contact *contact, const map_options
   return rows;
 }
 
-static void add_lines(map_run *m, const dls_contact *contact, const map_options *o, double *mu,
-                      int done) {
+/* Marks what is known of the friction; without memory returns DLS_E_MEMORY. */
+static dls_status add_lines(map_run *m, const dls_contact *contact, const map_options *o,
+                            double *mu, int done, dls_error *error) {
   dls_diagnosis facts;
-  if (!dls_contact_diagnose(contact, most_rows_of_bounds, &facts, NULL)) {
+  dls_status status = dls_contact_diagnose(contact, most_rows_of_bounds, &facts, error);
+  if (status == DLS_E_MEMORY) return status;
+  if (!status) {
     if (facts.friction_unique > 0)
       add_line(m, facts.friction_unique, "#009e73", "one answer for all loads below");
     add_line(m, facts.friction_critical, "#d55e00", "some candidate jams above");
   }
   dls_fold fold;
-  if (contact->nc <= most_candidates_of_fold &&
-      !dls_contact_fold(contact, &fold, NULL, NULL, NULL, NULL, NULL))
+  status = contact->nc <= most_candidates_of_fold
+               ? dls_contact_fold(contact, &fold, NULL, NULL, NULL, NULL, error)
+               : DLS_E_UNSUPPORTED;
+  if (status == DLS_E_MEMORY) return status;
+  if (!status)
     add_line(m, fold.friction, "#000000",
              fold.exact ? "fold: several answers for some loads above"
                         : "fold (searched): several answers above");
   const double last = continue_rows(m, contact, o, mu, done);
   if (done && last < m->mu[done - 1]) add_line(m, last, "#cc79a7", "last reached by continuation");
+  return DLS_OK;
 }
 
 static dls_status map_friction(map_run *m, const dls_contact *given, const map_options *o,
@@ -201,7 +208,7 @@ static dls_status map_friction(map_run *m, const dls_contact *given, const map_o
     status = map_race(m, done, &contact, o, &stop, error);
   }
   m->picture.rows = done;
-  if (!status && !stop) add_lines(m, given, o, mu, done);
+  if (!status && !stop) status = add_lines(m, given, o, mu, done, error);
   free(mu);
   return status;
 }
@@ -258,6 +265,7 @@ int map_methods(int count, char **names, const map_options *o) {
     (void)snprintf(m->picture.column[k], MAP_NAME, "%s",
                    strcmp(m->who[k].name, "augmented-lagrangian") ? m->who[k].name : "augm. L.");
   m->picture.cells = calloc((size_t)MAP_ROWS * MAP_COLUMNS, sizeof *m->picture.cells);
+  if (m->picture.cells) status = DLS_OK; /* the files complain by themselves */
   if (m->picture.cells && make_directory(o->out) && (m->csv = open_in(o->out, "map.csv"))) {
     fputs("row,mu,method,verdict,cpu_s,iterations,residual\n", m->csv);
     if (count > 1) {

@@ -223,13 +223,14 @@ static dls_status against_cell(against *a, const dls_contact *given, int row, in
   return DLS_OK;
 }
 
+/* Solves for every cell. DLS_E_FILE: after a complaint. */
 static dls_status against_fill(against *a, const dls_contact *given, const map_options *o,
                                dls_error *error) {
   const size_t m = (size_t)a->base.m;
   double mu[MAP_ROWS];
   double *room = malloc((3 * m * m + 4 * m) * sizeof *room);
   FILE *csv = room ? open_in(o->out, "map.csv") : NULL;
-  dls_status status = csv ? DLS_OK : DLS_E_MEMORY;
+  dls_status status = csv ? DLS_OK : room ? DLS_E_FILE : DLS_E_MEMORY;
   a->base.W = room;
   if (csv) {
     a->base.V = room + m * m;
@@ -247,7 +248,7 @@ static dls_status against_fill(against *a, const dls_contact *given, const map_o
   for (int j = 0; j < a->picture.columns && !status; j++)
     for (int i = 0; i < a->picture.rows && !status && !was_interrupted(); i++)
       status = against_cell(a, given, i, j, mu[i], o, csv, error);
-  if (csv && !close_file(csv, "map.csv") && !status) status = DLS_E_FILE;
+  if (!status && !close_file(csv, "map.csv")) status = DLS_E_FILE;
   free(room);
   a->base = (base){0};
   return status;
@@ -292,8 +293,6 @@ int map_against(const char *name, const map_options *o) {
                    a.kind == DAMAGE_CONDITION ? log10(damages[a.kind].value[j])
                                               : damages[a.kind].value[j]);
   p->cells = calloc((size_t)(p->panels * p->rows * p->columns), sizeof *p->cells);
-  if (!status && p->cells && make_directory(o->out))
-    status = against_fill(&a, &subject.contact, o, &error);
   (void)snprintf(title, sizeof title, "%s with another %s: who still solves it", subject.name,
                  damages[a.kind].label);
   (void)snprintf(subtitle, sizeof subtitle,
@@ -301,8 +300,13 @@ int map_against(const char *name, const map_options *o) {
                  o->samples, o->tol);
   if (status || !p->cells)
     (void)complain_of(name, &error);
-  else
-    result = draw_map(p);
+  else if (make_directory(o->out)) {
+    status = against_fill(&a, &subject.contact, o, &error);
+    if (!status)
+      result = draw_map(p);
+    else if (status != DLS_E_FILE)
+      (void)complain_of(name, &error);
+  }
   free(p->cells);
   named_free(&subject);
   return end_command(result, NULL);

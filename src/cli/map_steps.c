@@ -153,17 +153,18 @@ static void set_column(map_picture *p, int j, int mesh, walker *w) {
     (void)snprintf(p->column[j], MAP_NAME, "%d", w->moving.nx);
 }
 
+/* Runs the scene for every cell. DLS_E_FILE: after a complaint. */
 static dls_status fill_walks(map_picture *p, walker *w, const map_options *o, int mesh,
                              int *all_done, dls_error *error) {
   double mu[MAP_ROWS];
-  dls_status status = DLS_OK;
   FILE *csv = open_in(o->out, "map.csv");
+  dls_status status = csv ? DLS_OK : DLS_E_FILE;
   if (csv) fprintf(csv, "mu,%s,status,part,cpu_s\n", mesh ? "mesh" : "steps");
   spread_friction(o->from, o->to < 0 ? w->most_mu : o->to, p->rows, mu);
-  *all_done = csv != NULL;
+  *all_done = 1;
   for (int i = 0; i < p->rows; i++)
     (void)snprintf(p->row[i], MAP_NAME, "%.2g", mu[i]);
-  for (int j = 0; j < p->columns && csv && !status; j++) {
+  for (int j = 0; j < p->columns && !status; j++) {
     set_column(p, j, mesh, w);
     for (int i = 0; i < p->rows && !status && !was_interrupted(); i++) {
       walk done;
@@ -175,8 +176,7 @@ static dls_status fill_walks(map_picture *p, walker *w, const map_options *o, in
               done.part, done.seconds);
     }
   }
-  if (csv && !close_file(csv, "map.csv")) *all_done = 0;
-  return status;
+  return !status && !close_file(csv, "map.csv") ? DLS_E_FILE : status;
 }
 
 /* ---- the map --------------------------------------------------------------------------------- */
@@ -202,10 +202,15 @@ int map_steps(const char *name, const map_options *o, int moves) {
             : "blue: finished, CPU seconds; else why it stopped, and after how much of the way";
   (void)snprintf(title, sizeof title, "%s by %s: does it finish?", name, o->method);
   p.cells = calloc((size_t)(p.rows * p.columns), sizeof *p.cells);
-  if (!p.cells || !make_directory(o->out) || fill_walks(&p, &w, o, mesh, &all_done, &error))
+  if (!p.cells)
     (void)complain_of(name, &error);
-  else
-    result = draw_map(&p);
+  else if (make_directory(o->out)) {
+    const dls_status status = fill_walks(&p, &w, o, mesh, &all_done, &error);
+    if (!status)
+      result = draw_map(&p);
+    else if (status != DLS_E_FILE)
+      (void)complain_of(name, &error);
+  }
   free(p.cells);
   if (result == EXIT_SOLVED && !all_done) result = EXIT_NOT_SOLVED;
   return end_command(result, "not every run finishes");

@@ -417,11 +417,10 @@ static int read_square(const char *option, const char *path, int *n, double **a)
   return good;
 }
 
-/* Chooses the factorisation: Cholesky, or LDL^T where that fails, for a symmetric K. Refuses a
- * triangle: half of a symmetric matrix, as many codes write it. */
+/* Chooses the factorisation: Cholesky, or LDL^T where that fails, for a symmetric K (1; -1: after a
+ * complaint). Refuses a triangle: half of a symmetric matrix, as many codes write it. */
 static int choose_factorization(const char *path, int symmetric, const char *triangle,
                                 dls_model *model) {
-  if (symmetric < 0) (void)complain("out of memory");
   if (!symmetric && triangle)
     return complain("--stiffness: %s is %s triangle; half of a symmetric matrix goes as the lower "
                     "triangle of a Matrix Market file that says 'symmetric'",

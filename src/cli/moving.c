@@ -344,10 +344,12 @@ static int run_moving(const moving_options *o) {
     if (moving_steps(moving, o, &files, &worst, &status)) {
       dls_moving_get(moving, &d);
       if (!is_quiet()) print_moving_summary(&d, &worst, status);
+      if (files.energy && status)
+        fprintf(files.energy, "# %s after %d of %d steps\n", dls_status_text(status), d.step,
+                d.steps);
       result = status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
     }
-  /* where a file could not be written, not those of a part of the steps either */
-  if (result == EXIT_BAD_INPUT && status >= 0) drop_moving(&files);
+  if (result == EXIT_BAD_INPUT) drop_moving(&files);
   if (!moving_close(&files)) result = EXIT_BAD_INPUT;
   if (o->out && d.step > 0 && result != EXIT_BAD_INPUT && draw_moving(o->out, &d) != EXIT_SOLVED)
     result = EXIT_BAD_INPUT;

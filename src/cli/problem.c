@@ -49,6 +49,16 @@ dls_status problem_load(const char *path, int bodies, problem *p, dls_error *err
   return status;
 }
 
+/* Is in OpenBLAS alone; NULL with another BLAS. */
+extern void openblas_set_num_threads(int count) __attribute__((weak));
+
+enum { one_thread_rows = 1000 };
+
+void problem_fit_threads(const problem *p) {
+  const long long rows = (long long)p->contact.d * p->contact.nc;
+  if (rows <= one_thread_rows && openblas_set_num_threads) openblas_set_num_threads(1);
+}
+
 void problem_free(problem *p) {
   dls_reduction_destroy(p->reduction);
   dls_fclib_destroy(p->file);

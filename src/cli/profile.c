@@ -211,7 +211,7 @@ static int run_profile(int count, char **list, const profile_options *o) {
   if (good) fputs("problem,d,nc,method,tol,verdict,cpu_s,iterations,residual\n", p.csv);
   for (int i = 0; i < count && good && !was_interrupted(); i++)
     good = profile_add(&p, list[i], o);
-  if (p.csv && !close_file(p.csv, "profile.csv")) good = 0;
+  if (good) good = close_file(p.csv, "profile.csv");
   if (good && p.problems) {
     for (int t = 0; t < PROFILE_TARGETS && !is_quiet(); t++)
       print_target(&p, profile_target[t], ratio);

@@ -236,8 +236,7 @@ static int write_profile_files(const profile_picture *p, strip *s, double *taus,
     }
     fputs("  unset multiplot\n  unset output\n}\n", gp);
   }
-  const int good = data && close_file(data, name);
-  return gp && close_file(gp, script) && good;
+  return gp && close_file(data, name) && close_file(gp, script);
 }
 
 int draw_profiles(const profile_picture *p) {

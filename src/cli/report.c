@@ -132,6 +132,13 @@ const char *status_word(dls_status status) {
   return status < 0 ? "error" : words[status];
 }
 
+const char *unsolved_words(dls_status status, double residual, char *text, size_t size) {
+  text[0] = '\0';
+  if (status)
+    (void)snprintf(text, size, "not solved: %s, residual %.2e", dls_status_text(status), residual);
+  return text;
+}
+
 const char *state_word(dls_contact_state state) {
   return state == DLS_FREE ? "free" : state == DLS_SLIP ? "slip" : "stick";
 }

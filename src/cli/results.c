@@ -58,8 +58,7 @@ static void put_unknowns(const sheet *s, const problem *p, const double *x) {
   }
 }
 
-static dls_contact_state *find_states(const dls_contact *contact, const double *r,
-                                      const double *u) {
+dls_contact_state *find_states(const dls_contact *contact, const double *r, const double *u) {
   const size_t count = contact->nc > 0 ? (size_t)contact->nc : 1;
   dls_contact_state *state = malloc(count * sizeof *state);
   dls_error error = {0};
@@ -84,11 +83,12 @@ int print_results(const problem *p, const double *r, const double *u, const doub
 }
 
 int write_results(const char *directory, const problem *p, const double *r, const double *u,
-                  const double *x) {
+                  const double *x, const char *unsolved) {
   dls_contact_state *state = find_states(&p->contact, r, u);
   sheet s = {state ? open_in(directory, "r.csv") : NULL, 1};
   int good = s.file != NULL;
   if (good) {
+    if (*unsolved) (void)fprintf(s.file, "# %s\n", unsolved);
     put_candidates(&s, &p->contact, state, r, u);
     good = close_file(s.file, "r.csv");
   }
@@ -96,6 +96,7 @@ int write_results(const char *directory, const problem *p, const double *r, cons
   if (!good || !x) return good;
   s.file = open_in(directory, "x.csv");
   if (!s.file) return 0;
+  if (*unsolved) (void)fprintf(s.file, "# %s\n", unsolved);
   put_unknowns(&s, p, x);
   return close_file(s.file, "x.csv");
 }

@@ -480,7 +480,12 @@ static int run_scene(const scene_options *o) {
     print_json(stdout, &a.outcome);
   else if (!is_quiet())
     print_run(&a, o);
-  if (o->save && dls_fclib_write_local(o->save, &a.contact, o->name, a.r, a.u, &error)) {
+  char unsolved[UNSOLVED_ROOM], title[UNSOLVED_ROOM + 100];
+  const dls_info *info = &a.outcome.info;
+  (void)snprintf(
+      title, sizeof title, info->status ? "%.80s [%s]" : "%.80s", o->name,
+      unsolved_words(info->status, info->certificate.residual, unsolved, sizeof unsolved));
+  if (o->save && dls_fclib_write_local(o->save, &a.contact, title, a.r, a.u, &error)) {
     result = complain_of(o->save, &error);
     goto end;
   }

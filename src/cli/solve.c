@@ -80,15 +80,32 @@ static int write_row(void *data, const dls_progress *p) {
 
 /* ---- contact problems ------------------------------------------------------------------------ */
 
+/* Writes the problem's title into text (size), followed by `unsolved` instead of what an earlier
+ * solve has put there. */
+static const char *make_title(const problem *p, const char *unsolved, char *text, size_t size) {
+  const char *title = problem_title(p), *before = strstr(title, "[not solved: ");
+  int length = before ? (int)(before - title) : (int)strlen(title);
+  while (length > 0 && title[length - 1] == ' ')
+    length--;
+  if (*unsolved)
+    (void)snprintf(text, size, "%.*s%s[%s]", length, title, length ? " " : "", unsolved);
+  else
+    (void)snprintf(text, size, "%.*s", length, title);
+  return text;
+}
+
 /* Writes r as a Matrix Market file, or the problem with its solution as FCLIB: as it was condensed
- * where the format does not hold the model (a flexibility, a weighting). x: n, or NULL. */
+ * where the format does not hold the model (a flexibility, a weighting). x: n, or NULL. unsolved:
+ * in a comment, or in the title. */
 static dls_status write_solution(const char *out, const problem *p, const double *r,
-                                 const double *u, const double *x, dls_error *error) {
-  const char *title = problem_title(p);
+                                 const double *u, const double *x, const char *unsolved,
+                                 dls_error *error) {
+  char room[1000];
+  const char *title = make_title(p, unsolved, room, sizeof room);
   const size_t length = strlen(out);
   const int m = p->contact.d * p->contact.nc;
   if (length > 4 && strcmp(out + length - 4, ".mtx") == 0)
-    return dls_mtx_write(out, &(dls_dense){m, 1, m, r}, error);
+    return dls_mtx_write_commented(out, &(dls_dense){m, 1, m, r}, unsolved, error);
   if (!(p->reduction || p->of_bodies) || p->model.P.p || p->model.operator_kind == DLS_FLEXIBILITY)
     return dls_fclib_write_local(out, &p->contact, title, r, u, error);
   return dls_fclib_write_global(out, &p->model, p->f, p->g, p->mu, title, x, r, u, error);
@@ -111,21 +128,23 @@ static dls_status recover(problem *p, const double *r, double **x, dls_error *er
   return DLS_E_MEMORY;
 }
 
-static void print_states(const dls_contact *contact, const double *r, const double *u) {
-  dls_contact_state *state = malloc((size_t)contact->nc * sizeof *state);
+/* Prints how many candidates are in each state; returns 0 after a complaint. */
+static int print_states(const dls_contact *contact, const double *r, const double *u) {
+  dls_contact_state *state = find_states(contact, r, u);
   int count[3] = {0};
-  if (state && dls_contact_states(contact, r, u, state, NULL) == DLS_OK) {
-    for (int c = 0; c < contact->nc; c++)
-      count[state[c]]++;
-    printf("  free %d, slip %d, stick %d\n", count[DLS_FREE], count[DLS_SLIP], count[DLS_STICK]);
-  }
+  if (!state) return 0;
+  for (int c = 0; c < contact->nc; c++)
+    count[state[c]]++;
+  printf("  free %d, slip %d, stick %d\n", count[DLS_FREE], count[DLS_SLIP], count[DLS_STICK]);
   free(state);
+  return 1;
 }
 
 enum { hint_rows = 300 }; /* of a problem that is looked at in full for a hint */
 
-static void print_outcome(const char *path, const problem *p, const outcome *o, const double *r,
-                          const double *u) {
+/* Returns 0 after a complaint. */
+static int print_outcome(const char *path, const problem *p, const outcome *o, const double *r,
+                         const double *u) {
   const dls_certificate *c = &o->info.certificate;
   problem_print(path, p);
   printf("  %s: %s, %d %s, residual %.2e, %.3g s of CPU\n", dls_method_name(o->info.method),
@@ -137,13 +156,16 @@ static void print_outcome(const char *path, const problem *p, const outcome *o, 
   printf("  penetration %.2e, adhesion %.2e, cone violation %.2e, slip direction %.2e, "
          "complementarity %.2e\n",
          c->penetration, c->adhesion, c->cone_violation, c->slip_direction, c->complementarity);
-  print_states(&p->contact, r, u);
+  if (!print_states(&p->contact, r, u)) return 0;
   verdict_print(&o->verdict, o->proof);
   dls_diagnosis facts;
+  dls_error error = {0};
   const int m = p->contact.d * p->contact.nc, limit = o->info.status ? hint_rows : 0;
-  if ((o->info.status || r[0] == 0) && m > 0 &&
-      !dls_contact_diagnose(&p->contact, m <= limit ? limit : 0, &facts, NULL))
-    print_hints("  ", facts.hints);
+  if (m == 0 || (o->info.status == DLS_OK && r[0] != 0)) return 1;
+  if (dls_contact_diagnose(&p->contact, m <= limit ? limit : 0, &facts, &error))
+    return complain_of(path, &error), 0;
+  print_hints("  ", facts.hints);
+  return 1;
 }
 
 /* Solves the problem in a file or, where options name matrices, of these. */
@@ -159,6 +181,7 @@ static int solve_contact(const char *path, const solve_options *options) {
     (void)complain_of(path, &error);
     goto end;
   }
+  problem_fit_threads(&p);
   if (is_verbose()) print_reduction(stderr, &p);
   const size_t m = (size_t)p.contact.d * (size_t)p.contact.nc;
   r = malloc(m * sizeof *r);
@@ -198,13 +221,15 @@ static int solve_contact(const char *path, const solve_options *options) {
   }
   if (options->json)
     print_json(stdout, &o);
-  else if (!is_quiet())
-    print_outcome(path, &p, &o, r, u);
-  if (options->out && write_solution(options->out, &p, r, u, x, &error)) {
+  else if (!is_quiet() && !print_outcome(path, &p, &o, r, u))
+    goto end;
+  char room[UNSOLVED_ROOM];
+  const char *unsolved = unsolved_words(status, o.info.certificate.residual, room, sizeof room);
+  if (options->out && write_solution(options->out, &p, r, u, x, unsolved, &error)) {
     (void)complain_of(options->out, &error);
     goto end;
   }
-  if (options->csv && !write_results(options->csv, &p, r, u, x)) goto end;
+  if (options->csv && !write_results(options->csv, &p, r, u, x, unsolved)) goto end;
   if (options->print && !print_results(&p, r, u, x)) goto end;
   if (!options->json) print_ending(status);
   result = status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
@@ -300,7 +325,9 @@ static int solve_one_lcp(const char *path, const dls_lcp *lcp, const solve_optio
     verdict_print(&v, options->proof);
   }
   const dls_dense answer = {n, 1, n, z};
-  if (options->out && dls_mtx_write(options->out, &answer, &error)) {
+  char room[UNSOLVED_ROOM];
+  const char *unsolved = unsolved_words(status, info.certificate.residual, room, sizeof room);
+  if (options->out && dls_mtx_write_commented(options->out, &answer, unsolved, &error)) {
     (void)complain_of(options->out, &error);
     goto end;
   }
@@ -423,7 +450,9 @@ int command_solve(int argc, char **argv) {
   }
   watch_interrupt();
   const int result = o.lcp ? solve_lcp_files(path, argv[optind + 1], &o) : solve_file(path, &o);
-  if (rows.file && !close_file(rows.file, o.plot ? o.plot : o.history)) return EXIT_BAD_INPUT;
+  if (result == EXIT_BAD_INPUT) drop_files(); /* no history of what was not solved */
+  if (result != EXIT_BAD_INPUT && rows.file && !close_file(rows.file, o.plot ? o.plot : o.history))
+    return EXIT_BAD_INPUT;
   if (o.plot && result != EXIT_BAD_INPUT && !draw_history(o.plot, path)) return EXIT_BAD_INPUT;
   return result;
 }

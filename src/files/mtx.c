@@ -428,17 +428,22 @@ void dls_mtx_free(double *a) {
 
 /* ---- writing --------------------------------------------------------------------------------- */
 
-static dls_status write_dense(const char *path, const dls_dense *A, dls_error *error) {
+static dls_status write_dense(const char *path, const dls_dense *A, const char *comment,
+                              dls_error *error) {
   if (!path) return dlsi_is_null(error, "path");
   if (!A) return dlsi_is_null(error, "A");
   if (A->rows < 1 || A->cols < 1)
     return dlsi_fail(error, DLS_E_SIZE, "A", -1, A->rows, "is %d x %d", A->rows, A->cols);
   dls_status status = dlsi_check_dense("A", A, A->rows, A->cols, error);
   if (status) return status;
+  if (comment && strpbrk(comment, "\r\n"))
+    return dlsi_fail(error, DLS_E_ARGUMENT, "comment", -1, 0, "has more than one line");
   dlsi_output out;
   status = dlsi_output_open(&out, path, error);
   if (status) return status;
-  (void)fprintf(out.file, "%%%%MatrixMarket matrix array real general\n%d %d\n", A->rows, A->cols);
+  (void)fprintf(out.file, "%%%%MatrixMarket matrix array real general\n");
+  if (comment && comment[0]) (void)fprintf(out.file, "%% %s\n", comment);
+  (void)fprintf(out.file, "%d %d\n", A->rows, A->cols);
   for (int j = 0; j < A->cols; j++)
     for (int i = 0; i < A->rows; i++)
       print_double(out.file, A->a[(size_t)i + (size_t)j * (size_t)A->ld]);
@@ -446,5 +451,10 @@ static dls_status write_dense(const char *path, const dls_dense *A, dls_error *e
 }
 
 dls_status dls_mtx_write(const char *path, const dls_dense *A, dls_error *error) {
-  return dlsi_at(__func__, write_dense(path, A, error), error);
+  return dlsi_at(__func__, write_dense(path, A, NULL, error), error);
+}
+
+dls_status dls_mtx_write_commented(const char *path, const dls_dense *A, const char *comment,
+                                   dls_error *error) {
+  return dlsi_at(__func__, write_dense(path, A, comment, error), error);
 }

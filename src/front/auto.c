@@ -552,7 +552,9 @@ static dls_status leave_copy(dlsi_auto *work, const dls_contact *problem,
   dlsi_contact_multiply(problem, NULL, work->r, work->v[0], work->v[1]);
   dlsi_contact_weights(problem, work->w);
   dlsi_contact_measure(problem, work->r, work->v[0], work->v[1], work->w, work->v[2], best);
-  if (status == DLS_OK || dlsi_is_better(best, kept)) {
+  /* forces beyond the range of numbers: an answer to the copy is none to the problem */
+  const int in_range = best->residual <= DBL_MAX;
+  if ((status == DLS_OK && in_range) || dlsi_is_better(best, kept)) {
     memcpy(work->best, work->r, m * sizeof *work->best);
   } else {
     memcpy(work->best, work->kept, m * sizeof *work->best);

@@ -288,14 +288,17 @@ static void scaled_matrix(const dls_contact *problem, const double *scale, doubl
 }
 
 /* Finds the eigenvalues, ascending, of the symmetric part of X (n x n, leading dimension ld).
- * Returns 0 if LAPACK did not converge. H: scratch, n x n. value: n. work: scratch, 34 n. */
+ * Returns 0 if that has an entry beyond the range of numbers or LAPACK did not converge. H:
+ * scratch, n x n. value: n. work: scratch, 34 n. */
 static int eigenvalues(int n, const double *X, int ld, double *H, double *value, double *work) {
   const size_t N = (size_t)n, L = (size_t)ld;
   for (size_t j = 0; j < N; j++)
     for (size_t i = j; i < N; i++)
-      H[i + j * N] = 0.5 * (X[i + j * L] + X[j + i * L]);
+      H[i + j * N] = 0.5 * X[i + j * L] + 0.5 * X[j + i * L];
   const int room = eigen_work * n;
   int info;
+  for (size_t j = 0; j < N; j++) /* LAPACK would print */
+    if (dlsi_first_not_finite(H + j + j * N, N - j) >= 0) return 0;
   dsyev_("N", "L", &n, H, &n, value, work, &room, &info, 1, 1);
   return info == 0;
 }

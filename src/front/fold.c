@@ -107,6 +107,7 @@ static double fold_eigenvalue(fold_search *f, const fold_state *state, int k, in
           side * f->X[(size_t)f->slips[i] + (size_t)j * (size_t)k];
   }
   f->looked++;
+  if (dlsi_first_not_finite(f->E, (size_t)s * (size_t)s) >= 0) return 0; /* LAPACK would print */
   dgeev_("N", z ? "V" : "N", &s, f->E, &s, f->real, f->imaginary, NULL, &s, f->V, &s, f->work,
          &room, &info, 1, 1);
   for (int i = 0; !info && i < s; i++)
@@ -265,6 +266,8 @@ static int fold_load(const dls_contact *problem, fold_search *f, double *H) {
   for (size_t j = 0; j < m; j++)
     for (size_t i = j; i < m; i++)
       H[i + j * m] = 0.5 * (f->W[i + j * m] + f->W[j + i * m]);
+  for (size_t j = 0; j < m; j++) /* LAPACK would print */
+    if (dlsi_first_not_finite(H + j + j * m, m - j) >= 0) return 0;
   double *value = f->X; /* m <= m nc */
   dsyev_("N", "L", &rows, H, &rows, value, f->work, &room, &info, 1, 1);
   return !info && value[0] > 4 * (double)m * DBL_EPSILON * value[m - 1];
@@ -335,6 +338,10 @@ dls_status dlsi_contact_fold(const dls_contact *problem, int search, dls_fold *f
   if (problem->d != 2)
     return dlsi_fail(error, DLS_E_UNSUPPORTED, "d", -1, problem->d, "is %d, must be 2", problem->d);
   if (!fold) return dlsi_is_null(error, "fold");
+  if (problem->nc == 0) {
+    *fold = (dls_fold){INFINITY, 1, 0};
+    return DLS_OK;
+  }
   fold_search filled = {.nc = problem->nc};
   void *memory;
   status =

@@ -105,12 +105,14 @@ static void sensitivity_fill(sensitivity_work *work, double a, double b, double 
   }
 }
 
-/* value (rows) := the singular values of A, descending, which is lost. Returns 0 if LAPACK did not
- * converge. */
+/* value (rows) := the singular values of A, descending, which is lost. Returns 0 if it has an
+ * entry beyond the range of numbers or LAPACK did not converge. */
 static int sensitivity_singular_values(int n, double *A, double *value, double *lapack, int room) {
   const int one = 1;
   int info;
   double none[1];
+  value[0] = 0;
+  if (dlsi_first_not_finite(A, (size_t)n * (size_t)n) >= 0) return 0; /* LAPACK would print */
   dgesvd_("N", "N", &n, &n, A, &n, value, none, &one, none, &one, lapack, &room, &info, 1, 1);
   return info == 0;
 }

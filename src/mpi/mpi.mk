@@ -8,9 +8,12 @@ MPI_AGAIN_OBJ := $(patsubst %.c,$(BUILD)/obj/mpi/%.o,$(MPI_AGAIN))
 MPI_OBJ := $(call obj,$(MPI_SRC)) $(MPI_AGAIN_OBJ) $(filter-out $(call obj,$(MPI_AGAIN)),$(LIB_OBJ))
 MPI_A = $(BUILD)/libdelassus-mpi.a
 MPI_PROGRAM = $(BUILD)/delassus-mpi
-MPI_LIBS_ALL = $(MPI_LIBS) $(HDF5_LIBS) $(BLAS_LIBS) -lm
+MPI_LIBS_ALL = $(MPI_LIBS) $(HDF5_LIBS) $(BLAS_LIBS) $(OPENMP_LIBS) -lm
 MPI_TESTS := $(patsubst tests/mpi/%.c,$(BUILD)/mpi/%,$(wildcard tests/mpi/test_*.c))
-MPI_EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/mpi/host_slabs.c))
+# PETSc's example where petsc-dev is there
+PETSC_CFLAGS := $(patsubst -I%,-isystem %,$(shell $(PKG_CONFIG) --silence-errors --cflags petsc))
+PETSC_LIBS := $(shell $(PKG_CONFIG) --silence-errors --libs petsc)
+MPI_EXAMPLES := $(addprefix $(BUILD)/examples/mpi/,host_slabs $(if $(PETSC_LIBS),host_petsc))
 
 all: $(MPI_A) $(MPI_PROGRAM) $(MPI_EXAMPLES)
 
@@ -30,9 +33,12 @@ $(MPI_PROGRAM): $(call obj,src/mpi/main.c) $(MPI_A)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(MPI_LIBS_ALL)
 
+$(BUILD)/examples/mpi/host_petsc: EXAMPLE_CFLAGS = $(PETSC_CFLAGS)
+$(BUILD)/examples/mpi/host_petsc: EXAMPLE_LIBS = $(PETSC_LIBS)
 $(BUILD)/examples/mpi/%: examples/mpi/%.c $(MPI_A)
 	@mkdir -p $(@D)
 	$(call say,LINK)
+	$(Q)$(CC) $(CPPFLAGS_ALL) $(MPI_CFLAGS) $(EXAMPLE_CFLAGS) $(CFLAGS_ALL) $(LDFLAGS) -o $@ $< $(MPI_A) $(EXAMPLE_LIBS) $(MPI_LIBS_ALL)
 
 $(call obj,$(wildcard tests/mpi/*.c)): CPPFLAGS += -Itests/shared -D_GNU_SOURCE
 $(BUILD)/mpi/%: $(BUILD)/obj/tests/mpi/%.o $(call obj,tests/mpi/shares.c tests/shared/malloc_fails.c bench/reduction_boxes.c) $(MPI_A)

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "delassus.h"
@@ -528,6 +529,71 @@ START_TEST(not_solved_is_1) {
 }
 END_TEST
 
+/* What a solve without an answer writes says so, once, however often it is written; a solve with
+ * one takes it back. */
+START_TEST(files_carry_their_status) {
+  char text[4000];
+  if (run("solve data/failures/c13-newton-cycle.txt -m newton -i 1 -q -o @/a.hdf5 --csv @/csv") ==
+      2)
+    return; /* a build without HDF5 */
+  ck_assert_int_eq(run("solve @/a.hdf5 -m newton -i 2 -q -o @/a.hdf5"), 1);
+  ck_assert_int_eq(run("solve data/failures/c13-newton-cycle.txt -m newton -i 1 -o @/a.mtx"), 1);
+  read_text("csv/r.csv", text, sizeof text);
+  ck_assert_msg(strncmp(text, "# not solved: iteration limit reached, residual ", 48) == 0, "%s",
+                text);
+  read_text("a.mtx", text, sizeof text);
+  ck_assert_ptr_nonnull(strstr(text, "general\n% not solved: iteration limit reached"));
+  dls_fclib *file;
+  for (int solved = 0; solved < 2; solved++) {
+    ck_assert_int_eq(dls_fclib_read(&file, path_of("a.hdf5"), NULL), DLS_OK);
+    const char *title = dls_fclib_title(file), *found = strstr(title, "[not solved: ");
+    ck_assert(strncmp(title, "Newton cycles", 13) == 0);
+    ck_assert_msg((found != NULL) == !solved, "%s", title);
+    if (found) ck_assert_ptr_null(strstr(found + 1, "[not solved: "));
+    dls_fclib_destroy(file);
+    ck_assert_int_eq(run("solve @/a.hdf5 -q -o @/a.hdf5"), 0);
+  }
+}
+END_TEST
+
+/* An empty name is an error, not the root folder, for each option that names a file. */
+START_TEST(empty_names_are_2) {
+  static const char *const lines[] = {
+      "scene jean-fig3 --out ''",
+      "scene jean-fig3 --save ''",
+      "scene bar-impact --out ''",
+      "scene indentation -o ''",
+      "map x --out=",
+      "solve data/failures/c01-three-solutions.txt --csv ''",
+      "converge bar-impact --out=",
+      "solve data/failures/c01-three-solutions.txt --plot ''",
+  };
+  for (size_t k = 0; k < sizeof lines / sizeof *lines; k++) {
+    ck_assert_msg(run(lines[k]) == 2, "%s: %s", lines[k], output);
+    ck_assert_msg(prints(": is empty"), "%s: %s", lines[k], output);
+  }
+}
+END_TEST
+
+/* A scene that a full disk stops leaves the files of before. */
+START_TEST(a_full_disk_keeps_old_files) {
+  static const char *const lines[] = {"scene jean-fig3 --mesh 4x4 --out @",
+                                      "scene bar-impact --mesh 6x1 --steps 6 --out @"};
+  static const char *const names[] = {"contact.csv", "contact.csv"};
+  char text[100], command[400];
+  for (int k = 0; k < 2; k++) {
+    write_text(names[k], "old\n");
+    const char *program = getenv("DELASSUS_PROGRAM");
+    (void)snprintf(command, sizeof command, "trap '' XFSZ; ulimit -f 1; %s %.*s%s >/dev/null 2>&1",
+                   program ? program : "build/delassus", (int)strlen(lines[k]) - 1, lines[k],
+                   directory);
+    const int status = system(command);
+    ck_assert_msg(WIFEXITED(status) && WEXITSTATUS(status) == 2, "%s: %d", command, status);
+    ck_assert_str_eq(read_text(names[k], text, sizeof text), "old\n");
+  }
+}
+END_TEST
+
 START_TEST(lcp_files) {
   /* y = M z + q with M = (2 1; 1 2), q = (-5, -6): z = (4/3, 7/3) */
   write_text("M.mtx", "%%MatrixMarket matrix array real general\n2 2\n2\n1\n1\n2\n");
@@ -607,7 +673,9 @@ int main(void) {
              ONCE(scene_on_the_displacements), ONCE(equivalents_of_concentrated_reactions),
              ONCE(the_sweeps_as_printed), ONCE(a_block_of_its_own), ONCE(loads_one_after_the_other),
              ONCE(newton_and_the_list_of_methods), ONCE(lemke_in_3d_takes_facets),
-             ONCE(saved_problem_solves_to_the_same_answer), ONCE(not_solved_is_1), ONCE(lcp_files),
-             ONCE(text_problems), ONCE(history_of_a_solve), ONCE(info_lists_all_solutions),
+             ONCE(saved_problem_solves_to_the_same_answer), ONCE(not_solved_is_1),
+             ONCE(files_carry_their_status), ONCE(empty_names_are_2),
+             ONCE(a_full_disk_keeps_old_files), ONCE(lcp_files), ONCE(text_problems),
+             ONCE(history_of_a_solve), ONCE(info_lists_all_solutions),
              ONCE(info_says_what_it_found), ONCE(info_names_degenerate_contacts));
 }

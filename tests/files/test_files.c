@@ -281,7 +281,14 @@ START_TEST(mtx_arguments) {
   check_error(&error, dls_mtx_write(path, &no_rows, &error), DLS_E_SIZE, "A", -1);
   check_error(&error, dls_mtx_write(path, &no_cols, &error), DLS_E_SIZE, "A", -1);
   check_error(&error, dls_mtx_write(path, &short_ld, &error), DLS_E_SIZE, "A", -1);
+  check_error(&error, dls_mtx_write_commented(path, &good, "two\nlines", &error), DLS_E_ARGUMENT,
+              "comment", -1);
   ck_assert(!exists(path));
+  ck_assert_int_eq(dls_mtx_write_commented(path, &good, "one line", &error), DLS_OK);
+  ck_assert_int_eq(dls_mtx_read(path, &rows, &cols, &a, &error), DLS_OK);
+  ck_assert(rows == 2 && cols == 1 && a[1] == 2);
+  dls_mtx_free(a);
+  (void)remove(path);
   check_error(&error, dls_mtx_write(scratch, &good, &error), DLS_E_FILE, "path", -1);
   dls_status status = DLS_OK;
   ON_A_FULL_DISK(20, status = dls_mtx_write(path, &good, &error));

@@ -28,6 +28,12 @@ START_TEST(methods_have_names) {
   ck_assert_str_eq(dls_method_name(DLS_PENALTY), "penalty");
   ck_assert_str_eq(dls_method_name(DLS_NEWTON), "newton");
   ck_assert_ptr_null(dls_method_name((dls_method)99));
+  for (int k = 0; dls_method_name((dls_method)k); k++) {
+    ck_assert_int_eq(dls_method_find(dls_method_name((dls_method)k), &m), 1);
+    ck_assert_int_eq(m, k);
+    ck_assert_ptr_nonnull(dls_method_summary((dls_method)k));
+  }
+  ck_assert_ptr_null(dls_method_summary((dls_method)99));
   ck_assert_int_eq(dls_method_find("lemke", &m), 1);
   ck_assert_int_eq(m, DLS_LEMKE);
   ck_assert_int_eq(dls_method_find("newton-raphson", &m), 0);
@@ -935,6 +941,29 @@ static int cost_of(const dls_info *info) {
 }
 
 /* A warm start helps where it is close, and does no harm where it is nonsense. */
+/* The forces of the answer overflow: there is a best r all the same, and it is made of numbers. */
+START_TEST(forces_beyond_numbers) {
+  enum { m = 12 };
+  static double large_W[m * m], load[m], r[m];
+  const double rough[] = {.1, .5, .9, 1.6};
+  for (int c = 0; c < m; c++) {
+    for (int b = 0; b < m; b++)
+      large_W[b + m * c] = (b == c ? 2 : .1 * ((b + c) % 3)) * 1e-160;
+    load[c] = c % 3 ? 1e160 : -1.6e308;
+  }
+  const dls_contact problem = {.d = 3, .nc = 4, .W = {m, m, m, large_W}, .q = load, .mu = rough};
+  for (int method = 0; dls_method_name((dls_method)method); method++) {
+    dls_solver_settings s;
+    dls_solver_settings_init(&s);
+    s.method = (dls_method)method;
+    const dls_status status = dls_solve(&problem, &s, r, NULL, NULL, NULL);
+    ck_assert_msg(status != DLS_OK, "%s", dls_method_name(s.method));
+    for (int k = 0; k < m && status > 0; k++)
+      ck_assert_msg(isfinite(r[k]), "%s: %g", dls_method_name(s.method), r[k]);
+  }
+}
+END_TEST
+
 START_TEST(auto_starts_warm) {
   static planted_problem a;
   int cold_cost = 0, warm_cost = 0;
@@ -1096,7 +1125,8 @@ int main(void) {
              ONCE(nearly_free_is_answered_by_nothing), ONCE(bad_blocks_go_through_the_stages),
              ONCE(auto_takes_the_same_stages_in_any_units), ONCE(auto_does_not_see_frames),
              ONCE(auto_does_not_see_the_order),
-             ONCE(no_allocation_by_blocks_and_in_larger_problems), ONCE(auto_starts_warm),
-             ONCE(a_jam_has_likely_no_solution), ONCE(auto_forgets_the_solve_before),
-             ONCE(auto_proves_that_there_is_no_solution), ONCE(time_limit_in_any_stage));
+             ONCE(no_allocation_by_blocks_and_in_larger_problems), ONCE(forces_beyond_numbers),
+             ONCE(auto_starts_warm), ONCE(a_jam_has_likely_no_solution),
+             ONCE(auto_forgets_the_solve_before), ONCE(auto_proves_that_there_is_no_solution),
+             ONCE(time_limit_in_any_stage));
 }

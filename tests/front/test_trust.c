@@ -482,6 +482,15 @@ START_TEST(no_fold) {
 END_TEST
 
 /* One candidate: the fold is W_nn / |W_nt|, in any unit. */
+/* Nothing to look at is no reason to ask LAPACK, which would print. */
+START_TEST(fold_of_nothing) {
+  const dls_contact none = {.d = 2};
+  dls_fold fold;
+  ck_assert_int_eq(dls_contact_fold(&none, &fold, NULL, NULL, NULL, NULL, NULL), DLS_OK);
+  ck_assert(fold.friction == INFINITY && fold.exact && fold.matrices == 0);
+}
+END_TEST
+
 START_TEST(fold_of_one) {
   for (int k = 0; k < 3; k++) {
     const double unit = k == 0 ? 1 : k == 1 ? 1e9 : 1e-9;
@@ -603,6 +612,6 @@ int main(void) {
   return RUN("trust", NULL, NULL, ONCE(all_of_the_catalogue), ONCE(agrees_with_the_verdicts),
              ONCE(enumerates_nothing_wrong), ONCE(enumerates_at_the_edges),
              ONCE(fold_of_small_problems), ONCE(fold_of_the_jean_block), ONCE(no_fold),
-             ONCE(fold_of_one), ONCE(sensitivity_by_hand), ONCE(sensitivity_of_answers),
-             ONCE(sensitivity_of_nothing_wrong));
+             ONCE(fold_of_nothing), ONCE(fold_of_one), ONCE(sensitivity_by_hand),
+             ONCE(sensitivity_of_answers), ONCE(sensitivity_of_nothing_wrong));
 }

@@ -1154,6 +1154,24 @@ START_TEST(crash_can_be_cancelled) {
 }
 END_TEST
 
+/* |q| overflows: nothing is certified against it, and z = 0 is no solution. */
+START_TEST(a_norm_beyond_numbers) {
+  enum { n = 8 };
+  double M[n * n] = {0}, q[n], z[n];
+  for (int i = 0; i < n; i++) {
+    M[i + n * i] = -1;
+    q[i] = -1.7e308;
+  }
+  const dls_lcp lcp = {n, {n, n, n, M}, q};
+  dls_lemke *lemke;
+  dls_lemke_info info;
+  ck_assert_int_eq(dls_lemke_create(&lemke, n, NULL, NULL), DLS_OK);
+  ck_assert_int_gt(dls_lemke_solve(lemke, &lcp, z, NULL, &info, NULL), 0);
+  ck_assert(!dls_lcp_certificate_holds(&info.certificate, 1e-8));
+  dls_lemke_destroy(lemke);
+}
+END_TEST
+
 int main(void) {
   return RUN("lemke", NULL, NULL, ONCE(size_one), ONCE(feasible_q_is_answered_at_once),
              ONCE(size_two), ONCE(nearly_impossible), ONCE(catalogue_of_contact),
@@ -1166,5 +1184,6 @@ int main(void) {
              ONCE(warm_start_from_anywhere), ONCE(warm_start_that_leads_nowhere),
              ONCE(crash_finds_the_solution), ONCE(crash_with_friction), ONCE(crash_in_any_unit),
              ONCE(crash_that_leads_nowhere), ONCE(crash_does_not_insist),
-             ONCE(crash_from_a_start_and_with_a_cover), ONCE(crash_can_be_cancelled));
+             ONCE(crash_from_a_start_and_with_a_cover), ONCE(crash_can_be_cancelled),
+             ONCE(a_norm_beyond_numbers));
 }

@@ -12,8 +12,10 @@
 #include "doors.h"
 #include "failures.h"
 #include "front_cases.h"
+#include "linear/dense.h"
 #include "malloc_fails.h"
 #include "run.h"
+#include "vi/vi_internal.h"
 
 /* ---- by hand --------------------------------------------------------------------------------- */
 
@@ -310,11 +312,88 @@ START_TEST(memory) { /* one matrix, m^2 or the sparse one of the blocks, and O(m
 }
 END_TEST
 
+/* ---- a W that others hold -------------------------------------------------------------------- */
+
+/* The whole of W, and W + rho diag(w) factored. fails: what factor answers; 0: it factors. */
+typedef struct held {
+  const dls_contact *whole;
+  double A[most * most], diagonal[most];
+  int pivot[most], factors, solves;
+  dlsi_dense dense;
+  dls_status fails;
+} held;
+
+static void held_multiply(void *data, const double *r, double *u, double *a) {
+  dlsi_multiply(((held *)data)->whole, NULL, NULL, r, u, a);
+}
+
+static dls_status held_factor(void *data, double rho, const double *w, dls_error *error) {
+  held *h = data;
+  const int d = h->whole->d, m = d * h->whole->nc;
+  h->factors++;
+  if (h->fails) return dlsi_fail(error, h->fails, "held", -1, rho, "as asked");
+  memcpy(h->A, h->whole->W.a, (size_t)m * (size_t)m * sizeof *h->A);
+  for (int k = 0; k < m; k++)
+    h->A[k + m * k] += rho * w[k / d];
+  h->dense = (dlsi_dense){.n = m, .A = h->A, .pivot = h->pivot};
+  return dlsi_dense_factor(&h->dense, h->diagonal) ? DLS_E_SINGULAR : DLS_OK;
+}
+
+static void held_solve(void *data, double *x) {
+  held *h = data;
+  h->solves++;
+  dlsi_dense_solve(&h->dense, x, h->dense.n, 1);
+}
+
+/* With W behind three functions, and nothing but its diagonal blocks in the problem, ADMM gives the
+ * bits that it gives with W; what factor cannot do is passed on, singular matrices after more
+ * rho. */
+START_TEST(shared_is_whole) {
+  static model a;
+  static held h;
+  static double blocks[most * 3];
+  static int p[most + 1], row[most];
+  numbered_model(&a, 2 * _i + 5);
+  const int d = a.p.d, nc = a.p.nc, m = d * nc;
+  for (int c = 0; c < nc; c++) {
+    dlsi_contact_diagonal(&a.p, c, blocks + c * d * d);
+    row[c] = c;
+    p[c + 1] = c + 1;
+  }
+  const dls_contact part = {.d = d, .nc = nc, .Wb = {d, nc, p, row, blocks}, .q = a.q, .mu = a.mu};
+  h = (held){.whole = &a.p};
+  const dlsi_shared shared = {&h, held_multiply, held_factor, held_solve};
+  dls_admm_settings s = admm_tol(1e-12);
+  double r[most], whole[most], u[most];
+  dls_info info, same;
+  ck_assert_int_eq(run_admm(&a.p, &s, whole, NULL, &same), DLS_OK);
+  dls_admm *work;
+  ck_assert_int_eq(dls_admm_create(&work, d, nc, &s, NULL), DLS_OK);
+  dlsi_admm_share(work, &shared);
+  ck_assert_int_eq(dls_admm_solve(work, &part, r, u, &info, NULL), DLS_OK);
+  ck_assert_mem_eq(r, whole, (size_t)m * sizeof *r);
+  ck_assert_int_eq(h.factors, same.factorisations);
+  ck_assert_int_ge(h.solves, info.iterations);
+  dls_error error;
+  r[0] = 7;
+  h.fails = DLS_E_MEMORY;
+  ck_assert_int_eq(dls_admm_solve(work, &part, r, NULL, NULL, &error), DLS_E_MEMORY);
+  ck_assert_str_eq(error.argument, "held");
+  ck_assert(r[0] == 7);
+  h.fails = DLS_E_SINGULAR;
+  h.factors = 0;
+  ck_assert_int_eq(dls_admm_solve(work, &part, r, NULL, NULL, &error), DLS_STALLED);
+  ck_assert_int_gt(h.factors, 1);
+  dls_admm_destroy(work);
+}
+END_TEST
+
 int main(void) {
   return RUN("admm", NULL, NULL, EACH(by_hand, 0, own_count + hand_count), ONCE(first_iterations),
              EACH(no_solution_from_any_rho, 0, jammed_count), EACH(catalogue, 0, 8),
              EACH(never_worse_from_any_rho, 0, 30), EACH(cancelled, 0, 2), ONCE(close_to_the_floor),
              ONCE(wrong_rho_is_mended), EACH(sparse_is_dense, 0, 2),
              EACH(announced_storage_allocates_nothing, 0, 2), EACH(no_memory_for_another, 0, 2),
-             EACH(elastic_half_plane, 0, 4), ONCE(bad_create), EACH(memory, 0, 2));
+             EACH(elastic_half_plane, 0, 4), ONCE(bad_create), EACH(memory, 0, 2),
+             EACH(shared_is_whole, 0, 6));
 }

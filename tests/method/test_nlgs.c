@@ -10,9 +10,11 @@
 #include "cases.h"
 #include "delassus/nlgs.h"
 #include "delassus/reduction.h"
+#include "delassus/solve.h"
 #include "doors.h"
 #include "fclib_file.h"
 #include "malloc_fails.h"
+#include "rigid.h"
 #include "run.h"
 
 /* ---- by hand --------------------------------------------------------------------------------- */
@@ -250,6 +252,32 @@ END_TEST
 
 /* ---- bad input ------------------------------------------------------------------------------- */
 
+/* |F|^2 overflows where the residual is looked for: the search has to end. */
+START_TEST(squares_beyond_numbers) {
+  enum { nc = 60 };
+  static int p[nc + 1], i[3 * nc];
+  static double x[4 * 3 * nc], q[2 * nc], mu[nc], r[2 * nc];
+  int count = 0;
+  for (int c = 0; c < nc; c++) {
+    p[c] = count;
+    for (int b = c > 0 ? c - 1 : 0; b <= c + 1 && b < nc; b++, count++) {
+      i[count] = b;
+      x[4 * count] = x[4 * count + 3] = b == c ? 2e170 : -0.9999e170;
+    }
+    q[2 * c] = -1e170 * (1 + c % 3);
+    mu[c] = 0.3;
+  }
+  p[nc] = count;
+  const dls_contact problem = {.d = 2, .nc = nc, .Wb = {2, nc, p, i, x}, .q = q, .mu = mu};
+  dls_solver_settings s;
+  dls_solver_settings_init(&s);
+  s.method = DLS_NLGS;
+  s.acceleration = DLS_ACCELERATION_MOMENTUM;
+  s.limits.max_iterations = 400;
+  ck_assert_int_ge(dls_solve(&problem, &s, r, NULL, NULL, NULL), DLS_OK);
+}
+END_TEST
+
 START_TEST(bad_create) {
   expect_bad_create(&the_nlgs);
   const dls_nlgs_settings good = nlgs_tol(1e-8);
@@ -289,11 +317,57 @@ START_TEST(memory) { /* O(m), with Anderson O(window m) */
 }
 END_TEST
 
+/* Spheres that flow: twice as many plain sweeps as sweeps with momentum do not suffice, and auto
+ * takes the latter. Where most of the residual is in few candidates, these are swept alone. */
+START_TEST(momentum_on_a_packing) {
+  rigid a;
+  ck_assert_int_eq(rigid_create(&a, "packing-flow", 1200, 0.4, 2), 0);
+  double *r = malloc((size_t)a.contact.d * (size_t)a.contact.nc * sizeof *r);
+  dls_nlgs_settings s = accelerated(1e-6, DLS_ACCELERATION_MOMENTUM);
+  dls_info info;
+  s.limits.max_iterations = 3000;
+  for (int plain = 0; plain < 2; plain++) {
+    dls_nlgs *work;
+    ck_assert_int_eq(dls_nlgs_create(&work, a.contact.d, a.contact.nc, &s, NULL), DLS_OK);
+    const dls_status status = dls_nlgs_solve(work, &a.contact, r, NULL, &info, NULL);
+    dls_nlgs_destroy(work);
+    ck_assert_msg(status == (plain ? DLS_MAX_ITERATIONS : DLS_OK), "%d after %d, %g", (int)status,
+                  info.iterations, info.certificate.residual);
+    s.acceleration = DLS_ACCELERATION_NONE;
+    s.limits.max_iterations = 2 * info.iterations;
+  }
+  dls_solver_settings any;
+  dls_solver_settings_init(&any);
+  any.limits.tol = 1e-6;
+  ck_assert_int_eq(dls_solve(&a.contact, &any, r, NULL, &info, NULL), DLS_OK);
+  ck_assert_int_eq(info.stage[0].method, DLS_NLGS);
+  ck_assert_int_lt(info.stage[0].iterations, s.limits.max_iterations / 2);
+  free(r);
+  rigid_free(&a);
+}
+END_TEST
+
+/* Where sweeps cycle or there is no solution, momentum ends, too, and says so. */
+START_TEST(momentum_by_hand) {
+  const hand_case *k = _i < hand_count ? &hand[_i] : &jammed[_i - hand_count];
+  static model a;
+  set_hand(&a, k);
+  const dls_nlgs_settings s = accelerated(1e-12, DLS_ACCELERATION_MOMENTUM);
+  double r[4];
+  dls_info info;
+  const dls_status status = run_nlgs(&a.p, &s, r, NULL, &info);
+  ck_assert_int_ge(status, 0);
+  ck_assert_int_eq(status == DLS_OK, dls_certificate_holds(&info.certificate, 1e-12));
+  if (_i >= hand_count) ck_assert_int_ne(status, DLS_OK);
+}
+END_TEST
+
 int main(void) {
   return RUN("nlgs", NULL, NULL, EACH(several_solutions_are_told, 0, hand_count), ONCE(ambiguous),
              EACH(one_jammed_candidate_stalls, 0, jammed_count), ONCE(cycle),
              EACH(relaxation_keeps_the_answer, 0, 80), EACH(accelerated_random_problem, 0, 40),
              EACH(fclib_file, 0, sizeof files / sizeof files[0]), ONCE(accelerated_cycle),
-             EACH(accelerated_units, 0, 40), ONCE(accelerated_workspace), ONCE(bad_create),
-             ONCE(memory));
+             EACH(accelerated_units, 0, 40), ONCE(accelerated_workspace),
+             ONCE(momentum_on_a_packing), EACH(momentum_by_hand, 0, hand_count + jammed_count),
+             ONCE(squares_beyond_numbers), ONCE(bad_create), ONCE(memory));
 }

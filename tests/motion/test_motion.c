@@ -194,6 +194,28 @@ START_TEST(test_puck) {
 }
 END_TEST
 
+/* Two points slide without friction along an obstacle, each its own way. */
+START_TEST(test_two_ways) {
+  moving_begin(&parts, 4);
+  for (int i = 0; i < 4; i++)
+    moving_add(&parts.M, i, i, 1);
+  moving_touch(&parts, 1, 0, 0);
+  moving_touch(&parts, 3, 2, 0);
+  const dls_motion_model model = moving_model(&parts);
+  const dls_motion_settings settings = moving_settings(DLS_MOTION_VELOCITY, 0.25);
+  const double v[4] = {1, 0, -2, 0}, f[4] = {0, -1, 0, -1};
+  dls_motion *motion = moving_create(&model, &settings, NULL, v);
+  for (int k = 1; k <= 4; k++) {
+    const dls_motion_state s = moving_step(motion, f, NULL, NULL);
+    ck_assert_double_eq_tol(s.slip[0], 0.25 * k, 1e-14);
+    ck_assert_double_eq_tol(s.slip[1], -0.5 * k, 1e-14);
+    ck_assert_double_eq_tol(s.p[0], 0.25, 1e-13);
+    ck_assert_double_eq_tol(s.p[2], 0.25, 1e-13);
+  }
+  dls_motion_destroy(motion);
+}
+END_TEST
+
 /* An unsymmetric A: C = (0 -1; 1 0) turns the velocity and does no work; theta = 1/2 turns it by
  * 2 atan(h/2) a step. */
 START_TEST(test_turning) {
@@ -462,6 +484,11 @@ START_TEST(test_arguments) {
   EXPECT(dls_motion_start(motion, bad, NULL, 0, &error), start, DLS_E_NOT_FINITE, "x", 1);
   EXPECT(dls_motion_start(motion, NULL, bad, 0, &error), start, DLS_E_NOT_FINITE, "v", 1);
   EXPECT(dls_motion_start(motion, NULL, NULL, bad[1], &error), start, DLS_E_NOT_FINITE, "t", 0);
+  const dls_motion_model pressed = point_model(0, 1, 0);
+  const dls_motion_settings along = moving_settings(DLS_MOTION_PATH, 1);
+  dls_motion *path = moving_create(&pressed, &along, NULL, NULL);
+  EXPECT(dls_motion_start(path, NULL, huge, 0, &error), start, DLS_E_ARGUMENT, "v", -1);
+  dls_motion_destroy(path);
   EXPECT(dls_motion_set_h(NULL, 1, &error), "dls_motion_set_h", DLS_E_ARGUMENT, "motion", -1);
   const dls_limits negative = {.tol = -1};
   EXPECT(dls_motion_set_limits(NULL, &settings.limits, &error), "dls_motion_set_limits",
@@ -510,7 +537,7 @@ END_TEST
 int main(void) {
   return RUN("motion", NULL, NULL, ONCE(test_racket), ONCE(test_gap_form), ONCE(test_swing),
              ONCE(test_damping), ONCE(test_path), ONCE(test_weighting), ONCE(test_puck),
-             ONCE(test_turning), EACH(test_refused_step, 0, 3), ONCE(test_start_again),
-             ONCE(test_units), ONCE(test_set_h), ONCE(test_settings), ONCE(test_model),
-             ONCE(test_arguments), ONCE(test_malloc));
+             ONCE(test_two_ways), ONCE(test_turning), EACH(test_refused_step, 0, 3),
+             ONCE(test_start_again), ONCE(test_units), ONCE(test_set_h), ONCE(test_settings),
+             ONCE(test_model), ONCE(test_arguments), ONCE(test_malloc));
 }

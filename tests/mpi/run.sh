@@ -27,7 +27,7 @@ done
 
 for source in examples/mpi/*.c; do
   program=$build/examples/mpi/$(basename "$source" .c)
-  [ -x "$program" ] || continue
+  case $source in *petsc*) [ -x "$program" ] || { echo "no PETSc: $source left out"; continue; } ;; esac
   expected=$(sed -n '/^ \* Output:/,/^ \*\//p' "$source" | sed -e '1d' -e '$d' -e 's/^ \* \{0,1\}//' -e 's/^  //')
   for ranks in 1 2 4; do
     [ -n "$expected" ] && [ "$(run $ranks "$program")" = "$expected" ]

@@ -1,0 +1,58 @@
+/*
+ * fuzz.h: inputs made of any bytes, for every door of the library and the program. A target takes
+ * the bytes, calls what it is named after, and ends the process (FUZZ_CHECK, a signal, a sanitizer)
+ * where the library breaks a promise. An error status is no failure.
+ */
+#ifndef FUZZ_H
+#define FUZZ_H
+
+#include <stddef.h>
+
+typedef struct fuzz_target {
+  const char *name;
+  void (*run)(const unsigned char *data, size_t size);
+  const char *seeds[8]; /* files under data/ to start from; NULL ends them, none: random bytes */
+  int is_text;          /* 1: mutate numbers and lines, too */
+  int is_loud;          /* 1: writes to stdout and stderr, which go to /dev/null */
+} fuzz_target;
+
+/* All targets; the name of the last one is NULL. */
+extern const fuzz_target fuzz_targets[];
+
+enum { fuzz_most = 16384 }; /* bytes of an input */
+
+/* Ends the process with a message unless `holds`. */
+#define FUZZ_CHECK(holds) fuzz_check((holds), #holds, __FILE__, __LINE__)
+void fuzz_check(int holds, const char *text, const char *file, int line);
+
+/* The bytes that are left; 0 comes after the last. */
+typedef struct fuzz_bytes {
+  const unsigned char *at;
+  size_t left;
+} fuzz_bytes;
+
+int take_byte(fuzz_bytes *b);
+int take_int(fuzz_bytes *b, int low, int high); /* low <= . <= high */
+double take_value(fuzz_bytes *b);               /* small numbers, extreme ones, any bits */
+double take_plain(fuzz_bytes *b);               /* -4 .. 4 by sixteenths */
+double take_scale(fuzz_bytes *b);               /* mostly 1, else a power of ten, up to 1e300 */
+
+/* Puts the bytes into a file of this process and returns its name. */
+const char *fuzz_file(const unsigned char *data, size_t size);
+
+/* Solves the problem by a method, with settings, both from the bytes, and checks the answer. */
+struct dls_contact;
+void fuzz_solve(const struct dls_contact *problem, fuzz_bytes *b);
+
+void fuzz_fclib(const unsigned char *data, size_t size);
+void fuzz_fclib_sets(const unsigned char *data, size_t size);
+void fuzz_mtx(const unsigned char *data, size_t size);
+void fuzz_text(const unsigned char *data, size_t size);
+void fuzz_calculix(const unsigned char *data, size_t size);
+void fuzz_lcp(const unsigned char *data, size_t size);
+void fuzz_contact(const unsigned char *data, size_t size);
+void fuzz_reduction(const unsigned char *data, size_t size);
+void fuzz_motion(const unsigned char *data, size_t size);
+void fuzz_program(const unsigned char *data, size_t size);
+
+#endif

@@ -1,0 +1,366 @@
+/* fuzz_problems.c: LCPs, contact problems by every method, reductions and motions made of any
+ * bytes, their settings, too. What is said to be solved is certified again. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delassus.h"
+#include "delassus/moving.h"
+#include "fuzz.h"
+
+enum { most_m = 18, most_n = 14 }; /* rows of W or of an LCP, unknowns of a model */
+
+static const double tols[] = {1e-8, 1e-8, 1e-10, 1e-12, 0, 1e-3, 1, 1e300};
+
+/* Fills a (m x m, ld m): values, or F F^T + s with positive definite or singular outcome. */
+static void take_matrix(fuzz_bytes *b, int m, double *a) {
+  const int kind = take_byte(b) % 5;
+  const double scale = take_scale(b);
+  double F[most_m * most_m];
+  for (int k = 0; k < m * m; k++)
+    F[k] = kind < 4 ? take_plain(b) : take_value(b);
+  const double shift = kind == 0 ? 1 : kind == 1 ? 1e-7 : 0;
+  for (int i = 0; i < m; i++)
+    for (int j = 0; j < m; j++) {
+      double sum = i == j ? shift : 0;
+      for (int k = 0; k < m; k += kind == 2 ? 2 : 1)
+        sum += F[i + m * k] * F[j + m * k];
+      a[i + m * j] = scale * (kind < 3 ? sum : F[i + m * j]);
+    }
+  for (int k = take_byte(b) % 8; k > 6; k--) /* now and then, one odd entry */
+    if (m) a[take_byte(b) % m + m * (take_byte(b) % m)] = take_value(b);
+}
+
+static void take_vector(fuzz_bytes *b, int n, double *x) {
+  const double scale = take_scale(b);
+  const int odd = take_byte(b) < 32;
+  for (int k = 0; k < n; k++)
+    x[k] = scale * (odd ? take_value(b) : take_plain(b));
+}
+
+static void take_limits(fuzz_bytes *b, dls_limits *limits) {
+  limits->tol = tols[take_byte(b) % 8];
+  limits->max_iterations = take_byte(b) < 200 ? take_int(b, 1, 300) : 0;
+  limits->warm_start = take_byte(b) & 1;
+}
+
+/* ---- LCPs ------------------------------------------------------------------------------------ */
+
+void fuzz_lcp(const unsigned char *data, size_t size) {
+  fuzz_bytes b = {data, size};
+  double M[most_m * most_m], q[most_m], z[most_m], y[most_m], list[4 * most_m];
+  const int n = take_int(&b, 1, 10);
+  take_matrix(&b, n, M);
+  take_vector(&b, n, q);
+  take_vector(&b, n, z);
+  const dls_lcp lcp = {n, {n, n, n, M}, q};
+  dls_lcp_certificate seen;
+  dls_lemke_settings settings;
+  dls_principal_settings principal;
+  dls_lemke_info info;
+  dls_lemke *lemke;
+  dls_principal *pivoting;
+  dls_enumeration found;
+  dls_error error;
+  dls_lemke_settings_init(&settings);
+  take_limits(&b, &settings.limits);
+  settings.crash = take_byte(&b) & 1;
+  FUZZ_CHECK(dls_lemke_create(&lemke, n, &settings, &error) == DLS_OK);
+  for (int pass = 0; pass < 2; pass++) { /* twice in one workspace */
+    const dls_status status = dls_lemke_solve(lemke, &lcp, z, y, &info, &error);
+    if (status < 0) break;
+    FUZZ_CHECK(dls_lcp_certify(&lcp, z, NULL, &seen, &error) == DLS_OK);
+    if (status == DLS_OK) FUZZ_CHECK(dls_lcp_certificate_holds(&seen, settings.limits.tol));
+    if (status == DLS_NO_SOLUTION) {
+      double violation;
+      FUZZ_CHECK(dls_lemke_farkas(lemke, y, &error) == DLS_OK);
+      FUZZ_CHECK(dls_lcp_check_farkas(&lcp, y, &violation, &error) == DLS_OK);
+    }
+  }
+  dls_lemke_destroy(lemke);
+  dls_principal_settings_init(&principal);
+  take_limits(&b, &principal.limits);
+  FUZZ_CHECK(dls_principal_create(&pivoting, n, &principal, &error) == DLS_OK);
+  if (dls_principal_solve(pivoting, &lcp, z, y, NULL, &error) == DLS_OK) {
+    FUZZ_CHECK(dls_lcp_certify(&lcp, z, NULL, &seen, &error) == DLS_OK);
+    FUZZ_CHECK(dls_lcp_certificate_holds(&seen, principal.limits.tol));
+  }
+  dls_principal_destroy(pivoting);
+  if (n <= 8 && dls_lcp_enumerate(&lcp, 1e-8, 4, list, &found, &error) == DLS_OK)
+    for (int k = 0; k < found.solutions; k++)
+      FUZZ_CHECK(dls_lcp_certify(&lcp, list + k * n, NULL, &seen, &error) == DLS_OK &&
+                 dls_lcp_certificate_holds(&seen, 1e-8));
+}
+
+/* ---- contact problems ------------------------------------------------------------------------ */
+
+void fuzz_solve(const dls_contact *problem, fuzz_bytes *b) {
+  double r[most_m] = {0}, before[most_m], u[most_m];
+  dls_solver_settings settings;
+  dls_certificate seen;
+  dls_solver *solver;
+  dls_info info;
+  dls_error error;
+  int methods = 0;
+  while (dls_method_name((dls_method)methods))
+    methods++;
+  dls_solver_settings_init(&settings);
+  take_limits(b, &settings.limits);
+  settings.method = (dls_method)take_int(b, 0, methods);
+  settings.acceleration = (dls_acceleration)take_int(b, 0, 4);
+  settings.facets = take_byte(b) < 200 ? 0 : take_int(b, -2, 70);
+  settings.limits.blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : 0;
+  take_vector(b, problem->d * problem->nc, r);
+  if (dls_solver_create(&solver, problem->d, problem->nc, &settings, &error)) {
+    FUZZ_CHECK(solver == NULL);
+    return;
+  }
+  for (int pass = 0; pass < 2; pass++) {
+    memcpy(before, r, sizeof r);
+    const dls_status status = dls_solver_solve(solver, problem, r, u, &info, &error);
+    if (status < 0) {
+      FUZZ_CHECK(memcmp(before, r, sizeof r) == 0 && error.status == status);
+      break;
+    }
+    FUZZ_CHECK(info.status == status);
+    FUZZ_CHECK(dls_contact_certify(problem, r, NULL, &seen, &error) == DLS_OK);
+    if (status == DLS_OK) FUZZ_CHECK(dls_certificate_holds(&seen, settings.limits.tol));
+  }
+  dls_solver_destroy(solver);
+}
+
+/* Asks for what is known of a problem. */
+static void look_at(const dls_contact *problem, fuzz_bytes *b) {
+  double r[4 * most_m] = {0}, low[4 * most_m], high[4 * most_m];
+  dls_diagnosis facts;
+  dls_solution_set found;
+  dls_sensitivity sensitivity;
+  dls_fold fold;
+  dls_contact_state state[most_m];
+  dls_error error;
+  const int what = take_byte(b);
+  if (what < 64)
+    (void)!dls_contact_diagnose(problem, 20, &facts, &error);
+  else if (what < 80 && problem->nc <= 3)
+    (void)!dls_contact_enumerate(problem, 1e-8, 4, r, low, high, &found, &error);
+  else if (what < 96)
+    (void)!dls_contact_sensitivity(problem, r, &sensitivity, &error);
+  else if (what < 104 && problem->nc <= 3)
+    (void)!dls_contact_fold(problem, &fold, state, r, low, high, &error);
+}
+
+void fuzz_contact(const unsigned char *data, size_t size) {
+  fuzz_bytes b = {data, size};
+  double W[most_m * most_m], q[most_m], mu[most_m], x[9 * most_m];
+  int p[most_m + 1] = {0}, i[most_m];
+  const int d = take_int(&b, 1, 3), nc = take_int(&b, 0, most_m / d < 5 ? most_m / d : 5);
+  const int m = d * nc;
+  dls_contact problem = {.d = d, .nc = nc, .q = q, .mu = mu};
+  if (take_byte(&b) < 180) {
+    take_matrix(&b, m, W);
+    problem.W = (dls_dense){m, m, m, W};
+  } else {
+    const int entries = take_int(&b, 0, most_m);
+    for (int k = 0; k < entries; k++)
+      i[k] = nc ? take_byte(&b) % (nc + (take_byte(&b) < 4)) : 0;
+    for (int c = 0; c <= nc; c++)
+      p[c] = c * entries / (nc ? nc : 1);
+    if (!nc) p[0] = 0;
+    take_vector(&b, d * d * entries, x);
+    problem.Wb = (dls_blocks){d, nc, p, i, x};
+  }
+  take_vector(&b, m, q);
+  for (int c = 0; c < nc; c++) {
+    const int kind = take_byte(&b);
+    mu[c] = kind < 200 ? kind / 100.0 : kind < 220 ? 0 : kind < 240 ? INFINITY : take_value(&b);
+  }
+  look_at(&problem, &b);
+  fuzz_solve(&problem, &b);
+}
+
+/* ---- reductions ------------------------------------------------------------------------------ */
+
+typedef struct columns {
+  int p[3 * most_n + 1], i[6 * most_n];
+  double x[6 * most_n];
+} columns;
+
+/* Fills a sparse matrix with entries all over, or with diagonal ones, too. */
+static dls_sparse take_columns(fuzz_bytes *b, int rows, int cols, int diagonal, columns *own) {
+  const int most = 6 * most_n, odd = take_byte(b) < 8;
+  int count = 0;
+  for (int j = 0; j < cols; j++) {
+    own->p[j] = count;
+    for (int k = take_byte(b) % 3; k >= 0 && count < most; k--, count++) {
+      own->i[count] = diagonal && k == 0 ? j : take_byte(b) % rows;
+      own->x[count] = diagonal && k == 0 ? 4 + take_plain(b) : take_plain(b);
+    }
+  }
+  own->p[cols] = count;
+  if (odd && count) own->i[take_byte(b) % count] = take_int(b, -1, rows);
+  if (odd && count) own->x[take_byte(b) % count] = take_value(b);
+  if (odd && take_byte(b) < 64) own->p[take_byte(b) % (cols + 1)] = take_int(b, -1, count);
+  return (dls_sparse){rows, cols, own->p, own->i, own->x};
+}
+
+typedef struct host {
+  int fails, odd;
+} host;
+
+/* Divides by 2: the host's own factorisation; now and then it fails. */
+static int host_solve(void *user, double *X, int n, int nrhs) {
+  host *h = user;
+  for (int k = 0; k < n * nrhs; k++)
+    X[k] /= 2;
+  if (h->odd && n) X[0] = NAN;
+  return h->fails-- == 1;
+}
+
+void fuzz_reduction(const unsigned char *data, size_t size) {
+  fuzz_bytes b = {data, size};
+  static columns K, HN, HT, P, other;
+  double a[most_m * most_m], f[most_n], g[3 * most_n], mu[most_n], x[most_n], r[3 * most_n] = {0};
+  double modes[2 * most_n];
+  int active[most_n];
+  const int n = take_int(&b, 1, most_n), d = take_int(&b, 2, 3), nodes = take_int(&b, 0, 4);
+  host own = {take_byte(&b) % 16, take_byte(&b) < 8};
+  dls_model model = {.d = d, .n = n, .nodes = nodes, .solve = host_solve, .user = &own};
+  model.operator_kind = (dls_operator)(take_byte(&b) < 250 ? take_int(&b, 1, 4) : 5);
+  model.factorization = (dls_factorization)(take_byte(&b) < 250 ? take_int(&b, 1, 3) : 4);
+  take_matrix(&b, n, a);
+  model.K = (dls_dense){n, n, n, a};
+  model.Ks = take_columns(&b, n, n, 1, &K);
+  model.HN = take_columns(&b, n, nodes, 0, &HN);
+  model.HT = take_columns(&b, n, (d - 1) * nodes, 0, &HT);
+  int candidates = nodes;
+  if (take_byte(&b) < 40) {
+    candidates = take_int(&b, 0, nodes);
+    model.P = take_columns(&b, nodes ? nodes : 1, candidates, 0, &P);
+  }
+  take_vector(&b, n, f);
+  take_vector(&b, d * nodes, g);
+  for (int c = 0; c < most_n; c++) {
+    mu[c] = take_byte(&b) / 100.0;
+    active[c] = take_byte(&b) < 200;
+  }
+  if (take_byte(&b) < 40) model.active = active;
+  if (take_byte(&b) < 40) model.mu = mu;
+  if (take_byte(&b) < 30) {
+    take_vector(&b, 2 * n, modes);
+    model.modes = (dls_dense){n, take_int(&b, 0, 2), n, modes};
+  }
+  dls_reduction_settings settings;
+  dls_reduction_settings_init(&settings);
+  const int how = take_byte(&b);
+  settings.allow_indefinite = how & 1;
+  settings.stabilize = how >> 1 & 1;
+  settings.form_W = how % 16 != 4;
+  settings.frictionless = how % 16 == 8;
+  dls_reduction *reduction;
+  dls_reduction_info info;
+  dls_contact problem;
+  dls_error error;
+  (void)!dls_reduction_estimate(&model, &settings, &info, &error);
+  const dls_status status = dls_reduction_create_with(&reduction, &model, &settings, &error);
+  FUZZ_CHECK((status == DLS_OK) == (reduction != NULL));
+  if (status) return;
+  if (take_byte(&b) < 60) { /* other values, or another pattern */
+    if (take_byte(&b) < 20) model.Ks = take_columns(&b, n, n, 1, &other);
+    for (int k = 0; k < K.p[n]; k++)
+      K.x[k] *= 1.5;
+    (void)!dls_reduction_update(reduction, &model, &error);
+  }
+  if (dls_reduction_load(reduction, f, g, &error) == DLS_OK &&
+      dls_reduction_contact(reduction, mu, &problem, &error) == DLS_OK) {
+    if (problem.d * problem.nc <= most_m) fuzz_solve(&problem, &b);
+    take_vector(&b, problem.d * problem.nc, r);
+    (void)!dls_reduction_recover(reduction, r, x, &error);
+  }
+  (void)!dls_reduction_get_info(reduction, &info, &error);
+  dls_reduction_destroy(reduction);
+}
+
+/* ---- motions --------------------------------------------------------------------------------- */
+
+/* Runs a few steps of a scene with any settings. */
+static void move_scene(fuzz_bytes *b) {
+  int scenes = 0;
+  while (dls_moving_name(scenes))
+    scenes++;
+  dls_moving_settings s;
+  dls_moving_data seen;
+  dls_moving *moving;
+  dls_error error;
+  dls_moving_settings_init(&s);
+  s.limits.tol = tols[take_byte(b) % 8];
+  s.limits.max_iterations = take_int(b, -1, 200);
+  s.law = (dls_motion_law)take_int(b, 0, 4);
+  s.method = (dls_method)take_int(b, 0, 12);
+  s.mass = (dls_fe_mass_kind)take_int(b, 0, 3);
+  double *const values[] = {&s.theta,   &s.restitution, &s.mu,
+                            &s.courant, &s.amplitude,   &s.frequency};
+  for (size_t k = 0; k < sizeof values / sizeof *values; k++)
+    if (take_byte(b) < 60) *values[k] = take_byte(b) < 128 ? take_plain(b) : take_value(b);
+  s.steps = take_int(b, -1, 60);
+  s.nx = take_int(b, -1, 5);
+  s.ny = take_int(b, -1, 5);
+  if (s.nx == 0) s.nx = 1; /* 0 is the scene's own mesh, which is larger than an input should be */
+  if (s.ny == 0) s.ny = 1;
+  s.upper = take_int(b, -1, 5);
+  s.measure = take_byte(b) & 1;
+  const char *name = dls_moving_name(take_byte(b) % scenes);
+  const dls_status status = dls_moving_create(&moving, name, &s, &error);
+  FUZZ_CHECK((status == DLS_OK) == (moving != NULL));
+  for (int k = 0; k < 2 && !status; k++) {
+    if (dls_moving_step(moving, &error)) break;
+    dls_moving_get(moving, &seen);
+    FUZZ_CHECK(seen.step == k + 1);
+  }
+  dls_moving_destroy(moving);
+}
+
+/* Moves bodies of any matrices. */
+static void move_model(fuzz_bytes *b) {
+  static columns M, C, K, HN, HT;
+  double gap[most_n], x[most_n], v[most_n], f[most_n];
+  const int n = take_int(b, 1, most_n), d = take_int(b, 2, 3), nodes = take_int(b, 0, 4);
+  dls_motion_model model = {.d = d, .n = n, .nodes = nodes, .gap = gap};
+  model.factorization = (dls_factorization)take_int(b, 1, 3);
+  if (take_byte(b) < 220) model.M = take_columns(b, n, n, 1, &M);
+  if (take_byte(b) < 60) model.C = take_columns(b, n, n, 1, &C);
+  if (take_byte(b) < 180) model.K = take_columns(b, n, n, 1, &K);
+  model.HN = take_columns(b, n, nodes, 0, &HN);
+  model.HT = take_columns(b, n, (d - 1) * nodes, 0, &HT);
+  take_vector(b, nodes, gap);
+  take_vector(b, n, x);
+  take_vector(b, n, v);
+  take_vector(b, n, f);
+  dls_motion_settings s;
+  dls_motion_settings_init(&s);
+  s.h = take_byte(b) < 230 ? 0.01 : take_value(b);
+  s.law = (dls_motion_law)take_int(b, 1, 3);
+  s.theta = s.law == DLS_MOTION_GAP ? 1 : 0.5 + take_byte(b) / 500.0;
+  s.restitution = take_byte(b) < 128 ? 0 : take_byte(b) / 250.0;
+  s.activation = take_byte(b) < 200 ? 0 : take_value(b);
+  s.forecast = take_byte(b) / 250.0;
+  s.stabilize = take_byte(b) & 1;
+  s.limits.max_iterations = take_int(b, 0, 200);
+  double mu[most_n];
+  for (int c = 0; c < most_n; c++)
+    mu[c] = take_byte(b) / 100.0;
+  dls_motion *motion;
+  dls_error error;
+  if (dls_motion_create(&motion, &model, &s, &error)) {
+    FUZZ_CHECK(motion == NULL);
+    return;
+  }
+  if (dls_motion_start(motion, x, v, 0, &error) == DLS_OK)
+    for (int k = 0; k < 3; k++)
+      if (dls_motion_step(motion, f, NULL, mu, NULL, &error)) break;
+  dls_motion_destroy(motion);
+}
+
+void fuzz_motion(const unsigned char *data, size_t size) {
+  fuzz_bytes b = {data, size};
+  (take_byte(&b) < 80 ? move_scene : move_model)(&b);
+}
