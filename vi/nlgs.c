@@ -284,7 +284,7 @@ static DLSI_INLINE int nlgs_visit(const int d, const int n, const dls_nlgs *work
                                : work->block_3d[c].W;
     dlsi_pair_of_bodies of;
     if (n) {
-      of = dlsi_bodies_of(&problem->bodies, (size_t)(d * n), (size_t)c, work->v);
+      of = dlsi_bodies_of(&problem->bodies, (size_t)d * (size_t)n, (size_t)c, work->v);
       dlsi_bodies_look(d, n, &of, problem->q + (size_t)d * (size_t)c, uc);
     } else
       nlgs_look(d, problem, b, c, work->it.u, uc);
@@ -633,7 +633,7 @@ static void nlgs_measure_piece(void *data, int piece) {
     double F[3] = {0}, u[3] = {0};
     if (n) {
       const dlsi_pair_of_bodies of =
-          dlsi_bodies_of(&s->problem->bodies, (size_t)(n * d), (size_t)c, work->v);
+          dlsi_bodies_of(&s->problem->bodies, (size_t)n * (size_t)d, (size_t)c, work->v);
       dlsi_bodies_look(d, n, &of, s->problem->q + d * c, u);
     }
     (void)dlsi_contact_residual(d, s->problem->mu[c], work->it.w[c], s->r + d * c,
