@@ -420,11 +420,7 @@ $(BUILD)/bench/%:
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(PEER_LIBS) $(LIBS)
 
 .PHONY: bench-lemke bench-solvers bench-reduction bench-auto bench-blocks bench-scale bench-motion
-bench-scale:
-	@.ci/deps bench
-	@$(MAKE) --no-print-directory $(BUILD)/bench/scale
-	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/scale --out $(RESULTS) $(BENCH)
-bench-lemke bench-solvers bench-reduction: bench-%:
+bench-lemke bench-solvers bench-reduction bench-scale: bench-%:
 	@.ci/deps bench
 	@$(MAKE) --no-print-directory $(BUILD)/bench/$*
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/$* --out $(RESULTS) $(BENCH)

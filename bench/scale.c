@@ -3,10 +3,14 @@
  * beside Siconos' Gauss-Seidel by blocks, and how time grows.
  *
  *   scale [--kind KIND] [--sizes N,N,..] [--tol TOL] [--seed S] [--seeds COUNT] [--limit SECONDS]
- *         [--no-peer] [--out DIR]
+ *         [--no-peer] [--only METHOD,..] [--out DIR]
  *
  *   --kind   one of tests/shared/rigid.h, or the beginning of its name; all
  *   --seeds  so many seeds: S, S + 2, ..
+ *   --only   these of delassus: auto, nlgs, momentum, anderson, admm, augmented
+ *
+ * Writes scale.md and, for scale.gp, scale.csv: kind, candidates, CPU of auto, of the best other
+ * method, of the peer; empty for none.
  *
  * Time is CPU of the solve from r = 0 (solvers_call.c). A cell that is not a time says how the
  * solve ended. The exponent of growth is the slope of log(time of auto) over log(candidates).
@@ -27,7 +31,8 @@ typedef struct plan {
   int sizes[most_sizes], size_count, seeds, no_peer;
   unsigned long seed;
   double tol, limit;
-  FILE *page;
+  const char *only; /* NULL: all */
+  FILE *page, *csv;
 } plan;
 
 typedef struct own_method {
@@ -81,6 +86,16 @@ static double print_cell(FILE *page, const outcome *o, double tol) {
   return INFINITY;
 }
 
+/* Returns 1 if the list of --only names the method. */
+static int is_wanted(const plan *p, const char *name) {
+  const size_t length = strlen(name);
+  for (const char *next = p->only; next && *next; next += *next == ',') {
+    if (strncmp(next, name, length) == 0 && (next[length] == ',' || !next[length])) return 1;
+    next += strcspn(next, ",");
+  }
+  return !p->only;
+}
+
 /* Prints a over b; nothing where neither is a time. */
 static void print_ratio(FILE *page, double a, double b) {
   if (isfinite(a) && isfinite(b))
@@ -115,7 +130,7 @@ static double run_problem(const plan *p, const char *kind, const rigid *a, unsig
   double best = INFINITY, automatic = INFINITY;
   bench_print(p->page, "| %s | %lu | %d |", kind, seed, a->contact.nc);
   for (int k = 0; k < own_count; k++) {
-    if (a->contact.nc > own[k].most) {
+    if (a->contact.nc > own[k].most || !is_wanted(p, own[k].name)) {
       bench_print(p->page, " |");
       continue;
     }
@@ -136,6 +151,11 @@ static double run_problem(const plan *p, const char *kind, const rigid *a, unsig
   print_ratio(p->page, automatic, best);
   print_ratio(p->page, automatic, peer);
   bench_print(p->page, "\n");
+  const double time[] = {automatic, best, peer};
+  fprintf(p->csv, "%s,%d", kind, a->contact.nc);
+  for (int k = 0; k < 3; k++)
+    fprintf(p->csv, isfinite(time[k]) ? ",%.4g" : ",", time[k]);
+  fprintf(p->csv, "\n");
   return automatic;
 }
 
@@ -178,6 +198,8 @@ static int read_options(int argc, char **argv, plan *p, const char **out) {
       p->limit = strtod(value, NULL);
     else if (strcmp(argv[k], "--out") == 0)
       *out = value;
+    else if (strcmp(argv[k], "--only") == 0)
+      p->only = value;
     else if (strcmp(argv[k], "--sizes") == 0) {
       char *next = argv[k + 1];
       for (p->size_count = 0; next && *next && p->size_count < most_sizes; next += *next == ',')
@@ -202,7 +224,9 @@ int main(int argc, char **argv) {
   const char *out = "build";
   if (read_options(argc, argv, &p, &out)) return 2;
   p.page = bench_page(out, "scale", "Rigid bodies: time against size", argc, argv);
-  if (!p.page) return 1;
+  p.csv = p.page ? bench_open(out, "scale.csv") : NULL;
+  if (!p.csv) return 1;
+  fprintf(p.csv, "kind,candidates,auto,own,peer\n");
   bench_print(p.page,
               "CPU seconds to residual %g (iterations); auto over the best other method of "
               "delassus, and over Siconos' Gauss-Seidel by blocks.\n\n| kind | seed | candidates |",
@@ -215,6 +239,5 @@ int main(int argc, char **argv) {
   bench_print(p.page, "\n");
   for (int k = 0; rigid_kind(k); k++)
     if (strncmp(rigid_kind(k), p.kind, strlen(p.kind)) == 0) run_kind(&p, rigid_kind(k));
-  fclose(p.page);
-  return 0;
+  return fclose(p.page) + fclose(p.csv) ? 1 : 0;
 }

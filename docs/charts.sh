@@ -40,6 +40,7 @@ draw map-wedge map data/failures/c03-jam-below.txt --mu 0:3
 draw map-catalogue map data/failures/c*.txt
 draw map-condition map jean-fig3 --against condition
 draw map-extrusion map extrusion --rows 5 --mu 0.05:0.5 --limit 1
-draw map-extrusion-mesh map extrusion --against mesh --rows 5 --mu 0.05:0.5 --limit 0.3
+# takes half an hour of CPU and more: MESHES=1 asks for it
+[ -z "${MESHES:-}" ] || draw map-extrusion-mesh map extrusion --against mesh --rows 7 --mu 0.1:0.4 --limit 1500
 draw map-two-blocks map two-blocks --rows 10 --mu 0.02:1
 tail -n 3 "$work/profile/log" | head -n 2

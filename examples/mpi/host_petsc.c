@@ -17,7 +17,7 @@
 enum { side = 10, layer = side * side, n = 3 * layer * side };
 
 /* Assembles K and f; the nodes are numbered layer by layer from the floor. */
-static PetscErrorCode assemble(Mat *K, Vec *f, int *first, int *end) {
+static PetscErrorCode host_assemble(Mat *K, Vec *f, int *first, int *end) {
   const int step[] = {1, side, layer};
   PetscCall(MatCreateAIJ(PETSC_COMM_WORLD, PETSC_DECIDE, PETSC_DECIDE, n, n, 7, NULL, 6, NULL, K));
   PetscCall(MatGetOwnershipRange(*K, first, end));
@@ -67,7 +67,7 @@ int main(int argc, char **argv) {
   const double *load;
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  PetscCall(assemble(&K, &f, &first, &end));
+  PetscCall(host_assemble(&K, &f, &first, &end));
   for (int c = 0; c < layer; c++) /* a contact node belongs to the rank of its normal's row */
     if (3 * c + 2 >= first && 3 * c + 2 < end) {
       normal[nodes] = 3 * c + 2;

@@ -67,8 +67,11 @@ enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
  * work on a copy in an order and in units that follow from the data, so that the order of the
  * candidates does not decide. info.stage has what was done.
  *
- * Beyond 1000 candidates by blocks sweeps with momentum take the place of accelerated sweeps and
- * Newton steps.
+ * Beyond 100 candidates by blocks sweeps with momentum follow the first accelerated sweeps, beyond
+ * 1000 they take their place; Newton steps come last.
+ *
+ * Where W is dense and shows that two in five candidates or more cannot touch, a cold solve of auto
+ * takes the others alone, a copy that it allocates; without memory it takes all.
  *
  * auto in steps, limits.warm_start on one solver: where r is the answer of the solve before, auto
  * follows the line through its last two answers if that is better; where Newton's method ended the

@@ -407,6 +407,10 @@ void dlsi_panel_subtract(size_t m, int n, const double *A, const double *x, doub
  * them are 0. w: nc. */
 void dlsi_contact_weights(const dls_contact *problem, double *w);
 
+/* Fills *subset as dls_contact_subset does, from arguments that have been checked; count > 0. */
+void dlsi_subset(const dls_contact *problem, int count, const int *candidate, double *values,
+                 int *index, dls_contact *subset);
+
 /* Compute the weights in two steps where the diagonal blocks are at hand: trace(W_cc) / d of one
  * block, then the common weight where that is not positive. */
 static inline double dlsi_block_weight(int d, const double *block) {

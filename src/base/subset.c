@@ -90,6 +90,25 @@ static double *subset_bodies(const dls_contact *problem, int count, const int *c
   return x + size * (size_t)count;
 }
 
+void dlsi_subset(const dls_contact *problem, int count, const int *candidate, double *values,
+                 int *index, dls_contact *subset) {
+  const size_t d = (size_t)problem->d, n = (size_t)count;
+  const int m = problem->d * count, of_bodies = problem->bodies.H != NULL;
+  dls_contact made = {.d = problem->d, .nc = count};
+  double *q = of_bodies ? subset_bodies(problem, count, candidate, values, index, &made.bodies)
+              : problem->Wb.x ? subset_blocks(problem, count, candidate, values, index, &made.Wb)
+                              : subset_dense(problem, count, candidate, values);
+  if (!problem->Wb.x && !of_bodies) made.W = (dls_dense){m, m, m, values};
+  double *mu = q + d * n;
+  for (size_t k = 0; k < n; k++) {
+    memcpy(q + d * k, problem->q + d * (size_t)candidate[k], d * sizeof *q);
+    mu[k] = problem->mu[candidate[k]];
+  }
+  made.q = q;
+  made.mu = mu;
+  *subset = made;
+}
+
 static dls_status contact_subset(const dls_contact *problem, int count, const int *candidate,
                                  double *values, int *index, dls_contact *subset,
                                  dls_error *error) {
@@ -100,23 +119,10 @@ static dls_status contact_subset(const dls_contact *problem, int count, const in
   if (count > 0 && !values) return dlsi_is_null(error, "values");
   if (count > 0 && (by_blocks || of_bodies) && !index) return dlsi_is_null(error, "index");
   if (!subset) return dlsi_is_null(error, "subset");
-  dls_contact made = {.d = problem->d, .nc = count};
-  const size_t d = (size_t)problem->d, n = (size_t)count;
-  if (count > 0) {
-    const int m = problem->d * count;
-    double *q = of_bodies   ? subset_bodies(problem, count, candidate, values, index, &made.bodies)
-                : by_blocks ? subset_blocks(problem, count, candidate, values, index, &made.Wb)
-                            : subset_dense(problem, count, candidate, values);
-    if (!by_blocks && !of_bodies) made.W = (dls_dense){m, m, m, values};
-    double *mu = q + d * n;
-    for (size_t k = 0; k < n; k++) {
-      memcpy(q + d * k, problem->q + d * (size_t)candidate[k], d * sizeof *q);
-      mu[k] = problem->mu[candidate[k]];
-    }
-    made.q = q;
-    made.mu = mu;
-  }
-  *subset = made;
+  if (count > 0)
+    dlsi_subset(problem, count, candidate, values, index, subset);
+  else
+    *subset = (dls_contact){.d = problem->d};
   return DLS_OK;
 }
 

@@ -76,7 +76,7 @@ static int write_mesh(const char *directory, const char *title, const dls_formin
   fit_view(d, &w);
   for (int i = 0; i < d->mesh->nodes; i++)
     largest = fmax(largest, hypot(d->reaction[2 * i], d->reaction[2 * i + 1]));
-  const double arrow = largest > 0 ? (w.turned ? 0.15 : 0.3) * (w.hi[1] - w.lo[1]) / largest : 0;
+  const double arrow = largest > 0 ? (w.turned ? 0.15 : 0.25) * (w.hi[1] - w.lo[1]) / largest : 0;
   FILE *data = open_in(directory, "mesh.dat");
   if (!data) return 0;
   fputs("# blocks 0, 1: tools and elements at rest; 2, 3: deformed; 4: contact forces\n", data);
@@ -175,7 +175,7 @@ static int write_pressure(const char *directory, const char *title, const dls_fo
           "  plot 'pressure_end.dat' using 1:2 with linespoints pt 7 ps 0.5 lc rgb '#3060a0' "
           "title 'pressure', \\\n"
           "       '' using 1:3 with linespoints pt 5 ps 0.5 lc rgb '#c03020' title 'shear'\n"
-          "  unset grid\n  set key off\n  set xtics autofreq font ',11'\n  set ylabel 'travel "
+          "  unset grid\n  set key off\n  set xtics %d\n  set ylabel 'travel "
           "[mm]' offset -1\n"
           "  set lmargin at screen 0.58\n  set rmargin at screen 0.86\n"
           "  set cblabel 'pressure [MPa]' offset 2\n  set view map\n"
@@ -183,7 +183,7 @@ static int write_pressure(const char *directory, const char *title, const dls_fo
           "  set cbrange [0:*]\n"
           "  splot 'pressure.dat' using 2:1:3 with pm3d\n"
           "  unset multiplot\n  unset output\n}\n",
-          title, d->axisymmetric ? "top left" : "top right");
+          title, d->axisymmetric ? "top left" : "top right", d->axisymmetric ? 100 : 10);
   return close_file(script, "pressure.gp");
 }
 

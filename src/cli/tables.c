@@ -15,10 +15,8 @@ typedef struct row {
   double paper[2]; /* indentation, extrusion */
   double tol;      /* iterative ones need a smaller one for forces that agree to 1e-8 */
   /* of the study; 0: the default */
-  double penalty;
-  int augmentations;
-  double relaxation;
-  int plain; /* 1: without Aitken */
+  double penalty, relaxation;
+  int augmentations, plain; /* plain: 1: without Aitken */
 } row;
 
 static const row rows[] = {{"lemke", {9, 2}, 1e-9, 0, 0, 0, 0},
@@ -279,17 +277,17 @@ static const row study[] = {
     {"penalty", {NAN, NAN}, 1e-9, 100, 0, 0, 0},
     {"penalty", {NAN, NAN}, 1e-9, 1000, 0, 0, 0},
     {"penalty", {NAN, NAN}, 1e-9, 10000, 0, 0, 0},
-    {"augmented-lagrangian", {NAN, NAN}, 1e-9, 10, 1, 0, 0},
-    {"augmented-lagrangian", {NAN, NAN}, 1e-9, 10, 5, 0, 0},
+    {"augmented-lagrangian", {NAN, NAN}, 1e-9, 10, 0, 1, 0},
+    {"augmented-lagrangian", {NAN, NAN}, 1e-9, 10, 0, 5, 0},
     {"augmented-lagrangian", {NAN, NAN}, 1e-9, 10, 0, 0, 0},
-    {"augmented-lagrangian", {NAN, NAN}, 1e-9, 100, 1, 0, 0},
-    {"augmented-lagrangian", {NAN, NAN}, 1e-9, 100, 5, 0, 0},
+    {"augmented-lagrangian", {NAN, NAN}, 1e-9, 100, 0, 1, 0},
+    {"augmented-lagrangian", {NAN, NAN}, 1e-9, 100, 0, 5, 0},
     {"augmented-lagrangian", {NAN, NAN}, 1e-9, 100, 0, 0, 0},
-    {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 0, 1, 1},
-    {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 0, 1.5, 1},
-    {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 0, 1.8, 1},
-    {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 0, 1, 0},
-    {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 0, 1.5, 0},
+    {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 1, 0, 1},
+    {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 1.5, 0, 1},
+    {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 1.8, 0, 1},
+    {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 1, 0, 0},
+    {"gauss-seidel", {NAN, NAN}, 1e-10, 0, 1.5, 0, 0},
 };
 
 /* A run is given up past so many times Lemke's CPU: the compromise is settled by then. */

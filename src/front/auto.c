@@ -40,10 +40,10 @@
  *          failure of Newton's method doubles s.
  *
  * Sweeps end when (AT6) > (AT7), or > 100 where (AT12) or (AT13) is next, after 10 sweeps (20 for W
- * by blocks; half of that from a warm start), a number that each failure doubles. Newton's method
- * gives up when 3 steps, doubled by each failure, have not brought e down by a tenth. A forecast
- * that was wrong is so believed less each time. No clock is read: the same input takes the same
- * stages and gives the same bits.
+ * by blocks, or while e > .05 before any failure; half of that from a warm start), a number that
+ * each failure doubles. Newton's method gives up when 4 steps, doubled by each failure, have
+ * not brought e down by a tenth. A forecast that was wrong is so believed less each time. No clock
+ * is read: the same input takes the same stages and gives the same bits.
  *
  * W dense is what an elastic body leaves, regular. W by blocks comes from many bodies, often rigid
  * ones; it is then singular, and Newton's steps converge slowly. The free velocity q of bodies at
@@ -57,6 +57,10 @@
  *          and triangular solves alone. Where that fails, the next warm solve does not try.
  *   (AT15) line      where the start of a warm solve is the answer of the one before, the line
  *          through the last two answers is followed: the better one of both starts is taken.
+ *
+ *   (AT16) apart     where two in five candidates or more provably cannot touch (apart.c), W
+ *          dense, a cold solve begins with the problem of the others, a copy. Its answer is that of
+ *          the whole; without one, the whole is solved as if there had been no copy.
  *
  *   (AT9)  verdict. DLS_NO_SOLUTION if (AT10) has a proof. DLS_NO_SOLUTION_LIKELY only where W
  *          shows no reason for a solution (vi/exists.c), and (AT10) shows that none could be
@@ -80,7 +84,7 @@
 enum {
   look_every = 5,
   first_sweeps = 10,
-  first_patience = 3,
+  first_patience = 4,
   most_failures = 5,
   most_pushes = 1000000
 };
@@ -98,6 +102,7 @@ enum { other_unknowns = 3000 };       /* beyond, another way takes too long, and
 enum { other_iterations = 2000 };     /* of sweeps and splitting by another way */
 enum { sure_starts = 2 };   /* (AT9): candidates, d = 3, whose states scattered starts cover */
 enum { copy_failures = 3 }; /* so much is Newton's method believed on a copy */
+static const double unsorted = 0.05;        /* e: with more, few states are those of the answer */
 static const double progress = 0.9;         /* of e, below which a step has brought it down */
 static const double share_outside = 0.1;    /* of -q outside of the cones, for what may rest */
 static const double null_direction = 1e-10; /* |D^-1 W delta| over |delta|: (AT9) */
@@ -135,6 +140,8 @@ typedef struct dlsi_auto {
   double *kept;       /* m: the best r before the copy */
   double *direction;  /* m: the vectors of a verdict on the copy, in the order of the problem */
   double *farkas;     /* nc */
+  int *touching;      /* (AT16) those of the problem of the others; NULL in between */
+  double *shown;      /* m: then, r of all candidates for the caller's callback */
 
   /* of the solve before: (AT12) */
   int newton_won, failed_to_step;
@@ -146,6 +153,8 @@ typedef struct dlsi_auto {
   /* of the solve under way */
   const dls_contact *problem; /* the caller's, or the copy */
   int has_copy, has_direction, has_farkas;
+  int touches;        /* (AT16): candidates of the problem of the others; 0: the whole is solved */
+  int whole;          /* candidates of the caller's problem */
   int bonded;         /* a candidate has infinite friction: no pivoting, path or verdict */
   int excluded;       /* (AT10): no r can be certified */
   dls_info info;      /* its certificate is that of best */
@@ -193,6 +202,14 @@ static int may_step(const dlsi_auto *work) {
 
 /* ---- when a stage gives up ------------------------------------------------------------------- */
 
+/* all := r of the candidates that may touch, 0 for the others. */
+static void put_among_all(const dlsi_auto *work, const double *r, double *all) {
+  const size_t d = (size_t)work->d;
+  memset(all, 0, d * (size_t)work->whole * sizeof *all);
+  for (size_t k = 0; k < (size_t)work->touches; k++)
+    memcpy(all + d * (size_t)work->touching[k], r + d * k, d * sizeof *all);
+}
+
 /* Tells the caller's callback and keeps to the caller's limits. Returns 1 to stop. */
 static int must_stop(dlsi_auto *work, const dls_progress *p) {
   const dls_limits *limits = &work->options.limits;
@@ -202,6 +219,10 @@ static int must_stop(dlsi_auto *work, const dls_progress *p) {
     const dlsi_renumber *copy = &work->copy;
     dlsi_renumber_back(copy, work->d, copy->power_q - copy->power_W, p->r, work->v[3]);
     mine.r = work->v[3];
+  }
+  if (work->touches && limits->progress && mine.r) {
+    put_among_all(work, mine.r, work->shown);
+    mine.r = work->shown;
   }
   work->stopped = dlsi_tell(limits, work->begun, &mine);
   if (work->stopped) return 1;
@@ -247,8 +268,9 @@ static int watch_sweeps(void *data, const dls_progress *p) {
   const double newton = cost_of_newton(work), ahead = (work->least - work->target) / work->rate;
   const double other = may_push(work) ? push_ahead : newton;
   const double next = work->may_rest ? fmin(other, rest_sweeps) : other;
-  const int first =
-      (work->problem->W.a ? 1 : 2) * first_sweeps / (work->options.limits.warm_start + 1);
+  const int sorted = work->failures || p->residual <= unsorted;
+  const int twice = !work->problem->W.a || !sorted;
+  const int first = (twice + 1) * first_sweeps / (work->options.limits.warm_start + 1);
   return p->iteration >= first << work->failures && ahead > next;
 }
 
@@ -722,26 +744,79 @@ static void remember_stages(dlsi_auto *work) {
   work->last_sweeps = info->stage[0].method == DLS_NLGS ? info->stage[0].iterations : 0;
 }
 
-static dls_status auto_solve(void *automatic, const dls_contact *problem, double *r, double *u,
-                             dls_info *info, dls_error *error) {
-  dlsi_auto *work = automatic;
-  const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  dls_status status = dlsi_lend(&work->formed, &problem, error);
+/* Prepares a solve of this problem from r = 0. Errors of dlsi_form_blocks. */
+static dls_status begin_solve(dlsi_auto *work, const dls_contact *problem, dls_error *error) {
   work->problem = problem;
-  if (!status && !is_large(work)) status = form_blocks(work, error);
+  const dls_status status = is_large(work) ? DLS_OK : form_blocks(work, error);
   if (status) return status;
   problem = work->problem;
   work->bonded = dlsi_first_bonded(problem) >= 0;
   work->info = (dls_info){.method = DLS_AUTO, .certificate = dlsi_no_certificate};
-  work->begun = dlsi_clock_start(&work->options.limits);
   work->stopped = DLS_OK;
   work->limited = work->failures = work->has_split = work->costly = work->rounded = 0;
   work->has_copy = work->has_direction = work->has_farkas = work->excluded = 0;
   work->may_rest = looks_at_rest(work);
   work->has_pushed = work->has_augmented = 0;
-  memset(work->best, 0, m * sizeof *r);
-  if (work->options.limits.warm_start) memcpy(work->best, r, m * sizeof *r);
+  memset(work->best, 0, (size_t)problem->d * (size_t)problem->nc * sizeof *work->best);
+  return DLS_OK;
+}
+
+/* (AT16) Solves the problem of `count` candidates that may touch. values: memory of the copy.
+ * Returns as take_touching does. */
+static dls_status take_others(dlsi_auto *work, const dls_contact *problem, int count,
+                              double *values, dls_error *error) {
+  dls_contact others;
+  dlsi_subset(problem, count, work->touching, values, NULL, &others);
+  dls_status status = begin_solve(work, &others, error);
+  if (status) return status;
+  work->touches = count;
   status = take_stages(work, error);
+  memcpy(work->r, work->best, (size_t)problem->d * (size_t)count * sizeof *work->r);
+  put_among_all(work, work->r, work->best);
+  work->touches = 0;
+  work->problem = problem;
+  if (status < 0) return status;
+  dlsi_contact_weights(problem, work->w);
+  dlsi_contact_multiply(problem, NULL, work->best, work->v[0], work->v[1]);
+  dlsi_contact_measure(problem, work->best, work->v[0], work->v[1], work->w, work->v[2],
+                       &work->info.certificate);
+  if (dls_certificate_holds(&work->info.certificate, work->options.limits.tol)) return DLS_OK;
+  return work->stopped || work->limited || status == DLS_TIME_LIMIT ? status : DLS_STALLED;
+}
+
+/* (AT16) Returns DLS_OK, an error, the reason for an end by the caller, or DLS_STALLED to go on. */
+static dls_status take_touching(dlsi_auto *work, const dls_contact *problem, dls_error *error) {
+  const int count = dlsi_list_touching(problem, &work->touching);
+  const size_t d = (size_t)problem->d, n = (size_t)count, m = d * n;
+  dls_status status = DLS_STALLED;
+  if (count == 0) return status;
+  double *values = dlsi_alloc(m * m + m + n + d * (size_t)problem->nc, sizeof *values);
+  if (values) { /* else the whole, which needs no copy */
+    work->shown = values + m * m + m + n;
+    status = take_others(work, problem, count, values, error);
+  }
+  free(values);
+  free(work->touching);
+  work->touching = NULL;
+  return status;
+}
+
+static dls_status auto_solve(void *automatic, const dls_contact *problem, double *r, double *u,
+                             dls_info *info, dls_error *error) {
+  dlsi_auto *work = automatic;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const int warm = work->options.limits.warm_start;
+  work->begun = dlsi_clock_start(&work->options.limits);
+  work->whole = problem->nc;
+  dls_status status = dlsi_lend(&work->formed, &problem, error);
+  if (status) return status;
+  status = warm ? DLS_STALLED : take_touching(work, problem, error);
+  if (status == DLS_STALLED) {
+    status = begin_solve(work, problem, error);
+    if (status) return status;
+    if (warm) memcpy(work->best, r, m * sizeof *r);
+    status = take_stages(work, error);
+  }
   if (status < 0) return status;
   problem = work->problem;
   memcpy(r, work->best, m * sizeof *r);
@@ -749,7 +824,7 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   if (u) memcpy(u, work->v[0], m * sizeof *u);
   work->info.status = status;
   remember_stages(work);
-  if (work->options.limits.warm_start) remember_answer(work, r);
+  if (warm) remember_answer(work, r);
   if (info && status == DLS_OK) look_for_others(work, r);
   if (info) *info = work->info;
   return status;

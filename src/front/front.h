@@ -75,4 +75,11 @@ dls_status dlsi_contact_fold(const dls_contact *problem, int search, dls_fold *f
 int dlsi_contact_find_states(const dls_contact *problem, const dls_limits *limits, double begun,
                              double *r, double *best, dls_certificate *certificate);
 
+/* ---- apart.c --------------------------------------------------------------------------------- */
+
+/* *list := the candidates of a problem that may touch, ascending, where W is dense and at least two
+ * in five of the candidates provably cannot; the caller frees it. Returns how many; 0, *list NULL,
+ * where that is not so. */
+int dlsi_list_touching(const dls_contact *problem, int **list);
+
 #endif

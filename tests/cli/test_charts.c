@@ -201,10 +201,18 @@ START_TEST(map_of_a_scene_in_steps) {
 }
 END_TEST
 
-/* A coarse mesh folds under much friction: a verdict of its own, in a colour of its own. */
+/* A coarse mesh folds under much friction: a verdict of its own, in a colour of its own. Fine ones
+ * end at the limit, within a step that would take seconds. */
 START_TEST(map_of_meshes_that_fold) {
   ck_assert_int_eq(run("map extrusion --against mesh --rows 1 --mu 0.3:0.5 --limit 0.5 -o @"), 1);
-  ck_assert_int_ge(count_of(contents("map.csv"), "0.5,2x3,folded,0.3"), 1);
+  const char *csv = contents("map.csv");
+  ck_assert_int_ge(count_of(csv, "0.5,2x3,folded,0.3"), 1);
+  ck_assert_int_ge(count_of(csv, ",time_limit,"), 2);
+  for (const char *at = csv; (at = strstr(at, ",time_limit,")); at++) {
+    double part, seconds;
+    ck_assert_int_eq(sscanf(at, ",time_limit,%lf,%lf", &part, &seconds), 2);
+    ck_assert(seconds >= 0.5 && seconds < 1);
+  }
   ck_assert_int_ge(count_of(contents("map.dat"), "0 0 0x303030 0xffffff \"mesh folded 3"), 1);
 }
 END_TEST

@@ -188,6 +188,34 @@ START_TEST(methods_agree_beyond_the_paper) {
 }
 END_TEST
 
+/* Where a run is halved sooner or later: auto, Lemke's method and the augmented Lagrangian have one
+ * force on all steps before the first halving of any. */
+START_TEST(methods_agree_before_halving) {
+  static const double mu[] = {0.3, 0.4};
+  static const int chosen[] = {0, 1, 4}, least[] = {40, 20};
+  dls_forming *f[3];
+  dls_forming_data d;
+  int halvings = 0, steps = 0;
+  for (int k = 0; k < 3; k++)
+    f[k] = create("extrusion", chosen[k], mu[_i], 0, 0);
+  for (; !halvings; steps++) {
+    double force = 0;
+    for (int k = 0; k < 3; k++) {
+      const dls_status status = dls_forming_step(f[k], &error);
+      dls_forming_get(f[k], &d);
+      halvings = d.count.halvings;
+      if (halvings) break;
+      ck_assert_int_eq(status, DLS_OK);
+      if (k == 0) force = d.force;
+      ck_assert_double_eq_tol(d.force, force, 1e-8 * force);
+    }
+  }
+  ck_assert_int_ge(steps, least[_i]);
+  for (int k = 0; k < 3; k++)
+    dls_forming_destroy(f[k]);
+}
+END_TEST
+
 /* Beyond the friction that the mesh bears auto and Lemke's method stop at one corner, at about the
  * same travel. Halved steps are paths of their own: the last digits of the arithmetic move each
  * stop by a few steps. */
@@ -326,6 +354,7 @@ int main(void) {
   return RUN("forming_body", NULL, NULL,
              EACH(extrusion_is_a_body, 0, (int)method_count * (int)friction_count),
              ONCE(fine_extrusion_is_a_body), ONCE(methods_agree_beyond_the_paper),
-             EACH(auto_goes_as_far, 0, 3), ONCE(halved_methods_agree), EACH(tools_balance, 0, 2),
-             ONCE(step_error), ONCE(indentation_at_any_friction));
+             EACH(methods_agree_before_halving, 0, 2), EACH(auto_goes_as_far, 0, 3),
+             ONCE(halved_methods_agree), EACH(tools_balance, 0, 2), ONCE(step_error),
+             ONCE(indentation_at_any_friction));
 }

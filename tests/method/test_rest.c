@@ -46,7 +46,8 @@ static dls_status rest(structure *s, const dls_limits *limits, dls_info *info) {
 /* Splitting is enough; its count grows little with the size. */
 START_TEST(structures) {
   static const char *const kinds[] = {"wall-rest",  "wall-pushed", "rubble-rest", "rubble-pushed",
-                                      "wall3-rest", "chain",       "arch",        "tower"};
+                                      "wall3-rest", "chain",       "chain3",      "arch",
+                                      "arch3",      "tower"};
   const dls_limits limits = {.tol = 1e-8};
   for (int size = 200; size <= 3200; size *= 4) {
     structure s = build(kinds[_i], size, 0.5);
@@ -194,7 +195,7 @@ END_TEST
 
 int main(void) {
   if (!WITH_MUMPS) return RUN("rest", NULL, NULL, ONCE(without_dissection));
-  return RUN("rest", NULL, NULL, EACH(structures, 0, 8), EACH(near_the_limit, 0, 2), ONCE(slides),
+  return RUN("rest", NULL, NULL, EACH(structures, 0, 10), EACH(near_the_limit, 0, 2), ONCE(slides),
              ONCE(units_and_smooth_candidates), EACH(not_its_problem, 0, 2), ONCE(cancelled),
              EACH(failing_mallocs, 0, 2), EACH(stage_of_auto, 0, 2));
 }

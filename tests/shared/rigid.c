@@ -192,35 +192,54 @@ static void make_wall(heap *h, int d, int candidates, int random, double push) {
   free(edge);
 }
 
-static void make_chain(heap *h, int candidates) {
-  h->d = 2;
+static void make_chain(heap *h, int d, int candidates) {
+  h->d = d;
   for (int k = 0; k < candidates; k++) {
-    const solid disc = {
+    solid disc = {
         .x = {0, k + 0.5}, .v = {0.01 * heap_random(h), -1}, .mass = 1, .inertia = {0, 0, 0.125}};
+    if (d == 3) {
+      disc.v[2] = 0.01 * heap_random(h);
+      for (int i = 0; i < 3; i++)
+        disc.inertia[i] = 0.1; /* of a ball */
+    }
     (void)heap_add_body(h, disc);
     heap_touch(h, (place){.a = k, .b = k - 1, .x = {0, k}, .normal = {0, 1}});
   }
 }
 
-static void make_arch(heap *h, int candidates) {
-  const int n = candidates / 2 > 2 ? candidates / 2 - 1 : 1;
-  const double thick = 0.3, angle = acos(-1.) / n;
-  h->d = 2;
+/* d = 3: voussoirs as deep as they are thick. */
+static void make_arch(heap *h, int d, int candidates) {
+  const int joint = 2 * (d - 1), n = candidates / joint > 2 ? candidates / joint - 1 : 1;
+  const double thick = 0.3, angle = acos(-1.) / n, depth = d == 3 ? thick : 1;
+  h->d = d;
   for (int k = 0; k <= n; k++) { /* joint k stands before voussoir k */
-    const double at = angle * k, middle = angle * (k + 0.5), m = thick * angle;
-    if (k < n)
-      (void)heap_add_body(h, (solid){.x = {-cos(middle), sin(middle)},
-                                     .v = {0, -step_of_gravity},
-                                     .mass = m,
-                                     .inertia = {0, 0, m * (thick * thick + angle * angle) / 12}});
-    for (int end = -1; end <= 1; end += 2) {
-      const double R = 1 + end * thick / 2;
-      const double along = k < n ? 1 : -1; /* the last joint: voussoir n - 1 upon the ground */
+    const double at = angle * k, middle = angle * (k + 0.5), m = thick * angle * depth;
+    const double along = k < n ? 1 : -1; /* the last joint: voussoir n - 1 upon the ground */
+    solid s = {.x = {-cos(middle), sin(middle)},
+               .v = {0, -step_of_gravity},
+               .mass = m,
+               .inertia = {0, 0, m * (thick * thick + angle * angle) / 12}};
+    for (int i = 0; i < 2; i++) /* the same about all axes in the plane */
+      s.inertia[i] = d == 3 ? m * (depth * depth + thick * thick) / 12 : 0;
+    if (k < n) (void)heap_add_body(h, s);
+    for (int end = 0; end < joint; end++) {
+      const double R = 1 + (end % 2 ? thick : -thick) / 2;
       heap_touch(h, (place){.a = k < n ? k : n - 1,
                             .b = k < n ? k - 1 : -1,
-                            .x = {-R * cos(at), R * sin(at)},
+                            .x = {-R * cos(at), R * sin(at), d == 3 ? (end / 2 - 0.5) * depth : 0},
                             .normal = {along * sin(at), along * cos(at)}});
     }
+  }
+}
+
+/* Square blocks upon each other, d = 2. */
+static void make_pile(heap *h, int candidates) {
+  h->d = 2;
+  for (int k = 0; 2 * k < candidates; k++) {
+    solid b = box(0, k + 0.5, 0, 1, 1, 1);
+    b.v[0] = 0.4 / candidates; /* a fifth of what would tip it over */
+    b.v[1] = -1;
+    touch_along(h, heap_add_body(h, b), k - 1, -0.5, 0.5, k);
   }
 }
 
@@ -405,7 +424,8 @@ void rigid_free(rigid *a) {
 
 static const char *const kinds[] = {"packing-rest", "packing-flow",  "wall-rest",  "wall-pushed",
                                     "rubble-rest",  "rubble-pushed", "wall3-rest", "wall3-pushed",
-                                    "chain",        "arch",          "tower"};
+                                    "chain",        "chain3",        "arch",       "arch3",
+                                    "tower2",       "tower"};
 enum { kind_count = sizeof kinds / sizeof kinds[0] };
 
 const char *rigid_kind(int index) {
@@ -422,9 +442,10 @@ int rigid_create(rigid *a, const char *kind, int candidates, double mu, uint64_t
     (void)heap_random(&h);
   if (k < 2) make_packing(&h, candidates, k == 1);
   if (k >= 2 && k < 8) make_wall(&h, k < 6 ? 2 : 3, candidates, k / 2 == 2, k % 2 ? 0.3 : 0);
-  if (k == 8) make_chain(&h, candidates);
-  if (k == 9) make_arch(&h, candidates);
-  if (k == 10) make_tower(&h, candidates);
+  if (k == 8 || k == 9) make_chain(&h, k - 6, candidates);
+  if (k == 10 || k == 11) make_arch(&h, k - 8, candidates);
+  if (k == 12) make_pile(&h, candidates);
+  if (k == 13) make_tower(&h, candidates);
   int bad = h.bad || h.places == 0 ? -1 : 0;
   if (!bad) bad = rigid_fill(a, &h, mu);
   if (bad) rigid_free(a);

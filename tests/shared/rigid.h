@@ -31,8 +31,9 @@ typedef struct rigid {
  *   rubble-rest, rubble-pushed   the same with bricks of random widths from 1 to 3
  *   wall3-rest, wall3-pushed     3D bricks 2 x 1 x 1, four candidates an overlap; pushed along and
  *                                across
- *   chain                        2D discs upon each other, with small random sideways velocities
- *   arch                         2D, a half ring of voussoirs of thickness .3 under gravity
+ *   chain, chain3                2D discs, 3D balls upon each other, with small random velocities
+ *   arch, arch3                  a half ring of voussoirs of thickness .3 under gravity
+ *   tower2                       2D blocks 1 x 1 upon each other, slightly pushed
  *   tower                        3D planks 3 x 1 x .4, three a layer, crosswise */
 int rigid_create(rigid *a, const char *kind, int candidates, double mu, uint64_t seed);
 void rigid_free(rigid *a);
