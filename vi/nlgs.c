@@ -269,6 +269,20 @@ static inline void nlgs_change(const dls_nlgs *work, const dls_contact *problem,
   nlgs_add_springs(work, problem->d, c, dr);
 }
 
+enum { ahead = 3, line = 8 }; /* candidates; doubles of a line of the cache */
+
+/* Asks for H and the own block of a candidate that is visited soon. */
+static DLSI_INLINE void nlgs_fetch(const int d, const int n, const dls_nlgs *work,
+                                   const dls_contact *problem, size_t c) {
+  const double *H = problem->bodies.H + c * 2 * (size_t)(n * d);
+  for (int k = 0; k < 2 * n * d; k += line)
+    __builtin_prefetch(H + k);
+  if (d != 3) return;
+  const double *own = (const double *)(const void *)(work->block_3d + c);
+  for (int k = 0; k < (int)(sizeof *work->block_3d / sizeof *own); k += line)
+    __builtin_prefetch(own + k);
+}
+
 /* (NL0)-(NL4) for the candidates of a set, inlined for constants d and n, motions of a body or 0.
  * Returns how many changed. */
 static DLSI_INLINE int nlgs_visit(const int d, const int n, const dls_nlgs *work,
@@ -283,8 +297,10 @@ static DLSI_INLINE int nlgs_visit(const int d, const int n, const dls_nlgs *work
                       : d == 2 ? work->block_2d[c].W
                                : work->block_3d[c].W;
     dlsi_pair_of_bodies of;
+    if (n && set.list && k + ahead < set.count) /* a slab steps over memory */
+      nlgs_fetch(d, n, work, problem, (size_t)set.list[k + ahead]);
     if (n) {
-      of = dlsi_bodies_of(&problem->bodies, (size_t)(d * n), (size_t)c, work->v);
+      of = dlsi_bodies_of(&problem->bodies, (size_t)d * (size_t)n, (size_t)c, work->v);
       dlsi_bodies_look(d, n, &of, problem->q + (size_t)d * (size_t)c, uc);
     } else
       nlgs_look(d, problem, b, c, work->it.u, uc);
@@ -633,7 +649,7 @@ static void nlgs_measure_piece(void *data, int piece) {
     double F[3] = {0}, u[3] = {0};
     if (n) {
       const dlsi_pair_of_bodies of =
-          dlsi_bodies_of(&s->problem->bodies, (size_t)(n * d), (size_t)c, work->v);
+          dlsi_bodies_of(&s->problem->bodies, (size_t)n * (size_t)d, (size_t)c, work->v);
       dlsi_bodies_look(d, n, &of, s->problem->q + d * c, u);
     }
     (void)dlsi_contact_residual(d, s->problem->mu[c], work->it.w[c], s->r + d * c,

@@ -37,7 +37,7 @@ static DLSI_INLINE void bodies_gather(const int d, const int n, const dls_contac
   const dls_bodies *B = &problem->bodies;
   for (int k = 0; k < problem->nc; k++) {
     const size_t c = order ? (size_t)order[k] : (size_t)k;
-    const dlsi_pair_of_bodies of = dlsi_bodies_of(B, (size_t)(n * d), c, B->work);
+    const dlsi_pair_of_bodies of = dlsi_bodies_of(B, (size_t)n * (size_t)d, c, B->work);
     dlsi_bodies_push(d, n, &of, r + (size_t)d * c);
   }
 }
@@ -47,7 +47,7 @@ static DLSI_INLINE void bodies_spread(const int d, const int n, const dls_contac
   static const double zero[3] = {0};
   const dls_bodies *B = &problem->bodies;
   for (size_t c = (size_t)first; c < (size_t)end; c++) {
-    const dlsi_pair_of_bodies of = dlsi_bodies_of(B, (size_t)(n * d), c, B->work);
+    const dlsi_pair_of_bodies of = dlsi_bodies_of(B, (size_t)n * (size_t)d, c, B->work);
     dlsi_bodies_look(d, n, &of, q ? q + (size_t)d * c : zero, u + (size_t)d * c);
   }
 }
@@ -189,12 +189,17 @@ static int bodies_next(const dls_contact *problem, bodies_column *column, double
 
 static dls_status bodies_count(const dlsi_formed *formed, const dls_contact *problem, int *count,
                                dls_error *error) {
-  size_t found = 0;
-  for (int c = 0; c < problem->nc && found <= INT_MAX; c++) {
+  size_t found = 0, least = 0; /* blocks: a body couples all of its candidates */
+  for (int b = 0; b < problem->bodies.count; b++) {
+    const size_t of = (size_t)(formed->list[b + 1] - formed->list[b]);
+    if (of * of > least) least = of * of;
+  }
+  for (int c = 0; least <= INT_MAX && found <= INT_MAX && c < problem->nc; c++) {
     bodies_column column = bodies_begin(formed, problem, c);
     while (bodies_next(problem, &column, NULL) >= 0)
       found++;
   }
+  if (least > found) found = least;
   if (found > INT_MAX)
     return dlsi_fail(error, DLS_E_SIZE, "bodies", -1, (double)found, "leave W too many blocks");
   *count = (int)found;
@@ -203,7 +208,7 @@ static dls_status bodies_count(const dlsi_formed *formed, const dls_contact *pro
 
 static void bodies_fill(const dlsi_formed *formed, const dls_contact *problem, int *p, int *i,
                         double *x) {
-  const size_t entries = (size_t)(problem->d * problem->d);
+  const size_t entries = (size_t)problem->d * (size_t)problem->d;
   int k = 0;
   for (int c = 0; c < problem->nc; c++) {
     bodies_column column = bodies_begin(formed, problem, c);
@@ -252,8 +257,8 @@ dls_status dlsi_form_blocks(dlsi_formed *formed, const dls_contact **problem, dl
   status = bodies_list(formed, given, error);
   if (!status) status = bodies_count(formed, given, &count, error);
   if (!status)
-    status = bodies_reserve(formed, (size_t)(given->d * given->d), (size_t)given->nc, (size_t)count,
-                            error);
+    status = bodies_reserve(formed, (size_t)given->d * (size_t)given->d, (size_t)given->nc,
+                            (size_t)count, error);
   if (!status) status = dlsi_lend(formed, problem, error);
   if (status) return status;
   if (*problem == given) formed->problem = *given; /* its scratch was lent before */
@@ -302,7 +307,7 @@ static dls_status blocks_from_bodies(dlsi_formed *formed, const dls_contact *pro
   if (!status && !B) status = dlsi_is_null(error, "B");
   if (!status) status = dlsi_form_blocks(formed, &problem, error);
   if (status) return status;
-  const size_t entries = (size_t)(problem->d * problem->d);
+  const size_t entries = (size_t)problem->d * (size_t)problem->d;
   const size_t blocks = problem->nc ? (size_t)problem->Wb.p[problem->nc] : 0;
   p[0] = 0;
   if (problem->nc) {
