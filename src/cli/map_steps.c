@@ -125,7 +125,8 @@ static void show_walk(map_cell *cell, const walk *w) {
   const ending e = ending_of(w->status);
   map_verdict(cell, e, 1);
   if (e == ENDED_SOLVED)
-    (void)snprintf(cell->text, sizeof cell->text, "%.2g s", w->seconds);
+    (void)snprintf(cell->text, sizeof cell->text, w->seconds < 99.5 ? "%.2g s" : "%.0f s",
+                   w->seconds);
   else
     (void)snprintf(cell->text, sizeof cell->text, "%s %.0f %%", ending_word(e),
                    floor(100 * w->part));
