@@ -194,7 +194,7 @@ START_TEST(test_puck) {
 }
 END_TEST
 
-/* Two points slide without friction along an obstacle, each its own way. */
+/* Two points slide along an obstacle, each its own way. */
 START_TEST(test_two_ways) {
   moving_begin(&parts, 4);
   for (int i = 0; i < 4; i++)
@@ -212,6 +212,13 @@ START_TEST(test_two_ways) {
     ck_assert_double_eq_tol(s.p[0], 0.25, 1e-13);
     ck_assert_double_eq_tol(s.p[2], 0.25, 1e-13);
   }
+  /* with friction the one at rest stays, the other one slides */
+  const double still[4] = {0, 0, -2, 0}, mu[2] = {0.5, 0.5};
+  ck_assert_int_eq(dls_motion_start(motion, NULL, still, 0, NULL), DLS_OK);
+  const dls_motion_state s = moving_step(motion, f, NULL, mu);
+  ck_assert_int_eq(s.state[0], DLS_STICK);
+  ck_assert_int_eq(s.state[1], DLS_SLIP);
+  ck_assert_double_eq_tol(s.p[3], 0.125, 1e-13);
   dls_motion_destroy(motion);
 }
 END_TEST
