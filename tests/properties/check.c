@@ -90,14 +90,20 @@ static rule judge_claims(const outcome *a, const outcome *b) {
   return denied || denies ? CONTRADICTION : KEPT;
 }
 
+/* Returns 1 if all reactions are the same; below the normal numbers another unit rounds them. */
+static int have_same_bits(const problem *p, const outcome *a, const outcome *b) {
+  for (int k = 0; k < p->m; k++)
+    if (!(a->r[k] == b->r[k] || (fabs(a->r[k]) < DBL_MIN && fabs(b->r[k]) < DBL_MIN))) return 0;
+  return 1;
+}
+
 /* The rule that a run and the one it is a copy of, but for scales or order, break together. */
 static rule judge_copy(const problem *p, const run *one, const outcome *a, const run *two,
                        const outcome *b) {
   const int scaled = one->power_W != two->power_W || one->power_q != two->power_q;
   const int odd = (two->power_W - one->power_W) % 2 != 0;
   if (scaled && odd && (a->status == DLS_OK) != (b->status == DLS_OK)) return UNITS;
-  if (scaled && (a->status != b->status ||
-                 (a->status >= 0 && memcmp(a->r, b->r, (size_t)p->m * sizeof *a->r) != 0)))
+  if (scaled && (a->status != b->status || (a->status >= 0 && !have_same_bits(p, a, b))))
     return odd ? ODD_BITS : BITS;
   if (one->shuffle != two->shuffle && (a->status == DLS_OK) != (b->status == DLS_OK)) return ORDER;
   return KEPT;
