@@ -6,6 +6,7 @@
  * methods and the two forms of the LCP take turns, drawn by the seed, so that a minute sees
  * thousands of problems.
  */
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
