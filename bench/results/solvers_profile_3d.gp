@@ -1,0 +1,312 @@
+set datafile missing 'NaN'
+set key off
+set grid lc rgb '#d8d8d8'
+set style textbox opaque noborder margins 0.2,0.1
+do for [type in 'png svg'] {
+  if (type eq 'png') { set terminal pngcairo size 1800,1100 font ',13' }
+  if (type eq 'svg') { set terminal svg size 1800,1100 font ',13' background 'white' }
+  set output 'solvers_profile_3d.'.type
+  set multiplot title '59 scenes in 3D: delassus, and dashed Siconos' font ',17' noenhanced
+  set lmargin at screen 0.0500
+  set rmargin at screen 0.3153
+  set bmargin at screen 0.5750
+  set tmargin at screen 0.9200
+  unset label
+  unset arrow
+  unset title
+  set title '{/:Bold residual 1e-4}' offset 0,-0.6
+  set logscale x
+  unset logscale y
+  set xrange [1:1000]
+  set yrange [0:1.02]
+  set format x '%g'
+  set format y '%g'
+  set xtics 10
+  set ytics 0.2
+  set xlabel 'CPU / fastest, at most' offset 0,0.5
+  set ylabel 'part of the problems' offset 1,0
+  set arrow from screen 0.0500,0.5170 to screen 0.0700,0.5170 nohead lw 4 dt 1 lc rgb '#000000'
+  set label 'auto  59/59' at screen 0.0750,0.5170 left font ',10' noenhanced
+  set arrow from screen 0.0500,0.5010 to screen 0.0700,0.5010 nohead lw 1.8 dt 1 lc rgb '#0072b2'
+  set label 'newton  58/59' at screen 0.0750,0.5010 left font ',10' noenhanced
+  set arrow from screen 0.0500,0.4850 to screen 0.0700,0.4850 nohead lw 1.8 dt 1 lc rgb '#56b4e9'
+  set label 'nlgs+anderson  59/59' at screen 0.0750,0.4850 left font ',10' noenhanced
+  set arrow from screen 0.0500,0.4690 to screen 0.0700,0.4690 nohead lw 1.8 dt 1 lc rgb '#e69f00'
+  set label 'nlgs  58/59' at screen 0.0750,0.4690 left font ',10' noenhanced
+  set arrow from screen 0.0500,0.4530 to screen 0.0700,0.4530 nohead lw 1.8 dt 1 lc rgb '#009e73'
+  set label 'admm  59/59' at screen 0.0750,0.4530 left font ',10' noenhanced
+  set arrow from screen 0.0500,0.4370 to screen 0.0700,0.4370 nohead lw 1.8 dt 1 lc rgb '#d55e00'
+  set label 'augmented-lagrangian  59/59' at screen 0.0750,0.4370 left font ',10' noenhanced
+  set arrow from screen 0.0500,0.4210 to screen 0.0700,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
+  set label 'lemke  39/59' at screen 0.0750,0.4210 left font ',10' noenhanced
+  set arrow from screen 0.1747,0.5170 to screen 0.1947,0.5170 nohead lw 1.8 dt 2 lc rgb '#b00020'
+  set label 'best of Siconos  59/59' at screen 0.1997,0.5170 left font ',10' noenhanced
+  set arrow from screen 0.1747,0.5010 to screen 0.1947,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
+  set label 'Siconos NSGS  57/59' at screen 0.1997,0.5010 left font ',10' noenhanced
+  set arrow from screen 0.1747,0.4850 to screen 0.1947,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
+  set label 'Siconos NSN  57/59' at screen 0.1997,0.4850 left font ',10' noenhanced
+  set arrow from screen 0.1747,0.4690 to screen 0.1947,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
+  set label 'Siconos ADMM  54/59' at screen 0.1997,0.4690 left font ',10' noenhanced
+  set arrow from screen 0.1747,0.4530 to screen 0.1947,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
+  set label 'Siconos PROX  49/59' at screen 0.1997,0.4530 left font ',10' noenhanced
+  set arrow from screen 0.1747,0.4370 to screen 0.1947,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
+  set label 'Siconos CPG  0/59' at screen 0.1997,0.4370 left font ',10' noenhanced
+  set arrow from screen 0.1747,0.4210 to screen 0.1947,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
+  set label 'Siconos Lemke  0/59' at screen 0.1997,0.4210 left font ',10' noenhanced
+  plot -1 with lines, \
+       'solvers_profile_3d.dat' index 3 using 1:2 with steps lw 1.8 dt 1 lc rgb '#0072b2', \
+       'solvers_profile_3d.dat' index 6 using 1:2 with steps lw 1.8 dt 1 lc rgb '#56b4e9', \
+       'solvers_profile_3d.dat' index 9 using 1:2 with steps lw 1.8 dt 1 lc rgb '#e69f00', \
+       'solvers_profile_3d.dat' index 12 using 1:2 with steps lw 1.8 dt 1 lc rgb '#009e73', \
+       'solvers_profile_3d.dat' index 15 using 1:2 with steps lw 1.8 dt 1 lc rgb '#d55e00', \
+       'solvers_profile_3d.dat' index 18 using 1:2 with steps lw 1.8 dt 1 lc rgb '#cc79a7', \
+       'solvers_profile_3d.dat' index 21 using 1:2 with steps lw 1.8 dt 2 lc rgb '#b00020', \
+       'solvers_profile_3d.dat' index 24 using 1:2 with steps lw 1.8 dt 3 lc rgb '#7f0000', \
+       'solvers_profile_3d.dat' index 27 using 1:2 with steps lw 1.8 dt 4 lc rgb '#ff5a7a', \
+       'solvers_profile_3d.dat' index 30 using 1:2 with steps lw 1.8 dt 5 lc rgb '#a0522d', \
+       'solvers_profile_3d.dat' index 33 using 1:2 with steps lw 1.8 dt 2 lc rgb '#c71585', \
+       'solvers_profile_3d.dat' index 0 using 1:2 with steps lw 4 dt 1 lc rgb '#000000'
+  set lmargin at screen 0.0500
+  set rmargin at screen 0.3153
+  set bmargin at screen 0.0750
+  set tmargin at screen 0.3600
+  unset label
+  unset arrow
+  unset title
+  set title 'each problem, quick to slow; diamonds: auto; crosses: not solved' offset 0,-0.6 font ',12'
+  unset logscale x
+  set logscale y
+  set xrange [0:60]
+  set yrange [0.8:2.512e+06]
+  set format y '%g'
+  set ytics 10
+  set ylabel 'CPU / fastest' offset 1,0
+  set xlabel 'CPU of the fastest [ms]' offset 0,0.3
+  set xtics ('1.1e-05' 1, '0.0028' 15, '0.037' 29, '0.32' 43, '4' 57)
+  set label 'CubeH8' at first 1,13.58 left font ',10' noenhanced front boxed
+  plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
+      'solvers_profile_3d.dat' index 4 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
+      'solvers_profile_3d.dat' index 5 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
+      'solvers_profile_3d.dat' index 7 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#56b4e9', \
+      'solvers_profile_3d.dat' index 10 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#e69f00', \
+      'solvers_profile_3d.dat' index 11 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#e69f00', \
+      'solvers_profile_3d.dat' index 13 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#009e73', \
+      'solvers_profile_3d.dat' index 16 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#d55e00', \
+      'solvers_profile_3d.dat' index 19 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#cc79a7', \
+      'solvers_profile_3d.dat' index 20 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#cc79a7', \
+      'solvers_profile_3d.dat' index 22 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#b00020', \
+      'solvers_profile_3d.dat' index 25 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 3 lc rgb '#7f0000', \
+      'solvers_profile_3d.dat' index 26 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 3 lc rgb '#7f0000', \
+      'solvers_profile_3d.dat' index 28 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 4 lc rgb '#ff5a7a', \
+      'solvers_profile_3d.dat' index 29 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 4 lc rgb '#ff5a7a', \
+      'solvers_profile_3d.dat' index 31 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 5 lc rgb '#a0522d', \
+      'solvers_profile_3d.dat' index 32 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 5 lc rgb '#a0522d', \
+      'solvers_profile_3d.dat' index 34 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#c71585', \
+      'solvers_profile_3d.dat' index 35 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 2 lc rgb '#c71585', \
+      'solvers_profile_3d.dat' index 38 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 3 lc rgb '#b00020', \
+      'solvers_profile_3d.dat' index 41 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 4 lc rgb '#7f0000', \
+      'solvers_profile_3d.dat' index 1 using 1:2 with points pt 13 ps 1.6 lw 4 dt 1 lc rgb '#000000'
+  set lmargin at screen 0.3833
+  set rmargin at screen 0.6487
+  set bmargin at screen 0.5750
+  set tmargin at screen 0.9200
+  unset label
+  unset arrow
+  unset title
+  set title '{/:Bold residual 1e-8}' offset 0,-0.6
+  set logscale x
+  unset logscale y
+  set xrange [1:1000]
+  set yrange [0:1.02]
+  set format x '%g'
+  set format y '%g'
+  set xtics 10
+  set ytics 0.2
+  set xlabel 'CPU / fastest, at most' offset 0,0.5
+  set ylabel '' offset 1,0
+  set arrow from screen 0.3833,0.5170 to screen 0.4033,0.5170 nohead lw 4 dt 1 lc rgb '#000000'
+  set label 'auto  59/59' at screen 0.4083,0.5170 left font ',10' noenhanced
+  set arrow from screen 0.3833,0.5010 to screen 0.4033,0.5010 nohead lw 1.8 dt 1 lc rgb '#0072b2'
+  set label 'newton  58/59' at screen 0.4083,0.5010 left font ',10' noenhanced
+  set arrow from screen 0.3833,0.4850 to screen 0.4033,0.4850 nohead lw 1.8 dt 1 lc rgb '#56b4e9'
+  set label 'nlgs+anderson  58/59' at screen 0.4083,0.4850 left font ',10' noenhanced
+  set arrow from screen 0.3833,0.4690 to screen 0.4033,0.4690 nohead lw 1.8 dt 1 lc rgb '#e69f00'
+  set label 'nlgs  56/59' at screen 0.4083,0.4690 left font ',10' noenhanced
+  set arrow from screen 0.3833,0.4530 to screen 0.4033,0.4530 nohead lw 1.8 dt 1 lc rgb '#009e73'
+  set label 'admm  59/59' at screen 0.4083,0.4530 left font ',10' noenhanced
+  set arrow from screen 0.3833,0.4370 to screen 0.4033,0.4370 nohead lw 1.8 dt 1 lc rgb '#d55e00'
+  set label 'augmented-lagrangian  59/59' at screen 0.4083,0.4370 left font ',10' noenhanced
+  set arrow from screen 0.3833,0.4210 to screen 0.4033,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
+  set label 'lemke  39/59' at screen 0.4083,0.4210 left font ',10' noenhanced
+  set arrow from screen 0.5080,0.5170 to screen 0.5280,0.5170 nohead lw 1.8 dt 2 lc rgb '#b00020'
+  set label 'best of Siconos  59/59' at screen 0.5330,0.5170 left font ',10' noenhanced
+  set arrow from screen 0.5080,0.5010 to screen 0.5280,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
+  set label 'Siconos NSGS  54/59' at screen 0.5330,0.5010 left font ',10' noenhanced
+  set arrow from screen 0.5080,0.4850 to screen 0.5280,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
+  set label 'Siconos NSN  55/59' at screen 0.5330,0.4850 left font ',10' noenhanced
+  set arrow from screen 0.5080,0.4690 to screen 0.5280,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
+  set label 'Siconos ADMM  53/59' at screen 0.5330,0.4690 left font ',10' noenhanced
+  set arrow from screen 0.5080,0.4530 to screen 0.5280,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
+  set label 'Siconos PROX  49/59' at screen 0.5330,0.4530 left font ',10' noenhanced
+  set arrow from screen 0.5080,0.4370 to screen 0.5280,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
+  set label 'Siconos CPG  0/59' at screen 0.5330,0.4370 left font ',10' noenhanced
+  set arrow from screen 0.5080,0.4210 to screen 0.5280,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
+  set label 'Siconos Lemke  0/59' at screen 0.5330,0.4210 left font ',10' noenhanced
+  plot -1 with lines, \
+       'solvers_profile_3d.dat' index 45 using 1:2 with steps lw 1.8 dt 1 lc rgb '#0072b2', \
+       'solvers_profile_3d.dat' index 48 using 1:2 with steps lw 1.8 dt 1 lc rgb '#56b4e9', \
+       'solvers_profile_3d.dat' index 51 using 1:2 with steps lw 1.8 dt 1 lc rgb '#e69f00', \
+       'solvers_profile_3d.dat' index 54 using 1:2 with steps lw 1.8 dt 1 lc rgb '#009e73', \
+       'solvers_profile_3d.dat' index 57 using 1:2 with steps lw 1.8 dt 1 lc rgb '#d55e00', \
+       'solvers_profile_3d.dat' index 60 using 1:2 with steps lw 1.8 dt 1 lc rgb '#cc79a7', \
+       'solvers_profile_3d.dat' index 63 using 1:2 with steps lw 1.8 dt 2 lc rgb '#b00020', \
+       'solvers_profile_3d.dat' index 66 using 1:2 with steps lw 1.8 dt 3 lc rgb '#7f0000', \
+       'solvers_profile_3d.dat' index 69 using 1:2 with steps lw 1.8 dt 4 lc rgb '#ff5a7a', \
+       'solvers_profile_3d.dat' index 72 using 1:2 with steps lw 1.8 dt 5 lc rgb '#a0522d', \
+       'solvers_profile_3d.dat' index 75 using 1:2 with steps lw 1.8 dt 2 lc rgb '#c71585', \
+       'solvers_profile_3d.dat' index 42 using 1:2 with steps lw 4 dt 1 lc rgb '#000000'
+  set lmargin at screen 0.3833
+  set rmargin at screen 0.6487
+  set bmargin at screen 0.0750
+  set tmargin at screen 0.3600
+  unset label
+  unset arrow
+  unset title
+  set title 'each problem, quick to slow; diamonds: auto; crosses: not solved' offset 0,-0.6 font ',12'
+  unset logscale x
+  set logscale y
+  set xrange [0:60]
+  set yrange [0.8:2.512e+06]
+  set format y '%g'
+  set ytics 10
+  set ylabel '' offset 1,0
+  set xlabel 'CPU of the fastest [ms]' offset 0,0.3
+  set xtics ('1.1e-05' 1, '0.0028' 15, '0.048' 29, '0.48' 43, '8.7' 57)
+  set label 'CubeH8' at first 1,12.51 left font ',10' noenhanced front boxed
+  plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
+      'solvers_profile_3d.dat' index 46 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
+      'solvers_profile_3d.dat' index 47 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
+      'solvers_profile_3d.dat' index 49 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#56b4e9', \
+      'solvers_profile_3d.dat' index 50 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#56b4e9', \
+      'solvers_profile_3d.dat' index 52 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#e69f00', \
+      'solvers_profile_3d.dat' index 53 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#e69f00', \
+      'solvers_profile_3d.dat' index 55 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#009e73', \
+      'solvers_profile_3d.dat' index 58 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#d55e00', \
+      'solvers_profile_3d.dat' index 61 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#cc79a7', \
+      'solvers_profile_3d.dat' index 62 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#cc79a7', \
+      'solvers_profile_3d.dat' index 64 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#b00020', \
+      'solvers_profile_3d.dat' index 67 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 3 lc rgb '#7f0000', \
+      'solvers_profile_3d.dat' index 68 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 3 lc rgb '#7f0000', \
+      'solvers_profile_3d.dat' index 70 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 4 lc rgb '#ff5a7a', \
+      'solvers_profile_3d.dat' index 71 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 4 lc rgb '#ff5a7a', \
+      'solvers_profile_3d.dat' index 73 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 5 lc rgb '#a0522d', \
+      'solvers_profile_3d.dat' index 74 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 5 lc rgb '#a0522d', \
+      'solvers_profile_3d.dat' index 76 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#c71585', \
+      'solvers_profile_3d.dat' index 77 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 2 lc rgb '#c71585', \
+      'solvers_profile_3d.dat' index 80 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 3 lc rgb '#b00020', \
+      'solvers_profile_3d.dat' index 83 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 4 lc rgb '#7f0000', \
+      'solvers_profile_3d.dat' index 43 using 1:2 with points pt 13 ps 1.6 lw 4 dt 1 lc rgb '#000000'
+  set lmargin at screen 0.7167
+  set rmargin at screen 0.9820
+  set bmargin at screen 0.5750
+  set tmargin at screen 0.9200
+  unset label
+  unset arrow
+  unset title
+  set title '{/:Bold residual 1e-12}' offset 0,-0.6
+  set logscale x
+  unset logscale y
+  set xrange [1:1000]
+  set yrange [0:1.02]
+  set format x '%g'
+  set format y '%g'
+  set xtics 10
+  set ytics 0.2
+  set xlabel 'CPU / fastest, at most' offset 0,0.5
+  set ylabel '' offset 1,0
+  set arrow from screen 0.7167,0.5170 to screen 0.7367,0.5170 nohead lw 4 dt 1 lc rgb '#000000'
+  set label 'auto  59/59' at screen 0.7417,0.5170 left font ',10' noenhanced
+  set arrow from screen 0.7167,0.5010 to screen 0.7367,0.5010 nohead lw 1.8 dt 1 lc rgb '#0072b2'
+  set label 'newton  58/59' at screen 0.7417,0.5010 left font ',10' noenhanced
+  set arrow from screen 0.7167,0.4850 to screen 0.7367,0.4850 nohead lw 1.8 dt 1 lc rgb '#56b4e9'
+  set label 'nlgs+anderson  58/59' at screen 0.7417,0.4850 left font ',10' noenhanced
+  set arrow from screen 0.7167,0.4690 to screen 0.7367,0.4690 nohead lw 1.8 dt 1 lc rgb '#e69f00'
+  set label 'nlgs  55/59' at screen 0.7417,0.4690 left font ',10' noenhanced
+  set arrow from screen 0.7167,0.4530 to screen 0.7367,0.4530 nohead lw 1.8 dt 1 lc rgb '#009e73'
+  set label 'admm  58/59' at screen 0.7417,0.4530 left font ',10' noenhanced
+  set arrow from screen 0.7167,0.4370 to screen 0.7367,0.4370 nohead lw 1.8 dt 1 lc rgb '#d55e00'
+  set label 'augmented-lagrangian  59/59' at screen 0.7417,0.4370 left font ',10' noenhanced
+  set arrow from screen 0.7167,0.4210 to screen 0.7367,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
+  set label 'lemke  39/59' at screen 0.7417,0.4210 left font ',10' noenhanced
+  set arrow from screen 0.8414,0.5170 to screen 0.8614,0.5170 nohead lw 1.8 dt 2 lc rgb '#b00020'
+  set label 'best of Siconos  59/59' at screen 0.8664,0.5170 left font ',10' noenhanced
+  set arrow from screen 0.8414,0.5010 to screen 0.8614,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
+  set label 'Siconos NSGS  54/59' at screen 0.8664,0.5010 left font ',10' noenhanced
+  set arrow from screen 0.8414,0.4850 to screen 0.8614,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
+  set label 'Siconos NSN  44/59' at screen 0.8664,0.4850 left font ',10' noenhanced
+  set arrow from screen 0.8414,0.4690 to screen 0.8614,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
+  set label 'Siconos ADMM  47/59' at screen 0.8664,0.4690 left font ',10' noenhanced
+  set arrow from screen 0.8414,0.4530 to screen 0.8614,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
+  set label 'Siconos PROX  31/59' at screen 0.8664,0.4530 left font ',10' noenhanced
+  set arrow from screen 0.8414,0.4370 to screen 0.8614,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
+  set label 'Siconos CPG  0/59' at screen 0.8664,0.4370 left font ',10' noenhanced
+  set arrow from screen 0.8414,0.4210 to screen 0.8614,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
+  set label 'Siconos Lemke  0/59' at screen 0.8664,0.4210 left font ',10' noenhanced
+  plot -1 with lines, \
+       'solvers_profile_3d.dat' index 87 using 1:2 with steps lw 1.8 dt 1 lc rgb '#0072b2', \
+       'solvers_profile_3d.dat' index 90 using 1:2 with steps lw 1.8 dt 1 lc rgb '#56b4e9', \
+       'solvers_profile_3d.dat' index 93 using 1:2 with steps lw 1.8 dt 1 lc rgb '#e69f00', \
+       'solvers_profile_3d.dat' index 96 using 1:2 with steps lw 1.8 dt 1 lc rgb '#009e73', \
+       'solvers_profile_3d.dat' index 99 using 1:2 with steps lw 1.8 dt 1 lc rgb '#d55e00', \
+       'solvers_profile_3d.dat' index 102 using 1:2 with steps lw 1.8 dt 1 lc rgb '#cc79a7', \
+       'solvers_profile_3d.dat' index 105 using 1:2 with steps lw 1.8 dt 2 lc rgb '#b00020', \
+       'solvers_profile_3d.dat' index 108 using 1:2 with steps lw 1.8 dt 3 lc rgb '#7f0000', \
+       'solvers_profile_3d.dat' index 111 using 1:2 with steps lw 1.8 dt 4 lc rgb '#ff5a7a', \
+       'solvers_profile_3d.dat' index 114 using 1:2 with steps lw 1.8 dt 5 lc rgb '#a0522d', \
+       'solvers_profile_3d.dat' index 117 using 1:2 with steps lw 1.8 dt 2 lc rgb '#c71585', \
+       'solvers_profile_3d.dat' index 84 using 1:2 with steps lw 4 dt 1 lc rgb '#000000'
+  set lmargin at screen 0.7167
+  set rmargin at screen 0.9820
+  set bmargin at screen 0.0750
+  set tmargin at screen 0.3600
+  unset label
+  unset arrow
+  unset title
+  set title 'each problem, quick to slow; diamonds: auto; crosses: not solved' offset 0,-0.6 font ',12'
+  unset logscale x
+  set logscale y
+  set xrange [0:60]
+  set yrange [0.8:2.512e+06]
+  set format y '%g'
+  set ytics 10
+  set ylabel '' offset 1,0
+  set xlabel 'CPU of the fastest [ms]' offset 0,0.3
+  set xtics ('1.1e-05' 1, '0.0028' 15, '0.053' 29, '0.72' 43, '9' 57)
+  set label 'CubeH8' at first 1,13.51 left font ',10' noenhanced front boxed
+  plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
+      'solvers_profile_3d.dat' index 88 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
+      'solvers_profile_3d.dat' index 89 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
+      'solvers_profile_3d.dat' index 91 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#56b4e9', \
+      'solvers_profile_3d.dat' index 92 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#56b4e9', \
+      'solvers_profile_3d.dat' index 94 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#e69f00', \
+      'solvers_profile_3d.dat' index 95 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#e69f00', \
+      'solvers_profile_3d.dat' index 97 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#009e73', \
+      'solvers_profile_3d.dat' index 98 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#009e73', \
+      'solvers_profile_3d.dat' index 100 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#d55e00', \
+      'solvers_profile_3d.dat' index 103 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#cc79a7', \
+      'solvers_profile_3d.dat' index 104 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#cc79a7', \
+      'solvers_profile_3d.dat' index 106 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#b00020', \
+      'solvers_profile_3d.dat' index 109 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 3 lc rgb '#7f0000', \
+      'solvers_profile_3d.dat' index 110 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 3 lc rgb '#7f0000', \
+      'solvers_profile_3d.dat' index 112 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 4 lc rgb '#ff5a7a', \
+      'solvers_profile_3d.dat' index 113 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 4 lc rgb '#ff5a7a', \
+      'solvers_profile_3d.dat' index 115 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 5 lc rgb '#a0522d', \
+      'solvers_profile_3d.dat' index 116 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 5 lc rgb '#a0522d', \
+      'solvers_profile_3d.dat' index 118 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 2 lc rgb '#c71585', \
+      'solvers_profile_3d.dat' index 119 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 2 lc rgb '#c71585', \
+      'solvers_profile_3d.dat' index 122 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 3 lc rgb '#b00020', \
+      'solvers_profile_3d.dat' index 125 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 4 lc rgb '#7f0000', \
+      'solvers_profile_3d.dat' index 85 using 1:2 with points pt 13 ps 1.6 lw 4 dt 1 lc rgb '#000000'
+  unset multiplot
+  unset output
+}
