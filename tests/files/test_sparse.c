@@ -75,6 +75,24 @@ START_TEST(matrix_market) {
 }
 END_TEST
 
+/* Every entry of a dense matrix has its place: none is 0. */
+START_TEST(full_array) {
+  enum { n = 60 };
+  static char text[64 + 8 * n * n];
+  static double a[n * n];
+  int end = sprintf(text, "%%%%MatrixMarket matrix array integer general\n%d %d\n", n, n);
+  for (int k = 0; k < n * n; k++) {
+    a[k % n * n + k / n] = k + 1;
+    end += sprintf(text + end, "%d\n", k + 1);
+  }
+  put(text);
+  dls_sparse A;
+  ck_assert_int_eq(dls_mtx_read_sparse(path, &A, NULL, NULL), DLS_OK);
+  is_matrix(&A, n, n, n * n, a);
+  dls_mtx_free_sparse(&A);
+}
+END_TEST
+
 START_TEST(of_calculix) {
   dls_sparse A;
   put("1 1  3.0000000000000e+00\n1 2 -1.0e+00\n2 2 2\n3 3 5\n");
@@ -147,6 +165,6 @@ START_TEST(failing_mallocs) {
 END_TEST
 
 int main(void) {
-  return RUN("sparse", make_file, remove_file, ONCE(matrix_market), ONCE(of_calculix),
-             ONCE(bad_files), ONCE(failing_mallocs));
+  return RUN("sparse", make_file, remove_file, ONCE(matrix_market), ONCE(full_array),
+             ONCE(of_calculix), ONCE(bad_files), ONCE(failing_mallocs));
 }

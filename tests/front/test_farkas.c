@@ -1,5 +1,6 @@
 /* test_farkas.c: the linear problem that every solution solves, what it proves and excludes. */
 #include <check.h>
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -90,8 +91,30 @@ START_TEST(exclusion_by_hand) {
 }
 END_TEST
 
+/* (FA3) of one candidate with v = 1, q = (-1, 0), at both sides of its edge: W_nn = 1, x = g / w,
+ * excludes for x C / (4 eps) < 1 but for C = 1e-8, and W_nn = -1 for C (sqrt(1 + mu^2) + x + 1) <
+ * 1. */
+START_TEST(edge_of_exclusion) {
+  static model a;
+  const double v[] = {1}, far = 4 * DBL_EPSILON / 1e-8;
+  for (int side = -1; side <= 1; side += 2) {
+    set_model(&a, 2, 1);
+    a.q[0] = -1;
+    a.W[0] = 1;
+    double w[] = {1 / ((1 + 0.01 * side) * far)};
+    ck_assert_int_eq(dlsi_farkas_excludes(&a.p, w, v, 1e-8), side < 0);
+    a.W[0] = -1;
+    w[0] = 1 / (2 + 0.02 * side);
+    ck_assert_int_eq(dlsi_farkas_excludes(&a.p, w, v, 0.25), side < 0);
+    a.mu[0] = 0.75;
+    w[0] = 1 / (1.75 + 0.02 * side);
+    ck_assert_int_eq(dlsi_farkas_excludes(&a.p, w, v, 0.25), side < 0);
+  }
+}
+END_TEST
+
 int main(void) {
   return RUN("farkas", NULL, NULL, EACH(no_solution_is_proved_in_2d_and_3d, 0, 4),
              EACH(far_is_not_denied_nor_searched, 0, 2), EACH(certified_is_never_excluded, 0, 10),
-             ONCE(exclusion_by_hand));
+             ONCE(exclusion_by_hand), ONCE(edge_of_exclusion));
 }

@@ -260,6 +260,15 @@ START_TEST(enumerates_at_the_edges) {
   ck_assert_int_eq(dls_contact_enumerate(&p, 1e-8, 3, r, low, high, &set, NULL), DLS_OK);
   for (int i = 0; i < 6; i++)
     ck_assert(low[i] == all[i] && high[i] == all[i]);
+  for (int power = -40; power <= 40; power += 80) { /* forces in another unit are as different */
+    double other[2] = {ldexp(1, power), ldexp(4, power)};
+    dls_contact scaled = p;
+    scaled.q = other;
+    ck_assert_int_eq(dls_contact_enumerate(&scaled, 1e-8, 4, r, NULL, NULL, &set, NULL), DLS_OK);
+    ck_assert(set.isolated == 3 && set.continua == 0);
+    for (int i = 0; i < 6; i++)
+      ck_assert(r[i] == ldexp(all[i], power));
+  }
   r[2] = 7;
   ck_assert_int_eq(dls_contact_enumerate(&p, 1e-8, 1, r, NULL, NULL, &set, NULL),
                    DLS_MAX_ITERATIONS);

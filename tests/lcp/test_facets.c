@@ -597,12 +597,15 @@ START_TEST(bad_input_is_named) {
   for (int from = 0; from < 2; from++) {
     ck_assert_int_eq(from ? FROM(NULL, 4, s, z, r) : TO(NULL, 4, s, A, ld, b), DLS_E_ARGUMENT);
     ck_assert_str_eq(e.argument, "problem");
+    ck_assert_int_eq(e.index, -1);
     p = good, p.q = NULL;
     ck_assert_int_eq(from ? FROM(&p, 4, s, z, r) : TO(&p, 4, s, A, ld, b), DLS_E_ARGUMENT);
     ck_assert_str_eq(e.argument, "q");
+    ck_assert_int_eq(e.index, -1);
     p = good;
     ck_assert_int_eq(from ? FROM(&p, 5, s, z, r) : TO(&p, 5, s, A, ld, b), DLS_E_ARGUMENT);
     ck_assert_str_eq(e.argument, "facets");
+    ck_assert_int_eq(e.index, -1);
     ck_assert(e.value == 5);
     const double bad[] = {0, -1, NAN, INFINITY};
     for (int k = 0; k < 4; k++) {
@@ -621,14 +624,19 @@ START_TEST(bad_input_is_named) {
   }
   ck_assert_int_eq(TO(&p, 4, s, NULL, ld, b), DLS_E_ARGUMENT);
   ck_assert_str_eq(e.argument, "M");
+  ck_assert_int_eq(e.index, -1);
   ck_assert_int_eq(TO(&p, 4, s, A, ld - 1, b), DLS_E_SIZE);
   ck_assert_str_eq(e.argument, "ldm");
+  ck_assert_int_eq(e.index, -1);
   ck_assert_int_eq(TO(&p, 4, s, A, ld, NULL), DLS_E_ARGUMENT);
   ck_assert_str_eq(e.argument, "q");
+  ck_assert_int_eq(e.index, -1);
   ck_assert_int_eq(FROM(&p, 4, s, NULL, r), DLS_E_ARGUMENT);
   ck_assert_str_eq(e.argument, "z");
+  ck_assert_int_eq(e.index, -1);
   ck_assert_int_eq(FROM(&p, 4, s, z, NULL), DLS_E_ARGUMENT);
   ck_assert_str_eq(e.argument, "r");
+  ck_assert_int_eq(e.index, -1);
   z[11] = INFINITY;
   ck_assert_int_eq(FROM(&p, 4, s, z, r), DLS_E_NOT_FINITE);
   ck_assert_str_eq(e.argument, "z");

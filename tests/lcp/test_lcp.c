@@ -375,6 +375,9 @@ START_TEST(bad_contact) {
   check_error(&e, DLS_E_ARGUMENT, "M", -1);
   ck_assert_int_lt(dls_contact_to_lcp(&problem, NULL, M, 6, qz, &e), 0);
   check_error(&e, DLS_E_SIZE, "ldm", -1);
+  const dls_contact none = {.d = 2};
+  ck_assert_int_lt(dls_contact_to_lcp(&none, NULL, M, 7, qz, &e), 0);
+  check_error(&e, DLS_E_SIZE, "nc", -1);
   ck_assert_int_lt(dls_contact_to_lcp(&problem, NULL, M, 7, NULL, &e), 0);
   check_error(&e, DLS_E_ARGUMENT, "q", -1);
   ck_assert_int_lt(dls_contact_from_lcp(NULL, NULL, z, r, &e), 0);

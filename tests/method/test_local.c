@@ -99,6 +99,8 @@ static const local_case cases[] = {
     {"a plane of sticks", 3, {2}, {-2, 0, 0}, .5, {1, 0, 0}, DLS_LOCAL_STICK, 1},
     {"C7 in 3D", 3, {1, -1, 0, -1, 2, 0, 0, 0, 2}, {-1, -3, 0}, 2, {5, 4, 0}, DLS_LOCAL_STICK, 1},
     {"C1 in 3D", 3, {1, 1, 0, 1, 2, 0, 0, 0, 1}, {1, 4, 0}, 2, {0, 0, 0}, DLS_LOCAL_FREE, 3},
+    {"u_t large", 3, {1, 2, 0, 2, 10, 0, 0, 0, 10}, {1, 50}, 1, {0}, DLS_LOCAL_FREE, 3},
+    {"free, or a fast slip", 3, {1, 2, 0, 6, 10, 0, 0, 0, 10}, {1, 5e3}, 1, {0}, DLS_LOCAL_FREE, 2},
     {"C16", 3, {2, -1, 2, -1, 2, 0, 2, 0, 3}, {-1, 4, 3}, 1, {6, 1, -5}, DLS_LOCAL_STICK, 3},
 };
 

@@ -2,6 +2,7 @@
 #include <check.h>
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -519,7 +520,9 @@ static void assert_one_mode(const char *K, int first, int last) {
   ck_assert_str_eq(error.argument, K);
   ck_assert(error.value == 1);
   ck_assert(error.index == first || error.index == last);
-  ck_assert_ptr_nonnull(strstr(error.message, "1 rigid-body mode"));
+  char words[64];
+  snprintf(words, sizeof words, "1 rigid-body mode, of unknowns %lld; ", error.index);
+  ck_assert_ptr_nonnull(strstr(error.message, words));
 }
 
 START_TEST(singular_matrices) {
@@ -876,6 +879,9 @@ START_TEST(bad_model) {
     BAD(F.Kp[0] = 1, DLS_E_ARGUMENT, "Ks", 0);
     BAD(F.Kp[2] = 5, DLS_E_ARGUMENT, "Ks", 2);
     BAD(F.Ki[9] = 6, DLS_E_ARGUMENT, "Ks", 9);
+    dls_error outside;
+    ck_assert_int_eq(dls_model_check(&F.model, &outside), DLS_E_ARGUMENT);
+    ck_assert_ptr_nonnull(strstr(outside.message, "outside of 0 .. 5"));
     BAD(F.Ki[0] = -1, DLS_E_ARGUMENT, "Ks", 0);
     BAD(F.Kx[71] = NAN, DLS_E_NOT_FINITE, "Ks", 71);
   }

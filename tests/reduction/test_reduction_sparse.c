@@ -960,6 +960,7 @@ START_TEST(bad_modes) {
   ck_assert_int_eq(dls_reduction_create(&R, &T.model, &error), DLS_E_SINGULAR);
   T.model.modes.cols = 25;
   ck_assert_int_eq(dls_reduction_create(&R, &T.model, &error), DLS_E_SIZE);
+  ck_assert_int_eq(error.index, -1);
   T.model.modes.cols = 1;
   T.model.modes.rows = 3;
   ck_assert_int_eq(dls_reduction_create(&R, &T.model, &error), DLS_E_SIZE);

@@ -24,7 +24,7 @@ import tempfile
 import time
 
 ROOMS = ["lcp", "vi", "reduction", "src/base", "src/linear", "src/files", "src/front", "src/motion"]
-# The tests of a room, the sharpest first; all others but SLOW and HEAVY follow.
+# The tests of a room, the sharpest first; all others but SLOW follow, those in HEAVY at last.
 NEAR = {
     "lcp": ["lcp"],
     "vi": ["method", "tuning", "contract"],
@@ -39,9 +39,12 @@ NEAR = {
 # Minutes of forming and of pictures, which see the library through the same calls as the rest.
 SLOW = {"fe/test_forming", "fe/test_forming_body", "fe/test_moving", "cli/test_charts",
         "cli/test_forming_cli", "reduction/test_threads"}
-# Seconds each: for the files of their own rooms, after the others.
+# Random problems, solved in many ways and certified, which see every method and both rooms of LCP.
+PROPERTIES = "properties/properties --seed 1 --step 2 --count 60 --out properties"
+# Seconds each: after all others.
 HEAVY = {"front/test_proof", "front/test_renumber", "front/test_trust", "front/test_solve",
-         "reduction/test_reduction_sparse", "motion/test_rigid", "fe/test_fe", "cli/test_cli"}
+         "reduction/test_reduction_sparse", "motion/test_rigid", "fe/test_fe", "cli/test_cli",
+         PROPERTIES}
 CPU_SECONDS = 60  # of one test program; the longest takes 7 by itself
 SWAP = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "&&": "||", "||": "&&",
         "+": "-", "-": "+", "*": "/", "/": "*", "+=": "-=", "-=": "+=", "*=": "/=", "/=": "*="}
@@ -94,14 +97,20 @@ def line_at(text, at):
     return text.count("\n", 0, at) + 1, " ".join(text[begin:end].split())
 
 
+def function_at(text, at):
+    """Returns the name of the function that an offset lies in, "" before the first one."""
+    names = re.findall(r"^[a-z][^;={}]*?\b(\w+)\((?=[^;{}]*\{$)", code_of(text)[:at], flags=re.M)
+    return names[-1] if names else ""
+
+
 def read_harmless(path):
-    """Returns {(file, mutated line): reason} of harmless.txt: file | line | reason."""
+    """Returns {(place, mutated line): reason} of harmless.txt: file:function | line | reason."""
     known = {}
     for line in path.read_text().splitlines():
         if line.strip() and not line.startswith("#"):
-            file, rest = line.split(" | ", 1)
+            place, rest = line.split(" | ", 1)
             mutated, reason = rest.rsplit(" | ", 1)
-            known[file.strip(), " ".join(mutated.split())] = reason.strip()
+            known[place.strip(), " ".join(mutated.split())] = reason.strip()
     return known
 
 
@@ -142,9 +151,9 @@ class Tree:
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
         null = subprocess.DEVNULL
-        process = subprocess.Popen(["build/tests/" + test], cwd=self.root, env=self.env, stdin=null,
-                                   stdout=null, stderr=null, start_new_session=True,
-                                   preexec_fn=confine)
+        process = subprocess.Popen([program_of(test), *test.split()[1:]], cwd=self.root,
+                                   env=self.env, stdin=null, stdout=null, stderr=null,
+                                   start_new_session=True, preexec_fn=confine)
         try:
             return process.wait(timeout=20 * CPU_SECONDS) == 0
         except subprocess.TimeoutExpired:
@@ -157,8 +166,12 @@ def tests_of(file, tests):
     """Returns the tests in the order in which they are tried on a file."""
     near = NEAR.get(file) or NEAR[next(room for room in ROOMS if file.startswith(room + "/"))]
     rank = lambda test: near.index(test.split("/")[0]) if test.split("/")[0] in near else len(near)
-    tests = [t for t in tests if t not in HEAVY or rank(t) < len(near)]
-    return sorted(tests, key=lambda t: (rank(t), t in HEAVY, t))
+    return sorted(tests, key=lambda t: (t in HEAVY, rank(t), t))
+
+
+def program_of(test):
+    """Returns the path of a test's program."""
+    return "build/tests/" + test.split()[0]
 
 
 def try_mutant(tree, place, tests):
@@ -177,7 +190,7 @@ def try_mutant(tree, place, tests):
         ordered = tests_of(path, tests)
         first = [t for t in ordered if t.split("/")[0] == ordered[0].split("/")[0]]
         for group in (first, [t for t in ordered if t not in first]):
-            tree.make("build/delassus", *("build/tests/" + t for t in group))
+            tree.make("build/delassus", *map(program_of, group))
             for test in group:
                 if not tree.run(test):
                     return test
@@ -199,8 +212,8 @@ def main():
     tree = Tree(own.build)
     try:
         tests = sorted(str(p)[6:-2] for p in pathlib.Path("tests").glob("*/test_*.c"))
-        tests = [t for t in tests if t not in SLOW and not t.startswith("mpi/")]
-        built, said = tree.make("all", *("build/tests/" + t for t in tests))
+        tests = [t for t in tests if t not in SLOW and not t.startswith("mpi/")] + [PROPERTIES]
+        built, said = tree.make("all", *map(program_of, tests))
         if not built:
             sys.exit("the tree does not build:\n" + said)
         places = []
@@ -218,7 +231,7 @@ def main():
             text = (tree.root / path).read_text()
             number, old = line_at(text, begin)
             _, mutated = line_at(text[:begin] + new + text[end:], begin)
-            reason = harmless.get((path, mutated))
+            reason = harmless.get(("%s:%s" % (path, function_at(text, begin)), mutated))
             if reason:
                 what, by = "harmless", reason
             else:
@@ -234,7 +247,7 @@ def main():
         print("seed %d: of %d mutants %d killed, %d harmless, %d survived"
               % (own.seed, total, count["killed"], count["harmless"], count["SURVIVED"]))
         killers.discard("")
-        tree.make("build/delassus", *("build/tests/" + t for t in killers))
+        tree.make("build/delassus", *map(program_of, killers))
         false = [t for t in sorted(killers) if not tree.run(t)]
         for test in false:
             print("%s fails without a mutant, too" % test)
