@@ -20,7 +20,8 @@
  * 3D: q_n < 0 and no stick mean h(0) > 0 > h(inf) = mu q_n / a, so that h has a root if S + l I
  * stays regular on the way, which it does for W positive semidefinite. The root is bracketed and
  * found by Newton on 1/|r_t| - 1/(mu r_n), almost linear in l (More and Sorensen's secular form),
- * by Newton on h where r_n <= 0, and by bisection where that leaves the bracket. (LO5) then makes
+ * by Newton on h where r_n <= 0, and by bisection where that leaves the bracket. Where q_n is so
+ * small beside z that l drowns S, r_t is along -z. (LO5) then makes
  * u_n = 0 and |r_t| = mu r_n hold to rounding; what is left is the angle between u_t and -r_t. A
  * singular S needs no care: its stick solutions are the limit l -> 0 of (LO4). r_t(l) is had by
  * Cramer's rule, one division: (LO5) takes no more than its direction. Stick takes its length, too,
@@ -45,6 +46,9 @@ static const double rounding = 1e-12;
 /* Takes solutions that differ by less than this part of r_n, r_t for one, and an |h| this close to
  * 0 for a root, not a pole. */
 static const double same = 1e-8;
+
+/* The fourth power of r in Newton's steps is a number still. */
+static const double least_size = 0x1p-200;
 
 /* Ends Newton's steps in l at one of this part of l: the next step would be of its square. */
 static const double last_step = 1e-8;
@@ -267,10 +271,20 @@ static inline double local_newton(const schur *s, const local_trial *c) {
   return m > 0 ? h * (n2 * m) / (dm * n2 * n - ndn * (m * m)) : h * n / (dm * n - ndn);
 }
 
+static dls_local_state slip_3d_small(const schur *s, double guess, double *r);
+
 /* Solves (LO4) for q_n < 0 from guess, or from 0 where guess is not > 0. Returns DLS_LOCAL_NONE if
  * it finds no root. */
 static dls_local_state slip_3d(const schur *s, double guess, double *r) {
   enum { most_steps = 100 };
+  const double *S = s->block->S, far = s->a * (fabs(s->z[0]) + fabs(s->z[1]));
+  const double unit = (far * s->block->inv_a - s->qn) * s->block->inv_a;
+  const double stiff = fabs(S[0]) + fabs(S[1]) + fabs(S[2]) + fabs(S[3]);
+  if (unit < least_size && unit > 0) return slip_3d_small(s, guess, r);
+  if (-s->mu * s->qn * stiff <= DBL_EPSILON * far) { /* S + l I = l I to rounding */
+    const local_trial c = {.y = {s->z[0], s->z[1]}, .inv = 1, .size = hypot(s->z[0], s->z[1])};
+    if (on_cone(s, &c, r)) return DLS_LOCAL_SLIP;
+  }
   double l = guess > 0 && guess <= DBL_MAX ? guess : 0, lo = 0, hi = INFINITY;
   for (int step = 0; step < most_steps; step++) {
     const local_trial c = local_evaluate(s, l);
@@ -303,6 +317,23 @@ static dls_local_state slip_3d(const schur *s, double guess, double *r) {
       l = lo > 0 ? lo * sqrt(hi / lo) : hi / 64; /* powers of two keep every bit */
   }
   return DLS_LOCAL_NONE;
+}
+
+/* The same in another unit of q: a sweep over bodies upon each other begins with r that halve from
+ * one to the next, and bisection of what underflows takes longer than all else. */
+static dls_local_state slip_3d_small(const schur *s, double guess, double *r) {
+  const double up = 1 / least_size;
+  const schur larger = {.block = s->block,
+                        .a = s->a,
+                        .b = {s->b[0], s->b[1]},
+                        .qn = up * s->qn,
+                        .mu = s->mu,
+                        .z = {up * s->z[0], up * s->z[1]},
+                        .N = {up * s->N[0], up * s->N[1]}};
+  const dls_local_state state = slip_3d(&larger, guess, r);
+  for (int i = 0; i < 3; i++)
+    r[i] *= least_size;
+  return state;
 }
 
 /* Finds the positive roots, in increasing order, of p[0] + .. + p[n] x^n, p[n] != 0: between the

@@ -296,9 +296,35 @@ START_TEST(turned_tangents) {
 }
 END_TEST
 
+/* Reactions far below those of the neighbours have the bits of a scaled problem, and a hair's weight
+ * on a candidate that slips fast is found along the slip. */
+START_TEST(tiny_reactions) {
+  for (int k = 0; k < 2000; k++) {
+    double W[9], q[3], p[3], mu, r[3], s[3], least[3];
+    random_block(3, 0, W, q, &mu);
+    const dls_local_state state = dls_nlgs_local(3, W, q, mu, r, NULL);
+    for (int i = 0; i < 3; i++)
+      p[i] = ldexp(q[i], -400);
+    ck_assert_int_eq(dls_nlgs_local(3, W, p, mu, s, NULL), state);
+    for (int i = 0; i < 3; i++)
+      ck_assert_double_eq_tol(ldexp(s[i], 400), r[i], 1e-11 * fabs(r[0]));
+    if (state != DLS_LOCAL_SLIP || hypot(W[1], W[2]) * mu > 0.5 * W[0]) continue;
+    p[0] = -1e-200;
+    p[1] = q[1];
+    p[2] = q[2];
+    ck_assert_int_eq(dls_nlgs_local(3, W, p, mu, least, NULL), DLS_LOCAL_SLIP);
+    const double slip = hypot(q[1], q[2]), e[2] = {-q[1] / slip, -q[2] / slip};
+    const double n = 1e-200 / (W[0] + mu * (W[3] * e[0] + W[6] * e[1]));
+    ck_assert_double_eq_tol(least[0] / n, 1, 1e-12);
+    ck_assert_double_eq_tol(least[1] / n, mu * e[0], 1e-12 * mu);
+    ck_assert_double_eq_tol(least[2] / n, mu * e[1], 1e-12 * mu);
+  }
+}
+END_TEST
+
 int main(void) {
   return RUN("local", NULL, NULL, EACH(by_hand, 0, sizeof cases / sizeof cases[0]),
              EACH(units, 0, sizeof cases / sizeof cases[0]),
              EACH(no_solution, 0, sizeof unsolvable / sizeof unsolvable[0]),
-             EACH(random_blocks, 0, 4), ONCE(turned_tangents));
+             EACH(random_blocks, 0, 4), ONCE(turned_tangents), ONCE(tiny_reactions));
 }
