@@ -296,8 +296,8 @@ START_TEST(turned_tangents) {
 }
 END_TEST
 
-/* Reactions far below those of the neighbours have the bits of a scaled problem, and a hair's weight
- * on a candidate that slips fast is found along the slip. */
+/* Reactions far below those of the neighbours are found as in another unit, and a hair's weight on
+ * a candidate that slips fast along the slip. */
 START_TEST(tiny_reactions) {
   for (int k = 0; k < 2000; k++) {
     double W[9], q[3], p[3], mu, r[3], s[3], least[3];
