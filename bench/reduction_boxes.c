@@ -37,12 +37,16 @@ static void box_element(int d, double *Ke) {
 }
 
 typedef struct grid {
-  int d, cells;
+  int d, back;  /* 1: clamped on the face above, 0: on x = 0 */
   int nodes[3]; /* of a side */
 } grid;
 
 /* Returns the number of the first unknown of the node at c, -1 if the node is clamped. */
 static int box_unknown(const grid *g, const int *c) {
+  if (g->back) {
+    if (c[g->d - 1] == g->nodes[g->d - 1] - 1) return -1;
+    return g->d * (c[0] + g->nodes[0] * (c[1] + g->nodes[1] * c[2]));
+  }
   if (c[0] == 0) return -1;
   return g->d * (c[0] - 1 + (g->nodes[0] - 1) * (c[1] + g->nodes[1] * c[2]));
 }
@@ -57,7 +61,7 @@ static double box_stiffness(const grid *g, const double *Ke, const int *to, int 
     int a = 0, inside = 1;
     for (int k = 0; k < g->d; k++) {
       const int corner = from[k] - (b >> k & 1), local = to[k] - corner;
-      inside = inside && corner >= 0 && corner < g->cells && (local == 0 || local == 1);
+      inside = inside && corner >= 0 && corner < g->nodes[k] - 1 && (local == 0 || local == 1);
       a |= local << k;
     }
     if (inside) sum += Ke[g->d * a + i + size * (g->d * b + j)];
@@ -76,8 +80,8 @@ static void box_columns(box *b, const grid *g, const double *Ke, const int *c, d
       for (s[1] = -1; s[1] <= 1; s[1]++)
         for (s[0] = -1; s[0] <= 1; s[0]++) {
           const int to[3] = {c[0] + s[0], c[1] + s[1], c[2] + s[2]};
-          if (to[0] < 1 || to[1] < 0 || to[2] < 0 || to[0] >= g->nodes[0] || to[1] >= g->nodes[1] ||
-              to[2] >= g->nodes[2])
+          if (to[0] < 0 || to[1] < 0 || to[2] < 0 || to[0] >= g->nodes[0] || to[1] >= g->nodes[1] ||
+              to[2] >= g->nodes[2] || box_unknown(g, to) < 0)
             continue;
           for (int i = 0; i < d; i++) {
             const int row = box_unknown(g, to) + i, column = first + j;
@@ -99,13 +103,14 @@ static void box_matrix(box *b, const grid *g, const double *Ke, double skew) {
   b->p[0] = 0;
   for (c[2] = 0; c[2] < g->nodes[2]; c[2]++)
     for (c[1] = 0; c[1] < g->nodes[1]; c[1]++)
-      for (c[0] = 1; c[0] < g->nodes[0]; c[0]++)
-        box_columns(b, g, Ke, c, skew);
+      for (c[0] = 0; c[0] < g->nodes[0]; c[0]++)
+        if (box_unknown(g, c) >= 0) box_columns(b, g, Ke, c, skew);
 }
 
 /* Picks normal and tangents of each node of the face below (y = 0 or z = 0). */
 static int box_operators(box *b, const grid *g, int n) {
-  const int d = g->d, nodes = g->cells * (d == 3 ? g->nodes[1] : 1);
+  const int d = g->d, first_x = !g->back, along = g->nodes[0] - first_x;
+  const int nodes = along * (d == 3 ? g->nodes[1] : 1);
   b->hp = malloc((size_t)(d * nodes + 1) * sizeof *b->hp);
   b->hn = malloc((size_t)nodes * sizeof *b->hn);
   b->ht = malloc((size_t)(2 * nodes) * sizeof *b->ht);
@@ -116,7 +121,7 @@ static int box_operators(box *b, const grid *g, int n) {
   for (int k = 0; k < d * nodes; k++)
     b->one[k] = 1;
   for (int k = 0; k < nodes; k++) {
-    const int c[3] = {1 + k % g->cells, d == 3 ? k / g->cells : 0, 0}, first = box_unknown(g, c);
+    const int c[3] = {first_x + k % along, d == 3 ? k / along : 0, 0}, first = box_unknown(g, c);
     b->hn[k] = first + d - 1;
     for (int t = 0; t < d - 1; t++)
       b->ht[(d - 1) * k + t] = first + t;
@@ -127,9 +132,10 @@ static int box_operators(box *b, const grid *g, int n) {
   return 0;
 }
 
-int box_create(box *b, int d, int cells, double skew) {
-  const grid g = {d, cells, {cells + 1, cells + 1, d == 3 ? cells + 1 : 1}};
-  const int n = d * cells * g.nodes[1] * g.nodes[2];
+static int box_fill(box *b, const grid *g, double skew) {
+  const int d = g->d, fixed = g->back ? d - 1 : 0;
+  const int n =
+      d * (g->nodes[0] * g->nodes[1] * g->nodes[2] / g->nodes[fixed]) * (g->nodes[fixed] - 1);
   double Ke[most_unknowns * most_unknowns];
   box_element(d, Ke);
   memset(b, 0, sizeof *b);
@@ -139,17 +145,27 @@ int box_create(box *b, int d, int cells, double skew) {
   b->model.factorization = skew == 0 ? DLS_CHOLESKY : DLS_LU;
   b->p = malloc(((size_t)n + 1) * sizeof *b->p);
   if (!b->p) return -1;
-  box_matrix(b, &g, Ke, skew);
+  box_matrix(b, g, Ke, skew);
   const size_t entries = (size_t)b->p[n];
   b->i = malloc(entries * sizeof *b->i);
   b->x = malloc(entries * sizeof *b->x);
-  if (!b->i || !b->x || box_operators(b, &g, n)) {
+  if (!b->i || !b->x || box_operators(b, g, n)) {
     box_free(b);
     return -1;
   }
-  box_matrix(b, &g, Ke, skew);
+  box_matrix(b, g, Ke, skew);
   b->model.Ks = (dls_sparse){n, n, b->p, b->i, b->x};
   return 0;
+}
+
+int box_create(box *b, int d, int cells, double skew) {
+  const grid g = {d, 0, {cells + 1, cells + 1, d == 3 ? cells + 1 : 1}};
+  return box_fill(b, &g, skew);
+}
+
+int box_create_glued(box *b, int d, int cells, int height) {
+  const grid g = {d, 1, {cells + 1, d == 3 ? cells + 1 : height + 1, d == 3 ? height + 1 : 1}};
+  return box_fill(b, &g, 0);
 }
 
 void box_free(box *b) {

@@ -17,6 +17,10 @@ typedef struct box {
 /* Makes K and H. skew: size of the skew-symmetric part of K over its off-diagonal entries; 0 makes
  * a symmetric K. Returns 0, or -1 without memory. */
 int box_create(box *b, int d, int cells, double skew);
+
+/* Makes a flat box of this height, glued to a rigid body above in place of the face x = 0. All
+ * nodes of the face below touch: along x first, then, d = 3, along y. */
+int box_create_glued(box *b, int d, int cells, int height);
 void box_free(box *b);
 
 #endif

@@ -1,11 +1,11 @@
 /*
- * scale.c: rigid bodies from 300 to 100,000 candidates: every method of delassus that holds out
- * beside Siconos' Gauss-Seidel by blocks, and how time grows.
+ * scale.c: rigid bodies from 300 to 100,000 candidates, and two elastic ones up to 2000: every
+ * method of delassus that holds out beside Siconos' Gauss-Seidel, and how time grows.
  *
  *   scale [--kind KIND] [--sizes N,N,..] [--tol TOL] [--seed S] [--seeds COUNT] [--limit SECONDS]
  *         [--no-peer] [--only METHOD,..] [--out DIR]
  *
- *   --kind   one of tests/shared/rigid.h, or the beginning of its name; all
+ *   --kind   one of tests/shared/rigid.h or scale_elastic.h, or the beginning of its name; all
  *   --seeds  so many seeds: S, S + 2, ..
  *   --only   these of delassus: auto, nlgs, momentum, anderson, admm, augmented
  *
@@ -22,6 +22,7 @@
 
 #include "common.h"
 #include "rigid.h"
+#include "scale_elastic.h"
 #include "solvers.h"
 
 enum { most_sizes = 8 };
@@ -54,7 +55,7 @@ static void own_solve(const void *how, const scene *s, double tol, int calls, do
   dls_info info = {.iterations = -1};
   dls_solver_settings_init(&settings);
   settings.limits.tol = tol;
-  settings.limits.blocks = s->contact.Wb.p[s->contact.nc];
+  if (s->contact.Wb.x) settings.limits.blocks = s->contact.Wb.p[s->contact.nc];
   if (!dls_method_find(w->method, &settings.method) ||
       !dls_acceleration_find(w->acceleration, &settings.acceleration)) {
     o->ended = REFUSED;
@@ -104,11 +105,12 @@ static void print_ratio(FILE *page, double a, double b) {
     bench_print(page, isfinite(a) ? " alone |" : " |");
 }
 
-/* Returns the peer's sweeps for this dimension. */
+/* Returns the peer's sweeps for this dimension and storage. */
 static const peer_method *sweeps_of_peer(const scene *s) {
+  const char *storage = s->contact.W.a ? "dense" : "blocks";
   for (int k = 0; peer_at(k); k++)
     if (strcmp(peer_name(peer_at(k)), "siconos-nsgs") == 0 && peer_takes(peer_at(k), s, 0) &&
-        strcmp(peer_storage(peer_at(k), s), "blocks") == 0)
+        strcmp(peer_storage(peer_at(k), s), storage) == 0)
       return peer_at(k);
   return NULL;
 }
@@ -125,12 +127,13 @@ static outcome run_peer(const plan *p, const scene *s) {
 }
 
 /* Measures one problem. Returns the time of auto. */
-static double run_problem(const plan *p, const char *kind, const rigid *a, unsigned long seed) {
-  scene s = {.set = kind, .contact = a->contact};
+static double run_problem(const plan *p, const char *kind, const dls_contact *problem,
+                          unsigned long seed) {
+  scene s = {.set = kind, .contact = *problem};
   double best = INFINITY, automatic = INFINITY;
-  bench_print(p->page, "| %s | %lu | %d |", kind, seed, a->contact.nc);
+  bench_print(p->page, "| %s | %lu | %d |", kind, seed, problem->nc);
   for (int k = 0; k < own_count; k++) {
-    if (a->contact.nc > own[k].most || !is_wanted(p, own[k].name)) {
+    if (problem->nc > own[k].most || !is_wanted(p, own[k].name)) {
       bench_print(p->page, " |");
       continue;
     }
@@ -152,28 +155,33 @@ static double run_problem(const plan *p, const char *kind, const rigid *a, unsig
   print_ratio(p->page, automatic, peer);
   bench_print(p->page, "\n");
   const double time[] = {automatic, best, peer};
-  fprintf(p->csv, "%s,%d", kind, a->contact.nc);
+  fprintf(p->csv, "%s,%d", kind, problem->nc);
   for (int k = 0; k < 3; k++)
     fprintf(p->csv, isfinite(time[k]) ? ",%.4g" : ",", time[k]);
   fprintf(p->csv, "\n");
   return automatic;
 }
 
-static void run_kind(const plan *p, const char *kind) {
+/* of_two: 1 for a kind of two elastic bodies, in sizes that a dense W has. */
+static void run_kind(const plan *p, const char *kind, int of_two) {
   double sum[5] = {0}; /* 1, x, y, x x, x y */
   for (int k = 0; k < p->size_count; k++)
-    for (int s = 0; s < p->seeds; s++) {
-      rigid a;
+    for (int s = 0; s < p->seeds && !(of_two && p->sizes[k] > elastic_most); s++) {
+      rigid a = {0};
+      elastic b = {0};
       const unsigned long seed = p->seed + 2 * (unsigned long)s;
-      if (rigid_create(&a, kind, p->sizes[k], 0.5, seed)) {
+      if (of_two ? elastic_create(&b, kind, p->sizes[k], 0.5, seed)
+                 : rigid_create(&a, kind, p->sizes[k], 0.5, seed)) {
         fprintf(stderr, "%s: out of memory\n", kind);
         continue;
       }
-      const double x = log(a.contact.nc), y = log(run_problem(p, kind, &a, seed));
+      const dls_contact *problem = of_two ? &b.contact : &a.contact;
+      const double x = log(problem->nc), y = log(run_problem(p, kind, problem, seed));
       const double terms[] = {1, x, y, x * x, x * y};
       for (int t = 0; t < 5 && isfinite(y); t++)
         sum[t] += terms[t];
       rigid_free(&a);
+      elastic_free(&b);
     }
   const double slope = (sum[0] * sum[4] - sum[1] * sum[2]) / (sum[0] * sum[3] - sum[1] * sum[1]);
   if (p->size_count > 1) bench_print(p->page, "| %s | | time ~ n^%.2f |\n", kind, slope);
@@ -223,13 +231,13 @@ int main(int argc, char **argv) {
             .limit = 60};
   const char *out = "build";
   if (read_options(argc, argv, &p, &out)) return 2;
-  p.page = bench_page(out, "scale", "Rigid bodies: time against size", argc, argv);
+  p.page = bench_page(out, "scale", "Rigid and elastic bodies: time against size", argc, argv);
   p.csv = p.page ? bench_open(out, "scale.csv") : NULL;
   if (!p.csv) return 1;
   fprintf(p.csv, "kind,candidates,auto,own,peer\n");
   bench_print(p.page,
               "CPU seconds to residual %g (iterations); auto over the best other method of "
-              "delassus, and over Siconos' Gauss-Seidel by blocks.\n\n| kind | seed | candidates |",
+              "delassus, and over Siconos' Gauss-Seidel.\n\n| kind | seed | candidates |",
               p.tol);
   for (int k = 0; k < own_count; k++)
     bench_print(p.page, " %s |", own[k].name);
@@ -238,6 +246,8 @@ int main(int argc, char **argv) {
     bench_print(p.page, "---|");
   bench_print(p.page, "\n");
   for (int k = 0; rigid_kind(k); k++)
-    if (strncmp(rigid_kind(k), p.kind, strlen(p.kind)) == 0) run_kind(&p, rigid_kind(k));
+    if (strncmp(rigid_kind(k), p.kind, strlen(p.kind)) == 0) run_kind(&p, rigid_kind(k), 0);
+  for (int k = 0; elastic_kind(k); k++)
+    if (strncmp(elastic_kind(k), p.kind, strlen(p.kind)) == 0) run_kind(&p, elastic_kind(k), 1);
   return fclose(p.page) + fclose(p.csv) ? 1 : 0;
 }

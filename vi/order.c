@@ -6,7 +6,7 @@
  *
  *   (OR1)  by q_n / w, |q_t| / w, w, mu, the smaller first: what approaches fastest; then as
  *          numbered
- *   (OR2)  W dense: the first of (OR1); then always the candidate j with the largest sum |W_nn(j,
+ *   (OR2)  W of elastic bodies: the first of (OR1); then always the candidate j with the largest sum |W_nn(j,
  *          c)| over the c that have their place; of several the first of (OR1)
  *
  * w are the weights of the certificate. Numbers count to 26 bits: other units, other tangents or
@@ -65,29 +65,44 @@ static void order_sort(const order_keys *key, int n, int *order, int *scratch) {
     order[k] = b < n && order_precedes(key, order[b], scratch[a]) ? order[b++] : scratch[a++];
 }
 
-/* Turns order from (OR1) into (OR2). coupling: of candidate order[k] while it has no place,
- * scratch, nc. */
+/* Adds |W_nn(j, c)| to coupling[j] for all j, or for those of order[from], order[from + 1], .. */
+static void order_couple(const dls_contact *problem, int c, const int *order, int from,
+                         double *coupling) {
+  const size_t d = (size_t)problem->d;
+  const dls_blocks *B = &problem->Wb;
+  if (B->x) {
+    for (int k = B->p[c]; k < B->p[c + 1]; k++)
+      coupling[B->i[k]] += fabs(B->x[d * d * (size_t)k]);
+    return;
+  }
+  const double *W = problem->W.a + d * (size_t)c * (size_t)problem->W.ld;
+  for (int j = from; j < problem->nc; j++)
+    coupling[order[j]] += fabs(W[d * (size_t)order[j]]);
+}
+
+/* Turns order from (OR1) into (OR2). coupling: scratch, nc. */
 static void order_walk(const dls_contact *problem, double *coupling, int *order) {
-  const size_t d = (size_t)problem->d, ld = (size_t)problem->W.ld;
   const int nc = problem->nc;
   memset(coupling, 0, (size_t)nc * sizeof *coupling);
   for (int k = 1; k < nc; k++) { /* order[0 .. k-1] have their places */
-    const double *W = problem->W.a + d * (size_t)order[k - 1] * ld;
     double most = -1;
     int next = k;
+    order_couple(problem, order[k - 1], order, k, coupling);
     for (int j = k; j < nc; j++) {
-      coupling[j] += fabs(W[d * (size_t)order[j]]);
-      const double x = order_rounded(coupling[j]);
+      const double x = order_rounded(coupling[order[j]]);
       if (!(x > most)) continue;
       most = x;
       next = j;
     }
     const int c = order[next];
-    const size_t moved = (size_t)(next - k);
-    memmove(order + k + 1, order + k, moved * sizeof *order);
-    memmove(coupling + k + 1, coupling + k, moved * sizeof *coupling);
+    memmove(order + k + 1, order + k, (size_t)(next - k) * sizeof *order);
     order[k] = c;
   }
+}
+
+int dlsi_is_elastic(const dls_contact *problem) {
+  const double nc = problem->nc;
+  return problem->W.a || (problem->Wb.x && problem->Wb.p[problem->nc] >= nc * nc / 4);
 }
 
 void dlsi_order_candidates(const dls_contact *problem, double *const key[3], int *scratch,
@@ -98,5 +113,5 @@ void dlsi_order_candidates(const dls_contact *problem, double *const key[3], int
   if (problem->nc == 1) return;
   order_set_keys(problem, &keys);
   order_sort(&keys, problem->nc, order, scratch);
-  if (!problem->Wb.x) order_walk(problem, key[0], order);
+  if (dlsi_is_elastic(problem)) order_walk(problem, key[0], order);
 }

@@ -286,6 +286,10 @@ void dlsi_multiply(const dls_contact *problem, const int *order, const double *E
 
 /* ---- vi/order.c ------------------------------------------------------------------------------ */
 
+/* Returns 1 if W is dense, or a fourth of its blocks or more are there: most candidates feel each
+ * other, as on elastic bodies. */
+int dlsi_is_elastic(const dls_contact *problem);
+
 /* order (nc) := the candidates in an order that follows from the data, not from their numbers.
  * key: 3 arrays of nc doubles, scratch; scratch: nc. */
 void dlsi_order_candidates(const dls_contact *problem, double *const key[3], int *scratch,

@@ -4,7 +4,8 @@
  *
  *   (AT1)  sweeps     Gauss-Seidel with Anderson acceleration, in an order of the candidates that
  *                     follows from the data
- *   (AT13) push       W by blocks of more than 100 candidates: Gauss-Seidel with momentum after
+ *   (AT13) push       W by blocks of more than 100 candidates, not of elastic bodies (a fourth of
+ *                     all blocks and more: taken as dense): Gauss-Seidel with momentum after
  *                     (AT1), which ends there when more than 100 sweeps are ahead; beyond 1000 in
  *                     its place. Newton's method then only at e <= 1e-5, and after a failure only
  *                     at a tenth of that: on packings its steps lead nowhere before
@@ -179,7 +180,7 @@ typedef struct dlsi_auto {
 /* ---- (AT13) ---------------------------------------------------------------------------------- */
 
 static int is_packing(const dlsi_auto *work) {
-  return !work->problem->W.a && work->problem->nc > few_push;
+  return work->problem->nc > few_push && !dlsi_is_elastic(work->problem);
 }
 
 static int may_push(const dlsi_auto *work) {
@@ -885,7 +886,8 @@ static dls_status auto_create(void **out, int d, int nc, const dlsi_options *opt
     const int m = d * nc, large = m > other_unknowns;
     if ((k == SPLITTING || k == REST) && m < split_unknowns) continue;
     if (k == PUSH && (nc <= few_push || !options->limits.blocks)) continue;
-    if (k == SWEEPS && nc > push_candidates && options->limits.blocks) continue;
+    const int blocks = options->limits.blocks;
+    if (k == SWEEPS && nc > push_candidates && blocks && blocks / nc < nc / 4) continue;
     if (k == PIVOTING && !may_pivot(work)) continue;
     if ((k == HOMOTOPY || k == SCATTER) && m > path_unknowns) continue;
     if ((k == OTHER_SWEEPS || k == OTHER_SPLITTING) && large) continue;

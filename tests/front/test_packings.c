@@ -1,8 +1,10 @@
-/* test_packings.c: packings of rigid bodies, the stages that auto takes on them (AT13). */
+/* test_packings.c: packings of rigid bodies, the stages that auto takes on them (AT13); an elastic
+ * body by blocks. */
 #include <check.h>
 #include <stdlib.h>
 
 #include "delassus/solve.h"
+#include "front_cases.h"
 #include "rigid.h"
 #include "run.h"
 
@@ -51,6 +53,33 @@ START_TEST(newton_ends_it) {
 }
 END_TEST
 
+/* An elastic body by blocks is no packing: the stages and steps are those of its dense W. */
+START_TEST(elastic_by_blocks) {
+  enum { nc = 1100, m = 2 * nc };
+  double *W = calloc((size_t)m * m, sizeof *W), *x = calloc((size_t)m * m, sizeof *x);
+  double *q = calloc(4 * m, sizeof *q), *r = q + m, *s = r + m, *mu = s + m;
+  int *p = calloc(nc + 1 + (size_t)nc * nc, sizeof *p);
+  ck_assert(W && x && q && p);
+  const dls_contact dense = half_plane(W, q, mu, nc, 3, 0.3, 1.2, 0.4);
+  dls_contact blocks = dense;
+  blocks.W = (dls_dense){0};
+  ck_assert_int_eq(dls_blocks_from_dense(&dense.W, 2, p, p + nc + 1, x, &blocks.Wb, NULL), DLS_OK);
+  const dls_info a = solve_auto(&dense, 1e-4, r), b = solve_auto(&blocks, 1e-4, s);
+  ck_assert_int_eq(a.status, DLS_OK);
+  ck_assert_int_eq(b.status, DLS_OK);
+  ck_assert_int_eq(a.stages, b.stages);
+  for (int k = 0; k < a.stages; k++) {
+    ck_assert_int_eq(a.stage[k].method, b.stage[k].method);
+    ck_assert_int_eq(a.stage[k].iterations, b.stage[k].iterations);
+  }
+  free(W);
+  free(x);
+  free(q);
+  free(p);
+}
+END_TEST
+
 int main(void) {
-  return RUN("packings", NULL, NULL, EACH(sweeps_are_enough, 0, 3), ONCE(newton_ends_it));
+  return RUN("packings", NULL, NULL, EACH(sweeps_are_enough, 0, 3), ONCE(newton_ends_it),
+             ONCE(elastic_by_blocks));
 }
