@@ -6,8 +6,8 @@
  *
  *   (OR1)  by q_n / w, |q_t| / w, w, mu, the smaller first: what approaches fastest; then as
  *          numbered
- *   (OR2)  W of elastic bodies: the first of (OR1); then always the candidate j with the largest sum |W_nn(j,
- *          c)| over the c that have their place; of several the first of (OR1)
+ *   (OR2)  W of elastic bodies: the first of (OR1); then always the candidate j with the largest
+ *          sum |W_nn(j, c)| over the c that have their place; of several the first of (OR1)
  *
  * w are the weights of the certificate. Numbers count to 26 bits: other units, other tangents or
  * the two halves of a symmetric body must not be told apart by their rounding.
