@@ -9,10 +9,10 @@
  *                      L_22 U_22 := P_2 ((P_1 A)_22 - L_21 U_12)
  *
  * where each half is halved again down to the sizes below (Toledo, SIAM J. Matrix Anal. Appl. 18,
- * 1997, 1065-1081). Sizes are those at which OpenBLAS stays on the thread that calls: 64^3 products
- * in dgemm, fewer than 96^2 entries in dgemv, fewer than 1024 in the B of dtrsm, fewer than 64 rows
- * in dpotrf, fewer than 100 in dsyrk; dgetf2, dtrsv, dpocon and dgecon wake no thread. Cost: on one thread within a sixth of
- * LAPACK's from 64 rows on, as LAPACK's below.
+ * 1997, 1065-1081). Sizes are those at which OpenBLAS stays on the thread that calls: up to 64^3
+ * products in dgemm, fewer than 96^2 entries in dgemv, fewer than 1024 in the B of dtrsm, fewer
+ * than 64 rows in dpotrf, fewer than 100 in dsyrk; dgetf2 and dtrsv wake no thread. Cost on one
+ * thread: that of LAPACK up to 64 rows, at most a sixth more from 200 rows on.
  */
 #include "linear/pieces.h"
 

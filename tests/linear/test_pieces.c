@@ -28,7 +28,7 @@ typedef struct matrices {
 
 static matrices *of;
 
-static void begin(void) {
+static void pieces_begin(void) {
   of = malloc(sizeof *of);
   ck_assert_ptr_nonnull(of);
   set_seed(5);
@@ -37,7 +37,7 @@ static void begin(void) {
     all[k] = uniform();
 }
 
-static void end(void) {
+static void pieces_end(void) {
   free(of);
 }
 
@@ -255,7 +255,7 @@ START_TEST(small_is_a_thousand_rows) {
 END_TEST
 
 int main(void) {
-  return RUN("pieces", begin, end, EACH(products, 0, size_count * size_count),
+  return RUN("pieces", pieces_begin, pieces_end, EACH(products, 0, size_count * size_count),
              EACH(products_of_one_matrix, 0, size_count),
              EACH(triangles, 0, size_count * size_count), EACH(cholesky, 0, size_count),
              EACH(gauss, 0, size_count), ONCE(threads_sleep), ONCE(small_is_a_thousand_rows));
