@@ -36,7 +36,7 @@
 #include <string.h>
 
 #include "lcp_internal.h"
-#include "linear/blas.h"
+#include "linear/pieces.h"
 
 enum { patience = 4 };                        /* (CR3) */
 static const double most_growth = 1e3;        /* (CR3) */
@@ -147,8 +147,8 @@ static int crash_factor_changes(const dls_lcp *lcp, dlsi_crash *work) {
   double *product = work->change.A + h * h;
   crash_gather(lcp, e, work->differ, K, work->base, work->G);
   if (e > 0)
-    dgemm_("N", "N", &e, &work->columns, &K, &crash_1, work->G, &e, Y, &K, &crash_0, product, &e, 1,
-           1);
+    dlsi_gemm(dlsi_is_small(k * k), 'N', 'N', e, work->columns, K, 1, work->G, e, Y, K, 0, product,
+              e);
   for (size_t l = 0; l < h; l++) {
     const int j = work->differ[l];
     const double *y = Y + (size_t)work->slot[j] * k,
@@ -164,7 +164,7 @@ static int crash_factor_changes(const dls_lcp *lcp, dlsi_crash *work) {
 
 /* z_A += M_AA^-1 b_A */
 static void crash_correct(dlsi_crash *work, const double *b) {
-  const int k = work->factors.n, h = work->change.n, e = work->e, unit = 1;
+  const int k = work->factors.n, h = work->change.n, e = work->e;
   const double *Y = work->factors.A + (size_t)k * (size_t)k;
   double *x = work->x, *v = work->v;
   for (int l = 0; l < k; l++)
@@ -172,7 +172,8 @@ static void crash_correct(dlsi_crash *work, const double *b) {
   dlsi_dense_solve(&work->factors, x, k, 1);
   for (int r = 0; r < h; r++)
     v[r] = r < e ? -b[work->differ[r]] : x[work->place[work->differ[r]]];
-  if (h > 0 && e > 0) dgemv_("N", &e, &k, &crash_1, work->G, &e, x, &unit, &crash_1, v, &unit, 1);
+  if (h > 0 && e > 0 && k > 0)
+    dlsi_gemv(dlsi_is_small((size_t)k * (size_t)k), e, k, 1, work->G, x, 1, v);
   dlsi_dense_solve(&work->change, v, h, 1);
   for (int r = 0; r < h; r++) {
     const double *y = Y + (size_t)work->slot[work->differ[r]] * (size_t)k;

@@ -30,12 +30,13 @@
 #include <string.h>
 
 #include "lcp_internal.h"
-#include "linear/blas.h"
+#include "linear/pieces.h"
 
-enum { part_size = 16 };
-static const int unit = 1, block = dlsi_table_block,
-                 part = part_size; /* BLAS takes them by address */
-static const double zero = 0, one = 1, minus_one = -1;
+enum { part = 16, block = dlsi_table_block };
+
+static int table_alone(const dlsi_table *table) {
+  return dlsi_is_small((size_t)table->n * (size_t)table->n);
+}
 
 void dlsi_table_carve(dlsi_table *table, dlsi_arena *arena, size_t n, size_t ld) {
   const size_t D = sizeof(double), m = n + 1;
@@ -72,7 +73,7 @@ static void table_subtract_pending(const dlsi_table *table, double *a, double *v
     for (int i = k + 1; i < table->pending; i++)
       v[i] -= L[i] * x;
   }
-  dgemv_("N", &n, &table->pending, &minus_one, table->U, &n, v, &unit, &one, a, &unit, 1);
+  dlsi_gemv(table_alone(table), n, table->pending, -1, table->U, v, 1, a);
 }
 
 void dlsi_table_column(const dlsi_table *table, int s, double *c) {
@@ -116,7 +117,7 @@ static void table_exchange_values(int n, double *b, double *g, const double *c, 
 
 /* T := A; nothing is pending afterwards. */
 static void table_flush(dlsi_table *table) {
-  const int n = table->n, m = n + 1, pending = table->pending;
+  const int n = table->n, m = n + 1, pending = table->pending, alone = table_alone(table);
   if (!pending) return;
   for (int j = 0; j < m; j++) {
     double *v = table->W + (size_t)j * dlsi_table_block;
@@ -127,18 +128,18 @@ static void table_flush(dlsi_table *table) {
   for (int p = 0; p < pending; p += part) { /* (TA4) */
     const int k = pending - p < part ? pending - p : part, rest = pending - p - k;
     const double *L = table->L + p * (block + 1);
-    double inverse[part_size * part_size] = {0};
+    double inverse[part * part] = {0};
     for (int i = 0; i < k; i++)
       inverse[i * (part + 1)] = 1;
-    dtrsm_("L", "L", "N", "N", &k, &k, &one, L, &block, inverse, &part, 1, 1, 1, 1);
-    dgemm_("N", "N", &k, &m, &k, &one, inverse, &part, table->W + p, &block, &zero, table->V + p,
-           &block, 1, 1);
+    dlsi_trsm(alone, 'L', 'L', 'N', 'N', k, k, L, block, inverse, part);
+    dlsi_gemm(alone, 'N', 'N', k, m, k, 1, inverse, part, table->W + p, block, 0, table->V + p,
+              block);
     if (rest > 0)
-      dgemm_("N", "N", &rest, &m, &k, &minus_one, L + k, &block, table->V + p, &block, &one,
-             table->W + p + k, &block, 1, 1);
+      dlsi_gemm(alone, 'N', 'N', rest, m, k, -1, L + k, block, table->V + p, block, 1,
+                table->W + p + k, block);
   }
-  dgemm_("N", "N", &n, &m, &pending, &minus_one, table->U, &n, table->V, &block, &one, table->T,
-         &table->ld, 1, 1);
+  dlsi_gemm(alone, 'N', 'N', n, m, pending, -1, table->U, n, table->V, block, 1, table->T,
+            table->ld);
   table->pending = 0;
 }
 

@@ -30,8 +30,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "linear/blas.h"
 #include "linear/dense.h"
+#include "linear/pieces.h"
 #include "reduction_internal.h"
 
 /* ---- parts ----------------------------------------------------------------------------------- */
@@ -379,10 +379,9 @@ dls_status dlsi_factor_solve(const dlsi_factor *factor, int part, double *X, int
   const dense_part of = part_of(factor, part);
   const size_t s = (size_t)of.M.n;
   if (factor->kind == DLS_FLEXIBILITY) {
-    const double one = 1, zero = 0;
     const int n = of.M.n;
     memcpy(work, X, s * (size_t)nrhs * sizeof *work);
-    dgemm_("N", "N", &n, &nrhs, &n, &one, of.M.A, &n, work, &n, &zero, X, &n, 1, 1);
+    dlsi_gemm(dlsi_is_small(s * s), 'N', 'N', n, nrhs, n, 1, of.M.A, n, work, n, 0, X, n);
     return DLS_OK;
   }
   dlsi_scale_rows(of.row, s, X, nrhs);

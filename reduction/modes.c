@@ -22,6 +22,7 @@
 
 #include "linear/blas.h"
 #include "linear/equilibrate.h"
+#include "linear/pieces.h"
 #include "reduction_internal.h"
 
 /* The stiffness of a spring over K_jj. (MO6) takes as many turns with 0.01 and with 1; W loses the
@@ -190,8 +191,9 @@ static dls_status modes_split(const scaled *A, double *V, int count, double *T, 
   while (info == 0 && *found < count && s[count - 1 - *found] <= 50 * DBL_EPSILON * A->norm)
     ++*found;
   if (*found == 0) return DLS_OK;
-  const double one = 1, zero = 0; /* the last rows of Y^T are the null vectors */
-  dgemm_("N", "T", &n, found, &count, &one, V, &n, Y + count - *found, &count, &zero, T, &n, 1, 1);
+  /* the last rows of Y^T are the null vectors */
+  dlsi_gemm(dlsi_is_small((size_t)n * (size_t)count), 'N', 'T', n, *found, count, 1, V, n,
+            Y + count - *found, count, 0, T, n);
   memcpy(V, T, (size_t)n * (size_t)*found * sizeof *V);
   return DLS_OK;
 }

@@ -46,8 +46,8 @@
 #include <string.h>
 
 #include "cone.h"
-#include "linear/blas.h"
 #include "linear/dense.h"
+#include "linear/pieces.h"
 #include "vi_internal.h"
 
 enum {
@@ -93,11 +93,16 @@ typedef struct homotopy {
 
 /* ---- the matrix ------------------------------------------------------------------------------ */
 
+/* y := alpha W x + beta y */
+static void multiply_W(const homotopy *work, int m, double alpha, const double *x, double beta,
+                       double *y) {
+  dlsi_gemv(dlsi_is_small((size_t)m * (size_t)m), m, m, alpha, work->W, x, beta, y);
+}
+
 /* y := M x = W x + G P^2 x */
 static void multiply_matrix(const homotopy *work, int nc, const double *x, double *y) {
-  const int d = work->d, m = d * nc, one = 1;
-  const double unit = 1, zero = 0;
-  dgemv_("N", &m, &m, &unit, work->W, &m, x, &one, &zero, y, &one, 1);
+  const int d = work->d, m = d * nc;
+  multiply_W(work, m, 1, x, 0, y);
   for (int c = 0; c < nc; c++) {
     const double *w = work->w + d * c;
     double v[3], Pv[3];
@@ -192,12 +197,12 @@ static void solve_direction(homotopy *work, int nc, double *dx, double *dz) {
 /* Sets rho, rc to the residuals of (HO1), (HO2) at (x1, z1, t1), which the matrix was factorised
  * for. Returns the larger one over its size, as (HO6) compares it; NaN stays. */
 static double set_residuals(homotopy *work, const dls_contact *problem) {
-  const int d = work->d, m = d * problem->nc, one = 1;
-  const double unit = 1, t = work->t1, product = t * work->tau;
+  const int d = work->d, m = d * problem->nc;
+  const double t = work->t1, product = t * work->tau;
   double *rho = work->rho, *rc = work->rc;
   for (int i = 0; i < m; i++)
     rho[i] = work->q[i] + t * work->p[i] - work->z1[i];
-  dgemv_("N", &m, &m, &unit, work->W, &m, work->x1, &one, &unit, rho, &one, 1);
+  multiply_W(work, m, 1, work->x1, 1, rho);
   for (int c = 0; c < problem->nc; c++) {
     const int o = d * c;
     const double zt = dlsi_tangent_norm(d, work->z1 + o);
@@ -284,8 +289,8 @@ static int scale_problem(homotopy *work, const dls_contact *problem) {
 
 /* Sets the point at t = 1 for start k (HO8), and p by (HO1). */
 static void begin_path(homotopy *work, int nc, int k) {
-  const int d = work->d, m = d * nc, one = 1;
-  const double minus = -1, unit = 1, *start = starts[k % start_count];
+  const int d = work->d, m = d * nc;
+  const double *start = starts[k % start_count];
   for (int i = 0; i < m; i++) {
     const double golden = 0.6180339887498949 * (i / d + 1) + 0.7548776662466927 * (k / start_count);
     const double f = k < start_count ? 1 : exp2(6 * (golden - floor(golden)) - 3);
@@ -293,7 +298,7 @@ static void begin_path(homotopy *work, int nc, int k) {
     work->z[i] = i % d ? 0 : start[1] / f;
     work->p[i] = work->z[i] - work->q[i];
   }
-  dgemv_("N", &m, &m, &minus, work->W, &m, work->x, &one, &unit, work->p, &one, 1);
+  multiply_W(work, m, -1, work->x, 1, work->p);
   work->tau = start[0] * start[1];
   work->t = 1;
 }

@@ -97,6 +97,7 @@ void dlsi_contact_multiply(const dls_contact *problem, const int *order, const d
     dlsi_bodies_multiply(problem, order, problem->q, r, u, a);
     return;
   }
+  if (m == 0) return; /* q may be NULL */
   memcpy(u, problem->q, m * sizeof *u);
   if (a) memset(a, 0, m * sizeof *a);
   if (!problem->Wb.x) {

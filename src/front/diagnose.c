@@ -69,6 +69,7 @@
 #include "delassus/solve.h"
 #include "linear/blas.h"
 #include "linear/dense.h"
+#include "linear/pieces.h"
 
 static void flaw_count(dls_flaw *flaw, int index) {
   if (flaw->count++ == 0) flaw->first = index;
@@ -323,8 +324,8 @@ static void look_at_eigenvalues(int m, const double *value, dls_diagnosis *g) {
 /* Finds |X|_2, X being rows x cols, from X X^T. Returns 0 if LAPACK did not converge. */
 static int spectral_norm(int rows, int cols, const double *X, double *XXt, double *H, double *value,
                          double *work, double *norm) {
-  const double one = 1, zero = 0;
-  dgemm_("N", "T", &rows, &rows, &cols, &one, X, &rows, X, &rows, &zero, XXt, &rows, 1, 1);
+  const size_t entries = (size_t)rows * (size_t)(rows + cols);
+  dlsi_gemm(dlsi_is_small(entries), 'N', 'T', rows, rows, cols, 1, X, rows, X, rows, 0, XXt, rows);
   const int ok = eigenvalues(rows, XXt, rows, H, value, work);
   *norm = ok && value[rows - 1] > 0 ? sqrt(value[rows - 1]) : 0;
   return ok;
@@ -338,7 +339,6 @@ static double unique_below(int nn, int nt, double *A, double *H, double *V, int 
     return eigenvalues(nn, A, nn, H, value, work) && value[0] > 0 ? INFINITY : 0;
   const int m = nn + nt;
   const size_t N = (size_t)nn, L = (size_t)nt, M = (size_t)m;
-  const double one = 1, zero = 0, minus = -1;
   double *Wnn = A, *Wtn = A + N, *Wnt = A + N * M, *Wtt = Wnt + N;
   double *T = V, *P = T + L * L, *Q = P + N * L;
 
@@ -350,9 +350,10 @@ static double unique_below(int nn, int nt, double *A, double *H, double *V, int 
   dlsi_dense factors = {.n = nt, .A = H, .pivot = pivot};
   if (dlsi_dense_lu(&factors)) return 0;
   dlsi_dense_solve(&factors, T, nt, nt); /* (DG3) */
-  dgemm_("N", "N", &nn, &nt, &nt, &one, Wnt, &m, T, &nt, &zero, P, &nn, 1, 1);
-  dgemm_("N", "N", &nt, &nn, &nt, &one, T, &nt, Wtn, &m, &zero, Q, &nt, 1, 1);
-  dgemm_("N", "N", &nn, &nn, &nt, &minus, P, &nn, Wtn, &m, &one, Wnn, &m, 1, 1); /* S */
+  const int alone = dlsi_is_small(M * M);
+  dlsi_gemm(alone, 'N', 'N', nn, nt, nt, 1, Wnt, m, T, nt, 0, P, nn);
+  dlsi_gemm(alone, 'N', 'N', nt, nn, nt, 1, T, nt, Wtn, m, 0, Q, nt);
+  dlsi_gemm(alone, 'N', 'N', nn, nn, nt, -1, P, nn, Wtn, m, 1, Wnn, m); /* S */
 
   double g, h;
   if (!eigenvalues(nn, Wnn, m, H, value, work)) return 0;

@@ -23,9 +23,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "linear/blas.h"
-
-static const double one = 1, minus_one = -1, zero = 0;
+#include "linear/pieces.h"
 
 /* A panel as BLAS takes it. */
 typedef struct panel {
@@ -43,6 +41,11 @@ static panel panel_of(const dlsi_cholesky *work, int s) {
              .L = work->L + work->panel[s]};
   p.height = p.columns + p.rows;
   return p;
+}
+
+/* Returns 1 if the factor is small: its panels then stay on this thread. */
+static int cholesky_alone(const dlsi_cholesky *work) {
+  return dlsi_is_small(work->panel[work->count]);
 }
 
 /* ---- factor ---------------------------------------------------------------------------------- */
@@ -64,11 +67,11 @@ static void cholesky_update(dlsi_cholesky *work, int d, const panel *to, double 
   while (width < height && row[width] < to->first + to->columns)
     width++;
   const double *top = of.L + (of.height - height);
-  const int below = height - width;
-  dsyrk_("L", "N", &width, &of.columns, &one, top, &of.height, &zero, U, &height, 1, 1);
+  const int below = height - width, alone = cholesky_alone(work);
+  dlsi_syrk(alone, width, of.columns, 1, top, of.height, 0, U, height);
   if (below > 0)
-    dgemm_("N", "T", &below, &width, &of.columns, &one, top + width, &of.height, top, &of.height,
-           &zero, U + width, &height, 1, 1);
+    dlsi_gemm(alone, 'N', 'T', below, width, of.columns, 1, top + width, of.height, top, of.height,
+              0, U + width, height);
   for (int j = 0; j < width; j++, U += height) {
     double *column = to->L + (size_t)(row[j] - to->first) * (size_t)to->height;
     for (int i = j; i < height; i++)
@@ -85,12 +88,11 @@ static void cholesky_scatter(dlsi_cholesky *work, const double *x) {
 }
 
 /* (CH10) Returns 0, or k > 0 for column k. */
-static int cholesky_eliminate(const panel *p) {
-  int info;
-  dpotrf_("L", &p->columns, p->L, &p->height, &info, 1);
-  if (info == 0 && p->rows > 0)
-    dtrsm_("R", "L", "T", "N", &p->rows, &p->columns, &one, p->L, &p->height, p->L + p->columns,
-           &p->height, 1, 1, 1, 1);
+static int cholesky_eliminate(int alone, const panel *p) {
+  const int info = dlsi_potrf(alone, p->columns, p->L, p->height);
+  if (info == 0)
+    dlsi_trsm(alone, 'R', 'L', 'T', 'N', p->rows, p->columns, p->L, p->height, p->L + p->columns,
+              p->height);
   return info;
 }
 
@@ -113,7 +115,7 @@ int dlsi_cholesky_factor(dlsi_cholesky *work, const double *x, double *pivot) {
       cholesky_update(work, d, &p, U);
       cholesky_enlist(work, d);
     }
-    const int info = cholesky_eliminate(&p);
+    const int info = cholesky_eliminate(cholesky_alone(work), &p);
     if (info) {
       failed = p.first + info;
       *pivot = p.L[(size_t)(info - 1) * ((size_t)p.height + 1)];
@@ -244,15 +246,15 @@ static void cholesky_backward(const dlsi_cholesky *work, int count, double *y) {
 
 /* (CH11), (CH12) for several right-hand sides. Y: n x nrhs, by positions; x: longest x nrhs. */
 static void cholesky_solve_many(const dlsi_cholesky *work, double *Y, int nrhs, double *x) {
-  const int n = work->n;
+  const int n = work->n, alone = cholesky_alone(work);
   const size_t N = (size_t)n;
   for (int s = 0; s < work->count; s++) {
     const panel p = panel_of(work, s);
     double *y = Y + p.first;
-    dtrsm_("L", "L", "N", "N", &p.columns, &nrhs, &one, p.L, &p.height, y, &n, 1, 1, 1, 1);
+    dlsi_trsm(alone, 'L', 'L', 'N', 'N', p.columns, nrhs, p.L, p.height, y, n);
     if (p.rows == 0) continue;
-    dgemm_("N", "N", &p.rows, &nrhs, &p.columns, &one, p.L + p.columns, &p.height, y, &n, &zero, x,
-           &p.rows, 1, 1);
+    dlsi_gemm(alone, 'N', 'N', p.rows, nrhs, p.columns, 1, p.L + p.columns, p.height, y, n, 0, x,
+              p.rows);
     for (size_t j = 0; j < (size_t)nrhs; j++)
       for (size_t k = 0; k < (size_t)p.rows; k++)
         Y[(size_t)p.row[k] + j * N] -= x[k + j * (size_t)p.rows];
@@ -264,9 +266,9 @@ static void cholesky_solve_many(const dlsi_cholesky *work, double *Y, int nrhs, 
       for (size_t k = 0; k < (size_t)p.rows; k++)
         x[k + j * (size_t)p.rows] = Y[(size_t)p.row[k] + j * N];
     if (p.rows > 0)
-      dgemm_("T", "N", &p.columns, &nrhs, &p.rows, &minus_one, p.L + p.columns, &p.height, x,
-             &p.rows, &one, y, &n, 1, 1);
-    dtrsm_("L", "L", "T", "N", &p.columns, &nrhs, &one, p.L, &p.height, y, &n, 1, 1, 1, 1);
+      dlsi_gemm(alone, 'T', 'N', p.columns, nrhs, p.rows, -1, p.L + p.columns, p.height, x, p.rows,
+                1, y, n);
+    dlsi_trsm(alone, 'L', 'L', 'T', 'N', p.columns, nrhs, p.L, p.height, y, n);
   }
 }
 

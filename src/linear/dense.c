@@ -5,6 +5,11 @@
 #include <string.h>
 
 #include "linear/blas.h"
+#include "linear/pieces.h"
+
+static int dense_alone(const dlsi_dense *f) {
+  return dlsi_is_small((size_t)f->n * (size_t)f->n);
+}
 
 /* Compares in tiles: both triangles then stay in the cache. */
 int dlsi_is_symmetric(const double *A, size_t n) {
@@ -46,17 +51,13 @@ void dlsi_scale_rows(const double *diagonal, size_t n, double *X, int nrhs) {
 }
 
 int dlsi_dense_cholesky(dlsi_dense *f) {
-  int info;
   f->cholesky = 1;
-  dpotrf_("L", &f->n, f->A, &f->n, &info, 1);
-  return info;
+  return dlsi_potrf(dense_alone(f), f->n, f->A, f->n);
 }
 
 int dlsi_dense_lu(dlsi_dense *f) {
-  int info;
   f->cholesky = 0;
-  dgetrf_(&f->n, &f->n, f->A, &f->n, f->pivot, &info);
-  return info;
+  return dlsi_getrf(dense_alone(f), f->n, f->A, f->n, f->pivot);
 }
 
 /* Halves A where the exponent of its largest |diagonal entry| is odd, so that the square roots of
@@ -89,17 +90,17 @@ int dlsi_dense_factor(dlsi_dense *f, double *diagonal) {
 }
 
 void dlsi_dense_solve(const dlsi_dense *f, double *X, int ld, int nrhs) {
-  const int n = f->n, one = 1;
-  int info;
+  const int n = f->n, one = 1, alone = dense_alone(f);
   if (!n || !nrhs) return;
   for (int j = 0; f->halved && j < nrhs; j++)
     for (int i = 0; i < n; i++)
       X[(size_t)i + (size_t)j * (size_t)ld] *= 0.5;
   if (!f->cholesky)
-    dgetrs_("N", &n, &nrhs, f->A, &n, f->pivot, X, &ld, &info, 1);
-  else if (nrhs > 1)
-    dpotrs_("L", &n, &nrhs, f->A, &n, X, &ld, &info, 1);
-  else { /* dpotrs, made for many columns, takes three times as long for one in OpenBLAS */
+    dlsi_getrs(alone, n, nrhs, f->A, n, f->pivot, X, ld);
+  else if (nrhs > 1) {
+    dlsi_trsm(alone, 'L', 'L', 'N', 'N', n, nrhs, f->A, n, X, ld);
+    dlsi_trsm(alone, 'L', 'L', 'T', 'N', n, nrhs, f->A, n, X, ld);
+  } else { /* dpotrs, made for many columns, takes three times as long for one in OpenBLAS */
     dtrsv_("L", "N", "N", &n, f->A, &n, X, &one, 1, 1, 1);
     dtrsv_("L", "T", "N", &n, f->A, &n, X, &one, 1, 1, 1);
   }
