@@ -21,7 +21,8 @@
  *   (NE2)  these rows and columns of W + eps diag(w), and l on the rows of b: one factorisation,
  *          one solve. While the states stay, and in 3D nobody slides, the matrix does, and its
  *          factors are kept. Dense: Cholesky's where the matrix is symmetric (all stick, or mu = 0,
- *          and W is), else LU.
+ *          and W is), else LU; and where few candidates have changed, the factors still serve
+ *          (border.c).
  *   (NE3)  r := r0 + dr
  *
  * k and mu a are the row of AC along t, linearised; the row of b is the one along p divided by R /
@@ -40,9 +41,9 @@
  *          is below the largest of its last five values (Grippo, Lampariello and Lucidi, SIAM J.
  *          Numer. Anal. 23, 1986, 707-716). u is affine in r, so that a trial costs O(m).
  *
- *   (NE5)  A run of the same size may begin with the factors of the one before, and keeps them
- *          while the states are those they were made for. W may have changed: where a step with
- *          them does not bring the residual down tenfold, they are made anew.
+ *   (NE5)  A run of the same size may begin with the factors of the one before. W may have changed:
+ *          where a step with them leaves more than a tenth of the right side of (NE2), they are made
+ *          anew.
  *
  * Stop: the certificate holds (its F is de Saxce's; both vanish together), the limit of steps, or
  * 12 steps that did not halve the residual. Uphill steps are taken, too; the best r met is kept.
@@ -61,6 +62,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "border.h"
 #include "linear/dense.h"
 #include "linear/sparse_lu.h"
 #include "vi_internal.h"
@@ -73,14 +75,6 @@ static const double most_eps = 1e-2;    /* bounds what a lack of progress leads 
 static const double stale = 0.1;        /* (NE5) */
 static const double least_beta = 1e-10; /* R / |tau|: l stays finite where R vanishes */
 
-/* (NE1) of a candidate. */
-typedef struct newton_branch {
-  dls_contact_state state;
-  int first, count; /* its unknowns */
-  double t[2], p[2];
-  double l;
-} newton_branch;
-
 typedef enum newton_factors { NONE, DENSE, SPARSE } newton_factors;
 
 struct dls_newton {
@@ -89,14 +83,16 @@ struct dls_newton {
   int stage;              /* of auto: from r as given */
   dls_nlgs *nlgs;         /* NULL without sweeps */
   dlsi_iterate it;        /* its u is that of r */
-  newton_branch *branch;  /* nc */
+  dlsi_branch *branch;    /* nc */
   double *r;              /* iterate: m */
   double *next, *unext;   /* r0, then r0 + dr, and their u: m */
   double *x;              /* right side and solution of (NE2): m */
+  double right;           /* its size, before the solution */
   int *pivot;             /* m */
   int *p;                 /* sparse: starts of columns; W dense: the row of W for each row: m + 1 */
   int sparse;             /* 1: this run factorises sparse beyond dense_limit */
-  newton_factors factors; /* of (NE2) as it stands */
+  newton_factors factors; /* of (NE2) for the base states of the border */
+  dlsi_border border;
   int keeps, kept_nc; /* (NE5): keeps: 1 if the next run may; kept_nc: candidates of the factors */
   dlsi_dense dense;
   dlsi_room *room; /* of the matrix: `own`, or that of the caller */
@@ -197,32 +193,11 @@ void dls_newton_destroy(dls_newton *workspace) {
 
 /* ---- the matrix of a step -------------------------------------------------------------------- */
 
-/* e (3) := the direction of unknown j of a candidate in its r. */
-static void newton_direction(const newton_branch *b, double mu, int j, double *e) {
-  e[0] = e[1] = e[2] = 0;
-  if (b->state == DLS_STICK)
-    e[j] = 1;
-  else if (j == 0) {
-    e[0] = 1;
-    e[1] = mu * b->t[0];
-    e[2] = mu * b->t[1];
-  } else {
-    e[1] = b->p[0];
-    e[2] = b->p[1];
-  }
-}
-
-/* Returns row i of a candidate times v (3). */
-static double newton_row(const newton_branch *b, int i, const double *v) {
-  if (b->state == DLS_STICK) return i == 0 ? v[0] : i == 1 ? v[1] : v[2];
-  return i == 0 ? v[0] : b->p[0] * v[1] + b->p[1] * v[2];
-}
-
 /* Returns what (NE2) adds to the diagonal entry for unknown j of candidate c: eps w_c, the spring
  * E_c and, on b, l. A candidate's test rows times its directions give the unit matrix, but for the
  * tangential part of a, which the row of b, along p, does not see: no other entry is needed. */
 static double newton_diagonal(const dls_newton *work, int c, int j, double eps) {
-  const newton_branch *b = &work->branch[c];
+  const dlsi_branch *b = &work->branch[c];
   return eps * work->it.w[c] + (work->it.E ? work->it.E[c] : 0) +
          (b->state == DLS_SLIP && j == 1 ? b->l : 0);
 }
@@ -238,11 +213,11 @@ static void newton_multiply_block(int d, const double *x, size_t ld, const doubl
 /* Returns W(:,b) times the direction of unknown j of candidate b, m; W dense. it.a: scratch. */
 static const double *newton_column(dls_newton *work, const dls_contact *problem, int b, int j) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  const newton_branch *at = &work->branch[b];
+  const dlsi_branch *at = &work->branch[b];
   double e[3];
   if (at->state == DLS_STICK || problem->d == 1)
     return problem->W.a + (d * (size_t)b + (size_t)j) * (size_t)problem->W.ld;
-  newton_direction(at, problem->mu[b], j, e);
+  dlsi_branch_direction(at, j, e);
   memset(work->it.a, 0, m * sizeof *work->it.a);
   dlsi_contact_add_panel(problem, 1, &b, e, work->it.a);
   return work->it.a;
@@ -263,9 +238,9 @@ static void newton_build_from_dense(dls_newton *work, const dls_contact *problem
       for (int i = 0; i < k; i++)
         J[i] = v[work->p[i]];
       for (int c = 0; d == 3 && c < problem->nc; c++) {
-        const newton_branch *at = &work->branch[c];
+        const dlsi_branch *at = &work->branch[c];
         if (at->state == DLS_SLIP && at->count == 2)
-          J[at->first + 1] = newton_row(at, 1, v + 3 * c);
+          J[at->first + 1] = dlsi_branch_row(at, 1, v + 3 * c);
       }
       J[col] += newton_diagonal(work, b, j, eps);
     }
@@ -286,7 +261,7 @@ static void newton_build_from_blocks(dls_newton *work, const dls_contact *proble
       const int col = work->branch[b].first + j;
       const double diagonal = newton_diagonal(work, b, j, eps);
       double e[3], v[3], *J = room->J + n * (size_t)col;
-      newton_direction(&work->branch[b], problem->mu[b], j, e);
+      dlsi_branch_direction(&work->branch[b], j, e);
       work->p[col] = entries;
       if (sparse) {
         room->i[entries] = col;
@@ -294,15 +269,15 @@ static void newton_build_from_blocks(dls_newton *work, const dls_contact *proble
       } else
         J[col] = diagonal;
       for (size_t s = W.begin; s < W.end; s++) {
-        const newton_branch *at = &work->branch[dlsi_row(&W, s)];
+        const dlsi_branch *at = &work->branch[dlsi_row(&W, s)];
         if (!at->count) continue;
         newton_multiply_block(problem->d, W.x + s * W.step, W.ld, e, v);
         for (int i = 0; i < at->count; i++)
           if (sparse) {
             room->i[entries] = at->first + i;
-            room->v[entries++] = newton_row(at, i, v);
+            room->v[entries++] = dlsi_branch_row(at, i, v);
           } else
-            J[at->first + i] += newton_row(at, i, v);
+            J[at->first + i] += dlsi_branch_row(at, i, v);
       }
     }
   }
@@ -316,6 +291,9 @@ static dls_status newton_factor(dls_newton *work, const dls_contact *problem, do
   work->factors = work->sparse && k > dense_limit ? SPARSE : DENSE;
   room->owner = work;
   (problem->Wb.x ? newton_build_from_blocks : newton_build_from_dense)(work, problem, eps, k);
+  const size_t used = problem->W.a ? (size_t)k * (size_t)k : 0;
+  dlsi_border_begin(&work->border, problem->d, problem->nc, work->branch, k, room->J + used,
+                    problem->W.a ? room->side * room->side - used : 0);
   if (work->factors == SPARSE) {
     const dls_sparse A = {k, k, work->p, room->i, room->v};
     return dlsi_sparse_lu_factor(room->lu, &A, error);
@@ -328,8 +306,14 @@ static dls_status newton_factor(dls_newton *work, const dls_contact *problem, do
  * DLS_E_MEMORY. */
 static dls_status newton_solve_matrix(dls_newton *work, const dls_contact *problem, double eps,
                                       int k, int *done, dls_error *error) {
+  dlsi_border *border = &work->border;
   if (k == 0) return DLS_OK;
-  if (!work->factors) {
+  if (work->factors && !dlsi_border_add(border, problem, &work->dense, work->branch))
+    work->factors = NONE;
+  if (work->factors == DENSE &&
+      dlsi_border_solve(border, &work->dense, work->branch, work->it.w, work->it.E, eps, work->x))
+    return DLS_OK;
+  if (work->factors != SPARSE) {
     const dls_status status = newton_factor(work, problem, eps, k, error);
     ++*done;
     if (status) work->factors = NONE;
@@ -344,8 +328,8 @@ static dls_status newton_solve_matrix(dls_newton *work, const dls_contact *probl
  * ------------------------------------------------------------------------------------ */
 
 /* Returns (NE1) for one candidate; r := r0. */
-static newton_branch newton_branch_of(int d, double mu, double w, const double *u, double *r) {
-  newton_branch b = {.state = DLS_FREE};
+static dlsi_branch newton_branch_of(int d, double mu, double w, const double *u, double *r) {
+  dlsi_branch b = {.state = DLS_FREE, .mu = mu};
   const double x = w * r[0] - u[0];
   if (!(x > 0)) {
     memset(r, 0, (size_t)d * sizeof *r);
@@ -355,7 +339,7 @@ static newton_branch newton_branch_of(int d, double mu, double w, const double *
   const double size = hypot(tau[0], tau[1]);
   if (mu > 0 && size <= R) {
     b.state = DLS_STICK;
-    b.count = d;
+    b.count = (short)d;
     return b;
   }
   b.state = DLS_SLIP;
@@ -365,11 +349,9 @@ static newton_branch newton_branch_of(int d, double mu, double w, const double *
     return b;
   }
   const double beta = R > least_beta * size ? R / size : least_beta;
-  b.count = d - 1;
+  b.count = (short)(d - 1);
   b.t[0] = tau[0] / size;
   b.t[1] = tau[1] / size;
-  b.p[0] = -b.t[1];
-  b.p[1] = b.t[0];
   b.l = w * ((1 - beta) / beta);
   const double along = b.t[0] * r[1] + (d == 3 ? b.t[1] * r[2] : 0);
   const double k = (mu * u[0] + R) / w - along;
@@ -378,10 +360,10 @@ static newton_branch newton_branch_of(int d, double mu, double w, const double *
   return b;
 }
 
-/* Returns 1 if a and b of one candidate lead to the same rows and columns of (NE2). */
-static int newton_is_same(int d, const newton_branch *a, const newton_branch *b) {
-  return a->state == b->state && a->t[0] == b->t[0] && a->t[1] == b->t[1] &&
-         (d == 2 || a->l == b->l);
+/* Returns the right side of (NE2) in row i of a candidate with u0 = u and r0 = r. */
+static double newton_right(const dlsi_branch *b, int i, const double *u, const double *r) {
+  const double l = b->state == DLS_SLIP && i == 1 ? b->l : 0;
+  return -dlsi_branch_row(b, i, u) - (l > 0 ? l * dlsi_branch_row(b, 1, r) : 0);
 }
 
 /* (NE1) for all candidates: next := r0, x := right side. Returns how many unknowns there are. */
@@ -392,36 +374,54 @@ static int newton_linearise(dls_newton *work, const dls_contact *problem) {
   memcpy(work->next, work->r, m * sizeof *work->r);
   for (int c = 0; c < problem->nc; c++) {
     const size_t o = (size_t)d * (size_t)c;
-    newton_branch *b = &work->branch[c];
-    const newton_branch before = *b;
+    dlsi_branch *b = &work->branch[c];
+    const dlsi_branch before = *b;
     *b = newton_branch_of(d, problem->mu[c], work->it.w[c], work->it.u + o, work->next + o);
-    if (work->factors && !newton_is_same(d, b, &before)) work->factors = NONE;
+    if (!work->border.most && work->factors && !dlsi_branch_is_same(b, &before))
+      work->factors = NONE;
     b->first = k;
     k += b->count;
   }
   dlsi_multiply(problem, NULL, work->it.E, work->next, work->unext, NULL);
   for (int c = 0; c < problem->nc; c++) {
     const size_t o = (size_t)d * (size_t)c;
-    const newton_branch *b = &work->branch[c];
+    const dlsi_branch *b = &work->branch[c];
     double v[3] = {0}, s[3] = {0};
     memcpy(v, work->unext + o, (size_t)d * sizeof *v);
     memcpy(s, work->next + o, (size_t)d * sizeof *s);
     for (int i = 0; i < b->count; i++)
-      work->x[b->first + i] =
-          -newton_row(b, i, v) - (b->state == DLS_SLIP && i == 1 ? b->l * newton_row(b, i, s) : 0);
+      work->x[b->first + i] = newton_right(b, i, v, s);
   }
+  work->right = dlsi_norm2(work->x, (size_t)k);
   return k;
+}
+
+/* Returns how much of the right side of (NE2) the step to r has left; u: that of r. */
+static double newton_left(const dls_newton *work, const dls_contact *problem) {
+  const size_t d = (size_t)problem->d;
+  double sum = 0;
+  for (int c = 0; c < problem->nc; c++) {
+    const dlsi_branch *b = &work->branch[c];
+    double v[3] = {0}, s[3] = {0};
+    memcpy(v, work->it.u + d * (size_t)c, d * sizeof *v);
+    memcpy(s, work->r + d * (size_t)c, d * sizeof *s);
+    for (int i = 0; i < b->count; i++) {
+      const double row = newton_right(b, i, v, s);
+      sum += row * row;
+    }
+  }
+  return sqrt(sum);
 }
 
 /* (NE3) next := r0 + dr. */
 static void newton_add_step(dls_newton *work, const dls_contact *problem) {
   const int d = problem->d;
   for (int c = 0; c < problem->nc; c++) {
-    const newton_branch *b = &work->branch[c];
+    const dlsi_branch *b = &work->branch[c];
     double *r = work->next + (size_t)d * (size_t)c, e[3];
     for (int j = 0; j < b->count; j++) {
       const double x = work->x[b->first + j];
-      newton_direction(b, problem->mu[c], j, e);
+      dlsi_branch_direction(b, j, e);
       r[0] += x * e[0];
       if (d > 1) r[1] += x * e[1];
       if (d == 3) r[2] += x * e[2];
@@ -498,7 +498,6 @@ static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, d
   const int most = dlsi_most_iterations(&settings->limits, most_steps);
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   double eps = settings->regularization, halved = work->it.certificate.residual, last[memory] = {0};
-  double before = work->it.certificate.residual;
   int kept = newton_keeps(work, problem);
   if (!kept) work->factors = NONE;
   work->kept_nc = work->it.E ? 0 : problem->nc;
@@ -518,11 +517,10 @@ static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, d
       halved = now.residual;
       since = k;
     }
-    if (kept && !(now.residual <= stale * before)) { /* (NE5) */
+    if (kept && !(newton_left(work, problem) <= stale * work->right)) { /* (NE5) */
       work->factors = NONE;
       kept = 0;
     }
-    before = now.residual;
     if (k > since && (k - since) % impatience == 0 && eps < most_eps) {
       eps *= 10;
       work->factors = NONE;

@@ -1,0 +1,192 @@
+/* test_border.c: a Newton step by the factors of other states, beside the matrix of these states. */
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cases.h"
+#include "run.h"
+#include "vi/border.h"
+
+enum { nc = 18, most_rows = 3 * nc };
+
+static double W[most_rows * most_rows], q[most_rows], w[nc], E[nc], mu[nc];
+static dls_contact p;
+static int d, m;
+
+/* W diagonally dominant, not symmetric, so that every matrix of a step is regular. */
+static void border_problem(int dimension) {
+  d = dimension;
+  m = d * nc;
+  for (int k = 0; k < m * m; k++)
+    W[k] = uniform() / m;
+  for (int k = 0; k < m; k++)
+    W[k + k * m] += 3;
+  for (int c = 0; c < nc; c++) {
+    w[c] = 2 + uniform();
+    E[c] = 1 + uniform();
+    mu[c] = d > 1 && c % 5 ? .3 : 0;
+  }
+  p = (dls_contact){.d = d, .nc = nc, .W = {m, m, m, W}, .q = q, .mu = mu};
+}
+
+/* A state by chance; its place among the unknowns is set by border_number. */
+static dlsi_branch border_state(int c) {
+  dlsi_branch b = {.state = DLS_FREE, .mu = mu[c]};
+  const double chance = (uniform() + 1) / 2, angle = 3 * uniform();
+  if (chance < .3) return b;
+  if (mu[c] > 0 && chance < .6) {
+    b.state = DLS_STICK;
+    b.count = (short)d;
+    return b;
+  }
+  b.state = DLS_SLIP;
+  b.count = (short)(mu[c] > 0 && d > 1 ? d - 1 : 1);
+  if (!(mu[c] > 0)) return b;
+  b.t[0] = d == 3 ? cos(angle) : angle > 0 ? 1 : -1;
+  b.t[1] = d == 3 ? sin(angle) : 0;
+  b.l = d == 3 ? 1 + uniform() : 0;
+  return b;
+}
+
+static int border_number(dlsi_branch *b) {
+  int n = 0;
+  for (int c = 0; c < nc; c++) {
+    b[c].first = n;
+    n += b[c].count;
+  }
+  return n;
+}
+
+/* M (n x n) := (NE2). */
+static void border_matrix(const dlsi_branch *b, const double *springs, double eps, int n,
+                          double *M) {
+  for (int c = 0; c < nc; c++)
+    for (int j = 0; j < b[c].count; j++)
+      for (int a = 0; a < nc; a++)
+        for (int i = 0; i < b[a].count; i++) {
+          double e[3], v[3] = {0}, *at = M + b[a].first + i + (size_t)(b[c].first + j) * (size_t)n;
+          dlsi_branch_direction(&b[c], j, e);
+          for (int k = 0; k < d; k++)
+            for (int l = 0; l < d; l++)
+              v[k] += W[d * a + k + (d * c + l) * m] * e[l];
+          *at = dlsi_branch_row(&b[a], i, v);
+          if (a == c && i == j)
+            *at += eps * w[c] + (springs ? springs[c] : 0) +
+                   (b[c].state == DLS_SLIP && j == 1 ? b[c].l : 0);
+        }
+}
+
+/* The largest component of M x - right. */
+static double border_error(const double *M, int n, const double *x, const double *right) {
+  double largest = 0;
+  for (int i = 0; i < n; i++) {
+    double sum = -right[i];
+    for (int j = 0; j < n; j++)
+      sum += M[i + j * n] * x[j];
+    largest = fmax(largest, fabs(sum));
+  }
+  return largest;
+}
+
+/* Changes two candidates at a time, some of them more than once, until there is no room. */
+START_TEST(solves_for_other_states) {
+  static double room[2 * most_rows * most_rows], M[most_rows * most_rows];
+  static int pivot[most_rows];
+  dlsi_branch base[nc], now[nc];
+  double scratch[most_rows], x[most_rows], right[most_rows];
+  const double eps = 1e-3, *springs = _i / 3 % 2 ? E : NULL;
+  set_seed(521288629 + (uint64_t)_i);
+  border_problem(_i % 3 + 1);
+  for (int c = 0; c < nc; c++)
+    base[c] = now[c] = border_state(c);
+  const int n = border_number(base);
+  border_matrix(base, springs, eps, n, room);
+  dlsi_dense factors = {.n = n, .A = room, .pivot = pivot};
+  ck_assert_int_eq(dlsi_dense_factor(&factors, scratch), 0);
+  dlsi_border border;
+  const size_t used = (size_t)(n * n), all = sizeof room / sizeof *room;
+  dlsi_border_begin(&border, d, nc, base, n, room + used, all - used);
+  ck_assert_int_ge(border.most, d);
+  ck_assert_int_le(border.most, n / 6);
+  int turns = 0, k;
+  for (;; turns++) {
+    k = border_number(now);
+    const int before = border.k;
+    if (!dlsi_border_add(&border, &p, &factors, now)) {
+      ck_assert_int_eq(border.k, before);
+      break;
+    }
+    border_matrix(now, springs, eps, k, M);
+    for (int i = 0; i < k; i++)
+      right[i] = x[i] = uniform();
+    ck_assert(dlsi_border_solve(&border, &factors, now, w, springs, eps, x));
+    ck_assert_msg(border_error(M, k, x, right) <= 1e-12, "turn %d: %g", turns,
+                  border_error(M, k, x, right));
+    ck_assert(turns < 200);
+    now[(7 * turns + 3) % nc] = border_state((7 * turns + 3) % nc);
+    if (border.k) now[border.changed[0]] = border_state(border.changed[0]);
+  }
+  ck_assert_int_ge(turns, 2);
+}
+END_TEST
+
+/* Two candidates with the same rows of W, both in contact at last: singular, and x stays. */
+START_TEST(singular_states) {
+  static double room[2 * most_rows * most_rows];
+  static int pivot[most_rows];
+  dlsi_branch b[nc];
+  double scratch[most_rows], x[most_rows], before[most_rows];
+  set_seed(521288629);
+  border_problem(1);
+  for (int c = 0; c < nc; c++)
+    b[c] = (dlsi_branch){.state = c ? DLS_SLIP : DLS_FREE, .count = c > 0};
+  for (int k = 0; k < m; k++)
+    W[k * m] = W[1 + k * m];
+  for (int k = 0; k < m; k++)
+    W[k] = W[k + m];
+  const int n = border_number(b);
+  border_matrix(b, NULL, 0, n, room);
+  dlsi_dense factors = {.n = n, .A = room, .pivot = pivot};
+  ck_assert_int_eq(dlsi_dense_factor(&factors, scratch), 0);
+  dlsi_border border;
+  dlsi_border_begin(&border, d, nc, b, n, room + n * n,
+                    sizeof room / sizeof *room - (size_t)(n * n));
+  b[0] = (dlsi_branch){.state = DLS_SLIP, .count = 1};
+  (void)border_number(b);
+  for (int k = 0; k < m; k++)
+    x[k] = before[k] = uniform();
+  ck_assert_int_eq(dlsi_border_add(&border, &p, &factors, b), 1);
+  ck_assert_int_eq(border.k, 1);
+  const int solved = dlsi_border_solve(&border, &factors, b, w, NULL, 0, x);
+  if (!solved)
+    ck_assert_mem_eq(x, before, (size_t)m * sizeof *x);
+  else /* rounding has left a pivot */
+    ck_assert(fabs(x[0]) > 1e10);
+}
+END_TEST
+
+/* No room: nothing fits, and the factors serve as they are. */
+START_TEST(without_room) {
+  double A[4] = {4, 0, 0, 4}, x[2] = {2, 2};
+  int pivot[2];
+  const dlsi_branch b[2] = {{.state = DLS_SLIP, .count = 1},
+                            {.state = DLS_SLIP, .count = 1, .first = 1}};
+  const double four[4] = {4, 0, 0, 4}, zero[2] = {0}, one[2] = {1, 1};
+  const dls_contact problem = {.d = 1, .nc = 2, .W = {2, 2, 2, four}, .q = zero, .mu = zero};
+  dlsi_dense factors = {.n = 2, .A = A, .pivot = pivot};
+  double scratch[2];
+  ck_assert_int_eq(dlsi_dense_factor(&factors, scratch), 0);
+  dlsi_border border;
+  dlsi_border_begin(&border, 1, 2, b, 2, NULL, 0);
+  ck_assert_int_eq(border.most, 0);
+  ck_assert_int_eq(dlsi_border_add(&border, &problem, &factors, b), 1);
+  ck_assert_int_eq(dlsi_border_solve(&border, &factors, b, one, NULL, 0, x), 1);
+  ck_assert(x[0] == .5 && x[1] == .5);
+}
+END_TEST
+
+int main(void) {
+  return RUN("border", NULL, NULL, EACH(solves_for_other_states, 0, 24), ONCE(singular_states),
+             ONCE(without_room));
+}

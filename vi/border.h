@@ -1,0 +1,58 @@
+/* border.h: a Newton step with the factors of other states: few candidates have changed theirs. */
+#ifndef DLSI_BORDER_H
+#define DLSI_BORDER_H
+
+#include "base/base.h"
+#include "linear/dense.h"
+
+/* What the law leaves of one candidate in a Newton step; newton.c, (NE1), has the formulas. */
+typedef struct dlsi_branch {
+  short state; /* dls_contact_state */
+  short count; /* of its unknowns, ... */
+  int first;   /* ... the first one */
+  double mu;
+  double t[2]; /* slip: direction along; across, d = 3: (-t[1], t[0]) */
+  double l;
+} dlsi_branch;
+
+/* e (3) := the direction of unknown j of a candidate in its r. */
+void dlsi_branch_direction(const dlsi_branch *b, int j, double *e);
+
+/* Returns row i of a candidate times v (3). */
+double dlsi_branch_row(const dlsi_branch *b, int i, const double *v);
+
+/* Returns 1 if a and b lead to the same rows and columns of (NE2). */
+int dlsi_branch_is_same(const dlsi_branch *a, const dlsi_branch *b);
+
+typedef struct dlsi_border {
+  int d, nc;
+  int n;       /* side of the factored matrix */
+  int k, most; /* unknowns more, d for each candidate that has changed; most: room */
+  /* in what the matrix leaves of its room; without room for any change most is 0 */
+  dlsi_branch *base; /* nc: states of the factored matrix */
+  int *slot;         /* nc: place among the candidates that have changed, -1: it has not */
+  int *changed;      /* k / d of them */
+  double *X, *V;     /* (BO3), (BO4): n x most */
+  double *Q, *T, *S; /* (BO3), (BO4), (BO5): most x most */
+  double *z;         /* d nc */
+  double *v, *y;     /* most */
+  int *pivot;        /* most */
+} dlsi_border;
+
+/* Notes that a matrix of side n has been factored for these states. spare: room for what comes with
+ * the changes of states, size doubles, kept until the next call; b->most = 0: it has none, and the
+ * caller sees to it that no state changes. */
+void dlsi_border_begin(dlsi_border *b, int d, int nc, const dlsi_branch *branch, int n,
+                       double *spare, size_t size);
+
+/* Adds the candidates that have changed to those that are there. W dense. Returns 0 if they are
+ * too many: nothing is added then. */
+int dlsi_border_add(dlsi_border *b, const dls_contact *problem, const dlsi_dense *factors,
+                    const dlsi_branch *branch);
+
+/* x := the solution of (NE2) for these states with right side x. w, E: nc; E may be NULL.
+ * Returns 0 if the matrix is singular; x stays then. */
+int dlsi_border_solve(dlsi_border *b, const dlsi_dense *factors, const dlsi_branch *branch,
+                      const double *w, const double *E, double eps, double *x);
+
+#endif
