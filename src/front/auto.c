@@ -18,13 +18,16 @@
  *   (AT5)  pivoting   Lemke's method, if small enough; after the first failure of Newton's method
  *                     already, if its table is so small that it takes no longer than the sweeps and
  *                     steps that would follow. A verdict is left to the copy (AT11) then
- *   (AT8)  the last   up to 300 rows the interior homotopy from several starts; up to 3000 rows,
- *                     from r = 0, plain sweeps in the reverse order, ADMM with rho from 1e-8 on,
- *                     and the augmented Lagrangian once more; up to 300 rows Newton's method from
- *                     scattered starts (vi/scatter.c)
+ *   (AT8)  the last   up to 300 rows an eighth of the interior homotopy's starts and of Newton's
+ *                     method from scattered starts (vi/scatter.c), and last of all the rest of
+ *                     both: each finds most of what it finds early, and other problems; up to 3000
+ *                     rows, between the two, from r = 0, plain sweeps in the reverse order, ADMM
+ *                     with rho from 1e-8 on, and the augmented Lagrangian once more
  *   (AT10) proofs     at the end of (AT5) the linear problem that every solution solves (farkas.c):
  *                     it proves that there is no solution, or shows that none could be certified,
- *                     and nothing is searched for then
+ *                     and nothing is searched for then. On a copy nothing is searched for, either,
+ *                     where the best r meets the tolerance but for a rounding of W r that is up to
+ *                     a hundred times too large: others are about as large
  *   (AT11) copy       up to 300 rows, what (AT1)-(AT3) leave is solved from r = 0 on a copy in an
  *                     order and in units that follow from the data (renumber.c), so that luck does
  *                     not depend on the numbers of the candidates
@@ -97,10 +100,11 @@ enum { pivot_rows = 400 };       /* (AT5), early: such a table stays in the cach
 enum { few_push = 100 };         /* (AT13): fewer candidates by blocks are left to (AT1)-(AT5) */
 enum { push_candidates = 1000 }; /* ... more are not tried by (AT1) at all */
 enum { push_ahead = 100 };       /* (AT13): accelerated sweeps that take as long as it does */
-static const double push_near = 1e-5; /* (AT13) */
-enum { path_unknowns = 300 };         /* a thousand factorisations then take a few seconds */
-enum { other_unknowns = 3000 };       /* beyond, another way takes too long, and nothing is said */
-enum { other_iterations = 2000 };     /* of sweeps and splitting by another way */
+static const double push_near = 1e-5;  /* (AT13) */
+enum { path_unknowns = 300 };          /* a thousand factorisations then take a few seconds */
+enum { other_unknowns = 3000 };        /* beyond, another way takes too long, and nothing is said */
+enum { other_iterations = 2000 };      /* of sweeps and splitting by another way */
+static const double hidden_most = 100; /* (AT10): of a floor, over the largest that certifies */
 enum { sure_starts = 2 };   /* (AT9): candidates, d = 3, whose states scattered starts cover */
 enum { copy_failures = 3 }; /* so much is Newton's method believed on a copy */
 static const double unsorted = 0.05;        /* e: with more, few states are those of the answer */
@@ -161,7 +165,7 @@ typedef struct dlsi_auto {
   dls_info info;      /* its certificate is that of best */
   dls_status stopped; /* by the caller's callback or time limit; DLS_OK: by neither */
   int limited;        /* by max_iterations */
-  int rounded;        /* (AT12) only the rounding of W r stands against the answer */
+  int rounded;        /* only the rounding of W r stands against the best r */
   double begun;       /* CPU seconds when the solve began; -1: nobody asks */
   int failures;       /* of Newton's method */
   int has_split;      /* (AT2) has been tried */
@@ -387,17 +391,20 @@ static const struct {
     [PUSH] = {&dlsi_nlgs_method, watch_push, may_push, most_pushes},
 };
 
-/* The stages; cold: from r = 0, whatever was found before; copy: on a copy only (AT11). */
+/* The stages; cold: from r = 0, whatever was found before; copy: on a copy only (AT11); rest: a
+ * search that goes on after its first eighth. */
 static const struct {
   part part;
-  int cold, copy;
-} stages[] = {{SWEEPS, 0, 0},    {REST, 0, 0},         {SPLITTING, 0, 0}, {PUSH, 0, 0},
-              {NEWTON, 0, 0},    {PIVOTING, 0, 0},     {SPLITTING, 0, 0}, {SWEEPS, 0, 0},
-              {NEWTON, 0, 0},    {SWEEPS, 0, 0},       {NEWTON, 0, 0},    {SWEEPS, 0, 0},
-              {NEWTON, 0, 0},    {SWEEPS, 0, 1},       {NEWTON, 0, 1},    {PIVOTING, 0, 1},
-              {AUGMENTED, 0, 0}, {HOMOTOPY, 1, 1},     {SWEEPS, 0, 0},    {NEWTON, 0, 0},
-              {SWEEPS, 0, 0},    {OTHER_SWEEPS, 1, 0}, {NEWTON, 0, 0},    {OTHER_SPLITTING, 1, 0},
-              {NEWTON, 0, 0},    {AUGMENTED, 1, 0},    {SCATTER, 0, 1}};
+  int cold, copy, rest;
+} stages[] = {
+    {SWEEPS, 0, 0, 0},          {REST, 0, 0, 0},     {SPLITTING, 0, 0, 0},    {PUSH, 0, 0, 0},
+    {NEWTON, 0, 0, 0},          {PIVOTING, 0, 0, 0}, {SPLITTING, 0, 0, 0},    {SWEEPS, 0, 0, 0},
+    {NEWTON, 0, 0, 0},          {SWEEPS, 0, 0, 0},   {NEWTON, 0, 0, 0},       {SWEEPS, 0, 0, 0},
+    {NEWTON, 0, 0, 0},          {SWEEPS, 0, 1, 0},   {NEWTON, 0, 1, 0},       {PIVOTING, 0, 1, 0},
+    {AUGMENTED, 0, 0, 0},       {HOMOTOPY, 1, 1, 0}, {SCATTER, 0, 1, 0},      {SWEEPS, 0, 0, 0},
+    {NEWTON, 0, 0, 0},          {SWEEPS, 0, 0, 0},   {OTHER_SWEEPS, 1, 0, 0}, {NEWTON, 0, 0, 0},
+    {OTHER_SPLITTING, 1, 0, 0}, {NEWTON, 0, 0, 0},   {AUGMENTED, 1, 0, 0},    {HOMOTOPY, 1, 1, 1},
+    {SCATTER, 0, 1, 1}};
 enum { quick_count = 13, stage_count = sizeof stages / sizeof stages[0] };
 _Static_assert((int)stage_count + 3 <= (int)DLS_STAGES_MAX,
                "a line for each in the report, for (AT14), the states, and after the copy");
@@ -524,6 +531,28 @@ static dls_status judge(dlsi_auto *work, dls_error *error) {
   return DLS_NO_SOLUTION_LIKELY;
 }
 
+/* Returns 1 if only rounding stands against the best r, and smaller ones are not looked for: at the
+ * end of (AT12), and on a copy where it is no more than hidden_most over what may be certified. */
+static int is_rounded(const dlsi_auto *work, part now) {
+  const dls_certificate *best = &work->info.certificate;
+  const double tol = work->options.limits.tol;
+  const int hidden = work->has_copy && 4 * best->floor_u <= hidden_most * fmax(tol, 1e-8);
+  return (now == REST || hidden) && dlsi_certificate_meets(best, tol);
+}
+
+/* Tells a search that its next solve is its first eighth, or the rest of it. Errors of create_part.
+ */
+static dls_status share_search(dlsi_auto *work, part k, int rest, dls_error *error) {
+  if (k != HOMOTOPY && k != SCATTER) return DLS_OK;
+  const dls_status status = create_part(work, k, error);
+  if (status) return status;
+  if (k == HOMOTOPY)
+    dlsi_homotopy_share(work->part[k], rest);
+  else
+    dlsi_scatter_share(work->part[k], rest);
+  return DLS_OK;
+}
+
 /* Takes the stages first .. end-1 in turn. Returns DLS_OK, DLS_NO_SOLUTION, an error, DLS_CANCELLED
  * or DLS_MAX_ITERATIONS; DLS_STALLED if nothing is decided, or `excluded` is. */
 static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *error) {
@@ -537,18 +566,21 @@ static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *erro
     const int early = now == PIVOTING && k < quick_count;
     if (early && !may_pivot_early(work)) continue;
     if (stages[k].cold && !may_go_another_way(work)) continue;
-    const dls_status status = take_stage(work, now, stages[k].cold, error);
+    dls_status status = share_search(work, now, stages[k].rest, error);
+    if (!status) status = take_stage(work, now, stages[k].cold, error);
     if (status < 0) return status;
     if (dls_certificate_holds(&work->info.certificate, limits->tol)) return DLS_OK;
     if (work->stopped) return work->stopped;
-    work->rounded = now == REST && dlsi_certificate_meets(&work->info.certificate, limits->tol);
+    work->rounded = is_rounded(work, now);
     if (work->rounded) return DLS_STALLED;
     if (status == DLS_TIME_LIMIT) return status;
     if (work->limited) return DLS_MAX_ITERATIONS;
-    if (early) continue; /* (AT11) finds it again, for any order of the candidates */
+    const int excluded = now == PIVOTING && dlsi_contact_lemke_excludes(work->part[now]);
+    if (early && (status == DLS_NO_SOLUTION || excluded))
+      return DLS_STALLED; /* (AT11) finds it again, for any order of the candidates */
     if (status == DLS_NO_SOLUTION) return status;
-    if (now == PIVOTING && (work->excluded = dlsi_contact_lemke_excludes(work->part[now])))
-      return DLS_STALLED;
+    work->excluded = excluded;
+    if (excluded) return DLS_STALLED;
   }
   return DLS_STALLED;
 }
