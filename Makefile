@@ -223,8 +223,9 @@ $(BUILD)/examples/%: examples/%.c $(FE) $(A)
 
 # what test programs share
 TEST_HELPERS := $(call obj,$(wildcard tests/shared/*.c))
-# malloc and calloc of our own code go through the wrappers of tests/shared/malloc_fails.c
-WRAP = -Wl,--wrap=malloc -Wl,--wrap=calloc -Wl,--wrap=realloc
+# malloc and calloc of our own code go through the wrappers of tests/shared/malloc_fails.c, its errors
+# through the one of tests/shared/errors.c
+WRAP = -Wl,--wrap=malloc -Wl,--wrap=calloc -Wl,--wrap=realloc -Wl,--wrap=dlsi_fail
 
 $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(TEST_HELPERS) $(FE) $(A)
 	@mkdir -p $(@D)

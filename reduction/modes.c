@@ -301,7 +301,7 @@ static dls_status modes_of_model(const dls_model *model, int most, double *basis
                                  int *count, dls_error *error) {
   dls_status status = dlsi_check_model(model, error);
   if (status) return status;
-  if (most < 0) return dlsi_fail(error, DLS_E_SIZE, "most", -1, most, "is negative");
+  if (most < 0) return dlsi_fail(error, DLS_E_SIZE, "most", -1, most, "is %d, negative", most);
   if (!count) return dlsi_is_null(error, "count");
   if (model->operator_kind != DLS_STIFFNESS_DENSE && model->operator_kind != DLS_STIFFNESS_SPARSE)
     return dlsi_fail(error, DLS_E_UNSUPPORTED, "operator_kind", -1, model->operator_kind,

@@ -295,8 +295,8 @@ static dls_status edge_check(const dls_fe_mesh *mesh, int a, int b, double tx, d
     return dlsi_fail(error, DLS_E_ARGUMENT, "a", -1, a, "is %d, no node of the mesh", a);
   if (b < 0 || b >= mesh->nodes || b == a)
     return dlsi_fail(error, DLS_E_ARGUMENT, "b", -1, b, "is %d, no other node", b);
-  if (!isfinite(tx)) return dlsi_fail(error, DLS_E_NOT_FINITE, "tx", -1, tx, "is not finite");
-  if (!isfinite(ty)) return dlsi_fail(error, DLS_E_NOT_FINITE, "ty", -1, ty, "is not finite");
+  if (!isfinite(tx)) return dlsi_fail(error, DLS_E_NOT_FINITE, "tx", -1, tx, "is %g", tx);
+  if (!isfinite(ty)) return dlsi_fail(error, DLS_E_NOT_FINITE, "ty", -1, ty, "is %g", ty);
   if (!f) return dlsi_is_null(error, "f");
   const double *A = mesh->xy + 2 * (size_t)a, *B = mesh->xy + 2 * (size_t)b;
   *half = hypot(B[0] - A[0], B[1] - A[1]) / 2;

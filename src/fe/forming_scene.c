@@ -143,7 +143,7 @@ static dls_status forming_check(const dls_forming_settings *s, dls_error *error)
   if (s->size != sizeof *s)
     return dlsi_fail(error, DLS_E_SETTINGS, "settings", -1, (double)s->size,
                      "not filled by dls_forming_settings_init");
-  if (!isfinite(s->mu)) return dlsi_fail(error, DLS_E_NOT_FINITE, "mu", -1, s->mu, "is not finite");
+  if (!isfinite(s->mu)) return dlsi_fail(error, DLS_E_NOT_FINITE, "mu", -1, s->mu, "is %g", s->mu);
   const dlsi_setting each[] = {
       {"nx", s->nx, 0, INT_MAX, 0},
       {"ny", s->ny, 0, INT_MAX, 0},

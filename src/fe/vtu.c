@@ -197,7 +197,7 @@ dls_status dls_fe_series_add(dls_fe_series *series, double time, int part, const
   dls_status status = DLS_OK;
   if (!series) status = dlsi_is_null(error, "series");
   if (!status && !isfinite(time))
-    status = dlsi_fail(error, DLS_E_NOT_FINITE, "time", -1, time, "is not finite");
+    status = dlsi_fail(error, DLS_E_NOT_FINITE, "time", -1, time, "is %g", time);
   if (!status && part < 0)
     status =
         dlsi_fail(error, DLS_E_ARGUMENT, "part", -1, part, "is %d, must not be negative", part);

@@ -257,7 +257,7 @@ static dls_status schur_take_values(dlsi_schur *work, const dls_sparse *Ks, doub
     }
   work->norm = dlsi_max_abs(scratch, (size_t)work->n);
   if (work->norm <= DBL_MAX) return DLS_OK; /* false for NaN */
-  return dlsi_fail(error, DLS_E_NOT_FINITE, "Ks", -1, work->norm, "overflow");
+  return dlsi_fail(error, DLS_E_NOT_FINITE, "Ks", -1, work->norm, "sums of entries overflow");
 }
 
 /* (SH4), (SH5) where K is positive definite. */
@@ -290,8 +290,7 @@ static dls_status schur_factor_dense(dlsi_schur *work, double *diagonal, dls_err
   const int failed =
       work->factorization == DLS_LDLT ? dlsi_dense_factor(S, diagonal) : dlsi_dense_lu(S);
   if (!failed) return DLS_OK;
-  return dlsi_fail(error, DLS_E_SINGULAR, "Ks", work->keep[failed - 1] - 1, 0,
-                   "singular: a pivot of 0");
+  return dlsi_fail(error, DLS_E_SINGULAR, "Ks", work->keep[failed - 1] - 1, 0, "singular: pivot 0");
 }
 
 /* Computes the values of A^-1 X on c. reduced: receives them, count x nrhs. MUMPS keeps X until
