@@ -16,9 +16,10 @@
  *   (AR5)  rho_c = 1e-8: below the nonzero eigenvalues of W, so that the count of iterations does
  *          not grow with them, and above its rounding, eps / rho of which enters x. Where no pivot
  *          of W + R is below 100 rho, W is regular and 1e-12 takes the place of 1e-8: x is then
- *          almost the answer of W x = -q. Else, after 10 iterations, rho_c = 1e-7 / |z_c| with the
- *          mean of |z| as a unit, at most 1e-4, and v such that z and R (z - v) stay. Balancing
- *          residuals does not find such a rho: they look balanced at a thousand times as much.
+ *          almost the answer of W x = -q. Else, after 10 iterations and after 20, rho_c = 1e-6 /
+ *          |z_c| with the mean of |z| as a unit, at most 1e-3, and v such that z and R (z - v)
+ *          stay. Balancing residuals does not find such a rho: they look balanced at a thousand
+ *          times as much.
  *   (AR6)  ends where 50 iterations have not halved the residual. An interior point follows, but
  *          where only the rounding of W r stands against the answer:
  *
@@ -34,9 +35,10 @@
  * Source: (AR2)-(AR4) Lions and Mercier, SIAM J. Numer. Anal. 16, 1979; (AR7)-(AR9) Mehrotra's
  * predictor and corrector for cones, Andersen, Roos and Terlaky, Math. Program. 95, 2003, 249-277.
  * delta = 1e-10 keeps the factorisation definite where W is singular and P small.
- * Cost: W + R and W + P^2 by cholesky.c, analysed once: 1 or 2 factorisations and 1 to 250 solves;
- * of the interior point 11 to 20 factorisations, up to 60 for long chains, three solves each.
- * Allocates the matrix and its factor in each solve.
+ * Cost: W + R by joints.c, 1 to 3 factorisations and 1 to 250 solves; W + P^2, whose blocks range
+ * from tau to 1 / tau and would be lost in those of a joint, by cholesky.c: of the interior point
+ * 11 to 20 factorisations, up to 60 for long chains, three solves each. Each of the two is analysed
+ * once. Allocates the matrices and their factors in each solve.
  * What can fail: W not symmetric, or a candidate without W_cc: DLS_STALLED at once. What flows: the
  * answer of (AR1) opens where it slides.
  */
@@ -45,18 +47,17 @@
 #include <string.h>
 
 #include "cone.h"
-#include "linear/cholesky.h"
 #include "linear/dissection.h"
+#include "vi/joints.h"
 #include "vi_internal.h"
 
 enum { measured_every = 5, metric_after = 10, rest_patience = 50, most_points = 80 };
-static const double singular_rho = 1e-8, regular_rho = 1e-12, metric_rho = 1e-7; /* (AR5) */
+static const double singular_rho = 1e-8, regular_rho = 1e-12, metric_rho = 1e-6; /* (AR5) */
 static const double regular_pivot = 100, least_share = 1e-3;                     /* (AR5) */
 static const double rest_relaxation = 1.4;
 static const double proximal = 1e-10; /* delta of (AR7) */
 static const double to_boundary = 0.99, short_step = 0.1, least_step = 1e-6;
 static const double slides_tau = 1e-2, slides = 0.03; /* (AR10) */
-static const double asymmetry = 1e-8; /* of W, over its entries, which the certificate would show */
 
 typedef struct rest {
   dls_limits limits;
@@ -73,6 +74,7 @@ typedef struct rest {
   double *value;             /* ... a triangle per candidate of what is added to W */
   size_t entries;
   dlsi_cholesky *factor;
+  dlsi_joints *joints; /* W + R of (AR3) */
   dlsi_iterate it;
 } rest;
 
@@ -116,24 +118,9 @@ static void rest_list(rest *work, const dls_contact *problem) {
         }
 }
 
-/* Returns 1 if W g is the product of the lower triangle and its mirror image, for a g without any
- * pattern. */
-static int rest_is_symmetric(rest *work, const dls_contact *problem) {
-  const int m = work->d * problem->nc;
-  for (int i = 0; i < m; i++) {
-    const double golden = 0.6180339887498949 * (i + 1);
-    work->x[i] = golden - floor(golden) - 0.5;
-    work->r[i] = work->S[i] * work->x[i];
-  }
-  rest_multiply(work, problem->nc, work->x, work->h);
-  dlsi_contact_apply(problem, work->r, work->right);
-  const double size = dlsi_max_abs(work->h, (size_t)m);
-  for (int i = 0; i < m; i++)
-    work->right[i] = work->right[i] * (work->S[i] / work->unit) - work->h[i];
-  return dlsi_max_abs(work->right, (size_t)m) <= asymmetry * size;
-}
-
 static void rest_forget_matrix(rest *work) {
+  dlsi_joints_destroy(work->joints);
+  work->joints = NULL;
   dlsi_cholesky_destroy(work->factor);
   free(work->row);
   free(work->value);
@@ -157,9 +144,9 @@ static dls_status rest_analyse(rest *work, int nc, dls_error *error) {
   return status;
 }
 
-/* Fills (AR1) and analyses its matrix. DLS_STALLED where there is no such problem, DLS_E_MEMORY. */
-static dls_status rest_set(rest *work, const dls_contact *problem, dls_error *error) {
-  const size_t m = (size_t)(work->d * problem->nc), d = (size_t)work->d;
+/* Fills (AR1). DLS_STALLED where there is no such problem. */
+static dls_status rest_set(rest *work, const dls_contact *problem) {
+  const size_t m = (size_t)(work->d * problem->nc);
   work->unit = dlsi_cone_scales(problem, work->eta, work->S);
   for (size_t i = 0; i < m; i++)
     work->q[i] = work->S[i] * problem->q[i];
@@ -170,6 +157,12 @@ static dls_status rest_set(rest *work, const dls_contact *problem, dls_error *er
   for (size_t i = 0; i < m; i++)
     work->q[i] /= size;
   work->b = size / work->unit;
+  return DLS_OK;
+}
+
+/* Lists and analyses the matrix of (AR7). DLS_E_MEMORY. */
+static dls_status rest_set_point(rest *work, const dls_contact *problem, dls_error *error) {
+  const size_t d = (size_t)work->d;
   const size_t most =
       added_entries(work->d, problem->nc) + d * d * (size_t)problem->Wb.p[problem->nc];
   work->row = dlsi_alloc(2 * most, sizeof *work->row);
@@ -177,7 +170,7 @@ static dls_status rest_set(rest *work, const dls_contact *problem, dls_error *er
   if (!work->row || !work->value) return dlsi_no_memory(error);
   work->col = work->row + most;
   rest_list(work, problem);
-  return rest_is_symmetric(work, problem) ? rest_analyse(work, problem->nc, error) : DLS_STALLED;
+  return rest_analyse(work, problem->nc, error);
 }
 
 /* Factorises. DLS_STALLED where the matrix is not definite, DLS_E_MEMORY. */
@@ -205,15 +198,11 @@ static dls_status rest_tell(rest *work, dls_info *outcome) {
 
 /* ---- splitting ------------------------------------------------------------------------------- */
 
-/* Factorises W + R. A tangent without friction has neither W nor x, and 1 for rho. */
-static dls_status rest_factor_metric(rest *work, int nc, dls_info *outcome, dls_error *error) {
-  const int d = work->d;
-  size_t k = 0;
-  for (int c = 0; c < nc; c++)
-    for (int j = 0; j < d; j++)
-      for (int i = j; i < d; i++)
-        work->value[k++] = i > j ? 0 : work->S[d * c + j] > 0 ? work->rho[c] : 1;
-  return rest_factor(work, outcome, error);
+/* Factorises W + R. DLS_STALLED where that is not definite, DLS_E_MEMORY. */
+static dls_status rest_factor_metric(rest *work, dls_info *outcome, dls_error *error) {
+  outcome->factorisations++;
+  const int failed = dlsi_joints_factor(work->joints, work->rho);
+  return failed < 0 ? dlsi_no_memory(error) : failed ? DLS_STALLED : DLS_OK;
 }
 
 /* (AR5) before the first iteration. *regular: 1 if W is. */
@@ -221,13 +210,13 @@ static dls_status rest_first_metric(rest *work, int nc, int *regular, dls_info *
                                     dls_error *error) {
   for (int c = 0; c < nc; c++)
     work->rho[c] = singular_rho;
-  const dls_status status = rest_factor_metric(work, nc, outcome, error);
+  const dls_status status = rest_factor_metric(work, outcome, error);
   if (status) return status;
-  const double root = dlsi_max_abs(work->factor->pivot, (size_t)(work->d * nc));
+  const double root = dlsi_max_abs(work->joints->factor->pivot, (size_t)work->joints->n);
   *regular = regular_pivot * singular_rho * root * root < 1;
   for (int c = 0; *regular && c < nc; c++)
     work->rho[c] = regular_rho;
-  return *regular ? rest_factor_metric(work, nc, outcome, error) : DLS_OK;
+  return *regular ? rest_factor_metric(work, outcome, error) : DLS_OK;
 }
 
 /* (AR5) from z. */
@@ -243,7 +232,7 @@ static dls_status rest_next_metric(rest *work, int nc, dls_info *outcome, dls_er
     for (int i = 0; i < d; i++)
       work->v[d * c + i] = z[i] - old / work->rho[c] * (z[i] - work->v[d * c + i]);
   }
-  return rest_factor_metric(work, nc, outcome, error);
+  return rest_factor_metric(work, outcome, error);
 }
 
 /* (AR2)-(AR6). Returns DLS_OK where the certificate of an x holds, DLS_STALLED, the reason for an
@@ -251,9 +240,13 @@ static dls_status rest_next_metric(rest *work, int nc, dls_info *outcome, dls_er
 static dls_status rest_split(rest *work, const dls_contact *problem, dls_info *outcome,
                              dls_error *error) {
   const int d = work->d, nc = problem->nc, m = d * nc;
-  double residual = INFINITY;
+  double residual = INFINITY, *g = work->right, *apart = work->h;
   int regular, since = 0;
-  dls_status status = rest_first_metric(work, nc, &regular, outcome, error);
+  dls_status status = dlsi_joints_create(&work->joints, problem, work->S, work->unit, error);
+  if (status) return status;
+  memcpy(apart, work->q, (size_t)m * sizeof *apart);
+  dlsi_joints_split(work->joints, apart, g);
+  status = rest_first_metric(work, nc, &regular, outcome, error);
   memset(work->v, 0, (size_t)m * sizeof *work->v);
   for (int k = 0; !status; k++) {
     for (int c = 0; c < nc; c++) /* (AR2) */
@@ -268,11 +261,12 @@ static dls_status rest_split(rest *work, const dls_contact *problem, dls_info *o
       if (k - since >= rest_patience || dlsi_certificate_meets(&work->it.certificate, work->it.tol))
         return DLS_STALLED; /* (AR6) */
     }
-    if (k == metric_after && !regular) status = rest_next_metric(work, nc, outcome, error);
+    if ((k == metric_after || k == 2 * metric_after) && !regular)
+      status = rest_next_metric(work, nc, outcome, error);
     if (status) return status;
     for (int i = 0; i < m; i++) /* (AR3) */
-      work->x[i] = work->rho[i / d] * (2 * work->z[i] - work->v[i]) - work->q[i];
-    status = dlsi_cholesky_solve(work->factor, work->x, 1, error);
+      work->r[i] = 2 * work->z[i] - work->v[i] - apart[i] / work->rho[i / d];
+    status = dlsi_joints_solve(work->joints, work->rho, work->r, g, work->x, error);
     for (int i = 0; i < m; i++) /* (AR4) */
       work->v[i] += (k < metric_after ? 1 : rest_relaxation) * (work->x[i] - work->z[i]);
     if (!status) status = rest_tell(work, outcome);
@@ -370,7 +364,7 @@ static dls_status rest_step(rest *work, int nc, double tau, double *step, dls_er
 static dls_status rest_interior(rest *work, const dls_contact *problem, dls_info *outcome,
                                 dls_error *error) {
   const int d = work->d, nc = problem->nc, m = d * nc;
-  dls_status status = DLS_OK;
+  dls_status status = rest_set_point(work, problem, error);
   for (int i = 0; i < m; i++)
     work->x[i] = work->z[i] = i % d == 0;
   for (int k = 0; !status && k < most_points; k++) {
@@ -408,9 +402,9 @@ static dls_status rest_solve(void *rest_work, const dls_contact *problem, double
   dls_status status = DLS_OK;
   dlsi_iterate_begin(it, problem, NULL, work->limits.tol, work->limits.warm_start, r, work->r);
   if (!dlsi_iterate_start(it, problem, work->r)) {
-    status = rest_set(work, problem, error);
+    status = rest_set(work, problem);
     if (!status) status = rest_split(work, problem, &outcome, error);
-    if (status == DLS_STALLED && work->factor && !dlsi_certificate_meets(&it->certificate, it->tol))
+    if (status == DLS_STALLED && work->joints && !dlsi_certificate_meets(&it->certificate, it->tol))
       status = rest_interior(work, problem, &outcome, error);
     rest_forget_matrix(work);
   }

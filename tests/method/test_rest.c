@@ -57,7 +57,7 @@ START_TEST(structures) {
     ck_assert_int_eq(dls_contact_certify(&s.a.contact, s.r, NULL, &c, NULL), DLS_OK);
     ck_assert(dls_certificate_holds(&c, 1e-8));
     ck_assert_int_le(info.iterations, 100);
-    ck_assert_int_le(info.factorisations, 2);
+    ck_assert_int_le(info.factorisations, 3);
     tear_down(&s);
   }
 }
@@ -66,13 +66,13 @@ END_TEST
 /* The interior point: a wall near the load at which it slides, 2D, and one pushed across, 3D. */
 START_TEST(near_the_limit) {
   const dls_limits limits = {.tol = 1e-8};
-  structure s = _i ? build("wall3-pushed", 1500, 0.4) : build("wall-pushed", 2500, 0.38);
+  structure s = _i ? build("wall3-pushed", 1500, 0.32) : build("wall-pushed", 2500, 0.305);
   dls_info info;
   dls_certificate c;
   ck_assert_int_eq(rest(&s, &limits, &info), DLS_OK);
   ck_assert_int_eq(dls_contact_certify(&s.a.contact, s.r, NULL, &c, NULL), DLS_OK);
   ck_assert(dls_certificate_holds(&c, 1e-8));
-  if (_i) ck_assert_int_gt(info.factorisations, 8);
+  ck_assert_int_gt(info.factorisations, 8);
   ck_assert_int_le(info.factorisations, 30);
   tear_down(&s);
 }

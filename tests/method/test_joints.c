@@ -1,0 +1,138 @@
+/* test_joints.c: W + R on the motions of the joints, beside W + R itself. */
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cases.h"
+#include "close.h"
+#include "malloc_fails.h"
+#include "rigid.h"
+#include "run.h"
+#include "vi/joints.h"
+
+typedef struct pair {
+  rigid a;
+  int m;
+  double *S, *q, *rho, *p, *x, *y, *g;
+} pair;
+
+/* Scales S that differ by up to 2, rho from 1e-8 to 1e-5; one candidate in five is without
+ * friction. */
+static pair pair_build(const char *kind, int candidates) {
+  pair s;
+  ck_assert_int_eq(rigid_create(&s.a, kind, candidates, 0.5, 2), 0);
+  const int d = s.a.d, nc = s.a.contact.nc, m = s.m = d * nc;
+  double **const arrays[] = {&s.S, &s.q, &s.rho, &s.p, &s.x, &s.y, &s.g};
+  for (int k = 0; k < 7; k++) {
+    *arrays[k] = calloc((size_t)m, sizeof(double));
+    ck_assert_ptr_nonnull(*arrays[k]);
+  }
+  set_seed(7);
+  for (int i = 0; i < m; i++) {
+    s.S[i] = i / d % 5 == 4 && i % d ? 0 : 1.5 + 0.5 * uniform();
+    s.q[i] = s.S[i] * s.a.q[i];
+    s.p[i] = uniform();
+  }
+  for (int c = 0; c < nc; c++)
+    s.rho[c] = pow(10, -6.5 + 1.5 * uniform());
+  return s;
+}
+
+static void pair_free(pair *s) {
+  double *const arrays[] = {s->S, s->q, s->rho, s->p, s->x, s->y, s->g};
+  for (int k = 0; k < 7; k++)
+    free(arrays[k]);
+  rigid_free(&s->a);
+}
+
+/* y := S W S x */
+static void pair_apply(const pair *s, const double *x, double *y) {
+  double *Sx = calloc((size_t)s->m, sizeof *Sx);
+  ck_assert_ptr_nonnull(Sx);
+  for (int i = 0; i < s->m; i++)
+    Sx[i] = s->S[i] * x[i];
+  dlsi_contact_apply(&s->a.contact, Sx, y);
+  for (int i = 0; i < s->m; i++)
+    y[i] *= s->S[i];
+  free(Sx);
+}
+
+/* (W + R) x = R p - q for a q in the range of W: of walls and towers on half of the unknowns. */
+START_TEST(solves) {
+  static const struct {
+    const char *kind;
+    int size;
+    double share; /* of the unknowns, at most */
+  } cases[] = {{"wall-pushed", 300, 0.76}, {"wall3-pushed", 600, 0.51}, {"tower", 300, 0.51},
+               {"chain", 100, 1},          {"arch3", 100, 0.51},        {"packing-rest", 300, 1}};
+  for (int even = 0; even < 2; even++) {
+    pair s = pair_build(cases[_i].kind, cases[_i].size);
+    dlsi_joints *work;
+    for (int c = 0; even && c < s.a.contact.nc; c++)
+      s.rho[c] = 1e-8;
+    ck_assert_int_eq(dlsi_joints_create(&work, &s.a.contact, s.S, 1, NULL), DLS_OK);
+    ck_assert(work->n <= cases[_i].share * s.m);
+    memcpy(s.x, s.q, (size_t)s.m * sizeof *s.x);
+    dlsi_joints_split(work, s.x, s.g);
+    ck_assert(largest(s.x, s.m) == 0); /* all of q is in the range */
+    ck_assert_int_eq(dlsi_joints_factor(work, s.rho), 0);
+    ck_assert_int_eq(dlsi_joints_solve(work, s.rho, s.p, s.g, s.x, NULL), DLS_OK);
+    pair_apply(&s, s.x, s.y);
+    double worst = 0;
+    for (int i = 0; i < s.m; i++) {
+      const double rho = s.rho[i / s.a.d];
+      worst = fmax(worst, fabs(s.y[i] + rho * (s.x[i] - s.p[i]) + s.q[i]));
+      if (s.S[i] == 0) ck_assert(s.x[i] == s.p[i]);
+    }
+    const double size = largest(s.q, s.m) + largest(s.S, s.m) * largest(s.x, s.m);
+    ck_assert_msg(worst <= 1e-11 * size, "%s: %g of %g", cases[_i].kind, worst, size);
+    dlsi_joints_destroy(work);
+    pair_free(&s);
+  }
+}
+END_TEST
+
+/* What is not in the range of W stays, and W that is not symmetric is no structure. */
+START_TEST(splits_and_refuses) {
+  pair s = pair_build("wall3-rest", 300);
+  dlsi_joints *work;
+  ck_assert_int_eq(dlsi_joints_create(&work, &s.a.contact, s.S, 1, NULL), DLS_OK);
+  memcpy(s.x, s.p, (size_t)s.m * sizeof *s.x);
+  dlsi_joints_split(work, s.x, s.g);
+  pair_apply(&s, s.x, s.y); /* Q^T x = 0, so that W x = 0 */
+  ck_assert(largest(s.x, s.m) > 0.1 && largest(s.y, s.m) <= 1e-12 * largest(s.a.x, 9));
+  dlsi_joints_destroy(work);
+  for (int e = 0; e < 9; e++)
+    s.a.x[9 * (s.a.p[3] + (s.a.i[s.a.p[3]] == 3)) + e] += 1;
+  ck_assert_int_eq(dlsi_joints_create(&work, &s.a.contact, s.S, 1, NULL), DLS_STALLED);
+  ck_assert_ptr_null(work);
+  pair_free(&s);
+}
+END_TEST
+
+START_TEST(joints_without_memory) {
+  pair s = pair_build("wall3-rest", 200);
+  dlsi_joints *work = NULL;
+  dls_status status = DLS_E_MEMORY;
+  long k = 1;
+  for (; status; k++) {
+    malloc_fails_at(k);
+    status = dlsi_joints_create(&work, &s.a.contact, s.S, 1, NULL);
+    malloc_fails_at(0);
+    ck_assert(status == DLS_OK || (status == DLS_E_MEMORY && !work));
+  }
+  ck_assert_int_gt(k, 12);
+  malloc_fails_at(1);
+  ck_assert_int_eq(dlsi_joints_factor(work, s.rho), -1);
+  malloc_fails_at(0);
+  dlsi_joints_destroy(work);
+  pair_free(&s);
+}
+END_TEST
+
+int main(void) {
+  if (!WITH_MUMPS) return 0;
+  return RUN("joints", NULL, NULL, EACH(solves, 0, 6), ONCE(splits_and_refuses),
+             ONCE(joints_without_memory));
+}
