@@ -38,11 +38,10 @@
 #include "lcp_internal.h"
 #include "linear/pieces.h"
 
-enum { patience = 4 };                        /* (CR3) */
-static const double most_growth = 1e3;        /* (CR3) */
-static const double crash_zero = 1e-13;       /* (CR2): relative to (|q| + |M||z|)_i */
-static const double singular_pivot = 1e-12;   /* relative to the terms of the pivot's sum */
-static const double crash_0 = 0, crash_1 = 1; /* BLAS takes factors by address */
+enum { patience = 4 };                      /* (CR3) */
+static const double most_growth = 1e3;      /* (CR3) */
+static const double crash_zero = 1e-13;     /* (CR2): relative to (|q| + |M||z|)_i */
+static const double singular_pivot = 1e-12; /* relative to the terms of the pivot's sum */
 
 void dlsi_crash_carve(dlsi_crash *work, dlsi_arena *arena, size_t n, size_t ld) {
   double **vectors[] = {&work->z, &work->y, &work->a, &work->b, &work->x, &work->v};

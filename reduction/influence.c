@@ -125,8 +125,10 @@ static dls_status influence_from_schur(const dlsi_factor *factor, const dlsi_ope
   dlsi_columns Hc = {0};
   double *Z = dlsi_alloc(b + 1, b * sizeof *Z);
   dls_status status = Z ? influence_columns(H, &Hc, error) : dlsi_no_memory(error);
-  if (!status) status = dlsi_schur_inverse(factor->schur, Z, error);
-  if (!status) influence_between(H, &Hc, Z, Z + b * b, W);
+  if (!status) {
+    dlsi_schur_inverse(factor->schur, Z);
+    influence_between(H, &Hc, Z, Z + b * b, W);
+  }
   free(Z);
   dlsi_columns_free(&Hc);
   return status;

@@ -47,8 +47,8 @@ typedef struct problem {
 dls_status problem_load(const char *path, int bodies, problem *p, dls_error *error);
 
 /* Keeps the BLAS of this process to one thread for a small problem: threads that wait for work of
- * some microseconds take more CPU than the work (docs/threads.md). The library itself leaves the
- * BLAS of its host alone. */
+ * some microseconds take more CPU than the work (docs/threads.md). The library leaves the BLAS of
+ * its host alone and wakes no thread but through MUMPS and LAPACK's eigenvalues. */
 void problem_fit_threads(const problem *p);
 void problem_free(problem *p);
 

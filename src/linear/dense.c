@@ -106,6 +106,22 @@ void dlsi_dense_solve(const dlsi_dense *f, double *X, int ld, int nrhs) {
   }
 }
 
+/* Solves for columns of 1: with L those from j on need rows from j on only. */
+void dlsi_dense_inverse(const dlsi_dense *f, double *Z) {
+  const size_t n = (size_t)f->n;
+  const int alone = dense_alone(f), columns = alone ? 64 : 256;
+  memset(Z, 0, n * n * sizeof *Z);
+  for (size_t j = 0; j < n; j++)
+    Z[j * (n + 1)] = f->halved ? 0.5 : 1; /* the factors are those of A / 2 */
+  if (!f->cholesky) dlsi_getrs(alone, f->n, f->n, f->A, f->n, f->pivot, Z, f->n);
+  for (int j = 0; f->cholesky && j < f->n; j += columns) {
+    const int rows = f->n - j, some = rows < columns ? rows : columns;
+    const size_t corner = (size_t)j * (n + 1);
+    dlsi_trsm(alone, 'L', 'L', 'N', 'N', rows, some, f->A + corner, f->n, Z + corner, f->n);
+    dlsi_trsm(alone, 'L', 'L', 'T', 'N', rows, some, f->A + corner, f->n, Z + corner, f->n);
+  }
+}
+
 double dlsi_dense_rcond(const dlsi_dense *f, double norm, double *work, int *iwork) {
   double rcond = 0;
   int info;

@@ -38,6 +38,9 @@ int dlsi_dense_factor(dlsi_dense *f, double *diagonal);
 /* Solves X := A^-1 X. X: n x nrhs, column-major with leading dimension ld. */
 void dlsi_dense_solve(const dlsi_dense *f, double *X, int ld, int nrhs);
 
+/* Z := A^-1, of Cholesky the lower triangle only, the upper one being lost. Z: n x n. */
+void dlsi_dense_inverse(const dlsi_dense *f, double *Z);
+
 /* Returns 1 / (|A|_1 |A^-1|_1) by estimate. norm: |A|_1; work: scratch, 4 n; iwork: scratch, n. */
 double dlsi_dense_rcond(const dlsi_dense *f, double norm, double *work, int *iwork);
 

@@ -12,7 +12,7 @@
  * 1997, 1065-1081). Sizes are those at which OpenBLAS stays on the thread that calls: up to 64^3
  * products in dgemm, fewer than 96^2 entries in dgemv, fewer than 1024 in the B of dtrsm, fewer
  * than 64 rows in dpotrf, fewer than 100 in dsyrk; dgetf2 and dtrsv wake no thread. Cost on one
- * thread: that of LAPACK up to 64 rows, at most a sixth more from 200 rows on.
+ * thread: about that of LAPACK (docs/threads.md).
  */
 #include "linear/pieces.h"
 

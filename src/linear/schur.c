@@ -35,7 +35,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "linear/blas.h"
 #include "linear/cholesky.h"
 #include "linear/dense.h"
 #include "linear/dissection.h"
@@ -434,29 +433,13 @@ dls_status dlsi_schur_expand(dlsi_schur *work, const double *h, double *x, dls_e
   return status;
 }
 
-dls_status dlsi_schur_inverse(const dlsi_schur *work, double *Z, dls_error *error) {
-  const int b = work->S.n;
-  const size_t n = (size_t)b;
-  int info;
-  memcpy(Z, work->S.A, n * n * sizeof *Z);
-  if (work->S.cholesky) {
-    dpotri_("L", &b, Z, &b, &info, 1);
-  } else {
-    double best;
-    const int ask = -1;
-    dgetri_(&b, Z, &b, work->S.pivot, &best, &ask, &info);
-    const int size = (int)best;
-    double *scratch = dlsi_alloc((size_t)size, sizeof *scratch);
-    if (!scratch) return dlsi_no_memory(error);
-    dgetri_(&b, Z, &b, work->S.pivot, scratch, &size, &info);
-    free(scratch);
-  }
-  const double share = work->S.halved ? 0.5 : 1; /* the factors are those of S / 2 */
-  for (size_t j = 0; j < n; j++)                 /* (SH8) */
+void dlsi_schur_inverse(const dlsi_schur *work, double *Z) {
+  const size_t n = (size_t)work->S.n;
+  dlsi_dense_inverse(&work->S, Z);
+  for (size_t j = 0; j < n; j++) /* (SH8) */
     for (size_t i = work->S.cholesky ? j : 0; i < n; i++)
-      Z[i + j * n] *= share * work->C[work->keep[i] - 1] * work->R[work->keep[j] - 1];
+      Z[i + j * n] *= work->C[work->keep[i] - 1] * work->R[work->keep[j] - 1];
   if (schur_symmetric(work)) dlsi_make_symmetric(Z, n, 0);
-  return DLS_OK;
 }
 
 void dlsi_schur_destroy(dlsi_schur *work) {

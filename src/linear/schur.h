@@ -62,9 +62,8 @@ dls_status dlsi_schur_condense(dlsi_schur *work, double *x, double *z, dls_error
 int dlsi_schur_holds(const dlsi_schur *work);
 dls_status dlsi_schur_expand(dlsi_schur *work, const double *h, double *x, dls_error *error);
 
-/* Computes Z := S^-1 = (K^-1)_cc, exactly symmetric where K is. Z: count x count, column-major.
- * DLS_E_MEMORY. */
-dls_status dlsi_schur_inverse(const dlsi_schur *work, double *Z, dls_error *error);
+/* Computes Z := S^-1 = (K^-1)_cc, exactly symmetric where K is. Z: count x count, column-major. */
+void dlsi_schur_inverse(const dlsi_schur *work, double *Z);
 
 /* NULL is fine. */
 void dlsi_schur_destroy(dlsi_schur *work);

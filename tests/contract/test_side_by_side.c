@@ -7,10 +7,7 @@
 
 #include <check.h>
 #include <pthread.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "cases.h"
 #include "delassus/motion.h"
@@ -161,68 +158,6 @@ START_TEST(every_method_beside_itself) {
 }
 END_TEST
 
-/* ---- threads of the BLAS --------------------------------------------------------------------- */
-
-static double process_seconds(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-/* Prints CPU time, of all threads of the process and least of five, and the last bits of r, of
- * each method on a dense problem in 3D with the given number of candidates. Waits after a solve,
- * so that threads of the BLAS that still wait for work are counted. */
-static int print_blas(int nc) {
-  enum { turns = 5 };
-  const struct timespec rest = {0, 60000000};
-  const int m = 3 * nc;
-  const size_t n = (size_t)m;
-  double *A = malloc(n * n * sizeof *A), *W = malloc(n * n * sizeof *W);
-  double *q = malloc(n * sizeof *q), *mu = malloc(n * sizeof *mu), *r = malloc(n * sizeof *r);
-  if (!A || !W || !q || !mu || !r) return 1;
-  set_seed(2);
-  for (size_t k = 0; k < n * n; k++)
-    A[k] = uniform();
-  gram(m, A, 0.01, W);
-  for (int k = 0; k < m; k++) {
-    q[k] = uniform() - (k % 3 == 0 ? 0.4 : 0);
-    mu[k] = 0.5;
-  }
-  const dls_contact problem = {.d = 3, .nc = nc, .W = {m, m, m, W}, .q = q, .mu = mu};
-  for (int method = 0; method < method_count(); method++) {
-    if (method == DLS_LEMKE || (method == DLS_HOMOTOPY && m > 150)) continue; /* slow */
-    dls_solver_settings settings;
-    dls_solver_settings_init(&settings);
-    settings.method = (dls_method)method;
-    double least = 1e9;
-    dls_status status = DLS_OK;
-    for (int k = 0; k < turns; k++) {
-      nanosleep(&rest, NULL);
-      const double begun = process_seconds();
-      status = dls_solve(&problem, &settings, r, NULL, NULL, NULL);
-      nanosleep(&rest, NULL);
-      const double used = process_seconds() - begun;
-      if (used < least) least = used;
-    }
-    unsigned long long bits = 0, word;
-    for (size_t k = 0; k < n; k++) {
-      memcpy(&word, r + k, sizeof word);
-      bits = bits * 31 + word;
-    }
-    printf("%5d rows %-20s %7.2f ms of CPU, bits %04llx, %s\n", m,
-           dls_method_name((dls_method)method), 1e3 * least, bits & 0xffff,
-           dls_status_text(status));
-  }
-  free(A);
-  free(W);
-  free(q);
-  free(mu);
-  free(r);
-  return 0;
-}
-
-/* test_side_by_side [blas CANDIDATES] */
-int main(int argc, char **argv) {
-  if (argc == 3 && strcmp(argv[1], "blas") == 0) return print_blas(atoi(argv[2]));
+int main(void) {
   return RUN("side by side", NULL, NULL, ONCE(every_method_beside_itself));
 }

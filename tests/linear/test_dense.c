@@ -49,6 +49,16 @@ START_TEST(factor_and_solve) {
           left += A[i + n * j] * X[turn][j + n * c];
         ck_assert_msg(fabs(left) <= 1e-13, "kind %d, n = %d, (%d, %d): %g", kind, n, i, c, left);
       }
+    double Z[n_most * n_most]; /* A Z = 1 */
+    dlsi_dense_inverse(&f, Z);
+    if (f.cholesky) dlsi_make_symmetric(Z, (size_t)n, 0);
+    for (int c = 0; c < n; c++)
+      for (int i = 0; i < n; i++) {
+        double left = i == c ? -1 : 0;
+        for (int j = 0; j < n; j++)
+          left += A[i + n * j] * Z[j + n * c];
+        ck_assert_double_le(fabs(left), 1e-13);
+      }
     const double norm = dlsi_dense_norm(A, (size_t)n, 0, sums);
     const double rcond = dlsi_dense_rcond(&f, norm, scratch, iwork);
     ck_assert(rcond > 0.1 && rcond <= 1 + 1e-14);
@@ -66,6 +76,30 @@ START_TEST(singular) {
 }
 END_TEST
 
+/* Z L L^T = 1, in several blocks of columns */
+START_TEST(inverse_of_many_rows) {
+  enum { many = 150 };
+  static double A[many * many], L[many * many], Z[many * many];
+  set_seed(9);
+  dense_matrix(0, many, 0, A);
+  for (int j = 0; j < many; j++)
+    A[j + many * j] = many;
+  memcpy(L, A, sizeof A);
+  dlsi_dense f = {.n = many, .A = L};
+  ck_assert_int_eq(dlsi_dense_cholesky(&f), 0);
+  dlsi_dense_inverse(&f, Z);
+  dlsi_make_symmetric(Z, many, 0);
+  for (int c = 0; c < many; c++)
+    for (int i = 0; i < many; i++) {
+      double left = i == c ? -1 : 0;
+      for (int j = 0; j < many; j++)
+        left += A[i + many * j] * Z[j + many * c];
+      ck_assert_double_le(fabs(left), 1e-13);
+    }
+}
+END_TEST
+
 int main(void) {
-  return RUN("dense", NULL, NULL, EACH(factor_and_solve, 0, 3 * n_most), ONCE(singular));
+  return RUN("dense", NULL, NULL, EACH(factor_and_solve, 0, 3 * n_most), ONCE(singular),
+             ONCE(inverse_of_many_rows));
 }
