@@ -29,10 +29,10 @@
  * |tau|, with p.tau = 0. eps = 1e-6 keeps the matrix regular where W is not, and leaves AC alone:
  * steps then shrink the error by eps cond(W) or so instead of squaring it. Where no state has
  * changed since the last step and the factors are dense, a second solve gives back what eps has
- * taken, if that is small. If the matrix is singular all the same, eps grows a hundredfold for good,
- * from 1e-8 on. And eps grows tenfold, up to 1e-2, after each 4 steps in a row that did not halve
- * the residual: on a W of low rank the rounding of W r + q comes back divided by eps, and shorter
- * steps go round among states less often.
+ * taken, if that is small. If the matrix is singular all the same, eps grows a hundredfold
+ * for good, from 1e-8 on. And eps grows tenfold, up to 1e-2, after each 4 steps in a row that did
+ * not halve the residual: on a W of low rank the rounding of W r + q comes back divided by eps, and
+ * shorter steps go round among states less often.
  *
  * With springs, u = (W + diag(E)) r + q (augmented.c), E stands beside eps diag(w) in (NE2).
  *
@@ -96,7 +96,8 @@ struct dls_newton {
   int sparse;             /* 1: this run factorises sparse beyond dense_limit */
   newton_factors factors; /* of (NE2) for the base states of the border */
   dlsi_border border;
-  int keeps, kept_nc; /* (NE5): keeps: 1 if the next run may; kept_nc: candidates of the factors */
+  int keeps, kept_nc;  /* (NE5): keeps: 1 if the next run may; kept_nc: candidates of the factors */
+  const double *known; /* u of the start of the next run, NULL: it is not known */
   dlsi_dense dense;
   dlsi_room *room; /* of the matrix: `own`, or that of the caller */
   dlsi_room own;
@@ -619,11 +620,14 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
   dlsi_iterate_begin(&work->it, problem, E, limits->tol, work->stage || limits->warm_start, r,
                      work->r);
   if (work->nlgs) status = newton_sweep(work, problem, &outcome.sweeps);
-  if (dlsi_iterate_start(&work->it, problem, work->r))
+  if (work->known)
+    memcpy(work->it.u, work->known, (size_t)problem->d * (size_t)problem->nc * sizeof *work->it.u);
+  if (!work->known && dlsi_iterate_start(&work->it, problem, work->r))
     status = DLS_OK;
   else if (status != DLS_CANCELLED && status != DLS_TIME_LIMIT)
     status = newton_iterate(work, problem, &outcome, error);
   work->keeps = 0;
+  work->known = NULL;
   return dlsi_iterate_end(&work->it, problem, status, &outcome, r, u, info);
 }
 
@@ -639,8 +643,14 @@ dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, d
   return dlsi_at(__func__, status, error);
 }
 
-void dlsi_newton_keep(void *work) {
-  ((dls_newton *)work)->keeps = 1;
+void dlsi_newton_keep(void *newton, const double *u) {
+  dls_newton *work = newton;
+  work->keeps = 1;
+  work->known = u;
+}
+
+const double *dlsi_newton_gap(const void *work) {
+  return ((const dls_newton *)work)->it.u;
 }
 
 /* ---- in the table of methods ----------------------------------------------------------------- */
