@@ -27,11 +27,11 @@ int dlsi_branch_is_same(const dlsi_branch *a, const dlsi_branch *b);
 typedef struct dlsi_border {
   int d, nc;
   int n;       /* side of the factored matrix */
-  int k, most; /* unknowns more, d for each candidate that has changed; most: room */
+  int k, most; /* unknowns more, of the candidates that have changed; most: room */
   /* in what the matrix leaves of its room; without room for any change most is 0 */
   dlsi_branch *base; /* nc: states of the factored matrix */
-  int *slot;         /* nc: place among the candidates that have changed, -1: it has not */
-  int *changed;      /* k / d of them */
+  int *slot;         /* nc: first unknown more, -1: the candidate has not changed */
+  int *of;           /* most: candidate of each unknown more */
   double *X, *V;     /* (BO3), (BO4): n x most */
   double *Q, *T, *S; /* (BO3), (BO4), (BO5): most x most */
   double *z;         /* d nc */
@@ -46,7 +46,7 @@ void dlsi_border_begin(dlsi_border *b, int d, int nc, const dlsi_branch *branch,
                        double *spare, size_t size);
 
 /* Adds the candidates that have changed to those that are there. W dense. Returns 0 if they are
- * too many: nothing is added then. */
+ * too many, or have got friction: nothing is added then. */
 int dlsi_border_add(dlsi_border *b, const dls_contact *problem, const dlsi_dense *factors,
                     const dlsi_branch *branch);
 

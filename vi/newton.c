@@ -27,11 +27,12 @@
  *
  * k and mu a are the row of AC along t, linearised; the row of b is the one along p divided by R /
  * |tau|, with p.tau = 0. eps = 1e-6 keeps the matrix regular where W is not, and leaves AC alone:
- * steps then shrink the error by eps cond(W) or so instead of squaring it. If the matrix is
- * singular all the same, eps grows a hundredfold for good, from 1e-8 on. And eps grows tenfold, up
- * to 1e-2, after each 4 steps in a row that did not halve the residual: on a W of low rank the
- * rounding of W r + q comes back divided by eps, and shorter steps go round among states less
- * often.
+ * steps then shrink the error by eps cond(W) or so instead of squaring it. Where no state has
+ * changed since the last step and the factors are dense, a second solve gives back what eps has
+ * taken, if that is small. If the matrix is singular all the same, eps grows a hundredfold
+ * for good, from 1e-8 on. And eps grows tenfold, up to 1e-2, after each 4 steps in a row that did
+ * not halve the residual: on a W of low rank the rounding of W r + q comes back divided by eps, and
+ * shorter steps go round among states less often.
  *
  * With springs, u = (W + diag(E)) r + q (augmented.c), E stands beside eps diag(w) in (NE2).
  *
@@ -42,7 +43,7 @@
  *          Numer. Anal. 23, 1986, 707-716). u is affine in r, so that a trial costs O(m).
  *
  *   (NE5)  A run of the same size may begin with the factors of the one before. W may have changed:
- *          where a step with them leaves more than a tenth of the right side of (NE2), they are made
+ *          where a step with them leaves more than a tenth of the right side of (NE2), all is made
  *          anew.
  *
  * Stop: the certificate holds (its F is de Saxce's; both vanish together), the limit of steps, or
@@ -50,8 +51,8 @@
  *
  * Deviation from the full method, which has m unknowns whatever the states: only that arithmetic is
  * saved, the iterates are the same but for eps.
- * Cost of a step: two products with W, and an LU of the unknowns: 2/3 k^3 dense, half of that by
- * Cholesky, much less sparse.
+ * Cost of a step: a product with W, another one with what (NE1) sets, and an LU of the unknowns:
+ * 2/3 k^3 dense, half of that by Cholesky, much less sparse.
  * What can fail: nothing makes it converge from afar, and states may go round for ever (cycle in
  * tests/method/test_newton.c): DLS_STALLED.
  */
@@ -73,6 +74,7 @@ enum { dense_limit = 250 }; /* of 50, 150, 250, 400 the fastest on FCLIB files b
 static const double least_eps = 1e-8;   /* cures a singular matrix */
 static const double most_eps = 1e-2;    /* bounds what a lack of progress leads to */
 static const double stale = 0.1;        /* (NE5) */
+static const double small_part = 0.1;   /* of a solution, that eps may take from it */
 static const double least_beta = 1e-10; /* R / |tau|: l stays finite where R vanishes */
 
 typedef enum newton_factors { NONE, DENSE, SPARSE } newton_factors;
@@ -88,12 +90,14 @@ struct dls_newton {
   double *next, *unext;   /* r0, then r0 + dr, and their u: m */
   double *x;              /* right side and solution of (NE2): m */
   double right;           /* its size, before the solution */
+  int settled;            /* 1: the states are those of the step before */
   int *pivot;             /* m */
   int *p;                 /* sparse: starts of columns; W dense: the row of W for each row: m + 1 */
   int sparse;             /* 1: this run factorises sparse beyond dense_limit */
   newton_factors factors; /* of (NE2) for the base states of the border */
   dlsi_border border;
-  int keeps, kept_nc; /* (NE5): keeps: 1 if the next run may; kept_nc: candidates of the factors */
+  int keeps, kept_nc;  /* (NE5): keeps: 1 if the next run may; kept_nc: candidates of the factors */
+  const double *known; /* u of the start of the next run, NULL: it is not known */
   dlsi_dense dense;
   dlsi_room *room; /* of the matrix: `own`, or that of the caller */
   dlsi_room own;
@@ -302,6 +306,22 @@ static dls_status newton_factor(dls_newton *work, const dls_contact *problem, do
   return dlsi_dense_factor(&work->dense, work->it.a) ? DLS_E_SINGULAR : DLS_OK;
 }
 
+/* Solves (NE2) once more for what eps has taken from the solution x, k unknowns, and adds that if
+ * it is small beside x. it.F: scratch. */
+static void newton_refine(dls_newton *work, const dls_contact *problem, double eps, int k) {
+  double *x0 = work->it.F;
+  const size_t n = (size_t)k;
+  memcpy(x0, work->x, n * sizeof *x0);
+  for (int c = 0; c < problem->nc; c++)
+    for (int i = 0; i < work->branch[c].count; i++)
+      work->x[work->branch[c].first + i] *= eps * work->it.w[c];
+  const int solved = dlsi_border_solve(&work->border, &work->dense, work->branch, work->it.w,
+                                       work->it.E, eps, work->x);
+  const int small = solved && dlsi_norm2(work->x, n) <= small_part * dlsi_norm2(x0, n);
+  for (size_t i = 0; i < n; i++)
+    work->x[i] = x0[i] + (small ? work->x[i] : 0);
+}
+
 /* x := the solution of (NE2) with right side x; *done counts the factorisations. DLS_E_SINGULAR,
  * DLS_E_MEMORY. */
 static dls_status newton_solve_matrix(dls_newton *work, const dls_contact *problem, double eps,
@@ -310,17 +330,19 @@ static dls_status newton_solve_matrix(dls_newton *work, const dls_contact *probl
   if (k == 0) return DLS_OK;
   if (work->factors && !dlsi_border_add(border, problem, &work->dense, work->branch))
     work->factors = NONE;
-  if (work->factors == DENSE &&
-      dlsi_border_solve(border, &work->dense, work->branch, work->it.w, work->it.E, eps, work->x))
-    return DLS_OK;
-  if (work->factors != SPARSE) {
-    const dls_status status = newton_factor(work, problem, eps, k, error);
-    ++*done;
-    if (status) work->factors = NONE;
-    if (status) return status;
+  for (int again = 0; again < 2; again++) {
+    if (!work->factors) {
+      const dls_status status = newton_factor(work, problem, eps, k, error);
+      ++*done;
+      if (status) work->factors = NONE;
+      if (status) return status;
+    }
+    if (work->factors == SPARSE) return dlsi_sparse_lu_solve(work->room->lu, work->x, error);
+    if (dlsi_border_solve(border, &work->dense, work->branch, work->it.w, work->it.E, eps, work->x))
+      break;
+    work->factors = NONE;
   }
-  if (work->factors == SPARSE) return dlsi_sparse_lu_solve(work->room->lu, work->x, error);
-  dlsi_dense_solve(&work->dense, work->x, k, 1);
+  if (eps > 0 && work->settled) newton_refine(work, problem, eps, k);
   return DLS_OK;
 }
 
@@ -360,6 +382,39 @@ static dlsi_branch newton_branch_of(int d, double mu, double w, const double *u,
   return b;
 }
 
+/* Returns 1 if r0 of a candidate is r but for the rounding of a product. */
+static int newton_stays(int d, const double *r, const double *r0) {
+  double size = 0, change = 0;
+  for (int i = 0; i < d; i++) {
+    size = fmax(size, fabs(r[i]));
+    change = fmax(change, fabs(r0[i] - r[i]));
+  }
+  return change <= 4 * DBL_EPSILON * size;
+}
+
+/* unext := u0 = u + W (r0 - r): a product with what differs. */
+static void newton_known(dls_newton *work, const dls_contact *problem) {
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  int moved = 0;
+  for (int c = 0; c < problem->nc; c++)
+    moved += !newton_stays(problem->d, work->r + d * (size_t)c, work->next + d * (size_t)c);
+  if (2 * moved > problem->nc) {
+    dlsi_multiply(problem, NULL, work->it.E, work->next, work->unext, NULL);
+    return;
+  }
+  memcpy(work->unext, work->it.u, m * sizeof *work->unext);
+  for (int c = 0; c < problem->nc; c++) {
+    const double *r = work->r + d * (size_t)c, *r0 = work->next + d * (size_t)c;
+    double dr[3];
+    if (newton_stays(problem->d, r, r0)) continue;
+    for (size_t i = 0; i < d; i++) {
+      dr[i] = r0[i] - r[i];
+      if (work->it.E) work->unext[d * (size_t)c + i] += work->it.E[c] * dr[i];
+    }
+    dlsi_contact_add_columns(problem, c, dr, work->unext);
+  }
+}
+
 /* Returns the right side of (NE2) in row i of a candidate with u0 = u and r0 = r. */
 static double newton_right(const dlsi_branch *b, int i, const double *u, const double *r) {
   const double l = b->state == DLS_SLIP && i == 1 ? b->l : 0;
@@ -370,19 +425,20 @@ static double newton_right(const dlsi_branch *b, int i, const double *u, const d
 static int newton_linearise(dls_newton *work, const dls_contact *problem) {
   const int d = problem->d;
   const size_t m = (size_t)d * (size_t)problem->nc;
-  int k = 0;
+  int k = 0, changed = 0;
   memcpy(work->next, work->r, m * sizeof *work->r);
   for (int c = 0; c < problem->nc; c++) {
     const size_t o = (size_t)d * (size_t)c;
     dlsi_branch *b = &work->branch[c];
     const dlsi_branch before = *b;
     *b = newton_branch_of(d, problem->mu[c], work->it.w[c], work->it.u + o, work->next + o);
-    if (!work->border.most && work->factors && !dlsi_branch_is_same(b, &before))
-      work->factors = NONE;
+    changed += !work->factors || !dlsi_branch_is_same(b, &before);
     b->first = k;
     k += b->count;
   }
-  dlsi_multiply(problem, NULL, work->it.E, work->next, work->unext, NULL);
+  if (changed && !work->border.most) work->factors = NONE;
+  work->settled = !changed;
+  newton_known(work, problem);
   for (int c = 0; c < problem->nc; c++) {
     const size_t o = (size_t)d * (size_t)c;
     const dlsi_branch *b = &work->branch[c];
@@ -564,11 +620,14 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
   dlsi_iterate_begin(&work->it, problem, E, limits->tol, work->stage || limits->warm_start, r,
                      work->r);
   if (work->nlgs) status = newton_sweep(work, problem, &outcome.sweeps);
-  if (dlsi_iterate_start(&work->it, problem, work->r))
+  if (work->known)
+    memcpy(work->it.u, work->known, (size_t)problem->d * (size_t)problem->nc * sizeof *work->it.u);
+  if (!work->known && dlsi_iterate_start(&work->it, problem, work->r))
     status = DLS_OK;
   else if (status != DLS_CANCELLED && status != DLS_TIME_LIMIT)
     status = newton_iterate(work, problem, &outcome, error);
   work->keeps = 0;
+  work->known = NULL;
   return dlsi_iterate_end(&work->it, problem, status, &outcome, r, u, info);
 }
 
@@ -584,8 +643,14 @@ dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, d
   return dlsi_at(__func__, status, error);
 }
 
-void dlsi_newton_keep(void *work) {
-  ((dls_newton *)work)->keeps = 1;
+void dlsi_newton_keep(void *newton, const double *u) {
+  dls_newton *work = newton;
+  work->keeps = 1;
+  work->known = u;
+}
+
+const double *dlsi_newton_gap(const void *work) {
+  return ((const dls_newton *)work)->it.u;
 }
 
 /* ---- in the table of methods ----------------------------------------------------------------- */

@@ -141,8 +141,12 @@ dls_status dlsi_slabs_set(dlsi_slabs *slabs, const dls_contact *problem, dls_err
 void dlsi_slabs_free(dlsi_slabs *slabs);
 
 /* Lets the next run of Newton's method in this workspace of dlsi_newton_method begin with the
- * factors of the last one, if they are still there (NE5). */
-void dlsi_newton_keep(void *work);
+ * factors of the last one, if they are still there (NE5), and with u as that of its start, which is
+ * not measured then; u may be NULL. */
+void dlsi_newton_keep(void *work, const double *u);
+
+/* Returns u of the answer of the last run, after DLS_OK. */
+const double *dlsi_newton_gap(const void *work);
 
 /* Tells a workspace of dlsi_homotopy_method or dlsi_scatter_method that its next solves are the
  * first of dlsi_search_parts equal parts of its search, or the rest of it for the same problem. */

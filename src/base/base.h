@@ -385,9 +385,9 @@ void dlsi_contact_add_blocks(const dls_contact *problem, int c, const double *dr
 void dlsi_contact_add_panel(const dls_contact *problem, int count, const int *c, const double *dr,
                             double *u);
 
-/* Adds W(:,c) dr to u and |W(:,c)| |dr| to a for the d columns of candidate c, W dense. */
-void dlsi_contact_add_both(const dls_contact *problem, int c, const double *dr, double *u,
-                           double *a);
+/* The same, and adds |W(:,c[k])| |dr[d k..]| to a. */
+void dlsi_contact_add_both(const dls_contact *problem, int count, const int *c, const double *dr,
+                           double *u, double *a);
 
 /* y := W x, without q. */
 void dlsi_contact_apply(const dls_contact *problem, const double *x, double *y);

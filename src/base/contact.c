@@ -49,6 +49,14 @@ static int reaction_is_zero(size_t d, const double *r) {
   return r[0] == 0 && (d == 1 || r[1] == 0) && (d <= 2 || r[2] == 0);
 }
 
+static void multiply_panel(const dls_contact *problem, int count, const int *c, const double *dr,
+                           double *u, double *a) {
+  if (a)
+    dlsi_contact_add_both(problem, count, c, dr, u, a);
+  else
+    dlsi_contact_add_panel(problem, count, c, dr, u);
+}
+
 /* Adds W r to u and, if a is not NULL, |W| |r| to a, W dense: gathers up to at_once candidates that
  * carry a reaction, so that dlsi_contact_add_panel reads W at the speed of the memory. Skips
  * reactions of 0, which add nothing because W is finite. */
@@ -62,17 +70,13 @@ static void multiply_dense(const dls_contact *problem, const int *order, const d
     const int k = order ? order[i] : i;
     const double *rk = r + d * (size_t)k;
     if (reaction_is_zero(d, rk)) continue;
-    if (a) {
-      dlsi_contact_add_both(problem, k, rk, u, a);
-      continue;
-    }
     memcpy(dr + d * (size_t)count, rk, d * sizeof *dr);
     c[count++] = k;
     if (count < at_once) continue;
-    dlsi_contact_add_panel(problem, count, c, dr, u);
+    multiply_panel(problem, count, c, dr, u, a);
     count = 0;
   }
-  dlsi_contact_add_panel(problem, count, c, dr, u);
+  multiply_panel(problem, count, c, dr, u, a);
 }
 
 /* Adds |W(:,c)| |rc| to a, W by blocks. */

@@ -89,34 +89,69 @@ DLSI_CLONES static void add_four_3d(size_t rows, const double *const w[4], size_
   }
 }
 
-/* Add W(:,c) dr_c to u and |W(:,c)| |dr_c| to a. */
-DLSI_CLONES static void add_both_1d(size_t rows, column w, size_t ld, const double *x,
+/* Add W(:,c) dr_c to u and |W(:,c)| |dr_c| to a; |w| |x| is |w x| to the last bit. */
+DLSI_CLONES static void both_one_1d(size_t rows, column w, size_t ld, const double *x,
                                     double *restrict u, double *restrict a) {
-  const double x0 = x[0], y0 = fabs(x0);
+  const double x0 = x[0];
   (void)ld;
   for (size_t i = 0; i < rows; i++) {
-    u[i] += w[i] * x0;
-    a[i] += fabs(w[i]) * y0;
+    const double p = w[i] * x0;
+    u[i] += p;
+    a[i] += fabs(p);
   }
 }
 
-DLSI_CLONES static void add_both_2d(size_t rows, column w, size_t ld, const double *x,
+DLSI_CLONES static void both_one_2d(size_t rows, column w, size_t ld, const double *x,
                                     double *restrict u, double *restrict a) {
   column v = w + ld;
-  const double x0 = x[0], x1 = x[1], y0 = fabs(x0), y1 = fabs(x1);
+  const double x0 = x[0], x1 = x[1];
   for (size_t i = 0; i < rows; i++) {
-    u[i] += w[i] * x0 + v[i] * x1;
-    a[i] += fabs(w[i]) * y0 + fabs(v[i]) * y1;
+    const double p = w[i] * x0, q = v[i] * x1;
+    u[i] += p + q;
+    a[i] += fabs(p) + fabs(q);
   }
 }
 
-DLSI_CLONES static void add_both_3d(size_t rows, column w, size_t ld, const double *x,
+DLSI_CLONES static void both_one_3d(size_t rows, column w, size_t ld, const double *x,
                                     double *restrict u, double *restrict a) {
   column v = w + ld, t = v + ld;
-  const double x0 = x[0], x1 = x[1], x2 = x[2], y0 = fabs(x0), y1 = fabs(x1), y2 = fabs(x2);
+  const double x0 = x[0], x1 = x[1], x2 = x[2];
   for (size_t i = 0; i < rows; i++) {
-    u[i] += w[i] * x0 + v[i] * x1 + t[i] * x2;
-    a[i] += fabs(w[i]) * y0 + fabs(v[i]) * y1 + fabs(t[i]) * y2;
+    const double p = w[i] * x0, q = v[i] * x1, s = t[i] * x2;
+    u[i] += p + q + s;
+    a[i] += fabs(p) + fabs(q) + fabs(s);
+  }
+}
+
+DLSI_CLONES static void both_four_2d(size_t rows, const double *const w[4], size_t ld,
+                                     const double *x, double *restrict u, double *restrict a) {
+  column a0 = w[0], a1 = a0 + ld, b0 = w[1], b1 = b0 + ld;
+  column c0 = w[2], c1 = c0 + ld, d0 = w[3], d1 = d0 + ld;
+  const double x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
+  const double x4 = x[4], x5 = x[5], x6 = x[6], x7 = x[7];
+  for (size_t i = 0; i < rows; i++) {
+    double p = a0[i] * x0, q = a1[i] * x1, v = u[i] + (p + q), s = a[i] + (fabs(p) + fabs(q));
+    p = b0[i] * x2, q = b1[i] * x3, v += p + q, s += fabs(p) + fabs(q);
+    p = c0[i] * x4, q = c1[i] * x5, v += p + q, s += fabs(p) + fabs(q);
+    p = d0[i] * x6, q = d1[i] * x7, u[i] = v + (p + q), a[i] = s + (fabs(p) + fabs(q));
+  }
+}
+
+DLSI_CLONES static void both_four_3d(size_t rows, const double *const w[4], size_t ld,
+                                     const double *x, double *restrict u, double *restrict a) {
+  column a0 = w[0], a1 = a0 + ld, a2 = a1 + ld, b0 = w[1], b1 = b0 + ld, b2 = b1 + ld;
+  column c0 = w[2], c1 = c0 + ld, c2 = c1 + ld, d0 = w[3], d1 = d0 + ld, d2 = d1 + ld;
+  const double x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3], x4 = x[4], x5 = x[5];
+  const double x6 = x[6], x7 = x[7], x8 = x[8], x9 = x[9], x10 = x[10], x11 = x[11];
+  for (size_t i = 0; i < rows; i++) {
+    double p = a0[i] * x0, q = a1[i] * x1, t = a2[i] * x2;
+    double v = u[i] + (p + q + t), s = a[i] + (fabs(p) + fabs(q) + fabs(t));
+    p = b0[i] * x3, q = b1[i] * x4, t = b2[i] * x5;
+    v += p + q + t, s += fabs(p) + fabs(q) + fabs(t);
+    p = c0[i] * x6, q = c1[i] * x7, t = c2[i] * x8;
+    v += p + q + t, s += fabs(p) + fabs(q) + fabs(t);
+    p = d0[i] * x9, q = d1[i] * x10, t = d2[i] * x11;
+    u[i] = v + (p + q + t), a[i] = s + (fabs(p) + fabs(q) + fabs(t));
   }
 }
 
@@ -127,13 +162,20 @@ void dlsi_contact_add_columns(const dls_contact *problem, int c, const double *d
     dlsi_contact_add_panel(problem, 1, &c, dr, u);
 }
 
-void dlsi_contact_add_both(const dls_contact *problem, int c, const double *dr, double *u,
-                           double *a) {
-  const size_t d = (size_t)problem->d, ld = (size_t)problem->W.ld;
-  (d == 1 ? add_both_1d
-   : d == 2
-       ? add_both_2d
-       : add_both_3d)(d * (size_t)problem->nc, problem->W.a + d * (size_t)c * ld, ld, dr, u, a);
+void dlsi_contact_add_both(const dls_contact *problem, int count, const int *c, const double *dr,
+                           double *u, double *a) {
+  const size_t d = (size_t)problem->d, ld = (size_t)problem->W.ld, m = d * (size_t)problem->nc;
+  int k = 0;
+  for (; d > 1 && k + 4 <= count; k += 4) {
+    const double *w[4];
+    for (int j = 0; j < 4; j++)
+      w[j] = problem->W.a + d * (size_t)c[k + j] * ld;
+    (d == 2 ? both_four_2d : both_four_3d)(m, w, ld, dr + d * (size_t)k, u, a);
+  }
+  for (; k < count; k++) {
+    const double *w = problem->W.a + d * (size_t)c[k] * ld;
+    (d == 1 ? both_one_1d : d == 2 ? both_one_2d : both_one_3d)(m, w, ld, dr + d * (size_t)k, u, a);
+  }
 }
 
 void dlsi_contact_add_panel(const dls_contact *problem, int count, const int *c, const double *dr,

@@ -60,7 +60,8 @@
  *          of the solve before (vi/newton.c, NE5): a step in which no state changes takes products
  *          and triangular solves alone. Where that fails, the next warm solve does not try.
  *   (AT15) line      where the start of a warm solve is the answer of the one before, the line
- *          through the last two answers is followed: the better one of both starts is taken.
+ *          through the last two answers is followed: the better one of both starts is taken. While
+ *          W stays, their u follow without a product; (AT14) begins with that u.
  *
  *   (AT16) apart     where two in five candidates or more provably cannot touch (apart.c), W
  *          dense, a cold solve begins with the problem of the others, a copy. Its answer is that of
@@ -132,6 +133,10 @@ typedef enum part {
   parts
 } part;
 
+typedef struct auto_answer {
+  double *r, *Wr; /* m */
+} auto_answer;
+
 typedef struct dlsi_auto {
   dlsi_options options;
   int d, nc;
@@ -139,7 +144,7 @@ typedef struct dlsi_auto {
   dlsi_room room;     /* for their matrices: none keeps factors from one stage to the next */
   double *r, *best;   /* m: of the stage under way, of the best answer so far */
   double *w;          /* nc: weights of the certificate */
-  double *v[4];       /* m: scratch */
+  double *v[4];       /* m: scratch; the last one up to path_unknowns */
   dlsi_formed formed; /* of a problem of bodies: scratch, W by blocks for all but (AT13) */
   dlsi_renumber copy; /* (AT11), up to path_unknowns */
   double *kept;       /* m: the best r before the copy */
@@ -153,7 +158,7 @@ typedef struct dlsi_auto {
   double last_sweeps; /* of its first stages */
   int answers;        /* so many of the next two are there, of last_nc candidates */
   int last_nc;
-  double *last, *former; /* m: its answer, and the one before */
+  auto_answer last, former; /* of the solve before, and of the one before that */
 
   /* of the solve under way */
   const dls_contact *problem; /* the caller's, or the copy */
@@ -172,6 +177,7 @@ typedef struct dlsi_auto {
   int may_rest;       /* (AT12) is worth a try, and has not been tried */
   int has_pushed;     /* (AT13) got nowhere */
   int has_augmented;  /* (AT4) has been tried */
+  int known;          /* v[0] is u of the start as it follows from (AT15) */
 
   /* of the stage under way */
   double target, least; /* logarithms of e* and of the least e that counts */
@@ -661,43 +667,78 @@ static void offer(dlsi_auto *work, const double *r) {
   memcpy(work->best, r, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
 }
 
-/* (AT15) Returns 1 if the certificate of the start holds already. */
+/* Returns the residual of r with v[0] as its u. */
+static double expect(dlsi_auto *work, const double *r) {
+  const dls_contact *problem = work->problem;
+  dls_certificate now;
+  memset(work->v[1], 0, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
+  dlsi_contact_measure(problem, r, work->v[0], work->v[1], work->w, work->v[2], &now);
+  return now.residual;
+}
+
+/* (AT15) Returns 1 if the certificate of the start holds already. With the same W both starts are
+ * measured without a product, since W r is linear in r; with another one this is a guess. */
 static int predict(dlsi_auto *work) {
   const dls_contact *problem = work->problem;
+  const auto_answer *a = &work->last, *b = &work->former;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  work->known = 0;
   if (work->answers < 2 || work->last_nc != problem->nc ||
-      memcmp(work->last, work->best, m * sizeof *work->last) != 0)
+      memcmp(a->r, work->best, m * sizeof *a->r) != 0)
     return 0;
   dlsi_contact_weights(problem, work->w);
-  offer(work, work->last);
   for (size_t k = 0; k < m; k++)
-    work->r[k] = 2 * work->last[k] - work->former[k];
-  if (!dls_certificate_holds(&work->info.certificate, work->options.limits.tol))
-    offer(work, work->r);
+    work->v[0][k] = a->Wr[k] + problem->q[k];
+  double residual = expect(work, a->r);
+  for (size_t k = 0; k < m; k++) {
+    work->r[k] = 2 * a->r[k] - b->r[k];
+    work->v[0][k] = 2 * a->Wr[k] - b->Wr[k] + problem->q[k];
+  }
+  const double of_line = expect(work, work->r);
+  if (of_line < residual) {
+    residual = of_line;
+    memcpy(work->best, work->r, m * sizeof *work->best);
+  } else
+    for (size_t k = 0; k < m; k++)
+      work->v[0][k] = a->Wr[k] + problem->q[k];
+  work->known = residual > work->options.limits.tol;
+  if (work->known) return 0;
+  memcpy(work->r, work->best, m * sizeof *work->r);
+  offer(work, work->r);
   return dls_certificate_holds(&work->info.certificate, work->options.limits.tol);
 }
 
-/* Remembers the answer of a warm solve. */
-static void remember_answer(dlsi_auto *work, const double *r) {
-  const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
-  double *const former = work->former;
-  work->answers = work->answers && work->last_nc == work->problem->nc ? 2 : 1;
-  work->last_nc = work->problem->nc;
+/* Remembers the answer of a warm solve. u: that of r, NULL: not known. */
+static void remember_answer(dlsi_auto *work, const double *r, const double *u) {
+  const dls_contact *problem = work->problem;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const auto_answer oldest = work->former;
+  const int last = work->info.stages - 1;
+  if (!u && work->newton_won && !work->has_copy && last >= 0 &&
+      work->info.stage[last].method == DLS_NEWTON)
+    u = dlsi_newton_gap(work->part[NEWTON]);
+  work->answers = work->answers && work->last_nc == problem->nc ? 2 : 1;
+  work->last_nc = problem->nc;
   work->former = work->last;
-  work->last = former;
-  memcpy(work->last, r, m * sizeof *r);
+  work->last = oldest;
+  memcpy(oldest.r, r, m * sizeof *r);
+  if (!u) dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
+  if (!u) u = work->v[0];
+  for (size_t k = 0; k < m; k++)
+    oldest.Wr[k] = u[k] - problem->q[k];
 }
 
 /* (AT14) Returns DLS_OK, an error, the reason for the end, or DLS_STALLED to go on. */
 static dls_status take_step(dlsi_auto *work, dls_error *error) {
   dls_status status = create_part(work, NEWTON, error);
   if (status) return status;
-  dlsi_newton_keep(work->part[NEWTON]);
+  dlsi_newton_keep(work->part[NEWTON], work->known ? work->v[0] : NULL);
   status = take_stage(work, NEWTON, 0, error);
   work->failures = 0;
   if (status < 0 || dls_certificate_holds(&work->info.certificate, work->options.limits.tol))
     return status < 0 ? status : DLS_OK;
   work->failed_to_step = 1;
+  if (work->known) offer(work, work->last.r); /* what the step has begun with has no certificate */
   if (work->stopped) return work->stopped;
   if (status == DLS_TIME_LIMIT) return status;
   return work->limited ? DLS_MAX_ITERATIONS : DLS_STALLED;
@@ -857,7 +898,7 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   if (u) memcpy(u, work->v[0], m * sizeof *u);
   work->info.status = status;
   remember_stages(work);
-  if (warm) remember_answer(work, r);
+  if (warm) remember_answer(work, r, u);
   if (info && status == DLS_OK) look_for_others(work, r);
   if (info) *info = work->info;
   return status;
@@ -896,11 +937,12 @@ static void auto_carve(void *automatic, dlsi_arena *arena) {
   work->r = dlsi_take(arena, m, sizeof *work->r);
   work->best = dlsi_take(arena, m, sizeof *work->best);
   work->w = dlsi_take(arena, (size_t)work->nc, sizeof *work->w);
-  work->last = dlsi_take(arena, m, sizeof *work->last);
-  work->former = dlsi_take(arena, m, sizeof *work->former);
-  for (int k = 0; k < 4; k++)
+  double **const answers[] = {&work->last.r, &work->last.Wr, &work->former.r, &work->former.Wr};
+  dlsi_take_vectors(arena, m, 4, answers);
+  for (int k = 0; k < 3; k++)
     work->v[k] = dlsi_take(arena, m, sizeof *work->v[k]);
   if (m > path_unknowns) return;
+  work->v[3] = dlsi_take(arena, m, sizeof *work->v[3]);
   dlsi_renumber_carve(&work->copy, arena, work->d, work->nc);
   work->kept = dlsi_take(arena, m, sizeof *work->kept);
   work->direction = dlsi_take(arena, m, sizeof *work->direction);

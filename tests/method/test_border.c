@@ -1,4 +1,4 @@
-/* test_border.c: a Newton step by the factors of other states, beside the matrix of these states. */
+/* test_border.c: a Newton step by the factors of other states, beside the matrix of its own. */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 #include "run.h"
 #include "vi/border.h"
 
-enum { nc = 18, most_rows = 3 * nc };
+enum { nc = 24, most_rows = 3 * nc };
 
 static double W[most_rows * most_rows], q[most_rows], w[nc], E[nc], mu[nc];
 static dls_contact p;
@@ -34,7 +34,7 @@ static void border_problem(int dimension) {
 static dlsi_branch border_state(int c) {
   dlsi_branch b = {.state = DLS_FREE, .mu = mu[c]};
   const double chance = (uniform() + 1) / 2, angle = 3 * uniform();
-  if (chance < .3) return b;
+  if (chance < (d == 1 ? .45 : .3)) return b;
   if (mu[c] > 0 && chance < .6) {
     b.state = DLS_STICK;
     b.count = (short)d;
@@ -107,7 +107,7 @@ START_TEST(solves_for_other_states) {
   dlsi_border border;
   const size_t used = (size_t)(n * n), all = sizeof room / sizeof *room;
   dlsi_border_begin(&border, d, nc, base, n, room + used, all - used);
-  ck_assert_int_ge(border.most, d);
+  ck_assert_int_ge(border.most, 1);
   ck_assert_int_le(border.most, n / 6);
   int turns = 0, k;
   for (;; turns++) {
@@ -125,7 +125,7 @@ START_TEST(solves_for_other_states) {
                   border_error(M, k, x, right));
     ck_assert(turns < 200);
     now[(7 * turns + 3) % nc] = border_state((7 * turns + 3) % nc);
-    if (border.k) now[border.changed[0]] = border_state(border.changed[0]);
+    if (border.k) now[border.of[0]] = border_state(border.of[0]);
   }
   ck_assert_int_ge(turns, 2);
 }
@@ -140,7 +140,7 @@ START_TEST(singular_states) {
   set_seed(521288629);
   border_problem(1);
   for (int c = 0; c < nc; c++)
-    b[c] = (dlsi_branch){.state = c ? DLS_SLIP : DLS_FREE, .count = c > 0};
+    b[c] = (dlsi_branch){.state = c % 2 ? DLS_SLIP : DLS_FREE, .count = (short)(c % 2)};
   for (int k = 0; k < m; k++)
     W[k * m] = W[1 + k * m];
   for (int k = 0; k < m; k++)
