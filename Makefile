@@ -336,7 +336,7 @@ properties: $(PROPERTIES_PROGRAM)
 # the short form
 .PHONY: check-properties
 check-properties: $(PROPERTIES_PROGRAM)
-	@OPENBLAS_NUM_THREADS=1 $(PROPERTIES_PROGRAM) --out $(BUILD)/properties --count 420 --seed 1 --step 2
+	@OPENBLAS_NUM_THREADS=1 $(PROPERTIES_PROGRAM) --out $(BUILD)/properties --class each --count 420 --seed 1 --step 2
 
 # ---- torments (tests/torment/README.md) ------------------------------------------------------------
 

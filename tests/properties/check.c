@@ -4,7 +4,7 @@
  * Every run is judged alone (rules 1, 2, 3, 7) and beside the runs of the same problem (4, 5, 6).
  * A problem is solved by auto at two tolerances always; storages, scales, orders, starts, single
  * methods and the two forms of the LCP take turns, drawn by the seed, so that a minute sees
- * thousands of problems.
+ * thousands of problems. A problem that auto has searched for long is run a quarter as often.
  */
 #include <float.h>
 #include <math.h>
@@ -112,6 +112,9 @@ static rule judge_copy(const problem *p, const run *one, const outcome *a, const
 
 /* ---- the runs of a problem ------------------------------------------------------------------- */
 
+enum { dear = 3000 }; /* factorisations of auto's first run */
+static const double dear_share = 0.25;
+
 typedef struct plan {
   int count;
   run run[RUNS_MAX];
@@ -133,16 +136,17 @@ static void plan_powers(dice *g, run *how) {
   how->power_q = way == 0 ? 0 : way == 3 ? dice_below(g, 61) - 30 : power;
 }
 
-/* auto: another tolerance, storage, entry, start, order, scale */
-static void plan_auto(dice *g, const problem *p, plan *all) {
+/* auto: another tolerance; storage, entry, start, order, scale, each of them at `share` times its
+ * usual rate. */
+static void plan_auto(dice *g, const problem *p, double share, plan *all) {
   plan_add(all, 0)->tol /= 100;
   all->against[1] = -1;
-  if (dice_below(g, 2)) plan_add(all, -1)->blocks = 1;
-  if (dice_below(g, 2)) plan_add(all, -1)->front = 1;
-  if (dice_below(g, 4) == 0) plan_add(all, -1)->warm = 1;
-  if (dice_below(g, 4) == 0) plan_add(all, -1)->warm = 2;
-  if (dice_below(g, 2)) plan_powers(g, plan_add(all, 0));
-  if (p->nc > 1 && dice_below(g, 2)) plan_add(all, 0)->shuffle = 1;
+  if (dice_between(g, 0, 2) < share) plan_add(all, -1)->blocks = 1;
+  if (dice_between(g, 0, 2) < share) plan_add(all, -1)->front = 1;
+  if (dice_between(g, 0, 4) < share) plan_add(all, -1)->warm = 1;
+  if (dice_between(g, 0, 4) < share) plan_add(all, -1)->warm = 2;
+  if (dice_between(g, 0, 2) < share) plan_powers(g, plan_add(all, 0));
+  if (p->nc > 1 && dice_between(g, 0, 2) < share) plan_add(all, 0)->shuffle = 1;
 }
 
 /* every method one time in eight, else one; each may be scaled, or by blocks */
@@ -205,11 +209,12 @@ void check_problem(const problem *p, uint64_t seed, const options *ask, verdict 
   memset(v, 0, sizeof *v);
   v->visible = is_visible(p, ask->tol);
   all.run[0] = (run){.method = DLS_AUTO, .tol = ask->tol, .seed = seed};
-  plan_auto(&g, p, &all);
+  solve_run(p, &all.run[0], NULL, &o[0]);
+  plan_auto(&g, p, o[0].factorisations > dear ? dear_share : 1, &all);
   plan_methods(&g, &all);
   plan_lcp(&g, p, &all);
   for (int k = 0; k < all.count; k++) {
-    solve_run(p, &all.run[k], &o[0], &o[k]);
+    if (k) solve_run(p, &all.run[k], &o[0], &o[k]);
     if (all.run[k].warm == 2)
       note_finding(v, judge_alone(p, &all.run[k], &o[k]), 1, &all.run[0], &all.run[k]);
     else

@@ -43,6 +43,7 @@ typedef struct run {
 typedef struct outcome {
   dls_status status;
   double residual; /* as the library reports it */
+  int factorisations;
   double r[M_MAX]; /* in the problem's own order and unit */
   measure is;      /* of r, by measure_answer */
   int holds;       /* 1: r is a certified answer at the tolerance of the run, with a margin */

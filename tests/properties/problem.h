@@ -45,6 +45,10 @@ double dice_power(dice *g, double a, double b); /* 10 to the power of a uniform 
 enum { CLASSES = 21 };
 extern const char *const class_name[CLASSES];
 
+/* The class of a seed: of a thousand seeds each class has its share, the more the cheaper its
+ * problems are. */
+int class_of_seed(uint64_t seed);
+
 /* *p := the problem of this class and seed; the same bits at every call. */
 void generate(int class, uint64_t seed, problem *p);
 

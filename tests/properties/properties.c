@@ -3,7 +3,8 @@
  *
  *   properties [--seed N] [--step K] [--count N] [--class NAME] [--seconds S] [--tol T] [--out DIR]
  *
- * Problem i has the seed N + i K, and of the classes the one that the seed falls on. Exit 0: every
+ * Problem i has the seed N + i K, and of the classes the one that the seed falls on, by shares that
+ * are even in time; "--class each" takes the classes in turn. Exit 0: every
  * rule kept; 1: some rule broken; 2: the command line, or a file that cannot be written.
  */
 #define _POSIX_C_SOURCE 200809L /* mkdir, clock_gettime */
@@ -29,6 +30,8 @@ static const struct {
 } unsolved_of[] = {{"friction", 2e-3}, {"slight", 2e-3},     {"mixed", 0.05},
                    {"skew", 5e-3},     {"zero-blocks", 0.1}, {"product", 0.2}};
 
+enum { DRAWN = -1, EACH = -2 };
+
 static double wall_clock(void) {
   struct timespec t;
   clock_gettime(CLOCK_MONOTONIC, &t);
@@ -41,12 +44,13 @@ typedef struct tally {
   long broken[RULES], both_true, doubtful;
   long by[RULES][WAYS]; /* method of the first run that shows it; the last: Lemke on an LCP */
   double forces;        /* worst residual_r of a solved one */
+  double seconds;       /* of CPU */
 } tally;
 
 typedef struct command {
   uint64_t seed, step;
   long count;
-  int class; /* -1: all in turn */
+  int class; /* DRAWN, EACH, or one */
   double seconds;
   options ask;
   const char *out;
@@ -83,7 +87,8 @@ static int read_command(int count, char **words, command *to) {
     else if (!strcmp(key, "--class")) {
       for (to->class = CLASSES - 1; to->class >= 0; to->class --)
         if (!strcmp(class_name[to->class], text)) break;
-      if (to->class < 0) return print_usage();
+      if (!strcmp(text, "each")) to->class = EACH;
+      if (to->class == DRAWN) return print_usage();
     } else
       return print_usage();
     if (*end || !(to->ask.tol > 0)) return print_usage();
@@ -117,20 +122,21 @@ static int save_finding(const command *of, problem *p, int class, uint64_t seed,
 /* ---- tables ---------------------------------------------------------------------------------- */
 
 static void tally_print(const tally *t) {
-  printf("\n%-20s%9s%9s%9s%9s%10s%9s%9s%11s\n", "class", "problems", "solvable", "solved", "fine",
-         "stalled", "likely", "proved", "forces");
+  printf("\n%-20s%9s%9s%9s%9s%10s%9s%9s%11s%9s\n", "class", "problems", "solvable", "solved",
+         "fine", "stalled", "likely", "proved", "forces", "ms");
   for (int k = 0; k < CLASSES; k++) {
     if (!t[k].problems) continue;
     const long other = t[k].problems - t[k].status[DLS_OK] - t[k].status[DLS_NO_SOLUTION_LIKELY] -
                        t[k].status[DLS_NO_SOLUTION];
-    printf("%-20s%9ld%9ld%9ld%9ld%10ld%9ld%9ld%11.1e\n", class_name[k], t[k].problems, t[k].visible,
-           t[k].solved, t[k].fine, other, t[k].status[DLS_NO_SOLUTION_LIKELY],
-           t[k].status[DLS_NO_SOLUTION], t[k].forces);
+    printf("%-20s%9ld%9ld%9ld%9ld%10ld%9ld%9ld%11.1e%9.2f\n", class_name[k], t[k].problems,
+           t[k].visible, t[k].solved, t[k].fine, other, t[k].status[DLS_NO_SOLUTION_LIKELY],
+           t[k].status[DLS_NO_SOLUTION], t[k].forces, 1e3 * t[k].seconds / (double)t[k].problems);
   }
   printf(
       "solvable: planted, not hidden by rounding; solved, fine: of these by auto at tol and tol / "
       "100;\n"
-      "stalled, likely, proved: auto of all problems; forces: worst residual_r of a solved one\n");
+      "stalled, likely, proved: auto of all problems; forces: worst residual_r of a solved one;\n"
+      "ms: CPU of a problem\n");
   printf("\n%-20s", "rules broken");
   static const char *const head[RULES] = {"",       "error",  "likely",  "proved", "hold u",
                                           "hold r", "unseen", "contra",  "bits",   "odd bits",
@@ -228,8 +234,12 @@ int main(int count, char **words) {
   static long saved[RULES];
   static problem p, small;
   static verdict v;
-  command of = {
-      .seed = 1, .step = 1, .count = 2000, .class = -1, .ask = {1e-8}, .out = "build/properties"};
+  command of = {.seed = 1,
+                .step = 1,
+                .count = 2000,
+                .class = DRAWN,
+                .ask = {1e-8},
+                .out = "build/properties"};
   of.seconds = INFINITY;
   if (!read_command(count, words, &of)) return 2;
   setvbuf(stdout, NULL, _IOLBF, 0);
@@ -243,9 +253,13 @@ int main(int count, char **words) {
   int written = 1;
   for (long i = 0; i < of.count && wall_clock() - start < of.seconds; i++) {
     const uint64_t seed = of.seed + of.step * (uint64_t)i;
-    const int class = of.class < 0 ? (int)(seed % CLASSES) : of.class;
+    const int class = of.class >= 0      ? of.class
+                      : of.class == EACH ? (int)(seed % CLASSES)
+                                         : class_of_seed(seed);
+    const clock_t began = clock();
     generate(class, seed, &p);
     check_problem(&p, seed, &of.ask, &v);
+    all[class].seconds += (double)(clock() - began) / CLOCKS_PER_SEC;
     tally_add(&all[class], &p, &v);
     if (v.visible && p.symmetric && !v.solved)
       printf("not solved: --seed %llu --count 1 --class %s\n", (unsigned long long)seed,

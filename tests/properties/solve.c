@@ -214,6 +214,7 @@ static dls_status solve_contact(room *at, const run *how, outcome *out, double *
     dls_solver_destroy(solver);
   }
   out->residual = info.certificate.residual;
+  out->factorisations = info.factorisations;
   return status;
 }
 

@@ -40,7 +40,7 @@ NEAR = {
 SLOW = {"fe/test_forming", "fe/test_forming_body", "fe/test_moving", "cli/test_charts",
         "cli/test_forming_cli", "reduction/test_threads"}
 # Random problems, solved in many ways and certified, which see every method and both rooms of LCP.
-PROPERTIES = "properties/properties --seed 1 --step 2 --count 60 --out properties"
+PROPERTIES = "properties/properties --class each --seed 1 --step 2 --count 60 --out properties"
 # Seconds each: after all others.
 HEAVY = {"front/test_proof", "front/test_renumber", "front/test_trust", "front/test_solve",
          "reduction/test_reduction_sparse", "motion/test_rigid", "fe/test_fe", "cli/test_cli",
