@@ -24,7 +24,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "linear/blas.h"
+#include "linear/dense.h"
 #include "linear/dissection.h"
 #include "vi_internal.h"
 
@@ -408,24 +408,29 @@ static int joint_invert(const dlsi_joints *work, int J, const double *rho, doubl
   const int n = joint_size(work, J), rank = work->rank[J], d = work->d;
   const int *list = work->list + work->first[J];
   const double *Q = work->Q + work->basis[J];
-  int even = 1, info = 0;
+  double sums[joint_unknowns * joint_unknowns];
+  int even = 1;
   for (int i = d; i < n; i += d)
     even = even && rho[list[i / d]] == rho[list[0]];
+  const int direct = even || rank == n; /* no inverse is needed */
+  double *B = direct ? inverse : sums;
   for (int j = 0; j < rank; j++)
     for (int i = 0; i < rank; i++) {
       double sum = even ? (i == j) * rho[list[0]] : 0;
       for (int k = 0; !even && i >= j && k < n; k++)
         sum += rank == n ? (i == k && j == k) * rho[list[k / d]]
                          : Q[k + n * i] * Q[k + n * j] / rho[list[k / d]];
-      inverse[i + rank * j] = sum;
+      B[i + rank * j] = sum;
     }
-  if (even || rank == n) return 0;
-  dpotrf_("L", &rank, inverse, &rank, &info, 1);
-  if (!info) dpotri_("L", &rank, inverse, &rank, &info, 1);
+  if (direct) return 0;
+  dlsi_dense factors = {.n = rank, .A = B};
+  const int failed = dlsi_dense_cholesky(&factors);
+  if (failed) return failed;
+  dlsi_dense_inverse(&factors, inverse);
   for (int j = 0; j < rank; j++)
     for (int i = 0; i < j; i++)
       inverse[i + rank * j] = inverse[j + rank * i];
-  return info;
+  return 0;
 }
 
 int dlsi_joints_factor(dlsi_joints *work, const double *rho) {
