@@ -171,6 +171,12 @@ DLS_API DLS_MUST_USE dls_status dls_contact_states(const dls_contact *problem, c
                                                    const double *u, dls_contact_state *state,
                                                    dls_error *error);
 
+/* Tells |F_c| of every candidate, where an answer is wrong if it is none: the root of the sum of
+ * their squares over |q| is residual_u. u: as above. misfit: nc; length (velocity) */
+DLS_API DLS_MUST_USE dls_status dls_contact_misfits(const dls_contact *problem, const double *r,
+                                                    const double *u, double *misfit,
+                                                    dls_error *error);
+
 #ifdef __cplusplus
 }
 #endif

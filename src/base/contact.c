@@ -439,19 +439,36 @@ int dls_certificate_holds(const dls_certificate *certificate, double tol) {
          4 * certificate->floor_u <= (tol > 1e-8 ? tol : 1e-8);
 }
 
-dls_status dls_contact_states(const dls_contact *problem, const double *r, const double *u,
-                              dls_contact_state *state, dls_error *error) {
+/* Fills state or misfit, named so; the other is NULL. Returns the status of a public function. */
+static dls_status contact_tell(const dls_contact *problem, const double *r, const double *u,
+                               const char *name, dls_contact_state *state, double *misfit,
+                               dls_error *error) {
   dls_status status = dlsi_check_contact(problem, error);
   const size_t d = status ? 0 : (size_t)problem->d, nc = status ? 0 : (size_t)problem->nc;
   if (!status) status = dlsi_check_vector("r", r, d * nc, error);
   if (!status) status = dlsi_check_vector("u", u, d * nc, error);
-  if (!status && !state) status = dlsi_is_null(error, "state");
-  double *w = status ? NULL : dlsi_alloc(nc, sizeof *w), F[3];
+  if (!status && !state && !misfit) status = dlsi_is_null(error, name);
+  double *w = status ? NULL : dlsi_alloc(nc, sizeof *w);
   if (!status && !w) status = dlsi_no_memory(error);
-  if (status) return dlsi_at(__func__, status, error);
+  if (status) return status;
   dlsi_contact_weights(problem, w);
-  for (size_t c = 0; c < nc; c++)
-    state[c] = dlsi_contact_residual(problem->d, problem->mu[c], w[c], r + d * c, u + d * c, F);
+  for (size_t c = 0; c < nc; c++) {
+    double F[3] = {0};
+    const dls_contact_state now =
+        dlsi_contact_residual(problem->d, problem->mu[c], w[c], r + d * c, u + d * c, F);
+    if (state) state[c] = now;
+    if (misfit) misfit[c] = dlsi_norm2(F, d);
+  }
   free(w);
   return DLS_OK;
+}
+
+dls_status dls_contact_states(const dls_contact *problem, const double *r, const double *u,
+                              dls_contact_state *state, dls_error *error) {
+  return dlsi_at(__func__, contact_tell(problem, r, u, "state", state, NULL, error), error);
+}
+
+dls_status dls_contact_misfits(const dls_contact *problem, const double *r, const double *u,
+                               double *misfit, dls_error *error) {
+  return dlsi_at(__func__, contact_tell(problem, r, u, "misfit", NULL, misfit, error), error);
 }

@@ -215,6 +215,25 @@ void verdict_fill(verdict *v, dls_status status, int lcp);
 /* Prints the verdict; with proof = 1 the vectors, too. */
 void verdict_print(const verdict *v, int proof);
 
+/* ---- unsettled.c ----------------------------------------------------------------------------- */
+
+enum { most_unsettled = 8 };
+
+/* The candidates at which an answer that is none is wrong. */
+typedef struct unsettled {
+  int count, candidate[most_unsettled]; /* the worst first: half of the error, or the first few */
+  double share;                         /* of the sum of |F_c|^2 that these hold */
+  double
+      growth; /* of the residual in a sweep from there; more than 1: sweeps diverge; 0: unknown */
+} unsettled;
+
+/* Returns 0 after a complaint. */
+int unsettled_find(unsettled *to, const dls_contact *contact, const double *r, const double *u);
+
+/* Print nothing if count is 0. */
+void unsettled_print(const unsettled *from);
+void unsettled_print_json(FILE *out, const unsettled *from);
+
 /* ---- report.c, outcomes ---------------------------------------------------------------------- */
 
 /* The summary of a run, in text and in JSON. */
@@ -229,6 +248,7 @@ typedef struct outcome {
   int as_printed;                /* 1: by jean_sweeps */
   verdict verdict;               /* of solve */
   int proof;                     /* 1: with its vectors */
+  unsettled unsettled;           /* of solve, where nothing else is said */
 } outcome;
 
 const char *method_word(const outcome *outcome);

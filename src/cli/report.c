@@ -287,6 +287,7 @@ void print_json(FILE *out, const outcome *o) {
   print_json_field(out, "solve_cpu_seconds", o->solve_cpu_seconds);
   if (o->info.stages) print_json_stages(out, &o->info);
   print_json_verdict(out, &o->verdict, o->proof);
+  unsettled_print_json(out, &o->unsettled);
   fputs("\n}\n", out);
 }
 

@@ -158,6 +158,7 @@ static int print_outcome(const char *path, const problem *p, const outcome *o, c
          c->penetration, c->adhesion, c->cone_violation, c->slip_direction, c->complementarity);
   if (!print_states(&p->contact, r, u)) return 0;
   verdict_print(&o->verdict, o->proof);
+  unsettled_print(&o->unsettled);
   dls_diagnosis facts;
   dls_error error = {0};
   const int m = p->contact.d * p->contact.nc, limit = o->info.status ? hint_rows : 0;
@@ -215,6 +216,8 @@ static int solve_contact(const char *path, const solve_options *options) {
                         .farkas = dls_solver_farkas(solver),
                         .ray = dls_solver_direction(solver)};
   verdict_fill(&o.verdict, status, 0);
+  const int wrong = o.info.certificate.residual > settings.limits.tol && !o.verdict.says;
+  if (wrong && !unsettled_find(&o.unsettled, &p.contact, r, u)) goto end;
   if ((options->out || options->print || options->csv) && recover(&p, r, &x, &error)) {
     (void)complain_of(path, &error);
     goto end;

@@ -7,7 +7,8 @@
  *   (CH3)  entries of each column of L: row k holds the columns on the paths from its neighbours
  *          up to k
  *   (CH4)  supernodes: chains of the tree where a column has the rows of the one before it but one
- *   (CH5)  merge a supernode into the next one, its parent, if no more than `spare` zeros come in
+ *   (CH5)  merge a supernode into the next one, its parent, if no more than `spare` zeros come in,
+ *          nor a third of the panel: a long chain would become one of nothing else
  *   (CH6)  rows of the supernodes, by the paths of (CH3) on their tree; they come out ascending
  *   (CH7)  the place of each entry of A in L
  *
@@ -22,6 +23,7 @@
 /* Zeros that a supernode may bring in to be merged: with half the number or with twice as many,
  * solves take as long, so that the fewer supernodes decide. */
 enum { spare = 100 };
+static const double share = 1. / 3; /* (CH5) */
 
 typedef struct analysis {
   int n, inner;  /* positions; those before c */
@@ -128,14 +130,16 @@ static int analyse_chains(const analysis *g, dlsi_cholesky *to, const int *count
  * which begin with the entries of their first columns; scratch, n. */
 static void analyse_merge(analysis *g, dlsi_cholesky *to, const int *count, int chains) {
   int *first = to->first, *size = g->a, *joins = g->b;
+  double padded = 0, width = 0; /* zeros and columns of the panel that grows */
   for (int s = chains - 1; s >= 0; s--) {
     const int columns = first[s + 1] - first[s], above = g->parent[first[s + 1] - 1];
     size[s] = count[first[s]];
-    joins[s] = 0;
-    if (above < 0 || to->owner[above] != s + 1) continue;
-    const double zeros = (double)columns * (columns + size[s + 1] - size[s]);
-    joins[s] = zeros <= spare;
+    const int next = above >= 0 && to->owner[above] == s + 1;
+    const double rows = next ? columns + size[s + 1] : 0, zeros = columns * (rows - size[s]);
+    joins[s] = next && zeros <= spare && padded + zeros <= share * rows * (width + columns);
     if (joins[s]) size[s] = columns + size[s + 1];
+    padded = joins[s] ? padded + zeros : 0;
+    width = joins[s] ? width + columns : columns;
   }
   to->count = 0;
   for (int s = 0; s < chains; s++)

@@ -582,6 +582,21 @@ START_TEST(states_of_the_three_kinds) {
 }
 END_TEST
 
+/* They add up to the residual, and the largest is where the certificate says. */
+START_TEST(misfits_are_the_residual) {
+  const dls_contact p = dense2();
+  const double r[4] = {0.5, 0.1, 0.2, 0.4};
+  double u[4], misfit[2];
+  const dls_certificate c = certified(&p, r, u);
+  ck_assert_int_eq(dls_contact_misfits(&p, r, u, misfit, NULL), DLS_OK);
+  ck_assert(misfit[0] > 0 && misfit[1] > 0);
+  ck_assert_double_eq_tol(hypot(misfit[0], misfit[1]) /
+                              hypot(hypot(p.q[0], p.q[1]), hypot(p.q[2], p.q[3])),
+                          c.residual_u, 1e-15);
+  ck_assert_int_eq(misfit[1] > misfit[0], c.worst);
+}
+END_TEST
+
 START_TEST(certify_refuses_and_leaves_outputs) {
   const dls_contact p = dense2();
   double r[4] = {0, 0, 0, 0}, u[4] = {9, 9, 9, 9};
@@ -600,6 +615,10 @@ START_TEST(certify_refuses_and_leaves_outputs) {
   r[3] = 0;
   ck_assert_int_eq(dls_contact_states(&p, r, NULL, state, &e), DLS_E_ARGUMENT);
   ck_assert_int_eq(dls_contact_states(&p, r, u, NULL, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "state");
+  ck_assert_int_eq(dls_contact_misfits(&p, r, u, NULL, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "misfit");
+  ck_assert_str_eq(e.function, "dls_contact_misfits");
   malloc_fails_at(1);
   ck_assert_int_eq(dls_contact_certify(&p, r, u, &c, &e), DLS_E_MEMORY);
   malloc_fails_at(1);
@@ -961,9 +980,10 @@ int main(void) {
              ONCE(certificate_of_q_zero_and_frictionless), ONCE(weights_fall_back),
              ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
              ONCE(certificate_ignores_order_and_tangent_frame), ONCE(dense_and_blocks_agree),
-             ONCE(states_of_the_three_kinds), ONCE(certify_refuses_and_leaves_outputs),
-             ONCE(nan_is_never_certified), ONCE(a_runaway_is_never_certified),
-             EACH(there_and_back, 2, 4), EACH(storages_agree, 2, 4), ONCE(bad_conversion),
+             ONCE(states_of_the_three_kinds), ONCE(misfits_are_the_residual),
+             ONCE(certify_refuses_and_leaves_outputs), ONCE(nan_is_never_certified),
+             ONCE(a_runaway_is_never_certified), EACH(there_and_back, 2, 4),
+             EACH(storages_agree, 2, 4), ONCE(bad_conversion),
              EACH(a_subset_is_rows_and_columns, 0, 24), ONCE(a_subset_stays_in_its_memory),
              ONCE(frictionless_adhesion_is_refused), ONCE(a_bad_subset_is_named));
 }

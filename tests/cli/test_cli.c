@@ -203,6 +203,17 @@ START_TEST(auto_says_what_it_did) {
 }
 END_TEST
 
+/* Sweeps that circle: the candidate at fault is named. */
+START_TEST(names_the_unsettled) {
+  ck_assert_int_eq(run("solve -m nlgs data/failures/c11-gauss-seidel-cycle.txt"), 1);
+  ck_assert(prints("  the error is at candidate 0 (100 % of its square); sweeps circle here\n"));
+  ck_assert_int_eq(run("solve --json -m nlgs data/failures/c11-gauss-seidel-cycle.txt"), 1);
+  ck_assert(prints("\"unsettled\": [0],\n  \"unsettled_share\": 1,\n  \"sweep_growth\": 1"));
+  ck_assert_int_eq(run("solve --json data/failures/c11-gauss-seidel-cycle.txt"), 0);
+  ck_assert(!prints("unsettled"));
+}
+END_TEST
+
 /* The wedge that jams. */
 START_TEST(no_solution_likely_is_1) {
   const double W[4] = {1, 1, 1, 1}, q[2] = {-2, 0}, mu[1] = {2};
@@ -670,8 +681,8 @@ END_TEST
 
 int main(void) {
   return RUN("cli", make_directory, remove_directory, ONCE(help_and_version), ONCE(bad_usage_is_2),
-             ONCE(accelerated_scene), ONCE(auto_says_what_it_did), ONCE(no_solution_likely_is_1),
-             ONCE(proofs_are_printed), ONCE(scene_writes_its_files),
+             ONCE(accelerated_scene), ONCE(auto_says_what_it_did), ONCE(names_the_unsettled),
+             ONCE(no_solution_likely_is_1), ONCE(proofs_are_printed), ONCE(scene_writes_its_files),
              ONCE(scene_on_the_displacements), ONCE(equivalents_of_concentrated_reactions),
              ONCE(the_sweeps_as_printed), ONCE(a_block_of_its_own), ONCE(loads_one_after_the_other),
              ONCE(newton_and_the_list_of_methods), ONCE(lemke_in_3d_takes_facets),

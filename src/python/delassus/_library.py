@@ -162,6 +162,7 @@ _SIGNATURES = {
     "dls_certificate_holds": (c_int, "pd"),
     "dls_contact_certify": (c_int, "ppppp"),
     "dls_contact_states": (c_int, "ppppp"),
+    "dls_contact_misfits": (c_int, "ppppp"),
     "dls_solve": (c_int, "pppppp"),
     "dls_reduction_create_with": (c_int, "pppp"),
     "dls_reduction_update": (c_int, "ppp"),
