@@ -375,7 +375,7 @@ check-faults: $(BUILD)/tests/torment/faults
 	@OPENBLAS_NUM_THREADS=1 $< --most=16
 
 .PHONY: fuzz check-fuzz
-FUZZ_TARGETS = fclib sets mtx text calculix program lcp contact reduction motion
+FUZZ_TARGETS = fclib sets mtx text calculix program lcp contact reduction motion doors
 FUZZ_SECONDS ?= 60
 # under the sanitizers; a target of libFuzzer is told by the program's name
 FUZZ_FLAGS = BUILD=$(BUILD)/fuzz CFLAGS='-O1 -g -fno-omit-frame-pointer'

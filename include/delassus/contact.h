@@ -42,7 +42,7 @@ typedef struct dls_bodies {
   const int *body; /* 2 nc: body[2 c] and body[2 c + 1] of candidate c, 0 .. count-1, not the same;
                       -1: fixed */
   const double *H; /* 2 n d nc: block k of n x d, column-major at H + n d k, belongs to body[k]; of
-                      a fixed body it is not read. 1 / sqrt(mass) */
+                      a fixed body it is not read; its squares do not overflow. 1 / sqrt(mass) */
   double *work;    /* NULL; in copies of the view that the library makes, its own scratch */
 } dls_bodies;
 

@@ -130,10 +130,12 @@ static dls_status check_Wb(const dls_contact *problem, dls_error *error) {
   return check_columns(names, B->p, B->i, B->x, B->d * B->d, B->n, B->n, error);
 }
 
-/* Checks the bodies of a candidate and its blocks of H. */
+/* Checks the bodies of a candidate and its blocks of H, whose squares may not overflow: no entry of
+ * W does then. */
 static dls_status check_bodies_of(const dls_contact *problem, size_t c, dls_error *error) {
   const dls_bodies *B = &problem->bodies;
   const size_t size = (size_t)B->n * (size_t)problem->d;
+  double squares = 0;
   for (size_t k = 2 * c; k < 2 * c + 2; k++) {
     const int b = B->body[k];
     if (b < -1 || b >= B->count)
@@ -143,7 +145,12 @@ static dls_status check_bodies_of(const dls_contact *problem, size_t c, dls_erro
     if (at >= 0)
       return dlsi_fail(error, DLS_E_NOT_FINITE, "bodies.H", (long long)(k * size) + at,
                        B->H[k * size + (size_t)at], "is not finite");
+    for (size_t e = k * size; b >= 0 && e < (k + 1) * size; e++)
+      squares += B->H[e] * B->H[e];
   }
+  if (!isfinite(squares))
+    return dlsi_fail(error, DLS_E_NOT_FINITE, "bodies.H", (long long)(2 * c * size), squares,
+                     "gives a W that is not finite");
   if (B->body[2 * c] < 0 || B->body[2 * c] != B->body[2 * c + 1]) return DLS_OK;
   return dlsi_fail(error, DLS_E_ARGUMENT, "bodies.body", (long long)(2 * c + 1), B->body[2 * c + 1],
                    "is %d, as the other body of candidate %zu", B->body[2 * c + 1], c);

@@ -176,8 +176,28 @@ START_TEST(bad_input_and_no_memory) {
 }
 END_TEST
 
+/* Finite numbers whose squares are none; and no candidate at all. */
+START_TEST(overflow_and_nothing) {
+  const int two[2] = {0, 1}, fixed[2] = {0, -1};
+  double H[12] = {1, 0, 0, 0, 1, 0, 1, 0, 0, 0, 1, 1e160}, q[2] = {-1, 0}, mu = 0.5, r[32] = {0};
+  dls_contact problem = {.d = 2, .nc = 1, .q = q, .mu = &mu, .bodies = {3, 2, two, H, NULL}};
+  dls_certificate c;
+  dls_solution_set found;
+  dls_error error;
+  expect_error(dls_contact_certify(&problem, r, NULL, &c, &error), &error, DLS_E_NOT_FINITE,
+               "dls_contact_certify", "bodies.H", 0);
+  problem.bodies.body = fixed; /* of a fixed body H is not read */
+  ck_assert_int_eq(dls_contact_certify(&problem, r, NULL, &c, &error), DLS_OK);
+  problem.nc = 0;
+  ck_assert_int_eq(dls_contact_certify(&problem, r, NULL, &c, &error), DLS_OK);
+  ck_assert_int_eq(dls_contact_enumerate(&problem, 1e-8, 4, r, NULL, NULL, &found, &error), DLS_OK);
+  ck_assert(found.isolated == 1 && found.continua == 0);
+}
+END_TEST
+
 int main(void) {
   return RUN("bodies", NULL, NULL, EACH(blocks_are_those_of_dense, 0, 60),
              EACH(doors_agree_with_dense, 0, 60), EACH(subset_of_bodies, 0, 3),
-             EACH(packing_by_another_way, 0, 3), ONCE(bad_input_and_no_memory));
+             EACH(packing_by_another_way, 0, 3), ONCE(bad_input_and_no_memory),
+             ONCE(overflow_and_nothing));
 }

@@ -52,6 +52,7 @@ const fuzz_target fuzz_targets[] = {
     {"contact", fuzz_contact, {NULL}, 0, 0},
     {"reduction", fuzz_reduction, {NULL}, 0, 0},
     {"motion", fuzz_motion, {NULL}, 0, 0},
+    {"doors", fuzz_doors, {NULL}, 0, 0},
     {NULL, NULL, {NULL}, 0, 0}};
 
 /* ---- what targets share ---------------------------------------------------------------------- */

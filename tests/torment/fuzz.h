@@ -40,8 +40,17 @@ double take_scale(fuzz_bytes *b);               /* mostly 1, else a power of ten
 /* Puts the bytes into a file of this process and returns its name. */
 const char *fuzz_file(const unsigned char *data, size_t size);
 
-/* Solves the problem by a method, with settings, both from the bytes, and checks the answer. */
+enum { fuzz_rows = 18 }; /* of W, at most */
+
+/* Makes a contact problem of up to 5 candidates in any storage, valid or not; its arrays live until
+ * the next call. */
 struct dls_contact;
+void take_contact(fuzz_bytes *b, struct dls_contact *problem);
+void take_vector(fuzz_bytes *b, int n, double *x);
+struct dls_limits;
+void take_limits(fuzz_bytes *b, struct dls_limits *limits);
+
+/* Solves the problem by a method, with settings, both from the bytes, and checks the answer. */
 void fuzz_solve(const struct dls_contact *problem, fuzz_bytes *b);
 
 void fuzz_fclib(const unsigned char *data, size_t size);
@@ -53,6 +62,7 @@ void fuzz_lcp(const unsigned char *data, size_t size);
 void fuzz_contact(const unsigned char *data, size_t size);
 void fuzz_reduction(const unsigned char *data, size_t size);
 void fuzz_motion(const unsigned char *data, size_t size);
+void fuzz_doors(const unsigned char *data, size_t size);
 void fuzz_program(const unsigned char *data, size_t size);
 
 #endif

@@ -8,7 +8,7 @@
 #include "delassus/moving.h"
 #include "fuzz.h"
 
-enum { most_m = 18, most_n = 14 }; /* rows of W or of an LCP, unknowns of a model */
+enum { most_m = fuzz_rows, most_n = 14 }; /* rows of W or of an LCP, unknowns of a model */
 
 static const double tols[] = {1e-8, 1e-8, 1e-10, 1e-12, 0, 1e-3, 1, 1e300};
 
@@ -31,14 +31,14 @@ static void take_matrix(fuzz_bytes *b, int m, double *a) {
     if (m) a[take_byte(b) % m + m * (take_byte(b) % m)] = take_value(b);
 }
 
-static void take_vector(fuzz_bytes *b, int n, double *x) {
+void take_vector(fuzz_bytes *b, int n, double *x) {
   const double scale = take_scale(b);
   const int odd = take_byte(b) < 32;
   for (int k = 0; k < n; k++)
     x[k] = scale * (odd ? take_value(b) : take_plain(b));
 }
 
-static void take_limits(fuzz_bytes *b, dls_limits *limits) {
+void take_limits(fuzz_bytes *b, struct dls_limits *limits) {
   limits->tol = tols[take_byte(b) % 8];
   limits->max_iterations = take_byte(b) < 200 ? take_int(b, 1, 300) : 0;
   limits->warm_start = take_byte(b) & 1;
@@ -71,8 +71,12 @@ void fuzz_lcp(const unsigned char *data, size_t size) {
     if (status < 0) break;
     FUZZ_CHECK(dls_lcp_certify(&lcp, z, NULL, &seen, &error) == DLS_OK);
     if (status == DLS_OK) FUZZ_CHECK(dls_lcp_certificate_holds(&seen, settings.limits.tol));
+    double dz[most_m], cover[most_m], z0, dz0, violation;
+    if (dls_lemke_ray(lemke, z, &z0, dz, &dz0, cover, &error) == DLS_OK) {
+      FUZZ_CHECK(status == DLS_RAY || status == DLS_NO_SOLUTION);
+      (void)!dls_lcp_check_ray(&lcp, cover, z, z0, dz, dz0, &violation, &error);
+    }
     if (status == DLS_NO_SOLUTION) {
-      double violation;
       FUZZ_CHECK(dls_lemke_farkas(lemke, y, &error) == DLS_OK);
       FUZZ_CHECK(dls_lcp_check_farkas(&lcp, y, &violation, &error) == DLS_OK);
     }
@@ -110,6 +114,8 @@ void fuzz_solve(const dls_contact *problem, fuzz_bytes *b) {
   settings.acceleration = (dls_acceleration)take_int(b, 0, 4);
   settings.facets = take_byte(b) < 200 ? 0 : take_int(b, -2, 70);
   settings.limits.blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : 0;
+  if (problem->bodies.H && take_byte(b) < 128)
+    (void)!dls_bodies_count(problem, &settings.limits.blocks, &error);
   take_vector(b, problem->d * problem->nc, r);
   if (dls_solver_create(&solver, problem->d, problem->nc, &settings, &error)) {
     FUZZ_CHECK(solver == NULL);
@@ -125,6 +131,14 @@ void fuzz_solve(const dls_contact *problem, fuzz_bytes *b) {
     FUZZ_CHECK(info.status == status);
     FUZZ_CHECK(dls_contact_certify(problem, r, NULL, &seen, &error) == DLS_OK);
     if (status == DLS_OK) FUZZ_CHECK(dls_certificate_holds(&seen, settings.limits.tol));
+    const double *direction = dls_solver_direction(solver), *proof = dls_solver_farkas(solver);
+    FUZZ_CHECK(status != DLS_OK || (!direction && !proof));
+    for (int k = 0; direction && k < problem->d * problem->nc; k++)
+      FUZZ_CHECK(isfinite(direction[k]));
+    for (int k = 0; proof && k < problem->nc; k++)
+      FUZZ_CHECK(proof[k] >= 0);
+    take_limits(b, &settings.limits);
+    if (dls_solver_set_limits(solver, &settings.limits, &error)) break;
   }
   dls_solver_destroy(solver);
 }
@@ -149,31 +163,50 @@ static void look_at(const dls_contact *problem, fuzz_bytes *b) {
     (void)!dls_contact_fold(problem, &fold, state, r, low, high, &error);
 }
 
-void fuzz_contact(const unsigned char *data, size_t size) {
-  fuzz_bytes b = {data, size};
-  double W[most_m * most_m], q[most_m], mu[most_m], x[9 * most_m];
-  int p[most_m + 1] = {0}, i[most_m];
-  const int d = take_int(&b, 1, 3), nc = take_int(&b, 0, most_m / d < 5 ? most_m / d : 5);
-  const int m = d * nc;
-  dls_contact problem = {.d = d, .nc = nc, .q = q, .mu = mu};
-  if (take_byte(&b) < 180) {
-    take_matrix(&b, m, W);
-    problem.W = (dls_dense){m, m, m, W};
-  } else {
-    const int entries = take_int(&b, 0, most_m);
+/* W = H^T H: each candidate presses on two of up to four bodies, or on fixed ones. */
+static void take_bodies(fuzz_bytes *b, int d, int nc, dls_bodies *bodies) {
+  static double H[2 * 6 * 3 * 5];
+  static int body[2 * 5];
+  const int n = d == 3 || take_byte(b) < 16 ? 6 : 3, count = take_int(b, 0, 4);
+  for (int k = 0; k < 2 * nc; k++)
+    body[k] = take_byte(b) < 4 ? take_int(b, -3, 5) : count ? take_byte(b) % (count + 1) - 1 : -1;
+  take_vector(b, 2 * n * d * nc, H);
+  *bodies = (dls_bodies){.n = n, .count = count, .body = body, .H = H};
+}
+
+void take_contact(fuzz_bytes *b, struct dls_contact *problem) {
+  static double W[most_m * most_m], q[most_m], mu[most_m], x[9 * most_m];
+  static int p[most_m + 1], i[most_m];
+  const int d = take_int(b, 1, 3), nc = take_int(b, 0, most_m / d < 5 ? most_m / d : 5);
+  const int m = d * nc, storage = take_byte(b);
+  *problem = (dls_contact){.d = d, .nc = nc, .q = q, .mu = mu};
+  if (storage < 150) {
+    take_matrix(b, m, W);
+    problem->W = (dls_dense){m, m, m, W};
+  } else if (storage < 200)
+    take_bodies(b, d, nc, &problem->bodies);
+  else {
+    const int entries = take_int(b, 0, most_m);
     for (int k = 0; k < entries; k++)
-      i[k] = nc ? take_byte(&b) % (nc + (take_byte(&b) < 4)) : 0;
+      i[k] = nc ? take_byte(b) % (nc + (take_byte(b) < 4)) : 0;
     for (int c = 0; c <= nc; c++)
       p[c] = c * entries / (nc ? nc : 1);
     if (!nc) p[0] = 0;
-    take_vector(&b, d * d * entries, x);
-    problem.Wb = (dls_blocks){d, nc, p, i, x};
+    take_vector(b, d * d * entries, x);
+    problem->Wb = (dls_blocks){d, nc, p, i, x};
   }
-  take_vector(&b, m, q);
+  take_vector(b, m, q);
   for (int c = 0; c < nc; c++) {
-    const int kind = take_byte(&b);
-    mu[c] = kind < 200 ? kind / 100.0 : kind < 220 ? 0 : kind < 240 ? INFINITY : take_value(&b);
+    const int kind = take_byte(b);
+    mu[c] = kind < 200 ? kind / 100.0 : kind < 220 ? 0 : kind < 240 ? INFINITY : take_value(b);
+    if (d == 1 && kind < 250) mu[c] = 0;
   }
+}
+
+void fuzz_contact(const unsigned char *data, size_t size) {
+  fuzz_bytes b = {data, size};
+  dls_contact problem;
+  take_contact(&b, &problem);
   look_at(&problem, &b);
   fuzz_solve(&problem, &b);
 }
@@ -214,6 +247,31 @@ static int host_solve(void *user, double *X, int n, int nrhs) {
     X[k] /= 2;
   if (h->odd && n) X[0] = NAN;
   return h->fails-- == 1;
+}
+
+/* Solves a model by the method on displacements. */
+static void solve_primal(fuzz_bytes *b, const dls_model *model, const double *f, const double *g,
+                         const double *mu) {
+  double x[most_n], r[2 * most_n], u[2 * most_n];
+  dls_primal_settings settings;
+  dls_primal_info info;
+  dls_primal *work;
+  dls_error error;
+  dls_primal_settings_init(&settings);
+  take_limits(b, &settings.limits);
+  settings.aitken = take_byte(b) & 1;
+  if (take_byte(b) < 30) settings.relaxation = take_plain(b);
+  const dls_status status = dls_primal_create(&work, model, &settings, &error);
+  FUZZ_CHECK((status == DLS_OK) == (work != NULL));
+  take_vector(b, model->n, x);
+  for (int pass = 0; pass < 2 && work; pass++) {
+    const dls_status end = dls_primal_solve(work, f, g, mu, x, r, u, &info, &error);
+    if (end < 0) break;
+    FUZZ_CHECK(info.status == end);
+    if (end == DLS_OK)
+      FUZZ_CHECK(info.equilibrium <= fmax(settings.limits.tol, 4 * info.equilibrium_floor));
+  }
+  dls_primal_destroy(work);
 }
 
 void fuzz_reduction(const unsigned char *data, size_t size) {
@@ -261,6 +319,14 @@ void fuzz_reduction(const unsigned char *data, size_t size) {
   dls_contact problem;
   dls_error error;
   (void)!dls_reduction_estimate(&model, &settings, &info, &error);
+  if (take_byte(&b) < 30) {
+    double basis[3 * most_n];
+    int unknown[3], count, most = take_int(&b, 0, 3);
+    if (dls_model_modes(&model, most, basis, unknown, &count, &error) == DLS_OK)
+      for (int k = 0; k < n * (count < most ? count : most); k++)
+        FUZZ_CHECK(isfinite(basis[k]));
+  }
+  if (take_byte(&b) < 30) solve_primal(&b, &model, f, g, mu);
   const dls_status status = dls_reduction_create_with(&reduction, &model, &settings, &error);
   FUZZ_CHECK((status == DLS_OK) == (reduction != NULL));
   if (status) return;
@@ -270,11 +336,16 @@ void fuzz_reduction(const unsigned char *data, size_t size) {
       K.x[k] *= 1.5;
     (void)!dls_reduction_update(reduction, &model, &error);
   }
-  if (dls_reduction_load(reduction, f, g, &error) == DLS_OK &&
-      dls_reduction_contact(reduction, mu, &problem, &error) == DLS_OK) {
+  const int loaded_free = take_byte(&b) < 30;
+  const dls_status loaded = loaded_free ? dls_reduction_load_free(reduction, f, g, &error)
+                                        : dls_reduction_load(reduction, f, g, &error);
+  if (loaded == DLS_OK && dls_reduction_contact(reduction, mu, &problem, &error) == DLS_OK) {
     if (problem.d * problem.nc <= most_m) fuzz_solve(&problem, &b);
     take_vector(&b, problem.d * problem.nc, r);
+    double imbalance, nodal[3 * most_n];
     (void)!dls_reduction_recover(reduction, r, x, &error);
+    (void)!dls_reduction_nodal(reduction, r, nodal, &error);
+    if (take_byte(&b) < 60) (void)!dls_reduction_balance(reduction, r, &imbalance, &error);
   }
   (void)!dls_reduction_get_info(reduction, &info, &error);
   dls_reduction_destroy(reduction);
@@ -319,6 +390,29 @@ static void move_scene(fuzz_bytes *b) {
   dls_moving_destroy(moving);
 }
 
+/* Asks for all that a motion hands out, and changes its step and limits. */
+static void look_at_motion(dls_motion *motion, fuzz_bytes *b) {
+  dls_motion_state state;
+  dls_motion_energies energies;
+  dls_contact problem;
+  dls_limits limits = {0};
+  dls_error error;
+  FUZZ_CHECK(dls_motion_get_state(motion, &state, &error) == DLS_OK);
+  for (int i = 0; i < state.n; i++)
+    FUZZ_CHECK(isfinite(state.x[i]) && isfinite(state.v[i]));
+  for (int k = 0; k < state.active; k++)
+    FUZZ_CHECK(state.active_list[k] >= 0 && state.active_list[k] < state.candidates);
+  (void)!dls_motion_get_energies(motion, &energies, &error);
+  if (dls_motion_get_problem(motion, &problem, &error) == DLS_OK && problem.nc > 0)
+    FUZZ_CHECK(dls_contact_check(&problem, &error) == DLS_OK);
+  if (take_byte(b) < 30) {
+    take_limits(b, &limits);
+    (void)!dls_motion_set_limits(motion, &limits, &error);
+  }
+  if (take_byte(b) < 30)
+    (void)!dls_motion_set_h(motion, take_byte(b) < 128 ? 0.02 : take_value(b), &error);
+}
+
 /* Moves bodies of any matrices. */
 static void move_model(fuzz_bytes *b) {
   static columns M, C, K, HN, HT;
@@ -355,8 +449,10 @@ static void move_model(fuzz_bytes *b) {
     return;
   }
   if (dls_motion_start(motion, x, v, 0, &error) == DLS_OK)
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; k++) {
       if (dls_motion_step(motion, f, NULL, mu, NULL, &error)) break;
+      look_at_motion(motion, b);
+    }
   dls_motion_destroy(motion);
 }
 
