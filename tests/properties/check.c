@@ -98,14 +98,21 @@ static int have_same_bits(const problem *p, const outcome *a, const outcome *b) 
   return 1;
 }
 
+/* Returns 0 where W = 0: no unit of W can be told from the numbers then, nor one of r. */
+static int has_unit(const problem *p) {
+  for (int k = 0; k < p->m * p->m; k++)
+    if (p->W[k] != 0) return 1;
+  return 0;
+}
+
 /* The rule that a run and the one it is a copy of, but for scales or order, break together. */
 static rule judge_copy(const problem *p, const run *one, const outcome *a, const run *two,
                        const outcome *b) {
   const int scaled = one->power_W != two->power_W || one->power_q != two->power_q;
   const int odd = (two->power_W - one->power_W) % 2 != 0;
   if (scaled && odd && (a->status == DLS_OK) != (b->status == DLS_OK)) return UNITS;
-  if (scaled && (a->status != b->status || (a->status >= 0 && !have_same_bits(p, a, b))))
-    return odd ? ODD_BITS : BITS;
+  const int alike = a->status < 0 || !has_unit(p) || have_same_bits(p, a, b);
+  if (scaled && (a->status != b->status || !alike)) return odd ? ODD_BITS : BITS;
   if (one->shuffle != two->shuffle && (a->status == DLS_OK) != (b->status == DLS_OK)) return ORDER;
   return KEPT;
 }
@@ -149,11 +156,14 @@ static void plan_auto(dice *g, const problem *p, double share, plan *all) {
   if (p->nc > 1 && dice_between(g, 0, 2) < share) plan_add(all, 0)->shuffle = 1;
 }
 
-/* every method one time in eight, else one; each may be scaled, or by blocks */
+/* every method one time in eight, else one; the homotopy, which takes all its starts where there is
+ * no solution, one time in forty; each may be scaled, or by blocks */
 static void plan_methods(dice *g, plan *all) {
   const int every = dice_below(g, 8) == 0, one = 1 + dice_below(g, 6);
+  const int path = dice_below(g, 5) == 0;
   for (int method = 1; dls_method_name((dls_method)method); method++) {
     if (!every && method != one) continue;
+    if (method == DLS_HOMOTOPY && !path) continue;
     const int own = all->count;
     plan_add(all, -1)->method = (dls_method)method;
     if (dice_below(g, 3) == 0) plan_powers(g, plan_add(all, own));
