@@ -1,12 +1,13 @@
 /*
- * test_trails.c: pins how the methods go, step by step, on problems of many kinds: trails.txt has a
- * line for each problem and run. A change of a constant, a sign or an order in a method shows there,
- * where a test of its answer alone would pass. A change of tuning that is meant makes new figures:
+ * test_trails.c: pins how the methods go, step by step, on problems of many kinds: trails.txt has
+ * a line for each problem and run. A change of a constant, a sign or an order in a method shows
+ * there, where a test of its answer alone would pass. A change of tuning that is meant makes new
+ * figures, which
  *
  *   build/tests/tuning/test_trails print
  *
- * writes the file anew. It solves each problem again with W and q disturbed by rounding, and writes - for a figure that does
- * not survive it: that one would differ between processors, too.
+ * writes. It solves each problem again with W and q disturbed by rounding, and writes - for a
+ * figure that does not survive it: that one would differ between processors, too.
  */
 #include <check.h>
 #include <math.h>
