@@ -220,6 +220,7 @@ void dlsi_crash_begin(const dls_lcp *lcp, const double *z, dlsi_crash *work) {
   work->rounds = work->factors.n = work->change.n = work->columns = 0;
   work->fewest = 2 * lcp->n; /* above any count */
   work->chances = patience;
+  memset(work->z, 0, (size_t)lcp->n * sizeof *work->z); /* told of where a first round fails */
   for (int i = 0; i < lcp->n; i++) {
     work->in[i] = z && z[i] > 0;
     work->place[i] = work->slot[i] = -1;

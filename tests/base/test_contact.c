@@ -249,6 +249,44 @@ START_TEST(check_names_the_slot_of_blocks) {
 }
 END_TEST
 
+/* Every byte of W, q and mu is kept from r and u, in each storage, and none beside it. */
+START_TEST(outputs_stay_off_each_byte) {
+  enum { d = 3, nc = 4, m = d * nc, motions = 6, room = 2 * motions * m + 2 * m };
+  static double arrays[4][room];
+  const int p[nc + 1] = {0, 1, 3, 4, 6}, i[] = {0, 0, 1, 2, 1, 3}, body[2 * nc] = {0};
+  for (int storage = 0; storage < 3; storage++) {
+    double *const W = arrays[0] + m, *const q = arrays[1] + m, *const mu = arrays[2] + m;
+    const dls_contact a = {.d = d,
+                           .nc = nc,
+                           .W = {m, m, m + 1, storage == 0 ? W : NULL},
+                           .Wb = {d, nc, p, i, storage == 1 ? W : NULL},
+                           .bodies = {motions, 1, body, storage == 2 ? W : NULL, NULL},
+                           .q = q,
+                           .mu = mu};
+    const int size_W = storage == 0   ? (m + 1) * (m - 1) + m
+                       : storage == 1 ? d * d * p[nc]
+                                      : 2 * motions * m;
+    double *const start[] = {W, q, mu, arrays[3] + m};
+    const int size[] = {size_W, m, nc, m};
+    for (int k = 0; k < 4; k++) {
+      double *const other = arrays[3] + m; /* u, or r where u is tried */
+      double *const end = start[k] + size[k];
+      dls_error error;
+      ck_assert_int_eq(dlsi_check_apart(&a, end - 1, other, &error), DLS_E_ARGUMENT);
+      ck_assert_str_eq(error.argument, "r");
+      ck_assert_int_eq(dlsi_check_apart(&a, start[k] - m + 1, other, NULL), DLS_E_ARGUMENT);
+      ck_assert_int_eq(dlsi_check_apart(&a, end, other, NULL), DLS_OK);
+      ck_assert_int_eq(dlsi_check_apart(&a, start[k] - m, other, NULL), DLS_OK);
+      ck_assert_int_eq(dlsi_check_apart(&a, other, end - 1, NULL), DLS_E_ARGUMENT);
+      ck_assert_int_eq(dlsi_check_apart(&a, other, start[k] - m + 1, &error), DLS_E_ARGUMENT);
+      ck_assert_str_eq(error.argument, k == 3 ? "r" : "u");
+      ck_assert_int_eq(dlsi_check_apart(&a, other, end, NULL), DLS_OK);
+      ck_assert_int_eq(dlsi_check_apart(&a, other, start[k] - m, NULL), DLS_OK);
+    }
+  }
+}
+END_TEST
+
 /* ---- blocks ---------------------------------------------------------------------------------- */
 
 START_TEST(blocks_come_apart_and_together) {
@@ -974,11 +1012,11 @@ int main(void) {
              ONCE(arena_counts_carves_and_refuses), ONCE(arena_allocates_what_it_counted),
              ONCE(norms_keep_nan_and_range), ONCE(vectors_of_any_length_are_finite),
              ONCE(check_names_the_slot), ONCE(check_names_the_slot_of_blocks),
-             ONCE(blocks_come_apart_and_together), ONCE(blocks_refuse_bad_arguments),
-             ONCE(certificate_by_hand), ONCE(either_part_can_fail_alone),
-             ONCE(no_forces_under_pressure), ONCE(rounding_has_no_direction),
-             ONCE(certificate_of_q_zero_and_frictionless), ONCE(weights_fall_back),
-             ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
+             ONCE(outputs_stay_off_each_byte), ONCE(blocks_come_apart_and_together),
+             ONCE(blocks_refuse_bad_arguments), ONCE(certificate_by_hand),
+             ONCE(either_part_can_fail_alone), ONCE(no_forces_under_pressure),
+             ONCE(rounding_has_no_direction), ONCE(certificate_of_q_zero_and_frictionless),
+             ONCE(weights_fall_back), ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
              ONCE(certificate_ignores_order_and_tangent_frame), ONCE(dense_and_blocks_agree),
              ONCE(states_of_the_three_kinds), ONCE(misfits_are_the_residual),
              ONCE(certify_refuses_and_leaves_outputs), ONCE(nan_is_never_certified),

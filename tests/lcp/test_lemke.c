@@ -8,6 +8,7 @@
 #include "close.h"
 #include "delassus/facets.h"
 #include "delassus/lcp.h"
+#include "lcp/lcp_internal.h"
 #include "lcp_of.h"
 #include "malloc_fails.h"
 #include "run.h"
@@ -1057,6 +1058,43 @@ START_TEST(crash_in_any_unit) {
 }
 END_TEST
 
+/* The factors and what is kept behind them stay in the n x n numbers they are given. */
+START_TEST(crash_keeps_to_its_room) {
+  enum { most_n = 60, canary = 8 * most_n };
+  static double M[most_n * most_n], q[most_n], s[most_n], A[most_n * most_n + canary];
+  int rounds = 0;
+  for (int trial = 0; trial < 200; trial++) {
+    const int n = integer(12, most_n);
+    spd_and_skew(n, M, q);
+    for (int i = 0; i < n; i++) { /* nearly all z_i basic, few of which change */
+      s[i] = M[i + n * i];
+      q[i] = fraction() < .08 ? 1 : -fabs(q[i]) - .02 * s[i];
+    }
+    const dls_lcp lcp = lcp_of(n, M, q);
+    dlsi_crash work = {0};
+    dlsi_arena arena = {0};
+    dlsi_crash_carve(&work, &arena, (size_t)n, (size_t)n);
+    ck_assert_int_eq(dlsi_arena_allocate(&arena, "n", n, NULL), DLS_OK);
+    dlsi_crash_carve(&work, &arena, (size_t)n, (size_t)n);
+    work.s = s;
+    work.factors.A = A;
+    for (int k = 0; k < canary; k++)
+      A[n * n + k] = 7;
+    double z[most_n];
+    for (int i = 0; i < n; i++)
+      z[i] = fraction() < .9;
+    dlsi_crash_begin(&lcp, z, &work);
+    while (work.rounds < 40 && dlsi_crash_round(&lcp, &work) == 0)
+      ;
+    rounds += work.rounds;
+    for (int k = 0; k < canary; k++)
+      ck_assert(A[n * n + k] == 7);
+    free(arena.base);
+  }
+  ck_assert_int_ge(rounds, 400);
+}
+END_TEST
+
 /* A crash start that leads nowhere leaves no trace: the same pivots, the same bits, the same
  * ray. */
 START_TEST(crash_that_leads_nowhere) {
@@ -1183,7 +1221,7 @@ int main(void) {
              ONCE(every_malloc_fails), ONCE(extreme_numbers), ONCE(warm_start_follows_a_load),
              ONCE(warm_start_from_anywhere), ONCE(warm_start_that_leads_nowhere),
              ONCE(crash_finds_the_solution), ONCE(crash_with_friction), ONCE(crash_in_any_unit),
-             ONCE(crash_that_leads_nowhere), ONCE(crash_does_not_insist),
-             ONCE(crash_from_a_start_and_with_a_cover), ONCE(crash_can_be_cancelled),
-             ONCE(a_norm_beyond_numbers));
+             ONCE(crash_keeps_to_its_room), ONCE(crash_that_leads_nowhere),
+             ONCE(crash_does_not_insist), ONCE(crash_from_a_start_and_with_a_cover),
+             ONCE(crash_can_be_cancelled), ONCE(a_norm_beyond_numbers));
 }

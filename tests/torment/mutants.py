@@ -26,13 +26,13 @@ import time
 ROOMS = ["lcp", "vi", "reduction", "src/base", "src/linear", "src/files", "src/front", "src/motion"]
 # The tests of a room, the sharpest first; all others but SLOW follow, those in HEAVY at last.
 NEAR = {
-    "lcp": ["lcp"],
-    "vi": ["method", "tuning", "contract"],
+    "lcp": ["lcp", "tuning"],
+    "vi": ["tuning", "method", "contract"],
     "reduction": ["reduction", "motion"],
-    "src/base": ["base", "linear", "lcp", "contract"],
-    "src/linear": ["linear", "reduction", "method"],
+    "src/base": ["base", "tuning", "linear", "lcp", "contract"],
+    "src/linear": ["linear", "reduction", "tuning", "method"],
     "src/files": ["files"],
-    "src/front": ["front", "tuning", "contract", "catalogue"],
+    "src/front": ["tuning", "front", "contract", "catalogue"],
     "src/motion": ["motion"],
     "src/base/exact.c": ["lcp", "front"],
 }
@@ -45,6 +45,8 @@ PROPERTIES = "properties/properties --class each --seed 1 --step 2 --count 60 --
 HEAVY = {"front/test_proof", "front/test_renumber", "front/test_trust", "front/test_solve",
          "reduction/test_reduction_sparse", "motion/test_rigid", "fe/test_fe", "cli/test_cli",
          PROPERTIES}
+ALL = "build/tests/all"  # the program of all tests
+LIBRARIES = ("build/libdelassus.a", "build/libdelassus-fe.a")
 CPU_SECONDS = 60  # of one test program; the longest takes 7 by itself
 SWAP = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "&&": "||", "||": "&&",
         "+": "-", "-": "+", "*": "/", "/": "*", "+=": "-=", "-=": "+=", "*=": "/=", "/=": "*="}
@@ -129,10 +131,46 @@ class Tree:
             shutil.copytree(build, self.root / "build", symlinks=True, ignore=keep)
         self.env = dict(os.environ, OPENBLAS_NUM_THREADS="1", CK_FORK="no",
                         DELASSUS_PROGRAM="build/delassus", MAKEFLAGS="")
-        self.link = ["LDFLAGS=-fuse-ld=gold"] if shutil.which("ld.gold") else []
+        self.gold = ["LDFLAGS=-fuse-ld=gold"] if shutil.which("ld.gold") else []
+
+    def gather(self, tests):
+        """Makes all tests one program, so that a mutant is linked once: its first argument is the test."""
+        parts, table = self.root / "gathered", []
+        parts.mkdir()
+        run = lambda *command: subprocess.run(command, cwd=self.root, check=True)
+        for k, test in enumerate(tests):
+            name, part = test.split()[0], parts / ("part%d.o" % k)
+            own = ["build/obj/tests/%s.o" % name]
+            if test == PROPERTIES:
+                own = sorted(str(p.relative_to(self.root)) for p in
+                             (self.root / "build/obj/tests/properties").glob("*.o"))
+            run("ld", "-r", "-o", part, *own)
+            run("objcopy", "--redefine-sym", "main=main%d" % k, "--keep-global-symbol=main%d" % k, part)
+            table.append((name, part))
+        count = range(len(tests))
+        (parts / "main.c").write_text("#include <string.h>\n"
+            + "".join("int main%d(int, char **);\n" % k for k in count)
+            + "int main(int argc, char **argv) {\n"
+            + "".join('  if (strcmp(argv[1], "%s") == 0) return main%d(argc - 1, argv + 1);\n'
+                      % (table[k][0], k) for k in count) + "  return 99;\n}\n")
+        run("cc", "-c", "-o", parts / "main.o", parts / "main.c")
+        one = "build/tests/" + tests[0].split()[0]
+        said = subprocess.check_output(["make", "-n", "-W", "tests/%s.c" % tests[0], *self.gold, one],
+                                       cwd=self.root, env=self.env, text=True)
+        line = next(l for l in said.splitlines() if " -o %s " % one in l)
+        own = "build/obj/tests/%s.o" % tests[0]
+        self.link = [w for old in line.split() for w in
+                     ([str(parts / "main.o"), *(str(part) for _, part in table)] if old == own
+                      else [ALL if old == one else old])]
+        self.program_tests = {t for t in tests
+                              if "program.h" in (self.root / ("tests/%s.c" % t.split()[0])).read_text()}
+
+    def bind(self):
+        """Links the program of all tests."""
+        return self.make(*LIBRARIES)[0] and subprocess.run(self.link, cwd=self.root).returncode == 0
 
     def make(self, *goals):
-        done = subprocess.run(["make", "-s", "-k", *self.link, *goals], cwd=self.root, env=self.env,
+        done = subprocess.run(["make", "-s", "-k", *self.gold, *goals], cwd=self.root, env=self.env,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         return done.returncode == 0, done.stdout
 
@@ -151,7 +189,7 @@ class Tree:
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
         null = subprocess.DEVNULL
-        process = subprocess.Popen([program_of(test), *test.split()[1:]], cwd=self.root,
+        process = subprocess.Popen([ALL, *test.split()], cwd=self.root,
                                    env=self.env, stdin=null, stdout=null, stderr=null,
                                    start_new_session=True, preexec_fn=confine)
         try:
@@ -169,11 +207,6 @@ def tests_of(file, tests):
     return sorted(tests, key=lambda t: (t in HEAVY, rank(t), t))
 
 
-def program_of(test):
-    """Returns the path of a test's program."""
-    return "build/tests/" + test.split()[0]
-
-
 def try_mutant(tree, place, tests):
     """Returns what became of the mutant: a test that kills it, "" for none, None for no mutant."""
     path, begin, end, new, _ = place
@@ -188,12 +221,13 @@ def try_mutant(tree, place, tests):
         if not built or tree.code(object_file) == before:
             return None
         ordered = tests_of(path, tests)
-        first = [t for t in ordered if t.split("/")[0] == ordered[0].split("/")[0]]
-        for group in (first, [t for t in ordered if t not in first]):
-            tree.make("build/delassus", *map(program_of, group))
-            for test in group:
-                if not tree.run(test):
-                    return test
+        tree.bind()
+        has_program = False
+        for test in ordered:
+            if test in tree.program_tests and not has_program:
+                has_program, _ = tree.make("build/delassus")
+            if not tree.run(test):
+                return test
         return ""
     finally:
         source.write_text(text)
@@ -213,9 +247,10 @@ def main():
     try:
         tests = sorted(str(p)[6:-2] for p in pathlib.Path("tests").glob("*/test_*.c"))
         tests = [t for t in tests if t not in SLOW and not t.startswith("mpi/")] + [PROPERTIES]
-        built, said = tree.make("all", *map(program_of, tests))
+        built, said = tree.make("all", *("build/tests/" + t.split()[0] for t in tests))
         if not built:
             sys.exit("the tree does not build:\n" + said)
+        tree.gather(tests)
         places = []
         for room in ROOMS:
             for path in sorted(pathlib.Path(room).glob("*.c")):
@@ -247,7 +282,8 @@ def main():
         print("seed %d: of %d mutants %d killed, %d harmless, %d survived"
               % (own.seed, total, count["killed"], count["harmless"], count["SURVIVED"]))
         killers.discard("")
-        tree.make("build/delassus", *map(program_of, killers))
+        tree.make("build/delassus")
+        tree.bind()
         false = [t for t in sorted(killers) if not tree.run(t)]
         for test in false:
             print("%s fails without a mutant, too" % test)
