@@ -63,6 +63,13 @@ static int is_within(const measure *a, double tol, int forces) {
   return x - floor <= 1.001 * bar && (forces || a->floor_u <= cap);
 }
 
+/* Returns 0 where W = 0: no unit of W can be told from the numbers then, nor one of r. */
+static int has_unit(const problem *p) {
+  for (int k = 0; k < p->m * p->m; k++)
+    if (p->W[k] != 0) return 1;
+  return 0;
+}
+
 /* The first rule that one outcome breaks alone. */
 static rule judge_alone(const problem *p, const run *how, const outcome *o) {
   if (o->status < 0) return REFUSED;
@@ -76,7 +83,9 @@ static rule judge_alone(const problem *p, const run *how, const outcome *o) {
   if (o->status == DLS_NO_SOLUTION_LIKELY && visible) return LIKELY;
   if (how->rows && o->status == DLS_OK && !o->lcp_holds) return NOT_HELD;
   if (o->status == DLS_OK && !how->rows && !is_within(&o->is, how->tol, 0)) return NOT_HELD;
-  if (o->status == DLS_OK && !how->rows && !is_within(&o->is, how->tol, 1)) return NOT_HELD_R;
+  const int in_own_unit = has_unit(p) || (how->power_W == 0 && how->power_q == 0);
+  if (o->status == DLS_OK && !how->rows && in_own_unit && !is_within(&o->is, how->tol, 1))
+    return NOT_HELD_R;
   const int gave_up = o->status == DLS_STALLED || o->status == DLS_NO_SOLUTION_LIKELY;
   const int held = how->rows ? o->lcp_holds : o->holds;
   if (gave_up && held) return UNSEEN;
@@ -96,13 +105,6 @@ static int have_same_bits(const problem *p, const outcome *a, const outcome *b) 
   for (int k = 0; k < p->m; k++)
     if (!(a->r[k] == b->r[k] || (fabs(a->r[k]) < DBL_MIN && fabs(b->r[k]) < DBL_MIN))) return 0;
   return 1;
-}
-
-/* Returns 0 where W = 0: no unit of W can be told from the numbers then, nor one of r. */
-static int has_unit(const problem *p) {
-  for (int k = 0; k < p->m * p->m; k++)
-    if (p->W[k] != 0) return 1;
-  return 0;
 }
 
 /* The rule that a run and the one it is a copy of, but for scales or order, break together. */
