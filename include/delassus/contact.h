@@ -16,7 +16,8 @@
  *   q  local positions at r = 0                length (velocity)
  *   mu friction coefficients >= 0, nc          none
  *      INFINITY: bonded in the tangents, u_t = 0 while r_n > 0, and r = 0 else. nlgs, newton, admm,
- *      augmented-lagrangian, penalty and auto take it; an LCP, the homotopy and FCLIB files do not
+ *      augmented-lagrangian, penalty and auto take it; an LCP, the homotopy and FCLIB files do not,
+ *      nor what lists all solutions or looks for the fold
  *      (DLS_E_UNSUPPORTED, in files DLS_E_NOT_FINITE). There may be no solution where a bonded
  *      candidate would have to pull.
  */

@@ -40,8 +40,8 @@ typedef struct dls_solution_set {
  * method has a proof. DLS_NO_SOLUTION_LIKELY: none, but for rounding. DLS_MAX_ITERATIONS: there are
  * more than `capacity`, and the first of them are in the list. DLS_STALLED: rounding keeps a choice
  * of states from being decided; the list holds the others. Else an error:
- * DLS_E_UNSUPPORTED for d = 3, DLS_E_SIZE for more candidates, DLS_E_ARGUMENT, DLS_E_MEMORY. Solves
- * 4^nc small linear programs. */
+ * DLS_E_UNSUPPORTED for d = 3 or an infinite mu, DLS_E_SIZE for more candidates, DLS_E_ARGUMENT,
+ * DLS_E_MEMORY. Solves 4^nc small linear programs. */
 DLS_API DLS_MUST_USE dls_status dls_contact_enumerate(const dls_contact *problem, double tol,
                                                       int capacity, double *r, double *low,
                                                       double *high, dls_solution_set *found,
@@ -92,7 +92,8 @@ typedef struct dls_fold {
  *   q, r, other (m each): a witness: with the coefficients mu_c fold->friction / max mu, the load q
  *   has the solutions r and other, both in these states
  *
- * Each may be NULL; they are set where there is a fold. DLS_OK; DLS_E_UNSUPPORTED for d = 3;
+ * Each may be NULL; they are set where there is a fold. DLS_OK; DLS_E_UNSUPPORTED for d = 3 or an
+ * infinite mu;
  * DLS_E_NOT_POSITIVE_DEFINITE; DLS_E_ARGUMENT, DLS_E_MEMORY, or an error of dls_contact_check. */
 DLS_API DLS_MUST_USE dls_status dls_contact_fold(const dls_contact *problem, dls_fold *fold,
                                                  dls_contact_state *state, double *q, double *r,

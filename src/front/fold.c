@@ -338,6 +338,8 @@ dls_status dlsi_contact_fold(const dls_contact *problem, int search, dls_fold *f
   if (problem->d != 2)
     return dlsi_fail(error, DLS_E_UNSUPPORTED, "d", -1, problem->d, "is %d, must be 2", problem->d);
   if (!fold) return dlsi_is_null(error, "fold");
+  status = dlsi_refuse_bonded(problem, error);
+  if (status) return status;
   if (problem->nc == 0) {
     *fold = (dls_fold){INFINITY, 1, 0};
     return DLS_OK;

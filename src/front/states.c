@@ -398,6 +398,8 @@ static dls_status enumerate_check(const dls_contact *problem, double tol, int ca
   if (status) return status;
   if (problem->d != 2)
     return dlsi_fail(error, DLS_E_UNSUPPORTED, "d", -1, problem->d, "is %d, must be 2", problem->d);
+  const dls_status bonded = dlsi_refuse_bonded(problem, error);
+  if (bonded) return bonded;
   if (problem->nc > DLS_STATES_MAX)
     return dlsi_fail(error, DLS_E_SIZE, "nc", -1, problem->nc, "is %d, must be at most %d",
                      problem->nc, DLS_STATES_MAX);

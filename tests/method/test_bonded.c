@@ -121,6 +121,14 @@ START_TEST(methods_that_cannot) {
   ck_assert_int_eq(dls_contact_to_lcp(&a.p, NULL, M, 12, M, &error), DLS_E_UNSUPPORTED);
   ck_assert_int_eq(dls_fclib_write_local("/nowhere", &a.p, "", NULL, NULL, &error),
                    DLS_E_NOT_FINITE);
+  dls_solution_set found;
+  dls_fold fold;
+  ck_assert_int_eq(dls_contact_enumerate(&a.p, 1e-8, 1, r, NULL, NULL, &found, &error),
+                   DLS_E_UNSUPPORTED);
+  ck_assert(strcmp(error.argument, "mu") == 0 && error.index == 2);
+  ck_assert_int_eq(dls_contact_fold(&a.p, &fold, NULL, NULL, NULL, NULL, &error),
+                   DLS_E_UNSUPPORTED);
+  ck_assert(strcmp(error.argument, "mu") == 0 && error.index == 2);
   a.mu[2] = NAN;
   ck_assert_int_eq(dls_contact_check(&a.p, &error), DLS_E_NOT_FINITE);
   ck_assert_int_eq(error.index, 2);
