@@ -198,6 +198,7 @@ enum { large_panel = 2000 }; /* rows: W is 32 MB then, and a panel takes longer 
 /* W dense: changes of r that u is still to receive, all rows of u in one go. */
 typedef struct nlgs_batch {
   int count, c[batch_size];
+  int normal; /* 1: no change of a tangent, so that W's columns of tangents are not read */
   double dr[3 * batch_size];
 } nlgs_batch;
 
@@ -260,6 +261,9 @@ static inline void nlgs_change(const dls_nlgs *work, const dls_contact *problem,
                                const double *dr, nlgs_batch *b) {
   const size_t d = (size_t)problem->d;
   if (b) {
+    const int normal = d < 2 || (dr[1] == 0 && (d < 3 || dr[2] == 0));
+    if (b->count && normal != b->normal) nlgs_flush(work, problem, b); /* half of the columns */
+    b->normal = normal;
     memcpy(b->dr + d * (size_t)b->count, dr, d * sizeof *dr);
     b->c[b->count++] = c;
     if (b->count == batch_size || work->it.E) nlgs_flush(work, problem, b);

@@ -181,16 +181,23 @@ void dlsi_contact_add_both(const dls_contact *problem, int count, const int *c, 
 void dlsi_contact_add_panel(const dls_contact *problem, int count, const int *c, const double *dr,
                             double *u) {
   const size_t d = (size_t)problem->d, ld = (size_t)problem->W.ld, m = d * (size_t)problem->nc;
-  int k = 0;
+  int k = 0, normal = 1; /* candidates without friction leave the columns of tangents alone */
+  for (size_t i = 0; i < d * (size_t)count; i++)
+    normal &= i % d == 0 || dr[i] == 0;
+  const size_t columns = normal ? 1 : d;
   for (; k + 4 <= count; k += 4) {
     const double *w[4];
-    for (int j = 0; j < 4; j++)
-      w[j] = problem->W.a + d * (size_t)c[k + j] * ld;
-    (d == 1 ? add_four_1d : d == 2 ? add_four_2d : add_four_3d)(m, w, ld, dr + d * (size_t)k, u);
+    double x[12];
+    for (size_t j = 0; j < 4; j++) {
+      w[j] = problem->W.a + d * (size_t)c[k + (int)j] * ld;
+      for (size_t i = 0; i < columns; i++)
+        x[columns * j + i] = dr[d * ((size_t)k + j) + i];
+    }
+    (columns == 1 ? add_four_1d : d == 2 ? add_four_2d : add_four_3d)(m, w, ld, x, u);
   }
   for (; k < count; k++) {
     const double *w = problem->W.a + d * (size_t)c[k] * ld;
-    (d == 1 ? add_one_1d : d == 2 ? add_one_2d : add_one_3d)(m, w, ld, dr + d * (size_t)k, u);
+    (columns == 1 ? add_one_1d : d == 2 ? add_one_2d : add_one_3d)(m, w, ld, dr + d * (size_t)k, u);
   }
 }
 

@@ -230,9 +230,8 @@ typedef struct unsettled {
 /* Returns 0 after a complaint. */
 int unsettled_find(unsettled *to, const dls_contact *contact, const double *r, const double *u);
 
-/* Print nothing if count is 0. */
+/* Prints nothing if count is 0. */
 void unsettled_print(const unsettled *from);
-void unsettled_print_json(FILE *out, const unsettled *from);
 
 /* ---- report.c, outcomes ---------------------------------------------------------------------- */
 

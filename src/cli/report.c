@@ -248,6 +248,16 @@ void print_others(const char *indent, const dls_info *info) {
            plural(info->ambiguous));
 }
 
+static void print_json_unsettled(FILE *out, const unsettled *from) {
+  if (from->count == 0) return;
+  fputs(",\n  \"unsettled\": [", out);
+  for (int k = 0; k < from->count; k++)
+    fprintf(out, "%s%d", k ? ", " : "", from->candidate[k]);
+  fputc(']', out);
+  print_json_field(out, "unsettled_share", from->share);
+  print_json_field(out, "sweep_growth", from->growth);
+}
+
 void print_json(FILE *out, const outcome *o) {
   const dls_certificate *c = &o->info.certificate;
   fputs("{\n", out);
@@ -287,7 +297,7 @@ void print_json(FILE *out, const outcome *o) {
   print_json_field(out, "solve_cpu_seconds", o->solve_cpu_seconds);
   if (o->info.stages) print_json_stages(out, &o->info);
   print_json_verdict(out, &o->verdict, o->proof);
-  unsettled_print_json(out, &o->unsettled);
+  print_json_unsettled(out, &o->unsettled);
   fputs("\n}\n", out);
 }
 

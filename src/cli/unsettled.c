@@ -92,13 +92,3 @@ void unsettled_print(const unsettled *from) {
     printf("; sweeps circle here");
   putchar('\n');
 }
-
-void unsettled_print_json(FILE *out, const unsettled *from) {
-  if (from->count == 0) return;
-  fputs(",\n  \"unsettled\": [", out);
-  for (int k = 0; k < from->count; k++)
-    fprintf(out, "%s%d", k ? ", " : "", from->candidate[k]);
-  fputc(']', out);
-  print_json_field(out, "unsettled_share", from->share);
-  print_json_field(out, "sweep_growth", from->growth);
-}

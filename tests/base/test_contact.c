@@ -635,6 +635,33 @@ START_TEST(misfits_are_the_residual) {
 }
 END_TEST
 
+/* Changes of normal reactions alone leave the columns of tangents unread, one by one or four at
+ * once. */
+START_TEST(panels_of_normals) {
+  enum { nc = 6, most = 3 * nc };
+  for (int d = 2; d <= 3; d++) {
+    double W[most * most], u[most], expected[most], dr[most] = {0};
+    const int m = d * nc, c[nc] = {4, 1, 5, 0, 2, 3};
+    const dls_contact p = {.d = d, .nc = nc, .W = {m, m, m, W}};
+    for (int i = 0; i < m; i++)
+      u[i] = expected[i] = i;
+    for (int k = 0; k < m * m; k++)
+      W[k] = k / m % d ? NAN : sin(k);
+    for (int k = 0; k < nc; k++) {
+      dr[d * k] = 1 + k;
+      for (int i = 0; i < m; i++)
+        expected[i] += dr[d * k] * W[i + m * d * c[k]];
+    }
+    dlsi_contact_add_panel(&p, nc, c, dr, u);
+    for (int i = 0; i < m; i++)
+      ck_assert_double_eq_tol(u[i], expected[i], 1e-13 * (m + nc));
+    dr[1] = 1;
+    dlsi_contact_add_panel(&p, nc, c, dr, u);
+    ck_assert(u[0] != u[0]);
+  }
+}
+END_TEST
+
 START_TEST(certify_refuses_and_leaves_outputs) {
   const dls_contact p = dense2();
   double r[4] = {0, 0, 0, 0}, u[4] = {9, 9, 9, 9};
@@ -1019,9 +1046,9 @@ int main(void) {
              ONCE(weights_fall_back), ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
              ONCE(certificate_ignores_order_and_tangent_frame), ONCE(dense_and_blocks_agree),
              ONCE(states_of_the_three_kinds), ONCE(misfits_are_the_residual),
-             ONCE(certify_refuses_and_leaves_outputs), ONCE(nan_is_never_certified),
-             ONCE(a_runaway_is_never_certified), EACH(there_and_back, 2, 4),
-             EACH(storages_agree, 2, 4), ONCE(bad_conversion),
+             ONCE(panels_of_normals), ONCE(certify_refuses_and_leaves_outputs),
+             ONCE(nan_is_never_certified), ONCE(a_runaway_is_never_certified),
+             EACH(there_and_back, 2, 4), EACH(storages_agree, 2, 4), ONCE(bad_conversion),
              EACH(a_subset_is_rows_and_columns, 0, 24), ONCE(a_subset_stays_in_its_memory),
              ONCE(frictionless_adhesion_is_refused), ONCE(a_bad_subset_is_named));
 }
