@@ -210,6 +210,8 @@ static void run_method(const dls_contact *p, int run, trail *t) {
   s.acceleration = runs[run].acceleration;
   s.limits.tol = 1e-10;
   s.limits.max_iterations = runs[run].max_iterations;
+  if (s.method == DLS_HOMOTOPY && m <= 12)
+    s.limits.max_iterations = 1000; /* past its first start */
   s.limits.threads = runs[run].threads;
   s.limits.blocks = p->Wb.x ? p->Wb.p[p->nc] : 0;
   s.limits.warm_start = 1;
