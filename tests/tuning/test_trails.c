@@ -89,6 +89,9 @@ static int trails_make(int k, trails_problem *a) {
          ck_assert_int_eq(rigid_create(&a->bodies, large[at / 2], 2000, .5, 7), 0);
          a->p = of_bodies ? a->bodies.factored : a->bodies.contact; (void)snprintf(
              a->name, sizeof a->name, "%s-2000%s", large[at / 2], of_bodies ? "-of-bodies" : ""));
+  /* where the first path of the homotopy leads nowhere */
+  TRAILS(2, a->p = at ? planted(&plant, 3, 3, 5, 3, 45) : planted(&plant, 2, 4, 4, 10, 14);
+         (void)snprintf(a->name, sizeof a->name, "later-start-%d", at));
 #undef TRAILS
   return 0;
 }
