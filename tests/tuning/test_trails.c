@@ -306,7 +306,7 @@ static void run_facts(const dls_contact *p, trail *t) {
   free(r);
 }
 
-/* Eight problems that differ in q, at once. */
+/* Eight problems that differ in q and in their units, at once. */
 static void run_batch(const dls_contact *p, trail *t) {
   enum { lanes = 8 };
   const int m = p->d * p->nc;
@@ -318,7 +318,7 @@ static void run_batch(const dls_contact *p, trail *t) {
     ck_assert_ptr_nonnull(r[k]);
     q[k] = r[k] + m;
     for (int i = 0; i < m; i++)
-      q[k][i] = p->q[i] * (1 + .1 * ((3 * i + k) % 7));
+      q[k][i] = ldexp(p->q[i] * (1 + .1 * ((3 * i + k) % 7)), 5 * k % lanes * 6);
     a[k] = *p;
     a[k].q = q[k];
   }
