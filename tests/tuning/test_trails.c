@@ -89,6 +89,9 @@ static int trails_make(int k, trails_problem *a) {
          ck_assert_int_eq(rigid_create(&a->bodies, large[at / 2], 2000, .5, 7), 0);
          a->p = of_bodies ? a->bodies.factored : a->bodies.contact; (void)snprintf(
              a->name, sizeof a->name, "%s-2000%s", large[at / 2], of_bodies ? "-of-bodies" : ""));
+  /* where the first path of the homotopy leads nowhere */
+  TRAILS(2, a->p = at ? planted(&plant, 3, 3, 5, 3, 45) : planted(&plant, 2, 4, 4, 10, 14);
+         (void)snprintf(a->name, sizeof a->name, "later-start-%d", at));
 #undef TRAILS
   return 0;
 }
@@ -210,6 +213,8 @@ static void run_method(const dls_contact *p, int run, trail *t) {
   s.acceleration = runs[run].acceleration;
   s.limits.tol = 1e-10;
   s.limits.max_iterations = runs[run].max_iterations;
+  if (s.method == DLS_HOMOTOPY && m <= 12)
+    s.limits.max_iterations = 1000; /* past its first start */
   s.limits.threads = runs[run].threads;
   s.limits.blocks = p->Wb.x ? p->Wb.p[p->nc] : 0;
   s.limits.warm_start = 1;
@@ -301,7 +306,7 @@ static void run_facts(const dls_contact *p, trail *t) {
   free(r);
 }
 
-/* Eight problems that differ in q, at once. */
+/* Eight problems that differ in q and in their units, at once. */
 static void run_batch(const dls_contact *p, trail *t) {
   enum { lanes = 8 };
   const int m = p->d * p->nc;
@@ -313,7 +318,7 @@ static void run_batch(const dls_contact *p, trail *t) {
     ck_assert_ptr_nonnull(r[k]);
     q[k] = r[k] + m;
     for (int i = 0; i < m; i++)
-      q[k][i] = p->q[i] * (1 + .1 * ((3 * i + k) % 7));
+      q[k][i] = ldexp(p->q[i] * (1 + .1 * ((3 * i + k) % 7)), 5 * k % lanes * 6);
     a[k] = *p;
     a[k].q = q[k];
   }
