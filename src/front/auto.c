@@ -10,7 +10,8 @@
  *                     its place. Newton's method then only at e <= 1e-5, and after a failure only
  *                     at a tenth of that: on packings its steps lead nowhere before
  *   (AT2)  splitting  ADMM, once, for a dense W after a failure of Newton's method, or before it
- *                     where a step costs more than 50 sweeps and the states still change
+ *                     where the states still change and a step costs more than 50 sweeps, or e >
+ *                     .01 and 50 max(mu, 1)^2 m / k sweeps, its forecast, are below twice (AT7)
  *   (AT12) rest       the convex problem without mu |u_t| (vi/rest.c), for what may be a structure
  *                     at rest: W by blocks, -q in the friction cones, or few neighbours
  *   (AT3)  Newton     from the states that the sweeps have sorted
@@ -45,9 +46,10 @@
  *
  * Sweeps end when (AT6) > (AT7), or > 100 where (AT12) or (AT13) is next, after 10 sweeps (20 for W
  * by blocks, or while e > .05 before any failure; half of that from a warm start), a number that
- * each failure doubles. Newton's method gives up when 4 steps, doubled by each failure, have
- * not brought e down by a tenth. A forecast that was wrong is so believed less each time. No clock
- * is read: the same input takes the same stages and gives the same bits.
+ * each failure doubles. Newton's method gives up when 4 steps, or as many as cost half of (AT6)
+ * and of (AT2), up to 12, doubled by each failure, have not brought e down by a tenth. A forecast
+ * that was wrong is so believed less each time. No clock is read: the same input takes the same
+ * stages and gives the same bits.
  *
  * W dense is what an elastic body leaves, regular. W by blocks comes from many bodies, often rigid
  * ones; it is then singular, and Newton's steps converge slowly. The free velocity q of bodies at
@@ -90,10 +92,15 @@ enum {
   look_every = 5,
   first_sweeps = 10,
   first_patience = 4,
+  last_patience = 12, /* of vi/newton.c */
+  usual_splits = 50,
   most_failures = 5,
   most_pushes = 1000000
 };
-enum { split_unknowns = 150 };   /* (AT2): below, other methods take less than its factorisation */
+enum {
+  split_unknowns = 100,
+  rest_unknowns = 150
+};                               /* (AT2): below, other methods take less than its factorisation */
 enum { dense_splits = 200 };     /* iterations of (AT2): more of them cost more than Newton again */
 enum { few_blocks = 4 };         /* of a candidate, its own included */
 enum { rest_sweeps = 100 };      /* what (AT12) costs, analysis included, where it arrives */
@@ -109,6 +116,7 @@ static const double hidden_most = 100; /* (AT10): of a floor, over the largest t
 enum { sure_starts = 2 };   /* (AT9): candidates, d = 3, whose states scattered starts cover */
 enum { copy_failures = 3 }; /* so much is Newton's method believed on a copy */
 static const double unsorted = 0.05;        /* e: with more, few states are those of the answer */
+static const double unsettled = 0.01;       /* e: ... and with less, most are */
 static const double progress = 0.9;         /* of e, below which a step has brought it down */
 static const double share_outside = 0.1;    /* of -q outside of the cones, for what may rest */
 static const double null_direction = 1e-10; /* |D^-1 W delta| over |delta|: (AT9) */
@@ -183,7 +191,10 @@ typedef struct dlsi_auto {
   double target, least; /* logarithms of e* and of the least e that counts */
   double rate;          /* (AT6) */
   double unknowns;      /* k of (AT7) at the last look */
-  int costly;           /* a Newton step, more than a sixth of (AT2) */
+  double step;          /* (AT7) a Newton step */
+  double ahead;         /* (AT6) at the last look */
+  int patience;         /* steps of Newton's method without progress */
+  int costly;           /* Newton's steps, beside (AT2) */
   int since;            /* iteration of the least e; of (AT13): of the last look */
 } dlsi_auto;
 
@@ -254,6 +265,25 @@ static double count_unknowns(const dls_contact *problem, const double *r) {
   return k;
 }
 
+/* Returns the mean friction of the candidates with a reaction in r. */
+static double mean_friction(const dls_contact *problem, const double *r) {
+  double sum = 0, count = 0;
+  for (int c = 0; c < problem->nc; c++, r += problem->d) {
+    if (!(r[0] > 0)) continue;
+    sum += problem->mu[c];
+    count++;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+/* Returns the sweeps that (AT2) costs, its factorisation included: its iterations read m^2 where a
+ * sweep reads k m, and grow with the square of friction. */
+static double cost_of_split(const dlsi_auto *work) {
+  const double mu = fmax(mean_friction(work->problem, work->r), 1);
+  const double m = (double)work->problem->d * work->problem->nc;
+  return usual_splits * mu * mu * m / fmax(work->unknowns, 1);
+}
+
 /* (AT7) */
 static double cost_of_newton(dlsi_auto *work) {
   const dls_contact *problem = work->problem;
@@ -263,8 +293,9 @@ static double cost_of_newton(dlsi_auto *work) {
   const double step = fmin(fmax(5 + k / 12, k / 6), 50);
   const double dense_step = fmax(step, k * k / (6 * m));
   work->unknowns = k;
+  work->step = dense ? dense_step : step;
   work->costly = dense && !settled && dense_step > 50;
-  return (settled ? problem->d - 1 : 4) * (1 << work->failures) * (dense ? dense_step : step);
+  return (settled ? problem->d - 1 : 4) * (1 << work->failures) * work->step;
 }
 
 static int watch_sweeps(void *data, const dls_progress *p) {
@@ -279,6 +310,8 @@ static int watch_sweeps(void *data, const dls_progress *p) {
   const double newton = cost_of_newton(work), ahead = (work->least - work->target) / work->rate;
   const double other = may_push(work) ? push_ahead : newton;
   const double next = work->may_rest ? fmin(other, rest_sweeps) : other;
+  if (p->residual > unsettled && cost_of_split(work) < 2 * newton) work->costly = 1;
+  work->ahead = ahead;
   const int sorted = work->failures || p->residual <= unsorted;
   const int twice = !work->problem->W.a || !sorted;
   const int first = (twice + 1) * first_sweeps / (work->options.limits.warm_start + 1);
@@ -293,7 +326,7 @@ static int watch_newton(void *data, const dls_progress *p) {
     work->least = now;
     work->since = p->iteration;
   }
-  return p->iteration - work->since >= first_patience << work->failures;
+  return p->iteration - work->since >= work->patience << work->failures;
 }
 
 /* (AT13) Stops when (AT12) is to be tried. Sweeps that get nowhere stop by themselves. */
@@ -326,7 +359,7 @@ static int looks_at_rest(const dlsi_auto *work) {
   const int d = problem->d;
   const double *q = problem->q;
   double all = 0, outside = 0;
-  if (problem->W.a || d * problem->nc < split_unknowns) return 0;
+  if (problem->W.a || d * problem->nc < rest_unknowns) return 0;
   const int told = work->options.limits.blocks; /* of bodies */
   const int blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : told > 1 ? told : INT_MAX;
   if (blocks / problem->nc <= few_blocks) return 1;
@@ -347,10 +380,14 @@ static int may_rest(const dlsi_auto *work) {
   return work->may_rest;
 }
 
-static int may_split(const dlsi_auto *work) {
+/* Returns 1 if (AT2) is there for this problem, and has not been tried. */
+static int has_splitting(const dlsi_auto *work) {
   const dls_contact *problem = work->problem;
-  if (work->has_split || problem->d * problem->nc < split_unknowns) return 0;
-  return problem->W.a && (work->failures > 0 || work->costly);
+  return problem->W.a && !work->has_split && problem->d * problem->nc >= split_unknowns;
+}
+
+static int may_split(const dlsi_auto *work) {
+  return has_splitting(work) && (work->failures > 0 || work->costly);
 }
 
 /* Of bodies W by blocks is then formed only where a stage asks for it. */
@@ -447,6 +484,12 @@ static dls_status form_blocks(dlsi_auto *work, dls_error *error) {
   return DLS_OK;
 }
 
+/* Returns how many steps without progress Newton's method may take: half of what comes after it. */
+static int patience_of_newton(const dlsi_auto *work) {
+  const double other = has_splitting(work) ? fmin(work->ahead, cost_of_split(work)) : work->ahead;
+  return (int)fmin(fmax(other / (2 * work->step), first_patience), last_patience);
+}
+
 /* Takes one stage: its line in the report, and best := r if that is better. */
 static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error) {
   dls_error why = {0};
@@ -468,6 +511,7 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
   work->rate = 0;
   work->unknowns = count_unknowns(problem, work->r);
   work->since = 0;
+  work->patience = patience_of_newton(work);
   if (!status) {
     dls_contact of_bodies = *problem; /* (AT13) takes the factors even where there are blocks */
     if (k == PUSH && problem->bodies.H) of_bodies.Wb = (dls_blocks){0};
@@ -831,6 +875,8 @@ static dls_status begin_solve(dlsi_auto *work, const dls_contact *problem, dls_e
   work->has_copy = work->has_direction = work->has_farkas = work->excluded = 0;
   work->may_rest = looks_at_rest(work);
   work->has_pushed = work->has_augmented = 0;
+  work->ahead = 0;
+  work->step = 1;
   memset(work->best, 0, (size_t)problem->d * (size_t)problem->nc * sizeof *work->best);
   return DLS_OK;
 }
@@ -958,7 +1004,8 @@ static dls_status auto_create(void **out, int d, int nc, const dlsi_options *opt
   dlsi_auto *work = memory;
   for (part k = 0; !status && !options->lazy && k < parts; k++) {
     const int m = d * nc, large = m > other_unknowns;
-    if ((k == SPLITTING || k == REST) && m < split_unknowns) continue;
+    if (k == SPLITTING && m < split_unknowns) continue;
+    if (k == REST && m < rest_unknowns) continue;
     if (k == PUSH && (nc <= few_push || !options->limits.blocks)) continue;
     const int blocks = options->limits.blocks;
     if (k == SWEEPS && nc > push_candidates && blocks && blocks / nc < nc / 4) continue;
