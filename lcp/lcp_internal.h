@@ -151,6 +151,10 @@ dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double
 /* Changes the limits of an existing workspace, from the next solve on. */
 void dlsi_lemke_set_limits(dls_lemke *work, const dls_limits *limits);
 
+/* scatters: 1 lets the next runs try a hundred covering vectors, without those that they would try
+ * else. */
+void dlsi_lemke_scatter(dls_lemke *work, int scatters);
+
 /* Finds a vertex x (n) of { x >= 0 : C x = q }. Returns 1, 0 if that is empty to 1e-10, -1 if
  * rounding keeps the simplex method from ending. C: (C | q) by rows, n x (n + 1), n <=
  * DLS_ENUMERATE_MAX. */

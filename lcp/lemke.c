@@ -66,6 +66,7 @@
 #include <float.h>
 #include <limits.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -82,7 +83,7 @@ static const double proof_tolerance = 1e-14; /* of a ray or a Farkas vector, tim
 static const double sharp = 1e-12;           /* a residual that calls for no second look */
 
 enum { progress_interval = 50, check_interval = 256, strict_check_interval = 32 }; /* pivots */
-enum { covers = 10 };
+enum { covers = 10, many_covers = 100 };
 enum {
   most_vectors = 2
 }; /* of Farkas but for rounding; what it leaves of solutions is too far away
@@ -92,6 +93,7 @@ struct dls_lemke {
   int n; /* of create */
   atomic_int busy;
   dls_lemke_settings settings;
+  int scatters;  /* dlsi_lemke_scatter */
   double *given; /* the user's covering vector, or NULL, n */
 
   /* The scaled problem: M' = R M C, q' = R q / kappa, d' = sigma R d; z = kappa C z',
@@ -250,11 +252,20 @@ static void lemke_scale(dls_lemke *work, const dls_lcp *lcp) {
   }
 }
 
+/* Returns a number in [0, 1) for entry i of covering vector k (splitmix64). */
+static double lemke_draw(int i, int k) {
+  uint64_t z = ((uint64_t)k << 32 | (uint64_t)i) * 0x9e3779b97f4a7c15u;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return ldexp((double)((z ^ (z >> 31)) >> 11), -53);
+}
+
 /* d := covering vector k: the first one, or it times factors between 1/32 and 32, no two alike. */
 static void lemke_choose_cover(dls_lemke *work, int n, int k) {
   double fraction = 0;
   for (int i = 0; i < n; i++) {
-    const double x = 0.6180339887498949 * (i + 1) + 0.7548776662466927 * k;
+    const double shift = k < covers ? 0.7548776662466927 * k : lemke_draw(i, k);
+    const double x = 0.6180339887498949 * (i + 1) + shift;
     work->d[i] = k ? work->cover[i] * exp2(10 * (x - floor(x)) - 5) : work->cover[i];
     fraction += 0.6180339887498949; /* golden ratio: no two alike */
     fraction -= fraction >= 1;
@@ -708,7 +719,8 @@ static path_end lemke_crash(dls_lemke *work, const dls_lcp *lcp, const double *z
  * be confirmed, with another covering vector after a ray that proves nothing. */
 static dls_status lemke_paths(dls_lemke *work, const dls_lcp *lcp, const double *warm) {
   const double tol = work->settings.limits.tol;
-  int cover = 0;
+  const int end_of_covers = work->scatters ? many_covers : covers;
+  int cover = work->scatters ? covers : 0;
   work->strict = 0;
   lemke_scale(work, lcp);
   for (;; warm = NULL) {
@@ -719,7 +731,7 @@ static dls_status lemke_paths(dls_lemke *work, const dls_lcp *lcp, const double 
     if (end == path_ray && lemke_accept_ray(work, lcp)) {
       if (lemke_holds(work, tol)) break; /* z0 was as good as 0 */
       if (work->proved) return DLS_NO_SOLUTION;
-      if (work->given || work->vectors == most_vectors || ++cover == covers) return DLS_RAY;
+      if (work->given || work->vectors == most_vectors || ++cover == end_of_covers) return DLS_RAY;
       continue;
     }
     work->solved_n = 0;
@@ -747,14 +759,18 @@ static dls_status lemke_enter(dls_lemke *work, const dls_lcp *lcp, const double 
   return status ? status : dlsi_enter(&work->busy, "workspace", error);
 }
 
+void dlsi_lemke_scatter(dls_lemke *work, int scatters) {
+  work->scatters = scatters;
+}
+
 dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double *y,
                           dls_lemke_info *info) {
   dls_status status = DLS_OK;
   const size_t n = (size_t)lcp->n;
   const dls_limits *limits = &work->settings.limits;
   const double *warm = limits->warm_start ? z : NULL;
-  work->max_pivots =
-      dlsi_most_iterations(limits, lcp->n < (INT_MAX - 1000) / 50 ? 50 * lcp->n + 1000 : INT_MAX);
+  const int most = lcp->n < (INT_MAX - 1000) / 500 ? 50 * lcp->n + 1000 : INT_MAX / 10;
+  work->max_pivots = dlsi_most_iterations(limits, work->scatters ? 10 * most : most);
   work->begun = dlsi_clock_start(limits);
   work->table.n = lcp->n;
   work->pivots = work->refreshes = work->starts = work->crash.rounds = 0;
@@ -763,7 +779,7 @@ dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double
   lemke_offer_zero(work, lcp);
   if (work->best.negative_y > 0) {
     path_end end = path_lost;
-    if (work->settings.crash && !work->given) end = lemke_crash(work, lcp, warm);
+    if (work->settings.crash && !work->given && !work->scatters) end = lemke_crash(work, lcp, warm);
     if (end == path_lost)
       status = lemke_paths(work, lcp, warm);
     else if (end == path_cancelled)

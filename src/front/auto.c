@@ -21,7 +21,9 @@
  *                     steps that would follow. A verdict is left to the copy (AT11) then
  *   (AT8)  the last   up to 300 rows an eighth of the interior homotopy's starts and of Newton's
  *                     method from scattered starts (vi/scatter.c), and last of all the rest of
- *                     both: each finds most of what it finds early, and other problems; up to 3000
+ *                     both: each finds most of what it finds early, and other problems; d = 2:
+ *                     Lemke's method with a hundred other covering vectors after the first part;
+ *                     up to 3000
  *                     rows, between the two, from r = 0, plain sweeps in the reverse order, ADMM
  *                     with rho from 1e-8 on, and the augmented Lagrangian once more
  *   (AT10) proofs     at the end of (AT5) the linear problem that every solution solves (farkas.c):
@@ -435,22 +437,28 @@ static const struct {
 };
 
 /* The stages; cold: from r = 0, whatever was found before; copy: on a copy only (AT11); rest: a
- * search that goes on after its first eighth. */
+ * search that goes on after its first part. */
 static const struct {
   part part;
   int cold, copy, rest;
-} stages[] = {
-    {SWEEPS, 0, 0, 0},          {REST, 0, 0, 0},     {SPLITTING, 0, 0, 0},    {PUSH, 0, 0, 0},
-    {NEWTON, 0, 0, 0},          {PIVOTING, 0, 0, 0}, {SPLITTING, 0, 0, 0},    {SWEEPS, 0, 0, 0},
-    {NEWTON, 0, 0, 0},          {SWEEPS, 0, 0, 0},   {NEWTON, 0, 0, 0},       {SWEEPS, 0, 0, 0},
-    {NEWTON, 0, 0, 0},          {SWEEPS, 0, 1, 0},   {NEWTON, 0, 1, 0},       {PIVOTING, 0, 1, 0},
-    {AUGMENTED, 0, 0, 0},       {HOMOTOPY, 1, 1, 0}, {SCATTER, 0, 1, 0},      {SWEEPS, 0, 0, 0},
-    {NEWTON, 0, 0, 0},          {SWEEPS, 0, 0, 0},   {OTHER_SWEEPS, 1, 0, 0}, {NEWTON, 0, 0, 0},
-    {OTHER_SPLITTING, 1, 0, 0}, {NEWTON, 0, 0, 0},   {AUGMENTED, 1, 0, 0},    {HOMOTOPY, 1, 1, 1},
-    {SCATTER, 0, 1, 1}};
+} stages[] = {{SWEEPS, 0, 0, 0},    {REST, 0, 0, 0},
+              {SPLITTING, 0, 0, 0}, {PUSH, 0, 0, 0},
+              {NEWTON, 0, 0, 0},    {PIVOTING, 0, 0, 0},
+              {SPLITTING, 0, 0, 0}, {SWEEPS, 0, 0, 0},
+              {NEWTON, 0, 0, 0},    {SWEEPS, 0, 0, 0},
+              {NEWTON, 0, 0, 0},    {SWEEPS, 0, 0, 0},
+              {NEWTON, 0, 0, 0},    {SWEEPS, 0, 1, 0},
+              {NEWTON, 0, 1, 0},    {PIVOTING, 0, 1, 0},
+              {AUGMENTED, 0, 0, 0}, {HOMOTOPY, 1, 1, 0},
+              {SCATTER, 0, 1, 0},   {PIVOTING, 0, 1, 1},
+              {SWEEPS, 0, 0, 0},    {NEWTON, 0, 0, 0},
+              {SWEEPS, 0, 0, 0},    {OTHER_SWEEPS, 1, 0, 0},
+              {NEWTON, 0, 0, 0},    {OTHER_SPLITTING, 1, 0, 0},
+              {NEWTON, 0, 0, 0},    {AUGMENTED, 1, 0, 0},
+              {HOMOTOPY, 1, 1, 1},  {SCATTER, 0, 1, 1}};
 enum { quick_count = 13, stage_count = sizeof stages / sizeof stages[0] };
-_Static_assert((int)stage_count + 3 <= (int)DLS_STAGES_MAX,
-               "a line for each in the report, for (AT14), the states, and after the copy");
+_Static_assert((int)stage_count - 1 + 3 <= (int)DLS_STAGES_MAX,
+               "a line for each in the report, SPLITTING once, (AT14), the states, after the copy");
 
 static dls_limits limits_of(dlsi_auto *work, part k) {
   const int blocks = work->options.limits.blocks;
@@ -590,17 +598,15 @@ static int is_rounded(const dlsi_auto *work, part now) {
   return (now == REST || hidden) && dlsi_certificate_meets(best, tol);
 }
 
-/* Tells a search that its next solve is its first eighth, or the rest of it. Errors of create_part.
- */
+/* Tells a search that its next solve is its first part, or the rest. Errors of create_part. */
 static dls_status share_search(dlsi_auto *work, part k, int rest, dls_error *error) {
-  if (k != HOMOTOPY && k != SCATTER) return DLS_OK;
-  const dls_status status = create_part(work, k, error);
-  if (status) return status;
-  if (k == HOMOTOPY)
-    dlsi_homotopy_share(work->part[k], rest);
-  else
-    dlsi_scatter_share(work->part[k], rest);
-  return DLS_OK;
+  void (*const share)(void *, int) = k == HOMOTOPY   ? dlsi_homotopy_share
+                                     : k == SCATTER  ? dlsi_scatter_share
+                                     : k == PIVOTING ? dlsi_contact_lemke_scatter
+                                                     : NULL;
+  const dls_status status = share ? create_part(work, k, error) : DLS_OK;
+  if (share && !status) share(work->part[k], rest);
+  return status;
 }
 
 /* Takes the stages first .. end-1 in turn. Returns DLS_OK, DLS_NO_SOLUTION, an error, DLS_CANCELLED
@@ -615,6 +621,7 @@ static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *erro
     if (part_of[now].may && !part_of[now].may(work)) continue;
     const int early = now == PIVOTING && k < quick_count;
     if (early && !may_pivot_early(work)) continue;
+    if (now == PIVOTING && stages[k].rest && work->d != 2) continue; /* few polish to the cone */
     if (stages[k].cold && !may_go_another_way(work)) continue;
     dls_status status = share_search(work, now, stages[k].rest, error);
     if (!status) status = take_stage(work, now, stages[k].cold, error);

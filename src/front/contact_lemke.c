@@ -65,6 +65,7 @@ typedef struct contact_lemke {
   int has_ray;  /* 1: the solve ended in DLS_RAY, along dr */
   int excludes; /* 1: (CL5) shows that no r can be certified */
   int pivots;   /* of the LCPs before the one under way */
+  int scatters; /* dlsi_contact_lemke_scatter */
 } contact_lemke;
 
 static void contact_lemke_carve(void *lemke, dlsi_arena *arena) {
@@ -325,7 +326,7 @@ static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, d
   if (status == DLS_OK) status = DLS_STALLED;
   if (dls_certificate_holds(&it->certificate, work->limits.tol))
     status = DLS_OK;
-  else if (status == DLS_RAY || status == DLS_STALLED)
+  else if (!work->scatters && (status == DLS_RAY || status == DLS_STALLED))
     status = pivot_linear(work, problem, status, pivots, error);
   if (status < 0) return status;
   work->has_ray &= status == DLS_RAY;
@@ -341,6 +342,12 @@ static const double *contact_lemke_direction(const void *lemke) {
 static const double *contact_lemke_farkas(const void *lemke) {
   const contact_lemke *work = lemke;
   return work->has_v ? work->v : NULL;
+}
+
+void dlsi_contact_lemke_scatter(void *lemke, int scatters) {
+  contact_lemke *work = lemke;
+  work->scatters = scatters;
+  dlsi_lemke_scatter(work->lemke, scatters);
 }
 
 int dlsi_contact_lemke_excludes(const void *lemke) {

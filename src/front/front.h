@@ -42,6 +42,10 @@ int dlsi_farkas_excludes(const dls_contact *problem, const double *w, const doub
  * certified. */
 int dlsi_contact_lemke_excludes(const void *lemke);
 
+/* scatters: 1 lets the next solves of this workspace of dlsi_lemke_method search among a hundred
+ * other covering vectors, without (CL5). */
+void dlsi_contact_lemke_scatter(void *lemke, int scatters);
+
 /* A copy of a problem in an order and in units of its own (renumber.c). */
 typedef struct dlsi_renumber {
   dls_contact problem;  /* the copy, W dense */
