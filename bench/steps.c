@@ -225,7 +225,9 @@ static double path_time(const path *a, int warm, int *solved, int *iterations, i
 }
 
 static void print_paths(FILE *page) {
-  static const struct { int d, side; } scene[] = {{2, 64}, {2, 150}, {2, 300}, {3, 8}, {3, 14}};
+  static const struct {
+    int d, side;
+  } scene[] = {{2, 64}, {2, 150}, {2, 200}, {2, 300}, {2, 500}, {3, 8}, {3, 14}};
   bench_print(page,
               "\n## A load path of %d steps, elastic, W dense, 1e-8\n\n"
               "| d | candidates | cold, ms a step | warm | warm over cold | iterations | "

@@ -10,8 +10,8 @@
  *                     its place. Newton's method then only at e <= 1e-5, and after a failure only
  *                     at a tenth of that: on packings its steps lead nowhere before
  *   (AT2)  splitting  ADMM, once, for a dense W after a failure of Newton's method, or before it
- *                     where the states still change and a step costs more than 50 sweeps, or e >
- *                     .01 and 50 max(mu, 1)^2 m / k sweeps, its forecast, are below twice (AT7)
+ *                     where the states still change and a step costs more than 50 sweeps or, d = 3,
+ *                     e > .01 and its forecast, 50 max(mu, 1)^2 m / k sweeps, is below twice (AT7)
  *   (AT12) rest       the convex problem without mu |u_t| (vi/rest.c), for what may be a structure
  *                     at rest: W by blocks, -q in the friction cones, or few neighbours
  *   (AT3)  Newton     from the states that the sweeps have sorted
@@ -95,14 +95,12 @@ enum {
   first_sweeps = 10,
   first_patience = 4,
   last_patience = 12, /* of vi/newton.c */
-  usual_splits = 50,
+  usual_splits = 50,  /* sweeps in all, where m = k and mu <= 1 */
   most_failures = 5,
   most_pushes = 1000000
 };
-enum {
-  split_unknowns = 100,
-  rest_unknowns = 150
-};                               /* (AT2): below, other methods take less than its factorisation */
+enum { split_unknowns = 100 };   /* (AT2): below, other methods take less than its factorisation */
+enum { rest_unknowns = 150 };    /* (AT12): likewise */
 enum { dense_splits = 200 };     /* iterations of (AT2): more of them cost more than Newton again */
 enum { few_blocks = 4 };         /* of a candidate, its own included */
 enum { rest_sweeps = 100 };      /* what (AT12) costs, analysis included, where it arrives */
@@ -312,7 +310,7 @@ static int watch_sweeps(void *data, const dls_progress *p) {
   const double newton = cost_of_newton(work), ahead = (work->least - work->target) / work->rate;
   const double other = may_push(work) ? push_ahead : newton;
   const double next = work->may_rest ? fmin(other, rest_sweeps) : other;
-  if (p->residual > unsettled && cost_of_split(work) < 2 * newton) work->costly = 1;
+  if (work->d == 3 && p->residual > unsettled && cost_of_split(work) < 2 * newton) work->costly = 1;
   work->ahead = ahead;
   const int sorted = work->failures || p->residual <= unsorted;
   const int twice = !work->problem->W.a || !sorted;
