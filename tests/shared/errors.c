@@ -46,6 +46,7 @@ static const char *const of_an_entry[] = {
     "no unknown of an element",
     "edge of no finite length",
     "entries of one place",
+    "gives a W",
     "left a result",
     "not positive definite:",
     "overflow",

@@ -365,8 +365,8 @@ START_TEST(auto_splits_a_stack_at_rest) {
       ck_assert(info.stage[k].method != DLS_ADMM);
   else if (bricks == 60 || WITH_MUMPS) {
     ck_assert(info.stages == 2 && info.stage[1].method == DLS_ADMM);
-    ck_assert_int_le(info.stage[1].iterations, 12);
-    ck_assert_int_eq(info.stage[1].factorisations, 1);
+    ck_assert_int_le(info.stage[1].iterations, 2); /* W is regular on the motions of the joints: */
+    ck_assert_int_eq(info.stage[1].factorisations, 2); /* (AR5) takes a smaller rho */
     p = column_of_bricks(bricks, _i < 2 ? 0 : 0.002, 0, 0x1p30);
     const dls_info other_units = solve_auto(&p, 1e-10, r);
     same_stages(&info, &other_units);
