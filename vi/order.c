@@ -23,6 +23,8 @@
 
 #include "vi_internal.h"
 
+enum { few_candidates = 100 }; /* of one rigid body, say, which couples all of its own */
+
 /* Returns x to its first 26 bits (Dekker). */
 static double order_rounded(double x) {
   const double c = 0x1.000002p+27 * x;
@@ -102,7 +104,8 @@ static void order_walk(const dls_contact *problem, double *coupling, int *order)
 
 int dlsi_is_elastic(const dls_contact *problem) {
   const double nc = problem->nc;
-  return problem->W.a || (problem->Wb.x && problem->Wb.p[problem->nc] >= nc * nc / 4);
+  if (problem->W.a) return 1;
+  return problem->Wb.x && nc > few_candidates && problem->Wb.p[problem->nc] >= nc * nc / 4;
 }
 
 void dlsi_order_candidates(const dls_contact *problem, double *const key[3], int *scratch,

@@ -296,8 +296,8 @@ void dlsi_multiply(const dls_contact *problem, const int *order, const double *E
 
 /* ---- vi/order.c ------------------------------------------------------------------------------ */
 
-/* Returns 1 if W is dense, or a fourth of its blocks or more are there: most candidates feel each
- * other, as on elastic bodies. */
+/* Returns 1 if W is dense, or if there are more than 100 candidates and a fourth of all blocks or
+ * more: most candidates feel each other, as on elastic bodies. */
 int dlsi_is_elastic(const dls_contact *problem);
 
 /* order (nc) := the candidates in an order that follows from the data, not from their numbers.
