@@ -202,6 +202,7 @@ static const struct {
     {ARRAY "2147483647 2147483647\n1\n", DLS_E_SIZE, 2},
     {ARRAY "4000 4000\n1\n", DLS_E_FORMAT, 2}, /* claims 128 MB, holds one value */
     {COORDINATE "2 2 46000\n1 1 1\n", DLS_E_FORMAT, 2},
+    {COORDINATE "2 2 12\n1 1 1\n", DLS_E_FORMAT, 2},      /* 72 characters at least */
     {COORDINATE "46000 46000 1\n1 1 1\n", DLS_E_SIZE, 2}, /* 17 GB dense */
     {COORDINATE "2147483647 1 1\n1 1 1\n", DLS_E_SIZE, 2},
     {ARRAY "2 1\n1\n", DLS_E_FORMAT, 4},
