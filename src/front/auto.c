@@ -619,7 +619,6 @@ static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *erro
     if (part_of[now].may && !part_of[now].may(work)) continue;
     const int early = now == PIVOTING && k < quick_count;
     if (early && !may_pivot_early(work)) continue;
-    if (now == PIVOTING && stages[k].rest && work->d != 2) continue; /* few polish to the cone */
     if (stages[k].cold && !may_go_another_way(work)) continue;
     dls_status status = share_search(work, now, stages[k].rest, error);
     if (!status) status = take_stage(work, now, stages[k].cold, error);
