@@ -151,8 +151,8 @@ dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double
 /* Changes the limits of an existing workspace, from the next solve on. */
 void dlsi_lemke_set_limits(dls_lemke *work, const dls_limits *limits);
 
-/* Lets the next runs try, after rays that say nothing, `count` covering vectors that are drawn, from
- * number `first` >= 0 on, and no others; count = 0: those of every run. */
+/* Lets the next runs try, after rays that say nothing, `count` covering vectors that are drawn,
+ * from number `first` >= 0 on, and no others; count = 0: those of every run. */
 void dlsi_lemke_scatter(dls_lemke *work, int first, int count);
 
 /* dls_contact_to_facets_lcp and dls_contact_from_facets_lcp with the directions of all candidates
