@@ -151,9 +151,16 @@ dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double
 /* Changes the limits of an existing workspace, from the next solve on. */
 void dlsi_lemke_set_limits(dls_lemke *work, const dls_limits *limits);
 
-/* scatters: 1 lets the next runs try a hundred covering vectors, without those that they would try
- * else. */
-void dlsi_lemke_scatter(dls_lemke *work, int scatters);
+/* Lets the next runs try, after rays that say nothing, `count` covering vectors that are drawn,
+ * from number `first` >= 0 on, and no others; count = 0: those of every run. */
+void dlsi_lemke_scatter(dls_lemke *work, int first, int count);
+
+/* dls_contact_to_facets_lcp and dls_contact_from_facets_lcp with the directions of all candidates
+ * turned by the angle `turn`; d = 2: 0. */
+dls_status dlsi_to_facets_lcp(const dls_contact *problem, int facets, double turn, const double *s,
+                              double *M, int ldm, double *q, dls_error *error);
+dls_status dlsi_from_facets_lcp(const dls_contact *problem, int facets, double turn,
+                                const double *s, const double *z, double *r, dls_error *error);
 
 /* Finds a vertex x (n) of { x >= 0 : C x = q }. Returns 1, 0 if that is empty to 1e-10, -1 if
  * rounding keeps the simplex method from ending. C: (C | q) by rows, n x (n + 1), n <=

@@ -83,7 +83,7 @@ static const double proof_tolerance = 1e-14; /* of a ray or a Farkas vector, tim
 static const double sharp = 1e-12;           /* a residual that calls for no second look */
 
 enum { progress_interval = 50, check_interval = 256, strict_check_interval = 32 }; /* pivots */
-enum { covers = 10, many_covers = 100 };
+enum { covers = 10 }; /* those beyond are drawn */
 enum {
   most_vectors = 2
 }; /* of Farkas but for rounding; what it leaves of solutions is too far away
@@ -93,8 +93,8 @@ struct dls_lemke {
   int n; /* of create */
   atomic_int busy;
   dls_lemke_settings settings;
-  int scatters;  /* dlsi_lemke_scatter */
-  double *given; /* the user's covering vector, or NULL, n */
+  int first, drawn; /* dlsi_lemke_scatter */
+  double *given;    /* the user's covering vector, or NULL, n */
 
   /* The scaled problem: M' = R M C, q' = R q / kappa, d' = sigma R d; z = kappa C z',
    * y = kappa y' / R, z0 = kappa sigma z0'. */
@@ -719,8 +719,9 @@ static path_end lemke_crash(dls_lemke *work, const dls_lcp *lcp, const double *z
  * be confirmed, with another covering vector after a ray that proves nothing. */
 static dls_status lemke_paths(dls_lemke *work, const dls_lcp *lcp, const double *warm) {
   const double tol = work->settings.limits.tol;
-  const int end_of_covers = work->scatters ? many_covers : covers;
-  int cover = work->scatters ? covers : 0;
+  const int begin = work->drawn ? covers + work->first : 0;
+  const int end_of_covers = work->drawn ? begin + work->drawn : covers;
+  int cover = begin;
   work->strict = 0;
   lemke_scale(work, lcp);
   for (;; warm = NULL) {
@@ -759,8 +760,9 @@ static dls_status lemke_enter(dls_lemke *work, const dls_lcp *lcp, const double 
   return status ? status : dlsi_enter(&work->busy, "workspace", error);
 }
 
-void dlsi_lemke_scatter(dls_lemke *work, int scatters) {
-  work->scatters = scatters;
+void dlsi_lemke_scatter(dls_lemke *work, int first, int count) {
+  work->first = first;
+  work->drawn = count;
 }
 
 dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double *y,
@@ -770,7 +772,7 @@ dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double
   const dls_limits *limits = &work->settings.limits;
   const double *warm = limits->warm_start ? z : NULL;
   const int most = lcp->n < (INT_MAX - 1000) / 500 ? 50 * lcp->n + 1000 : INT_MAX / 10;
-  work->max_pivots = dlsi_most_iterations(limits, work->scatters ? 10 * most : most);
+  work->max_pivots = dlsi_most_iterations(limits, work->drawn > 1 ? 10 * most : most);
   work->begun = dlsi_clock_start(limits);
   work->table.n = lcp->n;
   work->pivots = work->refreshes = work->starts = work->crash.rounds = 0;
@@ -779,7 +781,7 @@ dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double
   lemke_offer_zero(work, lcp);
   if (work->best.negative_y > 0) {
     path_end end = path_lost;
-    if (work->settings.crash && !work->given && !work->scatters) end = lemke_crash(work, lcp, warm);
+    if (work->settings.crash && !work->given && !work->drawn) end = lemke_crash(work, lcp, warm);
     if (end == path_lost)
       status = lemke_paths(work, lcp, warm);
     else if (end == path_cancelled)

@@ -21,9 +21,9 @@
  *                     steps that would follow. A verdict is left to the copy (AT11) then
  *   (AT8)  the last   up to 300 rows an eighth of the interior homotopy's starts and of Newton's
  *                     method from scattered starts (vi/scatter.c), and last of all the rest of
- *                     both: each finds most of what it finds early, and other problems; d = 2:
- *                     Lemke's method with a hundred other covering vectors after the first part;
- *                     up to 3000
+ *                     both: each finds most of what it finds early, and other problems; after
+ *                     the first part Lemke's method with other covering vectors, d = 3: and the
+ *                     facets turned (contact_lemke.c, CL6); up to 3000
  *                     rows, between the two, from r = 0, plain sweeps in the reverse order, ADMM
  *                     with rho from 1e-8 on, and the augmented Lagrangian once more
  *   (AT10) proofs     at the end of (AT5) the linear problem that every solution solves (farkas.c):
@@ -619,7 +619,6 @@ static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *erro
     if (part_of[now].may && !part_of[now].may(work)) continue;
     const int early = now == PIVOTING && k < quick_count;
     if (early && !may_pivot_early(work)) continue;
-    if (now == PIVOTING && stages[k].rest && work->d != 2) continue; /* few polish to the cone */
     if (stages[k].cold && !may_go_another_way(work)) continue;
     dls_status status = share_search(work, now, stages[k].rest, error);
     if (!status) status = take_stage(work, now, stages[k].cold, error);

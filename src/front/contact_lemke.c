@@ -18,6 +18,11 @@
  *          vector, proof or not by the rule of (CL3), in 3D too; its solution may show that no r
  *          can be certified
  *
+ *   (CL6)  to search, as auto asks for at last: d = 2, (CL1) with ninety other covering vectors;
+ *          d = 3, (CL1) and (CL2) again and again, with one drawn covering vector, fewer facets
+ *          and the cone turned, up to a hundred times or 4e9 flops. Each leads to other states. No
+ *          (CL5)
+ *
  * The certificate decides. In 3D the LCP of (CL1) proves nothing of the problem: the round cone
  * holds more than the one with facets.
  */
@@ -38,14 +43,20 @@ enum {
   default_facets = 8,
   most_fallback_rows = 4000, /* d = 2: of a 4-row form that create still has room for */
   polish_sweeps = 30,
-  polish_rounds = 3
+  polish_rounds = 3,
+  other_covers = 90, /* (CL6), d = 2 */
+  most_turns = 100,  /* (CL6), d = 3 */
+  fewest_facets = 4
 };
+static const double golden = 0.6180339887498949;
+static const double most_flops = 4e9; /* (CL6), d = 3; a path has about n pivots */
 
 typedef struct contact_lemke {
   dls_limits limits;
   int d, nc;
-  int facets; /* of the cone; d = 2: 2 */
-  int n;      /* rows there is room for */
+  int facets;  /* of the cone; d = 2: 2 */
+  double turn; /* angle of the first of them */
+  int n;       /* rows there is room for */
   dls_lemke *lemke;
   dls_nlgs *nlgs;     /* (CL2) */
   dls_newton *newton; /* (CL2) */
@@ -146,7 +157,7 @@ static dls_status read_ray(contact_lemke *work, dls_status status, dls_error *er
   if (ray) return ray;
   const dls_status mapped =
       work->form
-          ? dls_contact_from_facets_lcp(problem, work->form, work->s, work->z, work->dr, error)
+          ? dlsi_from_facets_lcp(problem, work->form, work->turn, work->s, work->z, work->dr, error)
           : dls_contact_from_lcp(problem, work->s, work->z, work->dr, error);
   return mapped ? mapped : status;
 }
@@ -175,10 +186,10 @@ static int tell_of_path(void *lemke, const dls_progress *of_path) {
   const dls_contact *problem = work->problem;
   const dls_limits *limits = &work->limits;
   dls_progress progress = *of_path;
-  const dls_status mapped =
-      work->form
-          ? dls_contact_from_facets_lcp(problem, work->form, work->s, of_path->r, work->r, NULL)
-          : dls_contact_from_lcp(problem, work->s, of_path->r, work->r, NULL);
+  const dls_status mapped = work->form
+                                ? dlsi_from_facets_lcp(problem, work->form, work->turn, work->s,
+                                                       of_path->r, work->r, NULL)
+                                : dls_contact_from_lcp(problem, work->s, of_path->r, work->r, NULL);
   progress.iteration += work->pivots;
   progress.residual = mapped ? -1 : dlsi_iterate_measure(&work->it, problem, work->r).residual;
   progress.r = mapped ? NULL : work->r;
@@ -198,7 +209,7 @@ static dls_status pivot(contact_lemke *work, const dls_contact *problem, int fac
   const double *s = work->s;
   const int n = facets ? dls_contact_facets_size(problem, facets) : dls_contact_lcp_size(problem);
   dls_status status =
-      facets ? dls_contact_to_facets_lcp(problem, facets, s, work->M, n, work->q, error)
+      facets ? dlsi_to_facets_lcp(problem, facets, work->turn, s, work->M, n, work->q, error)
              : dls_contact_to_lcp(problem, s, work->M, n, work->q, error);
   if (status) return stall_beyond_range(status);
   if (facets) memset(work->z, 0, (size_t)n * sizeof *work->z);
@@ -215,7 +226,7 @@ static dls_status pivot(contact_lemke *work, const dls_contact *problem, int fac
   status = dlsi_lemke_run(work->lemke, &lcp, work->z, NULL, &info);
   *pivots += info.pivots + info.crash_rounds;
   const dls_status mapped =
-      facets ? dls_contact_from_facets_lcp(problem, facets, s, work->z, work->r, error)
+      facets ? dlsi_from_facets_lcp(problem, facets, work->turn, s, work->z, work->r, error)
              : dls_contact_from_lcp(problem, s, work->z, work->r, error);
   if (mapped) return stall_beyond_range(mapped);
   (void)dlsi_iterate_offer(&work->it, problem, work->r);
@@ -292,6 +303,28 @@ static dls_status pivot_linear(contact_lemke *work, const dls_contact *problem, 
   return work->has_v ? DLS_RAY : status;
 }
 
+/* (CL6) d = 3. Returns DLS_OK with an answer, DLS_STALLED, the reason for an end, or an error. */
+static dls_status turn_facets(contact_lemke *work, const dls_contact *problem, int *pivots,
+                              dls_error *error) {
+  dls_status status = DLS_STALLED;
+  double flops = 0;
+  for (int k = 0; k < most_turns && flops < most_flops; k++) {
+    const int facets = fewest_facets + 2 * (k % ((work->facets - fewest_facets) / 2 + 1));
+    const double n = dls_contact_facets_size(problem, facets);
+    const double x = golden * (k + 1);
+    flops += 2 * n * n * n;
+    work->turn = 2 * acos(-1) / facets * (x - floor(x));
+    dlsi_lemke_scatter(work->lemke, k, 1);
+    status = pivot(work, problem, facets, pivots, error);
+    if (status < 0 || is_stopped(status)) break;
+    status = polish(work, problem, error);
+    if (status || dls_certificate_holds(&work->it.certificate, work->limits.tol)) break;
+    status = DLS_STALLED;
+  }
+  work->turn = 0;
+  return status;
+}
+
 static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, double *r, double *u,
                                       dls_info *info, dls_error *error) {
   contact_lemke *work = lemke;
@@ -312,12 +345,14 @@ static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, d
     work->s[c] = sqrt(most / it->w[c]);
   work->unit = ldexp(1, ilogb(most));
   int *pivots = &outcome.iterations;
-  dls_status status = pivot(work, problem, flat ? 0 : work->facets, pivots, error);
+  const int turns = work->scatters && !flat;
+  dls_status status = turns ? turn_facets(work, problem, pivots, error)
+                            : pivot(work, problem, flat ? 0 : work->facets, pivots, error);
   if (problem->d == 2 && status == DLS_RAY && dls_contact_facets_size(problem, 2) <= work->n)
     status = pivot(work, problem, 2, pivots, error);
   if (status < 0) return status;
   if (!flat && status == DLS_NO_SOLUTION) status = DLS_RAY;
-  if (status == DLS_OK || status == DLS_RAY || status == DLS_STALLED) {
+  if (!turns && (status == DLS_OK || status == DLS_RAY || status == DLS_STALLED)) {
     const dls_status polished = polish(work, problem, error);
     if (polished < 0) return polished;
     if (polished) status = polished;
@@ -347,7 +382,7 @@ static const double *contact_lemke_farkas(const void *lemke) {
 void dlsi_contact_lemke_scatter(void *lemke, int scatters) {
   contact_lemke *work = lemke;
   work->scatters = scatters;
-  dlsi_lemke_scatter(work->lemke, scatters);
+  dlsi_lemke_scatter(work->lemke, 0, scatters ? other_covers : 0);
 }
 
 int dlsi_contact_lemke_excludes(const void *lemke) {

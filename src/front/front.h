@@ -42,8 +42,8 @@ int dlsi_farkas_excludes(const dls_contact *problem, const double *w, const doub
  * certified. */
 int dlsi_contact_lemke_excludes(const void *lemke);
 
-/* scatters: 1 lets the next solves of this workspace of dlsi_lemke_method search among a hundred
- * other covering vectors, without (CL5). */
+/* scatters: 1 lets the next solves of this workspace of dlsi_lemke_method search as (CL6) of
+ * contact_lemke.c says; 0: no more. */
 void dlsi_contact_lemke_scatter(void *lemke, int scatters);
 
 /* A copy of a problem in an order and in units of its own (renumber.c). */
