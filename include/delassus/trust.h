@@ -93,8 +93,8 @@ typedef struct dls_fold {
  *   has the solutions r and other, both in these states
  *
  * Each may be NULL; they are set where there is a fold. DLS_OK; DLS_E_UNSUPPORTED for d = 3 or an
- * infinite mu;
- * DLS_E_NOT_POSITIVE_DEFINITE; DLS_E_ARGUMENT, DLS_E_MEMORY, or an error of dls_contact_check. */
+ * infinite mu; DLS_E_NOT_POSITIVE_DEFINITE; DLS_E_ARGUMENT, DLS_E_MEMORY, or an error of
+ * dls_contact_check. */
 DLS_API DLS_MUST_USE dls_status dls_contact_fold(const dls_contact *problem, dls_fold *fold,
                                                  dls_contact_state *state, double *q, double *r,
                                                  double *other, dls_error *error);

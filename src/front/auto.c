@@ -21,11 +21,11 @@
  *                     steps that would follow. A verdict is left to the copy (AT11) then
  *   (AT8)  the last   up to 300 rows an eighth of the interior homotopy's starts and of Newton's
  *                     method from scattered starts (vi/scatter.c), and last of all the rest of
- *                     both: each finds most of what it finds early, and other problems; after
- *                     the first part Lemke's method with other covering vectors, d = 3: and the
- *                     facets turned (contact_lemke.c, CL6); up to 3000
- *                     rows, between the two, from r = 0, plain sweeps in the reverse order, ADMM
- *                     with rho from 1e-8 on, and the augmented Lagrangian once more
+ *                     both: each finds most of what it finds early, and other problems. Between
+ *                     them Lemke's method with other covering vectors and, d = 3, facets turned
+ *                     (contact_lemke.c, CL6), and up to 3000 rows, from r = 0, plain sweeps in the
+ *                     reverse order, ADMM with rho from 1e-8 on, and the augmented Lagrangian once
+ *                     more
  *   (AT10) proofs     at the end of (AT5) the linear problem that every solution solves (farkas.c):
  *                     it proves that there is no solution, or shows that none could be certified,
  *                     and nothing is searched for then. On a copy nothing is searched for, either,
