@@ -156,7 +156,7 @@ $(BUILD)/obj/%.o: %.c Makefile
 
 # the one loop of the library that has to run at the speed of the memory: vectorise it
 $(BUILD)/obj/src/base/products.o: CFLAGS += -O3
-$(BUILD)/obj/src/base/parallel.o: CFLAGS += $(OPENMP)
+$(BUILD)/obj/src/base/parallel.o: CFLAGS_ALL += $(OPENMP)
 
 # the headers whose structs layout.c tells to other languages
 LAYOUT_H := $(shell sed -n 's|^.include "\(delassus/.*\)"|include/\1|p' include/delassus.h)
