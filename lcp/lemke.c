@@ -252,12 +252,9 @@ static void lemke_scale(dls_lemke *work, const dls_lcp *lcp) {
   }
 }
 
-/* Returns a number in [0, 1) for entry i of covering vector k (splitmix64). */
+/* Returns a number in [0, 1) for entry i of covering vector k. */
 static double lemke_draw(int i, int k) {
-  uint64_t z = ((uint64_t)k << 32 | (uint64_t)i) * 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return ldexp((double)((z ^ (z >> 31)) >> 11), -53);
+  return dlsi_draw(((uint64_t)k << 32 | (uint64_t)i) * DLSI_GOLDEN_BITS);
 }
 
 /* d := covering vector k: the first one, or it times factors between 1/32 and 32, no two alike. */

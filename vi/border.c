@@ -27,7 +27,7 @@
 
 #include <string.h>
 
-#include "linear/blas.h"
+#include "linear/pieces.h"
 #include "vi_internal.h"
 
 enum { share = 6 };
@@ -140,16 +140,18 @@ static void border_rows(dlsi_border *b, const dls_contact *problem, int c, int w
     }
 }
 
+static int border_alone(const dlsi_border *b) {
+  return dlsi_is_small((size_t)b->n * (size_t)b->n);
+}
+
 /* Entries of Q and T in rows row .. row + rows - 1 and columns col .. col + cols - 1. */
 static void border_products(dlsi_border *b, const dls_contact *problem, int row, int rows, int col,
                             int cols) {
   const size_t d = (size_t)b->d, n = (size_t)b->n, most = (size_t)b->most;
-  const double minus = -1, zero = 0;
   double e[3], g[3];
   if (!rows || !cols) return;
-  dgemm_("T", "N", &rows, &cols, &b->n, &minus, b->V + n * (size_t)row, &b->n,
-         b->X + n * (size_t)col, &b->n, &zero, b->T + (size_t)row + most * (size_t)col, &b->most, 1,
-         1);
+  dlsi_gemm(border_alone(b), 'T', 'N', rows, cols, b->n, -1, b->V + n * (size_t)row, b->n,
+            b->X + n * (size_t)col, b->n, 0, b->T + (size_t)row + most * (size_t)col, b->most);
   for (int k = col; k < col + cols; k++) {
     const int of = b->of[k], j = k - b->slot[of], added = j >= b->base[of].count;
     const double *x = b->X + n * (size_t)k;
@@ -236,11 +238,9 @@ static void border_part(const dlsi_border *b, int c, const double *z, const doub
 
 int dlsi_border_solve(dlsi_border *b, const dlsi_dense *factors, const dlsi_branch *branch,
                       const double *w, const double *E, double eps, double *x) {
-  const int k = b->k, one = 1;
+  const int k = b->k, alone = border_alone(b);
   const size_t n = (size_t)b->n, most = (size_t)b->most;
-  const double unit = 1, minus = -1, zero = 0;
   double dr[3];
-  int info = 0;
   if (!k) {
     dlsi_dense_solve(factors, x, b->n, 1);
     return 1;
@@ -250,7 +250,7 @@ int dlsi_border_solve(dlsi_border *b, const dlsi_dense *factors, const dlsi_bran
     for (int i = 0; b->slot[c] < 0 && i < branch[c].count; i++)
       b->z[b->base[c].first + i] = x[branch[c].first + i];
   dlsi_dense_solve(factors, b->z, b->n, 1);
-  dgemv_("T", &b->n, &k, &unit, b->V, &b->n, b->z, &one, &zero, b->v, &one, 1);
+  dlsi_gemm(alone, 'T', 'N', k, 1, b->n, 1, b->V, b->n, b->z, b->n, 0, b->v, k);
   for (int row = 0; row < k; row++) { /* (BO5) */
     const int c = b->of[row], at = b->slot[c], i = row - at, width = border_width(b, c);
     const dlsi_branch *now = &branch[c];
@@ -263,10 +263,9 @@ int dlsi_border_solve(dlsi_border *b, const dlsi_dense *factors, const dlsi_bran
       b->S[(size_t)row + j * most] = border_equation(width, now, i, w[c], diagonal, Q, T);
     }
   }
-  dgetrf_(&k, &k, b->S, &b->most, b->pivot, &info);
-  if (info) return 0;
-  dgetrs_("N", &k, &one, b->S, &b->most, b->pivot, b->y, &b->most, &info, 1);
-  dgemv_("N", &b->n, &k, &minus, b->X, &b->n, b->y, &one, &unit, b->z, &one, 1);
+  if (dlsi_getrf(alone, k, b->S, b->most, b->pivot)) return 0;
+  dlsi_getrs(alone, k, 1, b->S, b->most, b->pivot, b->y, b->most);
+  dlsi_gemv(alone, b->n, k, -1, b->X, b->y, 1, b->z);
   for (int c = 0; c < b->nc; c++) {
     const dlsi_branch *now = &branch[c];
     const int s = b->slot[c];

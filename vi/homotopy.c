@@ -431,8 +431,10 @@ static dls_status homotopy_solve(void *homotopy_work, const dls_contact *problem
   homotopy *work = homotopy_work;
   dls_info outcome = {.method = DLS_HOMOTOPY};
   work->factorisations = 0;
-  if (!work->goes_on) work->next = 0;
-  if (!work->goes_on) work->spent = 0;
+  if (!work->goes_on) {
+    work->next = 0;
+    work->spent = 0;
+  }
   dlsi_iterate_begin(&work->it, problem, NULL, work->limits.tol, work->limits.warm_start, r,
                      work->r);
   dls_status status = dlsi_iterate_start(&work->it, problem, work->r) ? DLS_OK : DLS_STALLED;

@@ -39,11 +39,8 @@ static const double joint_mismatch = 1e-8; /* of W, over its entries: the certif
 /* Returns a number that columns of W with equal rows share. */
 static uint64_t joint_hash(const dls_blocks *W, int c) {
   uint64_t sum = 0;
-  for (int k = W->p[c]; k < W->p[c + 1]; k++) {
-    uint64_t h = ((uint64_t)W->i[k] + 1) * 0x9e3779b97f4a7c15u;
-    h ^= h >> 32;
-    sum += h * 0xd6e8feb86659fd93u;
-  }
+  for (int k = W->p[c]; k < W->p[c + 1]; k++)
+    sum += dlsi_mix((uint64_t)W->i[k] + 1);
   return sum;
 }
 

@@ -48,12 +48,10 @@ typedef struct scatter {
   dlsi_iterate it;
 } scatter;
 
-/* Draws from (low, high) (splitmix64: Steele, Lea and Flood, OOPSLA 2014). */
+/* Draws from (low, high). */
 static double scatter_draw(scatter *work, double low, double high) {
-  uint64_t z = work->state += 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return low + (high - low) * ldexp((double)((z ^ (z >> 31)) >> 11), -53);
+  work->state += DLSI_GOLDEN_BITS;
+  return low + (high - low) * dlsi_draw(work->state);
 }
 
 /* Sets r to what tells a state: (1, mu t) of a candidate that slides along t, (1, 0) of one that
@@ -172,8 +170,10 @@ static dls_status scatter_solve(void *scatter_work, const dls_contact *problem, 
     const dls_status room = dlsi_room_dense(work->room, m, error);
     if (room) return room;
   }
-  if (!work->goes_on) work->state = 0;
-  if (!work->goes_on) work->next = 0;
+  if (!work->goes_on) {
+    work->state = 0;
+    work->next = 0;
+  }
   for (; work->next < starts && status == DLS_STALLED; work->next++) {
     const int k = work->next;
     if (k % 2 == 0)

@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stdatomic.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "delassus/info.h"
 #include "delassus/model.h"
@@ -239,6 +240,14 @@ void *dlsi_alloc(size_t count, size_t size);
 
 /* Returns |x|_2 without overflow or underflow in between; NaN stays NaN. */
 double dlsi_norm2(const double *x, size_t n);
+
+/* Mixes the bits of x (the finalizer of splitmix64: Steele, Lea and Flood, OOPSLA 2014). Steps of
+ * DLSI_GOLDEN_BITS, the golden ratio times 2^64, make a sequence of unlike x. */
+#define DLSI_GOLDEN_BITS 0x9e3779b97f4a7c15u
+uint64_t dlsi_mix(uint64_t x);
+
+/* Returns the number in [0, 1) that x draws, by dlsi_mix. */
+double dlsi_draw(uint64_t x);
 
 /* Returns 1 if the plain sum of squares `sum` has neither over- nor underflown, so that sqrt(sum)
  * is the norm. */

@@ -1,4 +1,4 @@
-/* number.c: computes norms that keep NaN, and finds values that are not finite. */
+/* number.c: computes norms that keep NaN, finds values that are not finite, and draws numbers. */
 #include <float.h>
 #include <math.h>
 
@@ -56,4 +56,14 @@ long long dlsi_first_not_finite(const double *x, size_t n) {
   for (i = 0; i < n; i++)
     if (!isfinite(x[i])) return (long long)i;
   return -1; /* unreachable: 0 times a finite number is 0 */
+}
+
+uint64_t dlsi_mix(uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+  return x ^ (x >> 31);
+}
+
+double dlsi_draw(uint64_t x) {
+  return ldexp((double)(dlsi_mix(x) >> 11), -53);
 }

@@ -35,12 +35,9 @@ void dlsi_renumber_carve(dlsi_renumber *copy, dlsi_arena *arena, int d, int nc) 
   copy->from = dlsi_take(arena, 3 * n, sizeof *copy->from);
 }
 
-/* Mixes the bits of x into the code h (the finalizer of splitmix64, Steele and others, 2014). */
+/* Mixes the bits of x into the code h. */
 static uint64_t code_mix(uint64_t h, uint64_t x) {
-  h = (h ^ x) + 0x9e3779b97f4a7c15u;
-  h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
-  h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
-  return h ^ (h >> 31);
+  return dlsi_mix((h ^ x) + DLSI_GOLDEN_BITS);
 }
 
 /* Mixes a number into h, 0 and -0 alike. */

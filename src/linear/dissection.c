@@ -73,9 +73,7 @@ static void graph_neighbours(graph *g, size_t entries, const int *row, const int
 }
 
 static uint64_t graph_mix(idx_t i) {
-  uint64_t h = ((uint64_t)i + 1) * 0x9e3779b97f4a7c15u;
-  h ^= h >> 32;
-  return h * 0xd6e8feb86659fd93u;
+  return dlsi_mix((uint64_t)i + 1);
 }
 
 /* Returns 1 if i and j have equal neighbourhoods. mark: i at the neighbours of i and at i, n. */
