@@ -244,7 +244,8 @@ static void lemke_scale(dls_lemke *work, const dls_lcp *lcp) {
   }
   lemke_scale_cover(work, lcp, gamma);
   work->sigma = dlsi_power_of_two(-log2(dlsi_max_abs(work->cover, (size_t)n)));
-  work->kappa = dlsi_power_of_two(log2(dlsi_max_abs(work->q, (size_t)n)));
+  const double largest = dlsi_max_abs(work->q, (size_t)n);
+  work->kappa = largest > 0 ? ldexp(1, ilogb(largest)) : 1; /* logarithms round with their size */
   for (int i = 0; i < n; i++) {
     work->C[i] = dlsi_power_of_two(gamma[i]);
     work->cover[i] *= work->sigma;

@@ -398,7 +398,7 @@ END_TEST
 
 /* ---- (g) every method through the front door ------------------------------------------------- */
 
-static dls_status by_method(const char *name, const failure *f, double *r) {
+static dls_status solve_by_method(const char *name, const dls_contact *problem, double *r) {
   dls_solver_settings s;
   dls_solver_settings_init(&s);
   s.limits.tol = 1e-12;
@@ -407,8 +407,12 @@ static dls_status by_method(const char *name, const failure *f, double *r) {
     s.acceleration = DLS_ACCELERATION_ANDERSON;
   } else
     ck_assert_msg(dls_method_find(name, &s.method), "%s", name);
+  return dls_solve(problem, &s, r, NULL, NULL, NULL);
+}
+
+static dls_status by_method(const char *name, const failure *f, double *r) {
   const dls_contact problem = failure_contact(f);
-  return dls_solve(&problem, &s, r, NULL, NULL, NULL);
+  return solve_by_method(name, &problem, r);
 }
 
 START_TEST(front_door) {
@@ -430,6 +434,29 @@ START_TEST(front_door) {
         met |= is_near(f, s, r, 1e-4); /* 1e-12 times that condition number */
       ck_assert_msg(met, "%s, %s: not stated", f->name, name);
     }
+  }
+}
+END_TEST
+
+/* W in units of one, three and thirteen powers of two less: r is the same number of them more. */
+START_TEST(units_keep_every_bit) {
+  static const int power[] = {1, 3, 13};
+  for (int p = 0; p < problems; p++) {
+    const failure *f = &all[p];
+    for (int k = 0; f->d && k < FAILURE_METHODS; k++)
+      for (size_t e = 0; e < sizeof power / sizeof *power; e++) {
+        double W[FAILURE_N * FAILURE_N], r[FAILURE_N], scaled[FAILURE_N];
+        dls_contact problem = failure_contact(f);
+        for (int i = 0; i < f->n * f->n; i++)
+          W[i] = ldexp(f->M[i], -power[e]);
+        problem.W.a = W;
+        const char *name = failure_methods[k];
+        ck_assert_msg(by_method(name, f, r) == solve_by_method(name, &problem, scaled),
+                      "%s, %s, 2^-%d: another status", f->name, name, power[e]);
+        for (int i = 0; i < f->n; i++)
+          ck_assert_msg(scaled[i] == ldexp(r[i], power[e]), "%s, %s, 2^-%d: r[%d] is %a, not %a",
+                        f->name, name, power[e], i, scaled[i], ldexp(r[i], power[e]));
+      }
   }
 }
 END_TEST
@@ -468,6 +495,6 @@ int main(void) {
   return RUN("failures", setup, NULL, ONCE(stated_solutions_are_solutions),
              ONCE(enumeration_finds_exactly_the_stated_solutions), ONCE(lemke_in_any_order),
              ONCE(principal_pivoting_in_any_order), ONCE(principal_pivoting_is_honest_elsewhere),
-             ONCE(gauss_seidel), ONCE(scales), ONCE(front_door),
+             ONCE(gauss_seidel), ONCE(scales), ONCE(front_door), ONCE(units_keep_every_bit),
              ONCE(auto_solves_what_can_be_solved), ONCE(table_is_that_of_the_files));
 }
