@@ -107,15 +107,18 @@ static int have_same_bits(const problem *p, const outcome *a, const outcome *b) 
   return 1;
 }
 
-/* The rule that a run and the one it is a copy of, but for scales or order, break together. */
+/* The rule that a run and the one it is a copy of, but for scales or order, break together. An
+ * exact proof against a solution and an answer that holds to rounding are both true. */
 static rule judge_copy(const problem *p, const run *one, const outcome *a, const run *two,
                        const outcome *b) {
   const int scaled = one->power_W != two->power_W || one->power_q != two->power_q;
   const int odd = (two->power_W - one->power_W) % 2 != 0;
-  if (scaled && odd && (a->status == DLS_OK) != (b->status == DLS_OK)) return UNITS;
+  const int both_true = (a->holds && b->proof) || (b->holds && a->proof);
+  const int other = !both_true && (a->status == DLS_OK) != (b->status == DLS_OK);
+  if (scaled && odd && other) return UNITS;
   const int alike = a->status < 0 || !has_unit(p) || have_same_bits(p, a, b);
   if (scaled && (a->status != b->status || !alike)) return odd ? ODD_BITS : BITS;
-  if (one->shuffle != two->shuffle && (a->status == DLS_OK) != (b->status == DLS_OK)) return ORDER;
+  if (one->shuffle != two->shuffle && other) return ORDER;
   return KEPT;
 }
 
