@@ -384,10 +384,16 @@ static int positive_roots(int n, const double *p, double *x) {
   return count;
 }
 
-/* Finds all slip solutions. With N = adj(S + l I) z, D = det(S + l I), r_t = -N / D and (LO4)
- * squared is a^2 |N|^2 = mu^2 E^2, E = q_n D - b.N, a quartic in x = l / scale; r_n = -E / (a D) >
- * 0 is left. */
-static int all_slips(const schur *s, point *points) {
+/* All slip solutions: with N = adj(S + l I) z, D = det(S + l I), r_t = -N / D and (LO4) squared is
+ * a^2 |N|^2 = mu^2 E^2, E = q_n D - b.N, a quartic p in x = l / scale; r_n = -E / (a D) > 0 is
+ * left. */
+typedef struct slip_quartic {
+  double p[5], E[3];    /* powers of x */
+  double N[2], z[2];    /* N = N(0) + x z */
+  double a, det, trace; /* D = det + trace x + x^2 */
+} slip_quartic;
+
+static slip_quartic slip_quartic_of(const schur *s) {
   double S[4];
   for (int e = 0; e < 4; e++)
     S[e] = s->block->S[e] / s->block->scale;
@@ -398,20 +404,43 @@ static int all_slips(const schur *s, point *points) {
   const double N0 = S[3] * z0 - S[2] * z1, N1 = S[0] * z1 - S[1] * z0; /* at x = 0; N' = z */
   const double det = S[0] * S[3] - S[1] * S[2], trace = S[0] + S[3];
   const double E[3] = {qn * det - b0 * N0 - b1 * N1, qn * trace - b0 * z0 - b1 * z1, qn};
-  const double p[5] = {a * a * (N0 * N0 + N1 * N1) - m2 * E[0] * E[0],
-                       2 * (a * a * (N0 * z0 + N1 * z1) - m2 * E[0] * E[1]),
-                       a * a * (z0 * z0 + z1 * z1) - m2 * (E[1] * E[1] + 2 * E[0] * E[2]),
-                       -2 * m2 * E[1] * E[2], -m2 * E[2] * E[2]};
+  return (slip_quartic){.p = {a * a * (N0 * N0 + N1 * N1) - m2 * E[0] * E[0],
+                              2 * (a * a * (N0 * z0 + N1 * z1) - m2 * E[0] * E[1]),
+                              a * a * (z0 * z0 + z1 * z1) - m2 * (E[1] * E[1] + 2 * E[0] * E[2]),
+                              -2 * m2 * E[1] * E[2], -m2 * E[2] * E[2]},
+                        .E = {E[0], E[1], E[2]},
+                        .N = {N0, N1},
+                        .z = {z0, z1},
+                        .a = a,
+                        .det = det,
+                        .trace = trace};
+}
+
+/* Returns how many slip solutions there are at most: by Descartes' rule, the changes of sign. */
+static int most_slips(const slip_quartic *k) {
+  int changes = 0;
+  double last = 0;
+  for (int i = 0; i < 5; i++) {
+    if (!(k->p[i] != 0)) continue;
+    changes += (last < 0 && k->p[i] > 0) || (last > 0 && k->p[i] < 0);
+    last = k->p[i];
+  }
+  return changes;
+}
+
+static int all_slips(const schur *s, const slip_quartic *k, point *points) {
+  const double *E = k->E;
   int n = 4, found = 0;
-  while (n > 0 && !(p[n] != 0))
+  while (n > 0 && !(k->p[n] != 0))
     n--;
   double x[4];
-  const int roots = positive_roots(n, p, x);
+  const int roots = positive_roots(n, k->p, x);
   for (int i = 0; i < roots; i++) {
     if (!(x[i] > rounding)) continue; /* stick on the edge of the cone */
-    const double D = det + (trace + x[i]) * x[i], y[2] = {N0 + x[i] * z0, N1 + x[i] * z1};
+    const double D = k->det + (k->trace + x[i]) * x[i];
+    const double y[2] = {k->N[0] + x[i] * k->z[0], k->N[1] + x[i] * k->z[1]};
     const local_trial c = {.y = {y[0], y[1]}, .inv = 1 / D, .size = hypot(y[0], y[1])};
-    if (-(E[0] + (E[1] + E[2] * x[i]) * x[i]) / (a * D) > 0 && on_cone(s, &c, points[found].r))
+    if (-(E[0] + (E[1] + E[2] * x[i]) * x[i]) / (k->a * D) > 0 && on_cone(s, &c, points[found].r))
       points[found++].state = DLS_LOCAL_SLIP;
   }
   return found;
@@ -428,7 +457,8 @@ dls_local_state dlsi_local_3d(const dlsi_block_3d *b, const double *q, double gu
   if (state != DLS_LOCAL_NONE) return state;
   point points[6] = {apart, {.state = DLS_LOCAL_STICK}};
   (void)stick_3d(&s, points[1].r);
-  const int n = 2 + all_slips(&s, points + 2);
+  const slip_quartic quartic = slip_quartic_of(&s);
+  const int n = 2 + all_slips(&s, &quartic, points + 2);
   return least_bad(3, b->W, q, b->mu, points, n, r);
 }
 
@@ -445,30 +475,43 @@ static int count_3d(const dlsi_block_3d *b, const double *q) {
   point slip[4];
   double stick[3];
   n += stick_3d(&s, stick);
-  return n + all_slips(&s, slip);
+  const slip_quartic quartic = slip_quartic_of(&s);
+  const int most = n + most_slips(&quartic); /* one at most is the answer that there is */
+  return most <= 1 ? most : n + all_slips(&s, &quartic, slip);
+}
+
+int dlsi_local_count(int d, const double *W, const double *q, double mu) {
+  if (d == 1) return (q[0] >= 0) + (-q[0] / W[0] > 0);
+  if (d == 2) {
+    dlsi_block_2d b;
+    dlsi_block_2d_set(&b, W, mu);
+    return count_2d(&b, q);
+  }
+  dlsi_block_3d b = {0};
+  dlsi_block_3d_set(&b, W, mu);
+  return count_3d(&b, q);
 }
 
 dls_local_state dls_nlgs_local(int d, const double *W, const double *q, double mu, double *r,
                                int *count) {
   double p[3] = {0};
   dls_local_state state;
-  if (d == 1) {
-    if (count) *count = (q[0] >= 0) + (-q[0] / W[0] > 0);
+  if (d == 1)
     state = dlsi_local_1d(W[0], q, p);
-  } else if (d == 2) {
+  else if (d == 2) {
     dlsi_block_2d b;
     dlsi_block_2d_set(&b, W, mu);
-    if (count) *count = count_2d(&b, q);
     state = dlsi_local_2d(&b, q, p);
   } else {
     dlsi_block_3d b = {0};
     dlsi_block_3d_set(&b, W, mu);
-    if (count) *count = count_3d(&b, q);
     state = dlsi_local_3d(&b, q, 0, p);
   }
-  if (count && state == DLS_LOCAL_NONE) *count = 0;
-  /* the answer itself counts, where rounding tells the two tests apart */
-  if (count && state != DLS_LOCAL_NONE && *count < 1) *count = 1;
+  if (count) {
+    *count = state == DLS_LOCAL_NONE ? 0 : dlsi_local_count(d, W, q, mu);
+    /* the answer itself counts, where rounding tells the two tests apart */
+    if (state != DLS_LOCAL_NONE && *count < 1) *count = 1;
+  }
   memcpy(r, p, (size_t)d * sizeof *r);
   return state;
 }

@@ -914,20 +914,20 @@ int dlsi_count_ambiguous(const dls_contact *problem, const double *r, const doub
     const double *rc = r + (size_t)d * (size_t)c, *uc = u + (size_t)d * (size_t)c;
     double W[9], p[3], s[3];
     dlsi_contact_diagonal(problem, c, W);
-    const int one = has_one_solution(d, W, problem->mu[c]);
-    for (int i = 0; one && other && i < d; i++)
+    for (int i = 0; other && i < d; i++)
       other[d * c + i] = rc[i];
-    if (one) continue;
+    if (has_one_solution(d, W, problem->mu[c])) continue;
     for (int i = 0; i < d; i++) {
       p[i] = uc[i];
       for (int j = 0; j < d; j++)
         p[i] -= W[i + d * j] * rc[j];
     }
     int count;
+    if (dlsi_local_count(d, W, p, problem->mu[c]) < 2) continue;
     (void)dls_nlgs_local(d, W, p, problem->mu[c], s, &count);
     ambiguous += count > 1;
-    for (int i = 0; other && i < d; i++)
-      other[d * c + i] = count > 1 ? s[i] : rc[i];
+    for (int i = 0; other && count > 1 && i < d; i++)
+      other[d * c + i] = s[i];
   }
   return ambiguous;
 }

@@ -33,6 +33,9 @@ typedef struct dlsi_block_3d {
 void dlsi_block_2d_set(dlsi_block_2d *block, const double *W, double mu);
 void dlsi_block_3d_set(dlsi_block_3d *block, const double *W, double mu);
 
+/* Returns how many solutions a local problem has that is known to have one, but for rounding. */
+int dlsi_local_count(int d, const double *W, const double *q, double mu);
+
 /* dls_nlgs_local without the count, for the sweep. guess (3D): where to look first for l >= 0 in
  * u_t = -l r_t, such as |u_t| / |r_t| before; 0 for none. */
 dls_local_state dlsi_local_1d(double W, const double *q, double *r);
