@@ -401,7 +401,7 @@ static dls_status admm_iterate(dls_admm *work, const dls_contact *problem, dls_i
     const dls_status stop = dlsi_iterate_tell(it, "admm", k, most, now.residual, work->x);
     if (stop) return stop;
     const double gap = admm_distance(work, problem, work->x, work->z);
-    if (!(gap > 0 && gap <= DBL_MAX)) return DLS_STALLED;
+    if (!(gap > 0 && gap <= DBL_MAX) || dlsi_iterate_is_lost(now.residual)) return DLS_STALLED;
     const double rho = k == s.look ? admm_next_rho(work, problem, gap, it->certificate.residual, &s)
                                    : s.rho; /* (AD5) */
     if (rho != s.rho)

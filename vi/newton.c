@@ -581,7 +581,7 @@ static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, d
       eps *= 10;
       work->factors = NONE;
     }
-    if (k - since >= patience || !(now.residual <= DBL_MAX)) return DLS_STALLED;
+    if (k - since >= patience || dlsi_iterate_is_lost(now.residual)) return DLS_STALLED;
   }
   return DLS_MAX_ITERATIONS;
 }

@@ -864,7 +864,7 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
     const dls_status stop = dlsi_iterate_tell(it, "nlgs", k, most, now.residual, r);
     if (stop)
       reason = stop;
-    else if ((!changed && was_fresh) || !(now.residual <= DBL_MAX))
+    else if ((!changed && was_fresh) || dlsi_iterate_is_lost(now.residual))
       reason = DLS_STALLED;
   }
   return dlsi_iterate_settle(it, problem, reason);

@@ -269,6 +269,12 @@ dls_status dlsi_iterate_settle(dlsi_iterate *it, const dls_contact *problem, dls
 dls_status dlsi_iterate_end(dlsi_iterate *it, const dls_contact *problem, dls_status status,
                             dls_info *outcome, double *r, double *u, dls_info *info);
 
+/* Returns 1 if an iteration has run away: from there nothing comes back, and squares of r leave the
+ * range of numbers, in one unit of the problem sooner than in another. */
+static inline int dlsi_iterate_is_lost(double residual) {
+  return !(residual <= 1e100);
+}
+
 /* Tells the caller's progress callback of the residual of r (NULL: not at hand) and keeps to the
  * time limit. Returns DLS_OK to go on, DLS_CANCELLED, or DLS_TIME_LIMIT. */
 static inline dls_status dlsi_iterate_tell(const dlsi_iterate *it, const char *method,
