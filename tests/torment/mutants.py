@@ -48,6 +48,7 @@ HEAVY = {"front/test_proof", "front/test_renumber", "front/test_trust", "front/t
          PROPERTIES}
 ALL = "build/tests/all"  # the program of all tests
 LIBRARIES = ("build/libdelassus.a", "build/libdelassus-fe.a")
+MEMORY = "build/obj/src/base/memory.o"
 CPU_SECONDS = 60  # of one test program; the longest takes 7 by itself
 # Of the mutated file alone, for what only reads or writes where it should not.
 SANITIZERS = "-fsanitize=address,undefined -fno-sanitize-recover=all"
@@ -175,10 +176,16 @@ class Tree:
                 subprocess.run([*self.link, *flags], cwd=self.root).returncode == 0)
 
     def bind_sanitized(self, object_file):
-        """Links the program of all tests, one object of which is under the sanitizers."""
-        (self.root / object_file).unlink()
-        built, _ = self.make(object_file, "CFLAGS=-O1 -g", "SANITIZE=" + SANITIZERS)
-        return built and self.bind(*SANITIZERS.split())
+        """Links the program of all tests, one object of which is under the sanitizers; and the one
+        that divides workspaces into arrays, which tells them what lies between these."""
+        spared = (self.root / MEMORY).read_bytes()
+        for name in {object_file, MEMORY}:
+            (self.root / name).unlink()
+        built, _ = self.make(object_file, MEMORY, "CFLAGS=-O1 -g", "SANITIZE=" + SANITIZERS)
+        bound = built and self.bind(*SANITIZERS.split())
+        if object_file != MEMORY:
+            (self.root / MEMORY).write_bytes(spared)
+        return bound
 
     def make(self, *goals):
         done = subprocess.run(["make", "-s", "-k", *self.gold, *goals], cwd=self.root, env=self.env,
