@@ -395,7 +395,8 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
   const double f = plain ? sqrt(s.F) : dlsi_norm2(F, m), q = dlsi_norm2(problem->q, m);
   const double force = dlsi_is_plain(s.force) ? sqrt(s.force) : norm_of(&of, 0, 1);
   const double size = dlsi_is_plain(s.r) ? sqrt(s.r) : dlsi_norm2(r, m);
-  const double rounded = dlsi_is_plain(s.a) ? sqrt(s.a) : norm_of(&of, 1, 0);
+  /* r = 0: u = q, whose norm may be beyond the range of numbers, and the floor is one rounding */
+  const double rounded = size == 0 ? q : dlsi_is_plain(s.a) ? sqrt(s.a) : norm_of(&of, 1, 0);
   const double rounded_force =
       dlsi_is_plain(s.rounded_force) ? sqrt(s.rounded_force) : norm_of(&of, 1, 1);
   const double scale_u = q > 0 ? q : dlsi_norm2(a, m), scale_r = force > size ? force : size;

@@ -49,9 +49,8 @@ static dls_status moving_allocate(dls_moving *m, dls_error *error) {
   moving_carve(&arena, m);
   const dls_status status = dlsi_arena_allocate(&arena, "nx", m->scene.settings.nx, error);
   if (status) return status;
-  m->memory = arena.base;
+  m->memory = memset(arena.base, 0, arena.size);
   moving_carve(&arena, m);
-  memset(m->memory, 0, arena.size);
   for (int c = 0; c < m->scene.candidates; c++)
     m->mu[c] = m->scene.settings.mu;
   return DLS_OK;

@@ -470,6 +470,23 @@ START_TEST(certificate_of_q_zero_and_frictionless) {
 }
 END_TEST
 
+/* r = 0 leaves u = q, and rounds nothing but that, though |q| is no number. */
+START_TEST(no_forces_beside_a_norm_beyond_numbers) {
+  double W[36] = {0}, q[6], mu[3] = {1, 1, 1}, r[6] = {0};
+  const dls_contact p = {.d = 2, .nc = 3, .W = {6, 6, 6, W}, .q = q, .mu = mu};
+  for (int k = 0; k < 6; k++) {
+    W[7 * k] = 1;
+    q[k] = 1e308;
+  }
+  dls_certificate c = certified(&p, r, NULL);
+  ck_assert(c.residual == 0 && c.floor_u == DBL_EPSILON);
+  ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
+  q[2] = -1e308;
+  c = certified(&p, r, NULL);
+  ck_assert_int_eq(dls_certificate_holds(&c, 1e-2), 0);
+}
+END_TEST
+
 /* w_c falls back to the mean of the positive traces, then to the largest entry, then to 1. */
 START_TEST(weights_fall_back) {
   double W[16] = {0}, w[2];
@@ -1043,7 +1060,8 @@ int main(void) {
              ONCE(blocks_refuse_bad_arguments), ONCE(certificate_by_hand),
              ONCE(either_part_can_fail_alone), ONCE(no_forces_under_pressure),
              ONCE(rounding_has_no_direction), ONCE(certificate_of_q_zero_and_frictionless),
-             ONCE(weights_fall_back), ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
+             ONCE(no_forces_beside_a_norm_beyond_numbers), ONCE(weights_fall_back),
+             ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
              ONCE(certificate_ignores_order_and_tangent_frame), ONCE(dense_and_blocks_agree),
              ONCE(states_of_the_three_kinds), ONCE(misfits_are_the_residual),
              ONCE(panels_of_normals), ONCE(certify_refuses_and_leaves_outputs),

@@ -468,7 +468,7 @@ END_TEST
 typedef struct history {
   const dls_contact *problem;
   const char *method;
-  int calls, lasts;
+  int calls, lasts, iteration; /* iteration: of the last */
   double least, cpu_seconds, residual;
   double r[most];
 } history;
@@ -487,6 +487,7 @@ static int take_history(void *data, const dls_progress *p) {
     if (p->residual >= 0 && p->residual < h->least) h->least = p->residual;
   } else {
     h->residual = p->residual;
+    h->iteration = p->iteration;
     memcpy(h->r, p->r, (size_t)(h->problem->d * h->problem->nc) * sizeof *h->r);
   }
   if (!p->r || p->residual < 0) return 0;
@@ -522,6 +523,7 @@ START_TEST(one_last_call) {
   const dls_status status = run_with(&s, &a.p, &settings, fmax(s.tol, 1e-10), r, NULL, &info);
   ck_assert_int_ge(status, 0);
   ck_assert_int_eq(h.lasts, 1);
+  ck_assert_int_eq(h.iteration, info.sweeps + info.iterations);
   ck_assert(h.residual == info.certificate.residual);
   ck_assert_mem_eq(h.r, r, (size_t)(a.p.d * a.p.nc) * sizeof *r);
   if (status && i != 10) /* where reactions run away, less rounding is better than less residual */

@@ -115,8 +115,56 @@ START_TEST(edge_of_exclusion) {
 }
 END_TEST
 
+/* (FA2) where rows n of W tell the edges: W_ab has row n e_a for each b. The middle candidate slips
+ * freely. */
+START_TEST(linear_problem_by_hand) {
+  static model a;
+  const int d = 2 + _i, edges = d == 2 ? 2 : 8, n = 3 + 2 * edges + 1;
+  const double s[3] = {2, 0.5, 4}, unit = 8;
+  double M[22 * 22], q[22], column[9];
+  set_model(&a, d, 3);
+  for (int b = 0; b < 3; b++) {
+    a.mu[b] = b == 1 ? 0 : 0.5 + b;
+    a.q[d * b] = b - 3;
+    for (int i = 0; i < d; i++)
+      a.W[d * i + a.p.W.ld * (d * b + i)] = 1;
+  }
+  ck_assert_int_eq(dlsi_farkas_size(&a.p), n);
+  memset(M, 9, sizeof M);
+  dlsi_farkas_lcp(&a.p, s, unit, M, q, column);
+  for (int j = 0; j < n; j++) {
+    const double own = j < 3 ? s[j] * (j - 3) / unit : 0.75; /* the largest of the first three */
+    ck_assert_double_eq_tol(q[j], own, 1e-15);
+    for (int i = 0; i < n; i++) {
+      ck_assert(M[i + n * j] == -M[j + n * i]);
+      if ((i < 3) == (j < 3)) ck_assert(M[i + n * j] == 0);
+    }
+  }
+  for (int b = 0, j = 3; b < 3; b++) {
+    const double mu = a.mu[b];
+    double sum[3] = {0}, last[3] = {0};
+    for (int k = 0; k < (b == 1 ? 1 : edges); k++, j++) {
+      double edge[3] = {0}, middle[3] = {0};
+      for (int i = 0; i < d; i++) {
+        edge[i] = M[i + n * j] * unit / (s[i] * s[b]);
+        middle[i] = (edge[i] + last[i]) / 2;
+        sum[i] += edge[i];
+        last[i] = edge[i];
+      }
+      ck_assert_double_eq_tol(edge[0], 1, 1e-15);
+      if (d == 2) ck_assert_double_eq_tol(fabs(edge[1]), mu, 1e-15);
+      if (d == 2 || k == 0) continue;
+      /* the side between two edges touches the round cone, from without */
+      ck_assert_double_ge(hypot(middle[1], middle[2]), mu * (1 - 4 * DBL_EPSILON));
+      ck_assert_double_le(hypot(middle[1], middle[2]), mu * (1 + 1e-15));
+    }
+    ck_assert_double_eq_tol(hypot(sum[1], sum[2]), 0, 1e-14); /* they go all around */
+  }
+}
+END_TEST
+
 int main(void) {
   return RUN("farkas", NULL, NULL, EACH(no_solution_is_proved_in_2d_and_3d, 0, 4),
              EACH(far_is_not_denied_nor_searched, 0, 2), EACH(certified_is_never_excluded, 0, 10),
-             ONCE(exclusion_by_hand), ONCE(edge_of_exclusion));
+             ONCE(exclusion_by_hand), ONCE(edge_of_exclusion), EACH(linear_problem_by_hand, 0, 2));
 }

@@ -953,6 +953,32 @@ START_TEST(warm_start_that_leads_nowhere) {
 }
 END_TEST
 
+/* M = -I, q < 0: no solution. The covering vector that is given stays beside a start, to the bit, in
+ * any solve. */
+START_TEST(warm_start_keeps_the_cover) {
+  enum { n = 16 }; /* n ints fill lines of memory: one more is the first number behind */
+  double M[n * n] = {0}, q[n], z[n], given[n], cover[2][n];
+  for (int i = 0; i < n; i++) {
+    M[i + n * i] = q[i] = -1;
+    given[i] = 1 + 0.25 / (i + 3);
+  }
+  dls_lemke_settings settings = path_alone();
+  settings.limits.warm_start = 1;
+  settings.cover = given;
+  const dls_lcp lcp = lcp_of(n, M, q);
+  dls_lemke *w;
+  ck_assert_int_eq(dls_lemke_create(&w, n, &settings, NULL), DLS_OK);
+  for (int k = 0; k < 2; k++) {
+    for (int i = 0; i < n; i++)
+      z[i] = i % 2;
+    ck_assert_int_eq(dls_lemke_solve(w, &lcp, z, NULL, NULL, NULL), DLS_NO_SOLUTION);
+    ck_assert_int_eq(dls_lemke_ray(w, NULL, NULL, NULL, NULL, cover[k], NULL), DLS_OK);
+  }
+  ck_assert_mem_eq(cover[0], cover[1], sizeof cover[0]);
+  dls_lemke_destroy(w);
+}
+END_TEST
+
 /* ---- crash start ----------------------------------------------------------------------------- */
 
 /* the default */
@@ -1211,17 +1237,17 @@ START_TEST(a_norm_beyond_numbers) {
 END_TEST
 
 int main(void) {
-  return RUN("lemke", NULL, NULL, ONCE(size_one), ONCE(feasible_q_is_answered_at_once),
-             ONCE(size_two), ONCE(nearly_impossible), ONCE(catalogue_of_contact),
-             ONCE(ray_of_large_friction), ONCE(bimatrix_game), ONCE(cycling_example),
-             ONCE(identical_rows), ONCE(murty), ONCE(p_matrices), ONCE(any_matrix),
-             ONCE(semidefinite), ONCE(hundred_unknowns), ONCE(stewart_trinkle),
-             ONCE(very_large_friction), ONCE(decaying_entries), ONCE(units), ONCE(permutations),
-             ONCE(same_bits_and_reuse), ONCE(progress_and_limit), ONCE(bad_arguments),
-             ONCE(every_malloc_fails), ONCE(extreme_numbers), ONCE(warm_start_follows_a_load),
-             ONCE(warm_start_from_anywhere), ONCE(warm_start_that_leads_nowhere),
-             ONCE(crash_finds_the_solution), ONCE(crash_with_friction), ONCE(crash_in_any_unit),
-             ONCE(crash_keeps_to_its_room), ONCE(crash_that_leads_nowhere),
-             ONCE(crash_does_not_insist), ONCE(crash_from_a_start_and_with_a_cover),
-             ONCE(crash_can_be_cancelled), ONCE(a_norm_beyond_numbers));
+  return RUN(
+      "lemke", NULL, NULL, ONCE(size_one), ONCE(feasible_q_is_answered_at_once), ONCE(size_two),
+      ONCE(nearly_impossible), ONCE(catalogue_of_contact), ONCE(ray_of_large_friction),
+      ONCE(bimatrix_game), ONCE(cycling_example), ONCE(identical_rows), ONCE(murty),
+      ONCE(p_matrices), ONCE(any_matrix), ONCE(semidefinite), ONCE(hundred_unknowns),
+      ONCE(stewart_trinkle), ONCE(very_large_friction), ONCE(decaying_entries), ONCE(units),
+      ONCE(permutations), ONCE(same_bits_and_reuse), ONCE(progress_and_limit), ONCE(bad_arguments),
+      ONCE(every_malloc_fails), ONCE(extreme_numbers), ONCE(warm_start_follows_a_load),
+      ONCE(warm_start_from_anywhere), ONCE(warm_start_that_leads_nowhere),
+      ONCE(warm_start_keeps_the_cover), ONCE(crash_finds_the_solution), ONCE(crash_with_friction),
+      ONCE(crash_in_any_unit), ONCE(crash_keeps_to_its_room), ONCE(crash_that_leads_nowhere),
+      ONCE(crash_does_not_insist), ONCE(crash_from_a_start_and_with_a_cover),
+      ONCE(crash_can_be_cancelled), ONCE(a_norm_beyond_numbers));
 }

@@ -105,6 +105,29 @@ START_TEST(as_a_large_friction) {
 }
 END_TEST
 
+/* A wedge that jams (c03 of data/failures) beside two candidates apart, one of which is bonded: no
+ * method of auto solves it, none that is for finite friction is tried, and nothing is denied. */
+START_TEST(nothing_is_denied_beside_a_bond) {
+  static random_problem a;
+  double r[most];
+  dls_info info;
+  fill(&a, 2, 3, 1);
+  memset(a.W, 0, sizeof a.W);
+  for (int k = 0; k < 6; k++) {
+    a.W[7 * k] = 1;
+    a.q[k] = k % 2 ? 0 : -2;
+    a.mu[k / 2] = 2;
+  }
+  const int wedge = _i == 0; /* its friction stays finite */
+  a.W[14 * wedge + 1] = a.W[14 * wedge + 6] = 1;
+  ck_assert_int_gt(solve(&a.p, DLS_AUTO, r, NULL, &info, NULL), DLS_STALLED);
+  a.mu[_i] = INFINITY;
+  ck_assert_int_eq(solve(&a.p, DLS_AUTO, r, NULL, &info, NULL), DLS_STALLED);
+  for (int k = 0; k < info.stages; k++)
+    ck_assert(info.stage[k].method != DLS_LEMKE && info.stage[k].method != DLS_HOMOTOPY);
+}
+END_TEST
+
 /* The others say so. */
 START_TEST(methods_that_cannot) {
   static random_problem a;
@@ -186,6 +209,6 @@ int main(void) {
   while (dls_method_name((dls_method)methods))
     methods++;
   return RUN("bonded", NULL, NULL, EACH(bonded_sticks_while_pressed, 0, 20),
-             ONCE(as_a_large_friction), ONCE(methods_that_cannot), ONCE(triangles),
-             EACH(overlaps, 0, methods));
+             ONCE(as_a_large_friction), EACH(nothing_is_denied_beside_a_bond, 0, 3),
+             ONCE(methods_that_cannot), ONCE(triangles), EACH(overlaps, 0, methods));
 }

@@ -72,7 +72,9 @@ int take_byte(fuzz_bytes *b) {
 }
 
 int take_int(fuzz_bytes *b, int low, int high) {
-  return low + (take_byte(b) + (high - low > 255 ? 256 * take_byte(b) : 0)) % (high - low + 1);
+  int number = take_byte(b);
+  if (high - low > 255) number += 256 * take_byte(b);
+  return low + number % (high - low + 1);
 }
 
 double take_plain(fuzz_bytes *b) {

@@ -185,7 +185,8 @@ static void solve_batch(const dls_contact *problem, fuzz_bytes *b) {
   dls_solver_settings settings;
   dls_error error;
   /* all stages of auto on many hard problems would take seconds */
-  const int count = take_int(b, 0, most_count), defaults = problem->nc < 3 && take_byte(b) < 128;
+  const int defaults = problem->nc < 3 && take_byte(b) < 128;
+  const int count = take_int(b, 0, defaults ? 2 : most_count);
   memset(r, 0, sizeof r);
   for (int k = 0; k < count; k++) {
     problems[k] = *problem;

@@ -28,7 +28,10 @@ static void take_matrix(fuzz_bytes *b, int m, double *a) {
       a[i + m * j] = scale * (kind < 3 ? sum : F[i + m * j]);
     }
   for (int k = take_byte(b) % 8; k > 6; k--) /* now and then, one odd entry */
-    if (m) a[take_byte(b) % m + m * (take_byte(b) % m)] = take_value(b);
+    if (m) {
+      const int i = take_byte(b) % m, j = take_byte(b) % m; /* in turn, by any compiler */
+      a[i + m * j] = take_value(b);
+    }
 }
 
 void take_vector(fuzz_bytes *b, int n, double *x) {
@@ -187,8 +190,10 @@ void take_contact(fuzz_bytes *b, struct dls_contact *problem) {
     take_bodies(b, d, nc, &problem->bodies);
   else {
     const int entries = take_int(b, 0, most_m);
-    for (int k = 0; k < entries; k++)
-      i[k] = nc ? take_byte(b) % (nc + (take_byte(b) < 4)) : 0;
+    for (int k = 0; k < entries; k++) {
+      const int byte = take_byte(b), odd = take_byte(b) < 4;
+      i[k] = nc ? byte % (nc + odd) : 0;
+    }
     for (int c = 0; c <= nc; c++)
       p[c] = c * entries / (nc ? nc : 1);
     if (!nc) p[0] = 0;

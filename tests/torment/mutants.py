@@ -3,7 +3,8 @@
 
 Changes one operator, index, sign or factor at a random place of the library, rebuilds its object and
 the tests, and runs these, those of the file's own room first, until one fails. A mutant that passes
-them all has survived: its line wants a test, or an entry in harmless.txt that says why the change
+them all runs once more with its file under the address and undefined sanitizers. One that passes
+there, too, has survived: its line wants a test, or an entry in harmless.txt that says why the change
 does no harm. All happens in a copy of the tree, so that a run that is cut off leaves nothing behind.
 
 Not counted: what does not compile, and what compiles to the same code. At the end the tests that
@@ -47,7 +48,11 @@ HEAVY = {"front/test_proof", "front/test_renumber", "front/test_trust", "front/t
          PROPERTIES}
 ALL = "build/tests/all"  # the program of all tests
 LIBRARIES = ("build/libdelassus.a", "build/libdelassus-fe.a")
+MEMORY = "build/obj/src/base/memory.o"
 CPU_SECONDS = 60  # of one test program; the longest takes 7 by itself
+# Of the mutated file alone, for what only reads or writes where it should not.
+SANITIZERS = "-fsanitize=address,undefined -fno-sanitize-recover=all"
+UNDER = ", under the sanitizers"
 SWAP = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "&&": "||", "||": "&&",
         "+": "-", "-": "+", "*": "/", "/": "*", "+=": "-=", "-=": "+=", "*=": "/=", "/=": "*="}
 
@@ -165,9 +170,22 @@ class Tree:
         self.program_tests = {t for t in tests
                               if "program.h" in (self.root / ("tests/%s.c" % t.split()[0])).read_text()}
 
-    def bind(self):
+    def bind(self, *flags):
         """Links the program of all tests."""
-        return self.make(*LIBRARIES)[0] and subprocess.run(self.link, cwd=self.root).returncode == 0
+        return (self.make(*LIBRARIES)[0] and
+                subprocess.run([*self.link, *flags], cwd=self.root).returncode == 0)
+
+    def bind_sanitized(self, object_file):
+        """Links the program of all tests, one object of which is under the sanitizers; and the one
+        that divides workspaces into arrays, which tells them what lies between these."""
+        spared = (self.root / MEMORY).read_bytes()
+        for name in {object_file, MEMORY}:
+            (self.root / name).unlink()
+        built, _ = self.make(object_file, MEMORY, "CFLAGS=-O1 -g", "SANITIZE=" + SANITIZERS)
+        bound = built and self.bind(*SANITIZERS.split())
+        if object_file != MEMORY:
+            (self.root / MEMORY).write_bytes(spared)
+        return bound
 
     def make(self, *goals):
         done = subprocess.run(["make", "-s", "-k", *self.gold, *goals], cwd=self.root, env=self.env,
@@ -180,12 +198,13 @@ class Tree:
         subprocess.run(["strip", "-g", "-o", stripped, self.root / object_file], check=True)
         return stripped.read_bytes()
 
-    def run(self, test):
+    def run(self, test, sanitized=False):
         """Runs a test with limits of time and memory. Returns 1 if it passes."""
 
         def confine():
             resource.setrlimit(resource.RLIMIT_CPU, (CPU_SECONDS, CPU_SECONDS + 1))
-            resource.setrlimit(resource.RLIMIT_AS, (1 << 33, 1 << 33))
+            if not sanitized:  # these reserve all addresses
+                resource.setrlimit(resource.RLIMIT_AS, (1 << 33, 1 << 33))
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
         null = subprocess.DEVNULL
@@ -205,6 +224,17 @@ def tests_of(file, tests):
     near = NEAR.get(file) or NEAR[next(room for room in ROOMS if file.startswith(room + "/"))]
     rank = lambda test: near.index(test.split("/")[0]) if test.split("/")[0] in near else len(near)
     return sorted(tests, key=lambda t: (t in HEAVY, rank(t), t))
+
+
+def try_sanitized(tree, source, text, object_file, tests):
+    """Returns a test that the sanitizers stop on the mutant, but not on `text`, "" for none."""
+    if not tree.bind_sanitized(object_file):
+        return ""
+    stopped = next((test for test in tests if not tree.run(test, True)), "")
+    source.write_text(text)
+    if not stopped or not tree.bind_sanitized(object_file) or not tree.run(stopped, True):
+        return ""
+    return stopped + UNDER
 
 
 def try_mutant(tree, place, tests):
@@ -228,7 +258,7 @@ def try_mutant(tree, place, tests):
                 has_program, _ = tree.make("build/delassus")
             if not tree.run(test):
                 return test
-        return ""
+        return try_sanitized(tree, source, text, object_file, [t for t in ordered if t not in HEAVY])
     finally:
         source.write_text(text)
         (tree.root / object_file).write_bytes(spared)
@@ -281,7 +311,7 @@ def main():
         total = sum(count.values())
         print("seed %d: of %d mutants %d killed, %d harmless, %d survived"
               % (own.seed, total, count["killed"], count["harmless"], count["SURVIVED"]))
-        killers.discard("")
+        killers = {by for by in killers if by and not by.endswith(UNDER)}
         tree.make("build/delassus")
         tree.bind()
         false = [t for t in sorted(killers) if not tree.run(t)]

@@ -1,0 +1,47 @@
+/* test_contact_lemke.c: the search by Lemke's method, a stage of auto (CL6). */
+#include <check.h>
+
+#include "cases.h"
+#include "front/front.h"
+#include "run.h"
+
+/* Two wedges that jam, of which each presses the other: no solution, and no proof of it. */
+static void jam(model *a) {
+  set_model(a, 3, 2);
+  for (int c = 0; c < 2; c++) {
+    const int n = 3 * c, t = n + 1, s = n + 2, ld = a->p.W.ld;
+    a->W[n + ld * n] = a->W[n + ld * t] = a->W[t + ld * n] = a->W[t + ld * t] = 1;
+    a->W[s + ld * s] = 1;
+    a->q[n] = -2;
+    a->mu[c] = 2 + c;
+  }
+  a->W[3] = a->W[3 * a->p.W.ld] = -0.25;
+}
+
+/* Pivots of the search with up to `facets` facets. */
+static int pivots_of(const dls_contact *p, int facets) {
+  const dlsi_options options = {.limits = {.tol = 1e-8}, .facets = facets};
+  void *work;
+  double r[6];
+  dls_info info;
+  ck_assert_int_eq(dlsi_lemke_method.create(&work, p->d, p->nc, &options, NULL), DLS_OK);
+  dlsi_contact_lemke_scatter(work, 1);
+  ck_assert_int_ge(dlsi_lemke_method.solve(work, p, r, NULL, &info, NULL), 1);
+  dlsi_lemke_method.destroy(work);
+  return info.iterations;
+}
+
+/* Up to 4 facets it takes the cone with 4 alone, up to 6 each of two, up to 8 each of three. */
+START_TEST(the_search_takes_every_number_of_facets) {
+  static model a;
+  jam(&a);
+  const int four = pivots_of(&a.p, 4), six = pivots_of(&a.p, 6), eight = pivots_of(&a.p, 8);
+  ck_assert_int_gt(four, 100);
+  ck_assert_int_gt(six, four);
+  ck_assert_int_gt(eight, six);
+}
+END_TEST
+
+int main(void) {
+  return RUN("contact_lemke", NULL, NULL, ONCE(the_search_takes_every_number_of_facets));
+}
