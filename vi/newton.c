@@ -397,15 +397,12 @@ static int newton_stays(int d, const double *r, const double *r0) {
   return change <= 4 * DBL_EPSILON * size;
 }
 
-/* Returns 1 if r0 - r may be left out (NE5). */
-static int newton_is_slight(const dls_newton *work, const dls_contact *problem) {
+/* Returns 1 if r0 - r may be left out (NE5). unext: scratch. */
+static int newton_is_slight(dls_newton *work, const dls_contact *problem) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  double sum = 0;
-  for (size_t k = 0; k < m; k++) {
-    const double x = work->it.w[k / d] * (work->next[k] - work->r[k]);
-    sum += x * x;
-  }
-  return sqrt(sum) <= slight * work->error;
+  for (size_t k = 0; k < m; k++)
+    work->unext[k] = work->it.w[k / d] * (work->next[k] - work->r[k]);
+  return dlsi_norm2(work->unext, m) <= slight * work->error;
 }
 
 /* unext := u0 = u + W (r0 - r): a product with what differs. */

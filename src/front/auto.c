@@ -61,11 +61,12 @@
  *
  *   (AT14) steps     a warm solve, W dense, may begin with Newton's method, on the factors of the
  *          solve before (vi/newton.c, NE5): a step in which no state changes takes products and
- *          triangular solves alone. It does where the last solve that did not has cost more sweeps
- *          than such a step is expected to: the first time four steps and half of a factorisation,
- *          then three parts of that expectation and one of what the last one took, a twentieth less
- *          for each solve without. A step counts for 3/2 sweeps, a factorisation for 3 + k^2 / (16
- *          m). Where it fails, the next warm solve does not try.
+ *          triangular solves alone. It does where the last solve that did not has cost a third more
+ *          sweeps than such a step is expected to: the first time a step of Newton's for two digits
+ *          of the tolerance, then three parts of that expectation and one of what the last one
+ *          took, a fiftieth less for each solve without. A step counts for 3/2 sweeps, factors with
+ *          their border for 3 + k^2 / (10 m), but for the first ones after a solve without. Where
+ *          it fails, the next warm solve does not try.
  *   (AT15) line      where the start of a warm solve is the answer of the one before, the line
  *          through the last two answers is followed: the better one of both starts is taken. While
  *          W stays, their u follow without a product; (AT14) begins with that u.
@@ -124,10 +125,10 @@ static const double progress = 0.9;         /* of e, below which a step has brou
 static const double share_outside = 0.1;    /* of -q outside of the cones, for what may rest */
 static const double null_direction = 1e-10; /* |D^-1 W delta| over |delta|: (AT9) */
 enum { few_normals = 6 };                   /* whose factorisation is below the cost of a call */
-static const double step_sweeps = 1.5;      /* (AT14) */
-static const double small_part = 0.05;      /* of a solve, for a look at other answers */
-static const double another = 1e-3; /* difference of two answers, over the largest reaction */
-static const double on_cone = 1e-9; /* a reaction that lacks no more than this share slips */
+static const double step_sweeps = 1.5, step_margin = 4. / 3, forgotten = 0.98; /* (AT14) */
+static const double small_part = 0.05; /* of a solve, for a look at other answers */
+static const double another = 1e-3;    /* difference of two answers, over the largest reaction */
+static const double on_cone = 1e-9;    /* a reaction that lacks no more than this share slips */
 
 /* Its workspaces: each method once, and two of them once more for another way. */
 typedef enum part {
@@ -166,7 +167,7 @@ typedef struct dlsi_auto {
   double *shown;      /* m: then, r of all candidates for the caller's callback */
 
   /* of the solves before: (AT14), (AT15) */
-  int failed_to_step;
+  int failed_to_step, in_steps;
   double swept;   /* what the last one without (AT14) took, in sweeps */
   double of_step; /* what one with (AT14) is expected to take, 0: as the first */
   int answers;    /* so many of the next two are there, of last_nc candidates */
@@ -700,16 +701,10 @@ static dls_status take_copy(dlsi_auto *work, dls_error *error) {
   return leave_copy(work, problem, &kept, status, error);
 }
 
-/* Returns the sweeps that a factorisation takes, (AT14). */
-static double cost_of_factors(const dls_contact *problem, const double *r) {
-  const double k = count_unknowns(problem, r);
-  return 3 + k * k / (16. * problem->d * problem->nc);
-}
-
 /* Returns the sweeps that a solve with (AT14) is expected to take. */
 static double expect_of_step(const dlsi_auto *work) {
   if (work->of_step > 0) return work->of_step;
-  return 4 * step_sweeps + cost_of_factors(work->problem, work->best) / 2;
+  return fmax(-log10(work->options.limits.tol) / 2, 1) * step_sweeps;
 }
 
 /* Returns 1 if a warm solve begins with Newton's method (AT14). */
@@ -718,7 +713,7 @@ static int may_begin_with_step(dlsi_auto *work) {
   const int failed = work->failed_to_step;
   work->failed_to_step = 0;
   if (!work->options.limits.warm_start || failed || !problem->W.a) return 0;
-  return work->swept > expect_of_step(work);
+  return work->swept > step_margin * expect_of_step(work);
 }
 
 /* Measures r, and keeps it as the best one if it is better. Scratch: v. */
@@ -879,20 +874,23 @@ static void look_for_others(dlsi_auto *work, const double *r) {
 /* Remembers for (AT14) what the solve took. */
 static void remember_cost(dlsi_auto *work, const double *r) {
   const dls_info *info = &work->info;
-  const double factors = cost_of_factors(work->problem, r);
+  const double k = count_unknowns(work->problem, r);
+  const double factors = 3 + k * k / (10. * work->problem->d * work->problem->nc);
   double cost = 0;
   if (!info->stages) return; /* it had nothing to do */
-  for (int k = 0; k < info->stages; k++) {
-    const int newton = info->stage[k].method == DLS_NEWTON;
-    cost += (newton ? step_sweeps : 1) * info->stage[k].iterations;
-    cost += newton ? factors * info->stage[k].factorisations : 0;
+  for (int s = 0; s < info->stages; s++) {
+    const int newton = info->stage[s].method == DLS_NEWTON;
+    cost += (newton ? step_sweeps : 1) * info->stage[s].iterations;
+    cost += newton ? factors * info->stage[s].factorisations : 0;
   }
-  if (work->stepped)
-    work->of_step += (cost - work->of_step) / 4;
-  else {
-    work->of_step *= 0.95;
+  if (!work->stepped) {
+    work->of_step *= forgotten;
     work->swept = cost;
+  } else {
+    if (!work->in_steps && info->factorisations) cost -= factors;
+    work->of_step += (cost - work->of_step) / 4;
   }
+  work->in_steps = work->stepped;
 }
 
 /* Prepares a solve of this problem from r = 0. Errors of dlsi_form_blocks. */
