@@ -61,12 +61,12 @@
  *
  *   (AT14) steps     a warm solve, W dense, may begin with Newton's method, on the factors of the
  *          solve before (vi/newton.c, NE5): a step in which no state changes takes products and
- *          triangular solves alone. It does where the last solve that did not has cost a third more
- *          sweeps than such a step is expected to: the first time a step of Newton's for two digits
- *          of the tolerance, then three parts of that expectation and one of what the last one
- *          took, a fiftieth less for each solve without. A step counts for 3/2 sweeps, factors with
- *          their border for 3 + k^2 / (10 m), but for the first ones after a solve without. Where
- *          it fails, the next warm solve does not try.
+ *          triangular solves alone. It does where the last solve that did not has cost a quarter
+ *          more sweeps than such a step is expected to: the first time a step of Newton's for two
+ *          digits of the tolerance, then five parts of that expectation and one of what the last
+ *          one took, a fiftieth less for each solve without. A step counts for 3/2 sweeps, factors
+ *          with their border for 3 + k^2 / (10 m), but for the first ones after a solve without.
+ *          Where it fails, the next warm solve does not try.
  *   (AT15) line      where the start of a warm solve is the answer of the one before, the line
  *          through the last two answers is followed: the better one of both starts is taken. While
  *          W stays, their u follow without a product; (AT14) begins with that u.
@@ -125,7 +125,7 @@ static const double progress = 0.9;         /* of e, below which a step has brou
 static const double share_outside = 0.1;    /* of -q outside of the cones, for what may rest */
 static const double null_direction = 1e-10; /* |D^-1 W delta| over |delta|: (AT9) */
 enum { few_normals = 6 };                   /* whose factorisation is below the cost of a call */
-static const double step_sweeps = 1.5, step_margin = 4. / 3, forgotten = 0.98; /* (AT14) */
+static const double step_sweeps = 1.5, step_margin = 1.25, forgotten = 0.98; /* (AT14) */
 static const double small_part = 0.05; /* of a solve, for a look at other answers */
 static const double another = 1e-3;    /* difference of two answers, over the largest reaction */
 static const double on_cone = 1e-9;    /* a reaction that lacks no more than this share slips */
@@ -888,7 +888,7 @@ static void remember_cost(dlsi_auto *work, const double *r) {
     work->swept = cost;
   } else {
     if (!work->in_steps && info->factorisations) cost -= factors;
-    work->of_step += (cost - work->of_step) / 4;
+    work->of_step += (cost - work->of_step) / 6;
   }
   work->in_steps = work->stepped;
 }
