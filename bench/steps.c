@@ -130,6 +130,7 @@ enum { load_steps = 50 };
 
 typedef struct path {
   int d, side, nc; /* side: candidates along x */
+  double press, crown, tilt, shear, turn;
   double *W, *q, *mu;
   dls_contact p;
 } path;
@@ -167,15 +168,28 @@ static void path_place(const path *a, int c, double *x, double *y) {
   *y = a->d == 2 ? 0 : 2 * (c / a->side + .5) / a->side - 1;
 }
 
-static void path_make(path *a, int d, int side) {
+/* Seed 0 is the path of the first table; others draw load and friction within two fifths of it. */
+static double path_factor(int seed) {
+  return seed ? 1 + .4 * steps_draw() : 1;
+}
+
+static void path_make(path *a, int d, int side, int seed) {
   const int nc = d == 2 ? side : side * side, m = d * nc;
   *a = (path){.d = d, .side = side, .nc = nc};
+  steps_state = (uint64_t)seed;
+  (void)steps_draw();
+  a->press = .8 * path_factor(seed);
+  a->crown = .3 * path_factor(seed);
+  a->tilt = .05 * path_factor(seed);
+  a->shear = .25 * path_factor(seed);
+  a->turn = .1 * path_factor(seed);
+  const double friction = .3 * path_factor(seed);
   a->W = malloc(sizeof *a->W * (size_t)m * (size_t)m);
   a->q = malloc(sizeof *a->q * (size_t)m);
   a->mu = malloc(sizeof *a->mu * (size_t)nc);
   if (!a->W || !a->q || !a->mu) exit(1);
   for (int k = 0; k < nc; k++) {
-    a->mu[k] = .3;
+    a->mu[k] = friction;
     for (int c = 0; c < nc; c++) {
       double x, y, s, t, B[9];
       path_place(a, c, &x, &y);
@@ -194,9 +208,9 @@ static void path_load(const path *a, double load) {
   for (int c = 0; c < a->nc; c++) {
     double x, y, *q = a->q + a->d * c;
     path_place(a, c, &x, &y);
-    q[0] = -.2 - .8 * load + .3 * (x * x + y * y) + .05 * x * load;
-    q[1] = .25 * load;
-    if (a->d == 3) q[2] = .1 * load * x;
+    q[0] = -.2 - a->press * load + a->crown * (x * x + y * y) + a->tilt * x * load;
+    q[1] = a->shear * load;
+    if (a->d == 3) q[2] = a->turn * load * x;
   }
 }
 
@@ -224,31 +238,37 @@ static double path_time(const path *a, int warm, int *solved, int *iterations, i
   return 1e3 * seconds / load_steps;
 }
 
+static void print_path(FILE *page, int d, int side, int seed) {
+  path a;
+  double least[2] = {INFINITY, INFINITY};
+  int solved[2], iterations[2], factored[2];
+  path_make(&a, d, side, seed);
+  for (int run = 0; run < 3; run++)
+    for (int warm = 0; warm < 2; warm++)
+      least[warm] =
+          fmin(least[warm], path_time(&a, warm, &solved[warm], &iterations[warm], &factored[warm]));
+  bench_print(page, "| %d | %d | %d | %.3f | %.3f | %.2f | %d, %d | %d, %d | %d, %d |\n", a.d, a.nc,
+              seed, least[0], least[1], least[1] / least[0], iterations[0], iterations[1],
+              factored[0], factored[1], solved[0], solved[1]);
+  free(a.W);
+  free(a.q);
+  free(a.mu);
+}
+
 static void print_paths(FILE *page) {
   static const struct {
-    int d, side;
-  } scene[] = {{2, 64}, {2, 150}, {2, 200}, {2, 300}, {2, 500}, {3, 8}, {3, 14}};
+    int d, side, seed;
+  } scene[] = {{2, 64, 0}, {2, 150, 0}, {2, 200, 0}, {2, 300, 0}, {2, 500, 0}, {2, 64, 2},
+               {2, 64, 4}, {2, 240, 2}, {2, 240, 4}, {2, 500, 2}, {2, 500, 4}, {3, 8, 0},
+               {3, 14, 0}, {3, 20, 0},  {3, 8, 2},   {3, 8, 4},   {3, 12, 2},  {3, 12, 4},
+               {3, 14, 2}, {3, 14, 4},  {3, 20, 2},  {3, 20, 4}};
   bench_print(page,
-              "\n## A load path of %d steps, elastic, W dense, 1e-8\n\n"
-              "| d | candidates | cold, ms a step | warm | warm over cold | iterations | "
-              "factorisations | solved |\n|---|---|---|---|---|---|---|---|\n",
+              "\n## Load paths of %d steps, elastic, W dense, 1e-8\n\n"
+              "| d | candidates | seed | cold, ms a step | warm | warm over cold | iterations | "
+              "factorisations | solved |\n|---|---|---|---|---|---|---|---|---|\n",
               load_steps);
-  for (size_t k = 0; k < sizeof scene / sizeof scene[0]; k++) {
-    path a;
-    double least[2] = {INFINITY, INFINITY};
-    int solved[2], iterations[2], factored[2];
-    path_make(&a, scene[k].d, scene[k].side);
-    for (int run = 0; run < 3; run++)
-      for (int warm = 0; warm < 2; warm++)
-        least[warm] = fmin(least[warm],
-                           path_time(&a, warm, &solved[warm], &iterations[warm], &factored[warm]));
-    bench_print(page, "| %d | %d | %.3f | %.3f | %.2f | %d, %d | %d, %d | %d, %d |\n", a.d, a.nc,
-                least[0], least[1], least[1] / least[0], iterations[0], iterations[1], factored[0],
-                factored[1], solved[0], solved[1]);
-    free(a.W);
-    free(a.q);
-    free(a.mu);
-  }
+  for (size_t k = 0; k < sizeof scene / sizeof scene[0]; k++)
+    print_path(page, scene[k].d, scene[k].side, scene[k].seed);
 }
 
 /* ---- a punch that cannot touch everywhere ---------------------------------------------------- */
@@ -284,7 +304,7 @@ static void print_parts(FILE *page) {
     for (int crown = 4; crown <= 8; crown += 4) {
       path a;
       int near = 0, touching[2];
-      path_make(&a, scene[k].d, scene[k].side);
+      path_make(&a, scene[k].d, scene[k].side, 0);
       for (int c = 0; c < a.nc; c++) {
         double x, y, *q = a.q + a.d * c;
         path_place(&a, c, &x, &y);
@@ -305,10 +325,16 @@ static void print_parts(FILE *page) {
 
 int main(int argc, char **argv) {
   const char *out = "bench/results";
+  if (argc == 5 && strcmp(argv[1], "--path") == 0) {
+    const int d = atoi(argv[2]), side = atoi(argv[3]);
+    if (d < 2 || d > 3 || side < 2) return 2;
+    print_path(NULL, d, side, atoi(argv[4]));
+    return 0;
+  }
   if (argc == 3 && strcmp(argv[1], "--out") == 0)
     out = argv[2];
   else if (argc > 1) {
-    fprintf(stderr, "usage: steps [--out DIR]\n");
+    fprintf(stderr, "usage: steps [--out DIR] | --path D SIDE SEED\n");
     return 2;
   }
   FILE *page = bench_page(out, "steps", "Many problems one after the other", argc, argv);

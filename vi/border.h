@@ -24,19 +24,28 @@ double dlsi_branch_row(const dlsi_branch *b, int i, const double *v);
 /* Returns 1 if a and b lead to the same rows and columns of (NE2). */
 int dlsi_branch_is_same(const dlsi_branch *a, const dlsi_branch *b);
 
+/* Returns 1 if factors for a serve for b. loose: of two slips, d = 3, the directions may differ by
+ * some degrees, and l may: the solution is then inexact. */
+int dlsi_branch_serves(const dlsi_branch *a, const dlsi_branch *b, int loose);
+
 typedef struct dlsi_border {
+  int loose; /* of dlsi_branch_serves; the caller's, before it adds */
   int d, nc;
   int n;       /* side of the factored matrix */
   int k, most; /* unknowns more, of the candidates that have changed; most: room */
+  int held;    /* S is factored for so many of them */
   /* in what the matrix leaves of its room; without room for any change most is 0 */
-  dlsi_branch *base; /* nc: states of the factored matrix */
-  int *slot;         /* nc: first unknown more, -1: the candidate has not changed */
-  int *of;           /* most: candidate of each unknown more */
-  double *X, *V;     /* (BO3), (BO4): n x most */
-  double *Q, *T, *S; /* (BO3), (BO4), (BO5): most x most */
-  double *z;         /* d nc */
-  double *v, *y;     /* most */
-  int *pivot;        /* most */
+  dlsi_branch *base;  /* nc: states of the factored matrix */
+  dlsi_branch *frame; /* most: by slot, the slip of FRAMED */
+  dlsi_branch *now;   /* most: by slot, states for which S is factored */
+  int *slot;          /* nc: first unknown more, -1: the candidate has not changed */
+  int *of;            /* most: candidate of each unknown more, -1: given up */
+  int *form;          /* most: by slot, border_form */
+  double *X, *V;      /* (BO3), (BO4): n x most */
+  double *Q, *T, *S;  /* (BO3), (BO4), (BO5): most x most */
+  double *z;          /* d nc */
+  double *v, *y;      /* most */
+  int *pivot;         /* most */
 } dlsi_border;
 
 /* Notes that a matrix of side n has been factored for these states. spare: room for what comes with

@@ -42,9 +42,12 @@
  *          is below the largest of its last five values (Grippo, Lampariello and Lucidi, SIAM J.
  *          Numer. Anal. 23, 1986, 707-716). u is affine in r, so that a trial costs O(m).
  *
- *   (NE5)  A run of the same size may begin with the factors of the one before. W may have changed:
- *          where a step with them leaves more than a tenth of the right side of (NE2), all is made
- *          anew.
+ *   (NE5)  A step in a sequence of problems begins with the factors of the one before, which serve
+ *          loosely (border.c, BO7): while the states stay, directions of slip may turn and l may
+ *          change. Right sides are exact, so that only the rate suffers (a chord method). Of slips
+ *          r0 - r is of second order; its product is left out where it is a tenth of the error or
+ *          less. W may have changed, too: where a step leaves more than a fourth of the right side
+ *          of (NE2), the next factors are made anew.
  *
  * Stop: the certificate holds (its F is de Saxce's; both vanish together), the limit of steps, or
  * 12 steps that did not halve the residual. Uphill steps are taken, too; the best r met is kept.
@@ -73,7 +76,8 @@ enum { dense_limit = 250 }; /* of 50, 150, 250, 400 the fastest on FCLIB files b
 
 static const double least_eps = 1e-8;   /* cures a singular matrix */
 static const double most_eps = 1e-2;    /* bounds what a lack of progress leads to */
-static const double stale = 0.1;        /* (NE5) */
+static const double stale = 0.25;       /* (NE5) */
+static const double slight = 0.1;       /* (NE5): |w (r0 - r)| over |F| */
 static const double small_part = 0.1;   /* of a solution, that eps may take from it */
 static const double least_beta = 1e-10; /* R / |tau|: l stays finite where R vanishes */
 
@@ -90,6 +94,7 @@ struct dls_newton {
   double *next, *unext;   /* r0, then r0 + dr, and their u: m */
   double *x;              /* right side and solution of (NE2): m */
   double right;           /* its size, before the solution */
+  double error;           /* |F| of r; 0: not measured */
   int settled;            /* 1: the states are those of the step before */
   int *pivot;             /* m */
   int *p;                 /* sparse: starts of columns; W dense: the row of W for each row: m + 1 */
@@ -392,17 +397,27 @@ static int newton_stays(int d, const double *r, const double *r0) {
   return change <= 4 * DBL_EPSILON * size;
 }
 
+/* Returns 1 if r0 - r may be left out (NE5). unext: scratch. */
+static int newton_is_slight(dls_newton *work, const dls_contact *problem) {
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  for (size_t k = 0; k < m; k++)
+    work->unext[k] = work->it.w[k / d] * (work->next[k] - work->r[k]);
+  return dlsi_norm2(work->unext, m) <= slight * work->error;
+}
+
 /* unext := u0 = u + W (r0 - r): a product with what differs. */
 static void newton_known(dls_newton *work, const dls_contact *problem) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   int moved = 0;
   for (int c = 0; c < problem->nc; c++)
     moved += !newton_stays(problem->d, work->r + d * (size_t)c, work->next + d * (size_t)c);
+  if (work->border.loose && moved && newton_is_slight(work, problem)) moved = 0;
   if (2 * moved > problem->nc) {
     dlsi_multiply(problem, NULL, work->it.E, work->next, work->unext, NULL);
     return;
   }
   memcpy(work->unext, work->it.u, m * sizeof *work->unext);
+  if (!moved) return;
   for (int c = 0; c < problem->nc; c++) {
     const double *r = work->r + d * (size_t)c, *r0 = work->next + d * (size_t)c;
     double dr[3];
@@ -554,8 +569,9 @@ static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, d
   const int most = dlsi_most_iterations(&settings->limits, most_steps);
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   double eps = settings->regularization, halved = work->it.certificate.residual, last[memory] = {0};
-  int kept = newton_keeps(work, problem);
-  if (!kept) work->factors = NONE;
+  if (!newton_keeps(work, problem)) work->factors = NONE;
+  work->border.loose = work->keeps;
+  work->error = 0;
   work->kept_nc = work->it.E ? 0 : problem->nc;
   if (settings->line_search) last[0] = newton_merit(work, problem, work->r, work->it.u);
   for (int k = 1, since = 0; k <= most; k++) {
@@ -567,16 +583,15 @@ static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, d
     outcome->iterations = k;
     const dls_certificate now = dlsi_iterate_measure(&work->it, problem, work->r);
     if (dlsi_iterate_keep(&work->it, problem, work->r, &now)) return DLS_OK;
+    work->error = dlsi_norm2(work->it.F, m);
     const dls_status stop = dlsi_iterate_tell(&work->it, "newton", k, most, now.residual, work->r);
     if (stop) return stop;
     if (now.residual <= halved / 2) {
       halved = now.residual;
       since = k;
     }
-    if (kept && !(newton_left(work, problem) <= stale * work->right)) { /* (NE5) */
-      work->factors = NONE;
-      kept = 0;
-    }
+    if (work->keeps && !(newton_left(work, problem) <= stale * work->right))
+      work->factors = NONE; /* (NE5) */
     if (k > since && (k - since) % impatience == 0 && eps < most_eps) {
       eps *= 10;
       work->factors = NONE;

@@ -59,10 +59,14 @@
  * (AT12) meets the tolerance but for the rounding of W r, no later stage has less of it, and
  * nothing is tried any more.
  *
- *   (AT14) steps     a warm solve after one that Newton's method has ended, or whose sweeps have
- *          cost more than two of its steps, W dense, begins with Newton's method, with the factors
- *          of the solve before (vi/newton.c, NE5): a step in which no state changes takes products
- *          and triangular solves alone. Where that fails, the next warm solve does not try.
+ *   (AT14) steps     a warm solve, W dense, may begin with Newton's method, on the factors of the
+ *          solve before (vi/newton.c, NE5): a step in which no state changes takes products and
+ *          triangular solves alone. It does where the last solve that did not has cost a quarter
+ *          more sweeps than such a step is expected to: the first time a step of Newton's for two
+ *          digits of the tolerance, then five parts of that expectation and one of what the last
+ *          one took, a fiftieth less for each solve without. A step counts for 3/2 sweeps, factors
+ *          with their border for 3 + k^2 / (10 m), but for the first ones after a solve without.
+ *          Where it fails, the next warm solve does not try.
  *   (AT15) line      where the start of a warm solve is the answer of the one before, the line
  *          through the last two answers is followed: the better one of both starts is taken. While
  *          W stays, their u follow without a product; (AT14) begins with that u.
@@ -121,9 +125,10 @@ static const double progress = 0.9;         /* of e, below which a step has brou
 static const double share_outside = 0.1;    /* of -q outside of the cones, for what may rest */
 static const double null_direction = 1e-10; /* |D^-1 W delta| over |delta|: (AT9) */
 enum { few_normals = 6 };                   /* whose factorisation is below the cost of a call */
-static const double small_part = 0.05;      /* of a solve, for a look at other answers */
-static const double another = 1e-3; /* difference of two answers, over the largest reaction */
-static const double on_cone = 1e-9; /* a reaction that lacks no more than this share slips */
+static const double step_sweeps = 1.5, step_margin = 1.25, forgotten = 0.98; /* (AT14) */
+static const double small_part = 0.05; /* of a solve, for a look at other answers */
+static const double another = 1e-3;    /* difference of two answers, over the largest reaction */
+static const double on_cone = 1e-9;    /* a reaction that lacks no more than this share slips */
 
 /* Its workspaces: each method once, and two of them once more for another way. */
 typedef enum part {
@@ -161,10 +166,11 @@ typedef struct dlsi_auto {
   int *touching;      /* (AT16) those of the problem of the others; NULL in between */
   double *shown;      /* m: then, r of all candidates for the caller's callback */
 
-  /* of the solve before: (AT12) */
-  int newton_won, failed_to_step;
-  double last_sweeps; /* of its first stages */
-  int answers;        /* so many of the next two are there, of last_nc candidates */
+  /* of the solves before: (AT14), (AT15) */
+  int failed_to_step, in_steps;
+  double swept;   /* what the last one without (AT14) took, in sweeps */
+  double of_step; /* what one with (AT14) is expected to take, 0: as the first */
+  int answers;    /* so many of the next two are there, of last_nc candidates */
   int last_nc;
   auto_answer last, former; /* of the solve before, and of the one before that */
 
@@ -186,6 +192,7 @@ typedef struct dlsi_auto {
   int has_pushed;     /* (AT13) got nowhere */
   int has_augmented;  /* (AT4) has been tried */
   int known;          /* v[0] is u of the start as it follows from (AT15) */
+  int stepped;        /* began with (AT14) */
 
   /* of the stage under way */
   double target, least; /* logarithms of e* and of the least e that counts */
@@ -694,14 +701,19 @@ static dls_status take_copy(dlsi_auto *work, dls_error *error) {
   return leave_copy(work, problem, &kept, status, error);
 }
 
+/* Returns the sweeps that a solve with (AT14) is expected to take. */
+static double expect_of_step(const dlsi_auto *work) {
+  if (work->of_step > 0) return work->of_step;
+  return fmax(-log10(work->options.limits.tol) / 2, 1) * step_sweeps;
+}
+
 /* Returns 1 if a warm solve begins with Newton's method (AT14). */
 static int may_begin_with_step(dlsi_auto *work) {
   const dls_contact *problem = work->problem;
   const int failed = work->failed_to_step;
   work->failed_to_step = 0;
   if (!work->options.limits.warm_start || failed || !problem->W.a) return 0;
-  memcpy(work->r, work->best, (size_t)problem->d * (size_t)problem->nc * sizeof *work->r);
-  return work->newton_won || work->last_sweeps > 2 * cost_of_newton(work);
+  return work->swept > step_margin * expect_of_step(work);
 }
 
 /* Measures r, and keeps it as the best one if it is better. Scratch: v. */
@@ -762,7 +774,7 @@ static void remember_answer(dlsi_auto *work, const double *r, const double *u) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const auto_answer oldest = work->former;
   const int last = work->info.stages - 1;
-  if (!u && work->newton_won && !work->has_copy && last >= 0 &&
+  if (!u && work->info.status == DLS_OK && !work->has_copy && last >= 0 &&
       work->info.stage[last].method == DLS_NEWTON)
     u = dlsi_newton_gap(work->part[NEWTON]);
   work->answers = work->answers && work->last_nc == problem->nc ? 2 : 1;
@@ -780,6 +792,8 @@ static void remember_answer(dlsi_auto *work, const double *r, const double *u) {
 static dls_status take_step(dlsi_auto *work, dls_error *error) {
   dls_status status = create_part(work, NEWTON, error);
   if (status) return status;
+  work->stepped = 1;
+  work->of_step = expect_of_step(work);
   dlsi_newton_keep(work->part[NEWTON], work->known ? work->v[0] : NULL);
   status = take_stage(work, NEWTON, 0, error);
   work->failures = 0;
@@ -857,13 +871,26 @@ static void look_for_others(dlsi_auto *work, const double *r) {
     work->info.unique = DLS_UNIQUE_YES;
 }
 
-/* Remembers for (AT12) what the solve took. */
-static void remember_stages(dlsi_auto *work) {
+/* Remembers for (AT14) what the solve took. */
+static void remember_cost(dlsi_auto *work, const double *r) {
   const dls_info *info = &work->info;
-  const int last = info->stages - 1;
-  if (last < 0) return; /* it had nothing to do */
-  work->newton_won = info->status == DLS_OK && info->stage[last].method == DLS_NEWTON;
-  work->last_sweeps = info->stage[0].method == DLS_NLGS ? info->stage[0].iterations : 0;
+  const double k = count_unknowns(work->problem, r);
+  const double factors = 3 + k * k / (10. * work->problem->d * work->problem->nc);
+  double cost = 0;
+  if (!info->stages) return; /* it had nothing to do */
+  for (int s = 0; s < info->stages; s++) {
+    const int newton = info->stage[s].method == DLS_NEWTON;
+    cost += (newton ? step_sweeps : 1) * info->stage[s].iterations;
+    cost += newton ? factors * info->stage[s].factorisations : 0;
+  }
+  if (!work->stepped) {
+    work->of_step *= forgotten;
+    work->swept = cost;
+  } else {
+    if (!work->in_steps && info->factorisations) cost -= factors;
+    work->of_step += (cost - work->of_step) / 6;
+  }
+  work->in_steps = work->stepped;
 }
 
 /* Prepares a solve of this problem from r = 0. Errors of dlsi_form_blocks. */
@@ -878,7 +905,7 @@ static dls_status begin_solve(dlsi_auto *work, const dls_contact *problem, dls_e
   work->limited = work->failures = work->has_split = work->costly = work->rounded = 0;
   work->has_copy = work->has_direction = work->has_farkas = work->excluded = 0;
   work->may_rest = looks_at_rest(work);
-  work->has_pushed = work->has_augmented = 0;
+  work->has_pushed = work->has_augmented = work->stepped = 0;
   work->ahead = 0;
   work->step = 1;
   memset(work->best, 0, (size_t)problem->d * (size_t)problem->nc * sizeof *work->best);
@@ -947,7 +974,7 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   if (u) dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
   if (u) memcpy(u, work->v[0], m * sizeof *u);
   work->info.status = status;
-  remember_stages(work);
+  remember_cost(work, r);
   if (warm) remember_answer(work, r, u);
   if (info && status == DLS_OK) look_for_others(work, r);
   if (info) *info = work->info;

@@ -132,7 +132,78 @@ START_TEST(changes_are_seen) {
 }
 END_TEST
 
+/* ---- d = 3 -------------------------------------------------------------------------------------
+ */
+
+enum { side = 7, nc3 = side * side, m3 = 3 * nc3 };
+
+static double W3[m3 * m3], q3[m3], mu3[nc3];
+
+/* Makes a surface whose points move by 1 / distance, normals and tangents coupled a little. */
+static dls_contact space_make(void) {
+  for (int c = 0; c < nc3; c++) {
+    mu3[c] = c % 9 ? .3 : 0;
+    for (int b = 0; b < nc3; b++) {
+      const double x = c % side - b % side, y = c / side - b / side;
+      const double r = c == b ? .3 : hypot(x, y), s[3] = {0, .1 * x / (r * r), .1 * y / (r * r)};
+      for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+          W3[3 * c + i + (3 * b + j) * m3] =
+              (i == j ? 1 / r : 0) + (j == 0 ? s[i] : 0) - (i == 0 ? s[j] : 0);
+    }
+  }
+  return (dls_contact){.d = 3, .nc = nc3, .W = {m3, m3, m3, W3}, .q = q3, .mu = mu3};
+}
+
+/* A crown that presses, shears and turns; jump: loads by chance instead, of which no step is near
+ * the one before. */
+static void space_load(double t, int jump) {
+  static unsigned seed = 5;
+  for (int c = 0; c < nc3; c++) {
+    const double x = 2. * (c % side) / (side - 1) - 1, y = 2. * (c / side) / (side - 1) - 1;
+    const double load[3] = {-.2 - .8 * t + .4 * (x * x + y * y), .3 * t - .1 * y * t, .1 * t * x};
+    for (int i = 0; i < 3; i++)
+      q3[3 * c + i] = jump ? draw(&seed) - (i ? 0 : .5) : load[i];
+  }
+}
+
+/* Directions of slip turn with every step: the answers are those of cold solves, and on a smooth
+ * path by few factorisations. After jumps of the load, sweeps come back. */
+START_TEST(slips_that_turn) {
+  const dls_contact p3 = space_make();
+  dls_solver_settings settings = settings_of(DLS_AUTO);
+  settings.limits.tol = 1e-10;
+  dls_solver *cold, *warm;
+  ck_assert_int_eq(dls_solver_create(&cold, 3, nc3, &settings, NULL), DLS_OK);
+  settings.limits.warm_start = 1;
+  ck_assert_int_eq(dls_solver_create(&warm, 3, nc3, &settings, NULL), DLS_OK);
+  double r[m3] = {0}, s[m3];
+  int factorisations = 0, iterations[2] = {0}, by_steps = 0;
+  for (int k = 1; k <= 2 * steps; k++) {
+    dls_info info[2];
+    space_load(.5 * k / steps, _i);
+    ck_assert_int_eq(dls_solver_solve(cold, &p3, s, NULL, &info[0], NULL), DLS_OK);
+    ck_assert_int_eq(dls_solver_solve(warm, &p3, r, NULL, &info[1], NULL), DLS_OK);
+    assert_close(r, s, m3, 1e-6);
+    check_report(&info[1]);
+    factorisations += info[1].factorisations;
+    by_steps += info[1].stages == 1 && info[1].stage[0].method == DLS_NEWTON;
+    for (int i = 0; i < 2; i++)
+      iterations[i] += info[i].iterations;
+  }
+  if (_i)
+    ck_assert_int_lt(by_steps, 3 * steps / 2);
+  else {
+    ck_assert_int_ge(by_steps, 2 * steps - 4);
+    ck_assert_int_lt(factorisations, steps);
+    ck_assert_int_lt(3 * iterations[1], iterations[0]);
+  }
+  dls_solver_destroy(warm);
+  dls_solver_destroy(cold);
+}
+END_TEST
+
 int main(void) {
   return RUN("steps", NULL, NULL, EACH(nothing_changes, 0, 2), ONCE(answers_of_a_path),
-             EACH(changes_are_seen, 0, 2));
+             EACH(changes_are_seen, 0, 2), EACH(slips_that_turn, 0, 2));
 }
