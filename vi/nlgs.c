@@ -610,7 +610,7 @@ static void nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double r
 /* ---- momentum -------------------------------------------------------------------------------- */
 
 enum { local_every = 10, local_first = 50, local_sweeps = 300, local_looks = 5, local_layers = 3 };
-enum { slow_first = 300 };
+enum { slow_first = 300, last_patience = 3 };
 enum { body_looks = 5, few_bodies = 1000 }; /* (NL11) */
 static const double slow_momentum = 0.5;    /* (NL10) */
 static const double local_share = 0.9;      /* of |F|^2 that the worst candidates hold */
@@ -768,13 +768,15 @@ static int nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, double
   return 1;
 }
 
-/* (NL10) Returns 1 when the residual has not been halved for as many sweeps as before and 300. */
+/* (NL10) Returns 1 when the residual has not been halved for as many sweeps as before and 300, or,
+ * below 1000 candidates without momentum, three times as many: what follows is as expensive. */
 static int nlgs_is_slow(dls_nlgs *work, double residual) {
   if (residual <= work->halved / 2) {
     work->halved = residual;
     work->since = work->sweeps;
   }
-  return work->sweeps - work->since >= slow_first + work->since;
+  const int patience = work->largest == 0 && work->nc < few_bodies ? last_patience : 1;
+  return work->sweeps - work->since >= patience * (slow_first + work->since);
 }
 
 /* (NL8) r := the start of the next sweep k, with local sweeps before it now and then. Returns 0 if
