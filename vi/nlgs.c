@@ -33,7 +33,7 @@
  *   (NL8)  x := r + b p, u likewise, between two sweeps
  *   (NL9)  from sweep 50 on, every 10: the fewest candidates that hold nine tenths of |F|^2, and
  *          three layers of what W couples with them, if that is not a third of all, get up to 300
- *          sweeps of their own, until |F| on them is 0.3 of what it was
+ *          sweeps of their own, until |F| on them is 0.3 of what it was; (NL8) begins anew then
  *
  * Of rigid bodies, W = H^T H, a sweep keeps v = H r up to date in place of u:
  *
@@ -610,7 +610,7 @@ static void nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double r
 /* ---- momentum -------------------------------------------------------------------------------- */
 
 enum { local_every = 10, local_first = 50, local_sweeps = 300, local_looks = 5, local_layers = 3 };
-enum { slow_first = 300 };
+enum { slow_first = 300, last_patience = 3 };
 enum { body_looks = 5, few_bodies = 1000 }; /* (NL11) */
 static const double slow_momentum = 0.5;    /* (NL10) */
 static const double local_share = 0.9;      /* of |F|^2 that the worst candidates hold */
@@ -736,8 +736,8 @@ static dlsi_set nlgs_list_bodies(const dls_nlgs *work, const dls_contact *proble
   return (dlsi_set){.list = list, .count = count};
 }
 
-/* (NL9) Sweeps where the residual is. u belongs to r. */
-static void nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, double *r) {
+/* (NL9) Sweeps where the residual is. u belongs to r. Returns 0 if that is nearly everywhere. */
+static int nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, double *r) {
   const int d = problem->d, n = work->motions;
   double *F2 = work->it.F, *const u = n ? work->v : work->it.u;
   const double sum = nlgs_measure(work, problem, nlgs_all(work, problem), r, F2);
@@ -749,7 +749,7 @@ static void nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, doubl
   for (int layer = 1; layer <= local_layers + 1; layer++)
     nlgs_add_layer(work, problem, layer);
   const dlsi_set set = nlgs_list(work, problem, local_layers + 1, work->some, work->slabs.some);
-  if (set.count == 0 || set.count > local_size * problem->nc) return;
+  if (set.count == 0 || set.count > local_size * problem->nc) return 0;
   dlsi_set rows;
   if (n)
     rows = nlgs_list_bodies(work, problem);
@@ -765,15 +765,18 @@ static void nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, doubl
     if (k < local_sweeps)
       (void)dlsi_momentum_step(mo, d, n ? n : d, work->it.w, work->largest, set, rows, r, u);
   }
+  return 1;
 }
 
-/* (NL10) Returns 1 when the residual has not been halved for as many sweeps as before and 300. */
+/* (NL10) Returns 1 when the residual has not been halved for as many sweeps as before and 300, or,
+ * below 1000 candidates without momentum, three times as many: what follows is as expensive. */
 static int nlgs_is_slow(dls_nlgs *work, double residual) {
   if (residual <= work->halved / 2) {
     work->halved = residual;
     work->since = work->sweeps;
   }
-  return work->sweeps - work->since >= slow_first + work->since;
+  const int patience = work->largest == 0 && work->nc < few_bodies ? last_patience : 1;
+  return work->sweeps - work->since >= patience * (slow_first + work->since);
 }
 
 /* (NL8) r := the start of the next sweep k, with local sweeps before it now and then. Returns 0 if
@@ -791,8 +794,8 @@ static int nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double r
     return 1;
   }
   const int at = n ? k - 1 : k; /* of bodies: u is there after sweep k - 1 */
-  if (!problem->W.a && at >= local_first && at % local_every == 0) {
-    nlgs_sweep_locally(work, problem, r);
+  if (!problem->W.a && at >= local_first && at % local_every == 0 &&
+      nlgs_sweep_locally(work, problem, r)) {
     nlgs_start_momentum(work, problem, r);
     return 1;
   }

@@ -6,9 +6,10 @@
  *                     follows from the data
  *   (AT13) push       W by blocks of more than 100 candidates, not of elastic bodies (a fourth of
  *                     all blocks and more: taken as dense): Gauss-Seidel with momentum after
- *                     (AT1), which ends there when more than 100 sweeps are ahead; beyond 1000 in
- *                     its place. Newton's method then only at e <= 1e-5, and after a failure only
- *                     at a tenth of that: on packings its steps lead nowhere before
+ *                     (AT1), which ends there when more than 100 sweeps are ahead; beyond 1000, and
+ *                     where each candidate has 2 d neighbours or more, in its place. Newton's
+ *                     method then only at e <= 1e-5, and after a failure only at a tenth of that:
+ *                     on packings its steps lead nowhere before
  *   (AT2)  splitting  ADMM, once, for a dense W after a failure of Newton's method, or before it
  *                     where the states still change and a step costs more than 50 sweeps or, d = 3,
  *                     e > .01 and its forecast, 50 max(mu, 1)^2 m / k sweeps, is below twice (AT7)
@@ -215,10 +216,21 @@ static int may_push(const dlsi_auto *work) {
   return is_packing(work) && !work->has_pushed;
 }
 
+/* Returns 1 for bodies with d + 1 contacts each or more, as many as hold them with friction, that
+ * are not at rest: each candidate then has 2 d neighbours. Looser packings settle in some ten
+ * sweeps, and structures at rest need few before (AT12). */
+static int is_tight(const dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  if (!problem->Wb.x || work->may_rest) return 0;
+  return problem->Wb.p[problem->nc] / (2 * problem->d + 1) >= problem->nc;
+}
+
 /* Not where (AT13) has got nowhere, but for once the augmented Lagrangian has failed, too. */
 static int may_sweep(const dlsi_auto *work) {
-  return !is_packing(work) ||
-         (work->problem->nc <= push_candidates && (work->info.stages == 0 || work->has_augmented));
+  const dls_contact *problem = work->problem;
+  if (!is_packing(work)) return 1;
+  if (problem->nc > push_candidates) return 0;
+  return work->has_augmented || (work->info.stages == 0 && !is_tight(work));
 }
 
 static int is_near(const dlsi_auto *work, double residual) {

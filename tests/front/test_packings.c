@@ -8,8 +8,9 @@
 #include "rigid.h"
 #include "run.h"
 
-/* Solves a packing by auto to tol. */
-static dls_info pack(const char *kind, int candidates, uint64_t seed, double tol) {
+/* Solves a packing by a method to tol. */
+static dls_info pack_by(dls_method method, dls_acceleration acceleration, const char *kind,
+                        int candidates, uint64_t seed, double tol) {
   rigid a;
   dls_info info = {.status = DLS_STALLED};
   dls_certificate c;
@@ -19,6 +20,8 @@ static dls_info pack(const char *kind, int candidates, uint64_t seed, double tol
   double *r = calloc((size_t)(a.d * a.contact.nc), sizeof *r);
   ck_assert_ptr_nonnull(r);
   dls_solver_settings_init(&settings);
+  settings.method = method;
+  settings.acceleration = acceleration;
   settings.limits.tol = tol;
   settings.limits.blocks = a.contact.Wb.p[a.contact.nc];
   ck_assert_int_eq(dls_solver_create(&solver, a.d, a.contact.nc, &settings, NULL), DLS_OK);
@@ -31,6 +34,11 @@ static dls_info pack(const char *kind, int candidates, uint64_t seed, double tol
   return info;
 }
 
+/* Solves a packing by auto to tol. */
+static dls_info pack(const char *kind, int candidates, uint64_t seed, double tol) {
+  return pack_by(DLS_AUTO, DLS_ACCELERATION_NONE, kind, candidates, seed, tol);
+}
+
 /* Sweeps are enough for 1e-4, with momentum where there are many candidates. */
 START_TEST(sweeps_are_enough) {
   static const int sizes[] = {300, 700, 2500};
@@ -40,6 +48,22 @@ START_TEST(sweeps_are_enough) {
     ck_assert_int_le(info.stages, 2);
     for (int s = 0; s < info.stages; s++)
       ck_assert_int_eq(info.stage[s].method, DLS_NLGS);
+  }
+}
+END_TEST
+
+/* A tight packing begins with momentum, which goes on between looks for candidates to sweep alone:
+ * it takes less than half of the plain sweeps then. */
+START_TEST(tight_ones_take_momentum) {
+  for (uint64_t seed = 2; seed <= 8; seed += 6) {
+    const dls_info a = pack("packing-flow", 300, seed, 1e-4);
+    const dls_info momentum =
+        pack_by(DLS_NLGS, DLS_ACCELERATION_MOMENTUM, "packing-flow", 300, seed, 1e-4);
+    const dls_info plain =
+        pack_by(DLS_NLGS, DLS_ACCELERATION_NONE, "packing-flow", 300, seed, 1e-4);
+    ck_assert_int_eq(a.stages, 1);
+    ck_assert_int_eq(a.iterations, momentum.iterations);
+    ck_assert_int_lt(2 * momentum.iterations, plain.iterations);
   }
 }
 END_TEST
@@ -80,6 +104,6 @@ START_TEST(elastic_by_blocks) {
 END_TEST
 
 int main(void) {
-  return RUN("packings", NULL, NULL, EACH(sweeps_are_enough, 0, 3), ONCE(newton_ends_it),
-             ONCE(elastic_by_blocks));
+  return RUN("packings", NULL, NULL, EACH(sweeps_are_enough, 0, 3), ONCE(tight_ones_take_momentum),
+             ONCE(newton_ends_it), ONCE(elastic_by_blocks));
 }
