@@ -33,7 +33,8 @@
  *   (NL8)  x := r + b p, u likewise, between two sweeps
  *   (NL9)  from sweep 50 on, every 10: the fewest candidates that hold nine tenths of |F|^2, and
  *          three layers of what W couples with them, if that is not a third of all, get up to 300
- *          sweeps of their own, until |F| on them is 0.3 of what it was; (NL8) begins anew then
+ *          sweeps of their own, until |F| on them is 0.3 of what it was; (NL8) begins anew then,
+ *          and beyond 1000 candidates in any case: some large packings at rest need to be held back
  *
  * Of rigid bodies, W = H^T H, a sweep keeps v = H r up to date in place of u:
  *
@@ -795,7 +796,7 @@ static int nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double r
   }
   const int at = n ? k - 1 : k; /* of bodies: u is there after sweep k - 1 */
   if (!problem->W.a && at >= local_first && at % local_every == 0 &&
-      nlgs_sweep_locally(work, problem, r)) {
+      (nlgs_sweep_locally(work, problem, r) || problem->nc > few_bodies)) {
     nlgs_start_momentum(work, problem, r);
     return 1;
   }
