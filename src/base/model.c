@@ -129,8 +129,8 @@ static dls_status model_check_rest(const dls_model *model, dls_error *error) {
     return dlsi_fail(error, DLS_E_UNSUPPORTED, "modes", -1, model->operator_kind,
                      "this operator has an inverse");
   if (model->modes.cols < 1 || model->modes.cols > model->n || model->modes.cols > dlsi_most_modes)
-    return dlsi_fail(error, DLS_E_SIZE, "modes", -1, model->modes.cols, "has %d column%s",
-                     model->modes.cols, model->modes.cols == 1 ? "" : "s");
+    return dlsi_fail(error, DLS_E_SIZE, "modes", -1, model->modes.cols, "has %d columns",
+                     model->modes.cols); /* one column is never wrong */
   return dlsi_check_dense("modes", &model->modes, model->n, model->modes.cols, error);
 }
 
