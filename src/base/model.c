@@ -101,8 +101,7 @@ static dls_status model_check_operator(const dls_model *model, dls_error *error)
 static dls_status model_check_weighting(const dls_model *model, dls_error *error) {
   const dls_sparse *P = &model->P;
   if (P->cols < 0 || P->cols > INT_MAX / model->d)
-    return dlsi_fail(error, DLS_E_SIZE, "P", -1, P->cols, "has %d column%s", P->cols,
-                     P->cols == 1 ? "" : "s");
+    return dlsi_fail(error, DLS_E_SIZE, "P", -1, P->cols, "has %d columns", P->cols);
   const dls_status status = dlsi_check_sparse("P", P, model->nodes, P->cols, error);
   if (status) return status;
   for (int j = 0; j < P->cols; j++) {
