@@ -953,8 +953,8 @@ START_TEST(warm_start_that_leads_nowhere) {
 }
 END_TEST
 
-/* M = -I, q < 0: no solution. The covering vector that is given stays beside a start, to the bit, in
- * any solve. */
+/* M = -I, q < 0: no solution. The covering vector that is given stays beside a start, to the bit,
+ * in any solve. */
 START_TEST(warm_start_keeps_the_cover) {
   enum { n = 16 }; /* n ints fill lines of memory: one more is the first number behind */
   double M[n * n] = {0}, q[n], z[n], given[n], cover[2][n];
