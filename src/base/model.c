@@ -101,8 +101,7 @@ static dls_status model_check_operator(const dls_model *model, dls_error *error)
 static dls_status model_check_weighting(const dls_model *model, dls_error *error) {
   const dls_sparse *P = &model->P;
   if (P->cols < 0 || P->cols > INT_MAX / model->d)
-    return dlsi_fail(error, DLS_E_SIZE, "P", -1, P->cols, "has %d column%s", P->cols,
-                     P->cols == 1 ? "" : "s");
+    return dlsi_fail(error, DLS_E_SIZE, "P", -1, P->cols, "has %d columns", P->cols);
   const dls_status status = dlsi_check_sparse("P", P, model->nodes, P->cols, error);
   if (status) return status;
   for (int j = 0; j < P->cols; j++) {
@@ -129,8 +128,8 @@ static dls_status model_check_rest(const dls_model *model, dls_error *error) {
     return dlsi_fail(error, DLS_E_UNSUPPORTED, "modes", -1, model->operator_kind,
                      "this operator has an inverse");
   if (model->modes.cols < 1 || model->modes.cols > model->n || model->modes.cols > dlsi_most_modes)
-    return dlsi_fail(error, DLS_E_SIZE, "modes", -1, model->modes.cols, "has %d column%s",
-                     model->modes.cols, model->modes.cols == 1 ? "" : "s");
+    return dlsi_fail(error, DLS_E_SIZE, "modes", -1, model->modes.cols, "has %d columns",
+                     model->modes.cols); /* one column is never wrong */
   return dlsi_check_dense("modes", &model->modes, model->n, model->modes.cols, error);
 }
 

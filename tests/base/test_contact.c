@@ -470,6 +470,22 @@ START_TEST(certificate_of_q_zero_and_frictionless) {
 }
 END_TEST
 
+/* One row and one candidate are no plural. */
+START_TEST(errors_count_one_and_more) {
+  const double W[16] = {0}, q[4] = {0}, mu[2] = {0};
+  dls_error e;
+  int count;
+  for (int n = 1; n <= 2; n++) {
+    const dls_dense A = {2 * n - 1, 2 * n - 1, 4, W};
+    const dls_contact p = {.d = 2, .nc = n, .W = {2 * n, 2 * n, 4, W}, .q = q, .mu = mu};
+    ck_assert_int_eq(dls_blocks_count(&A, 2, &count, &e), DLS_E_SIZE);
+    ck_assert_ptr_nonnull(strstr(e.message, n == 1 ? "1 row, not" : "3 rows, not"));
+    ck_assert_int_eq(dlsi_check_solve(2, n - 1, &p, q, NULL, 0, &e), DLS_E_SIZE);
+    ck_assert_ptr_nonnull(strstr(e.message, n == 1 ? "1 candidate, the" : "2 candidates, the"));
+  }
+}
+END_TEST
+
 /* r = 0 leaves u = q, and rounds nothing but that, though |q| is no number. */
 START_TEST(no_forces_beside_a_norm_beyond_numbers) {
   double W[36] = {0}, q[6], mu[3] = {1, 1, 1}, r[6] = {0};
@@ -1060,8 +1076,8 @@ int main(void) {
              ONCE(blocks_refuse_bad_arguments), ONCE(certificate_by_hand),
              ONCE(either_part_can_fail_alone), ONCE(no_forces_under_pressure),
              ONCE(rounding_has_no_direction), ONCE(certificate_of_q_zero_and_frictionless),
-             ONCE(no_forces_beside_a_norm_beyond_numbers), ONCE(weights_fall_back),
-             ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
+             ONCE(no_forces_beside_a_norm_beyond_numbers), ONCE(errors_count_one_and_more),
+             ONCE(weights_fall_back), ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
              ONCE(certificate_ignores_order_and_tangent_frame), ONCE(dense_and_blocks_agree),
              ONCE(states_of_the_three_kinds), ONCE(misfits_are_the_residual),
              ONCE(panels_of_normals), ONCE(certify_refuses_and_leaves_outputs),

@@ -593,6 +593,19 @@ START_TEST(sensitivity_of_answers) {
 }
 END_TEST
 
+/* A large u_t at an r without a tangent: slip in no direction, of which u_n = 0 alone is asked. */
+START_TEST(sensitivity_of_slip_without_friction_forces) {
+  const double W[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, q[3] = {-1, 2, 1}, mu[1] = {0.5};
+  const double r[3] = {1, 0, 0};
+  const int d = 2 + _i;
+  const dls_contact p = {.d = d, .nc = 1, .W = {d, d, 3, W}, .q = q, .mu = mu};
+  dls_sensitivity s;
+  ck_assert_int_eq(dls_contact_sensitivity(&p, r, &s, NULL), DLS_OK);
+  ck_assert(s.rows == 1 && s.rank == 1);
+  ck_assert(isfinite(s.amplification) && isfinite(s.amplification_r) && isfinite(s.error));
+}
+END_TEST
+
 START_TEST(sensitivity_of_nothing_wrong) {
   double W[4] = {4, 0, 0, 1}, q[2] = {-4, -0.25}, mu[1] = {0.5}, r[2] = {1, 0.25};
   const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
@@ -622,5 +635,6 @@ int main(void) {
              ONCE(enumerates_nothing_wrong), ONCE(enumerates_at_the_edges),
              ONCE(fold_of_small_problems), ONCE(fold_of_the_jean_block), ONCE(no_fold),
              ONCE(fold_of_nothing), ONCE(fold_of_one), ONCE(sensitivity_by_hand),
-             ONCE(sensitivity_of_answers), ONCE(sensitivity_of_nothing_wrong));
+             ONCE(sensitivity_of_answers), ONCE(sensitivity_of_nothing_wrong),
+             EACH(sensitivity_of_slip_without_friction_forces, 0, 2));
 }
