@@ -55,6 +55,8 @@
  *   (LE13) an answer must have its certificate, a ray must pass dls_lcp_check_ray; if not, once
  *          more on a fresh table, then from the start without (LE10), with 1e-14 in (LE9) and
  *          (LE11) more often
+ *   (LE14) to search, as auto asks for: covering vectors are drawn, and the next one is taken after
+ *          10 n pivots, or where (LE13) has failed, too
  *
  * A ray (z, z0) + t (dz, dz0) with v = dz a Farkas vector (so if M is copositive-plus) means that
  * there is no solution, if v or a vector near it holds without any rounding. Another ray means
@@ -83,11 +85,10 @@ static const double proof_tolerance = 1e-14; /* of a ray or a Farkas vector, tim
 static const double sharp = 1e-12;           /* a residual that calls for no second look */
 
 enum { progress_interval = 50, check_interval = 256, strict_check_interval = 32 }; /* pivots */
-enum { covers = 10 }; /* those beyond are drawn */
-enum {
-  most_vectors = 2
-}; /* of Farkas but for rounding; what it leaves of solutions is too far away
-                              for a certificate, but another ray may prove that there is none */
+enum { covers = 10, long_path = 10 }; /* (LE14): covers beyond are drawn; pivots a row */
+/* Vectors of Farkas but for rounding: what they leave of solutions is too far away for a
+ * certificate, but another ray may prove that there is none. */
+enum { most_vectors = 2 };
 
 struct dls_lemke {
   int n; /* of create */
@@ -514,7 +515,14 @@ static int ratio_first_row(const dlsi_table *table, const double *c) {
 
 /* ---- the path -------------------------------------------------------------------------------- */
 
-typedef enum path_end { path_solved, path_ray, path_limit, path_cancelled, path_lost } path_end;
+typedef enum path_end {
+  path_solved,
+  path_ray,
+  path_limit,
+  path_cancelled,
+  path_long,
+  path_lost
+} path_end;
 
 /* Tells the user's progress function of scaled values z (n), or of those that stand for themselves;
  * returns 1 to stop, work->stopped says why. */
@@ -571,6 +579,7 @@ static path_end path_follow(dls_lemke *work, const dls_lcp *lcp, const double *z
   dlsi_table *table = &work->table;
   const int n = lcp->n, longest = n > check_interval ? n : check_interval;
   const int interval = work->strict ? strict_check_interval : longest;
+  const int end = work->drawn > 1 ? work->pivots + long_path * n : INT_MAX;
   int fresh = 0, unchecked = 0;
   if (!z)
     lemke_load_table(work, lcp);
@@ -583,6 +592,7 @@ static path_end path_follow(dls_lemke *work, const dls_lcp *lcp, const double *z
   path_exchange(work, r, s);
   for (;;) {
     if (work->pivots >= work->max_pivots) return path_limit;
+    if (work->pivots >= end) return path_long;
     if (work->pivots % progress_interval == 0 && path_report(work)) return path_cancelled;
     s = -1 - table->where[work->entering];
     dlsi_table_column(table, s, work->c); /* (LE2) */
@@ -742,8 +752,13 @@ static dls_status lemke_paths(dls_lemke *work, const dls_lcp *lcp, const double 
       return end == path_limit ? DLS_MAX_ITERATIONS : work->stopped;
     }
     if (warm) continue;
-    if (work->strict) return lemke_holds(work, tol) ? DLS_OK : DLS_STALLED;
-    work->strict = 1;
+    if (end != path_long && !work->strict) {
+      work->strict = 1;
+      continue;
+    }
+    if (lemke_holds(work, tol)) return DLS_OK;
+    if (!work->drawn || ++cover == end_of_covers) return DLS_STALLED;
+    work->strict = 0;
   }
   work->solved_n = work->proved = 0;
   return DLS_OK;
