@@ -727,9 +727,8 @@ static path_end lemke_crash(dls_lemke *work, const dls_lcp *lcp, const double *z
  * be confirmed, with another covering vector after a ray that proves nothing. */
 static dls_status lemke_paths(dls_lemke *work, const dls_lcp *lcp, const double *warm) {
   const double tol = work->settings.limits.tol;
-  const int begin = work->drawn ? covers + work->first : 0;
-  const int end_of_covers = work->drawn ? begin + work->drawn : covers;
-  int cover = begin;
+  int cover = work->drawn ? covers + work->first : 0;
+  const int end_of_covers = work->drawn ? cover + work->drawn : covers;
   work->strict = 0;
   lemke_scale(work, lcp);
   for (;; warm = NULL) {

@@ -771,12 +771,12 @@ static int nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, double
 
 /* (NL10) Returns 1 when the residual has not been halved for as many sweeps as before and 300, or,
  * below 1000 candidates without momentum, three times as many: what follows is as expensive. */
-static int nlgs_is_slow(dls_nlgs *work, double residual) {
+static int nlgs_is_slow(dls_nlgs *work, const dls_contact *problem, double residual) {
   if (residual <= work->halved / 2) {
     work->halved = residual;
     work->since = work->sweeps;
   }
-  const int patience = work->largest == 0 && work->nc < few_bodies ? last_patience : 1;
+  const int patience = work->largest == 0 && problem->nc < few_bodies ? last_patience : 1;
   return work->sweeps - work->since >= patience * (slow_first + work->since);
 }
 
@@ -784,7 +784,7 @@ static int nlgs_is_slow(dls_nlgs *work, double residual) {
  * a stage of auto has no smaller momentum left to try. */
 static int nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double residual,
                      double *r) {
-  const int slow = nlgs_is_slow(work, residual), n = work->motions;
+  const int slow = nlgs_is_slow(work, problem, residual), n = work->motions;
   if (slow && work->largest == 0 && work->stage) return 0;
   if (slow && work->largest > 0) {
     work->largest = work->largest > slow_momentum ? slow_momentum : 0;
@@ -926,11 +926,10 @@ int dlsi_count_ambiguous(const dls_contact *problem, const double *r, const doub
       for (int j = 0; j < d; j++)
         p[i] -= W[i + d * j] * rc[j];
     }
-    int count;
     if (dlsi_local_count(d, W, p, problem->mu[c]) < 2) continue;
-    (void)dls_nlgs_local(d, W, p, problem->mu[c], s, &count);
-    ambiguous += count > 1;
-    for (int i = 0; other && count > 1 && i < d; i++)
+    if (dls_nlgs_local(d, W, p, problem->mu[c], s, NULL) == DLS_LOCAL_NONE) continue;
+    ambiguous++;
+    for (int i = 0; other && i < d; i++)
       other[d * c + i] = s[i];
   }
   return ambiguous;

@@ -886,10 +886,10 @@ static void look_for_others(dlsi_auto *work, const double *r) {
 /* Remembers for (AT14) what the solve took. */
 static void remember_cost(dlsi_auto *work, const double *r) {
   const dls_info *info = &work->info;
-  const double k = count_unknowns(work->problem, r);
+  if (!info->stages) return; /* it had nothing to do */
+  const double k = info->factorisations ? count_unknowns(work->problem, r) : 0;
   const double factors = 3 + k * k / (10. * work->problem->d * work->problem->nc);
   double cost = 0;
-  if (!info->stages) return; /* it had nothing to do */
   for (int s = 0; s < info->stages; s++) {
     const int newton = info->stage[s].method == DLS_NEWTON;
     cost += (newton ? step_sweeps : 1) * info->stage[s].iterations;

@@ -150,15 +150,19 @@ static int contact_lemke_judge(void *lemke, double *farkas, double *scratch) {
   return dlsi_contact_find_proof(problem, work->v, scratch);
 }
 
+/* r := the reactions of z, in the form of the LCP at hand. Errors of the forms. */
+static dls_status take_reactions(const contact_lemke *work, const double *z, double *r,
+                                 dls_error *error) {
+  const dls_contact *problem = work->problem;
+  if (!work->form) return dls_contact_from_lcp(problem, work->s, z, r, error);
+  return dlsi_from_facets_lcp(problem, work->form, work->turn, work->s, z, r, error);
+}
+
 /* work->dr := the reactions of the ray that the LCP ended in. Returns `status`, or an error. */
 static dls_status read_ray(contact_lemke *work, dls_status status, dls_error *error) {
-  const dls_contact *problem = work->problem;
   const dls_status ray = dls_lemke_ray(work->lemke, NULL, NULL, work->z, NULL, NULL, error);
   if (ray) return ray;
-  const dls_status mapped =
-      work->form
-          ? dlsi_from_facets_lcp(problem, work->form, work->turn, work->s, work->z, work->dr, error)
-          : dls_contact_from_lcp(problem, work->s, work->z, work->dr, error);
+  const dls_status mapped = take_reactions(work, work->z, work->dr, error);
   return mapped ? mapped : status;
 }
 
@@ -186,10 +190,7 @@ static int tell_of_path(void *lemke, const dls_progress *of_path) {
   const dls_contact *problem = work->problem;
   const dls_limits *limits = &work->limits;
   dls_progress progress = *of_path;
-  const dls_status mapped = work->form
-                                ? dlsi_from_facets_lcp(problem, work->form, work->turn, work->s,
-                                                       of_path->r, work->r, NULL)
-                                : dls_contact_from_lcp(problem, work->s, of_path->r, work->r, NULL);
+  const dls_status mapped = take_reactions(work, of_path->r, work->r, NULL);
   progress.iteration += work->pivots;
   progress.residual = mapped ? -1 : dlsi_iterate_measure(&work->it, problem, work->r).residual;
   progress.r = mapped ? NULL : work->r;
@@ -225,9 +226,7 @@ static dls_status pivot(contact_lemke *work, const dls_contact *problem, int fac
   work->pivots = *pivots;
   status = dlsi_lemke_run(work->lemke, &lcp, work->z, NULL, &info);
   *pivots += info.pivots + info.crash_rounds;
-  const dls_status mapped =
-      facets ? dlsi_from_facets_lcp(problem, facets, work->turn, s, work->z, work->r, error)
-             : dls_contact_from_lcp(problem, s, work->z, work->r, error);
+  const dls_status mapped = take_reactions(work, work->z, work->r, error);
   if (mapped) return stall_beyond_range(mapped);
   (void)dlsi_iterate_offer(&work->it, problem, work->r);
   return status == DLS_RAY || status == DLS_NO_SOLUTION ? read_ray(work, status, error) : status;

@@ -8,9 +8,9 @@
 #include "rigid.h"
 #include "run.h"
 
-/* Solves a packing by a method to tol. */
+/* Solves a packing by a method to tol; spare: candidates that there is room for besides. */
 static dls_info pack_by(dls_method method, dls_acceleration acceleration, const char *kind,
-                        int candidates, uint64_t seed, double tol) {
+                        int candidates, uint64_t seed, double tol, int spare) {
   rigid a;
   dls_info info = {.status = DLS_STALLED};
   dls_certificate c;
@@ -24,7 +24,7 @@ static dls_info pack_by(dls_method method, dls_acceleration acceleration, const 
   settings.acceleration = acceleration;
   settings.limits.tol = tol;
   settings.limits.blocks = a.contact.Wb.p[a.contact.nc];
-  ck_assert_int_eq(dls_solver_create(&solver, a.d, a.contact.nc, &settings, NULL), DLS_OK);
+  ck_assert_int_eq(dls_solver_create(&solver, a.d, a.contact.nc + spare, &settings, NULL), DLS_OK);
   ck_assert_int_eq(dls_solver_solve(solver, &a.contact, r, NULL, &info, NULL), DLS_OK);
   ck_assert_int_eq(dls_contact_certify(&a.contact, r, NULL, &c, NULL), DLS_OK);
   ck_assert(dls_certificate_holds(&c, tol));
@@ -36,7 +36,7 @@ static dls_info pack_by(dls_method method, dls_acceleration acceleration, const 
 
 /* Solves a packing by auto to tol. */
 static dls_info pack(const char *kind, int candidates, uint64_t seed, double tol) {
-  return pack_by(DLS_AUTO, DLS_ACCELERATION_NONE, kind, candidates, seed, tol);
+  return pack_by(DLS_AUTO, DLS_ACCELERATION_NONE, kind, candidates, seed, tol, 0);
 }
 
 /* Sweeps are enough for 1e-4, with momentum where there are many candidates. */
@@ -58,13 +58,23 @@ START_TEST(tight_ones_take_momentum) {
   for (uint64_t seed = 2; seed <= 8; seed += 6) {
     const dls_info a = pack("packing-flow", 300, seed, 1e-4);
     const dls_info momentum =
-        pack_by(DLS_NLGS, DLS_ACCELERATION_MOMENTUM, "packing-flow", 300, seed, 1e-4);
+        pack_by(DLS_NLGS, DLS_ACCELERATION_MOMENTUM, "packing-flow", 300, seed, 1e-4, 0);
     const dls_info plain =
-        pack_by(DLS_NLGS, DLS_ACCELERATION_NONE, "packing-flow", 300, seed, 1e-4);
+        pack_by(DLS_NLGS, DLS_ACCELERATION_NONE, "packing-flow", 300, seed, 1e-4, 0);
     ck_assert_int_eq(a.stages, 1);
     ck_assert_int_eq(a.iterations, momentum.iterations);
     ck_assert_int_lt(2 * momentum.iterations, plain.iterations);
   }
+}
+END_TEST
+
+/* Sweeps are as patient in a workspace with room for 1000 candidates more. */
+START_TEST(room_changes_nothing) {
+  const dls_info a = pack("packing-rest", 300, 4, 1e-4);
+  const dls_info b = pack_by(DLS_AUTO, DLS_ACCELERATION_NONE, "packing-rest", 300, 4, 1e-4, 1000);
+  ck_assert_int_eq(a.stages, b.stages);
+  for (int s = 0; s < a.stages; s++)
+    ck_assert_int_eq(a.stage[s].iterations, b.stage[s].iterations);
 }
 END_TEST
 
@@ -105,5 +115,5 @@ END_TEST
 
 int main(void) {
   return RUN("packings", NULL, NULL, EACH(sweeps_are_enough, 0, 3), ONCE(tight_ones_take_momentum),
-             ONCE(newton_ends_it), ONCE(elastic_by_blocks));
+             ONCE(room_changes_nothing), ONCE(newton_ends_it), ONCE(elastic_by_blocks));
 }

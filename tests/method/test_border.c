@@ -89,24 +89,35 @@ static double border_error(const double *M, int n, const double *x, const double
   return largest;
 }
 
+/* Factorises (NE2) of these states into room, and begins a border on what is left of it. Returns the
+ * side of the matrix. */
+static int border_start(dlsi_border *border, dlsi_dense *factors, dlsi_branch *base,
+                        const double *springs, double eps) {
+  static double room[2 * most_rows * most_rows];
+  static int pivot[most_rows];
+  double scratch[most_rows];
+  const int n = border_number(base);
+  const size_t used = (size_t)(n * n), all = sizeof room / sizeof *room;
+  border_matrix(base, springs, eps, n, room);
+  *factors = (dlsi_dense){.n = n, .A = room, .pivot = pivot};
+  ck_assert_int_eq(dlsi_dense_factor(factors, scratch), 0);
+  dlsi_border_begin(border, d, nc, base, n, room + used, all - used);
+  return n;
+}
+
 /* Changes two candidates at a time, some of them more than once, until there is no room. */
 START_TEST(solves_for_other_states) {
-  static double room[2 * most_rows * most_rows], M[most_rows * most_rows];
-  static int pivot[most_rows];
+  static double M[most_rows * most_rows];
   dlsi_branch base[nc], now[nc];
-  double scratch[most_rows], x[most_rows], right[most_rows];
+  double x[most_rows], right[most_rows];
   const double eps = 1e-3, *springs = _i / 3 % 2 ? E : NULL;
   set_seed(521288629 + (uint64_t)_i);
   border_problem(_i % 3 + 1);
   for (int c = 0; c < nc; c++)
     base[c] = now[c] = border_state(c);
-  const int n = border_number(base);
-  border_matrix(base, springs, eps, n, room);
-  dlsi_dense factors = {.n = n, .A = room, .pivot = pivot};
-  ck_assert_int_eq(dlsi_dense_factor(&factors, scratch), 0);
+  dlsi_dense factors;
   dlsi_border border = {.loose = 0};
-  const size_t used = (size_t)(n * n), all = sizeof room / sizeof *room;
-  dlsi_border_begin(&border, d, nc, base, n, room + used, all - used);
+  const int n = border_start(&border, &factors, base, springs, eps);
   ck_assert_int_ge(border.most, 1);
   ck_assert_int_le(border.most, n / 6);
   int turns = 0, k;
@@ -137,11 +148,10 @@ END_TEST
  * nothing comes of a change of l on a W that does not couple. A direction that turns far needs
  * some. */
 START_TEST(serves_loosely) {
-  static double room[2 * most_rows * most_rows], M[most_rows * most_rows];
-  static int pivot[most_rows];
+  static double M[most_rows * most_rows];
   const double turn = _i ? 0 : 0.02, stretch = _i ? 3 : 1;
   dlsi_branch base[nc], now[nc];
-  double scratch[most_rows], x[most_rows], right[most_rows];
+  double x[most_rows], right[most_rows];
   set_seed(88172645 + (uint64_t)_i);
   border_problem(3);
   for (int k = 0; _i && k < m * m; k++)
@@ -155,14 +165,10 @@ START_TEST(serves_loosely) {
     now[c].t[1] = cosine * t[1] + sine * t[0];
     now[c].l *= stretch;
   }
-  const int n = border_number(base);
-  ck_assert_int_eq(border_number(now), n);
-  border_matrix(base, NULL, 0, n, room);
-  dlsi_dense factors = {.n = n, .A = room, .pivot = pivot};
-  ck_assert_int_eq(dlsi_dense_factor(&factors, scratch), 0);
+  dlsi_dense factors;
   dlsi_border border = {.loose = 1};
-  dlsi_border_begin(&border, d, nc, base, n, room + n * n,
-                    sizeof room / sizeof *room - (size_t)(n * n));
+  const int n = border_start(&border, &factors, base, NULL, 0);
+  ck_assert_int_eq(border_number(now), n);
   ck_assert_int_eq(dlsi_border_add(&border, &p, &factors, now), 1);
   ck_assert_int_eq(border.k, 0);
   border_matrix(now, NULL, 0, n, M);
@@ -186,10 +192,8 @@ END_TEST
 
 /* Two candidates with the same rows of W, both in contact at last: singular, and x stays. */
 START_TEST(singular_states) {
-  static double room[2 * most_rows * most_rows];
-  static int pivot[most_rows];
   dlsi_branch b[nc];
-  double scratch[most_rows], x[most_rows], before[most_rows];
+  double x[most_rows], before[most_rows];
   set_seed(521288629);
   border_problem(1);
   for (int c = 0; c < nc; c++)
@@ -198,13 +202,9 @@ START_TEST(singular_states) {
     W[k * m] = W[1 + k * m];
   for (int k = 0; k < m; k++)
     W[k] = W[k + m];
-  const int n = border_number(b);
-  border_matrix(b, NULL, 0, n, room);
-  dlsi_dense factors = {.n = n, .A = room, .pivot = pivot};
-  ck_assert_int_eq(dlsi_dense_factor(&factors, scratch), 0);
+  dlsi_dense factors;
   dlsi_border border = {.loose = 0};
-  dlsi_border_begin(&border, d, nc, b, n, room + n * n,
-                    sizeof room / sizeof *room - (size_t)(n * n));
+  (void)border_start(&border, &factors, b, NULL, 0);
   b[0] = (dlsi_branch){.state = DLS_SLIP, .count = 1};
   (void)border_number(b);
   for (int k = 0; k < m; k++)
