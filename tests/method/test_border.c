@@ -89,8 +89,8 @@ static double border_error(const double *M, int n, const double *x, const double
   return largest;
 }
 
-/* Factorises (NE2) of these states into room, and begins a border on what is left of it. Returns the
- * side of the matrix. */
+/* Factorises (NE2) of these states, and begins a border on the room that is left. Returns the side
+ * of the matrix. */
 static int border_start(dlsi_border *border, dlsi_dense *factors, dlsi_branch *base,
                         const double *springs, double eps) {
   static double room[2 * most_rows * most_rows];
