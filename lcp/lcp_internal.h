@@ -151,9 +151,9 @@ dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double
 /* Changes the limits of an existing workspace, from the next solve on. */
 void dlsi_lemke_set_limits(dls_lemke *work, const dls_limits *limits);
 
-/* Lets the next runs try, after rays that say nothing, `count` covering vectors that are drawn,
- * from number `first` >= 0 on, and no others; count = 0: those of every run. */
-void dlsi_lemke_scatter(dls_lemke *work, int first, int count);
+/* Lets the next runs follow the path of one covering vector, the drawn one of that number >= 0, and
+ * no others; number = -1: those of every run. */
+void dlsi_lemke_draw_cover(dls_lemke *work, int number);
 
 /* dls_contact_to_facets_lcp and dls_contact_from_facets_lcp with the directions of all candidates
  * turned by the angle `turn`; d = 2: 0. */

@@ -55,8 +55,7 @@
  *   (LE13) an answer must have its certificate, a ray must pass dls_lcp_check_ray; if not, once
  *          more on a fresh table, then from the start without (LE10), with 1e-14 in (LE9) and
  *          (LE11) more often
- *   (LE14) to search, as auto asks for: covering vectors are drawn, and the next one is taken after
- *          10 n pivots, or where (LE13) has failed, too
+ *   (LE14) to search, as auto asks for: one covering vector, which is drawn
  *
  * A ray (z, z0) + t (dz, dz0) with v = dz a Farkas vector (so if M is copositive-plus) means that
  * there is no solution, if v or a vector near it holds without any rounding. Another ray means
@@ -85,7 +84,7 @@ static const double proof_tolerance = 1e-14; /* of a ray or a Farkas vector, tim
 static const double sharp = 1e-12;           /* a residual that calls for no second look */
 
 enum { progress_interval = 50, check_interval = 256, strict_check_interval = 32 }; /* pivots */
-enum { covers = 10, long_path = 10 }; /* (LE14): covers beyond are drawn; pivots a row */
+enum { covers = 10 };
 /* Vectors of Farkas but for rounding: what they leave of solutions is too far away for a
  * certificate, but another ray may prove that there is none. */
 enum { most_vectors = 2 };
@@ -94,8 +93,8 @@ struct dls_lemke {
   int n; /* of create */
   atomic_int busy;
   dls_lemke_settings settings;
-  int first, drawn; /* dlsi_lemke_scatter */
-  double *given;    /* the user's covering vector, or NULL, n */
+  int drawn;     /* (LE14): the number of the covering vector; -1: those of every run */
+  double *given; /* the user's covering vector, or NULL, n */
 
   /* The scaled problem: M' = R M C, q' = R q / kappa, d' = sigma R d; z = kappa C z',
    * y = kappa y' / R, z0 = kappa sigma z0'. */
@@ -179,7 +178,7 @@ static dls_status lemke_create(dls_lemke **out, int n, const dls_lemke_settings 
   if (!out) return dlsi_is_null(error, "out");
   *out = NULL;
   if (n < 1 || n > INT_MAX / 4) return dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d", n);
-  dls_lemke work = {.n = n};
+  dls_lemke work = {.n = n, .drawn = -1};
   dls_lemke_settings_init(&work.settings);
   if (settings) work.settings = *settings;
   const dls_lemke_settings *s = &work.settings;
@@ -259,13 +258,14 @@ static double lemke_draw(int i, int k) {
   return dlsi_draw(((uint64_t)k << 32 | (uint64_t)i) * DLSI_GOLDEN_BITS);
 }
 
-/* d := covering vector k: the first one, or it times factors between 1/32 and 32, no two alike. */
+/* d := covering vector k: the first one, or it times factors between 1/32 and 32, no two alike; or
+ * that of (LE14). */
 static void lemke_choose_cover(dls_lemke *work, int n, int k) {
   double fraction = 0;
   for (int i = 0; i < n; i++) {
-    const double shift = k < covers ? 0.7548776662466927 * k : lemke_draw(i, k);
-    const double x = 0.6180339887498949 * (i + 1) + shift;
-    work->d[i] = k ? work->cover[i] * exp2(10 * (x - floor(x)) - 5) : work->cover[i];
+    const double regular = 0.6180339887498949 * (i + 1) + 0.7548776662466927 * k;
+    const double x = work->drawn < 0 ? regular - floor(regular) : lemke_draw(i, work->drawn);
+    work->d[i] = k || work->drawn >= 0 ? work->cover[i] * exp2(10 * x - 5) : work->cover[i];
     fraction += 0.6180339887498949; /* golden ratio: no two alike */
     fraction -= fraction >= 1;
     work->g[i] = 1 + fraction;
@@ -515,14 +515,7 @@ static int ratio_first_row(const dlsi_table *table, const double *c) {
 
 /* ---- the path -------------------------------------------------------------------------------- */
 
-typedef enum path_end {
-  path_solved,
-  path_ray,
-  path_limit,
-  path_cancelled,
-  path_long,
-  path_lost
-} path_end;
+typedef enum path_end { path_solved, path_ray, path_limit, path_cancelled, path_lost } path_end;
 
 /* Tells the user's progress function of scaled values z (n), or of those that stand for themselves;
  * returns 1 to stop, work->stopped says why. */
@@ -579,7 +572,6 @@ static path_end path_follow(dls_lemke *work, const dls_lcp *lcp, const double *z
   dlsi_table *table = &work->table;
   const int n = lcp->n, longest = n > check_interval ? n : check_interval;
   const int interval = work->strict ? strict_check_interval : longest;
-  const int end = work->drawn > 1 ? work->pivots + long_path * n : INT_MAX;
   int fresh = 0, unchecked = 0;
   if (!z)
     lemke_load_table(work, lcp);
@@ -592,7 +584,6 @@ static path_end path_follow(dls_lemke *work, const dls_lcp *lcp, const double *z
   path_exchange(work, r, s);
   for (;;) {
     if (work->pivots >= work->max_pivots) return path_limit;
-    if (work->pivots >= end) return path_long;
     if (work->pivots % progress_interval == 0 && path_report(work)) return path_cancelled;
     s = -1 - table->where[work->entering];
     dlsi_table_column(table, s, work->c); /* (LE2) */
@@ -727,8 +718,8 @@ static path_end lemke_crash(dls_lemke *work, const dls_lcp *lcp, const double *z
  * be confirmed, with another covering vector after a ray that proves nothing. */
 static dls_status lemke_paths(dls_lemke *work, const dls_lcp *lcp, const double *warm) {
   const double tol = work->settings.limits.tol;
-  int cover = work->drawn ? covers + work->first : 0;
-  const int end_of_covers = work->drawn ? cover + work->drawn : covers;
+  const int end_of_covers = work->drawn < 0 ? covers : 1;
+  int cover = 0;
   work->strict = 0;
   lemke_scale(work, lcp);
   for (;; warm = NULL) {
@@ -751,13 +742,8 @@ static dls_status lemke_paths(dls_lemke *work, const dls_lcp *lcp, const double 
       return end == path_limit ? DLS_MAX_ITERATIONS : work->stopped;
     }
     if (warm) continue;
-    if (end != path_long && !work->strict) {
-      work->strict = 1;
-      continue;
-    }
-    if (lemke_holds(work, tol)) return DLS_OK;
-    if (!work->drawn || ++cover == end_of_covers) return DLS_STALLED;
-    work->strict = 0;
+    if (work->strict) return lemke_holds(work, tol) ? DLS_OK : DLS_STALLED;
+    work->strict = 1;
   }
   work->solved_n = work->proved = 0;
   return DLS_OK;
@@ -772,9 +758,8 @@ static dls_status lemke_enter(dls_lemke *work, const dls_lcp *lcp, const double 
   return status ? status : dlsi_enter(&work->busy, "workspace", error);
 }
 
-void dlsi_lemke_scatter(dls_lemke *work, int first, int count) {
-  work->first = first;
-  work->drawn = count;
+void dlsi_lemke_draw_cover(dls_lemke *work, int number) {
+  work->drawn = number;
 }
 
 dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double *y,
@@ -784,7 +769,7 @@ dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double
   const dls_limits *limits = &work->settings.limits;
   const double *warm = limits->warm_start ? z : NULL;
   const int most = lcp->n < (INT_MAX - 1000) / 500 ? 50 * lcp->n + 1000 : INT_MAX / 10;
-  work->max_pivots = dlsi_most_iterations(limits, work->drawn > 1 ? 10 * most : most);
+  work->max_pivots = dlsi_most_iterations(limits, most);
   work->begun = dlsi_clock_start(limits);
   work->table.n = lcp->n;
   work->pivots = work->refreshes = work->starts = work->crash.rounds = 0;
@@ -793,7 +778,7 @@ dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double
   lemke_offer_zero(work, lcp);
   if (work->best.negative_y > 0) {
     path_end end = path_lost;
-    if (work->settings.crash && !work->given && !work->drawn) end = lemke_crash(work, lcp, warm);
+    if (work->settings.crash && !work->given && work->drawn < 0) end = lemke_crash(work, lcp, warm);
     if (end == path_lost)
       status = lemke_paths(work, lcp, warm);
     else if (end == path_cancelled)

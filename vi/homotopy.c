@@ -27,10 +27,11 @@
  *          an interior point alone ends at a residual of about sqrt(t)
  *
  *   (HO8)  Several starts are tried, because no one of them reaches all solutions: ten pairs (a, b)
- *          at first, then the same with x_c = a f_c e, z_c = b / f_c e and factors f_c between 1/8
- *          and 8 that differ among candidates and starts. A path that leads to a solution is short
- *          as a rule, so that many starts find more than long paths: 250 factorisations each, but
- *          500 for the ten. auto takes an eighth of them first, and the rest after other methods
+ *          at first, then the same with x_c = a f_c e, z_c = b / f_c e and factors f_c between 1/64
+ *          and 64, drawn anew for each candidate and start: factors that follow from the number of
+ *          the candidate by a rule are too much alike. A path that leads to a solution is short as
+ *          a rule, so that many starts find more than long paths: 250 factorisations each, but 500
+ *          for the ten. auto takes an eighth of them first, and the rest after other methods
  *
  * Source: the scaling and the algebra of second-order cones as in Alizadeh and Goldfarb, Math.
  * Program. 95, 2003, 3-51; the turn by the sign of the determinant as in Allgower and Georg,
@@ -42,6 +43,7 @@
  */
 #include <float.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -51,13 +53,13 @@
 #include "vi_internal.h"
 
 enum {
-  all_factorisations = 25000,
+  factorisations_per_row = 2000, /* of all starts: more states are to be found in more rows */
   least_factorisations = 3000,
   first_factorisations = 500,
   most_factorisations = 250
 };
 enum { most_cuts = 12, most_corrections = 5 };
-static const double most_cubes = 2e10;  /* m^3 times the factorisations of all starts */
+static const double most_cubes = 4e10;  /* m^3 times the factorisations of all starts */
 static const double smoothing = 0.1;    /* c of (HO1) */
 static const double nearness = 0.2;     /* (HO6) */
 static const double to_boundary = 0.95; /* (HO6) */
@@ -67,7 +69,7 @@ static const double finish_t = 1e-2; /* (HO7) */
 
 static const double starts[][2] = {{1, 1},  {0.05, 1}, {1, 0.05}, {1e-3, 1},  {20, 1},
                                    {1, 20}, {0.2, 1},  {5, 1},    {0.1, 0.1}, {10, 10}};
-enum { start_count = sizeof starts / sizeof starts[0], most_starts = 1000 };
+enum { start_count = sizeof starts / sizeof starts[0], most_starts = 10000 };
 
 typedef struct homotopy {
   dls_limits limits;
@@ -295,8 +297,8 @@ static void begin_path(homotopy *work, int nc, int k) {
   const int d = work->d, m = d * nc;
   const double *start = starts[k % start_count];
   for (int i = 0; i < m; i++) {
-    const double golden = 0.6180339887498949 * (i / d + 1) + 0.7548776662466927 * (k / start_count);
-    const double f = k < start_count ? 1 : exp2(6 * (golden - floor(golden)) - 3);
+    const uint64_t place = (uint64_t)k << 32 | (uint64_t)(i / d);
+    const double f = k < start_count ? 1 : exp2(12 * dlsi_draw(place * DLSI_GOLDEN_BITS) - 6);
     work->x[i] = i % d ? 0 : start[0] * f;
     work->z[i] = i % d ? 0 : start[1] / f;
     work->p[i] = work->z[i] - work->q[i];
@@ -441,7 +443,7 @@ static dls_status homotopy_solve(void *homotopy_work, const dls_contact *problem
   const int begins = status && scale_problem(work, problem);
   const double m = (double)work->d * problem->nc;
   const double most =
-      fmax(least_factorisations, fmin(all_factorisations, most_cubes / (m * m * m))) /
+      fmax(least_factorisations, fmin(factorisations_per_row * m, most_cubes / (m * m * m))) /
       (work->ends_early ? dlsi_search_parts : 1);
   while (begins && status == DLS_STALLED && work->next < most_starts &&
          work->spent + work->factorisations < most)

@@ -619,7 +619,7 @@ static int is_rounded(const dlsi_auto *work, part now) {
 static dls_status share_search(dlsi_auto *work, part k, int rest, dls_error *error) {
   void (*const share)(void *, int) = k == HOMOTOPY   ? dlsi_homotopy_share
                                      : k == SCATTER  ? dlsi_scatter_share
-                                     : k == PIVOTING ? dlsi_contact_lemke_scatter
+                                     : k == PIVOTING ? dlsi_contact_lemke_search
                                                      : NULL;
   const dls_status status = share ? create_part(work, k, error) : DLS_OK;
   if (share && !status) share(work->part[k], rest);

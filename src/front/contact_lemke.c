@@ -18,10 +18,10 @@
  *          vector, proof or not by the rule of (CL3), in 3D too; its solution may show that no r
  *          can be certified
  *
- *   (CL6)  to search, as auto asks for at last: d = 2, (CL1) with ninety other covering vectors;
- *          d = 3, (CL1) and (CL2) again and again, with one drawn covering vector, fewer facets
- *          and the cone turned, up to a hundred times or 4e9 flops. Each leads to other states. No
- *          (CL5)
+ *   (CL6)  to search, as auto asks for at last: (CL1) and (CL2) again and again, each time with
+ *          another covering vector, which is drawn; d = 2, the 4-row form, whose paths lead to
+ *          solutions where those of the 3-row form end in rays; d = 3, fewer facets and the cone
+ *          turned. No (CL5)
  *
  * The certificate decides. In 3D the LCP of (CL1) proves nothing of the problem: the round cone
  * holds more than the one with facets.
@@ -44,12 +44,11 @@ enum {
   most_fallback_rows = 4000, /* d = 2: of a 4-row form that create still has room for */
   polish_sweeps = 30,
   polish_rounds = 3,
-  other_covers = 90, /* (CL6), d = 2 */
-  most_turns = 100,  /* (CL6), d = 3 */
+  covers_per_candidate = 25, /* (CL6) */
   fewest_facets = 4
 };
 static const double golden = 0.6180339887498949;
-static const double most_flops = 4e9; /* (CL6), d = 3; a path has about n pivots */
+static const double most_flops = 2e10; /* (CL6): of pivots */
 
 typedef struct contact_lemke {
   dls_limits limits;
@@ -76,7 +75,7 @@ typedef struct contact_lemke {
   int has_ray;  /* 1: the solve ended in DLS_RAY, along dr */
   int excludes; /* 1: (CL5) shows that no r can be certified */
   int pivots;   /* of the LCPs before the one under way */
-  int scatters; /* dlsi_contact_lemke_scatter */
+  int searches; /* dlsi_contact_lemke_search */
 } contact_lemke;
 
 static void contact_lemke_carve(void *lemke, dlsi_arena *arena) {
@@ -302,25 +301,28 @@ static dls_status pivot_linear(contact_lemke *work, const dls_contact *problem, 
   return work->has_v ? DLS_RAY : status;
 }
 
-/* (CL6) d = 3. Returns DLS_OK with an answer, DLS_STALLED, the reason for an end, or an error. */
-static dls_status turn_facets(contact_lemke *work, const dls_contact *problem, int *pivots,
-                              dls_error *error) {
+/* (CL6) Returns DLS_OK with an answer, DLS_STALLED, the reason for an end, or an error. */
+static dls_status search(contact_lemke *work, const dls_contact *problem, int *pivots,
+                         dls_error *error) {
+  const int flat = problem->d <= 2;
   dls_status status = DLS_STALLED;
   double flops = 0;
-  for (int k = 0; k < most_turns && flops < most_flops; k++) {
-    const int facets = fewest_facets + 2 * (k % ((work->facets - fewest_facets) / 2 + 1));
+  for (int k = 0; k < covers_per_candidate * problem->nc && flops < most_flops; k++) {
+    const int forms = flat ? 1 : (work->facets - fewest_facets) / 2 + 1;
+    const int facets = flat ? 2 : fewest_facets + 2 * (k % forms), before = *pivots;
     const double n = dls_contact_facets_size(problem, facets);
     const double x = golden * (k + 1);
-    flops += 2 * n * n * n;
-    work->turn = 2 * acos(-1) / facets * (x - floor(x));
-    dlsi_lemke_scatter(work->lemke, k, 1);
+    if (!flat) work->turn = 2 * acos(-1) / facets * (x - floor(x));
+    dlsi_lemke_draw_cover(work->lemke, k);
     status = pivot(work, problem, facets, pivots, error);
-    if (status < 0 || is_stopped(status)) break;
+    if (status < 0 || is_stopped(status) || (flat && status == DLS_NO_SOLUTION)) break;
     status = polish(work, problem, error);
     if (status || dls_certificate_holds(&work->it.certificate, work->limits.tol)) break;
     status = DLS_STALLED;
+    flops += 2 * n * n * (n + *pivots - before);
   }
   work->turn = 0;
+  dlsi_lemke_draw_cover(work->lemke, -1);
   return status;
 }
 
@@ -344,14 +346,14 @@ static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, d
     work->s[c] = sqrt(most / it->w[c]);
   work->unit = ldexp(1, ilogb(most));
   int *pivots = &outcome.iterations;
-  const int turns = work->scatters && !flat;
-  dls_status status = turns ? turn_facets(work, problem, pivots, error)
-                            : pivot(work, problem, flat ? 0 : work->facets, pivots, error);
-  if (problem->d == 2 && status == DLS_RAY && dls_contact_facets_size(problem, 2) <= work->n)
-    status = pivot(work, problem, 2, pivots, error);
+  const int other = problem->d == 2 && dls_contact_facets_size(problem, 2) <= work->n;
+  const int searches = work->searches && (other || !flat);
+  dls_status status = searches ? search(work, problem, pivots, error)
+                               : pivot(work, problem, flat ? 0 : work->facets, pivots, error);
+  if (other && !searches && status == DLS_RAY) status = pivot(work, problem, 2, pivots, error);
   if (status < 0) return status;
   if (!flat && status == DLS_NO_SOLUTION) status = DLS_RAY;
-  if (!turns && (status == DLS_OK || status == DLS_RAY || status == DLS_STALLED)) {
+  if (!searches && (status == DLS_OK || status == DLS_RAY || status == DLS_STALLED)) {
     const dls_status polished = polish(work, problem, error);
     if (polished < 0) return polished;
     if (polished) status = polished;
@@ -360,7 +362,7 @@ static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, d
   if (status == DLS_OK) status = DLS_STALLED;
   if (dls_certificate_holds(&it->certificate, work->limits.tol))
     status = DLS_OK;
-  else if (!work->scatters && (status == DLS_RAY || status == DLS_STALLED))
+  else if (!searches && (status == DLS_RAY || status == DLS_STALLED))
     status = pivot_linear(work, problem, status, pivots, error);
   if (status < 0) return status;
   work->has_ray &= status == DLS_RAY;
@@ -378,10 +380,8 @@ static const double *contact_lemke_farkas(const void *lemke) {
   return work->has_v ? work->v : NULL;
 }
 
-void dlsi_contact_lemke_scatter(void *lemke, int scatters) {
-  contact_lemke *work = lemke;
-  work->scatters = scatters;
-  dlsi_lemke_scatter(work->lemke, 0, scatters ? other_covers : 0);
+void dlsi_contact_lemke_search(void *lemke, int searches) {
+  ((contact_lemke *)lemke)->searches = searches;
 }
 
 int dlsi_contact_lemke_excludes(const void *lemke) {

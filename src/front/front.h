@@ -42,9 +42,9 @@ int dlsi_farkas_excludes(const dls_contact *problem, const double *w, const doub
  * certified. */
 int dlsi_contact_lemke_excludes(const void *lemke);
 
-/* scatters: 1 lets the next solves of this workspace of dlsi_lemke_method search as (CL6) of
+/* searches: 1 lets the next solves of this workspace of dlsi_lemke_method search as (CL6) of
  * contact_lemke.c says; 0: no more. */
-void dlsi_contact_lemke_scatter(void *lemke, int scatters);
+void dlsi_contact_lemke_search(void *lemke, int searches);
 
 /* A copy of a problem in an order and in units of its own (renumber.c). */
 typedef struct dlsi_renumber {

@@ -87,16 +87,16 @@ static const recipe recipes[CLASSES] = {
     {"ratio", SOLVABLE, FACTOR, 0, 0, 1, 6, 0, 76},
     {"self-stress", SOLVABLE, STRESS, 0, 0, 1, 0, 0, 76},
     {"zero-blocks", SOLVABLE, NO_BLOCKS, 0, 0, 1, 1, 0, 12},
-    {"slight", SOLVABLE, SLIGHT, 0, 0, 2, 1, 0, 45},
-    {"skew", SOLVABLE, SKEW, 0, 0, 1, 1, 0, 45},
+    {"slight", SOLVABLE, SLIGHT, 0, 0, 2, 1, 0, 55},
+    {"skew", SOLVABLE, SKEW, 0, 0, 1, 1, 0, 55},
     {"product", SOLVABLE, PRODUCT, 4, 0, 2, 1, 0, 6},
     {"mixed", SOLVABLE, ANY_FORM, 0, 0, 8, 6, 6, 20},
     {"unsolvable", UNSOLVABLE, FACTOR, 1, 0, 3, 0, 0, 18},
-    {"unsolvable-rounded", UNSOLVABLE, FACTOR, 0, 0, 2, 0, 2, 18},
+    {"unsolvable-rounded", UNSOLVABLE, FACTOR, 0, 0, 2, 0, 2, 8},
     {"unsolvable-product", UNSOLVABLE, PRODUCT, 4, 0, 2, 0, 0, 18},
-    {"borderline", BORDERLINE, FACTOR, 4, 0, 2, 0, 0, 26},
+    {"borderline", BORDERLINE, FACTOR, 4, 0, 2, 0, 0, 18},
     {"random", BORDERLINE, ANY_FORM, 0, 0, 3, 1, 1, 20},
-    {"far", SURE, FACTOR, 1, 0, 3, 0, 0, 12},
+    {"far", SURE, FACTOR, 1, 0, 3, 0, 0, 10},
 };
 
 const char *const class_name[CLASSES] = {
