@@ -151,9 +151,12 @@ dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double
 /* Changes the limits of an existing workspace, from the next solve on. */
 void dlsi_lemke_set_limits(dls_lemke *work, const dls_limits *limits);
 
-/* Lets the next runs follow the path of one covering vector, the drawn one of that number >= 0, and
- * no others; number = -1: those of every run. */
-void dlsi_lemke_draw_cover(dls_lemke *work, int number);
+/* Covering vectors of every run: the first one, and drawn ones. */
+enum { dlsi_lemke_covers = 10 };
+
+/* Lets the next runs follow the path of one covering vector, number > 0, and no others; 0: those of
+ * every run. */
+void dlsi_lemke_set_cover(dls_lemke *work, int number);
 
 /* dls_contact_to_facets_lcp and dls_contact_from_facets_lcp with the directions of all candidates
  * turned by the angle `turn`; d = 2: 0. */

@@ -55,7 +55,7 @@
  *   (LE13) an answer must have its certificate, a ray must pass dls_lcp_check_ray; if not, once
  *          more on a fresh table, then from the start without (LE10), with 1e-14 in (LE9) and
  *          (LE11) more often
- *   (LE14) to search, as auto asks for: one covering vector, which is drawn
+ *   (LE14) to search, as auto asks for: one covering vector, of those that no other run takes
  *
  * A ray (z, z0) + t (dz, dz0) with v = dz a Farkas vector (so if M is copositive-plus) means that
  * there is no solution, if v or a vector near it holds without any rounding. Another ray means
@@ -81,10 +81,10 @@ static const double lex_tolerance = 1e-9;    /* (LE7), (LE8): relative */
 static const double small_pivot = 1e-8;      /* (LE11), to max|c| */
 static const double misfit_tolerance = 1e-9; /* (LE11), to 1 + max|b|; max|q| is about 1 */
 static const double proof_tolerance = 1e-14; /* of a ray or a Farkas vector, times n + 10 */
-static const double sharp = 1e-12;           /* a residual that calls for no second look */
+static const double golden = 0.6180339887498949;
+static const double sharp = 1e-12; /* a residual that calls for no second look */
 
 enum { progress_interval = 50, check_interval = 256, strict_check_interval = 32 }; /* pivots */
-enum { covers = 10 };
 /* Vectors of Farkas but for rounding: what they leave of solutions is too far away for a
  * certificate, but another ray may prove that there is none. */
 enum { most_vectors = 2 };
@@ -93,7 +93,7 @@ struct dls_lemke {
   int n; /* of create */
   atomic_int busy;
   dls_lemke_settings settings;
-  int drawn;     /* (LE14): the number of the covering vector; -1: those of every run */
+  int only;      /* (LE14): the number of the covering vector; 0: those of every run */
   double *given; /* the user's covering vector, or NULL, n */
 
   /* The scaled problem: M' = R M C, q' = R q / kappa, d' = sigma R d; z = kappa C z',
@@ -178,7 +178,7 @@ static dls_status lemke_create(dls_lemke **out, int n, const dls_lemke_settings 
   if (!out) return dlsi_is_null(error, "out");
   *out = NULL;
   if (n < 1 || n > INT_MAX / 4) return dlsi_fail(error, DLS_E_SIZE, "n", -1, n, "is %d", n);
-  dls_lemke work = {.n = n, .drawn = -1};
+  dls_lemke work = {.n = n};
   dls_lemke_settings_init(&work.settings);
   if (settings) work.settings = *settings;
   const dls_lemke_settings *s = &work.settings;
@@ -253,20 +253,21 @@ static void lemke_scale(dls_lemke *work, const dls_lcp *lcp) {
   }
 }
 
-/* Returns a number in [0, 1) for entry i of covering vector k. */
-static double lemke_draw(int i, int k) {
-  return dlsi_draw(((uint64_t)k << 32 | (uint64_t)i) * DLSI_GOLDEN_BITS);
+/* Returns a number in [0, 1) for row i of covering vector k > 0: by a rule for those of every run,
+ * so that few of them differ much; else drawn. */
+static double lemke_spread(int i, int k) {
+  const uint64_t place = (uint64_t)k << 32 | (uint64_t)i;
+  if (k >= dlsi_lemke_covers) return dlsi_draw(place * DLSI_GOLDEN_BITS);
+  const double x = golden * (i + 1) + 0.7548776662466927 * k;
+  return x - floor(x);
 }
 
-/* d := covering vector k: the first one, or it times factors between 1/32 and 32, no two alike; or
- * that of (LE14). */
+/* d := covering vector k: the first one, or it times factors between 1/32 and 32, no two alike. */
 static void lemke_choose_cover(dls_lemke *work, int n, int k) {
   double fraction = 0;
   for (int i = 0; i < n; i++) {
-    const double regular = 0.6180339887498949 * (i + 1) + 0.7548776662466927 * k;
-    const double x = work->drawn < 0 ? regular - floor(regular) : lemke_draw(i, work->drawn);
-    work->d[i] = k || work->drawn >= 0 ? work->cover[i] * exp2(10 * x - 5) : work->cover[i];
-    fraction += 0.6180339887498949; /* golden ratio: no two alike */
+    work->d[i] = k ? work->cover[i] * exp2(10 * lemke_spread(i, k) - 5) : work->cover[i];
+    fraction += golden; /* no two alike */
     fraction -= fraction >= 1;
     work->g[i] = 1 + fraction;
     work->start[i] = i;
@@ -718,8 +719,8 @@ static path_end lemke_crash(dls_lemke *work, const dls_lcp *lcp, const double *z
  * be confirmed, with another covering vector after a ray that proves nothing. */
 static dls_status lemke_paths(dls_lemke *work, const dls_lcp *lcp, const double *warm) {
   const double tol = work->settings.limits.tol;
-  const int end_of_covers = work->drawn < 0 ? covers : 1;
-  int cover = 0;
+  const int end_of_covers = work->only ? work->only + 1 : dlsi_lemke_covers;
+  int cover = work->only;
   work->strict = 0;
   lemke_scale(work, lcp);
   for (;; warm = NULL) {
@@ -758,8 +759,8 @@ static dls_status lemke_enter(dls_lemke *work, const dls_lcp *lcp, const double 
   return status ? status : dlsi_enter(&work->busy, "workspace", error);
 }
 
-void dlsi_lemke_draw_cover(dls_lemke *work, int number) {
-  work->drawn = number;
+void dlsi_lemke_set_cover(dls_lemke *work, int number) {
+  work->only = number;
 }
 
 dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double *y,
@@ -778,7 +779,7 @@ dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double
   lemke_offer_zero(work, lcp);
   if (work->best.negative_y > 0) {
     path_end end = path_lost;
-    if (work->settings.crash && !work->given && work->drawn < 0) end = lemke_crash(work, lcp, warm);
+    if (work->settings.crash && !work->given && !work->only) end = lemke_crash(work, lcp, warm);
     if (end == path_lost)
       status = lemke_paths(work, lcp, warm);
     else if (end == path_cancelled)

@@ -27,9 +27,9 @@
  *          an interior point alone ends at a residual of about sqrt(t)
  *
  *   (HO8)  Several starts are tried, because no one of them reaches all solutions: ten pairs (a, b)
- *          at first, then the same with x_c = a f_c e, z_c = b / f_c e and factors f_c between 1/64
- *          and 64, drawn anew for each candidate and start: factors that follow from the number of
- *          the candidate by a rule are too much alike. A path that leads to a solution is short as
+ *          at first, then x_c = a f_c e, z_c = e / f_c with a near 1 and factors f_c between 1/64 and
+ *          64, drawn anew for each candidate and start: factors that follow from the number of the
+ *          candidate by a rule are too much alike. A path that leads to a solution is short as
  *          a rule, so that many starts find more than long paths: 250 factorisations each, but 500
  *          for the ten. auto takes an eighth of them first, and the rest after other methods
  *
@@ -53,13 +53,13 @@
 #include "vi_internal.h"
 
 enum {
-  factorisations_per_row = 2000, /* of all starts: more states are to be found in more rows */
+  factorisations_per_row = 1000, /* of all starts: more states are to be found in more rows */
   least_factorisations = 3000,
   first_factorisations = 500,
   most_factorisations = 250
 };
 enum { most_cuts = 12, most_corrections = 5 };
-static const double most_cubes = 4e10;  /* m^3 times the factorisations of all starts */
+static const double most_cubes = 2e10;  /* m^3 times the factorisations of all starts */
 static const double smoothing = 0.1;    /* c of (HO1) */
 static const double nearness = 0.2;     /* (HO6) */
 static const double to_boundary = 0.95; /* (HO6) */
@@ -292,19 +292,25 @@ static int scale_problem(homotopy *work, const dls_contact *problem) {
   return 1;
 }
 
+/* Returns a number in [0, 1) for candidate c of start k. */
+static double homotopy_draw(int k, int c) {
+  return dlsi_draw(((uint64_t)k << 32 | (uint64_t)c) * DLSI_GOLDEN_BITS);
+}
+
 /* Sets the point at t = 1 for start k (HO8), and p by (HO1). */
 static void begin_path(homotopy *work, int nc, int k) {
   const int d = work->d, m = d * nc;
-  const double *start = starts[k % start_count];
+  const int drawn = k >= start_count;
+  const double a = drawn ? pow(10, homotopy_draw(k, nc) - 0.5) : starts[k][0];
+  const double b = drawn ? 1 : starts[k][1];
   for (int i = 0; i < m; i++) {
-    const uint64_t place = (uint64_t)k << 32 | (uint64_t)(i / d);
-    const double f = k < start_count ? 1 : exp2(12 * dlsi_draw(place * DLSI_GOLDEN_BITS) - 6);
-    work->x[i] = i % d ? 0 : start[0] * f;
-    work->z[i] = i % d ? 0 : start[1] / f;
+    const double f = drawn ? exp2(12 * homotopy_draw(k, i / d) - 6) : 1;
+    work->x[i] = i % d ? 0 : a * f;
+    work->z[i] = i % d ? 0 : b / f;
     work->p[i] = work->z[i] - work->q[i];
   }
   multiply_W(work, m, -1, work->x, 1, work->p);
-  work->tau = start[0] * start[1];
+  work->tau = a * b;
   work->t = 1;
 }
 

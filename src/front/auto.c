@@ -19,7 +19,8 @@
  *   (AT4)  augmented  the augmented Lagrangian, which sees reactions run away
  *   (AT5)  pivoting   Lemke's method, if small enough; after the first failure of Newton's method
  *                     already, if its table is so small that it takes no longer than the sweeps and
- *                     steps that would follow. A verdict is left to the copy (AT11) then
+ *                     steps that would follow: on a copy as in (AT11), whose other stages a
+ *                     verdict is left to
  *   (AT8)  the last   up to 300 rows an eighth of the interior homotopy's starts and of Newton's
  *                     method from scattered starts (vi/scatter.c), and last of all the rest of
  *                     both: each finds most of what it finds early, and other problems. Between
@@ -626,42 +627,24 @@ static dls_status share_search(dlsi_auto *work, part k, int rest, dls_error *err
   return status;
 }
 
-/* Takes the stages first .. end-1 in turn. Returns DLS_OK, DLS_NO_SOLUTION, an error, DLS_CANCELLED
- * or DLS_MAX_ITERATIONS; DLS_STALLED if nothing is decided, or `excluded` is. */
-static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *error) {
-  const dls_limits *limits = &work->options.limits;
-  for (int k = first; k < end; k++) {
-    const part listed = stages[k].part;
-    const part now = listed == SWEEPS && !may_sweep(work) && may_push(work) ? PUSH : listed;
-    if (listed == PUSH && is_near(work, work->info.certificate.residual)) continue;
-    if (stages[k].copy && !work->has_copy) continue;
-    if (part_of[now].may && !part_of[now].may(work)) continue;
-    const int early = now == PIVOTING && k < quick_count;
-    if (early && !may_pivot_early(work)) continue;
-    if (stages[k].cold && !may_go_another_way(work)) continue;
-    dls_status status = share_search(work, now, stages[k].rest, error);
-    if (!status) status = take_stage(work, now, stages[k].cold, error);
-    if (status < 0) return status;
-    if (dls_certificate_holds(&work->info.certificate, limits->tol)) return DLS_OK;
-    if (work->stopped) return work->stopped;
-    work->rounded = is_rounded(work, now);
-    if (work->rounded) return DLS_STALLED;
-    if (status == DLS_TIME_LIMIT) return status;
-    if (work->limited) return DLS_MAX_ITERATIONS;
-    const int excluded = now == PIVOTING && dlsi_contact_lemke_excludes(work->part[now]);
-    if (early && (status == DLS_NO_SOLUTION || excluded))
-      return DLS_STALLED; /* (AT11) finds it again, for any order of the candidates */
-    if (status == DLS_NO_SOLUTION) return status;
-    work->excluded = excluded;
-    if (excluded) return DLS_STALLED;
-  }
-  return DLS_STALLED;
+/* Turns to a copy of the problem, with r = 0 as the best. Returns the certificate of the best r of
+ * the problem, which is work->kept then. */
+static dls_certificate enter_copy(dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const dls_certificate kept = work->info.certificate;
+  memcpy(work->kept, work->best, m * sizeof *work->kept);
+  memset(work->best, 0, m * sizeof *work->best);
+  dlsi_renumber_set(&work->copy, problem);
+  work->problem = &work->copy.problem;
+  work->info.certificate = dlsi_no_certificate;
+  return kept;
 }
 
 /* Takes back what the stages on the copy have found: the answer if it is better than the one kept,
  * and the vectors of the verdict. Returns the status for the problem. */
 static dls_status leave_copy(dlsi_auto *work, const dls_contact *problem,
-                             const dls_certificate *kept, dls_status status, dls_error *error) {
+                             const dls_certificate *kept, dls_status status) {
   const dlsi_renumber *copy = &work->copy;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const double *delta = work->part[AUGMENTED] && !work->excluded && status != DLS_NO_SOLUTION
@@ -690,27 +673,67 @@ static dls_status leave_copy(dlsi_auto *work, const dls_contact *problem,
   }
   if (status == DLS_NO_SOLUTION_LIKELY && best->residual <= work->options.limits.tol)
     return DLS_STALLED; /* only rounding speaks against this answer */
-  if (status != DLS_OK || dls_certificate_holds(best, work->options.limits.tol)) return status;
-  status = take_stage(work, NEWTON, 0, error); /* sums in another order round otherwise */
-  return status < 0 || dls_certificate_holds(best, work->options.limits.tol) ? status : DLS_STALLED;
+  return status;
+}
+
+/* (AT5), early: on a copy, because paths depend on the order of the candidates. */
+static dls_status pivot_early(dlsi_auto *work, dls_error *error) {
+  const dls_contact *problem = work->problem;
+  const dls_certificate kept = enter_copy(work);
+  dls_status status = take_stage(work, PIVOTING, 0, error);
+  if (status < 0) return status;
+  status = leave_copy(work, problem, &kept, status);
+  work->has_direction = work->has_farkas = 0;
+  return status;
+}
+
+/* Takes the stages first .. end-1 in turn. Returns DLS_OK, DLS_NO_SOLUTION, an error, DLS_CANCELLED
+ * or DLS_MAX_ITERATIONS; DLS_STALLED if nothing is decided, or `excluded` is. */
+static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *error) {
+  const dls_limits *limits = &work->options.limits;
+  for (int k = first; k < end; k++) {
+    const part listed = stages[k].part;
+    const part now = listed == SWEEPS && !may_sweep(work) && may_push(work) ? PUSH : listed;
+    if (listed == PUSH && is_near(work, work->info.certificate.residual)) continue;
+    if (stages[k].copy && !work->has_copy) continue;
+    if (part_of[now].may && !part_of[now].may(work)) continue;
+    const int early = now == PIVOTING && k < quick_count;
+    if (early && !may_pivot_early(work)) continue;
+    if (stages[k].cold && !may_go_another_way(work)) continue;
+    dls_status status = share_search(work, now, stages[k].rest, error);
+    if (!status)
+      status = early ? pivot_early(work, error) : take_stage(work, now, stages[k].cold, error);
+    if (status < 0) return status;
+    if (dls_certificate_holds(&work->info.certificate, limits->tol)) return DLS_OK;
+    if (work->stopped) return work->stopped;
+    work->rounded = is_rounded(work, now);
+    if (work->rounded) return DLS_STALLED;
+    if (status == DLS_TIME_LIMIT) return status;
+    if (work->limited) return DLS_MAX_ITERATIONS;
+    const int excluded = now == PIVOTING && dlsi_contact_lemke_excludes(work->part[now]);
+    if (early && (status == DLS_NO_SOLUTION || excluded))
+      return DLS_STALLED; /* (AT11) finds it again, for any order of the candidates */
+    if (status == DLS_NO_SOLUTION) return status;
+    work->excluded = excluded;
+    if (excluded) return DLS_STALLED;
+  }
+  return DLS_STALLED;
 }
 
 /* (AT11) Takes the stages after the quick ones on a copy, from r = 0. */
 static dls_status take_copy(dlsi_auto *work, dls_error *error) {
   const dls_contact *problem = work->problem;
-  const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  const dls_certificate kept = work->info.certificate;
-  memcpy(work->kept, work->best, m * sizeof *work->kept);
-  memset(work->best, 0, m * sizeof *work->best);
-  dlsi_renumber_set(&work->copy, problem);
+  const dls_certificate kept = enter_copy(work);
   work->has_copy = 1;
-  work->problem = &work->copy.problem;
-  work->info.certificate = dlsi_no_certificate;
   work->failures = copy_failures;
   dls_status status = take_some(work, quick_count, stage_count, error);
   if (status == DLS_STALLED) status = judge(work, error);
   if (status < 0) return status;
-  return leave_copy(work, problem, &kept, status, error);
+  status = leave_copy(work, problem, &kept, status);
+  const dls_certificate *best = &work->info.certificate;
+  if (status != DLS_OK || dls_certificate_holds(best, work->options.limits.tol)) return status;
+  status = take_stage(work, NEWTON, 0, error); /* sums in another order round otherwise */
+  return status < 0 || dls_certificate_holds(best, work->options.limits.tol) ? status : DLS_STALLED;
 }
 
 /* Returns the sweeps that a solve with (AT14) is expected to take. */

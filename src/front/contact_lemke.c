@@ -48,7 +48,7 @@ enum {
   fewest_facets = 4
 };
 static const double golden = 0.6180339887498949;
-static const double most_flops = 2e10; /* (CL6): of pivots */
+static const double most_flops = 1e10; /* (CL6): of pivots */
 
 typedef struct contact_lemke {
   dls_limits limits;
@@ -313,7 +313,7 @@ static dls_status search(contact_lemke *work, const dls_contact *problem, int *p
     const double n = dls_contact_facets_size(problem, facets);
     const double x = golden * (k + 1);
     if (!flat) work->turn = 2 * acos(-1) / facets * (x - floor(x));
-    dlsi_lemke_draw_cover(work->lemke, k);
+    dlsi_lemke_set_cover(work->lemke, dlsi_lemke_covers + k);
     status = pivot(work, problem, facets, pivots, error);
     if (status < 0 || is_stopped(status) || (flat && status == DLS_NO_SOLUTION)) break;
     status = polish(work, problem, error);
@@ -322,7 +322,7 @@ static dls_status search(contact_lemke *work, const dls_contact *problem, int *p
     flops += 2 * n * n * (n + *pivots - before);
   }
   work->turn = 0;
-  dlsi_lemke_draw_cover(work->lemke, -1);
+  dlsi_lemke_set_cover(work->lemke, 0);
   return status;
 }
 

@@ -124,8 +124,8 @@ static rule judge_copy(const problem *p, const run *one, const outcome *a, const
 
 /* ---- the runs of a problem ------------------------------------------------------------------- */
 
-enum { dear = 3000 }; /* factorisations of auto's first run */
-static const double dear_share = 0.25;
+/* Factorisations of auto's first run: of dearer problems the other runs are as many fewer. */
+static const double dear = 1000;
 
 typedef struct plan {
   int count;
@@ -148,11 +148,13 @@ static void plan_powers(dice *g, run *how) {
   how->power_q = way == 0 ? 0 : way == 3 ? dice_below(g, 61) - 30 : power;
 }
 
-/* auto: another tolerance; storage, entry, start, order, scale, each of them at `share` times its
- * usual rate. */
-static void plan_auto(dice *g, const problem *p, double share, plan *all) {
-  plan_add(all, 0)->tol /= 100;
-  all->against[1] = -1;
+/* auto: another tolerance, always where the first run has an answer; storage, entry, start, order,
+ * scale, each of them at `share` times its usual rate. */
+static void plan_auto(dice *g, const problem *p, int answered, double share, plan *all) {
+  if (answered || dice_between(g, 0, 1) < share) {
+    plan_add(all, 0)->tol /= 100;
+    all->against[1] = -1;
+  }
   if (dice_between(g, 0, 2) < share) plan_add(all, -1)->blocks = 1;
   if (dice_between(g, 0, 2) < share) plan_add(all, -1)->front = 1;
   if (dice_between(g, 0, 4) < share) plan_add(all, -1)->warm = 1;
@@ -225,7 +227,7 @@ void check_problem(const problem *p, uint64_t seed, const options *ask, verdict 
   v->visible = is_visible(p, ask->tol);
   all.run[0] = (run){.method = DLS_AUTO, .tol = ask->tol, .seed = seed};
   solve_run(p, &all.run[0], NULL, &o[0]);
-  plan_auto(&g, p, o[0].factorisations > dear ? dear_share : 1, &all);
+  plan_auto(&g, p, o[0].status == DLS_OK, dear / fmax(dear, o[0].factorisations), &all);
   plan_methods(&g, &all);
   plan_lcp(&g, p, &all);
   for (int k = 0; k < all.count; k++) {
@@ -239,7 +241,7 @@ void check_problem(const problem *p, uint64_t seed, const options *ask, verdict 
   v->runs = all.count;
   v->status = o[0].status;
   v->solved = o[0].status == DLS_OK;
-  v->solved_fine = o[1].status == DLS_OK;
+  v->solved_fine = v->solved && o[1].status == DLS_OK;
   v->forces = v->solved ? o[0].is.r : 0;
 }
 
