@@ -48,7 +48,9 @@ enum {
   fewest_facets = 4
 };
 static const double golden = 0.6180339887498949;
-static const double most_flops = 1e10; /* (CL6): of pivots */
+/* (CL6): of pivots; d = 3: a solution with facets leads to one of the round cone for few candidates
+ * alone */
+static const double most_flops_2d = 3e10, most_flops_3d = 3e9;
 
 typedef struct contact_lemke {
   dls_limits limits;
@@ -305,6 +307,7 @@ static dls_status pivot_linear(contact_lemke *work, const dls_contact *problem, 
 static dls_status search(contact_lemke *work, const dls_contact *problem, int *pivots,
                          dls_error *error) {
   const int flat = problem->d <= 2;
+  const double most_flops = flat ? most_flops_2d : most_flops_3d;
   dls_status status = DLS_STALLED;
   double flops = 0;
   for (int k = 0; k < covers_per_candidate * problem->nc && flops < most_flops; k++) {
