@@ -249,7 +249,6 @@ static dls_status motion_start(dls_motion *motion, const double *x, const double
   memset(now->p, 0, motion->m * sizeof *now->p);
   memset(now->slip, 0, (d - 1) * nc * sizeof *now->slip);
   memset(now->way, 0, d * motion->nodes * sizeof *now->way);
-  memset(now->list, 0, nc * sizeof *now->list);
   for (size_t c = 0; c < nc; c++)
     now->state[c] = DLS_FREE;
   now->active = 0;

@@ -176,6 +176,31 @@ START_TEST(bad_input_and_no_memory) {
 }
 END_TEST
 
+/* u = H^T H r and what rounds in it, |H|^T |H| |r|, of two candidates that share a body; the other
+ * body of the second one is fixed. */
+START_TEST(products_by_hand) {
+  const int body[4] = {0, 1, 1, -1};
+  const double H[24] = {1, -2, 0, 0, 1, 3, -1, 2, 0, 0, -1, 2, 4, 0, -1, 1, 1, 0};
+  const double r[4] = {2, -1, 1, -3}, q[4] = {0}, mu[2] = {0};
+  double room[12], u[4], rounds[4];
+  const dls_contact problem = {.d = 2, .nc = 2, .q = q, .mu = mu, .bodies = {3, 2, body, H, room}};
+  dlsi_contact_multiply(&problem, NULL, r, u, rounds);
+  /* H r: body 0 (2, -5, -3), body 1 (-2 + 1, 5 - 3, -2 - 1); |H| |r|: (2, 5, 3), (9, 8, 3) */
+  const double v[2][3] = {{2, -5, -3}, {-1, 2, -3}}, w[2][3] = {{2, 5, 3}, {9, 8, 3}};
+  for (int i = 0; i < 4; i++) {
+    double sum = 0, size = 0;
+    for (int k = 0; k < 2; k++)
+      for (int l = 0; l < 3; l++) {
+        const int side = 2 * (i / 2) + k;
+        const double h = body[side] < 0 ? 0 : H[6 * side + 3 * (i % 2) + l];
+        sum += h * v[body[side] < 0 ? 0 : body[side]][l];
+        size += fabs(h) * w[body[side] < 0 ? 0 : body[side]][l];
+      }
+    ck_assert(u[i] == sum && rounds[i] == size);
+  }
+}
+END_TEST
+
 /* Finite numbers whose squares are none; and no candidate at all. */
 START_TEST(overflow_and_nothing) {
   const int two[2] = {0, 1}, fixed[2] = {0, -1};
@@ -199,5 +224,5 @@ int main(void) {
   return RUN("bodies", NULL, NULL, EACH(blocks_are_those_of_dense, 0, 60),
              EACH(doors_agree_with_dense, 0, 60), EACH(subset_of_bodies, 0, 3),
              EACH(packing_by_another_way, 0, 3), ONCE(bad_input_and_no_memory),
-             ONCE(overflow_and_nothing));
+             ONCE(products_by_hand), ONCE(overflow_and_nothing));
 }

@@ -427,6 +427,28 @@ START_TEST(either_part_can_fail_alone) {
 }
 END_TEST
 
+/* Residuals and floors, where squares of forces and positions are no numbers, too: w = 1 and 2^-20,
+ * both candidates off. */
+START_TEST(norms_of_any_size) {
+  const double unit[2] = {0x1p-700, 0x1p700};
+  const dls_certificate c = two_apart(-1, -3, 1.25, 0x1p21);
+  ck_assert_double_eq_tol(c.residual_u, hypot(0.25, 1) / sqrt(10), 1e-15);
+  ck_assert_double_eq_tol(c.residual_r, hypot(0.25, 0x1p20) / hypot(1.25, 0x1p21), 1e-15);
+  ck_assert_double_eq_tol(c.floor_u, DBL_EPSILON * hypot(3.5, 7) / sqrt(10), 1e-30);
+  ck_assert_double_eq_tol(c.floor_r, DBL_EPSILON * hypot(3.5, 7 * 0x1p20) / hypot(1.25, 0x1p21),
+                          1e-30);
+  for (int k = 0; k < 2; k++) {
+    const double s = unit[k];
+    const dls_certificate b = two_apart(-s, -3 * s, 1.25 * s, 0x1p21 * s);
+    ck_assert_double_eq_tol(b.residual_u, c.residual_u, 1e-15);
+    ck_assert_double_eq_tol(b.residual_r, c.residual_r, 1e-15);
+    ck_assert_double_eq_tol(b.floor_u, c.floor_u, 1e-30);
+    ck_assert_double_eq_tol(b.floor_r, c.floor_r, 1e-30);
+    ck_assert_int_eq(b.worst, 1);
+  }
+}
+END_TEST
+
 /* r = 0 under a pressure, however small, is no answer: of forces it is wrong by all of them. */
 START_TEST(no_forces_under_pressure) {
   dls_certificate c = two_apart(1, -1e-12, 0, 0);
@@ -1074,8 +1096,9 @@ int main(void) {
              ONCE(check_names_the_slot), ONCE(check_names_the_slot_of_blocks),
              ONCE(outputs_stay_off_each_byte), ONCE(blocks_come_apart_and_together),
              ONCE(blocks_refuse_bad_arguments), ONCE(certificate_by_hand),
-             ONCE(either_part_can_fail_alone), ONCE(no_forces_under_pressure),
-             ONCE(rounding_has_no_direction), ONCE(certificate_of_q_zero_and_frictionless),
+             ONCE(either_part_can_fail_alone), ONCE(norms_of_any_size),
+             ONCE(no_forces_under_pressure), ONCE(rounding_has_no_direction),
+             ONCE(certificate_of_q_zero_and_frictionless),
              ONCE(no_forces_beside_a_norm_beyond_numbers), ONCE(errors_count_one_and_more),
              ONCE(weights_fall_back), ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
              ONCE(certificate_ignores_order_and_tangent_frame), ONCE(dense_and_blocks_agree),

@@ -1,4 +1,4 @@
-/* test_layout.c: the table of layouts misses no field. */
+/* test_layout.c: the table of layouts misses no field; fresh settings are the headers' defaults. */
 #include <check.h>
 #include <stddef.h>
 #include <string.h>
@@ -105,6 +105,50 @@ START_TEST(fields_of_each_kind_are_told) {
 }
 END_TEST
 
+/* ---- defaults -------------------------------------------------------------------------------- */
+
+/* Compares two structs field by field, since bytes between fields have any value. */
+static void expect_fields(const char *record, const char *own, const char *wanted) {
+  const dls_field *f;
+  const int row = row_of(record);
+  ck_assert_msg(row >= 0, "no row of %s", record);
+  for (int k = row + 1; (f = dls_layout_field(k)) && *f->name; k++)
+    if (strncmp(f->type, "dls_", 4) == 0)
+      expect_fields(f->type, own + f->offset, wanted + f->offset);
+    else
+      ck_assert_msg(memcmp(own + f->offset, wanted + f->offset, f->size) == 0, "%s.%s", record,
+                    f->name);
+}
+
+/* Fills settings, of bytes that are no defaults, and compares them with the fields given here, all
+ * others being 0. */
+#define FRESH(name, ...)                                                                           \
+  do {                                                                                             \
+    dls_##name##_settings own;                                                                     \
+    const dls_##name##_settings wanted = {.size = sizeof own, __VA_ARGS__};                        \
+    memset(&own, 0x55, sizeof own);                                                                \
+    dls_##name##_settings_init(&own);                                                              \
+    expect_fields("dls_" #name "_settings", (const char *)&own, (const char *)&wanted);            \
+  } while (0)
+
+START_TEST(fresh_settings_are_those_of_the_headers) {
+  const dls_limits usual = {.tol = 1e-8, .threads = 1};
+  FRESH(solver, .limits = usual, .method = DLS_AUTO);
+  FRESH(admm, .limits = usual, .rho = 1);
+  FRESH(augmented, .limits = usual, .factor = 100, .adaptive = 1);
+  FRESH(newton, .limits = usual, .sweeps = 20, .regularization = 1e-6);
+  FRESH(nlgs, .limits = usual, .relaxation = 1, .window = 10);
+  FRESH(primal, .limits = usual, .relaxation = 1, .aitken = 1);
+  FRESH(lemke, .limits = usual, .crash = 1);
+  FRESH(principal, .limits = usual, .block_steps = 10);
+  FRESH(reduction, .form_W = 1);
+  FRESH(motion, .limits = {.tol = 1e-12, .warm_start = 1, .threads = 1}, .law = DLS_MOTION_VELOCITY,
+        .method = DLS_AUTO, .theta = 0.5, .forecast = 0.5);
+}
+END_TEST
+
+/* ---- constants ------------------------------------------------------------------------------- */
+
 /* Returns the value of a constant, 12345 if there is none of the name. */
 static int value_of(const char *name) {
   const dls_constant *c;
@@ -134,5 +178,6 @@ END_TEST
 int main(void) {
   return RUN("layout", NULL, NULL, ONCE(every_byte_of_every_struct_has_a_field),
              ONCE(a_struct_comes_after_those_that_it_contains), ONCE(fields_of_each_kind_are_told),
-             ONCE(constants_have_their_values), ONCE(numbers_outside_give_null));
+             ONCE(fresh_settings_are_those_of_the_headers), ONCE(constants_have_their_values),
+             ONCE(numbers_outside_give_null));
 }

@@ -155,12 +155,16 @@ START_TEST(sums_are_exact) {
 }
 END_TEST
 
-/* v = 1 and one candidate with g = (-n, t, s), mu = m: g_n + mu |g_t| <= 0 is decided without
- * rounding. */
+/* One candidate with g = v (-n, t, s), mu = m: g_n + mu |g_t| <= 0 is decided without rounding, and
+ * alike for the least, the largest and any other v, with squares from 2^-6444 on. */
 static int round_cone(double n, double t, double s, double m) {
-  const double W[9] = {-n, 0, 0, t, 1, 0, s, 0, 1}, q[3] = {-1, 0, 0}, v[1] = {1};
+  const double W[9] = {-n, 0, 0, t, 1, 0, s, 0, 1}, q[3] = {-1, 0, 0};
+  const double v[3] = {1, 0x1p-1074, 0x1.fffffffffffffp1023};
   const dls_contact p = {.d = 3, .nc = 1, .W = {3, 3, 3, W}, .q = q, .mu = &m};
-  return dlsi_contact_is_infeasible(&p, v);
+  const int holds = dlsi_contact_is_infeasible(&p, v);
+  for (int k = 1; k < 3; k++)
+    ck_assert_int_eq(dlsi_contact_is_infeasible(&p, v + k), holds);
+  return holds;
 }
 
 START_TEST(the_round_cone_is_exact) {

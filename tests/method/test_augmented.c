@@ -205,6 +205,32 @@ START_TEST(no_solution_gives_a_direction) {
 }
 END_TEST
 
+/* Reactions run away at a candidate however small its W is beside that of another one. */
+START_TEST(a_light_candidate_runs_away) {
+  static model a;
+  const double w = 0x1p-40;
+  set_model(&a, 2, 2);
+  for (int k = 0; k < 2; k++) {
+    a.mu[k] = 1;
+    a.W[5 * k] = 1;
+    for (int l = 0; l < 2; l++) /* C3 */
+      a.W[10 + l + 4 * k] = w;
+  }
+  a.q[0] = -1;
+  a.q[2] = -2;
+  const dls_augmented_settings s = augmented_tol(1e-8);
+  dls_augmented *work = new_augmented(&a.p, &s);
+  double r[4];
+  dls_info info;
+  ck_assert_int_eq(solve_augmented(work, &a.p, &s, r, NULL, &info), DLS_STALLED);
+  const double *delta = dls_augmented_direction(work);
+  ck_assert_ptr_nonnull(delta);
+  for (int k = 0; k < 4; k++)
+    ck_assert_double_eq_tol(delta[k], k < 2 ? 0 : 5 - 2 * k, 1e-3);
+  dls_augmented_destroy(work);
+}
+END_TEST
+
 /* data/failures: solved where the line of the file says so; else a direction along which the
  * reactions run away, or, where there is a solution, it may only say that it stands still. */
 START_TEST(catalogue) {
@@ -451,7 +477,8 @@ END_TEST
 int main(void) {
   return RUN("augmented", NULL, NULL, ONCE(one_candidate), ONCE(factor_of_convergence),
              EACH(return_mapping, 0, 40), ONCE(other_solution), ONCE(start_too_far),
-             EACH(no_solution_gives_a_direction, 0, jammed_count), ONCE(catalogue), ONCE(too_stiff),
+             EACH(no_solution_gives_a_direction, 0, jammed_count),
+             ONCE(a_light_candidate_runs_away), ONCE(catalogue), ONCE(too_stiff),
              EACH(rank_deficient, 0, 24), EACH(units, 0, 12), ONCE(smaller_problem), ONCE(storage),
              ONCE(cancelled), EACH(by_name, 0, 20), ONCE(bad_create), ONCE(no_memory));
 }

@@ -111,6 +111,29 @@ START_TEST(splits_and_refuses) {
 }
 END_TEST
 
+/* A rho < 0 is a pivot that is not positive, of the first unknown of its joint. */
+START_TEST(joints_of_negative_rho) {
+  pair s = pair_build("wall3-rest", 300);
+  dlsi_joints *work;
+  int tried = 0;
+  ck_assert_int_eq(dlsi_joints_create(&work, &s.a.contact, s.S, 1, NULL), DLS_OK);
+  for (int J = 0; J < work->count; J++) {
+    const int *list = work->list + work->first[J], n = work->first[J + 1] - work->first[J];
+    if (n < 2 || work->rank[J] == s.a.d * n) continue; /* nothing is factorised */
+    for (int k = 0; k < n; k++)
+      s.rho[list[k]] *= -1;
+    ck_assert_int_eq(dlsi_joints_factor(work, s.rho), work->at[J] + 1);
+    for (int k = 0; k < n; k++)
+      s.rho[list[k]] *= -1;
+    tried++;
+  }
+  ck_assert_int_gt(tried, 2);
+  ck_assert_int_eq(dlsi_joints_factor(work, s.rho), 0);
+  dlsi_joints_destroy(work);
+  pair_free(&s);
+}
+END_TEST
+
 START_TEST(joints_without_memory) {
   pair s = pair_build("wall3-rest", 200);
   dlsi_joints *work = NULL;
@@ -134,5 +157,5 @@ END_TEST
 int main(void) {
   if (!WITH_MUMPS) return 0;
   return RUN("joints", NULL, NULL, EACH(solves, 0, 6), ONCE(splits_and_refuses),
-             ONCE(joints_without_memory));
+             ONCE(joints_of_negative_rho), ONCE(joints_without_memory));
 }

@@ -88,6 +88,9 @@ dls_status __wrap_dlsi_fail(dls_error *error, dls_status status, const char *arg
   /* a number that is said is the offending value */
   if (strncmp(format, "is %", 4) == 0 && sscanf(text, "is %lf", &said) == 1)
     sound &= said == value || said != said || fabs(said - value) <= 1e-5 * fabs(value);
+  const char *const pivot = strstr(text, ": pivot ");
+  if (pivot && sscanf(pivot, ": pivot %lf", &said) == 1)
+    sound &= said == value || said != said || fabs(said - value) <= 1e-2 * fabs(value);
   if (!sound) {
     (void)fprintf(stderr,
                   "an error with another index or value than it tells of: %s[%lld] %g: %s\n",

@@ -71,6 +71,15 @@ def is_declared(before):
                 or re.match(r"\s*(?:static |const |enum )*%s [^=(]*$" % types, before))
 
 
+def factor_of(number, before, after):
+    """Returns what replaces a number between two texts: the next one, or twice the number. A 1 or -1
+    that is a whole value becomes 0, since of a flag 2 is as true as 1, and -2 as negative as -1."""
+    if number == "1" and re.search(r"(?:\breturn |[^=!<>]= |[(,?:] |[({])-?$", before):
+        if re.match(r"\s*[;,):}]", after):
+            return "0"
+    return str(int(number) + 1) if number.isdecimal() else "2 * " + number
+
+
 def places_of(path, text):
     """Returns all (path, begin, end, replacement, kind) of a file."""
     code, places = code_of(text), []
@@ -93,8 +102,7 @@ def places_of(path, text):
         before = code[code.rfind("\n", 0, m.start()) + 1:m.start()]
         if before.endswith("[") and is_declared(before[:-1]):
             continue
-        whole = re.fullmatch(r"\d+", m.group())
-        add(m.start(), m.end(), str(int(m.group()) + 1) if whole else "2 * " + m.group(), "factor")
+        add(m.start(), m.end(), factor_of(m.group(), before, code[m.end():m.end() + 99]), "factor")
     return places
 
 
