@@ -82,10 +82,10 @@ static rule judge_alone(const problem *p, const run *how, const outcome *o) {
   }
   if (o->status == DLS_NO_SOLUTION_LIKELY && visible) return LIKELY;
   if (how->rows && o->status == DLS_OK && !o->lcp_holds) return NOT_HELD;
-  if (o->status == DLS_OK && !how->rows && !is_within(&o->is, how->tol, 0)) return NOT_HELD;
   const int in_own_unit = has_unit(p) || (how->power_W == 0 && how->power_q == 0);
-  if (o->status == DLS_OK && !how->rows && in_own_unit && !is_within(&o->is, how->tol, 1))
-    return NOT_HELD_R;
+  const int judged = o->status == DLS_OK && !how->rows && in_own_unit;
+  if (judged && !is_within(&o->is, how->tol, 0)) return NOT_HELD;
+  if (judged && !is_within(&o->is, how->tol, 1)) return NOT_HELD_R;
   const int gave_up = o->status == DLS_STALLED || o->status == DLS_NO_SOLUTION_LIKELY;
   const int held = how->rows ? o->lcp_holds : o->holds;
   if (gave_up && held) return UNSEEN;
