@@ -1059,6 +1059,9 @@ START_TEST(a_bad_subset_is_named) {
   SUBSET(&a.dense, 1, s, v, NULL, NULL, DLS_E_ARGUMENT, "subset", -1);
   s[2] = 2;
   SUBSET(&a.blocks, 3, s, v, index, &sub, DLS_E_ARGUMENT, "candidate", 2);
+  s[2] = 1;
+  SUBSET(&a.dense, 3, s, v, NULL, &sub, DLS_E_ARGUMENT, "candidate", 2);
+  ck_assert_ptr_nonnull(strstr(e.message, "after 2"));
   s[2] = 4;
   SUBSET(&a.dense, 3, s, v, NULL, &sub, DLS_E_ARGUMENT, "candidate", 2);
   s[0] = -1;
