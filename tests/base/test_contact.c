@@ -1023,6 +1023,34 @@ START_TEST(a_subset_is_rows_and_columns) {
 }
 END_TEST
 
+/* u and what rounds in it, |W| |r|, of signs that differ. */
+START_TEST(products_round_alike_in_both_storages) {
+  const int d = _i, m = 4 * d;
+  quad a;
+  set_quad(&a, d);
+  double r[12], u[12], v[12], rounds[12], same[12];
+  for (int k = 0; k < m; k++) {
+    r[k] = k % 2 ? -1 - k : 2 * k;
+    for (int j = 0; j < m; j++)
+      a.W[j + m * k] *= (j + k) % 3 ? 1 : -1;
+  }
+  for (int k = 0; k < a.p[4]; k++) /* the same signs */
+    for (int c = 0; c < 4; c++)
+      for (int e = 0; k >= a.p[c] && k < a.p[c + 1] && e < d * d; e++)
+        a.x[d * d * k + e] *= (d * a.i[k] + e % d + d * c + e / d) % 3 ? 1 : -1;
+  dlsi_contact_multiply(&a.dense, NULL, r, u, rounds);
+  dlsi_contact_multiply(&a.blocks, NULL, r, v, same);
+  for (int i = 0; i < m; i++) {
+    double sum = 0;
+    for (int j = 0; j < m; j++)
+      sum += fabs(a.W[i + m * j]) * fabs(r[j]);
+    ck_assert_double_eq_tol(rounds[i], sum, 1e-12 * sum);
+    ck_assert_double_eq_tol(same[i], sum, 1e-12 * sum);
+    ck_assert_double_eq_tol(u[i], v[i], 1e-12 * sum);
+  }
+}
+END_TEST
+
 /* A dense W takes the memory that the header says, to the last double. */
 START_TEST(a_subset_stays_in_its_memory) {
   quad a;
@@ -1093,22 +1121,22 @@ START_TEST(frictionless_adhesion_is_refused) {
 END_TEST
 
 int main(void) {
-  return RUN("contact", NULL, NULL, ONCE(statuses_have_names_and_words), ONCE(an_error_says_where),
-             ONCE(arena_counts_carves_and_refuses), ONCE(arena_allocates_what_it_counted),
-             ONCE(norms_keep_nan_and_range), ONCE(vectors_of_any_length_are_finite),
-             ONCE(check_names_the_slot), ONCE(check_names_the_slot_of_blocks),
-             ONCE(outputs_stay_off_each_byte), ONCE(blocks_come_apart_and_together),
-             ONCE(blocks_refuse_bad_arguments), ONCE(certificate_by_hand),
-             ONCE(either_part_can_fail_alone), ONCE(norms_of_any_size),
-             ONCE(no_forces_under_pressure), ONCE(rounding_has_no_direction),
-             ONCE(certificate_of_q_zero_and_frictionless),
-             ONCE(no_forces_beside_a_norm_beyond_numbers), ONCE(errors_count_one_and_more),
-             ONCE(weights_fall_back), ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
-             ONCE(certificate_ignores_order_and_tangent_frame), ONCE(dense_and_blocks_agree),
-             ONCE(states_of_the_three_kinds), ONCE(misfits_are_the_residual),
-             ONCE(panels_of_normals), ONCE(certify_refuses_and_leaves_outputs),
-             ONCE(nan_is_never_certified), ONCE(a_runaway_is_never_certified),
-             EACH(there_and_back, 2, 4), EACH(storages_agree, 2, 4), ONCE(bad_conversion),
-             EACH(a_subset_is_rows_and_columns, 0, 24), ONCE(a_subset_stays_in_its_memory),
-             ONCE(frictionless_adhesion_is_refused), ONCE(a_bad_subset_is_named));
+  return RUN(
+      "contact", NULL, NULL, ONCE(statuses_have_names_and_words), ONCE(an_error_says_where),
+      ONCE(arena_counts_carves_and_refuses), ONCE(arena_allocates_what_it_counted),
+      ONCE(norms_keep_nan_and_range), ONCE(vectors_of_any_length_are_finite),
+      ONCE(check_names_the_slot), ONCE(check_names_the_slot_of_blocks),
+      ONCE(outputs_stay_off_each_byte), ONCE(blocks_come_apart_and_together),
+      ONCE(blocks_refuse_bad_arguments), ONCE(certificate_by_hand),
+      ONCE(either_part_can_fail_alone), ONCE(norms_of_any_size), ONCE(no_forces_under_pressure),
+      ONCE(rounding_has_no_direction), ONCE(certificate_of_q_zero_and_frictionless),
+      ONCE(no_forces_beside_a_norm_beyond_numbers), ONCE(errors_count_one_and_more),
+      ONCE(weights_fall_back), ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
+      ONCE(certificate_ignores_order_and_tangent_frame), ONCE(dense_and_blocks_agree),
+      ONCE(states_of_the_three_kinds), ONCE(misfits_are_the_residual), ONCE(panels_of_normals),
+      ONCE(certify_refuses_and_leaves_outputs), ONCE(nan_is_never_certified),
+      ONCE(a_runaway_is_never_certified), EACH(there_and_back, 2, 4), EACH(storages_agree, 2, 4),
+      ONCE(bad_conversion), EACH(a_subset_is_rows_and_columns, 0, 24),
+      EACH(products_round_alike_in_both_storages, 1, 4), ONCE(a_subset_stays_in_its_memory),
+      ONCE(frictionless_adhesion_is_refused), ONCE(a_bad_subset_is_named));
 }
