@@ -81,8 +81,8 @@
  *          shows no reason for a solution (vi/exists.c), and (AT10) shows that none could be
  *          certified, or all of (AT1)-(AT8) have failed and, d = 2 and up to 8 candidates, no
  *          states of the candidates have a solution (states.c), or, d = 3 and up to 2, (AT4) sees
- *          the reactions run away at last. Else DLS_STALLED: larger problems whose reactions run
- *          away may have a solution that no stage finds.
+ *          the reactions run away at last and no r is near the tolerance. Else DLS_STALLED: larger
+ *          problems whose reactions run away may have a solution that no stage finds.
  *
  * What can fail: every method; then DLS_STALLED with the best r.
  */
@@ -120,6 +120,7 @@ _Static_assert(2 * (int)pivot_rows <= 3 * (int)path_unknowns, "(AT5), early, has
 enum { other_unknowns = 3000 };        /* beyond, another way takes too long, and nothing is said */
 enum { other_iterations = 2000 };      /* of sweeps and splitting by another way */
 static const double hidden_most = 100; /* (AT10): of a floor, over the largest that certifies */
+static const double likely_least = 100; /* (AT9): of the best residual, over the one asked for */
 enum { sure_starts = 2 };   /* (AT9): candidates, d = 3, whose states scattered starts cover */
 enum { copy_failures = 3 }; /* so much is Newton's method believed on a copy */
 static const double unsorted = 0.05;        /* e: with more, few states are those of the answer */
@@ -580,6 +581,11 @@ static int runs_away(const dlsi_auto *work) {
   return dlsi_max_abs(v, m) <= null_direction * dlsi_max_abs(delta, m);
 }
 
+/* Returns 1 if the best r is so near the tolerance that an answer may lie beside it. */
+static int is_nearly_met(const dlsi_auto *work) {
+  return work->info.certificate.residual <= likely_least * fmax(work->options.limits.tol, 1e-8);
+}
+
 /* (AT9) for a problem that no stage has solved. Returns DLS_OK, DLS_NO_SOLUTION_LIKELY,
  * DLS_STALLED, or an error. */
 static dls_status judge(dlsi_auto *work, dls_error *error) {
@@ -599,7 +605,7 @@ static dls_status judge(dlsi_auto *work, dls_error *error) {
     if (dls_certificate_holds(&work->info.certificate, tol)) return DLS_OK;
     if (found) return DLS_STALLED;
   }
-  if (!few && !sure && problem->nc > sure_starts) return DLS_STALLED;
+  if (!few && !sure && (problem->nc > sure_starts || is_nearly_met(work))) return DLS_STALLED;
   if (!may_follow_path(work) || work->room.side < m) return DLS_STALLED;
   dlsi_contact_weights(problem, work->w);
   if (!few && !sure && !runs_away(work)) return DLS_STALLED;
