@@ -60,6 +60,30 @@ START_TEST(nothing_changes) {
 }
 END_TEST
 
+/* Where the answers lie on a line, it is followed without a stage, and what is said of the answer is
+ * its certificate. */
+START_TEST(a_line_is_followed) {
+  steps_make(0, 1000, 0);
+  dls_solver *solver = steps_solver(1, 0);
+  double r[m] = {0}, u[m];
+  int followed = 0;
+  for (int k = 0; k < steps; k++) {
+    dls_info info;
+    dls_certificate c;
+    for (int i = 0; i < nc; i++)
+      q[2 * i] = q0[2 * i] - 0.01 * k;
+    memset(&info, 0, sizeof info);
+    ck_assert_int_eq(dls_solver_solve(solver, &p, r, NULL, &info, NULL), DLS_OK);
+    followed += info.stages == 0;
+    ck_assert_int_eq(dls_contact_certify(&p, r, u, &c, NULL), DLS_OK);
+    ck_assert_double_eq_tol(info.certificate.floor_u, c.floor_u, 1e-12 * c.floor_u);
+    ck_assert_double_eq_tol(info.certificate.floor_r, c.floor_r, 1e-12 * c.floor_r);
+  }
+  ck_assert_int_ge(followed, steps / 2);
+  dls_solver_destroy(solver);
+}
+END_TEST
+
 /* The path of free, slipping and sticking candidates: the answers are those of cold solves, for
  * fewer factorisations; all of it gives the same bits again. */
 START_TEST(answers_of_a_path) {
@@ -204,6 +228,6 @@ START_TEST(slips_that_turn) {
 END_TEST
 
 int main(void) {
-  return RUN("steps", NULL, NULL, EACH(nothing_changes, 0, 2), ONCE(answers_of_a_path),
-             EACH(changes_are_seen, 0, 2), EACH(slips_that_turn, 0, 2));
+  return RUN("steps", NULL, NULL, EACH(nothing_changes, 0, 2), ONCE(a_line_is_followed),
+             ONCE(answers_of_a_path), EACH(changes_are_seen, 0, 2), EACH(slips_that_turn, 0, 2));
 }
