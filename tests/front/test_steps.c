@@ -60,8 +60,8 @@ START_TEST(nothing_changes) {
 }
 END_TEST
 
-/* Where the answers lie on a line, it is followed without a stage, and what is said of the answer is
- * its certificate. */
+/* Where the answers lie on a line, it is followed without a stage, and what is said of the answer
+ * is its certificate. */
 START_TEST(a_line_is_followed) {
   steps_make(0, 1000, 0);
   dls_solver *solver = steps_solver(1, 0);
