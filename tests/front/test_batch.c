@@ -62,6 +62,20 @@ START_TEST(answers) {
 }
 END_TEST
 
+/* A count that ends within a row of equal shapes leaves the problems after it alone. */
+START_TEST(what_comes_after_is_left_alone) {
+  static const double untouched[most];
+  dls_solver_settings s;
+  dls_solver_settings_init(&s);
+  for (int first = 1; first <= 9; first++) {
+    batch_make(0);
+    ck_assert_int_eq(dls_solve_batch(first, T.p, &s, T.at_r, T.at_u, T.info, NULL), DLS_OK);
+    for (int k = first; k < count; k++)
+      ck_assert(memcmp(T.r[k], untouched, sizeof untouched) == 0 && T.info[k].stages == 0);
+  }
+}
+END_TEST
+
 /* Warm from the answers nothing is done; other methods and limits go one by one. */
 START_TEST(settings_hold) {
   batch_make(0);
@@ -170,7 +184,7 @@ START_TEST(noise_is_handed_out) {
 END_TEST
 
 int main(void) {
-  return RUN("batch", NULL, NULL, EACH(answers, 0, 2), ONCE(settings_hold),
-             ONCE(one_without_a_solution), ONCE(bad_input), ONCE(memory),
+  return RUN("batch", NULL, NULL, EACH(answers, 0, 2), ONCE(what_comes_after_is_left_alone),
+             ONCE(settings_hold), ONCE(one_without_a_solution), ONCE(bad_input), ONCE(memory),
              ONCE(noise_is_handed_out));
 }

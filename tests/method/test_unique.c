@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "cases.h"
+#include "delassus/nlgs.h"
 #include "run.h"
 #include "vi/vi_internal.h"
 
@@ -123,6 +124,26 @@ START_TEST(one_candidate) {
 }
 END_TEST
 
+/* Two candidates of c16, apart: with mu = 1 it sticks or slips in two ways, with less it slips. */
+START_TEST(each_has_its_own_friction) {
+  const double B[9] = {2, -1, 2, -1, 2, 0, 2, 0, 3}, mu[2] = {1, 0.5}, u[6] = {0};
+  double W[36] = {0}, r[6] = {6, 1, -5, 6, 1, -5}, q[6], other[6];
+  for (int c = 0; c < 2; c++)
+    for (int i = 0; i < 3; i++) {
+      q[3 * c + i] = 0;
+      for (int j = 0; j < 3; j++) {
+        W[3 * c + i + 6 * (3 * c + j)] = B[i + 3 * j];
+        q[3 * c + i] -= B[i + 3 * j] * r[3 * c + j];
+      }
+    }
+  const dls_contact p = {.d = 3, .nc = 2, .W = {6, 6, 6, W}, .q = q, .mu = mu};
+  ck_assert_int_eq(dlsi_count_ambiguous(&p, r, u, other), 1);
+  double own[3];
+  ck_assert(dls_nlgs_local(3, B, q, mu[0], own, NULL) != DLS_LOCAL_NONE);
+  ck_assert(memcmp(own, other, sizeof own) == 0 && memcmp(r + 3, other + 3, sizeof own) == 0);
+}
+END_TEST
+
 START_TEST(not_definite) {
   const double indefinite[9] = {1, 0, 0, 0, 1, 1.5, 0, 1.5, 1};
   const double negative[9] = {1, 0, 0, 0, -1, 0.5, 0, 0.5, -1};
@@ -139,5 +160,5 @@ END_TEST
 int main(void) {
   return RUN("unique", NULL, NULL, EACH(each_pair_of_directions, 0, 3), ONCE(directions_together),
              EACH(two_candidates, 0, 3), ONCE(definite_without_friction), EACH(one_candidate, 0, 2),
-             ONCE(not_definite));
+             ONCE(each_has_its_own_friction), ONCE(not_definite));
 }
