@@ -67,7 +67,6 @@
 #include <float.h>
 #include <limits.h>
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -256,8 +255,7 @@ static void lemke_scale(dls_lemke *work, const dls_lcp *lcp) {
 /* Returns a number in [0, 1) for row i of covering vector k > 0: by a rule for those of every run,
  * so that few of them differ much; else drawn. */
 static double lemke_spread(int i, int k) {
-  const uint64_t place = (uint64_t)k << 32 | (uint64_t)i;
-  if (k >= dlsi_lemke_covers) return dlsi_draw(place * DLSI_GOLDEN_BITS);
+  if (k >= dlsi_lemke_covers) return dlsi_draw_entry(k, i);
   const double x = golden * (i + 1) + 0.7548776662466927 * k;
   return x - floor(x);
 }

@@ -43,7 +43,6 @@
  */
 #include <float.h>
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -292,19 +291,14 @@ static int scale_problem(homotopy *work, const dls_contact *problem) {
   return 1;
 }
 
-/* Returns a number in [0, 1) for candidate c of start k. */
-static double homotopy_draw(int k, int c) {
-  return dlsi_draw(((uint64_t)k << 32 | (uint64_t)c) * DLSI_GOLDEN_BITS);
-}
-
 /* Sets the point at t = 1 for start k (HO8), and p by (HO1). */
 static void begin_path(homotopy *work, int nc, int k) {
   const int d = work->d, m = d * nc;
   const int drawn = k >= start_count;
-  const double a = drawn ? pow(10, homotopy_draw(k, nc) - 0.5) : starts[k][0];
+  const double a = drawn ? pow(10, dlsi_draw_entry(k, nc) - 0.5) : starts[k][0];
   const double b = drawn ? 1 : starts[k][1];
   for (int i = 0; i < m; i++) {
-    const double f = drawn ? exp2(12 * homotopy_draw(k, i / d) - 6) : 1;
+    const double f = drawn ? exp2(12 * dlsi_draw_entry(k, i / d) - 6) : 1;
     work->x[i] = i % d ? 0 : a * f;
     work->z[i] = i % d ? 0 : b / f;
     work->p[i] = work->z[i] - work->q[i];

@@ -249,6 +249,9 @@ uint64_t dlsi_mix(uint64_t x);
 /* Returns the number in [0, 1) that x draws, by dlsi_mix. */
 double dlsi_draw(uint64_t x);
 
+/* Returns the number in [0, 1) that entry i >= 0 of sequence k >= 0 draws. */
+double dlsi_draw_entry(int k, int i);
+
 /* Returns 1 if the plain sum of squares `sum` has neither over- nor underflown, so that sqrt(sum)
  * is the norm. */
 static inline int dlsi_is_plain(double sum) {

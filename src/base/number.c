@@ -67,3 +67,7 @@ uint64_t dlsi_mix(uint64_t x) {
 double dlsi_draw(uint64_t x) {
   return ldexp((double)(dlsi_mix(x) >> 11), -53);
 }
+
+double dlsi_draw_entry(int k, int i) {
+  return dlsi_draw(((uint64_t)k << 32 | (uint64_t)i) * DLSI_GOLDEN_BITS);
+}

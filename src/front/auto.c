@@ -117,10 +117,9 @@ enum { push_ahead = 100 };       /* (AT13): accelerated sweeps that take as long
 static const double push_near = 1e-5; /* (AT13) */
 enum { path_unknowns = 300 };         /* a thousand factorisations then take a few seconds */
 _Static_assert(2 * (int)pivot_rows <= 3 * (int)path_unknowns, "(AT5), early, has a copy");
-enum { other_unknowns = 3000 };        /* beyond, another way takes too long, and nothing is said */
-enum { other_iterations = 2000 };      /* of sweeps and splitting by another way */
-static const double hidden_most = 100; /* (AT10): of a floor, over the largest that certifies */
-static const double likely_least = 100; /* (AT9): of the best residual, over the one asked for */
+enum { other_unknowns = 3000 };      /* beyond, another way takes too long, and nothing is said */
+enum { other_iterations = 2000 };    /* of sweeps and splitting by another way */
+static const double near_most = 100; /* (AT9), (AT10): of residual or floor, over the one asked */
 enum { sure_starts = 2 };   /* (AT9): candidates, d = 3, whose states scattered starts cover */
 enum { copy_failures = 3 }; /* so much is Newton's method believed on a copy */
 static const double unsorted = 0.05;        /* e: with more, few states are those of the answer */
@@ -581,9 +580,9 @@ static int runs_away(const dlsi_auto *work) {
   return dlsi_max_abs(v, m) <= null_direction * dlsi_max_abs(delta, m);
 }
 
-/* Returns 1 if the best r is so near the tolerance that an answer may lie beside it. */
-static int is_nearly_met(const dlsi_auto *work) {
-  return work->info.certificate.residual <= likely_least * fmax(work->options.limits.tol, 1e-8);
+/* Returns 1 for a residual so near the tolerance that an answer may lie beside it. */
+static int is_nearly_met(const dlsi_auto *work, double residual) {
+  return residual <= near_most * fmax(work->options.limits.tol, 1e-8);
 }
 
 /* (AT9) for a problem that no stage has solved. Returns DLS_OK, DLS_NO_SOLUTION_LIKELY,
@@ -605,7 +604,9 @@ static dls_status judge(dlsi_auto *work, dls_error *error) {
     if (dls_certificate_holds(&work->info.certificate, tol)) return DLS_OK;
     if (found) return DLS_STALLED;
   }
-  if (!few && !sure && (problem->nc > sure_starts || is_nearly_met(work))) return DLS_STALLED;
+  if (!few && !sure &&
+      (problem->nc > sure_starts || is_nearly_met(work, work->info.certificate.residual)))
+    return DLS_STALLED;
   if (!may_follow_path(work) || work->room.side < m) return DLS_STALLED;
   dlsi_contact_weights(problem, work->w);
   if (!few && !sure && !runs_away(work)) return DLS_STALLED;
@@ -615,11 +616,11 @@ static dls_status judge(dlsi_auto *work, dls_error *error) {
 }
 
 /* Returns 1 if only rounding stands against the best r, and smaller ones are not looked for: at the
- * end of (AT12), and on a copy where it is no more than hidden_most over what may be certified. */
+ * end of (AT12), and on a copy where it is no more than near_most over what may be certified. */
 static int is_rounded(const dlsi_auto *work, part now) {
   const dls_certificate *best = &work->info.certificate;
   const double tol = work->options.limits.tol;
-  const int hidden = work->has_copy && 4 * best->floor_u <= hidden_most * fmax(tol, 1e-8);
+  const int hidden = work->has_copy && is_nearly_met(work, 4 * best->floor_u);
   return (now == REST || hidden) && dlsi_certificate_meets(best, tol);
 }
 
@@ -648,24 +649,29 @@ static dls_certificate enter_copy(dlsi_auto *work) {
   return kept;
 }
 
-/* Takes back what the stages on the copy have found: the answer if it is better than the one kept,
- * and the vectors of the verdict. Returns the status for the problem. */
-static dls_status leave_copy(dlsi_auto *work, const dls_contact *problem,
-                             const dls_certificate *kept, dls_status status) {
+/* Takes the vectors of the verdict back from the copy. */
+static void take_back_vectors(dlsi_auto *work, dls_status status) {
   const dlsi_renumber *copy = &work->copy;
-  const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const double *delta = work->part[AUGMENTED] && !work->excluded && status != DLS_NO_SOLUTION
                             ? dlsi_augmented_method.direction(work->part[AUGMENTED])
                             : NULL;
-  dls_certificate *best = &work->info.certificate;
-  work->problem = problem;
   work->has_direction = delta != NULL;
   const double *v = status == DLS_NO_SOLUTION || work->excluded
                         ? dlsi_lemke_method.farkas(work->part[PIVOTING])
                         : NULL;
   work->has_farkas = v != NULL;
-  if (delta) dlsi_renumber_back(copy, problem->d, 0, delta, work->direction);
+  if (delta) dlsi_renumber_back(copy, copy->problem.d, 0, delta, work->direction);
   if (v) dlsi_renumber_back(copy, 1, 0, v, work->farkas);
+}
+
+/* Takes the best r back from the copy if it is better than the one kept. Returns the status for the
+ * problem. */
+static dls_status leave_copy(dlsi_auto *work, const dls_contact *problem,
+                             const dls_certificate *kept, dls_status status) {
+  const dlsi_renumber *copy = &work->copy;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  dls_certificate *best = &work->info.certificate;
+  work->problem = problem;
   dlsi_renumber_back(copy, problem->d, copy->power_q - copy->power_W, work->best, work->r);
   dlsi_contact_multiply(problem, NULL, work->r, work->v[0], work->v[1]);
   dlsi_contact_weights(problem, work->w);
@@ -687,11 +693,8 @@ static dls_status leave_copy(dlsi_auto *work, const dls_contact *problem,
 static dls_status pivot_early(dlsi_auto *work, dls_error *error) {
   const dls_contact *problem = work->problem;
   const dls_certificate kept = enter_copy(work);
-  dls_status status = take_stage(work, PIVOTING, 0, error);
-  if (status < 0) return status;
-  status = leave_copy(work, problem, &kept, status);
-  work->has_direction = work->has_farkas = 0;
-  return status;
+  const dls_status status = take_stage(work, PIVOTING, 0, error);
+  return status < 0 ? status : leave_copy(work, problem, &kept, status);
 }
 
 /* Takes the stages first .. end-1 in turn. Returns DLS_OK, DLS_NO_SOLUTION, an error, DLS_CANCELLED
@@ -736,6 +739,7 @@ static dls_status take_copy(dlsi_auto *work, dls_error *error) {
   dls_status status = take_some(work, quick_count, stage_count, error);
   if (status == DLS_STALLED) status = judge(work, error);
   if (status < 0) return status;
+  take_back_vectors(work, status);
   status = leave_copy(work, problem, &kept, status);
   const dls_certificate *best = &work->info.certificate;
   if (status != DLS_OK || dls_certificate_holds(best, work->options.limits.tol)) return status;

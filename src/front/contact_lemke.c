@@ -204,12 +204,16 @@ static dls_status stall_beyond_range(dls_status status) {
   return status == DLS_E_NOT_FINITE ? DLS_STALLED : status;
 }
 
+static int lcp_rows(const dls_contact *problem, int facets) {
+  return facets ? dls_contact_facets_size(problem, facets) : dls_contact_lcp_size(problem);
+}
+
 /* (CL1) Solves the LCP of `facets` (0: the 3-row form) in scaled unknowns, warm from the states
  * of work->z, and offers its reactions. Returns the status of the LCP, or an error. */
 static dls_status pivot(contact_lemke *work, const dls_contact *problem, int facets, int *pivots,
                         dls_error *error) {
   const double *s = work->s;
-  const int n = facets ? dls_contact_facets_size(problem, facets) : dls_contact_lcp_size(problem);
+  const int n = lcp_rows(problem, facets);
   dls_status status =
       facets ? dlsi_to_facets_lcp(problem, facets, work->turn, s, work->M, n, work->q, error)
              : dls_contact_to_lcp(problem, s, work->M, n, work->q, error);
@@ -303,8 +307,9 @@ static dls_status pivot_linear(contact_lemke *work, const dls_contact *problem, 
   return work->has_v ? DLS_RAY : status;
 }
 
-/* (CL6) Returns DLS_OK with an answer, DLS_STALLED, the reason for an end, or an error. */
-static dls_status search(contact_lemke *work, const dls_contact *problem, int *pivots,
+/* (CL6) d <= 2: in the form given. Returns DLS_OK with an answer, DLS_STALLED, the reason for an
+ * end, or an error. */
+static dls_status search(contact_lemke *work, const dls_contact *problem, int form, int *pivots,
                          dls_error *error) {
   const int flat = problem->d <= 2;
   const double most_flops = flat ? most_flops_2d : most_flops_3d;
@@ -312,8 +317,8 @@ static dls_status search(contact_lemke *work, const dls_contact *problem, int *p
   double flops = 0;
   for (int k = 0; k < covers_per_candidate * problem->nc && flops < most_flops; k++) {
     const int forms = flat ? 1 : (work->facets - fewest_facets) / 2 + 1;
-    const int facets = flat ? 2 : fewest_facets + 2 * (k % forms), before = *pivots;
-    const double n = dls_contact_facets_size(problem, facets);
+    const int facets = flat ? form : fewest_facets + 2 * (k % forms), before = *pivots;
+    const double n = lcp_rows(problem, facets);
     const double x = golden * (k + 1);
     if (!flat) work->turn = 2 * acos(-1) / facets * (x - floor(x));
     dlsi_lemke_set_cover(work->lemke, dlsi_lemke_covers + k);
@@ -350,8 +355,8 @@ static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, d
   work->unit = ldexp(1, ilogb(most));
   int *pivots = &outcome.iterations;
   const int other = problem->d == 2 && dls_contact_facets_size(problem, 2) <= work->n;
-  const int searches = work->searches && (other || !flat);
-  dls_status status = searches ? search(work, problem, pivots, error)
+  const int searches = work->searches;
+  dls_status status = searches ? search(work, problem, other ? 2 : 0, pivots, error)
                                : pivot(work, problem, flat ? 0 : work->facets, pivots, error);
   if (other && !searches && status == DLS_RAY) status = pivot(work, problem, 2, pivots, error);
   if (status < 0) return status;

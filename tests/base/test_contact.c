@@ -1034,9 +1034,9 @@ START_TEST(products_round_alike_in_both_storages) {
     for (int j = 0; j < m; j++)
       a.W[j + m * k] *= (j + k) % 3 ? 1 : -1;
   }
-  for (int k = 0; k < a.p[4]; k++) /* the same signs */
-    for (int c = 0; c < 4; c++)
-      for (int e = 0; k >= a.p[c] && k < a.p[c + 1] && e < d * d; e++)
+  for (int c = 0; c < 4; c++)
+    for (int k = a.p[c]; k < a.p[c + 1]; k++)
+      for (int e = 0; e < d * d; e++) /* the same signs */
         a.x[d * d * k + e] *= (d * a.i[k] + e % d + d * c + e / d) % 3 ? 1 : -1;
   dlsi_contact_multiply(&a.dense, NULL, r, u, rounds);
   dlsi_contact_multiply(&a.blocks, NULL, r, v, same);
