@@ -77,7 +77,7 @@ static const double other_rho = 1e-8;
 struct dls_admm {
   dls_admm_settings settings;
   int d, nc;
-  int stage;              /* of auto; 2: another way, from v = 0 */
+  int stage;              /* of auto: its cold solves go another way, from v = 0 */
   dlsi_iterate it;        /* its u is that of x */
   double *metric;         /* sqrt(w), scaled so that |metric v| has no unit: nc */
   double *v, *z, *before; /* before: z': m */
@@ -367,7 +367,7 @@ static void admm_advance(dls_admm *work, const dls_contact *problem, double gap,
 
 /* Returns 1 if a solve starts from r as given, and not from v = 0. */
 static int admm_is_warm(const dls_admm *work) {
-  return work->stage != 2 && work->settings.limits.warm_start;
+  return work->settings.limits.warm_start;
 }
 
 /* Iterates from work->first, measured last, until the certificate of an x holds or there is a
@@ -380,7 +380,8 @@ static dls_status admm_iterate(dls_admm *work, const dls_contact *problem, dls_i
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   const double q = dlsi_norm2(problem->q, m);
   int *factorisations = &outcome->factorisations;
-  admm_schedule s = {work->settings.rho, 0.1, INFINITY, first_look};
+  const int other = work->stage && !admm_is_warm(work);
+  admm_schedule s = {other ? other_rho : work->settings.rho, 0.1, INFINITY, first_look};
   dls_certificate now = it->certificate;
   double accepted = 0;
   dls_status status = admm_factor(work, problem, &s.rho, factorisations, error);
@@ -456,7 +457,6 @@ static dls_status admm_create_by(void **out, int d, int nc, const dlsi_options *
   dls_admm_settings s;
   dls_admm_settings_init(&s);
   s.limits = options->limits;
-  if (options->stage == 2) s.rho = other_rho;
   return admm_create(out, d, nc, &s, options, error);
 }
 

@@ -52,13 +52,13 @@
 #include "vi_internal.h"
 
 enum {
-  factorisations_per_row = 1500, /* of all starts: more states are to be found in more rows */
+  factorisations_per_row = 3000, /* of all starts: more states are to be found in more rows */
   least_factorisations = 3000,
   first_factorisations = 500,
   most_factorisations = 250
 };
 enum { most_cuts = 12, most_corrections = 5 };
-static const double most_cubes = 4e10;  /* m^3 times the factorisations of all starts */
+static const double most_cubes = 8e10;  /* m^3 times the factorisations of all starts */
 static const double smoothing = 0.1;    /* c of (HO1) */
 static const double nearness = 0.2;     /* (HO6) */
 static const double to_boundary = 0.95; /* (HO6) */

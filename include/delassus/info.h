@@ -31,7 +31,7 @@ typedef struct dls_stage {
   double residual;    /* of the certificate of the r that the stage ended with */
 } dls_stage;
 
-enum { DLS_STAGES_MAX = 32 };
+enum { DLS_STAGES_MAX = 40 };
 
 /* What is known of other answers to the same problem. A cheap look: dls_contact_diagnose knows
  * more. */

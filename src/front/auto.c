@@ -27,7 +27,8 @@
  *                     them Lemke's method with other covering vectors and, d = 3, facets turned
  *                     (contact_lemke.c, CL6), and up to 3000 rows, from r = 0, plain sweeps in the
  *                     reverse order, ADMM with rho from 1e-8 on, and the augmented Lagrangian once
- *                     more
+ *                     more. At last, where the best r is within a hundred times the tolerance, ADMM
+ *                     from there: an answer may lie beside it in a basin too narrow for the others
  *   (AT10) proofs     at the end of (AT5) the linear problem that every solution solves (farkas.c):
  *                     it proves that there is no solution, or shows that none could be certified,
  *                     and nothing is searched for then. On a copy nothing is searched for, either,
@@ -119,6 +120,7 @@ enum { path_unknowns = 300 };         /* a thousand factorisations then take a f
 _Static_assert(2 * (int)pivot_rows <= 3 * (int)path_unknowns, "(AT5), early, has a copy");
 enum { other_unknowns = 3000 };      /* beyond, another way takes too long, and nothing is said */
 enum { other_iterations = 2000 };    /* of sweeps and splitting by another way */
+enum { settle_iterations = 20000 };  /* up to path_unknowns: a second or two */
 static const double near_most = 100; /* (AT9), (AT10): of residual or floor, over the one asked */
 enum { sure_starts = 2 };   /* (AT9): candidates, d = 3, whose states scattered starts cover */
 enum { copy_failures = 3 }; /* so much is Newton's method believed on a copy */
@@ -133,7 +135,7 @@ static const double small_part = 0.05; /* of a solve, for a look at other answer
 static const double another = 1e-3;    /* difference of two answers, over the largest reaction */
 static const double on_cone = 1e-9;    /* a reaction that lacks no more than this share slips */
 
-/* Its workspaces: each method once, and two of them once more for another way. */
+/* Each method once, and some once more for another way. */
 typedef enum part {
   SWEEPS,
   SPLITTING,
@@ -146,6 +148,7 @@ typedef enum part {
   HOMOTOPY,
   SCATTER,
   PUSH,
+  SETTLE,
   parts
 } part;
 
@@ -156,7 +159,7 @@ typedef struct auto_answer {
 typedef struct dlsi_auto {
   dlsi_options options;
   int d, nc;
-  void *part[parts];  /* workspace of each method, NULL before it is needed */
+  void *part[parts];  /* workspace of each method, NULL before it is needed, or by its home_of */
   dlsi_room room;     /* for their matrices: none keeps factors from one stage to the next */
   double *r, *best;   /* m: of the stage under way, of the best answer so far */
   double *w;          /* nc: weights of the certificate */
@@ -434,6 +437,15 @@ static int may_go_another_way(const dlsi_auto *work) {
   return work->problem->d * work->problem->nc <= other_unknowns;
 }
 
+/* Returns 1 for a residual so near the tolerance that an answer may lie beside it. */
+static int is_nearly_met(const dlsi_auto *work, double residual) {
+  return residual <= near_most * fmax(work->options.limits.tol, 1e-8);
+}
+
+static int may_settle(const dlsi_auto *work) {
+  return is_nearly_met(work, work->info.certificate.residual);
+}
+
 /* Method, its progress callback, when it is taken (NULL: always), its limit of iterations (0: its
  * own). */
 static const struct {
@@ -453,6 +465,7 @@ static const struct {
     [HOMOTOPY] = {&dlsi_homotopy_method, watch_limits, may_follow_path, 0},
     [SCATTER] = {&dlsi_scatter_method, watch_limits, may_follow_path, 0},
     [PUSH] = {&dlsi_nlgs_method, watch_push, may_push, most_pushes},
+    [SETTLE] = {&dlsi_admm_method, watch_limits, may_settle, settle_iterations},
 };
 
 /* The stages; cold: from r = 0, whatever was found before; copy: on a copy only (AT11); rest: a
@@ -474,7 +487,8 @@ static const struct {
               {SWEEPS, 0, 0, 0},    {OTHER_SWEEPS, 1, 0, 0},
               {NEWTON, 0, 0, 0},    {OTHER_SPLITTING, 1, 0, 0},
               {NEWTON, 0, 0, 0},    {AUGMENTED, 1, 0, 0},
-              {HOMOTOPY, 1, 1, 1},  {SCATTER, 0, 1, 1}};
+              {HOMOTOPY, 1, 1, 1},  {SCATTER, 0, 1, 1},
+              {SETTLE, 0, 1, 0}};
 enum { quick_count = 13, stage_count = sizeof stages / sizeof stages[0] };
 _Static_assert((int)stage_count - 1 + 3 <= (int)DLS_STAGES_MAX,
                "a line for each in the report, SPLITTING once, (AT14), the states, after the copy");
@@ -483,7 +497,7 @@ static dls_limits limits_of(dlsi_auto *work, part k) {
   const int blocks = work->options.limits.blocks;
   return (dls_limits){.tol = work->options.limits.tol,
                       .max_iterations = part_of[k].most,
-                      .warm_start = k != PIVOTING,
+                      .warm_start = k != PIVOTING && k != OTHER_SPLITTING,
                       .blocks = blocks,
                       .progress = part_of[k].watch,
                       .progress_data = work,
@@ -491,12 +505,17 @@ static dls_limits limits_of(dlsi_auto *work, part k) {
                       .threads = work->options.limits.threads};
 }
 
+/* Returns the part whose workspace part k takes. */
+static part home_of(part k) {
+  return k == OTHER_SPLITTING || k == SETTLE ? SPLITTING : k;
+}
+
 static dls_status create_part(dlsi_auto *work, part k, dls_error *error) {
   dlsi_options options = work->options;
   if (work->part[k]) return DLS_OK;
   options.limits = limits_of(work, k);
   options.limits.cpu_seconds = 0; /* take_stage sets it */
-  options.stage = k == OTHER_SWEEPS || k == OTHER_SPLITTING ? 2 : k == PUSH ? 3 : 1;
+  options.stage = k == OTHER_SWEEPS ? 2 : k == PUSH ? 3 : 1;
   options.room = &work->room;
   return part_of[k].method->create(&work->part[k], work->d, work->nc, &options, error);
 }
@@ -526,7 +545,7 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
   const dls_certificate *best = &work->info.certificate;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   dls_info info = {.status = DLS_OK}, *all = &work->info;
-  if (!status) status = create_part(work, k, &why);
+  if (!status) status = create_part(work, home_of(k), &why);
   const dls_limits limits = limits_of(work, k);
   if (cold)
     memset(work->r, 0, m * sizeof *work->r);
@@ -542,8 +561,9 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
   if (!status) {
     dls_contact of_bodies = *problem; /* (AT13) takes the factors even where there are blocks */
     if (k == PUSH && problem->bodies.H) of_bodies.Wb = (dls_blocks){0};
-    part_of[k].method->set_limits(work->part[k], &limits);
-    status = part_of[k].method->solve(work->part[k], &of_bodies, work->r, NULL, &info, &why);
+    void *const home = work->part[home_of(k)];
+    part_of[k].method->set_limits(home, &limits);
+    status = part_of[k].method->solve(home, &of_bodies, work->r, NULL, &info, &why);
   }
   if (k == SPLITTING) work->has_split = 1;
   if (k == REST) work->may_rest = 0;
@@ -578,11 +598,6 @@ static int runs_away(const dlsi_auto *work) {
   for (size_t k = 0; k < m; k++)
     v[k] /= work->w[k / d];
   return dlsi_max_abs(v, m) <= null_direction * dlsi_max_abs(delta, m);
-}
-
-/* Returns 1 for a residual so near the tolerance that an answer may lie beside it. */
-static int is_nearly_met(const dlsi_auto *work, double residual) {
-  return residual <= near_most * fmax(work->options.limits.tol, 1e-8);
 }
 
 /* (AT9) for a problem that no stage has solved. Returns DLS_OK, DLS_NO_SOLUTION_LIKELY,
@@ -1081,14 +1096,14 @@ static dls_status auto_create(void **out, int d, int nc, const dlsi_options *opt
   dlsi_auto *work = memory;
   for (part k = 0; !status && !options->lazy && k < parts; k++) {
     const int m = d * nc, large = m > other_unknowns;
-    if (k == SPLITTING && m < split_unknowns) continue;
+    if (home_of(k) != k) continue;
     if (k == REST && m < rest_unknowns) continue;
     if (k == PUSH && (nc <= few_push || !options->limits.blocks)) continue;
     const int blocks = options->limits.blocks;
     if (k == SWEEPS && nc > push_candidates && blocks && blocks / nc < nc / 4) continue;
     if (k == PIVOTING && !may_pivot(work)) continue;
     if ((k == HOMOTOPY || k == SCATTER) && m > path_unknowns) continue;
-    if ((k == OTHER_SWEEPS || k == OTHER_SPLITTING) && large) continue;
+    if (k == OTHER_SWEEPS && large) continue;
     status = create_part(work, k, error);
   }
   if (!status && !options->lazy && d * nc <= path_unknowns) /* (AT11) is dense */

@@ -374,14 +374,19 @@ START_TEST(enumerates_by_hand) {
 }
 END_TEST
 
-START_TEST(all_of_many_solutions_and_a_full_list) {
-  enum { n = 8 };
-  static double M[n * n], q[n], z[n << n];
-  for (int i = 0; i < n; i++) { /* M = -I, q = 1: every 0-1 vector */
+/* M = -I, q = 1: every 0-1 vector is a solution. M: n x n, 0. */
+static dls_lcp every_corner(int n, double *M, double *q) {
+  for (int i = 0; i < n; i++) {
     M[i + n * i] = -1;
     q[i] = 1;
   }
-  const dls_lcp lcp = lcp_of(n, M, q);
+  return lcp_of(n, M, q);
+}
+
+START_TEST(all_of_many_solutions_and_a_full_list) {
+  enum { n = 8 };
+  static double M[n * n], q[n], z[n << n];
+  const dls_lcp lcp = every_corner(n, M, q);
   dls_enumeration found;
   malloc_fails_at(0);
   const dls_status status = dls_lcp_enumerate(&lcp, 0, 1 << n, z, &found, NULL);
@@ -396,6 +401,19 @@ START_TEST(all_of_many_solutions_and_a_full_list) {
   ck_assert_int_eq(dls_lcp_enumerate(&lcp, 0, 10, z, &found, NULL), DLS_MAX_ITERATIONS);
   ck_assert_int_eq(found.solutions, 10);
   ck_assert(z[10 * n] == 99);
+}
+END_TEST
+
+START_TEST(enumeration_takes_its_largest_size) {
+  enum { n = DLS_ENUMERATE_MAX };
+  double M[n * n] = {0}, q[n], z[3 * n];
+  const dls_lcp lcp = every_corner(n, M, q); /* room for three */
+  dls_enumeration found;
+  ck_assert_int_eq(dls_lcp_enumerate(&lcp, 0, 3, z, &found, NULL), DLS_MAX_ITERATIONS);
+  ck_assert_int_eq(found.solutions, 3);
+  for (int k = 0; k < 3; k++)
+    for (int i = 0; i < n; i++)
+      ck_assert(z[i + n * k] == (k >> i & 1));
 }
 END_TEST
 
@@ -579,6 +597,7 @@ int main(void) {
              ONCE(same_bits_twice), ONCE(leading_dimension_and_indices_outside),
              ONCE(matrices_that_are_no_p_matrices), ONCE(progress_can_cancel),
              ONCE(enumerates_by_hand), ONCE(all_of_many_solutions_and_a_full_list),
-             ONCE(enumeration_does_not_see_units), ONCE(create_refuses), ONCE(solve_refuses),
-             ONCE(enumerate_refuses), ONCE(every_malloc_fails_in_turn));
+             ONCE(enumeration_takes_its_largest_size), ONCE(enumeration_does_not_see_units),
+             ONCE(create_refuses), ONCE(solve_refuses), ONCE(enumerate_refuses),
+             ONCE(every_malloc_fails_in_turn));
 }
