@@ -82,6 +82,31 @@ START_TEST(equal_candidates_are_told_apart_by_neighbours) {
 }
 END_TEST
 
+/* Candidates that nothing tells apart but their q_n, by less than an order by size sees, the sign of
+ * their q_t, or their friction, in two orders. */
+START_TEST(equal_candidates_are_told_apart_by_loads) {
+  enum { nc = 4 };
+  static model a[2];
+  static const int place[2][nc] = {{0, 1, 2, 3}, {2, 3, 1, 0}};
+  copied c[2];
+  for (int k = 0; k < 2; k++) {
+    set_model(&a[k], 2, nc);
+    for (int i = 0; i < nc; i++) {
+      const int at = place[k][i];
+      for (int e = 0; e < 2; e++)
+        a[k].W[2 * at + e + a[k].p.W.ld * (2 * at + e)] = 2;
+      a[k].q[2 * at] = _i == 0 ? -1 - i * 0x1p-40 : -1;
+      a[k].q[2 * at + 1] = _i == 1 && i % 2 ? -1 : 1;
+      a[k].mu[at] = _i == 2 ? 0.125 * i : 0.5;
+    }
+    make_copy(&c[k], &a[k].p);
+  }
+  expect_same_copy(&c[0], &c[1]);
+  free(c[0].arena.base);
+  free(c[1].arena.base);
+}
+END_TEST
+
 /* W = B B' of whole numbers and low rank, much friction; any q, so that some have no solution. */
 static void hard_model(model *a, int i) {
   set_seed((uint64_t)i + 1);
@@ -145,5 +170,6 @@ END_TEST
 int main(void) {
   return RUN("renumber", NULL, NULL, EACH(copies_are_the_same, 0, 20),
              ONCE(equal_candidates_are_told_apart_by_neighbours),
+             EACH(equal_candidates_are_told_apart_by_loads, 0, 3),
              EACH(order_keeps_the_verdict, 0, 60), ONCE(unsolved_gives_the_best_of_all_stages));
 }
