@@ -16,7 +16,7 @@ typedef struct two_bodies {
   dlsi_fclib_global of;
 } two_bodies;
 
-static void make(two_bodies *t) {
+static void make_two(two_bodies *t) {
   *t = (two_bodies){
       .Mp = {0, 2, 3, 4, 6, 9, 10},
       .Mi = {0, 3, 1, 2, 3, 4, 0, 3, 4, 5},
@@ -49,7 +49,7 @@ START_TEST(two_bodies_by_hand) {
   static const double H[12] = {.5, 0, 0, 0, .5, 3, 0, -1, 0, 2, -1, 2};
   two_bodies t;
   dlsi_fclib_bodies B;
-  make(&t);
+  make_two(&t);
   ck_assert_int_eq(dlsi_fclib_bodies_create(&B, &t.of, NULL), DLS_OK);
   ck_assert(B.n == 3 && B.count == 2 && B.body && B.body[0] == 0 && B.body[1] == 1);
   ck_assert_mem_eq(B.H, H, sizeof H);
@@ -66,7 +66,7 @@ START_TEST(other_matrices_are_no_bodies) {
     double x;
   } change[] = {{1, 1e-300}, {6, -3}, {5, 3}, {0, 0}, {3, -1}, {8, 1}, {9, 0}};
   two_bodies t;
-  make(&t);
+  make_two(&t);
   t.Mx[change[_i].k] = change[_i].x;
   expect_none(&t);
 }
@@ -74,10 +74,10 @@ END_TEST
 
 START_TEST(other_shapes_are_no_bodies) {
   two_bodies t;
-  make(&t);
+  make_two(&t);
   t.of.M.rows = t.of.M.cols = 4; /* no whole number of bodies */
   expect_none(&t);
-  make(&t);
+  make_two(&t);
   t.of.d = 3; /* of six motions each: the two blocks are one body, and HT has one column of two */
   t.of.nc = 0;
   expect_none(&t);
@@ -113,7 +113,7 @@ END_TEST
 START_TEST(one_body_on_the_ground) {
   two_bodies t;
   dlsi_fclib_bodies B;
-  make(&t);
+  make_two(&t);
   t.Hp[0][1] = 1;
   t.Hp[1][1] = 2;
   ck_assert_int_eq(dlsi_fclib_bodies_create(&B, &t.of, NULL), DLS_OK);

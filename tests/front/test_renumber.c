@@ -82,8 +82,8 @@ START_TEST(equal_candidates_are_told_apart_by_neighbours) {
 }
 END_TEST
 
-/* Candidates that nothing tells apart but their q_n, by less than an order by size sees, the sign of
- * their q_t, or their friction, in two orders. */
+/* Candidates that nothing tells apart but their q_n, by less than an order by size sees, the sign
+ * of their q_t, or their friction, in two orders. */
 START_TEST(equal_candidates_are_told_apart_by_loads) {
   enum { nc = 4 };
   static model a[2];
