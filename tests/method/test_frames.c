@@ -18,7 +18,7 @@ typedef struct one_node {
   dls_model model;
 } one_node;
 
-static void make(one_node *s, int sparse) {
+static void node_make(one_node *s, int sparse) {
   *s = (one_node){
       .kp = {0, 4, 9, 13, 16},
       .ki = {0, 0, 2, 1, /**/ 0, 1, 2, 3, 1, /**/ 2, 3, 1, 0, /**/ 3, 1, 0},
@@ -57,7 +57,7 @@ static const double turned[n][n] = {
 START_TEST(a_frame_by_hand) {
   for (int sparse = 0; sparse < 2; sparse++) {
     one_node s;
-    make(&s, sparse);
+    node_make(&s, sparse);
     dlsi_frames a;
     ck_assert_int_eq(dlsi_frames_create(&a, &s.model, &error), DLS_OK);
     ck_assert(a.n == n && a.nodes == 1 && a.normal[0] == 2 && a.tangent[0] == 1);
@@ -92,7 +92,7 @@ START_TEST(vectors_by_hand) {
   void (*const turn[3])(const dlsi_frames *, const double *, double *) = {
       dlsi_frames_forces, dlsi_frames_unknowns, dlsi_frames_positions};
   one_node s;
-  make(&s, 0);
+  node_make(&s, 0);
   dlsi_frames a;
   ck_assert_int_eq(dlsi_frames_create(&a, &s.model, &error), DLS_OK);
   for (int k = 0; k < 3; k++) {
@@ -122,7 +122,7 @@ START_TEST(nearly_parallel) {
   one_node s;
   dlsi_frames a;
   for (int k = 0; k < 2; k++) {
-    make(&s, 0);
+    node_make(&s, 0);
     s.nx[1] = 1024; /* n = (1024, 0), t = (1/8, e) */
     s.nx[2] = 0;
     s.tx[0] = 0;
@@ -143,7 +143,7 @@ START_TEST(pivot_within_a_node) {
   one_node s;
   dlsi_frames a;
   for (int k = 0; k < 2; k++) {
-    make(&s, 0);
+    node_make(&s, 0);
     s.nx[2] = 0; /* n = x_2, t = x_1 */
     s.tx[0] = 0;
     s.tx[1] = 0;
@@ -166,16 +166,16 @@ END_TEST
 /* A third unknown of HN, of HT; none at all; one alone, of both. */
 START_TEST(unknowns_of_a_node) {
   one_node s;
-  make(&s, 0);
+  node_make(&s, 0);
   s.nx[0] = 1;
   expect_refused(&s, DLS_E_UNSUPPORTED, "HN", 0, "acts on more than two");
-  make(&s, 0);
+  node_make(&s, 0);
   s.ti[1] = 3;
   expect_refused(&s, DLS_E_UNSUPPORTED, "HT", 0, "with HN, on more than two");
-  make(&s, 0);
+  node_make(&s, 0);
   s.nx[1] = s.nx[2] = 0;
   expect_refused(&s, DLS_E_UNSUPPORTED, "HN", 0, "acts on no unknown");
-  make(&s, 0);
+  node_make(&s, 0);
   s.nx[2] = s.tx[0] = s.tx[2] = 0;
   expect_refused(&s, DLS_E_UNSUPPORTED, "HT", 0, "parallel");
 }
