@@ -135,8 +135,8 @@ START_TEST(two_by_hand) {
 }
 END_TEST
 
-/* Entries that decay along a line call for (SC4), a triangle of growing ones for two rounds of it; units of
- * rows and columns, zeros in between. */
+/* Entries that decay along a line call for (SC4), a triangle of growing ones for two rounds of it;
+ * units of rows and columns, zeros in between. */
 START_TEST(negligible_entries) {
   int one = 0, two = 0;
   for (int kind = 0; kind < 6; kind++) {

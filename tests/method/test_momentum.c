@@ -64,12 +64,12 @@ START_TEST(growth_begins_anew) {
     r[1] = 8;
     ck_assert(dlsi_momentum_step(&s.mo, 2, 2, &w, .0625, one, one, r, u) == 64);
     ck_assert(r[0] == 8.5 && r[1] == 8 && s.mo.k == 2 && s.mo.reference == 64);
-    r[0] = 16.5; /* e = (-8, -8), or (-8, -12); p = (.5, 8) */
-    r[1] = more ? 20 : 16;
+    r[0] = 16.5; /* e = (-8, -8), or (-8, -10); p = (.5, 8) */
+    r[1] = more ? 18 : 16;
     const double G = dlsi_momentum_step(&s.mo, 2, 2, &w, .0625, one, one, r, u);
-    ck_assert(G == (more ? 208 : 128) && s.mo.k == (more ? 0 : 3));
-    ck_assert(r[0] == (more ? 16.5 : 16.53125) && r[1] == (more ? 20 : 16.5));
-    ck_assert(s.mo.reference == (more ? 208 : 64));
+    ck_assert(G == (more ? 164 : 128) && s.mo.k == (more ? 0 : 3));
+    ck_assert(r[0] == (more ? 16.5 : 16.53125) && r[1] == (more ? 18 : 16.5));
+    ck_assert(s.mo.reference == (more ? 164 : 64));
   }
 }
 END_TEST
