@@ -979,6 +979,103 @@ START_TEST(warm_start_keeps_the_cover) {
 }
 END_TEST
 
+/* The start has one variable of each pair at -1, and with the cover a tie. The one with the smaller
+ * part of the perturbation leaves: y of row 2, then z of row 2, whose part is that of a cold start.
+ * M = [1 -2; 0 1] and its mirror image: z = (1, 1) after 2 exchanges if y leaves, 4 if z does. */
+START_TEST(warm_start_breaks_ties_as_a_cold_one) {
+  const double ones[2] = {1, 1};
+  dls_lemke_settings settings = path_alone();
+  settings.limits.warm_start = 1;
+  settings.cover = ones;
+  for (int k = 0; k < 2; k++) {
+    const double M[2][4] = {{1, 0, -2, 1}, {1, -2, 0, 1}}, q[2][2] = {{1, -1}, {-1, 1}};
+    double z[2] = {1 - k, k};
+    dls_lemke_info info;
+    ck_assert_int_eq(solved(2, M[k], q[k], &settings, z, &info), DLS_OK);
+    ck_assert(z[0] == 1 && z[1] == 1);
+    ck_assert_int_eq(info.pivots, k == 0 ? 2 : 4);
+    ck_assert_int_eq(info.starts, 1);
+  }
+}
+END_TEST
+
+typedef struct path_watch {
+  const dls_lcp *lcp;
+  int calls;
+} path_watch;
+
+/* y = q + M z + z0 >= 0 with an equality, so that z tells z0; told is z0 |d| / |q|. */
+static int watch_estimate(void *data, const dls_progress *progress) {
+  path_watch *w = data;
+  if (progress->last) return 0;
+  const int n = w->lcp->n;
+  double z0 = -INFINITY, size = 0;
+  for (int i = 0; i < n; i++) {
+    double y = w->lcp->q[i];
+    for (int j = 0; j < n; j++)
+      y += w->lcp->M.a[i + n * j] * progress->r[j];
+    z0 = fmax(z0, -y);
+    size += w->lcp->q[i] * w->lcp->q[i];
+  }
+  ck_assert_double_eq_tol(progress->residual / (z0 * sqrt(n / size)), 1, 1e-10);
+  w->calls++;
+  return 0;
+}
+
+/* M of 1 and -1, which no scales change, and the cover 1. */
+START_TEST(residual_on_the_path) {
+  enum { n = 101 };
+  seed = 4;
+  for (int j = 0; j < n; j++) {
+    big_q[j] = -4 - fraction();
+    for (int i = 0; i <= j; i++) {
+      big_M[i + n * j] = i == j || fraction() < .5 ? 1 : -1;
+      big_M[j + n * i] = i == j ? 1 : -big_M[i + n * j];
+    }
+  }
+  const dls_lcp lcp = lcp_of(n, big_M, big_q);
+  path_watch w = {&lcp, 0};
+  double ones[n];
+  for (int i = 0; i < n; i++)
+    ones[i] = 1;
+  dls_lemke_settings settings = path_alone();
+  settings.cover = ones;
+  settings.limits.progress = watch_estimate;
+  settings.limits.progress_data = &w;
+  dls_lemke_info info;
+  ck_assert_int_eq(solved(n, big_M, big_q, &settings, big_z, &info), DLS_OK);
+  ck_assert_int_gt(w.calls, 1);
+}
+END_TEST
+
+/* M = -I, q < 0: the ray of each cover tells the cover: 1, times 2^(10 x - 5), x = i phi + k psi
+ * without its integer part, or drawn; alone, and in a run of all again. */
+START_TEST(covers_by_number) {
+  enum { n = 5 };
+  double M[n * n] = {0}, q[n], z[n], cover[n];
+  for (int i = 0; i < n; i++)
+    M[i + n * i] = q[i] = -1;
+  const dls_lcp lcp = lcp_of(n, M, q);
+  dls_lemke *w;
+  dls_lemke_info info;
+  ck_assert_int_eq(dls_lemke_create(&w, n, NULL, NULL), DLS_OK);
+  static const int number[] = {1, 3, dlsi_lemke_covers - 1, dlsi_lemke_covers, 77, 0};
+  for (size_t k = 0; k < sizeof number / sizeof number[0]; k++) {
+    dlsi_lemke_set_cover(w, number[k]);
+    ck_assert_int_eq(dls_lemke_solve(w, &lcp, z, NULL, &info, NULL), DLS_NO_SOLUTION);
+    ck_assert_int_eq(info.starts, 1);
+    ck_assert_int_eq(info.crash_rounds > 0, number[k] == 0);
+    ck_assert_int_eq(dls_lemke_ray(w, NULL, NULL, NULL, NULL, cover, NULL), DLS_OK);
+    for (int i = 0; i < n; i++) {
+      const double turn = 0.6180339887498949 * (i + 1) + 0.7548776662466927 * number[k];
+      const double x = number[k] >= 10 ? dlsi_draw_entry(number[k], i) : turn - floor(turn);
+      ck_assert_double_eq_tol(cover[i], number[k] ? exp2(10 * x - 5) : 1, 1e-13 * cover[i]);
+    }
+  }
+  dls_lemke_destroy(w);
+}
+END_TEST
+
 /* ---- crash start ----------------------------------------------------------------------------- */
 
 /* the default */
@@ -1237,17 +1334,19 @@ START_TEST(a_norm_beyond_numbers) {
 END_TEST
 
 int main(void) {
-  return RUN(
-      "lemke", NULL, NULL, ONCE(size_one), ONCE(feasible_q_is_answered_at_once), ONCE(size_two),
-      ONCE(nearly_impossible), ONCE(catalogue_of_contact), ONCE(ray_of_large_friction),
-      ONCE(bimatrix_game), ONCE(cycling_example), ONCE(identical_rows), ONCE(murty),
-      ONCE(p_matrices), ONCE(any_matrix), ONCE(semidefinite), ONCE(hundred_unknowns),
-      ONCE(stewart_trinkle), ONCE(very_large_friction), ONCE(decaying_entries), ONCE(units),
-      ONCE(permutations), ONCE(same_bits_and_reuse), ONCE(progress_and_limit), ONCE(bad_arguments),
-      ONCE(every_malloc_fails), ONCE(extreme_numbers), ONCE(warm_start_follows_a_load),
-      ONCE(warm_start_from_anywhere), ONCE(warm_start_that_leads_nowhere),
-      ONCE(warm_start_keeps_the_cover), ONCE(crash_finds_the_solution), ONCE(crash_with_friction),
-      ONCE(crash_in_any_unit), ONCE(crash_keeps_to_its_room), ONCE(crash_that_leads_nowhere),
-      ONCE(crash_does_not_insist), ONCE(crash_from_a_start_and_with_a_cover),
-      ONCE(crash_can_be_cancelled), ONCE(a_norm_beyond_numbers));
+  return RUN("lemke", NULL, NULL, ONCE(size_one), ONCE(feasible_q_is_answered_at_once),
+             ONCE(size_two), ONCE(nearly_impossible), ONCE(catalogue_of_contact),
+             ONCE(ray_of_large_friction), ONCE(bimatrix_game), ONCE(cycling_example),
+             ONCE(identical_rows), ONCE(murty), ONCE(p_matrices), ONCE(any_matrix),
+             ONCE(semidefinite), ONCE(hundred_unknowns), ONCE(stewart_trinkle),
+             ONCE(very_large_friction), ONCE(decaying_entries), ONCE(units), ONCE(permutations),
+             ONCE(same_bits_and_reuse), ONCE(progress_and_limit), ONCE(bad_arguments),
+             ONCE(every_malloc_fails), ONCE(extreme_numbers), ONCE(warm_start_follows_a_load),
+             ONCE(warm_start_from_anywhere), ONCE(warm_start_that_leads_nowhere),
+             ONCE(warm_start_keeps_the_cover), ONCE(warm_start_breaks_ties_as_a_cold_one),
+             ONCE(residual_on_the_path), ONCE(covers_by_number), ONCE(crash_finds_the_solution),
+             ONCE(crash_with_friction), ONCE(crash_in_any_unit), ONCE(crash_keeps_to_its_room),
+             ONCE(crash_that_leads_nowhere), ONCE(crash_does_not_insist),
+             ONCE(crash_from_a_start_and_with_a_cover), ONCE(crash_can_be_cancelled),
+             ONCE(a_norm_beyond_numbers));
 }
