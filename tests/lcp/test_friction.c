@@ -56,13 +56,16 @@ static int form_directly(const dls_contact *p, const double *W, const dlsi_form 
 }
 
 /* d = 1, 2, 3; candidates with and without friction, the last one too; W dense and by blocks, two
- * of them in one place; with scales and without; a column longer than it has to be. */
+ * of them in one place; with scales and without; a column longer than it has to be;
+ * directions beyond those of the form, which nobody may read. */
 START_TEST(any_form) {
   static const dlsi_form forms[4] = {
-      {.directions = 1, .shift = 1, .c = {{1, 0, 0}}},
-      {.directions = 1, .shift = 1, .c = {{1, 0, 0}, {0, 1, 0}}},
-      {.directions = 2, .shift = 0, .c = {{1, 0, 0}, {0, 1, 0}, {0, -1, 0}}},
-      {.directions = 3, .shift = .5, .c = {{1, 0, 0}, {0, 2, 1}, {0, -1, 3}, {0, 4, -2}}}};
+      {.directions = 1, .shift = 1, .c = {{1, 0, 0}, {9, 9, 9}, {9, 9, 9}}},
+      {.directions = 1, .shift = 1, .c = {{1, 0, 0}, {0, 1, 0}, {9, 9, 9}}},
+      {.directions = 2, .shift = 0, .c = {{1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {9, 9, 9}}},
+      {.directions = 3,
+       .shift = .5,
+       .c = {{1, 0, 0}, {0, 2, 1}, {0, -1, 3}, {0, 4, -2}, {9, 9, 9}}}};
   const dlsi_form *form = &forms[_i % 4];
   const int d = _i % 4 == 0 ? 1 : _i % 4 < 3 ? 2 : 3, nc = 4, m = d * nc, sparse = _i / 4 % 2;
   const double mu[2][4] = {{.5, 0, 2, 1}, {0, 1, .25, 0}}, scales[4] = {2, .5, 4, 1};

@@ -55,6 +55,64 @@ START_TEST(each_lane_arrives) {
 }
 END_TEST
 
+/* Candidates apart from each other, free, sticking and without friction, are solved by one sweep;
+ * the next one, after which the sweeps look, finds that nothing moves. q = 0 in some lanes. */
+START_TEST(ends_at_the_first_look) {
+  static model a[dlsi_lanes];
+  dls_contact problem[dlsi_lanes];
+  dlsi_lane_work *work = dlsi_lane_create();
+  ck_assert_ptr_nonnull(work);
+  for (int d = 1; d <= 3; d++)
+    for (int nc = 1; nc <= dlsi_lane_candidates; nc++) {
+      for (int k = 0; k < dlsi_lanes; k++) {
+        set_model(&a[k], d, nc);
+        for (int i = 0; i < d * nc; i++) {
+          a[k].W[i + d * nc * i] = 1 << (i + k) % 4;
+          a[k].q[i] = k % 3 == 2 ? 0 : i % d == 0 ? (i % 2 ? 3 : -4 - k) : .25;
+        }
+        for (int c = 0; c < nc; c++)
+          a[k].mu[c] = d > 1 && c % 3 ? 1 : 0;
+        for (int c = 0; c < nc; c += 3) /* without friction, at rest or sliding */
+          for (int i = 1; i < d; i++)
+            a[k].q[d * c + i] = k % 2;
+        problem[k] = a[k].p;
+      }
+      ck_assert_int_eq(dlsi_lane_solve(work, dlsi_lanes, problem, 1e-12), 2);
+      for (int k = 0; k < dlsi_lanes; k++) {
+        double r[3 * dlsi_lane_candidates];
+        dlsi_lane_get(work, k, d, r);
+        for (int i = 0; i < d * nc; i++) {
+          const int c = i / d, loaded = a[k].q[d * c] < 0;
+          const double own = -a[k].q[i] / (1 << (i + k) % 4);
+          ck_assert(r[i] == (loaded && (i % d == 0 || a[k].mu[c] > 0) ? own : 0));
+        }
+      }
+    }
+  free(work);
+}
+END_TEST
+
+/* C11 in one lane, whose sweeps cycle: the limit, wherever it
+ * stands beside others with q = 0. */
+START_TEST(goes_on_while_a_lane_moves) {
+  static model a[2];
+  dls_contact problem[dlsi_lanes];
+  dlsi_lane_work *work = dlsi_lane_create();
+  ck_assert_ptr_nonnull(work);
+  set_hand(&a[0], hand_named("C11"));
+  set_model(&a[1], a[0].p.d, a[0].p.nc);
+  for (int i = 0; i < a[0].p.d * a[0].p.nc; i++)
+    a[1].W[i * (a[0].p.d * a[0].p.nc + 1)] = 1;
+  for (int at = 0; at < dlsi_lanes; at++) {
+    for (int k = 0; k < dlsi_lanes; k++)
+      problem[k] = a[k != at].p;
+    ck_assert_int_eq(dlsi_lane_solve(work, dlsi_lanes, problem, 1e-8), 32);
+  }
+  free(work);
+}
+END_TEST
+
 int main(void) {
-  return RUN("lanes", NULL, NULL, EACH(each_lane_arrives, 0, 96));
+  return RUN("lanes", NULL, NULL, EACH(each_lane_arrives, 0, 96), ONCE(ends_at_the_first_look),
+             ONCE(goes_on_while_a_lane_moves));
 }
