@@ -339,6 +339,41 @@ START_TEST(progress_can_cancel) {
 }
 END_TEST
 
+/* y = q, then z = (7, -2) / 3 with weights 2: |negative parts| / |q| is told, and z with it. */
+static int watch_negative_parts(void *data, const dls_progress *progress) {
+  int *calls = data;
+  if (progress->last) return 0;
+  const double residual[2] = {1, 4. / 3 / sqrt(17)}, z[2][2] = {{0, 0}, {7. / 3, -2. / 3}};
+  ck_assert_int_lt(*calls, 2);
+  ck_assert_int_eq(progress->iteration, *calls);
+  ck_assert_double_eq_tol(progress->residual, residual[*calls], 1e-15);
+  for (int i = 0; i < 2; i++)
+    ck_assert_double_eq_tol(progress->r[i], z[*calls][i], 1e-15);
+  ++*calls;
+  return 0;
+}
+
+START_TEST(residual_of_a_basis) {
+  const double M[4] = {2, 1, 1, 2}, q[2] = {-4, -1};
+  const dls_lcp lcp = lcp_of(2, M, q);
+  int calls = 0;
+  double z[2];
+  dls_principal_settings settings;
+  dls_principal_settings_init(&settings);
+  settings.limits.progress = watch_negative_parts;
+  settings.limits.progress_data = &calls;
+  const dls_principal_info info = solve_principal(&lcp, &settings, z, NULL);
+  ck_assert(info.status == DLS_OK && info.iterations == 2 && info.single_exchanges == 0);
+  ck_assert(calls == 2 && z[0] == 2 && z[1] == 0);
+  /* one basis less: the better one of two, whose z_1 < 0 is cut */
+  settings.limits.max_iterations = 1;
+  calls = 0;
+  ck_assert_int_eq(solve_principal(&lcp, &settings, z, NULL).status, DLS_MAX_ITERATIONS);
+  ck_assert(calls == 2 && z[1] == 0);
+  ck_assert_double_eq_tol(z[0], 7. / 3, 1e-15);
+}
+END_TEST
+
 /* ---- enumeration ----------------------------------------------------------------------------- */
 
 START_TEST(enumerates_by_hand) {
@@ -596,8 +631,8 @@ int main(void) {
              ONCE(warm_start_gives_the_cold_answer), ONCE(units_do_not_matter),
              ONCE(same_bits_twice), ONCE(leading_dimension_and_indices_outside),
              ONCE(matrices_that_are_no_p_matrices), ONCE(progress_can_cancel),
-             ONCE(enumerates_by_hand), ONCE(all_of_many_solutions_and_a_full_list),
-             ONCE(enumeration_takes_its_largest_size), ONCE(enumeration_does_not_see_units),
-             ONCE(create_refuses), ONCE(solve_refuses), ONCE(enumerate_refuses),
-             ONCE(every_malloc_fails_in_turn));
+             ONCE(residual_of_a_basis), ONCE(enumerates_by_hand),
+             ONCE(all_of_many_solutions_and_a_full_list), ONCE(enumeration_takes_its_largest_size),
+             ONCE(enumeration_does_not_see_units), ONCE(create_refuses), ONCE(solve_refuses),
+             ONCE(enumerate_refuses), ONCE(every_malloc_fails_in_turn));
 }

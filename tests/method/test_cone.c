@@ -88,11 +88,11 @@ START_TEST(largest_step) {
 }
 END_TEST
 
-/* (1/mu, 1, 1), or (1, 0, 0): the means of the scaled diagonals are 4, 1 and 0, of which the
- * second gets 4, too, and the last one, which has none, stays. */
+/* (1/mu, 1, 1), or (1, 0, 0): the means of the scaled diagonals are 1, 4 and 0, of which the
+ * first gets 4, too, and the last one, which has none, stays. */
 START_TEST(scales_by_hand) {
-  const double diagonal[9] = {1, 4, 4, 3, 5, 6, 0, 0, 0}, mu[3] = {.5, 0, 2};
-  static const double expected[9] = {2, 1, 1, 2, 0, 0, .5, 1, 1};
+  const double diagonal[9] = {.25, 1, 1, 12, 5, 6, 0, 0, 0}, mu[3] = {.5, 0, 2};
+  static const double expected[9] = {4, 2, 2, 1, 0, 0, .5, 1, 1};
   double W[81], S[10], scratch[4];
   for (int k = 0; k < 81; k++)
     W[k] = k % 10 == 0 ? diagonal[k / 10] : 9;
