@@ -1,4 +1,4 @@
-/* test_friction.c: contact problems as LCPs of any form, in small integers, without any rounding. */
+/* test_friction.c: contact problems as LCPs of any form, in small integers, free of rounding. */
 #include <check.h>
 #include <limits.h>
 #include <math.h>
