@@ -1,0 +1,65 @@
+/* test_number.c: norms to the last entry and beyond the range of squares, drawn numbers. */
+#include <check.h>
+#include <float.h>
+#include <math.h>
+
+#include "base/base.h"
+#include "run.h"
+
+/* The largest entry, NaN or infinity is found wherever it stands, beside the last four, too. */
+START_TEST(the_largest_anywhere) {
+  double x[14];
+  for (size_t n = 1; n <= 13; n++)
+    for (size_t at = 0; at < n; at++) {
+      for (size_t i = 0; i < 14; i++)
+        x[i] = i < n ? (i % 2 ? -1. : 1.) - (double)i / 64 : NAN; /* none reads beyond n */
+      x[at] = -8;
+      ck_assert(dlsi_max_abs(x, n) == 8);
+      x[at] = NAN;
+      ck_assert_double_nan(dlsi_max_abs(x, n));
+      x[at] = -INFINITY;
+      ck_assert(dlsi_max_abs(x, n) == INFINITY);
+      for (size_t i = 0; i < n; i++)
+        x[i] = INFINITY; /* many of them are no NaN */
+      ck_assert(dlsi_max_abs(x, n) == INFINITY);
+      x[at] = NAN;
+      ck_assert_double_nan(dlsi_max_abs(x, n));
+    }
+  ck_assert(dlsi_max_abs(x, 0) == 0);
+}
+END_TEST
+
+/* |(3, 4)| = 5 at both ends of the range, exactly. */
+START_TEST(norms_at_the_ends_of_the_range) {
+  for (int e = -1074; e <= 1021; e++) {
+    const double x[3] = {ldexp(3, e), 0, ldexp(-4, e)};
+    ck_assert(dlsi_norm2(x, 3) == ldexp(5, e));
+    ck_assert(dlsi_norm2(x, 1) == ldexp(3, e));
+  }
+  const double huge[3] = {DBL_MAX, DBL_MAX, 1}, endless[3] = {1, -INFINITY, 1};
+  const double lost[4] = {INFINITY, NAN, 0x1p1000, 1}, none[2] = {0, -0.0};
+  ck_assert(dlsi_norm2(huge, 1) == DBL_MAX);
+  ck_assert(dlsi_norm2(huge, 2) == DBL_MAX); /* the norm itself is beyond the range */
+  ck_assert(dlsi_norm2(endless, 3) == INFINITY);
+  ck_assert_double_nan(dlsi_norm2(lost, 4));
+  ck_assert(dlsi_norm2(none, 2) == 0);
+}
+END_TEST
+
+/* The published beginning of splitmix64 from 0. */
+START_TEST(drawn_numbers_are_those_of_splitmix64) {
+  static const uint64_t first[3] = {0xe220a8397b1dcdaf, 0x6e789e6aa1b965f4, 0x06c45d188009454f};
+  for (int i = 0; i < 3; i++) {
+    const uint64_t x = ((uint64_t)i + 1) * DLSI_GOLDEN_BITS;
+    ck_assert(dlsi_mix(x) == first[i]);
+    ck_assert(dlsi_draw(x) == ldexp((double)(first[i] >> 11), -53));
+    ck_assert(dlsi_draw_entry(0, i + 1) == dlsi_draw(x));
+  }
+  ck_assert(dlsi_draw_entry(5, 7) == dlsi_draw((((uint64_t)5 << 32) + 7) * DLSI_GOLDEN_BITS));
+}
+END_TEST
+
+int main(void) {
+  return RUN("number", NULL, NULL, ONCE(the_largest_anywhere), ONCE(norms_at_the_ends_of_the_range),
+             ONCE(drawn_numbers_are_those_of_splitmix64));
+}
