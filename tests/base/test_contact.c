@@ -536,9 +536,46 @@ START_TEST(weights_fall_back) {
   W[0] = -6, W[5] = 0;
   dlsi_contact_weights(&p, w);
   ck_assert(w[0] == 6 && w[1] == 6);
+  W[11] = -7; /* beside the diagonal */
+  dlsi_contact_weights(&p, w);
+  ck_assert(w[0] == 7 && w[1] == 7);
   memset(W, 0, sizeof W);
   dlsi_contact_weights(&p, w);
   ck_assert(w[0] == 1 && w[1] == 1);
+  const double many[16] = {[0] = 3, [5] = 5, [15] = 10}; /* d = 1 */
+  double v[4];
+  p = (dls_contact){.d = 1, .nc = 4, .W = {4, 4, 4, many}, .q = q2, .mu = mu2};
+  dlsi_contact_weights(&p, v);
+  ck_assert(v[0] == 3 && v[1] == 5 && v[2] == 6 && v[3] == 10);
+}
+END_TEST
+
+/* Of equal misfits the first one is the worst, where their squares are no numbers, too. */
+START_TEST(worst_of_equal_ones) {
+  const double unit[3] = {1, 0x1p-700, 0x1p700};
+  for (int k = 0; k < 3; k++) {
+    const double s = unit[k];
+    const dls_certificate c = two_apart(-s, -s, 0, 0), b = two_apart(s, -s, 0, 0);
+    ck_assert(c.worst == 0 && b.worst == 1);
+  }
+  const dls_contact none = {.d = 3};
+  ck_assert_int_eq(certified(&none, NULL, NULL).worst, 0);
+}
+END_TEST
+
+/* W = 1, w = 1: from w r_n = u_n on friction has no say; reactions up to 4 roundings of the largest
+ * number beside them break no law. */
+START_TEST(borders_of_the_laws) {
+  double W[4] = {1, 0, 0, 1}, q[2] = {0, 1}, mu[1] = {0.5}, r[2] = {1, 0.25};
+  const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+  ck_assert(certified(&p, r, NULL).slip_direction == 0);
+  q[0] = -0x1p-40;
+  ck_assert(certified(&p, r, NULL).slip_direction > 0);
+  q[0] = 1, q[1] = 0, r[1] = 0;
+  for (int k = 6; k <= 9; k++) {
+    r[0] = k * DBL_EPSILON / 2;
+    ck_assert_int_eq(certified(&p, r, NULL).complementarity > 0, k == 9);
+  }
 }
 END_TEST
 
@@ -785,6 +822,8 @@ START_TEST(a_runaway_is_never_certified) {
   ck_assert(c.residual_u == 0 && c.penetration == 2);
   ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
   c = (dls_certificate){.residual_u = 1e-9, .floor_u = 2e-9};
+  ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
+  c.floor_u = 2.4e-9;
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
   c.floor_u = 3e-9; /* 4 floor > 1e-8: only for who asks for less */
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 0);
@@ -1131,7 +1170,8 @@ int main(void) {
       ONCE(either_part_can_fail_alone), ONCE(norms_of_any_size), ONCE(no_forces_under_pressure),
       ONCE(rounding_has_no_direction), ONCE(certificate_of_q_zero_and_frictionless),
       ONCE(no_forces_beside_a_norm_beyond_numbers), ONCE(errors_count_one_and_more),
-      ONCE(weights_fall_back), ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
+      ONCE(weights_fall_back), ONCE(worst_of_equal_ones), ONCE(borders_of_the_laws),
+      ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
       ONCE(certificate_ignores_order_and_tangent_frame), ONCE(dense_and_blocks_agree),
       ONCE(states_of_the_three_kinds), ONCE(misfits_are_the_residual), ONCE(panels_of_normals),
       ONCE(certify_refuses_and_leaves_outputs), ONCE(nan_is_never_certified),
