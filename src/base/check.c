@@ -268,8 +268,8 @@ static dls_status check_setting(const dlsi_setting *s, dls_error *error) {
   if (s->highest >= INT_MAX)
     return dlsi_fail(error, DLS_E_ARGUMENT, s->name, -1, x, "is %g, must be %s %g, finite", x,
                      s->open ? ">" : ">=", s->lowest);
-  return dlsi_fail(error, DLS_E_ARGUMENT, s->name, -1, x, "is %g, must be %s %g and %g", x,
-                   s->open ? "between" : "from", s->lowest, s->highest);
+  return dlsi_fail(error, DLS_E_ARGUMENT, s->name, -1, x, "is %g, must be %s %g %s %g", x,
+                   s->open ? "between" : "from", s->lowest, s->open ? "and" : "to", s->highest);
 }
 
 dls_status dlsi_check_each(int count, const dlsi_setting *setting, dls_error *error) {
