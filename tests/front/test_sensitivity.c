@@ -1,0 +1,141 @@
+/* test_sensitivity.c: the matrices of the predicted error by hand, borders between states. */
+#include <check.h>
+#include <math.h>
+
+#include "delassus/contact.h"
+#include "delassus/trust.h"
+#include "run.h"
+
+static double length_of(const double *x, int n) {
+  double sum = 0;
+  for (int i = 0; i < n; i++)
+    sum += x[i] * x[i];
+  return sqrt(sum);
+}
+
+/* Returns the least singular value of (a b; c d): of |A|^2 = s^2 + t^2 and det A = s t. */
+static double least_of(double a, double b, double c, double d) {
+  const double squares = a * a + b * b + c * c + d * d, det = a * d - b * c;
+  return sqrt((squares - sqrt(squares * squares - 4 * det * det)) / 2);
+}
+
+static int is_close(double x, double y) {
+  return fabs(x - y) <= 1e-12 * y;
+}
+
+/* q := u - W r, W m x m. */
+static void set_load(int m, const double *W, const double *r, const double *u, double *q) {
+  for (int i = 0; i < m; i++) {
+    q[i] = u[i];
+    for (int j = 0; j < m; j++)
+      q[i] -= W[i + m * j] * r[j];
+  }
+}
+
+/* Candidate 0 slips with mu = 3/4, E = (4/5, -3/5), candidate 1 has no friction:
+ * A = (4 4/5 - 2 3/5, 1; 1/2 4/5 + 3/5, 3) = (2 1; 1 3); by w = (4, 2) A' = (1/2 1/4; 1/2 3/2). */
+START_TEST(slip_beside_no_friction) {
+  const double W[16] = {4, 1, 0.5, 7, 2, 4, -1, -7, 1, -5, 3, 2, 9, 8, -6, 1};
+  const double r[4] = {1, -0.75, 2, 0}, u[4] = {0, 0.5, 0, 3}, mu[2] = {0.75, 0};
+  double q[4];
+  set_load(4, W, r, u, q);
+  const dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, W}, .q = q, .mu = mu};
+  dls_sensitivity s;
+  dls_certificate c;
+  ck_assert_int_eq(dls_contact_certify(&p, r, NULL, &c, NULL), DLS_OK);
+  ck_assert_int_eq(dls_contact_sensitivity(&p, r, &s, NULL), DLS_OK);
+  ck_assert(s.rows == 2 && s.rank == 2 && s.border == 0 && s.isolated == 1);
+  ck_assert(is_close(s.amplification, length_of(q, 4) / length_of(r, 4) / least_of(2, 1, 1, 3)));
+  ck_assert(is_close(s.amplification_r, 1 / least_of(0.5, 0.25, 0.5, 1.5)));
+  const double by_u = s.amplification * fmax(c.residual_u, c.floor_u);
+  ck_assert(s.error == fmin(by_u, s.amplification_r * fmax(c.residual_r, c.floor_r)));
+}
+END_TEST
+
+/* 3D, W = diag(4, 1, 1), w = 2, mu = 3/4, r_t = 3/4 (3/5, 4/5) and |u_t| = 3/8 against it: along the
+ * cone A = 4 4/5, across it 1 + |u_t| / |r_t| = 3/2; turned into each quarter. */
+START_TEST(slip_in_3d) {
+  const double W[9] = {4, 0, 0, 0, 1, 0, 0, 0, 1}, mu[1] = {0.75};
+  for (int turn = 0; turn < 4; turn++) {
+    const double e[2] = {turn & 1 ? -0.6 : 0.6, turn & 2 ? -0.8 : 0.8};
+    const double r[3] = {1, 0.75 * e[0], 0.75 * e[1]}, u[3] = {0, -0.375 * e[0], -0.375 * e[1]};
+    double q[3];
+    set_load(3, W, r, u, q);
+    const dls_contact p = {.d = 3, .nc = 1, .W = {3, 3, 3, W}, .q = q, .mu = mu};
+    dls_sensitivity s;
+    ck_assert_int_eq(dls_contact_sensitivity(&p, r, &s, NULL), DLS_OK);
+    ck_assert(s.rows == 2 && s.rank == 2 && s.border == 0 && s.isolated == 1);
+    ck_assert(is_close(s.amplification, length_of(q, 3) / length_of(r, 3) / 1.5));
+    ck_assert(is_close(s.amplification_r, 2 / 1.5));
+  }
+}
+END_TEST
+
+/* The other direction decides: W = diag(1, 4, 4): along the cone 4/5, across it 4 + 1/2; with
+ * W_nt = 1/2, which the slip along (3/5, 4/5) feels as (1 - 1/2 3/4 3/5) 4/5. */
+START_TEST(slip_in_3d_along_the_cone) {
+  double W[9] = {1, 0, 0, 0, 4, 0, 0, 0, 4}, mu[1] = {0.75}, q[3];
+  const double r[3] = {1, 0.45, 0.6}, u[3] = {0, -0.225, -0.3};
+  const dls_contact p = {.d = 3, .nc = 1, .W = {3, 3, 3, W}, .q = q, .mu = mu};
+  dls_sensitivity s;
+  set_load(3, W, r, u, q);
+  ck_assert_int_eq(dls_contact_sensitivity(&p, r, &s, NULL), DLS_OK);
+  ck_assert(is_close(s.amplification, length_of(q, 3) / length_of(r, 3) / 0.8));
+  W[3] = -0.5;
+  set_load(3, W, r, u, q);
+  ck_assert_int_eq(dls_contact_sensitivity(&p, r, &s, NULL), DLS_OK);
+  /* A = (a b; 0 9/2), b = row n of p = (0, -4/5, 3/5) */
+  const double a = 0.8 * (1 - 0.5 * 0.45), b = 0.5 * 0.8;
+  ck_assert(is_close(s.amplification, length_of(q, 3) / length_of(r, 3) / least_of(a, b, 0, 4.5)));
+}
+END_TEST
+
+/* The rank does not depend on the units: W = diag(1, 2^-80) has both rows, (1 1; 1 1) one. */
+START_TEST(rank_in_any_units) {
+  for (int coupled = 0; coupled < 2; coupled++) {
+    const double s = 0x1p-40, W[4] = {1, coupled * s, coupled * s, s * s};
+    const double r[2] = {1, 1 / s}, u[2] = {0, 0}, mu[2] = {0, 0};
+    double q[2];
+    set_load(2, W, r, u, q);
+    const dls_contact p = {.d = 1, .nc = 2, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+    dls_sensitivity found;
+    ck_assert_int_eq(dls_contact_sensitivity(&p, r, &found, NULL), DLS_OK);
+    ck_assert(found.rows == 2 && found.rank == 2 - coupled);
+  }
+}
+END_TEST
+
+/* Counts candidates on a border; candidate 1 sticks with r = (1, 0), and is the measure. */
+static int borders(double mu, const double r[2], const double u[2]) {
+  const double W[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  const double rs[4] = {r[0], r[1], 1, 0}, us[4] = {u[0], u[1], 0, 0}, friction[2] = {mu, 0.5};
+  double q[4];
+  set_load(4, W, rs, us, q);
+  const dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, W}, .q = q, .mu = friction};
+  dls_sensitivity s;
+  ck_assert_int_eq(dls_contact_sensitivity(&p, rs, &s, NULL), DLS_OK);
+  ck_assert_int_eq(s.isolated, s.border ? -1 : 1);
+  return s.border;
+}
+
+/* Within 1e-6 of the largest w r and u: 2^-21 is, 2^-19 is not. */
+START_TEST(borders_between_states) {
+  const double none[2] = {0, 0};
+  for (int far = 0; far < 2; far++) {
+    const double e = far ? 0x1p-19 : 0x1p-21;
+    ck_assert_int_eq(borders(0.5, none, (double[]){e, 0.25}), !far);    /* free, closing */
+    ck_assert_int_eq(borders(4, (double[]){e, 0}, none), !far);         /* opening */
+    ck_assert_int_eq(borders(0.5, (double[]){1, 0.5 - e}, none), !far); /* stick to slip */
+    ck_assert_int_eq(borders(0.5, (double[]){1, e - 0.5}, none), !far);
+    ck_assert_int_eq(borders(0.5, (double[]){1, 0.5}, (double[]){0, -e}), !far); /* slip to stick */
+    ck_assert_int_eq(borders(0, (double[]){e, 0}, none), !far); /* no friction: opening alone */
+    ck_assert_int_eq(borders(0, (double[]){1, 0}, (double[]){0, e}), 0);
+  }
+}
+END_TEST
+
+int main(void) {
+  return RUN("sensitivity", NULL, NULL, ONCE(slip_beside_no_friction), ONCE(slip_in_3d),
+             ONCE(slip_in_3d_along_the_cone), ONCE(rank_in_any_units),
+             ONCE(borders_between_states));
+}
