@@ -999,6 +999,23 @@ START_TEST(warm_start_breaks_ties_as_a_cold_one) {
 }
 END_TEST
 
+/* The start is the solution but for a y of rounding beside z = (1, 0) or (0, 1): no exchange. */
+START_TEST(warm_start_within_rounding) {
+  const double M[4] = {1, 0, 0, 1}, ones[2] = {1, 1};
+  dls_lemke_settings settings = path_alone();
+  settings.limits.warm_start = 1;
+  settings.cover = ones;
+  for (int k = 0; k < 2; k++) {
+    const double q[2] = {k ? -0x1p-45 : -1, k ? -1 : -0x1p-45};
+    double z[2] = {1 - k, k};
+    dls_lemke_info info;
+    ck_assert_int_eq(solved(2, M, q, &settings, z, &info), DLS_OK);
+    ck_assert(z[0] == 1 - k && z[1] == k);
+    ck_assert_int_eq(info.pivots, 0);
+  }
+}
+END_TEST
+
 typedef struct path_watch {
   const dls_lcp *lcp;
   int calls;
@@ -1344,9 +1361,9 @@ int main(void) {
              ONCE(every_malloc_fails), ONCE(extreme_numbers), ONCE(warm_start_follows_a_load),
              ONCE(warm_start_from_anywhere), ONCE(warm_start_that_leads_nowhere),
              ONCE(warm_start_keeps_the_cover), ONCE(warm_start_breaks_ties_as_a_cold_one),
-             ONCE(residual_on_the_path), ONCE(covers_by_number), ONCE(crash_finds_the_solution),
-             ONCE(crash_with_friction), ONCE(crash_in_any_unit), ONCE(crash_keeps_to_its_room),
-             ONCE(crash_that_leads_nowhere), ONCE(crash_does_not_insist),
-             ONCE(crash_from_a_start_and_with_a_cover), ONCE(crash_can_be_cancelled),
-             ONCE(a_norm_beyond_numbers));
+             ONCE(warm_start_within_rounding), ONCE(residual_on_the_path), ONCE(covers_by_number),
+             ONCE(crash_finds_the_solution), ONCE(crash_with_friction), ONCE(crash_in_any_unit),
+             ONCE(crash_keeps_to_its_room), ONCE(crash_that_leads_nowhere),
+             ONCE(crash_does_not_insist), ONCE(crash_from_a_start_and_with_a_cover),
+             ONCE(crash_can_be_cancelled), ONCE(a_norm_beyond_numbers));
 }

@@ -101,17 +101,21 @@ static int is_ambiguous(int d, const double *W, double mu) {
   return found[0];
 }
 
-/* W_tt with eigenvalues 1 and 4 (2D: 4), W_nt = W_tt x, W_nn so that s = 1: k = 1/2, and |x| = 1/4
- * allows mu < 1/4 + 1, |x| = 1 allows mu < 1, but for the margin of 1 %. */
+/* W_tt with eigenvalues 1 and 4 (2D: 4), along its axes or between them, W_nt = W_tt x, W_nn so that
+ * s = 1: k = 1/2, and |x| = 1/4 allows mu < 1/4 + 1, |x| = 1 allows mu < 1, but for the margin of
+ * 1 %. */
 START_TEST(one_candidate) {
   static const double x[2][2] = {{0.15, 0.2}, {0.6, -0.8}}, bound[2] = {1.25, 1};
   const double *y = x[_i];
   const double a[2] = {2.5 * y[0] + 1.5 * y[1], 1.5 * y[0] + 2.5 * y[1]}, h = hypot(y[0], y[1]);
   const double W3[9] = {1 + a[0] * y[0] + a[1] * y[1], a[0], a[1], a[0], 2.5, 1.5, a[1], 1.5, 2.5};
+  const double D3[9] = {
+      1 + 4 * y[0] * y[0] + y[1] * y[1], 4 * y[0], y[1], 4 * y[0], 4, 0, y[1], 0, 1};
   const double W2[4] = {1 + 4 * h * h, 4 * h, 4 * h, 4};
   for (int side = -1; side <= 1; side += 2) {
     const double mu = (0.99 + 0.005 * side) * bound[_i];
     ck_assert_int_eq(is_ambiguous(3, W3, mu), side > 0);
+    ck_assert_int_eq(is_ambiguous(3, D3, mu), side > 0);
     ck_assert_int_eq(is_ambiguous(2, W2, mu), side > 0);
   }
   static const int pair[3][2] = {{0, 1}, {0, 2}, {1, 2}};
