@@ -48,6 +48,10 @@
  *          r0 - r is of second order; its product is left out where it is a tenth of the error or
  *          less. W may have changed, too: where a step leaves more than a fourth of the right side
  *          of (NE2), the next factors are made anew.
+ *   (NE6)  Steps by the same factors in the same states are combined (anderson.c, f = w (next - r),
+ *          5 differences): where directions have turned so far that a step leaves a sixth of the
+ *          error, the combination leaves a tenth. A change of states begins the history anew: in 2D
+ *          one that goes on takes more steps.
  *
  * Stop: the certificate holds (its F is de Saxce's; both vanish together), the limit of steps, or
  * 12 steps that did not halve the residual. Uphill steps are taken, too; the best r met is kept.
@@ -72,6 +76,7 @@
 #include "vi_internal.h"
 
 enum { most_steps = 30, patience = 12, impatience = 4, memory = 5, halvings = 6 };
+enum { window = 5 };        /* (NE6) */
 enum { dense_limit = 250 }; /* of 50, 150, 250, 400 the fastest on FCLIB files by blocks */
 
 static const double least_eps = 1e-8;   /* cures a singular matrix */
@@ -95,12 +100,14 @@ struct dls_newton {
   double *x;              /* right side and solution of (NE2): m */
   double right;           /* its size, before the solution */
   double error;           /* |F| of r; 0: not measured */
-  int settled;            /* 1: the states are those of the step before */
+  int settled;            /* 1: (NE2) is that of the step before */
+  int same;               /* 1: the states are those of the step before */
   int *pivot;             /* m */
   int *p;                 /* sparse: starts of columns; W dense: the row of W for each row: m + 1 */
   int sparse;             /* 1: this run factorises sparse beyond dense_limit */
   newton_factors factors; /* of (NE2) for the base states of the border */
   dlsi_border border;
+  dlsi_anderson steps; /* (NE6): where no blocks are announced */
   int keeps, kept_nc;  /* (NE5): keeps: 1 if the next run may; kept_nc: candidates of the factors */
   const double *known; /* u of the start of the next run, NULL: it is not known */
   dlsi_dense dense;
@@ -137,6 +144,7 @@ static void newton_carve(void *workspace, dlsi_arena *arena) {
   work->branch = dlsi_take(arena, n, sizeof *work->branch);
   work->pivot = dlsi_take(arena, m, sizeof *work->pivot);
   work->p = dlsi_take(arena, m + 1, sizeof *work->p);
+  if (!work->settings.limits.blocks) dlsi_anderson_carve(&work->steps, arena, m, window, 0);
 }
 
 /* Returns 1 if so many blocks are factorised sparse. From a quarter of all blocks on, the sparse
@@ -441,6 +449,7 @@ static int newton_linearise(dls_newton *work, const dls_contact *problem) {
   const int d = problem->d;
   const size_t m = (size_t)d * (size_t)problem->nc;
   int k = 0, changed = 0;
+  work->same = 1;
   memcpy(work->next, work->r, m * sizeof *work->r);
   for (int c = 0; c < problem->nc; c++) {
     const size_t o = (size_t)d * (size_t)c;
@@ -448,6 +457,7 @@ static int newton_linearise(dls_newton *work, const dls_contact *problem) {
     const dlsi_branch before = *b;
     *b = newton_branch_of(d, problem->mu[c], work->it.w[c], work->it.u + o, work->next + o);
     changed += !work->factors || !dlsi_branch_is_same(b, &before);
+    if (b->state != before.state) work->same = 0;
     b->first = k;
     k += b->count;
   }
@@ -555,6 +565,15 @@ static dls_status newton_step(dls_newton *work, const dls_contact *problem, doub
   return status;
 }
 
+/* (NE6) next := the step combined with those before. anew: without any of them. unext: scratch. */
+static void newton_combine(dls_newton *work, const dls_contact *problem, int anew) {
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  if (anew || !work->same) dlsi_anderson_clear(&work->steps);
+  for (size_t k = 0; k < m; k++)
+    work->unext[k] = work->it.w[k / d] * (work->next[k] - work->r[k]);
+  (void)dlsi_anderson_step(&work->steps, (int)m, work->unext, work->next, NULL);
+}
+
 /* Returns 1 if the factors of the last run are there for this one (NE5). */
 static int newton_keeps(const dls_newton *work, const dls_contact *problem) {
   return work->keeps && work->factors == DENSE && work->kept_nc == problem->nc && !work->it.E &&
@@ -575,9 +594,12 @@ static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, d
   work->kept_nc = work->it.E ? 0 : problem->nc;
   if (settings->line_search) last[0] = newton_merit(work, problem, work->r, work->it.u);
   for (int k = 1, since = 0; k <= most; k++) {
+    const int made = outcome->factorisations;
     const dls_status status =
         newton_step(work, problem, &eps, &outcome->factorisations, error); /* (NE1)-(NE3) */
     if (status) return status == DLS_E_SINGULAR ? DLS_STALLED : status;
+    if (work->keeps && work->steps.window)
+      newton_combine(work, problem, k == 1 || outcome->factorisations > made);
     if (settings->line_search) newton_search(work, problem, k, last); /* (NE4) */
     memcpy(work->r, work->next, m * sizeof *work->r);
     outcome->iterations = k;

@@ -101,9 +101,9 @@ static int is_ambiguous(int d, const double *W, double mu) {
   return found[0];
 }
 
-/* W_tt with eigenvalues 1 and 4 (2D: 4), along its axes or between them, W_nt = W_tt x, W_nn so that
- * s = 1: k = 1/2, and |x| = 1/4 allows mu < 1/4 + 1, |x| = 1 allows mu < 1, but for the margin of
- * 1 %. */
+/* W_tt with eigenvalues 1 and 4 (2D: 4), along its axes or between them; W_nt = W_tt x, W_nn so
+ * that s = 1: k = 1/2, and |x| = 1/4 allows mu < 1/4 + 1, |x| = 1 allows mu < 1, but for the margin
+ * of 1 %. */
 START_TEST(one_candidate) {
   static const double x[2][2] = {{0.15, 0.2}, {0.6, -0.8}}, bound[2] = {1.25, 1};
   const double *y = x[_i];
