@@ -161,6 +161,24 @@ START_TEST(links_without_an_end) {
 }
 END_TEST
 
+/* What the link says fits into a path, but not behind the directory. */
+START_TEST(a_link_too_long_to_follow) {
+  dls_error error;
+  struct stat entry;
+  char target[4096] = "";
+  for (int k = 0; k < 4088; k += 2)
+    (void)memcpy(target + k, "./", 3);
+  (void)strcpy(target + 4088, "a.mtx");
+  ck_assert_int_eq(symlink(target, in_directory("far")), 0);
+  expect_error(write_rows(in_directory("far"), 3, &error), &error, DLS_E_FILE, "dls_mtx_write",
+               "path", -1);
+  ck_assert_int_eq(lstat(in_directory("far"), &entry), 0);
+  ck_assert(S_ISLNK(entry.st_mode));
+  ck_assert_int_eq(rows_of(path), 2);
+  expect_entries(2);
+}
+END_TEST
+
 START_TEST(the_mode_stays) {
   struct stat entry;
   ck_assert_int_eq(chmod(path, 0640), 0);
@@ -224,6 +242,6 @@ int main(void) {
   return RUN("output", setup, teardown, ONCE(full_disk_keeps_the_old_file),
              ONCE(full_disk_keeps_the_old_problem), ONCE(full_disk_keeps_the_collection),
              ONCE(a_link_stays), ONCE(a_link_to_nothing_makes_the_file), ONCE(links_without_an_end),
-             ONCE(the_mode_stays), ONCE(a_read_only_file_stays), ONCE(devices_and_directories),
-             ONCE(a_file_held_open_is_not_replaced));
+             ONCE(a_link_too_long_to_follow), ONCE(the_mode_stays), ONCE(a_read_only_file_stays),
+             ONCE(devices_and_directories), ONCE(a_file_held_open_is_not_replaced));
 }

@@ -56,6 +56,28 @@ START_TEST(copies_are_the_same) {
 }
 END_TEST
 
+/* The largest |W| and |q| lie between 1 and 2 in the copy; of 0 no power is divided out. */
+START_TEST(powers_of_two) {
+  static model a;
+  set_model(&a, 2, 2);
+  for (int k = 0; k < 3; k++) {
+    copied c;
+    a.W[1 + a.p.W.ld * 2] = k > 0 ? -24 : 0;
+    a.q[3] = k > 1 ? -0.375 : 0;
+    make_copy(&c, &a.p);
+    ck_assert_int_eq(c.copy.power_W, k > 0 ? 4 : 0);
+    ck_assert_int_eq(c.copy.power_q, k > 1 ? -2 : 0);
+    double W = 0, q = 0;
+    for (int e = 0; e < 16; e++)
+      W += c.copy.W[e];
+    for (int e = 0; e < 4; e++)
+      q += c.copy.q[e];
+    ck_assert(W == (k > 0 ? -1.5 : 0) && q == (k > 1 ? -1.5 : 0));
+    free(c.arena.base);
+  }
+}
+END_TEST
+
 /* A ring of candidates that nothing tells apart but their neighbours, in two orders. */
 START_TEST(equal_candidates_are_told_apart_by_neighbours) {
   enum { nc = 6 };
@@ -168,7 +190,7 @@ START_TEST(unsolved_gives_the_best_of_all_stages) {
 END_TEST
 
 int main(void) {
-  return RUN("renumber", NULL, NULL, EACH(copies_are_the_same, 0, 20),
+  return RUN("renumber", NULL, NULL, ONCE(powers_of_two), EACH(copies_are_the_same, 0, 20),
              ONCE(equal_candidates_are_told_apart_by_neighbours),
              EACH(equal_candidates_are_told_apart_by_loads, 0, 3),
              EACH(order_keeps_the_verdict, 0, 60), ONCE(unsolved_gives_the_best_of_all_stages));

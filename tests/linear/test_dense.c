@@ -99,7 +99,19 @@ START_TEST(inverse_of_many_rows) {
 }
 END_TEST
 
+/* The largest column sum: 3, 14, 24 of the matrix whose lower triangle alone is read, 3, 212, 324 of
+ * the whole one. */
+START_TEST(norm) {
+  const double A[9] = {1, -2, 0, 200, 4, 8, 300, 8, -16};
+  double sums[3];
+  ck_assert(dlsi_dense_norm(A, 3, 1, sums) == 24);
+  ck_assert(sums[0] == 3 && sums[1] == 14 && sums[2] == 24);
+  ck_assert(dlsi_dense_norm(A, 3, 0, sums) == 324);
+  ck_assert(sums[0] == 3 && sums[1] == 212 && sums[2] == 324);
+}
+END_TEST
+
 int main(void) {
   return RUN("dense", NULL, NULL, EACH(factor_and_solve, 0, 3 * n_most), ONCE(singular),
-             ONCE(inverse_of_many_rows));
+             ONCE(inverse_of_many_rows), ONCE(norm));
 }
