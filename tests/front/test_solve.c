@@ -1048,15 +1048,17 @@ START_TEST(a_jam_has_likely_no_solution) {
     ck_assert(info.certificate.residual > 0.1);
     const double *delta = dls_solver_direction(solver);
     ck_assert_ptr_nonnull(delta);
-    double work = 0;
+    double work = 0, largest = 0;
     for (int i = 0; i < d; i++) {
       double sum = 0;
       work += wedge_q[i] * delta[i];
+      largest = fmax(largest, fabs(delta[i]));
       for (int j = 0; j < d; j++)
         sum += wedge_W[i + 3 * j] * delta[j];
       ck_assert_double_le(fabs(sum), 2e-4); /* 1e-4 |delta|, weights 1 */
     }
     ck_assert(work < 0);
+    ck_assert(largest == 1);
     ck_assert_int_eq(dls_solver_solve(solver, &solvable, r, NULL, NULL, NULL), DLS_OK);
     ck_assert_ptr_null(dls_solver_direction(solver));
     dls_solver_destroy(solver);
