@@ -8,7 +8,7 @@
 #include "front/front.h"
 #include "run.h"
 
-enum { most_nc = 4, most_m = 2 * most_nc, room = 32 };
+enum { most_nc = 8, most_m = 2 * most_nc, room = 32 };
 
 typedef struct small_problem {
   double W[most_m * most_m], q[most_m], mu[most_nc];
@@ -83,19 +83,75 @@ START_TEST(one_beside_a_ray) {
 }
 END_TEST
 
-/* Two supports of a bar without friction, W_nn = (1 1; 1 1), q_n = -2: r_1 + r_2 = 2, either at
- * least 0; by states both press, or one alone with the other at its border. */
-START_TEST(two_supports_share_a_load) {
-  const double W[4] = {1, 0, 0, 1}, q[2] = {-2, 0};
+/* The same with q = (0, -1): the ray r = s (1, 1), s >= 0, u = (0, -1 - s), begins where the free
+ * candidate slides as well. */
+START_TEST(a_ray_from_free) {
+  for (int nc = 1; nc <= 2; nc++) {
+    set_small(nc);
+    for (int c = 0; c < nc; c++)
+      set_candidate(c, (const double[]){1, -2, -1, 1}, (const double[]){0, -1}, 1);
+    ck_assert_int_eq(enumerate(1), DLS_OK);
+    expect_set(0, 1, nc == 1 ? 2 : 4);
+    for (int k = 0; k < 2 * nc; k++)
+      ck_assert(r[k] == 0 && low[k] == 0 && high[k] == INFINITY);
+  }
+}
+END_TEST
+
+/* Beside a candidate with three solutions: three of one, then three rays, each with one of these. */
+START_TEST(three_beside_three_rays) {
   set_small(2);
-  set_candidate(0, W, q, 0);
-  set_candidate(1, W, q, 0);
-  t.W[2] = t.W[8] = 1;
+  set_candidate(0, (const double[]){1, -2, -1, 1}, (const double[]){0, 1}, 1);
+  set_candidate(1, three_W, three_q, 2);
+  ck_assert_int_eq(enumerate(6), DLS_OK);
+  expect_set(3, 3, 12);
+  for (int k = 0; k < 6; k++) {
+    const double *at = three_r[k % 3];
+    close_values(r + 4 * k + 2, at, 2, 1, 1e-13);
+    close_values(low + 4 * k, (const double[]){k / 3, k / 3, at[0], at[1]}, 4, 1, 1e-13);
+    close_values(high + 4 * k + 2, at, 2, 1, 1e-13);
+    ck_assert(k < 3 ? high[4 * k] == 0 && high[4 * k + 1] == 0
+                    : high[4 * k] == INFINITY && high[4 * k + 1] == INFINITY);
+  }
+  for (int capacity = 1; capacity < 6; capacity++) {
+    r[4 * capacity] = low[4 * capacity] = high[4 * capacity] = 77;
+    ck_assert_int_eq(enumerate(capacity), DLS_MAX_ITERATIONS);
+    ck_assert(r[4 * capacity] == 77 && low[4 * capacity] == 77 && high[4 * capacity] == 77);
+  }
+}
+END_TEST
+
+/* W_tt = (1 1; 1 1), r_n = (1, 1), r_t = (s, -s) for -1 <= s <= 1 = mu: both stick, which is first in
+ * the list of states; at either end one slips, or the other, or both. */
+START_TEST(two_supports_push_each_other) {
+  set_small(2);
+  for (int c = 0; c < 2; c++)
+    set_candidate(c, (const double[]){1, 0, 0, 1}, (const double[]){-1, 0}, 1);
+  t.W[1 + 4 * 3] = t.W[3 + 4 * 1] = 1;
   ck_assert_int_eq(enumerate(1), DLS_OK);
-  expect_set(0, 1, 3);
-  close_values(low, (const double[]){0, 0, 0, 0}, 4, 2, 1e-12);
-  close_values(high, (const double[]){2, 0, 2, 0}, 4, 2, 1e-12);
-  ck_assert(r[4] == 77);
+  expect_set(0, 1, 7);
+  close_values(low, (const double[]){1, -1, 1, -1}, 4, 1, 1e-12);
+  close_values(high, (const double[]){1, 1, 1, 1}, 4, 1, 1e-12);
+}
+END_TEST
+
+/* Two supports of a bar without friction, W_nn = (1 1; 1 1), q_n = -2: r_1 + r_2 = 2, either at
+ * least 0; by states both press, or one alone with the other at its border. The forces of the second
+ * one in another unit: r_1 + r_2 / 4 = 2. */
+START_TEST(two_supports_share_a_load) {
+  const double W[4] = {1, 0, 0, 1}, q[2] = {-2, 0}, V[4] = {0.0625, 0, 0, 0.0625};
+  const double other[2] = {-0.5, 0};
+  for (int k = 0; k < 2; k++) {
+    set_small(2);
+    set_candidate(0, W, q, 0);
+    set_candidate(1, k ? V : W, k ? other : q, 0);
+    t.W[2] = t.W[8] = k ? 0.25 : 1;
+    ck_assert_int_eq(enumerate(1), DLS_OK);
+    expect_set(0, 1, 3);
+    close_values(low, (const double[]){0, 0, 0, 0}, 4, 2, 1e-12);
+    close_values(high, (const double[]){2, 0, k ? 8 : 2, 0}, 4, 2, 1e-12);
+    ck_assert(r[4] == 77);
+  }
 }
 END_TEST
 
@@ -183,14 +239,46 @@ END_TEST
 
 /* u_n0 + u_n1 = -2 whatever r is: the sum of two rows refutes each choice of states. */
 START_TEST(no_solution_of_two_together) {
-  for (int k = 0; k < 2; k++) {
+  for (int k = 0; k < 3; k++) {
     set_small(2);
     for (int c = 0; c < 2; c++)
-      set_candidate(c, (const double[]){1, 0, 0, 1}, (const double[]){-1, 0}, k);
+      set_candidate(c, (const double[]){1, 0, 0, 1}, (const double[]){-1, 0}, 2 * k);
     t.W[2] = t.W[8] = -1;
     ck_assert_int_eq(enumerate(1), DLS_NO_SOLUTION);
     expect_set(0, 0, 0);
   }
+}
+END_TEST
+
+/* W_nn = (1 -h; -h h^2) for h = 1 / 5, rounded up in h^2: u_n0 h + u_n1 = -h, but for rounding, so
+ * that what is no solution to rounding is one beyond 1e15, and is not refuted. */
+START_TEST(no_solution_but_for_rounding) {
+  const double h = 0.2;
+  for (int k = 0; k < 2; k++) {
+    set_small(2);
+    set_candidate(0, (const double[]){1, 0, 0, 1}, (const double[]){-1, 0}, 2 * k);
+    set_candidate(1, (const double[]){h * h, 0, 0, h * h}, (const double[]){0, 0}, 2 * k);
+    t.W[2] = t.W[8] = -h;
+    ck_assert_int_eq(enumerate(1), DLS_NO_SOLUTION_LIKELY);
+    expect_set(0, 0, 0);
+  }
+}
+END_TEST
+
+/* As many candidates as there may be: each is pressed alone; q = 0. */
+START_TEST(eight_candidates) {
+  set_small(8);
+  for (int c = 0; c < 8; c++)
+    set_candidate(c, (const double[]){2, 0, 0, 4}, (const double[]){-2 - 2 * c, 1}, 0);
+  ck_assert_int_eq(enumerate(1), DLS_OK);
+  expect_set(1, 0, 1);
+  for (int c = 0; c < 8; c++)
+    close_values(r + 2 * c, (const double[]){1 + c, 0}, 2, 8, 1e-14);
+  ck_assert(r[16] == 77);
+  set_small(1);
+  set_candidate(0, three_W, (const double[]){0, 0}, 2);
+  ck_assert_int_eq(enumerate(1), DLS_OK);
+  ck_assert(set.isolated == 1 && set.continua == 0 && r[0] == 0 && r[1] == 0);
 }
 END_TEST
 
@@ -232,8 +320,10 @@ END_TEST
 
 int main(void) {
   return RUN("states", NULL, NULL, ONCE(one_beside_a_ray), ONCE(two_supports_share_a_load),
-             ONCE(solutions_of_three_apart), ONCE(a_candidate_without_friction), ONCE(either_side),
-             ONCE(border_between_two_states), ONCE(no_solution_is_proved),
-             ONCE(no_solution_of_two_together), ONCE(auto_finds_the_first_state),
-             ONCE(rounding_is_not_none));
+             ONCE(a_ray_from_free), ONCE(three_beside_three_rays),
+             ONCE(two_supports_push_each_other), ONCE(no_solution_but_for_rounding),
+             ONCE(eight_candidates), ONCE(solutions_of_three_apart),
+             ONCE(a_candidate_without_friction), ONCE(either_side), ONCE(border_between_two_states),
+             ONCE(no_solution_is_proved), ONCE(no_solution_of_two_together),
+             ONCE(auto_finds_the_first_state), ONCE(rounding_is_not_none));
 }
