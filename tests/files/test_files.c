@@ -1138,6 +1138,11 @@ START_TEST(broken_together) {
   check_refused(path, DLS_E_FORMAT, "path", -1);
 
   ck_assert_int_eq(write_model3(NULL), DLS_OK);
+  patch_size("fclib_global/M", 0, 0);
+  patch("fclib_global/M/p", INTS, VALUES(0));
+  check_refused(path, DLS_E_FORMAT, "M/m", -1);
+
+  ck_assert_int_eq(write_model3(NULL), DLS_OK);
   patch_size("fclib_global/G", 3, 1);
   check_refused(path, DLS_E_UNSUPPORTED, "G", -1);
   patch("fclib_global/G/n", INTS, VALUES(0));
