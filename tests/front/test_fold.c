@@ -135,6 +135,40 @@ START_TEST(two_slip) {
 }
 END_TEST
 
+/* One slips, b = 1/4 between its n and t, and the other one sticks, h = 1/2 between its t and the n of
+ * the first: g = -b / (1 - h^2), lambda = 3 in place of 4, y = (1, -3; 0, -1/2) for b > 0, and the step
+ * leaves 6 tenths of the friction of the one that sticks, 3/32. Each of q, r, other may be NULL. */
+START_TEST(one_sticks) {
+  for (int at = 0; at < 2; at++)
+    for (int side = -1; side <= 1; side += 2) {
+      const int n = 2 * at, other_t = 2 * (1 - at) + 1;
+      double alone[4];
+      set_fold(2);
+      set_block(at, 1, -0.25 * side, 1);
+      set_block(1 - at, 1, 0, 1. / 32);
+      t.W[n + 4 * other_t] = t.W[other_t + 4 * n] = 0.5;
+      find_fold(0);
+      ck_assert_double_eq_tol(fold.friction, 3, 1e-14);
+      ck_assert(state[at] == DLS_SLIP && state[1 - at] == DLS_STICK);
+      expect_close(r + n, 1, 3 * side);
+      expect_close(r + other_t - 1, 1, 0);
+      const double step = other[n] > 1 ? 0.075 : -0.075;
+      expect_close(other + n, 1 + step, 3 * side * (1 + step));
+      expect_close(other + other_t - 1, 1, -step / 2);
+      expect_close(q + n, -1 + 0.75, -side - (3 - 0.25) * side);
+      expect_close(q + other_t - 1, -1, -0.5);
+      for (int k = 0; k < 3; k++) {
+        const double *all[3] = {q, r, other};
+        double *const one[3] = {k == 0 ? alone : NULL, k == 1 ? alone : NULL,
+                                k == 2 ? alone : NULL};
+        ck_assert_int_eq(dlsi_contact_fold(&t.p, 0, &fold, NULL, one[0], one[1], one[2], NULL),
+                         DLS_OK);
+        ck_assert_mem_eq(alone, all[k], sizeof alone);
+      }
+    }
+}
+END_TEST
+
 /* One candidate, 200 starts: two matrices from a start that slips, three from the 50 that do not. */
 START_TEST(the_search_ends) {
   set_fold(1);
@@ -188,5 +222,5 @@ END_TEST
 
 int main(void) {
   return RUN("fold", NULL, NULL, ONCE(one_slips), ONCE(matrices_are_counted), ONCE(two_slip),
-             ONCE(the_search_ends), ONCE(unsymmetric), ONCE(what_is_refused));
+             ONCE(one_sticks), ONCE(the_search_ends), ONCE(unsymmetric), ONCE(what_is_refused));
 }
