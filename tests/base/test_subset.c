@@ -5,8 +5,8 @@
 #include "base/base.h"
 #include "run.h"
 
-/* Three candidates, d = 1, by blocks: the column of candidate 0 has the rows 2 0 1 0, that of 1 none,
- * that of 2 the rows 1 2. */
+/* Three candidates, d = 1, by blocks: the column of candidate 0 has the rows 2 0 1 0, that of 1
+ * none, that of 2 the rows 1 2. */
 static const int p[4] = {0, 4, 4, 6}, i[6] = {2, 0, 1, 0, 1, 2};
 static const double x[6] = {1, 2, 3, 4, 5, 6}, q[3] = {7, 8, 9}, mu[3] = {0, 0, 0};
 static const dls_contact blocks = {.d = 1, .nc = 3, .Wb = {1, 3, p, i, x}, .q = q, .mu = mu};

@@ -194,8 +194,8 @@ START_TEST(the_shortest_files) {
 }
 END_TEST
 
-/* Files of any length about the sizes of the buffer, 4096 and 3 4096; other lines, up to beyond 3 16,
- * in their order, and the first title. */
+/* Files of any length about the sizes of the buffer, 4096 and 3 4096; other lines, up to beyond 3
+ * 16, in their order, and the first title. */
 START_TEST(long_files) {
   static char content[14000];
   static const char begin[] = "lcp 1\nq 5\nM\n1\ntitle ", end[] = "\ntitle no";

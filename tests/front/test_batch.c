@@ -187,8 +187,8 @@ END_TEST
 
 enum { easy_count = 24 };
 
-/* Problems of nc candidates that nothing presses: swept side by side they count a stage and the sweeps
- * of all, alone neither. */
+/* Problems of nc candidates that nothing presses: swept side by side they count a stage and the
+ * sweeps of all, alone neither. */
 static void make_easy(int d, int nc) {
   memset(&T, 0, sizeof T);
   for (int k = 0; k < easy_count; k++) {
@@ -214,7 +214,7 @@ static int runs(int n, const dls_solver_settings *s) {
   return dls_solve_batch(n, T.p, s, T.at_r, T.at_u, T.info, NULL) == DLS_OK;
 }
 
-/* One to eight candidates are swept, in any dimension; nine, none, bonded ones and bodies are not. */
+/* One to eight candidates are swept, in any dimension; nine, none, bonded ones, bodies are not. */
 START_TEST(which_are_swept) {
   const double H[18] = {1, 0, 0, 0, 1, 0};
   const int body[2] = {0, -1};
@@ -235,7 +235,7 @@ START_TEST(which_are_swept) {
 }
 END_TEST
 
-/* Limits, a start and other methods keep all out of the lanes, where all share the sweeps of one. */
+/* Limits, a start and other methods keep all out of the lanes, where all share sweeps. */
 START_TEST(settings_that_sweep_none) {
   for (int k = 0; k < 5; k++) {
     dls_solver_settings s;
@@ -255,8 +255,8 @@ START_TEST(settings_that_sweep_none) {
 }
 END_TEST
 
-/* Eight in a row of as many candidates share the sweeps of the slowest; a bonded one, a body, another
- * number of candidates and the end of the list end the row. */
+/* Eight in a row of as many candidates share the sweeps of the slowest; a bonded one, a body,
+ * another number of candidates and the end of the list end the row. */
 START_TEST(rows_share_their_sweeps) {
   const double H[36] = {1, 0, 0, 0, 1, 0};
   const int body[4] = {0, -1, 0, -1};

@@ -1,4 +1,4 @@
-/* test_fold.c: the fold by hand: its friction, states, witness, and how many matrices are looked at. */
+/* test_fold.c: the fold by hand: its friction, states, witness, and the number of matrices. */
 #include <check.h>
 #include <math.h>
 #include <string.h>
@@ -37,15 +37,16 @@ static void find_fold(int search) {
   ck_assert_int_eq(dlsi_contact_fold(&t.p, search, &fold, state, q, r, other, NULL), DLS_OK);
 }
 
-static void expect_close(const double *x, double first, double second) {
+static void fold_vector_is(const double *x, double first, double second) {
   ck_assert_msg(fabs(x[0] - first) <= 1e-14 * 8 && fabs(x[1] - second) <= 1e-14 * 8, "%.17g %.17g",
                 x[0], x[1]);
 }
 
-/* W = 4 (1 b; b 1), b = -1/2 or 1/2: lambda = 2 with r_t = side 2 r_n, side = -sign b. Scaled by 1 / 2:
- * y = (1, 2 side) or its negative, W y = (0, 3 side / 2), so that a step of 1 / 3 leaves half of u_t;
- * q = (0, -side) - W (1, 2 side) = (0, -5 side / 2). Candidate 1 of W = w is free: q_n = sqrt(w), in
- * either place; the state of the one that folds has the share 1, or 1/2 where its mu is the smaller. */
+/* W = 4 (1 b; b 1), b = -1/2 or 1/2: lambda = 2 with r_t = side 2 r_n, side = -sign b. Scaled by
+ * 1 / 2: y = (1, 2 side) or its negative, W y = (0, 3 side / 2), so that a step of 1 / 3 leaves
+ * half of u_t; q = (0, -side) - W (1, 2 side) = (0, -5 side / 2). Candidate 1 of W = w is free: q_n =
+ * sqrt(w), in either place; the state of the one that folds has the share 1, or 1/2 where its mu is
+ * the smaller. */
 START_TEST(one_slips) {
   for (int at = 0; at < 2; at++)
     for (int half = 0; half < 2; half++)
@@ -58,13 +59,13 @@ START_TEST(one_slips) {
         ck_assert_double_eq_tol(fold.friction, half ? 4 : 2, 1e-14);
         ck_assert(fold.exact == 1 && fold.matrices == 6 + 1);
         ck_assert(state[at] == DLS_SLIP && state[none] == DLS_FREE);
-        expect_close(q + 2 * at, 0, -5 * side);
-        expect_close(q + 2 * none, 4, 0);
-        expect_close(r + 2 * at, 0.5, side);
-        expect_close(r + 2 * none, 0, 0);
+        fold_vector_is(q + 2 * at, 0, -5 * side);
+        fold_vector_is(q + 2 * none, 4, 0);
+        fold_vector_is(r + 2 * at, 0.5, side);
+        fold_vector_is(r + 2 * none, 0, 0);
         const double step = other[2 * at] > 0.5 ? 1. / 6 : -1. / 6;
-        expect_close(other + 2 * at, 0.5 + step, side * (1 + 2 * step));
-        expect_close(other + 2 * none, 0, 0);
+        fold_vector_is(other + 2 * at, 0.5 + step, side * (1 + 2 * step));
+        fold_vector_is(other + 2 * none, 0, 0);
       }
 }
 END_TEST
@@ -100,8 +101,8 @@ START_TEST(matrices_are_counted) {
 END_TEST
 
 /* Two that slip against each other: W_nn = I, W_nt = (0 a; b 0), of which (FO2) has the eigenvalues
- * g = +- sqrt(a b) if both slip to sides of the same product, else imaginary ones: lambda = 1 / sqrt(a
- * b), and sides that are opposed if a b < 0. */
+ * g = +- sqrt(a b) if both slip to sides of the same product, else imaginary ones: lambda =
+ * 1 / sqrt(a b), and sides that are opposed if a b < 0. */
 START_TEST(two_slip) {
   for (int opposed = 0; opposed < 2; opposed++) {
     const double a = 0.5, b = opposed ? -0.125 : 0.125;
@@ -116,8 +117,8 @@ START_TEST(two_slip) {
       ck_assert(fold.exact == !search);
       ck_assert(state[0] == DLS_SLIP && state[1] == DLS_SLIP);
       ck_assert((r[1] * r[3] > 0) == !opposed);
-      expect_close(r, 1, r[1] > 0 ? 4 : -4);
-      expect_close(r + 2, 1, r[3] > 0 ? 4 : -4);
+      fold_vector_is(r, 1, r[1] > 0 ? 4 : -4);
+      fold_vector_is(r + 2, 1, r[3] > 0 ? 4 : -4);
       for (int k = 0; k < 2; k++) { /* both are answers of q: u_n = 0, u_t against r_t */
         const double *of = k ? other : r;
         for (int c = 0; c < 2; c++) {
@@ -135,9 +136,10 @@ START_TEST(two_slip) {
 }
 END_TEST
 
-/* One slips, b = 1/4 between its n and t, and the other one sticks, h = 1/2 between its t and the n of
- * the first: g = -b / (1 - h^2), lambda = 3 in place of 4, y = (1, -3; 0, -1/2) for b > 0, and the step
- * leaves 6 tenths of the friction of the one that sticks, 3/32. Each of q, r, other may be NULL. */
+/* One slips, b = 1/4 between its n and t, and the other one sticks, h = 1/2 between its t and the n
+ * of the first: g = -b / (1 - h^2), lambda = 3 in place of 4, y = (1, -3; 0, -1/2) for b > 0, and
+ * the step leaves 6 tenths of the friction of the one that sticks, 3/32. Each of q, r, other may be
+ * NULL. */
 START_TEST(one_sticks) {
   for (int at = 0; at < 2; at++)
     for (int side = -1; side <= 1; side += 2) {
@@ -150,13 +152,13 @@ START_TEST(one_sticks) {
       find_fold(0);
       ck_assert_double_eq_tol(fold.friction, 3, 1e-14);
       ck_assert(state[at] == DLS_SLIP && state[1 - at] == DLS_STICK);
-      expect_close(r + n, 1, 3 * side);
-      expect_close(r + other_t - 1, 1, 0);
+      fold_vector_is(r + n, 1, 3 * side);
+      fold_vector_is(r + other_t - 1, 1, 0);
       const double step = other[n] > 1 ? 0.075 : -0.075;
-      expect_close(other + n, 1 + step, 3 * side * (1 + step));
-      expect_close(other + other_t - 1, 1, -step / 2);
-      expect_close(q + n, -1 + 0.75, -side - (3 - 0.25) * side);
-      expect_close(q + other_t - 1, -1, -0.5);
+      fold_vector_is(other + n, 1 + step, 3 * side * (1 + step));
+      fold_vector_is(other + other_t - 1, 1, -step / 2);
+      fold_vector_is(q + n, -1 + 0.75, -side - (3 - 0.25) * side);
+      fold_vector_is(q + other_t - 1, -1, -0.5);
       for (int k = 0; k < 3; k++) {
         const double *all[3] = {q, r, other};
         double *const one[3] = {k == 0 ? alone : NULL, k == 1 ? alone : NULL,
@@ -169,7 +171,7 @@ START_TEST(one_sticks) {
 }
 END_TEST
 
-/* One candidate, 200 starts: two matrices from a start that slips, three from the 50 that do not. */
+/* One candidate, 200 starts: two matrices from a start that slips, three from the other 50. */
 START_TEST(the_search_ends) {
   set_fold(1);
   set_block(0, 1, 0.25, 1);

@@ -107,8 +107,9 @@ START_TEST(equal_candidates_are_told_apart_by_loads) {
 }
 END_TEST
 
-/* By hand, unsymmetric, with blocks of one place that add up and one that is missing: W over 2^2, its
- * largest entry being 7, q over 2^-2 (0.375), in the order that `from` tells, which names each once. */
+/* By hand, unsymmetric, with blocks of one place that add up and one that is missing: W over 2^2,
+ * its largest entry being 7, q over 2^-2 (0.375), in the order that `from` tells, which names each
+ * once. */
 START_TEST(a_copy_by_hand) {
   const double W[3][3] = {{5, 0, -7}, {2, 3, 0.5}, {0, 6, 4}}, q[3] = {0.25, -0.375, 0.125};
   const int p[4] = {0, 2, 4, 7}, i[7] = {0, 1, 2, 1, 2, 0, 2};

@@ -1,5 +1,5 @@
-/* test_states.c: all states of small contact problems by hand: which are listed, in which order, and
- * what auto's search through them says. */
+/* test_states.c: all states of small contact problems by hand: which are listed, in which order,
+ * and what auto's search through them says. */
 #include <check.h>
 #include <math.h>
 #include <string.h>
@@ -42,7 +42,7 @@ static void close_values(const double *x, const double *y, int n, double size, d
     ck_assert_msg(fabs(x[i] - y[i]) <= tol * size, "%d: %.17g, not %.17g", i, x[i], y[i]);
 }
 
-static dls_status enumerate(int capacity) {
+static dls_status list_states(int capacity) {
   return dls_contact_enumerate(&t.p, 1e-8, capacity, r, low, high, &set, NULL);
 }
 
@@ -57,8 +57,8 @@ static void expect_set(int isolated, int continua, int states) {
 static const double three_W[4] = {1, 1, 1, 2}, three_q[2] = {1, 4};
 static const double three_r[3][2] = {{0, 0}, {2, -3}, {1, -2}};
 
-/* W_nn + mu W_nt = 0: r = 0 alone, u = (0, 1), and r = s (1, 1) for s >= 1, u = (0, 1 - s). At r = 0
- * the candidate is free or slips to the left, at r = (1, 1) it sticks or slips to the right. */
+/* W_nn + mu W_nt = 0: r = 0 alone, u = (0, 1), and r = s (1, 1) for s >= 1, u = (0, 1 - s). At
+ * r = 0 the candidate is free or slips to the left, at r = (1, 1) it sticks or slips to the right. */
 START_TEST(one_beside_a_ray) {
   const double W[4] = {1, -2, -1, 1}, q[2] = {0, 1};
   for (int unit = -8; unit <= 8; unit += 8) { /* 2^unit: reactions in another unit */
@@ -66,7 +66,7 @@ START_TEST(one_beside_a_ray) {
     set_candidate(0, W, q, 1);
     for (int k = 0; k < 4; k++)
       t.W[k] = ldexp(t.W[k], -unit);
-    ck_assert_int_eq(enumerate(2), DLS_OK);
+    ck_assert_int_eq(list_states(2), DLS_OK);
     expect_set(1, 1, 4);
     ck_assert(r[0] == 0 && r[1] == 0 && low[0] == 0 && high[1] == 0);
     const double s = ldexp(1, unit);
@@ -77,7 +77,7 @@ START_TEST(one_beside_a_ray) {
   }
   set_small(1);
   set_candidate(0, W, q, 1);
-  ck_assert_int_eq(enumerate(1), DLS_MAX_ITERATIONS);
+  ck_assert_int_eq(list_states(1), DLS_MAX_ITERATIONS);
   expect_set(1, 1, 4);
   ck_assert(r[0] == 0 && r[2] == 77 && low[2] == 77 && high[2] == 77);
 }
@@ -90,7 +90,7 @@ START_TEST(a_ray_from_free) {
     set_small(nc);
     for (int c = 0; c < nc; c++)
       set_candidate(c, (const double[]){1, -2, -1, 1}, (const double[]){0, -1}, 1);
-    ck_assert_int_eq(enumerate(1), DLS_OK);
+    ck_assert_int_eq(list_states(1), DLS_OK);
     expect_set(0, 1, nc == 1 ? 2 : 4);
     for (int k = 0; k < 2 * nc; k++)
       ck_assert(r[k] == 0 && low[k] == 0 && high[k] == INFINITY);
@@ -98,12 +98,12 @@ START_TEST(a_ray_from_free) {
 }
 END_TEST
 
-/* Beside a candidate with three solutions: three of one, then three rays, each with one of these. */
+/* Beside a candidate with three solutions: three, then three rays, each with one of these. */
 START_TEST(three_beside_three_rays) {
   set_small(2);
   set_candidate(0, (const double[]){1, -2, -1, 1}, (const double[]){0, 1}, 1);
   set_candidate(1, three_W, three_q, 2);
-  ck_assert_int_eq(enumerate(6), DLS_OK);
+  ck_assert_int_eq(list_states(6), DLS_OK);
   expect_set(3, 3, 12);
   for (int k = 0; k < 6; k++) {
     const double *at = three_r[k % 3];
@@ -115,20 +115,20 @@ START_TEST(three_beside_three_rays) {
   }
   for (int capacity = 1; capacity < 6; capacity++) {
     r[4 * capacity] = low[4 * capacity] = high[4 * capacity] = 77;
-    ck_assert_int_eq(enumerate(capacity), DLS_MAX_ITERATIONS);
+    ck_assert_int_eq(list_states(capacity), DLS_MAX_ITERATIONS);
     ck_assert(r[4 * capacity] == 77 && low[4 * capacity] == 77 && high[4 * capacity] == 77);
   }
 }
 END_TEST
 
-/* W_tt = (1 1; 1 1), r_n = (1, 1), r_t = (s, -s) for -1 <= s <= 1 = mu: both stick, which is first in
- * the list of states; at either end one slips, or the other, or both. */
+/* W_tt = (1 1; 1 1), r_n = (1, 1), r_t = (s, -s) for -1 <= s <= 1 = mu: both stick, which is first
+ * in the list of states; at either end one slips, or the other, or both. */
 START_TEST(two_supports_push_each_other) {
   set_small(2);
   for (int c = 0; c < 2; c++)
     set_candidate(c, (const double[]){1, 0, 0, 1}, (const double[]){-1, 0}, 1);
   t.W[1 + 4 * 3] = t.W[3 + 4 * 1] = 1;
-  ck_assert_int_eq(enumerate(1), DLS_OK);
+  ck_assert_int_eq(list_states(1), DLS_OK);
   expect_set(0, 1, 7);
   close_values(low, (const double[]){1, -1, 1, -1}, 4, 1, 1e-12);
   close_values(high, (const double[]){1, 1, 1, 1}, 4, 1, 1e-12);
@@ -136,8 +136,8 @@ START_TEST(two_supports_push_each_other) {
 END_TEST
 
 /* Two supports of a bar without friction, W_nn = (1 1; 1 1), q_n = -2: r_1 + r_2 = 2, either at
- * least 0; by states both press, or one alone with the other at its border. The forces of the second
- * one in another unit: r_1 + r_2 / 4 = 2. */
+ * least 0; by states both press, or one alone with the other at its border. The forces of the
+ * second one in another unit: r_1 + r_2 / 4 = 2. */
 START_TEST(two_supports_share_a_load) {
   const double W[4] = {1, 0, 0, 1}, q[2] = {-2, 0}, V[4] = {0.0625, 0, 0, 0.0625};
   const double other[2] = {-0.5, 0};
@@ -146,7 +146,7 @@ START_TEST(two_supports_share_a_load) {
     set_candidate(0, W, q, 0);
     set_candidate(1, k ? V : W, k ? other : q, 0);
     t.W[2] = t.W[8] = k ? 0.25 : 1;
-    ck_assert_int_eq(enumerate(1), DLS_OK);
+    ck_assert_int_eq(list_states(1), DLS_OK);
     expect_set(0, 1, 3);
     close_values(low, (const double[]){0, 0, 0, 0}, 4, 2, 1e-12);
     close_values(high, (const double[]){2, 0, k ? 8 : 2, 0}, 4, 2, 1e-12);
@@ -161,7 +161,7 @@ START_TEST(solutions_of_three_apart) {
   set_small(3);
   for (int c = 0; c < 3; c++)
     set_candidate(c, three_W, three_q, 2);
-  ck_assert_int_eq(enumerate(27), DLS_OK);
+  ck_assert_int_eq(list_states(27), DLS_OK);
   expect_set(27, 0, 27);
   for (int k = 0; k < 27; k++)
     for (int c = 0, l = k; c < 3; c++, l /= 3) {
@@ -170,7 +170,7 @@ START_TEST(solutions_of_three_apart) {
       ck_assert_mem_eq(high + 6 * k + 2 * c, r + 6 * k + 2 * c, 2 * sizeof *r);
     }
   ck_assert(r[6 * 27] == 77);
-  ck_assert_int_eq(enumerate(26), DLS_MAX_ITERATIONS);
+  ck_assert_int_eq(list_states(26), DLS_MAX_ITERATIONS);
 }
 END_TEST
 
@@ -184,7 +184,7 @@ START_TEST(a_candidate_without_friction) {
       set_small(2);
       set_candidate(c, W, q, 0);
       set_candidate(1 - c, three_W, three_q, 2);
-      ck_assert_int_eq(enumerate(4), DLS_OK);
+      ck_assert_int_eq(list_states(4), DLS_OK);
       expect_set(3, 0, kind == 1 ? 6 : 3);
       for (int k = 0; k < 3; k++) {
         close_values(r + 4 * k + 2 * c, (const double[]){kind ? 0 : 2, 0}, 2, 1, 1e-13);
@@ -199,7 +199,7 @@ START_TEST(either_side) {
   const double W[4] = {1, -1, -1, 2}, q[2] = {1, -4};
   set_small(1);
   set_candidate(0, W, q, 2);
-  ck_assert_int_eq(enumerate(3), DLS_OK);
+  ck_assert_int_eq(list_states(3), DLS_OK);
   expect_set(3, 0, 3);
   for (int k = 0; k < 3; k++)
     close_values(r + 2 * k, (const double[]){three_r[k][0], -three_r[k][1]}, 2, 1, 1e-13);
@@ -213,7 +213,7 @@ START_TEST(border_between_two_states) {
     set_small(1);
     set_candidate(0, W, q, 0.5);
     t.q[1] *= side;
-    ck_assert_int_eq(enumerate(1), DLS_OK);
+    ck_assert_int_eq(list_states(1), DLS_OK);
     expect_set(1, 0, 2);
     close_values(r, (const double[]){2, side}, 2, 1, 1e-14);
   }
@@ -230,7 +230,7 @@ START_TEST(no_solution_is_proved) {
       set_small(nc);
       set_candidate(0, W[k], q[k], 1);
       if (nc == 2) set_candidate(1, three_W, three_q, 2);
-      ck_assert_int_eq(enumerate(1), DLS_NO_SOLUTION);
+      ck_assert_int_eq(list_states(1), DLS_NO_SOLUTION);
       expect_set(0, 0, 0);
       ck_assert(r[0] == 77);
     }
@@ -244,7 +244,7 @@ START_TEST(no_solution_of_two_together) {
     for (int c = 0; c < 2; c++)
       set_candidate(c, (const double[]){1, 0, 0, 1}, (const double[]){-1, 0}, 2 * k);
     t.W[2] = t.W[8] = -1;
-    ck_assert_int_eq(enumerate(1), DLS_NO_SOLUTION);
+    ck_assert_int_eq(list_states(1), DLS_NO_SOLUTION);
     expect_set(0, 0, 0);
   }
 }
@@ -259,7 +259,7 @@ START_TEST(no_solution_but_for_rounding) {
     set_candidate(0, (const double[]){1, 0, 0, 1}, (const double[]){-1, 0}, 2 * k);
     set_candidate(1, (const double[]){h * h, 0, 0, h * h}, (const double[]){0, 0}, 2 * k);
     t.W[2] = t.W[8] = -h;
-    ck_assert_int_eq(enumerate(1), DLS_NO_SOLUTION_LIKELY);
+    ck_assert_int_eq(list_states(1), DLS_NO_SOLUTION_LIKELY);
     expect_set(0, 0, 0);
   }
 }
@@ -270,14 +270,14 @@ START_TEST(eight_candidates) {
   set_small(8);
   for (int c = 0; c < 8; c++)
     set_candidate(c, (const double[]){2, 0, 0, 4}, (const double[]){-2 - 2 * c, 1}, 0);
-  ck_assert_int_eq(enumerate(1), DLS_OK);
+  ck_assert_int_eq(list_states(1), DLS_OK);
   expect_set(1, 0, 1);
   for (int c = 0; c < 8; c++)
     close_values(r + 2 * c, (const double[]){1 + c, 0}, 2, 8, 1e-14);
   ck_assert(r[16] == 77);
   set_small(1);
   set_candidate(0, three_W, (const double[]){0, 0}, 2);
-  ck_assert_int_eq(enumerate(1), DLS_OK);
+  ck_assert_int_eq(list_states(1), DLS_OK);
   ck_assert(set.isolated == 1 && set.continua == 0 && r[0] == 0 && r[1] == 0);
 }
 END_TEST
@@ -308,7 +308,8 @@ START_TEST(auto_finds_the_first_state) {
 }
 END_TEST
 
-/* A solution of some states that is not as good as the r at hand, which is no answer either: r stays, and "none" is not said. */
+/* A solution of some states that is not as good as the r at hand, which is no answer either: r
+ * stays, and "none" is not said. */
 START_TEST(rounding_is_not_none) {
   dls_certificate c = {.residual_r = 1};
   set_small(1);
