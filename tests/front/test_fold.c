@@ -44,8 +44,8 @@ static void fold_vector_is(const double *x, double first, double second) {
 
 /* W = 4 (1 b; b 1), b = -1/2 or 1/2: lambda = 2 with r_t = side 2 r_n, side = -sign b. Scaled by
  * 1 / 2: y = (1, 2 side) or its negative, W y = (0, 3 side / 2), so that a step of 1 / 3 leaves
- * half of u_t; q = (0, -side) - W (1, 2 side) = (0, -5 side / 2). Candidate 1 of W = w is free: q_n =
- * sqrt(w), in either place; the state of the one that folds has the share 1, or 1/2 where its mu is
+ * half of u_t; q = (0, -side) - W (1, 2 side) = (0, -5 side / 2). The other candidate, of W = w, is
+ * free: q_n = sqrt(w), in either place; the one that folds has the share 1, or 1/2 where its mu is
  * the smaller. */
 START_TEST(one_slips) {
   for (int at = 0; at < 2; at++)

@@ -57,8 +57,8 @@ static void expect_set(int isolated, int continua, int states) {
 static const double three_W[4] = {1, 1, 1, 2}, three_q[2] = {1, 4};
 static const double three_r[3][2] = {{0, 0}, {2, -3}, {1, -2}};
 
-/* W_nn + mu W_nt = 0: r = 0 alone, u = (0, 1), and r = s (1, 1) for s >= 1, u = (0, 1 - s). At
- * r = 0 the candidate is free or slips to the left, at r = (1, 1) it sticks or slips to the right. */
+/* W_nn + mu W_nt = 0: r = 0 alone, u = (0, 1), and r = s (1, 1), s >= 1, u = (0, 1 - s). At r = 0
+ * the candidate is free or slips to the left, at r = (1, 1) it sticks or slips to the right. */
 START_TEST(one_beside_a_ray) {
   const double W[4] = {1, -2, -1, 1}, q[2] = {0, 1};
   for (int unit = -8; unit <= 8; unit += 8) { /* 2^unit: reactions in another unit */
