@@ -194,15 +194,18 @@ START_TEST(a_candidate_without_friction) {
 }
 END_TEST
 
-/* Both sides by symmetry: the mirror image t -> -t has the mirrored solutions. */
+/* The mirror image t -> -t has the mirrored solutions, in any unit of W three. */
 START_TEST(either_side) {
-  const double W[4] = {1, -1, -1, 2}, q[2] = {1, -4};
-  set_small(1);
-  set_candidate(0, W, q, 2);
-  ck_assert_int_eq(list_states(3), DLS_OK);
-  expect_set(3, 0, 3);
-  for (int k = 0; k < 3; k++)
-    close_values(r + 2 * k, (const double[]){three_r[k][0], -three_r[k][1]}, 2, 1, 1e-13);
+  for (int power = -40; power <= 40; power += 40) {
+    const double w = ldexp(1, power), W[4] = {w, -w, -w, 2 * w}, q[2] = {1, -4};
+    set_small(1);
+    set_candidate(0, W, q, 2);
+    ck_assert_int_eq(list_states(3), DLS_OK);
+    expect_set(3, 0, 3);
+    for (int k = 0; k < 3; k++)
+      close_values(r + 2 * k, (const double[]){three_r[k][0] / w, -three_r[k][1] / w}, 2, 1 / w,
+                   1e-13);
+  }
 }
 END_TEST
 
