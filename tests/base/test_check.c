@@ -86,6 +86,8 @@ START_TEST(sparse_matrices) {
   const dls_blocks large = {.d = 3, .n = INT_MAX / 3 + 1};
   check_says(dlsi_check_blocks(&large, &e), &e, DLS_E_SIZE, "B.n", -1, INT_MAX / 3 + 1,
              "is 715827883");
+  const dls_blocks empty = {3, 0, (const int[1]){0}, NULL, NULL};
+  ck_assert_int_eq(dlsi_check_blocks(&empty, NULL), DLS_OK);
   const dls_blocks most = {.d = 3, .n = INT_MAX / 3};
   check_says(dlsi_check_blocks(&most, &e), &e, DLS_E_ARGUMENT, "B.p", -1, 0, "NULL");
 }
@@ -190,6 +192,9 @@ START_TEST(bodies) {
   body[3] = 1;
   check_says(dls_contact_check(&problem, &e), &e, DLS_E_ARGUMENT, "bodies.body", 3, 1,
              "is 1, as the other body of candidate 1");
+  body[3] = body[2] = 0;
+  check_says(dls_contact_check(&problem, &e), &e, DLS_E_ARGUMENT, "bodies.body", 3, 0,
+             "is 0, as the other body of candidate 1");
   body[3] = -1, body[2] = -1; /* fixed on both sides */
   ck_assert_int_eq(dls_contact_check(&problem, NULL), DLS_OK);
   body[3] = 0;
@@ -208,6 +213,13 @@ START_TEST(bodies) {
              "gives a W that is not finite");
   H[19] = 0;
   ck_assert_int_eq(dls_contact_check(&problem, NULL), DLS_OK);
+  body[0] = body[1] = body[2] = body[3] = -1; /* no bodies but the fixed one */
+  problem.bodies.count = 0;
+  ck_assert_int_eq(dls_contact_check(&problem, NULL), DLS_OK);
+  problem =
+      (dls_contact){.d = 2, .nc = 1, .W = {2, 2, 2, W}, .Wb = {2, 1, p, p, W}, .q = q, .mu = mu};
+  check_says(dls_contact_check(&problem, &e), &e, DLS_E_ARGUMENT, "Wb", -1, 0,
+             "W and Wb are both given");
 }
 END_TEST
 

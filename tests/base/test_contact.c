@@ -542,9 +542,18 @@ START_TEST(weights_fall_back) {
   memset(W, 0, sizeof W);
   dlsi_contact_weights(&p, w);
   ck_assert(w[0] == 1 && w[1] == 1);
+  W[0] = -0.25, W[10] = 0.125; /* -1/4 + 0 and 1/8 - 1/8 are no weights */
+  W[15] = -0.125;
+  dlsi_contact_weights(&p, w);
+  ck_assert(w[0] == 0.25 && w[1] == 0.25);
   const double many[16] = {[0] = 3, [5] = 5, [15] = 10}; /* d = 1 */
   double v[4];
   p = (dls_contact){.d = 1, .nc = 4, .W = {4, 4, 4, many}, .q = q2, .mu = mu2};
+  dlsi_contact_weights(&p, v);
+  ck_assert(v[0] == 3 && v[1] == 5 && v[2] == 6 && v[3] == 10);
+  const int start[5] = {0, 2, 3, 4, 5}, row[5] = {0, 0, 1, 0, 3};
+  const double entry[5] = {1, 2, 5, 7, 10};
+  p = (dls_contact){.d = 1, .nc = 4, .Wb = {1, 4, start, row, entry}, .q = q2, .mu = mu2};
   dlsi_contact_weights(&p, v);
   ck_assert(v[0] == 3 && v[1] == 5 && v[2] == 6 && v[3] == 10);
 }

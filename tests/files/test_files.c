@@ -1138,6 +1138,11 @@ START_TEST(broken_together) {
   check_refused(path, DLS_E_FORMAT, "path", -1);
 
   ck_assert_int_eq(write_model3(NULL), DLS_OK);
+  patch_size("fclib_global/M", 0, 0);
+  patch("fclib_global/M/p", INTS, VALUES(0));
+  check_refused(path, DLS_E_FORMAT, "M/m", -1);
+
+  ck_assert_int_eq(write_model3(NULL), DLS_OK);
   patch_size("fclib_global/G", 3, 1);
   check_refused(path, DLS_E_UNSUPPORTED, "G", -1);
   patch("fclib_global/G/n", INTS, VALUES(0));
@@ -1261,6 +1266,21 @@ START_TEST(write_arguments) {
   problem.q = bad4;
   check_error(&error, dls_fclib_write_local(path, &problem, "", r4, u4, &error), DLS_E_NOT_FINITE,
               "q", 2);
+
+  const double one[1] = {1}, free_of[1] = {0}, bonded[2] = {0.5, INFINITY};
+  const dls_contact line = {.d = 1, .nc = 1, .W = {1, 1, 1, one}, .q = one, .mu = free_of};
+  check_error(&error, dls_fclib_write_local(path, &line, "", NULL, NULL, &error), DLS_E_UNSUPPORTED,
+              "d", -1);
+  ck_assert(error.value == 1);
+  problem = local2;
+  problem.mu = bonded;
+  check_error(&error, dls_fclib_write_local(path, &problem, "", r4, u4, &error), DLS_E_NOT_FINITE,
+              "mu", 1);
+  const int active[3] = {1, 1, 1};
+  dls_model some = model3;
+  some.active = active;
+  check_error(&error, dls_fclib_write_global(path, &some, f3, g6, mu3, "", x3, r6, u6, &error),
+              DLS_E_UNSUPPORTED, "active", -1);
 
   static const struct {
     const char *argument;

@@ -102,6 +102,32 @@ START_TEST(of_calculix) {
 }
 END_TEST
 
+/* A dense matrix of more than 2^23 values has an entry for each row, or is refused. */
+START_TEST(few_entries) {
+  enum { n = 2897 }; /* n n = 8392609 */
+  for (int entries = n; entries >= n - 1; entries--) {
+    int rows = 77, cols = 77;
+    double *a;
+    dls_error e;
+    FILE *file = fopen(path, "w");
+    ck_assert_ptr_nonnull(file);
+    (void)fprintf(file, "%%%%MatrixMarket matrix coordinate real general\n%d %d %d\n", n, n,
+                  entries);
+    for (int k = 1; k <= entries; k++)
+      (void)fprintf(file, "%d %d 2\n", k, k);
+    ck_assert_int_eq(fclose(file), 0);
+    const dls_status status = dls_mtx_read(path, &rows, &cols, &a, &e);
+    ck_assert_int_eq(status, entries == n ? DLS_OK : DLS_E_SIZE);
+    if (entries == n) ck_assert(rows == n && cols == n && a[(size_t)n * n - 1] == 2 && a[1] == 0);
+    if (entries < n) ck_assert(rows == 77 && cols == 77 && !a && e.index == 2);
+    dls_mtx_free(a);
+    dls_sparse A;
+    ck_assert_int_eq(dls_mtx_read_sparse(path, &A, NULL, NULL), DLS_OK);
+    dls_mtx_free_sparse(&A);
+  }
+}
+END_TEST
+
 START_TEST(bad_files) {
   static const struct {
     int calculix;
@@ -166,5 +192,5 @@ END_TEST
 
 int main(void) {
   return RUN("sparse", make_file, remove_file, ONCE(matrix_market), ONCE(full_array),
-             ONCE(of_calculix), ONCE(bad_files), ONCE(failing_mallocs));
+             ONCE(of_calculix), ONCE(few_entries), ONCE(bad_files), ONCE(failing_mallocs));
 }

@@ -128,6 +128,109 @@ START_TEST(refused_with_the_line) {
 }
 END_TEST
 
+/* What is said of a line: its number, its first word, and why; of the whole file no line. */
+START_TEST(words_of_refusals) {
+  static const struct {
+    const char *content, *words;
+    double value;
+  } bad[] = {{"lcp 2147483647\nq 1\n", "line 2, 'q': has too few numbers", 0},
+             {"lcp 2147483648\n", "line 1, 'lcp': needs n >= 1", 0},
+             {"lcp 0\n", "line 1, 'lcp': needs n >= 1", 0},
+             {"lcp 1 1\n", "line 1, 'lcp': needs sizes", 0},
+             {"contact 3 715827882\nW\n1\n", "line 2, 'W': has too few rows", 0},
+             {"contact 3 715827883\n", "line 1, 'contact': needs d = 1, 2 or 3 and nc >= 1", 0},
+             {"contact 0 1\n", "needs d = 1, 2 or 3", 0},
+             {"contact 2.5 2\n", "needs d = 1, 2 or 3", 0},
+             {"# 1\n\n  # 3\ncontact 1 1\nlcp 1\n", "line 5, 'lcp': stands there twice", 0},
+             {"M\n1\n", "line 1, 'M': stands before the sizes", 0},
+             {"mu 1\n", "line 1, 'mu': stands before the sizes", 0},
+             {"contact 2 1\nmu 1\nmu 1\n", "line 3, 'mu': stands there twice", 0},
+             {"lcp 2\nM 1 2\n", "line 2, '1 2': belongs under its key", 0},
+             {"lcp 2\nM\n1 2\n", "line 3, 'M': has too few rows", 0},
+             {"lcp 3\nM\n1 2 3\n4 5 6\n7 8\n", "line 5, '7 8': has too few numbers, too many", 0},
+             {"lcp 3\nM\n1 2 3\n4 5 6\n7 8 9\nq 1 2 \n", "line 6, 'q': has too few numbers", 0},
+             {"lcp 1\nM\n1\n", "q is missing", 0},
+             {"lcp 1\nq 1\n", "M is missing", 0},
+             {"contact 1 1\nq 1\nmu 0\n", "W is missing", 0},
+             {"contact 1 1\nW\n1\nq 1\n", "mu is missing", 0},
+             {"contact 1 3\nW\n1 0 0\n0 1 0\n0 0 1\nq 1 1 1\nmu 0 0 -.25\n",
+              "mu of candidate 2 is negative", -.25},
+             {"contact 1 2\nW\n1 0\n0 1\nq 1 1\nmu -2 0\n", "mu of candidate 0 is negative", -2}};
+  for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
+    dls_text *text;
+    dls_error e = {0};
+    const dls_status status = read_text(bad[k].content, &text, &e);
+    ck_assert_msg(status == DLS_E_FORMAT && strstr(e.message, bad[k].words), "%s", e.message);
+    const char *line = strstr(e.message, "line ");
+    ck_assert(e.value == bad[k].value && e.index == (line ? atoi(line + 5) : -1));
+  }
+}
+END_TEST
+
+/* As many numbers as characters allow: no blank and no line end too much. */
+START_TEST(the_shortest_files) {
+  static const char *const content[] = {"lcp 1\nq 5\nM\n1", "lcp 2\nq 5 6\nM\n1 2\n3 4",
+                                        "lcp 3\nq 5 6 7\nM\n1 2 3\n4 5 6\n7 8 9",
+                                        "contact 3 1\nmu 1\nq 5 6 7\nW\n1 2 3\n4 5 6\n7 8 9"};
+  for (int k = 0; k < 4; k++) {
+    dls_text *text;
+    int n = k == 3 ? 3 : k + 1;
+    const double *M, *q;
+    dls_contact p;
+    ck_assert_int_eq(read_text(content[k], &text, NULL), DLS_OK);
+    if (k == 3) {
+      ck_assert_int_eq(dls_text_contact(text, &p, NULL), DLS_OK);
+      ck_assert(p.d == 3 && p.nc == 1 && p.W.rows == 3 && p.W.cols == 3 && p.W.ld == 3);
+      M = p.W.a, q = p.q;
+    } else
+      ck_assert_int_eq(dls_text_lcp(text, &n, &M, &q, NULL), DLS_OK);
+    ck_assert_int_eq(n, k == 3 ? 3 : k + 1);
+    for (int e = 0; e < n * n; e++)
+      ck_assert(M[e] == 1 + e / n + n * (e % n));
+    for (int e = 0; e < n; e++)
+      ck_assert(q[e] == 5 + e);
+    dls_text_destroy(text);
+  }
+}
+END_TEST
+
+/* Files of any length about the sizes of the buffer, 4096 and 3 4096; other lines, up to beyond 3
+ * 16, in their order, and the first title. */
+START_TEST(long_files) {
+  static char content[14000];
+  static const char begin[] = "lcp 1\nq 5\nM\n1\ntitle ", end[] = "\ntitle no";
+  for (int about = 4096; about <= 12288; about += 8192)
+    for (int size = about - 3; size <= about + 2; size++) {
+      dls_text *text;
+      const size_t fill = (size_t)size - strlen(begin) - strlen(end);
+      char *at = content + sprintf(content, "%s", begin);
+      memset(at, 'x', fill);
+      strcpy(at + fill, end);
+      ck_assert_int_eq(read_text(content, &text, NULL), DLS_OK);
+      ck_assert_uint_eq(strlen(dls_text_title(text)), fill);
+      ck_assert_str_eq(dls_text_line(text, 1, NULL), "no");
+      dls_text_destroy(text);
+    }
+  for (int lines = 0; lines <= 60; lines++) {
+    dls_text *text;
+    char *at = content + sprintf(content, "lcp 1\nq 5\nM\n1\n");
+    for (int k = 0; k < lines; k++)
+      at += sprintf(at, "key%d \t text %d \r\n", k, k);
+    ck_assert_int_eq(read_text(content, &text, NULL), DLS_OK);
+    for (int k = 0; k < lines; k++) {
+      char words[20];
+      const char *key;
+      sprintf(words, "text %d", k);
+      ck_assert_str_eq(dls_text_line(text, k, &key), words);
+      sprintf(words, "key%d", k);
+      ck_assert_str_eq(key, words);
+    }
+    ck_assert_ptr_null(dls_text_line(text, lines, NULL));
+    dls_text_destroy(text);
+  }
+}
+END_TEST
+
 START_TEST(no_text) {
   dls_text *text = NULL;
   dls_error error;
@@ -180,7 +283,8 @@ int main(void) {
   if (made < 0 || close(made)) return 1;
   const int failures =
       RUN("text", NULL, NULL, ONCE(a_contact_problem), ONCE(an_lcp), ONCE(refused_with_the_line),
-          ONCE(no_text), ONCE(numbers_alone), ONCE(each_malloc_fails));
+          ONCE(words_of_refusals), ONCE(the_shortest_files), ONCE(long_files), ONCE(no_text),
+          ONCE(numbers_alone), ONCE(each_malloc_fails));
   (void)remove(path);
   return failures;
 }

@@ -183,8 +183,158 @@ START_TEST(noise_is_handed_out) {
 }
 END_TEST
 
+/* ---- what goes into the lanes ---------------------------------------------------------------- */
+
+enum { easy_count = 24 };
+
+/* Problems of nc candidates that nothing presses: swept side by side they count a stage and the
+ * sweeps of all, alone neither. */
+static void make_easy(int d, int nc) {
+  memset(&T, 0, sizeof T);
+  for (int k = 0; k < easy_count; k++) {
+    set_model(&T.a[k], d, nc);
+    for (int i = 0; i < d * nc; i++) {
+      T.a[k].W[i + T.a[k].p.W.ld * i] = 1;
+      T.a[k].q[i] = i % d == 0;
+    }
+    T.p[k] = T.a[k].p;
+    T.at_r[k] = T.r[k];
+    T.at_u[k] = T.u[k];
+  }
+}
+
+/* Makes problem k one of many sweeps: two candidates pressed against each other. */
+static void make_slow(int k) {
+  const int d = T.p[k].d;
+  T.a[k].W[d] = T.a[k].W[T.p[k].W.ld * d] = 0.75;
+  T.a[k].q[0] = T.a[k].q[d] = -1;
+}
+
+static int runs(int n, const dls_solver_settings *s) {
+  return dls_solve_batch(n, T.p, s, T.at_r, T.at_u, T.info, NULL) == DLS_OK;
+}
+
+/* One to eight candidates are swept, in any dimension; nine, none, bonded ones, bodies are not. */
+START_TEST(which_are_swept) {
+  const double H[18] = {1, 0, 0, 0, 1, 0};
+  const int body[2] = {0, -1};
+  for (int d = 1; d <= 3; d++)
+    for (int nc = 0; nc <= 9; nc++) {
+      make_easy(d, nc);
+      ck_assert(runs(1, NULL));
+      ck_assert_int_eq(T.info[0].stages, nc > 0 && nc < 9);
+      ck_assert(T.info[0].method == DLS_AUTO && T.info[0].status == DLS_OK);
+    }
+  make_easy(2, 1);
+  T.a[1].mu[0] = INFINITY;
+  T.p[4].W.a = NULL;
+  T.p[4].bodies = (dls_bodies){3, 1, body, H, NULL};
+  ck_assert(runs(8, NULL));
+  for (int k = 0; k < 8; k++)
+    ck_assert_int_eq(T.info[k].stages, k != 1 && k != 4);
+}
+END_TEST
+
+/* Limits, a start and other methods keep all out of the lanes, where all share sweeps. */
+START_TEST(settings_that_sweep_none) {
+  for (int k = 0; k < 5; k++) {
+    dls_solver_settings s;
+    dls_solver_settings_init(&s);
+    if (k == 1) s.limits.cpu_seconds = 0.5;
+    if (k == 2) s.limits.max_iterations = 1;
+    if (k == 3) s.limits.warm_start = 1;
+    if (k == 4) s.method = DLS_NLGS;
+    make_easy(2, 2);
+    make_slow(0);
+    ck_assert(runs(3, &s) == (k != 2));
+    ck_assert_int_ge(T.info[0].iterations, k == 2 ? 1 : 2);
+    for (int i = 1; i < 3; i++)
+      ck_assert_int_eq(T.info[i].iterations == T.info[0].iterations, k == 0);
+    ck_assert_int_eq(T.info[0].method, k == 4 ? DLS_NLGS : DLS_AUTO);
+  }
+}
+END_TEST
+
+/* Eight in a row of as many candidates share the sweeps of the slowest; a bonded one, a body,
+ * another number of candidates and the end of the list end the row. */
+START_TEST(rows_share_their_sweeps) {
+  const double H[36] = {1, 0, 0, 0, 1, 0};
+  const int body[4] = {0, -1, 0, -1};
+  for (int slow = 0; slow < 8; slow += 7)
+    for (int end = 1; end <= 8; end++)
+      for (int kind = 0; kind < 4; kind++) {
+        if (slow >= end) continue;
+        make_easy(2, 2);
+        make_slow(slow);
+        if (kind == 1) T.a[end].mu[0] = INFINITY;
+        if (kind == 2) T.p[end].W.a = NULL;
+        if (kind == 2) T.p[end].bodies = (dls_bodies){3, 1, body, H, NULL};
+        if (kind == 3) T.p[end].nc = T.p[end].W.rows = T.p[end].W.cols = 1;
+        if (kind == 3) T.p[end].d = T.p[end].nc = 1;
+        ck_assert(runs(kind ? 16 : end, NULL));
+        const int sweeps = T.info[slow].iterations;
+        ck_assert_int_gt(sweeps, 8);
+        for (int k = 0; k < (kind ? 16 : end); k++) {
+          ck_assert_msg((T.info[k].iterations == sweeps) == (k < end), "%d of %d: %d", k, end,
+                        kind);
+          if (k >= end) continue;
+          ck_assert(T.info[k].stages == 1 && T.info[k].stage[0].method == DLS_NLGS);
+          ck_assert(T.info[k].stage[0].iterations == sweeps && T.info[k].stage[1].iterations == 0);
+          ck_assert(T.info[k].stage[0].residual == T.info[k].certificate.residual);
+        }
+      }
+}
+END_TEST
+
+/* A candidate with three solutions, beside one that is pressed, is told of as dls_solve does. */
+START_TEST(several_solutions_are_told) {
+  dls_info info;
+  double r[4];
+  make_easy(2, 2);
+  model *a = &T.a[2];
+  a->W[1] = a->W[a->p.W.ld] = 1; /* W_cc = (1 1; 1 2), q_c = (1, 4) */
+  a->W[1 + a->p.W.ld] = a->mu[0] = 2;
+  a->q[1] = 4;
+  a->q[2] = -1;
+  ck_assert(runs(4, NULL));
+  ck_assert_int_eq(dls_solve(&T.p[2], NULL, r, NULL, &info, NULL), DLS_OK);
+  ck_assert_int_eq(info.ambiguous, 1);
+  for (int k = 0; k < 4; k++)
+    ck_assert_int_eq(T.info[k].ambiguous, k == 2);
+  ck_assert(T.info[2].method == DLS_AUTO);
+}
+END_TEST
+
+/* The first and the last problem are looked at, each with its own r and u. */
+START_TEST(each_is_checked) {
+  dls_error e;
+  make_easy(2, 1);
+  expect_error(dls_solve_batch(1, NULL, NULL, T.at_r, NULL, NULL, &e), &e, DLS_E_ARGUMENT,
+               "dls_solve_batch", "problem", -1);
+  expect_error(dls_solve_batch(1, T.p, NULL, NULL, NULL, NULL, &e), &e, DLS_E_ARGUMENT,
+               "dls_solve_batch", "r", -1);
+  for (int k = 0; k < 4; k++) {
+    make_easy(2, 1);
+    T.a[k].q[1] = NAN;
+    expect_error(dls_solve_batch(4, T.p, NULL, T.at_r, NULL, NULL, &e), &e, DLS_E_NOT_FINITE,
+                 "dls_solve_batch", "problem", k);
+    ck_assert(e.value != e.value);
+    T.a[k].q[1] = 0;
+    T.at_u[k] = T.r[k]; /* overlaps */
+    expect_error(dls_solve_batch(4, T.p, NULL, T.at_r, T.at_u, NULL, &e), &e, DLS_E_ARGUMENT,
+                 "dls_solve_batch", "problem", k);
+    T.at_u[k] = NULL;
+    ck_assert_int_eq(dls_solve_batch(4, T.p, NULL, T.at_r, T.at_u, NULL, &e), DLS_OK);
+    for (int i = 0; i < 4; i++)
+      ck_assert(T.u[i][0] == (i != k));
+  }
+}
+END_TEST
+
 int main(void) {
   return RUN("batch", NULL, NULL, EACH(answers, 0, 2), ONCE(what_comes_after_is_left_alone),
              ONCE(settings_hold), ONCE(one_without_a_solution), ONCE(bad_input), ONCE(memory),
-             ONCE(noise_is_handed_out));
+             ONCE(noise_is_handed_out), ONCE(which_are_swept), ONCE(settings_that_sweep_none),
+             ONCE(rows_share_their_sweeps), ONCE(several_solutions_are_told),
+             ONCE(each_is_checked));
 }

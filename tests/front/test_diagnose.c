@@ -194,6 +194,17 @@ START_TEST(degenerate_candidates_are_named) {
       if (k == 1 || k == 3) ck_assert(g.friction_critical == 0 && g.critical == c);
       ck_assert(k == 1 || k == 3 || k == 4 || fabs(g.friction_critical - 4) < 1e-14);
     }
+  const double hinge[4] = {0, 1, 1, 2}; /* W_nn = 0 in a block that is not */
+  const dls_diagnosis h = diagnose(2, 1, hinge, q, mu);
+  flaw_is(&h.zero_block, 0, -1);
+  flaw_is(&h.no_normal, 1, 0);
+  flaw_is(&h.singular_block, 0, -1);
+  flaw_is(&h.no_effect, 0, -1);
+  const double negative[4] = {1, -4, -4, 0}; /* the largest entries are */
+  const dls_diagnosis f = diagnose(2, 1, negative, q, mu);
+  flaw_is(&f.singular_block, 0, -1);
+  flaw_is(&f.no_normal, 0, -1);
+  ck_assert_double_eq_tol(f.friction_critical, 0.25, 1e-15);
   /* all zero: no scale anywhere, nothing breaks */
   const double W[36] = {0};
   const dls_diagnosis g = diagnose(2, 3, W, q, mu);

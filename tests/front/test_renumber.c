@@ -129,6 +129,87 @@ START_TEST(equal_candidates_are_told_apart_by_loads) {
 }
 END_TEST
 
+/* By hand, unsymmetric, with blocks of one place that add up and one that is missing: W over 2^2,
+ * its largest entry being 7, q over 2^-2 (0.375), in the order that `from` tells, which names each
+ * once. */
+START_TEST(a_copy_by_hand) {
+  const double W[3][3] = {{5, 0, -7}, {2, 3, 0.5}, {0, 6, 4}}, q[3] = {0.25, -0.375, 0.125};
+  const int p[4] = {0, 2, 4, 7}, i[7] = {0, 1, 2, 1, 2, 0, 2};
+  const double x[7] = {5, 2, 6, 3, 1, -7, 3}, mu[3] = {0, 0, 0};
+  double dense[4 * 3];
+  for (int e = 0; e < 9; e++)
+    dense[e % 3 + 4 * (e / 3)] = e == 7 ? 0 : W[e % 3][e / 3];
+  const dls_contact problem[2] = {{.d = 1, .nc = 3, .W = {3, 3, 4, dense}, .q = q, .mu = mu},
+                                  {.d = 1, .nc = 3, .Wb = {1, 3, p, i, x}, .q = q, .mu = mu}};
+  for (int k = 0; k < 2; k++) {
+    copied c;
+    int seen[3] = {0};
+    double back[3];
+    make_copy(&c, &problem[k]);
+    const int *from = c.copy.from;
+    ck_assert(c.copy.power_W == 2 && c.copy.power_q == -2);
+    ck_assert(c.copy.problem.d == 1 && c.copy.problem.nc == 3 && c.copy.problem.W.ld == 3);
+    for (int a = 0; a < 3; a++) {
+      seen[from[a]]++;
+      ck_assert(c.copy.q[a] == 4 * q[from[a]]);
+      for (int b = 0; b < 3; b++) {
+        const int is_none = from[a] == 1 && from[b] == 2;
+        ck_assert(c.copy.W[a + 3 * b] == (is_none ? 0 : W[from[a]][from[b]] / 4));
+      }
+    }
+    ck_assert(seen[0] == 1 && seen[1] == 1 && seen[2] == 1);
+    dlsi_renumber_back(&c.copy, 1, -2, c.copy.q, back);
+    ck_assert_mem_eq(back, q, sizeof back);
+    free(c.arena.base);
+  }
+}
+END_TEST
+
+/* Nothing but zeros has no unit; a power of two is its own. */
+START_TEST(units_of_the_copy) {
+  static const double largest[3] = {0, 4, 0x1p-1074}, over[3] = {0, 2, -1074};
+  for (int k = 0; k < 3; k++) {
+    const double W[4] = {0, 0, 0, -largest[k]}, q[2] = {0, -largest[k]}, mu = 0.5;
+    const dls_contact problem = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = &mu};
+    copied c;
+    make_copy(&c, &problem);
+    ck_assert(c.copy.power_W == over[k] && c.copy.power_q == over[k]);
+    ck_assert(c.copy.W[3] == (k ? -1 : 0) && c.copy.q[1] == (k ? -1 : 0) && c.copy.mu[0] == 0.5);
+    free(c.arena.base);
+  }
+}
+END_TEST
+
+/* Candidates that one thing tells apart: u_n of one that moves another, or is moved by it; a
+ * coupling of n and t in one block; the second tangent; in any order the same copy. */
+START_TEST(one_entry_tells_apart) {
+  static const int place[3][4] = {{0, 1, 2, 3}, {2, 3, 1, 0}, {1, 0, 3, 2}};
+  static const int entry[5][4] = {/* candidate, row, candidate, column */
+                                  {0, 0, 1, 0},
+                                  {0, 0, 1, 2},
+                                  {2, 1, 2, 0},
+                                  {2, 2, 2, 2},
+                                  {3, 0, 0, 1}};
+  static model a;
+  copied c[3];
+  for (int k = 0; k < 3; k++) {
+    set_model(&a, 3, 4);
+    for (int e = 0; e < 12; e++) {
+      a.W[e + a.p.W.ld * e] = 2;
+      a.q[e] = e % 3 == 0 ? -1 : 0;
+    }
+    for (int b = 0; b < 4; b++)
+      a.mu[b] = 0.5;
+    const int *at = entry[_i], *to = place[k];
+    a.W[3 * to[at[0]] + at[1] + a.p.W.ld * (3 * to[at[2]] + at[3])] += 0.25;
+    make_copy(&c[k], &a.p);
+    if (k) expect_same_copy(&c[0], &c[k]);
+  }
+  for (int k = 0; k < 3; k++)
+    free(c[k].arena.base);
+}
+END_TEST
+
 /* W = B B' of whole numbers and low rank, much friction; any q, so that some have no solution. */
 static void hard_model(model *a, int i) {
   set_seed((uint64_t)i + 1);
@@ -193,5 +274,6 @@ int main(void) {
   return RUN("renumber", NULL, NULL, ONCE(powers_of_two), EACH(copies_are_the_same, 0, 20),
              ONCE(equal_candidates_are_told_apart_by_neighbours),
              EACH(equal_candidates_are_told_apart_by_loads, 0, 3),
-             EACH(order_keeps_the_verdict, 0, 60), ONCE(unsolved_gives_the_best_of_all_stages));
+             EACH(order_keeps_the_verdict, 0, 60), ONCE(a_copy_by_hand), ONCE(units_of_the_copy),
+             EACH(one_entry_tells_apart, 0, 5), ONCE(unsolved_gives_the_best_of_all_stages));
 }
