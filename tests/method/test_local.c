@@ -371,8 +371,8 @@ START_TEST(blocks_3d) {
 END_TEST
 
 /* Without a solution r is the point of the smallest |F|. W = (1 1; c B), q = (-2, 0), mu = 1: r = 0
- * has |F| = 2; the slip r = (1, 1) has u = (0, c + B), of which w r is left: |F| = sqrt(2) w, w = (1
- * + B) / 2. */
+ * has |F| = 2; the slip r = (1, 1) has u = (0, c + B), of which w r is left: |F| = sqrt(2) w with
+ * w = (1 + B) / 2. */
 START_TEST(least_bad_points) {
   static const struct {
     double c, B, mu, r[2];

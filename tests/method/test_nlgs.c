@@ -454,7 +454,7 @@ START_TEST(other_solutions) {
 END_TEST
 
 /* (NL3) with omega = 1/2: r of a candidate that leaves, W = 1, q = 1, halves from 2^-10 to 2^-51,
- * and is 0 where it no longer moves u = 1. In 2D and 3D the tangents go with the normal, r_t = mu r_n. */
+ * and is 0 where it no longer moves u = 1. r_t = mu r_n goes with it. */
 START_TEST(relaxed_candidate_leaves) {
   for (int d = 1; d <= 3; d++)
     for (int k = 0; k <= (d > 1); k++) {
