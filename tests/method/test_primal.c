@@ -361,8 +361,8 @@ START_TEST(random_system) {
 END_TEST
 
 /* The certificate by the formulas of the header, from x, r and u of an early end: K' = T^T K T with
- * the columns of T along n and t, W_cc = K'_cc^-1, q = u - W r, w = trace(W_cc) / 2; floors of |f'| +
- * |K'| |x'| without gaps. */
+ * the columns of T along n and t, W_cc = K'_cc^-1, q = u - W r, w = trace(W_cc) / 2; floors of
+ * |f'| + |K'| |x'| without gaps. */
 START_TEST(certificate_of_an_early_end) {
   static springs s;
   static double T[most * most], K[most * most], a[most];
