@@ -352,6 +352,31 @@ START_TEST(counts_and_one_entry) {
 }
 END_TEST
 
+/* The basis {0} of M = (1 0; .3 1), q = (-1, -.3 - eps / 4) has y_1 = -eps / 4, which is rounding
+ * beside |q_1| + .3: no step from there. From no basis M = (1 -10; 0 1), q = (1, -1) goes to {1},
+ * whose y_0 = -9 is worse than y_1 = -1 of z = 0: at a limit of one step that is the answer. */
+START_TEST(rounding_and_the_best_basis) {
+  static const double M[4] = {1, .3, 0, 1}, N[4] = {1, 0, -10, 1}, p[2] = {1, -1};
+  const double q[2] = {-1, -nextafter(.3, 1)};
+  const dls_lcp lcp = lcp_of(2, M, q), worse = lcp_of(2, N, p);
+  dls_principal_settings settings;
+  dls_principal_settings_init(&settings);
+  settings.limits.warm_start = 1;
+  double z[2] = {1, 0};
+  dls_principal_info info = solve_principal(&lcp, &settings, z, NULL);
+  ck_assert(info.status == DLS_OK && info.iterations == 0 && info.factorizations == 1);
+  ck_assert(z[0] == 1 && z[1] == 0);
+  settings.limits.warm_start = 0;
+  for (int limit = 1; limit <= 2; limit++) {
+    settings.limits.max_iterations = limit;
+    info = solve_principal(&worse, &settings, z, NULL);
+    ck_assert_int_eq(info.status, limit < 2 ? DLS_MAX_ITERATIONS : DLS_OK);
+    ck_assert(info.iterations == limit && info.factorizations == limit);
+    ck_assert(z[0] == (limit < 2 ? 0 : 9) && z[1] == (limit < 2 ? 0 : 1));
+  }
+}
+END_TEST
+
 START_TEST(progress_can_cancel) {
   double M[64], q[8], z[8];
   murty(8, M, q);
@@ -664,7 +689,8 @@ int main(void) {
              ONCE(warm_start_gives_the_cold_answer), ONCE(units_do_not_matter),
              ONCE(same_bits_twice), ONCE(leading_dimension_and_indices_outside),
              ONCE(matrices_that_are_no_p_matrices), ONCE(counts_and_one_entry),
-             ONCE(progress_can_cancel), ONCE(residual_of_a_basis), ONCE(enumerates_by_hand),
+             ONCE(rounding_and_the_best_basis), ONCE(progress_can_cancel),
+             ONCE(residual_of_a_basis), ONCE(enumerates_by_hand),
              ONCE(all_of_many_solutions_and_a_full_list), ONCE(enumeration_takes_its_largest_size),
              ONCE(enumeration_does_not_see_units), ONCE(create_refuses), ONCE(solve_refuses),
              ONCE(enumerate_refuses), ONCE(every_malloc_fails_in_turn));

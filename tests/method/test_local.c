@@ -108,6 +108,9 @@ static const local_case cases[] = {
     {"C1 in 3D", 3, {1, 1, 0, 1, 2, 0, 0, 0, 1}, {1, 4, 0}, 2, {0, 0, 0}, DLS_LOCAL_FREE, 3},
     {"u_t large", 3, {1, 2, 0, 2, 10, 0, 0, 0, 10}, {1, 50}, 1, {0}, DLS_LOCAL_FREE, 3},
     {"free, or a fast slip", 3, {1, 2, 0, 6, 10, 0, 0, 0, 10}, {1, 5e3}, 1, {0}, DLS_LOCAL_FREE, 2},
+    /* W_nt beyond W_tt: stick is (20, -70), slip (2, -10) along the tangent that W_nt has */
+    {"soft along t", 3, {1, .3, 0, .3, .1, 0, 0, 0, .1}, {1, 1}, 5, {0}, DLS_LOCAL_FREE, 3},
+    {"soft along s", 3, {1, 0, .3, 0, .1, 0, .3, 0, .1}, {1, 0, 1}, 5, {0}, DLS_LOCAL_FREE, 3},
     {"C16", 3, {2, -1, 2, -1, 2, 0, 2, 0, 3}, {-1, 4, 3}, 1, {6, 1, -5}, DLS_LOCAL_STICK, 3},
 };
 
