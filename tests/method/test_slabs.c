@@ -100,12 +100,13 @@ START_TEST(slabs_of_chains) {
       {140, 70, 0, {0, 65, 129, 140}, {{5, 69}, {0, 4}, {81, 139}, {70, 80}}},
       {140, 70, 1, {0, 64, 128, 140}, {{6, 69}, {0, 5}, {82, 139}, {70, 81}}},
       {70, 64, 1, {0, 64, 70}, {{0, 63}, {64, 69}, {1, 0}, {1, 0}}},
+      {70, 1, 1, {0, 64, 70}, {{0, 0}, {7, 69}, {1, 6}, {1, 0}}}, /* 0 stands alone */
       {64, 0, 1, {0, 64}, {{0, 63}, {1, 0}, {1, 0}, {1, 0}}},
       {1, 0, 0, {0, 1}, {{0, 0}, {1, 0}, {1, 0}, {1, 0}}},
   };
   dlsi_slabs slabs = {.memory = NULL};
-  for (int k = 0; k < 7; k++) {
-    const int nc = cases[k].nc, count = k < 4 ? 3 : k < 5 ? 2 : 1;
+  for (int k = 0; k < 8; k++) {
+    const int nc = cases[k].nc, count = k < 4 ? 3 : k < 6 ? 2 : 1;
     const dls_contact p = slabs_chain(nc, cases[k].gap, cases[k].of_bodies);
     ck_assert_int_eq(dlsi_slabs_set(&slabs, &p, NULL), DLS_OK);
     ck_assert(slabs.set.slabs == count && slabs.set.count == nc);
