@@ -477,6 +477,34 @@ START_TEST(relaxed_candidate_leaves) {
 }
 END_TEST
 
+/* As a stage of auto, in an order of its own, or that reversed: of candidates apart from each other
+ * one sweep solves all, if it visits each of them. */
+START_TEST(stages_visit_all) {
+  for (int stage = 1; stage <= 3; stage++)
+    for (int d = 1; d <= 3; d++)
+      for (int nc = 1; nc <= 7; nc++) {
+        static model a;
+        double r[3 * 7] = {0};
+        void *work;
+        dls_info info;
+        set_model(&a, d, nc);
+        for (int i = 0; i < d * nc; i++) {
+          a.W[i * (d * nc + 1)] = 1;
+          a.q[i] = i % d ? 0.25 : -1 - (i * 5 + 2) % 7;
+          a.mu[i / d] = d > 1;
+        }
+        const dlsi_options options = {.limits = {.tol = 1e-12, .max_iterations = 1},
+                                      .stage = stage};
+        ck_assert_int_eq(dlsi_nlgs_method.create(&work, d, nc, &options, NULL), DLS_OK);
+        ck_assert_int_eq(dlsi_nlgs_method.solve(work, &a.p, r, NULL, &info, NULL), DLS_OK);
+        ck_assert_int_eq(info.iterations, 1);
+        for (int i = 0; i < d * nc; i++)
+          ck_assert(r[i] == -a.q[i]);
+        dlsi_nlgs_method.destroy(work);
+      }
+}
+END_TEST
+
 int main(void) {
   return RUN("nlgs", NULL, NULL, EACH(several_solutions_are_told, 0, hand_count), ONCE(ambiguous),
              EACH(one_jammed_candidate_stalls, 0, jammed_count), ONCE(cycle),
@@ -485,5 +513,6 @@ int main(void) {
              EACH(accelerated_units, 0, 40), ONCE(accelerated_workspace),
              ONCE(momentum_on_a_packing), EACH(momentum_by_hand, 0, hand_count + jammed_count),
              ONCE(squares_beyond_numbers), ONCE(bad_create), ONCE(memory),
-             ONCE(bounds_of_one_solution), ONCE(other_solutions), ONCE(relaxed_candidate_leaves));
+             ONCE(bounds_of_one_solution), ONCE(other_solutions), ONCE(relaxed_candidate_leaves),
+             ONCE(stages_visit_all));
 }
