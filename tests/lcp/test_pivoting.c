@@ -377,6 +377,27 @@ START_TEST(rounding_and_the_best_basis) {
 }
 END_TEST
 
+static int keep_residual(void *data, const dls_progress *progress) {
+  double *residual = data;
+  if (!progress->last && *residual < 0) *residual = progress->residual;
+  return 0;
+}
+
+/* M = I, q = (-1, 1/2): of no basis the negative part alone counts, 1 / |q|. */
+START_TEST(residual_of_negative_parts) {
+  static const double M[4] = {1, 0, 0, 1}, q[2] = {-1, 0.5};
+  const dls_lcp lcp = lcp_of(2, M, q);
+  dls_principal_settings settings;
+  double z[2], residual = -1;
+  dls_principal_settings_init(&settings);
+  settings.limits.progress = keep_residual;
+  settings.limits.progress_data = &residual;
+  ck_assert_int_eq(solve_principal(&lcp, &settings, z, NULL).status, DLS_OK);
+  ck_assert_double_eq_tol(residual, sqrt(0.8), 1e-15);
+  ck_assert(z[0] == 1 && z[1] == 0);
+}
+END_TEST
+
 START_TEST(progress_can_cancel) {
   double M[64], q[8], z[8];
   murty(8, M, q);
@@ -689,8 +710,8 @@ int main(void) {
              ONCE(warm_start_gives_the_cold_answer), ONCE(units_do_not_matter),
              ONCE(same_bits_twice), ONCE(leading_dimension_and_indices_outside),
              ONCE(matrices_that_are_no_p_matrices), ONCE(counts_and_one_entry),
-             ONCE(rounding_and_the_best_basis), ONCE(progress_can_cancel),
-             ONCE(residual_of_a_basis), ONCE(enumerates_by_hand),
+             ONCE(rounding_and_the_best_basis), ONCE(residual_of_negative_parts),
+             ONCE(progress_can_cancel), ONCE(residual_of_a_basis), ONCE(enumerates_by_hand),
              ONCE(all_of_many_solutions_and_a_full_list), ONCE(enumeration_takes_its_largest_size),
              ONCE(enumeration_does_not_see_units), ONCE(create_refuses), ONCE(solve_refuses),
              ONCE(enumerate_refuses), ONCE(every_malloc_fails_in_turn));
