@@ -342,6 +342,7 @@ START_TEST(murty) {
     }
     ck_assert_int_eq(solved(n, M, q, &settings, z, &info), DLS_OK);
     ck_assert_int_eq(info.pivots, 1 << n);
+    ck_assert_int_eq(info.refreshes, 0); /* whole numbers: every check of the table holds */
     ck_assert_double_eq(z[0], ldexp(1, n));
     for (int i = 1; i < n; i++)
       ck_assert_double_eq(z[i], 0);
@@ -955,6 +956,52 @@ END_TEST
 
 /* M = -I, q < 0: no solution. The covering vector that is given stays beside a start, to the bit,
  * in any solve. */
+/* M = 2^10 I, q = (-1, -3): z_0 covers with 3, then z_2 rises until y_1 = z_0 - 1 = 0. There
+ * z = (0, 2) / 2^10 and y = (-1, -1), which is better than z = 0; the third pivot ends. In any
+ * units. */
+START_TEST(limit_on_the_path) {
+  static const double M[4] = {0x1p10, 0, 0, 0x1p10};
+  for (int e = -20; e <= 20; e += 10)
+    for (int turned = 0; turned < 2; turned++) {
+      const double unit = ldexp(1, e),
+                   q[2] = {turned ? -3 * unit : -unit, turned ? -unit : -3 * unit};
+      for (int most = 1; most <= 3; most++) {
+        dls_lemke_settings settings = path_alone();
+        dls_lemke_info info;
+        double z[2];
+        settings.limits.max_iterations = most;
+        ck_assert_int_eq(solved(2, M, q, &settings, z, &info),
+                         most < 3 ? DLS_MAX_ITERATIONS : DLS_OK);
+        ck_assert_int_eq(info.pivots, most);
+        ck_assert(z[turned] == (most < 3 ? 0 : unit * 0x1p-10));
+        ck_assert(z[!turned] == (most < 2 ? 0 : most < 3 ? 2 : 3) * unit * 0x1p-10);
+        const double residual = most < 2 ? 1 : most < 3 ? sqrt(0.2) : 0;
+        ck_assert_double_eq_tol(info.certificate.residual, residual, 1e-15);
+      }
+    }
+}
+END_TEST
+
+/* From the basis of the answer, M = I, q = (-1, x), there is no pivot where b = (1, x) is 0 but for
+ * rounding, or larger. */
+START_TEST(warm_start_on_the_border) {
+  static const double M[4] = {1, 0, 0, 1}, last[] = {0, -1e-14, 1e-14, 1, -1e-8};
+  for (int k = 0; k < 5; k++)
+    for (int turned = 0; turned < 2; turned++) {
+      const double q[2] = {turned ? last[k] : -1, turned ? -1 : last[k]};
+      dls_lemke_settings settings = path_alone();
+      dls_lemke_info info;
+      double z[2] = {!turned, turned};
+      settings.limits.warm_start = 1;
+      settings.limits.tol = 1e-12;
+      ck_assert_int_eq(solved(2, M, q, &settings, z, &info), DLS_OK);
+      ck_assert_int_eq(info.pivots > 0, k == 4);
+      ck_assert_double_eq_tol(z[turned], 1, 1e-14);
+      ck_assert_double_eq_tol(z[!turned], k == 4 ? 1e-8 : 0, 2e-14);
+    }
+}
+END_TEST
+
 START_TEST(warm_start_keeps_the_cover) {
   enum { n = 16 }; /* n ints fill lines of memory: one more is the first number behind */
   double M[n * n] = {0}, q[n], z[n], given[n], cover[2][n];
@@ -1360,6 +1407,7 @@ int main(void) {
              ONCE(same_bits_and_reuse), ONCE(progress_and_limit), ONCE(bad_arguments),
              ONCE(every_malloc_fails), ONCE(extreme_numbers), ONCE(warm_start_follows_a_load),
              ONCE(warm_start_from_anywhere), ONCE(warm_start_that_leads_nowhere),
+             ONCE(limit_on_the_path), ONCE(warm_start_on_the_border),
              ONCE(warm_start_keeps_the_cover), ONCE(warm_start_breaks_ties_as_a_cold_one),
              ONCE(warm_start_within_rounding), ONCE(residual_on_the_path), ONCE(covers_by_number),
              ONCE(crash_finds_the_solution), ONCE(crash_with_friction), ONCE(crash_in_any_unit),

@@ -319,6 +319,85 @@ static int stop_at(void *data, const dls_progress *p) {
   return ++*calls == 3;
 }
 
+/* M = 4 I but for one entry, wherever it stands, and q = -M (1, 1, 1) end after a first basis of
+ * all. M = I counts what is exchanged and factorised. */
+START_TEST(counts_and_one_entry) {
+  for (int j = 0; j < 3; j++)
+    for (int i = 0; i < 3; i++) {
+      double M[9] = {4, 0, 0, 0, 4, 0, 0, 0, 4}, q[3] = {-4, -4, -4}, z[3], y[3];
+      M[i + 3 * j] += 2;
+      q[i] -= 2;
+      const dls_lcp lcp = {3, {3, 3, 3, M}, q};
+      const dls_principal_info info = solve_principal(&lcp, NULL, z, y);
+      ck_assert(info.status == DLS_OK && info.iterations == 1 && info.factorizations == 1);
+      for (int l = 0; l < 3; l++)
+        ck_assert(fabs(z[l] - 1) <= 2e-16 && fabs(y[l]) <= 2e-15);
+    }
+  static const double one[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, q[2][3] = {{-1, 2, -3}, {1, 0, 3}};
+  for (int single = 0; single < 2; single++)
+    for (int k = 0; k < 2; k++) {
+      double z[4] = {7, 7, 7, 7}, y[4] = {7, 7, 7, 7};
+      const dls_lcp lcp = {3, {3, 3, 3, one}, q[k]};
+      dls_principal_settings settings;
+      dls_principal_settings_init(&settings);
+      if (single) settings.block_steps = 0;
+      const dls_principal_info info = solve_principal(&lcp, &settings, z, y);
+      const int steps = k ? 0 : single ? 2 : 1;
+      ck_assert(info.status == DLS_OK && info.iterations == steps);
+      ck_assert(info.single_exchanges == single * steps && info.factorizations == steps);
+      for (int l = 0; l < 3; l++)
+        ck_assert(z[l] == fmax(-q[k][l], 0) && y[l] == fmax(q[k][l], 0));
+      ck_assert(z[3] == 7 && y[3] == 7);
+    }
+}
+END_TEST
+
+/* The basis {0} of M = (1 0; .3 1), q = (-1, -.3 - eps / 4) has y_1 = -eps / 4, which is rounding
+ * beside |q_1| + .3: no step from there. From no basis M = (1 -10; 0 1), q = (1, -1) goes to {1},
+ * whose y_0 = -9 is worse than y_1 = -1 of z = 0: at a limit of one step that is the answer. */
+START_TEST(rounding_and_the_best_basis) {
+  static const double M[4] = {1, .3, 0, 1}, N[4] = {1, 0, -10, 1}, p[2] = {1, -1};
+  const double q[2] = {-1, -nextafter(.3, 1)};
+  const dls_lcp lcp = lcp_of(2, M, q), worse = lcp_of(2, N, p);
+  dls_principal_settings settings;
+  dls_principal_settings_init(&settings);
+  settings.limits.warm_start = 1;
+  double z[2] = {1, 0};
+  dls_principal_info info = solve_principal(&lcp, &settings, z, NULL);
+  ck_assert(info.status == DLS_OK && info.iterations == 0 && info.factorizations == 1);
+  ck_assert(z[0] == 1 && z[1] == 0);
+  settings.limits.warm_start = 0;
+  for (int limit = 1; limit <= 2; limit++) {
+    settings.limits.max_iterations = limit;
+    info = solve_principal(&worse, &settings, z, NULL);
+    ck_assert_int_eq(info.status, limit < 2 ? DLS_MAX_ITERATIONS : DLS_OK);
+    ck_assert(info.iterations == limit && info.factorizations == limit);
+    ck_assert(z[0] == (limit < 2 ? 0 : 9) && z[1] == (limit < 2 ? 0 : 1));
+  }
+}
+END_TEST
+
+static int keep_residual(void *data, const dls_progress *progress) {
+  double *residual = data;
+  if (!progress->last && *residual < 0) *residual = progress->residual;
+  return 0;
+}
+
+/* M = I, q = (-1, 1/2): of no basis the negative part alone counts, 1 / |q|. */
+START_TEST(residual_of_negative_parts) {
+  static const double M[4] = {1, 0, 0, 1}, q[2] = {-1, 0.5};
+  const dls_lcp lcp = lcp_of(2, M, q);
+  dls_principal_settings settings;
+  double z[2], residual = -1;
+  dls_principal_settings_init(&settings);
+  settings.limits.progress = keep_residual;
+  settings.limits.progress_data = &residual;
+  ck_assert_int_eq(solve_principal(&lcp, &settings, z, NULL).status, DLS_OK);
+  ck_assert_double_eq_tol(residual, sqrt(0.8), 1e-15);
+  ck_assert(z[0] == 1 && z[1] == 0);
+}
+END_TEST
+
 START_TEST(progress_can_cancel) {
   double M[64], q[8], z[8];
   murty(8, M, q);
@@ -630,8 +709,9 @@ int main(void) {
              ONCE(single_exchanges_end_where_block_exchanges_cycle), ONCE(murty_family),
              ONCE(warm_start_gives_the_cold_answer), ONCE(units_do_not_matter),
              ONCE(same_bits_twice), ONCE(leading_dimension_and_indices_outside),
-             ONCE(matrices_that_are_no_p_matrices), ONCE(progress_can_cancel),
-             ONCE(residual_of_a_basis), ONCE(enumerates_by_hand),
+             ONCE(matrices_that_are_no_p_matrices), ONCE(counts_and_one_entry),
+             ONCE(rounding_and_the_best_basis), ONCE(residual_of_negative_parts),
+             ONCE(progress_can_cancel), ONCE(residual_of_a_basis), ONCE(enumerates_by_hand),
              ONCE(all_of_many_solutions_and_a_full_list), ONCE(enumeration_takes_its_largest_size),
              ONCE(enumeration_does_not_see_units), ONCE(create_refuses), ONCE(solve_refuses),
              ONCE(enumerate_refuses), ONCE(every_malloc_fails_in_turn));

@@ -231,6 +231,36 @@ START_TEST(a_light_candidate_runs_away) {
 }
 END_TEST
 
+/* (AU5) by hand: two candidates that press each other, W = (1 -1; -1 1), q = (-1, -1), run away
+ * along (1, 1), whose gain is -2. A third, free one of w = 2^-20 counts as q_3 2^10 in |q|: the
+ * gain is too small where 1e-4 sqrt(2) sqrt(2 + (2^10 q_3)^2) > 2, from q_3 = 13.81 on. */
+START_TEST(gain_of_a_direction) {
+  static model a;
+  static const double q3[] = {0.5, 13.7, 13.9, 100};
+  for (int k = 0; k < 4; k++)
+    for (int last = 0; last < 2; last++) {
+      const int i = last ? 2 : 0, j = last ? 0 : 1, l = last ? 1 : 2; /* l: the free one */
+      set_model(&a, 1, 3);
+      a.W[i + 3 * i] = a.W[j + 3 * j] = 1;
+      a.W[i + 3 * j] = a.W[j + 3 * i] = -1;
+      a.W[l + 3 * l] = 0x1p-20;
+      a.q[i] = a.q[j] = -1;
+      a.q[l] = q3[k];
+      const dls_augmented_settings s = augmented_tol(1e-12);
+      double r[3];
+      dls_info info;
+      dls_augmented *work = new_augmented(&a.p, &s);
+      const dls_status status = solve_augmented(work, &a.p, &s, r, NULL, &info);
+      const double *direction = dls_augmented_direction(work);
+      ck_assert_int_eq(status, DLS_STALLED);
+      ck_assert_int_eq(direction != NULL, k < 2);
+      for (int c = 0; direction && c < 3; c++)
+        ck_assert_double_eq_tol(direction[c], c != l, 1e-6);
+      dls_augmented_destroy(work);
+    }
+}
+END_TEST
+
 /* data/failures: solved where the line of the file says so; else a direction along which the
  * reactions run away, or, where there is a solution, it may only say that it stands still. */
 START_TEST(catalogue) {
@@ -478,7 +508,8 @@ int main(void) {
   return RUN("augmented", NULL, NULL, ONCE(one_candidate), ONCE(factor_of_convergence),
              EACH(return_mapping, 0, 40), ONCE(other_solution), ONCE(start_too_far),
              EACH(no_solution_gives_a_direction, 0, jammed_count),
-             ONCE(a_light_candidate_runs_away), ONCE(catalogue), ONCE(too_stiff),
-             EACH(rank_deficient, 0, 24), EACH(units, 0, 12), ONCE(smaller_problem), ONCE(storage),
-             ONCE(cancelled), EACH(by_name, 0, 20), ONCE(bad_create), ONCE(no_memory));
+             ONCE(a_light_candidate_runs_away), ONCE(gain_of_a_direction), ONCE(catalogue),
+             ONCE(too_stiff), EACH(rank_deficient, 0, 24), EACH(units, 0, 12),
+             ONCE(smaller_problem), ONCE(storage), ONCE(cancelled), EACH(by_name, 0, 20),
+             ONCE(bad_create), ONCE(no_memory));
 }

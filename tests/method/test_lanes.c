@@ -112,7 +112,90 @@ START_TEST(goes_on_while_a_lane_moves) {
 }
 END_TEST
 
+/* Two candidates of each lane pressed, without friction: the sweeps that follow, r_c := (-q_c -
+ * W_cb r_b) / W_cc, and every second one |w dr| <= tol |q| / 4 and |dr| <= tol |r| / 4 in all
+ * lanes; W_cc = unit diag(1, 3, 5), so that w = d unit. Lane `at` moves, the others do not, or all
+ * move, each at its own pace and in its own units. */
+START_TEST(looks_by_hand) {
+  static const double coupling[] = {0x1p-12, 0x1p-11, 0.5, -0.5, -0.9, 0.75, -0.75, -0.25};
+  const double tol = 1e-3, least = tol * tol / 16;
+  const int d = 1 + _i / 8, m = 2 * d;
+  static model a[dlsi_lanes];
+  dls_contact problem[dlsi_lanes];
+  dlsi_lane_work *work = dlsi_lane_create();
+  ck_assert_ptr_nonnull(work);
+  for (int at = 0; at <= dlsi_lanes; at++) {
+    double r[dlsi_lanes][2] = {{0}}, s[6];
+    for (int l = 0; l < dlsi_lanes; l++) {
+      const double unit = l == at ? 4 : ldexp(1, -20 + 5 * l);
+      const double c = l == at ? coupling[_i % 8] : at == dlsi_lanes ? coupling[l] : 0;
+      set_model(&a[l], d, 2);
+      for (int i = 0; i < m; i++)
+        a[l].W[i + m * i] = unit * (1 + 2 * (i % d));
+      a[l].W[d] = a[l].W[m * d] = unit * c;
+      a[l].q[0] = a[l].q[d] = l == at ? -4 : -0x1p-20;
+      problem[l] = a[l].p;
+    }
+    int sweeps = 0, done = 0;
+    while (!done && sweeps < 32) {
+      done = ++sweeps % 2 == 0;
+      for (int l = 0; l < dlsi_lanes; l++) {
+        const double *W = a[l].W, *q = a[l].q, w = d * W[0];
+        double moved = 0, forces = 0;
+        for (int c = 0; c < 2; c++) {
+          const double n = (-q[d * c] - W[d] * r[l][1 - c]) / W[0], dr = n - r[l][c];
+          moved += w * dr * w * dr;
+          forces += dr * dr;
+          r[l][c] = n;
+        }
+        done = done && moved <= least * 2 * q[0] * q[0] &&
+               forces <= least * (r[l][0] * r[l][0] + r[l][1] * r[l][1]);
+      }
+    }
+    ck_assert_int_eq(dlsi_lane_solve(work, dlsi_lanes, problem, tol), sweeps);
+    for (int l = 0; l < dlsi_lanes; l++) {
+      dlsi_lane_get(work, l, d, s);
+      for (int i = 0; i < m; i++)
+        ck_assert_double_eq_tol(s[i], i % d ? 0 : r[l][i / d], 1e-14 * r[l][i / d]);
+    }
+  }
+  free(work);
+}
+END_TEST
+
+/* One lane slips, W = 1, q = (-1, 5, 0) and mu = 1, the others are free. */
+START_TEST(one_lane_slips) {
+  static model a[2];
+  dls_contact problem[dlsi_lanes];
+  dlsi_lane_work *work = dlsi_lane_create();
+  ck_assert_ptr_nonnull(work);
+  for (int d = 2; d <= 3; d++) {
+    for (int l = 0; l < 2; l++) {
+      set_model(&a[l], d, 1);
+      for (int i = 0; i < d; i++)
+        a[l].W[i + d * i] = 1;
+      a[l].q[0] = l ? 1 : -1;
+      a[l].q[1] = l ? 0 : 5;
+      a[l].mu[0] = 1;
+    }
+    for (int at = 0; at < dlsi_lanes; at++) {
+      for (int l = 0; l < dlsi_lanes; l++)
+        problem[l] = a[l != at].p;
+      (void)dlsi_lane_solve(work, dlsi_lanes, problem, 1e-12);
+      for (int l = 0; l < dlsi_lanes; l++) {
+        double r[3] = {7, 7, 0};
+        dlsi_lane_get(work, l, d, r);
+        ck_assert_double_eq_tol(r[0], l == at, 1e-15);
+        ck_assert_double_eq_tol(r[1], -(l == at), 1e-15);
+        ck_assert_double_eq_tol(r[2], 0, 1e-15);
+      }
+    }
+  }
+  free(work);
+}
+END_TEST
+
 int main(void) {
   return RUN("lanes", NULL, NULL, EACH(each_lane_arrives, 0, 96), ONCE(ends_at_the_first_look),
-             ONCE(goes_on_while_a_lane_moves));
+             ONCE(goes_on_while_a_lane_moves), EACH(looks_by_hand, 0, 24), ONCE(one_lane_slips));
 }

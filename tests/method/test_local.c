@@ -10,6 +10,7 @@
 
 #include "delassus/nlgs.h"
 #include "run.h"
+#include "vi/vi_internal.h"
 
 #ifndef BLOCKS
 #define BLOCKS 100000
@@ -80,6 +81,8 @@ static const local_case cases[] = {
     {"pivoting", 2, {0, 1, 1, 0}, {-1, -2}, 1, {2, 1}, DLS_LOCAL_STICK, 2}, /* and r = (1, 1) */
     {"frictionless", 2, {2, 1, 1, 2}, {-4, 3}, 0, {2, 0}, DLS_LOCAL_SLIP, 1},
     {"frictionless at rest", 2, {2, 1, 1, 2}, {-4, -2}, 0, {2, 0}, DLS_LOCAL_STICK, 1},
+    {"frictionless, touching", 2, {2, 0, 0, 1}, {0, 3}, 0, {0, 0}, DLS_LOCAL_FREE, 1},
+    {"frictionless, W_nn < 0", 2, {-1, 0, 0, 1}, {1, 0}, 0, {0, 0}, DLS_LOCAL_FREE, 2},
     {"C1: three solutions", 2, {1, 1, 1, 2}, {1, 4}, 2, {0, 0}, DLS_LOCAL_FREE, 3},
     {"C2: a continuum", 2, {1, 1, 1, 2}, {0, 1}, 1, {0, 0}, DLS_LOCAL_FREE, 2},
     {"indefinite: stick and two slips", 2, {1, 0, 0, -1}, {-1, 0}, 1, {1, 0}, DLS_LOCAL_STICK, 3},
@@ -95,12 +98,19 @@ static const local_case cases[] = {
     {"slip", 3, {2, 0, 0, 0, 1, 0, 0, 0, 1}, {-2, 3, 4}, 1, {1, -.6, -.8}, DLS_LOCAL_SLIP, 1},
     {"coupled slip", 3, {2, 1, 0, 1, 2, 0, 0, 0, 2}, {-5, -6, 0}, .5, {2, 1, 0}, DLS_LOCAL_SLIP, 1},
     {"frictionless", 3, {2, 1, 0, 1, 2, 0, 0, 0, 2}, {-4, 1, 1}, 0, {2, 0, 0}, DLS_LOCAL_SLIP, 1},
+    {"at rest", 3, {2, 1, 1, 1, 2, 0, 1, 0, 2}, {-4, -2, -2}, 0, {2, 0, 0}, DLS_LOCAL_STICK, 1},
+    {"along t", 3, {2, 1, 1, 1, 2, 0, 1, 0, 2}, {-4, 1, -2}, 0, {2, 0, 0}, DLS_LOCAL_SLIP, 1},
+    {"along s", 3, {2, 1, 1, 1, 2, 0, 1, 0, 2}, {-4, -2, 1}, 0, {2, 0, 0}, DLS_LOCAL_SLIP, 1},
+    {"bonded", 3, {2, 0, 0, 0, 1, 0, 0, 0, 1}, {-2, 3, 4}, INFINITY, {1, -3, -4}, 2, 1},
     {"no tangential compliance", 3, {2}, {-2, 3, 4}, .5, {1, -.3, -.4}, DLS_LOCAL_SLIP, 1},
     {"a plane of sticks", 3, {2}, {-2, 0, 0}, .5, {1, 0, 0}, DLS_LOCAL_STICK, 1},
     {"C7 in 3D", 3, {1, -1, 0, -1, 2, 0, 0, 0, 2}, {-1, -3, 0}, 2, {5, 4, 0}, DLS_LOCAL_STICK, 1},
     {"C1 in 3D", 3, {1, 1, 0, 1, 2, 0, 0, 0, 1}, {1, 4, 0}, 2, {0, 0, 0}, DLS_LOCAL_FREE, 3},
     {"u_t large", 3, {1, 2, 0, 2, 10, 0, 0, 0, 10}, {1, 50}, 1, {0}, DLS_LOCAL_FREE, 3},
     {"free, or a fast slip", 3, {1, 2, 0, 6, 10, 0, 0, 0, 10}, {1, 5e3}, 1, {0}, DLS_LOCAL_FREE, 2},
+    /* W_nt beyond W_tt: stick is (20, -70), slip (2, -10) along the tangent that W_nt has */
+    {"soft along t", 3, {1, .3, 0, .3, .1, 0, 0, 0, .1}, {1, 1}, 5, {0}, DLS_LOCAL_FREE, 3},
+    {"soft along s", 3, {1, 0, .3, 0, .1, 0, .3, 0, .1}, {1, 0, 1}, 5, {0}, DLS_LOCAL_FREE, 3},
     {"C16", 3, {2, -1, 2, -1, 2, 0, 2, 0, 3}, {-1, 4, 3}, 1, {6, 1, -5}, DLS_LOCAL_STICK, 3},
 };
 
@@ -322,9 +332,138 @@ START_TEST(tiny_reactions) {
 }
 END_TEST
 
+/* The terms of a block: W = (4 1; 2 3) has the pivot 4, s = 3 - 2/4; (2 1; 4 3) the pivot 4 of its
+ * second row, s = 1 - 2/4 3; of equal rows the first one is the pivot. mu = 2. */
+START_TEST(blocks_2d) {
+  static const double W[3][4] = {{4, 2, 1, 3}, {2, 4, 1, 3}, {2, -2, 1, 3}};
+  static const double inv_pivot[] = {0.25, 0.25, 0.5}, f[] = {0.5, 0.5, -1};
+  static const double inv_s[] = {1 / 2.5, -2, 0.25}, slip[3][2] = {{0.5, 1. / 6}, {0, 0.25}};
+  for (int k = 0; k < 3; k++) {
+    dlsi_block_2d b;
+    dlsi_block_2d_set(&b, W[k], k == 0 ? 2 : 1);
+    ck_assert_mem_eq(b.W, W[k], sizeof W[k]);
+    ck_assert(b.p == (k == 1) && b.mu == (k == 0 ? 2 : 1));
+    ck_assert(b.inv_pivot == inv_pivot[k] && b.f == f[k] && b.inv_s == inv_s[k]);
+    ck_assert(b.inv_slip[0] == (k == 0 ? slip[0][0] : 1));
+    ck_assert(b.inv_slip[1] == (k == 0 ? slip[0][1] : 1. / 3));
+  }
+}
+END_TEST
+
+/* The same in 3D: W_nn = 2, b = (1, 3), c W_nn = (4, 6), B = (5 8; 7 20) by rows, so that S = B - c
+ * b^T / 2 = (3 2; 4 11), whose pivot is 4 of the second row; then a B whose S has equal entries in
+ * its first column, and a B of zeros, where the size of l is W_nn. */
+START_TEST(blocks_3d) {
+  static const double W[3][9] = {
+      {2, 4, 6, 1, 5, 7, 3, 8, 20}, {2, 4, 6, 1, 5, 6, 3, 8, 20}, {2, 4, 6, 1, 0, 0, 3, 0, 0}};
+  static const double S[3][4] = {{3, 4, 2, 11}, {3, 3, 2, 11}, {-2, -3, -6, -9}};
+  static const double det[] = {25, 27, 0}, trace[] = {14, 14, -11}, scale[] = {12.5, 12.5, 2};
+  static const double f[] = {0.75, 1, 2. / 3}, u01[] = {11, 2, -9}, pivot[] = {4, 3, -3};
+  for (int k = 0; k < 3; k++) {
+    dlsi_block_3d b;
+    dlsi_block_3d_set(&b, W[k], 0.5);
+    ck_assert_mem_eq(b.W, W[k], sizeof W[k]);
+    ck_assert_mem_eq(b.S, S[k], sizeof S[k]);
+    ck_assert(b.mu == 0.5 && b.inv_a == 0.5 && b.c[0] == 2 && b.c[1] == 3);
+    ck_assert(b.det == det[k] && b.trace == trace[k] && b.scale == scale[k]);
+    ck_assert(b.p == (k != 1) && b.inv0 == 1 / pivot[k] && b.u01 == u01[k]);
+    ck_assert(fabs(b.f - f[k]) <= DBL_EPSILON);
+    if (k < 2) ck_assert(b.inv1 == 1 / (k == 0 ? 2 - 0.75 * 11 : 9));
+  }
+}
+END_TEST
+
+/* Without a solution r is the point of the smallest |F|. W = (1 1; c B), q = (-2, 0), mu = 1: r = 0
+ * has |F| = 2; the slip r = (1, 1) has u = (0, c + B), of which w r is left: |F| = sqrt(2) w with
+ * w = (1 + B) / 2. */
+START_TEST(least_bad_points) {
+  static const struct {
+    double c, B, mu, r[2];
+  } points[] = {{1, 1, 1, {1, 1}}, {2, 1.5, 1, {1, 1}}, {3, 2, 1, {0, 0}}, {1, 1, 3, {.5, 1.5}}};
+  for (int k = 0; k < 4; k++)
+    for (int side = -1; side <= 1; side += 2) {
+      const double W[4] = {1, side * points[k].c, side, points[k].B}, q[2] = {-2, 0};
+      double r[2];
+      ck_assert_int_eq(dls_nlgs_local(2, W, q, points[k].mu, r, NULL), DLS_LOCAL_NONE);
+      ck_assert(r[0] == points[k].r[0] && r[1] == side * points[k].r[1]);
+    }
+  /* W_nn <= 0: r = 0, also where the trace is negative, or all of W is 0 */
+  const double V[3][9] = {{-1, 0, 0, 0, 2, 0, 0, 0, 2}, {-1, 0, 0, 0, -1, 0, 0, 0, 0}, {0}};
+  for (int k = 0; k < 3; k++)
+    for (int mu = 0; mu < 2; mu++) {
+      const double p[3] = {-1, 0.5, 0};
+      double s[3] = {7, 7, 7};
+      ck_assert_int_eq(dls_nlgs_local(3, V[k], p, mu, s, NULL), DLS_LOCAL_NONE);
+      ck_assert(s[0] == 0 && s[1] == 0 && s[2] == 0);
+    }
+}
+END_TEST
+
+/* r on the edge of the cone with u_t = 0 is stick and slip at once: rounding must not leave it
+ * without a state, nor count it twice. */
+START_TEST(edges_of_the_cone) {
+  for (int k = 0; k < 4000; k++) {
+    const int d = 2 + k % 2;
+    double W[9], q[3], mu, r[3];
+    int count;
+    random_block(d, k % 4 < 2 ? 0 : 1e-3, W, q, &mu);
+    for (int i = 0; i < d; i++)
+      W[i + d * i] += 0.1;
+    if (d == 3 && mu * hypot(W[3], W[6]) > 0.5 * W[0]) continue;
+    const double angle = 6.28 * fraction(), sign = k % 8 < 4 ? 1 : -1;
+    const double at[3] = {1, d == 2 ? sign * mu : mu * cos(angle), mu * sin(angle)};
+    for (int i = 0; i < d; i++) {
+      q[i] = 0;
+      for (int j = 0; j < d; j++)
+        q[i] -= W[i + d * j] * at[j];
+    }
+    if (!(q[0] < 0)) continue;
+    const dls_local_state state = dls_nlgs_local(d, W, q, mu, r, &count);
+    ck_assert_msg(state == DLS_LOCAL_STICK || state == DLS_LOCAL_SLIP, "%d: state %d", k, state);
+    ck_assert_int_eq(count, 1);
+    for (int i = 0; i < d; i++)
+      ck_assert_double_eq_tol(r[i], at[i], 1e-12 * (1 + mu));
+  }
+}
+END_TEST
+
+/* u_t = (2.4, 3.2) = -4 r_t: from any guess of 4, and from what is none, the same r. */
+START_TEST(guesses) {
+  static const double W[9] = {2, 0, 0, 0, 1, 0, 0, 0, 1}, q[3] = {-2, 3, 4}, r[3] = {1, -.6, -.8};
+  static const double guess[] = {0, 4, 4e-3, 4e3, 1e-300, 1e300, -4, NAN, INFINITY, -INFINITY};
+  dlsi_block_3d b;
+  dlsi_block_3d_set(&b, W, 1);
+  for (int k = 0; k < 10; k++) {
+    double s[3];
+    ck_assert_int_eq(dlsi_local_3d(&b, q, guess[k], s), DLS_LOCAL_SLIP);
+    for (int i = 0; i < 3; i++)
+      ck_assert_double_eq_tol(s[i], r[i], 4 * DBL_EPSILON);
+  }
+}
+END_TEST
+
+/* One unknown: u = W r + q. */
+START_TEST(one_dimension) {
+  static const double W[] = {2, 2, 2, -1, -1, 2}, q[] = {-3, 3, 0, 1, -1, -INFINITY};
+  static const double r[] = {1.5, 0, 0, 0, 0, 0};
+  static const int count[] = {1, 1, 1, 2, 0, 0};
+  static const dls_local_state state[] = {DLS_LOCAL_STICK, DLS_LOCAL_FREE, DLS_LOCAL_FREE,
+                                          DLS_LOCAL_FREE,  DLS_LOCAL_NONE, DLS_LOCAL_NONE};
+  for (int k = 0; k < 6; k++) {
+    double s[2] = {7, 7};
+    int n = -1;
+    ck_assert_int_eq(dls_nlgs_local(1, W + k, q + k, 0, s, &n), state[k]);
+    ck_assert(s[0] == r[k] && s[1] == 7);
+    ck_assert_int_eq(n, count[k]);
+  }
+}
+END_TEST
+
 int main(void) {
   return RUN("local", NULL, NULL, EACH(by_hand, 0, sizeof cases / sizeof cases[0]),
              EACH(units, 0, sizeof cases / sizeof cases[0]),
              EACH(no_solution, 0, sizeof unsolvable / sizeof unsolvable[0]),
-             EACH(random_blocks, 0, 4), ONCE(turned_tangents), ONCE(tiny_reactions));
+             EACH(random_blocks, 0, 4), ONCE(turned_tangents), ONCE(tiny_reactions),
+             ONCE(blocks_2d), ONCE(blocks_3d), ONCE(least_bad_points), ONCE(edges_of_the_cone),
+             ONCE(guesses), ONCE(one_dimension));
 }

@@ -16,6 +16,7 @@
 #include "malloc_fails.h"
 #include "rigid.h"
 #include "run.h"
+#include "vi/vi_internal.h"
 
 /* ---- by hand --------------------------------------------------------------------------------- */
 
@@ -362,6 +363,148 @@ START_TEST(momentum_by_hand) {
 }
 END_TEST
 
+/* ---- several local solutions ----------------------------------------------------------------- */
+
+/* Returns what dlsi_may_be_ambiguous says of one candidate, in units of W that do not matter. */
+static int alone_may_be_ambiguous(int d, const double *W, double mu) {
+  static const double q[3] = {-1};
+  int said[3];
+  for (int unit = -1; unit <= 1; unit++) {
+    double V[9];
+    for (int e = 0; e < d * d; e++)
+      V[e] = ldexp(W[e], 40 * unit);
+    const dls_contact p = {
+        .d = d, .nc = 1, .W = {.rows = d, .cols = d, .ld = d, .a = V}, .q = q, .mu = &mu};
+    said[unit + 1] = dlsi_may_be_ambiguous(&p);
+  }
+  ck_assert(said[0] == said[1] && said[2] == said[1]);
+  return said[1];
+}
+
+/* The bound of one solution, by x = W_tt^-1 W_tn, s = W_nn - W_nt x, k^2 = s over the largest
+ * eigenvalue of W_tt, h = |x|: h + k^2 / h if h < k, else 2 k. W_tt = 1, W_nt = 3: k = 4 for W_nn =
+ * 25, 2 for 13. W_tt = (5 3; 3 5) of eigenvalues 8 and 2, W_nt = (11, 13): x = (1, 2), h = sqrt(5),
+ * k = 2 for W_nn = 69, 3 for 109. */
+START_TEST(bounds_of_one_solution) {
+  static const struct {
+    int d;
+    double W[9], bound;
+  } cases[] = {{2, {25, 3, 3, 1}, 3 + 16. / 3},
+               {2, {13, -3, -3, 1}, 4},
+               {3, {69, 11, 13, 11, 5, 3, 13, 3, 5}, 4},
+               {3, {109, 11, 13, 11, 5, 3, 13, 3, 5}, 6.2609903369994111},
+               {3, {109, -11, 13, -11, 5, -3, 13, -3, 5}, 6.2609903369994111}};
+  for (int k = 0; k < 5; k++) {
+    const int d = cases[k].d;
+    const double *W = cases[k].W, mu = 0.99 * cases[k].bound;
+    ck_assert_int_eq(alone_may_be_ambiguous(d, W, 0.9999 * mu), 0);
+    ck_assert_int_eq(alone_may_be_ambiguous(d, W, 1.0001 * mu), 1);
+    for (int j = 1; j < d; j++) /* each entry beside its transpose: 1e-9 s are rounding, s >= 4 */
+      for (int i = 0; i < j; i++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+          double V[9];
+          memcpy(V, W, sizeof V);
+          V[i + d * j] += sign * 1e-9;
+          ck_assert_int_eq(alone_may_be_ambiguous(d, V, 1), 0);
+          V[i + d * j] += sign * 2e-7;
+          ck_assert_int_eq(alone_may_be_ambiguous(d, V, 1), 1);
+        }
+  }
+  static const double one = 1, zero = 0, apart[4] = {2, 0, 0, 1}, soft[4] = {2, 0, 0, 0};
+  static const double stiff[9] = {1, 0, 0, 0, 1, 3, 0, 3, 1}; /* W_tt has the eigenvalue -2 */
+  static const double flat[4] = {9, 3, 3, 1}, round[9] = {2, 0, 0, 0, 1, 0, 0, 0, 1};
+  ck_assert(!alone_may_be_ambiguous(1, &one, 7) && alone_may_be_ambiguous(1, &zero, 0));
+  ck_assert(!alone_may_be_ambiguous(2, apart, 1e9) && !alone_may_be_ambiguous(3, round, 1e9));
+  ck_assert(alone_may_be_ambiguous(2, soft, 0) && alone_may_be_ambiguous(2, flat, 0));
+  ck_assert(alone_may_be_ambiguous(3, stiff, 0));
+}
+END_TEST
+
+/* Three candidates apart from each other. The first: r_n = r_t = 1 is one of two solutions for mu =
+ * 1, (2, 1) is told first, and none is for the mu of the second. The third is C1, sticking, which
+ * may as well be free. */
+START_TEST(other_solutions) {
+  static model a;
+  static const double W[3][4] = {{0, 1, 1, 0}, {2, 0, 0, 1}, {1, 1, 1, 2}};
+  static const double r[6] = {1, 1, 1, 0, 2, -3}, u[6] = {0, -1, 0, 0.5, 0, 0};
+  static const double other[6] = {2, 1, 1, 0, 0, 0}, mu[3] = {1, 0, 2};
+  double s[7] = {7, 7, 7, 7, 7, 7, 7};
+  set_model(&a, 2, 3);
+  for (int c = 0; c < 3; c++) {
+    a.mu[c] = mu[c];
+    for (int e = 0; e < 4; e++)
+      a.W[2 * c + e % 2 + 6 * (2 * c + e / 2)] = W[c][e];
+  }
+  ck_assert_int_eq(dlsi_count_ambiguous(&a.p, r, u, s), 2);
+  for (int i = 0; i < 6; i++)
+    ck_assert(s[i] == other[i]);
+  ck_assert(s[6] == 7);
+  ck_assert_int_eq(dlsi_count_ambiguous(&a.p, r, u, NULL), 2);
+  ck_assert_int_eq(dlsi_may_be_ambiguous(&a.p), 1);
+  a.p.nc = 1; /* C1 in 3D, from stick and from free */
+  static const double V[9] = {1, 1, 0, 1, 2, 0, 0, 0, 1}, zero[3] = {0}, q[3] = {1, 4, 0};
+  const double stick[3] = {2, -3, 0}, two = 2;
+  const dls_contact p = {
+      .d = 3, .nc = 1, .W = {.rows = 3, .cols = 3, .ld = 3, .a = V}, .q = q, .mu = &two};
+  for (int k = 0; k < 2; k++) {
+    ck_assert_int_eq(dlsi_count_ambiguous(&p, k ? stick : zero, k ? zero : q, s), 1);
+    ck_assert(s[0] == 0 && s[1] == 0 && s[2] == 0);
+  }
+}
+END_TEST
+
+/* (NL3) with omega = 1/2: r of a candidate that leaves, W = 1, q = 1, halves from 2^-10 to 2^-51,
+ * and is 0 where it no longer moves u = 1. r_t = mu r_n goes with it. */
+START_TEST(relaxed_candidate_leaves) {
+  for (int d = 1; d <= 3; d++)
+    for (int k = 0; k <= (d > 1); k++) {
+      static model a;
+      double r[3] = {0x1p-10, k ? 0x1p-10 : 0, 0}, u[3];
+      dls_info info;
+      set_model(&a, d, 1);
+      for (int i = 0; i < d; i++)
+        a.W[i * (d + 1)] = 1;
+      a.q[0] = 1;
+      a.mu[0] = d > 1;
+      dls_nlgs_settings s = nlgs_tol(1e-12);
+      s.relaxation = 0.5;
+      s.limits.warm_start = 1;
+      ck_assert_int_eq(run_nlgs(&a.p, &s, r, u, &info), DLS_OK);
+      ck_assert_int_eq(info.iterations, 42);
+      for (int i = 0; i < d; i++)
+        ck_assert(r[i] == 0 && u[i] == a.q[i]);
+    }
+}
+END_TEST
+
+/* As a stage of auto, in an order of its own, or that reversed: of candidates apart from each other
+ * one sweep solves all, if it visits each of them. */
+START_TEST(stages_visit_all) {
+  for (int stage = 1; stage <= 3; stage++)
+    for (int d = 1; d <= 3; d++)
+      for (int nc = 1; nc <= 7; nc++) {
+        static model a;
+        double r[3 * 7] = {0};
+        void *work;
+        dls_info info;
+        set_model(&a, d, nc);
+        for (int i = 0; i < d * nc; i++) {
+          a.W[i * (d * nc + 1)] = 1;
+          a.q[i] = i % d ? 0.25 : -1 - (i * 5 + 2) % 7;
+          a.mu[i / d] = d > 1;
+        }
+        const dlsi_options options = {.limits = {.tol = 1e-12, .max_iterations = 1},
+                                      .stage = stage};
+        ck_assert_int_eq(dlsi_nlgs_method.create(&work, d, nc, &options, NULL), DLS_OK);
+        ck_assert_int_eq(dlsi_nlgs_method.solve(work, &a.p, r, NULL, &info, NULL), DLS_OK);
+        ck_assert_int_eq(info.iterations, 1);
+        for (int i = 0; i < d * nc; i++)
+          ck_assert(r[i] == -a.q[i]);
+        dlsi_nlgs_method.destroy(work);
+      }
+}
+END_TEST
+
 int main(void) {
   return RUN("nlgs", NULL, NULL, EACH(several_solutions_are_told, 0, hand_count), ONCE(ambiguous),
              EACH(one_jammed_candidate_stalls, 0, jammed_count), ONCE(cycle),
@@ -369,5 +512,7 @@ int main(void) {
              EACH(fclib_file, 0, sizeof files / sizeof files[0]), ONCE(accelerated_cycle),
              EACH(accelerated_units, 0, 40), ONCE(accelerated_workspace),
              ONCE(momentum_on_a_packing), EACH(momentum_by_hand, 0, hand_count + jammed_count),
-             ONCE(squares_beyond_numbers), ONCE(bad_create), ONCE(memory));
+             ONCE(squares_beyond_numbers), ONCE(bad_create), ONCE(memory),
+             ONCE(bounds_of_one_solution), ONCE(other_solutions), ONCE(relaxed_candidate_leaves),
+             ONCE(stages_visit_all));
 }

@@ -360,6 +360,107 @@ START_TEST(random_system) {
 }
 END_TEST
 
+/* The certificate by the formulas of the header, from x, r and u of an early end: K' = T^T K T with
+ * the columns of T along n and t, W_cc = K'_cc^-1, q = u - W r, w = trace(W_cc) / 2; floors of
+ * |f'| + |K'| |x'| without gaps. */
+START_TEST(certificate_of_an_early_end) {
+  static springs s;
+  static double T[most * most], K[most * most], a[most];
+  random_springs(_i, &s);
+  memset(s.g, 0, sizeof s.g);
+  const int n = s.model.n, nodes = s.model.nodes;
+  dls_primal_settings settings = primal_tol(1e-14);
+  settings.limits.max_iterations = 2;
+  answer b;
+  ck_assert_int_eq(run_springs(&s, &settings, &b), DLS_MAX_ITERATIONS);
+  ck_assert_int_eq(b.info.iterations, 2);
+  memset(T, 0, sizeof T);
+  for (int k = 0; k < n; k++)
+    T[k + n * k] = 1;
+  for (int k = 0; k < 2 * nodes; k++) { /* unknown i of a node becomes n, j becomes t */
+    T[s.ni[k] + n * s.ni[k - k % 2]] = s.nx[k];
+    T[s.ti[k] + n * s.ni[k - k % 2 + 1]] = s.tx[k];
+  }
+  double load = 0, forces = 0, out = 0, rounding = 0;
+  for (int i = 0; i < n; i++) {
+    double f = 0;
+    for (int k = 0; k < n; k++)
+      f += T[k + n * i] * s.f[k];
+    a[i] = fabs(f);
+    double e = -f;
+    for (int j = 0; j < n; j++) {
+      double x = 0;
+      K[i + n * j] = 0;
+      for (int k = 0; k < n; k++) {
+        x += T[k + n * j] * b.x[k];
+        for (int l = 0; l < n; l++)
+          K[i + n * j] += T[k + n * i] * s.K[k + n * l] * T[l + n * j];
+      }
+      a[i] += fabs(K[i + n * j] * x);
+      e += K[i + n * j] * x; /* at the nodes: r */
+    }
+    int of_node = 0;
+    for (int k = 0; k < 2 * nodes; k++)
+      of_node |= s.ni[k] == i;
+    load += f * f / K[i + n * i];
+    *(of_node ? &forces : &out) += e * e / K[i + n * i];
+    rounding += a[i] * a[i] / K[i + n * i];
+  }
+  const double scale = sqrt(load) + sqrt(forces);
+  ck_assert_double_eq_tol(b.info.equilibrium, sqrt(out) / scale, 1e-12);
+  ck_assert_double_eq_tol(b.info.equilibrium_floor / DBL_EPSILON, sqrt(rounding) / scale, 1e-9);
+  double F = 0, force = 0, q2 = 0, r2 = 0, floor = 0, floor_force = 0;
+  for (int c = 0; c < nodes; c++) {
+    const int i = s.ni[2 * c], j = s.ni[2 * c + 1];
+    const double nn = K[i + n * i], nt = K[i + n * j], tt = K[j + n * j], det = nn * tt - nt * nt;
+    const double W[4] = {tt / det, -nt / det, -nt / det, nn / det}, w = (W[0] + W[3]) / 2;
+    const double *r = b.r + 2 * c, *u = b.u + 2 * c, at[2] = {a[i], a[j]};
+    const double n_of = w * r[0] - u[0] - s.mu[c] * fabs(u[1]), t = w * r[1] - u[1];
+    const double m = s.mu[c], on = (n_of + m * fabs(t)) / (1 + m * m);
+    const int inside = fabs(t) <= m * n_of, polar = m * fabs(t) <= -n_of;
+    const double P[2] = {inside  ? n_of
+                         : polar ? 0
+                                 : on,
+                         inside  ? t
+                         : polar ? 0
+                                 : m * on * (t > 0 ? 1 : -1)};
+    for (int k = 0; k < 2; k++) {
+      const double v = w * r[k] - P[k], q = u[k] - W[k] * r[0] - W[k + 2] * r[1];
+      const double all =
+          fabs(u[k]) + fabs(W[k]) * at[0] + fabs(W[k + 2]) * at[1] + fabs(q) + w * fabs(r[k]);
+      F += v * v;
+      force += v * v / (w * w);
+      q2 += q * q;
+      r2 += r[k] * r[k];
+      floor += all * all;
+      floor_force += all * all / (w * w);
+    }
+  }
+  const dls_certificate *laws = &b.info.laws;
+  ck_assert_double_eq_tol(laws->residual_u, sqrt(F / q2), 1e-9 * sqrt(F / q2) + 1e-14);
+  ck_assert_double_eq_tol(laws->residual_r, fmin(1, sqrt(force / r2)), 1e-9);
+  ck_assert_double_eq_tol(laws->floor_u / DBL_EPSILON, sqrt(floor / q2), 1e-9 * sqrt(floor / q2));
+  if (force < r2)
+    ck_assert_double_eq_tol(laws->floor_r / DBL_EPSILON, sqrt(floor_force / r2),
+                            1e-9 * sqrt(floor_force / r2));
+}
+END_TEST
+
+/* What lies behind f, g, mu and the start x is not looked at. */
+START_TEST(ends_of_arrays) {
+  static springs s;
+  static answer a;
+  random_springs(_i, &s);
+  dls_primal_settings settings = primal_tol(1e-8);
+  settings.limits.warm_start = 1;
+  s.f[s.model.n] = s.g[2 * s.model.nodes] = s.mu[s.model.nodes] = a.x[s.model.n] = NAN;
+  a.r[2 * s.model.nodes] = a.u[2 * s.model.nodes] = 7;
+  ok(run_springs(&s, &settings, &a));
+  ck_assert(isnan(a.x[s.model.n]));
+  ck_assert(a.r[2 * s.model.nodes] == 7 && a.u[2 * s.model.nodes] == 7);
+}
+END_TEST
+
 START_TEST(units) {
   static springs s, t;
   random_springs(_i, &s);
@@ -498,7 +599,7 @@ START_TEST(jean_block) {
 }
 END_TEST
 
-START_TEST(acceleration_pays) { /* measured: 300, 707, 2228 sweeps; Fig. 4 218, 645, 2013 */
+START_TEST(acceleration_pays) { /* measured: 308, 715, 2341 sweeps; Fig. 4 223, 675, 2044 */
   static jean j;
   open_scene(&j, names[_i], 0);
   dls_primal_settings settings = primal_tol(1e-8);
@@ -866,6 +967,7 @@ END_TEST
 
 int main(void) {
   return RUN("primal", NULL, NULL, EACH(by_hand, 0, 2 * hand_count), EACH(random_system, 0, 40),
+             EACH(certificate_of_an_early_end, 0, 24), EACH(ends_of_arrays, 0, 4),
              EACH(units, 0, 16), EACH(mixed_units, 0, 16), EACH(tolerance_zero, 0, 20),
              ONCE(load_steps), ONCE(fixed_point_cycles), ONCE(floors_are_kept_up_to_date),
              ONCE(overflow_is_not_solved), EACH(jean_block, 0, 2), EACH(acceleration_pays, 0, 2),

@@ -53,6 +53,74 @@ START_TEST(slabs_of_a_parity_share_nothing) {
 }
 END_TEST
 
+/* From 2 threads on a loop goes in pieces of 512 or more, at most 64. */
+START_TEST(pieces_of_a_loop) {
+  static const int cases[][3] = {{1, 100000, 1}, {2, 1023, 1},   {2, 1024, 2},   {7, 1535, 2},
+                                 {7, 1536, 3},   {2, 32767, 63}, {2, 32768, 64}, {2, 33280, 64}};
+  for (int k = 0; k < 8; k++)
+    ck_assert_int_eq(dlsi_pieces(cases[k][0], cases[k][1]), cases[k][2]);
+  ck_assert_int_eq(dlsi_piece(10, 3, 0), 0);
+  ck_assert_int_eq(dlsi_piece(10, 3, 1), 3);
+  ck_assert_int_eq(dlsi_piece(10, 3, 2), 6);
+  ck_assert_int_eq(dlsi_piece(10, 3, 3), 10);
+}
+END_TEST
+
+enum { chain_most = 140 };
+
+/* A chain, candidate c coupled with c - 1 and c + 1 but for a gap before candidate `gap`; 0: none.
+ * By blocks, or candidate c between the bodies c - 1 and c. */
+static dls_contact slabs_chain(int nc, int gap, int of_bodies) {
+  static int p[chain_most + 1], i[3 * chain_most], body[2 * chain_most];
+  static double x[3 * chain_most], q[chain_most], mu[chain_most], H[6 * chain_most];
+  int count = 0;
+  for (int c = 0; c < nc; c++) {
+    p[c] = count;
+    for (int b = c - 1; b <= c + 1; b++)
+      if (b >= 0 && b < nc && (b <= c || b != gap) && (b >= c || c != gap)) i[count++] = b;
+    body[2 * c] = c == gap ? -1 : c - 1;
+    body[2 * c + 1] = c;
+  }
+  p[nc] = count;
+  if (!of_bodies) return (dls_contact){.d = 1, .nc = nc, .Wb = {1, nc, p, i, x}, .q = q, .mu = mu};
+  return (dls_contact){.d = 1, .nc = nc, .q = q, .mu = mu, .bodies = {3, nc, body, H, NULL}};
+}
+
+/* Slabs of a chain of 130 begin at its far end, 129. By blocks a level is what shares a row with
+ * the one before: 129; 128, 127; 126, 125; .. A slab ends with the level that makes it 64: 1 + 2 *
+ * 32 candidates, 2 * 32, and 0. Between bodies each level is one candidate. A chain of 70 and
+ * another of 70: the second slab holds what is left of the first, 4 .. 0, and 139 .. 81. */
+START_TEST(slabs_of_chains) {
+  static const struct {
+    int nc, gap, of_bodies, start[4];
+    int range[4][2]; /* of candidates, ascending, one after the other */
+  } cases[] = {
+      {130, 0, 0, {0, 65, 129, 130}, {{65, 129}, {1, 64}, {0, 0}, {1, 0}}},
+      {130, 0, 1, {0, 64, 128, 130}, {{66, 129}, {2, 65}, {0, 1}, {1, 0}}},
+      {140, 70, 0, {0, 65, 129, 140}, {{5, 69}, {0, 4}, {81, 139}, {70, 80}}},
+      {140, 70, 1, {0, 64, 128, 140}, {{6, 69}, {0, 5}, {82, 139}, {70, 81}}},
+      {70, 64, 1, {0, 64, 70}, {{0, 63}, {64, 69}, {1, 0}, {1, 0}}},
+      {70, 1, 1, {0, 64, 70}, {{0, 0}, {7, 69}, {1, 6}, {1, 0}}}, /* 0 stands alone */
+      {64, 0, 1, {0, 64}, {{0, 63}, {1, 0}, {1, 0}, {1, 0}}},
+      {1, 0, 0, {0, 1}, {{0, 0}, {1, 0}, {1, 0}, {1, 0}}},
+  };
+  dlsi_slabs slabs = {.memory = NULL};
+  for (int k = 0; k < 8; k++) {
+    const int nc = cases[k].nc, count = k < 4 ? 3 : k < 6 ? 2 : 1;
+    const dls_contact p = slabs_chain(nc, cases[k].gap, cases[k].of_bodies);
+    ck_assert_int_eq(dlsi_slabs_set(&slabs, &p, NULL), DLS_OK);
+    ck_assert(slabs.set.slabs == count && slabs.set.count == nc);
+    ck_assert_mem_eq(slabs.set.start, cases[k].start, (size_t)(count + 1) * sizeof(int));
+    const int *list = slabs.set.list;
+    for (int part = 0; part < 4; part++)
+      for (int c = cases[k].range[part][0]; c <= cases[k].range[part][1]; c++)
+        ck_assert_int_eq(*list++, c);
+    ck_assert_ptr_eq(list, slabs.set.list + nc);
+  }
+  dlsi_slabs_free(&slabs);
+}
+END_TEST
+
 /* Solves with so many threads; r is the caller's, m. */
 static dls_info solve_with(const dls_contact *p, int threads, dls_acceleration acceleration,
                            dls_method method, double *r) {
@@ -230,6 +298,7 @@ END_TEST
 
 int main(void) {
   return RUN("slabs", NULL, NULL, EACH(slabs_of_a_parity_share_nothing, 0, 8),
+             ONCE(pieces_of_a_loop), ONCE(slabs_of_chains),
              EACH(bits_do_not_depend_on_threads, 0, 6), ONCE(dense_on_threads),
              ONCE(bodies_stop_in_time), ONCE(bodies_beyond_sweeps), EACH(memory_of_threads, 0, 2));
 }
