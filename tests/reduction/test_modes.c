@@ -63,6 +63,22 @@ START_TEST(feet_that_feel_nothing) {
 }
 END_TEST
 
+/* With as many modes as there may be, the last of them, too. */
+START_TEST(feet_of_all_modes) {
+  double spring[dlsi_most_modes], stretch[dlsi_most_modes], move[dlsi_most_modes];
+  dlsi_follow follow = {0};
+  for (int k = 0; k < dlsi_most_modes; k++) {
+    spring[k] = 1;
+    stretch[k] = k + 1;
+  }
+  for (int turn = 0; turn < 2; turn++) {
+    dlsi_follow_step(&follow, dlsi_most_modes, spring, stretch, move);
+    ck_assert_mem_eq(move, stretch, sizeof move);
+    ck_assert_mem_eq(follow.stretch, stretch, sizeof stretch);
+  }
+}
+END_TEST
+
 /* ---- springs --------------------------------------------------------------------------------- */
 
 enum { at_most = 40 };
@@ -308,9 +324,9 @@ END_TEST
 
 int main(void) {
   return RUN("modes", NULL, NULL, ONCE(feet_of_two_springs), ONCE(feet_of_another_load),
-             EACH(feet_that_feel_nothing, 0, 4), EACH(springs_of_each_kind, 0, 2),
-             EACH(springs_of_other_models, 0, 2), EACH(modes_by_their_number, 0, 4),
-             EACH(modes_of_nothing, 1, at_most + 1), EACH(modes_in_other_units, 0, 4),
-             EACH(given_modes_are_null_vectors, 0, 2), ONCE(given_modes_are_independent),
-             ONCE(given_modes_are_reduced));
+             EACH(feet_that_feel_nothing, 0, 4), ONCE(feet_of_all_modes),
+             EACH(springs_of_each_kind, 0, 2), EACH(springs_of_other_models, 0, 2),
+             EACH(modes_by_their_number, 0, 4), EACH(modes_of_nothing, 1, at_most + 1),
+             EACH(modes_in_other_units, 0, 4), EACH(given_modes_are_null_vectors, 0, 2),
+             ONCE(given_modes_are_independent), ONCE(given_modes_are_reduced));
 }
