@@ -2,7 +2,7 @@
 #include <check.h>
 #include <float.h>
 #include <math.h>
-#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "errors.h"
@@ -248,10 +248,17 @@ START_TEST(modes_in_other_units) {
 }
 END_TEST
 
-/* Takes modes that are given (n x count); returns the status. */
-static dls_status take(dlsi_modes *modes, double *given, int count, int ld, dls_error *error) {
-  const dls_dense B = {S.n, count, ld, given};
-  return dlsi_modes_create(modes, &S.model, B, error);
+/* Takes modes that are given (n x count), from an array of no entry more; returns the status. */
+static dls_status take(dlsi_modes *modes, const double *given, int count, int ld,
+                       dls_error *error) {
+  const size_t size = ((size_t)ld * (size_t)(count - 1) + (size_t)S.n) * sizeof *given;
+  double *a = malloc(size);
+  ck_assert_ptr_nonnull(a);
+  memcpy(a, given, size);
+  const dls_dense B = {S.n, count, ld, a};
+  const dls_status status = dlsi_modes_create(modes, &S.model, B, error);
+  free(a);
+  return status;
 }
 
 /* |K x| <= 1e-8 |K||x| is a null vector: of K = (1 -1; -1 1), (1, 1 + t) leaves t of 2 (1 + t). */

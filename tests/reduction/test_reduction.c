@@ -1318,6 +1318,28 @@ START_TEST(no_load_no_imbalance) {
 }
 END_TEST
 
+/* As many modes as there may be, of K = 0: x = (f + H r) / 0.1, then with the feet there. */
+START_TEST(all_modes_are_held) {
+  make(2, 24, 1, 1, 1, 0);
+  memset(F.K, 0, sizeof F.K);
+  dls_reduction_settings s;
+  dls_reduction_settings_init(&s);
+  s.stabilize = 1;
+  dls_reduction *R;
+  double x[24], expected[24], imbalance = 0;
+  ck_assert_int_eq(dls_reduction_create_with(&R, &F.model, &s, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load(R, F.f, NULL, NULL), DLS_OK);
+  for (int turn = 1; turn <= 2; turn++) {
+    scale_vector(expected, F.f, 10 * turn, 24);
+    ck_assert_int_eq(dls_reduction_recover(R, (double[]){0, 0}, x, NULL), DLS_OK);
+    assert_close(x, expected, 24, 1e-13);
+    ck_assert_int_eq(dls_reduction_balance(R, (double[]){0, 0}, &imbalance, NULL), DLS_OK);
+    ck_assert_double_eq_tol(imbalance, 1, 1e-13);
+  }
+  dls_reduction_destroy(R);
+}
+END_TEST
+
 /* mu > 0 where the tangents were left out is refused, with its place and figure. */
 START_TEST(tangents_left_out) {
   double mu[] = {0.5, 0, 0};
@@ -1465,6 +1487,7 @@ int main(void) {
              EACH(every_malloc_fails, 0, 8), EACH(bytes_by_hand, 0, 2), ONCE(condensed_by_hand),
              EACH(conditions_are_told, 0, 4), ONCE(differences_are_named),
              EACH(modes_are_reported, 0, 5), EACH(imbalance_by_hand, 0, 3),
-             ONCE(no_load_no_imbalance), ONCE(tangents_left_out), EACH(line_by_hand, 0, 4),
-             ONCE(line_as_printed), ONCE(line_in_a_model), ONCE(bad_line));
+             ONCE(no_load_no_imbalance), ONCE(all_modes_are_held), ONCE(tangents_left_out),
+             EACH(line_by_hand, 0, 4), ONCE(line_as_printed), ONCE(line_in_a_model),
+             ONCE(bad_line));
 }
