@@ -1167,6 +1167,27 @@ START_TEST(condensed_by_hand) {
 }
 END_TEST
 
+/* A load that overflows leaves the one before, of which nothing but f may be left in the factor. */
+START_TEST(overflow_leaves_the_load) {
+  make_touched(7);
+  double f[300], x[300], again[300];
+  for (int k = 0; k < 300; k++)
+    f[k] = k % 7;
+  dls_reduction_settings s;
+  dls_reduction_settings_init(&s);
+  s.frictionless = 1;
+  dls_reduction *R;
+  ck_assert_int_eq(dls_reduction_create_with(&R, &F.model, &s, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load(R, f, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_recover(R, F.r, x, NULL), DLS_OK);
+  scale_vector(f, f, 1e307, 300);
+  ck_assert_int_eq(dls_reduction_load(R, f, NULL, NULL), DLS_E_NOT_FINITE);
+  ck_assert_int_eq(dls_reduction_recover(R, F.r, again, NULL), DLS_OK);
+  assert_close(again, x, 300, 1e-13);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
 /* The condition: of a factor its estimate, of what is not factored 0. */
 START_TEST(conditions_are_told) {
   make_two_springs();
@@ -1485,9 +1506,9 @@ int main(void) {
              ONCE(part_too_large), ONCE(overflows), ONCE(callback_fails), EACH(bad_model, 0, 8),
              EACH(no_candidates, 0, 12), EACH(free_velocity, 0, 16), ONCE(bad_calls),
              EACH(every_malloc_fails, 0, 8), EACH(bytes_by_hand, 0, 2), ONCE(condensed_by_hand),
-             EACH(conditions_are_told, 0, 4), ONCE(differences_are_named),
-             EACH(modes_are_reported, 0, 5), EACH(imbalance_by_hand, 0, 3),
-             ONCE(no_load_no_imbalance), ONCE(all_modes_are_held), ONCE(tangents_left_out),
-             EACH(line_by_hand, 0, 4), ONCE(line_as_printed), ONCE(line_in_a_model),
-             ONCE(bad_line));
+             ONCE(overflow_leaves_the_load), EACH(conditions_are_told, 0, 4),
+             ONCE(differences_are_named), EACH(modes_are_reported, 0, 5),
+             EACH(imbalance_by_hand, 0, 3), ONCE(no_load_no_imbalance), ONCE(all_modes_are_held),
+             ONCE(tangents_left_out), EACH(line_by_hand, 0, 4), ONCE(line_as_printed),
+             ONCE(line_in_a_model), ONCE(bad_line));
 }
