@@ -1339,6 +1339,53 @@ START_TEST(no_load_no_imbalance) {
 }
 END_TEST
 
+/* A load starts the feet anew: what is between the stretches of two loads teaches nothing. f + H r
+ * is (4, -4) and x ten times that, then half of it. */
+START_TEST(loads_do_not_teach) {
+  dls_reduction *R = new_points();
+  double x[2];
+  for (int turn = 0; turn < 2; turn++) {
+    const double r[2] = {turn, 2 * turn};
+    ck_assert_int_eq(dls_reduction_load(R, (double[]){4, -4}, NULL, NULL), DLS_OK);
+    ck_assert_int_eq(dls_reduction_balance(R, r, NULL, NULL), DLS_OK);
+    ck_assert_int_eq(dls_reduction_recover(R, r, x, NULL), DLS_OK);
+    assert_close(x, turn ? (double[]){40, -40} : (double[]){80, -80}, 2, 1e-14);
+  }
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* After an update that failed, and without W, a call says so, without a figure. */
+START_TEST(nothing_is_held) {
+  make_two_springs();
+  dls_reduction_settings s;
+  dls_reduction_settings_init(&s);
+  s.form_W = 0;
+  dls_reduction *R;
+  dls_contact p;
+  dls_reduction_info info;
+  dls_error e;
+  double x[2], imbalance;
+  ck_assert_int_eq(dls_reduction_create_with(&R, &F.model, &s, NULL), DLS_OK);
+  expect_error(dls_reduction_contact(R, x, &p, &e), &e, DLS_E_UNSUPPORTED, "dls_reduction_contact",
+               "reduction", -1);
+  ck_assert(e.value == 0);
+  F.K[0] = 0;
+  ck_assert_int_eq(dls_reduction_update(R, &F.model, NULL), DLS_E_NOT_POSITIVE_DEFINITE);
+#define HOLDS_NOTHING(name, ...)                                                                   \
+  expect_error(name(__VA_ARGS__, &e), &e, DLS_E_ARGUMENT, #name, "reduction", -1);                 \
+  ck_assert(e.value == 0)
+  HOLDS_NOTHING(dls_reduction_load, R, F.f, NULL);
+  HOLDS_NOTHING(dls_reduction_load_free, R, F.f, NULL);
+  HOLDS_NOTHING(dls_reduction_contact, R, x, &p);
+  HOLDS_NOTHING(dls_reduction_recover, R, F.r, x);
+  HOLDS_NOTHING(dls_reduction_nodal, R, F.r, x);
+  HOLDS_NOTHING(dls_reduction_balance, R, F.r, &imbalance);
+  HOLDS_NOTHING(dls_reduction_get_info, R, &info);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
 /* As many modes as there may be, of K = 0: x = (f + H r) / 0.1, then with the feet there. */
 START_TEST(all_modes_are_held) {
   make(2, 24, 1, 1, 1, 0);
@@ -1509,6 +1556,7 @@ int main(void) {
              ONCE(overflow_leaves_the_load), EACH(conditions_are_told, 0, 4),
              ONCE(differences_are_named), EACH(modes_are_reported, 0, 5),
              EACH(imbalance_by_hand, 0, 3), ONCE(no_load_no_imbalance), ONCE(all_modes_are_held),
-             ONCE(tangents_left_out), EACH(line_by_hand, 0, 4), ONCE(line_as_printed),
-             ONCE(line_in_a_model), ONCE(bad_line));
+             ONCE(loads_do_not_teach), ONCE(nothing_is_held), ONCE(tangents_left_out),
+             EACH(line_by_hand, 0, 4), ONCE(line_as_printed), ONCE(line_in_a_model),
+             ONCE(bad_line));
 }
