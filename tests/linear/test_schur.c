@@ -129,6 +129,30 @@ START_TEST(measures_of_a_diagonal) {
 }
 END_TEST
 
+/* K = (1 0 -.5; 0 1 -.5; -.5 -.5 1): |K|_1 = 2, of the last column, half of which stands above the
+ * diagonal. 1 / (2 |K^-1|_F) with the mean of two |K^-1 v|^2, v of +-1 by chance, x_2 = 2 v_2 + v_0
+ * + v_1, x_i = v_i + x_2 / 2. */
+START_TEST(condition_by_hand) {
+  static const int p[] = {0, 2, 4, 7}, i[] = {0, 2, 1, 2, 0, 1, 2};
+  static const double x[] = {1, -0.5, 1, -0.5, -0.5, -0.5, 1};
+  const dls_factorization tag = (dls_factorization)(1 + _i);
+  const dls_sparse Ks = {3, 3, p, i, x};
+  dlsi_schur *work = schur_new(&Ks, tag, 0, NULL);
+  ck_assert_int_eq(dlsi_schur_factor(work, &Ks, NULL), DLS_OK);
+  const double rcond = dlsi_schur_measured(work)->rcond;
+  double squares[4], nearest = INFINITY;
+  for (int v = 0; v < 4; v++) {
+    const double v0 = v % 2 ? 1 : -1, v1 = v / 2 ? 1 : -1, x2 = 2 + v0 + v1;
+    squares[v] = (v0 + x2 / 2) * (v0 + x2 / 2) + (v1 + x2 / 2) * (v1 + x2 / 2) + x2 * x2;
+  }
+  for (int k = 0; k < 16; k++)
+    nearest = fmin(nearest, fabs(rcond - 0.5 / sqrt((squares[k / 4] + squares[k % 4]) / 2)));
+  ck_assert_msg(nearest <= 1e-14, "%g: %g", rcond, nearest);
+  ck_assert(dlsi_schur_measured(work)->error <= 2 * DBL_EPSILON);
+  dlsi_schur_destroy(work);
+}
+END_TEST
+
 /* Of a definite K: 8 bytes an entry of L; with it the largest update, and 8 + 16 bytes an entry of
  * K; s^3 / 3 operations for s columns without rows below, and b^3 for S^-1. (4 1; 1 4) with one
  * unknown kept has two supernodes: 1/3 + 1 + 1 for the first, 1/3 for the second. MUMPS tells
@@ -257,9 +281,10 @@ END_TEST
 
 int main(void) {
   return RUN("schur", NULL, NULL, EACH(solves, 0, 9), EACH(halves, 0, 3),
-             EACH(measures_of_a_diagonal, 0, 6), ONCE(foreseen_by_hand),
-             EACH(patterns_are_compared, 0, 2), EACH(zero_in_the_complement, 0, 4),
-             EACH(nearly_singular, 0, 3), EACH(what_is_not_definite, 0, 2));
+             EACH(measures_of_a_diagonal, 0, 6), EACH(condition_by_hand, 0, 3),
+             ONCE(foreseen_by_hand), EACH(patterns_are_compared, 0, 2),
+             EACH(zero_in_the_complement, 0, 4), EACH(nearly_singular, 0, 3),
+             EACH(what_is_not_definite, 0, 2));
 }
 
 #else

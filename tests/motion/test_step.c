@@ -367,6 +367,32 @@ START_TEST(impulses_begin_in_proportion) {
 }
 END_TEST
 
+/* The iterations of a step are those of its contact problem, from the same start. */
+START_TEST(iterations_of_a_step) {
+  const dls_motion_model model = step_model(_i);
+  dls_motion_settings settings = moving_settings(_i ? DLS_MOTION_PATH : DLS_MOTION_VELOCITY, 1);
+  settings.method = DLS_NLGS;
+  settings.activation = 100;
+  const double f[n] = {3, -9, -5, -8}, mu[2] = {0.25, 0.25};
+  dls_motion *motion = moving_create(&model, &settings, NULL, NULL);
+  dls_info info, again;
+  dls_contact problem;
+  ck_assert_int_eq(dls_motion_step(motion, f, NULL, mu, &info, NULL), DLS_OK);
+  ck_assert_int_eq(dls_motion_get_problem(motion, &problem, NULL), DLS_OK);
+  ck_assert_int_eq(problem.nc, 2);
+  dls_solver_settings solver;
+  dls_solver_settings_init(&solver);
+  solver.method = DLS_NLGS;
+  solver.limits = settings.limits;
+  double r[m] = {0};
+  ck_assert_int_eq(dls_solve(&problem, &solver, r, NULL, &again, NULL), DLS_OK);
+  ck_assert_int_gt(info.iterations, 0);
+  ck_assert_int_eq(info.iterations, again.iterations);
+  ck_assert_mem_eq(moving_state(motion).p, r, sizeof r);
+  dls_motion_destroy(motion);
+}
+END_TEST
+
 START_TEST(defaults) {
   dls_motion_settings s;
   memset(&s, 77, sizeof s);
@@ -458,6 +484,7 @@ END_TEST
 int main(void) {
   return RUN("step", NULL, NULL, EACH(steps_by_their_formulas, 0, 5), ONCE(momentum_that_is_wrong),
              ONCE(matrix_of_a_step), EACH(candidates_that_are_closed, 0, 4),
-             ONCE(impulses_begin_in_proportion), ONCE(defaults), ONCE(limits_of_settings),
-             EACH(singular_by_its_name, 0, 2), EACH(steps_that_overflow, 0, 2));
+             ONCE(impulses_begin_in_proportion), EACH(iterations_of_a_step, 0, 2), ONCE(defaults),
+             ONCE(limits_of_settings), EACH(singular_by_its_name, 0, 2),
+             EACH(steps_that_overflow, 0, 2));
 }
