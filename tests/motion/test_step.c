@@ -244,6 +244,8 @@ START_TEST(steps_by_their_formulas) {
   expect_near(s.gap[1], u[2] - 0.5, "gap");
   for (int c = 0; c < 2; c++)
     ck_assert(s.slip[c] == 0 && s.state[c] == DLS_FREE);
+  for (int k = 0; k < 4; k++)
+    ck_assert(motion->now.way[k] == 0 && motion->zero[k] == 0);
   ck_assert(s.steps == 0 && s.t == -3 && s.active == 0);
   ck_assert(e.load == 0 && e.damping == 0 && e.obstacle == 0 && e.friction == 0);
   ck_assert(e.impact == 0 && e.numerical == 0 && e.residual == 0 && e.momentum == 0);
