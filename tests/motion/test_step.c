@@ -420,6 +420,7 @@ START_TEST(limits_of_settings) {
   s.activation = DBL_MAX;
   s.restitution = s.forecast = s.theta = 1;
   ck_assert_int_eq(dls_motion_create(&motion, &model, &s, NULL), DLS_OK);
+  ck_assert(moving_state(motion).t == 0 && moving_state(motion).steps == 0);
   dls_motion_destroy(motion);
   s.activation = s.restitution = s.forecast = 0;
   s.theta = 0.5;

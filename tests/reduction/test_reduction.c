@@ -1268,6 +1268,30 @@ START_TEST(modes_are_reported) {
 }
 END_TEST
 
+/* A mode that is given is foreseen and held: of (1 -1; -1 1) it is (1, 1), and the spring at j is
+ * 0.1: (K + 0.1 e_j e_j^T)^-1 has 10 everywhere, but 11 at the other unknown. */
+START_TEST(given_mode_is_held) {
+  make_two_springs();
+  memcpy(F.K, (double[]){1, -1, -1, 1}, 4 * sizeof(double));
+  fill_sparse(2);
+  F.model.operator_kind = _i ? DLS_STIFFNESS_SPARSE : DLS_STIFFNESS_DENSE;
+  double mode[] = {1, 1};
+  F.model.modes = (dls_dense){2, 1, 2, mode};
+  ck_assert_int_eq(estimated(NULL).modes, 1);
+  dls_reduction *R = new_reduction();
+  dls_reduction_info info;
+  ck_assert_int_eq(dls_reduction_get_info(R, &info, NULL), DLS_OK);
+  ck_assert(info.modes == 1 && info.condition > 10 && info.condition < 1000);
+  const double *W = contact_of(R).W.a, at_first[] = {11, 10, 10, 10}, at_last[] = {10, 10, 10, 11};
+  assert_close(W, W[0] > 10.5 ? at_first : at_last, 4, 1e-13); /* the spring at x, at y */
+  dls_error e;
+  expect_error(dls_reduction_load_free(R, F.f, NULL, &e), &e, DLS_E_UNSUPPORTED,
+               "dls_reduction_load_free", "reduction", -1);
+  ck_assert(e.value == 1 && strstr(e.message, "holds 1 rigid-body mode: K^-1 f"));
+  dls_reduction_destroy(R);
+}
+END_TEST
+
 /* Two free points: H_N = 2 on unknown 1, H_T = -1 on unknown 0; springs of 0.1, as K = 0. */
 static dls_reduction *new_points(void) {
   make(2, 2, 1, 1, 1, 0);
@@ -1556,8 +1580,8 @@ int main(void) {
              EACH(every_malloc_fails, 0, 8), EACH(bytes_by_hand, 0, 2), ONCE(condensed_by_hand),
              ONCE(overflow_leaves_the_load), EACH(conditions_are_told, 0, 4),
              ONCE(differences_are_named), EACH(modes_are_reported, 0, 5),
-             EACH(imbalance_by_hand, 0, 3), ONCE(no_load_no_imbalance), ONCE(all_modes_are_held),
-             ONCE(loads_do_not_teach), ONCE(nothing_is_held), ONCE(tangents_left_out),
-             EACH(line_by_hand, 0, 4), ONCE(line_as_printed), ONCE(line_in_a_model),
-             ONCE(bad_line));
+             EACH(given_mode_is_held, 0, 2), EACH(imbalance_by_hand, 0, 3),
+             ONCE(no_load_no_imbalance), ONCE(all_modes_are_held), ONCE(loads_do_not_teach),
+             ONCE(nothing_is_held), ONCE(tangents_left_out), EACH(line_by_hand, 0, 4),
+             ONCE(line_as_printed), ONCE(line_in_a_model), ONCE(bad_line));
 }
