@@ -827,6 +827,16 @@ START_TEST(callback_fails) {
 }
 END_TEST
 
+/* 64 columns are one batch, and none is asked for after them. */
+START_TEST(whole_batches) {
+  make(2, 100, 32, 1, 1, 0);
+  F.model.operator_kind = DLS_HOST_SOLVER;
+  dls_reduction *R = new_reduction();
+  ck_assert(F.user.calls == 1 && F.user.most == 64);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
 /* ---- bad input ------------------------------------------------------------------------------- */
 
 /* make(), one change, and what both check and create must say of it */
@@ -1569,19 +1579,19 @@ START_TEST(bad_line) {
 END_TEST
 
 int main(void) {
-  return RUN("reduction", NULL, NULL, EACH(springs_by_hand, 0, 5), EACH(unsymmetric_by_hand, 0, 2),
-             EACH(all_operators_agree, 0, 4), EACH(unsymmetric_stiffness, 0, 4),
-             EACH(connected_parts, 0, 4), ONCE(lower_triangle), ONCE(batches),
-             EACH(empty_tangents, 0, 4), EACH(same_bits_twice, 0, 8), EACH(units, 0, 12),
-             EACH(mixed_units, 0, 8), EACH(singular_matrices, 0, 2), EACH(free_body, 0, 10),
-             EACH(bad_stiffness_names_its_unknown, 0, 72), EACH(overflow_names_its_unknown, 0, 2),
-             ONCE(part_too_large), ONCE(overflows), ONCE(callback_fails), EACH(bad_model, 0, 8),
-             EACH(no_candidates, 0, 12), EACH(free_velocity, 0, 16), ONCE(bad_calls),
-             EACH(every_malloc_fails, 0, 8), EACH(bytes_by_hand, 0, 2), ONCE(condensed_by_hand),
-             ONCE(overflow_leaves_the_load), EACH(conditions_are_told, 0, 4),
-             ONCE(differences_are_named), EACH(modes_are_reported, 0, 5),
-             EACH(given_mode_is_held, 0, 2), EACH(imbalance_by_hand, 0, 3),
-             ONCE(no_load_no_imbalance), ONCE(all_modes_are_held), ONCE(loads_do_not_teach),
-             ONCE(nothing_is_held), ONCE(tangents_left_out), EACH(line_by_hand, 0, 4),
-             ONCE(line_as_printed), ONCE(line_in_a_model), ONCE(bad_line));
+  return RUN(
+      "reduction", NULL, NULL, EACH(springs_by_hand, 0, 5), EACH(unsymmetric_by_hand, 0, 2),
+      EACH(all_operators_agree, 0, 4), EACH(unsymmetric_stiffness, 0, 4),
+      EACH(connected_parts, 0, 4), ONCE(lower_triangle), ONCE(batches), EACH(empty_tangents, 0, 4),
+      EACH(same_bits_twice, 0, 8), EACH(units, 0, 12), EACH(mixed_units, 0, 8),
+      EACH(singular_matrices, 0, 2), EACH(free_body, 0, 10),
+      EACH(bad_stiffness_names_its_unknown, 0, 72), EACH(overflow_names_its_unknown, 0, 2),
+      ONCE(part_too_large), ONCE(overflows), ONCE(callback_fails), ONCE(whole_batches),
+      EACH(bad_model, 0, 8), EACH(no_candidates, 0, 12), EACH(free_velocity, 0, 16),
+      ONCE(bad_calls), EACH(every_malloc_fails, 0, 8), EACH(bytes_by_hand, 0, 2),
+      ONCE(condensed_by_hand), ONCE(overflow_leaves_the_load), EACH(conditions_are_told, 0, 4),
+      ONCE(differences_are_named), EACH(modes_are_reported, 0, 5), EACH(given_mode_is_held, 0, 2),
+      EACH(imbalance_by_hand, 0, 3), ONCE(no_load_no_imbalance), ONCE(all_modes_are_held),
+      ONCE(loads_do_not_teach), ONCE(nothing_is_held), ONCE(tangents_left_out),
+      EACH(line_by_hand, 0, 4), ONCE(line_as_printed), ONCE(line_in_a_model), ONCE(bad_line));
 }
