@@ -187,7 +187,6 @@ static dls_status modes_split(const scaled *A, double *V, int count, double *T, 
   if (!work) return dlsi_no_memory(error);
   dgesvd_("N", "A", &n, &count, T, &n, s, &unused, &n, Y, &count, work, &size, &info, 1, 1);
   free(work);
-  *found = 0;
   while (info == 0 && *found < count && s[count - 1 - *found] <= 50 * DBL_EPSILON * A->norm)
     ++*found;
   if (*found == 0) return DLS_OK;

@@ -221,10 +221,6 @@ dls_status dlsi_schur_create(dlsi_schur **out, const dls_sparse *Ks,
 
 /* ---- factor ---------------------------------------------------------------------------------- */
 
-static dls_status schur_other_pattern(long long k, double value, dls_error *error) {
-  return dlsi_fail(error, DLS_E_ARGUMENT, "Ks", k, value, "the pattern is not the one of create");
-}
-
 dls_status dlsi_schur_same(const dlsi_schur *work, const dls_sparse *Ks, dls_error *error) {
   size_t at = 0;
   const size_t entries = work->entries;
@@ -232,10 +228,13 @@ dls_status dlsi_schur_same(const dlsi_schur *work, const dls_sparse *Ks, dls_err
     for (int k = Ks->p[j]; k < Ks->p[j + 1]; k++) {
       if (!schur_reads(work, Ks, k, j)) continue;
       if (at == entries || work->row[at] != Ks->i[k] + 1 || work->col[at] != j + 1)
-        return schur_other_pattern(k, Ks->i[k], error);
+        return dlsi_fail(error, DLS_E_ARGUMENT, "Ks", k, Ks->i[k],
+                         "the pattern is not the one of create");
       at++;
     }
-  return at == entries ? DLS_OK : schur_other_pattern(-1, (double)at, error);
+  if (at == entries) return DLS_OK;
+  return dlsi_fail(error, DLS_E_ARGUMENT, "Ks", -1, (double)at,
+                   "has %zu entries that are read, of %zu in create", at, entries);
 }
 
 /* (SH3) Fills x with the entries of A. scratch: 2 n. */

@@ -183,6 +183,126 @@ START_TEST(indefinite_is_told) {
 }
 END_TEST
 
+/* What the analysis says of panels follows from supernodes and rows: places, sizes, operations. The
+ * rows of a supernode ascend, come after it and hold those of each column of A. */
+START_TEST(panels_by_definition) {
+  make_matrix(_i);
+  dlsi_cholesky *L = analysed();
+  double flops = 0;
+  size_t panel = 0, update = 0;
+  int longest = 0;
+  ck_assert(L->first[0] == 0 && L->first[L->count] == M.n && L->start[0] == 0);
+  if (M.kept > 0) ck_assert_int_eq(L->first[L->count - 1], M.n - M.kept);
+  for (int s = 0; s < L->count; s++) {
+    const int first = L->first[s], end = L->first[s + 1], columns = end - first;
+    const int rows = (int)(L->start[s + 1] - L->start[s]), *row = L->row + L->start[s];
+    const double c = columns, r = rows;
+    ck_assert(columns > 0 && L->panel[s] == panel);
+    panel += (size_t)((columns + rows) * columns);
+    flops += c * c * c / 3 + r * c * c + r * r * c;
+    longest = columns + rows > longest ? columns + rows : longest;
+    for (int k = first; k < end; k++)
+      ck_assert_int_eq(L->owner[k], s);
+    for (int k = 0; k < rows; k++) {
+      ck_assert(row[k] >= end && row[k] < M.n && (k == 0 || row[k] > row[k - 1]));
+      int width = 0; /* of the rows from k on, those in the supernode of row k */
+      while (k + width < rows && L->owner[row[k + width]] == L->owner[row[k]])
+        width++;
+      const size_t size = (size_t)((rows - k) * width);
+      if ((k == 0 || L->owner[row[k - 1]] != L->owner[row[k]]) && size > update) update = size;
+    }
+    for (int k = first; k < end; k++)
+      for (int i = end; i < M.n; i++) {
+        int found = M.A[L->unknown[i] + M.n * L->unknown[k]] == 0;
+        for (int e = 0; !found && e < rows; e++)
+          found = row[e] == i;
+        ck_assert(found);
+      }
+  }
+  ck_assert(L->panel[L->count] == panel && L->update == update && L->longest == longest);
+  ck_assert_double_eq_tol(L->flops, flops, 1e-12 * flops);
+  dlsi_cholesky_destroy(L);
+}
+END_TEST
+
+/* An entry (i, j) counted from 0, for an order that is that of the unknowns. */
+static void add_place(int i, int j) {
+  M.row[M.entries] = 1 + i;
+  M.col[M.entries++] = 1 + j;
+}
+
+/* Supernodes of a path in its order. The last two unknowns are one from the start; a panel of width
+ * w takes the column before it while its zeros, 1 + 2 + .. + (w - 1), are at most (w + 1)^2 / 3: up
+ * to w = 7, which makes 8. The one before begins with a column of two rows, and w zeros come in, of
+ * 1 + .. + w <= (w + 2) (w + 1) / 3: up to w = 4, which makes 5. */
+START_TEST(supernodes_of_a_path) {
+  memset(&M, 0, sizeof M);
+  M.n = _i;
+  for (int k = 0; k < M.n; k++) {
+    M.order[k] = k + 1;
+    add_place(k, k);
+    if (k > 0) add_place(k, k - 1);
+  }
+  dlsi_cholesky *L = analysed();
+  ck_assert_int_eq(L->count, _i <= 8 ? 1 : _i <= 13 ? 2 : 3);
+  if (_i > 8) ck_assert_int_eq(L->first[L->count - 1], _i - 8);
+  if (_i > 13) ck_assert_int_eq(L->first[1], _i - 13);
+  dlsi_cholesky_destroy(L);
+}
+END_TEST
+
+/* Cliques of a and b unknowns, one of the second tied to all of the first: merged, the first has a
+ * columns with b - 1 zeros each, which may be a hundred, and no more than a third of the panel. */
+START_TEST(supernodes_of_cliques) {
+  static const struct {
+    int a, b, count;
+  } at[] = {{10, 11, 1}, {10, 12, 2}, {1, 80, 1}, {4, 26, 1}, {4, 27, 2}, {20, 6, 1}, {20, 7, 2}};
+  const int a = at[_i].a, b = at[_i].b;
+  memset(&M, 0, sizeof M);
+  M.n = a + b;
+  for (int j = 0; j < M.n; j++) {
+    M.order[j] = j + 1;
+    for (int i = j; i < M.n; i++)
+      if (j >= a || i <= a) add_place(i, j);
+  }
+  dlsi_cholesky *L = analysed();
+  ck_assert_int_eq(L->count, at[_i].count);
+  if (at[_i].count == 2) ck_assert(L->first[1] == a && L->start[1] == 1 && L->row[0] == a);
+  dlsi_cholesky_destroy(L);
+}
+END_TEST
+
+/* The pivot that fails is told: of (1 2; 2 1) the second one, -3, in one panel or where 0 is a
+ * panel of its own, before c; of diag(1, -5, 1) -5. */
+START_TEST(pivots_by_hand) {
+  memset(&M, 0, sizeof M);
+  M.n = 3;
+  M.kept = _i % 2;
+  const int places[5][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 0}, {2, 1}};
+  for (int k = 0; k < 5; k++)
+    add_place(places[k][0], places[k][1]);
+  for (int k = 0; k < 3; k++)
+    M.order[k] = k + 1;
+  dlsi_cholesky *L = analysed();
+  double pivot = 7, x[3] = {4, 2, 6};
+  ck_assert_int_eq(dlsi_cholesky_factor(L, (double[]){1, 1, 1, 2, 0}, &pivot), 2);
+  ck_assert(pivot == -3);
+  ck_assert_int_eq(dlsi_cholesky_factor(L, (double[]){1, -5, 1, 0, 0}, &pivot), 2);
+  ck_assert(pivot == -5);
+  ck_assert_int_eq(dlsi_cholesky_factor(L, (double[]){4, 1, 3, 0, 2}, &pivot), 3);
+  ck_assert(pivot == -1);
+  ck_assert_int_eq(dlsi_cholesky_factor(L, (double[]){-1, 1, 1, 0, 0}, &pivot), 1);
+  ck_assert(pivot == -1);
+  ck_assert_int_eq(dlsi_cholesky_factor(L, (double[]){4, 1, 4, 2, 0}, &pivot), 2);
+  ck_assert(pivot == 0);
+  ck_assert_int_eq(dlsi_cholesky_factor(L, (double[]){4, 1, 5, 0, 2}, &pivot), 0);
+  ck_assert(pivot == 0);
+  ck_assert_int_eq(dlsi_cholesky_solve(L, x, 1, NULL), DLS_OK);
+  ck_assert(x[0] == 1 && x[1] == -2 && x[2] == 2);
+  dlsi_cholesky_destroy(L);
+}
+END_TEST
+
 START_TEST(every_malloc_fails) {
   make_matrix(_i);
   dlsi_cholesky *L = NULL;
@@ -218,6 +338,8 @@ END_TEST
 int main(void) {
   return RUN("cholesky", NULL, NULL, EACH(solves, 0, 120), EACH(halves_make_a_solve, 0, 120),
              EACH(kept_stand_last, 0, 40), EACH(indefinite_is_told, 0, 40),
+             EACH(panels_by_definition, 0, 120), EACH(supernodes_of_a_path, 1, 17),
+             EACH(supernodes_of_cliques, 0, 7), EACH(pivots_by_hand, 0, 2),
              EACH(every_malloc_fails, 0, 4));
 }
 

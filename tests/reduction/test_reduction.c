@@ -520,8 +520,9 @@ static void assert_one_mode(const char *K, int first, int last) {
   ck_assert_str_eq(error.argument, K);
   ck_assert(error.value == 1);
   ck_assert(error.index == first || error.index == last);
-  char words[64];
-  snprintf(words, sizeof words, "1 rigid-body mode, of unknowns %lld; ", error.index);
+  char words[99];
+  snprintf(words, sizeof words, "1 rigid-body mode, of unknowns %lld; settings.stabilize holds it",
+           error.index);
   ck_assert_ptr_nonnull(strstr(error.message, words));
 }
 
@@ -826,6 +827,16 @@ START_TEST(callback_fails) {
 }
 END_TEST
 
+/* 64 columns are one batch, and none is asked for after them. */
+START_TEST(whole_batches) {
+  make(2, 100, 32, 1, 1, 0);
+  F.model.operator_kind = DLS_HOST_SOLVER;
+  dls_reduction *R = new_reduction();
+  ck_assert(F.user.calls == 1 && F.user.most == 64);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
 /* ---- bad input ------------------------------------------------------------------------------- */
 
 /* make(), one change, and what both check and create must say of it */
@@ -1081,6 +1092,377 @@ START_TEST(every_malloc_fails) {
 }
 END_TEST
 
+/* ---- what is foreseen, compared and reported ------------------------------------------------- */
+
+static dls_reduction_info estimated(const dls_reduction_settings *settings) {
+  dls_reduction_info info;
+  ck_assert_int_eq(dls_reduction_estimate(&F.model, settings, &info, NULL), DLS_OK);
+  return info;
+}
+
+/* n = 100, d = 2: the factor 8 n^2, W 8 m^2, six vectors of n, a batch of m or 64 columns of n; of
+ * the last two nothing without W. */
+START_TEST(bytes_by_hand) {
+  const int nodes = _i ? 50 : 4, batch = _i ? 64 : 8;
+  make(2, 100, nodes, 1, 1, 0);
+  dls_reduction_settings s;
+  dls_reduction_settings_init(&s);
+  dls_reduction_info info = estimated(&s);
+  const double m = 2 * nodes, W = 8 * m * m;
+  ck_assert(info.W_bytes == W && info.factor_bytes == 80000 && info.condensed == 0);
+  ck_assert(info.bytes == 80000 + W + 8 * (600 + 100 * batch));
+  s.form_W = 0;
+  info = estimated(&s);
+  ck_assert(info.W_bytes == 0 && info.bytes == 80000 + 4800);
+  s.form_W = 1;
+  s.memory_limit = 1000;
+  dls_reduction *R;
+  dls_error e;
+  expect_error(dls_reduction_create_with(&R, &F.model, &s, &e), &e, DLS_E_MEMORY,
+               "dls_reduction_create_with", "memory_limit", -1);
+  ck_assert_ptr_nonnull(
+      strstr(e.message, _i ? "0.000216 GB needed (W 8e-05, factor 8e-05), limit 1e-06; "
+                           : "9.17e-05 GB needed (W 5.12e-07, factor 8e-05), limit 1e-06; "));
+}
+END_TEST
+
+/* A chain of 300 unknowns, of which one column of H touches `count`. */
+static void make_touched(int count) {
+  static int p[301], i[600];
+  static double x[600];
+  make(2, 40, 1, 1, 1, 0);
+  for (int j = 0, e = 0; j < 300; j++) {
+    i[e] = j;
+    x[e++] = 2;
+    if (j < 299) i[e] = j + 1;
+    if (j < 299) x[e++] = -1;
+    p[j + 1] = e;
+  }
+  for (int k = 0; k < count; k++) {
+    F.Ni[k] = 30 * k;
+    F.Nx[k] = 1;
+  }
+  F.Np[1] = count;
+  F.model.n = F.model.HN.rows = F.model.HT.rows = 300;
+  F.model.operator_kind = DLS_STIFFNESS_SPARSE;
+  F.model.Ks = sparse(300, 300, p, i, x);
+}
+
+/* One column on 7 unknowns is condensed, on 8 solved for: b / 4 <= 1. A Schur complement takes b^2
+ * doubles besides, solves 300 columns. */
+START_TEST(condensed_by_hand) {
+  dls_reduction_settings s;
+  dls_reduction_settings_init(&s);
+  s.frictionless = 1;
+  for (int count = 7; count <= 8; count++) {
+    make_touched(count);
+    const dls_reduction_info info = estimated(&s);
+    if (!WITH_MUMPS) continue;
+    ck_assert_int_eq(info.condensed, count == 7 ? 7 : 0);
+    s.form_W = 0;
+    const dls_reduction_info none = estimated(&s);
+    s.form_W = 1;
+    ck_assert(none.condensed == 0 && none.W_bytes == 0);
+    if (count == 8) ck_assert(info.bytes - none.bytes == 8 + 8 * 300);
+    dls_reduction *R;
+    ck_assert_int_eq(dls_reduction_create_with(&R, &F.model, &s, NULL), DLS_OK);
+    double expected = 0;
+    for (int a = 0; a < count; a++)
+      for (int b = 0; b < count; b++)
+        expected += (1 + 30. * (a < b ? a : b)) * (300 - 30. * (a < b ? b : a)) / 301;
+    dls_contact problem;
+    ck_assert_int_eq(dls_reduction_contact(R, NULL, &problem, NULL), DLS_OK);
+    ck_assert_double_eq_tol(problem.W.a[0], expected, 1e-11 * expected);
+    dls_reduction_destroy(R);
+  }
+}
+END_TEST
+
+/* A load that overflows leaves the one before, of which nothing but f may be left in the factor. */
+START_TEST(overflow_leaves_the_load) {
+  make_touched(7);
+  double f[300], x[300], again[300];
+  for (int k = 0; k < 300; k++)
+    f[k] = k % 7;
+  dls_reduction_settings s;
+  dls_reduction_settings_init(&s);
+  s.frictionless = 1;
+  dls_reduction *R;
+  ck_assert_int_eq(dls_reduction_create_with(&R, &F.model, &s, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load(R, f, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_recover(R, F.r, x, NULL), DLS_OK);
+  scale_vector(f, f, 1e307, 300);
+  ck_assert_int_eq(dls_reduction_load(R, f, NULL, NULL), DLS_E_NOT_FINITE);
+  ck_assert_int_eq(dls_reduction_recover(R, F.r, again, NULL), DLS_OK);
+  assert_close(again, x, 300, 1e-13);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* The condition: of a factor its estimate, of what is not factored 0. */
+START_TEST(conditions_are_told) {
+  make_two_springs();
+  take_operator(1 + _i);
+  dls_reduction *R = new_reduction();
+  dls_reduction_info info;
+  ck_assert_int_eq(dls_reduction_get_info(R, &info, NULL), DLS_OK);
+  ck_assert(info.modes == 0 && info.indefinite == 0 && info.condensed == 0);
+  if (_i < 2) /* scaled to (2 -1/2; -1/2 3/4)..: 1 to 10 */
+    ck_assert(info.condition > 1 && info.condition < 10);
+  else
+    ck_assert(info.condition == 0);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* Another model's first difference is named, with its figure; the reduction stays as it was. H
+ * touches the unknowns 0 to 2 by normals, 3 by two tangents; the third tangent is empty. */
+START_TEST(differences_are_named) {
+  static const int np[] = {0, 1, 2, 3}, ni[] = {0, 1, 2}, tp[] = {0, 1, 2, 2}, ti[] = {3, 3};
+  static const int more[] = {0, 2, 3, 4}, more_i[] = {0, 1, 1, 2}, late[] = {0, 0, 2, 2};
+  static const int apart[] = {3, 4}, last[] = {5, 5}, six[] = {0, 1, 2, 2, 2, 2, 2};
+  static const int active[] = {4, 0, 0};
+  static const double x[] = {1, 2, 3, 4}, mu[] = {0, 0, 0};
+  make(2, 6, 3, 1, 1, 0);
+  F.model.HN = sparse(6, 3, np, ni, x);
+  F.model.HT = sparse(6, 3, tp, ti, x);
+  dls_reduction *R = new_reduction();
+  dls_model other;
+  dls_error e;
+#define DIFFERS(change, status, name, figure)                                                      \
+  other = F.model;                                                                                 \
+  change;                                                                                          \
+  expect_error(dls_reduction_update(R, &other, &e), &e, status, "dls_reduction_update", name, -1); \
+  ck_assert_msg(e.value == (figure), "%s: %g", name, e.value)
+  DIFFERS((other.d = 3, other.HT = sparse(6, 6, six, ti, x)), DLS_E_SIZE, "d", 3);
+  DIFFERS((other.n = other.HN.rows = other.HT.rows = 7, other.K = (dls_dense){7, 7, 7, F.K}),
+          DLS_E_SIZE, "n", 7);
+  DIFFERS(other.nodes = other.HN.cols = other.HT.cols = 2, DLS_E_SIZE, "nodes", 2);
+  DIFFERS(other.active = active, DLS_E_SIZE, "active", 1);
+  DIFFERS(other.P = sparse(3, 3, more, more_i, x), DLS_E_SIZE, "P", 4);
+  DIFFERS(other.mu = mu, DLS_E_SIZE, "mu", 1);
+  DIFFERS(other.operator_kind = DLS_STIFFNESS_SPARSE, DLS_E_SIZE, "operator_kind",
+          DLS_STIFFNESS_SPARSE);
+  DIFFERS(other.factorization = DLS_LDLT, DLS_E_SIZE, "factorization", DLS_LDLT);
+  /* more entries on the same unknowns; an empty column more; an unknown more; another one */
+  DIFFERS(other.HN = sparse(6, 3, more, more_i, x), DLS_E_ARGUMENT, "HN", 6);
+  DIFFERS(other.HT.p = late, DLS_E_ARGUMENT, "HN", 5);
+  DIFFERS(other.HT.i = apart, DLS_E_ARGUMENT, "HN", 5);
+  DIFFERS(other.HT.i = last, DLS_E_ARGUMENT, "HN", 5);
+  double y[6];
+  ck_assert_int_eq(dls_reduction_recover(R, F.r, y, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_update(R, &F.model, NULL), DLS_OK);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* Of K = 0 each unknown is a mode; up to six are listed, in the order of dls_model_modes. */
+START_TEST(modes_are_reported) {
+  const int n = _i == 4 ? 30 : _i == 3 ? 24 : _i == 2 ? 7 : _i == 1 ? 6 : 2;
+  const int count = n < 24 ? n : 24;
+  make(2, n, 1, 1, 1, 0);
+  memset(F.K, 0, sizeof F.K);
+  int unknown[24], found;
+  ck_assert_int_eq(dls_model_modes(&F.model, 24, NULL, unknown, &found, NULL), DLS_OK);
+  char words[200];
+  int end = snprintf(words, sizeof words, "singular: %d%s rigid-body modes, of unknowns ", count,
+                     n >= 24 ? " or more" : "");
+  for (int k = 0; k < count && k < 6; k++)
+    end += snprintf(words + end, sizeof words - (size_t)end, k ? ", %d" : "%d", unknown[k]);
+  (void)snprintf(words + end, sizeof words - (size_t)end, "%s; settings.stabilize holds them",
+                 count > 6 ? ", .." : "");
+  dls_error error;
+  assert_create_fails(DLS_E_SINGULAR, "K", unknown[0], &error);
+  ck_assert(error.value == count);
+  ck_assert_msg(strstr(error.message, words) != NULL, "%s, not %s", error.message, words);
+}
+END_TEST
+
+/* A mode that is given is foreseen and held: of (1 -1; -1 1) it is (1, 1), and the spring at j is
+ * 0.1: (K + 0.1 e_j e_j^T)^-1 has 10 everywhere, but 11 at the other unknown. */
+START_TEST(given_mode_is_held) {
+  make_two_springs();
+  memcpy(F.K, (double[]){1, -1, -1, 1}, 4 * sizeof(double));
+  fill_sparse(2);
+  F.model.operator_kind = _i ? DLS_STIFFNESS_SPARSE : DLS_STIFFNESS_DENSE;
+  double mode[] = {1, 1};
+  F.model.modes = (dls_dense){2, 1, 2, mode};
+  ck_assert_int_eq(estimated(NULL).modes, 1);
+  dls_reduction *R = new_reduction();
+  dls_reduction_info info;
+  ck_assert_int_eq(dls_reduction_get_info(R, &info, NULL), DLS_OK);
+  ck_assert(info.modes == 1 && info.condition > 10 && info.condition < 1000);
+  const double *W = contact_of(R).W.a, at_first[] = {11, 10, 10, 10}, at_last[] = {10, 10, 10, 11};
+  assert_close(W, W[0] > 10.5 ? at_first : at_last, 4, 1e-13); /* the spring at x, at y */
+  dls_error e;
+  expect_error(dls_reduction_load_free(R, F.f, NULL, &e), &e, DLS_E_UNSUPPORTED,
+               "dls_reduction_load_free", "reduction", -1);
+  ck_assert(e.value == 1 && strstr(e.message, "holds 1 rigid-body mode: K^-1 f"));
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* Two free points: H_N = 2 on unknown 1, H_T = -1 on unknown 0; springs of 0.1, as K = 0. */
+static dls_reduction *new_points(void) {
+  make(2, 2, 1, 1, 1, 0);
+  memset(F.K, 0, sizeof F.K);
+  F.Ni[0] = 1;
+  F.Ti[0] = 0;
+  F.Nx[0] = 2;
+  F.Tx[0] = -1;
+  F.Np[1] = F.Tp[1] = 1;
+  dls_reduction_settings s;
+  dls_reduction_settings_init(&s);
+  s.stabilize = 1;
+  dls_reduction *R;
+  ck_assert_int_eq(dls_reduction_create_with(&R, &F.model, &s, NULL), DLS_OK);
+  return R;
+}
+
+/* Loads f = (3, -2), r = (r_n, r_t): f + H r = (3 - r_t, -2 + 2 r_n) beside 3 + |r_t|, 2 + 2 |r_n|;
+ * the worst of the two is told. x = (f + H r) / 0.1; the feet move there, and q by H^T of it. */
+START_TEST(imbalance_by_hand) {
+  static const double f[] = {3, -2};
+  static const struct {
+    double r[2], worst, x[2];
+  } at[] = {{{0.5, 1}, 0.5, {20, -10}}, {{0.25, 3}, 0.6, {0, -15}}, {{1, -1}, 1, {40, 0}}};
+  dls_reduction *R = new_points();
+  double imbalance, x[2];
+  const double *r = at[_i].r, *to = at[_i].x;
+  ck_assert_int_eq(dls_reduction_load(R, f, NULL, NULL), DLS_OK);
+  const dls_contact p = contact_of(R);
+  assert_close(p.W.a, (double[]){40, 0, 0, 10}, 4, 4 * DBL_EPSILON);
+  assert_close(p.q, (double[]){-40, -30}, 2, 4 * DBL_EPSILON);
+  ck_assert_int_eq(dls_reduction_recover(R, r, x, NULL), DLS_OK);
+  assert_close(x, to, 2, 8 * DBL_EPSILON);
+  ck_assert_int_eq(dls_reduction_balance(R, r, &imbalance, NULL), DLS_OK);
+  ck_assert_double_eq_tol(imbalance, at[_i].worst, 1e-14);
+  assert_close(p.q, (double[]){-40 + 2 * to[1], -30 - to[0]}, 2, 8 * DBL_EPSILON);
+  /* the springs pull from their new feet: x = c + (f + H r) / 0.1 */
+  ck_assert_int_eq(dls_reduction_recover(R, r, x, NULL), DLS_OK);
+  assert_close(x, (double[]){2 * to[0], 2 * to[1]}, 2, 8 * DBL_EPSILON);
+  ck_assert_int_eq(dls_reduction_balance(R, r, NULL, NULL), DLS_OK);
+  assert_close(p.q, (double[]){-40 + 4 * to[1], -30 - 2 * to[0]}, 2, 8 * DBL_EPSILON);
+  /* a load, and an update, put the feet back */
+  ck_assert_int_eq(dls_reduction_load(R, f, NULL, NULL), DLS_OK);
+  assert_close(p.q, (double[]){-40, -30}, 2, 4 * DBL_EPSILON);
+  ck_assert_int_eq(dls_reduction_recover(R, r, x, NULL), DLS_OK);
+  assert_close(x, to, 2, 8 * DBL_EPSILON);
+  ck_assert_int_eq(dls_reduction_balance(R, r, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_update(R, &F.model, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_recover(R, r, x, NULL), DLS_OK);
+  assert_close(x, (double[]){to[0] - 30, to[1] + 20}, 2, 8 * DBL_EPSILON);
+  ck_assert(p.q[0] == 0 && p.q[1] == 0);
+  dls_error e;
+  expect_error(dls_reduction_load_free(R, f, NULL, &e), &e, DLS_E_UNSUPPORTED,
+               "dls_reduction_load_free", "reduction", -1);
+  ck_assert(e.value == 2 && strstr(e.message, "holds 2 rigid-body modes: K^-1 f"));
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* Nothing loads a mode: no imbalance of it. */
+START_TEST(no_load_no_imbalance) {
+  dls_reduction *R = new_points();
+  double imbalance = 7;
+  ck_assert_int_eq(dls_reduction_balance(R, (double[]){0, 0}, &imbalance, NULL), DLS_OK);
+  ck_assert(imbalance == 0);
+  ck_assert_int_eq(dls_reduction_load(R, NULL, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_balance(R, (double[]){0.5, 0}, &imbalance, NULL), DLS_OK);
+  ck_assert_double_eq_tol(imbalance, 1, 1e-15);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* A load starts the feet anew: what is between the stretches of two loads teaches nothing. f + H r
+ * is (4, -4) and x ten times that, then half of it. */
+START_TEST(loads_do_not_teach) {
+  dls_reduction *R = new_points();
+  double x[2];
+  for (int turn = 0; turn < 2; turn++) {
+    const double r[2] = {turn, 2 * turn};
+    ck_assert_int_eq(dls_reduction_load(R, (double[]){4, -4}, NULL, NULL), DLS_OK);
+    ck_assert_int_eq(dls_reduction_balance(R, r, NULL, NULL), DLS_OK);
+    ck_assert_int_eq(dls_reduction_recover(R, r, x, NULL), DLS_OK);
+    assert_close(x, turn ? (double[]){40, -40} : (double[]){80, -80}, 2, 1e-14);
+  }
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* After an update that failed, and without W, a call says so, without a figure. */
+START_TEST(nothing_is_held) {
+  make_two_springs();
+  dls_reduction_settings s;
+  dls_reduction_settings_init(&s);
+  s.form_W = 0;
+  dls_reduction *R;
+  dls_contact p;
+  dls_reduction_info info;
+  dls_error e;
+  double x[2], imbalance;
+  ck_assert_int_eq(dls_reduction_create_with(&R, &F.model, &s, NULL), DLS_OK);
+  expect_error(dls_reduction_contact(R, x, &p, &e), &e, DLS_E_UNSUPPORTED, "dls_reduction_contact",
+               "reduction", -1);
+  ck_assert(e.value == 0);
+  F.K[0] = 0;
+  ck_assert_int_eq(dls_reduction_update(R, &F.model, NULL), DLS_E_NOT_POSITIVE_DEFINITE);
+#define HOLDS_NOTHING(name, ...)                                                                   \
+  expect_error(name(__VA_ARGS__, &e), &e, DLS_E_ARGUMENT, #name, "reduction", -1);                 \
+  ck_assert(e.value == 0)
+  HOLDS_NOTHING(dls_reduction_load, R, F.f, NULL);
+  HOLDS_NOTHING(dls_reduction_load_free, R, F.f, NULL);
+  HOLDS_NOTHING(dls_reduction_contact, R, x, &p);
+  HOLDS_NOTHING(dls_reduction_recover, R, F.r, x);
+  HOLDS_NOTHING(dls_reduction_nodal, R, F.r, x);
+  HOLDS_NOTHING(dls_reduction_balance, R, F.r, &imbalance);
+  HOLDS_NOTHING(dls_reduction_get_info, R, &info);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* As many modes as there may be, of K = 0: x = (f + H r) / 0.1, then with the feet there. */
+START_TEST(all_modes_are_held) {
+  make(2, 24, 1, 1, 1, 0);
+  memset(F.K, 0, sizeof F.K);
+  dls_reduction_settings s;
+  dls_reduction_settings_init(&s);
+  s.stabilize = 1;
+  dls_reduction *R;
+  double x[24], expected[24], imbalance = 0;
+  ck_assert_int_eq(dls_reduction_create_with(&R, &F.model, &s, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load(R, F.f, NULL, NULL), DLS_OK);
+  for (int turn = 1; turn <= 2; turn++) {
+    scale_vector(expected, F.f, 10 * turn, 24);
+    ck_assert_int_eq(dls_reduction_recover(R, (double[]){0, 0}, x, NULL), DLS_OK);
+    assert_close(x, expected, 24, 1e-13);
+    ck_assert_int_eq(dls_reduction_balance(R, (double[]){0, 0}, &imbalance, NULL), DLS_OK);
+    ck_assert_double_eq_tol(imbalance, 1, 1e-13);
+  }
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* mu > 0 where the tangents were left out is refused, with its place and figure. */
+START_TEST(tangents_left_out) {
+  double mu[] = {0.5, 0, 0};
+  make(2, 6, 3, 1, 1, 0);
+  F.model.mu = mu;
+  dls_reduction *R = new_reduction();
+  dls_contact p;
+  ck_assert_int_eq(dls_reduction_contact(R, NULL, &p, NULL), DLS_OK);
+  ck_assert(p.mu[0] == 0.5 && p.mu[1] == 0 && p.nc == 3);
+  dls_error e;
+  const double other[] = {0.25, 0, 0.125};
+  expect_error(dls_reduction_contact(R, other, &p, &e), &e, DLS_E_ARGUMENT, "dls_reduction_contact",
+               "mu", 2);
+  ck_assert(e.value == 0.125);
+  ck_assert_int_eq(dls_reduction_load(R, NULL, (double[]){1, 2, 3, 4, 5, 6}, NULL), DLS_OK);
+  assert_close(p.q, (double[]){1, 2, 3, 0, 5, 0}, 6, 0);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
 /* ---- the weighting of a line ----------------------------------------------------------------- */
 
 static void assert_column(const int *p, const int *i, const double *x, int j, int count,
@@ -1197,14 +1579,19 @@ START_TEST(bad_line) {
 END_TEST
 
 int main(void) {
-  return RUN("reduction", NULL, NULL, EACH(springs_by_hand, 0, 5), EACH(unsymmetric_by_hand, 0, 2),
-             EACH(all_operators_agree, 0, 4), EACH(unsymmetric_stiffness, 0, 4),
-             EACH(connected_parts, 0, 4), ONCE(lower_triangle), ONCE(batches),
-             EACH(empty_tangents, 0, 4), EACH(same_bits_twice, 0, 8), EACH(units, 0, 12),
-             EACH(mixed_units, 0, 8), EACH(singular_matrices, 0, 2), EACH(free_body, 0, 10),
-             EACH(bad_stiffness_names_its_unknown, 0, 72), EACH(overflow_names_its_unknown, 0, 2),
-             ONCE(part_too_large), ONCE(overflows), ONCE(callback_fails), EACH(bad_model, 0, 8),
-             EACH(no_candidates, 0, 12), EACH(free_velocity, 0, 16), ONCE(bad_calls),
-             EACH(every_malloc_fails, 0, 8), EACH(line_by_hand, 0, 4), ONCE(line_as_printed),
-             ONCE(line_in_a_model), ONCE(bad_line));
+  return RUN(
+      "reduction", NULL, NULL, EACH(springs_by_hand, 0, 5), EACH(unsymmetric_by_hand, 0, 2),
+      EACH(all_operators_agree, 0, 4), EACH(unsymmetric_stiffness, 0, 4),
+      EACH(connected_parts, 0, 4), ONCE(lower_triangle), ONCE(batches), EACH(empty_tangents, 0, 4),
+      EACH(same_bits_twice, 0, 8), EACH(units, 0, 12), EACH(mixed_units, 0, 8),
+      EACH(singular_matrices, 0, 2), EACH(free_body, 0, 10),
+      EACH(bad_stiffness_names_its_unknown, 0, 72), EACH(overflow_names_its_unknown, 0, 2),
+      ONCE(part_too_large), ONCE(overflows), ONCE(callback_fails), ONCE(whole_batches),
+      EACH(bad_model, 0, 8), EACH(no_candidates, 0, 12), EACH(free_velocity, 0, 16),
+      ONCE(bad_calls), EACH(every_malloc_fails, 0, 8), EACH(bytes_by_hand, 0, 2),
+      ONCE(condensed_by_hand), ONCE(overflow_leaves_the_load), EACH(conditions_are_told, 0, 4),
+      ONCE(differences_are_named), EACH(modes_are_reported, 0, 5), EACH(given_mode_is_held, 0, 2),
+      EACH(imbalance_by_hand, 0, 3), ONCE(no_load_no_imbalance), ONCE(all_modes_are_held),
+      ONCE(loads_do_not_teach), ONCE(nothing_is_held), ONCE(tangents_left_out),
+      EACH(line_by_hand, 0, 4), ONCE(line_as_printed), ONCE(line_in_a_model), ONCE(bad_line));
 }
