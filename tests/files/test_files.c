@@ -873,6 +873,11 @@ START_TEST(fclib_claims) {
     check_error(&error, dls_fclib_read(&file, path, &error), DLS_E_FORMAT, "W/i", -1);
     ck_assert_msg(strstr(error.message, odd[k].text) != NULL, "%zu: %s", k, error.message);
   }
+  ck_assert_int_eq(write_local2(NULL), DLS_OK); /* chunks of one value are large enough */
+  dls_fclib *file;
+  patch_odd("fclib_local/W/i", 64, 4, 1, 0);
+  ck_assert_int_eq(dls_fclib_read(&file, path, NULL), DLS_OK);
+  dls_fclib_destroy(file);
   (void)remove(other_file());
 }
 END_TEST

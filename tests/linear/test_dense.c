@@ -99,8 +99,8 @@ START_TEST(inverse_of_many_rows) {
 }
 END_TEST
 
-/* The largest column sum: 3, 14, 24 of the matrix whose lower triangle alone is read, 3, 212, 324 of
- * the whole one. */
+/* The largest column sum: 3, 14, 24 of the matrix whose lower triangle alone is read; 3, 212, 324
+ * of the whole one. */
 START_TEST(norm) {
   const double A[9] = {1, -2, 0, 200, 4, 8, 300, 8, -16};
   double sums[3];
