@@ -11,6 +11,7 @@
 #include "failures.h"
 #include "malloc_fails.h"
 #include "run.h"
+#include "vi/vi_internal.h"
 
 /* ---- by hand --------------------------------------------------------------------------------- */
 
@@ -172,6 +173,28 @@ START_TEST(cancelled) { /* in the sweeps, in the steps, never */
   ck_assert_int_eq(info.iterations, steps[_i]);
   ck_assert(w.sweeps == sweeps[_i] && w.steps == steps[_i]);
   ck_assert(info.certificate.residual <= w.least * (1 + 1e-12)); /* the best of them all */
+}
+END_TEST
+
+/* Told that W is positive definite, a stage of auto takes no eps: one step from r = 0, where both
+ * press, is the answer of W r = -q. */
+START_TEST(definite_needs_no_eps) {
+  static model a;
+  double r[2] = {0};
+  void *work;
+  dls_info info;
+  set_model(&a, 1, 2);
+  a.W[0] = a.W[3] = 2;
+  a.W[1] = a.W[2] = 1;
+  a.q[0] = a.q[1] = -3;
+  const dlsi_options options = {
+      .limits = {.tol = 0, .max_iterations = 1}, .positive_definite = 1, .stage = 1};
+  ck_assert_int_eq(dlsi_newton_method.create(&work, 1, 2, &options, NULL), DLS_OK);
+  ck_assert_int_eq(dlsi_newton_method.solve(work, &a.p, r, NULL, &info, NULL), DLS_OK);
+  ck_assert(info.iterations == 1 && info.factorisations == 1 && info.sweeps == 0);
+  ck_assert_double_eq_tol(r[0], 1, 1e-15);
+  ck_assert_double_eq_tol(r[1], 1, 1e-15);
+  dlsi_newton_method.destroy(work);
 }
 END_TEST
 
@@ -494,9 +517,9 @@ END_TEST
 int main(void) {
   return RUN("newton", NULL, NULL, EACH(no_solution_in_any_way, 0, jammed_count),
              ONCE(hyperstatic_without_sweeps), EACH(cycle, 0, sizeof cycles / sizeof cycles[0]),
-             ONCE(without_friction), ONCE(catalogue), EACH(never_worse_in_any_way, 0, 30),
-             EACH(cancelled, 0, 4), EACH(line_search_without_sweeps, 0, 40),
-             ONCE(line_search_by_hand), EACH(head_is_lu, 0, 2), EACH(sparse_is_dense, 0, 2),
-             ONCE(sparse_same_bits), EACH(no_memory_for_large, 0, 2), ONCE(memory),
-             ONCE(bad_create));
+             ONCE(without_friction), ONCE(definite_needs_no_eps), ONCE(catalogue),
+             EACH(never_worse_in_any_way, 0, 30), EACH(cancelled, 0, 4),
+             EACH(line_search_without_sweeps, 0, 40), ONCE(line_search_by_hand),
+             EACH(head_is_lu, 0, 2), EACH(sparse_is_dense, 0, 2), ONCE(sparse_same_bits),
+             EACH(no_memory_for_large, 0, 2), ONCE(memory), ONCE(bad_create));
 }
