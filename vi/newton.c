@@ -48,10 +48,9 @@
  *          r0 - r is of second order; its product is left out where it is a tenth of the error or
  *          less. W may have changed, too: where a step leaves more than a fourth of the right side
  *          of (NE2), the next factors are made anew.
- *   (NE6)  Steps by the same factors in the same states are combined (anderson.c, f = w (next - r),
- *          5 differences): where directions have turned so far that a step leaves a sixth of the
- *          error, the combination leaves a tenth. A change of states begins the history anew: in 2D
- *          one that goes on takes more steps.
+ *   (NE6)  d = 3: steps by the same factors in the same states are combined (anderson.c, with f =
+ *          w (next - r), 5 differences): where directions have turned so far that a step leaves a
+ *          sixth of the error, the combination leaves a tenth.
  *
  * Stop: the certificate holds (its F is de Saxce's; both vanish together), the limit of steps, or
  * 12 steps that did not halve the residual. Uphill steps are taken, too; the best r met is kept.
@@ -107,7 +106,7 @@ struct dls_newton {
   int sparse;             /* 1: this run factorises sparse beyond dense_limit */
   newton_factors factors; /* of (NE2) for the base states of the border */
   dlsi_border border;
-  dlsi_anderson steps; /* (NE6): where no blocks are announced */
+  dlsi_anderson steps; /* (NE6): d = 3, where no blocks are announced */
   int keeps, kept_nc;  /* (NE5): keeps: 1 if the next run may; kept_nc: candidates of the factors */
   const double *known; /* u of the start of the next run, NULL: it is not known */
   dlsi_dense dense;
@@ -144,7 +143,8 @@ static void newton_carve(void *workspace, dlsi_arena *arena) {
   work->branch = dlsi_take(arena, n, sizeof *work->branch);
   work->pivot = dlsi_take(arena, m, sizeof *work->pivot);
   work->p = dlsi_take(arena, m + 1, sizeof *work->p);
-  if (!work->settings.limits.blocks) dlsi_anderson_carve(&work->steps, arena, m, window, 0);
+  if (work->d == 3 && !work->settings.limits.blocks)
+    dlsi_anderson_carve(&work->steps, arena, m, window, 0);
 }
 
 /* Returns 1 if so many blocks are factorised sparse. From a quarter of all blocks on, the sparse
