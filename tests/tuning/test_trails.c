@@ -30,7 +30,28 @@ typedef struct trails_problem {
   rigid bodies; /* owns the arrays of p where bodies.p is set */
 } trails_problem;
 
-enum { half_cells = 60 };
+enum { half_cells = 60, side = 7, surface_rows = 3 * side * side };
+
+/* A surface of 7 x 7 points that move along by exp(-distance / 10), normals and tangents coupled,
+ * under a load by chance: sweeps and Newton's method alone do not get far. */
+static dls_contact trails_surface(double friction, unsigned seed) {
+  static double W[surface_rows * surface_rows], q[surface_rows], mu[side * side];
+  enum { nc = side * side, m = surface_rows };
+  for (int c = 0; c < nc; c++) {
+    mu[c] = friction;
+    for (int i = 0; i < 3; i++)
+      q[3 * c + i] = draw(&seed) - (i ? 0 : .5);
+    for (int b = 0; b < nc; b++) {
+      const double x = c % side - b % side, y = c / side - b / side, r = hypot(x, y);
+      const double g = exp(-.1 * r), couple[3] = {0, .3 * x * g / (1 + r), .3 * y * g / (1 + r)};
+      for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+          W[3 * c + i + (3 * b + j) * m] =
+              (i == j ? g : 0) + (j == 0 ? couple[i] : 0) - (i == 0 ? couple[j] : 0);
+    }
+  }
+  return (dls_contact){.d = 3, .nc = nc, .W = {m, m, m, W}, .q = q, .mu = mu};
+}
 
 /* a->p := problem k in storage that lasts until the next call. Returns 0 past the last one. */
 static int trails_make(int k, trails_problem *a) {
@@ -91,6 +112,8 @@ static int trails_make(int k, trails_problem *a) {
   /* where the first path of the homotopy leads nowhere */
   TRAILS(2, a->p = at ? planted(&plant, 3, 3, 5, 3, 45) : planted(&plant, 2, 4, 4, 10, 14);
          (void)snprintf(a->name, sizeof a->name, "later-start-%d", at));
+  TRAILS(8, a->p = trails_surface(1 << at / 2, (unsigned)at + 5);
+         (void)snprintf(a->name, sizeof a->name, "surface-%d", at));
 #undef TRAILS
   return 0;
 }
