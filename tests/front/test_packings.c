@@ -87,6 +87,16 @@ START_TEST(newton_ends_it) {
 }
 END_TEST
 
+/* Where sweeps get nowhere far from the answer, the augmented Lagrangian comes next, not Newton's
+ * method. */
+START_TEST(sweeps_that_stall) {
+  const dls_info info = pack("packing-rest", 300, 4, 1e-8);
+  ck_assert_int_eq(info.stages, 2);
+  ck_assert(info.stage[0].residual > 1e-5);
+  ck_assert_int_eq(info.stage[1].method, DLS_AUGMENTED_LAGRANGIAN);
+}
+END_TEST
+
 /* An elastic body by blocks is no packing: the stages and steps are those of its dense W. */
 START_TEST(elastic_by_blocks) {
   enum { nc = 1100, m = 2 * nc };
@@ -115,5 +125,6 @@ END_TEST
 
 int main(void) {
   return RUN("packings", NULL, NULL, EACH(sweeps_are_enough, 0, 3), ONCE(tight_ones_take_momentum),
-             ONCE(room_changes_nothing), ONCE(newton_ends_it), ONCE(elastic_by_blocks));
+             ONCE(room_changes_nothing), ONCE(newton_ends_it), ONCE(sweeps_that_stall),
+             ONCE(elastic_by_blocks));
 }
