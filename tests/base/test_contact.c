@@ -585,6 +585,8 @@ START_TEST(borders_of_the_laws) {
     r[0] = k * DBL_EPSILON / 2;
     ck_assert_int_eq(certified(&p, r, NULL).complementarity > 0, k == 9);
   }
+  q[0] = 3, r[0] = -1; /* one that pulls, u_n = 2 */
+  ck_assert(certified(&p, r, NULL).complementarity == 2);
 }
 END_TEST
 

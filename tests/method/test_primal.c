@@ -450,6 +450,7 @@ END_TEST
 START_TEST(ends_of_arrays) {
   static springs s;
   static answer a;
+  memset(&a, 0, sizeof a);
   random_springs(_i, &s);
   dls_primal_settings settings = primal_tol(1e-8);
   settings.limits.warm_start = 1;
