@@ -475,6 +475,14 @@ START_TEST(bad_create) {
     refuses_to_create(&the_augmented, isfinite(bad[k]) ? DLS_E_ARGUMENT : DLS_E_NOT_FINITE,
                       "penalty", 2, 2, 3, &s);
   }
+  const double least = 0x1.8p-1024,
+               both[] = {least, least}; /* 1 / least is a number, 2 / least not */
+  dls_augmented *work;
+  s = good;
+  s.factor = least;
+  s.penalty = both;
+  ck_assert_int_eq(dls_augmented_create(&work, 2, 2, &s, NULL), DLS_OK);
+  dls_augmented_destroy(work);
   s = good;
   s.adaptive = -1;
   refuses_to_create(&the_augmented, DLS_E_ARGUMENT, "adaptive", -1, 2, 1, &s);
