@@ -712,6 +712,23 @@ START_TEST(each_failing_malloc_unwinds) {
 }
 END_TEST
 
+/* An unsymmetric W: scale, work, lists, r and the transpose are among the first mallocs. */
+START_TEST(each_failing_malloc_of_unsymmetric_ones) {
+  double W[16];
+  memcpy(W, W2, sizeof W);
+  W[1] = 0;
+  dls_contact p = dense2();
+  p.W.a = W;
+  for (long k = 1; k <= 11; k++) {
+    dls_diagnosis g;
+    malloc_fails_at(k);
+    const dls_status status = dls_contact_diagnose(&p, 10, &g, NULL);
+    malloc_fails_at(0);
+    ck_assert_msg(status == DLS_E_MEMORY, "%ld: %d", k, status);
+  }
+}
+END_TEST
+
 /* A candidate with an unsymmetric W that has an answer, and none with its transpose; and bodies
  * that move apart. */
 START_TEST(hints) {
@@ -754,5 +771,5 @@ int main(void) {
              ONCE(above_the_critical_friction_there_are_several),
              ONCE(one_candidate_in_3d_has_one_solution_below_the_bound), ONCE(too_large_is_said),
              ONCE(the_same_bits_twice), ONCE(hints), ONCE(no_candidates), ONCE(bad_input_is_named),
-             ONCE(each_failing_malloc_unwinds));
+             ONCE(each_failing_malloc_unwinds), ONCE(each_failing_malloc_of_unsymmetric_ones));
 }
