@@ -712,7 +712,7 @@ START_TEST(each_failing_malloc_unwinds) {
 }
 END_TEST
 
-/* An unsymmetric W: r and the transpose are among the first eleven mallocs, all of which it needs. */
+/* An unsymmetric W needs the first eleven mallocs, among them r and the transpose. */
 START_TEST(each_failing_malloc_of_unsymmetric_ones) {
   double W[16];
   memcpy(W, W2, sizeof W);
