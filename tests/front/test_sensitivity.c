@@ -105,6 +105,20 @@ START_TEST(rank_in_any_units) {
 }
 END_TEST
 
+/* W = v v': what rounding leaves of the other two singular values is no rank. */
+START_TEST(rank_one_but_for_rounding) {
+  static const double v[3] = {1. / 3, .7, 1.9}, r[3] = {1, 2, 3}, u[3] = {0}, mu[3] = {0};
+  double W[9], q[3];
+  for (int k = 0; k < 9; k++)
+    W[k] = v[k % 3] * v[k / 3];
+  set_load(3, W, r, u, q);
+  const dls_contact p = {.d = 1, .nc = 3, .W = {3, 3, 3, W}, .q = q, .mu = mu};
+  dls_sensitivity found;
+  ck_assert_int_eq(dls_contact_sensitivity(&p, r, &found, NULL), DLS_OK);
+  ck_assert(found.rows == 3 && found.rank == 1);
+}
+END_TEST
+
 /* Counts candidates on a border; candidate 1 sticks with r = (1, 0), and is the measure. */
 static int borders(double mu, const double r[2], const double u[2]) {
   const double W[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -137,5 +151,5 @@ END_TEST
 int main(void) {
   return RUN("sensitivity", NULL, NULL, ONCE(slip_beside_no_friction), ONCE(slip_in_3d),
              ONCE(slip_in_3d_along_the_cone), ONCE(rank_in_any_units),
-             ONCE(borders_between_states));
+             ONCE(rank_one_but_for_rounding), ONCE(borders_between_states));
 }
