@@ -114,10 +114,9 @@ static herr_t read_first(hid_t set, hid_t space, hid_t type, size_t count, void 
   if (H5Sget_simple_extent_npoints(space) == (hssize_t)count)
     return H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, x);
   const hid_t memory = H5Screate_simple(1, &n, NULL);
-  if (memory < 0) return -1;
   herr_t done = H5Sselect_hyperslab(space, H5S_SELECT_SET, &start, NULL, &n, NULL);
-  if (done >= 0) done = H5Dread(set, type, memory, space, H5P_DEFAULT, x);
-  (void)H5Sclose(memory);
+  if (done >= 0) done = H5Dread(set, type, memory, space, H5P_DEFAULT, x); /* < 0 if memory is */
+  if (memory >= 0) (void)H5Sclose(memory);
   return done;
 }
 
