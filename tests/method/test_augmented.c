@@ -459,6 +459,26 @@ END_TEST
 
 /* ---- bad input ------------------------------------------------------------------------------- */
 
+/* The wedge that jams, c03 of data/failures: what one augmentation sees is told, and believed only
+ * when others see it again. */
+START_TEST(direction_of_an_early_end) {
+  const double W[4] = {1, 1, 1, 1}, q[2] = {-2, 0}, mu[1] = {2};
+  const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+  for (int k = 1; k <= 3; k++) {
+    double r[2];
+    dls_augmented *work;
+    dls_augmented_settings s = augmented_tol(1e-8);
+    s.limits.max_iterations = k;
+    ck_assert_int_eq(dls_augmented_create(&work, 2, 1, &s, NULL), DLS_OK);
+    ck_assert_int_eq(dls_augmented_solve(work, &p, r, NULL, NULL, NULL), DLS_MAX_ITERATIONS);
+    const double *delta = dls_augmented_direction(work);
+    ck_assert_int_eq(delta != NULL, k > 1); /* the first one fills the gap */
+    if (delta) ck_assert(delta[0] == 1 && fabs(delta[1] + 1) < 1e-4);
+    dls_augmented_destroy(work);
+  }
+}
+END_TEST
+
 START_TEST(bad_create) {
   expect_bad_create(&the_augmented);
   const dls_augmented_settings good = augmented_tol(1e-8);
@@ -519,5 +539,5 @@ int main(void) {
              ONCE(a_light_candidate_runs_away), ONCE(gain_of_a_direction), ONCE(catalogue),
              ONCE(too_stiff), EACH(rank_deficient, 0, 24), EACH(units, 0, 12),
              ONCE(smaller_problem), ONCE(storage), ONCE(cancelled), EACH(by_name, 0, 20),
-             ONCE(bad_create), ONCE(no_memory));
+             ONCE(direction_of_an_early_end), ONCE(bad_create), ONCE(no_memory));
 }
