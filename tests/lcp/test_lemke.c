@@ -1046,6 +1046,33 @@ START_TEST(warm_start_breaks_ties_as_a_cold_one) {
 }
 END_TEST
 
+/* From z = 0 the path is that of a cold start, ties included, of which small integers have many. */
+START_TEST(warm_start_from_zero) {
+  double M[16], q[4], z[2][4];
+  int paths = 0;
+  dls_lemke_settings settings = path_alone();
+  seed = 11;
+  for (int k = 0; k < 200; k++) {
+    dls_lemke_info info[2];
+    const int n = 2 + k % 3;
+    for (int e = 0; e < n * n; e++)
+      M[e] = e % (n + 1) ? integer(-1, 1) : integer(1, 2);
+    for (int i = 0; i < n; i++)
+      q[i] = integer(-3, 0);
+    memset(z, 0, sizeof z);
+    for (int warm = 0; warm < 2; warm++) {
+      settings.limits.warm_start = warm;
+      (void)solved(n, M, q, &settings, z[warm], &info[warm]);
+    }
+    if (info[1].starts > 1) continue; /* after a ray it starts cold */
+    ck_assert_int_eq(info[0].pivots, info[1].pivots);
+    ck_assert_mem_eq(z[0], z[1], (size_t)n * sizeof **z);
+    paths++;
+  }
+  ck_assert_int_gt(paths, 100);
+}
+END_TEST
+
 /* The start is the solution but for a y of rounding beside z = (1, 0) or (0, 1): no exchange. */
 START_TEST(warm_start_within_rounding) {
   const double M[4] = {1, 0, 0, 1}, ones[2] = {1, 1};
@@ -1398,20 +1425,20 @@ START_TEST(a_norm_beyond_numbers) {
 END_TEST
 
 int main(void) {
-  return RUN("lemke", NULL, NULL, ONCE(size_one), ONCE(feasible_q_is_answered_at_once),
-             ONCE(size_two), ONCE(nearly_impossible), ONCE(catalogue_of_contact),
-             ONCE(ray_of_large_friction), ONCE(bimatrix_game), ONCE(cycling_example),
-             ONCE(identical_rows), ONCE(murty), ONCE(p_matrices), ONCE(any_matrix),
-             ONCE(semidefinite), ONCE(hundred_unknowns), ONCE(stewart_trinkle),
-             ONCE(very_large_friction), ONCE(decaying_entries), ONCE(units), ONCE(permutations),
-             ONCE(same_bits_and_reuse), ONCE(progress_and_limit), ONCE(bad_arguments),
-             ONCE(every_malloc_fails), ONCE(extreme_numbers), ONCE(warm_start_follows_a_load),
-             ONCE(warm_start_from_anywhere), ONCE(warm_start_that_leads_nowhere),
-             ONCE(limit_on_the_path), ONCE(warm_start_on_the_border),
-             ONCE(warm_start_keeps_the_cover), ONCE(warm_start_breaks_ties_as_a_cold_one),
-             ONCE(warm_start_within_rounding), ONCE(residual_on_the_path), ONCE(covers_by_number),
-             ONCE(crash_finds_the_solution), ONCE(crash_with_friction), ONCE(crash_in_any_unit),
-             ONCE(crash_keeps_to_its_room), ONCE(crash_that_leads_nowhere),
-             ONCE(crash_does_not_insist), ONCE(crash_from_a_start_and_with_a_cover),
-             ONCE(crash_can_be_cancelled), ONCE(a_norm_beyond_numbers));
+  return RUN(
+      "lemke", NULL, NULL, ONCE(size_one), ONCE(feasible_q_is_answered_at_once), ONCE(size_two),
+      ONCE(nearly_impossible), ONCE(catalogue_of_contact), ONCE(ray_of_large_friction),
+      ONCE(bimatrix_game), ONCE(cycling_example), ONCE(identical_rows), ONCE(murty),
+      ONCE(p_matrices), ONCE(any_matrix), ONCE(semidefinite), ONCE(hundred_unknowns),
+      ONCE(stewart_trinkle), ONCE(very_large_friction), ONCE(decaying_entries), ONCE(units),
+      ONCE(permutations), ONCE(same_bits_and_reuse), ONCE(progress_and_limit), ONCE(bad_arguments),
+      ONCE(every_malloc_fails), ONCE(extreme_numbers), ONCE(warm_start_follows_a_load),
+      ONCE(warm_start_from_anywhere), ONCE(warm_start_that_leads_nowhere), ONCE(limit_on_the_path),
+      ONCE(warm_start_on_the_border), ONCE(warm_start_keeps_the_cover),
+      ONCE(warm_start_breaks_ties_as_a_cold_one), ONCE(warm_start_within_rounding),
+      ONCE(warm_start_from_zero), ONCE(residual_on_the_path), ONCE(covers_by_number),
+      ONCE(crash_finds_the_solution), ONCE(crash_with_friction), ONCE(crash_in_any_unit),
+      ONCE(crash_keeps_to_its_room), ONCE(crash_that_leads_nowhere), ONCE(crash_does_not_insist),
+      ONCE(crash_from_a_start_and_with_a_cover), ONCE(crash_can_be_cancelled),
+      ONCE(a_norm_beyond_numbers));
 }
