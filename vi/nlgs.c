@@ -477,7 +477,6 @@ DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_
       double F[3];
       (void)dlsi_contact_residual(3, mu[k], 1, vk, uk, F);
       F2[k] = F[0] * F[0] + F[1] * F[1] + F[2] * F[2];
-      r2[k] = vk[0] * vk[0] + vk[1] * vk[1] + vk[2] * vk[2];
     }
     for (int k = 0; k < count; k++) {
       sum.F += F2[k];

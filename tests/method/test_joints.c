@@ -111,6 +111,25 @@ START_TEST(splits_and_refuses) {
 }
 END_TEST
 
+/* The first candidate has more neighbours than any other: (W + R) x = R p - q of
+ * W = (2 1 1 1; 1 2 0 0; 1 0 2 0; 1 0 0 2), R = 1, q = 0, p = W (1, 2, 3, 4) + (1, 2, 3, 4). */
+START_TEST(a_star) {
+  static const int p[5] = {0, 4, 6, 8, 10}, i[10] = {0, 1, 2, 3, 0, 1, 0, 2, 0, 3};
+  static const double x[10] = {2, 1, 1, 1, 1, 2, 1, 2, 1, 2}, ones[4] = {1, 1, 1, 1}, q[4] = {0};
+  static const double to[4] = {12, 7, 10, 13};
+  const dls_contact star = {.d = 1, .nc = 4, .Wb = {1, 4, p, i, x}, .q = q, .mu = q};
+  double split[4] = {0}, g[4], found[4];
+  dlsi_joints *work;
+  ck_assert_int_eq(dlsi_joints_create(&work, &star, ones, 1, NULL), DLS_OK);
+  dlsi_joints_split(work, split, g);
+  ck_assert_int_eq(dlsi_joints_factor(work, ones), 0);
+  ck_assert_int_eq(dlsi_joints_solve(work, ones, to, g, found, NULL), DLS_OK);
+  for (int k = 0; k < 4; k++)
+    ck_assert_msg(fabs(found[k] - (k + 1)) <= 1e-12, "%d: %g", k, found[k]);
+  dlsi_joints_destroy(work);
+}
+END_TEST
+
 /* A rho < 0 is a pivot that is not positive, of the first unknown of its joint. */
 START_TEST(joints_of_negative_rho) {
   pair s = pair_build("wall3-rest", 300);
@@ -157,5 +176,5 @@ END_TEST
 int main(void) {
   if (!WITH_MUMPS) return 0;
   return RUN("joints", NULL, NULL, EACH(solves, 0, 6), ONCE(splits_and_refuses),
-             ONCE(joints_of_negative_rho), ONCE(joints_without_memory));
+             ONCE(joints_of_negative_rho), ONCE(joints_without_memory), ONCE(a_star));
 }
