@@ -216,7 +216,7 @@ static int solve_contact(const char *path, const solve_options *options) {
                         .farkas = dls_solver_farkas(solver),
                         .ray = dls_solver_direction(solver)};
   verdict_fill(&o.verdict, status, 0);
-  const int wrong = o.info.certificate.residual > settings.limits.tol && !o.verdict.says;
+  const int wrong = status && o.info.certificate.residual > settings.limits.tol && !o.verdict.says;
   if (wrong && !unsettled_find(&o.unsettled, &p.contact, r, u)) goto end;
   if ((options->out || options->print || options->csv) && recover(&p, r, &x, &error)) {
     (void)complain_of(path, &error);

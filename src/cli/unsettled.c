@@ -17,7 +17,7 @@ static const double diverges =
 
 static int note_residual(void *data, const dls_progress *p) {
   double *residual = data;
-  if (p->iteration <= watched_sweeps) residual[p->iteration - 1] = p->residual;
+  if (p->iteration > 0 && p->iteration <= watched_sweeps) residual[p->iteration - 1] = p->residual;
   return 0;
 }
 

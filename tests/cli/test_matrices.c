@@ -339,8 +339,21 @@ START_TEST(last_line) {
 }
 END_TEST
 
+/* Reactions beyond what rounding tells, positions exact: solved, and no candidate is at fault.
+ * Sweeps alone do not get there. */
+START_TEST(entries_of_all_sizes) {
+  put("W.txt", "2 0 .5 0\n0 2 0 .5\n1.8e-307 1.4e195 1.9e-57 3.5e-152\n"
+               "2.7e-315 1.8e-307 4.8e-320 5.8e-275\n");
+  put("q.txt", "-1\n.5\n-1\n0\n");
+  ck_assert_int_eq(run("solve --W @/W.txt --q @/q.txt --mu .3 --dim 2"), 0);
+  ck_assert(ends_in("\nsolved\n") && !strstr(output, "the error is at"));
+  ck_assert_int_eq(run("solve --W @/W.txt --q @/q.txt --mu .3 --dim 2 -m nlgs"), 1);
+  ck_assert(strstr(output, "the error is at candidate") && !strstr(output, "sweeps diverge"));
+}
+END_TEST
+
 int main(void) {
   return RUN("matrices", make_directory, remove_directory, ONCE(equal_to_a_host_in_c),
              ONCE(one_h_one_list_and_npy), ONCE(calculix), ONCE(free_body),
-             ONCE(bad_matrices_are_2), ONCE(last_line));
+             ONCE(bad_matrices_are_2), ONCE(last_line), ONCE(entries_of_all_sizes));
 }
