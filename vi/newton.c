@@ -405,11 +405,17 @@ static int newton_stays(int d, const double *r, const double *r0) {
   return change <= 4 * DBL_EPSILON * size;
 }
 
-/* Returns 1 if r0 - r may be left out (NE5). unext: scratch. */
-static int newton_is_slight(dls_newton *work, const dls_contact *problem) {
+/* unext := w (next - r) */
+static void newton_weigh_step(dls_newton *work, const dls_contact *problem) {
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   for (size_t k = 0; k < m; k++)
     work->unext[k] = work->it.w[k / d] * (work->next[k] - work->r[k]);
+}
+
+/* Returns 1 if r0 - r may be left out (NE5). unext: scratch. */
+static int newton_is_slight(dls_newton *work, const dls_contact *problem) {
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  newton_weigh_step(work, problem);
   return dlsi_norm2(work->unext, m) <= slight * work->error;
 }
 
@@ -567,11 +573,10 @@ static dls_status newton_step(dls_newton *work, const dls_contact *problem, doub
 
 /* (NE6) next := the step combined with those before. anew: without any of them. unext: scratch. */
 static void newton_combine(dls_newton *work, const dls_contact *problem, int anew) {
-  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  const int m = problem->d * problem->nc;
   if (anew || !work->same) dlsi_anderson_clear(&work->steps);
-  for (size_t k = 0; k < m; k++)
-    work->unext[k] = work->it.w[k / d] * (work->next[k] - work->r[k]);
-  (void)dlsi_anderson_step(&work->steps, (int)m, work->unext, work->next, NULL);
+  newton_weigh_step(work, problem);
+  (void)dlsi_anderson_step(&work->steps, m, work->unext, work->next, NULL);
 }
 
 /* Returns 1 if the factors of the last run are there for this one (NE5). */
