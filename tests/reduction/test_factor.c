@@ -9,43 +9,9 @@
 #include "malloc_fails.h"
 #include "reduction/reduction_internal.h"
 #include "run.h"
-
-enum { at_most = 300 };
-
-/* K by rows: dense with a leading dimension of n + 1, sparse with each entry in two halves. */
-typedef struct stiffness {
-  int n, p[at_most + 1], i[6 * at_most];
-  double a[12 * 13], x[6 * at_most];
-  dls_model model;
-} stiffness;
+#include "stiffness.h"
 
 static stiffness S;
-
-static void factor_model(int n, const double *rows, dls_factorization factorization,
-                         int is_sparse) {
-  int e = 0;
-  memset(&S, 0, sizeof S);
-  for (int k = 0; k < n * (n + 1); k++)
-    S.a[k] = 64;
-  for (int j = 0; j < n; j++) {
-    S.p[j] = e;
-    for (int turn = 0; turn < 2; turn++)
-      for (int i = n - 1; i >= 0; i--)
-        if (rows[j + n * i] != 0) {
-          S.a[i + j * (n + 1)] = rows[j + n * i];
-          S.i[e] = i;
-          S.x[e++] = rows[j + n * i] / 2;
-        } else
-          S.a[i + j * (n + 1)] = 0;
-  }
-  S.p[n] = e;
-  S.model = (dls_model){.d = 2,
-                        .n = n,
-                        .operator_kind = is_sparse ? DLS_STIFFNESS_SPARSE : DLS_STIFFNESS_DENSE,
-                        .factorization = factorization,
-                        .K = {n, n, n + 1, S.a},
-                        .Ks = {n, n, S.p, S.i, S.x}};
-}
 
 static dlsi_factor *factor_new(void) {
   dlsi_factor *factor = NULL;
@@ -74,7 +40,7 @@ static void make_parts(dls_factorization factorization, int is_sparse) {
   for (int k = 0; k < 8; k++)
     rows[9 * k] = k + 1;
   rows[5 * 8 + 3] = rows[4 + 8] = rows[6 * 8 + 4] = rows[3] = 0.5;
-  factor_model(8, rows, factorization, is_sparse);
+  stiffness_fill(&S, 8, rows, factorization, is_sparse);
 }
 
 START_TEST(parts_of_a_graph) {
@@ -210,7 +176,7 @@ START_TEST(scaled_diagonals) {
   double rows[49] = {0};
   for (int i = 0; i < 7; i++)
     rows[8 * i] = k[i];
-  factor_model(7, rows, DLS_CHOLESKY, _i);
+  stiffness_fill(&S, 7, rows, DLS_CHOLESKY, _i);
   dlsi_factor *factor = factored();
   for (int i = 0; i < 7; i++) {
     ck_assert_msg(factor->row[i] == scale[i] && factor->col[i] == scale[i], "%d: %g", i,
@@ -225,12 +191,12 @@ END_TEST
 /* The largest entry of each row, then of each column comes into [1, 2): of (0 8; 3 1) rows by 1/8,
  * 1/2. Powers beyond 2^1000 are cut off: 2^-1060 takes 2^1000, 2^60, and 2^1010 2^-1000, 2^-10. */
 START_TEST(scaled_rows_and_columns) {
-  factor_model(2, (double[]){0, 8, 3, 1}, DLS_LU, 0);
+  stiffness_fill(&S, 2, (double[]){0, 8, 3, 1}, DLS_LU, 0);
   dlsi_factor *factor = factored();
   ck_assert(factor->row[0] == 0.125 && factor->row[1] == 0.5);
   ck_assert(factor->col[0] == 1 && factor->col[1] == 1);
   dlsi_factor_destroy(factor);
-  factor_model(2, (double[]){4, 1, 4, 0.25}, DLS_LU, 1);
+  stiffness_fill(&S, 2, (double[]){4, 1, 4, 0.25}, DLS_LU, 1);
   factor = factored();
   ck_assert(factor->row[0] == 0.25 && factor->row[1] == 0.25);
   ck_assert(factor->col[0] == 1 && factor->col[1] == 4);
@@ -241,7 +207,7 @@ START_TEST(scaled_rows_and_columns) {
   double rows[36] = {0};
   for (int i = 0; i < 6; i++)
     rows[7 * i] = k[i];
-  factor_model(6, rows, DLS_LU, 0);
+  stiffness_fill(&S, 6, rows, DLS_LU, 0);
   factor = factored();
   for (int i = 0; i < 6; i++)
     ck_assert_msg(factor->row[i] == row[i] && factor->col[i] == col[i], "%d: %g", i,
@@ -264,7 +230,7 @@ START_TEST(solves_by_hand) {
     rows[3] = 0;
   else
     rows[1] = rows[2] = rows[5] = 99;
-  factor_model(3, rows, tag, _i % 2);
+  stiffness_fill(&S, 3, rows, tag, _i % 2);
   dlsi_factor *factor = factored();
   double X[] = {8, tag == DLS_LU ? 8 : 10, -1, 16, tag == DLS_LU ? 16 : 20, -2};
   ck_assert_int_eq(dlsi_factor_solve(factor, 0, X, 2, NULL, NULL), DLS_OK);
@@ -281,7 +247,7 @@ END_TEST
 static void make_pair(double d, dls_factorization tag, int is_sparse) {
   double rows[] = {1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 0, 0, 16};
   rows[10] = 1 + d;
-  factor_model(4, rows, tag, is_sparse);
+  stiffness_fill(&S, 4, rows, tag, is_sparse);
 }
 
 /* d / 4 >= 10 eps is regular; LAPACK, which sees K as a whole, estimates d / 2. The condition is
@@ -331,7 +297,7 @@ START_TEST(pivots_are_told) {
       {{1, 0, 1, 0, 0, 0, 1, 0, 2}, DLS_CHOLESKY, DLS_E_NOT_POSITIVE_DEFINITE, 1, 0},
       {{1, 0, 1, 0, 2, 0, 1, 0, -4}, DLS_CHOLESKY, DLS_E_NOT_POSITIVE_DEFINITE, 2, -4},
   };
-  factor_model(3, at[_i].rows, at[_i].tag, 0);
+  stiffness_fill(&S, 3, at[_i].rows, at[_i].tag, 0);
   dlsi_factor *factor = factor_new();
   dls_error e;
   expect_error(dlsi_factor_numeric(factor, &S.model, &e), &e, at[_i].status, "", "K", at[_i].index);

@@ -8,6 +8,7 @@
 #include "errors.h"
 #include "reduction/reduction_internal.h"
 #include "run.h"
+#include "stiffness.h"
 
 /* ---- feet ------------------------------------------------------------------------------------ */
 
@@ -81,42 +82,7 @@ END_TEST
 
 /* ---- springs --------------------------------------------------------------------------------- */
 
-enum { at_most = 40 };
-
-/* A dense K with a leading dimension of n + 1, with 64 where nothing is to be read. */
-typedef struct stiffness {
-  int n, p[at_most + 1], i[2 * at_most * at_most];
-  double a[at_most * (at_most + 1)], x[2 * at_most * at_most];
-  dls_model model;
-} stiffness;
-
 static stiffness S;
-
-static void modes_model(int n, const double *rows, dls_factorization factorization, int is_sparse) {
-  int e = 0;
-  S.n = n;
-  for (int k = 0; k < n * (n + 1); k++)
-    S.a[k] = 64;
-  for (int j = 0; j < n; j++) {
-    S.p[j] = e;
-    for (int i = 0; i < n; i++) {
-      const double a = rows[j + n * i];
-      S.a[i + j * (n + 1)] = a;
-      if (a == 0) continue;
-      for (int turn = 0; turn < 2; turn++) { /* in a quarter and three quarters */
-        S.i[e] = i;
-        S.x[e++] = turn ? 0.75 * a : 0.25 * a;
-      }
-    }
-  }
-  S.p[n] = e;
-  S.model = (dls_model){.d = 2,
-                        .n = n,
-                        .operator_kind = is_sparse ? DLS_STIFFNESS_SPARSE : DLS_STIFFNESS_DENSE,
-                        .factorization = factorization,
-                        .K = {n, n, n + 1, S.a},
-                        .Ks = {n, n, S.p, S.i, S.x}};
-}
 
 /* Entry (i, j) of a model. */
 static double modes_at(const dls_model *model, int i, int j) {
@@ -132,7 +98,7 @@ static double modes_at(const dls_model *model, int i, int j) {
 START_TEST(springs_of_each_kind) {
   const double rows[] = {0, 8, 0, 16, 0, 0, 0, 8, -2, 2, 0, 0, -4, 0, 0, 1};
   const double part = _i ? 0.75 : 1;
-  modes_model(4, rows, DLS_LU, _i);
+  stiffness_fill(&S, 4, rows, DLS_LU, _i);
   int unknown[] = {3, 1, 0, 2};
   double spring[5] = {7, 7, 7, 7, 7};
   dlsi_stable stable;
@@ -156,7 +122,7 @@ END_TEST
 /* No mode, no spring: the model itself. A negative K_jj, and entries below the diagonal, count by
  * their size. */
 START_TEST(springs_of_other_models) {
-  modes_model(2, (double[]){-4, 0, 2, 1}, DLS_LU, _i);
+  stiffness_fill(&S, 2, (double[]){-4, 0, 2, 1}, DLS_LU, _i);
   int unknown[] = {0};
   double spring = 7;
   dlsi_stable stable;
@@ -177,7 +143,7 @@ END_TEST
 START_TEST(modes_by_their_number) {
   const double rows[] = {1, 0, 0,  -1, 0, 0, 2, 0, 0,  -2, 0, 0, 3,
                          0, 0, -1, 0,  0, 1, 0, 0, -2, 0,  0, 2};
-  modes_model(5, rows, _i / 2 ? DLS_LU : DLS_CHOLESKY, _i % 2);
+  stiffness_fill(&S, 5, rows, _i / 2 ? DLS_LU : DLS_CHOLESKY, _i % 2);
   for (int most = 0; most <= 3; most++) {
     double basis[15];
     int unknown[3] = {-7, -7, -7}, alone[3] = {-7, -7, -7}, count = -1;
@@ -221,10 +187,10 @@ END_TEST
 
 /* Of K = 0 every unknown is a mode of its own, up to 24 of them. */
 START_TEST(modes_of_nothing) {
-  static double rows[at_most * at_most];
+  static double rows[stiffness_dense_most * stiffness_dense_most];
   const int n = _i, all = n < 24 ? n : 24;
-  modes_model(n, rows, n % 2 ? DLS_LU : DLS_CHOLESKY, n % 4 / 2);
-  static double basis[24 * at_most];
+  stiffness_fill(&S, n, rows, n % 2 ? DLS_LU : DLS_CHOLESKY, n % 4 / 2);
+  static double basis[24 * stiffness_dense_most];
   int unknown[24], count = -1;
   ck_assert_int_eq(dls_model_modes(&S.model, 24, basis, unknown, &count, NULL), DLS_OK);
   ck_assert_int_eq(count, all);
@@ -237,7 +203,7 @@ END_TEST
 /* A pair tied by a spring, in units that differ by 2^20: its mode is x_0 = 2^20 x_1. */
 START_TEST(modes_in_other_units) {
   const double u = 0x1p20, rows[] = {1, -u, -u, u * u};
-  modes_model(2, rows, _i / 2 ? DLS_LU : DLS_LDLT, _i % 2);
+  stiffness_fill(&S, 2, rows, _i / 2 ? DLS_LU : DLS_LDLT, _i % 2);
   double basis[2];
   int unknown, count;
   ck_assert_int_eq(dls_model_modes(&S.model, 1, basis, &unknown, &count, NULL), DLS_OK);
@@ -263,7 +229,7 @@ static dls_status take(dlsi_modes *modes, const double *given, int count, int ld
 
 /* |K x| <= 1e-8 |K||x| is a null vector: of K = (1 -1; -1 1), (1, 1 + t) leaves t of 2 (1 + t). */
 START_TEST(given_modes_are_null_vectors) {
-  modes_model(2, (double[]){1, -1, -1, 1}, DLS_CHOLESKY, _i);
+  stiffness_fill(&S, 2, (double[]){1, -1, -1, 1}, DLS_CHOLESKY, _i);
   dlsi_modes modes;
   dls_error e;
   double given[] = {1, 1, 9, 1, 1 + 0x1p-26, 9};
@@ -288,7 +254,7 @@ END_TEST
  * comes out are unit vectors. A column of zeros is never independent. */
 START_TEST(given_modes_are_independent) {
   static const double zero[9];
-  modes_model(3, zero, DLS_CHOLESKY, 0);
+  stiffness_fill(&S, 3, zero, DLS_CHOLESKY, 0);
   dlsi_modes modes;
   dls_error e;
   double given[] = {1, 0, 0, 1, 1.5e-8, 0, 0, 0, 2};
@@ -316,7 +282,7 @@ END_TEST
  * pivots 3 at row 2 and then 2 at row 1, (2, 1, 3) / 3 - (1, 2, 0) / 6 = (.5, 0, 1), (.5, 1, 0). */
 START_TEST(given_modes_are_reduced) {
   static const double zero[9];
-  modes_model(3, zero, DLS_LU, 1);
+  stiffness_fill(&S, 3, zero, DLS_LU, 1);
   dlsi_modes modes;
   double given[] = {1, 2, 0, 2, 1, 3};
   ck_assert_int_eq(take(&modes, given, 2, 3, NULL), DLS_OK);
@@ -333,7 +299,7 @@ int main(void) {
   return RUN("modes", NULL, NULL, ONCE(feet_of_two_springs), ONCE(feet_of_another_load),
              EACH(feet_that_feel_nothing, 0, 4), ONCE(feet_of_all_modes),
              EACH(springs_of_each_kind, 0, 2), EACH(springs_of_other_models, 0, 2),
-             EACH(modes_by_their_number, 0, 4), EACH(modes_of_nothing, 1, at_most + 1),
+             EACH(modes_by_their_number, 0, 4), EACH(modes_of_nothing, 1, stiffness_dense_most + 1),
              EACH(modes_in_other_units, 0, 4), EACH(given_modes_are_null_vectors, 0, 2),
              ONCE(given_modes_are_independent), ONCE(given_modes_are_reduced));
 }
