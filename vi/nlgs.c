@@ -16,10 +16,11 @@
  * exactly 0 once it is too small to move u.
  *
  * Stop: each sweep ends with an estimate of both parts of the certificate's residual from the u at
- * hand, O(nc). (NL5) When each meets its target, max(tol, 4 floor), when a sweep changes nothing,
- * and every 50 sweeps, u and the certificate are recomputed from the user's W and q. A sweep from
- * such a fresh u that changes nothing and is not solved can never change anything: DLS_STALLED. A
- * call that ends early returns the best r met.
+ * hand, O(nc); from 1000 candidates on, W not dense and without (NL6), every fifth one: it costs a
+ * seventh of a sweep by blocks, and half of one of bodies. (NL5) When each meets its target,
+ * max(tol, 4 floor), when a sweep changes nothing, and every 50 sweeps, u and the certificate are
+ * recomputed from the user's W and q. A sweep from such a fresh u that changes nothing and is not
+ * solved can never change anything: DLS_STALLED. A call that ends early returns the best r met.
  *
  * Accelerated, the sweep g is a fixed-point map x -> r = g(x). Between two sweeps,
  *
@@ -34,13 +35,13 @@
  *   (NL9)  from sweep 50 on, every 10: the fewest candidates that hold nine tenths of |F|^2, and
  *          three layers of what W couples with them, if that is not a third of all, get up to 300
  *          sweeps of their own, until |F| on them is 0.3 of what it was; (NL8) begins anew then,
- *          and beyond 1000 candidates in any case: some large packings at rest need to be held back
+ *          and beyond 1000 candidates where the residual has not fallen by a tenth since: some
+ *          large packings at rest need to be held back
  *
  * Of rigid bodies, W = H^T H, a sweep keeps v = H r up to date in place of u:
  *
- *   (NL11) u_c = q_c + H_c^T v in (NL1);  v += H_c (s - r_c) in (NL4). u of all candidates, and
- *          with it the estimate, is made every 5 sweeps, from 1000 candidates on: it costs half a
- *          sweep. (NL9) then begins after a sweep that has it.
+ *   (NL11) u_c = q_c + H_c^T v in (NL1);  v += H_c (s - r_c) in (NL4); u of all candidates is made
+ *          for the estimate alone
  *
  * With several threads W by blocks and bodies are swept in slabs, two colours of them (slabs.c), a
  * dense W row by row: to the bits of one thread.
@@ -115,6 +116,7 @@ struct dls_nlgs {
   double largest;   /* b of momentum, (NL10) */
   double halved;    /* the residual that was last half of the one before it ... */
   double since;     /* ... and the sweeps until then, those on a set by its share */
+  double looked;    /* the residual when (NL9) was due last */
   double sweeps;
 };
 
@@ -611,11 +613,12 @@ static void nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double r
 
 enum { local_every = 10, local_first = 50, local_sweeps = 300, local_looks = 5, local_layers = 3 };
 enum { slow_first = 300, last_patience = 3 };
-enum { body_looks = 5, few_bodies = 1000 }; /* (NL11) */
+enum { few_candidates = 1000, seldom = 5 }; /* sweeps from one estimate to the next */
 static const double slow_momentum = 0.5;    /* (NL10) */
 static const double local_share = 0.9;      /* of |F|^2 that the worst candidates hold */
 static const double local_size = 1. / 3;    /* of the candidates: a larger set is no gain */
 static const double local_end = 0.3;        /* of |F| on the set */
+static const double falls = 0.9;            /* (NL9): of the residual, in local_every sweeps */
 
 /* All candidates, in the order of the visits. */
 static dlsi_set nlgs_all(const dls_nlgs *work, const dls_contact *problem) {
@@ -775,7 +778,7 @@ static int nlgs_is_slow(dls_nlgs *work, const dls_contact *problem, double resid
     work->halved = residual;
     work->since = work->sweeps;
   }
-  const int patience = work->largest == 0 && problem->nc < few_bodies ? last_patience : 1;
+  const int patience = work->largest == 0 && problem->nc < few_candidates ? last_patience : 1;
   return work->sweeps - work->since >= patience * (slow_first + work->since);
 }
 
@@ -793,11 +796,14 @@ static int nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double r
     nlgs_start_momentum(work, problem, r);
     return 1;
   }
-  const int at = n ? k - 1 : k; /* of bodies: u is there after sweep k - 1 */
-  if (!problem->W.a && at >= local_first && at % local_every == 0 &&
-      (nlgs_sweep_locally(work, problem, r) || problem->nc > few_bodies)) {
-    nlgs_start_momentum(work, problem, r);
-    return 1;
+  const int at = k - 1; /* the sweep that `residual` belongs to */
+  if (!problem->W.a && at >= local_first && at % local_every == 0) {
+    const int held = problem->nc > few_candidates && !(residual <= falls * work->looked);
+    work->looked = residual;
+    if (nlgs_sweep_locally(work, problem, r) || held) {
+      nlgs_start_momentum(work, problem, r);
+      return 1;
+    }
   }
   const dlsi_set all = {.count = problem->nc}, bodies = {.count = problem->bodies.count};
   (void)dlsi_momentum_step(&work->momentum, problem->d, n ? n : problem->d, work->it.w,
@@ -831,11 +837,11 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
   }
   if (pushed) {
     work->largest = 1;
-    work->halved = INFINITY;
+    work->halved = work->looked = INFINITY;
     work->since = work->sweeps = 0;
     nlgs_start_momentum(work, problem, r);
   }
-  const int looks = work->motions && problem->nc >= few_bodies ? body_looks : 1;
+  const int looks = problem->W.a || accelerated || problem->nc < few_candidates ? 1 : seldom;
   double accepted = now.residual;
   int fresh = 1, changed = 0; /* fresh: u carries no rounding of earlier sweeps */
   dls_status reason = DLS_MAX_ITERATIONS;
@@ -854,7 +860,7 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
     changed = nlgs_sweep(work, problem, all, r);
     work->sweeps++;
     *iterations = k;
-    if (changed && k % looks && k < most) { /* (NL11) */
+    if (changed && k % looks && k < most) {
       fresh = 0;
       continue;
     }
@@ -989,7 +995,7 @@ static dls_status nlgs_prepare(dls_nlgs *work, const dls_contact **problem, cons
                           ? dlsi_form_blocks(&work->formed, problem, error)
                           : dlsi_lend(&work->formed, problem, error);
   if (!status && dlsi_is_factored(*problem)) status = nlgs_take_bodies(work, *problem, error);
-  const int threads = work->settings.limits.threads > 1 && (*problem)->nc >= few_bodies;
+  const int threads = work->settings.limits.threads > 1 && (*problem)->nc >= few_candidates;
   if (!status && threads && !order && !(*problem)->W.a)
     status = dlsi_slabs_set(&work->slabs, *problem, error);
   return status;
