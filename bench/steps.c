@@ -3,8 +3,9 @@
  *
  *   steps [--out DIR]
  *       steps.md: CPU of dls_solve_batch beside a loop of dls_solve on boxes with four candidates,
- *       and of a load path of 50 steps, each from the answer of the last, beside the same steps
- *       from nothing; and of a punch with and without the candidates that cannot touch
+ *       and of a load path of 50 steps, smooth or with jumps, each from the answer of the last,
+ *       beside the same steps from nothing; and of a punch with and without the candidates that
+ *       cannot touch
  *
  * Each time is the least of several runs that take turns; seeds are even.
  */
@@ -131,6 +132,7 @@ enum { load_steps = 50 };
 typedef struct path {
   int d, side, nc; /* side: candidates along x */
   double press, crown, tilt, shear, turn;
+  double jump; /* of the load, as a share of the way */
   double *W, *q, *mu;
   dls_contact p;
 } path;
@@ -173,9 +175,9 @@ static double path_factor(int seed) {
   return seed ? 1 + .4 * steps_draw() : 1;
 }
 
-static void path_make(path *a, int d, int side, int seed) {
+static void path_make(path *a, int d, int side, int seed, double jump) {
   const int nc = d == 2 ? side : side * side, m = d * nc;
-  *a = (path){.d = d, .side = side, .nc = nc};
+  *a = (path){.d = d, .side = side, .nc = nc, .jump = jump};
   steps_state = (uint64_t)seed;
   (void)steps_draw();
   a->press = .8 * path_factor(seed);
@@ -223,9 +225,11 @@ static double path_time(const path *a, int warm, int *solved, int *iterations, i
   double *r = calloc((size_t)(a->d * a->nc), sizeof *r), seconds = 0;
   if (!r || dls_solver_create(&solver, a->d, a->nc, &s, NULL)) exit(1);
   *solved = *iterations = *factored = 0;
+  steps_state = 0;
   for (int k = 1; k <= load_steps; k++) {
     dls_info info = {.status = DLS_STALLED};
-    path_load(a, (double)k / load_steps);
+    const double load = (double)k / load_steps + a->jump * steps_draw();
+    path_load(a, fmin(fmax(load, 1. / load_steps), 1));
     const double begun = bench_seconds();
     const dls_status status = dls_solver_solve(solver, &a->p, r, NULL, &info, NULL);
     seconds += bench_seconds() - begun;
@@ -238,11 +242,11 @@ static double path_time(const path *a, int warm, int *solved, int *iterations, i
   return 1e3 * seconds / load_steps;
 }
 
-static void print_path(FILE *page, int d, int side, int seed) {
+static void print_path(FILE *page, int d, int side, int seed, double jump) {
   path a;
   double least[2] = {INFINITY, INFINITY};
   int solved[2], iterations[2], factored[2];
-  path_make(&a, d, side, seed);
+  path_make(&a, d, side, seed, jump);
   for (int run = 0; run < 3; run++)
     for (int warm = 0; warm < 2; warm++)
       least[warm] =
@@ -262,13 +266,17 @@ static void print_paths(FILE *page) {
                {2, 64, 4}, {2, 240, 2}, {2, 240, 4}, {2, 500, 2}, {2, 500, 4}, {3, 8, 0},
                {3, 14, 0}, {3, 20, 0},  {3, 8, 2},   {3, 8, 4},   {3, 12, 2},  {3, 12, 4},
                {3, 14, 2}, {3, 14, 4},  {3, 20, 2},  {3, 20, 4}};
-  bench_print(page,
-              "\n## Load paths of %d steps, elastic, W dense, 1e-8\n\n"
-              "| d | candidates | seed | cold, ms a step | warm | warm over cold | iterations | "
-              "factorisations | solved |\n|---|---|---|---|---|---|---|---|---|\n",
-              load_steps);
-  for (size_t k = 0; k < sizeof scene / sizeof scene[0]; k++)
-    print_path(page, scene[k].d, scene[k].side, scene[k].seed);
+  static const double jump[] = {0, .05, .3};
+  for (int j = 0; j < 3; j++) {
+    bench_print(page, "\n## Load paths of %d steps, elastic, W dense, 1e-8", load_steps);
+    if (j) bench_print(page, ", the load up to %g of the way before or behind", jump[j]);
+    bench_print(page,
+                "\n\n| d | candidates | seed | cold, ms a step | warm | warm over cold | "
+                "iterations | factorisations | solved |\n|---|---|---|---|---|---|---|---|---|\n");
+    for (size_t k = 0; k < sizeof scene / sizeof scene[0]; k++)
+      if (!j || scene[k].seed == 4)
+        print_path(page, scene[k].d, scene[k].side, scene[k].seed, jump[j]);
+  }
 }
 
 /* ---- a punch that cannot touch everywhere ---------------------------------------------------- */
@@ -304,7 +312,7 @@ static void print_parts(FILE *page) {
     for (int crown = 4; crown <= 8; crown += 4) {
       path a;
       int near = 0, touching[2];
-      path_make(&a, scene[k].d, scene[k].side, 0);
+      path_make(&a, scene[k].d, scene[k].side, 0, 0);
       for (int c = 0; c < a.nc; c++) {
         double x, y, *q = a.q + a.d * c;
         path_place(&a, c, &x, &y);
@@ -325,16 +333,16 @@ static void print_parts(FILE *page) {
 
 int main(int argc, char **argv) {
   const char *out = "bench/results";
-  if (argc == 5 && strcmp(argv[1], "--path") == 0) {
+  if ((argc == 5 || argc == 6) && strcmp(argv[1], "--path") == 0) {
     const int d = atoi(argv[2]), side = atoi(argv[3]);
     if (d < 2 || d > 3 || side < 2) return 2;
-    print_path(NULL, d, side, atoi(argv[4]));
+    print_path(NULL, d, side, atoi(argv[4]), argc == 6 ? atof(argv[5]) : 0);
     return 0;
   }
   if (argc == 3 && strcmp(argv[1], "--out") == 0)
     out = argv[2];
   else if (argc > 1) {
-    fprintf(stderr, "usage: steps [--out DIR] | --path D SIDE SEED\n");
+    fprintf(stderr, "usage: steps [--out DIR] | --path D SIDE SEED [JUMP]\n");
     return 2;
   }
   FILE *page = bench_page(out, "steps", "Many problems one after the other", argc, argv);

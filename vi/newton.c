@@ -108,6 +108,7 @@ struct dls_newton {
   dlsi_border border;
   dlsi_anderson steps; /* (NE6): d = 3, where no blocks are announced */
   int keeps, kept_nc;  /* (NE5): keeps: 1 if the next run may; kept_nc: candidates of the factors */
+  int no_more;         /* 1: that run ends where it would factorise */
   const double *known; /* u of the start of the next run, NULL: it is not known */
   dlsi_dense dense;
   dlsi_room *room; /* of the matrix: `own`, or that of the caller */
@@ -335,8 +336,8 @@ static void newton_refine(dls_newton *work, const dls_contact *problem, double e
     work->x[i] = x0[i] + (small ? work->x[i] : 0);
 }
 
-/* x := the solution of (NE2) with right side x; *done counts the factorisations. DLS_E_SINGULAR,
- * DLS_E_MEMORY. */
+/* x := the solution of (NE2) with right side x; *done counts the factorisations. DLS_STALLED where
+ * no more of them are wanted, DLS_E_SINGULAR, DLS_E_MEMORY. */
 static dls_status newton_solve_matrix(dls_newton *work, const dls_contact *problem, double eps,
                                       int k, int *done, dls_error *error) {
   dlsi_border *border = &work->border;
@@ -345,6 +346,7 @@ static dls_status newton_solve_matrix(dls_newton *work, const dls_contact *probl
     work->factors = NONE;
   for (int again = 0; again < 2; again++) {
     if (!work->factors) {
+      if (work->no_more) return DLS_STALLED;
       const dls_status status = newton_factor(work, problem, eps, k, error);
       ++*done;
       if (status) work->factors = NONE;
@@ -556,7 +558,7 @@ static void newton_search(dls_newton *work, const dls_contact *problem, int step
  * ------------------------------------------------------------------------------- */
 
 /* (NE1)-(NE3) from r: next. Where the matrix is singular, eps grows. DLS_E_SINGULAR: it is for
- * every eps; DLS_E_MEMORY. */
+ * every eps; DLS_STALLED and DLS_E_MEMORY as newton_solve_matrix has them. */
 static dls_status newton_step(dls_newton *work, const dls_contact *problem, double *eps,
                               int *factorisations, dls_error *error) {
   dls_error why = {0};
@@ -567,7 +569,7 @@ static dls_status newton_step(dls_newton *work, const dls_contact *problem, doub
     if (status == DLS_E_SINGULAR) *eps = *eps > least_eps ? 100 * *eps : least_eps;
   } while (status == DLS_E_SINGULAR && *eps < 1);
   if (!status) newton_add_step(work, problem);
-  if (status && status != DLS_E_SINGULAR && error) *error = why;
+  if (status < 0 && status != DLS_E_SINGULAR && error) *error = why;
   return status;
 }
 
@@ -668,7 +670,7 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
     status = DLS_OK;
   else if (status != DLS_CANCELLED && status != DLS_TIME_LIMIT)
     status = newton_iterate(work, problem, &outcome, error);
-  work->keeps = 0;
+  work->keeps = work->no_more = 0;
   work->known = NULL;
   return dlsi_iterate_end(&work->it, problem, status, &outcome, r, u, info);
 }
@@ -685,9 +687,10 @@ dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, d
   return dlsi_at(__func__, status, error);
 }
 
-void dlsi_newton_keep(void *newton, const double *u) {
+void dlsi_newton_keep(void *newton, const double *u, int no_more) {
   dls_newton *work = newton;
   work->keeps = 1;
+  work->no_more = no_more;
   work->known = u;
 }
 

@@ -145,8 +145,8 @@ void dlsi_slabs_free(dlsi_slabs *slabs);
 
 /* Lets the next run of Newton's method in this workspace of dlsi_newton_method begin with the
  * factors of the last one, if they are still there (NE5), and with u as that of its start, which is
- * not measured then; u may be NULL. */
-void dlsi_newton_keep(void *work, const double *u);
+ * not measured then; u may be NULL. no_more: 1 to end that run where it would factorise. */
+void dlsi_newton_keep(void *work, const double *u, int no_more);
 
 /* Returns u of the answer of the last run, after DLS_OK. */
 const double *dlsi_newton_gap(const void *work);

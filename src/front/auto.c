@@ -50,11 +50,11 @@
  *          failure of Newton's method doubles s.
  *
  * Sweeps end when (AT6) > (AT7), or > 100 where (AT12) or (AT13) is next, after 10 sweeps (20 for W
- * by blocks, or while e > .05 before any failure; half of that from a warm start), a number that
- * each failure doubles. Newton's method gives up when 4 steps, or as many as cost half of (AT6)
- * and of (AT2), up to 12, doubled by each failure, have not brought e down by a tenth. A forecast
- * that was wrong is so believed less each time. No clock is read: the same input takes the same
- * stages and gives the same bits.
+ * by blocks, or while e > .05 before any failure; half of that from a warm start whose first sweep
+ * ends with e <= 1/4), a number that each failure doubles. Newton's method gives up when 4 steps,
+ * or as many as cost half of (AT6) and of (AT2), up to 12, doubled by each failure, have not
+ * brought e down by a tenth. A forecast that was wrong is so believed less each time. No clock is
+ * read: the same input takes the same stages and gives the same bits.
  *
  * W dense is what an elastic body leaves, regular. W by blocks comes from many bodies, often rigid
  * ones; it is then singular, and Newton's steps converge slowly. The free velocity q of bodies at
@@ -64,12 +64,13 @@
  *
  *   (AT14) steps     a warm solve, W dense, may begin with Newton's method, on the factors of the
  *          solve before (vi/newton.c, NE5): a step in which no state changes takes products and
- *          triangular solves alone. It does where the last solve that did not has cost a quarter
- *          more sweeps than such a step is expected to: the first time a step of Newton's for two
- *          digits of the tolerance, then five parts of that expectation and one of what the last
- *          one took, a fiftieth less for each solve without. A step counts for 3/2 sweeps, factors
- *          with their border for 3 + k^2 / (10 m), but for the first ones after a solve without.
- *          Where it fails, the next warm solve does not try.
+ *          triangular solves alone. It does where the last solve that did not has cost more sweeps
+ *          than such a step is expected to: the first time a step of Newton's for two digits of
+ *          the tolerance, then five parts of that expectation and one of what the last one took, a
+ *          fiftieth less for each solve without. A step counts for 3/2 sweeps, factors with their
+ *          border for 3 + k^2 / (10 m), but for the first ones after a solve without. Where it
+ *          fails, the next warm solve does not try. From a start (AT15) with e > 1/4 it goes on as
+ *          long as those factors serve: more states change there than one new factor puts right.
  *   (AT15) line      where the start of a warm solve is the answer of the one before, the line
  *          through the last two answers is followed: the better one of both starts is taken. While
  *          W stays, their u follow without a product; (AT14) begins with that u.
@@ -130,7 +131,8 @@ static const double progress = 0.9;         /* of e, below which a step has brou
 static const double share_outside = 0.1;    /* of -q outside of the cones, for what may rest */
 static const double null_direction = 1e-10; /* |D^-1 W delta| over |delta|: (AT9) */
 enum { few_normals = 6 };                   /* whose factorisation is below the cost of a call */
-static const double step_sweeps = 1.5, step_margin = 1.25, forgotten = 0.98; /* (AT14) */
+static const double step_sweeps = 1.5, forgotten = 0.98; /* (AT14) */
+static const double far_start = 0.25;                    /* e: (AT14), and of sweeps */
 static const double small_part = 0.05; /* of a solve, for a look at other answers */
 static const double another = 1e-3;    /* difference of two answers, over the largest reaction */
 static const double on_cone = 1e-9;    /* a reaction that lacks no more than this share slips */
@@ -198,11 +200,13 @@ typedef struct dlsi_auto {
   int has_pushed;     /* (AT13) got nowhere */
   int has_augmented;  /* (AT4) has been tried */
   int known;          /* v[0] is u of the start as it follows from (AT15) */
+  int far;            /* e of that start is above far_start */
   int stepped;        /* began with (AT14) */
 
   /* of the stage under way */
   double target, least; /* logarithms of e* and of the least e that counts */
   double rate;          /* (AT6) */
+  int near;             /* a warm start, e at most far_start after a sweep */
   double unknowns;      /* k of (AT7) at the last look */
   double step;          /* (AT7) a Newton step */
   double ahead;         /* (AT6) at the last look */
@@ -326,7 +330,10 @@ static int watch_sweeps(void *data, const dls_progress *p) {
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
   const double now = log(p->residual);
-  if (p->iteration == 1) work->least = now;
+  if (p->iteration == 1) {
+    work->least = now;
+    work->near = work->options.limits.warm_start && p->residual <= far_start;
+  }
   const double gain = now < work->least ? work->least - now : 0;
   work->least -= gain;
   work->rate += 2. / (p->iteration + 1) * (gain - work->rate);
@@ -338,7 +345,7 @@ static int watch_sweeps(void *data, const dls_progress *p) {
   work->ahead = ahead;
   const int sorted = work->failures || p->residual <= unsorted;
   const int twice = !work->problem->W.a || !sorted;
-  const int first = (twice + 1) * first_sweeps / (work->options.limits.warm_start + 1);
+  const int first = (twice + 1) * first_sweeps / (work->near + 1);
   return p->iteration >= first << work->failures && ahead > next;
 }
 
@@ -575,6 +582,7 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
     if (error) *error = why;
     return status;
   }
+  if (k == NEWTON && status == DLS_STALLED && !info.iterations) return status; /* (AT14) */
   all->stage[all->stages++] = (dls_stage){part_of[k].method->method, info.iterations,
                                           info.factorisations, info.certificate.residual};
   all->iterations += info.iterations;
@@ -774,7 +782,7 @@ static int may_begin_with_step(dlsi_auto *work) {
   const int failed = work->failed_to_step;
   work->failed_to_step = 0;
   if (!work->options.limits.warm_start || failed || !problem->W.a) return 0;
-  return work->swept > step_margin * expect_of_step(work);
+  return work->swept > expect_of_step(work);
 }
 
 /* Measures r, and keeps it as the best one if it is better. Scratch: v. */
@@ -803,7 +811,7 @@ static int predict(dlsi_auto *work) {
   const dls_contact *problem = work->problem;
   const auto_answer *a = &work->last, *b = &work->former;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  work->known = 0;
+  work->known = work->far = 0;
   if (work->answers < 2 || work->last_nc != problem->nc ||
       memcmp(a->r, work->best, m * sizeof *a->r) != 0)
     return 0;
@@ -823,6 +831,7 @@ static int predict(dlsi_auto *work) {
     for (size_t k = 0; k < m; k++)
       work->v[0][k] = a->Wr[k] + problem->q[k];
   work->known = residual > work->options.limits.tol;
+  work->far = residual > far_start;
   if (work->known) return 0;
   memcpy(work->r, work->best, m * sizeof *work->r);
   offer(work, work->r);
@@ -855,9 +864,14 @@ static dls_status take_step(dlsi_auto *work, dls_error *error) {
   if (status) return status;
   work->stepped = 1;
   work->of_step = expect_of_step(work);
-  dlsi_newton_keep(work->part[NEWTON], work->known ? work->v[0] : NULL);
+  const int taken = work->info.stages;
+  dlsi_newton_keep(work->part[NEWTON], work->known ? work->v[0] : NULL, work->far);
   status = take_stage(work, NEWTON, 0, error);
   work->failures = 0;
+  if (work->info.stages == taken && status >= 0) { /* far, and the factors do not serve */
+    work->stepped = 0;
+    return DLS_STALLED;
+  }
   if (status < 0 || dls_certificate_holds(&work->info.certificate, work->options.limits.tol))
     return status < 0 ? status : DLS_OK;
   work->failed_to_step = 1;
