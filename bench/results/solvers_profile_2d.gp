@@ -76,13 +76,12 @@ do for [type in 'png svg'] {
   unset logscale x
   set logscale y
   set xrange [0:60]
-  set yrange [0.8:1.426e+06]
+  set yrange [0.8:1.794e+06]
   set format y '%g'
   set ytics 10
   set ylabel 'CPU / fastest' offset 1,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('0.00012' 1, '0.014' 15, '0.063' 29, '0.25' 43, '1.7' 57)
-  set label 't3-128-raous-mu1' at first 51,6.142 right font ',10' noenhanced front boxed
+  set xtics ('0.00012' 1, '0.014' 15, '0.067' 29, '0.25' 43, '1.8' 57)
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_2d.dat' index 4 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_2d.dat' index 5 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
@@ -133,7 +132,7 @@ do for [type in 'png svg'] {
   set arrow from screen 0.3833,0.4690 to screen 0.4033,0.4690 nohead lw 1.8 dt 1 lc rgb '#e69f00'
   set label 'nlgs  57/59' at screen 0.4083,0.4690 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4530 to screen 0.4033,0.4530 nohead lw 1.8 dt 1 lc rgb '#009e73'
-  set label 'admm  59/59' at screen 0.4083,0.4530 left font ',10' noenhanced
+  set label 'admm  58/59' at screen 0.4083,0.4530 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4370 to screen 0.4033,0.4370 nohead lw 1.8 dt 1 lc rgb '#d55e00'
   set label 'augmented-lagrangian  58/59' at screen 0.4083,0.4370 left font ',10' noenhanced
   set arrow from screen 0.3833,0.4210 to screen 0.4033,0.4210 nohead lw 1.8 dt 1 lc rgb '#cc79a7'
@@ -175,14 +174,14 @@ do for [type in 'png svg'] {
   unset logscale x
   set logscale y
   set xrange [0:60]
-  set yrange [0.8:1.012e+06]
+  set yrange [0.8:1.161e+06]
   set format y '%g'
   set ytics 10
   set ylabel '' offset 1,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('0.00012' 1, '0.017' 15, '0.062' 29, '0.25' 43, '1.9' 57)
-  set label 'wall-6x5-push0.3-mu0.3' at first 50,7.252 right font ',10' noenhanced front boxed
-  set label 'FrictionContactProblem00727' at first 51,13.88 right font ',10' noenhanced front boxed
+  set xtics ('0.00012' 1, '0.018' 15, '0.068' 29, '0.25' 43, '1.9' 57)
+  set label 'wall-6x5-push0.3-mu0.3' at first 51,7.336 right font ',10' noenhanced front boxed
+  set label 'FrictionContactProblem00727' at first 52,14.13 right font ',10' noenhanced front boxed
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_2d.dat' index 46 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_2d.dat' index 47 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
@@ -190,6 +189,7 @@ do for [type in 'png svg'] {
       'solvers_profile_2d.dat' index 52 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#e69f00', \
       'solvers_profile_2d.dat' index 53 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#e69f00', \
       'solvers_profile_2d.dat' index 55 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#009e73', \
+      'solvers_profile_2d.dat' index 56 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#009e73', \
       'solvers_profile_2d.dat' index 58 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#d55e00', \
       'solvers_profile_2d.dat' index 59 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#d55e00', \
       'solvers_profile_2d.dat' index 61 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#cc79a7', \
@@ -249,7 +249,7 @@ do for [type in 'png svg'] {
   set arrow from screen 0.8414,0.4530 to screen 0.8614,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
   set label 'Siconos PROX  0/59' at screen 0.8664,0.4530 left font ',10' noenhanced
   set arrow from screen 0.8414,0.4370 to screen 0.8614,0.4370 nohead lw 1.8 dt 3 lc rgb '#b00020'
-  set label 'Siconos CPG  43/59' at screen 0.8664,0.4370 left font ',10' noenhanced
+  set label 'Siconos CPG  42/59' at screen 0.8664,0.4370 left font ',10' noenhanced
   set arrow from screen 0.8414,0.4210 to screen 0.8614,0.4210 nohead lw 1.8 dt 4 lc rgb '#7f0000'
   set label 'Siconos Lemke  39/59' at screen 0.8664,0.4210 left font ',10' noenhanced
   plot -1 with lines, \
@@ -275,14 +275,14 @@ do for [type in 'png svg'] {
   unset logscale x
   set logscale y
   set xrange [0:60]
-  set yrange [0.8:7.956e+05]
+  set yrange [0.8:9.123e+05]
   set format y '%g'
   set ytics 10
   set ylabel '' offset 1,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('0.00012' 1, '0.021' 15, '0.069' 29, '0.27' 43, '2.1' 57)
-  set label 'wall-6x5-push0.3-mu0.3' at first 50,8.595 right font ',10' noenhanced front boxed
-  set label 'FrictionContactProblem00727' at first 55,16.27 right font ',10' noenhanced front boxed
+  set xtics ('0.00012' 1, '0.022' 15, '0.074' 29, '0.28' 43, '2.1' 57)
+  set label 'wall-6x5-push0.3-mu0.3' at first 51,8.478 right font ',10' noenhanced front boxed
+  set label 'FrictionContactProblem00727' at first 55,16.15 right font ',10' noenhanced front boxed
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_2d.dat' index 88 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_2d.dat' index 89 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \

@@ -44,7 +44,7 @@ do for [type in 'png svg'] {
   set arrow from screen 0.1747,0.5010 to screen 0.1947,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
   set label 'Siconos NSGS  56/59' at screen 0.1997,0.5010 left font ',10' noenhanced
   set arrow from screen 0.1747,0.4850 to screen 0.1947,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
-  set label 'Siconos NSN  58/59' at screen 0.1997,0.4850 left font ',10' noenhanced
+  set label 'Siconos NSN  57/59' at screen 0.1997,0.4850 left font ',10' noenhanced
   set arrow from screen 0.1747,0.4690 to screen 0.1947,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
   set label 'Siconos ADMM  54/59' at screen 0.1997,0.4690 left font ',10' noenhanced
   set arrow from screen 0.1747,0.4530 to screen 0.1947,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
@@ -82,9 +82,8 @@ do for [type in 'png svg'] {
   set ytics 10
   set ylabel 'CPU / fastest' offset 1,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('1.1e-05' 1, '0.0028' 15, '0.042' 29, '0.33' 43, '4' 57)
-  set label 'CubeH8' at first 1,12.47 left font ',10' noenhanced front boxed
-  set label 'OneObject-i1028-138' at first 30,26.45 left font ',10' noenhanced front boxed
+  set xtics ('1.1e-05' 1, '0.0026' 15, '0.035' 29, '0.33' 43, '3.9' 57)
+  set label 'CubeH8' at first 1,13.04 left font ',10' noenhanced front boxed
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_3d.dat' index 4 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_3d.dat' index 5 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
@@ -144,7 +143,7 @@ do for [type in 'png svg'] {
   set arrow from screen 0.5080,0.5010 to screen 0.5280,0.5010 nohead lw 1.8 dt 3 lc rgb '#7f0000'
   set label 'Siconos NSGS  53/59' at screen 0.5330,0.5010 left font ',10' noenhanced
   set arrow from screen 0.5080,0.4850 to screen 0.5280,0.4850 nohead lw 1.8 dt 4 lc rgb '#ff5a7a'
-  set label 'Siconos NSN  56/59' at screen 0.5330,0.4850 left font ',10' noenhanced
+  set label 'Siconos NSN  55/59' at screen 0.5330,0.4850 left font ',10' noenhanced
   set arrow from screen 0.5080,0.4690 to screen 0.5280,0.4690 nohead lw 1.8 dt 5 lc rgb '#a0522d'
   set label 'Siconos ADMM  53/59' at screen 0.5330,0.4690 left font ',10' noenhanced
   set arrow from screen 0.5080,0.4530 to screen 0.5280,0.4530 nohead lw 1.8 dt 2 lc rgb '#c71585'
@@ -182,9 +181,8 @@ do for [type in 'png svg'] {
   set ytics 10
   set ylabel '' offset 1,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('1.1e-05' 1, '0.0028' 15, '0.066' 29, '0.7' 43, '6.7' 57)
-  set label 'CubeH8' at first 1,12.68 left font ',10' noenhanced front boxed
-  set label 'OneObject-i1028-138' at first 30,25.33 left font ',10' noenhanced front boxed
+  set xtics ('1.1e-05' 1, '0.0026' 15, '0.045' 29, '0.68' 43, '6.5' 57)
+  set label 'CubeH8' at first 1,13.02 left font ',10' noenhanced front boxed
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_3d.dat' index 46 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_3d.dat' index 47 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
@@ -283,8 +281,8 @@ do for [type in 'png svg'] {
   set ytics 10
   set ylabel '' offset 1,0
   set xlabel 'CPU of the fastest [ms]' offset 0,0.3
-  set xtics ('1.1e-05' 1, '0.0029' 15, '0.081' 29, '0.83' 43, '9.9' 57)
-  set label 'CubeH8' at first 1,12.74 left font ',10' noenhanced front boxed
+  set xtics ('1.1e-05' 1, '0.0026' 15, '0.053' 29, '0.78' 43, '9.5' 57)
+  set label 'CubeH8' at first 1,13.46 left font ',10' noenhanced front boxed
   plot 2 with filledcurves y1=0.8 fc rgb '#e4e4e4', \
       'solvers_profile_3d.dat' index 88 using 1:2 with points pt 7 ps 0.65 lw 1.8 dt 1 lc rgb '#0072b2', \
       'solvers_profile_3d.dat' index 89 using 1:2 with points pt 2 ps 0.55 lw 1.8 dt 1 lc rgb '#0072b2', \
