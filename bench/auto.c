@@ -11,6 +11,9 @@
  *   auto --cost NAME...
  *       on the screen: CPU of a sweep, of an accelerated sweep and of a Newton step, us; the last
  *       over the second, and the ratio that auto takes, (AT7) of src/front/auto.c
+ *   auto --nu NU SEED
+ *       on the screen: CPU of each method to 1e-8, ms, on 48 cubes with that ratio of Poisson and
+ *       frictions drawn from 0.3 to 4; that of auto over the best of the others
  *
  * NAME is an FCLIB file; "contact-N", a half-space under a flat stamp of N x N points that presses
  * and turns; or "plane-N", an elastic half-plane of N cells, held far below, pressed and pushed,
@@ -23,6 +26,7 @@
 
 #include "cli/cli.h"
 #include "common.h"
+#include "solvers_scenes.h"
 
 enum { methods = 6, auto_at = 5, tolerances = 3, most_files = 100, most_sweeps = 20000 };
 
@@ -351,10 +355,36 @@ static int run_unique(int count, char **name) {
   return EXIT_SOLVED;
 }
 
+/* ---- nearly incompressible bodies ------------------------------------------------------------ */
+
+typedef struct cubes {
+  int count;
+  result all[most_files][methods];
+} cubes;
+
+static void compare_cube(void *data, const scene *s) {
+  cubes *c = data;
+  result *all = c->all[c->count++];
+  compare_methods(&s->contact, 1e-8, all);
+  print_row(NULL, s->name, &s->contact, 1e-8, all);
+}
+
+static int run_cubes(double nu, int seed) {
+  static cubes c;
+  puts("| problem | candidates | tol | nlgs | anderson | newton | admm | augm. L. | auto | stages "
+       "|\n"
+       "|---|---|---|---|---|---|---|---|---|---|");
+  if (scenes_cubes_of(nu, (unsigned)seed, compare_cube, &c)) return EXIT_BAD_INPUT;
+  puts("\n| tol | method | solved | CPU / best other, median | largest |\n|---|---|---|---|---|");
+  print_summary(NULL, 1e-8, c.count, c.all);
+  return EXIT_SOLVED;
+}
+
 int main(int argc, char **argv) {
   const char *directory = "bench/results";
   int first = 1;
   if (argc > 1 && !strcmp(argv[1], "--cost")) return run_cost(argc - 2, argv + 2);
+  if (argc == 4 && !strcmp(argv[1], "--nu")) return run_cubes(atof(argv[2]), atoi(argv[3]));
   if (argc > 2 && !strcmp(argv[1], "--unique")) return run_unique(argc - 2, argv + 2);
   if (argc > 2 && !strcmp(argv[1], "--out")) {
     directory = argv[2];
@@ -362,7 +392,7 @@ int main(int argc, char **argv) {
   }
   const int count = argc - first;
   if (count < 1 || count > most_files)
-    return complain("usage: auto [--cost | --unique | --out DIR] NAME...");
+    return complain("usage: auto [--cost | --unique | --out DIR] NAME... | --nu NU SEED");
   FILE *page = bench_page(directory, "auto", "auto beside the single methods", argc, argv);
   if (!page) return EXIT_BAD_INPUT;
   const int status = run_comparison(page, count, argv + first);

@@ -1,31 +1,11 @@
 /*
- * solvers.h: shared by the files of bench/solvers: scenes, the peer, one measured call.
+ * solvers.h: shared by the files of bench/solvers: the peer, one measured call.
  */
 #ifndef SOLVERS_H
 #define SOLVERS_H
 
 #include "delassus.h"
-
-/* ---- scenes (solvers_scenes.c) --------------------------------------------------------------- */
-
-/* A contact problem; one reduced from a global problem comes with that. */
-typedef struct scene {
-  const char *set; /* "fclib", "global", "block", "cube", "wall" */
-  char name[64];
-  dls_contact contact;
-  const dls_model *model; /* NULL for a local problem */
-  const double *f, *g;    /* of the model */
-} scene;
-
-/* Called for each scene, which lives until the call returns. */
-typedef void (*scene_fn)(void *data, const scene *s);
-
-/* Visits the scenes of a set: sizes and friction coefficients of the quick run, or all. Returns 0,
- * or -1 after a message on stderr. */
-int scenes_files(const char *directory, scene_fn visit, void *data);
-int scenes_blocks(int full, scene_fn visit, void *data);
-int scenes_cubes(int full, scene_fn visit, void *data);
-int scenes_walls(int full, scene_fn visit, void *data);
+#include "solvers_scenes.h"
 
 /* ---- one call in a process of its own (solvers_call.c) --------------------------------------- */
 

@@ -23,7 +23,7 @@
  * 4.5: W is ill-conditioned, since the block stands on that node and on the candidates. Triangles
  * (src/fe) in 2D, 16 to 128 candidates; hexahedra with eight nodes in 3D, 6, 12 and 18 elements a
  * side (49 to 361 candidates), with --full also 24 (625). mu = 0.3 and 1 (18 a side: 0.3), with
- * --full 0.1 to 2.
+ * --full 0.1 to 2. bench/auto has cubes of other ratios of Poisson, frictions drawn.
  *
  * wall: rigid bricks 2 x 1 x 1 of unit density in running bond on a floor, half bricks at the ends
  * of every other row; two candidates for each pair of faces that touch, 20 to 336 of them; mu is
@@ -32,6 +32,7 @@
  */
 #include <dirent.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,7 +52,7 @@ void dgemv_(const char *trans, const int *m, const int *n, const double *alpha, 
             const int *lda, const double *x, const int *incx, const double *beta, double *y,
             const int *incy, size_t);
 
-static const double E = 1, nu = 0.3;
+static const double E = 1, usual_nu = 0.3;
 
 static double *zeros(size_t count) {
   return calloc(count, sizeof(double));
@@ -282,7 +283,7 @@ static int block_of_triangles(elastic *k, int n, int raous) {
   dls_status bad = !S || !Z || !h || !f ? DLS_E_MEMORY : DLS_OK;
   if (!bad) bad = dls_fe_mesh_block(&slab, 1, 1.0 / nx, nx, 1, NULL);
   if (!bad) bad = dls_fe_mesh_block(&whole, 1, (double)slabs / nx, nx, slabs, NULL);
-  if (!bad) bad = dls_fe_stiffness(&slab, E, nu, S, 2 * b, NULL);
+  if (!bad) bad = dls_fe_stiffness(&slab, E, usual_nu, S, 2 * b, NULL);
   const double pressure = 1e-3, side = 2e-3;
   for (int i = 0; raous && !bad && i < nx; i++)
     bad = dls_fe_edge_load(&whole, slabs * n + i, slabs * n + i + 1, 0, -pressure, f, NULL);
@@ -346,7 +347,7 @@ int scenes_blocks(int full, scene_fn visit, void *data) {
 /* Integrates K (24 x 24) of a cube of side a by 2 x 2 x 2 Gauss points: with the gradients g of the
  * shape functions, block (i, j) is the sum of l g_i g_j^T + G g_j g_i^T + G (g_i . g_j) I times
  * a^3/8. Node i stands at the corner of the bits of i. */
-static void hexahedron(double a, double *K) {
+static void hexahedron(double a, double nu, double *K) {
   const double l = E * nu / ((1 + nu) * (1 - 2 * nu)), G = E / (2 * (1 + nu));
   memset(K, 0, 24 * 24 * sizeof *K);
   for (int point = 0; point < 8; point++) {
@@ -372,12 +373,12 @@ static void hexahedron(double a, double *K) {
 }
 
 /* Makes a cube of n x n x n hexahedra, glued at the top, a candidate at each node of the bottom. */
-static int block_of_hexahedra(elastic *k, int n) {
+static int block_of_hexahedra(elastic *k, int n, double nu) {
   const int nodes = (n + 1) * (n + 1), b = 3 * nodes;
   const size_t B = (size_t)b;
   double K[24 * 24], *S = zeros(4 * B * B), *Z = zeros(B * B), *h = zeros(B);
   int info = !S || !Z || !h || block_create(k, 3, nodes);
-  hexahedron(1.0 / n, K);
+  hexahedron(1.0 / n, nu, K);
   for (int e = 0; !info && e < n * n; e++) {
     size_t unknown[24];
     for (int i = 0; i < 24; i++) {
@@ -401,16 +402,36 @@ static int block_of_hexahedra(elastic *k, int n) {
   return info ? -1 : 0;
 }
 
+static const load cube_loads[] = {
+    {"press", move_press}, {"shear", move_shear}, {"tilt", move_tilt}, {"hertz", move_hertz}};
+
 int scenes_cubes(int full, scene_fn visit, void *data) {
   static const int sizes[] = {6, 12, 18, 24};
-  static const load loads[] = {
-      {"press", move_press}, {"shear", move_shear}, {"tilt", move_tilt}, {"hertz", move_hertz}};
   int result = 0;
   for (int i = 0; i < (full ? 4 : 3) && !result; i++) {
     elastic k = {0};
-    result = block_of_hexahedra(&k, sizes[i]);
+    result = block_of_hexahedra(&k, sizes[i], usual_nu);
     const int count = full ? all_frictions : sizes[i] < 18 ? quick_frictions : 1;
-    if (!result) visit_loads(&k, sizes[i], loads, 4, count, visit, data);
+    if (!result) visit_loads(&k, sizes[i], cube_loads, 4, count, visit, data);
+    block_free(&k);
+  }
+  return result;
+}
+
+int scenes_cubes_of(double nu, unsigned seed, scene_fn visit, void *data) {
+  static const int sizes[] = {6, 8, 10, 12};
+  uint64_t state = seed;
+  int result = 0;
+  for (int i = 0; i < 4 && !result; i++) {
+    elastic k = {0};
+    result = block_of_hexahedra(&k, sizes[i], nu);
+    for (int j = 0; j < 12 && !result; j++) {
+      char name[32];
+      state = state * 6364136223846793005u + 1442695040888963407u;
+      const double draw = (double)(state >> 11) * 0x1p-53;
+      snprintf(name, sizeof name, "h8-%d-%s", sizes[i], cube_loads[j % 4].name);
+      visit_block(&k, "cube", name, cube_loads[j % 4].move, 0.3 * pow(40. / 3, draw), visit, data);
+    }
     block_free(&k);
   }
   return result;

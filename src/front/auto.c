@@ -10,9 +10,10 @@
  *                     where each candidate has 2 d neighbours or more, in its place. Newton's
  *                     method then only at e <= 1e-5, and after a failure only at a tenth of that:
  *                     on packings its steps lead nowhere before
- *   (AT2)  splitting  ADMM, once, for a dense W after a failure of Newton's method, or before it
- *                     where the states still change and a step costs more than 50 sweeps or, d = 3,
- *                     e > .01 and its forecast, 50 max(mu, 1)^2 m / k sweeps, is below twice (AT7)
+ *   (AT2)  splitting  ADMM, once, for a dense W after a failure of Newton's method, after two
+ *                     where its forecast, 50 max(mu, 1)^2 m / k sweeps, is above twice (AT6); or
+ *                     before it where the states still change and a step costs more than 50 sweeps
+ *                     or, d = 3, e > .01 and that forecast is below twice (AT7)
  *   (AT12) rest       the convex problem without mu |u_t| (vi/rest.c), for what may be a structure
  *                     at rest: W by blocks, -q in the friction cones, or few neighbours
  *   (AT3)  Newton     from the states that the sweeps have sorted
@@ -418,7 +419,9 @@ static int has_splitting(const dlsi_auto *work) {
 }
 
 static int may_split(const dlsi_auto *work) {
-  return has_splitting(work) && (work->failures > 0 || work->costly);
+  if (!has_splitting(work)) return 0;
+  const int dear = work->ahead > 0 && cost_of_split(work) > 2 * work->ahead;
+  return work->costly || work->failures > dear;
 }
 
 /* Of bodies W by blocks is then formed only where a stage asks for it. */
@@ -480,23 +483,16 @@ static const struct {
 static const struct {
   part part;
   int cold, copy, rest;
-} stages[] = {{SWEEPS, 0, 0, 0},    {REST, 0, 0, 0},
-              {SPLITTING, 0, 0, 0}, {PUSH, 0, 0, 0},
-              {NEWTON, 0, 0, 0},    {PIVOTING, 0, 0, 0},
-              {SPLITTING, 0, 0, 0}, {SWEEPS, 0, 0, 0},
-              {NEWTON, 0, 0, 0},    {SWEEPS, 0, 0, 0},
-              {NEWTON, 0, 0, 0},    {SWEEPS, 0, 0, 0},
-              {NEWTON, 0, 0, 0},    {SWEEPS, 0, 1, 0},
-              {NEWTON, 0, 1, 0},    {PIVOTING, 0, 1, 0},
-              {AUGMENTED, 0, 0, 0}, {HOMOTOPY, 1, 1, 0},
-              {SCATTER, 0, 1, 0},   {PIVOTING, 0, 1, 1},
-              {SWEEPS, 0, 0, 0},    {NEWTON, 0, 0, 0},
-              {SWEEPS, 0, 0, 0},    {OTHER_SWEEPS, 1, 0, 0},
-              {NEWTON, 0, 0, 0},    {OTHER_SPLITTING, 1, 0, 0},
-              {NEWTON, 0, 0, 0},    {AUGMENTED, 1, 0, 0},
-              {HOMOTOPY, 1, 1, 1},  {SCATTER, 0, 1, 1},
-              {SETTLE, 0, 1, 0}};
-enum { quick_count = 13, stage_count = sizeof stages / sizeof stages[0] };
+} stages[] = {
+    {SWEEPS, 0, 0, 0},       {REST, 0, 0, 0},      {SPLITTING, 0, 0, 0},       {PUSH, 0, 0, 0},
+    {NEWTON, 0, 0, 0},       {PIVOTING, 0, 0, 0},  {SPLITTING, 0, 0, 0},       {SWEEPS, 0, 0, 0},
+    {NEWTON, 0, 0, 0},       {SPLITTING, 0, 0, 0}, {SWEEPS, 0, 0, 0},          {NEWTON, 0, 0, 0},
+    {SWEEPS, 0, 0, 0},       {NEWTON, 0, 0, 0},    {SWEEPS, 0, 1, 0},          {NEWTON, 0, 1, 0},
+    {PIVOTING, 0, 1, 0},     {AUGMENTED, 0, 0, 0}, {HOMOTOPY, 1, 1, 0},        {SCATTER, 0, 1, 0},
+    {PIVOTING, 0, 1, 1},     {SWEEPS, 0, 0, 0},    {NEWTON, 0, 0, 0},          {SWEEPS, 0, 0, 0},
+    {OTHER_SWEEPS, 1, 0, 0}, {NEWTON, 0, 0, 0},    {OTHER_SPLITTING, 1, 0, 0}, {NEWTON, 0, 0, 0},
+    {AUGMENTED, 1, 0, 0},    {HOMOTOPY, 1, 1, 1},  {SCATTER, 0, 1, 1},         {SETTLE, 0, 1, 0}};
+enum { quick_count = 14, stage_count = sizeof stages / sizeof stages[0] };
 _Static_assert((int)stage_count - 1 + 3 <= (int)DLS_STAGES_MAX,
                "a line for each in the report, SPLITTING once, (AT14), the states, after the copy");
 
