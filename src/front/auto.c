@@ -578,7 +578,8 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
     if (error) *error = why;
     return status;
   }
-  if (k == NEWTON && status == DLS_STALLED && !info.iterations) return status; /* (AT14) */
+  if (work->stepped && !all->stages && status == DLS_STALLED && !info.iterations)
+    return status; /* (AT14) without a step */
   all->stage[all->stages++] = (dls_stage){part_of[k].method->method, info.iterations,
                                           info.factorisations, info.certificate.residual};
   all->iterations += info.iterations;
@@ -860,11 +861,10 @@ static dls_status take_step(dlsi_auto *work, dls_error *error) {
   if (status) return status;
   work->stepped = 1;
   work->of_step = expect_of_step(work);
-  const int taken = work->info.stages;
   dlsi_newton_keep(work->part[NEWTON], work->known ? work->v[0] : NULL, work->far);
   status = take_stage(work, NEWTON, 0, error);
   work->failures = 0;
-  if (work->info.stages == taken && status >= 0) { /* far, and the factors do not serve */
+  if (!work->info.stages && status >= 0) { /* without a step */
     work->stepped = 0;
     return DLS_STALLED;
   }
