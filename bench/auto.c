@@ -179,6 +179,13 @@ static void compare_methods(const dls_contact *p, double tol, result *all) {
   free(r);
 }
 
+static void print_head(FILE *page) {
+  bench_print(page, "CPU of the solve, ms.\n\n| problem | candidates | tol |");
+  for (int k = 0; k < methods; k++)
+    bench_print(page, " %s |", method_name[k]);
+  bench_print(page, " stages of auto |\n|---|---|---|---|---|---|---|---|---|---|\n");
+}
+
 static void print_row(FILE *page, const char *name, const dls_contact *p, double tol,
                       const result *all) {
   bench_print(page, "| %s | %d | %g |", name, p->nc, tol);
@@ -193,6 +200,11 @@ static void print_row(FILE *page, const char *name, const dls_contact *p, double
     bench_print(page, "%s%s %d", k ? ", " : " ", dls_method_name(info->stage[k].method),
                 info->stage[k].iterations);
   bench_print(page, " |\n");
+}
+
+static void print_summary_head(FILE *page) {
+  bench_print(page, "\n| tol | method | solved | CPU / best other, median | largest |\n"
+                    "|---|---|---|---|---|\n");
 }
 
 /* Prints for each method how many problems it solved, and its CPU over that of the best other one.
@@ -217,10 +229,7 @@ static void print_summary(FILE *page, double tol, int count, result (*all)[metho
 
 static int run_comparison(FILE *page, int count, char **name) {
   static result all[tolerances][most_files][methods];
-  bench_print(page, "CPU of the solve, ms.\n\n| problem | candidates | tol |");
-  for (int k = 0; k < methods; k++)
-    bench_print(page, " %s |", method_name[k]);
-  bench_print(page, " stages of auto |\n|---|---|---|---|---|---|---|---|---|---|\n");
+  print_head(page);
   for (int f = 0; f < count; f++) {
     problem p;
     if (!named_problem(name[f], &p)) return EXIT_BAD_INPUT;
@@ -230,8 +239,7 @@ static int run_comparison(FILE *page, int count, char **name) {
     }
     drop_problem(&p);
   }
-  bench_print(page, "\n| tol | method | solved | CPU / best other, median | largest |\n"
-                    "|---|---|---|---|---|\n");
+  print_summary_head(page);
   for (int t = 0; t < tolerances; t++)
     print_summary(page, tolerance[t], count, all[t]);
   return EXIT_SOLVED;
@@ -282,7 +290,7 @@ static double time_iteration(const dls_contact *p, dls_method method, int accele
 /* Returns the sweeps that auto expects of a Newton step, (AT7) of src/front/auto.c. */
 static double step_model(const dls_contact *p, int k) {
   const double sweeps = fmin(fmax(5 + k / 12., k / 6.), 50);
-  return p->W.a ? fmax(sweeps, (double)k * k / (50. * p->d * p->nc)) : sweeps;
+  return p->W.a ? fmax(sweeps, (double)k * k / (6. * p->d * p->nc)) : sweeps;
 }
 
 static int run_cost(int count, char **name) {
@@ -369,13 +377,17 @@ static void compare_cube(void *data, const scene *s) {
   print_row(NULL, s->name, &s->contact, 1e-8, all);
 }
 
-static int run_cubes(double nu, int seed) {
+static int run_cubes(const char *ratio, const char *number) {
   static cubes c;
-  puts("| problem | candidates | tol | nlgs | anderson | newton | admm | augm. L. | auto | stages "
-       "|\n"
-       "|---|---|---|---|---|---|---|---|---|---|");
-  if (scenes_cubes_of(nu, (unsigned)seed, compare_cube, &c)) return EXIT_BAD_INPUT;
-  puts("\n| tol | method | solved | CPU / best other, median | largest |\n|---|---|---|---|---|");
+  double nu;
+  unsigned seed;
+  char rest;
+  if (sscanf(ratio, "%lf%c", &nu, &rest) != 1 || !(nu > -1 && nu < .5))
+    return complain("--nu: NU is not a number between -1 and 0.5");
+  if (sscanf(number, "%u%c", &seed, &rest) != 1) return complain("--nu: SEED is not a number");
+  print_head(NULL);
+  if (scenes_cubes_of(nu, seed, compare_cube, &c)) return EXIT_BAD_INPUT;
+  print_summary_head(NULL);
   print_summary(NULL, 1e-8, c.count, c.all);
   return EXIT_SOLVED;
 }
@@ -384,7 +396,7 @@ int main(int argc, char **argv) {
   const char *directory = "bench/results";
   int first = 1;
   if (argc > 1 && !strcmp(argv[1], "--cost")) return run_cost(argc - 2, argv + 2);
-  if (argc == 4 && !strcmp(argv[1], "--nu")) return run_cubes(atof(argv[2]), atoi(argv[3]));
+  if (argc == 4 && !strcmp(argv[1], "--nu")) return run_cubes(argv[2], argv[3]);
   if (argc > 2 && !strcmp(argv[1], "--unique")) return run_unique(argc - 2, argv + 2);
   if (argc > 2 && !strcmp(argv[1], "--out")) {
     directory = argv[2];

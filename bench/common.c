@@ -27,6 +27,11 @@ static int ascending(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
+double bench_draw(uint64_t *state) {
+  *state = *state * 6364136223846793005u + 1442695040888963407u;
+  return (double)(*state >> 11) * 0x1p-52 - 1;
+}
+
 double bench_median(size_t n, double *x) {
   if (n == 0) return NAN;
   qsort(x, n, sizeof *x, ascending);

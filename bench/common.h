@@ -1,14 +1,19 @@
 /*
- * common.h: shared by the benchmark programs: clock, medians, child processes, pages of results.
+ * common.h: shared by the benchmark programs: clock, random numbers, medians, child processes,
+ * pages of results.
  */
 #ifndef BENCH_COMMON_H
 #define BENCH_COMMON_H
 
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 
 /* Returns the CPU seconds of this process, all threads: a BLAS with threads does not go unseen. */
 double bench_seconds(void);
+
+/* Draws from [-1, 1): the top 53 bits of Knuth's MMIX generator. */
+double bench_draw(uint64_t *state);
 
 /* Sorts x (n) and returns its median, the mean of the two in the middle for an even n; NAN for 0.
  */

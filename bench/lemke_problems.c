@@ -24,6 +24,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common.h"
 #include "delassus/fe.h"
 #include "lemke.h"
 
@@ -62,12 +63,6 @@ dls_lcp problem_view(const problem *p) {
   return (dls_lcp){p->n, {p->n, p->n, p->n, p->M}, p->q};
 }
 
-/* Draws from [-1, 1): the top 53 bits of Knuth's MMIX generator. */
-static double lcp_uniform(uint64_t *state) {
-  *state = *state * 6364136223846793005u + 1442695040888963407u;
-  return (double)(*state >> 11) * 0x1p-52 - 1;
-}
-
 int problem_random(problem *p, int n) {
   const size_t N = (size_t)n;
   double *G = zeros(N * N);
@@ -77,18 +72,18 @@ int problem_random(problem *p, int n) {
   }
   uint64_t state = 2026;
   for (size_t k = 0; k < N * N; k++)
-    G[k] = lcp_uniform(&state);
+    G[k] = bench_draw(&state);
   const double scale = 3.0 / n, zero = 0;
   dsyrk_("L", "N", &n, &n, &scale, G, &n, &zero, p->M, &n, 1, 1);
   free(G);
   for (size_t j = 0; j < N; j++) {
     p->M[j + j * N] += 0.1;
     for (size_t i = j + 1; i < N; i++) {
-      const double s = p->M[i + j * N], k = 0.02 * lcp_uniform(&state);
+      const double s = p->M[i + j * N], k = 0.02 * bench_draw(&state);
       p->M[i + j * N] = s + k;
       p->M[j + i * N] = s - k;
     }
-    p->q[j] = lcp_uniform(&state);
+    p->q[j] = bench_draw(&state);
   }
   return 0;
 }

@@ -10,6 +10,7 @@
  * + H r, and beside it stands the residual |K x - f - H r| / (|K||x|).
  */
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -98,11 +99,9 @@ static double residual_of(const dls_sparse *K, const double *x, const double *b)
 
 /* Fills loads and reactions from equal random numbers each time, and b := f + H r. */
 static void fill(const dls_model *model, steps *s) {
-  unsigned long long seed = 1;
-  for (int k = 0; k < s->n + s->m; k++) {
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    *(k < s->n ? &s->f[k] : &s->r[k - s->n]) = (double)(seed >> 11) / 4503599627370496.0 - 1;
-  }
+  uint64_t seed = 1;
+  for (int k = 0; k < s->n + s->m; k++)
+    *(k < s->n ? &s->f[k] : &s->r[k - s->n]) = bench_draw(&seed);
   memcpy(s->b, s->f, (size_t)s->n * sizeof *s->b);
   for (int c = 0; c < model->nodes; c++)
     for (int i = 0; i < model->d; i++) {

@@ -16,6 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common.h"
 #include "reduction_boxes.h"
 
 static const double stiffer = 2;           /* E2 */
@@ -40,9 +41,7 @@ static void elastic_gaps(elastic *a, int cells, double down, uint64_t state) {
   for (int k = 0; k < a->contact.nc; k++) {
     const double x = 2. * (k % (cells + 1)) / cells - 1, y = 2. * (k / (cells + 1)) / cells - 1;
     const double far = d == 3 ? (x * x + y * y) / 2 : x * x;
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    const double random = (double)(state >> 11) * 0x1p-52 - 1;
-    a->q[d * k] = down * (crown * far + rough * random - 1);
+    a->q[d * k] = down * (crown * far + rough * bench_draw(&state) - 1);
     for (int t = 1; t < d; t++)
       a->q[d * k + t] = down * along[t - 1];
   }

@@ -37,8 +37,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common.h"
 #include "delassus/fe.h"
-#include "solvers.h"
+#include "solvers_scenes.h"
 
 void dpotrf_(const char *uplo, const int *n, double *a, const int *lda, int *info, size_t);
 void dpotri_(const char *uplo, const int *n, double *a, const int *lda, int *info, size_t);
@@ -427,10 +428,9 @@ int scenes_cubes_of(double nu, unsigned seed, scene_fn visit, void *data) {
     result = block_of_hexahedra(&k, sizes[i], nu);
     for (int j = 0; j < 12 && !result; j++) {
       char name[32];
-      state = state * 6364136223846793005u + 1442695040888963407u;
-      const double draw = (double)(state >> 11) * 0x1p-53;
+      const double mu = 0.3 * pow(40. / 3, (1 + bench_draw(&state)) / 2);
       snprintf(name, sizeof name, "h8-%d-%s", sizes[i], cube_loads[j % 4].name);
-      visit_block(&k, "cube", name, cube_loads[j % 4].move, 0.3 * pow(40. / 3, draw), visit, data);
+      visit_block(&k, "cube", name, cube_loads[j % 4].move, mu, visit, data);
     }
     block_free(&k);
   }

@@ -22,10 +22,8 @@
 
 static uint64_t steps_state;
 
-/* Draws from (-1, 1). */
 static double steps_draw(void) {
-  steps_state = steps_state * 6364136223846793005u + 1442695040888963407u;
-  return (double)(steps_state >> 11) * 0x1p-52 - 1;
+  return bench_draw(&steps_state);
 }
 
 /* ---- boxes ----------------------------------------------------------------------------------- */
