@@ -34,15 +34,16 @@ static const double dependent = 1e-5;
  * where that is larger, the history is forgotten. Problems that converge need 1 to 1000. */
 static const double largest = 1e4;
 
-void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window, int with_u) {
+void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window, size_t of_u) {
   const size_t k = (size_t)window;
   a->window = window;
+  a->of_u = of_u;
   a->DF = dlsi_take(arena, k, m * sizeof *a->DF);
   a->DG = dlsi_take(arena, k, m * sizeof *a->DG);
-  a->DU = with_u ? dlsi_take(arena, k, m * sizeof *a->DU) : NULL;
+  a->DU = of_u ? dlsi_take(arena, k, of_u * sizeof *a->DU) : NULL;
   a->f = dlsi_take(arena, m, sizeof *a->f);
   a->g = dlsi_take(arena, m, sizeof *a->g);
-  a->u = with_u ? dlsi_take(arena, m, sizeof *a->u) : NULL;
+  a->u = of_u ? dlsi_take(arena, of_u, sizeof *a->u) : NULL;
   a->gram = dlsi_take(arena, k, k * sizeof *a->gram);
   a->L = dlsi_take(arena, k, k * sizeof *a->L);
   a->work = dlsi_take(arena, k, 3 * sizeof *a->work);
@@ -63,12 +64,12 @@ static void anderson_remember(dlsi_anderson *a, size_t m, const double *f, const
       df[i] = f[i] - a->f[i];
       dg[i] = g[i] - a->g[i];
     }
-    for (size_t i = 0; u && i < m; i++)
-      a->DU[(size_t)a->newest * m + i] = u[i] - a->u[i];
+    for (size_t i = 0; i < a->of_u; i++)
+      a->DU[(size_t)a->newest * a->of_u + i] = u[i] - a->u[i];
   }
   memcpy(a->f, f, m * sizeof *f);
   memcpy(a->g, g, m * sizeof *g);
-  if (u) memcpy(a->u, u, m * sizeof *u);
+  if (a->of_u) memcpy(a->u, u, a->of_u * sizeof *u);
   a->started = 1;
 }
 
@@ -141,6 +142,6 @@ int dlsi_anderson_step(dlsi_anderson *a, int rows, const double *f, double *g, d
     return 0;
   }
   dlsi_panel_subtract(m, a->columns, a->DG, gamma, g); /* (AN3) */
-  if (u) dlsi_panel_subtract(m, a->columns, a->DU, gamma, u);
+  if (a->of_u) dlsi_panel_subtract(a->of_u, a->columns, a->DU, gamma, u);
   return 1;
 }

@@ -34,9 +34,13 @@
  *   (NL8)  x := r + b p, u likewise, between two sweeps
  *   (NL9)  from sweep 50 on, every 10: the fewest candidates that hold nine tenths of |F|^2, and
  *          three layers of what W couples with them, if that is not a third of all, get up to 300
- *          sweeps of their own, until |F| on them is 0.3 of what it was; (NL8) begins anew then,
- *          and beyond 1000 candidates where the residual has not fallen by a tenth since: some
- *          large packings at rest need to be held back
+ *          sweeps of their own, until |F| on them is 0.3 of what it was; (NL8) begins anew then.
+ *          Where it is a third and more, the next 1, 2, 4 .. 16 looks are left out
+ *   (NL12) beyond 1000 candidates another way is (NL8) HELD, begun anew every 10 sweeps in which
+ *          the residual has not fallen by a tenth: some large packings at rest need it. A stage of
+ *          auto has (NL6) as a way, too, in place of (NL8) and (NL9): in 2D as the first one, in 3D
+ *          beyond 1000 candidates as the second one. Which way goes on is told by the price of a
+ *          halving of the residual (race.c); another one begins from the best r
  *
  * Of rigid bodies, W = H^T H, a sweep keeps v = H r up to date in place of u:
  *
@@ -78,6 +82,7 @@
 #include "vi_internal.h"
 
 enum { most_sweeps = 10000, refresh_every = 50, most_window = 100 };
+enum { few_candidates = 1000, seldom = 5 }; /* sweeps from one estimate to the next */
 
 /* (NL7) Growth of the residual that an accelerated iterate may show: on nine FCLIB files together
  * (Anderson, 1e-8) a growth of 2 takes 19335 sweeps where 1.1 takes 11758. */
@@ -85,10 +90,13 @@ static const double nlgs_growth = 1.1;
 
 /* What momentum needs for a problem of bodies; memory is kept from one to the next. */
 typedef struct nlgs_bodies {
-  double *moved; /* u and pu of momentum: n count each */
+  double *moved; /* u and pu of momentum, then u and DU of the history: n count each column */
   int *some;     /* bodies of (NL9), then a mark for each: 2 count */
   size_t moved_room, some_room;
 } nlgs_bodies;
+
+/* (NL12) */
+typedef enum nlgs_way { FREE, HELD, ANDERSON } nlgs_way;
 
 struct dls_nlgs {
   dls_nlgs_settings settings;
@@ -97,7 +105,7 @@ struct dls_nlgs {
   int *own_order;          /* of a stage: nc; else NULL */
   int *scratch;            /* of a stage: nc; else NULL */
   const int *order;        /* of the visits in this run: nc; NULL: 0, 1, .. */
-  double *carved[2];       /* u and pu of momentum, where it is not of bodies */
+  double *carved[4];       /* u, pu of momentum; u, DU of the history: where not of bodies */
   double *block_1d;        /* W_cc (+ E_c): nc; for d = 1, else NULL */
   dlsi_block_2d *block_2d; /* the same for d = 2 */
   dlsi_block_3d *block_3d; /* the same for d = 3 */
@@ -117,7 +125,10 @@ struct dls_nlgs {
   double halved;    /* the residual that was last half of the one before it ... */
   double since;     /* ... and the sweeps until then, those on a set by its share */
   double looked;    /* the residual when (NL9) was due last */
+  int pause, wait;  /* (NL9): looks left out after a set that was too large; of them to come */
   double sweeps;
+  dlsi_race race; /* (NL12) */
+  nlgs_way way[dlsi_most_ways], now;
 };
 
 void dls_nlgs_settings_init(dls_nlgs_settings *settings) {
@@ -129,6 +140,12 @@ void dls_nlgs_settings_init(dls_nlgs_settings *settings) {
 /* Returns 1 for (NL6). */
 static int nlgs_has_history(const dls_nlgs_settings *s) {
   return s->acceleration == DLS_ACCELERATION_AITKEN || s->acceleration == DLS_ACCELERATION_ANDERSON;
+}
+
+/* Returns 1 if (NL6) is one of the ways of (NL12). */
+static int nlgs_may_turn(const dls_nlgs *work) {
+  const int pushed = work->settings.acceleration == DLS_ACCELERATION_MOMENTUM;
+  return work->stage && pushed && (work->d == 2 || work->nc > few_candidates);
 }
 
 static void nlgs_carve(void *workspace, dlsi_arena *arena) {
@@ -154,10 +171,12 @@ static void nlgs_carve(void *workspace, dlsi_arena *arena) {
     work->some = dlsi_take(arena, n, sizeof *work->some);
     work->rows = dlsi_take(arena, n, sizeof *work->rows);
   }
-  if (!nlgs_has_history(s)) return;
+  if (!nlgs_has_history(s) && !nlgs_may_turn(work)) return;
   work->x = dlsi_take(arena, m, sizeof *work->x);
   dlsi_anderson_carve(&work->history, arena, m,
-                      s->acceleration == DLS_ACCELERATION_AITKEN ? 1 : s->window, 1);
+                      s->acceleration == DLS_ACCELERATION_AITKEN ? 1 : s->window, m);
+  work->carved[2] = work->history.u;
+  work->carved[3] = work->history.DU;
 }
 
 static dls_status nlgs_create(void **out, int d, int nc, int stage,
@@ -558,15 +577,20 @@ static inline int nlgs_lack(int d, double mu, const double *rc, double *dr) {
   return !(moved <= 8 * DBL_EPSILON * size);
 }
 
-/* Projects every r_c on its cone, u by columns. */
+/* Projects every r_c on its cone, u by columns, v of bodies. */
 static void nlgs_repair(const dls_nlgs *work, const dls_contact *problem, double *r) {
-  const int d = problem->d;
-  nlgs_batch dense = {0}, *b = problem->Wb.x ? NULL : &dense;
+  const int d = problem->d, n = work->motions;
+  nlgs_batch dense = {0}, *b = problem->W.a ? &dense : NULL;
   for (int k = 0; k < problem->nc; k++) {
     const int c = work->order ? work->order[k] : k;
     double *rc = r + (size_t)d * (size_t)c, dr[3] = {0};
     if (!nlgs_lack(d, problem->mu[c], rc, dr)) continue;
-    nlgs_change(work, problem, c, dr, b);
+    if (n) {
+      const dlsi_pair_of_bodies of =
+          dlsi_bodies_of(&problem->bodies, (size_t)d * (size_t)n, (size_t)c, work->v);
+      dlsi_bodies_push(d, n, &of, dr);
+    } else
+      nlgs_change(work, problem, c, dr, b);
     for (int i = 0; i < d; i++)
       rc[i] += dr[i];
   }
@@ -603,7 +627,7 @@ static void nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double r
       for (size_t i = d * c; i < d * (c + 1); i++)
         *f++ = unit * work->it.w[c] * (r[i] - work->x[i]);
     }
-    if (dlsi_anderson_step(history, (int)m, work->it.F, r, work->it.u))
+    if (dlsi_anderson_step(history, (int)m, work->it.F, r, work->motions ? work->v : work->it.u))
       nlgs_repair(work, problem, r);
   }
   memcpy(work->x, r, m * sizeof *r);
@@ -612,13 +636,14 @@ static void nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double r
 /* ---- momentum -------------------------------------------------------------------------------- */
 
 enum { local_every = 10, local_first = 50, local_sweeps = 300, local_looks = 5, local_layers = 3 };
-enum { slow_first = 300, last_patience = 3 };
-enum { few_candidates = 1000, seldom = 5 }; /* sweeps from one estimate to the next */
-static const double slow_momentum = 0.5;    /* (NL10) */
-static const double local_share = 0.9;      /* of |F|^2 that the worst candidates hold */
-static const double local_size = 1. / 3;    /* of the candidates: a larger set is no gain */
-static const double local_end = 0.3;        /* of |F| on the set */
-static const double falls = 0.9;            /* (NL9): of the residual, in local_every sweeps */
+enum { slow_first = 300, slow_race = 800, last_patience = 3 };
+static const double slow_momentum = 0.5; /* (NL10) */
+static const double local_share = 0.9;   /* of |F|^2 that the worst candidates hold */
+static const double local_size = 1. / 3; /* of the candidates: a larger set is no gain */
+static const double local_end = 0.3;     /* of |F| on the set */
+static const double falls = 0.9;         /* HELD: of the residual, in local_every sweeps */
+enum { longest_pause = 16 };
+static const double price_of_history = 1.5; /* a sweep with (NL6), in sweeps with (NL8) */
 
 /* All candidates, in the order of the visits. */
 static dlsi_set nlgs_all(const dls_nlgs *work, const dls_contact *problem) {
@@ -771,6 +796,19 @@ static int nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, double
   return 1;
 }
 
+/* (NL9), less and less often where the sets are too large. Returns 1 if r has changed. */
+static int nlgs_look_locally(dls_nlgs *work, const dls_contact *problem, double *r) {
+  if (work->wait > 0) {
+    work->wait--;
+    return 0;
+  }
+  const int swept = nlgs_sweep_locally(work, problem, r);
+  const int longer = work->pause ? 2 * work->pause : 1;
+  work->pause = swept ? 0 : longer < longest_pause ? longer : longest_pause;
+  work->wait = work->pause;
+  return swept;
+}
+
 /* (NL10) Returns 1 when the residual has not been halved for as many sweeps as before and 300, or,
  * below 1000 candidates without momentum, three times as many: what follows is as expensive. */
 static int nlgs_is_slow(dls_nlgs *work, const dls_contact *problem, double residual) {
@@ -779,7 +817,8 @@ static int nlgs_is_slow(dls_nlgs *work, const dls_contact *problem, double resid
     work->since = work->sweeps;
   }
   const int patience = work->largest == 0 && problem->nc < few_candidates ? last_patience : 1;
-  return work->sweeps - work->since >= patience * (slow_first + work->since);
+  const int first = work->largest == 1 && work->race.ways > 1 ? slow_race : slow_first;
+  return work->sweeps - work->since >= patience * (first + work->since);
 }
 
 /* (NL8) r := the start of the next sweep k, with local sweeps before it now and then. Returns 0 if
@@ -790,6 +829,7 @@ static int nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double r
   if (slow && work->largest == 0 && work->stage) return 0;
   if (slow && work->largest > 0) {
     work->largest = work->largest > slow_momentum ? slow_momentum : 0;
+    work->now = problem->nc > few_candidates ? HELD : FREE;
     work->since = work->sweeps;
     memcpy(r, work->it.best, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
     dlsi_multiply(problem, work->order, work->it.E, r, work->it.u, NULL);
@@ -798,9 +838,9 @@ static int nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double r
   }
   const int at = k - 1; /* the sweep that `residual` belongs to */
   if (!problem->W.a && at >= local_first && at % local_every == 0) {
-    const int held = problem->nc > few_candidates && !(residual <= falls * work->looked);
+    const int held = work->now == HELD && !(residual <= falls * work->looked);
     work->looked = residual;
-    if (nlgs_sweep_locally(work, problem, r) || held) {
+    if (nlgs_look_locally(work, problem, r) || held) {
       nlgs_start_momentum(work, problem, r);
       return 1;
     }
@@ -809,6 +849,50 @@ static int nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double r
   (void)dlsi_momentum_step(&work->momentum, problem->d, n ? n : problem->d, work->it.w,
                            work->largest, nlgs_all(work, problem), n ? bodies : all, r,
                            n ? work->v : work->it.u);
+  return 1;
+}
+
+/* ---- several ways ---------------------------------------------------------------------------- */
+
+/* (NL12) Lists the ways, the first of which is taken. */
+static void nlgs_list_ways(dls_nlgs *work, const dls_contact *problem) {
+  const int blocks = !problem->W.a, plane = problem->d == 2, many = problem->nc > few_candidates;
+  const int turns = blocks && nlgs_may_turn(work) && (plane || many);
+  int ways = 0;
+  if (turns && plane) work->way[ways++] = ANDERSON;
+  work->way[ways++] = FREE;
+  if (turns && !plane) work->way[ways++] = ANDERSON;
+  if (blocks && many) work->way[ways++] = HELD;
+  dlsi_race_start(&work->race, ways);
+  work->now = work->way[0];
+}
+
+/* Begins the way now, from r, which u (or v) belongs to. */
+static void nlgs_start_way(dls_nlgs *work, const dls_contact *problem, const double *r) {
+  if (work->now != ANDERSON) {
+    nlgs_start_momentum(work, problem, r);
+    return;
+  }
+  dlsi_anderson_clear(&work->history);
+  memcpy(work->x, r, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
+}
+
+/* (NL12) after so many sweeps that have led to r, of this residual. Returns 1 if another way
+ * begins, from the best r where this one is a tenth worse. */
+static int nlgs_change_way(dls_nlgs *work, const dls_contact *problem, double residual, int sweeps,
+                           double *r) {
+  const double price = work->now == ANDERSON ? price_of_history : 1;
+  const int turn = dlsi_race_advance(&work->race, residual, price * sweeps);
+  if (work->largest < 1) return 0;
+  nlgs_way next = turn ? work->way[work->race.now] : work->now;
+  if (next == ANDERSON && nlgs_is_slow(work, problem, residual)) next = FREE; /* (NL10) is next */
+  if (next == work->now) return 0;
+  work->now = next;
+  if (residual > nlgs_growth * work->race.least) {
+    memcpy(r, work->it.best, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
+    dlsi_multiply(problem, work->order, work->it.E, r, work->it.u, NULL);
+  }
+  nlgs_start_way(work, problem, r);
   return 1;
 }
 
@@ -821,7 +905,6 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
   const dls_limits *limits = &work->settings.limits;
   dlsi_iterate *it = &work->it;
   const int most = dlsi_most_iterations(limits, most_sweeps);
-  const int accelerated = nlgs_has_history(&work->settings);
   const int pushed = work->settings.acceleration == DLS_ACCELERATION_MOMENTUM;
   const dlsi_set all = nlgs_all(work, problem);
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
@@ -831,26 +914,26 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
   if (nlgs_project_start(problem, r)) now = dlsi_iterate_offer(it, problem, r);
   if (dls_certificate_holds(&now, it->tol)) return DLS_OK;
   nlgs_resume(work, problem, r);
-  if (accelerated) {
-    dlsi_anderson_clear(&work->history);
-    memcpy(work->x, r, m * sizeof *r);
-  }
+  work->now = nlgs_has_history(&work->settings) ? ANDERSON : FREE;
   if (pushed) {
     work->largest = 1;
     work->halved = work->looked = INFINITY;
     work->since = work->sweeps = 0;
-    nlgs_start_momentum(work, problem, r);
+    work->pause = work->wait = 0;
+    nlgs_list_ways(work, problem);
   }
-  const int looks = problem->W.a || accelerated || problem->nc < few_candidates ? 1 : seldom;
+  if (pushed || work->now == ANDERSON) nlgs_start_way(work, problem, r);
+  const int often = problem->W.a || problem->nc < few_candidates;
   double accepted = now.residual;
   int fresh = 1, changed = 0; /* fresh: u carries no rounding of earlier sweeps */
   dls_status reason = DLS_MAX_ITERATIONS;
   for (int k = 1; k <= most && reason == DLS_MAX_ITERATIONS; k++) {
-    if (accelerated && changed) {
+    const int looks = often || work->now == ANDERSON ? 1 : seldom;
+    if (work->now == ANDERSON && changed) {
       nlgs_accelerate(work, problem, now.residual, scale, &accepted, r);
       fresh = 0;
     }
-    if (pushed && changed) { /* (NL8), (NL9) */
+    if (pushed && work->now != ANDERSON && changed) { /* (NL8), (NL9) */
       if (!nlgs_push(work, problem, k, now.residual, r)) {
         reason = DLS_STALLED;
         break;
@@ -875,6 +958,10 @@ static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, doubl
       reason = stop;
     else if ((!changed && was_fresh) || dlsi_iterate_is_lost(now.residual))
       reason = DLS_STALLED;
+    else if (pushed && nlgs_change_way(work, problem, now.residual, looks, r)) {
+      accepted = INFINITY;
+      changed = fresh = 0;
+    }
   }
   return dlsi_iterate_settle(it, problem, reason);
 }
@@ -971,7 +1058,8 @@ static dls_status nlgs_take_bodies(dls_nlgs *work, const dls_contact *problem, d
   work->motions = problem->bodies.n;
   work->v = problem->bodies.work;
   if (!pushed) return DLS_OK;
-  double *moved = dlsi_make_room(of->moved, &of->moved_room, 2 * all, sizeof *moved);
+  const size_t columns = nlgs_may_turn(work) ? (size_t)work->history.window + 1 : 0;
+  double *moved = dlsi_make_room(of->moved, &of->moved_room, (2 + columns) * all, sizeof *moved);
   if (!moved) return dlsi_no_memory(error);
   of->moved = moved;
   int *some = dlsi_make_room(of->some, &of->some_room, 2 * count, sizeof *some);
@@ -979,6 +1067,11 @@ static dls_status nlgs_take_bodies(dls_nlgs *work, const dls_contact *problem, d
   of->some = some;
   work->momentum.u = moved;
   work->momentum.pu = moved + all;
+  if (columns) {
+    work->history.of_u = all;
+    work->history.u = moved + 2 * all;
+    work->history.DU = moved + 3 * all;
+  }
   return DLS_OK;
 }
 
@@ -990,6 +1083,9 @@ static dls_status nlgs_prepare(dls_nlgs *work, const dls_contact **problem, cons
   work->momentum.threads = work->settings.limits.threads;
   work->momentum.u = work->carved[0];
   work->momentum.pu = work->carved[1];
+  work->history.u = work->carved[2];
+  work->history.DU = work->carved[3];
+  work->history.of_u = (size_t)work->d * (size_t)(*problem)->nc;
   work->slabs.set.slabs = 0;
   dls_status status = nlgs_has_history(&work->settings)
                           ? dlsi_form_blocks(&work->formed, problem, error)

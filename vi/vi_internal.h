@@ -74,18 +74,19 @@ typedef struct dlsi_anderson {
   int window;
   int started;          /* 1: f, g, u are there */
   int columns, newest;  /* columns of DF, DG, DU, in a ring */
-  double *DF, *DG, *DU; /* m window; DU and u are NULL without u */
-  double *f, *g, *u;    /* of the last step taken: m */
+  size_t of_u;          /* numbers in u; 0 without */
+  double *DF, *DG, *DU; /* m window, of_u window for DU */
+  double *f, *g, *u;    /* of the last step taken: m, of_u for u */
   double *gram, *L;     /* window^2 */
   double *work;         /* 3 window; from 2 window on: DF^T f */
 } dlsi_anderson;
 
-void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window, int with_u);
+void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window, size_t of_u);
 void dlsi_anderson_clear(dlsi_anderson *a);
 
 /* Takes g = g(x), the weighted residual f = D (g - x) and u = u(g) into the history; g and u become
- * the next x and u(x). Returns 0, g and u untouched, while there is nothing to combine. f, g, u: m,
- * as many as since clear; u: NULL for a history carved without. */
+ * the next x and u(x). Returns 0, g and u untouched, while there is nothing to combine. f, g: m, as
+ * many as since clear; u: of_u, NULL where that is 0. */
 int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, double *u);
 
 /* ---- vi/momentum.c: momentum on sweeps ------------------------------------------------------- */
@@ -118,6 +119,23 @@ void dlsi_momentum_start(dlsi_momentum *mo, int d, int e, dlsi_set changes, dlsi
  * Returns G. */
 double dlsi_momentum_step(dlsi_momentum *mo, int d, int e, const double *w, double largest,
                           dlsi_set changes, dlsi_set rows, double *r, double *u);
+
+/* ---- vi/race.c: which way is the quickest ---------------------------------------------------- */
+
+enum { dlsi_most_ways = 3 };
+
+typedef struct dlsi_race {
+  int ways, now;                /* how many, and which */
+  double price[dlsi_most_ways]; /* (RA1) */
+  double spent;                 /* since the way began or halved the residual */
+  double least, halved;         /* residuals: the least; the least at the last halving */
+} dlsi_race;
+
+/* Begins with way 0. ways: 1 to dlsi_most_ways. */
+void dlsi_race_start(dlsi_race *race, int ways);
+
+/* The way under way has come to `residual` at this cost. Returns 1 if another way follows. */
+int dlsi_race_advance(dlsi_race *race, double residual, double cost);
 
 /* ---- vi/slabs.c: candidates that may be swept at the same time ------------------------------- */
 

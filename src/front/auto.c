@@ -5,11 +5,12 @@
  *   (AT1)  sweeps     Gauss-Seidel with Anderson acceleration, in an order of the candidates that
  *                     follows from the data
  *   (AT13) push       W by blocks of more than 100 candidates, not of elastic bodies (a fourth of
- *                     all blocks and more: taken as dense): Gauss-Seidel with momentum after
- *                     (AT1), which ends there when more than 100 sweeps are ahead; beyond 1000, and
- *                     where each candidate has 2 d neighbours or more, in its place. Newton's
- *                     method then only at e <= 1e-5, and after a failure only at a tenth of that:
- *                     on packings its steps lead nowhere before
+ *                     all blocks and more: taken as dense): Gauss-Seidel with momentum, in turn
+ *                     with Anderson's acceleration (vi/nlgs.c, NL12), after (AT1), which ends
+ *                     there when more than 100 sweeps are ahead; beyond 1000, and where each
+ *                     candidate has 2 d neighbours or more, in its place. Newton's method then only
+ *                     at e <= 1e-5, and after a failure only at a tenth of that: on packings its
+ *                     steps lead nowhere before
  *   (AT2)  splitting  ADMM, once, for a dense W after a failure of Newton's method, after two
  *                     where its forecast, 50 max(mu, 1)^2 m / k sweeps, is above twice (AT6); or
  *                     before it where the states still change and a step costs more than 50 sweeps

@@ -18,7 +18,7 @@ typedef struct history {
 } history;
 
 static void history_carve(history *h, size_t m, int window, int with_u) {
-  dlsi_anderson_carve(&h->a, &h->arena, m, window, with_u);
+  dlsi_anderson_carve(&h->a, &h->arena, m, window, with_u ? m : 0);
   h->behind = dlsi_take(&h->arena, 8, sizeof *h->behind);
 }
 

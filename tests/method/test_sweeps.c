@@ -46,7 +46,7 @@ static void direct_begin(direct *t) {
       .r = t->moves[0], .u = t->moves[1], .p = t->moves[2], .pu = t->moves[3], .threads = 1};
   dlsi_momentum_start(&t->momentum, d, d, all, all, t->r, t->u);
   for (int twice = 0; twice < 2; twice++) {
-    dlsi_anderson_carve(&t->history, &t->arena, (size_t)m, window, 1);
+    dlsi_anderson_carve(&t->history, &t->arena, (size_t)m, window, (size_t)m);
     if (!twice) ck_assert_int_eq(dlsi_arena_allocate(&t->arena, "m", m, NULL), DLS_OK);
   }
   dlsi_anderson_clear(&t->history);

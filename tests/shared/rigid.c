@@ -125,6 +125,192 @@ static void make_packing(heap *h, int candidates, int flow) {
   free(radius);
 }
 
+/* ---- settled packings ------------------------------------------------------------------------ */
+
+enum { most_settling = 6000, most_near = 27 };
+
+/* Soft spheres, or discs, in a box without a top, on their way to rest under gravity; d numbers are
+ * used of each 3. */
+typedef struct settling {
+  int d, count, cells[3]; /* cells: of a grid, one largest diameter wide */
+  double side, cell;
+  double *x, *v, *f, *radius; /* f: forces, overlap times 1 */
+  int *first, *next;          /* of each cell a list; -1: end */
+} settling;
+
+static int settling_cell(const settling *s, const double *x, int *of) {
+  for (int i = 0; i < 3; i++) {
+    const double at = i < s->d ? floor(x[i] / s->cell) : 0;
+    of[i] = at <= 0 ? 0 : at >= s->cells[i] ? s->cells[i] - 1 : (int)at;
+  }
+  return of[0] + s->cells[0] * (of[1] + s->cells[1] * of[2]);
+}
+
+static void settling_sort(settling *s) {
+  int of[3];
+  for (int k = 0; k < s->cells[0] * s->cells[1] * s->cells[2]; k++)
+    s->first[k] = -1;
+  for (int a = 0; a < s->count; a++) {
+    const int k = settling_cell(s, s->x + 3 * a, of);
+    s->next[a] = s->first[k];
+    s->first[k] = a;
+  }
+}
+
+/* Calls each(data, a, b, n, overlap) for b < a that overlap by more than -gap; n from b to a. */
+static void settling_pairs(const settling *s, double gap,
+                           void (*each)(void *, int, int, const double *, double), void *data) {
+  for (int a = 0; a < s->count; a++) {
+    int of[3];
+    (void)settling_cell(s, s->x + 3 * a, of);
+    for (int near = 0; near < most_near; near++) {
+      const int at[3] = {of[0] + near % 3 - 1, of[1] + near / 3 % 3 - 1, of[2] + near / 9 - 1};
+      int inside = 1;
+      for (int i = 0; i < 3; i++)
+        inside &= at[i] >= 0 && at[i] < s->cells[i];
+      if (!inside) continue;
+      for (int b = s->first[at[0] + s->cells[0] * (at[1] + s->cells[1] * at[2])]; b >= 0;
+           b = s->next[b]) {
+        double n[3] = {0}, length = 0;
+        for (int i = 0; i < s->d; i++) {
+          n[i] = s->x[3 * a + i] - s->x[3 * b + i];
+          length += n[i] * n[i];
+        }
+        length = sqrt(length);
+        const double overlap = s->radius[a] + s->radius[b] - length;
+        if (b >= a || overlap <= -gap || length == 0) continue;
+        for (int i = 0; i < s->d; i++)
+          n[i] /= length;
+        each(data, a, b, n, overlap);
+      }
+    }
+  }
+}
+
+static void settling_press(void *data, int a, int b, const double *n, double overlap) {
+  settling *s = data;
+  for (int i = 0; i < s->d; i++) {
+    s->f[3 * a + i] += overlap * n[i];
+    s->f[3 * b + i] -= overlap * n[i];
+  }
+}
+
+/* Fast inertial relaxation (Bitzek et al. 2006) until forces are 1e-9 of a unit overlap's. */
+static void settling_run(settling *s) {
+  static const double gravity = 2e-4;
+  const int n = 3 * s->count;
+  double step = 0.3, mix = 0.1;
+  for (int k = 0, downhill = 0; k < most_settling; k++) {
+    settling_sort(s);
+    memset(s->f, 0, (size_t)n * sizeof *s->f);
+    for (int a = 0; a < s->count; a++) {
+      const double R = s->radius[a], *x = s->x + 3 * a;
+      s->f[3 * a + s->d - 1] -= gravity * pow(R, s->d);
+      for (int i = 0; i < s->d; i++) {
+        s->f[3 * a + i] += fmax(0, R - x[i]);
+        if (i < s->d - 1) s->f[3 * a + i] -= fmax(0, x[i] + R - s->side);
+      }
+    }
+    settling_pairs(s, 0, settling_press, s);
+    double power = 0, vv = 0, ff = 0;
+    for (int i = 0; i < n; i++) {
+      power += s->f[i] * s->v[i];
+      vv += s->v[i] * s->v[i];
+      ff += s->f[i] * s->f[i];
+    }
+    if (sqrt(ff / s->count) < 1e-9) break;
+    if (power > 0 && ++downhill > 5) {
+      step = fmin(1.1 * step, 0.6);
+      mix *= 0.99;
+    } else if (power <= 0) {
+      memset(s->v, 0, (size_t)n * sizeof *s->v);
+      vv = downhill = 0;
+      step = fmax(step / 2, 0.02);
+      mix = 0.1;
+    }
+    for (int i = 0; i < n; i++) {
+      s->v[i] = (1 - mix) * s->v[i] + (mix * sqrt(vv / ff) + step) * s->f[i];
+      s->x[i] += step * s->v[i];
+    }
+  }
+  settling_sort(s);
+}
+
+typedef struct settled {
+  heap *h;
+  const settling *s;
+} settled;
+
+static void settled_touch(void *data, int a, int b, const double *n, double overlap) {
+  const settled *of = data;
+  place at = {.a = a, .b = b};
+  (void)overlap;
+  for (int i = 0; i < of->s->d; i++) {
+    at.normal[i] = n[i];
+    at.x[i] = of->s->x[3 * b + i] + n[i] * of->s->radius[b];
+  }
+  heap_touch(of->h, at);
+}
+
+static void make_settled(heap *h, int d, int candidates, int flow) {
+  static const double spread = 0.3, near = 0.01;
+  settling s = {.d = d, .count = (int)fmax(4, candidates / (d == 2 ? 2.05 : 2.9))};
+  const size_t n = (size_t)s.count;
+  h->d = d;
+  s.x = calloc(3 * n, sizeof *s.x);
+  s.v = calloc(3 * n, sizeof *s.v);
+  s.f = calloc(3 * n, sizeof *s.f);
+  s.radius = calloc(n, sizeof *s.radius);
+  s.next = calloc(n, sizeof *s.next);
+  h->bad |= !s.x || !s.v || !s.f || !s.radius || !s.next;
+  double volume = 0;
+  for (int a = 0; a < s.count && !h->bad; a++) {
+    s.radius[a] = 1 + spread * heap_random(h);
+    volume += d == 2 ? 3.1416 * s.radius[a] * s.radius[a] : 4.1888 * pow(s.radius[a], 3);
+  }
+  s.side = d == 2 ? sqrt(volume / 0.83) : cbrt(volume / 0.63);
+  s.cell = 2 * (1 + spread);
+  for (int i = 0; i < 3; i++)
+    s.cells[i] = i < d ? (int)fmax(1, 1.5 * s.side / s.cell) : 1;
+  s.first = calloc((size_t)s.cells[0] * (size_t)s.cells[1] * (size_t)s.cells[2], sizeof *s.first);
+  h->bad |= !s.first;
+  for (int a = 0; a < s.count && !h->bad; a++)
+    for (int i = 0; i < d; i++)
+      s.x[3 * a + i] = s.radius[a] + (s.side / 2 - s.radius[a]) * (1 + heap_random(h));
+  if (!h->bad) settling_run(&s);
+  for (int a = 0; a < s.count && !h->bad; a++) {
+    const double R = s.radius[a], m = pow(R, d), I = (d == 2 ? 0.5 : 0.4) * m * R * R;
+    solid body = {.mass = m, .inertia = {I, I, I}};
+    for (int i = 0; i < d; i++) {
+      body.x[i] = s.x[3 * a + i];
+      if (flow) body.v[i] = 0.15 * heap_random(h);
+    }
+    for (int i = d == 2 ? 2 : 0; i < 3 && flow; i++)
+      body.spin[i] = 0.15 * heap_random(h);
+    body.v[d - 1] -= step_of_gravity;
+    (void)heap_add_body(h, body);
+    for (int i = 0; i < d; i++)
+      for (int end = 0; end < (i == d - 1 ? 1 : 2); end++) {
+        place at = {.a = a, .b = -1};
+        if (fabs(s.x[3 * a + i] - (end ? s.side : 0)) >= R + near) continue;
+        memcpy(at.x, body.x, sizeof at.x);
+        at.x[i] += end ? R : -R;
+        at.normal[i] = end ? -1 : 1;
+        heap_touch(h, at);
+      }
+  }
+  settled of = {h, &s};
+  if (!h->bad) settling_pairs(&s, near, settled_touch, &of);
+  free(s.x);
+  free(s.v);
+  free(s.f);
+  free(s.radius);
+  free(s.next);
+  free(s.first);
+}
+
+/* ---- walls, chains, arches, towers ----------------------------------------------------------- */
+
 /* Returns a box with this middle and these sides, of unit density; d = 2: lz = 1. */
 static solid box(double x, double y, double z, double lx, double ly, double lz) {
   const double m = lx * ly * lz;
@@ -422,10 +608,10 @@ void rigid_free(rigid *a) {
   *a = (rigid){0};
 }
 
-static const char *const kinds[] = {"packing-rest", "packing-flow",  "wall-rest",  "wall-pushed",
-                                    "rubble-rest",  "rubble-pushed", "wall3-rest", "wall3-pushed",
-                                    "chain",        "chain3",        "arch",       "arch3",
-                                    "tower2",       "tower"};
+static const char *const kinds[] = {
+    "packing-rest", "packing-flow", "wall-rest",  "wall-pushed", "rubble-rest", "rubble-pushed",
+    "wall3-rest",   "wall3-pushed", "chain",      "chain3",      "arch",        "arch3",
+    "tower2",       "tower",        "discs-rest", "discs-flow",  "balls-rest",  "balls-flow"};
 enum { kind_count = sizeof kinds / sizeof kinds[0] };
 
 const char *rigid_kind(int index) {
@@ -446,6 +632,7 @@ int rigid_create(rigid *a, const char *kind, int candidates, double mu, uint64_t
   if (k == 10 || k == 11) make_arch(&h, k - 8, candidates);
   if (k == 12) make_pile(&h, candidates);
   if (k == 13) make_tower(&h, candidates);
+  if (k >= 14 && k < kind_count) make_settled(&h, k < 16 ? 2 : 3, candidates, k % 2);
   int bad = h.bad || h.places == 0 ? -1 : 0;
   if (!bad) bad = rigid_fill(a, &h, mu);
   if (bad) rigid_free(a);

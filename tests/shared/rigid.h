@@ -34,7 +34,11 @@ typedef struct rigid {
  *   chain, chain3                2D discs, 3D balls upon each other, with small random velocities
  *   arch, arch3                  a half ring of voussoirs of thickness .3 under gravity
  *   tower2                       2D blocks 1 x 1 upon each other, slightly pushed
- *   tower                        3D planks 3 x 1 x .4, three a layer, crosswise */
+ *   tower                        3D planks 3 x 1 x .4, three a layer, crosswise
+ *   discs-rest, discs-flow       2D discs of radius 1 +-30 % that have settled from random places
+ *                                in a box; under one step of gravity, or with random velocities
+ *                                besides
+ *   balls-rest, balls-flow       the same in 3D */
 int rigid_create(rigid *a, const char *kind, int candidates, double mu, uint64_t seed);
 void rigid_free(rigid *a);
 
