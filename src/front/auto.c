@@ -47,9 +47,10 @@
  *          stage began, sweep k with the weight k, so that the last half counts most
  *   (AT7)  Newton: s steps of min(max(5 + k / 12, k / 6), 50) sweeps, k unknowns, or, W dense,
  *          k^2 / (6 m) if that is more: a step multiplies by W twice and factorises k^3 where a
- *          sweep reads k m. s = d - 1 for a dense W whose k has not changed since the last look:
- *          with the right states a step is exact in 2D, and two do in 3D; else s = 4. Each
- *          failure of Newton's method doubles s.
+ *          sweep reads k m; W by blocks, d = 3, (k / 6000)^2 times as many from 6000 on, for the
+ *          fill. s = d - 1 for a dense W whose k has not changed since the last look: with the
+ *          right states a step is exact in 2D, and two do in 3D; else s = 4. Each failure of
+ *          Newton's method doubles s.
  *
  * Sweeps end when (AT6) > (AT7), or > 100 where (AT12) or (AT13) is next, after 10 sweeps (20 for W
  * by blocks, or while e > .05 before any failure; half of that from a warm start whose first sweep
@@ -118,8 +119,9 @@ enum { pivot_rows = 400 };       /* (AT5), early: such a table stays in the cach
 enum { few_push = 100 };         /* (AT13): fewer candidates by blocks are left to (AT1)-(AT5) */
 enum { push_candidates = 1000 }; /* ... more are not tried by (AT1) at all */
 enum { push_ahead = 100 };       /* (AT13): accelerated sweeps that take as long as it does */
-static const double push_near = 1e-5; /* (AT13) */
-enum { path_unknowns = 300 };         /* a thousand factorisations then take a few seconds */
+static const double push_near = 1e-5;  /* (AT13) */
+static const double few_filled = 6000; /* (AT7): unknowns by blocks, d = 3 */
+enum { path_unknowns = 300 };          /* a thousand factorisations then take a few seconds */
 _Static_assert(2 * (int)pivot_rows <= 3 * (int)path_unknowns, "(AT5), early, has a copy");
 enum { other_unknowns = 3000 };      /* beyond, another way takes too long, and nothing is said */
 enum { other_iterations = 2000 };    /* of sweeps and splitting by another way */
@@ -320,7 +322,8 @@ static double cost_of_newton(dlsi_auto *work) {
   const int dense = problem->W.a != NULL;
   const double k = count_unknowns(problem, work->r), m = (double)problem->d * problem->nc;
   const int settled = dense && k == work->unknowns;
-  const double step = fmin(fmax(5 + k / 12, k / 6), 50);
+  const double fill = !dense && problem->d == 3 && k > few_filled ? k / few_filled : 1;
+  const double step = fmin(fmax(5 + k / 12, k / 6), 50) * fill * fill;
   const double dense_step = fmax(step, k * k / (6 * m));
   work->unknowns = k;
   work->step = dense ? dense_step : step;
