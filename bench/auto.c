@@ -289,7 +289,8 @@ static double time_iteration(const dls_contact *p, dls_method method, int accele
 
 /* Returns the sweeps that auto expects of a Newton step, (AT7) of src/front/auto.c. */
 static double step_model(const dls_contact *p, int k) {
-  const double sweeps = fmin(fmax(5 + k / 12., k / 6.), 50);
+  const double fill = !p->W.a && p->d == 3 && k > 6000 ? k / 6000. : 1;
+  const double sweeps = fmin(fmax(5 + k / 12., k / 6.), 50) * fill * fill;
   return p->W.a ? fmax(sweeps, (double)k * k / (6. * p->d * p->nc)) : sweeps;
 }
 

@@ -234,8 +234,7 @@ static dls_status admm_factor(dls_admm *work, const dls_contact *problem, double
   return DLS_E_SINGULAR;
 }
 
-/* ---- the iteration
- * ------------------------------------------------------------------------------- */
+/* ---- the iteration --------------------------------------------------------------------------- */
 
 /* (AD1) */
 static void admm_resolvent(const dls_contact *problem, const double *v, double *z) {

@@ -159,8 +159,7 @@ const double *dls_augmented_direction(const dls_augmented *workspace) {
   return workspace && workspace->escaped ? workspace->direction : NULL;
 }
 
-/* ---- one augmentation
- * ---------------------------------------------------------------------------- */
+/* ---- one augmentation ------------------------------------------------------------------------ */
 
 /* (AU1), (AU2) x from lambda; DLS_OK if its residual is <= target in units of |q|, q the user's. */
 static dls_status augmented_regularise(dls_augmented *work, const dls_contact *problem, double s,
@@ -214,8 +213,7 @@ static int augmented_escapes(const dls_augmented *work, const dls_contact *probl
          gain < -1e-4 * length * dlsi_norm2(work->it.a, m);
 }
 
-/* ---- the augmentations
- * --------------------------------------------------------------------------- */
+/* ---- the augmentations ----------------------------------------------------------------------- */
 
 static const char *augmented_name(const dls_augmented *work) {
   return work->method == DLS_PENALTY ? "penalty" : "augmented-lagrangian";

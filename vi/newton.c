@@ -361,8 +361,7 @@ static dls_status newton_solve_matrix(dls_newton *work, const dls_contact *probl
   return DLS_OK;
 }
 
-/* ---- the step
- * ------------------------------------------------------------------------------------ */
+/* ---- the step -------------------------------------------------------------------------------- */
 
 /* Returns (NE1) for one candidate; r := r0. */
 static dlsi_branch newton_branch_of(int d, double mu, double w, const double *u, double *r) {
@@ -554,8 +553,7 @@ static void newton_search(dls_newton *work, const dls_contact *problem, int step
   last[step % memory] = now;
 }
 
-/* ---- the iteration
- * ------------------------------------------------------------------------------- */
+/* ---- the iteration --------------------------------------------------------------------------- */
 
 /* (NE1)-(NE3) from r: next. Where the matrix is singular, eps grows. DLS_E_SINGULAR: it is for
  * every eps; DLS_STALLED and DLS_E_MEMORY as newton_solve_matrix has them. */

@@ -544,14 +544,25 @@ static void nlgs_estimate(const dls_nlgs *work, const dls_contact *problem, cons
   dlsi_set_residuals(now, sqrt(sum.F), sqrt(sum.force), sqrt(sum.r));
 }
 
+/* Returns what the sweeps keep up to date: u, or v of bodies. */
+static double *nlgs_kept(const dls_nlgs *work) {
+  return work->motions ? work->v : work->it.u;
+}
+
 /* Brings u to the bits that belong to the order of the visits, not to the numbers: sweeps go on
  * from it. */
 static void nlgs_resume(const dls_nlgs *work, const dls_contact *problem, const double *r) {
   if (work->order) dlsi_multiply(problem, work->order, work->it.E, r, work->it.u, NULL);
 }
 
-/* ---- back on the cones
- * --------------------------------------------------------------------------- */
+/* Returns to an r met before, u afresh. */
+static void nlgs_return(const dls_nlgs *work, const dls_contact *problem, const double *from,
+                        double *r) {
+  memcpy(r, from, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
+  dlsi_multiply(problem, work->order, work->it.E, r, work->it.u, NULL);
+}
+
+/* ---- back on the cones ----------------------------------------------------------------------- */
 
 /* Projects r on its cones, so that r_n = 0 means r_c = 0 (NL0). Returns 1 if r was outside. */
 static int nlgs_project_start(const dls_contact *problem, double *r) {
@@ -597,8 +608,7 @@ static void nlgs_repair(const dls_nlgs *work, const dls_contact *problem, double
   if (b) nlgs_flush(work, problem, b);
 }
 
-/* ---- the iteration
- * ------------------------------------------------------------------------------- */
+/* ---- accelerated ----------------------------------------------------------------------------- */
 
 /* Returns the power of two next to x > 0, which scales f without rounding: the last digit of |q|
  * depends on the numbers of the candidates. */
@@ -615,8 +625,7 @@ static void nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double r
   dlsi_anderson *history = &work->history;
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   if (history->columns && !(residual <= nlgs_growth * *accepted)) { /* (NL7) */
-    memcpy(r, history->g, m * sizeof *r);
-    dlsi_multiply(problem, work->order, work->it.E, r, work->it.u, NULL);
+    nlgs_return(work, problem, history->g, r);
     dlsi_anderson_clear(history);
   } else {
     *accepted = residual;
@@ -627,7 +636,7 @@ static void nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double r
       for (size_t i = d * c; i < d * (c + 1); i++)
         *f++ = unit * work->it.w[c] * (r[i] - work->x[i]);
     }
-    if (dlsi_anderson_step(history, (int)m, work->it.F, r, work->motions ? work->v : work->it.u))
+    if (dlsi_anderson_step(history, (int)m, work->it.F, r, nlgs_kept(work)))
       nlgs_repair(work, problem, r);
   }
   memcpy(work->x, r, m * sizeof *r);
@@ -655,8 +664,7 @@ static dlsi_set nlgs_all(const dls_nlgs *work, const dls_contact *problem) {
 static void nlgs_start_momentum(dls_nlgs *work, const dls_contact *problem, const double *r) {
   const dlsi_set all = {.count = problem->nc}, bodies = {.count = problem->bodies.count};
   const int n = work->motions, d = problem->d;
-  dlsi_momentum_start(&work->momentum, d, n ? n : d, all, n ? bodies : all, r,
-                      n ? work->v : work->it.u);
+  dlsi_momentum_start(&work->momentum, d, n ? n : d, all, n ? bodies : all, r, nlgs_kept(work));
 }
 
 /* A sum of |F_c|^2 by pieces. */
@@ -767,7 +775,7 @@ static dlsi_set nlgs_list_bodies(const dls_nlgs *work, const dls_contact *proble
 /* (NL9) Sweeps where the residual is. u belongs to r. Returns 0 if that is nearly everywhere. */
 static int nlgs_sweep_locally(dls_nlgs *work, const dls_contact *problem, double *r) {
   const int d = problem->d, n = work->motions;
-  double *F2 = work->it.F, *const u = n ? work->v : work->it.u;
+  double *F2 = work->it.F, *const u = nlgs_kept(work);
   const double sum = nlgs_measure(work, problem, nlgs_all(work, problem), r, F2);
   const double bound = nlgs_threshold(problem, F2, sum);
   for (int c = 0; c < problem->nc; c++)
@@ -809,8 +817,9 @@ static int nlgs_look_locally(dls_nlgs *work, const dls_contact *problem, double 
   return swept;
 }
 
-/* (NL10) Returns 1 when the residual has not been halved for as many sweeps as before and 300, or,
- * below 1000 candidates without momentum, three times as many: what follows is as expensive. */
+/* (NL10) Returns 1 when the residual has not been halved for as many sweeps as before and 300, 800
+ * while there are several ways, or, below 1000 candidates without momentum, three times as many:
+ * what follows is as expensive. */
 static int nlgs_is_slow(dls_nlgs *work, const dls_contact *problem, double residual) {
   if (residual <= work->halved / 2) {
     work->halved = residual;
@@ -831,8 +840,7 @@ static int nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double r
     work->largest = work->largest > slow_momentum ? slow_momentum : 0;
     work->now = problem->nc > few_candidates ? HELD : FREE;
     work->since = work->sweeps;
-    memcpy(r, work->it.best, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
-    dlsi_multiply(problem, work->order, work->it.E, r, work->it.u, NULL);
+    nlgs_return(work, problem, work->it.best, r);
     nlgs_start_momentum(work, problem, r);
     return 1;
   }
@@ -848,7 +856,7 @@ static int nlgs_push(dls_nlgs *work, const dls_contact *problem, int k, double r
   const dlsi_set all = {.count = problem->nc}, bodies = {.count = problem->bodies.count};
   (void)dlsi_momentum_step(&work->momentum, problem->d, n ? n : problem->d, work->it.w,
                            work->largest, nlgs_all(work, problem), n ? bodies : all, r,
-                           n ? work->v : work->it.u);
+                           nlgs_kept(work));
   return 1;
 }
 
@@ -881,17 +889,14 @@ static void nlgs_start_way(dls_nlgs *work, const dls_contact *problem, const dou
  * begins, from the best r where this one is a tenth worse. */
 static int nlgs_change_way(dls_nlgs *work, const dls_contact *problem, double residual, int sweeps,
                            double *r) {
+  if (work->largest < 1) return 0; /* (NL10) has ended the race */
   const double price = work->now == ANDERSON ? price_of_history : 1;
   const int turn = dlsi_race_advance(&work->race, residual, price * sweeps);
-  if (work->largest < 1) return 0;
   nlgs_way next = turn ? work->way[work->race.now] : work->now;
   if (next == ANDERSON && nlgs_is_slow(work, problem, residual)) next = FREE; /* (NL10) is next */
   if (next == work->now) return 0;
   work->now = next;
-  if (residual > nlgs_growth * work->race.least) {
-    memcpy(r, work->it.best, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
-    dlsi_multiply(problem, work->order, work->it.E, r, work->it.u, NULL);
-  }
+  if (residual > nlgs_growth * work->race.least) nlgs_return(work, problem, work->it.best, r);
   nlgs_start_way(work, problem, r);
   return 1;
 }

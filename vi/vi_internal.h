@@ -346,14 +346,12 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
 dls_status dlsi_newton_create(dls_newton **out, int d, int nc, const dls_newton_settings *settings,
                               dlsi_room *room, dls_error *error);
 
-/* ---- vi/admm.c
- * --------------------------------------------------------------------------------- */
+/* ---- vi/admm.c ------------------------------------------------------------------------------- */
 
 /* Makes later solves in the workspace take W from `shared` (borrowed); NULL: from the problem. */
 void dlsi_admm_share(dls_admm *work, const dlsi_shared *shared);
 
-/* ---- vi/nlgs.c
- * --------------------------------------------------------------------------------- */
+/* ---- vi/nlgs.c ------------------------------------------------------------------------------- */
 
 /* Returns 0 if no candidate has several solutions whatever the others do. */
 int dlsi_may_be_ambiguous(const dls_contact *problem);

@@ -14,8 +14,7 @@
 #include "delassus/info.h"
 #include "delassus/model.h"
 
-/* ---- loops that vectorise
- * ------------------------------------------------------------------------ */
+/* ---- loops that vectorise -------------------------------------------------------------------- */
 
 /* Compiles a function twice, plain and with AVX2, where the linker can choose at load time.
  * Products and sums are rounded one by one in both, to the same bits. Functions that it calls have

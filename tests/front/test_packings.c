@@ -70,11 +70,14 @@ END_TEST
 
 /* Sweeps are as patient in a workspace with room for 1000 candidates more. */
 START_TEST(room_changes_nothing) {
-  const dls_info a = pack("packing-rest", 300, 4, 1e-4);
-  const dls_info b = pack_by(DLS_AUTO, DLS_ACCELERATION_NONE, "packing-rest", 300, 4, 1e-4, 1000);
-  ck_assert_int_eq(a.stages, b.stages);
-  for (int s = 0; s < a.stages; s++)
-    ck_assert_int_eq(a.stage[s].iterations, b.stage[s].iterations);
+  static const char *const kinds[] = {"packing-rest", "discs-rest"};
+  for (int k = 0; k < 2; k++) {
+    const dls_info a = pack(kinds[k], 300, 4, 1e-4);
+    const dls_info b = pack_by(DLS_AUTO, DLS_ACCELERATION_NONE, kinds[k], 300, 4, 1e-4, 1000);
+    ck_assert_int_eq(a.stages, b.stages);
+    for (int s = 0; s < a.stages; s++)
+      ck_assert_int_eq(a.stage[s].iterations, b.stage[s].iterations);
+  }
 }
 END_TEST
 

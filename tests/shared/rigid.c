@@ -59,8 +59,8 @@ static void heap_touch(heap *h, place at) {
 
 static const double step_of_gravity = 0.098;
 
-/* Touches spheres a and b where they overlap. radius: of all. */
-static void touch_spheres(heap *h, int a, int b, const double *radius) {
+/* Touches spheres a and b where they are less than a gap apart. radius: of all. */
+static void touch_spheres(heap *h, int a, int b, const double *radius, double gap) {
   const double *x = h->body[a].x, *y = h->body[b].x;
   double n[3], length = 0;
   for (int i = 0; i < 3; i++) {
@@ -68,7 +68,7 @@ static void touch_spheres(heap *h, int a, int b, const double *radius) {
     length += n[i] * n[i];
   }
   length = sqrt(length);
-  if (length >= radius[a] + radius[b]) return;
+  if (length >= radius[a] + radius[b] + gap) return;
   place at = {.a = a, .b = b};
   for (int i = 0; i < 3; i++) {
     at.normal[i] = n[i] / length;
@@ -77,12 +77,12 @@ static void touch_spheres(heap *h, int a, int b, const double *radius) {
   heap_touch(h, at);
 }
 
-/* Touches sphere a and the sides of the box, but for its top. */
-static void touch_box(heap *h, int a, double radius, double side) {
-  for (int i = 0; i < 3; i++)
-    for (int end = 0; end < (i == 2 ? 1 : 2); end++) {
-      const double *x = h->body[a].x, wall = end ? side - 0.25 : -0.25;
-      if (fabs(x[i] - wall) - 0.1 >= radius) continue;
+/* Touches sphere a and the sides of the box that are less than a gap away, but for its top. */
+static void touch_box(heap *h, int a, double radius, double low, double high, double gap) {
+  for (int i = 0; i < h->d; i++)
+    for (int end = 0; end < (i == h->d - 1 ? 1 : 2); end++) {
+      const double *x = h->body[a].x;
+      if (fabs(x[i] - (end ? high : low)) >= radius + gap) continue;
       place at = {.a = a, .b = -1};
       memcpy(at.x, x, sizeof at.x);
       at.x[i] += end ? radius : -radius;
@@ -112,14 +112,14 @@ static void make_packing(heap *h, int candidates, int flow) {
   }
   for (int a = 0; a < count && !h->bad; a++) {
     const int cell[3] = {a / 4 % n, a / 4 / n % n, a / 4 / n / n};
-    touch_box(h, a, radius[a], n);
+    touch_box(h, a, radius[a], -0.25, n - 0.25, 0.1);
     for (int near = 0; near < 27; near++) {
       const int x = cell[0] + near % 3 - 1, y = cell[1] + near / 3 % 3 - 1;
       const int z = cell[2] + near / 9 - 1;
       if (x < 0 || y < 0 || z < 0 || x >= n || y >= n || z >= n) continue;
       const int first = 4 * (x + n * (y + n * z));
       for (int b = first; b < first + 4; b++)
-        if (b < a) touch_spheres(h, a, b, radius);
+        if (b < a) touch_spheres(h, a, b, radius, 0);
     }
   }
   free(radius);
@@ -238,18 +238,15 @@ static void settling_run(settling *s) {
 
 typedef struct settled {
   heap *h;
-  const settling *s;
+  const double *radius;
+  double gap;
 } settled;
 
 static void settled_touch(void *data, int a, int b, const double *n, double overlap) {
   const settled *of = data;
-  place at = {.a = a, .b = b};
+  (void)n;
   (void)overlap;
-  for (int i = 0; i < of->s->d; i++) {
-    at.normal[i] = n[i];
-    at.x[i] = of->s->x[3 * b + i] + n[i] * of->s->radius[b];
-  }
-  heap_touch(of->h, at);
+  touch_spheres(of->h, a, b, of->radius, of->gap);
 }
 
 static void make_settled(heap *h, int d, int candidates, int flow) {
@@ -289,17 +286,9 @@ static void make_settled(heap *h, int d, int candidates, int flow) {
       body.spin[i] = 0.15 * heap_random(h);
     body.v[d - 1] -= step_of_gravity;
     (void)heap_add_body(h, body);
-    for (int i = 0; i < d; i++)
-      for (int end = 0; end < (i == d - 1 ? 1 : 2); end++) {
-        place at = {.a = a, .b = -1};
-        if (fabs(s.x[3 * a + i] - (end ? s.side : 0)) >= R + near) continue;
-        memcpy(at.x, body.x, sizeof at.x);
-        at.x[i] += end ? R : -R;
-        at.normal[i] = end ? -1 : 1;
-        heap_touch(h, at);
-      }
+    if (!h->bad) touch_box(h, a, R, 0, s.side, near);
   }
-  settled of = {h, &s};
+  settled of = {h, s.radius, near};
   if (!h->bad) settling_pairs(&s, near, settled_touch, &of);
   free(s.x);
   free(s.v);
