@@ -13,7 +13,7 @@ typedef struct dlsi_room {
   double *v; /* entries: values */
   size_t entries;
   struct dlsi_sparse_lu *lu; /* NULL if never needed, or without MUMPS */
-  const void *owner; /* the workspace that wrote to J last; NULL: none */
+  const void *owner;         /* the workspace that wrote to J last; NULL: none */
 } dlsi_room;
 
 /* Make room for a side x side matrix, or for W of `blocks` d x d blocks and a diagonal. The
