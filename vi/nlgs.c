@@ -122,7 +122,7 @@ struct dls_nlgs {
   int *near; /* of momentum: nc, layer of (NL9) of each candidate, from 1 on; 0: not in a set */
   int *some, *rows; /* of momentum: nc, the sets of (NL9) */
   double largest;   /* b of momentum, (NL10) */
-  double halved;    /* the residual that was last half of the one before it ... */
+  double halved;    /* (NL10): the residual that was last half of the one before it ... */
   double since;     /* ... and the sweeps until then, those on a set by its share */
   double looked;    /* the residual when (NL9) was due last */
   int pause, wait;  /* (NL9): looks left out after a set that was too large; of them to come */
@@ -647,6 +647,7 @@ static void nlgs_accelerate(dls_nlgs *work, const dls_contact *problem, double r
 enum { local_every = 10, local_first = 50, local_sweeps = 300, local_looks = 5, local_layers = 3 };
 enum { slow_first = 300, slow_race = 800, last_patience = 3 };
 static const double slow_momentum = 0.5; /* (NL10) */
+static const double racing_falls = 0.8;  /* (NL10): of the residual, with several ways */
 static const double local_share = 0.9;   /* of |F|^2 that the worst candidates hold */
 static const double local_size = 1. / 3; /* of the candidates: a larger set is no gain */
 static const double local_end = 0.3;     /* of |F| on the set */
@@ -817,16 +818,19 @@ static int nlgs_look_locally(dls_nlgs *work, const dls_contact *problem, double 
   return swept;
 }
 
-/* (NL10) Returns 1 when the residual has not been halved for as many sweeps as before and 300, 800
- * while there are several ways, or, below 1000 candidates without momentum, three times as many:
- * what follows is as expensive. */
+/* (NL10) Returns 1 when the residual has not been halved for as many sweeps as before and 300, or,
+ * below 1000 candidates without momentum, three times as many: what follows is as expensive. While
+ * there are several ways, one that takes a fifth off will do, and 300 is 800, from 1000 candidates
+ * on times their number across: so many sweeps a reaction takes to get through. */
 static int nlgs_is_slow(dls_nlgs *work, const dls_contact *problem, double residual) {
-  if (residual <= work->halved / 2) {
+  const int racing = work->largest == 1 && work->race.ways > 1;
+  if (residual <= (racing ? racing_falls : 0.5) * work->halved) {
     work->halved = residual;
     work->since = work->sweeps;
   }
   const int patience = work->largest == 0 && problem->nc < few_candidates ? last_patience : 1;
-  const int first = work->largest == 1 && work->race.ways > 1 ? slow_race : slow_first;
+  const double across = pow(fmax(1, (double)problem->nc / few_candidates), 1. / problem->d);
+  const double first = racing ? slow_race * across : slow_first;
   return work->sweeps - work->since >= patience * (first + work->since);
 }
 

@@ -128,7 +128,8 @@ typedef struct dlsi_race {
   int ways, now;                /* how many, and which */
   double price[dlsi_most_ways]; /* (RA1) */
   double spent;                 /* since the way began or halved the residual */
-  double least, halved;         /* residuals: the least; the least at the last halving */
+  double least, halved, begun;  /* residuals: the least; that at the last halving, and when the way
+                                   began or halved it */
 } dlsi_race;
 
 /* Begins with way 0. ways: 1 to dlsi_most_ways. */

@@ -153,8 +153,20 @@ START_TEST(settled_ones_take_the_quickest_way) {
 }
 END_TEST
 
+/* Densities a thousand times each other's: the residual falls slowly, by whichever way. Anderson's
+ * sweeps need the fewest, and get their time. */
+START_TEST(slow_ones_take_it_too) {
+  const dls_info a = pack("mixed2-rest", 1500, 2, 1e-4);
+  const dls_info anderson =
+      pack_by(DLS_NLGS, DLS_ACCELERATION_ANDERSON, "mixed2-rest", 1500, 2, 1e-4, 0);
+  ck_assert_int_eq(a.stages, 1);
+  ck_assert_int_lt(a.iterations, 2 * anderson.iterations);
+}
+END_TEST
+
 int main(void) {
   return RUN("packings", NULL, NULL, EACH(sweeps_are_enough, 0, 3), ONCE(tight_ones_take_momentum),
              ONCE(room_changes_nothing), ONCE(newton_ends_it), ONCE(sweeps_that_stall),
-             ONCE(elastic_by_blocks), ONCE(settled_ones_take_the_quickest_way));
+             ONCE(elastic_by_blocks), ONCE(settled_ones_take_the_quickest_way),
+             ONCE(slow_ones_take_it_too));
 }

@@ -58,6 +58,17 @@ START_TEST(ways_are_tried_again) {
 }
 END_TEST
 
+/* Where all are slow, the one that gets farthest in its turns has nearly all
+ * of the sweeps. */
+START_TEST(slow_ways_are_compared) {
+  const double rate[] = {0.9998, 0.9995, 0.9999};
+  int way[dlsi_most_ways];
+  const int sweeps = race_of(3, rate, 0, way);
+  ck_assert_int_gt(15 * way[1], 14 * sweeps);
+  ck_assert(way[0] > 0 && way[2] > 0);
+}
+END_TEST
+
 /* A way alone goes on for ever. */
 START_TEST(one_way_has_no_other) {
   const double rate[] = {1, 0, 0};
@@ -69,5 +80,5 @@ END_TEST
 
 int main(void) {
   return RUN("race", NULL, NULL, ONCE(quick_way_stays), ONCE(vain_ways_are_left),
-             ONCE(ways_are_tried_again), ONCE(one_way_has_no_other));
+             ONCE(ways_are_tried_again), ONCE(slow_ways_are_compared), ONCE(one_way_has_no_other));
 }

@@ -249,7 +249,8 @@ static void settled_touch(void *data, int a, int b, const double *n, double over
   touch_spheres(of->h, a, b, of->radius, of->gap);
 }
 
-static void make_settled(heap *h, int d, int candidates, int flow) {
+/* mixed: densities from 1/32 to 32 in place of 1. */
+static void make_settled(heap *h, int d, int candidates, int flow, int mixed) {
   static const double spread = 0.3, near = 0.01;
   settling s = {.d = d, .count = (int)fmax(4, candidates / (d == 2 ? 2.05 : 2.9))};
   const size_t n = (size_t)s.count;
@@ -276,7 +277,8 @@ static void make_settled(heap *h, int d, int candidates, int flow) {
       s.x[3 * a + i] = s.radius[a] + (s.side / 2 - s.radius[a]) * (1 + heap_random(h));
   if (!h->bad) settling_run(&s);
   for (int a = 0; a < s.count && !h->bad; a++) {
-    const double R = s.radius[a], m = pow(R, d), I = (d == 2 ? 0.5 : 0.4) * m * R * R;
+    const double R = s.radius[a], density = mixed ? exp2(5 * heap_random(h)) : 1;
+    const double m = density * pow(R, d), I = (d == 2 ? 0.5 : 0.4) * m * R * R;
     solid body = {.mass = m, .inertia = {I, I, I}};
     for (int i = 0; i < d; i++) {
       body.x[i] = s.x[3 * a + i];
@@ -597,10 +599,11 @@ void rigid_free(rigid *a) {
   *a = (rigid){0};
 }
 
-static const char *const kinds[] = {
-    "packing-rest", "packing-flow", "wall-rest",  "wall-pushed", "rubble-rest", "rubble-pushed",
-    "wall3-rest",   "wall3-pushed", "chain",      "chain3",      "arch",        "arch3",
-    "tower2",       "tower",        "discs-rest", "discs-flow",  "balls-rest",  "balls-flow"};
+static const char *const kinds[] = {"packing-rest", "packing-flow",  "wall-rest",   "wall-pushed",
+                                    "rubble-rest",  "rubble-pushed", "wall3-rest",  "wall3-pushed",
+                                    "chain",        "chain3",        "arch",        "arch3",
+                                    "tower2",       "tower",         "discs-rest",  "discs-flow",
+                                    "balls-rest",   "balls-flow",    "mixed2-rest", "mixed3-rest"};
 enum { kind_count = sizeof kinds / sizeof kinds[0] };
 
 const char *rigid_kind(int index) {
@@ -621,7 +624,8 @@ int rigid_create(rigid *a, const char *kind, int candidates, double mu, uint64_t
   if (k == 10 || k == 11) make_arch(&h, k - 8, candidates);
   if (k == 12) make_pile(&h, candidates);
   if (k == 13) make_tower(&h, candidates);
-  if (k >= 14 && k < kind_count) make_settled(&h, k < 16 ? 2 : 3, candidates, k % 2);
+  if (k >= 14 && k < 18) make_settled(&h, k < 16 ? 2 : 3, candidates, k % 2, 0);
+  if (k >= 18 && k < kind_count) make_settled(&h, k - 16, candidates, 0, 1);
   int bad = h.bad || h.places == 0 ? -1 : 0;
   if (!bad) bad = rigid_fill(a, &h, mu);
   if (bad) rigid_free(a);

@@ -38,7 +38,8 @@ typedef struct rigid {
  *   discs-rest, discs-flow       2D discs of radius 1 +-30 % that have settled from random places
  *                                in a box; under one step of gravity, or with random velocities
  *                                besides
- *   balls-rest, balls-flow       the same in 3D */
+ *   balls-rest, balls-flow       the same in 3D
+ *   mixed2-rest, mixed3-rest     discs-rest, balls-rest with densities from 1/32 to 32 */
 int rigid_create(rigid *a, const char *kind, int candidates, double mu, uint64_t seed);
 void rigid_free(rigid *a);
 
