@@ -2,8 +2,8 @@
  * race.c: which of a few ways to iterate halves a residual at the least price.
  *
  *   (RA1) price of a way: what its last halving has cost, at least first_price; where its last turn
- *         ended without one, what that turn has cost over the part of a halving that it has brought,
- *         log2 of the residuals, at least least_part; 0 where it has not been tried
+ *         ended without one, what that turn has cost over the part of a halving that it has
+ *         brought, log2 of the residuals, at least least_part; 0 where it has not been tried
  *   (RA2) a way goes on until it has spent 3/2 of the least price of the others, and of
  *         first_price, without halving the least residual so far
  *   (RA3) then the other one of the least price follows, the first of them where two have it
