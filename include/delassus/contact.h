@@ -50,13 +50,15 @@ typedef struct dls_bodies {
 /* The problem: a view, everything is borrowed. W is dense, by blocks, or of rigid bodies: leave the
  * other two zero. */
 typedef struct dls_contact {
-  int d;             /* 1, 2 or 3 */
-  int nc;            /* number of candidates, >= 0; W, q, mu are not read where it is 0 */
-  dls_dense W;       /* m x m; W.a = NULL where it is not used */
-  dls_blocks Wb;     /* nc x nc blocks of d x d; Wb.x = NULL where it is not used */
-  const double *q;   /* m */
-  const double *mu;  /* nc; all 0 where d = 1 */
-  dls_bodies bodies; /* bodies.H = NULL where it is not used */
+  int d;                 /* 1, 2 or 3 */
+  int nc;                /* number of candidates, >= 0; W, q, mu are not read where it is 0 */
+  dls_dense W;           /* m x m; W.a = NULL where it is not used */
+  dls_blocks Wb;         /* nc x nc blocks of d x d; Wb.x = NULL where it is not used */
+  const double *q;       /* m */
+  const double *mu;      /* nc; all 0 where d = 1 */
+  dls_bodies bodies;     /* bodies.H = NULL where it is not used */
+  const double *weights; /* 2 nc: w_n and w_t of each contact for the certificate, > 0, length /
+                            force; NULL: from the diagonal blocks of W */
 } dls_contact;
 
 /* Checks sizes, pointers, finite values, mu >= 0, block structure; O(size of W). Every function
@@ -137,7 +139,7 @@ typedef enum dls_contact_state { DLS_FREE = 0, DLS_SLIP = 1, DLS_STICK = 2 } dls
  * candidates. The last three leave out a candidate whose w r is at most 4 eps of the largest entry
  * of a_c: nothing but rounding. */
 typedef struct dls_certificate {
-  double residual;        /* max(residual_u, residual_r)               1 */
+  double residual;        /* max(residual_u, residual_r, equilibrium)  1 */
   double residual_u;      /* of positions                              1 */
   double residual_r;      /* of forces                                 1 */
   double floor_u;         /* of positions                              1 */
@@ -150,6 +152,10 @@ typedef struct dls_certificate {
                              not oppose                                length (velocity) */
   double complementarity; /* |u_n r_n|                                 work */
   int worst;              /* candidate with the largest |F_c| */
+  double equilibrium;     /* of the body, dls_reduction_certify; 0 where K is not known   1 */
+  double floor_e;         /* of equilibrium                            1 */
+  double unbalanced;      /* |K x - f - H r| of that connected body    force */
+  int body;               /* connected body with the largest equilibrium part; -1: none */
 } dls_certificate;
 
 /* Measures r for this problem, from the user's W, q, mu alone. Allocates 4 m doubles, for bodies

@@ -37,14 +37,17 @@ extern "C" {
 typedef enum dls_status {
   DLS_OK = 0, /* done; solvers: dls_certificate_holds */
 
-  DLS_MAX_ITERATIONS = 1,     /* the iteration limit came first */
-  DLS_CANCELLED = 2,          /* the progress callback returned non-zero */
-  DLS_STALLED = 3,            /* no further progress in this arithmetic */
-  DLS_RAY = 4,                /* Lemke ended in a secondary ray; dls_lemke_ray() gives it */
-  DLS_NO_SOLUTION = 5,        /* proved: no solution exists */
-  DLS_NO_SOLUTION_LIKELY = 6, /* not proved; dls_solver_direction() shows why */
-  DLS_TIME_LIMIT = 7,         /* limits.cpu_seconds came first */
-  DLS_FOLDED = 8,             /* forming.h: the next step would leave no body */
+  DLS_MAX_ITERATIONS = 1,      /* the iteration limit came first */
+  DLS_CANCELLED = 2,           /* the progress callback returned non-zero */
+  DLS_STALLED = 3,             /* no further progress in this arithmetic */
+  DLS_RAY = 4,                 /* Lemke ended in a secondary ray; dls_lemke_ray() gives it */
+  DLS_NO_SOLUTION = 5,         /* proved: no solution exists */
+  DLS_NO_SOLUTION_LIKELY = 6,  /* not proved; dls_solver_direction() shows why */
+  DLS_TIME_LIMIT = 7,          /* limits.cpu_seconds came first */
+  DLS_FOLDED = 8,              /* forming.h: the next step would leave no body */
+  DLS_TO_ROUNDING = 9,         /* solved as well as double precision can hold the answer, which is
+                                 above the tolerance: the certificate's floors say how well */
+  DLS_NOT_IN_EQUILIBRIUM = 10, /* a body's forces do not balance: certificate.unbalanced of them */
 
   DLS_E_ARGUMENT = -1,              /* NULL, or a value outside its range */
   DLS_E_SIZE = -2,                  /* dimensions that do not fit, or too large to address */

@@ -20,6 +20,8 @@ static const status_words words[] = {
     {DLS_NO_SOLUTION_LIKELY, "DLS_NO_SOLUTION_LIKELY", "no solution likely"},
     {DLS_TIME_LIMIT, "DLS_TIME_LIMIT", "time limit reached"},
     {DLS_FOLDED, "DLS_FOLDED", "mesh folded"},
+    {DLS_TO_ROUNDING, "DLS_TO_ROUNDING", "solved to rounding"},
+    {DLS_NOT_IN_EQUILIBRIUM, "DLS_NOT_IN_EQUILIBRIUM", "not in equilibrium"},
     {DLS_E_ARGUMENT, "DLS_E_ARGUMENT", "invalid argument"},
     {DLS_E_SIZE, "DLS_E_SIZE", "sizes do not fit"},
     {DLS_E_NOT_FINITE, "DLS_E_NOT_FINITE", "NaN or Inf in the input"},

@@ -70,6 +70,7 @@ static const struct {
 ending ending_of(dls_status status) {
   switch (status) {
   case DLS_OK:
+  case DLS_TO_ROUNDING:
     return ENDED_SOLVED;
   case DLS_MAX_ITERATIONS:
     return ENDED_ITERATIONS;

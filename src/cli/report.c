@@ -128,6 +128,8 @@ const char *status_word(dls_status status) {
       [DLS_NO_SOLUTION_LIKELY] = "no_solution_likely",
       [DLS_TIME_LIMIT] = "time_limit",
       [DLS_FOLDED] = "folded",
+      [DLS_TO_ROUNDING] = "to_rounding",
+      [DLS_NOT_IN_EQUILIBRIUM] = "not_in_equilibrium",
   };
   return status < 0 ? "error" : words[status];
 }

@@ -61,14 +61,15 @@ _USED = {
     "dls_progress": "method stage iteration max_iterations residual r cpu_seconds last",
     "dls_solver_settings": "limits size method acceleration facets positive_definite",
     "dls_certificate": "residual residual_u residual_r floor_u floor_r penetration adhesion "
-                       "cone_violation slip_direction complementarity worst",
-    "dls_info": "status method iterations certificate ambiguous unique stages stage",
+                       "cone_violation slip_direction complementarity worst "
+                       "equilibrium floor_e unbalanced body",
+    "dls_info": "status method iterations certificate error ambiguous unique stages stage",
     "dls_stage": "method iterations factorisations residual",
     "dls_dense": "rows cols ld a",
     "dls_sparse": "rows cols p i x",
     "dls_blocks": "d n p i x",
     "dls_bodies": "n count body H work",
-    "dls_contact": "d nc W Wb q mu bodies",
+    "dls_contact": "d nc W Wb q mu bodies weights",
     "dls_model": "d n nodes operator_kind factorization K Ks solve user HN HT P active mu modes "
                  "triangular",
     "dls_reduction_settings": "size memory_limit allow_indefinite stabilize form_W",
