@@ -200,7 +200,8 @@ void dlsi_friction_start(const dls_contact *problem, const double *w, const doub
     const size_t d = (size_t)problem->d;
     const double mu = problem->mu[c], *rc = r + d * (size_t)c, *uc = u + d * (size_t)c;
     double F[2] = {0};
-    const dls_contact_state state = dlsi_contact_residual((int)d, mu, w[c], rc, uc, F);
+    const double both[2] = {w[c], w[c]};
+    const dls_contact_state state = dlsi_contact_misfit((int)d, mu, both, rc, uc, F);
     z[0] = state != DLS_FREE;
     if (!(mu > 0)) continue;
     const int back = uc[1] < 0;

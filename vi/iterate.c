@@ -40,6 +40,7 @@ void dlsi_iterate_carve(dlsi_iterate *it, dlsi_arena *arena, int d, int nc,
   it->limits = limits;
   double **const vectors[] = {&it->u, &it->a, &it->F, &it->best};
   it->w = dlsi_take(arena, n, sizeof *it->w);
+  it->weights = dlsi_take(arena, 2 * n, sizeof *it->weights);
   dlsi_take_vectors(arena, (size_t)d * n, 4, vectors);
 }
 
@@ -81,7 +82,9 @@ void dlsi_iterate_begin(dlsi_iterate *it, const dls_contact *problem, const doub
   it->tol = tol;
   it->begun = dlsi_clock_start(it->limits);
   it->certificate = dlsi_no_certificate;
+  it->rounded = 0;
   dlsi_contact_weights(problem, it->w);
+  dlsi_certificate_weights(problem, it->weights);
   if (!warm || dlsi_max_abs(problem->q, m) == 0)
     memset(r, 0, m * sizeof *r);
   else if (r != start)
@@ -93,17 +96,18 @@ dls_certificate dlsi_iterate_measure(dlsi_iterate *it, const dls_contact *proble
                                      const double *r) {
   dls_certificate now;
   iterate_multiply(it, problem, r, it->u, it->a);
-  dlsi_contact_measure(problem, r, it->u, it->a, it->w, it->F, &now);
+  dlsi_contact_measure(problem, r, it->u, it->a, it->weights, it->F, &now);
   return now;
 }
 
 int dlsi_iterate_keep(dlsi_iterate *it, const dls_contact *problem, const double *r,
                       const dls_certificate *now) {
-  const int holds = dls_certificate_holds(now, it->tol);
-  if (!holds && !dlsi_is_better(now, &it->certificate)) return 0;
+  const dls_status verdict = dls_certificate_verdict(now, it->tol);
+  if (verdict == DLS_TO_ROUNDING) it->rounded++;
+  if (verdict != DLS_OK && !dlsi_is_better(now, &it->certificate)) return 0;
   it->certificate = *now;
   memcpy(it->best, r, size_of(problem) * sizeof *r);
-  return holds;
+  return verdict == DLS_OK;
 }
 
 dls_certificate dlsi_iterate_offer(dlsi_iterate *it, const dls_contact *problem, const double *r) {
@@ -123,12 +127,13 @@ int dlsi_iterate_start(dlsi_iterate *it, const dls_contact *problem, double *r) 
 
 dls_status dlsi_iterate_settle(dlsi_iterate *it, const dls_contact *problem, dls_status reason) {
   it->certificate = dlsi_iterate_measure(it, problem, it->best);
-  return dls_certificate_holds(&it->certificate, it->tol) ? DLS_OK : reason;
+  return dlsi_settled(&it->certificate, it->tol, reason);
 }
 
 dls_status dlsi_iterate_end(dlsi_iterate *it, const dls_contact *problem, dls_status status,
                             dls_info *outcome, double *r, double *u, dls_info *info) {
   if (status < 0) return status;
+  status = dlsi_settled(&it->certificate, it->tol, status);
   outcome->status = status;
   it->iterations = outcome->sweeps + outcome->iterations;
   outcome->certificate = it->certificate;

@@ -111,11 +111,11 @@ static void primal_carve(void *workspace, dlsi_arena *arena) {
   const size_t nodes = (size_t)p->K.nodes;
   double **const of_unknowns[] = {&p->inverse, &p->f, &p->g,  &p->x,    &p->R, &p->x0,
                                   &p->R0,      &p->s, &p->Rs, &p->step, &p->a, &p->best};
-  double **const of_nodes[] = {&p->mu, &p->b, &p->w, &p->coupling, &p->schur};
-  double **const of_pairs[] = {&p->r, &p->u, &p->q, &p->A, &p->F};
+  double **const of_nodes[] = {&p->mu, &p->b, &p->coupling, &p->schur};
+  double **const of_pairs[] = {&p->r, &p->u, &p->q, &p->A, &p->F, &p->w};
   dlsi_take_vectors(arena, (size_t)p->K.n, 12, of_unknowns);
-  dlsi_take_vectors(arena, nodes, 5, of_nodes);
-  dlsi_take_vectors(arena, 2 * nodes, 5, of_pairs);
+  dlsi_take_vectors(arena, nodes, 4, of_nodes);
+  dlsi_take_vectors(arena, 2 * nodes, 6, of_pairs);
 }
 
 /* Computes the arrays that depend on K alone. */
@@ -128,8 +128,9 @@ static void primal_prepare(dls_primal *p) {
     p->coupling[c] = dlsi_frames_coupling(K, c);
     const double ratio = p->coupling[c] / K->diagonal[i];
     p->schur[c] = K->diagonal[j] - p->coupling[c] * ratio;
-    /* trace(K_cc^-1) / 2 */
-    p->w[c] = 0.5 * (1 / K->diagonal[i] + (1 + ratio * ratio) / p->schur[c]);
+    /* the diagonal of K_cc^-1 */
+    p->w[2 * c] = 1 / K->diagonal[i] + ratio * ratio / p->schur[c];
+    p->w[2 * c + 1] = 1 / p->schur[c];
   }
 }
 
@@ -263,14 +264,14 @@ static primal_measure primal_estimate(const dls_primal *work, double load) {
   for (int c = 0; c < K->nodes; c++) {
     const int i = K->normal[c], j = K->tangent[c];
     const double r[2] = {-work->R[i], -work->R[j]}, u[2] = {work->x[i], work->x[j]};
-    const double w = work->w[c], limit = w * work->b[c];
+    const double *w = work->w + 2 * (size_t)c, limit = w[1] * work->b[c];
     double F[2], q[2];
-    dlsi_contact_residual(2, work->mu[c], w, r, u, F);
+    dlsi_contact_misfit(2, work->mu[c], w, r, u, F);
     laws += F[0] * F[0] + F[1] * F[1];
-    force += (F[0] * F[0] + F[1] * F[1]) / (w * w);
-    const double vn = w * r[0] - u[0], vt = w * r[1] - u[1];
-    F[0] = w * r[0] - (vn > 0 ? vn : 0);
-    F[1] = w * r[1] - (vt > limit ? limit : vt < -limit ? -limit : vt);
+    force += F[0] / w[0] * (F[0] / w[0]) + F[1] / w[1] * (F[1] / w[1]);
+    const double vn = w[0] * r[0] - u[0], vt = w[1] * r[1] - u[1];
+    F[0] = w[0] * r[0] - (vn > 0 ? vn : 0);
+    F[1] = w[1] * r[1] - (vt > limit ? limit : vt < -limit ? -limit : vt);
     tresca += F[0] * F[0] + F[1] * F[1];
     r2 += r[0] * r[0] + r[1] * r[1];
     primal_flexibility(work, c, r[0], r[1], q);

@@ -413,22 +413,25 @@ void dlsi_contact_multiply(const dls_contact *problem, const int *order, const d
 void dlsi_panel_dot(size_t m, int n, const double *A, const double *x, double *y);
 void dlsi_panel_subtract(size_t m, int n, const double *A, const double *x, double *y);
 
-/* Computes the weights trace(W_cc) / d; where that is not positive, the mean of the positive
- * weights; if no weight is positive, the largest |entry| of the diagonal blocks, or 1 if all of
- * them are 0. w: nc. */
+/* Computes one compliance a contact, the unit in which methods take their steps: trace(W_cc) / d;
+ * where that is not positive, the mean of the positive ones; if none is positive, the largest
+ * |entry| of the diagonal blocks, or 1 if all of them are 0. w: nc. */
 void dlsi_contact_weights(const dls_contact *problem, double *w);
+
+/* Computes the weights of the certificate: problem->weights, or W_nn and trace(W_tt) / (d-1) of the
+ * diagonal block; a weight that is not positive is completed as above from those of its kind, and
+ * a kind without any from the other one. w: 2 nc. */
+void dlsi_certificate_weights(const dls_contact *problem, double *w);
 
 /* Fills *subset as dls_contact_subset does, from arguments that have been checked; count > 0. */
 void dlsi_subset(const dls_contact *problem, int count, const int *candidate, double *values,
                  int *index, dls_contact *subset);
 
-/* Compute the weights in two steps where the diagonal blocks are at hand: trace(W_cc) / d of one
- * block, then the common weight where that is not positive. */
+/* Returns trace(W_cc) / d of one block. */
 static inline double dlsi_block_weight(int d, const double *block) {
   if (d == 1) return block[0];
   return d == 2 ? (block[0] + block[3]) / 2 : (block[0] + block[4] + block[8]) / 3;
 }
-void dlsi_contact_complete_weights(const dls_contact *problem, double *w);
 
 /* Returns |v_t|. hypot costs ten times the square root and is needed only where squares over- or
  * underflow. */
@@ -469,24 +472,48 @@ static inline dls_contact_state dlsi_project_cone(int d, double mu, const double
   return DLS_SLIP;
 }
 
-/* Computes F_c of the certificate for one candidate; returns the branch of the projection. With an
- * infinite friction F_c = u_c where w r_n > u_n, else w r_c. */
-static inline dls_contact_state dlsi_contact_residual(int d, double mu, double w, const double *r,
-                                                      const double *u, double *F) {
-  double v[3] = {0}, p[3] = {0};
+/* Computes D^1/2 F'_c of the certificate, a position, for one contact of the weights w_n = w[0] and
+ * w_t = w[1]; returns the branch of the projection. Written out in positions, where v = D r - u -
+ * mu |u_t| n and k = w_t / w_n, the projection on the round cone is
+ *
+ *   v                                          where |v_t| <= mu k v_n
+ *   0                                          where mu |v_t| <= -v_n
+ *   p_n = (v_n + mu |v_t|) / (1 + mu^2 k), p_t = mu k p_n v_t / |v_t|     else
+ *
+ * With an infinite friction F_c = u_c where w_n r_n > u_n, else D r_c. */
+static inline dls_contact_state dlsi_contact_misfit(int d, double mu, const double *w,
+                                                    const double *r, const double *u, double *F) {
+  double v[3] = {0}, Dr[3] = {0};
+  for (int i = 0; i < d; i++)
+    Dr[i] = w[i > 0] * r[i];
   if (dlsi_is_bonded(mu)) {
-    const int pressed = w * r[0] > u[0];
+    const int pressed = Dr[0] > u[0];
     for (int i = 0; i < d; i++)
-      F[i] = pressed ? u[i] : w * r[i];
+      F[i] = pressed ? u[i] : Dr[i];
     return pressed ? DLS_STICK : DLS_FREE;
   }
   for (int i = 0; i < d; i++)
-    v[i] = w * r[i] - u[i];
+    v[i] = Dr[i] - u[i];
   v[0] -= mu * dlsi_tangent_norm(d, u);
-  const dls_contact_state state = dlsi_project_cone(d, mu, v, p);
-  for (int i = 0; i < d; i++)
-    F[i] = w * r[i] - p[i];
-  return state;
+  const double t = dlsi_tangent_norm(d, v), mk = d > 1 ? mu * (w[1] / w[0]) : 0;
+  if (t <= mk * v[0] && v[0] >= 0) {
+    for (int i = 0; i < d; i++)
+      F[i] = Dr[i] - v[i];
+    return DLS_STICK;
+  }
+  if (mu * t <= -v[0]) {
+    for (int i = 0; i < d; i++)
+      F[i] = Dr[i];
+    return DLS_FREE;
+  }
+  const double p = (v[0] + mu * t) / (1 + mu * mk);
+  F[0] = Dr[0] - p;
+  if (d == 2)
+    F[1] = Dr[1] - copysign(mk * p, v[1]);
+  else if (d == 3)
+    for (int i = 1; i < 3; i++)
+      F[i] = Dr[i] - mk * p / t * v[i];
+  return DLS_SLIP;
 }
 
 /* Returns the residual that a certificate of this floor has to meet: max(tol, 4 floor), NaN for a
@@ -495,10 +522,11 @@ static inline double dlsi_target(double tol, double floor) {
   return 4 * floor <= tol ? tol : 4 * floor;
 }
 
-/* Returns 1 if both parts of the residual meet their targets. */
+/* Returns 1 if every part of the residual meets its target. */
 static inline int dlsi_certificate_meets(const dls_certificate *c, double tol) {
   return c->residual_u <= dlsi_target(tol, c->floor_u) &&
-         c->residual_r <= dlsi_target(tol, c->floor_r);
+         c->residual_r <= dlsi_target(tol, c->floor_r) &&
+         c->equilibrium <= dlsi_target(tol, c->floor_e);
 }
 
 /* Returns the target of the part that `residual` is. */
@@ -506,10 +534,16 @@ static inline double dlsi_certificate_target(const dls_certificate *c, double to
   return dlsi_target(tol, c->residual_r > c->residual_u ? c->floor_r : c->floor_u);
 }
 
-/* Sets the three residuals. force: |F / w|; r: |r|. */
+/* Returns the status of a solve that has ended with `reason` and the answer of this certificate: its
+ * verdict, if it is one and the end was the method's own; else the reason, DLS_STALLED in place of a
+ * DLS_OK or DLS_TO_ROUNDING that does not hold. */
+dls_status dlsi_settled(const dls_certificate *c, double tol, dls_status reason);
+
+/* Sets the three residuals. force: |D^-1/2 F'|; r: |r|. */
 void dlsi_set_residuals(dls_certificate *c, double residual_u, double force, double r);
 
-/* Measures r: its certificate from u = W r + q, a = |W| |r| and the weights w. F: receives F, m. */
+/* Measures r: its certificate from u = W r + q, a = |W| |r| and the weights w (2 nc), those of
+ * dlsi_certificate_weights. F: receives D^1/2 F', m. */
 void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
                           const double *a, const double *w, double *F,
                           dls_certificate *certificate);

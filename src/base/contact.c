@@ -1,11 +1,13 @@
 /*
  * contact.c: the contact problem u = W r + q and its certificate, the one measure for every method.
  *
- *   C_mu = { r : |r_t| <= mu r_n }
- *   F_c  = w_c r_c - P_Cmu( w_c r_c - (u_c + mu_c |u_tc| n) ),   w_c = trace(W_cc) / d
+ *   C_mu = { r : |r_t| <= mu r_n },  D_c = diag(w_n, w_t, ..)
+ *   r' = D^1/2 r,  u' = D^-1/2 u,  mu' = mu (w_t / w_n)^1/2
+ *   F'_c = r'_c - P_Cmu'( r'_c - (u'_c + mu'_c |u'_tc| n) )
  *
- * F = 0 if and only if every candidate meets the contact and friction laws (de Saxce's form:
- * C*_mu contains u + mu |u_t| n, perpendicular to r in C_mu).
+ * F' = 0 if and only if every contact meets the contact and friction laws (de Saxce's form: C*_mu
+ * contains u + mu |u_t| n, perpendicular to r in C_mu). The change of variables keeps the cone
+ * round and measures normals and tangents by compliances of their own.
  */
 #include <float.h>
 #include <math.h>
@@ -221,9 +223,9 @@ dls_status dls_contact_set_block(int d, int nc, dls_component row, dls_component
 
 /* ---- the certificate ------------------------------------------------------------------------- */
 
-/* Returns the weight of every candidate whose trace(W_cc) is not positive: the mean of the positive
- * weights, else the largest entry of the diagonal blocks, else 1. w: weights so far, nc. */
-static double common_weight(const dls_contact *problem, const double *w) {
+/* Returns the compliance of the contacts whose own is not positive: the mean of the positive ones,
+ * else the largest entry of the diagonal blocks, else 1. w: so far, every step-th entry. */
+static double common_weight(const dls_contact *problem, const double *w, int step) {
   const int entries = problem->d * problem->d;
   double block[9] = {0}, sum = 0, largest = 0;
   int positive = 0;
@@ -231,22 +233,24 @@ static double common_weight(const dls_contact *problem, const double *w) {
     dlsi_contact_diagonal(problem, c, block);
     for (int e = 0; e < entries; e++)
       if (fabs(block[e]) > largest) largest = fabs(block[e]);
-    if (w[c] > 0) {
-      sum += w[c];
+    if (w[step * c] > 0) {
+      sum += w[step * c];
       positive++;
     }
   }
   return positive ? sum / positive : largest > 0 ? largest : 1;
 }
 
-void dlsi_contact_complete_weights(const dls_contact *problem, double *w) {
+/* Completes every step-th entry of w that is not positive. Returns how many are positive. */
+static int complete_weights(const dls_contact *problem, double *w, int step) {
   int positive = 0;
   for (int c = 0; c < problem->nc; c++)
-    positive += w[c] > 0;
-  if (positive == problem->nc) return;
-  const double common = common_weight(problem, w);
+    positive += w[step * c] > 0;
+  if (positive == problem->nc) return positive;
+  const double common = common_weight(problem, w, step);
   for (int c = 0; c < problem->nc; c++)
-    if (!(w[c] > 0)) w[c] = common;
+    if (!(w[step * c] > 0)) w[step * c] = common;
+  return positive;
 }
 
 void dlsi_contact_weights(const dls_contact *problem, double *w) {
@@ -255,7 +259,23 @@ void dlsi_contact_weights(const dls_contact *problem, double *w) {
     dlsi_contact_diagonal(problem, c, block);
     w[c] = dlsi_block_weight(problem->d, block);
   }
-  dlsi_contact_complete_weights(problem, w);
+  (void)complete_weights(problem, w, 1);
+}
+
+void dlsi_certificate_weights(const dls_contact *problem, double *w) {
+  const int d = problem->d, nc = problem->nc;
+  if (problem->weights) memcpy(w, problem->weights, 2 * (size_t)nc * sizeof *w);
+  for (int c = 0; c < nc && !problem->weights; c++) {
+    double block[9] = {0};
+    dlsi_contact_diagonal(problem, c, block);
+    w[2 * c] = block[0];
+    w[2 * c + 1] = d == 1 ? block[0] : d == 2 ? block[3] : (block[4] + block[8]) / 2;
+  }
+  if (problem->weights) return;
+  const int normals = complete_weights(problem, w, 2),
+            tangents = complete_weights(problem, w + 1, 2);
+  for (int c = 0; c < nc && !normals != !tangents; c++) /* a kind without any takes the other's */
+    w[2 * c + !tangents] = w[2 * c + !normals];
 }
 
 /* Sets *m to max(*m, x), keeping NaN. */
@@ -270,30 +290,54 @@ typedef struct measured {
   double *F;
 } measured;
 
-/* Squares of the 2-norms whose ratios are the certificate's first fields. */
+/* Squares of the norms whose ratios are the certificate's first fields. The last five are sums over
+ * the contacts that are not free. */
 typedef struct measured_sums {
-  double F, force;         /* |F|, |F / w| */
-  double a, rounded_force; /* |a|, |a / w|, a the size of what rounds in F */
-  double r;
+  double F, force;               /* D^1/2 F', D^-1/2 F' */
+  double rounded, rounded_force; /* what rounds in them */
+  double r, q, a;
 } measured_sums;
 
-/* Returns a + |q| + w |r| for row e of a candidate of weight w: F is computed from numbers of this
- * size, and rounds relative to them. */
-static inline double magnitude(const measured *of, size_t e, double w) {
-  return of->a[e] + fabs(of->problem->q[e]) + w * fabs(of->r[e]);
+enum { of_F, of_force, of_rounded, of_rounded_force, of_r, of_q, of_a };
+
+/* Fills size (d) with the numbers that F_c is computed from, relative to which it rounds: |W||r| +
+ * |q| + D |r|, and mu times those of u_t in the normal row. */
+static inline void magnitudes(int d, const measured *of, int k, double *size) {
+  const size_t o = (size_t)d * (size_t)k;
+  const double *w = of->w + 2 * (size_t)k, mu = of->problem->mu[k];
+  for (int i = 0; i < d; i++)
+    size[i] = of->a[o + (size_t)i] + fabs(of->problem->q[o + (size_t)i]);
+  const double slip = d > 1 && mu > 0 && !dlsi_is_bonded(mu) ? mu * dlsi_tangent_norm(d, size) : 0;
+  for (int i = 0; i < d; i++)
+    size[i] += w[i > 0] * fabs(of->r[o + (size_t)i]);
+  size[0] += slip;
 }
 
-/* Returns the 2-norm of F (rounded = 0) or of the magnitudes (1), by candidates over w_c if
- * of_forces is 1, where the plain sum of squares over- or underflows. */
-static double norm_of(const measured *of, int rounded, int of_forces) {
-  const size_t d = (size_t)of->problem->d, nc = (size_t)of->problem->nc;
+/* Returns entry i of contact k in the sum `what`. */
+static double entry_of(const measured *of, int what, int k, int i) {
+  const int d = of->problem->d;
+  const size_t o = (size_t)d * (size_t)k, e = o + (size_t)i;
+  const double *w = of->w + 2 * (size_t)k;
+  double F[3] = {0}, size[3] = {0};
+  if (what == of_F) return fabs(of->F[e]);
+  if (what == of_force) return fabs(of->F[e]) / w[i > 0];
+  if (dlsi_contact_misfit(d, of->problem->mu[k], w, of->r + o, of->u + o, F) == DLS_FREE) return 0;
+  if (what == of_r) return fabs(of->r[e]);
+  if (what == of_q) return fabs(of->problem->q[e]);
+  if (what == of_a) return of->a[e];
+  magnitudes(d, of, k, size);
+  return what == of_rounded ? size[i] : size[i] / w[i > 0];
+}
+
+/* Returns the root of `sum`, or the norm itself where the plain sum of squares over- or underflows. */
+static double norm_of(const measured *of, int what, double plain) {
+  if (dlsi_is_plain(plain)) return sqrt(plain);
   double largest = 0, sum = 0;
   for (int pass = 0; pass < 2; pass++) {
     const double scale = largest;
-    for (size_t c = 0, e = 0; c < nc; c++)
-      for (size_t i = 0; i < d; i++, e++) {
-        const double size = rounded ? magnitude(of, e, of->w[c]) : fabs(of->F[e]);
-        const double x = of_forces ? size / of->w[c] : size;
+    for (int k = 0; k < of->problem->nc; k++)
+      for (int i = 0; i < of->problem->d; i++) {
+        const double x = entry_of(of, what, k, i);
         raise_to(&largest, x);
         if (pass) sum += (x / scale) * (x / scale);
       }
@@ -320,14 +364,14 @@ static int find_worst(const dls_contact *problem, const double *F) {
 static inline void measure_laws(int d, const measured *of, int k, double largest,
                                 dls_certificate *c) {
   const size_t o = (size_t)d * (size_t)k;
-  const double mu = of->problem->mu[k], w = of->w[k], *r = of->r + o, *u = of->u + o;
+  const double mu = of->problem->mu[k], *w = of->w + 2 * (size_t)k, *r = of->r + o, *u = of->u + o;
   const double ut = dlsi_tangent_norm(d, u), rt = dlsi_tangent_norm(d, r);
   raise_to(&c->penetration, -u[0]);
   raise_to(&c->adhesion, -r[0]);
-  if (w * fabs(r[0]) + w * rt <= 4 * DBL_EPSILON * largest) return;
+  if (w[0] * fabs(r[0]) + w[1] * rt <= 4 * DBL_EPSILON * largest) return;
   raise_to(&c->cone_violation, rt - dlsi_friction_bound(mu, r[0]));
   raise_to(&c->complementarity, fabs(u[0] * r[0]));
-  if (w * r[0] <= u[0]) return;
+  if (w[0] * r[0] <= u[0]) return;
   if (rt > 0) {
     double e[3] = {0};
     for (int i = 1; i < d; i++)
@@ -344,27 +388,30 @@ static inline measured_sums measure_each(int d, const measured *of, dls_certific
   double worst = 0;
   for (int k = 0; k < of->problem->nc; k++) {
     const size_t o = (size_t)d * (size_t)k;
-    const double w = of->w[k], inverse = 1 / w, *rc = of->r + o, *uc = of->u + o;
-    double *Fc = of->F + o, size = 0, rounded = 0, largest = 0;
-    for (int i = 0; i < d; i++) {
-      const double x = magnitude(of, o + (size_t)i, w);
-      largest = x > largest ? x : largest;
-      rounded += x * x;
-      sums.r += rc[i] * rc[i];
-    }
-    sums.a += rounded;
-    sums.rounded_force += inverse * inverse * rounded;
+    const double *w = of->w + 2 * (size_t)k, inverse[2] = {1 / w[0], 1 / w[d > 1]};
+    const double *rc = of->r + o, *uc = of->u + o, *qc = of->problem->q + o;
+    double *Fc = of->F + o, size = 0, x[3], largest = 0;
     if (reaction_is_zero((size_t)d, rc) && uc[0] >= 0 &&
-        uc[0] + dlsi_tangent_norm(d, uc) <= DBL_MAX) { /* F_c = 0 */
+        uc[0] + dlsi_tangent_norm(d, uc) <= DBL_MAX) { /* open: F_c = 0 */
       for (int i = 0; i < d; i++)
         Fc[i] = 0;
       continue;
     }
-    dlsi_contact_residual(d, of->problem->mu[k], w, rc, uc, Fc);
-    for (int i = 0; i < d; i++)
+    const dls_contact_state state = dlsi_contact_misfit(d, of->problem->mu[k], w, rc, uc, Fc);
+    magnitudes(d, of, k, x);
+    for (int i = 0; i < d; i++) {
+      const double F = Fc[i] * inverse[i > 0], e = x[i] * inverse[i > 0];
       size += Fc[i] * Fc[i];
+      sums.force += F * F;
+      largest = x[i] > largest ? x[i] : largest;
+      if (state == DLS_FREE) continue;
+      sums.rounded += x[i] * x[i];
+      sums.rounded_force += e * e;
+      sums.r += rc[i] * rc[i];
+      sums.q += qc[i] * qc[i];
+      sums.a += of->a[o + (size_t)i] * of->a[o + (size_t)i];
+    }
     sums.F += size;
-    sums.force += inverse * inverse * size;
     if (size > worst) {
       worst = size;
       c->worst = k;
@@ -384,37 +431,37 @@ void dlsi_set_residuals(dls_certificate *c, double residual_u, double force, dou
 void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
                           const double *a, const double *w, double *F,
                           dls_certificate *certificate) {
-  const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const measured of = {problem, r, u, a, w, F};
-  dls_certificate c = {0};
+  dls_certificate c = {.body = -1};
   const measured_sums s = problem->d == 1   ? measure_each(1, &of, &c)
                           : problem->d == 2 ? measure_each(2, &of, &c)
                                             : measure_each(3, &of, &c);
-  const int plain = dlsi_is_plain(s.F);
-  if (!plain) c.worst = find_worst(problem, F);
-  const double f = plain ? sqrt(s.F) : dlsi_norm2(F, m), q = dlsi_norm2(problem->q, m);
-  const double force = dlsi_is_plain(s.force) ? sqrt(s.force) : norm_of(&of, 0, 1);
-  const double size = dlsi_is_plain(s.r) ? sqrt(s.r) : dlsi_norm2(r, m);
-  /* r = 0: u = q, whose norm may be beyond the range of numbers, and the floor is one rounding */
-  const double rounded = size == 0 ? q : dlsi_is_plain(s.a) ? sqrt(s.a) : norm_of(&of, 1, 0);
-  const double rounded_force =
-      dlsi_is_plain(s.rounded_force) ? sqrt(s.rounded_force) : norm_of(&of, 1, 1);
-  const double scale_u = q > 0 ? q : dlsi_norm2(a, m), scale_r = force > size ? force : size;
-  /* against a norm beyond the range of numbers everything is small: it certifies nothing */
-  dlsi_set_residuals(&c, f == 0 ? 0 : scale_u <= DBL_MAX ? f / scale_u : INFINITY, force, size);
-  c.floor_u = scale_u == 0 ? 0 : DBL_EPSILON * (rounded / scale_u);
-  c.floor_r = scale_r == 0 ? 0 : DBL_EPSILON * (rounded_force / scale_r);
+  if (!dlsi_is_plain(s.F)) c.worst = find_worst(problem, F);
+  const double f = norm_of(&of, of_F, s.F), force = norm_of(&of, of_force, s.force);
+  const double size = norm_of(&of, of_r, s.r), q = norm_of(&of, of_q, s.q);
+  const double rounded = norm_of(&of, of_rounded, s.rounded);
+  const double rounded_force = norm_of(&of, of_rounded_force, s.rounded_force);
+  const double scale_u = q > 0 ? q : norm_of(&of, of_a, s.a), scale_r = force > size ? force : size;
+  /* nothing presses, though r is not 0: 1. Against a norm beyond the range of numbers everything
+   * is small: it certifies nothing */
+  const double residual_u = f == 0               ? 0
+                            : scale_u == 0       ? 1
+                            : scale_u <= DBL_MAX ? f / scale_u
+                                                 : INFINITY;
+  dlsi_set_residuals(&c, residual_u, force, size);
+  c.floor_u = rounded == 0 ? 0 : DBL_EPSILON * (rounded / scale_u);
+  c.floor_r = rounded_force == 0 ? 0 : DBL_EPSILON * (rounded_force / scale_r);
   *certificate = c;
 }
 
 static dls_status contact_certify(const dls_contact *problem, const double *r, double *u,
                                   dls_certificate *certificate, dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  double *work = dlsi_alloc(4 * m, sizeof *work);
+  double *work = dlsi_alloc(3 * m + 2 * (size_t)problem->nc, sizeof *work);
   if (!work) return dlsi_no_memory(error);
-  double *v = work, *a = work + m, *w = work + 2 * m, *F = work + 3 * m;
+  double *v = work, *a = work + m, *F = work + 2 * m, *w = work + 3 * m;
   dlsi_contact_multiply(problem, NULL, r, v, a);
-  dlsi_contact_weights(problem, w);
+  dlsi_certificate_weights(problem, w);
   dlsi_contact_measure(problem, r, v, a, w, F, certificate);
   if (u) memcpy(u, v, m * sizeof *u);
   free(work);
@@ -435,9 +482,28 @@ dls_status dls_contact_certify(const dls_contact *problem, const double *r, doub
   return dlsi_at(__func__, status, error);
 }
 
+/* Returns 1 if the certificate meets tol and rounding hides no more than max(tol, most). */
+static int meets_within(const dls_certificate *c, double tol, double most) {
+  const double largest = tol > most ? tol : most;
+  return c && dlsi_certificate_meets(c, tol) && 4 * c->floor_u <= largest &&
+         4 * c->floor_r <= largest && 4 * c->floor_e <= largest;
+}
+
 int dls_certificate_holds(const dls_certificate *certificate, double tol) {
-  return certificate && dlsi_certificate_meets(certificate, tol) &&
-         4 * certificate->floor_u <= (tol > 1e-8 ? tol : 1e-8);
+  return meets_within(certificate, tol, 1e-8);
+}
+
+dls_status dls_certificate_verdict(const dls_certificate *certificate, double tol) {
+  if (meets_within(certificate, tol, 1e-8)) return DLS_OK;
+  return meets_within(certificate, tol, 1e-4) ? DLS_TO_ROUNDING : DLS_STALLED;
+}
+
+dls_status dlsi_settled(const dls_certificate *c, double tol, dls_status reason) {
+  const dls_status verdict = dls_certificate_verdict(c, tol);
+  const int by_itself = reason == DLS_OK || reason == DLS_STALLED || reason == DLS_TO_ROUNDING ||
+                        reason == DLS_MAX_ITERATIONS || reason == DLS_RAY;
+  if (verdict == DLS_OK || (verdict == DLS_TO_ROUNDING && by_itself)) return verdict;
+  return reason == DLS_OK || reason == DLS_TO_ROUNDING ? DLS_STALLED : reason;
 }
 
 /* Fills state or misfit, named so; the other is NULL. Returns the status of a public function. */
@@ -449,14 +515,14 @@ static dls_status contact_tell(const dls_contact *problem, const double *r, cons
   if (!status) status = dlsi_check_vector("r", r, d * nc, error);
   if (!status) status = dlsi_check_vector("u", u, d * nc, error);
   if (!status && !state && !misfit) status = dlsi_is_null(error, name);
-  double *w = status ? NULL : dlsi_alloc(nc, sizeof *w);
+  double *w = status ? NULL : dlsi_alloc(2 * nc, sizeof *w);
   if (!status && !w) status = dlsi_no_memory(error);
   if (status) return status;
-  dlsi_contact_weights(problem, w);
+  dlsi_certificate_weights(problem, w);
   for (size_t c = 0; c < nc; c++) {
     double F[3] = {0};
     const dls_contact_state now =
-        dlsi_contact_residual(problem->d, problem->mu[c], w[c], r + d * c, u + d * c, F);
+        dlsi_contact_misfit(problem->d, problem->mu[c], w + 2 * c, r + d * c, u + d * c, F);
     if (state) state[c] = now;
     if (misfit) misfit[c] = dlsi_norm2(F, d);
   }

@@ -59,12 +59,12 @@ static int is_pressed(const dls_contact *problem) {
 
 int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *u, dls_info *info) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  double x[most_rows] = {0}, v[most_rows], w[few];
-  dls_certificate certificate = {0};
+  double x[most_rows] = {0}, v[most_rows], w[2 * few];
+  dls_certificate certificate = {.body = -1};
   int sweeps = 0;
   const int pressed = is_pressed(problem);
   if (pressed && (problem->nc > few || dlsi_is_factored(problem))) return 0;
-  if (pressed) dlsi_contact_weights(problem, w);
+  if (pressed) dlsi_certificate_weights(problem, w);
   if (pressed && !is_certified(problem, tol, x, w, v, &certificate)) {
     if (!solve_each(problem, x)) return 0;
     if (!is_certified(problem, tol, x, w, v, &certificate)) return 0;
@@ -72,10 +72,8 @@ int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *
   }
   if (pressed)
     memcpy(r, x, m * sizeof *r);
-  else {
+  else
     memset(r, 0, m * sizeof *r);
-    if (dlsi_max_abs(problem->q, m) > 0) certificate.floor_u = DBL_EPSILON;
-  }
   if (u) memcpy(u, pressed ? v : problem->q, m * sizeof *u);
   if (!info) return 1;
   *info = (dls_info){.method = DLS_AUTO, .iterations = sweeps, .stages = sweeps};

@@ -168,7 +168,8 @@ typedef struct dlsi_auto {
   void *part[parts];  /* workspace of each method, NULL before it is needed, or by its home_of */
   dlsi_room room;     /* for their matrices: none keeps factors from one stage to the next */
   double *r, *best;   /* m: of the stage under way, of the best answer so far */
-  double *w;          /* nc: weights of the certificate */
+  double *w;          /* nc: compliances of the contacts */
+  double *weights;    /* 2 nc: of the certificate */
   double *v[4];       /* m: scratch; the last one up to path_unknowns */
   dlsi_formed formed; /* of a problem of bodies: scratch, W by blocks for all but (AT13) */
   dlsi_renumber copy; /* (AT11), up to path_unknowns */
@@ -460,6 +461,10 @@ static int may_settle(const dlsi_auto *work) {
   return is_nearly_met(work, work->info.certificate.residual);
 }
 
+static dls_status verdict_of(const dlsi_auto *work) {
+  return dls_certificate_verdict(&work->info.certificate, work->options.limits.tol);
+}
+
 /* Method, its progress callback, when it is taken (NULL: always), its limit of iterations (0: its
  * own). */
 static const struct {
@@ -639,13 +644,18 @@ static dls_status judge(dlsi_auto *work, dls_error *error) {
   return DLS_NO_SOLUTION_LIKELY;
 }
 
-/* Returns 1 if only rounding stands against the best r, and smaller ones are not looked for: at the
- * end of (AT12), and on a copy where it is no more than near_most over what may be certified. */
+/* Returns 1 if only rounding stands against the best r at the end of (AT12). */
 static int is_rounded(const dlsi_auto *work, part now) {
-  const dls_certificate *best = &work->info.certificate;
-  const double tol = work->options.limits.tol;
-  const int hidden = work->has_copy && is_nearly_met(work, 4 * best->floor_u);
-  return (now == REST || hidden) && dlsi_certificate_meets(best, tol);
+  return now == REST && dlsi_certificate_meets(&work->info.certificate, work->options.limits.tol);
+}
+
+/* (AT17) The best r holds to rounding. Its self-stress, a part of r that W does not feel, may be what
+ * rounds: ADMM from r = 0 finds reactions with little of it. Returns the verdict of the better one,
+ * or an error. */
+static dls_status take_less_stress(dlsi_auto *work, part now, dls_error *error) {
+  if (now == OTHER_SPLITTING || !may_go_another_way(work)) return verdict_of(work);
+  const dls_status status = take_stage(work, OTHER_SPLITTING, 1, error);
+  return status < 0 ? status : work->stopped ? work->stopped : verdict_of(work);
 }
 
 /* Tells a search that its next solve is its first part, or the rest. Errors of create_part. */
@@ -657,6 +667,12 @@ static dls_status share_search(dlsi_auto *work, part k, int rest, dls_error *err
   const dls_status status = share ? create_part(work, k, error) : DLS_OK;
   if (share && !status) share(work->part[k], rest);
   return status;
+}
+
+/* Sets the compliances of the contacts and the weights of the certificate. */
+static void set_weights(dlsi_auto *work) {
+  dlsi_contact_weights(work->problem, work->w);
+  dlsi_certificate_weights(work->problem, work->weights);
 }
 
 /* Turns to a copy of the problem, with r = 0 as the best. Returns the certificate of the best r of
@@ -698,8 +714,8 @@ static dls_status leave_copy(dlsi_auto *work, const dls_contact *problem,
   work->problem = problem;
   dlsi_renumber_back(copy, problem->d, copy->power_q - copy->power_W, work->best, work->r);
   dlsi_contact_multiply(problem, NULL, work->r, work->v[0], work->v[1]);
-  dlsi_contact_weights(problem, work->w);
-  dlsi_contact_measure(problem, work->r, work->v[0], work->v[1], work->w, work->v[2], best);
+  set_weights(work);
+  dlsi_contact_measure(problem, work->r, work->v[0], work->v[1], work->weights, work->v[2], best);
   /* forces beyond the range of numbers: an answer to the copy is none to the problem */
   const int in_range = best->residual <= DBL_MAX;
   if ((status == DLS_OK && in_range) || dlsi_is_better(best, kept)) {
@@ -721,10 +737,9 @@ static dls_status pivot_early(dlsi_auto *work, dls_error *error) {
   return status < 0 ? status : leave_copy(work, problem, &kept, status);
 }
 
-/* Takes the stages first .. end-1 in turn. Returns DLS_OK, DLS_NO_SOLUTION, an error, DLS_CANCELLED
+/* Takes the stages first .. end-1 in turn. Returns DLS_OK, DLS_TO_ROUNDING, DLS_NO_SOLUTION, an error, DLS_CANCELLED
  * or DLS_MAX_ITERATIONS; DLS_STALLED if nothing is decided, or `excluded` is. */
 static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *error) {
-  const dls_limits *limits = &work->options.limits;
   for (int k = first; k < end; k++) {
     const part listed = stages[k].part;
     const part now = listed == SWEEPS && !may_sweep(work) && may_push(work) ? PUSH : listed;
@@ -738,8 +753,9 @@ static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *erro
     if (!status)
       status = early ? pivot_early(work, error) : take_stage(work, now, stages[k].cold, error);
     if (status < 0) return status;
-    if (dls_certificate_holds(&work->info.certificate, limits->tol)) return DLS_OK;
+    if (verdict_of(work) == DLS_OK) return DLS_OK;
     if (work->stopped) return work->stopped;
+    if (verdict_of(work) == DLS_TO_ROUNDING) return take_less_stress(work, now, error);
     work->rounded = is_rounded(work, now);
     if (work->rounded) return DLS_STALLED;
     if (status == DLS_TIME_LIMIT) return status;
@@ -765,10 +781,10 @@ static dls_status take_copy(dlsi_auto *work, dls_error *error) {
   if (status < 0) return status;
   take_back_vectors(work, status);
   status = leave_copy(work, problem, &kept, status);
-  const dls_certificate *best = &work->info.certificate;
-  if (status != DLS_OK || dls_certificate_holds(best, work->options.limits.tol)) return status;
+  if ((status != DLS_OK && status != DLS_TO_ROUNDING) || verdict_of(work) != DLS_STALLED)
+    return status == DLS_OK ? verdict_of(work) : status;
   status = take_stage(work, NEWTON, 0, error); /* sums in another order round otherwise */
-  return status < 0 || dls_certificate_holds(best, work->options.limits.tol) ? status : DLS_STALLED;
+  return status < 0 ? status : verdict_of(work);
 }
 
 /* Returns the sweeps that a solve with (AT14) is expected to take. */
@@ -791,7 +807,7 @@ static void offer(dlsi_auto *work, const double *r) {
   const dls_contact *problem = work->problem;
   dls_certificate now;
   dlsi_contact_multiply(problem, NULL, r, work->v[0], work->v[1]);
-  dlsi_contact_measure(problem, r, work->v[0], work->v[1], work->w, work->v[2], &now);
+  dlsi_contact_measure(problem, r, work->v[0], work->v[1], work->weights, work->v[2], &now);
   if (!dlsi_is_better(&now, &work->info.certificate)) return;
   work->info.certificate = now;
   memcpy(work->best, r, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
@@ -802,7 +818,7 @@ static double expect(dlsi_auto *work, const double *r) {
   const dls_contact *problem = work->problem;
   dls_certificate now;
   memset(work->v[1], 0, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
-  dlsi_contact_measure(problem, r, work->v[0], work->v[1], work->w, work->v[2], &now);
+  dlsi_contact_measure(problem, r, work->v[0], work->v[1], work->weights, work->v[2], &now);
   return now.residual;
 }
 
@@ -816,7 +832,7 @@ static int predict(dlsi_auto *work) {
   if (work->answers < 2 || work->last_nc != problem->nc ||
       memcmp(a->r, work->best, m * sizeof *a->r) != 0)
     return 0;
-  dlsi_contact_weights(problem, work->w);
+  set_weights(work);
   for (size_t k = 0; k < m; k++)
     work->v[0][k] = a->Wr[k] + problem->q[k];
   double residual = expect(work, a->r);
@@ -872,8 +888,8 @@ static dls_status take_step(dlsi_auto *work, dls_error *error) {
     work->stepped = 0;
     return DLS_STALLED;
   }
-  if (status < 0 || dls_certificate_holds(&work->info.certificate, work->options.limits.tol))
-    return status < 0 ? status : DLS_OK;
+  if (status < 0) return status;
+  if (verdict_of(work) != DLS_STALLED) return verdict_of(work);
   work->failed_to_step = 1;
   if (work->known) offer(work, work->last.r); /* what the step has begun with has no certificate */
   if (work->stopped) return work->stopped;
@@ -939,7 +955,7 @@ static void sweep_to_another(dlsi_auto *work, const double *r) {
 /* Fills ambiguous and unique for the answer r. */
 static void look_for_others(dlsi_auto *work, const double *r) {
   const dls_contact *problem = work->problem;
-  dlsi_contact_weights(problem, work->w);
+  set_weights(work);
   if (dlsi_may_be_ambiguous(problem))
     sweep_to_another(work, r);
   else if (dlsi_is_unique(problem, work->w, work->v[2], room_of_normals(work)))
@@ -1002,11 +1018,11 @@ static dls_status take_others(dlsi_auto *work, const dls_contact *problem, int c
   work->touches = 0;
   work->problem = problem;
   if (status < 0) return status;
-  dlsi_contact_weights(problem, work->w);
+  set_weights(work);
   dlsi_contact_multiply(problem, NULL, work->best, work->v[0], work->v[1]);
-  dlsi_contact_measure(problem, work->best, work->v[0], work->v[1], work->w, work->v[2],
+  dlsi_contact_measure(problem, work->best, work->v[0], work->v[1], work->weights, work->v[2],
                        &work->info.certificate);
-  if (dls_certificate_holds(&work->info.certificate, work->options.limits.tol)) return DLS_OK;
+  if (verdict_of(work) != DLS_STALLED) return verdict_of(work);
   return work->stopped || work->limited || status == DLS_TIME_LIMIT ? status : DLS_STALLED;
 }
 
@@ -1048,6 +1064,7 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   memcpy(r, work->best, m * sizeof *r);
   if (u) dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
   if (u) memcpy(u, work->v[0], m * sizeof *u);
+  status = dlsi_settled(&work->info.certificate, work->options.limits.tol, status);
   work->info.status = status;
   remember_cost(work, r);
   if (warm) remember_answer(work, r, u);
@@ -1089,6 +1106,7 @@ static void auto_carve(void *automatic, dlsi_arena *arena) {
   work->r = dlsi_take(arena, m, sizeof *work->r);
   work->best = dlsi_take(arena, m, sizeof *work->best);
   work->w = dlsi_take(arena, (size_t)work->nc, sizeof *work->w);
+  work->weights = dlsi_take(arena, 2 * (size_t)work->nc, sizeof *work->weights);
   double **const answers[] = {&work->last.r, &work->last.Wr, &work->former.r, &work->former.Wr};
   dlsi_take_vectors(arena, m, 4, answers);
   for (int k = 0; k < 3; k++)

@@ -50,6 +50,7 @@ void dlsi_contact_lemke_search(void *lemke, int searches);
 typedef struct dlsi_renumber {
   dls_contact problem;  /* the copy, W dense */
   double *W, *q, *mu;   /* its arrays: m x m, m, nc */
+  double *weights;      /* 2 nc, where the problem has weights */
   int *from;            /* its candidate c is from[c] of the problem; 3 nc, the rest scratch */
   int power_W, power_q; /* W and q of the problem are 2 to these powers times those of the copy */
   double *key[3];       /* scratch, nc each */

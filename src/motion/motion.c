@@ -134,7 +134,7 @@ static void motion_carve(dls_motion *motion, dlsi_arena *arena) {
   motion->local = dlsi_take(arena, local, sizeof *motion->local);
   motion->place = dlsi_take(arena, local, sizeof *motion->place);
   motion->zero = dlsi_take(arena, local > nc ? local : nc, sizeof *motion->zero);
-  motion->weight = dlsi_take(arena, nc, sizeof *motion->weight);
+  motion->weight = dlsi_take(arena, 2 * nc, sizeof *motion->weight);
   motion->values = dlsi_take(arena, m + 2, m * sizeof *motion->values); /* m^2 + (d + 1) nc */
 }
 

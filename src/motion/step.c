@@ -50,10 +50,10 @@ static void step_find_states(dls_motion *motion, dls_contact_state *state) {
   const dls_contact *problem = &motion->problem;
   const int d = problem->d;
   double F[3];
-  if (problem->nc > 0) dlsi_contact_weights(problem, motion->weight);
+  if (problem->nc > 0) dlsi_certificate_weights(problem, motion->weight);
   for (int a = 0; a < problem->nc; a++)
-    state[a] = dlsi_contact_residual(d, problem->mu[a], motion->weight[a], motion->r + d * a,
-                                     motion->w + d * a, F);
+    state[a] = dlsi_contact_misfit(d, problem->mu[a], motion->weight + 2 * a, motion->r + d * a,
+                                   motion->w + d * a, F);
 }
 
 /* Solves the problem of the active candidates from the impulses `start` (m) times factor; sets
