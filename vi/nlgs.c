@@ -462,7 +462,7 @@ DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_
                                                 const double *r, double scale, int begin, int end) {
   enum { lanes = 16 };
   nlgs_squares sum = {0};
-  const double unit = work->it.w[0];
+  const double unit = work->it.w[0], tiny = DBL_MIN; /* for 0 / 0 */
   for (int first = begin; first < end; first += lanes) {
     const int count = end - first < lanes ? end - first : lanes;
     double v[3][lanes] = {{0}}, u[3][lanes] = {{0}}, mu[lanes] = {0}, ratio[lanes] = {0};
@@ -488,11 +488,13 @@ DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_
     /* All branches of dlsi_contact_misfit; where t = 0 and `part` is NaN, `inside` or `polar`
      * holds. */
     for (int k = 0; k < lanes; k++) {
-      const double n = v[0][k] - u[0][k] - mu[k] * sqrt(u[1][k] * u[1][k] + u[2][k] * u[2][k]);
+      const double slip = sqrt(u[1][k] * u[1][k] + u[2][k] * u[2][k]);
       const double x = v[1][k] - u[1][k], y = v[2][k] - u[2][k], t = sqrt(x * x + y * y);
-      const double wide = mu[k] * ratio[k];
-      const double on = (n + mu[k] * t) / (1 + mu[k] * wide), part = wide * on / t;
-      const int inside = t <= wide * n, polar = mu[k] * t <= -n;
+      const double n = v[0][k] - u[0][k] - mu[k] * slip, wide = mu[k] * ratio[k];
+      const double more = (v[1][k] * (x - u[1][k]) + v[2][k] * (y - u[2][k])) / (t + slip + tiny);
+      const double on = (v[0][k] - u[0][k] + mu[k] * more) / (1 + mu[k] * wide);
+      const double part = wide * on / t;
+      const int inside = t <= wide * n, polar = on <= 0;
       /* polar first: mu = 0 has inside for any n where t = 0 */
       const double p = polar ? 0 : inside ? n : on, f = polar ? 0 : inside ? 1 : part;
       const double F[3] = {v[0][k] - p, v[1][k] - f * x, v[2][k] - f * y};

@@ -256,6 +256,15 @@ static double primal_ratio(double part, double whole) {
   return part == 0 ? 0 : part / whole;
 }
 
+/* r (2) := the reaction -R of contact c: 0 where that is no more than the rounding of R. */
+static void primal_reaction(const dls_primal *work, int c, double *r) {
+  const int of[2] = {work->K.normal[c], work->K.tangent[c]};
+  const double rounding = 4 * DBL_EPSILON * (work->a[of[0]] + work->a[of[1]]);
+  const int is_rounding = fabs(work->R[of[0]]) + fabs(work->R[of[1]]) <= rounding;
+  for (int i = 0; i < 2; i++)
+    r[i] = is_rounding ? 0 : -work->R[of[i]];
+}
+
 /* Estimates the certificate from the R at hand; load = |f|. */
 static primal_measure primal_estimate(const dls_primal *work, double load) {
   const dlsi_frames *K = &work->K;
@@ -263,25 +272,29 @@ static primal_measure primal_estimate(const dls_primal *work, double load) {
   double force = 0, r2 = 0, reactions = 0;
   for (int c = 0; c < K->nodes; c++) {
     const int i = K->normal[c], j = K->tangent[c];
-    const double r[2] = {-work->R[i], -work->R[j]}, u[2] = {work->x[i], work->x[j]};
+    const double u[2] = {work->x[i], work->x[j]};
     const double *w = work->w + 2 * (size_t)c, limit = w[1] * work->b[c];
-    double F[2], q[2];
-    dlsi_contact_misfit(2, work->mu[c], w, r, u, F);
+    double r[2], F[3], q[2];
+    primal_reaction(work, c, r);
+    const int touches = dlsi_contact_misfit(2, work->mu[c], w, r, u, F) != DLS_FREE;
     laws += F[0] * F[0] + F[1] * F[1];
     force += F[0] / w[0] * (F[0] / w[0]) + F[1] / w[1] * (F[1] / w[1]);
     const double vn = w[0] * r[0] - u[0], vt = w[1] * r[1] - u[1];
     F[0] = w[0] * r[0] - (vn > 0 ? vn : 0);
     F[1] = w[1] * r[1] - (vt > limit ? limit : vt < -limit ? -limit : vt);
     tresca += F[0] * F[0] + F[1] * F[1];
-    r2 += r[0] * r[0] + r[1] * r[1];
     primal_flexibility(work, c, r[0], r[1], q);
-    size += (u[0] - q[0]) * (u[0] - q[0]) + (u[1] - q[1]) * (u[1] - q[1]);
+    if (touches) {
+      r2 += r[0] * r[0] + r[1] * r[1];
+      size += (u[0] - q[0]) * (u[0] - q[0]) + (u[1] - q[1]) * (u[1] - q[1]);
+    }
     reactions += r[0] * (r[0] * work->inverse[i]) + r[1] * (r[1] * work->inverse[j]);
   }
   const double out_of_balance = primal_force_norm(work, work->R, 0);
   primal_measure now = {.equilibrium = primal_ratio(out_of_balance, load + sqrt(reactions)),
-                        .tresca = primal_ratio(sqrt(tresca), sqrt(size))};
-  dlsi_set_residuals(&now.laws, primal_ratio(sqrt(laws), sqrt(size)), sqrt(force), sqrt(r2));
+                        .tresca = size > 0 ? sqrt(tresca / size) : tresca > 0};
+  const double residual_u = size > 0 ? sqrt(laws / size) : laws > 0; /* 0: nothing touches */
+  dlsi_set_residuals(&now.laws, residual_u, sqrt(force), sqrt(r2));
   return now;
 }
 
@@ -294,8 +307,7 @@ static void primal_certify(const dls_primal *work, double load, dls_primal_info 
     const int i = K->normal[c], j = K->tangent[c];
     const double coupling = fabs(work->coupling[c]) / K->diagonal[i];
     double q[2];
-    work->r[n] = -work->R[i];
-    work->r[t] = -work->R[j];
+    primal_reaction(work, c, work->r + n);
     work->u[n] = work->x[i];
     work->u[t] = work->x[j];
     primal_flexibility(work, c, work->r[n], work->r[t], q);

@@ -473,46 +473,50 @@ static inline dls_contact_state dlsi_project_cone(int d, double mu, const double
 }
 
 /* Computes D^1/2 F'_c of the certificate, a position, for one contact of the weights w_n = w[0] and
- * w_t = w[1]; returns the branch of the projection. Written out in positions, where v = D r - u -
- * mu |u_t| n and k = w_t / w_n, the projection on the round cone is
+ * w_t = w[1]; returns the branch of the projection. Written in positions, with v = D r - u - mu |u_t|
+ * n and k = w_t / w_n, the projection on the round cone is
  *
- *   v                                          where |v_t| <= mu k v_n
- *   0                                          where mu |v_t| <= -v_n
- *   p_n = (v_n + mu |v_t|) / (1 + mu^2 k), p_t = mu k p_n v_t / |v_t|     else
+ *   stick  v                                            where |v_t| <= mu k v_n
+ *   free   0                                            where x = v_n + mu |v_t| <= 0
+ *   slip   p_n = x / (1 + mu^2 k), p_t = mu k p_n v_t / |v_t|     else
  *
- * With an infinite friction F_c = u_c where w_n r_n > u_n, else D r_c. */
+ * x = w_n r_n - u_n + mu (|v_t| - |u_t|), where |v_t| - |u_t| = D r_t.(v_t - u_t) / (|v_t| + |u_t|)
+ * does not cancel: a fast slip adds no rounding. With an infinite friction F_c = u_c where w_n r_n >
+ * u_n, else D r_c. */
 static inline dls_contact_state dlsi_contact_misfit(int d, double mu, const double *w,
                                                     const double *r, const double *u, double *F) {
   double v[3] = {0}, Dr[3] = {0};
-  for (int i = 0; i < d; i++)
+  for (int i = 0; i < d; i++) {
     Dr[i] = w[i > 0] * r[i];
+    v[i] = Dr[i] - u[i];
+  }
   if (dlsi_is_bonded(mu)) {
-    const int pressed = Dr[0] > u[0];
+    const int pressed = v[0] > 0;
     for (int i = 0; i < d; i++)
       F[i] = pressed ? u[i] : Dr[i];
     return pressed ? DLS_STICK : DLS_FREE;
   }
-  for (int i = 0; i < d; i++)
-    v[i] = Dr[i] - u[i];
-  v[0] -= mu * dlsi_tangent_norm(d, u);
-  const double t = dlsi_tangent_norm(d, v), mk = d > 1 ? mu * (w[1] / w[0]) : 0;
-  if (t <= mk * v[0] && v[0] >= 0) {
+  const double s = dlsi_tangent_norm(d, u), t = dlsi_tangent_norm(d, v);
+  const double wide = d > 1 ? mu * (w[1] / w[0]) : 0, n = v[0] - mu * s;
+  if (t <= wide * n && n >= 0) {
     for (int i = 0; i < d; i++)
-      F[i] = Dr[i] - v[i];
+      F[i] = u[i];
+    F[0] += mu * s;
     return DLS_STICK;
   }
-  if (mu * t <= -v[0]) {
+  double longer = 0; /* |v_t| - |u_t| */
+  for (int i = 1; i < d && s + t > 0; i++)
+    longer += Dr[i] * ((v[i] / 2 - u[i] / 2) / (s / 2 + t / 2));
+  const double x = v[0] + mu * longer;
+  if (x <= 0) {
     for (int i = 0; i < d; i++)
       F[i] = Dr[i];
     return DLS_FREE;
   }
-  const double p = (v[0] + mu * t) / (1 + mu * mk);
+  const double p = x / (1 + mu * wide), along = t > 0 ? wide * p / t : 0;
   F[0] = Dr[0] - p;
-  if (d == 2)
-    F[1] = Dr[1] - copysign(mk * p, v[1]);
-  else if (d == 3)
-    for (int i = 1; i < 3; i++)
-      F[i] = Dr[i] - mk * p / t * v[i];
+  for (int i = 1; i < d; i++)
+    F[i] = Dr[i] - (d == 2 ? copysign(wide * p, v[1]) : along * v[i]);
   return DLS_SLIP;
 }
 

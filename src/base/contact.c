@@ -300,17 +300,34 @@ typedef struct measured_sums {
 
 enum { of_F, of_force, of_rounded, of_rounded_force, of_r, of_q, of_a };
 
-/* Fills size (d) with the numbers that F_c is computed from, relative to which it rounds: |W||r| +
- * |q| + D |r|, and mu times those of u_t in the normal row. */
-static inline void magnitudes(int d, const measured *of, int k, double *size) {
+/* Fills size (d) with what F_c of this state rounds relative to: a = |W||r| + |q| is that of u.
+ *
+ *   stick  F_n = u_n + mu |u_t|, F_t = u_t           a_n + mu |a_t|, a_t
+ *   slip   F_n = w_n r_n - p, F_t = D r_t - mu k p e,  p = x / (1 + mu^2 k), e = v_t / |v_t|
+ *          x:  a_n + w_n r_n + mu |D r_t|;  e:  |a_t| / |v_t|, d = 3
+ *   free   F = D r is as good as exact               0 */
+static inline void magnitudes(int d, const measured *of, int k, dls_contact_state state,
+                              double *size) {
   const size_t o = (size_t)d * (size_t)k;
-  const double *w = of->w + 2 * (size_t)k, mu = of->problem->mu[k];
-  for (int i = 0; i < d; i++)
-    size[i] = of->a[o + (size_t)i] + fabs(of->problem->q[o + (size_t)i]);
-  const double slip = d > 1 && mu > 0 && !dlsi_is_bonded(mu) ? mu * dlsi_tangent_norm(d, size) : 0;
-  for (int i = 0; i < d; i++)
-    size[i] += w[i > 0] * fabs(of->r[o + (size_t)i]);
-  size[0] += slip;
+  const double *w = of->w + 2 * (size_t)k, mu = of->problem->mu[k], *r = of->r + o, *u = of->u + o;
+  double a[3] = {0}, v[3] = {0}, Dr[3] = {0};
+  for (int i = 0; i < d; i++) {
+    a[i] = state == DLS_FREE ? 0 : of->a[o + (size_t)i] + fabs(of->problem->q[o + (size_t)i]);
+    Dr[i] = state == DLS_FREE ? 0 : w[i > 0] * fabs(r[i]);
+    v[i] = w[i > 0] * r[i] - u[i];
+    size[i] = a[i] + Dr[i];
+  }
+  if (d == 1 || state == DLS_FREE || dlsi_is_bonded(mu)) return;
+  const double at = dlsi_tangent_norm(d, a), forces = dlsi_tangent_norm(d, Dr);
+  if (state == DLS_STICK) {
+    size[0] += mu * at;
+    return;
+  }
+  const double t = dlsi_tangent_norm(d, v), wide = mu * (w[1] / w[0]);
+  const double x = (size[0] + mu * forces) / (1 + mu * wide);
+  size[0] = Dr[0] + x;
+  for (int i = 1; i < d; i++)
+    size[i] = Dr[i] + wide * x + (d == 3 && at > 0 ? forces * (at / t) : 0);
 }
 
 /* Returns entry i of contact k in the sum `what`. */
@@ -321,11 +338,13 @@ static double entry_of(const measured *of, int what, int k, int i) {
   double F[3] = {0}, size[3] = {0};
   if (what == of_F) return fabs(of->F[e]);
   if (what == of_force) return fabs(of->F[e]) / w[i > 0];
-  if (dlsi_contact_misfit(d, of->problem->mu[k], w, of->r + o, of->u + o, F) == DLS_FREE) return 0;
+  const dls_contact_state state =
+      dlsi_contact_misfit(d, of->problem->mu[k], w, of->r + o, of->u + o, F);
+  if (state == DLS_FREE) return 0;
   if (what == of_r) return fabs(of->r[e]);
   if (what == of_q) return fabs(of->problem->q[e]);
   if (what == of_a) return of->a[e];
-  magnitudes(d, of, k, size);
+  magnitudes(d, of, k, state, size);
   return what == of_rounded ? size[i] : size[i] / w[i > 0];
 }
 
@@ -398,12 +417,13 @@ static inline measured_sums measure_each(int d, const measured *of, dls_certific
       continue;
     }
     const dls_contact_state state = dlsi_contact_misfit(d, of->problem->mu[k], w, rc, uc, Fc);
-    magnitudes(d, of, k, x);
+    magnitudes(d, of, k, state, x);
     for (int i = 0; i < d; i++) {
       const double F = Fc[i] * inverse[i > 0], e = x[i] * inverse[i > 0];
+      const double all = of->a[o + (size_t)i] + fabs(qc[i]) + w[i > 0] * fabs(rc[i]);
       size += Fc[i] * Fc[i];
       sums.force += F * F;
-      largest = x[i] > largest ? x[i] : largest;
+      largest = all > largest ? all : largest;
       if (state == DLS_FREE) continue;
       sums.rounded += x[i] * x[i];
       sums.rounded_force += e * e;
