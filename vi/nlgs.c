@@ -429,18 +429,19 @@ static DLSI_INLINE nlgs_squares nlgs_squares_flat(const int d, const dls_nlgs *w
   nlgs_squares sum = {0};
   const double unit = work->it.w[0];
   for (int c = begin; c < end; c++) {
-    const double *rc = r + (size_t)d * (size_t)c, *uc = work->it.u + (size_t)d * (size_t)c;
+    const size_t o = (size_t)d * (size_t)c;
+    const double *rc = r + o, *uc = work->it.u + o, *qc = problem->q + o;
     if (rc[0] == 0 && uc[0] >= 0) continue; /* F_c = 0, r_c = 0 */
-    const double *w = work->it.weights + 2 * (size_t)c, *qc = problem->q + (size_t)d * (size_t)c;
+    const double *w = work->it.weights + 2 * (size_t)c;
     double F[3];
     const int touches = dlsi_contact_misfit(d, problem->mu[c], w, rc, uc, F) != DLS_FREE;
     for (int i = 0; i < d; i++) {
-      const double f = F[i] * scale, soft = unit / w[i > 0], v = scale * unit * rc[i];
-      const double q = scale * qc[i];
+      const double f = F[i] * scale, soft = unit / w[i > 0] * f;
       sum.F += f * f;
-      sum.force += (soft * f) * (soft * f);
-      sum.r += touches ? v * v : 0;
-      sum.q += touches ? q * q : 0;
+      sum.force += soft * soft;
+      if (!touches) continue;
+      sum.r += (scale * unit * rc[i]) * (scale * unit * rc[i]);
+      sum.q += (scale * qc[i]) * (scale * qc[i]);
     }
   }
   return sum;
@@ -456,8 +457,8 @@ static nlgs_squares nlgs_squares_2d(const dls_nlgs *work, const dls_contact *pro
   return nlgs_squares_flat(2, work, problem, r, scale, begin, end);
 }
 
-/* Returns those sums for d = 3, several candidates at once: their roots and divisions take as long
- * as those of one. */
+/* Returns those sums for d = 3, several contacts at once: their roots and divisions take as long as
+ * those of one. */
 DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_contact *problem,
                                                 const double *r, double scale, int begin, int end) {
   enum { lanes = 16 };
@@ -465,22 +466,22 @@ DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_
   const double unit = work->it.w[0], tiny = DBL_MIN; /* for 0 / 0 */
   for (int first = begin; first < end; first += lanes) {
     const int count = end - first < lanes ? end - first : lanes;
-    double v[3][lanes] = {{0}}, u[3][lanes] = {{0}}, mu[lanes] = {0}, ratio[lanes] = {0};
-    double soft[2][lanes] = {{0}}, q2[lanes] = {0}, F2[lanes], G2[lanes], r2[lanes];
+    double v[3][lanes] = {{0}}, u[3][lanes] = {{0}}, q2[lanes] = {0};
+    double mu[lanes] = {0}, wn[lanes], wt[lanes], F2[lanes], G2[lanes], r2[lanes];
     int moves = 0, bonded = 0;
+    for (int k = 0; k < lanes; k++)
+      wn[k] = wt[k] = 1;
     for (int k = 0; k < count; k++) {
-      const int c = first + k;
-      const double *rc = r + 3 * (size_t)c, *uc = work->it.u + 3 * (size_t)c;
+      const size_t c = (size_t)(first + k), o = 3 * c;
+      const double *rc = r + o, *uc = work->it.u + o, *qc = problem->q + o;
       moves |= !(rc[0] == 0 && uc[0] >= 0);
       mu[k] = problem->mu[c];
       bonded |= dlsi_is_bonded(mu[k]);
-      const double *w = work->it.weights + 2 * (size_t)c, *qc = problem->q + 3 * (size_t)c;
-      ratio[k] = w[1] / w[0];
-      soft[0][k] = unit / w[0];
-      soft[1][k] = unit / w[1];
+      wn[k] = work->it.weights[2 * c];
+      wt[k] = work->it.weights[2 * c + 1];
       for (int i = 0; i < 3; i++) {
         u[i][k] = scale * uc[i];
-        v[i][k] = scale * w[i > 0] * rc[i];
+        v[i][k] = scale * (i ? wt[k] : wn[k]) * rc[i];
         q2[k] += (scale * qc[i]) * (scale * qc[i]);
       }
     }
@@ -488,35 +489,37 @@ DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_
     /* All branches of dlsi_contact_misfit; where t = 0 and `part` is NaN, `inside` or `polar`
      * holds. */
     for (int k = 0; k < lanes; k++) {
+      const double x = v[1][k] - u[1][k], y = v[2][k] - u[2][k];
+      const double t = sqrt(x * x + y * y);
       const double slip = sqrt(u[1][k] * u[1][k] + u[2][k] * u[2][k]);
-      const double x = v[1][k] - u[1][k], y = v[2][k] - u[2][k], t = sqrt(x * x + y * y);
-      const double n = v[0][k] - u[0][k] - mu[k] * slip, wide = mu[k] * ratio[k];
-      const double more = (v[1][k] * (x - u[1][k]) + v[2][k] * (y - u[2][k])) / (t + slip + tiny);
-      const double on = (v[0][k] - u[0][k] + mu[k] * more) / (1 + mu[k] * wide);
-      const double part = wide * on / t;
+      const double part = v[0][k] - u[0][k], n = part - mu[k] * slip, wide = mu[k] * wt[k] / wn[k];
+      const double turn = v[1][k] * (x - u[1][k]) + v[2][k] * (y - u[2][k]);
+      const double on = (part + mu[k] * (turn / (t + slip + tiny))) / (1 + mu[k] * wide);
       const int inside = t <= wide * n, polar = on <= 0;
       /* polar first: mu = 0 has inside for any n where t = 0 */
-      const double p = polar ? 0 : inside ? n : on, f = polar ? 0 : inside ? 1 : part;
+      const double p = polar ? 0 : inside ? n : on;
+      const double f = polar ? 0 : inside ? 1 : wide * on / t;
       const double F[3] = {v[0][k] - p, v[1][k] - f * x, v[2][k] - f * y};
-      const double a = soft[0][k] * soft[0][k], b = soft[1][k] * soft[1][k];
+      const double a = unit / wn[k], b = unit / wt[k];
       const double Ft = F[1] * F[1] + F[2] * F[2], vt = v[1][k] * v[1][k] + v[2][k] * v[2][k];
       F2[k] = F[0] * F[0] + Ft;
-      G2[k] = a * (F[0] * F[0]) + b * Ft;
-      r2[k] = polar ? 0 : a * (v[0][k] * v[0][k]) + b * vt;
+      G2[k] = a * a * (F[0] * F[0]) + b * b * Ft;
+      r2[k] = polar ? 0 : a * a * (v[0][k] * v[0][k]) + b * b * vt;
       q2[k] = polar ? 0 : q2[k];
     }
     for (int k = 0; k < count && bonded; k++) { /* infinite friction has no part in the above */
-      const int c = first + k;
       if (!dlsi_is_bonded(mu[k])) continue;
-      const double w[2] = {1, 1}, rk[3] = {v[0][k], v[1][k], v[2][k]};
-      const double uk[3] = {u[0][k], u[1][k], u[2][k]}, *qc = problem->q + 3 * (size_t)c;
-      const double a = soft[0][k] * soft[0][k], b = soft[1][k] * soft[1][k];
-      double F[3];
-      const int touches = dlsi_contact_misfit(3, mu[k], w, rk, uk, F) != DLS_FREE;
-      F2[k] = F[0] * F[0] + F[1] * F[1] + F[2] * F[2];
-      G2[k] = a * (F[0] * F[0]) + b * (F[1] * F[1] + F[2] * F[2]);
-      r2[k] = touches ? a * (rk[0] * rk[0]) + b * (rk[1] * rk[1] + rk[2] * rk[2]) : 0;
-      q2[k] = touches ? scale * scale * (qc[0] * qc[0] + qc[1] * qc[1] + qc[2] * qc[2]) : 0;
+      const size_t o = 3 * (size_t)(first + k);
+      F2[k] = G2[k] = r2[k] = q2[k] = 0;
+      const int touches = v[0][k] > u[0][k];
+      for (int i = 0; i < 3; i++) {
+        const double soft = unit / (i ? wt[k] : wn[k]), F = touches ? u[i][k] : v[i][k];
+        F2[k] += F * F;
+        G2[k] += soft * soft * (F * F);
+        r2[k] += touches ? soft * soft * (v[i][k] * v[i][k]) : 0;
+        q2[k] +=
+            touches ? scale * scale * (problem->q[o + (size_t)i] * problem->q[o + (size_t)i]) : 0;
+      }
     }
     for (int k = 0; k < count; k++) {
       sum.F += F2[k];

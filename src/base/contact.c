@@ -296,6 +296,8 @@ typedef struct measured_sums {
   double F, force;               /* D^1/2 F', D^-1/2 F' */
   double rounded, rounded_force; /* what rounds in them */
   double r, q, a;
+  double any;  /* the sum of |F|: 0 where F is */
+  int touches; /* contacts that are not free */
 } measured_sums;
 
 enum { of_F, of_force, of_rounded, of_rounded_force, of_r, of_q, of_a };
@@ -348,9 +350,10 @@ static double entry_of(const measured *of, int what, int k, int i) {
   return what == of_rounded ? size[i] : size[i] / w[i > 0];
 }
 
-/* Returns the root of `sum`, or the norm itself where the plain sum of squares over- or underflows. */
-static double norm_of(const measured *of, int what, double plain) {
+/* Returns the root of `plain`, or the norm itself where the plain sum of squares over- or underflows. */
+static double norm_of(const measured *of, const measured_sums *s, int what, double plain) {
   if (dlsi_is_plain(plain)) return sqrt(plain);
+  if (what <= of_force ? s->any == 0 : s->touches == 0) return 0;
   double largest = 0, sum = 0;
   for (int pass = 0; pass < 2; pass++) {
     const double scale = largest;
@@ -418,11 +421,13 @@ static inline measured_sums measure_each(int d, const measured *of, dls_certific
     }
     const dls_contact_state state = dlsi_contact_misfit(d, of->problem->mu[k], w, rc, uc, Fc);
     magnitudes(d, of, k, state, x);
+    sums.touches += state != DLS_FREE;
     for (int i = 0; i < d; i++) {
       const double F = Fc[i] * inverse[i > 0], e = x[i] * inverse[i > 0];
       const double all = of->a[o + (size_t)i] + fabs(qc[i]) + w[i > 0] * fabs(rc[i]);
       size += Fc[i] * Fc[i];
       sums.force += F * F;
+      sums.any += fabs(Fc[i]);
       largest = all > largest ? all : largest;
       if (state == DLS_FREE) continue;
       sums.rounded += x[i] * x[i];
@@ -457,11 +462,12 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
                           : problem->d == 2 ? measure_each(2, &of, &c)
                                             : measure_each(3, &of, &c);
   if (!dlsi_is_plain(s.F)) c.worst = find_worst(problem, F);
-  const double f = norm_of(&of, of_F, s.F), force = norm_of(&of, of_force, s.force);
-  const double size = norm_of(&of, of_r, s.r), q = norm_of(&of, of_q, s.q);
-  const double rounded = norm_of(&of, of_rounded, s.rounded);
-  const double rounded_force = norm_of(&of, of_rounded_force, s.rounded_force);
-  const double scale_u = q > 0 ? q : norm_of(&of, of_a, s.a), scale_r = force > size ? force : size;
+  const double f = norm_of(&of, &s, of_F, s.F), force = norm_of(&of, &s, of_force, s.force);
+  const double size = norm_of(&of, &s, of_r, s.r), q = norm_of(&of, &s, of_q, s.q);
+  const double rounded = norm_of(&of, &s, of_rounded, s.rounded);
+  const double rounded_force = norm_of(&of, &s, of_rounded_force, s.rounded_force);
+  const double scale_u = q > 0 ? q : norm_of(&of, &s, of_a, s.a),
+               scale_r = force > size ? force : size;
   /* nothing presses, though r is not 0: 1. Against a norm beyond the range of numbers everything
    * is small: it certifies nothing */
   const double residual_u = f == 0               ? 0

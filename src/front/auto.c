@@ -137,9 +137,11 @@ static const double null_direction = 1e-10; /* |D^-1 W delta| over |delta|: (AT9
 enum { few_normals = 6 };                   /* whose factorisation is below the cost of a call */
 static const double step_sweeps = 1.5, forgotten = 0.98; /* (AT14) */
 static const double far_start = 0.25;                    /* e: (AT14), and of sweeps */
-static const double small_part = 0.05; /* of a solve, for a look at other answers */
-static const double another = 1e-3;    /* difference of two answers, over the largest reaction */
-static const double on_cone = 1e-9;    /* a reaction that lacks no more than this share slips */
+static const double small_part = 0.05;  /* of a solve, for a look at other answers */
+static const double another = 1e-3;     /* difference of two answers, over the largest reaction */
+static const double accurate = 1e-4;    /* (AT18): relative error of r that nobody is told of */
+static const double determined = 1e-13; /* ... residual that no condition below 1e9 makes more of */
+static const double on_cone = 1e-9;     /* a reaction that lacks no more than this share slips */
 
 /* Each method once, and some once more for another way. */
 typedef enum part {
@@ -909,6 +911,36 @@ static dls_status take_stages(dlsi_auto *work, dls_error *error) {
   return status == DLS_STALLED ? judge(work, error) : status;
 }
 
+/* (AT18) An answer of little residual may have a large error where W, dense, is nearly singular: soft
+ * springs under a body. (Of rigid bodies, W by blocks, few numbers determine r, or it is not.) Solves to a
+ * smaller tolerance as long as that makes the predicted error less. u: W r + q of the best r. */
+static dls_status take_to_accuracy(dlsi_auto *work, dls_error *error) {
+  const dls_contact *problem = work->problem;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const double tol = work->options.limits.tol, enough = fmax(accurate, 100 * tol);
+  const dls_certificate *best = &work->info.certificate;
+  dls_status status = DLS_OK;
+  if (!problem->W.a || m > dlsi_predicted_rows || work->options.limits.warm_start ||
+      best->residual <= determined)
+    return status;
+  for (double before = INFINITY; status == DLS_OK;) {
+    if (work->options.lazy && dlsi_room_dense(&work->room, m, NULL)) break;
+    set_weights(work);
+    work->room.owner = work;
+    dlsi_contact_multiply(problem, NULL, work->best, work->v[0], NULL);
+    const double predicted = dlsi_predict_error(problem, work->best, work->v[0], work->weights,
+                                                work->room.J, work->v[1]);
+    work->info.error = fmax(predicted, 0);
+    if (!(predicted > enough && predicted < before / 2)) break;
+    before = predicted;
+    work->options.limits.tol = fmax(best->residual * enough / before / 2, DBL_EPSILON);
+    status = take_some(work, 0, quick_count, error);
+    work->options.limits.tol = tol;
+    if (status >= 0) status = work->stopped ? work->stopped : verdict_of(work);
+  }
+  return status;
+}
+
 /* Returns room for W_nn, or NULL where there is friction, its factorisation would be more than a
  * small part of what the solve took, or the room keeps factors for the next solve. */
 static double *room_of_normals(dlsi_auto *work) {
@@ -1060,11 +1092,13 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
     status = take_stages(work, error);
   }
   if (status < 0) return status;
+  status = dlsi_settled(&work->info.certificate, work->options.limits.tol, status);
+  if (status == DLS_OK) status = take_to_accuracy(work, error);
+  if (status < 0) return status;
   problem = work->problem;
   memcpy(r, work->best, m * sizeof *r);
   if (u) dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
   if (u) memcpy(u, work->v[0], m * sizeof *u);
-  status = dlsi_settled(&work->info.certificate, work->options.limits.tol, status);
   work->info.status = status;
   remember_cost(work, r);
   if (warm) remember_answer(work, r, u);

@@ -81,7 +81,7 @@ START_TEST(pressed_by_rounding) {
 }
 END_TEST
 
-/* (AL3) One sweep: r = -q / 2 within the cone, of as many candidates as there may be. */
+/* (AL2) One sweep: r = -q / 2 within the cone, of as many candidates as there may be. */
 START_TEST(each_alone) {
   for (int d = 1; d <= 3; d++)
     for (int nc = 20; nc <= 21; nc++) {
