@@ -464,7 +464,7 @@ static int newton_linearise(dls_newton *work, const dls_contact *problem) {
     const dlsi_branch before = *b;
     *b = newton_branch_of(d, problem->mu[c], work->it.w[c], work->it.u + o, work->next + o);
     changed += !work->factors || !dlsi_branch_is_same(b, &before);
-    if (b->state != before.state) work->same = 0;
+    if (!work->factors || b->state != before.state) work->same = 0;
     b->first = k;
     k += b->count;
   }

@@ -14,6 +14,18 @@
 #include "delassus/info.h"
 #include "delassus/model.h"
 
+/* ---- what the compiler has to keep ------------------------------------------------------------- */
+
+/* NaN and Inf have to be seen, and sums to be rounded as they are written. */
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) ||                                     \
+    (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "delassus: without -Ofast, -ffast-math, -ffinite-math-only, -fassociative-math, please"
+#endif
+/* A double has to be rounded to a double: on i386 -msse2 -mfpmath=sse does that. */
+#if FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 1
+#error "delassus: needs arithmetic in double; on i386 add -msse2 -mfpmath=sse"
+#endif
+
 /* ---- loops that vectorise -------------------------------------------------------------------- */
 
 /* Compiles a function twice, plain and with AVX2, where the linker can choose at load time.
