@@ -37,11 +37,14 @@ MAKEFLAGS += --no-builtin-rules
 .DELETE_ON_ERROR:
 .SECONDARY:
 
+# integer constants are enums, which clang does not like beside a double; gcc does not know the name
 WARNINGS = -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
-           -Wmissing-prototypes -Wvla $(WERROR)
+           -Wmissing-prototypes -Wvla -Wno-enum-float-conversion $(WERROR)
 CPPFLAGS_ALL = -Iinclude -Isrc -I. -MMD -MP $(CPPFLAGS)
+# i386 computes in double with SSE2 alone
+X87 := $(if $(filter 1,$(shell echo __i386__ | $(CC) $(CFLAGS) -E -P -xc - 2>/dev/null)),-msse2 -mfpmath=sse)
 # no fused products: the same bits everywhere; nobody asks errno or the traps, which keep loops scalar
-CFLAGS_ALL = -std=c11 $(CFLAGS) $(WARNINGS) -ffp-contract=off -fno-math-errno -fno-trapping-math \
+CFLAGS_ALL = -std=c11 $(CFLAGS) $(X87) $(WARNINGS) -ffp-contract=off -fno-math-errno -fno-trapping-math \
              -pthread -fPIC -fvisibility=hidden -DDLS_BUILD_SHARED $(SANITIZE)
 
 BLAS_LIBS ?= $(shell $(PKG_CONFIG) --silence-errors --libs openblas || echo -lopenblas)
@@ -86,7 +89,7 @@ ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h tests/*/*.h
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 LIB_OBJ := $(call obj,$(LIB_SRC))
 # fe is a library of its own: it carries the hidden functions that it shares
-FE_OBJ := $(call obj,$(FE_SRC)) $(patsubst %,$(BUILD)/obj/src/%.o,base/status base/memory base/number base/check base/columns files/file files/output)
+FE_OBJ := $(call obj,$(FE_SRC)) $(patsubst %,$(BUILD)/obj/src/%.o,base/status base/memory base/number base/check base/columns base/environment files/file files/output)
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(EXAMPLE_SRC))
 # programs in other languages, where there is a compiler
@@ -146,6 +149,9 @@ help:
 	@echo 'make bench-trust     predicted error of an answer beside the true one'
 	@echo 'make MPI=1       libdelassus-mpi and delassus-mpi, too; MPI=1 check-mpi, MPI=1 bench-mpi'
 	@echo 'make clean'
+
+# the Debian packages that these options need
+DEPS = HDF5='$(HDF5)' MUMPS='$(MUMPS)' BLAS_LIBS='$(if $(filter file,$(origin BLAS_LIBS)),,$(BLAS_LIBS))' .ci/deps
 
 # ---- libraries and program ----------------------------------------------------------------------
 
@@ -232,7 +238,7 @@ $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(TEST_HELPERS) $(FE) $(A)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS) $(LIBS)
 
-$(call obj,$(TEST_SRC)) $(TEST_HELPERS): CPPFLAGS += -Itests/shared -DTEST_DATA='"data"' -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0)
+$(call obj,$(TEST_SRC)) $(TEST_HELPERS): CPPFLAGS += -Itests/shared -DTEST_DATA='"data"' -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0) -DWITH_HDF5=$(if $(HDF5_CFLAGS),1,0)
 # test_files makes broken FCLIB files with HDF5 itself
 $(BUILD)/obj/tests/files/test_files.o: CPPFLAGS += $(HDF5_CFLAGS)
 
@@ -422,7 +428,7 @@ $(BUILD)/bench/%:
 
 .PHONY: bench-lemke bench-solvers bench-reduction bench-auto bench-blocks bench-scale bench-motion
 bench-lemke bench-solvers bench-reduction bench-scale: bench-%:
-	@.ci/deps bench
+	@$(DEPS) bench
 	@$(MAKE) --no-print-directory $(BUILD)/bench/$*
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/$* --out $(RESULTS) $(BENCH)
 	$(if $(filter --large,$(BENCH)),,gnuplot -e "dir='$(RESULTS)/'" bench/$*.gp)
@@ -430,7 +436,7 @@ bench-lemke bench-solvers bench-reduction bench-scale: bench-%:
 bench-auto: $(BUILD)/bench/auto
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/auto --out $(RESULTS) $(or $(BENCH),data/fclib/*.hdf5)
 bench-motion:
-	@.ci/deps bench
+	@$(DEPS) bench
 	@$(MAKE) --no-print-directory $(BUILD)/bench/motion
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/motion --out $(RESULTS) $(BENCH)
 .PHONY: bench-bodies
@@ -448,7 +454,8 @@ bench-trust: $(BUILD)/bench/trust
 # ---- demo, install ------------------------------------------------------------------------------
 
 .PHONY: demo
-demo: deps
+demo:
+	@$(DEPS) pictures
 	@$(MAKE) --no-print-directory all
 	@examples/demo.sh $(BUILD)
 
@@ -467,7 +474,7 @@ charts: $(PROGRAM) $(BUILD)/bench/problems
 
 .PHONY: deps
 deps:
-	@.ci/deps
+	@$(DEPS)
 
 INCLUDEDIR = $(PREFIX)/include
 DATADIR = $(PREFIX)/share
@@ -511,7 +518,7 @@ check-install: $(A) $(SO) $(FE) $(PROGRAM)
 
 .PHONY: check-hosts
 check-hosts:
-	@.ci/deps hosts
+	@$(DEPS) hosts
 	@$(MAKE) --no-print-directory $(A) $(SO) $(PROGRAM)
 	@CC='$(CC)' CXX='$(CXX)' examples/hosts/run.sh $(BUILD)
 

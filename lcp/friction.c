@@ -177,6 +177,7 @@ static dls_status friction_check(const dls_contact *problem, dls_error *error) {
 
 dls_status dls_contact_to_lcp(const dls_contact *problem, const double *s, double *M, int ldm,
                               double *q, dls_error *error) {
+  DLSI_DOOR;
   dlsi_formed formed = {.work = NULL};
   dls_status status = friction_check(problem, error);
   if (!status) status = dlsi_form_blocks(&formed, &problem, error);
@@ -187,6 +188,7 @@ dls_status dls_contact_to_lcp(const dls_contact *problem, const double *s, doubl
 
 dls_status dls_contact_from_lcp(const dls_contact *problem, const double *s, const double *z,
                                 double *r, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = friction_check(problem, error);
   if (!status) status = dlsi_form_reactions(problem, &three_rows, s, z, r, error);
   return dlsi_at(__func__, status, error);

@@ -364,7 +364,11 @@ dls_status dlsi_factor_numeric(dlsi_factor *factor, const dls_model *model, dls_
 }
 
 static dls_status factor_host(const dlsi_factor *factor, double *X, int nrhs, dls_error *error) {
-  const int n = factor->n, answer = factor->solve(factor->user, X, n, nrhs);
+  const int n = factor->n;
+  dlsi_host own;
+  dlsi_go_out(&own);
+  const int answer = factor->solve(factor->user, X, n, nrhs);
+  dlsi_come_in(&own);
   if (answer) return dlsi_fail(error, DLS_E_CALLBACK, "solve", -1, answer, "returned %d", answer);
   const long long bad = dlsi_first_not_finite(X, (size_t)n * (size_t)nrhs);
   if (bad < 0) return DLS_OK;

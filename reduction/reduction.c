@@ -285,10 +285,12 @@ static dls_status reduction_create(dls_reduction **out, const dls_model *model,
 
 dls_status dls_reduction_create_with(dls_reduction **out, const dls_model *model,
                                      const dls_reduction_settings *settings, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, reduction_create(out, model, settings, error), error);
 }
 
 dls_status dls_reduction_create(dls_reduction **out, const dls_model *model, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, reduction_create(out, model, NULL, error), error);
 }
 
@@ -310,6 +312,7 @@ static dls_status reduction_estimate(const dls_model *model, const dls_reduction
 
 dls_status dls_reduction_estimate(const dls_model *model, const dls_reduction_settings *settings,
                                   dls_reduction_info *info, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, reduction_estimate(model, settings, info, error), error);
 }
 
@@ -367,6 +370,7 @@ static dls_status reduction_update(dls_reduction *work, const dls_model *model, 
 
 dls_status dls_reduction_update(dls_reduction *reduction, const dls_model *model,
                                 dls_error *error) {
+  DLSI_DOOR;
   dls_status status = reduction_enter(reduction, error);
   if (!status) status = dlsi_leave(&reduction->busy, reduction_update(reduction, model, error));
   return dlsi_at(__func__, status, error);
@@ -401,6 +405,7 @@ static dls_status reduction_given(const dls_reduction *work, const double *r, co
 
 dls_status dls_reduction_get_info(const dls_reduction *reduction, dls_reduction_info *info,
                                   dls_error *error) {
+  DLSI_DOOR;
   dls_status status = reduction_ready(reduction, error);
   if (!status && !info) status = dlsi_is_null(error, "info");
   if (!status) *info = reduction->info;
@@ -474,6 +479,7 @@ static dls_status reduction_load(dls_reduction *work, const double *f, const dou
 
 dls_status dls_reduction_load(dls_reduction *reduction, const double *f, const double *g,
                               dls_error *error) {
+  DLSI_DOOR;
   dls_status status = reduction_enter(reduction, error);
   if (!status) status = dlsi_leave(&reduction->busy, reduction_load(reduction, f, g, error));
   return dlsi_at(__func__, status, error);
@@ -505,6 +511,7 @@ static dls_status reduction_load_free(dls_reduction *work, const double *x_free,
 
 dls_status dls_reduction_load_free(dls_reduction *reduction, const double *x_free, const double *g,
                                    dls_error *error) {
+  DLSI_DOOR;
   dls_status status = reduction_enter(reduction, error);
   if (!status)
     status = dlsi_leave(&reduction->busy, reduction_load_free(reduction, x_free, g, error));
@@ -535,6 +542,7 @@ static dls_status reduction_contact(const dls_reduction *work, const double *mu,
 
 dls_status dls_reduction_contact(const dls_reduction *reduction, const double *mu,
                                  dls_contact *problem, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, reduction_contact(reduction, mu, problem, error), error);
 }
 
@@ -598,6 +606,7 @@ static dls_status reduction_recover(dls_reduction *work, const double *r, double
 
 dls_status dls_reduction_recover(dls_reduction *reduction, const double *r, double *x,
                                  dls_error *error) {
+  DLSI_DOOR;
   dls_status status = reduction_enter(reduction, error);
   if (!status) status = dlsi_leave(&reduction->busy, reduction_recover(reduction, r, x, error));
   return dlsi_at(__func__, status, error);
@@ -651,6 +660,7 @@ static dls_status reduction_balance(dls_reduction *work, const double *r, double
 
 dls_status dls_reduction_balance(dls_reduction *reduction, const double *r, double *imbalance,
                                  dls_error *error) {
+  DLSI_DOOR;
   dls_status status = reduction_enter(reduction, error);
   if (!status)
     status = dlsi_leave(&reduction->busy, reduction_balance(reduction, r, imbalance, error));
@@ -674,5 +684,6 @@ static dls_status reduction_nodal(const dls_reduction *work, const double *r, do
 
 dls_status dls_reduction_nodal(const dls_reduction *reduction, const double *r, double *R,
                                dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, reduction_nodal(reduction, r, R, error), error);
 }

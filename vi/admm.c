@@ -144,6 +144,7 @@ static dls_status admm_create(void **out, int d, int nc, const dls_admm_settings
 
 dls_status dls_admm_create(dls_admm **out, int d, int nc, const dls_admm_settings *settings,
                            dls_error *error) {
+  DLSI_DOOR;
   void *work = NULL;
   const dls_status status = out ? admm_create(&work, d, nc, settings, &(dlsi_options){0}, error)
                                 : dlsi_is_null(error, "out");
@@ -446,6 +447,7 @@ static dls_status admm_solve(void *workspace, const dls_contact *problem, double
 
 dls_status dls_admm_solve(dls_admm *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = dlsi_iterate_enter(workspace ? &workspace->it : NULL, problem, r, u, error);
   if (status) return dlsi_at(__func__, status, error);
   if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_ADMM, "admm", info))

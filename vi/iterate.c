@@ -105,7 +105,7 @@ dls_certificate dlsi_iterate_measure(dlsi_iterate *it, const dls_contact *proble
 
 int dlsi_iterate_keep(dlsi_iterate *it, const dls_contact *problem, const double *r,
                       const dls_certificate *now) {
-  const dls_status verdict = dls_certificate_verdict(now, it->tol);
+  const dls_status verdict = dlsi_certificate_verdict(now, it->tol);
   if (verdict == DLS_TO_ROUNDING) it->rounded++;
   if (verdict != DLS_OK && !dlsi_is_better(now, &it->certificate)) return 0;
   it->certificate = *now;
@@ -125,7 +125,7 @@ int dlsi_iterate_start(dlsi_iterate *it, const dls_contact *problem, double *r) 
     memset(r, 0, size_of(problem) * sizeof *r);
     (void)dlsi_iterate_offer(it, problem, r);
   }
-  return dls_certificate_holds(&it->certificate, it->tol);
+  return dlsi_certificate_holds(&it->certificate, it->tol);
 }
 
 dls_status dlsi_iterate_settle(dlsi_iterate *it, const dls_contact *problem, dls_status reason) {

@@ -494,6 +494,7 @@ int dlsi_local_count(int d, const double *W, const double *q, double mu) {
 
 dls_local_state dls_nlgs_local(int d, const double *W, const double *q, double mu, double *r,
                                int *count) {
+  DLSI_DOOR;
   double p[3] = {0};
   dls_local_state state;
   if (d == 1)

@@ -196,6 +196,7 @@ static dls_status nlgs_create(void **out, int d, int nc, int stage,
 
 dls_status dls_nlgs_create(dls_nlgs **out, int d, int nc, const dls_nlgs_settings *settings,
                            dls_error *error) {
+  DLSI_DOOR;
   void *work = NULL;
   const dls_status status =
       out ? nlgs_create(&work, d, nc, 0, settings, error) : dlsi_is_null(error, "out");
@@ -1173,6 +1174,7 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
 
 dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = dlsi_iterate_enter(workspace ? &workspace->it : NULL, problem, r, u, error);
   if (status) return dlsi_at(__func__, status, error);
   if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_NLGS, "nlgs", info))

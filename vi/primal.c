@@ -152,6 +152,7 @@ static dls_status primal_create(void **out, const dls_model *model,
 
 dls_status dls_primal_create(dls_primal **out, const dls_model *model,
                              const dls_primal_settings *settings, dls_error *error) {
+  DLSI_DOOR;
   void *work = NULL;
   const dls_status status =
       out ? primal_create(&work, model, settings, error) : dlsi_is_null(error, "out");
@@ -559,6 +560,7 @@ static dls_status primal_solve(dls_primal *work, const double *f, const double *
 dls_status dls_primal_solve(dls_primal *workspace, const double *f, const double *g,
                             const double *mu, double *x, double *r, double *u,
                             dls_primal_info *info, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = workspace ? primal_check_input(workspace, f, g, mu, x, r, error)
                                 : dlsi_is_null(error, "workspace");
   if (!status) status = dlsi_enter(&workspace->busy, "workspace", error);

@@ -5,6 +5,7 @@
 #ifndef DLSI_BASE_H
 #define DLSI_BASE_H
 
+#include <fenv.h>
 #include <float.h>
 #include <math.h>
 #include <stdatomic.h>
@@ -13,6 +14,18 @@
 
 #include "delassus/info.h"
 #include "delassus/model.h"
+
+/* ---- what the compiler has to keep ------------------------------------------------------------- */
+
+/* NaN and Inf have to be seen, and sums to be rounded as they are written. */
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) ||                                     \
+    (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "delassus: without -Ofast, -ffast-math, -ffinite-math-only, -fassociative-math, please"
+#endif
+/* A double has to be rounded to a double: on i386 -msse2 -mfpmath=sse does that. */
+#if FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 1
+#error "delassus: needs arithmetic in double; on i386 add -msse2 -mfpmath=sse"
+#endif
 
 /* ---- loops that vectorise -------------------------------------------------------------------- */
 
@@ -33,6 +46,72 @@
 #define DLSI_CLONES
 #define DLSI_INLINE inline
 #endif
+
+/* ---- the host's floating point environment (environment.c) ------------------------------------ */
+
+/* An environment; known: 1 if there is one. */
+typedef struct dlsi_host {
+  int known;
+  fenv_t environment;
+} dlsi_host;
+
+/* Is what a public function puts back. */
+typedef struct dlsi_door {
+  unsigned control;     /* x86-64: control and flags of SSE, ... */
+  unsigned short flags; /* ... flags of the x87, which BLAS and LAPACK may use */
+  int held;             /* 1: the host traps or rounds otherwise, found and before are set */
+  fenv_t found;
+  dlsi_host before;
+} dlsi_door;
+
+/* The slow halves of the two below. */
+void dlsi_hold_host(dlsi_door *door);
+void dlsi_free_host(const dlsi_door *door);
+
+#if defined(__x86_64__) && defined(__GNUC__)
+static inline unsigned short dlsi_x87_flags(void) {
+  unsigned short word;
+  __asm__ volatile("fnstsw %0" : "=a"(word));
+  return word & 0x3f;
+}
+
+static inline void dlsi_door_open(dlsi_door *door) {
+  const unsigned masks = 0x1f80, rounding = 0x6000; /* all masked, to nearest: the default */
+  door->control = __builtin_ia32_stmxcsr();
+  door->flags = dlsi_x87_flags();
+  door->held = (door->control & (masks | rounding)) != masks;
+  if (door->held) dlsi_hold_host(door);
+}
+
+static inline void dlsi_door_close(dlsi_door *door) {
+  if (door->held) {
+    dlsi_free_host(door);
+    return;
+  }
+  const int raised = dlsi_x87_flags() & ~door->flags;
+  if (raised) (void)feclearexcept(raised);
+  if (__builtin_ia32_stmxcsr() != door->control) __builtin_ia32_ldmxcsr(door->control);
+}
+#else
+static inline void dlsi_door_open(dlsi_door *door) {
+  dlsi_hold_host(door);
+}
+
+static inline void dlsi_door_close(dlsi_door *door) {
+  dlsi_free_host(door);
+}
+#endif
+
+/* Stands first in every public function that may compute, in functions of the library that are
+ * called back as a host's are, and in those that a thread begins with: no trap, to nearest. As the
+ * function returns, traps, flags and rounding are those that it found. */
+#define DLSI_DOOR                                                                                  \
+  dlsi_door door __attribute__((cleanup(dlsi_door_close)));                                        \
+  dlsi_door_open(&door)
+
+/* Stand before and after a call of the host's, which sees the environment that the host left. */
+void dlsi_go_out(dlsi_host *own);
+void dlsi_come_in(const dlsi_host *own);
 
 /* ---- errors ---------------------------------------------------------------------------------- */
 
@@ -532,6 +611,10 @@ static inline int dlsi_certificate_meets(const dls_certificate *c, double tol) {
          c->residual_r <= dlsi_target(tol, c->floor_r) &&
          c->equilibrium <= dlsi_target(tol, c->floor_e);
 }
+
+/* dls_certificate_holds and dls_certificate_verdict, inside of the library. */
+int dlsi_certificate_holds(const dls_certificate *certificate, double tol);
+dls_status dlsi_certificate_verdict(const dls_certificate *certificate, double tol);
 
 /* Returns the target of the part that `residual` is. */
 static inline double dlsi_certificate_target(const dls_certificate *c, double tol) {

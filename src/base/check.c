@@ -262,6 +262,7 @@ dls_status dlsi_check_solve(int d, int nc, const dls_contact *problem, const dou
 }
 
 dls_status dls_contact_check(const dls_contact *problem, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, dlsi_check_contact(problem, error), error);
 }
 

@@ -191,6 +191,7 @@ static dls_status contact_get_block(const dls_contact *problem, dls_component ro
 
 dls_status dls_contact_get_block(const dls_contact *problem, dls_component row, dls_component col,
                                  double *block, int ld, dls_error *error) {
+  DLSI_DOOR;
   dlsi_formed formed = {.work = NULL};
   dls_status status = dlsi_form_blocks(&formed, &problem, error);
   if (!status) status = contact_get_block(problem, row, col, block, ld, error);
@@ -201,6 +202,7 @@ dls_status dls_contact_get_block(const dls_contact *problem, dls_component row, 
 dls_status dls_contact_set_block(int d, int nc, dls_component row, dls_component col,
                                  const double *block, int ld, double *W, int ldw,
                                  dls_error *error) {
+  DLSI_DOOR;
   local_part R = {0}, C = {0};
   dls_status status = dlsi_check_sizes(d, nc, error);
   if (!status) status = find_part("row", row, d, &R, error);
@@ -496,6 +498,7 @@ static dls_status contact_certify(const dls_contact *problem, const double *r, d
 
 dls_status dls_contact_certify(const dls_contact *problem, const double *r, double *u,
                                dls_certificate *certificate, dls_error *error) {
+  DLSI_DOOR;
   dlsi_formed formed = {.work = NULL};
   dls_status status = dlsi_check_contact(problem, error);
   const size_t m = status ? 0 : (size_t)problem->d * (size_t)problem->nc;
@@ -515,17 +518,27 @@ static int meets_within(const dls_certificate *c, double tol, double most) {
          4 * c->floor_r <= largest && 4 * c->floor_e <= largest;
 }
 
-int dls_certificate_holds(const dls_certificate *certificate, double tol) {
+int dlsi_certificate_holds(const dls_certificate *certificate, double tol) {
   return meets_within(certificate, tol, 1e-8);
 }
 
-dls_status dls_certificate_verdict(const dls_certificate *certificate, double tol) {
+dls_status dlsi_certificate_verdict(const dls_certificate *certificate, double tol) {
   if (meets_within(certificate, tol, 1e-8)) return DLS_OK;
   return meets_within(certificate, tol, 1e-4) ? DLS_TO_ROUNDING : DLS_STALLED;
 }
 
+int dls_certificate_holds(const dls_certificate *certificate, double tol) {
+  DLSI_DOOR;
+  return dlsi_certificate_holds(certificate, tol);
+}
+
+dls_status dls_certificate_verdict(const dls_certificate *certificate, double tol) {
+  DLSI_DOOR;
+  return dlsi_certificate_verdict(certificate, tol);
+}
+
 dls_status dlsi_settled(const dls_certificate *c, double tol, dls_status reason) {
-  const dls_status verdict = dls_certificate_verdict(c, tol);
+  const dls_status verdict = dlsi_certificate_verdict(c, tol);
   const int by_itself = reason == DLS_OK || reason == DLS_STALLED || reason == DLS_TO_ROUNDING ||
                         reason == DLS_MAX_ITERATIONS || reason == DLS_RAY;
   if (verdict == DLS_OK || (verdict == DLS_TO_ROUNDING && by_itself)) return verdict;
@@ -558,10 +571,12 @@ static dls_status contact_tell(const dls_contact *problem, const double *r, cons
 
 dls_status dls_contact_states(const dls_contact *problem, const double *r, const double *u,
                               dls_contact_state *state, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, contact_tell(problem, r, u, "state", state, NULL, error), error);
 }
 
 dls_status dls_contact_misfits(const dls_contact *problem, const double *r, const double *u,
                                double *misfit, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, contact_tell(problem, r, u, "misfit", NULL, misfit, error), error);
 }

@@ -31,7 +31,13 @@ double dlsi_clock_left(const dls_limits *limits, double begun) {
 
 dls_status dlsi_tell(const dls_limits *limits, double begun, dls_progress *progress) {
   progress->cpu_seconds = begun < 0 ? 0 : thread_seconds() - begun;
-  if (limits->progress && limits->progress(limits->progress_data, progress)) return DLS_CANCELLED;
+  if (limits->progress) {
+    dlsi_host own;
+    dlsi_go_out(&own);
+    const int stop = limits->progress(limits->progress_data, progress);
+    dlsi_come_in(&own);
+    if (stop) return DLS_CANCELLED;
+  }
   const int over = limits->cpu_seconds > 0 && progress->cpu_seconds >= limits->cpu_seconds;
   return over ? DLS_TIME_LIMIT : DLS_OK;
 }

@@ -131,6 +131,7 @@ static dls_status contact_subset(const dls_contact *problem, int count, const in
 
 dls_status dls_contact_subset(const dls_contact *problem, int count, const int *candidate,
                               double *values, int *index, dls_contact *subset, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, contact_subset(problem, count, candidate, values, index, subset, error),
                  error);
 }

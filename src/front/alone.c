@@ -47,7 +47,7 @@ static int is_certified(const dls_contact *problem, double tol, const double *r,
   double a[most_rows], F[most_rows];
   dlsi_contact_multiply(problem, NULL, r, u, a);
   dlsi_contact_measure(problem, r, u, a, w, F, certificate);
-  return dls_certificate_holds(certificate, tol);
+  return dlsi_certificate_holds(certificate, tol);
 }
 
 static int is_pressed(const dls_contact *problem) {

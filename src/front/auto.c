@@ -335,6 +335,7 @@ static double cost_of_newton(dlsi_auto *work) {
 }
 
 static int watch_sweeps(void *data, const dls_progress *p) {
+  DLSI_DOOR;
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
   const double now = log(p->residual);
@@ -358,6 +359,7 @@ static int watch_sweeps(void *data, const dls_progress *p) {
 }
 
 static int watch_newton(void *data, const dls_progress *p) {
+  DLSI_DOOR;
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
   const double now = log(p->residual);
@@ -370,6 +372,7 @@ static int watch_newton(void *data, const dls_progress *p) {
 
 /* (AT13) Stops when (AT12) is to be tried. Sweeps that get nowhere stop by themselves. */
 static int watch_push(void *data, const dls_progress *p) {
+  DLSI_DOOR;
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
   const double now = log(p->residual);
@@ -386,6 +389,7 @@ static int watch_push(void *data, const dls_progress *p) {
 }
 
 static int watch_limits(void *data, const dls_progress *p) {
+  DLSI_DOOR;
   return must_stop(data, p);
 }
 

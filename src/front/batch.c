@@ -152,6 +152,7 @@ static dls_status batch_run(batch *all, int count, const dls_solver_settings *se
 dls_status dls_solve_batch(int count, const dls_contact *problem,
                            const dls_solver_settings *settings, double *const *r, double *const *u,
                            dls_info *info, dls_error *error) {
+  DLSI_DOOR;
   batch all = {.problem = problem, .r = r, .u = u, .info = info};
   return dlsi_at(__func__, batch_run(&all, count, settings, error), error);
 }

@@ -373,6 +373,7 @@ dls_status dlsi_contact_fold(const dls_contact *problem, int search, dls_fold *f
 
 dls_status dls_contact_fold(const dls_contact *problem, dls_fold *fold, dls_contact_state *state,
                             double *q, double *r, double *other, dls_error *error) {
+  DLSI_DOOR;
   const int search = problem && problem->nc > DLS_STATES_MAX;
   dlsi_formed formed = {.work = NULL};
   dls_status status = dlsi_form_blocks(&formed, &problem, error);

@@ -269,6 +269,7 @@ static dls_status sensitivity_run(const dls_contact *problem, const double *r,
 
 dls_status dls_contact_sensitivity(const dls_contact *problem, const double *r,
                                    dls_sensitivity *sensitivity, dls_error *error) {
+  DLSI_DOOR;
   dlsi_formed formed = {.work = NULL};
   dls_status status = dlsi_form_blocks(&formed, &problem, error);
   if (!status) status = sensitivity_run(problem, r, sensitivity, error);

@@ -451,6 +451,7 @@ static dls_status contact_enumerate(const dls_contact *problem, double tol, int 
 dls_status dls_contact_enumerate(const dls_contact *problem, double tol, int capacity, double *r,
                                  double *low, double *high, dls_solution_set *found,
                                  dls_error *error) {
+  DLSI_DOOR;
   dlsi_formed formed = {.work = NULL};
   dls_status status = dlsi_form_blocks(&formed, &problem, error);
   if (!status) status = contact_enumerate(problem, tol, capacity, r, low, high, found, error);

@@ -292,6 +292,7 @@ static dls_status step_take(dls_motion *motion, const double *f, const double *y
 
 dls_status dls_motion_step(dls_motion *motion, const double *f, const double *y, const double *mu,
                            dls_info *info, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = dlsi_motion_enter(motion, error);
   if (!status) status = dlsi_leave(&motion->busy, step_take(motion, f, y, mu, info, error));
   return dlsi_at(__func__, status, error);

@@ -75,6 +75,7 @@ END_TEST
 
 /* --verbose tells each step on stderr and leaves stdout as it is. */
 START_TEST(verbose_goes_to_stderr) {
+  NEEDS_HDF5;
   static const char *const calls[][2] = {
       {"solve data/failures/c20-scales.txt", "s of CPU, residual"},
       {"scene jean-fig3", "s of CPU, residual"},
