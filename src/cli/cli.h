@@ -149,9 +149,13 @@ const char *method_list(char *text, size_t size);
 /* Prints "delassus: " and the message on stderr; returns EXIT_BAD_INPUT. */
 int complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* Prints the last line of a command on stdout, "solved" or "not solved: WHY", in colour on a
- * terminal unless the environment has NO_COLOR. */
-void print_ending(dls_status status);
+/* Returns 1 for DLS_OK and DLS_TO_ROUNDING. */
+int is_solved(dls_status status);
+
+/* Prints the last line of a command on stdout, in colour on a terminal unless the environment has
+ * NO_COLOR: "solved", "solved to rounding: ..", "solved: reactions to about E" where the predicted
+ * error is above 1e-4, or "not solved: WHY". info: of a contact problem; or NULL. */
+void print_ending(dls_status status, const dls_info *info);
 
 /* Does the same for a command of many solves, by its exit status; why: of EXIT_NOT_SOLVED. Returns
  * the exit status: after Ctrl-C, EXIT_NOT_SOLVED. */

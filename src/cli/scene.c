@@ -483,15 +483,15 @@ static int run_scene(const scene_options *o) {
   char unsolved[UNSOLVED_ROOM], title[UNSOLVED_ROOM + 100];
   const dls_info *info = &a.outcome.info;
   (void)snprintf(
-      title, sizeof title, info->status ? "%.80s [%s]" : "%.80s", o->name,
+      title, sizeof title, is_solved(info->status) ? "%.80s" : "%.80s [%s]", o->name,
       unsolved_words(info->status, info->certificate.residual, unsolved, sizeof unsolved));
   if (o->save && dls_fclib_write_local(o->save, &a.contact, title, a.r, a.u, &error)) {
     result = complain_of(o->save, &error);
     goto end;
   }
   if (o->out && write_files(&a, o) != EXIT_SOLVED) goto end;
-  if (!o->json) print_ending(a.outcome.info.status);
-  result = a.outcome.info.status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+  if (!o->json) print_ending(a.outcome.info.status, &a.outcome.info);
+  result = is_solved(a.outcome.info.status) ? EXIT_SOLVED : EXIT_NOT_SOLVED;
 end:
   scene_release(&a);
   return result;

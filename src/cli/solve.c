@@ -161,8 +161,8 @@ static int print_outcome(const char *path, const problem *p, const outcome *o, c
   unsettled_print(&o->unsettled);
   dls_diagnosis facts;
   dls_error error = {0};
-  const int m = p->contact.d * p->contact.nc, limit = o->info.status ? hint_rows : 0;
-  if (m == 0 || (o->info.status == DLS_OK && r[0] != 0)) return 1;
+  const int m = p->contact.d * p->contact.nc, limit = is_solved(o->info.status) ? 0 : hint_rows;
+  if (m == 0 || (is_solved(o->info.status) && r[0] != 0)) return 1;
   if (dls_contact_diagnose(&p->contact, m <= limit ? limit : 0, &facts, &error))
     return complain_of(path, &error), 0;
   print_hints("  ", facts.hints);
@@ -216,7 +216,8 @@ static int solve_contact(const char *path, const solve_options *options) {
                         .farkas = dls_solver_farkas(solver),
                         .ray = dls_solver_direction(solver)};
   verdict_fill(&o.verdict, status, 0);
-  const int wrong = status && o.info.certificate.residual > settings.limits.tol && !o.verdict.says;
+  const int wrong =
+      !is_solved(status) && o.info.certificate.residual > settings.limits.tol && !o.verdict.says;
   if (wrong && !unsettled_find(&o.unsettled, &p.contact, r, u)) goto end;
   if ((options->out || options->print || options->csv) && recover(&p, r, &x, &error)) {
     (void)complain_of(path, &error);
@@ -234,8 +235,8 @@ static int solve_contact(const char *path, const solve_options *options) {
   }
   if (options->csv && !write_results(options->csv, &p, r, u, x, unsolved)) goto end;
   if (options->print && !print_results(&p, r, u, x)) goto end;
-  if (!options->json) print_ending(status);
-  result = status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+  if (!options->json) print_ending(status, &o.info);
+  result = is_solved(status) ? EXIT_SOLVED : EXIT_NOT_SOLVED;
 end:
   dls_solver_destroy(solver);
   problem_free(&p);
@@ -334,7 +335,7 @@ static int solve_one_lcp(const char *path, const dls_lcp *lcp, const solve_optio
     (void)complain_of(options->out, &error);
     goto end;
   }
-  if (!options->json) print_ending(status);
+  if (!options->json) print_ending(status, NULL);
   result = status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
 end:
   dls_lemke_destroy(lemke);

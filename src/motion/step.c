@@ -67,8 +67,9 @@ static dls_status step_solve(dls_motion *motion, const double *start, double fac
   for (size_t k = 0; k < d * (size_t)next->active; k++)
     motion->r[k] = factor * start[d * (size_t)next->list[k / d] + k % d];
   dls_status status = dls_solver_solve(motion->solver, problem, motion->r, motion->w, info, error);
-  if (status > 0 && dls_certificate_holds(&info->certificate, motion->settings.limits.tol))
-    status = info->status = DLS_OK; /* the solver was asked for more: motion_solver_limits */
+  if (status > 0) /* the solver was asked for more: motion_solver_limits */
+    status = info->status = dlsi_settled(&info->certificate, motion->settings.limits.tol, status);
+  if (status == DLS_TO_ROUNDING) status = DLS_OK;
   if (status) return status;
   step_find_states(motion, state);
   memset(next->p, 0, motion->m * sizeof *next->p);

@@ -34,7 +34,7 @@ class Solution:
         d, nc = problem.d, problem.nc
         self.status = status
         self.words = lib.dls_status_text(status).decode()
-        self.solved = status == 0
+        self.solved = lib.dls_status_name(status).decode() in ("DLS_OK", "DLS_TO_ROUNDING")
         self.r = r.reshape(nc, d)
         self.u = u.reshape(nc, d)
         self.x = None
