@@ -72,7 +72,7 @@ MPI_CFLAGS := $(patsubst -I%,-isystem %,$(shell $(MPICC) --showme:compile)) -DDL
 MPI_LIBS := -ldmumps -lscalapack-openmpi -lmetis $(shell $(MPICC) --showme:link)
 endif
 
-LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/linear src/files src/front src/motion lcp vi reduction))
+LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/linear src/files src/front src/motion lcp vi reduction global))
 LIB_SRC := $(filter-out $(if $(HDF5_CFLAGS),src/files/fclib_none.c,src/files/fclib_read.c src/files/fclib_write.c),$(LIB_SRC))
 NO_MUMPS := src/linear/mumps_none.c
 WITH_MUMPS := $(addprefix src/linear/,sparse_lu.c schur.c dissection.c)
@@ -84,7 +84,7 @@ EXAMPLE_SRC := $(wildcard examples/*.c)
 HEADERS := $(filter-out $(if $(MPI_LIBS),,include/delassus/mpi.h),$(wildcard include/*.h include/delassus/*.h))
 ALL_CPP = $(wildcard include/*.hpp tests/*/*.cpp examples/*.cpp)
 ALL_C = $(LIB_SRC) $(FE_SRC) $(CLI_SRC) src/fortran/types.c $(wildcard src/mpi/*.c examples/mpi/*.c) $(wildcard tests/*/*.c) $(EXAMPLE_SRC) $(wildcard bench/*.c)
-ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h tests/*/*.h bench/*.h)
+ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h global/*.h tests/*/*.h bench/*.h)
 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 LIB_OBJ := $(call obj,$(LIB_SRC))
@@ -318,7 +318,7 @@ check-headers:
 lint:
 	clang-tidy --quiet --warnings-as-errors='*' $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(EXAMPLE_SRC) -- -std=c11 -Iinclude -Isrc -I. -I$(BUILD)/layout $(HDF5_CFLAGS) $(MUMPS_CFLAGS) 2>/dev/null
 	cppcheck --quiet --error-exitcode=1 --std=c11 --enable=warning,performance,portability \
-	  --inline-suppr -Iinclude -Isrc -I. src lcp vi reduction examples
+	  --inline-suppr -Iinclude -Isrc -I. src lcp vi reduction global examples
 
 .PHONY: format format-check
 format:

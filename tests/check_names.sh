@@ -6,7 +6,7 @@
 #     name at the door
 #   3 no line is longer than 100 columns
 cd "${1:-.}" || exit 2
-find include src lcp vi reduction tests bench examples -name '*.[ch]' | sort | LC_ALL=C xargs awk '
+find include src lcp vi reduction global tests bench examples -name '*.[ch]' | sort | LC_ALL=C xargs awk '
   function report(text) { print text; bad = 1 }
   FNR == 1 { declaration = "" }
   length($0) > 100 { report(FILENAME ":" FNR ": " length($0) " columns") }
