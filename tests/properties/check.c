@@ -68,6 +68,7 @@ static int is_within(const measure *a, double tol, double most, int forces) {
 /* Rule 8 of one outcome: the error that the library predicts counts ten times. */
 static rule judge_error(const outcome *o) {
   const truth *t = &o->is_true;
+  if (o->status != DLS_OK) return KEPT;
   if (t->verdict != TRUTH_WRONG_R && t->verdict != TRUTH_WRONG_U) return KEPT;
   const double least = t->verdict == TRUTH_WRONG_R ? fmin(t->error, t->largest) : t->error;
   if (10 * o->error >= least) return KEPT;
@@ -103,7 +104,6 @@ static rule judge_alone(const problem *p, const run *how, const outcome *o) {
   const int held = how->rows ? o->lcp_holds : o->holds;
   if ((gave_up || rounded) && held) return UNSEEN;
   if (gave_up && !how->rows && o->holds_to_rounding) return UNSEEN;
-  if (judged && o->status == DLS_OK && judge_error(o)) return judge_error(o);
   if (o->status == DLS_NO_SOLUTION_LIKELY && o->residual == 0) return UNSEEN;
   return KEPT;
 }
@@ -259,6 +259,9 @@ void check_problem(const problem *p, uint64_t seed, const options *ask, verdict 
     else
       note_finding(v, judge_alone(p, &all.run[k], &o[k]), 0, &all.run[k], &all.run[k], &o[k]);
   }
+  for (int k = 0; k < all.count; k++)
+    note_finding(v, judge_error(&o[k]), all.run[k].warm == 2,
+                 &all.run[all.run[k].warm == 2 ? 0 : k], &all.run[k], &o[k]);
   compare_all(p, &all, o, v);
   v->runs = all.count;
   v->status = o[0].status;
@@ -270,15 +273,18 @@ void check_problem(const problem *p, uint64_t seed, const options *ask, verdict 
     v->unknown += t->verdict == TRUTH_UNKNOWN;
     v->other += t->verdict == TRUTH_OTHER;
     if (t->verdict == TRUTH_UNKNOWN || t->verdict == TRUTH_OTHER || !(t->condition > 0)) continue;
-    v->amplified = fmax(v->amplified, t->error / all.run[k].tol / t->condition);
+    v->amplified = fmax(v->amplified, t->error / t->tol / t->condition);
   }
 }
 
 int finding_stands(const problem *p, const finding *found) {
   static outcome a, b;
   solve_run(p, &found->first, NULL, &a);
+  const int error = found->rule == TRUE_R || found->rule == TRUE_U;
+  if (error && !found->pair) return judge_error(&a) == found->rule;
   if (!found->pair) return judge_alone(p, &found->first, &a) == found->rule;
   solve_run(p, &found->second, &a, &b);
+  if (error) return judge_error(&b) == found->rule;
   if (found->rule == CONTRADICTION) return judge_claims(&a, &b) == found->rule;
   return judge_alone(p, &found->second, &b) == found->rule ||
          judge_copy(p, &found->first, &a, &found->second, &b) == found->rule;

@@ -201,8 +201,8 @@ static void draw_bonded(dice *g, const recipe *of, problem *p) {
   problem_resize(p, 2 + dice_below(g, 2), 1 + dice_below(g, 10));
   const int way = dice_below(g, 4); /* all infinite, all large, mixed */
   for (int c = 0; c < p->nc; c++) {
-    const int kind = way == 0 ? 0 : way == 1 ? 1 : dice_below(g, 3);
-    p->mu[c] = kind == 0 ? INFINITY : kind == 1 ? dice_power(g, 0, 9) : dice_between(g, 0, 1);
+    const int sort = way == 0 ? 0 : way == 1 ? 1 : dice_below(g, 3);
+    p->mu[c] = sort == 0 ? INFINITY : sort == 1 ? dice_power(g, 0, 9) : dice_between(g, 0, 1);
     plant_bond(g, of, p, c);
   }
   add_random(g, of, p, draw_columns(g, p));

@@ -126,6 +126,7 @@ typedef struct truth {
   truth_verdict verdict;
   double error;     /* of r, or of u: |r - r_true| / |r_true|, |u - u_true| / (|q| + |u_true|) */
   double largest;   /* of r by entries, over the largest entry of r_true */
+  double tol;       /* of the judge */
   double condition; /* of r: relative error per relative residual; 0: not computed */
 } truth;
 

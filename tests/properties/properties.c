@@ -18,7 +18,7 @@
 
 #include "check.h"
 
-enum { WAYS = 8 };
+enum { WAYS = DLS_HOMOTOPY + 2 };
 enum { saved_most = 3 /* of a class and rule */, saved_rule = 15, text_size = 400 };
 
 /* Of the symmetric solvable problems at most this share may stay unsolved by auto, besides

@@ -251,7 +251,8 @@ void solve_run(const problem *p, const run *how, const outcome *before, outcome 
     out->holds_to_rounding = measure_holds(&out->is, how->tol, 0.5, 1e-4, 1);
   }
   if (out->status == DLS_OK && !how->rows && p->kind == SOLVABLE)
-    judge_truth(p, out->r, how->tol, how->method == DLS_AUTO, &out->is_true);
+    judge_truth(p, out->r, fmax(how->tol, 4 * fmax(out->is.floor_u, out->is.floor_r)),
+                how->method == DLS_AUTO, &out->is_true);
   if (out->status == DLS_NO_SOLUTION)
     out->proof = how->rows ? farkas_rounded(p, y) || search_proof(p, how, at) : farkas_holds(p, y);
   room_destroy(at);

@@ -9,7 +9,8 @@
  *          3D: force along e', which turns r_t         u_t.e' = 0, turned: + |u_t| / (mu r_n)
  *
  * (T1) r := Newton's method on them from the planted answer; the states are those of measure.c at
- *      every step. r is the truth where its F is 0 to long double precision.
+ *      every step. r is the truth where its F is 0 to long double precision and it is next to the
+ *      planted one: else the rounding of q has moved the answer, and nothing is known.
  * (T2) dr = G A^-1 H' du: G the columns, H the rows, A = H' W G + the turns. With the residuals of
  *      the certificate, |du| <= tol |q| and |D^-1 du| <= tol |r|: the condition is the smaller one of
  *      |G A^-1 H'| |q| / |r| and |G A^-1 H' D|, that of positions |W G A^-1 H'|. Norms by power
@@ -247,15 +248,19 @@ static int is_true(const active *s) {
   const int d = s->p->d;
   real FF = 0, aa = 0, forces = 0, bb = 0;
   for (int c = 0; c < s->p->nc; c++) {
-    real F[3] = {0};
-    const int touches = measure_branch(s->p, c, s->w, s->r + d * c, s->u + d * c, F);
+    const real *w = s->w + 2 * c, *r = s->r + d * c, *a = s->a + d * c;
+    const real mu = isinf(s->p->mu[c]) ? 0 : s->p->mu[c];
+    real F[3] = {0}, e[3] = {0};
+    const int touches = measure_branch(s->p, c, s->w, r, s->u + d * c, F);
+    for (int k = 0; touches && k < d; k++) {
+      e[k] += a[k] + w[k > 0] * fabsl(r[k]);
+      if (k) e[0] += mu * (a[k] + w[1] * fabsl(r[k]));
+    }
     for (int k = 0; k < d; k++) {
-      const real w = s->w[2 * c + (k > 0)], mu = isinf(s->p->mu[c]) ? 0 : s->p->mu[c];
-      const real e = touches ? (1 + mu) * (s->a[d * c + k] + w * fabsl(s->r[d * c + k])) : 0;
       FF += F[k] * F[k];
-      forces += F[k] / w * (F[k] / w);
-      aa += e * e;
-      bb += e / w * (e / w);
+      forces += F[k] / w[k > 0] * (F[k] / w[k > 0]);
+      aa += e[k] * e[k];
+      bb += e[k] / w[k > 0] * (e[k] / w[k > 0]);
     }
   }
   return sqrtl(FF) <= 1e3L * LDBL_EPSILON * sqrtl(aa) &&
@@ -365,8 +370,9 @@ static real load_of(const active *s) {
 
 /* ---- the judge ------------------------------------------------------------------------------- */
 
-/* Fills the errors of r against the answer that s holds, and judges them. */
-static void compare(active *s, const double *r, double tol, int capped, truth *out) {
+/* Fills the errors of r against the answer that s holds, and judges them. moved: how far this answer
+ * is from the one that was planted, relative to it; no farther than the rounding of q may move it. */
+static void compare(active *s, const double *r, double tol, int capped, real moved, truth *out) {
   const int d = s->p->d, m = s->p->m;
   real rr = length(s->r, m), top = 0, far = 0, sum = 0, uu = 0, du = 0;
   for (int i = 0; i < m; i++) {
@@ -388,16 +394,17 @@ static void compare(active *s, const double *r, double tol, int capped, truth *o
   const real load = load_of(s), most = capped ? 1e-2L : LDBL_MAX;
   out->error = (double)(sum == 0 ? 0 : sqrtl(sum) / rr);
   out->largest = (double)(far == 0 ? 0 : far / top);
-  const real moved = du == 0 ? 0 : sqrtl(du) / (load + sqrtl(uu));
+  const real error_u = du == 0 ? 0 : sqrtl(du) / (load + sqrtl(uu));
   out->verdict = TRUTH_HOLDS;
   if (rr == 0 && sum > 0) { /* r_true = 0: no scale, the certificate has none either */
     out->verdict = TRUTH_UNKNOWN;
     return;
   }
-  if (out->error <= tol && moved <= tol) return;
+  if (out->error <= tol && error_u <= tol) return;
   const real by_r = norm_of_map(s, OF_R), by_q = norm_of_map(s, OF_Q) * load / rr;
   out->condition = (double)fminl(by_r, by_q);
-  if (fmaxl(by_r, by_q) * LDBL_EPSILON > 1e-6L) {
+  const real worst = fmaxl(by_r, by_q);
+  if (worst * LDBL_EPSILON > 1e-6L || moved > 1e3L * DBL_EPSILON * fmaxl(1, worst)) {
     out->verdict = TRUTH_UNKNOWN;
     return;
   }
@@ -406,31 +413,58 @@ static void compare(active *s, const double *r, double tol, int capped, truth *o
     return;
   }
   const real by_u = fmaxl(1, norm_of_map(s, OF_U));
-  if (moved <= fminl(1000 * (real)tol * by_u, most)) return;
+  if (error_u <= fminl(1000 * (real)tol * by_u, most)) return;
   out->verdict = TRUTH_WRONG_U;
-  out->error = (double)moved;
+  out->error = (double)error_u;
 }
 
-static int start_from(active *s, const double *r) {
+/* (T1) from r (m). *moved: how far the answer is from it, relative to it. */
+static int start_from(active *s, const double *r, real *moved) {
   for (int i = 0; i < s->p->m; i++)
     s->r[i] = r[i];
-  return find_truth(s);
+  const int found = find_truth(s);
+  for (int i = 0; i < s->p->m; i++)
+    s->x[i] = s->r[i] - r[i];
+  const real size = length(s->r, s->p->m), step = length(s->x, s->p->m);
+  *moved = step == 0 ? 0 : size == 0 ? INFINITY : step / size;
+  return found;
+}
+
+/* (T3) Returns what the verdict on an answer that is not the planted one comes to: Newton's method
+ * starts from it, and from it without reactions that the tolerance hides. */
+static truth_verdict look_beside(active *s, const double *r, double tol, int capped,
+                                 truth_verdict verdict) {
+  const int d = s->p->d, m = s->p->m;
+  double *start = problem_alloc((size_t)m * sizeof *start), size = 0;
+  for (int i = 0; i < m; i++)
+    size += r[i] * r[i];
+  for (int without = 0; without < 2; without++) {
+    truth other = {.verdict = TRUTH_UNKNOWN};
+    real moved;
+    for (int i = 0; i < m; i++) {
+      const int tiny = fabs(r[d * (i / d)]) <= 1000 * tol * sqrt(size);
+      start[i] = without && tiny ? 0 : r[i];
+    }
+    const int found = start_from(s, start, &moved);
+    if (found == 1) compare(s, r, tol, capped, 0, &other);
+    if (found == 1 && other.verdict == TRUTH_HOLDS) verdict = TRUTH_OTHER;
+    if (found == -1 && verdict != TRUTH_OTHER) verdict = TRUTH_UNKNOWN;
+  }
+  free(start);
+  return verdict;
 }
 
 void judge_truth(const problem *p, const double *r, double tol, int capped, truth *out) {
   memset(out, 0, sizeof *out);
+  out->tol = tol;
   out->verdict = TRUTH_UNKNOWN;
   if (p->kind != SOLVABLE || p->m > most_rows) return;
   active *s = active_create(p);
-  if (start_from(s, p->r) == 1) {
-    compare(s, r, tol, capped, out);
-    if (out->verdict == TRUTH_WRONG_R || out->verdict == TRUTH_WRONG_U) { /* (T3) */
-      truth other = {.verdict = TRUTH_UNKNOWN};
-      const int found = start_from(s, r);
-      if (found == 1) compare(s, r, tol, capped, &other);
-      if (found == 1 && other.verdict == TRUTH_HOLDS) out->verdict = TRUTH_OTHER;
-      if (found == -1) out->verdict = TRUTH_UNKNOWN;
-    }
+  real moved;
+  if (start_from(s, p->r, &moved) == 1 && moved <= 1e-3L) {
+    compare(s, r, tol, capped, moved, out);
+    const int wrong = out->verdict == TRUTH_WRONG_R || out->verdict == TRUTH_WRONG_U;
+    if (wrong) out->verdict = look_beside(s, r, tol, capped, out->verdict);
   }
   active_destroy(s);
 }
