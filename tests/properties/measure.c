@@ -71,7 +71,11 @@ int measure_branch(const problem *p, int c, const long double *weights, const lo
   }
   for (int k = 0; k < d; k++)
     x[k] = own[k] - up[k] - (k == 0 ? mu * tangent(d, up) : 0);
-  const long double xt = tangent(d, x), edge = (x[0] + mu * xt) / (1 + mu * mu);
+  const long double xt = tangent(d, x), ut = tangent(d, up);
+  long double longer = 0; /* |x_t| - |u'_t|, which cancels where a slip is fast */
+  for (int k = 1; k < d && xt + ut > 0; k++)
+    longer += own[k] * ((x[k] - up[k]) / (xt + ut));
+  const long double edge = (own[0] - up[0] + mu * longer) / (1 + mu * mu);
   const int stick = bonded ? x[0] > 0 : x[0] >= 0 && xt <= mu * x[0];
   const int branch = stick ? 1 : !bonded && edge > 0 ? 2 : 0;
   for (int k = 0; k < d; k++)

@@ -269,7 +269,7 @@ int main(int count, char **words) {
   for (long i = 0; i < of.count && wall_clock() - start < of.seconds; i++) {
     const uint64_t seed = of.seed + of.step * (uint64_t)i;
     const int class = of.class >= 0      ? of.class
-                      : of.class == EACH ? (int)(seed % CLASSES)
+                      : of.class == EACH ? (int)(i % CLASSES)
                                          : class_of_seed(seed);
     const clock_t began = clock();
     generate(class, seed, &p);

@@ -17,6 +17,9 @@
  *      iteration.
  * (T3) An answer far from the truth may be near another one: Newton's method from there tells.
  *
+ * (T4) An answer whose error is too large is judged once more with the candidates closed, and stuck,
+ *      that are on the border of their state as far as the tolerance can tell.
+ *
  * Source: first-order perturbation of the active equations, as in any book on complementarity.
  */
 #include <float.h>
@@ -41,6 +44,7 @@ typedef struct active {
   int n;
   real *w, *r, *u, *a; /* weights 2 nc; m each; a = |W||r| + |q| */
   int *branch, *pivot; /* nc; n */
+  int singular;        /* after (T4) */
   unknown *z;          /* m */
   real *A;             /* n x n: its LU */
   real *x, *y, *b;     /* scratch: m, m, n */
@@ -272,6 +276,7 @@ static int find_truth(active *s) {
   const problem *p = s->p;
   const int d = p->d;
   real last = INFINITY;
+  s->singular = 0;
   for (int step = 0; step < most_steps; step++) {
     find_positions(s);
     find_states(s);
@@ -346,6 +351,7 @@ static void apply_map(active *s, map_kind of, int transposed, real *x) {
 static real norm_of_map(active *s, map_kind of) {
   dice g = {12345};
   real norm = 0;
+  if (s->singular) return INFINITY;
   for (int i = 0; i < s->p->m; i++)
     s->x[i] = dice_between(&g, -1, 1);
   for (int step = 0; step < norm_steps; step++) {
@@ -366,6 +372,26 @@ static real load_of(const active *s) {
   for (int i = 0; i < s->p->m; i++)
     if (s->branch[i / s->p->d]) sum += (real)s->p->q[i] * s->p->q[i];
   return sqrtl(sum);
+}
+
+/* (T4) Closes the candidates that are open by less than `gap` and sticks those that slip by less.
+ * Returns 0 where there is none; A is then as before. A singular: its norms are infinite. */
+static int widen_states(active *s, real gap) {
+  const int d = s->p->d;
+  int changed = 0;
+  for (int c = 0; c < s->p->nc; c++) {
+    const real *u = s->u + d * c;
+    const real ut = d == 1 ? 0 : d == 2 ? fabsl(u[1]) : hypotl(u[1], u[2]);
+    const int near = s->branch[c] == 0 ? u[0] <= gap : s->branch[c] == 2 && ut <= gap;
+    if (!near || (s->branch[c] == 2 && s->p->mu[c] == 0)) continue;
+    s->branch[c] = 1;
+    changed = 1;
+  }
+  if (!changed) return 0;
+  list_unknowns(s);
+  form_matrix(s);
+  s->singular = !factor_matrix(s);
+  return 1;
 }
 
 /* ---- the judge ------------------------------------------------------------------------------- */
@@ -401,21 +427,22 @@ static void compare(active *s, const double *r, double tol, int capped, real mov
     return;
   }
   if (out->error <= tol && error_u <= tol) return;
-  const real by_r = norm_of_map(s, OF_R), by_q = norm_of_map(s, OF_Q) * load / rr;
-  out->condition = (double)fminl(by_r, by_q);
-  const real worst = fmaxl(by_r, by_q);
-  if (worst * LDBL_EPSILON > 1e-6L || moved > 1e3L * DBL_EPSILON * fmaxl(1, worst)) {
+  for (int wide = 0; wide < 2; wide++) {
+    if (wide && !widen_states(s, 1000 * (real)tol * load)) break;
+    const real by_r = norm_of_map(s, OF_R), by_q = norm_of_map(s, OF_Q) * load / rr;
+    const real worst = fmaxl(by_r, by_q);
+    out->condition = (double)fminl(by_r, by_q);
+    const real by_u = fmaxl(fmaxl(1, out->condition), norm_of_map(s, OF_U));
     out->verdict = TRUTH_UNKNOWN;
-    return;
-  }
-  if (!(out->error <= fminl(1000 * (real)tol * out->condition, most))) {
+    if (worst * LDBL_EPSILON > 1e-6L || moved > 1e3L * DBL_EPSILON * fmaxl(1, worst)) return;
     out->verdict = TRUTH_WRONG_R;
+    if (!(out->error <= fminl(1000 * (real)tol * out->condition, most))) continue;
+    out->verdict = TRUTH_WRONG_U;
+    if (!(error_u <= fminl(1000 * (real)tol * by_u, most))) continue;
+    out->verdict = TRUTH_HOLDS;
     return;
   }
-  const real by_u = fmaxl(1, norm_of_map(s, OF_U));
-  if (error_u <= fminl(1000 * (real)tol * by_u, most)) return;
-  out->verdict = TRUTH_WRONG_U;
-  out->error = (double)error_u;
+  if (out->verdict == TRUTH_WRONG_U) out->error = (double)error_u;
 }
 
 /* (T1) from r (m). *moved: how far the answer is from it, relative to it. */
