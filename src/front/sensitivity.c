@@ -15,7 +15,7 @@
  * The rank is that of D^-1/2 A D^-1/2, in which units do not matter.
  *
  *   (SN4)  to first order r - r* is E A^-1 (row.u), since row.u = 0 at r*, where r lies on its cone:
- *          one factorisation, no bound. A slip no larger than 10 |F| counts as stick
+ *          one factorisation, no bound. A slip no larger than 1000 |F| counts as stick
  *
  * Cost: three times the singular values of a matrix of |rows|; of (SN4) one LU. What can fail: states that change
  * between r and r*, candidates on the border of two: then A holds on one side only.
@@ -32,7 +32,7 @@
 static const double border =
     1e-6; /* share of the largest w r and u, within which a state is on it */
 
-static const double within = 10; /* (SN4) */
+static const double within = 1000; /* (SN4) */
 
 /* An unknown y_j: r of candidate c along e, with the row of u along the same direction or along the
  * normal, and l of (SN2). */
