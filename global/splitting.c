@@ -17,7 +17,7 @@
  *          that changes it by more than sqrt(5); looked at after 20 iterations, then after 20 or
  *          half of all more. z and r stay. One factorisation.
  *   (GL6)  Newton steps (newton.c) end the iteration where no state has changed between two looks
- *          and the splitting would need more than `worth` iterations yet.
+ *          and the splitting would need more than `worth` iterations yet, which is what an LU takes.
  *   (GL7)  Where contact is settled and equilibrium stands still, look for a motion that nothing
  *          can hold (motion.c).
  *
@@ -29,7 +29,7 @@
 
 #include "global_internal.h"
 
-enum { measure_every = 10, first_look = 20, worth = 40, no_progress = 1000 };
+enum { measure_every = 10, first_look = 20, worth = 200, no_progress = 1000 };
 
 static const double relaxation = 1.6;
 static const double off = 5;          /* (GL5): the ratio, whose root changes rho */
@@ -242,7 +242,11 @@ static dls_status split_look(dls_global *work, int k, int most, const double *p,
 
 dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
   const int m = work->m;
-  schedule s = {.look = first_look, .newton = first_look, .residual = INFINITY, .best = INFINITY};
+  schedule s = {.look = first_look,
+                .newton = first_look,
+                .residual = INFINITY,
+                .equilibrium = INFINITY,
+                .best = INFINITY};
   dls_certificate now;
   for (int c = 0; c < work->nc; c++)
     work->state[c] = -1;
