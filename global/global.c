@@ -12,7 +12,7 @@
 
 #include "global_internal.h"
 
-enum { most_iterations = 5000 };
+enum { most_iterations = 5000, window = 10 };
 
 /* ---- the model ------------------------------------------------------------------------------- */
 
@@ -173,6 +173,7 @@ static void global_carve(dls_global *work, dlsi_arena *arena) {
     *of_m[k] = dlsi_take(arena, m, sizeof(double));
   for (size_t k = 0; k < sizeof of_n / sizeof of_n[0]; k++)
     *of_n[k] = dlsi_take(arena, n, sizeof(double));
+  dlsi_anderson_carve(&work->history, arena, m, window, 0);
   work->mu = dlsi_take(arena, nc, sizeof *work->mu);
   work->bend = dlsi_take(arena, nc, sizeof *work->bend);
   work->state = dlsi_take(arena, nc, sizeof *work->state);

@@ -11,6 +11,7 @@
 #include "base/body.h"
 #include "base/columns.h"
 #include "delassus/global.h"
+#include "linear/anderson.h"
 #include "linear/cholesky.h"
 #include "linear/dense.h"
 #include "linear/operator.h"
@@ -110,7 +111,8 @@ struct dls_global {
   double *trial, *look;    /* m: r, u as the caller has them */
   double *scratch;         /* dlsi_body_scratch */
   dls_certificate best;
-  void *memory; /* of the arrays */
+  dlsi_anderson history; /* of q */
+  void *memory;          /* of the arrays */
 };
 
 /* ---- splitting.c ----------------------------------------------------------------------------- */

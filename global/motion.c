@@ -19,7 +19,8 @@
  *          |(H^T b)_t| where the difference is. Rounding divided by 1e-8 is small beside db only:
  *          each turn has a smaller one.
  *   (GM4)  (GM1) by the user's numbers: |K b|_i <= 100 eps (|K||b|)_i; b^T f above its rounding;
- *          the cones within 100 eps (|H|^T |b|), which the rounding of b accounts for
+ *          the cones within 100 eps |H|^T times the largest motion of each body, to which b
+ *          is rounded
  *
  * Source of (GM2): Banjac, Goulart, Stellato and Boyd, J. Optim. Theory Appl. 183, 2019, 490-519.
  * Cost: up to `most` solves with the factor of A, an LU for each turn of (GM3). What can fail: forces that
@@ -33,18 +34,43 @@
 enum { most = 1000, try_every = 20, turns = 3, most_tries = 5 };
 
 static const double soft = 1e-8, delta = 1e-9;
-static const double still = 1e-6; /* of the largest motion: no motion */
-static const double small = 1e-4; /* of |H|^T |b|, |K||b|: to be made 0 */
+static const double still = 1e-2; /* of the largest motion: no motion */
+static const double small = 1e-3; /* of |H|^T |b|, |K||b|: to be made 0 */
 static const double slack = 100 * DBL_EPSILON;
 
 typedef struct drift {
   dls_global *global;
+  double scale;      /* the largest size of drift_misses */
   double *q, *x;     /* of the splitting, kept here: m, n */
   double *b, *y, *a; /* b; scratch: n, n + m, n */
   double *size;      /* n: the largest |b| of each connected body, 0 where it stands still */
   dlsi_triplets t;   /* of (GM3) */
   dlsi_general general;
 } drift;
+
+/* h := (H^T b)_c; a: relative to what it rounds: |H|^T times the largest motion of the body. */
+static void drift_at(const drift *D, int c, double *h, double *a) {
+  const dlsi_columns *H = &D->global->H;
+  const int d = D->global->d;
+  for (int i = 0; i < 3; i++)
+    h[i] = a[i] = 0;
+  for (int i = 0; i < d; i++)
+    for (int k = H->p[d * c + i]; k < H->p[d * c + i + 1]; k++) {
+      h[i] += H->x[k] * D->b[H->i[k]];
+      a[i] += fabs(H->x[k]) * D->size[D->global->part[H->i[k]]];
+    }
+}
+
+/* Returns by how much the cone of contact c is missed: mu |h_t| - h_n, or the larger of -h_n and
+ * |h_t| of a bonded one; *size: the numbers that it is computed from. */
+static double drift_misses(const drift *D, int c, double *h, double *size) {
+  const double mu = D->global->bend[c];
+  double a[3];
+  drift_at(D, c, h, a);
+  const double t = dlsi_tangent_norm(D->global->d, h), at = dlsi_tangent_norm(D->global->d, a);
+  *size = a[0] + (dlsi_is_bonded(mu) ? at : mu * at);
+  return dlsi_is_bonded(mu) ? fmax(-h[0], t) : mu * t - h[0];
+}
 
 /* Scales b to 1 at its largest entry and stops the bodies that hardly move. Returns the body that
  * moves most, -1 for b = 0. */
@@ -63,34 +89,16 @@ static int drift_scale(drift *D) {
   }
   if (!(largest > 0 && largest <= DBL_MAX)) return -1;
   for (int p = 0; p < work->body.parts; p++)
-    if (D->size[p] <= still * largest) D->size[p] = 0;
+    D->size[p] = D->size[p] > still * largest ? D->size[p] / largest : 0;
   for (int j = 0; j < work->n; j++)
     D->b[j] = D->size[work->part[j]] > 0 ? D->b[j] / largest : 0;
+  D->scale = 0;
+  for (int c = 0; c < work->nc; c++) {
+    double h[3], size;
+    (void)drift_misses(D, c, h, &size);
+    if (size > D->scale) D->scale = size;
+  }
   return mover;
-}
-
-/* h := (H^T b)_c, a := |H|^T |b|. */
-static void drift_at(const drift *D, int c, double *h, double *a) {
-  const dlsi_columns *H = &D->global->H;
-  const int d = D->global->d;
-  for (int i = 0; i < 3; i++)
-    h[i] = a[i] = 0;
-  for (int i = 0; i < d; i++)
-    for (int k = H->p[d * c + i]; k < H->p[d * c + i + 1]; k++) {
-      h[i] += H->x[k] * D->b[H->i[k]];
-      a[i] += fabs(H->x[k] * D->b[H->i[k]]);
-    }
-}
-
-/* Returns by how much the cone of contact c is missed: mu |h_t| - h_n, or the larger of -h_n and
- * |h_t| of a bonded one; *size: the numbers that it is computed from. */
-static double drift_misses(const drift *D, int c, double *h, double *size) {
-  const double mu = D->global->bend[c];
-  double a[3];
-  drift_at(D, c, h, a);
-  const double t = dlsi_tangent_norm(D->global->d, h), at = dlsi_tangent_norm(D->global->d, a);
-  *size = a[0] + (dlsi_is_bonded(mu) ? at : mu * at);
-  return dlsi_is_bonded(mu) ? fmax(-h[0], t) : mu * t - h[0];
 }
 
 /* Returns 1 if b is near a proof. */
@@ -105,7 +113,7 @@ static int drift_is_near(drift *D) {
   }
   for (int c = 0; c < work->nc; c++) {
     double h[3], size;
-    if (!(drift_misses(D, c, h, &size) <= small * size)) return 0;
+    if (!(drift_misses(D, c, h, &size) <= small * D->scale)) return 0;
   }
   return load > 0;
 }
@@ -150,12 +158,12 @@ static void drift_assemble(drift *D) {
     const double miss = drift_misses(D, c, h, &size);
     const double t = dlsi_tangent_norm(d, h);
     if (size == 0) continue;
-    if (fabs(h[0]) + t <= small * size || dlsi_is_bonded(mu)) {
-      for (int i = h[0] > small * size; i < d; i++, rows++) {
+    if (fabs(h[0]) + t <= small * D->scale || dlsi_is_bonded(mu)) {
+      for (int i = h[0] > small * D->scale; i < d; i++, rows++) {
         const double unit[3] = {i == 0, i == 1, i == 2};
         D->y[rows] = -drift_row(D, c, unit, h, rows);
       }
-    } else if (fabs(miss) <= small * size) {
+    } else if (fabs(miss) <= small * D->scale) {
       for (int i = 1; i < d; i++)
         e[i] = t > 0 ? -mu * h[i] / t : 0;
       D->y[rows] = -drift_row(D, c, e, h, rows);
@@ -203,6 +211,22 @@ static dls_status drift_try(drift *D, int *tries, int *proved, dls_error *error)
   dls_global *work = D->global;
   dls_error why = {0};
   const int mover = drift_scale(D);
+  {
+    extern int printf(const char *, ...);
+    double v = 0, kb = 0, load = 0;
+    dlsi_body_multiply(&work->model, D->b, D->y, D->a);
+    double sc = dlsi_max_abs(D->a, (size_t)work->n);
+    for (size_t j = 0; j < (size_t)work->n; j++) {
+      load += D->b[j] * work->f[j];
+      if (fabs(D->y[j]) > kb * sc) kb = fabs(D->y[j]) / sc;
+    }
+    for (int c = 0; c < work->nc; c++) {
+      double h[3], z;
+      double t = drift_misses(D, c, h, &z);
+      if (t > v * z) v = t / z;
+    }
+    printf("mover %d load %.3e Kb %.1e viol %.3e\n", mover, load, kb, v);
+  }
   if (mover < 0 || *tries == most_tries || !drift_is_near(D)) return DLS_OK;
   ++*tries;
   const dls_status status = drift_clean(D, &why);
@@ -210,6 +234,25 @@ static dls_status drift_try(drift *D, int *tries, int *proved, dls_error *error)
   if (status) {
     if (error) *error = why;
     return status;
+  }
+  {
+    extern int printf(const char *, ...);
+    double v = 0, kb = 0, load = 0;
+    dlsi_body_multiply(&work->model, D->b, D->y, D->a);
+    for (size_t j = 0; j < (size_t)work->n; j++) {
+      load += D->b[j] * work->f[j];
+      if (fabs(D->y[j]) > kb * D->a[j]) kb = fabs(D->y[j]) / D->a[j];
+    }
+    for (int c = 0; c < work->nc; c++) {
+      double h[3], z;
+      double t = drift_misses(D, c, h, &z);
+      if (t > v * z) {
+        v = t / z;
+      }
+      if (t > 1e-13 * z)
+        printf("c %d miss %.2e size %.1e h %.3e %.3e %.3e\n", c, t, z, h[0], h[1], h[2]);
+    }
+    printf("AFTER load %.3e Kb %.1e viol %.3e\n", load, kb, v);
   }
   if (!drift_proves(D)) return DLS_OK;
   *proved = work->moves = 1;

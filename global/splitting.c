@@ -13,18 +13,24 @@
  * inverted: a body that contact alone holds is no special case. E is 0 but where a motion is held
  * by nothing (system.c).
  *
- *   (GL5)  rho := rho sqrt(|p - q| / |rho (z - z')|), z' the z before, changed by 10 at most, where
- *          that changes it by more than sqrt(5); looked at after 20 iterations, then after 20 or
- *          half of all more. z and r stay. One factorisation.
+ *   (GL5)  rho is looked at after 20, 40, 80, .. iterations. Where the smallest residual has halved
+ *          since, rho := rho sqrt(|p - q| / |rho (z - z')|), z' the z before, by 10 at most, if that
+ *          changes rho by more than sqrt(5). Where it has not, rho / 10, 10 rho, rho / 100, .. are
+ *          tried in turn. r and z stay. One factorisation. (AD5) of vi/admm.c.
  *   (GL6)  Newton steps (newton.c) end the iteration where no state has changed between two looks
  *          and the splitting would need more than `worth` iterations yet, which is what an LU takes.
  *   (GL7)  Where contact is settled and equilibrium stands still, look for a motion that nothing
  *          can hold (motion.c).
  *
+ *   (GL8)  The next q by Anderson's acceleration of (GL4), 10 steps.
+ *   (GL9)  Where an accelerated q has more than twice the |p - q| of the q before, the step is taken
+ *          back: q := (GL4) of the q before, and the history is forgotten.
+ *
  * Source: Lions and Mercier, SIAM J. Numer. Anal. 16, 1979, 964-979; vi/admm.c is the same on W.
  * Cost: a solve with the factor of A an iteration, a product with K every 10.
  * What can fail: Coulomb's law is not monotone; nothing proves convergence with friction.
  */
+#include <limits.h>
 #include <string.h>
 
 #include "global_internal.h"
@@ -32,9 +38,10 @@
 enum { measure_every = 10, first_look = 20, worth = 200, no_progress = 1000 };
 
 static const double relaxation = 1.6;
-static const double off = 5;          /* (GL5): the ratio, whose root changes rho */
-static const double most_change = 10; /* (GL5) */
-static const double least_rho = 1e-6, most_rho = 1e6;
+static const double most_growth = 2;          /* (GL9) */
+static const double off = 2.2360679774997896; /* (GL5): sqrt(5) */
+static const double most_change = 10;         /* (GL5) */
+static const double least_rho = 1e-8, most_rho = 100;
 static const double cap = 1e-8, to_rounding = 1e-4; /* of 4 floors */
 
 /* ---- products with H ------------------------------------------------------------------------- */
@@ -126,12 +133,14 @@ static int split_sort(dls_global *work, const double *q) {
 
 /* What the looks remember. */
 typedef struct schedule {
-  int look;           /* iteration of the next (GL5) */
-  int newton, prove;  /* iteration from which on (GL6), (GL7) may be tried */
-  double residual;    /* of the measure before */
-  double equilibrium; /* at the look before */
-  double best;        /* badness of the best pair when it last halved, .. */
-  int since;          /* .. and the iteration */
+  int look;                /* iteration of the next (GL5) */
+  int newton, prove;       /* iteration from which on (GL6), (GL7) may be tried */
+  double jump;             /* (GL5): next factor where the residual stands still */
+  double residual_at_look; /* the smallest one at the look before */
+  double residual;         /* of the measure before */
+  double equilibrium;      /* at the look before */
+  double best;             /* badness of the best pair when it last halved, .. */
+  int since;               /* .. and the iteration */
 } schedule;
 
 static dls_status split_factor(dls_global *work, dls_error *error) {
@@ -139,14 +148,25 @@ static dls_status split_factor(dls_global *work, dls_error *error) {
   return dlsi_system_factor(work->system, work->rho, error);
 }
 
-/* (GL5) Goes on with another rho from the same r and z. gap: |p - q|. */
-static dls_status split_adapt(dls_global *work, int k, double gap, double change, schedule *s,
+/* (GL5) Returns the next rho. gap: |p - q|; change: |rho (z - z')|. */
+static double split_next_rho(const dls_global *work, double gap, double change, schedule *s) {
+  const double residual = dlsi_body_badness(&work->best);
+  double turn = s->jump;
+  if (residual <= s->residual_at_look / 2) {
+    turn = sqrt(gap / change); /* infinite: most_change */
+    if (turn <= off && turn >= 1 / off) turn = 1;
+    turn = fmin(fmax(turn, 1 / most_change), most_change);
+  } else
+    s->jump = s->jump < 1 ? 10 / s->jump : 0.1 / s->jump;
+  s->residual_at_look = residual;
+  if (s->look <= INT_MAX / 2) s->look *= 2;
+  return fmin(fmax(work->rho * turn, least_rho), most_rho);
+}
+
+/* (GL5) Goes on with another rho from the same r and z. */
+static dls_status split_adapt(dls_global *work, double gap, double change, schedule *s,
                               dls_error *error) {
-  s->look = k + (k / 2 > first_look ? k / 2 : first_look);
-  const double ratio = gap / change;
-  if (!(ratio > off || ratio < 1 / off)) return DLS_OK;
-  const double turn = fmin(fmax(sqrt(ratio), 1 / most_change), most_change);
-  const double rho = fmin(fmax(work->rho * turn, least_rho), most_rho), f = rho / work->rho;
+  const double rho = split_next_rho(work, gap, change, s), f = rho / work->rho;
   if (rho == work->rho) return DLS_OK;
   dlsi_global_resolve(work, work->q, work->r);
   for (int i = 0; i < work->m; i++) {
@@ -154,7 +174,24 @@ static dls_status split_adapt(dls_global *work, int k, double gap, double change
     work->z[i] *= f;
   }
   work->rho = rho;
+  dlsi_anderson_clear(&work->history);
   return split_factor(work, error);
+}
+
+/* (GL4), (GL8), (GL9) gap: |p - q|; *accepted: that of the q before. */
+static void split_advance(dls_global *work, double gap, double *accepted) {
+  dlsi_anderson *history = &work->history;
+  if (history->columns && !(gap <= most_growth * *accepted)) {
+    memcpy(work->q, history->g, (size_t)work->m * sizeof *work->q);
+    dlsi_anderson_clear(history);
+    return;
+  }
+  *accepted = gap;
+  for (int i = 0; i < work->m; i++) {
+    work->look[i] = relaxation * (work->p[i] - work->q[i]);
+    work->q[i] += work->look[i];
+  }
+  if (work->m > 0) (void)dlsi_anderson_step(history, work->m, work->look, work->q, NULL);
 }
 
 /* (GL6) Returns 1 if so many iterations are left that Newton steps are worth their factors. */
@@ -177,6 +214,7 @@ static dls_status split_newton(dls_global *work, int k, schedule *s, dls_error *
     for (int i = 0; i < work->m; i++)
       work->p[i] = work->best_r[i] * work->root[i] - work->rho * work->u[i];
     memcpy(work->q, work->p, (size_t)work->m * sizeof *work->q);
+    dlsi_anderson_clear(&work->history);
   }
   return DLS_STALLED;
 }
@@ -244,10 +282,14 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
   const int m = work->m;
   schedule s = {.look = first_look,
                 .newton = first_look,
+                .jump = 0.1,
+                .residual_at_look = INFINITY,
                 .residual = INFINITY,
                 .equilibrium = INFINITY,
                 .best = INFINITY};
   dls_certificate now;
+  double accepted = 0;
+  dlsi_anderson_clear(&work->history);
   for (int c = 0; c < work->nc; c++)
     work->state[c] = -1;
   work->rho = 1;
@@ -271,16 +313,15 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
       work->p[i] = work->r[i] - work->rho * work->u[i];
     const double gap = distance(m, work->p, work->q, work->look);
     const double size = distance(m, work->r, NULL, work->look);
-    const int adapt = k >= s.look;
+    const int adapt = k >= s.look && k % measure_every == 0;
     if (k % measure_every == 0 || k == most || gap <= work->limits->tol * size) {
       int end;
       status = split_look(work, k, most, work->p, &s, &end, error);
       if (end) return status;
       status = DLS_OK;
     }
-    for (int i = 0; i < m; i++) /* (GL4) */
-      work->q[i] += relaxation * (work->p[i] - work->q[i]);
-    if (adapt) status = split_adapt(work, k, gap, change, &s, error); /* (GL5) */
+    split_advance(work, gap, &accepted);
+    if (adapt) status = split_adapt(work, gap, change, &s, error); /* (GL5) */
   }
   return status ? status : split_verdict(work, DLS_MAX_ITERATIONS);
 }
