@@ -151,7 +151,8 @@ static void global_take(dls_global *work, matrices *from) {
   work->root = from->root;
   work->part = from->part;
   work->model = matrices_view(from, work->model.factorization);
-  work->body = (dlsi_body){.model = &work->model,
+  work->body = (dlsi_body){.n = work->n,
+                           .model = &work->model,
                            .Ht = dlsi_columns_view(&work->operator.Ht),
                            .d = work->d,
                            .nc = work->nc,
@@ -178,8 +179,7 @@ static void global_carve(dls_global *work, dlsi_arena *arena) {
   work->bend = dlsi_take(arena, nc, sizeof *work->bend);
   work->state = dlsi_take(arena, nc, sizeof *work->state);
   /* as many connected bodies as unknowns: their number may change with the values of K */
-  const dls_model all = {.n = work->n};
-  const dlsi_body most = {.model = &all, .d = work->d, .nc = work->nc, .parts = work->n};
+  const dlsi_body most = {.n = work->n, .d = work->d, .nc = work->nc, .parts = work->n};
   work->scratch = dlsi_take(arena, dlsi_body_scratch(&most), sizeof *work->scratch);
 }
 

@@ -42,7 +42,6 @@ static const double most_growth = 2;          /* (GL9) */
 static const double off = 2.2360679774997896; /* (GL5): sqrt(5) */
 static const double most_change = 10;         /* (GL5) */
 static const double least_rho = 1e-8, most_rho = 100;
-static const double cap = 1e-8, to_rounding = 1e-4; /* of 4 floors */
 
 /* ---- products with H ------------------------------------------------------------------------- */
 
@@ -105,8 +104,7 @@ dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificat
     memcpy(work->best_x, work->x, (size_t)work->n * sizeof *work->x);
   }
   const double tol = work->limits->tol;
-  if (dlsi_body_holds(&work->best, tol, cap)) return DLS_OK;
-  return dlsi_body_holds(&work->best, tol, to_rounding) ? DLS_TO_ROUNDING : DLS_STALLED;
+  return dls_certificate_verdict(&work->best, tol);
 }
 
 /* Returns |a - b|, b NULL for 0. */

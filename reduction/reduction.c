@@ -21,6 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "reduced.h"
 #include "reduction_internal.h"
 
 struct dls_reduction {
@@ -40,15 +41,19 @@ struct dls_reduction {
   int is_free; /* 1: the host gave K^-1 f instead of f */
   int half;    /* 1: the factor holds the forward pass of f, or of 0 where is_free */
   dlsi_operator H;
-  double *mu;   /* candidates: a copy of H.mu that stays in its place; NULL if the model has none */
-  double *W;    /* m x m, or NULL */
-  double *q;    /* m */
-  double *f;    /* n, by position: the last load; or x_free, where is_free */
-  double *x;    /* n, by position: scratch */
-  double *y;    /* n: scratch of a solve with a flexibility */
-  double *z;    /* n: scratch of the halves of a solve with a sparse K */
-  double *v;    /* m: scratch, the next q */
-  void *memory; /* of all of these but H, the factor, the modes and W */
+  dlsi_kept kept;  /* for the certificate of the body */
+  void *companion; /* of src/front/body.c, NULL for none, and how to end it */
+  void (*companion_destroy)(void *);
+  double *mu; /* candidates: a copy of H.mu that stays in its place; NULL if the model has none */
+  double *W;  /* m x m, or NULL */
+  double *q;  /* m */
+  double *f;  /* n, by position: the last load; or x_free, where is_free */
+  double *x;  /* n, by position: scratch */
+  double *y;  /* n: scratch of a solve with a flexibility */
+  double *z;  /* n: scratch of the halves of a solve with a sparse K */
+  double *v;  /* m: scratch, the next q */
+  double *next_gap; /* m: the next P^T g */
+  void *memory;     /* of all of these but H, the factor, the modes and W */
 };
 
 void dls_reduction_settings_init(dls_reduction_settings *settings) {
@@ -73,6 +78,7 @@ static void reduction_carve(dls_reduction *work, dlsi_arena *arena) {
   work->mu = work->H.mu ? dlsi_take(arena, (size_t)work->H.candidates, sizeof *work->mu) : NULL;
   work->q = dlsi_take(arena, work->m, sizeof *work->q);
   work->v = dlsi_take(arena, work->m, sizeof *work->v);
+  work->next_gap = dlsi_take(arena, work->m, sizeof *work->next_gap);
   work->f = dlsi_take(arena, work->n, sizeof *work->f);
   work->x = dlsi_take(arena, work->n, sizeof *work->x);
   work->z = dlsi_take(arena, work->kind == DLS_STIFFNESS_SPARSE ? work->n : 0, sizeof *work->z);
@@ -218,10 +224,18 @@ static dls_status reduction_factor(dls_reduction *work, const dls_model *model, 
 
 /* ---- create, update, destroy ----------------------------------------------------------------- */
 
+static void reduction_drop_companion(dls_reduction *work) {
+  if (work->companion) work->companion_destroy(work->companion);
+  work->companion = NULL;
+}
+
 /* Computes all that depends on values, but H. */
 static dls_status reduction_fill(dls_reduction *work, const dls_model *model, dls_error *error) {
   work->ready = 0;
+  reduction_drop_companion(work);
+  dlsi_kept_free(&work->kept);
   dls_status status = reduction_factor(work, model, error);
+  if (!status) status = dlsi_kept_create(&work->kept, model, &work->H, error);
   if (status) return status;
   memset(work->q, 0, work->m * sizeof *work->q);
   memset(work->f, 0, work->n * sizeof *work->f);
@@ -379,6 +393,8 @@ dls_status dls_reduction_update(dls_reduction *reduction, const dls_model *model
 void dls_reduction_destroy(dls_reduction *reduction) {
   if (!reduction) return;
   reduction_forget_factor(reduction);
+  reduction_drop_companion(reduction);
+  dlsi_kept_free(&reduction->kept);
   dlsi_modes_free(&reduction->modes);
   dlsi_operator_free(&reduction->H);
   free(reduction->W);
@@ -462,6 +478,7 @@ static dls_status reduction_load(dls_reduction *work, const double *f, const dou
   if (status) return status;
   const int solves = f && work->m > 0;
   reduction_gaps(work, g);
+  memcpy(work->next_gap, work->v, work->m * sizeof *work->v);
   for (size_t k = 0; solves && k < work->n; k++)
     work->x[k] = f[work->factor->unknown[k]];
   work->half = 0;
@@ -471,6 +488,9 @@ static dls_status reduction_load(dls_reduction *work, const double *f, const dou
   work->half = solves && work->factor->kept > 0;
   for (size_t k = 0; k < work->n; k++)
     work->f[k] = f ? f[work->factor->unknown[k]] : 0;
+  for (size_t k = 0; k < work->n; k++)
+    work->kept.f[k] = f ? f[k] : 0;
+  memcpy(work->kept.gap, work->next_gap, work->m * sizeof *work->v);
   memset(work->foot, 0, sizeof work->foot);
   work->follow.turned = 0;
   work->is_free = 0;
@@ -498,12 +518,15 @@ static dls_status reduction_load_free(dls_reduction *work, const double *x_free,
   if (status) return status;
   const int *unknown = work->factor->unknown;
   reduction_gaps(work, g);
+  memcpy(work->next_gap, work->v, work->m * sizeof *work->v);
   for (size_t k = 0; k < work->n; k++)
     work->x[k] = x_free[unknown[k]];
   dlsi_operator_add(&work->H, unknown, work->n, work->x, work->v);
   status = reduction_take_q(work, error);
   if (status) return status;
   memcpy(work->f, work->x, work->n * sizeof *work->f);
+  memcpy(work->kept.gap, work->next_gap, work->m * sizeof *work->v);
+  if (work->kept.has_K) dlsi_body_multiply(&work->kept.model, x_free, work->kept.f, NULL);
   work->is_free = 1;
   work->half = 0;
   return DLS_OK;
@@ -537,6 +560,7 @@ static dls_status reduction_contact(const dls_reduction *work, const double *mu,
   const int m = (int)work->m;
   *problem = (dls_contact){
       .d = work->H.d, .nc = work->H.candidates, .W = {m, m, m, work->W}, .q = work->q, .mu = mu};
+  if (work->kept.has_K) problem->weights = work->kept.w;
   return DLS_OK;
 }
 
@@ -686,4 +710,60 @@ dls_status dls_reduction_nodal(const dls_reduction *reduction, const double *r, 
                                dls_error *error) {
   DLSI_DOOR;
   return dlsi_at(__func__, reduction_nodal(reduction, r, R, error), error);
+}
+
+/* ---- the certificate of the body ------------------------------------------------------------- */
+
+/* Sets the weights of a reduction without K to those of W. */
+static void reduction_weigh(dls_reduction *work) {
+  const int m = (int)work->m;
+  const dls_contact of_W = {.d = work->H.d, .nc = work->H.candidates, .W = {m, m, m, work->W}};
+  if (!work->kept.has_K && work->W) dlsi_certificate_weights(&of_W, work->kept.w);
+}
+
+static dls_status reduction_certify(dls_reduction *work, const double *mu, const double *r,
+                                    const double *x, double *u, dls_certificate *certificate,
+                                    dls_error *error) {
+  dls_status status = reduction_given(work, r, "certificate", certificate, error);
+  if (!status) status = dlsi_check_vector("x", x, work->n, error);
+  if (!mu) mu = work->mu;
+  if (!status) status = dlsi_check_friction(mu, (size_t)work->H.candidates, error);
+  if (status) return status;
+  const dlsi_body *body = dlsi_kept_body(&work->kept);
+  double *scratch = dlsi_alloc(dlsi_body_scratch(body), sizeof *scratch);
+  if (!scratch) return dlsi_no_memory(error);
+  reduction_weigh(work);
+  dlsi_body_measure(body, work->kept.f, work->kept.gap, mu, r, x, work->kept.u, scratch,
+                    certificate);
+  if (u) memcpy(u, work->kept.u, work->m * sizeof *u);
+  free(scratch);
+  return DLS_OK;
+}
+
+dls_status dls_reduction_certify(dls_reduction *reduction, const double *mu, const double *r,
+                                 const double *x, double *u, dls_certificate *certificate,
+                                 dls_error *error) {
+  DLSI_DOOR;
+  dls_status status = reduction_enter(reduction, error);
+  if (!status)
+    status =
+        dlsi_leave(&reduction->busy, reduction_certify(reduction, mu, r, x, u, certificate, error));
+  return dlsi_at(__func__, status, error);
+}
+
+/* ---- for src/front/body.c -------------------------------------------------------------------- */
+
+dlsi_reduced dlsi_reduction_body(dls_reduction *reduction) {
+  return (dlsi_reduced){.has_K = reduction->kept.has_K,
+                        .K = reduction->kept.model,
+                        .H = &reduction->H,
+                        .f = reduction->kept.f,
+                        .gap = reduction->kept.gap,
+                        .companion = reduction->companion};
+}
+
+void dlsi_reduction_keep(dls_reduction *reduction, void *companion, void (*destroy)(void *)) {
+  reduction_drop_companion(reduction);
+  reduction->companion = companion;
+  reduction->companion_destroy = destroy;
 }

@@ -10,6 +10,7 @@
 #define DLSI_REDUCTION_H
 
 #include "base/base.h"
+#include "base/body.h"
 #include "base/columns.h"
 #include "delassus/reduction.h"
 #include "linear/operator.h"
@@ -74,6 +75,28 @@ dls_status dlsi_factor_solve(const dlsi_factor *factor, int part, double *X, int
 
 /* NULL is fine. */
 void dlsi_factor_destroy(dlsi_factor *factor);
+
+/* ---- kept.c: the host's model, for the certificate of the body ------------------------------- */
+
+typedef struct dlsi_kept {
+  int has_K;       /* 0: a flexibility, a host's solver */
+  dls_model model; /* a view of K alone */
+  dlsi_body body;  /* dlsi_kept_body fills its model */
+  double *f, *gap; /* the last load: n, m */
+  double *u, *w;   /* m: scratch; weights of the contacts: 2 nc */
+  double *x;       /* values of K */
+  int *index, *part;
+  double *memory;
+} dlsi_kept;
+
+/* Copies K, finds the bodies and the weights. H is borrowed. The caller calls dlsi_kept_free, also
+ * after an error: DLS_E_MEMORY. */
+dls_status dlsi_kept_create(dlsi_kept *kept, const dls_model *model, const dlsi_operator *H,
+                            dls_error *error);
+void dlsi_kept_free(dlsi_kept *kept);
+
+/* Returns the body, which lives where *kept does. */
+const dlsi_body *dlsi_kept_body(dlsi_kept *kept);
 
 /* ---- rigid-body modes ------------------------------------------------------------------------ */
 

@@ -143,6 +143,22 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_contact(const dls_reduction *reduc
 DLS_API DLS_MUST_USE dls_status dls_reduction_recover(dls_reduction *reduction, const double *r,
                                                       double *x, dls_error *error);
 
+/* Measures the pair (x, r) on the body, with f and g as last loaded, without any spring that holds a
+ * mode. Positions and forces as in contact.h, but
+ *
+ *   u = H^T x + g            from x, not W r + q; or NULL, else m: receives it
+ *   weights                  the compliance of the contact node with its neighbours held, from K
+ *   |q|                      the root of |H^T x|^2 + |g|^2 + |D r|^2 of the contacts that touch
+ *   equilibrium              max over connected bodies of |K x - f - H r| / (|f| + |H r|)
+ *
+ * mu as in dls_reduction_contact. Where K is a flexibility or a host's solver, equilibrium is 0 and
+ * the weights are those of W. dls_certificate_verdict judges all three parts. O(entries of K and H);
+ * allocates. Errors of dls_reduction_recover. */
+DLS_API DLS_MUST_USE dls_status dls_reduction_certify(dls_reduction *reduction, const double *mu,
+                                                      const double *r, const double *x, double *u,
+                                                      dls_certificate *certificate,
+                                                      dls_error *error);
+
 /* Balances a K whose k rigid-body modes are held: the springs s_j = 0.1 K_jj at k unknowns j of
  * the modes make K regular, and take the part of the loads that r does not balance,
  *

@@ -629,6 +629,20 @@ dls_status dlsi_settled(const dls_certificate *c, double tol, dls_status reason)
 /* Sets the three residuals. force: |D^-1/2 F'|; r: |r|. */
 void dlsi_set_residuals(dls_certificate *c, double residual_u, double force, double r);
 
+/* What the laws of contact and friction are measured by, m entries unless said otherwise. */
+typedef struct dlsi_laws {
+  int d, nc;
+  const double *mu;    /* nc */
+  const double *r, *u; /* reactions; positions */
+  const double *w;     /* weights: 2 nc */
+  const double *a, *b; /* a + |b| is the size of the numbers that u is the sum of; b: NULL for 0 */
+  const double *scale; /* residual_u is relative to its norm over the contacts that touch */
+  double *F;           /* receives D^1/2 F' */
+} dlsi_laws;
+
+/* Fills the residuals, floors and laws of the certificate; equilibrium 0, body -1. */
+void dlsi_laws_measure(const dlsi_laws *of, dls_certificate *certificate);
+
 /* Measures r: its certificate from u = W r + q, a = |W| |r| and the weights w (2 nc), those of
  * dlsi_certificate_weights. F: receives D^1/2 F', m. */
 void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,

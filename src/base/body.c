@@ -2,17 +2,16 @@
  * body.c: the certificate of a pair (x, r) on the body itself, in three parts.
  *
  *   (BO1)  residual_u = |D^1/2 F'| / s_u,  s_u^2 = sum |(H^T x)_c|^2 + |g_c|^2 + |D_c r_c|^2
- *   (BO2)  residual_r = |D^-1/2 F'| / max(|r|, |D^-1/2 F'|)
+ *   (BO2)  residual_r = |D^-1/2 F'| / |r|, as contact.h
  *   (BO3)  equilibrium = max over connected bodies of |K x - f - H r| / (|f| + |H r|)
  *
- * The sums are over contacts that are not open. (BO1) is measured against the displacements that
+ * The sums are over the contacts that touch (src/base/contact.c). (BO1) is measured against the displacements that
  * there are: |H^T K^-1 f|, the scale of the problem on W, is larger than the body where soft
  * springs hold it. D r, the local indentation, keeps the scale above rounding where everything
  * sticks. The numerator of (BO3) takes the place of the denominator where it is larger, so that
  * the part is at most 1.
  *
- *   (BO4)  floor_u, floor_r: eps times the norms of (BO1), (BO2) of the numbers that round in F':
- *          |H|^T |x| + |g| + D |r|, in the normal row mu |(|H|^T |x| + |g|)_t| besides
+ *   (BO4)  floor_u, floor_r as of contact.h, with |H|^T |x| + |g| in place of |W||r| + |q|
  *   (BO5)  floor_e: eps (|K||x| + |f| + |H||r|) by bodies, over the scale of (BO3)
  *
  * The weights are local: the compliance of the whole body, on soft supports, holds the motion of
@@ -252,18 +251,16 @@ dls_status dlsi_body_weights(const dls_model *model, const dls_sparse *H, int d,
 
 /* Arrays of a measure, in `work`: m unless said otherwise. */
 typedef struct body_arrays {
-  double *Fu, *Fr; /* D^1/2 F', D^-1/2 F' */
-  double *au, *ar; /* what rounds in them */
-  double *su, *sr; /* what they are measured against */
-  double *ut;      /* |H|^T |x| + |g| */
-  double *e, *ae;  /* K x - f - H r and what rounds in it, n */
-  double *Hr;      /* n */
-  double *sums;    /* 4 parts: largest numbers, then sums of squares */
+  double *F;      /* D^1/2 F' */
+  double *scale;  /* (BO1) */
+  double *ut;     /* |H|^T |x| + |g| */
+  double *e, *ae; /* K x - f - H r and what rounds in it, n */
+  double *Hr;     /* n */
+  double *sums;   /* 4 parts: largest numbers, then sums of squares */
 } body_arrays;
 
 size_t dlsi_body_scratch(const dlsi_body *body) {
-  return 7 * (size_t)body->d * (size_t)body->nc + 3 * (size_t)body->model->n +
-         8 * (size_t)body->parts;
+  return 3 * (size_t)body->d * (size_t)body->nc + 3 * (size_t)body->n + 8 * (size_t)body->parts;
 }
 
 /* Sets *m to max(*m, x), keeping NaN. */
@@ -271,66 +268,12 @@ static void body_raise(double *m, double x) {
   if (x > *m || x != x) *m = x;
 }
 
-/* Raises the fields for the reader by contact c, whose magnitudes are at most `largest`. */
-static void body_laws(int d, double mu, double w, const double *r, const double *u, double largest,
-                      dls_certificate *c) {
-  const double ut = dlsi_tangent_norm(d, u), rt = dlsi_tangent_norm(d, r);
-  body_raise(&c->penetration, -u[0]);
-  body_raise(&c->adhesion, -r[0]);
-  if (w * fabs(r[0]) + w * rt <= 4 * DBL_EPSILON * largest) return;
-  body_raise(&c->cone_violation, rt - dlsi_friction_bound(mu, r[0]));
-  body_raise(&c->complementarity, fabs(u[0] * r[0]));
-  if (w * r[0] <= u[0]) return;
-  if (rt > 0) {
-    double e[3] = {0};
-    for (int i = 1; i < d; i++)
-      e[i] = u[i] + ut * (r[i] / rt);
-    body_raise(&c->slip_direction, dlsi_tangent_norm(d, e));
-  } else if (mu * r[0] > 0)
-    body_raise(&c->slip_direction, ut);
-}
-
-/* (BO1), (BO2), (BO4) of one contact. h: (H^T x)_c; g: NULL for 0. */
-static void measure_contact(const dlsi_body *body, const body_arrays *of, size_t c, double mu,
-                            const double *g, const double *r, const double *u, double *worst,
-                            dls_certificate *found) {
-  const int d = body->d;
-  const size_t o = (size_t)d * c;
-  const double *w = body->w + 2 * c;
-  double F[3] = {0}, size = 0, largest = 0;
-  double *const all[] = {of->Fu, of->Fr, of->au, of->ar, of->su, of->sr};
-  if (dlsi_body_is_open(d, r + o, u + o)) {
-    for (size_t k = 0; k < 6; k++)
-      memset(all[k] + o, 0, (size_t)d * sizeof *F);
-    return;
-  }
-  dlsi_body_residual(d, mu, w[0], w[1], r + o, u + o, F);
-  for (size_t i = 0; i < (size_t)d; i++) {
-    const double wi = w[i > 0], root = sqrt(wi), gi = g ? g[o + i] : 0;
-    double a = of->ut[o + i] + wi * fabs(r[o + i]);
-    if (i == 0 && !dlsi_is_bonded(mu)) a += mu * dlsi_tangent_norm(d, of->ut + o);
-    of->Fu[o + i] = root * F[i];
-    of->Fr[o + i] = F[i] / root;
-    of->au[o + i] = a;
-    of->ar[o + i] = a / wi;
-    of->su[o + i] = hypot(hypot(u[o + i] - gi, gi), wi * r[o + i]);
-    of->sr[o + i] = r[o + i];
-    largest = a > largest ? a : largest;
-    body_raise(&size, fabs(of->Fu[o + i]));
-  }
-  if (size > *worst || size != size) {
-    *worst = size;
-    found->worst = (int)c;
-  }
-  body_laws(d, mu, w[0], r + o, u + o, largest, found);
-}
-
 /* Sets Hr := H r, e := K x - f - H r, ae := |K||x| + |f| + |H||r|. */
 static void measure_unknowns(const dlsi_body *body, const double *f, const double *r,
                              const double *x, const body_arrays *of) {
   const dls_sparse *Ht = &body->Ht;
   dlsi_body_multiply(body->model, x, of->e, of->ae);
-  for (int j = 0; j < body->model->n; j++) {
+  for (int j = 0; j < body->n; j++) {
     double sum = 0, size = 0;
     for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++) {
       sum += Ht->x[k] * r[Ht->i[k]];
@@ -345,7 +288,7 @@ static void measure_unknowns(const dlsi_body *body, const double *f, const doubl
 /* (BO3), (BO5) */
 static void measure_equilibrium(const dlsi_body *body, const double *f, const body_arrays *of,
                                 dls_certificate *found) {
-  const size_t n = (size_t)body->model->n, parts = (size_t)body->parts;
+  const size_t n = (size_t)body->n, parts = (size_t)body->parts;
   double *most = of->sums, *sum = of->sums + 4 * parts;
   memset(of->sums, 0, 8 * parts * sizeof *of->sums);
   for (int pass = 0; pass < 2; pass++)
@@ -379,21 +322,16 @@ static void measure_equilibrium(const dlsi_body *body, const double *f, const bo
 void dlsi_body_measure(const dlsi_body *body, const double *f, const double *g, const double *mu,
                        const double *r, const double *x, double *u, double *work,
                        dls_certificate *certificate) {
-  const size_t d = (size_t)body->d, nc = (size_t)body->nc, m = d * nc, n = (size_t)body->model->n;
+  const size_t d = (size_t)body->d, nc = (size_t)body->nc, m = d * nc, n = (size_t)body->n;
   const dls_sparse *Ht = &body->Ht;
-  const body_arrays of = {.Fu = work,
-                          .Fr = work + m,
-                          .au = work + 2 * m,
-                          .ar = work + 3 * m,
-                          .su = work + 4 * m,
-                          .sr = work + 5 * m,
-                          .ut = work + 6 * m,
-                          .e = work + 7 * m,
-                          .ae = work + 7 * m + n,
-                          .Hr = work + 7 * m + 2 * n,
-                          .sums = work + 7 * m + 3 * n};
-  dls_certificate found = {.body = -1};
-  double worst = 0;
+  const body_arrays of = {.F = work,
+                          .scale = work + m,
+                          .ut = work + 2 * m,
+                          .e = work + 3 * m,
+                          .ae = work + 3 * m + n,
+                          .Hr = work + 3 * m + 2 * n,
+                          .sums = work + 3 * m + 3 * n};
+  dls_certificate found;
   for (size_t k = 0; k < m; k++) {
     u[k] = g ? g[k] : 0;
     of.ut[k] = fabs(u[k]);
@@ -403,27 +341,18 @@ void dlsi_body_measure(const dlsi_body *body, const double *f, const double *g, 
       u[Ht->i[k]] += Ht->x[k] * x[j];
       of.ut[Ht->i[k]] += fabs(Ht->x[k] * x[j]);
     }
-  for (size_t c = 0; c < nc; c++)
-    measure_contact(body, &of, c, mu[c], g, r, u, &worst, &found);
-  measure_unknowns(body, f, r, x, &of);
-  measure_equilibrium(body, f, &of, &found);
-  const double Fu = dlsi_norm2(of.Fu, m), Fr = dlsi_norm2(of.Fr, m), R = dlsi_norm2(of.sr, m);
-  const double su = dlsi_norm2(of.su, m), sr = Fr > R ? Fr : R;
-  /* against a norm beyond the range of numbers everything is small: it certifies nothing */
-  dlsi_set_residuals(&found, Fu == 0 ? 0 : su <= DBL_MAX ? Fu / su : INFINITY, Fr, R);
-  found.floor_u = su == 0 ? 0 : DBL_EPSILON * (dlsi_norm2(of.au, m) / su);
-  found.floor_r = sr == 0 ? 0 : DBL_EPSILON * (dlsi_norm2(of.ar, m) / sr);
+  for (size_t k = 0; k < m; k++) {
+    const double gk = g ? g[k] : 0, wk = body->w[2 * (k / d) + (k % d > 0)];
+    of.scale[k] = hypot(hypot(u[k] - gk, gk), wk * r[k]);
+  }
+  const dlsi_laws laws = {body->d, body->nc, mu, r, u, body->w, of.ut, NULL, of.scale, of.F};
+  dlsi_laws_measure(&laws, &found);
+  if (body->model) {
+    measure_unknowns(body, f, r, x, &of);
+    measure_equilibrium(body, f, &of, &found);
+  }
   body_raise(&found.residual, found.equilibrium);
   *certificate = found;
-}
-
-int dlsi_body_holds(const dls_certificate *c, double tol, double cap) {
-  const double part[3] = {c->residual_u, c->residual_r, c->equilibrium};
-  const double floor[3] = {c->floor_u, c->floor_r, c->floor_e};
-  for (int k = 0; k < 3; k++)
-    if (!(part[k] <= dlsi_target(tol, floor[k]) && 4 * floor[k] <= (tol > cap ? tol : cap)))
-      return 0;
-  return 1;
 }
 
 double dlsi_body_badness(const dls_certificate *c) {

@@ -285,12 +285,10 @@ static void raise_to(double *m, double x) {
   if (x > *m || x != x) *m = x;
 }
 
-/* The arrays that r is measured by: see dlsi_contact_measure. */
-typedef struct measured {
-  const dls_contact *problem;
-  const double *r, *u, *a, *w;
-  double *F;
-} measured;
+/* Returns the size of the numbers that entry e of u is the sum of. */
+static inline double size_of_u(const dlsi_laws *of, size_t e) {
+  return of->b ? of->a[e] + fabs(of->b[e]) : of->a[e];
+}
 
 /* Squares of the norms whose ratios are the certificate's first fields. The last five are sums over
  * the contacts that are not free. */
@@ -310,13 +308,13 @@ enum { of_F, of_force, of_rounded, of_rounded_force, of_r, of_q, of_a };
  *   slip   F_n = w_n r_n - p, F_t = D r_t - mu k p e,  p = x / (1 + mu^2 k), e = v_t / |v_t|
  *          x:  a_n + w_n r_n + mu |D r_t|;  e:  |a_t| / |v_t|, d = 3
  *   free   F = D r is as good as exact               0 */
-static inline void magnitudes(int d, const measured *of, int k, dls_contact_state state,
+static inline void magnitudes(int d, const dlsi_laws *of, int k, dls_contact_state state,
                               double *size) {
   const size_t o = (size_t)d * (size_t)k;
-  const double *w = of->w + 2 * (size_t)k, mu = of->problem->mu[k], *r = of->r + o, *u = of->u + o;
+  const double *w = of->w + 2 * (size_t)k, mu = of->mu[k], *r = of->r + o, *u = of->u + o;
   double a[3] = {0}, v[3] = {0}, Dr[3] = {0};
   for (int i = 0; i < d; i++) {
-    a[i] = state == DLS_FREE ? 0 : of->a[o + (size_t)i] + fabs(of->problem->q[o + (size_t)i]);
+    a[i] = state == DLS_FREE ? 0 : size_of_u(of, o + (size_t)i);
     Dr[i] = state == DLS_FREE ? 0 : w[i > 0] * fabs(r[i]);
     v[i] = w[i > 0] * r[i] - u[i];
     size[i] = a[i] + Dr[i];
@@ -335,32 +333,31 @@ static inline void magnitudes(int d, const measured *of, int k, dls_contact_stat
 }
 
 /* Returns entry i of contact k in the sum `what`. */
-static double entry_of(const measured *of, int what, int k, int i) {
-  const int d = of->problem->d;
+static double entry_of(const dlsi_laws *of, int what, int k, int i) {
+  const int d = of->d;
   const size_t o = (size_t)d * (size_t)k, e = o + (size_t)i;
   const double *w = of->w + 2 * (size_t)k;
   double F[3] = {0}, size[3] = {0};
   if (what == of_F) return fabs(of->F[e]);
   if (what == of_force) return fabs(of->F[e]) / w[i > 0];
-  const dls_contact_state state =
-      dlsi_contact_misfit(d, of->problem->mu[k], w, of->r + o, of->u + o, F);
+  const dls_contact_state state = dlsi_contact_misfit(d, of->mu[k], w, of->r + o, of->u + o, F);
   if (state == DLS_FREE) return 0;
   if (what == of_r) return fabs(of->r[e]);
-  if (what == of_q) return fabs(of->problem->q[e]);
+  if (what == of_q) return fabs(of->scale[e]);
   if (what == of_a) return of->a[e];
   magnitudes(d, of, k, state, size);
   return what == of_rounded ? size[i] : size[i] / w[i > 0];
 }
 
 /* Returns the root of `plain`, or the norm itself where the plain sum of squares over- or underflows. */
-static double norm_of(const measured *of, const measured_sums *s, int what, double plain) {
+static double norm_of(const dlsi_laws *of, const measured_sums *s, int what, double plain) {
   if (dlsi_is_plain(plain)) return sqrt(plain);
   if (what <= of_force ? s->any == 0 : s->touches == 0) return 0;
   double largest = 0, sum = 0;
   for (int pass = 0; pass < 2; pass++) {
     const double scale = largest;
-    for (int k = 0; k < of->problem->nc; k++)
-      for (int i = 0; i < of->problem->d; i++) {
+    for (int k = 0; k < of->nc; k++)
+      for (int i = 0; i < of->d; i++) {
         const double x = entry_of(of, what, k, i);
         raise_to(&largest, x);
         if (pass) sum += (x / scale) * (x / scale);
@@ -371,12 +368,12 @@ static double norm_of(const measured *of, const measured_sums *s, int what, doub
 }
 
 /* Returns the candidate with the largest |F_c| where plain sums of squares over- or underflow. */
-static int find_worst(const dls_contact *problem, const double *F) {
-  const size_t d = (size_t)problem->d;
+static int find_worst(const dlsi_laws *of) {
+  const size_t d = (size_t)of->d;
   double worst = -1;
   int at = 0;
-  for (int k = 0; k < problem->nc; k++) {
-    const double size = dlsi_norm2(F + d * (size_t)k, d);
+  for (int k = 0; k < of->nc; k++) {
+    const double size = dlsi_norm2(of->F + d * (size_t)k, d);
     if (!(size > worst) && size == size) continue;
     worst = size != size ? INFINITY : size;
     at = k;
@@ -385,10 +382,10 @@ static int find_worst(const dls_contact *problem, const double *F) {
 }
 
 /* Raises the fields for the reader by candidate k, whose magnitudes are at most `largest`. */
-static inline void measure_laws(int d, const measured *of, int k, double largest,
+static inline void measure_laws(int d, const dlsi_laws *of, int k, double largest,
                                 dls_certificate *c) {
   const size_t o = (size_t)d * (size_t)k;
-  const double mu = of->problem->mu[k], *w = of->w + 2 * (size_t)k, *r = of->r + o, *u = of->u + o;
+  const double mu = of->mu[k], *w = of->w + 2 * (size_t)k, *r = of->r + o, *u = of->u + o;
   const double ut = dlsi_tangent_norm(d, u), rt = dlsi_tangent_norm(d, r);
   raise_to(&c->penetration, -u[0]);
   raise_to(&c->adhesion, -r[0]);
@@ -407,13 +404,13 @@ static inline void measure_laws(int d, const measured *of, int k, double largest
 
 /* Computes F and the fields of c from penetration on. d is a parameter of its own, so that the
  * compiler knows it where it inlines. */
-static inline measured_sums measure_each(int d, const measured *of, dls_certificate *c) {
+static inline measured_sums measure_each(int d, const dlsi_laws *of, dls_certificate *c) {
   measured_sums sums = {0};
   double worst = 0;
-  for (int k = 0; k < of->problem->nc; k++) {
+  for (int k = 0; k < of->nc; k++) {
     const size_t o = (size_t)d * (size_t)k;
     const double *w = of->w + 2 * (size_t)k, inverse[2] = {1 / w[0], 1 / w[d > 1]};
-    const double *rc = of->r + o, *uc = of->u + o, *qc = of->problem->q + o;
+    const double *rc = of->r + o, *uc = of->u + o, *scale = of->scale + o;
     double *Fc = of->F + o, size = 0, x[3], largest = 0;
     if (reaction_is_zero((size_t)d, rc) && uc[0] >= 0 &&
         uc[0] + dlsi_tangent_norm(d, uc) <= DBL_MAX) { /* open: F_c = 0 */
@@ -421,12 +418,12 @@ static inline measured_sums measure_each(int d, const measured *of, dls_certific
         Fc[i] = 0;
       continue;
     }
-    const dls_contact_state state = dlsi_contact_misfit(d, of->problem->mu[k], w, rc, uc, Fc);
+    const dls_contact_state state = dlsi_contact_misfit(d, of->mu[k], w, rc, uc, Fc);
     magnitudes(d, of, k, state, x);
     sums.touches += state != DLS_FREE;
     for (int i = 0; i < d; i++) {
       const double F = Fc[i] * inverse[i > 0], e = x[i] * inverse[i > 0];
-      const double all = of->a[o + (size_t)i] + fabs(qc[i]) + w[i > 0] * fabs(rc[i]);
+      const double all = size_of_u(of, o + (size_t)i) + w[i > 0] * fabs(rc[i]);
       size += Fc[i] * Fc[i];
       sums.force += F * F;
       sums.any += fabs(Fc[i]);
@@ -435,7 +432,7 @@ static inline measured_sums measure_each(int d, const measured *of, dls_certific
       sums.rounded += x[i] * x[i];
       sums.rounded_force += e * e;
       sums.r += rc[i] * rc[i];
-      sums.q += qc[i] * qc[i];
+      sums.q += scale[i] * scale[i];
       sums.a += of->a[o + (size_t)i] * of->a[o + (size_t)i];
     }
     sums.F += size;
@@ -455,20 +452,17 @@ void dlsi_set_residuals(dls_certificate *c, double residual_u, double force, dou
       c->residual_r > residual_u || c->residual_r != c->residual_r ? c->residual_r : residual_u;
 }
 
-void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
-                          const double *a, const double *w, double *F,
-                          dls_certificate *certificate) {
-  const measured of = {problem, r, u, a, w, F};
+void dlsi_laws_measure(const dlsi_laws *of, dls_certificate *certificate) {
   dls_certificate c = {.body = -1};
-  const measured_sums s = problem->d == 1   ? measure_each(1, &of, &c)
-                          : problem->d == 2 ? measure_each(2, &of, &c)
-                                            : measure_each(3, &of, &c);
-  if (!dlsi_is_plain(s.F)) c.worst = find_worst(problem, F);
-  const double f = norm_of(&of, &s, of_F, s.F), force = norm_of(&of, &s, of_force, s.force);
-  const double size = norm_of(&of, &s, of_r, s.r), q = norm_of(&of, &s, of_q, s.q);
-  const double rounded = norm_of(&of, &s, of_rounded, s.rounded);
-  const double rounded_force = norm_of(&of, &s, of_rounded_force, s.rounded_force);
-  const double scale_u = q > 0 ? q : norm_of(&of, &s, of_a, s.a),
+  const measured_sums s = of->d == 1   ? measure_each(1, of, &c)
+                          : of->d == 2 ? measure_each(2, of, &c)
+                                       : measure_each(3, of, &c);
+  if (!dlsi_is_plain(s.F)) c.worst = find_worst(of);
+  const double f = norm_of(of, &s, of_F, s.F), force = norm_of(of, &s, of_force, s.force);
+  const double size = norm_of(of, &s, of_r, s.r), q = norm_of(of, &s, of_q, s.q);
+  const double rounded = norm_of(of, &s, of_rounded, s.rounded);
+  const double rounded_force = norm_of(of, &s, of_rounded_force, s.rounded_force);
+  const double scale_u = q > 0 ? q : norm_of(of, &s, of_a, s.a),
                scale_r = force > size ? force : size;
   /* nothing presses, though r is not 0: 1. Against a norm beyond the range of numbers everything
    * is small: it certifies nothing */
@@ -480,6 +474,14 @@ void dlsi_contact_measure(const dls_contact *problem, const double *r, const dou
   c.floor_u = rounded == 0 ? 0 : DBL_EPSILON * (rounded / scale_u);
   c.floor_r = rounded_force == 0 ? 0 : DBL_EPSILON * (rounded_force / scale_r);
   *certificate = c;
+}
+
+void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
+                          const double *a, const double *w, double *F,
+                          dls_certificate *certificate) {
+  const dlsi_laws of = {problem->d, problem->nc, problem->mu, r,          u,
+                        w,          a,           problem->q,  problem->q, F};
+  dlsi_laws_measure(&of, certificate);
 }
 
 static dls_status contact_certify(const dls_contact *problem, const double *r, double *u,

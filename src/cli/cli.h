@@ -211,6 +211,8 @@ typedef struct verdict {
   int rows, stride;        /* of farkas, and numbers in a row of ray */
   const double *farkas;    /* rows, or NULL */
   const double *ray;       /* rows x stride, along which the unknowns run away, or NULL */
+  const double *motion;    /* of a body that nothing can hold: unknowns, or NULL */
+  int unknowns, mover;     /* mover: an unknown of that body */
 } verdict;
 
 /* Fills says, next and exact; farkas tells a ray that has a solution excluded but for rounding. */

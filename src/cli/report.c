@@ -252,8 +252,10 @@ static void print_json_stages(FILE *out, const dls_info *info) {
 }
 
 void print_residuals(const char *indent, const dls_certificate *c) {
-  printf("%sof positions %.2e (floor %.1e), of forces %.2e (floor %.1e)\n", indent, c->residual_u,
+  printf("%sof positions %.2e (floor %.1e), of forces %.2e (floor %.1e)", indent, c->residual_u,
          c->floor_u, c->residual_r, c->floor_r);
+  if (c->floor_e > 0) printf(", equilibrium %.2e (floor %.1e)", c->equilibrium, c->floor_e);
+  putchar('\n');
 }
 
 static const char *uniqueness_word(dls_uniqueness unique) {
@@ -297,6 +299,10 @@ void print_json(FILE *out, const outcome *o) {
   print_json_field(out, "residual_r", c->residual_r);
   print_json_field(out, "floor_u", c->floor_u);
   print_json_field(out, "floor_r", c->floor_r);
+  if (c->floor_e > 0) {
+    print_json_field(out, "equilibrium", c->equilibrium);
+    print_json_field(out, "floor_e", c->floor_e);
+  }
   if (o->primal) {
     print_json_field(out, "equilibrium", o->primal->equilibrium);
     print_json_field(out, "equilibrium_floor", o->primal->equilibrium_floor);

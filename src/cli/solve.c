@@ -111,21 +111,23 @@ static dls_status write_solution(const char *out, const problem *p, const double
   return dls_fclib_write_global(out, &p->model, p->f, p->g, p->mu, title, x, r, u, error);
 }
 
-/* Recovers the unknowns of a problem that was condensed: *x := new array of n. */
+/* Recovers the unknowns of a problem of bodies: *x := new array of n. */
 static dls_status recover(problem *p, const double *r, double **x, dls_error *error) {
-  if (p->of_bodies) {
-    dls_reduction_settings settings;
-    dls_reduction_settings_init(&settings);
-    settings.form_W = 0;
-    dls_status status = dls_reduction_create_with(&p->reduction, &p->model, &settings, error);
-    if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, error);
-    if (status) return status;
-  }
-  if (!p->reduction) return DLS_OK;
+  dls_reduction_settings settings;
+  dls_reduction_settings_init(&settings);
+  settings.form_W = 0;
+  dls_status status = dls_reduction_create_with(&p->reduction, &p->model, &settings, error);
+  if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, error);
+  if (status) return status;
   *x = malloc((size_t)p->model.n * sizeof **x);
   if (*x) return dls_reduction_recover(p->reduction, r, *x, error);
   *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"};
   return DLS_E_MEMORY;
+}
+
+/* Returns 1 for a status that a vector of the solver stands behind. */
+static int has_vectors(dls_status status) {
+  return status == DLS_NO_SOLUTION || status == DLS_NO_SOLUTION_LIKELY || status == DLS_RAY;
 }
 
 /* Prints how many candidates are in each state; returns 0 after a complaint. */
@@ -198,12 +200,24 @@ static int solve_contact(const char *path, const solve_options *options) {
     (void)complain_of(path, &error);
     goto end;
   }
-  if (dls_solver_create(&solver, o.d, o.nc, &settings, &error)) {
-    (void)complain_of(path, &error);
+  const double start = cpu_seconds();
+  dls_status status = DLS_STALLED;
+  int mover = 0;
+  if (p.reduction && (x = malloc((size_t)p.model.n * sizeof *x)) == NULL) {
+    (void)complain("%s: out of memory", path);
     goto end;
   }
-  const double start = cpu_seconds();
-  const dls_status status = dls_solver_solve(solver, &p.contact, r, u, &o.info, &error);
+  if (p.reduction)
+    status = dls_reduction_solve(p.reduction, p.mu, &settings, r, u, x, &o.info, &error);
+  const double *motion =
+      status == DLS_NO_SOLUTION ? dls_reduction_motion(p.reduction, &mover) : NULL;
+  if (!p.reduction || (!motion && has_vectors(status))) { /* which the solver on W has */
+    if (dls_solver_create(&solver, o.d, o.nc, &settings, &error)) {
+      (void)complain_of(path, &error);
+      goto end;
+    }
+    status = dls_solver_solve(solver, &p.contact, r, u, &o.info, &error);
+  }
   o.solve_cpu_seconds = cpu_seconds() - start;
   progress_end();
   if (status < 0) {
@@ -213,13 +227,17 @@ static int solve_contact(const char *path, const solve_options *options) {
   o.proof = options->proof;
   o.verdict = (verdict){.rows = o.nc,
                         .stride = o.d,
-                        .farkas = dls_solver_farkas(solver),
-                        .ray = dls_solver_direction(solver)};
+                        .farkas = solver ? dls_solver_farkas(solver) : NULL,
+                        .ray = solver ? dls_solver_direction(solver) : NULL,
+                        .motion = motion,
+                        .unknowns = p.model.n,
+                        .mover = mover};
   verdict_fill(&o.verdict, status, 0);
   const int wrong =
       !is_solved(status) && o.info.certificate.residual > settings.limits.tol && !o.verdict.says;
   if (wrong && !unsettled_find(&o.unsettled, &p.contact, r, u)) goto end;
-  if ((options->out || options->print || options->csv) && recover(&p, r, &x, &error)) {
+  if (p.of_bodies && (options->out || options->print || options->csv) &&
+      recover(&p, r, &x, &error)) {
     (void)complain_of(path, &error);
     goto end;
   }
