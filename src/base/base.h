@@ -15,7 +15,7 @@
 #include "delassus/info.h"
 #include "delassus/model.h"
 
-/* ---- what the compiler has to keep ------------------------------------------------------------- */
+/* ---- what the compiler has to keep ----------------------------------------------------------- */
 
 /* NaN and Inf have to be seen, and sums to be rounded as they are written. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) ||                                     \
@@ -47,7 +47,7 @@
 #define DLSI_INLINE inline
 #endif
 
-/* ---- the host's floating point environment (environment.c) ------------------------------------ */
+/* ---- the host's floating point environment (environment.c) ----------------------------------- */
 
 /* An environment; known: 1 if there is one. */
 typedef struct dlsi_host {
