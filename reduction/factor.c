@@ -192,8 +192,8 @@ static dls_status part_scale_general(const dense_part *part, dls_error *error) {
 }
 
 /* Scales and factors a part; returns its rcond in *rcond. work: 4 s; iwork: s. */
-static dls_status part_factor(dense_part *part, double *rcond, double *work, int *iwork,
-                              dls_error *error) {
+static dls_status part_factor(dense_part *part, dlsi_watch *watch, double *rcond, double *work,
+                              int *iwork, dls_error *error) {
   const size_t s = (size_t)part->M.n;
   const int symmetric = part->M.cholesky;
   double *A = part->M.A;
@@ -205,7 +205,9 @@ static dls_status part_factor(dense_part *part, double *rcond, double *work, int
       symmetric ? part_scale_symmetric(part, error) : part_scale_general(part, error);
   if (status) return status;
   const double norm = dlsi_dense_norm(A, s, symmetric, work);
-  const int failed = symmetric ? dlsi_dense_cholesky(&part->M) : dlsi_dense_lu(&part->M);
+  const int failed =
+      symmetric ? dlsi_dense_cholesky_watched(&part->M, watch) : dlsi_dense_lu(&part->M);
+  if (failed == dlsi_stopped) return DLS_CANCELLED;
   if (failed && !symmetric) return part_singular(part, failed - 1, 0, 0, error);
   if (failed) {
     const double pivot = A[(size_t)(failed - 1) * (s + 1)];
@@ -342,6 +344,7 @@ dls_status dlsi_factor_same(const dlsi_factor *factor, const dls_model *model, d
 dls_status dlsi_factor_numeric(dlsi_factor *factor, const dls_model *model, dls_error *error) {
   if (factor->kind == DLS_HOST_SOLVER) return DLS_OK;
   if (factor->schur) {
+    dlsi_schur_watch(factor->schur, factor->watch);
     const dls_status status = dlsi_schur_factor(factor->schur, &model->Ks, error);
     if (!status) factor->rcond = dlsi_schur_measured(factor->schur)->rcond;
     return status;
@@ -355,7 +358,10 @@ dls_status dlsi_factor_numeric(dlsi_factor *factor, const dls_model *model, dls_
     double rcond = 1;
     dense_part part = part_of(factor, k);
     part_assemble(factor, model, k);
-    if (factor->kind != DLS_FLEXIBILITY) status = part_factor(&part, &rcond, work, iwork, error);
+    if (factor->kind != DLS_FLEXIBILITY)
+      status = part_factor(&part, factor->watch, &rcond, work, iwork, error);
+    const double s = part.M.n;
+    if (!status && dlsi_watch_stops(factor->watch, k, s * s * s / 3)) status = DLS_CANCELLED;
     if (rcond < factor->rcond) factor->rcond = rcond;
   }
   free(iwork);

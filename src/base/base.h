@@ -209,6 +209,27 @@ double dlsi_clock_left(const dls_limits *limits, double begun);
  * Returns DLS_OK to go on, DLS_CANCELLED, or DLS_TIME_LIMIT. */
 dls_status dlsi_tell(const dls_limits *limits, double begun, dls_progress *progress);
 
+/* Lets the host watch a long piece of work that is no solve, and cancel it. */
+typedef struct dlsi_watch {
+  dls_limits limits; /* the callback alone */
+  double begun;
+  const char *method, *stage;
+  int done, all; /* pieces of the stage; all = 0: not known */
+  double flops;  /* since the host was called last */
+  int is_cancelled;
+} dlsi_watch;
+
+/* Begins a stage of `all` pieces and calls the host. Returns DLS_OK, or DLS_CANCELLED for good.
+ * watch = NULL or without a callback: nothing happens. */
+dls_status dlsi_watch_stage(dlsi_watch *watch, const char *stage, int all);
+
+/* Looks between two pieces: `done` pieces of the stage are done, after `flops` operations more.
+ * Calls the host about every millisecond. Returns 1 if the work is cancelled. */
+int dlsi_watch_stops(dlsi_watch *watch, int done, double flops);
+
+/* Makes the last call. */
+void dlsi_watch_end(dlsi_watch *watch);
+
 /* Makes the last call of a solve. */
 void dlsi_tell_last(const dls_limits *limits, double begun, const char *method, const char *stage,
                     int iterations, double residual, const double *r);
