@@ -30,6 +30,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "linear/blas.h"
 #include "linear/dense.h"
 #include "linear/pieces.h"
 #include "reduction_internal.h"
@@ -279,6 +280,8 @@ static dls_status factor_divide(dlsi_factor *factor, const dls_model *model, int
 dls_status dlsi_factor_create(dlsi_factor **out, const dls_model *model, int count, const int *keep,
                               dls_error *error) {
   *out = NULL;
+  dls_status status = dlsi_check_product(error);
+  if (status) return status;
   dlsi_factor *factor = calloc(1, sizeof *factor);
   if (!factor) return dlsi_no_memory(error);
   factor->n = model->n;
@@ -292,7 +295,7 @@ dls_status dlsi_factor_create(dlsi_factor **out, const dls_model *model, int cou
   dlsi_arena arena = {0};
   factor_carve(factor, &arena);
   factor->memory = arena.failed ? NULL : dlsi_alloc(arena.used, 1);
-  dls_status status = factor->memory ? DLS_OK : dlsi_no_memory(error);
+  status = factor->memory ? DLS_OK : dlsi_no_memory(error);
   if (!status) {
     arena = (dlsi_arena){.base = factor->memory, .size = arena.used};
     factor_carve(factor, &arena);

@@ -22,7 +22,7 @@ typedef struct cube {
 
 static cube C;
 
-static void put(int *e, int i, double x) {
+static void put_entry(int *e, int i, double x) {
   C.i[*e] = i;
   C.x[(*e)++] = x;
 }
@@ -36,11 +36,11 @@ static void make_cube(int cells, int full) {
     const int node = j / 3, at[3] = {node % side, node / side % side, node / (side * side)};
     C.p[j] = e;
     for (int k = 2; k >= 0; k--)
-      if (full && at[k] > 0) put(&e, j - 3 * stride[k], -1);
+      if (full && at[k] > 0) put_entry(&e, j - 3 * stride[k], -1);
     for (int k = full ? 0 : j % 3; k < 3; k++)
-      put(&e, 3 * node + k, k == j % 3 ? 6.2 : 0.1);
+      put_entry(&e, 3 * node + k, k == j % 3 ? 6.2 : 0.1);
     for (int k = 0; k < 3; k++)
-      if (at[k] + 1 < (k < 2 ? side : cells)) put(&e, j + 3 * stride[k], -1);
+      if (at[k] + 1 < (k < 2 ? side : cells)) put_entry(&e, j + 3 * stride[k], -1);
   }
   C.p[size] = e;
   for (int c = 0; c < floor_nodes; c++) {
