@@ -2,9 +2,9 @@
  * blas.c: refuses a BLAS that the library cannot call.
  *
  * A BLAS with integers of 64 bits reads 64 where an int is passed, and takes what is beside it as
- * the upper half: a crash, or wrong numbers. So one function that does nothing for n <= 0 gets n = 1 with
- * INT_MIN beside it. 64 bits see a negative n (the lower half comes first in memory; a processor
- * with the upper half first is not checked).
+ * the upper half: a crash, or wrong numbers. So one function that does nothing for n <= 0 gets
+ * n = 1 with INT_MIN beside it. 64 bits see a negative n: the lower half comes first in memory.
+ * Processors with the upper half first are not checked.
  */
 #include "linear/blas.h"
 

@@ -9,8 +9,8 @@
 
 #include "delassus/status.h"
 
-/* Checks that the integers of the BLAS at hand have 32 bits, some 10 ns; is called where a workspace
- * is created that BLAS or LAPACK work in. DLS_E_UNSUPPORTED, naming "BLAS". */
+/* Checks that the integers of the BLAS at hand have 32 bits, some 10 ns. Is called where a
+ * workspace for BLAS or LAPACK is created. DLS_E_UNSUPPORTED, naming "BLAS". */
 dls_status dlsi_check_blas(dls_error *error);
 
 /* Checks one function of a BLAS, x := alpha x, as dscal_. */

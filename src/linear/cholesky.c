@@ -90,7 +90,7 @@ static int cholesky_update(dlsi_cholesky *work, int d, int s, const panel *to, d
   return 0;
 }
 
-/* (CH8) Returns 1 if the host cancels. Clears L in pieces, too: fresh memory takes a second for each
+/* (CH8) Returns 1 if the host cancels. Clears L in pieces: fresh memory takes a second for each
  * gigabyte. */
 static int cholesky_scatter(dlsi_cholesky *work, const double *x) {
   const size_t all = work->panel[work->count], piece = (size_t)1 << 22;
