@@ -136,6 +136,9 @@ help:
 	@echo 'make check-fuzz check-faults   the short forms of two of them'
 	@echo 'make check-languages   tests and examples in C++, Fortran and Python'
 	@echo 'make check-build check-symbols check-arrows check-names check-headers   parts of it, and each header'
+	@echo 'make check-flags     flags that make a wrong library are refused'
+	@echo 'make check-cross     the core for other processors under qemu; ARCHS="i386 arm64"'
+	@echo 'make check-all       all of this: other options, flags, compilers, processors; MPI, sanitizers, long fuzz; hours'
 	@echo 'make lint format-check format      clang-tidy and cppcheck; layout and 100 columns'
 	@echo 'make bench-solvers   every solver beside Siconos; BENCH=--full for all problems'
 	@echo 'make bench-reduction K -> W beside CHOLMOD and UMFPACK; BENCH=--full, BENCH=--large'
@@ -244,7 +247,7 @@ $(BUILD)/obj/tests/files/test_files.o: CPPFLAGS += $(HDF5_CFLAGS)
 
 .PHONY: check
 check: deps
-	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build check-properties check-faults check-fuzz check-install
+	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-flags check-build check-properties check-faults check-fuzz check-install
 
 .PHONY: check-build
 check-build: all $(TESTS) $(LANGUAGES) $(addprefix $(BUILD)/bench/,auto blocks steps trust)
@@ -302,6 +305,30 @@ check-arrows: $(A) $(FE) $(call obj,$(CLI_SRC))
 .PHONY: check-names
 check-names:
 	@tests/check_names.sh
+
+# flags that make a wrong library are refused
+.PHONY: check-flags
+check-flags:
+	@tests/flags.sh '$(MAKE)' $(BUILD) '$(CC)'
+
+# the core for other processors, tested under qemu; ARCHS, Debian's names
+.PHONY: check-cross
+ARCHS ?= i386 armhf arm64 s390x ppc64el
+check-cross:
+	@tests/cross.sh '$(MAKE)' $(BUILD)/cross $(ARCHS)
+
+# what no check on each change has the time for: builds with other options, flags and compilers, for other
+# processors; MPI; sanitizers; ten minutes of fuzz for each target
+.PHONY: check-all
+check-all:
+	@$(MAKE) --no-print-directory check
+	@tests/flags.sh '$(MAKE)' $(BUILD) '$(CC)' all
+	@$(MAKE) --no-print-directory check-build BUILD=$(BUILD)/plain HDF5=0 MUMPS=0 OPENMP=
+	@$(MAKE) --no-print-directory check-mpi BUILD=$(BUILD)/mpi MPI=1
+	@$(MAKE) --no-print-directory asan
+	@$(MAKE) --no-print-directory threads RUNS=5
+	@$(MAKE) --no-print-directory fuzz FUZZ_SECONDS=600
+	@$(MAKE) --no-print-directory check-cross
 
 .PHONY: check-headers
 check-headers:

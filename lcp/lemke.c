@@ -71,6 +71,7 @@
 #include <string.h>
 
 #include "lcp_internal.h"
+#include "linear/blas.h"
 
 static const double pivot_tolerance = 1e-11; /* (LE9), to max|c| */
 static const double strict_pivot = 1e-14;    /* (LE9) at the second try */
@@ -185,6 +186,7 @@ static dls_status lemke_create(dls_lemke **out, int n, const dls_lemke_settings 
   dls_status status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 1, own, error);
   if (!status && s->cover) status = dlsi_check_positive("cover", s->cover, n, error);
   void *made = NULL;
+  if (!status) status = dlsi_check_blas(error);
   if (!status) status = dlsi_carve_workspace(&made, &work, sizeof work, lemke_carve, "n", n, error);
   if (status) return status;
   dls_lemke *w = *out = made;

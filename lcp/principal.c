@@ -97,6 +97,7 @@ static dls_status principal_create(dls_principal **out, int n,
   const dlsi_setting own[] = {{"block_steps", s->block_steps, 0, INT_MAX, 0}};
   dls_status status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 1, own, error);
   void *made = NULL;
+  if (!status) status = dlsi_check_blas(error);
   if (!status)
     status = dlsi_carve_workspace(&made, &work, sizeof work, principal_carve, "n", n, error);
   *out = made;

@@ -26,8 +26,9 @@
 
 struct dls_reduction {
   dls_reduction_settings settings;
-  atomic_int busy; /* a call is at work, in the host's solver perhaps */
-  int d, nodes;    /* d: of the model; H.d of the contact problem */
+  atomic_int busy;  /* a call is at work, in the host's solver perhaps */
+  dlsi_watch watch; /* the host's, of create and update */
+  int d, nodes;     /* d: of the model; H.d of the contact problem */
   size_t n, m;
   dls_operator kind;
   dls_factorization factorization; /* as tagged */
@@ -124,9 +125,12 @@ static dls_status reduction_analyse(dls_reduction *work, const dls_model *model,
   if (work->factor) return DLS_OK;
   const dlsi_operator *H = &work->H;
   const int kept = work->settings.form_W && !work->whole && H->kept / 4 <= H->columns ? H->kept : 0;
-  const dls_status status = dlsi_factor_create(&work->factor, model, kept, H->keep, error);
-  if (!status) reduction_foresee(work);
-  return status;
+  dls_status status = dlsi_watch_stage(&work->watch, "analysis", 0);
+  if (!status) status = dlsi_factor_create(&work->factor, model, kept, H->keep, error);
+  if (status) return status;
+  work->factor->watch = &work->watch;
+  reduction_foresee(work);
+  return DLS_OK;
 }
 
 static void reduction_forget_factor(dls_reduction *work) {
@@ -134,10 +138,22 @@ static void reduction_forget_factor(dls_reduction *work) {
   work->factor = NULL;
 }
 
+/* Return how many pieces the stages "factor" and "W" have for the host; 0: not known. */
+static int reduction_fronts(const dls_reduction *work) {
+  const dlsi_factor *factor = work->factor;
+  return factor->schur ? dlsi_schur_measured(factor->schur)->fronts : factor->parts;
+}
+
+static int reduction_batches(const dls_reduction *work) {
+  const dlsi_factor *factor = work->factor;
+  return factor->kept > 0 ? factor->kept : factor->parts > 1 ? factor->parts : (int)work->m;
+}
+
 static dls_status reduction_factor_once(dls_reduction *work, const dls_model *model,
                                         dls_error *error) {
   dls_status status = reduction_analyse(work, model, error);
   if (!status) status = reduction_limit(work, error);
+  if (!status) status = dlsi_watch_stage(&work->watch, "factor", reduction_fronts(work));
   return status ? status : dlsi_factor_numeric(work->factor, model, error);
 }
 
@@ -193,6 +209,7 @@ static dls_status reduction_factor(dls_reduction *work, const dls_model *model, 
   dls_error first = {0};
   dls_status status = reduction_attempt(work, model, &first);
   const int stuck = status == DLS_E_SINGULAR || status == DLS_E_NOT_POSITIVE_DEFINITE;
+  if (stuck && dlsi_watch_stage(&work->watch, "modes", 0)) return DLS_CANCELLED;
   if (stuck && work->modes.count == 0) {
     reduction_forget_factor(work);
     dls_error second;
@@ -215,7 +232,7 @@ static dls_status reduction_factor(dls_reduction *work, const dls_model *model, 
     work->info.indefinite = 1;
     status = reduction_attempt(work, model, &first);
   }
-  if (status && error) *error = first;
+  if (status < 0 && error) *error = first;
   if (status) return status;
   work->info.modes = work->modes.count;
   work->info.condition = work->factor->rcond > 0 ? 1 / work->factor->rcond : 0;
@@ -244,6 +261,8 @@ static dls_status reduction_fill(dls_reduction *work, const dls_model *model, dl
   work->is_free = work->half = 0;
   if (work->mu) memcpy(work->mu, work->H.mu, (size_t)work->H.candidates * sizeof *work->mu);
   if (work->settings.form_W) {
+    status = dlsi_watch_stage(&work->watch, "W", reduction_batches(work));
+    if (status) return status;
     if (!work->W) work->W = dlsi_alloc(work->m, work->m * sizeof *work->W);
     status = work->W ? dlsi_influence(work->factor, &work->H, work->W, error)
                      : dlsi_fail(error, DLS_E_MEMORY, "", -1, 0,
@@ -268,6 +287,11 @@ static dls_status reduction_begin(dls_reduction **out, const dls_model *model,
   dls_reduction *work = calloc(1, sizeof *work);
   if (!work) return dlsi_no_memory(error);
   work->settings = *settings;
+  work->watch = (dlsi_watch){
+      .limits = {.progress = settings->progress, .progress_data = settings->progress_data},
+      .method = "reduction",
+      .stage = "analysis"};
+  work->watch.begun = dlsi_clock_start(&work->watch.limits);
   work->d = model->d;
   work->nodes = model->nodes;
   work->kind = model->operator_kind;
@@ -291,6 +315,7 @@ static dls_status reduction_create(dls_reduction **out, const dls_model *model,
   dls_status status = reduction_begin(out, model, settings, error);
   if (status) return status;
   status = reduction_fill(*out, model, error);
+  if (status >= 0) dlsi_watch_end(&(*out)->watch);
   if (!status) return DLS_OK;
   dls_reduction_destroy(*out);
   *out = NULL;
@@ -379,7 +404,12 @@ static dls_status reduction_update(dls_reduction *work, const dls_model *model, 
     H = old;
   }
   dlsi_operator_free(&H);
-  return status ? status : reduction_fill(work, model, error);
+  if (status) return status;
+  work->watch.is_cancelled = 0;
+  work->watch.begun = dlsi_clock_start(&work->watch.limits);
+  status = reduction_fill(work, model, error);
+  if (status >= 0) dlsi_watch_end(&work->watch);
+  return status;
 }
 
 dls_status dls_reduction_update(dls_reduction *reduction, const dls_model *model,

@@ -47,7 +47,8 @@ typedef struct dlsi_factor {
   int *pivot;        /* n, by position: row exchanges of LU */
   dls_solve_fn solve;
   void *user;
-  void *memory; /* of all arrays but A */
+  void *memory;      /* of all arrays but A */
+  dlsi_watch *watch; /* the caller's: looks on in numeric and dlsi_influence; NULL: nobody */
 } dlsi_factor;
 
 /* Lays out and analyses the operator of a model that has passed dlsi_check_model; *out = NULL on
@@ -64,7 +65,7 @@ dls_status dlsi_factor_same(const dlsi_factor *factor, const dls_model *model, d
 
 /* Factors the values of a model of the same pattern. DLS_E_NOT_POSITIVE_DEFINITE, DLS_E_SINGULAR,
  * DLS_E_NOT_FINITE (entries that add up to Inf), DLS_E_MEMORY; index: the unknown of the whole
- * K. */
+ * K. DLS_CANCELLED by factor->watch: the factor holds nothing. */
 dls_status dlsi_factor_numeric(dlsi_factor *factor, const dls_model *model, dls_error *error);
 
 /* Solves X := K_part^-1 X. X: size of the part x nrhs, column-major without gaps, nrhs <=
@@ -141,7 +142,7 @@ void dlsi_stable_free(dlsi_stable *stable);
 /* ---- W --------------------------------------------------------------------------------------- */
 
 /* Forms W := H^T K^-1 H, m x m. DLS_E_NOT_FINITE naming W, DLS_E_MEMORY, the errors of the
- * solves. */
+ * solves; DLS_CANCELLED by factor->watch. */
 dls_status dlsi_influence(const dlsi_factor *factor, const dlsi_operator *H, double *W,
                           dls_error *error);
 

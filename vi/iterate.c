@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "linear/blas.h"
 #include "vi_internal.h"
 
 /* Returns the error that r may have by its certificate, infinite for NaN. */
@@ -24,7 +25,8 @@ int dlsi_is_better(const dls_certificate *a, const dls_certificate *b) {
 
 dls_status dlsi_workspace(void **out, void *filled, size_t size, dlsi_carve *carve, int nc,
                           dls_error *error) {
-  return dlsi_carve_workspace(out, filled, size, carve, "nc", nc, error);
+  const dls_status status = dlsi_check_blas(error);
+  return status ? status : dlsi_carve_workspace(out, filled, size, carve, "nc", nc, error);
 }
 
 void dlsi_take_vectors(dlsi_arena *arena, size_t n, int count, double **const vector[]) {

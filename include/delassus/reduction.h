@@ -23,6 +23,7 @@
 #define DELASSUS_REDUCTION_H
 
 #include "delassus/contact.h"
+#include "delassus/limits.h"
 #include "delassus/model.h"
 
 #ifdef __cplusplus
@@ -48,6 +49,13 @@ typedef struct dls_reduction_settings {
   int frictionless; /* 1: H_N alone is condensed, and the contact problem has d = 1: one entry of r,
                        u and q per candidate, a quarter (2D) or a ninth (3D) of W's memory. HT is
                        checked but not used; model.mu must be 0 or NULL (DLS_E_ARGUMENT); 0 */
+  dls_progress_fn progress; /* called in create and update, about every millisecond between pieces
+                               of the work: method "reduction"; stage "analysis", "factor", "modes"
+                               (the search for them) or "W"; iteration of max_iterations pieces (0:
+                               unknown); residual -1, r NULL. Not 0 cancels: DLS_CANCELLED. One call
+                               of METIS, of MUMPS, or of LAPACK's LU cannot be cancelled: the next
+                               call comes after it. NULL for none; NULL */
+  void *progress_data;      /* lives as long as the reduction is created or updated */
 } dls_reduction_settings;
 
 DLS_API void dls_reduction_settings_init(dls_reduction_settings *settings);
@@ -94,7 +102,8 @@ typedef struct dls_reduction dls_reduction;
 DLS_API DLS_MUST_USE dls_status dls_reduction_create(dls_reduction **out, const dls_model *model,
                                                      dls_error *error);
 
-/* Works as dls_reduction_create, with settings; NULL for the defaults. */
+/* Works as dls_reduction_create, with settings; NULL for the defaults. DLS_CANCELLED, which is not
+ * negative, if settings.progress cancels: *out = NULL then, too. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_create_with(dls_reduction **out,
                                                           const dls_model *model,
                                                           const dls_reduction_settings *settings,
@@ -105,7 +114,7 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_create_with(dls_reduction **out,
  * those of create. DLS_E_SIZE or
  * DLS_E_ARGUMENT for another size or pattern, and then the reduction is as it was. After any other
  * error than those of dls_model_check it holds nothing: all but update and destroy answer
- * DLS_E_ARGUMENT. */
+ * DLS_E_ARGUMENT; nor does it after DLS_CANCELLED. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_update(dls_reduction *reduction,
                                                      const dls_model *model, dls_error *error);
 

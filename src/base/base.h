@@ -15,7 +15,7 @@
 #include "delassus/info.h"
 #include "delassus/model.h"
 
-/* ---- what the compiler has to keep ------------------------------------------------------------- */
+/* ---- what the compiler has to keep ----------------------------------------------------------- */
 
 /* NaN and Inf have to be seen, and sums to be rounded as they are written. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) ||                                     \
@@ -47,7 +47,7 @@
 #define DLSI_INLINE inline
 #endif
 
-/* ---- the host's floating point environment (environment.c) ------------------------------------ */
+/* ---- the host's floating point environment (environment.c) ----------------------------------- */
 
 /* An environment; known: 1 if there is one. */
 typedef struct dlsi_host {
@@ -208,6 +208,27 @@ double dlsi_clock_left(const dls_limits *limits, double begun);
 /* Calls the caller's callback with progress, cpu_seconds set here, and looks at the time limit.
  * Returns DLS_OK to go on, DLS_CANCELLED, or DLS_TIME_LIMIT. */
 dls_status dlsi_tell(const dls_limits *limits, double begun, dls_progress *progress);
+
+/* Lets the host watch a long piece of work that is no solve, and cancel it. */
+typedef struct dlsi_watch {
+  dls_limits limits; /* the callback alone */
+  double begun;
+  const char *method, *stage;
+  int done, all; /* pieces of the stage; all = 0: not known */
+  double flops;  /* since the host was called last */
+  int is_cancelled;
+} dlsi_watch;
+
+/* Begins a stage of `all` pieces and calls the host. Returns DLS_OK, or DLS_CANCELLED for good.
+ * watch = NULL or without a callback: nothing happens. */
+dls_status dlsi_watch_stage(dlsi_watch *watch, const char *stage, int all);
+
+/* Looks between two pieces: `done` pieces of the stage are done, after `flops` operations more.
+ * Calls the host about every millisecond. Returns 1 if the work is cancelled. */
+int dlsi_watch_stops(dlsi_watch *watch, int done, double flops);
+
+/* Makes the last call. */
+void dlsi_watch_end(dlsi_watch *watch);
 
 /* Makes the last call of a solve. */
 void dlsi_tell_last(const dls_limits *limits, double begun, const char *method, const char *stage,

@@ -290,6 +290,8 @@ int show_progress(void *data, const dls_progress *progress);
 void watch_interrupt(void);
 int was_interrupted(void); /* 1 after Ctrl-C */
 void progress_end(void);
+/* The same of a reduction, which calls every millisecond: silent with --verbose. */
+int show_reduction(void *data, const dls_progress *progress);
 
 /* ---- jean.c ---------------------------------------------------------------------------------- */
 

@@ -375,11 +375,17 @@ int show_progress(void *data, const dls_progress *p) {
   if (now - first_shown < 0.5 || now - last_shown < 0.1 || !isatty(STDERR_FILENO)) return 0;
   last_shown = now;
   line_shown = 1;
-  fprintf(stderr, "\r%s: %d of at most %d", p->stage, p->iteration, p->max_iterations);
+  fprintf(stderr, "\r%s: %d", p->stage, p->iteration);
+  if (p->max_iterations > 0) fprintf(stderr, " of at most %d", p->max_iterations);
   if (p->residual >= 0) fprintf(stderr, ", residual %.2e", p->residual);
   fputs("\033[K", stderr);
   fflush(stderr);
   return 0;
+}
+
+int show_reduction(void *data, const dls_progress *p) {
+  if (p->last) progress_end();
+  return is_verbose() ? interrupted : show_progress(data, p);
 }
 
 void progress_end(void) {

@@ -178,10 +178,16 @@ static int solve_contact(const char *path, const solve_options *options) {
   dls_error error = {0};
   double *r = NULL, *u = NULL, *x = NULL;
   int result = EXIT_BAD_INPUT;
-  if (matrices_name(&options->matrices)) {
-    if (!matrices_load(&options->matrices, &p)) goto end;
-  } else if (problem_load(path, 1, &p, &error)) {
-    (void)complain_of(path, &error);
+  int loaded;
+  if (matrices_name(&options->matrices))
+    loaded = matrices_load(&options->matrices, &p);
+  else {
+    const dls_status status = problem_load(path, 1, &p, &error);
+    loaded = !status;
+    if (status < 0) (void)complain_of(path, &error);
+  }
+  if (!loaded) { /* a reduction may have been cancelled */
+    if (was_interrupted()) result = end_command(EXIT_NOT_SOLVED, NULL);
     goto end;
   }
   problem_fit_threads(&p);

@@ -312,7 +312,8 @@ dls_status dls_contact_sensitivity(const dls_contact *problem, const double *r,
                                    dls_sensitivity *sensitivity, dls_error *error) {
   DLSI_DOOR;
   dlsi_formed formed = {.work = NULL};
-  dls_status status = dlsi_form_blocks(&formed, &problem, error);
+  dls_status status = dlsi_check_blas(error);
+  if (!status) status = dlsi_form_blocks(&formed, &problem, error);
   if (!status) status = sensitivity_run(problem, r, sensitivity, error);
   dlsi_formed_free(&formed);
   return dlsi_at(__func__, status, error);

@@ -229,7 +229,7 @@ START_TEST(every_file) {
 }
 END_TEST
 
-/* ---- callbacks and threads --------------------------------------------------------------------- */
+/* ---- callbacks and threads ------------------------------------------------------------------- */
 
 static int host_calls,
     host_finds; /* calls of a callback; those that found the host's environment */
