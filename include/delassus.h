@@ -5,6 +5,7 @@
  *   matrix.h     views of matrices
  *   contact.h    the problem and its certificate
  *   limits.h     tolerance, iteration limit, progress
+ *   paced.h      progress now and then
  *   info.h       methods and outcome
  *   model.h      K, H_N, H_T of the host
  *   reduction.h  K, f, H -> W, q and back
@@ -45,6 +46,7 @@
 #include "delassus/motion.h"
 #include "delassus/newton.h"
 #include "delassus/nlgs.h"
+#include "delassus/paced.h"
 #include "delassus/pivoting.h"
 #include "delassus/primal.h"
 #include "delassus/reduction.h"

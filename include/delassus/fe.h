@@ -174,10 +174,10 @@ typedef struct dls_fe_series dls_fe_series;
 DLS_API DLS_MUST_USE dls_status dls_fe_series_create(dls_fe_series **out, const char *path,
                                                      dls_error *error);
 
-/* Adds `file`, a name relative to the collection's directory without the characters < > & ", at
- * `time`, as part >= 0 of the picture then. The collection on disk is whole after each call: a run
- * that is killed leaves what it had. After an error it is without this file. DLS_E_ARGUMENT,
- * DLS_E_NOT_FINITE, DLS_E_FILE, DLS_E_MEMORY. */
+/* Adds `file`, a name relative to the collection's directory without the characters < > & ", in
+ * UTF-8 without controls, at `time`, as part >= 0 of the picture then. The collection on disk is
+ * whole after each call: a run that is killed leaves what it had. After an error it is without this
+ * file. DLS_E_ARGUMENT, DLS_E_NOT_FINITE, DLS_E_FILE, DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_fe_series_add(dls_fe_series *series, double time, int part,
                                                   const char *file, dls_error *error);
 

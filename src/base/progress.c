@@ -6,6 +6,7 @@
 #include <time.h>
 
 #include "base/base.h"
+#include "delassus/paced.h"
 
 /* Returns the CPU seconds that this thread has spent. */
 static double thread_seconds(void) {
@@ -15,7 +16,8 @@ static double thread_seconds(void) {
 }
 
 double dlsi_clock_start(const dls_limits *limits) {
-  const int asked = limits->cpu_seconds > 0 || (limits->progress && limits->cpu_seconds == 0);
+  const int is_told = limits->progress && limits->progress != dls_progress_paced;
+  const int asked = limits->cpu_seconds > 0 || (is_told && limits->cpu_seconds == 0);
   return asked ? thread_seconds() : -1;
 }
 

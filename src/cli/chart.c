@@ -208,7 +208,7 @@ static void print_chart(const chart *c) {
   char text[400], cell[64];
   const race *a = &c->race;
   printf("%s: %dD, %d candidate%s; CPU, and in brackets CPU over the fastest\n\n%-22s",
-         c->subject.name, a->d, a->nc, plural(a->nc), "method");
+         quote(AS_SHOWN, c->subject.name).text, a->d, a->nc, plural(a->nc), "method");
   for (int i = 0; i < CHART_TARGETS; i++)
     printf("  %-18.0e", c->tol[chart_target[i]]);
   puts("  error / residual");

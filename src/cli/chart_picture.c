@@ -380,10 +380,11 @@ static int write_chart_script(const chart *c, const char *directory) {
         s);
   fputs("  set multiplot\n", s);
   fprintf(s,
-          "  set label 100 '%s: %dD, %d candidate%s' at screen 0.06,0.975 left font ',17' "
-          "noenhanced\n  set label 101 '%s' at screen 0.06,0.947 left font ',15' noenhanced tc rgb "
+          "  set label 100 %s.': %dD, %d candidate%s' at screen 0.06,0.975 left font ',17' "
+          "noenhanced\n  set label 101 %s at screen 0.06,0.947 left font ',15' noenhanced tc rgb "
           "'#0050a0'\n",
-          c->subject.name, c->race.d, c->race.nc, plural(c->race.nc), advice);
+          quote(AS_GNUPLOT, c->subject.name).text, c->race.d, c->race.nc, plural(c->race.nc),
+          quote(AS_GNUPLOT, advice).text);
   fputs("  set lmargin at screen 0\n  set rmargin at screen 1\n  set bmargin at screen 0.92\n"
         "  set tmargin at screen 1\n  unset border\n  unset tics\n  set xrange [0:1]\n"
         "  set yrange [0:1]\n  plot -1 with lines\n  set border\n  set tics\n",
@@ -403,6 +404,7 @@ int draw_chart(const chart *c, const char *directory) {
       !write_chart_script(c, directory))
     return EXIT_BAD_INPUT;
   /* without gnuplot the run is still good: tables and script are there */
-  if (run_gnuplot(directory, "chart.gp")) tell("drawn: %s/chart.png\n", directory);
+  if (run_gnuplot(directory, "chart.gp"))
+    tell("drawn: %s/chart.png\n", quote(AS_SHOWN, directory).text);
   return EXIT_SOLVED;
 }

@@ -144,6 +144,26 @@ int settle_solver_options(solver_options *options);
 enum { METHOD_LIST_ROOM = 200 };
 const char *method_list(char *text, size_t size);
 
+/* ---- quote.c --------------------------------------------------------------------------------- */
+
+/* The places that a name or a title is written to. */
+typedef enum text_kind {
+  AS_SHOWN,   /* a terminal: controls and bytes that are no UTF-8 as \n, \t, \xNN */
+  AS_GNUPLOT, /* a string of gnuplot's, with its quotes, where no format is read (as in tics);
+                 controls as blanks */
+  AS_CSV,     /* a field; quotes around it where it needs them; controls as blanks */
+  AS_JSON     /* a string, with its quotes */
+} text_kind;
+
+/* Returns the text as it has to stand there, for use within one expression:
+ * fprintf(script, "set title %s\n", quote(AS_GNUPLOT, title).text). In files U+FFFD stands for each
+ * byte that is no UTF-8. A text that is too long ends early, its quotes closed. */
+enum { QUOTED_ROOM = 4096 };
+typedef struct quoted {
+  char text[QUOTED_ROOM];
+} quoted;
+quoted quote(text_kind kind, const char *text);
+
 /* ---- report.c -------------------------------------------------------------------------------- */
 
 /* Prints "delassus: " and the message on stderr; returns EXIT_BAD_INPUT. */

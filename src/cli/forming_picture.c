@@ -105,14 +105,14 @@ static int write_mesh(const char *directory, const char *title, const dls_formin
   begin_pictures(script, "mesh", w.turned ? wide + 120 : 2 * wide + 200,
                  w.turned ? 2 * high + 260 : high + 150);
   fprintf(script,
-          "  set multiplot layout %s title \"%s, longest arrow %.3g N\"\n"
+          "  set multiplot layout %s title %s.', longest arrow %.3g N'\n"
           "  set style fill solid 1 noborder\n"
           "  plot 'mesh.dat' index 0 with filledcurves closed lc rgb '#c8c8c8', \\\n"
           "       '' index 1 with lines lc rgb '#3060a0'\n"
           "  plot 'mesh.dat' index 2 with filledcurves closed lc rgb '#c8c8c8', \\\n"
           "       '' index 3 with lines lc rgb '#3060a0'%s\n"
           "  unset multiplot\n  unset output\n}\n",
-          w.turned ? "2,1" : "1,2", title, largest,
+          w.turned ? "2,1" : "1,2", quote(AS_GNUPLOT, title).text, largest,
           arrow > 0 ? ", \\\n       '' index 4 using 1:2:3:4 with vectors filled size screen "
                       "0.006,18 lw 1.2 lc rgb '#c03020'"
                     : "");
@@ -144,10 +144,10 @@ static int write_plastic(const char *directory, const char *title, const dls_for
   if (!script) return 0;
   put_ranges(script, &w);
   fprintf(script,
-          "set title \"%s: equivalent plastic strain\"\n"
+          "set title %s.': equivalent plastic strain'\n"
           "set palette defined (0 '#f4f4f4', 0.4 '#f0b060', 0.7 '#c03020', 1 '#400020')\n"
           "set cbrange [0:%g]\nset style fill solid 1 noborder\n",
-          title, largest > 0 ? largest : 1);
+          quote(AS_GNUPLOT, title).text, largest > 0 ? largest : 1);
   if (w.turned)
     fputs("set colorbox horizontal user origin 0.25,0.12 size 0.5,0.045\nset bmargin 8\n", script);
   const double wide = w.scale * (w.hi[0] - w.lo[0]), high = w.scale * (w.hi[1] - w.lo[1]);
@@ -168,7 +168,7 @@ static int write_pressure(const char *directory, const char *title, const dls_fo
   fprintf(script, "set xlabel '%s'\n", d->axisymmetric ? "z [mm]" : "x [mm]");
   begin_pictures(script, "pressure", 1100, 520);
   fprintf(script,
-          "  set multiplot layout 1,2 title \"%s\"\n"
+          "  set multiplot layout 1,2 title %s\n"
           "  set key %s\n  set grid\n  set ylabel 'MPa'\n"
           "  set tmargin at screen 0.88\n  set bmargin at screen 0.14\n"
           "  set lmargin at screen 0.1\n  set rmargin at screen 0.45\n"
@@ -183,7 +183,8 @@ static int write_pressure(const char *directory, const char *title, const dls_fo
           "  set cbrange [0:*]\n"
           "  splot 'pressure.dat' using 2:1:3 with pm3d\n"
           "  unset multiplot\n  unset output\n}\n",
-          title, d->axisymmetric ? "top left" : "top right", d->axisymmetric ? 100 : 10);
+          quote(AS_GNUPLOT, title).text, d->axisymmetric ? "top left" : "top right",
+          d->axisymmetric ? 100 : 10);
   return close_file(script, "pressure.gp");
 }
 
@@ -198,10 +199,10 @@ static int write_force(const char *directory, const char *title, const dls_formi
   FILE *script = open_in(directory, "force.gp");
   if (!script) return 0;
   fprintf(script,
-          "set title \"%s\"\nset datafile separator ','\nset key %s\nset grid\n"
+          "set title %s\nset datafile separator ','\nset key %s\nset grid\n"
           "set xrange [0:%g]\nset yrange [0:*]\n"
           "set xlabel 'displacement [mm]'\nset ylabel 'force [%s]'\n",
-          title, as_is ? "top left" : "off", d->whole,
+          quote(AS_GNUPLOT, title).text, as_is ? "top left" : "off", d->whole,
           d->axisymmetric ? "kN per radian" : "kN per mm of thickness, half of the block");
   if (as_is) {
     fputs("$codes << end\n", script);

@@ -39,29 +39,32 @@ int draw_history(const char *directory, const char *title) {
   FILE *s = open_in(directory, "history.gp");
   if (!s) return 0;
   fputs("set datafile separator ','\nset datafile missing ''\nset logscale y\n"
+        "least(y) = y < 1e-17 ? 1e-17 : y\n" /* 0 on a logarithmic axis */
         "set format y '10^{%T}'\nset grid lc rgb '#d8d8d8'\n",
         s);
   begin_pictures(s, "history", 1300, 560);
   fprintf(s,
-          "  set multiplot layout 1,2 title '%s' noenhanced\n  set key inside top right "
+          "  set multiplot layout 1,2 title %s noenhanced\n  set key inside top right "
           "box opaque\n  set ylabel 'residual of the certificate'\n",
-          title);
+          quote(AS_GNUPLOT, title).text);
   for (int panel = 0; panel < 2; panel++) {
     fprintf(s,
-            "  set xlabel '%s'\n  plot 'history.csv' every ::1 using %s:3 with lines lw 1 lc rgb "
-            "'#b0b0b0' notitle",
+            "  set xlabel '%s'\n  plot 'history.csv' every ::1 using %s:(least($3)) with lines lw "
+            "1 lc rgb '#b0b0b0' notitle",
             panel ? "CPU [ms]" : "iterations of all stages", panel ? "(1e3*$2)" : "1");
-    for (int k = 0; k < count; k++)
+    for (int k = 0; k < count; k++) {
+      const quoted name = quote(AS_GNUPLOT, stage[k]);
       fprintf(s,
-              ", \\\n       '' every ::1 using %s:(strcol(4) eq '%s' ? $3 : 1/0) with points pt %d "
-              "ps 1 lw 1.5 lc rgb '%s' title '%s' noenhanced",
-              panel ? "(1e3*$2)" : "1", stage[k], method_point(stage[k]), method_colour(stage[k]),
-              stage[k]);
+              ", \\\n       '' every ::1 using %s:(strcol(4) eq %s ? least($3) : 1/0) with points "
+              "pt %d ps 1 lw 1.5 lc rgb '%s' title %s noenhanced",
+              panel ? "(1e3*$2)" : "1", name.text, method_point(stage[k]), method_colour(stage[k]),
+              name.text);
+    }
     fputs("\n", s);
   }
   fputs("  unset multiplot\n  unset output\n}\n", s);
   if (!close_file(s, "history.gp")) return 0;
   if (run_gnuplot(directory, "history.gp"))
-    (void)fprintf(stderr, "drawn: %s/history.png\n", directory);
+    (void)fprintf(stderr, "drawn: %s/history.png\n", quote(AS_SHOWN, directory).text);
   return 1;
 }

@@ -71,8 +71,8 @@ static dls_status map_race(map_run *m, int row, const dls_contact *contact, cons
     while (strcmp(m->who[j].name, a.who[k].name) != 0)
       j++;
     map_verdict(map_at(&m->picture, 0, row, j), t->end, t->seconds / fastest);
-    fprintf(m->csv, "%s,%.9g,%s,%s,%.4e,%d,%.3e\n", m->picture.row[row], m->mu[row], a.who[k].name,
-            ending_word(t->end), t->seconds, t->iterations, t->residual);
+    fprintf(m->csv, "%s,%.9g,%s,%s,%.4e,%d,%.3e\n", quote(AS_CSV, m->picture.row[row]).text,
+            m->mu[row], a.who[k].name, ending_word(t->end), t->seconds, t->iterations, t->residual);
     if (t->end != ENDED_SOLVED || isfinite(m->side[row])) continue;
     const double *r = race_answer(&a, k, 0);
     m->side[row] = 0;

@@ -118,14 +118,18 @@ static void set_pixels(FILE *s, const layout *l, double left, double right, doub
           left / l->width, right / l->width, 1 - top / l->height, 1 - bottom / l->height);
 }
 
-/* Writes the tics: every row and column by its name. */
-static void write_tics(FILE *s, const map_picture *p) {
-  fputs("  set ytics scale 0 (", s);
+/* Names every row and column. Rows have the names of files, which tics would take as formats of
+ * printf: they are labels, and so is the name of their axis. */
+static void write_names(FILE *s, const map_picture *p, const layout *l, double left, double top,
+                        const char *y) {
   for (int i = 0; i < p->rows; i++)
-    fprintf(s, "%s'%s' %d", i ? ", " : "", p->row[i], i);
-  fputs(") noenhanced\n  set xtics scale 0 (", s);
+    fprintf(s,
+            "  set label %s at graph 0,first %d right offset -0.8,0 noenhanced tc rgb '#808080'\n",
+            quote(AS_GNUPLOT, p->row[i]).text, i);
+  fprintf(s, "  set label '%s' at screen %.5f,%.5f center rotate\n  set xtics scale 0 (", y,
+          (left - l->left + 20) / l->width, 1 - (top + p->rows * l->cell_h / 2) / l->height);
   for (int j = 0; j < p->columns; j++)
-    fprintf(s, "%s'%s' %d", j ? ", " : "", p->column[j], j);
+    fprintf(s, "%s%s %d", j ? ", " : "", quote(AS_GNUPLOT, p->column[j]).text, j);
   fprintf(s, ") noenhanced font ',%d'\n", p->panels > 1 ? 10 : 12);
 }
 
@@ -134,15 +138,14 @@ static void write_map_panel(FILE *s, const map_picture *p, const layout *l, int 
                top = l->top + (k / l->across) * (p->rows * l->cell_h + l->gap_y);
   set_pixels(s, l, left, left + p->columns * l->cell_w, top, top + p->rows * l->cell_h);
   if (p->panel[k])
-    fprintf(s, "  set title '%s' offset 0,-0.7 noenhanced tc rgb '%s'\n", p->panel[k],
-            method_colour(p->panel[k]));
+    fprintf(s, "  set title %s offset 0,-0.7 noenhanced tc rgb '%s'\n",
+            quote(AS_GNUPLOT, p->panel[k]).text, method_colour(p->panel[k]));
   else
     fputs("  unset title\n", s);
-  fprintf(s,
-          "  set xlabel '%s'\n  set ylabel '%s'\n  set xrange [-0.5:%g]\n  set yrange [-0.5:%g]\n",
-          k / l->across == l->down - 1 || k + l->across >= p->panels ? p->x : "",
-          k % l->across ? "" : p->y, p->columns - 0.5, p->rows - 0.5);
-  write_tics(s, p);
+  fprintf(s, "  set xlabel '%s'\n  unset label\n  set xrange [-0.5:%g]\n  set yrange [-0.5:%g]\n",
+          k / l->across == l->down - 1 || k + l->across >= p->panels ? p->x : "", p->columns - 0.5,
+          p->rows - 0.5);
+  write_names(s, p, l, left, top, k % l->across ? "" : p->y);
   for (int i = 0; i < p->lines; i++)
     fprintf(s,
             "  set arrow from first %g,first %.4f to first %g,first %.4f nohead lw 2.5 dt 2 lc rgb "
@@ -177,7 +180,7 @@ static void write_side(FILE *s, const map_picture *p, const layout *l) {
   }
   set_pixels(s, l, left, right, l->top, l->top + p->rows * l->cell_h);
   fprintf(s,
-          "  set title '%s' offset 0,-0.7\n  unset ylabel\n  unset xlabel\n  unset ytics\n  set "
+          "  set title '%s' offset 0,-0.7\n  unset label\n  unset xlabel\n  set "
           "logscale x\n"
           "  set xrange [%g:%g]\n  set yrange [-0.5:%g]\n  set format x '10^{%%T}'\n  set grid "
           "xtics lc rgb '#d8d8d8'\n"
@@ -191,9 +194,9 @@ static void write_side(FILE *s, const map_picture *p, const layout *l) {
     fprintf(s,
             "  set arrow from graph 0,first %.4f to graph 1,first %.4f nohead lw 2.5 dt 2 lc rgb "
             "'%s'\n  set arrow from graph 1,first %.4f to graph 1.04,first %.4f nohead lw 1.2 lc "
-            "rgb '%s'\n  set label '%s' at graph 1.05,first %.4f left tc rgb '%s' font ',12'\n",
-            line->row, line->row, line->colour, line->row, at, line->colour, line->text, at,
-            line->colour);
+            "rgb '%s'\n  set label %s at graph 1.05,first %.4f left tc rgb '%s' font ',12'\n",
+            line->row, line->row, line->colour, line->row, at, line->colour,
+            quote(AS_GNUPLOT, line->text).text, at, line->colour);
   }
   fprintf(s,
           "  plot 'map.dat' index %d using 1:2 with linespoints pt 7 ps 1.1 lw 2.5 lc rgb "
@@ -212,12 +215,13 @@ static int write_map_script(const map_picture *p) {
   fprintf(s,
           "  unset border\n  unset tics\n  set xrange [0:1]\n  set yrange [0:1]\n  unset title\n"
           "  unset xlabel\n  unset ylabel\n  unset grid\n"
-          "  set label '%s' at screen %.5f,%.5f left font ',17' noenhanced\n"
-          "  set label '%s' at screen %.5f,%.5f left font ',13' noenhanced tc rgb '#404040'\n",
-          p->title, 20 / l.width, 1 - 22 / l.height, p->subtitle, 20 / l.width, 1 - 48 / l.height);
+          "  set label %s at screen %.5f,%.5f left font ',17' noenhanced\n"
+          "  set label %s at screen %.5f,%.5f left font ',13' noenhanced tc rgb '#404040'\n",
+          quote(AS_GNUPLOT, p->title).text, 20 / l.width, 1 - 22 / l.height,
+          quote(AS_GNUPLOT, p->subtitle).text, 20 / l.width, 1 - 48 / l.height);
   if (p->notes)
-    fprintf(s, "  set label '%s' at screen %.5f,%.5f left font ',12' noenhanced\n", p->notes,
-            20 / l.width, 14 / l.height);
+    fprintf(s, "  set label %s at screen %.5f,%.5f left font ',12' noenhanced\n",
+            quote(AS_GNUPLOT, p->notes).text, 20 / l.width, 14 / l.height);
   fputs("  plot -1 with lines\n  unset label\n  set border lc rgb '#808080'\n", s);
   for (int k = 0; k < p->panels; k++)
     write_map_panel(s, p, &l, k);
@@ -231,6 +235,7 @@ int draw_map(const map_picture *given) {
   qsort(p.line, (size_t)p.lines, sizeof p.line[0], by_row);
   if (!make_directory(p.directory) || !write_map_data(&p) || !write_map_script(&p))
     return EXIT_BAD_INPUT;
-  if (run_gnuplot(p.directory, "map.gp")) tell("drawn: %s/map.png\n", p.directory);
+  if (run_gnuplot(p.directory, "map.gp"))
+    tell("drawn: %s/map.png\n", quote(AS_SHOWN, p.directory).text);
   return EXIT_SOLVED;
 }

@@ -24,12 +24,12 @@ static int write_energies(const char *directory, const dls_moving_data *d) {
   FILE *script = open_in(directory, "energy.gp");
   if (!script) return 0;
   fprintf(script,
-          "set title '%s: energies and works'\nset datafile separator ','\nset grid\n"
+          "set title %s.': energies and works'\nset datafile separator ','\nset grid\n"
           "set bmargin at screen 0.22\n"
           "set key at screen 0.5,0.01 center bottom horizontal maxcols 3\nset xlabel 'time'\nset "
           "ylabel 'energy'\n"
           "set xrange [0:%g]\n",
-          d->name, d->state.t);
+          quote(AS_GNUPLOT, d->name).text, d->state.t);
   begin_pictures(script, "energy", 1000, 640);
   fputs("  plot 'energy.csv' every ::1 using 1:10 with lines lw 5 lc rgb '#dddddd' title 'energy "
         "less all works'",
@@ -66,7 +66,7 @@ static int write_map(const char *directory, const dls_moving_data *d) {
   begin_pictures(script, "map", 1000, 760);
   fprintf(script,
           "  set multiplot layout 2,1\n"
-          "  set title '%s: pressure r_n / length'\n"
+          "  set title %s.': pressure r_n / length'\n"
           "  set palette defined (0 '#f7f7f7', 0.01 '#fee8c8', 0.4 '#fdbb84', 0.7 '#e34a33', "
           "1 '#7f0000')\n"
           "  set cbrange [0:*]\n  set cbtics auto\n  set format cb '%%.2g'\n"
@@ -77,7 +77,7 @@ static int write_map(const char *directory, const dls_moving_data *d) {
           "  set cbtics ('free' 0, 'slip' 1, 'stick' 2)\n"
           "  plot 'map.dat' using 1:2:4 with image\n"
           "  unset multiplot\n  unset output\n}\n",
-          d->name);
+          quote(AS_GNUPLOT, d->name).text);
   return close_file(script, "map.gp");
 }
 
@@ -92,7 +92,7 @@ static int write_bar(const char *directory, const dls_moving_data *d) {
   begin_pictures(script, "bar", 1000, 760);
   fprintf(script,
           "  set multiplot layout 2,1\n"
-          "  set label 1 '%s, %d elements: gap, L2 error %.3g' at graph 0,1.06\n"
+          "  set label 1 %s.', %d elements: gap, L2 error %.3g' at graph 0,1.06\n"
           "  set ylabel 'gap'\n  set format x ''\n"
           "  plot 'bar.dat' using 1:3 with lines lw 6 lc rgb '#f0b88a' title 'closed form', \\\n"
           "       '' using 1:2 with lines lw 1.5 lc rgb '#0072b2' title 'computed'\n"
@@ -101,7 +101,7 @@ static int write_bar(const char *directory, const dls_moving_data *d) {
           "  plot 'bar.dat' using 1:5 with lines lw 6 lc rgb '#f0b88a' title 'closed form', \\\n"
           "       '' using 1:4 with lines lw 1.2 lc rgb '#0072b2' title 'computed'\n"
           "  unset xlabel\n  unset multiplot\n  unset output\n}\n",
-          d->name, d->mesh->quads, d->gap_error);
+          quote(AS_GNUPLOT, d->name).text, d->mesh->quads, d->gap_error);
   return close_file(script, "bar.gp");
 }
 
@@ -110,10 +110,10 @@ static int write_loop(const char *directory, const dls_moving_data *d) {
   FILE *script = open_in(directory, "loop.gp");
   if (!script) return 0;
   fprintf(script,
-          "set title '%s: hysteresis'\nset grid\nset key top left\n"
+          "set title %s.': hysteresis'\nset grid\nset key top left\n"
           "set xlabel 'way of the obstacle'\nset ylabel 'sum of r_t'\n"
           "set xtics %g\nset format y '%%.3g'\n",
-          d->name, d->settings.amplitude / 2);
+          quote(AS_GNUPLOT, d->name).text, d->settings.amplitude / 2);
   begin_pictures(script, "loop", 800, 640);
   fputs("  plot 'loop.dat' index 0 with lines lw 1.5 lc rgb '#56b4e9' title 'first cycle'", script);
   if (d->step > d->cycle)
@@ -137,7 +137,7 @@ int draw_convergence(const char *directory, const char *name, double order, doub
   FILE *script = open_in(directory, "converge.gp");
   if (!script) return EXIT_BAD_INPUT;
   fprintf(script,
-          "set title '%s: error of the gap, L2 over time'\nset datafile separator ','\n"
+          "set title %s.': error of the gap, L2 over time'\nset datafile separator ','\n"
           "set logscale xy\nset grid ytics mytics\nset key top left\n"
           "set xlabel 'elements, their length on a logarithmic scale'\nset ylabel 'error over the "
           "norm of the closed form'\n"
@@ -145,7 +145,7 @@ int draw_convergence(const char *directory, const char *name, double order, doub
           "stats 'converge.csv' every ::1 using 2:3 nooutput\n"
           "set xrange [STATS_min_x/1.5:1.5*STATS_max_x]\n"
           "set yrange [STATS_min_y/1.5:1.5*STATS_max_y]\n",
-          name);
+          quote(AS_GNUPLOT, name).text);
   begin_pictures(script, "converge", 800, 600);
   fprintf(
       script,

@@ -14,18 +14,29 @@ static const char *option_name(const command *c, int key) {
   return o->name ? o->name : "";
 }
 
+/* Complains of an option that getopt_long has not taken. key: '?', or ':' for a missing value. */
+static int wrong_option(char **argv, const command *c, int key) {
+  const char letter[] = {'-', (char)optopt, '\0'};
+  const int known = optopt != 0 && *option_name(c, optopt);
+  return complain("%s: %s; see 'delassus %s --help'",
+                  optopt != 0 && !known ? letter : argv[optind - 1],
+                  key == ':' ? "needs a value"
+                  : known    ? "takes no value"
+                             : "is no option, or the beginning of several",
+                  argv[0]);
+}
+
 int take_options(int argc, char **argv, const command *c, void *data) {
   char keys[64];
-  (void)snprintf(keys, sizeof keys, "%s" LAST_KEYS, c->keys);
+  (void)snprintf(keys, sizeof keys, ":%s" LAST_KEYS, c->keys); /* ":": no words of getopt */
   for (int key; (key = getopt_long(argc, argv, keys, c->options, NULL)) != -1;) {
+    if (key == '?' || key == ':') return wrong_option(argv, c, key);
     if (optarg && !*optarg) return complain("--%s: is empty", option_name(c, key));
     const taken result = key == 'h'           ? OPTION_HELP
                          : take_loudness(key) ? OPTION_TAKEN
                                               : c->take(key, optarg, data);
     if (result == OPTION_HELP) c->usage(stdout);
     if (result == OPTION_HELP || result == OPTION_DONE) return EXIT_SOLVED;
-    if (result == OPTION_UNKNOWN) /* of which getopt has complained */
-      return complain("see 'delassus %s --help'", argv[0]);
     if (result == OPTION_WRONG) return EXIT_BAD_INPUT;
   }
   return c->operands && argc - optind != c->operands ? wrong_names(argv[0]) : GO_ON;

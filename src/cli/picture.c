@@ -131,7 +131,7 @@ void mesh_box(int nodes, const double *xy, const double *displacement, double lo
 
 void begin_pictures(FILE *script, const char *name, double width, double height) {
   fprintf(script,
-          "do for [type in 'png svg'] {\n"
+          "set encoding utf8\ndo for [type in 'png svg'] {\n"
           "  if (type eq 'png') { set terminal pngcairo size %g,%g font ',13' }\n"
           "  if (type eq 'svg') { set terminal svg size %g,%g font ',13' background 'white' }\n"
           "  set output '%s.'.type\n",
@@ -213,15 +213,15 @@ static int write_deformed(const scene_picture *p) {
   FILE *script = open_in(p->directory, "deformed.gp");
   if (!script) return 0;
   fprintf(script,
-          "set title \"%s\\ndisplacements x %g, longest arrow %.3g N/m\"\n"
+          "set title %s.\"\\ndisplacements x %g, longest arrow %.3g N/m\"\n"
           "set size ratio -1\nset key outside top center horizontal\n"
           "set xlabel 'x [m]'\nset ylabel 'y [m]'\nset xtics %g\nset ytics %g\n"
           "set xrange [%g:%g]\nset yrange [%g:%g]\n"
           "set object 1 rectangle from %g,%g to %g,%g fs empty border lc rgb '#a0a0a0'\n"
           "set arrow 1 from %g,%g to %g,%g nohead lw 2 lc rgb 'black'\n",
-          p->title, amplify, rmax, size / 4, size / 4, lo[0] - 0.1 * size, hi[0] + 0.3 * size,
-          lo[1] - 0.35 * size, hi[1] + 0.15 * size, lo[0], lo[1], hi[0], hi[1], lo[0] - 0.1 * size,
-          lo[1], hi[0] + 0.3 * size, lo[1]);
+          quote(AS_GNUPLOT, p->title).text, amplify, rmax, size / 4, size / 4, lo[0] - 0.1 * size,
+          hi[0] + 0.3 * size, lo[1] - 0.35 * size, hi[1] + 0.15 * size, lo[0], lo[1], hi[0], hi[1],
+          lo[0] - 0.1 * size, lo[1], hi[0] + 0.3 * size, lo[1]);
   begin_pictures(script, "deformed", 900, 940);
   fprintf(script, "  plot 'deformed.dat' index 0 with lines lw %.2g lc rgb '%s' notitle", thin,
           blue);
@@ -249,10 +249,10 @@ static int write_reactions(const scene_picture *p) {
   if (!script) return 0;
   const double point = fmin(1.3, fmax(0.6, 40.0 / p->scene->candidates));
   fprintf(script,
-          "set title '%s'\nset key outside top center horizontal\nset grid\n"
+          "set title %s\nset key outside top center horizontal\nset grid\n"
           "set datafile missing 'nan'\nset xlabel 'x [m]'\nset ylabel 'reaction [N/m]'\n"
           "set autoscale noextend\nset offsets graph 0.02, graph 0.02, graph 0.04, graph 0.03\n",
-          p->title);
+          quote(AS_GNUPLOT, p->title).text);
   begin_pictures(script, "reactions", 1000, 680);
   fputs("  plot 'reactions.dat' using 1:3 with lines lw 7 lc rgb '#a8c4e8' title 'R_N', \\\n",
         script);

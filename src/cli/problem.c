@@ -70,7 +70,8 @@ void problem_free(problem *p) {
 }
 
 void problem_print(const char *path, const problem *p) {
-  printf("%s: %dD, %d contact%s, %s\n", path, p->contact.d, p->contact.nc, plural(p->contact.nc),
+  printf("%s: %dD, %d contact%s, %s\n", quote(AS_SHOWN, path).text, p->contact.d, p->contact.nc,
+         plural(p->contact.nc),
          p->reduction   ? "global"
          : p->of_bodies ? "global"
          : p->text      ? "text"

@@ -65,8 +65,9 @@ static void profile_take(profile *p, const race *a, const char *name) {
       for (int k = 0; k < p->solvers; k++)
         if (strcmp(p->who[k].name, a->who[i].name) == 0 && t->end == ENDED_SOLVED)
           *profile_seconds(p, rung, k, p->problems) = t->seconds;
-      fprintf(p->csv, "%s,%d,%d,%s,%.0e,%s,%.4e,%d,%.3e\n", name, a->d, a->nc, a->who[i].name,
-              profile_tol[rung], ending_word(t->end), t->seconds, t->iterations, t->residual);
+      fprintf(p->csv, "%s,%d,%d,%s,%.0e,%s,%.4e,%d,%.3e\n", quote(AS_CSV, name).text, a->d, a->nc,
+              a->who[i].name, profile_tol[rung], ending_word(t->end), t->seconds, t->iterations,
+              t->residual);
     }
     failed |= race_trial(a, 0, rung)->end != ENDED_SOLVED;
   }
@@ -123,7 +124,7 @@ static void print_target(const profile *p, int rung, double *ratio) {
     qsort(ratio, (size_t)count, sizeof *ratio, by_size);
     if (count)
       printf("%-22s  %11d/%-3d  %18.2f  %8.1f on %s\n", p->who[k].name, count, p->problems,
-             ratio[(count - 1) / 2], most, p->name[worst]);
+             ratio[(count - 1) / 2], most, quote(AS_SHOWN, p->name[worst]).text);
     else
       printf("%-22s  %11d/%-3d\n", p->who[k].name, 0, p->problems);
   }
@@ -154,7 +155,7 @@ static void print_auto(const profile *p, double *ratio) {
   printf("\nauto over the fastest single method, %d problem%s, 1e-2 to 1e-14: median %.2f, nine "
          "tenths below %.2f, worst %.1f (%s to %.0e)\n",
          p->problems, plural(p->problems), ratio[(count - 1) / 2], ratio[9 * (count - 1) / 10],
-         most, p->name[worst], profile_tol[worst_rung]);
+         most, quote(AS_SHOWN, p->name[worst]).text, profile_tol[worst_rung]);
   printf("solved by auto alone %d, by others only %d of %d\n", only_auto, only_others,
          PROFILE_RUNGS * p->problems);
 }

@@ -137,8 +137,9 @@ static void write_profile_curves(FILE *s, const profile_picture *p, int target, 
     const double x = left + (k / half) * 0.47 * (right - left), y = top - k % half * line;
     fprintf(s, "  set arrow from screen %.4f,%.4f to screen %.4f,%.4f nohead ", x, y, x + 0.02, y);
     write_style(s, p, k);
-    fprintf(s, "\n  set label '%s  %d/%d' at screen %.4f,%.4f left font ',10' noenhanced\n",
-            p->solver[k], find_taus(p, target, all, k, taus), p->problems, x + 0.025, y);
+    fprintf(s, "\n  set label %s.'  %d/%d' at screen %.4f,%.4f left font ',10' noenhanced\n",
+            quote(AS_GNUPLOT, p->solver[k]).text, find_taus(p, target, all, k, taus), p->problems,
+            x + 0.025, y);
   }
   fputs("  plot -1 with lines", s);
   for (int i = 1; i <= p->solvers; i++) {
@@ -172,8 +173,8 @@ static void name_outliers(FILE *s, const profile_picture *p, int target, const s
     placed[marked] = i;
     at[marked++] = y;
     const int to_left = i > all->solved / 2;
-    fprintf(s, "  set label '%s' at first %d,%.4g %s font ',10' noenhanced front boxed\n",
-            p->problem[which], i + 1, y, to_left ? "right" : "left");
+    fprintf(s, "  set label %s at first %d,%.4g %s font ',10' noenhanced front boxed\n",
+            quote(AS_GNUPLOT, p->problem[which]).text, i + 1, y, to_left ? "right" : "left");
   }
 }
 
@@ -228,7 +229,8 @@ static int write_profile_files(const profile_picture *p, strip *s, double *taus,
           "set style textbox opaque noborder margins 0.2,0.1\n",
           gp);
     begin_pictures(gp, p->name, 580 * p->targets + 60, 1100);
-    fprintf(gp, "  set multiplot title '%s' font ',17' noenhanced\n", p->title);
+    fprintf(gp, "  set multiplot title %s font ',17' noenhanced\n",
+            quote(AS_GNUPLOT, p->title).text);
     for (int t = 0; t < p->targets; t++) {
       make_strip(p, t, s);
       write_profile_blocks(data, p, t, s, taus);
@@ -249,7 +251,8 @@ int draw_profiles(const profile_picture *p) {
     (void)complain("%s: out of memory", p->name);
   else
     good = make_directory(p->directory) && write_profile_files(p, &s, taus, script);
-  if (good && run_gnuplot(p->directory, script)) tell("drawn: %s/%s.png\n", p->directory, p->name);
+  if (good && run_gnuplot(p->directory, script))
+    tell("drawn: %s/%s.png\n", quote(AS_SHOWN, p->directory).text, p->name);
   free(s.places);
   free(taus);
   return good;

@@ -13,12 +13,12 @@
 #include "cli.h"
 
 int complain(const char *format, ...) {
+  char text[QUOTED_ROOM];
   va_list args;
-  fputs("delassus: ", stderr);
   va_start(args, format);
-  vfprintf(stderr, format, args);
+  if (vsnprintf(text, sizeof text, format, args) < 0) text[0] = '\0';
   va_end(args);
-  fputc('\n', stderr);
+  fprintf(stderr, "delassus: %s\n", quote(AS_SHOWN, text).text);
   return EXIT_BAD_INPUT;
 }
 
@@ -192,17 +192,7 @@ void print_stages(const dls_info *info) {
 /* ---- JSON ------------------------------------------------------------------------------------ */
 
 void print_json_string(FILE *out, const char *text) {
-  fputc('"', out);
-  for (; *text; text++) {
-    const unsigned char c = (unsigned char)*text;
-    if (c == '"' || c == '\\')
-      fprintf(out, "\\%c", c);
-    else if (c < 0x20)
-      fprintf(out, "\\u%04x", c);
-    else
-      fputc(c, out);
-  }
-  fputc('"', out);
+  fputs(quote(AS_JSON, text).text, out);
 }
 
 void print_json_number(FILE *out, double value) {

@@ -341,7 +341,7 @@ static int solve_one_lcp(const char *path, const dls_lcp *lcp, const solve_optio
   if (options->json)
     print_lcp_json(n, &info, solve_cpu_seconds, &v, options->proof);
   else if (!is_quiet()) {
-    printf("%s: LCP of %d unknown%s\n", path, n, plural(n));
+    printf("%s: LCP of %d unknown%s\n", quote(AS_SHOWN, path).text, n, plural(n));
     printf(
         "  lemke: %s, %d round%s of the crash start, %d pivot%s, residual %.2e (floor %.1e), %.3g "
         "s of CPU\n",

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "fe_internal.h"
+#include "files/utf8.h"
 
 enum { vtk_triangle = 5, vtk_polygon = 7, vtk_quad = 9 };
 
@@ -194,6 +195,17 @@ static dls_status series_add(dls_fe_series *s, double time, int part, const char
   return status;
 }
 
+/* Returns the length of the beginning of `file` that XML takes as it is. */
+static size_t series_prefix(const char *file) {
+  size_t at = 0;
+  int length;
+  for (long code; (code = dlsi_utf8_next(file + at, &length)) >= 0x20; at += (size_t)length)
+    if (code == 0x7f || code == 0xfffe || code == 0xffff ||
+        (code < 0x7f && strchr("<>&\"", (int)code)))
+      break;
+  return at;
+}
+
 dls_status dls_fe_series_add(dls_fe_series *series, double time, int part, const char *file,
                              dls_error *error) {
   DLSI_DOOR;
@@ -205,9 +217,9 @@ dls_status dls_fe_series_add(dls_fe_series *series, double time, int part, const
     status =
         dlsi_fail(error, DLS_E_ARGUMENT, "part", -1, part, "is %d, must not be negative", part);
   if (!status && !file) status = dlsi_is_null(error, "file");
-  if (!status && file[strcspn(file, "<>&\"")])
-    status = dlsi_fail(error, DLS_E_ARGUMENT, "file", (long long)strcspn(file, "<>&\""), 0,
-                       "%.60s: has a character that XML keeps for itself", file);
+  if (!status && file[series_prefix(file)])
+    status = dlsi_fail(error, DLS_E_ARGUMENT, "file", (long long)series_prefix(file), 0,
+                       "is a character that XML keeps for itself, a control or no UTF-8");
   if (!status) status = series_add(series, time, part, file, error);
   return dlsi_at(__func__, status, error);
 }

@@ -277,8 +277,8 @@ START_TEST(profile_counts) {
   ck_assert(shows("auto over the fastest single method, 3 problems"));
   ck_assert(shows("solved by auto alone 0, by others only 0 of 21"));
   const char *gp = contents("profile.gp");
-  ck_assert_int_eq(count_of(gp, "'auto  3/3'"), 3);
-  ck_assert_int_eq(count_of(gp, "'nlgs  2/3'"), 3); /* it cycles on one */
+  ck_assert_int_eq(count_of(gp, "\"auto\".'  3/3'"), 3);
+  ck_assert_int_eq(count_of(gp, "\"nlgs\".'  2/3'"), 3); /* it cycles on one */
   ck_assert_int_eq(count_of(contents("profile.csv"), "\n"), 1 + 3 * 9 * 7);
   ck_assert_int_eq(run("profile -r 1 jean-fig3 data/failures/c04-squeezed.txt -o @"), 1);
 }
@@ -288,7 +288,7 @@ START_TEST(solve_plots_its_history) {
   NEEDS_HDF5;
   ck_assert_int_eq(run("solve data/fclib/FC2D_SliderCrankLagrangian00000.hdf5 --plot @/h"), 0);
   ck_assert_int_ge(count_of(contents("h/history.csv"), "\n"), 2);
-  ck_assert_int_ge(count_of(contents("h/history.gp"), "title 'nlgs'"), 1);
+  ck_assert_int_ge(count_of(contents("h/history.gp"), "title \"nlgs\""), 1);
 }
 END_TEST
 

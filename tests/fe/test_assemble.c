@@ -339,6 +339,13 @@ START_TEST(series_bad_input) {
   expect_error(dls_fe_series_add(s, 0, -1, "a", &error), &error, DLS_E_ARGUMENT, add, "part", -1);
   expect_error(dls_fe_series_add(s, 0, 0, NULL, &error), &error, DLS_E_ARGUMENT, add, "file", -1);
   expect_error(dls_fe_series_add(s, 0, 0, "a&b", &error), &error, DLS_E_ARGUMENT, add, "file", 1);
+  static const char *const no_xml[] = {"\n",   "\x7f",         "\xff",
+                                       "\xc3", "\xed\xa0\x80", "\xef\xbf\xbf"};
+  for (size_t k = 0; k < sizeof no_xml / sizeof no_xml[0]; k++) {
+    char name[8] = "\xc3\xa9";
+    strcat(name, no_xml[k]);
+    expect_error(dls_fe_series_add(s, 0, 0, name, &error), &error, DLS_E_ARGUMENT, add, "file", 2);
+  }
   ck_assert_int_eq(dls_fe_series_finish(s, NULL), DLS_OK);
   expect_text(HEAD TAIL);
 }

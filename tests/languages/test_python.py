@@ -1,10 +1,15 @@
 """test_python.py: the package delassus: arrays in and out, errors, layouts, motion, threads."""
 
+import copy
+import gc
 import os
+import pickle
+import signal
 import subprocess
 import sys
 import tempfile
 import threading
+import time
 import unittest
 
 import numpy as np
@@ -247,6 +252,289 @@ class Motion(unittest.TestCase):
         with self.assertRaises(delassus.Error) as caught:
             self.ball(theta=2.0)
         self.assertEqual(caught.exception.argument, "theta")
+
+
+class Owners(unittest.TestCase):
+    """Objects of Python change only after the library has accepted."""
+
+    def test_update_that_is_refused(self):
+        n = 400
+        R = delassus.reduce(np.diag(np.full(n, 3.0)), np.eye(n)[:, :1], np.eye(n)[:, 1:2])
+        R.load(np.ones(n))
+        K, HN, HT = POINT
+        for wrong in ((K, HN, HT), (np.eye(n), np.eye(n)[:, :2], np.eye(n)[:, 2:4]),
+                      (np.eye(n), np.eye(n)[:, 2:3], np.eye(n)[:, 1:2])):
+            with self.assertRaises(delassus.Error):
+                R.update(*wrong)
+            self.assertEqual((R.n, R.d, R.m, R.candidates), (n, 2, 2, 1))
+            self.assertEqual(R.recover([0, 0]).shape, (n,))
+            np.testing.assert_allclose(R.q, [[1 / 3, 1 / 3]])
+            with self.assertRaises(ValueError):
+                R.load([5.0, -10.0])
+
+    def test_update_that_is_refused_keeps_the_host(self):
+        K, HN, HT = POINT
+        calls = []
+
+        def host(factor):
+            def run(B):
+                calls.append(factor)
+                return np.linalg.solve(factor * K, B)
+            return run
+
+        R = delassus.reduce(host(1), HN, HT)
+        with self.assertRaises(delassus.Error):
+            R.update(host(2), np.ones((2, 1)), np.ones((2, 1)))
+        gc.collect()
+        R.load([5.0, -10.0])
+        np.testing.assert_allclose(R.q, [[-7, 4]], rtol=1e-12)
+        self.assertEqual(set(calls), {1})
+        R.update(host(2), HN, HT)
+        R.load([5.0, -10.0])
+        np.testing.assert_allclose(R.q, [[-3.5, 2]], rtol=1e-12)
+
+    def test_later_changes_of_arrays_do_not_matter(self):
+        K, HN, HT = chain(40)
+        active, mu = np.ones(10, dtype=np.intc), np.full(10, 0.3)
+        R = delassus.reduce(K, HN, HT, active=active, mu=mu)
+        wanted = R.solve(f=-np.ones(40)).r
+        active[:], mu[:] = 0, 0
+        np.testing.assert_array_equal(R.solve(f=-np.ones(40)).r, wanted)
+        self.assertEqual((R.candidates, R.W.shape), (10, (20, 20)))
+        M = sp.csc_matrix(np.eye(40))
+        motion = delassus.Motion(K, HN, HT, M=M)
+        M.indices[:] = 2**30
+        HN.indices[:] = 2**30
+        motion.step(-np.ones(40), mu=0.3)
+        self.assertTrue(np.isfinite(motion.x).all())
+
+    def test_copies_are_refused(self):
+        K, HN, HT = POINT
+        for owner in (delassus.reduce(K, HN, HT), delassus.Motion(K, HN, HT, law="path")):
+            for make in (copy.copy, copy.deepcopy, pickle.dumps):
+                with self.assertRaisesRegex(TypeError, "cannot be copied or pickled"):
+                    make(owner)
+        s = delassus.reduce(K, HN, HT).solve(0.2, f=[5, -10])
+        for other in (copy.deepcopy(s), pickle.loads(pickle.dumps(s))):
+            np.testing.assert_array_equal(other.r, s.r)
+
+    def test_errors_are_pickled(self):
+        with self.assertRaises(delassus.Error) as caught:
+            delassus.solve(np.eye(2), [np.nan, 0], 0.3, d=2)
+        e = pickle.loads(pickle.dumps(caught.exception))
+        self.assertEqual((str(e), e.argument, e.name), (str(caught.exception), "q",
+                                                        "DLS_E_NOT_FINITE"))
+        e = pickle.loads(pickle.dumps(delassus.NotCertified(delassus.DLS_STALLED)))
+        self.assertEqual((e.status, str(e)[:11]), (delassus.DLS_STALLED, "the contact"))
+
+    def test_random_sequences(self):
+        """Calls in any order, good and bad: numbers that were right stay right. The number of calls
+        comes from DELASSUS_SEQUENCE."""
+        random = np.random.default_rng(4)
+        kinds = {"dense": lambda K: K, "sparse": sp.csc_matrix,
+                 "host": lambda K: lambda B: np.linalg.solve(K, B)}
+
+        def draw():
+            n, d = int(random.integers(3, 9)), int(random.integers(2, 4))
+            nodes = int(random.integers(1, n // d + 1))
+            A = random.standard_normal((n, n))
+            H = np.eye(n)[:, random.permutation(n)[:d * nodes]]
+            return A @ A.T + np.eye(n), H[:, :nodes], H[:, nodes:], d
+
+        R, refused = None, 0
+        for call in range(int(os.environ.get("DELASSUS_SEQUENCE", 500))):
+            if R is None or random.random() < 0.02:
+                K, HN, HT, d = draw()
+                kind = str(random.choice(list(kinds)))
+                R, f = delassus.reduce(kinds[kind](K), HN, HT, d=d), np.zeros(len(K))
+            n, m = len(K), d * HN.shape[1]
+            what = random.integers(10)
+            try:
+                if what == 0:
+                    K2 = random.uniform(0.5, 2) * K
+                    R.update(kinds[kind](K2), HN, HT)
+                    K, f = K2, np.zeros(n)
+                elif what == 1:
+                    K2, HN2, HT2, _ = draw()
+                    R.update(kinds[str(random.choice(list(kinds)))](K2), HN2, HT2)
+                    self.assertEqual((K2.shape, HT2.shape), (K.shape, HT.shape))
+                    K, HN, HT, f = K2, HN2, HT2, np.zeros(n)
+                elif what == 2:
+                    R.update(lambda B: 1 / 0, HN, HT)
+                    self.fail("a host that fails was accepted")
+                elif what == 3:
+                    f2 = random.standard_normal(n + random.integers(-1, 2))
+                    R.load(f2)
+                    self.assertEqual(len(f2), n)
+                    f = f2
+                elif what == 4:
+                    s = R.solve(0.3)
+                    self.assertEqual((s.r.shape, s.x.shape), ((HN.shape[1], d), (n,)))
+                elif what == 5:
+                    r = random.standard_normal(m + random.integers(-1, 2))
+                    x = R.recover(r)
+                    H = np.zeros((n, m))
+                    H[:, ::d] = HN
+                    for k in range(1, d):
+                        H[:, k::d] = HT[:, k - 1::d - 1]
+                    np.testing.assert_allclose(K @ x, f + H @ r, atol=1e-8)
+                elif what == 6:
+                    copy.copy(R)
+                elif what == 7:
+                    R.load([np.nan] * n)
+                elif what == 8:
+                    self.assertEqual((R.W.shape, R.q.shape), ((m, m), (HN.shape[1], d)))
+                else:
+                    R.update(kinds[kind](K * np.nan), HN, HT)
+            except (delassus.Error, ValueError, TypeError, ZeroDivisionError) as error:
+                refused += 1
+                if "holds nothing" in str(error) or isinstance(error, ZeroDivisionError):
+                    R = None
+                    continue
+                self.assertEqual((R.n, R.d, R.m), (n, d, m))
+        self.assertGreater(refused, 10)
+
+
+class Signals(unittest.TestCase):
+    W = np.array([[1.0, 0, -1, 0], [0, 1, 0, 1], [-1, 0, 1, 0], [0, 1, 0, 1]])
+
+    def long(self, **options):
+        """Runs for minutes: no method solves it, and its iterations are many."""
+        return delassus.solve(self.W, [-1, 0, -1, 0.0], [0.5, 0.5], d=2, method="admm",
+                              max_iterations=2**31 - 1, **options)
+
+    def interrupted(self, function, exception=KeyboardInterrupt, number=signal.SIGINT):
+        """Returns the seconds from a signal, which comes while function runs, to its exception."""
+        sent = []
+
+        def send():
+            time.sleep(0.1)
+            sent.append(time.perf_counter())
+            os.kill(os.getpid(), number)
+
+        thread = threading.Thread(target=send)
+        thread.start()
+        try:
+            with self.assertRaises(exception):
+                function()
+            return time.perf_counter() - sent[0]
+        finally:
+            thread.join()
+
+    def test_ctrl_c_ends_a_solve(self):
+        for options in ({}, {"history": True}, {"progress": lambda p: False}):
+            for _ in range(3):
+                self.assertLess(self.interrupted(lambda: self.long(**options)), 1)
+
+    def test_ctrl_c_in_a_host(self):
+        _, HN, HT = POINT
+        K = np.array(POINT[0])
+        for _ in range(3):
+            R = delassus.reduce(lambda B: np.linalg.solve(K, B), HN, HT)
+
+            def loads():
+                for _ in range(10**9):
+                    R.load([5.0, -10.0])
+
+            self.assertLess(self.interrupted(loads), 1)
+            R.load([5.0, -10.0])
+            np.testing.assert_allclose(R.q, [[-7, 4]], rtol=1e-12)
+
+    def test_other_handlers_are_heard(self):
+        def handler(*_):
+            raise TimeoutError
+
+        before = signal.signal(signal.SIGUSR1, handler)
+        try:
+            seconds = self.interrupted(self.long, TimeoutError, signal.SIGUSR1)
+        finally:
+            signal.signal(signal.SIGUSR1, before)
+        self.assertLess(seconds, 1)
+
+    def test_a_thread_needs_no_callback(self):
+        answers = []
+        W, q = coupled(2, 10)
+        thread = threading.Thread(target=lambda: answers.append(delassus.solve(W, q, 0.3)))
+        thread.start()
+        thread.join()
+        np.testing.assert_array_equal(answers[0].r, delassus.solve(W, q, 0.3).r)
+
+
+class Conversions(unittest.TestCase):
+    """What would be another number in C is refused by name."""
+
+    def test_reals(self):
+        W, q = coupled(2, 3)
+        K, HN, HT = POINT
+        R = delassus.reduce(K, HN, HT)
+        masked = np.ma.masked_array(q, mask=q > 0)
+        for name, call in (
+                ("W", lambda x: delassus.solve(x(W), q, 0.3)),
+                ("W", lambda x: delassus.solve(x(sp.csc_matrix(W)), q, 0.3)),
+                ("q", lambda x: delassus.solve(W, x(q), 0.3)),
+                ("mu", lambda x: delassus.solve(W, q, x(np.full(3, 0.3)))),
+                ("r0", lambda x: delassus.solve(W, q, 0.3, r0=x(q))),
+                ("r", lambda x: delassus.certify(W, q, 0.3, x(q))),
+                ("tol", lambda x: delassus.solve(W, q, 0.3, tol=x(np.float64(1e-8)))),
+                ("K", lambda x: delassus.reduce(x(K), HN, HT)),
+                ("K", lambda x: delassus.reduce(x(sp.csc_matrix(K)), HN, HT)),
+                ("HN", lambda x: delassus.reduce(K, x(HN), HT)),
+                ("HT", lambda x: delassus.reduce(K, HN, x(HT))),
+                ("P", lambda x: delassus.reduce(K, HN, HT, P=x(np.eye(1)))),
+                ("modes", lambda x: delassus.reduce(K, HN, HT, modes=x(np.ones((2, 1))))),
+                ("K.-1 B", lambda x: delassus.reduce(lambda B: x(np.linalg.solve(K, B)), HN, HT)),
+                ("f", lambda x: R.load(x(np.ones(2)))),
+                ("g", lambda x: R.load(g=x(np.ones((1, 2))))),
+                ("M", lambda x: delassus.Motion(K, HN, HT, M=x(np.eye(2)))),
+                ("gap", lambda x: delassus.Motion(K, HN, HT, M=np.eye(2), gap=x(np.ones(1)))),
+                ("h", lambda x: delassus.Motion(K, HN, HT, M=np.eye(2), h=x(np.float64(1)))),
+                ("theta", lambda x: delassus.Motion(K, HN, HT, M=np.eye(2),
+                                                    theta=x(np.float64(1))))):
+            with self.assertRaisesRegex(ValueError, f"^{name} holds complex numbers", msg=name):
+                call(lambda a: a.astype(complex))
+            if name == "W" or name[0] == "K":
+                continue
+            for kind in (object, str):
+                with self.assertRaisesRegex(ValueError, f"^{name} holds", msg=name):
+                    call(lambda a: np.asarray(a).astype(kind))
+        with self.assertRaisesRegex(ValueError, "^q has masked entries"):
+            delassus.solve(W, masked, 0.3)
+        for x in ([[1, 2], [3, 4], [5, 6]], q.astype(np.float32), np.ma.masked_array(q)):
+            self.assertTrue(delassus.solve(W, x, 0.3).solved)
+
+    def test_integers(self):
+        W, q = coupled(2, 3)
+        for name in ("max_iterations", "threads", "facets", "positive_definite"):
+            for wrong in (2**40, 2**31, -2**31 - 1, 10**30, 2.0, 1.5, "3", None.__class__, [1]):
+                with self.assertRaisesRegex(ValueError, f"^{name} ", msg=wrong):
+                    delassus.solve(W, q, 0.3, **{name: wrong})
+        with self.assertRaisesRegex(delassus.Error, "max_iterations"):
+            delassus.solve(W, q, 0.3, max_iterations=-1)
+        self.assertTrue(delassus.solve(W, q, 0.3, max_iterations=np.int64(1000)).solved)
+        K, HN, HT = POINT
+        for wrong in (2**40, 1.5, 4):
+            with self.assertRaises(ValueError):
+                delassus.reduce(K, HN, HT, d=wrong)
+            with self.assertRaises(ValueError):
+                delassus.solve(W, q, 0.3, d=wrong)
+        for wrong in ([0.5], ["1"], [None], [np.nan]):
+            with self.assertRaisesRegex(ValueError, "^active holds"):
+                delassus.reduce(K, HN, HT, active=wrong)
+        self.assertEqual(delassus.reduce(K, HN, HT, active=[2**40 > 0]).candidates, 1)
+        with self.assertRaisesRegex(ValueError, "^body holds"):
+            delassus.solve((np.zeros((3, 2)) + 0.5, np.ones((3, 2, 2, 3))), q, 0.3)
+
+    def test_shapes(self):
+        W, q = coupled(2, 3)
+        for wrong in (dict(q=q.T), dict(r0=q.T), dict(q=q, d=3)):
+            with self.assertRaises(ValueError, msg=wrong):
+                delassus.solve(**{"W": W, "q": q, "mu": 0.3, "d": 2, **wrong})
+        _, HN, HT = POINT
+        with self.assertRaisesRegex(ValueError, "K.-1 B is"):
+            delassus.reduce(lambda B: B.reshape(-1), np.eye(2), np.eye(2))
+        for name in ("nlgs\0x", 3, b"nlgs"):
+            with self.assertRaisesRegex(ValueError, "no method"):
+                delassus.solve(W, q, 0.3, method=name)
 
 
 class Library(unittest.TestCase):

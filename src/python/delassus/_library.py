@@ -3,6 +3,8 @@
 ImportError."""
 
 import ctypes
+import functools
+import operator
 import os
 import pathlib
 from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_void_p
@@ -47,9 +49,6 @@ class _Constant(ctypes.Structure):
     _fields_ = [("name", c_char_p), ("value", c_int)]
 
 
-PROGRESS_FN = ctypes.CFUNCTYPE(c_int, c_void_p, c_void_p)
-SOLVE_FN = ctypes.CFUNCTYPE(c_int, c_void_p, POINTER(c_double), c_int, c_int)
-
 _TYPES = {"int": c_int, "double": c_double, "size_t": c_size_t, "long long": ctypes.c_longlong,
           "char": ctypes.c_char, "pointer": c_void_p, "function": c_void_p}
 
@@ -59,6 +58,7 @@ _USED = {
     "dls_limits": "tol max_iterations warm_start blocks progress progress_data cpu_seconds "
                   "threads",
     "dls_progress": "method stage iteration max_iterations residual r cpu_seconds last",
+    "dls_paced": "progress progress_data seconds next",
     "dls_solver_settings": "limits size method acceleration facets positive_definite",
     "dls_certificate": "residual residual_u residual_r floor_u floor_r penetration adhesion "
                        "cone_violation slip_direction complementarity worst "
@@ -155,6 +155,7 @@ _SIGNATURES = {
     "dls_solver_settings_init": (None, "p"),
     "dls_reduction_settings_init": (None, "p"),
     "dls_motion_settings_init": (None, "p"),
+    "dls_progress_paced": (c_int, "pp"),
     "dls_method_find": (c_int, "sp"),
     "dls_acceleration_find": (c_int, "sp"),
     "dls_method_name": (c_char_p, "i"),
@@ -206,6 +207,23 @@ class Error(RuntimeError):
         self.index = error.index
         self.value = error.value
 
+    def __reduce__(self):  # processes hand exceptions on by pickle
+        return _restore, (type(self), self.args, self.__dict__)
+
+
+def _restore(kind, arguments, state):
+    exception = kind.__new__(kind, *arguments)
+    exception.__dict__.update(state)
+    return exception
+
+
+class Owner:
+    """Owns an object of the library, self._held, which has one owner."""
+
+    def __reduce_ex__(self, protocol):
+        raise TypeError(f"a {type(self).__name__} owns memory of the library: "
+                        "it cannot be copied or pickled")
+
 
 def call(name, *arguments):
     """Calls a function whose last argument is dls_error *; raises Error for a status below 0, else
@@ -217,6 +235,59 @@ def call(name, *arguments):
     return status
 
 
+# ---- callbacks -----------------------------------------------------------------------------------
+
+
+def _rounds(count, function, caught):
+    """Takes values one by one; after `count` of them yields 1 if function(*values) is true or an
+    exception was caught, which `caught` (a list) receives; 0 before."""
+    values, taken, answer = [], 0, 0
+    while True:
+        try:
+            while True:
+                taken += 1
+                values.append((yield answer))
+                if taken < count:
+                    answer = 0
+                    continue
+                answer = int(bool(caught or function(*values)))
+                values, taken = [], 0
+        except GeneratorExit:
+            return
+        except BaseException as exception:  # of the function, or of the handler of a signal
+            # without this frame: traceback.clear_frames, of unittest say, would end the generator
+            caught.append(exception.with_traceback(exception.__traceback__.tb_next))
+            answer = int(taken == count)
+            if answer:
+                values, taken = [], 0
+
+
+class Callback:
+    """A function of C with `kinds` of integers, the first of them 0, that runs a function of Python
+    and returns 0; not 0 where that returned True or raised. `caught` holds what was raised.
+
+    Python runs the handlers of signals (Ctrl-C) when it enters a function, where no try holds what
+    they raise and C would never see it. So C enters no function of Python: it sends the integers,
+    one by one, into a generator, which waits within its try. max() is the function of C that does:
+    it returns its first argument, 0, unless a later one has a larger key.
+    """
+
+    def __init__(self, function, *kinds):
+        self.caught = []
+        rounds = _rounds(len(kinds), function, self.caught)
+        next(rounds)
+        self._function = ctypes.CFUNCTYPE(c_int, *kinds)(functools.partial(max, key=rounds.send))
+        self.address = ctypes.cast(self._function, c_void_p).value
+
+    def begin(self):
+        del self.caught[:]
+
+    def end(self):
+        """Raises what the last call caught."""
+        if self.caught:
+            raise self.caught[0]
+
+
 # ---- arrays --------------------------------------------------------------------------------------
 
 
@@ -225,15 +296,70 @@ def entries(a):
     return f"{a.size} entry" if a.size == 1 else f"{a.size} entries"
 
 
-def vector(name, x, size):
-    """Returns x as a contiguous array of `size` doubles; a number stands for `size` of it."""
-    a = np.asarray(x, dtype=np.float64)
+def _check_kind(name, dtype):
+    if dtype.kind not in "biuf":
+        kind = {"c": "complex numbers", "O": "objects", "U": "text", "S": "text"}.get(dtype.kind)
+        raise ValueError(f"{name} holds {kind or dtype}, must hold real numbers")
+
+
+def reals(name, x):
+    """Returns x as an array of doubles; refuses complex numbers, objects, text and masks."""
+    a = np.asarray(x)
+    _check_kind(name, a.dtype)
+    if np.ma.is_masked(x):
+        raise ValueError(f"{name} has masked entries")
+    return np.asarray(a, dtype=np.float64)
+
+
+def number(name, x):
+    """Returns a real number as a float."""
+    a = reals(name, x)
+    if a.ndim:
+        raise ValueError(f"{name} is an array, must be a number")
+    return float(a)
+
+
+def whole(name, x, least=-2**31, most=2**31 - 1):
+    """Returns an integer within the range of C's int, or a smaller one."""
+    try:
+        value = operator.index(x)
+    except TypeError:
+        raise ValueError(f"{name} is {x!r}, must be an integer") from None
+    if not least <= value <= most:
+        raise ValueError(f"{name} is {value}, must be from {least} to {most}")
+    return value
+
+
+def integers(name, x):
+    """Returns x as a contiguous array of C's int."""
+    a = np.asarray(x)
+    if a.size and a.dtype.kind not in "biu":
+        raise ValueError(f"{name} holds {a.dtype}, must hold integers")
+    if a.size and (a.min() < -2**31 or a.max() > 2**31 - 1):
+        raise ValueError(f"{name} has an entry beyond 2^31")
+    return np.ascontiguousarray(a, dtype=np.intc)
+
+
+def vector(name, x, size, width=1):
+    """Returns x as a contiguous array of `size` doubles: given flat, or in rows of `width`, or one
+    number for all."""
+    a = reals(name, x)
     if a.ndim == 0:
         return np.full(size, float(a))
-    a = np.ascontiguousarray(a).reshape(-1)
     if a.size != size:
         raise ValueError(f"{name} has {entries(a)}, needs {size}")
-    return a
+    if a.ndim > 1 and a.shape[-1] != width and max(a.shape) != size:
+        raise ValueError(f"{name} is {a.shape}, needs rows of {width}")
+    return np.ascontiguousarray(a).reshape(-1)
+
+
+def set_fields(struct, values):
+    """Sets numbers of a struct by name; AttributeError for a name that is none of them."""
+    kinds = dict(struct._fields_)
+    for name, value in values.items():
+        if kinds.get(name) not in (c_int, c_double):
+            raise AttributeError(f"no setting {name!r}")
+        setattr(struct, name, (whole if kinds[name] is c_int else number)(name, value))
 
 
 def address(a):
@@ -247,13 +373,17 @@ def dense(a):
     return structs["dls_dense"](rows, cols, max(1, rows), address(a))
 
 
-def columns(a):
+def columns(name, a):
     """Returns scipy's compressed columns of a matrix with 32-bit indices."""
     import scipy.sparse
 
+    if hasattr(a, "tocsc"):
+        _check_kind(name, a.dtype)
+    else:
+        a = reals(name, a)
     c = scipy.sparse.csc_matrix(a, dtype=np.float64)
     if c.nnz > np.iinfo(np.int32).max:
-        raise ValueError("more than 2^31 entries")
+        raise ValueError(f"{name} has more than 2^31 entries")
     c.indptr = np.ascontiguousarray(c.indptr, dtype=np.int32)
     c.indices = np.ascontiguousarray(c.indices, dtype=np.int32)
     return c

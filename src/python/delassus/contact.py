@@ -2,11 +2,13 @@
 
 import collections
 import ctypes
-from ctypes import byref, c_int
+import threading
+from ctypes import byref, c_int, c_size_t
 
 import numpy as np
 
-from ._library import (PROGRESS_FN, address, call, constants, dense, entries, lib, structs, vector)
+from ._library import (Callback, address, call, columns, constants, dense, entries, integers, lib,
+                       number, reals, structs, vector, whole)
 
 _STATES = np.array(["free", "slip", "stick"])
 
@@ -63,55 +65,95 @@ def _method_name(method):
     return (lib.dls_method_name(method) or b"").decode()
 
 
-class _Watch:
-    """The callback of a solve: keeps the history, calls the user's function, holds exceptions."""
+_PACED = ctypes.cast(lib.dls_progress_paced, ctypes.c_void_p).value
 
-    def __init__(self, history, progress):
-        self.rows = [] if history else None
-        self.progress = progress
-        self.exception = None
-        self.function = PROGRESS_FN(self._look)
 
-    def _look(self, _, pointer):
-        try:
+class _Signals:
+    """A callback that does nothing but let the handlers of signals run, some 50 times a second."""
+
+    idle = []  # some made before: one takes 10 us to make
+
+    def __init__(self):
+        self.callback = Callback(lambda _, __: False, c_size_t, c_size_t)
+        self.paced = structs["dls_paced"](progress=self.callback.address, seconds=0.02)
+
+
+class Watch:
+    """The callback of a solve: keeps the history, calls the user's function and lets the handlers
+    of signals run. Those run in the main thread alone; elsewhere a solve that is not watched by the
+    user has no callback."""
+
+    def __init__(self, history=False, progress=None):
+        self._rows = rows = [] if history else None
+        asked = history or progress is not None
+
+        def look(_, pointer):
             p = structs["dls_progress"].from_address(pointer)
             row = Progress(ctypes.string_at(p.method).decode(), ctypes.string_at(p.stage).decode(),
                            p.iteration, p.max_iterations, p.residual, p.cpu_seconds, bool(p.last))
-            if self.rows is not None:
-                self.rows.append((row.stage, row.iteration, row.residual, row.cpu_seconds))
-            return int(bool(self.progress and self.progress(row)))
-        except BaseException as exception:  # Ctrl-C, too, must not run through C
-            self.exception = exception
-            return 1
+            if rows is not None:
+                rows.append((row.stage, row.iteration, row.residual, row.cpu_seconds))
+            return progress is not None and progress(row)
+
+        self._callback = self._signals = None
+        if asked:
+            self._callback = Callback(look, c_size_t, c_size_t)
+        elif threading.current_thread() is threading.main_thread():
+            self._signals = _Signals.idle.pop() if _Signals.idle else _Signals()
+            self._callback = self._signals.callback
+
+    def __del__(self):
+        if getattr(self, "_signals", None):
+            _Signals.idle.append(self._signals)
+
+    def set(self, limits):
+        """Enters the callback in a dls_limits."""
+        if self._signals:
+            limits.progress = _PACED
+            limits.progress_data = ctypes.addressof(self._signals.paced)
+        elif self._callback:
+            limits.progress = self._callback.address
+
+    def call(self, name, *arguments):
+        """Calls the library; raises what the callback caught."""
+        if not self._callback:
+            return call(name, *arguments)
+        self._callback.begin()
+        try:
+            return call(name, *arguments)
+        finally:
+            self._callback.end()
 
     def history(self):
-        if self.rows is None:
+        if self._rows is None:
             return None
-        return np.array(self.rows, dtype=[("stage", "U24"), ("iteration", "i4"), ("residual", "f8"),
-                                          ("cpu_seconds", "f8")])
+        return np.array(self._rows, dtype=[("stage", "U24"), ("iteration", "i4"),
+                                           ("residual", "f8"), ("cpu_seconds", "f8")])
 
 
-def set_limits(limits, tol, max_iterations, cpu_seconds, warm_start, watch, threads=None):
+def set_limits(limits, watch, tol=None, max_iterations=None, cpu_seconds=None, threads=None):
     """Fills a dls_limits; None leaves the default."""
     if tol is not None:
-        limits.tol = tol
+        limits.tol = number("tol", tol)
     if max_iterations is not None:
-        limits.max_iterations = max_iterations
+        limits.max_iterations = whole("max_iterations", max_iterations)
     if cpu_seconds is not None:
-        limits.cpu_seconds = cpu_seconds
+        limits.cpu_seconds = number("cpu_seconds", cpu_seconds)
     if threads is not None:
-        limits.threads = threads
-    if warm_start is not None:
-        limits.warm_start = warm_start
-    if watch:
-        limits.progress = ctypes.cast(watch.function, ctypes.c_void_p).value
+        limits.threads = whole("threads", threads)
+    watch.set(limits)
+
+
+def _find(function, what, name):
+    """Returns the number of a method or an acceleration."""
+    found = c_int()
+    if not isinstance(name, str) or "\0" in name or not function(name.encode(), byref(found)):
+        raise ValueError(f"no {what} {name!r}")
+    return found.value
 
 
 def find_method(name):
-    number = c_int()
-    if not lib.dls_method_find(name.encode(), byref(number)):
-        raise ValueError(f"no method {name!r}")
-    return number.value
+    return _find(lib.dls_method_find, "method", name)
 
 
 def solve_problem(problem, method="auto", tol=None, max_iterations=None, cpu_seconds=None, r0=None,
@@ -122,41 +164,38 @@ def solve_problem(problem, method="auto", tol=None, max_iterations=None, cpu_sec
     lib.dls_solver_settings_init(byref(settings))
     settings.method = find_method(method)
     if acceleration is not None:
-        number = c_int()
-        if not lib.dls_acceleration_find(acceleration.encode(), byref(number)):
-            raise ValueError(f"no acceleration {acceleration!r}")
-        settings.acceleration = number.value
+        settings.acceleration = _find(lib.dls_acceleration_find, "acceleration", acceleration)
     if facets is not None:
-        settings.facets = facets
+        settings.facets = whole("facets", facets)
     if positive_definite is not None:
-        settings.positive_definite = positive_definite
-    watch = _Watch(history, progress) if history or progress else None
+        settings.positive_definite = whole("positive_definite", positive_definite)
+    watch = Watch(history, progress)
     m = problem.d * problem.nc
-    r = np.zeros(m) if r0 is None else vector("r0", r0, m).copy()
+    r = np.zeros(m) if r0 is None else vector("r0", r0, m, problem.d).copy()
     u = np.zeros(m)
-    set_limits(settings.limits, tol, max_iterations, cpu_seconds, r0 is not None, watch, threads)
+    set_limits(settings.limits, watch, tol, max_iterations, cpu_seconds, threads)
+    settings.limits.warm_start = r0 is not None
     info = structs["dls_info"]()
-    status = call("dls_solve", byref(problem), byref(settings), address(r), address(u), byref(info))
-    if watch and watch.exception:
-        raise watch.exception
-    return Solution(problem, info, status, r, u, watch.history() if watch else None)
+    status = watch.call("dls_solve", byref(problem), byref(settings), address(r), address(u),
+                        byref(info))
+    return Solution(problem, info, status, r, u, watch.history())
 
 
 def _problem(W, q, mu, d):
     """Returns a dls_contact and the arrays that it views."""
-    q = np.asarray(q, dtype=np.float64)
+    q = reals("q", q)
     if d is None:
         known = np.ndim(mu) and np.size(mu)
         d = q.shape[1] if q.ndim == 2 else q.size // np.size(mu) if known else None
     if d not in (2, 3):
         raise ValueError("d is neither 2 nor 3: give d, or q as nc x d, or mu for each candidate")
-    q = np.ascontiguousarray(q).reshape(-1)
+    d = whole("d", d)
     nc = q.size // d
-    q = vector("q", q, d * nc)
+    q = vector("q", np.atleast_1d(q), d * nc, d)
     mu = vector("mu", mu, nc)
     problem = structs["dls_contact"](d=d, nc=nc, q=address(q), mu=address(mu))
     if isinstance(W, tuple):
-        body, H = np.array(W[0], dtype=np.int32, order="C"), np.array(W[1], np.float64, order="C")
+        body, H = integers("body", W[0]), np.ascontiguousarray(reals("H", W[1]))
         if body.shape != (nc, 2) or H.shape[:3] != (nc, 2, d) or H.ndim != 4:
             raise ValueError(f"body is {body.shape}, H is {H.shape}; nc = {nc}, d = {d}")
         count = int(body.max(initial=-1)) + 1
@@ -166,7 +205,7 @@ def _problem(W, q, mu, d):
         raise ValueError(f"W is {W.shape[0]} x {W.shape[1]}, q has {entries(q)}")
     if hasattr(W, "tocsc"):
         # rows of blocks of the transpose, each stored by rows: the columns of W, stored by columns
-        B = W.T.tobsr(blocksize=(d, d))
+        B = columns("W", W).T.tobsr(blocksize=(d, d))
         kept = [np.ascontiguousarray(B.indptr, dtype=np.int32),
                 np.ascontiguousarray(B.indices, dtype=np.int32),
                 np.ascontiguousarray(B.data, dtype=np.float64)]
@@ -174,7 +213,7 @@ def _problem(W, q, mu, d):
             kept[1:] = [np.zeros(1, np.int32), np.zeros(d * d)]
         problem.Wb = structs["dls_blocks"](d, nc, *map(address, kept))
     else:
-        kept = [np.asfortranarray(W, dtype=np.float64)]
+        kept = [np.asfortranarray(W)]
         problem.W = dense(kept[0])
     return problem, (q, mu, *kept)
 
@@ -197,7 +236,7 @@ def solve(W, q, mu, d=None, **options):
     Raises Error for wrong data; a solve that stops early has solution.solved == False.
     """
     if not hasattr(W, "tocsc") and not isinstance(W, tuple):
-        W = np.atleast_2d(np.asarray(W, dtype=np.float64))
+        W = np.atleast_2d(reals("W", W))
     problem, kept = _problem(W, q, mu, d)
     solution = solve_problem(problem, **options)
     del kept
@@ -207,9 +246,9 @@ def solve(W, q, mu, d=None, **options):
 def certify(W, q, mu, r, d=None):
     """Measures r: returns its Certificate, with u = W r + q recomputed from W and q."""
     if not hasattr(W, "tocsc") and not isinstance(W, tuple):
-        W = np.atleast_2d(np.asarray(W, dtype=np.float64))
+        W = np.atleast_2d(reals("W", W))
     problem, kept = _problem(W, q, mu, d)
-    r = vector("r", r, problem.d * problem.nc)
+    r = vector("r", r, problem.d * problem.nc, problem.d)
     certificate = structs["dls_certificate"]()
     call("dls_contact_certify", byref(problem), address(r), None, byref(certificate))
     del kept

@@ -4,14 +4,15 @@ from ctypes import byref, c_double, c_int, c_void_p
 
 import numpy as np
 
-from ._library import address, call, columns, constants, lib, read, sparse, structs, vector
-from .contact import Solution, find_method, set_limits
+from ._library import (Owner, address, call, columns, constants, lib, number, read, set_fields,
+                       sparse, structs, vector)
+from .contact import Solution, Watch, find_method, set_limits
 from .reduction import find_factorization, operators
 
 _LAWS = {"velocity": "DLS_MOTION_VELOCITY", "gap": "DLS_MOTION_GAP", "path": "DLS_MOTION_PATH"}
 
 
-class Motion:
+class Motion(Owner):
     """Bodies M v' + C v + K x = f + H p/h with contact, as delassus/motion.h has them.
 
     Motion(K, HN, HT, M=M, h=1e-3)           impacts; restitution, activation, theta: see motion.h
@@ -27,6 +28,10 @@ class Motion:
                  method="auto", factorization=None, tol=None, max_iterations=None, d=None,
                  **settings):
         self._held = c_void_p()
+        # copies: the library goes on reading them
+        M, C, K, P, HN, HT = (
+            None if A is None else columns(name, A).copy()
+            for name, A in (("M", M), ("C", C), ("K", K), ("P", P), ("HN", HN), ("HT", HT)))
         self.d, HN, HT = operators(HN, HT, d)
         self.n = HN.shape[0]
         if factorization is None:
@@ -37,20 +42,20 @@ class Motion:
             kind = find_factorization(factorization, K)
         if law not in _LAWS:
             raise ValueError(f"no law {law!r}: velocity, gap or path")
-        M, C, K, P = (None if A is None else columns(A) for A in (M, C, K, P))
         self._nodes = HN.shape[1]
         self._candidates = self._nodes if P is None else P.shape[1]
-        gap = None if gap is None else vector("gap", gap, self._nodes)
+        gap = None if gap is None else vector("gap", gap, self._nodes).copy()
         model = structs["dls_motion_model"](
             d=self.d, n=self.n, nodes=self._nodes, factorization=kind, M=sparse(M), C=sparse(C),
             K=sparse(K), HN=sparse(HN), HT=sparse(HT), P=sparse(P), gap=address(gap))
         self._kept = (M, C, K, HN, HT, P, gap)
         create = structs["dls_motion_settings"]()
         lib.dls_motion_settings_init(byref(create))
-        create.law, create.method, create.h = constants[_LAWS[law]], find_method(method), h
-        set_limits(create.limits, tol, max_iterations, None, None, None)
-        for name, value in settings.items():
-            setattr(create, name, value)
+        create.law, create.method = constants[_LAWS[law]], find_method(method)
+        create.h = number("h", h)
+        self._watch = Watch()
+        set_limits(create.limits, self._watch, tol, max_iterations)
+        set_fields(create, settings)
         call("dls_motion_create", byref(self._held), byref(model), byref(create))
 
     def __del__(self):
@@ -59,17 +64,18 @@ class Motion:
 
     def start(self, x=None, v=None, t=0.0):
         """Starts anew from x and v at time t."""
-        x, v = (None if a is None else vector("x", a, self.n) for a in (x, v))
-        call("dls_motion_start", self._held, address(x), address(v), t)
+        x = None if x is None else vector("x", x, self.n)
+        v = None if v is None else vector("v", v, self.n)
+        call("dls_motion_start", self._held, address(x), address(v), number("t", t))
 
     def step(self, f=None, y=None, mu=None):
         """Takes a step under loads f (n), velocities y of the obstacle (nodes x d), friction mu."""
         f = None if f is None else vector("f", f, self.n)
-        y = None if y is None else vector("y", y, self.d * self._nodes)
+        y = None if y is None else vector("y", y, self.d * self._nodes, self.d)
         mu = None if mu is None else vector("mu", mu, self._candidates)
         info, problem = structs["dls_info"](), structs["dls_contact"]()
-        status = call("dls_motion_step", self._held, address(f), address(y), address(mu),
-                      byref(info))
+        status = self._watch.call("dls_motion_step", self._held, address(f), address(y),
+                                  address(mu), byref(info))
         call("dls_motion_get_problem", self._held, byref(problem))
         if status:
             raise NotCertified(status)
@@ -85,7 +91,7 @@ class Motion:
 
     def set_h(self, h):
         """Changes the step from the next one on."""
-        call("dls_motion_set_h", self._held, h)
+        call("dls_motion_set_h", self._held, number("h", h))
 
     def _state(self):
         state = structs["dls_motion_state"]()
@@ -127,5 +133,8 @@ class NotCertified(RuntimeError):
     """A step whose contact problem was not solved: the state is that of the step before."""
 
     def __init__(self, status):
-        super().__init__("the contact problem of the step: " + lib.dls_status_text(status).decode())
+        super().__init__(status)
         self.status = status
+
+    def __str__(self):
+        return "the contact problem of the step: " + lib.dls_status_text(self.status).decode()

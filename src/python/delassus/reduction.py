@@ -1,12 +1,13 @@
 """From K, H_N, H_T to the contact problem and back: K x = f + H r, u = H^T x + g."""
 
-from ctypes import byref, c_double, c_void_p, cast
+import weakref
+from ctypes import byref, c_double, c_int, c_size_t, c_void_p
 
 import numpy as np
 import scipy.sparse as sp
 
-from ._library import (SOLVE_FN, address, call, columns, constants, dense, entries, lib, read,
-                       sparse, structs, vector)
+from ._library import (Callback, Owner, address, call, columns, constants, dense, entries, integers,
+                       lib, read, reals, set_fields, sparse, structs, vector)
 from .contact import solve_problem
 
 _FACTORIZATIONS = {"cholesky": "DLS_CHOLESKY", "ldlt": "DLS_LDLT", "lu": "DLS_LU"}
@@ -34,15 +35,46 @@ def find_factorization(name, K):
 
 def operators(HN, HT, d=None):
     """Returns d, HN and HT as compressed columns; without HT there is no tangent: d = 2, zeros."""
-    HN = columns(HN)
-    HT = columns(HT if HT is not None else np.zeros((HN.shape[0], ((d or 2) - 1) * HN.shape[1])))
+    if d not in (None, 2, 3):
+        raise ValueError(f"d is {d!r}, must be 2 or 3")
+    HN = columns("HN", HN)
+    if HT is None:
+        HT = np.zeros((HN.shape[0], ((d or 2) - 1) * HN.shape[1]))
+    HT = columns("HT", HT)
     found = HT.shape[1] // HN.shape[1] + 1 if HN.shape[1] else d or 2
     if found not in (2, 3) or HT.shape != (HN.shape[0], (found - 1) * HN.shape[1]):
         raise ValueError(f"HT is {HT.shape}, HN {HN.shape}: HT has d - 1 columns for one of HN")
     return found, HN, HT
 
 
-class Reduction:
+class _Host:
+    """The function that solves with K where the host has one: one callback of C for the life of a
+    reduction, whichever function is at hand."""
+
+    def __init__(self):
+        self.solve = None
+        this = weakref.ref(self)
+
+        def run(_, X, n, nrhs):
+            B = np.frombuffer((c_double * (n * nrhs)).from_address(X)).reshape(nrhs, n).T
+            answer = reals("K^-1 B", this().solve(B.copy(order="F")))
+            if answer.shape != B.shape and not (nrhs == 1 and answer.shape == (n,)):
+                raise ValueError(f"K^-1 B is {answer.shape}, must be {B.shape}")
+            B[:] = answer.reshape(B.shape)
+
+        self._callback = Callback(run, c_size_t, c_size_t, c_int, c_int)
+        self.address = self._callback.address
+
+    def call(self, name, *arguments):
+        """Calls the library; an exception of the host's solver comes out as it is."""
+        self._callback.begin()
+        try:
+            return call(name, *arguments)
+        finally:
+            self._callback.end()
+
+
+class Reduction(Owner):
     """K factored and W formed; made by reduce().
 
     d, n, m, candidates   sizes: m = d candidates rows of W
@@ -52,96 +84,93 @@ class Reduction:
 
     def __init__(self, K, HN, HT, P, mu, active, modes, factorization, flexibility, d, settings):
         self._held = c_void_p()
-        self._exception = None
-        model = self._model(K, HN, HT, P, mu, active, modes, factorization, flexibility, d)
+        self._host = _Host()
+        HN = columns("HN", HN)
+        nodes = HN.shape[1]
+        P = None if P is None else columns("P", P).copy()
+        candidates = nodes if P is None else P.shape[1]
+        # copies: update() takes them once more
+        mu = None if mu is None else vector("mu", mu, candidates).copy()
+        if active is not None:
+            active = (integers("active", active) != 0).astype(np.intc).reshape(-1)
+            if active.size != candidates:
+                raise ValueError(f"active has {entries(active)}, needs {candidates}")
+        modes = None if modes is None else np.array(reals("modes", modes), order="F")
+        if modes is not None and (modes.ndim != 2 or modes.shape[0] != HN.shape[0]):
+            raise ValueError(f"modes is {modes.shape}, needs {HN.shape[0]} rows")
+        self._options = (P, mu, active, modes, factorization, flexibility, d)
+        model, kept, solve = self._model(K, HN, HT)
         create = structs["dls_reduction_settings"]()
         lib.dls_reduction_settings_init(byref(create))
         create.allow_indefinite = factorization is None
-        for name, value in settings.items():
-            setattr(create, name, value)
-        self._call("dls_reduction_create_with", byref(self._held), byref(model), byref(create))
-        self._options = (P, mu, active, modes, factorization, flexibility, d)
+        set_fields(create, settings)
+        self._host.solve = solve
+        self._host.call("dls_reduction_create_with", byref(self._held), byref(model), byref(create))
+        del kept  # the library has copied it
+        # the sizes that the library holds: no update changes them
+        self.d, self.n, self._nodes = model.d, model.n, nodes
+        self.candidates = candidates if active is None else int(np.count_nonzero(active))
+        self.m = self.d * self.candidates
 
-    def _model(self, K, HN, HT, P, mu, active, modes, factorization, flexibility, d):
-        """Returns a dls_model; self._kept holds what it views."""
-        self.d, HN, HT = operators(HN, HT, d)
-        self.n = HN.shape[0]
-        nodes = HN.shape[1]
-        P = None if P is None else columns(P)
-        candidates = nodes if P is None else P.shape[1]
-        mu = None if mu is None else vector("mu", mu, candidates)
-        active = None if active is None else np.ascontiguousarray(active, dtype=np.intc).reshape(-1)
-        if active is not None and active.size != candidates:
-            raise ValueError(f"active has {entries(active)}, needs {candidates}")
-        modes = None if modes is None else np.asfortranarray(modes, dtype=np.float64)
-        if modes is not None and (modes.ndim != 2 or modes.shape[0] != self.n):
-            raise ValueError(f"modes is {modes.shape}, needs {self.n} rows")
-        model = structs["dls_model"](d=self.d, n=self.n, nodes=nodes, HN=sparse(HN), HT=sparse(HT),
+    def _model(self, K, HN, HT):
+        """Returns a dls_model, what it views, and K where that is a function; changes nothing."""
+        P, mu, active, modes, factorization, flexibility, d = self._options
+        d, HN, HT = operators(HN, HT, d)
+        n, nodes = HN.shape
+        model = structs["dls_model"](d=d, n=n, nodes=nodes, HN=sparse(HN), HT=sparse(HT),
                                      P=sparse(P), mu=address(mu), active=address(active))
         if modes is not None:
             model.modes = dense(modes)
+        solve = None
         if callable(K):
-            kind = "DLS_HOST_SOLVER"
-            K = SOLVE_FN(self._host_solve(K))
-            model.solve = cast(K, c_void_p).value
+            kind, solve = "DLS_HOST_SOLVER", K
+            model.solve = self._host.address
         else:
-            if K.shape != (self.n, self.n):
-                raise ValueError(f"K is {K.shape}, HN has {self.n} rows")
+            K = K if hasattr(K, "tocsc") else reals("K", K)
+            if K.shape != (n, n):
+                raise ValueError(f"K is {K.shape}, HN has {n} rows")
+            if hasattr(K, "tocsc"):
+                K = columns("K", K)
             model.factorization = find_factorization("lu" if flexibility else factorization, K)
             if hasattr(K, "tocsc") and not flexibility:
-                kind, K = "DLS_STIFFNESS_SPARSE", columns(K)
+                kind = "DLS_STIFFNESS_SPARSE"
                 model.Ks = sparse(K)
             else:
                 kind = "DLS_FLEXIBILITY" if flexibility else "DLS_STIFFNESS_DENSE"
-                K = np.asfortranarray(K.toarray() if hasattr(K, "tocsc") else K, dtype=np.float64)
+                K = np.asfortranarray(K.toarray() if hasattr(K, "tocsc") else K)
                 model.K = dense(K)
         model.operator_kind = constants[kind]
-        self._kept = (K, HN, HT, P, mu, active, modes)
-        return model
-
-    def _host_solve(self, solve):
-        def callback(_, X, n, nrhs):
-            try:
-                B = np.ctypeslib.as_array(X, shape=(nrhs, n)).T
-                B[:] = np.reshape(solve(B.copy(order="F")), (n, nrhs))
-                return 0
-            except BaseException as exception:  # must not run through C
-                self._exception = exception
-                return 1
-        return callback
-
-    def _call(self, name, *arguments):
-        """Calls the library; an exception of the host's solver comes out as it is."""
-        self._exception = None
-        try:
-            return call(name, *arguments)
-        finally:
-            if self._exception:
-                raise self._exception
+        return model, (K, HN, HT), solve
 
     def __del__(self):
         if getattr(self, "_held", None):
             lib.dls_reduction_destroy(self._held)
 
     def update(self, K, HN, HT=None):
-        """Takes new values of K, HN, HT on the old pattern; loads become 0."""
-        model = self._model(K, HN, HT, *self._options)
-        self._call("dls_reduction_update", self._held, byref(model))
+        """Takes new values of K, HN, HT on the old pattern; loads become 0. After an Error for
+        other sizes or another pattern the reduction is as it was."""
+        model, kept, solve = self._model(K, HN, HT)
+        before, self._host.solve = self._host.solve, solve
+        try:
+            self._host.call("dls_reduction_update", self._held, byref(model))
+        except BaseException:
+            self._host.solve = before
+            raise
+        del kept
 
     def load(self, f=None, g=None):
         """Takes loads f (n) and gaps g (nodes x d): q := H^T K^-1 f + g."""
         f, g = self._loads(f, g)
-        self._call("dls_reduction_load", self._held, address(f), address(g))
+        self._host.call("dls_reduction_load", self._held, address(f), address(g))
 
     def load_free(self, x_free, g=None):
         """Takes K^-1 f instead of f, from a host that has it."""
         x_free, g = self._loads(x_free, g)
-        self._call("dls_reduction_load_free", self._held, address(x_free), address(g))
+        self._host.call("dls_reduction_load_free", self._held, address(x_free), address(g))
 
     def _loads(self, f, g):
-        nodes = self._kept[1].shape[1]
         return (None if f is None else vector("f", f, self.n),
-                None if g is None else vector("g", g, self.d * nodes))
+                None if g is None else vector("g", g, self.d * self._nodes, self.d))
 
     def solve(self, mu=None, f=None, g=None, **options):
         """Loads f and g if one is given, solves for r, recovers x; options as in solve()."""
@@ -156,23 +185,12 @@ class Reduction:
     def _contact(self, mu):
         """Returns the dls_contact of the active candidates, and the friction that it views."""
         problem = structs["dls_contact"]()
-        if mu is None and self._kept[4] is not None:
+        if mu is None and self._options[1] is not None:
             call("dls_reduction_contact", self._held, None, byref(problem))
             return problem, None
         mu = vector("mu", 0.0 if mu is None else mu, self.candidates)
         call("dls_reduction_contact", self._held, address(mu), byref(problem))
         return problem, mu
-
-    @property
-    def candidates(self):
-        _, HN, _, P, _, active, _ = self._kept
-        if active is not None:
-            return int(np.count_nonzero(active))
-        return HN.shape[1] if P is None else P.shape[1]
-
-    @property
-    def m(self):
-        return self.d * self.candidates
 
     @property
     def W(self):
@@ -186,20 +204,20 @@ class Reduction:
 
     def recover(self, r):
         """Returns x = K^-1 (f + H r)."""
-        r, x = vector("r", r, self.m), np.zeros(self.n)
-        self._call("dls_reduction_recover", self._held, address(r), address(x))
+        r, x = vector("r", r, self.m, self.d), np.zeros(self.n)
+        self._host.call("dls_reduction_recover", self._held, address(r), address(x))
         return x
 
     def nodal(self, r):
         """Returns P r, nodes x d: the nodal reactions that weighted r stand for."""
-        r, R = vector("r", r, self.m), np.zeros((self._kept[1].shape[1], self.d))
-        self._call("dls_reduction_nodal", self._held, address(r), address(R))
+        r, R = vector("r", r, self.m, self.d), np.zeros((self._nodes, self.d))
+        self._host.call("dls_reduction_nodal", self._held, address(r), address(R))
         return R
 
     def balance(self, r):
         """Takes what the springs of held rigid-body modes carry out of q; returns the imbalance."""
-        r, imbalance = vector("r", r, self.m), c_double()
-        self._call("dls_reduction_balance", self._held, address(r), byref(imbalance))
+        r, imbalance = vector("r", r, self.m, self.d), c_double()
+        self._host.call("dls_reduction_balance", self._held, address(r), byref(imbalance))
         return imbalance.value
 
     @property
@@ -225,4 +243,4 @@ def reduce(K, HN, HT=None, *, P=None, mu=None, active=None, modes=None, factoriz
     modes, stabilize   rigid-body motions, given or looked for
     """
     return Reduction(K, HN, HT, P, mu, active, modes, factorization, flexibility, d,
-                     {"stabilize": bool(stabilize), "memory_limit": float(memory_limit)})
+                     {"stabilize": bool(stabilize), "memory_limit": memory_limit})

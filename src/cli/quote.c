@@ -1,0 +1,84 @@
+/* quote.c: writes names and titles, which are anybody's bytes, as text of a file or of a terminal.
+ * Names reach scripts, tables and JSON through these functions alone. */
+#include <string.h>
+
+#include "cli.h"
+#include "files/utf8.h"
+
+/* Returns 1 for characters that no file of ours can hold: controls (C0, DEL, C1), and what XML, to
+ * which gnuplot copies labels, leaves out. */
+static int is_control(long code) {
+  return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0xfffe || code == 0xffff;
+}
+
+/* Returns 1 for a character that turns the direction of a line: it can hide what follows. */
+static int turns_line(long code) {
+  return code == 0x200e || code == 0x200f || (code >= 0x202a && code <= 0x202e) ||
+         (code >= 0x2066 && code <= 0x2069);
+}
+
+/* Room for the longest form of a character, such as 4 bytes as \xNN. */
+enum { longest_form = 24 };
+
+/* Characters that gnuplot may interpret: in blocks of braces even within single quotes. As \0ooo in
+ * double quotes they are text everywhere. */
+static const char live_in_gnuplot[] = "\"'\\`$@#{}";
+
+/* Writes the first character of the text, one of ASCII, as gnuplot has to read it. gnuplot copies
+ * "]]>" into SVG as it is, which XML forbids: a space of no width stands within. */
+static void write_gnuplot(char form[longest_form], const char *text) {
+  if (strchr(live_in_gnuplot, text[0]))
+    (void)snprintf(form, longest_form, "\\0%03o", (unsigned)text[0]);
+  else if (strncmp(text, "]]>", 3) == 0)
+    (void)snprintf(form, longest_form, "]\xe2\x80\x8b");
+}
+
+/* Writes the character of `length` bytes at text into form. */
+static void write_form(char form[longest_form], text_kind kind, const char *text, long code,
+                       int length) {
+  (void)snprintf(form, longest_form, "%.*s", length, text);
+  if (kind == AS_SHOWN) {
+    if (code == '\n' || code == '\t')
+      (void)snprintf(form, longest_form, code == '\n' ? "\\n" : "\\t");
+    else if (code < 0 || is_control(code) || turns_line(code))
+      for (int k = 0; k < length; k++)
+        (void)snprintf(form + 4 * k, 5, "\\x%02x", (unsigned char)text[k]);
+  } else if (code < 0 || code == 0xfffe || code == 0xffff) {
+    (void)snprintf(form, longest_form, "\xef\xbf\xbd"); /* U+FFFD */
+  } else if (kind == AS_JSON) {
+    if (code == '"' || code == '\\')
+      (void)snprintf(form, longest_form, "\\%c", (char)code);
+    else if (is_control(code))
+      (void)snprintf(form, longest_form, "\\u%04lx", (unsigned long)code);
+  } else if (is_control(code)) {
+    (void)snprintf(form, longest_form, " ");
+  } else if (kind == AS_CSV) {
+    if (code == '"') (void)snprintf(form, longest_form, "\"\"");
+  } else if (code < 0x80) {
+    write_gnuplot(form, text);
+  }
+}
+
+/* Returns the mark on both sides of the text. */
+static const char *side_mark(text_kind kind, const char *text) {
+  if (kind == AS_SHOWN) return "";
+  if (kind != AS_CSV) return "\"";
+  return text[0] == '#' || text[0] == ' ' || text[strcspn(text, ",\"")] ? "\"" : "";
+}
+
+quoted quote(text_kind kind, const char *text) {
+  quoted q;
+  const char *mark = side_mark(kind, text);
+  size_t used = strlen(mark);
+  int length;
+  memcpy(q.text, mark, used + 1);
+  for (long code; (code = dlsi_utf8_next(text, &length)) != 0; text += length) {
+    char form[longest_form];
+    write_form(form, kind, text, code, length);
+    if (used + strlen(form) + 2 > sizeof q.text) break;
+    memcpy(q.text + used, form, strlen(form) + 1);
+    used += strlen(form);
+  }
+  memcpy(q.text + used, mark, strlen(mark) + 1);
+  return q;
+}

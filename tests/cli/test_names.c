@@ -1,0 +1,277 @@
+/*
+ * test_names.c: names of files and titles are anybody's bytes. Whatever they are, chart, map,
+ * profile and solve --plot run no command of theirs, every file is well formed, and what is printed
+ * holds no control.
+ */
+#define _GNU_SOURCE
+#include <check.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "files/utf8.h"
+#include "program.h"
+#include "run.h"
+
+extern char **environ;
+
+enum { name_room = 200, text_room = 2000000, most_names = 8 };
+static char text[text_room];
+
+/* Pieces that mean something to a shell, gnuplot, XML, CSV, printf or a terminal. */
+static const char *const pieces[] = {"'",
+                                     "\"",
+                                     "\\",
+                                     "`touch pwned`",
+                                     "$(touch pwned)",
+                                     "'; system \"touch pwned\"; #",
+                                     "\n!touch pwned\n",
+                                     "\n",
+                                     "\r",
+                                     "\t",
+                                     "%",
+                                     "%d",
+                                     "%s%n",
+                                     "{",
+                                     "}",
+                                     "{/:Bold",
+                                     "#",
+                                     "@",
+                                     "$",
+                                     "&",
+                                     "<",
+                                     "]]>",
+                                     "&#0;",
+                                     ",",
+                                     ";",
+                                     "\033[31m",
+                                     "\x7f",
+                                     "\xff",
+                                     "\xc3",
+                                     "\xe2\x82",
+                                     "\xed\xa0\x80",
+                                     "\xef\xbf\xbe",
+                                     "\xc2\x85",
+                                     "\xe2\x80\xae",
+                                     "\xc3\xa9\xe6\xbc\xa2",
+                                     " ",
+                                     "-",
+                                     "=1+1",
+                                     "a",
+                                     "END\n",
+                                     "|",
+                                     "0"};
+enum { piece_count = sizeof pieces / sizeof pieces[0] };
+
+static unsigned draw_number(unsigned *state) {
+  *state = *state * 1664525u + 1013904223u;
+  return *state >> 8;
+}
+
+/* Makes a name of pieces, or of any bytes; the number keeps names apart. */
+static void make_name(char name[name_room], unsigned *state, int number) {
+  int used = snprintf(name, name_room, "./%d", number);
+  if (draw_number(state) % 3 == 0)
+    for (unsigned k = draw_number(state) % 40; k > 0; k--) {
+      const char byte = (char)(1 + draw_number(state) % 255);
+      if (byte != '/') name[used++] = byte;
+    }
+  else
+    for (unsigned k = 1 + draw_number(state) % 6; k > 0; k--)
+      used += snprintf(name + used, (size_t)(name_room - used), "%s",
+                       pieces[draw_number(state) % piece_count]);
+  (void)snprintf(name + used, (size_t)(name_room - used), ".txt");
+}
+
+/* Writes a problem of one block into the test's directory. */
+static void make_problem(const char *name) {
+  char path[name_room + 100];
+  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
+  FILE *file = fopen(path, "w");
+  ck_assert_ptr_nonnull(file);
+  fputs("title block\ncontact 2 1\nW\n2 1/2\n1/2 1\nq -1 1/3\nmu 1/2\n", file);
+  ck_assert_int_eq(fclose(file), 0);
+}
+
+/* Runs the program in the test's directory; standard output and error go into the file "said".
+ * Returns its exit status. */
+static int run_there(const char *const *arguments) {
+  char program[PATH_MAX], *argv[most_names + 8] = {program};
+  const char *given = getenv("DELASSUS_PROGRAM");
+  ck_assert_ptr_nonnull(realpath(given ? given : "build/delassus", program));
+  for (int k = 0; arguments[k]; k++)
+    argv[k + 1] = (char *)(size_t)arguments[k];
+  posix_spawn_file_actions_t actions;
+  pid_t child;
+  int status;
+  ck_assert_int_eq(posix_spawn_file_actions_init(&actions), 0);
+  ck_assert_int_eq(posix_spawn_file_actions_addchdir_np(&actions, directory), 0);
+  ck_assert_int_eq(
+      posix_spawn_file_actions_addopen(&actions, 1, "said", O_WRONLY | O_CREAT | O_TRUNC, 0666), 0);
+  ck_assert_int_eq(posix_spawn_file_actions_adddup2(&actions, 1, 2), 0);
+  ck_assert_int_eq(posix_spawn(&child, program, &actions, NULL, argv, environ), 0);
+  (void)posix_spawn_file_actions_destroy(&actions);
+  ck_assert_int_eq(waitpid(child, &status, 0), child);
+  ck_assert(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+/* Reads a file of the test's directory into text; returns 0 if there is none. */
+static int read_there(const char *name) {
+  char path[name_room];
+  (void)snprintf(path, sizeof path, "%s/%s", directory, name);
+  FILE *file = fopen(path, "r");
+  if (!file) return 0;
+  text[fread(text, 1, sizeof text - 1, file)] = '\0';
+  return fclose(file) == 0;
+}
+
+/* The text is UTF-8 without controls but line feeds and, with tabs = 1, tabs. */
+static void expect_plain(const char *what, int tabs) {
+  int length;
+  for (const char *at = text; *at; at += length) {
+    const long code = dlsi_utf8_next(at, &length);
+    ck_assert_msg(code >= 0x20 ? code != 0xfffe && (code < 0x7f || code >= 0xa0)
+                               : code == '\n' || (tabs && code == '\t'),
+                  "%s: %lx at %.60s", what, (unsigned long)code, at);
+  }
+}
+
+/* The text is a picture: tags begin with a letter, references are those of XML. */
+static void expect_svg(const char *what) {
+  expect_plain(what, 1);
+  ck_assert_msg(strstr(text, "</svg>") != NULL, "%s: has no end", what);
+  ck_assert_msg(strstr(text, "]]>") == NULL, "%s: ]]>", what);
+  for (const char *at = text; (at = strchr(at, '<')) != NULL; at++)
+    ck_assert_msg(strchr("?!/", at[1]) || (at[1] >= 'a' && at[1] <= 'z'), "%s: %.40s", what, at);
+  for (const char *at = text; (at = strchr(at, '&')) != NULL; at++)
+    ck_assert_msg(!strncmp(at, "&amp;", 5) || !strncmp(at, "&lt;", 4) || !strncmp(at, "&gt;", 4) ||
+                      !strncmp(at, "&quot;", 6),
+                  "%s: %.40s", what, at);
+}
+
+/* The text is a table: rows with as many fields as the first has. */
+static void expect_csv(const char *what) {
+  expect_plain(what, 0);
+  int first = 0, count = 1, quoted = 0;
+  for (const char *at = text; *at; at++) {
+    if (*at == '"') quoted = !quoted;
+    if (quoted) continue;
+    count += *at == ',';
+    if (*at != '\n') continue;
+    if (!first) first = count;
+    ck_assert_msg(count == first, "%s: %d of %d fields before %.40s", what, count, first, at);
+    count = 1;
+  }
+  ck_assert(!quoted && first > 2);
+}
+
+static void expect_nothing_run(void) {
+  char command[200];
+  (void)snprintf(command, sizeof command, "test -z \"$(find %s -name pwned)\"", directory);
+  ck_assert_int_eq(system(command), 0);
+}
+
+/* The command drew, where there is gnuplot, and wrote its table. */
+static void expect_files(const char *const *arguments, const char *picture, const char *table) {
+  const int status = run_there(arguments);
+  ck_assert(read_there("said"));
+  ck_assert_msg(status <= 1, "%s %s: %d, %s", arguments[0], arguments[1], status, text);
+  expect_plain(arguments[0], 0);
+  if (system("command -v gnuplot >/dev/null") == 0) {
+    ck_assert_msg(!strstr(text, "did not draw") && !strstr(text, ".gp\" line"), "%s %s: %s",
+                  arguments[0], arguments[1], text);
+    ck_assert(read_there(picture));
+    expect_svg(picture);
+  }
+  ck_assert(read_there(table));
+  expect_csv(table);
+  expect_nothing_run();
+}
+
+static void expect_all_drawn(char names[most_names][name_room]) {
+  const char *map[most_names + 3] = {"map", "--out=o"},
+                               *profile[most_names + 3] = {"profile", "--out=o"};
+  for (int k = 0; k < most_names; k++) {
+    make_problem(names[k]);
+    map[k + 2] = profile[k + 2] = names[k];
+  }
+  profile[3] = NULL; /* a problem costs a tenth of a second */
+  expect_files(map, "o/map.svg", "o/map.csv");
+  expect_files(profile, "o/profile.svg", "o/profile.csv");
+  const char *const chart[] = {"chart", "--budget=0.1", "--out=o", names[0], NULL};
+  expect_files(chart, "o/chart.svg", "o/chart.csv");
+  const char *const solve[] = {"solve", "-q", names[1], "--plot=o", NULL};
+  expect_files(solve, "o/history.svg", "o/history.csv");
+}
+
+START_TEST(names_that_mean_something) {
+  char names[most_names][name_room] = {"./x'; system \"touch pwned\"; #.hdf5",
+                                       "./`touch pwned`'\"\\\n!touch pwned\n.txt",
+                                       "./it's.hdf5",
+                                       "./a,b\"c%d_{^}@&#;.txt",
+                                       "./]]>&#0;\xff\xed\xa0\x80\033[31m.txt",
+                                       "./'\\\xe2\x80\xae`touch pwned`\t.txt",
+                                       "./\xc3\xa9\xe6\xbc\xa2}.txt",
+                                       "./#END\n"};
+  expect_all_drawn(names);
+}
+END_TEST
+
+START_TEST(names_of_any_bytes) {
+  unsigned state = 77u + (unsigned)_i;
+  char names[most_names][name_room];
+  for (int k = 0; k < most_names; k++)
+    make_name(names[k], &state, k);
+  expect_all_drawn(names);
+}
+END_TEST
+
+/* An honest name stands in the picture as it is. */
+START_TEST(an_apostrophe_is_drawn) {
+  make_problem("it's 5% <&> {a_b}.txt");
+  const char *const solve[] = {"solve", "-q", "it's 5% <&> {a_b}.txt", "--plot=o", NULL};
+  expect_files(solve, "o/history.svg", "o/history.csv");
+  if (system("command -v gnuplot >/dev/null") != 0) return;
+  ck_assert(read_there("o/history.svg"));
+  ck_assert_ptr_nonnull(strstr(text, ">it's 5% &lt;&amp;> {a_b}.txt<"));
+}
+END_TEST
+
+/* Errors show the controls of what they are about; the words stand on one line. */
+START_TEST(errors_escape_controls) {
+  static const char strange[] = "no\033[31m\n\xff\xe2\x80\xae";
+  static const char *const lines[][6] = {{"solve", strange},
+                                         {"info", strange},
+                                         {"chart", strange},
+                                         {"map", strange},
+                                         {"profile", strange},
+                                         {"scene", strange},
+                                         {"converge", strange},
+                                         {strange},
+                                         {"solve", "-m", strange, "x"},
+                                         {"solve", "-t", strange, "x"},
+                                         {"solve", "--no\033\n\xff=1", "x"},
+                                         {"solve", "--json=\033\n\xff", "x"},
+                                         {"solve", "-\033", "x"}};
+  for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++) {
+    ck_assert_int_eq(run_there(lines[k]), 2);
+    ck_assert(read_there("said"));
+    expect_plain("said", 0);
+    ck_assert_msg(strstr(text, "\\x1b"), "%s: %s", lines[k][0], text);
+    ck_assert_msg(strchr(text, '\n') == text + strlen(text) - 1, "%s", text);
+  }
+}
+END_TEST
+
+int main(void) {
+  return RUN("names", make_directory, remove_directory, ONCE(names_that_mean_something),
+             EACH(names_of_any_bytes, 0, 4), ONCE(an_apostrophe_is_drawn),
+             ONCE(errors_escape_controls));
+}
