@@ -50,6 +50,11 @@ static dls_status kept_weights(dlsi_kept *kept, const dlsi_operator *H, dls_erro
   return status;
 }
 
+static dls_status kept_scratch(dlsi_kept *kept, dls_error *error) {
+  kept->scratch = dlsi_alloc(dlsi_body_scratch(&kept->body), sizeof *kept->scratch);
+  return kept->scratch ? DLS_OK : dlsi_no_memory(error);
+}
+
 dls_status dlsi_kept_create(dlsi_kept *kept, const dls_model *model, const dlsi_operator *H,
                             dls_error *error) {
   const size_t n = (size_t)model->n, nc = (size_t)H->candidates, m = (size_t)H->d * nc;
@@ -72,18 +77,20 @@ dls_status dlsi_kept_create(dlsi_kept *kept, const dls_model *model, const dlsi_
   memset(kept->f, 0, (n + m) * sizeof *kept->f);
   for (size_t k = 0; k < 2 * nc; k++)
     kept->w[k] = 1;
-  if (!has_K) return DLS_OK;
+  if (!has_K) return kept_scratch(kept, error);
   dls_status status = model->operator_kind == DLS_STIFFNESS_DENSE ? kept_dense(kept, model, error)
                                                                   : kept_sparse(kept, model, error);
   if (status) return status;
   kept->body.parts = dlsi_body_parts(&kept->model, kept->part);
   status = kept_weights(kept, H, error);
+  if (!status) status = kept_scratch(kept, error);
   kept->has_K = !status;
   return status;
 }
 
 void dlsi_kept_free(dlsi_kept *kept) {
   free(kept->x);
+  free(kept->scratch);
   free(kept->index);
   free(kept->part);
   free(kept->memory);

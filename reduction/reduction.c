@@ -760,13 +760,10 @@ static dls_status reduction_certify(dls_reduction *work, const double *mu, const
   if (!status) status = dlsi_check_friction(mu, (size_t)work->H.candidates, error);
   if (status) return status;
   const dlsi_body *body = dlsi_kept_body(&work->kept);
-  double *scratch = dlsi_alloc(dlsi_body_scratch(body), sizeof *scratch);
-  if (!scratch) return dlsi_no_memory(error);
   reduction_weigh(work);
-  dlsi_body_measure(body, work->kept.f, work->kept.gap, mu, r, x, work->kept.u, scratch,
+  dlsi_body_measure(body, work->kept.f, work->kept.gap, mu, r, x, work->kept.u, work->kept.scratch,
                     certificate);
   if (u) memcpy(u, work->kept.u, work->m * sizeof *u);
-  free(scratch);
   return DLS_OK;
 }
 

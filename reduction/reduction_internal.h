@@ -86,6 +86,7 @@ typedef struct dlsi_kept {
   double *f, *gap; /* the last load: n, m */
   double *u, *w;   /* m: scratch; weights of the contacts: 2 nc */
   double *x;       /* values of K */
+  double *scratch; /* of the measure */
   int *index, *part;
   double *memory;
 } dlsi_kept;

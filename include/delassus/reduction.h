@@ -161,8 +161,8 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_recover(dls_reduction *reduction, 
  *   equilibrium              max over connected bodies of |K x - f - H r| / (|f| + |H r|)
  *
  * mu as in dls_reduction_contact. Where K is a flexibility or a host's solver, equilibrium is 0 and
- * the weights are those of W. dls_certificate_verdict judges all three parts. O(entries of K and H);
- * allocates. Errors of dls_reduction_recover. */
+ * the weights are those of W. dls_certificate_verdict judges all three parts. O(entries of K and H).
+ * Errors of dls_reduction_recover. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_certify(dls_reduction *reduction, const double *mu,
                                                       const double *r, const double *x, double *u,
                                                       dls_certificate *certificate,

@@ -165,6 +165,14 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_solve(dls_reduction *reduction, co
                                                     double *u, double *x, dls_info *info,
                                                     dls_error *error);
 
+/* Judges an answer r of the contact problem that a host has solved itself, with x recovered: sets
+ * info->certificate to that of the body and info->status, which is returned, by it: a solved status
+ * stays one only if the certificate holds to the larger one of tol and eps times the condition of K,
+ * at most 1e-8. Errors of dls_reduction_certify. */
+DLS_API DLS_MUST_USE dls_status dls_reduction_judge(dls_reduction *reduction, const double *mu,
+                                                    const double *r, const double *x, double tol,
+                                                    dls_info *info, dls_error *error);
+
 /* Returns the rigid motion (n) that proves DLS_NO_SOLUTION of dls_reduction_solve, as
  * dls_global_motion, or NULL. Lives until the next solve, update or destroy. */
 DLS_API const double *dls_reduction_motion(dls_reduction *reduction, int *unknown);

@@ -168,7 +168,10 @@ static dls_status solve_condensed(run *a, const scene_options *o, dls_error *err
     status = dls_solver_create(&a->solver, 2, a->contact.nc, &o->solver.settings, error);
   if (!status)
     status = dls_solver_solve(a->solver, &a->contact, a->r, a->u, &a->outcome.info, error);
-  return status < 0 ? status : dls_reduction_recover(a->reduction, a->r, a->x, error);
+  if (status >= 0) status = dls_reduction_recover(a->reduction, a->r, a->x, error);
+  if (status < 0) return status;
+  return dls_reduction_judge(a->reduction, a->data.mu, a->r, a->x, o->solver.settings.limits.tol,
+                             &a->outcome.info, error);
 }
 
 /* Computes r and u by the paper's sweeps, and x from r. The certificate judges the answer by the

@@ -10,6 +10,8 @@
  * Cost: that of dls_solve, a product with K; where (BY3) is needed, factors of K + H R H^T, which the
  * reduction keeps. What can fail: (BY3) for a flexibility or a host's solver, which have no K.
  */
+#include <float.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -104,8 +106,11 @@ static dls_status solve_on_K(dls_reduction *reduction, const double *mu, const d
   return status;
 }
 
-/* Returns the status of a solve on W that ended with `status`, by the certificate of the body. */
-static dls_status judge_body(const dls_certificate *c, double tol, dls_status status) {
+/* Returns the status of a solve that ended with `status`, by the certificate of the body. x carries eps
+ * times the condition of K, which the rounding levels do not hold: up to 1e-8 that is allowed. */
+static dls_status judge_body(const dls_certificate *c, double asked, double condition,
+                             dls_status status) {
+  const double tol = fmax(asked, fmin(DBL_EPSILON * condition, 1e-8));
   const dls_status verdict = dls_certificate_verdict(c, tol);
   if (verdict != DLS_STALLED && status != DLS_NO_SOLUTION) return verdict;
   if (status != DLS_OK && status != DLS_TO_ROUNDING) return status;
@@ -156,7 +161,9 @@ static dls_status body_solve(dls_reduction *reduction, const double *mu,
     if (!status) /* (BY2) */
       status = dls_reduction_certify(reduction, problem.mu, answer, unknowns, position,
                                      &outcome.certificate, error);
-    if (!status) status = on_K_alone ? DLS_STALLED : judge_body(&outcome.certificate, tol, on_W);
+    if (!status)
+      status =
+          on_K_alone ? DLS_STALLED : judge_body(&outcome.certificate, tol, facts.condition, on_W);
   }
   const int goes_on = (status == DLS_STALLED || status == DLS_NOT_IN_EQUILIBRIUM ||
                        status == DLS_MAX_ITERATIONS || status == DLS_NO_SOLUTION_LIKELY) &&
@@ -167,7 +174,7 @@ static dls_status body_solve(dls_reduction *reduction, const double *mu,
       add_outcome(&outcome, &on_K);
       const dls_status measured = dls_reduction_certify(reduction, problem.mu, answer, unknowns,
                                                         position, &outcome.certificate, error);
-      status = measured ? measured : judge_body(&outcome.certificate, tol, status);
+      status = measured ? measured : judge_body(&outcome.certificate, tol, 0, status);
     }
   }
   outcome.status = status;
@@ -177,6 +184,19 @@ static dls_status body_solve(dls_reduction *reduction, const double *mu,
   if (status >= 0 && info) *info = outcome;
   free(answer);
   return status;
+}
+
+dls_status dls_reduction_judge(dls_reduction *reduction, const double *mu, const double *r,
+                               const double *x, double tol, dls_info *info, dls_error *error) {
+  DLSI_DOOR;
+  dls_reduction_info facts;
+  if (!info) return dlsi_at(__func__, dlsi_is_null(error, "info"), error);
+  dls_status status = dls_reduction_get_info(reduction, &facts, error);
+  dls_certificate certificate;
+  if (!status) status = dls_reduction_certify(reduction, mu, r, x, NULL, &certificate, error);
+  if (status) return dlsi_at(__func__, status, error);
+  info->certificate = certificate;
+  return info->status = judge_body(&certificate, tol, facts.condition, info->status);
 }
 
 dls_status dls_reduction_solve(dls_reduction *reduction, const double *mu,

@@ -82,6 +82,24 @@ static dls_status step_solve(dls_motion *motion, const double *start, double fac
   return DLS_OK;
 }
 
+/* Puts the equilibrium of A dx = b + H p into the certificate, whose laws are those of the active
+ * contacts. Where springs hold modes, step_path sees to it. */
+static dls_status step_equilibrium(dls_motion *motion, const double *mu, dls_info *info,
+                                   dls_error *error) {
+  dls_certificate body, *c = &info->certificate;
+  const dls_status status = dls_reduction_certify(motion->reduction, mu ? mu : motion->zero,
+                                                  motion->next.p, motion->dx, NULL, &body, error);
+  if (status) return status;
+  c->equilibrium = body.equilibrium;
+  c->floor_e = body.floor_e;
+  c->unbalanced = body.unbalanced;
+  c->body = body.body;
+  if (!(c->equilibrium <= c->residual)) c->residual = c->equilibrium;
+  const double tol = motion->settings.limits.tol;
+  if (c->equilibrium <= dlsi_target(tol, c->floor_e)) return DLS_OK;
+  return info->status = DLS_NOT_IN_EQUILIBRIUM;
+}
+
 /* (MT3) to (MT6), for b and g = motion->local; sets motion->dx to the solution. */
 static dls_status step_contact(dls_motion *motion, const double *mu, const double *start,
                                double factor, dls_info *info, dls_error *error) {
@@ -94,8 +112,8 @@ static dls_status step_contact(dls_motion *motion, const double *mu, const doubl
   status = dls_contact_subset(&whole, motion->next.active, motion->next.list, motion->values, NULL,
                               &motion->problem, error);
   if (!status) status = step_solve(motion, start, factor, info, error);
-  return status ? status
-                : dls_reduction_recover(motion->reduction, motion->next.p, motion->dx, error);
+  if (!status) status = dls_reduction_recover(motion->reduction, motion->next.p, motion->dx, error);
+  return status || motion->modes > 0 ? status : step_equilibrium(motion, mu, info, error);
 }
 
 /* ---- after the step -------------------------------------------------------------------------- */

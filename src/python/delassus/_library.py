@@ -173,6 +173,7 @@ _SIGNATURES = {
     "dls_reduction_load_free": (c_int, "pppp"),
     "dls_reduction_contact": (c_int, "pppp"),
     "dls_reduction_recover": (c_int, "pppp"),
+    "dls_reduction_solve": (c_int, "pppppppp"),
     "dls_reduction_balance": (c_int, "pppp"),
     "dls_reduction_nodal": (c_int, "pppp"),
     "dls_reduction_destroy": (None, "p"),

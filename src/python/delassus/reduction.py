@@ -173,13 +173,14 @@ class Reduction(Owner):
                 None if g is None else vector("g", g, self.d * self._nodes, self.d))
 
     def solve(self, mu=None, f=None, g=None, **options):
-        """Loads f and g if one is given, solves for r, recovers x; options as in solve()."""
+        """Loads f and g if one is given, solves for r and x; options as in solve(). Solved is said of
+        the body (dls_reduction_solve): what springs of held modes carry is missing."""
         if f is not None or g is not None:
             self.load(f, g)
         problem, mu = self._contact(mu)
-        solution = solve_problem(problem, **options)
-        solution.x = self.recover(solution.r)
-        del mu
+        x = np.zeros(self.n)
+        solution = solve_problem(problem, body=(self._held, address(mu), x), **options)
+        solution.x = x
         return solution
 
     def _contact(self, mu):
