@@ -40,7 +40,7 @@ MAKEFLAGS += --no-builtin-rules
 # integer constants are enums, which clang does not like beside a double; gcc does not know the name
 WARNINGS = -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
            -Wmissing-prototypes -Wvla -Wno-enum-float-conversion $(WERROR)
-CPPFLAGS_ALL = -Iinclude -Isrc -I. -MMD -MP $(CPPFLAGS)
+CPPFLAGS_ALL = -Iinclude -Isrc -I. -MMD -MP $(CPP_OF) $(CPPFLAGS)
 # i386 computes in double with SSE2 alone
 X87 := $(if $(filter 1,$(shell echo __i386__ | $(CC) $(CFLAGS) -E -P -xc - 2>/dev/null)),-msse2 -mfpmath=sse)
 # no fused products: the same bits everywhere; nobody asks errno or the traps, which keep loops scalar
@@ -172,7 +172,7 @@ LAYOUT_H := $(shell sed -n 's|^.include "\(delassus/.*\)"|include/\1|p' include/
 $(BUILD)/layout/layout.inc: src/front/layout.awk include/delassus.h $(LAYOUT_H)
 	@mkdir -p $(@D)
 	$(Q)awk -f src/front/layout.awk $(LAYOUT_H) > $@
-$(BUILD)/obj/src/front/layout.o: CPPFLAGS += -I$(BUILD)/layout
+$(BUILD)/obj/src/front/layout.o: CPP_OF += -I$(BUILD)/layout
 $(BUILD)/obj/src/front/layout.o: $(BUILD)/layout/layout.inc
 
 $(A): $(LIB_OBJ)
@@ -241,9 +241,9 @@ $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(TEST_HELPERS) $(FE) $(A)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS) $(LIBS)
 
-$(call obj,$(TEST_SRC)) $(TEST_HELPERS): CPPFLAGS += -Itests/shared -DTEST_DATA='"data"' -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0) -DWITH_HDF5=$(if $(HDF5_CFLAGS),1,0)
+$(call obj,$(TEST_SRC)) $(TEST_HELPERS): CPP_OF += -Itests/shared -DTEST_DATA='"data"' -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0) -DWITH_HDF5=$(if $(HDF5_CFLAGS),1,0)
 # test_files makes broken FCLIB files with HDF5 itself
-$(BUILD)/obj/tests/files/test_files.o: CPPFLAGS += $(HDF5_CFLAGS)
+$(BUILD)/obj/tests/files/test_files.o: CPP_OF += $(HDF5_CFLAGS)
 
 .PHONY: check
 check: deps
@@ -383,7 +383,7 @@ torment:
 # any bytes into every door: an engine of its own, or with clang libFuzzer's
 FUZZ_OBJ = $(call obj,$(wildcard tests/torment/fuzz*.c)) $(BUILD)/obj/tests/torment/main.o
 FUZZ_CLI = $(filter-out %/main.o,$(call obj,$(CLI_SRC)))
-$(call obj,$(wildcard tests/torment/fuzz*.c)): CPPFLAGS += $(HDF5_CFLAGS) $(FUZZ_CPP)
+$(call obj,$(wildcard tests/torment/fuzz*.c)): CPP_OF += $(HDF5_CFLAGS) $(FUZZ_CPP)
 $(BUILD)/obj/tests/torment/main.o: src/cli/main.c
 	@mkdir -p $(@D)
 	$(call say,CC  )
@@ -428,11 +428,11 @@ check-fuzz: $(BUILD)/tests/torment/fuzz
 RESULTS ?= bench/results
 PEER_CFLAGS = -isystem /usr/include/siconos -isystem /usr/include/siconos/numerics
 bench_obj = $(call obj,bench/common.c $(sort $(wildcard bench/$(1).c bench/$(1)_*.c)))
-$(call bench_obj,lemke) $(call bench_obj,solvers): CPPFLAGS += $(PEER_CFLAGS)
-$(call bench_obj,scale) $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c): CPPFLAGS += -Itests/shared
-$(call bench_obj,reduction): CPPFLAGS += -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
-$(call bench_obj,motion): CPPFLAGS += -isystem /usr/include/suitesparse
-$(call obj,$(wildcard bench/*.c)): CPPFLAGS += -D_GNU_SOURCE
+$(call bench_obj,lemke) $(call bench_obj,solvers): CPP_OF += $(PEER_CFLAGS)
+$(call bench_obj,scale) $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c): CPP_OF += -Itests/shared
+$(call bench_obj,reduction): CPP_OF += -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
+$(call bench_obj,motion): CPP_OF += -isystem /usr/include/suitesparse
+$(call obj,$(wildcard bench/*.c)): CPP_OF += -D_GNU_SOURCE
 
 $(BUILD)/bench/lemke: $(call bench_obj,lemke) $(FE) $(A)
 $(BUILD)/bench/solvers: $(call bench_obj,solvers) $(call obj,$(addprefix src/cli/,profile_picture.c palette.c picture.c quote.c report.c)) $(FE) $(A)

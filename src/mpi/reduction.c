@@ -49,7 +49,7 @@ static dls_status model_check_index(const char *argument, const int *index, size
   for (size_t k = 0; k < entries; k++)
     if (index[k] < 0 || index[k] >= n)
       return dlsi_fail(error, DLS_E_ARGUMENT, argument, (long long)k, index[k],
-                       "is %d, must be from 0 to %d", index[k], n - 1);
+                       "is %d, must be in 0 .. %d", index[k], n - 1);
   return DLS_OK;
 }
 
