@@ -136,6 +136,7 @@ typedef struct schedule {
   int look;                /* iteration of the next (GL5) */
   int newton, prove;       /* iteration from which on (GL6), (GL7) may be tried */
   double jump;             /* (GL5): next factor where the residual stands still */
+  int moves;               /* 1: the smallest residual has halved between the two looks before */
   double residual_at_look; /* the smallest one at the look before */
   double residual;         /* of the measure before */
   double equilibrium;      /* at the look before */
@@ -148,25 +149,27 @@ static dls_status split_factor(dls_global *work, dls_error *error) {
   return dlsi_system_factor(work->system, work->rho, error);
 }
 
-/* (GL5) Returns the next rho. gap: |p - q|; change: |rho (z - z')|. */
-static double split_next_rho(const dls_global *work, double gap, double change, schedule *s) {
+/* (GL5) Returns the next rho at iteration k. gap: |p - q|; change: |rho (z - z')|. */
+static double split_next_rho(const dls_global *work, int k, double gap, double change,
+                             schedule *s) {
   const double residual = dlsi_body_badness(&work->best);
-  double turn = s->jump;
-  if (residual <= s->residual_at_look / 2) {
-    turn = sqrt(gap / change); /* infinite: most_change */
-    if (turn <= off && turn >= 1 / off) turn = 1;
-    turn = fmin(fmax(turn, 1 / most_change), most_change);
-  } else
-    s->jump = s->jump < 1 ? 10 / s->jump : 0.1 / s->jump;
+  const int more = k / (2 * measure_every) * measure_every;
+  double turn = fmin(fmax(sqrt(gap / change), 1 / most_change), most_change);
+  s->moves = residual <= s->residual_at_look / 2;
   s->residual_at_look = residual;
-  if (s->look <= INT_MAX / 2) s->look *= 2;
+  s->look = k + (more > first_look ? more : first_look);
+  if (turn <= off && turn >= 1 / off) {
+    turn = s->moves ? 1 : s->jump;
+    if (!s->moves) s->jump = s->jump < 1 ? 10 / s->jump : 0.1 / s->jump;
+  }
   return fmin(fmax(work->rho * turn, least_rho), most_rho);
 }
 
 /* (GL5) Goes on with another rho from the same r and z. */
-static dls_status split_adapt(dls_global *work, double gap, double change, schedule *s,
+static dls_status split_adapt(dls_global *work, int k, double gap, double change, schedule *s,
                               dls_error *error) {
-  const double rho = split_next_rho(work, gap, change, s), f = rho / work->rho;
+  const double rho = split_next_rho(work, k, gap, change, s), f = rho / work->rho;
+  if (rho != work->rho || !s->moves) dlsi_anderson_clear(&work->history);
   if (rho == work->rho) return DLS_OK;
   dlsi_global_resolve(work, work->q, work->r);
   for (int i = 0; i < work->m; i++) {
@@ -174,12 +177,11 @@ static dls_status split_adapt(dls_global *work, double gap, double change, sched
     work->z[i] *= f;
   }
   work->rho = rho;
-  dlsi_anderson_clear(&work->history);
   return split_factor(work, error);
 }
 
 /* (GL4), (GL8), (GL9) gap: |p - q|; *accepted: that of the q before. */
-static void split_advance(dls_global *work, double gap, double *accepted) {
+static void split_advance(dls_global *work, int accelerate, double gap, double *accepted) {
   dlsi_anderson *history = &work->history;
   if (history->columns && !(gap <= most_growth * *accepted)) {
     memcpy(work->q, history->g, (size_t)work->m * sizeof *work->q);
@@ -191,7 +193,7 @@ static void split_advance(dls_global *work, double gap, double *accepted) {
     work->look[i] = relaxation * (work->p[i] - work->q[i]);
     work->q[i] += work->look[i];
   }
-  if (work->m > 0) (void)dlsi_anderson_step(history, work->m, work->look, work->q, NULL);
+  if (accelerate) (void)dlsi_anderson_step(history, work->m, work->look, work->q, NULL);
 }
 
 /* (GL6) Returns 1 if so many iterations are left that Newton steps are worth their factors. */
@@ -283,6 +285,7 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
   schedule s = {.look = first_look,
                 .newton = first_look,
                 .jump = 0.1,
+                .moves = 1,
                 .residual_at_look = INFINITY,
                 .residual = INFINITY,
                 .equilibrium = INFINITY,
@@ -320,8 +323,8 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
       if (end) return status;
       status = DLS_OK;
     }
-    split_advance(work, gap, &accepted);
-    if (adapt) status = split_adapt(work, gap, change, &s, error); /* (GL5) */
+    split_advance(work, m > 0 && s.moves, gap, &accepted);
+    if (adapt) status = split_adapt(work, k, gap, change, &s, error); /* (GL5) */
   }
   return status ? status : split_verdict(work, DLS_MAX_ITERATIONS);
 }
