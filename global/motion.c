@@ -18,9 +18,9 @@
  *          G: the rows that hold with equality: (H^T b)_c = 0 where it is small, (H^T b)_n = mu
  *          |(H^T b)_t| where the difference is. Rounding divided by 1e-8 is small beside db only:
  *          each turn has a smaller one.
- *   (GM4)  (GM1) by the user's numbers: |K b|_i <= 100 eps (|K||b|)_i; b^T f above its rounding;
- *          the cones within 100 eps |H|^T times the largest motion of each body, to which b
- *          is rounded
+ *   (GM4)  (GM1) by the user's numbers, with b of largest entry 1: |K b|_i <= 100 eps sum_j |K_ij|,
+ *          the rounding of K itself, whose net force a stack hands down to bodies that move less; b^T f
+ *          above 1e-10 |b|^T |f|; the cones within 100 eps of the largest |H|^T |b|
  *
  * Source of (GM2): Banjac, Goulart, Stellato and Boyd, J. Optim. Theory Appl. 183, 2019, 490-519.
  * Cost: up to `most` solves with the factor of A, an LU for each turn of (GM3). What can fail: forces that
@@ -197,16 +197,19 @@ static int drift_proves(drift *D) {
   const dls_global *work = D->global;
   const size_t n = (size_t)work->n;
   double load = 0, turmoil = 0;
-  dlsi_body_multiply(&work->model, D->b, D->y, D->a);
+  for (size_t j = 0; j < n; j++) /* D->y := |K| e */
+    D->a[j] = 1;
+  dlsi_body_multiply(&work->model, D->a, work->y, D->y);
+  dlsi_body_multiply(&work->model, D->b, D->a, NULL);
   for (size_t j = 0; j < n; j++) {
-    if (!(fabs(D->y[j]) <= slack * D->a[j])) return 0;
+    if (!(fabs(D->a[j]) <= slack * D->y[j])) return 0;
     load += D->b[j] * (work->f ? work->f[j] : 0);
     turmoil += fabs(D->b[j] * (work->f ? work->f[j] : 0));
   }
   if (!(load > certain * turmoil)) return 0;
   for (int c = 0; c < work->nc; c++) {
     double h[3], size;
-    if (!(drift_misses(D, c, h, &size) <= slack * size)) return 0;
+    if (!(drift_misses(D, c, h, &size) <= slack * D->scale)) return 0;
   }
   return 1;
 }
