@@ -125,6 +125,9 @@ void dlsi_global_push(const dls_global *work, const double *r, double *v);
  * is solved, DLS_TO_ROUNDING, or DLS_STALLED to go on. *found receives the certificate. */
 dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificate *found);
 
+/* Factors A for work->rho, and counts. */
+dls_status dlsi_global_factor(dls_global *work, dls_error *error);
+
 /* Solves from work->r, work->x in at most `most` iterations; the best pair is in work->best_r, best_x. Returns a status of a solve. */
 dls_status dlsi_global_split(dls_global *work, int most, dls_error *error);
 
@@ -144,8 +147,8 @@ dls_status dlsi_global_newton(dls_global *work, double *r, dls_error *error);
 
 /* ---- motion.c -------------------------------------------------------------------------------- */
 
-/* Looks for a rigid motion that nothing can hold. *proved := 1: work->motion holds it. Keeps q, p,
+/* Looks for a rigid motion that nothing can hold, in `most` iterations. *proved := 1: work->motion holds it. Keeps q, p,
  * x. DLS_E_MEMORY, DLS_E_SINGULAR. */
-dls_status dlsi_global_prove(dls_global *work, int *proved, dls_error *error);
+dls_status dlsi_global_prove(dls_global *work, int most, int *proved, dls_error *error);
 
 #endif

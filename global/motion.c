@@ -23,7 +23,7 @@
  *          above 1e-10 |b|^T |f|; the cones within 100 eps of the largest |H|^T |b|
  *
  * Source of (GM2): Banjac, Goulart, Stellato and Boyd, J. Optim. Theory Appl. 183, 2019, 490-519.
- * Cost: up to `most` solves with the factor of A, an LU for each turn of (GM3). What can fail: forces that
+ * Cost: a solve with the factor of A an iteration, LU for each turn of (GM3). What can fail: forces that
  * balance on the boundary of the cones alone; a drift that converges slowly. Nothing is proved then.
  */
 #include <stdlib.h>
@@ -31,7 +31,7 @@
 
 #include "global_internal.h"
 
-enum { most = 1000, try_every = 20, turns = 3, most_tries = 12 };
+enum { try_every = 20, turns = 3, most_tries = 12 };
 
 static const double soft = 1e-8, delta = 1e-9;
 static const double slack = 100 * DBL_EPSILON;
@@ -258,7 +258,7 @@ static void drift_project(const dls_global *work, const double *q, double *r) {
     (void)dlsi_project_cone(work->d, work->bend[c], q + work->d * c, r + work->d * c);
 }
 
-static dls_status drift_run(drift *D, int *proved, dls_error *error) {
+static dls_status drift_run(drift *D, int most, int *proved, dls_error *error) {
   dls_global *work = D->global;
   const size_t n = (size_t)work->n;
   dls_status status = DLS_OK;
@@ -286,7 +286,23 @@ static dls_status drift_run(drift *D, int *proved, dls_error *error) {
   return status;
 }
 
-dls_status dlsi_global_prove(dls_global *work, int *proved, dls_error *error) {
+/* Runs with rho = 1: the drift is slow with larger ones. */
+static dls_status drift_with(drift *D, int most, int *proved, dls_error *error) {
+  dls_global *work = D->global;
+  const double rho = work->rho;
+  dls_status status = DLS_OK;
+  work->rho = 1;
+  if (rho != 1) status = dlsi_global_factor(work, error);
+  if (!status) status = drift_run(D, most, proved, error);
+  work->rho = rho;
+  if (rho != 1 && status >= 0 && !*proved) {
+    const dls_status again = dlsi_global_factor(work, error);
+    if (again) status = again;
+  }
+  return status;
+}
+
+dls_status dlsi_global_prove(dls_global *work, int most, int *proved, dls_error *error) {
   const size_t n = (size_t)work->n, m = (size_t)work->m;
   const size_t entries = 2 * (size_t)work->K.p[n] + n + m + 4 * (size_t)work->H.p[m];
   drift D = {.global = work};
@@ -307,8 +323,9 @@ dls_status dlsi_global_prove(dls_global *work, int *proved, dls_error *error) {
     D.before = D.drift + n;
     D.tried = 1;
     memcpy(D.x, work->x, n * sizeof *D.x);
-    memcpy(D.q, work->q, m * sizeof *D.q);
-    status = drift_run(&D, proved, error);
+    for (size_t k = 0; k < m; k++)
+      D.q[k] = work->p[k] + (work->rho - 1) * work->u[k];
+    status = drift_with(&D, most, proved, error);
     memcpy(work->x, D.x, n * sizeof *D.x);
   }
   dlsi_general_free(&D.general);

@@ -19,7 +19,7 @@
  *          tried in turn. r and z stay. One factorisation. (AD5) of vi/admm.c.
  *   (GL6)  Newton steps (newton.c) end the iteration where no state has changed between two looks
  *          and the splitting would need more than `worth` iterations yet, which is what an LU takes.
- *   (GL7)  Where contact is settled and equilibrium stands still, look for a motion that nothing
+ *   (GL7)  Where equilibrium is the worst part and stands still, look for a motion that nothing
  *          can hold (motion.c).
  *
  *   (GL8)  The next q by Anderson's acceleration of (GL4), 10 steps.
@@ -144,7 +144,7 @@ typedef struct schedule {
   int since;               /* .. and the iteration */
 } schedule;
 
-static dls_status split_factor(dls_global *work, dls_error *error) {
+dls_status dlsi_global_factor(dls_global *work, dls_error *error) {
   work->factorisations++;
   return dlsi_system_factor(work->system, work->rho, error);
 }
@@ -177,7 +177,7 @@ static dls_status split_adapt(dls_global *work, int k, double gap, double change
     work->z[i] *= f;
   }
   work->rho = rho;
-  return split_factor(work, error);
+  return dlsi_global_factor(work, error);
 }
 
 /* (GL4), (GL8), (GL9) gap: |p - q|; *accepted: that of the q before. */
@@ -221,10 +221,9 @@ static dls_status split_newton(dls_global *work, int k, schedule *s, dls_error *
   return DLS_STALLED;
 }
 
-/* Returns 1 if the parts of contact are far below that of equilibrium, which stands still. */
+/* Returns 1 if equilibrium is the worst part and stands still. */
 static int stands_still(const dls_certificate *now, schedule *s) {
-  const double contact = now->residual_u > now->residual_r ? now->residual_u : now->residual_r;
-  const int still = now->equilibrium > 0.9 * s->equilibrium && contact < 0.1 * now->equilibrium;
+  const int still = now->equilibrium > 0.5 * s->equilibrium && now->equilibrium == now->residual;
   s->equilibrium = now->equilibrium;
   return still;
 }
@@ -267,7 +266,7 @@ static dls_status split_look(dls_global *work, int k, int most, const double *p,
   if (k >= s->look && stands_still(&now, s) && k >= s->prove) {
     int proved = 0;
     s->prove = 2 * k;
-    status = dlsi_global_prove(work, &proved, error);
+    status = dlsi_global_prove(work, 2 * k, &proved, error);
     if (status) return status;
     if (proved) return DLS_NO_SOLUTION;
   }
@@ -299,7 +298,7 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
   dlsi_global_look(work, work->x, work->u);
   dls_status status = dlsi_global_measure(work, work->r, &now);
   if (status != DLS_STALLED) return status;
-  status = split_factor(work, error);
+  status = dlsi_global_factor(work, error);
   for (int k = 0; k < m; k++)
     work->q[k] = work->r[k] - work->rho * work->u[k];
   memset(work->z, 0, (size_t)m * sizeof *work->z);
