@@ -231,9 +231,16 @@ static int same_pattern(const dlsi_columns *A, const dlsi_columns *B) {
 static dls_status global_update(dls_global *work, const dls_model *model, dls_error *error) {
   matrices of;
   dls_status status = matrices_create(&of, model, error);
-  if (!status && (model->d != work->d || model->n != work->n || model->nodes != work->nodes))
-    status = dlsi_fail(error, DLS_E_SIZE, "model", -1, model->n,
-                       "d, n or nodes are not those of create");
+  const struct {
+    const char *name;
+    int then, now;
+  } sizes[] = {{"d", work->d, status ? 0 : model->d},
+               {"n", work->n, status ? 0 : model->n},
+               {"nodes", work->nodes, status ? 0 : model->nodes}};
+  for (int k = 0; !status && k < 3; k++)
+    if (sizes[k].then != sizes[k].now)
+      status = dlsi_fail(error, DLS_E_SIZE, sizes[k].name, -1, sizes[k].now,
+                         "is %d, was %d in create", sizes[k].now, sizes[k].then);
   if (!status && model->factorization != work->model.factorization)
     status = dlsi_fail(error, DLS_E_ARGUMENT, "factorization", -1, model->factorization,
                        "is not what it was in create");

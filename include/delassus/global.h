@@ -68,7 +68,7 @@ DLS_API DLS_MUST_USE dls_status dls_global_solve(dls_global *global, const doubl
 /* Returns the number of contacts; 0 for NULL. */
 DLS_API int dls_global_contacts(const dls_global *global);
 
-/* Returns the rigid motion b (n) that proves DLS_NO_SOLUTION after the last solve, NULL after any
+/* Returns the rigid motion b (n, largest entry near 1) that proves DLS_NO_SOLUTION after the last solve, NULL after any
  * other status. K b = 0 to rounding, b^T f > 0, and (H^T b)_n >= mu |(H^T b)_t| to rounding at
  * every contact: whatever r the law allows, b^T (f + H r) > 0, and nothing balances it. *body (or
  * NULL): the first unknown of the connected body that moves most. */

@@ -20,12 +20,14 @@ typedef struct solids {
 void solids_new(solids *S, int d, int nodes, int contacts);
 void solids_free(solids *S);
 
-/* Adds a block of nx x ny squares of side 1 (d = 2), or nx x ny x nz cubes (d = 3), E = 1 times
+/* count is nx, ny, nz; nz is not read for d = 2.
+ *
+ * Adds a block of nx x ny squares of side 1 (d = 2), or nx x ny x nz cubes (d = 3), E = 1 times
  * `stiff`, nu = .3; returns its first node. Node (i, j, k) is first + i + (nx+1) (j + (ny+1) k). */
-int solids_block(solids *S, const int *count, double stiff);
+int solids_block(solids *S, const int count[3], double stiff);
 
 /* Adds a block whose node (i, j) stands at x[2 (i + (nx+1) j)], .. (d = 2). */
-int solids_mapped(solids *S, const int *count, const double *x, double stiff);
+int solids_mapped(solids *S, const int count[3], const double *x, double stiff);
 
 /* Adds a spring to direction `k` of a node. */
 void solids_spring(solids *S, int node, int k, double stiffness);
