@@ -248,10 +248,9 @@ static dls_status global_update(dls_global *work, const dls_model *model, dls_er
     status = dlsi_fail(error, DLS_E_SIZE, "active", -1, of.operator.candidates,
                        "other contacts than those of create");
   if (!status && !same_pattern(&of.K, &work->K))
-    status = dlsi_fail(error, DLS_E_ARGUMENT, "Ks", -1, of.K.p[work->n],
-                       "the pattern is not the one of create");
+    status = dlsi_fail(error, DLS_E_ARGUMENT, "Ks", -1, 0, "has entries at other places");
   if (!status && !same_pattern(&of.H, &work->H))
-    status = dlsi_fail(error, DLS_E_ARGUMENT, "HN", -1, of.H.p[work->m],
+    status = dlsi_fail(error, DLS_E_ARGUMENT, "HN", -1, 0,
                        "HN, HT, P touch other unknowns than those of create");
   if (!status) {
     global_take(work, &of);

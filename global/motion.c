@@ -5,26 +5,32 @@
  *
  *   (GM1)  K b = 0,  b^T f > 0,  (H^T b)_n >= mu |(H^T b)_t| at every contact
  *
- * has b^T (f + H r) > 0 for all r of the friction cones, but b^T K x = 0: no equilibrium. By
- * Farkas's lemma there is one wherever no r of the cones balances f, up to closure. For K not
- * symmetric it is b^T K = 0 that counts.
+ * has b^T (f + H r) > 0 for all r of the friction cones, but b^T K x = 0: there is no equilibrium.
+ * By Farkas's lemma there is such a b wherever no r of the cones balances f, up to closure. Where K
+ * is not symmetric nothing is tried: b^T K = 0 is what would count.
  *
- *   (GM2)  The splitting with the projection on the cone, q - r, in the place of the law, and g =
- *          0: a convex problem with the same cones. Where it has no solution, x - x_old converges to
- *          such a b.
+ *   (GM2)  Iterate the splitting with rho = 1, the projection on the cone in the place of the law,
+ *          and g = 0. This is a convex problem with the same cones. Where it has no solution, the
+ *          drift x - x_old converges to such a b.
  *   (GM3)  Bodies that hardly move stand still, b := 0. Then three times
  *            | K + 1e-8 e   -G    | |db|     | K b   |        b := b + db
  *            | G^T          delta | |y | = - | G^T b |
  *          G: the rows that hold with equality: (H^T b)_c = 0 where it is small, (H^T b)_n = mu
- *          |(H^T b)_t| where the difference is. Rounding divided by 1e-8 is small beside db only:
- *          each turn has a smaller one.
- *   (GM4)  (GM1) by the user's numbers, with b of largest entry 1: |K b|_i <= 100 eps sum_j |K_ij|,
- *          the rounding of K itself, whose net force a stack hands down to bodies that move less; b^T f
- *          above 1e-10 |b|^T |f|; the cones within 100 eps of the largest |H|^T |b|
+ *          |(H^T b)_t| where the difference is. The rounding of a turn, divided by 1e-8, is small
+ *          beside db only: each turn has a smaller one.
+ *   (GM4)  Check (GM1) by the user's numbers, with b of largest entry 1:
+ *            K b      |K b|_i <= 100 eps sum_j |K_ij|: the rounding of K itself, whose net force a
+ *                     stack hands down to bodies that move less
+ *            b^T f    more than 1e-10 |b|^T |f|
+ *            cones    within 100 eps of the largest |H|^T |b|
+ *
+ * "Hardly" and "small" are 10 times the change of b between two looks: the steadier the drift, the
+ * more is told apart. A try needs half of that of the try before.
  *
  * Source of (GM2): Banjac, Goulart, Stellato and Boyd, J. Optim. Theory Appl. 183, 2019, 490-519.
- * Cost: a solve with the factor of A an iteration, LU for each turn of (GM3). What can fail: forces that
- * balance on the boundary of the cones alone; a drift that converges slowly. Nothing is proved then.
+ * Cost: a solve with the factor of A an iteration, an LU for each turn of (GM3).
+ * What can fail: forces that balance on the boundary of the cones alone, or a drift that converges
+ * slowly. Nothing is proved then.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
-/* test_global.c: the contact problem on K itself: answers by hand, laws checked by plain loops, proofs
- * that there is none, agreement with W, units, storage, errors. */
+/* test_global.c: the contact problem on K itself: answers by hand, laws checked by plain loops,
+ * proofs that there is none, agreement with W, units, storage, errors. */
 #include <check.h>
 #include <float.h>
 #include <math.h>
@@ -33,8 +33,8 @@ static void answer_free(answer *A) {
 }
 
 /* Solves with the same friction everywhere. */
-static answer solve(const dls_model *model, const double *f, const double *g, double mu,
-                    double tol) {
+static answer answer_of(const dls_model *model, const double *f, const double *g, double mu,
+                        double tol) {
   answer A = {.n = model->n};
   dls_error e = {0};
   const dls_limits limits = {.tol = tol};
@@ -166,7 +166,7 @@ static const dls_model *two_bars(dls_factorization factorization, int is_sparse)
 START_TEST(free_bars) {
   const double f[4] = {0, 0, 0, -10}, expected[] = {0, -10, -10, -20};
   const dls_model *model = two_bars((dls_factorization)(1 + _i % 3), _i / 3);
-  answer A = solve(model, f, NULL, 0, 1e-10);
+  answer A = answer_of(model, f, NULL, 0, 1e-10);
   ck_assert_int_eq(A.status, DLS_OK);
   for (int c = 0; c < 2; c++)
     ck_assert_msg(fabs(A.r[2 * c] - 10) <= 1e-8 && A.r[2 * c + 1] == 0, "%g", A.r[2 * c]);
@@ -182,7 +182,7 @@ END_TEST
 START_TEST(bar_pulled_up) {
   const double f[4] = {0, -1, 0, 10};
   const dls_model *model = two_bars(DLS_CHOLESKY, 1);
-  answer A = solve(model, f, NULL, 0, 1e-8);
+  answer A = answer_of(model, f, NULL, 0, 1e-8);
   expect_no_solution(&A, model, f);
   int body;
   const double *b = dls_global_motion(A.global, &body);
@@ -193,8 +193,8 @@ START_TEST(bar_pulled_up) {
 }
 END_TEST
 
-/* Two nodes tied by a multiplier, x_0 - x_1 = 0, on a spring of 1000: a free mass of two loads of 10
- * on the ground of node 1, gap .03. Unknown 2 is the multiplier. */
+/* Two nodes tied by a multiplier, x_0 - x_1 = 0, unknown 2; a spring of 1000 under node 1 and a
+ * load of 10 on each. Node 0 meets the ground after .01. */
 START_TEST(tie_by_multiplier) {
   const double rows[9] = {0, 0, 1, 0, 1000, -1, 1, -1, 0}, f[3] = {-10, -10, 0};
   const double g[4] = {.01, 0, .015, 0};
@@ -204,7 +204,7 @@ START_TEST(tie_by_multiplier) {
   S.model.nodes = 2;
   S.model.HN = (dls_sparse){3, 2, p, i, x};
   S.model.HT = (dls_sparse){3, 2, none, i, x};
-  answer A = solve(&S.model, f, g, .3, 1e-10);
+  answer A = answer_of(&S.model, f, g, .3, 1e-10);
   ck_assert_int_eq(A.status,
                    DLS_OK); /* x = -.01 at both: 1000 x .01 = 10 by the spring, 10 by node 0 */
   ck_assert_double_eq_tol(A.r[0], 10, 1e-7);
@@ -223,7 +223,7 @@ START_TEST(node_twice) {
   S.model.nodes = 2;
   S.model.HN = (dls_sparse){2, 2, p, in, x};
   S.model.HT = (dls_sparse){2, 2, p, it, x};
-  answer A = solve(&S.model, f, NULL, .05, 1e-12);
+  answer A = answer_of(&S.model, f, NULL, .05, 1e-12);
   expect_solved(&A, &S.model, f, NULL, 1e-11);
   ck_assert_double_eq_tol(A.r[0] + A.r[2], 10, 1e-9);
   ck_assert_double_eq_tol(A.r[1] + A.r[3], -.5, 1e-9);
@@ -236,19 +236,19 @@ END_TEST
 START_TEST(no_contact) {
   const double rows[4] = {2, -1, -1, 2}, free_rows[4] = {1, -1, -1, 1}, f[2] = {1, 0};
   stiffness_fill(&S, 2, rows, DLS_CHOLESKY, 1);
-  answer A = solve(&S.model, f, NULL, 0, 1e-14);
+  answer A = answer_of(&S.model, f, NULL, 0, 1e-14);
   ck_assert_int_eq(A.status, DLS_OK);
   ck_assert(fabs(A.x[0] - 2. / 3) <= 1e-15 && fabs(A.x[1] - 1. / 3) <= 1e-15);
   answer_free(&A);
   stiffness_fill(&S, 2, free_rows, DLS_CHOLESKY, 1);
-  A = solve(&S.model, NULL, NULL, 0, 1e-8);
+  A = answer_of(&S.model, NULL, NULL, 0, 1e-8);
   ck_assert(A.status == DLS_OK && A.x[0] == 0 && A.x[1] == 0);
   answer_free(&A);
-  A = solve(&S.model, (double[]){1, -1}, NULL, 0, 1e-8);
+  A = answer_of(&S.model, (double[]){1, -1}, NULL, 0, 1e-8);
   ck_assert_int_eq(A.status, DLS_OK);
   ck_assert_double_eq_tol(A.x[0] - A.x[1], 1, 1e-7);
   answer_free(&A);
-  A = solve(&S.model, f, NULL, 0, 1e-8);
+  A = answer_of(&S.model, f, NULL, 0, 1e-8);
   ck_assert_int_eq(A.status, DLS_NO_SOLUTION);
   answer_free(&A);
 }
@@ -263,7 +263,7 @@ START_TEST(bonded) {
   S.model.nodes = 1;
   S.model.HN = (dls_sparse){2, 1, p, in, x};
   S.model.HT = (dls_sparse){2, 1, p, it, x};
-  answer A = solve(&S.model, f, NULL, INFINITY, 1e-10);
+  answer A = answer_of(&S.model, f, NULL, INFINITY, 1e-10);
   ck_assert_int_eq(A.status, DLS_OK);
   ck_assert_double_eq_tol(A.r[0], 10, 1e-7);
   ck_assert_double_eq_tol(A.r[1], -50, 1e-7);
@@ -273,8 +273,8 @@ END_TEST
 
 /* ---- elastic bodies -------------------------------------------------------------------------- */
 
-/* A block of height 1 in an overlap of .02 between rigid plates without friction, which nothing holds
- * sideways: 2 * .02 / 2 E / (1 - nu^2) of force on the length of 4. */
+/* A block of height 1 in an overlap of .02 between rigid plates without friction, which nothing
+ * holds sideways: 2 * .02 / 2 E / (1 - nu^2) of force on the length of 4. */
 START_TEST(press_fit) {
   solids T;
   solids_new(&T, 2, 10, 10);
@@ -283,7 +283,7 @@ START_TEST(press_fit) {
     solids_contact(&T, i, -1, (double[]){0, 1}, -.01);
     solids_contact(&T, 5 + i, -1, (double[]){0, -1}, -.01);
   }
-  answer A = solve(solids_model(&T), NULL, T.g, 0, 1e-10);
+  answer A = answer_of(solids_model(&T), NULL, T.g, 0, 1e-10);
   expect_solved(&A, &T.model, NULL, T.g, 1e-9);
   for (int i = 0; i < 5; i++) {
     const double expected = 20 / (1 - .09) * (i == 0 || i == 4 ? .5 : 1);
@@ -295,7 +295,7 @@ START_TEST(press_fit) {
 }
 END_TEST
 
-/* A free block under a load of 1, and the same on springs of 1e-8 at every unknown: the same forces,
+/* A free block under a load, and the same on springs of 1e-8 at every unknown: the same forces,
  * although K^-1 f is 1e8 times the body. */
 START_TEST(weak_springs) {
   answer A[2];
@@ -307,7 +307,7 @@ START_TEST(weak_springs) {
     dlsi_columns *const old[] = {&T[soft].Kc, &T[soft].Nc, &T[soft].Tc};
     for (int k = 0; k < 3; k++)
       dlsi_columns_free(old[k]);
-    A[soft] = solve(solids_model(&T[soft]), T[soft].f, T[soft].g, .3, 1e-10);
+    A[soft] = answer_of(solids_model(&T[soft]), T[soft].f, T[soft].g, .3, 1e-10);
     expect_solved(&A[soft], &T[soft].model, T[soft].f, T[soft].g, 1e-9);
   }
   for (int k = 0; k < A[0].m; k++)
@@ -328,7 +328,7 @@ START_TEST(stacks) {
   const int k = _i / 6, d = stack_of[k].d, count = stack_of[k].count, side = stack_of[k].side;
   solids T;
   solids_stack(&T, d, count, side, push[_i % 6]);
-  answer A = solve(&T.model, T.f, T.g, .3, 1e-8);
+  answer A = answer_of(&T.model, T.f, T.g, .3, 1e-8);
   if (push[_i % 6] > 1)
     expect_no_solution(&A, &T.model, T.f);
   else {
@@ -351,7 +351,7 @@ START_TEST(arches_fall) {
   const double thick[] = {.08, .1, .2}, mu[] = {.6, .6, .1};
   solids T;
   solids_arch(&T, 15, thick[_i]);
-  answer A = solve(&T.model, T.f, T.g, mu[_i], 1e-8);
+  answer A = answer_of(&T.model, T.f, T.g, mu[_i], 1e-8);
   expect_no_solution(&A, &T.model, T.f);
   answer_free(&A);
   solids_free(&T);
@@ -368,7 +368,7 @@ START_TEST(surfaces) {
     solids_plate(&T, 8, 2);
   else
     solids_pad(&T, 120, 3);
-  answer A = solve(&T.model, T.f, T.g, mu[_i % 6], tol);
+  answer A = answer_of(&T.model, T.f, T.g, mu[_i % 6], tol);
   expect_solved(&A, &T.model, T.f, T.g, tol < 1e-10 ? 1e-11 : 1e-7);
   ck_assert_int_le(A.info.iterations, 200); /* 20 to 60 here */
   answer_free(&A);
@@ -386,7 +386,7 @@ START_TEST(agrees_with_W) {
     solids_plate(&T, 5, 2);
   else
     solids_pad(&T, 40, 2);
-  answer A = solve(&T.model, T.f, T.g, .3, 1e-10);
+  answer A = answer_of(&T.model, T.f, T.g, .3, 1e-10);
   ck_assert_int_eq(A.status, DLS_OK);
   ck_assert(!dls_reduction_create(&R, &T.model, NULL));
   ck_assert(!dls_reduction_load(R, T.f, T.g, NULL));
@@ -412,12 +412,12 @@ START_TEST(units) {
   const double force = _i / 2 ? 1e9 : 1e-9, length = _i % 2 ? 1e3 : 1e-3;
   solids T;
   solids_plate(&T, 6, 2);
-  answer A = solve(&T.model, T.f, T.g, .3, 1e-8);
+  answer A = answer_of(&T.model, T.f, T.g, .3, 1e-8);
   for (int k = 0; k < T.Kc.p[T.Kc.cols]; k++)
     T.Kc.x[k] *= force / length;
   for (int j = 0; j < A.n; j++)
     T.f[j] *= force;
-  answer B = solve(&T.model, T.f, T.g, .3, 1e-8);
+  answer B = answer_of(&T.model, T.f, T.g, .3, 1e-8);
   ck_assert(A.status == DLS_OK && B.status == DLS_OK);
   ck_assert_int_eq(A.info.iterations, B.info.iterations);
   ck_assert_int_eq(A.info.factorisations, B.info.factorisations);
@@ -439,7 +439,7 @@ START_TEST(unsymmetric) {
   S.model.nodes = 2;
   S.model.HN = (dls_sparse){4, 2, p, in, x};
   S.model.HT = (dls_sparse){4, 2, p, it, x};
-  answer A = solve(&S.model, f, NULL, .2, 1e-12);
+  answer A = answer_of(&S.model, f, NULL, .2, 1e-12);
   expect_solved(&A, &S.model, f, NULL, 1e-11);
   answer_free(&A);
 }
@@ -501,12 +501,12 @@ END_TEST
 
 /* ---- starts, updates, limits ----------------------------------------------------------------- */
 
-/* A warm start from the answer takes no iteration, from a near one fewer; an update gives the bits of
- * a new object; a repeated solve the same bits. */
+/* A warm start from the answer takes no iteration, from a near one fewer; an update gives the bits
+ * of a new object; a repeated solve the same bits. */
 START_TEST(warm_and_update) {
   solids T;
   solids_plate(&T, 6, 2);
-  answer A = solve(&T.model, T.f, T.g, .3, 1e-8);
+  answer A = answer_of(&T.model, T.f, T.g, .3, 1e-8);
   ck_assert_int_eq(A.status, DLS_OK);
   dls_limits limits = {.tol = 1e-8, .warm_start = 1};
   dls_info info;
@@ -523,7 +523,7 @@ START_TEST(warm_and_update) {
   for (int k = 0; k < T.Kc.p[T.Kc.cols]; k++)
     T.Kc.x[k] *= 2;
   ck_assert(!dls_global_update(A.global, &T.model, NULL));
-  answer B = solve(&T.model, T.f, T.g, .3, 1e-8);
+  answer B = answer_of(&T.model, T.f, T.g, .3, 1e-8);
   limits.warm_start = 0;
   for (int turn = 0; turn < 2; turn++) {
     ck_assert_int_eq(dls_global_solve(A.global, T.f, T.g, A.mu, &limits, r, x, &info, NULL),
@@ -542,7 +542,7 @@ END_TEST
 static int calls, last_iteration, cancel_at;
 static dls_global *inside;
 
-static int watch(void *data, const dls_progress *progress) {
+static int watch_global(void *data, const dls_progress *progress) {
   dls_error e;
   ck_assert_ptr_eq(data, &calls);
   ck_assert_str_eq(progress->method, "global");
@@ -559,9 +559,9 @@ static int watch(void *data, const dls_progress *progress) {
 START_TEST(limits_hold) {
   solids T;
   solids_pad(&T, 100, 2);
-  answer A = solve(&T.model, T.f, T.g, .3, 1e-8);
+  answer A = answer_of(&T.model, T.f, T.g, .3, 1e-8);
   dls_info info;
-  dls_limits limits = {.tol = 1e-8, .progress = watch, .progress_data = &calls};
+  dls_limits limits = {.tol = 1e-8, .progress = watch_global, .progress_data = &calls};
   inside = A.global;
   calls = 0;
   cancel_at = 2;
