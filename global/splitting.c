@@ -24,8 +24,8 @@
  *            else                                     rho / 10, 10 rho, rho / 100, .. in turn
  *          A change keeps r and z, and costs a factorisation.
  *   (GL8)  Newton steps (newton.c) end the iteration where no state has changed between two
- *          measures and the splitting would need more than 200 iterations yet: what an LU takes (102 to 330
- *          for strips and plates of 2,000 to 40,000 unknowns).
+ *          measures and the splitting would need more than 200 iterations yet. That is what an LU
+ *          takes: 100 to 330 for strips and plates of 2,000 to 40,000 unknowns.
  *   (GL9)  Where equilibrium is the worst part and stands still, look for a motion that nothing can
  *          hold (motion.c).
  *
