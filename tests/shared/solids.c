@@ -209,6 +209,22 @@ void solids_plate(solids *S, int nx, int nz) {
   (void)solids_model(S);
 }
 
+void solids_strip(solids *S, int nx, int ny) {
+  solids_new(S, 2, (nx + 1) * (ny + 1), nx);
+  solids_block(S, (int[]){nx, ny, 1}, 1);
+  for (int j = 0; j <= ny; j++)
+    for (int k = 0; k < 2; k++)
+      solids_spring(S, (nx + 1) * j, k, 1e3);
+  for (int i = 0; i <= nx; i++) {
+    const int top = i + (nx + 1) * ny;
+    const double s = (double)i / nx;
+    S->f[2 * top] = 2.5e-3 * sin(28 * s);
+    S->f[2 * top + 1] = -1e-2 * (1 + .5 * cos(40 * s)) + (sin(34 * s) < -.6 ? 1.8e-2 : 0);
+    if (i > 0) solids_contact(S, i, -1, (double[]){0, 1}, 0);
+  }
+  (void)solids_model(S);
+}
+
 void solids_stack(solids *S, int d, int count, int side, double push) {
   const int sides[3] = {side, side, side}, across = d == 2 ? side + 1 : (side + 1) * (side + 1);
   const int each = across * (side + 1);

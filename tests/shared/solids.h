@@ -44,6 +44,10 @@ const dls_model *solids_model(solids *S);
 void solids_pad(solids *S, int nx, int ny);
 void solids_plate(solids *S, int nx, int nz);
 
+/* A strip that hangs like a cantilever over a rough ground, nx x ny squares, lifted and pressed in
+ * turn, every bottom node a contact. */
+void solids_strip(solids *S, int nx, int ny);
+
 /* A stack of `count` free blocks of side^d elements on the ground, each with a weight, pushed by
  * `push` times the friction that .3 of all weight above gives. */
 void solids_stack(solids *S, int d, int count, int side, double push);
