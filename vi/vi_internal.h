@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "base/base.h"
+#include "linear/anderson.h"
 #include "base/method.h"
 #include "delassus/admm.h"
 #include "delassus/augmented.h"
@@ -68,26 +69,6 @@ void dlsi_frames_forces(const dlsi_frames *frames, const double *f, double *loca
 void dlsi_frames_unknowns(const dlsi_frames *frames, const double *local, double *x);
 /* x' := T^-1 x: u - g at the contact nodes, also in place. */
 void dlsi_frames_positions(const dlsi_frames *frames, const double *x, double *local);
-
-/* The history of a fixed-point iteration under Anderson acceleration (anderson.c). */
-typedef struct dlsi_anderson {
-  int window;
-  int started;          /* 1: f, g, u are there */
-  int columns, newest;  /* columns of DF, DG, DU, in a ring */
-  size_t of_u;          /* numbers in u; 0 without */
-  double *DF, *DG, *DU; /* m window, of_u window for DU */
-  double *f, *g, *u;    /* of the last step taken: m, of_u for u */
-  double *gram, *L;     /* window^2 */
-  double *work;         /* 3 window; from 2 window on: DF^T f */
-} dlsi_anderson;
-
-void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window, size_t of_u);
-void dlsi_anderson_clear(dlsi_anderson *a);
-
-/* Takes g = g(x), the weighted residual f = D (g - x) and u = u(g) into the history; g and u become
- * the next x and u(x). Returns 0, g and u untouched, while there is nothing to combine. f, g: m, as
- * many as since clear; u: of_u, NULL where that is 0. */
-int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, double *u);
 
 /* ---- vi/momentum.c: momentum on sweeps ------------------------------------------------------- */
 

@@ -1,6 +1,7 @@
 /* report.c: prints messages, JSON and progress on a terminal, and listens to Ctrl-C. */
 #define _GNU_SOURCE
 #include <errno.h>
+#include <float.h>
 #include <math.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -72,6 +73,8 @@ void print_ending(dls_status status, const dls_info *info) {
   if (c && status == DLS_TO_ROUNDING)
     (void)snprintf(how_well, sizeof how_well, " to rounding: positions to %.0e, forces to %.0e",
                    fmax(4 * c->floor_u, c->residual_u), fmax(4 * c->floor_r, c->residual_r));
+  else if (c && info->error > DBL_MAX)
+    (void)snprintf(how_well, sizeof how_well, ": single reactions are not determined");
   else if (c && info->error > told_error)
     (void)snprintf(how_well, sizeof how_well, ": reactions to about %.0e", info->error);
   if (c && status == DLS_NOT_IN_EQUILIBRIUM)

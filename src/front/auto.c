@@ -137,11 +137,13 @@ static const double null_direction = 1e-10; /* |D^-1 W delta| over |delta|: (AT9
 enum { few_normals = 6 };                   /* whose factorisation is below the cost of a call */
 static const double step_sweeps = 1.5, forgotten = 0.98; /* (AT14) */
 static const double far_start = 0.25;                    /* e: (AT14), and of sweeps */
-static const double small_part = 0.05;  /* of a solve, for a look at other answers */
-static const double another = 1e-3;     /* difference of two answers, over the largest reaction */
-static const double accurate = 1e-4;    /* (AT18): relative error of r that nobody is told of */
-static const double determined = 1e-13; /* ... residual that no condition below 1e9 makes more of */
-static const double on_cone = 1e-9;     /* a reaction that lacks no more than this share slips */
+static const double small_part = 0.05; /* of a solve, for a look at other answers */
+static const double another = 1e-3;    /* difference of two answers, over the largest reaction */
+static const double accurate = 1e-4;   /* (AT18): relative error of r that nobody is told of */
+enum { predicted_of_blocks = 60, most_turns = 3 }; /* (AT18): rows; larger ones are packings */
+static const double determined =
+    1e-13;                          /* ... residual of a factorisation that needs no second one */
+static const double on_cone = 1e-9; /* a reaction that lacks no more than this share slips */
 
 /* Each method once, and some once more for another way. */
 typedef enum part {
@@ -187,6 +189,7 @@ typedef struct dlsi_auto {
   double of_step; /* what one with (AT14) is expected to take, 0: as the first */
   int answers;    /* so many of the next two are there, of last_nc candidates */
   int last_nc;
+  double amplified;         /* (AT18): error over residual of the last answer looked at */
   auto_answer last, former; /* of the solve before, and of the one before that */
 
   /* of the solve under way */
@@ -594,7 +597,8 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
     return status;
   }
   if (work->stepped && !all->stages && status == DLS_STALLED && !info.iterations)
-    return status; /* (AT14) without a step */
+    return status;                                  /* (AT14) without a step */
+  if (all->stages == DLS_STAGES_MAX) all->stages--; /* the last line is that of the last stage */
   all->stage[all->stages++] = (dls_stage){part_of[k].method->method, info.iterations,
                                           info.factorisations, info.certificate.residual};
   all->iterations += info.iterations;
@@ -915,27 +919,36 @@ static dls_status take_stages(dlsi_auto *work, dls_error *error) {
   return status == DLS_STALLED ? judge(work, error) : status;
 }
 
-/* (AT18) An answer of little residual may have a large error where W, dense, is nearly singular: soft
- * springs under a body. (Of rigid bodies, W by blocks, few numbers determine r, or it is not.) Solves to a
- * smaller tolerance as long as that makes the predicted error less. u: W r + q of the best r. */
+/* (AT18) An answer of little residual may have a large error where W is nearly singular: soft springs
+ * under a body. Solves to a smaller tolerance as long as that makes the predicted error less. In a
+ * sequence of warm solves the last answer that was looked at tells how much a residual means. */
 static dls_status take_to_accuracy(dlsi_auto *work, dls_error *error) {
   const dls_contact *problem = work->problem;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const double tol = work->options.limits.tol, enough = fmax(accurate, 100 * tol);
   const dls_certificate *best = &work->info.certificate;
   dls_status status = DLS_OK;
-  if (!problem->W.a || m > dlsi_predicted_rows || work->options.limits.warm_start ||
-      best->residual <= determined)
+  const int rows = problem->W.a ? dlsi_predicted_rows : predicted_of_blocks;
+  const dls_info *info = &work->info;
+  const int direct = info->stages && info->stage[info->stages - 1].method != DLS_NLGS;
+  if (m > (size_t)rows || best->residual == 0 || (direct && best->residual <= determined))
     return status;
-  for (double before = INFINITY; status == DLS_OK;) {
+  const int known = work->amplified > 0 && work->last_nc == problem->nc;
+  if (work->options.limits.warm_start && known && work->amplified * best->residual <= enough) {
+    work->info.error = work->amplified * best->residual;
+    return status;
+  }
+  double before = INFINITY;
+  for (int turn = 0; status == DLS_OK; turn++) {
     if (work->options.lazy && dlsi_room_dense(&work->room, m, NULL)) break;
     set_weights(work);
     work->room.owner = work;
     dlsi_contact_multiply(problem, NULL, work->best, work->v[0], NULL);
     const double predicted = dlsi_predict_error(problem, work->best, work->v[0], work->weights,
                                                 work->room.J, work->v[1]);
-    work->info.error = fmax(predicted, 0);
-    if (!(predicted > enough && predicted < before / 2)) break;
+    work->info.error = predicted < 0 ? INFINITY : predicted; /* not determined */
+    work->amplified = work->info.error / best->residual;
+    if (!(predicted > enough && predicted < before / 2) || turn == most_turns) break;
     before = predicted;
     work->options.limits.tol = fmax(best->residual * enough / before / 2, DBL_EPSILON);
     status = take_some(work, 0, quick_count, error);

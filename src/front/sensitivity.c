@@ -15,7 +15,7 @@
  * The rank is that of D^-1/2 A D^-1/2, in which units do not matter.
  *
  *   (SN4)  to first order r - r* is E A^-1 (row.u), since row.u = 0 at r*, where r lies on its cone:
- *          one factorisation, no bound
+ *          one factorisation, no bound. A slip no larger than 1000 |F| counts as stick
  *
  * Cost: three times the singular values of a matrix of |rows|; of (SN4) one LU. What can fail: states that change
  * between r and r*, candidates on the border of two: then A holds on one side only.
@@ -28,10 +28,11 @@
 
 #include "front/front.h"
 #include "linear/blas.h"
-#include "linear/dense.h"
 
 static const double border =
     1e-6; /* share of the largest w r and u, within which a state is on it */
+
+static const double within = 1000; /* (SN4) */
 
 /* An unknown y_j: r of candidate c along e, with the row of u along the same direction or along the
  * normal, and l of (SN2). */
@@ -177,6 +178,50 @@ static void sensitivity_measure(sensitivity_work *work, const dls_certificate *c
 
 /* ---- prediction ------------------------------------------------------------------------------ */
 
+/* Factors A (n x n, scaled to entries near 1) by pivots on its diagonal, the largest one first:
+ * order (n) receives them. Returns 0, early, where what is left is rounding. */
+static int prediction_factor(int n, double *A, int *order) {
+  double first = 0;
+  for (int k = 0; k < n; k++)
+    order[k] = k;
+  for (int k = 0; k < n; k++) {
+    int p = k;
+    for (int i = k + 1; i < n; i++)
+      if (fabs(A[order[i] * (n + 1)]) > fabs(A[order[p] * (n + 1)])) p = i;
+    const int pivot = order[p];
+    order[p] = order[k];
+    order[k] = pivot;
+    const double a = A[pivot * (n + 1)];
+    if (k == 0) first = fabs(a);
+    if (!(fabs(a) > 4 * n * DBL_EPSILON * first)) return 0;
+    for (int l = k + 1; l < n; l++) {
+      double *column = A + (size_t)order[l] * (size_t)n;
+      const double factor = column[pivot] / a;
+      if (factor == 0) continue;
+      const double *by = A + (size_t)pivot * (size_t)n;
+      for (int i = k + 1; i < n; i++)
+        column[order[i]] -= by[order[i]] * factor;
+    }
+  }
+  return 1;
+}
+
+/* y := A^-1 y by those factors. */
+static void prediction_solve(int n, const double *A, const int *order, double *y) {
+  for (int k = 0; k < n; k++) {
+    const double *column = A + (size_t)order[k] * (size_t)n;
+    const double by = y[order[k]] / column[order[k]];
+    for (int i = k + 1; i < n; i++)
+      y[order[i]] -= column[order[i]] * by;
+  }
+  for (int k = n - 1; k >= 0; k--) {
+    const double *column = A + (size_t)order[k] * (size_t)n;
+    y[order[k]] /= column[order[k]];
+    for (int i = 0; i < k; i++)
+      y[order[i]] -= column[order[i]] * y[order[k]];
+  }
+}
+
 double dlsi_predict_error(const dls_contact *problem, const double *r, double *u, double *w,
                           double *J, double *x) {
   enum { most = dlsi_predicted_rows };
@@ -184,33 +229,29 @@ double dlsi_predict_error(const dls_contact *problem, const double *r, double *u
   sensitivity_row row[most];
   dls_contact_state state[most];
   double y[2 * most];
-  int pivot[most];
+  int order[most];
   sensitivity_work work = {problem, r, 0, row, w, u, x, state};
   for (int c = 0; c < problem->nc; c++) {
-    double F[3];
     const size_t o = d * (size_t)c;
-    state[c] = dlsi_contact_misfit(problem->d, problem->mu[c], w + 2 * c, r + o, u + o, F);
+    state[c] = dlsi_contact_misfit(problem->d, problem->mu[c], w + 2 * c, r + o, u + o, x + o);
+  }
+  const double close = within * dlsi_norm2(x, m); /* a larger F would hide less than these u */
+  for (int c = 0; c < problem->nc; c++) {
+    const double *uc = u + d * (size_t)c, slip = dlsi_tangent_norm(problem->d, uc);
+    if (state[c] == DLS_SLIP && slip <= close) state[c] = DLS_STICK;
     sensitivity_take_rows(&work, c);
   }
   const size_t n = (size_t)work.rows;
   if (n == 0) return 0;
   sensitivity_fill(&work, -0.5, -0.5, J, y);
-  dlsi_dense A = {.n = work.rows, .A = J, .pivot = pivot};
-  if (dlsi_first_not_finite(J, n * n) >= 0 || dlsi_dense_lu(&A)) return -1;
-  double least = INFINITY, largest = 0;
-  for (size_t j = 0; j < n; j++) {
-    const double size = fabs(J[j * (n + 1)]);
-    least = fmin(least, size);
-    largest = fmax(largest, size);
-  }
-  if (least <= 4 * (double)n * DBL_EPSILON * largest) return -1;
+  if (dlsi_first_not_finite(J, n * n) >= 0 || !prediction_factor(work.rows, J, order)) return -1;
   for (size_t j = 0; j < n; j++) {
     const double *uc = u + d * (size_t)row[j].c;
     y[j] = 0;
     for (size_t i = 0; i < d; i++)
       y[j] += row[j].row[i] * uc[i] / sqrt(row[j].w);
   }
-  dlsi_dense_solve(&A, y, work.rows, 1);
+  prediction_solve(work.rows, J, order, y);
   memset(x, 0, m * sizeof *x);
   for (size_t j = 0; j < n; j++)
     for (size_t i = 0; i < d; i++)
