@@ -335,6 +335,8 @@ $(PROPERTIES_PROGRAM): $(call obj,tests/properties/properties.c) $(JUDGES) $(A)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(LIBS)
 
+# the archive once more, behind the objects that need it
+$(BUILD)/tests/properties/test_judges: LIBS := $(A) $(LIBS)
 $(BUILD)/tests/properties/test_judges: $(JUDGES)
 
 # PROPERTIES='--seed 2 --count 100000'

@@ -373,21 +373,23 @@ stack_verdict stack_judge(const stack *s, dls_status status, const double *x, co
   return verdict;
 }
 
-int stack_run(uint64_t seed, long count, double tol, stack_solver solve, void *user) {
+int stack_run(uint64_t seed, uint64_t step, long count, double tol, stack_solver solve,
+              void *user) {
   static const char *const word[] = {"stands", "slides", "tips", "lifted", "on edge"};
   long tally[5][STACK_VERDICTS] = {{0}};
   int good = 1;
   stack s = {0};
   for (long i = 0; i < count; i++) {
-    stack_generate(seed + 2 * (uint64_t)i, &s);
+    const uint64_t own = seed + step * (uint64_t)i;
+    stack_generate(own, &s);
     double *x = problem_alloc((size_t)s.n * sizeof *x);
     double *r = problem_alloc(2 * (size_t)s.nc * sizeof *r);
     const dls_status status = solve(user, &s, tol, x, r);
     const stack_verdict verdict = stack_judge(&s, status, x, r, tol);
     tally[s.kind][verdict]++;
     if (verdict)
-      printf("stack %llu, %s, %d blocks: %s (%s)\n", (unsigned long long)(seed + 2 * (uint64_t)i),
-             word[s.kind], s.blocks, stack_text[verdict], dls_status_text(status));
+      printf("stack %llu, %s, %d blocks: %s (%s)\n", (unsigned long long)own, word[s.kind],
+             s.blocks, stack_text[verdict], dls_status_text(status));
     good &= verdict == STACK_GOOD;
     free(x);
     free(r);

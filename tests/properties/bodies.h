@@ -67,8 +67,11 @@ extern const char *const stack_text[STACK_VERDICTS];
 stack_verdict stack_judge(const stack *s, dls_status status, const double *x, const double *r,
                           double tol);
 
-/* Solves `count` stacks from `seed` on, every second one, and prints the verdicts by kind. Returns 1
- * if all are good. */
-int stack_run(uint64_t seed, long count, double tol, stack_solver solve, void *user);
+/* Solves `count` stacks, of the seeds seed + i step, and prints the verdicts by kind. Returns 1 if
+ * all are good. */
+int stack_run(uint64_t seed, uint64_t step, long count, double tol, stack_solver solve, void *user);
+
+/* dls_global_solve; user: NULL. */
+dls_status stack_solve_global(void *user, const stack *s, double tol, double *x, double *r);
 
 #endif

@@ -4,8 +4,8 @@
  *   properties [--seed N] [--step K] [--count N] [--class NAME] [--seconds S] [--tol T] [--out DIR]
  *
  * Problem i has the seed N + i K, and of the classes the one that the seed falls on, by shares that
- * are even in time; "--class each" takes the classes in turn. Exit 0: every
- * rule kept; 1: some rule broken; 2: the command line, or a file that cannot be written.
+ * are even in time; "--class each" takes the classes in turn, "--class stacks" the bodies of
+ * bodies.c on K itself. Exit 0: every rule kept; 1: some rule broken; 2: the command line, or a file that cannot be written.
  */
 #define _POSIX_C_SOURCE 200809L /* mkdir, clock_gettime */
 #include <errno.h>
@@ -16,6 +16,7 @@
 #include <sys/stat.h>
 #include <time.h>
 
+#include "bodies.h"
 #include "check.h"
 
 enum { WAYS = DLS_HOMOTOPY + 2 };
@@ -30,7 +31,7 @@ static const struct {
 } unsolved_of[] = {{"friction", 2e-3}, {"slight", 2e-3},     {"mixed", 0.05},  {"skew", 5e-3},
                    {"aspect", 5e-3},   {"zero-blocks", 0.1}, {"product", 0.2}, {"bonded", 0.05}};
 
-enum { DRAWN = -1, EACH = -2 };
+enum { DRAWN = -1, EACH = -2, STACKS = -3 };
 
 static double wall_clock(void) {
   struct timespec t;
@@ -52,7 +53,7 @@ typedef struct tally {
 typedef struct command {
   uint64_t seed, step;
   long count;
-  int class; /* DRAWN, EACH, or one */
+  int class; /* DRAWN, EACH, STACKS, or one */
   double seconds;
   options ask;
   const char *out;
@@ -63,7 +64,7 @@ static int print_usage(void) {
                   "[--tol T] [--out DIR]\nclasses:");
   for (int k = 0; k < CLASSES; k++)
     fprintf(stderr, " %s", class_name[k]);
-  fprintf(stderr, "\n");
+  fprintf(stderr, " each stacks\n");
   return 0;
 }
 
@@ -90,6 +91,7 @@ static int read_command(int count, char **words, command *to) {
       for (to->class = CLASSES - 1; to->class >= 0; to->class --)
         if (!strcmp(class_name[to->class], text)) break;
       if (!strcmp(text, "each")) to->class = EACH;
+      if (!strcmp(text, "stacks")) to->class = STACKS;
       if (to->class == DRAWN) return print_usage();
     } else
       return print_usage();
@@ -259,6 +261,8 @@ int main(int count, char **words) {
   of.seconds = INFINITY;
   if (!read_command(count, words, &of)) return 2;
   setvbuf(stdout, NULL, _IOLBF, 0);
+  if (of.class == STACKS)
+    return !stack_run(of.seed, of.step, of.count, of.ask.tol, stack_solve_global, NULL);
   if (mkdir(of.out, 0777) && errno != EEXIST) {
     fprintf(stderr, "properties: %s: %s\n", of.out, strerror(errno));
     return 2;
