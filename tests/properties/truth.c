@@ -13,7 +13,7 @@
  *      planted one: else the rounding of q has moved the answer, and nothing is known.
  * (T2) dr = G A^-1 H' du: G the columns, H the rows, A = H' W G + the turns. With the residuals of
  *      the certificate, |du| <= tol |q| and |D^-1 du| <= tol |r|: the condition is the smaller one of
- *      |G A^-1 H'| |q| / |r| and |G A^-1 H' D|, that of positions |W G A^-1 H'|. Norms by power
+ *      |G A^-1 H'| |q| / |r| and |G A^-1 H' D|, at least 1, that of positions |W G A^-1 H'|. Norms by power
  *      iteration.
  * (T3) An answer far from the truth may be near another one: Newton's method from there tells.
  *
@@ -431,7 +431,7 @@ static void compare(active *s, const double *r, double tol, int capped, real mov
     if (wide && !widen_states(s, 1000 * (real)tol * load)) break;
     const real by_r = norm_of_map(s, OF_R), by_q = norm_of_map(s, OF_Q) * load / rr;
     const real worst = fmaxl(by_r, by_q);
-    out->condition = (double)fminl(by_r, by_q);
+    out->condition = (double)fmaxl(1, fminl(by_r, by_q));
     const real by_u = fmaxl(fmaxl(1, out->condition), norm_of_map(s, OF_U));
     out->verdict = TRUTH_UNKNOWN;
     if (worst * LDBL_EPSILON > 1e-6L || moved > 1e3L * DBL_EPSILON * fmaxl(1, worst)) return;
@@ -457,10 +457,9 @@ static int start_from(active *s, const double *r, real *moved) {
   return found;
 }
 
-/* (T3) Returns what the verdict on an answer that is not the planted one comes to: Newton's method
- * starts from it, and from it without reactions that the tolerance hides. */
-static truth_verdict look_beside(active *s, const double *r, double tol, int capped,
-                                 truth_verdict verdict) {
+/* (T3) Judges an answer that is not the planted one by the nearest other one: Newton's method starts
+ * from it, and from it without reactions that the tolerance hides. */
+static void look_beside(active *s, const double *r, double tol, int capped, truth *out) {
   const int d = s->p->d, m = s->p->m;
   double *start = problem_alloc((size_t)m * sizeof *start), size = 0;
   for (int i = 0; i < m; i++)
@@ -474,11 +473,13 @@ static truth_verdict look_beside(active *s, const double *r, double tol, int cap
     }
     const int found = start_from(s, start, &moved);
     if (found == 1) compare(s, r, tol, capped, 0, &other);
-    if (found == 1 && other.verdict == TRUTH_HOLDS) verdict = TRUTH_OTHER;
-    if (found == -1 && verdict != TRUTH_OTHER) verdict = TRUTH_UNKNOWN;
+    if (found == 1 && other.verdict == TRUTH_HOLDS) other.verdict = TRUTH_OTHER;
+    const int better = other.verdict != TRUTH_UNKNOWN && other.error < out->error;
+    other.tol = tol;
+    if (found == 1 && better && out->verdict != TRUTH_OTHER) *out = other;
+    if (found == -1 && out->verdict != TRUTH_OTHER) out->verdict = TRUTH_UNKNOWN;
   }
   free(start);
-  return verdict;
 }
 
 void judge_truth(const problem *p, const double *r, double tol, int capped, truth *out) {
@@ -491,7 +492,7 @@ void judge_truth(const problem *p, const double *r, double tol, int capped, trut
   if (start_from(s, p->r, &moved) == 1 && moved <= 1e-3L) {
     compare(s, r, tol, capped, moved, out);
     const int wrong = out->verdict == TRUTH_WRONG_R || out->verdict == TRUTH_WRONG_U;
-    if (wrong) out->verdict = look_beside(s, r, tol, capped, out->verdict);
+    if (wrong) look_beside(s, r, tol, capped, out);
   }
   active_destroy(s);
 }
