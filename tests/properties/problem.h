@@ -64,6 +64,9 @@ extern const char *const class_name[CLASSES];
  * problems are. */
 int class_of_seed(uint64_t seed);
 
+/* Returns 1 if a problem of this class takes about a second. */
+int class_is_dear(int class);
+
 /* *p := the problem of this class and seed; the same bits at every call. */
 void generate(int class, uint64_t seed, problem *p);
 

@@ -4,8 +4,8 @@
  * (T1) r := Newton's method of active.h from the planted answer. r is the truth where it is next to
  *      the planted one: else the rounding of q has moved the answer, and nothing is known.
  * (T2) dr = G A^-1 H' du. With the residuals of the certificate, |du| <= tol |q| and |D^-1 du| <=
- *      tol |r|: the condition is the smaller one of |G A^-1 H'| |q| / |r| and |G A^-1 H' D|, at least
- *      1; that of positions is |W G A^-1 H'|. Norms by power iteration.
+ *      tol |r|: the condition is the smaller one of |G A^-1 H'| |q| / |r| and |G A^-1 H' D|, at
+ *      least 1; that of positions is |W G A^-1 H'|. Norms by power iteration.
  * (T3) An answer far from the truth may be near another one: Newton's method from there tells.
  * (T4) An answer whose error is too large is judged once more with the candidates closed, and
  *      stuck, that are on the border of their state as far as the tolerance can tell.
