@@ -464,7 +464,7 @@ DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_
                                                 const double *r, double scale, int begin, int end) {
   enum { lanes = 16 };
   nlgs_squares sum = {0};
-  const double unit = work->it.w[0], tiny = DBL_MIN; /* for 0 / 0 */
+  const double unit = work->it.w[0];
   for (int first = begin; first < end; first += lanes) {
     const int count = end - first < lanes ? end - first : lanes;
     double v[3][lanes] = {{0}}, u[3][lanes] = {{0}}, q2[lanes] = {0};
@@ -487,20 +487,13 @@ DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_
       }
     }
     if (!moves) continue;
-    /* All branches of dlsi_contact_misfit; where t = 0 and `part` is NaN, `inside` or `polar`
-     * holds. */
+    /* All branches of dlsi_contact_misfit */
     for (int k = 0; k < lanes; k++) {
-      const double x = v[1][k] - u[1][k], y = v[2][k] - u[2][k];
-      const double t = sqrt(x * x + y * y);
-      const double slip = sqrt(u[1][k] * u[1][k] + u[2][k] * u[2][k]);
-      const double part = v[0][k] - u[0][k], n = part - mu[k] * slip, wide = mu[k] * wt[k] / wn[k];
-      const double turn = v[1][k] * (x - u[1][k]) + v[2][k] * (y - u[2][k]);
-      const double on = (part + mu[k] * (turn / (t + slip + tiny))) / (1 + mu[k] * wide);
-      const int inside = t <= wide * n, polar = on <= 0;
-      /* polar first: mu = 0 has inside for any n where t = 0 */
-      const double p = polar ? 0 : inside ? n : on;
-      const double f = polar ? 0 : inside ? 1 : wide * on / t;
-      const double F[3] = {v[0][k] - p, v[1][k] - f * x, v[2][k] - f * y};
+      const double n = v[0][k] - u[0][k], x = v[1][k] - u[1][k], y = v[2][k] - u[2][k];
+      const double t = sqrt(x * x + y * y), R = mu[k] * (wt[k] / wn[k]) * n;
+      const int polar = n <= 0, inside = t <= R;
+      const double f = polar ? 0 : inside ? 1 : R / t;
+      const double F[3] = {polar ? v[0][k] : u[0][k], v[1][k] - f * x, v[2][k] - f * y};
       const double a = unit / wn[k], b = unit / wt[k];
       const double Ft = F[1] * F[1] + F[2] * F[2], vt = v[1][k] * v[1][k] + v[2][k] * v[2][k];
       F2[k] = F[0] * F[0] + Ft;

@@ -572,51 +572,33 @@ static inline dls_contact_state dlsi_project_cone(int d, double mu, const double
   return DLS_SLIP;
 }
 
-/* Computes D^1/2 F'_c of the certificate, a position, for one contact of the weights w_n = w[0] and
- * w_t = w[1]; returns the branch of the projection. Written in positions, with v = D r - u - mu |u_t|
- * n and k = w_t / w_n, the projection on the round cone is
+/* Computes F_c of the certificate, a position, for one contact of the weights w_n = w[0] and w_t =
+ * w[1]; returns the branch. With v = D r - u and the radius R = mu (w_t / w_n) v_n
  *
- *   stick  v                                            where |v_t| <= mu k v_n
- *   free   0                                            where x = v_n + mu |v_t| <= 0
- *   slip   p_n = x / (1 + mu^2 k), p_t = mu k p_n v_t / |v_t|     else
+ *   free   F = D r                                    where v_n <= 0
+ *   stick  F = u                                      where |v_t| <= R
+ *   slip   F_n = u_n, F_t = D r_t - R v_t / |v_t|     else
  *
- * x = w_n r_n - u_n + mu (|v_t| - |u_t|), where |v_t| - |u_t| = D r_t.(v_t - u_t) / (|v_t| + |u_t|)
- * does not cancel: a fast slip adds no rounding. With an infinite friction F_c = u_c where w_n r_n >
- * u_n, else D r_c. */
+ * An infinite friction sticks where it is not free. */
 static inline dls_contact_state dlsi_contact_misfit(int d, double mu, const double *w,
                                                     const double *r, const double *u, double *F) {
   double v[3] = {0}, Dr[3] = {0};
   for (int i = 0; i < d; i++) {
     Dr[i] = w[i > 0] * r[i];
     v[i] = Dr[i] - u[i];
+    F[i] = u[i];
   }
-  if (dlsi_is_bonded(mu)) {
-    const int pressed = v[0] > 0;
-    for (int i = 0; i < d; i++)
-      F[i] = pressed ? u[i] : Dr[i];
-    return pressed ? DLS_STICK : DLS_FREE;
-  }
-  const double s = dlsi_tangent_norm(d, u), t = dlsi_tangent_norm(d, v);
-  const double wide = d > 1 ? mu * (w[1] / w[0]) : 0, n = v[0] - mu * s;
-  if (t <= wide * n && n >= 0) {
-    for (int i = 0; i < d; i++)
-      F[i] = u[i];
-    F[0] += mu * s;
-    return DLS_STICK;
-  }
-  double longer = 0; /* |v_t| - |u_t| */
-  for (int i = 1; i < d && s + t > 0; i++)
-    longer += Dr[i] * ((v[i] / 2 - u[i] / 2) / (s / 2 + t / 2));
-  const double x = v[0] + mu * longer;
-  if (x <= 0) {
+  if (v[0] <= 0) {
     for (int i = 0; i < d; i++)
       F[i] = Dr[i];
     return DLS_FREE;
   }
-  const double p = x / (1 + mu * wide), along = t > 0 ? wide * p / t : 0;
-  F[0] = Dr[0] - p;
+  if (dlsi_is_bonded(mu)) return DLS_STICK;
+  const double t = dlsi_tangent_norm(d, v), R = d > 1 ? mu * (w[1] / w[0]) * v[0] : 0;
+  if (t <= R) return DLS_STICK;
+  if (d == 1) return t == 0 ? DLS_STICK : DLS_SLIP; /* slip: NaN */
   for (int i = 1; i < d; i++)
-    F[i] = Dr[i] - (d == 2 ? copysign(wide * p, v[1]) : along * v[i]);
+    F[i] = Dr[i] - R * (v[i] / t);
   return DLS_SLIP;
 }
 

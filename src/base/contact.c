@@ -1,13 +1,13 @@
 /*
  * contact.c: the contact problem u = W r + q and its certificate, the one measure for every method.
  *
- *   C_mu = { r : |r_t| <= mu r_n },  D_c = diag(w_n, w_t, ..)
- *   r' = D^1/2 r,  u' = D^-1/2 u,  mu' = mu (w_t / w_n)^1/2
- *   F'_c = r'_c - P_Cmu'( r'_c - (u'_c + mu'_c |u'_tc| n) )
+ *   D_c = diag(w_n, w_t, ..),  v = D r - u,  R = mu (w_t / w_n) max(0, v_n)
+ *   F_n = w_n r_n - max(0, v_n),  F_t = D r_t - P(v_t), P on the disc of radius R; D r_t where v_n <= 0
  *
- * F' = 0 if and only if every contact meets the contact and friction laws (de Saxce's form: C*_mu
- * contains u + mu |u_t| n, perpendicular to r in C_mu). The change of variables keeps the cone
- * round and measures normals and tangents by compliances of their own.
+ * F = 0 if and only if every contact meets the contact and friction laws (Alart and Curnier, Comput.
+ * Methods Appl. Mech. Eng. 92, 1991, 353-375, (19)). The weights measure normals and tangents by
+ * compliances of their own; in r' = D^1/2 r, u' = D^-1/2 u the friction is mu (w_t / w_n)^1/2 and
+ * the disc as round as before.
  */
 #include <float.h>
 #include <math.h>
@@ -302,34 +302,30 @@ typedef struct measured_sums {
 
 enum { of_F, of_force, of_rounded, of_rounded_force, of_r, of_q, of_a };
 
-/* Fills size (d) with what F_c of this state rounds relative to: a = |W||r| + |q| is that of u.
+/* Fills size (d) with what F_c of this state rounds relative to, a being the size of the numbers that
+ * u is the sum of.
  *
- *   stick  F_n = u_n + mu |u_t|, F_t = u_t           a_n + mu |a_t|, a_t
- *   slip   F_n = w_n r_n - p, F_t = D r_t - mu k p e,  p = x / (1 + mu^2 k), e = v_t / |v_t|
- *          x:  a_n + w_n r_n + mu |D r_t|;  e:  |a_t| / |v_t|, d = 3
- *   free   F = D r is as good as exact               0 */
+ *   stick  F = u                                      a
+ *   slip   F_n = u_n                                  a_n
+ *          F_t = D r_t - mu k v_n v_t / |v_t|         w_t |r_t| + mu k (a_n + w_n r_n), and in 3D
+ *                                                     w_t |r_t| |a_t| / |v_t| for the direction
+ *   free   F = D r is as good as exact                0 */
 static inline void magnitudes(int d, const dlsi_laws *of, int k, dls_contact_state state,
                               double *size) {
   const size_t o = (size_t)d * (size_t)k;
   const double *w = of->w + 2 * (size_t)k, mu = of->mu[k], *r = of->r + o, *u = of->u + o;
-  double a[3] = {0}, v[3] = {0}, Dr[3] = {0};
+  double v[3] = {0}, Dr[3] = {0};
   for (int i = 0; i < d; i++) {
-    a[i] = state == DLS_FREE ? 0 : size_of_u(of, o + (size_t)i);
-    Dr[i] = state == DLS_FREE ? 0 : w[i > 0] * fabs(r[i]);
+    size[i] = state == DLS_FREE ? 0 : size_of_u(of, o + (size_t)i);
+    Dr[i] = w[i > 0] * fabs(r[i]);
     v[i] = w[i > 0] * r[i] - u[i];
-    size[i] = a[i] + Dr[i];
   }
-  if (d == 1 || state == DLS_FREE || dlsi_is_bonded(mu)) return;
-  const double at = dlsi_tangent_norm(d, a), forces = dlsi_tangent_norm(d, Dr);
-  if (state == DLS_STICK) {
-    size[0] += mu * at;
-    return;
-  }
-  const double t = dlsi_tangent_norm(d, v), wide = mu * (w[1] / w[0]);
-  const double x = (size[0] + mu * forces) / (1 + mu * wide);
-  size[0] = Dr[0] + x;
+  if (d == 1 || state != DLS_SLIP) return;
+  const double at = dlsi_tangent_norm(d, size), push = dlsi_tangent_norm(d, Dr);
+  const double radius = mu * (w[1] / w[0]) * (size[0] + Dr[0]);
+  const double turn = d == 3 && at > 0 ? push * (at / dlsi_tangent_norm(d, v)) : 0;
   for (int i = 1; i < d; i++)
-    size[i] = Dr[i] + wide * x + (d == 3 && at > 0 ? forces * (at / t) : 0);
+    size[i] = Dr[i] + radius + turn;
 }
 
 /* Returns entry i of contact k in the sum `what`. */

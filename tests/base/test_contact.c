@@ -366,12 +366,11 @@ static dls_certificate certified(const dls_contact *p, const double *r, double *
 START_TEST(certificate_by_hand) {
   double W[4] = {2, 0, 0, 4}, q[2] = {-3, 4}, mu[1] = {0.5}, r[2] = {0, 0}, u[2];
   const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
-  /* r = 0: u = q, v = -(u_n + mu |u_t|, u_t) = (1, -4): slip, p = (1 + 2)/(1 + 1/2) = 2;
-     P = (2, -2), F = -P, which rounds as x / 1.5 = 2 does */
+  /* r = 0: u = q, v = -u = (3, -4), R = mu k 3 = 3: slip, F = (u_n, R) = (-3, 3) */
   dls_certificate c = certified(&p, r, u);
-  ck_assert_double_eq_tol(c.residual_u, sqrt(8) / 5, 1e-15);
+  ck_assert_double_eq_tol(c.residual_u, sqrt(18) / 5, 1e-15);
   ck_assert(c.residual_r == 1 && c.residual == 1);
-  ck_assert_double_eq_tol(c.floor_u, DBL_EPSILON * sqrt(8) / 5, 1e-20);
+  ck_assert_double_eq_tol(c.floor_u, DBL_EPSILON * sqrt(18) / 5, 1e-20);
   ck_assert_double_eq_tol(c.floor_r, DBL_EPSILON, 1e-20);
   ck_assert(c.penetration == 3 && c.adhesion == 0 && c.complementarity == 0);
   ck_assert(u[0] == -3 && u[1] == 4);
@@ -380,9 +379,9 @@ START_TEST(certificate_by_hand) {
   c = certified(&p, r, u);
   ck_assert(c.residual == 0 && c.penetration == 0 && c.cone_violation == 0);
   ck_assert(c.slip_direction == 0 && u[0] == 0 && u[1] == 1);
-  /* |W||r| + |q| = (6, 7), D |r| = (3, 3): x rounds as 6 + 3 + 1.5 does, p as two thirds of that */
-  ck_assert_double_eq_tol(c.floor_u, DBL_EPSILON * hypot(10, 10) / 5, 1e-20);
-  ck_assert_double_eq_tol(c.floor_r, DBL_EPSILON * hypot(5, 2.5) / hypot(1.5, .75), 1e-20);
+  /* |W||r| + |q| = (6, 7), D |r| = (3, 3): F_n rounds as 6 does, F_t as 3 + mu k (6 + 3) */
+  ck_assert_double_eq_tol(c.floor_u, DBL_EPSILON * hypot(6, 12) / 5, 1e-20);
+  ck_assert_double_eq_tol(c.floor_r, DBL_EPSILON * hypot(3, 3) / hypot(1.5, .75), 1e-20);
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
   /* outside the cone, pulling, slip that friction drives: each readable part by hand */
   r[0] = -1, r[1] = 2;
@@ -390,8 +389,9 @@ START_TEST(certificate_by_hand) {
   ck_assert(u[0] == -5 && u[1] == 12);
   ck_assert(c.penetration == 5 && c.adhesion == 1 && c.cone_violation == 2);
   ck_assert(c.complementarity == 5 && c.slip_direction == 24);
-  /* v = (-2 + 5 - 6, 8 - 12): x = -3 + 2 < 0: P = 0, F = D r, beside which nothing touches */
-  ck_assert(c.residual_u == 1 && c.residual_r == 1 && c.floor_u == 0 && c.floor_r == 0);
+  /* v = (-2 + 5, 8 - 12), R = 3: F = (-5, 8 + 3); over D (2.5, 2.75), more than |r| */
+  ck_assert_double_eq_tol(c.residual_u, hypot(5, 11) / 5, 1e-15);
+  ck_assert(c.residual_r == 1);
   ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
 }
 END_TEST
@@ -432,8 +432,8 @@ START_TEST(norms_of_any_size) {
   const dls_certificate c = two_apart(-1, -3, 1.25, 0x1p21);
   ck_assert_double_eq_tol(c.residual_u, hypot(0.25, 1) / sqrt(10), 1e-15);
   ck_assert_double_eq_tol(c.residual_r, hypot(0.25, 0x1p20) / hypot(1.25, 0x1p21), 1e-15);
-  ck_assert_double_eq_tol(c.floor_u, DBL_EPSILON * hypot(3.5, 7) / sqrt(10), 1e-30);
-  ck_assert_double_eq_tol(c.floor_r, DBL_EPSILON * hypot(3.5, 7 * 0x1p20) / hypot(1.25, 0x1p21),
+  ck_assert_double_eq_tol(c.floor_u, DBL_EPSILON * hypot(2.25, 5) / sqrt(10), 1e-30);
+  ck_assert_double_eq_tol(c.floor_r, DBL_EPSILON * hypot(2.25, 5 * 0x1p20) / hypot(1.25, 0x1p21),
                           1e-30);
   for (int k = 0; k < 2; k++) {
     const double s = unit[k];
@@ -494,7 +494,7 @@ START_TEST(weights_of_normal_and_tangent) {
 }
 END_TEST
 
-/* Stick at a large mu: F_n = u_n + mu |u_t|, where u_t is rounding. The rounding level holds it. */
+/* Stick at a large mu: F = u, which mu does not multiply. */
 START_TEST(rounding_of_a_large_friction) {
   const double W[4] = {3, 1, 1, 2}, third = 1. / 3;
   for (double size = 1; size < 1e13; size *= 1e4) {
@@ -502,10 +502,21 @@ START_TEST(rounding_of_a_large_friction) {
     const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = &size};
     const dls_certificate c = certified(&p, r, NULL);
     ck_assert(c.residual <= 4 * fmax(c.floor_u, c.floor_r));
-    ck_assert_int_eq(dls_certificate_verdict(&c, 1e-8), size < 1e6    ? DLS_OK
-                                                        : size < 1e10 ? DLS_TO_ROUNDING
-                                                                      : DLS_STALLED);
+    ck_assert_int_eq(dls_certificate_verdict(&c, 1e-12), DLS_OK);
   }
+}
+END_TEST
+
+/* A penetration is seen whatever the friction: W = diag(6, 7e7), right r = (.4, -.4). */
+START_TEST(penetration_beside_a_large_friction) {
+  const double W[4] = {6, 0, 0, 7e7}, q[2] = {-2.4, 28000000.7}, mu[1] = {1};
+  const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+  const double right[2] = {0.4, -0.4}, wrong[2] = {0.3836, -0.3836};
+  dls_certificate c = certified(&p, right, NULL);
+  ck_assert_int_eq(dls_certificate_holds(&c, 1e-12), 1);
+  c = certified(&p, wrong, NULL);
+  ck_assert(c.penetration > 0.09 && c.residual_r > 0.01);
+  ck_assert_int_eq(dls_certificate_holds(&c, 1e-3), 0);
 }
 END_TEST
 
@@ -543,7 +554,7 @@ START_TEST(certificate_of_q_zero_and_frictionless) {
   const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
   dls_certificate c = certified(&p, r, NULL);
   ck_assert(c.residual == 0 && c.floor_u == 0);
-  r[0] = 1; /* u_n = 2 > 0 with r_n > 0: v = 2 - 2, F_n = u_n = 2, scale |W||r| = 2 */
+  r[0] = 1; /* u_n = 2 > 0 with r_n > 0: v_n = 2 - 2, free, though r is not 0 */
   c = certified(&p, r, NULL);
   ck_assert(c.residual_u == 1 && c.residual_r == 1);
   q[0] = -2; /* now u_n = 0: the frictionless solution, though u_t = 0 has no say */
@@ -1272,9 +1283,9 @@ int main(void) {
       ONCE(states_of_the_three_kinds), ONCE(misfits_are_the_residual), ONCE(panels_of_normals),
       ONCE(certify_refuses_and_leaves_outputs), ONCE(verdict_of_each_part),
       ONCE(weights_of_normal_and_tangent), ONCE(rounding_of_a_large_friction),
-      ONCE(fast_slip_rounds_nothing), ONCE(nan_is_never_certified),
-      ONCE(a_runaway_is_never_certified), EACH(there_and_back, 2, 4), EACH(storages_agree, 2, 4),
-      ONCE(bad_conversion), EACH(a_subset_is_rows_and_columns, 0, 24),
+      ONCE(fast_slip_rounds_nothing), ONCE(penetration_beside_a_large_friction),
+      ONCE(nan_is_never_certified), ONCE(a_runaway_is_never_certified), EACH(there_and_back, 2, 4),
+      EACH(storages_agree, 2, 4), ONCE(bad_conversion), EACH(a_subset_is_rows_and_columns, 0, 24),
       EACH(products_round_alike_in_both_storages, 1, 4), ONCE(a_subset_stays_in_its_memory),
       ONCE(frictionless_adhesion_is_refused), ONCE(a_bad_subset_is_named));
 }

@@ -2,22 +2,20 @@
  * measure.c: the certificate of DESIGN.md in long double, written from its formulas and not from
  * the library.
  *
- *   r' = D^1/2 r,  u' = D^-1/2 u,  mu' = mu (w_t/w_n)^1/2,  D_c = diag(w_n, w_t, ..)
- *   F'_c = r'_c - P( r'_c - (u'_c + mu'_c |u'_tc| n) ),   u = W r + q
- *   positions  |D^1/2 F'| / |q|,   forces  |D^-1/2 F'| / |r|,  at most 1
+ *   D_c = diag(w_n, w_t, ..),  v = D r - u,  R = mu (w_t/w_n) max(0, v_n),  u = W r + q
+ *   F_n = w_n r_n - max(0, v_n),  F_t = D r_t - P(v_t), P on the disc of radius R, 0 where v_n <= 0
+ *   positions  |F| / |q|,   forces  |D^-1 F| / |r|,  at most 1
  *
- * P projects on the cone |r_t| <= mu' r_n; w_n = W_nn, w_t = trace(W_tt) / (d-1); where one is not
- * positive, the mean of the positive ones of its kind; where its kind has none, what the other kind
- * has; else the largest entry of the diagonal blocks, else 1. |q| and |r| are those of the
- * candidates that touch, P not 0.
+ * w_n = W_nn, w_t = trace(W_tt) / (d-1); where one is not positive, the mean of the positive ones of
+ * its kind; where its kind has none, what the other kind has; else the largest entry of the diagonal
+ * blocks, else 1. |q| and |r| are those of the candidates that touch, v_n > 0.
  *
- * The floors are eps |e| / |q| and eps |D^-1 e| / |r|, e what rounds in D^1/2 F' of a candidate
- * that touches, with a = |W||r| + |q| by entries:
+ * The floors are eps |e| / |q| and eps |D^-1 e| / |r|, e what rounds in F of a candidate that
+ * touches, with a = |W||r| + |q| by entries:
  *
- *   stick, bonded  e = a + D|r|, and mu |a_t| in the normal entry of a stick
- *   slip           x = (a_n + w_n r_n + mu w_t |r_t|) / (1 + mu'^2);  e_n = w_n r_n + x,
- *                  e_t = w_t |r_t| + mu (w_t/w_n) x, and in 3D the turn of the slip,
- *                  w_t |r_t| |a_t| / |w_t r_t - u_t|
+ *   stick, bonded  e = a
+ *   slip           e_n = a_n,  e_t = w_t |r_t| + mu (w_t/w_n) (a_n + w_n r_n), and in 3D the turn of
+ *                  the slip, w_t |r_t| |a_t| / |w_t r_t - u_t|
  */
 #include <float.h>
 #include <math.h>
@@ -61,53 +59,36 @@ static long double tangent(int d, const long double *x) {
 int measure_branch(const problem *p, int c, const long double *weights, const long double *r,
                    const long double *u, long double *F) {
   const int d = p->d;
-  const long double S[2] = {sqrtl(weights[2 * c]), sqrtl(weights[2 * c + 1])};
-  const int bonded = isinf(p->mu[c]);
-  const long double mu = bonded || d == 1 ? 0 : p->mu[c] * (S[1] / S[0]);
-  long double x[3] = {0}, own[3] = {0}, up[3] = {0}, P[3] = {0};
-  for (int k = 0; k < d; k++) {
-    own[k] = S[k > 0] * r[k];
-    up[k] = u[k] / S[k > 0];
-  }
+  const long double *w = weights + 2 * c;
+  long double v[3] = {0}, P[3] = {0};
   for (int k = 0; k < d; k++)
-    x[k] = own[k] - up[k] - (k == 0 ? mu * tangent(d, up) : 0);
-  const long double xt = tangent(d, x), ut = tangent(d, up);
-  long double longer = 0; /* |x_t| - |u'_t|, which cancels where a slip is fast */
-  for (int k = 1; k < d && xt + ut > 0; k++)
-    longer += own[k] * ((x[k] - up[k]) / (xt + ut));
-  const long double edge = (own[0] - up[0] + mu * longer) / (1 + mu * mu);
-  const int stick = bonded ? x[0] > 0 : x[0] >= 0 && xt <= mu * x[0];
-  const int branch = stick ? 1 : !bonded && edge > 0 ? 2 : 0;
-  for (int k = 0; k < d; k++)
-    P[k] = branch == 0 ? 0 : branch == 1 ? x[k] : k == 0 ? edge : mu * edge * (x[k] / xt);
-  if (branch == 2 && xt == 0) P[1] = P[2] = 0;
+    v[k] = w[k > 0] * r[k] - u[k];
+  const long double R = isinf(p->mu[c]) ? INFINITY : d == 1 ? 0 : p->mu[c] * (w[1] / w[0]) * v[0];
+  const long double t = tangent(d, v);
+  const int branch = !(v[0] > 0) ? 0 : t <= R ? 1 : 2;
+  for (int k = 0; branch && k < d; k++)
+    P[k] = k == 0 || branch == 1 ? v[k] : R * (v[k] / t);
   for (int k = 0; F && k < d; k++)
-    F[k] = S[k > 0] * (own[k] - P[k]);
+    F[k] = w[k > 0] * r[k] - P[k];
   return branch;
 }
 
-/* e (d) := what rounds in D^1/2 F' of candidate c in this branch; a = |W||r| + |q|. */
+/* e (d) := what rounds in F of candidate c in this branch; a = |W||r| + |q|. */
 static void measure_rounding(const problem *p, int c, int branch, const long double *w,
                              const long double *r, const long double *u, const long double *a,
                              long double *e) {
   const int d = p->d;
-  const long double mu = p->mu[c], wide = mu * (w[1] / w[0]);
   long double push[3] = {0}, v[3] = {0};
   for (int k = 0; k < d; k++) {
     push[k] = w[k > 0] * fabsl(r[k]);
     v[k] = w[k > 0] * r[k] - u[k];
-    e[k] = branch ? a[k] + push[k] : 0;
+    e[k] = branch ? a[k] : 0;
   }
-  if (d == 1 || branch == 0 || isinf(p->mu[c])) return;
+  if (d == 1 || branch != 2) return;
   const long double at = tangent(d, a), drag = tangent(d, push);
-  if (branch == 1) {
-    e[0] += mu * at;
-    return;
-  }
-  const long double x = (e[0] + mu * drag) / (1 + mu * wide);
-  e[0] = push[0] + x;
   for (int k = 1; k < d; k++)
-    e[k] = push[k] + wide * x + (d == 3 && at > 0 ? drag * (at / tangent(d, v)) : 0);
+    e[k] = push[k] + p->mu[c] * (w[1] / w[0]) * (a[0] + push[0]) +
+           (d == 3 && at > 0 ? drag * (at / tangent(d, v)) : 0);
 }
 
 typedef struct sums {
