@@ -39,7 +39,7 @@
 
 #include "global_internal.h"
 
-enum { measure_every = 10, first_look = 20, worth = 200, no_progress = 1000 };
+enum { measure_every = 10, first_look = 20, worth = 200, no_progress = 2000 };
 
 static const double relaxation = 1.6;
 static const double most_growth = 2;          /* (GL6) */
@@ -77,6 +77,7 @@ typedef struct schedule {
   int newton, prove;       /* iteration from which on (GL8), (GL9) may be tried */
   double jump;             /* (GL7): next factor where the residual stands still */
   int moves;               /* 1: the smallest residual has halved between the two looks before */
+  int still;               /* looks where it had not, with rho balanced */
   double residual_at_look; /* the smallest one at the look before */
   double residual;         /* of the measure before */
   double equilibrium;      /* at the look before */
@@ -94,8 +95,8 @@ static double split_next_rho(const dls_global *work, int k, double gap, double c
   s->residual_at_look = residual;
   s->look = k + (more > first_look ? more : first_look);
   if (turn <= off && turn >= 1 / off) {
-    turn = s->moves ? 1 : s->jump;
-    if (!s->moves) s->jump = s->jump < 1 ? 10 / s->jump : 0.1 / s->jump;
+    turn = s->moves || s->still++ % 2 == 0 ? 1 : s->jump;
+    if (turn != 1) s->jump = s->jump < 1 ? 10 / s->jump : 0.1 / s->jump;
   }
   return fmin(fmax(work->rho * turn, least_rho), most_rho);
 }
