@@ -377,8 +377,8 @@ START_TEST(arches_stand) {
 }
 END_TEST
 
-/* A cantilever of 1000 elements. One of 1000 x 1 is held by a stiffness of 1e-10 of K's entries: it may
- * stall, but is never said to be free. */
+/* A cantilever of 1000 elements. One of 1000 x 1 is held by a stiffness of 1e-10 of K's entries: it
+ * may stall, but is never said to be free. */
 START_TEST(strips) {
   solids T;
   solids_strip(&T, _i ? 1000 : 250, _i ? 1 : 4);
