@@ -224,8 +224,8 @@ dls_status dls_global_create(dls_global **out, const dls_model *model, dls_error
 /* Returns 1 if both have the same pattern. */
 static int same_pattern(const dlsi_columns *A, const dlsi_columns *B) {
   if (A->rows != B->rows || A->cols != B->cols) return 0;
-  if (memcmp(A->p, B->p, ((size_t)A->cols + 1) * sizeof *A->p)) return 0;
-  return !memcmp(A->i, B->i, (size_t)A->p[A->cols] * sizeof *A->i);
+  return memcmp(A->p, B->p, ((size_t)A->cols + 1) * sizeof *A->p) == 0 &&
+         memcmp(A->i, B->i, (size_t)A->p[A->cols] * sizeof *A->i) == 0;
 }
 
 static dls_status global_update(dls_global *work, const dls_model *model, dls_error *error) {

@@ -21,8 +21,8 @@
  * are residuals, so that a fixed point knows neither. Nor does it know that the factors of the step
  * before serve again while no state has changed and they still gain a digit: a chord method.
  *
- * Every step is measured; the caller keeps the best pair. Ends after `most_steps`, or two steps in
- * a row that did not halve what is measured, or where the matrix is singular.
+ * Every step is measured; the caller keeps the best pair. Ends after `most_steps`, or three steps
+ * in a row that did not halve the smallest measure, or where the matrix is singular.
  * Cost of a step: LU of n + the unknowns of contact, which is several times a factor of A.
  */
 #include <stdlib.h>
@@ -30,7 +30,7 @@
 
 #include "global_internal.h"
 
-enum { most_steps = 12 };
+enum { most_steps = 12, patience = 3 };
 
 static const double delta = 1e-9;
 static const double least_beta = 1e-10; /* R / |tau|: l stays finite where R vanishes */
@@ -187,9 +187,9 @@ static dls_status newton_step(newton *N, double *r, dls_error *error) {
 
 static dls_status newton_iterate(newton *N, double *r, dls_error *error) {
   dls_global *work = N->global;
-  double before = INFINITY;
+  double before = INFINITY, least = INFINITY;
   int slow = 0, fresh = 0;
-  for (int step = 0; step < most_steps && slow < 2; step++) {
+  for (int step = 0; step < most_steps && slow < patience; step++) {
     const int changed = newton_sort(N, r);
     newton_base(N, r);
     if (step == 0 || changed || (N->spatial && !fresh)) {
@@ -212,7 +212,8 @@ static dls_status newton_iterate(newton *N, double *r, dls_error *error) {
     if (status) return status;
     const double badness = dlsi_body_badness(&now);
     if (!(badness <= DBL_MAX)) break;
-    slow = badness < before / 2 ? 0 : slow + 1;
+    slow = badness < least / 2 ? 0 : slow + 1;
+    if (badness < least) least = badness;
     fresh = badness < stale * before;
     before = badness;
   }

@@ -7,7 +7,7 @@
  *          disc |.| <= mu r_n. Then rho z = r - q are the law's positions.
  *   (GL2)  (K + rho H H^T + E) x := f + H (r + rho (z - g)) + E x
  *   (GL3)  u := H^T x + g
- *   (GL4)  q := q + 1.6 (p - q),  p = r - rho u
+ *   (GL4)  q := q + a (p - q),  p = r - rho u;  a = 1.6 with (GL5), 1 without
  *
  * A fixed point has u = z, hence K x = f + H r. The pair (x, r(p)) is measured. K alone is never
  * inverted: a body that contact alone holds is no special case. E is 0 but where nothing holds a
@@ -21,6 +21,7 @@
  *          / |rho (z - z')|), z' the z before, between .1 and 10:
  *            turn outside of 1/sqrt(5) .. sqrt(5)     rho := rho turn
  *            else, and the residual has halved        rho stays
+ *            else, two times of three                 rho stays
  *            else                                     rho / 10, 10 rho, rho / 100, .. in turn
  *          A change keeps r and z, and costs a factorisation.
  *   (GL8)  Newton steps (newton.c) end the iteration where no state has changed between two
@@ -32,14 +33,15 @@
  * Source: Lions and Mercier, SIAM J. Numer. Anal. 16, 1979, 964-979; vi/admm.c is the same on W.
  * Cost: a solve with the factor of A an iteration, a product with K every 10.
  * What can fail: Coulomb's law is not monotone, and nothing proves convergence with friction.
- * Arches of stiff stones may stall: their hinges open by far more than the local compliance.
+ * Arches of stiff stones and slender strips take hundreds of iterations, or stall: they move by far
+ * more than the local compliance.
  */
 #include <limits.h>
 #include <string.h>
 
 #include "global_internal.h"
 
-enum { measure_every = 10, first_look = 20, worth = 200, no_progress = 1000 };
+enum { measure_every = 10, first_look = 20, worth = 200, no_progress = 2000 };
 
 static const double relaxation = 1.6;
 static const double most_growth = 2;          /* (GL6) */
@@ -77,6 +79,7 @@ typedef struct schedule {
   int newton, prove;       /* iteration from which on (GL8), (GL9) may be tried */
   double jump;             /* (GL7): next factor where the residual stands still */
   int moves;               /* 1: the smallest residual has halved between the two looks before */
+  int still;               /* looks where it had not, with rho balanced */
   double residual_at_look; /* the smallest one at the look before */
   double residual;         /* of the measure before */
   double equilibrium;      /* at the look before */
@@ -94,8 +97,8 @@ static double split_next_rho(const dls_global *work, int k, double gap, double c
   s->residual_at_look = residual;
   s->look = k + (more > first_look ? more : first_look);
   if (turn <= off && turn >= 1 / off) {
-    turn = s->moves ? 1 : s->jump;
-    if (!s->moves) s->jump = s->jump < 1 ? 10 / s->jump : 0.1 / s->jump;
+    turn = s->moves || s->still++ % 3 < 2 ? 1 : s->jump;
+    if (turn != 1) s->jump = s->jump < 1 ? 10 / s->jump : 0.1 / s->jump;
   }
   return fmin(fmax(work->rho * turn, least_rho), most_rho);
 }
@@ -125,7 +128,7 @@ static void split_advance(dls_global *work, int accelerate, double gap, double *
   }
   *accepted = gap;
   for (int i = 0; i < work->m; i++) {
-    work->look[i] = relaxation * (work->p[i] - work->q[i]);
+    work->look[i] = (accelerate ? relaxation : 1) * (work->p[i] - work->q[i]);
     work->q[i] += work->look[i];
   }
   if (accelerate) (void)dlsi_anderson_step(history, work->m, work->look, work->q, NULL);

@@ -102,7 +102,7 @@ dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_s
     status = dlsi_fail(error, DLS_E_SIZE, "model", -1, (double)work->entries, "too many entries");
   else if (!work->row || !work->col || !work->x || !work->h || !work->e)
     status = dlsi_no_memory(error);
-  if (!status) {
+  if (!status && work->e) {
     work->size = work->e + n;
     for (int j = 0; j < work->n; j++)
       for (int k = K->Ks.p[j]; k < K->Ks.p[j + 1]; k++) {

@@ -5,12 +5,12 @@
 #include <math.h>
 
 #include "base/base.h"
-#include "linear/anderson.h"
 #include "base/method.h"
 #include "delassus/admm.h"
 #include "delassus/augmented.h"
 #include "delassus/newton.h"
 #include "delassus/nlgs.h"
+#include "linear/anderson.h"
 #include "linear/room.h"
 
 /* A candidate's own block W_cc (d x d, column-major) and the terms of its solution that do not

@@ -50,7 +50,7 @@ DLS_API DLS_MUST_USE dls_status dls_global_update(dls_global *global, const dls_
  *           are not read. warm_start: starts from r and x as passed in
  *   r       reactions, m: in for a warm start, out                      force (impulse)
  *   x       unknowns, n: in for a warm start, out                       length (velocity)
- *   info    or NULL: iterations, factorisations, certificate of (x, r)
+ *   info    or NULL: iterations, factorisations, certificate of (x, r); method is DLS_ADMM
  *
  * r, x must not overlap each other or the rest. Allocates the matrix of a Newton step while it is
  * tried, and what MUMPS and the factors allocate.

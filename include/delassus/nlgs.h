@@ -13,7 +13,7 @@ extern "C" {
 #endif
 
 /* The sweep as a fixed-point map r := g(r), and the next sweep started from a combination of the
- * last ones (vi/anderson.c). Aitken: of the last two, [Chabrand 1998] 4.2; Anderson: of more.
+ * last ones (linear/anderson.c). Aitken: of the last two, [Chabrand 1998] 4.2; Anderson: of more.
  * Momentum (vi/momentum.c): further along the last step, and, W by blocks, sweeps of their own
  * where the residual is, or momentum begun anew now and then, whichever is quicker (vi/race.c); for
  * large W of many bodies. */
