@@ -99,11 +99,15 @@ taken parse_mesh(const char *text, int *nx, int *ny) {
 }
 
 taken parse_count(const char *option, const char *text, int *value) {
+  return parse_count_to(option, text, 1000000000, value);
+}
+
+taken parse_count_to(const char *option, const char *text, int most, int *value) {
   char *end;
   errno = 0;
   const long v = strtol(text, &end, 10);
-  if (end == text || *end || errno == ERANGE || v < 1 || v > 1000000000L) {
-    complain("--%s: '%s' is not a whole number from 1 to 1000000000", option, text);
+  if (end == text || *end || errno == ERANGE || v < 1 || v > most) {
+    complain("--%s: '%s' is not a whole number from 1 to %d", option, text, most);
     return OPTION_WRONG;
   }
   *value = (int)v;
