@@ -311,11 +311,11 @@ void print_json_verdict(FILE *out, const verdict *v, int proof);
 double cpu_seconds(void);
 
 /* Shows progress: a callback that prints a line on stderr if that is a terminal and the work is
- * long, or with --verbose each call as a line, and cancels on Ctrl-C, which watch_interrupt has to
- * catch first. progress_end clears the line. */
+ * long, or with --verbose each call as a line, and cancels on Ctrl-C, SIGTERM, SIGHUP and SIGXCPU,
+ * which watch_interrupt has to catch first. progress_end clears the line. */
 int show_progress(void *data, const dls_progress *progress);
 void watch_interrupt(void);
-int was_interrupted(void); /* 1 after Ctrl-C */
+int was_interrupted(void); /* 1 after one of these signals */
 void progress_end(void);
 
 /* ---- jean.c ---------------------------------------------------------------------------------- */

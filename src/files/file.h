@@ -24,7 +24,8 @@ static inline int dlsi_is_digit(int c) {
 }
 
 /* Reads the finite decimal number that the word of `length` characters is, with a decimal point
- * whatever the host's locale says, and with Fortran's exponents (1D0). Returns 0 for any other word. */
+ * whatever the host's locale says, and with exponents of Fortran (1D0), too. Returns 0 for any
+ * other word. */
 enum { dlsi_longest_number = 64 }; /* a double needs 24 characters */
 int dlsi_read_number(const char *word, size_t length, double *value);
 
