@@ -37,11 +37,14 @@ MAKEFLAGS += --no-builtin-rules
 .DELETE_ON_ERROR:
 .SECONDARY:
 
+# integer constants are enums, which clang does not like beside a double; gcc does not know the name
 WARNINGS = -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
-           -Wmissing-prototypes -Wvla $(WERROR)
-CPPFLAGS_ALL = -Iinclude -Isrc -I. -MMD -MP $(CPPFLAGS)
+           -Wmissing-prototypes -Wvla -Wno-enum-float-conversion $(WERROR)
+CPPFLAGS_ALL = -Iinclude -Isrc -I. -MMD -MP $(CPP_OF) $(CPPFLAGS)
+# i386 computes in double with SSE2 alone
+X87 := $(if $(filter 1,$(shell echo __i386__ | $(CC) $(CFLAGS) -E -P -xc - 2>/dev/null)),-msse2 -mfpmath=sse)
 # no fused products: the same bits everywhere; nobody asks errno or the traps, which keep loops scalar
-CFLAGS_ALL = -std=c11 $(CFLAGS) $(WARNINGS) -ffp-contract=off -fno-math-errno -fno-trapping-math \
+CFLAGS_ALL = -std=c11 $(CFLAGS) $(X87) $(WARNINGS) -ffp-contract=off -fno-math-errno -fno-trapping-math \
              -pthread -fPIC -fvisibility=hidden -DDLS_BUILD_SHARED $(SANITIZE)
 
 BLAS_LIBS ?= $(shell $(PKG_CONFIG) --silence-errors --libs openblas || echo -lopenblas)
@@ -69,7 +72,7 @@ MPI_CFLAGS := $(patsubst -I%,-isystem %,$(shell $(MPICC) --showme:compile)) -DDL
 MPI_LIBS := -ldmumps -lscalapack-openmpi -lmetis $(shell $(MPICC) --showme:link)
 endif
 
-LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/linear src/files src/front src/motion lcp vi reduction))
+LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/linear src/files src/front src/motion lcp vi reduction global))
 LIB_SRC := $(filter-out $(if $(HDF5_CFLAGS),src/files/fclib_none.c,src/files/fclib_read.c src/files/fclib_write.c),$(LIB_SRC))
 NO_MUMPS := src/linear/mumps_none.c
 WITH_MUMPS := $(addprefix src/linear/,sparse_lu.c schur.c dissection.c)
@@ -81,12 +84,12 @@ EXAMPLE_SRC := $(wildcard examples/*.c)
 HEADERS := $(filter-out $(if $(MPI_LIBS),,include/delassus/mpi.h),$(wildcard include/*.h include/delassus/*.h))
 ALL_CPP = $(wildcard include/*.hpp tests/*/*.cpp examples/*.cpp)
 ALL_C = $(LIB_SRC) $(FE_SRC) $(CLI_SRC) src/fortran/types.c $(wildcard src/mpi/*.c examples/mpi/*.c) $(wildcard tests/*/*.c) $(EXAMPLE_SRC) $(wildcard bench/*.c)
-ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h tests/*/*.h bench/*.h)
+ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h global/*.h tests/*/*.h bench/*.h)
 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 LIB_OBJ := $(call obj,$(LIB_SRC))
 # fe is a library of its own: it carries the hidden functions that it shares
-FE_OBJ := $(call obj,$(FE_SRC)) $(patsubst %,$(BUILD)/obj/src/%.o,base/status base/memory base/number base/check base/columns files/file files/output)
+FE_OBJ := $(call obj,$(FE_SRC)) $(patsubst %,$(BUILD)/obj/src/%.o,base/status base/memory base/number base/check base/columns base/environment files/file files/output)
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(EXAMPLE_SRC))
 # programs in other languages, where there is a compiler
@@ -133,6 +136,9 @@ help:
 	@echo 'make check-fuzz check-faults   the short forms of two of them'
 	@echo 'make check-languages   tests and examples in C++, Fortran and Python'
 	@echo 'make check-build check-symbols check-arrows check-names check-headers   parts of it, and each header'
+	@echo 'make check-flags     flags that make a wrong library are refused'
+	@echo 'make check-cross     the core for other processors under qemu; ARCHS="i386 arm64"'
+	@echo 'make check-all       all of this: other options, flags, compilers, processors; MPI, sanitizers, long fuzz; hours'
 	@echo 'make lint format-check format      clang-tidy and cppcheck; layout and 100 columns'
 	@echo 'make bench-solvers   every solver beside Siconos; BENCH=--full for all problems'
 	@echo 'make bench-reduction K -> W beside CHOLMOD and UMFPACK; BENCH=--full, BENCH=--large'
@@ -146,6 +152,9 @@ help:
 	@echo 'make bench-trust     predicted error of an answer beside the true one'
 	@echo 'make MPI=1       libdelassus-mpi and delassus-mpi, too; MPI=1 check-mpi, MPI=1 bench-mpi'
 	@echo 'make clean'
+
+# the Debian packages that these options need
+DEPS = HDF5='$(HDF5)' MUMPS='$(MUMPS)' BLAS_LIBS='$(if $(filter file,$(origin BLAS_LIBS)),,$(BLAS_LIBS))' .ci/deps
 
 # ---- libraries and program ----------------------------------------------------------------------
 
@@ -163,7 +172,7 @@ LAYOUT_H := $(shell sed -n 's|^.include "\(delassus/.*\)"|include/\1|p' include/
 $(BUILD)/layout/layout.inc: src/front/layout.awk include/delassus.h $(LAYOUT_H)
 	@mkdir -p $(@D)
 	$(Q)awk -f src/front/layout.awk $(LAYOUT_H) > $@
-$(BUILD)/obj/src/front/layout.o: CPPFLAGS += -I$(BUILD)/layout
+$(BUILD)/obj/src/front/layout.o: CPP_OF += -I$(BUILD)/layout
 $(BUILD)/obj/src/front/layout.o: $(BUILD)/layout/layout.inc
 
 $(A): $(LIB_OBJ)
@@ -232,13 +241,13 @@ $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(TEST_HELPERS) $(FE) $(A)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS) $(LIBS)
 
-$(call obj,$(TEST_SRC)) $(TEST_HELPERS): CPPFLAGS += -Itests/shared -DTEST_DATA='"data"' -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0)
+$(call obj,$(TEST_SRC)) $(TEST_HELPERS): CPP_OF += -Itests/shared -DTEST_DATA='"data"' -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0) -DWITH_HDF5=$(if $(HDF5_CFLAGS),1,0)
 # test_files makes broken FCLIB files with HDF5 itself
-$(BUILD)/obj/tests/files/test_files.o: CPPFLAGS += $(HDF5_CFLAGS)
+$(BUILD)/obj/tests/files/test_files.o: CPP_OF += $(HDF5_CFLAGS)
 
 .PHONY: check
 check: deps
-	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-build check-properties check-faults check-fuzz check-install
+	@$(MAKE) --no-print-directory check-symbols check-arrows check-names check-flags check-build check-properties check-faults check-fuzz check-install
 
 .PHONY: check-build
 check-build: all $(TESTS) $(LANGUAGES) $(addprefix $(BUILD)/bench/,auto blocks steps trust)
@@ -297,6 +306,30 @@ check-arrows: $(A) $(FE) $(call obj,$(CLI_SRC))
 check-names:
 	@tests/check_names.sh
 
+# flags that make a wrong library are refused
+.PHONY: check-flags
+check-flags:
+	@tests/flags.sh '$(MAKE)' $(BUILD) '$(CC)'
+
+# the core for other processors, tested under qemu; ARCHS, Debian's names
+.PHONY: check-cross
+ARCHS ?= i386 armhf arm64 s390x ppc64el
+check-cross:
+	@tests/cross.sh '$(MAKE)' $(BUILD)/cross $(ARCHS)
+
+# what no check on each change has the time for: builds with other options, flags and compilers, for other
+# processors; MPI; sanitizers; ten minutes of fuzz for each target
+.PHONY: check-all
+check-all:
+	@$(MAKE) --no-print-directory check
+	@tests/flags.sh '$(MAKE)' $(BUILD) '$(CC)' all
+	@$(MAKE) --no-print-directory check-build BUILD=$(BUILD)/plain HDF5=0 MUMPS=0 OPENMP=
+	@$(MAKE) --no-print-directory check-mpi BUILD=$(BUILD)/mpi MPI=1
+	@$(MAKE) --no-print-directory asan
+	@$(MAKE) --no-print-directory threads RUNS=5
+	@$(MAKE) --no-print-directory fuzz FUZZ_SECONDS=600
+	@$(MAKE) --no-print-directory check-cross
+
 .PHONY: check-headers
 check-headers:
 	@for h in $(HEADERS); do \
@@ -312,7 +345,7 @@ check-headers:
 lint:
 	clang-tidy --quiet --warnings-as-errors='*' $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(EXAMPLE_SRC) -- -std=c11 -Iinclude -Isrc -I. -I$(BUILD)/layout $(HDF5_CFLAGS) $(MUMPS_CFLAGS) 2>/dev/null
 	cppcheck --quiet --error-exitcode=1 --std=c11 --enable=warning,performance,portability \
-	  --inline-suppr -Iinclude -Isrc -I. src lcp vi reduction examples
+	  --inline-suppr -Iinclude -Isrc -I. src lcp vi reduction global examples
 
 .PHONY: format format-check
 format:
@@ -350,7 +383,7 @@ torment:
 # any bytes into every door: an engine of its own, or with clang libFuzzer's
 FUZZ_OBJ = $(call obj,$(wildcard tests/torment/fuzz*.c)) $(BUILD)/obj/tests/torment/main.o
 FUZZ_CLI = $(filter-out %/main.o,$(call obj,$(CLI_SRC)))
-$(call obj,$(wildcard tests/torment/fuzz*.c)): CPPFLAGS += $(HDF5_CFLAGS) $(FUZZ_CPP)
+$(call obj,$(wildcard tests/torment/fuzz*.c)): CPP_OF += $(HDF5_CFLAGS) $(FUZZ_CPP)
 $(BUILD)/obj/tests/torment/main.o: src/cli/main.c
 	@mkdir -p $(@D)
 	$(call say,CC  )
@@ -395,11 +428,11 @@ check-fuzz: $(BUILD)/tests/torment/fuzz
 RESULTS ?= bench/results
 PEER_CFLAGS = -isystem /usr/include/siconos -isystem /usr/include/siconos/numerics
 bench_obj = $(call obj,bench/common.c $(sort $(wildcard bench/$(1).c bench/$(1)_*.c)))
-$(call bench_obj,lemke) $(call bench_obj,solvers): CPPFLAGS += $(PEER_CFLAGS)
-$(call bench_obj,scale) $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c): CPPFLAGS += -Itests/shared
-$(call bench_obj,reduction): CPPFLAGS += -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
-$(call bench_obj,motion): CPPFLAGS += -isystem /usr/include/suitesparse
-$(call obj,$(wildcard bench/*.c)): CPPFLAGS += -D_GNU_SOURCE
+$(call bench_obj,lemke) $(call bench_obj,solvers): CPP_OF += $(PEER_CFLAGS)
+$(call bench_obj,scale) $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c): CPP_OF += -Itests/shared
+$(call bench_obj,reduction): CPP_OF += -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
+$(call bench_obj,motion): CPP_OF += -isystem /usr/include/suitesparse
+$(call obj,$(wildcard bench/*.c)): CPP_OF += -D_GNU_SOURCE
 
 $(BUILD)/bench/lemke: $(call bench_obj,lemke) $(FE) $(A)
 $(BUILD)/bench/solvers: $(call bench_obj,solvers) $(call obj,$(addprefix src/cli/,profile_picture.c palette.c picture.c quote.c report.c)) $(FE) $(A)
@@ -422,7 +455,7 @@ $(BUILD)/bench/%:
 
 .PHONY: bench-lemke bench-solvers bench-reduction bench-auto bench-blocks bench-scale bench-motion
 bench-lemke bench-solvers bench-reduction bench-scale: bench-%:
-	@.ci/deps bench
+	@$(DEPS) bench
 	@$(MAKE) --no-print-directory $(BUILD)/bench/$*
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/$* --out $(RESULTS) $(BENCH)
 	$(if $(filter --large,$(BENCH)),,gnuplot -e "dir='$(RESULTS)/'" bench/$*.gp)
@@ -430,7 +463,7 @@ bench-lemke bench-solvers bench-reduction bench-scale: bench-%:
 bench-auto: $(BUILD)/bench/auto
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/auto --out $(RESULTS) $(or $(BENCH),data/fclib/*.hdf5)
 bench-motion:
-	@.ci/deps bench
+	@$(DEPS) bench
 	@$(MAKE) --no-print-directory $(BUILD)/bench/motion
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/motion --out $(RESULTS) $(BENCH)
 .PHONY: bench-bodies
@@ -448,7 +481,8 @@ bench-trust: $(BUILD)/bench/trust
 # ---- demo, install ------------------------------------------------------------------------------
 
 .PHONY: demo
-demo: deps
+demo:
+	@$(DEPS) pictures
 	@$(MAKE) --no-print-directory all
 	@examples/demo.sh $(BUILD)
 
@@ -467,7 +501,7 @@ charts: $(PROGRAM) $(BUILD)/bench/problems
 
 .PHONY: deps
 deps:
-	@.ci/deps
+	@$(DEPS)
 
 INCLUDEDIR = $(PREFIX)/include
 DATADIR = $(PREFIX)/share
@@ -511,7 +545,7 @@ check-install: $(A) $(SO) $(FE) $(PROGRAM)
 
 .PHONY: check-hosts
 check-hosts:
-	@.ci/deps hosts
+	@$(DEPS) hosts
 	@$(MAKE) --no-print-directory $(A) $(SO) $(PROGRAM)
 	@CC='$(CC)' CXX='$(CXX)' examples/hosts/run.sh $(BUILD)
 

@@ -9,6 +9,7 @@
  *   info.h       methods and outcome
  *   model.h      K, H_N, H_T of the host
  *   reduction.h  K, f, H -> W, q and back
+ *   global.h     the problem on K itself, without W
  *   solve.h      one call for any method
  *   diagnose.h   facts about a problem
  *   motion.h     load paths, moving obstacles, the theta scheme
@@ -35,6 +36,7 @@
 #include "delassus/diagnose.h"
 #include "delassus/facets.h"
 #include "delassus/files.h"
+#include "delassus/global.h"
 #include "delassus/info.h"
 #include "delassus/layout.h"
 #include "delassus/lcp.h"

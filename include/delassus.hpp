@@ -114,11 +114,11 @@ struct settings : dls_solver_settings {
 
 /* The outcome of a solve. */
 struct answer {
-  dls_status status;        /* DLS_OK: solved and certified; above 0: stopped early */
+  dls_status status;        /* DLS_OK, DLS_TO_ROUNDING: solved; others above 0: stopped early */
   std::vector<double> r, u; /* d nc: reactions, local positions */
   dls_info info;
   bool solved() const noexcept {
-    return status == DLS_OK;
+    return status == DLS_OK || status == DLS_TO_ROUNDING;
   }
   const char *text() const noexcept {
     return dls_status_text(status);
@@ -322,6 +322,22 @@ public:
     const double *R = detail::pointer(r, m, "recover", "r", false);
     call([&](dls_error *e) { return dls_reduction_recover(work.get(), R, x.data(), e); });
     return x;
+  }
+  /* solves, and says solved of the body: dls_reduction_solve. x receives the unknowns */
+  answer solve(const std::vector<double> &mu, std::vector<double> *x, settings s = settings(),
+               const std::vector<double> &start = {}, const progress &look = nullptr) {
+    const double *MU = detail::pointer(mu, candidates, "solve", "mu", true);
+    answer a = detail::blank(contact(mu), start);
+    if (!start.empty()) s.limits.warm_start = 1;
+    std::vector<double> unknown(unknowns());
+    const detail::watch w(&s.limits, look);
+    a.status = call([&](dls_error *e) {
+      return dls_reduction_solve(work.get(), MU, &s, a.r.data(), a.u.data(), unknown.data(),
+                                 &a.info, e);
+    });
+    w.rethrow();
+    if (x) *x = std::move(unknown);
+    return a;
   }
   std::vector<double> nodal(const std::vector<double> &r) const {
     std::vector<double> R(gaps);

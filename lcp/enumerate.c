@@ -343,6 +343,7 @@ static dls_status enumerate_check(const dls_lcp *lcp, double tol, int capacity, 
 
 dls_status dls_lcp_enumerate(const dls_lcp *lcp, double tol, int capacity, double *z,
                              dls_enumeration *found, dls_error *error) {
+  DLSI_DOOR;
   const dls_status status = enumerate_check(lcp, tol, capacity, z, found, error);
   if (status) return dlsi_at(__func__, status, error);
   const int n = lcp->n;

@@ -74,6 +74,7 @@ dls_status dlsi_to_facets_lcp(const dls_contact *problem, int facets, double tur
 
 dls_status dls_contact_to_facets_lcp(const dls_contact *problem, int facets, const double *s,
                                      double *M, int ldm, double *q, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, dlsi_to_facets_lcp(problem, facets, 0, s, M, ldm, q, error), error);
 }
 
@@ -86,5 +87,6 @@ dls_status dlsi_from_facets_lcp(const dls_contact *problem, int facets, double t
 
 dls_status dls_contact_from_facets_lcp(const dls_contact *problem, int facets, const double *s,
                                        const double *z, double *r, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, dlsi_from_facets_lcp(problem, facets, 0, s, z, r, error), error);
 }

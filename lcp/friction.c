@@ -177,6 +177,7 @@ static dls_status friction_check(const dls_contact *problem, dls_error *error) {
 
 dls_status dls_contact_to_lcp(const dls_contact *problem, const double *s, double *M, int ldm,
                               double *q, dls_error *error) {
+  DLSI_DOOR;
   dlsi_formed formed = {.work = NULL};
   dls_status status = friction_check(problem, error);
   if (!status) status = dlsi_form_blocks(&formed, &problem, error);
@@ -187,6 +188,7 @@ dls_status dls_contact_to_lcp(const dls_contact *problem, const double *s, doubl
 
 dls_status dls_contact_from_lcp(const dls_contact *problem, const double *s, const double *z,
                                 double *r, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = friction_check(problem, error);
   if (!status) status = dlsi_form_reactions(problem, &three_rows, s, z, r, error);
   return dlsi_at(__func__, status, error);
@@ -200,7 +202,8 @@ void dlsi_friction_start(const dls_contact *problem, const double *w, const doub
     const size_t d = (size_t)problem->d;
     const double mu = problem->mu[c], *rc = r + d * (size_t)c, *uc = u + d * (size_t)c;
     double F[2] = {0};
-    const dls_contact_state state = dlsi_contact_residual((int)d, mu, w[c], rc, uc, F);
+    const double both[2] = {w[c], w[c]};
+    const dls_contact_state state = dlsi_contact_misfit((int)d, mu, both, rc, uc, F);
     z[0] = state != DLS_FREE;
     if (!(mu > 0)) continue;
     const int back = uc[1] < 0;

@@ -42,6 +42,7 @@ dls_status dlsi_check_positive(const char *argument, const double *x, int n, dls
 }
 
 dls_status dls_lcp_check(const dls_lcp *lcp, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, dlsi_check_lcp(lcp, error), error);
 }
 
@@ -141,10 +142,12 @@ static dls_status lcp_certify(const dls_lcp *lcp, const double *z, double *y,
 
 dls_status dls_lcp_certify(const dls_lcp *lcp, const double *z, double *y,
                            dls_lcp_certificate *certificate, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, lcp_certify(lcp, z, y, certificate, error), error);
 }
 
 int dls_lcp_certificate_holds(const dls_lcp_certificate *certificate, double tol) {
+  DLSI_DOOR;
   if (!certificate) return 0;
   const double four = 4 * certificate->floor, coarsest = tol > 1e-8 ? tol : 1e-8;
   return certificate->residual <= (four > tol ? four : tol) && four <= coarsest;
@@ -210,6 +213,7 @@ static dls_status ray_check(const dls_lcp *lcp, const double *cover, const doubl
 
 dls_status dls_lcp_check_ray(const dls_lcp *lcp, const double *cover, const double *z, double z0,
                              const double *dz, double dz0, double *violation, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, ray_check(lcp, cover, z, z0, dz, dz0, violation, error), error);
 }
 
@@ -262,6 +266,7 @@ int dlsi_lcp_find_proof(const dls_lcp *lcp, double *v, double *work) {
 
 dls_status dls_lcp_check_farkas(const dls_lcp *lcp, const double *v, double *violation,
                                 dls_error *error) {
+  DLSI_DOOR;
   dls_status status = dlsi_check_lcp(lcp, error);
   if (!status) status = dlsi_check_vector("v", v, (size_t)lcp->n, error);
   if (!status && !violation) status = dlsi_is_null(error, "violation");

@@ -71,6 +71,7 @@
 #include <string.h>
 
 #include "lcp_internal.h"
+#include "linear/blas.h"
 
 static const double pivot_tolerance = 1e-11; /* (LE9), to max|c| */
 static const double strict_pivot = 1e-14;    /* (LE9) at the second try */
@@ -185,6 +186,7 @@ static dls_status lemke_create(dls_lemke **out, int n, const dls_lemke_settings 
   dls_status status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 1, own, error);
   if (!status && s->cover) status = dlsi_check_positive("cover", s->cover, n, error);
   void *made = NULL;
+  if (!status) status = dlsi_check_blas(error);
   if (!status) status = dlsi_carve_workspace(&made, &work, sizeof work, lemke_carve, "n", n, error);
   if (status) return status;
   dls_lemke *w = *out = made;
@@ -194,6 +196,7 @@ static dls_status lemke_create(dls_lemke **out, int n, const dls_lemke_settings 
 
 dls_status dls_lemke_create(dls_lemke **out, int n, const dls_lemke_settings *settings,
                             dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, lemke_create(out, n, settings, error), error);
 }
 
@@ -793,6 +796,7 @@ dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double
 
 dls_status dls_lemke_solve(dls_lemke *workspace, const dls_lcp *lcp, double *z, double *y,
                            dls_lemke_info *info, dls_error *error) {
+  DLSI_DOOR;
   dls_lemke *work = workspace;
   dls_status status = lemke_enter(work, lcp, z, error);
   if (status) return dlsi_at(__func__, status, error);
@@ -812,6 +816,7 @@ static dls_status lemke_check_end(const dls_lemke *work, int ended, const char *
 
 dls_status dls_lemke_ray(const dls_lemke *workspace, double *z, double *z0, double *dz, double *dz0,
                          double *cover, dls_error *error) {
+  DLSI_DOOR;
   const dls_lemke *work = workspace;
   const dls_status status =
       lemke_check_end(work, work && work->solved_n, "the last solve did not end in a ray", error);
@@ -826,6 +831,7 @@ dls_status dls_lemke_ray(const dls_lemke *workspace, double *z, double *z0, doub
 }
 
 dls_status dls_lemke_farkas(const dls_lemke *workspace, double *v, dls_error *error) {
+  DLSI_DOOR;
   const dls_lemke *work = workspace;
   dls_status status =
       lemke_check_end(work, work && work->proved, "the last solve proved nothing", error);

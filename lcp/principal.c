@@ -97,6 +97,7 @@ static dls_status principal_create(dls_principal **out, int n,
   const dlsi_setting own[] = {{"block_steps", s->block_steps, 0, INT_MAX, 0}};
   dls_status status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 1, own, error);
   void *made = NULL;
+  if (!status) status = dlsi_check_blas(error);
   if (!status)
     status = dlsi_carve_workspace(&made, &work, sizeof work, principal_carve, "n", n, error);
   *out = made;
@@ -105,6 +106,7 @@ static dls_status principal_create(dls_principal **out, int n,
 
 dls_status dls_principal_create(dls_principal **out, int n, const dls_principal_settings *settings,
                                 dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, principal_create(out, n, settings, error), error);
 }
 
@@ -257,6 +259,7 @@ static dls_status principal_enter(dls_principal *work, const dls_lcp *lcp, const
 
 dls_status dls_principal_solve(dls_principal *workspace, const dls_lcp *lcp, double *z, double *y,
                                dls_principal_info *info, dls_error *error) {
+  DLSI_DOOR;
   dls_principal *work = workspace;
   const dls_status status = principal_enter(work, lcp, z, error);
   if (status) return dlsi_at(__func__, status, error);

@@ -30,6 +30,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "linear/blas.h"
 #include "linear/dense.h"
 #include "linear/pieces.h"
 #include "reduction_internal.h"
@@ -192,8 +193,8 @@ static dls_status part_scale_general(const dense_part *part, dls_error *error) {
 }
 
 /* Scales and factors a part; returns its rcond in *rcond. work: 4 s; iwork: s. */
-static dls_status part_factor(dense_part *part, double *rcond, double *work, int *iwork,
-                              dls_error *error) {
+static dls_status part_factor(dense_part *part, dlsi_watch *watch, double *rcond, double *work,
+                              int *iwork, dls_error *error) {
   const size_t s = (size_t)part->M.n;
   const int symmetric = part->M.cholesky;
   double *A = part->M.A;
@@ -205,7 +206,9 @@ static dls_status part_factor(dense_part *part, double *rcond, double *work, int
       symmetric ? part_scale_symmetric(part, error) : part_scale_general(part, error);
   if (status) return status;
   const double norm = dlsi_dense_norm(A, s, symmetric, work);
-  const int failed = symmetric ? dlsi_dense_cholesky(&part->M) : dlsi_dense_lu(&part->M);
+  const int failed =
+      symmetric ? dlsi_dense_cholesky_watched(&part->M, watch) : dlsi_dense_lu(&part->M);
+  if (failed == dlsi_stopped) return DLS_CANCELLED;
   if (failed && !symmetric) return part_singular(part, failed - 1, 0, 0, error);
   if (failed) {
     const double pivot = A[(size_t)(failed - 1) * (s + 1)];
@@ -277,6 +280,8 @@ static dls_status factor_divide(dlsi_factor *factor, const dls_model *model, int
 dls_status dlsi_factor_create(dlsi_factor **out, const dls_model *model, int count, const int *keep,
                               dls_error *error) {
   *out = NULL;
+  dls_status status = dlsi_check_product(error);
+  if (status) return status;
   dlsi_factor *factor = calloc(1, sizeof *factor);
   if (!factor) return dlsi_no_memory(error);
   factor->n = model->n;
@@ -290,7 +295,7 @@ dls_status dlsi_factor_create(dlsi_factor **out, const dls_model *model, int cou
   dlsi_arena arena = {0};
   factor_carve(factor, &arena);
   factor->memory = arena.failed ? NULL : dlsi_alloc(arena.used, 1);
-  dls_status status = factor->memory ? DLS_OK : dlsi_no_memory(error);
+  status = factor->memory ? DLS_OK : dlsi_no_memory(error);
   if (!status) {
     arena = (dlsi_arena){.base = factor->memory, .size = arena.used};
     factor_carve(factor, &arena);
@@ -342,6 +347,7 @@ dls_status dlsi_factor_same(const dlsi_factor *factor, const dls_model *model, d
 dls_status dlsi_factor_numeric(dlsi_factor *factor, const dls_model *model, dls_error *error) {
   if (factor->kind == DLS_HOST_SOLVER) return DLS_OK;
   if (factor->schur) {
+    dlsi_schur_watch(factor->schur, factor->watch);
     const dls_status status = dlsi_schur_factor(factor->schur, &model->Ks, error);
     if (!status) factor->rcond = dlsi_schur_measured(factor->schur)->rcond;
     return status;
@@ -355,7 +361,10 @@ dls_status dlsi_factor_numeric(dlsi_factor *factor, const dls_model *model, dls_
     double rcond = 1;
     dense_part part = part_of(factor, k);
     part_assemble(factor, model, k);
-    if (factor->kind != DLS_FLEXIBILITY) status = part_factor(&part, &rcond, work, iwork, error);
+    if (factor->kind != DLS_FLEXIBILITY)
+      status = part_factor(&part, factor->watch, &rcond, work, iwork, error);
+    const double s = part.M.n;
+    if (!status && dlsi_watch_stops(factor->watch, k, s * s * s / 3)) status = DLS_CANCELLED;
     if (rcond < factor->rcond) factor->rcond = rcond;
   }
   free(iwork);
@@ -364,7 +373,11 @@ dls_status dlsi_factor_numeric(dlsi_factor *factor, const dls_model *model, dls_
 }
 
 static dls_status factor_host(const dlsi_factor *factor, double *X, int nrhs, dls_error *error) {
-  const int n = factor->n, answer = factor->solve(factor->user, X, n, nrhs);
+  const int n = factor->n;
+  dlsi_host own;
+  dlsi_go_out(&own);
+  const int answer = factor->solve(factor->user, X, n, nrhs);
+  dlsi_come_in(&own);
   if (answer) return dlsi_fail(error, DLS_E_CALLBACK, "solve", -1, answer, "returned %d", answer);
   const long long bad = dlsi_first_not_finite(X, (size_t)n * (size_t)nrhs);
   if (bad < 0) return DLS_OK;

@@ -19,6 +19,7 @@
  * column. (IN4) b^3 (2 b^3 for LU) on b unknowns, then b nnz(H) + m nnz(H). Memory: dlsi_batch
  * columns of the largest part, or b^2.
  */
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -67,6 +68,8 @@ static dls_status influence_by_columns(const dlsi_factor *factor, const dlsi_ope
       influence_gather(&H->Ht, unknown, s, slot, start, count, X);
       const dls_status status = dlsi_factor_solve(factor, k, X, count, work, error); /* (IN1) */
       if (status) return status;
+      if (dlsi_watch_stops(factor->watch, factor->parts > 1 ? k : start, DBL_MAX))
+        return DLS_CANCELLED;
       for (int j = 0; j < count; j++) /* (IN2) */
         dlsi_operator_add(H, unknown, s, X + (size_t)j * s, W + (size_t)list[start + j] * m);
     }
@@ -103,9 +106,9 @@ static dls_status influence_columns(const dlsi_operator *H, dlsi_columns *Hc, dl
   return status;
 }
 
-/* (IN4) z: scratch, b. */
-static void influence_between(const dlsi_operator *H, const dlsi_columns *Hc, const double *Z,
-                              double *z, double *W) {
+/* (IN4) z: scratch, b. Returns 1 if the host cancels. */
+static int influence_between(const dlsi_operator *H, const dlsi_columns *Hc, dlsi_watch *watch,
+                             const double *Z, double *z, double *W) {
   const size_t b = (size_t)H->kept, m = (size_t)H->Ht.rows;
   for (size_t j = 0; j < m; j++) {
     if (Hc->p[j] == Hc->p[j + 1]) continue;
@@ -116,7 +119,9 @@ static void influence_between(const dlsi_operator *H, const dlsi_columns *Hc, co
         z[i] += h * column[i];
     }
     dlsi_operator_add(H, H->keep, b, z, W + j * m);
+    if (dlsi_watch_stops(watch, H->kept, 8.0 * (double)b)) return 1;
   }
+  return 0;
 }
 
 static dls_status influence_from_schur(const dlsi_factor *factor, const dlsi_operator *H, double *W,
@@ -126,8 +131,9 @@ static dls_status influence_from_schur(const dlsi_factor *factor, const dlsi_ope
   double *Z = dlsi_alloc(b + 1, b * sizeof *Z);
   dls_status status = Z ? influence_columns(H, &Hc, error) : dlsi_no_memory(error);
   if (!status) {
-    dlsi_schur_inverse(factor->schur, Z);
-    influence_between(H, &Hc, Z, Z + b * b, W);
+    status = dlsi_schur_inverse(factor->schur, Z);
+    if (!status && influence_between(H, &Hc, factor->watch, Z, Z + b * b, W))
+      status = DLS_CANCELLED;
   }
   free(Z);
   dlsi_columns_free(&Hc);

@@ -319,6 +319,7 @@ static dls_status modes_of_model(const dls_model *model, int most, double *basis
 
 dls_status dls_model_modes(const dls_model *model, int most, double *basis, int *unknown,
                            int *count, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, modes_of_model(model, most, basis, unknown, count, error), error);
 }
 

@@ -21,12 +21,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "reduced.h"
 #include "reduction_internal.h"
 
 struct dls_reduction {
   dls_reduction_settings settings;
-  atomic_int busy; /* a call is at work, in the host's solver perhaps */
-  int d, nodes;    /* d: of the model; H.d of the contact problem */
+  atomic_int busy;  /* a call is at work, in the host's solver perhaps */
+  dlsi_watch watch; /* the host's, of create and update */
+  int d, nodes;     /* d: of the model; H.d of the contact problem */
   size_t n, m;
   dls_operator kind;
   dls_factorization factorization; /* as tagged */
@@ -40,15 +42,19 @@ struct dls_reduction {
   int is_free; /* 1: the host gave K^-1 f instead of f */
   int half;    /* 1: the factor holds the forward pass of f, or of 0 where is_free */
   dlsi_operator H;
-  double *mu;   /* candidates: a copy of H.mu that stays in its place; NULL if the model has none */
-  double *W;    /* m x m, or NULL */
-  double *q;    /* m */
-  double *f;    /* n, by position: the last load; or x_free, where is_free */
-  double *x;    /* n, by position: scratch */
-  double *y;    /* n: scratch of a solve with a flexibility */
-  double *z;    /* n: scratch of the halves of a solve with a sparse K */
-  double *v;    /* m: scratch, the next q */
-  void *memory; /* of all of these but H, the factor, the modes and W */
+  dlsi_kept kept;  /* for the certificate of the body */
+  void *companion; /* of src/front/body.c, NULL for none, and how to end it */
+  void (*companion_destroy)(void *);
+  double *mu; /* candidates: a copy of H.mu that stays in its place; NULL if the model has none */
+  double *W;  /* m x m, or NULL */
+  double *q;  /* m */
+  double *f;  /* n, by position: the last load; or x_free, where is_free */
+  double *x;  /* n, by position: scratch */
+  double *y;  /* n: scratch of a solve with a flexibility */
+  double *z;  /* n: scratch of the halves of a solve with a sparse K */
+  double *v;  /* m: scratch, the next q */
+  double *next_gap; /* m: the next P^T g */
+  void *memory;     /* of all of these but H, the factor, the modes and W */
 };
 
 void dls_reduction_settings_init(dls_reduction_settings *settings) {
@@ -73,6 +79,7 @@ static void reduction_carve(dls_reduction *work, dlsi_arena *arena) {
   work->mu = work->H.mu ? dlsi_take(arena, (size_t)work->H.candidates, sizeof *work->mu) : NULL;
   work->q = dlsi_take(arena, work->m, sizeof *work->q);
   work->v = dlsi_take(arena, work->m, sizeof *work->v);
+  work->next_gap = dlsi_take(arena, work->m, sizeof *work->next_gap);
   work->f = dlsi_take(arena, work->n, sizeof *work->f);
   work->x = dlsi_take(arena, work->n, sizeof *work->x);
   work->z = dlsi_take(arena, work->kind == DLS_STIFFNESS_SPARSE ? work->n : 0, sizeof *work->z);
@@ -118,9 +125,12 @@ static dls_status reduction_analyse(dls_reduction *work, const dls_model *model,
   if (work->factor) return DLS_OK;
   const dlsi_operator *H = &work->H;
   const int kept = work->settings.form_W && !work->whole && H->kept / 4 <= H->columns ? H->kept : 0;
-  const dls_status status = dlsi_factor_create(&work->factor, model, kept, H->keep, error);
-  if (!status) reduction_foresee(work);
-  return status;
+  dls_status status = dlsi_watch_stage(&work->watch, "analysis", 0);
+  if (!status) status = dlsi_factor_create(&work->factor, model, kept, H->keep, error);
+  if (status) return status;
+  work->factor->watch = &work->watch;
+  reduction_foresee(work);
+  return DLS_OK;
 }
 
 static void reduction_forget_factor(dls_reduction *work) {
@@ -128,10 +138,22 @@ static void reduction_forget_factor(dls_reduction *work) {
   work->factor = NULL;
 }
 
+/* Return how many pieces the stages "factor" and "W" have for the host; 0: not known. */
+static int reduction_fronts(const dls_reduction *work) {
+  const dlsi_factor *factor = work->factor;
+  return factor->schur ? dlsi_schur_measured(factor->schur)->fronts : factor->parts;
+}
+
+static int reduction_batches(const dls_reduction *work) {
+  const dlsi_factor *factor = work->factor;
+  return factor->kept > 0 ? factor->kept : factor->parts > 1 ? factor->parts : (int)work->m;
+}
+
 static dls_status reduction_factor_once(dls_reduction *work, const dls_model *model,
                                         dls_error *error) {
   dls_status status = reduction_analyse(work, model, error);
   if (!status) status = reduction_limit(work, error);
+  if (!status) status = dlsi_watch_stage(&work->watch, "factor", reduction_fronts(work));
   return status ? status : dlsi_factor_numeric(work->factor, model, error);
 }
 
@@ -187,6 +209,7 @@ static dls_status reduction_factor(dls_reduction *work, const dls_model *model, 
   dls_error first = {0};
   dls_status status = reduction_attempt(work, model, &first);
   const int stuck = status == DLS_E_SINGULAR || status == DLS_E_NOT_POSITIVE_DEFINITE;
+  if (stuck && dlsi_watch_stage(&work->watch, "modes", 0)) return DLS_CANCELLED;
   if (stuck && work->modes.count == 0) {
     reduction_forget_factor(work);
     dls_error second;
@@ -209,7 +232,7 @@ static dls_status reduction_factor(dls_reduction *work, const dls_model *model, 
     work->info.indefinite = 1;
     status = reduction_attempt(work, model, &first);
   }
-  if (status && error) *error = first;
+  if (status < 0 && error) *error = first;
   if (status) return status;
   work->info.modes = work->modes.count;
   work->info.condition = work->factor->rcond > 0 ? 1 / work->factor->rcond : 0;
@@ -218,10 +241,18 @@ static dls_status reduction_factor(dls_reduction *work, const dls_model *model, 
 
 /* ---- create, update, destroy ----------------------------------------------------------------- */
 
+static void reduction_drop_companion(dls_reduction *work) {
+  if (work->companion) work->companion_destroy(work->companion);
+  work->companion = NULL;
+}
+
 /* Computes all that depends on values, but H. */
 static dls_status reduction_fill(dls_reduction *work, const dls_model *model, dls_error *error) {
   work->ready = 0;
+  reduction_drop_companion(work);
+  dlsi_kept_free(&work->kept);
   dls_status status = reduction_factor(work, model, error);
+  if (!status) status = dlsi_kept_create(&work->kept, model, &work->H, error);
   if (status) return status;
   memset(work->q, 0, work->m * sizeof *work->q);
   memset(work->f, 0, work->n * sizeof *work->f);
@@ -230,6 +261,8 @@ static dls_status reduction_fill(dls_reduction *work, const dls_model *model, dl
   work->is_free = work->half = 0;
   if (work->mu) memcpy(work->mu, work->H.mu, (size_t)work->H.candidates * sizeof *work->mu);
   if (work->settings.form_W) {
+    status = dlsi_watch_stage(&work->watch, "W", reduction_batches(work));
+    if (status) return status;
     if (!work->W) work->W = dlsi_alloc(work->m, work->m * sizeof *work->W);
     status = work->W ? dlsi_influence(work->factor, &work->H, work->W, error)
                      : dlsi_fail(error, DLS_E_MEMORY, "", -1, 0,
@@ -254,6 +287,11 @@ static dls_status reduction_begin(dls_reduction **out, const dls_model *model,
   dls_reduction *work = calloc(1, sizeof *work);
   if (!work) return dlsi_no_memory(error);
   work->settings = *settings;
+  work->watch = (dlsi_watch){
+      .limits = {.progress = settings->progress, .progress_data = settings->progress_data},
+      .method = "reduction",
+      .stage = "analysis"};
+  work->watch.begun = dlsi_clock_start(&work->watch.limits);
   work->d = model->d;
   work->nodes = model->nodes;
   work->kind = model->operator_kind;
@@ -277,6 +315,7 @@ static dls_status reduction_create(dls_reduction **out, const dls_model *model,
   dls_status status = reduction_begin(out, model, settings, error);
   if (status) return status;
   status = reduction_fill(*out, model, error);
+  if (status >= 0) dlsi_watch_end(&(*out)->watch);
   if (!status) return DLS_OK;
   dls_reduction_destroy(*out);
   *out = NULL;
@@ -285,10 +324,12 @@ static dls_status reduction_create(dls_reduction **out, const dls_model *model,
 
 dls_status dls_reduction_create_with(dls_reduction **out, const dls_model *model,
                                      const dls_reduction_settings *settings, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, reduction_create(out, model, settings, error), error);
 }
 
 dls_status dls_reduction_create(dls_reduction **out, const dls_model *model, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, reduction_create(out, model, NULL, error), error);
 }
 
@@ -310,6 +351,7 @@ static dls_status reduction_estimate(const dls_model *model, const dls_reduction
 
 dls_status dls_reduction_estimate(const dls_model *model, const dls_reduction_settings *settings,
                                   dls_reduction_info *info, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, reduction_estimate(model, settings, info, error), error);
 }
 
@@ -362,11 +404,17 @@ static dls_status reduction_update(dls_reduction *work, const dls_model *model, 
     H = old;
   }
   dlsi_operator_free(&H);
-  return status ? status : reduction_fill(work, model, error);
+  if (status) return status;
+  work->watch.is_cancelled = 0;
+  work->watch.begun = dlsi_clock_start(&work->watch.limits);
+  status = reduction_fill(work, model, error);
+  if (status >= 0) dlsi_watch_end(&work->watch);
+  return status;
 }
 
 dls_status dls_reduction_update(dls_reduction *reduction, const dls_model *model,
                                 dls_error *error) {
+  DLSI_DOOR;
   dls_status status = reduction_enter(reduction, error);
   if (!status) status = dlsi_leave(&reduction->busy, reduction_update(reduction, model, error));
   return dlsi_at(__func__, status, error);
@@ -375,6 +423,8 @@ dls_status dls_reduction_update(dls_reduction *reduction, const dls_model *model
 void dls_reduction_destroy(dls_reduction *reduction) {
   if (!reduction) return;
   reduction_forget_factor(reduction);
+  reduction_drop_companion(reduction);
+  dlsi_kept_free(&reduction->kept);
   dlsi_modes_free(&reduction->modes);
   dlsi_operator_free(&reduction->H);
   free(reduction->W);
@@ -401,6 +451,7 @@ static dls_status reduction_given(const dls_reduction *work, const double *r, co
 
 dls_status dls_reduction_get_info(const dls_reduction *reduction, dls_reduction_info *info,
                                   dls_error *error) {
+  DLSI_DOOR;
   dls_status status = reduction_ready(reduction, error);
   if (!status && !info) status = dlsi_is_null(error, "info");
   if (!status) *info = reduction->info;
@@ -457,6 +508,7 @@ static dls_status reduction_load(dls_reduction *work, const double *f, const dou
   if (status) return status;
   const int solves = f && work->m > 0;
   reduction_gaps(work, g);
+  memcpy(work->next_gap, work->v, work->m * sizeof *work->v);
   for (size_t k = 0; solves && k < work->n; k++)
     work->x[k] = f[work->factor->unknown[k]];
   work->half = 0;
@@ -466,6 +518,9 @@ static dls_status reduction_load(dls_reduction *work, const double *f, const dou
   work->half = solves && work->factor->kept > 0;
   for (size_t k = 0; k < work->n; k++)
     work->f[k] = f ? f[work->factor->unknown[k]] : 0;
+  for (size_t k = 0; k < work->n; k++)
+    work->kept.f[k] = f ? f[k] : 0;
+  memcpy(work->kept.gap, work->next_gap, work->m * sizeof *work->v);
   memset(work->foot, 0, sizeof work->foot);
   work->follow.turned = 0;
   work->is_free = 0;
@@ -474,6 +529,7 @@ static dls_status reduction_load(dls_reduction *work, const double *f, const dou
 
 dls_status dls_reduction_load(dls_reduction *reduction, const double *f, const double *g,
                               dls_error *error) {
+  DLSI_DOOR;
   dls_status status = reduction_enter(reduction, error);
   if (!status) status = dlsi_leave(&reduction->busy, reduction_load(reduction, f, g, error));
   return dlsi_at(__func__, status, error);
@@ -492,12 +548,15 @@ static dls_status reduction_load_free(dls_reduction *work, const double *x_free,
   if (status) return status;
   const int *unknown = work->factor->unknown;
   reduction_gaps(work, g);
+  memcpy(work->next_gap, work->v, work->m * sizeof *work->v);
   for (size_t k = 0; k < work->n; k++)
     work->x[k] = x_free[unknown[k]];
   dlsi_operator_add(&work->H, unknown, work->n, work->x, work->v);
   status = reduction_take_q(work, error);
   if (status) return status;
   memcpy(work->f, work->x, work->n * sizeof *work->f);
+  memcpy(work->kept.gap, work->next_gap, work->m * sizeof *work->v);
+  if (work->kept.has_K) dlsi_body_multiply(&work->kept.model, x_free, work->kept.f, NULL);
   work->is_free = 1;
   work->half = 0;
   return DLS_OK;
@@ -505,6 +564,7 @@ static dls_status reduction_load_free(dls_reduction *work, const double *x_free,
 
 dls_status dls_reduction_load_free(dls_reduction *reduction, const double *x_free, const double *g,
                                    dls_error *error) {
+  DLSI_DOOR;
   dls_status status = reduction_enter(reduction, error);
   if (!status)
     status = dlsi_leave(&reduction->busy, reduction_load_free(reduction, x_free, g, error));
@@ -530,11 +590,13 @@ static dls_status reduction_contact(const dls_reduction *work, const double *mu,
   const int m = (int)work->m;
   *problem = (dls_contact){
       .d = work->H.d, .nc = work->H.candidates, .W = {m, m, m, work->W}, .q = work->q, .mu = mu};
+  if (work->kept.has_K) problem->weights = work->kept.w;
   return DLS_OK;
 }
 
 dls_status dls_reduction_contact(const dls_reduction *reduction, const double *mu,
                                  dls_contact *problem, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, reduction_contact(reduction, mu, problem, error), error);
 }
 
@@ -598,6 +660,7 @@ static dls_status reduction_recover(dls_reduction *work, const double *r, double
 
 dls_status dls_reduction_recover(dls_reduction *reduction, const double *r, double *x,
                                  dls_error *error) {
+  DLSI_DOOR;
   dls_status status = reduction_enter(reduction, error);
   if (!status) status = dlsi_leave(&reduction->busy, reduction_recover(reduction, r, x, error));
   return dlsi_at(__func__, status, error);
@@ -651,6 +714,7 @@ static dls_status reduction_balance(dls_reduction *work, const double *r, double
 
 dls_status dls_reduction_balance(dls_reduction *reduction, const double *r, double *imbalance,
                                  dls_error *error) {
+  DLSI_DOOR;
   dls_status status = reduction_enter(reduction, error);
   if (!status)
     status = dlsi_leave(&reduction->busy, reduction_balance(reduction, r, imbalance, error));
@@ -674,5 +738,59 @@ static dls_status reduction_nodal(const dls_reduction *work, const double *r, do
 
 dls_status dls_reduction_nodal(const dls_reduction *reduction, const double *r, double *R,
                                dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, reduction_nodal(reduction, r, R, error), error);
+}
+
+/* ---- the certificate of the body ------------------------------------------------------------- */
+
+/* Sets the weights of a reduction without K to those of W. */
+static void reduction_weigh(dls_reduction *work) {
+  const int m = (int)work->m;
+  const dls_contact of_W = {.d = work->H.d, .nc = work->H.candidates, .W = {m, m, m, work->W}};
+  if (!work->kept.has_K && work->W) dlsi_certificate_weights(&of_W, work->kept.w);
+}
+
+static dls_status reduction_certify(dls_reduction *work, const double *mu, const double *r,
+                                    const double *x, double *u, dls_certificate *certificate,
+                                    dls_error *error) {
+  dls_status status = reduction_given(work, r, "certificate", certificate, error);
+  if (!status) status = dlsi_check_vector("x", x, work->n, error);
+  if (!mu) mu = work->mu;
+  if (!status) status = dlsi_check_friction(mu, (size_t)work->H.candidates, error);
+  if (status) return status;
+  const dlsi_body *body = dlsi_kept_body(&work->kept);
+  reduction_weigh(work);
+  dlsi_body_measure(body, work->kept.f, work->kept.gap, mu, r, x, work->kept.u, work->kept.scratch,
+                    certificate);
+  if (u) memcpy(u, work->kept.u, work->m * sizeof *u);
+  return DLS_OK;
+}
+
+dls_status dls_reduction_certify(dls_reduction *reduction, const double *mu, const double *r,
+                                 const double *x, double *u, dls_certificate *certificate,
+                                 dls_error *error) {
+  DLSI_DOOR;
+  dls_status status = reduction_enter(reduction, error);
+  if (!status)
+    status =
+        dlsi_leave(&reduction->busy, reduction_certify(reduction, mu, r, x, u, certificate, error));
+  return dlsi_at(__func__, status, error);
+}
+
+/* ---- for src/front/body.c -------------------------------------------------------------------- */
+
+dlsi_reduced dlsi_reduction_body(dls_reduction *reduction) {
+  return (dlsi_reduced){.has_K = reduction->kept.has_K,
+                        .K = reduction->kept.model,
+                        .H = &reduction->H,
+                        .f = reduction->kept.f,
+                        .gap = reduction->kept.gap,
+                        .companion = reduction->companion};
+}
+
+void dlsi_reduction_keep(dls_reduction *reduction, void *companion, void (*destroy)(void *)) {
+  reduction_drop_companion(reduction);
+  reduction->companion = companion;
+  reduction->companion_destroy = destroy;
 }

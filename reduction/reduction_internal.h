@@ -10,8 +10,10 @@
 #define DLSI_REDUCTION_H
 
 #include "base/base.h"
+#include "base/body.h"
 #include "base/columns.h"
 #include "delassus/reduction.h"
+#include "linear/operator.h"
 #include "linear/schur.h"
 
 enum {
@@ -45,7 +47,8 @@ typedef struct dlsi_factor {
   int *pivot;        /* n, by position: row exchanges of LU */
   dls_solve_fn solve;
   void *user;
-  void *memory; /* of all arrays but A */
+  void *memory;      /* of all arrays but A */
+  dlsi_watch *watch; /* the caller's: looks on in numeric and dlsi_influence; NULL: nobody */
 } dlsi_factor;
 
 /* Lays out and analyses the operator of a model that has passed dlsi_check_model; *out = NULL on
@@ -62,7 +65,7 @@ dls_status dlsi_factor_same(const dlsi_factor *factor, const dls_model *model, d
 
 /* Factors the values of a model of the same pattern. DLS_E_NOT_POSITIVE_DEFINITE, DLS_E_SINGULAR,
  * DLS_E_NOT_FINITE (entries that add up to Inf), DLS_E_MEMORY; index: the unknown of the whole
- * K. */
+ * K. DLS_CANCELLED by factor->watch: the factor holds nothing. */
 dls_status dlsi_factor_numeric(dlsi_factor *factor, const dls_model *model, dls_error *error);
 
 /* Solves X := K_part^-1 X. X: size of the part x nrhs, column-major without gaps, nrhs <=
@@ -73,6 +76,29 @@ dls_status dlsi_factor_solve(const dlsi_factor *factor, int part, double *X, int
 
 /* NULL is fine. */
 void dlsi_factor_destroy(dlsi_factor *factor);
+
+/* ---- kept.c: the host's model, for the certificate of the body ------------------------------- */
+
+typedef struct dlsi_kept {
+  int has_K;       /* 0: a flexibility, a host's solver */
+  dls_model model; /* a view of K alone */
+  dlsi_body body;  /* dlsi_kept_body fills its model */
+  double *f, *gap; /* the last load: n, m */
+  double *u, *w;   /* m: scratch; weights of the contacts: 2 nc */
+  double *x;       /* values of K */
+  double *scratch; /* of the measure */
+  int *index, *part;
+  double *memory;
+} dlsi_kept;
+
+/* Copies K, finds the bodies and the weights. H is borrowed. The caller calls dlsi_kept_free, also
+ * after an error: DLS_E_MEMORY. */
+dls_status dlsi_kept_create(dlsi_kept *kept, const dls_model *model, const dlsi_operator *H,
+                            dls_error *error);
+void dlsi_kept_free(dlsi_kept *kept);
+
+/* Returns the body, which lives where *kept does. */
+const dlsi_body *dlsi_kept_body(dlsi_kept *kept);
 
 /* ---- rigid-body modes ------------------------------------------------------------------------ */
 
@@ -114,38 +140,10 @@ dls_status dlsi_stable_create(dlsi_stable *stable, const dls_model *model, const
                               double *spring, dls_error *error);
 void dlsi_stable_free(dlsi_stable *stable);
 
-/* ---- H --------------------------------------------------------------------------------------- */
-
-/* H = L P without what the scene does not need. */
-typedef struct dlsi_operator {
-  int d;           /* rows of H^T per candidate: 1 where H = H_N */
-  int candidates;  /* active ones */
-  dlsi_columns P;  /* nodes x candidates; the unit matrix's columns where the model has no P */
-  double *mu;      /* candidates; NULL if the model has none */
-  dlsi_columns Ht; /* H^T, m x n; entries of one place are not added up */
-  int *keep, kept; /* n: the unknowns that H touches, ascending, and their number */
-  int columns;     /* of H that are not empty */
-} dlsi_operator;
-
-/* Builds the operator of a checked model, H_N alone if frictionless is 1. The caller calls
- * dlsi_operator_free, also after an error.
- * DLS_E_MEMORY, DLS_E_SIZE (more than INT_MAX entries), DLS_E_ARGUMENT (mu > 0, frictionless). */
-dls_status dlsi_operator_create(dlsi_operator *H, const dls_model *model, int frictionless,
-                                dls_error *error);
-void dlsi_operator_free(dlsi_operator *H);
-
-/* Returns 0 if the tangents of candidate c are left out. */
-static inline int dlsi_has_tangents(const dlsi_operator *H, int c) {
-  return !H->mu || H->mu[c] > 0;
-}
-
-/* Adds H^T x to y for an x that is 0 but at s unknowns. unknown: these, s; x: its values there, s;
- * y: m. */
-void dlsi_operator_add(const dlsi_operator *H, const int *unknown, size_t s, const double *x,
-                       double *y);
+/* ---- W --------------------------------------------------------------------------------------- */
 
 /* Forms W := H^T K^-1 H, m x m. DLS_E_NOT_FINITE naming W, DLS_E_MEMORY, the errors of the
- * solves. */
+ * solves; DLS_CANCELLED by factor->watch. */
 dls_status dlsi_influence(const dlsi_factor *factor, const dlsi_operator *H, double *W,
                           dls_error *error);
 

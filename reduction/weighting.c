@@ -37,6 +37,7 @@ static dls_status weighting_check(int nodes, const double *s, const int *candida
 
 dls_status dls_weighting_line(int nodes, const double *s, const int *candidate, int *p, int *i,
                               double *x, double *length, int *columns, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = weighting_check(nodes, s, candidate, error);
   if (!status && (!p || !i || !x || !columns))
     status = dlsi_is_null(error, !p ? "p" : !i ? "i" : !x ? "x" : "columns");

@@ -1,7 +1,7 @@
 #!/bin/sh
 # check_arrows.sh BUILD [-v]: no arrow of the library runs up or sideways. The rooms, the floor first:
 #
-#   include <- src/base <- src/linear <- { lcp, vi, reduction, src/files } <- src/front <- src/motion <- src/fe <- src/cli
+#   include <- src/base <- src/linear <- { lcp, vi, reduction, global, src/files } <- src/front <- src/motion <- src/fe <- src/cli
 #
 # Read from the sources: every #include. Read from the objects under BUILD/obj: every symbol that one file
 # defines and another uses. A public header belongs to the room whose file it names; a header that names none
@@ -20,6 +20,7 @@ src/linear 2
 lcp 3
 vi 3
 reduction 3
+global 3
 src/files 3
 src/front 4
 src/motion 5
@@ -40,6 +41,7 @@ admm.h vi
 augmented.h vi
 primal.h vi
 reduction.h reduction
+global.h global
 files.h src/files
 solve.h src/front
 diagnose.h src/front
@@ -53,7 +55,7 @@ END
 
 # includes: FILE HEADER, both from the top of the tree; a header is looked for beside its user, then in
 # include, in src and at the top
-sources=$(ls src/*/*.[ch] lcp/*.[ch] vi/*.[ch] reduction/*.[ch] include/delassus/*.h)
+sources=$(ls src/*/*.[ch] lcp/*.[ch] vi/*.[ch] reduction/*.[ch] global/*.[ch] include/delassus/*.h)
 ls include/*.h $sources | awk '
   FNR == NR { is[$1] = 1; next }
   /^#include "/ {
@@ -66,7 +68,7 @@ ls include/*.h $sources | awk '
   }' - $sources >"$tmp/includes"
 
 # symbols: D or U, FILE, name
-(cd "$build/obj" && nm -A src/*/*.o lcp/*.o vi/*.o reduction/*.o) | awk '
+(cd "$build/obj" && nm -A src/*/*.o lcp/*.o vi/*.o reduction/*.o global/*.o) | awk '
   { file = $1; sub(/\.o:.*/, ".c", file) }
   $(NF - 1) == "U" { print "U", file, $NF }
   $(NF - 1) ~ /^[TDRBWi]$/ { print "D", file, $NF }' >"$tmp/symbols"

@@ -144,6 +144,7 @@ static dls_status admm_create(void **out, int d, int nc, const dls_admm_settings
 
 dls_status dls_admm_create(dls_admm **out, int d, int nc, const dls_admm_settings *settings,
                            dls_error *error) {
+  DLSI_DOOR;
   void *work = NULL;
   const dls_status status = out ? admm_create(&work, d, nc, settings, &(dlsi_options){0}, error)
                                 : dlsi_is_null(error, "out");
@@ -270,19 +271,27 @@ static dls_status admm_solve_linear(dls_admm *work, const dls_contact *problem, 
   return status;
 }
 
-/* Estimates the residuals of the certificate of x from the u at hand; q = |q|. */
-static void admm_estimate(const dls_admm *work, const dls_contact *problem, double q,
-                          dls_certificate *now) {
+/* Estimates the residuals of the certificate of x from the u at hand. */
+static void admm_estimate(const dls_admm *work, const dls_contact *problem, dls_certificate *now) {
   const dlsi_iterate *it = &work->it;
-  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  const double unit = it->w[0],
+               scale = 1 / dlsi_max_abs(problem->q, (size_t)(problem->d * problem->nc));
+  double f = 0, force = 0, r = 0, q = 0; /* squares, as in vi/nlgs.c */
   for (int c = 0; c < problem->nc; c++) {
-    const size_t o = d * (size_t)c;
-    dlsi_contact_residual(problem->d, problem->mu[c], it->w[c], work->x + o, it->u + o, it->F + o);
+    const size_t o = (size_t)problem->d * (size_t)c;
+    const double *w = it->weights + 2 * (size_t)c, *rc = work->x + o, *uc = it->u + o;
+    double F[3];
+    const int touches = dlsi_contact_misfit(problem->d, problem->mu[c], w, rc, uc, F) != DLS_FREE;
+    for (int i = 0; i < problem->d; i++) {
+      const double Fi = scale * F[i], Gi = unit / w[i > 0] * Fi;
+      f += Fi * Fi;
+      force += Gi * Gi;
+      if (!touches) continue;
+      r += (scale * unit * rc[i]) * (scale * unit * rc[i]);
+      q += (scale * problem->q[o + (size_t)i]) * (scale * problem->q[o + (size_t)i]);
+    }
   }
-  const double length = dlsi_norm2(it->F, m);
-  for (size_t k = 0; k < m; k++)
-    it->F[k] /= it->w[k / d];
-  dlsi_set_residuals(now, length / q, dlsi_norm2(it->F, m), dlsi_norm2(work->x, m));
+  dlsi_set_residuals(now, q > 0 ? sqrt(f / q) : sqrt(f), sqrt(force), sqrt(r));
 }
 
 /* Returns | D^1/2 (a - b) |, without unit. */
@@ -377,7 +386,6 @@ static dls_status admm_iterate(dls_admm *work, const dls_contact *problem, dls_i
   dlsi_iterate *it = &work->it;
   const int most = dlsi_most_iterations(limits, most_iterations);
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  const double q = dlsi_norm2(problem->q, m);
   int *factorisations = &outcome->factorisations;
   const int other = work->stage && !admm_is_warm(work);
   admm_schedule s = {other ? other_rho : work->settings.rho, 0.1, INFINITY, first_look};
@@ -394,7 +402,7 @@ static dls_status admm_iterate(dls_admm *work, const dls_contact *problem, dls_i
     status = admm_solve_linear(work, problem, s.rho, error); /* (AD2), (AD3) */
     if (status) break;
     outcome->iterations = k;
-    admm_estimate(work, problem, q, &now);
+    admm_estimate(work, problem, &now);
     if (dlsi_certificate_meets(&now, it->tol) || k % refresh_every == 0)
       now = dlsi_iterate_measure(it, problem, work->x);
     if (dlsi_iterate_keep(it, problem, work->x, &now)) return DLS_OK;
@@ -439,6 +447,7 @@ static dls_status admm_solve(void *workspace, const dls_contact *problem, double
 
 dls_status dls_admm_solve(dls_admm *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = dlsi_iterate_enter(workspace ? &workspace->it : NULL, problem, r, u, error);
   if (status) return dlsi_at(__func__, status, error);
   if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_ADMM, "admm", info))

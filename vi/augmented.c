@@ -140,6 +140,7 @@ static dls_status augmented_create(void **out, int d, int nc,
 
 dls_status dls_augmented_create(dls_augmented **out, int d, int nc,
                                 const dls_augmented_settings *settings, dls_error *error) {
+  DLSI_DOOR;
   void *work = NULL;
   const dls_status status = out ? augmented_create(&work, d, nc, settings, DLS_AUGMENTED_LAGRANGIAN,
                                                    &(dlsi_options){0}, error)
@@ -290,6 +291,7 @@ static dls_status augmented_run(dls_augmented *work, const dls_contact *problem,
 
 dls_status dls_augmented_solve(dls_augmented *workspace, const dls_contact *problem, double *r,
                                double *u, dls_info *info, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = dlsi_iterate_enter(workspace ? &workspace->it : NULL, problem, r, u, error);
   if (status) return dlsi_at(__func__, status, error);
   if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_AUGMENTED_LAGRANGIAN,

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "linear/blas.h"
 #include "vi_internal.h"
 
 /* Returns the error that r may have by its certificate, infinite for NaN. */
@@ -24,7 +25,8 @@ int dlsi_is_better(const dls_certificate *a, const dls_certificate *b) {
 
 dls_status dlsi_workspace(void **out, void *filled, size_t size, dlsi_carve *carve, int nc,
                           dls_error *error) {
-  return dlsi_carve_workspace(out, filled, size, carve, "nc", nc, error);
+  const dls_status status = dlsi_check_blas(error);
+  return status ? status : dlsi_carve_workspace(out, filled, size, carve, "nc", nc, error);
 }
 
 void dlsi_take_vectors(dlsi_arena *arena, size_t n, int count, double **const vector[]) {
@@ -40,6 +42,7 @@ void dlsi_iterate_carve(dlsi_iterate *it, dlsi_arena *arena, int d, int nc,
   it->limits = limits;
   double **const vectors[] = {&it->u, &it->a, &it->F, &it->best};
   it->w = dlsi_take(arena, n, sizeof *it->w);
+  it->weights = dlsi_take(arena, 2 * n, sizeof *it->weights);
   dlsi_take_vectors(arena, (size_t)d * n, 4, vectors);
 }
 
@@ -81,7 +84,12 @@ void dlsi_iterate_begin(dlsi_iterate *it, const dls_contact *problem, const doub
   it->tol = tol;
   it->begun = dlsi_clock_start(it->limits);
   it->certificate = dlsi_no_certificate;
-  dlsi_contact_weights(problem, it->w);
+  it->rounded = 0;
+  dlsi_certificate_weights(problem, it->weights);
+  if (problem->weights) dlsi_contact_weights(problem, it->w);
+  for (int c = 0; c < problem->nc && !problem->weights;
+       c++) /* the same mean, from what is at hand */
+    it->w[c] = (it->weights[2 * c] + (problem->d - 1) * it->weights[2 * c + 1]) / problem->d;
   if (!warm || dlsi_max_abs(problem->q, m) == 0)
     memset(r, 0, m * sizeof *r);
   else if (r != start)
@@ -93,17 +101,18 @@ dls_certificate dlsi_iterate_measure(dlsi_iterate *it, const dls_contact *proble
                                      const double *r) {
   dls_certificate now;
   iterate_multiply(it, problem, r, it->u, it->a);
-  dlsi_contact_measure(problem, r, it->u, it->a, it->w, it->F, &now);
+  dlsi_contact_measure(problem, r, it->u, it->a, it->weights, it->F, &now);
   return now;
 }
 
 int dlsi_iterate_keep(dlsi_iterate *it, const dls_contact *problem, const double *r,
                       const dls_certificate *now) {
-  const int holds = dls_certificate_holds(now, it->tol);
-  if (!holds && !dlsi_is_better(now, &it->certificate)) return 0;
+  const dls_status verdict = dlsi_certificate_verdict(now, it->tol);
+  if (verdict == DLS_TO_ROUNDING) it->rounded++;
+  if (verdict != DLS_OK && !dlsi_is_better(now, &it->certificate)) return 0;
   it->certificate = *now;
   memcpy(it->best, r, size_of(problem) * sizeof *r);
-  return holds;
+  return verdict == DLS_OK;
 }
 
 dls_certificate dlsi_iterate_offer(dlsi_iterate *it, const dls_contact *problem, const double *r) {
@@ -118,17 +127,18 @@ int dlsi_iterate_start(dlsi_iterate *it, const dls_contact *problem, double *r) 
     memset(r, 0, size_of(problem) * sizeof *r);
     (void)dlsi_iterate_offer(it, problem, r);
   }
-  return dls_certificate_holds(&it->certificate, it->tol);
+  return dlsi_certificate_holds(&it->certificate, it->tol);
 }
 
 dls_status dlsi_iterate_settle(dlsi_iterate *it, const dls_contact *problem, dls_status reason) {
   it->certificate = dlsi_iterate_measure(it, problem, it->best);
-  return dls_certificate_holds(&it->certificate, it->tol) ? DLS_OK : reason;
+  return dlsi_settled(&it->certificate, it->tol, reason);
 }
 
 dls_status dlsi_iterate_end(dlsi_iterate *it, const dls_contact *problem, dls_status status,
                             dls_info *outcome, double *r, double *u, dls_info *info) {
   if (status < 0) return status;
+  status = dlsi_settled(&it->certificate, it->tol, status);
   outcome->status = status;
   it->iterations = outcome->sweeps + outcome->iterations;
   outcome->certificate = it->certificate;

@@ -423,7 +423,7 @@ static int joint_invert(const dlsi_joints *work, int J, const double *rho, doubl
   dlsi_dense factors = {.n = rank, .A = B};
   const int failed = dlsi_dense_cholesky(&factors);
   if (failed) return failed;
-  dlsi_dense_inverse(&factors, inverse);
+  (void)dlsi_dense_inverse(&factors, inverse, NULL);
   for (int j = 0; j < rank; j++)
     for (int i = 0; i < j; i++)
       inverse[i + rank * j] = inverse[j + rank * i];

@@ -90,7 +90,7 @@ static dls_local_state least_bad(int d, const double *W, const double *q, double
       for (int j = 0; j < d; j++)
         u[i] += W[i + d * j] * p[j];
     }
-    dlsi_contact_residual(d, mu, w, p, u, F);
+    dlsi_contact_misfit(d, mu, (const double[]){w, w}, p, u, F);
     const double f = dlsi_norm2(F, (size_t)d);
     if (!(f < best)) continue;
     best = f;
@@ -494,6 +494,7 @@ int dlsi_local_count(int d, const double *W, const double *q, double mu) {
 
 dls_local_state dls_nlgs_local(int d, const double *W, const double *q, double mu, double *r,
                                int *count) {
+  DLSI_DOOR;
   double p[3] = {0};
   dls_local_state state;
   if (d == 1)

@@ -198,6 +198,7 @@ dls_status dlsi_newton_create(dls_newton **out, int d, int nc, const dls_newton_
 
 dls_status dls_newton_create(dls_newton **out, int d, int nc, const dls_newton_settings *settings,
                              dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, dlsi_newton_create(out, d, nc, settings, NULL, error), error);
 }
 
@@ -464,7 +465,7 @@ static int newton_linearise(dls_newton *work, const dls_contact *problem) {
     const dlsi_branch before = *b;
     *b = newton_branch_of(d, problem->mu[c], work->it.w[c], work->it.u + o, work->next + o);
     changed += !work->factors || !dlsi_branch_is_same(b, &before);
-    if (b->state != before.state) work->same = 0;
+    if (!work->factors || b->state != before.state) work->same = 0;
     b->first = k;
     k += b->count;
   }
@@ -630,6 +631,7 @@ static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, d
 
 /* Tells the caller of a sweep, as a stage of this method. */
 static int newton_tell_of_sweep(void *newton, const dls_progress *of_sweep) {
+  DLSI_DOOR;
   const dls_newton *work = newton;
   dls_progress progress = *of_sweep;
   progress.method = "newton";
@@ -675,6 +677,7 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
 
 dls_status dls_newton_solve(dls_newton *workspace, const dls_contact *problem, double *r, double *u,
                             dls_info *info, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = dlsi_iterate_enter(workspace ? &workspace->it : NULL, problem, r, u, error);
   if (status) return dlsi_at(__func__, status, error);
   if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_NEWTON, "newton", info))

@@ -196,6 +196,7 @@ static dls_status nlgs_create(void **out, int d, int nc, int stage,
 
 dls_status dls_nlgs_create(dls_nlgs **out, int d, int nc, const dls_nlgs_settings *settings,
                            dls_error *error) {
+  DLSI_DOOR;
   void *work = NULL;
   const dls_status status =
       out ? nlgs_create(&work, d, nc, 0, settings, error) : dlsi_is_null(error, "out");
@@ -416,9 +417,10 @@ static int nlgs_sweep(const dls_nlgs *work, const dls_contact *problem, dlsi_set
 
 /* ---- the residual ---------------------------------------------------------------------------- */
 
-/* Sums for the estimate, without unit: lengths times scale = 1 / |q|, forces times scale w_0. */
+/* Sums of squares for the estimate, without unit: lengths times scale = 1 / |q|, forces times scale
+ * w_0. r and q are those of the contacts that are not free. */
 typedef struct nlgs_squares {
-  double F, force, r; /* |F|^2, |F / w|^2, |r|^2 */
+  double F, force, r, q; /* D^1/2 F', D^-1/2 F', r, q */
 } nlgs_squares;
 
 /* Returns the sums from the u at hand, d = 1 or 2, inlined for a constant d. */
@@ -426,21 +428,22 @@ static DLSI_INLINE nlgs_squares nlgs_squares_flat(const int d, const dls_nlgs *w
                                                   const dls_contact *problem, const double *r,
                                                   double scale, int begin, int end) {
   nlgs_squares sum = {0};
-  const double *w = work->it.w;
+  const double unit = work->it.w[0];
   for (int c = begin; c < end; c++) {
-    const double *rc = r + (size_t)d * (size_t)c, *uc = work->it.u + (size_t)d * (size_t)c;
+    const size_t o = (size_t)d * (size_t)c;
+    const double *rc = r + o, *uc = work->it.u + o, *qc = problem->q + o;
     if (rc[0] == 0 && uc[0] >= 0) continue; /* F_c = 0, r_c = 0 */
-    double F[2], F2 = 0, r2 = 0;
-    dlsi_contact_residual(d, problem->mu[c], w[c], rc, uc, F);
+    const double *w = work->it.weights + 2 * (size_t)c;
+    double F[3];
+    const int touches = dlsi_contact_misfit(d, problem->mu[c], w, rc, uc, F) != DLS_FREE;
     for (int i = 0; i < d; i++) {
-      const double v = scale * w[0] * rc[i];
-      F2 += (F[i] * scale) * (F[i] * scale);
-      r2 += v * v;
+      const double f = F[i] * scale, soft = unit / w[i > 0] * f;
+      sum.F += f * f;
+      sum.force += soft * soft;
+      if (!touches) continue;
+      sum.r += (scale * unit * rc[i]) * (scale * unit * rc[i]);
+      sum.q += (scale * qc[i]) * (scale * qc[i]);
     }
-    const double soft = w[0] / w[c];
-    sum.F += F2;
-    sum.force += soft * soft * F2;
-    sum.r += r2;
   }
   return sum;
 }
@@ -455,54 +458,75 @@ static nlgs_squares nlgs_squares_2d(const dls_nlgs *work, const dls_contact *pro
   return nlgs_squares_flat(2, work, problem, r, scale, begin, end);
 }
 
-/* Returns those sums for d = 3, several candidates at once: their roots and divisions take as long
- * as those of one. */
+/* Returns those sums for d = 3, several contacts at once: their roots and divisions take as long as
+ * those of one. */
 DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_contact *problem,
                                                 const double *r, double scale, int begin, int end) {
   enum { lanes = 16 };
   nlgs_squares sum = {0};
-  const double *w = work->it.w;
+  const double unit = work->it.w[0], tiny = DBL_MIN; /* for 0 / 0 */
   for (int first = begin; first < end; first += lanes) {
     const int count = end - first < lanes ? end - first : lanes;
-    double v[3][lanes] = {{0}}, u[3][lanes] = {{0}}, mu[lanes] = {0}, soft[lanes] = {0};
-    double F2[lanes], r2[lanes];
+    double v[3][lanes] = {{0}}, u[3][lanes] = {{0}}, q2[lanes] = {0};
+    double mu[lanes] = {0}, wn[lanes], wt[lanes], F2[lanes], G2[lanes], r2[lanes];
     int moves = 0, bonded = 0;
+    for (int k = 0; k < lanes; k++)
+      wn[k] = wt[k] = 1;
     for (int k = 0; k < count; k++) {
-      const int c = first + k;
-      const double *rc = r + 3 * (size_t)c, *uc = work->it.u + 3 * (size_t)c;
+      const size_t c = (size_t)(first + k), o = 3 * c;
+      const double *rc = r + o, *uc = work->it.u + o, *qc = problem->q + o;
       moves |= !(rc[0] == 0 && uc[0] >= 0);
       mu[k] = problem->mu[c];
       bonded |= dlsi_is_bonded(mu[k]);
-      soft[k] = w[0] / w[c];
+      wn[k] = work->it.weights[2 * c];
+      wt[k] = work->it.weights[2 * c + 1];
       for (int i = 0; i < 3; i++) {
         u[i][k] = scale * uc[i];
-        v[i][k] = scale * w[c] * rc[i];
+        v[i][k] = scale * (i ? wt[k] : wn[k]) * rc[i];
+        q2[k] += (scale * qc[i]) * (scale * qc[i]);
       }
     }
     if (!moves) continue;
-    /* All branches of dlsi_contact_residual; where t = 0 and `part` is NaN, `inside` or `polar`
+    /* All branches of dlsi_contact_misfit; where t = 0 and `part` is NaN, `inside` or `polar`
      * holds. */
     for (int k = 0; k < lanes; k++) {
-      const double n = v[0][k] - u[0][k] - mu[k] * sqrt(u[1][k] * u[1][k] + u[2][k] * u[2][k]);
-      const double x = v[1][k] - u[1][k], y = v[2][k] - u[2][k], t = sqrt(x * x + y * y);
-      const double on = (n + mu[k] * t) / (1 + mu[k] * mu[k]), part = mu[k] * on / t;
-      const int inside = t <= mu[k] * n, polar = mu[k] * t <= -n;
+      const double x = v[1][k] - u[1][k], y = v[2][k] - u[2][k];
+      const double t = sqrt(x * x + y * y);
+      const double slip = sqrt(u[1][k] * u[1][k] + u[2][k] * u[2][k]);
+      const double part = v[0][k] - u[0][k], n = part - mu[k] * slip, wide = mu[k] * wt[k] / wn[k];
+      const double turn = v[1][k] * (x - u[1][k]) + v[2][k] * (y - u[2][k]);
+      const double on = (part + mu[k] * (turn / (t + slip + tiny))) / (1 + mu[k] * wide);
+      const int inside = t <= wide * n, polar = on <= 0;
       /* polar first: mu = 0 has inside for any n where t = 0 */
-      const double p = polar ? 0 : inside ? n : on, f = polar ? 0 : inside ? 1 : part;
+      const double p = polar ? 0 : inside ? n : on;
+      const double f = polar ? 0 : inside ? 1 : wide * on / t;
       const double F[3] = {v[0][k] - p, v[1][k] - f * x, v[2][k] - f * y};
-      F2[k] = F[0] * F[0] + F[1] * F[1] + F[2] * F[2];
-      r2[k] = v[0][k] * v[0][k] + v[1][k] * v[1][k] + v[2][k] * v[2][k];
+      const double a = unit / wn[k], b = unit / wt[k];
+      const double Ft = F[1] * F[1] + F[2] * F[2], vt = v[1][k] * v[1][k] + v[2][k] * v[2][k];
+      F2[k] = F[0] * F[0] + Ft;
+      G2[k] = a * a * (F[0] * F[0]) + b * b * Ft;
+      r2[k] = polar ? 0 : a * a * (v[0][k] * v[0][k]) + b * b * vt;
+      q2[k] = polar ? 0 : q2[k];
     }
     for (int k = 0; k < count && bonded; k++) { /* infinite friction has no part in the above */
-      const double vk[3] = {v[0][k], v[1][k], v[2][k]}, uk[3] = {u[0][k], u[1][k], u[2][k]};
-      double F[3];
-      (void)dlsi_contact_residual(3, mu[k], 1, vk, uk, F);
-      F2[k] = F[0] * F[0] + F[1] * F[1] + F[2] * F[2];
+      if (!dlsi_is_bonded(mu[k])) continue;
+      const size_t o = 3 * (size_t)(first + k);
+      F2[k] = G2[k] = r2[k] = q2[k] = 0;
+      const int touches = v[0][k] > u[0][k];
+      for (int i = 0; i < 3; i++) {
+        const double soft = unit / (i ? wt[k] : wn[k]), F = touches ? u[i][k] : v[i][k];
+        F2[k] += F * F;
+        G2[k] += soft * soft * (F * F);
+        r2[k] += touches ? soft * soft * (v[i][k] * v[i][k]) : 0;
+        q2[k] +=
+            touches ? scale * scale * (problem->q[o + (size_t)i] * problem->q[o + (size_t)i]) : 0;
+      }
     }
     for (int k = 0; k < count; k++) {
       sum.F += F2[k];
-      sum.force += soft[k] * soft[k] * F2[k];
-      sum.r += soft[k] * soft[k] * r2[k];
+      sum.force += G2[k];
+      sum.r += r2[k];
+      sum.q += q2[k];
     }
   }
   return sum;
@@ -533,15 +557,17 @@ static void nlgs_sum_piece(void *data, int k) {
 static void nlgs_estimate(const dls_nlgs *work, const dls_contact *problem, const double *r,
                           double scale, dls_certificate *now) {
   const int threads = work->settings.limits.threads;
-  nlgs_estimates s = {work, problem, r, scale, dlsi_pieces(threads, problem->nc), {{0, 0, 0}}};
+  nlgs_estimates s = {work, problem, r, scale, dlsi_pieces(threads, problem->nc), {{0, 0, 0, 0}}};
   nlgs_squares sum = {0};
   dlsi_parallel(work->team, s.pieces, nlgs_sum_piece, &s);
   for (int k = 0; k < s.pieces; k++) {
     sum.F += s.sum[k].F;
     sum.force += s.sum[k].force;
     sum.r += s.sum[k].r;
+    sum.q += s.sum[k].q;
   }
-  dlsi_set_residuals(now, sqrt(sum.F), sqrt(sum.force), sqrt(sum.r));
+  const double f = sqrt(sum.F), q = sqrt(sum.q); /* q = 0: the certificate takes |W||r| */
+  dlsi_set_residuals(now, q > 0 ? f / q : f, sqrt(sum.force), sqrt(sum.r));
 }
 
 /* Returns what the sweeps keep up to date: u, or v of bodies. */
@@ -693,8 +719,8 @@ static void nlgs_measure_piece(void *data, int piece) {
           dlsi_bodies_of(&s->problem->bodies, (size_t)n * (size_t)d, (size_t)c, work->v);
       dlsi_bodies_look(d, n, &of, s->problem->q + d * c, u);
     }
-    (void)dlsi_contact_residual(d, s->problem->mu[c], work->it.w[c], s->r + d * c,
-                                n ? u : work->it.u + d * c, F);
+    (void)dlsi_contact_misfit(d, s->problem->mu[c], work->it.weights + 2 * (size_t)c, s->r + d * c,
+                              n ? u : work->it.u + d * c, F);
     const double square = F[0] * F[0] + F[1] * F[1] + F[2] * F[2];
     if (s->F2) s->F2[c] = square;
     sum += square;
@@ -1148,6 +1174,7 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
 
 dls_status dls_nlgs_solve(dls_nlgs *workspace, const dls_contact *problem, double *r, double *u,
                           dls_info *info, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = dlsi_iterate_enter(workspace ? &workspace->it : NULL, problem, r, u, error);
   if (status) return dlsi_at(__func__, status, error);
   if (dlsi_is_empty(problem, &workspace->settings.limits, DLS_NLGS, "nlgs", info))

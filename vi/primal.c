@@ -111,11 +111,11 @@ static void primal_carve(void *workspace, dlsi_arena *arena) {
   const size_t nodes = (size_t)p->K.nodes;
   double **const of_unknowns[] = {&p->inverse, &p->f, &p->g,  &p->x,    &p->R, &p->x0,
                                   &p->R0,      &p->s, &p->Rs, &p->step, &p->a, &p->best};
-  double **const of_nodes[] = {&p->mu, &p->b, &p->w, &p->coupling, &p->schur};
-  double **const of_pairs[] = {&p->r, &p->u, &p->q, &p->A, &p->F};
+  double **const of_nodes[] = {&p->mu, &p->b, &p->coupling, &p->schur};
+  double **const of_pairs[] = {&p->r, &p->u, &p->q, &p->A, &p->F, &p->w};
   dlsi_take_vectors(arena, (size_t)p->K.n, 12, of_unknowns);
-  dlsi_take_vectors(arena, nodes, 5, of_nodes);
-  dlsi_take_vectors(arena, 2 * nodes, 5, of_pairs);
+  dlsi_take_vectors(arena, nodes, 4, of_nodes);
+  dlsi_take_vectors(arena, 2 * nodes, 6, of_pairs);
 }
 
 /* Computes the arrays that depend on K alone. */
@@ -128,8 +128,9 @@ static void primal_prepare(dls_primal *p) {
     p->coupling[c] = dlsi_frames_coupling(K, c);
     const double ratio = p->coupling[c] / K->diagonal[i];
     p->schur[c] = K->diagonal[j] - p->coupling[c] * ratio;
-    /* trace(K_cc^-1) / 2 */
-    p->w[c] = 0.5 * (1 / K->diagonal[i] + (1 + ratio * ratio) / p->schur[c]);
+    /* the diagonal of K_cc^-1 */
+    p->w[2 * c] = 1 / K->diagonal[i] + ratio * ratio / p->schur[c];
+    p->w[2 * c + 1] = 1 / p->schur[c];
   }
 }
 
@@ -151,6 +152,7 @@ static dls_status primal_create(void **out, const dls_model *model,
 
 dls_status dls_primal_create(dls_primal **out, const dls_model *model,
                              const dls_primal_settings *settings, dls_error *error) {
+  DLSI_DOOR;
   void *work = NULL;
   const dls_status status =
       out ? primal_create(&work, model, settings, error) : dlsi_is_null(error, "out");
@@ -255,6 +257,15 @@ static double primal_ratio(double part, double whole) {
   return part == 0 ? 0 : part / whole;
 }
 
+/* r (2) := the reaction -R of contact c: 0 where that is no more than the rounding of R. */
+static void primal_reaction(const dls_primal *work, int c, double *r) {
+  const int of[2] = {work->K.normal[c], work->K.tangent[c]};
+  const double rounding = 4 * DBL_EPSILON * (work->a[of[0]] + work->a[of[1]]);
+  const int is_rounding = fabs(work->R[of[0]]) + fabs(work->R[of[1]]) <= rounding;
+  for (int i = 0; i < 2; i++)
+    r[i] = is_rounding ? 0 : -work->R[of[i]];
+}
+
 /* Estimates the certificate from the R at hand; load = |f|. */
 static primal_measure primal_estimate(const dls_primal *work, double load) {
   const dlsi_frames *K = &work->K;
@@ -262,25 +273,29 @@ static primal_measure primal_estimate(const dls_primal *work, double load) {
   double force = 0, r2 = 0, reactions = 0;
   for (int c = 0; c < K->nodes; c++) {
     const int i = K->normal[c], j = K->tangent[c];
-    const double r[2] = {-work->R[i], -work->R[j]}, u[2] = {work->x[i], work->x[j]};
-    const double w = work->w[c], limit = w * work->b[c];
-    double F[2], q[2];
-    dlsi_contact_residual(2, work->mu[c], w, r, u, F);
+    const double u[2] = {work->x[i], work->x[j]};
+    const double *w = work->w + 2 * (size_t)c, limit = w[1] * work->b[c];
+    double r[2], F[3], q[2];
+    primal_reaction(work, c, r);
+    const int touches = dlsi_contact_misfit(2, work->mu[c], w, r, u, F) != DLS_FREE;
     laws += F[0] * F[0] + F[1] * F[1];
-    force += (F[0] * F[0] + F[1] * F[1]) / (w * w);
-    const double vn = w * r[0] - u[0], vt = w * r[1] - u[1];
-    F[0] = w * r[0] - (vn > 0 ? vn : 0);
-    F[1] = w * r[1] - (vt > limit ? limit : vt < -limit ? -limit : vt);
+    force += F[0] / w[0] * (F[0] / w[0]) + F[1] / w[1] * (F[1] / w[1]);
+    const double vn = w[0] * r[0] - u[0], vt = w[1] * r[1] - u[1];
+    F[0] = w[0] * r[0] - (vn > 0 ? vn : 0);
+    F[1] = w[1] * r[1] - (vt > limit ? limit : vt < -limit ? -limit : vt);
     tresca += F[0] * F[0] + F[1] * F[1];
-    r2 += r[0] * r[0] + r[1] * r[1];
     primal_flexibility(work, c, r[0], r[1], q);
-    size += (u[0] - q[0]) * (u[0] - q[0]) + (u[1] - q[1]) * (u[1] - q[1]);
+    if (touches) {
+      r2 += r[0] * r[0] + r[1] * r[1];
+      size += (u[0] - q[0]) * (u[0] - q[0]) + (u[1] - q[1]) * (u[1] - q[1]);
+    }
     reactions += r[0] * (r[0] * work->inverse[i]) + r[1] * (r[1] * work->inverse[j]);
   }
   const double out_of_balance = primal_force_norm(work, work->R, 0);
   primal_measure now = {.equilibrium = primal_ratio(out_of_balance, load + sqrt(reactions)),
-                        .tresca = primal_ratio(sqrt(tresca), sqrt(size))};
-  dlsi_set_residuals(&now.laws, primal_ratio(sqrt(laws), sqrt(size)), sqrt(force), sqrt(r2));
+                        .tresca = size > 0 ? sqrt(tresca / size) : tresca > 0};
+  const double residual_u = size > 0 ? sqrt(laws / size) : laws > 0; /* 0: nothing touches */
+  dlsi_set_residuals(&now.laws, residual_u, sqrt(force), sqrt(r2));
   return now;
 }
 
@@ -293,8 +308,7 @@ static void primal_certify(const dls_primal *work, double load, dls_primal_info 
     const int i = K->normal[c], j = K->tangent[c];
     const double coupling = fabs(work->coupling[c]) / K->diagonal[i];
     double q[2];
-    work->r[n] = -work->R[i];
-    work->r[t] = -work->R[j];
+    primal_reaction(work, c, work->r + n);
     work->u[n] = work->x[i];
     work->u[t] = work->x[j];
     primal_flexibility(work, c, work->r[n], work->r[t], q);
@@ -546,6 +560,7 @@ static dls_status primal_solve(dls_primal *work, const double *f, const double *
 dls_status dls_primal_solve(dls_primal *workspace, const double *f, const double *g,
                             const double *mu, double *x, double *r, double *u,
                             dls_primal_info *info, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = workspace ? primal_check_input(workspace, f, g, mu, x, r, error)
                                 : dlsi_is_null(error, "workspace");
   if (!status) status = dlsi_enter(&workspace->busy, "workspace", error);

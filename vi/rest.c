@@ -294,9 +294,9 @@ static dls_status rest_factor_point(rest *work, int nc, dls_info *outcome, dls_e
     if (!dlsi_cone_between(d, x, work->z + d * c, &work->eta[c], w)) return DLS_STALLED;
     dlsi_cone_scale(d, work->eta[c], w, 0, x, work->lambda + d * c);
     for (int j = 0; j < d; j++) {
-      double e[3] = {0}, column[3];
-      e[j] = 1;
-      rest_square(work, c, e, column);
+      static const double e[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+      double column[3];
+      rest_square(work, c, e[j], column);
       for (int i = j; i < d; i++)
         work->value[k++] = column[i] + (i == j ? proximal : 0);
     }

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "base/base.h"
+#include "linear/anderson.h"
 #include "base/method.h"
 #include "delassus/admm.h"
 #include "delassus/augmented.h"
@@ -68,26 +69,6 @@ void dlsi_frames_forces(const dlsi_frames *frames, const double *f, double *loca
 void dlsi_frames_unknowns(const dlsi_frames *frames, const double *local, double *x);
 /* x' := T^-1 x: u - g at the contact nodes, also in place. */
 void dlsi_frames_positions(const dlsi_frames *frames, const double *x, double *local);
-
-/* The history of a fixed-point iteration under Anderson acceleration (anderson.c). */
-typedef struct dlsi_anderson {
-  int window;
-  int started;          /* 1: f, g, u are there */
-  int columns, newest;  /* columns of DF, DG, DU, in a ring */
-  size_t of_u;          /* numbers in u; 0 without */
-  double *DF, *DG, *DU; /* m window, of_u window for DU */
-  double *f, *g, *u;    /* of the last step taken: m, of_u for u */
-  double *gram, *L;     /* window^2 */
-  double *work;         /* 3 window; from 2 window on: DF^T f */
-} dlsi_anderson;
-
-void dlsi_anderson_carve(dlsi_anderson *a, dlsi_arena *arena, size_t m, int window, size_t of_u);
-void dlsi_anderson_clear(dlsi_anderson *a);
-
-/* Takes g = g(x), the weighted residual f = D (g - x) and u = u(g) into the history; g and u become
- * the next x and u(x). Returns 0, g and u untouched, while there is nothing to combine. f, g: m, as
- * many as since clear; u: of_u, NULL where that is 0. */
-int dlsi_anderson_step(dlsi_anderson *a, int m, const double *f, double *g, double *u);
 
 /* ---- vi/momentum.c: momentum on sweeps ------------------------------------------------------- */
 
@@ -227,7 +208,9 @@ typedef struct dlsi_iterate {
   double tol;
   const dlsi_shared *shared;   /* where W is; NULL: in the problem */
   const double *E;             /* springs: nc, of the caller; NULL for 0 */
-  double *w;                   /* weights of the certificate: nc */
+  double *w;                   /* the unit of steps, a compliance a contact: nc */
+  double *weights;             /* of the certificate: 2 nc */
+  int rounded;                 /* certificates in a row that hold to rounding alone */
   double *u;                   /* W r + q of the r measured last: m */
   double *a;                   /* |W| |r| of that r: m */
   double *F;                   /* F of that r, also scratch: m */
@@ -267,7 +250,8 @@ void dlsi_iterate_begin(dlsi_iterate *it, const dls_contact *problem, const doub
 /* Returns the certificate of r; it->u := W r + q, it->a := |W| |r|, each with the springs. */
 dls_certificate dlsi_iterate_measure(dlsi_iterate *it, const dls_contact *problem, const double *r);
 
-/* Keeps r as the best one if its certificate `now` is better or holds. Returns 1 if it holds. */
+/* Keeps r as the best one if its certificate `now` is better or holds. Returns 1 if it holds; counts
+ * those that hold to rounding. */
 int dlsi_iterate_keep(dlsi_iterate *it, const dls_contact *problem, const double *r,
                       const dls_certificate *now);
 
@@ -278,13 +262,13 @@ dls_certificate dlsi_iterate_offer(dlsi_iterate *it, const dls_contact *problem,
  * is larger than q (floor_u >= 1), becomes 0 first. Returns 1 if the certificate holds. */
 int dlsi_iterate_start(dlsi_iterate *it, const dls_contact *problem, double *r);
 
-/* Measures the best r anew, where it was kept by an estimate. Returns DLS_OK if its certificate
- * holds, else `reason`. */
+/* Measures the best r anew, where it was kept by an estimate. Returns the verdict of its certificate
+ * (dls_certificate_verdict) if it is one, else `reason`. */
 dls_status dlsi_iterate_settle(dlsi_iterate *it, const dls_contact *problem, dls_status reason);
 
 /* Hands the answer over: r := the best one, u := W r + q with the springs (m, NULL: nothing), *info
- * := *outcome (NULL: nothing) with status and certificate. Returns status; an error changes
- * nothing. */
+ * := *outcome (NULL: nothing) with status and certificate. Returns status, or DLS_TO_ROUNDING where
+ * the method has ended by itself and the certificate holds to rounding; an error changes nothing. */
 dls_status dlsi_iterate_end(dlsi_iterate *it, const dls_contact *problem, dls_status status,
                             dls_info *outcome, double *r, double *u, dls_info *info);
 
@@ -294,14 +278,20 @@ static inline int dlsi_iterate_is_lost(double residual) {
   return !(residual <= 1e100);
 }
 
+/* Certificates in a row that hold to rounding alone, after which no iteration betters the answer. */
+enum { dlsi_rounded_patience = 5 };
+
 /* Tells the caller's progress callback of the residual of r (NULL: not at hand) and keeps to the
- * time limit. Returns DLS_OK to go on, DLS_CANCELLED, or DLS_TIME_LIMIT. */
+ * time limit. Returns DLS_OK to go on, DLS_CANCELLED, DLS_TIME_LIMIT, or DLS_TO_ROUNDING where the
+ * best r holds to rounding and no iterate has been better for some time. */
 static inline dls_status dlsi_iterate_tell(const dlsi_iterate *it, const char *method,
                                            int iteration, int max_iterations, double residual,
                                            const double *r) {
-  if (!it->limits->progress && !(it->limits->cpu_seconds > 0)) return DLS_OK;
+  const dls_status end = it->rounded >= dlsi_rounded_patience ? DLS_TO_ROUNDING : DLS_OK;
+  if (!it->limits->progress && !(it->limits->cpu_seconds > 0)) return end;
   dls_progress progress = {method, method, iteration, max_iterations, residual, r, 0, 0};
-  return dlsi_tell(it->limits, it->begun, &progress);
+  const dls_status stop = dlsi_tell(it->limits, it->begun, &progress);
+  return stop ? stop : end;
 }
 
 /* Makes the last call of a solve that ended in `status`; no error: of its answer r. Leaves the

@@ -99,7 +99,7 @@ DLS_API DLS_MUST_USE dls_status dls_contact_set_block(int d, int nc, dls_compone
  * to candidate[k]; of the others r is 0.
  *
  *   candidate  count of them, ascending, each from 0 to nc - 1; NULL for count = 0
- *   values     memory of W, q, mu of the subset: for a dense W (d count)^2 + (d + 1) count doubles,
+ *   values     memory of W, q, mu of the subset, 2 count more where there are weights: for a dense W (d count)^2 + (d + 1) count doubles,
  *              by blocks d d Wb.p[nc] + (d + 1) count (fewer are used where blocks drop out), of
  *              bodies (2 n d + d + 1) count
  *   index      memory of Wb.p, Wb.i of the subset: count + 1 + Wb.p[nc]; of bodies.body: 2 count;
@@ -116,28 +116,30 @@ DLS_API DLS_MUST_USE dls_status dls_contact_subset(const dls_contact *problem, i
 /* The state of a candidate; d = 1: free or, where it carries a reaction, stick. */
 typedef enum dls_contact_state { DLS_FREE = 0, DLS_SLIP = 1, DLS_STICK = 2 } dls_contact_state;
 
-/* The certificate of r, one measure for every method. With w_c = trace(W_cc) / d (where that is
- * not positive, the mean of the positive ones) and C_mu = { |r_t| <= mu r_n }:
+/* The certificate of r, one measure for every method. Each contact has two weights w_n, w_t > 0,
+ * length / force: those of `weights`, else W_nn and trace(W_tt) / (d-1) of its diagonal block (where
+ * one is not positive, the mean of the positive ones of its kind). D_c = diag(w_n, w_t, ..). In the
+ * variables r' = D^1/2 r, u' = D^-1/2 u, mu' = mu (w_t / w_n)^1/2 the law is the same law:
  *
- *   F_c = w_c r_c - P_Cmu( w_c r_c - (u_c + mu_c |u_tc| n) ),   u = W r + q recomputed
- *   residual_u = sqrt( sum_c |F_c|^2 ) / |q|_2                  of positions
- *   residual_r = sqrt( sum_c |F_c / w_c|^2 ) / |r|_2            of forces
+ *   F'_c = r'_c - P_Cmu'( r'_c - (u'_c + mu'_c |u'_tc| n) ),   u = W r + q recomputed
+ *   residual_u = sqrt( sum_c |D^1/2 F'_c|^2 ) / |q|             of positions
+ *   residual_r = sqrt( sum_c |D^-1/2 F'_c|^2 ) / |r|            of forces
  *
- * Both are needed. |q| holds what does not press: the speed of an obstacle, the gaps of far
- * candidates, a soft support beside a stiff one; relative to |q| alone reactions can be wrong by
- * percents at 1e-8. |r| alone would excuse positions where forces are large. Neither has a unit;
- * they do not change under r -> b r, (u,q) -> a u, W -> a/b W, a change of the order of candidates,
- * or (d = 3) of the tangent frame.
+ * |q| and |r| are taken over the contacts that touch: those whose projection P is not 0. A contact
+ * that is open, at whatever distance, enters no scale and no rounding level. Both parts are needed:
+ * relative to |q| alone the reactions of a stiff support beside a soft one can be wrong by percents
+ * at 1e-8; |r| alone would excuse positions where forces are large. Neither has a unit; they do not
+ * change under r -> b r, (u,q) -> a u, W -> a/b W, a change of the order of contacts, or (d = 3) of
+ * the tangent frame.
  *
- * With a = |W||r| + |q| + w |r| by entries, the arithmetic can attain floor_u = eps |a| / |q| and
- * floor_r = eps |a / w| / |r|. Where q = 0, | |W||r| | takes the place of |q|. Where |F / w| is
- * above |r|, as it is for r = 0 and F not 0, it takes the place of |r|: residual_r is at most 1.
- * Both parts are 0 for r = 0 if F = 0. floor_r may be large: such reactions are rounding
- * themselves.
+ * The rounding level is the residual that double precision leaves: floor_u = eps |a| / |q|, floor_r
+ * = eps |D^-1 a| / |r| with a = |W||r| + |q| + D |r| by entries, to whose normals mu |a_t| is added.
+ * Where |q| = 0, | |W||r| | takes its place. Where |D^-1/2 F'| is above |r|, as it is for r = 0 and
+ * F' not 0, it takes the place of |r|: residual_r is at most 1. All are 0 for r = 0 if F' = 0.
  *
  * The other fields are for the reader, in the user's units; each is >= 0 and a largest value over
- * candidates. The last three leave out a candidate whose w r is at most 4 eps of the largest entry
- * of a_c: nothing but rounding. */
+ * contacts. cone_violation to complementarity leave out a contact whose D r is at most 4 eps of the
+ * largest entry of a_c: nothing but rounding. */
 typedef struct dls_certificate {
   double residual;        /* max(residual_u, residual_r, equilibrium)  1 */
   double residual_u;      /* of positions                              1 */
@@ -166,20 +168,25 @@ DLS_API DLS_MUST_USE dls_status dls_contact_certify(const dls_contact *problem, 
                                                     double *u, dls_certificate *certificate,
                                                     dls_error *error);
 
-/* Returns 1 if residual_u <= max(tol, 4 floor_u) and residual_r <= max(tol, 4 floor_r), else 0; NaN
- * gives 0. Returns 0, too, if 4 floor_u > max(tol, 1e-8): r is then so large (run away in the null
- * space of W, say) that rounding hides u and q in the residual. */
+/* Returns 1 if each part of the residual is at most max(tol, 4 floor) with its own floor, and
+ * 4 floor <= max(tol, 1e-8) for all of them; NaN gives 0. A larger floor says that r is so large (run
+ * away in the null space of W, say) that rounding hides u and q in the residual. */
 DLS_API int dls_certificate_holds(const dls_certificate *certificate, double tol);
 
-/* Tells the state of every candidate, by the branch of the projection in F_c: free if
- * w_c r_c - (u_c + mu_c |u_tc| n) falls in the polar cone, stick if inside C_mu, slip otherwise.
+/* Returns DLS_OK where the certificate holds; DLS_TO_ROUNDING where it would but for floors between
+ * max(tol, 1e-8) and 1e-4: no double can better such an answer, whose positions are right to about
+ * 4 floor_u and forces to 4 floor_r; DLS_STALLED else. */
+DLS_API dls_status dls_certificate_verdict(const dls_certificate *certificate, double tol);
+
+/* Returns the state of every contact, by the branch of the projection in F'_c: free if
+ * r'_c - (u'_c + mu'_c |u'_tc| n) falls in the polar cone, stick if inside C_mu', slip otherwise.
  * u: W r + q as dls_contact_certify gives it, m. state: nc. */
 DLS_API DLS_MUST_USE dls_status dls_contact_states(const dls_contact *problem, const double *r,
                                                    const double *u, dls_contact_state *state,
                                                    dls_error *error);
 
-/* Tells |F_c| of every candidate, where an answer is wrong if it is none: the root of the sum of
- * their squares over |q| is residual_u. u: as above. misfit: nc; length (velocity) */
+/* Returns |D^1/2 F'_c| of every contact, which shows where an answer is wrong: the root of the sum of
+ * their squares over |q| of the contacts that touch is residual_u. u: as above. misfit: nc; length (velocity) */
 DLS_API DLS_MUST_USE dls_status dls_contact_misfits(const dls_contact *problem, const double *r,
                                                     const double *u, double *misfit,
                                                     dls_error *error);

@@ -13,7 +13,8 @@ extern "C" {
 
 /* The state of a solve for the progress callback; valid during the call only. */
 typedef struct dls_progress {
-  const char *method; /* that was called: "auto", "nlgs", "newton", "lemke", "admm", ... */
+  const char *method; /* that was called: "auto", "nlgs", "newton", "lemke", "admm", ...;
+                         "reduction" (delassus/reduction.h has its stages) */
   const char *stage;  /* the part at work: of auto the method of the stage, of newton "nlgs" in its
                          first sweeps, of lemke "newton" at last; else as method */
   int iteration;      /* sweeps, pivots, steps, augmentations: done so far in this stage */

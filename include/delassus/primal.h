@@ -39,8 +39,8 @@ DLS_API void dls_primal_settings_init(dls_primal_settings *settings);
  *   laws        = the certificate of contact.h for the problem of each node with all other nodes
  *                 frozen: W_cc = K'_cc^-1 (2 x 2), no coupling, q_c = u_c - W_cc r_c
  *
- * so that laws.residual_u = |F| / |q| and laws.residual_r = |F / w| / |r| with
- * w_c = trace(K'_cc^-1) / 2. The floors are what the arithmetic can attain: eps times the same
+ * with the weights w_n, w_t of the diagonal of K'_cc^-1. A reaction that is no more than the
+ * rounding of K' x' - f' counts as 0. The floors are what the arithmetic can attain: eps times the same
  * measures of |f'| + |K'| (|x'| + |g|) (a sum of magnitudes).
  * DLS_OK: equilibrium <= max(tol, 4 equilibrium_floor), and likewise both parts of the laws.
  *

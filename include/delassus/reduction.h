@@ -23,6 +23,7 @@
 #define DELASSUS_REDUCTION_H
 
 #include "delassus/contact.h"
+#include "delassus/limits.h"
 #include "delassus/model.h"
 
 #ifdef __cplusplus
@@ -48,6 +49,13 @@ typedef struct dls_reduction_settings {
   int frictionless; /* 1: H_N alone is condensed, and the contact problem has d = 1: one entry of r,
                        u and q per candidate, a quarter (2D) or a ninth (3D) of W's memory. HT is
                        checked but not used; model.mu must be 0 or NULL (DLS_E_ARGUMENT); 0 */
+  dls_progress_fn progress; /* called in create and update, about every millisecond between pieces
+                               of the work: method "reduction"; stage "analysis", "factor", "modes"
+                               (the search for them) or "W"; iteration of max_iterations pieces (0:
+                               unknown); residual -1, r NULL. Not 0 cancels: DLS_CANCELLED. One call
+                               of METIS, of MUMPS, or of LAPACK's LU cannot be cancelled: the next
+                               call comes after it. NULL for none; NULL */
+  void *progress_data;      /* lives as long as the reduction is created or updated */
 } dls_reduction_settings;
 
 DLS_API void dls_reduction_settings_init(dls_reduction_settings *settings);
@@ -94,7 +102,8 @@ typedef struct dls_reduction dls_reduction;
 DLS_API DLS_MUST_USE dls_status dls_reduction_create(dls_reduction **out, const dls_model *model,
                                                      dls_error *error);
 
-/* Works as dls_reduction_create, with settings; NULL for the defaults. */
+/* Works as dls_reduction_create, with settings; NULL for the defaults. DLS_CANCELLED, which is not
+ * negative, if settings.progress cancels: *out = NULL then, too. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_create_with(dls_reduction **out,
                                                           const dls_model *model,
                                                           const dls_reduction_settings *settings,
@@ -105,7 +114,7 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_create_with(dls_reduction **out,
  * those of create. DLS_E_SIZE or
  * DLS_E_ARGUMENT for another size or pattern, and then the reduction is as it was. After any other
  * error than those of dls_model_check it holds nothing: all but update and destroy answer
- * DLS_E_ARGUMENT. */
+ * DLS_E_ARGUMENT; nor does it after DLS_CANCELLED. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_update(dls_reduction *reduction,
                                                      const dls_model *model, dls_error *error);
 
@@ -142,6 +151,22 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_contact(const dls_reduction *reduc
  * next ones of the same load take one solve. Allocates nothing (MUMPS does). */
 DLS_API DLS_MUST_USE dls_status dls_reduction_recover(dls_reduction *reduction, const double *r,
                                                       double *x, dls_error *error);
+
+/* Measures the pair (x, r) on the body, with f and g as last loaded, without any spring that holds a
+ * mode. Positions and forces as in contact.h, but
+ *
+ *   u = H^T x + g            from x, not W r + q; or NULL, else m: receives it
+ *   weights                  the compliance of the contact node with its neighbours held, from K
+ *   |q|                      the root of |H^T x|^2 + |g|^2 + |D r|^2 of the contacts that touch
+ *   equilibrium              max over connected bodies of |K x - f - H r| / (|f| + |H r|)
+ *
+ * mu as in dls_reduction_contact. Where K is a flexibility or a host's solver, equilibrium is 0 and
+ * the weights are those of W. dls_certificate_verdict judges all three parts. O(entries of K and H).
+ * Errors of dls_reduction_recover. */
+DLS_API DLS_MUST_USE dls_status dls_reduction_certify(dls_reduction *reduction, const double *mu,
+                                                      const double *r, const double *x, double *u,
+                                                      dls_certificate *certificate,
+                                                      dls_error *error);
 
 /* Balances a K whose k rigid-body modes are held: the springs s_j = 0.1 K_jj at k unknowns j of
  * the modes make K regular, and take the part of the loads that r does not balance,

@@ -5,6 +5,7 @@
 #ifndef DLSI_BASE_H
 #define DLSI_BASE_H
 
+#include <fenv.h>
 #include <float.h>
 #include <math.h>
 #include <stdatomic.h>
@@ -13,6 +14,18 @@
 
 #include "delassus/info.h"
 #include "delassus/model.h"
+
+/* ---- what the compiler has to keep ----------------------------------------------------------- */
+
+/* NaN and Inf have to be seen, and sums to be rounded as they are written. */
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) ||                                     \
+    (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "delassus: without -Ofast, -ffast-math, -ffinite-math-only, -fassociative-math, please"
+#endif
+/* A double has to be rounded to a double: on i386 -msse2 -mfpmath=sse does that. */
+#if FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 1
+#error "delassus: needs arithmetic in double; on i386 add -msse2 -mfpmath=sse"
+#endif
 
 /* ---- loops that vectorise -------------------------------------------------------------------- */
 
@@ -33,6 +46,72 @@
 #define DLSI_CLONES
 #define DLSI_INLINE inline
 #endif
+
+/* ---- the host's floating point environment (environment.c) ----------------------------------- */
+
+/* An environment; known: 1 if there is one. */
+typedef struct dlsi_host {
+  int known;
+  fenv_t environment;
+} dlsi_host;
+
+/* Is what a public function puts back. */
+typedef struct dlsi_door {
+  unsigned control;     /* x86-64: control and flags of SSE, ... */
+  unsigned short flags; /* ... flags of the x87, which BLAS and LAPACK may use */
+  int held;             /* 1: the host traps or rounds otherwise, found and before are set */
+  fenv_t found;
+  dlsi_host before;
+} dlsi_door;
+
+/* The slow halves of the two below. */
+void dlsi_hold_host(dlsi_door *door);
+void dlsi_free_host(const dlsi_door *door);
+
+#if defined(__x86_64__) && defined(__GNUC__)
+static inline unsigned short dlsi_x87_flags(void) {
+  unsigned short word;
+  __asm__ volatile("fnstsw %0" : "=a"(word));
+  return word & 0x3f;
+}
+
+static inline void dlsi_door_open(dlsi_door *door) {
+  const unsigned masks = 0x1f80, rounding = 0x6000; /* all masked, to nearest: the default */
+  door->control = __builtin_ia32_stmxcsr();
+  door->flags = dlsi_x87_flags();
+  door->held = (door->control & (masks | rounding)) != masks;
+  if (door->held) dlsi_hold_host(door);
+}
+
+static inline void dlsi_door_close(dlsi_door *door) {
+  if (door->held) {
+    dlsi_free_host(door);
+    return;
+  }
+  const int raised = dlsi_x87_flags() & ~door->flags;
+  if (raised) (void)feclearexcept(raised);
+  if (__builtin_ia32_stmxcsr() != door->control) __builtin_ia32_ldmxcsr(door->control);
+}
+#else
+static inline void dlsi_door_open(dlsi_door *door) {
+  dlsi_hold_host(door);
+}
+
+static inline void dlsi_door_close(dlsi_door *door) {
+  dlsi_free_host(door);
+}
+#endif
+
+/* Stands first in every public function that may compute, in functions of the library that are
+ * called back as a host's are, and in those that a thread begins with: no trap, to nearest. As the
+ * function returns, traps, flags and rounding are those that it found. */
+#define DLSI_DOOR                                                                                  \
+  dlsi_door door __attribute__((cleanup(dlsi_door_close)));                                        \
+  dlsi_door_open(&door)
+
+/* Stand before and after a call of the host's, which sees the environment that the host left. */
+void dlsi_go_out(dlsi_host *own);
+void dlsi_come_in(const dlsi_host *own);
 
 /* ---- errors ---------------------------------------------------------------------------------- */
 
@@ -129,6 +208,27 @@ double dlsi_clock_left(const dls_limits *limits, double begun);
 /* Calls the caller's callback with progress, cpu_seconds set here, and looks at the time limit.
  * Returns DLS_OK to go on, DLS_CANCELLED, or DLS_TIME_LIMIT. */
 dls_status dlsi_tell(const dls_limits *limits, double begun, dls_progress *progress);
+
+/* Lets the host watch a long piece of work that is no solve, and cancel it. */
+typedef struct dlsi_watch {
+  dls_limits limits; /* the callback alone */
+  double begun;
+  const char *method, *stage;
+  int done, all; /* pieces of the stage; all = 0: not known */
+  double flops;  /* since the host was called last */
+  int is_cancelled;
+} dlsi_watch;
+
+/* Begins a stage of `all` pieces and calls the host. Returns DLS_OK, or DLS_CANCELLED for good.
+ * watch = NULL or without a callback: nothing happens. */
+dls_status dlsi_watch_stage(dlsi_watch *watch, const char *stage, int all);
+
+/* Looks between two pieces: `done` pieces of the stage are done, after `flops` operations more.
+ * Calls the host about every millisecond. Returns 1 if the work is cancelled. */
+int dlsi_watch_stops(dlsi_watch *watch, int done, double flops);
+
+/* Makes the last call. */
+void dlsi_watch_end(dlsi_watch *watch);
 
 /* Makes the last call of a solve. */
 void dlsi_tell_last(const dls_limits *limits, double begun, const char *method, const char *stage,
@@ -413,22 +513,25 @@ void dlsi_contact_multiply(const dls_contact *problem, const int *order, const d
 void dlsi_panel_dot(size_t m, int n, const double *A, const double *x, double *y);
 void dlsi_panel_subtract(size_t m, int n, const double *A, const double *x, double *y);
 
-/* Computes the weights trace(W_cc) / d; where that is not positive, the mean of the positive
- * weights; if no weight is positive, the largest |entry| of the diagonal blocks, or 1 if all of
- * them are 0. w: nc. */
+/* Computes one compliance a contact, the unit in which methods take their steps: trace(W_cc) / d;
+ * where that is not positive, the mean of the positive ones; if none is positive, the largest
+ * |entry| of the diagonal blocks, or 1 if all of them are 0. w: nc. */
 void dlsi_contact_weights(const dls_contact *problem, double *w);
+
+/* Computes the weights of the certificate: problem->weights, or W_nn and trace(W_tt) / (d-1) of the
+ * diagonal block; a weight that is not positive is completed as above from those of its kind, and
+ * a kind without any from the other one. w: 2 nc. */
+void dlsi_certificate_weights(const dls_contact *problem, double *w);
 
 /* Fills *subset as dls_contact_subset does, from arguments that have been checked; count > 0. */
 void dlsi_subset(const dls_contact *problem, int count, const int *candidate, double *values,
                  int *index, dls_contact *subset);
 
-/* Compute the weights in two steps where the diagonal blocks are at hand: trace(W_cc) / d of one
- * block, then the common weight where that is not positive. */
+/* Returns trace(W_cc) / d of one block. */
 static inline double dlsi_block_weight(int d, const double *block) {
   if (d == 1) return block[0];
   return d == 2 ? (block[0] + block[3]) / 2 : (block[0] + block[4] + block[8]) / 3;
 }
-void dlsi_contact_complete_weights(const dls_contact *problem, double *w);
 
 /* Returns |v_t|. hypot costs ten times the square root and is needed only where squares over- or
  * underflow. */
@@ -469,24 +572,52 @@ static inline dls_contact_state dlsi_project_cone(int d, double mu, const double
   return DLS_SLIP;
 }
 
-/* Computes F_c of the certificate for one candidate; returns the branch of the projection. With an
- * infinite friction F_c = u_c where w r_n > u_n, else w r_c. */
-static inline dls_contact_state dlsi_contact_residual(int d, double mu, double w, const double *r,
-                                                      const double *u, double *F) {
-  double v[3] = {0}, p[3] = {0};
+/* Computes D^1/2 F'_c of the certificate, a position, for one contact of the weights w_n = w[0] and
+ * w_t = w[1]; returns the branch of the projection. Written in positions, with v = D r - u - mu |u_t|
+ * n and k = w_t / w_n, the projection on the round cone is
+ *
+ *   stick  v                                            where |v_t| <= mu k v_n
+ *   free   0                                            where x = v_n + mu |v_t| <= 0
+ *   slip   p_n = x / (1 + mu^2 k), p_t = mu k p_n v_t / |v_t|     else
+ *
+ * x = w_n r_n - u_n + mu (|v_t| - |u_t|), where |v_t| - |u_t| = D r_t.(v_t - u_t) / (|v_t| + |u_t|)
+ * does not cancel: a fast slip adds no rounding. With an infinite friction F_c = u_c where w_n r_n >
+ * u_n, else D r_c. */
+static inline dls_contact_state dlsi_contact_misfit(int d, double mu, const double *w,
+                                                    const double *r, const double *u, double *F) {
+  double v[3] = {0}, Dr[3] = {0};
+  for (int i = 0; i < d; i++) {
+    Dr[i] = w[i > 0] * r[i];
+    v[i] = Dr[i] - u[i];
+  }
   if (dlsi_is_bonded(mu)) {
-    const int pressed = w * r[0] > u[0];
+    const int pressed = v[0] > 0;
     for (int i = 0; i < d; i++)
-      F[i] = pressed ? u[i] : w * r[i];
+      F[i] = pressed ? u[i] : Dr[i];
     return pressed ? DLS_STICK : DLS_FREE;
   }
-  for (int i = 0; i < d; i++)
-    v[i] = w * r[i] - u[i];
-  v[0] -= mu * dlsi_tangent_norm(d, u);
-  const dls_contact_state state = dlsi_project_cone(d, mu, v, p);
-  for (int i = 0; i < d; i++)
-    F[i] = w * r[i] - p[i];
-  return state;
+  const double s = dlsi_tangent_norm(d, u), t = dlsi_tangent_norm(d, v);
+  const double wide = d > 1 ? mu * (w[1] / w[0]) : 0, n = v[0] - mu * s;
+  if (t <= wide * n && n >= 0) {
+    for (int i = 0; i < d; i++)
+      F[i] = u[i];
+    F[0] += mu * s;
+    return DLS_STICK;
+  }
+  double longer = 0; /* |v_t| - |u_t| */
+  for (int i = 1; i < d && s + t > 0; i++)
+    longer += Dr[i] * ((v[i] / 2 - u[i] / 2) / (s / 2 + t / 2));
+  const double x = v[0] + mu * longer;
+  if (x <= 0) {
+    for (int i = 0; i < d; i++)
+      F[i] = Dr[i];
+    return DLS_FREE;
+  }
+  const double p = x / (1 + mu * wide), along = t > 0 ? wide * p / t : 0;
+  F[0] = Dr[0] - p;
+  for (int i = 1; i < d; i++)
+    F[i] = Dr[i] - (d == 2 ? copysign(wide * p, v[1]) : along * v[i]);
+  return DLS_SLIP;
 }
 
 /* Returns the residual that a certificate of this floor has to meet: max(tol, 4 floor), NaN for a
@@ -495,21 +626,46 @@ static inline double dlsi_target(double tol, double floor) {
   return 4 * floor <= tol ? tol : 4 * floor;
 }
 
-/* Returns 1 if both parts of the residual meet their targets. */
+/* Returns 1 if every part of the residual meets its target. */
 static inline int dlsi_certificate_meets(const dls_certificate *c, double tol) {
   return c->residual_u <= dlsi_target(tol, c->floor_u) &&
-         c->residual_r <= dlsi_target(tol, c->floor_r);
+         c->residual_r <= dlsi_target(tol, c->floor_r) &&
+         c->equilibrium <= dlsi_target(tol, c->floor_e);
 }
+
+/* dls_certificate_holds and dls_certificate_verdict, inside of the library. */
+int dlsi_certificate_holds(const dls_certificate *certificate, double tol);
+dls_status dlsi_certificate_verdict(const dls_certificate *certificate, double tol);
 
 /* Returns the target of the part that `residual` is. */
 static inline double dlsi_certificate_target(const dls_certificate *c, double tol) {
   return dlsi_target(tol, c->residual_r > c->residual_u ? c->floor_r : c->floor_u);
 }
 
-/* Sets the three residuals. force: |F / w|; r: |r|. */
+/* Returns the status of a solve that has ended with `reason` and the answer of this certificate: its
+ * verdict, if it is one and the end was the method's own; else the reason, DLS_STALLED in place of a
+ * DLS_OK or DLS_TO_ROUNDING that does not hold. */
+dls_status dlsi_settled(const dls_certificate *c, double tol, dls_status reason);
+
+/* Sets the three residuals. force: |D^-1/2 F'|; r: |r|. */
 void dlsi_set_residuals(dls_certificate *c, double residual_u, double force, double r);
 
-/* Measures r: its certificate from u = W r + q, a = |W| |r| and the weights w. F: receives F, m. */
+/* What the laws of contact and friction are measured by, m entries unless said otherwise. */
+typedef struct dlsi_laws {
+  int d, nc;
+  const double *mu;    /* nc */
+  const double *r, *u; /* reactions; positions */
+  const double *w;     /* weights: 2 nc */
+  const double *a, *b; /* a + |b| is the size of the numbers that u is the sum of; b: NULL for 0 */
+  const double *scale; /* residual_u is relative to its norm over the contacts that touch */
+  double *F;           /* receives D^1/2 F' */
+} dlsi_laws;
+
+/* Fills the residuals, floors and laws of the certificate; equilibrium 0, body -1. */
+void dlsi_laws_measure(const dlsi_laws *of, dls_certificate *certificate);
+
+/* Measures r: its certificate from u = W r + q, a = |W| |r| and the weights w (2 nc), those of
+ * dlsi_certificate_weights. F: receives D^1/2 F', m. */
 void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
                           const double *a, const double *w, double *F,
                           dls_certificate *certificate);

@@ -25,6 +25,7 @@ static const double *find_block(const dls_dense *A, size_t d, int row, int col) 
 }
 
 dls_status dls_blocks_count(const dls_dense *A, int d, int *count, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = check_square(A, d, error);
   if (!status && !count) status = dlsi_is_null(error, "count");
   if (status) return dlsi_at(__func__, status, error);
@@ -42,6 +43,7 @@ dls_status dls_blocks_count(const dls_dense *A, int d, int *count, dls_error *er
 
 dls_status dls_blocks_from_dense(const dls_dense *A, int d, int *p, int *i, double *x,
                                  dls_blocks *B, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = check_square(A, d, error);
   if (!status && !p) status = dlsi_is_null(error, "p");
   if (!status && !i) status = dlsi_is_null(error, "i");
@@ -67,6 +69,7 @@ dls_status dls_blocks_from_dense(const dls_dense *A, int d, int *p, int *i, doub
 }
 
 dls_status dls_blocks_to_dense(const dls_blocks *B, double *a, int ld, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = dlsi_check_blocks(B, error);
   if (!status && !a) status = dlsi_is_null(error, "a");
   if (!status && (ld < 1 || ld < B->d * B->n))

@@ -285,6 +285,7 @@ static dls_status bodies_check(const dls_contact *problem, dls_error *error) {
 }
 
 dls_status dls_bodies_count(const dls_contact *problem, int *count, dls_error *error) {
+  DLSI_DOOR;
   dlsi_formed lists = {.work = NULL};
   dls_status status = bodies_check(problem, error);
   if (!status && !count) status = dlsi_is_null(error, "count");
@@ -321,6 +322,7 @@ static dls_status blocks_from_bodies(dlsi_formed *formed, const dls_contact *pro
 
 dls_status dls_blocks_from_bodies(const dls_contact *problem, int *p, int *i, double *x,
                                   dls_blocks *B, dls_error *error) {
+  DLSI_DOOR;
   dlsi_formed formed = {.work = NULL};
   const dls_status status = blocks_from_bodies(&formed, problem, p, i, x, B, error);
   dlsi_formed_free(&formed);

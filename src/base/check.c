@@ -191,6 +191,12 @@ dls_status dlsi_check_contact(const dls_contact *problem, dls_error *error) {
                              : dlsi_check_dense("W", &problem->W, m, m, error);
   if (!status) status = dlsi_check_vector("q", problem->q, (size_t)m, error);
   if (!status) status = dlsi_check_friction(problem->mu, (size_t)problem->nc, error);
+  const size_t weights = problem->weights ? 2 * (size_t)problem->nc : 0;
+  if (!status && weights) status = dlsi_check_vector("weights", problem->weights, weights, error);
+  for (size_t k = 0; !status && k < weights; k++)
+    if (!(problem->weights[k] > 0))
+      return dlsi_fail(error, DLS_E_ARGUMENT, "weights", (long long)k, problem->weights[k],
+                       "is %g, must be > 0", problem->weights[k]);
   for (int c = 0; !status && problem->d == 1 && c < problem->nc; c++)
     if (problem->mu[c] > 0)
       return dlsi_fail(error, DLS_E_ARGUMENT, "mu", c, problem->mu[c],
@@ -219,10 +225,14 @@ dls_status dlsi_check_apart(const dls_contact *problem, const double *r, const d
   const span W = H->H   ? (span){"bodies.H", H->H, 2 * (size_t)H->n * m * D}
                  : B->x ? (span){"Wb.x", B->x, d * d * (size_t)B->p[nc] * D}
                         : (span){"W", problem->W.a, ((size_t)problem->W.ld * (m - 1) + m) * D};
-  const span other[] = {W, {"q", problem->q, m * D}, {"mu", problem->mu, nc * D}, {"u", u, m * D}};
+  const span other[] = {W,
+                        {"q", problem->q, m * D},
+                        {"mu", problem->mu, nc * D},
+                        {"weights", problem->weights, 2 * nc * D},
+                        {"u", u, m * D}};
   const span own[] = {{"r", r, m * D}, {"u", u, m * D}};
   for (size_t k = 0; k < 2; k++)
-    for (size_t j = 0; j < 4 - k; j++)
+    for (size_t j = 0; j < 5 - k; j++)
       if (spans_overlap(&own[k], &other[j]))
         return dlsi_fail(error, DLS_E_ARGUMENT, own[k].name, -1, 0, "overlaps %s", other[j].name);
   return DLS_OK;
@@ -252,6 +262,7 @@ dls_status dlsi_check_solve(int d, int nc, const dls_contact *problem, const dou
 }
 
 dls_status dls_contact_check(const dls_contact *problem, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, dlsi_check_contact(problem, error), error);
 }
 

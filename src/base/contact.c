@@ -1,11 +1,13 @@
 /*
  * contact.c: the contact problem u = W r + q and its certificate, the one measure for every method.
  *
- *   C_mu = { r : |r_t| <= mu r_n }
- *   F_c  = w_c r_c - P_Cmu( w_c r_c - (u_c + mu_c |u_tc| n) ),   w_c = trace(W_cc) / d
+ *   C_mu = { r : |r_t| <= mu r_n },  D_c = diag(w_n, w_t, ..)
+ *   r' = D^1/2 r,  u' = D^-1/2 u,  mu' = mu (w_t / w_n)^1/2
+ *   F'_c = r'_c - P_Cmu'( r'_c - (u'_c + mu'_c |u'_tc| n) )
  *
- * F = 0 if and only if every candidate meets the contact and friction laws (de Saxce's form:
- * C*_mu contains u + mu |u_t| n, perpendicular to r in C_mu).
+ * F' = 0 if and only if every contact meets the contact and friction laws (de Saxce's form: C*_mu
+ * contains u + mu |u_t| n, perpendicular to r in C_mu). The change of variables keeps the cone
+ * round and measures normals and tangents by compliances of their own.
  */
 #include <float.h>
 #include <math.h>
@@ -189,6 +191,7 @@ static dls_status contact_get_block(const dls_contact *problem, dls_component ro
 
 dls_status dls_contact_get_block(const dls_contact *problem, dls_component row, dls_component col,
                                  double *block, int ld, dls_error *error) {
+  DLSI_DOOR;
   dlsi_formed formed = {.work = NULL};
   dls_status status = dlsi_form_blocks(&formed, &problem, error);
   if (!status) status = contact_get_block(problem, row, col, block, ld, error);
@@ -199,6 +202,7 @@ dls_status dls_contact_get_block(const dls_contact *problem, dls_component row, 
 dls_status dls_contact_set_block(int d, int nc, dls_component row, dls_component col,
                                  const double *block, int ld, double *W, int ldw,
                                  dls_error *error) {
+  DLSI_DOOR;
   local_part R = {0}, C = {0};
   dls_status status = dlsi_check_sizes(d, nc, error);
   if (!status) status = find_part("row", row, d, &R, error);
@@ -221,9 +225,9 @@ dls_status dls_contact_set_block(int d, int nc, dls_component row, dls_component
 
 /* ---- the certificate ------------------------------------------------------------------------- */
 
-/* Returns the weight of every candidate whose trace(W_cc) is not positive: the mean of the positive
- * weights, else the largest entry of the diagonal blocks, else 1. w: weights so far, nc. */
-static double common_weight(const dls_contact *problem, const double *w) {
+/* Returns the compliance of the contacts whose own is not positive: the mean of the positive ones,
+ * else the largest entry of the diagonal blocks, else 1. w: so far, every step-th entry. */
+static double common_weight(const dls_contact *problem, const double *w, int step) {
   const int entries = problem->d * problem->d;
   double block[9] = {0}, sum = 0, largest = 0;
   int positive = 0;
@@ -231,22 +235,24 @@ static double common_weight(const dls_contact *problem, const double *w) {
     dlsi_contact_diagonal(problem, c, block);
     for (int e = 0; e < entries; e++)
       if (fabs(block[e]) > largest) largest = fabs(block[e]);
-    if (w[c] > 0) {
-      sum += w[c];
+    if (w[step * c] > 0) {
+      sum += w[step * c];
       positive++;
     }
   }
   return positive ? sum / positive : largest > 0 ? largest : 1;
 }
 
-void dlsi_contact_complete_weights(const dls_contact *problem, double *w) {
+/* Completes every step-th entry of w that is not positive. Returns how many are positive. */
+static int complete_weights(const dls_contact *problem, double *w, int step) {
   int positive = 0;
   for (int c = 0; c < problem->nc; c++)
-    positive += w[c] > 0;
-  if (positive == problem->nc) return;
-  const double common = common_weight(problem, w);
+    positive += w[step * c] > 0;
+  if (positive == problem->nc) return positive;
+  const double common = common_weight(problem, w, step);
   for (int c = 0; c < problem->nc; c++)
-    if (!(w[c] > 0)) w[c] = common;
+    if (!(w[step * c] > 0)) w[step * c] = common;
+  return positive;
 }
 
 void dlsi_contact_weights(const dls_contact *problem, double *w) {
@@ -255,7 +261,23 @@ void dlsi_contact_weights(const dls_contact *problem, double *w) {
     dlsi_contact_diagonal(problem, c, block);
     w[c] = dlsi_block_weight(problem->d, block);
   }
-  dlsi_contact_complete_weights(problem, w);
+  (void)complete_weights(problem, w, 1);
+}
+
+void dlsi_certificate_weights(const dls_contact *problem, double *w) {
+  const int d = problem->d, nc = problem->nc;
+  if (problem->weights) memcpy(w, problem->weights, 2 * (size_t)nc * sizeof *w);
+  for (int c = 0; c < nc && !problem->weights; c++) {
+    double block[9] = {0};
+    dlsi_contact_diagonal(problem, c, block);
+    w[2 * c] = block[0];
+    w[2 * c + 1] = d == 1 ? block[0] : d == 2 ? block[3] : (block[4] + block[8]) / 2;
+  }
+  if (problem->weights) return;
+  const int normals = complete_weights(problem, w, 2),
+            tangents = complete_weights(problem, w + 1, 2);
+  for (int c = 0; c < nc && !normals != !tangents; c++) /* a kind without any takes the other's */
+    w[2 * c + !tangents] = w[2 * c + !normals];
 }
 
 /* Sets *m to max(*m, x), keeping NaN. */
@@ -263,37 +285,80 @@ static void raise_to(double *m, double x) {
   if (x > *m || x != x) *m = x;
 }
 
-/* The arrays that r is measured by: see dlsi_contact_measure. */
-typedef struct measured {
-  const dls_contact *problem;
-  const double *r, *u, *a, *w;
-  double *F;
-} measured;
-
-/* Squares of the 2-norms whose ratios are the certificate's first fields. */
-typedef struct measured_sums {
-  double F, force;         /* |F|, |F / w| */
-  double a, rounded_force; /* |a|, |a / w|, a the size of what rounds in F */
-  double r;
-} measured_sums;
-
-/* Returns a + |q| + w |r| for row e of a candidate of weight w: F is computed from numbers of this
- * size, and rounds relative to them. */
-static inline double magnitude(const measured *of, size_t e, double w) {
-  return of->a[e] + fabs(of->problem->q[e]) + w * fabs(of->r[e]);
+/* Returns the size of the numbers that entry e of u is the sum of. */
+static inline double size_of_u(const dlsi_laws *of, size_t e) {
+  return of->b ? of->a[e] + fabs(of->b[e]) : of->a[e];
 }
 
-/* Returns the 2-norm of F (rounded = 0) or of the magnitudes (1), by candidates over w_c if
- * of_forces is 1, where the plain sum of squares over- or underflows. */
-static double norm_of(const measured *of, int rounded, int of_forces) {
-  const size_t d = (size_t)of->problem->d, nc = (size_t)of->problem->nc;
+/* Squares of the norms whose ratios are the certificate's first fields. The last five are sums over
+ * the contacts that are not free. */
+typedef struct measured_sums {
+  double F, force;               /* D^1/2 F', D^-1/2 F' */
+  double rounded, rounded_force; /* what rounds in them */
+  double r, q, a;
+  double any;  /* the sum of |F|: 0 where F is */
+  int touches; /* contacts that are not free */
+} measured_sums;
+
+enum { of_F, of_force, of_rounded, of_rounded_force, of_r, of_q, of_a };
+
+/* Fills size (d) with what F_c of this state rounds relative to: a = |W||r| + |q| is that of u.
+ *
+ *   stick  F_n = u_n + mu |u_t|, F_t = u_t           a_n + mu |a_t|, a_t
+ *   slip   F_n = w_n r_n - p, F_t = D r_t - mu k p e,  p = x / (1 + mu^2 k), e = v_t / |v_t|
+ *          x:  a_n + w_n r_n + mu |D r_t|;  e:  |a_t| / |v_t|, d = 3
+ *   free   F = D r is as good as exact               0 */
+static inline void magnitudes(int d, const dlsi_laws *of, int k, dls_contact_state state,
+                              double *size) {
+  const size_t o = (size_t)d * (size_t)k;
+  const double *w = of->w + 2 * (size_t)k, mu = of->mu[k], *r = of->r + o, *u = of->u + o;
+  double a[3] = {0}, v[3] = {0}, Dr[3] = {0};
+  for (int i = 0; i < d; i++) {
+    a[i] = state == DLS_FREE ? 0 : size_of_u(of, o + (size_t)i);
+    Dr[i] = state == DLS_FREE ? 0 : w[i > 0] * fabs(r[i]);
+    v[i] = w[i > 0] * r[i] - u[i];
+    size[i] = a[i] + Dr[i];
+  }
+  if (d == 1 || state == DLS_FREE || dlsi_is_bonded(mu)) return;
+  const double at = dlsi_tangent_norm(d, a), forces = dlsi_tangent_norm(d, Dr);
+  if (state == DLS_STICK) {
+    size[0] += mu * at;
+    return;
+  }
+  const double t = dlsi_tangent_norm(d, v), wide = mu * (w[1] / w[0]);
+  const double x = (size[0] + mu * forces) / (1 + mu * wide);
+  size[0] = Dr[0] + x;
+  for (int i = 1; i < d; i++)
+    size[i] = Dr[i] + wide * x + (d == 3 && at > 0 ? forces * (at / t) : 0);
+}
+
+/* Returns entry i of contact k in the sum `what`. */
+static double entry_of(const dlsi_laws *of, int what, int k, int i) {
+  const int d = of->d;
+  const size_t o = (size_t)d * (size_t)k, e = o + (size_t)i;
+  const double *w = of->w + 2 * (size_t)k;
+  double F[3] = {0}, size[3] = {0};
+  if (what == of_F) return fabs(of->F[e]);
+  if (what == of_force) return fabs(of->F[e]) / w[i > 0];
+  const dls_contact_state state = dlsi_contact_misfit(d, of->mu[k], w, of->r + o, of->u + o, F);
+  if (state == DLS_FREE) return 0;
+  if (what == of_r) return fabs(of->r[e]);
+  if (what == of_q) return fabs(of->scale[e]);
+  if (what == of_a) return of->a[e];
+  magnitudes(d, of, k, state, size);
+  return what == of_rounded ? size[i] : size[i] / w[i > 0];
+}
+
+/* Returns the root of `plain`, or the norm itself where the plain sum of squares over- or underflows. */
+static double norm_of(const dlsi_laws *of, const measured_sums *s, int what, double plain) {
+  if (dlsi_is_plain(plain)) return sqrt(plain);
+  if (what <= of_force ? s->any == 0 : s->touches == 0) return 0;
   double largest = 0, sum = 0;
   for (int pass = 0; pass < 2; pass++) {
     const double scale = largest;
-    for (size_t c = 0, e = 0; c < nc; c++)
-      for (size_t i = 0; i < d; i++, e++) {
-        const double size = rounded ? magnitude(of, e, of->w[c]) : fabs(of->F[e]);
-        const double x = of_forces ? size / of->w[c] : size;
+    for (int k = 0; k < of->nc; k++)
+      for (int i = 0; i < of->d; i++) {
+        const double x = entry_of(of, what, k, i);
         raise_to(&largest, x);
         if (pass) sum += (x / scale) * (x / scale);
       }
@@ -303,12 +368,12 @@ static double norm_of(const measured *of, int rounded, int of_forces) {
 }
 
 /* Returns the candidate with the largest |F_c| where plain sums of squares over- or underflow. */
-static int find_worst(const dls_contact *problem, const double *F) {
-  const size_t d = (size_t)problem->d;
+static int find_worst(const dlsi_laws *of) {
+  const size_t d = (size_t)of->d;
   double worst = -1;
   int at = 0;
-  for (int k = 0; k < problem->nc; k++) {
-    const double size = dlsi_norm2(F + d * (size_t)k, d);
+  for (int k = 0; k < of->nc; k++) {
+    const double size = dlsi_norm2(of->F + d * (size_t)k, d);
     if (!(size > worst) && size == size) continue;
     worst = size != size ? INFINITY : size;
     at = k;
@@ -317,17 +382,17 @@ static int find_worst(const dls_contact *problem, const double *F) {
 }
 
 /* Raises the fields for the reader by candidate k, whose magnitudes are at most `largest`. */
-static inline void measure_laws(int d, const measured *of, int k, double largest,
+static inline void measure_laws(int d, const dlsi_laws *of, int k, double largest,
                                 dls_certificate *c) {
   const size_t o = (size_t)d * (size_t)k;
-  const double mu = of->problem->mu[k], w = of->w[k], *r = of->r + o, *u = of->u + o;
+  const double mu = of->mu[k], *w = of->w + 2 * (size_t)k, *r = of->r + o, *u = of->u + o;
   const double ut = dlsi_tangent_norm(d, u), rt = dlsi_tangent_norm(d, r);
   raise_to(&c->penetration, -u[0]);
   raise_to(&c->adhesion, -r[0]);
-  if (w * fabs(r[0]) + w * rt <= 4 * DBL_EPSILON * largest) return;
+  if (w[0] * fabs(r[0]) + w[1] * rt <= 4 * DBL_EPSILON * largest) return;
   raise_to(&c->cone_violation, rt - dlsi_friction_bound(mu, r[0]));
   raise_to(&c->complementarity, fabs(u[0] * r[0]));
-  if (w * r[0] <= u[0]) return;
+  if (w[0] * r[0] <= u[0]) return;
   if (rt > 0) {
     double e[3] = {0};
     for (int i = 1; i < d; i++)
@@ -339,32 +404,38 @@ static inline void measure_laws(int d, const measured *of, int k, double largest
 
 /* Computes F and the fields of c from penetration on. d is a parameter of its own, so that the
  * compiler knows it where it inlines. */
-static inline measured_sums measure_each(int d, const measured *of, dls_certificate *c) {
+static inline measured_sums measure_each(int d, const dlsi_laws *of, dls_certificate *c) {
   measured_sums sums = {0};
   double worst = 0;
-  for (int k = 0; k < of->problem->nc; k++) {
+  for (int k = 0; k < of->nc; k++) {
     const size_t o = (size_t)d * (size_t)k;
-    const double w = of->w[k], inverse = 1 / w, *rc = of->r + o, *uc = of->u + o;
-    double *Fc = of->F + o, size = 0, rounded = 0, largest = 0;
-    for (int i = 0; i < d; i++) {
-      const double x = magnitude(of, o + (size_t)i, w);
-      largest = x > largest ? x : largest;
-      rounded += x * x;
-      sums.r += rc[i] * rc[i];
-    }
-    sums.a += rounded;
-    sums.rounded_force += inverse * inverse * rounded;
+    const double *w = of->w + 2 * (size_t)k, inverse[2] = {1 / w[0], 1 / w[d > 1]};
+    const double *rc = of->r + o, *uc = of->u + o, *scale = of->scale + o;
+    double *Fc = of->F + o, size = 0, x[3], largest = 0;
     if (reaction_is_zero((size_t)d, rc) && uc[0] >= 0 &&
-        uc[0] + dlsi_tangent_norm(d, uc) <= DBL_MAX) { /* F_c = 0 */
+        uc[0] + dlsi_tangent_norm(d, uc) <= DBL_MAX) { /* open: F_c = 0 */
       for (int i = 0; i < d; i++)
         Fc[i] = 0;
       continue;
     }
-    dlsi_contact_residual(d, of->problem->mu[k], w, rc, uc, Fc);
-    for (int i = 0; i < d; i++)
+    const dls_contact_state state = dlsi_contact_misfit(d, of->mu[k], w, rc, uc, Fc);
+    magnitudes(d, of, k, state, x);
+    sums.touches += state != DLS_FREE;
+    for (int i = 0; i < d; i++) {
+      const double F = Fc[i] * inverse[i > 0], e = x[i] * inverse[i > 0];
+      const double all = size_of_u(of, o + (size_t)i) + w[i > 0] * fabs(rc[i]);
       size += Fc[i] * Fc[i];
+      sums.force += F * F;
+      sums.any += fabs(Fc[i]);
+      largest = all > largest ? all : largest;
+      if (state == DLS_FREE) continue;
+      sums.rounded += x[i] * x[i];
+      sums.rounded_force += e * e;
+      sums.r += rc[i] * rc[i];
+      sums.q += scale[i] * scale[i];
+      sums.a += of->a[o + (size_t)i] * of->a[o + (size_t)i];
+    }
     sums.F += size;
-    sums.force += inverse * inverse * size;
     if (size > worst) {
       worst = size;
       c->worst = k;
@@ -381,40 +452,46 @@ void dlsi_set_residuals(dls_certificate *c, double residual_u, double force, dou
       c->residual_r > residual_u || c->residual_r != c->residual_r ? c->residual_r : residual_u;
 }
 
+void dlsi_laws_measure(const dlsi_laws *of, dls_certificate *certificate) {
+  dls_certificate c = {.body = -1};
+  const measured_sums s = of->d == 1   ? measure_each(1, of, &c)
+                          : of->d == 2 ? measure_each(2, of, &c)
+                                       : measure_each(3, of, &c);
+  if (!dlsi_is_plain(s.F)) c.worst = find_worst(of);
+  const double f = norm_of(of, &s, of_F, s.F), force = norm_of(of, &s, of_force, s.force);
+  const double size = norm_of(of, &s, of_r, s.r), q = norm_of(of, &s, of_q, s.q);
+  const double rounded = norm_of(of, &s, of_rounded, s.rounded);
+  const double rounded_force = norm_of(of, &s, of_rounded_force, s.rounded_force);
+  const double scale_u = q > 0 ? q : norm_of(of, &s, of_a, s.a),
+               scale_r = force > size ? force : size;
+  /* nothing presses, though r is not 0: 1. Against a norm beyond the range of numbers everything
+   * is small: it certifies nothing */
+  const double residual_u = f == 0               ? 0
+                            : scale_u == 0       ? 1
+                            : scale_u <= DBL_MAX ? f / scale_u
+                                                 : INFINITY;
+  dlsi_set_residuals(&c, residual_u, force, size);
+  c.floor_u = rounded == 0 ? 0 : DBL_EPSILON * (rounded / scale_u);
+  c.floor_r = rounded_force == 0 ? 0 : DBL_EPSILON * (rounded_force / scale_r);
+  *certificate = c;
+}
+
 void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
                           const double *a, const double *w, double *F,
                           dls_certificate *certificate) {
-  const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  const measured of = {problem, r, u, a, w, F};
-  dls_certificate c = {0};
-  const measured_sums s = problem->d == 1   ? measure_each(1, &of, &c)
-                          : problem->d == 2 ? measure_each(2, &of, &c)
-                                            : measure_each(3, &of, &c);
-  const int plain = dlsi_is_plain(s.F);
-  if (!plain) c.worst = find_worst(problem, F);
-  const double f = plain ? sqrt(s.F) : dlsi_norm2(F, m), q = dlsi_norm2(problem->q, m);
-  const double force = dlsi_is_plain(s.force) ? sqrt(s.force) : norm_of(&of, 0, 1);
-  const double size = dlsi_is_plain(s.r) ? sqrt(s.r) : dlsi_norm2(r, m);
-  /* r = 0: u = q, whose norm may be beyond the range of numbers, and the floor is one rounding */
-  const double rounded = size == 0 ? q : dlsi_is_plain(s.a) ? sqrt(s.a) : norm_of(&of, 1, 0);
-  const double rounded_force =
-      dlsi_is_plain(s.rounded_force) ? sqrt(s.rounded_force) : norm_of(&of, 1, 1);
-  const double scale_u = q > 0 ? q : dlsi_norm2(a, m), scale_r = force > size ? force : size;
-  /* against a norm beyond the range of numbers everything is small: it certifies nothing */
-  dlsi_set_residuals(&c, f == 0 ? 0 : scale_u <= DBL_MAX ? f / scale_u : INFINITY, force, size);
-  c.floor_u = scale_u == 0 ? 0 : DBL_EPSILON * (rounded / scale_u);
-  c.floor_r = scale_r == 0 ? 0 : DBL_EPSILON * (rounded_force / scale_r);
-  *certificate = c;
+  const dlsi_laws of = {problem->d, problem->nc, problem->mu, r,          u,
+                        w,          a,           problem->q,  problem->q, F};
+  dlsi_laws_measure(&of, certificate);
 }
 
 static dls_status contact_certify(const dls_contact *problem, const double *r, double *u,
                                   dls_certificate *certificate, dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  double *work = dlsi_alloc(4 * m, sizeof *work);
+  double *work = dlsi_alloc(3 * m + 2 * (size_t)problem->nc, sizeof *work);
   if (!work) return dlsi_no_memory(error);
-  double *v = work, *a = work + m, *w = work + 2 * m, *F = work + 3 * m;
+  double *v = work, *a = work + m, *F = work + 2 * m, *w = work + 3 * m;
   dlsi_contact_multiply(problem, NULL, r, v, a);
-  dlsi_contact_weights(problem, w);
+  dlsi_certificate_weights(problem, w);
   dlsi_contact_measure(problem, r, v, a, w, F, certificate);
   if (u) memcpy(u, v, m * sizeof *u);
   free(work);
@@ -423,6 +500,7 @@ static dls_status contact_certify(const dls_contact *problem, const double *r, d
 
 dls_status dls_contact_certify(const dls_contact *problem, const double *r, double *u,
                                dls_certificate *certificate, dls_error *error) {
+  DLSI_DOOR;
   dlsi_formed formed = {.work = NULL};
   dls_status status = dlsi_check_contact(problem, error);
   const size_t m = status ? 0 : (size_t)problem->d * (size_t)problem->nc;
@@ -435,9 +513,38 @@ dls_status dls_contact_certify(const dls_contact *problem, const double *r, doub
   return dlsi_at(__func__, status, error);
 }
 
+/* Returns 1 if the certificate meets tol and rounding hides no more than max(tol, most). */
+static int meets_within(const dls_certificate *c, double tol, double most) {
+  const double largest = tol > most ? tol : most;
+  return c && dlsi_certificate_meets(c, tol) && 4 * c->floor_u <= largest &&
+         4 * c->floor_r <= largest && 4 * c->floor_e <= largest;
+}
+
+int dlsi_certificate_holds(const dls_certificate *certificate, double tol) {
+  return meets_within(certificate, tol, 1e-8);
+}
+
+dls_status dlsi_certificate_verdict(const dls_certificate *certificate, double tol) {
+  if (meets_within(certificate, tol, 1e-8)) return DLS_OK;
+  return meets_within(certificate, tol, 1e-4) ? DLS_TO_ROUNDING : DLS_STALLED;
+}
+
 int dls_certificate_holds(const dls_certificate *certificate, double tol) {
-  return certificate && dlsi_certificate_meets(certificate, tol) &&
-         4 * certificate->floor_u <= (tol > 1e-8 ? tol : 1e-8);
+  DLSI_DOOR;
+  return dlsi_certificate_holds(certificate, tol);
+}
+
+dls_status dls_certificate_verdict(const dls_certificate *certificate, double tol) {
+  DLSI_DOOR;
+  return dlsi_certificate_verdict(certificate, tol);
+}
+
+dls_status dlsi_settled(const dls_certificate *c, double tol, dls_status reason) {
+  const dls_status verdict = dlsi_certificate_verdict(c, tol);
+  const int by_itself = reason == DLS_OK || reason == DLS_STALLED || reason == DLS_TO_ROUNDING ||
+                        reason == DLS_MAX_ITERATIONS || reason == DLS_RAY;
+  if (verdict == DLS_OK || (verdict == DLS_TO_ROUNDING && by_itself)) return verdict;
+  return reason == DLS_OK || reason == DLS_TO_ROUNDING ? DLS_STALLED : reason;
 }
 
 /* Fills state or misfit, named so; the other is NULL. Returns the status of a public function. */
@@ -449,14 +556,14 @@ static dls_status contact_tell(const dls_contact *problem, const double *r, cons
   if (!status) status = dlsi_check_vector("r", r, d * nc, error);
   if (!status) status = dlsi_check_vector("u", u, d * nc, error);
   if (!status && !state && !misfit) status = dlsi_is_null(error, name);
-  double *w = status ? NULL : dlsi_alloc(nc, sizeof *w);
+  double *w = status ? NULL : dlsi_alloc(2 * nc, sizeof *w);
   if (!status && !w) status = dlsi_no_memory(error);
   if (status) return status;
-  dlsi_contact_weights(problem, w);
+  dlsi_certificate_weights(problem, w);
   for (size_t c = 0; c < nc; c++) {
     double F[3] = {0};
     const dls_contact_state now =
-        dlsi_contact_residual(problem->d, problem->mu[c], w[c], r + d * c, u + d * c, F);
+        dlsi_contact_misfit(problem->d, problem->mu[c], w + 2 * c, r + d * c, u + d * c, F);
     if (state) state[c] = now;
     if (misfit) misfit[c] = dlsi_norm2(F, d);
   }
@@ -466,10 +573,12 @@ static dls_status contact_tell(const dls_contact *problem, const double *r, cons
 
 dls_status dls_contact_states(const dls_contact *problem, const double *r, const double *u,
                               dls_contact_state *state, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, contact_tell(problem, r, u, "state", state, NULL, error), error);
 }
 
 dls_status dls_contact_misfits(const dls_contact *problem, const double *r, const double *u,
                                double *misfit, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, contact_tell(problem, r, u, "misfit", NULL, misfit, error), error);
 }

@@ -153,5 +153,6 @@ int dlsi_model_candidates(const dls_model *model) {
 }
 
 dls_status dls_model_check(const dls_model *model, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, dlsi_check_model(model, error), error);
 }

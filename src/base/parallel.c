@@ -62,6 +62,7 @@ void dlsi_parallel(dlsi_team *team, int tasks, dlsi_task *task, void *data) {
 /* Takes tasks until the solve is over; a short look at first, then leaves the core to others
  * between two looks. */
 static void team_help(dlsi_team *team) {
+  DLSI_DOOR; /* a thread has the environment of the one that began it, at that time */
   for (int idle = 0; !atomic_load(&team->over);)
     if (team_take(team))
       idle = 0;

@@ -1,7 +1,7 @@
 /*
  * subset.c: some candidates of a contact problem as a problem of their own.
  *
- *   W' = W(s, s),  q' = q(s),  mu' = mu(s)          for the list s of candidates, which ascends
+ *   W' = W(s, s),  q' = q(s),  mu' = mu(s), weights alike          for the list s of candidates, which ascends
  *
  * Cost: O(d^2 count^2), or O(blocks in the columns of s, times log count), after the check of the
  * whole problem. Fails: on its arguments only.
@@ -106,6 +106,9 @@ void dlsi_subset(const dls_contact *problem, int count, const int *candidate, do
   }
   made.q = q;
   made.mu = mu;
+  made.weights = problem->weights ? mu + n : NULL;
+  for (size_t k = 0; k < n && made.weights; k++)
+    memcpy(mu + n + 2 * k, problem->weights + 2 * (size_t)candidate[k], 2 * sizeof *mu);
   *subset = made;
 }
 
@@ -128,6 +131,7 @@ static dls_status contact_subset(const dls_contact *problem, int count, const in
 
 dls_status dls_contact_subset(const dls_contact *problem, int count, const int *candidate,
                               double *values, int *index, dls_contact *subset, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, contact_subset(problem, count, candidate, values, index, subset, error),
                  error);
 }

@@ -181,9 +181,13 @@ quoted quote(text_kind kind, const char *text);
 /* Prints "delassus: " and the message on stderr; returns EXIT_BAD_INPUT. */
 int complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* Prints the last line of a command on stdout, "solved" or "not solved: WHY", in colour on a
- * terminal unless the environment has NO_COLOR. */
-void print_ending(dls_status status);
+/* Returns 1 for DLS_OK and DLS_TO_ROUNDING. */
+int is_solved(dls_status status);
+
+/* Prints the last line of a command on stdout, in colour on a terminal unless the environment has
+ * NO_COLOR: "solved", "solved to rounding: ..", "solved: reactions to about E" where the predicted
+ * error is above 1e-4, or "not solved: WHY". info: of a contact problem; or NULL. */
+void print_ending(dls_status status, const dls_info *info);
 
 /* Does the same for a command of many solves, by its exit status; why: of EXIT_NOT_SOLVED. Returns
  * the exit status: after Ctrl-C, EXIT_NOT_SOLVED. */
@@ -240,6 +244,8 @@ typedef struct verdict {
   int rows, stride;        /* of farkas, and numbers in a row of ray */
   const double *farkas;    /* rows, or NULL */
   const double *ray;       /* rows x stride, along which the unknowns run away, or NULL */
+  const double *motion;    /* of a body that nothing can hold: unknowns, or NULL */
+  int unknowns, mover;     /* mover: an unknown of that body */
 } verdict;
 
 /* Fills says, next and exact; farkas tells a ray that has a solution excluded but for rounding. */
@@ -317,6 +323,8 @@ int show_progress(void *data, const dls_progress *progress);
 void watch_interrupt(void);
 int was_interrupted(void); /* 1 after one of these signals */
 void progress_end(void);
+/* The same of a reduction, which calls every millisecond: silent with --verbose. */
+int show_reduction(void *data, const dls_progress *progress);
 
 /* ---- jean.c ---------------------------------------------------------------------------------- */
 

@@ -109,7 +109,7 @@ static int converge_scene(const char *name, const converge_options *o) {
     if (o->out && draw_convergence(o->out, name, order, factor) != EXIT_SOLVED)
       return EXIT_BAD_INPUT;
   }
-  print_ending(status);
+  print_ending(status, NULL);
   return status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
 }
 

@@ -378,7 +378,7 @@ static int run_forming(const forming_options *o) {
         !own->nx && !own->ny && own->mu < 0 && !own->steps && !own->clamped && own->ram_mu == 0;
     if (draw_forming(o->out, title, &d, as_is) != EXIT_SOLVED) result = EXIT_BAD_INPUT;
   }
-  if (result != EXIT_BAD_INPUT && !o->json) print_ending(status);
+  if (result != EXIT_BAD_INPUT && !o->json) print_ending(status, NULL);
   dls_forming_destroy(forming);
   return result;
 }

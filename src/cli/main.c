@@ -1,7 +1,10 @@
 /* main.c: the program `delassus`: runs a command, prints help and version. */
+#define _GNU_SOURCE /* MAP_ANONYMOUS */
 #include <string.h>
+#include <sys/mman.h>
 
 #include "cli.h"
+#include "linear/blas.h"
 
 static void program_usage(FILE *out) {
   fputs(
@@ -29,9 +32,33 @@ static void program_usage(FILE *out) {
       out);
 }
 
+/* Is in OpenBLAS alone; NULL with another BLAS. */
+extern void openblas_set_num_threads(int count) __attribute__((weak));
+
+/* OpenBLAS looks for ever for the memory of its buffer if there is none (a limit on the address
+ * space: ulimit -v, a batch system). Has it take that now, before anything else takes memory.
+ * Returns 0 after a complaint. */
+static int blas_takes_memory(void) {
+  const size_t wanted = (size_t)160 << 20; /* its buffer of 128 MB, and its tables */
+  const int one = 1;
+  const double x = 1, zero = 0;
+  double y = 0;
+  if (!openblas_set_num_threads) return 1;
+  void *const trial =
+      mmap(NULL, wanted, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (trial == MAP_FAILED) {
+    (void)complain("no memory for the buffer of OpenBLAS: 160 MB of address space (ulimit -v)");
+    return 0;
+  }
+  (void)munmap(trial, wanted);
+  dsyrk_("L", "N", &one, &one, &x, &x, &one, &zero, &y, &one, 1, 1);
+  return 1;
+}
+
 int main(int argc, char **argv) {
   const char *name = argc > 1 ? argv[1] : "";
   int result;
+  if (name[0] && name[0] != '-' && !blas_takes_memory()) return EXIT_BAD_INPUT;
   if (!strcmp(name, "scene") && names_forming(argc - 1, argv + 1))
     result = command_forming(argc - 1, argv + 1);
   else if (!strcmp(name, "scene") && names_moving(argc - 1, argv + 1))

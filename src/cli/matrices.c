@@ -476,12 +476,13 @@ static int condense(const matrix_options *o, problem *p) {
   dls_reduction_settings_init(&settings);
   settings.allow_indefinite = 1;
   settings.stabilize = o->stabilize;
+  settings.progress = show_reduction;
   const double start = cpu_seconds();
   dls_status status = dls_reduction_create_with(&p->reduction, &p->model, &settings, &error);
   if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, &error);
   if (!status) status = dls_reduction_contact(p->reduction, p->mu, &p->contact, &error);
   p->reduction_cpu_seconds = cpu_seconds() - start;
-  if (!status) return 1;
+  if (status >= 0) return !status; /* or cancelled */
   (void)complain_of(matrices_name(o), &error);
   if (status == DLS_E_SINGULAR && strstr(error.message, "rigid-body"))
     (void)complain("--stabilize finds and holds the rigid-body modes, --modes takes them");

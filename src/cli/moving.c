@@ -353,7 +353,7 @@ static int run_moving(const moving_options *o) {
   if (!moving_close(&files)) result = EXIT_BAD_INPUT;
   if (o->out && d.step > 0 && result != EXIT_BAD_INPUT && draw_moving(o->out, &d) != EXIT_SOLVED)
     result = EXIT_BAD_INPUT;
-  if (result != EXIT_BAD_INPUT) print_ending(status);
+  if (result != EXIT_BAD_INPUT) print_ending(status, NULL);
   dls_moving_destroy(moving);
   return result;
 }

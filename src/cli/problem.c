@@ -41,8 +41,11 @@ dls_status problem_load(const char *path, int bodies, problem *p, dls_error *err
   if (status) return status;
   p->of_bodies = bodies && dls_fclib_bodies(p->file, &p->contact, NULL) == DLS_OK;
   if (p->of_bodies) return DLS_OK;
+  dls_reduction_settings settings;
+  dls_reduction_settings_init(&settings);
+  settings.progress = show_reduction;
   const double start = cpu_seconds();
-  status = dls_reduction_create(&p->reduction, &p->model, error);
+  status = dls_reduction_create_with(&p->reduction, &p->model, &settings, error);
   if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, error);
   if (!status) status = dls_reduction_contact(p->reduction, p->mu, &p->contact, error);
   p->reduction_cpu_seconds = cpu_seconds() - start;

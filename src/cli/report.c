@@ -1,6 +1,7 @@
 /* report.c: prints messages, JSON and progress on a terminal, and listens to signals. */
 #define _GNU_SOURCE
 #include <errno.h>
+#include <float.h>
 #include <math.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -25,7 +26,8 @@ int complain_of(const char *what, const dls_error *error) {
   return complain("%s: %s (%s)", what, dls_status_text(error->status), error->message);
 }
 
-static int loudness; /* -1 quiet, 1 verbose */
+static const double told_error = 1e-4; /* of the reactions: a larger one is printed */
+static int loudness;                   /* -1 quiet, 1 verbose */
 static volatile sig_atomic_t interrupted;
 
 int take_loudness(int key) {
@@ -50,19 +52,35 @@ void tell(const char *format, ...) {
   va_end(args);
 }
 
-/* Prints the last line; why: NULL for "solved". */
-static void print_last_line(const char *why) {
+/* Prints the last line: "solved" and how well, or why not (NULL where it is solved). */
+static void print_last_line(const char *why, const char *how_well) {
   const char *no_color = getenv("NO_COLOR");
   const int color = isatty(STDOUT_FILENO) && !(no_color && *no_color);
   const char *on = !color ? "" : why ? "\033[31m" : "\033[32m", *off = color ? "\033[0m" : "";
   if (why)
     printf("%snot solved: %s%s\n", on, why, off);
   else
-    printf("%ssolved%s\n", on, off);
+    printf("%ssolved%s%s\n", on, how_well, off);
 }
 
-void print_ending(dls_status status) {
-  print_last_line(status ? dls_status_text(status) : NULL);
+int is_solved(dls_status status) {
+  return status == DLS_OK || status == DLS_TO_ROUNDING;
+}
+
+void print_ending(dls_status status, const dls_info *info) {
+  char how_well[120] = "", why[160] = "";
+  const dls_certificate *c = info ? &info->certificate : NULL;
+  if (c && status == DLS_TO_ROUNDING)
+    (void)snprintf(how_well, sizeof how_well, " to rounding: positions to %.0e, forces to %.0e",
+                   fmax(4 * c->floor_u, c->residual_u), fmax(4 * c->floor_r, c->residual_r));
+  else if (c && info->error > DBL_MAX)
+    (void)snprintf(how_well, sizeof how_well, ": single reactions are not determined");
+  else if (c && info->error > told_error)
+    (void)snprintf(how_well, sizeof how_well, ": reactions to about %.0e", info->error);
+  if (c && status == DLS_NOT_IN_EQUILIBRIUM)
+    (void)snprintf(why, sizeof why, "%s: a force of %.3g on body %d is not balanced",
+                   dls_status_text(status), c->unbalanced, c->body);
+  print_last_line(is_solved(status) ? NULL : *why ? why : dls_status_text(status), how_well);
 }
 
 int end_command(int result, const char *why) {
@@ -71,7 +89,7 @@ int end_command(int result, const char *why) {
     result = EXIT_NOT_SOLVED;
     why = dls_status_text(DLS_CANCELLED);
   }
-  print_last_line(result == EXIT_SOLVED ? NULL : why);
+  print_last_line(result == EXIT_SOLVED ? NULL : why, "");
   return result;
 }
 
@@ -140,7 +158,7 @@ const char *status_word(dls_status status) {
 
 const char *unsolved_words(dls_status status, double residual, char *text, size_t size) {
   text[0] = '\0';
-  if (status)
+  if (!is_solved(status))
     (void)snprintf(text, size, "not solved: %s, residual %.2e", dls_status_text(status), residual);
   return text;
 }
@@ -228,8 +246,10 @@ static void print_json_stages(FILE *out, const dls_info *info) {
 }
 
 void print_residuals(const char *indent, const dls_certificate *c) {
-  printf("%sof positions %.2e (floor %.1e), of forces %.2e (floor %.1e)\n", indent, c->residual_u,
+  printf("%sof positions %.2e (floor %.1e), of forces %.2e (floor %.1e)", indent, c->residual_u,
          c->floor_u, c->residual_r, c->floor_r);
+  if (c->floor_e > 0) printf(", equilibrium %.2e (floor %.1e)", c->equilibrium, c->floor_e);
+  putchar('\n');
 }
 
 static const char *uniqueness_word(dls_uniqueness unique) {
@@ -273,6 +293,10 @@ void print_json(FILE *out, const outcome *o) {
   print_json_field(out, "residual_r", c->residual_r);
   print_json_field(out, "floor_u", c->floor_u);
   print_json_field(out, "floor_r", c->floor_r);
+  if (c->floor_e > 0) {
+    print_json_field(out, "equilibrium", c->equilibrium);
+    print_json_field(out, "floor_e", c->floor_e);
+  }
   if (o->primal) {
     print_json_field(out, "equilibrium", o->primal->equilibrium);
     print_json_field(out, "equilibrium_floor", o->primal->equilibrium_floor);
@@ -359,11 +383,17 @@ int show_progress(void *data, const dls_progress *p) {
   if (now - first_shown < 0.5 || now - last_shown < 0.1 || !isatty(STDERR_FILENO)) return 0;
   last_shown = now;
   line_shown = 1;
-  fprintf(stderr, "\r%s: %d of at most %d", p->stage, p->iteration, p->max_iterations);
+  fprintf(stderr, "\r%s: %d", p->stage, p->iteration);
+  if (p->max_iterations > 0) fprintf(stderr, " of at most %d", p->max_iterations);
   if (p->residual >= 0) fprintf(stderr, ", residual %.2e", p->residual);
   fputs("\033[K", stderr);
   fflush(stderr);
   return 0;
+}
+
+int show_reduction(void *data, const dls_progress *p) {
+  if (p->last) progress_end();
+  return is_verbose() ? interrupted : show_progress(data, p);
 }
 
 void progress_end(void) {

@@ -168,7 +168,10 @@ static dls_status solve_condensed(run *a, const scene_options *o, dls_error *err
     status = dls_solver_create(&a->solver, 2, a->contact.nc, &o->solver.settings, error);
   if (!status)
     status = dls_solver_solve(a->solver, &a->contact, a->r, a->u, &a->outcome.info, error);
-  return status < 0 ? status : dls_reduction_recover(a->reduction, a->r, a->x, error);
+  if (status >= 0) status = dls_reduction_recover(a->reduction, a->r, a->x, error);
+  if (status < 0) return status;
+  return dls_reduction_judge(a->reduction, a->data.mu, a->r, a->x, o->solver.settings.limits.tol,
+                             &a->outcome.info, error);
 }
 
 /* Computes r and u by the paper's sweeps, and x from r. The certificate judges the answer by the
@@ -483,15 +486,15 @@ static int run_scene(const scene_options *o) {
   char unsolved[UNSOLVED_ROOM], title[UNSOLVED_ROOM + 100];
   const dls_info *info = &a.outcome.info;
   (void)snprintf(
-      title, sizeof title, info->status ? "%.80s [%s]" : "%.80s", o->name,
+      title, sizeof title, is_solved(info->status) ? "%.80s" : "%.80s [%s]", o->name,
       unsolved_words(info->status, info->certificate.residual, unsolved, sizeof unsolved));
   if (o->save && dls_fclib_write_local(o->save, &a.contact, title, a.r, a.u, &error)) {
     result = complain_of(o->save, &error);
     goto end;
   }
   if (o->out && write_files(&a, o) != EXIT_SOLVED) goto end;
-  if (!o->json) print_ending(a.outcome.info.status);
-  result = a.outcome.info.status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+  if (!o->json) print_ending(a.outcome.info.status, &a.outcome.info);
+  result = is_solved(a.outcome.info.status) ? EXIT_SOLVED : EXIT_NOT_SOLVED;
 end:
   scene_release(&a);
   return result;

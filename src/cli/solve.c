@@ -112,21 +112,23 @@ static dls_status write_solution(const char *out, const problem *p, const double
   return dls_fclib_write_global(out, &p->model, p->f, p->g, p->mu, title, x, r, u, error);
 }
 
-/* Recovers the unknowns of a problem that was condensed: *x := new array of n. */
+/* Recovers the unknowns of a problem of bodies: *x := new array of n. */
 static dls_status recover(problem *p, const double *r, double **x, dls_error *error) {
-  if (p->of_bodies) {
-    dls_reduction_settings settings;
-    dls_reduction_settings_init(&settings);
-    settings.form_W = 0;
-    dls_status status = dls_reduction_create_with(&p->reduction, &p->model, &settings, error);
-    if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, error);
-    if (status) return status;
-  }
-  if (!p->reduction) return DLS_OK;
+  dls_reduction_settings settings;
+  dls_reduction_settings_init(&settings);
+  settings.form_W = 0;
+  dls_status status = dls_reduction_create_with(&p->reduction, &p->model, &settings, error);
+  if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, error);
+  if (status) return status;
   *x = malloc((size_t)p->model.n * sizeof **x);
   if (*x) return dls_reduction_recover(p->reduction, r, *x, error);
   *error = (dls_error){.status = DLS_E_MEMORY, .message = "out of memory"};
   return DLS_E_MEMORY;
+}
+
+/* Returns 1 for a status that a vector of the solver stands behind. */
+static int has_vectors(dls_status status) {
+  return status == DLS_NO_SOLUTION || status == DLS_NO_SOLUTION_LIKELY || status == DLS_RAY;
 }
 
 /* Prints how many candidates are in each state; returns 0 after a complaint. */
@@ -162,8 +164,8 @@ static int print_outcome(const char *path, const problem *p, const outcome *o, c
   unsettled_print(&o->unsettled);
   dls_diagnosis facts;
   dls_error error = {0};
-  const int m = p->contact.d * p->contact.nc, limit = o->info.status ? hint_rows : 0;
-  if (m == 0 || (o->info.status == DLS_OK && r[0] != 0)) return 1;
+  const int m = p->contact.d * p->contact.nc, limit = is_solved(o->info.status) ? 0 : hint_rows;
+  if (m == 0 || (is_solved(o->info.status) && r[0] != 0)) return 1;
   if (dls_contact_diagnose(&p->contact, m <= limit ? limit : 0, &facts, &error))
     return complain_of(path, &error), 0;
   print_hints("  ", facts.hints);
@@ -177,10 +179,16 @@ static int solve_contact(const char *path, const solve_options *options) {
   dls_error error = {0};
   double *r = NULL, *u = NULL, *x = NULL;
   int result = EXIT_BAD_INPUT;
-  if (matrices_name(&options->matrices)) {
-    if (!matrices_load(&options->matrices, &p)) goto end;
-  } else if (problem_load(path, 1, &p, &error)) {
-    (void)complain_of(path, &error);
+  int loaded;
+  if (matrices_name(&options->matrices))
+    loaded = matrices_load(&options->matrices, &p);
+  else {
+    const dls_status status = problem_load(path, 1, &p, &error);
+    loaded = !status;
+    if (status < 0) (void)complain_of(path, &error);
+  }
+  if (!loaded) { /* a reduction may have been cancelled */
+    if (was_interrupted()) result = end_command(EXIT_NOT_SOLVED, NULL);
     goto end;
   }
   problem_fit_threads(&p);
@@ -199,12 +207,24 @@ static int solve_contact(const char *path, const solve_options *options) {
     (void)complain_of(path, &error);
     goto end;
   }
-  if (dls_solver_create(&solver, o.d, o.nc, &settings, &error)) {
-    (void)complain_of(path, &error);
+  const double start = cpu_seconds();
+  dls_status status = DLS_STALLED;
+  int mover = 0;
+  if (p.reduction && (x = malloc((size_t)p.model.n * sizeof *x)) == NULL) {
+    (void)complain("%s: out of memory", path);
     goto end;
   }
-  const double start = cpu_seconds();
-  const dls_status status = dls_solver_solve(solver, &p.contact, r, u, &o.info, &error);
+  if (p.reduction)
+    status = dls_reduction_solve(p.reduction, p.mu, &settings, r, u, x, &o.info, &error);
+  const double *motion =
+      status == DLS_NO_SOLUTION ? dls_reduction_motion(p.reduction, &mover) : NULL;
+  if (!p.reduction || (!motion && has_vectors(status))) { /* which the solver on W has */
+    if (dls_solver_create(&solver, o.d, o.nc, &settings, &error)) {
+      (void)complain_of(path, &error);
+      goto end;
+    }
+    status = dls_solver_solve(solver, &p.contact, r, u, &o.info, &error);
+  }
   o.solve_cpu_seconds = cpu_seconds() - start;
   progress_end();
   if (status < 0) {
@@ -214,12 +234,17 @@ static int solve_contact(const char *path, const solve_options *options) {
   o.proof = options->proof;
   o.verdict = (verdict){.rows = o.nc,
                         .stride = o.d,
-                        .farkas = dls_solver_farkas(solver),
-                        .ray = dls_solver_direction(solver)};
+                        .farkas = solver ? dls_solver_farkas(solver) : NULL,
+                        .ray = solver ? dls_solver_direction(solver) : NULL,
+                        .motion = motion,
+                        .unknowns = p.model.n,
+                        .mover = mover};
   verdict_fill(&o.verdict, status, 0);
-  const int wrong = status && o.info.certificate.residual > settings.limits.tol && !o.verdict.says;
+  const int wrong =
+      !is_solved(status) && o.info.certificate.residual > settings.limits.tol && !o.verdict.says;
   if (wrong && !unsettled_find(&o.unsettled, &p.contact, r, u)) goto end;
-  if ((options->out || options->print || options->csv) && recover(&p, r, &x, &error)) {
+  if (p.of_bodies && (options->out || options->print || options->csv) &&
+      recover(&p, r, &x, &error)) {
     (void)complain_of(path, &error);
     goto end;
   }
@@ -235,8 +260,8 @@ static int solve_contact(const char *path, const solve_options *options) {
   }
   if (options->csv && !write_results(options->csv, &p, r, u, x, unsolved)) goto end;
   if (options->print && !print_results(&p, r, u, x)) goto end;
-  if (!options->json) print_ending(status);
-  result = status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
+  if (!options->json) print_ending(status, &o.info);
+  result = is_solved(status) ? EXIT_SOLVED : EXIT_NOT_SOLVED;
 end:
   dls_solver_destroy(solver);
   problem_free(&p);
@@ -335,7 +360,7 @@ static int solve_one_lcp(const char *path, const dls_lcp *lcp, const solve_optio
     (void)complain_of(options->out, &error);
     goto end;
   }
-  if (!options->json) print_ending(status);
+  if (!options->json) print_ending(status, NULL);
   result = status == DLS_OK ? EXIT_SOLVED : EXIT_NOT_SOLVED;
 end:
   dls_lemke_destroy(lemke);

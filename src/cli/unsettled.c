@@ -37,7 +37,12 @@ static double sweep_growth(const dls_contact *contact, const double *r) {
   memcpy(copy, r, m * sizeof *copy);
   const dls_status status = dls_solve(contact, &settings, copy, NULL, NULL, NULL);
   free(copy);
-  const double first = residual[watched_sweeps / 2 - 1], last = residual[watched_sweeps - 1];
+  enum { quarter = watched_sweeps / 4 };
+  double first = 0, last = 0; /* the largest of two quarters: what circles is not monotone */
+  for (int k = 0; k < quarter; k++) {
+    first = fmax(first, residual[quarter + k]);
+    last = fmax(last, residual[3 * quarter + k]);
+  }
   if (status < 0 || !(first > 0 && last > 0)) return 0;
   return pow(last / first, 2. / watched_sweeps);
 }

@@ -7,7 +7,11 @@
 void verdict_fill(verdict *v, dls_status status, int lcp) {
   v->says = v->next = NULL;
   v->exact = status == DLS_NO_SOLUTION;
-  if (status == DLS_NO_SOLUTION) {
+  if (v->motion) {
+    v->says = "no equilibrium (proved)";
+    v->next = "Nothing can hold a body: it moves rigidly with the loads, and no contact stops it. "
+              "--proof shows the motion; look for a support or a load that is missing.";
+  } else if (status == DLS_NO_SOLUTION) {
     v->says = "no solution (proved)";
     v->next =
         lcp ? "No z >= 0 has M z + q >= 0: look for the mistake in the rows with v > 0, which "
@@ -59,8 +63,10 @@ static void print_rows(const char *title, int rows, int stride, const double *x)
 void verdict_print(const verdict *v, int proof) {
   if (!v->says) return;
   printf("  %s. %s\n", v->says, v->next);
+  if (v->motion) printf("  the body of unknown %d moves\n", v->mover);
   if (!proof) return;
   if (v->farkas)
     print_rows(v->exact ? "proof v:" : "v, a proof but for rounding:", v->rows, 1, v->farkas);
+  if (v->motion) print_rows("rigid motion:", v->unknowns, 1, v->motion);
   if (v->ray) print_rows("ray:", v->rows, v->stride, v->ray);
 }

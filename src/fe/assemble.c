@@ -89,6 +89,7 @@ static dls_status stiffness_check(const dls_fe_mesh *mesh, double E, double nu, 
 
 dls_status dls_fe_stiffness(const dls_fe_mesh *mesh, double E, double nu, double *K, int ldk,
                             dls_error *error) {
+  DLSI_DOOR;
   const dls_status status = stiffness_check(mesh, E, nu, K, ldk, error);
   if (status) return dlsi_at(__func__, status, error);
   const int n = 2 * mesh->nodes, corners = dlsi_fe_corners(mesh);
@@ -254,6 +255,7 @@ void dls_fe_matrix_free(dls_fe_matrix *matrix) {
 
 dls_status dls_fe_sparse_stiffness(const dls_fe_mesh *mesh, double E, double nu, const int *unknown,
                                    int unknowns, dls_fe_matrix *K, dls_error *error) {
+  DLSI_DOOR;
   assembly a = {.mesh = mesh, .unknown = unknown, .D = assemble_moduli(E, nu)};
   dls_status status = assemble_check(mesh, E, nu, error);
   if (!status) status = assemble_number(mesh, unknown, unknowns, &a.n, error);
@@ -275,6 +277,7 @@ static dls_status mass_check(const dls_fe_mesh *mesh, double rho, dls_fe_mass_ki
 
 dls_status dls_fe_mass(const dls_fe_mesh *mesh, double rho, dls_fe_mass_kind kind,
                        const int *unknown, int unknowns, dls_fe_matrix *M, dls_error *error) {
+  DLSI_DOOR;
   assembly a = {
       .mesh = mesh, .unknown = unknown, .mass = 1, .lumped = kind == DLS_FE_LUMPED, .rho = rho};
   dls_status status = mass_check(mesh, rho, kind, M, error);
@@ -307,6 +310,7 @@ static dls_status edge_check(const dls_fe_mesh *mesh, int a, int b, double tx, d
 
 dls_status dls_fe_edge_load(const dls_fe_mesh *mesh, int a, int b, double tx, double ty, double *f,
                             dls_error *error) {
+  DLSI_DOOR;
   double half = 0;
   const dls_status status = edge_check(mesh, a, b, tx, ty, f, &half, error);
   if (status) return dlsi_at(__func__, status, error);
@@ -319,6 +323,7 @@ dls_status dls_fe_edge_load(const dls_fe_mesh *mesh, int a, int b, double tx, do
 
 dls_status dls_fe_stress(const dls_fe_mesh *mesh, double E, double nu, const double *displacement,
                          double *stress, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = assemble_check(mesh, E, nu, error);
   if (!status)
     status = dlsi_check_vector("displacement", displacement, 2 * (size_t)mesh->nodes, error);

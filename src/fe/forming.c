@@ -331,6 +331,7 @@ void dlsi_forming_show(dls_forming *f) {
 }
 
 dls_status dls_forming_problem(const dls_forming *forming, dls_contact *problem, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = DLS_OK;
   if (!forming || !problem)
     status = dlsi_is_null(error, forming ? "problem" : "forming");

@@ -370,6 +370,7 @@ static dls_status forming_make(dls_forming **out, const char *name,
 
 dls_status dls_forming_create(dls_forming **out, const char *name,
                               const dls_forming_settings *settings, dls_error *error) {
+  DLSI_DOOR;
   dls_forming_settings defaults;
   dls_forming_settings_init(&defaults);
   if (out) *out = NULL;

@@ -289,6 +289,7 @@ static dls_status step_take(dls_forming *f, dls_error *error) {
 }
 
 dls_status dls_forming_step(dls_forming *forming, dls_error *error) {
+  DLSI_DOOR;
   if (!forming) return dlsi_at(__func__, dlsi_is_null(error, "forming"), error);
   return dlsi_at(__func__, step_take(forming, error), error);
 }

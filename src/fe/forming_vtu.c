@@ -86,6 +86,7 @@ static dls_status forming_write_outlines(const dls_forming_data *d, const char *
 }
 
 dls_status dls_forming_write_vtu(const dls_forming *forming, const char *path, dls_error *error) {
+  DLSI_DOOR;
   const dls_status status = !forming ? dlsi_is_null(error, "forming")
                             : !path  ? dlsi_is_null(error, "path")
                                      : forming_write_body(forming, path, error);
@@ -93,6 +94,7 @@ dls_status dls_forming_write_vtu(const dls_forming *forming, const char *path, d
 }
 
 dls_status dls_forming_write_tools(const dls_forming *forming, const char *path, dls_error *error) {
+  DLSI_DOOR;
   const dls_status status = !forming ? dlsi_is_null(error, "forming")
                             : !path  ? dlsi_is_null(error, "path")
                                      : forming_write_outlines(&forming->data, path, error);

@@ -56,11 +56,13 @@ static dls_status block_make(dls_fe_mesh *mesh, double lx, double ly, int nx, in
 
 dls_status dls_fe_mesh_block(dls_fe_mesh *mesh, double lx, double ly, int nx, int ny,
                              dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, block_make(mesh, lx, ly, nx, ny, 3, error), error);
 }
 
 dls_status dls_fe_mesh_quads(dls_fe_mesh *mesh, double lx, double ly, int nx, int ny,
                              dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, block_make(mesh, lx, ly, nx, ny, 4, error), error);
 }
 

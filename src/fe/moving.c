@@ -160,6 +160,7 @@ static dls_status moving_make(dls_moving **out, const char *name,
 
 dls_status dls_moving_create(dls_moving **out, const char *name,
                              const dls_moving_settings *settings, dls_error *error) {
+  DLSI_DOOR;
   if (out) *out = NULL;
   const dls_status status = !out    ? dlsi_is_null(error, "out")
                             : !name ? dlsi_is_null(error, "name")
@@ -259,6 +260,7 @@ static dls_status moving_step(dls_moving *m, dls_error *error) {
 }
 
 dls_status dls_moving_step(dls_moving *moving, dls_error *error) {
+  DLSI_DOOR;
   const dls_status status = moving ? moving_step(moving, error) : dlsi_is_null(error, "moving");
   return dlsi_at(__func__, status, error);
 }

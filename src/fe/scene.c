@@ -309,12 +309,14 @@ static dls_status scene_create(dls_fe_scene **out, const char *name, int weighte
 
 dls_status dls_fe_scene_create(dls_fe_scene **out, const char *name, int weighted,
                                dls_error *error) {
+  DLSI_DOOR;
   const dls_status status = scene_create(out, name, weighted, NULL, error);
   return dlsi_at(__func__, status, error);
 }
 
 dls_status dls_fe_scene_create_with(dls_fe_scene **out, const char *name, int weighted,
                                     const dls_fe_scene_settings *settings, dls_error *error) {
+  DLSI_DOOR;
   const dls_status status = scene_create(out, name, weighted, settings, error);
   return dlsi_at(__func__, status, error);
 }
@@ -335,6 +337,7 @@ void dls_fe_scene_get(const dls_fe_scene *scene, dls_fe_scene_data *data) {
 
 dls_status dls_fe_scene_displacement(const dls_fe_scene *scene, const double *x,
                                      double *displacement, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = !scene ? dlsi_is_null(error, "scene")
                              : dlsi_check_vector("x", x, (size_t)scene->unknowns, error);
   if (!status && !displacement) status = dlsi_is_null(error, "displacement");

@@ -116,6 +116,7 @@ static dls_status fe_write_grid(const char *path, const dls_fe_mesh *mesh,
 
 dls_status dls_fe_write_vtu(const char *path, const dls_fe_mesh *mesh, const double *displacement,
                             const double *reaction, const double *stress, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, fe_write_grid(path, mesh, displacement, reaction, stress, error), error);
 }
 
@@ -159,6 +160,7 @@ static dls_status series_open(dls_fe_series **out, const char *path, dls_error *
 }
 
 dls_status dls_fe_series_create(dls_fe_series **out, const char *path, dls_error *error) {
+  DLSI_DOOR;
   if (out) *out = NULL;
   const dls_status status = !out    ? dlsi_is_null(error, "out")
                             : !path ? dlsi_is_null(error, "path")
@@ -206,6 +208,7 @@ static size_t series_prefix(const char *file) {
 
 dls_status dls_fe_series_add(dls_fe_series *series, double time, int part, const char *file,
                              dls_error *error) {
+  DLSI_DOOR;
   dls_status status = DLS_OK;
   if (!series) status = dlsi_is_null(error, "series");
   if (!status && !isfinite(time))
@@ -222,6 +225,7 @@ dls_status dls_fe_series_add(dls_fe_series *series, double time, int part, const
 }
 
 dls_status dls_fe_series_finish(dls_fe_series *series, dls_error *error) {
+  DLSI_DOOR;
   (void)error;
   if (!series) return DLS_OK;
   free(series->path);

@@ -488,6 +488,7 @@ static dls_status read_new(dls_fclib **out, const char *path, dls_error *error) 
 }
 
 dls_status dls_fclib_read(dls_fclib **out, const char *path, dls_error *error) {
+  DLSI_DOOR;
   dls_status status;
   dlsi_lock();
   H5E_BEGIN_TRY {
@@ -517,6 +518,7 @@ static dls_status check_kind(const dls_fclib *file, int global, dls_error *error
 }
 
 dls_status dls_fclib_contact(const dls_fclib *file, dls_contact *problem, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = check_kind(file, 0, error);
   if (!status && !problem) status = dlsi_is_null(error, "problem");
   if (status) return dlsi_at(__func__, status, error);
@@ -527,6 +529,7 @@ dls_status dls_fclib_contact(const dls_fclib *file, dls_contact *problem, dls_er
 
 dls_status dls_fclib_model(const dls_fclib *file, dls_model *model, const double **f,
                            const double **g, const double **mu, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = check_kind(file, 1, error);
   if (!status && !model) status = dlsi_is_null(error, "model");
   if (!status && !f) status = dlsi_is_null(error, "f");
@@ -547,6 +550,7 @@ dls_status dls_fclib_model(const dls_fclib *file, dls_model *model, const double
 }
 
 dls_status dls_fclib_bodies(const dls_fclib *file, dls_contact *problem, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = check_kind(file, 1, error);
   if (!status && !problem) status = dlsi_is_null(error, "problem");
   if (!status && !file->bodies.body)
@@ -561,6 +565,7 @@ dls_status dls_fclib_bodies(const dls_fclib *file, dls_contact *problem, dls_err
 
 dls_status dls_fclib_solution(const dls_fclib *file, const double **r, const double **u,
                               dls_error *error) {
+  DLSI_DOOR;
   dls_status status = file ? DLS_OK : dlsi_is_null(error, "file");
   if (!status && !r) status = dlsi_is_null(error, "r");
   if (!status && !u) status = dlsi_is_null(error, "u");

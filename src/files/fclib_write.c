@@ -284,6 +284,7 @@ static dls_status write_local(contents *c, const dls_contact *problem, dls_error
 
 dls_status dls_fclib_write_local(const char *path, const dls_contact *problem, const char *title,
                                  const double *r, const double *u, dls_error *error) {
+  DLSI_DOOR;
   contents c = {path, "fclib_local/", title, "vectors/q", .r = r, .u = u};
   dlsi_formed formed = {.work = NULL};
   dls_status status = dlsi_form_blocks(&formed, &problem, error);
@@ -349,6 +350,7 @@ dls_status dls_fclib_write_global(const char *path, const dls_model *model, cons
                                   const double *g, const double *mu, const char *title,
                                   const double *x, const double *r, const double *u,
                                   dls_error *error) {
+  DLSI_DOOR;
   contents c = {path, "fclib_global/", title, "vectors/w", g, mu, x, f, r, u, 0, 0, 0};
   dls_status status;
   dlsi_lock();

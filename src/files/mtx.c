@@ -382,10 +382,12 @@ static dls_status read_sparse(const char *path, int calculix, dls_sparse *A, int
 }
 
 dls_status dls_mtx_read_sparse(const char *path, dls_sparse *A, int *symmetric, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, read_sparse(path, 0, A, symmetric, error), error);
 }
 
 dls_status dls_calculix_read(const char *path, dls_sparse *A, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, read_sparse(path, 1, A, NULL, error), error);
 }
 
@@ -398,6 +400,7 @@ void dls_mtx_free_sparse(dls_sparse *A) {
 }
 
 dls_status dls_mtx_read(const char *path, int *rows, int *cols, double **a, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = a ? DLS_OK : dlsi_is_null(error, "a");
   if (a) *a = NULL;
   if (!status && !path) status = dlsi_is_null(error, "path");
@@ -451,10 +454,12 @@ static dls_status write_dense(const char *path, const dls_dense *A, const char *
 }
 
 dls_status dls_mtx_write(const char *path, const dls_dense *A, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, write_dense(path, A, NULL, error), error);
 }
 
 dls_status dls_mtx_write_commented(const char *path, const dls_dense *A, const char *comment,
                                    dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, write_dense(path, A, comment, error), error);
 }

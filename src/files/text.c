@@ -225,6 +225,7 @@ static dls_status text_parse(dls_text *to, dls_error *error) {
 }
 
 dls_status dls_text_read(dls_text **out, const char *path, dls_error *error) {
+  DLSI_DOOR;
   if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
   *out = NULL;
   if (!path) return dlsi_at(__func__, dlsi_is_null(error, "path"), error);
@@ -272,6 +273,7 @@ const char *dls_text_line(const dls_text *text, int k, const char **key) {
 }
 
 dls_status dls_text_contact(const dls_text *text, dls_contact *problem, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = !text      ? dlsi_is_null(error, "text")
                       : !problem ? dlsi_is_null(error, "problem")
                                  : DLS_OK;
@@ -285,6 +287,7 @@ dls_status dls_text_contact(const dls_text *text, dls_contact *problem, dls_erro
 
 dls_status dls_text_lcp(const dls_text *text, int *n, const double **M, const double **q,
                         dls_error *error) {
+  DLSI_DOOR;
   dls_status status = !text ? dlsi_is_null(error, "text")
                       : !n  ? dlsi_is_null(error, "n")
                       : !M  ? dlsi_is_null(error, "M")

@@ -202,6 +202,33 @@ module delassus
       type(dls_error), intent(inout), optional :: error
       integer(c_int) :: status
     end function
+    function dls_reduction_certify(reduction, mu, r, x, u, certificate, error) bind(c) result(status)
+      import :: c_int, c_ptr, c_double, dls_certificate, dls_error
+      type(c_ptr), value :: reduction
+      real(c_double), intent(in), optional :: mu(*)
+      real(c_double), intent(in) :: r(*), x(*)
+      real(c_double), intent(inout), optional :: u(*)
+      type(dls_certificate), intent(inout) :: certificate
+      type(dls_error), intent(inout), optional :: error
+      integer(c_int) :: status
+    end function
+    function dls_reduction_solve(reduction, mu, settings, r, u, x, info, error) bind(c) result(status)
+      import :: c_int, c_ptr, c_double, dls_solver_settings, dls_info, dls_error
+      type(c_ptr), value :: reduction
+      real(c_double), intent(in), optional :: mu(*)
+      type(dls_solver_settings), intent(in), optional :: settings
+      real(c_double), intent(inout) :: r(*), x(*)
+      real(c_double), intent(inout), optional :: u(*)
+      type(dls_info), intent(inout), optional :: info
+      type(dls_error), intent(inout), optional :: error
+      integer(c_int) :: status
+    end function
+    function dls_certificate_verdict(certificate, tol) bind(c) result(status)
+      import :: c_int, c_double, dls_certificate
+      type(dls_certificate), intent(in) :: certificate
+      real(c_double), value :: tol
+      integer(c_int) :: status
+    end function
     function dls_reduction_balance(reduction, r, imbalance, error) bind(c) result(status)
       import :: c_int, c_ptr, c_double, dls_error
       type(c_ptr), value :: reduction
@@ -298,6 +325,7 @@ module delassus
   public :: dls_reduction_create_with, dls_reduction_update, dls_reduction_get_info
   public :: dls_reduction_load, dls_reduction_load_free, dls_reduction_contact
   public :: dls_reduction_recover, dls_reduction_balance, dls_reduction_nodal
+  public :: dls_reduction_certify, dls_reduction_solve, dls_certificate_verdict
   public :: dls_reduction_destroy, dls_weighting_line, dls_motion_settings_init
   public :: dls_motion_create, dls_motion_start, dls_motion_step, dls_motion_set_h
   public :: dls_motion_get_state, dls_motion_get_energies, dls_motion_destroy

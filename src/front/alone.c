@@ -2,13 +2,12 @@
  * alone.c: the problems that auto answers from r = 0 without a workspace.
  *
  *   (AL1)  r = 0                                  if every q_n >= 0
- *   (AL2)  r = 0                                  if the certificate holds: q_n < 0 by rounding
- *   (AL3)  r_c = the solution of candidate c alone, u_c = W_cc r_c + q_c (vi/local.c), for the c
+ *   (AL2)  r_c = the solution of candidate c alone, u_c = W_cc r_c + q_c (vi/local.c), for the c
  *          with q_n < 0 and 0 for the others           if that is one, or nothing couples them
  *
- * (AL3) is the first sweep of Gauss-Seidel (vi/nlgs.c), to the same bits, and the last one if
- * none of the others is pressed by it. (AL2) and (AL3) are for few candidates: with more of them
- * the sweeps and their preparations take long enough for nobody to see the difference.
+ * (AL2) is the first sweep of Gauss-Seidel (vi/nlgs.c), to the same bits, and the last one if none
+ * of the others is pressed by it. It is for few candidates: with more of them the sweeps and their
+ * preparations take long enough for nobody to see the difference.
  *
  * Cost: O(nc) for q, the columns of W of those c, the certificate.
  * What can fail: a candidate without a local solution, or with trace(W_cc) <= 0; another one that
@@ -23,7 +22,7 @@
 
 enum { few = 20, most_rows = 3 * few };
 
-/* Sets r of the candidates with q_n < 0 by (AL3). Returns 0 if W couples two of them, or one has no
+/* Sets r of the candidates with q_n < 0 by (AL2). Returns 0 if W couples two of them, or one has no
  * solution or no weight of its own. */
 static int solve_each(const dls_contact *problem, double *r) {
   const dls_blocks *B = &problem->Wb;
@@ -48,7 +47,7 @@ static int is_certified(const dls_contact *problem, double tol, const double *r,
   double a[most_rows], F[most_rows];
   dlsi_contact_multiply(problem, NULL, r, u, a);
   dlsi_contact_measure(problem, r, u, a, w, F, certificate);
-  return dls_certificate_holds(certificate, tol);
+  return dlsi_certificate_holds(certificate, tol);
 }
 
 static int is_pressed(const dls_contact *problem) {
@@ -59,28 +58,22 @@ static int is_pressed(const dls_contact *problem) {
 
 int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *u, dls_info *info) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  double x[most_rows] = {0}, v[most_rows], w[few];
-  dls_certificate certificate = {0};
-  int sweeps = 0;
+  double x[most_rows] = {0}, v[most_rows], w[2 * few];
+  dls_certificate certificate = {.body = -1};
   const int pressed = is_pressed(problem);
   if (pressed && (problem->nc > few || dlsi_is_factored(problem))) return 0;
-  if (pressed) dlsi_contact_weights(problem, w);
-  if (pressed && !is_certified(problem, tol, x, w, v, &certificate)) {
-    if (!solve_each(problem, x)) return 0;
-    if (!is_certified(problem, tol, x, w, v, &certificate)) return 0;
-    sweeps = 1;
-  }
+  if (pressed) dlsi_certificate_weights(problem, w);
+  if (pressed && !solve_each(problem, x)) return 0;
+  if (pressed && !is_certified(problem, tol, x, w, v, &certificate)) return 0;
   if (pressed)
     memcpy(r, x, m * sizeof *r);
-  else {
+  else
     memset(r, 0, m * sizeof *r);
-    if (dlsi_max_abs(problem->q, m) > 0) certificate.floor_u = DBL_EPSILON;
-  }
   if (u) memcpy(u, pressed ? v : problem->q, m * sizeof *u);
   if (!info) return 1;
-  *info = (dls_info){.method = DLS_AUTO, .iterations = sweeps, .stages = sweeps};
+  *info = (dls_info){.method = DLS_AUTO, .iterations = pressed, .stages = pressed};
   info->certificate = certificate;
   if (pressed) info->ambiguous = dlsi_count_ambiguous(problem, x, v, NULL);
-  if (sweeps) info->stage[0] = (dls_stage){DLS_NLGS, sweeps, 0, certificate.residual};
+  if (pressed) info->stage[0] = (dls_stage){DLS_NLGS, 1, 0, certificate.residual};
   return 1;
 }

@@ -139,7 +139,11 @@ static const double step_sweeps = 1.5, forgotten = 0.98; /* (AT14) */
 static const double far_start = 0.25;                    /* e: (AT14), and of sweeps */
 static const double small_part = 0.05; /* of a solve, for a look at other answers */
 static const double another = 1e-3;    /* difference of two answers, over the largest reaction */
-static const double on_cone = 1e-9;    /* a reaction that lacks no more than this share slips */
+static const double accurate = 1e-4;   /* (AT18): relative error of r that nobody is told of */
+enum { predicted_of_blocks = 60, most_turns = 3 }; /* (AT18): rows; larger ones are packings */
+static const double determined =
+    1e-13;                          /* ... residual of a factorisation that needs no second one */
+static const double on_cone = 1e-9; /* a reaction that lacks no more than this share slips */
 
 /* Each method once, and some once more for another way. */
 typedef enum part {
@@ -168,7 +172,8 @@ typedef struct dlsi_auto {
   void *part[parts];  /* workspace of each method, NULL before it is needed, or by its home_of */
   dlsi_room room;     /* for their matrices: none keeps factors from one stage to the next */
   double *r, *best;   /* m: of the stage under way, of the best answer so far */
-  double *w;          /* nc: weights of the certificate */
+  double *w;          /* nc: compliances of the contacts */
+  double *weights;    /* 2 nc: of the certificate */
   double *v[4];       /* m: scratch; the last one up to path_unknowns */
   dlsi_formed formed; /* of a problem of bodies: scratch, W by blocks for all but (AT13) */
   dlsi_renumber copy; /* (AT11), up to path_unknowns */
@@ -184,6 +189,7 @@ typedef struct dlsi_auto {
   double of_step; /* what one with (AT14) is expected to take, 0: as the first */
   int answers;    /* so many of the next two are there, of last_nc candidates */
   int last_nc;
+  double amplified;         /* (AT18): error over residual of the last answer looked at */
   auto_answer last, former; /* of the solve before, and of the one before that */
 
   /* of the solve under way */
@@ -332,6 +338,7 @@ static double cost_of_newton(dlsi_auto *work) {
 }
 
 static int watch_sweeps(void *data, const dls_progress *p) {
+  DLSI_DOOR;
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
   const double now = log(p->residual);
@@ -355,6 +362,7 @@ static int watch_sweeps(void *data, const dls_progress *p) {
 }
 
 static int watch_newton(void *data, const dls_progress *p) {
+  DLSI_DOOR;
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
   const double now = log(p->residual);
@@ -367,6 +375,7 @@ static int watch_newton(void *data, const dls_progress *p) {
 
 /* (AT13) Stops when (AT12) is to be tried. Sweeps that get nowhere stop by themselves. */
 static int watch_push(void *data, const dls_progress *p) {
+  DLSI_DOOR;
   dlsi_auto *work = data;
   if (must_stop(work, p)) return 1;
   const double now = log(p->residual);
@@ -383,6 +392,7 @@ static int watch_push(void *data, const dls_progress *p) {
 }
 
 static int watch_limits(void *data, const dls_progress *p) {
+  DLSI_DOOR;
   return must_stop(data, p);
 }
 
@@ -458,6 +468,10 @@ static int is_nearly_met(const dlsi_auto *work, double residual) {
 
 static int may_settle(const dlsi_auto *work) {
   return is_nearly_met(work, work->info.certificate.residual);
+}
+
+static dls_status verdict_of(const dlsi_auto *work) {
+  return dls_certificate_verdict(&work->info.certificate, work->options.limits.tol);
 }
 
 /* Method, its progress callback, when it is taken (NULL: always), its limit of iterations (0: its
@@ -583,7 +597,8 @@ static dls_status take_stage(dlsi_auto *work, part k, int cold, dls_error *error
     return status;
   }
   if (work->stepped && !all->stages && status == DLS_STALLED && !info.iterations)
-    return status; /* (AT14) without a step */
+    return status;                                  /* (AT14) without a step */
+  if (all->stages == DLS_STAGES_MAX) all->stages--; /* the last line is that of the last stage */
   all->stage[all->stages++] = (dls_stage){part_of[k].method->method, info.iterations,
                                           info.factorisations, info.certificate.residual};
   all->iterations += info.iterations;
@@ -639,13 +654,18 @@ static dls_status judge(dlsi_auto *work, dls_error *error) {
   return DLS_NO_SOLUTION_LIKELY;
 }
 
-/* Returns 1 if only rounding stands against the best r, and smaller ones are not looked for: at the
- * end of (AT12), and on a copy where it is no more than near_most over what may be certified. */
+/* Returns 1 if only rounding stands against the best r at the end of (AT12). */
 static int is_rounded(const dlsi_auto *work, part now) {
-  const dls_certificate *best = &work->info.certificate;
-  const double tol = work->options.limits.tol;
-  const int hidden = work->has_copy && is_nearly_met(work, 4 * best->floor_u);
-  return (now == REST || hidden) && dlsi_certificate_meets(best, tol);
+  return now == REST && dlsi_certificate_meets(&work->info.certificate, work->options.limits.tol);
+}
+
+/* (AT17) The best r holds to rounding. Its self-stress, a part of r that W does not feel, may be what
+ * rounds: ADMM from r = 0 finds reactions with little of it. Returns the verdict of the better one,
+ * or an error. */
+static dls_status take_less_stress(dlsi_auto *work, part now, dls_error *error) {
+  if (now == OTHER_SPLITTING || !may_go_another_way(work)) return verdict_of(work);
+  const dls_status status = take_stage(work, OTHER_SPLITTING, 1, error);
+  return status < 0 ? status : work->stopped ? work->stopped : verdict_of(work);
 }
 
 /* Tells a search that its next solve is its first part, or the rest. Errors of create_part. */
@@ -657,6 +677,12 @@ static dls_status share_search(dlsi_auto *work, part k, int rest, dls_error *err
   const dls_status status = share ? create_part(work, k, error) : DLS_OK;
   if (share && !status) share(work->part[k], rest);
   return status;
+}
+
+/* Sets the compliances of the contacts and the weights of the certificate. */
+static void set_weights(dlsi_auto *work) {
+  dlsi_contact_weights(work->problem, work->w);
+  dlsi_certificate_weights(work->problem, work->weights);
 }
 
 /* Turns to a copy of the problem, with r = 0 as the best. Returns the certificate of the best r of
@@ -698,8 +724,8 @@ static dls_status leave_copy(dlsi_auto *work, const dls_contact *problem,
   work->problem = problem;
   dlsi_renumber_back(copy, problem->d, copy->power_q - copy->power_W, work->best, work->r);
   dlsi_contact_multiply(problem, NULL, work->r, work->v[0], work->v[1]);
-  dlsi_contact_weights(problem, work->w);
-  dlsi_contact_measure(problem, work->r, work->v[0], work->v[1], work->w, work->v[2], best);
+  set_weights(work);
+  dlsi_contact_measure(problem, work->r, work->v[0], work->v[1], work->weights, work->v[2], best);
   /* forces beyond the range of numbers: an answer to the copy is none to the problem */
   const int in_range = best->residual <= DBL_MAX;
   if ((status == DLS_OK && in_range) || dlsi_is_better(best, kept)) {
@@ -721,10 +747,9 @@ static dls_status pivot_early(dlsi_auto *work, dls_error *error) {
   return status < 0 ? status : leave_copy(work, problem, &kept, status);
 }
 
-/* Takes the stages first .. end-1 in turn. Returns DLS_OK, DLS_NO_SOLUTION, an error, DLS_CANCELLED
+/* Takes the stages first .. end-1 in turn. Returns DLS_OK, DLS_TO_ROUNDING, DLS_NO_SOLUTION, an error, DLS_CANCELLED
  * or DLS_MAX_ITERATIONS; DLS_STALLED if nothing is decided, or `excluded` is. */
 static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *error) {
-  const dls_limits *limits = &work->options.limits;
   for (int k = first; k < end; k++) {
     const part listed = stages[k].part;
     const part now = listed == SWEEPS && !may_sweep(work) && may_push(work) ? PUSH : listed;
@@ -738,8 +763,9 @@ static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *erro
     if (!status)
       status = early ? pivot_early(work, error) : take_stage(work, now, stages[k].cold, error);
     if (status < 0) return status;
-    if (dls_certificate_holds(&work->info.certificate, limits->tol)) return DLS_OK;
+    if (verdict_of(work) == DLS_OK) return DLS_OK;
     if (work->stopped) return work->stopped;
+    if (verdict_of(work) == DLS_TO_ROUNDING) return take_less_stress(work, now, error);
     work->rounded = is_rounded(work, now);
     if (work->rounded) return DLS_STALLED;
     if (status == DLS_TIME_LIMIT) return status;
@@ -765,10 +791,10 @@ static dls_status take_copy(dlsi_auto *work, dls_error *error) {
   if (status < 0) return status;
   take_back_vectors(work, status);
   status = leave_copy(work, problem, &kept, status);
-  const dls_certificate *best = &work->info.certificate;
-  if (status != DLS_OK || dls_certificate_holds(best, work->options.limits.tol)) return status;
+  if ((status != DLS_OK && status != DLS_TO_ROUNDING) || verdict_of(work) != DLS_STALLED)
+    return status == DLS_OK ? verdict_of(work) : status;
   status = take_stage(work, NEWTON, 0, error); /* sums in another order round otherwise */
-  return status < 0 || dls_certificate_holds(best, work->options.limits.tol) ? status : DLS_STALLED;
+  return status < 0 ? status : verdict_of(work);
 }
 
 /* Returns the sweeps that a solve with (AT14) is expected to take. */
@@ -791,7 +817,7 @@ static void offer(dlsi_auto *work, const double *r) {
   const dls_contact *problem = work->problem;
   dls_certificate now;
   dlsi_contact_multiply(problem, NULL, r, work->v[0], work->v[1]);
-  dlsi_contact_measure(problem, r, work->v[0], work->v[1], work->w, work->v[2], &now);
+  dlsi_contact_measure(problem, r, work->v[0], work->v[1], work->weights, work->v[2], &now);
   if (!dlsi_is_better(&now, &work->info.certificate)) return;
   work->info.certificate = now;
   memcpy(work->best, r, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
@@ -802,7 +828,7 @@ static double expect(dlsi_auto *work, const double *r) {
   const dls_contact *problem = work->problem;
   dls_certificate now;
   memset(work->v[1], 0, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
-  dlsi_contact_measure(problem, r, work->v[0], work->v[1], work->w, work->v[2], &now);
+  dlsi_contact_measure(problem, r, work->v[0], work->v[1], work->weights, work->v[2], &now);
   return now.residual;
 }
 
@@ -816,7 +842,7 @@ static int predict(dlsi_auto *work) {
   if (work->answers < 2 || work->last_nc != problem->nc ||
       memcmp(a->r, work->best, m * sizeof *a->r) != 0)
     return 0;
-  dlsi_contact_weights(problem, work->w);
+  set_weights(work);
   for (size_t k = 0; k < m; k++)
     work->v[0][k] = a->Wr[k] + problem->q[k];
   double residual = expect(work, a->r);
@@ -872,8 +898,8 @@ static dls_status take_step(dlsi_auto *work, dls_error *error) {
     work->stepped = 0;
     return DLS_STALLED;
   }
-  if (status < 0 || dls_certificate_holds(&work->info.certificate, work->options.limits.tol))
-    return status < 0 ? status : DLS_OK;
+  if (status < 0) return status;
+  if (verdict_of(work) != DLS_STALLED) return verdict_of(work);
   work->failed_to_step = 1;
   if (work->known) offer(work, work->last.r); /* what the step has begun with has no certificate */
   if (work->stopped) return work->stopped;
@@ -891,6 +917,45 @@ static dls_status take_stages(dlsi_auto *work, dls_error *error) {
   if (may_follow_path(work)) return take_copy(work, error);
   status = take_some(work, quick_count, stage_count, error);
   return status == DLS_STALLED ? judge(work, error) : status;
+}
+
+/* (AT18) An answer of little residual may have a large error where W is nearly singular: soft springs
+ * under a body. Solves to a smaller tolerance as long as that makes the predicted error less. In a
+ * sequence of warm solves the last answer that was looked at tells how much a residual means. */
+static dls_status take_to_accuracy(dlsi_auto *work, dls_error *error) {
+  const dls_contact *problem = work->problem;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const double tol = work->options.limits.tol, enough = fmax(accurate, 100 * tol);
+  const dls_certificate *best = &work->info.certificate;
+  dls_status status = DLS_OK;
+  const int rows = problem->W.a ? dlsi_predicted_rows : predicted_of_blocks;
+  const dls_info *info = &work->info;
+  const int direct = info->stages && info->stage[info->stages - 1].method != DLS_NLGS;
+  if (m > (size_t)rows || best->residual == 0 || (direct && best->residual <= determined))
+    return status;
+  const int known = work->amplified > 0 && work->last_nc == problem->nc;
+  if (work->options.limits.warm_start && known && work->amplified * best->residual <= enough) {
+    work->info.error = work->amplified * best->residual;
+    return status;
+  }
+  double before = INFINITY;
+  for (int turn = 0; status == DLS_OK; turn++) {
+    if (work->options.lazy && dlsi_room_dense(&work->room, m, NULL)) break;
+    set_weights(work);
+    work->room.owner = work;
+    dlsi_contact_multiply(problem, NULL, work->best, work->v[0], NULL);
+    const double predicted = dlsi_predict_error(problem, work->best, work->v[0], work->weights,
+                                                work->room.J, work->v[1]);
+    work->info.error = predicted < 0 ? INFINITY : predicted; /* not determined */
+    work->amplified = work->info.error / best->residual;
+    if (!(predicted > enough && predicted < before / 2) || turn == most_turns) break;
+    before = predicted;
+    work->options.limits.tol = fmax(best->residual * enough / before / 2, DBL_EPSILON);
+    status = take_some(work, 0, quick_count, error);
+    work->options.limits.tol = tol;
+    if (status >= 0) status = work->stopped ? work->stopped : verdict_of(work);
+  }
+  return status;
 }
 
 /* Returns room for W_nn, or NULL where there is friction, its factorisation would be more than a
@@ -939,7 +1004,7 @@ static void sweep_to_another(dlsi_auto *work, const double *r) {
 /* Fills ambiguous and unique for the answer r. */
 static void look_for_others(dlsi_auto *work, const double *r) {
   const dls_contact *problem = work->problem;
-  dlsi_contact_weights(problem, work->w);
+  set_weights(work);
   if (dlsi_may_be_ambiguous(problem))
     sweep_to_another(work, r);
   else if (dlsi_is_unique(problem, work->w, work->v[2], room_of_normals(work)))
@@ -1002,11 +1067,11 @@ static dls_status take_others(dlsi_auto *work, const dls_contact *problem, int c
   work->touches = 0;
   work->problem = problem;
   if (status < 0) return status;
-  dlsi_contact_weights(problem, work->w);
+  set_weights(work);
   dlsi_contact_multiply(problem, NULL, work->best, work->v[0], work->v[1]);
-  dlsi_contact_measure(problem, work->best, work->v[0], work->v[1], work->w, work->v[2],
+  dlsi_contact_measure(problem, work->best, work->v[0], work->v[1], work->weights, work->v[2],
                        &work->info.certificate);
-  if (dls_certificate_holds(&work->info.certificate, work->options.limits.tol)) return DLS_OK;
+  if (verdict_of(work) != DLS_STALLED) return verdict_of(work);
   return work->stopped || work->limited || status == DLS_TIME_LIMIT ? status : DLS_STALLED;
 }
 
@@ -1043,6 +1108,9 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
     if (warm) memcpy(work->best, r, m * sizeof *r);
     status = take_stages(work, error);
   }
+  if (status < 0) return status;
+  status = dlsi_settled(&work->info.certificate, work->options.limits.tol, status);
+  if (status == DLS_OK) status = take_to_accuracy(work, error);
   if (status < 0) return status;
   problem = work->problem;
   memcpy(r, work->best, m * sizeof *r);
@@ -1089,6 +1157,7 @@ static void auto_carve(void *automatic, dlsi_arena *arena) {
   work->r = dlsi_take(arena, m, sizeof *work->r);
   work->best = dlsi_take(arena, m, sizeof *work->best);
   work->w = dlsi_take(arena, (size_t)work->nc, sizeof *work->w);
+  work->weights = dlsi_take(arena, 2 * (size_t)work->nc, sizeof *work->weights);
   double **const answers[] = {&work->last.r, &work->last.Wr, &work->former.r, &work->former.Wr};
   dlsi_take_vectors(arena, m, 4, answers);
   for (int k = 0; k < 3; k++)

@@ -71,11 +71,12 @@ static int batch_count(const batch *all, int k, int count) {
 static int batch_take(const batch *all, int lane, int k, int sweeps, int *warm) {
   const dls_contact *problem = &all->problem[k];
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  double x[batch_rows], v[batch_rows], a[batch_rows], F[batch_rows], w[dlsi_lane_candidates];
+  double x[batch_rows], v[batch_rows], a[batch_rows], F[batch_rows];
+  double w[2 * dlsi_lane_candidates];
   dls_info info = {.method = DLS_AUTO, .iterations = sweeps, .stages = 1};
   dlsi_lane_get(all->lanes, lane, problem->d, x);
   dlsi_contact_multiply(problem, NULL, x, v, a);
-  dlsi_contact_weights(problem, w);
+  dlsi_certificate_weights(problem, w);
   dlsi_contact_measure(problem, x, v, a, w, F, &info.certificate);
   const int solved = dls_certificate_holds(&info.certificate, all->settings.limits.tol);
   *warm = solved || info.certificate.residual < 1; /* noise is solved with a residual of 1, too */
@@ -151,6 +152,7 @@ static dls_status batch_run(batch *all, int count, const dls_solver_settings *se
 dls_status dls_solve_batch(int count, const dls_contact *problem,
                            const dls_solver_settings *settings, double *const *r, double *const *u,
                            dls_info *info, dls_error *error) {
+  DLSI_DOOR;
   batch all = {.problem = problem, .r = r, .u = u, .info = info};
   return dlsi_at(__func__, batch_run(&all, count, settings, error), error);
 }

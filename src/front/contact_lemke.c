@@ -187,6 +187,7 @@ static void divide_by_unit(contact_lemke *work, const dls_contact *problem, int 
 
 /* Tells the caller of a point z of the LCP's path: of its reactions and their certificate. */
 static int tell_of_path(void *lemke, const dls_progress *of_path) {
+  DLSI_DOOR;
   contact_lemke *work = lemke;
   const dls_contact *problem = work->problem;
   const dls_limits *limits = &work->limits;
@@ -243,6 +244,7 @@ static int is_stopped(dls_status status) {
 
 /* Tells the caller of a step to the round cone. */
 static int tell_of_polish(void *lemke, const dls_progress *of_step) {
+  DLSI_DOOR;
   const contact_lemke *work = lemke;
   dls_progress progress = *of_step;
   if (of_step->last) return 0;

@@ -498,8 +498,10 @@ static dls_status diagnose(const dls_contact *problem, int limit, dls_diagnosis 
 
 dls_status dls_contact_diagnose(const dls_contact *problem, int limit, dls_diagnosis *diagnosis,
                                 dls_error *error) {
+  DLSI_DOOR;
   dlsi_formed formed = {.work = NULL};
-  dls_status status = dlsi_form_blocks(&formed, &problem, error);
+  dls_status status = dlsi_check_blas(error);
+  if (!status) status = dlsi_form_blocks(&formed, &problem, error);
   if (!status) status = diagnose(problem, limit, diagnosis, error);
   dlsi_formed_free(&formed);
   return dlsi_at(__func__, status, error);

@@ -373,9 +373,11 @@ dls_status dlsi_contact_fold(const dls_contact *problem, int search, dls_fold *f
 
 dls_status dls_contact_fold(const dls_contact *problem, dls_fold *fold, dls_contact_state *state,
                             double *q, double *r, double *other, dls_error *error) {
+  DLSI_DOOR;
   const int search = problem && problem->nc > DLS_STATES_MAX;
   dlsi_formed formed = {.work = NULL};
-  dls_status status = dlsi_form_blocks(&formed, &problem, error);
+  dls_status status = dlsi_check_blas(error);
+  if (!status) status = dlsi_form_blocks(&formed, &problem, error);
   if (!status) status = dlsi_contact_fold(problem, search, fold, state, q, r, other, error);
   dlsi_formed_free(&formed);
   return dlsi_at(__func__, status, error);

@@ -46,10 +46,21 @@ int dlsi_contact_lemke_excludes(const void *lemke);
  * contact_lemke.c says; 0: no more. */
 void dlsi_contact_lemke_search(void *lemke, int searches);
 
+/* ---- src/front/sensitivity.c ----------------------------------------------------------------- */
+
+enum { dlsi_predicted_rows = 300 };
+
+/* Returns |r - r*| / |r| to first order, in the states that r has; 0 where nothing touches, -1 where
+ * the reactions are not determined. For up to dlsi_predicted_rows rows. u: W r + q. w: weights of
+ * the certificate. J: scratch, m x m. x: scratch, m. */
+double dlsi_predict_error(const dls_contact *problem, const double *r, double *u, double *w,
+                          double *J, double *x);
+
 /* A copy of a problem in an order and in units of its own (renumber.c). */
 typedef struct dlsi_renumber {
   dls_contact problem;  /* the copy, W dense */
   double *W, *q, *mu;   /* its arrays: m x m, m, nc */
+  double *weights;      /* 2 nc, where the problem has weights */
   int *from;            /* its candidate c is from[c] of the problem; 3 nc, the rest scratch */
   int power_W, power_q; /* W and q of the problem are 2 to these powers times those of the copy */
   double *key[3];       /* scratch, nc each */

@@ -11,13 +11,15 @@
 }
 
 # "double *a, b[3]" -> rows of macros
-function declare(record, declaration,   n, part, k, field, array) {
+function declare(record, declaration,   n, part, k, field, array, macro) {
   n = split(declaration, part, ",")
   for (k = 1; k <= n; k++) {
     field = part[k]
     array = field ~ /\[/
     sub(/ *\[.*/, "", field); gsub(/ +$/, "", field); sub(/.*[ *]/, "", field)
-    if (field != "") fields = fields " \\\n  " (array ? "ARRAY" : "FIELD") "(" record ", " field ")"
+    # where size_t is unsigned, _Generic does not know it from an enum
+    macro = array ? "ARRAY" : declaration ~ /^ *size_t [^*]*$/ ? "SIZE" : "FIELD"
+    if (field != "") fields = fields " \\\n  " macro "(" record ", " field ")"
   }
 }
 

@@ -13,12 +13,13 @@
 #define RECORD(s)   s: #s,
 #define TYPE(x)                                                                                    \
   _Generic((x), LAYOUT_FUNCTIONS LAYOUT_RECORDS int: "int", unsigned: "int", double: "double",     \
-           char: "char", size_t: "size_t", long long: "long long", default: "pointer")
+           char: "char", long long: "long long", default: "pointer")
 /* clang-format on */
 
 #define AT(s, f)    (((s *)0)->f) /* never evaluated */
 #define WHOLE(s)    {#s, "", #s, 0, sizeof(s), 1},
 #define FIELD(s, f) {#s, #f, TYPE(AT(s, f)), offsetof(s, f), sizeof AT(s, f), 1},
+#define SIZE(s, f)  {#s, #f, "size_t", offsetof(s, f), sizeof AT(s, f), 1},
 #define ARRAY(s, f)                                                                                \
   {#s,                                                                                             \
    #f,                                                                                             \

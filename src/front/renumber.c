@@ -29,6 +29,7 @@ void dlsi_renumber_carve(dlsi_renumber *copy, dlsi_arena *arena, int d, int nc) 
   copy->W = dlsi_take(arena, m, m * D);
   copy->q = dlsi_take(arena, m, D);
   copy->mu = dlsi_take(arena, n, D);
+  copy->weights = dlsi_take(arena, 2 * n, D);
   for (int k = 0; k < 3; k++)
     copy->key[k] = dlsi_take(arena, n, D);
   copy->code = dlsi_take(arena, 2 * n, sizeof *copy->code);
@@ -128,6 +129,8 @@ static void renumber_fill(dlsi_renumber *copy, const dls_contact *problem) {
           to[i + j * m] += ldexp(block[(size_t)i + (size_t)j * W.ld], -copy->power_W);
     }
     copy->mu[c] = problem->mu[copy->from[c]];
+    for (int i = 0; problem->weights && i < 2; i++)
+      copy->weights[2 * c + i] = ldexp(problem->weights[2 * copy->from[c] + i], -copy->power_W);
     for (int i = 0; i < d; i++)
       copy->q[d * c + i] = ldexp(problem->q[d * copy->from[c] + i], -copy->power_q);
   }
@@ -150,8 +153,12 @@ void dlsi_renumber_set(dlsi_renumber *copy, const dls_contact *problem) {
   int *given = copy->from, *order = copy->from + nc, *scratch = copy->from + 2 * nc;
   copy->power_W = unit_of(largest_of_W(problem));
   copy->power_q = unit_of(dlsi_max_abs(problem->q, (size_t)m));
-  copy->problem = (dls_contact){
-      .d = problem->d, .nc = nc, .W = {m, m, m, copy->W}, .q = copy->q, .mu = copy->mu};
+  copy->problem = (dls_contact){.d = problem->d,
+                                .nc = nc,
+                                .W = {m, m, m, copy->W},
+                                .q = copy->q,
+                                .mu = copy->mu,
+                                .weights = problem->weights ? copy->weights : NULL};
   for (int c = 0; c < nc; c++)
     given[c] = order[c] = c;
   renumber_fill(copy, problem);

@@ -14,7 +14,10 @@
  *
  * The rank is that of D^-1/2 A D^-1/2, in which units do not matter.
  *
- * Cost: three times the singular values of a matrix of |rows|. What can fail: states that change
+ *   (SN4)  to first order r - r* is E A^-1 (row.u), since row.u = 0 at r*, where r lies on its cone:
+ *          one factorisation, no bound. A slip no larger than 1000 |F| counts as stick
+ *
+ * Cost: three times the singular values of a matrix of |rows|; of (SN4) one LU. What can fail: states that change
  * between r and r*, candidates on the border of two: then A holds on one side only.
  */
 #include <float.h>
@@ -29,11 +32,14 @@
 static const double border =
     1e-6; /* share of the largest w r and u, within which a state is on it */
 
+static const double within = 1000; /* (SN4) */
+
 /* An unknown y_j: r of candidate c along e, with the row of u along the same direction or along the
  * normal, and l of (SN2). */
 typedef struct sensitivity_row {
   int c;
   double row[3], e[3], l;
+  double w; /* the weight of the row's direction */
 } sensitivity_row;
 
 typedef struct sensitivity_work {
@@ -41,7 +47,7 @@ typedef struct sensitivity_work {
   const double *r;
   int rows;
   sensitivity_row *row;     /* m */
-  double *w, *u, *x;        /* nc; m each: u = W r + q, one column */
+  double *w, *u, *x;        /* weights, 2 nc; m each: u = W r + q, one column */
   dls_contact_state *state; /* nc */
 } sensitivity_work;
 
@@ -51,9 +57,9 @@ typedef struct sensitivity_work {
 static int sensitivity_is_border(const sensitivity_work *work, int c, double close) {
   const int d = work->problem->d;
   const double *r = work->r + (size_t)d * (size_t)c, *u = work->u + (size_t)d * (size_t)c;
-  const double mu = work->problem->mu[c], w = work->w[c];
+  const double mu = work->problem->mu[c], w = work->w[2 * c + 1];
   if (work->state[c] == DLS_FREE) return u[0] <= close;
-  if (w * r[0] <= close) return 1;
+  if (work->w[2 * c] * r[0] <= close) return 1;
   if (!(mu > 0)) return 0;
   if (work->state[c] == DLS_SLIP) return dlsi_tangent_norm(d, u) <= close;
   return w * (mu * r[0] - dlsi_tangent_norm(d, r)) <= close;
@@ -68,39 +74,44 @@ static void sensitivity_take_rows(sensitivity_work *work, int c) {
   if (work->state[c] == DLS_FREE) return;
   for (int i = 0; work->state[c] == DLS_STICK && mu > 0 && i < d; i++) {
     sensitivity_row *row = &work->row[work->rows++];
-    *row = (sensitivity_row){.c = c};
+    *row = (sensitivity_row){.c = c, .w = work->w[2 * c + (i > 0)]};
     row->row[i] = row->e[i] = 1;
   }
   if (work->state[c] == DLS_STICK && mu > 0) return;
   sensitivity_row *row = &work->row[work->rows++];
-  *row = (sensitivity_row){.c = c, .row = {1}, .e = {1 / length}};
+  *row = (sensitivity_row){.c = c, .row = {1}, .e = {1 / length}, .w = work->w[2 * c]};
   if (!(mu > 0 && t > 0)) return;
   for (int i = 1; i < d; i++)
     row->e[i] = mu * r[i] / t / length;
   if (d == 2) return;
   const double p[3] = {0, -r[2] / t, r[1] / t};
   row = &work->row[work->rows++];
-  *row = (sensitivity_row){.c = c, .l = dlsi_tangent_norm(d, u) / t};
+  *row = (sensitivity_row){.c = c, .l = dlsi_tangent_norm(d, u) / t, .w = work->w[2 * c + 1]};
   memcpy(row->row, p, sizeof p);
   memcpy(row->e, p, sizeof p);
 }
 
 /* ---- the matrix ------------------------------------------------------------------------------ */
 
-/* Fills A of (SN2), row i times left_i and column j times right_j, left = w^a and right = w^b. */
-static void sensitivity_fill(sensitivity_work *work, double a, double b, double *A) {
+/* Fills A of (SN2), rows times w^a and columns times w^b. scale: scratch, 2 rows. */
+static void sensitivity_fill(sensitivity_work *work, double a, double b, double *A, double *scale) {
   const dls_contact *problem = work->problem;
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc, n = (size_t)work->rows;
+  for (size_t i = 0; i < n; i++) {
+    scale[i] = a == 0 ? 1 : a == -0.5 ? 1 / sqrt(work->row[i].w) : 1 / work->row[i].w;
+    scale[n + i] = b == 0 ? 1 : scale[i];
+  }
   for (size_t j = 0; j < n; j++) {
     const sensitivity_row *column = &work->row[j];
     memset(work->x, 0, m * sizeof *work->x);
     dlsi_contact_add_columns(problem, column->c, column->e, work->x);
     for (size_t i = 0; i < n; i++) {
       const sensitivity_row *row = &work->row[i];
+      const double *x = work->x + d * (size_t)row->c;
       double sum = i == j ? row->l : 0;
       for (size_t k = 0; k < d; k++)
-        sum += row->row[k] * work->x[d * (size_t)row->c + k];
-      A[i + j * n] = sum * pow(work->w[row->c], a) * pow(work->w[column->c], b);
+        sum += row->row[k] * x[k];
+      A[i + j * n] = scale[i] * sum * scale[n + j];
     }
   }
 }
@@ -121,9 +132,18 @@ static int sensitivity_singular_values(int n, double *A, double *value, double *
 static double sensitivity_norm(sensitivity_work *work, double a, double *A, double *value,
                                double *lapack, int room) {
   const int n = work->rows;
-  sensitivity_fill(work, a, 0, A);
+  sensitivity_fill(work, a, 0, A, lapack);
   const int ok = sensitivity_singular_values(n, A, value, lapack, room);
   return ok && value[n - 1] > 0 ? 1 / value[n - 1] : INFINITY;
+}
+
+/* Returns |q| of the contacts that touch, which residual_u is relative to. */
+static double touching_q(const sensitivity_work *work) {
+  const size_t d = (size_t)work->problem->d;
+  double q = 0;
+  for (size_t c = 0; c < (size_t)work->problem->nc; c++)
+    if (work->state[c] != DLS_FREE) q = hypot(q, dlsi_norm2(work->problem->q + d * c, d));
+  return q;
 }
 
 /* ---- the call -------------------------------------------------------------------------------- */
@@ -133,10 +153,10 @@ static void sensitivity_measure(sensitivity_work *work, const dls_certificate *c
                                 double *value, double *lapack, dls_sensitivity *s) {
   const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
   const int n = work->rows, room = 8 * (int)m;
-  const double size_r = dlsi_norm2(work->r, m), size_q = dlsi_norm2(work->problem->q, m);
+  const double size_r = dlsi_norm2(work->r, m);
   s->rows = s->rank = n;
   if (n) {
-    sensitivity_fill(work, -0.5, -0.5, A);
+    sensitivity_fill(work, -0.5, -0.5, A, lapack);
     const int ok = sensitivity_singular_values(n, A, value, lapack, room);
     const double noise = 4 * n * DBL_EPSILON * value[0];
     s->rank = 0;
@@ -147,12 +167,96 @@ static void sensitivity_measure(sensitivity_work *work, const dls_certificate *c
   if (s->rank < n)
     s->amplification = s->amplification_r = INFINITY;
   else if (n) {
-    s->amplification = sensitivity_norm(work, 0, A, value, lapack, room) * size_q / size_r;
+    s->amplification =
+        sensitivity_norm(work, 0, A, value, lapack, room) * touching_q(work) / size_r;
     s->amplification_r = sensitivity_norm(work, -1, A, value, lapack, room);
   }
   const double by_u = s->amplification * fmax(c->residual_u, c->floor_u);
   const double by_r = s->amplification_r * fmax(c->residual_r, c->floor_r);
   s->error = s->rank < n ? INFINITY : n ? fmin(by_u, by_r) : 0;
+}
+
+/* ---- prediction ------------------------------------------------------------------------------ */
+
+/* Factors A (n x n, scaled to entries near 1) by pivots on its diagonal, the largest one first:
+ * order (n) receives them. Returns 0, early, where what is left is rounding. */
+static int prediction_factor(int n, double *A, int *order) {
+  double first = 0;
+  for (int k = 0; k < n; k++)
+    order[k] = k;
+  for (int k = 0; k < n; k++) {
+    int p = k;
+    for (int i = k + 1; i < n; i++)
+      if (fabs(A[order[i] * (n + 1)]) > fabs(A[order[p] * (n + 1)])) p = i;
+    const int pivot = order[p];
+    order[p] = order[k];
+    order[k] = pivot;
+    const double a = A[pivot * (n + 1)];
+    if (k == 0) first = fabs(a);
+    if (!(fabs(a) > 4 * n * DBL_EPSILON * first)) return 0;
+    for (int l = k + 1; l < n; l++) {
+      double *column = A + (size_t)order[l] * (size_t)n;
+      const double factor = column[pivot] / a;
+      if (factor == 0) continue;
+      const double *by = A + (size_t)pivot * (size_t)n;
+      for (int i = k + 1; i < n; i++)
+        column[order[i]] -= by[order[i]] * factor;
+    }
+  }
+  return 1;
+}
+
+/* y := A^-1 y by those factors. */
+static void prediction_solve(int n, const double *A, const int *order, double *y) {
+  for (int k = 0; k < n; k++) {
+    const double *column = A + (size_t)order[k] * (size_t)n;
+    const double by = y[order[k]] / column[order[k]];
+    for (int i = k + 1; i < n; i++)
+      y[order[i]] -= column[order[i]] * by;
+  }
+  for (int k = n - 1; k >= 0; k--) {
+    const double *column = A + (size_t)order[k] * (size_t)n;
+    y[order[k]] /= column[order[k]];
+    for (int i = 0; i < k; i++)
+      y[order[i]] -= column[order[i]] * y[order[k]];
+  }
+}
+
+double dlsi_predict_error(const dls_contact *problem, const double *r, double *u, double *w,
+                          double *J, double *x) {
+  enum { most = dlsi_predicted_rows };
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  sensitivity_row row[most];
+  dls_contact_state state[most];
+  double y[2 * most];
+  int order[most];
+  sensitivity_work work = {problem, r, 0, row, w, u, x, state};
+  for (int c = 0; c < problem->nc; c++) {
+    const size_t o = d * (size_t)c;
+    state[c] = dlsi_contact_misfit(problem->d, problem->mu[c], w + 2 * c, r + o, u + o, x + o);
+  }
+  const double close = within * dlsi_norm2(x, m); /* a larger F would hide less than these u */
+  for (int c = 0; c < problem->nc; c++) {
+    const double *uc = u + d * (size_t)c, slip = dlsi_tangent_norm(problem->d, uc);
+    if (state[c] == DLS_SLIP && slip <= close) state[c] = DLS_STICK;
+    sensitivity_take_rows(&work, c);
+  }
+  const size_t n = (size_t)work.rows;
+  if (n == 0) return 0;
+  sensitivity_fill(&work, -0.5, -0.5, J, y);
+  if (dlsi_first_not_finite(J, n * n) >= 0 || !prediction_factor(work.rows, J, order)) return -1;
+  for (size_t j = 0; j < n; j++) {
+    const double *uc = u + d * (size_t)row[j].c;
+    y[j] = 0;
+    for (size_t i = 0; i < d; i++)
+      y[j] += row[j].row[i] * uc[i] / sqrt(row[j].w);
+  }
+  prediction_solve(work.rows, J, order, y);
+  memset(x, 0, m * sizeof *x);
+  for (size_t j = 0; j < n; j++)
+    for (size_t i = 0; i < d; i++)
+      x[d * (size_t)row[j].c + i] += y[j] / sqrt(row[j].w) * row[j].e[i];
+  return dlsi_norm2(x, m) / dlsi_norm2(r, m);
 }
 
 static dls_status sensitivity_run(const dls_contact *problem, const double *r,
@@ -167,22 +271,23 @@ static dls_status sensitivity_run(const dls_contact *problem, const double *r,
   sensitivity_work work = {.problem = problem, .r = r};
   dls_certificate certificate;
   dls_sensitivity s = {0};
-  double *memory = dlsi_alloc(nc + 11 * m, sizeof *memory), *A = NULL;
+  double *memory = dlsi_alloc(2 * nc + 11 * m, sizeof *memory), *A = NULL;
   work.state = dlsi_alloc(nc, sizeof *work.state);
   work.row = dlsi_alloc(m, sizeof *work.row);
   status = memory && work.state && work.row ? DLS_OK : dlsi_no_memory(error);
   if (!status) {
     work.w = memory;
-    work.u = memory + nc;
+    work.u = memory + 2 * nc;
     work.x = work.u + m;
     status = dls_contact_certify(problem, r, work.u, &certificate, error);
   }
   if (!status) status = dls_contact_states(problem, r, work.u, work.state, error);
   if (!status) {
     double most = 0;
-    dlsi_contact_weights(problem, work.w);
+    const size_t d = m / nc;
+    dlsi_certificate_weights(problem, work.w);
     for (size_t k = 0; k < m; k++)
-      most = fmax(most, fmax(fabs(work.u[k]), work.w[k / (m / nc)] * fabs(r[k])));
+      most = fmax(most, fmax(fabs(work.u[k]), work.w[2 * (k / d) + (k % d > 0)] * fabs(r[k])));
     const double close = fmax(border, 10 * certificate.residual) * most;
     for (int c = 0; c < problem->nc; c++) {
       s.border += sensitivity_is_border(&work, c, close);
@@ -205,8 +310,10 @@ static dls_status sensitivity_run(const dls_contact *problem, const double *r,
 
 dls_status dls_contact_sensitivity(const dls_contact *problem, const double *r,
                                    dls_sensitivity *sensitivity, dls_error *error) {
+  DLSI_DOOR;
   dlsi_formed formed = {.work = NULL};
-  dls_status status = dlsi_form_blocks(&formed, &problem, error);
+  dls_status status = dlsi_check_blas(error);
+  if (!status) status = dlsi_form_blocks(&formed, &problem, error);
   if (!status) status = sensitivity_run(problem, r, sensitivity, error);
   dlsi_formed_free(&formed);
   return dlsi_at(__func__, status, error);

@@ -88,12 +88,14 @@ dls_status dlsi_solver_create(dls_solver **out, int d, int nc, int lazy,
 
 dls_status dls_solver_create(dls_solver **out, int d, int nc, const dls_solver_settings *settings,
                              dls_error *error) {
+  DLSI_DOOR;
   if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
   *out = NULL;
   return dlsi_at(__func__, dlsi_solver_create(out, d, nc, 0, settings, error), error);
 }
 
 dls_status dls_solver_set_limits(dls_solver *solver, const dls_limits *limits, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = !solver   ? dlsi_is_null(error, "solver")
                       : !limits ? dlsi_is_null(error, "limits")
                                 : dlsi_check_limits(limits, error);
@@ -154,6 +156,7 @@ static dls_status solver_check_friction(const dls_solver_settings *s, const dls_
 
 dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem, double *r, double *u,
                             dls_info *info, dls_error *error) {
+  DLSI_DOOR;
   if (!solver) return dlsi_at(__func__, dlsi_is_null(error, "solver"), error);
   dls_status status = dlsi_check_solve(solver->d, solver->nc, problem, r, u,
                                        solver->settings.limits.warm_start, error);
@@ -211,5 +214,6 @@ static dls_status solve_once(const dls_contact *problem, const dls_solver_settin
 
 dls_status dls_solve(const dls_contact *problem, const dls_solver_settings *settings, double *r,
                      double *u, dls_info *info, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, solve_once(problem, settings, r, u, info, error), error);
 }

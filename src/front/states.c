@@ -200,7 +200,7 @@ typedef struct piece {
 
 typedef struct pieces {
   const dls_contact *problem;
-  double tol, w[dlsi_most_states]; /* weights of the certificate */
+  double tol, w[2 * dlsi_most_states]; /* weights of the certificate */
   states s;
   int count, room;
   piece *of;
@@ -418,7 +418,7 @@ static dls_status contact_enumerate(const dls_contact *problem, double tol, int 
   pieces p = {.problem = problem, .tol = tol};
   dls_solution_set set = {0, 0, 0};
   int hidden = 0, taken = 0;
-  dlsi_contact_weights(problem, p.w);
+  dlsi_certificate_weights(problem, p.w);
   states_scale(problem, &p.s);
   do {
     equations e;
@@ -451,6 +451,7 @@ static dls_status contact_enumerate(const dls_contact *problem, double tol, int 
 dls_status dls_contact_enumerate(const dls_contact *problem, double tol, int capacity, double *r,
                                  double *low, double *high, dls_solution_set *found,
                                  dls_error *error) {
+  DLSI_DOOR;
   dlsi_formed formed = {.work = NULL};
   dls_status status = dlsi_form_blocks(&formed, &problem, error);
   if (!status) status = contact_enumerate(problem, tol, capacity, r, low, high, found, error);

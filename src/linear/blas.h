@@ -7,6 +7,20 @@
 
 #include <stddef.h>
 
+#include "delassus/status.h"
+
+/* Checks that the integers of the BLAS at hand have 32 bits, some 10 ns. Is called where a
+ * workspace for BLAS or LAPACK is created. DLS_E_UNSUPPORTED, naming "BLAS". */
+dls_status dlsi_check_blas(dls_error *error);
+
+/* Checks one function of a BLAS, x := alpha x, as dscal_. */
+typedef void dlsi_scale(const int *n, const double *alpha, double *x, const int *incx);
+dls_status dlsi_check_scale(dlsi_scale *scale, dls_error *error);
+
+/* Checks what a product gives, too. */
+dls_status dlsi_check_product(dls_error *error);
+
+void dscal_(const int *n, const double *alpha, double *x, const int *incx);
 void dgemm_(const char *transa, const char *transb, const int *m, const int *n, const int *k,
             const double *alpha, const double *a, const int *lda, const double *b, const int *ldb,
             const double *beta, double *c, const int *ldc, size_t, size_t);

@@ -58,42 +58,49 @@ static void cholesky_enlist(dlsi_cholesky *work, int d) {
   work->head[s] = d;
 }
 
-/* (CH9) for one d. to: the panel of s. U: scratch, work->update. */
-static void cholesky_update(dlsi_cholesky *work, int d, const panel *to, double *U) {
+/* (CH9) for one d, in pieces of columns. to: the panel of s. U: scratch, work->update. Returns 1 if
+ * the host cancels. */
+static int cholesky_update(dlsi_cholesky *work, int d, int s, const panel *to, double *U) {
   const panel of = panel_of(work, d);
   const int *row = work->row + work->todo[d];
   const int height = (int)(work->start[d + 1] - work->todo[d]);
   int width = 0;
   while (width < height && row[width] < to->first + to->columns)
     width++;
-  const double *top = of.L + (of.height - height);
-  const int below = height - width, alone = cholesky_alone(work);
-  dlsi_syrk(alone, width, of.columns, 1, top, of.height, 0, U, height);
-  if (below > 0)
-    dlsi_gemm(alone, 'N', 'T', below, width, of.columns, 1, top + width, of.height, top, of.height,
-              0, U + width, height);
-  for (int j = 0; j < width; j++, U += height) {
-    double *column = to->L + (size_t)(row[j] - to->first) * (size_t)to->height;
-    for (int i = j; i < height; i++)
-      column[work->local[row[i]]] -= U[i];
+  const int alone = cholesky_alone(work);
+  const double each = 2.0 * height * of.columns;
+  const int some = dlsi_piece_columns(each);
+  for (int at = 0; at < width; at += some) {
+    const double *top = of.L + (of.height - height + at);
+    const int tall = height - at, N = width - at < some ? width - at : some, below = tall - N;
+    const int *own = row + at;
+    dlsi_syrk(alone, N, of.columns, 1, top, of.height, 0, U, tall);
+    if (below > 0)
+      dlsi_gemm(alone, 'N', 'T', below, N, of.columns, 1, top + N, of.height, top, of.height, 0,
+                U + N, tall);
+    const double *u = U;
+    for (int j = 0; j < N; j++, u += tall) {
+      double *column = to->L + (size_t)(own[j] - to->first) * (size_t)to->height;
+      for (int i = j; i < tall; i++)
+        column[work->local[own[i]]] -= u[i];
+    }
+    if (dlsi_watch_stops(work->watch, s, each * N)) return 1;
   }
   work->todo[d] += (size_t)width;
+  return 0;
 }
 
-/* (CH8) */
-static void cholesky_scatter(dlsi_cholesky *work, const double *x) {
-  memset(work->L, 0, work->panel[work->count] * sizeof *work->L);
+/* (CH8) Returns 1 if the host cancels. Clears L in pieces: fresh memory takes a second for each
+ * gigabyte. */
+static int cholesky_scatter(dlsi_cholesky *work, const double *x) {
+  const size_t all = work->panel[work->count], piece = (size_t)1 << 22;
+  for (size_t k = 0; k < all; k += piece) {
+    memset(work->L + k, 0, (all - k < piece ? all - k : piece) * sizeof *work->L);
+    if (dlsi_watch_stops(work->watch, 0, 4.0 * (double)piece)) return 1;
+  }
   for (size_t k = 0; k < work->entries; k++)
     work->L[work->where[k]] += x[k];
-}
-
-/* (CH10) Returns 0, or k > 0 for column k. */
-static int cholesky_eliminate(int alone, const panel *p) {
-  const int info = dlsi_potrf(alone, p->columns, p->L, p->height);
-  if (info == 0)
-    dlsi_trsm(alone, 'R', 'L', 'T', 'N', p->rows, p->columns, p->L, p->height, p->L + p->columns,
-              p->height);
-  return info;
+  return 0;
 }
 
 int dlsi_cholesky_factor(dlsi_cholesky *work, const double *x, double *pivot) {
@@ -101,7 +108,7 @@ int dlsi_cholesky_factor(dlsi_cholesky *work, const double *x, double *pivot) {
   if (!work->L) work->L = dlsi_alloc(entries, sizeof *work->L);
   double *U = dlsi_alloc(work->update, sizeof *U);
   int failed = work->L && U ? 0 : -1;
-  if (!failed) cholesky_scatter(work, x);
+  if (!failed && cholesky_scatter(work, x)) failed = dlsi_stopped;
   for (int s = 0; s < work->count; s++)
     work->head[s] = -1;
   for (int s = 0; !failed && s < work->count; s++) {
@@ -110,13 +117,18 @@ int dlsi_cholesky_factor(dlsi_cholesky *work, const double *x, double *pivot) {
       work->local[p.first + k] = k;
     for (int k = 0; k < p.rows; k++)
       work->local[p.row[k]] = p.columns + k;
-    for (int d = work->head[s], next; d >= 0; d = next) {
+    for (int d = work->head[s], next; !failed && d >= 0; d = next) {
       next = work->next[d];
-      cholesky_update(work, d, &p, U);
-      cholesky_enlist(work, d);
+      if (cholesky_update(work, d, s, &p, U))
+        failed = dlsi_stopped;
+      else
+        cholesky_enlist(work, d);
     }
-    const int info = cholesky_eliminate(cholesky_alone(work), &p);
-    if (info) {
+    if (failed) break;
+    const int info = dlsi_panel(cholesky_alone(work), p.columns, p.rows, p.L, p.height, work->watch,
+                                s); /* (CH10) */
+    if (info < 0) failed = info;
+    if (info > 0) {
       failed = p.first + info;
       *pivot = p.L[(size_t)(info - 1) * ((size_t)p.height + 1)];
     }

@@ -22,15 +22,16 @@ typedef struct dlsi_cholesky {
   size_t *where; /* entries of A: the place of each in L */
   size_t entries;
   double *L;
-  int longest;      /* rows of the longest panel */
-  size_t update;    /* entries of the largest update */
-  double flops;     /* of the factorisation */
-  double *pivot;    /* n: reciprocals of the diagonal of L */
-  double *y, *held; /* n: of the solve under way; L^-1 b of dlsi_cholesky_condense */
-  double *x;        /* longest */
-  int *head, *next; /* count: list of supernodes whose next update is for this one */
-  size_t *todo;     /* count: the first row of a supernode that has not updated */
-  int *local;       /* n: place of a position in the panel under way */
+  int longest;       /* rows of the longest panel */
+  size_t update;     /* entries of the largest update */
+  double flops;      /* of the factorisation */
+  double *pivot;     /* n: reciprocals of the diagonal of L */
+  double *y, *held;  /* n: of the solve under way; L^-1 b of dlsi_cholesky_condense */
+  double *x;         /* longest */
+  int *head, *next;  /* count: list of supernodes whose next update is for this one */
+  size_t *todo;      /* count: the first row of a supernode that has not updated */
+  int *local;        /* n: place of a position in the panel under way */
+  dlsi_watch *watch; /* the caller's: looks on while dlsi_cholesky_factor works; NULL: nobody */
 } dlsi_cholesky;
 
 /* Analyses the graph of the entries (row[k], col[k]), k < entries, counted from 1, of one triangle.
@@ -40,7 +41,7 @@ dls_status dlsi_cholesky_create(dlsi_cholesky **out, int n, size_t entries, cons
                                 const int *col, const int *order, int kept, dls_error *error);
 
 /* Factors. x: the values, entries. Returns 0, or k > 0 if the pivot at position k, counted from 1,
- * is *pivot <= 0. DLS_E_MEMORY is -1. */
+ * is *pivot <= 0. DLS_E_MEMORY is -1, DLS_CANCELLED dlsi_stopped (pieces.h). */
 int dlsi_cholesky_factor(dlsi_cholesky *work, const double *x, double *pivot);
 
 /* Returns the factor of S, kept x kept without gaps, lower triangle; NULL for kept = 0. */

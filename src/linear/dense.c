@@ -50,9 +50,13 @@ void dlsi_scale_rows(const double *diagonal, size_t n, double *X, int nrhs) {
       X[i] *= diagonal[i];
 }
 
-int dlsi_dense_cholesky(dlsi_dense *f) {
+int dlsi_dense_cholesky_watched(dlsi_dense *f, dlsi_watch *watch) {
   f->cholesky = 1;
-  return dlsi_potrf(dense_alone(f), f->n, f->A, f->n);
+  return dlsi_panel(dense_alone(f), f->n, 0, f->A, f->n, watch, 0);
+}
+
+int dlsi_dense_cholesky(dlsi_dense *f) {
+  return dlsi_dense_cholesky_watched(f, NULL);
 }
 
 int dlsi_dense_lu(dlsi_dense *f) {
@@ -107,19 +111,24 @@ void dlsi_dense_solve(const dlsi_dense *f, double *X, int ld, int nrhs) {
 }
 
 /* Solves for columns of 1: with L those from j on need rows from j on only. */
-void dlsi_dense_inverse(const dlsi_dense *f, double *Z) {
+int dlsi_dense_inverse(const dlsi_dense *f, double *Z, dlsi_watch *watch) {
   const size_t n = (size_t)f->n;
   const int alone = dense_alone(f), columns = alone ? 64 : 256;
   memset(Z, 0, n * n * sizeof *Z);
   for (size_t j = 0; j < n; j++)
     Z[j * (n + 1)] = f->halved ? 0.5 : 1; /* the factors are those of A / 2 */
-  if (!f->cholesky) dlsi_getrs(alone, f->n, f->n, f->A, f->n, f->pivot, Z, f->n);
-  for (int j = 0; f->cholesky && j < f->n; j += columns) {
+  for (int j = 0; j < f->n; j += columns) {
     const int rows = f->n - j, some = rows < columns ? rows : columns;
     const size_t corner = (size_t)j * (n + 1);
+    if (dlsi_watch_stops(watch, j, 2.0 * (f->cholesky ? rows : f->n) * f->n * some)) return 1;
+    if (!f->cholesky) {
+      dlsi_getrs(alone, f->n, some, f->A, f->n, f->pivot, Z + (size_t)j * n, f->n);
+      continue;
+    }
     dlsi_trsm(alone, 'L', 'L', 'N', 'N', rows, some, f->A + corner, f->n, Z + corner, f->n);
     dlsi_trsm(alone, 'L', 'L', 'T', 'N', rows, some, f->A + corner, f->n, Z + corner, f->n);
   }
+  return 0;
 }
 
 double dlsi_dense_rcond(const dlsi_dense *f, double norm, double *work, int *iwork) {

@@ -31,6 +31,9 @@ typedef struct dlsi_dense {
 int dlsi_dense_cholesky(dlsi_dense *f);
 int dlsi_dense_lu(dlsi_dense *f);
 
+/* Works as dlsi_dense_cholesky; returns dlsi_stopped (pieces.h) if the host cancels. */
+int dlsi_dense_cholesky_watched(dlsi_dense *f, dlsi_watch *watch);
+
 /* Tries Cholesky where A is symmetric, then LU; to the same bits if A is multiplied by a power of
  * two. diagonal: scratch, n. */
 int dlsi_dense_factor(dlsi_dense *f, double *diagonal);
@@ -38,8 +41,9 @@ int dlsi_dense_factor(dlsi_dense *f, double *diagonal);
 /* Solves X := A^-1 X. X: n x nrhs, column-major with leading dimension ld. */
 void dlsi_dense_solve(const dlsi_dense *f, double *X, int ld, int nrhs);
 
-/* Z := A^-1, of Cholesky the lower triangle only, the upper one being lost. Z: n x n. */
-void dlsi_dense_inverse(const dlsi_dense *f, double *Z);
+/* Z := A^-1, of Cholesky the lower triangle only, the upper one being lost. Z: n x n.
+ * Returns 1 if the host cancels; watch = NULL: nobody looks on. */
+int dlsi_dense_inverse(const dlsi_dense *f, double *Z, dlsi_watch *watch);
 
 /* Returns 1 / (|A|_1 |A^-1|_1) by estimate. norm: |A|_1; work: scratch, 4 n; iwork: scratch, n. */
 double dlsi_dense_rcond(const dlsi_dense *f, double norm, double *work, int *iwork);

@@ -53,7 +53,11 @@ dls_status dlsi_schur_expand(dlsi_schur *work, const double *h, double *x, dls_e
   return mumps_missing(error);
 }
 
-void dlsi_schur_inverse(const dlsi_schur *work, double *Z) {}
+void dlsi_schur_watch(dlsi_schur *work, dlsi_watch *watch) {}
+
+dls_status dlsi_schur_inverse(const dlsi_schur *work, double *Z) {
+  return mumps_missing(NULL);
+}
 
 void dlsi_schur_destroy(dlsi_schur *work) {}
 

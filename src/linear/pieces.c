@@ -16,6 +16,8 @@
  */
 #include "linear/pieces.h"
 
+#include <limits.h>
+
 #include "linear/blas.h"
 
 enum {
@@ -149,6 +151,30 @@ int dlsi_potrf(int alone, int n, double *A, int ld) {
   dlsi_syrk(1, rest, h, -1, A21, ld, 1, A22, ld);
   info = dlsi_potrf(1, rest, A22, ld);
   return info ? info + h : 0;
+}
+
+int dlsi_piece_columns(double each) {
+  const double columns = 4e9 / each;
+  return columns >= INT_MAX ? INT_MAX : columns < 64 ? 64 : (int)columns;
+}
+
+/* Takes the columns from the left: each block of them is brought up to date by all before it. */
+int dlsi_panel(int alone, int n, int rows, double *A, int ld, dlsi_watch *watch, int done) {
+  const int height = n + rows, some = dlsi_piece_columns(2.0 * height * n);
+  for (int j = 0; j < n; j += some) {
+    const int N = least(some, n - j), below = height - j - N;
+    double *Aj = A + (size_t)j * ((size_t)ld + 1);
+    if (j > 0) {
+      dlsi_syrk(alone, N, j, -1, A + j, ld, 1, Aj, ld);
+      if (below > 0)
+        dlsi_gemm(alone, 'N', 'T', below, N, j, -1, A + j + N, ld, A + j, ld, 1, Aj + N, ld);
+    }
+    const int info = dlsi_potrf(alone, N, Aj, ld);
+    if (info) return j + info;
+    dlsi_trsm(alone, 'R', 'L', 'T', 'N', below, N, Aj, ld, Aj + N, ld);
+    if (dlsi_watch_stops(watch, done, 1.0 * N * below * (2.0 * j + N))) return dlsi_stopped;
+  }
+  return 0;
 }
 
 /* Exchanges the first `count` rows of A (n columns) with those that pivot tells. */

@@ -34,6 +34,18 @@ void dlsi_trsm(int alone, char side, char uplo, char trans, char diag, int m, in
  * positive. A: n x n, leading dimension ld. */
 int dlsi_potrf(int alone, int n, double *A, int ld);
 
+/* The answer of a function whose work the host has cancelled. */
+enum { dlsi_stopped = -2 };
+
+/* Returns how many columns make a piece of work of some 4e9 operations, a tenth of a second, where
+ * each column takes `each`; at least 64. */
+int dlsi_piece_columns(double each);
+
+/* Factors a panel: A := L with A = L L^T as dlsi_potrf, rows below it := (these rows) L^-T. A: n x
+ * n on top of `rows` rows, leading dimension ld. Looks at the watch between pieces of some 4e9
+ * operations, after `done` of its stage, and returns dlsi_stopped if the host cancels. */
+int dlsi_panel(int alone, int n, int rows, double *A, int ld, dlsi_watch *watch, int done);
+
 /* A := L and U with P A = L U. Returns 0, or k > 0 if pivot k, counted from 1, is 0. A: n x n,
  * leading dimension ld; pivot: n, row exchanges counted from 1. */
 int dlsi_getrf(int alone, int n, double *A, int ld, int *pivot);

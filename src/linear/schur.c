@@ -40,6 +40,7 @@
 #include "linear/dissection.h"
 #include "linear/equilibrate.h"
 #include "linear/mumps.h"
+#include "linear/pieces.h"
 
 enum { whole_solve = 0, condense = 1, expand = 2 }; /* ICNTL(26) */
 enum { schur_lower = 2, schur_full = 3 };           /* ICNTL(19), by columns */
@@ -64,6 +65,7 @@ struct dlsi_schur {
   int held;            /* 1: the forward pass of dlsi_schur_condense is there */
   size_t reduced_size; /* doubles */
   double norm;         /* |A|_1 */
+  dlsi_watch *watch;   /* the caller's, or NULL */
 };
 
 int dlsi_schur_available(void) {
@@ -175,6 +177,7 @@ static void schur_foresee(dlsi_schur *work) {
     measures->bytes = measures->factor_bytes + (double)sizeof(double) * (double)L->update +
                       (double)sizeof(size_t) * entries + kept;
     measures->flops = L->flops + b * b * b;
+    measures->fronts = L->count;
     return;
   }
   measures->factor_bytes = (double)sizeof(double) * schur_large(work->mumps.INFOG(3));
@@ -262,6 +265,7 @@ static dls_status schur_take_values(dlsi_schur *work, const dls_sparse *Ks, doub
 static dls_status schur_factor_definite(dlsi_schur *work, dls_error *error) {
   double pivot = 0;
   const int failed = dlsi_cholesky_factor(work->definite, work->x, &pivot);
+  if (failed == dlsi_stopped) return DLS_CANCELLED;
   if (failed < 0) return dlsi_no_memory(error);
   if (failed > 0)
     return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, "Ks", work->definite->unknown[failed - 1],
@@ -368,6 +372,7 @@ dls_status dlsi_schur_factor(dlsi_schur *work, const dls_sparse *Ks, dls_error *
     status = schur_factor_definite(work, error);
   else if (!status) {
     status = schur_eliminate(work, error);
+    if (!status && dlsi_watch_stops(work->watch, 0, DBL_MAX)) status = DLS_CANCELLED;
     if (!status) status = schur_factor_dense(work, scratch, error);
   }
   if (!status) status = schur_estimate_inverse(work, scratch, scratch + probes * n, error);
@@ -432,13 +437,19 @@ dls_status dlsi_schur_expand(dlsi_schur *work, const double *h, double *x, dls_e
   return status;
 }
 
-void dlsi_schur_inverse(const dlsi_schur *work, double *Z) {
+void dlsi_schur_watch(dlsi_schur *work, dlsi_watch *watch) {
+  work->watch = watch;
+  if (work->definite) work->definite->watch = watch;
+}
+
+dls_status dlsi_schur_inverse(const dlsi_schur *work, double *Z) {
   const size_t n = (size_t)work->S.n;
-  dlsi_dense_inverse(&work->S, Z);
+  if (dlsi_dense_inverse(&work->S, Z, work->watch)) return DLS_CANCELLED;
   for (size_t j = 0; j < n; j++) /* (SH8) */
     for (size_t i = work->S.cholesky ? j : 0; i < n; i++)
       Z[i + j * n] *= work->C[work->keep[i] - 1] * work->R[work->keep[j] - 1];
   if (schur_symmetric(work)) dlsi_make_symmetric(Z, n, 0);
+  return DLS_OK;
 }
 
 void dlsi_schur_destroy(dlsi_schur *work) {

@@ -32,6 +32,7 @@ typedef struct dlsi_schur_measures {
   double factor_bytes; /* of the factor */
   double bytes;        /* most in use while factoring, S included */
   double flops;        /* operations, the dense ones on S included */
+  int fronts;          /* supernodes of a definite K; 0: MUMPS has its own */
   /* of the last factor; 0 before */
   double rcond; /* 1 / (|A|_1 |A^-1|_F) of the scaled K, by estimate */
   double error; /* |A x - v| / (|A||x|), the larger of two solves with the scaled K */
@@ -62,8 +63,13 @@ dls_status dlsi_schur_condense(dlsi_schur *work, double *x, double *z, dls_error
 int dlsi_schur_holds(const dlsi_schur *work);
 dls_status dlsi_schur_expand(dlsi_schur *work, const double *h, double *x, dls_error *error);
 
-/* Computes Z := S^-1 = (K^-1)_cc, exactly symmetric where K is. Z: count x count, column-major. */
-void dlsi_schur_inverse(const dlsi_schur *work, double *Z);
+/* Lets the host look on while factor and inverse work, which then may return DLS_CANCELLED: the
+ * factor of a definite K between its fronts, MUMPS before and after. NULL: nobody. */
+void dlsi_schur_watch(dlsi_schur *work, dlsi_watch *watch);
+
+/* Computes Z := S^-1 = (K^-1)_cc, exactly symmetric where K is. Z: count x count, column-major.
+ * DLS_CANCELLED. */
+dls_status dlsi_schur_inverse(const dlsi_schur *work, double *Z);
 
 /* NULL is fine. */
 void dlsi_schur_destroy(dlsi_schur *work);

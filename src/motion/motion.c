@@ -134,7 +134,7 @@ static void motion_carve(dls_motion *motion, dlsi_arena *arena) {
   motion->local = dlsi_take(arena, local, sizeof *motion->local);
   motion->place = dlsi_take(arena, local, sizeof *motion->place);
   motion->zero = dlsi_take(arena, local > nc ? local : nc, sizeof *motion->zero);
-  motion->weight = dlsi_take(arena, nc, sizeof *motion->weight);
+  motion->weight = dlsi_take(arena, 2 * nc, sizeof *motion->weight);
   motion->values = dlsi_take(arena, m + 2, m * sizeof *motion->values); /* m^2 + (d + 1) nc */
 }
 
@@ -216,6 +216,7 @@ static dls_status motion_create(dls_motion **out, const dls_motion_model *model,
 
 dls_status dls_motion_create(dls_motion **out, const dls_motion_model *model,
                              const dls_motion_settings *settings, dls_error *error) {
+  DLSI_DOOR;
   if (!out) return dlsi_at(__func__, dlsi_is_null(error, "out"), error);
   *out = NULL;
   return dlsi_at(__func__, motion_create(out, model, settings, error), error);
@@ -266,6 +267,7 @@ static dls_status motion_start(dls_motion *motion, const double *x, const double
 
 dls_status dls_motion_start(dls_motion *motion, const double *x, const double *v, double t,
                             dls_error *error) {
+  DLSI_DOOR;
   dls_status status = dlsi_motion_enter(motion, error);
   if (!status) status = dlsi_leave(&motion->busy, motion_start(motion, x, v, t, error));
   return dlsi_at(__func__, status, error);
@@ -285,6 +287,7 @@ static dls_status motion_set_h(dls_motion *motion, double h, dls_error *error) {
 }
 
 dls_status dls_motion_set_h(dls_motion *motion, double h, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = dlsi_motion_enter(motion, error);
   if (!status) status = dlsi_leave(&motion->busy, motion_set_h(motion, h, error));
   return dlsi_at(__func__, status, error);
@@ -300,6 +303,7 @@ static dls_status motion_set_limits(dls_motion *motion, const dls_limits *limits
 }
 
 dls_status dls_motion_set_limits(dls_motion *motion, const dls_limits *limits, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = dlsi_motion_enter(motion, error);
   if (!status) status = dlsi_leave(&motion->busy, motion_set_limits(motion, limits, error));
   return dlsi_at(__func__, status, error);
@@ -315,6 +319,7 @@ static dls_status motion_given(const dls_motion *motion, const char *argument, c
 
 dls_status dls_motion_get_state(const dls_motion *motion, dls_motion_state *state,
                                 dls_error *error) {
+  DLSI_DOOR;
   const dls_status status = motion_given(motion, "state", state, error);
   if (status) return dlsi_at(__func__, status, error);
   const motion_point *now = &motion->now;
@@ -337,6 +342,7 @@ dls_status dls_motion_get_state(const dls_motion *motion, dls_motion_state *stat
 
 dls_status dls_motion_get_energies(const dls_motion *motion, dls_motion_energies *energies,
                                    dls_error *error) {
+  DLSI_DOOR;
   const dls_status status = motion_given(motion, "energies", energies, error);
   if (!status) *energies = motion->now.energies;
   return dlsi_at(__func__, status, error);
@@ -344,6 +350,7 @@ dls_status dls_motion_get_energies(const dls_motion *motion, dls_motion_energies
 
 dls_status dls_motion_get_problem(const dls_motion *motion, dls_contact *problem,
                                   dls_error *error) {
+  DLSI_DOOR;
   const dls_status status = motion_given(motion, "problem", problem, error);
   if (!status) *problem = motion->problem;
   return dlsi_at(__func__, status, error);

@@ -41,7 +41,7 @@ struct dls_motion {
   double *zero;                         /* max(d nodes, candidates): zeros for y and mu */
   double *uc, *mc;                      /* m: scratch, by candidate */
   double *r, *w;                        /* m: of the active candidates, reactions and W r + q */
-  double *weight;                       /* candidates: w_c of the active ones */
+  double *weight;                       /* 2 candidates: weights of the active ones */
   double *values;                       /* memory of W, q, mu of the active candidates */
   void *memory;                         /* of all arrays but A */
 };

@@ -50,10 +50,10 @@ static void step_find_states(dls_motion *motion, dls_contact_state *state) {
   const dls_contact *problem = &motion->problem;
   const int d = problem->d;
   double F[3];
-  if (problem->nc > 0) dlsi_contact_weights(problem, motion->weight);
+  if (problem->nc > 0) dlsi_certificate_weights(problem, motion->weight);
   for (int a = 0; a < problem->nc; a++)
-    state[a] = dlsi_contact_residual(d, problem->mu[a], motion->weight[a], motion->r + d * a,
-                                     motion->w + d * a, F);
+    state[a] = dlsi_contact_misfit(d, problem->mu[a], motion->weight + 2 * a, motion->r + d * a,
+                                   motion->w + d * a, F);
 }
 
 /* Solves the problem of the active candidates from the impulses `start` (m) times factor; sets
@@ -67,8 +67,9 @@ static dls_status step_solve(dls_motion *motion, const double *start, double fac
   for (size_t k = 0; k < d * (size_t)next->active; k++)
     motion->r[k] = factor * start[d * (size_t)next->list[k / d] + k % d];
   dls_status status = dls_solver_solve(motion->solver, problem, motion->r, motion->w, info, error);
-  if (status > 0 && dls_certificate_holds(&info->certificate, motion->settings.limits.tol))
-    status = info->status = DLS_OK; /* the solver was asked for more: motion_solver_limits */
+  if (status > 0) /* the solver was asked for more: motion_solver_limits */
+    status = info->status = dlsi_settled(&info->certificate, motion->settings.limits.tol, status);
+  if (status == DLS_TO_ROUNDING) status = DLS_OK;
   if (status) return status;
   step_find_states(motion, state);
   memset(next->p, 0, motion->m * sizeof *next->p);
@@ -79,6 +80,24 @@ static dls_status step_solve(dls_motion *motion, const double *start, double fac
     state[c] = closed ? state[a] : DLS_FREE;
   }
   return DLS_OK;
+}
+
+/* Puts the equilibrium of A dx = b + H p into the certificate, whose laws are those of the active
+ * contacts. Where springs hold modes, step_path sees to it. */
+static dls_status step_equilibrium(dls_motion *motion, const double *mu, dls_info *info,
+                                   dls_error *error) {
+  dls_certificate body, *c = &info->certificate;
+  const dls_status status = dls_reduction_certify(motion->reduction, mu ? mu : motion->zero,
+                                                  motion->next.p, motion->dx, NULL, &body, error);
+  if (status) return status;
+  c->equilibrium = body.equilibrium;
+  c->floor_e = body.floor_e;
+  c->unbalanced = body.unbalanced;
+  c->body = body.body;
+  if (!(c->equilibrium <= c->residual)) c->residual = c->equilibrium;
+  const double tol = motion->settings.limits.tol;
+  if (c->equilibrium <= dlsi_target(tol, c->floor_e)) return DLS_OK;
+  return info->status = DLS_NOT_IN_EQUILIBRIUM;
 }
 
 /* (MT3) to (MT6), for b and g = motion->local; sets motion->dx to the solution. */
@@ -93,8 +112,8 @@ static dls_status step_contact(dls_motion *motion, const double *mu, const doubl
   status = dls_contact_subset(&whole, motion->next.active, motion->next.list, motion->values, NULL,
                               &motion->problem, error);
   if (!status) status = step_solve(motion, start, factor, info, error);
-  return status ? status
-                : dls_reduction_recover(motion->reduction, motion->next.p, motion->dx, error);
+  if (!status) status = dls_reduction_recover(motion->reduction, motion->next.p, motion->dx, error);
+  return status || motion->modes > 0 ? status : step_equilibrium(motion, mu, info, error);
 }
 
 /* ---- after the step -------------------------------------------------------------------------- */
@@ -292,6 +311,7 @@ static dls_status step_take(dls_motion *motion, const double *f, const double *y
 
 dls_status dls_motion_step(dls_motion *motion, const double *f, const double *y, const double *mu,
                            dls_info *info, dls_error *error) {
+  DLSI_DOOR;
   dls_status status = dlsi_motion_enter(motion, error);
   if (!status) status = dlsi_leave(&motion->busy, step_take(motion, f, y, mu, info, error));
   return dlsi_at(__func__, status, error);

@@ -17,7 +17,7 @@ MPI_EXAMPLES := $(addprefix $(BUILD)/examples/mpi/,host_slabs $(if $(PETSC_LIBS)
 
 all: $(MPI_A) $(MPI_PROGRAM) $(MPI_EXAMPLES)
 
-$(call obj,$(wildcard src/mpi/*.c)) $(call obj,$(wildcard tests/mpi/*.c bench/mpi*.c)): CPPFLAGS += $(MPI_CFLAGS)
+$(call obj,$(wildcard src/mpi/*.c)) $(call obj,$(wildcard tests/mpi/*.c bench/mpi*.c)): CPP_OF += $(MPI_CFLAGS)
 
 $(BUILD)/obj/mpi/%.o: %.c Makefile src/mpi/mpi.mk
 	@mkdir -p $(@D)
@@ -40,11 +40,11 @@ $(BUILD)/examples/mpi/%: examples/mpi/%.c $(MPI_A)
 	$(call say,LINK)
 	$(Q)$(CC) $(CPPFLAGS_ALL) $(MPI_CFLAGS) $(EXAMPLE_CFLAGS) $(CFLAGS_ALL) $(LDFLAGS) -o $@ $< $(MPI_A) $(EXAMPLE_LIBS) $(MPI_LIBS_ALL)
 
-$(call obj,$(wildcard tests/mpi/*.c)): CPPFLAGS += -Itests/shared -D_GNU_SOURCE
-$(BUILD)/mpi/%: $(BUILD)/obj/tests/mpi/%.o $(call obj,tests/mpi/shares.c tests/shared/malloc_fails.c bench/reduction_boxes.c) $(MPI_A)
+$(call obj,$(wildcard tests/mpi/*.c)): CPP_OF += -Itests/shared -D_GNU_SOURCE
+$(BUILD)/mpi/%: $(BUILD)/obj/tests/mpi/%.o $(call obj,tests/mpi/shares.c tests/shared/malloc_fails.c tests/shared/errors.c bench/reduction_boxes.c) $(MPI_A)
 	@mkdir -p $(@D)
 	$(call say,LINK)
-	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) $(WRAP) -o $@ $^ $(MPI_LIBS_ALL)
+	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS) $(MPI_LIBS_ALL)
 
 .PHONY: check-mpi
 check-mpi: $(MPI_TESTS) $(MPI_PROGRAM) $(MPI_EXAMPLES)

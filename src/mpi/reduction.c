@@ -49,7 +49,7 @@ static dls_status model_check_index(const char *argument, const int *index, size
   for (size_t k = 0; k < entries; k++)
     if (index[k] < 0 || index[k] >= n)
       return dlsi_fail(error, DLS_E_ARGUMENT, argument, (long long)k, index[k],
-                       "is %d, must be from 0 to %d", index[k], n - 1);
+                       "is %d, must be in 0 .. %d", index[k], n - 1);
   return DLS_OK;
 }
 
@@ -442,6 +442,7 @@ static dls_status reduction_create(dls_mpi_reduction **out, MPI_Comm comm,
 dls_status dls_mpi_reduction_create(dls_mpi_reduction **out, MPI_Comm comm,
                                     const dls_mpi_model *model,
                                     const dls_reduction_settings *settings, dls_error *error) {
+  DLSI_DOOR;
   dls_error why = {0};
   if (out) *out = NULL;
   if (comm == MPI_COMM_NULL) {
@@ -520,6 +521,7 @@ static dls_status reduction_load(dls_mpi_reduction *work, const double *f, const
 
 dls_status dls_mpi_reduction_load(dls_mpi_reduction *reduction, const double *f, const double *g,
                                   dls_error *error) {
+  DLSI_DOOR;
   dls_error why = {0};
   const dls_status status =
       reduction ? reduction_load(reduction, f, g, &why) : dlsi_is_null(&why, "reduction");
@@ -529,6 +531,7 @@ dls_status dls_mpi_reduction_load(dls_mpi_reduction *reduction, const double *f,
 
 dls_status dls_mpi_reduction_contact(const dls_mpi_reduction *reduction, dls_mpi_contact *problem,
                                      dls_error *error) {
+  DLSI_DOOR;
   if (!reduction) return dlsi_at(__func__, dlsi_is_null(error, "reduction"), error);
   if (!problem) return dlsi_at(__func__, dlsi_is_null(error, "problem"), error);
   const dlsi_spread *s = &reduction->on_W;
@@ -547,6 +550,7 @@ dls_status dls_mpi_reduction_contact(const dls_mpi_reduction *reduction, dls_mpi
 
 dls_status dls_mpi_reduction_get_info(const dls_mpi_reduction *reduction, dls_mpi_info *info,
                                       dls_error *error) {
+  DLSI_DOOR;
   if (!reduction) return dlsi_at(__func__, dlsi_is_null(error, "reduction"), error);
   if (!info) return dlsi_at(__func__, dlsi_is_null(error, "info"), error);
   *info = reduction->info;
@@ -591,6 +595,7 @@ static void reduction_gather(const dls_mpi_reduction *work, double *column, doub
 
 dls_status dls_mpi_reduction_gather(const dls_mpi_reduction *reduction, double *W,
                                     dls_error *error) {
+  DLSI_DOOR;
   dls_error why = {0};
   if (!reduction) return dlsi_at(__func__, dlsi_is_null(error, "reduction"), error);
   const int root = reduction->grid.rank == 0;
@@ -628,6 +633,7 @@ static dls_status reduction_recover(dls_mpi_reduction *work, const double *r, do
 
 dls_status dls_mpi_reduction_recover(dls_mpi_reduction *reduction, const double *r, double *x,
                                      dls_error *error) {
+  DLSI_DOOR;
   dls_error why = {0};
   const dls_status status =
       reduction ? reduction_recover(reduction, r, x, &why) : dlsi_is_null(&why, "reduction");

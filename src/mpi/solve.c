@@ -272,6 +272,7 @@ static dls_status mpi_solve(dls_mpi_reduction *work, const double *mu,
 dls_status dls_mpi_solve(dls_mpi_reduction *reduction, const double *mu,
                          const dls_mpi_settings *settings, double *r, double *u, dls_info *info,
                          dls_error *error) {
+  DLSI_DOOR;
   dls_error why = {0};
   const dls_status status = reduction ? mpi_solve(reduction, mu, settings, r, u, info, &why)
                                       : dlsi_is_null(&why, "reduction");

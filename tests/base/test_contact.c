@@ -362,18 +362,17 @@ static dls_certificate certified(const dls_contact *p, const double *r, double *
   return c;
 }
 
-/* One candidate, W = diag(2, 4) so that w = 3, |q| = 5, mu = 1/2; residuals by hand. */
+/* One contact, W = diag(2, 4) so that w_n = 2, w_t = 4, k = 2, |q| = 5, mu = 1/2; residuals by hand. */
 START_TEST(certificate_by_hand) {
   double W[4] = {2, 0, 0, 4}, q[2] = {-3, 4}, mu[1] = {0.5}, r[2] = {0, 0}, u[2];
   const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
-  /* r = 0: u = q, v = -(u_n + mu |u_t|, u_t) = (1, -4): slip, s = (1 + 2)/1.25 = 2.4;
-     P = (2.4, -1.2), F = -P */
+  /* r = 0: u = q, v = -(u_n + mu |u_t|, u_t) = (1, -4): slip, p = (1 + 2)/(1 + 1/2) = 2;
+     P = (2, -2), F = -P, which rounds as x / 1.5 = 2 does */
   dls_certificate c = certified(&p, r, u);
-  const double F = sqrt(2.4 * 2.4 + 1.2 * 1.2);
-  ck_assert_double_eq_tol(c.residual_u, F / 5, 1e-15);
+  ck_assert_double_eq_tol(c.residual_u, sqrt(8) / 5, 1e-15);
   ck_assert(c.residual_r == 1 && c.residual == 1);
-  ck_assert_double_eq_tol(c.floor_u, DBL_EPSILON, 1e-20);
-  ck_assert_double_eq_tol(c.floor_r, DBL_EPSILON * 5 / F, 1e-20);
+  ck_assert_double_eq_tol(c.floor_u, DBL_EPSILON * sqrt(8) / 5, 1e-20);
+  ck_assert_double_eq_tol(c.floor_r, DBL_EPSILON, 1e-20);
   ck_assert(c.penetration == 3 && c.adhesion == 0 && c.complementarity == 0);
   ck_assert(u[0] == -3 && u[1] == 4);
   /* the solution: slip in +t, u_n = 0: r = (3/2, -3/4), u_t = 4 - 3 = 1 */
@@ -381,9 +380,9 @@ START_TEST(certificate_by_hand) {
   c = certified(&p, r, u);
   ck_assert(c.residual == 0 && c.penetration == 0 && c.cone_violation == 0);
   ck_assert(c.slip_direction == 0 && u[0] == 0 && u[1] == 1);
-  /* |W||r| + |q| + w |r| = (3 + 3 + 4.5, 3 + 4 + 2.25) */
-  ck_assert_double_eq_tol(c.floor_u, DBL_EPSILON * hypot(10.5, 9.25) / 5, 1e-20);
-  ck_assert_double_eq_tol(c.floor_r, DBL_EPSILON * hypot(3.5, 9.25 / 3) / hypot(1.5, .75), 1e-20);
+  /* |W||r| + |q| = (6, 7), D |r| = (3, 3): x rounds as 6 + 3 + 1.5 does, p as two thirds of that */
+  ck_assert_double_eq_tol(c.floor_u, DBL_EPSILON * hypot(10, 10) / 5, 1e-20);
+  ck_assert_double_eq_tol(c.floor_r, DBL_EPSILON * hypot(5, 2.5) / hypot(1.5, .75), 1e-20);
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
   /* outside the cone, pulling, slip that friction drives: each readable part by hand */
   r[0] = -1, r[1] = 2;
@@ -391,9 +390,8 @@ START_TEST(certificate_by_hand) {
   ck_assert(u[0] == -5 && u[1] == 12);
   ck_assert(c.penetration == 5 && c.adhesion == 1 && c.cone_violation == 2);
   ck_assert(c.complementarity == 5 && c.slip_direction == 24);
-  /* v = (-3 + 5 - 6, 6 - 12): slip, s = (-4 + 3) / 1.25 < 0: P = 0, F = w r */
-  ck_assert_double_eq_tol(c.residual_u, 3 * sqrt(5) / 5, 1e-15);
-  ck_assert_double_eq_tol(c.residual_r, 1, 1e-15);
+  /* v = (-2 + 5 - 6, 8 - 12): x = -3 + 2 < 0: P = 0, F = D r, beside which nothing touches */
+  ck_assert(c.residual_u == 1 && c.residual_r == 1 && c.floor_u == 0 && c.floor_r == 0);
   ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
 }
 END_TEST
@@ -410,9 +408,9 @@ static dls_certificate two_apart(double q_soft, double q_stiff, double r_soft, d
 /* Each part sees errors that the other does not. */
 START_TEST(either_part_can_fail_alone) {
   /* stiff: r_n = 2^10 is the answer, 2 % more the error: 1e-6 of |q| = 20 */
-  dls_certificate c = two_apart(20, -0x1p-10, 0, 0x1p10 * 1.02);
+  dls_certificate c = two_apart(-20, -0x1p-10, 20, 0x1p10 * 1.02);
   ck_assert_double_eq_tol(c.residual_u, 0.02 * 0x1p-10 / 20, 1e-12);
-  ck_assert_double_eq_tol(c.residual_r, 0.02 / 1.02, 1e-6);
+  ck_assert_double_eq_tol(c.residual_r, 0.02 / 1.02, 1e-3);
   ck_assert(c.residual == c.residual_r);
   ck_assert_int_eq(dls_certificate_holds(&c, 1e-5), 0);
   /* soft: 10 % of r_n = 1, which is 1e-7 of the large force beside it */
@@ -449,14 +447,78 @@ START_TEST(norms_of_any_size) {
 }
 END_TEST
 
-/* r = 0 under a pressure, however small, is no answer: of forces it is wrong by all of them. */
+/* r = 0 under a pressure, however small, is no answer: it is wrong by all of the forces. A contact
+ * that is open does not hide that, at whatever distance. */
 START_TEST(no_forces_under_pressure) {
-  dls_certificate c = two_apart(1, -1e-12, 0, 0);
-  ck_assert_double_eq_tol(c.residual_u, 1e-12, 1e-20);
-  ck_assert(c.residual_r == 1);
-  ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
-  c = two_apart(1, -1e-30, 0, 0); /* by less than the rounding of u_n */
-  ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 1);
+  static const double gap[] = {1, 1e20};
+  for (int k = 0; k < 2; k++) {
+    dls_certificate c = two_apart(gap[k], -1e-12, 0, 0);
+    ck_assert(c.residual_u == 1 && c.residual_r == 1);
+    ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
+    c = two_apart(gap[k], -1e-12, 0, 1e-12 * 0x1p20);
+    ck_assert(c.residual == 0 && c.floor_u < 4 * DBL_EPSILON && c.floor_r < 4 * DBL_EPSILON);
+    c = two_apart(gap[k], -1e-12, 0, 1.01e-12 * 0x1p20); /* 1 % off */
+    ck_assert_double_eq_tol(c.residual_u, 0.01, 1e-6);
+    ck_assert_double_eq_tol(c.residual_r, 0.01 / 1.01, 1e-6);
+    c = two_apart(gap[k], -1e-12, 1e-9, 1e-12 * 0x1p20); /* and pushed where it is open */
+    ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
+  }
+}
+END_TEST
+
+/* Normal and tangent have weights of their own, from W or from the caller. */
+START_TEST(weights_of_normal_and_tangent) {
+  const double W[4] = {1e-8, 0, 0, 1}, q[2] = {-1, 0.3}, mu[1] = {0.5}, r[2] = {1e8, -0.3};
+  const double given[2] = {1, 2}, bad[2] = {1, 0};
+  dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+  dls_certificate c = certified(&p, r, NULL);
+  ck_assert(c.residual <= 4 * DBL_EPSILON);
+  ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 1); /* one weight for both: floor_u = 1e-8 */
+  double w[2];
+  dlsi_certificate_weights(&p, w);
+  ck_assert(w[0] == 1e-8 && w[1] == 1);
+  const double off[2] = {1.01e8, -0.3};
+  c = certified(&p, off, NULL); /* stick: F = u = (.01, 0) */
+  ck_assert_double_eq_tol(c.residual_u, 0.01 / hypot(1, 0.3), 1e-9);
+  ck_assert_double_eq_tol(c.residual_r, 0.01 / 1.01, 1e-9);
+  p.weights = given;
+  dlsi_certificate_weights(&p, w);
+  ck_assert(w[0] == 1 && w[1] == 2);
+  c = certified(&p, off, NULL); /* the same positions over weights that are not those of W */
+  ck_assert_double_eq_tol(c.residual_r, 0.01 / 1.01e8, 1e-18);
+  p.weights = bad;
+  dls_error e;
+  ck_assert_int_eq(dls_contact_check(&p, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "weights");
+  ck_assert_int_eq(e.index, 1);
+}
+END_TEST
+
+/* Stick at a large mu: F_n = u_n + mu |u_t|, where u_t is rounding. The rounding level holds it. */
+START_TEST(rounding_of_a_large_friction) {
+  const double W[4] = {3, 1, 1, 2}, third = 1. / 3;
+  for (double size = 1; size < 1e13; size *= 1e4) {
+    const double q[2] = {-(3 * third + 1 * 0.1), -(1 * third + 2 * 0.1)}, r[2] = {third, 0.1};
+    const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = &size};
+    const dls_certificate c = certified(&p, r, NULL);
+    ck_assert(c.residual <= 4 * fmax(c.floor_u, c.floor_r));
+    ck_assert_int_eq(dls_certificate_verdict(&c, 1e-8), size < 1e6    ? DLS_OK
+                                                        : size < 1e10 ? DLS_TO_ROUNDING
+                                                                      : DLS_STALLED);
+  }
+}
+END_TEST
+
+/* Slip that is fast beside what the forces move adds no rounding to them. */
+START_TEST(fast_slip_rounds_nothing) {
+  for (int d = 2; d <= 3; d++) {
+    const double mu = 0.3, W[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    const double flat[4] = {1, 0, 0, 1}, q[3] = {-1e-7, -10, 0}, r[3] = {1e-7, 0.3e-7, 0};
+    const dls_contact p = {.d = d, .nc = 1, .W = {d, d, d, d == 2 ? flat : W}, .q = q, .mu = &mu};
+    const dls_certificate c = certified(&p, r, NULL);
+    ck_assert(c.residual_r <= 4 * DBL_EPSILON && c.floor_r <= 8 * DBL_EPSILON);
+    ck_assert_int_eq(dls_certificate_holds(&c, 1e-12), 1);
+  }
 }
 END_TEST
 
@@ -466,7 +528,7 @@ START_TEST(rounding_has_no_direction) {
   const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
   dls_certificate c = certified(&p, r, NULL);
   ck_assert(c.slip_direction == 0 && c.cone_violation == 0 && c.complementarity == 0);
-  ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 1);
+  ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0); /* r = 0 is the answer */
   r[0] = r[1] = 0x1p-30; /* free, and w r_n < u_n: friction has no say, the other laws do */
   c = certified(&p, r, NULL);
   ck_assert(c.slip_direction == 0 && c.cone_violation > 0 && c.complementarity > 0);
@@ -481,10 +543,9 @@ START_TEST(certificate_of_q_zero_and_frictionless) {
   const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
   dls_certificate c = certified(&p, r, NULL);
   ck_assert(c.residual == 0 && c.floor_u == 0);
-  r[0] = 1; /* u_n = 2 > 0 with r_n > 0: v = 3 - 2, F_n = 3 - 1 = 2, scale |W||r| = 2 */
+  r[0] = 1; /* u_n = 2 > 0 with r_n > 0: v = 2 - 2, F_n = u_n = 2, scale |W||r| = 2 */
   c = certified(&p, r, NULL);
-  ck_assert_double_eq_tol(c.residual_u, 1, 1e-15);
-  ck_assert_double_eq_tol(c.residual_r, 2. / 3, 1e-15);
+  ck_assert(c.residual_u == 1 && c.residual_r == 1);
   q[0] = -2; /* now u_n = 0: the frictionless solution, though u_t = 0 has no say */
   q[1] = 7;
   c = certified(&p, r, NULL);
@@ -508,7 +569,7 @@ START_TEST(errors_count_one_and_more) {
 }
 END_TEST
 
-/* r = 0 leaves u = q, and rounds nothing but that, though |q| is no number. */
+/* r = 0 leaves u = q, where nothing rounds, though |q| is no number. */
 START_TEST(no_forces_beside_a_norm_beyond_numbers) {
   double W[36] = {0}, q[6], mu[3] = {1, 1, 1}, r[6] = {0};
   const dls_contact p = {.d = 2, .nc = 3, .W = {6, 6, 6, W}, .q = q, .mu = mu};
@@ -517,7 +578,7 @@ START_TEST(no_forces_beside_a_norm_beyond_numbers) {
     q[k] = 1e308;
   }
   dls_certificate c = certified(&p, r, NULL);
-  ck_assert(c.residual == 0 && c.floor_u == DBL_EPSILON);
+  ck_assert(c.residual == 0 && c.floor_u == 0);
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
   q[2] = -1e308;
   c = certified(&p, r, NULL);
@@ -731,9 +792,13 @@ START_TEST(misfits_are_the_residual) {
   const dls_certificate c = certified(&p, r, u);
   ck_assert_int_eq(dls_contact_misfits(&p, r, u, misfit, NULL), DLS_OK);
   ck_assert(misfit[0] > 0 && misfit[1] > 0);
-  ck_assert_double_eq_tol(hypot(misfit[0], misfit[1]) /
-                              hypot(hypot(p.q[0], p.q[1]), hypot(p.q[2], p.q[3])),
-                          c.residual_u, 1e-15);
+  dls_contact_state state[2];
+  ck_assert_int_eq(dls_contact_states(&p, r, u, state, NULL), DLS_OK);
+  double q = 0;
+  for (int k = 0; k < 4; k++)
+    q = hypot(q, state[k / 2] == DLS_FREE ? 0 : p.q[k]);
+  ck_assert(q > 0);
+  ck_assert_double_eq_tol(hypot(misfit[0], misfit[1]) / q, c.residual_u, 1e-15);
   ck_assert_int_eq(misfit[1] > misfit[0], c.worst);
 }
 END_TEST
@@ -811,11 +876,31 @@ START_TEST(nan_is_never_certified) {
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
   c.residual_u = 5e-16;
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 0);
-  c = (dls_certificate){.residual_r = 3e-4, .floor_r = 1e-4}; /* forces may be rounding */
-  ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
-  c.residual_r = 5e-4;
-  ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
-  ck_assert_int_eq(dls_certificate_holds(&c, 1e-3), 1);
+  c.residual_u = NAN;
+  ck_assert_int_eq(dls_certificate_verdict(&c, 1), DLS_STALLED);
+  ck_assert_int_eq(dls_certificate_verdict(NULL, 1), DLS_STALLED);
+}
+END_TEST
+
+/* Each part of the residual is met within 4 of its own rounding levels: solved up to 1e-8 of them,
+ * solved to rounding up to 1e-4. */
+START_TEST(verdict_of_each_part) {
+  for (int part = 0; part < 3; part++)
+    for (double floor = 1e-12; floor < 1e-2; floor *= 10) {
+      dls_certificate c = {0};
+      double *const residual[] = {&c.residual_u, &c.residual_r, &c.equilibrium};
+      double *const level[] = {&c.floor_u, &c.floor_r, &c.floor_e};
+      *level[part] = floor;
+      for (int k = 3; k <= 5; k += 2) {
+        *residual[part] = k * floor;
+        const int met = k == 3 || 5 * floor <= 1e-8;
+        const dls_status right = !met || 4 * floor > 1e-4 ? DLS_STALLED
+                                 : 4 * floor > 1e-8       ? DLS_TO_ROUNDING
+                                                          : DLS_OK;
+        ck_assert_int_eq(dls_certificate_verdict(&c, 1e-8), right);
+        ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), right == DLS_OK);
+      }
+    }
 }
 END_TEST
 
@@ -830,7 +915,7 @@ START_TEST(a_runaway_is_never_certified) {
   const double zero[4] = {0};
   p.W.a = zero; /* u = q whatever r is: u_n = -2 */
   c = certified(&p, r, NULL);
-  ck_assert(c.residual_u == 0 && c.penetration == 2);
+  ck_assert(c.residual_u == 1 && c.penetration == 2);
   ck_assert_int_eq(dls_certificate_holds(&c, 1e-8), 0);
   c = (dls_certificate){.residual_u = 1e-9, .floor_u = 2e-9};
   ck_assert_int_eq(dls_certificate_holds(&c, 0), 1);
@@ -1185,7 +1270,9 @@ int main(void) {
       ONCE(projection_is_nearest), ONCE(certificate_ignores_units),
       ONCE(certificate_ignores_order_and_tangent_frame), ONCE(dense_and_blocks_agree),
       ONCE(states_of_the_three_kinds), ONCE(misfits_are_the_residual), ONCE(panels_of_normals),
-      ONCE(certify_refuses_and_leaves_outputs), ONCE(nan_is_never_certified),
+      ONCE(certify_refuses_and_leaves_outputs), ONCE(verdict_of_each_part),
+      ONCE(weights_of_normal_and_tangent), ONCE(rounding_of_a_large_friction),
+      ONCE(fast_slip_rounds_nothing), ONCE(nan_is_never_certified),
       ONCE(a_runaway_is_never_certified), EACH(there_and_back, 2, 4), EACH(storages_agree, 2, 4),
       ONCE(bad_conversion), EACH(a_subset_is_rows_and_columns, 0, 24),
       EACH(products_round_alike_in_both_storages, 1, 4), ONCE(a_subset_stays_in_its_memory),

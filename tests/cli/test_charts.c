@@ -59,6 +59,7 @@ static const char *const tolerances[] = {"1e-02", "1e-04", "1e-08", "1e-12"};
 /* Each row that was asked tells iterations, verdict and residual of `solve --json` at the same
  * tolerance, to the last bit. */
 START_TEST(chart_tells_what_solve_tells) {
+  NEEDS_HDF5;
   char arguments[300], key[80], verdict[40];
   (void)snprintf(arguments, sizeof arguments, "chart -r 1 %s -o @", charted[_i]);
   ck_assert_int_eq(run(arguments), 0);
@@ -114,6 +115,7 @@ START_TEST(chart_names_the_method_and_writes_its_files) {
 END_TEST
 
 START_TEST(rank_deficient_is_measured_in_u) {
+  NEEDS_HDF5;
   ck_assert_int_eq(run("chart -r 1 data/fclib/gfc2d_granularflowonwall_00069_00350.hdf5 -o @"), 0);
   ck_assert(shows("errors in u, W being rank deficient; answer A of "));
 }
@@ -283,6 +285,7 @@ START_TEST(profile_counts) {
 END_TEST
 
 START_TEST(solve_plots_its_history) {
+  NEEDS_HDF5;
   ck_assert_int_eq(run("solve data/fclib/FC2D_SliderCrankLagrangian00000.hdf5 --plot @/h"), 0);
   ck_assert_int_ge(count_of(contents("h/history.csv"), "\n"), 2);
   ck_assert_int_ge(count_of(contents("h/history.gp"), "title \"nlgs\""), 1);

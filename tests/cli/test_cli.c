@@ -191,6 +191,7 @@ START_TEST(accelerated_scene) {
 END_TEST
 
 START_TEST(auto_says_what_it_did) {
+  NEEDS_HDF5;
   ck_assert_int_eq(run("scene jean-fig3"), 0);
   ck_assert(prints("reactions, auto: solved") && prints("    nlgs with anderson: 10 sweeps, resi"));
   ck_assert(prints("    newton: ") && prints(" step") && prints(" factorisation"));
@@ -216,6 +217,7 @@ END_TEST
 
 /* The wedge that jams. */
 START_TEST(no_solution_likely_is_1) {
+  NEEDS_HDF5;
   const double W[4] = {1, 1, 1, 1}, q[2] = {-2, 0}, mu[1] = {2};
   const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
   ck_assert_int_eq(dls_fclib_write_local(path_of("jam.hdf5"), &p, "", NULL, NULL, NULL), DLS_OK);
@@ -242,6 +244,7 @@ END_TEST
 /* Two walls closer than what is between them, and the same with rows that add up to e instead of
  * 0. */
 START_TEST(proofs_are_printed) {
+  NEEDS_HDF5;
   double W[16] = {1, 0, -1, 0, 0, 1, 0, 0, -1, 0, 1, 0, 0, 0, 0, 1}, q[4] = {-1, 0, -1, 0};
   const double mu[2] = {0, 0};
   const dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, W}, .q = q, .mu = mu};
@@ -484,6 +487,7 @@ START_TEST(loads_one_after_the_other) {
 END_TEST
 
 START_TEST(newton_and_the_list_of_methods) {
+  NEEDS_HDF5;
   ck_assert_int_eq(run("solve -m newton -t 1e-12 data/fclib/FC3D_Example1.hdf5"), 0);
   ck_assert(prints("newton: ") && prints(" steps"));
   ck_assert_int_eq(run("scene jean-fig3 --method newton --json"), 0);
@@ -496,6 +500,7 @@ START_TEST(newton_and_the_list_of_methods) {
 END_TEST
 
 START_TEST(lemke_in_3d_takes_facets) {
+  NEEDS_HDF5;
   static const char *const options[] = {"", "--facets=4 ", "-f 16 "};
   for (int k = 0; k < 3; k++) {
     char command[128] = "solve -m lemke -t 1e-12 --json ";
@@ -511,6 +516,7 @@ START_TEST(lemke_in_3d_takes_facets) {
 END_TEST
 
 START_TEST(saved_problem_solves_to_the_same_answer) {
+  NEEDS_HDF5;
   ck_assert_int_eq(run("scene jean-fig3 --save @/p.hdf5"), 0);
   ck_assert_int_eq(run("solve @/p.hdf5 --tol 1e-14 --json -o @/s.hdf5"), 0);
   ck_assert(json_number("residual_u") <= 1e-14);
@@ -664,6 +670,7 @@ START_TEST(lcp_files) {
 END_TEST
 
 START_TEST(info_says_what_it_found) {
+  NEEDS_HDF5;
   says("info -h", "--limit");
   /* W = I */
   ck_assert_int_eq(run("info data/fclib/FC3D_Example1.hdf5"), 0);
@@ -690,6 +697,7 @@ END_TEST
 
 /* Degenerate contacts, friction above the critical one, no interpenetration. */
 START_TEST(info_names_degenerate_contacts) {
+  NEEDS_HDF5;
   double W[16] = {2, 1, 0, 0, 1, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, q[4] = {1, 0, 0, 0};
   double mu[2] = {3, 0};
   const dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, W}, .q = q, .mu = mu};

@@ -75,6 +75,7 @@ END_TEST
 
 /* --verbose tells each step on stderr and leaves stdout as it is. */
 START_TEST(verbose_goes_to_stderr) {
+  NEEDS_HDF5;
   static const char *const calls[][2] = {
       {"solve data/failures/c20-scales.txt", "s of CPU, residual"},
       {"scene jean-fig3", "s of CPU, residual"},
@@ -141,9 +142,28 @@ START_TEST(interrupted_is_not_solved) {
 }
 END_TEST
 
+/* OpenBLAS looks for ever for memory that is not there: the program ends at once. */
+START_TEST(little_address_space) {
+#ifdef __SANITIZE_ADDRESS__
+  return; /* takes terabytes of it */
+#endif
+  const char *program = getenv("DELASSUS_PROGRAM");
+  char command[400];
+  for (int limit = 60000; limit <= 240000; limit += 30000) {
+    (void)snprintf(command, sizeof command,
+                   "ulimit -v %d; OPENBLAS_NUM_THREADS=1 timeout 60 %s solve -m newton "
+                   "data/failures/c20-scales.txt >/dev/null 2>&1",
+                   limit, program ? program : "build/delassus");
+    const int status = system(command);
+    ck_assert(WIFEXITED(status));
+    ck_assert_msg(WEXITSTATUS(status) != 124, "ulimit -v %d: still at work after 60 s", limit);
+  }
+}
+END_TEST
+
 int main(void) {
   return RUN("endings", make_directory, remove_directory,
              EACH(last_line_in_words, 0, ENDINGS_OF_ALL), ONCE(json_stands_alone),
              ONCE(verbose_goes_to_stderr), ONCE(colour_unless_no_color),
-             ONCE(interrupted_is_not_solved));
+             ONCE(interrupted_is_not_solved), ONCE(little_address_space));
 }

@@ -1474,39 +1474,37 @@ END_TEST
 int main(void) {
   if (!mkdtemp(scratch)) return EXIT_FAILURE;
   (void)snprintf(path, sizeof path, "%s/file", scratch);
-  const int locals = (int)(sizeof broken_local / sizeof broken_local[0]);
-  const int globals = (int)(sizeof broken_global / sizeof broken_global[0]);
-  const test_row rows[] = {ONCE(mtx_of_data),
-                           ONCE(mtx_variants),
-                           ONCE(mtx_broken),
-                           ONCE(mtx_arguments),
-                           ONCE(mtx_round_trip),
-                           ONCE(mtx_under_another_locale),
-                           ONCE(mtx_malloc_fails),
+  const test_row rows[] = {
+      ONCE(mtx_of_data),
+      ONCE(mtx_variants),
+      ONCE(mtx_broken),
+      ONCE(mtx_arguments),
+      ONCE(mtx_round_trip),
+      ONCE(mtx_under_another_locale),
+      ONCE(mtx_malloc_fails),
 #ifdef DLS_WITH_HDF5
-                           ONCE(local_files_of_data),
-                           ONCE(global_files_of_data),
-                           EACH(bodies_of_data, 0, 4),
-                           ONCE(data_round_trip),
-                           ONCE(matrix_of_a_file_is_whole),
-                           ONCE(local_round_trip),
-                           ONCE(global_round_trip),
-                           ONCE(no_candidates_round_trip),
-                           ONCE(fclib_claims),
-                           ONCE(fclib_deflated),
-                           ONCE(fclib_links_stay_inside),
-                           ONCE(other_layouts),
-                           EACH(broken_local_file, 0, locals),
-                           EACH(broken_global_file, 0, globals),
-                           ONCE(broken_together),
-                           ONCE(no_whole_hdf5_file),
-                           ONCE(fclib_arguments),
-                           ONCE(write_arguments),
-                           ONCE(fclib_malloc_fails),
+      ONCE(local_files_of_data),
+      ONCE(global_files_of_data),
+      EACH(bodies_of_data, 0, 4),
+      ONCE(data_round_trip),
+      ONCE(matrix_of_a_file_is_whole),
+      ONCE(local_round_trip),
+      ONCE(global_round_trip),
+      ONCE(no_candidates_round_trip),
+      ONCE(fclib_claims),
+      ONCE(fclib_links_stay_inside),
+      ONCE(other_layouts),
+      EACH(broken_local_file, 0, (int)(sizeof broken_local / sizeof broken_local[0])),
+      EACH(broken_global_file, 0, (int)(sizeof broken_global / sizeof broken_global[0])),
+      ONCE(broken_together),
+      ONCE(no_whole_hdf5_file),
+      ONCE(fclib_arguments),
+      ONCE(write_arguments),
+      ONCE(fclib_malloc_fails),
 #else
-                           ONCE(without_hdf5),
+      ONCE(without_hdf5),
 #endif
-                           {NULL, 0, 0}};
+      {NULL, 0, 0}};
   const int status = run_tests("files", rows, NULL, NULL);
   (void)remove(path);
   (void)rmdir(scratch);

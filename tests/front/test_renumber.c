@@ -261,7 +261,8 @@ START_TEST(unsolved_gives_the_best_of_all_stages) {
       a.q[i] = uniform();
     for (int c = 0; c < 6; c++)
       a.mu[c] = 0.75 + 0.75 * uniform();
-    if (dls_solve(&a.p, NULL, r, NULL, &info, NULL) <= 0) continue;
+    const dls_status status = dls_solve(&a.p, NULL, r, NULL, &info, NULL);
+    if (status <= 0 || status == DLS_TO_ROUNDING) continue; /* the smaller rounding wins there */
     unsolved++;
     for (int stage = 0; stage < info.stages; stage++)
       ck_assert_double_le(info.certificate.residual, (1 + 1e-9) * info.stage[stage].residual);

@@ -697,8 +697,8 @@ START_TEST(a_neighbour_pressed_takes_more_sweeps) {
 }
 END_TEST
 
-/* r = 0 is the answer exactly where its certificate holds, which is where nothing presses by more
- * than rounding, and no stage then. */
+/* r = 0 is the answer exactly where its certificate holds, which is where nothing presses, however
+ * little; no stage then. */
 START_TEST(nearly_free_is_answered_by_nothing) {
   int answered = 0, solved = 0;
   for (unsigned seed = 1; seed <= 200; seed++)
@@ -707,14 +707,16 @@ START_TEST(nearly_free_is_answered_by_nothing) {
       double r[3 * APART];
       const double none[3 * APART] = {0};
       set_apart(&a, 2 + (int)(seed % 2), 4, seed);
-      for (int c = 0; c < 4; c++)
-        a.b[a.p.d * c] *= pow(10, -(double)(seed % 20));
+      for (int c = 0; c < 4; c++) {
+        double *qn = &a.b[a.p.d * c];
+        *qn = (seed % 4 ? *qn : fabs(*qn)) * pow(10, -(double)(seed % 20));
+      }
       dls_certificate c;
       const dls_info info = solve_apart(&a.p, tol, r);
       ck_assert_int_eq(dls_contact_certify(&a.p, none, NULL, &c, NULL), DLS_OK);
       ck_assert_int_eq(info.iterations == 0, dls_certificate_holds(&c, tol));
       ck_assert_int_eq(info.stages, info.iterations);
-      answered += info.iterations == 0 && c.residual > 0;
+      answered += info.iterations == 0;
       solved += info.iterations == 1;
     }
   ck_assert(answered > 100 && solved > 100);

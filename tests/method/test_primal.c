@@ -413,27 +413,36 @@ START_TEST(certificate_of_an_early_end) {
   for (int c = 0; c < nodes; c++) {
     const int i = s.ni[2 * c], j = s.ni[2 * c + 1];
     const double nn = K[i + n * i], nt = K[i + n * j], tt = K[j + n * j], det = nn * tt - nt * nt;
-    const double W[4] = {tt / det, -nt / det, -nt / det, nn / det}, w = (W[0] + W[3]) / 2;
+    const double W[4] = {tt / det, -nt / det, -nt / det, nn / det}, w[2] = {W[0], W[3]};
     const double *r = b.r + 2 * c, *u = b.u + 2 * c, at[2] = {a[i], a[j]};
-    const double n_of = w * r[0] - u[0] - s.mu[c] * fabs(u[1]), t = w * r[1] - u[1];
-    const double m = s.mu[c], on = (n_of + m * fabs(t)) / (1 + m * m);
-    const int inside = fabs(t) <= m * n_of, polar = m * fabs(t) <= -n_of;
+    const double n_of = w[0] * r[0] - u[0] - s.mu[c] * fabs(u[1]), t = w[1] * r[1] - u[1];
+    const double m = s.mu[c], wide = m * w[1] / w[0];
+    const double on = (n_of + m * fabs(t)) / (1 + m * wide);
+    const int inside = fabs(t) <= wide * n_of, polar = m * fabs(t) <= -n_of;
     const double P[2] = {inside  ? n_of
                          : polar ? 0
                                  : on,
                          inside  ? t
                          : polar ? 0
-                                 : m * on * (t > 0 ? 1 : -1)};
+                                 : wide * on * (t > 0 ? 1 : -1)};
+    double all[2], q[2];
     for (int k = 0; k < 2; k++) {
-      const double v = w * r[k] - P[k], q = u[k] - W[k] * r[0] - W[k + 2] * r[1];
-      const double all =
-          fabs(u[k]) + fabs(W[k]) * at[0] + fabs(W[k + 2]) * at[1] + fabs(q) + w * fabs(r[k]);
+      q[k] = u[k] - W[k] * r[0] - W[k + 2] * r[1];
+      all[k] = fabs(u[k]) + fabs(W[k]) * at[0] + fabs(W[k + 2]) * at[1] + fabs(q[k]);
+    }
+    const double Dr[2] = {w[0] * fabs(r[0]), w[1] * fabs(r[1])};
+    const double x = (all[0] + Dr[0] + m * Dr[1]) / (1 + m * wide);
+    const double rounds[2] = {inside ? all[0] + Dr[0] + m * all[1] : Dr[0] + x,
+                              inside ? all[1] + Dr[1] : Dr[1] + wide * x};
+    for (int k = 0; k < 2; k++) {
+      const double v = w[k] * r[k] - P[k];
       F += v * v;
-      force += v * v / (w * w);
-      q2 += q * q;
+      force += v * v / (w[k] * w[k]);
+      if (polar) continue;
+      q2 += q[k] * q[k];
       r2 += r[k] * r[k];
-      floor += all * all;
-      floor_force += all * all / (w * w);
+      floor += rounds[k] * rounds[k];
+      floor_force += rounds[k] * rounds[k] / (w[k] * w[k]);
     }
   }
   const dls_certificate *laws = &b.info.laws;

@@ -175,7 +175,7 @@ START_TEST(stage_of_auto) {
   dls_info info;
   dls_solver_settings_init(&settings);
   const dls_status status = dls_solve(&s.a.contact, &settings, s.r, NULL, &info, NULL);
-  ck_assert_int_eq(status, _i ? DLS_STALLED : DLS_OK);
+  ck_assert_int_eq(status, _i ? DLS_TO_ROUNDING : DLS_OK);
   ck_assert_int_eq(info.stages, 2);
   ck_assert_int_eq(info.stage[1].method, DLS_ADMM);
   ck_assert(info.certificate.residual <= 1e-8);

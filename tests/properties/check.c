@@ -26,7 +26,9 @@ const char *const rule_text[RULES] = {"kept",
                                       "odd powers of two change the answer",
                                       "odd powers of two change the verdict",
                                       "the order of candidates changes the verdict",
-                                      "no solution, without an exact proof"};
+                                      "no solution, without an exact proof",
+                                      "solved, and the reactions are not the true ones",
+                                      "solved, and the positions are not the true ones"};
 
 void describe_run(const run *how, char *text) {
   const int n = how->rows ? snprintf(text, 200, "LCP of %d rows, crash %d", how->rows, how->crash)
@@ -51,16 +53,26 @@ static int is_visible(const problem *p, double tol) {
   measure planted;
   if (p->kind != SOLVABLE) return 0;
   measure_answer(p, p->r, &planted);
-  return measure_holds(&planted, tol, 0.25, 1);
+  return measure_holds(&planted, tol, 0.25, 1e-8, 1);
 }
 
-/* Returns 1 if an answer that the library certified is within its tolerance: positions, or
- * forces. The sums of the library are rounded: one floor and a thousandth are spared; the cap on
- * the floor counts fourfold. */
-static int is_within(const measure *a, double tol, int forces) {
+/* Returns 1 if an answer that the library certified, with floors up to `most`, is within its
+ * tolerance: positions, or forces. The sums of the library are rounded: one floor and a thousandth
+ * are spared; the cap on the floor counts fourfold. */
+static int is_within(const measure *a, double tol, double most, int forces) {
   const double x = forces ? a->r : a->u, floor = forces ? a->floor_r : a->floor_u;
-  const double bar = 4 * floor > tol ? 4 * floor : tol, cap = tol > 1e-8 ? tol : 1e-8;
-  return x - floor <= 1.001 * bar && (forces || a->floor_u <= cap);
+  const double bar = 4 * floor > tol ? 4 * floor : tol, cap = tol > most ? tol : most;
+  return x - floor <= 1.001 * bar && floor <= cap;
+}
+
+/* Rule 8 of one outcome: the error that the library predicts counts ten times. */
+static rule judge_error(const outcome *o) {
+  const truth *t = &o->is_true;
+  if (o->status != DLS_OK) return KEPT;
+  if (t->verdict != TRUTH_WRONG_R && t->verdict != TRUTH_WRONG_U) return KEPT;
+  const double least = t->verdict == TRUTH_WRONG_R ? fmin(t->error, t->largest) : t->error;
+  if (10 * o->error >= least) return KEPT;
+  return t->verdict == TRUTH_WRONG_R ? TRUE_R : TRUE_U;
 }
 
 /* Returns 0 where W = 0: no unit of W can be told from the numbers then, nor one of r. */
@@ -83,12 +95,15 @@ static rule judge_alone(const problem *p, const run *how, const outcome *o) {
   if (o->status == DLS_NO_SOLUTION_LIKELY && visible) return LIKELY;
   if (how->rows && o->status == DLS_OK && !o->lcp_holds) return NOT_HELD;
   const int in_own_unit = has_unit(p) || (how->power_W == 0 && how->power_q == 0);
-  const int judged = o->status == DLS_OK && !how->rows && in_own_unit;
-  if (judged && !is_within(&o->is, how->tol, 0)) return NOT_HELD;
-  if (judged && !is_within(&o->is, how->tol, 1)) return NOT_HELD_R;
+  const int rounded = o->status == DLS_TO_ROUNDING;
+  const int judged = (o->status == DLS_OK || rounded) && !how->rows && in_own_unit;
+  const double most = rounded ? 1e-4 : 1e-8;
+  if (judged && !is_within(&o->is, how->tol, most, 0)) return NOT_HELD;
+  if (judged && !is_within(&o->is, how->tol, most, 1)) return NOT_HELD_R;
   const int gave_up = o->status == DLS_STALLED || o->status == DLS_NO_SOLUTION_LIKELY;
   const int held = how->rows ? o->lcp_holds : o->holds;
-  if (gave_up && held) return UNSEEN;
+  if ((gave_up || rounded) && held) return UNSEEN;
+  if (gave_up && !how->rows && o->holds_to_rounding) return UNSEEN;
   if (o->status == DLS_NO_SOLUTION_LIKELY && o->residual == 0) return UNSEEN;
   return KEPT;
 }
@@ -165,12 +180,13 @@ static void plan_auto(dice *g, const problem *p, int answered, double share, pla
 
 /* every method one time in eight, else one; the homotopy, which takes all its starts where there is
  * no solution, one time in forty; each may be scaled, or by blocks */
-static void plan_methods(dice *g, plan *all) {
+static void plan_methods(dice *g, const problem *p, plan *all) {
   const int every = dice_below(g, 8) == 0, one = 1 + dice_below(g, 6);
-  const int path = dice_below(g, 5) == 0;
+  const int path = dice_below(g, 5) == 0, bonded = problem_is_bonded(p);
   for (int method = 1; dls_method_name((dls_method)method); method++) {
     if (!every && method != one) continue;
     if (method == DLS_HOMOTOPY && !path) continue;
+    if (bonded && (method == DLS_HOMOTOPY || method == DLS_LEMKE)) continue;
     const int own = all->count;
     plan_add(all, -1)->method = (dls_method)method;
     if (dice_below(g, 3) == 0) plan_powers(g, plan_add(all, own));
@@ -183,7 +199,7 @@ static void plan_methods(dice *g, plan *all) {
 }
 
 static void plan_lcp(dice *g, const problem *p, plan *all) {
-  if (p->d != 2 || p->nc > 30 || dice_below(g, 3)) return;
+  if (p->d != 2 || p->nc > 30 || problem_is_bonded(p) || dice_below(g, 3)) return;
   const int rows = 3 + dice_below(g, 2);
   for (int k = 0; k < 3; k++) {
     run *how = plan_add(all, -1);
@@ -193,13 +209,18 @@ static void plan_lcp(dice *g, const problem *p, plan *all) {
   }
 }
 
-static void note_finding(verdict *v, rule broken, int pair, const run *first, const run *second) {
+static void note_finding(verdict *v, rule broken, int pair, const run *first, const run *second,
+                         const outcome *o) {
   if (!broken) return;
   for (int k = 0; k < v->findings; k++)
     if (v->finding[k].rule == broken) return;
   if (v->findings == RULES) return;
-  v->finding[v->findings++] =
-      (finding){.rule = broken, .pair = pair, .first = *first, .second = *second};
+  v->finding[v->findings++] = (finding){.rule = broken,
+                                        .pair = pair,
+                                        .is_true = o->is_true,
+                                        .predicted = o->error,
+                                        .first = *first,
+                                        .second = *second};
 }
 
 static void compare_all(const problem *p, const plan *all, const outcome *o, verdict *v) {
@@ -209,12 +230,13 @@ static void compare_all(const problem *p, const plan *all, const outcome *o, ver
     if (o[k].holds) held = 1, who = k;
     if (with >= 0)
       note_finding(v, judge_copy(p, &all->run[with], &o[with], &all->run[k], &o[k]), 1,
-                   &all->run[with], &all->run[k]);
+                   &all->run[with], &all->run[k], &o[k]);
     likely |= o[k].status == DLS_NO_SOLUTION_LIKELY;
     proved |= o[k].status == DLS_NO_SOLUTION && o[k].proof;
   }
   for (int k = 0; held && k < all->count; k++)
-    if (!v->visible) note_finding(v, judge_claims(&o[who], &o[k]), 1, &all->run[who], &all->run[k]);
+    if (!v->visible)
+      note_finding(v, judge_claims(&o[who], &o[k]), 1, &all->run[who], &all->run[k], &o[k]);
   v->both_true = proved && (held || v->visible);
   v->doubtful = likely && held && !v->visible;
 }
@@ -228,28 +250,41 @@ void check_problem(const problem *p, uint64_t seed, const options *ask, verdict 
   all.run[0] = (run){.method = DLS_AUTO, .tol = ask->tol, .seed = seed};
   solve_run(p, &all.run[0], NULL, &o[0]);
   plan_auto(&g, p, o[0].status == DLS_OK, dear / fmax(dear, o[0].factorisations), &all);
-  plan_methods(&g, &all);
+  plan_methods(&g, p, &all);
   plan_lcp(&g, p, &all);
   for (int k = 0; k < all.count; k++) {
     if (k) solve_run(p, &all.run[k], &o[0], &o[k]);
     if (all.run[k].warm == 2)
-      note_finding(v, judge_alone(p, &all.run[k], &o[k]), 1, &all.run[0], &all.run[k]);
+      note_finding(v, judge_alone(p, &all.run[k], &o[k]), 1, &all.run[0], &all.run[k], &o[k]);
     else
-      note_finding(v, judge_alone(p, &all.run[k], &o[k]), 0, &all.run[k], &all.run[k]);
+      note_finding(v, judge_alone(p, &all.run[k], &o[k]), 0, &all.run[k], &all.run[k], &o[k]);
   }
+  for (int k = 0; k < all.count; k++)
+    note_finding(v, judge_error(&o[k]), all.run[k].warm == 2,
+                 &all.run[all.run[k].warm == 2 ? 0 : k], &all.run[k], &o[k]);
   compare_all(p, &all, o, v);
   v->runs = all.count;
   v->status = o[0].status;
   v->solved = o[0].status == DLS_OK;
   v->solved_fine = v->solved && o[1].status == DLS_OK;
   v->forces = v->solved ? o[0].is.r : 0;
+  for (int k = 0; k < all.count; k++) {
+    const truth *t = &o[k].is_true;
+    v->unknown += t->verdict == TRUTH_UNKNOWN;
+    v->other += t->verdict == TRUTH_OTHER;
+    if (t->verdict == TRUTH_UNKNOWN || t->verdict == TRUTH_OTHER || !(t->condition > 0)) continue;
+    v->amplified = fmax(v->amplified, t->error / t->tol / t->condition);
+  }
 }
 
 int finding_stands(const problem *p, const finding *found) {
   static outcome a, b;
   solve_run(p, &found->first, NULL, &a);
+  const int error = found->rule == TRUE_R || found->rule == TRUE_U;
+  if (error && !found->pair) return judge_error(&a) == found->rule;
   if (!found->pair) return judge_alone(p, &found->first, &a) == found->rule;
   solve_run(p, &found->second, &a, &b);
+  if (error) return judge_error(&b) == found->rule;
   if (found->rule == CONTRADICTION) return judge_claims(&a, &b) == found->rule;
   return judge_alone(p, &found->second, &b) == found->rule ||
          judge_copy(p, &found->first, &a, &found->second, &b) == found->rule;

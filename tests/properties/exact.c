@@ -64,6 +64,23 @@ int exact_sign(exact *sum) {
   return carry < 0 ? -1 : (any || carry) ? 1 : 0;
 }
 
+double exact_round(exact *sum) {
+  const int negative = exact_sign(sum) < 0;
+  exact size = *sum;
+  if (negative) {
+    for (int i = 0; i < EXACT_LIMBS; i++)
+      size.limb[i] = -size.limb[i];
+    (void)exact_sign(&size);
+  }
+  double out = 0; /* at most 97 bits of the largest limbs count, and each is added to less */
+  int first = EXACT_LIMBS - 1;
+  while (first > 0 && size.limb[first] == 0)
+    first--;
+  for (int i = first > 3 ? first - 3 : 0; i <= first; i++)
+    out += ldexp((double)size.limb[i], lowest_power + 32 * i);
+  return negative ? -out : out;
+}
+
 /* square += turn sum^2; square has twice the limbs, with carries put off. */
 static void add_square(exact *sum, int turn, int64_t *square) {
   uint64_t limb[EXACT_LIMBS];
@@ -91,8 +108,13 @@ static int farkas_column(const problem *p, const double *y, int c) {
     exact sum;
     exact_clear(&sum);
     for (int i = 0; i < p->nc; i++)
-      exact_add(&sum, y[i], p->W[p->d * i + (p->d * c + k) * p->m], k ? p->mu[c] : 1);
+      exact_add(&sum, y[i], p->W[p->d * i + (p->d * c + k) * p->m],
+                k && !isinf(p->mu[c]) ? p->mu[c] : 1);
     if (k == 0 && exact_sign(&sum) > 0) return 0;
+    if (k && isinf(p->mu[c])) { /* the cone of r_n > 0: g_t = 0 */
+      if (exact_sign(&sum) != 0) return 0;
+      continue;
+    }
     add_square(&sum, k ? -1 : 1, square);
   }
   for (int i = 0; i <= 2 * EXACT_LIMBS; i++) {

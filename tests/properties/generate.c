@@ -12,80 +12,57 @@
  * Classes with short numbers (whole numbers and few bits) are exact: rounding changes nothing of
  * the statement.
  */
+#include <float.h>
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "problem.h"
+#include "generate.h"
 
-/* ---- random numbers -------------------------------------------------------------------------- */
+/* ---- memory ---------------------------------------------------------------------------------- */
 
-uint64_t dice_bits(dice *g) {
-  uint64_t z = g->state += 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
+void *problem_alloc(size_t size) {
+  void *out = calloc(size ? size : 1, 1);
+  if (out) return out;
+  fprintf(stderr, "properties: no memory\n");
+  exit(2);
 }
 
-int dice_below(dice *g, int n) {
-  return (int)(dice_bits(g) % (uint64_t)n);
+void problem_resize(problem *p, int d, int nc) {
+  free(p->W);
+  p->d = d, p->nc = nc, p->m = d * nc;
+  p->W = problem_alloc((size_t)p->m * (size_t)p->m * sizeof *p->W);
 }
 
-double dice_between(dice *g, double a, double b) {
-  return a + (b - a) * ldexp((double)(dice_bits(g) >> 11), -53);
+void problem_copy(problem *to, const problem *from) {
+  double *W = to->W;
+  if (to == from) return;
+  *to = *from;
+  to->W = W;
+  problem_resize(to, from->d, from->nc);
+  memcpy(to->W, from->W, (size_t)from->m * (size_t)from->m * sizeof *to->W);
 }
 
-double dice_normal(dice *g) {
-  double sum = 0;
-  for (int k = 0; k < 6; k++)
-    sum += dice_between(g, -1, 1);
-  return sum / sqrt(2);
-}
-
-double dice_power(dice *g, double a, double b) {
-  return pow(10, dice_between(g, a, b));
-}
-
-static int dice_sign(dice *g) {
-  return dice_below(g, 2) ? 1 : -1;
+int problem_is_bonded(const problem *p) {
+  for (int c = 0; c < p->nc; c++)
+    if (isinf(p->mu[c])) return 1;
+  return 0;
 }
 
 /* ---- classes --------------------------------------------------------------------------------- */
 
-typedef enum form {
-  FACTOR,    /* W = B B' */
-  DIAGONAL,  /* W = Q D Q', Q orthogonal */
-  CHAIN,     /* W = B B', candidate c in columns c and c + 1 only */
-  STRESS,    /* W = B B' with B' r small against |B||r|: reactions that hold themselves */
-  SLIGHT,    /* W = B B' and a small part without symmetry */
-  SKEW,      /* W = A - A' and a small B B' */
-  NO_BLOCKS, /* W = B B' or B C', some W_cc = 0 */
-  PRODUCT,   /* W = B C', any eigenvalues */
-  ANY_FORM
-} form;
-
-typedef struct recipe {
-  const char *name;
-  kind kind;
-  form form;
-  int bits;      /* 0: any doubles; 1: whole numbers; 4: multiples of 1/16 */
-  int full;      /* 1: rank m; 0: from 15 to 100 % */
-  double mu;     /* greatest friction */
-  double ratio;  /* u is 10^(-ratio .. ratio) times the size of W r */
-  double scales; /* candidates differ by 10^(-scales .. scales) in W_cc */
-  int share;     /* of 1000 problems: even in time, but a few milliseconds or less are cheap */
-} recipe;
-
 static const recipe recipes[CLASSES] = {
-    {"integers", SOLVABLE, FACTOR, 1, 0, 3, 0, 0, 76},
-    {"dyadic", SOLVABLE, FACTOR, 4, 0, 2, 1, 2, 76},
-    {"definite", SOLVABLE, FACTOR, 0, 1, 1, 1, 0, 76},
-    {"rank", SOLVABLE, FACTOR, 0, 0, 1, 1, 0, 76},
-    {"condition", SOLVABLE, DIAGONAL, 0, 1, 1, 1, 0, 76},
-    {"chain", SOLVABLE, CHAIN, 0, 0, 1, 1, 0, 76},
-    {"friction", SOLVABLE, FACTOR, 0, 0, 8, 1, 0, 76},
-    {"scales", SOLVABLE, FACTOR, 0, 0, 1, 1, 6, 76},
-    {"ratio", SOLVABLE, FACTOR, 0, 0, 1, 6, 0, 76},
-    {"self-stress", SOLVABLE, STRESS, 0, 0, 1, 0, 0, 76},
+    {"integers", SOLVABLE, FACTOR, 1, 0, 3, 0, 0, 61},
+    {"dyadic", SOLVABLE, FACTOR, 4, 0, 2, 1, 2, 61},
+    {"definite", SOLVABLE, FACTOR, 0, 1, 1, 1, 0, 61},
+    {"rank", SOLVABLE, FACTOR, 0, 0, 1, 1, 0, 61},
+    {"condition", SOLVABLE, DIAGONAL, 0, 1, 1, 1, 0, 61},
+    {"chain", SOLVABLE, CHAIN, 0, 0, 1, 1, 0, 61},
+    {"friction", SOLVABLE, FACTOR, 0, 0, 8, 1, 0, 61},
+    {"scales", SOLVABLE, FACTOR, 0, 0, 1, 1, 6, 61},
+    {"ratio", SOLVABLE, FACTOR, 0, 0, 1, 6, 0, 61},
+    {"self-stress", SOLVABLE, STRESS, 0, 0, 1, 0, 0, 61},
     {"zero-blocks", SOLVABLE, NO_BLOCKS, 0, 0, 1, 1, 0, 12},
     {"slight", SOLVABLE, SLIGHT, 0, 0, 2, 1, 0, 55},
     {"skew", SOLVABLE, SKEW, 0, 0, 1, 1, 0, 55},
@@ -97,13 +74,43 @@ static const recipe recipes[CLASSES] = {
     {"borderline", BORDERLINE, FACTOR, 4, 0, 2, 0, 0, 18},
     {"random", BORDERLINE, ANY_FORM, 0, 0, 3, 1, 1, 20},
     {"far", SURE, FACTOR, 1, 0, 3, 0, 0, 10},
+    {"open", SOLVABLE, OPEN, 0, 0, 1, 1, 0, 25},
+    {"springs", SOLVABLE, SPRINGS, 1, 0, 1, 0, 0, 25},
+    {"aspect", SOLVABLE, ASPECT, 0, 0, 1, 1, 0, 25},
+    {"masses", SOLVABLE, MASSES, 0, 0, 1, 1, 0, 25},
+    {"bonded", SOLVABLE, BONDED, 0, 0, 1, 1, 0, 25},
+    {"heavy", SOLVABLE, HEAVY, 0, 0, 1, 1, 0, 20},
+    {"sizes", SOLVABLE, SIZES, 0, 0, 1, 1, 0, 5},
 };
 
-const char *const class_name[CLASSES] = {
-    "integers",   "dyadic",  "definite", "rank",        "condition",          "chain",
-    "friction",   "scales",  "ratio",    "self-stress", "zero-blocks",        "slight",
-    "skew",       "product", "mixed",    "unsolvable",  "unsolvable-rounded", "unsolvable-product",
-    "borderline", "random",  "far"};
+const char *const class_name[CLASSES] = {"integers",
+                                         "dyadic",
+                                         "definite",
+                                         "rank",
+                                         "condition",
+                                         "chain",
+                                         "friction",
+                                         "scales",
+                                         "ratio",
+                                         "self-stress",
+                                         "zero-blocks",
+                                         "slight",
+                                         "skew",
+                                         "product",
+                                         "mixed",
+                                         "unsolvable",
+                                         "unsolvable-rounded",
+                                         "unsolvable-product",
+                                         "borderline",
+                                         "random",
+                                         "far",
+                                         "open",
+                                         "springs",
+                                         "aspect",
+                                         "masses",
+                                         "bonded",
+                                         "heavy",
+                                         "sizes"};
 
 int class_of_seed(uint64_t seed) {
   dice g = {seed ^ 0x632be59bd9b4e019u};
@@ -113,8 +120,7 @@ int class_of_seed(uint64_t seed) {
   return class;
 }
 
-/* A number of the recipe's kind, of size 1 to 4. */
-static double draw_number(dice *g, const recipe *of) {
+double draw_number(dice *g, const recipe *of) {
   if (of->bits == 0) return dice_normal(g);
   if (of->bits == 1) return dice_below(g, 7) - 3;
   return (dice_below(g, 65) - 32) / 16.0;
@@ -148,9 +154,7 @@ static void draw_direction(dice *g, int d, int bits, double *unit, int *whole) {
   unit[1] = sin(angle);
 }
 
-/* r and u of candidate c in state 0 free, 1 stick, 2 slip, 3 grazing (u = r = 0), 4 stick on the
- * cone's edge. */
-static void plant_candidate(dice *g, const recipe *of, problem *p, int c, int state, double ratio) {
+void plant_candidate(dice *g, const recipe *of, problem *p, int c, int state, double ratio) {
   double *r = p->r + p->d * c, *u = p->u + p->d * c, unit[2], push = 1 + dice_below(g, 4);
   int whole;
   draw_direction(g, p->d, of->bits, unit, &whole);
@@ -197,13 +201,7 @@ static void draw_friction(dice *g, const recipe *of, problem *p) {
 
 /* ---- W --------------------------------------------------------------------------------------- */
 
-typedef struct factor {
-  int columns;
-  double B[M_MAX * M_MAX], C[M_MAX * M_MAX]; /* m x columns */
-} factor;
-
-/* W := W + weight B C' in short numbers or to rounding; symmetric to the last bit where C = B. */
-static void add_product(problem *p, double weight, const factor *f, const double *C) {
+void add_product(problem *p, double weight, const factor *f, const double *C) {
   for (int j = 0; j < p->m; j++)
     for (int i = 0; i < p->m; i++) {
       double sum = 0;
@@ -213,7 +211,7 @@ static void add_product(problem *p, double weight, const factor *f, const double
     }
 }
 
-static void draw_factor(dice *g, const recipe *of, const problem *p, double *B, int columns) {
+void draw_factor(dice *g, const recipe *of, const problem *p, double *B, int columns) {
   for (int k = 0; k < columns * p->m; k++)
     B[k] = draw_number(g, of);
 }
@@ -314,7 +312,8 @@ static void shift_diagonal(dice *g, problem *p) {
 }
 
 static void draw_matrix(dice *g, const recipe *of, problem *p) {
-  static factor f; /* 0.5 MB: too much for some stacks */
+  const size_t square = (size_t)p->m * (size_t)p->m * sizeof(double);
+  factor f = {0, problem_alloc(square), problem_alloc(square)};
   const form way = draw_form(g, of);
   const int full = of->full || way == DIAGONAL || way == CHAIN;
   f.columns = full ? p->m : (int)ceil(p->m * dice_between(g, 0.15, 1));
@@ -324,15 +323,16 @@ static void draw_matrix(dice *g, const recipe *of, problem *p) {
   if (way == CHAIN) shape_chain(p, &f);
   if (way == STRESS) shape_stress(g, p, &f);
   if (p->symmetric || way == SLIGHT || way == SKEW)
-    memcpy(f.C, f.B, sizeof f.C);
+    memcpy(f.C, f.B, square);
   else
     draw_factor(g, of, p, f.C, f.columns);
   if (way == NO_BLOCKS) shape_zero_blocks(g, p, &f);
   if (of->kind == UNSOLVABLE || of->kind == SURE) shape_farkas(g, of, p, &f);
-  memset(p->W, 0, sizeof p->W);
   add_product(p, way == SKEW ? dice_power(g, -6, 0) : 1, &f,
               p->symmetric && way != NO_BLOCKS ? f.B : f.C);
   if (of->kind == SURE) shift_diagonal(g, p);
+  free(f.B);
+  free(f.C);
   const double part = way == SLIGHT ? dice_power(g, -12, -1) : way == SKEW ? 1 : 0;
   for (int j = 0; part > 0 && j < p->m; j++)
     for (int i = 0; i < j; i++) {
@@ -375,36 +375,49 @@ static int sign_of(double a, double b, double c, double d) {
 /* Returns 1 if u and r of candidate c meet the law without rounding. */
 static int law_holds(const problem *p, int c) {
   const double *r = p->r + p->d * c, *u = p->u + p->d * c, most = p->mu[c] * r[0];
+  const double rt = p->d > 1 ? r[1] : 0, ut = p->d > 1 ? u[1] : 0;
   const double rs = p->d == 3 ? r[2] : 0, us = p->d == 3 ? u[2] : 0;
   exact edge; /* (mu r_n)^2 - |r_t|^2 */
   if (!(u[0] >= 0 && r[0] >= 0 && (u[0] == 0 || r[0] == 0))) return 0;
+  if (isinf(p->mu[c])) return r[0] > 0 ? ut == 0 && us == 0 : rt == 0 && rs == 0;
   if (sign_of(p->mu[c], r[0], most, 1) != 0) return 0;
   exact_clear(&edge);
   exact_add(&edge, most, most, 1);
-  exact_add(&edge, r[1], -r[1], 1);
+  exact_add(&edge, rt, -rt, 1);
   exact_add(&edge, rs, -rs, 1);
   const int inside = exact_sign(&edge);
-  if (inside < 0 || (inside > 0 && (u[1] != 0 || us != 0))) return 0;
-  if (u[1] == 0 && us == 0) return 1;
-  return sign_of(u[1], rs, us, r[1]) == 0 && sign_of(u[1], r[1], us, -rs) <= 0;
+  if (inside < 0 || (inside > 0 && (ut != 0 || us != 0))) return 0;
+  if (ut == 0 && us == 0) return 1;
+  return sign_of(ut, rs, us, rt) == 0 && sign_of(ut, rt, us, -rs) <= 0;
+}
+
+/* sum := u_i - q_i - (W r)_i */
+static void sum_row(const problem *p, int i, double q, exact *sum) {
+  exact_clear(sum);
+  exact_add(sum, p->u[i], 1, 1);
+  exact_add(sum, q, -1, 1);
+  for (size_t j = 0; j < (size_t)p->m; j++)
+    exact_add(sum, p->W[(size_t)i + j * (size_t)p->m], -p->r[j], 1);
 }
 
 void plant_q(problem *p) {
   p->exact = 1;
   for (int i = 0; i < p->m; i++) {
-    long double sum = p->u[i];
-    for (int j = 0; j < p->m; j++)
-      sum -= (long double)p->W[i + j * p->m] * p->r[j];
+    long double sum = p->u[i], size = fabsl(sum);
+    exact rest;
+    for (size_t j = 0; j < (size_t)p->m; j++) {
+      const long double t = (long double)p->W[(size_t)i + j * (size_t)p->m] * p->r[j];
+      sum -= t;
+      size += fabsl(t);
+    }
     p->q[i] = (double)sum;
-  }
-  for (int i = 0; p->exact && i < p->m; i++) {
-    exact sum;
-    exact_clear(&sum);
-    exact_add(&sum, p->u[i], 1, 1);
-    exact_add(&sum, p->q[i], -1, 1);
-    for (int j = 0; j < p->m; j++)
-      exact_add(&sum, p->W[i + j * p->m], -p->r[j], 1);
-    p->exact = exact_sign(&sum) == 0 && law_holds(p, i / p->d);
+    if (p->m * LDBL_EPSILON * size > DBL_EPSILON / 8 * fabsl(sum)) {
+      sum_row(p, i, 0, &rest);
+      p->q[i] = exact_round(&rest);
+    }
+    if (!p->exact) continue;
+    sum_row(p, i, p->q[i], &rest);
+    p->exact = exact_sign(&rest) == 0 && law_holds(p, i / p->d);
   }
 }
 
@@ -427,20 +440,26 @@ static void draw_border(dice *g, const recipe *of, problem *p) {
 /* Size: 1 to 8 mostly, some to 30, few of 60. */
 static int draw_candidates(dice *g) {
   const int luck = dice_below(g, 1000);
-  return luck < 880 ? 1 + dice_below(g, 8) : luck < 997 ? 9 + dice_below(g, 22) : NC_MAX;
+  return luck < 880 ? 1 + dice_below(g, 8) : luck < 997 ? 9 + dice_below(g, 22) : 60;
 }
 
 void generate(int class, uint64_t seed, problem *p) {
   const recipe *of = &recipes[class];
   dice g = {seed * 1000003u + (uint64_t) class * 7919u};
+  double *W = p->W;
   memset(p, 0, sizeof *p);
+  p->W = W;
   (void)dice_bits(&g);
   p->kind = of->kind;
-  p->nc = draw_candidates(&g);
+  if (of->form > ANY_FORM) {
+    draw_extreme(&g, of, p);
+    plant_q(p);
+    return;
+  }
+  int nc = draw_candidates(&g);
   const int shaped = of->kind == UNSOLVABLE || of->kind == SURE;
-  if (shaped && p->nc == 1) p->nc = 2;
-  p->d = shaped ? 2 + (dice_below(&g, 4) == 0) : 2 + dice_below(&g, 2);
-  p->m = p->d * p->nc;
+  if (shaped && nc == 1) nc = 2;
+  problem_resize(p, shaped ? 2 + (dice_below(&g, 4) == 0) : 2 + dice_below(&g, 2), nc);
   draw_friction(&g, of, p);
   if (!shaped) plant_answer(&g, of, p);
   draw_matrix(&g, of, p);

@@ -2,99 +2,172 @@
  * measure.c: the certificate of DESIGN.md in long double, written from its formulas and not from
  * the library.
  *
- *   F_c = w_c r_c - P( w_c r_c - (u_c + mu_c |u_tc| n) ),   u = W r + q
- *   positions  sqrt( sum |F_c|^2 ) / |q|,   forces  sqrt( sum |F_c / w_c|^2 ) / |r|,  at most 1
+ *   r' = D^1/2 r,  u' = D^-1/2 u,  mu' = mu (w_t/w_n)^1/2,  D_c = diag(w_n, w_t, ..)
+ *   F'_c = r'_c - P( r'_c - (u'_c + mu'_c |u'_tc| n) ),   u = W r + q
+ *   positions  |D^1/2 F'| / |q|,   forces  |D^-1/2 F'| / |r|,  at most 1
  *
- * P projects on the cone |r_t| <= mu r_n; w_c = trace(W_cc) / d; where that is not positive, the
- * mean of the positive ones, or the largest entry of the diagonal blocks where there is none.
- * Rounding a = |W||r| + |q| + w |r| by entries gives the floors eps |a| / |q|, eps |a / w| / |r|.
+ * P projects on the cone |r_t| <= mu' r_n; w_n = W_nn, w_t = trace(W_tt) / (d-1); where one is not
+ * positive, the mean of the positive ones of its kind; where its kind has none, what the other kind
+ * has; else the largest entry of the diagonal blocks, else 1. |q| and |r| are those of the
+ * candidates that touch, P not 0.
+ *
+ * The floors are eps |e| / |q| and eps |D^-1 e| / |r|, e what rounds in D^1/2 F' of a candidate that
+ * touches, with a = |W||r| + |q| by entries:
+ *
+ *   stick, bonded  e = a + D|r|, and mu |a_t| in the normal entry of a stick
+ *   slip           x = (a_n + w_n r_n + mu w_t |r_t|) / (1 + mu'^2);  e_n = w_n r_n + x,
+ *                  e_t = w_t |r_t| + mu (w_t/w_n) x, and in 3D the turn of the slip, w_t |r_t| |a_t|
+ *                  / |w_t r_t - u_t|
  */
 #include <float.h>
 #include <math.h>
 
 #include "problem.h"
 
-static void measure_weights(const problem *p, long double *w) {
-  long double sum = 0, largest = 0;
+/* Completes the entries that are not positive of every second weight; 0: none is positive. */
+static int complete_kind(const problem *p, long double *w) {
+  long double sum = 0;
   int positive = 0;
-  for (int c = 0; c < p->nc; c++) {
-    w[c] = 0;
-    for (int k = 0; k < p->d; k++)
-      w[c] += p->W[(p->d * c + k) * (p->m + 1)];
-    for (int e = 0; e < p->d * p->d; e++)
-      largest = fmaxl(largest, fabsl(p->W[p->d * c + e % p->d + (p->d * c + e / p->d) * p->m]));
-    w[c] /= p->d;
-    if (w[c] > 0) sum += w[c], positive++;
-  }
   for (int c = 0; c < p->nc; c++)
-    if (!(w[c] > 0)) w[c] = positive ? sum / positive : largest > 0 ? largest : 1;
+    if (w[2 * c] > 0) sum += w[2 * c], positive++;
+  for (int c = 0; c < p->nc; c++)
+    if (positive && !(w[2 * c] > 0)) w[2 * c] = sum / positive;
+  return positive;
 }
 
-/* F := w r - P(w r - (u + mu |u_t| n)) of one candidate; d entries each. */
-static void measure_candidate(int d, long double w, double mu, const double *r,
-                              const long double *u, long double *F) {
-  long double x[3] = {0}, ut = 0, xt = 0;
-  for (int k = 1; k < d; k++)
-    ut = hypotl(ut, u[k]);
-  for (int k = 0; k < d; k++)
-    x[k] = w * r[k] - u[k] - (k == 0 ? mu * ut : 0);
-  for (int k = 1; k < d; k++)
-    xt = hypotl(xt, x[k]);
-  long double normal = 1,
-              tangent = 1; /* P(x) = (normal x_n, tangent x_t) or, on the edge, as below */
-  if (x[0] < 0 || xt > mu * x[0]) {
-    const long double edge = (x[0] + mu * xt) / (1 + (long double)mu * mu);
-    if (edge > 0) {
-      x[0] = edge;
-      tangent = xt > 0 ? mu * edge / xt : 0;
-    } else {
-      normal = tangent = 0;
-    }
+void measure_weights(const problem *p, long double *w) {
+  long double largest = 0;
+  for (int c = 0; c < p->nc; c++) {
+    const double *W = p->W + (size_t)(p->d * c) * (size_t)(p->m + 1);
+    w[2 * c] = W[0];
+    w[2 * c + 1] = p->d == 1 ? W[0] : 0;
+    for (int k = 1; k < p->d; k++)
+      w[2 * c + 1] += (long double)W[k * (p->m + 1)] / (p->d - 1);
+    for (int e = 0; e < p->d * p->d; e++)
+      largest = fmaxl(largest, fabsl((long double)W[e % p->d + e / p->d * p->m]));
   }
-  F[0] = w * r[0] - normal * x[0];
-  for (int k = 1; k < d; k++)
-    F[k] = w * r[k] - tangent * x[k];
+  if (!(largest > 0)) largest = 1;
+  const int normals = complete_kind(p, w), tangents = complete_kind(p, w + 1);
+  for (int c = 0; c < p->nc; c++) {
+    if (!normals) w[2 * c] = tangents ? w[2 * c + 1] : largest;
+    if (!tangents) w[2 * c + 1] = w[2 * c];
+  }
 }
 
-void measure_answer(const problem *p, const double *r, measure *out) {
-  const int d = p->d, m = p->m;
-  long double w[NC_MAX], u[M_MAX], a[M_MAX], F[3];
-  long double FF = 0, GG = 0, aa = 0, bb = 0, qq = 0, rr = 0, WW = 0;
-  measure_weights(p, w);
-  for (int i = 0; i < m; i++) {
+static long double tangent(int d, const long double *x) {
+  return d == 1 ? 0 : d == 2 ? fabsl(x[1]) : hypotl(x[1], x[2]);
+}
+
+int measure_branch(const problem *p, int c, const long double *weights, const long double *r,
+                   const long double *u, long double *F) {
+  const int d = p->d;
+  const long double S[2] = {sqrtl(weights[2 * c]), sqrtl(weights[2 * c + 1])};
+  const int bonded = isinf(p->mu[c]);
+  const long double mu = bonded || d == 1 ? 0 : p->mu[c] * (S[1] / S[0]);
+  long double x[3] = {0}, own[3] = {0}, up[3] = {0}, P[3] = {0};
+  for (int k = 0; k < d; k++) {
+    own[k] = S[k > 0] * r[k];
+    up[k] = u[k] / S[k > 0];
+  }
+  for (int k = 0; k < d; k++)
+    x[k] = own[k] - up[k] - (k == 0 ? mu * tangent(d, up) : 0);
+  const long double xt = tangent(d, x), ut = tangent(d, up);
+  long double longer = 0; /* |x_t| - |u'_t|, which cancels where a slip is fast */
+  for (int k = 1; k < d && xt + ut > 0; k++)
+    longer += own[k] * ((x[k] - up[k]) / (xt + ut));
+  const long double edge = (own[0] - up[0] + mu * longer) / (1 + mu * mu);
+  const int stick = bonded ? x[0] > 0 : x[0] >= 0 && xt <= mu * x[0];
+  const int branch = stick ? 1 : !bonded && edge > 0 ? 2 : 0;
+  for (int k = 0; k < d; k++)
+    P[k] = branch == 0 ? 0 : branch == 1 ? x[k] : k == 0 ? edge : mu * edge * (x[k] / xt);
+  if (branch == 2 && xt == 0) P[1] = P[2] = 0;
+  for (int k = 0; F && k < d; k++)
+    F[k] = S[k > 0] * (own[k] - P[k]);
+  return branch;
+}
+
+/* e (d) := what rounds in D^1/2 F' of candidate c in this branch; a = |W||r| + |q|. */
+static void measure_rounding(const problem *p, int c, int branch, const long double *w,
+                             const long double *r, const long double *u, const long double *a,
+                             long double *e) {
+  const int d = p->d;
+  const long double mu = p->mu[c], wide = mu * (w[1] / w[0]);
+  long double push[3] = {0}, v[3] = {0};
+  for (int k = 0; k < d; k++) {
+    push[k] = w[k > 0] * fabsl(r[k]);
+    v[k] = w[k > 0] * r[k] - u[k];
+    e[k] = branch ? a[k] + push[k] : 0;
+  }
+  if (d == 1 || branch == 0 || isinf(p->mu[c])) return;
+  const long double at = tangent(d, a), drag = tangent(d, push);
+  if (branch == 1) {
+    e[0] += mu * at;
+    return;
+  }
+  const long double x = (e[0] + mu * drag) / (1 + mu * wide);
+  e[0] = push[0] + x;
+  for (int k = 1; k < d; k++)
+    e[k] = push[k] + wide * x + (d == 3 && at > 0 ? drag * (at / tangent(d, v)) : 0);
+}
+
+typedef struct sums {
+  long double F, forces, e, e_forces, q, r, W;
+} sums;
+
+/* u := W r + q, a := |W||r|; m each */
+static void multiply(const problem *p, const double *r, long double *u, long double *a) {
+  const size_t m = (size_t)p->m;
+  for (size_t i = 0; i < m; i++) {
     u[i] = p->q[i];
     a[i] = 0;
-    for (int j = 0; j < m; j++) {
+  }
+  for (size_t j = 0; j < m; j++)
+    for (size_t i = 0; r[j] != 0 && i < m; i++) {
       const long double t = (long double)p->W[i + j * m] * r[j];
       u[i] += t;
       a[i] += fabsl(t);
     }
-    WW += a[i] * a[i];
-    a[i] += fabsl((long double)p->q[i]) + w[i / d] * fabsl((long double)r[i]);
-    qq += (long double)p->q[i] * p->q[i];
-    rr += (long double)r[i] * r[i];
-    aa += a[i] * a[i];
-    bb += a[i] * a[i] / (w[i / d] * w[i / d]);
-  }
-  for (int c = 0; c < p->nc; c++) {
-    measure_candidate(d, w[c], p->mu[c], r + d * c, u + d * c, F);
-    for (int k = 0; k < d; k++) {
-      FF += F[k] * F[k];
-      GG += F[k] * F[k] / (w[c] * w[c]);
-    }
-  }
-  const long double size = qq > 0 ? qq : WW;
-  out->u = (double)(FF == 0 ? 0 : sqrtl(FF / size));
-  const long double forces = GG > rr ? GG : rr; /* r = 0 is wrong by all of its forces: 1 */
-  out->r = (double)(GG == 0 ? 0 : sqrtl(GG / forces));
-  out->floor_u = (double)(aa == 0 ? 0 : DBL_EPSILON * sqrtl(aa / size));
-  out->floor_r = (double)(forces == 0 ? 0 : DBL_EPSILON * sqrtl(bb / forces));
 }
 
-int measure_holds(const measure *a, double tol, double slack, int forces) {
-  const double cap = tol > 1e-8 ? tol : 1e-8;
+void measure_answer(const problem *p, const double *r, measure *out) {
+  const int d = p->d;
+  static long double w[2 * NC_MAX], u[M_MAX], a[M_MAX];
+  sums s = {0};
+  measure_weights(p, w);
+  multiply(p, r, u, a);
+  for (int c = 0; c < p->nc; c++) {
+    const int o = d * c;
+    long double rc[3] = {0}, F[3] = {0}, e[3] = {0}, all[3] = {0};
+    for (int k = 0; k < d; k++) {
+      rc[k] = r[o + k];
+      all[k] = a[o + k] + fabsl((long double)p->q[o + k]);
+    }
+    const int branch = measure_branch(p, c, w, rc, u + o, F);
+    measure_rounding(p, c, branch, w + 2 * c, rc, u + o, all, e);
+    for (int k = 0; k < d; k++) {
+      const long double own = w[2 * c + (k > 0)];
+      s.F += F[k] * F[k];
+      s.forces += F[k] / own * (F[k] / own);
+      if (!branch) continue;
+      s.e += e[k] * e[k];
+      s.e_forces += e[k] / own * (e[k] / own);
+      s.q += (long double)p->q[o + k] * p->q[o + k];
+      s.r += rc[k] * rc[k];
+      s.W += a[o + k] * a[o + k];
+    }
+  }
+  const long double size = s.q > 0 ? s.q : s.W, forces = s.forces > s.r ? s.forces : s.r;
+  /* nothing touches, though r is not 0: 1 */
+  out->u = (double)(s.F == 0 ? 0 : size > 0 ? sqrtl(s.F / size) : 1);
+  out->r = (double)(s.forces == 0 ? 0 : sqrtl(s.forces / forces));
+  out->floor_u = (double)(s.e == 0 ? 0 : DBL_EPSILON * sqrtl(s.e / size));
+  out->floor_r = (double)(s.e_forces == 0 ? 0 : DBL_EPSILON * sqrtl(s.e_forces / forces));
+}
+
+int measure_holds(const measure *a, double tol, double slack, double most, int forces) {
+  const double cap = tol > most ? tol : most;
   const double bar_u = 4 * a->floor_u > tol ? 4 * a->floor_u : tol;
   const double bar_r = 4 * a->floor_r > tol ? 4 * a->floor_r : tol;
   return a->u <= slack * bar_u && 4 * a->floor_u <= slack * cap &&
-         (!forces || a->r <= slack * bar_r);
+         (!forces || (a->r <= slack * bar_r && 4 * a->floor_r <= slack * cap));
 }

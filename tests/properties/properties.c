@@ -18,7 +18,7 @@
 
 #include "check.h"
 
-enum { WAYS = 8 };
+enum { WAYS = DLS_HOMOTOPY + 2 };
 enum { saved_most = 3 /* of a class and rule */, saved_rule = 15, text_size = 400 };
 
 /* Of the symmetric solvable problems at most this share may stay unsolved by auto, besides
@@ -40,10 +40,12 @@ static double wall_clock(void) {
 
 typedef struct tally {
   long problems, visible, symmetric, solved, fine, lost_symmetric;
-  long status[DLS_TIME_LIMIT + 1]; /* of auto */
+  long status[DLS_TO_ROUNDING + 1]; /* of auto */
   long broken[RULES], both_true, doubtful;
   long by[RULES][WAYS]; /* method of the first run that shows it; the last: Lemke on an LCP */
+  long unknown, other;  /* runs */
   double forces;        /* worst residual_r of a solved one */
+  double amplified;     /* worst true error of a run, over tol and the condition */
   double seconds;       /* of CPU */
 } tally;
 
@@ -102,8 +104,8 @@ static int read_command(int count, char **words, command *to) {
 static int save_finding(const command *of, problem *p, int class, uint64_t seed,
                         const finding *found) {
   static const char *const word[RULES] = {
-      "",     "refused",  "likely", "proved", "held",    "forces", "unseen", "contradiction",
-      "bits", "odd-bits", "units",  "order",  "no-proof"};
+      "",     "refused",  "likely", "proved", "held",     "forces", "unseen", "contradiction",
+      "bits", "odd-bits", "units",  "order",  "no-proof", "true-r", "true-u"};
   char path[text_size], title[text_size], source[text_size];
   snprintf(path, sizeof path, "%s/%s-%s-%llu.txt", of->out, word[found->rule], class_name[class],
            (unsigned long long)seed);
@@ -115,6 +117,9 @@ static int save_finding(const command *of, problem *p, int class, uint64_t seed,
   if (!good) fprintf(stderr, "properties: %s: %s\n", path, strerror(errno));
   printf("%s: --seed %llu --count 1 --class %s: %s\n", path, (unsigned long long)seed,
          class_name[class], rule_text[found->rule]);
+  if (found->rule == TRUE_R || found->rule == TRUE_U)
+    printf("  true error %.1e, predicted %.1e, condition %.1e\n", found->is_true.error,
+           found->predicted, found->is_true.condition);
   fflush(stdout);
   return good;
 }
@@ -122,38 +127,45 @@ static int save_finding(const command *of, problem *p, int class, uint64_t seed,
 /* ---- tables ---------------------------------------------------------------------------------- */
 
 static void tally_print(const tally *t) {
-  printf("\n%-20s%9s%9s%9s%9s%10s%9s%9s%11s%9s\n", "class", "problems", "solvable", "solved",
-         "fine", "stalled", "likely", "proved", "forces", "ms");
+  printf("\n%-20s%9s%9s%9s%9s%9s%10s%9s%9s%11s%9s\n", "class", "problems", "solvable", "solved",
+         "fine", "rounding", "stalled", "likely", "proved", "forces", "ms");
   for (int k = 0; k < CLASSES; k++) {
     if (!t[k].problems) continue;
     const long other = t[k].problems - t[k].status[DLS_OK] - t[k].status[DLS_NO_SOLUTION_LIKELY] -
-                       t[k].status[DLS_NO_SOLUTION];
-    printf("%-20s%9ld%9ld%9ld%9ld%10ld%9ld%9ld%11.1e%9.2f\n", class_name[k], t[k].problems,
-           t[k].visible, t[k].solved, t[k].fine, other, t[k].status[DLS_NO_SOLUTION_LIKELY],
-           t[k].status[DLS_NO_SOLUTION], t[k].forces, 1e3 * t[k].seconds / (double)t[k].problems);
+                       t[k].status[DLS_NO_SOLUTION] - t[k].status[DLS_TO_ROUNDING];
+    printf("%-20s%9ld%9ld%9ld%9ld%9ld%10ld%9ld%9ld%11.1e%9.2f\n", class_name[k], t[k].problems,
+           t[k].visible, t[k].solved, t[k].fine, t[k].status[DLS_TO_ROUNDING], other,
+           t[k].status[DLS_NO_SOLUTION_LIKELY], t[k].status[DLS_NO_SOLUTION], t[k].forces,
+           1e3 * t[k].seconds / (double)t[k].problems);
   }
   printf(
       "solvable: planted, not hidden by rounding; solved, fine: of these by auto at tol and tol / "
       "100;\n"
-      "stalled, likely, proved: auto of all problems; forces: worst residual_r of a solved one;\n"
+      "rounding, stalled, likely, proved: auto of all problems; forces: worst residual_r of a "
+      "solved one;\n"
       "ms: CPU of a problem\n");
   printf("\n%-20s", "rules broken");
-  static const char *const head[RULES] = {"",       "error",  "likely",  "proved", "hold u",
-                                          "hold r", "unseen", "contra",  "bits",   "odd bits",
-                                          "units",  "order",  "no proof"};
+  static const char *const head[RULES] = {"",       "error",  "likely",   "proved", "hold u",
+                                          "hold r", "unseen", "contra",   "bits",   "odd bits",
+                                          "units",  "order",  "no proof", "true r", "true u"};
   for (int k = 1; k < RULES; k++)
     printf("%9s", head[k]);
-  printf("%9s%9s\n", "(both)", "(doubt)");
+  printf("%9s%9s%9s%9s%9s\n", "(both)", "(doubt)", "(unkn)", "(other)", "(error)");
   for (int k = 0; k < CLASSES; k++) {
     if (!t[k].problems) continue;
     printf("%-20s", class_name[k]);
     for (int b = 1; b < RULES; b++)
       printf("%9ld", t[k].broken[b]);
-    printf("%9ld%9ld\n", t[k].both_true, t[k].doubtful);
+    printf("%9ld%9ld%9ld%9ld%9.1e\n", t[k].both_true, t[k].doubtful, t[k].unknown, t[k].other,
+           t[k].amplified);
   }
-  printf("counted, not broken: (both) an exact proof beside an answer that holds to rounding;\n"
-         "(doubt) \"likely\" where another run has an answer that holds, the problem not being "
-         "planted\n");
+  printf(
+      "counted, not broken: (both) an exact proof beside an answer that holds to rounding;\n"
+      "(doubt) \"likely\" where another run has an answer that holds, the problem not being "
+      "planted;\n"
+      "runs: (unkn) solved, and the true answer not determined; (other) solved by an answer that "
+      "is not the planted one;\n"
+      "(error) largest true error of r over tol and the condition, rule 8 allows 1000\n");
 }
 
 /* Returns how many of n problems may stay unsolved at this share: three standard deviations and one
@@ -212,7 +224,7 @@ static int tally_conclude(const tally *t, double seconds, long runs) {
 
 static void tally_add(tally *t, const problem *p, const verdict *v) {
   t->problems++;
-  if (v->status >= 0 && v->status <= DLS_TIME_LIMIT) t->status[v->status]++;
+  if (v->status >= 0 && v->status <= DLS_TO_ROUNDING) t->status[v->status]++;
   t->visible += v->visible;
   t->solved += v->visible && v->solved;
   t->fine += v->visible && v->solved_fine;
@@ -220,6 +232,9 @@ static void tally_add(tally *t, const problem *p, const verdict *v) {
   t->lost_symmetric += v->visible && p->symmetric && !v->solved;
   t->both_true += v->both_true;
   t->doubtful += v->doubtful;
+  t->unknown += v->unknown;
+  t->other += v->other;
+  if (v->amplified > t->amplified) t->amplified = v->amplified;
   if (v->visible && v->forces > t->forces) t->forces = v->forces;
   for (int k = 0; k < v->findings; k++) {
     const finding *found = &v->finding[k];
@@ -254,7 +269,7 @@ int main(int count, char **words) {
   for (long i = 0; i < of.count && wall_clock() - start < of.seconds; i++) {
     const uint64_t seed = of.seed + of.step * (uint64_t)i;
     const int class = of.class >= 0      ? of.class
-                      : of.class == EACH ? (int)(seed % CLASSES)
+                      : of.class == EACH ? (int)(i % CLASSES)
                                          : class_of_seed(seed);
     const clock_t began = clock();
     generate(class, seed, &p);
@@ -268,7 +283,7 @@ int main(int count, char **words) {
     for (int k = 0; k < v.findings; k++) {
       const rule broken = v.finding[k].rule;
       if (all[class].broken[broken] > saved_most || saved[broken]++ >= saved_rule) continue;
-      small = p;
+      problem_copy(&small, &p);
       written &= save_finding(&of, &small, class, seed, &v.finding[k]);
     }
   }

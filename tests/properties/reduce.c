@@ -21,9 +21,8 @@ typedef struct reducer {
 } reducer;
 
 /* Returns 1 if the symmetric W is positive semidefinite but for rounding: Cholesky, largest pivot
- * first. */
-static int is_semidefinite(const problem *p) {
-  static long double a[M_MAX * M_MAX];
+ * first. a: scratch, m x m. */
+static int is_semidefinite_in(const problem *p, long double *a) {
   const int m = p->m;
   long double first = 0;
   for (int i = 0; i < m * m; i++)
@@ -49,21 +48,27 @@ static int is_semidefinite(const problem *p) {
   return 1;
 }
 
+static int is_semidefinite(const problem *p) {
+  long double *a = problem_alloc((size_t)p->m * (size_t)p->m * sizeof *a);
+  const int good = is_semidefinite_in(p, a);
+  free(a);
+  return good;
+}
+
 /* Takes r->trial for r->p if the finding stands; else r->trial is as before. */
 static int reducer_keep(reducer *r) {
   if ((double)clock() / CLOCKS_PER_SEC > r->until) return 0;
   problem *t = r->trial;
   if (t->kind == SOLVABLE) plant_q(t);
   const int good = (!t->symmetric || is_semidefinite(t)) && finding_stands(t, r->found);
-  *(good ? r->p : t) = *(good ? t : r->p);
+  problem_copy(good ? r->p : t, good ? t : r->p);
   return good;
 }
 
 /* trial := p without candidate c */
 static void drop_candidate(const problem *p, int c, problem *t) {
-  *t = *p;
-  t->nc = p->nc - 1;
-  t->m = p->d * t->nc;
+  problem_copy(t, p);
+  problem_resize(t, p->d, p->nc - 1);
   for (int j = 0; j < t->m; j++) {
     const int fj = j < p->d * c ? j : j + p->d;
     t->q[j] = p->q[fj];
@@ -81,7 +86,7 @@ static void reduce_candidates(reducer *r) {
     drop_candidate(r->p, c, r->trial);
     reducer_keep(r);
   }
-  *r->trial = *r->p;
+  problem_copy(r->trial, r->p);
 }
 
 static void reduce_entries(reducer *r) {
@@ -99,7 +104,7 @@ static void reduce_entries(reducer *r) {
     if (r->p->kind != SOLVABLE || r->trial->r[r->p->d * (i / r->p->d)] == 0 ||
         r->p->mu[i / r->p->d] == 0)
       reducer_keep(r);
-    *r->trial = *r->p;
+    problem_copy(r->trial, r->p);
   }
 }
 
@@ -126,7 +131,7 @@ static int reduce_vectors(reducer *r, int digits) {
     const int edge = t->d == 2 && fabs(push[1]) >= most;
     for (int k = 0; k < t->d; k++)
       t->q[t->d * c + k] = to_digits(t->q[t->d * c + k], digits);
-    if (t->d == 3) continue;
+    if (t->d != 2 || isinf(t->mu[c])) continue;
     t->mu[c] = to_digits(t->mu[c], digits);
     for (int k = 0; k < 2; k++) {
       push[k] = to_digits(push[k], digits);
@@ -141,7 +146,7 @@ static int reduce_vectors(reducer *r, int digits) {
 void reduce_problem(problem *p, const finding *found, double seconds) {
   static problem trial;
   reducer r = {p, &trial, found, (double)clock() / CLOCKS_PER_SEC + seconds};
-  trial = *p;
+  problem_copy(&trial, p);
   for (int before = p->nc + 1; p->nc < before;) {
     before = p->nc;
     reduce_candidates(&r);

@@ -14,17 +14,26 @@
 /* The problem as the library gets it. */
 typedef struct room {
   int d, nc, m, from[NC_MAX]; /* candidate c is from[c] of the problem */
-  double W[M_MAX * M_MAX], q[M_MAX], mu[NC_MAX], r[M_MAX];
-  int p[NC_MAX + 1], i[NC_MAX * NC_MAX];
-  double x[M_MAX * M_MAX];
+  double *W, q[M_MAX], mu[NC_MAX], r[M_MAX];
+  int p[NC_MAX + 1], *i;
+  double *x;
   dls_contact contact;
 } room;
 
-static void *room_alloc(size_t size) {
-  void *out = malloc(size);
-  if (out) return out;
-  fprintf(stderr, "properties: no memory\n");
-  exit(2);
+static room *room_create(const problem *p) {
+  room *at = problem_alloc(sizeof *at);
+  const size_t m = (size_t)p->m, nc = (size_t)p->nc;
+  at->W = problem_alloc(m * m * sizeof *at->W);
+  at->x = problem_alloc(m * m * sizeof *at->x);
+  at->i = problem_alloc(nc * nc * sizeof *at->i);
+  return at;
+}
+
+static void room_destroy(room *at) {
+  free(at->W);
+  free(at->x);
+  free(at->i);
+  free(at);
 }
 
 static void room_fill(room *at, const problem *p, const run *how) {
@@ -38,12 +47,14 @@ static void room_fill(room *at, const problem *p, const run *how) {
     at->from[k] = swap;
   }
   for (int j = 0; j < p->m; j++) {
+    const size_t m = (size_t)p->m;
     const int from_j = p->d * at->from[j / p->d] + j % p->d;
     at->q[j] = ldexp(p->q[from_j], how->power_q);
     at->mu[j / p->d] = p->mu[from_j / p->d];
     for (int i = 0; i < p->m; i++) {
       const int from_i = p->d * at->from[i / p->d] + i % p->d;
-      at->W[i + j * p->m] = ldexp(p->W[from_i + from_j * p->m], how->power_W);
+      at->W[(size_t)i + (size_t)j * m] =
+          ldexp(p->W[(size_t)from_i + (size_t)from_j * m], how->power_W);
     }
   }
   at->contact = (dls_contact){
@@ -62,10 +73,10 @@ static void room_start(room *at, const problem *p, const run *how, const outcome
     const int c = i / p->d, own = p->d * c;
     double weight = 0;
     for (int k = 0; k < p->d; k++)
-      weight += p->W[(own + k) * (p->m + 1)] / p->d;
+      weight += p->W[(size_t)(own + k) * (size_t)(p->m + 1)] / p->d;
     const double push = dice_between(&g, 0, 1);
     double start = how->warm == 1 && weight > 0 ? fabs(p->q[own]) / weight * push : 0;
-    if (how->warm == 1 && i != own) start *= (push - 0.5) * p->mu[c];
+    if (how->warm == 1 && i != own) start *= (push - 0.5) * fmin(p->mu[c], 10);
     if (how->warm == 2 && before) start = before->r[i];
     at->r[i] = ldexp(start, how->power_q - how->power_W);
   }
@@ -79,7 +90,7 @@ static void room_answer(const room *at, const problem *p, const run *how, double
 /* ---- the LCP --------------------------------------------------------------------------------- */
 
 typedef struct lcp_room {
-  double M[16 * NC_MAX * NC_MAX], q[4 * NC_MAX], z[4 * NC_MAX], v[4 * NC_MAX], s[NC_MAX];
+  double *M, q[4 * NC_MAX], z[4 * NC_MAX], v[4 * NC_MAX], s[NC_MAX];
 } lcp_room;
 
 /* Returns 1 if l->v proves without rounding that this LCP has no solution. */
@@ -114,7 +125,8 @@ static void divide_by_unit(room *at, double most) {
  * (nc): the normal part of its proof after DLS_NO_SOLUTION. */
 static dls_status solve_lcp(room *at, const run *how, int scaled, double *y, int *holds,
                             int *proof) {
-  lcp_room *l = room_alloc(sizeof *l);
+  lcp_room *l = problem_alloc(sizeof *l);
+  l->M = problem_alloc(16 * (size_t)at->nc * (size_t)at->nc * sizeof *l->M);
   const dls_contact *contact = &at->contact;
   double most = 0;
   for (int c = 0; c < at->nc; c++) {
@@ -155,6 +167,7 @@ static dls_status solve_lcp(room *at, const run *how, int scaled, double *y, int
       row += at->mu[c] > 0 ? how->rows : 1;
     }
   dls_lemke_destroy(lemke);
+  free(l->M);
   free(l);
   return status;
 }
@@ -164,7 +177,7 @@ static dls_status solve_lcp(room *at, const run *how, int scaled, double *y, int
 static int search_proof(const problem *p, const run *how, room *at) {
   double y[NC_MAX];
   int holds, proof;
-  if (p->d != 2) return 0;
+  if (p->d != 2 || problem_is_bonded(p)) return 0;
   for (int way = 0; way < 8; way++) {
     run lcp = *how;
     lcp.rows = way & 1 ? 4 : 3;
@@ -214,12 +227,13 @@ static dls_status solve_contact(room *at, const run *how, outcome *out, double *
     dls_solver_destroy(solver);
   }
   out->residual = info.certificate.residual;
+  out->error = info.error;
   out->factorisations = info.factorisations;
   return status;
 }
 
 void solve_run(const problem *p, const run *how, const outcome *before, outcome *out) {
-  room *at = room_alloc(sizeof *at);
+  room *at = room_create(p);
   double y[NC_MAX] = {0};
   memset(out, 0, sizeof *out);
   room_fill(at, p, how);
@@ -233,9 +247,13 @@ void solve_run(const problem *p, const run *how, const outcome *before, outcome 
   if (out->status >= 0) {
     room_answer(at, p, how, out->r);
     measure_answer(p, out->r, &out->is);
-    out->holds = measure_holds(&out->is, how->tol, 0.5, 1);
+    out->holds = measure_holds(&out->is, how->tol, 0.5, 1e-8, 1);
+    out->holds_to_rounding = measure_holds(&out->is, how->tol, 0.5, 1e-4, 1);
   }
+  if (out->status == DLS_OK && !how->rows && p->kind == SOLVABLE)
+    judge_truth(p, out->r, fmax(how->tol, 4 * fmax(out->is.floor_u, out->is.floor_r)),
+                how->method == DLS_AUTO, &out->is_true);
   if (out->status == DLS_NO_SOLUTION)
     out->proof = how->rows ? farkas_rounded(p, y) || search_proof(p, how, at) : farkas_holds(p, y);
-  free(at);
+  room_destroy(at);
 }

@@ -12,4 +12,8 @@ void remove_directory(void);
 /* Runs `delassus ARGUMENTS`, "@" standing for the test's directory; returns its exit status. */
 int run(const char *arguments);
 
+/* Ends a test that needs FCLIB files in a build without HDF5. */
+#define NEEDS_HDF5                                                                                 \
+  if (!WITH_HDF5) return
+
 #endif

@@ -27,7 +27,8 @@ class Solution:
     states       "free", "slip" or "stick" of each candidate
     solved       True: certified to tol
     status, words   number (DLS_...) and words of the outcome; above 0, r is the best answer found
-    residual, certificate   of r
+    residual, certificate   of r; where a reduction solved, of the body: equilibrium is a part
+    error        predicted relative error of r where that was looked at, else None
     iterations, method, stages, unique, ambiguous   as in delassus/info.h
     history      rows (stage, iteration, residual, cpu_seconds), with history=True
     """
@@ -36,13 +37,14 @@ class Solution:
         d, nc = problem.d, problem.nc
         self.status = status
         self.words = lib.dls_status_text(status).decode()
-        self.solved = status == 0
+        self.solved = lib.dls_status_name(status).decode() in ("DLS_OK", "DLS_TO_ROUNDING")
         self.r = r.reshape(nc, d)
         self.u = u.reshape(nc, d)
         self.x = None
         c = info.certificate
         self.certificate = Certificate(*(getattr(c, name) for name in Certificate._fields))
         self.residual = c.residual
+        self.error = info.error or None
         self.iterations = info.iterations
         self.method = _method_name(info.method)
         self.stages = [Stage(_method_name(s.method), s.iterations, s.factorisations, s.residual)
@@ -158,8 +160,9 @@ def find_method(name):
 
 def solve_problem(problem, method="auto", tol=None, max_iterations=None, cpu_seconds=None, r0=None,
                   acceleration=None, facets=None, positive_definite=None, history=False,
-                  progress=None, threads=None):
-    """Solves a dls_contact; the arguments are those of solve()."""
+                  progress=None, threads=None, body=None):
+    """Solves a dls_contact; the arguments are those of solve(). body: (reduction, mu, x), whose
+    dls_reduction_solve is called instead and fills x."""
     settings = structs["dls_solver_settings"]()
     lib.dls_solver_settings_init(byref(settings))
     settings.method = find_method(method)
@@ -176,8 +179,13 @@ def solve_problem(problem, method="auto", tol=None, max_iterations=None, cpu_sec
     set_limits(settings.limits, watch, tol, max_iterations, cpu_seconds, threads)
     settings.limits.warm_start = r0 is not None
     info = structs["dls_info"]()
-    status = watch.call("dls_solve", byref(problem), byref(settings), address(r), address(u),
-                        byref(info))
+    if body is None:
+        status = watch.call("dls_solve", byref(problem), byref(settings), address(r), address(u),
+                            byref(info))
+    else:
+        reduction, mu, x = body
+        status = watch.call("dls_reduction_solve", reduction, mu, byref(settings), address(r),
+                            address(u), address(x), byref(info))
     return Solution(problem, info, status, r, u, watch.history())
 
 

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "reduction_internal.h"
+#include "linear/operator.h"
 
 /* Copies P and mu of the active candidates. */
 static dls_status operator_candidates(dlsi_operator *H, const dls_model *model, int frictionless,

@@ -22,10 +22,10 @@
  * Cost of a step: 3 window m multiplications, and window^3 / 6. The loops are those of products.c:
  * a BLAS takes as long for its call where m is small, and threads where it is not.
  */
+#include "linear/anderson.h"
+
 #include <math.h>
 #include <string.h>
-
-#include "vi_internal.h"
 
 /* the Gram matrix knows a sine of less than sqrt(eps) as nothing but rounding */
 static const double dependent = 1e-5;

@@ -1,0 +1,370 @@
+/*
+ * global.c: the doors of the contact problem on K: a copy of the model in round variables, new
+ * values, a solve, the motion of a proof.
+ *
+ * K is copied with its repeated entries added up and its zeros left out: of a symmetric K the lower
+ * triangle. Memory: that, H twice, the system (system.c), 20 vectors. Fails: no memory.
+ */
+#include <limits.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "global_internal.h"
+
+enum { most_iterations = 5000, window = 10 };
+
+/* ---- the model ------------------------------------------------------------------------------- */
+
+/* What is made of a model. */
+typedef struct matrices {
+  dlsi_columns K, H;
+  dlsi_operator operator;
+  double *w, *root;
+  int *part, parts;
+} matrices;
+
+static void matrices_free(matrices *of) {
+  dlsi_columns_free(&of->K);
+  dlsi_columns_free(&of->H);
+  dlsi_operator_free(&of->operator);
+  free(of->w);
+  free(of->root);
+  free(of->part);
+}
+
+/* Adds up the entries of column j that count into sum (n, 0 elsewhere), and lists their rows.
+ * mark: n, j where a row is listed. Returns their number. */
+static int column_gather(const dls_model *model, int j, double *sum, int *mark, int *rows) {
+  const int lower = model->factorization != DLS_LU;
+  const int dense = model->operator_kind == DLS_STIFFNESS_DENSE;
+  const int from = dense ? 0 : model->Ks.p[j], end = dense ? model->n : model->Ks.p[j + 1];
+  int count = 0;
+  for (int k = from; k < end; k++) {
+    const int i = dense ? k : model->Ks.i[k];
+    if (lower && i < j) continue;
+    const double v =
+        dense ? model->K.a[(size_t)k + (size_t)j * (size_t)model->K.ld] : model->Ks.x[k];
+    if (dense && v == 0) continue;
+    if (mark[i] != j) {
+      mark[i] = j;
+      sum[i] = 0;
+      rows[count++] = i;
+    }
+    sum[i] += v;
+  }
+  return count;
+}
+
+static dls_status matrices_copy_K(matrices *to, const dls_model *model, dls_error *error) {
+  const size_t n = (size_t)model->n;
+  double *sum = dlsi_alloc(n, sizeof *sum);
+  int *mark = dlsi_alloc(2 * n, sizeof *mark), *rows = mark ? mark + n : NULL;
+  dls_status status = sum && mark ? DLS_OK : dlsi_no_memory(error);
+  for (int turn = 0; !status && turn < 2; turn++) {
+    size_t entries = 0;
+    for (size_t k = 0; k < n; k++)
+      mark[k] = -1;
+    for (int j = 0; !status && j < model->n; j++) {
+      const int count = column_gather(model, j, sum, mark, rows);
+      for (int k = 0; turn && k < count; k++) {
+        const size_t at = entries + (size_t)k;
+        to->K.i[at] = rows[k];
+        to->K.x[at] = sum[rows[k]];
+        if (!(fabs(sum[rows[k]]) <= DBL_MAX))
+          status = dlsi_fail(error, DLS_E_NOT_FINITE, "Ks", j, sum[rows[k]],
+                             "entries of one place in this column add up to %g", sum[rows[k]]);
+      }
+      if (turn) to->K.p[j] = (int)entries;
+      entries += (size_t)count;
+    }
+    if (status) break;
+    if (turn)
+      to->K.p[n] = (int)entries;
+    else if (entries > INT_MAX)
+      status = dlsi_fail(error, DLS_E_SIZE, "K", -1, (double)entries, "too many entries");
+    else
+      status = dlsi_columns_alloc(model->n, model->n, (int)entries, &to->K, error);
+  }
+  free(sum);
+  free(mark);
+  return status;
+}
+
+static dls_model matrices_view(const matrices *of, dls_factorization factorization) {
+  return (dls_model){.n = of->K.cols,
+                     .operator_kind = DLS_STIFFNESS_SPARSE,
+                     .factorization = factorization,
+                     .Ks = dlsi_columns_view(&of->K)};
+}
+
+/* Makes H by columns, the weights, and then H round. */
+static dls_status matrices_make_H(matrices *to, const dls_model *model, dls_error *error) {
+  const dlsi_columns *Ht = &to->operator.Ht;
+  const int d = model->d;
+  const size_t nc = (size_t)to->operator.candidates, m = (size_t)d * nc;
+  dlsi_triplets t;
+  dls_status status = dlsi_triplets_alloc(model->n, (int)m, (size_t)Ht->p[model->n], &t, error);
+  for (int j = 0; !status && j < model->n; j++)
+    for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++)
+      dlsi_triplets_add(&t, j, Ht->i[k], Ht->x[k]);
+  if (!status) status = dlsi_columns_compress(&t, 1, DLSI_ALL, &to->H, error);
+  dlsi_triplets_free(&t);
+  to->w = dlsi_alloc(2 * nc, sizeof *to->w);
+  to->root = dlsi_alloc(m, sizeof *to->root);
+  to->part = dlsi_alloc((size_t)model->n, sizeof *to->part);
+  if (!status && (!to->w || !to->root || !to->part)) status = dlsi_no_memory(error);
+  if (status) return status;
+  const dls_model K = matrices_view(to, model->factorization);
+  const dls_sparse H = dlsi_columns_view(&to->H);
+  to->parts = dlsi_body_parts(&K, to->part);
+  status = dlsi_body_weights(&K, &H, d, to->w, error);
+  for (size_t k = 0; !status && k < m; k++) {
+    to->root[k] = sqrt(to->w[2 * (k / (size_t)d) + (k % (size_t)d > 0)]);
+    for (int e = H.p[k]; e < H.p[k + 1]; e++)
+      to->H.x[e] /= to->root[k];
+  }
+  return status;
+}
+
+/* The caller calls matrices_free, also after an error. */
+static dls_status matrices_create(matrices *to, const dls_model *model, dls_error *error) {
+  *to = (matrices){.parts = 0};
+  dls_status status = dlsi_check_model(model, error);
+  if (status) return status;
+  if (model->operator_kind != DLS_STIFFNESS_DENSE && model->operator_kind != DLS_STIFFNESS_SPARSE)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "operator_kind", -1, model->operator_kind,
+                     "is not a stiffness, dense or sparse");
+  status = matrices_copy_K(to, model, error);
+  if (!status) status = dlsi_operator_create(&to->operator, model, 0, error);
+  return status ? status : matrices_make_H(to, model, error);
+}
+
+/* Takes over the matrices; *from receives the old ones. */
+static void global_take(dls_global *work, matrices *from) {
+  const matrices old = {work->K,    work->H,    work->operator, work->w,
+                        work->root, work->part, work->body.parts};
+  work->K = from->K;
+  work->H = from->H;
+  work->operator= from->operator;
+  work->w = from->w;
+  work->root = from->root;
+  work->part = from->part;
+  work->model = matrices_view(from, work->model.factorization);
+  work->body = (dlsi_body){.n = work->n,
+                           .model = &work->model,
+                           .Ht = dlsi_columns_view(&work->operator.Ht),
+                           .d = work->d,
+                           .nc = work->nc,
+                           .w = work->w,
+                           .part = work->part,
+                           .parts = from->parts};
+  *from = old;
+}
+
+/* ---- create, update, destroy ----------------------------------------------------------------- */
+
+static void global_carve(dls_global *work, dlsi_arena *arena) {
+  const size_t n = (size_t)work->n, m = (size_t)work->m, nc = (size_t)work->nc;
+  double **const of_m[] = {&work->gap,    &work->g,     &work->q,   &work->r,
+                           &work->z,      &work->p,     &work->u,   &work->before,
+                           &work->best_r, &work->trial, &work->look};
+  double **const of_n[] = {&work->motion, &work->x, &work->y, &work->best_x};
+  for (size_t k = 0; k < sizeof of_m / sizeof of_m[0]; k++)
+    *of_m[k] = dlsi_take(arena, m, sizeof(double));
+  for (size_t k = 0; k < sizeof of_n / sizeof of_n[0]; k++)
+    *of_n[k] = dlsi_take(arena, n, sizeof(double));
+  dlsi_anderson_carve(&work->history, arena, m, window, 0);
+  work->mu = dlsi_take(arena, nc, sizeof *work->mu);
+  work->bend = dlsi_take(arena, nc, sizeof *work->bend);
+  work->state = dlsi_take(arena, nc, sizeof *work->state);
+  /* as many connected bodies as unknowns: their number may change with the values of K */
+  const dlsi_body most = {.n = work->n, .d = work->d, .nc = work->nc, .parts = work->n};
+  work->scratch = dlsi_take(arena, dlsi_body_scratch(&most), sizeof *work->scratch);
+}
+
+static dls_status global_create(dls_global **out, const dls_model *model, dls_error *error) {
+  matrices of;
+  if (!out) return dlsi_is_null(error, "out");
+  *out = NULL;
+  dls_status status = matrices_create(&of, model, error);
+  dls_global *work = status ? NULL : calloc(1, sizeof *work);
+  if (!status && !work) status = dlsi_no_memory(error);
+  if (status) {
+    matrices_free(&of);
+    return status;
+  }
+  work->d = model->d;
+  work->n = model->n;
+  work->nodes = model->nodes;
+  work->nc = of.operator.candidates;
+  work->m = work->d * work->nc;
+  work->model.factorization = model->factorization;
+  global_take(work, &of);
+  dlsi_arena arena = {0};
+  global_carve(work, &arena);
+  status = dlsi_arena_allocate(&arena, "model", model->n, error);
+  if (!status) {
+    work->memory = arena.base;
+    global_carve(work, &arena);
+    const dls_sparse H = dlsi_columns_view(&work->H);
+    status = dlsi_system_create(&work->system, &work->model, &H, error);
+  }
+  if (status)
+    dls_global_destroy(work);
+  else
+    *out = work;
+  return status;
+}
+
+dls_status dls_global_create(dls_global **out, const dls_model *model, dls_error *error) {
+  return dlsi_at(__func__, global_create(out, model, error), error);
+}
+
+/* Returns 1 if both have the same pattern. */
+static int same_pattern(const dlsi_columns *A, const dlsi_columns *B) {
+  if (A->rows != B->rows || A->cols != B->cols) return 0;
+  if (memcmp(A->p, B->p, ((size_t)A->cols + 1) * sizeof *A->p)) return 0;
+  return !memcmp(A->i, B->i, (size_t)A->p[A->cols] * sizeof *A->i);
+}
+
+static dls_status global_update(dls_global *work, const dls_model *model, dls_error *error) {
+  matrices of;
+  dls_status status = matrices_create(&of, model, error);
+  if (!status && (model->d != work->d || model->n != work->n || model->nodes != work->nodes))
+    status = dlsi_fail(error, DLS_E_SIZE, "model", -1, model->n,
+                       "d, n or nodes are not those of create");
+  if (!status && model->factorization != work->model.factorization)
+    status = dlsi_fail(error, DLS_E_ARGUMENT, "factorization", -1, model->factorization,
+                       "is not what it was in create");
+  if (!status && of.operator.candidates != work->nc)
+    status = dlsi_fail(error, DLS_E_SIZE, "active", -1, of.operator.candidates,
+                       "other contacts than those of create");
+  if (!status && !same_pattern(&of.K, &work->K))
+    status = dlsi_fail(error, DLS_E_ARGUMENT, "Ks", -1, of.K.p[work->n],
+                       "the pattern is not the one of create");
+  if (!status && !same_pattern(&of.H, &work->H))
+    status = dlsi_fail(error, DLS_E_ARGUMENT, "HN", -1, of.H.p[work->m],
+                       "HN, HT, P touch other unknowns than those of create");
+  if (!status) {
+    global_take(work, &of);
+    const dls_sparse H = dlsi_columns_view(&work->H);
+    dlsi_system_update(work->system, &work->model, &H);
+    work->moves = 0;
+  }
+  matrices_free(&of);
+  return status;
+}
+
+dls_status dls_global_update(dls_global *global, const dls_model *model, dls_error *error) {
+  dls_status status =
+      global ? dlsi_enter(&global->busy, "global", error) : dlsi_is_null(error, "global");
+  if (!status) status = dlsi_leave(&global->busy, global_update(global, model, error));
+  return dlsi_at(__func__, status, error);
+}
+
+void dls_global_destroy(dls_global *global) {
+  if (!global) return;
+  matrices none = {.parts = 0};
+  global_take(global, &none);
+  matrices_free(&none);
+  dlsi_system_destroy(global->system);
+  free(global->memory);
+  free(global);
+}
+
+int dls_global_contacts(const dls_global *global) {
+  return global ? global->nc : 0;
+}
+
+const double *dls_global_motion(const dls_global *global, int *body) {
+  if (!global || !global->moves) return NULL;
+  if (body) *body = global->mover;
+  return global->motion;
+}
+
+/* ---- solve ----------------------------------------------------------------------------------- */
+
+static dls_status solve_check(const dls_global *work, const double *f, const double *g,
+                              const double *mu, const double *r, const double *x,
+                              dls_error *error) {
+  const size_t n = (size_t)work->n, m = (size_t)work->m;
+  dls_status status = dlsi_check_limits(work->limits, error);
+  if (!status && f) status = dlsi_check_vector("f", f, n, error);
+  if (!status && g)
+    status = dlsi_check_vector("g", g, (size_t)work->d * (size_t)work->nodes, error);
+  if (!status && mu) status = dlsi_check_friction(mu, (size_t)work->nc, error);
+  for (int c = 0; !status && mu && c < work->nc; c++)
+    if (mu[c] > 0 && !dlsi_has_tangents(&work->operator, c))
+      status = dlsi_fail(error, DLS_E_ARGUMENT, "mu", c, mu[c],
+                         "is %g, but model.mu was 0 there: the tangents were left out", mu[c]);
+  if (!status && !r && m > 0) status = dlsi_is_null(error, "r");
+  if (!status && !x) status = dlsi_is_null(error, "x");
+  if (status) return status;
+  const uintptr_t a = (uintptr_t)r, b = (uintptr_t)x;
+  if (m > 0 && a < b + n * sizeof *x && b < a + m * sizeof *r)
+    return dlsi_fail(error, DLS_E_ARGUMENT, "x", -1, 0, "overlaps r");
+  if (!work->limits->warm_start) return DLS_OK;
+  status = dlsi_check_vector("r", r, m, error);
+  return status ? status : dlsi_check_vector("x", x, n, error);
+}
+
+/* Takes loads, gaps, friction and the start in round variables. */
+static void solve_begin(dls_global *work, const double *f, const double *g, const double *mu,
+                        const double *r, const double *x) {
+  const size_t d = (size_t)work->d, m = (size_t)work->m;
+  const dlsi_columns *P = &work->operator.P;
+  work->f = f;
+  memset(work->gap, 0, m * sizeof *work->gap);
+  for (int c = 0; c < work->nc; c++) {
+    for (int k = P->p[c]; g && k < P->p[c + 1]; k++)
+      for (size_t i = 0; i < (dlsi_has_tangents(&work->operator, c) ? d : 1); i++)
+        work->gap[d * (size_t)c + i] += P->x[k] * g[d * (size_t)P->i[k] + i];
+    work->mu[c] = mu ? mu[c] : work->operator.mu ? work->operator.mu[c] : 0;
+    work->bend[c] = work->mu[c] * sqrt(work->w[2 * c + 1] / work->w[2 * c]);
+  }
+  const int warm = work->limits->warm_start;
+  for (size_t k = 0; k < m; k++) {
+    work->g[k] = work->gap[k] / work->root[k];
+    work->r[k] = warm ? r[k] * work->root[k] : 0;
+  }
+  for (int k = 0; k < work->n; k++)
+    work->x[k] = warm ? x[k] : 0;
+  work->iterations = work->factorisations = work->moves = 0;
+  work->best = (dls_certificate){.residual = INFINITY, .body = -1};
+}
+
+static dls_status global_solve(dls_global *work, const double *f, const double *g, const double *mu,
+                               const dls_limits *limits, double *r, double *x, dls_info *info,
+                               dls_error *error) {
+  dls_limits usual;
+  dlsi_limits_init(&usual);
+  work->limits = limits ? limits : &usual;
+  dls_status status = solve_check(work, f, g, mu, r, x, error);
+  if (status) return status;
+  work->begun = dlsi_clock_start(work->limits);
+  solve_begin(work, f, g, mu, r, x);
+  status = dlsi_global_split(work, dlsi_most_iterations(work->limits, most_iterations), error);
+  if (status < 0) return status;
+  if (work->m > 0) memcpy(r, work->best_r, (size_t)work->m * sizeof *r);
+  memcpy(x, work->best_x, (size_t)work->n * sizeof *x);
+  if (info)
+    *info = (dls_info){.status = status,
+                       .method = DLS_ADMM,
+                       .iterations = work->iterations,
+                       .factorisations = work->factorisations,
+                       .certificate = work->best};
+  dlsi_tell_last(work->limits, work->begun, "global", "global", work->iterations,
+                 work->best.residual, r);
+  return status;
+}
+
+dls_status dls_global_solve(dls_global *global, const double *f, const double *g, const double *mu,
+                            const dls_limits *limits, double *r, double *x, dls_info *info,
+                            dls_error *error) {
+  dls_status status =
+      global ? dlsi_enter(&global->busy, "global", error) : dlsi_is_null(error, "global");
+  if (!status)
+    status = dlsi_leave(&global->busy, global_solve(global, f, g, mu, limits, r, x, info, error));
+  return dlsi_at(__func__, status, error);
+}

@@ -1,0 +1,151 @@
+/*
+ * global_internal.h: declares what the files of global/ share.
+ *
+ * Round variables: r' = D^1/2 r, u' = D^-1/2 u, g' = D^-1/2 g, H' = H D^-1/2, mu' = mu
+ * (w_t/w_n)^1/2 with the weights D of the certificate (base/body.h). The law between u' and r' with
+ * mu' is the same law, and H' r' = H r. All files but global.c work in them and write no primes.
+ */
+#ifndef DLSI_GLOBAL_H
+#define DLSI_GLOBAL_H
+
+#include "base/body.h"
+#include "base/columns.h"
+#include "delassus/global.h"
+#include "linear/anderson.h"
+#include "linear/cholesky.h"
+#include "linear/dense.h"
+#include "linear/operator.h"
+#include "linear/sparse_lu.h"
+
+/* ---- general.c: LU of a matrix given by triplets --------------------------------------------- */
+
+/* Dense up to 250 unknowns, and in a build without MUMPS up to 8000; else by MUMPS. Zero at
+ * first. */
+typedef struct dlsi_general {
+  int n, dense;      /* dense: 1 if the last factor is dense */
+  dlsi_dense of;     /* its factor */
+  double *A, *scale; /* n^2; row and column scales, 4 n */
+  int *pivot;
+  size_t room;        /* largest n of the arrays */
+  dlsi_sparse_lu *lu; /* NULL where never needed */
+} dlsi_general;
+
+/* Factors the matrix of t, square. DLS_E_SINGULAR, DLS_E_UNSUPPORTED (without MUMPS),
+ * DLS_E_MEMORY. */
+dls_status dlsi_general_factor(dlsi_general *work, const dlsi_triplets *t, dls_error *error);
+
+/* x := A^-1 x, n. DLS_E_MEMORY. */
+dls_status dlsi_general_solve(dlsi_general *work, double *x, dls_error *error);
+
+/* Frees the memory, not *work itself. */
+void dlsi_general_free(dlsi_general *work);
+
+/* ---- system.c: A = K + rho H H^T + E ---------------------------------------------------------- */
+
+typedef struct dlsi_system {
+  int n, symmetric, definite; /* definite: 0 once a pivot has shown that A is not */
+  size_t entries, of_K, of_H; /* entries = of_K + of_H + n, in this order, of one triangle where K
+                                 is symmetric */
+  int *row, *col;             /* counted from 1: entries */
+  double *x;                  /* values of A: entries */
+  double *h;                  /* values of H H^T: of_H */
+  const double *K;            /* values of K, borrowed: of_K */
+  double *e;                  /* n: E is hold * e; |K_jj|, or the largest entry of column j */
+  double hold;                /* 0 where nothing is singular */
+  double *size;               /* n: scratch */
+  dlsi_cholesky *cholesky;    /* NULL where K is not symmetric */
+  dlsi_general general;
+} dlsi_system;
+
+/* Analyses. K: sparse, repeated entries added up; of a symmetric one the lower triangle alone. H: n
+ * x m. The values are read, and K.Ks.x is borrowed. *out = NULL on error: DLS_E_MEMORY,
+ * DLS_E_SIZE. */
+dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_sparse *H,
+                              dls_error *error);
+
+/* Takes new values on the same pattern. */
+void dlsi_system_update(dlsi_system *work, const dls_model *K, const dls_sparse *H);
+
+/* Factors A. Where A is singular, or a pivot is rounding, E holds what nothing else holds: hold :=
+ * 1e-8. The caller adds E x_old to the right side, so that a fixed point does not know E. Where A
+ * is not definite, by LU. DLS_E_SINGULAR, DLS_E_UNSUPPORTED, DLS_E_MEMORY. */
+dls_status dlsi_system_factor(dlsi_system *work, double rho, dls_error *error);
+
+/* x := A^-1 x. DLS_E_MEMORY. */
+dls_status dlsi_system_solve(dlsi_system *work, double *x, dls_error *error);
+
+/* NULL is fine. */
+void dlsi_system_destroy(dlsi_system *work);
+
+/* ---- the workspace --------------------------------------------------------------------------- */
+
+struct dls_global {
+  atomic_int busy;
+  int d, nc, nodes;
+  int n, m;
+  dls_model model; /* a view of K: n, operator_kind DLS_STIFFNESS_SPARSE, factorization, Ks */
+  dlsi_columns K;
+  dlsi_operator operator; /* H^T as it is, P, mu of the model */
+  dlsi_columns H;         /* n x m, round */
+  dlsi_body body;
+  double *w, *root; /* 2 nc; m: D^1/2 */
+  int *part;
+  dlsi_system *system;
+  int moves, mover; /* moves: 1 if `motion` proves that there is no solution; mover: its body */
+  double *motion;   /* n */
+
+  /* of the solve under way */
+  const dls_limits *limits;
+  double begun;
+  int iterations, factorisations;
+  const double *f;         /* n; NULL: 0 */
+  double *gap, *mu, *bend; /* g of the contacts, m; mu and mu' of the contacts, nc */
+  double *g;               /* D^-1/2 gap: m */
+  double rho;
+  double *q, *r, *z;       /* m: state; reactions; rho times the law's positions, before */
+  double *p, *before;      /* m: r - rho u; scratch */
+  int *state;              /* nc: dls_contact_state, -1: not known */
+  double *x, *y;           /* n: unknowns; right side and solution */
+  double *u;               /* m: H^T x + g */
+  double *best_r, *best_x; /* as the caller has them: m, n */
+  double *trial, *look;    /* m: r, u as the caller has them */
+  double *scratch;         /* dlsi_body_scratch */
+  dls_certificate best;
+  dlsi_anderson history; /* of q */
+  void *memory;          /* of the arrays */
+};
+
+/* ---- splitting.c ----------------------------------------------------------------------------- */
+
+/* u := H^T x + g and v += H r with the round H. */
+void dlsi_global_look(const dls_global *work, const double *x, double *u);
+void dlsi_global_push(const dls_global *work, const double *r, double *v);
+
+/* Measures the pair (work->x, r), r round, and keeps it if it is the best one. Returns DLS_OK if it
+ * is solved, DLS_TO_ROUNDING, or DLS_STALLED to go on. *found receives the certificate. */
+dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificate *found);
+
+/* Solves from work->r, work->x in at most `most` iterations; the best pair is in work->best_r, best_x. Returns a status of a solve. */
+dls_status dlsi_global_split(dls_global *work, int most, dls_error *error);
+
+/* r := the law's reactions for q = r - rho u. */
+void dlsi_global_resolve(const dls_global *work, const double *q, double *r);
+
+/* x := the solution of A x = f + H (2 r - q - rho g) + E x for r, q; u := H^T x + g. g NULL for
+ * 0. */
+dls_status dlsi_global_step(dls_global *work, const double *r, const double *q, const double *g,
+                            dls_error *error);
+
+/* ---- newton.c -------------------------------------------------------------------------------- */
+
+/* Takes Newton steps from work->x and r (round, m) and measures each. Returns as
+ * dlsi_global_measure, or an error; x is as before, r and u are spoilt. */
+dls_status dlsi_global_newton(dls_global *work, double *r, dls_error *error);
+
+/* ---- motion.c -------------------------------------------------------------------------------- */
+
+/* Looks for a rigid motion that nothing can hold. *proved := 1: work->motion holds it. Keeps q, p,
+ * x. DLS_E_MEMORY, DLS_E_SINGULAR. */
+dls_status dlsi_global_prove(dls_global *work, int *proved, dls_error *error);
+
+#endif

@@ -1,0 +1,248 @@
+/*
+ * newton.c: Newton steps on K itself, d = 2 and 3.
+ *
+ * In round variables, with v = r_n - u_n, tau = r_t - u_t, R = mu max(0, v), the law is Alart and
+ * Curnier's equation of vi/newton.c, whose branches say which part of a new r is known (t = tau /
+ * |tau|, in 3D p = t turned by 90 degrees):
+ *
+ *   (GN1)  free    v <= 0        r0 = 0                              nothing unknown
+ *          stick   |tau| <= R    r0 = r                              dr:           u = 0
+ *          slip    otherwise     r0 = r_n (n + mu t) + (p.r_t) p     dr = a (n + mu t) + b p:
+ *                                  u_n = 0  and, 3D,  p.u_t + l (p.r_t + b) = 0,
+ *                                  l = (|tau| - R) / R
+ *          slip, mu = 0          r0 = (r_n, 0)                       dr = a n:     u_n = 0
+ *   (GN2)  | K + E   -H F      | |dx|   | f + H r0 - K x             |
+ *          | G^T H^T  L + delta| |dy| = | -G^T u - (0 or l p.r_t)    |
+ *          F the directions dr, G the tests, L = l on the rows of b. LU.
+ *   (GN3)  x := x + dx, r := r0 + F dy
+ *
+ * delta = 1e-9 of the local compliance, which is 1 in round variables, keeps the matrix regular
+ * where contacts are redundant. E is that of the splitting. Both are proximal terms: right sides
+ * are residuals, so that a fixed point knows neither. Nor does it know that the factors of the step
+ * before serve again while no state has changed and they still gain a digit: a chord method.
+ *
+ * Every step is measured; the caller keeps the best pair. Ends after `most_steps`, or two steps in
+ * a row that did not halve what is measured, or where the matrix is singular.
+ * Cost of a step: LU of n + the unknowns of contact, which is several times a factor of A.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "global_internal.h"
+
+enum { most_steps = 12 };
+
+static const double delta = 1e-9;
+static const double least_beta = 1e-10; /* R / |tau|: l stays finite where R vanishes */
+static const double stale = 0.1;        /* gain of a step from which on factors are made anew */
+
+/* A contact under (GN1). */
+typedef struct branch {
+  dls_contact_state state;
+  int first, count; /* its unknowns */
+  double t[3], p[3];
+  double l;
+} branch;
+
+typedef struct newton {
+  dls_global *global;
+  branch *of;
+  dlsi_general general;
+  dlsi_triplets t;
+  double *v, *r, *x; /* right side and solution, n + m; r, m; x at the start, n */
+  int unknowns;      /* of contact */
+  int spatial;       /* 1: some contact slips in 3D */
+} newton;
+
+/* (GN1) Sets the branches; returns 1 if the unknowns are others than before. */
+static int newton_sort(newton *N, const double *r) {
+  const dls_global *work = N->global;
+  const int d = work->d;
+  int changed = 0, first = 0;
+  N->spatial = 0;
+  for (int c = 0; c < work->nc; c++) {
+    branch *b = &N->of[c], now = {.state = DLS_FREE, .first = first};
+    const double *rc = r + d * c, *uc = work->u + d * c, v = rc[0] - uc[0];
+    const double R = dlsi_friction_bound(work->bend[c], v);
+    double tau[3] = {0};
+    for (int i = 1; i < d; i++)
+      tau[i] = rc[i] - uc[i];
+    const double size = dlsi_tangent_norm(d, tau);
+    if (v > 0 && work->bend[c] == 0) {
+      now.state = DLS_SLIP;
+      now.count = 1;
+    } else if (v > 0 && size <= R) {
+      now.state = DLS_STICK;
+      now.count = d;
+    } else if (v > 0) {
+      now.state = DLS_SLIP;
+      now.count = d - 1;
+      for (int i = 1; i < d; i++)
+        now.t[i] = tau[i] / size;
+      now.p[1] = -now.t[2];
+      now.p[2] = now.t[1];
+      now.l = R > least_beta * size ? (size - R) / R : 1 / least_beta;
+      N->spatial |= d == 3;
+    }
+    first += now.count;
+    changed |= now.state != b->state || (d == 2 && now.t[1] != b->t[1]);
+    *b = now;
+  }
+  N->unknowns = first;
+  return changed;
+}
+
+/* e := direction j of (GN1), as the reactions take it (test = 0) or as positions are tested. */
+static void branch_vector(int d, double mu, const branch *b, int j, int test, double *e) {
+  e[0] = e[1] = e[2] = 0;
+  if (b->state == DLS_STICK || j == 0) e[j] = 1;
+  if (b->state != DLS_SLIP || mu == 0) return;
+  for (int i = 1; i < d; i++) {
+    if (j == 1) e[i] = b->p[i];
+    if (j == 0 && !test) e[i] = mu * b->t[i];
+  }
+  if (j == 1) e[0] = 0;
+}
+
+/* r0 of (GN1), in place. */
+static void newton_base(const newton *N, double *r) {
+  const int d = N->global->d;
+  for (int c = 0; c < N->global->nc; c++) {
+    const branch *b = &N->of[c];
+    double *rc = r + d * c, pr = 0;
+    const double mu = N->global->bend[c];
+    if (b->state == DLS_STICK) continue;
+    for (int i = 1; i < d; i++)
+      pr += b->p[i] * rc[i];
+    if (b->state == DLS_FREE) rc[0] = 0;
+    for (int i = 1; i < d; i++)
+      rc[i] = b->state == DLS_FREE || mu == 0 ? 0 : mu * rc[0] * b->t[i] + pr * b->p[i];
+  }
+}
+
+/* (GN2) */
+static dls_status newton_factor(newton *N, dls_error *error) {
+  const dls_global *work = N->global;
+  const dlsi_columns *K = &work->K, *H = &work->H;
+  const int d = work->d, n = work->n, symmetric = work->model.factorization != DLS_LU;
+  dlsi_triplets *t = &N->t;
+  t->rows = t->cols = n + N->unknowns;
+  t->count = 0;
+  for (int j = 0; j < n; j++) {
+    for (int k = K->p[j]; k < K->p[j + 1]; k++) {
+      dlsi_triplets_add(t, K->i[k], j, K->x[k]);
+      if (symmetric && K->i[k] != j) dlsi_triplets_add(t, j, K->i[k], K->x[k]);
+    }
+    if (work->system->hold > 0) dlsi_triplets_add(t, j, j, work->system->hold * work->system->e[j]);
+  }
+  for (int c = 0; c < work->nc; c++)
+    for (int j = 0; j < N->of[c].count; j++) {
+      const int at = n + N->of[c].first + j;
+      double F[3], G[3];
+      branch_vector(d, work->bend[c], &N->of[c], j, 0, F);
+      branch_vector(d, work->bend[c], &N->of[c], j, 1, G);
+      for (int i = 0; i < d; i++)
+        for (int k = H->p[d * c + i]; k < H->p[d * c + i + 1]; k++) {
+          if (F[i] != 0) dlsi_triplets_add(t, H->i[k], at, -F[i] * H->x[k]);
+          if (G[i] != 0) dlsi_triplets_add(t, at, H->i[k], G[i] * H->x[k]);
+        }
+      dlsi_triplets_add(t, at, at, delta + (j == 1 && N->of[c].state == DLS_SLIP ? N->of[c].l : 0));
+    }
+  return dlsi_general_factor(&N->general, t, error);
+}
+
+/* (GN2), (GN3) */
+static dls_status newton_step(newton *N, double *r, dls_error *error) {
+  dls_global *work = N->global;
+  const int d = work->d, n = work->n;
+  double *v = N->v;
+  dlsi_body_multiply(&work->model, work->x, v, NULL);
+  for (int j = 0; j < n; j++)
+    v[j] = (work->f ? work->f[j] : 0) - v[j];
+  dlsi_global_push(work, r, v);
+  for (int c = 0; c < work->nc; c++)
+    for (int j = 0; j < N->of[c].count; j++) {
+      const branch *b = &N->of[c];
+      double G[3], sum = 0;
+      branch_vector(d, work->bend[c], b, j, 1, G);
+      for (int i = 0; i < d; i++)
+        sum += G[i] * work->u[d * c + i] +
+               (b->state == DLS_SLIP && j == 1 && i > 0 ? b->l * b->p[i] * r[d * c + i] : 0);
+      v[n + b->first + j] = -sum;
+    }
+  const dls_status status = dlsi_general_solve(&N->general, v, error);
+  if (status) return status;
+  for (int j = 0; j < n; j++)
+    work->x[j] += v[j];
+  for (int c = 0; c < work->nc; c++)
+    for (int j = 0; j < N->of[c].count; j++) {
+      double F[3];
+      branch_vector(d, work->bend[c], &N->of[c], j, 0, F);
+      for (int i = 0; i < d; i++)
+        r[d * c + i] += F[i] * v[n + N->of[c].first + j];
+    }
+  dlsi_global_look(work, work->x, work->u);
+  return DLS_OK;
+}
+
+static dls_status newton_iterate(newton *N, double *r, dls_error *error) {
+  dls_global *work = N->global;
+  double before = INFINITY;
+  int slow = 0, fresh = 0;
+  for (int step = 0; step < most_steps && slow < 2; step++) {
+    const int changed = newton_sort(N, r);
+    newton_base(N, r);
+    if (step == 0 || changed || (N->spatial && !fresh)) {
+      const dls_status status = newton_factor(N, error);
+      work->factorisations++;
+      if (status) return status;
+    }
+    dls_status status = newton_step(N, r, error);
+    if (status) return status;
+    dls_certificate now;
+    status = dlsi_global_measure(work, r, &now);
+    if (status != DLS_STALLED) return status;
+    status = dlsi_tell(work->limits, work->begun,
+                       &(dls_progress){.method = "global",
+                                       .stage = "newton",
+                                       .iteration = step + 1,
+                                       .max_iterations = most_steps,
+                                       .residual = now.residual,
+                                       .r = work->trial});
+    if (status) return status;
+    const double badness = dlsi_body_badness(&now);
+    if (!(badness <= DBL_MAX)) break;
+    slow = badness < before / 2 ? 0 : slow + 1;
+    fresh = badness < stale * before;
+    before = badness;
+  }
+  return DLS_STALLED;
+}
+
+dls_status dlsi_global_newton(dls_global *work, double *r, dls_error *error) {
+  newton N = {.global = work};
+  dls_error why = {0};
+  const size_t n = (size_t)work->n, m = (size_t)work->m;
+  const size_t entries = 2 * (size_t)work->K.p[n] + n + m +
+                         6 * (size_t)work->H.p[m]; /* slip: H_n alone, H_n and H_t p, twice */
+  dls_status status =
+      dlsi_triplets_alloc(work->n + work->m, work->n + work->m, entries, &N.t, error);
+  N.of = calloc((size_t)work->nc + 1, sizeof *N.of);
+  N.v = dlsi_alloc(2 * n + m, sizeof *N.v);
+  if (!status && (!N.of || !N.v)) status = dlsi_no_memory(error);
+  if (!status) {
+    N.x = N.v + n + m;
+    memcpy(N.x, work->x, n * sizeof *N.x);
+    status = newton_iterate(&N, r, &why);
+    memcpy(work->x, N.x, n * sizeof *N.x);
+    if (status == DLS_E_SINGULAR || status == DLS_E_UNSUPPORTED)
+      status = DLS_STALLED; /* the splitting goes on alone */
+    else if (status < 0 && error)
+      *error = why;
+  }
+  dlsi_general_free(&N.general);
+  dlsi_triplets_free(&N.t);
+  free(N.of);
+  free(N.v);
+  return status;
+}

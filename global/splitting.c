@@ -1,0 +1,325 @@
+/*
+ * splitting.c: Douglas and Rachford's splitting on K, d = 2 and 3.
+ *
+ * In round variables (global_internal.h), with r_c, u_c joined by the law of contact and friction:
+ *
+ *   (GL1)  r := the law's reactions for q = r - rho u:  r_n = max(q_n, 0), r_t = q_t put on the disc
+ *          |.| <= mu r_n;  then rho z = r - q are the law's positions
+ *   (GL2)  (K + rho H H^T + E) x := f + H (r + rho (z - g)) + E x
+ *   (GL3)  u := H^T x + g
+ *   (GL4)  q := q + 1.6 (p - q),  p = r - rho u
+ *
+ * A fixed point has u = z, hence K x = f + H r. The pair (x, r(p)) is measured. K alone is never
+ * inverted: a body that contact alone holds is no special case. E is 0 but where a motion is held
+ * by nothing (system.c).
+ *
+ *   (GL5)  rho is looked at after 20, 40, 80, .. iterations. Where the smallest residual has halved
+ *          since, rho := rho sqrt(|p - q| / |rho (z - z')|), z' the z before, by 10 at most, if that
+ *          changes rho by more than sqrt(5). Where it has not, rho / 10, 10 rho, rho / 100, .. are
+ *          tried in turn. r and z stay. One factorisation. (AD5) of vi/admm.c.
+ *   (GL6)  Newton steps (newton.c) end the iteration where no state has changed between two looks
+ *          and the splitting would need more than `worth` iterations yet, which is what an LU takes.
+ *   (GL7)  Where contact is settled and equilibrium stands still, look for a motion that nothing
+ *          can hold (motion.c).
+ *
+ *   (GL8)  The next q by Anderson's acceleration of (GL4), 10 steps.
+ *   (GL9)  Where an accelerated q has more than twice the |p - q| of the q before, the step is taken
+ *          back: q := (GL4) of the q before, and the history is forgotten.
+ *
+ * Source: Lions and Mercier, SIAM J. Numer. Anal. 16, 1979, 964-979; vi/admm.c is the same on W.
+ * Cost: a solve with the factor of A an iteration, a product with K every 10.
+ * What can fail: Coulomb's law is not monotone; nothing proves convergence with friction.
+ */
+#include <limits.h>
+#include <string.h>
+
+#include "global_internal.h"
+
+enum { measure_every = 10, first_look = 20, worth = 200, no_progress = 1000 };
+
+static const double relaxation = 1.6;
+static const double most_growth = 2;          /* (GL9) */
+static const double off = 2.2360679774997896; /* (GL5): sqrt(5) */
+static const double most_change = 10;         /* (GL5) */
+static const double least_rho = 1e-8, most_rho = 100;
+
+/* ---- products with H ------------------------------------------------------------------------- */
+
+void dlsi_global_look(const dls_global *work, const double *x, double *u) {
+  const dlsi_columns *H = &work->H;
+  for (int k = 0; k < work->m; k++) {
+    double sum = work->g[k];
+    for (int e = H->p[k]; e < H->p[k + 1]; e++)
+      sum += H->x[e] * x[H->i[e]];
+    u[k] = sum;
+  }
+}
+
+void dlsi_global_push(const dls_global *work, const double *r, double *v) {
+  const dlsi_columns *H = &work->H;
+  for (int k = 0; k < work->m; k++)
+    for (int e = H->p[k]; r[k] != 0 && e < H->p[k + 1]; e++)
+      v[H->i[e]] += H->x[e] * r[k];
+}
+
+/* ---- the iteration --------------------------------------------------------------------------- */
+
+void dlsi_global_resolve(const dls_global *work, const double *q, double *r) {
+  const size_t d = (size_t)work->d;
+  for (int c = 0; c < work->nc; c++) {
+    const double *qc = q + d * (size_t)c;
+    double *rc = r + d * (size_t)c;
+    rc[0] = qc[0] > 0 ? qc[0] : 0;
+    const double R = dlsi_friction_bound(work->bend[c], rc[0]);
+    const double size = dlsi_tangent_norm(work->d, qc);
+    for (size_t i = 1; i < d; i++)
+      rc[i] = size > R ? R * (qc[i] / size) : qc[i];
+  }
+}
+
+dls_status dlsi_global_step(dls_global *work, const double *r, const double *q, const double *g,
+                            dls_error *error) {
+  const dlsi_system *A = work->system;
+  double *y = work->y;
+  for (int j = 0; j < work->n; j++)
+    y[j] = (work->f ? work->f[j] : 0) + A->hold * A->e[j] * work->x[j];
+  for (int k = 0; k < work->m; k++)
+    work->look[k] = 2 * r[k] - q[k] - (g ? work->rho * g[k] : 0);
+  dlsi_global_push(work, work->look, y);
+  const dls_status status = dlsi_system_solve(work->system, y, error);
+  if (status) return status;
+  memcpy(work->x, y, (size_t)work->n * sizeof *y);
+  dlsi_global_look(work, work->x, work->u);
+  return DLS_OK;
+}
+
+dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificate *found) {
+  for (int k = 0; k < work->m; k++)
+    work->trial[k] = r[k] / work->root[k];
+  dlsi_body_measure(&work->body, work->f, work->gap, work->mu, work->trial, work->x, work->look,
+                    work->scratch, found);
+  if (dlsi_body_badness(found) < dlsi_body_badness(&work->best)) {
+    work->best = *found;
+    memcpy(work->best_r, work->trial, (size_t)work->m * sizeof *work->trial);
+    memcpy(work->best_x, work->x, (size_t)work->n * sizeof *work->x);
+  }
+  const double tol = work->limits->tol;
+  return dls_certificate_verdict(&work->best, tol);
+}
+
+/* Returns |a - b|, b NULL for 0. */
+static double distance(int m, const double *a, const double *b, double *scratch) {
+  for (int k = 0; k < m; k++)
+    scratch[k] = a[k] - (b ? b[k] : 0);
+  return dlsi_norm2(scratch, (size_t)m);
+}
+
+/* Sets the states by q = r - rho u; returns how many have changed. */
+static int split_sort(dls_global *work, const double *q) {
+  int changed = 0;
+  for (int c = 0; c < work->nc; c++) {
+    const double *qc = q + work->d * c;
+    const double R = dlsi_friction_bound(work->bend[c], qc[0]);
+    const dls_contact_state now = !(qc[0] > 0)                         ? DLS_FREE
+                                  : dlsi_tangent_norm(work->d, qc) > R ? DLS_SLIP
+                                                                       : DLS_STICK;
+    changed += work->state[c] != (int)now;
+    work->state[c] = (int)now;
+  }
+  return changed;
+}
+
+/* What the looks remember. */
+typedef struct schedule {
+  int look;                /* iteration of the next (GL5) */
+  int newton, prove;       /* iteration from which on (GL6), (GL7) may be tried */
+  double jump;             /* (GL5): next factor where the residual stands still */
+  double residual_at_look; /* the smallest one at the look before */
+  double residual;         /* of the measure before */
+  double equilibrium;      /* at the look before */
+  double best;             /* badness of the best pair when it last halved, .. */
+  int since;               /* .. and the iteration */
+} schedule;
+
+static dls_status split_factor(dls_global *work, dls_error *error) {
+  work->factorisations++;
+  return dlsi_system_factor(work->system, work->rho, error);
+}
+
+/* (GL5) Returns the next rho. gap: |p - q|; change: |rho (z - z')|. */
+static double split_next_rho(const dls_global *work, double gap, double change, schedule *s) {
+  const double residual = dlsi_body_badness(&work->best);
+  double turn = s->jump;
+  if (residual <= s->residual_at_look / 2) {
+    turn = sqrt(gap / change); /* infinite: most_change */
+    if (turn <= off && turn >= 1 / off) turn = 1;
+    turn = fmin(fmax(turn, 1 / most_change), most_change);
+  } else
+    s->jump = s->jump < 1 ? 10 / s->jump : 0.1 / s->jump;
+  s->residual_at_look = residual;
+  if (s->look <= INT_MAX / 2) s->look *= 2;
+  return fmin(fmax(work->rho * turn, least_rho), most_rho);
+}
+
+/* (GL5) Goes on with another rho from the same r and z. */
+static dls_status split_adapt(dls_global *work, double gap, double change, schedule *s,
+                              dls_error *error) {
+  const double rho = split_next_rho(work, gap, change, s), f = rho / work->rho;
+  if (rho == work->rho) return DLS_OK;
+  dlsi_global_resolve(work, work->q, work->r);
+  for (int i = 0; i < work->m; i++) {
+    work->q[i] = work->r[i] + f * (work->q[i] - work->r[i]);
+    work->z[i] *= f;
+  }
+  work->rho = rho;
+  dlsi_anderson_clear(&work->history);
+  return split_factor(work, error);
+}
+
+/* (GL4), (GL8), (GL9) gap: |p - q|; *accepted: that of the q before. */
+static void split_advance(dls_global *work, double gap, double *accepted) {
+  dlsi_anderson *history = &work->history;
+  if (history->columns && !(gap <= most_growth * *accepted)) {
+    memcpy(work->q, history->g, (size_t)work->m * sizeof *work->q);
+    dlsi_anderson_clear(history);
+    return;
+  }
+  *accepted = gap;
+  for (int i = 0; i < work->m; i++) {
+    work->look[i] = relaxation * (work->p[i] - work->q[i]);
+    work->q[i] += work->look[i];
+  }
+  if (work->m > 0) (void)dlsi_anderson_step(history, work->m, work->look, work->q, NULL);
+}
+
+/* (GL6) Returns 1 if so many iterations are left that Newton steps are worth their factors. */
+static int newton_is_due(const dls_global *work, int k, int changed, const dls_certificate *now,
+                         const schedule *s) {
+  if (changed || k < s->newton || work->nc == 0) return 0;
+  const double gain = s->residual / now->residual, left = now->residual / work->limits->tol;
+  return !(gain > 1) || log(left) / log(gain) * measure_every > worth;
+}
+
+/* (GL6) Goes on from the pair of the steps if it is much better, else as before. */
+static dls_status split_newton(dls_global *work, int k, schedule *s, dls_error *error) {
+  const double before = dlsi_body_badness(&work->best);
+  const dls_status status = dlsi_global_newton(work, work->before, error);
+  if (status != DLS_STALLED) return status;
+  s->newton = 2 * k;
+  if (dlsi_body_badness(&work->best) < before / 2) {
+    memcpy(work->x, work->best_x, (size_t)work->n * sizeof *work->x);
+    dlsi_global_look(work, work->x, work->u);
+    for (int i = 0; i < work->m; i++)
+      work->p[i] = work->best_r[i] * work->root[i] - work->rho * work->u[i];
+    memcpy(work->q, work->p, (size_t)work->m * sizeof *work->q);
+    dlsi_anderson_clear(&work->history);
+  }
+  return DLS_STALLED;
+}
+
+/* Returns 1 if the parts of contact are far below that of equilibrium, which stands still. */
+static int stands_still(const dls_certificate *now, schedule *s) {
+  const double contact = now->residual_u > now->residual_r ? now->residual_u : now->residual_r;
+  const int still = now->equilibrium > 0.9 * s->equilibrium && contact < 0.1 * now->equilibrium;
+  s->equilibrium = now->equilibrium;
+  return still;
+}
+
+/* Returns the status of a solve that ends with the best pair unsolved. */
+static dls_status split_verdict(const dls_global *work, dls_status status) {
+  const dls_certificate *c = &work->best;
+  const double contact = c->residual_u > c->residual_r ? c->residual_u : c->residual_r;
+  return c->equilibrium > work->limits->tol && contact < 0.1 * c->equilibrium
+             ? DLS_NOT_IN_EQUILIBRIUM
+             : status;
+}
+
+/* Measures and decides at iteration k. p: r - rho u. Returns DLS_STALLED to go on, with *end = 0.
+ * */
+static dls_status split_look(dls_global *work, int k, int most, const double *p, schedule *s,
+                             int *end, dls_error *error) {
+  dls_certificate now;
+  dlsi_global_resolve(work, p, work->before);
+  dls_status status = dlsi_global_measure(work, work->before, &now);
+  *end = 1;
+  if (status != DLS_STALLED) return status;
+  dls_progress progress = {.method = "global",
+                           .stage = "global",
+                           .iteration = k,
+                           .max_iterations = most,
+                           .residual = now.residual,
+                           .r = work->trial};
+  status = dlsi_tell(work->limits, work->begun, &progress);
+  if (status) return status;
+  if (k % measure_every) { /* between two looks */
+    *end = 0;
+    return DLS_STALLED;
+  }
+  if (newton_is_due(work, k, split_sort(work, p), &now, s)) {
+    status = split_newton(work, k, s, error);
+    if (status != DLS_STALLED) return status;
+  }
+  s->residual = now.residual;
+  if (k >= s->look && stands_still(&now, s) && k >= s->prove) {
+    int proved = 0;
+    s->prove = 2 * k;
+    status = dlsi_global_prove(work, &proved, error);
+    if (status) return status;
+    if (proved) return DLS_NO_SOLUTION;
+  }
+  const double badness = dlsi_body_badness(&work->best);
+  if (badness < s->best / 2) {
+    s->best = badness;
+    s->since = k;
+  }
+  *end = k - s->since > no_progress || now.residual != now.residual;
+  return *end ? split_verdict(work, DLS_STALLED) : DLS_STALLED;
+}
+
+dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
+  const int m = work->m;
+  schedule s = {.look = first_look,
+                .newton = first_look,
+                .jump = 0.1,
+                .residual_at_look = INFINITY,
+                .residual = INFINITY,
+                .equilibrium = INFINITY,
+                .best = INFINITY};
+  dls_certificate now;
+  double accepted = 0;
+  dlsi_anderson_clear(&work->history);
+  for (int c = 0; c < work->nc; c++)
+    work->state[c] = -1;
+  work->rho = 1;
+  dlsi_global_look(work, work->x, work->u);
+  dls_status status = dlsi_global_measure(work, work->r, &now);
+  if (status != DLS_STALLED) return status;
+  status = split_factor(work, error);
+  for (int k = 0; k < m; k++)
+    work->q[k] = work->r[k] - work->rho * work->u[k];
+  memset(work->z, 0, (size_t)m * sizeof *work->z);
+  for (int k = 1; !status && k <= most; k++) {
+    work->iterations = k;
+    dlsi_global_resolve(work, work->q, work->r); /* (GL1) */
+    for (int i = 0; i < m; i++)
+      work->before[i] = work->r[i] - work->q[i];
+    const double change = distance(m, work->before, work->z, work->look);
+    memcpy(work->z, work->before, (size_t)m * sizeof *work->z);
+    status = dlsi_global_step(work, work->r, work->q, work->g, error); /* (GL2), (GL3) */
+    if (status) break;
+    for (int i = 0; i < m; i++)
+      work->p[i] = work->r[i] - work->rho * work->u[i];
+    const double gap = distance(m, work->p, work->q, work->look);
+    const double size = distance(m, work->r, NULL, work->look);
+    const int adapt = k >= s.look && k % measure_every == 0;
+    if (k % measure_every == 0 || k == most || gap <= work->limits->tol * size) {
+      int end;
+      status = split_look(work, k, most, work->p, &s, &end, error);
+      if (end) return status;
+      status = DLS_OK;
+    }
+    split_advance(work, gap, &accepted);
+    if (adapt) status = split_adapt(work, gap, change, &s, error); /* (GL5) */
+  }
+  return status ? status : split_verdict(work, DLS_MAX_ITERATIONS);
+}

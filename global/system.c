@@ -1,0 +1,206 @@
+/*
+ * system.c: A = K + rho H H^T + E, factored for one rho after the other on one analysis.
+ *
+ *   A is positive definite if K is semidefinite and no motion that K leaves free leaves every
+ *   contact where it is: bodies that contact alone holds need no springs. Supernodal Cholesky.
+ *   E = hold diag(|K_jj|), hold = 0 or 1e-8, is for the other motions: a proximal term, whose
+ *   E x_old stands on the right side. Elastic motions hardly know it.
+ *   LU where K is not symmetric, or A is not definite with E either.
+ *
+ * A pivot below 1e-13 of its diagonal entry is taken for rounding. The order is METIS's; the order
+ * of the unknowns in a build without it.
+ * Cost: a factorisation for each rho. Fails: singular with E, no memory.
+ */
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "global_internal.h"
+#include "linear/dissection.h"
+
+static const double soft = 1e-8;
+static const double rounding = 1e-13;
+
+/* Lists the entries of H H^T at rows, columns, values (NULL: only counts): those of one triangle,
+ * whichever, where `half`. Returns their number. */
+static size_t system_list(const dls_sparse *H, int half, int *row, int *col, double *h) {
+  size_t count = 0;
+  for (int c = 0; c < H->cols; c++)
+    for (int a = H->p[c]; a < H->p[c + 1]; a++)
+      for (int b = half ? a : H->p[c]; b < H->p[c + 1]; b++) {
+        if (row) {
+          row[count] = H->i[a] + 1;
+          col[count] = H->i[b] + 1;
+        }
+        if (h) h[count] = H->x[a] * H->x[b] * (half && a != b && H->i[a] == H->i[b] ? 2 : 1);
+        count++;
+      }
+  return count;
+}
+
+void dlsi_system_update(dlsi_system *work, const dls_model *K, const dls_sparse *H) {
+  work->K = K->Ks.x;
+  (void)system_list(H, work->symmetric, NULL, NULL, work->h);
+  memset(work->e, 0, (size_t)work->n * sizeof *work->e);
+  for (size_t k = 0; k < work->of_K; k++)
+    if (work->row[k] == work->col[k]) work->e[work->row[k] - 1] += fabs(work->K[k]);
+  for (int j = 0; j < work->n; j++)
+    work->size[j] = work->e[j];
+  for (size_t k = 0; k < work->of_K; k++) { /* a multiplier has no diagonal entry */
+    const int i = work->row[k] - 1, j = work->col[k] - 1;
+    const double v = fabs(work->K[k]);
+    if (work->size[i] == 0 && v > work->e[i]) work->e[i] = v;
+    if (work->size[j] == 0 && v > work->e[j]) work->e[j] = v;
+  }
+  double most = dlsi_max_abs(work->e, (size_t)work->n);
+  for (int j = 0; j < work->n; j++)
+    if (work->e[j] == 0) work->e[j] = most > 0 ? most : 1;
+  work->definite = work->symmetric;
+  work->hold = 0;
+}
+
+static dls_status system_analyse(dlsi_system *work, dls_error *error) {
+  dls_error why = {0};
+  int *order = dlsi_alloc((size_t)work->n, sizeof *order);
+  int *turn = dlsi_alloc((size_t)work->n, sizeof *turn);
+  dls_status status = order && turn ? DLS_OK : dlsi_no_memory(error);
+  if (!status) {
+    status = dlsi_dissection(work->n, work->entries, work->row, work->col, order, &why);
+    for (int k = 0; k < work->n; k++)
+      turn[status ? k : order[k]] = k + 1;
+    if (status == DLS_E_UNSUPPORTED)
+      status = DLS_OK;
+    else if (status && error)
+      *error = why;
+  }
+  if (!status)
+    status = dlsi_cholesky_create(&work->cholesky, work->n, work->entries, work->row, work->col,
+                                  turn, 0, error);
+  free(order);
+  free(turn);
+  return status;
+}
+
+dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_sparse *H,
+                              dls_error *error) {
+  *out = NULL;
+  dlsi_system *work = calloc(1, sizeof *work);
+  if (!work) return dlsi_no_memory(error);
+  const size_t n = (size_t)K->n;
+  work->n = K->n;
+  work->symmetric = K->factorization != DLS_LU;
+  work->of_K = (size_t)K->Ks.p[K->n];
+  work->of_H = system_list(H, work->symmetric, NULL, NULL, NULL);
+  work->entries = work->of_K + work->of_H + n;
+  work->row = dlsi_alloc(work->entries, sizeof *work->row);
+  work->col = dlsi_alloc(work->entries, sizeof *work->col);
+  work->x = dlsi_alloc(work->entries, sizeof *work->x);
+  work->h = dlsi_alloc(work->of_H, sizeof *work->h);
+  work->e = dlsi_alloc(2 * n, sizeof *work->e);
+  dls_status status = DLS_OK;
+  if (work->entries > INT_MAX)
+    status = dlsi_fail(error, DLS_E_SIZE, "model", -1, (double)work->entries, "too many entries");
+  else if (!work->row || !work->col || !work->x || !work->h || !work->e)
+    status = dlsi_no_memory(error);
+  if (!status) {
+    work->size = work->e + n;
+    for (int j = 0; j < work->n; j++)
+      for (int k = K->Ks.p[j]; k < K->Ks.p[j + 1]; k++) {
+        work->row[k] = K->Ks.i[k] + 1;
+        work->col[k] = j + 1;
+      }
+    (void)system_list(H, work->symmetric, work->row + work->of_K, work->col + work->of_K, NULL);
+    for (size_t k = 0; k < n; k++)
+      work->row[work->of_K + work->of_H + k] = work->col[work->of_K + work->of_H + k] = (int)k + 1;
+    dlsi_system_update(work, K, H);
+    if (work->symmetric) status = system_analyse(work, error);
+  }
+  if (status)
+    dlsi_system_destroy(work);
+  else
+    *out = work;
+  return status;
+}
+
+/* x := the values of A. */
+static void system_values(dlsi_system *work, double rho) {
+  memcpy(work->x, work->K, work->of_K * sizeof *work->x);
+  for (size_t k = 0; k < work->of_H; k++)
+    work->x[work->of_K + k] = rho * work->h[k];
+  for (size_t k = 0; k < (size_t)work->n; k++)
+    work->x[work->of_K + work->of_H + k] = work->hold * work->e[k];
+}
+
+/* Tries Cholesky; returns 0, a status, or 1 where a pivot is rounding or not positive. */
+static int system_cholesky(dlsi_system *work, dls_error *error) {
+  double pivot;
+  const int failed = dlsi_cholesky_factor(work->cholesky, work->x, &pivot);
+  if (failed < 0) return dlsi_no_memory(error);
+  if (failed) return 1;
+  memset(work->size, 0, (size_t)work->n * sizeof *work->size);
+  for (size_t k = 0; k < work->entries; k++)
+    if (work->row[k] == work->col[k]) work->size[work->row[k] - 1] += work->x[k];
+  for (int k = 0; k < work->n; k++) {
+    const double l = work->cholesky->pivot[work->cholesky->place[k]];
+    if (!(l * l * work->size[k] * rounding < 1)) return 1;
+  }
+  return 0;
+}
+
+static dls_status system_lu(dlsi_system *work, dls_error *error) {
+  dlsi_triplets t;
+  dls_status status =
+      dlsi_triplets_alloc(work->n, work->n, work->entries * (work->symmetric ? 2 : 1), &t, error);
+  for (size_t k = 0; !status && k < work->entries; k++) {
+    const int i = work->row[k] - 1, j = work->col[k] - 1;
+    dlsi_triplets_add(&t, i, j, work->x[k]);
+    if (work->symmetric && i != j) dlsi_triplets_add(&t, j, i, work->x[k]);
+  }
+  if (!status) status = dlsi_general_factor(&work->general, &t, error);
+  dlsi_triplets_free(&t);
+  return status;
+}
+
+dls_status dlsi_system_factor(dlsi_system *work, double rho, dls_error *error) {
+  const double held = work->hold;
+  for (int turn = 0; work->definite && turn < 2; turn++) {
+    system_values(work, rho);
+    const int answer = system_cholesky(work, error);
+    if (answer <= 0) return (dls_status)answer;
+    if (work->hold > 0) break;
+    work->hold = soft;
+  }
+  if (work->definite) {
+    work->definite = 0;
+    work->hold = held;
+  }
+  system_values(work, rho);
+  dls_error why = {0};
+  dls_status status = system_lu(work, &why);
+  if (status == DLS_E_SINGULAR && work->hold == 0) {
+    work->hold = soft;
+    system_values(work, rho);
+    status = system_lu(work, &why);
+  }
+  if (status == DLS_E_SINGULAR)
+    return dlsi_fail(error, DLS_E_SINGULAR, "model", -1, 0, "K + H R H^T is singular");
+  if (status && error) *error = why;
+  return status;
+}
+
+dls_status dlsi_system_solve(dlsi_system *work, double *x, dls_error *error) {
+  return work->definite ? dlsi_cholesky_solve(work->cholesky, x, 1, error)
+                        : dlsi_general_solve(&work->general, x, error);
+}
+
+void dlsi_system_destroy(dlsi_system *work) {
+  if (!work) return;
+  dlsi_cholesky_destroy(work->cholesky);
+  dlsi_general_free(&work->general);
+  free(work->row);
+  free(work->col);
+  free(work->x);
+  free(work->h);
+  free(work->e);
+  free(work);
+}

@@ -1,0 +1,84 @@
+/*
+ * delassus/global.h: the contact problem on K itself. W is never formed.
+ *
+ *   K x = f + H r,   u = H^T x + g,   the law of contact and friction between u and r
+ *                                                            [Jean 1988] (3.3)1-3, (2.1)1, 4.2
+ *
+ * delassus/reduction.h says what x, f, K, H, g are; delassus/contact.h has the law. Use it for
+ *
+ *   - contact over whole surfaces, where W is large: cost and memory are those of two factors of K
+ *   - bodies that contact alone holds: K may be singular, without springs and without modes
+ *   - K nearly singular: soft supports
+ *
+ * The answer is the pair (x, r). Its certificate has three parts: positions, forces, and the
+ * equilibrium of each connected body (global/README.md).
+ */
+#ifndef DELASSUS_GLOBAL_H
+#define DELASSUS_GLOBAL_H
+
+#include "delassus/info.h"
+#include "delassus/model.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct dls_global dls_global;
+
+/* Copies the model, analyses K + H R H^T. *out = NULL on error. model: DLS_STIFFNESS_DENSE (its
+ * entries that are 0 are left out) or DLS_STIFFNESS_SPARSE; K may be singular, symmetric or not, and
+ * with DLS_CHOLESKY need not be definite. Contacts are the active candidates; where model.mu is 0
+ * the tangents are left out. model.modes is not read. m = d * contacts.
+ *
+ * Memory: the factor of K + H R H^T, twice K, H, some vectors. DLS_E_UNSUPPORTED for a flexibility
+ * or a host's solver, and for K unsymmetric or indefinite with more than 8000 unknowns in a build
+ * without MUMPS; DLS_E_SIZE, DLS_E_MEMORY, the errors of dls_model_check. */
+DLS_API DLS_MUST_USE dls_status dls_global_create(dls_global **out, const dls_model *model,
+                                                  dls_error *error);
+
+/* Takes new values of K, H, P on the pattern of create and keeps the analysis. DLS_E_SIZE or
+ * DLS_E_ARGUMENT for another size or pattern; after an error the object is as it was. */
+DLS_API DLS_MUST_USE dls_status dls_global_update(dls_global *global, const dls_model *model,
+                                                  dls_error *error);
+
+/* Solves for new loads and gaps.
+ *
+ *   f       loads, n; NULL for 0                                        force (impulse)
+ *   g       gaps, d * nodes, as dls_reduction_load; NULL for 0          length (velocity)
+ *   mu      friction of the contacts; INFINITY: bonded; NULL: model.mu, or 0 without it
+ *   limits  NULL for the defaults; max_iterations: of the splitting, 0: 5000; blocks and threads
+ *           are not read. warm_start: starts from r and x as passed in
+ *   r       reactions, m: in for a warm start, out                      force (impulse)
+ *   x       unknowns, n: in for a warm start, out                       length (velocity)
+ *   info    or NULL: iterations, factorisations, certificate of (x, r)
+ *
+ * r, x must not overlap each other or the rest. Allocates the matrix of a Newton step while it is
+ * tried, and what MUMPS and the factors allocate.
+ *
+ * DLS_OK; DLS_TO_ROUNDING: solved as well as double precision holds (x, r), the floors say how
+ * well; DLS_NO_SOLUTION: proved, dls_global_motion shows why; DLS_NOT_IN_EQUILIBRIUM: a body's
+ * forces do not balance and no proof was found; DLS_STALLED, DLS_MAX_ITERATIONS, DLS_CANCELLED,
+ * DLS_TIME_LIMIT: with the best pair met. DLS_E_ARGUMENT (mu > 0 where model.mu is 0, a negative
+ * mu), DLS_E_NOT_FINITE, DLS_E_SETTINGS, DLS_E_MEMORY, DLS_E_SINGULAR, DLS_E_BUSY. */
+DLS_API DLS_MUST_USE dls_status dls_global_solve(dls_global *global, const double *f,
+                                                 const double *g, const double *mu,
+                                                 const dls_limits *limits, double *r, double *x,
+                                                 dls_info *info, dls_error *error);
+
+/* Returns the number of contacts; 0 for NULL. */
+DLS_API int dls_global_contacts(const dls_global *global);
+
+/* Returns the rigid motion b (n) that proves DLS_NO_SOLUTION after the last solve, NULL after any
+ * other status. K b = 0 to rounding, b^T f > 0, and (H^T b)_n >= mu |(H^T b)_t| to rounding at
+ * every contact: whatever r the law allows, b^T (f + H r) > 0, and nothing balances it. *body (or
+ * NULL): the first unknown of the connected body that moves most. */
+DLS_API const double *dls_global_motion(const dls_global *global, int *body);
+
+/* NULL is fine. */
+DLS_API void dls_global_destroy(dls_global *global);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,103 @@
+/*
+ * kept.c: what a reduction keeps of the host's model for the certificate of the body: K, the weights of
+ * the contacts, the connected bodies, the loads and gaps as they were given.
+ *
+ * The factor does not do: K x is a product with K itself, without the springs that hold it. Cost: the
+ * entries of K, and O(entries) operations.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "reduction_internal.h"
+
+/* Copies a dense K without gaps. */
+static dls_status kept_dense(dlsi_kept *kept, const dls_model *model, dls_error *error) {
+  const size_t n = (size_t)model->n;
+  double *a = kept->x = dlsi_alloc(n, n * sizeof *a);
+  if (!a) return dlsi_no_memory(error);
+  for (size_t j = 0; j < n; j++)
+    memcpy(a + j * n, model->K.a + j * (size_t)model->K.ld, n * sizeof *a);
+  kept->model.K = (dls_dense){model->n, model->n, model->n, a};
+  return DLS_OK;
+}
+
+static dls_status kept_sparse(dlsi_kept *kept, const dls_model *model, dls_error *error) {
+  const size_t n = (size_t)model->n, entries = (size_t)model->Ks.p[n];
+  kept->x = dlsi_alloc(entries, sizeof *kept->x);
+  kept->index = dlsi_alloc(n + 1 + entries, sizeof *kept->index);
+  if (!kept->x || !kept->index) return dlsi_no_memory(error);
+  memcpy(kept->index, model->Ks.p, (n + 1) * sizeof *kept->index);
+  memcpy(kept->index + n + 1, model->Ks.i, entries * sizeof *kept->index);
+  memcpy(kept->x, model->Ks.x, entries * sizeof *kept->x);
+  kept->model.Ks = (dls_sparse){model->n, model->n, kept->index, kept->index + n + 1, kept->x};
+  return DLS_OK;
+}
+
+/* Sets the weights from K and H by columns. */
+static dls_status kept_weights(dlsi_kept *kept, const dlsi_operator *H, dls_error *error) {
+  const int n = kept->body.n;
+  dlsi_triplets t;
+  dlsi_columns columns = {0};
+  dls_status status = dlsi_triplets_alloc(n, H->d * H->candidates, (size_t)H->Ht.p[n], &t, error);
+  for (int j = 0; !status && j < n; j++)
+    for (int k = H->Ht.p[j]; k < H->Ht.p[j + 1]; k++)
+      dlsi_triplets_add(&t, j, H->Ht.i[k], H->Ht.x[k]);
+  if (!status) status = dlsi_columns_compress(&t, 1, DLSI_ALL, &columns, error);
+  dlsi_triplets_free(&t);
+  const dls_sparse view = dlsi_columns_view(&columns);
+  if (!status) status = dlsi_body_weights(&kept->model, &view, H->d, kept->w, error);
+  dlsi_columns_free(&columns);
+  return status;
+}
+
+static dls_status kept_scratch(dlsi_kept *kept, dls_error *error) {
+  kept->scratch = dlsi_alloc(dlsi_body_scratch(&kept->body), sizeof *kept->scratch);
+  return kept->scratch ? DLS_OK : dlsi_no_memory(error);
+}
+
+dls_status dlsi_kept_create(dlsi_kept *kept, const dls_model *model, const dlsi_operator *H,
+                            dls_error *error) {
+  const size_t n = (size_t)model->n, nc = (size_t)H->candidates, m = (size_t)H->d * nc;
+  const int has_K =
+      model->operator_kind == DLS_STIFFNESS_DENSE || model->operator_kind == DLS_STIFFNESS_SPARSE;
+  *kept = (dlsi_kept){.model = {.n = model->n,
+                                .operator_kind = model->operator_kind,
+                                .factorization = model->factorization}};
+  kept->body = (dlsi_body){.n = model->n, .Ht = dlsi_columns_view(&H->Ht), .d = H->d};
+  kept->body.nc = H->candidates;
+  kept->memory = dlsi_alloc(n + 2 * m + 2 * nc, sizeof(double));
+  kept->part = dlsi_alloc(n, sizeof *kept->part);
+  if (!kept->memory || !kept->part) return dlsi_no_memory(error);
+  kept->f = kept->memory;
+  kept->gap = kept->f + n;
+  kept->u = kept->gap + m;
+  kept->w = kept->u + m;
+  kept->body.w = kept->w;
+  kept->body.part = kept->part;
+  memset(kept->f, 0, (n + m) * sizeof *kept->f);
+  for (size_t k = 0; k < 2 * nc; k++)
+    kept->w[k] = 1;
+  if (!has_K) return kept_scratch(kept, error);
+  dls_status status = model->operator_kind == DLS_STIFFNESS_DENSE ? kept_dense(kept, model, error)
+                                                                  : kept_sparse(kept, model, error);
+  if (status) return status;
+  kept->body.parts = dlsi_body_parts(&kept->model, kept->part);
+  status = kept_weights(kept, H, error);
+  if (!status) status = kept_scratch(kept, error);
+  kept->has_K = !status;
+  return status;
+}
+
+void dlsi_kept_free(dlsi_kept *kept) {
+  free(kept->x);
+  free(kept->scratch);
+  free(kept->index);
+  free(kept->part);
+  free(kept->memory);
+  *kept = (dlsi_kept){.x = NULL};
+}
+
+const dlsi_body *dlsi_kept_body(dlsi_kept *kept) {
+  kept->body.model = kept->has_K ? &kept->model : NULL;
+  return &kept->body;
+}

@@ -1,0 +1,21 @@
+/* reduced.h: what the front needs of a reduction to go on with the problem on K itself. */
+#ifndef DLSI_REDUCED_H
+#define DLSI_REDUCED_H
+
+#include "delassus/reduction.h"
+#include "linear/operator.h"
+
+typedef struct dlsi_reduced {
+  int has_K;
+  dls_model K; /* a view: n, operator_kind, factorization, K or Ks */
+  const dlsi_operator *H;
+  const double *f, *gap; /* the last load: n, m */
+  void *companion;       /* NULL: none is kept */
+} dlsi_reduced;
+
+dlsi_reduced dlsi_reduction_body(dls_reduction *reduction);
+
+/* Keeps an object that belongs to these values of K and H until the next update or destroy. */
+void dlsi_reduction_keep(dls_reduction *reduction, void *companion, void (*destroy)(void *));
+
+#endif

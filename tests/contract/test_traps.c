@@ -1,0 +1,377 @@
+/*
+ * test_traps.c: a host that traps floating point errors, rounds upwards and keeps flags. Every
+ * method solves every problem of data/ without a trap, to the bits of a plain host; traps, rounding
+ * and flags stay as the host has set them; its callbacks find them so.
+ */
+#define _GNU_SOURCE /* feenableexcept */
+#include <check.h>
+#include <fenv.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/base.h"
+#include "delassus/diagnose.h"
+#include "delassus/pivoting.h"
+#include "delassus/reduction.h"
+#include "delassus/solve.h"
+#include "doors.h"
+#include "failures.h"
+#include "fclib_file.h"
+#include "run.h"
+
+enum { capacity = 4000 };
+
+/* ---- a host with traps ----------------------------------------------------------------------- */
+
+#ifdef FE_UPWARD
+static const int rounding = FE_UPWARD;
+#else
+static const int rounding = FE_TONEAREST;
+#endif
+
+static int traps; /* where the processor has them */
+
+static int traps_now(void) {
+#ifdef __GLIBC__
+  return fegetexcept();
+#else
+  return 0;
+#endif
+}
+
+static void set_host(void) {
+  ck_assert_int_eq(feclearexcept(FE_ALL_EXCEPT), 0);
+  ck_assert_int_eq(feraiseexcept(FE_UNDERFLOW), 0);
+  ck_assert_int_eq(feclearexcept(FE_ALL_EXCEPT & ~FE_UNDERFLOW), 0);
+  ck_assert_int_eq(fesetround(rounding), 0);
+#ifdef __GLIBC__
+  (void)feenableexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW);
+#endif
+  traps = traps_now();
+}
+
+static void set_plain(void) {
+  ck_assert_int_eq(fesetenv(FE_DFL_ENV), 0);
+}
+
+static int is_host(void) {
+  return traps_now() == traps && fegetround() == rounding;
+}
+
+/* The host's environment with its flags. */
+static void expect_host(const char *where) {
+  const int now = traps_now(), round = fegetround(), flags = fetestexcept(FE_ALL_EXCEPT);
+  set_plain(); /* the library check computes */
+  ck_assert_msg(now == traps, "%s: traps %d, were %d", where, now, traps);
+  ck_assert_msg(round == rounding, "%s: rounding", where);
+  ck_assert_msg(flags == FE_UNDERFLOW, "%s: flags %d, were %d", where, flags, FE_UNDERFLOW);
+}
+
+/* ---- every method ---------------------------------------------------------------------------- */
+
+/* Solves twice, without traps and with them. */
+static void solve_both(const dls_contact *p, const dls_solver_settings *s, const char *name) {
+  static double r[2][capacity], u[2][capacity];
+  const size_t m = (size_t)p->d * (size_t)p->nc;
+  dls_info info[2];
+  dls_status status[2];
+  ck_assert_int_le((int)m, capacity);
+  memset(r, 0, sizeof r);
+  memset(u, 0, sizeof u);
+  status[0] = dls_solve(p, s, r[0], u[0], &info[0], NULL);
+  set_host();
+  status[1] = dls_solve(p, s, r[1], u[1], &info[1], NULL);
+  expect_host(name);
+  ck_assert_msg(status[0] == status[1], "%s, %s: %d, with traps %d", name,
+                dls_method_name(s->method), status[0], status[1]);
+  ck_assert_msg(!memcmp(r[0], r[1], m * sizeof **r) && !memcmp(u[0], u[1], m * sizeof **u),
+                "%s, %s: other bits with traps", name, dls_method_name(s->method));
+}
+
+static int iterations(void *data, const dls_progress *progress) {
+  (void)progress;
+  *(int *)data += 1;
+  return 0;
+}
+
+/* Every method, silent and with a callback. */
+static void every_method(const dls_contact *p, int most_iterations, const char *name) {
+  for (int method = 0; method < method_count(); method++) {
+    dls_solver_settings s;
+    int calls = 0;
+    dls_solver_settings_init(&s);
+    s.method = (dls_method)method;
+    s.limits.max_iterations = most_iterations;
+    solve_both(p, &s, name);
+    s.limits.progress = iterations;
+    s.limits.progress_data = &calls;
+    solve_both(p, &s, name);
+  }
+}
+
+/* What tells of a problem and of an answer. */
+static void every_look(const dls_contact *p, const double *r, const char *name) {
+  double u[FAILURE_N];
+  dls_certificate c;
+  dls_diagnosis about;
+  dls_contact_state state[FAILURE_N];
+  set_host();
+  dls_status status = dls_contact_certify(p, r, u, &c, NULL);
+  if (!status) status = dls_contact_states(p, r, u, state, NULL);
+  const int holds = dls_certificate_holds(&c, 1e-8);
+  const dls_status of_problem = dls_contact_diagnose(p, 100, &about, NULL);
+  expect_host(name);
+  ck_assert_int_eq(status, DLS_OK);
+  ck_assert_int_ge(holds, 0);
+  ck_assert_int_ge(of_problem, DLS_OK);
+}
+
+START_TEST(every_failure) {
+  int count = 0;
+  const failure *all = contact_failures(&count);
+  ck_assert_int_gt(count, 0);
+  for (int k = 0; k < count; k++) {
+    const dls_contact p = failure_contact(&all[k]);
+    every_method(&p, 200, all[k].name);
+    for (int point = 0; point < all[k].points; point++)
+      every_look(&p, all[k].point[point].x, all[k].name);
+  }
+}
+END_TEST
+
+/* Pivots on an LCP by both methods. */
+static void pivot_both(const dls_lcp *lcp, const char *name) {
+  static double z[4][capacity];
+  const size_t n = (size_t)lcp->n;
+  dls_status status[4];
+  memset(z, 0, sizeof z);
+  for (int k = 0; k < 4; k++) {
+    dls_lemke *lemke = NULL;
+    dls_principal *principal = NULL;
+    if (k > 1) set_host();
+    dls_status s = k % 2 ? dls_principal_create(&principal, lcp->n, NULL, NULL)
+                         : dls_lemke_create(&lemke, lcp->n, NULL, NULL);
+    if (!s)
+      s = k % 2 ? dls_principal_solve(principal, lcp, z[k], NULL, NULL, NULL)
+                : dls_lemke_solve(lemke, lcp, z[k], NULL, NULL, NULL);
+    if (k > 1) expect_host(name);
+    status[k] = s;
+    dls_lemke_destroy(lemke);
+    dls_principal_destroy(principal);
+  }
+  for (int k = 0; k < 2; k++) {
+    ck_assert_int_eq(status[k], status[k + 2]);
+    ck_assert_msg(!memcmp(z[k], z[k + 2], n * sizeof **z), "%s: other bits with traps", name);
+  }
+}
+
+START_TEST(every_lcp) {
+  static char names[128][64];
+  static failure f;
+  char why[200];
+  int lcps = 0;
+  const int count = failures_list(TEST_DATA "/failures", names, 128);
+  for (int k = 0; k < count; k++) {
+    ck_assert_msg(failure_read(TEST_DATA "/failures", names[k], &f, why), "%s", why);
+    if (f.d) continue;
+    const dls_lcp lcp = {.n = f.n, .M = {f.n, f.n, f.n, f.M}, .q = f.q};
+    pivot_both(&lcp, f.name);
+    lcps++;
+  }
+  ck_assert_int_gt(lcps, 0);
+}
+END_TEST
+
+static const char *const fclib_files[] = {"Confeti-ex13-4contact-Fc3D-SBM",
+                                          "CubeH8",
+                                          "FC2D_SliderCrankLagrangian00000",
+                                          "FC3D_Example1",
+                                          "GFC3D_Example0",
+                                          "GFC3D_OneContact",
+                                          "gfc2d_granularflowonwall_00069_00350"};
+
+/* Reads, reduces where there is a K, solves and recovers. */
+START_TEST(every_file) {
+  const char *name = fclib_files[_i];
+  dls_fclib *file = read_fclib_file(name);
+  if (!file) return; /* a build without HDF5 */
+  dls_contact p;
+  if (!dls_fclib_is_global(file)) {
+    ck_assert_int_eq(dls_fclib_contact(file, &p, NULL), DLS_OK);
+    every_method(&p, 200, name);
+    dls_fclib_destroy(file);
+    return;
+  }
+  dls_model K;
+  dls_reduction *reduction = NULL;
+  const double *f = NULL, *g = NULL, *mu = NULL;
+  ck_assert_int_eq(dls_fclib_model(file, &K, &f, &g, &mu, NULL), DLS_OK);
+  double *x = calloc((size_t)K.n, sizeof *x), *r = calloc((size_t)K.n + capacity, sizeof *r);
+  set_host();
+  dls_status status = dls_reduction_create(&reduction, &K, NULL);
+  if (!status) status = dls_reduction_load(reduction, f, g, NULL);
+  if (!status) status = dls_reduction_contact(reduction, mu, &p, NULL);
+  if (!status) status = dls_reduction_recover(reduction, r, x, NULL);
+  expect_host(name);
+  if (!WITH_MUMPS && status == DLS_E_UNSUPPORTED) {
+    dls_fclib_destroy(file);
+    free(x);
+    free(r);
+    return;
+  }
+  ck_assert_int_eq(status, DLS_OK);
+  every_method(&p, 60, name);
+  dls_reduction_destroy(reduction);
+  dls_fclib_destroy(file);
+  free(x);
+  free(r);
+}
+END_TEST
+
+/* ---- callbacks and threads ------------------------------------------------------------------- */
+
+static int host_calls,
+    host_finds; /* calls of a callback; those that found the host's environment */
+
+static int look_at_host(void *data, const dls_progress *progress) {
+  (void)data;
+  (void)progress;
+  host_calls++;
+  host_finds += is_host();
+  return 0;
+}
+
+START_TEST(progress_finds_the_host) {
+  model a;
+  double r[most];
+  slow_model(&a, 1);
+  for (int method = 0; method < method_count(); method++) {
+    dls_solver_settings s;
+    dls_solver_settings_init(&s);
+    s.method = (dls_method)method;
+    s.limits.progress = look_at_host;
+    s.limits.max_iterations = 50;
+    host_calls = host_finds = 0;
+    set_host();
+    const dls_status status = dls_solve(&a.p, &s, r, NULL, NULL, NULL);
+    expect_host(dls_method_name(s.method));
+    ck_assert_int_ge(status, 0);
+    ck_assert_int_gt(host_calls, 0);
+    ck_assert_msg(host_calls == host_finds, "%s: %d of %d calls find traps and rounding",
+                  dls_method_name(s.method), host_finds, host_calls);
+  }
+}
+END_TEST
+
+static int plain_finds;
+
+static int look_at_plain(void *data, const dls_progress *progress) {
+  (void)data;
+  (void)progress;
+  host_calls++;
+  plain_finds += traps_now() == 0 && fegetround() == FE_TONEAREST;
+  return 0;
+}
+
+/* A host without traps finds its flags as they were, whatever a solve with traps did before. */
+START_TEST(plain_host_keeps_its_flags) {
+  int count = 0;
+  const failure *all = contact_failures(&count);
+  double r[FAILURE_N];
+  for (int k = 0; k < count; k++)
+    for (int method = 0; method < method_count(); method++) {
+      const dls_contact p = failure_contact(&all[k]);
+      dls_solver_settings s;
+      dls_diagnosis about;
+      dls_solver_settings_init(&s);
+      s.method = (dls_method)method;
+      s.limits.max_iterations = 50;
+      set_host();
+      dls_status status = dls_solve(&p, &s, r, NULL, NULL, NULL);
+      set_plain();
+      s.limits.progress = look_at_plain;
+      if (status >= 0) status = dls_solve(&p, &s, r, NULL, NULL, NULL);
+      if (status >= 0) status = dls_contact_diagnose(&p, 100, &about, NULL);
+      ck_assert_msg(fetestexcept(FE_ALL_EXCEPT) == 0, "%s, %s: flags", all[k].name,
+                    dls_method_name(s.method));
+    }
+  ck_assert_int_gt(host_calls, 0);
+  ck_assert_int_eq(plain_finds, host_calls);
+}
+END_TEST
+
+/* K = 2 I; solves by the library, too, which goes through a door inside of a door. */
+static int halve(void *user, double *X, int n, int nrhs) {
+  (void)user;
+  host_calls++;
+  host_finds += is_host();
+  double W = 1, q = -1, mu = 0, r = 0;
+  const dls_contact p = {.d = 1, .nc = 1, .W = {1, 1, 1, &W}, .q = &q, .mu = &mu};
+  const dls_status status = dls_solve(&p, NULL, &r, NULL, NULL, NULL);
+  host_finds += status == DLS_OK && r == 1 && is_host();
+  for (int i = 0; i < n * nrhs; i++)
+    X[i] /= 2;
+  return 0;
+}
+
+START_TEST(solver_finds_the_host) {
+  static const int column[] = {0, 1}, normal[] = {0}, tangent[] = {1};
+  static const double one[] = {1}, f[2] = {-1, 0};
+  double x[2], r[2] = {1, 0};
+  const dls_model m = {.d = 2,
+                       .n = 2,
+                       .nodes = 1,
+                       .operator_kind = DLS_HOST_SOLVER,
+                       .solve = halve,
+                       .HN = {2, 1, column, normal, one},
+                       .HT = {2, 1, column, tangent, one}};
+  dls_reduction *R = NULL;
+  set_host();
+  dls_status status = dls_reduction_create(&R, &m, NULL);
+  if (!status) status = dls_reduction_load(R, f, NULL, NULL);
+  if (!status) status = dls_reduction_recover(R, r, x, NULL);
+  expect_host("host solver");
+  ck_assert_int_eq(status, DLS_OK);
+  ck_assert_int_gt(host_calls, 0);
+  ck_assert_int_eq(host_finds, 2 * host_calls);
+  dls_reduction_destroy(R);
+}
+END_TEST
+
+/* Tasks of helpers, whose threads begin while the host has its traps on. */
+typedef struct helpers {
+  pthread_t host;
+  _Atomic int others, held; /* tasks in other threads than the host's; those without traps */
+} helpers;
+
+static void help(void *data, int k) {
+  helpers *h = data;
+  (void)k;
+  if (pthread_equal(pthread_self(), h->host)) return;
+  h->others++;
+  h->held += traps_now() == 0 && fegetround() == FE_TONEAREST;
+}
+
+static void run_helpers(dlsi_team *team, void *data) {
+  helpers *h = data;
+  for (int turn = 0; turn < 100000 && h->others < 100; turn++)
+    dlsi_parallel(team, 64, help, data);
+}
+
+START_TEST(helpers_hold_the_host) {
+  helpers h = {.host = pthread_self()};
+  set_host();
+  dlsi_team_run(3, run_helpers, &h);
+  expect_host("helpers");
+  ck_assert_int_eq(h.held, h.others);
+}
+END_TEST
+
+int main(void) {
+  const int files = (int)(sizeof fclib_files / sizeof fclib_files[0]);
+  return RUN("traps", NULL, set_plain, ONCE(every_failure), ONCE(every_lcp),
+             EACH(every_file, 0, files), ONCE(progress_finds_the_host),
+             ONCE(plain_host_keeps_its_flags), ONCE(solver_finds_the_host),
+             ONCE(helpers_hold_the_host));
+}

@@ -1,0 +1,222 @@
+/*
+ * test_body.c: dls_reduction_solve and dls_reduction_certify: "solved" is said of the body, not of W.
+ */
+#include <check.h>
+#include <math.h>
+#include <string.h>
+
+#include "delassus.h"
+#include "malloc_fails.h"
+#include "run.h"
+
+/* A bar of two nodes along the normal, one unit of stiffness, its foot a contact without tangents; held by
+ * springs of stiffness `soft` at both nodes. */
+typedef struct bar {
+  double K[4], one[1];
+  int p[2], none[2], row[1];
+  dls_model model;
+} bar;
+
+static void make_bar(bar *b, double soft) {
+  *b = (bar){.K = {1 + soft, -1, -1, 1 + soft}, .one = {1}, .p = {0, 1}};
+  b->model = (dls_model){.d = 2,
+                         .n = 2,
+                         .nodes = 1,
+                         .operator_kind = DLS_STIFFNESS_DENSE,
+                         .factorization = DLS_CHOLESKY,
+                         .K = {2, 2, 2, b->K},
+                         .HN = {2, 1, b->p, b->row, b->one},
+                         .HT = {2, 1, b->none, b->row, b->one}};
+}
+
+static dls_reduction *reduced(const dls_model *model, const double *f, const double *g) {
+  dls_reduction_settings settings;
+  dls_reduction *reduction;
+  dls_error e;
+  dls_reduction_settings_init(&settings);
+  settings.stabilize = 1;
+  dls_status status = dls_reduction_create_with(&reduction, model, &settings, &e);
+  if (!status) status = dls_reduction_load(reduction, f, g, &e);
+  ck_assert_msg(status == DLS_OK, "%s", e.message);
+  return reduction;
+}
+
+static const double none[1] = {0};
+
+/* Statics: a free bar pressed by 10 stands with r_n = 10, on springs that are soft nearly so. */
+START_TEST(bar_that_contact_holds) {
+  static const double soft[] = {0, 1e-12, 1e-8, 1e-4, 1};
+  for (int k = 0; k < 5; k++) {
+    bar b;
+    double r[2], u[2], x[2];
+    dls_info info;
+    const double f[2] = {0, -10}, s = soft[k];
+    make_bar(&b, s);
+    dls_reduction *reduction = reduced(&b.model, f, NULL);
+    ck_assert_int_eq(dls_reduction_solve(reduction, none, NULL, r, u, x, &info, NULL), DLS_OK);
+    /* x_0 = 0, x_1 = -10 / (1 + s), r_n = -x_1 */
+    ck_assert_double_eq_tol(r[0], 10 / (1 + s), 1e-7);
+    ck_assert_double_eq_tol(x[0], 0, 1e-7);
+    ck_assert_double_eq_tol(x[1], -10 / (1 + s), 1e-7);
+    ck_assert(u[0] == x[0] && r[1] == 0);
+    dls_certificate c;
+    ck_assert_int_eq(dls_reduction_certify(reduction, none, r, x, NULL, &c, NULL), DLS_OK);
+    ck_assert(c.residual == info.certificate.residual && c.equilibrium <= 1e-8);
+    ck_assert_int_eq(dls_certificate_verdict(&c, 1e-8), DLS_OK);
+    dls_reduction_destroy(reduction);
+  }
+}
+END_TEST
+
+/* Pulled up, nothing holds the free bar: the motion (1, 1) proves it. A gap closes first. */
+START_TEST(bar_that_nothing_holds) {
+  bar b;
+  double r[2] = {7, 7}, x[2] = {7, 7};
+  int unknown = -1;
+  const double up[2] = {0, 10}, down[2] = {0, -10}, g[2] = {5, 0};
+  make_bar(&b, 0);
+  dls_reduction *reduction = reduced(&b.model, up, NULL);
+  ck_assert_ptr_null(dls_reduction_motion(reduction, &unknown));
+  ck_assert_int_eq(dls_reduction_solve(reduction, none, NULL, r, NULL, x, NULL, NULL),
+                   DLS_NO_SOLUTION);
+  const double *b_of = dls_reduction_motion(reduction, &unknown);
+  ck_assert_ptr_nonnull(b_of);
+  ck_assert(b_of[0] == b_of[1] && b_of[1] > 0 && unknown == 0);
+  ck_assert_int_eq(dls_reduction_load(reduction, down, g, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_solve(reduction, none, NULL, r, NULL, x, NULL, NULL), DLS_OK);
+  ck_assert_double_eq_tol(r[0], 10, 1e-7);
+  ck_assert_double_eq_tol(x[0], -5, 1e-7);
+  ck_assert_ptr_null(dls_reduction_motion(reduction, &unknown));
+  dls_reduction_destroy(reduction);
+}
+END_TEST
+
+/* A method on W alone leaves a part of the load in the springs that hold the mode: that is missing. */
+START_TEST(springs_are_no_support) {
+  bar b;
+  double r[2], x[2];
+  dls_info info;
+  dls_solver_settings settings;
+  const double f[2] = {0, -10};
+  make_bar(&b, 0);
+  dls_reduction *reduction = reduced(&b.model, f, NULL);
+  dls_solver_settings_init(&settings);
+  for (int method = DLS_NLGS; method <= DLS_ADMM; method++) {
+    settings.method = (dls_method)method;
+    ck_assert_int_eq(dls_reduction_solve(reduction, none, &settings, r, NULL, x, &info, NULL),
+                     DLS_NOT_IN_EQUILIBRIUM);
+    const dls_certificate *c = &info.certificate;
+    ck_assert(r[0] < 9.99 && info.status == DLS_NOT_IN_EQUILIBRIUM && c->body == 0);
+    ck_assert(c->unbalanced > 0.01 && c->equilibrium > 1e-4 && c->residual >= c->equilibrium);
+  }
+  dls_reduction_destroy(reduction);
+}
+END_TEST
+
+/* The certificate by hand: the point of examples/point.c, right, off in r, off in x. */
+START_TEST(certificate_of_the_body) {
+  const double K[] = {3, 1, 1, 2}, f[] = {5, -10}, mu[] = {0.2}, one[] = {1};
+  const int p[] = {0, 1}, along[] = {0}, upward[] = {1};
+  dls_model model = {.d = 2, .n = 2, .nodes = 1, .K = {2, 2, 2, K}};
+  model.operator_kind = DLS_STIFFNESS_DENSE;
+  model.factorization = DLS_CHOLESKY;
+  model.HN = (dls_sparse){2, 1, p, upward, one};
+  model.HT = (dls_sparse){2, 1, p, along, one};
+  dls_reduction *reduction = reduced(&model, f, NULL);
+  double r[2], x[2], u[2];
+  dls_certificate c;
+  ck_assert_int_eq(dls_reduction_solve(reduction, mu, NULL, r, u, x, NULL, NULL), DLS_OK);
+  ck_assert_double_eq_tol(r[0], 10.9375, 1e-13);
+  ck_assert_double_eq_tol(r[1], -2.1875, 1e-13);
+  ck_assert_double_eq_tol(x[0], 0.9375, 1e-13);
+  x[0] += 0.01; /* K x changes by (.03, .01) beside |f| + |H r| */
+  ck_assert_int_eq(dls_reduction_certify(reduction, mu, r, x, u, &c, NULL), DLS_OK);
+  ck_assert_double_eq_tol(c.unbalanced, hypot(0.03, 0.01), 1e-12);
+  ck_assert_double_eq_tol(c.equilibrium,
+                          hypot(0.03, 0.01) / (hypot(5, 10) + hypot(10.9375, 2.1875)), 1e-12);
+  ck_assert(c.body == 0 && u[1] == x[0]);
+  ck_assert_int_eq(dls_certificate_verdict(&c, 1e-8), DLS_STALLED);
+  x[0] -= 0.01;
+  r[0] += 0.01; /* beside the cone, and out of balance */
+  ck_assert_int_eq(dls_reduction_certify(reduction, mu, r, x, u, &c, NULL), DLS_OK);
+  ck_assert_double_eq_tol(c.unbalanced, 0.01, 1e-12);
+  ck_assert(c.residual_r > 1e-5 && c.residual_r < 1e-3);
+  dls_reduction_destroy(reduction);
+}
+END_TEST
+
+/* K^-1 given, or a solver of the host: equilibrium is not known, and x = K^-1 (f + H r) is believed. */
+START_TEST(without_K) {
+  bar b;
+  double r[2], x[2];
+  const double C[4] = {2, 1, 1, 1}, f[2] = {0, -10};
+  dls_info info;
+  make_bar(&b, 0);
+  b.model.operator_kind = DLS_FLEXIBILITY;
+  b.model.K = (dls_dense){2, 2, 2, C};
+  dls_reduction_settings settings;
+  dls_reduction_settings_init(&settings);
+  dls_reduction *reduction;
+  ck_assert_int_eq(dls_reduction_create_with(&reduction, &b.model, &settings, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_load(reduction, f, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_solve(reduction, none, NULL, r, NULL, x, &info, NULL), DLS_OK);
+  ck_assert_double_eq_tol(r[0], 5, 1e-12); /* 2 r_n = 10 */
+  ck_assert(info.certificate.equilibrium == 0 && info.certificate.body == -1);
+  dls_reduction_destroy(reduction);
+}
+END_TEST
+
+START_TEST(bad_input) {
+  bar b;
+  double r[2] = {7, 7}, x[2] = {7, 7};
+  const double f[2] = {0, -10}, bad[2] = {0, NAN};
+  dls_certificate c;
+  dls_error e;
+  make_bar(&b, 0);
+  dls_reduction *reduction = reduced(&b.model, f, NULL);
+  ck_assert_int_eq(dls_reduction_solve(NULL, none, NULL, r, NULL, x, NULL, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "reduction");
+  ck_assert_int_eq(dls_reduction_solve(reduction, none, NULL, NULL, NULL, x, NULL, &e),
+                   DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "r");
+  ck_assert_int_eq(dls_reduction_solve(reduction, none, NULL, r, NULL, NULL, NULL, &e),
+                   DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "x");
+  ck_assert_int_eq(dls_reduction_certify(reduction, none, bad, x, NULL, &c, &e), DLS_E_NOT_FINITE);
+  ck_assert_str_eq(e.argument, "r");
+  ck_assert_int_eq(e.index, 1);
+  ck_assert_int_eq(dls_reduction_certify(reduction, none, r, bad, NULL, &c, &e), DLS_E_NOT_FINITE);
+  ck_assert_str_eq(e.argument, "x");
+  ck_assert_int_eq(dls_reduction_certify(reduction, none, r, x, NULL, NULL, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "certificate");
+  ck_assert(r[0] == 7 && x[1] == 7);
+  dls_reduction_destroy(reduction);
+}
+END_TEST
+
+START_TEST(failing_mallocs) {
+  bar b;
+  const double f[2] = {0, -10};
+  long k = 1;
+  for (dls_status status = DLS_E_MEMORY; status == DLS_E_MEMORY; k++) {
+    double r[2] = {7, 7}, x[2] = {7, 7};
+    make_bar(&b, 0);
+    dls_reduction *reduction = reduced(&b.model, f, NULL);
+    malloc_fails_at(k);
+    status = dls_reduction_solve(reduction, none, NULL, r, NULL, x, NULL, NULL);
+    malloc_fails_at(0);
+    if (status == DLS_E_MEMORY)
+      ck_assert(r[0] == 7 && x[0] == 7);
+    else
+      ck_assert_double_eq_tol(r[0], 10, 1e-7);
+    dls_reduction_destroy(reduction);
+  }
+  ck_assert_int_gt(k, 5);
+}
+END_TEST
+
+int main(void) {
+  return RUN("body", NULL, NULL, ONCE(bar_that_contact_holds), ONCE(bar_that_nothing_holds),
+             ONCE(springs_are_no_support), ONCE(certificate_of_the_body), ONCE(without_K),
+             ONCE(bad_input), ONCE(failing_mallocs));
+}

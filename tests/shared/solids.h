@@ -1,0 +1,53 @@
+/*
+ * solids.h: elastic solids of bilinear quadrilaterals (plane strain) and trilinear cubes, and
+ * contacts between their nodes, as a model with sparse K.
+ */
+#ifndef SOLIDS_H
+#define SOLIDS_H
+
+#include "base/columns.h"
+#include "delassus/model.h"
+
+typedef struct solids {
+  int d, nodes, contacts;
+  dlsi_triplets K, N, T; /* lower triangle of K */
+  double *f, *g;         /* d nodes; d contacts */
+  dlsi_columns Kc, Nc, Tc;
+  dls_model model;
+} solids;
+
+/* Makes room for so many nodes and contacts. */
+void solids_new(solids *S, int d, int nodes, int contacts);
+void solids_free(solids *S);
+
+/* Adds a block of nx x ny squares of side 1 (d = 2), or nx x ny x nz cubes (d = 3), E = 1 times
+ * `stiff`, nu = .3; returns its first node. Node (i, j, k) is first + i + (nx+1) (j + (ny+1) k). */
+int solids_block(solids *S, const int *count, double stiff);
+
+/* Adds a block whose node (i, j) stands at x[2 (i + (nx+1) j)], .. (d = 2). */
+int solids_mapped(solids *S, const int *count, const double *x, double stiff);
+
+/* Adds a spring to direction `k` of a node. */
+void solids_spring(solids *S, int node, int k, double stiffness);
+
+/* Adds a contact of `node` with `other` (-1: the ground). normal: d, out of the other body; the
+ * tangents follow. gap: along the normal. */
+void solids_contact(solids *S, int node, int other, const double *normal, double gap);
+
+/* Compresses and returns the model. */
+const dls_model *solids_model(solids *S);
+
+/* The strip of nx x ny squares on a rough floor, clamped at its right end, between soft pads:
+ * pressed, sheared and lifted, every bottom node a contact. And the plate in 3D, n x n x nz. */
+void solids_pad(solids *S, int nx, int ny);
+void solids_plate(solids *S, int nx, int nz);
+
+/* A stack of `count` free blocks of side^d elements on the ground, each with a weight, pushed by
+ * `push` times the friction that .3 of all weight above gives. */
+void solids_stack(solids *S, int d, int count, int side, double push);
+
+/* A half circle of `stones` deformable voussoirs between two rough ground planes, under its own
+ * weight; thickness over mean radius: `thick`. */
+void solids_arch(solids *S, int stones, double thick);
+
+#endif
