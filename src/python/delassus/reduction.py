@@ -6,8 +6,8 @@ from ctypes import byref, c_double, c_int, c_size_t, c_void_p
 import numpy as np
 import scipy.sparse as sp
 
-from ._library import (Callback, Owner, address, call, columns, constants, dense, entries, integers,
-                       lib, read, reals, set_fields, sparse, structs, vector)
+from ._library import (Callback, Error, Owner, address, call, columns, constants, dense, entries,
+                       integers, lib, read, reals, set_fields, sparse, structs, vector)
 from .contact import Watch, solve_problem
 
 _FACTORIZATIONS = {"cholesky": "DLS_CHOLESKY", "ldlt": "DLS_LDLT", "lu": "DLS_LU"}
@@ -135,11 +135,19 @@ class Reduction(Owner):
         model.operator_kind = constants[kind]
         return model, (K, HN, HT), solve
 
-    def _call(self, name, *arguments):
-        """Calls the library; raises what the host's solver or the handler of a signal has raised."""
+    def _call(self, name, *arguments, solve=None):
+        """Calls the library; raises what the host's solver or the handler of a signal has raised.
+        After an Error the host's solver is `solve` again."""
+        def attempt(*given):
+            try:
+                return call(*given)
+            except Error:
+                self._host.solve = solve or self._host.solve
+                raise
+
         self._host.callback.begin()
         try:
-            return self._watch.call(name, *arguments)
+            return self._watch.call(name, *arguments, by=attempt)
         finally:
             self._host.callback.end()
 
@@ -152,11 +160,7 @@ class Reduction(Owner):
         other sizes or another pattern the reduction is as it was."""
         model, kept, solve = self._model(K, HN, HT)
         before, self._host.solve = self._host.solve, solve
-        try:
-            self._call("dls_reduction_update", self._held, byref(model))
-        except BaseException:
-            self._host.solve = before
-            raise
+        self._call("dls_reduction_update", self._held, byref(model), solve=before)
         del kept
 
     def load(self, f=None, g=None):
@@ -174,13 +178,17 @@ class Reduction(Owner):
                 None if g is None else vector("g", g, self.d * self._nodes, self.d))
 
     def solve(self, mu=None, f=None, g=None, **options):
-        """Loads f and g if one is given, solves for r and x; options as in solve(). Solved is said of
-        the body (dls_reduction_solve): what springs of held modes carry is missing."""
+        """Loads f and g if one is given, solves for r and x; options as in solve(). Solved is said
+        of the body (dls_reduction_solve): what springs of held modes carry is missing."""
         if f is not None or g is not None:
             self.load(f, g)
         problem, mu = self._contact(mu)
         x = np.zeros(self.n)
-        solution = solve_problem(problem, body=(self._held, address(mu), x), **options)
+        self._host.callback.begin()
+        try:
+            solution = solve_problem(problem, body=(self._held, address(mu), x), **options)
+        finally:
+            self._host.callback.end()
         solution.x = x
         return solution
 
