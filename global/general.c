@@ -1,8 +1,8 @@
 /*
  * general.c: LU of a square matrix given by triplets, dense or by MUMPS.
  *
- * The dense one is scaled by powers of two, so that the largest entry of each row and column is near
- * 1 and pivots do not depend on units. A pivot below 1e-14 is rounding: singular.
+ * The dense one is scaled by powers of two, so that the largest entry of each row and column is
+ * near 1 and pivots do not depend on units. A pivot below 1e-14 is rounding: singular.
  */
 #include <stdlib.h>
 #include <string.h>

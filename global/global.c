@@ -231,9 +231,16 @@ static int same_pattern(const dlsi_columns *A, const dlsi_columns *B) {
 static dls_status global_update(dls_global *work, const dls_model *model, dls_error *error) {
   matrices of;
   dls_status status = matrices_create(&of, model, error);
-  if (!status && (model->d != work->d || model->n != work->n || model->nodes != work->nodes))
-    status = dlsi_fail(error, DLS_E_SIZE, "model", -1, model->n,
-                       "d, n or nodes are not those of create");
+  const struct {
+    const char *name;
+    int then, now;
+  } sizes[] = {{"d", work->d, status ? 0 : model->d},
+               {"n", work->n, status ? 0 : model->n},
+               {"nodes", work->nodes, status ? 0 : model->nodes}};
+  for (int k = 0; !status && k < 3; k++)
+    if (sizes[k].then != sizes[k].now)
+      status = dlsi_fail(error, DLS_E_SIZE, sizes[k].name, -1, sizes[k].now,
+                         "is %d, was %d in create", sizes[k].now, sizes[k].then);
   if (!status && model->factorization != work->model.factorization)
     status = dlsi_fail(error, DLS_E_ARGUMENT, "factorization", -1, model->factorization,
                        "is not what it was in create");
@@ -241,10 +248,9 @@ static dls_status global_update(dls_global *work, const dls_model *model, dls_er
     status = dlsi_fail(error, DLS_E_SIZE, "active", -1, of.operator.candidates,
                        "other contacts than those of create");
   if (!status && !same_pattern(&of.K, &work->K))
-    status = dlsi_fail(error, DLS_E_ARGUMENT, "Ks", -1, of.K.p[work->n],
-                       "the pattern is not the one of create");
+    status = dlsi_fail(error, DLS_E_ARGUMENT, "Ks", -1, 0, "has entries at other places");
   if (!status && !same_pattern(&of.H, &work->H))
-    status = dlsi_fail(error, DLS_E_ARGUMENT, "HN", -1, of.H.p[work->m],
+    status = dlsi_fail(error, DLS_E_ARGUMENT, "HN", -1, 0,
                        "HN, HT, P touch other unknowns than those of create");
   if (!status) {
     global_take(work, &of);

@@ -40,7 +40,7 @@ dls_status dlsi_general_solve(dlsi_general *work, double *x, dls_error *error);
 /* Frees the memory, not *work itself. */
 void dlsi_general_free(dlsi_general *work);
 
-/* ---- system.c: A = K + rho H H^T + E ---------------------------------------------------------- */
+/* ---- system.c: A = K + rho H H^T + E --------------------------------------------------------- */
 
 typedef struct dlsi_system {
   int n, symmetric, definite; /* definite: 0 once a pivot has shown that A is not */
@@ -115,7 +115,7 @@ struct dls_global {
   void *memory;          /* of the arrays */
 };
 
-/* ---- splitting.c ----------------------------------------------------------------------------- */
+/* ---- pair.c ---------------------------------------------------------------------------------- */
 
 /* u := H^T x + g and v += H r with the round H. */
 void dlsi_global_look(const dls_global *work, const double *x, double *u);
@@ -125,8 +125,8 @@ void dlsi_global_push(const dls_global *work, const double *r, double *v);
  * is solved, DLS_TO_ROUNDING, or DLS_STALLED to go on. *found receives the certificate. */
 dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificate *found);
 
-/* Solves from work->r, work->x in at most `most` iterations; the best pair is in work->best_r, best_x. Returns a status of a solve. */
-dls_status dlsi_global_split(dls_global *work, int most, dls_error *error);
+/* Factors A for work->rho, and counts. */
+dls_status dlsi_global_factor(dls_global *work, dls_error *error);
 
 /* r := the law's reactions for q = r - rho u. */
 void dlsi_global_resolve(const dls_global *work, const double *q, double *r);
@@ -136,6 +136,12 @@ void dlsi_global_resolve(const dls_global *work, const double *q, double *r);
 dls_status dlsi_global_step(dls_global *work, const double *r, const double *q, const double *g,
                             dls_error *error);
 
+/* ---- splitting.c ----------------------------------------------------------------------------- */
+
+/* Solves from work->r, work->x in at most `most` iterations; the best pair is in work->best_r,
+ * best_x. Returns a status of a solve. */
+dls_status dlsi_global_split(dls_global *work, int most, dls_error *error);
+
 /* ---- newton.c -------------------------------------------------------------------------------- */
 
 /* Takes Newton steps from work->x and r (round, m) and measures each. Returns as
@@ -144,8 +150,8 @@ dls_status dlsi_global_newton(dls_global *work, double *r, dls_error *error);
 
 /* ---- motion.c -------------------------------------------------------------------------------- */
 
-/* Looks for a rigid motion that nothing can hold. *proved := 1: work->motion holds it. Keeps q, p,
- * x. DLS_E_MEMORY, DLS_E_SINGULAR. */
-dls_status dlsi_global_prove(dls_global *work, int *proved, dls_error *error);
+/* Looks for a rigid motion that nothing can hold, in `most` iterations. *proved := 1: work->motion
+ * holds it. Keeps q, p, x; spoils r, u. DLS_E_MEMORY, DLS_E_SINGULAR. */
+dls_status dlsi_global_prove(dls_global *work, int most, int *proved, dls_error *error);
 
 #endif

@@ -1,34 +1,38 @@
 /*
  * splitting.c: Douglas and Rachford's splitting on K, d = 2 and 3.
  *
- * In round variables (global_internal.h), with r_c, u_c joined by the law of contact and friction:
+ * In round variables (global_internal.h):
  *
- *   (GL1)  r := the law's reactions for q = r - rho u:  r_n = max(q_n, 0), r_t = q_t put on the disc
- *          |.| <= mu r_n;  then rho z = r - q are the law's positions
+ *   (GL1)  r := the law's reactions for q = r - rho u:  r_n = max(q_n, 0), r_t = q_t put on the
+ *          disc |.| <= mu r_n. Then rho z = r - q are the law's positions.
  *   (GL2)  (K + rho H H^T + E) x := f + H (r + rho (z - g)) + E x
  *   (GL3)  u := H^T x + g
  *   (GL4)  q := q + 1.6 (p - q),  p = r - rho u
  *
  * A fixed point has u = z, hence K x = f + H r. The pair (x, r(p)) is measured. K alone is never
- * inverted: a body that contact alone holds is no special case. E is 0 but where a motion is held
- * by nothing (system.c).
+ * inverted: a body that contact alone holds is no special case. E is 0 but where nothing holds a
+ * motion (system.c).
  *
- *   (GL5)  rho is looked at after 20, 40, 80, .. iterations. Where the smallest residual has halved
- *          since, rho := rho sqrt(|p - q| / |rho (z - z')|), z' the z before, by 10 at most, if that
- *          changes rho by more than sqrt(5). Where it has not, rho / 10, 10 rho, rho / 100, .. are
- *          tried in turn. r and z stay. One factorisation. (AD5) of vi/admm.c.
- *   (GL6)  Newton steps (newton.c) end the iteration where no state has changed between two looks
- *          and the splitting would need more than `worth` iterations yet, which is what an LU takes.
- *   (GL7)  Where contact is settled and equilibrium stands still, look for a motion that nothing
- *          can hold (motion.c).
- *
- *   (GL8)  The next q by Anderson's acceleration of (GL4), 10 steps.
- *   (GL9)  Where an accelerated q has more than twice the |p - q| of the q before, the step is taken
- *          back: q := (GL4) of the q before, and the history is forgotten.
+ *   (GL5)  The next q by Anderson's acceleration of (GL4), 10 steps, unless the smallest residual
+ *          has not halved between the last two looks at rho.
+ *   (GL6)  Where an accelerated q has more than twice the |p - q| of the q before, the step is
+ *          taken back: q := (GL4) of the q before, and the history is forgotten.
+ *   (GL7)  Every 20 iterations, later after half of all more, look at rho, with turn = sqrt(|p - q|
+ *          / |rho (z - z')|), z' the z before, between .1 and 10:
+ *            turn outside of 1/sqrt(5) .. sqrt(5)     rho := rho turn
+ *            else, and the residual has halved        rho stays
+ *            else                                     rho / 10, 10 rho, rho / 100, .. in turn
+ *          A change keeps r and z, and costs a factorisation.
+ *   (GL8)  Newton steps (newton.c) end the iteration where no state has changed between two
+ *          measures and the splitting would need more than 200 iterations yet. That is what an LU
+ *          takes: 100 to 330 for strips and plates of 2,000 to 40,000 unknowns.
+ *   (GL9)  Where equilibrium is the worst part and stands still, look for a motion that nothing can
+ *          hold (motion.c).
  *
  * Source: Lions and Mercier, SIAM J. Numer. Anal. 16, 1979, 964-979; vi/admm.c is the same on W.
  * Cost: a solve with the factor of A an iteration, a product with K every 10.
- * What can fail: Coulomb's law is not monotone; nothing proves convergence with friction.
+ * What can fail: Coulomb's law is not monotone, and nothing proves convergence with friction.
+ * Arches of stiff stones may stall: their hinges open by far more than the local compliance.
  */
 #include <limits.h>
 #include <string.h>
@@ -38,74 +42,12 @@
 enum { measure_every = 10, first_look = 20, worth = 200, no_progress = 1000 };
 
 static const double relaxation = 1.6;
-static const double most_growth = 2;          /* (GL9) */
-static const double off = 2.2360679774997896; /* (GL5): sqrt(5) */
-static const double most_change = 10;         /* (GL5) */
+static const double most_growth = 2;          /* (GL6) */
+static const double off = 2.2360679774997896; /* (GL7): sqrt(5) */
+static const double most_change = 10;         /* (GL7) */
 static const double least_rho = 1e-8, most_rho = 100;
 
-/* ---- products with H ------------------------------------------------------------------------- */
-
-void dlsi_global_look(const dls_global *work, const double *x, double *u) {
-  const dlsi_columns *H = &work->H;
-  for (int k = 0; k < work->m; k++) {
-    double sum = work->g[k];
-    for (int e = H->p[k]; e < H->p[k + 1]; e++)
-      sum += H->x[e] * x[H->i[e]];
-    u[k] = sum;
-  }
-}
-
-void dlsi_global_push(const dls_global *work, const double *r, double *v) {
-  const dlsi_columns *H = &work->H;
-  for (int k = 0; k < work->m; k++)
-    for (int e = H->p[k]; r[k] != 0 && e < H->p[k + 1]; e++)
-      v[H->i[e]] += H->x[e] * r[k];
-}
-
 /* ---- the iteration --------------------------------------------------------------------------- */
-
-void dlsi_global_resolve(const dls_global *work, const double *q, double *r) {
-  const size_t d = (size_t)work->d;
-  for (int c = 0; c < work->nc; c++) {
-    const double *qc = q + d * (size_t)c;
-    double *rc = r + d * (size_t)c;
-    rc[0] = qc[0] > 0 ? qc[0] : 0;
-    const double R = dlsi_friction_bound(work->bend[c], rc[0]);
-    const double size = dlsi_tangent_norm(work->d, qc);
-    for (size_t i = 1; i < d; i++)
-      rc[i] = size > R ? R * (qc[i] / size) : qc[i];
-  }
-}
-
-dls_status dlsi_global_step(dls_global *work, const double *r, const double *q, const double *g,
-                            dls_error *error) {
-  const dlsi_system *A = work->system;
-  double *y = work->y;
-  for (int j = 0; j < work->n; j++)
-    y[j] = (work->f ? work->f[j] : 0) + A->hold * A->e[j] * work->x[j];
-  for (int k = 0; k < work->m; k++)
-    work->look[k] = 2 * r[k] - q[k] - (g ? work->rho * g[k] : 0);
-  dlsi_global_push(work, work->look, y);
-  const dls_status status = dlsi_system_solve(work->system, y, error);
-  if (status) return status;
-  memcpy(work->x, y, (size_t)work->n * sizeof *y);
-  dlsi_global_look(work, work->x, work->u);
-  return DLS_OK;
-}
-
-dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificate *found) {
-  for (int k = 0; k < work->m; k++)
-    work->trial[k] = r[k] / work->root[k];
-  dlsi_body_measure(&work->body, work->f, work->gap, work->mu, work->trial, work->x, work->look,
-                    work->scratch, found);
-  if (dlsi_body_badness(found) < dlsi_body_badness(&work->best)) {
-    work->best = *found;
-    memcpy(work->best_r, work->trial, (size_t)work->m * sizeof *work->trial);
-    memcpy(work->best_x, work->x, (size_t)work->n * sizeof *work->x);
-  }
-  const double tol = work->limits->tol;
-  return dls_certificate_verdict(&work->best, tol);
-}
 
 /* Returns |a - b|, b NULL for 0. */
 static double distance(int m, const double *a, const double *b, double *scratch) {
@@ -131,9 +73,10 @@ static int split_sort(dls_global *work, const double *q) {
 
 /* What the looks remember. */
 typedef struct schedule {
-  int look;                /* iteration of the next (GL5) */
-  int newton, prove;       /* iteration from which on (GL6), (GL7) may be tried */
-  double jump;             /* (GL5): next factor where the residual stands still */
+  int look;                /* iteration of the next (GL7) */
+  int newton, prove;       /* iteration from which on (GL8), (GL9) may be tried */
+  double jump;             /* (GL7): next factor where the residual stands still */
+  int moves;               /* 1: the smallest residual has halved between the two looks before */
   double residual_at_look; /* the smallest one at the look before */
   double residual;         /* of the measure before */
   double equilibrium;      /* at the look before */
@@ -141,30 +84,27 @@ typedef struct schedule {
   int since;               /* .. and the iteration */
 } schedule;
 
-static dls_status split_factor(dls_global *work, dls_error *error) {
-  work->factorisations++;
-  return dlsi_system_factor(work->system, work->rho, error);
-}
-
-/* (GL5) Returns the next rho. gap: |p - q|; change: |rho (z - z')|. */
-static double split_next_rho(const dls_global *work, double gap, double change, schedule *s) {
+/* (GL7) Returns the next rho at iteration k. gap: |p - q|; change: |rho (z - z')|. */
+static double split_next_rho(const dls_global *work, int k, double gap, double change,
+                             schedule *s) {
   const double residual = dlsi_body_badness(&work->best);
-  double turn = s->jump;
-  if (residual <= s->residual_at_look / 2) {
-    turn = sqrt(gap / change); /* infinite: most_change */
-    if (turn <= off && turn >= 1 / off) turn = 1;
-    turn = fmin(fmax(turn, 1 / most_change), most_change);
-  } else
-    s->jump = s->jump < 1 ? 10 / s->jump : 0.1 / s->jump;
+  const int more = k / (2 * measure_every) * measure_every;
+  double turn = fmin(fmax(sqrt(gap / change), 1 / most_change), most_change);
+  s->moves = residual <= s->residual_at_look / 2;
   s->residual_at_look = residual;
-  if (s->look <= INT_MAX / 2) s->look *= 2;
+  s->look = k + (more > first_look ? more : first_look);
+  if (turn <= off && turn >= 1 / off) {
+    turn = s->moves ? 1 : s->jump;
+    if (!s->moves) s->jump = s->jump < 1 ? 10 / s->jump : 0.1 / s->jump;
+  }
   return fmin(fmax(work->rho * turn, least_rho), most_rho);
 }
 
-/* (GL5) Goes on with another rho from the same r and z. */
-static dls_status split_adapt(dls_global *work, double gap, double change, schedule *s,
+/* (GL7) Goes on with another rho from the same r and z. */
+static dls_status split_adapt(dls_global *work, int k, double gap, double change, schedule *s,
                               dls_error *error) {
-  const double rho = split_next_rho(work, gap, change, s), f = rho / work->rho;
+  const double rho = split_next_rho(work, k, gap, change, s), f = rho / work->rho;
+  if (rho != work->rho || !s->moves) dlsi_anderson_clear(&work->history);
   if (rho == work->rho) return DLS_OK;
   dlsi_global_resolve(work, work->q, work->r);
   for (int i = 0; i < work->m; i++) {
@@ -172,12 +112,11 @@ static dls_status split_adapt(dls_global *work, double gap, double change, sched
     work->z[i] *= f;
   }
   work->rho = rho;
-  dlsi_anderson_clear(&work->history);
-  return split_factor(work, error);
+  return dlsi_global_factor(work, error);
 }
 
-/* (GL4), (GL8), (GL9) gap: |p - q|; *accepted: that of the q before. */
-static void split_advance(dls_global *work, double gap, double *accepted) {
+/* (GL4), (GL5), (GL6) gap: |p - q|; *accepted: that of the q before. */
+static void split_advance(dls_global *work, int accelerate, double gap, double *accepted) {
   dlsi_anderson *history = &work->history;
   if (history->columns && !(gap <= most_growth * *accepted)) {
     memcpy(work->q, history->g, (size_t)work->m * sizeof *work->q);
@@ -189,10 +128,10 @@ static void split_advance(dls_global *work, double gap, double *accepted) {
     work->look[i] = relaxation * (work->p[i] - work->q[i]);
     work->q[i] += work->look[i];
   }
-  if (work->m > 0) (void)dlsi_anderson_step(history, work->m, work->look, work->q, NULL);
+  if (accelerate) (void)dlsi_anderson_step(history, work->m, work->look, work->q, NULL);
 }
 
-/* (GL6) Returns 1 if so many iterations are left that Newton steps are worth their factors. */
+/* (GL8) Returns 1 if so many iterations are left that Newton steps are worth their factors. */
 static int newton_is_due(const dls_global *work, int k, int changed, const dls_certificate *now,
                          const schedule *s) {
   if (changed || k < s->newton || work->nc == 0) return 0;
@@ -200,7 +139,7 @@ static int newton_is_due(const dls_global *work, int k, int changed, const dls_c
   return !(gain > 1) || log(left) / log(gain) * measure_every > worth;
 }
 
-/* (GL6) Goes on from the pair of the steps if it is much better, else as before. */
+/* (GL8) Goes on from the pair of the steps if it is much better, else as before. */
 static dls_status split_newton(dls_global *work, int k, schedule *s, dls_error *error) {
   const double before = dlsi_body_badness(&work->best);
   const dls_status status = dlsi_global_newton(work, work->before, error);
@@ -217,10 +156,9 @@ static dls_status split_newton(dls_global *work, int k, schedule *s, dls_error *
   return DLS_STALLED;
 }
 
-/* Returns 1 if the parts of contact are far below that of equilibrium, which stands still. */
+/* Returns 1 if equilibrium is the worst part and stands still. */
 static int stands_still(const dls_certificate *now, schedule *s) {
-  const double contact = now->residual_u > now->residual_r ? now->residual_u : now->residual_r;
-  const int still = now->equilibrium > 0.9 * s->equilibrium && contact < 0.1 * now->equilibrium;
+  const int still = now->equilibrium > 0.5 * s->equilibrium && now->equilibrium == now->residual;
   s->equilibrium = now->equilibrium;
   return still;
 }
@@ -263,7 +201,7 @@ static dls_status split_look(dls_global *work, int k, int most, const double *p,
   if (k >= s->look && stands_still(&now, s) && k >= s->prove) {
     int proved = 0;
     s->prove = 2 * k;
-    status = dlsi_global_prove(work, &proved, error);
+    status = dlsi_global_prove(work, 2 * k, &proved, error);
     if (status) return status;
     if (proved) return DLS_NO_SOLUTION;
   }
@@ -281,6 +219,7 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
   schedule s = {.look = first_look,
                 .newton = first_look,
                 .jump = 0.1,
+                .moves = 1,
                 .residual_at_look = INFINITY,
                 .residual = INFINITY,
                 .equilibrium = INFINITY,
@@ -294,7 +233,7 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
   dlsi_global_look(work, work->x, work->u);
   dls_status status = dlsi_global_measure(work, work->r, &now);
   if (status != DLS_STALLED) return status;
-  status = split_factor(work, error);
+  status = dlsi_global_factor(work, error);
   for (int k = 0; k < m; k++)
     work->q[k] = work->r[k] - work->rho * work->u[k];
   memset(work->z, 0, (size_t)m * sizeof *work->z);
@@ -318,8 +257,8 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
       if (end) return status;
       status = DLS_OK;
     }
-    split_advance(work, gap, &accepted);
-    if (adapt) status = split_adapt(work, gap, change, &s, error); /* (GL5) */
+    split_advance(work, m > 0 && s.moves, gap, &accepted);
+    if (adapt) status = split_adapt(work, k, gap, change, &s, error); /* (GL7) */
   }
   return status ? status : split_verdict(work, DLS_MAX_ITERATIONS);
 }

@@ -26,8 +26,8 @@ extern "C" {
 typedef struct dls_global dls_global;
 
 /* Copies the model, analyses K + H R H^T. *out = NULL on error. model: DLS_STIFFNESS_DENSE (its
- * entries that are 0 are left out) or DLS_STIFFNESS_SPARSE; K may be singular, symmetric or not, and
- * with DLS_CHOLESKY need not be definite. Contacts are the active candidates; where model.mu is 0
+ * zeros are left out) or DLS_STIFFNESS_SPARSE; K may be singular, symmetric or not, and with
+ * DLS_CHOLESKY need not be definite. Contacts are the active candidates; where model.mu is 0
  * the tangents are left out. model.modes is not read. m = d * contacts.
  *
  * Memory: the factor of K + H R H^T, twice K, H, some vectors. DLS_E_UNSUPPORTED for a flexibility
@@ -68,10 +68,10 @@ DLS_API DLS_MUST_USE dls_status dls_global_solve(dls_global *global, const doubl
 /* Returns the number of contacts; 0 for NULL. */
 DLS_API int dls_global_contacts(const dls_global *global);
 
-/* Returns the rigid motion b (n) that proves DLS_NO_SOLUTION after the last solve, NULL after any
- * other status. K b = 0 to rounding, b^T f > 0, and (H^T b)_n >= mu |(H^T b)_t| to rounding at
- * every contact: whatever r the law allows, b^T (f + H r) > 0, and nothing balances it. *body (or
- * NULL): the first unknown of the connected body that moves most. */
+/* Returns the rigid motion b (n, largest entry near 1) that proves DLS_NO_SOLUTION after the last
+ * solve, NULL after any other status. K b = 0 to the rounding of K, b^T f > 0, and (H^T b)_n >= mu
+ * |(H^T b)_t| to rounding at every contact: whatever r the law allows, b^T (f + H r) > 0, and
+ * nothing balances it. *body (or NULL): the first unknown of the connected body that moves most. */
 DLS_API const double *dls_global_motion(const dls_global *global, int *body);
 
 /* NULL is fine. */

@@ -47,7 +47,7 @@ static void plant_states(dice *g, const recipe *of, problem *p, double ratio) {
   }
 }
 
-/* Row and column of entry i of W, and u_i, times s; r_i over s: the same problem in another unit. */
+/* Row and column of entry i of W, and u_i, times s; r_i over s: another unit. */
 static void scale_entry(problem *p, int i, double s, int answer) {
   const size_t m = (size_t)p->m;
   for (size_t j = 0; j < m; j++) {

@@ -70,7 +70,7 @@ static const recipe recipes[CLASSES] = {
     {"mixed", SOLVABLE, ANY_FORM, 0, 0, 8, 6, 6, 20},
     {"unsolvable", UNSOLVABLE, FACTOR, 1, 0, 3, 0, 0, 18},
     {"unsolvable-rounded", UNSOLVABLE, FACTOR, 0, 0, 2, 0, 2, 8},
-    {"unsolvable-product", UNSOLVABLE, PRODUCT, 4, 0, 2, 0, 0, 18},
+    {"unsolvable-product", UNSOLVABLE, PRODUCT, 4, 0, 2, 0, 0, 8},
     {"borderline", BORDERLINE, FACTOR, 4, 0, 2, 0, 0, 18},
     {"random", BORDERLINE, ANY_FORM, 0, 0, 3, 1, 1, 20},
     {"far", SURE, FACTOR, 1, 0, 3, 0, 0, 10},
@@ -79,7 +79,7 @@ static const recipe recipes[CLASSES] = {
     {"aspect", SOLVABLE, ASPECT, 0, 0, 1, 1, 0, 25},
     {"masses", SOLVABLE, MASSES, 0, 0, 1, 1, 0, 25},
     {"bonded", SOLVABLE, BONDED, 0, 0, 1, 1, 0, 25},
-    {"heavy", SOLVABLE, HEAVY, 0, 0, 1, 1, 0, 20},
+    {"heavy", SOLVABLE, HEAVY, 0, 0, 1, 1, 0, 30},
     {"sizes", SOLVABLE, SIZES, 0, 0, 1, 1, 0, 5},
 };
 
@@ -111,6 +111,10 @@ const char *const class_name[CLASSES] = {"integers",
                                          "bonded",
                                          "heavy",
                                          "sizes"};
+
+int class_is_dear(int class) {
+  return recipes[class].share < 10;
+}
 
 int class_of_seed(uint64_t seed) {
   dice g = {seed ^ 0x632be59bd9b4e019u};

@@ -11,13 +11,13 @@
  * has; else the largest entry of the diagonal blocks, else 1. |q| and |r| are those of the
  * candidates that touch, P not 0.
  *
- * The floors are eps |e| / |q| and eps |D^-1 e| / |r|, e what rounds in D^1/2 F' of a candidate that
- * touches, with a = |W||r| + |q| by entries:
+ * The floors are eps |e| / |q| and eps |D^-1 e| / |r|, e what rounds in D^1/2 F' of a candidate
+ * that touches, with a = |W||r| + |q| by entries:
  *
  *   stick, bonded  e = a + D|r|, and mu |a_t| in the normal entry of a stick
  *   slip           x = (a_n + w_n r_n + mu w_t |r_t|) / (1 + mu'^2);  e_n = w_n r_n + x,
- *                  e_t = w_t |r_t| + mu (w_t/w_n) x, and in 3D the turn of the slip, w_t |r_t| |a_t|
- *                  / |w_t r_t - u_t|
+ *                  e_t = w_t |r_t| + mu (w_t/w_n) x, and in 3D the turn of the slip,
+ *                  w_t |r_t| |a_t| / |w_t r_t - u_t|
  */
 #include <float.h>
 #include <math.h>

@@ -18,21 +18,23 @@ cat "$dir"/*.txt | awk '
   $2 !~ /^[0-9]+$/ { table = 0 }
   table && !($1 in of) { of[$1] = ++classes; name[classes] = $1 }
   table == 1 { problems[$1] += $2; solvable[$1] += $3; solved[$1] += $4; ms[$1] += $2 * $NF
-               proved[$1] += $8; likely[$1] += $7 }
-  table == 2 { for (k = 2; k <= NF - 2; k++) broken[$1] += $k }
+               rounding[$1] += $6; proved[$1] += $9; likely[$1] += $8 }
+  table == 2 { for (k = 2; k <= NF - 5; k++) broken[$1] += $k
+               if ($NF > error[$1]) error[$1] = $NF }
   /^not solved: / { symmetric[$NF]++ }
   END {
-    printf "| class | problems | solvable | solved | symmetric, not solved | likely | proved | rules broken | ms |\n"
-    printf "|---|---|---|---|---|---|---|---|---|\n"
+    printf "| class | problems | solvable | solved | to rounding | symmetric, not solved | likely | proved | true error | rules broken | ms |\n"
+    printf "|---|---|---|---|---|---|---|---|---|---|---|\n"
     for (k = 1; k <= classes; k++) {
       c = name[k]
-      printf "| %s | %d | %d | %d | %d | %d | %d | %d | %.2f |\n", c, problems[c], solvable[c], solved[c],
-             symmetric[c], likely[c], proved[c], broken[c], ms[c] / problems[c]
+      printf "| %s | %d | %d | %d | %d | %d | %d | %d | %.1e | %d | %.2f |\n", c, problems[c], solvable[c], solved[c],
+             rounding[c], symmetric[c], likely[c], proved[c], error[c], broken[c], ms[c] / problems[c]
       all[1] += problems[c]; all[2] += solvable[c]; all[3] += solved[c]; all[4] += symmetric[c]
-      all[5] += likely[c]; all[6] += proved[c]; all[7] += broken[c]; total += ms[c]
+      all[5] += likely[c]; all[6] += proved[c]; all[7] += broken[c]; all[8] += rounding[c]; total += ms[c]
+      if (error[c] > all[9]) all[9] = error[c]
     }
-    printf "| all | %d | %d | %d | %d | %d | %d | %d | %.2f |\n", all[1], all[2], all[3], all[4], all[5], all[6], all[7],
-           total / all[1]
+    printf "| all | %d | %d | %d | %d | %d | %d | %d | %.1e | %d | %.2f |\n", all[1], all[2], all[3], all[8], all[4],
+           all[5], all[6], all[9], all[7], total / all[1]
     exit all[7] > 0
   }' || bad=1
 grep -h '^broken in' "$dir"/*.txt && bad=1

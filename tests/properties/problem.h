@@ -64,11 +64,14 @@ extern const char *const class_name[CLASSES];
  * problems are. */
 int class_of_seed(uint64_t seed);
 
+/* Returns 1 if a problem of this class takes about a second. */
+int class_is_dear(int class);
+
 /* *p := the problem of this class and seed; the same bits at every call. */
 void generate(int class, uint64_t seed, problem *p);
 
-/* SOLVABLE: q := u - W r without rounding, then rounded once; p->exact := 1 if that and the law hold
- * without rounding, else 0. */
+/* SOLVABLE: q := u - W r without rounding, then rounded once; p->exact := 1 if that and the law
+ * hold without rounding, else 0. */
 void plant_q(problem *p);
 
 /* ---- judges ---------------------------------------------------------------------------------- */
@@ -130,8 +133,8 @@ typedef struct truth {
   double condition; /* of r: relative error per relative residual; 0: not computed */
 } truth;
 
-/* Judges r, an answer at this tolerance: wrong if the error is above 1000 tol times the condition or,
- * with capped = 1, above a hundredth. */
+/* Judges r, an answer at this tolerance: wrong if the error is above 1000 tol times the condition
+ * or, with capped = 1, above a hundredth. */
 void judge_truth(const problem *p, const double *r, double tol, int capped, truth *out);
 
 #endif

@@ -4,7 +4,8 @@
  *   properties [--seed N] [--step K] [--count N] [--class NAME] [--seconds S] [--tol T] [--out DIR]
  *
  * Problem i has the seed N + i K, and of the classes the one that the seed falls on, by shares that
- * are even in time; "--class each" takes the classes in turn. Exit 0: every
+ * are even in time; "--class each" takes the classes in turn (those whose problems take a
+ * second every fourth time), "--class stacks" the bodies of bodies.c on K itself. Exit 0: every
  * rule kept; 1: some rule broken; 2: the command line, or a file that cannot be written.
  */
 #define _POSIX_C_SOURCE 200809L /* mkdir, clock_gettime */
@@ -16,6 +17,7 @@
 #include <sys/stat.h>
 #include <time.h>
 
+#include "bodies.h"
 #include "check.h"
 
 enum { WAYS = DLS_HOMOTOPY + 2 };
@@ -27,10 +29,10 @@ static const double unsolved_share = 1e-4;
 static const struct {
   const char *class;
   double share;
-} unsolved_of[] = {{"friction", 2e-3}, {"slight", 2e-3},     {"mixed", 0.05},
-                   {"skew", 5e-3},     {"zero-blocks", 0.1}, {"product", 0.2}};
+} unsolved_of[] = {{"friction", 2e-3}, {"slight", 2e-3},     {"mixed", 0.05},  {"skew", 5e-3},
+                   {"aspect", 5e-3},   {"zero-blocks", 0.1}, {"product", 0.2}, {"bonded", 0.05}};
 
-enum { DRAWN = -1, EACH = -2 };
+enum { DRAWN = -1, EACH = -2, STACKS = -3 };
 
 static double wall_clock(void) {
   struct timespec t;
@@ -52,7 +54,7 @@ typedef struct tally {
 typedef struct command {
   uint64_t seed, step;
   long count;
-  int class; /* DRAWN, EACH, or one */
+  int class; /* DRAWN, EACH, STACKS, or one */
   double seconds;
   options ask;
   const char *out;
@@ -63,7 +65,7 @@ static int print_usage(void) {
                   "[--tol T] [--out DIR]\nclasses:");
   for (int k = 0; k < CLASSES; k++)
     fprintf(stderr, " %s", class_name[k]);
-  fprintf(stderr, "\n");
+  fprintf(stderr, " each stacks\n");
   return 0;
 }
 
@@ -90,6 +92,7 @@ static int read_command(int count, char **words, command *to) {
       for (to->class = CLASSES - 1; to->class >= 0; to->class --)
         if (!strcmp(class_name[to->class], text)) break;
       if (!strcmp(text, "each")) to->class = EACH;
+      if (!strcmp(text, "stacks")) to->class = STACKS;
       if (to->class == DRAWN) return print_usage();
     } else
       return print_usage();
@@ -198,9 +201,10 @@ static int tally_conclude(const tally *t, double seconds, long runs) {
   for (int k = 0; k < CLASSES; k++) {
     for (int b = 1; b < RULES; b++)
       broken[b] += t[k].broken[b];
+    problems += t[k].problems;
+    if (!strcmp(class_name[k], "bonded")) continue; /* friction without a limit: by its own rate */
     symmetric += t[k].symmetric;
     lost += t[k].lost_symmetric;
-    problems += t[k].problems;
   }
   const double cpu = (double)clock() / CLOCKS_PER_SEC;
   printf("\n%ld problems, %ld solves, %.0f s, %.0f s CPU: %.0f problems a minute of CPU\n",
@@ -258,6 +262,8 @@ int main(int count, char **words) {
   of.seconds = INFINITY;
   if (!read_command(count, words, &of)) return 2;
   setvbuf(stdout, NULL, _IOLBF, 0);
+  if (of.class == STACKS)
+    return !stack_run(of.seed, of.step, of.count, of.ask.tol, stack_solve_global, NULL);
   if (mkdir(of.out, 0777) && errno != EEXIST) {
     fprintf(stderr, "properties: %s: %s\n", of.out, strerror(errno));
     return 2;
@@ -271,6 +277,7 @@ int main(int count, char **words) {
     const int class = of.class >= 0      ? of.class
                       : of.class == EACH ? (int)(i % CLASSES)
                                          : class_of_seed(seed);
+    if (of.class == EACH && class_is_dear(class) && i / CLASSES % 4) continue;
     const clock_t began = clock();
     generate(class, seed, &p);
     check_problem(&p, seed, &of.ask, &v);

@@ -86,7 +86,7 @@ static void add_element(solids *S, const int *node, const double *x, double stif
     }
 }
 
-static int add_block(solids *S, const int *count, const double *x, double stiff) {
+static int add_block(solids *S, const int count[3], const double *x, double stiff) {
   const int d = S->d, corners = 1 << d, first = S->nodes;
   const int nx = count[0], ny = count[1], nz = d == 3 ? count[2] : 1;
   S->nodes += (nx + 1) * (ny + 1) * (d == 3 ? nz + 1 : 1);
@@ -108,11 +108,11 @@ static int add_block(solids *S, const int *count, const double *x, double stiff)
   return first;
 }
 
-int solids_block(solids *S, const int *count, double stiff) {
+int solids_block(solids *S, const int count[3], double stiff) {
   return add_block(S, count, NULL, stiff);
 }
 
-int solids_mapped(solids *S, const int *count, const double *x, double stiff) {
+int solids_mapped(solids *S, const int count[3], const double *x, double stiff) {
   return add_block(S, count, x, stiff);
 }
 
@@ -173,7 +173,7 @@ const dls_model *solids_model(solids *S) {
 
 void solids_pad(solids *S, int nx, int ny) {
   solids_new(S, 2, (nx + 1) * (ny + 1), nx);
-  solids_block(S, (int[]){nx, ny}, 1);
+  solids_block(S, (int[]){nx, ny, 1}, 1);
   for (int j = 0; j <= ny; j++)
     for (int k = 0; k < 2; k++)
       solids_spring(S, nx + (nx + 1) * j, k, 1e3);
@@ -206,6 +206,22 @@ void solids_plate(solids *S, int nx, int nz) {
           -1e-2 * (1 + .5 * cos(13 * x + 7 * y)) + (sin(9 * x - 5 * y) < -.55 ? 1.8e-2 : 0);
       solids_contact(S, bottom, -1, (double[]){0, 0, 1}, 0);
     }
+  (void)solids_model(S);
+}
+
+void solids_strip(solids *S, int nx, int ny) {
+  solids_new(S, 2, (nx + 1) * (ny + 1), nx);
+  solids_block(S, (int[]){nx, ny, 1}, 1);
+  for (int j = 0; j <= ny; j++)
+    for (int k = 0; k < 2; k++)
+      solids_spring(S, (nx + 1) * j, k, 1e3);
+  for (int i = 0; i <= nx; i++) {
+    const int top = i + (nx + 1) * ny;
+    const double s = (double)i / nx;
+    S->f[2 * top] = 2.5e-3 * sin(28 * s);
+    S->f[2 * top + 1] = -1e-2 * (1 + .5 * cos(40 * s)) + (sin(34 * s) < -.6 ? 1.8e-2 : 0);
+    if (i > 0) solids_contact(S, i, -1, (double[]){0, 1}, 0);
+  }
   (void)solids_model(S);
 }
 
@@ -245,7 +261,7 @@ void solids_arch(solids *S, int stones, double thick) {
     for (int j = 0; j <= ny; j++)
       for (int i = 0; i <= nx; i++)
         memcpy(x + 2 * (i + (nx + 1) * j), flip + 2 * (nx - i + (nx + 1) * j), 2 * sizeof *x);
-    const int first = solids_mapped(S, (int[]){nx, ny}, x, 1e4);
+    const int first = solids_mapped(S, (int[]){nx, ny, 1}, x, 1e4);
     for (int k = 0; k < each; k++)
       S->f[2 * (first + k) + 1] = -1. / (stones * each);
     /* column nx is the side of the stone before, column 0 that of the next one */

@@ -20,12 +20,14 @@ typedef struct solids {
 void solids_new(solids *S, int d, int nodes, int contacts);
 void solids_free(solids *S);
 
-/* Adds a block of nx x ny squares of side 1 (d = 2), or nx x ny x nz cubes (d = 3), E = 1 times
+/* count is nx, ny, nz; nz is not read for d = 2.
+ *
+ * Adds a block of nx x ny squares of side 1 (d = 2), or nx x ny x nz cubes (d = 3), E = 1 times
  * `stiff`, nu = .3; returns its first node. Node (i, j, k) is first + i + (nx+1) (j + (ny+1) k). */
-int solids_block(solids *S, const int *count, double stiff);
+int solids_block(solids *S, const int count[3], double stiff);
 
 /* Adds a block whose node (i, j) stands at x[2 (i + (nx+1) j)], .. (d = 2). */
-int solids_mapped(solids *S, const int *count, const double *x, double stiff);
+int solids_mapped(solids *S, const int count[3], const double *x, double stiff);
 
 /* Adds a spring to direction `k` of a node. */
 void solids_spring(solids *S, int node, int k, double stiffness);
@@ -41,6 +43,10 @@ const dls_model *solids_model(solids *S);
  * pressed, sheared and lifted, every bottom node a contact. And the plate in 3D, n x n x nz. */
 void solids_pad(solids *S, int nx, int ny);
 void solids_plate(solids *S, int nx, int nz);
+
+/* A strip that hangs like a cantilever over a rough ground, nx x ny squares, lifted and pressed in
+ * turn, every bottom node a contact. */
+void solids_strip(solids *S, int nx, int ny);
 
 /* A stack of `count` free blocks of side^d elements on the ground, each with a weight, pushed by
  * `push` times the friction that .3 of all weight above gives. */

@@ -1,0 +1,76 @@
+/*
+ * pair.c: what the splitting, Newton's steps and proofs share: products with H, the law's
+ * reactions, one step, and the measure of a pair (x, r), which keeps the best one.
+ *
+ * Of two pairs the better one has the smaller dlsi_body_badness: floors count, so that a pair that
+ * has run away is never the best one because rounding hides its residual.
+ */
+#include <string.h>
+
+#include "global_internal.h"
+
+
+dls_status dlsi_global_factor(dls_global *work, dls_error *error) {
+  work->factorisations++;
+  return dlsi_system_factor(work->system, work->rho, error);
+}
+
+void dlsi_global_look(const dls_global *work, const double *x, double *u) {
+  const dlsi_columns *H = &work->H;
+  for (int k = 0; k < work->m; k++) {
+    double sum = work->g[k];
+    for (int e = H->p[k]; e < H->p[k + 1]; e++)
+      sum += H->x[e] * x[H->i[e]];
+    u[k] = sum;
+  }
+}
+
+void dlsi_global_push(const dls_global *work, const double *r, double *v) {
+  const dlsi_columns *H = &work->H;
+  for (int k = 0; k < work->m; k++)
+    for (int e = H->p[k]; r[k] != 0 && e < H->p[k + 1]; e++)
+      v[H->i[e]] += H->x[e] * r[k];
+}
+
+void dlsi_global_resolve(const dls_global *work, const double *q, double *r) {
+  const size_t d = (size_t)work->d;
+  for (int c = 0; c < work->nc; c++) {
+    const double *qc = q + d * (size_t)c;
+    double *rc = r + d * (size_t)c;
+    rc[0] = qc[0] > 0 ? qc[0] : 0;
+    const double R = dlsi_friction_bound(work->bend[c], rc[0]);
+    const double size = dlsi_tangent_norm(work->d, qc);
+    for (size_t i = 1; i < d; i++)
+      rc[i] = size > R ? R * (qc[i] / size) : qc[i];
+  }
+}
+
+dls_status dlsi_global_step(dls_global *work, const double *r, const double *q, const double *g,
+                            dls_error *error) {
+  const dlsi_system *A = work->system;
+  double *y = work->y;
+  for (int j = 0; j < work->n; j++)
+    y[j] = (work->f ? work->f[j] : 0) + A->hold * A->e[j] * work->x[j];
+  for (int k = 0; k < work->m; k++)
+    work->look[k] = 2 * r[k] - q[k] - (g ? work->rho * g[k] : 0);
+  dlsi_global_push(work, work->look, y);
+  const dls_status status = dlsi_system_solve(work->system, y, error);
+  if (status) return status;
+  memcpy(work->x, y, (size_t)work->n * sizeof *y);
+  dlsi_global_look(work, work->x, work->u);
+  return DLS_OK;
+}
+
+dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificate *found) {
+  for (int k = 0; k < work->m; k++)
+    work->trial[k] = r[k] / work->root[k];
+  dlsi_body_measure(&work->body, work->f, work->gap, work->mu, work->trial, work->x, work->look,
+                    work->scratch, found);
+  if (dlsi_body_badness(found) < dlsi_body_badness(&work->best)) {
+    work->best = *found;
+    memcpy(work->best_r, work->trial, (size_t)work->m * sizeof *work->trial);
+    memcpy(work->best_x, work->x, (size_t)work->n * sizeof *work->x);
+  }
+  const double tol = work->limits->tol;
+  return dls_certificate_verdict(&work->best, tol);
+}

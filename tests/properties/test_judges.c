@@ -1,0 +1,253 @@
+/*
+ * test_judges.c: the judges of tests/properties judged themselves: right answers made by hand pass,
+ * and answers that are wrong by little more than they may be do not.
+ */
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bodies.h"
+#include "problem.h"
+#include "run.h"
+
+/* ---- contact problems ------------------------------------------------------------------------ */
+
+/* d = 1, three candidates, the last one open and far away: r = (1, 2, 0) to the last bit. */
+static void fill_open(problem *p, double far) {
+  static const double W[9] = {1, 0.5, 0, 0.5, 1, 0, 0, 0, 0x1p-40};
+  problem_resize(p, 1, 3);
+  memcpy(p->W, W, sizeof W);
+  p->kind = SOLVABLE;
+  p->r[0] = 1, p->r[1] = 2, p->r[2] = 0;
+  p->u[2] = far;
+  plant_q(p);
+}
+
+START_TEST(an_open_candidate_hides_no_wrong_answer) {
+  problem p = {0};
+  measure is;
+  truth t;
+  fill_open(&p, 1e15);
+  ck_assert_int_eq(p.exact, 1);
+  measure_answer(&p, p.r, &is);
+  ck_assert_double_eq(is.u, 0);
+  ck_assert_double_eq(is.r, 0);
+  ck_assert(measure_holds(&is, 1e-12, 1, 1e-8, 1));
+  judge_truth(&p, p.r, 1e-8, 1, &t);
+  ck_assert_int_eq(t.verdict, TRUTH_HOLDS);
+  const double wrong[3] = {1, 2.03, 0}; /* by more than a per cent */
+  measure_answer(&p, wrong, &is);
+  ck_assert(!measure_holds(&is, 1e-8, 1, 1e-8, 1));
+  judge_truth(&p, wrong, 1e-8, 1, &t);
+  ck_assert_int_eq(t.verdict, TRUTH_WRONG_R);
+  ck_assert_double_eq_tol(t.error, 0.03 / sqrt(5), 1e-6);
+  const double near[3] = {1, 2 + 1e-5, 0}; /* the condition is about 2 */
+  judge_truth(&p, near, 1e-8, 1, &t);
+  ck_assert_int_eq(t.verdict, TRUTH_HOLDS);
+  judge_truth(&p, near, 1e-10, 1, &t);
+  ck_assert_int_eq(t.verdict, TRUTH_WRONG_R);
+  free(p.W);
+}
+END_TEST
+
+/* W = diag(1e-8, 1), q = (-1, .3): r = (1e8, -.3) sticks, and rounding hides nothing of it. */
+START_TEST(weights_of_normal_and_tangent) {
+  problem p = {0};
+  measure is;
+  const double r[2] = {1e8, -0.3};
+  problem_resize(&p, 2, 1);
+  p.W[0] = 1e-8;
+  p.W[3] = 1;
+  p.q[0] = -1, p.q[1] = 0.3;
+  p.mu[0] = 0.5;
+  measure_answer(&p, r, &is);
+  ck_assert(measure_holds(&is, 1e-14, 1, 1e-14, 1));
+  free(p.W);
+}
+END_TEST
+
+/* A bonded candidate sticks whatever its drag, and has no reaction where it is open. */
+START_TEST(infinite_friction) {
+  problem p = {0};
+  measure is;
+  truth t;
+  problem_resize(&p, 2, 2);
+  for (int i = 0; i < 4; i++)
+    p.W[5 * i] = 1;
+  p.kind = SOLVABLE;
+  p.mu[0] = p.mu[1] = INFINITY;
+  p.r[0] = 1, p.r[1] = 1000;
+  p.u[2] = 1, p.u[3] = 5;
+  plant_q(&p);
+  ck_assert_int_eq(p.exact, 1);
+  measure_answer(&p, p.r, &is);
+  ck_assert_double_eq(is.u, 0);
+  judge_truth(&p, p.r, 1e-8, 1, &t);
+  ck_assert_int_eq(t.verdict, TRUTH_HOLDS);
+  const double wrong[4] = {1, 985, 0, 0};
+  measure_answer(&p, wrong, &is);
+  ck_assert_double_ge(is.u, 0.01);
+  judge_truth(&p, wrong, 1e-8, 1, &t);
+  ck_assert_int_eq(t.verdict, TRUTH_WRONG_R);
+  free(p.W);
+}
+END_TEST
+
+/* r determined by nothing: two candidates that press at the same place. */
+START_TEST(an_answer_that_is_not_determined_is_no_error) {
+  problem p = {0};
+  truth t;
+  problem_resize(&p, 1, 2);
+  for (int i = 0; i < 4; i++)
+    p.W[i] = 1;
+  p.kind = SOLVABLE;
+  p.r[0] = 1, p.r[1] = 2;
+  plant_q(&p);
+  const double other[2] = {2, 1};
+  judge_truth(&p, other, 1e-8, 1, &t);
+  ck_assert_int_eq(t.verdict, TRUTH_UNKNOWN);
+  free(p.W);
+}
+END_TEST
+
+/* A second answer is as true as the planted one: mu = 3 and W_nt lift the body where it sticks. */
+START_TEST(another_answer_is_true_too) {
+  problem p = {0};
+  truth t;
+  static const double W[4] = {1, -1, -1, 2};
+  problem_resize(&p, 2, 1);
+  memcpy(p.W, W, sizeof W);
+  p.kind = SOLVABLE;
+  p.mu[0] = 3;
+  p.r[0] = 1, p.r[1] = 2; /* sticks: q = (1, -3) */
+  plant_q(&p);
+  const double open[2] = {0, 0}; /* u = q: u_n = 1 > 0 */
+  judge_truth(&p, open, 1e-8, 1, &t);
+  ck_assert_int_eq(t.verdict, TRUTH_OTHER);
+  free(p.W);
+}
+END_TEST
+
+START_TEST(sums_are_rounded_once) {
+  exact sum;
+  exact_clear(&sum);
+  exact_add(&sum, 1e300, 1, 1);
+  exact_add(&sum, 3, -7, 0.5);
+  exact_add(&sum, -1e300, 1, 1);
+  ck_assert_double_eq(exact_round(&sum), -10.5);
+  exact_clear(&sum);
+  exact_add(&sum, 1, 1, 1);
+  exact_add(&sum, 0x1p-80, 1, 1);
+  ck_assert_double_eq(exact_round(&sum), 1);
+}
+END_TEST
+
+/* ---- stacks ---------------------------------------------------------------------------------- */
+
+/* x, r of a stack whose candidates all stick: K x - H r = f, H' x = 0, by Gauss's elimination. */
+static void solve_stuck(const stack *s, double *x, double *r) {
+  const int m = s->n + 2 * s->nc;
+  long double *A = problem_alloc((size_t)m * (size_t)(m + 1) * sizeof *A);
+#define AT(i, j) A[(size_t)(i) + (size_t)(j) * (size_t)m]
+  for (int j = 0; j < s->n; j++) {
+    AT(j, m) = s->f[j];
+    for (int k = s->K.p[j]; k < s->K.p[j + 1]; k++)
+      AT(s->K.i[k], j) += s->K.x[k];
+  }
+  for (int c = 0; c < s->nc; c++)
+    for (int t = 0; t < 2; t++) {
+      const dls_sparse *H = t ? &s->HT : &s->HN;
+      for (int k = H->p[c]; k < H->p[c + 1]; k++) {
+        AT(H->i[k], s->n + 2 * c + t) = -H->x[k];
+        AT(s->n + 2 * c + t, H->i[k]) = H->x[k];
+      }
+    }
+  for (int k = 0; k < m; k++) {
+    int at = k;
+    for (int i = k; i < m; i++)
+      if (fabsl(AT(i, k)) > fabsl(AT(at, k))) at = i;
+    for (int j = 0; j <= m; j++) {
+      const long double t = AT(k, j);
+      AT(k, j) = AT(at, j);
+      AT(at, j) = t;
+    }
+    for (int i = 0; i < m; i++)
+      for (int j = m; i != k && AT(i, k) != 0 && j >= k; j--)
+        AT(i, j) -= AT(i, k) / AT(k, k) * AT(k, j);
+  }
+  for (int i = 0; i < m; i++)
+    (i < s->n ? x : r - s->n)[i] = (double)(AT(i, m) / AT(i, i));
+#undef AT
+  free(A);
+}
+
+/* Returns 1 if no candidate pulls or leaves its cone. */
+static int is_inside(const stack *s, const double *r) {
+  for (int c = 0; c < s->nc; c++)
+    if (!(r[2 * c] > 0 && fabs(r[2 * c + 1]) <= s->mu[c] * r[2 * c])) return 0;
+  return 1;
+}
+
+START_TEST(stacks_and_their_statics) {
+  stack s = {0};
+  int solved = 0, kinds[5] = {0};
+  for (uint64_t seed = 2; seed < 400; seed += 2) {
+    stack_generate(seed, &s);
+    kinds[s.kind]++;
+    if (s.n > 120) continue;
+    double *x = problem_alloc((size_t)s.n * sizeof *x);
+    double *r = problem_alloc(2 * (size_t)s.nc * sizeof *r);
+    solve_stuck(&s, x, r);
+    const int inside = is_inside(&s, r);
+    /* an answer that meets the laws: statics has to agree */
+    if (inside) ck_assert(s.kind == STANDS || s.kind == ON_EDGE);
+    if (!inside || s.kind != STANDS) {
+      free(x);
+      free(r);
+      continue;
+    }
+    solved++;
+    ck_assert_int_eq(stack_judge(&s, DLS_OK, x, r, 1e-8), STACK_GOOD);
+    ck_assert_int_eq(stack_judge(&s, DLS_STALLED, x, r, 1e-8), STACK_DENIED);
+    ck_assert_int_eq(stack_judge(&s, DLS_NOT_IN_EQUILIBRIUM, x, r, 1e-8), STACK_DENIED);
+    for (int c = 0; c < 2 * s.nc; c++) /* a spring carries the rest */
+      r[c] *= 0.999;
+    ck_assert_int_eq(stack_judge(&s, DLS_OK, x, r, 1e-8), STACK_BLOCK);
+    for (int c = 0; c < 2 * s.nc; c++)
+      r[c] /= 0.999;
+    x[0] += 1e-3 * (1 + fabs(x[0]));
+    ck_assert_int_eq(stack_judge(&s, DLS_OK, x, r, 1e-8), STACK_NODES);
+    free(x);
+    free(r);
+  }
+  ck_assert_int_ge(solved, 10);
+  for (int k = 0; k < 5; k++)
+    ck_assert_int_gt(kinds[k], 3);
+  stack_free(&s);
+}
+END_TEST
+
+START_TEST(what_cannot_stand_is_not_solved) {
+  stack s = {0};
+  for (uint64_t seed = 2; seed < 100; seed += 2) {
+    stack_generate(seed, &s);
+    if (s.kind == STANDS || s.kind == ON_EDGE) continue;
+    double *x = problem_alloc((size_t)s.n * sizeof *x);
+    double *r = problem_alloc(2 * (size_t)s.nc * sizeof *r);
+    ck_assert_int_eq(stack_judge(&s, DLS_OK, x, r, 1e-8), STACK_CLAIMED);
+    ck_assert_int_eq(stack_judge(&s, DLS_NOT_IN_EQUILIBRIUM, x, r, 1e-8), STACK_GOOD);
+    free(x);
+    free(r);
+  }
+  stack_free(&s);
+}
+END_TEST
+
+int main(void) {
+  return RUN("judges", NULL, NULL, ONCE(an_open_candidate_hides_no_wrong_answer),
+             ONCE(weights_of_normal_and_tangent), ONCE(infinite_friction),
+             ONCE(an_answer_that_is_not_determined_is_no_error), ONCE(another_answer_is_true_too),
+             ONCE(sums_are_rounded_once), ONCE(stacks_and_their_statics),
+             ONCE(what_cannot_stand_is_not_solved));
+}
