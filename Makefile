@@ -556,6 +556,7 @@ check-hosts:
 
 .PHONY: dist
 dist:
+	@mkdir -p $(BUILD)
 	git archive --prefix=delassus-$(VERSION)/ -o $(BUILD)/delassus-$(VERSION).tar.gz HEAD
 	@echo $(BUILD)/delassus-$(VERSION).tar.gz
 
