@@ -17,6 +17,13 @@ run_make() { # target
   $make --no-print-directory "$1" BUILD="$build" DESTDIR="$tree" PREFIX=/usr LIBDIR=/usr/lib/here PYTHON="${PYTHON:-}" \
     > "$root/log" 2>&1 || { cat "$root/log"; fail "$1"; }
 }
+# the source of a fresh clone, without a build
+if git rev-parse --git-dir > "$root/log" 2>&1; then
+  git clone -q . "$root/clone"
+  (cp Makefile "$root/clone/" && cd "$root/clone" && $make --no-print-directory dist > "$root/log" 2>&1) ||
+    { cat "$root/log"; fail dist; }
+  echo "dist: the source of a fresh clone"
+fi
 run_make install
 [ -z "${PYTHON:-}" ] || run_make install-python
 work=$(pwd)

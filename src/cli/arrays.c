@@ -30,14 +30,23 @@ int array_is_calculix(const char *path) {
   return ends_in(path, ".sti") || ends_in(path, ".mas");
 }
 
+/* Opens a file, past the byte order mark of UTF-8; returns NULL after a complaint. */
+static FILE *array_open(const char *path) {
+  static const unsigned char mark[3] = {0xef, 0xbb, 0xbf};
+  unsigned char first[3];
+  FILE *file = fopen(input_path(path), "rb");
+  if (!file)
+    (void)complain("%s: cannot be opened: %s", path, strerror(errno));
+  else if (fread(first, 1, 3, file) != 3 || memcmp(first, mark, 3) != 0)
+    rewind(file);
+  return file;
+}
+
 static array_kind find_kind(const char *path) {
   char first[16] = {0};
   if (array_is_calculix(path)) return ARRAY_CALCULIX;
-  FILE *file = fopen(path, "rb");
-  if (!file) {
-    (void)complain("%s: cannot be opened: %s", path, strerror(errno));
-    return ARRAY_NONE;
-  }
+  FILE *file = array_open(path);
+  if (!file) return ARRAY_NONE;
   const size_t got = fread(first, 1, sizeof first - 1, file);
   const int failed = ferror(file);
   (void)fclose(file);
@@ -86,6 +95,8 @@ static int array_read_text(const char *path, FILE *file, table *t) {
         word++;
       if (*word == '\0' || *word == '\n' || *word == '#' || *word == '%') break;
       char *end;
+      const size_t digits = strspn(word, "+-.0123456789"); /* 1D0 is Fortran's 1E0 */
+      if (digits && (word[digits] == 'd' || word[digits] == 'D')) word[digits] = 'e';
       const double x = strtod(word, &end);
       good = end > word && (*end == '\0' || *end == '\n' || is_separator((unsigned char)*end)) &&
              !isnan(x);
@@ -162,7 +173,8 @@ static int read_npy(const char *path, FILE *file, table *t) {
 static int read_mtx_table(const char *path, table *t) {
   dls_error error = {0};
   double *x = NULL;
-  if (dls_mtx_read(path, &t->rows, &t->cols, &x, &error)) return complain_of(path, &error), 0;
+  if (dls_mtx_read(input_path(path), &t->rows, &t->cols, &x, &error))
+    return complain_of(path, &error), 0;
   const size_t rows = (size_t)t->rows, cols = (size_t)t->cols;
   t->a = malloc(rows * cols * sizeof *t->a);
   for (size_t e = 0; t->a && e < rows * cols; e++)
@@ -177,8 +189,8 @@ int table_read(const char *path, table *t) {
   if (kind == ARRAY_NONE) return 0;
   if (kind == ARRAY_MTX) return read_mtx_table(path, t);
   if (kind == ARRAY_CALCULIX) return complain("%s: is a sparse matrix", path), 0;
-  FILE *file = fopen(path, "rb");
-  if (!file) return complain("%s: cannot be opened", path), 0;
+  FILE *file = array_open(path);
+  if (!file) return 0;
   const int good = (kind == ARRAY_NPY ? read_npy : array_read_text)(path, file, t);
   (void)fclose(file);
   return good;
@@ -226,8 +238,9 @@ int sparse_read(const char *path, sparse *A) {
   const array_kind kind = find_kind(path);
   if (kind == ARRAY_NONE) return 0;
   if (kind == ARRAY_MTX || kind == ARRAY_CALCULIX) {
-    const dls_status status = kind == ARRAY_MTX ? dls_mtx_read_sparse(path, &A->view, NULL, &error)
-                                                : dls_calculix_read(path, &A->view, &error);
+    const dls_status status = kind == ARRAY_MTX
+                                  ? dls_mtx_read_sparse(input_path(path), &A->view, NULL, &error)
+                                  : dls_calculix_read(path, &A->view, &error);
     return !status || (complain_of(path, &error), 0);
   }
   table t;
@@ -249,7 +262,7 @@ void sparse_free(sparse *A) {
 int array_is_sparse(const char *path) {
   char line[128] = "";
   if (array_is_calculix(path)) return 1;
-  FILE *file = fopen(path, "rb");
+  FILE *file = array_open(path);
   const char *got = file ? fgets(line, sizeof line, file) : NULL;
   if (file) (void)fclose(file);
   return got && strncasecmp(line, "%%MatrixMarket", 14) == 0 && strcasestr(line, "coordinate");

@@ -26,6 +26,17 @@ int command_map(int argc, char **argv);
 int command_moving(int argc, char **argv);
 int command_converge(int argc, char **argv);
 
+enum { PATH_ROOM = 4096 }; /* of a path */
+
+/* ---- input.c --------------------------------------------------------------------------------- */
+
+/* Returns a name under which `path` can be opened any number of times: its own, or that of a copy
+ * of a pipe or of standard input ("-"), which this reads to the end. */
+const char *input_path(const char *path);
+
+/* Removes the copies. */
+void drop_inputs(void);
+
 /* ---- problem.c ------------------------------------------------------------------------------- */
 
 /* A problem in memory: read from the file, condensed if it was global. Start from {0}; free it
@@ -123,7 +134,8 @@ typedef struct solver_options {
   int method_given, accel_given;
 } solver_options;
 
-enum { KEY_THREADS = 900 }; /* no letter */
+enum { KEY_THREADS = 900 };   /* no letter */
+enum { most_threads = 1024 }; /* of the library */
 #define SOLVER_KEYS "m:a:t:i:"
 #define SOLVER_OPTIONS                                                                             \
   VALUE("method", 'm'), VALUE("accel", 'a'), VALUE("tol", 't'), VALUE("max-iter", 'i'),            \
@@ -190,6 +202,7 @@ const char *plural(long long count);
 /* Read the value of an option: finite and >= 0 (number), an integer >= 1 (count). */
 taken parse_number(const char *option, const char *text, double *value);
 taken parse_count(const char *option, const char *text, int *value);
+taken parse_count_to(const char *option, const char *text, int most, int *value);
 
 /* Reads the value of --mesh, NXxNY, two integers >= 1. */
 taken parse_mesh(const char *text, int *nx, int *ny);
@@ -304,11 +317,11 @@ void print_json_verdict(FILE *out, const verdict *v, int proof);
 double cpu_seconds(void);
 
 /* Shows progress: a callback that prints a line on stderr if that is a terminal and the work is
- * long, or with --verbose each call as a line, and cancels on Ctrl-C, which watch_interrupt has to
- * catch first. progress_end clears the line. */
+ * long, or with --verbose each call as a line, and cancels on Ctrl-C, SIGTERM, SIGHUP and SIGXCPU,
+ * which watch_interrupt has to catch first. progress_end clears the line. */
 int show_progress(void *data, const dls_progress *progress);
 void watch_interrupt(void);
-int was_interrupted(void); /* 1 after Ctrl-C */
+int was_interrupted(void); /* 1 after one of these signals */
 void progress_end(void);
 /* The same of a reduction, which calls every millisecond: silent with --verbose. */
 int show_reduction(void *data, const dls_progress *progress);
@@ -344,7 +357,6 @@ typedef struct scene_picture {
 int draw_scene(const scene_picture *picture);
 
 /* Joins "DIRECTORY/NAME" into path; returns 0 after a complaint if that is too long. */
-enum { PATH_ROOM = 4096 };
 int join_path(char path[PATH_ROOM], const char *directory, const char *name);
 
 /* Creates the directory and its parents; returns 1 if it is there. */

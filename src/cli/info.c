@@ -13,6 +13,7 @@ static void info_usage(FILE *out) {
       "symmetry, rank and definiteness of W, scales, degenerate contacts, and how large friction\n"
       "may be; in 2D the fold, the friction below which each load has one solution (up to 64\n"
       "contacts), and all solutions (up to 8). Contacts and rows are counted from 0.\n"
+      "FILE may be a pipe, or - for standard input.\n"
       "\n"
       "  -l, --limit=N         rank, eigenvalues and the bound on friction for up to N rows "
       "(2000)\n"

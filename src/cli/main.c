@@ -90,6 +90,7 @@ int main(int argc, char **argv) {
                      : (program_usage(stderr), EXIT_BAD_INPUT);
   }
   drop_files();
+  drop_inputs();
   if (fflush(stdout) || ferror(stdout)) return complain("cannot write to standard output");
   return result;
 }

@@ -70,7 +70,7 @@ void solver_usage(FILE *out, const char *more, double tol) {
           "                        or momentum\n"
           "  -t, --tol=T           tolerance on the certificate's residual (%g)\n"
           "  -i, --max-iter=N      limit of sweeps, pivots, steps or augmentations\n"
-          "      --threads=N       threads for sweeps over a large W (1)\n",
+          "      --threads=N       threads for sweeps over a large W, 1 to 1024 (1)\n",
           method_list(methods, sizeof methods), more, tol);
 }
 
@@ -103,7 +103,7 @@ taken take_solver_option(int key, const char *text, solver_options *o) {
   case 'i':
     return parse_count("max-iter", text, &o->settings.limits.max_iterations);
   case KEY_THREADS:
-    return parse_count("threads", text, &o->settings.limits.threads);
+    return parse_count_to("threads", text, most_threads, &o->settings.limits.threads);
   default:
     return OPTION_UNKNOWN;
   }

@@ -7,7 +7,7 @@
 static int is_hdf5(const char *path) {
   static const char signature[8] = {'\x89', 'H', 'D', 'F', '\r', '\n', '\x1a', '\n'};
   char first[8] = {0};
-  FILE *file = fopen(path, "rb");
+  FILE *file = fopen(input_path(path), "rb");
   if (!file) return 1;
   const size_t got = fread(first, 1, sizeof first, file);
   const int failed = ferror(file);
@@ -17,7 +17,7 @@ static int is_hdf5(const char *path) {
 
 int read_lcp_text(const char *path, dls_text **text) {
   *text = NULL;
-  if (is_hdf5(path) || dls_text_read(text, path, NULL)) return 0;
+  if (is_hdf5(path) || dls_text_read(text, input_path(path), NULL)) return 0;
   if (dls_text_is_lcp(*text)) return 1;
   dls_text_destroy(*text);
   *text = NULL;
@@ -31,10 +31,10 @@ const char *problem_title(const problem *p) {
 dls_status problem_load(const char *path, int bodies, problem *p, dls_error *error) {
   dls_status status;
   if (!is_hdf5(path)) {
-    status = dls_text_read(&p->text, path, error);
+    status = dls_text_read(&p->text, input_path(path), error);
     return status ? status : dls_text_contact(p->text, &p->contact, error);
   }
-  status = dls_fclib_read(&p->file, path, error);
+  status = dls_fclib_read(&p->file, input_path(path), error);
   if (status) return status;
   if (!dls_fclib_is_global(p->file)) return dls_fclib_contact(p->file, &p->contact, error);
   status = dls_fclib_model(p->file, &p->model, &p->f, &p->g, &p->mu, error);

@@ -1,4 +1,4 @@
-/* report.c: prints messages, JSON and progress on a terminal, and listens to Ctrl-C. */
+/* report.c: prints messages, JSON and progress on a terminal, and listens to signals. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <float.h>
@@ -117,11 +117,15 @@ taken parse_mesh(const char *text, int *nx, int *ny) {
 }
 
 taken parse_count(const char *option, const char *text, int *value) {
+  return parse_count_to(option, text, 1000000000, value);
+}
+
+taken parse_count_to(const char *option, const char *text, int most, int *value) {
   char *end;
   errno = 0;
   const long v = strtol(text, &end, 10);
-  if (end == text || *end || errno == ERANGE || v < 1 || v > 1000000000L) {
-    complain("--%s: '%s' is not a whole number from 1 to 1000000000", option, text);
+  if (end == text || *end || errno == ERANGE || v < 1 || v > most) {
+    complain("--%s: '%s' is not a whole number from 1 to %d", option, text, most);
     return OPTION_WRONG;
   }
   *value = (int)v;
@@ -317,7 +321,7 @@ void print_json(FILE *out, const outcome *o) {
   fputs("\n}\n", out);
 }
 
-/* ---- time, progress, Ctrl-C ------------------------------------------------------------------ */
+/* ---- time, progress, signals ----------------------------------------------------------------- */
 
 static double clock_seconds(clockid_t clock_id) {
   struct timespec t;
@@ -332,16 +336,30 @@ double cpu_seconds(void) {
 static double first_shown, last_shown; /* wall seconds; 0: nothing yet */
 static int line_shown;
 
+/* Ends the work where it next looks. A signal that comes two seconds later or more, while it does
+ * not look, ends the program. `timeout` sends its signal twice, at the same time. */
 static void on_interrupt(int number) {
-  (void)number;
+  static volatile sig_atomic_t first; /* seconds */
+  struct timespec t;
+  const sig_atomic_t now =
+      clock_gettime(CLOCK_MONOTONIC, &t) ? 0 : (sig_atomic_t)(t.tv_sec % 1000000);
+  if (interrupted && now > first + 1) {
+    (void)signal(number, SIG_DFL);
+    (void)raise(number);
+  }
+  if (!interrupted) first = now;
   interrupted = 1;
 }
 
 void watch_interrupt(void) {
-  struct sigaction action;
+  static const int signals[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
+  struct sigaction action, before;
   memset(&action, 0, sizeof action);
   action.sa_handler = on_interrupt;
-  (void)sigaction(SIGINT, &action, NULL);
+  for (size_t k = 0; k < sizeof signals / sizeof signals[0]; k++) /* nohup stays as it is */
+    if (signals[k] == SIGINT ||
+        (sigaction(signals[k], NULL, &before) == 0 && before.sa_handler != SIG_IGN))
+      (void)sigaction(signals[k], &action, NULL);
 }
 
 int was_interrupted(void) {

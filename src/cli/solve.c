@@ -25,7 +25,8 @@ static void solve_usage(FILE *out) {
       "  or:  delassus solve --lcp [OPTION]... M.mtx q.mtx\n"
       "Solves a contact problem (FCLIB, HDF5; local, or global after its reduction; or text as in\n"
       "data/failures) or of the matrices of a host code, or an LCP (Matrix Market, or text) by\n"
-      "Lemke's method. The last line on stdout is 'solved' or 'not solved: WHY'.\n"
+      "Lemke's method. The last line on stdout is 'solved' or 'not solved: WHY'. Each file may be\n"
+      "a pipe, or - for standard input.\n"
       "An FCLIB file holds fclib_local/ with W, vectors/q, vectors/mu and spacedim, or\n"
       "fclib_global/ with M, H, vectors/f, vectors/w, vectors/mu and spacedim; a matrix is a group "
       "of\n"
@@ -371,9 +372,9 @@ static int solve_lcp_files(const char *path_M, const char *path_q, const solve_o
   dls_error error = {0};
   double *M = NULL, *q = NULL;
   int rows, cols, q_rows, q_cols, result = EXIT_BAD_INPUT;
-  if (dls_mtx_read(path_M, &rows, &cols, &M, &error))
+  if (dls_mtx_read(input_path(path_M), &rows, &cols, &M, &error))
     (void)complain_of(path_M, &error);
-  else if (dls_mtx_read(path_q, &q_rows, &q_cols, &q, &error))
+  else if (dls_mtx_read(input_path(path_q), &q_rows, &q_cols, &q, &error))
     (void)complain_of(path_q, &error);
   else if (rows != cols || rows < 1)
     (void)complain("%s: M is %d x %d, must be square", path_M, rows, cols);

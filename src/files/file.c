@@ -20,7 +20,10 @@ FILE *dlsi_file_open(const char *path, dls_error *error) {
     (void)fclose(file);
     return NULL;
   }
-  if (first != EOF) (void)ungetc(first, file);
+  /* a byte order mark, by which editors on Windows begin UTF-8 */
+  if (first == 0xef && getc(file) == 0xbb && getc(file) == 0xbf) return file;
+  if (first == 0xef) rewind(file);
+  if (first != EOF && first != 0xef) (void)ungetc(first, file);
   return file;
 }
 
@@ -30,7 +33,8 @@ long long dlsi_file_size(FILE *file) {
   return (long long)entry.st_size;
 }
 
-/* Accepts word = [+-] digits [. digits] [e [+-] digits], finite; returns 0 for any other word.
+/* Accepts word = [+-] digits [. digits] [e [+-] digits], finite; returns 0 for any other word. The
+ * e may be E, or d or D as Fortran writes double precision.
  * strtod reads the decimal point of the locale, which stands between the digits of 0.5 as printf
  * writes it. */
 int dlsi_read_number(const char *word, size_t length, double *value) {
@@ -46,6 +50,7 @@ int dlsi_read_number(const char *word, size_t length, double *value) {
       digits++;
   }
   if (!digits) return 0;
+  if (w[k] == 'd' || w[k] == 'D') w[k] = 'e';
   if (w[k] == 'e' || w[k] == 'E') {
     k += w[k + 1] == '+' || w[k + 1] == '-' ? 2 : 1;
     if (!dlsi_is_digit(w[k])) return 0;

@@ -7,7 +7,8 @@
 #include "base/base.h"
 #include "base/columns.h"
 
-/* Opens `path` for reading; NULL and DLS_E_FILE in *error if it is missing or a directory. */
+/* Opens `path` for reading, past a byte order mark; NULL and DLS_E_FILE in *error if it is missing
+ * or a directory. */
 FILE *dlsi_file_open(const char *path, dls_error *error);
 
 /* Returns the bytes of an open file, -1 of a pipe. What a file claims to hold is compared with them
@@ -23,7 +24,8 @@ static inline int dlsi_is_digit(int c) {
 }
 
 /* Reads the finite decimal number that the word of `length` characters is, with a decimal point
- * whatever the host's locale says. Returns 0 for any other word. */
+ * whatever the host's locale says, and with exponents of Fortran (1D0), too. Returns 0 for any
+ * other word. */
 enum { dlsi_longest_number = 64 }; /* a double needs 24 characters */
 int dlsi_read_number(const char *word, size_t length, double *value);
 

@@ -613,6 +613,36 @@ START_TEST(a_full_disk_keeps_old_files) {
 }
 END_TEST
 
+/* A solve that cycles for ever ends on each signal with its history so far. */
+START_TEST(signals_end_a_solve) {
+  static const char *const signals[] = {"INT", "TERM", "HUP", "XCPU"};
+  char text[2000], command[600];
+  const char *program = getenv("DELASSUS_PROGRAM");
+  write_text("cycle.txt",
+             "contact 2 2\nW\n1 0 -1 0\n0 1 0 1\n-1 0 1 0\n0 1 0 1\nq -1 0 -1 0\nmu .5 .5\n");
+  (void)snprintf(command, sizeof command,
+                 "timeout -s %s 0.5 %s solve %s/cycle.txt -m nlgs -i 1000000000 -o %s/r.mtx "
+                 "> %s/said 2>&1; test $? -eq 124 -a -z \"$(find %s -name '.delassus*')\"",
+                 signals[_i], program ? program : "build/delassus", directory, directory, directory,
+                 directory);
+  ck_assert_int_eq(system(command), 0);
+  ck_assert_ptr_nonnull(strstr(read_text("said", text, sizeof text), "not solved: cancelled"));
+  ck_assert_ptr_nonnull(strstr(read_text("r.mtx", text, sizeof text), "not solved: cancelled"));
+}
+END_TEST
+
+START_TEST(threads_have_limits) {
+  static const char *const wrong[] = {"0", "1025", "-1", "1000000000000", "two", "1.5"};
+  char line[200];
+  for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
+    (void)snprintf(line, sizeof line, "solve data/fclib/FC3D_Example1.hdf5 --threads=%s", wrong[k]);
+    ck_assert_int_eq(run(line), 2);
+    ck_assert_msg(prints("is not a whole number from 1 to 1024"), "%s", output);
+  }
+  ck_assert_int_eq(run("solve data/fclib/FC3D_Example1.hdf5 --threads=1024"), 0);
+}
+END_TEST
+
 START_TEST(lcp_files) {
   /* y = M z + q with M = (2 1; 1 2), q = (-5, -6): z = (4/3, 7/3) */
   write_text("M.mtx", "%%MatrixMarket matrix array real general\n2 2\n2\n1\n1\n2\n");
@@ -696,7 +726,8 @@ int main(void) {
              ONCE(newton_and_the_list_of_methods), ONCE(lemke_in_3d_takes_facets),
              ONCE(saved_problem_solves_to_the_same_answer), ONCE(not_solved_is_1),
              ONCE(files_carry_their_status), ONCE(empty_names_are_2),
-             ONCE(a_full_disk_keeps_old_files), ONCE(lcp_files), ONCE(text_problems),
+             ONCE(a_full_disk_keeps_old_files), EACH(signals_end_a_solve, 0, 4),
+             ONCE(threads_have_limits), ONCE(lcp_files), ONCE(text_problems),
              ONCE(history_of_a_solve), ONCE(info_lists_all_solutions),
              ONCE(info_says_what_it_found), ONCE(info_names_degenerate_contacts));
 }

@@ -219,6 +219,58 @@ START_TEST(one_h_one_list_and_npy) {
 END_TEST
 
 /* The point of examples/point.c, with the numbers of CalculiX: node 7 is held in z. */
+/* What can be read once only is read once: pipes, standard input. No copy stays. */
+START_TEST(pipes) {
+  static const char program[] = "-V >/dev/null; cat @/%s | ${DELASSUS_PROGRAM:-build/delassus} %s";
+  static const struct {
+    const char *file, *arguments;
+  } lines[] = {{"p.txt", "solve -q -"},
+               {"p.txt", "solve -q /dev/stdin"},
+               {"p.txt", "info -"},
+               {"p.txt", "chart -q --budget=0.1 --out @/o -"},
+               {"p.txt", "map -q --out @/o -"},
+               {"p.txt", "profile -q --out @/o - @/p.txt"},
+               {"q.csv", "solve -q --dim=2 --W=@/W.csv --q=- --mu=0.5"},
+               {"W.csv", "solve -q --dim=2 --W=- --q=@/q.csv --mu=0.5"},
+               {"l.txt", "solve -q -"},
+               {"M.mtx", "solve -q --lcp - @/M.mtx"},
+               {"p.hdf5", "solve -q -"}};
+  char command[300];
+  put("p.txt", "contact 2 1\nW\n2 1/2\n1/2 1\nq -1 1/3\nmu 1/2\n");
+  put("W.csv", "2,0.5\n0.5,1\n");
+  put("q.csv", "-1\n0.3\n");
+  put("l.txt", "lcp 1\nM\n2\nq -1\n");
+  put("M.mtx", "%%MatrixMarket matrix array real general\n1 1\n2\n");
+  ck_assert_int_eq(run("solve -q @/p.txt -o @/p.hdf5"), 0);
+  ck_assert_int_eq(setenv("TMPDIR", path_in(""), 1), 0);
+  for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++) {
+    (void)snprintf(command, sizeof command, program, lines[k].file, lines[k].arguments);
+    ck_assert_msg(run(command) == 0, "%s: %s", command, output);
+  }
+  ck_assert_int_eq(run("-V; ls @/delassus-* @/.delassus-*"), 2); /* of ls: there is none */
+  ck_assert_int_eq(run("-V >/dev/null; : | ${DELASSUS_PROGRAM:-build/delassus} solve -"), 2);
+  ck_assert_int_eq(run("solve - </dev/null"), 2);
+  ck_assert_int_eq(run("solve -q - <@/p.txt"), 0);
+}
+END_TEST
+
+/* Tables as Windows and Fortran write them. */
+START_TEST(mark_and_exponents) {
+  put("W.csv", "\xef\xbb\xbf"
+               "2D0;.5d+0\r\n5D-1;1.0\r\n");
+  put("q.csv", "\xef\xbb\xbf"
+               "-1\r\n3.D-1\r\n");
+  put("M.mtx", "\xef\xbb\xbf"
+               "%%MatrixMarket matrix coordinate real general\n2 2 4\n"
+               "1 1 2D0\n1 2 .5d0\n2 1 5D-1\n2 2 1\n");
+  ck_assert_int_eq(run("solve --dim 2 --W @/W.csv --q @/q.csv --mu .5 --csv @/a"), 0);
+  ck_assert_int_eq(run("solve --dim 2 --W @/M.mtx --q @/q.csv --mu .5 --csv @/b"), 0);
+  ck_assert_int_eq(run("-V; cmp @/a/r.csv @/b/r.csv"), 0);
+  put("q.csv", "-1\n3D\n");
+  ck_assert_int_eq(run("solve --dim 2 --W @/W.csv --q @/q.csv --mu .5"), 2);
+}
+END_TEST
+
 START_TEST(calculix) {
   put("job.sti", "1 1 3.0000000000000e+00\n1 2 1.0e0\n2 2 2.0e0\n");
   put("job.dof", "7.1\n7.2\n");
@@ -354,6 +406,7 @@ END_TEST
 
 int main(void) {
   return RUN("matrices", make_directory, remove_directory, ONCE(equal_to_a_host_in_c),
-             ONCE(one_h_one_list_and_npy), ONCE(calculix), ONCE(free_body),
-             ONCE(bad_matrices_are_2), ONCE(last_line), ONCE(entries_of_all_sizes));
+             ONCE(one_h_one_list_and_npy), ONCE(pipes), ONCE(mark_and_exponents), ONCE(calculix),
+             ONCE(free_body), ONCE(bad_matrices_are_2), ONCE(last_line),
+             ONCE(entries_of_all_sizes));
 }

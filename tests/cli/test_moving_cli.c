@@ -106,14 +106,17 @@ START_TEST(files) {
 }
 END_TEST
 
-/* Ctrl-C after a while: exit status 1, and whole files of the steps that were done. */
+/* Ctrl-C, or the signal of a batch system, after a while: exit status 1, whole files of the steps
+ * that were done, and no temporary ones. */
 START_TEST(interrupted) {
+  static const char *const signals[] = {"INT", "TERM", "HUP", "XCPU"};
   const char *program = getenv("DELASSUS_PROGRAM");
   char command[400], line[400];
   (void)snprintf(command, sizeof command,
-                 "timeout -s INT 1 %s scene bar-fixed --mesh 2000 -o %s/c "
-                 ">%s/text 2>&1; test $? -eq 124",
-                 program ? program : "build/delassus", directory, directory);
+                 "timeout -s %s 1 %s scene bar-fixed --mesh 2000 -o %s/c "
+                 ">%s/text 2>&1; test $? -eq 124 -a -z \"$(find %s -name '.delassus*')\"",
+                 signals[_i], program ? program : "build/delassus", directory, directory,
+                 directory);
   ck_assert_int_eq(system(command), 0);
   const int steps = lines_of("c/energy.csv", line) - 3;
   ck_assert_msg(strncmp(line, "# cancelled after ", 18) == 0, "%s", line);
@@ -184,5 +187,6 @@ END_TEST
 
 int main(void) {
   return RUN("moving_cli", make_directory, remove_directory, ONCE(summary), ONCE(options),
-             ONCE(files), ONCE(interrupted), ONCE(converge), ONCE(bad_options), ONCE(slides_away));
+             ONCE(files), EACH(interrupted, 0, 4), ONCE(converge), ONCE(bad_options),
+             ONCE(slides_away));
 }

@@ -64,6 +64,36 @@ START_TEST(a_contact_problem) {
 }
 END_TEST
 
+/* Text from Windows begins by a byte order mark; Fortran writes exponents of double precision. */
+START_TEST(mark_and_exponents_of_fortran) {
+  dls_text *text;
+  dls_contact p;
+  ck_assert_int_eq(read_text("\xef\xbb\xbf"
+                             "contact 1 1\nW\n2D0\nq -1.5d-1\nmu 0\n",
+                             &text, NULL),
+                   DLS_OK);
+  ck_assert_int_eq(dls_text_contact(text, &p, NULL), DLS_OK);
+  ck_assert(p.W.a[0] == 2 && p.q[0] == -0.15);
+  dls_text_destroy(text);
+  double *a;
+  int rows, cols;
+  const char *mtx = "\xef\xbb\xbf%%MatrixMarket matrix array real general\n2 1\n1.25D+2\n-3d-1\n";
+  write_bytes(mtx, strlen(mtx));
+  ck_assert_int_eq(dls_mtx_read(path, &rows, &cols, &a, NULL), DLS_OK);
+  ck_assert(rows == 2 && cols == 1 && a[0] == 125 && a[1] == -0.3);
+  dls_mtx_free(a);
+  static const char *const wrong[] = {"\xef\xbb",
+                                      "\xef",
+                                      "\xef\xbbW",
+                                      "\xef\xbb\xbf",
+                                      "contact 1 1\nW\n2D\nq 1\nmu 0\n",
+                                      "contact 1 1\nW\n2DE1\nq 1\nmu 0\n",
+                                      "contact 1 1\nW\nD1\nq 1\nmu 0\n"};
+  for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++)
+    ck_assert_int_eq(read_text(wrong[k], &text, NULL), DLS_E_FORMAT);
+}
+END_TEST
+
 START_TEST(an_lcp) {
   dls_text *text;
   dls_contact p;
@@ -281,10 +311,10 @@ END_TEST
 int main(void) {
   const int made = mkstemp(path);
   if (made < 0 || close(made)) return 1;
-  const int failures =
-      RUN("text", NULL, NULL, ONCE(a_contact_problem), ONCE(an_lcp), ONCE(refused_with_the_line),
-          ONCE(words_of_refusals), ONCE(the_shortest_files), ONCE(long_files), ONCE(no_text),
-          ONCE(numbers_alone), ONCE(each_malloc_fails));
+  const int failures = RUN(
+      "text", NULL, NULL, ONCE(a_contact_problem), ONCE(mark_and_exponents_of_fortran),
+      ONCE(an_lcp), ONCE(refused_with_the_line), ONCE(words_of_refusals), ONCE(the_shortest_files),
+      ONCE(long_files), ONCE(no_text), ONCE(numbers_alone), ONCE(each_malloc_fails));
   (void)remove(path);
   return failures;
 }

@@ -400,7 +400,7 @@ class Signals(unittest.TestCase):
 
     def long(self, **options):
         """Runs for minutes: no method solves it, and its iterations are many."""
-        return delassus.solve(self.W, [-1, 0, -1, 0.0], [0.5, 0.5], d=2, method="admm",
+        return delassus.solve(self.W, [-1, 0, -1, 0.0], [0.5, 0.5], d=2, method="nlgs",
                               max_iterations=2**31 - 1, **options)
 
     def interrupted(self, function, exception=KeyboardInterrupt, number=signal.SIGINT):
@@ -439,6 +439,26 @@ class Signals(unittest.TestCase):
             self.assertLess(self.interrupted(loads), 1)
             R.load([5.0, -10.0])
             np.testing.assert_allclose(R.q, [[-7, 4]], rtol=1e-12)
+
+    def test_ctrl_c_in_a_reduction(self):
+        side = 1800  # a dense K: some seconds
+        K = np.eye(side) * side + np.ones((side, side))
+        HN, HT = np.eye(side)[:, ::2], np.eye(side)[:, 1::2]
+
+        def reduce():
+            for _ in range(100):
+                delassus.reduce(K, HN, HT)
+
+        self.assertLess(self.interrupted(reduce), 2)
+        R = delassus.reduce(*POINT)
+
+        def update():
+            for _ in range(10**9):
+                R.update(*POINT)
+
+        self.assertLess(self.interrupted(update), 1)
+        R.update(*POINT)
+        np.testing.assert_allclose(R.solve(0.2, f=[5, -10]).x, [0.9375, 0], atol=1e-12)
 
     def test_other_handlers_are_heard(self):
         def handler(*_):

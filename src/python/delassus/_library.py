@@ -72,7 +72,8 @@ _USED = {
     "dls_contact": "d nc W Wb q mu bodies weights",
     "dls_model": "d n nodes operator_kind factorization K Ks solve user HN HT P active mu modes "
                  "triangular",
-    "dls_reduction_settings": "size memory_limit allow_indefinite stabilize form_W",
+    "dls_reduction_settings": "size memory_limit allow_indefinite stabilize form_W progress "
+                              "progress_data",
     "dls_reduction_info": "condensed W_bytes factor_bytes bytes flops condition indefinite modes",
     "dls_motion_model": "d n nodes factorization M C K HN HT P gap",
     "dls_motion_settings": "limits size law method h theta restitution activation forecast "

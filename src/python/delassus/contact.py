@@ -104,9 +104,12 @@ class Watch:
             self._signals = _Signals.idle.pop() if _Signals.idle else _Signals()
             self._callback = self._signals.callback
 
-    def __del__(self):
-        if getattr(self, "_signals", None):
+    def release(self):
+        """Hands the callback on to the next watch; this one has seen its last call. (A __del__
+        would revive a generator that the collector of garbage has ended.)"""
+        if self._signals:
             _Signals.idle.append(self._signals)
+            self._callback = self._signals = None
 
     def set(self, limits):
         """Enters the callback in a dls_limits."""
@@ -116,13 +119,13 @@ class Watch:
         elif self._callback:
             limits.progress = self._callback.address
 
-    def call(self, name, *arguments):
+    def call(self, name, *arguments, by=call):
         """Calls the library; raises what the callback caught."""
         if not self._callback:
-            return call(name, *arguments)
+            return by(name, *arguments)
         self._callback.begin()
         try:
-            return call(name, *arguments)
+            return by(name, *arguments)
         finally:
             self._callback.end()
 
@@ -179,13 +182,15 @@ def solve_problem(problem, method="auto", tol=None, max_iterations=None, cpu_sec
     set_limits(settings.limits, watch, tol, max_iterations, cpu_seconds, threads)
     settings.limits.warm_start = r0 is not None
     info = structs["dls_info"]()
-    if body is None:
-        status = watch.call("dls_solve", byref(problem), byref(settings), address(r), address(u),
-                            byref(info))
-    else:
+    name, first, last = "dls_solve", (byref(problem),), ()
+    if body is not None:
         reduction, mu, x = body
-        status = watch.call("dls_reduction_solve", reduction, mu, byref(settings), address(r),
-                            address(u), address(x), byref(info))
+        name, first, last = "dls_reduction_solve", (reduction, mu), (address(x),)
+    try:
+        status = watch.call(name, *first, byref(settings), address(r), address(u), *last,
+                            byref(info))
+    finally:
+        watch.release()
     return Solution(problem, info, status, r, u, watch.history())
 
 

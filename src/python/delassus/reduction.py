@@ -6,9 +6,9 @@ from ctypes import byref, c_double, c_int, c_size_t, c_void_p
 import numpy as np
 import scipy.sparse as sp
 
-from ._library import (Callback, Owner, address, call, columns, constants, dense, entries, integers,
-                       lib, read, reals, set_fields, sparse, structs, vector)
-from .contact import solve_problem
+from ._library import (Callback, Error, Owner, address, call, columns, constants, dense, entries,
+                       integers, lib, read, reals, set_fields, sparse, structs, vector)
+from .contact import Watch, solve_problem
 
 _FACTORIZATIONS = {"cholesky": "DLS_CHOLESKY", "ldlt": "DLS_LDLT", "lu": "DLS_LU"}
 
@@ -62,16 +62,7 @@ class _Host:
                 raise ValueError(f"K^-1 B is {answer.shape}, must be {B.shape}")
             B[:] = answer.reshape(B.shape)
 
-        self._callback = Callback(run, c_size_t, c_size_t, c_int, c_int)
-        self.address = self._callback.address
-
-    def call(self, name, *arguments):
-        """Calls the library; an exception of the host's solver comes out as it is."""
-        self._callback.begin()
-        try:
-            return call(name, *arguments)
-        finally:
-            self._callback.end()
+        self.callback = Callback(run, c_size_t, c_size_t, c_int, c_int)
 
 
 class Reduction(Owner):
@@ -85,6 +76,7 @@ class Reduction(Owner):
     def __init__(self, K, HN, HT, P, mu, active, modes, factorization, flexibility, d, settings):
         self._held = c_void_p()
         self._host = _Host()
+        self._watch = Watch()
         HN = columns("HN", HN)
         nodes = HN.shape[1]
         P = None if P is None else columns("P", P).copy()
@@ -104,8 +96,9 @@ class Reduction(Owner):
         lib.dls_reduction_settings_init(byref(create))
         create.allow_indefinite = factorization is None
         set_fields(create, settings)
+        self._watch.set(create)
         self._host.solve = solve
-        self._host.call("dls_reduction_create_with", byref(self._held), byref(model), byref(create))
+        self._call("dls_reduction_create_with", byref(self._held), byref(model), byref(create))
         del kept  # the library has copied it
         # the sizes that the library holds: no update changes them
         self.d, self.n, self._nodes = model.d, model.n, nodes
@@ -124,7 +117,7 @@ class Reduction(Owner):
         solve = None
         if callable(K):
             kind, solve = "DLS_HOST_SOLVER", K
-            model.solve = self._host.address
+            model.solve = self._host.callback.address
         else:
             K = K if hasattr(K, "tocsc") else reals("K", K)
             if K.shape != (n, n):
@@ -142,6 +135,22 @@ class Reduction(Owner):
         model.operator_kind = constants[kind]
         return model, (K, HN, HT), solve
 
+    def _call(self, name, *arguments, solve=None):
+        """Calls the library; raises what the host's solver or the handler of a signal has raised.
+        After an Error the host's solver is `solve` again."""
+        def attempt(*given):
+            try:
+                return call(*given)
+            except Error:
+                self._host.solve = solve or self._host.solve
+                raise
+
+        self._host.callback.begin()
+        try:
+            return self._watch.call(name, *arguments, by=attempt)
+        finally:
+            self._host.callback.end()
+
     def __del__(self):
         if getattr(self, "_held", None):
             lib.dls_reduction_destroy(self._held)
@@ -151,35 +160,35 @@ class Reduction(Owner):
         other sizes or another pattern the reduction is as it was."""
         model, kept, solve = self._model(K, HN, HT)
         before, self._host.solve = self._host.solve, solve
-        try:
-            self._host.call("dls_reduction_update", self._held, byref(model))
-        except BaseException:
-            self._host.solve = before
-            raise
+        self._call("dls_reduction_update", self._held, byref(model), solve=before)
         del kept
 
     def load(self, f=None, g=None):
         """Takes loads f (n) and gaps g (nodes x d): q := H^T K^-1 f + g."""
         f, g = self._loads(f, g)
-        self._host.call("dls_reduction_load", self._held, address(f), address(g))
+        self._call("dls_reduction_load", self._held, address(f), address(g))
 
     def load_free(self, x_free, g=None):
         """Takes K^-1 f instead of f, from a host that has it."""
         x_free, g = self._loads(x_free, g)
-        self._host.call("dls_reduction_load_free", self._held, address(x_free), address(g))
+        self._call("dls_reduction_load_free", self._held, address(x_free), address(g))
 
     def _loads(self, f, g):
         return (None if f is None else vector("f", f, self.n),
                 None if g is None else vector("g", g, self.d * self._nodes, self.d))
 
     def solve(self, mu=None, f=None, g=None, **options):
-        """Loads f and g if one is given, solves for r and x; options as in solve(). Solved is said of
-        the body (dls_reduction_solve): what springs of held modes carry is missing."""
+        """Loads f and g if one is given, solves for r and x; options as in solve(). Solved is said
+        of the body (dls_reduction_solve): what springs of held modes carry is missing."""
         if f is not None or g is not None:
             self.load(f, g)
         problem, mu = self._contact(mu)
         x = np.zeros(self.n)
-        solution = solve_problem(problem, body=(self._held, address(mu), x), **options)
+        self._host.callback.begin()
+        try:
+            solution = solve_problem(problem, body=(self._held, address(mu), x), **options)
+        finally:
+            self._host.callback.end()
         solution.x = x
         return solution
 
@@ -206,19 +215,19 @@ class Reduction(Owner):
     def recover(self, r):
         """Returns x = K^-1 (f + H r)."""
         r, x = vector("r", r, self.m, self.d), np.zeros(self.n)
-        self._host.call("dls_reduction_recover", self._held, address(r), address(x))
+        self._call("dls_reduction_recover", self._held, address(r), address(x))
         return x
 
     def nodal(self, r):
         """Returns P r, nodes x d: the nodal reactions that weighted r stand for."""
         r, R = vector("r", r, self.m, self.d), np.zeros((self._nodes, self.d))
-        self._host.call("dls_reduction_nodal", self._held, address(r), address(R))
+        self._call("dls_reduction_nodal", self._held, address(r), address(R))
         return R
 
     def balance(self, r):
         """Takes what the springs of held rigid-body modes carry out of q; returns the imbalance."""
         r, imbalance = vector("r", r, self.m, self.d), c_double()
-        self._host.call("dls_reduction_balance", self._held, address(r), byref(imbalance))
+        self._call("dls_reduction_balance", self._held, address(r), byref(imbalance))
         return imbalance.value
 
     @property
