@@ -85,11 +85,7 @@ void dlsi_iterate_begin(dlsi_iterate *it, const dls_contact *problem, const doub
   it->begun = dlsi_clock_start(it->limits);
   it->certificate = dlsi_no_certificate;
   it->rounded = 0;
-  dlsi_certificate_weights(problem, it->weights);
-  if (problem->weights) dlsi_contact_weights(problem, it->w);
-  for (int c = 0; c < problem->nc && !problem->weights;
-       c++) /* the same mean, from what is at hand */
-    it->w[c] = (it->weights[2 * c] + (problem->d - 1) * it->weights[2 * c + 1]) / problem->d;
+  dlsi_both_weights(problem, it->w, it->weights);
   if (!warm || dlsi_max_abs(problem->q, m) == 0)
     memset(r, 0, m * sizeof *r);
   else if (r != start)

@@ -491,7 +491,7 @@ DLSI_CLONES static nlgs_squares nlgs_squares_3d(const dls_nlgs *work, const dls_
     for (int k = 0; k < lanes; k++) {
       const double n = v[0][k] - u[0][k], x = v[1][k] - u[1][k], y = v[2][k] - u[2][k];
       const double t = sqrt(x * x + y * y), R = mu[k] * (wt[k] / wn[k]) * n;
-      const int polar = n <= 0, inside = t <= R;
+      const int polar = n < 0, inside = t <= R;
       const double f = polar ? 0 : inside ? 1 : R / t;
       const double F[3] = {polar ? v[0][k] : u[0][k], v[1][k] - f * x, v[2][k] - f * y};
       const double a = unit / wn[k], b = unit / wt[k];

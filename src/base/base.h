@@ -523,6 +523,9 @@ void dlsi_contact_weights(const dls_contact *problem, double *w);
  * a kind without any from the other one. w: 2 nc. */
 void dlsi_certificate_weights(const dls_contact *problem, double *w);
 
+/* Computes both in one go. w: nc, weights: 2 nc. */
+void dlsi_both_weights(const dls_contact *problem, double *w, double *weights);
+
 /* Fills *subset as dls_contact_subset does, from arguments that have been checked; count > 0. */
 void dlsi_subset(const dls_contact *problem, int count, const int *candidate, double *values,
                  int *index, dls_contact *subset);
@@ -575,11 +578,11 @@ static inline dls_contact_state dlsi_project_cone(int d, double mu, const double
 /* Computes F_c of the certificate, a position, for one contact of the weights w_n = w[0] and w_t =
  * w[1]; returns the branch. With v = D r - u and the radius R = mu (w_t / w_n) v_n
  *
- *   free   F = D r                                    where v_n <= 0
+ *   free   F = D r                                    where v_n < 0
  *   stick  F = u                                      where |v_t| <= R
  *   slip   F_n = u_n, F_t = D r_t - R v_t / |v_t|     else
  *
- * An infinite friction sticks where it is not free. */
+ * An infinite friction sticks where v_n > 0, and is free else. */
 static inline dls_contact_state dlsi_contact_misfit(int d, double mu, const double *w,
                                                     const double *r, const double *u, double *F) {
   double v[3] = {0}, Dr[3] = {0};
@@ -588,12 +591,13 @@ static inline dls_contact_state dlsi_contact_misfit(int d, double mu, const doub
     v[i] = Dr[i] - u[i];
     F[i] = u[i];
   }
-  if (v[0] <= 0) {
+  const int bonded = dlsi_is_bonded(mu);
+  if (v[0] < 0 || (bonded && v[0] == 0)) {
     for (int i = 0; i < d; i++)
       F[i] = Dr[i];
     return DLS_FREE;
   }
-  if (dlsi_is_bonded(mu)) return DLS_STICK;
+  if (bonded) return DLS_STICK;
   const double t = dlsi_tangent_norm(d, v), R = d > 1 ? mu * (w[1] / w[0]) * v[0] : 0;
   if (t <= R) return DLS_STICK;
   if (d == 1) return t == 0 ? DLS_STICK : DLS_SLIP; /* slip: NaN */

@@ -255,29 +255,37 @@ static int complete_weights(const dls_contact *problem, double *w, int step) {
   return positive;
 }
 
-void dlsi_contact_weights(const dls_contact *problem, double *w) {
-  for (int c = 0; c < problem->nc; c++) {
+/* Fills w and weights, of which one may be NULL. */
+static void weights_of(const dls_contact *problem, double *w, double *weights) {
+  const int d = problem->d, nc = problem->nc;
+  const int given = problem->weights && weights;
+  if (given) memcpy(weights, problem->weights, 2 * (size_t)nc * sizeof *weights);
+  for (int c = 0; c < nc && (w || !given); c++) {
     double block[9] = {0};
     dlsi_contact_diagonal(problem, c, block);
-    w[c] = dlsi_block_weight(problem->d, block);
+    if (w) w[c] = dlsi_block_weight(d, block);
+    if (!weights || given) continue;
+    weights[2 * c] = block[0];
+    weights[2 * c + 1] = d == 1 ? block[0] : d == 2 ? block[3] : (block[4] + block[8]) / 2;
   }
-  (void)complete_weights(problem, w, 1);
+  if (w) (void)complete_weights(problem, w, 1);
+  if (!weights || given) return;
+  const int normals = complete_weights(problem, weights, 2);
+  const int tangents = complete_weights(problem, weights + 1, 2);
+  for (int c = 0; c < nc && !normals != !tangents; c++) /* a kind without any takes the other's */
+    weights[2 * c + !tangents] = weights[2 * c + !normals];
+}
+
+void dlsi_contact_weights(const dls_contact *problem, double *w) {
+  weights_of(problem, w, NULL);
 }
 
 void dlsi_certificate_weights(const dls_contact *problem, double *w) {
-  const int d = problem->d, nc = problem->nc;
-  if (problem->weights) memcpy(w, problem->weights, 2 * (size_t)nc * sizeof *w);
-  for (int c = 0; c < nc && !problem->weights; c++) {
-    double block[9] = {0};
-    dlsi_contact_diagonal(problem, c, block);
-    w[2 * c] = block[0];
-    w[2 * c + 1] = d == 1 ? block[0] : d == 2 ? block[3] : (block[4] + block[8]) / 2;
-  }
-  if (problem->weights) return;
-  const int normals = complete_weights(problem, w, 2),
-            tangents = complete_weights(problem, w + 1, 2);
-  for (int c = 0; c < nc && !normals != !tangents; c++) /* a kind without any takes the other's */
-    w[2 * c + !tangents] = w[2 * c + !normals];
+  weights_of(problem, NULL, w);
+}
+
+void dlsi_both_weights(const dls_contact *problem, double *w, double *weights) {
+  weights_of(problem, w, weights);
 }
 
 /* Sets *m to max(*m, x), keeping NaN. */

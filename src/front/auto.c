@@ -681,8 +681,7 @@ static dls_status share_search(dlsi_auto *work, part k, int rest, dls_error *err
 
 /* Sets the compliances of the contacts and the weights of the certificate. */
 static void set_weights(dlsi_auto *work) {
-  dlsi_contact_weights(work->problem, work->w);
-  dlsi_certificate_weights(work->problem, work->weights);
+  dlsi_both_weights(work->problem, work->w, work->weights);
 }
 
 /* Turns to a copy of the problem, with r = 0 as the best. Returns the certificate of the best r of

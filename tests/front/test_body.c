@@ -97,9 +97,9 @@ START_TEST(springs_are_no_support) {
   double r[2], x[2];
   dls_info info;
   dls_solver_settings settings;
-  const double f[2] = {0, -10};
+  const double f[2] = {0, -10}, g[2] = {1, 0};
   make_bar(&b, 0);
-  dls_reduction *reduction = reduced(&b.model, f, NULL);
+  dls_reduction *reduction = reduced(&b.model, f, g);
   dls_solver_settings_init(&settings);
   for (int method = DLS_NLGS; method <= DLS_ADMM; method++) {
     settings.method = (dls_method)method;

@@ -24,7 +24,8 @@ static dlsi_body body_of(dls_factorization factorization, int is_sparse) {
   stiffness_fill(&S, 4, rows, factorization, is_sparse);
   const int parts = dlsi_body_parts(&S.model, part);
   ck_assert(!dlsi_body_weights(&S.model, &H, 2, w, NULL));
-  const dlsi_body body = {.model = &S.model,
+  const dlsi_body body = {.n = S.model.n,
+                          .model = &S.model,
                           .Ht = {4, 4, Hp, Hi, Hx},
                           .d = 2,
                           .nc = 2,
@@ -154,7 +155,8 @@ START_TEST(rounding) {
   const int p[] = {0, 1, 1};
   int whole[2];
   const double v[2] = {1, 1};
-  const dlsi_body body = {.model = &S.model,
+  const dlsi_body body = {.n = S.model.n,
+                          .model = &S.model,
                           .Ht = {2, 2, p, Hp, Hx},
                           .d = 2,
                           .nc = 1,
@@ -169,7 +171,8 @@ START_TEST(rounding) {
   ck_assert(c.floor_u >= DBL_EPSILON && c.floor_u <= 4 * DBL_EPSILON);
   ck_assert(c.floor_r >= 1e8 * DBL_EPSILON && c.floor_r <= 3e8 * DBL_EPSILON);
   ck_assert(c.floor_e >= 1e8 * DBL_EPSILON && c.floor_e <= 3e8 * DBL_EPSILON);
-  ck_assert(!dls_certificate_holds(&c, 1e-8) && dls_certificate_verdict(&c, 1e-8) == DLS_TO_ROUNDING);
+  ck_assert(!dls_certificate_holds(&c, 1e-8) &&
+            dls_certificate_verdict(&c, 1e-8) == DLS_TO_ROUNDING);
   ck_assert(dlsi_body_badness(&c) >= 4e8 * DBL_EPSILON);
 }
 END_TEST

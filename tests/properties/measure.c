@@ -65,7 +65,7 @@ int measure_branch(const problem *p, int c, const long double *weights, const lo
     v[k] = w[k > 0] * r[k] - u[k];
   const long double R = isinf(p->mu[c]) ? INFINITY : d == 1 ? 0 : p->mu[c] * (w[1] / w[0]) * v[0];
   const long double t = tangent(d, v);
-  const int branch = !(v[0] > 0) ? 0 : t <= R ? 1 : 2;
+  const int branch = v[0] < 0 || (isinf(p->mu[c]) && v[0] == 0) ? 0 : t <= R ? 1 : 2;
   for (int k = 0; branch && k < d; k++)
     P[k] = k == 0 || branch == 1 ? v[k] : R * (v[k] / t);
   for (int k = 0; F && k < d; k++)
