@@ -1492,6 +1492,7 @@ int main(void) {
       ONCE(global_round_trip),
       ONCE(no_candidates_round_trip),
       ONCE(fclib_claims),
+      ONCE(fclib_deflated),
       ONCE(fclib_links_stay_inside),
       ONCE(other_layouts),
       EACH(broken_local_file, 0, (int)(sizeof broken_local / sizeof broken_local[0])),

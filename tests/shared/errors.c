@@ -36,7 +36,7 @@ static const char *const of_an_entry[] = {
     "must be positive",
     "line %lld",
     "%.150s", /* of problem k */
-    "%.60s: has a character",
+    "is a character that XML",
     "column %d",
     "element %d",
     "triangle %d",
