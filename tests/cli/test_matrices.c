@@ -119,10 +119,7 @@ static void solve_in_c(void) {
   run_ok(dls_reduction_create(&reduction, &model, NULL));
   run_ok(dls_reduction_load(reduction, f, g, NULL));
   run_ok(dls_reduction_contact(reduction, mu, &problem, NULL));
-  dls_solver_settings settings;
-  dls_solver_settings_init(&settings);
-  run_ok(dls_solve(&problem, &settings, r, u, &info, NULL));
-  run_ok(dls_reduction_recover(reduction, r, x, NULL));
+  run_ok(dls_reduction_solve(reduction, mu, NULL, r, u, x, &info, NULL));
 }
 
 /* The files r.csv and x.csv of @/out hold the answer of the host in C, digit for digit. */

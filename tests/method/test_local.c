@@ -374,12 +374,12 @@ START_TEST(blocks_3d) {
 END_TEST
 
 /* Without a solution r is the point of the smallest |F|. W = (1 1; c B), q = (-2, 0), mu = 1: r = 0
- * has |F| = 2; the slip r = (1, 1) has u = (0, c + B), of which w r is left: |F| = sqrt(2) w with
- * w = (1 + B) / 2. */
+ * has |F| = 2; the slip r = (1, 1), which friction drives, has u = (0, c + B) and |F| = c + B, or
+ * 2 w with w = (1 + B) / 2 if that is less. */
 START_TEST(least_bad_points) {
   static const struct {
     double c, B, mu, r[2];
-  } points[] = {{1, 1, 1, {1, 1}}, {2, 1.5, 1, {1, 1}}, {3, 2, 1, {0, 0}}, {1, 1, 3, {.5, 1.5}}};
+  } points[] = {{1, .5, 1, {1, 1}}, {2, 1.5, 1, {0, 0}}, {3, 2, 1, {0, 0}}, {1, .5, 3, {.5, 1.5}}};
   for (int k = 0; k < 4; k++)
     for (int side = -1; side <= 1; side += 2) {
       const double W[4] = {1, side * points[k].c, side, points[k].B}, q[2] = {-2, 0};
