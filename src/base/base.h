@@ -639,12 +639,13 @@ void dlsi_set_residuals(dls_certificate *c, double residual_u, double force, dou
 /* What the laws of contact and friction are measured by, m entries unless said otherwise. */
 typedef struct dlsi_laws {
   int d, nc;
-  const double *mu;    /* nc */
-  const double *r, *u; /* reactions; positions */
-  const double *w;     /* weights: 2 nc */
-  const double *a, *b; /* a + |b| is the size of the numbers that u is the sum of; b: NULL for 0 */
-  const double *scale; /* residual_u is relative to its norm over the contacts that touch */
-  double *F;           /* receives D^1/2 F' */
+  const double *mu;     /* nc */
+  const double *r, *u;  /* reactions; positions */
+  const double *w;      /* weights: 2 nc */
+  const double *a, *b;  /* a + |b| is the size of the numbers that u is the sum of; b: NULL for 0 */
+  const double *scale;  /* residual_u is relative to its norm over the contacts that touch */
+  double *F;            /* receives F */
+  const double *hidden; /* an F_c of entries up to these is rounding, and 0; NULL: none is */
 } dlsi_laws;
 
 /* Fills the residuals, floors and laws of the certificate; equilibrium 0, body -1. */

@@ -14,6 +14,9 @@
  *   (BO4)  floor_u, floor_r as of contact.h, with |H|^T |x| + |g| in place of |W||r| + |q|
  *   (BO5)  floor_e: eps (|K||x| + |f| + |H||r|) by bodies, over the scale of (BO3)
  *
+ *   (BO6)  an F_c of no more than 4 eps D (|H|^T (|K||x| + |f| + |H||r|))_c is 0: where loads balance
+ *          without the contacts, reactions are rounding, and so is what they lack
+ *
  * The weights are local: the compliance of the whole body, on soft supports, holds the motion of
  * all of it. Cost: a product with K, O(nnz H). Fails: the weights, without memory.
  */
@@ -254,13 +257,14 @@ typedef struct body_arrays {
   double *F;      /* D^1/2 F' */
   double *scale;  /* (BO1) */
   double *ut;     /* |H|^T |x| + |g| */
+  double *hidden; /* (BO6) */
   double *e, *ae; /* K x - f - H r and what rounds in it, n */
   double *Hr;     /* n */
   double *sums;   /* 4 parts: largest numbers, then sums of squares */
 } body_arrays;
 
 size_t dlsi_body_scratch(const dlsi_body *body) {
-  return 3 * (size_t)body->d * (size_t)body->nc + 3 * (size_t)body->n + 8 * (size_t)body->parts;
+  return 4 * (size_t)body->d * (size_t)body->nc + 3 * (size_t)body->n + 8 * (size_t)body->parts;
 }
 
 /* Sets *m to max(*m, x), keeping NaN. */
@@ -283,6 +287,18 @@ static void measure_unknowns(const dlsi_body *body, const double *f, const doubl
     of->e[j] -= (f ? f[j] : 0) + sum;
     of->ae[j] += (f ? fabs(f[j]) : 0) + size;
   }
+}
+
+/* (BO6) */
+static void measure_hidden(const dlsi_body *body, const body_arrays *of) {
+  const size_t d = (size_t)body->d, m = d * (size_t)body->nc;
+  const dls_sparse *Ht = &body->Ht;
+  memset(of->hidden, 0, m * sizeof *of->hidden);
+  for (int j = 0; j < body->n; j++)
+    for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++)
+      of->hidden[Ht->i[k]] += fabs(Ht->x[k]) * of->ae[j];
+  for (size_t k = 0; k < m; k++)
+    of->hidden[k] *= 4 * DBL_EPSILON * body->w[2 * (k / d) + (k % d > 0)];
 }
 
 /* (BO3), (BO5) */
@@ -327,10 +343,11 @@ void dlsi_body_measure(const dlsi_body *body, const double *f, const double *g, 
   const body_arrays of = {.F = work,
                           .scale = work + m,
                           .ut = work + 2 * m,
-                          .e = work + 3 * m,
-                          .ae = work + 3 * m + n,
-                          .Hr = work + 3 * m + 2 * n,
-                          .sums = work + 3 * m + 3 * n};
+                          .hidden = work + 3 * m,
+                          .e = work + 4 * m,
+                          .ae = work + 4 * m + n,
+                          .Hr = work + 4 * m + 2 * n,
+                          .sums = work + 4 * m + 3 * n};
   dls_certificate found;
   for (size_t k = 0; k < m; k++) {
     u[k] = g ? g[k] : 0;
@@ -345,12 +362,14 @@ void dlsi_body_measure(const dlsi_body *body, const double *f, const double *g, 
     const double gk = g ? g[k] : 0, wk = body->w[2 * (k / d) + (k % d > 0)];
     of.scale[k] = hypot(hypot(u[k] - gk, gk), wk * r[k]);
   }
-  const dlsi_laws laws = {body->d, body->nc, mu, r, u, body->w, of.ut, NULL, of.scale, of.F};
-  dlsi_laws_measure(&laws, &found);
+  dlsi_laws laws = {body->d, body->nc, mu, r, u, body->w, of.ut, NULL, of.scale, of.F, NULL};
   if (body->model) {
     measure_unknowns(body, f, r, x, &of);
-    measure_equilibrium(body, f, &of, &found);
+    measure_hidden(body, &of);
+    laws.hidden = of.hidden;
   }
+  dlsi_laws_measure(&laws, &found);
+  if (body->model) measure_equilibrium(body, f, &of, &found);
   body_raise(&found.residual, found.equilibrium);
   *certificate = found;
 }

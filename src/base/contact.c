@@ -406,6 +406,14 @@ static inline void measure_laws(int d, const dlsi_laws *of, int k, double larges
     raise_to(&c->slip_direction, ut);
 }
 
+/* Sets the F of contact k to 0 where it is no more than what is hidden. */
+static inline void hide_rounding(int d, const dlsi_laws *of, size_t o) {
+  for (int i = 0; i < d; i++)
+    if (!(fabs(of->F[o + (size_t)i]) <= of->hidden[o + (size_t)i])) return;
+  for (int i = 0; i < d; i++)
+    of->F[o + (size_t)i] = 0;
+}
+
 /* Computes F and the fields of c from penetration on. d is a parameter of its own, so that the
  * compiler knows it where it inlines. */
 static inline measured_sums measure_each(int d, const dlsi_laws *of, dls_certificate *c) {
@@ -423,6 +431,7 @@ static inline measured_sums measure_each(int d, const dlsi_laws *of, dls_certifi
       continue;
     }
     const dls_contact_state state = dlsi_contact_misfit(d, of->mu[k], w, rc, uc, Fc);
+    if (of->hidden) hide_rounding(d, of, o);
     magnitudes(d, of, k, state, x);
     sums.touches += state != DLS_FREE;
     for (int i = 0; i < d; i++) {
@@ -483,8 +492,8 @@ void dlsi_laws_measure(const dlsi_laws *of, dls_certificate *certificate) {
 void dlsi_contact_measure(const dls_contact *problem, const double *r, const double *u,
                           const double *a, const double *w, double *F,
                           dls_certificate *certificate) {
-  const dlsi_laws of = {problem->d, problem->nc, problem->mu, r,          u,
-                        w,          a,           problem->q,  problem->q, F};
+  const dlsi_laws of = {problem->d, problem->nc, problem->mu, r, u,   w,
+                        a,          problem->q,  problem->q,  F, NULL};
   dlsi_laws_measure(&of, certificate);
 }
 

@@ -170,8 +170,9 @@ static dls_status solve_condensed(run *a, const scene_options *o, dls_error *err
     status = dls_solver_solve(a->solver, &a->contact, a->r, a->u, &a->outcome.info, error);
   if (status >= 0) status = dls_reduction_recover(a->reduction, a->r, a->x, error);
   if (status < 0) return status;
-  return dls_reduction_judge(a->reduction, a->data.mu, a->r, a->x, o->solver.settings.limits.tol,
-                             &a->outcome.info, error);
+  status = dls_reduction_judge(a->reduction, a->data.mu, a->r, a->x, o->solver.settings.limits.tol,
+                               &a->outcome.info, error);
+  return status < 0 ? status : DLS_OK;
 }
 
 /* Computes r and u by the paper's sweeps, and x from r. The certificate judges the answer by the
