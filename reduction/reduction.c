@@ -37,6 +37,7 @@ struct dls_reduction {
   double spring[dlsi_most_modes], foot[dlsi_most_modes]; /* s_j, c_j of each mode */
   dlsi_follow follow;                                    /* of the feet */
   dls_reduction_info info;
+  int held;    /* 1: springs at all unknowns hold more modes than dlsi_most_modes */
   int ready;   /* 0 after an update that failed */
   int whole;   /* 1: K is factored without a Schur complement */
   int is_free; /* 1: the host gave K^-1 f instead of f */
@@ -167,10 +168,28 @@ static int reduction_schur_fails(const dls_reduction *work, dls_factorization fa
          (!status && !(dlsi_schur_measured(work->factor->schur)->error <= 1000 * DBL_EPSILON));
 }
 
-/* Factors K with the springs of work->modes, as a whole where the Schur complement fails. */
+/* Adds springs to K: at the unknowns of the modes, or at all unknowns where more modes than these were
+ * found. spring: dlsi_most_modes, scratch. The caller calls dlsi_stable_free, also after an error. */
+static dls_status reduction_hold(const dls_reduction *work, const dls_model *model, double *spring,
+                                 dlsi_stable *stable, dls_error *error) {
+  if (!work->held) return dlsi_stable_create(stable, model, &work->modes, spring, error);
+  const size_t n = work->n;
+  dlsi_modes all = {.count = (int)n, .unknown = dlsi_alloc(n, sizeof *all.unknown)};
+  double *each = dlsi_alloc(n, sizeof *each);
+  dls_status status = all.unknown && each ? DLS_OK : dlsi_no_memory(error);
+  *stable = (dlsi_stable){.model = *model};
+  for (size_t j = 0; !status && j < n; j++)
+    all.unknown[j] = (int)j;
+  if (!status) status = dlsi_stable_create(stable, model, &all, each, error);
+  free(all.unknown);
+  free(each);
+  return status;
+}
+
+/* Factors K with the springs that hold it, as a whole where the Schur complement fails. */
 static dls_status reduction_attempt(dls_reduction *work, const dls_model *model, dls_error *error) {
   dlsi_stable stable;
-  dls_status status = dlsi_stable_create(&stable, model, &work->modes, work->spring, error);
+  dls_status status = reduction_hold(work, model, work->spring, &stable, error);
   stable.model.factorization = work->info.indefinite ? DLS_LDLT : model->factorization;
   if (!status) {
     status = reduction_factor_once(work, &stable.model, error);
@@ -215,9 +234,16 @@ static dls_status reduction_factor(dls_reduction *work, const dls_model *model, 
     dls_error second;
     const dls_status looked = dlsi_modes_create(&work->modes, model, (dls_dense){0}, &second);
     const int found = !looked && work->modes.count;
-    if (found && work->settings.stabilize)
+    if (found && work->settings.stabilize) {
       status = reduction_attempt(work, model, &first);
-    else {
+      const int more = work->modes.count == dlsi_most_modes;
+      if (more && (status == DLS_E_SINGULAR || status == DLS_E_NOT_POSITIVE_DEFINITE)) {
+        reduction_forget_factor(work);
+        dlsi_modes_free(&work->modes);
+        work->held = 1;
+        status = reduction_attempt(work, model, &first);
+      }
+    } else {
       if (looked == DLS_E_MEMORY) {
         status = looked;
         first = second;
@@ -234,7 +260,7 @@ static dls_status reduction_factor(dls_reduction *work, const dls_model *model, 
   }
   if (status < 0 && error) *error = first;
   if (status) return status;
-  work->info.modes = work->modes.count;
+  work->info.modes = work->held ? dlsi_most_modes + 1 : work->modes.count;
   work->info.condition = work->factor->rcond > 0 ? 1 / work->factor->rcond : 0;
   return DLS_OK;
 }
@@ -340,7 +366,7 @@ static dls_status reduction_estimate(const dls_model *model, const dls_reduction
   dls_status status = reduction_begin(&work, model, settings, error);
   if (status) return status;
   dlsi_stable stable;
-  status = dlsi_stable_create(&stable, model, &work->modes, work->spring, error);
+  status = reduction_hold(work, model, work->spring, &stable, error);
   if (!status) status = reduction_analyse(work, &stable.model, error);
   dlsi_stable_free(&stable);
   work->info.modes = work->modes.count;
@@ -386,7 +412,7 @@ static dls_status reduction_same(const dls_reduction *work, const dls_model *mod
   if (!work->factor) return DLS_OK;
   dlsi_stable stable;
   double spring[dlsi_most_modes];
-  dls_status status = dlsi_stable_create(&stable, model, &work->modes, spring, error);
+  dls_status status = reduction_hold(work, model, spring, &stable, error);
   if (!status) status = dlsi_factor_same(work->factor, &stable.model, error);
   dlsi_stable_free(&stable);
   return status;
@@ -538,10 +564,10 @@ dls_status dls_reduction_load(dls_reduction *reduction, const double *f, const d
 static dls_status reduction_load_free(dls_reduction *work, const double *x_free, const double *g,
                                       dls_error *error) {
   dls_status status = reduction_ready(work, error);
-  if (!status && work->modes.count > 0)
-    status = dlsi_fail(error, DLS_E_UNSUPPORTED, "reduction", -1, work->modes.count,
-                       "holds %d rigid-body mode%s: K^-1 f does not exist", work->modes.count,
-                       work->modes.count == 1 ? "" : "s");
+  if (!status && work->info.modes > 0)
+    status = dlsi_fail(error, DLS_E_UNSUPPORTED, "reduction", -1, work->info.modes,
+                       "holds %d rigid-body mode%s: K^-1 f does not exist", work->info.modes,
+                       work->info.modes == 1 ? "" : "s");
   if (!status) status = dlsi_check_vector("x_free", x_free, work->n, error);
   if (!status && g)
     status = dlsi_check_vector("g", g, (size_t)work->d * (size_t)work->nodes, error);

@@ -250,8 +250,8 @@ void dlsi_iterate_begin(dlsi_iterate *it, const dls_contact *problem, const doub
 /* Returns the certificate of r; it->u := W r + q, it->a := |W| |r|, each with the springs. */
 dls_certificate dlsi_iterate_measure(dlsi_iterate *it, const dls_contact *problem, const double *r);
 
-/* Keeps r as the best one if its certificate `now` is better or holds. Returns 1 if it holds; counts
- * those that hold to rounding. */
+/* Keeps r as the best one if its certificate `now` is better or holds. Returns 1 if it holds;
+ * counts those that hold to rounding. */
 int dlsi_iterate_keep(dlsi_iterate *it, const dls_contact *problem, const double *r,
                       const dls_certificate *now);
 
@@ -262,13 +262,14 @@ dls_certificate dlsi_iterate_offer(dlsi_iterate *it, const dls_contact *problem,
  * is larger than q (floor_u >= 1), becomes 0 first. Returns 1 if the certificate holds. */
 int dlsi_iterate_start(dlsi_iterate *it, const dls_contact *problem, double *r);
 
-/* Measures the best r anew, where it was kept by an estimate. Returns the verdict of its certificate
- * (dls_certificate_verdict) if it is one, else `reason`. */
+/* Measures the best r anew, where it was kept by an estimate. Returns the verdict of its
+ * certificate (dls_certificate_verdict) if it is one, else `reason`. */
 dls_status dlsi_iterate_settle(dlsi_iterate *it, const dls_contact *problem, dls_status reason);
 
 /* Hands the answer over: r := the best one, u := W r + q with the springs (m, NULL: nothing), *info
  * := *outcome (NULL: nothing) with status and certificate. Returns status, or DLS_TO_ROUNDING where
- * the method has ended by itself and the certificate holds to rounding; an error changes nothing. */
+ * the method has ended by itself and the certificate holds to rounding; an error changes nothing.
+ * */
 dls_status dlsi_iterate_end(dlsi_iterate *it, const dls_contact *problem, dls_status status,
                             dls_info *outcome, double *r, double *u, dls_info *info);
 
@@ -278,7 +279,8 @@ static inline int dlsi_iterate_is_lost(double residual) {
   return !(residual <= 1e100);
 }
 
-/* Certificates in a row that hold to rounding alone, after which no iteration betters the answer. */
+/* Certificates in a row that hold to rounding alone, after which no iteration betters the answer.
+ * */
 enum { dlsi_rounded_patience = 5 };
 
 /* Tells the caller's progress callback of the residual of r (NULL: not at hand) and keeps to the

@@ -99,7 +99,8 @@ DLS_API DLS_MUST_USE dls_status dls_contact_set_block(int d, int nc, dls_compone
  * to candidate[k]; of the others r is 0.
  *
  *   candidate  count of them, ascending, each from 0 to nc - 1; NULL for count = 0
- *   values     memory of W, q, mu of the subset, 2 count more where there are weights: for a dense W (d count)^2 + (d + 1) count doubles,
+ *   values     memory of W, q, mu of the subset, 2 count more where there are weights: for a dense
+ *   W (d count)^2 + (d + 1) count doubles,
  *              by blocks d d Wb.p[nc] + (d + 1) count (fewer are used where blocks drop out), of
  *              bodies (2 n d + d + 1) count
  *   index      memory of Wb.p, Wb.i of the subset: count + 1 + Wb.p[nc]; of bodies.body: 2 count;
@@ -117,25 +118,30 @@ DLS_API DLS_MUST_USE dls_status dls_contact_subset(const dls_contact *problem, i
 typedef enum dls_contact_state { DLS_FREE = 0, DLS_SLIP = 1, DLS_STICK = 2 } dls_contact_state;
 
 /* The certificate of r, one measure for every method. Each contact has two weights w_n, w_t > 0,
- * length / force: those of `weights`, else W_nn and trace(W_tt) / (d-1) of its diagonal block (where
- * one is not positive, the mean of the positive ones of its kind). D_c = diag(w_n, w_t, ..). In the
- * variables r' = D^1/2 r, u' = D^-1/2 u, mu' = mu (w_t / w_n)^1/2 the law is the same law:
+ * length / force: those of `weights`, else W_nn and trace(W_tt) / (d-1) of its diagonal block
+ * (where one is not positive, the mean of the positive ones of its kind). With D_c = diag(w_n,
+ * w_t, ..),
+ * u = W r + q recomputed, v = D r - u and the radius R = mu (w_t / w_n) max(0, v_n),
  *
- *   F'_c = r'_c - P_Cmu'( r'_c - (u'_c + mu'_c |u'_tc| n) ),   u = W r + q recomputed
- *   residual_u = sqrt( sum_c |D^1/2 F'_c|^2 ) / |q|             of positions
- *   residual_r = sqrt( sum_c |D^-1/2 F'_c|^2 ) / |r|            of forces
+ *   F_n = w_n r_n - max(0, v_n),  F_t = D r_t - (v_t, at most R long); F = D r where v_n < 0
+ *   residual_u = sqrt( sum_c |F_c|^2 ) / |q|             of positions
+ *   residual_r = sqrt( sum_c |D^-1 F_c|^2 ) / |r|        of forces
  *
- * |q| and |r| are taken over the contacts that touch: those whose projection P is not 0. A contact
- * that is open, at whatever distance, enters no scale and no rounding level. Both parts are needed:
- * relative to |q| alone the reactions of a stiff support beside a soft one can be wrong by percents
- * at 1e-8; |r| alone would excuse positions where forces are large. Neither has a unit; they do not
- * change under r -> b r, (u,q) -> a u, W -> a/b W, a change of the order of contacts, or (d = 3) of
- * the tangent frame.
+ * F = 0 where the laws hold (Alart and Curnier 1991). |q| and |r| are taken over the contacts that
+ * touch, v_n >= 0. A contact that is open, at whatever distance, enters no scale and no rounding
+ * level. Both parts are needed: relative to |q| alone the reactions of a stiff support beside a
+ * soft one can be wrong by percents at 1e-8; |r| alone would excuse positions where forces are
+ * large.
+ * Neither has a unit; they do not change under r -> b r, (u,q) -> a u, W -> a/b W, a change of the
+ * order of contacts, or (d = 3) of the tangent frame.
  *
- * The rounding level is the residual that double precision leaves: floor_u = eps |a| / |q|, floor_r
- * = eps |D^-1 a| / |r| with a = |W||r| + |q| + D |r| by entries, to whose normals mu |a_t| is added.
- * Where |q| = 0, | |W||r| | takes its place. Where |D^-1/2 F'| is above |r|, as it is for r = 0 and
- * F' not 0, it takes the place of |r|: residual_r is at most 1. All are 0 for r = 0 if F' = 0.
+ * The rounding level is the residual that double precision leaves: floor_u = eps |e| / |q|,
+ * floor_r = eps |D^-1 e| / |r|. With a = |W||r| + |q| by entries, e is 0 where a contact is free,
+ * a where it
+ * sticks, and where it slips e_n = a_n and e_t = w_t |r_t| + mu (w_t / w_n) (a_n + w_n r_n), in 3D
+ * also w_t |r_t| |a_t| / |v_t|. Where |q| = 0, | |W||r| | takes its place. Where |D^-1 F| is above
+ * |r|, as it is for r = 0 and F not 0, it takes the place of |r|: residual_r is at most 1. All are
+ * 0 for r = 0 if F = 0.
  *
  * The other fields are for the reader, in the user's units; each is >= 0 and a largest value over
  * contacts. cone_violation to complementarity leave out a contact whose D r is at most 4 eps of the
@@ -169,8 +175,8 @@ DLS_API DLS_MUST_USE dls_status dls_contact_certify(const dls_contact *problem, 
                                                     dls_error *error);
 
 /* Returns 1 if each part of the residual is at most max(tol, 4 floor) with its own floor, and
- * 4 floor <= max(tol, 1e-8) for all of them; NaN gives 0. A larger floor says that r is so large (run
- * away in the null space of W, say) that rounding hides u and q in the residual. */
+ * 4 floor <= max(tol, 1e-8) for all of them; NaN gives 0. A larger floor says that r is so large
+ * (run away in the null space of W, say) that rounding hides u and q in the residual. */
 DLS_API int dls_certificate_holds(const dls_certificate *certificate, double tol);
 
 /* Returns DLS_OK where the certificate holds; DLS_TO_ROUNDING where it would but for floors between
@@ -178,15 +184,16 @@ DLS_API int dls_certificate_holds(const dls_certificate *certificate, double tol
  * 4 floor_u and forces to 4 floor_r; DLS_STALLED else. */
 DLS_API dls_status dls_certificate_verdict(const dls_certificate *certificate, double tol);
 
-/* Returns the state of every contact, by the branch of the projection in F'_c: free if
- * r'_c - (u'_c + mu'_c |u'_tc| n) falls in the polar cone, stick if inside C_mu', slip otherwise.
+/* Returns the state of every contact, by the branch of F_c: free if v_n < 0, stick if |v_t| <= R,
+ * slip otherwise.
  * u: W r + q as dls_contact_certify gives it, m. state: nc. */
 DLS_API DLS_MUST_USE dls_status dls_contact_states(const dls_contact *problem, const double *r,
                                                    const double *u, dls_contact_state *state,
                                                    dls_error *error);
 
-/* Returns |D^1/2 F'_c| of every contact, which shows where an answer is wrong: the root of the sum of
- * their squares over |q| of the contacts that touch is residual_u. u: as above. misfit: nc; length (velocity) */
+/* Returns |F_c| of every contact, which shows where an answer is wrong: the root of the sum of
+ * their squares over |q| of the contacts that touch is residual_u. u: as above. misfit: nc; length
+ * (velocity) */
 DLS_API DLS_MUST_USE dls_status dls_contact_misfits(const dls_contact *problem, const double *r,
                                                     const double *u, double *misfit,
                                                     dls_error *error);

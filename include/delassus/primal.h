@@ -40,8 +40,8 @@ DLS_API void dls_primal_settings_init(dls_primal_settings *settings);
  *                 frozen: W_cc = K'_cc^-1 (2 x 2), no coupling, q_c = u_c - W_cc r_c
  *
  * with the weights w_n, w_t of the diagonal of K'_cc^-1. A reaction that is no more than the
- * rounding of K' x' - f' counts as 0. The floors are what the arithmetic can attain: eps times the same
- * measures of |f'| + |K'| (|x'| + |g|) (a sum of magnitudes).
+ * rounding of K' x' - f' counts as 0. The floors are what the arithmetic can attain: eps times the
+ * same measures of |f'| + |K'| (|x'| + |g|) (a sum of magnitudes).
  * DLS_OK: equilibrium <= max(tol, 4 equilibrium_floor), and likewise both parts of the laws.
  *
  * What this says of the condensed problem, W = H^T K^-1 H: its u differs from this one by H^T K^-1

@@ -69,7 +69,7 @@ typedef struct dls_reduction_info {
   double flops;        /* of the factorisation and of S^-1, from the analysis */
   double condition;    /* of K scaled, by estimate; 0 before the work or where K is not factored */
   int indefinite;      /* K was tagged DLS_CHOLESKY and is not positive definite */
-  int modes;           /* rigid-body modes held by springs */
+  int modes; /* rigid-body modes held by springs; 25: more than 24, springs at all unknowns */
 } dls_reduction_info;
 
 /* Foresees what dls_reduction_create_with would take; for a sparse K from ordering and analysis (a
@@ -152,8 +152,8 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_contact(const dls_reduction *reduc
 DLS_API DLS_MUST_USE dls_status dls_reduction_recover(dls_reduction *reduction, const double *r,
                                                       double *x, dls_error *error);
 
-/* Measures the pair (x, r) on the body, with f and g as last loaded, without any spring that holds a
- * mode. Positions and forces as in contact.h, but
+/* Measures the pair (x, r) on the body, with f and g as last loaded, without any spring that holds
+ * a mode. Positions and forces as in contact.h, but
  *
  *   u = H^T x + g            from x, not W r + q; or NULL, else m: receives it
  *   weights                  the compliance of the contact node with its neighbours held, from K
@@ -161,8 +161,8 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_recover(dls_reduction *reduction, 
  *   equilibrium              max over connected bodies of |K x - f - H r| / (|f| + |H r|)
  *
  * mu as in dls_reduction_contact. Where K is a flexibility or a host's solver, equilibrium is 0 and
- * the weights are those of W. dls_certificate_verdict judges all three parts. O(entries of K and H).
- * Errors of dls_reduction_recover. */
+ * the weights are those of W. dls_certificate_verdict judges all three parts. O(entries of K and
+ * H). Errors of dls_reduction_recover. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_certify(dls_reduction *reduction, const double *mu,
                                                       const double *r, const double *x, double *u,
                                                       dls_certificate *certificate,

@@ -144,8 +144,9 @@ DLS_API DLS_MUST_USE dls_status dls_solve(const dls_contact *problem,
                                           const dls_solver_settings *settings, double *r, double *u,
                                           dls_info *info, dls_error *error);
 
-/* Solves the contact problem of a reduction, with f and g as last loaded, and recovers x. The answer
- * is the pair (x, r), and "solved" is said by dls_reduction_certify alone, of the body. Where the
+/* Solves the contact problem of a reduction, with f and g as last loaded, and recovers x. The
+ * answer is the pair (x, r), and "solved" is said by dls_reduction_certify alone, of the body.
+ * Where the
  * solution on W does not hold on the body (soft supports, rigid-body modes that springs hold) the
  * method auto goes on with the problem on K itself (global.h), which needs no springs.
  *
@@ -157,8 +158,9 @@ DLS_API DLS_MUST_USE dls_status dls_solve(const dls_contact *problem,
  *   info      or NULL: certificate is that of the body
  *
  * Statuses of dls_solver_solve and, with the best pair found: DLS_NOT_IN_EQUILIBRIUM, the forces of
- * a body do not balance (certificate.unbalanced of body certificate.body); DLS_NO_SOLUTION: also where
- * a rigid motion proves that nothing can hold a body (dls_reduction_motion). Allocates. Errors of
+ * a body do not balance (certificate.unbalanced of body certificate.body); DLS_NO_SOLUTION: also
+ * where a rigid motion proves that nothing can hold a body (dls_reduction_motion). Allocates.
+ * Errors of
  * dls_reduction_contact, dls_solve, dls_global_solve. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_solve(dls_reduction *reduction, const double *mu,
                                                     const dls_solver_settings *settings, double *r,
@@ -167,8 +169,8 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_solve(dls_reduction *reduction, co
 
 /* Judges an answer r of the contact problem that a host has solved itself, with x recovered: sets
  * info->certificate to that of the body and info->status, which is returned, by it: a solved status
- * stays one only if the certificate holds to the larger one of tol and eps times the condition of K,
- * at most 1e-8. Errors of dls_reduction_certify. */
+ * stays one only if the certificate holds to the larger one of tol and eps times the condition of
+ * K, at most 1e-8. Errors of dls_reduction_certify. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_judge(dls_reduction *reduction, const double *mu,
                                                     const double *r, const double *x, double tol,
                                                     dls_info *info, dls_error *error);

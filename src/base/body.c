@@ -5,8 +5,9 @@
  *   (BO2)  residual_r = |D^-1/2 F'| / |r|, as contact.h
  *   (BO3)  equilibrium = max over connected bodies of |K x - f - H r| / (|f| + |H r|)
  *
- * The sums are over the contacts that touch (src/base/contact.c). (BO1) is measured against the displacements that
- * there are: |H^T K^-1 f|, the scale of the problem on W, is larger than the body where soft
+ * The sums are over the contacts that touch (src/base/contact.c). (BO1) is measured against the
+ * displacements that there are: |H^T K^-1 f|, the scale of the problem on W, is larger than the
+ * body where soft
  * springs hold it. D r, the local indentation, keeps the scale above rounding where everything
  * sticks. The numerator of (BO3) takes the place of the denominator where it is larger, so that
  * the part is at most 1.
@@ -14,7 +15,8 @@
  *   (BO4)  floor_u, floor_r as of contact.h, with |H|^T |x| + |g| in place of |W||r| + |q|
  *   (BO5)  floor_e: eps (|K||x| + |f| + |H||r|) by bodies, over the scale of (BO3)
  *
- *   (BO6)  an F_c of no more than 4 eps D (|H|^T (|K||x| + |f| + |H||r|))_c is 0: where loads balance
+ *   (BO6)  an F_c of no more than 4 eps D (|H|^T (|K||x| + |f| + |H||r|))_c is 0: where loads
+ *   balance
  *          without the contacts, reactions are rounding, and so is what they lack
  *
  * The weights are local: the compliance of the whole body, on soft supports, holds the motion of

@@ -2,10 +2,12 @@
  * contact.c: the contact problem u = W r + q and its certificate, the one measure for every method.
  *
  *   D_c = diag(w_n, w_t, ..),  v = D r - u,  R = mu (w_t / w_n) max(0, v_n)
- *   F_n = w_n r_n - max(0, v_n),  F_t = D r_t - P(v_t), P on the disc of radius R; D r_t where v_n <= 0
+ *   F_n = w_n r_n - max(0, v_n),  F_t = D r_t - P(v_t), P on the disc of radius R; D r_t where v_n
+ *   <= 0
  *
- * F = 0 if and only if every contact meets the contact and friction laws (Alart and Curnier, Comput.
- * Methods Appl. Mech. Eng. 92, 1991, 353-375, (19)). The weights measure normals and tangents by
+ * F = 0 if and only if every contact meets the contact and friction laws (Alart and Curnier,
+ * Comput. Methods Appl. Mech. Eng. 92, 1991, 353-375, (19)). The weights measure normals and
+ * tangents by
  * compliances of their own; in r' = D^1/2 r, u' = D^-1/2 u the friction is mu (w_t / w_n)^1/2 and
  * the disc as round as before.
  */
@@ -310,8 +312,8 @@ typedef struct measured_sums {
 
 enum { of_F, of_force, of_rounded, of_rounded_force, of_r, of_q, of_a };
 
-/* Fills size (d) with what F_c of this state rounds relative to, a being the size of the numbers that
- * u is the sum of.
+/* Fills size (d) with what F_c of this state rounds relative to, a being the size of the numbers
+ * that u is the sum of.
  *
  *   stick  F = u                                      a
  *   slip   F_n = u_n                                  a_n
@@ -353,7 +355,8 @@ static double entry_of(const dlsi_laws *of, int what, int k, int i) {
   return what == of_rounded ? size[i] : size[i] / w[i > 0];
 }
 
-/* Returns the root of `plain`, or the norm itself where the plain sum of squares over- or underflows. */
+/* Returns the root of `plain`, or the norm itself where the plain sum of squares over- or
+ * underflows. */
 static double norm_of(const dlsi_laws *of, const measured_sums *s, int what, double plain) {
   if (dlsi_is_plain(plain)) return sqrt(plain);
   if (what <= of_force ? s->any == 0 : s->touches == 0) return 0;

@@ -1,7 +1,7 @@
 /*
  * subset.c: some candidates of a contact problem as a problem of their own.
  *
- *   W' = W(s, s),  q' = q(s),  mu' = mu(s), weights alike          for the list s of candidates, which ascends
+ *   W' = W(s, s),  q' = q(s),  mu' = mu(s), weights alike     for the list s, which ascends
  *
  * Cost: O(d^2 count^2), or O(blocks in the columns of s, times log count), after the check of the
  * whole problem. Fails: on its arguments only.

@@ -659,8 +659,9 @@ static int is_rounded(const dlsi_auto *work, part now) {
   return now == REST && dlsi_certificate_meets(&work->info.certificate, work->options.limits.tol);
 }
 
-/* (AT17) The best r holds to rounding. Its self-stress, a part of r that W does not feel, may be what
- * rounds: ADMM from r = 0 finds reactions with little of it. Returns the verdict of the better one,
+/* (AT17) The best r holds to rounding. Its self-stress, a part of r that W does not feel, may be
+ * what rounds: ADMM from r = 0 finds reactions with little of it. Returns the verdict of the
+ * better one,
  * or an error. */
 static dls_status take_less_stress(dlsi_auto *work, part now, dls_error *error) {
   if (now == OTHER_SPLITTING || !may_go_another_way(work)) return verdict_of(work);
@@ -746,8 +747,9 @@ static dls_status pivot_early(dlsi_auto *work, dls_error *error) {
   return status < 0 ? status : leave_copy(work, problem, &kept, status);
 }
 
-/* Takes the stages first .. end-1 in turn. Returns DLS_OK, DLS_TO_ROUNDING, DLS_NO_SOLUTION, an error, DLS_CANCELLED
- * or DLS_MAX_ITERATIONS; DLS_STALLED if nothing is decided, or `excluded` is. */
+/* Takes the stages first .. end-1 in turn. Returns DLS_OK, DLS_TO_ROUNDING, DLS_NO_SOLUTION, an
+ * error, DLS_CANCELLED or DLS_MAX_ITERATIONS; DLS_STALLED if nothing is decided, or `excluded`
+ * is. */
 static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *error) {
   for (int k = first; k < end; k++) {
     const part listed = stages[k].part;
@@ -918,8 +920,9 @@ static dls_status take_stages(dlsi_auto *work, dls_error *error) {
   return status == DLS_STALLED ? judge(work, error) : status;
 }
 
-/* (AT18) An answer of little residual may have a large error where W is nearly singular: soft springs
- * under a body. Solves to a smaller tolerance as long as that makes the predicted error less. In a
+/* (AT18) An answer of little residual may have a large error where W is nearly singular: soft
+ * springs under a body. Solves to a smaller tolerance as long as that makes the predicted error
+ * less. In a
  * sequence of warm solves the last answer that was looked at tells how much a residual means. */
 static dls_status take_to_accuracy(dlsi_auto *work, dls_error *error) {
   const dls_contact *problem = work->problem;

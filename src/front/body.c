@@ -7,8 +7,8 @@
  *          Springs hold nothing there, and no precision is lost in a W that is large beside the
  *          body: soft supports, bodies that contact alone holds
  *
- * Cost: that of dls_solve, a product with K; where (BY3) is needed, factors of K + H R H^T, which the
- * reduction keeps. What can fail: (BY3) for a flexibility or a host's solver, which have no K.
+ * Cost: that of dls_solve, a product with K; where (BY3) is needed, factors of K + H R H^T, which
+ * the reduction keeps. What can fail: (BY3) for a flexibility or a host's solver, which have no K.
  */
 #include <float.h>
 #include <math.h>
@@ -106,8 +106,9 @@ static dls_status solve_on_K(dls_reduction *reduction, const double *mu, const d
   return status;
 }
 
-/* Returns the status of a solve that ended with `status`, by the certificate of the body. x carries eps
- * times the condition of K, which the rounding levels do not hold: up to 1e-8 that is allowed. */
+/* Returns the status of a solve that ended with `status`, by the certificate of the body. x
+ * carries eps times the condition of K, which the rounding levels do not hold: up to 1e-8 that is
+ * allowed. */
 static dls_status judge_body(const dls_certificate *c, double asked, double condition,
                              dls_status status) {
   const double tol = fmax(asked, fmin(DBL_EPSILON * condition, 1e-8));

@@ -50,8 +50,9 @@ void dlsi_contact_lemke_search(void *lemke, int searches);
 
 enum { dlsi_predicted_rows = 300 };
 
-/* Returns |r - r*| / |r| to first order, in the states that r has; 0 where nothing touches, -1 where
- * the reactions are not determined. For up to dlsi_predicted_rows rows. u: W r + q. w: weights of
+/* Returns |r - r*| / |r| to first order, in the states that r has; 0 where nothing touches, -1
+ * where the reactions are not determined. For up to dlsi_predicted_rows rows. u: W r + q. w:
+ * weights of
  * the certificate. J: scratch, m x m. x: scratch, m. */
 double dlsi_predict_error(const dls_contact *problem, const double *r, double *u, double *w,
                           double *J, double *x);

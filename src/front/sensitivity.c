@@ -14,11 +14,13 @@
  *
  * The rank is that of D^-1/2 A D^-1/2, in which units do not matter.
  *
- *   (SN4)  to first order r - r* is E A^-1 (row.u), since row.u = 0 at r*, where r lies on its cone:
+ *   (SN4)  to first order r - r* is E A^-1 (row.u), since row.u = 0 at r*, where r lies on its
+ *   cone:
  *          one factorisation, no bound. A slip no larger than 1000 |F| counts as stick
  *
- * Cost: three times the singular values of a matrix of |rows|; of (SN4) one LU. What can fail: states that change
- * between r and r*, candidates on the border of two: then A holds on one side only.
+ * Cost: three times the singular values of a matrix of |rows|; of (SN4) one LU. What can fail:
+ * states that change between r and r*, candidates on the border of two: then A holds on one side
+ * only.
  */
 #include <float.h>
 #include <limits.h>

@@ -135,7 +135,8 @@ static void motion_carve(dls_motion *motion, dlsi_arena *arena) {
   motion->place = dlsi_take(arena, local, sizeof *motion->place);
   motion->zero = dlsi_take(arena, local > nc ? local : nc, sizeof *motion->zero);
   motion->weight = dlsi_take(arena, 2 * nc, sizeof *motion->weight);
-  motion->values = dlsi_take(arena, m + 3, m * sizeof *motion->values); /* m^2 + (d + 3) nc at most */
+  /* m^2 + (d + 3) nc at most */
+  motion->values = dlsi_take(arena, m + 3, m * sizeof *motion->values);
 }
 
 static dls_status motion_allocate(dls_motion *motion, dls_error *error) {

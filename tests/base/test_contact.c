@@ -362,7 +362,8 @@ static dls_certificate certified(const dls_contact *p, const double *r, double *
   return c;
 }
 
-/* One contact, W = diag(2, 4) so that w_n = 2, w_t = 4, k = 2, |q| = 5, mu = 1/2; residuals by hand. */
+/* One contact, W = diag(2, 4) so that w_n = 2, w_t = 4, k = 2, |q| = 5, mu = 1/2; residuals by
+ * hand. */
 START_TEST(certificate_by_hand) {
   double W[4] = {2, 0, 0, 4}, q[2] = {-3, 4}, mu[1] = {0.5}, r[2] = {0, 0}, u[2];
   const dls_contact p = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};

@@ -169,7 +169,8 @@ START_TEST(memory) {
 }
 END_TEST
 
-/* Beside an entry of 1e202 r_t has to be 0, which no state of the contact allows: nothing is solved. */
+/* Beside an entry of 1e202 r_t has to be 0, which no state of the contact allows: nothing is
+ * solved. */
 START_TEST(noise_is_no_answer) {
   const double W[] = {0.03125, 2.25, 1.4423069849040525e+202, 2}, q[] = {-2.40625, 0.84375};
   const double mu = 0.03;

@@ -1,16 +1,19 @@
 /*
- * test_body.c: dls_reduction_solve and dls_reduction_certify: "solved" is said of the body, not of W.
+ * test_body.c: dls_reduction_solve and dls_reduction_certify: "solved" is said of the body, not of
+ * W.
  */
 #include <check.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "delassus.h"
 #include "malloc_fails.h"
 #include "run.h"
+#include "solids.h"
 
-/* A bar of two nodes along the normal, one unit of stiffness, its foot a contact without tangents; held by
- * springs of stiffness `soft` at both nodes. */
+/* A bar of two nodes along the normal, one unit of stiffness, its foot a contact without tangents;
+ * held by springs of stiffness `soft` at both nodes. */
 typedef struct bar {
   double K[4], one[1];
   int p[2], none[2], row[1];
@@ -91,7 +94,8 @@ START_TEST(bar_that_nothing_holds) {
 }
 END_TEST
 
-/* A method on W alone leaves a part of the load in the springs that hold the mode: that is missing. */
+/* A method on W alone leaves a part of the load in the springs that hold the mode: that is
+ * missing. */
 START_TEST(springs_are_no_support) {
   bar b;
   double r[2], x[2];
@@ -145,7 +149,8 @@ START_TEST(certificate_of_the_body) {
 }
 END_TEST
 
-/* K^-1 given, or a solver of the host: equilibrium is not known, and x = K^-1 (f + H r) is believed. */
+/* K^-1 given, or a solver of the host: equilibrium is not known, and x = K^-1 (f + H r) is
+ * believed. */
 START_TEST(without_K) {
   bar b;
   double r[2], x[2];
@@ -163,6 +168,39 @@ START_TEST(without_K) {
   ck_assert_double_eq_tol(r[0], 5, 1e-12); /* 2 r_n = 10 */
   ck_assert(info.certificate.equilibrium == 0 && info.certificate.body == -1);
   dls_reduction_destroy(reduction);
+}
+END_TEST
+
+/* Statics of many free blocks: on each plane the reactions carry what stands above, whatever the number
+ * of rigid-body modes; pushed beyond friction, nothing holds them. */
+START_TEST(stacks_of_free_blocks) {
+  static const int count[2] = {12, 4};
+  for (int k = 0; k < 4; k++) {
+    const int d = 2 + k % 2, blocks = count[k % 2], side = 2, slides = k / 2;
+    solids S;
+    solids_stack(&S, d, blocks, side, slides ? 1.05 : 0.5);
+    const dls_model *model = solids_model(&S);
+    const int m = d * S.contacts, plane = S.contacts / blocks;
+    double *r = calloc((size_t)m, sizeof *r), *x = calloc((size_t)model->n, sizeof *x);
+    double *mu = calloc((size_t)S.contacts, sizeof *mu), weight = 0, sum = 0;
+    for (int c = 0; c < S.contacts; c++)
+      mu[c] = 0.3;
+    for (int i = 0; i < model->n; i++)
+      weight -= i % d == d - 1 ? S.f[i] : 0;
+    dls_reduction *reduction = reduced(model, S.f, S.g);
+    dls_info info;
+    const dls_status status = dls_reduction_solve(reduction, mu, NULL, r, NULL, x, &info, NULL);
+    ck_assert_int_eq(status, slides ? DLS_NO_SOLUTION : DLS_OK);
+    for (int c = 0; c < plane; c++)
+      sum += r[d * c];
+    if (!slides) ck_assert_double_eq_tol(sum, weight, 1e-6 * weight);
+    if (!slides) ck_assert(info.certificate.equilibrium <= 1e-8);
+    dls_reduction_destroy(reduction);
+    free(r);
+    free(x);
+    free(mu);
+    solids_free(&S);
+  }
 }
 END_TEST
 
@@ -218,5 +256,5 @@ END_TEST
 int main(void) {
   return RUN("body", NULL, NULL, ONCE(bar_that_contact_holds), ONCE(bar_that_nothing_holds),
              ONCE(springs_are_no_support), ONCE(certificate_of_the_body), ONCE(without_K),
-             ONCE(bad_input), ONCE(failing_mallocs));
+             ONCE(stacks_of_free_blocks), ONCE(bad_input), ONCE(failing_mallocs));
 }

@@ -52,8 +52,8 @@ START_TEST(slip_beside_no_friction) {
 }
 END_TEST
 
-/* 3D, W = diag(4, 1, 1), w = (4, 1), mu = 3/4, r_t = 3/4 (3/5, 4/5) and |u_t| = 3/8 against it: along
- * the cone A = 4 4/5, across it 1 + |u_t| / |r_t| = 3/2; turned into each quarter. */
+/* 3D, W = diag(4, 1, 1), w = (4, 1), mu = 3/4, r_t = 3/4 (3/5, 4/5) and |u_t| = 3/8 against it:
+ * along the cone A = 4 4/5, across it 1 + |u_t| / |r_t| = 3/2; turned into each quarter. */
 START_TEST(slip_in_3d) {
   const double W[9] = {4, 0, 0, 0, 1, 0, 0, 0, 1}, mu[1] = {0.75};
   for (int turn = 0; turn < 4; turn++) {

@@ -1142,8 +1142,8 @@ START_TEST(time_limit_in_any_stage) {
 }
 END_TEST
 
-/* Two candidates in 3D, the first one sliding fast: most stages end near the planted answer and not at
- * it, so that "no solution likely" would be false for any tolerance. */
+/* Two candidates in 3D, the first one sliding fast: most stages end near the planted answer and
+ * not at it, so that "no solution likely" would be false for any tolerance. */
 START_TEST(a_near_answer_is_not_denied) {
   static const double A[36] = {
       66.50493729458866,   22.1576632898001,    -8.618633243360543,  -734.8527793596492,

@@ -53,7 +53,8 @@ static answer answer_of(const dls_model *model, const double *f, const double *g
 }
 
 /* y := A x, or A^T x; A is symmetric and only its lower triangle counts where `half`. */
-static void multiply(const dls_sparse *A, int transposed, int half, const double *x, double *y) {
+static void stress_multiply(const dls_sparse *A, int transposed, int half, const double *x,
+                            double *y) {
   memset(y, 0, (size_t)(transposed ? A->cols : A->rows) * sizeof *y);
   for (int j = 0; j < A->cols; j++)
     for (int k = A->p[j]; k < A->p[j + 1]; k++) {
@@ -80,7 +81,7 @@ static void expect_solved(const answer *A, const dls_model *model, const double 
                 dls_status_name(A->status), A->info.certificate.residual_u,
                 A->info.certificate.residual_r, A->info.certificate.equilibrium,
                 A->info.iterations);
-  multiply(&model->Ks, 0, half, A->x, Kx);
+  stress_multiply(&model->Ks, 0, half, A->x, Kx);
   for (int c = 0; c < nc; c++)
     for (int i = 0; i < d; i++) {
       const dls_sparse *L = i ? &model->HT : &model->HN;
@@ -127,9 +128,9 @@ static void expect_no_solution(const answer *A, const dls_model *model, const do
   ck_assert(body >= 0 && body < n && fabs(largest(b, n) - 1) <= .1);
   double *Kb = calloc((size_t)n, sizeof *Kb), *hn = calloc((size_t)nc + 1, sizeof *hn);
   double *ht = calloc((size_t)(2 * nc) + 1, sizeof *ht), load = 0, turmoil = 0;
-  multiply(&model->Ks, 0, 1, b, Kb);
-  multiply(&model->HN, 1, 0, b, hn);
-  multiply(&model->HT, 1, 0, b, ht);
+  stress_multiply(&model->Ks, 0, 1, b, Kb);
+  stress_multiply(&model->HN, 1, 0, b, hn);
+  stress_multiply(&model->HT, 1, 0, b, ht);
   ck_assert(largest(Kb, n) <= 1e-12 * largest(model->Ks.x, model->Ks.p[n]));
   for (int j = 0; j < n; j++) {
     load += b[j] * f[j];

@@ -112,7 +112,8 @@ static int widen_states(active *s, real gap) {
 
 /* Fills the errors of r against the answer that s holds, and judges them. moved: how far this
  * answer is from the planted one, relative to it; no farther than the rounding of q may move it. */
-static void compare(active *s, const double *r, double tol, int capped, real moved, truth *out) {
+static void truth_compare(active *s, const double *r, double tol, int capped, real moved,
+                          truth *out) {
   const int d = s->p->d, m = s->p->m;
   real rr = active_length(s->r, m), top = 0, far = 0, sum = 0, uu = 0, du = 0;
   for (int i = 0; i < m; i++) {
@@ -186,7 +187,7 @@ static void look_beside(active *s, const double *r, double tol, int capped, trut
       start[i] = without && tiny ? 0 : r[i];
     }
     const int found = start_from(s, start, &moved);
-    if (found == 1) compare(s, r, tol, capped, 0, &other);
+    if (found == 1) truth_compare(s, r, tol, capped, 0, &other);
     if (found == 1 && other.verdict == TRUTH_HOLDS) other.verdict = TRUTH_OTHER;
     const int better = other.verdict != TRUTH_UNKNOWN && other.error < out->error;
     other.tol = tol;
@@ -204,7 +205,7 @@ void judge_truth(const problem *p, const double *r, double tol, int capped, trut
   active *s = active_create(p);
   real moved;
   if (start_from(s, p->r, &moved) == 1 && moved <= 1e-3L) {
-    compare(s, r, tol, capped, moved, out);
+    truth_compare(s, r, tol, capped, moved, out);
     const int wrong = out->verdict == TRUTH_WRONG_R || out->verdict == TRUTH_WRONG_U;
     if (wrong) look_beside(s, r, tol, capped, out);
   }
