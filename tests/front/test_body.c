@@ -171,8 +171,8 @@ START_TEST(without_K) {
 }
 END_TEST
 
-/* Statics of many free blocks: on each plane the reactions carry what stands above, whatever the number
- * of rigid-body modes; pushed beyond friction, nothing holds them. */
+/* Statics of many free blocks: on each plane the reactions carry what stands above, whatever the
+ * number of rigid-body modes; pushed beyond friction, nothing holds them. */
 START_TEST(stacks_of_free_blocks) {
   static const int count[2] = {12, 4};
   for (int k = 0; k < 4; k++) {
