@@ -14,6 +14,7 @@
  * is pressed by the reactions. Then 0 is returned, nothing has been written, and the sweeps begin.
  */
 #include <float.h>
+#include <math.h>
 #include <string.h>
 
 #include "delassus/nlgs.h"
@@ -41,12 +42,17 @@ static int solve_each(const dls_contact *problem, double *r) {
   return 1;
 }
 
-/* Returns 1 if the certificate of r holds; u := W r + q. */
+/* Returns 1 if the certificate of r holds and no contact without a reaction is pressed by more than
+ * rounding, which a tolerance may hide where W is nearly singular; u := W r + q. */
 static int is_certified(const dls_contact *problem, double tol, const double *r, const double *w,
                         double *u, dls_certificate *certificate) {
   double a[most_rows], F[most_rows];
   dlsi_contact_multiply(problem, NULL, r, u, a);
   dlsi_contact_measure(problem, r, u, a, w, F, certificate);
+  for (int c = 0; c < problem->nc; c++) {
+    const int n = problem->d * c;
+    if (r[n] == 0 && u[n] < -4 * DBL_EPSILON * (a[n] + fabs(problem->q[n]))) return 0;
+  }
   return dlsi_certificate_holds(certificate, tol);
 }
 

@@ -932,7 +932,8 @@ static dls_status take_to_accuracy(dlsi_auto *work, dls_error *error) {
   dls_status status = DLS_OK;
   const int rows = problem->W.a ? dlsi_predicted_rows : predicted_of_blocks;
   const dls_info *info = &work->info;
-  const int direct = info->stages && info->stage[info->stages - 1].method != DLS_NLGS;
+  const int direct =
+      m > predicted_of_blocks && info->stages && info->stage[info->stages - 1].method != DLS_NLGS;
   if (m > (size_t)rows || best->residual == 0 || (direct && best->residual <= determined))
     return status;
   const int known = work->amplified > 0 && work->last_nc == problem->nc;

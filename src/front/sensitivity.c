@@ -15,8 +15,7 @@
  * The rank is that of D^-1/2 A D^-1/2, in which units do not matter.
  *
  *   (SN4)  to first order r - r* is E A^-1 (row.u), since row.u = 0 at r*, where r lies on its
- *   cone:
- *          one factorisation, no bound. A slip no larger than 1000 |F| counts as stick
+ *          cone: one factorisation, no bound. Slips and gaps up to 1000 |F| count as stick
  *
  * Cost: three times the singular values of a matrix of |rows|; of (SN4) one LU. What can fail:
  * states that change between r and r*, candidates on the border of two: then A holds on one side
@@ -241,6 +240,7 @@ double dlsi_predict_error(const dls_contact *problem, const double *r, double *u
   for (int c = 0; c < problem->nc; c++) {
     const double *uc = u + d * (size_t)c, slip = dlsi_tangent_norm(problem->d, uc);
     if (state[c] == DLS_SLIP && slip <= close) state[c] = DLS_STICK;
+    if (state[c] == DLS_FREE && uc[0] <= close) state[c] = DLS_STICK;
     sensitivity_take_rows(&work, c);
   }
   const size_t n = (size_t)work.rows;
