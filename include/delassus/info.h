@@ -48,9 +48,9 @@ typedef struct dls_info {
   int iterations; /* sweeps; pivots and crash rounds of all LCPs; steps; augmentations; iterations;
                      auto: of all stages */
   dls_certificate certificate; /* of the r that is returned */
-  double error; /* auto, dense W of up to 300 rows, or up to 60 by blocks: predicted |r - r*| / |r|,
+  double error;  /* dense W of up to 300 rows, or up to 60 by blocks: predicted |r - r*| / |r|,
                    to first order; INFINITY: W does not determine r; 0: not asked */
-  int ambiguous;         /* nlgs, auto: candidates with several solutions when the others stay */
+  int ambiguous; /* nlgs, auto: candidates with several solutions when the others stay */
   dls_uniqueness unique; /* auto: of a certified answer */
   int factorisations; /* admm; newton, augmented Lagrangian, penalty, auto: at most one per Newton
                          step */

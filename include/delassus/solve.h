@@ -44,7 +44,7 @@ enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
 
 /* *out = new workspace, NULL on error; the settings are copied. With m = d nc it takes
  *
- *   O(m) memory      nlgs
+ *   O(m) memory      nlgs, and up to 300 rows m^2 doubles as every method but auto, for info.error
  *   m^2 doubles      newton, admm, augmented-lagrangian, penalty, auto, for a W announced as dense
  *   O(blocks)        the same, for a W announced by blocks (limits.blocks), and what MUMPS needs to
  *                    factorise it

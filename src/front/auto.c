@@ -140,7 +140,7 @@ static const double far_start = 0.25;                    /* e: (AT14), and of sw
 static const double small_part = 0.05; /* of a solve, for a look at other answers */
 static const double another = 1e-3;    /* difference of two answers, over the largest reaction */
 static const double accurate = 1e-4;   /* (AT18): relative error of r that nobody is told of */
-enum { predicted_of_blocks = 60, most_turns = 3 }; /* (AT18): rows; larger ones are packings */
+enum { most_turns = 3 };               /* (AT18) */
 static const double determined =
     1e-13;                          /* ... residual of a factorisation that needs no second one */
 static const double on_cone = 1e-9; /* a reaction that lacks no more than this share slips */
@@ -930,10 +930,10 @@ static dls_status take_to_accuracy(dlsi_auto *work, dls_error *error) {
   const double tol = work->options.limits.tol, enough = fmax(accurate, 100 * tol);
   const dls_certificate *best = &work->info.certificate;
   dls_status status = DLS_OK;
-  const int rows = problem->W.a ? dlsi_predicted_rows : predicted_of_blocks;
+  const int rows = problem->W.a ? dlsi_predicted_rows : dlsi_predicted_of_blocks;
   const dls_info *info = &work->info;
-  const int direct =
-      m > predicted_of_blocks && info->stages && info->stage[info->stages - 1].method != DLS_NLGS;
+  const int direct = m > dlsi_predicted_of_blocks && info->stages &&
+                     info->stage[info->stages - 1].method != DLS_NLGS;
   if (m > (size_t)rows || best->residual == 0 || (direct && best->residual <= determined))
     return status;
   const int known = work->amplified > 0 && work->last_nc == problem->nc;

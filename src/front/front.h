@@ -48,7 +48,7 @@ void dlsi_contact_lemke_search(void *lemke, int searches);
 
 /* ---- src/front/sensitivity.c ----------------------------------------------------------------- */
 
-enum { dlsi_predicted_rows = 300 };
+enum { dlsi_predicted_rows = 300, dlsi_predicted_of_blocks = 60 };
 
 /* Returns |r - r*| / |r| to first order, in the states that r has; 0 where nothing touches, -1
  * where the reactions are not determined. For up to dlsi_predicted_rows rows. u: W r + q. w:

@@ -2,6 +2,7 @@
  * solve.c: the front door. Chooses the method, and has the last word: whatever a method says of
  * itself, "solved" is what the certificate of the returned r says.
  */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,6 +17,7 @@ struct dls_solver {
   const dlsi_method *method;
   void *work;         /* of the method */
   dlsi_formed formed; /* W of bodies by blocks, for methods that want them */
+  double *room;       /* of the prediction of the error; NULL: none is made, or auto makes it */
 };
 
 int dls_acceleration_find(const char *name, dls_acceleration *acceleration) {
@@ -67,6 +69,29 @@ static dls_status solver_create_work(dls_solver *solver, int lazy, dls_error *er
   return solver->method->create(&solver->work, solver->d, nc, &options, error);
 }
 
+/* Makes room for the prediction of the error of small problems: m^2 + 2 m + 2 nc doubles. */
+static dls_status solver_make_room(dls_solver *solver, dls_error *error) {
+  const dls_solver_settings *s = &solver->settings;
+  const size_t nc = (size_t)solver->nc, m = (size_t)solver->d * nc;
+  const size_t most = s->limits.blocks ? dlsi_predicted_of_blocks : dlsi_predicted_rows;
+  if (s->method == DLS_AUTO || m == 0 || m > most) return DLS_OK;
+  solver->room = dlsi_alloc(m * m + 2 * m + 2 * nc, sizeof *solver->room);
+  return solver->room ? DLS_OK : dlsi_no_memory(error);
+}
+
+/* Sets info->error of a solved problem. */
+static void solver_predict(const dls_solver *solver, const dls_contact *problem, const double *r,
+                           dls_info *info) {
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  if (!solver->room || dlsi_is_factored(problem)) return;
+  if (!problem->W.a && m > dlsi_predicted_of_blocks) return;
+  double *J = solver->room, *x = J + m * m, *u = x + m, *w = u + m;
+  dlsi_certificate_weights(problem, w);
+  dlsi_contact_multiply(problem, NULL, r, u, NULL);
+  const double predicted = dlsi_predict_error(problem, r, u, w, J, x);
+  info->error = predicted < 0 ? INFINITY : predicted; /* W does not determine r */
+}
+
 dls_status dlsi_solver_create(dls_solver **out, int d, int nc, int lazy,
                               const dls_solver_settings *settings, dls_error *error) {
   dls_solver_settings defaults;
@@ -79,8 +104,13 @@ dls_status dlsi_solver_create(dls_solver **out, int d, int nc, int lazy,
   if (!solver) return dlsi_no_memory(error);
   *solver = (dls_solver){.settings = *settings, .d = d, .nc = nc};
   status = solver_create_work(solver, lazy, error);
-  if (status)
+  if (status) {
     free(solver);
+    return status;
+  }
+  status = solver_make_room(solver, error);
+  if (status)
+    dls_solver_destroy(solver);
   else
     *out = solver;
   return status;
@@ -127,6 +157,8 @@ static dls_status solver_solve(dls_solver *solver, const dls_contact *problem, d
   if (!solver->method->takes_bodies) status = dlsi_form_blocks(&solver->formed, &problem, error);
   if (!status) status = solver->method->solve(solver->work, problem, r, u, info, error);
   solver->status = status;
+  if (info && (status == DLS_OK || status == DLS_TO_ROUNDING))
+    solver_predict(solver, problem, r, info);
   if (status >= 0 && limits->progress) solver_tell_last(limits, begun, info, r);
   return status;
 }
@@ -186,6 +218,7 @@ void dls_solver_destroy(dls_solver *solver) {
   if (!solver) return;
   solver->method->destroy(solver->work);
   dlsi_formed_free(&solver->formed);
+  free(solver->room);
   free(solver);
 }
 
@@ -206,9 +239,11 @@ static dls_status solve_once(const dls_contact *problem, const dls_solver_settin
     status = dlsi_form_blocks(&solver.formed, &problem, error);
   s->limits.blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : dlsi_is_factored(problem);
   if (!status) status = solver_create_work(&solver, 1, error);
+  if (!status) status = solver_make_room(&solver, error);
   if (!status) status = solver_solve(&solver, problem, r, u, info, error);
   if (solver.method) solver.method->destroy(solver.work);
   dlsi_formed_free(&solver.formed);
+  free(solver.room);
   return status;
 }
 
