@@ -286,7 +286,7 @@ static dls_status sensitivity_run(const dls_contact *problem, const double *r,
   if (!status) status = dls_contact_states(problem, r, work.u, work.state, error);
   if (!status) {
     double most = 0;
-    const size_t d = m / nc;
+    const size_t d = (size_t)problem->d;
     dlsi_certificate_weights(problem, work.w);
     for (size_t k = 0; k < m; k++)
       most = fmax(most, fmax(fabs(work.u[k]), work.w[2 * (k / d) + (k % d > 0)] * fabs(r[k])));

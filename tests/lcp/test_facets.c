@@ -559,7 +559,7 @@ START_TEST(every_failing_malloc_unwinds) {
       }
     }
     ck_assert_int_eq(status, DLS_OK);
-    ck_assert_int_eq(failed, 6); /* the arrays, Lemke's, those of sweeps and 2 of steps */
+    ck_assert_int_eq(failed, 6); /* arrays, Lemke's, sweeps, 2 of steps, prediction */
   }
 }
 END_TEST
