@@ -645,4 +645,6 @@ class Library(unittest.TestCase):
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where a shell began this in
+    # the background
     unittest.main()
