@@ -99,10 +99,9 @@ DLS_API DLS_MUST_USE dls_status dls_contact_set_block(int d, int nc, dls_compone
  * to candidate[k]; of the others r is 0.
  *
  *   candidate  count of them, ascending, each from 0 to nc - 1; NULL for count = 0
- *   values     memory of W, q, mu of the subset, 2 count more where there are weights: for a dense
- *   W (d count)^2 + (d + 1) count doubles,
+ *   values     memory of W, q, mu of the subset: for a dense W (d count)^2 + (d + 1) count doubles,
  *              by blocks d d Wb.p[nc] + (d + 1) count (fewer are used where blocks drop out), of
- *              bodies (2 n d + d + 1) count
+ *              bodies (2 n d + d + 1) count; 2 count more where there are weights
  *   index      memory of Wb.p, Wb.i of the subset: count + 1 + Wb.p[nc]; of bodies.body: 2 count;
  *              dense: not used, NULL
  *   subset     view of values and index, of the storage that the problem has
@@ -119,9 +118,8 @@ typedef enum dls_contact_state { DLS_FREE = 0, DLS_SLIP = 1, DLS_STICK = 2 } dls
 
 /* The certificate of r, one measure for every method. Each contact has two weights w_n, w_t > 0,
  * length / force: those of `weights`, else W_nn and trace(W_tt) / (d-1) of its diagonal block
- * (where one is not positive, the mean of the positive ones of its kind). With D_c = diag(w_n,
- * w_t, ..),
- * u = W r + q recomputed, v = D r - u and the radius R = mu (w_t / w_n) max(0, v_n),
+ * (where one is not positive, the mean of the positive ones of its kind). D_c = diag(w_n, w_t, ..),
+ * u = W r + q recomputed, v = D r - u, and the radius R = mu (w_t / w_n) max(0, v_n):
  *
  *   F_n = w_n r_n - max(0, v_n),  F_t = D r_t - (v_t, at most R long); F = D r where v_n < 0
  *   residual_u = sqrt( sum_c |F_c|^2 ) / |q|             of positions
@@ -131,17 +129,19 @@ typedef enum dls_contact_state { DLS_FREE = 0, DLS_SLIP = 1, DLS_STICK = 2 } dls
  * touch, v_n >= 0. A contact that is open, at whatever distance, enters no scale and no rounding
  * level. Both parts are needed: relative to |q| alone the reactions of a stiff support beside a
  * soft one can be wrong by percents at 1e-8; |r| alone would excuse positions where forces are
- * large.
- * Neither has a unit; they do not change under r -> b r, (u,q) -> a u, W -> a/b W, a change of the
- * order of contacts, or (d = 3) of the tangent frame.
+ * large. Neither part has a unit. Neither changes under r -> b r, (u,q) -> a u, W -> a/b W, a
+ * change of the order of contacts, or (d = 3) of the tangent frame.
  *
  * The rounding level is the residual that double precision leaves: floor_u = eps |e| / |q|,
- * floor_r = eps |D^-1 e| / |r|. With a = |W||r| + |q| by entries, e is 0 where a contact is free,
- * a where it
- * sticks, and where it slips e_n = a_n and e_t = w_t |r_t| + mu (w_t / w_n) (a_n + w_n r_n), in 3D
- * also w_t |r_t| |a_t| / |v_t|. Where |q| = 0, | |W||r| | takes its place. Where |D^-1 F| is above
- * |r|, as it is for r = 0 and F not 0, it takes the place of |r|: residual_r is at most 1. All are
- * 0 for r = 0 if F = 0.
+ * floor_r = eps |D^-1 e| / |r|. With a = |W||r| + |q| by entries, e is
+ *
+ *   free   0
+ *   stick  a
+ *   slip   e_n = a_n,  e_t = w_t |r_t| + mu (w_t / w_n) (a_n + w_n r_n)
+ *          and, d = 3, w_t |r_t| |a_t| / |v_t| more in e_t
+ *
+ * Where |q| = 0, | |W||r| | takes its place. Where |D^-1 F| is above |r|, as it is for r = 0 and F
+ * not 0, it takes the place of |r|: residual_r is at most 1. All are 0 for r = 0 if F = 0.
  *
  * The other fields are for the reader, in the user's units; each is >= 0 and a largest value over
  * contacts. cone_violation to complementarity leave out a contact whose D r is at most 4 eps of the

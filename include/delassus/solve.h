@@ -146,9 +146,8 @@ DLS_API DLS_MUST_USE dls_status dls_solve(const dls_contact *problem,
 
 /* Solves the contact problem of a reduction, with f and g as last loaded, and recovers x. The
  * answer is the pair (x, r), and "solved" is said by dls_reduction_certify alone, of the body.
- * Where the
- * solution on W does not hold on the body (soft supports, rigid-body modes that springs hold) the
- * method auto goes on with the problem on K itself (global.h), which needs no springs.
+ * Where the solution on W does not hold on the body (soft supports, rigid-body modes that springs
+ * hold) the method auto goes on with the problem on K itself (global.h), which needs no springs.
  *
  *   mu        as in dls_reduction_contact
  *   settings  NULL for the defaults
@@ -160,8 +159,7 @@ DLS_API DLS_MUST_USE dls_status dls_solve(const dls_contact *problem,
  * Statuses of dls_solver_solve and, with the best pair found: DLS_NOT_IN_EQUILIBRIUM, the forces of
  * a body do not balance (certificate.unbalanced of body certificate.body); DLS_NO_SOLUTION: also
  * where a rigid motion proves that nothing can hold a body (dls_reduction_motion). Allocates.
- * Errors of
- * dls_reduction_contact, dls_solve, dls_global_solve. */
+ * Errors of dls_reduction_contact, dls_solve, dls_global_solve. */
 DLS_API DLS_MUST_USE dls_status dls_reduction_solve(dls_reduction *reduction, const double *mu,
                                                     const dls_solver_settings *settings, double *r,
                                                     double *u, double *x, dls_info *info,

@@ -130,6 +130,13 @@ static void add_outcome(dls_info *all, const dls_info *on_K) {
   all->unique = DLS_UNIQUE_UNKNOWN;
 }
 
+/* What was said of other answers to W holds beside a certified answer alone. */
+static void forget_unproved(dls_info *info) {
+  if (info->status == DLS_OK || info->status == DLS_TO_ROUNDING) return;
+  info->unique = DLS_UNIQUE_UNKNOWN;
+  info->error = 0;
+}
+
 static dls_status body_solve(dls_reduction *reduction, const double *mu,
                              const dls_solver_settings *settings, double *r, double *u, double *x,
                              dls_info *info, dls_error *error) {
@@ -179,6 +186,7 @@ static dls_status body_solve(dls_reduction *reduction, const double *mu,
     }
   }
   outcome.status = status;
+  forget_unproved(&outcome);
   if (status >= 0 && m) memcpy(r, answer, m * sizeof *r);
   if (status >= 0) memcpy(x, unknowns, (size_t)of.K.n * sizeof *x);
   if (status >= 0 && u && m) memcpy(u, position, m * sizeof *u);
@@ -197,7 +205,9 @@ dls_status dls_reduction_judge(dls_reduction *reduction, const double *mu, const
   if (!status) status = dls_reduction_certify(reduction, mu, r, x, NULL, &certificate, error);
   if (status) return dlsi_at(__func__, status, error);
   info->certificate = certificate;
-  return info->status = judge_body(&certificate, tol, facts.condition, info->status);
+  info->status = judge_body(&certificate, tol, facts.condition, info->status);
+  forget_unproved(info);
+  return info->status;
 }
 
 dls_status dls_reduction_solve(dls_reduction *reduction, const double *mu,
