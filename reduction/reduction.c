@@ -170,8 +170,7 @@ static int reduction_schur_fails(const dls_reduction *work, dls_factorization fa
 
 /* Adds springs to K: at the unknowns of the modes, or at all unknowns where more modes than these
  * were found. spring: dlsi_most_modes, scratch. The caller calls dlsi_stable_free, also after an
- * error.
- * */
+ * error. */
 static dls_status reduction_hold(const dls_reduction *work, const dls_model *model, double *spring,
                                  dlsi_stable *stable, dls_error *error) {
   if (!work->held) return dlsi_stable_create(stable, model, &work->modes, spring, error);

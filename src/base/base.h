@@ -629,9 +629,8 @@ static inline double dlsi_certificate_target(const dls_certificate *c, double to
 }
 
 /* Returns the status of a solve that has ended with `reason` and the answer of this certificate:
- * its verdict, if it is one and the end was the method's own; else the reason, DLS_STALLED in
- * place of
- * a DLS_OK or DLS_TO_ROUNDING that does not hold. */
+ * its verdict, if it is one and the end was the method's own; else the reason, DLS_STALLED in place
+ * of a DLS_OK or DLS_TO_ROUNDING that does not hold. */
 dls_status dlsi_settled(const dls_certificate *c, double tol, dls_status reason);
 
 /* Sets the three residuals. force: |D^-1/2 F'|; r: |r|. */

@@ -16,8 +16,7 @@
  *   (BO5)  floor_e: eps (|K||x| + |f| + |H||r|) by bodies, over the scale of (BO3)
  *
  *   (BO6)  an F_c of no more than 4 eps D (|H|^T (|K||x| + |f| + |H||r|))_c is 0: where loads
- *   balance
- *          without the contacts, reactions are rounding, and so is what they lack
+ *          balance without the contacts, reactions are rounding, and so is what they lack
  *
  * The weights are local: the compliance of the whole body, on soft supports, holds the motion of
  * all of it. Cost: a product with K, O(nnz H). Fails: the weights, without memory.

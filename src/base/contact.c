@@ -2,8 +2,8 @@
  * contact.c: the contact problem u = W r + q and its certificate, the one measure for every method.
  *
  *   D_c = diag(w_n, w_t, ..),  v = D r - u,  R = mu (w_t / w_n) max(0, v_n)
- *   F_n = w_n r_n - max(0, v_n),  F_t = D r_t - P(v_t), P on the disc of radius R; D r_t where v_n
- *   <= 0
+ *   F_n = w_n r_n - max(0, v_n),  F_t = D r_t - P(v_t), P on the disc of radius R
+ *   F = D r where v_n < 0
  *
  * F = 0 if and only if every contact meets the contact and friction laws (Alart and Curnier,
  * Comput. Methods Appl. Mech. Eng. 92, 1991, 353-375, (19)). The weights measure normals and

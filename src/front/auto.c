@@ -660,9 +660,8 @@ static int is_rounded(const dlsi_auto *work, part now) {
 }
 
 /* (AT17) The best r holds to rounding. Its self-stress, a part of r that W does not feel, may be
- * what rounds: ADMM from r = 0 finds reactions with little of it. Returns the verdict of the
- * better one,
- * or an error. */
+ * what rounds: ADMM from r = 0 finds reactions with little of it. Returns the verdict of the better
+ * one, or an error. */
 static dls_status take_less_stress(dlsi_auto *work, part now, dls_error *error) {
   if (now == OTHER_SPLITTING || !may_go_another_way(work)) return verdict_of(work);
   const dls_status status = take_stage(work, OTHER_SPLITTING, 1, error);
@@ -922,8 +921,8 @@ static dls_status take_stages(dlsi_auto *work, dls_error *error) {
 
 /* (AT18) An answer of little residual may have a large error where W is nearly singular: soft
  * springs under a body. Solves to a smaller tolerance as long as that makes the predicted error
- * less. In a
- * sequence of warm solves the last answer that was looked at tells how much a residual means. */
+ * less. In a sequence of warm solves the last answer that was looked at tells how much a residual
+ * means. */
 static dls_status take_to_accuracy(dlsi_auto *work, dls_error *error) {
   const dls_contact *problem = work->problem;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;

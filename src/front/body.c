@@ -106,8 +106,8 @@ static dls_status solve_on_K(dls_reduction *reduction, const double *mu, const d
   return status;
 }
 
-/* Returns the status of a solve that ended with `status`, by the certificate of the body. x
- * carries eps times the condition of K, which the rounding levels do not hold: up to 1e-8 that is
+/* Returns the status of a solve that ended with `status`, by the certificate of the body. x carries
+ * eps times the condition of K, which the rounding levels do not hold: up to 1e-8 that is
  * allowed. */
 static dls_status judge_body(const dls_certificate *c, double asked, double condition,
                              dls_status status) {

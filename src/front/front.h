@@ -52,8 +52,7 @@ enum { dlsi_predicted_rows = 300, dlsi_predicted_of_blocks = 60 };
 
 /* Returns |r - r*| / |r| to first order, in the states that r has; 0 where nothing touches, -1
  * where the reactions are not determined. For up to dlsi_predicted_rows rows. u: W r + q. w:
- * weights of
- * the certificate. J: scratch, m x m. x: scratch, m. */
+ * weights of the certificate. J: scratch, m x m. x: scratch, m. */
 double dlsi_predict_error(const dls_contact *problem, const double *r, double *u, double *w,
                           double *J, double *x);
 
