@@ -100,16 +100,9 @@ static dls_model matrices_view(const matrices *of, dls_factorization factorizati
 
 /* Makes H by columns, the weights, and then H round. */
 static dls_status matrices_make_H(matrices *to, const dls_model *model, dls_error *error) {
-  const dlsi_columns *Ht = &to->operator.Ht;
   const int d = model->d;
   const size_t nc = (size_t)to->operator.candidates, m = (size_t)d * nc;
-  dlsi_triplets t;
-  dls_status status = dlsi_triplets_alloc(model->n, (int)m, (size_t)Ht->p[model->n], &t, error);
-  for (int j = 0; !status && j < model->n; j++)
-    for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++)
-      dlsi_triplets_add(&t, j, Ht->i[k], Ht->x[k]);
-  if (!status) status = dlsi_columns_compress(&t, 1, DLSI_ALL, &to->H, error);
-  dlsi_triplets_free(&t);
+  dls_status status = dlsi_operator_columns(&to->operator, d, DLSI_ALL, &to->H, error);
   to->w = dlsi_alloc(2 * nc, sizeof *to->w);
   to->root = dlsi_alloc(m, sizeof *to->root);
   to->part = dlsi_alloc((size_t)model->n, sizeof *to->part);

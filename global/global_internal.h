@@ -128,9 +128,6 @@ dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificat
 /* Factors A for work->rho, and counts. */
 dls_status dlsi_global_factor(dls_global *work, dls_error *error);
 
-/* r := the law's reactions for q = r - rho u. */
-void dlsi_global_resolve(const dls_global *work, const double *q, double *r);
-
 /* x := the solution of A x = f + H (2 r - q - rho g) + E x for r, q; u := H^T x + g. g NULL for
  * 0. */
 dls_status dlsi_global_step(dls_global *work, const double *r, const double *q, const double *g,

@@ -1,6 +1,6 @@
 /*
- * pair.c: what the splitting, Newton's steps and proofs share: products with H, the law's
- * reactions, one step, and the measure of a pair (x, r), which keeps the best one.
+ * pair.c: what the splitting, Newton's steps and proofs share: products with H, one step, and the
+ * measure of a pair (x, r), which keeps the best one.
  *
  * Of two pairs the better one has the smaller dlsi_body_badness: floors count, so that a pair that
  * has run away is never the best one because rounding hides its residual.
@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "global_internal.h"
-
 
 dls_status dlsi_global_factor(dls_global *work, dls_error *error) {
   work->factorisations++;
@@ -30,19 +29,6 @@ void dlsi_global_push(const dls_global *work, const double *r, double *v) {
   for (int k = 0; k < work->m; k++)
     for (int e = H->p[k]; r[k] != 0 && e < H->p[k + 1]; e++)
       v[H->i[e]] += H->x[e] * r[k];
-}
-
-void dlsi_global_resolve(const dls_global *work, const double *q, double *r) {
-  const size_t d = (size_t)work->d;
-  for (int c = 0; c < work->nc; c++) {
-    const double *qc = q + d * (size_t)c;
-    double *rc = r + d * (size_t)c;
-    rc[0] = qc[0] > 0 ? qc[0] : 0;
-    const double R = dlsi_friction_bound(work->bend[c], rc[0]);
-    const double size = dlsi_tangent_norm(work->d, qc);
-    for (size_t i = 1; i < d; i++)
-      rc[i] = size > R ? R * (qc[i] / size) : qc[i];
-  }
 }
 
 dls_status dlsi_global_step(dls_global *work, const double *r, const double *q, const double *g,

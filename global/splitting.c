@@ -109,7 +109,7 @@ static dls_status split_adapt(dls_global *work, int k, double gap, double change
   const double rho = split_next_rho(work, k, gap, change, s), f = rho / work->rho;
   if (rho != work->rho || !s->moves) dlsi_anderson_clear(&work->history);
   if (rho == work->rho) return DLS_OK;
-  dlsi_global_resolve(work, work->q, work->r);
+  dlsi_put_on_discs(work->d, work->nc, work->bend, work->q, work->r);
   for (int i = 0; i < work->m; i++) {
     work->q[i] = work->r[i] + f * (work->q[i] - work->r[i]);
     work->z[i] *= f;
@@ -180,7 +180,7 @@ static dls_status split_verdict(const dls_global *work, dls_status status) {
 static dls_status split_look(dls_global *work, int k, int most, const double *p, schedule *s,
                              int *end, dls_error *error) {
   dls_certificate now;
-  dlsi_global_resolve(work, p, work->before);
+  dlsi_put_on_discs(work->d, work->nc, work->bend, p, work->before);
   dls_status status = dlsi_global_measure(work, work->before, &now);
   *end = 1;
   if (status != DLS_STALLED) return status;
@@ -242,7 +242,7 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
   memset(work->z, 0, (size_t)m * sizeof *work->z);
   for (int k = 1; !status && k <= most; k++) {
     work->iterations = k;
-    dlsi_global_resolve(work, work->q, work->r); /* (GL1) */
+    dlsi_put_on_discs(work->d, work->nc, work->bend, work->q, work->r); /* (GL1) */
     for (int i = 0; i < m; i++)
       work->before[i] = work->r[i] - work->q[i];
     const double change = distance(m, work->before, work->z, work->look);

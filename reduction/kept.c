@@ -35,15 +35,8 @@ static dls_status kept_sparse(dlsi_kept *kept, const dls_model *model, dls_error
 
 /* Sets the weights from K and H by columns. */
 static dls_status kept_weights(dlsi_kept *kept, const dlsi_operator *H, dls_error *error) {
-  const int n = kept->body.n;
-  dlsi_triplets t;
-  dlsi_columns columns = {0};
-  dls_status status = dlsi_triplets_alloc(n, H->d * H->candidates, (size_t)H->Ht.p[n], &t, error);
-  for (int j = 0; !status && j < n; j++)
-    for (int k = H->Ht.p[j]; k < H->Ht.p[j + 1]; k++)
-      dlsi_triplets_add(&t, j, H->Ht.i[k], H->Ht.x[k]);
-  if (!status) status = dlsi_columns_compress(&t, 1, DLSI_ALL, &columns, error);
-  dlsi_triplets_free(&t);
+  dlsi_columns columns;
+  dls_status status = dlsi_operator_columns(H, H->d, DLSI_ALL, &columns, error);
   const dls_sparse view = dlsi_columns_view(&columns);
   if (!status) status = dlsi_body_weights(&kept->model, &view, H->d, kept->w, error);
   dlsi_columns_free(&columns);

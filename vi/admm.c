@@ -237,20 +237,6 @@ static dls_status admm_factor(dls_admm *work, const dls_contact *problem, double
 
 /* ---- the iteration --------------------------------------------------------------------------- */
 
-/* (AD1) */
-static void admm_resolvent(const dls_contact *problem, const double *v, double *z) {
-  const size_t d = (size_t)problem->d;
-  for (int c = 0; c < problem->nc; c++) {
-    const double *vc = v + d * (size_t)c;
-    double *zc = z + d * (size_t)c;
-    zc[0] = vc[0] > 0 ? vc[0] : 0;
-    const double R = dlsi_friction_bound(problem->mu[c], zc[0]);
-    const double size = dlsi_tangent_norm(problem->d, vc);
-    for (size_t i = 1; i < d; i++)
-      zc[i] = size > R ? R * (vc[i] / size) : vc[i];
-  }
-}
-
 /* (AD2), (AD3) */
 static dls_status admm_solve_linear(dls_admm *work, const dls_contact *problem, double rho,
                                     dls_error *error) {
@@ -398,8 +384,8 @@ static dls_status admm_iterate(dls_admm *work, const dls_contact *problem, dls_i
   dlsi_anderson_clear(&work->history);
   for (int k = 1; !status && k <= most; k++) {
     memcpy(work->before, work->z, m * sizeof *work->z);
-    admm_resolvent(problem, work->v, work->z);               /* (AD1) */
-    status = admm_solve_linear(work, problem, s.rho, error); /* (AD2), (AD3) */
+    dlsi_put_on_discs(problem->d, problem->nc, problem->mu, work->v, work->z); /* (AD1) */
+    status = admm_solve_linear(work, problem, s.rho, error);                   /* (AD2), (AD3) */
     if (status) break;
     outcome->iterations = k;
     admm_estimate(work, problem, &now);

@@ -575,6 +575,10 @@ static inline dls_contact_state dlsi_project_cone(int d, double mu, const double
   return DLS_SLIP;
 }
 
+/* Computes the reactions r (d nc) that the law gives for v (d nc): r_n = max(v_n, 0), r_t = v_t put
+ * on the disc |.| <= mu r_n. The projection on C_mu changes r_n, too. */
+void dlsi_put_on_discs(int d, int nc, const double *mu, const double *v, double *r);
+
 /* Computes F_c of the certificate, a position, for one contact of the weights w_n = w[0] and w_t =
  * w[1]; returns the branch. With v = D r - u and the radius R = mu (w_t / w_n) v_n
  *

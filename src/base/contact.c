@@ -7,9 +7,8 @@
  *
  * F = 0 if and only if every contact meets the contact and friction laws (Alart and Curnier,
  * Comput. Methods Appl. Mech. Eng. 92, 1991, 353-375, (19)). The weights measure normals and
- * tangents by
- * compliances of their own; in r' = D^1/2 r, u' = D^-1/2 u the friction is mu (w_t / w_n)^1/2 and
- * the disc as round as before.
+ * tangents by compliances of their own; in r' = D^1/2 r, u' = D^-1/2 u the friction is
+ * mu (w_t / w_n)^1/2 and the disc as round as before.
  */
 #include <float.h>
 #include <math.h>
@@ -223,6 +222,17 @@ dls_status dls_contact_set_block(int d, int nc, dls_component row, dls_component
           w[d * a + i] = in[a * R.count + i];
     }
   return DLS_OK;
+}
+
+void dlsi_put_on_discs(int d, int nc, const double *mu, const double *v, double *r) {
+  for (int c = 0; c < nc; c++) {
+    const double *vc = v + d * c;
+    double *rc = r + d * c;
+    rc[0] = vc[0] > 0 ? vc[0] : 0;
+    const double R = dlsi_friction_bound(mu[c], rc[0]), size = dlsi_tangent_norm(d, vc);
+    for (int i = 1; i < d; i++)
+      rc[i] = size > R ? R * (vc[i] / size) : vc[i];
+  }
 }
 
 /* ---- the certificate ------------------------------------------------------------------------- */

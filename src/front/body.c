@@ -32,23 +32,6 @@ static void companion_destroy(void *of) {
   free(it);
 }
 
-/* Copies the rows of H^T from `first` on, `count` of each contact, as columns. The caller frees
- * *out. */
-static dls_status companion_columns(const dlsi_operator *H, int n, int first, int count,
-                                    dlsi_columns *out, dls_error *error) {
-  dlsi_triplets t;
-  const int columns = count * H->candidates;
-  dls_status status = dlsi_triplets_alloc(n, columns, (size_t)H->Ht.p[n], &t, error);
-  for (int j = 0; !status && j < n; j++)
-    for (int k = H->Ht.p[j]; k < H->Ht.p[j + 1]; k++) {
-      const int c = H->Ht.i[k] / H->d, i = H->Ht.i[k] % H->d - first;
-      if (i >= 0 && i < count) dlsi_triplets_add(&t, j, count * c + i, H->Ht.x[k]);
-    }
-  if (!status) status = dlsi_columns_compress(&t, 1, DLSI_ALL, out, error);
-  dlsi_triplets_free(&t);
-  return status;
-}
-
 /* *out := the problem on K, which the reduction owns. */
 static dls_status companion_of(dls_reduction *reduction, companion **out, dls_error *error) {
   const dlsi_reduced of = dlsi_reduction_body(reduction);
@@ -58,8 +41,8 @@ static dls_status companion_of(dls_reduction *reduction, companion **out, dls_er
   const int d = of.H->d > 1 ? of.H->d : 2;
   companion *made = calloc(1, sizeof *made);
   dls_status status = made ? DLS_OK : dlsi_no_memory(error);
-  if (!status) status = companion_columns(of.H, of.K.n, 0, 1, &HN, error);
-  if (!status) status = companion_columns(of.H, of.K.n, 1, d - 1, &HT, error);
+  if (!status) status = dlsi_operator_columns(of.H, d, DLSI_NORMALS, &HN, error);
+  if (!status) status = dlsi_operator_columns(of.H, d, DLSI_TANGENTS, &HT, error);
   dls_model model = of.K;
   model.d = d;
   model.nodes = of.H->candidates;

@@ -89,6 +89,21 @@ dls_status dlsi_operator_create(dlsi_operator *H, const dls_model *model, int fr
   return DLS_OK;
 }
 
+dls_status dlsi_operator_columns(const dlsi_operator *H, int d, dlsi_part which, dlsi_columns *out,
+                                 dls_error *error) {
+  const dlsi_columns *Ht = &H->Ht;
+  const int n = Ht->cols;
+  dlsi_triplets t;
+  *out = (dlsi_columns){0};
+  dls_status status = dlsi_triplets_alloc(n, d * H->candidates, (size_t)Ht->p[n], &t, error);
+  for (int j = 0; !status && j < n; j++)
+    for (int e = Ht->p[j]; e < Ht->p[j + 1]; e++)
+      dlsi_triplets_add(&t, j, d * (Ht->i[e] / H->d) + Ht->i[e] % H->d, Ht->x[e]);
+  if (!status) status = dlsi_columns_compress(&t, d, which, out, error);
+  dlsi_triplets_free(&t);
+  return status;
+}
+
 void dlsi_operator_free(dlsi_operator *H) {
   dlsi_columns_free(&H->P);
   dlsi_columns_free(&H->Ht);

@@ -23,6 +23,11 @@ dls_status dlsi_operator_create(dlsi_operator *H, const dls_model *model, int fr
                                 dls_error *error);
 void dlsi_operator_free(dlsi_operator *H);
 
+/* *out := a part of H by columns, n x m, with d >= H->d columns a candidate; those that H does not
+ * have are empty. DLS_E_MEMORY; free *out then, too. */
+dls_status dlsi_operator_columns(const dlsi_operator *H, int d, dlsi_part which, dlsi_columns *out,
+                                 dls_error *error);
+
 /* Returns 0 if the tangents of candidate c are left out. */
 static inline int dlsi_has_tangents(const dlsi_operator *H, int c) {
   return !H->mu || H->mu[c] > 0;

@@ -57,6 +57,17 @@ START_TEST(active_candidates) {
                  (double[]){0.25, 0.5, -2, 2, 2, 4});
   const int keep[] = {0, 1, 3, 4, 5};
   ck_assert_mem_eq(H.keep, keep, sizeof keep);
+  dlsi_columns part;
+  ck_assert_int_eq(dlsi_operator_columns(&H, 2, DLSI_ALL, &part, NULL), DLS_OK);
+  expect_columns(&part, 7, 4, (int[]){0, 2, 4, 6, 6}, (int[]){1, 3, 0, 5, 1, 4},
+                 (double[]){0.5, 2, 0.25, 4, -2, 2});
+  dlsi_columns_free(&part);
+  ck_assert_int_eq(dlsi_operator_columns(&H, 2, DLSI_NORMALS, &part, NULL), DLS_OK);
+  expect_columns(&part, 7, 2, (int[]){0, 2, 4}, (int[]){1, 3, 1, 4}, (double[]){0.5, 2, -2, 2});
+  dlsi_columns_free(&part);
+  ck_assert_int_eq(dlsi_operator_columns(&H, 3, DLSI_TANGENTS, &part, NULL), DLS_OK);
+  expect_columns(&part, 7, 4, (int[]){0, 2, 2, 2, 2}, (int[]){0, 5}, (double[]){0.25, 4});
+  dlsi_columns_free(&part);
   dlsi_operator_free(&H);
   ck_assert(!H.keep && !H.mu && H.candidates == 0);
   dlsi_operator_free(&H);
