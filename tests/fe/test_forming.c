@@ -501,7 +501,7 @@ START_TEST(vtu) {
   ck_assert_int_eq(setrlimit(RLIMIT_FSIZE, &before), 0);
   (void)signal(SIGXFSZ, handler);
   ck_assert_int_eq(status, DLS_E_FILE);
-  ck_assert_int_eq(unlink(path), 0); /* the file of before is still there */
+  ck_assert_int_eq(unlink(path), 0);    /* the file of before is still there */
   if (access("/dev/full", W_OK) == 0) { /* only files are removed: here a link to a device */
     ck_assert_int_eq(symlink("/dev/full", path), 0);
     ck_assert_int_eq(dls_forming_write_vtu(f, path, &error), DLS_E_FILE);
