@@ -64,9 +64,10 @@ static dls_status companion_of(dls_reduction *reduction, companion **out, dls_er
   return DLS_OK;
 }
 
-/* (BY3) from (x, r). Returns a status of dls_global_solve. */
+/* (BY3) from (x, r), in what is left of the time since `begun`. Returns a status of
+ * dls_global_solve. */
 static dls_status solve_on_K(dls_reduction *reduction, const double *mu, const dls_limits *limits,
-                             double *r, double *x, dls_info *info, dls_error *error) {
+                             double begun, double *r, double *x, dls_info *info, dls_error *error) {
   companion *it;
   dls_status status = companion_of(reduction, &it, error);
   if (status) return status;
@@ -82,6 +83,7 @@ static dls_status solve_on_K(dls_reduction *reduction, const double *mu, const d
   }
   dls_limits there = *limits;
   there.warm_start = 1;
+  if (limits->cpu_seconds > 0) there.cpu_seconds = dlsi_clock_left(limits, begun);
   status = dls_global_solve(it->global, of.f, gap, mu, &there, all, x, info, error);
   for (size_t k = 0; status >= 0 && k < rows * nc; k++)
     r[k] = all[d * (k / rows) + k % rows];
@@ -127,7 +129,7 @@ static dls_status body_solve(dls_reduction *reduction, const double *mu,
   dls_solver_settings s;
   dls_solver_settings_init(&s);
   if (settings) s = *settings;
-  const double tol = s.limits.tol;
+  const double tol = s.limits.tol, begun = dlsi_clock_start(&s.limits);
   dls_contact problem;
   dls_reduction_info facts;
   dls_info outcome = {.method = s.method}, on_K = {.status = DLS_OK};
@@ -160,7 +162,7 @@ static dls_status body_solve(dls_reduction *reduction, const double *mu,
                        status == DLS_MAX_ITERATIONS || status == DLS_NO_SOLUTION_LIKELY) &&
                       s.method == DLS_AUTO && of.has_K && m > 0 && !s.limits.max_iterations;
   if (goes_on) {
-    status = solve_on_K(reduction, problem.mu, &s.limits, answer, unknowns, &on_K, error);
+    status = solve_on_K(reduction, problem.mu, &s.limits, begun, answer, unknowns, &on_K, error);
     if (status >= 0) {
       add_outcome(&outcome, &on_K);
       const dls_status measured = dls_reduction_certify(reduction, problem.mu, answer, unknowns,

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "delassus.h"
 #include "malloc_fails.h"
@@ -114,6 +115,50 @@ START_TEST(springs_are_no_support) {
     ck_assert(c->unbalanced > 0.01 && c->equilibrium > 1e-4 && c->residual >= c->equilibrium);
   }
   dls_reduction_destroy(reduction);
+}
+END_TEST
+
+/* Spends 0.15 s in each of the two solves. data: int[2], which of them have been told of. */
+static int spend(void *data, const dls_progress *progress) {
+  int *told = data, on_K = strcmp(progress->method, "global") == 0;
+  const clock_t begun = clock();
+  while (!told[on_K] && (double)(clock() - begun) < 0.15 * CLOCKS_PER_SEC)
+    continue;
+  told[on_K] = 1;
+  return 0;
+}
+
+/* The limit of time is one for the solve on W and the one on K that follows: three blocks pushed
+ * beyond friction, which springs hold too softly for W. */
+START_TEST(time_is_kept_over_both_solves) {
+  static const double seconds[2] = {100, 0.25};
+  solids S;
+  solids_stack(&S, 2, 3, 2, 1.05);
+  for (int i = 0; i < 2 * S.nodes; i++)
+    solids_spring(&S, i / 2, i % 2, 1e-11);
+  const dls_model *model = solids_model(&S);
+  double *r = calloc(2 * (size_t)S.contacts, sizeof *r), *x = calloc((size_t)model->n, sizeof *x);
+  double *mu = calloc((size_t)S.contacts, sizeof *mu);
+  ck_assert(r && x && mu);
+  for (int c = 0; c < S.contacts; c++)
+    mu[c] = 0.3;
+  dls_reduction *reduction = reduced(model, S.f, S.g);
+  for (int k = 0; k < 2; k++) {
+    int told[2] = {0, 0};
+    dls_solver_settings settings;
+    dls_solver_settings_init(&settings);
+    settings.limits.progress = spend;
+    settings.limits.progress_data = told;
+    settings.limits.cpu_seconds = seconds[k];
+    const dls_status status = dls_reduction_solve(reduction, mu, &settings, r, NULL, x, NULL, NULL);
+    ck_assert_int_eq(status == DLS_TIME_LIMIT, k);
+    ck_assert(told[0] && told[1]);
+  }
+  dls_reduction_destroy(reduction);
+  free(r);
+  free(x);
+  free(mu);
+  solids_free(&S);
 }
 END_TEST
 
@@ -255,6 +300,7 @@ END_TEST
 
 int main(void) {
   return RUN("body", NULL, NULL, ONCE(bar_that_contact_holds), ONCE(bar_that_nothing_holds),
-             ONCE(springs_are_no_support), ONCE(certificate_of_the_body), ONCE(without_K),
-             ONCE(stacks_of_free_blocks), ONCE(bad_input), ONCE(failing_mallocs));
+             ONCE(springs_are_no_support), ONCE(time_is_kept_over_both_solves),
+             ONCE(certificate_of_the_body), ONCE(without_K), ONCE(stacks_of_free_blocks),
+             ONCE(bad_input), ONCE(failing_mallocs));
 }
