@@ -213,14 +213,10 @@ static int is_true(const active *s) {
   const int d = s->p->d;
   real FF = 0, aa = 0, forces = 0, bb = 0;
   for (int c = 0; c < s->p->nc; c++) {
-    const real *w = s->w + 2 * c, *r = s->r + d * c, *a = s->a + d * c;
-    const real mu = isinf(s->p->mu[c]) ? 0 : s->p->mu[c];
+    const real *w = s->w + 2 * c, *r = s->r + d * c, *u = s->u + d * c;
     real F[3] = {0}, e[3] = {0};
-    const int touches = measure_branch(s->p, c, s->w, r, s->u + d * c, F);
-    for (int k = 0; touches && k < d; k++) {
-      e[k] += a[k] + w[k > 0] * fabsl(r[k]);
-      if (k) e[0] += mu * (a[k] + w[1] * fabsl(r[k]));
-    }
+    const int branch = measure_branch(s->p, c, s->w, r, u, F);
+    measure_rounding(s->p, c, branch, s->w, r, u, s->a + d * c, e);
     for (int k = 0; k < d; k++) {
       FF += F[k] * F[k];
       forces += F[k] / w[k > 0] * (F[k] / w[k > 0]);

@@ -74,11 +74,11 @@ int measure_branch(const problem *p, int c, const long double *weights, const lo
   return branch;
 }
 
-/* e (d) := what rounds in F of candidate c in this branch; a = |W||r| + |q|. */
-static void measure_rounding(const problem *p, int c, int branch, const long double *w,
-                             const long double *r, const long double *u, const long double *a,
-                             long double *e) {
+void measure_rounding(const problem *p, int c, int branch, const long double *weights,
+                      const long double *r, const long double *u, const long double *a,
+                      long double *e) {
   const int d = p->d;
+  const long double *w = weights + 2 * c;
   long double push[3] = {0}, v[3] = {0};
   for (int k = 0; k < d; k++) {
     push[k] = w[k > 0] * fabsl(r[k]);
@@ -125,7 +125,7 @@ void measure_answer(const problem *p, const double *r, measure *out) {
       all[k] = a[o + k] + fabsl((long double)p->q[o + k]);
     }
     const int branch = measure_branch(p, c, w, rc, u + o, F);
-    measure_rounding(p, c, branch, w + 2 * c, rc, u + o, all, e);
+    measure_rounding(p, c, branch, w, rc, u + o, all, e);
     for (int k = 0; k < d; k++) {
       const long double own = w[2 * c + (k > 0)];
       s.F += F[k] * F[k];

@@ -86,9 +86,14 @@ typedef struct measure {
 void measure_weights(const problem *p, long double *weights);
 
 /* Returns the branch of the projection in F of candidate c: 0 free, 1 stick, 2 slip; u: of it, d.
- * F (d), if not NULL: D^1/2 F'. */
+ * F (d), if not NULL: F. */
 int measure_branch(const problem *p, int c, const long double *weights, const long double *r,
                    const long double *u, long double *F);
+
+/* e (d) := what rounds in F of candidate c in this branch; u, r of it, a = |W||r| + |q|. */
+void measure_rounding(const problem *p, int c, int branch, const long double *weights,
+                      const long double *r, const long double *u, const long double *a,
+                      long double *e);
 
 void measure_answer(const problem *p, const double *r, measure *out);
 

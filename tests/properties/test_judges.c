@@ -129,6 +129,36 @@ START_TEST(another_answer_is_true_too) {
 }
 END_TEST
 
+/* Tangents 1e9 times softer than normals: what rounds in u_n rounds 1e9 times in the friction. */
+START_TEST(another_answer_with_soft_tangents) {
+  problem p = {0};
+  truth t;
+  measure is;
+  static const double W[16] = {2.98,   -33900, -0.448, -6290,  -33900, 4.37e9, 59200,  0,
+                               -0.448, 59200,  8.97,   -49300, -6290,  0,      -49300, 4.37e9};
+  static const double q[4] = {-10991.275459999999, 1417199238.6999998, 19227.67746,
+                              -2656334.6999999997};
+  static const double r[4] = {0.47, -0.3243, 0.13, 0.00061};
+  problem_resize(&p, 2, 2);
+  memcpy(p.W, W, sizeof W);
+  p.kind = SOLVABLE;
+  p.mu[0] = 0.69, p.mu[1] = 0.9;
+  for (int run = 1; run <= 20; run++) { /* loads, so that other digits round */
+    for (int i = 0; i < 4; i++) {
+      p.q[i] = run / 3. * q[i];
+      p.r[i] = run / 3. * r[i];
+    }
+    /* contact 1 open; contact 0 slips: (2.98 + 0.69 33900) r_n = -q_n */
+    const double n = -p.q[0] / (2.98 + 0.69 * 33900), other[4] = {n, -0.69 * n, 0, 0};
+    measure_answer(&p, other, &is);
+    ck_assert(measure_holds(&is, 1e-12, 1, 1e-8, 1));
+    judge_truth(&p, other, 1e-8, 1, &t);
+    ck_assert_int_eq(t.verdict, TRUTH_OTHER);
+  }
+  free(p.W);
+}
+END_TEST
+
 START_TEST(sums_are_rounded_once) {
   exact sum;
   exact_clear(&sum);
@@ -248,6 +278,6 @@ int main(void) {
   return RUN("judges", NULL, NULL, ONCE(an_open_candidate_hides_no_wrong_answer),
              ONCE(weights_of_normal_and_tangent), ONCE(infinite_friction),
              ONCE(an_answer_that_is_not_determined_is_no_error), ONCE(another_answer_is_true_too),
-             ONCE(sums_are_rounded_once), ONCE(stacks_and_their_statics),
-             ONCE(what_cannot_stand_is_not_solved));
+             ONCE(another_answer_with_soft_tangents), ONCE(sums_are_rounded_once),
+             ONCE(stacks_and_their_statics), ONCE(what_cannot_stand_is_not_solved));
 }
