@@ -139,6 +139,8 @@ typedef enum dls_contact_state { DLS_FREE = 0, DLS_SLIP = 1, DLS_STICK = 2 } dls
  *   stick  a
  *   slip   e_n = a_n,  e_t = w_t |r_t| + mu (w_t / w_n) (a_n + w_n r_n)
  *          and, d = 3, w_t |r_t| |a_t| / |v_t| more in e_t
+ *   stick that 4 eps (a_n + w_n r_n) in u_n would turn into slip: a, and in e_t
+ *          mu (w_t / w_n) (a_n + w_n r_n) more
  *
  * Where |q| = 0, | |W||r| | takes its place. Where |D^-1 F| is above |r|, as it is for r = 0 and F
  * not 0, it takes the place of |r|: residual_r is at most 1. All are 0 for r = 0 if F = 0.

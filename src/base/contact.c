@@ -329,7 +329,9 @@ enum { of_F, of_force, of_rounded, of_rounded_force, of_r, of_q, of_a };
  *   slip   F_n = u_n                                  a_n
  *          F_t = D r_t - mu k v_n v_t / |v_t|         w_t |r_t| + mu k (a_n + w_n r_n), and in 3D
  *                                                     w_t |r_t| |a_t| / |v_t| for the direction
- *   free   F = D r is as good as exact                0 */
+ *   free   F = D r is as good as exact                0
+ *
+ * What sticks, and would slip with another rounding of v_n, has mu k (a_n + w_n r_n) more. */
 static inline void magnitudes(int d, const dlsi_laws *of, int k, dls_contact_state state,
                               double *size) {
   const size_t o = (size_t)d * (size_t)k;
@@ -340,10 +342,16 @@ static inline void magnitudes(int d, const dlsi_laws *of, int k, dls_contact_sta
     Dr[i] = w[i > 0] * fabs(r[i]);
     v[i] = w[i > 0] * r[i] - u[i];
   }
-  if (d == 1 || state != DLS_SLIP) return;
+  if (d == 1 || state == DLS_FREE || dlsi_is_bonded(mu)) return;
+  const double per_n = mu * (w[1] / w[0]), radius = per_n * (size[0] + Dr[0]);
+  const double t = dlsi_tangent_norm(d, v);
+  if (state == DLS_STICK) {
+    for (int i = 1; t > per_n * v[0] - 4 * DBL_EPSILON * radius && i < d; i++)
+      size[i] += radius;
+    return;
+  }
   const double at = dlsi_tangent_norm(d, size), push = dlsi_tangent_norm(d, Dr);
-  const double radius = mu * (w[1] / w[0]) * (size[0] + Dr[0]);
-  const double turn = d == 3 && at > 0 ? push * (at / dlsi_tangent_norm(d, v)) : 0;
+  const double turn = d == 3 && at > 0 ? push * (at / t) : 0;
   for (int i = 1; i < d; i++)
     size[i] = Dr[i] + radius + turn;
 }

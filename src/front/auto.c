@@ -38,7 +38,9 @@
  *                     a hundred times too large: others are about as large
  *   (AT11) copy       up to 300 rows, what (AT1)-(AT3) leave is solved from r = 0 on a copy in an
  *                     order and in units that follow from the data (renumber.c), so that luck does
- *                     not depend on the numbers of the candidates
+ *                     not depend on the numbers of the candidates. Frictions above 1e4, infinite
+ *                     ones among them, are 1e4 there at first, which pivots and paths can take: an
+ *                     answer in which nothing slips there is one of the problem
  *
  * One cost, in sweeps, decides when sweeps give way. With e the residual and e* the one that is
  * asked for, both looked at every 5 sweeps,
@@ -127,8 +129,9 @@ enum { other_unknowns = 3000 };      /* beyond, another way takes too long, and 
 enum { other_iterations = 2000 };    /* of sweeps and splitting by another way */
 enum { settle_iterations = 20000 };  /* up to path_unknowns: a second or two */
 static const double near_most = 100; /* (AT9), (AT10): of residual or floor, over the one asked */
-enum { sure_starts = 2 };   /* (AT9): candidates, d = 3, whose states scattered starts cover */
-enum { copy_failures = 3 }; /* so much is Newton's method believed on a copy */
+enum { sure_starts = 2 }; /* (AT9): candidates, d = 3, whose states scattered starts cover */
+static const double most_firm = 1e4;
+enum { copy_failures = 3 };                 /* so much is Newton's method believed on a copy */
 static const double unsorted = 0.05;        /* e: with more, few states are those of the answer */
 static const double unsettled = 0.01;       /* e: ... and with less, most are */
 static const double progress = 0.9;         /* of e, below which a step has brought it down */
@@ -198,6 +201,7 @@ typedef struct dlsi_auto {
   int touches;        /* (AT16): candidates of the problem of the others; 0: the whole is solved */
   int whole;          /* candidates of the caller's problem */
   int bonded;         /* a candidate has infinite friction: no pivoting, path or verdict */
+  int firm;           /* (AT11): copies have frictions up to most_firm, and decide nothing */
   int excluded;       /* (AT10): no r can be certified */
   dls_info info;      /* its certificate is that of best */
   dls_status stopped; /* by the caller's callback or time limit; DLS_OK: by neither */
@@ -443,8 +447,17 @@ static int is_large(const dlsi_auto *work) {
   return is_packing(work) && work->problem->nc > push_candidates;
 }
 
+static int may_copy(const dlsi_auto *work) {
+  return work->problem->d * work->problem->nc <= path_unknowns;
+}
+
+/* Returns 1 if an infinite friction keeps pivots and paths away. */
+static int is_bonded(const dlsi_auto *work) {
+  return work->bonded && !work->firm;
+}
+
 static int may_pivot(const dlsi_auto *work) {
-  if (work->bonded) return 0;
+  if (is_bonded(work)) return 0;
   return work->nc <= (work->d <= 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D);
 }
 
@@ -454,7 +467,7 @@ static int may_pivot_early(const dlsi_auto *work) {
 }
 
 static int may_follow_path(const dlsi_auto *work) {
-  return !work->bonded && work->problem->d * work->problem->nc <= path_unknowns;
+  return !is_bonded(work) && may_copy(work);
 }
 
 static int may_go_another_way(const dlsi_auto *work) {
@@ -632,7 +645,7 @@ static dls_status judge(dlsi_auto *work, dls_error *error) {
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const int sure = work->excluded, few = problem->d == 2 && problem->nc <= dlsi_most_states;
   double *J = work->room.J;
-  if (work->bonded) return DLS_STALLED;
+  if (work->bonded || work->firm) return DLS_STALLED;
   work->room.owner = work;
   if (few && !sure) {
     const int found = dlsi_contact_find_states(problem, &work->options.limits, work->begun, work->r,
@@ -692,7 +705,7 @@ static dls_certificate enter_copy(dlsi_auto *work) {
   const dls_certificate kept = work->info.certificate;
   memcpy(work->kept, work->best, m * sizeof *work->kept);
   memset(work->best, 0, m * sizeof *work->best);
-  dlsi_renumber_set(&work->copy, problem);
+  dlsi_renumber_set(&work->copy, problem, work->firm ? most_firm : INFINITY);
   work->problem = &work->copy.problem;
   work->info.certificate = dlsi_no_certificate;
   return kept;
@@ -771,6 +784,7 @@ static dls_status take_some(dlsi_auto *work, int first, int end, dls_error *erro
     if (status == DLS_TIME_LIMIT) return status;
     if (work->limited) return DLS_MAX_ITERATIONS;
     const int excluded = now == PIVOTING && dlsi_contact_lemke_excludes(work->part[now]);
+    if (work->firm && (status == DLS_NO_SOLUTION || excluded)) continue; /* of the copy alone */
     if (early && (status == DLS_NO_SOLUTION || excluded))
       return DLS_STALLED; /* (AT11) finds it again, for any order of the candidates */
     if (status == DLS_NO_SOLUTION) return status;
@@ -914,9 +928,14 @@ static dls_status take_stages(dlsi_auto *work, dls_error *error) {
   if (status != DLS_STALLED) return status;
   status = take_some(work, 0, quick_count, error);
   if (status != DLS_STALLED || work->rounded) return status;
-  if (may_follow_path(work)) return take_copy(work, error);
-  status = take_some(work, quick_count, stage_count, error);
-  return status == DLS_STALLED ? judge(work, error) : status;
+  if (!may_copy(work)) {
+    status = take_some(work, quick_count, stage_count, error);
+    return status == DLS_STALLED ? judge(work, error) : status;
+  }
+  status = take_copy(work, error);
+  if (status != DLS_STALLED || !work->firm) return status;
+  work->firm = 0;
+  return take_copy(work, error);
 }
 
 /* (AT18) An answer of little residual may have a large error where W is nearly singular: soft
@@ -1042,6 +1061,7 @@ static dls_status begin_solve(dlsi_auto *work, const dls_contact *problem, dls_e
   if (status) return status;
   problem = work->problem;
   work->bonded = dlsi_first_bonded(problem) >= 0;
+  work->firm = may_copy(work) && dlsi_max_abs(problem->mu, (size_t)problem->nc) > most_firm;
   work->info = (dls_info){.method = DLS_AUTO, .certificate = dlsi_no_certificate};
   work->stopped = DLS_OK;
   work->limited = work->failures = work->has_split = work->costly = work->rounded = 0;

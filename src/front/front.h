@@ -68,7 +68,9 @@ typedef struct dlsi_renumber {
 } dlsi_renumber;
 
 void dlsi_renumber_carve(dlsi_renumber *copy, dlsi_arena *arena, int d, int nc);
-void dlsi_renumber_set(dlsi_renumber *copy, const dls_contact *problem);
+
+/* most_mu: larger frictions become this one. */
+void dlsi_renumber_set(dlsi_renumber *copy, const dls_contact *problem, double most_mu);
 
 /* back := x, `entries` numbers per candidate, in the order of the problem, times 2^power. */
 void dlsi_renumber_back(const dlsi_renumber *copy, int entries, int power, const double *x,

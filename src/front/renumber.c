@@ -113,7 +113,7 @@ static int unit_of(double largest) {
 }
 
 /* Fills W, q, mu from the problem, candidate c := from[c], over powers of two. */
-static void renumber_fill(dlsi_renumber *copy, const dls_contact *problem) {
+static void renumber_fill(dlsi_renumber *copy, const dls_contact *problem, double most_mu) {
   const int d = problem->d, nc = problem->nc, m = d * nc;
   int *place = copy->from + 2 * nc;
   for (int c = 0; c < nc; c++)
@@ -128,7 +128,7 @@ static void renumber_fill(dlsi_renumber *copy, const dls_contact *problem) {
         for (int i = 0; i < d; i++)
           to[i + j * m] += ldexp(block[(size_t)i + (size_t)j * W.ld], -copy->power_W);
     }
-    copy->mu[c] = problem->mu[copy->from[c]];
+    copy->mu[c] = fmin(problem->mu[copy->from[c]], most_mu);
     for (int i = 0; problem->weights && i < 2; i++)
       copy->weights[2 * c + i] = ldexp(problem->weights[2 * copy->from[c] + i], -copy->power_W);
     for (int i = 0; i < d; i++)
@@ -148,7 +148,7 @@ static double largest_of_W(const dls_contact *problem) {
   return largest;
 }
 
-void dlsi_renumber_set(dlsi_renumber *copy, const dls_contact *problem) {
+void dlsi_renumber_set(dlsi_renumber *copy, const dls_contact *problem, double most_mu) {
   const int nc = problem->nc, m = problem->d * nc;
   int *given = copy->from, *order = copy->from + nc, *scratch = copy->from + 2 * nc;
   copy->power_W = unit_of(largest_of_W(problem));
@@ -161,15 +161,15 @@ void dlsi_renumber_set(dlsi_renumber *copy, const dls_contact *problem) {
                                 .weights = problem->weights ? copy->weights : NULL};
   for (int c = 0; c < nc; c++)
     given[c] = order[c] = c;
-  renumber_fill(copy, problem);
+  renumber_fill(copy, problem, most_mu);
   code_order(&copy->problem, copy->code, order);
   memcpy(given, order, (size_t)nc * sizeof *given);
-  renumber_fill(copy, problem);
+  renumber_fill(copy, problem, most_mu);
   dlsi_order_candidates(&copy->problem, copy->key, scratch, order);
   for (int c = 0; c < nc; c++)
     scratch[c] = given[order[c]];
   memcpy(given, scratch, (size_t)nc * sizeof *given);
-  renumber_fill(copy, problem);
+  renumber_fill(copy, problem, most_mu);
 }
 
 void dlsi_renumber_back(const dlsi_renumber *copy, int entries, int power, const double *x,

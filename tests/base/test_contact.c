@@ -521,6 +521,25 @@ START_TEST(penetration_beside_a_large_friction) {
 }
 END_TEST
 
+/* What sticks at the border of slip has the rounding of slip: u_n = r_n - 1e8 + q_n rounds, and mu
+ * times that is in the friction. Well inside it has not. */
+START_TEST(rounding_at_the_border_of_slip) {
+  double W[16] = {1, 0, -0.5, 0, 0, 1, 0, 0, -0.5, 0, 1, 0, 0, 0, 0, 1};
+  double q[4] = {1e8 - 1, 0, 0.5 - 2e8, 0}, mu[2] = {1e4, 0}, r[4] = {1, 0, 2e8, 0}, u[4];
+  dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, W}, .q = q, .mu = mu};
+  dls_certificate c;
+  for (int inside = 0; inside < 2; inside++) {
+    r[1] = inside ? 5e3 : 1e4;
+    q[1] = -r[1];
+    ck_assert_int_eq(dls_contact_certify(&p, r, u, &c, NULL), DLS_OK);
+    ck_assert_double_eq(c.residual, 0);
+    const double a = 2e8, friction = inside ? 0 : 1e4 * a; /* |W||r| + |q| of contact 0 */
+    const double size = hypot(hypot(a, 2 * a), friction) / hypot(q[0], q[2]);
+    ck_assert_double_eq_tol(c.floor_u, DBL_EPSILON * size, 1e-3 * DBL_EPSILON * size);
+  }
+}
+END_TEST
+
 /* Slip that is fast beside what the forces move adds no rounding to them. */
 START_TEST(fast_slip_rounds_nothing) {
   for (int d = 2; d <= 3; d++) {
@@ -1284,9 +1303,10 @@ int main(void) {
       ONCE(states_of_the_three_kinds), ONCE(misfits_are_the_residual), ONCE(panels_of_normals),
       ONCE(certify_refuses_and_leaves_outputs), ONCE(verdict_of_each_part),
       ONCE(weights_of_normal_and_tangent), ONCE(rounding_of_a_large_friction),
-      ONCE(fast_slip_rounds_nothing), ONCE(penetration_beside_a_large_friction),
-      ONCE(nan_is_never_certified), ONCE(a_runaway_is_never_certified), EACH(there_and_back, 2, 4),
-      EACH(storages_agree, 2, 4), ONCE(bad_conversion), EACH(a_subset_is_rows_and_columns, 0, 24),
+      ONCE(rounding_at_the_border_of_slip), ONCE(fast_slip_rounds_nothing),
+      ONCE(penetration_beside_a_large_friction), ONCE(nan_is_never_certified),
+      ONCE(a_runaway_is_never_certified), EACH(there_and_back, 2, 4), EACH(storages_agree, 2, 4),
+      ONCE(bad_conversion), EACH(a_subset_is_rows_and_columns, 0, 24),
       EACH(products_round_alike_in_both_storages, 1, 4), ONCE(a_subset_stays_in_its_memory),
       ONCE(frictionless_adhesion_is_refused), ONCE(a_bad_subset_is_named));
 }

@@ -106,7 +106,8 @@ START_TEST(as_a_large_friction) {
 END_TEST
 
 /* A wedge that jams (c03 of data/failures) beside two candidates apart, one of which is bonded: no
- * method of auto solves it, none that is for finite friction is tried, and nothing is denied. */
+ * method of auto solves it, and nothing is denied, though Lemke's method, which sees a finite
+ * friction, ends with a proof for that one. */
 START_TEST(nothing_is_denied_beside_a_bond) {
   static random_problem a;
   double r[most];
@@ -123,8 +124,10 @@ START_TEST(nothing_is_denied_beside_a_bond) {
   ck_assert_int_gt(solve(&a.p, DLS_AUTO, r, NULL, &info, NULL), DLS_STALLED);
   a.mu[_i] = INFINITY;
   ck_assert_int_eq(solve(&a.p, DLS_AUTO, r, NULL, &info, NULL), DLS_STALLED);
+  int pivoted = 0;
   for (int k = 0; k < info.stages; k++)
-    ck_assert(info.stage[k].method != DLS_LEMKE && info.stage[k].method != DLS_HOMOTOPY);
+    pivoted += info.stage[k].method == DLS_LEMKE;
+  ck_assert_int_ge(pivoted, 1);
 }
 END_TEST
 

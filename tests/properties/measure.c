@@ -15,8 +15,9 @@
  *
  *   stick, bonded  e = a
  *   slip           e_n = a_n,  e_t = w_t |r_t| + mu (w_t/w_n) (a_n + w_n r_n), and in 3D the turn
- *   of
- *                  the slip, w_t |r_t| |a_t| / |w_t r_t - u_t|
+ *                  of the slip, w_t |r_t| |a_t| / |w_t r_t - u_t|
+ *   stick that 4 eps of (a_n + w_n r_n) would make slip
+ *                  e_n = a_n,  e_t = a_t + mu (w_t/w_n) (a_n + w_n r_n)
  */
 #include <float.h>
 #include <math.h>
@@ -85,11 +86,13 @@ void measure_rounding(const problem *p, int c, int branch, const long double *we
     v[k] = w[k > 0] * r[k] - u[k];
     e[k] = branch ? a[k] : 0;
   }
-  if (d == 1 || branch != 2) return;
-  const long double at = tangent(d, a), drag = tangent(d, push);
-  for (int k = 1; k < d; k++)
-    e[k] = push[k] + p->mu[c] * (w[1] / w[0]) * (a[0] + push[0]) +
-           (d == 3 && at > 0 ? drag * (at / tangent(d, v)) : 0);
+  if (d == 1 || branch == 0 || isinf(p->mu[c])) return;
+  const long double per_n = p->mu[c] * (w[1] / w[0]), radius = per_n * (a[0] + push[0]);
+  const long double at = tangent(d, a), drag = tangent(d, push), t = tangent(d, v);
+  const long double turn = branch == 2 && d == 3 && at > 0 ? drag * (at / t) : 0;
+  const int sticks = branch == 1 && !(t > per_n * v[0] - 4 * DBL_EPSILON * radius);
+  for (int k = 1; !sticks && k < d; k++)
+    e[k] = (branch == 1 ? a[k] : push[k]) + radius + turn;
 }
 
 typedef struct sums {
