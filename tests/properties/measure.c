@@ -95,8 +95,30 @@ void measure_rounding(const problem *p, int c, int branch, const long double *we
     e[k] = (branch == 1 ? a[k] : push[k]) + radius + turn;
 }
 
+/* seen (d) := e, or what rounds where double precision may see slip for stick, or stick for slip, if
+ * that is more. */
+static void measure_seen(const problem *p, int c, int branch, const long double *weights,
+                         const long double *r, const long double *u, const long double *a,
+                         const long double *e, long double *seen) {
+  const int d = p->d;
+  const long double *w = weights + 2 * c;
+  long double v[3] = {0}, other[3] = {0}, size = 0;
+  for (int k = 0; k < d; k++) {
+    v[k] = w[k > 0] * r[k] - u[k];
+    seen[k] = e[k];
+    size += k ? a[k] + w[1] * fabsl(r[k]) : 0;
+  }
+  if (d == 1 || branch == 0 || isinf(p->mu[c])) return;
+  const long double per_n = p->mu[c] * (w[1] / w[0]);
+  size += per_n * (a[0] + w[0] * fabsl(r[0]));
+  if (fabsl(tangent(d, v) - per_n * v[0]) > 4 * DBL_EPSILON * size) return;
+  measure_rounding(p, c, 3 - branch, weights, r, u, a, other);
+  for (int k = 0; k < d; k++)
+    seen[k] = fmaxl(e[k], other[k]);
+}
+
 typedef struct sums {
-  long double F, forces, e, e_forces, q, r, W;
+  long double F, forces, e, e_forces, seen, seen_forces, q, r, W;
 } sums;
 
 /* u := W r + q, a := |W||r|; m each */
@@ -122,13 +144,14 @@ void measure_answer(const problem *p, const double *r, measure *out) {
   multiply(p, r, u, a);
   for (int c = 0; c < p->nc; c++) {
     const int o = d * c;
-    long double rc[3] = {0}, F[3] = {0}, e[3] = {0}, all[3] = {0};
+    long double rc[3] = {0}, F[3] = {0}, e[3] = {0}, all[3] = {0}, seen[3];
     for (int k = 0; k < d; k++) {
       rc[k] = r[o + k];
       all[k] = a[o + k] + fabsl((long double)p->q[o + k]);
     }
     const int branch = measure_branch(p, c, w, rc, u + o, F);
     measure_rounding(p, c, branch, w, rc, u + o, all, e);
+    measure_seen(p, c, branch, w, rc, u + o, all, e, seen);
     for (int k = 0; k < d; k++) {
       const long double own = w[2 * c + (k > 0)];
       s.F += F[k] * F[k];
@@ -136,6 +159,8 @@ void measure_answer(const problem *p, const double *r, measure *out) {
       if (!branch) continue;
       s.e += e[k] * e[k];
       s.e_forces += e[k] / own * (e[k] / own);
+      s.seen += seen[k] * seen[k];
+      s.seen_forces += seen[k] / own * (seen[k] / own);
       s.q += (long double)p->q[o + k] * p->q[o + k];
       s.r += rc[k] * rc[k];
       s.W += a[o + k] * a[o + k];
@@ -147,12 +172,14 @@ void measure_answer(const problem *p, const double *r, measure *out) {
   out->r = (double)(s.forces == 0 ? 0 : sqrtl(s.forces / forces));
   out->floor_u = (double)(s.e == 0 ? 0 : DBL_EPSILON * sqrtl(s.e / size));
   out->floor_r = (double)(s.e_forces == 0 ? 0 : DBL_EPSILON * sqrtl(s.e_forces / forces));
+  out->seen_u = (double)(s.seen == 0 ? 0 : DBL_EPSILON * sqrtl(s.seen / size));
+  out->seen_r = (double)(s.seen_forces == 0 ? 0 : DBL_EPSILON * sqrtl(s.seen_forces / forces));
 }
 
 int measure_holds(const measure *a, double tol, double slack, double most, int forces) {
   const double cap = tol > most ? tol : most;
   const double bar_u = 4 * a->floor_u > tol ? 4 * a->floor_u : tol;
   const double bar_r = 4 * a->floor_r > tol ? 4 * a->floor_r : tol;
-  return a->u <= slack * bar_u && 4 * a->floor_u <= slack * cap &&
-         (!forces || (a->r <= slack * bar_r && 4 * a->floor_r <= slack * cap));
+  return a->u <= slack * bar_u && 4 * a->seen_u <= slack * cap &&
+         (!forces || (a->r <= slack * bar_r && 4 * a->seen_r <= slack * cap));
 }

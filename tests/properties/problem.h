@@ -78,8 +78,9 @@ void plant_q(problem *p);
 
 /* Both parts of the certificate as DESIGN.md defines them, in long double. */
 typedef struct measure {
-  double u, floor_u; /* positions, over |q| */
-  double r, floor_r; /* forces, over |r| */
+  double u, floor_u;     /* positions, over |q| */
+  double r, floor_r;     /* forces, over |r| */
+  double seen_u, seen_r; /* the floors where double precision may see another state */
 } measure;
 
 /* weights := w_n and w_t of each candidate, 2 nc. */
@@ -98,7 +99,7 @@ void measure_rounding(const problem *p, int c, int branch, const long double *we
 void measure_answer(const problem *p, const double *r, measure *out);
 
 /* Returns 1 if both parts (forces = 0: that of positions) are at most slack max(tol, 4 floor) and
- * 4 floor of both at most slack max(tol, most). NaN gives 0. most: 1e-8 solved, 1e-4 to rounding.
+ * 4 floor of both, whatever state is seen, at most slack max(tol, most). NaN gives 0. most: 1e-8 solved, 1e-4 to rounding.
  */
 int measure_holds(const measure *a, double tol, double slack, double most, int forces);
 
