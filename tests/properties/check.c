@@ -65,13 +65,15 @@ static int is_within(const measure *a, double tol, double most, int forces) {
   return x - floor <= 1.001 * bar && floor <= cap;
 }
 
-/* Rule 8 of one outcome: the error that the library predicts counts ten times. */
+/* Rule 8 of one outcome: the error that the library predicts, relative to its own |r|, counts ten
+ * times. */
 static rule judge_error(const outcome *o) {
   const truth *t = &o->is_true;
   if (o->status != DLS_OK) return KEPT;
   if (t->verdict != TRUTH_WRONG_R && t->verdict != TRUTH_WRONG_U) return KEPT;
   const double least = t->verdict == TRUTH_WRONG_R ? fmin(t->error, t->largest) : t->error;
-  if (10 * o->error >= least) return KEPT;
+  const double of_r = t->verdict == TRUTH_WRONG_R ? t->size : 1;
+  if (10 * o->error * of_r >= least) return KEPT;
   return t->verdict == TRUTH_WRONG_R ? TRUE_R : TRUE_U;
 }
 

@@ -95,8 +95,8 @@ void measure_rounding(const problem *p, int c, int branch, const long double *we
     e[k] = (branch == 1 ? a[k] : push[k]) + radius + turn;
 }
 
-/* seen (d) := e, or what rounds where double precision may see slip for stick, or stick for slip, if
- * that is more. */
+/* seen (d) := e, or what rounds where double precision may see slip for stick, or stick for slip,
+ * if that is more. */
 static void measure_seen(const problem *p, int c, int branch, const long double *weights,
                          const long double *r, const long double *u, const long double *a,
                          const long double *e, long double *seen) {

@@ -99,8 +99,8 @@ void measure_rounding(const problem *p, int c, int branch, const long double *we
 void measure_answer(const problem *p, const double *r, measure *out);
 
 /* Returns 1 if both parts (forces = 0: that of positions) are at most slack max(tol, 4 floor) and
- * 4 floor of both, whatever state is seen, at most slack max(tol, most). NaN gives 0. most: 1e-8 solved, 1e-4 to rounding.
- */
+ * 4 floor of both, whatever state is seen, at most slack max(tol, most). NaN gives 0. most: 1e-8
+ * solved, 1e-4 to rounding. */
 int measure_holds(const measure *a, double tol, double slack, double most, int forces);
 
 /* A sum of products of three doubles without rounding: fixed point, 32 bits in each limb. */
@@ -135,6 +135,7 @@ typedef struct truth {
   truth_verdict verdict;
   double error;     /* of r, or of u: |r - r_true| / |r_true|, |u - u_true| / (|q| + |u_true|) */
   double largest;   /* of r by entries, over the largest entry of r_true */
+  double size;      /* |r| / |r_true| */
   double tol;       /* of the judge */
   double condition; /* of r: relative error per relative residual; 0: not computed */
 } truth;

@@ -115,12 +115,13 @@ static int widen_states(active *s, real gap) {
 static void truth_compare(active *s, const double *r, double tol, int capped, real moved,
                           truth *out) {
   const int d = s->p->d, m = s->p->m;
-  real rr = active_length(s->r, m), top = 0, far = 0, sum = 0, uu = 0, du = 0;
+  real rr = active_length(s->r, m), top = 0, far = 0, sum = 0, uu = 0, du = 0, own = 0;
   for (int i = 0; i < m; i++) {
     const real e = r[i] - s->r[i];
     top = fmaxl(top, fabsl(s->r[i]));
     far = fmaxl(far, fabsl(e));
     sum += e * e;
+    own += (real)r[i] * r[i];
     s->x[i] = e;
   }
   for (int c = 0; c < s->p->nc; c++)
@@ -135,6 +136,7 @@ static void truth_compare(active *s, const double *r, double tol, int capped, re
   const real load = load_of(s), most = capped ? 1e-2L : LDBL_MAX;
   out->error = (double)(sum == 0 ? 0 : sqrtl(sum) / rr);
   out->largest = (double)(far == 0 ? 0 : far / top);
+  out->size = (double)(own == 0 ? 0 : sqrtl(own) / rr);
   const real error_u = du == 0 ? 0 : sqrtl(du) / (load + sqrtl(uu));
   out->verdict = TRUTH_HOLDS;
   if (rr == 0 && sum > 0) { /* r_true = 0: no scale, the certificate has none either */
