@@ -274,8 +274,9 @@ static dls_status condenser_factor(dlsi_condenser *work, const dlsi_spread *spre
   status = dlsi_mumps_factor(M, "Ks", error);
   if (status) return status;
   if (M->sym == 1 && M->INFOG(12) > 0)
+    /* MUMPS counts negative pivots but does not tell where they are */
     return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, "Ks", -1, M->INFOG(12),
-                     "not positive definite: %d negative pivots", M->INFOG(12));
+                     "K is not positive definite: %d negative pivots", M->INFOG(12));
   return DLS_OK;
 }
 

@@ -46,9 +46,11 @@ $(BUILD)/mpi/%: $(BUILD)/obj/tests/mpi/%.o $(call obj,tests/mpi/shares.c tests/s
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS) $(MPI_LIBS_ALL)
 
+# make check-mpi RANKS=2: on two ranks only
+RANKS = 1 2 4
 .PHONY: check-mpi
 check-mpi: $(MPI_TESTS) $(MPI_PROGRAM) $(MPI_EXAMPLES)
-	@tests/mpi/run.sh $(BUILD)
+	@tests/mpi/run.sh $(BUILD) $(RANKS)
 
 $(BUILD)/bench/mpi: $(call obj,bench/mpi.c bench/mpi_waits.c tests/mpi/shares.c bench/common.c bench/reduction_boxes.c) $(MPI_A)
 	@mkdir -p $(@D)

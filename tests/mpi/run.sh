@@ -1,9 +1,11 @@
 #!/bin/sh
-# run.sh BUILD: runs the tests of libdelassus-mpi on 1, 2 and 4 ranks, the examples against the expected output in
-# their first comment, and the program with a rank that is killed. From the top of the repository. More ranks than
-# cores are fine. Root may run mpirun here.
+# run.sh BUILD RANKS...: runs the tests of libdelassus-mpi on each of these numbers of ranks (1 2 4), the examples
+# against the expected output in their first comment, and the program with a rank that is killed. From the top of the
+# repository. More ranks than cores are fine. Root may run mpirun here.
 set -u
 build=$1
+shift
+counts=${*:-1 2 4}
 passed=0
 failed=0
 export OPENBLAS_NUM_THREADS=1
@@ -19,7 +21,7 @@ tell() { # tell STATUS NAME
 
 for program in "$build"/mpi/test_*; do
   case $program in *.d) continue ;; esac
-  for ranks in 1 2 4; do
+  for ranks in $counts; do
     run $ranks "$program"
     tell $? "$program on $ranks ranks"
   done
@@ -29,7 +31,7 @@ for source in examples/mpi/*.c; do
   program=$build/examples/mpi/$(basename "$source" .c)
   case $source in *petsc*) [ -x "$program" ] || { echo "no PETSc: $source left out"; continue; } ;; esac
   expected=$(sed -n '/^ \* Output:/,/^ \*\//p' "$source" | sed -e '1d' -e '$d' -e 's/^ \* \{0,1\}//' -e 's/^  //')
-  for ranks in 1 2 4; do
+  for ranks in $counts; do
     [ -n "$expected" ] && [ "$(run $ranks "$program")" = "$expected" ]
     tell $? "$program on $ranks ranks"
   done
@@ -43,7 +45,7 @@ status=$?
 tell $? "a killed rank: status $status: $out"
 
 # problem files (H of this one touches every unknown), and one that is not there
-for ranks in 1 2 4; do
+for ranks in $counts; do
   run $ranks "$build/delassus-mpi" solve --gather 0 data/fclib/GFC3D_OneContact.hdf5 >/dev/null
   tell $? "GFC3D_OneContact on $ranks ranks"
 done
