@@ -23,6 +23,7 @@
 
 #include <mpi.h>
 
+#include "delassus/contact.h"
 #include "delassus/info.h"
 #include "delassus/model.h"
 #include "delassus/reduction.h"
@@ -75,9 +76,9 @@ typedef struct dls_mpi_reduction dls_mpi_reduction;
  * DLS_E_UNSUPPORTED. NULL for the defaults. Rank 0's settings hold.
  *
  * Memory of a rank: its share of the factor, three times its share of b^2 doubles (b unknowns that
- * H touches) and H; on rank 0 the pattern of K while it is ordered. Errors as
- * dls_reduction_create, and DLS_E_MEMORY if one rank has none. No reference to the model is
- * kept; comm is duplicated. */
+ * H touches), its entries of K, H, 14 vectors of n; on rank 0 the pattern of K while it is ordered.
+ * Errors as dls_reduction_create, and DLS_E_MEMORY if one rank has none. No reference to the model
+ * is kept; comm is duplicated. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_reduction_create(dls_mpi_reduction **out, MPI_Comm comm,
                                                          const dls_mpi_model *model,
                                                          const dls_reduction_settings *settings,
@@ -133,15 +134,30 @@ typedef struct dls_mpi_settings {
 DLS_API void dls_mpi_settings_init(dls_mpi_settings *settings);
 
 /* Solves u = W r + q with the law of contact.h: on rank 0 by dls_solve, or by ADMM (admm.h) on the
- * shared W, whose certificate is computed from W and q as everywhere. mu: nodes of this rank.
- * r (d nodes of this rank): in, the start if warm_start; out, the reactions. u (d nodes) or NULL: W
- * r + q. info or NULL. settings NULL for the defaults.
+ * shared W. Then takes x = K^-1 (f + H r) of the last load and certifies the pair (x, r) on the
+ * body as dls_mpi_certify does: info->certificate is that of the body, and the status says "solved"
+ * by it alone, as dls_reduction_judge does. Where it does not hold, solves again from r with a
+ * smaller tolerance on W, up to 4 times, as long as the body's residual halves; iterations, limits
+ * and progress are those of all turns. mu: nodes of this rank. r (d nodes of this rank): in, the
+ * start if warm_start; out, the reactions. u (d nodes) or NULL: H^T x + g. info or NULL. settings
+ * NULL for the defaults.
  *
- * Takes one more share of m^2 doubles, on every rank, or m^2 doubles on rank 0. Statuses of
- * dls_solver_solve and of dls_admm_solve. */
+ * Takes one more share of m^2 doubles, on every rank, or m^2 doubles on rank 0; one solve with K
+ * and one product with it besides. Statuses of dls_solver_solve and of dls_admm_solve;
+ * DLS_NOT_IN_EQUILIBRIUM or DLS_STALLED where r solves the problem on W and the body's certificate
+ * does not hold. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_solve(dls_mpi_reduction *reduction, const double *mu,
                                               const dls_mpi_settings *settings, double *r,
                                               double *u, dls_info *info, dls_error *error);
+
+/* Measures the pair (x, r) on the body for the last load, as dls_reduction_certify: positions,
+ * forces, and |K x - f - H r| over |f| + |H r| of each connected body; dls_certificate_holds and
+ * dls_certificate_verdict read it. mu: nodes of this rank; r: d nodes; x: rows; u: receives
+ * H^T x + g, d nodes, or NULL. *certificate is equal on all ranks; its `worst` and `body` count
+ * through the ranks. One product with K; takes n + 3 m doubles on every rank. */
+DLS_API DLS_MUST_USE dls_status dls_mpi_certify(dls_mpi_reduction *reduction, const double *mu,
+                                                const double *r, const double *x, double *u,
+                                                dls_certificate *certificate, dls_error *error);
 
 #ifdef __cplusplus
 }

@@ -80,21 +80,28 @@ static int body_root(int *parent, int i) {
   return i;
 }
 
-int dlsi_body_parts(const dls_model *model, int *part) {
+void dlsi_body_join(int *part, int i, int j) {
+  const int a = body_root(part, i), b = body_root(part, j);
+  part[a < b ? b : a] = a < b ? a : b;
+}
+
+int dlsi_body_number(int n, int *part) {
   int parts = 0;
+  for (int i = 0; i < n; i++) /* every parent comes before its children: it is numbered */
+    part[i] = part[i] == i ? parts++ : part[part[i]];
+  return parts;
+}
+
+int dlsi_body_parts(const dls_model *model, int *part) {
   for (int i = 0; i < model->n; i++)
     part[i] = i;
   for (int j = 0; j < model->n; j++) {
     double v;
     for (int at = 0, i; body_entry(model, j, &at, &i, &v);) {
-      if (v == 0 || i == j) continue;
-      const int a = body_root(part, i), b = body_root(part, j);
-      part[a < b ? b : a] = a < b ? a : b;
+      if (v != 0 && i != j) dlsi_body_join(part, i, j);
     }
   }
-  for (int i = 0; i < model->n; i++) /* every parent comes before its children: it is numbered */
-    part[i] = part[i] == i ? parts++ : part[part[i]];
-  return parts;
+  return dlsi_body_number(model->n, part);
 }
 
 /* ---- weights --------------------------------------------------------------------------------- */
@@ -277,7 +284,10 @@ static void body_raise(double *m, double x) {
 static void measure_unknowns(const dlsi_body *body, const double *f, const double *r,
                              const double *x, const body_arrays *of) {
   const dls_sparse *Ht = &body->Ht;
-  dlsi_body_multiply(body->model, x, of->e, of->ae);
+  if (body->multiply)
+    body->multiply(body->data, x, of->e, of->ae);
+  else
+    dlsi_body_multiply(body->model, x, of->e, of->ae);
   for (int j = 0; j < body->n; j++) {
     double sum = 0, size = 0;
     for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++) {
@@ -364,13 +374,14 @@ void dlsi_body_measure(const dlsi_body *body, const double *f, const double *g, 
     of.scale[k] = hypot(hypot(u[k] - gk, gk), wk * r[k]);
   }
   dlsi_laws laws = {body->d, body->nc, mu, r, u, body->w, of.ut, NULL, of.scale, of.F, NULL};
-  if (body->model) {
+  const int has_K = body->model || body->multiply;
+  if (has_K) {
     measure_unknowns(body, f, r, x, &of);
     measure_hidden(body, &of);
     laws.hidden = of.hidden;
   }
   dlsi_laws_measure(&laws, &found);
-  if (body->model) measure_equilibrium(body, f, &of, &found);
+  if (has_K) measure_equilibrium(body, f, &of, &found);
   body_raise(&found.residual, found.equilibrium);
   *certificate = found;
 }

@@ -14,8 +14,12 @@
 typedef struct dlsi_body {
   int n;
   const dls_model
-      *model;    /* K: DLS_STIFFNESS_DENSE or _SPARSE, as dls_model_check takes it; NULL: K is
-                             not known, and equilibrium is not measured */
+      *model; /* K: DLS_STIFFNESS_DENSE or _SPARSE, as dls_model_check takes it; NULL: see multiply
+               */
+  void (*multiply)(void *data, const double *x, double *y, double *a); /* dlsi_body_multiply of a K
+                             that is elsewhere, in the place of model. Where both are NULL, K is not
+                             known, and equilibrium is not measured */
+  void *data;
   dls_sparse Ht; /* H^T: m x n */
   int d, nc;
   const double *w; /* 2 nc: w_n and w_t of each contact, dlsi_body_weights */
@@ -30,6 +34,11 @@ void dlsi_body_multiply(const dls_model *model, const double *x, double *y, doub
  * numbered by their first unknown. part: receives the number of each unknown, n. Returns how many
  * there are. */
 int dlsi_body_parts(const dls_model *model, int *part);
+
+/* dlsi_body_parts step by step. From part[i] = i: join puts i and j, of one body, together; number
+ * turns `part` into numbers and returns how many there are. */
+void dlsi_body_join(int *part, int i, int j);
+int dlsi_body_number(int n, int *part);
 
 /* Computes the weights: the compliance of the contact with its neighbours held. J: the unknowns
  * that H_c touches; C = H_c^T K[J,J]^-1 H_c; w_n = C_nn, w_t = trace(C_tt) / (d-1). If J has more

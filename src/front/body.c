@@ -122,6 +122,13 @@ static void forget_unproved(dls_info *info) {
   info->error = 0;
 }
 
+void dlsi_body_judge(dls_info *info, const dls_certificate *certificate, double tol,
+                     double condition) {
+  info->certificate = *certificate;
+  info->status = judge_body(certificate, tol, condition, info->status);
+  forget_unproved(info);
+}
+
 static dls_status body_solve(dls_reduction *reduction, const double *mu,
                              const dls_solver_settings *settings, double *r, double *u, double *x,
                              dls_info *info, dls_error *error) {
@@ -189,9 +196,7 @@ dls_status dls_reduction_judge(dls_reduction *reduction, const double *mu, const
   dls_certificate certificate;
   if (!status) status = dls_reduction_certify(reduction, mu, r, x, NULL, &certificate, error);
   if (status) return dlsi_at(__func__, status, error);
-  info->certificate = certificate;
-  info->status = judge_body(&certificate, tol, facts.condition, info->status);
-  forget_unproved(info);
+  dlsi_body_judge(info, &certificate, tol, facts.condition);
   return info->status;
 }
 

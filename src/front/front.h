@@ -46,6 +46,14 @@ int dlsi_contact_lemke_excludes(const void *lemke);
  * contact_lemke.c says; 0: no more. */
 void dlsi_contact_lemke_search(void *lemke, int searches);
 
+/* ---- src/front/body.c ------------------------------------------------------------------------ */
+
+/* Takes the certificate of the body into info and sets info->status, so far that of the solve, by
+ * it: DLS_OK or DLS_TO_ROUNDING where it holds, and never else. condition: of K, 0 where x does not
+ * come from a solve with K. */
+void dlsi_body_judge(dls_info *info, const dls_certificate *certificate, double tol,
+                     double condition);
+
 /* ---- src/front/sensitivity.c ----------------------------------------------------------------- */
 
 enum { dlsi_predicted_rows = 300, dlsi_predicted_of_blocks = 60 };

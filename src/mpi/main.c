@@ -1,6 +1,7 @@
 /* main.c: the program `delassus-mpi`: reads a problem on rank 0, hands it out, solves it on all. */
 #define _GNU_SOURCE
 #include <getopt.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,6 +30,7 @@ static void usage(FILE *out) {
       "  -r, --ranks       time and memory of each phase on each process\n"
       "  -h, --help        this text\n"
       "\n"
+      "\"Solved\" is said by the certificate of the body: positions, forces, equilibrium.\n"
       "Exit status: 0 solved, 1 not solved, 2 bad input.\n",
       out);
 }
@@ -256,6 +258,24 @@ static void print_ranks(const dls_mpi_info *mine, dlsi_mpi_clock solve) {
   free(other);
 }
 
+static int is_solved(dls_status status) {
+  return status == DLS_OK || status == DLS_TO_ROUNDING;
+}
+
+/* Prints the last line, in the words of `delassus solve`. */
+static void print_ending(dls_status status, const dls_certificate *c) {
+  if (status == DLS_TO_ROUNDING)
+    printf("solved to rounding: positions to %.0e, forces to %.0e\n",
+           fmax(4 * c->floor_u, c->residual_u), fmax(4 * c->floor_r, c->residual_r));
+  else if (status == DLS_NOT_IN_EQUILIBRIUM)
+    printf("not solved: %s: a force of %.3g on body %d is not balanced\n", dls_status_text(status),
+           c->unbalanced, c->body);
+  else if (is_solved(status))
+    printf("solved\n");
+  else
+    printf("not solved: %s\n", dls_status_text(status));
+}
+
 static dls_status solve_part(part *s, const dls_mpi_settings *settings, int print, dls_info *info,
                              dls_error *error) {
   dls_mpi_reduction *reduction = NULL;
@@ -269,12 +289,13 @@ static dls_status solve_part(part *s, const dls_mpi_settings *settings, int prin
   if (status >= 0) {
     if (rank == 0)
       printf("  %d unknowns, %d condensed, %d rows of W, %d ranks (grid %d x %d)\n"
-             "  %s: %s, %d iterations, residual %.2e (positions %.2e, forces %.2e)\n",
+             "  %s: %d iterations, residual %.2e (positions %.2e, forces %.2e, equilibrium %.2e)\n",
              cost.n, cost.condensed, cost.m, cost.ranks, cost.grid[0], cost.grid[1],
-             dls_method_name(info->method), dls_status_text(status), info->iterations,
-             info->certificate.residual, info->certificate.residual_u,
-             info->certificate.residual_r);
+             dls_method_name(info->method), info->iterations, info->certificate.residual,
+             info->certificate.residual_u, info->certificate.residual_r,
+             info->certificate.equilibrium);
     if (print) print_ranks(&cost, (dlsi_mpi_clock){now.wall - from.wall, now.cpu - from.cpu});
+    if (rank == 0) print_ending(status, &info->certificate);
   }
   dls_mpi_reduction_destroy(reduction);
   return status;
@@ -302,7 +323,7 @@ static int command_solve(char *const *path, int files, dls_factorization kind,
     (void)fprintf(stderr, "delassus-mpi: %s: %s\n", path[0], error.message);
   free(mine.ints);
   free(mine.doubles);
-  return status < 0 ? BAD_INPUT : status ? NOT_SOLVED : SOLVED;
+  return status < 0 ? BAD_INPUT : is_solved(status) ? SOLVED : NOT_SOLVED;
 }
 
 static int complain(const char *text) {

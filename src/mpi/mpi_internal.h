@@ -5,6 +5,7 @@
 #include <mpi.h>
 
 #include "base/base.h"
+#include "base/body.h"
 #include "base/columns.h"
 #include "delassus/mpi.h"
 
@@ -63,6 +64,62 @@ int dlsi_spread_invert(const dlsi_spread *s, double *A, int symmetric);
 /* C := C + A^T. Collective. */
 void dlsi_spread_add_transpose(const dlsi_spread *s, const double *A, double *C);
 
+/* ---- shares.c: the model as the ranks have it ------------------------------------------------ */
+
+typedef struct dlsi_shares {
+  dlsi_grid grid;
+  int d, n, nodes, m;             /* of all ranks; m = d nodes */
+  int rows, first_row;            /* of this rank */
+  int own, first;                 /* contact nodes of this rank */
+  int *row_counts, *row_starts;   /* ranks each: rows */
+  int *node_counts, *node_starts; /* ranks each: d nodes */
+  int symmetric;
+  dlsi_columns H, Ht; /* count x m: all of H on the unknowns that it touches; its transpose */
+  int count, *keep;   /* those unknowns, ascending */
+} dlsi_shares;
+
+/* Checks what each rank sees for itself: NULL, sizes, d, factorization. Local. */
+dls_status dlsi_shares_check(const dls_mpi_model *model, dls_error *error);
+
+/* Duplicates comm, checks the entries of the model, numbers, takes H. *work is zero before; the
+ * caller calls dlsi_shares_free, also after an error. Collective, as all of these but
+ * check_vector. */
+dls_status dlsi_shares_create(dlsi_shares *work, MPI_Comm comm, const dls_mpi_model *model,
+                              dls_error *error);
+void dlsi_shares_free(dlsi_shares *work);
+
+/* Joins the triplets of all ranks, equal sizes on all, to `whole`. The caller frees it. */
+dls_status dlsi_shares_join(const dlsi_shares *work, const dlsi_triplets *mine,
+                            dlsi_triplets *whole, dls_error *error);
+
+/* Checks a vector of this rank; NULL is as good as zeros where `optional`. */
+dls_status dlsi_shares_check_vector(const char *argument, const double *x, int count, int optional,
+                                    dls_error *error);
+
+/* Gathers the d values of each node of this rank, own, to all (m); the rows of this rank, own or
+ * NULL for 0, to all (n). */
+void dlsi_shares_gather_nodes(const dlsi_shares *work, const double *own, double *all);
+void dlsi_shares_gather_rows(const dlsi_shares *work, const double *own, double *all);
+
+/* ---- body.c: the certificate of the body on a K that is spread ------------------------------- */
+
+typedef struct dlsi_mpi_body {
+  const dlsi_shares *of;
+  size_t entries; /* of K on this rank; of a symmetric K those on and below the diagonal */
+  int *row, *col;
+  double *x;
+  dlsi_body body; /* dlsi_body_measure is collective, with equal arguments on all ranks */
+  int *p, *part;  /* n + 1: of body.Ht; n */
+  double *w;      /* 2 nodes */
+  double *scratch;
+} dlsi_mpi_body;
+
+/* Copies K, finds connected bodies and weights. *work is zero before; the caller calls
+ * dlsi_mpi_body_free, also after an error. `of` stays where it is. Collective. */
+dls_status dlsi_mpi_body_create(dlsi_mpi_body *work, const dlsi_shares *of,
+                                const dls_mpi_model *model, dls_error *error);
+void dlsi_mpi_body_free(dlsi_mpi_body *work);
+
 /* ---- condense.c: K without the unknowns that are kept ---------------------------------------- */
 
 typedef struct dlsi_condenser dlsi_condenser;
@@ -98,28 +155,22 @@ void dlsi_condenser_destroy(dlsi_condenser *work);
 /* ---- reduction.c ----------------------------------------------------------------------------- */
 
 struct dls_mpi_reduction {
-  dlsi_grid grid;
-  int d, n, nodes, m;             /* of all ranks */
-  int rows, first_row;            /* of this rank */
-  int own, first;                 /* contact nodes of this rank */
-  int *row_counts, *row_starts;   /* ranks each: rows */
-  int *node_counts, *node_starts; /* ranks each: d nodes */
-  int symmetric;
-  dlsi_columns H, Ht; /* count x m: all of H on the unknowns that it touches; its transpose */
-  int count, *keep;
+  dlsi_shares of;
+  dlsi_mpi_body body;
   dlsi_condenser *condenser;
+  double condition; /* of K, scaled */
   dlsi_spread on_kept, on_W;
   double *Z, *W; /* shares of (A^-1)_cc (lower triangle where symmetric) and of W */
   double *A;     /* share of (W + rho D)^-1, NULL before the first solve; as Z */
   int A_symmetric;
-  double *q;         /* m */
-  double *f, *b;     /* n, on rank 0; b: scratch, n + 1 */
+  double *q, *gap;   /* m each: of the last load, as f */
+  double *f, *b;     /* n; scratch, n + 1 */
   double *z, *local; /* scratch: count; m */
   dls_mpi_info info;
 };
 
-/* Gathers the d values of each node of this rank, local, to all (m). Collective. */
-void dlsi_mpi_gather_nodes(const dls_mpi_reduction *work, const double *own, double *all);
+/* Computes x := K^-1 (f + H r) on every rank. r: m; x: n, of all ranks. Collective. */
+dls_status dlsi_mpi_recover(dls_mpi_reduction *work, const double *r, double *x, dls_error *error);
 
 /* Returns the wall clock and the CPU seconds of this thread, to take differences of. */
 typedef struct dlsi_mpi_clock {

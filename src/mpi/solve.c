@@ -6,9 +6,17 @@
  *          takes the matrix is shared: A := (W + rho D)^-1 for each rho, one product with A an
  *          iteration, one with W and one with |W| for a certificate
  *
+ *   (MS4)  x := K^-1 (f + H r), and the certificate of (x, r) on the body decides, as in
+ *          src/front/body.c
+ *   (MS5)  where it does not hold, and r solves the problem on W: again from r, with the tolerance
+ *          on W that the residual of the body asks for, as long as that residual halves. The two
+ *          residuals have other scales and weights: by a factor on ordinary bodies, by 1e8 on
+ *          soft springs, where no tolerance helps
+ *
  * Numbers of (MS2) are equal on all ranks to the last bit (grid.c), so that all ranks stop at the
  * same place. What differs by rank, the clock and the callback, is rank 0's word (MS3).
- * Cost: per rho m^3 (2 m^3 by LU) over the ranks; per iteration 2 m^2 over the ranks and O(m).
+ * Cost: per rho m^3 (2 m^3 by LU) over the ranks; per iteration 2 m^2 over the ranks and O(m); per
+ * turn of (MS5) a solve and a product with K.
  */
 #include <limits.h>
 #include <math.h>
@@ -16,10 +24,13 @@
 #include <string.h>
 
 #include "delassus/solve.h"
+#include "front/front.h"
 #include "mpi_internal.h"
 #include "vi/vi_internal.h"
 
-enum { gather_rows = 1000 };
+enum { gather_rows = 1000, most_turns = 4 }; /* most_turns: of (MS5) */
+
+static const double least_tol = 1e-15;
 
 void dls_mpi_settings_init(dls_mpi_settings *settings) {
   if (!settings) return;
@@ -32,6 +43,7 @@ typedef struct shared_solve {
   dls_mpi_reduction *work;
   dls_mpi_settings settings;
   double *mu, *r, *u, *blocks; /* nc, m, m, d m */
+  double *x;                   /* n */
   int *p, *i;                  /* nc + 1, nc */
   /* (MS3) */
   dls_limits told; /* rank 0's own */
@@ -49,15 +61,15 @@ static void shared_build(dls_mpi_reduction *work, double rho, const double *w) {
     while (i < s->rows && s->row[i] < s->col[j])
       i++;
     if (i < s->rows && s->row[i] == s->col[j])
-      work->A[(size_t)i + (size_t)j * (size_t)s->rows] += rho * w[s->col[j] / work->d];
+      work->A[(size_t)i + (size_t)j * (size_t)s->rows] += rho * w[s->col[j] / work->of.d];
   }
 }
 
 static dls_status shared_factor(void *data, double rho, const double *w, dls_error *error) {
   dls_mpi_reduction *work = ((shared_solve *)data)->work;
   int failed = 1;
-  work->A_symmetric = work->symmetric;
-  if (work->symmetric) {
+  work->A_symmetric = work->of.symmetric;
+  if (work->of.symmetric) {
     shared_build(work, rho, w);
     failed = dlsi_spread_invert(&work->on_W, work->A, 1);
   }
@@ -77,18 +89,18 @@ static void shared_apply(void *data, double *x) {
 
 static void shared_multiply(void *data, const double *r, double *u, double *a) {
   const dls_mpi_reduction *work = ((shared_solve *)data)->work;
-  dlsi_spread_multiply(&work->on_W, work->W, work->symmetric, 0, r, u);
-  for (int k = 0; k < work->m; k++)
+  dlsi_spread_multiply(&work->on_W, work->W, work->of.symmetric, 0, r, u);
+  for (int k = 0; k < work->of.m; k++)
     u[k] += work->q[k];
-  if (a) dlsi_spread_multiply(&work->on_W, work->W, work->symmetric, 1, r, a);
+  if (a) dlsi_spread_multiply(&work->on_W, work->W, work->of.symmetric, 1, r, a);
 }
 
 /* blocks := the d x d blocks of W's diagonal. */
 static void shared_diagonal(shared_solve *solve) {
   const dls_mpi_reduction *work = solve->work;
   const dlsi_spread *s = &work->on_W;
-  const int d = work->d;
-  memset(solve->blocks, 0, (size_t)d * (size_t)work->m * sizeof *solve->blocks);
+  const int d = work->of.d;
+  memset(solve->blocks, 0, (size_t)d * (size_t)work->of.m * sizeof *solve->blocks);
   for (int j = 0, i = 0; j < s->cols; j++) {
     const int c = s->col[j] / d;
     while (i < s->rows && s->row[i] < d * c)
@@ -97,8 +109,8 @@ static void shared_diagonal(shared_solve *solve) {
       solve->blocks[d * s->col[j] + s->row[k] - d * c] =
           work->W[(size_t)k + (size_t)j * (size_t)s->rows];
   }
-  (void)MPI_Allreduce(MPI_IN_PLACE, solve->blocks, d * work->m, MPI_DOUBLE, MPI_SUM,
-                      work->grid.all);
+  (void)MPI_Allreduce(MPI_IN_PLACE, solve->blocks, d * work->of.m, MPI_DOUBLE, MPI_SUM,
+                      work->of.grid.all);
 }
 
 /* ---- (MS3) ----------------------------------------------------------------------------------- */
@@ -107,12 +119,12 @@ static void shared_diagonal(shared_solve *solve) {
 static int shared_progress(void *data, const dls_progress *progress) {
   shared_solve *solve = data;
   const dls_limits *told = &solve->told;
-  const int root = solve->work->grid.rank == 0;
+  const int root = solve->work->of.grid.rank == 0;
   int stop = 0;
   if (root && told->progress) stop = told->progress(told->progress_data, progress) != 0;
   if (progress->last) return 0;
   if (root && !stop && dlsi_clock_is_over(told, solve->begun)) stop = 2;
-  (void)MPI_Bcast(&stop, 1, MPI_INT, 0, solve->work->grid.all);
+  (void)MPI_Bcast(&stop, 1, MPI_INT, 0, solve->work->of.grid.all);
   solve->late = stop == 2;
   return stop != 0;
 }
@@ -122,16 +134,16 @@ static int shared_progress(void *data, const dls_progress *progress) {
 /* (MS1) */
 static dls_status solve_gathered(shared_solve *solve, dls_info *info, dls_error *error) {
   dls_mpi_reduction *work = solve->work;
-  const size_t m = (size_t)work->m;
-  const int root = work->grid.rank == 0;
+  const size_t m = (size_t)work->of.m;
+  const int root = work->of.grid.rank == 0;
   double *W = root ? dlsi_alloc(m, m * sizeof *W) : NULL;
   dls_status status = root && !W ? dlsi_no_memory(error) : DLS_OK;
-  status = dlsi_agree(work->grid.all, status, error);
+  status = dlsi_agree(work->of.grid.all, status, error);
   if (!status) status = dls_mpi_reduction_gather(work, W, error);
   if (!status && root) {
-    const dls_contact problem = {.d = work->d,
-                                 .nc = work->nodes,
-                                 .W = {work->m, work->m, work->m, W},
+    const dls_contact problem = {.d = work->of.d,
+                                 .nc = work->of.nodes,
+                                 .W = {work->of.m, work->of.m, work->of.m, W},
                                  .q = work->q,
                                  .mu = solve->mu};
     dls_solver_settings s;
@@ -141,20 +153,20 @@ static dls_status solve_gathered(shared_solve *solve, dls_info *info, dls_error 
   }
   free(W);
   int answer = (int)status;
-  status = dlsi_agree(work->grid.all, status, error);
+  status = dlsi_agree(work->of.grid.all, status, error);
   if (status < 0) return status;
-  (void)MPI_Bcast(&answer, 1, MPI_INT, 0, work->grid.all);
-  (void)MPI_Bcast(solve->r, work->m, MPI_DOUBLE, 0, work->grid.all);
-  (void)MPI_Bcast(solve->u, work->m, MPI_DOUBLE, 0, work->grid.all);
-  (void)MPI_Bcast(info, (int)sizeof *info, MPI_BYTE, 0, work->grid.all);
+  (void)MPI_Bcast(&answer, 1, MPI_INT, 0, work->of.grid.all);
+  (void)MPI_Bcast(solve->r, work->of.m, MPI_DOUBLE, 0, work->of.grid.all);
+  (void)MPI_Bcast(solve->u, work->of.m, MPI_DOUBLE, 0, work->of.grid.all);
+  (void)MPI_Bcast(info, (int)sizeof *info, MPI_BYTE, 0, work->of.grid.all);
   return (dls_status)answer;
 }
 
 /* (MS2) */
 static dls_status solve_shared(shared_solve *solve, dls_info *info, dls_error *error) {
   dls_mpi_reduction *work = solve->work;
-  const int nc = work->nodes;
-  const MPI_Comm all = work->grid.all;
+  const int nc = work->of.nodes;
+  const MPI_Comm all = work->of.grid.all;
   dls_admm *admm = NULL;
   dls_admm_settings s;
   dls_admm_settings_init(&s);
@@ -167,7 +179,7 @@ static dls_status solve_shared(shared_solve *solve, dls_info *info, dls_error *e
   s.limits.progress = watched ? shared_progress : NULL;
   s.limits.progress_data = solve;
   s.limits.cpu_seconds = 0;
-  dls_status status = dls_admm_create(&admm, work->d, nc, &s, error);
+  dls_status status = dls_admm_create(&admm, work->of.d, nc, &s, error);
   if (!status && !work->A) {
     work->A = dlsi_alloc(dlsi_spread_size(&work->on_W), sizeof *work->A);
     if (!work->A) status = dlsi_no_memory(error);
@@ -176,9 +188,9 @@ static dls_status solve_shared(shared_solve *solve, dls_info *info, dls_error *e
   if (!status) {
     const dlsi_shared shared = {solve, shared_multiply, shared_factor, shared_apply};
     shared_diagonal(solve);
-    const dls_blocks diagonal = {work->d, nc, solve->p, solve->i, solve->blocks};
+    const dls_blocks diagonal = {work->of.d, nc, solve->p, solve->i, solve->blocks};
     const dls_contact problem = {
-        .d = work->d, .nc = nc, .Wb = diagonal, .q = work->q, .mu = solve->mu};
+        .d = work->of.d, .nc = nc, .Wb = diagonal, .q = work->q, .mu = solve->mu};
     dlsi_admm_share(admm, &shared);
     status = dls_admm_solve(admm, &problem, solve->r, solve->u, info, error);
     if (status == DLS_CANCELLED && solve->late) info->status = status = DLS_TIME_LIMIT;
@@ -187,29 +199,167 @@ static dls_status solve_shared(shared_solve *solve, dls_info *info, dls_error *e
   return status;
 }
 
+/* ---- the certificate of the body ------------------------------------------------------------- */
+
+/* (MS4) */
+static dls_status solve_judge(shared_solve *solve, double tol, dls_info *info, dls_error *error) {
+  dls_mpi_reduction *work = solve->work;
+  dls_certificate seen;
+  const dls_status status = dlsi_mpi_recover(work, solve->r, solve->x, error);
+  if (status) return status;
+  dlsi_body_measure(&work->body.body, work->f, work->gap, solve->mu, solve->r, solve->x, solve->u,
+                    work->body.scratch, &seen);
+  dlsi_body_judge(info, &seen, tol, work->condition);
+  return info->status;
+}
+
+static dls_status mpi_certify(dls_mpi_reduction *work, const double *mu, const double *r,
+                              const double *x, double *u, dls_certificate *certificate,
+                              dls_error *error) {
+  const dlsi_shares *of = &work->of;
+  const size_t m = (size_t)of->m, own = (size_t)(of->d * of->own);
+  dls_status status = dlsi_shares_check_vector("r", r, of->d * of->own, 0, error);
+  if (!status) status = dlsi_shares_check_vector("x", x, of->rows, 0, error);
+  if (!status && of->own && !mu) status = dlsi_is_null(error, "mu");
+  if (!status && of->own) status = dlsi_check_friction(mu, (size_t)of->own, error);
+  if (!status && !certificate) status = dlsi_is_null(error, "certificate");
+  double *all = status ? NULL : calloc(3 * m + (size_t)of->n + 1, sizeof *all);
+  if (!status && !all) status = dlsi_no_memory(error);
+  status = dlsi_agree(of->grid.all, status, error);
+  if (!status) {
+    double *r_all = all + m, *mu_all = r_all + m, *x_all = mu_all + m;
+    for (size_t k = 0; k < own; k++)
+      work->local[k] = mu[k / (size_t)of->d];
+    dlsi_shares_gather_nodes(of, work->local, mu_all);
+    for (int c = 0; c < of->nodes; c++)
+      mu_all[c] = mu_all[of->d * c];
+    dlsi_shares_gather_nodes(of, r, r_all);
+    dlsi_shares_gather_rows(of, x, x_all);
+    dlsi_body_measure(&work->body.body, work->f, work->gap, mu_all, r_all, x_all, all,
+                      work->body.scratch, certificate);
+    if (u && own) memcpy(u, all + (size_t)(of->d * of->first), own * sizeof *u);
+  }
+  free(all);
+  return status;
+}
+
+dls_status dls_mpi_certify(dls_mpi_reduction *reduction, const double *mu, const double *r,
+                           const double *x, double *u, dls_certificate *certificate,
+                           dls_error *error) {
+  DLSI_DOOR;
+  dls_error why = {0};
+  const dls_status status = reduction ? mpi_certify(reduction, mu, r, x, u, certificate, &why)
+                                      : dlsi_is_null(&why, "reduction");
+  if (status && error) *error = why;
+  return dlsi_at(__func__, status, error);
+}
+
+/* Solves on W for the limits in solve->settings. */
+static dls_status solve_on_W(shared_solve *solve, dls_info *info, dls_error *error) {
+  const dls_mpi_reduction *work = solve->work;
+  const dls_contact empty = {.d = work->of.d, .nc = work->of.nodes};
+  const dls_limits silent = {.tol = solve->settings.limits.tol};
+  if (dlsi_is_empty(&empty, work->of.grid.rank ? &silent : &solve->settings.limits, DLS_ADMM,
+                    "admm", info))
+    return DLS_OK;
+  return work->of.m <= solve->settings.gather ? solve_gathered(solve, info, error)
+                                              : solve_shared(solve, info, error);
+}
+
+/* What a caller's callback sees of the turns of (MS5): one solve, whose last call comes at the end
+ * of all. */
+typedef struct turns {
+  const dls_limits *asked;
+  double before; /* CPU seconds of the turns before */
+} turns;
+
+static int turns_progress(void *data, const dls_progress *progress) {
+  turns *of = data;
+  dls_progress now = *progress;
+  now.cpu_seconds += of->before;
+  if (progress->last) {
+    of->before = now.cpu_seconds;
+    return 0;
+  }
+  return of->asked->progress(of->asked->progress_data, &now);
+}
+
+/* Leaves to the next turn of (MS5) what is left of the limits; returns 0 if nothing is. Collective:
+ * the clock is rank 0's. */
+static int solve_goes_on(shared_solve *solve, const dls_limits *asked, double begun,
+                         const dls_info *info) {
+  dls_limits *limits = &solve->settings.limits;
+  double left = 1;
+  if (asked->max_iterations) limits->max_iterations = asked->max_iterations - info->iterations;
+  if (asked->cpu_seconds > 0) left = limits->cpu_seconds = dlsi_clock_left(asked, begun);
+  (void)MPI_Bcast(&left, 1, MPI_DOUBLE, 0, solve->work->of.grid.all);
+  limits->tol *= asked->tol / info->certificate.residual / 2;
+  limits->warm_start = 1;
+  return left > 0 && limits->max_iterations >= 0 && limits->tol >= least_tol &&
+         !(asked->max_iterations && limits->max_iterations == 0);
+}
+
+/* (MS5) */
+static dls_status solve_body(shared_solve *solve, dls_info *info, dls_error *error) {
+  const dls_limits asked = solve->settings.limits;
+  const double begun = dlsi_clock_start(&asked);
+  double best = INFINITY;
+  dls_status status = DLS_OK;
+  turns seen = {&asked, 0};
+  if (asked.progress) {
+    solve->settings.limits.progress = turns_progress;
+    solve->settings.limits.progress_data = &seen;
+  }
+  for (int turn = 0; turn < most_turns; turn++) {
+    const dls_info before = *info;
+    status = solve_on_W(solve, info, error);
+    if (status < 0) break;
+    const int certified = status == DLS_OK || status == DLS_TO_ROUNDING;
+    status = solve_judge(solve, asked.tol, info, error);
+    if (status < 0) break;
+    info->iterations += before.iterations;
+    info->factorisations += before.factorisations;
+    const double residual = info->certificate.residual;
+    const int helps = status == DLS_STALLED || status == DLS_NOT_IN_EQUILIBRIUM;
+    if (!helps || !certified || !(residual <= best / 2)) break;
+    best = residual;
+    if (!solve_goes_on(solve, &asked, begun, info)) break;
+  }
+  solve->settings.limits = asked;
+  if (status < 0) return status;
+  if (solve->work->of.grid.rank == 0) {
+    const char *name = dls_method_name(info->method);
+    dlsi_tell_last(&asked, begun, name, name, info->iterations, info->certificate.residual,
+                   solve->r);
+  }
+  return info->status;
+}
+
 /* ---- the door -------------------------------------------------------------------------------- */
 
 static dls_status solve_check(const dls_mpi_reduction *work, const double *mu,
                               const dls_mpi_settings *s, const double *r, dls_error *error) {
   const dlsi_setting own[] = {{"gather", s->gather, 0, INT_MAX, 0}};
   dls_status status = dlsi_check_settings(&s->limits, s->size, sizeof *s, 1, own, error);
-  if (status || work->own == 0) return status;
+  if (status || work->of.own == 0) return status;
   if (!mu) return dlsi_is_null(error, "mu");
   if (!r) return dlsi_is_null(error, "r");
-  status = dlsi_check_friction(mu, (size_t)work->own, error);
+  status = dlsi_check_friction(mu, (size_t)work->of.own, error);
   if (!status && s->limits.warm_start)
-    status = dlsi_check_vector("r", r, (size_t)(work->d * work->own), error);
+    status = dlsi_check_vector("r", r, (size_t)(work->of.d * work->of.own), error);
   return status;
 }
 
 static dls_status solve_allocate(shared_solve *solve, dls_error *error) {
-  const size_t d = (size_t)solve->work->d, m = (size_t)solve->work->m, nc = m / d;
-  solve->mu = calloc(nc + (3 + d) * m + 1, sizeof *solve->mu);
+  const size_t d = (size_t)solve->work->of.d, m = (size_t)solve->work->of.m, nc = m / d;
+  const size_t n = (size_t)solve->work->of.n;
+  solve->mu = calloc(nc + (3 + d) * m + n + 1, sizeof *solve->mu);
   solve->p = dlsi_alloc(2 * nc + 1, sizeof *solve->p);
   if (!solve->mu || !solve->p) return dlsi_no_memory(error);
   solve->r = solve->mu + nc;
   solve->u = solve->r + m;
   solve->blocks = solve->u + m;
+  solve->x = solve->blocks + d * m;
   solve->i = solve->p + nc + 1;
   for (size_t c = 0; c <= nc; c++) {
     solve->p[c] = (int)c;
@@ -224,19 +374,19 @@ static void solve_take(shared_solve *solve, const double *mu, const double *r, d
   dls_limits *limits = &solve->settings.limits;
   double numbers[] = {limits->tol, limits->max_iterations, limits->warm_start,
                       solve->settings.gather};
-  (void)MPI_Bcast(numbers, 4, MPI_DOUBLE, 0, work->grid.all);
+  (void)MPI_Bcast(numbers, 4, MPI_DOUBLE, 0, work->of.grid.all);
   limits->tol = numbers[0];
   limits->max_iterations = (int)numbers[1];
   limits->warm_start = (int)numbers[2];
   solve->settings.gather = (int)numbers[3];
-  for (int k = 0; k < work->d * work->own; k++)
-    own[k] = mu[k / work->d];
-  dlsi_mpi_gather_nodes(work, own, solve->u);
-  for (int c = 0; c < work->nodes; c++)
-    solve->mu[c] = solve->u[work->d * c];
-  for (int k = 0; k < work->d * work->own; k++)
+  for (int k = 0; k < work->of.d * work->of.own; k++)
+    own[k] = mu[k / work->of.d];
+  dlsi_shares_gather_nodes(&work->of, own, solve->u);
+  for (int c = 0; c < work->of.nodes; c++)
+    solve->mu[c] = solve->u[work->of.d * c];
+  for (int k = 0; k < work->of.d * work->of.own; k++)
     own[k] = limits->warm_start ? r[k] : 0;
-  dlsi_mpi_gather_nodes(work, own, solve->r);
+  dlsi_shares_gather_nodes(&work->of, own, solve->r);
 }
 
 static dls_status mpi_solve(dls_mpi_reduction *work, const double *mu,
@@ -248,16 +398,12 @@ static dls_status mpi_solve(dls_mpi_reduction *work, const double *mu,
   if (settings) solve.settings = *settings;
   dls_status status = solve_check(work, mu, &solve.settings, r, error);
   if (!status) status = solve_allocate(&solve, error);
-  status = dlsi_agree(work->grid.all, status, error);
+  status = dlsi_agree(work->of.grid.all, status, error);
   if (!status) {
-    const size_t own = (size_t)(work->d * work->own), first = (size_t)(work->d * work->first);
+    const size_t own = (size_t)(work->of.d * work->of.own),
+                 first = (size_t)(work->of.d * work->of.first);
     solve_take(&solve, mu, r, work->local);
-    const dls_contact empty = {.d = work->d, .nc = work->nodes};
-    const dls_limits silent = {.tol = solve.settings.limits.tol};
-    if (!dlsi_is_empty(&empty, work->grid.rank ? &silent : &solve.settings.limits, DLS_ADMM, "admm",
-                       &outcome))
-      status = work->m <= solve.settings.gather ? solve_gathered(&solve, &outcome, error)
-                                                : solve_shared(&solve, &outcome, error);
+    status = solve_body(&solve, &outcome, error);
     if (status >= 0 && own) {
       memcpy(r, solve.r + first, own * sizeof *r);
       if (u) memcpy(u, solve.u + first, own * sizeof *u);

@@ -16,7 +16,10 @@ typedef struct scene {
   box b;
   int n, m, d;
   double *f, *g, *mu, *W, *q, *r, *u, *x;
+  dls_certificate off; /* of the pair (off_by r, x) */
 } scene;
+
+static const double off_by = 1.01;
 
 /* Makes loads that press some nodes, lift others, and shear. */
 static void scene_load(scene *s) {
@@ -50,6 +53,12 @@ static void scene_solve(scene *s) {
       memcpy(s->W + (size_t)j * (size_t)s->m, problem.W.a + (size_t)j * (size_t)problem.W.ld,
              (size_t)s->m * sizeof *s->W);
     memcpy(s->q, problem.q, (size_t)s->m * sizeof *s->q);
+    double *r = malloc((size_t)s->m * sizeof *r);
+    for (int k = 0; r && k < s->m; k++)
+      r[k] = off_by * s->r[k];
+    status = dls_reduction_certify(reduction, s->mu, r, s->x, NULL, &s->off, &error);
+    EXPECT(r && status == DLS_OK, "serial certificate: %s", error.message);
+    free(r);
   }
   dls_reduction_destroy(reduction);
 }
@@ -80,6 +89,30 @@ static void scene_free(scene *s) {
 }
 
 /* ---- answers --------------------------------------------------------------------------------- */
+
+/* Expects the certificate of (off_by r, x) of the serial answer, as the serial reduction has it. */
+static void compare_certificates(const scene *s, const share *part, dls_mpi_reduction *reduction) {
+  dls_certificate seen;
+  dls_error error = {0};
+  const int own = s->d * part->model.nodes, first = s->d * part->first_node;
+  double *r = malloc((size_t)(own + 1) * sizeof *r);
+  for (int k = 0; r && k < own; k++)
+    r[k] = off_by * s->r[first + k];
+  const dls_status status =
+      dls_mpi_certify(reduction, part->mu, r, s->x + part->first_row, NULL, &seen, &error);
+  EXPECT(!status, "certify: %s", error.message);
+  const double parts[][2] = {
+      {seen.residual_u, s->off.residual_u},   {seen.residual_r, s->off.residual_r},
+      {seen.equilibrium, s->off.equilibrium}, {seen.unbalanced, s->off.unbalanced},
+      {seen.floor_u, s->off.floor_u},         {seen.floor_r, s->off.floor_r},
+      {seen.floor_e, s->off.floor_e}};
+  for (int k = 0; k < 7; k++)
+    EXPECT(fabs(parts[k][0] - parts[k][1]) <= 1e-9 * parts[k][1], "part %d: %g, serial %g", k,
+           parts[k][0], parts[k][1]);
+  EXPECT(seen.equilibrium > 1e-5 && seen.body == s->off.body && seen.worst == s->off.worst,
+         "equilibrium %g, body %d, worst %d", seen.equilibrium, seen.body, seen.worst);
+  free(r);
+}
 
 /* Compares W, q, r, u, x of this rank with the serial ones. */
 static void compare(const scene *s, cut how, int gather, double tol) {
@@ -130,6 +163,9 @@ static void compare(const scene *s, cut how, int gather, double tol) {
   EXPECT(!status, "recover: %s", error.message);
   EXPECT(apart(x, s->x + part.first_row, part.model.rows, s->x, s->n) <= tol, "x: %g",
          apart(x, s->x + part.first_row, part.model.rows, s->x, s->n));
+  EXPECT(info.certificate.equilibrium > 0 && info.certificate.equilibrium <= 1e-11,
+         "equilibrium %g", info.certificate.equilibrium);
+  compare_certificates(s, &part, reduction);
   if (rank == 0 && ranks == 1) { /* the certificate by the one that all methods share */
     const dls_contact whole = {
         .d = s->d, .nc = s->m / s->d, .W = {s->m, s->m, s->m, W}, .q = problem.q, .mu = s->mu};
@@ -154,6 +190,69 @@ static void test_answers(void) {
   scene_free(&cube);
   scene_free(&plate);
   scene_free(&skew);
+}
+
+/* A square of four nodes on springs of 1e-8, pressed to a floor by 10. Its W is 1e8 times as large
+ * as its local compliance: an r that solves the problem on W may be wrong in all digits, as the one
+ * where ADMM ends. "Solved" must not be said of it; r = 5, 5 is right. */
+static void test_soft(void) {
+  static const int row[] = {0, 1, 2, 3, 4, 5, 6, 7, 2, 4, 6, 6, 3, 5, 7, 7};
+  static const int col[] = {0, 1, 2, 3, 4, 5, 6, 7, 0, 0, 2, 4, 1, 1, 3, 5};
+  double x[16];
+  const int all = rank == ranks - 1; /* which has the whole model */
+  static const int p[] = {0, 1, 2}, none[] = {0, 0, 0}, normal[] = {1, 3}, tangent[] = {0, 2};
+  static const double one[] = {1, 1}, mu[] = {0.3, 0.3}, f[] = {0, 0, 0, 0, 0, -5, 0, -5};
+  for (int k = 0; k < 16; k++)
+    x[k] = k < 8 ? 2 + 1e-8 : -1;
+  const dls_mpi_model model = {2,
+                               DLS_CHOLESKY,
+                               all ? 8 : 0,
+                               all ? 16 : 0,
+                               row,
+                               col,
+                               x,
+                               all ? 2 : 0,
+                               {8, all ? 2 : 0, all ? p : none, normal, one},
+                               {8, all ? 2 : 0, all ? p : none, tangent, one}};
+  for (int gather = 0; gather <= 1000; gather += 1000) {
+    dls_mpi_reduction *reduction = NULL;
+    dls_mpi_contact problem;
+    dls_error error = {0};
+    dls_info info = {0};
+    dls_certificate of_W = {0}, again;
+    double r[4] = {0}, u[4], W[16], whole[4];
+    double unknowns[8];
+    dls_mpi_settings settings;
+    dls_mpi_settings_init(&settings);
+    settings.gather = gather;
+    dls_status status = dls_mpi_reduction_create(&reduction, MPI_COMM_WORLD, &model, NULL, &error);
+    if (!status) status = dls_mpi_reduction_load(reduction, f, NULL, &error);
+    if (!status) status = dls_mpi_reduction_contact(reduction, &problem, &error);
+    if (!status) status = dls_mpi_reduction_gather(reduction, W, &error);
+    EXPECT(!status, "%s", error.message);
+    if (!status) status = dls_mpi_solve(reduction, mu, &settings, r, u, &info, &error);
+    const int solved = status == DLS_OK || status == DLS_TO_ROUNDING;
+    memcpy(whole, r, sizeof r);
+    (void)MPI_Bcast(whole, 4, MPI_DOUBLE, ranks - 1, MPI_COMM_WORLD);
+    EXPECT(status >= 0 && info.status == status, "status %d, info %d: %s", status, info.status,
+           error.message);
+    EXPECT(!solved || (fabs(whole[0] - 5) < 1e-6 && fabs(whole[2] - 5) < 1e-6),
+           "solved with r = %g, %g", whole[0], whole[2]);
+    EXPECT(info.certificate.equilibrium > 0, "not the certificate of the body");
+    if (rank == 0) {
+      const dls_contact problem_on_W = {
+          .d = 2, .nc = 2, .W = {4, 4, 4, W}, .q = problem.q, .mu = mu};
+      status = dls_contact_certify(&problem_on_W, whole, NULL, &of_W, &error);
+      const int holds = !status && dls_certificate_verdict(&of_W, 1e-8) != DLS_STALLED;
+      EXPECT(holds && (gather || !solved), "gather %d: W %g, body %g: no example of both", gather,
+             of_W.residual, info.certificate.residual);
+    }
+    status = dls_mpi_reduction_recover(reduction, r, unknowns, &error);
+    if (!status) status = dls_mpi_certify(reduction, mu, r, unknowns, u, &again, &error);
+    EXPECT(!status && again.residual == info.certificate.residual, "certify: %g, solve said %g",
+           again.residual, info.certificate.residual);
+    dls_mpi_reduction_destroy(reduction);
+  }
 }
 
 /* H with several entries a column, frames that are turned, an unknown in two columns. */
@@ -310,6 +409,54 @@ static int stop_at_once(void *data, const dls_progress *progress) {
   return progress->iteration >= 2;
 }
 
+/* Counts the last calls; the residual of each is that of the body. */
+static int count_last(void *data, const dls_progress *progress) {
+  double *seen = data;
+  if (!progress->last) return 0;
+  seen[0]++;
+  seen[1] = progress->residual;
+  return 0;
+}
+
+/* A tolerance that the certificate of the body meets only after a second turn on W: one solve for
+ * the callback, whose limits hold for all turns. */
+static void test_turns(void) {
+  scene s = scene_create(3, 3, 0);
+  share part = share_take(&s.b.model, CUT_EVEN, s.f, s.g, s.mu);
+  double seen[2] = {0}, *r = calloc((size_t)s.m + 1, sizeof *r);
+  for (int gather = 0; gather <= 1000; gather += 1000) {
+    dls_mpi_reduction *reduction = NULL;
+    dls_error error = {0};
+    dls_info info = {0};
+    dls_mpi_settings settings;
+    dls_mpi_settings_init(&settings);
+    settings.gather = gather;
+    settings.limits.progress = rank == 0 ? count_last : NULL;
+    settings.limits.progress_data = seen;
+    seen[0] = 0;
+    dls_status status =
+        dls_mpi_reduction_create(&reduction, MPI_COMM_WORLD, &part.model, NULL, &error);
+    if (!status) status = dls_mpi_reduction_load(reduction, part.f, part.g, &error);
+    for (double tol = 1e-2; !status && tol > 1e-9; tol /= 10) {
+      settings.limits.tol = tol;
+      seen[0] = 0;
+      status = dls_mpi_solve(reduction, part.mu, &settings, r, NULL, &info, &error);
+      EXPECT(!status && dls_certificate_holds(&info.certificate, tol), "tol %g: %d, %g", tol,
+             status, info.certificate.residual);
+      EXPECT(seen[0] == (rank == 0) && (rank || seen[1] == info.certificate.residual),
+             "%g last calls, residual %g of %g", seen[0], seen[1], info.certificate.residual);
+    }
+    const int most = info.iterations;
+    settings.limits.max_iterations = 1;
+    status = dls_mpi_solve(reduction, part.mu, &settings, r, NULL, &info, &error);
+    EXPECT(status >= 0 && info.iterations <= (gather ? most : 1), "%d iterations", info.iterations);
+    dls_mpi_reduction_destroy(reduction);
+  }
+  free(r);
+  share_free(&part);
+  scene_free(&s);
+}
+
 /* Bad vectors and settings; limits. */
 static void test_bad_calls(void) {
   scene s = scene_create(3, 3, 0);
@@ -338,6 +485,16 @@ static void test_bad_calls(void) {
   expect_same(status, &error, DLS_E_ARGUMENT, "mu", "solve mu");
   status = dls_mpi_solve(reduction, part.mu, NULL, bad ? NULL : r, NULL, &info, &error);
   expect_same(status, &error, DLS_E_ARGUMENT, "r", "solve r");
+  dls_certificate seen = {.residual = 7};
+  status = dls_mpi_certify(reduction, part.mu, r, bad ? spoilt : part.f, NULL, &seen, &error);
+  expect_same(status, &error, DLS_E_NOT_FINITE, "x", "certify x");
+  status = dls_mpi_certify(reduction, part.mu, bad ? spoilt : r, part.f, NULL, &seen, &error);
+  expect_same(status, &error, DLS_E_NOT_FINITE, "r", "certify r");
+  status = dls_mpi_certify(reduction, bad ? NULL : part.mu, r, part.f, NULL, &seen, &error);
+  expect_same(status, &error, DLS_E_ARGUMENT, "mu", "certify mu");
+  status = dls_mpi_certify(reduction, part.mu, r, part.f, NULL, bad ? NULL : &seen, &error);
+  expect_same(status, &error, DLS_E_ARGUMENT, "certificate", "certify certificate");
+  EXPECT(seen.residual == 7, "an error changed the certificate");
   dls_mpi_settings settings;
   dls_mpi_settings_init(&settings);
   settings.gather = bad ? -1 : 0;
@@ -449,8 +606,10 @@ int main(int argc, char **argv) {
   (void)MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   (void)MPI_Comm_size(MPI_COMM_WORLD, &ranks);
   test_answers();
+  test_soft();
   test_operator();
   test_repeat();
+  test_turns();
   test_bad_input();
   test_bad_calls();
   test_bad_matrices();

@@ -1,0 +1,231 @@
+/*
+ * shares.c: the model as the ranks have it: checks, the numbers of rows and contact nodes, H, and
+ * vectors between one rank and all.
+ *
+ *   (SH1)  number rows and nodes through the ranks
+ *   (SH2)  H goes to every rank, on the unknowns that it touches
+ *
+ * Memory of a rank: H twice. Fails: sizes that are no int, no memory.
+ */
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "mpi_internal.h"
+
+/* ---- checks ---------------------------------------------------------------------------------- */
+
+dls_status dlsi_shares_check(const dls_mpi_model *model, dls_error *error) {
+  if (!model) return dlsi_is_null(error, "model");
+  dls_status status = dlsi_check_dimension("d", model->d, error);
+  if (status) return status;
+  if (model->factorization < DLS_CHOLESKY || model->factorization > DLS_LDLT)
+    return dlsi_fail(error, DLS_E_ARGUMENT, "factorization", -1, model->factorization,
+                     "is %d, no factorization", (int)model->factorization);
+  if (model->rows < 0)
+    return dlsi_fail(error, DLS_E_SIZE, "rows", -1, model->rows, "is %d, must be at least 0",
+                     model->rows);
+  if (model->nodes < 0)
+    return dlsi_fail(error, DLS_E_SIZE, "nodes", -1, model->nodes, "is %d, must be at least 0",
+                     model->nodes);
+  if (!model->row && model->entries) return dlsi_is_null(error, "row");
+  if (!model->col && model->entries) return dlsi_is_null(error, "col");
+  return !model->x && model->entries ? dlsi_is_null(error, "x") : DLS_OK;
+}
+
+static dls_status model_check_index(const char *argument, const int *index, size_t entries, int n,
+                                    dls_error *error) {
+  for (size_t k = 0; k < entries; k++)
+    if (index[k] < 0 || index[k] >= n)
+      return dlsi_fail(error, DLS_E_ARGUMENT, argument, (long long)k, index[k],
+                       "is %d, must be in 0 .. %d", index[k], n - 1);
+  return DLS_OK;
+}
+
+static dls_status model_check_entries(const dls_mpi_model *model, int n, dls_error *error) {
+  dls_status status = model_check_index("row", model->row, model->entries, n, error);
+  if (!status) status = model_check_index("col", model->col, model->entries, n, error);
+  if (!status && model->entries) status = dlsi_check_vector("x", model->x, model->entries, error);
+  if (!status && model->nodes) status = dlsi_check_sparse("HN", &model->HN, n, model->nodes, error);
+  if (!status && model->nodes)
+    status = dlsi_check_sparse("HT", &model->HT, n, (model->d - 1) * model->nodes, error);
+  return status;
+}
+
+/* ---- create: numbers and H ------------------------------------------------------------------- */
+
+/* starts := sums of the counts before; returns the total, -1 if it is no int. */
+static long long number_ranks(int ranks, const int *counts, int *starts) {
+  long long sum = 0;
+  for (int k = 0; k < ranks; k++) {
+    starts[k] = sum <= INT_MAX ? (int)sum : 0;
+    sum += counts[k];
+  }
+  return sum <= INT_MAX ? sum : -1;
+}
+
+/* (SH1) */
+static dls_status shares_number(dlsi_shares *work, const dls_mpi_model *model, dls_error *error) {
+  const int ranks = work->grid.ranks, rank = work->grid.rank;
+  const MPI_Comm all = work->grid.all;
+  int first[2] = {model->d, (int)model->factorization};
+  (void)MPI_Bcast(first, 2, MPI_INT, 0, all);
+  dls_status status = DLS_OK;
+  if (first[0] != model->d)
+    status = dlsi_fail(error, DLS_E_ARGUMENT, "d", -1, model->d, "is %d, on rank 0 %d", model->d,
+                       first[0]);
+  else if (first[1] != (int)model->factorization)
+    status = dlsi_fail(error, DLS_E_ARGUMENT, "factorization", -1, model->factorization,
+                       "is %d, on rank 0 %d", (int)model->factorization, first[1]);
+  work->row_counts = dlsi_alloc((size_t)ranks, 4 * sizeof *work->row_counts);
+  if (!status && !work->row_counts) status = dlsi_no_memory(error);
+  status = dlsi_agree(all, status, error);
+  if (status) return status;
+  work->d = model->d;
+  work->rows = model->rows;
+  work->own = model->nodes;
+  work->row_starts = work->row_counts + ranks;
+  work->node_counts = work->row_counts + 2 * ranks;
+  work->node_starts = work->row_counts + 3 * ranks;
+  const int own = model->nodes > INT_MAX / model->d ? INT_MAX : model->d * model->nodes;
+  (void)MPI_Allgather(&work->rows, 1, MPI_INT, work->row_counts, 1, MPI_INT, all);
+  (void)MPI_Allgather(&own, 1, MPI_INT, work->node_counts, 1, MPI_INT, all);
+  const long long n = number_ranks(ranks, work->row_counts, work->row_starts);
+  const long long m = number_ranks(ranks, work->node_counts, work->node_starts);
+  if (n < 1)
+    return dlsi_fail(error, DLS_E_SIZE, "rows", -1, (double)n, "of all ranks must be from 1 to %d",
+                     INT_MAX);
+  if (m < 0 || m == INT_MAX)
+    return dlsi_fail(error, DLS_E_SIZE, "nodes", -1, (double)m, "of all ranks are too many");
+  work->n = (int)n;
+  work->m = (int)m;
+  work->nodes = work->m / work->d;
+  work->first_row = work->row_starts[rank];
+  work->first = work->node_starts[rank] / work->d;
+  return DLS_OK;
+}
+
+/* Lists the entries of this rank's columns of H, in local order (n, t[, s]). */
+static void shares_list(const dlsi_shares *work, const dls_mpi_model *model, dlsi_triplets *t) {
+  const int d = work->d;
+  for (int c = 0; c < model->nodes; c++)
+    for (int i = 0; i < d; i++) {
+      const dls_sparse *L = i == 0 ? &model->HN : &model->HT;
+      const int column = i == 0 ? c : (d - 1) * c + i - 1;
+      for (int e = L->p[column]; e < L->p[column + 1]; e++)
+        dlsi_triplets_add(t, L->i[e], d * (work->first + c) + i, L->x[e]);
+    }
+}
+
+dls_status dlsi_shares_join(const dlsi_shares *work, const dlsi_triplets *mine,
+                            dlsi_triplets *whole, dls_error *error) {
+  const MPI_Comm all = work->grid.all;
+  int *counts = dlsi_alloc((size_t)work->grid.ranks, 2 * sizeof *counts);
+  dls_status status = dlsi_agree(all, counts ? DLS_OK : dlsi_no_memory(error), error);
+  if (status) {
+    free(counts);
+    return status;
+  }
+  int *starts = counts + work->grid.ranks;
+  (void)MPI_Allgather(&mine->count, 1, MPI_INT, counts, 1, MPI_INT, all);
+  const long long total = number_ranks(work->grid.ranks, counts, starts);
+  status = total < 0 ? dlsi_fail(error, DLS_E_SIZE, "HN", -1, 0, "more than INT_MAX entries")
+                     : dlsi_triplets_alloc(mine->rows, mine->cols, (size_t)total, whole, error);
+  status = dlsi_agree(all, status, error);
+  if (status) {
+    free(counts);
+    return status;
+  }
+  (void)MPI_Allgatherv(mine->row, mine->count, MPI_INT, whole->row, counts, starts, MPI_INT, all);
+  (void)MPI_Allgatherv(mine->col, mine->count, MPI_INT, whole->col, counts, starts, MPI_INT, all);
+  (void)MPI_Allgatherv(mine->x, mine->count, MPI_DOUBLE, whole->x, counts, starts, MPI_DOUBLE, all);
+  whole->count = (int)total;
+  free(counts);
+  return DLS_OK;
+}
+
+/* Lists the unknowns that H touches and makes H and H^T on them. */
+static dls_status shares_compress(dlsi_shares *work, dlsi_triplets *t, dls_error *error) {
+  const size_t n = (size_t)work->n;
+  int *place = calloc(n, sizeof *place);
+  if (!place) return dlsi_no_memory(error);
+  for (int k = 0; k < t->count; k++)
+    place[t->row[k]] = 1;
+  for (size_t i = 0; i < n; i++)
+    work->count += place[i];
+  work->keep = dlsi_alloc((size_t)work->count, sizeof *work->keep);
+  if (work->keep) {
+    int at = 0;
+    for (int i = 0; i < work->n; i++)
+      if (place[i]) {
+        place[i] = at;
+        work->keep[at++] = i;
+      }
+    for (int k = 0; k < t->count; k++)
+      t->row[k] = place[t->row[k]];
+  }
+  free(place);
+  if (!work->keep) return dlsi_no_memory(error);
+  t->rows = work->count;
+  const dls_status status = dlsi_columns_compress(t, 1, DLSI_ALL, &work->H, error);
+  if (status) return status;
+  const dlsi_triplets turned = {t->cols, t->rows, t->count, t->col, t->row, t->x};
+  return dlsi_columns_compress(&turned, 1, DLSI_ALL, &work->Ht, error);
+}
+
+/* (SH2) */
+static dls_status shares_take_H(dlsi_shares *work, const dls_mpi_model *model, dls_error *error) {
+  const int nodes = model->nodes;
+  dlsi_triplets mine, whole = {0};
+  const size_t most =
+      nodes ? (size_t)model->HN.p[nodes] + (size_t)model->HT.p[(work->d - 1) * nodes] : 0;
+  dls_status status = dlsi_triplets_alloc(work->n, work->m, most, &mine, error);
+  status = dlsi_agree(work->grid.all, status, error);
+  if (!status) {
+    shares_list(work, model, &mine);
+    status = dlsi_shares_join(work, &mine, &whole, error);
+  }
+  if (!status) status = dlsi_agree(work->grid.all, shares_compress(work, &whole, error), error);
+  dlsi_triplets_free(&whole);
+  dlsi_triplets_free(&mine);
+  return status;
+}
+
+dls_status dlsi_shares_create(dlsi_shares *work, MPI_Comm comm, const dls_mpi_model *model,
+                              dls_error *error) {
+  dls_status status = dlsi_grid_open(&work->grid, comm, error);
+  if (!status) status = shares_number(work, model, error);
+  if (!status)
+    status = dlsi_agree(work->grid.all, model_check_entries(model, work->n, error), error);
+  if (!status) status = shares_take_H(work, model, error);
+  work->symmetric = model->factorization != DLS_LU;
+  return status;
+}
+
+void dlsi_shares_free(dlsi_shares *work) {
+  dlsi_columns_free(&work->H);
+  dlsi_columns_free(&work->Ht);
+  dlsi_grid_close(&work->grid);
+  free(work->row_counts);
+  free(work->keep);
+}
+
+/* ---- vectors --------------------------------------------------------------------------------- */
+
+dls_status dlsi_shares_check_vector(const char *argument, const double *x, int count, int optional,
+                                    dls_error *error) {
+  if (count == 0 || (!x && optional)) return DLS_OK;
+  return dlsi_check_vector(argument, x, (size_t)count, error);
+}
+
+void dlsi_shares_gather_nodes(const dlsi_shares *work, const double *own, double *all) {
+  (void)MPI_Allgatherv(own, work->d * work->own, MPI_DOUBLE, all, work->node_counts,
+                       work->node_starts, MPI_DOUBLE, work->grid.all);
+}
+
+void dlsi_shares_gather_rows(const dlsi_shares *work, const double *own, double *all) {
+  for (int i = 0; i < work->rows; i++)
+    all[work->first_row + i] = own ? own[i] : 0;
+  (void)MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, all, work->row_counts, work->row_starts,
+                       MPI_DOUBLE, work->grid.all);
+}
