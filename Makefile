@@ -89,7 +89,7 @@ ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h global/*.h 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 LIB_OBJ := $(call obj,$(LIB_SRC))
 # fe is a library of its own: it carries the hidden functions that it shares
-FE_OBJ := $(call obj,$(FE_SRC)) $(patsubst %,$(BUILD)/obj/src/%.o,base/status base/memory base/number base/check base/columns base/environment files/file files/output)
+FE_OBJ := $(call obj,$(FE_SRC)) $(patsubst %,$(BUILD)/obj/src/%.o,base/status base/memory base/number base/check base/columns base/environment base/utf8 files/file files/output)
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(EXAMPLE_SRC))
 # programs in other languages, where there is a compiler

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/base.h"
+#include "base/utf8.h"
 
 typedef struct status_words {
   dls_status status;
@@ -59,26 +60,26 @@ const char *dls_version(void) {
 dls_status dlsi_fail(dls_error *error, dls_status status, const char *argument, long long index,
                      double value, const char *format, ...) {
   if (!error) return status;
-  char text[120], place[32] = "";
+  char text[120], place[32] = "", whole[sizeof error->message];
   va_list args;
   va_start(args, format);
   if (vsnprintf(text, sizeof text, format, args) < 0) text[0] = '\0';
   va_end(args);
   if (index >= 0) (void)snprintf(place, sizeof place, "[%lld]", index);
   *error = (dls_error){status, "", argument, index, value, ""};
-  (void)snprintf(error->message, sizeof error->message, "%s%s%s%s", argument, place,
-                 argument[0] ? ": " : "", text);
+  (void)snprintf(whole, sizeof whole, "%s%s%s%s", argument, place, argument[0] ? ": " : "", text);
+  /* text may quote a file's bytes */
+  dlsi_utf8_show_all(error->message, sizeof error->message, whole);
   return status;
 }
 
 dls_status dlsi_at(const char *function, dls_status status, dls_error *error) {
   if (status >= 0 || !error) return status;
-  char text[sizeof error->message];
+  char text[sizeof error->message + 64];
   const char *old = error->message; /* past the name that an inner public function has put there */
   if (error->function[0]) old += strlen(error->function) + 2;
-  memcpy(text, old, strlen(old) + 1);
+  (void)snprintf(text, sizeof text, "%s: %s", function, old);
   error->function = function;
-  (void)snprintf(error->message, sizeof error->message, "%s: %.*s", function,
-                 (int)(sizeof text - strlen(function) - 3), text);
+  dlsi_utf8_show_all(error->message, sizeof error->message, text);
   return status;
 }

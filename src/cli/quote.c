@@ -2,20 +2,8 @@
  * Names reach scripts, tables and JSON through these functions alone. */
 #include <string.h>
 
+#include "base/utf8.h"
 #include "cli.h"
-#include "files/utf8.h"
-
-/* Returns 1 for characters that no file of ours can hold: controls (C0, DEL, C1), and what XML, to
- * which gnuplot copies labels, leaves out. */
-static int is_control(long code) {
-  return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0xfffe || code == 0xffff;
-}
-
-/* Returns 1 for a character that turns the direction of a line: it can hide what follows. */
-static int turns_line(long code) {
-  return code == 0x200e || code == 0x200f || (code >= 0x202a && code <= 0x202e) ||
-         (code >= 0x2066 && code <= 0x2069);
-}
 
 /* Room for the longest form of a character, such as 4 bytes as \xNN. */
 enum { longest_form = 24 };
@@ -36,21 +24,19 @@ static void write_gnuplot(char form[longest_form], const char *text) {
 /* Writes the character of `length` bytes at text into form. */
 static void write_form(char form[longest_form], text_kind kind, const char *text, long code,
                        int length) {
-  (void)snprintf(form, longest_form, "%.*s", length, text);
   if (kind == AS_SHOWN) {
-    if (code == '\n' || code == '\t')
-      (void)snprintf(form, longest_form, code == '\n' ? "\\n" : "\\t");
-    else if (code < 0 || is_control(code) || turns_line(code))
-      for (int k = 0; k < length; k++)
-        (void)snprintf(form + 4 * k, 5, "\\x%02x", (unsigned char)text[k]);
-  } else if (code < 0 || code == 0xfffe || code == 0xffff) {
+    dlsi_utf8_show(form, text, code, length);
+    return;
+  }
+  (void)snprintf(form, longest_form, "%.*s", length, text);
+  if (code < 0 || code == 0xfffe || code == 0xffff) {
     (void)snprintf(form, longest_form, "\xef\xbf\xbd"); /* U+FFFD */
   } else if (kind == AS_JSON) {
     if (code == '"' || code == '\\')
       (void)snprintf(form, longest_form, "\\%c", (char)code);
-    else if (is_control(code))
+    else if (dlsi_utf8_is_control(code))
       (void)snprintf(form, longest_form, "\\u%04lx", (unsigned long)code);
-  } else if (is_control(code)) {
+  } else if (dlsi_utf8_is_control(code)) {
     (void)snprintf(form, longest_form, " ");
   } else if (kind == AS_CSV) {
     if (code == '"') (void)snprintf(form, longest_form, "\"\"");

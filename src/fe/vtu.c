@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/utf8.h"
 #include "fe_internal.h"
-#include "files/utf8.h"
 
 enum { vtk_triangle = 5, vtk_polygon = 7, vtk_quad = 9 };
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/base.h"
+#include "base/utf8.h"
 #include "run.h"
 
 /* An answer and the error beside it. */
@@ -290,8 +291,43 @@ START_TEST(limits_at_their_ends) {
 }
 END_TEST
 
+/* Returns 1 if the text is UTF-8 that a terminal may get. */
+static int is_shown(const char *text) {
+  int length;
+  for (long code; (code = dlsi_utf8_next(text, &length)) != 0; text += length)
+    if (dlsi_utf8_is_control(code)) return 0;
+  return 1;
+}
+
+/* A message holds no control, whatever it quotes and wherever it is cut, and a public name before
+ * it leaves it so. */
+START_TEST(messages_without_controls) {
+  static const char hidden[] = "\001\n\t\033[2J\x7f\xc2\x9b\xe2\x80\xae\xff\xed\xa0\x80";
+  dls_error e;
+  ck_assert_int_eq(dlsi_fail(&e, DLS_E_FORMAT, "path", 3, 0, "line %lld, '%s'", 3LL, hidden),
+                   DLS_E_FORMAT);
+  ck_assert_str_eq(e.message, "path[3]: line 3, '\\x01\\n\\t\\x1b[2J\\x7f\\xc2\\x9b\\xe2\\x80\\xae"
+                              "\\xff\\xed\\xa0\\x80'");
+  (void)dlsi_at("dls_text_read", e.status, &e);
+  ck_assert(strstr(e.message, "dls_text_read: path[3]: line 3, '\\x01\\n") == e.message);
+  (void)dlsi_at("dls_read", e.status, &e); /* takes the place of the first */
+  ck_assert(strstr(e.message, "dls_read: path[3]: line 3, '\\x01\\n") == e.message);
+  /* a character of 4 bytes after any number of letters */
+  char text[200];
+  for (size_t letters = 0; letters < 180; letters++) {
+    memset(text, 'a', letters);
+    memcpy(text + letters, "\xf0\x9f\x98\x80\xf0\x9f\x98\x80", 9);
+    (void)dlsi_fail(&e, DLS_E_FORMAT, "path", 3, 0, "line %lld, '%s'", 3LL, text);
+    ck_assert_msg(is_shown(e.message), "%zu: %s", letters, e.message);
+    (void)dlsi_at("dls_a_function_with_a_name_of_some_50_characters_", e.status, &e);
+    ck_assert_msg(is_shown(e.message), "%zu: %s", letters, e.message);
+  }
+}
+END_TEST
+
 int main(void) {
   return RUN("check", NULL, NULL, ONCE(sizes), ONCE(dense_matrices), ONCE(sparse_matrices),
              ONCE(friction), ONCE(workspaces_and_starts), ONCE(bodies),
-             ONCE(settings_at_their_ends), ONCE(limits_at_their_ends));
+             ONCE(settings_at_their_ends), ONCE(limits_at_their_ends),
+             ONCE(messages_without_controls));
 }

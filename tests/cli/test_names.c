@@ -15,7 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "files/utf8.h"
+#include "base/utf8.h"
 #include "program.h"
 #include "run.h"
 

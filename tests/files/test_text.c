@@ -197,6 +197,23 @@ START_TEST(words_of_refusals) {
 }
 END_TEST
 
+/* Words of a file that are no text for a terminal are shown in the message, never sent. */
+START_TEST(controls_are_shown) {
+  static const struct {
+    const char *content, *message;
+  } bad[] = {{"lcp 1\nM\n\033[31m\x07\x7f\n", "'\\x1b[31m\\x07\\x7f': has too few"},
+             {"lcp 1\nM\n1\x01 1\n", "'1\\x01 1': has too few"},
+             {"lcp 1\nM\n\xc2\x85\xe2\x80\xae\xff\n", "'\\xc2\\x85\\xe2\\x80\\xae\\xff': has"},
+             {"lcp 1\nM\n\xc3\xa9\n", "'\xc3\xa9': has too few"}};
+  for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
+    dls_text *text;
+    dls_error e = {0};
+    ck_assert_int_eq(read_text(bad[k].content, &text, &e), DLS_E_FORMAT);
+    ck_assert_msg(strstr(e.message, bad[k].message) != NULL, "%zu: %s", k, e.message);
+  }
+}
+END_TEST
+
 /* As many numbers as characters allow: no blank and no line end too much. */
 START_TEST(the_shortest_files) {
   static const char *const content[] = {"lcp 1\nq 5\nM\n1", "lcp 2\nq 5 6\nM\n1 2\n3 4",
@@ -311,10 +328,11 @@ END_TEST
 int main(void) {
   const int made = mkstemp(path);
   if (made < 0 || close(made)) return 1;
-  const int failures = RUN(
-      "text", NULL, NULL, ONCE(a_contact_problem), ONCE(mark_and_exponents_of_fortran),
-      ONCE(an_lcp), ONCE(refused_with_the_line), ONCE(words_of_refusals), ONCE(the_shortest_files),
-      ONCE(long_files), ONCE(no_text), ONCE(numbers_alone), ONCE(each_malloc_fails));
+  const int failures =
+      RUN("text", NULL, NULL, ONCE(a_contact_problem), ONCE(mark_and_exponents_of_fortran),
+          ONCE(an_lcp), ONCE(refused_with_the_line), ONCE(words_of_refusals),
+          ONCE(controls_are_shown), ONCE(the_shortest_files), ONCE(long_files), ONCE(no_text),
+          ONCE(numbers_alone), ONCE(each_malloc_fails));
   (void)remove(path);
   return failures;
 }
