@@ -199,6 +199,7 @@ static dls_status global_create(dls_global **out, const dls_model *model, dls_er
   status = dlsi_arena_allocate(&arena, "model", model->n, error);
   if (!status) {
     work->memory = arena.base;
+    work->bytes = arena.size;
     global_carve(work, &arena);
     const dls_sparse H = dlsi_columns_view(&work->H);
     status = dlsi_system_create(&work->system, &work->model, &H, error);

@@ -63,6 +63,10 @@ typedef struct dlsi_system {
 dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_sparse *H,
                               dls_error *error);
 
+/* Orders and analyses A, or A + A^T where K is not symmetric. *out = NULL on error:
+ * DLS_E_MEMORY. */
+dls_status dlsi_system_analyse(const dlsi_system *work, dlsi_cholesky **out, dls_error *error);
+
 /* Takes new values on the same pattern. */
 void dlsi_system_update(dlsi_system *work, const dls_model *K, const dls_sparse *H);
 
@@ -113,6 +117,7 @@ struct dls_global {
   dls_certificate best;
   dlsi_anderson history; /* of q */
   void *memory;          /* of the arrays */
+  size_t bytes;          /* at `memory` */
 };
 
 /* ---- pair.c ---------------------------------------------------------------------------------- */

@@ -59,8 +59,9 @@ void dlsi_system_update(dlsi_system *work, const dls_model *K, const dls_sparse 
   work->hold = 0;
 }
 
-static dls_status system_analyse(dlsi_system *work, dls_error *error) {
+dls_status dlsi_system_analyse(const dlsi_system *work, dlsi_cholesky **out, dls_error *error) {
   dls_error why = {0};
+  *out = NULL;
   int *order = dlsi_alloc((size_t)work->n, sizeof *order);
   int *turn = dlsi_alloc((size_t)work->n, sizeof *turn);
   dls_status status = order && turn ? DLS_OK : dlsi_no_memory(error);
@@ -74,8 +75,8 @@ static dls_status system_analyse(dlsi_system *work, dls_error *error) {
       *error = why;
   }
   if (!status)
-    status = dlsi_cholesky_create(&work->cholesky, work->n, work->entries, work->row, work->col,
-                                  turn, 0, error);
+    status =
+        dlsi_cholesky_create(out, work->n, work->entries, work->row, work->col, turn, 0, error);
   free(order);
   free(turn);
   return status;
@@ -113,7 +114,7 @@ dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_s
     for (size_t k = 0; k < n; k++)
       work->row[work->of_K + work->of_H + k] = work->col[work->of_K + work->of_H + k] = (int)k + 1;
     dlsi_system_update(work, K, H);
-    if (work->symmetric) status = system_analyse(work, error);
+    if (work->symmetric) status = dlsi_system_analyse(work, &work->cholesky, error);
   }
   if (status)
     dlsi_system_destroy(work);

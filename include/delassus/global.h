@@ -65,6 +65,25 @@ DLS_API DLS_MUST_USE dls_status dls_global_solve(dls_global *global, const doubl
                                                  const dls_limits *limits, double *r, double *x,
                                                  dls_info *info, dls_error *error);
 
+/* Cost of a problem on K, A = K + H R H^T. Where K is unsymmetric, by the pattern of A + A^T. */
+typedef struct dls_global_info {
+  double flops;        /* of one factorisation of A, from the analysis */
+  double factor_bytes; /* of the factor of A */
+  double step_bytes;   /* an iteration reads and writes: the factor twice, vectors */
+  double bytes;        /* in use during a solve, without what a Newton step or MUMPS allocates */
+} dls_global_info;
+
+/* Foresees what dls_global_create and dls_global_solve take, from ordering and analysis, without a
+ * factor. Takes what dls_global_create takes, and has its errors; where you go on to solve, create
+ * and dls_global_get_info give the same figures and keep the analysis. */
+DLS_API DLS_MUST_USE dls_status dls_global_estimate(const dls_model *model, dls_global_info *info,
+                                                    dls_error *error);
+
+/* Gives these figures for a problem made. O(1), but for K unsymmetric, where it analyses.
+ * DLS_E_BUSY, DLS_E_MEMORY. */
+DLS_API DLS_MUST_USE dls_status dls_global_get_info(dls_global *global, dls_global_info *info,
+                                                    dls_error *error);
+
 /* Returns the number of contacts; 0 for NULL. */
 DLS_API int dls_global_contacts(const dls_global *global);
 

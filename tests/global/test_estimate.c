@@ -1,0 +1,160 @@
+/* test_estimate.c: the foreseen cost of a problem on K beside counts by elimination, entry by
+ * entry, and beside the bytes that a solve asks for. */
+#include <check.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "errors.h"
+#include "global/global_internal.h"
+#include "malloc_fails.h"
+#include "run.h"
+#include "solids.h"
+
+/* What elimination takes in the order of the factor: entries of L, and the squares of its columns'
+ * entries. */
+typedef struct counts {
+  double entries, flops;
+} counts;
+
+static counts counts_of(const dlsi_system *A, const dlsi_cholesky *L) {
+  const int n = A->n;
+  char *full = calloc((size_t)n, (size_t)n); /* column j of L: full[i + n j] */
+  int *below = calloc((size_t)n, sizeof *below);
+  counts all = {0};
+  ck_assert(full && below);
+  for (size_t k = 0; k < A->entries; k++) {
+    const int i = L->place[A->row[k] - 1], j = L->place[A->col[k] - 1];
+    full[(size_t)(i > j ? i : j) + (size_t)n * (size_t)(i > j ? j : i)] = 1;
+  }
+  for (int j = 0; j < n; j++) {
+    const char *column = full + (size_t)n * (size_t)j;
+    int count = 0;
+    for (int i = j + 1; i < n; i++)
+      if (column[i]) below[count++] = i;
+    for (int a = 0; a < count; a++)
+      for (int b = a; b < count; b++)
+        full[(size_t)below[b] + (size_t)n * (size_t)below[a]] = 1;
+    all.entries += 1 + count;
+    all.flops += (1. + count) * (1. + count);
+  }
+  free(full);
+  free(below);
+  return all;
+}
+
+/* K is whole where kind is 3, for DLS_LU. */
+static void scene(solids *S, int kind) {
+  if (kind == 0 || kind == 3)
+    solids_pad(S, 60, 4);
+  else if (kind == 1)
+    solids_plate(S, 10, 3);
+  else
+    solids_stack(S, 2, 10, 4, .9);
+  if (kind != 3) return;
+  dlsi_triplets t;
+  const dlsi_columns K = S->Kc;
+  ck_assert(!dlsi_triplets_alloc(K.rows, K.cols, 2 * (size_t)K.p[K.cols], &t, NULL));
+  for (int j = 0; j < K.cols; j++)
+    for (int k = K.p[j]; k < K.p[j + 1]; k++) {
+      dlsi_triplets_add(&t, K.i[k], j, K.x[k]);
+      if (K.i[k] != j) dlsi_triplets_add(&t, j, K.i[k], K.x[k]);
+    }
+  dlsi_columns_free(&S->Kc);
+  ck_assert(!dlsi_columns_compress(&t, 1, DLSI_ALL, &S->Kc, NULL));
+  dlsi_triplets_free(&t);
+  S->model.Ks = dlsi_columns_view(&S->Kc);
+  S->model.factorization = DLS_LU;
+}
+
+/* Supernodes store the upper half of their triangles and some zeros: up to twice the entries and
+ * flops here, less in larger problems. */
+START_TEST(beside_elimination) {
+  solids S;
+  dls_global *G;
+  dls_global_info info, again;
+  scene(&S, _i);
+  dls_error e = {0};
+  ck_assert_msg(!dls_global_estimate(&S.model, &info, &e), "%s", e.message);
+  ck_assert(!dls_global_create(&G, &S.model, NULL));
+  ck_assert(!dls_global_get_info(G, &again, NULL));
+  ck_assert_mem_eq(&info, &again, sizeof info);
+  dlsi_cholesky *L = G->system->cholesky;
+  if (_i == 3) ck_assert(!dlsi_system_analyse(G->system, &L, NULL));
+  const counts is = counts_of(G->system, L);
+  const double twice = _i == 3 ? 2 : 1;
+  ck_assert_msg(info.flops >= .99 * twice * is.flops && info.flops <= 2 * twice * is.flops,
+                "%g flops, foreseen %g", twice * is.flops, info.flops);
+  ck_assert_msg(info.factor_bytes >= 8 * twice * is.entries &&
+                    info.factor_bytes <= 2 * 8 * twice * is.entries,
+                "%g bytes, foreseen %g", 8 * twice * is.entries, info.factor_bytes);
+  ck_assert(info.step_bytes >= 2 * info.factor_bytes && info.bytes >= info.factor_bytes);
+  if (_i == 3) dlsi_cholesky_destroy(L);
+  dls_global_destroy(G);
+  solids_free(&S);
+}
+END_TEST
+
+/* Create and the first solve ask for what stays, and for a moment for the arrays of the copy, of
+ * the analysis, and of a factorisation. */
+START_TEST(beside_malloc) {
+  solids S;
+  dls_global *G;
+  dls_global_info info;
+  scene(&S, _i);
+  const size_t n = (size_t)S.model.n, nc = (size_t)S.contacts;
+  double *mu = calloc(nc, sizeof *mu), *x = calloc(n, sizeof *x);
+  double *r = calloc(nc * (size_t)S.d, sizeof *r);
+  malloc_fails_at(0);
+  ck_assert(!dls_global_create(&G, &S.model, NULL));
+  const dls_limits few = {.tol = 1e-8, .max_iterations = 15};
+  ck_assert_int_ge(dls_global_solve(G, S.f, S.g, mu, &few, r, x, NULL, NULL), 0);
+  const double asked = (double)malloc_bytes();
+  ck_assert(!dls_global_get_info(G, &info, NULL));
+  ck_assert_msg(info.bytes <= asked && info.bytes >= .5 * asked, "%g bytes asked, foreseen %g",
+                asked, info.bytes);
+  dls_global_destroy(G);
+  free(mu);
+  free(x);
+  free(r);
+  solids_free(&S);
+}
+END_TEST
+
+START_TEST(errors_named) {
+  solids S;
+  dls_global *G;
+  dls_global_info info = {.flops = -1};
+  dls_error e;
+  scene(&S, 0);
+  expect_error(dls_global_estimate(NULL, &info, &e), &e, DLS_E_ARGUMENT, "dls_global_estimate",
+               "model", -1);
+  expect_error(dls_global_estimate(&S.model, NULL, &e), &e, DLS_E_ARGUMENT, "dls_global_estimate",
+               "info", -1);
+  expect_error(dls_global_get_info(NULL, &info, &e), &e, DLS_E_ARGUMENT, "dls_global_get_info",
+               "global", -1);
+  ck_assert(!dls_global_create(&G, &S.model, NULL));
+  expect_error(dls_global_get_info(G, NULL, &e), &e, DLS_E_ARGUMENT, "dls_global_get_info", "info",
+               -1);
+  G->busy = 1;
+  expect_error(dls_global_get_info(G, &info, &e), &e, DLS_E_BUSY, "dls_global_get_info", "global",
+               -1);
+  G->busy = 0;
+  dls_global_destroy(G);
+  solids_free(&S);
+  scene(&S, 3);
+  long k = 1;
+  for (dls_status status = DLS_E_MEMORY; status; k++) {
+    malloc_fails_at(k);
+    status = dls_global_estimate(&S.model, &info, NULL);
+    malloc_fails_at(0);
+    ck_assert(!status || (status == DLS_E_MEMORY && info.flops == -1));
+  }
+  ck_assert_int_gt(k, 20);
+  solids_free(&S);
+}
+END_TEST
+
+int main(void) {
+  return RUN("global estimate", NULL, NULL, EACH(beside_elimination, 0, 4),
+             EACH(beside_malloc, 0, 3), ONCE(errors_named));
+}
