@@ -33,8 +33,8 @@
  * Source: Lions and Mercier, SIAM J. Numer. Anal. 16, 1979, 964-979; vi/admm.c is the same on W.
  * Cost: a solve with the factor of A an iteration, a product with K every 10.
  * What can fail: Coulomb's law is not monotone, and nothing proves convergence with friction.
- * Arches of stiff stones and slender strips take hundreds of iterations, or stall: they move by far
- * more than the local compliance.
+ * Slender strips take hundreds of iterations, or stall: they move by far more than the local
+ * compliance.
  */
 #include <limits.h>
 #include <string.h>

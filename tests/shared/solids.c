@@ -64,6 +64,7 @@ static void add_element(solids *S, const int *node, const double *x, double stif
       for (int k = 0; k < 3; k++)
         I[k][k] = 1 / J[k][k];
     }
+    ck_assert(det > 0);
     for (int c = 0; c < corners; c++)
       for (int k = 0; k < d; k++)
         for (int l = 0; l < d; l++)
@@ -251,26 +252,20 @@ void solids_arch(solids *S, int stones, double thick) {
     for (int j = 0; j <= ny; j++)
       for (int i = 0; i <= nx; i++) {
         const double angle = pi - pi * (b + (double)i / nx) / stones;
-        const double radius = 1 + thick * (.5 - (double)j / ny);
+        const double radius = 1 + thick * ((double)j / ny - .5);
         x[2 * (i + (nx + 1) * j)] = radius * cos(angle);
         x[2 * (i + (nx + 1) * j) + 1] = radius * sin(angle);
       }
-    double flip[2 * each]; /* the element wants det > 0: rows from the inside out */
-    for (int j = 0; j <= ny; j++)
-      memcpy(flip + 2 * (nx + 1) * j, x + 2 * (nx + 1) * (ny - j), 2 * (nx + 1) * sizeof *x);
-    for (int j = 0; j <= ny; j++)
-      for (int i = 0; i <= nx; i++)
-        memcpy(x + 2 * (i + (nx + 1) * j), flip + 2 * (nx - i + (nx + 1) * j), 2 * sizeof *x);
     const int first = solids_mapped(S, (int[]){nx, ny, 1}, x, 1e4);
     for (int k = 0; k < each; k++)
       S->f[2 * (first + k) + 1] = -1. / (stones * each);
-    /* column nx is the side of the stone before, column 0 that of the next one */
+    /* column 0 is the side of the stone before, column nx that of the next one */
     const double angle = pi - pi * b / stones;
     const double normal[2] = {sin(angle), -cos(angle)};
     for (int j = 0; j <= ny; j++)
-      solids_contact(S, first + nx + (nx + 1) * j, b ? first - each + (nx + 1) * j : -1, normal, 0);
+      solids_contact(S, first + (nx + 1) * j, b ? first - each + nx + (nx + 1) * j : -1, normal, 0);
   }
   for (int j = 0; j <= ny; j++)
-    solids_contact(S, each * (stones - 1) + (nx + 1) * j, -1, (double[]){0, 1}, 0);
+    solids_contact(S, each * (stones - 1) + nx + (nx + 1) * j, -1, (double[]){0, 1}, 0);
   (void)solids_model(S);
 }
