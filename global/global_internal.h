@@ -150,10 +150,15 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error);
  * dlsi_global_measure, or an error; x is as before, r and u are spoilt. */
 dls_status dlsi_global_newton(dls_global *work, double *r, dls_error *error);
 
+/* ---- interior.c ------------------------------------------------------------------------------ */
+
+/* x := the solution of the convex problem (GI1) without gaps, with springs hold E; n. */
+dls_status dlsi_global_interior(dls_global *work, double hold, double *x, dls_error *error);
+
 /* ---- motion.c -------------------------------------------------------------------------------- */
 
-/* Looks for a rigid motion that nothing can hold, in `most` iterations. *proved := 1: work->motion
- * holds it. Keeps q, p, x; spoils r, u. DLS_E_MEMORY, DLS_E_SINGULAR. */
-dls_status dlsi_global_prove(dls_global *work, int most, int *proved, dls_error *error);
+/* Looks for a rigid motion that nothing can hold. *proved := 1: work->motion holds it. Keeps q, r,
+ * p, x, u; spoils y. DLS_E_MEMORY. */
+dls_status dlsi_global_prove(dls_global *work, int *proved, dls_error *error);
 
 #endif

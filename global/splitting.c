@@ -76,7 +76,8 @@ static int split_sort(dls_global *work, const double *q) {
 /* What the looks remember. */
 typedef struct schedule {
   int look;                /* iteration of the next (GL7) */
-  int newton, prove;       /* iteration from which on (GL8), (GL9) may be tried */
+  int newton;              /* iteration from which on (GL8) may be tried */
+  int tried;               /* 1 after (GL9) */
   double jump;             /* (GL7): next factor where the residual stands still */
   int moves;               /* 1: the smallest residual has halved between the two looks before */
   int still;               /* looks where it had not, with rho balanced */
@@ -175,6 +176,14 @@ static dls_status split_verdict(const dls_global *work, dls_status status) {
              : status;
 }
 
+/* (GM1), once a solve. DLS_NO_SOLUTION if proved, DLS_STALLED to go on, or an error. */
+static dls_status split_prove(dls_global *work, schedule *s, dls_error *error) {
+  int proved = 0;
+  s->tried = 1;
+  const dls_status status = dlsi_global_prove(work, &proved, error);
+  return status ? status : proved ? DLS_NO_SOLUTION : DLS_STALLED;
+}
+
 /* Measures and decides at iteration k. p: r - rho u. Returns DLS_STALLED to go on, with *end = 0.
  * */
 static dls_status split_look(dls_global *work, int k, int most, const double *p, schedule *s,
@@ -201,19 +210,20 @@ static dls_status split_look(dls_global *work, int k, int most, const double *p,
     if (status != DLS_STALLED) return status;
   }
   s->residual = now.residual;
-  if (k >= s->look && stands_still(&now, s) && k >= s->prove) {
-    int proved = 0;
-    s->prove = 2 * k;
-    status = dlsi_global_prove(work, 2 * k, &proved, error);
-    if (status) return status;
-    if (proved) return DLS_NO_SOLUTION;
-  }
   const double badness = dlsi_body_badness(&work->best);
   if (badness < s->best / 2) {
     s->best = badness;
     s->since = k;
   }
   *end = k - s->since > no_progress || now.residual != now.residual;
+  const int still = k >= s->look && stands_still(&now, s);
+  if (!s->tried && (still || *end)) {
+    status = split_prove(work, s, error);
+    if (status != DLS_STALLED) {
+      *end = 1;
+      return status;
+    }
+  }
   return *end ? split_verdict(work, DLS_STALLED) : DLS_STALLED;
 }
 
