@@ -127,7 +127,7 @@ static int named_problem(const char *name, problem *p) {
     p->contact = plane(n);
     return 1;
   }
-  if (!problem_load(name, 0, p, &error)) return 1;
+  if (!problem_load(name, 0, DLS_ON_W, p, &error)) return 1;
   return complain_of(name, &error), 0;
 }
 

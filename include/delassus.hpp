@@ -327,7 +327,10 @@ public:
   answer solve(const std::vector<double> &mu, std::vector<double> *x, settings s = settings(),
                const std::vector<double> &start = {}, const progress &look = nullptr) {
     const double *MU = detail::pointer(mu, candidates, "solve", "mu", true);
-    answer a = detail::blank(contact(mu), start);
+    dls_contact sizes = {}; /* on K there is no W */
+    sizes.nc = static_cast<int>(candidates);
+    sizes.d = candidates ? static_cast<int>(m / candidates) : 2;
+    answer a = detail::blank(sizes, start);
     if (!start.empty()) s.limits.warm_start = 1;
     std::vector<double> unknown(unknowns());
     const detail::watch w(&s.limits, look);

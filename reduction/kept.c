@@ -55,7 +55,8 @@ dls_status dlsi_kept_create(dlsi_kept *kept, const dls_model *model, const dlsi_
       model->operator_kind == DLS_STIFFNESS_DENSE || model->operator_kind == DLS_STIFFNESS_SPARSE;
   *kept = (dlsi_kept){.model = {.n = model->n,
                                 .operator_kind = model->operator_kind,
-                                .factorization = model->factorization}};
+                                .factorization = model->factorization,
+                                .triangular = model->triangular}};
   kept->body = (dlsi_body){.n = model->n, .Ht = dlsi_columns_view(&H->Ht), .d = H->d};
   kept->body.nc = H->candidates;
   kept->memory = dlsi_alloc(n + 2 * m + 2 * nc, sizeof(double));

@@ -10,12 +10,16 @@ typedef struct dlsi_reduced {
   dls_model K; /* a view: n, operator_kind, factorization, K or Ks */
   const dlsi_operator *H;
   const double *f, *gap; /* the last load: n, m */
+  const double *mu;      /* of the model, or NULL */
   void *companion;       /* NULL: none is kept */
+  int is_stale;          /* 1: the companion has the values before the last update, on K alone */
+  int on_K;              /* 1: there is no W */
 } dlsi_reduced;
 
 dlsi_reduced dlsi_reduction_body(dls_reduction *reduction);
 
-/* Keeps an object that belongs to these values of K and H until the next update or destroy. */
+/* Keeps an object that belongs to these values of K and H until the next update, or on K until
+ * destroy. */
 void dlsi_reduction_keep(dls_reduction *reduction, void *companion, void (*destroy)(void *));
 
 #endif

@@ -16,6 +16,7 @@
  * Memory: m^2 + O(n + nnz H) doubles beside the factor. Load, recover, balance: one solve each.
  */
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -45,6 +46,7 @@ struct dls_reduction {
   dlsi_operator H;
   dlsi_kept kept;  /* for the certificate of the body */
   void *companion; /* of src/front/body.c, NULL for none, and how to end it */
+  int is_stale;    /* 1: the companion has the values before the last update */
   void (*companion_destroy)(void *);
   double *mu; /* candidates: a copy of H.mu that stays in its place; NULL if the model has none */
   double *W;  /* m x m, or NULL */
@@ -60,11 +62,17 @@ struct dls_reduction {
 
 void dls_reduction_settings_init(dls_reduction_settings *settings) {
   if (!settings) return;
-  *settings = (dls_reduction_settings){.size = sizeof *settings, .form_W = 1};
+  *settings = (dls_reduction_settings){.size = sizeof *settings, .loads = 1, .form_W = 1};
+}
+
+static int is_on_K(const dls_reduction *work) {
+  return work->settings.on == DLS_ON_K;
 }
 
 static dls_status reduction_settings(const dls_reduction_settings *s, dls_error *error) {
-  const dlsi_setting own[] = {{"memory_limit", s->memory_limit, 0, INFINITY, 0},
+  const dlsi_setting own[] = {{"on", (double)s->on, DLS_ON_EITHER, DLS_ON_K, 0},
+                              {"loads", s->loads, 1, INT_MAX, 0},
+                              {"memory_limit", s->memory_limit, 0, INFINITY, 0},
                               {"allow_indefinite", s->allow_indefinite, 0, 1, 0},
                               {"stabilize", s->stabilize, 0, 1, 0},
                               {"form_W", s->form_W, 0, 1, 0},
@@ -271,13 +279,29 @@ static dls_status reduction_factor(dls_reduction *work, const dls_model *model, 
 static void reduction_drop_companion(dls_reduction *work) {
   if (work->companion) work->companion_destroy(work->companion);
   work->companion = NULL;
+  work->is_stale = 0;
+}
+
+/* Copies what the problem on K needs. */
+static dls_status reduction_keep_K(dls_reduction *work, const dls_model *model, dls_error *error) {
+  const dls_status status = dlsi_kept_create(&work->kept, model, &work->H, error);
+  work->is_stale = 1;
+  if (status || work->kept.has_K) return status;
+  return dlsi_fail(error, DLS_E_UNSUPPORTED, "on", -1, DLS_ON_K,
+                   "is K, which a flexibility or a host's solver does not have");
 }
 
 /* Computes all that depends on values, but H. */
 static dls_status reduction_fill(dls_reduction *work, const dls_model *model, dls_error *error) {
   work->ready = 0;
-  reduction_drop_companion(work);
   dlsi_kept_free(&work->kept);
+  if (work->mu) memcpy(work->mu, work->H.mu, (size_t)work->H.candidates * sizeof *work->mu);
+  if (is_on_K(work)) {
+    const dls_status kept = reduction_keep_K(work, model, error);
+    work->ready = !kept;
+    return kept;
+  }
+  reduction_drop_companion(work);
   dls_status status = reduction_factor(work, model, error);
   if (!status) status = dlsi_kept_create(&work->kept, model, &work->H, error);
   if (status) return status;
@@ -286,7 +310,6 @@ static dls_status reduction_fill(dls_reduction *work, const dls_model *model, dl
   memset(work->foot, 0, sizeof work->foot);
   work->follow = (dlsi_follow){0};
   work->is_free = work->half = 0;
-  if (work->mu) memcpy(work->mu, work->H.mu, (size_t)work->H.candidates * sizeof *work->mu);
   if (work->settings.form_W) {
     status = dlsi_watch_stage(&work->watch, "W", reduction_batches(work));
     if (status) return status;
@@ -314,6 +337,7 @@ static dls_status reduction_begin(dls_reduction **out, const dls_model *model,
   dls_reduction *work = calloc(1, sizeof *work);
   if (!work) return dlsi_no_memory(error);
   work->settings = *settings;
+  work->info.on = is_on_K(work) ? DLS_ON_K : DLS_ON_W;
   work->watch = (dlsi_watch){
       .limits = {.progress = settings->progress, .progress_data = settings->progress_data},
       .method = "reduction",
@@ -326,6 +350,7 @@ static dls_status reduction_begin(dls_reduction **out, const dls_model *model,
   work->n = (size_t)model->n;
   status = dlsi_operator_create(&work->H, model, settings->frictionless, error);
   work->m = (size_t)work->H.d * (size_t)work->H.candidates;
+  work->info.contacts = work->H.candidates;
   if (!status) status = reduction_allocate(work, error);
   if (!status && model->modes.a)
     status = dlsi_modes_create(&work->modes, model, model->modes, error);
@@ -468,6 +493,14 @@ static dls_status reduction_ready(const dls_reduction *work, dls_error *error) {
                    "holds nothing after an update that failed");
 }
 
+/* Refuses what only a reduction to W can do. */
+static dls_status reduction_on_W(const dls_reduction *work, dls_error *error) {
+  const dls_status status = reduction_ready(work, error);
+  if (status || !is_on_K(work)) return status;
+  return dlsi_fail(error, DLS_E_UNSUPPORTED, "reduction", -1, 0,
+                   "solves on K (settings.on): W is not formed");
+}
+
 /* Checks a reduction, the reactions r and the place of the result. */
 static dls_status reduction_given(const dls_reduction *work, const double *r, const char *argument,
                                   const void *result, dls_error *error) {
@@ -533,7 +566,7 @@ static dls_status reduction_load(dls_reduction *work, const double *f, const dou
   if (!status && g)
     status = dlsi_check_vector("g", g, (size_t)work->d * (size_t)work->nodes, error);
   if (status) return status;
-  const int solves = f && work->m > 0;
+  const int solves = f && work->m > 0 && !is_on_K(work);
   reduction_gaps(work, g);
   memcpy(work->next_gap, work->v, work->m * sizeof *work->v);
   for (size_t k = 0; solves && k < work->n; k++)
@@ -543,7 +576,7 @@ static dls_status reduction_load(dls_reduction *work, const double *f, const dou
   if (!status) status = reduction_take_q(work, error);
   if (status) return status;
   work->half = solves && work->factor->kept > 0;
-  for (size_t k = 0; k < work->n; k++)
+  for (size_t k = 0; k < work->n && !is_on_K(work); k++)
     work->f[k] = f ? f[work->factor->unknown[k]] : 0;
   for (size_t k = 0; k < work->n; k++)
     work->kept.f[k] = f ? f[k] : 0;
@@ -573,15 +606,17 @@ static dls_status reduction_load_free(dls_reduction *work, const double *x_free,
   if (!status && g)
     status = dlsi_check_vector("g", g, (size_t)work->d * (size_t)work->nodes, error);
   if (status) return status;
-  const int *unknown = work->factor->unknown;
   reduction_gaps(work, g);
   memcpy(work->next_gap, work->v, work->m * sizeof *work->v);
-  for (size_t k = 0; k < work->n; k++)
-    work->x[k] = x_free[unknown[k]];
-  dlsi_operator_add(&work->H, unknown, work->n, work->x, work->v);
-  status = reduction_take_q(work, error);
-  if (status) return status;
-  memcpy(work->f, work->x, work->n * sizeof *work->f);
+  if (!is_on_K(work)) {
+    const int *unknown = work->factor->unknown;
+    for (size_t k = 0; k < work->n; k++)
+      work->x[k] = x_free[unknown[k]];
+    dlsi_operator_add(&work->H, unknown, work->n, work->x, work->v);
+    status = reduction_take_q(work, error);
+    if (status) return status;
+    memcpy(work->f, work->x, work->n * sizeof *work->f);
+  }
   memcpy(work->kept.gap, work->next_gap, work->m * sizeof *work->v);
   if (work->kept.has_K) dlsi_body_multiply(&work->kept.model, x_free, work->kept.f, NULL);
   work->is_free = 1;
@@ -600,7 +635,7 @@ dls_status dls_reduction_load_free(dls_reduction *reduction, const double *x_fre
 
 static dls_status reduction_contact(const dls_reduction *work, const double *mu,
                                     dls_contact *problem, dls_error *error) {
-  dls_status status = reduction_ready(work, error);
+  dls_status status = reduction_on_W(work, error);
   if (status) return status;
   if (!work->W)
     return dlsi_fail(error, DLS_E_UNSUPPORTED, "reduction", -1, 0,
@@ -678,7 +713,8 @@ static dls_status reduction_solve_for(dls_reduction *work, const double *r, dls_
 
 static dls_status reduction_recover(dls_reduction *work, const double *r, double *x,
                                     dls_error *error) {
-  dls_status status = reduction_given(work, r, "x", x, error);
+  dls_status status = reduction_on_W(work, error);
+  if (!status) status = reduction_given(work, r, "x", x, error);
   if (!status) status = reduction_solve_for(work, r, error);
   for (size_t k = 0; !status && k < work->n; k++)
     x[work->factor->unknown[k]] = work->x[k];
@@ -709,7 +745,8 @@ static double reduction_turmoil(const dls_reduction *work, int k, const double *
 
 static dls_status reduction_balance(dls_reduction *work, const double *r, double *imbalance,
                                     dls_error *error) {
-  dls_status status = reduction_given(work, r, "r", r, error);
+  dls_status status = reduction_on_W(work, error);
+  if (!status) status = reduction_given(work, r, "r", r, error);
   if (!status) status = reduction_solve_for(work, r, error);
   if (status) return status;
   double worst = 0, stretch[dlsi_most_modes] = {0}, move[dlsi_most_modes] = {0};
@@ -805,6 +842,32 @@ dls_status dls_reduction_certify(dls_reduction *reduction, const double *mu, con
   return dlsi_at(__func__, status, error);
 }
 
+static dls_status reduction_states(dls_reduction *work, const double *mu, const double *r,
+                                   const double *u, dls_contact_state *state, dls_error *error) {
+  dls_status status = reduction_given(work, r, "state", state, error);
+  if (!status) status = dlsi_check_vector("u", u, work->m, error);
+  if (!mu) mu = work->mu;
+  if (!status) status = dlsi_check_friction(mu, (size_t)work->H.candidates, error);
+  if (status) return status;
+  reduction_weigh(work);
+  for (int c = 0; c < work->H.candidates; c++) {
+    const size_t o = (size_t)work->H.d * (size_t)c;
+    double F[3];
+    state[c] =
+        dlsi_contact_misfit(work->H.d, mu[c], work->kept.w + 2 * (size_t)c, r + o, u + o, F);
+  }
+  return DLS_OK;
+}
+
+dls_status dls_reduction_states(dls_reduction *reduction, const double *mu, const double *r,
+                                const double *u, dls_contact_state *state, dls_error *error) {
+  DLSI_DOOR;
+  dls_status status = reduction_enter(reduction, error);
+  if (!status)
+    status = dlsi_leave(&reduction->busy, reduction_states(reduction, mu, r, u, state, error));
+  return dlsi_at(__func__, status, error);
+}
+
 /* ---- for src/front/body.c -------------------------------------------------------------------- */
 
 dlsi_reduced dlsi_reduction_body(dls_reduction *reduction) {
@@ -813,11 +876,15 @@ dlsi_reduced dlsi_reduction_body(dls_reduction *reduction) {
                         .H = &reduction->H,
                         .f = reduction->kept.f,
                         .gap = reduction->kept.gap,
-                        .companion = reduction->companion};
+                        .mu = reduction->mu,
+                        .companion = reduction->companion,
+                        .is_stale = reduction->is_stale,
+                        .on_K = is_on_K(reduction)};
 }
 
 void dlsi_reduction_keep(dls_reduction *reduction, void *companion, void (*destroy)(void *)) {
-  reduction_drop_companion(reduction);
+  if (companion != reduction->companion) reduction_drop_companion(reduction);
+  reduction->is_stale = 0;
   reduction->companion = companion;
   reduction->companion_destroy = destroy;
 }

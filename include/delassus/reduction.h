@@ -38,8 +38,18 @@ extern "C" {
 DLS_API DLS_MUST_USE dls_status dls_model_modes(const dls_model *model, int most, double *basis,
                                                 int *unknown, int *count, dls_error *error);
 
+/* Where the contact problem is solved. */
+typedef enum dls_on {
+  DLS_ON_EITHER, /* dls_reduction_create_either chooses; the others take W */
+  DLS_ON_W,      /* the Delassus matrix, m x m and dense: few contacts, many loads, any method */
+  DLS_ON_K       /* the stiffness (global.h): contact over whole surfaces, bodies that only contact
+                    holds; by dls_reduction_solve with method auto */
+} dls_on;
+
 typedef struct dls_reduction_settings {
   size_t size;         /* set by init; settings without it are refused */
+  dls_on on;           /* DLS_ON_EITHER */
+  int loads;           /* how many solves to expect for one K, for the choice; 1 */
   double memory_limit; /* bytes; more than that foreseen is DLS_E_MEMORY before the work; 0: none */
   int allow_indefinite; /* 1: a K tagged DLS_CHOLESKY that is indefinite is factored as DLS_LDLT
                            instead of being an error; 0 */
@@ -62,6 +72,9 @@ DLS_API void dls_reduction_settings_init(dls_reduction_settings *settings);
 
 /* Cost of a reduction: foreseen, or as it was. */
 typedef struct dls_reduction_info {
+  dls_on on;           /* DLS_ON_W; DLS_ON_K: K is not factored here, the fields from condensed on
+                          are 0 */
+  int contacts;        /* candidates of the contact problem */
   int condensed;       /* unknowns of the dense Schur complement; 0 where there is none */
   double W_bytes;      /* m^2 doubles */
   double factor_bytes; /* of K's factor and the Schur complement */
@@ -108,6 +121,18 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_create_with(dls_reduction **out,
                                                           const dls_model *model,
                                                           const dls_reduction_settings *settings,
                                                           dls_error *error);
+
+/* Works as dls_reduction_create_with and chooses, unless settings.on says it, where the problem is
+ * solved: on W, or on K, by the flops and bytes foreseen for settings.loads solves. W that does not
+ * fit settings.memory_limit, a singular K, and given or wanted rigid-body modes go to K; a K that
+ * is not at hand (flexibility, a host's solver) to W. dls_reduction_get_info tells.
+ *
+ * On K a reduction serves load, load_free, certify, nodal, update and dls_reduction_solve;
+ * dls_reduction_contact, recover and balance need W and answer DLS_E_UNSUPPORTED. */
+DLS_API DLS_MUST_USE dls_status dls_reduction_create_either(dls_reduction **out,
+                                                            const dls_model *model,
+                                                            const dls_reduction_settings *settings,
+                                                            dls_error *error);
 
 /* Takes new values of K, H, P on the pattern of create, whose analysis and memory are reused: W is
  * formed anew, f and q are 0 again, views of them (dls_reduction_contact) stay valid; modes stay
@@ -167,6 +192,13 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_certify(dls_reduction *reduction, 
                                                       const double *r, const double *x, double *u,
                                                       dls_certificate *certificate,
                                                       dls_error *error);
+
+/* Tells the state of each candidate, as dls_contact_states, from r and u = H^T x + g with the
+ * weights of K. mu as in dls_reduction_contact; r, u (m); state (candidates). Errors of
+ * dls_reduction_certify. */
+DLS_API DLS_MUST_USE dls_status dls_reduction_states(dls_reduction *reduction, const double *mu,
+                                                     const double *r, const double *u,
+                                                     dls_contact_state *state, dls_error *error);
 
 /* Balances a K whose k rigid-body modes are held: the springs s_j = 0.1 K_jj at k unknowns j of
  * the modes make K regular, and take the part of the loads that r does not balance,

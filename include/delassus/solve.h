@@ -148,6 +148,8 @@ DLS_API DLS_MUST_USE dls_status dls_solve(const dls_contact *problem,
  * answer is the pair (x, r), and "solved" is said by dls_reduction_certify alone, of the body.
  * Where the solution on W does not hold on the body (soft supports, rigid-body modes that springs
  * hold) the method auto goes on with the problem on K itself (global.h), which needs no springs.
+ * A reduction on K (settings.on) solves there at once, by method auto alone; a warm start is then
+ * from r and the x of the last solve.
  *
  *   mu        as in dls_reduction_contact
  *   settings  NULL for the defaults

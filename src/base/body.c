@@ -15,8 +15,9 @@
  *   (BO4)  floor_u, floor_r as of contact.h, with |H|^T |x| + |g| in place of |W||r| + |q|
  *   (BO5)  floor_e: eps (|K||x| + |f| + |H||r|) by bodies, over the scale of (BO3)
  *
- *   (BO6)  an F_c of no more than 4 eps D (|H|^T (|K||x| + |f| + |H||r|))_c is 0: where loads
- *          balance without the contacts, reactions are rounding, and so is what they lack
+ *   (BO6)  an F_c of no more than 4 eps D |H_c|^T a is 0, a the largest entry of |K||x| + |f| +
+ *          |H||r| in the body: where loads balance without the contacts, reactions are rounding,
+ *          and so is what they lack. That of one unknown is felt in all of the body
  *
  * The weights are local: the compliance of the whole body, on soft supports, holds the motion of
  * all of it. Cost: a product with K, O(nnz H). Fails: the weights, without memory.
@@ -304,10 +305,14 @@ static void measure_unknowns(const dlsi_body *body, const double *f, const doubl
 static void measure_hidden(const dlsi_body *body, const body_arrays *of) {
   const size_t d = (size_t)body->d, m = d * (size_t)body->nc;
   const dls_sparse *Ht = &body->Ht;
+  double *most = of->sums;
+  memset(most, 0, (size_t)body->parts * sizeof *most);
   memset(of->hidden, 0, m * sizeof *of->hidden);
   for (int j = 0; j < body->n; j++)
+    body_raise(&most[body->part[j]], of->ae[j]);
+  for (int j = 0; j < body->n; j++)
     for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++)
-      of->hidden[Ht->i[k]] += fabs(Ht->x[k]) * of->ae[j];
+      of->hidden[Ht->i[k]] += fabs(Ht->x[k]) * most[body->part[j]];
   for (size_t k = 0; k < m; k++)
     of->hidden[k] *= 4 * DBL_EPSILON * body->w[2 * (k / d) + (k % d > 0)];
 }

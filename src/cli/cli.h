@@ -50,12 +50,17 @@ typedef struct problem {
   dls_model model;           /* of a global one */
   const double *f, *g, *mu;
   int of_bodies; /* 1: a global one whose contact is one of bodies, not reduced */
+  int on_K;      /* 1: contact has d, nc and mu, and no W */
   dls_contact contact;
   double reduction_cpu_seconds;
 } problem;
 
-/* Reads a problem. bodies: 1 to keep a global one of rigid bodies factored, 0 to reduce it. */
-dls_status problem_load(const char *path, int bodies, problem *p, dls_error *error);
+/* Sets p->contact, p->on_K from p->reduction. */
+dls_status problem_take_contact(problem *p, dls_error *error);
+
+/* Reads a problem. bodies: 1 to keep a global one of rigid bodies factored, 0 to reduce it,
+ * where `on` says. */
+dls_status problem_load(const char *path, int bodies, dls_on on, problem *p, dls_error *error);
 
 /* Keeps the BLAS of this process to one thread for a small problem: threads that wait for work of
  * some microseconds take more CPU than the work (docs/threads.md). The library leaves the BLAS of
@@ -224,7 +229,7 @@ const char *iteration_word(dls_method method, int count);
 /* ---- results.c ------------------------------------------------------------------------------- */
 
 /* Finds the state of each candidate; a new array, or NULL after a complaint. */
-dls_contact_state *find_states(const dls_contact *contact, const double *r, const double *u);
+dls_contact_state *find_states(const problem *p, const double *r, const double *u);
 
 /* Prints the answer as a table: each candidate's state, reaction and position; with x (n), each
  * unknown's. */

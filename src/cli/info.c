@@ -309,8 +309,8 @@ int command_info(int argc, char **argv) {
   dls_diagnosis g;
   static trust t;
   int result = EXIT_SOLVED;
-  if (problem_load(path, 0, &p, &error) || dls_contact_diagnose(&p.contact, o.limit, &g, &error) ||
-      find_trust(&p.contact, &t, &error))
+  if (problem_load(path, 0, DLS_ON_W, &p, &error) ||
+      dls_contact_diagnose(&p.contact, o.limit, &g, &error) || find_trust(&p.contact, &t, &error))
     result = complain_of(path, &error);
   else {
     if (is_verbose()) print_reduction(stderr, &p);

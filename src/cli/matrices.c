@@ -35,6 +35,12 @@ taken take_matrix_option(int key, const char *text, matrix_options *o) {
     o->stabilize = 1;
     return OPTION_TAKEN;
   }
+  if (key == KEY_ON) {
+    o->on = strcmp(text, "K") == 0 ? DLS_ON_K : strcmp(text, "W") == 0 ? DLS_ON_W : DLS_ON_EITHER;
+    if (o->on != DLS_ON_EITHER) return OPTION_TAKEN;
+    complain("--on: '%s' is not W or K", text);
+    return OPTION_WRONG;
+  }
   if (key != KEY_DIM) return OPTION_UNKNOWN;
   if (parse_count("dim", text, &o->dim) == OPTION_TAKEN && (o->dim == 2 || o->dim == 3))
     return OPTION_TAKEN;
@@ -70,7 +76,9 @@ void matrices_usage(FILE *out) {
       "      --weights=P       nodes x candidates, the weighting of the reactions\n"
       "      --W=W --q=Q       the condensed problem u = W r + q itself, instead of K, H, f, g\n"
       "      --dim=D           2 or 3, where the sizes of the files do not tell\n"
-      "      --stabilize       free bodies: find the rigid-body modes of K and hold them\n"
+      "      --on=W|K          solve on the Delassus matrix W, or on K itself, which takes bodies\n"
+      "                        that contact alone holds; without it the cheaper one is foreseen\n"
+      "      --stabilize       free bodies: on K, as without it\n"
       "      --modes=B         free bodies: n x k, a basis of the rigid-body modes\n",
       out);
 }
@@ -81,7 +89,8 @@ static int check_matrices(const matrix_options *o) {
   const int traces = (o->H != NULL) + (o->HN != NULL) + (o->nodes != NULL);
   if (operators != 1)
     complain("one of --stiffness, --flexibility and --W is wanted");
-  else if (o->W && (traces || o->HT || o->f || o->g || o->weights || o->modes || o->stabilize))
+  else if (o->W && (traces || o->HT || o->f || o->g || o->weights || o->modes || o->stabilize ||
+                    o->on == DLS_ON_K))
     complain("--W: goes with --q, --mu and --dim");
   else if (o->W && !o->q)
     complain("--W: needs --q");
@@ -93,8 +102,8 @@ static int check_matrices(const matrix_options *o) {
     complain("--HT: goes with --HN");
   else if (!o->mu && (!o->HN || o->HT))
     complain("--mu: is wanted, 0 for no friction");
-  else if (o->flexibility && (o->modes || o->stabilize))
-    complain("--%s: is for --stiffness", o->modes ? "modes" : "stabilize");
+  else if (o->flexibility && (o->modes || o->stabilize || o->on == DLS_ON_K))
+    complain("--%s: is for --stiffness", o->modes ? "modes" : o->stabilize ? "stabilize" : "on=K");
   else if (o->modes && o->stabilize)
     complain("--modes, --stabilize: one of the two");
   else
@@ -474,18 +483,19 @@ static int condense(const matrix_options *o, problem *p) {
   dls_error error = {0};
   dls_reduction_settings settings;
   dls_reduction_settings_init(&settings);
+  settings.on = o->on;
   settings.allow_indefinite = 1;
   settings.stabilize = o->stabilize;
   settings.progress = show_reduction;
   const double start = cpu_seconds();
-  dls_status status = dls_reduction_create_with(&p->reduction, &p->model, &settings, &error);
+  dls_status status = dls_reduction_create_either(&p->reduction, &p->model, &settings, &error);
   if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, &error);
-  if (!status) status = dls_reduction_contact(p->reduction, p->mu, &p->contact, &error);
+  if (!status) status = problem_take_contact(p, &error);
   p->reduction_cpu_seconds = cpu_seconds() - start;
   if (status >= 0) return !status; /* or cancelled */
   (void)complain_of(matrices_name(o), &error);
   if (status == DLS_E_SINGULAR && strstr(error.message, "rigid-body"))
-    (void)complain("--stabilize finds and holds the rigid-body modes, --modes takes them");
+    (void)complain("without --on=W and with --method=auto, the problem is solved on K");
   return 0;
 }
 

@@ -12,6 +12,7 @@ typedef struct matrix_options {
   const char *f, *q, *g, *mu; /* g, mu: a number or a file */
   const char *weights, *modes;
   int dim, stabilize;
+  dls_on on; /* with any method but auto: DLS_ON_W */
 } matrix_options;
 
 /* Keys of the options, beyond all characters. */
@@ -30,7 +31,8 @@ enum {
   KEY_WEIGHTS,
   KEY_MODES,
   KEY_DIM,
-  KEY_STABILIZE
+  KEY_STABILIZE,
+  KEY_ON
 };
 
 #define MATRIX_OPTIONS                                                                             \
@@ -38,7 +40,7 @@ enum {
       VALUE("H", KEY_H), VALUE("HN", KEY_HN), VALUE("HT", KEY_HT), VALUE("nodes", KEY_NODES),      \
       VALUE("f", KEY_F), VALUE("q", KEY_Q), VALUE("g", KEY_G), VALUE("mu", KEY_MU),                \
       VALUE("weights", KEY_WEIGHTS), VALUE("modes", KEY_MODES), VALUE("dim", KEY_DIM),             \
-      FLAG("stabilize", KEY_STABILIZE)
+      FLAG("stabilize", KEY_STABILIZE), VALUE("on", KEY_ON)
 
 /* Takes one of MATRIX_OPTIONS; OPTION_UNKNOWN for another key. */
 taken take_matrix_option(int key, const char *text, matrix_options *options);

@@ -33,7 +33,7 @@ dls_status named_load(const char *name, named *p, dls_error *error) {
     dls_status status = dls_fe_scene_create(&p->scene, name, 0, error);
     return status ? status : named_condense(p, error);
   }
-  const dls_status status = problem_load(name, 0, &p->file, error);
+  const dls_status status = problem_load(name, 0, DLS_ON_W, &p->file, error);
   p->contact = p->file.contact;
   return status;
 }

@@ -28,26 +28,38 @@ const char *problem_title(const problem *p) {
   return p->text ? dls_text_title(p->text) : p->file ? dls_fclib_title(p->file) : "";
 }
 
-dls_status problem_load(const char *path, int bodies, problem *p, dls_error *error) {
+/* Refuses --on=K for a file that holds W. */
+static dls_status check_place(dls_on on, dls_error *error) {
+  if (on != DLS_ON_K) return DLS_OK;
+  *error = (dls_error){.status = DLS_E_UNSUPPORTED, .message = "--on=K: this file holds W alone"};
+  return DLS_E_UNSUPPORTED;
+}
+
+dls_status problem_load(const char *path, int bodies, dls_on on, problem *p, dls_error *error) {
   dls_status status;
   if (!is_hdf5(path)) {
     status = dls_text_read(&p->text, input_path(path), error);
+    if (!status) status = check_place(on, error);
     return status ? status : dls_text_contact(p->text, &p->contact, error);
   }
   status = dls_fclib_read(&p->file, input_path(path), error);
   if (status) return status;
-  if (!dls_fclib_is_global(p->file)) return dls_fclib_contact(p->file, &p->contact, error);
+  if (!dls_fclib_is_global(p->file)) {
+    status = check_place(on, error);
+    return status ? status : dls_fclib_contact(p->file, &p->contact, error);
+  }
   status = dls_fclib_model(p->file, &p->model, &p->f, &p->g, &p->mu, error);
   if (status) return status;
-  p->of_bodies = bodies && dls_fclib_bodies(p->file, &p->contact, NULL) == DLS_OK;
+  p->of_bodies = bodies && on != DLS_ON_K && dls_fclib_bodies(p->file, &p->contact, NULL) == DLS_OK;
   if (p->of_bodies) return DLS_OK;
   dls_reduction_settings settings;
   dls_reduction_settings_init(&settings);
+  settings.on = on;
   settings.progress = show_reduction;
   const double start = cpu_seconds();
-  status = dls_reduction_create_with(&p->reduction, &p->model, &settings, error);
+  status = dls_reduction_create_either(&p->reduction, &p->model, &settings, error);
   if (!status) status = dls_reduction_load(p->reduction, p->f, p->g, error);
-  if (!status) status = dls_reduction_contact(p->reduction, p->mu, &p->contact, error);
+  if (!status) status = problem_take_contact(p, error);
   p->reduction_cpu_seconds = cpu_seconds() - start;
   return status;
 }
@@ -80,13 +92,18 @@ void problem_print(const char *path, const problem *p) {
     printf("  of %d rigid bod%s\n", p->contact.bodies.count,
            p->contact.bodies.count == 1 ? "y" : "ies");
   if (p->reduction && !p->of_bodies)
-    printf("  reduced from %d unknown%s in %.3g s of CPU\n", p->model.n, plural(p->model.n),
-           p->reduction_cpu_seconds);
+    printf("  %s %d unknown%s in %.3g s of CPU\n", p->on_K ? "on K, of" : "reduced from",
+           p->model.n, plural(p->model.n), p->reduction_cpu_seconds);
 }
 
 void print_reduction(FILE *out, const problem *p) {
   dls_reduction_info info;
   if (!p->reduction || dls_reduction_get_info(p->reduction, &info, NULL)) return;
+  if (p->on_K) {
+    fprintf(out, "on K: %d unknown%s, %d contact%s, W is not formed\n", p->model.n,
+            plural(p->model.n), info.contacts, plural(info.contacts));
+    return;
+  }
   fprintf(out, "reduction: %d unknown%s, %d condensed, %.3g flops, at most %.3g MB, %.3g s of CPU",
           p->model.n, plural(p->model.n), info.condensed, info.flops, info.bytes * 1e-6,
           p->reduction_cpu_seconds);

@@ -58,13 +58,14 @@ static void put_unknowns(const sheet *s, const problem *p, const double *x) {
   }
 }
 
-dls_contact_state *find_states(const dls_contact *contact, const double *r, const double *u) {
-  const size_t count = contact->nc > 0 ? (size_t)contact->nc : 1;
+dls_contact_state *find_states(const problem *p, const double *r, const double *u) {
+  const size_t count = p->contact.nc > 0 ? (size_t)p->contact.nc : 1;
   dls_contact_state *state = malloc(count * sizeof *state);
   dls_error error = {0};
   if (!state)
     (void)complain("out of memory");
-  else if (dls_contact_states(contact, r, u, state, &error)) {
+  else if (p->on_K ? dls_reduction_states(p->reduction, p->mu, r, u, state, &error)
+                   : dls_contact_states(&p->contact, r, u, state, &error)) {
     (void)complain_of("states", &error);
     free(state);
     state = NULL;
@@ -73,7 +74,7 @@ dls_contact_state *find_states(const dls_contact *contact, const double *r, cons
 }
 
 int print_results(const problem *p, const double *r, const double *u, const double *x) {
-  dls_contact_state *state = find_states(&p->contact, r, u);
+  dls_contact_state *state = find_states(p, r, u);
   if (!state) return 0;
   const sheet s = {stdout, 0};
   put_candidates(&s, &p->contact, state, r, u);
@@ -84,7 +85,7 @@ int print_results(const problem *p, const double *r, const double *u, const doub
 
 int write_results(const char *directory, const problem *p, const double *r, const double *u,
                   const double *x, const char *unsolved) {
-  dls_contact_state *state = find_states(&p->contact, r, u);
+  dls_contact_state *state = find_states(p, r, u);
   sheet s = {state ? open_in(directory, "r.csv") : NULL, 1};
   int good = s.file != NULL;
   if (good) {

@@ -8,7 +8,7 @@
 #include "cli.h"
 #include "matrices.h"
 
-enum { KEY_PRINT = KEY_STABILIZE + 1, KEY_CSV };
+enum { KEY_PRINT = KEY_ON + 1, KEY_CSV };
 
 typedef struct solve_options {
   solver_options solver;
@@ -107,8 +107,13 @@ static dls_status write_solution(const char *out, const problem *p, const double
   const int m = p->contact.d * p->contact.nc;
   if (length > 4 && strcmp(out + length - 4, ".mtx") == 0)
     return dls_mtx_write_commented(out, &(dls_dense){m, 1, m, r}, unsolved, error);
-  if (!(p->reduction || p->of_bodies) || p->model.P.p || p->model.operator_kind == DLS_FLEXIBILITY)
-    return dls_fclib_write_local(out, &p->contact, title, r, u, error);
+  const int is_local =
+      !(p->reduction || p->of_bodies) || p->model.P.p || p->model.operator_kind == DLS_FLEXIBILITY;
+  if (is_local && p->on_K)
+    return *error = (dls_error){.status = DLS_E_UNSUPPORTED,
+                                .message = "a weighting needs W in this format: --on=W"},
+           DLS_E_UNSUPPORTED;
+  if (is_local) return dls_fclib_write_local(out, &p->contact, title, r, u, error);
   return dls_fclib_write_global(out, &p->model, p->f, p->g, p->mu, title, x, r, u, error);
 }
 
@@ -132,11 +137,11 @@ static int has_vectors(dls_status status) {
 }
 
 /* Prints how many candidates are in each state; returns 0 after a complaint. */
-static int print_states(const dls_contact *contact, const double *r, const double *u) {
-  dls_contact_state *state = find_states(contact, r, u);
+static int print_states(const problem *p, const double *r, const double *u) {
+  dls_contact_state *state = find_states(p, r, u);
   int count[3] = {0};
   if (!state) return 0;
-  for (int c = 0; c < contact->nc; c++)
+  for (int c = 0; c < p->contact.nc; c++)
     count[state[c]]++;
   printf("  free %d, slip %d, stick %d\n", count[DLS_FREE], count[DLS_SLIP], count[DLS_STICK]);
   free(state);
@@ -159,13 +164,13 @@ static int print_outcome(const char *path, const problem *p, const outcome *o, c
   printf("  penetration %.2e, adhesion %.2e, cone violation %.2e, slip direction %.2e, "
          "complementarity %.2e\n",
          c->penetration, c->adhesion, c->cone_violation, c->slip_direction, c->complementarity);
-  if (!print_states(&p->contact, r, u)) return 0;
+  if (!print_states(p, r, u)) return 0;
   verdict_print(&o->verdict, o->proof);
   unsettled_print(&o->unsettled);
   dls_diagnosis facts;
   dls_error error = {0};
   const int m = p->contact.d * p->contact.nc, limit = is_solved(o->info.status) ? 0 : hint_rows;
-  if (m == 0 || (is_solved(o->info.status) && r[0] != 0)) return 1;
+  if (m == 0 || p->on_K || (is_solved(o->info.status) && r[0] != 0)) return 1;
   if (dls_contact_diagnose(&p->contact, m <= limit ? limit : 0, &facts, &error))
     return complain_of(path, &error), 0;
   print_hints("  ", facts.hints);
@@ -180,10 +185,13 @@ static int solve_contact(const char *path, const solve_options *options) {
   double *r = NULL, *u = NULL, *x = NULL;
   int result = EXIT_BAD_INPUT;
   int loaded;
-  if (matrices_name(&options->matrices))
-    loaded = matrices_load(&options->matrices, &p);
+  matrix_options matrices = options->matrices;
+  if (options->solver.settings.method != DLS_AUTO && matrices.on != DLS_ON_K)
+    matrices.on = DLS_ON_W;
+  if (matrices_name(&matrices))
+    loaded = matrices_load(&matrices, &p);
   else {
-    const dls_status status = problem_load(path, 1, &p, &error);
+    const dls_status status = problem_load(path, 1, matrices.on, &p, &error);
     loaded = !status;
     if (status < 0) (void)complain_of(path, &error);
   }
@@ -218,7 +226,7 @@ static int solve_contact(const char *path, const solve_options *options) {
     status = dls_reduction_solve(p.reduction, p.mu, &settings, r, u, x, &o.info, &error);
   const double *motion =
       status == DLS_NO_SOLUTION ? dls_reduction_motion(p.reduction, &mover) : NULL;
-  if (!p.reduction || (!motion && has_vectors(status))) { /* which the solver on W has */
+  if (!p.reduction || (!p.on_K && !motion && has_vectors(status))) { /* which the solver on W has */
     if (dls_solver_create(&solver, o.d, o.nc, &settings, &error)) {
       (void)complain_of(path, &error);
       goto end;
@@ -240,8 +248,8 @@ static int solve_contact(const char *path, const solve_options *options) {
                         .unknowns = p.model.n,
                         .mover = mover};
   verdict_fill(&o.verdict, status, 0);
-  const int wrong =
-      !is_solved(status) && o.info.certificate.residual > settings.limits.tol && !o.verdict.says;
+  const int wrong = !p.on_K && !is_solved(status) &&
+                    o.info.certificate.residual > settings.limits.tol && !o.verdict.says;
   if (wrong && !unsettled_find(&o.unsettled, &p.contact, r, u)) goto end;
   if (p.of_bodies && (options->out || options->print || options->csv) &&
       recover(&p, r, &x, &error)) {

@@ -24,23 +24,35 @@
 typedef struct companion {
   dls_global *global;
   int d, of_H; /* rows of a contact there and in H */
+  double *x;   /* n: of the last solve, where the next one may start */
 } companion;
 
 static void companion_destroy(void *of) {
   companion *it = of;
-  if (it) dls_global_destroy(it->global);
+  if (!it) return;
+  dls_global_destroy(it->global);
+  free(it->x);
   free(it);
+}
+
+/* Makes it, or gives it the values of an update; another pattern needs another one. */
+static dls_status companion_fill(companion *it, const dls_model *model, dls_error *error) {
+  if (it->global && !dls_global_update(it->global, model, error)) return DLS_OK;
+  dls_global_destroy(it->global);
+  it->global = NULL;
+  return dls_global_create(&it->global, model, error);
 }
 
 /* *out := the problem on K, which the reduction owns. */
 static dls_status companion_of(dls_reduction *reduction, companion **out, dls_error *error) {
   const dlsi_reduced of = dlsi_reduction_body(reduction);
   *out = of.companion;
-  if (*out) return DLS_OK;
+  if (*out && !of.is_stale) return DLS_OK;
   dlsi_columns HN = {0}, HT = {0};
   const int d = of.H->d > 1 ? of.H->d : 2;
-  companion *made = calloc(1, sizeof *made);
-  dls_status status = made ? DLS_OK : dlsi_no_memory(error);
+  companion *made = *out ? *out : calloc(1, sizeof *made);
+  if (made && !made->x) made->x = calloc((size_t)of.K.n, sizeof *made->x);
+  dls_status status = made && made->x ? DLS_OK : dlsi_no_memory(error);
   if (!status) status = dlsi_operator_columns(of.H, d, DLSI_NORMALS, &HN, error);
   if (!status) status = dlsi_operator_columns(of.H, d, DLSI_TANGENTS, &HT, error);
   dls_model model = of.K;
@@ -51,12 +63,12 @@ static dls_status companion_of(dls_reduction *reduction, companion **out, dls_er
     model.HT = dlsi_columns_view(&HT);
     made->d = d;
     made->of_H = of.H->d;
-    status = dls_global_create(&made->global, &model, error);
+    status = companion_fill(made, &model, error);
   }
   dlsi_columns_free(&HN);
   dlsi_columns_free(&HT);
   if (status) {
-    free(made);
+    if (!*out) companion_destroy(made);
     return status;
   }
   dlsi_reduction_keep(reduction, made, companion_destroy);
@@ -64,8 +76,115 @@ static dls_status companion_of(dls_reduction *reduction, companion **out, dls_er
   return DLS_OK;
 }
 
-/* (BY3) from (x, r), in what is left of the time since `begun`. Returns a status of
- * dls_global_solve. */
+/* ---- W or K ---------------------------------------------------------------------------------- */
+
+/* Seconds of a 3 GHz core, for the choice alone: rates of dense products, of factors by supernodes
+ * with what each of their entries costs besides, of memory; of ordering and analysis per entry. */
+static const double dense_rate = 2e10, factor_rate = 3e10, per_entry = 7e-9, memory_rate = 1e10;
+static const double per_analysed = 1.5e-7;
+enum { sweeps_on_W = 60, steps_on_K = 40, factors_on_K = 2, small_on_W = 300 };
+
+/* Returns what W takes that K does not: forming it and `loads` solves on it. */
+static double cost_of_W(const dlsi_reduced *of, int loads) {
+  const double m = (double)of->H->d * of->H->candidates, b = of->H->kept;
+  const double form = 2 * b * b * b / dense_rate;
+  const double solve = sweeps_on_W * sizeof(double) * m * m / memory_rate + m * m * m / dense_rate;
+  return form + loads * solve;
+}
+
+static double entries_of_K(const dls_model *K) {
+  return K->operator_kind == DLS_STIFFNESS_SPARSE ? (double)K->Ks.p[K->n] : (double)K->n * K->n;
+}
+
+/* Returns 1 if K is foreseen to be cheaper than W. Both have an analysis, of which that of K is
+ * made already, and a factor. */
+static int is_K_cheaper(const dls_global_info *info, double analysis, double of_W, int loads) {
+  const double factor = info->flops / factor_rate + per_entry * info->factor_bytes / sizeof(double);
+  const double steps = loads * (steps_on_K * info->step_bytes / memory_rate);
+  return (factors_on_K - 1) * factor + steps < of_W + analysis;
+}
+
+/* *better := 1 if K is foreseen to be cheaper than W. The reduction is on K; its companion is made
+ * where W does not take less than a few solves on K. */
+static dls_status foresee(dls_reduction *reduction, int loads, int *better, dls_error *error) {
+  const dlsi_reduced of = dlsi_reduction_body(reduction);
+  const double analysis = per_analysed * entries_of_K(&of.K), of_W = cost_of_W(&of, loads);
+  companion *it;
+  dls_global_info info;
+  *better = 0;
+  if ((double)of.H->d * of.H->candidates <= small_on_W || of_W <= 2 * analysis) return DLS_OK;
+  dls_status status = companion_of(reduction, &it, error);
+  if (status == DLS_E_UNSUPPORTED) return DLS_OK; /* an unsymmetric K without MUMPS */
+  if (!status) status = dls_global_get_info(it->global, &info, error);
+  if (!status) *better = is_K_cheaper(&info, analysis, of_W, loads);
+  return status;
+}
+
+static dls_status create_on(dls_reduction **out, const dls_model *model,
+                            const dls_reduction_settings *settings, dls_on on, dls_error *error) {
+  dls_reduction_settings s = *settings;
+  s.on = on;
+  return dls_reduction_create_with(out, model, &s, error);
+}
+
+/* Refuses a problem on K that needs more than the limit. */
+static dls_status check_memory_on_K(dls_reduction *reduction, double limit, dls_error *error) {
+  companion *it;
+  dls_global_info info;
+  dls_status status = limit > 0 ? companion_of(reduction, &it, error) : DLS_OK;
+  if (status || limit == 0) return status;
+  status = dls_global_get_info(it->global, &info, error);
+  if (status || info.bytes <= limit) return status;
+  return dlsi_fail(error, DLS_E_MEMORY, "memory_limit", -1, info.bytes,
+                   "%.3g GB needed on K, which takes less than W; limit %.3g", 1e-9 * info.bytes,
+                   1e-9 * limit);
+}
+
+/* Makes the reduction to W in the place of that on K, but for a K that is singular and a W that
+ * does not fit: these stay on K. */
+static dls_status exchange_for_W(dls_reduction **out, const dls_model *model,
+                                 const dls_reduction_settings *settings, dls_error *error) {
+  dls_reduction *on_W = NULL;
+  dls_error why = {0};
+  const dls_status status = create_on(&on_W, model, settings, DLS_ON_W, &why);
+  if (status == DLS_E_SINGULAR) return DLS_OK;
+  if (status == DLS_E_MEMORY) return check_memory_on_K(*out, settings->memory_limit, error);
+  if (status < 0 && error) *error = why;
+  dls_reduction_destroy(*out);
+  *out = on_W;
+  return status;
+}
+
+static dls_status create_either(dls_reduction **out, const dls_model *model,
+                                const dls_reduction_settings *settings, dls_error *error) {
+  dls_reduction_settings defaults;
+  dls_reduction_settings_init(&defaults);
+  if (!settings) settings = &defaults;
+  if (settings->on != DLS_ON_EITHER) return dls_reduction_create_with(out, model, settings, error);
+  dls_status status = create_on(out, model, settings, DLS_ON_K, error);
+  if (status == DLS_E_UNSUPPORTED) return create_on(out, model, settings, DLS_ON_W, error);
+  if (status) return status;
+  int better = settings->stabilize || model->modes.a != NULL;
+  if (!better) status = foresee(*out, settings->loads, &better, error);
+  if (!status)
+    status = better ? check_memory_on_K(*out, settings->memory_limit, error)
+                    : exchange_for_W(out, model, settings, error);
+  if (!status) return DLS_OK;
+  dls_reduction_destroy(*out);
+  *out = NULL;
+  return status;
+}
+
+dls_status dls_reduction_create_either(dls_reduction **out, const dls_model *model,
+                                       const dls_reduction_settings *settings, dls_error *error) {
+  DLSI_DOOR;
+  return dlsi_at(__func__, create_either(out, model, settings, error), error);
+}
+
+/* ---- the solve ------------------------------------------------------------------------------- */
+
+/* (BY3) from (x, r), or without W from the last x and r, or from 0; in what is left of the time
+ * since `begun`. Returns a status of dls_global_solve. */
 static dls_status solve_on_K(dls_reduction *reduction, const double *mu, const dls_limits *limits,
                              double begun, double *r, double *x, dls_info *info, dls_error *error) {
   companion *it;
@@ -82,9 +201,11 @@ static dls_status solve_on_K(dls_reduction *reduction, const double *mu, const d
     gap[at] = of.gap[k];
   }
   dls_limits there = *limits;
-  there.warm_start = 1;
+  there.warm_start = limits->warm_start || !of.on_K;
   if (limits->cpu_seconds > 0) there.cpu_seconds = dlsi_clock_left(limits, begun);
+  if (of.on_K) memcpy(x, it->x, (size_t)of.K.n * sizeof *x);
   status = dls_global_solve(it->global, of.f, gap, mu, &there, all, x, info, error);
+  if (status >= 0) memcpy(it->x, x, (size_t)of.K.n * sizeof *x);
   for (size_t k = 0; status >= 0 && k < rows * nc; k++)
     r[k] = all[d * (k / rows) + k % rows];
   free(all);
@@ -129,6 +250,33 @@ void dlsi_body_judge(dls_info *info, const dls_certificate *certificate, double 
   forget_unproved(info);
 }
 
+/* (BY1), (BY2): answer := r, unknowns := x. *outcome gets the certificate of the body. Returns the
+ * status by it. */
+static dls_status solve_on_W(dls_reduction *reduction, const double *mu,
+                             const dls_solver_settings *settings, double condition, double *answer,
+                             double *unknowns, double *position, dls_info *outcome,
+                             dls_error *error) {
+  dls_contact problem;
+  dls_status status = dls_reduction_contact(reduction, mu, &problem, error);
+  if (status) return status;
+  const dls_status on_W = dls_solve(&problem, settings, answer, NULL, outcome, error);
+  if (on_W < 0) return on_W;
+  status = dls_reduction_recover(reduction, answer, unknowns, error);
+  if (!status)
+    status = dls_reduction_certify(reduction, mu, answer, unknowns, position, &outcome->certificate,
+                                   error);
+  return status ? status : judge_body(&outcome->certificate, settings->limits.tol, condition, on_W);
+}
+
+/* Refuses what the problem on K does not take. */
+static dls_status check_on_K(const dlsi_reduced *of, const double *mu,
+                             const dls_solver_settings *settings, dls_error *error) {
+  if (settings->method != DLS_AUTO)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "method", -1, settings->method,
+                     "needs W; this reduction solves on K, by method auto");
+  return dlsi_check_friction(mu, (size_t)of->H->candidates, error);
+}
+
 static dls_status body_solve(dls_reduction *reduction, const double *mu,
                              const dls_solver_settings *settings, double *r, double *u, double *x,
                              dls_info *info, dls_error *error) {
@@ -137,50 +285,40 @@ static dls_status body_solve(dls_reduction *reduction, const double *mu,
   dls_solver_settings_init(&s);
   if (settings) s = *settings;
   const double tol = s.limits.tol, begun = dlsi_clock_start(&s.limits);
-  dls_contact problem;
   dls_reduction_info facts;
   dls_info outcome = {.method = s.method}, on_K = {.status = DLS_OK};
   dls_status status = dls_reduction_get_info(reduction, &facts, error);
-  if (!status) status = dls_reduction_contact(reduction, mu, &problem, error);
+  if (!mu) mu = of.mu;
+  if (!status && of.on_K) status = check_on_K(&of, mu, &s, error);
   if (status) return status;
-  if (!r && problem.nc > 0) return dlsi_is_null(error, "r");
+  const size_t m = (size_t)of.H->d * (size_t)of.H->candidates, n = (size_t)of.K.n;
+  if (!r && m > 0) return dlsi_is_null(error, "r");
   if (!x) return dlsi_is_null(error, "x");
-  const size_t m = (size_t)problem.d * (size_t)problem.nc;
-  const int on_K_alone = facts.modes > 0 && of.has_K && s.method == DLS_AUTO;
-  double *answer = dlsi_alloc(2 * m + (size_t)of.K.n, sizeof *answer);
+  const int on_K_alone = of.on_K || (facts.modes > 0 && of.has_K && s.method == DLS_AUTO);
+  double *answer = dlsi_alloc(2 * m + n, sizeof *answer);
   if (!answer) return dlsi_no_memory(error);
   double *position = answer + m, *unknowns = position + m;
-  if (s.limits.warm_start && m)
-    memcpy(answer, r, m * sizeof *answer);
-  else
-    memset(answer, 0, m * sizeof *answer);
-  if (!on_K_alone) status = dls_solve(&problem, &s, answer, NULL, &outcome, error); /* (BY1) */
-  if (status >= 0) {
-    const dls_status on_W = status;
-    status = dls_reduction_recover(reduction, answer, unknowns, error);
-    if (!status) /* (BY2) */
-      status = dls_reduction_certify(reduction, problem.mu, answer, unknowns, position,
-                                     &outcome.certificate, error);
-    if (!status)
-      status =
-          on_K_alone ? DLS_STALLED : judge_body(&outcome.certificate, tol, facts.condition, on_W);
-  }
+  memset(answer, 0, (2 * m + n) * sizeof *answer);
+  if (s.limits.warm_start && m) memcpy(answer, r, m * sizeof *answer);
+  status = on_K_alone ? DLS_STALLED
+                      : solve_on_W(reduction, mu, &s, facts.condition, answer, unknowns, position,
+                                   &outcome, error);
   const int goes_on = (status == DLS_STALLED || status == DLS_NOT_IN_EQUILIBRIUM ||
                        status == DLS_MAX_ITERATIONS || status == DLS_NO_SOLUTION_LIKELY) &&
                       s.method == DLS_AUTO && of.has_K && m > 0 && !s.limits.max_iterations;
-  if (goes_on) {
-    status = solve_on_K(reduction, problem.mu, &s.limits, begun, answer, unknowns, &on_K, error);
+  if (goes_on || of.on_K) {
+    status = solve_on_K(reduction, mu, &s.limits, begun, answer, unknowns, &on_K, error);
     if (status >= 0) {
       add_outcome(&outcome, &on_K);
-      const dls_status measured = dls_reduction_certify(reduction, problem.mu, answer, unknowns,
-                                                        position, &outcome.certificate, error);
+      const dls_status measured = dls_reduction_certify(reduction, mu, answer, unknowns, position,
+                                                        &outcome.certificate, error);
       status = measured ? measured : judge_body(&outcome.certificate, tol, 0, status);
     }
   }
   outcome.status = status;
   forget_unproved(&outcome);
   if (status >= 0 && m) memcpy(r, answer, m * sizeof *r);
-  if (status >= 0) memcpy(x, unknowns, (size_t)of.K.n * sizeof *x);
+  if (status >= 0) memcpy(x, unknowns, n * sizeof *x);
   if (status >= 0 && u && m) memcpy(u, position, m * sizeof *u);
   if (status >= 0 && info) *info = outcome;
   free(answer);

@@ -300,8 +300,22 @@ START_TEST(free_body) {
   put("K.txt", "1 -1\n-1 1\n");
   put("N.txt", "1 0\n0 -1\n");
   put("f.txt", "3 1\n");
-  ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --f @/f.txt"), 2);
-  ck_assert(strstr(output, "rigid-body") && strstr(output, "--stabilize"));
+  ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --f @/f.txt --csv @/out"), 0);
+  ck_assert(strstr(output, "on K, of 2 unknowns") != NULL);
+  double pressed[2]; /* statics: nothing on the left one, 3 + 1 on the other */
+  ck_assert(sscanf(get("out/r.csv"),
+                   "candidate,state,gap,r_n,r_t,u_n,u_t 0,free,%*f,%lf,%*f,%*f,%*f "
+                   "1,stick,%*f,%lf",
+                   &pressed[0], &pressed[1]) == 2);
+  ck_assert(pressed[0] == 0 && fabs(pressed[1] - 4) <= 1e-7);
+  ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --f @/f.txt --on=K"), 0);
+  ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --f @/f.txt --on=W"), 2);
+  ck_assert(strstr(output, "rigid-body") && strstr(output, "without --on=W"));
+  ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --f @/f.txt -m nlgs"), 2);
+  ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --f @/f.txt --on=K -m nlgs"), 2);
+  ck_assert(strstr(output, "method") != NULL);
+  ck_assert_int_eq(run("solve --stiffness @/K.txt --HN @/N.txt --f @/f.txt --on=V"), 2);
+  ck_assert(strstr(output, "is not W or K") != NULL);
   ck_assert_msg(
       run("solve --stiffness @/K.txt --HN @/N.txt --f @/f.txt --stabilize --print --quiet") == 0,
       "%s", output);

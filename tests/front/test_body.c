@@ -249,6 +249,170 @@ START_TEST(stacks_of_free_blocks) {
 }
 END_TEST
 
+static dls_on place_of(const dls_reduction *reduction) {
+  dls_reduction_info info;
+  ck_assert_int_eq(dls_reduction_get_info(reduction, &info, NULL), DLS_OK);
+  return info.on;
+}
+
+/* Makes a reduction that chooses where it solves. */
+static dls_reduction *either(const dls_model *model, dls_on on, double limit) {
+  dls_reduction_settings settings;
+  dls_reduction *reduction;
+  dls_error e;
+  dls_reduction_settings_init(&settings);
+  settings.on = on;
+  settings.memory_limit = limit;
+  const dls_status status = dls_reduction_create_either(&reduction, model, &settings, &e);
+  ck_assert_msg(status == DLS_OK, "%s", e.message);
+  return reduction;
+}
+
+/* Few contacts on a thick body: W. All of a thin one's bottom: K. Both have the same answer. */
+START_TEST(W_or_K) {
+  for (int thin = 0; thin < 2; thin++) {
+    solids S;
+    solids_pad(&S, thin ? 600 : 20, thin ? 4 : 30);
+    const dls_model *model = solids_model(&S);
+    const size_t m = 2 * (size_t)S.contacts, n = (size_t)model->n;
+    double *r[2], *x[2], *mu = calloc((size_t)S.contacts, sizeof *mu), top = 0;
+    for (int c = 0; c < S.contacts; c++)
+      mu[c] = 0.3;
+    dls_reduction *chosen = either(model, DLS_ON_EITHER, 0);
+    ck_assert_int_eq(place_of(chosen), thin ? DLS_ON_K : DLS_ON_W);
+    dls_reduction_destroy(chosen);
+    for (int k = 0; k < 2; k++) {
+      dls_solver_settings tight;
+      dls_info info;
+      dls_contact problem;
+      dls_reduction *reduction = either(model, k ? DLS_ON_K : DLS_ON_W, 0);
+      ck_assert_int_eq(place_of(reduction), k ? DLS_ON_K : DLS_ON_W);
+      r[k] = calloc(m, sizeof *r[k]);
+      x[k] = calloc(n, sizeof *x[k]);
+      dls_solver_settings_init(&tight);
+      tight.limits.tol = 1e-11;
+      ck_assert_int_eq(dls_reduction_load(reduction, S.f, S.g, NULL), DLS_OK);
+      ck_assert_int_eq(dls_reduction_solve(reduction, mu, &tight, r[k], NULL, x[k], &info, NULL),
+                       DLS_OK);
+      ck_assert_double_le(info.certificate.equilibrium, 1e-10);
+      if (k) { /* what W alone has */
+        double *other = calloc(n, sizeof *other);
+        dls_error e;
+        ck_assert_int_eq(dls_reduction_contact(reduction, mu, &problem, &e), DLS_E_UNSUPPORTED);
+        ck_assert_int_eq(dls_reduction_recover(reduction, r[k], other, &e), DLS_E_UNSUPPORTED);
+        ck_assert_int_eq(dls_reduction_balance(reduction, r[k], NULL, &e), DLS_E_UNSUPPORTED);
+        ck_assert_str_eq(e.argument, "reduction");
+        tight.method = DLS_NLGS;
+        ck_assert_int_eq(dls_reduction_solve(reduction, mu, &tight, r[k], NULL, x[k], NULL, &e),
+                         DLS_E_UNSUPPORTED);
+        ck_assert_str_eq(e.argument, "method");
+        free(other);
+      }
+      dls_reduction_destroy(reduction);
+    }
+    for (size_t i = 0; i < m; i++)
+      top = fmax(top, fabs(r[0][i]));
+    for (size_t i = 0; i < m; i++)
+      ck_assert_double_eq_tol(r[0][i], r[1][i], 1e-6 * top);
+    for (int k = 0; k < 2; k++) {
+      free(r[k]);
+      free(x[k]);
+    }
+    free(mu);
+    solids_free(&S);
+  }
+}
+END_TEST
+
+/* A singular K and a W that does not fit are taken on K, what has no K on W; a limit that neither
+ * meets is an error. */
+START_TEST(the_only_place) {
+  bar b;
+  solids S;
+  dls_error e;
+  dls_reduction_settings settings;
+  dls_reduction *reduction;
+  make_bar(&b, 0);
+  reduction = either(&b.model, DLS_ON_EITHER, 0);
+  ck_assert_int_eq(place_of(reduction), DLS_ON_K);
+  dls_reduction_destroy(reduction);
+  make_bar(&b, 1);
+  reduction = either(&b.model, DLS_ON_EITHER, 0);
+  ck_assert_int_eq(place_of(reduction), DLS_ON_W);
+  dls_reduction_destroy(reduction);
+  const double C[4] = {2, 1, 1, 1};
+  b.model.operator_kind = DLS_FLEXIBILITY;
+  b.model.K = (dls_dense){2, 2, 2, C};
+  reduction = either(&b.model, DLS_ON_EITHER, 0);
+  ck_assert_int_eq(place_of(reduction), DLS_ON_W);
+  dls_reduction_destroy(reduction);
+  dls_reduction_settings_init(&settings);
+  settings.on = DLS_ON_K;
+  ck_assert_int_eq(dls_reduction_create_either(&reduction, &b.model, &settings, &e),
+                   DLS_E_UNSUPPORTED);
+  ck_assert_str_eq(e.argument, "on");
+  ck_assert_ptr_null(reduction);
+  solids_pad(&S, 60, 30);
+  const dls_model *model = solids_model(&S);
+  dls_reduction_info info;
+  ck_assert_int_eq(dls_reduction_estimate(model, NULL, &info, NULL), DLS_OK);
+  reduction = either(model, DLS_ON_EITHER, info.bytes);
+  ck_assert_int_eq(place_of(reduction), DLS_ON_W);
+  dls_reduction_destroy(reduction);
+  solids T;
+  solids_pad(&T, 120, 2);
+  model = solids_model(&T);
+  dls_global_info on_K;
+  ck_assert_int_eq(dls_reduction_estimate(model, NULL, &info, NULL), DLS_OK);
+  ck_assert_int_eq(dls_global_estimate(model, &on_K, NULL), DLS_OK);
+  ck_assert_double_lt(on_K.bytes, info.bytes);
+  reduction = either(model, DLS_ON_EITHER, (on_K.bytes + info.bytes) / 2);
+  ck_assert_int_eq(place_of(reduction), DLS_ON_K);
+  dls_reduction_destroy(reduction);
+  settings.on = DLS_ON_EITHER;
+  settings.memory_limit = on_K.bytes / 2;
+  ck_assert_int_eq(dls_reduction_create_either(&reduction, model, &settings, &e), DLS_E_MEMORY);
+  ck_assert_str_eq(e.argument, "memory_limit");
+  ck_assert_ptr_null(reduction);
+  settings.memory_limit = 0;
+  settings.loads = 0;
+  ck_assert_int_eq(dls_reduction_create_either(&reduction, model, &settings, &e), DLS_E_ARGUMENT);
+  ck_assert_str_eq(e.argument, "loads");
+  solids_free(&S);
+  solids_free(&T);
+}
+END_TEST
+
+/* Updates keep what they can: new values, then another pattern; a free position for a load. */
+START_TEST(updates_on_K) {
+  bar b;
+  double r[2], x[2], u[2];
+  dls_contact_state state[1];
+  const double f[2] = {0, -10};
+  make_bar(&b, 1);
+  dls_reduction *reduction = either(&b.model, DLS_ON_K, 0);
+  for (int k = 0; k < 3; k++) {
+    static const double soft[] = {1, 3, 0};
+    const double s = soft[k];
+    make_bar(&b, s);
+    ck_assert_int_eq(dls_reduction_update(reduction, &b.model, NULL), DLS_OK);
+    ck_assert_int_eq(dls_reduction_solve(reduction, none, NULL, r, NULL, x, NULL, NULL), DLS_OK);
+    ck_assert(r[0] == 0 && x[1] == 0); /* no load yet */
+    ck_assert_int_eq(dls_reduction_load(reduction, f, NULL, NULL), DLS_OK);
+    ck_assert_int_eq(dls_reduction_solve(reduction, none, NULL, r, u, x, NULL, NULL), DLS_OK);
+    ck_assert_double_eq_tol(r[0], 10 / (1 + s), 1e-7);
+    ck_assert_double_eq_tol(x[1], -10 / (1 + s), 1e-7);
+    ck_assert_int_eq(dls_reduction_states(reduction, none, r, u, state, NULL), DLS_OK);
+    ck_assert_int_eq(state[0], DLS_STICK);
+  }
+  const double free_x[2] = {-10, -20}; /* K x = (10, -10): r_n = 0 at x_1 = -10 */
+  ck_assert_int_eq(dls_reduction_load_free(reduction, free_x, NULL, NULL), DLS_OK);
+  ck_assert_int_eq(dls_reduction_solve(reduction, none, NULL, r, NULL, x, NULL, NULL), DLS_OK);
+  ck_assert_double_eq_tol(x[0] - x[1], 10, 1e-7);
+  dls_reduction_destroy(reduction);
+}
+END_TEST
+
 START_TEST(bad_input) {
   bar b;
   double r[2] = {7, 7}, x[2] = {7, 7};
@@ -302,5 +466,6 @@ int main(void) {
   return RUN("body", NULL, NULL, ONCE(bar_that_contact_holds), ONCE(bar_that_nothing_holds),
              ONCE(springs_are_no_support), ONCE(time_is_kept_over_both_solves),
              ONCE(certificate_of_the_body), ONCE(without_K), ONCE(stacks_of_free_blocks),
-             ONCE(bad_input), ONCE(failing_mallocs));
+             ONCE(W_or_K), ONCE(the_only_place), ONCE(updates_on_K), ONCE(bad_input),
+             ONCE(failing_mallocs));
 }

@@ -141,7 +141,7 @@ START_TEST(fresh_settings_are_those_of_the_headers) {
   FRESH(primal, .limits = usual, .relaxation = 1, .aitken = 1);
   FRESH(lemke, .limits = usual, .crash = 1);
   FRESH(principal, .limits = usual, .block_steps = 10);
-  FRESH(reduction, .form_W = 1);
+  FRESH(reduction, .loads = 1, .form_W = 1);
   FRESH(motion, .limits = {.tol = 1e-12, .warm_start = 1, .threads = 1}, .law = DLS_MOTION_VELOCITY,
         .method = DLS_AUTO, .theta = 0.5, .forecast = 0.5);
 }

@@ -179,9 +179,42 @@ class Reduce(unittest.TestCase):
         K = sp.csc_matrix([[1.0, -1.0], [-1.0, 1.0]])
         HN = np.array([[1.0], [0.0]])
         with self.assertRaises(delassus.Error) as caught:
-            delassus.reduce(K, HN)
+            delassus.reduce(K, HN, on="W")
         self.assertEqual(caught.exception.name, "DLS_E_SINGULAR")
-        self.assertEqual(delassus.reduce(K, HN, stabilize=True).info["modes"], 1)
+        for options in ({}, {"on": "K"}, {"stabilize": True}):
+            R = delassus.reduce(K, HN, **options)
+            self.assertEqual(R.on, "K")
+            solution = R.solve(f=[0, -10])
+            self.assertTrue(solution.solved)
+            np.testing.assert_allclose(solution.r, [[10, 0]], rtol=1e-9)
+            np.testing.assert_allclose(solution.x, [0, -10], atol=1e-9)
+            self.assertEqual(list(solution.states), ["stick"])
+            for refused in (lambda: R.W, lambda: R.recover([[1, 0]]),
+                            lambda: R.solve(method="nlgs")):
+                with self.assertRaises(delassus.Error) as caught:
+                    refused()
+                self.assertEqual(caught.exception.name, "DLS_E_UNSUPPORTED")
+        self.assertFalse(R.solve(f=[0, 10]).solved)
+
+    def test_place(self):
+        K, HN, HT = chain(40)
+        self.assertEqual(delassus.reduce(K, HN, HT).on, "W")
+        on_K = delassus.reduce(K, HN, HT, on="K")
+        by_K = on_K.solve(0.3, f=-np.ones(40), tol=1e-12)
+        by_W = delassus.reduce(K, HN, HT, on="W").solve(0.3, f=-np.ones(40), tol=1e-12)
+        np.testing.assert_allclose(by_K.r, by_W.r, atol=1e-10)
+        self.assertEqual(list(by_K.states), list(by_W.states))
+        warm = on_K.solve(0.3, f=-np.ones(40), tol=1e-12, r0=by_K.r)
+        self.assertLessEqual(warm.iterations, 2)
+        on_K.update(2 * K, HN, HT)
+        np.testing.assert_allclose(on_K.solve(0.3, f=-np.ones(40), tol=1e-12).x, by_W.x / 2,
+                                   atol=1e-9)
+        # W does not fit: K
+        self.assertEqual(delassus.reduce(K, HN, HT, memory_limit=100).on, "K")
+        with self.assertRaises(ValueError):
+            delassus.reduce(K, HN, HT, on="V")
+        with self.assertRaises(delassus.Error):
+            delassus.reduce(lambda B: np.linalg.solve(K.toarray(), B), HN, HT, on="K")
 
     def test_host_that_fails(self):
         _, HN, HT = POINT

@@ -72,9 +72,10 @@ _USED = {
     "dls_contact": "d nc W Wb q mu bodies weights",
     "dls_model": "d n nodes operator_kind factorization K Ks solve user HN HT P active mu modes "
                  "triangular",
-    "dls_reduction_settings": "size memory_limit allow_indefinite stabilize form_W progress "
+    "dls_reduction_settings": "size on loads memory_limit allow_indefinite stabilize form_W progress "
                               "progress_data",
-    "dls_reduction_info": "condensed W_bytes factor_bytes bytes flops condition indefinite modes",
+    "dls_reduction_info": "on contacts condensed W_bytes factor_bytes bytes flops condition indefinite "
+                          "modes",
     "dls_motion_model": "d n nodes factorization M C K HN HT P gap",
     "dls_motion_settings": "limits size law method h theta restitution activation forecast "
                            "stabilize",
@@ -167,7 +168,7 @@ _SIGNATURES = {
     "dls_contact_states": (c_int, "ppppp"),
     "dls_contact_misfits": (c_int, "ppppp"),
     "dls_solve": (c_int, "pppppp"),
-    "dls_reduction_create_with": (c_int, "pppp"),
+    "dls_reduction_create_either": (c_int, "pppp"),
     "dls_reduction_update": (c_int, "ppp"),
     "dls_reduction_get_info": (c_int, "ppp"),
     "dls_reduction_load": (c_int, "pppp"),
@@ -175,6 +176,7 @@ _SIGNATURES = {
     "dls_reduction_contact": (c_int, "pppp"),
     "dls_reduction_recover": (c_int, "pppp"),
     "dls_reduction_solve": (c_int, "pppppppp"),
+    "dls_reduction_states": (c_int, "pppppp"),
     "dls_reduction_balance": (c_int, "pppp"),
     "dls_reduction_nodal": (c_int, "pppp"),
     "dls_reduction_destroy": (None, "p"),

@@ -33,7 +33,7 @@ class Solution:
     history      rows (stage, iteration, residual, cpu_seconds), with history=True
     """
 
-    def __init__(self, problem, info, status, r, u, history):
+    def __init__(self, problem, info, status, r, u, history, body=None):
         d, nc = problem.d, problem.nc
         self.status = status
         self.words = lib.dls_status_text(status).decode()
@@ -54,7 +54,9 @@ class Solution:
         self.ambiguous = info.ambiguous
         self.history = history
         state = (c_int * max(nc, 1))()
-        if nc:
+        if nc and body is not None:
+            call("dls_reduction_states", *body[:2], address(r), address(u), state)
+        elif nc:
             call("dls_contact_states", byref(problem), address(r), address(u), state)
         self.states = _STATES[np.frombuffer(state, dtype=np.intc)[:nc]]
 
@@ -191,7 +193,7 @@ def solve_problem(problem, method="auto", tol=None, max_iterations=None, cpu_sec
                             byref(info))
     finally:
         watch.release()
-    return Solution(problem, info, status, r, u, watch.history())
+    return Solution(problem, info, status, r, u, watch.history(), body)
 
 
 def _problem(W, q, mu, d):

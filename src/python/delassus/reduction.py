@@ -66,10 +66,11 @@ class _Host:
 
 
 class Reduction(Owner):
-    """K factored and W formed; made by reduce().
+    """K factored and W formed, or the problem on K itself; made by reduce().
 
     d, n, m, candidates   sizes: m = d candidates rows of W
-    W, q                  of the contact problem, read-only views of the library's arrays
+    W, q                  of the contact problem, read-only views of the library's arrays; not on K
+    on                    "W" or "K": where solve() works
     info                  memory, condition, rigid-body modes
     """
 
@@ -98,7 +99,7 @@ class Reduction(Owner):
         set_fields(create, settings)
         self._watch.set(create)
         self._host.solve = solve
-        self._call("dls_reduction_create_with", byref(self._held), byref(model), byref(create))
+        self._call("dls_reduction_create_either", byref(self._held), byref(model), byref(create))
         del kept  # the library has copied it
         # the sizes that the library holds: no update changes them
         self.d, self.n, self._nodes = model.d, model.n, nodes
@@ -182,7 +183,7 @@ class Reduction(Owner):
         of the body (dls_reduction_solve): what springs of held modes carry is missing."""
         if f is not None or g is not None:
             self.load(f, g)
-        problem, mu = self._contact(mu)
+        problem, mu = self._contact(mu) if self.on == "W" else self._sizes(mu)
         x = np.zeros(self.n)
         self._host.callback.begin()
         try:
@@ -201,6 +202,17 @@ class Reduction(Owner):
         mu = vector("mu", 0.0 if mu is None else mu, self.candidates)
         call("dls_reduction_contact", self._held, address(mu), byref(problem))
         return problem, mu
+
+    def _sizes(self, mu):
+        """Returns a dls_contact that has sizes alone, and the friction, for the problem on K."""
+        problem = structs["dls_contact"](d=self.d, nc=self.candidates)
+        if mu is None and self._options[1] is not None:
+            return problem, None
+        return problem, vector("mu", 0.0 if mu is None else mu, self.candidates)
+
+    @property
+    def on(self):
+        return "K" if self.info["on"] == constants["DLS_ON_K"] else "W"
 
     @property
     def W(self):
@@ -238,8 +250,8 @@ class Reduction(Owner):
 
 
 def reduce(K, HN, HT=None, *, P=None, mu=None, active=None, modes=None, factorization=None,
-           flexibility=False, d=None, stabilize=False, memory_limit=0):
-    """Factors K and forms W = H^T K^-1 H; returns a Reduction.
+           flexibility=False, d=None, stabilize=False, memory_limit=0, on=None, loads=1):
+    """Factors K and forms W = H^T K^-1 H, or takes the problem on K; returns a Reduction.
 
     K       n x n, numpy or scipy.sparse; or a function that returns K^-1 B for B (n x k), such as
             scipy.sparse.linalg.splu(K).solve; with flexibility=True K^-1, dense
@@ -250,7 +262,14 @@ def reduce(K, HN, HT=None, *, P=None, mu=None, active=None, modes=None, factoriz
     active  candidates: 0 leaves one out
     factorization   "cholesky", "ldlt", "lu"; None: lu if K is not symmetric to the last bit, else
             cholesky, or ldlt where that meets a negative pivot
-    modes, stabilize   rigid-body motions, given or looked for
+    modes, stabilize   rigid-body motions, given or looked for: solved on K
+    on      "W": few contacts, any method, W and recover(); "K": contact over whole surfaces, bodies
+            that contact alone holds, solve() by method auto; None: the cheaper one for so many
+            loads, K where it is singular or W exceeds memory_limit (bytes)
     """
+    if on not in (None, "W", "K"):
+        raise ValueError(f"on is {on!r}, must be 'W', 'K' or None")
+    place = constants["DLS_ON_EITHER" if on is None else "DLS_ON_" + on]
     return Reduction(K, HN, HT, P, mu, active, modes, factorization, flexibility, d,
-                     {"stabilize": bool(stabilize), "memory_limit": memory_limit})
+                     {"stabilize": bool(stabilize), "memory_limit": memory_limit, "on": place,
+                      "loads": loads})
