@@ -16,6 +16,8 @@
  *
  *   (SN4)  to first order r - r* is E A^-1 (row.u), since row.u = 0 at r*, where r lies on its
  *          cone: one factorisation, no bound. Slips and gaps up to 1000 |F| count as stick
+ *   (SN5)  where that step takes contacts out of their cones, once more from there, these on their
+ *          cones and slipping
  *
  * Cost: three times the singular values of a matrix of |rows|; of (SN4) one LU. What can fail:
  * states that change between r and r*, candidates on the border of two: then A holds on one side
@@ -34,6 +36,7 @@ static const double border =
     1e-6; /* share of the largest w r and u, within which a state is on it */
 
 static const double within = 1000; /* (SN4) */
+enum { prediction_turns = 3 };     /* (SN5) */
 
 /* An unknown y_j: r of candidate c along e, with the row of u along the same direction or along the
  * normal, and l of (SN2). */
@@ -179,7 +182,7 @@ static void sensitivity_measure(sensitivity_work *work, const dls_certificate *c
 
 /* ---- prediction ------------------------------------------------------------------------------ */
 
-/* Factors A (n x n, scaled to entries near 1) by pivots on its diagonal, the largest one first:
+/* Factors A (n x n, its diagonal scaled to 1) by pivots on its diagonal, the largest one first:
  * order (n) receives them. Returns 0, early, where what is left is rounding. */
 static int prediction_factor(int n, double *A, int *order) {
   double first = 0;
@@ -223,42 +226,88 @@ static void prediction_solve(int n, const double *A, const int *order, double *y
   }
 }
 
-double dlsi_predict_error(const dls_contact *problem, const double *r, double *u, double *w,
-                          double *J, double *x) {
+/* (SN4) work->x := the step from r to r*. slips: contacts that slip, whatever they look like.
+ * Returns 0 where A is singular. */
+static int prediction_step(sensitivity_work *work, const unsigned char *slips, double *J) {
   enum { most = dlsi_predicted_rows };
+  const dls_contact *problem = work->problem;
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  sensitivity_row row[most];
-  dls_contact_state state[most];
-  double y[2 * most];
+  double y[2 * most], *x = work->x;
   int order[most];
-  sensitivity_work work = {problem, r, 0, row, w, u, x, state};
+  work->rows = 0;
   for (int c = 0; c < problem->nc; c++) {
     const size_t o = d * (size_t)c;
-    state[c] = dlsi_contact_misfit(problem->d, problem->mu[c], w + 2 * c, r + o, u + o, x + o);
+    work->state[c] = dlsi_contact_misfit(problem->d, problem->mu[c], work->w + 2 * c, work->r + o,
+                                         work->u + o, x + o);
   }
   const double close = within * dlsi_norm2(x, m); /* a larger F would hide less than these u */
   for (int c = 0; c < problem->nc; c++) {
-    const double *uc = u + d * (size_t)c, slip = dlsi_tangent_norm(problem->d, uc);
-    if (state[c] == DLS_SLIP && slip <= close) state[c] = DLS_STICK;
-    if (state[c] == DLS_FREE && uc[0] <= close) state[c] = DLS_STICK;
-    sensitivity_take_rows(&work, c);
+    const double *uc = work->u + d * (size_t)c, slip = dlsi_tangent_norm(problem->d, uc);
+    if (work->state[c] == DLS_SLIP && slip <= close) work->state[c] = DLS_STICK;
+    if (work->state[c] == DLS_FREE && uc[0] <= close) work->state[c] = DLS_STICK;
+    if (slips[c] && work->state[c] == DLS_STICK) work->state[c] = DLS_SLIP;
+    sensitivity_take_rows(work, c);
   }
-  const size_t n = (size_t)work.rows;
-  if (n == 0) return 0;
-  sensitivity_fill(&work, -0.5, -0.5, J, y);
-  if (dlsi_first_not_finite(J, n * n) >= 0 || !prediction_factor(work.rows, J, order)) return -1;
+  memset(x, 0, m * sizeof *x);
+  const size_t n = (size_t)work->rows;
+  if (n == 0) return 1;
+  sensitivity_fill(work, -1, 0, J, y); /* no roots: units of two keep all bits */
+  if (dlsi_first_not_finite(J, n * n) >= 0 || !prediction_factor(work->rows, J, order)) return 0;
   for (size_t j = 0; j < n; j++) {
-    const double *uc = u + d * (size_t)row[j].c;
+    const double *uc = work->u + d * (size_t)work->row[j].c;
     y[j] = 0;
     for (size_t i = 0; i < d; i++)
-      y[j] += row[j].row[i] * uc[i] / sqrt(row[j].w);
+      y[j] += work->row[j].row[i] * uc[i] / work->row[j].w;
   }
-  prediction_solve(work.rows, J, order, y);
+  prediction_solve(work->rows, J, order, y);
   memset(x, 0, m * sizeof *x);
   for (size_t j = 0; j < n; j++)
     for (size_t i = 0; i < d; i++)
-      x[d * (size_t)row[j].c + i] += y[j] / sqrt(row[j].w) * row[j].e[i];
-  return dlsi_norm2(x, m) / dlsi_norm2(r, m);
+      x[d * (size_t)work->row[j].c + i] += y[j] * work->row[j].e[i];
+  return 1;
+}
+
+/* next (m) := r - x, put back on the cones that it leaves. slips: set for these contacts. Returns
+ * how many are new. */
+static int prediction_return(const sensitivity_work *work, unsigned char *slips, double *next) {
+  const dls_contact *problem = work->problem;
+  const int d = problem->d;
+  int left = 0;
+  for (int c = 0; c < problem->nc; c++) {
+    double *r = next + d * c;
+    for (int i = 0; i < d; i++)
+      r[i] = work->r[d * c + i] - work->x[d * c + i];
+    r[0] = fmax(r[0], 0);
+    const double t = dlsi_tangent_norm(d, r), bound = dlsi_friction_bound(problem->mu[c], r[0]);
+    if (t <= bound) continue;
+    for (int i = 1; i < d; i++)
+      r[i] *= bound / t;
+    left += !slips[c] && work->state[c] == DLS_STICK;
+    slips[c] = 1;
+  }
+  return left;
+}
+
+double dlsi_predict_error(const dls_contact *problem, const double *r, double *u, double *w,
+                          double *J, double *x) {
+  enum { most = dlsi_predicted_rows };
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  sensitivity_row row[most];
+  dls_contact_state state[most];
+  unsigned char slips[most] = {0};
+  double next[2][most], error = 0;
+  sensitivity_work work = {problem, r, 0, row, w, u, x, state};
+  for (int turn = 0; turn < prediction_turns; turn++) {
+    double far[most];
+    if (!prediction_step(&work, slips, J)) return turn ? error : -1;
+    for (size_t i = 0; i < m; i++)
+      far[i] = r[i] - (work.r[i] - x[i]);
+    error = fmax(error, dlsi_norm2(far, m) / dlsi_norm2(r, m));
+    if (!prediction_return(&work, slips, next[turn % 2])) return error;
+    work.r = next[turn % 2];
+    dlsi_contact_multiply(problem, NULL, work.r, u, NULL);
+  }
+  return error;
 }
 
 static dls_status sensitivity_run(const dls_contact *problem, const double *r,
