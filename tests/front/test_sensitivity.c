@@ -3,7 +3,9 @@
 #include <math.h>
 
 #include "delassus/contact.h"
+#include "delassus/solve.h"
 #include "delassus/trust.h"
+#include "front/front.h"
 #include "run.h"
 
 static double length_of(const double *x, int n) {
@@ -148,8 +150,34 @@ START_TEST(borders_between_states) {
 }
 END_TEST
 
+/* Springs 2^-20 as stiff as the body. An r with a residual of 6e-11 sticks, next to its cone; the
+ * right one, 8 % away, slips by little. */
+START_TEST(error_beyond_the_cone) {
+  static const double W[16] = {5242904,  -1572867, 5242893,  -1572860, -1572867, 1048614,
+                               -1572848, 1048570,  5242893,  -1572848, 5242917,  -1572881,
+                               -1572860, 1048570,  -1572881, 1048600};
+  static const double right[4] = {1, 0.21875, 2, 1.75}, mu[2] = {0.875, 0.875};
+  static const double u[4] = {0, 0, 0, -3};
+  double q[4], r[4];
+  set_load(4, W, right, u, q);
+  const dls_contact p = {.d = 2, .nc = 2, .W = {4, 4, 4, W}, .q = q, .mu = mu};
+  dls_info info;
+  ck_assert_int_eq(dls_solve(&p, NULL, r, NULL, &info, NULL), DLS_OK);
+  double far = 0;
+  for (int i = 0; i < 4; i++)
+    far = fmax(far, fabs(r[i] - right[i]));
+  ck_assert(far <= 1e-3 || info.error >= far / 10);
+  const double beside[4] = {0.8787449, 0.1126637, 2.1212566, 1.8560907};
+  double w[4], at[4], J[16], x[4];
+  dlsi_certificate_weights(&p, w);
+  dlsi_contact_multiply(&p, NULL, beside, at, NULL);
+  ck_assert_double_ge(dlsi_predict_error(&p, beside, at, w, J, x), 1e-3);
+}
+END_TEST
+
 int main(void) {
   return RUN("sensitivity", NULL, NULL, ONCE(slip_beside_no_friction), ONCE(slip_in_3d),
              ONCE(slip_in_3d_along_the_cone), ONCE(rank_in_any_units),
-             ONCE(rank_one_but_for_rounding), ONCE(borders_between_states));
+             ONCE(rank_one_but_for_rounding), ONCE(borders_between_states),
+             ONCE(error_beyond_the_cone));
 }
