@@ -146,14 +146,23 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error);
 
 /* ---- newton.c -------------------------------------------------------------------------------- */
 
-/* Takes Newton steps from work->x and r (round, m) and measures each. Returns as
- * dlsi_global_measure, or an error; x is as before, r and u are spoilt. */
-dls_status dlsi_global_newton(dls_global *work, double *r, dls_error *error);
+/* Takes Newton steps from work->x and r (round, m) and measures each. hold: of E where the states
+ * leave a motion free; 0: ends there. Returns as dlsi_global_measure, or an error; x is as before,
+ * r and u are spoilt. */
+dls_status dlsi_global_newton(dls_global *work, double *r, double hold, dls_error *error);
 
 /* ---- interior.c ------------------------------------------------------------------------------ */
 
-/* x := the solution of the convex problem (GI1) without gaps, with springs hold E; n. */
-dls_status dlsi_global_interior(dls_global *work, double hold, double *x, dls_error *error);
+/* x, r := the solution of the convex problem (GI1) with gaps g (m; NULL: 0) and springs hold E that
+ * have no force at `old` (n; NULL: 0). All round; x: n; r: m, NULL where not wanted. DLS_E_MEMORY, DLS_CANCELLED, DLS_TIME_LIMIT. */
+dls_status dlsi_global_interior(dls_global *work, double hold, const double *old, const double *g,
+                                double *x, double *r, dls_error *error);
+
+/* ---- fixed.c --------------------------------------------------------------------------------- */
+
+/* Solves by convex problems, from nothing. Returns as dlsi_global_measure, or an error; x is as
+ * before, r and u are spoilt. */
+dls_status dlsi_global_fixed(dls_global *work, dls_error *error);
 
 /* ---- motion.c -------------------------------------------------------------------------------- */
 

@@ -1,22 +1,23 @@
 /*
  * interior.c: the convex problem on K by an interior point, d = 2 and 3.
  *
- *   (GI1)  min x^T K x / 2 + hold x^T E x / 2 - f^T x,  H^T x in the dual cones:
- *          (K + hold E) x = f + H r,  z = H^T x,  r in the friction cones, r.z = 0
+ *   (GI1)  min x^T K x / 2 + hold x^T E x / 2 - f^T x,  H^T x + g in the dual cones:
+ *          (K + hold E) x = f + H r,  z = H^T x + g,  r in the friction cones, r.z = 0
  *
- *   That is the law without gaps and without s = mu |u_t|. E is that of system.c; where K_jj is not
- *   positive, as for a multiplier, it counts negative. Scales S make the cones Lorentz cones:
- *   r = S p,  S z:  S_n = 1 / sqrt(1 + mu^2), S_t = mu S_n, with mu at most 1e4. In what follows z
- *   and H^T have S in them.
+ *   or x - old in the place of the second x. That is the law if g holds s = mu |u_t|. E is that of
+ *   system.c; where K_jj is not positive, as for a multiplier, it counts negative. Scales S make the
+ *   cones Lorentz cones: r = S p,  S z: S_n = 1 / sqrt(1 + mu^2), S_t = mu S_n, mu at most 1e4. In
+ *   what follows z, g and H^T have S in them.
  *
- *   (GI2)  P with l = P p = P^-1 z (base/cone.h). A direction for a right-hand side rc, v = l \ rc:
- *          (K + hold E + H P^-2 H^T) dx = f + H p - (K + hold E) x + H (P^-1 v + P^-2 (z - H^T x))
- *          dz = H^T dx - (z - H^T x),  dp = P^-1 v - P^-2 dz
+ *   (GI2)  P with l = P p = P^-1 z (base/cone.h). A direction for a right-hand side rc, with
+ *          v = l \ rc and e = z - H^T x - g:
+ *          (K + hold E + H P^-2 H^T) dx = f + H p - (K + hold E) x + H (P^-1 v + P^-2 e)
+ *          dz = H^T dx - e,  dp = P^-1 v - P^-2 dz
  *   (GI3)  affine:   rc = - l o l, largest step a; sigma = max((1 - a)^3, 1e-3)
  *          combined: rc = sigma tau e - l o l - (P dp) o (P^-1 dz), dp and dz the affine ones,
  *          tau = p.z / nc. Where its step is below .1: without the last term, sigma >= .5
  *   (GI4)  x, p, z += .99 times the largest step, at most 1
- *   (GI5)  ends where p.z is 1e-14 of what f does, or after 60 iterations
+ *   (GI5)  ends where p.z is 1e-14 of f^T x or of p.z at first, or after 60 iterations
  *
  * Source: as vi/rest.c (AR7)-(AR9), which has the same on W.
  * Cost: an analysis, 10 to 40 factorisations of a matrix with the entries of K + H R H^T, three
@@ -37,6 +38,7 @@ static const double largest_mu = 1e4, done = 1e-14;
 typedef struct interior {
   dls_global *global;
   double hold;
+  const double *old, *g; /* n, m; NULL: 0 */
   double *x, *dx, *rest; /* n; rest: right side */
   double *e;             /* n: hold E with its sign */
   double *S;             /* 2 nc */
@@ -261,6 +263,8 @@ static void interior_begin(interior *I) {
   double size = 0;
   for (int j = 0; j < work->n; j++)
     size = hypot(size, (work->f ? work->f[j] : 0) / sqrt(work->system->e[j]));
+  for (int k = 0; I->g && k < work->m; k++)
+    size = hypot(size, I->g[k]);
   if (size == 0) size = 1;
   for (int k = 0; k < work->m; k++)
     I->p[k] = I->z[k] = k % work->d ? 0 : size;
@@ -276,21 +280,24 @@ static dls_status interior_run(interior *I, dls_error *error) {
   dls_global *work = I->global;
   const int n = work->n, m = work->m;
   dls_status status = DLS_OK;
+  double first = 0;
   for (int k = 0; !status && k < most_points; k++) {
     double tau = 0, load = 0, step;
     dlsi_body_multiply(&work->model, I->x, I->rest, NULL);
     for (int j = 0; j < n; j++) {
       const double f = work->f ? work->f[j] : 0;
-      I->rest[j] = f - I->rest[j] - I->e[j] * I->x[j];
+      I->rest[j] = f - I->rest[j] - I->e[j] * (I->x[j] - (I->old ? I->old[j] : 0));
       load += f * I->x[j];
     }
     interior_push(I, I->p, I->rest);
     interior_look(I, I->x, I->miss);
     for (int i = 0; i < m; i++) {
       I->miss[i] = I->z[i] - I->miss[i];
+      if (I->g) I->miss[i] -= I->S[2 * (i / work->d) + (i % work->d > 0)] * I->g[i];
       tau += I->p[i] * I->z[i];
     }
-    if (k > 0 && !(tau > done * fabs(load))) break;
+    if (k == 0) first = tau;
+    if (k > 0 && !(tau > done * fmax(fabs(load), first))) break;
     status = interior_factor(I, error);
     if (!status) status = interior_step(I, tau / work->nc, &step, error);
     if (status) break;
@@ -313,9 +320,10 @@ static dls_status interior_run(interior *I, dls_error *error) {
   return status == DLS_E_SINGULAR || status == DLS_E_UNSUPPORTED ? DLS_OK : status;
 }
 
-dls_status dlsi_global_interior(dls_global *work, double hold, double *x, dls_error *error) {
+dls_status dlsi_global_interior(dls_global *work, double hold, const double *old, const double *g,
+                                double *x, double *r, dls_error *error) {
   const size_t n = (size_t)work->n, m = (size_t)work->m, nc = (size_t)work->nc;
-  interior I = {.global = work, .hold = hold, .x = x};
+  interior I = {.global = work, .hold = hold, .old = old, .g = g, .x = x};
   double *memory = dlsi_alloc(3 * n + (11 + (size_t)work->d) * m + 3 * nc, sizeof *memory);
   if (!memory) return dlsi_no_memory(error);
   double **const of_m[] = {&I.p, &I.z,      &I.dp, &I.dz,   &I.ap, &I.az,
@@ -333,6 +341,8 @@ dls_status dlsi_global_interior(dls_global *work, double hold, double *x, dls_er
   interior_begin(&I);
   dls_status status = interior_matrix(&I, &why);
   if (!status) status = interior_run(&I, &why);
+  for (size_t k = 0; r && k < m; k++)
+    r[k] = I.S[2 * (k / (size_t)work->d) + (k % (size_t)work->d > 0)] * I.p[k];
   if (status < 0 && error) *error = why;
   dlsi_cholesky_destroy(I.cholesky);
   dlsi_general_free(&I.general);

@@ -284,7 +284,7 @@ dls_status dlsi_global_prove(dls_global *work, int *proved, dls_error *error) {
     D.size = memory + 3 * n;
     D.sums = memory + 4 * n;
     D.y = memory + 6 * n;
-    status = dlsi_global_interior(work, soft, D.x, error);
+    status = dlsi_global_interior(work, soft, NULL, NULL, D.x, NULL, error);
     const int rigid = !status && drift_is_rigid(&D);
     for (D.small = least_small; rigid && !status && !*proved && D.small < 2 * most_small;
          D.small *= 10)

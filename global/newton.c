@@ -52,6 +52,7 @@ typedef struct newton {
   double *v, *r, *x; /* right side and solution, n + m; r, m; x at the start, n */
   int unknowns;      /* of contact */
   int spatial;       /* 1: some contact slips in 3D */
+  double hold;       /* E of (GN2) is hold E */
 } newton;
 
 /* (GN1) Sets the branches; returns 1 if the unknowns are others than before. */
@@ -133,7 +134,7 @@ static dls_status newton_factor(newton *N, dls_error *error) {
       dlsi_triplets_add(t, K->i[k], j, K->x[k]);
       if (symmetric && K->i[k] != j) dlsi_triplets_add(t, j, K->i[k], K->x[k]);
     }
-    if (work->system->hold > 0) dlsi_triplets_add(t, j, j, work->system->hold * work->system->e[j]);
+    if (N->hold > 0) dlsi_triplets_add(t, j, j, N->hold * work->system->e[j]);
   }
   for (int c = 0; c < work->nc; c++)
     for (int j = 0; j < N->of[c].count; j++) {
@@ -185,7 +186,7 @@ static dls_status newton_step(newton *N, double *r, dls_error *error) {
   return DLS_OK;
 }
 
-static dls_status newton_iterate(newton *N, double *r, dls_error *error) {
+static dls_status newton_iterate(newton *N, double *r, double hold, dls_error *error) {
   dls_global *work = N->global;
   double before = INFINITY, least = INFINITY;
   int slow = 0, fresh = 0;
@@ -193,8 +194,13 @@ static dls_status newton_iterate(newton *N, double *r, dls_error *error) {
     const int changed = newton_sort(N, r);
     newton_base(N, r);
     if (step == 0 || changed || (N->spatial && !fresh)) {
-      const dls_status status = newton_factor(N, error);
+      dls_status status = newton_factor(N, error);
       work->factorisations++;
+      if (status == DLS_E_SINGULAR && N->hold < hold) {
+        N->hold = hold;
+        status = newton_factor(N, error);
+        work->factorisations++;
+      }
       if (status) return status;
     }
     dls_status status = newton_step(N, r, error);
@@ -220,8 +226,8 @@ static dls_status newton_iterate(newton *N, double *r, dls_error *error) {
   return DLS_STALLED;
 }
 
-dls_status dlsi_global_newton(dls_global *work, double *r, dls_error *error) {
-  newton N = {.global = work};
+dls_status dlsi_global_newton(dls_global *work, double *r, double hold, dls_error *error) {
+  newton N = {.global = work, .hold = work->system->hold};
   dls_error why = {0};
   const size_t n = (size_t)work->n, m = (size_t)work->m;
   const size_t entries = 2 * (size_t)work->K.p[n] + n + m +
@@ -234,7 +240,7 @@ dls_status dlsi_global_newton(dls_global *work, double *r, dls_error *error) {
   if (!status) {
     N.x = N.v + n + m;
     memcpy(N.x, work->x, n * sizeof *N.x);
-    status = newton_iterate(&N, r, &why);
+    status = newton_iterate(&N, r, hold, &why);
     memcpy(work->x, N.x, n * sizeof *N.x);
     if (status == DLS_E_SINGULAR || status == DLS_E_UNSUPPORTED)
       status = DLS_STALLED; /* the splitting goes on alone */

@@ -3,7 +3,8 @@
  * measure of a pair (x, r), which keeps the best one.
  *
  * Of two pairs the better one has the smaller dlsi_body_badness: floors count, so that a pair that
- * has run away is never the best one because rounding hides its residual.
+ * has run away is never the best one because rounding hides its residual. A pair that is solved
+ * ends the solve, and is the best one whatever its floors.
  */
 #include <string.h>
 
@@ -52,11 +53,12 @@ dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificat
     work->trial[k] = r[k] / work->root[k];
   dlsi_body_measure(&work->body, work->f, work->gap, work->mu, work->trial, work->x, work->look,
                     work->scratch, found);
-  if (dlsi_body_badness(found) < dlsi_body_badness(&work->best)) {
+  const double tol = work->limits->tol;
+  const dls_status verdict = dls_certificate_verdict(found, tol);
+  if (verdict != DLS_STALLED || dlsi_body_badness(found) < dlsi_body_badness(&work->best)) {
     work->best = *found;
     memcpy(work->best_r, work->trial, (size_t)work->m * sizeof *work->trial);
     memcpy(work->best_x, work->x, (size_t)work->n * sizeof *work->x);
   }
-  const double tol = work->limits->tol;
-  return dls_certificate_verdict(&work->best, tol);
+  return verdict;
 }

@@ -27,8 +27,11 @@
  *   (GL8)  Newton steps (newton.c) end the iteration where no state has changed between two
  *          measures and the splitting would need more than 200 iterations yet. That is what an LU
  *          takes: 100 to 330 for strips and plates of 2,000 to 40,000 unknowns.
- *   (GL9)  Where equilibrium is the worst part and stands still, look for a motion that nothing can
- *          hold (motion.c).
+ *   (GL9)  Where equilibrium is the worst part and stands still, look once for a motion that
+ *          nothing can hold (motion.c).
+ *   (GL10) Where nothing has halved for 500 iterations, try once the fixed point of s = mu |u_t| by
+ *          convex problems (fixed.c), and go on from there if that is much better.
+ *   (GL11) Ends where nothing has halved for 2000 iterations, or with the first NaN.
  *
  * Source: Lions and Mercier, SIAM J. Numer. Anal. 16, 1979, 964-979; vi/admm.c is the same on W.
  * Cost: a solve with the factor of A an iteration, a product with K every 10.
@@ -41,7 +44,7 @@
 
 #include "global_internal.h"
 
-enum { measure_every = 10, first_look = 20, worth = 200, no_progress = 2000 };
+enum { measure_every = 10, first_look = 20, worth = 200, patience = 500, no_progress = 2000 };
 
 static const double relaxation = 1.6;
 static const double most_growth = 2;          /* (GL6) */
@@ -77,7 +80,7 @@ static int split_sort(dls_global *work, const double *q) {
 typedef struct schedule {
   int look;                /* iteration of the next (GL7) */
   int newton;              /* iteration from which on (GL8) may be tried */
-  int tried;               /* 1 after (GL9) */
+  int tried, fixed;        /* 1 after (GL9), (GL10) */
   double jump;             /* (GL7): next factor where the residual stands still */
   int moves;               /* 1: the smallest residual has halved between the two looks before */
   int still;               /* looks where it had not, with rho balanced */
@@ -143,21 +146,33 @@ static int newton_is_due(const dls_global *work, int k, int changed, const dls_c
   return !(gain > 1) || log(left) / log(gain) * measure_every > worth;
 }
 
-/* (GL8) Goes on from the pair of the steps if it is much better, else as before. */
+/* Goes on from the best pair if it is much better than `before`. */
+static void split_resume(dls_global *work, double before) {
+  if (!(dlsi_body_badness(&work->best) < before / 2)) return;
+  memcpy(work->x, work->best_x, (size_t)work->n * sizeof *work->x);
+  dlsi_global_look(work, work->x, work->u);
+  for (int i = 0; i < work->m; i++)
+    work->p[i] = work->best_r[i] * work->root[i] - work->rho * work->u[i];
+  memcpy(work->q, work->p, (size_t)work->m * sizeof *work->q);
+  dlsi_anderson_clear(&work->history);
+}
+
+/* (GL8) */
 static dls_status split_newton(dls_global *work, int k, schedule *s, dls_error *error) {
   const double before = dlsi_body_badness(&work->best);
-  const dls_status status = dlsi_global_newton(work, work->before, error);
-  if (status != DLS_STALLED) return status;
+  const dls_status status = dlsi_global_newton(work, work->before, 0, error);
   s->newton = 2 * k;
-  if (dlsi_body_badness(&work->best) < before / 2) {
-    memcpy(work->x, work->best_x, (size_t)work->n * sizeof *work->x);
-    dlsi_global_look(work, work->x, work->u);
-    for (int i = 0; i < work->m; i++)
-      work->p[i] = work->best_r[i] * work->root[i] - work->rho * work->u[i];
-    memcpy(work->q, work->p, (size_t)work->m * sizeof *work->q);
-    dlsi_anderson_clear(&work->history);
-  }
-  return DLS_STALLED;
+  if (status == DLS_STALLED) split_resume(work, before);
+  return status;
+}
+
+/* (GL10) */
+static dls_status split_fixed(dls_global *work, schedule *s, dls_error *error) {
+  const double before = dlsi_body_badness(&work->best);
+  const dls_status status = dlsi_global_fixed(work, error);
+  s->fixed = 1;
+  if (status == DLS_STALLED) split_resume(work, before);
+  return status;
 }
 
 /* Returns 1 if equilibrium is the worst part and stands still. */
@@ -223,6 +238,13 @@ static dls_status split_look(dls_global *work, int k, int most, const double *p,
       *end = 1;
       return status;
     }
+  }
+  if (!s->fixed && (k - s->since > patience || *end)) {
+    *end = 1;
+    status = split_fixed(work, s, error);
+    if (status != DLS_STALLED) return status;
+    *end = 0;
+    s->since = k;
   }
   return *end ? split_verdict(work, DLS_STALLED) : DLS_STALLED;
 }
