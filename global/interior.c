@@ -5,9 +5,9 @@
  *          (K + hold E) x = f + H r,  z = H^T x + g,  r in the friction cones, r.z = 0
  *
  *   or x - old in the place of the second x. That is the law if g holds s = mu |u_t|. E is that of
- *   system.c; where K_jj is not positive, as for a multiplier, it counts negative. Scales S make the
- *   cones Lorentz cones: r = S p,  S z: S_n = 1 / sqrt(1 + mu^2), S_t = mu S_n, mu at most 1e4. In
- *   what follows z, g and H^T have S in them.
+ *   system.c; where K_jj is not positive, as for a multiplier, it counts negative. Scales S make
+ *   the cones Lorentz cones: r = S p,  S z:  S_n = 1 / sqrt(1 + mu^2), S_t = mu S_n, mu at most
+ *   1e4. In what follows z, g and H^T have S in them.
  *
  *   (GI2)  P with l = P p = P^-1 z (base/cone.h). A direction for a right-hand side rc, with
  *          v = l \ rc and e = z - H^T x - g:

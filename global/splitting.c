@@ -186,7 +186,8 @@ static int stands_still(const dls_certificate *now, schedule *s) {
 static dls_status split_verdict(const dls_global *work, dls_status status) {
   const dls_certificate *c = &work->best;
   const double contact = c->residual_u > c->residual_r ? c->residual_u : c->residual_r;
-  return c->equilibrium > work->limits->tol && contact < 0.1 * c->equilibrium
+  return c->equilibrium > dlsi_target(work->limits->tol, c->floor_e) &&
+                 contact < 0.1 * c->equilibrium
              ? DLS_NOT_IN_EQUILIBRIUM
              : status;
 }

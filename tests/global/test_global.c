@@ -347,6 +347,31 @@ START_TEST(stacks) {
 }
 END_TEST
 
+/* The top of a stack is pushed by 1.1 times the friction; springs of 1e-8 to 1e-14 of E at every
+ * unknown hold the rest: 3e-5 = 27 k x. Solved down to 1e-12, to what K x rounds. Below, the
+ * rounding of K x is more than 1e-4 of the load: not solved, and nothing else is said. */
+START_TEST(springs_hold) {
+  const double k = pow(10, -8 - _i);
+  solids T;
+  solids_stack(&T, 3, 3, 2, 1.1);
+  for (int j = 0; j < T.model.n; j++)
+    solids_spring(&T, j / 3, j % 3, k);
+  dlsi_columns *const old[] = {&T.Kc, &T.Nc, &T.Tc};
+  for (int j = 0; j < 3; j++)
+    dlsi_columns_free(old[j]);
+  answer A = answer_of(solids_model(&T), T.f, T.g, .3, 1e-8);
+  const int solved = A.status == DLS_OK || A.status == DLS_TO_ROUNDING;
+  double x = 0;
+  for (int j = 54; j < 81; j++)
+    x += A.x[3 * j] / 27;
+  ck_assert_msg(solved == (_i <= 4) && (solved || A.status == DLS_STALLED), "%s",
+                dls_status_name(A.status));
+  ck_assert_msg(!solved || fabs(27 * k * x / 3e-5 - 1) <= 1e-3, "%g", 27 * k * x);
+  answer_free(&A);
+  solids_free(&T);
+}
+END_TEST
+
 /* An arch that is too thin, or on joints too smooth, is proved to fall. */
 START_TEST(arches_fall) {
   const int stones[] = {15, 15, 15, 31, 31, 31, 31, 9, 45};
@@ -766,9 +791,9 @@ END_TEST
 int main(void) {
   return RUN("global", NULL, NULL, EACH(free_bars, 0, 6), ONCE(bar_pulled_up),
              EACH(tie_by_multiplier, 0, 2), ONCE(node_twice), ONCE(no_contact), ONCE(bonded),
-             ONCE(press_fit), ONCE(weak_springs), EACH(stacks, 0, 12), EACH(arches_fall, 0, 9),
-             EACH(arches_stand, 0, 9), EACH(strips, 0, 4), EACH(surfaces, 0, 24),
-             EACH(agrees_with_W, 0, 2), EACH(units, 0, 4), ONCE(unsymmetric), ONCE(weighted),
-             ONCE(warm_and_update), ONCE(limits_hold), ONCE(bad_input),
+             ONCE(press_fit), ONCE(weak_springs), EACH(stacks, 0, 12), EACH(springs_hold, 0, 7),
+             EACH(arches_fall, 0, 9), EACH(arches_stand, 0, 9), EACH(strips, 0, 4),
+             EACH(surfaces, 0, 24), EACH(agrees_with_W, 0, 2), EACH(units, 0, 4), ONCE(unsymmetric),
+             ONCE(weighted), ONCE(warm_and_update), ONCE(limits_hold), ONCE(bad_input),
              EACH(failing_mallocs, 0, 4));
 }
