@@ -362,7 +362,7 @@ class Owners(unittest.TestCase):
 
     def test_random_sequences(self):
         """Calls in any order, good and bad: numbers that were right stay right. The number of calls
-        comes from DELASSUS_SEQUENCE."""
+        comes from DELASSUS_SEQUENCE (make sequences)."""
         random = np.random.default_rng(4)
         kinds = {"dense": lambda K: K, "sparse": sp.csc_matrix,
                  "host": lambda K: lambda B: np.linalg.solve(K, B)}
@@ -427,6 +427,67 @@ class Owners(unittest.TestCase):
                 self.assertEqual((R.n, R.d, R.m), (n, d, m))
         self.assertGreater(refused, 10)
 
+    def test_random_motions(self):
+        """Calls of motions in any order, good and bad: what is refused changes nothing."""
+        random = np.random.default_rng(5)
+
+        def wrong(size):
+            """Returns an array of another size, or with an entry that is not finite."""
+            x = random.standard_normal(size)
+            return np.append(x, 1) if random.random() < 0.5 else np.where(x == x.max(), np.nan, x)
+
+        def draw():
+            n, d = int(random.integers(3, 9)), int(random.integers(2, 4))
+            nodes = int(random.integers(1, n // d + 1))
+            H = np.eye(n)[:, random.permutation(n)[:d * nodes]]
+            A = random.standard_normal((n, n))
+            return n, d, nodes, A @ A.T + np.eye(n), H[:, :nodes], H[:, nodes:]
+
+        def state(motion):
+            return [np.array(a) for a in (motion.t, motion.steps, motion.x, motion.v, motion.p,
+                                          motion.u, motion.gap, motion.slip)]
+
+        motion, refused, steps = None, 0, 0
+        for call in range(int(os.environ.get("DELASSUS_SEQUENCE", 500))):
+            if motion is None or random.random() < 0.03:
+                n, d, nodes, K, HN, HT = draw()
+                law = str(random.choice(["velocity", "gap", "path"]))
+                M = None if law == "path" else np.diag(random.uniform(0.5, 2, n))
+                kind = random.choice([np.asarray, sp.csc_matrix])
+                motion = delassus.Motion(
+                    kind(K), HN, HT, M=M, h=1e-2, law=law, max_iterations=200, d=d,
+                    theta=1 if law == "gap" else 0.5,
+                    gap=random.uniform(0, 0.1, nodes) if random.random() < 0.5 else None)
+            before = state(motion)
+            what, bad = random.integers(6), random.random() < 0.4
+            try:
+                if what < 3:
+                    arrays = [random.standard_normal(n), 0.1 * random.standard_normal((nodes, d)),
+                              random.uniform(0, 1, nodes)]
+                    if bad:
+                        k = random.integers(3)
+                        arrays[k] = wrong((n, d * nodes, nodes)[k])
+                    motion.step(*arrays)
+                    steps += 1
+                elif what == 3:
+                    motion.start(wrong(n) if bad else random.standard_normal(n),
+                                 None if law == "path" else np.zeros(n), 1.0)
+                elif what == 4:
+                    motion.set_h(random.choice([0, -1, np.nan, np.inf]) if bad else
+                                 random.uniform(1e-3, 1e-2))
+                else:
+                    copy.copy(motion)
+                self.assertFalse(bad)
+                self.assertEqual((motion.x.shape, motion.p.shape), ((n,), (nodes, d)))
+                self.assertTrue(np.isfinite(motion.x).all())
+            except (delassus.Error, delassus.NotCertified, ValueError, TypeError) as error:
+                refused += 1
+                self.assertTrue(bad or what == 5 or isinstance(error, delassus.NotCertified), error)
+                for a, b in zip(before, state(motion)):
+                    np.testing.assert_array_equal(a, b)
+        self.assertGreater(refused, 10)
+        self.assertGreater(steps, 10)
+
 
 class Signals(unittest.TestCase):
     W = np.array([[1.0, 0, -1, 0], [0, 1, 0, 1], [-1, 0, 1, 0], [0, 1, 0, 1]])
@@ -458,6 +519,20 @@ class Signals(unittest.TestCase):
         for options in ({}, {"history": True}, {"progress": lambda p: False}):
             for _ in range(3):
                 self.assertLess(self.interrupted(lambda: self.long(**options)), 1)
+
+    def test_no_signal_is_lost(self):
+        """Wherever in the callback the handler runs, what it raises ends the solve."""
+        def handler(*_):
+            raise TimeoutError
+
+        before = signal.signal(signal.SIGALRM, handler)
+        try:
+            for k in range(300):
+                with self.assertRaises(TimeoutError):
+                    signal.setitimer(signal.ITIMER_REAL, 1e-3 + 7e-6 * k)
+                    self.long(progress=lambda p: False)
+        finally:
+            signal.signal(signal.SIGALRM, before)
 
     def test_ctrl_c_in_a_host(self):
         _, HN, HT = POINT

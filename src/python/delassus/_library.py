@@ -248,14 +248,16 @@ def _rounds(count, function, caught):
     values, taken, answer = [], 0, 0
     while True:
         try:
+            # Python 3.11 looks one instruction before the target of a jump back for the try that
+            # holds what a signal's handler raises there: this one
+            answer += 0
             while True:
                 taken += 1
                 values.append((yield answer))
-                if taken < count:
-                    answer = 0
-                    continue
-                answer = int(bool(caught or function(*values)))
-                values, taken = [], 0
+                answer = 0
+                if taken == count:
+                    answer = int(bool(caught or function(*values)))
+                    values, taken = [], 0
         except GeneratorExit:
             return
         except BaseException as exception:  # of the function, or of the handler of a signal
@@ -273,23 +275,32 @@ class Callback:
     Python runs the handlers of signals (Ctrl-C) when it enters a function, where no try holds what
     they raise and C would never see it. So C enters no function of Python: it sends the integers,
     one by one, into a generator, which waits within its try. max() is the function of C that does:
-    it returns its first argument, 0, unless a later one has a larger key.
+    it returns its first argument, 0, unless a later one has a larger key. A second signal can end
+    the generator while it keeps what the first one raised.
     """
 
     def __init__(self, function, *kinds):
         self.caught = []
-        rounds = _rounds(len(kinds), function, self.caught)
-        next(rounds)
-        self._function = ctypes.CFUNCTYPE(c_int, *kinds)(functools.partial(max, key=rounds.send))
+        self._start = functools.partial(_rounds, len(kinds), function, self.caught)
+        self._rounds = self._start()
+        next(self._rounds)
+        self._entry = functools.partial(max, key=self._rounds.send)
+        self._function = ctypes.CFUNCTYPE(c_int, *kinds)(self._entry)
         self.address = ctypes.cast(self._function, c_void_p).value
 
     def begin(self):
         del self.caught[:]
+        if self._rounds.gi_frame is None:
+            self._rounds = self._start()
+            next(self._rounds)
+            self._entry.keywords["key"] = self._rounds.send
 
     def end(self):
         """Raises what the last call caught."""
         if self.caught:
             raise self.caught[0]
+        if self._rounds.gi_frame is None:
+            raise KeyboardInterrupt
 
 
 # ---- arrays --------------------------------------------------------------------------------------
