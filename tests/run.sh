@@ -2,6 +2,7 @@
 # run.sh BUILD [RUNNER | --languages]: runs every test program of BUILD/tests under RUNNER (valgrind, say), from
 # the top of the repository, then every example against the expected output in its first comment. --languages:
 # those in C++, Fortran and Python alone. PYTHON: an interpreter with numpy and scipy, empty for none.
+# BUILD/times: the CPU seconds of each; the ten longest are printed at the end.
 set -u
 build=$1
 runner=${2:-}
@@ -9,16 +10,35 @@ languages=
 [ "$runner" = --languages ] && languages=1 && runner=
 passed=0
 failed=0
+times=$build/times
+: >"$times"
 export OPENBLAS_NUM_THREADS=1
 export CK_TIMEOUT_MULTIPLIER=5 # a busy machine is no failure
 [ -n "$runner" ] && export CK_FORK=no
-export PYTHONPATH=src/python PYTHONDONTWRITEBYTECODE=1 DELASSUS_LIBRARY=$build/libdelassus.so
+export PYTHONPATH=src/python PYTHONDONTWRITEBYTECODE=1 DELASSUS_LIBRARY=$build/libdelassus.so DELASSUS_PROGRAM=$build/delassus
+
+# clock: sets cpu to the CPU seconds of all programs so far
+clock() {
+  times >"$times.now"
+  cpu=$(awk 'NR == 2 { split($1, u, /[ms]/); split($2, s, /[ms]/); printf "%.2f", 60 * (u[1] + s[1]) + u[2] + s[2] }' \
+    "$times.now")
+}
+
+# run NAME COMMAND...: runs it, counts it, writes its time
+run() {
+  name=$1
+  shift
+  clock
+  before=$cpu
+  if "$@"; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "FAILED: $name"; fi
+  clock
+  echo "$cpu $before $name" | awk '{ printf "%.2f %s\n", $1 - $2, $3 }' >>"$times"
+}
 
 for program in "$build"/tests/*/test_*; do
   [ -x "$program" ] || continue
   [ -n "$languages" ] && case $program in *-cpp | *-f90) ;; *) continue ;; esac
-  DELASSUS_PROGRAM=$build/delassus $runner "$program"
-  if [ $? -eq 0 ]; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "FAILED: $program"; fi
+  run "${program#"$build"/}" $runner "$program"
 done
 
 # python SOURCE: runs it. A library with a sanitizer, or under a runner, does not go into an interpreter.
@@ -32,11 +52,19 @@ for source in tests/languages/test_*.*; do
   case $source in
   *.py)
     [ -n "$no_python" ] && echo "skipped: $source, $no_python" && continue
-    python "$source"
-    if [ $? -eq 0 ]; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "FAILED: $source"; fi ;;
+    run "$source" python "$source" ;;
   *) [ -x "$build/${source%.*}-${source##*.}" ] || echo "skipped: $source, no compiler" ;;
   esac
 done
+
+# prints EXPECTED COMMAND...: succeeds if the command does and prints that
+prints() {
+  expected=$1
+  shift
+  actual=$("$@") && [ -n "$expected" ] && [ "$expected" = "$actual" ] && return 0
+  echo "expected:"; echo "$expected"; echo "printed:"; echo "$actual"
+  return 1
+}
 
 for source in examples/*.c examples/*.cpp examples/*.f90 examples/*.py; do
   name=$build/examples/$(basename "${source%.*}")
@@ -55,15 +83,11 @@ for source in examples/*.c examples/*.cpp examples/*.f90 examples/*.py; do
   expected=$(awk '/^( \*|!|#) *Output:/ { on = 1; next }
     on && /^( \*\/|[^ !#]|$)/ { exit }
     on { sub(/^( \*|!|#) ?/, ""); sub(/^  /, ""); print }' "$source")
-  actual=$("$@")
-  if [ $? -eq 0 ] && [ -n "$expected" ] && [ "$expected" = "$actual" ]; then
-    passed=$((passed + 1))
-  else
-    failed=$((failed + 1))
-    echo "FAILED: $source"
-    echo "expected:"; echo "$expected"; echo "printed:"; echo "$actual"
-  fi
+  run "$source" prints "$expected" "$@"
 done
 
+rm -f "$times.now"
+echo 'CPU seconds of the longest:'
+sort -rn "$times" | head -10
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]
