@@ -40,7 +40,8 @@ MAKEFLAGS += --no-builtin-rules
 # integer constants are enums, which clang does not like beside a double; gcc does not know the name
 WARNINGS = -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
            -Wmissing-prototypes -Wvla -Wno-enum-float-conversion $(WERROR)
-CPPFLAGS_ALL = -Iinclude -Isrc -I. -MMD -MP $(CPP_OF) $(CPPFLAGS)
+# large files and directories on 32 bits, too
+CPPFLAGS_ALL = -D_FILE_OFFSET_BITS=64 -Iinclude -Isrc -I. -MMD -MP $(CPP_OF) $(CPPFLAGS)
 # i386 computes in double with SSE2 alone
 X87 := $(if $(filter 1,$(shell echo __i386__ | $(CC) $(CFLAGS) -E -P -xc - 2>/dev/null)),-msse2 -mfpmath=sse)
 # no fused products: the same bits everywhere; nobody asks errno or the traps, which keep loops scalar
@@ -79,7 +80,9 @@ WITH_MUMPS := $(addprefix src/linear/,sparse_lu.c schur.c dissection.c)
 LIB_SRC := $(filter-out $(if $(MUMPS_LIBS),$(NO_MUMPS),$(WITH_MUMPS)),$(LIB_SRC))
 FE_SRC := $(wildcard src/fe/*.c)
 CLI_SRC := $(wildcard src/cli/*.c)
-TEST_SRC := $(filter-out tests/mpi/%,$(wildcard tests/*/test_*.c))
+# the rooms of tests that check-build builds; all of them
+ROOMS ?= *
+TEST_SRC := $(filter-out tests/mpi/%,$(wildcard $(ROOMS:%=tests/%/test_*.c)))
 EXAMPLE_SRC := $(wildcard examples/*.c)
 HEADERS := $(filter-out $(if $(MPI_LIBS),,include/delassus/mpi.h),$(wildcard include/*.h include/delassus/*.h))
 ALL_CPP = $(wildcard include/*.hpp tests/*/*.cpp examples/*.cpp)
@@ -138,6 +141,9 @@ help:
 	@echo 'make check-build check-symbols check-arrows check-names check-headers   parts of it, and each header'
 	@echo 'make check-flags     flags that make a wrong library are refused'
 	@echo 'make check-cross     the core for other processors under qemu; ARCHS="i386 arm64"'
+	@echo 'make check-plain     a build with HDF5=0 MUMPS=0 OPENMP=, and the tests of what that changes'
+	@echo 'make sequences       calls of Python in any order under the sanitizers; SEQUENCE=10000'
+	@echo 'make names           names and titles of any bytes through every command; NAMES=1250 rounds of 8'
 	@echo 'make check-all       all of this: other options, flags, compilers, processors; MPI, sanitizers, long fuzz; hours'
 	@echo 'make lint format-check format      clang-tidy and cppcheck; layout and 100 columns'
 	@echo 'make bench-solvers   every solver beside Siconos; BENCH=--full for all problems'
@@ -253,6 +259,12 @@ check: deps
 check-build: all $(TESTS) $(LANGUAGES) $(addprefix $(BUILD)/bench/,auto blocks steps trust)
 	@PYTHON='$(PYTHON)' tests/run.sh $(BUILD) $(TEST_RUNNER)
 
+# the library as it is without HDF5, MUMPS and OpenMP, and the tests of what that changes
+.PHONY: check-plain
+PLAIN_ROOMS = files linear reduction global cli catalogue
+check-plain:
+	@$(MAKE) --no-print-directory check-build BUILD=$(BUILD)/plain HDF5=0 MUMPS=0 OPENMP= ROOMS='$(PLAIN_ROOMS)'
+
 # tests and examples in other languages alone
 .PHONY: check-languages
 check-languages: all $(LANGUAGES)
@@ -262,6 +274,22 @@ check-languages: all $(LANGUAGES)
 asan:
 	$(MAKE) check-build BUILD=$(BUILD)/asan CFLAGS='-O1 -g -fno-omit-frame-pointer' \
 	  SANITIZE='-fsanitize=address,undefined -fno-sanitize-recover=all'
+
+# calls of Python in any order, good and bad, under the same sanitizers; nothing of the interpreter's own is looked at
+.PHONY: sequences
+SEQUENCE ?= 10000
+sequences:
+	@$(MAKE) --no-print-directory $(BUILD)/asan/libdelassus.so BUILD=$(BUILD)/asan CFLAGS='-O1 -g -fno-omit-frame-pointer' \
+	  SANITIZE='-fsanitize=address,undefined -fno-sanitize-recover=all'
+	LD_PRELOAD="$$($(CC) -print-file-name=libasan.so)" ASAN_OPTIONS=detect_leaks=0 OPENBLAS_NUM_THREADS=1 \
+	  PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=src/python DELASSUS_LIBRARY=$(BUILD)/asan/libdelassus.so \
+	  DELASSUS_SEQUENCE=$(SEQUENCE) $(PYTHON) tests/languages/test_python.py Owners
+
+# names and titles of any bytes, NAMES times 8 of them
+.PHONY: names
+NAMES ?= 1250
+names: $(PROGRAM) $(BUILD)/tests/cli/test_names
+	DELASSUS_NAMES=$(NAMES) DELASSUS_PROGRAM=$(PROGRAM) OPENBLAS_NUM_THREADS=1 $(BUILD)/tests/cli/test_names
 
 # host threads under the thread sanitizer, RUNS times
 .PHONY: threads
@@ -326,6 +354,8 @@ check-all:
 	@$(MAKE) --no-print-directory check-build BUILD=$(BUILD)/plain HDF5=0 MUMPS=0 OPENMP=
 	@$(MAKE) --no-print-directory check-mpi BUILD=$(BUILD)/mpi MPI=1
 	@$(MAKE) --no-print-directory asan
+	@$(MAKE) --no-print-directory sequences
+	@$(MAKE) --no-print-directory names
 	@$(MAKE) --no-print-directory threads RUNS=5
 	@$(MAKE) --no-print-directory fuzz FUZZ_SECONDS=600
 	@$(MAKE) --no-print-directory check-cross
