@@ -1,7 +1,7 @@
 #!/bin/sh
 # install.sh BUILD: installs into a fresh directory (DESTDIR), builds and runs an example in C (with pkg-config
 # and with CMake), C++, Fortran and Python from what is there alone, looks at the man pages and the completion,
-# and uninstalls. PYTHON: an interpreter with numpy and scipy, empty for none.
+# and uninstalls. The wheel is built and works away from the tree. PYTHON: an interpreter with numpy and scipy, empty for none.
 set -eu
 build=$1
 root=$(mktemp -d)
@@ -58,6 +58,16 @@ fi
 if [ -n "${PYTHON:-}" ]; then
   package=$(find "$tree" -type d -name delassus -path '*/python*')
   check Python env PYTHONPATH="${package%/delassus}" "$PYTHON" point.py
+  # the wheel by pip, which needs no network for it; without pip by the function that pip calls
+  mkdir wheel
+  if "$PYTHON" -m pip --version > log 2>&1; then
+    DELASSUS_LIBRARY=$tree/usr/lib/here/libdelassus.so.0 "$PYTHON" -m pip install --no-index --no-deps --target wheel "$work/src/python" > log 2>&1 || { cat log; fail wheel; }
+  else
+    DELASSUS_LIBRARY=$tree/usr/lib/here/libdelassus.so.0 PYTHONPATH=$work/src/python PYTHONDONTWRITEBYTECODE=1 \
+      "$PYTHON" -c 'import backend, zipfile; zipfile.ZipFile(backend.build_wheel(".")).extractall("wheel")' || fail wheel
+  fi
+  [ -e wheel/delassus/libdelassus.so.0 ] || fail 'the wheel has no library'
+  check 'Python by the wheel' env -u LD_LIBRARY_PATH -u DELASSUS_LIBRARY PYTHONPATH="$root/wheel" "$PYTHON" point.py
 else
   echo 'skipped: Python, no python3 with numpy and scipy'
 fi

@@ -1,7 +1,7 @@
 /*
- * test_names.c: names of files and titles are anybody's bytes. Whatever they are, chart, map,
- * profile and solve --plot run no command of theirs, every file is well formed, and what is printed
- * holds no control.
+ * test_names.c: names of files, directories and titles are anybody's bytes. Whatever they are,
+ * chart, map, profile, info and solve run no command of theirs, every file is well formed, and what
+ * is printed holds no control. DELASSUS_NAMES: rounds of 8 names.
  */
 #define _GNU_SOURCE
 #include <check.h>
@@ -89,14 +89,18 @@ static void make_name(char name[name_room], unsigned *state, int number) {
   (void)snprintf(name + used, (size_t)(name_room - used), ".txt");
 }
 
-/* Writes a problem of one block into the test's directory. */
-static void make_problem(const char *name) {
+/* Writes a problem of one block with this title into the test's directory. */
+static void make_titled(const char *name, const char *title) {
   char path[name_room + 100];
   (void)snprintf(path, sizeof path, "%s/%s", directory, name);
   FILE *file = fopen(path, "w");
   ck_assert_ptr_nonnull(file);
-  fputs("title block\ncontact 2 1\nW\n2 1/2\n1/2 1\nq -1 1/3\nmu 1/2\n", file);
+  (void)fprintf(file, "title %s\ncontact 2 1\nW\n2 1/2\n1/2 1\nq -1 1/3\nmu 1/2\n", title);
   ck_assert_int_eq(fclose(file), 0);
+}
+
+static void make_problem(const char *name) {
+  make_titled(name, "block");
 }
 
 /* Runs the program in the test's directory; standard output and error go into the file "said".
@@ -124,7 +128,7 @@ static int run_there(const char *const *arguments) {
 
 /* Reads a file of the test's directory into text; returns 0 if there is none. */
 static int read_there(const char *name) {
-  char path[name_room];
+  char path[name_room + 100];
   (void)snprintf(path, sizeof path, "%s/%s", directory, name);
   FILE *file = fopen(path, "r");
   if (!file) return 0;
@@ -172,18 +176,45 @@ static void expect_csv(const char *what) {
   ck_assert(!quoted && first > 2);
 }
 
+/* The text is one JSON object: brackets in pairs, strings without controls, known escapes. */
+static void expect_json(const char *what) {
+  char open[40];
+  int depth = 0, quoted = 0;
+  expect_plain(what, 0);
+  for (const char *at = text; *at; at++) {
+    ck_assert_msg(at == text || depth > 0 || *at == '\n', "%s: %.40s", what, at);
+    if (quoted && *at == '\\')
+      ck_assert_msg(*++at && strchr("\"\\/bfnrtu", *at), "%s: %.40s", what, at);
+    else if (*at == '"')
+      quoted = !quoted;
+    else if (quoted)
+      ck_assert_msg(*at != '\n', "%s", what);
+    else if (*at == '{' || *at == '[') {
+      ck_assert_int_lt(depth, (int)sizeof open);
+      open[depth++] = *at;
+    } else if (*at == '}' || *at == ']')
+      ck_assert_msg(depth > 0 && open[--depth] == *at - 2, "%s: %.40s", what, at);
+  }
+  ck_assert_msg(!depth && !quoted, "%s", what);
+}
+
 static void expect_nothing_run(void) {
   char command[200];
   (void)snprintf(command, sizeof command, "test -z \"$(find %s -name pwned)\"", directory);
   ck_assert_int_eq(system(command), 0);
 }
 
-/* The command drew, where there is gnuplot, and wrote its table. */
-static void expect_files(const char *const *arguments, const char *picture, const char *table) {
+/* Runs a command that works; what it says is plain and stands in text. */
+static void expect_plain_run(const char *const *arguments) {
   const int status = run_there(arguments);
   ck_assert(read_there("said"));
   ck_assert_msg(status <= 1, "%s %s: %d, %s", arguments[0], arguments[1], status, text);
   expect_plain(arguments[0], 0);
+}
+
+/* The command drew, where there is gnuplot, and wrote its table. */
+static void expect_files(const char *const *arguments, const char *picture, const char *table) {
+  expect_plain_run(arguments);
   if (system("command -v gnuplot >/dev/null") == 0) {
     ck_assert_msg(!strstr(text, "did not draw") && !strstr(text, ".gp\" line"), "%s %s: %s",
                   arguments[0], arguments[1], text);
@@ -211,6 +242,42 @@ static void expect_all_drawn(char names[most_names][name_room]) {
   expect_files(solve, "o/history.svg", "o/history.csv");
 }
 
+/* The commands that draw nothing, with all these names; name 3 is a directory, 4 a history, 5 a
+ * matrix. */
+static void expect_all_written(char names[most_names][name_room]) {
+  char option[3][name_room + 20], matrix[name_room + 20], csv[name_room + 20];
+  make_titled(names[2], names[6] + 2); /* a title of several lines has lines of its own */
+  make_problem(names[7]);
+  const char *const info[] = {"info", names[2], NULL};
+  (void)run_there(info);
+  ck_assert(read_there("said"));
+  expect_plain("info", 0);
+  const char *const of_title[] = {"info", "--json", names[7], NULL};
+  expect_plain_run(of_title);
+  expect_json("info --json");
+  (void)snprintf(option[0], sizeof option[0], "--csv=%s.d", names[3]);
+  (void)snprintf(option[1], sizeof option[1], "--history=%s.csv", names[4]);
+  (void)snprintf(matrix, sizeof matrix, "%s.mtx", names[5]);
+  (void)snprintf(option[2], sizeof option[2], "--output=%s", matrix);
+  const char *const solve[] = {"solve", "--json", option[0], option[1], option[2], names[7], NULL};
+  expect_plain_run(solve);
+  expect_json("solve --json");
+  (void)snprintf(csv, sizeof csv, "%s.d/r.csv", names[3]);
+  ck_assert(read_there(csv));
+  expect_csv(csv);
+  (void)snprintf(csv, sizeof csv, "%s.csv", names[4]);
+  ck_assert(read_there(csv));
+  expect_csv(csv);
+  ck_assert(read_there(matrix));
+  ck_assert_int_eq(strncmp(text, "%%MatrixMarket", 14), 0);
+  (void)snprintf(option[0], sizeof option[0], "--plot=%s.d", names[3]);
+  const char *const plot[] = {"solve", "-q", option[0], names[7], NULL};
+  char picture[name_room + 20];
+  (void)snprintf(picture, sizeof picture, "%s.d/history.svg", names[3]);
+  (void)snprintf(csv, sizeof csv, "%s.d/history.csv", names[3]);
+  expect_files(plot, picture, csv);
+}
+
 START_TEST(names_that_mean_something) {
   char names[most_names][name_room] = {"./x'; system \"touch pwned\"; #.hdf5",
                                        "./`touch pwned`'\"\\\n!touch pwned\n.txt",
@@ -230,6 +297,7 @@ START_TEST(names_of_any_bytes) {
   for (int k = 0; k < most_names; k++)
     make_name(names[k], &state, k);
   expect_all_drawn(names);
+  expect_all_written(names);
 }
 END_TEST
 
@@ -271,7 +339,9 @@ START_TEST(errors_escape_controls) {
 END_TEST
 
 int main(void) {
+  const char *given = getenv("DELASSUS_NAMES");
+  const int rounds = given ? atoi(given) : 4;
   return RUN("names", make_directory, remove_directory, ONCE(names_that_mean_something),
-             EACH(names_of_any_bytes, 0, 4), ONCE(an_apostrophe_is_drawn),
+             EACH(names_of_any_bytes, 0, rounds), ONCE(an_apostrophe_is_drawn),
              ONCE(errors_escape_controls));
 }

@@ -279,11 +279,71 @@ static void solve_primal(fuzz_bytes *b, const dls_model *model, const double *f,
   dls_primal_destroy(work);
 }
 
+/* Loads a reduction and asks for all that it hands out. */
+static void look_at_reduction(fuzz_bytes *b, dls_reduction *reduction, const dls_model *model) {
+  double f[most_n], g[3 * most_n], mu[most_n], x[most_n], r[3 * most_n] = {0}, nodal[3 * most_n];
+  double imbalance;
+  dls_contact problem;
+  dls_error error;
+  take_vector(b, model->n, f);
+  take_vector(b, model->d * model->nodes, g);
+  for (int c = 0; c < most_n; c++)
+    mu[c] = take_byte(b) / 100.0;
+  const int loaded_free = take_byte(b) < 30;
+  const dls_status loaded = loaded_free ? dls_reduction_load_free(reduction, f, g, &error)
+                                        : dls_reduction_load(reduction, f, g, &error);
+  if (loaded || dls_reduction_contact(reduction, mu, &problem, &error)) return;
+  if (problem.d * problem.nc <= most_m) fuzz_solve(&problem, b);
+  take_vector(b, problem.d * problem.nc, r);
+  (void)!dls_reduction_recover(reduction, r, x, &error);
+  (void)!dls_reduction_nodal(reduction, r, nodal, &error);
+  if (take_byte(b) < 60) (void)!dls_reduction_balance(reduction, r, &imbalance, &error);
+}
+
+/* Updates a reduction, to good models and bad ones, and looks at it, in turns. What it was made of
+ * stays in use: the models differ in the arrays that they point to. */
+static void use_reduction(fuzz_bytes *b, dls_reduction *reduction, dls_model *model, columns *K) {
+  static columns other, HN, HT;
+  double a[most_m * most_m];
+  dls_error error;
+  look_at_reduction(b, reduction, model);
+  for (int turn = take_int(b, 0, 4); turn > 0; turn--) {
+    dls_model next = *model;
+    switch (take_byte(b) % 8) {
+    case 0: /* another pattern */
+      next.Ks = take_columns(b, model->n, model->n, 1, &other);
+      break;
+    case 1: /* other operators */
+      next.HN = take_columns(b, model->n, model->nodes, 0, &HN);
+      next.HT = take_columns(b, model->n, (model->d - 1) * model->nodes, 0, &HT);
+      break;
+    case 2: /* another dense K */
+      take_matrix(b, model->n, a);
+      next.K.a = a;
+      break;
+    case 3: /* other sizes and kinds */
+      next.n = take_int(b, 0, model->n);
+      next.nodes = take_int(b, 0, model->nodes);
+      next.operator_kind = (dls_operator)take_int(b, 0, 5);
+      break;
+    case 4: /* a value that may be none */
+      if (K->p[model->n] > 0) K->x[take_int(b, 0, K->p[model->n] - 1)] = take_value(b);
+      break;
+    default: /* other values */
+      for (int k = 0; k < K->p[model->n]; k++)
+        K->x[k] *= 1.5;
+    }
+    const dls_status status = dls_reduction_update(reduction, &next, &error);
+    FUZZ_CHECK(status <= 0);
+    if (status == DLS_OK && next.n != model->n) FUZZ_CHECK(0);
+    look_at_reduction(b, reduction, model);
+  }
+}
+
 void fuzz_reduction(const unsigned char *data, size_t size) {
   fuzz_bytes b = {data, size};
-  static columns K, HN, HT, P, other;
-  double a[most_m * most_m], f[most_n], g[3 * most_n], mu[most_n], x[most_n], r[3 * most_n] = {0};
-  double modes[2 * most_n];
+  static columns K, HN, HT, P;
+  double a[most_m * most_m], f[most_n], g[3 * most_n], mu[most_n], modes[2 * most_n];
   int active[most_n];
   const int n = take_int(&b, 1, most_n), d = take_int(&b, 2, 3), nodes = take_int(&b, 0, 4);
   host own = {take_byte(&b) % 16, take_byte(&b) < 8};
@@ -321,7 +381,6 @@ void fuzz_reduction(const unsigned char *data, size_t size) {
   settings.frictionless = how % 16 == 8;
   dls_reduction *reduction;
   dls_reduction_info info;
-  dls_contact problem;
   dls_error error;
   (void)!dls_reduction_estimate(&model, &settings, &info, &error);
   if (take_byte(&b) < 30) {
@@ -335,23 +394,7 @@ void fuzz_reduction(const unsigned char *data, size_t size) {
   const dls_status status = dls_reduction_create_with(&reduction, &model, &settings, &error);
   FUZZ_CHECK((status == DLS_OK) == (reduction != NULL));
   if (status) return;
-  if (take_byte(&b) < 60) { /* other values, or another pattern */
-    if (take_byte(&b) < 20) model.Ks = take_columns(&b, n, n, 1, &other);
-    for (int k = 0; k < K.p[n]; k++)
-      K.x[k] *= 1.5;
-    (void)!dls_reduction_update(reduction, &model, &error);
-  }
-  const int loaded_free = take_byte(&b) < 30;
-  const dls_status loaded = loaded_free ? dls_reduction_load_free(reduction, f, g, &error)
-                                        : dls_reduction_load(reduction, f, g, &error);
-  if (loaded == DLS_OK && dls_reduction_contact(reduction, mu, &problem, &error) == DLS_OK) {
-    if (problem.d * problem.nc <= most_m) fuzz_solve(&problem, &b);
-    take_vector(&b, problem.d * problem.nc, r);
-    double imbalance, nodal[3 * most_n];
-    (void)!dls_reduction_recover(reduction, r, x, &error);
-    (void)!dls_reduction_nodal(reduction, r, nodal, &error);
-    if (take_byte(&b) < 60) (void)!dls_reduction_balance(reduction, r, &imbalance, &error);
-  }
+  use_reduction(&b, reduction, &model, &K);
   (void)!dls_reduction_get_info(reduction, &info, &error);
   dls_reduction_destroy(reduction);
 }
