@@ -94,7 +94,7 @@ static int faults_of(const dls_forming *f, const char *folder) {
 static const char *const methods[] = {"auto", "lemke", "nlgs", "newton", "", "", ""};
 static const dls_forming_contact contacts[] = {DLS_FORMING_AUGMENTED_LAGRANGIAN,
                                                DLS_FORMING_PENALTY, DLS_FORMING_GAUSS_SEIDEL};
-static const double frictions[] = {0.12, 0.2, 0.3, 0.4};
+static const double frictions[] = {0.12, 0.3, 0.4}; /* 0.2 below */
 enum {
   method_count = sizeof methods / sizeof methods[0],
   friction_count = sizeof frictions / sizeof frictions[0]
@@ -142,18 +142,26 @@ static dls_status run_to_the_end(dls_forming *f, const char *folder, dls_forming
   return status;
 }
 
-/* Sweeps on displacements are left out where they take minutes. */
-START_TEST(extrusion_is_a_body) {
-  if (_i % method_count == method_count - 1 && frictions[_i / method_count] > 0.2) return;
+/* Runs the extrusion on its own mesh. d: the numbers at the end, whose arrays are gone. */
+static dls_status run_extrusion(int method, double mu, dls_forming_data *d) {
   char folder[] = "/tmp/test_body.XXXXXX";
   ck_assert_ptr_nonnull(mkdtemp(folder));
-  dls_forming *f = create("extrusion", _i % method_count, frictions[_i / method_count], 0, 0);
-  dls_forming_data d;
-  const dls_status status = run_to_the_end(f, folder, &d);
-  if (frictions[_i / method_count] <= 0.2) ck_assert_int_eq(status, DLS_OK);
-  if (d.travel > 100) ck_assert_int_gt(d.count.held, 5); /* lateral nodes lie on the ram */
+  dls_forming *f = create("extrusion", method, mu, 0, 0);
+  const dls_status status = run_to_the_end(f, folder, d);
+  if (d->travel > 100) ck_assert_int_gt(d->count.held, 5); /* lateral nodes lie on the ram */
   dls_forming_destroy(f);
   ck_assert_int_eq(rmdir(folder), 0);
+  return status;
+}
+
+/* Sweeps on displacements are left out where they take minutes, and what auto_goes_as_far runs. */
+START_TEST(extrusion_is_a_body) {
+  const int method = _i % method_count;
+  const double mu = frictions[_i / method_count];
+  if ((method == method_count - 1 && mu > 0.2) || (mu == 0.3 && method < 2)) return;
+  dls_forming_data d;
+  const dls_status status = run_extrusion(method, mu, &d);
+  if (mu <= 0.2) ck_assert_int_eq(status, DLS_OK);
 }
 END_TEST
 
@@ -174,15 +182,10 @@ END_TEST
 START_TEST(methods_agree_beyond_the_paper) {
   double force[method_count];
   for (int k = 0; k < method_count; k++) {
-    dls_forming *f = create("extrusion", k, 0.2, 0, 0);
     dls_forming_data d;
-    dls_forming_get(f, &d);
-    for (int step = 0; step < d.steps; step++)
-      ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
-    dls_forming_get(f, &d);
+    ck_assert_int_eq(run_extrusion(k, 0.2, &d), DLS_OK);
     ck_assert_int_eq(d.count.halvings, 0);
     force[k] = d.force;
-    dls_forming_destroy(f);
     ck_assert_double_eq_tol(force[k], force[0], (k == 5 ? 1e-3 : k == 6 ? 1e-8 : 1e-9) * force[0]);
   }
 }
@@ -223,18 +226,12 @@ START_TEST(auto_goes_as_far) {
   static const double mu[] = {0.3, 0.35, 0.355};
   double travel[2];
   for (int k = 0; k < 2; k++) {
-    dls_forming *f = create("extrusion", k, mu[_i], 0, 0);
     dls_forming_data d;
-    dls_status status = DLS_OK;
-    while (!status)
-      status = dls_forming_step(f, &error);
-    ck_assert_int_eq(status, DLS_FOLDED);
-    dls_forming_get(f, &d);
+    ck_assert_int_eq(run_extrusion(k, mu[_i], &d), DLS_FOLDED);
     ck_assert_int_eq(d.fault.kind, DLS_FORMING_CORNER);
     ck_assert_int_eq(d.fault.element, 63);
     ck_assert_int_eq(d.fault.corner, 1);
     travel[k] = d.travel;
-    dls_forming_destroy(f);
   }
   ck_assert_double_gt(travel[0], 0.95 * travel[1]);
 }
