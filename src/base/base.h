@@ -38,7 +38,7 @@
 #define __SANITIZE_THREAD__
 #endif
 #endif
-#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__OPTIMIZE__) &&                      \
+#if defined(__x86_64__) && defined(__GLIBC__) && defined(__OPTIMIZE__) &&                          \
     !defined(__SANITIZE_THREAD__)
 #define DLSI_CLONES __attribute__((target_clones("avx2", "default")))
 #define DLSI_INLINE inline __attribute__((always_inline))

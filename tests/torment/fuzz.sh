@@ -12,6 +12,8 @@ $make --no-print-directory "$2/tests/torment/fuzz" BUILD="$2" CC=clang CFLAGS='-
 shift 3
 bad=0
 export OPENBLAS_NUM_THREADS=1 ASAN_OPTIONS=quarantine_size_mb=16:allocator_may_return_null=1
+echo leak:libhdf5 >"$build/leaks" # H5Fopen leaks 424 bytes of its own where a file is broken
+export LSAN_OPTIONS=suppressions=$build/leaks:print_suppressions=0
 for target in "$@"; do
   program=$build/tests/torment/fuzz-$target
   ln -f "$build/tests/torment/fuzz" "$program" || exit 1
