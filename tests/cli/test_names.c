@@ -245,7 +245,7 @@ static void expect_all_drawn(char names[most_names][name_room]) {
 /* The commands that draw nothing, with all these names; name 3 is a directory, 4 a history, 5 a
  * matrix. */
 static void expect_all_written(char names[most_names][name_room]) {
-  char option[3][name_room + 20], matrix[name_room + 20], csv[name_room + 20];
+  char option[3][name_room + 60], matrix[name_room + 20], csv[name_room + 20];
   make_titled(names[2], names[6] + 2); /* a title of several lines has lines of its own */
   make_problem(names[7]);
   const char *const info[] = {"info", names[2], NULL};
