@@ -98,6 +98,15 @@ static dls_model matrices_view(const matrices *of, dls_factorization factorizati
                      .Ks = dlsi_columns_view(&of->K)};
 }
 
+/* Makes H round by the weights. */
+static void matrices_make_round(matrices *to, int d) {
+  for (int k = 0; k < to->H.cols; k++) {
+    to->root[k] = sqrt(to->w[2 * (k / d) + (k % d > 0)]);
+    for (int e = to->H.p[k]; e < to->H.p[k + 1]; e++)
+      to->H.x[e] /= to->root[k];
+  }
+}
+
 /* Makes H by columns, the weights, and then H round. */
 static dls_status matrices_make_H(matrices *to, const dls_model *model, dls_error *error) {
   const int d = model->d;
@@ -112,11 +121,7 @@ static dls_status matrices_make_H(matrices *to, const dls_model *model, dls_erro
   const dls_sparse H = dlsi_columns_view(&to->H);
   to->parts = dlsi_body_parts(&K, to->part);
   status = dlsi_body_weights(&K, &H, d, to->w, error);
-  for (size_t k = 0; !status && k < m; k++) {
-    to->root[k] = sqrt(to->w[2 * (k / (size_t)d) + (k % (size_t)d > 0)]);
-    for (int e = H.p[k]; e < H.p[k + 1]; e++)
-      to->H.x[e] /= to->root[k];
-  }
+  if (!status) matrices_make_round(to, d);
   return status;
 }
 
@@ -145,7 +150,9 @@ static void global_take(dls_global *work, matrices *from) {
   work->part = from->part;
   work->model = matrices_view(from, work->model.factorization);
   work->body = (dlsi_body){.n = work->n,
-                           .model = &work->model,
+                           .model = work->body.multiply ? NULL : &work->model,
+                           .multiply = work->body.multiply,
+                           .data = work->body.data,
                            .Ht = dlsi_columns_view(&work->operator.Ht),
                            .d = work->d,
                            .nc = work->nc,
@@ -159,9 +166,9 @@ static void global_take(dls_global *work, matrices *from) {
 
 static void global_carve(dls_global *work, dlsi_arena *arena) {
   const size_t n = (size_t)work->n, m = (size_t)work->m, nc = (size_t)work->nc;
-  double **const of_m[] = {&work->gap,    &work->g,     &work->q,   &work->r,
-                           &work->z,      &work->p,     &work->u,   &work->before,
-                           &work->best_r, &work->trial, &work->look};
+  double **const of_m[] = {&work->gap,    &work->g,     &work->q,    &work->r,
+                           &work->z,      &work->p,     &work->u,    &work->before,
+                           &work->best_r, &work->trial, &work->look, &work->R};
   double **const of_n[] = {&work->motion, &work->x, &work->y, &work->best_x};
   for (size_t k = 0; k < sizeof of_m / sizeof of_m[0]; k++)
     *of_m[k] = dlsi_take(arena, m, sizeof(double));
@@ -172,15 +179,40 @@ static void global_carve(dls_global *work, dlsi_arena *arena) {
   work->bend = dlsi_take(arena, nc, sizeof *work->bend);
   work->state = dlsi_take(arena, nc, sizeof *work->state);
   /* as many connected bodies as unknowns: their number may change with the values of K */
-  const dlsi_body most = {.n = work->n, .d = work->d, .nc = work->nc, .parts = work->n};
+  const int parts = work->body.multiply ? work->body.parts : work->n;
+  const dlsi_body most = {.n = work->n, .d = work->d, .nc = work->nc, .parts = parts};
   work->scratch = dlsi_take(arena, dlsi_body_scratch(&most), sizeof *work->scratch);
 }
 
-static dls_status global_create(dls_global **out, const dls_model *model, dls_error *error) {
+/* Makes H, and copies weights and connected bodies; K is elsewhere. */
+static dls_status matrices_create_on(matrices *to, const dls_model *model, const dlsi_body *body,
+                                     dls_error *error) {
+  const size_t n = (size_t)model->n;
+  *to = (matrices){.parts = body->parts};
+  dls_status status = dlsi_columns_alloc(model->n, model->n, 0, &to->K, error);
+  if (!status) status = dlsi_operator_create(&to->operator, model, 0, error);
+  if (!status) status = dlsi_operator_columns(&to->operator, model->d, DLSI_ALL, &to->H, error);
+  const size_t nc = (size_t)to->operator.candidates;
+  to->w = dlsi_alloc(2 * nc, sizeof *to->w);
+  to->root = dlsi_alloc((size_t)model->d * nc, sizeof *to->root);
+  to->part = dlsi_alloc(n, sizeof *to->part);
+  if (!status && (!to->w || !to->root || !to->part)) status = dlsi_no_memory(error);
+  if (status) return status;
+  memset(to->K.p, 0, (n + 1) * sizeof *to->K.p);
+  memcpy(to->w, body->w, 2 * nc * sizeof *to->w);
+  memcpy(to->part, body->part, n * sizeof *to->part);
+  matrices_make_round(to, model->d);
+  return DLS_OK;
+}
+
+/* body: NULL, or K is elsewhere; solver: NULL, or in the place of a factor. */
+static dls_status global_create(dls_global **out, const dls_model *model, const dlsi_body *body,
+                                const dls_global_solver *solver, dls_error *error) {
   matrices of;
   if (!out) return dlsi_is_null(error, "out");
   *out = NULL;
-  dls_status status = matrices_create(&of, model, error);
+  dls_status status =
+      body ? matrices_create_on(&of, model, body, error) : matrices_create(&of, model, error);
   dls_global *work = status ? NULL : calloc(1, sizeof *work);
   if (!status && !work) status = dlsi_no_memory(error);
   if (status) {
@@ -193,6 +225,8 @@ static dls_status global_create(dls_global **out, const dls_model *model, dls_er
   work->nc = of.operator.candidates;
   work->m = work->d * work->nc;
   work->model.factorization = model->factorization;
+  if (solver) work->solver = *solver;
+  if (body) work->body = *body;
   global_take(work, &of);
   dlsi_arena arena = {0};
   global_carve(work, &arena);
@@ -201,6 +235,8 @@ static dls_status global_create(dls_global **out, const dls_model *model, dls_er
     work->memory = arena.base;
     work->bytes = arena.size;
     global_carve(work, &arena);
+  }
+  if (!status && !solver) {
     const dls_sparse H = dlsi_columns_view(&work->H);
     status = dlsi_system_create(&work->system, &work->model, &H, error);
   }
@@ -212,7 +248,22 @@ static dls_status global_create(dls_global **out, const dls_model *model, dls_er
 }
 
 dls_status dls_global_create(dls_global **out, const dls_model *model, dls_error *error) {
-  return dlsi_at(__func__, global_create(out, model, error), error);
+  return dlsi_at(__func__, global_create(out, model, NULL, NULL, error), error);
+}
+
+dls_status dls_global_create_with(dls_global **out, const dls_model *model,
+                                  const dls_global_solver *solver, dls_error *error) {
+  if (out) *out = NULL;
+  dls_status status = solver ? DLS_OK : dlsi_is_null(error, "solver");
+  if (!status && !solver->prepare) status = dlsi_is_null(error, "solver.prepare");
+  if (!status && !solver->solve) status = dlsi_is_null(error, "solver.solve");
+  if (!status) status = global_create(out, model, NULL, solver, error);
+  return dlsi_at(__func__, status, error);
+}
+
+dls_status dlsi_global_create_on(dls_global **out, const dls_model *model, const dlsi_body *body,
+                                 const dls_global_solver *solver, dls_error *error) {
+  return global_create(out, model, body, solver, error);
 }
 
 /* Returns 1 if both have the same pattern. */
@@ -249,7 +300,7 @@ static dls_status global_update(dls_global *work, const dls_model *model, dls_er
   if (!status) {
     global_take(work, &of);
     const dls_sparse H = dlsi_columns_view(&work->H);
-    dlsi_system_update(work->system, &work->model, &H);
+    if (work->system) dlsi_system_update(work->system, &work->model, &H);
     work->moves = 0;
   }
   matrices_free(&of);

@@ -94,7 +94,9 @@ struct dls_global {
   dlsi_body body;
   double *w, *root; /* 2 nc; m: D^1/2 */
   int *part;
-  dlsi_system *system;
+  dlsi_system *system;      /* NULL: solver */
+  dls_global_solver solver; /* in the place of system where it has functions */
+  double *R;                /* m: rho D^-1, for the solver */
   int moves, mover; /* moves: 1 if `motion` proves that there is no solution; mover: its body */
   double *motion;   /* n */
 
@@ -120,6 +122,13 @@ struct dls_global {
   size_t bytes;          /* at `memory` */
 };
 
+/* ---- global.c -------------------------------------------------------------------------------- */
+
+/* *out := a problem whose K is elsewhere: of `model` d, n, nodes, factorization, HN, HT are read.
+ * body: its multiply, data, w, part, parts, borrowed. solver: copied. */
+dls_status dlsi_global_create_on(dls_global **out, const dls_model *model, const dlsi_body *body,
+                                 const dls_global_solver *solver, dls_error *error);
+
 /* ---- pair.c ---------------------------------------------------------------------------------- */
 
 /* u := H^T x + g and v += H r with the round H. */
@@ -129,6 +138,10 @@ void dlsi_global_push(const dls_global *work, const double *r, double *v);
 /* Measures the pair (work->x, r), r round, and keeps it if it is the best one. Returns DLS_OK if it
  * is solved, DLS_TO_ROUNDING, or DLS_STALLED to go on. *found receives the certificate. */
 dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificate *found);
+
+/* Returns the answer of a function of the host's solver as a status of the solve, and fills *error,
+ * not NULL, where the host has left it. */
+dls_status dlsi_host_answer(dls_status answer, dls_error *error);
 
 /* Factors A for work->rho, and counts. */
 dls_status dlsi_global_factor(dls_global *work, dls_error *error);

@@ -271,7 +271,7 @@ dls_status dlsi_global_prove(dls_global *work, int *proved, dls_error *error) {
   const size_t entries = 2 * (size_t)work->K.p[n] + n + m + 4 * (size_t)work->H.p[m];
   drift D = {.global = work};
   *proved = 0;
-  if (work->model.factorization == DLS_LU) return DLS_OK;
+  if (work->model.factorization == DLS_LU || !work->system) return DLS_OK;
   double *memory = calloc(7 * n + m + 1, sizeof *memory);
   dls_status status =
       dlsi_triplets_alloc(work->n + work->m, work->n + work->m, entries, &D.t, error);

@@ -10,8 +10,34 @@
 
 #include "global_internal.h"
 
+/* of a host's solve, over tol: the residual of a solve is the equilibrium of the pair */
+static const double accuracy = 0.01;
+
+dls_status dlsi_host_answer(dls_status answer, dls_error *error) {
+  if (answer > 0) return DLS_CANCELLED;
+  if (answer < 0 && error->status != answer)
+    return dlsi_fail(error, answer, "solver", -1, answer, "the host's solver failed");
+  return answer;
+}
+
+/* x := A^-1 y by the host. */
+static dls_status pair_solve(dls_global *work, dls_error *error) {
+  dls_error none = {0}, *why = error ? error : &none;
+  why->status = DLS_OK;
+  const dls_status answer =
+      work->solver.solve(work->solver.data, work->y, work->x, accuracy * work->limits->tol, why);
+  return dlsi_host_answer(answer, why);
+}
+
 dls_status dlsi_global_factor(dls_global *work, dls_error *error) {
   work->factorisations++;
+  if (work->solver.prepare) {
+    for (int k = 0; k < work->m; k++)
+      work->R[k] = work->rho / (work->root[k] * work->root[k]);
+    dls_error none = {0}, *why = error ? error : &none;
+    why->status = DLS_OK;
+    return dlsi_host_answer(work->solver.prepare(work->solver.data, work->R, why), why);
+  }
   return dlsi_system_factor(work->system, work->rho, error);
 }
 
@@ -37,13 +63,13 @@ dls_status dlsi_global_step(dls_global *work, const double *r, const double *q, 
   const dlsi_system *A = work->system;
   double *y = work->y;
   for (int j = 0; j < work->n; j++)
-    y[j] = (work->f ? work->f[j] : 0) + A->hold * A->e[j] * work->x[j];
+    y[j] = (work->f ? work->f[j] : 0) + (A ? A->hold * A->e[j] * work->x[j] : 0);
   for (int k = 0; k < work->m; k++)
     work->look[k] = 2 * r[k] - q[k] - (g ? work->rho * g[k] : 0);
   dlsi_global_push(work, work->look, y);
-  const dls_status status = dlsi_system_solve(work->system, y, error);
+  const dls_status status = A ? dlsi_system_solve(work->system, y, error) : pair_solve(work, error);
   if (status) return status;
-  memcpy(work->x, y, (size_t)work->n * sizeof *y);
+  if (A) memcpy(work->x, y, (size_t)work->n * sizeof *y);
   dlsi_global_look(work, work->x, work->u);
   return DLS_OK;
 }

@@ -141,7 +141,7 @@ static void split_advance(dls_global *work, int accelerate, double gap, double *
 /* (GL8) Returns 1 if so many iterations are left that Newton steps are worth their factors. */
 static int newton_is_due(const dls_global *work, int k, int changed, const dls_certificate *now,
                          const schedule *s) {
-  if (changed || k < s->newton || work->nc == 0) return 0;
+  if (changed || k < s->newton || work->nc == 0 || !work->system) return 0;
   const double gain = s->residual / now->residual, left = now->residual / work->limits->tol;
   return !(gain > 1) || log(left) / log(gain) * measure_every > worth;
 }
@@ -240,7 +240,7 @@ static dls_status split_look(dls_global *work, int k, int most, const double *p,
       return status;
     }
   }
-  if (!s->fixed && (k - s->since > patience || *end)) {
+  if (!s->fixed && work->system && (k - s->since > patience || *end)) {
     *end = 1;
     status = split_fixed(work, s, error);
     if (status != DLS_STALLED) return status;

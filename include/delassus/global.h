@@ -36,6 +36,35 @@ typedef struct dls_global dls_global;
 DLS_API DLS_MUST_USE dls_status dls_global_create(dls_global **out, const dls_model *model,
                                                   dls_error *error);
 
+/* Takes R (m; force / length), which is read during the call only. Called before the first solve
+ * and whenever R has changed, a few times in dls_global_solve. */
+typedef dls_status (*dls_global_prepare_fn)(void *data, const double *R, dls_error *error);
+
+/* Solves A x = b. b: n, force. x: n, in a guess, the x of the iteration before; out with
+ * |b - A x| <= accuracy |b|, which bounds the equilibrium that the answer can have. */
+typedef dls_status (*dls_global_solve_fn)(void *data, const double *b, double *x, double accuracy,
+                                          dls_error *error);
+
+/* A solver for A = K + H R H^T that the host brings: R diagonal and positive, of the contacts, so
+ * that A is positive definite where K is semidefinite and no motion that K leaves free leaves every
+ * contact where it is. Both functions are called by dls_global_solve alone, from its thread, never
+ * two at a time. An error (< 0) that they return ends the solve as its status, a number > 0 as
+ * DLS_CANCELLED; *error, not NULL, is theirs to fill or to leave. */
+typedef struct dls_global_solver {
+  void *data; /* the host's; the library passes it on and never frees it */
+  dls_global_prepare_fn prepare;
+  dls_global_solve_fn solve;
+} dls_global_solver;
+
+/* Creates as dls_global_create, with the host's solver in the place of a factor: for models that
+ * grow beyond any factor. *solver is copied; its data must live until dls_global_destroy. The host
+ * knows K and H (n x m: the active contacts, local order) and adds up A, or applies it. Newton
+ * steps and proofs, which factor, are left out: DLS_NO_SOLUTION is never the answer. After
+ * dls_global_update the host has the new values of K and H before the next solve. */
+DLS_API DLS_MUST_USE dls_status dls_global_create_with(dls_global **out, const dls_model *model,
+                                                       const dls_global_solver *solver,
+                                                       dls_error *error);
+
 /* Takes new values of K, H, P on the pattern of create and keeps the analysis. DLS_E_SIZE or
  * DLS_E_ARGUMENT for another size or pattern; after an error the object is as it was. */
 DLS_API DLS_MUST_USE dls_status dls_global_update(dls_global *global, const dls_model *model,

@@ -24,6 +24,7 @@
 #include <mpi.h>
 
 #include "delassus/contact.h"
+#include "delassus/global.h"
 #include "delassus/info.h"
 #include "delassus/model.h"
 #include "delassus/reduction.h"
@@ -158,6 +159,38 @@ DLS_API DLS_MUST_USE dls_status dls_mpi_solve(dls_mpi_reduction *reduction, cons
 DLS_API DLS_MUST_USE dls_status dls_mpi_certify(dls_mpi_reduction *reduction, const double *mu,
                                                 const double *r, const double *x, double *u,
                                                 dls_certificate *certificate, dls_error *error);
+
+/* The contact problem on K itself, as global.h: W is never formed, and no rank holds a matrix of m
+ * rows. Each iteration of the splitting is one solve with a distributed factor of K + H R H^T. */
+typedef struct dls_mpi_global dls_mpi_global;
+
+/* Copies the model. solver NULL: orders and analyses K + H R H^T, which MUMPS factors on all ranks;
+ * K may be singular, and with DLS_CHOLESKY need not be definite. Else all ranks bring a solver, as
+ * dls_global_create_with, whose functions are collective: R is that of the d nodes of this rank, b
+ * and x are the rows of this rank; an error on one rank is an error on all. No reference to the
+ * model is kept; comm is duplicated. *out = NULL on error. Errors as dls_mpi_reduction_create.
+ *
+ * Memory of a rank: its share of the factor, its entries of K twice, H, about 25 vectors of n and
+ * 40 of m; on rank 0 the pattern of K while it is ordered. */
+DLS_API DLS_MUST_USE dls_status dls_mpi_global_create(dls_mpi_global **out, MPI_Comm comm,
+                                                      const dls_mpi_model *model,
+                                                      const dls_global_solver *solver,
+                                                      dls_error *error);
+
+/* Local. order, analyse and factor count, of all factorisations so far; condensed is 0. */
+DLS_API DLS_MUST_USE dls_status dls_mpi_global_get_info(const dls_mpi_global *global,
+                                                        dls_mpi_info *info, dls_error *error);
+
+/* Solves as dls_global_solve: same statuses but DLS_NO_SOLUTION, same certificate of (x, r) in
+ * *info; max_iterations, warm_start, tol, progress and cpu_seconds of rank 0 hold. f, x: rows of
+ * this rank; g, r: d nodes; mu: nodes, NULL for 0. Newton steps and proofs are left out. */
+DLS_API DLS_MUST_USE dls_status dls_mpi_global_solve(dls_mpi_global *global, const double *f,
+                                                     const double *g, const double *mu,
+                                                     const dls_limits *limits, double *r, double *x,
+                                                     dls_info *info, dls_error *error);
+
+/* Collective. NULL is fine. */
+DLS_API void dls_mpi_global_destroy(dls_mpi_global *global);
 
 #ifdef __cplusplus
 }

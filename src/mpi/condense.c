@@ -9,6 +9,9 @@
  *   (MC4)  factor; S = A_cc - A_ci A_ii^-1 A_ic stays spread in blocks (ICNTL(19) = 2, 3)
  *   (MC5)  condense, expand: b, x and the values on c on rank 0
  *
+ * Without c it is the factor of a matrix, for one set of values after the other: begin does (MC2)
+ * and (MC3), refactor (MC1) and (MC4).
+ *
  * MUMPS wants something to eliminate: where H touches every unknown, K gets one unknown more, 1 on
  * the diagonal and tied to nothing.
  *
@@ -254,6 +257,16 @@ static dls_status condenser_analyse(dlsi_condenser *work, dls_factorization fact
   return dlsi_mumps_run(M, analyse, "Ks", error);
 }
 
+/* Factors the values that M has. */
+static dls_status condenser_eliminate(dlsi_condenser *work, dls_error *error) {
+  DMUMPS_STRUC_C *M = &work->mumps;
+  const dls_status status = dlsi_mumps_factor(M, "Ks", error);
+  if (status || M->sym != 1 || M->INFOG(12) == 0) return status;
+  /* MUMPS counts negative pivots but does not tell where they are */
+  return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, "Ks", -1, M->INFOG(12),
+                   "K is not positive definite: %d negative pivots", M->INFOG(12));
+}
+
 /* (MC4) */
 static dls_status condenser_factor(dlsi_condenser *work, const dlsi_spread *spread, double **S,
                                    dls_error *error) {
@@ -271,13 +284,7 @@ static dls_status condenser_factor(dlsi_condenser *work, const dlsi_spread *spre
   if (status) return status;
   M->schur = *S;
   M->schur_lld = spread->rows > 0 ? spread->rows : 1;
-  status = dlsi_mumps_factor(M, "Ks", error);
-  if (status) return status;
-  if (M->sym == 1 && M->INFOG(12) > 0)
-    /* MUMPS counts negative pivots but does not tell where they are */
-    return dlsi_fail(error, DLS_E_NOT_POSITIVE_DEFINITE, "Ks", -1, M->INFOG(12),
-                     "K is not positive definite: %d negative pivots", M->INFOG(12));
-  return DLS_OK;
+  return condenser_eliminate(work, error);
 }
 
 /* Frees what the factorisation alone needs. */
@@ -319,16 +326,31 @@ static void condenser_end_phase(dls_mpi_info *info, dls_mpi_phase phase, dlsi_mp
   *from = now;
 }
 
-static dls_status condenser_prepare(dlsi_condenser *work, const dls_mpi_model *model,
-                                    const int *keep, dls_error *error) {
-  dls_status status = dlsi_agree(work->grid->all, condenser_allocate(work, model, error), error);
-  if (status) return status;
-  for (int k = 0; k < work->count; k++)
+/* Allocates on every rank. keep: NULL where count is 0. *out is NULL on error. */
+static dls_status condenser_allot(dlsi_condenser **out, const dlsi_grid *grid, int n,
+                                  const dls_mpi_model *model, int count, const int *keep,
+                                  dls_error *error) {
+  *out = NULL;
+  dlsi_condenser *work = calloc(1, sizeof *work);
+  dls_status status = work ? DLS_OK : dlsi_no_memory(error);
+  if (work) {
+    work->grid = grid;
+    work->symmetric = model->factorization != DLS_LU;
+    work->more = count == n;
+    work->n = n + work->more;
+    work->count = count;
+    status = condenser_allocate(work, model, error);
+  }
+  status = dlsi_agree(grid->all, status, error);
+  if (status || !work) {
+    dlsi_condenser_destroy(work);
+    return status;
+  }
+  for (int k = 0; k < count; k++)
     work->keep[k] = keep[k] + 1;
   condenser_take_entries(work, model);
-  condenser_find_scales(work);
-  status = condenser_scale(work, error);
-  return status ? status : condenser_order(work, error);
+  *out = work;
+  return DLS_OK;
 }
 
 dls_status dlsi_condenser_create(dlsi_condenser **out, const dlsi_grid *grid, int n,
@@ -336,20 +358,14 @@ dls_status dlsi_condenser_create(dlsi_condenser **out, const dlsi_grid *grid, in
                                  const int *keep, const dlsi_spread *spread, double **S,
                                  dls_mpi_info *info, dls_error *error) {
   dlsi_mpi_clock clock = dlsi_mpi_now();
+  dlsi_condenser *work;
   *out = NULL;
   *S = NULL;
-  dlsi_condenser *work = calloc(1, sizeof *work);
-  dls_status status = dlsi_agree(grid->all, work ? DLS_OK : dlsi_no_memory(error), error);
-  if (status || !work) {
-    free(work);
-    return status;
-  }
-  work->grid = grid;
-  work->symmetric = model->factorization != DLS_LU;
-  work->more = count == n;
-  work->n = n + work->more;
-  work->count = count;
-  status = condenser_prepare(work, model, keep, error);
+  dls_status status = condenser_allot(&work, grid, n, model, count, keep, error);
+  if (status) return status;
+  condenser_find_scales(work);
+  status = condenser_scale(work, error);
+  if (!status) status = condenser_order(work, error);
   condenser_end_phase(info, DLS_MPI_ORDER, &clock);
   if (!status) status = condenser_analyse(work, model->factorization, error);
   condenser_end_phase(info, DLS_MPI_ANALYSE, &clock);
@@ -367,6 +383,40 @@ dls_status dlsi_condenser_create(dlsi_condenser **out, const dlsi_grid *grid, in
   condenser_shrink(work);
   *out = work;
   return DLS_OK;
+}
+
+dls_status dlsi_condenser_begin(dlsi_condenser **out, const dlsi_grid *grid, int n,
+                                const dls_mpi_model *model, dls_mpi_info *info, dls_error *error) {
+  dlsi_mpi_clock clock = dlsi_mpi_now();
+  dlsi_condenser *work;
+  *out = NULL;
+  dls_status status = condenser_allot(&work, grid, n, model, 0, NULL, error);
+  if (status) return status;
+  status = condenser_order(work, error);
+  condenser_end_phase(info, DLS_MPI_ORDER, &clock);
+  if (!status) status = condenser_analyse(work, model->factorization, error);
+  condenser_end_phase(info, DLS_MPI_ANALYSE, &clock);
+  if (status)
+    dlsi_condenser_destroy(work);
+  else
+    *out = work;
+  return status;
+}
+
+dls_status dlsi_condenser_refactor(dlsi_condenser *work, const dls_mpi_model *model,
+                                   dls_mpi_info *info, dls_error *error) {
+  dlsi_mpi_clock clock = dlsi_mpi_now();
+  condenser_take_entries(work, model);
+  condenser_find_scales(work);
+  dls_status status = condenser_scale(work, error);
+  if (!status) status = condenser_eliminate(work, error);
+  const double wall = info->wall[DLS_MPI_FACTOR], cpu = info->cpu[DLS_MPI_FACTOR];
+  condenser_end_phase(info, DLS_MPI_FACTOR, &clock);
+  info->wall[DLS_MPI_FACTOR] += wall;
+  info->cpu[DLS_MPI_FACTOR] += cpu;
+  info->factor_bytes = condenser_bytes(work->mumps.INFO(22));
+  info->flops = work->mumps.RINFO(3);
+  return status;
 }
 
 dlsi_scales dlsi_condenser_scales(const dlsi_condenser *work) {

@@ -149,8 +149,63 @@ dls_status dlsi_condenser_condense(dlsi_condenser *work, double *b, double *z, d
 dls_status dlsi_condenser_expand(dlsi_condenser *work, const double *y, double *x,
                                  dls_error *error);
 
+/* Orders and analyses the pattern of a matrix without kept unknowns; the phases go to info. Then
+ * refactor takes the values of a model with the same pattern, as often as they change; condense
+ * with z NULL and expand with y NULL solve. DLS_E_SINGULAR, DLS_E_NOT_POSITIVE_DEFINITE and
+ * DLS_E_NOT_FINITE leave the pattern good for other values. Collective. */
+dls_status dlsi_condenser_begin(dlsi_condenser **out, const dlsi_grid *grid, int n,
+                                const dls_mpi_model *model, dls_mpi_info *info, dls_error *error);
+dls_status dlsi_condenser_refactor(dlsi_condenser *work, const dls_mpi_model *model,
+                                   dls_mpi_info *info, dls_error *error);
+
 /* NULL is fine. Collective. */
 void dlsi_condenser_destroy(dlsi_condenser *work);
+
+/* ---- system.c: A = K + H R H^T + E on the ranks ---------------------------------------------- */
+
+typedef struct dlsi_mpi_system {
+  const dlsi_mpi_body *K;
+  dls_mpi_info *info; /* the phases are added up there */
+  dlsi_condenser *condenser;
+  dls_factorization kind; /* of A */
+  dls_mpi_model model;    /* entries of A on this rank, counted in this order: K, H R H^T, E */
+  size_t of_H;
+  int *row, *col;
+  double *x;
+  double *e;   /* n: E is hold * e, e = |K_jj| */
+  double hold; /* 0 where nothing is singular */
+  double *b;   /* n: scratch */
+} dlsi_mpi_system;
+
+/* Lists A and analyses it. *work is zero before; the caller calls dlsi_mpi_system_free, also after
+ * an error. K, info: borrowed. Collective, as the others. */
+dls_status dlsi_mpi_system_create(dlsi_mpi_system *work, const dlsi_mpi_body *K,
+                                  dls_factorization kind, dls_mpi_info *info, dls_error *error);
+void dlsi_mpi_system_free(dlsi_mpi_system *work);
+
+/* The functions of a dls_global_solver, data: a dlsi_mpi_system, with equal arguments of all ranks:
+ * R: m; b, x: n. */
+dls_status dlsi_mpi_system_prepare(void *data, const double *R, dls_error *error);
+dls_status dlsi_mpi_system_solve(void *data, const double *b, double *x, double accuracy,
+                                 dls_error *error);
+
+/* ---- solve.c --------------------------------------------------------------------------------- */
+
+/* Rank 0's callback and clock as the word for all. */
+typedef struct dlsi_mpi_watch {
+  MPI_Comm all;
+  int root;
+  dls_limits told; /* rank 0's own */
+  double begun;
+  int late; /* 1: stopped by the clock */
+} dlsi_mpi_watch;
+
+/* Begins to watch a solve with *limits, and replaces what differs by rank in *limits: callback and
+ * clock. Collective. *watch lives as long as *limits is used. */
+void dlsi_mpi_watch_begin(dlsi_mpi_watch *watch, const dlsi_grid *grid, dls_limits *limits);
+
+/* Takes tol, max_iterations and warm_start of rank 0. Collective. */
+void dlsi_mpi_take_limits(const dlsi_grid *grid, dls_limits *limits);
 
 /* ---- reduction.c ----------------------------------------------------------------------------- */
 

@@ -45,10 +45,7 @@ typedef struct shared_solve {
   double *mu, *r, *u, *blocks; /* nc, m, m, d m */
   double *x;                   /* n */
   int *p, *i;                  /* nc + 1, nc */
-  /* (MS3) */
-  dls_limits told; /* rank 0's own */
-  double begun;
-  int late; /* 1: stopped by the clock */
+  dlsi_mpi_watch watch;        /* (MS3) */
 } shared_solve;
 
 /* ---- A and W --------------------------------------------------------------------------------- */
@@ -115,18 +112,37 @@ static void shared_diagonal(shared_solve *solve) {
 
 /* ---- (MS3) ----------------------------------------------------------------------------------- */
 
-/* The progress callback of each rank: does what rank 0's callback and clock say. */
-static int shared_progress(void *data, const dls_progress *progress) {
-  shared_solve *solve = data;
-  const dls_limits *told = &solve->told;
-  const int root = solve->work->of.grid.rank == 0;
+/* Is called at the same iteration on every rank. */
+static int watch_progress(void *data, const dls_progress *progress) {
+  dlsi_mpi_watch *watch = data;
+  const dls_limits *told = &watch->told;
   int stop = 0;
-  if (root && told->progress) stop = told->progress(told->progress_data, progress) != 0;
+  if (watch->root && told->progress) stop = told->progress(told->progress_data, progress) != 0;
   if (progress->last) return 0;
-  if (root && !stop && dlsi_clock_is_over(told, solve->begun)) stop = 2;
-  (void)MPI_Bcast(&stop, 1, MPI_INT, 0, solve->work->of.grid.all);
-  solve->late = stop == 2;
+  if (watch->root && !stop && dlsi_clock_is_over(told, watch->begun)) stop = 2;
+  (void)MPI_Bcast(&stop, 1, MPI_INT, 0, watch->all);
+  watch->late = stop == 2;
   return stop != 0;
+}
+
+void dlsi_mpi_watch_begin(dlsi_mpi_watch *watch, const dlsi_grid *grid, dls_limits *limits) {
+  int watched = limits->progress || limits->cpu_seconds > 0;
+  (void)MPI_Bcast(&watched, 1, MPI_INT, 0, grid->all);
+  *watch = (dlsi_mpi_watch){.all = grid->all,
+                            .root = grid->rank == 0,
+                            .told = *limits,
+                            .begun = dlsi_clock_start(limits)};
+  limits->progress = watched ? watch_progress : NULL;
+  limits->progress_data = watch;
+  limits->cpu_seconds = 0;
+}
+
+void dlsi_mpi_take_limits(const dlsi_grid *grid, dls_limits *limits) {
+  double numbers[] = {limits->tol, limits->max_iterations, limits->warm_start};
+  (void)MPI_Bcast(numbers, 3, MPI_DOUBLE, 0, grid->all);
+  limits->tol = numbers[0];
+  limits->max_iterations = (int)numbers[1];
+  limits->warm_start = (int)numbers[2];
 }
 
 /* ---- the two ways ---------------------------------------------------------------------------- */
@@ -172,13 +188,7 @@ static dls_status solve_shared(shared_solve *solve, dls_info *info, dls_error *e
   dls_admm_settings_init(&s);
   s.limits = solve->settings.limits;
   s.limits.blocks = nc;
-  int watched = s.limits.progress || s.limits.cpu_seconds > 0;
-  (void)MPI_Bcast(&watched, 1, MPI_INT, 0, all);
-  solve->told = s.limits;
-  solve->begun = dlsi_clock_start(&s.limits);
-  s.limits.progress = watched ? shared_progress : NULL;
-  s.limits.progress_data = solve;
-  s.limits.cpu_seconds = 0;
+  dlsi_mpi_watch_begin(&solve->watch, &work->of.grid, &s.limits);
   dls_status status = dls_admm_create(&admm, work->of.d, nc, &s, error);
   if (!status && !work->A) {
     work->A = dlsi_alloc(dlsi_spread_size(&work->on_W), sizeof *work->A);
@@ -193,7 +203,7 @@ static dls_status solve_shared(shared_solve *solve, dls_info *info, dls_error *e
         .d = work->of.d, .nc = nc, .Wb = diagonal, .q = work->q, .mu = solve->mu};
     dlsi_admm_share(admm, &shared);
     status = dls_admm_solve(admm, &problem, solve->r, solve->u, info, error);
-    if (status == DLS_CANCELLED && solve->late) info->status = status = DLS_TIME_LIMIT;
+    if (status == DLS_CANCELLED && solve->watch.late) info->status = status = DLS_TIME_LIMIT;
   }
   dls_admm_destroy(admm);
   return status;
@@ -372,13 +382,8 @@ static dls_status solve_allocate(shared_solve *solve, dls_error *error) {
 static void solve_take(shared_solve *solve, const double *mu, const double *r, double *own) {
   const dls_mpi_reduction *work = solve->work;
   dls_limits *limits = &solve->settings.limits;
-  double numbers[] = {limits->tol, limits->max_iterations, limits->warm_start,
-                      solve->settings.gather};
-  (void)MPI_Bcast(numbers, 4, MPI_DOUBLE, 0, work->of.grid.all);
-  limits->tol = numbers[0];
-  limits->max_iterations = (int)numbers[1];
-  limits->warm_start = (int)numbers[2];
-  solve->settings.gather = (int)numbers[3];
+  dlsi_mpi_take_limits(&work->of.grid, limits);
+  (void)MPI_Bcast(&solve->settings.gather, 1, MPI_INT, 0, work->of.grid.all);
   for (int k = 0; k < work->of.d * work->of.own; k++)
     own[k] = mu[k / work->of.d];
   dlsi_shares_gather_nodes(&work->of, own, solve->u);

@@ -1,0 +1,274 @@
+/* test_solver.c: the contact problem on K with the host's solver for K + H R H^T. */
+#include <check.h>
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delassus/global.h"
+#include "errors.h"
+#include "malloc_fails.h"
+#include "run.h"
+#include "solids.h"
+
+/* A host that applies A and solves by conjugate gradients. */
+typedef struct host {
+  const dls_model *model;
+  double *R, *left, *p, *v;
+  int prepared, solved, steps;
+  int wrong;    /* arguments that should not be; ck_assert would allocate */
+  double worst; /* the largest residual of a first guess, over |b| */
+  dls_status answer_prepare, answer_solve;
+} host;
+
+static host host_of(const dls_model *model) {
+  host h = {.model = model};
+  const size_t n = (size_t)model->n, m = (size_t)(model->d * model->nodes);
+  h.R = calloc(m + 3 * n, sizeof *h.R);
+  ck_assert_ptr_nonnull(h.R);
+  h.left = h.R + m;
+  h.p = h.left + n;
+  h.v = h.p + n;
+  return h;
+}
+
+static dls_status prepare(void *data, const double *R, dls_error *error) {
+  host *h = data;
+  h->wrong += !error;
+  for (int k = 0; k < h->model->d * h->model->nodes; k++) {
+    h->wrong += !(R[k] > 0 && R[k] <= DBL_MAX);
+    h->R[k] = R[k];
+  }
+  h->prepared++;
+  return h->answer_prepare;
+}
+
+/* y := A x; K by its lower triangle. */
+static void apply(const host *h, const double *x, double *y) {
+  const dls_model *model = h->model;
+  const int d = model->d;
+  memset(y, 0, (size_t)model->n * sizeof *y);
+  for (int j = 0; j < model->n; j++)
+    for (int e = model->Ks.p[j]; e < model->Ks.p[j + 1]; e++) {
+      const int i = model->Ks.i[e];
+      if (i < j) continue;
+      y[i] += model->Ks.x[e] * x[j];
+      if (i != j) y[j] += model->Ks.x[e] * x[i];
+    }
+  for (int k = 0; k < d * model->nodes; k++) {
+    const dls_sparse *L = k % d ? &model->HT : &model->HN;
+    const int column = k % d ? (d - 1) * (k / d) + k % d - 1 : k / d;
+    double sum = 0;
+    for (int e = L->p[column]; e < L->p[column + 1]; e++)
+      sum += L->x[e] * x[L->i[e]];
+    for (int e = L->p[column]; e < L->p[column + 1]; e++)
+      y[L->i[e]] += h->R[k] * L->x[e] * sum;
+  }
+}
+
+static double product(const double *a, const double *b, int n) {
+  double sum = 0;
+  for (int k = 0; k < n; k++)
+    sum += a[k] * b[k];
+  return sum;
+}
+
+static dls_status gradients(void *data, const double *b, double *x, double accuracy,
+                            dls_error *error) {
+  host *h = data;
+  const int n = h->model->n;
+  h->wrong += !error;
+  h->solved++;
+  if (h->answer_solve) return h->answer_solve;
+  apply(h, x, h->v);
+  for (int k = 0; k < n; k++)
+    h->p[k] = h->left[k] = b[k] - h->v[k];
+  const double load = sqrt(product(b, b, n));
+  double size = product(h->left, h->left, n);
+  if (h->solved > 20) h->worst = fmax(h->worst, sqrt(size) / load);
+  for (int step = 0; step < 50 * n && sqrt(size) > accuracy * load; step++) {
+    apply(h, h->p, h->v);
+    const double a = size / product(h->p, h->v, n), before = size;
+    for (int k = 0; k < n; k++) {
+      x[k] += a * h->p[k];
+      h->left[k] -= a * h->v[k];
+    }
+    size = product(h->left, h->left, n);
+    for (int k = 0; k < n; k++)
+      h->p[k] = h->left[k] + size / before * h->p[k];
+    h->steps++;
+  }
+  return DLS_OK;
+}
+
+static double apart(const double *a, const double *b, int n) {
+  double most = 0, scale = 0;
+  for (int k = 0; k < n; k++) {
+    most = fmax(most, fabs(a[k] - b[k]));
+    scale = fmax(scale, fabs(b[k]));
+  }
+  return most / scale;
+}
+
+/* Both answers of a scene: by the factor, by the host. */
+static void expect_equal(solids *S, double friction) {
+  const dls_model *model = &S->model;
+  const int n = model->n, nc = model->nodes, m = model->d * nc;
+  double *r = calloc((size_t)(2 * m + nc), sizeof *r), *s = r + m, *mu = s + m;
+  double *x = calloc((size_t)(2 * n), sizeof *x), *y = x + n;
+  host h = host_of(model);
+  const dls_global_solver solver = {&h, prepare, gradients};
+  const dls_limits limits = {.tol = 1e-9};
+  dls_global *G = NULL;
+  dls_error e = {0};
+  dls_info info;
+  for (int c = 0; c < nc; c++)
+    mu[c] = friction;
+  ck_assert_msg(!dls_global_create(&G, model, &e), "%s", e.message);
+  ck_assert_int_eq(dls_global_solve(G, S->f, S->g, mu, &limits, r, x, &info, &e), DLS_OK);
+  dls_global_destroy(G);
+  ck_assert_msg(!dls_global_create_with(&G, model, &solver, &e), "%s", e.message);
+  for (int turn = 0; turn < 2; turn++) { /* the second one after an update */
+    h.prepared = h.solved = 0;
+    ck_assert_int_eq(dls_global_solve(G, S->f, S->g, mu, &limits, s, y, &info, &e), DLS_OK);
+    ck_assert(dls_certificate_holds(&info.certificate, 1e-9));
+    ck_assert_int_eq(h.solved, info.iterations);
+    ck_assert_int_eq(h.prepared, info.factorisations);
+    ck_assert_msg(apart(s, r, m) < 1e-6 && apart(y, x, n) < 1e-6, "%g %g", apart(s, r, m),
+                  apart(y, x, n));
+    ck_assert_int_eq(dls_global_update(G, model, &e), DLS_OK);
+  }
+  ck_assert(h.worst < 0.1); /* first guesses come closer */
+  ck_assert_int_eq(h.wrong, 0);
+  dls_global_destroy(G);
+  free(h.R);
+  free(r);
+  free(x);
+}
+
+START_TEST(agrees_with_the_factor) {
+  solids S;
+  if (_i == 0)
+    solids_pad(&S, 24, 4);
+  else if (_i == 1)
+    solids_plate(&S, 6, 2);
+  else
+    solids_stack(&S, 2, 2, 3, 0.5); /* bodies that contact alone holds */
+  (void)solids_model(&S);
+  expect_equal(&S, 0.3);
+  solids_free(&S);
+}
+END_TEST
+
+/* What a host answers is what the solve answers. */
+START_TEST(answers_of_a_host) {
+  solids S;
+  solids_pad(&S, 6, 2);
+  const dls_model *model = solids_model(&S);
+  const int n = model->n, nc = model->nodes, m = model->d * nc;
+  double *r = calloc((size_t)(m + n), sizeof *r), *x = r + m;
+  host h = host_of(model);
+  dls_global_solver solver = {&h, prepare, gradients};
+  dls_global *G = (void *)&h;
+  dls_error e = {0};
+  dls_info info = {0};
+  expect_error(dls_global_create_with(&G, model, NULL, &e), &e, DLS_E_ARGUMENT,
+               "dls_global_create_with", "solver", -1);
+  ck_assert_ptr_null(G);
+  solver.prepare = NULL;
+  expect_error(dls_global_create_with(&G, model, &solver, &e), &e, DLS_E_ARGUMENT,
+               "dls_global_create_with", "solver.prepare", -1);
+  solver.prepare = prepare;
+  solver.solve = NULL;
+  expect_error(dls_global_create_with(&G, model, &solver, &e), &e, DLS_E_ARGUMENT,
+               "dls_global_create_with", "solver.solve", -1);
+  solver.solve = gradients;
+  ck_assert_msg(!dls_global_create_with(&G, model, &solver, &e), "%s", e.message);
+  h.answer_prepare = DLS_E_SINGULAR;
+  expect_error(dls_global_solve(G, S.f, S.g, NULL, NULL, r, x, &info, &e), &e, DLS_E_SINGULAR,
+               "dls_global_solve", "solver", -1);
+  ck_assert_int_eq(dls_global_solve(G, S.f, S.g, NULL, NULL, r, x, &info, NULL), DLS_E_SINGULAR);
+  h.answer_prepare = DLS_OK;
+  h.answer_solve = DLS_E_MEMORY;
+  expect_error(dls_global_solve(G, S.f, S.g, NULL, NULL, r, x, &info, &e), &e, DLS_E_MEMORY,
+               "dls_global_solve", "solver", -1);
+  ck_assert_int_eq(dls_global_solve(G, S.f, S.g, NULL, NULL, r, x, &info, NULL), DLS_E_MEMORY);
+  for (int k = 0; k < m + n; k++)
+    ck_assert(r[k] == 0); /* untouched */
+  h.answer_solve = DLS_CANCELLED;
+  ck_assert_int_eq(dls_global_solve(G, S.f, S.g, NULL, NULL, r, x, &info, &e), DLS_CANCELLED);
+  ck_assert_int_eq(info.status, DLS_CANCELLED);
+  h.answer_solve = DLS_OK;
+  ck_assert_int_eq(dls_global_solve(G, S.f, S.g, NULL, NULL, r, x, &info, &e), DLS_OK);
+  ck_assert_int_eq(h.wrong, 0);
+  dls_global_destroy(G);
+  free(h.R);
+  free(r);
+  solids_free(&S);
+}
+END_TEST
+
+/* Nothing holds a body that is lifted; without a factor that is not proved. */
+START_TEST(without_proof) {
+  solids S;
+  solids_stack(&S, 2, 1, 2, 0);
+  const dls_model *model = solids_model(&S);
+  const int n = model->n, m = model->d * model->nodes;
+  double *r = calloc((size_t)(m + n), sizeof *r), *x = r + m;
+  host h = host_of(model);
+  const dls_global_solver solver = {&h, prepare, gradients};
+  const dls_limits limits = {.tol = 1e-8, .max_iterations = 400};
+  dls_global *G = NULL;
+  dls_error e = {0};
+  dls_info info;
+  for (int k = 0; k < n; k++)
+    S.f[k] = -S.f[k];
+  ck_assert_msg(!dls_global_create_with(&G, model, &solver, &e), "%s", e.message);
+  const dls_status status = dls_global_solve(G, S.f, S.g, NULL, &limits, r, x, &info, &e);
+  ck_assert_int_eq(status, DLS_NOT_IN_EQUILIBRIUM);
+  ck_assert_ptr_null(dls_global_motion(G, NULL));
+  ck_assert_int_eq(h.wrong, 0);
+  dls_global_destroy(G);
+  free(h.R);
+  free(r);
+  solids_free(&S);
+}
+END_TEST
+
+/* Each malloc of create fails in turn; a solve allocates nothing. */
+START_TEST(failing_mallocs) {
+  solids S;
+  solids_plate(&S, 3, 1);
+  const dls_model *model = solids_model(&S);
+  const int n = model->n, m = model->d * model->nodes;
+  double *r = calloc((size_t)(m + n), sizeof *r), *x = r + m;
+  host h = host_of(model);
+  const dls_global_solver solver = {&h, prepare, gradients};
+  dls_global *G = NULL;
+  dls_status status = DLS_E_MEMORY;
+  int k;
+  for (k = 1; k < 200; k++) {
+    malloc_fails_at(k);
+    status = dls_global_create_with(&G, model, &solver, NULL);
+    malloc_fails_at(0);
+    if (!status) break;
+    ck_assert_int_eq(status, DLS_E_MEMORY);
+    ck_assert_ptr_null(G);
+  }
+  ck_assert(!status && k > 10);
+  malloc_fails_at(1);
+  status = dls_global_solve(G, S.f, S.g, NULL, NULL, r, x, NULL, NULL);
+  malloc_fails_at(0);
+  ck_assert_int_eq(status, DLS_OK);
+  ck_assert_int_eq(h.wrong, 0);
+  dls_global_destroy(G);
+  free(h.R);
+  free(r);
+  solids_free(&S);
+}
+END_TEST
+
+int main(void) {
+  return RUN("solver", NULL, NULL, EACH(agrees_with_the_factor, 0, 3), ONCE(answers_of_a_host),
+             ONCE(without_proof), ONCE(failing_mallocs));
+}
