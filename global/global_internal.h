@@ -97,6 +97,7 @@ struct dls_global {
   dlsi_system *system;      /* NULL: solver */
   dls_global_solver solver; /* in the place of system where it has functions */
   double *R;                /* m: rho D^-1, for the solver */
+  double accuracy;          /* of the solver's next solve */
   int moves, mover; /* moves: 1 if `motion` proves that there is no solution; mover: its body */
   double *motion;   /* n */
 
@@ -142,6 +143,9 @@ dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificat
 /* Returns the answer of a function of the host's solver as a status of the solve, and fills *error,
  * not NULL, where the host has left it. */
 dls_status dlsi_host_answer(dls_status answer, dls_error *error);
+
+/* Asks a host's solver for solves that suit a relative change of q of this size, NaN for 0 / 0. */
+void dlsi_global_ask(dls_global *work, double change);
 
 /* Factors A for work->rho, and counts. */
 dls_status dlsi_global_factor(dls_global *work, dls_error *error);

@@ -10,8 +10,14 @@
 
 #include "global_internal.h"
 
-/* of a host's solve, over tol: the residual of a solve is the equilibrium of the pair */
-static const double accuracy = 0.01;
+/* of a host's solve, over the change that it is for, and over tol at last: the residual of a solve
+ * is the equilibrium of the pair */
+static const double share = 0.01;
+
+void dlsi_global_ask(dls_global *work, double change) {
+  const double most = change > 1 ? 1 : change, tol = work->limits->tol;
+  work->accuracy = share * (most > tol ? most : tol); /* tol where nothing is there to change */
+}
 
 dls_status dlsi_host_answer(dls_status answer, dls_error *error) {
   if (answer > 0) return DLS_CANCELLED;
@@ -25,7 +31,7 @@ static dls_status pair_solve(dls_global *work, dls_error *error) {
   dls_error none = {0}, *why = error ? error : &none;
   why->status = DLS_OK;
   const dls_status answer =
-      work->solver.solve(work->solver.data, work->y, work->x, accuracy * work->limits->tol, why);
+      work->solver.solve(work->solver.data, work->y, work->x, work->accuracy, why);
   return dlsi_host_answer(answer, why);
 }
 

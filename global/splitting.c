@@ -266,6 +266,7 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
   for (int c = 0; c < work->nc; c++)
     work->state[c] = -1;
   work->rho = 1;
+  dlsi_global_ask(work, 1);
   dlsi_global_look(work, work->x, work->u);
   dls_status status = dlsi_global_measure(work, work->r, &now);
   if (status != DLS_STALLED) return status;
@@ -286,6 +287,7 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
       work->p[i] = work->r[i] - work->rho * work->u[i];
     const double gap = distance(m, work->p, work->q, work->look);
     const double size = distance(m, work->r, NULL, work->look);
+    dlsi_global_ask(work, gap / distance(m, work->p, NULL, work->look));
     const int adapt = k >= s.look && k % measure_every == 0;
     if (k % measure_every == 0 || k == most || gap <= work->limits->tol * size) {
       int end;

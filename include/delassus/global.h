@@ -41,7 +41,8 @@ DLS_API DLS_MUST_USE dls_status dls_global_create(dls_global **out, const dls_mo
 typedef dls_status (*dls_global_prepare_fn)(void *data, const double *R, dls_error *error);
 
 /* Solves A x = b. b: n, force. x: n, in a guess, the x of the iteration before; out with
- * |b - A x| <= accuracy |b|, which bounds the equilibrium that the answer can have. */
+ * |b - A x| <= accuracy |b|: 1 % of the relative change in the iteration before, at least 1 % of
+ * tol. */
 typedef dls_status (*dls_global_solve_fn)(void *data, const double *b, double *x, double accuracy,
                                           dls_error *error);
 

@@ -146,7 +146,7 @@ DLS_API void dls_mpi_settings_init(dls_mpi_settings *settings);
  * Takes one more share of m^2 doubles, on every rank, or m^2 doubles on rank 0; one solve with K
  * and one product with it besides. Statuses of dls_solver_solve and of dls_admm_solve;
  * DLS_NOT_IN_EQUILIBRIUM or DLS_STALLED where r solves the problem on W and the body's certificate
- * does not hold. */
+ * does not hold: dls_mpi_global_solve goes on from r and x. */
 DLS_API DLS_MUST_USE dls_status dls_mpi_solve(dls_mpi_reduction *reduction, const double *mu,
                                               const dls_mpi_settings *settings, double *r,
                                               double *u, dls_info *info, dls_error *error);

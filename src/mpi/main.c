@@ -27,6 +27,8 @@ static void usage(FILE *out) {
       "  -k, --kind=KIND   of K: cholesky (symmetric positive definite), ldlt, lu (lu)\n"
       "  -t, --tol=TOL     on the certificate (1e-8)\n"
       "  -g, --gather=M    W of up to M rows goes to one process (1000)\n"
+      "  -o, --on=W|K      the problem on W alone, or on K itself without W (W, and K from its\n"
+      "                    answer where that is not the body's)\n"
       "  -r, --ranks       time and memory of each phase on each process\n"
       "  -h, --help        this text\n"
       "\n"
@@ -276,33 +278,84 @@ static void print_ending(dls_status status, const dls_certificate *c) {
     printf("not solved: %s\n", dls_status_text(status));
 }
 
-static dls_status solve_part(part *s, const dls_mpi_settings *settings, int print, dls_info *info,
-                             dls_error *error) {
+/* What the options say. */
+typedef struct choice {
+  dls_factorization kind;
+  dls_mpi_settings settings;
+  char on; /* W or K; 0: W, and K where the answer is not the body's */
+  int print;
+} choice;
+
+static void print_outcome(const dls_info *info) {
+  const dls_certificate *c = &info->certificate;
+  printf("  %s: %d iterations, residual %.2e (positions %.2e, forces %.2e, equilibrium %.2e)\n",
+         dls_method_name(info->method), info->iterations, c->residual, c->residual_u, c->residual_r,
+         c->equilibrium);
+}
+
+/* By W. s->x receives the unknowns. */
+static dls_status solve_by_W(part *s, const choice *o, dls_info *info, dls_error *error) {
   dls_mpi_reduction *reduction = NULL;
   dls_mpi_info cost = {0};
   dls_status status = dls_mpi_reduction_create(&reduction, MPI_COMM_WORLD, &s->model, NULL, error);
   if (!status) status = dls_mpi_reduction_get_info(reduction, &cost, error);
   dlsi_mpi_clock from = dlsi_mpi_now();
   if (!status) status = dls_mpi_reduction_load(reduction, s->f, s->g, error);
-  if (!status) status = dls_mpi_solve(reduction, s->mu, settings, s->r, s->u, info, error);
-  const dlsi_mpi_clock now = dlsi_mpi_now();
+  if (!status) status = dls_mpi_solve(reduction, s->mu, &o->settings, s->r, s->u, info, error);
   if (status >= 0) {
-    if (rank == 0)
-      printf("  %d unknowns, %d condensed, %d rows of W, %d ranks (grid %d x %d)\n"
-             "  %s: %d iterations, residual %.2e (positions %.2e, forces %.2e, equilibrium %.2e)\n",
-             cost.n, cost.condensed, cost.m, cost.ranks, cost.grid[0], cost.grid[1],
-             dls_method_name(info->method), info->iterations, info->certificate.residual,
-             info->certificate.residual_u, info->certificate.residual_r,
-             info->certificate.equilibrium);
-    if (print) print_ranks(&cost, (dlsi_mpi_clock){now.wall - from.wall, now.cpu - from.cpu});
-    if (rank == 0) print_ending(status, &info->certificate);
+    const dls_status outcome = status;
+    status = dls_mpi_reduction_recover(reduction, s->r, s->x, error);
+    if (!status) status = outcome;
   }
+  const dlsi_mpi_clock now = dlsi_mpi_now();
+  if (status >= 0 && rank == 0) {
+    printf("  %d unknowns, %d condensed, %d rows of W, %d ranks (grid %d x %d)\n", cost.n,
+           cost.condensed, cost.m, cost.ranks, cost.grid[0], cost.grid[1]);
+    print_outcome(info);
+  }
+  if (status >= 0 && o->print)
+    print_ranks(&cost, (dlsi_mpi_clock){now.wall - from.wall, now.cpu - from.cpu});
   dls_mpi_reduction_destroy(reduction);
   return status;
 }
 
-static int command_solve(char *const *path, int files, dls_factorization kind,
-                         const dls_mpi_settings *settings, int print) {
+/* By K; warm: from s->r and s->x. */
+static dls_status solve_by_K(part *s, const choice *o, int warm, dls_info *info, dls_error *error) {
+  dls_mpi_global *global = NULL;
+  dls_mpi_info cost = {0};
+  dls_limits limits = o->settings.limits;
+  limits.warm_start = warm;
+  dls_status status = dls_mpi_global_create(&global, MPI_COMM_WORLD, &s->model, NULL, error);
+  dlsi_mpi_clock from = dlsi_mpi_now();
+  if (!status)
+    status = dls_mpi_global_solve(global, s->f, s->g, s->mu, &limits, s->r, s->x, info, error);
+  const dlsi_mpi_clock now = dlsi_mpi_now();
+  if (status >= 0) {
+    const dls_status outcome = status;
+    status = dls_mpi_global_get_info(global, &cost, error);
+    if (!status) status = outcome;
+  }
+  if (status >= 0 && rank == 0) {
+    printf("  %d unknowns, %d rows of contact, on K, %d ranks, %d factorisations\n", cost.n, cost.m,
+           cost.ranks, info->factorisations);
+    print_outcome(info);
+  }
+  if (status >= 0 && o->print)
+    print_ranks(&cost, (dlsi_mpi_clock){now.wall - from.wall, now.cpu - from.cpu});
+  dls_mpi_global_destroy(global);
+  return status;
+}
+
+/* As dls_reduction_solve: by W, then on K where the certificate of the body does not hold. */
+static dls_status solve_part(part *s, const choice *o, dls_info *info, dls_error *error) {
+  dls_status status =
+      o->on == 'K' ? solve_by_K(s, o, 0, info, error) : solve_by_W(s, o, info, error);
+  if (!o->on && status > 0 && !is_solved(status)) status = solve_by_K(s, o, 1, info, error);
+  if (status >= 0 && rank == 0) print_ending(status, &info->certificate);
+  return status;
+}
+
+static int command_solve(char *const *path, int files, const choice *o) {
   whole w = {0};
   part mine = {0};
   dls_error error = {0};
@@ -311,13 +364,13 @@ static int command_solve(char *const *path, int files, dls_factorization kind,
   if (rank == 0) status = files == 1 ? read_fclib(&w, path[0], &error) : read_mtx(&w, path, &error);
   status = dlsi_agree(MPI_COMM_WORLD, status, &error);
   if (!status) {
-    if (!hand_out(&w, kind, &mine)) status = dlsi_no_memory(&error);
+    if (!hand_out(&w, o->kind, &mine)) status = dlsi_no_memory(&error);
     status = dlsi_agree(MPI_COMM_WORLD, status, &error);
   }
   whole_free(&w);
   if (!status) {
     if (rank == 0) printf("%s\n", path[0]);
-    status = solve_part(&mine, settings, print, &info, &error);
+    status = solve_part(&mine, o, &info, &error);
   }
   if (status < 0 && rank == 0)
     (void)fprintf(stderr, "delassus-mpi: %s: %s\n", path[0], error.message);
@@ -332,27 +385,33 @@ static int complain(const char *text) {
 }
 
 static int run(int argc, char **argv) {
-  static const struct option options[] = {
-      {"kind", required_argument, NULL, 'k'},   {"tol", required_argument, NULL, 't'},
-      {"gather", required_argument, NULL, 'g'}, {"ranks", no_argument, NULL, 'r'},
-      {"help", no_argument, NULL, 'h'},         {NULL, 0, NULL, 0}};
-  dls_factorization kind = DLS_LU;
-  dls_mpi_settings settings;
+  static const struct option options[] = {{"kind", required_argument, NULL, 'k'},
+                                          {"tol", required_argument, NULL, 't'},
+                                          {"gather", required_argument, NULL, 'g'},
+                                          {"on", required_argument, NULL, 'o'},
+                                          {"ranks", no_argument, NULL, 'r'},
+                                          {"help", no_argument, NULL, 'h'},
+                                          {NULL, 0, NULL, 0}};
+  choice o = {.kind = DLS_LU};
   double number = 0;
-  int key, print = 0;
-  dls_mpi_settings_init(&settings);
+  int key;
+  dls_mpi_settings_init(&o.settings);
   opterr = rank == 0;
-  while ((key = getopt_long(argc, argv, "k:t:g:rh", options, NULL)) != -1) {
+  while ((key = getopt_long(argc, argv, "k:t:g:o:rh", options, NULL)) != -1) {
     if (key == 'h') {
       if (rank == 0) usage(stdout);
       return SOLVED;
     }
-    if (key == 'r') print = 1;
+    if (key == 'r') o.print = 1;
+    if (key == 'o') {
+      if (strcmp(optarg, "W") != 0 && strcmp(optarg, "K") != 0) return complain("on is W or K");
+      o.on = optarg[0];
+    }
     if (key == 'k') {
       if (!strcmp(optarg, "cholesky"))
-        kind = DLS_CHOLESKY;
+        o.kind = DLS_CHOLESKY;
       else if (!strcmp(optarg, "ldlt"))
-        kind = DLS_LDLT;
+        o.kind = DLS_LDLT;
       else if (strcmp(optarg, "lu") != 0)
         return complain("no such kind of K");
     }
@@ -360,16 +419,16 @@ static int run(int argc, char **argv) {
       if (!dlsi_read_number(optarg, strlen(optarg), &number) || number < 0 || number > 1e9)
         return complain("no such number");
       if (key == 't')
-        settings.limits.tol = number;
+        o.settings.limits.tol = number;
       else
-        settings.gather = (int)number;
+        o.settings.gather = (int)number;
     }
     if (key == '?') return BAD_INPUT;
   }
   const int files = argc - optind - 1;
   if (files < 0 || strcmp(argv[optind], "solve") != 0) return complain("no command");
   if (files != 1 && files != 5) return complain("one file, or five");
-  return command_solve(argv + optind + 1, files, kind, &settings, print);
+  return command_solve(argv + optind + 1, files, &o);
 }
 
 int main(int argc, char **argv) {

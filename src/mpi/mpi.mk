@@ -52,7 +52,7 @@ RANKS = 1 2 4
 check-mpi: $(MPI_TESTS) $(MPI_PROGRAM) $(MPI_EXAMPLES)
 	@tests/mpi/run.sh $(BUILD) $(RANKS)
 
-$(BUILD)/bench/mpi: $(call obj,bench/mpi.c bench/mpi_waits.c tests/mpi/shares.c bench/common.c bench/reduction_boxes.c) $(MPI_A)
+$(BUILD)/bench/mpi $(BUILD)/bench/mpi_global: $(BUILD)/bench/%: $(BUILD)/obj/bench/%.o $(call obj,bench/mpi_waits.c tests/mpi/shares.c bench/common.c bench/reduction_boxes.c) $(MPI_A)
 	@mkdir -p $(@D)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -Wl,--wrap=clock_gettime -o $@ $^ $(MPI_LIBS_ALL) -lmpi_mpifh

@@ -160,6 +160,37 @@ START_TEST(agrees_with_the_factor) {
 }
 END_TEST
 
+/* Where all contacts are open, or there is none, x is as accurate as tol asks for. */
+START_TEST(open_or_none) {
+  solids S;
+  solids_pad(&S, 12, 3);
+  const dls_model *model = solids_model(&S);
+  dls_model bare = *model;
+  if (_i) bare.nodes = 0;
+  const int n = model->n, m = bare.d * bare.nodes;
+  double *r = calloc((size_t)(m + n) + 1, sizeof *r), *x = r + m;
+  host h = host_of(&bare);
+  const dls_global_solver solver = {&h, prepare, gradients};
+  dls_global *G = NULL;
+  dls_error e = {0};
+  dls_info info;
+  for (int c = 0; c < model->nodes; c++)
+    S.g[model->d * c] = 1e3;
+  for (int k = 0; k < n; k++)
+    S.f[k] += 1e-3 * sin(k);
+  ck_assert_msg(!dls_global_create_with(&G, &bare, &solver, &e), "%s", e.message);
+  ck_assert_int_eq(dls_global_solve(G, S.f, m ? S.g : NULL, NULL, NULL, r, x, &info, &e), DLS_OK);
+  ck_assert_msg(info.certificate.equilibrium > 0 && info.certificate.equilibrium <= 1e-8, "%g",
+                info.certificate.equilibrium);
+  for (int k = 0; k < m; k++)
+    ck_assert(r[k] == 0);
+  dls_global_destroy(G);
+  free(h.R);
+  free(r);
+  solids_free(&S);
+}
+END_TEST
+
 /* What a host answers is what the solve answers. */
 START_TEST(answers_of_a_host) {
   solids S;
@@ -269,6 +300,6 @@ START_TEST(failing_mallocs) {
 END_TEST
 
 int main(void) {
-  return RUN("solver", NULL, NULL, EACH(agrees_with_the_factor, 0, 3), ONCE(answers_of_a_host),
-             ONCE(without_proof), ONCE(failing_mallocs));
+  return RUN("solver", NULL, NULL, EACH(agrees_with_the_factor, 0, 3), EACH(open_or_none, 0, 2),
+             ONCE(answers_of_a_host), ONCE(without_proof), ONCE(failing_mallocs));
 }

@@ -66,7 +66,8 @@ for kind in cholesky ldlt lu; do
   [ $status -eq 0 ] && echo "$out" | grep -q 'rank 1: wall' && echo "$out" | grep -q '^solved$'
   tell $? "Matrix Market, $kind: status $status: $out"
 done
-# a square of four nodes on springs of 1e-8, pressed down: ADMM solves the problem on W, and the body is not solved
+# a square of four nodes on springs of 1e-8, pressed down: ADMM solves the problem on W, and not that of
+# the body; on K it is solved
 {
   printf '%%%%MatrixMarket matrix coordinate real symmetric\n8 8 16\n'
   for k in 1 2 3 4 5 6 7 8; do echo "$k $k 2.00000001"; done
@@ -76,10 +77,21 @@ printf '%%%%MatrixMarket matrix coordinate real general\n8 4 4\n2 1 1\n1 2 1\n4 
 printf '%%%%MatrixMarket matrix array real general\n8 1\n0\n0\n0\n0\n0\n-5\n0\n-5\n' >"$dir/fs.mtx"
 printf '%%%%MatrixMarket matrix array real general\n4 1\n0\n0\n0\n0\n' >"$dir/ws.mtx"
 printf '%%%%MatrixMarket matrix array real general\n2 1\n.3\n.3\n' >"$dir/mus.mtx"
-out=$(run 2 "$build/delassus-mpi" solve -g 0 -k cholesky "$dir/Ks.mtx" "$dir/Hs.mtx" "$dir/fs.mtx" "$dir/ws.mtx" "$dir/mus.mtx" 2>&1)
+soft() {
+  run 2 "$build/delassus-mpi" solve -g 0 -k cholesky "$@" "$dir/Ks.mtx" "$dir/Hs.mtx" "$dir/fs.mtx" "$dir/ws.mtx" "$dir/mus.mtx" 2>&1
+}
+out=$(soft --on W)
 status=$?
 [ $status -eq 1 ] && echo "$out" | grep -q '^not solved: '
-tell $? "soft springs: status $status: $out"
+tell $? "soft springs on W: status $status: $out"
+out=$(soft --on K -r)
+status=$?
+[ $status -eq 0 ] && echo "$out" | grep -q '^solved$' && echo "$out" | grep -q 'on K, 2 ranks'
+tell $? "soft springs on K: status $status: $out"
+out=$(soft)
+status=$?
+[ $status -eq 0 ] && echo "$out" | grep -q '^solved$' && echo "$out" | grep -q 'rows of W'
+tell $? "soft springs on W, then on K: status $status: $out"
 
 out=$(seconds=10 run 2 "$build/delassus-mpi" solve nowhere.hdf5 2>&1)
 status=$?
