@@ -853,8 +853,7 @@ static dls_status reduction_states(dls_reduction *work, const double *mu, const 
   for (int c = 0; c < work->H.candidates; c++) {
     const size_t o = (size_t)work->H.d * (size_t)c;
     double F[3];
-    state[c] =
-        dlsi_contact_misfit(work->H.d, mu[c], work->kept.w + 2 * (size_t)c, r + o, u + o, F);
+    state[c] = dlsi_contact_misfit(work->H.d, mu[c], work->kept.w + 2 * (size_t)c, r + o, u + o, F);
   }
   return DLS_OK;
 }
