@@ -28,9 +28,9 @@ static dls_status fixed_run(dls_global *work, double *g, double *x, double *r, d
   memcpy(g, work->g, (size_t)work->m * sizeof *g);
   for (int turn = 0; turn < most_turns; turn++) {
     dls_certificate now;
-    dls_status status =
-        dlsi_global_interior(work, hold_convex, turn ? work->x : NULL, g, x, r, error); /* (GF1) */
-    if (status) return status;
+    dls_status status = dlsi_global_interior(work, hold_convex, 1, turn ? work->x : NULL, g, x, r,
+                                             error); /* (GF1) */
+    if (status && status != DLS_STALLED) return status;
     memcpy(work->x, x, (size_t)work->n * sizeof *x);
     dlsi_global_look(work, x, work->u);
     status = dlsi_global_measure(work, r, &now);

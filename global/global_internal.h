@@ -171,10 +171,11 @@ dls_status dlsi_global_newton(dls_global *work, double *r, double hold, dls_erro
 /* ---- interior.c ------------------------------------------------------------------------------ */
 
 /* x, r := the solution of the convex problem (GI1) with gaps g (m; NULL: 0) and springs hold E that
- * have no force at `old` (n; NULL: 0). All round; x: n; r: m, NULL where not wanted. DLS_E_MEMORY,
+ * have no force at `old` (n; NULL: 0), from points of `start` times the size of f and g. All round;
+ * x: n; r: m, NULL where not wanted. DLS_OK, DLS_STALLED with the last point, DLS_E_MEMORY,
  * DLS_CANCELLED, DLS_TIME_LIMIT. */
-dls_status dlsi_global_interior(dls_global *work, double hold, const double *old, const double *g,
-                                double *x, double *r, dls_error *error);
+dls_status dlsi_global_interior(dls_global *work, double hold, double start, const double *old,
+                                const double *g, double *x, double *r, dls_error *error);
 
 /* ---- fixed.c --------------------------------------------------------------------------------- */
 

@@ -21,7 +21,8 @@
  *
  * Source: as vi/rest.c (AR7)-(AR9), which has the same on W.
  * Cost: an analysis, 10 to 40 factorisations of a matrix with the entries of K + H R H^T, three
- * solves each. Fails: a matrix that is singular to rounding; the last x is kept.
+ * solves each. Fails: a matrix that is singular to rounding, steps that become
+ * short; DLS_STALLED then, and the last x is kept.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -39,7 +40,7 @@ typedef struct interior {
   dls_global *global;
   double hold;
   const double *old, *g; /* n, m; NULL: 0 */
-  double *x, *dx, *rest; /* n; rest: right side */
+  double *x, *dx, *rest; /* n; rest: f + H p - (K + hold E) x */
   double *e;             /* n: hold E with its sign */
   double *S;             /* 2 nc */
   double *p, *z;         /* m, as all below */
@@ -257,8 +258,8 @@ static dls_status interior_step(interior *I, double tau, double *step, dls_error
   return status;
 }
 
-/* Starts on the axes of the cones, at the size of f in round variables. */
-static void interior_begin(interior *I) {
+/* Starts on the axes of the cones, at `start` times the size of f and g in round variables. */
+static void interior_begin(interior *I, double start) {
   const dls_global *work = I->global;
   double size = 0;
   for (int j = 0; j < work->n; j++)
@@ -267,7 +268,7 @@ static void interior_begin(interior *I) {
     size = hypot(size, I->g[k]);
   if (size == 0) size = 1;
   for (int k = 0; k < work->m; k++)
-    I->p[k] = I->z[k] = k % work->d ? 0 : size;
+    I->p[k] = I->z[k] = k % work->d ? 0 : start * size;
   for (int c = 0; c < work->nc; c++) {
     const double mu = fmin(work->bend[c], largest_mu);
     I->S[2 * c] = 1 / sqrt(1 + mu * mu);
@@ -275,7 +276,7 @@ static void interior_begin(interior *I) {
   }
 }
 
-/* (GI2)-(GI5) */
+/* (GI2)-(GI5) DLS_STALLED where p.z has not become as small. */
 static dls_status interior_run(interior *I, dls_error *error) {
   dls_global *work = I->global;
   const int n = work->n, m = work->m;
@@ -297,7 +298,7 @@ static dls_status interior_run(interior *I, dls_error *error) {
       tau += I->p[i] * I->z[i];
     }
     if (k == 0) first = tau;
-    if (k > 0 && !(tau > done * fmax(fabs(load), first))) break;
+    if (k > 0 && !(tau > done * fmax(fabs(load), first))) return DLS_OK;
     status = interior_factor(I, error);
     if (!status) status = interior_step(I, tau / work->nc, &step, error);
     if (status) break;
@@ -317,11 +318,11 @@ static dls_status interior_run(interior *I, dls_error *error) {
                                        .residual = work->best.residual,
                                        .r = work->best_r});
   }
-  return status == DLS_E_SINGULAR || status == DLS_E_UNSUPPORTED ? DLS_OK : status;
+  return !status || status == DLS_E_SINGULAR || status == DLS_E_UNSUPPORTED ? DLS_STALLED : status;
 }
 
-dls_status dlsi_global_interior(dls_global *work, double hold, const double *old, const double *g,
-                                double *x, double *r, dls_error *error) {
+dls_status dlsi_global_interior(dls_global *work, double hold, double start, const double *old,
+                                const double *g, double *x, double *r, dls_error *error) {
   const size_t n = (size_t)work->n, m = (size_t)work->m, nc = (size_t)work->nc;
   interior I = {.global = work, .hold = hold, .old = old, .g = g, .x = x};
   double *memory = dlsi_alloc(3 * n + (11 + (size_t)work->d) * m + 3 * nc, sizeof *memory);
@@ -338,7 +339,7 @@ dls_status dlsi_global_interior(dls_global *work, double hold, const double *old
   I.eta = I.S + 2 * nc;
   memset(x, 0, n * sizeof *x);
   dls_error why = {0};
-  interior_begin(&I);
+  interior_begin(&I, start);
   dls_status status = interior_matrix(&I, &why);
   if (!status) status = interior_run(&I, &why);
   for (size_t k = 0; r && k < m; k++)

@@ -12,7 +12,9 @@
  *   (GM2)  b := the solution x of the convex problem without gaps, with springs of 1e-10 of K
  *          (interior.c). Where bodies are held, it is elastic. Else it is 1e10 times as large: of
  *          all rigid motions in the cones the one that is nearest to E^-1 f. Goes on if the springs
- *          of some body hold more than a hundredth of its energy.
+ *          of some body hold more than a hundredth of its energy. The interior point starts at the
+ *          size of f, and where that does not end, at 1e10 times that: contacts that leave many
+ *          motions free, in 3D above all, move by so much.
  *   (GM3)  Bodies that hardly move stand still, b := 0. Then three times
  *            | K + 1e-10 E  -G    | |db|     | K b   |        b := b + db
  *            | G^T          delta | |y | = - | G^T b |
@@ -25,8 +27,8 @@
  *   (GM4)  Check (GM1) by the numbers of the user, with b of largest entry 1:
  *            energy   |b^T K b| <= eps |b|^T |K| |b| in each connected body, in long double
  *            forces   |K b|_i <= 1e-12 (|K| |b|)_i
- *            b^T f    more than 1e-10 |b|^T |f|
- *            cones    within 100 eps of the largest |H|^T |b|
+ *            b^T f    more than 1e-10 |b|^T |f|, |b| the largest of each body
+ *            cones    within 100 eps of |H|^T |b| of the contact, |b| the largest of each body
  *
  * Why eps: an entry of K is rounded when it is stored, by eps / 2 of it, and by as much again when
  * it is assembled. Then b^T K b changes by up to eps |b|^T |K| |b|: below, a K within the rounding
@@ -221,12 +223,12 @@ static int drift_proves(drift *D) {
   for (size_t j = 0; j < n; j++) {
     if (!(fabs(D->y[j]) <= balance * D->a[j])) return 0;
     load += D->b[j] * (work->f ? work->f[j] : 0);
-    turmoil += fabs(D->b[j] * (work->f ? work->f[j] : 0));
+    turmoil += D->size[work->part[j]] * fabs(work->f ? work->f[j] : 0);
   }
   if (!(load > certain * turmoil) || !drift_is_soft(D)) return 0;
   for (int c = 0; c < work->nc; c++) {
     double h[3], size;
-    if (!(drift_misses(D, c, h, &size) <= slack * D->scale)) return 0;
+    if (!(drift_misses(D, c, h, &size) <= slack * size)) return 0;
   }
   return 1;
 }
@@ -266,6 +268,19 @@ static dls_status drift_try(drift *D, int *proved, dls_error *error) {
   return DLS_OK;
 }
 
+/* (GM2)-(GM4) from points of this size. DLS_STALLED where that has not ended and proves nothing. */
+static dls_status drift_from(drift *D, double start, int *proved, dls_error *error) {
+  const dls_status ended =
+      dlsi_global_interior(D->global, soft, start, NULL, NULL, D->x, NULL, error);
+  if (ended && ended != DLS_STALLED) return ended;
+  dls_status status = DLS_OK;
+  D->small = least_small;
+  for (int rigid = drift_is_rigid(D); rigid && !status && !*proved && D->small < 2 * most_small;
+       D->small *= 10)
+    status = drift_try(D, proved, error);
+  return status || *proved ? status : ended;
+}
+
 dls_status dlsi_global_prove(dls_global *work, int *proved, dls_error *error) {
   const size_t n = (size_t)work->n, m = (size_t)work->m;
   const size_t entries = 2 * (size_t)work->K.p[n] + n + m + 4 * (size_t)work->H.p[m];
@@ -284,11 +299,9 @@ dls_status dlsi_global_prove(dls_global *work, int *proved, dls_error *error) {
     D.size = memory + 3 * n;
     D.sums = memory + 4 * n;
     D.y = memory + 6 * n;
-    status = dlsi_global_interior(work, soft, NULL, NULL, D.x, NULL, error);
-    const int rigid = !status && drift_is_rigid(&D);
-    for (D.small = least_small; rigid && !status && !*proved && D.small < 2 * most_small;
-         D.small *= 10)
-      status = drift_try(&D, proved, error);
+    status = drift_from(&D, 1, proved, error);
+    if (status == DLS_STALLED) status = drift_from(&D, 1 / soft, proved, error);
+    if (status == DLS_STALLED) status = DLS_OK;
   }
   dlsi_general_free(&D.general);
   dlsi_triplets_free(&D.t);
