@@ -5,9 +5,10 @@
  *          (K + hold E) x = f + H r,  z = H^T x + g,  r in the friction cones, r.z = 0
  *
  *   or x - old in the place of the second x. That is the law if g holds s = mu |u_t|. E is that of
- *   system.c; where K_jj is not positive, as for a multiplier, it counts negative. Scales S make
- *   the cones Lorentz cones: r = S p,  S z:  S_n = 1 / sqrt(1 + mu^2), S_t = mu S_n, mu at most
- *   1e4. In what follows z, g and H^T have S in them.
+ *   system.c; it counts negative for a multiplier, an unknown that K couples without a diagonal
+ *   entry and no contact touches. Scales S make the cones Lorentz cones: r = S p,  S z:
+ *   S_n = 1 / sqrt(1 + mu^2), S_t = mu S_n, mu at most 1e4. In what follows z, g and H^T have S in
+ *   them.
  *
  *   (GI2)  P with l = P p = P^-1 z (base/cone.h). A direction for a right-hand side rc, with
  *          v = l \ rc and e = z - H^T x - g:
@@ -96,6 +97,25 @@ static dls_status interior_analyse(interior *I, dls_error *error) {
   return status;
 }
 
+/* Makes E negative where K couples without a diagonal entry and no contact acts: a multiplier. */
+static void interior_sign(interior *I) {
+  const dls_global *work = I->global;
+  const dlsi_columns *K = &work->K, *H = &work->H;
+  const int n = work->n, first = (int)I->entries - n;
+  double *coupled = I->dx; /* of a row without a diagonal entry */
+  memset(coupled, 0, (size_t)n * sizeof *coupled);
+  for (int j = 0; j < n; j++)
+    for (int k = K->p[j]; k < K->p[j + 1]; k++)
+      if (K->x[k] != 0) coupled[K->i[k]] = coupled[j] = 1;
+  for (int j = 0; j < n; j++)
+    for (int k = K->p[j]; k < K->p[j + 1]; k++)
+      if (K->x[k] != 0 && K->i[k] == j) coupled[j] = 0;
+  for (int k = 0; k < H->p[work->m]; k++)
+    coupled[H->i[k]] = 0;
+  for (int j = 0; j < n; j++)
+    if (coupled[j] != 0) I->value[first + j] = I->e[j] = -I->e[j];
+}
+
 static dls_status interior_matrix(interior *I, dls_error *error) {
   const dls_global *work = I->global;
   const dlsi_columns *K = &work->K;
@@ -107,18 +127,17 @@ static dls_status interior_matrix(interior *I, dls_error *error) {
   if (!I->row || !I->value) return dlsi_no_memory(error);
   I->col = I->row + I->entries;
   for (int j = 0; j < work->n; j++) {
-    double diagonal = 0;
     for (int k = K->p[j]; k < K->p[j + 1]; k++) {
       I->row[k] = K->i[k] + 1;
       I->col[k] = j + 1;
       I->value[k] = K->x[k];
-      if (K->i[k] == j) diagonal += K->x[k];
     }
     const size_t at = of_K + of_H + (size_t)j;
     I->row[at] = I->col[at] = j + 1;
-    I->value[at] = I->e[j] = (diagonal > 0 ? 1 : -1) * I->hold * work->system->e[j];
+    I->value[at] = I->e[j] = I->hold * work->system->e[j];
   }
   (void)interior_list(work, NULL, I->row + of_K, I->col + of_K, NULL);
+  interior_sign(I);
   return work->system->definite ? interior_analyse(I, error) : DLS_OK;
 }
 

@@ -215,6 +215,26 @@ START_TEST(tie_by_multiplier) {
 }
 END_TEST
 
+/* Without the spring: a load on node 1 lifts both nodes, or presses node 0 on the ground. */
+START_TEST(tied_nodes_fall) {
+  const double rows[9] = {0, 0, 1, 0, 0, -1, 1, -1, 0}, f[3] = {1, _i ? -10 : 10, 0};
+  const int p[] = {0, 1}, i[] = {0};
+  const double x[] = {1};
+  stiffness_fill(&S, 3, rows, DLS_LDLT, 1);
+  S.model.nodes = 1;
+  S.model.HN = (dls_sparse){3, 1, p, i, x};
+  S.model.HT = (dls_sparse){3, 1, none, i, x};
+  answer A = answer_of(&S.model, f, NULL, 0, 1e-10);
+  ck_assert_msg(A.status == (_i ? DLS_OK : DLS_NO_SOLUTION), "%s", dls_status_name(A.status));
+  if (_i) ck_assert_double_eq_tol(A.r[0], 9, 1e-7);
+  if (!_i) {
+    const double *b = dls_global_motion(A.global, NULL);
+    ck_assert(fabs(b[0] - 1) <= 1e-12 && fabs(b[1] - 1) <= 1e-12 && fabs(b[2]) <= 1e-12);
+  }
+  answer_free(&A);
+}
+END_TEST
+
 /* One node given twice as a contact slides: the sums are what K and the load say. */
 START_TEST(node_twice) {
   const double rows[4] = {100, 0, 0, 100}, f[2] = {1, -10};
@@ -790,10 +810,11 @@ END_TEST
 
 int main(void) {
   return RUN("global", NULL, NULL, EACH(free_bars, 0, 6), ONCE(bar_pulled_up),
-             EACH(tie_by_multiplier, 0, 2), ONCE(node_twice), ONCE(no_contact), ONCE(bonded),
-             ONCE(press_fit), ONCE(weak_springs), EACH(stacks, 0, 12), EACH(springs_hold, 0, 7),
-             EACH(arches_fall, 0, 9), EACH(arches_stand, 0, 9), EACH(strips, 0, 4),
-             EACH(surfaces, 0, 24), EACH(agrees_with_W, 0, 2), EACH(units, 0, 4), ONCE(unsymmetric),
-             ONCE(weighted), ONCE(warm_and_update), ONCE(limits_hold), ONCE(bad_input),
+             EACH(tie_by_multiplier, 0, 2), EACH(tied_nodes_fall, 0, 2), ONCE(node_twice),
+             ONCE(no_contact), ONCE(bonded), ONCE(press_fit), ONCE(weak_springs),
+             EACH(stacks, 0, 12), EACH(springs_hold, 0, 7), EACH(arches_fall, 0, 9),
+             EACH(arches_stand, 0, 9), EACH(strips, 0, 4), EACH(surfaces, 0, 24),
+             EACH(agrees_with_W, 0, 2), EACH(units, 0, 4), ONCE(unsymmetric), ONCE(weighted),
+             ONCE(warm_and_update), ONCE(limits_hold), ONCE(bad_input),
              EACH(failing_mallocs, 0, 4));
 }
