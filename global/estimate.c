@@ -28,6 +28,9 @@ static dls_status global_get_info(dls_global *work, dls_global_info *info, dls_e
   const dlsi_system *A = work->system;
   dlsi_cholesky *fresh = NULL;
   if (!info) return dlsi_is_null(error, "info");
+  if (!A)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, "global", -1, 0,
+                     "has the host's solver in the place of a factor");
   const dls_status status = A->cholesky ? DLS_OK : dlsi_system_analyse(A, &fresh, error);
   if (status) return status;
   const dlsi_cholesky *L = fresh ? fresh : A->cholesky;

@@ -110,7 +110,7 @@ DLS_API DLS_MUST_USE dls_status dls_global_estimate(const dls_model *model, dls_
                                                     dls_error *error);
 
 /* Gives these figures for a problem made. O(1), but for K unsymmetric, where it analyses.
- * DLS_E_BUSY, DLS_E_MEMORY. */
+ * DLS_E_BUSY, DLS_E_MEMORY; DLS_E_UNSUPPORTED where the host has brought a solver. */
 DLS_API DLS_MUST_USE dls_status dls_global_get_info(dls_global *global, dls_global_info *info,
                                                     dls_error *error);
 

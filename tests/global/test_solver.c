@@ -215,6 +215,9 @@ START_TEST(answers_of_a_host) {
                "dls_global_create_with", "solver.solve", -1);
   solver.solve = gradients;
   ck_assert_msg(!dls_global_create_with(&G, model, &solver, &e), "%s", e.message);
+  dls_global_info cost;
+  expect_error(dls_global_get_info(G, &cost, &e), &e, DLS_E_UNSUPPORTED, "dls_global_get_info",
+               "global", -1);
   h.answer_prepare = DLS_E_SINGULAR;
   expect_error(dls_global_solve(G, S.f, S.g, NULL, NULL, r, x, &info, &e), &e, DLS_E_SINGULAR,
                "dls_global_solve", "solver", -1);
