@@ -74,7 +74,8 @@ typedef struct dls_motion_settings {
   double activation;  /* >= 0: gap below which a candidate is closed in the velocity form; a small
                          part of the bodies' size where they rest on each other; 0     length */
   double forecast;    /* 0 <= forecast <= 1: part of the step by which the gap is foreseen; 1/2 */
-  int stabilize;      /* path: 1: bodies that nothing but contact holds; 0 */
+  int stabilize;      /* path: 1: bodies that nothing but contact holds, on K; a singular K goes
+                         there by itself, with method auto; 0 */
 } dls_motion_settings;
 
 DLS_API void dls_motion_settings_init(dls_motion_settings *settings);
@@ -158,8 +159,8 @@ DLS_API DLS_MUST_USE dls_status dls_motion_get_energies(const dls_motion *motion
                                                         dls_error *error);
 
 /* Gives the contact problem of the last step, certified or not: of the active candidates, nc = 0
- * where there was none. For dls_contact_diagnose and for solving it otherwise; it lives until the
- * next step. */
+ * where there was none, and on a path whose problem is solved on K. For dls_contact_diagnose and for
+ * solving it otherwise; it lives until the next step. */
 DLS_API DLS_MUST_USE dls_status dls_motion_get_problem(const dls_motion *motion,
                                                        dls_contact *problem, dls_error *error);
 

@@ -53,6 +53,8 @@ static dls_status motion_check_settings(const dls_motion_settings *s, dls_error 
                      "is %g, but only the velocity form has impacts", s->restitution);
   if (!path && s->stabilize)
     return dlsi_fail(error, DLS_E_ARGUMENT, "stabilize", -1, 1, "is for a path: mass holds bodies");
+  if (s->stabilize && s->method != DLS_AUTO)
+    return dlsi_fail(error, DLS_E_ARGUMENT, "stabilize", -1, 1, "needs method auto, which takes K");
   return DLS_OK;
 }
 
@@ -154,6 +156,8 @@ static dls_status motion_allocate(dls_motion *motion, dls_error *error) {
   return DLS_OK;
 }
 
+enum { expected_steps = 1000 }; /* with one A: W is formed once, and serves all */
+
 static dls_status motion_reduce(dls_motion *motion, dls_error *error) {
   dls_status status = dlsi_motion_lay(motion, error);
   if (status) return status;
@@ -161,28 +165,23 @@ static dls_status motion_reduce(dls_motion *motion, dls_error *error) {
   dls_reduction_settings settings;
   dls_reduction_settings_init(&settings);
   settings.stabilize = motion->settings.stabilize;
+  settings.loads = expected_steps;
+  const int either = motion->settings.law == DLS_MOTION_PATH && motion->settings.method == DLS_AUTO;
+  settings.on = either ? DLS_ON_EITHER : DLS_ON_W;
   const dls_model model = motion_reduced_model(&motion->model, dlsi_columns_view(&motion->A));
-  status = dls_reduction_create_with(&motion->reduction, &model, &settings, error);
+  status = dls_reduction_create_either(&motion->reduction, &model, &settings, error);
   if (status) return motion_name(status, motion->model.M.p ? "M" : "K", error);
   dls_reduction_info info;
   status = dls_reduction_get_info(motion->reduction, &info, error);
   if (status) return status;
-  motion->modes = info.modes;
+  motion->on_K = info.on == DLS_ON_K;
   return DLS_OK;
-}
-
-/* Gives the limits of the solver. On a path of free bodies q holds the way of the springs, some 1e3
- * times that of the bodies, to which the tolerance is meant. */
-static dls_limits motion_solver_limits(const dls_limits *limits, int stabilize) {
-  dls_limits own = *limits;
-  if (stabilize) own.tol *= 1e-3;
-  return own;
 }
 
 static dls_status motion_prepare_solver(dls_motion *motion, dls_error *error) {
   dls_solver_settings settings;
   dls_solver_settings_init(&settings);
-  settings.limits = motion_solver_limits(&motion->settings.limits, motion->settings.stabilize);
+  settings.limits = motion->settings.limits;
   settings.method = motion->settings.method;
   return dls_solver_create(&motion->solver, motion->model.d, (int)motion->candidates, &settings,
                            error);
@@ -297,8 +296,7 @@ dls_status dls_motion_set_h(dls_motion *motion, double h, dls_error *error) {
 static dls_status motion_set_limits(dls_motion *motion, const dls_limits *limits,
                                     dls_error *error) {
   if (!limits) return dlsi_is_null(error, "limits");
-  const dls_limits own = motion_solver_limits(limits, motion->settings.stabilize);
-  const dls_status status = dls_solver_set_limits(motion->solver, &own, error);
+  const dls_status status = dls_solver_set_limits(motion->solver, limits, error);
   if (!status) motion->settings.limits = *limits;
   return status;
 }

@@ -24,7 +24,7 @@ struct dls_motion {
   dls_motion_settings settings;
   atomic_int busy;
   size_t n, nodes, candidates, m; /* m = d candidates */
-  int modes;                      /* of free bodies on a path */
+  int on_K;                       /* 1: a path whose contact problem is solved on K, without W */
   dlsi_columns A;
   dls_reduction *reduction;
   dls_solver *solver;

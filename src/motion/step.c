@@ -11,15 +11,14 @@
  *   (MT6)  A dv = b + H p                                               (dls_reduction_recover)
  *   (MT7)  v+ = v + dv,   x+ = x + h (v + theta dv)
  *
- * Solving for dv instead of v+ keeps the digits of what one step changes. Path, in turns that begin
- * with z = x:
+ * Solving for dv instead of v+ keeps the digits of what one step changes. Path, with z = x:
  *
  *   (MT8)  b = f - K z;  g_n = gap(z) at the obstacle's new place,  g_t = L_t^T (z - x) - h y'_t
  *   (MT9)  (MT3) to (MT5) with A = K, then K dz = b + H r,  z += dz;  x+ = z
  *
- * One turn is exact but for rounding, which the next step sees in b and mends. Where springs hold
- * the modes of a free body (settings.stabilize), dz carries the load that r leaves on them, and
- * the turns go on (proximal point method) until K z = f + H r without them.
+ * That is exact but for rounding, which the next step sees in b and mends. Bodies that contact
+ * alone holds have a singular K, and contact over whole surfaces a large W: the reduction is on K
+ * then, and (MT3) to (MT5) and dz are those of dls_reduction_solve.
  *
  * Sources: [Jean 1988] (3.2)1, (3.3)1-6; J. J. Moreau, Unilateral contact and dry friction in
  * finite freedom dynamics, 1988, for the velocity form with Newton's restitution. Nothing is kept
@@ -83,7 +82,7 @@ static dls_status step_solve(dls_motion *motion, const double *start, double fac
 }
 
 /* Puts the equilibrium of A dx = b + H p into the certificate, whose laws are those of the active
- * contacts. Where springs hold modes, step_path sees to it. */
+ * contacts. */
 static dls_status step_equilibrium(dls_motion *motion, const double *mu, dls_info *info,
                                    dls_error *error) {
   dls_certificate body, *c = &info->certificate;
@@ -113,7 +112,27 @@ static dls_status step_contact(dls_motion *motion, const double *mu, const doubl
                               &motion->problem, error);
   if (!status) status = step_solve(motion, start, factor, info, error);
   if (!status) status = dls_reduction_recover(motion->reduction, motion->next.p, motion->dx, error);
-  return status || motion->modes > 0 ? status : step_equilibrium(motion, mu, info, error);
+  return status ? status : step_equilibrium(motion, mu, info, error);
+}
+
+/* The same on K, from the reactions of the step before; all candidates are active on a path. */
+static dls_status step_on_K(dls_motion *motion, const double *mu, dls_info *info,
+                            dls_error *error) {
+  motion_point *next = &motion->next;
+  if (!mu) mu = motion->zero;
+  dls_solver_settings settings;
+  dls_solver_settings_init(&settings);
+  settings.limits = motion->settings.limits;
+  step_activate(motion);
+  memcpy(next->p, motion->now.p, motion->m * sizeof *next->p);
+  dls_status status = dls_reduction_load(motion->reduction, motion->b, motion->local, error);
+  if (!status)
+    status = dls_reduction_solve(motion->reduction, mu, &settings, next->p, motion->w, motion->dx,
+                                 info, error);
+  if (status == DLS_TO_ROUNDING) status = DLS_OK;
+  return status
+             ? status
+             : dls_reduction_states(motion->reduction, mu, next->p, motion->w, next->state, error);
 }
 
 /* ---- after the step -------------------------------------------------------------------------- */
@@ -228,12 +247,6 @@ static dls_status step_dynamics(dls_motion *motion, const double *f, const doubl
 
 /* ---- path ------------------------------------------------------------------------------------ */
 
-/* Turns after which the springs of a free body must carry nothing. Each leaves them a part of about
- * s / (s + k), k the stiffness of what holds the body; the limit is met at k = s / 10. A turn that
- * leaves as much as the one before has come to rounding. */
-enum { step_most_turns = 300 };
-static const double step_as_much = 0.95;
-
 /* (MT8) at next->x = now->x + ways. y: d nodes. */
 static void step_predict_path(dls_motion *motion, const double *f, const double *y) {
   const double h = motion->settings.h;
@@ -254,28 +267,17 @@ static dls_status step_path(dls_motion *motion, const double *f, const double *y
   const size_t n = motion->n;
   memcpy(next->x, motion->now.x, n * sizeof *next->x);
   memset(motion->ways, 0, n * sizeof *motion->ways);
-  double before = INFINITY, left = INFINITY;
-  int iterations = 0, turn = 0, done = 0;
-  for (; !done && turn < (motion->modes > 0 ? step_most_turns : 1); turn++) {
-    step_predict_path(motion, f, y);
-    dls_status status =
-        step_contact(motion, mu, turn > 0 ? next->p : motion->now.p, 1, info, error);
-    if (status) return status;
-    for (size_t i = 0; i < n; i++) { /* (MT9) */
-      motion->ways[i] += motion->dx[i];
-      next->x[i] = motion->now.x[i] + motion->ways[i];
-      next->v[i] = motion->ways[i] / motion->settings.h;
-    }
-    status = step_finite(motion, error);
-    if (status) return status;
-    iterations += info->iterations;
-    before = left;
-    left = dlsi_motion_momentum(motion, f, motion->ways);
-    done = motion->modes == 0 || left <= 4 * DBL_EPSILON ||
-           (left <= 1e-13 && left > step_as_much * before);
+  step_predict_path(motion, f, y);
+  dls_status status = motion->on_K ? step_on_K(motion, mu, info, error)
+                                   : step_contact(motion, mu, motion->now.p, 1, info, error);
+  if (status) return status;
+  for (size_t i = 0; i < n; i++) { /* (MT9) */
+    motion->ways[i] = motion->dx[i];
+    next->x[i] = motion->now.x[i] + motion->ways[i];
+    next->v[i] = motion->ways[i] / motion->settings.h;
   }
-  info->iterations = iterations;
-  if (!done) return info->status = DLS_STALLED;
+  status = step_finite(motion, error);
+  if (status) return status;
   step_measure(motion, y, motion->ways);
   dlsi_motion_account(motion, f, y, motion->ways);
   return DLS_OK;
