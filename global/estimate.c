@@ -40,8 +40,9 @@ static dls_status global_get_info(dls_global *work, dls_global_info *info, dls_e
   info->step_bytes = 2 * info->factor_bytes +
                      sizeof(double) * (vectors * (n + m) + passes * work->history.window * m);
   info->bytes = (double)work->bytes + columns_bytes(&work->K) + 2 * columns_bytes(&work->H) +
-                sizeof(double) * (3 * m + 2 * n) + sizeof(int) * n +
-                (sizeof(double) + 2 * sizeof(int)) * (double)A->entries +
+                (work->apart.K.p ? columns_bytes(&work->apart.K) : 0) +
+                sizeof(double) * (3 * m + 2 * n + (double)dlsi_body_scratch(&work->body)) +
+                sizeof(int) * 3 * n + (sizeof(double) + 2 * sizeof(int)) * (double)A->entries +
                 sizeof(double) * (double)A->of_H + cholesky_bytes(L) +
                 (twice - 1) * sizeof(double) * (double)L->panel[L->count];
   dlsi_cholesky_destroy(fresh);

@@ -3,7 +3,8 @@
  * values, a solve, the motion of a proof.
  *
  * K is copied with its repeated entries added up and its zeros left out: of a symmetric K the lower
- * triangle. Memory: that, H twice, the system (system.c), 20 vectors. Fails: no memory.
+ * triangle. The solvers work on K without redundant joints (linear/redundant.c), the certificate on
+ * all of K. Memory: that, H twice, the system (system.c), 20 vectors. Fails: no memory.
  */
 #include <limits.h>
 #include <stdint.h>
@@ -20,16 +21,20 @@ enum { most_iterations = 5000, window = 10 };
 typedef struct matrices {
   dlsi_columns K, H;
   dlsi_operator operator;
-  double *w, *root;
-  int *part, parts;
+  dlsi_apart apart;
+  double *w, *root, *scratch;
+  int *part; /* 3 n: parts, joints, pieces */
+  int parts, pieces, joints;
 } matrices;
 
 static void matrices_free(matrices *of) {
   dlsi_columns_free(&of->K);
   dlsi_columns_free(&of->H);
   dlsi_operator_free(&of->operator);
+  dlsi_apart_free(&of->apart);
   free(of->w);
   free(of->root);
+  free(of->scratch);
   free(of->part);
 }
 
@@ -107,6 +112,31 @@ static void matrices_make_round(matrices *to, int d) {
   }
 }
 
+/* Returns the body but its model, which is a view of K. */
+static dlsi_body matrices_body(const matrices *of, int d) {
+  const int n = of->K.cols;
+  return (dlsi_body){.n = n,
+                     .Ht = dlsi_columns_view(&of->operator.Ht),
+                     .d = d,
+                     .nc = of->operator.candidates,
+                     .w = of->w,
+                     .part = of->part,
+                     .joint = of->joints ? of->part + n : NULL,
+                     .piece = of->joints ? of->part + 2 * (size_t)n : NULL,
+                     .parts = of->parts,
+                     .pieces = of->pieces};
+}
+
+/* Finds connected bodies and joints, and takes the redundant ones apart. */
+static dls_status matrices_find_joints(matrices *to, const dls_model *K, dls_error *error) {
+  int *joint = to->part + K->n, *piece = joint + K->n;
+  const dls_sparse Ht = dlsi_columns_view(&to->operator.Ht);
+  to->parts = dlsi_body_parts(K, to->part);
+  to->joints = dlsi_body_joints(K, &Ht, joint);
+  if (to->joints) to->pieces = dlsi_body_pieces(K, joint, piece);
+  return dlsi_apart_create(&to->apart, K, &Ht, error);
+}
+
 /* Makes H by columns, the weights, and then H round. */
 static dls_status matrices_make_H(matrices *to, const dls_model *model, dls_error *error) {
   const int d = model->d;
@@ -114,13 +144,17 @@ static dls_status matrices_make_H(matrices *to, const dls_model *model, dls_erro
   dls_status status = dlsi_operator_columns(&to->operator, d, DLSI_ALL, &to->H, error);
   to->w = dlsi_alloc(2 * nc, sizeof *to->w);
   to->root = dlsi_alloc(m, sizeof *to->root);
-  to->part = dlsi_alloc((size_t)model->n, sizeof *to->part);
+  to->part = dlsi_alloc(3 * (size_t)model->n, sizeof *to->part);
   if (!status && (!to->w || !to->root || !to->part)) status = dlsi_no_memory(error);
   if (status) return status;
   const dls_model K = matrices_view(to, model->factorization);
   const dls_sparse H = dlsi_columns_view(&to->H);
-  to->parts = dlsi_body_parts(&K, to->part);
-  status = dlsi_body_weights(&K, &H, d, to->w, error);
+  status = matrices_find_joints(to, &K, error);
+  if (!status) {
+    const dlsi_body body = matrices_body(to, d);
+    to->scratch = dlsi_alloc(dlsi_body_scratch(&body), sizeof *to->scratch);
+    status = to->scratch ? dlsi_body_weights(&K, &H, d, to->w, error) : dlsi_no_memory(error);
+  }
   if (!status) matrices_make_round(to, d);
   return status;
 }
@@ -138,27 +172,37 @@ static dls_status matrices_create(matrices *to, const dls_model *model, dls_erro
   return status ? status : matrices_make_H(to, model, error);
 }
 
+/* Returns K without redundant joints. */
+static dls_sparse matrices_reduced(const matrices *of) {
+  return of->apart.K.p ? dlsi_columns_view(&of->apart.K) : dlsi_columns_view(&of->K);
+}
+
 /* Takes over the matrices; *from receives the old ones. */
 static void global_take(dls_global *work, matrices *from) {
-  const matrices old = {work->K,    work->H,    work->operator, work->w,
-                        work->root, work->part, work->body.parts};
+  const matrices old = {.K = work->K,
+                        .H = work->H,
+                        .operator= work->operator,
+                        .apart = work->apart,
+                        .w = work->w,
+                        .root = work->root,
+                        .scratch = work->scratch,
+                        .part = work->part};
   work->K = from->K;
   work->H = from->H;
   work->operator= from->operator;
+  work->apart = from->apart;
   work->w = from->w;
   work->root = from->root;
+  work->scratch = from->scratch;
   work->part = from->part;
-  work->model = matrices_view(from, work->model.factorization);
-  work->body = (dlsi_body){.n = work->n,
-                           .model = work->body.multiply ? NULL : &work->model,
-                           .multiply = work->body.multiply,
-                           .data = work->body.data,
-                           .Ht = dlsi_columns_view(&work->operator.Ht),
-                           .d = work->d,
-                           .nc = work->nc,
-                           .w = work->w,
-                           .part = work->part,
-                           .parts = from->parts};
+  const dlsi_body before = work->body;
+  work->whole = matrices_view(from, work->whole.factorization);
+  work->model = work->whole;
+  work->model.Ks = matrices_reduced(from);
+  work->body = matrices_body(from, work->d);
+  work->body.model = before.multiply ? NULL : &work->whole;
+  work->body.multiply = before.multiply;
+  work->body.data = before.data;
   *from = old;
 }
 
@@ -169,7 +213,7 @@ static void global_carve(dls_global *work, dlsi_arena *arena) {
   double **const of_m[] = {&work->gap,    &work->g,     &work->q,    &work->r,
                            &work->z,      &work->p,     &work->u,    &work->before,
                            &work->best_r, &work->trial, &work->look, &work->R};
-  double **const of_n[] = {&work->motion, &work->x, &work->y, &work->best_x};
+  double **const of_n[] = {&work->motion, &work->x, &work->y, &work->f, &work->best_x};
   for (size_t k = 0; k < sizeof of_m / sizeof of_m[0]; k++)
     *of_m[k] = dlsi_take(arena, m, sizeof(double));
   for (size_t k = 0; k < sizeof of_n / sizeof of_n[0]; k++)
@@ -178,10 +222,6 @@ static void global_carve(dls_global *work, dlsi_arena *arena) {
   work->mu = dlsi_take(arena, nc, sizeof *work->mu);
   work->bend = dlsi_take(arena, nc, sizeof *work->bend);
   work->state = dlsi_take(arena, nc, sizeof *work->state);
-  /* as many connected bodies as unknowns: their number may change with the values of K */
-  const int parts = work->body.multiply ? work->body.parts : work->n;
-  const dlsi_body most = {.n = work->n, .d = work->d, .nc = work->nc, .parts = parts};
-  work->scratch = dlsi_take(arena, dlsi_body_scratch(&most), sizeof *work->scratch);
 }
 
 /* Makes H, and copies weights and connected bodies; K is elsewhere. */
@@ -201,6 +241,9 @@ static dls_status matrices_create_on(matrices *to, const dls_model *model, const
   memset(to->K.p, 0, (n + 1) * sizeof *to->K.p);
   memcpy(to->w, body->w, 2 * nc * sizeof *to->w);
   memcpy(to->part, body->part, n * sizeof *to->part);
+  const dlsi_body of = matrices_body(to, model->d);
+  to->scratch = dlsi_alloc(dlsi_body_scratch(&of), sizeof *to->scratch);
+  if (!to->scratch) return dlsi_no_memory(error);
   matrices_make_round(to, model->d);
   return DLS_OK;
 }
@@ -224,7 +267,7 @@ static dls_status global_create(dls_global **out, const dls_model *model, const 
   work->nodes = model->nodes;
   work->nc = of.operator.candidates;
   work->m = work->d * work->nc;
-  work->model.factorization = model->factorization;
+  work->whole.factorization = model->factorization;
   if (solver) work->solver = *solver;
   if (body) work->body = *body;
   global_take(work, &of);
@@ -238,7 +281,7 @@ static dls_status global_create(dls_global **out, const dls_model *model, const 
   }
   if (!status && !solver) {
     const dls_sparse H = dlsi_columns_view(&work->H);
-    status = dlsi_system_create(&work->system, &work->model, &H, error);
+    status = dlsi_system_create(&work->system, &work->model, &H, work->body.joint, error);
   }
   if (status)
     dls_global_destroy(work);
@@ -267,10 +310,10 @@ dls_status dlsi_global_create_on(dls_global **out, const dls_model *model, const
 }
 
 /* Returns 1 if both have the same pattern. */
-static int same_pattern(const dlsi_columns *A, const dlsi_columns *B) {
-  if (A->rows != B->rows || A->cols != B->cols) return 0;
-  return memcmp(A->p, B->p, ((size_t)A->cols + 1) * sizeof *A->p) == 0 &&
-         memcmp(A->i, B->i, (size_t)A->p[A->cols] * sizeof *A->i) == 0;
+static int same_pattern(dls_sparse A, dls_sparse B) {
+  if (A.rows != B.rows || A.cols != B.cols) return 0;
+  return memcmp(A.p, B.p, ((size_t)A.cols + 1) * sizeof *A.p) == 0 &&
+         memcmp(A.i, B.i, (size_t)A.p[A.cols] * sizeof *A.i) == 0;
 }
 
 static dls_status global_update(dls_global *work, const dls_model *model, dls_error *error) {
@@ -286,21 +329,22 @@ static dls_status global_update(dls_global *work, const dls_model *model, dls_er
     if (sizes[k].then != sizes[k].now)
       status = dlsi_fail(error, DLS_E_SIZE, sizes[k].name, -1, sizes[k].now,
                          "is %d, was %d in create", sizes[k].now, sizes[k].then);
-  if (!status && model->factorization != work->model.factorization)
+  if (!status && model->factorization != work->whole.factorization)
     status = dlsi_fail(error, DLS_E_ARGUMENT, "factorization", -1, model->factorization,
                        "is not what it was in create");
   if (!status && of.operator.candidates != work->nc)
     status = dlsi_fail(error, DLS_E_SIZE, "active", -1, of.operator.candidates,
                        "other contacts than those of create");
-  if (!status && !same_pattern(&of.K, &work->K))
+  if (!status && !(same_pattern(dlsi_columns_view(&of.K), work->whole.Ks) &&
+                   same_pattern(matrices_reduced(&of), work->model.Ks)))
     status = dlsi_fail(error, DLS_E_ARGUMENT, "Ks", -1, 0, "has entries at other places");
-  if (!status && !same_pattern(&of.H, &work->H))
+  if (!status && !same_pattern(dlsi_columns_view(&of.H), dlsi_columns_view(&work->H)))
     status = dlsi_fail(error, DLS_E_ARGUMENT, "HN", -1, 0,
                        "HN, HT, P touch other unknowns than those of create");
   if (!status) {
     global_take(work, &of);
     const dls_sparse H = dlsi_columns_view(&work->H);
-    if (work->system) dlsi_system_update(work->system, &work->model, &H);
+    if (work->system) dlsi_system_update(work->system, &work->model, &H, work->body.joint);
     work->moves = 0;
   }
   matrices_free(&of);
@@ -365,7 +409,11 @@ static void solve_begin(dls_global *work, const double *f, const double *g, cons
                         const double *r, const double *x) {
   const size_t d = (size_t)work->d, m = (size_t)work->m;
   const dlsi_columns *P = &work->operator.P;
-  work->f = f;
+  work->load = f;
+  for (int k = 0; k < work->n; k++)
+    work->f[k] = f ? f[k] : 0;
+  for (int k = 0; k < work->apart.count; k++)
+    work->f[work->apart.redundant[k]] = 0;
   memset(work->gap, 0, m * sizeof *work->gap);
   for (int c = 0; c < work->nc; c++) {
     for (int k = P->p[c]; g && k < P->p[c + 1]; k++)

@@ -15,6 +15,7 @@
 #include "linear/cholesky.h"
 #include "linear/dense.h"
 #include "linear/operator.h"
+#include "linear/redundant.h"
 #include "linear/sparse_lu.h"
 
 /* ---- general.c: LU of a matrix given by triplets --------------------------------------------- */
@@ -50,7 +51,8 @@ typedef struct dlsi_system {
   double *x;                  /* values of A: entries */
   double *h;                  /* values of H H^T: of_H */
   const double *K;            /* values of K, borrowed: of_K */
-  double *e;                  /* n: E is hold * e; |K_jj|, or the largest entry of column j */
+  double *e;                  /* n: E is hold * e; |K_jj|, or the largest entry of column j; 0 of
+                                 multipliers: redundant joints are not in K */
   double hold;                /* 0 where nothing is singular */
   double *size;               /* n: scratch */
   dlsi_cholesky *cholesky;    /* NULL where K is not symmetric */
@@ -58,17 +60,18 @@ typedef struct dlsi_system {
 } dlsi_system;
 
 /* Analyses. K: sparse, repeated entries added up; of a symmetric one the lower triangle alone. H: n
- * x m. The values are read, and K.Ks.x is borrowed. *out = NULL on error: DLS_E_MEMORY,
- * DLS_E_SIZE. */
+ * x m. joint: 1 of a multiplier, n; NULL: there is none. The values are read, and K.Ks.x is
+ * borrowed. *out = NULL on error: DLS_E_MEMORY, DLS_E_SIZE. */
 dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_sparse *H,
-                              dls_error *error);
+                              const int *joint, dls_error *error);
 
 /* Orders and analyses A, or A + A^T where K is not symmetric. *out = NULL on error:
  * DLS_E_MEMORY. */
 dls_status dlsi_system_analyse(const dlsi_system *work, dlsi_cholesky **out, dls_error *error);
 
 /* Takes new values on the same pattern. */
-void dlsi_system_update(dlsi_system *work, const dls_model *K, const dls_sparse *H);
+void dlsi_system_update(dlsi_system *work, const dls_model *K, const dls_sparse *H,
+                        const int *joint);
 
 /* Factors A. Where A is singular, or a pivot is rounding, E holds what nothing else holds: hold :=
  * 1e-8. The caller adds E x_old to the right side, so that a fixed point does not know E. Where A
@@ -87,25 +90,29 @@ struct dls_global {
   atomic_int busy;
   int d, nc, nodes;
   int n, m;
-  dls_model model; /* a view of K: n, operator_kind DLS_STIFFNESS_SPARSE, factorization, Ks */
+  dls_model whole; /* a view of K: n, operator_kind DLS_STIFFNESS_SPARSE, factorization, Ks */
+  dls_model model; /* the same without redundant joints: all but the certificate work on it */
   dlsi_columns K;
+  dlsi_apart apart;
   dlsi_operator operator; /* H^T as it is, P, mu of the model */
   dlsi_columns H;         /* n x m, round */
   dlsi_body body;
-  double *w, *root; /* 2 nc; m: D^1/2 */
-  int *part;
+  double *w, *root;         /* 2 nc; m: D^1/2 */
+  int *part;                /* 3 n: of the body */
   dlsi_system *system;      /* NULL: solver */
   dls_global_solver solver; /* in the place of system where it has functions */
   double *R;                /* m: rho D^-1, for the solver */
   double accuracy;          /* of the solver's next solve */
-  int moves, mover; /* moves: 1 if `motion` proves that there is no solution; mover: its body */
-  double *motion;   /* n */
+  int moves;                /* 1 if `motion` proves that there is no solution */
+  int mover;                /* its body, -1: joints */
+  double *motion;           /* n */
 
   /* of the solve under way */
   const dls_limits *limits;
   double begun;
   int iterations, factorisations;
-  const double *f;         /* n; NULL: 0 */
+  const double *load;      /* n: f as the caller has it; NULL: 0 */
+  double *f;               /* n: 0 in redundant joints */
   double *gap, *mu, *bend; /* g of the contacts, m; mu and mu' of the contacts, nc */
   double *g;               /* D^-1/2 gap: m */
   double rho;
@@ -188,5 +195,11 @@ dls_status dlsi_global_fixed(dls_global *work, dls_error *error);
 /* Looks for a rigid motion that nothing can hold. *proved := 1: work->motion holds it. Keeps q, r,
  * p, x, u; spoils y. DLS_E_MEMORY. */
 dls_status dlsi_global_prove(dls_global *work, int *proved, dls_error *error);
+
+/* ---- contradiction.c ------------------------------------------------------------------------- */
+
+/* Checks after a step whether redundant joints hold, too. *proved := 1: they contradict others, and
+ * work->motion shows it. DLS_E_MEMORY. */
+dls_status dlsi_global_contradict(dls_global *work, int *proved, dls_error *error);
 
 #endif

@@ -4,11 +4,10 @@
  *   (GI1)  min x^T K x / 2 + hold x^T E x / 2 - f^T x,  H^T x + g in the dual cones:
  *          (K + hold E) x = f + H r,  z = H^T x + g,  r in the friction cones, r.z = 0
  *
- *   or x - old in the place of the second x. That is the law if g holds s = mu |u_t|. E is that of
- *   system.c; it counts negative for a multiplier, an unknown that K couples without a diagonal
- *   entry and no contact touches. Scales S make the cones Lorentz cones: r = S p,  S z:
- *   S_n = 1 / sqrt(1 + mu^2), S_t = mu S_n, mu at most 1e4. In what follows z, g and H^T have S in
- *   them.
+ *   or x - old in the place of the second x. That is the law if g holds s = mu |u_t|. Without g the
+ *   loads of joints are 0, too. E is that of system.c, 0 at multipliers. Scales S make the cones
+ *   Lorentz cones: r = S p,  S z:  S_n = 1 / sqrt(1 + mu^2), S_t = mu S_n, mu at most 1e4. In what
+ *   follows z, g and H^T have S in them.
  *
  *   (GI2)  P with l = P p = P^-1 z (base/cone.h). A direction for a right-hand side rc, with
  *          v = l \ rc and e = z - H^T x - g:
@@ -97,28 +96,9 @@ static dls_status interior_analyse(interior *I, dls_error *error) {
   return status;
 }
 
-/* Makes E negative where K couples without a diagonal entry and no contact acts: a multiplier. */
-static void interior_sign(interior *I) {
-  const dls_global *work = I->global;
-  const dlsi_columns *K = &work->K, *H = &work->H;
-  const int n = work->n, first = (int)I->entries - n;
-  double *coupled = I->dx; /* of a row without a diagonal entry */
-  memset(coupled, 0, (size_t)n * sizeof *coupled);
-  for (int j = 0; j < n; j++)
-    for (int k = K->p[j]; k < K->p[j + 1]; k++)
-      if (K->x[k] != 0) coupled[K->i[k]] = coupled[j] = 1;
-  for (int j = 0; j < n; j++)
-    for (int k = K->p[j]; k < K->p[j + 1]; k++)
-      if (K->x[k] != 0 && K->i[k] == j) coupled[j] = 0;
-  for (int k = 0; k < H->p[work->m]; k++)
-    coupled[H->i[k]] = 0;
-  for (int j = 0; j < n; j++)
-    if (coupled[j] != 0) I->value[first + j] = I->e[j] = -I->e[j];
-}
-
 static dls_status interior_matrix(interior *I, dls_error *error) {
   const dls_global *work = I->global;
-  const dlsi_columns *K = &work->K;
+  const dls_sparse *K = &work->model.Ks;
   const size_t n = (size_t)work->n, of_K = (size_t)K->p[n];
   const size_t of_H = interior_list(work, NULL, NULL, NULL, NULL);
   I->entries = of_K + of_H + n;
@@ -137,7 +117,6 @@ static dls_status interior_matrix(interior *I, dls_error *error) {
     I->value[at] = I->e[j] = I->hold * work->system->e[j];
   }
   (void)interior_list(work, NULL, I->row + of_K, I->col + of_K, NULL);
-  interior_sign(I);
   return work->system->definite ? interior_analyse(I, error) : DLS_OK;
 }
 
@@ -202,7 +181,7 @@ static dls_status interior_factor(interior *I, dls_error *error) {
     }
   }
   work->factorisations++;
-  (void)interior_list(work, I->B, NULL, NULL, I->value + work->K.p[work->n]);
+  (void)interior_list(work, I->B, NULL, NULL, I->value + work->model.Ks.p[work->n]);
   if (!I->cholesky) return interior_lu(I, error);
   double pivot;
   const int failed = dlsi_cholesky_factor(I->cholesky, I->value, &pivot);
@@ -277,12 +256,18 @@ static dls_status interior_step(interior *I, double tau, double *step, dls_error
   return status;
 }
 
+/* Returns the load of unknown j. */
+static double interior_load(const interior *I, int j) {
+  const dls_global *work = I->global;
+  return !I->g && work->body.joint && work->body.joint[j] ? 0 : work->f[j];
+}
+
 /* Starts on the axes of the cones, at `start` times the size of f and g in round variables. */
 static void interior_begin(interior *I, double start) {
   const dls_global *work = I->global;
   double size = 0;
   for (int j = 0; j < work->n; j++)
-    size = hypot(size, (work->f ? work->f[j] : 0) / sqrt(work->system->e[j]));
+    if (work->system->e[j] > 0) size = hypot(size, interior_load(I, j) / sqrt(work->system->e[j]));
   for (int k = 0; I->g && k < work->m; k++)
     size = hypot(size, I->g[k]);
   if (size == 0) size = 1;
@@ -305,7 +290,7 @@ static dls_status interior_run(interior *I, dls_error *error) {
     double tau = 0, load = 0, step;
     dlsi_body_multiply(&work->model, I->x, I->rest, NULL);
     for (int j = 0; j < n; j++) {
-      const double f = work->f ? work->f[j] : 0;
+      const double f = interior_load(I, j);
       I->rest[j] = f - I->rest[j] - I->e[j] * (I->x[j] - (I->old ? I->old[j] : 0));
       load += f * I->x[j];
     }

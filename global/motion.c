@@ -68,6 +68,11 @@ typedef struct drift {
   dlsi_general general;
 } drift;
 
+/* Returns 1 if unknown j is a multiplier: a force, 0 in a motion. */
+static int drift_is_force(const drift *D, int j) {
+  return D->global->body.joint && D->global->body.joint[j];
+}
+
 /* h := (H^T b)_c; a: relative to what it rounds: |H|^T times the largest motion of the body. */
 static void drift_at(const drift *D, int c, double *h, double *a) {
   const dlsi_columns *H = &D->global->H;
@@ -143,7 +148,7 @@ static double drift_row(drift *D, int c, const double *e, const double *h, int a
 /* Fills the matrix of (GM3), and y with its right side. */
 static void drift_assemble(drift *D) {
   const dls_global *work = D->global;
-  const dlsi_columns *K = &work->K;
+  const dls_sparse *K = &work->model.Ks;
   const int n = work->n, d = work->d;
   int rows = n;
   D->t.count = 0;
@@ -192,7 +197,7 @@ static dls_status drift_clean(drift *D, dls_error *error) {
     D->global->factorisations++;
     if (!status) status = dlsi_general_solve(&D->general, D->y, error);
     for (int j = 0; !status && j < D->global->n; j++)
-      if (D->size[D->global->part[j]] > 0) D->b[j] += D->y[j];
+      if (D->size[D->global->part[j]] > 0 && !drift_is_force(D, j)) D->b[j] += D->y[j];
   }
   return status;
 }
@@ -200,7 +205,7 @@ static dls_status drift_clean(drift *D, dls_error *error) {
 /* (GM4) Returns 1 if |b^T K b| <= eps |b|^T |K| |b| in each connected body. */
 static int drift_is_soft(const drift *D) {
   const dls_global *work = D->global;
-  const dlsi_columns *K = &work->K;
+  const dls_sparse *K = &work->model.Ks;
   long double *sums = D->energy;
   memset(sums, 0, 2 * (size_t)work->body.parts * sizeof *sums);
   for (int j = 0; j < work->n; j++)
@@ -222,8 +227,9 @@ static int drift_proves(drift *D) {
   dlsi_body_multiply(&work->model, D->b, D->y, D->a);
   for (size_t j = 0; j < n; j++) {
     if (!(fabs(D->y[j]) <= balance * D->a[j])) return 0;
-    load += D->b[j] * (work->f ? work->f[j] : 0);
-    turmoil += D->size[work->part[j]] * fabs(work->f ? work->f[j] : 0);
+    if (drift_is_force(D, (int)j)) continue;
+    load += D->b[j] * work->f[j];
+    turmoil += D->size[work->part[j]] * fabs(work->f[j]);
   }
   if (!(load > certain * turmoil) || !drift_is_soft(D)) return 0;
   for (int c = 0; c < work->nc; c++) {
@@ -252,7 +258,8 @@ static int drift_is_rigid(const drift *D) {
 static dls_status drift_try(drift *D, int *proved, dls_error *error) {
   dls_global *work = D->global;
   dls_error why = {0};
-  memcpy(D->b, D->x, (size_t)work->n * sizeof *D->b);
+  for (int j = 0; j < work->n; j++)
+    D->b[j] = drift_is_force(D, j) ? 0 : D->x[j];
   const dls_status status = drift_clean(D, &why);
   if (status == DLS_E_SINGULAR || status == DLS_E_UNSUPPORTED) return DLS_OK;
   if (status) {
@@ -283,7 +290,7 @@ static dls_status drift_from(drift *D, double start, int *proved, dls_error *err
 
 dls_status dlsi_global_prove(dls_global *work, int *proved, dls_error *error) {
   const size_t n = (size_t)work->n, m = (size_t)work->m;
-  const size_t entries = 2 * (size_t)work->K.p[n] + n + m + 4 * (size_t)work->H.p[m];
+  const size_t entries = 2 * (size_t)work->model.Ks.p[n] + n + m + 4 * (size_t)work->H.p[m];
   drift D = {.global = work};
   *proved = 0;
   if (work->model.factorization == DLS_LU || !work->system) return DLS_OK;

@@ -124,7 +124,8 @@ static void newton_base(const newton *N, double *r) {
 /* (GN2) */
 static dls_status newton_factor(newton *N, dls_error *error) {
   const dls_global *work = N->global;
-  const dlsi_columns *K = &work->K, *H = &work->H;
+  const dls_sparse *K = &work->model.Ks;
+  const dlsi_columns *H = &work->H;
   const int d = work->d, n = work->n, symmetric = work->model.factorization != DLS_LU;
   dlsi_triplets *t = &N->t;
   t->rows = t->cols = n + N->unknowns;
@@ -159,7 +160,7 @@ static dls_status newton_step(newton *N, double *r, dls_error *error) {
   double *v = N->v;
   dlsi_body_multiply(&work->model, work->x, v, NULL);
   for (int j = 0; j < n; j++)
-    v[j] = (work->f ? work->f[j] : 0) - v[j];
+    v[j] = work->f[j] - v[j];
   dlsi_global_push(work, r, v);
   for (int c = 0; c < work->nc; c++)
     for (int j = 0; j < N->of[c].count; j++) {
@@ -230,7 +231,7 @@ dls_status dlsi_global_newton(dls_global *work, double *r, double hold, dls_erro
   newton N = {.global = work, .hold = work->system->hold};
   dls_error why = {0};
   const size_t n = (size_t)work->n, m = (size_t)work->m;
-  const size_t entries = 2 * (size_t)work->K.p[n] + n + m +
+  const size_t entries = 2 * (size_t)work->model.Ks.p[n] + n + m +
                          6 * (size_t)work->H.p[m]; /* slip: H_n alone, H_n and H_t p, twice */
   dls_status status =
       dlsi_triplets_alloc(work->n + work->m, work->n + work->m, entries, &N.t, error);

@@ -69,7 +69,7 @@ dls_status dlsi_global_step(dls_global *work, const double *r, const double *q, 
   const dlsi_system *A = work->system;
   double *y = work->y;
   for (int j = 0; j < work->n; j++)
-    y[j] = (work->f ? work->f[j] : 0) + (A ? A->hold * A->e[j] * work->x[j] : 0);
+    y[j] = work->f[j] + (A ? A->hold * A->e[j] * work->x[j] : 0);
   for (int k = 0; k < work->m; k++)
     work->look[k] = 2 * r[k] - q[k] - (g ? work->rho * g[k] : 0);
   dlsi_global_push(work, work->look, y);
@@ -83,7 +83,7 @@ dls_status dlsi_global_step(dls_global *work, const double *r, const double *q, 
 dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificate *found) {
   for (int k = 0; k < work->m; k++)
     work->trial[k] = r[k] / work->root[k];
-  dlsi_body_measure(&work->body, work->f, work->gap, work->mu, work->trial, work->x, work->look,
+  dlsi_body_measure(&work->body, work->load, work->gap, work->mu, work->trial, work->x, work->look,
                     work->scratch, found);
   const double tol = work->limits->tol;
   const dls_status verdict = dls_certificate_verdict(found, tol);

@@ -31,7 +31,8 @@
  *          nothing can hold (motion.c).
  *   (GL10) Where nothing has halved for 500 iterations, try once the fixed point of s = mu |u_t| by
  *          convex problems (fixed.c), and go on from there if that is much better.
- *   (GL11) Ends where nothing has halved for 2000 iterations, or with the first NaN.
+ *   (GL11) Joints that contradict each other show after the first step (contradiction.c).
+ *   (GL12) Ends where nothing has halved for 2000 iterations, or with the first NaN.
  *
  * Source: Lions and Mercier, SIAM J. Numer. Anal. 16, 1979, 964-979; vi/admm.c is the same on W.
  * Cost: a solve with the factor of A an iteration, a product with K every 10.
@@ -283,6 +284,9 @@ dls_status dlsi_global_split(dls_global *work, int most, dls_error *error) {
     memcpy(work->z, work->before, (size_t)m * sizeof *work->z);
     status = dlsi_global_step(work, work->r, work->q, work->g, error); /* (GL2), (GL3) */
     if (status) break;
+    int proved = 0;
+    if (k == 1) status = dlsi_global_contradict(work, &proved, error); /* (GL11) */
+    if (status || proved) return proved ? DLS_NO_SOLUTION : status;
     for (int i = 0; i < m; i++)
       work->p[i] = work->r[i] - work->rho * work->u[i];
     const double gap = distance(m, work->p, work->q, work->look);

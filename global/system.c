@@ -5,7 +5,8 @@
  *   contact where it is: bodies that contact alone holds need no springs. Supernodal Cholesky.
  *   E = hold diag(|K_jj|), hold = 0 or 1e-8, is for the other motions: a proximal term, whose
  *   E x_old stands on the right side. Elastic motions hardly know it.
- *   LU where K is not symmetric, or A is not definite with E either.
+ *   LU where K is not symmetric or has multipliers, or A is not definite with E either. E is 0 at
+ *   multipliers: redundant joints are not in K (linear/redundant.c).
  *
  * A pivot below 1e-13 of its diagonal entry is taken for rounding. The order is METIS's; the order
  * of the unknowns in a build without it.
@@ -38,7 +39,8 @@ static size_t system_list(const dls_sparse *H, int half, int *row, int *col, dou
   return count;
 }
 
-void dlsi_system_update(dlsi_system *work, const dls_model *K, const dls_sparse *H) {
+void dlsi_system_update(dlsi_system *work, const dls_model *K, const dls_sparse *H,
+                        const int *joint) {
   work->K = K->Ks.x;
   (void)system_list(H, work->symmetric, NULL, NULL, work->h);
   memset(work->e, 0, (size_t)work->n * sizeof *work->e);
@@ -46,7 +48,7 @@ void dlsi_system_update(dlsi_system *work, const dls_model *K, const dls_sparse 
     if (work->row[k] == work->col[k]) work->e[work->row[k] - 1] += fabs(work->K[k]);
   for (int j = 0; j < work->n; j++)
     work->size[j] = work->e[j];
-  for (size_t k = 0; k < work->of_K; k++) { /* a multiplier has no diagonal entry */
+  for (size_t k = 0; k < work->of_K; k++) { /* a body without stiffness has no diagonal entry */
     const int i = work->row[k] - 1, j = work->col[k] - 1;
     const double v = fabs(work->K[k]);
     if (work->size[i] == 0 && v > work->e[i]) work->e[i] = v;
@@ -55,7 +57,9 @@ void dlsi_system_update(dlsi_system *work, const dls_model *K, const dls_sparse 
   double most = dlsi_max_abs(work->e, (size_t)work->n);
   for (int j = 0; j < work->n; j++)
     if (work->e[j] == 0) work->e[j] = most > 0 ? most : 1;
-  work->definite = work->symmetric;
+  for (int j = 0; joint && j < work->n; j++)
+    if (joint[j]) work->e[j] = 0;
+  work->definite = work->symmetric && !joint;
   work->hold = 0;
 }
 
@@ -83,7 +87,7 @@ dls_status dlsi_system_analyse(const dlsi_system *work, dlsi_cholesky **out, dls
 }
 
 dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_sparse *H,
-                              dls_error *error) {
+                              const int *joint, dls_error *error) {
   *out = NULL;
   dlsi_system *work = calloc(1, sizeof *work);
   if (!work) return dlsi_no_memory(error);
@@ -113,7 +117,7 @@ dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_s
     (void)system_list(H, work->symmetric, work->row + work->of_K, work->col + work->of_K, NULL);
     for (size_t k = 0; k < n; k++)
       work->row[work->of_K + work->of_H + k] = work->col[work->of_K + work->of_H + k] = (int)k + 1;
-    dlsi_system_update(work, K, H);
+    dlsi_system_update(work, K, H, joint);
     if (work->symmetric) status = dlsi_system_analyse(work, &work->cholesky, error);
   }
   if (status)

@@ -43,6 +43,18 @@ static dls_status kept_weights(dlsi_kept *kept, const dlsi_operator *H, dls_erro
   return status;
 }
 
+/* Finds the connected bodies and the joints between them. */
+static void kept_parts(dlsi_kept *kept) {
+  dlsi_body *body = &kept->body;
+  const size_t n = (size_t)body->n;
+  int *joint = kept->part + n, *piece = joint + n;
+  body->parts = dlsi_body_parts(&kept->model, kept->part);
+  if (!dlsi_body_joints(&kept->model, &body->Ht, joint)) return;
+  body->joint = joint;
+  body->piece = piece;
+  body->pieces = dlsi_body_pieces(&kept->model, joint, piece);
+}
+
 static dls_status kept_scratch(dlsi_kept *kept, dls_error *error) {
   kept->scratch = dlsi_alloc(dlsi_body_scratch(&kept->body), sizeof *kept->scratch);
   return kept->scratch ? DLS_OK : dlsi_no_memory(error);
@@ -60,7 +72,7 @@ dls_status dlsi_kept_create(dlsi_kept *kept, const dls_model *model, const dlsi_
   kept->body = (dlsi_body){.n = model->n, .Ht = dlsi_columns_view(&H->Ht), .d = H->d};
   kept->body.nc = H->candidates;
   kept->memory = dlsi_alloc(n + 2 * m + 2 * nc, sizeof(double));
-  kept->part = dlsi_alloc(n, sizeof *kept->part);
+  kept->part = dlsi_alloc(3 * n, sizeof *kept->part);
   if (!kept->memory || !kept->part) return dlsi_no_memory(error);
   kept->f = kept->memory;
   kept->gap = kept->f + n;
@@ -75,7 +87,7 @@ dls_status dlsi_kept_create(dlsi_kept *kept, const dls_model *model, const dlsi_
   dls_status status = model->operator_kind == DLS_STIFFNESS_DENSE ? kept_dense(kept, model, error)
                                                                   : kept_sparse(kept, model, error);
   if (status) return status;
-  kept->body.parts = dlsi_body_parts(&kept->model, kept->part);
+  kept_parts(kept);
   status = kept_weights(kept, H, error);
   if (!status) status = kept_scratch(kept, error);
   kept->has_K = !status;

@@ -23,6 +23,7 @@
 #include "linear/blas.h"
 #include "linear/equilibrate.h"
 #include "linear/pieces.h"
+#include "linear/redundant.h"
 #include "reduction_internal.h"
 
 /* The stiffness of a spring over K_jj. (MO6) takes as many turns with 0.01 and with 1; W loses the
@@ -305,8 +306,11 @@ static dls_status modes_of_model(const dls_model *model, int most, double *basis
   if (model->operator_kind != DLS_STIFFNESS_DENSE && model->operator_kind != DLS_STIFFNESS_SPARSE)
     return dlsi_fail(error, DLS_E_UNSUPPORTED, "operator_kind", -1, model->operator_kind,
                      "this operator has an inverse");
-  dlsi_modes modes;
-  status = dlsi_modes_create(&modes, model, (dls_dense){0}, error);
+  dlsi_apart apart;
+  dlsi_modes modes = {0};
+  status = dlsi_apart_create(&apart, model, NULL, error);
+  if (!status) status = dlsi_modes_create(&modes, &apart.model, (dls_dense){0}, error);
+  dlsi_apart_free(&apart);
   const size_t n = (size_t)model->n;
   for (int c = 0; !status && c < modes.count && c < most; c++) {
     if (basis) memcpy(basis + (size_t)c * n, modes.basis + (size_t)c * n, n * sizeof *basis);

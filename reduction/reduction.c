@@ -5,7 +5,8 @@
  * interleaved, in local order per candidate. The unknowns are M r, so that H = L P without his M.
  *
  *   (RE1)  build H = L P by rows, without what the scene does not need         (operator.c)
- *   (RE2)  put springs at the rigid-body modes of K, if there are any          (modes.c)
+ *   (RE2)  take redundant joints out of K             (src/linear/redundant.c),
+ *          put springs at its rigid-body modes, if there are any                (modes.c)
  *   (RE3)  factor K                                                            (factor.c)
  *   (RE4)  form W                                                              (influence.c)
  *
@@ -22,6 +23,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "linear/redundant.h"
 #include "reduced.h"
 #include "reduction_internal.h"
 
@@ -44,7 +46,9 @@ struct dls_reduction {
   int is_free; /* 1: the host gave K^-1 f instead of f */
   int half;    /* 1: the factor holds the forward pass of f, or of 0 where is_free */
   dlsi_operator H;
-  dlsi_kept kept;  /* for the certificate of the body */
+  dlsi_kept kept; /* for the certificate of the body */
+  int *
+      redundant; /* info.redundant: the multipliers of redundant joints, whose loads are left out */
   void *companion; /* of src/front/body.c, NULL for none, and how to end it */
   int is_stale;    /* 1: the companion has the values before the last update */
   void (*companion_destroy)(void *);
@@ -233,7 +237,7 @@ static dls_status reduction_report_modes(const dls_model *model, const dlsi_mode
 }
 
 /* Attempts, and where K asks for it looks for modes and for another factorisation. */
-static dls_status reduction_factor(dls_reduction *work, const dls_model *model, dls_error *error) {
+static dls_status reduction_search(dls_reduction *work, const dls_model *model, dls_error *error) {
   dls_error first = {0};
   dls_status status = reduction_attempt(work, model, &first);
   const int stuck = status == DLS_E_SINGULAR || status == DLS_E_NOT_POSITIVE_DEFINITE;
@@ -274,6 +278,31 @@ static dls_status reduction_factor(dls_reduction *work, const dls_model *model, 
   return DLS_OK;
 }
 
+/* (RE2), (RE3) */
+static dls_status reduction_factor(dls_reduction *work, const dls_model *model, dls_error *error) {
+  dlsi_apart apart;
+  const dls_sparse Ht = dlsi_columns_view(&work->H.Ht);
+  dls_status status = dlsi_apart_create(&apart, model, &Ht, error);
+  if (!status) {
+    int *const old = work->redundant;
+    work->redundant = apart.redundant;
+    apart.redundant = old;
+    work->info.joints = apart.joints;
+    work->info.redundant = apart.count;
+    if (apart.joints && model->factorization == DLS_CHOLESKY && work->settings.allow_indefinite)
+      work->info.indefinite = 1; /* not worth an attempt */
+    status = reduction_search(work, &apart.model, error);
+  }
+  dlsi_apart_free(&apart);
+  return status;
+}
+
+/* Sets v, by position, to 0 at the multipliers of redundant joints. */
+static void reduction_silence(const dls_reduction *work, double *v) {
+  for (int k = 0; work->factor && k < work->info.redundant; k++)
+    v[work->factor->place[work->redundant[k]]] = 0;
+}
+
 /* ---- create, update, destroy ----------------------------------------------------------------- */
 
 static void reduction_drop_companion(dls_reduction *work) {
@@ -284,7 +313,13 @@ static void reduction_drop_companion(dls_reduction *work) {
 
 /* Copies what the problem on K needs. */
 static dls_status reduction_keep_K(dls_reduction *work, const dls_model *model, dls_error *error) {
-  const dls_status status = dlsi_kept_create(&work->kept, model, &work->H, error);
+  dlsi_apart apart;
+  const dls_sparse Ht = dlsi_columns_view(&work->H.Ht);
+  dls_status status = dlsi_apart_create(&apart, model, &Ht, error); /* only counts here */
+  work->info.joints = apart.joints;
+  work->info.redundant = apart.count;
+  dlsi_apart_free(&apart);
+  if (!status) status = dlsi_kept_create(&work->kept, model, &work->H, error);
   work->is_stale = 1;
   if (status || work->kept.has_K) return status;
   return dlsi_fail(error, DLS_E_UNSUPPORTED, "on", -1, DLS_ON_K,
@@ -391,11 +426,17 @@ static dls_status reduction_estimate(const dls_model *model, const dls_reduction
   if (!info) return dlsi_is_null(error, "info");
   dls_status status = reduction_begin(&work, model, settings, error);
   if (status) return status;
-  dlsi_stable stable;
-  status = reduction_hold(work, model, work->spring, &stable, error);
+  dlsi_apart apart;
+  dlsi_stable stable = {.K = {0}};
+  const dls_sparse Ht = dlsi_columns_view(&work->H.Ht);
+  status = dlsi_apart_create(&apart, model, &Ht, error);
+  if (!status) status = reduction_hold(work, &apart.model, work->spring, &stable, error);
   if (!status) status = reduction_analyse(work, &stable.model, error);
   dlsi_stable_free(&stable);
   work->info.modes = work->modes.count;
+  work->info.joints = apart.joints;
+  work->info.redundant = apart.count;
+  dlsi_apart_free(&apart);
   if (!status) *info = work->info;
   dls_reduction_destroy(work);
   return status;
@@ -436,11 +477,15 @@ static dls_status reduction_same(const dls_reduction *work, const dls_model *mod
     return dlsi_fail(error, DLS_E_ARGUMENT, "HN", -1, entries,
                      "HN, HT, P touch other unknowns than those of create");
   if (!work->factor) return DLS_OK;
-  dlsi_stable stable;
+  dlsi_apart apart;
+  dlsi_stable stable = {.K = {0}};
   double spring[dlsi_most_modes];
-  dls_status status = reduction_hold(work, model, spring, &stable, error);
+  const dls_sparse Ht = dlsi_columns_view(&H->Ht);
+  dls_status status = dlsi_apart_create(&apart, model, &Ht, error);
+  if (!status) status = reduction_hold(work, &apart.model, spring, &stable, error);
   if (!status) status = dlsi_factor_same(work->factor, &stable.model, error);
   dlsi_stable_free(&stable);
+  dlsi_apart_free(&apart);
   return status;
 }
 
@@ -478,6 +523,7 @@ void dls_reduction_destroy(dls_reduction *reduction) {
   reduction_drop_companion(reduction);
   dlsi_kept_free(&reduction->kept);
   dlsi_modes_free(&reduction->modes);
+  free(reduction->redundant);
   dlsi_operator_free(&reduction->H);
   free(reduction->W);
   free(reduction->memory);
@@ -572,12 +618,14 @@ static dls_status reduction_load(dls_reduction *work, const double *f, const dou
   for (size_t k = 0; solves && k < work->n; k++)
     work->x[k] = f[work->factor->unknown[k]];
   work->half = 0;
+  if (solves) reduction_silence(work, work->x);
   if (solves) status = reduction_respond(work, error);
   if (!status) status = reduction_take_q(work, error);
   if (status) return status;
   work->half = solves && work->factor->kept > 0;
   for (size_t k = 0; k < work->n && !is_on_K(work); k++)
     work->f[k] = f ? f[work->factor->unknown[k]] : 0;
+  reduction_silence(work, work->f);
   for (size_t k = 0; k < work->n; k++)
     work->kept.f[k] = f ? f[k] : 0;
   memcpy(work->kept.gap, work->next_gap, work->m * sizeof *work->v);

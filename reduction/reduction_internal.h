@@ -80,14 +80,14 @@ void dlsi_factor_destroy(dlsi_factor *factor);
 /* ---- kept.c: the host's model, for the certificate of the body ------------------------------- */
 
 typedef struct dlsi_kept {
-  int has_K;       /* 0: a flexibility, a host's solver */
-  dls_model model; /* a view of K alone */
-  dlsi_body body;  /* dlsi_kept_body fills its model */
-  double *f, *gap; /* the last load: n, m */
-  double *u, *w;   /* m: scratch; weights of the contacts: 2 nc */
-  double *x;       /* values of K */
-  double *scratch; /* of the measure */
-  int *index, *part;
+  int has_K;         /* 0: a flexibility, a host's solver */
+  dls_model model;   /* a view of K alone */
+  dlsi_body body;    /* dlsi_kept_body fills its model */
+  double *f, *gap;   /* the last load: n, m */
+  double *u, *w;     /* m: scratch; weights of the contacts: 2 nc */
+  double *x;         /* values of K */
+  double *scratch;   /* of the measure */
+  int *index, *part; /* part: 3 n, with joints and pieces */
   double *memory;
 } dlsi_kept;
 

@@ -162,10 +162,13 @@ typedef struct dls_certificate {
                              not oppose                                length (velocity) */
   double complementarity; /* |u_n r_n|                                 work */
   int worst;              /* candidate with the largest |F_c| */
-  double equilibrium;     /* of the body, dls_reduction_certify; 0 where K is not known   1 */
+  double equilibrium;     /* of the body and its joints, dls_reduction_certify; 0 where K is not
+                             known                                     1 */
   double floor_e;         /* of equilibrium                            1 */
-  double unbalanced;      /* |K x - f - H r| of that connected body    force */
-  int body;               /* connected body with the largest equilibrium part; -1: none */
+  double unbalanced;      /* |K x - f - H r| of that connected body; 0 where its joints have the
+                             largest equilibrium part                  force */
+  int body;               /* connected body with the largest equilibrium part; joints connect; -1:
+                             none */
 } dls_certificate;
 
 /* Measures r for this problem, from the user's W, q, mu alone. Allocates 4 m doubles, for bodies

@@ -9,6 +9,7 @@
  *   - contact over whole surfaces, where W is large: cost and memory are those of two factors of K
  *   - bodies that contact alone holds: K may be singular, without springs and without modes
  *   - K nearly singular: soft supports
+ *   - with all of these joints (model.h), redundant ones too
  *
  * The answer is the pair (x, r). Its certificate has three parts: positions, forces, and the
  * equilibrium of each connected body (global/README.md).
@@ -120,7 +121,8 @@ DLS_API int dls_global_contacts(const dls_global *global);
 /* Returns the rigid motion b (n, largest entry near 1) that proves DLS_NO_SOLUTION after the last
  * solve, NULL after any other status. K b = 0 to the rounding of K, b^T f > 0, and (H^T b)_n >= mu
  * |(H^T b)_t| to rounding at every contact: whatever r the law allows, b^T (f + H r) > 0, and
- * nothing balances it. *body (or NULL): the first unknown of the connected body that moves most. */
+ * nothing balances it. *body (or NULL): the first unknown of the connected body that moves most. A
+ * b of multipliers alone, *body = -1, shows joints that contradict each other. */
 DLS_API const double *dls_global_motion(const dls_global *global, int *body);
 
 /* NULL is fine. */

@@ -26,11 +26,27 @@ typedef enum dls_operator {
 } dls_operator;
 
 /* Of a K tagged as symmetric only the lower triangle is read, so that a full matrix and a lower
- * triangle serve alike. */
+ * triangle serve alike.
+ *
+ * Joints are multipliers among the unknowns:
+ *
+ *   K = (A  G; G^T  0),   unknowns (x; l),   loads (f; b):   A x + G l = f + H r,   G^T x = b
+ *
+ *   G  a column for each joint                                  the unit of its b over that of x
+ *   l  forces of the joints on the bodies, with the sign of -G  force (impulse)
+ *   b  what the joint is to measure                             length (velocity)
+ *
+ * in any order of the unknowns, by DLS_LDLT or DLS_LU. A multiplier is an unknown that H does not
+ * touch, with K_jj = 0 and an entry beside an unknown with K_jj > 0; or with K_jj < 0: a joint that
+ * gives way. Redundant joints are no error: of joints that depend on each other to 1e-12 those of
+ * the first unknowns carry the forces. The multipliers of the others are 0; they are not
+ * determined: any l with G l = 0 may be added, and x and r do not change. docs/modelling.md has
+ * examples. */
 typedef enum dls_factorization {
   DLS_CHOLESKY = 1, /* K symmetric positive definite */
   DLS_LU = 2,       /* K regular, symmetric or not; all its entries */
-  DLS_LDLT = 3      /* K symmetric and regular: multipliers among the unknowns, softening */
+  DLS_LDLT = 3      /* K symmetric and regular but for redundant joints: multipliers among the
+                       unknowns, softening */
 } dls_factorization;
 
 /* X (n x nrhs, column-major, leading dimension n): in, right-hand sides; out, K^-1 times them.

@@ -51,7 +51,9 @@ typedef struct dls_motion_model {
   int d;                           /* 2 or 3 */
   int n;                           /* unknowns */
   int nodes;                       /* contact nodes, >= 0 */
-  dls_factorization factorization; /* of M, C, K and A: DLS_CHOLESKY, DLS_LDLT or DLS_LU */
+  dls_factorization factorization; /* of M, C, K and A: DLS_CHOLESKY, DLS_LDLT or DLS_LU; of
+                                      DLS_CHOLESKY, with multipliers among the unknowns (model.h) A
+                                      is factored as DLS_LDLT */
   dls_sparse M;                    /* n x n; M.p = NULL for a path */
   dls_sparse C;                    /* n x n; C.p = NULL for none; a path has none */
   dls_sparse K;                    /* n x n; K.p = NULL for none: rigid bodies */

@@ -30,11 +30,12 @@
 extern "C" {
 #endif
 
-/* Finds the rigid-body modes of K, dense or sparse: its null space to working precision, |K x| <=
- * 50 eps |K||x| with rows and columns scaled. *count := how many; up to `most` of them go to basis
- * (n x most; or NULL), each with a 1 in its unknown[k] (most; or NULL) where all others are 0, so
- * that a body's modes live on that body and fixing unknown[0 .. *count-1] fixes all. At most 24 are
- * found. Factors a shifted K. DLS_E_UNSUPPORTED for a flexibility or a host's solver. */
+/* Finds the rigid-body modes of K, dense or sparse, without redundant joints: its null space to
+ * working precision, |K x| <= 50 eps |K||x| with rows and columns scaled. *count := how many; up to
+ * `most` of them go to basis (n x most; or NULL), each with a 1 in its unknown[k] (most; or NULL)
+ * where all others are 0, so that a body's modes live on that body and fixing unknown[0 ..
+ * *count-1] fixes all. At most 24 are found. Factors a shifted K. DLS_E_UNSUPPORTED for a
+ * flexibility or a host's solver. */
 DLS_API DLS_MUST_USE dls_status dls_model_modes(const dls_model *model, int most, double *basis,
                                                 int *unknown, int *count, dls_error *error);
 
@@ -82,7 +83,9 @@ typedef struct dls_reduction_info {
   double flops;        /* of the factorisation and of S^-1, from the analysis */
   double condition;    /* of K scaled, by estimate; 0 before the work or where K is not factored */
   int indefinite;      /* K was tagged DLS_CHOLESKY and is not positive definite */
-  int modes; /* rigid-body modes held by springs; 25: more than 24, springs at all unknowns */
+  int modes;     /* rigid-body modes held by springs; 25: more than 24, springs at all unknowns */
+  int joints;    /* multipliers among the unknowns (model.h) */
+  int redundant; /* joints that follow from others: their multipliers are 0, any would do */
 } dls_reduction_info;
 
 /* Foresees what dls_reduction_create_with would take; for a sparse K from ordering and analysis (a
@@ -183,7 +186,9 @@ DLS_API DLS_MUST_USE dls_status dls_reduction_recover(dls_reduction *reduction, 
  *   u = H^T x + g            from x, not W r + q; or NULL, else m: receives it
  *   weights                  the compliance of the contact node with its neighbours held, from K
  *   |q|                      the root of |H^T x|^2 + |g|^2 + |D r|^2 of the contacts that touch
- *   equilibrium              max over connected bodies of |K x - f - H r| / (|f| + |H r|)
+ *   equilibrium              max over connected bodies of |K x - f - H r| / (|f| + |H r|); with
+ *                            joints, of each body by itself with |G l| beside |H r|, and of the
+ *                            joints |G^T x - b| over lengths (src/base/equilibrium.c)
  *
  * mu as in dls_reduction_contact. Where K is a flexibility or a host's solver, equilibrium is 0 and
  * the weights are those of W. dls_certificate_verdict judges all three parts. O(entries of K and

@@ -3,17 +3,16 @@
  *
  *   (BO1)  residual_u = |D^1/2 F'| / s_u,  s_u^2 = sum |(H^T x)_c|^2 + |g_c|^2 + |D_c r_c|^2
  *   (BO2)  residual_r = |D^-1/2 F'| / |r|, as contact.h
- *   (BO3)  equilibrium = max over connected bodies of |K x - f - H r| / (|f| + |H r|)
+ *   (BO3)  equilibrium: the forces that do not balance, and joints     equilibrium.c
  *
  * The sums are over the contacts that touch (src/base/contact.c). (BO1) is measured against the
  * displacements that there are: |H^T K^-1 f|, the scale of the problem on W, is larger than the
  * body where soft
  * springs hold it. D r, the local indentation, keeps the scale above rounding where everything
- * sticks. The numerator of (BO3) takes the place of the denominator where it is larger, so that
- * the part is at most 1.
+ * sticks.
  *
  *   (BO4)  floor_u, floor_r as of contact.h, with |H|^T |x| + |g| in place of |W||r| + |q|
- *   (BO5)  floor_e: eps (|K||x| + |f| + |H||r|) by bodies, over the scale of (BO3)
+ *   (BO5)  floor_e                                                     equilibrium.c
  *
  *   (BO6)  an F_c of no more than 4 eps D |H_c|^T a is 0, a the largest entry of |K||x| + |f| +
  *          |H||r| in the body: where loads balance without the contacts, reactions are rounding,
@@ -28,82 +27,6 @@
 #include <string.h>
 
 enum { largest_block = 24 };
-
-/* ---- K --------------------------------------------------------------------------------------- */
-
-/* Finds entry `at` of column j that counts: of a symmetric K those of the lower triangle. Returns
- * 0 past the last one. */
-static int body_entry(const dls_model *model, int j, int *at, int *row, double *value) {
-  const int lower = model->factorization != DLS_LU;
-  if (model->operator_kind == DLS_STIFFNESS_DENSE) {
-    if (lower && *at < j) *at = j;
-    if (*at >= model->n) return 0;
-    *row = *at;
-    *value = model->K.a[(size_t)*at + (size_t)j * (size_t)model->K.ld];
-    ++*at;
-    return 1;
-  }
-  const dls_sparse *K = &model->Ks;
-  while (lower && K->p[j] + *at < K->p[j + 1] && K->i[K->p[j] + *at] < j)
-    ++*at;
-  if (K->p[j] + *at >= K->p[j + 1]) return 0;
-  *row = K->i[K->p[j] + *at];
-  *value = K->x[K->p[j] + *at];
-  ++*at;
-  return 1;
-}
-
-void dlsi_body_multiply(const dls_model *model, const double *x, double *y, double *a) {
-  const size_t n = (size_t)model->n;
-  const int symmetric = model->factorization != DLS_LU;
-  memset(y, 0, n * sizeof *y);
-  if (a) memset(a, 0, n * sizeof *a);
-  for (int j = 0; j < model->n; j++) {
-    double sum = 0, size = 0, v;
-    for (int at = 0, i; body_entry(model, j, &at, &i, &v);) {
-      y[i] += v * x[j];
-      if (a) a[i] += fabs(v * x[j]);
-      if (!symmetric || i == j) continue;
-      sum += v * x[i];
-      size += fabs(v * x[i]);
-    }
-    y[j] += sum;
-    if (a) a[j] += size;
-  }
-}
-
-/* Returns the root of i, the smallest unknown of its tree; halves the path on the way. */
-static int body_root(int *parent, int i) {
-  while (parent[i] != i) {
-    parent[i] = parent[parent[i]];
-    i = parent[i];
-  }
-  return i;
-}
-
-void dlsi_body_join(int *part, int i, int j) {
-  const int a = body_root(part, i), b = body_root(part, j);
-  part[a < b ? b : a] = a < b ? a : b;
-}
-
-int dlsi_body_number(int n, int *part) {
-  int parts = 0;
-  for (int i = 0; i < n; i++) /* every parent comes before its children: it is numbered */
-    part[i] = part[i] == i ? parts++ : part[part[i]];
-  return parts;
-}
-
-int dlsi_body_parts(const dls_model *model, int *part) {
-  for (int i = 0; i < model->n; i++)
-    part[i] = i;
-  for (int j = 0; j < model->n; j++) {
-    double v;
-    for (int at = 0, i; body_entry(model, j, &at, &i, &v);) {
-      if (v != 0 && i != j) dlsi_body_join(part, i, j);
-    }
-  }
-  return dlsi_body_number(model->n, part);
-}
 
 /* ---- weights --------------------------------------------------------------------------------- */
 
@@ -133,7 +56,7 @@ static int block_fill(contact_block *b, const dls_model *model, const dls_sparse
   memset(b->H, 0, (size_t)(d * s) * sizeof *b->H);
   for (int l = 0; fits && l < s; l++) {
     double v;
-    for (int at = 0, i; body_entry(model, b->J[l], &at, &i, &v);) {
+    for (int at = 0, i; dlsi_body_entry(model, b->J[l], &at, &i, &v);) {
       const int k = place[i];
       if (k < 0) continue;
       b->A[k + s * l] += v;
@@ -236,7 +159,7 @@ dls_status dlsi_body_weights(const dls_model *model, const dls_sparse *H, int d,
     double v;
     place[k] = -1;
     diagonal[k] = 0;
-    for (int at = 0, i; body_entry(model, (int)k, &at, &i, &v);)
+    for (int at = 0, i; dlsi_body_entry(model, (int)k, &at, &i, &v);)
       if (i == (int)k) diagonal[k] += v;
   }
   for (int c = 0; !status && c < (int)nc; c++) {
@@ -267,13 +190,11 @@ typedef struct body_arrays {
   double *scale;  /* (BO1) */
   double *ut;     /* |H|^T |x| + |g| */
   double *hidden; /* (BO6) */
-  double *e, *ae; /* K x - f - H r and what rounds in it, n */
-  double *Hr;     /* n */
-  double *sums;   /* 4 parts: largest numbers, then sums of squares */
+  dlsi_forces forces;
 } body_arrays;
 
 size_t dlsi_body_scratch(const dlsi_body *body) {
-  return 4 * (size_t)body->d * (size_t)body->nc + 3 * (size_t)body->n + 8 * (size_t)body->parts;
+  return 4 * (size_t)body->d * (size_t)body->nc + dlsi_forces_scratch(body);
 }
 
 /* Sets *m to max(*m, x), keeping NaN. */
@@ -281,35 +202,15 @@ static void body_raise(double *m, double x) {
   if (x > *m || x != x) *m = x;
 }
 
-/* Sets Hr := H r, e := K x - f - H r, ae := |K||x| + |f| + |H||r|. */
-static void measure_unknowns(const dlsi_body *body, const double *f, const double *r,
-                             const double *x, const body_arrays *of) {
-  const dls_sparse *Ht = &body->Ht;
-  if (body->multiply)
-    body->multiply(body->data, x, of->e, of->ae);
-  else
-    dlsi_body_multiply(body->model, x, of->e, of->ae);
-  for (int j = 0; j < body->n; j++) {
-    double sum = 0, size = 0;
-    for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++) {
-      sum += Ht->x[k] * r[Ht->i[k]];
-      size += fabs(Ht->x[k] * r[Ht->i[k]]);
-    }
-    of->Hr[j] = sum;
-    of->e[j] -= (f ? f[j] : 0) + sum;
-    of->ae[j] += (f ? fabs(f[j]) : 0) + size;
-  }
-}
-
 /* (BO6) */
 static void measure_hidden(const dlsi_body *body, const body_arrays *of) {
   const size_t d = (size_t)body->d, m = d * (size_t)body->nc;
   const dls_sparse *Ht = &body->Ht;
-  double *most = of->sums;
+  double *most = of->forces.sums;
   memset(most, 0, (size_t)body->parts * sizeof *most);
   memset(of->hidden, 0, m * sizeof *of->hidden);
   for (int j = 0; j < body->n; j++)
-    body_raise(&most[body->part[j]], of->ae[j]);
+    if (!body->joint || !body->joint[j]) body_raise(&most[body->part[j]], of->forces.ae[j]);
   for (int j = 0; j < body->n; j++)
     for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++)
       of->hidden[Ht->i[k]] += fabs(Ht->x[k]) * most[body->part[j]];
@@ -317,59 +218,22 @@ static void measure_hidden(const dlsi_body *body, const body_arrays *of) {
     of->hidden[k] *= 4 * DBL_EPSILON * body->w[2 * (k / d) + (k % d > 0)];
 }
 
-/* (BO3), (BO5) */
-static void measure_equilibrium(const dlsi_body *body, const double *f, const body_arrays *of,
-                                dls_certificate *found) {
-  const size_t n = (size_t)body->n, parts = (size_t)body->parts;
-  double *most = of->sums, *sum = of->sums + 4 * parts;
-  memset(of->sums, 0, 8 * parts * sizeof *of->sums);
-  for (int pass = 0; pass < 2; pass++)
-    for (size_t j = 0; j < n; j++) {
-      const size_t p = 4 * (size_t)body->part[j];
-      const double v[4] = {of->e[j], of->ae[j], f ? f[j] : 0, of->Hr[j]};
-      for (size_t k = 0; k < 4; k++) {
-        if (!pass)
-          body_raise(&most[p + k], fabs(v[k]));
-        else if (most[p + k] > 0)
-          sum[p + k] += (v[k] / most[p + k]) * (v[k] / most[p + k]);
-      }
-    }
-  found->body = -1;
-  for (size_t p = 0; p < parts; p++) {
-    double norm[4];
-    for (size_t k = 0; k < 4; k++)
-      norm[k] = most[4 * p + k] > 0 ? most[4 * p + k] * sqrt(sum[4 * p + k]) : most[4 * p + k];
-    const double load = norm[2] + norm[3], scale = norm[0] > load ? norm[0] : load;
-    if (scale == 0) continue;
-    const double part = norm[0] / scale;
-    body_raise(&found->floor_e, DBL_EPSILON * (norm[1] / scale));
-    if (part > found->equilibrium || part != part) {
-      found->equilibrium = part;
-      found->unbalanced = norm[0];
-      found->body = (int)p;
-    }
-  }
-}
-
 void dlsi_body_measure(const dlsi_body *body, const double *f, const double *g, const double *mu,
                        const double *r, const double *x, double *u, double *work,
                        dls_certificate *certificate) {
-  const size_t d = (size_t)body->d, nc = (size_t)body->nc, m = d * nc, n = (size_t)body->n;
+  const size_t d = (size_t)body->d, nc = (size_t)body->nc, m = d * nc;
   const dls_sparse *Ht = &body->Ht;
   const body_arrays of = {.F = work,
                           .scale = work + m,
                           .ut = work + 2 * m,
                           .hidden = work + 3 * m,
-                          .e = work + 4 * m,
-                          .ae = work + 4 * m + n,
-                          .Hr = work + 4 * m + 2 * n,
-                          .sums = work + 4 * m + 3 * n};
+                          .forces = dlsi_forces_in(body, work + 4 * m)};
   dls_certificate found;
   for (size_t k = 0; k < m; k++) {
     u[k] = g ? g[k] : 0;
     of.ut[k] = fabs(u[k]);
   }
-  for (size_t j = 0; j < n; j++)
+  for (int j = 0; j < body->n; j++)
     for (int k = Ht->p[j]; k < Ht->p[j + 1]; k++) {
       u[Ht->i[k]] += Ht->x[k] * x[j];
       of.ut[Ht->i[k]] += fabs(Ht->x[k] * x[j]);
@@ -381,12 +245,12 @@ void dlsi_body_measure(const dlsi_body *body, const double *f, const double *g, 
   dlsi_laws laws = {body->d, body->nc, mu, r, u, body->w, of.ut, NULL, of.scale, of.F, NULL};
   const int has_K = body->model || body->multiply;
   if (has_K) {
-    measure_unknowns(body, f, r, x, &of);
+    dlsi_forces_sum(body, f, r, x, &of.forces);
     measure_hidden(body, &of);
     laws.hidden = of.hidden;
   }
   dlsi_laws_measure(&laws, &found);
-  if (has_K) measure_equilibrium(body, f, &of, &found);
+  if (has_K) dlsi_forces_measure(body, f, x, &of.forces, &found);
   body_raise(&found.residual, found.equilibrium);
   *certificate = found;
 }

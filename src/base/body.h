@@ -22,10 +22,16 @@ typedef struct dlsi_body {
   void *data;
   dls_sparse Ht; /* H^T: m x n */
   int d, nc;
-  const double *w; /* 2 nc: w_n and w_t of each contact, dlsi_body_weights */
-  const int *part; /* n: the connected body of each unknown, dlsi_body_parts */
-  int parts;
+  const double *w;  /* 2 nc: w_n and w_t of each contact, dlsi_body_weights */
+  const int *part;  /* n: the connected body of each unknown, dlsi_body_parts */
+  const int *joint; /* n: dlsi_body_joints; NULL: no unknown is a multiplier */
+  const int *piece; /* n, where there are joints: dlsi_body_pieces */
+  int parts, pieces;
 } dlsi_body;
+
+/* Finds entry *at = 0, 1, .. of column j that counts: of a symmetric K those of the lower triangle.
+ * Sets *at to the next one; returns 0 past the last one. */
+int dlsi_body_entry(const dls_model *model, int j, int *at, int *row, double *value);
 
 /* Computes y := K x and, if a is not NULL, a := |K||x|. x, y, a: n, apart. */
 void dlsi_body_multiply(const dls_model *model, const double *x, double *y, double *a);
@@ -40,6 +46,15 @@ int dlsi_body_parts(const dls_model *model, int *part);
 void dlsi_body_join(int *part, int i, int j);
 int dlsi_body_number(int n, int *part);
 
+/* Finds the multipliers among the unknowns (joints.c): joint[i] := 1 where row i of K x = f + H r
+ * is a joint, a length (velocity), 0 where it is an equilibrium. Ht: m x n; NULL: not known. joint:
+ * n. Returns how many there are. */
+int dlsi_body_joints(const dls_model *model, const dls_sparse *Ht, int *joint);
+
+/* Finds the connected bodies as they are without joints. piece: receives the number of each
+ * unknown, -1 of a multiplier, n. Returns how many there are. */
+int dlsi_body_pieces(const dls_model *model, const int *joint, int *piece);
+
 /* Computes the weights: the compliance of the contact with its neighbours held. J: the unknowns
  * that H_c touches; C = H_c^T K[J,J]^-1 H_c; w_n = C_nn, w_t = trace(C_tt) / (d-1). If J has more
  * than 24 unknowns, or C is not positive, the diagonal of K stands for K[J,J]; then the mean of the
@@ -47,6 +62,31 @@ int dlsi_body_number(int n, int *part);
  * DLS_E_MEMORY. */
 dls_status dlsi_body_weights(const dls_model *model, const dls_sparse *H, int d, double *w,
                              dls_error *error);
+
+/* ---- equilibrium.c --------------------------------------------------------------------------- */
+
+/* Arrays of the measure of equilibrium, n unless said otherwise. */
+typedef struct dlsi_forces {
+  double *e, *ae; /* K x - f - H r and what rounds in it */
+  double *Hr;
+  double *pull;  /* joints: minus the forces of joints on positions */
+  double *reach; /* joints: K_jj, then the lengths that there are at positions and in joints */
+  double *sums;  /* 10 for each piece and each part: largest numbers, then sums of squares */
+} dlsi_forces;
+
+/* Returns the doubles of the arrays; lays them into work. */
+size_t dlsi_forces_scratch(const dlsi_body *body);
+dlsi_forces dlsi_forces_in(const dlsi_body *body, double *work);
+
+/* Sets Hr := H r, e := K x - f - H r, ae := |K||x| + |f| + |H||r|. */
+void dlsi_forces_sum(const dlsi_body *body, const double *f, const double *r, const double *x,
+                     const dlsi_forces *of);
+
+/* Sets equilibrium, floor_e, unbalanced and body of *found, after dlsi_forces_sum. */
+void dlsi_forces_measure(const dlsi_body *body, const double *f, const double *x,
+                         const dlsi_forces *of, dls_certificate *found);
+
+/* ---- the measure ----------------------------------------------------------------------------- */
 
 /* Returns the doubles of `work` for dlsi_body_measure. */
 size_t dlsi_body_scratch(const dlsi_body *body);

@@ -9,8 +9,12 @@ void verdict_fill(verdict *v, dls_status status, int lcp) {
   v->exact = status == DLS_NO_SOLUTION;
   if (v->motion) {
     v->says = "no equilibrium (proved)";
-    v->next = "Nothing can hold a body: it moves rigidly with the loads, and no contact stops it. "
-              "--proof shows the motion; look for a support or a load that is missing.";
+    v->next =
+        v->mover < 0
+            ? "Joints contradict each other: those with an entry in what --proof shows ask "
+              "for different lengths of the same motion."
+            : "Nothing can hold a body: it moves rigidly with the loads, and no contact stops "
+              "it. --proof shows the motion; look for a support or a load that is missing.";
   } else if (status == DLS_NO_SOLUTION) {
     v->says = "no solution (proved)";
     v->next =
@@ -63,10 +67,11 @@ static void print_rows(const char *title, int rows, int stride, const double *x)
 void verdict_print(const verdict *v, int proof) {
   if (!v->says) return;
   printf("  %s. %s\n", v->says, v->next);
-  if (v->motion) printf("  the body of unknown %d moves\n", v->mover);
+  if (v->motion && v->mover >= 0) printf("  the body of unknown %d moves\n", v->mover);
   if (!proof) return;
   if (v->farkas)
     print_rows(v->exact ? "proof v:" : "v, a proof but for rounding:", v->rows, 1, v->farkas);
-  if (v->motion) print_rows("rigid motion:", v->unknowns, 1, v->motion);
+  if (v->motion)
+    print_rows(v->mover < 0 ? "multipliers:" : "rigid motion:", v->unknowns, 1, v->motion);
   if (v->ray) print_rows("ray:", v->rows, v->stride, v->ray);
 }

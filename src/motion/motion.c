@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/body.h"
 #include "motion/motion_internal.h"
 
 void dls_motion_settings_init(dls_motion_settings *settings) {
@@ -158,6 +159,15 @@ static dls_status motion_allocate(dls_motion *motion, dls_error *error) {
 
 enum { expected_steps = 1000 }; /* with one A: W is formed once, and serves all */
 
+/* Sets *found := 1 if A has multipliers: joints make it indefinite. */
+static dls_status motion_find_joints(const dls_model *model, int *found, dls_error *error) {
+  int *joint = dlsi_alloc((size_t)model->n, sizeof *joint);
+  if (!joint) return dlsi_no_memory(error);
+  *found = dlsi_body_joints(model, NULL, joint) > 0;
+  free(joint);
+  return DLS_OK;
+}
+
 static dls_status motion_reduce(dls_motion *motion, dls_error *error) {
   dls_status status = dlsi_motion_lay(motion, error);
   if (status) return status;
@@ -169,6 +179,8 @@ static dls_status motion_reduce(dls_motion *motion, dls_error *error) {
   const int either = motion->settings.law == DLS_MOTION_PATH && motion->settings.method == DLS_AUTO;
   settings.on = either ? DLS_ON_EITHER : DLS_ON_W;
   const dls_model model = motion_reduced_model(&motion->model, dlsi_columns_view(&motion->A));
+  status = motion_find_joints(&model, &settings.allow_indefinite, error);
+  if (status) return status;
   status = dls_reduction_create_either(&motion->reduction, &model, &settings, error);
   if (status) return motion_name(status, motion->model.M.p ? "M" : "K", error);
   dls_reduction_info info;

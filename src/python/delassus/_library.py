@@ -75,7 +75,7 @@ _USED = {
     "dls_reduction_settings": "size on loads memory_limit allow_indefinite stabilize form_W progress "
                               "progress_data",
     "dls_reduction_info": "on contacts condensed W_bytes factor_bytes bytes flops condition indefinite "
-                          "modes",
+                          "modes joints redundant",
     "dls_motion_model": "d n nodes factorization M C K HN HT P gap",
     "dls_motion_settings": "limits size law method h theta restitution activation forecast "
                            "stabilize",
