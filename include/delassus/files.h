@@ -6,6 +6,7 @@
  *
  *   fclib_local   W, vectors/q, vectors/mu, spacedim            u = W r + q
  *   fclib_global  M, H, vectors/f, vectors/w, vectors/mu        M v = H r + f,  u = H^T v + w
+ *                 G, vectors/b (optional: joints)               + G l,  G^T v + b = 0
  *   solution      v, r, u                                       (optional in both)
  *
  * HDF5 is as a rule built without locks: the dls_fclib_ functions let one thread at a time in, but
@@ -27,8 +28,8 @@ typedef struct dls_fclib dls_fclib;
 /* Reads the problem in file `path` into a new *out, NULL on error. DLS_E_FILE: cannot be opened.
  * DLS_E_FORMAT: not HDF5, a group or data set is missing or of the wrong size, indices out of
  * range, a value is not finite; the message names the data set. DLS_E_UNSUPPORTED: bilateral
- * constraints (V, R, G). Of a file that holds both problems the local one is read. HDF5's error
- * handler is left as it was. */
+ * constraints of a local problem (V, R). Of a file that holds both problems the local one is read.
+ * HDF5's error handler is left as it was. */
 DLS_API DLS_MUST_USE dls_status dls_fclib_read(dls_fclib **out, const char *path, dls_error *error);
 
 /* Returns 1 if the file holds a global problem, 0 if a local one. */
@@ -42,15 +43,17 @@ DLS_API DLS_MUST_USE dls_status dls_fclib_contact(const dls_fclib *file, dls_con
                                                   dls_error *error);
 
 /* Hands out a global problem: M as a sparse stiffness (DLS_LU) and H, split into H_N and H_T, in
- * *model; *f: n, *g: the w of the file, d nc, *mu: nc. DLS_E_ARGUMENT if the problem is local. */
+ * *model; *f: n, *g: the w of the file, d nc, *mu: nc. With joints the unknowns are v, then the
+ * multipliers l; K = (M -G; -G^T 0), and *f is f, then b.
+ * DLS_E_ARGUMENT if the problem is local. */
 DLS_API DLS_MUST_USE dls_status dls_fclib_model(const dls_fclib *file, dls_model *model,
                                                 const double **f, const double **g,
                                                 const double **mu, dls_error *error);
 
 /* Hands out a global problem of rigid bodies as one of bodies: M has blocks of 3 (d - 1) rows, each
- * symmetric and positive definite, and no candidate moves more than two of them; q is w + H^T M^-1
- * f. The v of the file is M^-1 (H r + f). DLS_E_UNSUPPORTED where it is none: take dls_fclib_model.
- * DLS_E_ARGUMENT if the problem is local. */
+ * symmetric and positive definite, no joint, and no candidate moves more than two of them; q is w +
+ * H^T M^-1 f. The v of the file is M^-1 (H r + f). DLS_E_UNSUPPORTED where it is none: take
+ * dls_fclib_model. DLS_E_ARGUMENT if the problem is local. */
 DLS_API DLS_MUST_USE dls_status dls_fclib_bodies(const dls_fclib *file, dls_contact *problem,
                                                  dls_error *error);
 
@@ -74,7 +77,8 @@ DLS_API DLS_MUST_USE dls_status dls_fclib_write_local(const char *path, const dl
 /* Writes a global problem as dls_fclib_write_local writes a local one: dense or sparse K of the
  * model (DLS_CHOLESKY, DLS_LDLT: its lower triangle, mirrored) and H; DLS_E_UNSUPPORTED for a
  * weighting P, an array `active`, or another operator. f: n, g: d nc, mu: nc, x: n or NULL, goes
- * to the file's v. */
+ * to the file's v. Multipliers among the unknowns (model.h), where they have no diagonal block and
+ * K is symmetric there, become the file's G, b and l: read back, they come after the positions. */
 DLS_API DLS_MUST_USE dls_status dls_fclib_write_global(const char *path, const dls_model *model,
                                                        const double *f, const double *g,
                                                        const double *mu, const char *title,

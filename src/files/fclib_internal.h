@@ -9,6 +9,7 @@ typedef struct matrix_names {
 #define MATRIX(a)                                                                                  \
   { a "/m", a "/n", a "/nz", a "/nzmax", a "/p", a "/i", a "/x" }
 
-static const matrix_names names_W = MATRIX("W"), names_M = MATRIX("M"), names_H = MATRIX("H");
+static const matrix_names names_W = MATRIX("W"), names_M = MATRIX("M"), names_H = MATRIX("H"),
+                          names_G = MATRIX("G");
 
 #endif

@@ -4,6 +4,7 @@
  *
  *   fclib_local/   W, vectors/q, vectors/mu, spacedim, info/title            u = W r + q
  *   fclib_global/  M, H, vectors/f, w, mu, spacedim, info/title   M v = H r + f,  u = H^T v + w
+ *                  G, vectors/b: joints     M v = H r + G l + f,  G^T v + b = 0    fclib_joints.c
  *   solution/      v, r, u
  *
  * A matrix is a group m, n, nz, nzmax, p, i, x, as in CSparse:
@@ -11,7 +12,7 @@
  *   nz = -2  compressed rows: those of row i stand at p[i] <= k < p[i+1], columns i[k]
  *   nz >= 0  nz triplets, row i[k], column p[k]
  * i and x may be longer than what is used. Entries of the same place add up. Bilateral constraints
- * (V, R, s of a local problem, G, b of a global one) are not read. A file that holds both problems
+ * of a local problem (V, R, s) are not read. A file that holds both problems
  * is read as the local one, which is the global one condensed.
  *
  * A file is not to be trusted: sizes are checked against each other and against the extents of the
@@ -28,6 +29,7 @@
 #include "delassus/files.h"
 #include "files/fclib_bodies.h"
 #include "files/fclib_internal.h"
+#include "files/fclib_joints.h"
 #include "files/file.h"
 
 struct dls_fclib {
@@ -382,26 +384,58 @@ static dls_status read_local(const source *s, dls_fclib *file) {
   return status;
 }
 
+/* Reads G into t, without columns where the file has none. n: rows of M. On error, too, the caller
+ * frees t. */
+static dls_status read_joints(const source *s, int n, dlsi_triplets *t) {
+  int rows = 0, cols = 0;
+  if (!has_link(s, "G")) return DLS_OK;
+  dls_status status = read_int(s, names_G.m, 0, &rows);
+  if (!status) status = read_int(s, names_G.n, 0, &cols);
+  if (status || rows == 0 || cols == 0) return status;
+  status = read_matrix(s, &names_G, t);
+  if (status || t->rows == n) return status;
+  return dlsi_fail(s->error, DLS_E_FORMAT, names_G.m, -1, t->rows, "is %d, M has %d row%s", t->rows,
+                   n, n == 1 ? "" : "s");
+}
+
+/* Reads f, and b below it, into a new file->f. */
+static dls_status read_loads(const source *s, int n, int joints, dls_fclib *file) {
+  double *f = NULL, *b = NULL;
+  dls_status status = read_doubles(s, "vectors/f", (size_t)n, 0, &f);
+  if (!status && (joints > 0 || has_link(s, "vectors/b")))
+    status = read_doubles(s, "vectors/b", (size_t)joints, 0, &b);
+  if (!status) file->f = dlsi_alloc((size_t)n + (size_t)joints, sizeof *f);
+  if (!status && !file->f) status = dlsi_no_memory(s->error);
+  if (!status) memcpy(file->f, f, (size_t)n * sizeof *f);
+  if (!status && joints > 0) memcpy(file->f + n, b, (size_t)joints * sizeof *b);
+  free(f);
+  free(b);
+  return status;
+}
+
 static dls_status read_global(const source *s, dls_fclib *file) {
-  dlsi_triplets M = {0}, H = {0};
-  dls_status status = refuse_bilateral(s, "G", "G/m", "G/n", "vectors/b");
-  if (!status) status = read_square(s, &names_M, &M);
+  dlsi_triplets M = {0}, H = {0}, G = {0};
+  dls_status status = read_square(s, &names_M, &M);
   if (!status && M.rows < 1)
     status = dlsi_fail(s->error, DLS_E_FORMAT, names_M.m, -1, M.rows, "is %d", M.rows);
-  file->n = M.rows;
+  if (!status) status = read_joints(s, M.rows, &G);
   if (!status) status = read_matrix(s, &names_H, &H);
   if (!status && H.rows != M.rows)
     status = dlsi_fail(s->error, DLS_E_FORMAT, "H/m", -1, H.rows, "is %d, M has %d row%s", H.rows,
                        M.rows, M.rows == 1 ? "" : "s");
   if (!status) status = set_candidates(s, "H/n", H.cols, file);
-  if (!status) status = read_doubles(s, "vectors/f", (size_t)M.rows, 0, &file->f);
+  if (!status) status = read_loads(s, M.rows, G.cols, file);
   if (!status) status = read_doubles(s, "vectors/w", (size_t)H.cols, 0, &file->q);
+  if (!status && G.cols > 0) status = dlsi_fclib_join(&M, &G, s->error);
+  file->n = H.rows = M.rows;
   if (!status) status = dlsi_columns_compress(&M, file->d, DLSI_ALL, &file->M, s->error);
   if (!status) status = dlsi_columns_compress(&H, file->d, DLSI_NORMALS, &file->HN, s->error);
   if (!status) status = dlsi_columns_compress(&H, file->d, DLSI_TANGENTS, &file->HT, s->error);
+  const int joints = G.cols;
   dlsi_triplets_free(&M);
   dlsi_triplets_free(&H);
-  if (status) return status;
+  dlsi_triplets_free(&G);
+  if (status || joints > 0) return status;
   const dlsi_fclib_global of = {.d = file->d,
                                 .nc = file->nc,
                                 .M = dlsi_columns_view(&file->M),

@@ -13,6 +13,7 @@
 #include "base/columns.h"
 #include "delassus/files.h"
 #include "files/fclib_internal.h"
+#include "files/fclib_joints.h"
 #include "files/file.h"
 #include "files/output.h"
 
@@ -226,8 +227,9 @@ typedef struct contents {
   const double *q;       /* d nc */
   const double *mu;      /* nc */
   const double *x, *f;   /* n each; NULL: none */
+  const double *l, *b;   /* joints each; NULL: none */
   const double *r, *u;   /* d nc each; NULL: none */
-  int d, nc, n;          /* n: length of x and f */
+  int d, nc, n, joints;  /* n: length of x and f */
 } contents;
 
 /* Writes the contents and `count` matrices. */
@@ -244,9 +246,11 @@ static dls_status write_contents(const contents *c, int count, const matrix_name
   for (int k = 0; k < count; k++)
     put_matrix(&s, name[k], &A[k]);
   if (c->f) put_doubles(&s, "vectors/f", n, c->f);
+  if (c->b) put_doubles(&s, "vectors/b", (size_t)c->joints, c->b);
   put_doubles(&s, c->name_of_q, m, c->q);
   s.group = "solution/";
   if (c->x) put_doubles(&s, "v", n, c->x);
+  if (c->l) put_doubles(&s, "l", (size_t)c->joints, c->l);
   if (c->r) put_doubles(&s, "r", m, c->r);
   if (c->u) put_doubles(&s, "u", m, c->u);
   const dls_status status = save_image(&s, c->path, error);
@@ -323,8 +327,44 @@ static dls_status check_global(const contents *c, dls_error *error) {
   return status ? status : check_solution(c->r, c->u, m, error);
 }
 
+/* Sets f and x to those of positions, b and l to those of multipliers, in values (2 n). */
+static void split_contents(contents *c, const dlsi_fclib_split *split, double *values) {
+  const size_t n = (size_t)c->n, positions = (size_t)split->positions;
+  for (size_t k = 0; k < n; k++) {
+    values[k] = c->f[split->order[k]];
+    values[n + k] = c->x ? c->x[split->order[k]] : 0;
+  }
+  c->f = values;
+  c->b = values + positions;
+  c->l = c->x ? values + n + positions : NULL;
+  c->x = c->x ? values + n : NULL;
+  c->n = split->positions;
+  c->joints = split->joints;
+}
+
+/* Writes K and H, by their parts where K holds multipliers of joints. */
+static dls_status write_matrices(contents *c, const dls_sparse *K, const dls_sparse *H,
+                                 dls_error *error) {
+  static const matrix_names *const name[3] = {&names_M, &names_H, &names_G};
+  dlsi_fclib_split split;
+  dls_status status = dlsi_fclib_split_create(&split, K, H, error);
+  double *values = dlsi_alloc(2 * (size_t)c->n, sizeof *values);
+  if (!status && !values) status = dlsi_no_memory(error);
+  if (!status && split.joints > 0) {
+    const dls_sparse A[3] = {dlsi_columns_view(&split.M), dlsi_columns_view(&split.H),
+                             dlsi_columns_view(&split.G)};
+    split_contents(c, &split, values);
+    status = write_contents(c, 3, name, A, error);
+  } else if (!status) {
+    const dls_sparse A[2] = {*K, *H};
+    status = write_contents(c, 2, name, A, error);
+  }
+  free(values);
+  dlsi_fclib_split_free(&split);
+  return status;
+}
+
 static dls_status write_global(contents *c, const dls_model *model, dls_error *error) {
-  static const matrix_names *const name[2] = {&names_M, &names_H};
   if (!c->path) return dlsi_is_null(error, "path");
   dls_status status = check_storable(model, error);
   if (status) return status;
@@ -339,8 +379,8 @@ static dls_status write_global(contents *c, const dls_model *model, dls_error *e
   else if (symmetric)
     status = columns_of_lower(&model->Ks, &K, error);
   if (!status) status = build_columns("HT", n, c->d * c->nc, column_of_operators, model, &H, error);
-  const dls_sparse A[2] = {K.p ? dlsi_columns_view(&K) : model->Ks, dlsi_columns_view(&H)};
-  if (!status) status = write_contents(c, 2, name, A, error);
+  const dls_sparse of_K = K.p ? dlsi_columns_view(&K) : model->Ks, of_H = dlsi_columns_view(&H);
+  if (!status) status = write_matrices(c, &of_K, &of_H, error);
   dlsi_columns_free(&K);
   dlsi_columns_free(&H);
   return status;
@@ -351,7 +391,16 @@ dls_status dls_fclib_write_global(const char *path, const dls_model *model, cons
                                   const double *x, const double *r, const double *u,
                                   dls_error *error) {
   DLSI_DOOR;
-  contents c = {path, "fclib_global/", title, "vectors/w", g, mu, x, f, r, u, 0, 0, 0};
+  contents c = {.path = path,
+                .group = "fclib_global/",
+                .title = title,
+                .name_of_q = "vectors/w",
+                .q = g,
+                .mu = mu,
+                .x = x,
+                .f = f,
+                .r = r,
+                .u = u};
   dls_status status;
   dlsi_lock();
   H5E_BEGIN_TRY {

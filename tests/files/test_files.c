@@ -1116,7 +1116,7 @@ static const struct broken broken_global[] = {
     {"vectors/w", REALS, DLS_E_FORMAT, LIST(1, 2, 3, 4, 5), "vectors/w", -1},
     {"vectors/w", REALS, DLS_E_FORMAT, LIST(1, 2, 3, 4, NAN, 6), "vectors/w", 4},
     {"vectors/mu", REALS, DLS_E_FORMAT, LIST(-1, 0), "vectors/mu", 0},
-    {"vectors/b", REALS, DLS_E_UNSUPPORTED, LIST(1), "vectors/b", -1},
+    {"vectors/b", REALS, DLS_E_FORMAT, LIST(1), "vectors/b", -1}, /* without G */
     {"../solution/u", REALS, DLS_E_FORMAT, LIST(1, 2), "u", -1},
 };
 
@@ -1189,8 +1189,26 @@ START_TEST(broken_together) {
 
   ck_assert_int_eq(write_model3(NULL), DLS_OK);
   patch_size("fclib_global/G", 3, 1);
-  check_refused(path, DLS_E_UNSUPPORTED, "G", -1);
+  check_refused(path, DLS_E_FORMAT, "G/nz", -1);
+  patch("fclib_global/G/nz", INTS, VALUES(1));
+  patch("fclib_global/G/nzmax", INTS, VALUES(1));
+  patch("fclib_global/G/p", INTS, VALUES(0));
+  patch("fclib_global/G/i", INTS, VALUES(3));
+  patch("fclib_global/G/x", REALS, VALUES(1));
+  check_refused(path, DLS_E_FORMAT, "G/i", 0);
+  patch("fclib_global/G/i", INTS, VALUES(2));
+  check_refused(path, DLS_E_FORMAT, "vectors/b", -1);
+  patch("fclib_global/vectors/b", REALS, VALUES(1, 2));
+  check_refused(path, DLS_E_FORMAT, "vectors/b", -1);
+  patch("fclib_global/vectors/b", REALS, VALUES(NAN));
+  check_refused(path, DLS_E_FORMAT, "vectors/b", 0);
+  patch("fclib_global/vectors/b", REALS, VALUES(1));
+  patch("fclib_global/G/m", INTS, VALUES(4));
+  check_refused(path, DLS_E_FORMAT, "G/m", -1);
+  patch("fclib_global/G/m", INTS, VALUES(3));
+  dls_fclib_destroy(read_well(path));
   patch("fclib_global/G/n", INTS, VALUES(0));
+  patch("fclib_global/vectors/b", DELETE, 0, NULL);
   dls_fclib_destroy(read_well(path));
   (void)remove(path);
 }
