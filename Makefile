@@ -261,7 +261,7 @@ check-build: all $(TESTS) $(LANGUAGES) $(addprefix $(BUILD)/bench/,auto blocks s
 
 # the library as it is without HDF5, MUMPS and OpenMP, and the tests of what that changes
 .PHONY: check-plain
-PLAIN_ROOMS = files linear reduction global cli catalogue
+PLAIN_ROOMS = files linear reduction cli catalogue
 check-plain:
 	@$(MAKE) --no-print-directory check-build BUILD=$(BUILD)/plain HDF5=0 MUMPS=0 OPENMP= ROOMS='$(PLAIN_ROOMS)'
 

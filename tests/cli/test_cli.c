@@ -635,11 +635,11 @@ START_TEST(threads_have_limits) {
   static const char *const wrong[] = {"0", "1025", "-1", "1000000000000", "two", "1.5"};
   char line[200];
   for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
-    (void)snprintf(line, sizeof line, "solve data/fclib/FC3D_Example1.hdf5 --threads=%s", wrong[k]);
+    (void)snprintf(line, sizeof line, "solve data/failures/c20-scales.txt --threads=%s", wrong[k]);
     ck_assert_int_eq(run(line), 2);
     ck_assert_msg(prints("is not a whole number from 1 to 1024"), "%s", output);
   }
-  ck_assert_int_eq(run("solve data/fclib/FC3D_Example1.hdf5 --threads=1024"), 0);
+  ck_assert_int_eq(run("solve data/failures/c20-scales.txt --threads=1024"), 0);
 }
 END_TEST
 

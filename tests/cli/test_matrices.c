@@ -241,9 +241,10 @@ START_TEST(pipes) {
   put("q.csv", "-1\n0.3\n");
   put("l.txt", "lcp 1\nM\n2\nq -1\n");
   put("M.mtx", "%%MatrixMarket matrix array real general\n1 1\n2\n");
-  ck_assert_int_eq(run("solve -q @/p.txt -o @/p.hdf5"), 0);
+  if (WITH_HDF5) ck_assert_int_eq(run("solve -q @/p.txt -o @/p.hdf5"), 0);
   ck_assert_int_eq(setenv("TMPDIR", path_in(""), 1), 0);
   for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++) {
+    if (!WITH_HDF5 && strstr(lines[k].file, ".hdf5")) continue;
     (void)snprintf(command, sizeof command, program, lines[k].file, lines[k].arguments);
     ck_assert_msg(run(command) == 0, "%s: %s", command, output);
   }

@@ -67,7 +67,7 @@ static void scene(solids *S, int kind) {
 }
 
 /* Supernodes store the upper half of their triangles and some zeros: up to twice the entries and
- * flops here, less in larger problems. */
+ * flops here, less in larger problems. Without METIS the order is another, and they store more. */
 START_TEST(beside_elimination) {
   solids S;
   dls_global *G;
@@ -81,11 +81,11 @@ START_TEST(beside_elimination) {
   dlsi_cholesky *L = G->system->cholesky;
   if (_i == 3) ck_assert(!dlsi_system_analyse(G->system, &L, NULL));
   const counts is = counts_of(G->system, L);
-  const double twice = _i == 3 ? 2 : 1;
-  ck_assert_msg(info.flops >= .99 * twice * is.flops && info.flops <= 2 * twice * is.flops,
+  const double twice = _i == 3 ? 2 : 1, most = WITH_MUMPS ? 2 : 5;
+  ck_assert_msg(info.flops >= .99 * twice * is.flops && info.flops <= most * twice * is.flops,
                 "%g flops, foreseen %g", twice * is.flops, info.flops);
   ck_assert_msg(info.factor_bytes >= 8 * twice * is.entries &&
-                    info.factor_bytes <= 2 * 8 * twice * is.entries,
+                    info.factor_bytes <= most * 8 * twice * is.entries,
                 "%g bytes, foreseen %g", 8 * twice * is.entries, info.factor_bytes);
   ck_assert(info.step_bytes >= 2 * info.factor_bytes && info.bytes >= info.factor_bytes);
   if (_i == 3) dlsi_cholesky_destroy(L);
