@@ -161,8 +161,8 @@ DLS_API DLS_MUST_USE dls_status dls_motion_get_energies(const dls_motion *motion
                                                         dls_error *error);
 
 /* Gives the contact problem of the last step, certified or not: of the active candidates, nc = 0
- * where there was none, and on a path whose problem is solved on K. For dls_contact_diagnose and for
- * solving it otherwise; it lives until the next step. */
+ * where there was none, and on a path whose problem is solved on K. For dls_contact_diagnose and
+ * for solving it otherwise; it lives until the next step. */
 DLS_API DLS_MUST_USE dls_status dls_motion_get_problem(const dls_motion *motion,
                                                        dls_contact *problem, dls_error *error);
 
