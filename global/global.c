@@ -281,7 +281,7 @@ static dls_status global_create(dls_global **out, const dls_model *model, const 
   }
   if (!status && !solver) {
     const dls_sparse H = dlsi_columns_view(&work->H);
-    status = dlsi_system_create(&work->system, &work->model, &H, work->body.joint, error);
+    status = dlsi_system_create(&work->system, &work->model, &H, work->d, work->body.joint, error);
   }
   if (status)
     dls_global_destroy(work);

@@ -44,13 +44,15 @@ void dlsi_general_free(dlsi_general *work);
 /* ---- system.c: A = K + rho H H^T + E --------------------------------------------------------- */
 
 typedef struct dlsi_system {
-  int n, symmetric, definite; /* definite: 0 once a pivot has shown that A is not */
+  int n, d;
+  int symmetric, definite;    /* definite: 0 once a pivot has shown that A is not */
   size_t entries, of_K, of_H; /* entries = of_K + of_H + n, in this order, of one triangle where K
                                  is symmetric */
   int *row, *col;             /* counted from 1: entries */
   double *x;                  /* values of A: entries */
   double *h;                  /* values of H H^T: of_H */
   const double *K;            /* values of K, borrowed: of_K */
+  dls_sparse H;               /* borrowed */
   double *e;                  /* n: E is hold * e; |K_jj|, or the largest entry of column j; 0 of
                                  multipliers: redundant joints are not in K */
   double hold;                /* 0 where nothing is singular */
@@ -60,9 +62,9 @@ typedef struct dlsi_system {
 } dlsi_system;
 
 /* Analyses. K: sparse, repeated entries added up; of a symmetric one the lower triangle alone. H: n
- * x m. joint: 1 of a multiplier, n; NULL: there is none. The values are read, and K.Ks.x is
- * borrowed. *out = NULL on error: DLS_E_MEMORY, DLS_E_SIZE. */
-dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_sparse *H,
+ * x m, d columns a contact. joint: 1 of a multiplier, n; NULL: there is none. The values are read,
+ * and K.Ks.x and H are borrowed. *out = NULL on error: DLS_E_MEMORY, DLS_E_SIZE. */
+dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_sparse *H, int d,
                               const int *joint, dls_error *error);
 
 /* Orders and analyses A, or A + A^T where K is not symmetric. *out = NULL on error:
@@ -77,6 +79,10 @@ void dlsi_system_update(dlsi_system *work, const dls_model *K, const dls_sparse 
  * 1e-8. The caller adds E x_old to the right side, so that a fixed point does not know E. Where A
  * is not definite, by LU. DLS_E_SINGULAR, DLS_E_UNSUPPORTED, DLS_E_MEMORY. */
 dls_status dlsi_system_factor(dlsi_system *work, double rho, dls_error *error);
+
+/* Factors K + H M H^T + E in place of A, M symmetric with a block for each contact: 4 numbers, nn,
+ * tt, ss, ts; other couplings are 0. DLS_E_SINGULAR where that is not definite, DLS_E_MEMORY. */
+dls_status dlsi_system_factor_weighted(dlsi_system *work, const double *M, dls_error *error);
 
 /* x := A^-1 x. DLS_E_MEMORY. */
 dls_status dlsi_system_solve(dlsi_system *work, double *x, dls_error *error);
@@ -189,6 +195,13 @@ dls_status dlsi_global_interior(dls_global *work, double hold, double start, con
 /* Solves by convex problems, from nothing. Returns as dlsi_global_measure, or an error; x is as
  * before, r and u are spoilt. */
 dls_status dlsi_global_fixed(dls_global *work, dls_error *error);
+
+/* ---- lagrangian.c ---------------------------------------------------------------------------- */
+
+/* Takes up to `most` steps of the augmented Lagrangian from work->x and the reactions r (round, m),
+ * and measures. Returns as dlsi_global_measure, or an error; x, u, before are spoilt, and A is no
+ * more the one of work->rho. */
+dls_status dlsi_global_lagrangian(dls_global *work, const double *r, int most, dls_error *error);
 
 /* ---- motion.c -------------------------------------------------------------------------------- */
 

@@ -22,27 +22,35 @@
 static const double soft = 1e-8;
 static const double rounding = 1e-13;
 
-/* Lists the entries of H H^T at rows, columns, values (NULL: only counts): those of one triangle,
- * whichever, where `half`. Returns their number. */
-static size_t system_list(const dls_sparse *H, int half, int *row, int *col, double *h) {
+/* Lists the entries of H M H^T, M block diagonal, at rows, columns, values (NULL: only counts):
+ * those of one triangle, whichever, where `half`. M couples the tangents of a contact, d = 3. M is
+ * as dlsi_system_factor_weighted takes it; NULL: 1. Returns their number. */
+static size_t system_list(const dls_sparse *H, int d, int half, const double *M, int *row, int *col,
+                          double *h) {
   size_t count = 0;
-  for (int c = 0; c < H->cols; c++)
-    for (int a = H->p[c]; a < H->p[c + 1]; a++)
-      for (int b = half ? a : H->p[c]; b < H->p[c + 1]; b++) {
-        if (row) {
-          row[count] = H->i[a] + 1;
-          col[count] = H->i[b] + 1;
+  for (int k = 0; k < H->cols; k++) { /* the entry a is of column k, b of column l */
+    const int first = k % d ? k - k % d + 1 : k, last = k % d ? k - k % d + d : k + 1;
+    const double *of = M ? M + 4 * (k / d) : NULL;
+    for (int a = H->p[k]; a < H->p[k + 1]; a++)
+      for (int l = half ? k : first; l < last; l++)
+        for (int b = half && l == k ? a : H->p[l]; b < H->p[l + 1]; b++, count++) {
+          if (row) {
+            row[count] = H->i[a] + 1;
+            col[count] = H->i[b] + 1;
+          }
+          if (!h) continue;
+          const double m = of ? of[k == l ? k % d : 3] : k == l;
+          h[count] = m * H->x[a] * H->x[b] * (half && a != b && H->i[a] == H->i[b] ? 2 : 1);
         }
-        if (h) h[count] = H->x[a] * H->x[b] * (half && a != b && H->i[a] == H->i[b] ? 2 : 1);
-        count++;
-      }
+  }
   return count;
 }
 
 void dlsi_system_update(dlsi_system *work, const dls_model *K, const dls_sparse *H,
                         const int *joint) {
   work->K = K->Ks.x;
-  (void)system_list(H, work->symmetric, NULL, NULL, work->h);
+  work->H = *H;
+  (void)system_list(H, work->d, work->symmetric, NULL, NULL, NULL, work->h);
   memset(work->e, 0, (size_t)work->n * sizeof *work->e);
   for (size_t k = 0; k < work->of_K; k++)
     if (work->row[k] == work->col[k]) work->e[work->row[k] - 1] += fabs(work->K[k]);
@@ -86,16 +94,17 @@ dls_status dlsi_system_analyse(const dlsi_system *work, dlsi_cholesky **out, dls
   return status;
 }
 
-dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_sparse *H,
+dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_sparse *H, int d,
                               const int *joint, dls_error *error) {
   *out = NULL;
   dlsi_system *work = calloc(1, sizeof *work);
   if (!work) return dlsi_no_memory(error);
   const size_t n = (size_t)K->n;
   work->n = K->n;
+  work->d = d;
   work->symmetric = K->factorization != DLS_LU;
   work->of_K = (size_t)K->Ks.p[K->n];
-  work->of_H = system_list(H, work->symmetric, NULL, NULL, NULL);
+  work->of_H = system_list(H, d, work->symmetric, NULL, NULL, NULL, NULL);
   work->entries = work->of_K + work->of_H + n;
   work->row = dlsi_alloc(work->entries, sizeof *work->row);
   work->col = dlsi_alloc(work->entries, sizeof *work->col);
@@ -114,7 +123,8 @@ dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_s
         work->row[k] = K->Ks.i[k] + 1;
         work->col[k] = j + 1;
       }
-    (void)system_list(H, work->symmetric, work->row + work->of_K, work->col + work->of_K, NULL);
+    (void)system_list(H, d, work->symmetric, NULL, work->row + work->of_K, work->col + work->of_K,
+                      NULL);
     for (size_t k = 0; k < n; k++)
       work->row[work->of_K + work->of_H + k] = work->col[work->of_K + work->of_H + k] = (int)k + 1;
     dlsi_system_update(work, K, H, joint);
@@ -127,10 +137,11 @@ dls_status dlsi_system_create(dlsi_system **out, const dls_model *K, const dls_s
   return status;
 }
 
-/* x := the values of A. */
-static void system_values(dlsi_system *work, double rho) {
+/* x := the values of A, with M in place of rho where it is not NULL. */
+static void system_values(dlsi_system *work, double rho, const double *M) {
   memcpy(work->x, work->K, work->of_K * sizeof *work->x);
-  for (size_t k = 0; k < work->of_H; k++)
+  if (M) (void)system_list(&work->H, work->d, work->symmetric, M, NULL, NULL, work->x + work->of_K);
+  for (size_t k = 0; !M && k < work->of_H; k++)
     work->x[work->of_K + k] = rho * work->h[k];
   for (size_t k = 0; k < (size_t)work->n; k++)
     work->x[work->of_K + work->of_H + k] = work->hold * work->e[k];
@@ -169,7 +180,7 @@ static dls_status system_lu(dlsi_system *work, dls_error *error) {
 dls_status dlsi_system_factor(dlsi_system *work, double rho, dls_error *error) {
   const double held = work->hold;
   for (int turn = 0; work->definite && turn < 2; turn++) {
-    system_values(work, rho);
+    system_values(work, rho, NULL);
     const int answer = system_cholesky(work, error);
     if (answer <= 0) return (dls_status)answer;
     if (work->hold > 0) break;
@@ -179,18 +190,30 @@ dls_status dlsi_system_factor(dlsi_system *work, double rho, dls_error *error) {
     work->definite = 0;
     work->hold = held;
   }
-  system_values(work, rho);
+  system_values(work, rho, NULL);
   dls_error why = {0};
   dls_status status = system_lu(work, &why);
   if (status == DLS_E_SINGULAR && work->hold == 0) {
     work->hold = soft;
-    system_values(work, rho);
+    system_values(work, rho, NULL);
     status = system_lu(work, &why);
   }
   if (status == DLS_E_SINGULAR)
     return dlsi_fail(error, DLS_E_SINGULAR, "model", -1, 0, "K + H R H^T is singular");
   if (status && error) *error = why;
   return status;
+}
+
+dls_status dlsi_system_factor_weighted(dlsi_system *work, const double *M, dls_error *error) {
+  const double held = work->hold;
+  int answer = 1;
+  for (int turn = 0; work->definite && answer > 0 && turn < 2; turn++) {
+    if (turn) work->hold = soft;
+    system_values(work, 1, M);
+    answer = system_cholesky(work, error);
+  }
+  work->hold = held;
+  return answer > 0 ? DLS_E_SINGULAR : (dls_status)answer;
 }
 
 dls_status dlsi_system_solve(dlsi_system *work, double *x, dls_error *error) {
