@@ -150,6 +150,7 @@ help:
 	@echo 'make bench-reduction K -> W beside CHOLMOD and UMFPACK; BENCH=--full, BENCH=--large'
 	@echo 'make bench-lemke     Lemke beside Siconos; BENCH=--full, BENCH=--large'
 	@echo 'make bench-scale     rigid bodies up to 100,000 contacts beside Siconos; BENCH=options'
+	@echo 'make bench-global    contact over whole surfaces on K beside W and CHOLMOD; BENCH="--table NAME"'
 	@echo 'make bench-auto      auto beside the single methods; BENCH=files'
 	@echo 'make bench-motion    load and recover of each step beside one solve by CHOLMOD'
 	@echo 'make bench-bodies    rigid bodies as W = H^T H beside W by blocks, one and two threads'
@@ -466,7 +467,7 @@ bench_obj = $(call obj,bench/common.c $(sort $(wildcard bench/$(1).c bench/$(1)_
 $(call bench_obj,lemke) $(call bench_obj,solvers): CPP_OF += $(PEER_CFLAGS)
 $(call bench_obj,scale) $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c): CPP_OF += -Itests/shared
 $(call bench_obj,reduction): CPP_OF += -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
-$(call bench_obj,motion): CPP_OF += -isystem /usr/include/suitesparse
+$(call bench_obj,motion) $(call bench_obj,global): CPP_OF += -isystem /usr/include/suitesparse
 $(call obj,$(wildcard bench/*.c)): CPP_OF += -D_GNU_SOURCE
 
 $(BUILD)/bench/lemke: $(call bench_obj,lemke) $(FE) $(A)
@@ -475,7 +476,8 @@ $(BUILD)/bench/reduction: $(call bench_obj,reduction) $(FE) $(A)
 $(BUILD)/bench/scale: $(call bench_obj,scale) $(call obj,bench/solvers_call.c bench/solvers_peer.c bench/reduction_boxes.c tests/shared/rigid.c) $(FE) $(A)
 $(BUILD)/bench/bodies: $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c) $(A)
 $(BUILD)/bench/motion: $(call bench_obj,motion) $(call obj,bench/reduction_boxes.c) $(A)
-$(BUILD)/bench/motion: PEER_LIBS = -lcholmod
+$(BUILD)/bench/global: $(call bench_obj,global) $(A)
+$(BUILD)/bench/motion $(BUILD)/bench/global: PEER_LIBS = -lcholmod
 $(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,bench/solvers_scenes.c $(addprefix src/cli/,problem.c matrices.c place.c arrays.c input.c quote.c report.c)) $(FE) $(A)
 $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
 $(BUILD)/bench/steps: $(call bench_obj,steps) $(A)
@@ -488,8 +490,8 @@ $(BUILD)/bench/%:
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(PEER_LIBS) $(LIBS)
 
-.PHONY: bench-lemke bench-solvers bench-reduction bench-auto bench-blocks bench-scale bench-motion
-bench-lemke bench-solvers bench-reduction bench-scale: bench-%:
+.PHONY: bench-lemke bench-solvers bench-reduction bench-auto bench-blocks bench-scale bench-motion bench-global
+bench-lemke bench-solvers bench-reduction bench-scale bench-global: bench-%:
 	@$(DEPS) bench
 	@$(MAKE) --no-print-directory $(BUILD)/bench/$*
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/$* --out $(RESULTS) $(BENCH)

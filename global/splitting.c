@@ -24,7 +24,7 @@
  *            else, and the residual has halved        rho stays
  *            else, two times of three                 rho stays
  *            else                                     rho / 10, 10 rho, rho / 100, .. in turn
- *          A change keeps r and z, and costs a factorisation. rho is 1/2 of the local stiffness at
+ *          A change keeps r and z, and costs a factorisation. rho is .35 of the local stiffness at
  *          first: 1/4 suits contacts that open, 1 contacts that stay.
  *   (GL8)  Newton steps (newton.c) end the iteration where no state has changed between two
  *          measures and the splitting would need more than 200 iterations yet. That is what an LU
@@ -55,7 +55,7 @@ static const double relaxation = 1.6;
 static const double most_growth = 2;          /* (GL6) */
 static const double off = 2.2360679774997896; /* (GL7): sqrt(5) */
 static const double most_change = 10;         /* (GL7) */
-static const double first_rho = 0.5;          /* of the local stiffness */
+static const double first_rho = 0.35;         /* of the local stiffness */
 static const double fast = 0.01;              /* (GL7): gain from look to look at which rho stays */
 static const double slow = 0.1;               /* (GL12): that at which the splitting is left */
 static const double least_rho = 1e-8, most_rho = 100;

@@ -1,0 +1,156 @@
+/* global_ways.c: the ways that a scene is solved, as global_ways.h describes them. */
+#include "global_ways.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+
+#include "common.h"
+#include "global/global_internal.h"
+#include "global_peer.h"
+
+typedef struct trial {
+  way w;
+  scene plan;
+  double mu, tol, most_bytes;
+  result *out;
+} trial;
+
+/* ---- memory of this process ------------------------------------------------------------------ */
+
+/* Returns a number of /proc/self/status in bytes, NAN if it is not there. */
+static double status_bytes(const char *name) {
+  char line[256];
+  double bytes = NAN;
+  FILE *file = fopen("/proc/self/status", "r");
+  while (file && fgets(line, sizeof line, file))
+    if (strncmp(line, name, strlen(name)) == 0) bytes = 1024 * atof(line + strlen(name) + 1);
+  if (file) fclose(file);
+  return bytes;
+}
+
+/* Begins to watch for the peak from here on; returns what is in use. */
+static double memory_begin(void) {
+  FILE *file = fopen("/proc/self/clear_refs", "w");
+  if (file) {
+    fputs("5", file);
+    fclose(file);
+  }
+  return status_bytes("VmRSS");
+}
+
+/* ---- ways ------------------------------------------------------------------------------------ */
+
+static void take_K(const scene *S, const double *mu, double tol, double *r, double *x,
+                   result *out) {
+  dls_global *G;
+  dls_info info;
+  dls_error e = {0};
+  const dls_limits limits = {.tol = tol};
+  const double held = memory_begin(), start = bench_seconds();
+  if (dls_global_create(&G, &S->model, &e)) {
+    fprintf(stderr, "%s\n", e.message);
+    return;
+  }
+  out->create = bench_seconds() - start;
+  out->status = dls_global_solve(G, S->f, S->g, mu, &limits, r, x, &info, &e);
+  out->cpu = bench_seconds() - start;
+  out->bytes = status_bytes("VmHWM") - held;
+  if (out->status < 0) fprintf(stderr, "%s\n", e.message);
+  out->failed = out->status < 0 || dls_global_get_info(G, &out->foreseen, NULL);
+  out->iterations = info.iterations;
+  out->factorisations = info.factorisations;
+  out->residual = info.certificate.residual;
+  out->equilibrium = info.certificate.equilibrium;
+  double begun = bench_seconds();
+  out->failed |= dlsi_system_factor(G->system, 1, NULL) != 0;
+  out->factor = bench_seconds() - begun;
+  begun = bench_seconds();
+  for (int k = 0; k < 3; k++)
+    out->failed |= dlsi_system_solve(G->system, x, NULL) != 0;
+  out->step = (bench_seconds() - begun) / 3;
+  dls_global_destroy(G);
+}
+
+static void take_W(const scene *S, const double *mu, double tol, double most_bytes, double *r,
+                   double *x, result *out) {
+  dls_reduction *R = NULL;
+  dls_reduction_info foreseen;
+  dls_solver_settings settings;
+  dls_contact problem;
+  dls_certificate certificate = {.residual = NAN};
+  dls_info info = {.iterations = 0};
+  dls_error e = {0};
+  dls_solver_settings_init(&settings);
+  settings.limits.tol = tol;
+  if (dls_reduction_estimate(&S->model, NULL, &foreseen, NULL)) return;
+  out->foreseen_W = foreseen.bytes;
+  if (foreseen.bytes > most_bytes) return;
+  const double held = memory_begin(), start = bench_seconds();
+  dls_status status = dls_reduction_create(&R, &S->model, &e);
+  out->create = bench_seconds() - start;
+  if (!status) status = dls_reduction_load(R, S->f, S->g, &e);
+  if (!status) status = dls_reduction_contact(R, mu, &problem, &e);
+  if (!status) status = dls_solve(&problem, &settings, r, NULL, &info, &e);
+  out->status = status;
+  if (status >= 0) status = dls_reduction_recover(R, r, x, &e);
+  out->cpu = bench_seconds() - start;
+  out->bytes = status_bytes("VmHWM") - held;
+  if (!status) status = dls_reduction_certify(R, mu, r, x, NULL, &certificate, &e);
+  if (status < 0) fprintf(stderr, "%s\n", e.message);
+  out->failed = status < 0;
+  out->iterations = info.iterations;
+  out->residual = certificate.residual;
+  out->equilibrium = certificate.equilibrium;
+  dls_reduction_destroy(R);
+}
+
+static void take_peer(const scene *S, double mu, double tol, double *r, double *x, result *out) {
+  const double held = memory_begin(), start = bench_seconds();
+  const int answer = peer_solve(S, mu, tol, r, x, &out->iterations);
+  out->cpu = bench_seconds() - start;
+  out->bytes = status_bytes("VmHWM") - held;
+  out->failed = answer < 0;
+  out->factorisations = 2;
+  out->status = answer ? DLS_MAX_ITERATIONS : DLS_OK;
+}
+
+static void run_trial(void *data) {
+  trial *t = data;
+  scene *S = &t->plan;
+  if (scene_create(S)) return;
+  t->out->n = S->n;
+  t->out->nc = S->nc;
+  t->out->entries = S->model.Ks.p[S->n];
+  double *mu = malloc((size_t)S->nc * sizeof *mu), *x = calloc((size_t)S->n, sizeof *x);
+  double *r = calloc((size_t)(S->d * S->nc), sizeof *r);
+  if (!mu || !x || !r) return;
+  for (int c = 0; c < S->nc; c++)
+    mu[c] = t->mu;
+  if (t->w == ON_K)
+    take_K(S, mu, t->tol, r, x, t->out);
+  else if (t->w == ON_W)
+    take_W(S, mu, t->tol, t->most_bytes, r, x, t->out);
+  else
+    take_peer(S, t->mu, t->tol, r, x, t->out);
+  free(mu);
+  free(x);
+  free(r);
+  scene_free(S);
+}
+
+result run_way(way w, const scene *plan, double mu, double tol, int turns, double most_bytes) {
+  result best = {.failed = 1};
+  result *out = bench_shared(sizeof *out);
+  trial t = {w, *plan, mu, tol, most_bytes, out};
+  for (int turn = 0; out && turn < turns; turn++) {
+    *out = (result){.failed = 1, .status = DLS_STALLED, .residual = NAN};
+    if (bench_child(run_trial, &t)) out->failed = 1;
+    if (turn == 0 || out->cpu < best.cpu) best = *out;
+    if (out->failed) break;
+  }
+  if (out) munmap(out, sizeof *out);
+  return best;
+}
