@@ -83,8 +83,8 @@ DLS_API DLS_MUST_USE dls_status dls_global_update(dls_global *global, const dls_
  *   x       unknowns, n: in for a warm start, out                       length (velocity)
  *   info    or NULL: iterations, factorisations, certificate of (x, r); method is DLS_ADMM
  *
- * r, x must not overlap each other or the rest. Allocates the matrix of a Newton step while it is
- * tried, and what MUMPS and the factors allocate.
+ * r, x must not overlap each other or the rest. Allocates the matrix of a Newton step, and
+ * the vectors of an augmented Lagrangian, while it is tried, and what MUMPS and the factors do.
  *
  * DLS_OK; DLS_TO_ROUNDING: solved as well as double precision holds (x, r), the floors say how
  * well; DLS_NO_SOLUTION: proved, dls_global_motion shows why; DLS_NOT_IN_EQUILIBRIUM: a body's
@@ -101,7 +101,7 @@ typedef struct dls_global_info {
   double flops;        /* of one factorisation of A, from the analysis */
   double factor_bytes; /* of the factor of A */
   double step_bytes;   /* an iteration reads and writes: the factor twice, vectors */
-  double bytes;        /* in use during a solve, without what a Newton step or MUMPS allocates */
+  double bytes;        /* in use during a solve that allocates nothing of its own */
 } dls_global_info;
 
 /* Foresees what dls_global_create and dls_global_solve take, from ordering and analysis, without a
