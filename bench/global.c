@@ -84,7 +84,8 @@ static void table_peer(FILE *page) {
       task_of(PLATE, SOFT, PRESS, 50, 50, 3),  task_of(PLATE, SOFT, LIFT, 20, 20, 20),
       task_of(TUBE, SOFT, LIFT, 128, 24, 2),   task_of(PLATE, SOFT, LIFT, 100, 100, 3)};
   bench_print(
-      page, "## Beside W and beside CHOLMOD\n\nTo 1e-8, friction .3. Peer: two factors by CHOLMOD "
+      page, "## Beside W and beside CHOLMOD\n\n`make bench-global BENCH='--table peer'`\n\nTo "
+            "1e-8, friction .3. Peer: two factors by CHOLMOD "
             "and the plain splitting, R = 1/w. W: reduction and auto; its memory is the one "
             "foreseen where it is refused. Steps: CPU of the solve without its factorisations, in "
             "factorisations.\n\n"
@@ -122,7 +123,8 @@ static void table_growth(FILE *page) {
       {task_of(STRIP, HELD, LIFT, 300, 4, 1), task_of(STRIP, HELD, LIFT, 1000, 4, 1),
        task_of(STRIP, HELD, LIFT, 2000, 4, 1), task_of(STRIP, HELD, LIFT, 3000, 4, 1)}};
   bench_print(page,
-              "\n## Growth\n\nTo 1e-8, friction .3. The exponent is that of CPU, and of memory, "
+              "\n## Growth\n\n`make bench-global BENCH='--table growth'`\n\nTo 1e-8, friction .3. "
+              "The exponent is that of CPU, and of memory, "
               "against unknowns from the second scene of a row to the last one.\n\n"
               "| scene | unknowns | contacts | s | MB | iterations | factors | CPU grows like | "
               "memory |\n|---|---|---|---|---|---|---|---|---|\n");
@@ -151,7 +153,8 @@ static void table_tolerance(FILE *page) {
       task_of(STRIP, SOFT, LIFT, 4000, 4, 1), task_of(SHEETS, SOFT, LIFT, 2000, 4, 1),
       task_of(RIM, SOFT, LIFT, 1600, 8, 1),   task_of(PLATE, SOFT, LIFT, 50, 50, 3),
       task_of(TUBE, SOFT, LIFT, 128, 24, 2),  task_of(STRIP, HELD, LIFT, 1000, 4, 1)};
-  bench_print(page, "\n## Tolerance\n\nCPU s (iterations), friction .3.\n\n"
+  bench_print(page, "\n## Tolerance\n\n`make bench-global BENCH='--table tolerance'`\n\nCPU s "
+                    "(iterations), friction .3.\n\n"
                     "| scene | 1e-4 | 1e-6 | 1e-8 | 1e-10 | 1e-12 | 1e-12 over 1e-6 |\n"
                     "|---|---|---|---|---|---|---|\n");
   for (size_t k = 0; k < sizeof tasks / sizeof tasks[0]; k++) {
@@ -179,11 +182,11 @@ static void table_robust(FILE *page) {
   const double mu[] = {0.05, 0.1, 0.3, 0.7, 1, 2};
   double all[1000], most = 0;
   size_t count = 0, unsolved = 0;
-  bench_print(page,
-              "\n## Loads, supports, friction\n\nTo 1e-8, friction .05, .1, .3, .7, 1, 2, seeds "
-              "2 and 4. Free bodies without the frictions that may not hold them. Solved of "
-              "all; median and most iterations; most factors; CPU s of the slowest.\n\n"
-              "| scene | press | shear | lift |\n|---|---|---|---|\n");
+  bench_print(page, "\n## Loads, supports, friction\n\n`make bench-global BENCH='--table "
+                    "robust'`\n\nTo 1e-8, friction .05, .1, .3, .7, 1, 2, seeds "
+                    "2 and 4. Free bodies without the frictions that may not hold them. Solved of "
+                    "all; median and most iterations; most factors; CPU s of the slowest.\n\n"
+                    "| scene | press | shear | lift |\n|---|---|---|---|\n");
   for (int kind = 0; kind < SCENE_KINDS; kind++)
     for (int support = 0; support < SCENE_SUPPORTS; support++) {
       const int *s = sizes[kind];
@@ -235,7 +238,8 @@ static void table_foreseen(FILE *page) {
       task_of(PLATE, SOFT, LIFT, 20, 20, 3),   task_of(PLATE, SOFT, LIFT, 50, 50, 3),
       task_of(PLATE, SOFT, LIFT, 20, 20, 20),  task_of(TUBE, SOFT, LIFT, 128, 24, 2)};
   bench_print(
-      page, "\n## Foreseen\n\nFigures of dls_global_estimate beside what happened. Factor: flops / "
+      page, "\n## Foreseen\n\n`make bench-global BENCH='--table foreseen'`\n\nFigures of "
+            "dls_global_estimate beside what happened. Factor: flops / "
             "30e9 + 7e-9 s for each entry; step: step_bytes / (10 GB/s); create: .15e-6 s for each "
             "entry of a triangle of K.\n\n"
             "| scene | Gflops of the factor | factor s | foreseen over measured | at 30 Gflops/s "
@@ -260,11 +264,11 @@ static void table_where(FILE *page, FILE *csv) {
   const int strips[] = {60, 120, 250, 500, 1000}, high[] = {1, 2, 4, 8, 16, 32, 64};
   const int plates[] = {6, 10, 16, 24, 32}, thick[] = {1, 2, 4, 8, 16};
   bench_print(
-      page,
-      "\n## Where K begins to win\n\nStrips and plates of many lengths and heights, soft, lift, "
-      "friction .3, to 1e-8; every way once, the faster of both scenes of seeds 2 and 4.\n\n"
-      "| scene | unknowns | contacts | contacts / unknowns | K: s | W: s | W over K |\n"
-      "|---|---|---|---|---|---|---|\n");
+      page, "\n## Where K begins to win\n\n`make bench-global BENCH='--table where'`\n\nStrips and "
+            "plates of many lengths and heights, soft, lift, "
+            "friction .3, to 1e-8; every way once, the faster of both scenes of seeds 2 and 4.\n\n"
+            "| scene | unknowns | contacts | contacts / unknowns | K: s | W: s | W over K |\n"
+            "|---|---|---|---|---|---|---|\n");
   fputs("d,size,layers,n,nc,K_s,W_s,K_MB,W_MB\n", csv);
   for (int d = 2; d <= 3; d++)
     for (int a = 0; a < 5; a++)
@@ -344,11 +348,9 @@ int main(int argc, char **argv) {
   FILE *page = bench_page(directory, "global", "The contact problem on K beside W", argc, argv);
   FILE *csv = wanted >> 5 & 1 ? bench_open(directory, "global.csv") : NULL;
   if (!page || (wanted >> 5 & 1 && !csv)) return EXIT_FAILURE;
-  bench_print(page,
-              "CPU seconds and peak memory of a child process, without the model; "
-              "global_scenes.h has the scenes. Each table alone: `make bench-global "
-              "BENCH='--table NAME'`, NAME peer, growth, tolerance, robust, foreseen or where. "
-              "One scene: `build/bench/global --scene strip soft lift 4000 4 1`.\n\n");
+  bench_print(page, "CPU seconds and peak memory of a child process, without the model; "
+                    "global_scenes.h has the scenes. Each table has its command. One scene: "
+                    "`build/bench/global --scene strip soft lift 4000 4 1`.\n\n");
   if (wanted & 1) table_peer(page);
   if (wanted >> 1 & 1) table_growth(page);
   if (wanted >> 2 & 1) table_tolerance(page);

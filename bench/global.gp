@@ -9,7 +9,10 @@ set grid
 set key left top reverse Left
 set xlabel 'contacts / unknowns'
 set ylabel 'CPU of W / CPU of K'
-set xrange [0.005:0.4]
+set xrange [0.006:0.3]
+set yrange [0.4:100]
+set xtics (0.01, 0.02, 0.05, 0.1, 0.2)
+set ytics (0.5, 1, 2, 5, 10, 20, 50, 100)
 pick(d, s) = column(1) == d && column(2) == s ? column(7) / column(6) : NaN
 do for [type in 'png svg'] {
   if (type eq 'png') { set terminal pngcairo size 1200,560 font ',12' }

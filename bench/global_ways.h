@@ -16,7 +16,7 @@ typedef struct result {
   int iterations, factorisations; /* of the solve; ON_W: iterations of auto's stages */
   double create, cpu;             /* s: create; create and solve */
   double bytes;                   /* most in use at the same time, without the model */
-  double factor, step;            /* ON_K: s of one factorisation, of one solve with the factor */
+  double factor;                  /* ON_K: s of one factorisation, the fastest of three */
   dls_global_info foreseen;       /* ON_K */
   double foreseen_W;              /* ON_W: bytes, dls_reduction_estimate */
   double residual, equilibrium;   /* by the certificate; PEER: its own */
