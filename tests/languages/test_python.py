@@ -209,8 +209,9 @@ class Reduce(unittest.TestCase):
         on_K.update(2 * K, HN, HT)
         np.testing.assert_allclose(on_K.solve(0.3, f=-np.ones(40), tol=1e-12).x, by_W.x / 2,
                                    atol=1e-9)
-        # W does not fit: K
-        self.assertEqual(delassus.reduce(K, HN, HT, memory_limit=100).on, "K")
+        with self.assertRaises(delassus.Error) as caught:
+            delassus.reduce(K, HN, HT, memory_limit=100)
+        self.assertEqual(caught.exception.argument, "memory_limit")
         with self.assertRaises(ValueError):
             delassus.reduce(K, HN, HT, on="V")
         with self.assertRaises(delassus.Error):
