@@ -140,15 +140,16 @@ static dls_status check_memory_on_K(dls_reduction *reduction, double limit, dls_
                    1e-9 * limit);
 }
 
-/* Makes the reduction to W in the place of that on K, but for a K that is singular and a W that
- * does not fit: these stay on K. */
+/* Makes the reduction to W in the place of that on K, but for a K that is singular and a W beyond
+ * the limit: these stay on K. */
 static dls_status exchange_for_W(dls_reduction **out, const dls_model *model,
                                  const dls_reduction_settings *settings, dls_error *error) {
   dls_reduction *on_W = NULL;
   dls_error why = {0};
   const dls_status status = create_on(&on_W, model, settings, DLS_ON_W, &why);
   if (status == DLS_E_SINGULAR) return DLS_OK;
-  if (status == DLS_E_MEMORY) return check_memory_on_K(*out, settings->memory_limit, error);
+  if (status == DLS_E_MEMORY && strcmp(why.argument, "memory_limit") == 0)
+    return check_memory_on_K(*out, settings->memory_limit, error);
   if (status < 0 && error) *error = why;
   dls_reduction_destroy(*out);
   *out = on_W;
