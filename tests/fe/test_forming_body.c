@@ -219,19 +219,22 @@ START_TEST(methods_agree_before_halving) {
 }
 END_TEST
 
-/* Beyond the friction that the mesh bears auto and Lemke's method stop at one corner, at about the
- * same travel. Halved steps are paths of their own: the last digits of the arithmetic move each
- * stop by a few steps; from mu = .36 on they decide whether it is at that corner, too. */
+/* Beyond the friction that the mesh bears auto stops at one corner, and no earlier than Lemke's
+ * method. Halved steps are paths of their own: the last digits of the arithmetic move each stop by a
+ * few steps, and decide whether Lemke's method comes to that corner or to a step that it finds no
+ * answer of; from mu = .36 on those of auto, too. */
 START_TEST(auto_goes_as_far) {
   static const double mu[] = {0.3, 0.35, 0.355};
   double travel[2];
   for (int k = 0; k < 2; k++) {
     dls_forming_data d;
-    ck_assert_int_eq(run_extrusion(k, mu[_i], &d), DLS_FOLDED);
+    const dls_status status = run_extrusion(k, mu[_i], &d);
+    travel[k] = d.travel;
+    if (k && status == DLS_STALLED) continue;
+    ck_assert_int_eq(status, DLS_FOLDED);
     ck_assert_int_eq(d.fault.kind, DLS_FORMING_CORNER);
     ck_assert_int_eq(d.fault.element, 63);
     ck_assert_int_eq(d.fault.corner, 1);
-    travel[k] = d.travel;
   }
   ck_assert_double_gt(travel[0], 0.95 * travel[1]);
 }
@@ -244,7 +247,7 @@ START_TEST(halved_methods_agree) {
     dls_forming_settings s;
     dls_forming_settings_init(&s);
     s.method = k ? DLS_LEMKE : DLS_AUTO;
-    s.mu = 0.25;
+    s.mu = 0.2;
     s.step_tol = 1e-3;
     dls_forming *f;
     ck_assert_int_eq(dls_forming_create(&f, "extrusion", &s, &error), DLS_OK);
@@ -252,6 +255,7 @@ START_TEST(halved_methods_agree) {
     for (int step = 0; step < 270; step++)
       ck_assert_int_eq(dls_forming_step(f, &error), DLS_OK);
     dls_forming_get(f, &d);
+    ck_assert_int_gt(d.count.halvings, 0);
     force[k] = d.force;
     off[k] = d.step_error;
     dls_forming_destroy(f);
