@@ -220,9 +220,9 @@ START_TEST(methods_agree_before_halving) {
 END_TEST
 
 /* Beyond the friction that the mesh bears auto stops at one corner, and no earlier than Lemke's
- * method. Halved steps are paths of their own: the last digits of the arithmetic move each stop by a
- * few steps, and decide whether Lemke's method comes to that corner or to a step that it finds no
- * answer of; from mu = .36 on those of auto, too. */
+ * method. Halved steps are paths of their own: the last digits of the arithmetic move each stop by
+ * a few steps, and decide whether Lemke's method comes to that corner or to a step that it finds
+ * no answer of; from mu = .36 on those of auto, too. */
 START_TEST(auto_goes_as_far) {
   static const double mu[] = {0.3, 0.35, 0.355};
   double travel[2];
