@@ -78,11 +78,10 @@ static dls_status companion_of(dls_reduction *reduction, companion **out, dls_er
 
 /* ---- W or K ---------------------------------------------------------------------------------- */
 
-/* Seconds of a 3 GHz core, for the choice alone: rates of dense products, of factors by supernodes
- * with what each of their entries costs besides, of memory; of ordering and analysis per entry. */
-static const double dense_rate = 2e10, factor_rate = 3e10, per_entry = 7e-9, memory_rate = 1e10;
-static const double per_analysed = 1.5e-7;
-enum { sweeps_on_W = 60, steps_on_K = 40, factors_on_K = 2, small_on_W = 300 };
+/* Seconds of a 3 GHz core, for the choice alone: rates of dense products and of memory; of ordering
+ * and analysis per entry of K. */
+static const double dense_rate = 2e10, memory_rate = 1e10, per_analysed = 1.5e-7;
+enum { sweeps_on_W = 60, steps_on_K = 35, small_on_W = 100 };
 
 /* Returns what W takes that K does not: forming it and `loads` solves on it. */
 static double cost_of_W(const dlsi_reduced *of, int loads) {
@@ -96,16 +95,8 @@ static double entries_of_K(const dls_model *K) {
   return K->operator_kind == DLS_STIFFNESS_SPARSE ? (double)K->Ks.p[K->n] : (double)K->n * K->n;
 }
 
-/* Returns 1 if K is foreseen to be cheaper than W. Both have an analysis, of which that of K is
- * made already, and a factor. */
-static int is_K_cheaper(const dls_global_info *info, double analysis, double of_W, int loads) {
-  const double factor = info->flops / factor_rate + per_entry * info->factor_bytes / sizeof(double);
-  const double steps = loads * (steps_on_K * info->step_bytes / memory_rate);
-  return (factors_on_K - 1) * factor + steps < of_W + analysis;
-}
-
-/* *better := 1 if K is foreseen to be cheaper than W. The reduction is on K; its companion is made
- * where W does not take less than a few solves on K. */
+/* *better := 1 if K is foreseen to be cheaper than W. Both take a factor and an analysis. The
+ * reduction is on K; its companion, the analysis, is made where W does not take less than that. */
 static dls_status foresee(dls_reduction *reduction, int loads, int *better, dls_error *error) {
   const dlsi_reduced of = dlsi_reduction_body(reduction);
   const double analysis = per_analysed * entries_of_K(&of.K), of_W = cost_of_W(&of, loads);
@@ -116,7 +107,9 @@ static dls_status foresee(dls_reduction *reduction, int loads, int *better, dls_
   dls_status status = companion_of(reduction, &it, error);
   if (status == DLS_E_UNSUPPORTED) return DLS_OK; /* an unsymmetric K without MUMPS */
   if (!status) status = dls_global_get_info(it->global, &info, error);
-  if (!status) *better = is_K_cheaper(&info, analysis, of_W, loads);
+  if (status) return status;
+  const double of_K = loads * (steps_on_K * info.step_bytes / memory_rate);
+  *better = of_K < of_W + analysis;
   return status;
 }
 
