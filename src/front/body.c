@@ -6,6 +6,8 @@
  *   (BY3)  where it does not hold, method auto: the problem on K itself (global/), from (x, r).
  *          Springs hold nothing there, and no precision is lost in a W that is large beside the
  *          body: soft supports, bodies that contact alone holds
+ *   (BY4)  dls_reduction_create_either: (BY3) at once, and no W, where that is foreseen to be
+ *          cheaper, K is singular, or W is beyond the limit of memory
  *
  * Cost: that of dls_solve, a product with K; where (BY3) is needed, factors of K + H R H^T, which
  * the reduction keeps. What can fail: (BY3) for a flexibility or a host's solver, which have no K.
