@@ -66,6 +66,10 @@ install-mpi: $(MPI_A) $(MPI_PROGRAM)
 	install -m 644 $(MPI_A) $(DESTDIR)$(LIBDIR)/
 	install -m 755 $(MPI_PROGRAM) $(DESTDIR)$(PREFIX)/bin/
 
+.PHONY: bench-mpi-global
+bench-mpi-global: $(BUILD)/bench/mpi_global $(MPI_EXAMPLES)
+	bench/mpi_global.sh $(BUILD) $(RESULTS) $(BENCH)
+
 .PHONY: bench-mpi
 bench-mpi: $(BUILD)/bench/mpi
 	bench/mpi.sh $(BUILD) $(RESULTS) $(BENCH)
