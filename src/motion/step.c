@@ -115,7 +115,10 @@ static dls_status step_contact(dls_motion *motion, const double *mu, const doubl
   return status ? status : step_equilibrium(motion, mu, info, error);
 }
 
-/* The same on K, from the reactions of the step before; all candidates are active on a path. */
+static const double more_digits = 1e-3;
+
+/* The same on K, from the reactions of the step before; all candidates are active on a path. The
+ * solver is asked for more digits than the step: single reactions have fewer than the residual. */
 static dls_status step_on_K(dls_motion *motion, const double *mu, dls_info *info,
                             dls_error *error) {
   motion_point *next = &motion->next;
@@ -123,6 +126,7 @@ static dls_status step_on_K(dls_motion *motion, const double *mu, dls_info *info
   dls_solver_settings settings;
   dls_solver_settings_init(&settings);
   settings.limits = motion->settings.limits;
+  settings.limits.tol *= more_digits;
   step_activate(motion);
   memcpy(next->p, motion->now.p, motion->m * sizeof *next->p);
   dls_status status = dls_reduction_load(motion->reduction, motion->b, motion->local, error);
