@@ -86,6 +86,8 @@ static void make_name(char name[name_room], unsigned *state, int number) {
     for (unsigned k = 1 + draw_number(state) % 6; k > 0; k--)
       used += snprintf(name + used, (size_t)(name_room - used), "%s",
                        pieces[draw_number(state) % piece_count]);
+  for (int k = 2; k < used; k++) /* a piece has one, for titles */
+    if (name[k] == '/') name[k] = ':';
   (void)snprintf(name + used, (size_t)(name_room - used), ".txt");
 }
 
