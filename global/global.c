@@ -291,11 +291,13 @@ static dls_status global_create(dls_global **out, const dls_model *model, const 
 }
 
 dls_status dls_global_create(dls_global **out, const dls_model *model, dls_error *error) {
+  DLSI_DOOR;
   return dlsi_at(__func__, global_create(out, model, NULL, NULL, error), error);
 }
 
 dls_status dls_global_create_with(dls_global **out, const dls_model *model,
                                   const dls_global_solver *solver, dls_error *error) {
+  DLSI_DOOR;
   if (out) *out = NULL;
   dls_status status = solver ? DLS_OK : dlsi_is_null(error, "solver");
   if (!status && !solver->prepare) status = dlsi_is_null(error, "solver.prepare");
@@ -352,6 +354,7 @@ static dls_status global_update(dls_global *work, const dls_model *model, dls_er
 }
 
 dls_status dls_global_update(dls_global *global, const dls_model *model, dls_error *error) {
+  DLSI_DOOR;
   dls_status status =
       global ? dlsi_enter(&global->busy, "global", error) : dlsi_is_null(error, "global");
   if (!status) status = dlsi_leave(&global->busy, global_update(global, model, error));
@@ -461,6 +464,7 @@ static dls_status global_solve(dls_global *work, const double *f, const double *
 dls_status dls_global_solve(dls_global *global, const double *f, const double *g, const double *mu,
                             const dls_limits *limits, double *r, double *x, dls_info *info,
                             dls_error *error) {
+  DLSI_DOOR;
   dls_status status =
       global ? dlsi_enter(&global->busy, "global", error) : dlsi_is_null(error, "global");
   if (!status)

@@ -153,9 +153,11 @@ void dlsi_global_push(const dls_global *work, const double *r, double *v);
  * is solved, DLS_TO_ROUNDING, or DLS_STALLED to go on. *found receives the certificate. */
 dls_status dlsi_global_measure(dls_global *work, const double *r, dls_certificate *found);
 
-/* Returns the answer of a function of the host's solver as a status of the solve, and fills *error,
- * not NULL, where the host has left it. */
-dls_status dlsi_host_answer(dls_status answer, dls_error *error);
+/* Call a host's function in the environment of the host (base.h), as dls_global_solver says. Return
+ * its answer as a status of the solve, and fill *error where the host has left it. */
+dls_status dlsi_host_prepare(const dls_global_solver *solver, const double *R, dls_error *error);
+dls_status dlsi_host_solve(const dls_global_solver *solver, const double *b, double *x,
+                           double accuracy, dls_error *error);
 
 /* Asks a host's solver for solves that suit a relative change of q of this size, NaN for 0 / 0. */
 void dlsi_global_ask(dls_global *work, double change);

@@ -19,32 +19,41 @@ void dlsi_global_ask(dls_global *work, double change) {
   work->accuracy = share * (most > tol ? most : tol); /* tol where nothing is there to change */
 }
 
-dls_status dlsi_host_answer(dls_status answer, dls_error *error) {
+/* Makes the answer of a host's function a status; error: what it was given. */
+static dls_status host_answer(dls_status answer, dls_error *error) {
   if (answer > 0) return DLS_CANCELLED;
   if (answer < 0 && error->status != answer)
     return dlsi_fail(error, answer, "solver", -1, answer, "the host's solver failed");
   return answer;
 }
 
-/* x := A^-1 y by the host. */
-static dls_status pair_solve(dls_global *work, dls_error *error) {
+dls_status dlsi_host_prepare(const dls_global_solver *solver, const double *R, dls_error *error) {
   dls_error none = {0}, *why = error ? error : &none;
+  dlsi_host own;
   why->status = DLS_OK;
-  const dls_status answer =
-      work->solver.solve(work->solver.data, work->y, work->x, work->accuracy, why);
-  return dlsi_host_answer(answer, why);
+  dlsi_go_out(&own);
+  const dls_status answer = solver->prepare(solver->data, R, why);
+  dlsi_come_in(&own);
+  return host_answer(answer, why);
+}
+
+dls_status dlsi_host_solve(const dls_global_solver *solver, const double *b, double *x,
+                           double accuracy, dls_error *error) {
+  dls_error none = {0}, *why = error ? error : &none;
+  dlsi_host own;
+  why->status = DLS_OK;
+  dlsi_go_out(&own);
+  const dls_status answer = solver->solve(solver->data, b, x, accuracy, why);
+  dlsi_come_in(&own);
+  return host_answer(answer, why);
 }
 
 dls_status dlsi_global_factor(dls_global *work, dls_error *error) {
   work->factorisations++;
-  if (work->solver.prepare) {
-    for (int k = 0; k < work->m; k++)
-      work->R[k] = work->rho / (work->root[k] * work->root[k]);
-    dls_error none = {0}, *why = error ? error : &none;
-    why->status = DLS_OK;
-    return dlsi_host_answer(work->solver.prepare(work->solver.data, work->R, why), why);
-  }
-  return dlsi_system_factor(work->system, work->rho, error);
+  if (!work->solver.prepare) return dlsi_system_factor(work->system, work->rho, error);
+  for (int k = 0; k < work->m; k++)
+    work->R[k] = work->rho / (work->root[k] * work->root[k]);
+  return dlsi_host_prepare(&work->solver, work->R, error);
 }
 
 void dlsi_global_look(const dls_global *work, const double *x, double *u) {
@@ -73,7 +82,8 @@ dls_status dlsi_global_step(dls_global *work, const double *r, const double *q, 
   for (int k = 0; k < work->m; k++)
     work->look[k] = 2 * r[k] - q[k] - (g ? work->rho * g[k] : 0);
   dlsi_global_push(work, work->look, y);
-  const dls_status status = A ? dlsi_system_solve(work->system, y, error) : pair_solve(work, error);
+  const dls_status status = A ? dlsi_system_solve(work->system, y, error)
+                              : dlsi_host_solve(&work->solver, y, work->x, work->accuracy, error);
   if (status) return status;
   if (A) memcpy(work->x, y, (size_t)work->n * sizeof *y);
   dlsi_global_look(work, work->x, work->u);

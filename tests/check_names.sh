@@ -19,7 +19,7 @@ find include src lcp vi reduction global tests bench examples -name '*.[ch]' | s
   }
   # the line after a public function of the library
   door { if ($0 !~ /^  DLSI_DOOR;/) report(FILENAME ":" FNR ": no DLSI_DOOR in " declaration); door = 0 }
-  /^[a-z][^=;]* \**dls_[a-z0-9_]+\(/ && FILENAME ~ /^(src\/|lcp|vi|reduction)/ && FILENAME !~ /cli|fortran|_none/ {
+  /^[a-z][^=;]* \**dls_[a-z0-9_]+\(/ && FILENAME ~ /^(src\/|lcp|vi|reduction|global)/ && FILENAME !~ /cli|fortran|_none/ {
     text = ""; inside = 1
   }
   inside { text = text $0 }

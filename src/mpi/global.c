@@ -33,7 +33,6 @@ struct dls_mpi_global {
 /* Makes the answer of this rank's function one of all: an error first, then a wish to cancel. */
 static dls_status brought_agree(const dls_mpi_global *work, dls_status answer, dls_error *error) {
   const MPI_Comm all = work->of.grid.all;
-  answer = dlsi_host_answer(answer, error);
   const dls_status status = dlsi_agree(all, answer, error);
   int cancelled = answer > 0;
   if (status) return status;
@@ -42,18 +41,19 @@ static dls_status brought_agree(const dls_mpi_global *work, dls_status answer, d
 }
 
 static dls_status brought_prepare(void *data, const double *R, dls_error *error) {
+  DLSI_DOOR;
   dls_mpi_global *work = data;
-  const dls_status status =
-      work->host.prepare(work->host.data, R + work->of.d * work->of.first, error);
+  const dls_status status = dlsi_host_prepare(&work->host, R + work->of.d * work->of.first, error);
   return brought_agree(work, status, error);
 }
 
 static dls_status brought_solve(void *data, const double *b, double *x, double accuracy,
                                 dls_error *error) {
+  DLSI_DOOR;
   dls_mpi_global *work = data;
   const int first = work->of.first_row;
   memcpy(work->part, x + first, (size_t)work->of.rows * sizeof *x);
-  dls_status status = work->host.solve(work->host.data, b + first, work->part, accuracy, error);
+  dls_status status = dlsi_host_solve(&work->host, b + first, work->part, accuracy, error);
   status = brought_agree(work, status, error);
   if (!status) dlsi_shares_gather_rows(&work->of, work->part, x);
   return status;

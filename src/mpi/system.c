@@ -150,6 +150,7 @@ static dls_status system_take_ldlt(dlsi_mpi_system *work, dls_error *error) {
 
 /* (MY2) */
 dls_status dlsi_mpi_system_prepare(void *data, const double *R, dls_error *error) {
+  DLSI_DOOR; /* called back as a host's function is */
   dlsi_mpi_system *work = data;
   const dlsi_mpi_body *K = work->K;
   dls_status status = DLS_OK;
@@ -170,6 +171,7 @@ dls_status dlsi_mpi_system_prepare(void *data, const double *R, dls_error *error
 /* (MY3) */
 dls_status dlsi_mpi_system_solve(void *data, const double *b, double *x, double accuracy,
                                  dls_error *error) {
+  DLSI_DOOR;
   dlsi_mpi_system *work = data;
   const int n = work->K->of->n;
   (void)accuracy;

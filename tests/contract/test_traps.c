@@ -12,6 +12,7 @@
 
 #include "base/base.h"
 #include "delassus/diagnose.h"
+#include "delassus/global.h"
 #include "delassus/pivoting.h"
 #include "delassus/reduction.h"
 #include "delassus/solve.h"
@@ -19,6 +20,7 @@
 #include "failures.h"
 #include "fclib_file.h"
 #include "run.h"
+#include "solids.h"
 
 enum { capacity = 4000 };
 
@@ -339,6 +341,101 @@ START_TEST(solver_finds_the_host) {
 }
 END_TEST
 
+/* ---- the problem on K ------------------------------------------------------------------------ */
+
+/* A strip that lifts off in parts, a stack that stands, one that slides off: proofs, too. */
+static void solids_on_K(int kind, solids *S) {
+  if (kind == 0) solids_pad(S, 30, 3);
+  if (kind > 0) solids_stack(S, 2, 3, 2, kind == 1 ? 0.5 : 1.1);
+  (void)solids_model(S);
+}
+
+/* Makes, updates and solves the problem on K. r: m + n, x behind r. Returns the status. */
+static dls_status run_on_K(const solids *S, double mu_of_all, double *r) {
+  const dls_model *on = &S->model;
+  double *x = r + on->d * on->nodes, *mu = calloc((size_t)on->nodes, sizeof *mu);
+  dls_limits limits = {.tol = 1e-8, .threads = 1, .progress = look_at_host};
+  dls_global *G = NULL;
+  dls_global_info info;
+  for (int c = 0; c < on->nodes; c++)
+    mu[c] = mu_of_all;
+  dls_status status = dls_global_create(&G, on, NULL);
+  if (!status) status = dls_global_get_info(G, &info, NULL);
+  if (!status) status = dls_global_update(G, on, NULL);
+  if (!status) status = dls_global_solve(G, S->f, S->g, mu, &limits, r, x, NULL, NULL);
+  dls_global_destroy(G);
+  free(mu);
+  return status;
+}
+
+START_TEST(on_K) {
+  solids S;
+  solids_on_K(_i, &S);
+  const size_t m = (size_t)(S.model.d * S.model.nodes), size = m + (size_t)S.model.n;
+  double *plain = calloc(size, sizeof *plain), *trapped = calloc(size, sizeof *trapped);
+  const dls_status one = run_on_K(&S, 0.3, plain);
+  host_calls = host_finds = 0;
+  set_host();
+  const dls_status two = run_on_K(&S, 0.3, trapped);
+  expect_host("on K");
+  ck_assert_int_eq(one, _i == 2 ? DLS_NO_SOLUTION : DLS_OK);
+  ck_assert_int_eq(one, two);
+  ck_assert(!memcmp(plain, trapped, size * sizeof *plain));
+  ck_assert_int_gt(host_calls, 0);
+  ck_assert_int_eq(host_calls, host_finds);
+  free(plain);
+  free(trapped);
+  solids_free(&S);
+}
+END_TEST
+
+static dls_status prepare_unit(void *data, const double *R, dls_error *e) {
+  (void)data;
+  (void)e;
+  host_calls++;
+  host_finds += is_host() && R[0] > 0;
+  return DLS_OK;
+}
+
+/* A = 1 + R in both directions of one node that rests on the ground. */
+static dls_status solve_unit(void *data, const double *b, double *x, double accuracy,
+                             dls_error *e) {
+  const double *R = data;
+  (void)accuracy;
+  (void)e;
+  host_calls++;
+  host_finds += is_host();
+  for (int i = 0; i < 2; i++)
+    x[i] = b[i] / (1 + *R);
+  return 1; /* cancels */
+}
+
+START_TEST(solver_on_K_finds_the_host) {
+  static const int column[] = {0, 1}, normal[] = {0}, tangent[] = {1};
+  static const double one[] = {1}, K[4] = {1, 0, 0, 1}, f[2] = {-1, 0};
+  double x[2], r[2] = {0}, R = 1;
+  const dls_model m = {.d = 2,
+                       .n = 2,
+                       .nodes = 1,
+                       .operator_kind = DLS_STIFFNESS_DENSE,
+                       .factorization = DLS_CHOLESKY,
+                       .K = {2, 2, 2, K},
+                       .HN = {2, 1, column, normal, one},
+                       .HT = {2, 1, column, tangent, one}};
+  const dls_global_solver solver = {&R, prepare_unit, solve_unit};
+  dls_global *G = NULL;
+  host_calls = host_finds = 0;
+  set_host();
+  dls_status status = dls_global_create_with(&G, &m, &solver, NULL);
+  if (!status) status = dls_global_solve(G, f, NULL, NULL, NULL, r, x, NULL, NULL);
+  expect_host("host's solver on K");
+  ck_assert_int_eq(status, DLS_CANCELLED);
+  ck_assert_int_eq(host_calls, 2);
+  ck_assert_int_eq(host_calls, host_finds);
+  dls_global_destroy(G);
+}
+END_TEST
+
 /* Tasks of helpers, whose threads begin while the host has its traps on. */
 typedef struct helpers {
   pthread_t host;
@@ -372,6 +469,6 @@ int main(void) {
   const int files = (int)(sizeof fclib_files / sizeof fclib_files[0]);
   return RUN("traps", NULL, set_plain, ONCE(every_failure), ONCE(every_lcp),
              EACH(every_file, 0, files), ONCE(progress_finds_the_host),
-             ONCE(plain_host_keeps_its_flags), ONCE(solver_finds_the_host),
-             ONCE(helpers_hold_the_host));
+             ONCE(plain_host_keeps_its_flags), ONCE(solver_finds_the_host), EACH(on_K, 0, 3),
+             ONCE(solver_on_K_finds_the_host), ONCE(helpers_hold_the_host));
 }
