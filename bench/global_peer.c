@@ -10,10 +10,11 @@
  */
 #include "global_peer.h"
 
-#include <cholmod.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "cholmod_view.h"
 
 enum { look_every = 20, most = 20000 };
 
@@ -23,22 +24,6 @@ typedef struct peer {
   cholmod_dense *b, *x, *y, *e;  /* x: solution; y, e: CHOLMOD's scratch */
   double *h, *u, *z, *v, *s, *w; /* d nc, of (n, t ..): scratch, u, z, v; nc: s, w */
 } peer;
-
-/* Returns K as CHOLMOD takes it, sharing its arrays. */
-static cholmod_sparse peer_K(const scene *S) {
-  const dls_sparse *K = &S->model.Ks;
-  return (cholmod_sparse){.nrow = (size_t)K->rows,
-                          .ncol = (size_t)K->cols,
-                          .nzmax = (size_t)K->p[K->cols],
-                          .p = (void *)(size_t)K->p,
-                          .i = (void *)(size_t)K->i,
-                          .x = (void *)(size_t)K->x,
-                          .stype = -1,
-                          .itype = CHOLMOD_INT,
-                          .xtype = CHOLMOD_REAL,
-                          .dtype = CHOLMOD_DOUBLE,
-                          .packed = 1};
-}
 
 static int column_of(int d, int k) {
   return k % d ? (d - 1) * (k / d) + k % d - 1 : k / d;
@@ -179,7 +164,7 @@ int peer_solve(const scene *S, double mu, double tol, double *r, double *x, int 
   P.c.supernodal = CHOLMOD_SUPERNODAL;
   P.c.print = 0;
   double *all = calloc(3 * m + 2 * nc + n, sizeof *all), *diagonal = all + 3 * m + 2 * nc;
-  cholmod_sparse view = peer_K(S), *stiffness = &view, *A = NULL;
+  cholmod_sparse view = cholmod_view(&S->model.Ks), *stiffness = &view, *A = NULL;
   int status = all ? 0 : -1;
   if (!status) {
     P.h = all;

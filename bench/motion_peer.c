@@ -1,9 +1,9 @@
 /* motion_peer.c: a solve by CHOLMOD. */
 #include "motion_peer.h"
 
-#include <cholmod.h>
 #include <stdlib.h>
 
+#include "cholmod_view.h"
 #include "common.h"
 
 struct peer {
@@ -15,17 +15,7 @@ struct peer {
 peer *peer_create(const dls_sparse *K, int supernodal, double *seconds) {
   peer *p = calloc(1, sizeof *p);
   if (!p) return NULL;
-  cholmod_sparse A = {.nrow = (size_t)K->rows,
-                      .ncol = (size_t)K->cols,
-                      .nzmax = (size_t)K->p[K->cols],
-                      .p = (void *)(size_t)K->p,
-                      .i = (void *)(size_t)K->i,
-                      .x = (void *)(size_t)K->x,
-                      .stype = -1,
-                      .itype = CHOLMOD_INT,
-                      .xtype = CHOLMOD_REAL,
-                      .dtype = CHOLMOD_DOUBLE,
-                      .packed = 1};
+  cholmod_sparse A = cholmod_view(K);
   cholmod_start(&p->c);
   p->c.supernodal = supernodal ? CHOLMOD_SUPERNODAL : CHOLMOD_SIMPLICIAL;
   const double start = bench_seconds();

@@ -3,13 +3,13 @@
  */
 #include "reduction_peer.h"
 
-#include <cholmod.h>
 #include <dmumps_c.h>
 #include <metis.h>
 #include <stdlib.h>
 #include <string.h>
 #include <umfpack.h>
 
+#include "cholmod_view.h"
 #include "common.h"
 
 void dpotrf_(const char *, const int *, double *, const int *, int *, size_t);
@@ -18,21 +18,6 @@ void dpotri_(const char *, const int *, double *, const int *, int *, size_t);
 int picked(const dls_model *model, int j) {
   const int d = model->d, node = j / d, k = j % d;
   return k == 0 ? model->HN.i[node] : model->HT.i[(d - 1) * node + k - 1];
-}
-
-/* Returns K as CHOLMOD takes it, sharing its arrays. */
-static cholmod_sparse cholmod_view(const dls_sparse *K) {
-  return (cholmod_sparse){.nrow = (size_t)K->rows,
-                          .ncol = (size_t)K->cols,
-                          .nzmax = (size_t)K->p[K->cols],
-                          .p = (void *)(size_t)K->p,
-                          .i = (void *)(size_t)K->i,
-                          .x = (void *)(size_t)K->x,
-                          .stype = -1,
-                          .itype = CHOLMOD_INT,
-                          .xtype = CHOLMOD_REAL,
-                          .dtype = CHOLMOD_DOUBLE,
-                          .packed = 1};
 }
 
 /* Adds H^T X to W, `batch` columns of X at a time; H picks entries, so that adding is copying. */

@@ -227,19 +227,8 @@ static dls_status interior_direction(interior *I, double *dp, double *dz, double
 
 /* Sets rc of (GI3); second: 1 with the product of the affine direction. */
 static void interior_target(interior *I, double target, int second) {
-  const int d = I->global->d;
-  for (int c = 0; c < I->global->nc; c++) {
-    const int o = d * c;
-    double l[3], a[3], b[3], ab[3] = {0};
-    dlsi_cone_product(d, I->lambda + o, I->lambda + o, l);
-    if (second) {
-      dlsi_cone_scale(d, I->eta[c], I->w + o, 0, I->ap + o, a);
-      dlsi_cone_scale(d, I->eta[c], I->w + o, 1, I->az + o, b);
-      dlsi_cone_product(d, a, b, ab);
-    }
-    for (int i = 0; i < d; i++)
-      I->rc[o + i] = (i ? 0 : target) - l[i] - ab[i];
-  }
+  dlsi_cone_target(I->global->d, I->global->nc, I->eta, I->w, I->lambda, target,
+                   second ? I->ap : NULL, I->az, I->rc);
 }
 
 /* (GI3) */

@@ -331,19 +331,8 @@ static dls_status rest_direction(rest *work, int nc, double *dx, double *dz, dou
 
 /* Sets rc of (AR8): second: 1 with the product of the affine direction. */
 static void rest_set_target(rest *work, int nc, double target, int second) {
-  const int d = work->d;
-  for (int c = 0; c < nc; c++) {
-    const int o = d * c;
-    double l[3], a[3], b[3], ab[3] = {0};
-    dlsi_cone_product(d, work->lambda + o, work->lambda + o, l);
-    if (second) {
-      dlsi_cone_scale(d, work->eta[c], work->w + o, 0, work->ax + o, a);
-      dlsi_cone_scale(d, work->eta[c], work->w + o, 1, work->az + o, b);
-      dlsi_cone_product(d, a, b, ab);
-    }
-    for (int i = 0; i < d; i++)
-      work->rc[o + i] = (i ? 0 : target) - l[i] - ab[i];
-  }
+  dlsi_cone_target(work->d, nc, work->eta, work->w, work->lambda, target, second ? work->ax : NULL,
+                   work->az, work->rc);
 }
 
 /* (AR8) */

@@ -89,4 +89,23 @@ static inline int dlsi_cone_between(int d, const double *x, const double *z, dou
   return 1;
 }
 
+/* rc := target (1, 0) - lambda o lambda, and with ax and az, a direction of x and of z, not NULL:
+ * minus (P ax) o (P^-1 az): the right side of a step to x o z = target, of nc contacts; eta: nc. */
+static inline void dlsi_cone_target(int d, int nc, const double *eta, const double *w,
+                                    const double *lambda, double target, const double *ax,
+                                    const double *az, double *rc) {
+  for (int c = 0; c < nc; c++) {
+    const int o = d * c;
+    double l[3], a[3], b[3], ab[3] = {0};
+    dlsi_cone_product(d, lambda + o, lambda + o, l);
+    if (ax) {
+      dlsi_cone_scale(d, eta[c], w + o, 0, ax + o, a);
+      dlsi_cone_scale(d, eta[c], w + o, 1, az + o, b);
+      dlsi_cone_product(d, a, b, ab);
+    }
+    for (int i = 0; i < d; i++)
+      rc[o + i] = (i ? 0 : target) - l[i] - ab[i];
+  }
+}
+
 #endif

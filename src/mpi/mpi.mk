@@ -41,7 +41,7 @@ $(BUILD)/examples/mpi/%: examples/mpi/%.c $(MPI_A)
 	$(Q)$(CC) $(CPPFLAGS_ALL) $(MPI_CFLAGS) $(EXAMPLE_CFLAGS) $(CFLAGS_ALL) $(LDFLAGS) -o $@ $< $(MPI_A) $(EXAMPLE_LIBS) $(MPI_LIBS_ALL)
 
 $(call obj,$(wildcard tests/mpi/*.c)): CPP_OF += -Itests/shared -D_GNU_SOURCE
-$(BUILD)/mpi/%: $(BUILD)/obj/tests/mpi/%.o $(call obj,tests/mpi/shares.c tests/shared/malloc_fails.c tests/shared/errors.c bench/reduction_boxes.c) $(MPI_A)
+$(BUILD)/mpi/%: $(BUILD)/obj/tests/mpi/%.o $(call obj,tests/mpi/shares.c tests/shared/malloc_fails.c tests/shared/errors.c tests/shared/solids.c bench/reduction_boxes.c) $(MPI_A)
 	@mkdir -p $(@D)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS) $(MPI_LIBS_ALL)

@@ -43,29 +43,6 @@ static dls_status prepare(void *data, const double *R, dls_error *error) {
   return h->answer_prepare;
 }
 
-/* y := A x; K by its lower triangle. */
-static void apply(const host *h, const double *x, double *y) {
-  const dls_model *model = h->model;
-  const int d = model->d;
-  memset(y, 0, (size_t)model->n * sizeof *y);
-  for (int j = 0; j < model->n; j++)
-    for (int e = model->Ks.p[j]; e < model->Ks.p[j + 1]; e++) {
-      const int i = model->Ks.i[e];
-      if (i < j) continue;
-      y[i] += model->Ks.x[e] * x[j];
-      if (i != j) y[j] += model->Ks.x[e] * x[i];
-    }
-  for (int k = 0; k < d * model->nodes; k++) {
-    const dls_sparse *L = k % d ? &model->HT : &model->HN;
-    const int column = k % d ? (d - 1) * (k / d) + k % d - 1 : k / d;
-    double sum = 0;
-    for (int e = L->p[column]; e < L->p[column + 1]; e++)
-      sum += L->x[e] * x[L->i[e]];
-    for (int e = L->p[column]; e < L->p[column + 1]; e++)
-      y[L->i[e]] += h->R[k] * L->x[e] * sum;
-  }
-}
-
 static double product(const double *a, const double *b, int n) {
   double sum = 0;
   for (int k = 0; k < n; k++)
@@ -80,14 +57,14 @@ static dls_status gradients(void *data, const double *b, double *x, double accur
   h->wrong += !error;
   h->solved++;
   if (h->answer_solve) return h->answer_solve;
-  apply(h, x, h->v);
+  solids_apply(h->model, h->R, x, h->v);
   for (int k = 0; k < n; k++)
     h->p[k] = h->left[k] = b[k] - h->v[k];
   const double load = sqrt(product(b, b, n));
   double size = product(h->left, h->left, n);
   if (h->solved > 20) h->worst = fmax(h->worst, sqrt(size) / load);
   for (int step = 0; step < 50 * n && sqrt(size) > accuracy * load; step++) {
-    apply(h, h->p, h->v);
+    solids_apply(h->model, h->R, h->p, h->v);
     const double a = size / product(h->p, h->v, n), before = size;
     for (int k = 0; k < n; k++) {
       x[k] += a * h->p[k];

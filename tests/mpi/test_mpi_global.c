@@ -8,6 +8,7 @@
 #include "delassus.h"
 #include "malloc_fails.h"
 #include "shares.h"
+#include "solids.h"
 
 static int rank, ranks;
 static const double tol = 1e-9, close_by = 1e-6;
@@ -113,27 +114,6 @@ static dls_status cg_prepare(void *data, const double *R, dls_error *error) {
   return DLS_OK;
 }
 
-/* y := A x; K by its lower triangle. */
-static void cg_apply(const host *h, const double *x, double *y) {
-  const dls_sparse *K = &h->model->Ks;
-  const int d = h->model->d;
-  memset(y, 0, (size_t)h->model->n * sizeof *y);
-  for (int j = 0; j < K->cols; j++)
-    for (int e = K->p[j]; e < K->p[j + 1]; e++) {
-      y[K->i[e]] += K->x[e] * x[j];
-      if (K->i[e] != j) y[j] += K->x[e] * x[K->i[e]];
-    }
-  for (int k = 0; k < d * h->model->nodes; k++) {
-    const dls_sparse *L = k % d ? &h->model->HT : &h->model->HN;
-    const int column = k % d ? (d - 1) * (k / d) + k % d - 1 : k / d;
-    double sum = 0;
-    for (int e = L->p[column]; e < L->p[column + 1]; e++)
-      sum += L->x[e] * x[L->i[e]];
-    for (int e = L->p[column]; e < L->p[column + 1]; e++)
-      y[L->i[e]] += h->R[k] * L->x[e] * sum;
-  }
-}
-
 static double inner(const double *a, const double *b, int n) {
   double sum = 0;
   for (int k = 0; k < n; k++)
@@ -152,12 +132,12 @@ static dls_status cg_solve(void *data, const double *b, double *x, double accura
   if (h->fails && rank == ranks - 1) return h->fails;
   double *left = h->b, *all = h->w;
   const double goal = accuracy * sqrt(inner(h->b, h->b, n));
-  cg_apply(h, all, h->v);
+  solids_apply(h->model, h->R, all, h->v);
   for (int k = 0; k < n; k++)
     h->p[k] = left[k] -= h->v[k];
   double size = inner(left, left, n);
   for (int step = 0; step < 20 * n && sqrt(size) > goal; step++) {
-    cg_apply(h, h->p, h->v);
+    solids_apply(h->model, h->R, h->p, h->v);
     const double a = size / inner(h->p, h->v, n), before = size;
     for (int k = 0; k < n; k++) {
       all[k] += a * h->p[k];

@@ -269,3 +269,23 @@ void solids_arch(solids *S, int stones, double thick) {
     solids_contact(S, each * (stones - 1) + nx + (nx + 1) * j, -1, (double[]){0, 1}, 0);
   (void)solids_model(S);
 }
+
+void solids_apply(const dls_model *model, const double *R, const double *x, double *y) {
+  const dls_sparse *K = &model->Ks;
+  const int d = model->d;
+  memset(y, 0, (size_t)model->n * sizeof *y);
+  for (int j = 0; j < K->cols; j++)
+    for (int e = K->p[j]; e < K->p[j + 1]; e++) {
+      y[K->i[e]] += K->x[e] * x[j];
+      if (K->i[e] != j) y[j] += K->x[e] * x[K->i[e]];
+    }
+  for (int k = 0; k < d * model->nodes; k++) {
+    const dls_sparse *L = k % d ? &model->HT : &model->HN;
+    const int column = k % d ? (d - 1) * (k / d) + k % d - 1 : k / d;
+    double sum = 0;
+    for (int e = L->p[column]; e < L->p[column + 1]; e++)
+      sum += L->x[e] * x[L->i[e]];
+    for (int e = L->p[column]; e < L->p[column + 1]; e++)
+      y[L->i[e]] += R[k] * L->x[e] * sum;
+  }
+}

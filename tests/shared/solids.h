@@ -56,4 +56,7 @@ void solids_stack(solids *S, int d, int count, int side, double push);
  * weight; thickness over mean radius: `thick`. */
 void solids_arch(solids *S, int stones, double thick);
 
+/* y := (K + H R H^T) x of solids_model's model, K by its lower triangle; R: diagonal, d nodes. */
+void solids_apply(const dls_model *model, const double *R, const double *x, double *y);
+
 #endif
