@@ -105,7 +105,7 @@ static dls_status foresee(dls_reduction *reduction, int loads, int *better, dls_
   companion *it;
   dls_global_info info;
   *better = 0;
-  if ((double)of.H->d * of.H->candidates <= small_on_W || of_W <= 2 * analysis) return DLS_OK;
+  if (of_W <= 2 * analysis) return DLS_OK;
   dls_status status = companion_of(reduction, &it, error);
   if (status == DLS_E_UNSUPPORTED) return DLS_OK; /* an unsymmetric K without MUMPS */
   if (!status) status = dls_global_get_info(it->global, &info, error);
@@ -135,20 +135,27 @@ static dls_status check_memory_on_K(dls_reduction *reduction, double limit, dls_
                    1e-9 * limit);
 }
 
-/* Makes the reduction to W in the place of that on K, but for a K that is singular and a W beyond
- * the limit: these stay on K. */
-static dls_status exchange_for_W(dls_reduction **out, const dls_model *model,
-                                 const dls_reduction_settings *settings, dls_error *error) {
+/* Makes the reduction to W in the place of that on K, if there is one. A K that is singular and a W
+ * beyond the limit stay on K. */
+static dls_status take_W(dls_reduction **out, const dls_model *model,
+                         const dls_reduction_settings *settings, dls_error *error) {
   dls_reduction *on_W = NULL;
   dls_error why = {0};
   const dls_status status = create_on(&on_W, model, settings, DLS_ON_W, &why);
-  if (status == DLS_E_SINGULAR) return DLS_OK;
-  if (status == DLS_E_MEMORY && strcmp(why.argument, "memory_limit") == 0)
-    return check_memory_on_K(*out, settings->memory_limit, error);
+  const int limited = status == DLS_E_MEMORY && strcmp(why.argument, "memory_limit") == 0;
+  const int stays = status == DLS_E_SINGULAR || limited;
+  if (stays && (*out || !create_on(out, model, settings, DLS_ON_K, NULL)))
+    return limited ? check_memory_on_K(*out, settings->memory_limit, error) : DLS_OK;
   if (status < 0 && error) *error = why;
   dls_reduction_destroy(*out);
   *out = on_W;
   return status;
+}
+
+/* Returns 1 for so few contacts that W is taken without a look at K. */
+static int is_small(const dls_model *model) {
+  const int candidates = model->P.p ? model->P.cols : model->nodes;
+  return (double)model->d * candidates <= small_on_W;
 }
 
 static dls_status create_either(dls_reduction **out, const dls_model *model,
@@ -156,15 +163,21 @@ static dls_status create_either(dls_reduction **out, const dls_model *model,
   dls_reduction_settings defaults;
   dls_reduction_settings_init(&defaults);
   if (!settings) settings = &defaults;
-  if (settings->on != DLS_ON_EITHER) return dls_reduction_create_with(out, model, settings, error);
-  dls_status status = create_on(out, model, settings, DLS_ON_K, error);
-  if (status == DLS_E_UNSUPPORTED) return create_on(out, model, settings, DLS_ON_W, error);
-  if (status) return status;
-  int better = settings->stabilize || model->modes.a != NULL;
-  if (!better) status = foresee(*out, settings->loads, &better, error);
+  if (!out || !model || settings->on != DLS_ON_EITHER)
+    return dls_reduction_create_with(out, model, settings, error);
+  const int held = settings->stabilize || model->modes.a;
+  int better = held;
+  dls_status status = DLS_OK;
+  *out = NULL;
+  if (held || !is_small(model)) {
+    status = create_on(out, model, settings, DLS_ON_K, error);
+    if (status == DLS_E_UNSUPPORTED) return create_on(out, model, settings, DLS_ON_W, error);
+    if (status) return status;
+    if (!held) status = foresee(*out, settings->loads, &better, error);
+  }
   if (!status)
     status = better ? check_memory_on_K(*out, settings->memory_limit, error)
-                    : exchange_for_W(out, model, settings, error);
+                    : take_W(out, model, settings, error);
   if (!status) return DLS_OK;
   dls_reduction_destroy(*out);
   *out = NULL;
