@@ -3,7 +3,7 @@
  * dls_solve) and beside the same splitting written with CHOLMOD (global_peer.c).
  *
  *   global [--table NAME]... [--out DIR]         the tables: peer, growth, tolerance, robust,
- *                                                foreseen, where; all without --table
+ *                                                foreseen, choice, where; all without --table
  *   global --scene KIND SUPPORT LOAD NX NY NZ [--mu MU] [--tol TOL] [--seed SEED]
  *                                                one scene by all ways, on the screen only
  *
@@ -22,7 +22,7 @@
 #include "common.h"
 #include "global_ways.h"
 
-enum { turns = 3 };
+enum { turns = 3, WHERE = 6, TABLES };
 
 static const double most_bytes = 4e9;
 
@@ -260,6 +260,58 @@ static void table_foreseen(FILE *page) {
   }
 }
 
+/* The scenes that the rule of the choice (src/front/body.c) was not made by. */
+static const task *scenes_of_choice(int *count) {
+  static task all[28];
+  const struct {
+    scene_kind kind;
+    int size[3];
+  } bodies[] = {{STRIP, {150, 2, 1}}, {STRIP, {400, 12, 1}}, {STRIP, {1500, 3, 1}},
+                {STRIP, {80, 40, 1}}, {SHEETS, {120, 3, 1}}, {SHEETS, {700, 5, 1}},
+                {RIM, {320, 6, 1}},   {RIM, {960, 12, 1}},   {PLATE, {9, 9, 3}},
+                {PLATE, {18, 18, 6}}, {PLATE, {26, 26, 1}},  {PLATE, {12, 12, 12}},
+                {TUBE, {48, 12, 2}},  {TUBE, {96, 16, 1}}};
+  *count = 0;
+  for (size_t k = 0; k < sizeof bodies / sizeof *bodies; k++)
+    for (int seed = 6; seed <= 8; seed += 2) {
+      task t =
+          task_of(bodies[k].kind, seed == 6 ? SOFT : HELD, (scene_load)((k + (size_t)seed) % 3),
+                  bodies[k].size[0], bodies[k].size[1], bodies[k].size[2]);
+      t.S.seed = seed;
+      all[(*count)++] = t;
+    }
+  return all;
+}
+
+static void table_choice(FILE *page) {
+  int count, right = 0;
+  double most = 0;
+  const task *all = scenes_of_choice(&count);
+  double over[28];
+  bench_print(
+      page,
+      "\n## The choice\n\n`make bench-global BENCH='--table choice'`\n\n"
+      "dls_reduction_create_either beside K and W: bodies, seeds (6, 8) and supports that its "
+      "rule was not made by; friction .3, to 1e-8; fastest of three.\n\n"
+      "| scene | unknowns | contacts | K: s | W: s | chosen | s | over the better |\n"
+      "|---|---|---|---|---|---|---|---|\n");
+  for (int k = 0; k < count; k++) {
+    result r[WAYS];
+    run_ways(&all[k], 1 << ON_K | 1 << ON_W | 1 << EITHER, turns, r);
+    const double K = is_solved(&r[ON_K]) ? r[ON_K].cpu : INFINITY;
+    const double W = is_solved(&r[ON_W]) ? r[ON_W].cpu : INFINITY;
+    over[k] = r[EITHER].cpu / fmin(K, W);
+    most = fmax(most, over[k]);
+    right += is_solved(&r[EITHER]);
+    bench_print(page, "| ");
+    print_scene(page, &all[k].S);
+    bench_print(page, " | %d | %d | %.3g | %.3g | %s | %.3g | %.2f |\n", r[EITHER].n, r[EITHER].nc,
+                K, W, r[EITHER].on_K ? "K" : "W", r[EITHER].cpu, over[k]);
+  }
+  bench_print(page, "\n%d of %d solved. Over the better of both: median %.2f, most %.2f.\n", right,
+              count, bench_median((size_t)count, over), most);
+}
+
 static void table_where(FILE *page, FILE *csv) {
   const int strips[] = {60, 120, 250, 500, 1000}, high[] = {1, 2, 4, 8, 16, 32, 64};
   const int plates[] = {6, 10, 16, 24, 32}, thick[] = {1, 2, 4, 8, 16};
@@ -310,7 +362,7 @@ static int one_scene(int argc, char **argv) {
                    (scene_support)named(scene_support_name, SCENE_SUPPORTS, argv[1]),
                    (scene_load)named(scene_load_name, SCENE_LOADS, argv[2]), atoi(argv[3]),
                    atoi(argv[4]), atoi(argv[5]));
-  static const char *const way_name[] = {"K", "W", "peer"};
+  static const char *const way_name[] = {"K", "W", "peer", "either"};
   int failed = 0;
   for (int k = 6; k + 1 < argc; k += 2) {
     if (!strcmp(argv[k], "--mu")) t.mu = atof(argv[k + 1]);
@@ -318,11 +370,11 @@ static int one_scene(int argc, char **argv) {
     if (!strcmp(argv[k], "--seed")) t.S.seed = atoi(argv[k + 1]);
   }
   for (way w = ON_K; w < WAYS; w++) {
-    if (w != ON_K && t.S.support == FREE) continue;
+    if (w != ON_K && w != EITHER && t.S.support == FREE) continue;
     const result r = run_way(w, &t.S, t.mu, t.tol, 1, most_bytes);
     failed |= r.failed;
     printf(
-        "%-4s %s: n %d, contacts %d, %.3g s, %.3g MB, %d iterations, %d factors, residual %.1e\n",
+        "%-6s %s: n %d, contacts %d, %.3g s, %.3g MB, %d iterations, %d factors, residual %.1e\n",
         way_name[w], r.failed ? "failed or refused" : dls_status_name(r.status), r.n, r.nc, r.cpu,
         1e-6 * r.bytes, r.iterations, r.factorisations, r.residual);
   }
@@ -330,13 +382,14 @@ static int one_scene(int argc, char **argv) {
 }
 
 int main(int argc, char **argv) {
-  static const char *const table[] = {"peer", "growth", "tolerance", "robust", "foreseen", "where"};
+  static const char *const table[] = {"peer",     "growth", "tolerance", "robust",
+                                      "foreseen", "choice", "where"};
   const char *directory = "bench/results";
   int wanted = 0;
   if (argc > 7 && !strcmp(argv[1], "--scene")) return one_scene(argc - 2, argv + 2);
   for (int k = 1; k + 1 < argc; k += 2)
     if (!strcmp(argv[k], "--table"))
-      wanted |= 1 << named(table, 6, argv[k + 1]);
+      wanted |= 1 << named(table, TABLES, argv[k + 1]);
     else if (!strcmp(argv[k], "--out"))
       directory = argv[k + 1];
   if (argc % 2 == 0)
@@ -344,10 +397,10 @@ int main(int argc, char **argv) {
                  "[--mu MU] [--tol TOL] [--seed SEED]\n",
                  stderr),
            2;
-  if (!wanted) wanted = 63;
+  if (!wanted) wanted = (1 << TABLES) - 1;
   FILE *page = bench_page(directory, "global", "The contact problem on K beside W", argc, argv);
-  FILE *csv = wanted >> 5 & 1 ? bench_open(directory, "global.csv") : NULL;
-  if (!page || (wanted >> 5 & 1 && !csv)) return EXIT_FAILURE;
+  FILE *csv = wanted >> WHERE & 1 ? bench_open(directory, "global.csv") : NULL;
+  if (!page || (wanted >> WHERE & 1 && !csv)) return EXIT_FAILURE;
   bench_print(page, "CPU seconds and peak memory of a child process, without the model; "
                     "global_scenes.h has the scenes. Each table has its command. One scene: "
                     "`build/bench/global --scene strip soft lift 4000 4 1`.\n\n");
@@ -356,6 +409,7 @@ int main(int argc, char **argv) {
   if (wanted >> 2 & 1) table_tolerance(page);
   if (wanted >> 3 & 1) table_robust(page);
   if (wanted >> 4 & 1) table_foreseen(page);
+  if (wanted >> 5 & 1) table_choice(page);
   if (csv) table_where(page, csv);
   fclose(page);
   if (csv) fclose(csv);

@@ -106,6 +106,34 @@ static void take_W(const scene *S, const double *mu, double tol, double most_byt
   dls_reduction_destroy(R);
 }
 
+static void take_either(const scene *S, const double *mu, double tol, double *r, double *x,
+                        result *out) {
+  dls_reduction *R = NULL;
+  dls_reduction_info facts = {.on = DLS_ON_W};
+  dls_solver_settings settings;
+  dls_info info = {.iterations = 0};
+  dls_error e = {0};
+  dls_solver_settings_init(&settings);
+  settings.limits.tol = tol;
+  const double held = memory_begin(), start = bench_seconds();
+  dls_status status = dls_reduction_create_either(&R, &S->model, NULL, &e);
+  out->create = bench_seconds() - start;
+  if (!status) status = dls_reduction_load(R, S->f, S->g, &e);
+  if (!status) status = dls_reduction_solve(R, mu, &settings, r, NULL, x, &info, &e);
+  out->cpu = bench_seconds() - start;
+  out->bytes = status_bytes("VmHWM") - held;
+  out->status = status;
+  if (status >= 0 && dls_reduction_get_info(R, &facts, &e)) status = DLS_E_ARGUMENT;
+  if (status < 0) fprintf(stderr, "%s\n", e.message);
+  out->failed = status < 0;
+  out->on_K = facts.on == DLS_ON_K;
+  out->iterations = info.iterations;
+  out->factorisations = info.factorisations;
+  out->residual = info.certificate.residual;
+  out->equilibrium = info.certificate.equilibrium;
+  dls_reduction_destroy(R);
+}
+
 static void take_peer(const scene *S, double mu, double tol, double *r, double *x, result *out) {
   const double held = memory_begin(), start = bench_seconds();
   const int answer = peer_solve(S, mu, tol, r, x, &out->iterations);
@@ -132,6 +160,8 @@ static void run_trial(void *data) {
     take_K(S, mu, t->tol, r, x, t->out);
   else if (t->w == ON_W)
     take_W(S, mu, t->tol, t->most_bytes, r, x, t->out);
+  else if (t->w == EITHER)
+    take_either(S, mu, t->tol, r, x, t->out);
   else
     take_peer(S, t->mu, t->tol, r, x, t->out);
   free(mu);

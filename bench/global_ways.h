@@ -6,8 +6,9 @@
 #include "global_scenes.h"
 
 /* ON_K: dls_global_create and dls_global_solve. ON_W: dls_reduction_create, dls_solve (auto),
- * dls_reduction_recover. PEER: global_peer.h. */
-typedef enum way { ON_K, ON_W, PEER, WAYS } way;
+ * dls_reduction_recover. PEER: global_peer.h. EITHER: dls_reduction_create_either and
+ * dls_reduction_solve. */
+typedef enum way { ON_K, ON_W, PEER, EITHER, WAYS } way;
 
 typedef struct result {
   int failed; /* 1: error, or refused */
@@ -19,6 +20,7 @@ typedef struct result {
   double factor;                  /* ON_K: s of one factorisation, the fastest of three */
   dls_global_info foreseen;       /* ON_K */
   double foreseen_W;              /* ON_W: bytes, dls_reduction_estimate */
+  int on_K;                       /* EITHER: 1 if K was chosen */
   double residual, equilibrium;   /* by the certificate; PEER: its own */
 } result;
 

@@ -13,19 +13,24 @@
  * s in 2D (320,800 unknowns).
  *
  * METIS draws from rand(), whose state belongs to the host: (DS3) puts the state back. METIS also
- * holds SIGABRT and SIGTERM while it runs, for its own lack of memory, and puts them back.
+ * holds SIGABRT and SIGTERM while it runs, for its own lack of memory, and puts them back as
+ * handlers of one signal: (DS3) puts back what there was. A SIGTERM of the host ends METIS: it is
+ * handed on to the host, and where the host goes on, METIS begins anew.
  * Cost: O(entries), and METIS. Fails: no memory.
  */
-#define _XOPEN_SOURCE 600 /* initstate, setstate */
+#define _XOPEN_SOURCE 600 /* initstate, setstate, sigaction */
 
 #include "linear/dissection.h"
 
 #include <metis.h>
+#include <signal.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/base.h"
+
+enum { most_turns = 16 };
 
 typedef struct graph {
   idx_t n;
@@ -138,12 +143,22 @@ static int metis_run(graph *g, idx_t count) {
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_COMPRESS] = 0;
-  char state[64];
-  dlsi_lock();
-  char *const host = initstate(1, state, sizeof state);
-  const int answer = METIS_NodeND(&count, g->x, g->other, g->weight, options, g->mark, g->turn);
-  if (host) setstate(host);
-  dlsi_unlock();
+  static const int held[] = {SIGABRT, SIGTERM};
+  int answer = METIS_ERROR;
+  for (int turn = 0; answer == METIS_ERROR && turn < most_turns; turn++) {
+    char state[64];
+    struct sigaction action[2];
+    dlsi_lock();
+    for (int k = 0; k < 2; k++)
+      (void)sigaction(held[k], NULL, &action[k]);
+    char *const host = initstate(1, state, sizeof state);
+    answer = METIS_NodeND(&count, g->x, g->other, g->weight, options, g->mark, g->turn);
+    if (host) setstate(host);
+    for (int k = 0; k < 2; k++)
+      (void)sigaction(held[k], &action[k], NULL);
+    dlsi_unlock();
+    if (answer == METIS_ERROR) (void)raise(SIGTERM);
+  }
   return answer;
 }
 

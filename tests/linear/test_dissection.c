@@ -1,8 +1,15 @@
 /* test_dissection.c: orders by METIS: each unknown once, those of a node in a row, whatever else is
- * listed; little fill. */
+ * listed; little fill; signals of the host. */
+#define _XOPEN_SOURCE 600 /* sigaction, setitimer */
+
 #include <check.h>
+#include <signal.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/time.h>
+#include <time.h>
+#include <unistd.h>
 
 #include "base/base.h"
 #include "linear/cholesky.h"
@@ -128,6 +135,59 @@ START_TEST(odd_graphs) {
 }
 END_TEST
 
+static volatile sig_atomic_t terms;
+
+static void on_term(int number) {
+  (void)number;
+  terms++;
+}
+
+static void on_alarm(int number) {
+  (void)number;
+  (void)kill(getpid(), SIGTERM);
+}
+
+static void handle(int number, void (*handler)(int)) {
+  struct sigaction action;
+  memset(&action, 0, sizeof action);
+  action.sa_handler = handler;
+  ck_assert_int_eq(sigaction(number, &action, NULL), 0);
+}
+
+/* METIS would put a handler back for one signal only. */
+START_TEST(handlers_stay) {
+  handle(SIGTERM, on_term);
+  handle(SIGABRT, on_term);
+  list_grid(2, 0);
+  dissect();
+  for (int k = 0; k < 4; k++)
+    ck_assert_int_eq(raise(k % 2 ? SIGABRT : SIGTERM), 0);
+  ck_assert_int_eq(terms, 4);
+}
+END_TEST
+
+/* A tree so large that METIS takes a quarter of a second, which a SIGTERM cuts. */
+START_TEST(term_while_ordering) {
+  enum { n = 150000 };
+  int *const row = malloc(3 * n * sizeof *row), *const col = row + n, *const order = col + n;
+  ck_assert_ptr_nonnull(row);
+  for (int k = 0; k < n - 1; k++) {
+    row[k] = k + 2;
+    col[k] = 1 + (int)((unsigned)k * 7919u % (unsigned)(k + 1));
+  }
+  handle(SIGTERM, on_term);
+  handle(SIGALRM, on_alarm);
+  const struct itimerval after = {.it_value = {.tv_usec = 60000}};
+  ck_assert_int_eq(setitimer(ITIMER_REAL, &after, NULL), 0);
+  dls_error e = {0};
+  ck_assert_msg(dlsi_dissection(n, n - 1, row, col, order, &e) == DLS_OK, "%s", e.message);
+  while (!terms) /* a machine on which all is done sooner */
+    (void)nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+  ck_assert_int_eq(terms, 1);
+  free(row);
+}
+END_TEST
+
 START_TEST(every_malloc_fails) {
   list_grid(2, 0);
   dls_status status = DLS_E_MEMORY;
@@ -145,7 +205,8 @@ END_TEST
 
 int main(void) {
   return RUN("dissection", NULL, NULL, EACH(unknowns_of_a_node, 0, 3), EACH(little_fill, 0, 3),
-             ONCE(odd_graphs), ONCE(every_malloc_fails));
+             ONCE(odd_graphs), ONCE(handlers_stay), ONCE(term_while_ordering),
+             ONCE(every_malloc_fails));
 }
 
 #else
