@@ -283,6 +283,10 @@ static const task *scenes_of_choice(int *count) {
   return all;
 }
 
+static void print_seconds_or_not(FILE *page, double seconds) {
+  bench_print(page, isinf(seconds) ? "not solved | " : "%.3g | ", seconds);
+}
+
 static void table_choice(FILE *page) {
   int count, right = 0;
   double most = 0;
@@ -305,8 +309,10 @@ static void table_choice(FILE *page) {
     right += is_solved(&r[EITHER]);
     bench_print(page, "| ");
     print_scene(page, &all[k].S);
-    bench_print(page, " | %d | %d | %.3g | %.3g | %s | %.3g | %.2f |\n", r[EITHER].n, r[EITHER].nc,
-                K, W, r[EITHER].on_K ? "K" : "W", r[EITHER].cpu, over[k]);
+    bench_print(page, " | %d | %d | ", r[EITHER].n, r[EITHER].nc);
+    print_seconds_or_not(page, K);
+    print_seconds_or_not(page, W);
+    bench_print(page, "%s | %.3g | %.2f |\n", r[EITHER].on_K ? "K" : "W", r[EITHER].cpu, over[k]);
   }
   bench_print(page, "\n%d of %d solved. Over the better of both: median %.2f, most %.2f.\n", right,
               count, bench_median((size_t)count, over), most);
