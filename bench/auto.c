@@ -10,7 +10,7 @@
  *       other answers, info.unique and info.ambiguous
  *   auto --cost NAME...
  *       on the screen: CPU of a sweep, of an accelerated sweep and of a Newton step, us; the last
- *       over the second, and the ratio that auto takes, (AT7) of src/front/auto.c
+ *       over the second, and the ratio that auto takes, (PR1) of src/auto/price.c
  *   auto --nu NU SEED
  *       on the screen: CPU of each method to 1e-8, ms, on 48 cubes with that ratio of Poisson and
  *       frictions drawn from 0.3 to 4; that of auto over the best of the others
@@ -287,7 +287,7 @@ static double time_iteration(const dls_contact *p, dls_method method, int accele
   return t.count ? bench_median((size_t)t.count, t.all) : 0;
 }
 
-/* Returns the sweeps that auto expects of a Newton step, (AT7) of src/front/auto.c. */
+/* Returns the sweeps that auto expects of a Newton step, (PR1) of src/auto/price.c. */
 static double step_model(const dls_contact *p, int k) {
   const double fill = !p->W.a && p->d == 3 && k > 6000 ? k / 6000. : 1;
   const double sweeps = fmin(fmax(5 + k / 12., k / 6.), 50) * fill * fill;
@@ -295,7 +295,7 @@ static double step_model(const dls_contact *p, int k) {
 }
 
 static int run_cost(int count, char **name) {
-  puts("| problem | rows | k | sweep us | accelerated us | step us | step / accelerated | (AT7) |\n"
+  puts("| problem | rows | k | sweep us | accelerated us | step us | step / accelerated | (PR1) |\n"
        "|---|---|---|---|---|---|---|---|");
   for (int f = 0; f < count; f++) {
     problem p;

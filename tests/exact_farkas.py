@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks proofs that a problem has no solution, in rational arithmetic.
 
-    OPENBLAS_NUM_THREADS=1 build/tests/front/test_proof print 10000 | tests/exact_farkas.py
+    OPENBLAS_NUM_THREADS=1 build/tests/facts/test_proof print 10000 | tests/exact_farkas.py
 
 Reads a verdict a line: "lcp n", M by columns, q, v, or "contact2 nc", "contact3 nc", W by columns, q,
 mu, v (local order n, t, s), numbers as the C format %a. A proof is

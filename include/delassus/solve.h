@@ -39,9 +39,6 @@ DLS_API int dls_acceleration_find(const char *name, dls_acceleration *accelerati
 /* Workspace for problems of dimension d with at most nc candidates, reused over time steps. */
 typedef struct dls_solver dls_solver;
 
-/* Up to how many candidates auto has Lemke's method in its workspace. */
-enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
-
 /* *out = new workspace, NULL on error; the settings are copied. With m = d nc it takes
  *
  *   O(m) memory      nlgs, and up to 300 rows m^2 doubles as every method but auto, for info.error
@@ -64,7 +61,7 @@ enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
  * Each but ADMM for a stack and Lemke's method starts from the best r so far, which is what is
  * returned. What all of them leave goes to the homotopy (up to 300 rows) and, from r = 0, to sweeps
  * in the reverse order, ADMM with a tiny rho, the augmented Lagrangian, and Newton's method from
- * scattered starts (src/front/auto.c). Up to 300 rows all but the first sweeps and Newton steps
+ * scattered starts (src/auto/plan.c). Up to 300 rows all but the first sweeps and Newton steps
  * work on a copy in an order and in units that follow from the data, so that the order of the
  * candidates does not decide. info.stage has what was done.
  *
@@ -105,14 +102,14 @@ DLS_API DLS_MUST_USE dls_status dls_solver_set_limits(dls_solver *solver, const 
  *
  * Statuses of the methods. DLS_NO_SOLUTION of lemke and auto: proved, exactly for the numbers of
  * W, q and mu; dls_solver_farkas() has the proof. DLS_NO_SOLUTION_LIKELY, of auto alone: no r can
- * be certified, any solution being too far away (src/front/farkas.c); or all methods have failed,
+ * be certified, any solution being too far away (src/facts/farkas.c); or all methods have failed,
  * from r = 0 and more ways than one, and no states of the candidates have a solution, d = 2 and up
  * to 8 candidates, or the reactions run away along dls_solver_direction(), d = 3 and up to 2; and
- * W shows no reason why there should be one (src/front/auto.c, AT9). DLS_RAY: the reactions run
+ * W shows no reason why there should be one (src/auto/verdict.c). DLS_RAY: the reactions run
  * away along dls_solver_direction(), which says nothing of solutions; with a dls_solver_farkas(),
  * that there is none near. DLS_STALLED of auto: all its methods failed. Where every q_n >= 0, and
  * where few candidates press and W couples none of them, auto answers without a workspace unless
- * it starts warm: r = 0 without a stage, or one sweep (src/front/alone.c). */
+ * it starts warm: r = 0 without a stage, or one sweep (src/auto/alone.c). */
 DLS_API DLS_MUST_USE dls_status dls_solver_solve(dls_solver *solver, const dls_contact *problem,
                                                  double *r, double *u, dls_info *info,
                                                  dls_error *error);

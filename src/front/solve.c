@@ -7,6 +7,8 @@
 #include <string.h>
 
 #include "delassus/facets.h"
+#include "auto/auto.h"
+#include "facts/facts.h"
 #include "front/front.h"
 
 struct dls_solver {

@@ -534,7 +534,7 @@ START_TEST(short_calls_take_a_wider_leading_dimension) {
 }
 END_TEST
 
-/* ---- candidates apart (src/front/alone.c) ---------------------------------------------------- */
+/* ---- candidates apart (src/auto/alone.c) ---------------------------------------------------- */
 
 enum { APART = 24 };
 
@@ -934,7 +934,7 @@ START_TEST(no_allocation_by_blocks_and_in_larger_problems) {
 END_TEST
 
 /* Returns the cost of a report in sweeps, a Newton step being five of them at least
- * (src/front/auto.c). */
+ * (src/auto/auto.c). */
 static int cost_of(const dls_info *info) {
   int cost = 0;
   for (int k = 0; k < info->stages; k++)

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "auto/auto.h"
 #include "cases.h"
 #include "delassus/solve.h"
-#include "front/front.h"
 #include "malloc_fails.h"
 #include "rigid.h"
 #include "run.h"

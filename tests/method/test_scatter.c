@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "auto/auto.h"
 #include "cases.h"
-#include "front/front.h"
 #include "linear/room.h"
 #include "malloc_fails.h"
 #include "run.h"

@@ -24,7 +24,7 @@ import sys
 import tempfile
 import time
 
-ROOMS = ["lcp", "vi", "reduction", "src/base", "src/linear", "src/files", "src/front", "src/motion"]
+ROOMS = ["lcp", "vi", "reduction", "src/base", "src/linear", "src/files", "src/facts", "src/auto", "src/front", "src/motion"]
 # The tests of a room, the sharpest first; all others but SLOW follow, those in HEAVY at last.
 NEAR = {
     "lcp": ["lcp", "tuning"],
@@ -33,7 +33,9 @@ NEAR = {
     "src/base": ["base", "tuning", "linear", "lcp", "contract"],
     "src/linear": ["linear", "reduction", "tuning", "method"],
     "src/files": ["files"],
-    "src/front": ["tuning", "front", "contract", "catalogue"],
+    "src/facts": ["facts", "tuning", "contract", "catalogue"],
+    "src/auto": ["tuning", "auto", "front", "contract", "catalogue"],
+    "src/front": ["front", "tuning", "contract", "catalogue"],
     "src/motion": ["motion"],
     "src/base/exact.c": ["lcp", "front"],
 }
@@ -43,7 +45,7 @@ SLOW = {"fe/test_forming", "fe/test_forming_body", "fe/test_moving", "cli/test_c
 # Random problems, solved in many ways and certified, which see every method and both rooms of LCP.
 PROPERTIES = "properties/properties --class each --seed 1 --step 2 --count 60 --out properties"
 # Seconds each: after all others.
-HEAVY = {"front/test_proof", "front/test_renumber", "front/test_trust", "front/test_solve",
+HEAVY = {"facts/test_proof", "auto/test_renumber", "facts/test_trust", "front/test_solve",
          "reduction/test_reduction_sparse", "motion/test_rigid", "fe/test_fe", "cli/test_cli",
          PROPERTIES}
 ALL = "build/tests/all"  # the program of all tests

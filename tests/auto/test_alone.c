@@ -3,7 +3,7 @@
 #include <float.h>
 #include <string.h>
 
-#include "front/front.h"
+#include "auto/auto.h"
 #include "run.h"
 
 enum { most_nc = 21, most_m = 3 * most_nc };
@@ -25,7 +25,7 @@ static void set_alone(int d, int nc, int halves) {
   int k = 0;
   t = (alone_problem){.p = {0}};
   for (int c = 0; c < nc; c++) {
-    for (int part = 0; part < (halves && c == 0 ? 2 : 1); part++, k++) {
+    for (int piece = 0; piece < (halves && c == 0 ? 2 : 1); piece++, k++) {
       t.i[k] = c;
       for (int e = 0; e < d; e++)
         t.x[d * d * k + e * (d + 1)] = halves && c == 0 ? 1 : 2;

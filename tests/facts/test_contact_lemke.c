@@ -2,7 +2,7 @@
 #include <check.h>
 
 #include "cases.h"
-#include "front/front.h"
+#include "facts/facts.h"
 #include "front_cases.h"
 #include "run.h"
 

@@ -34,7 +34,7 @@
 #include "base/exact.h"
 #include "delassus/facets.h"
 #include "delassus/lcp.h"
-#include "front/front.h"
+#include "facts/facts.h"
 #include "lcp/lcp_internal.h"
 #include "vi/vi_internal.h"
 

@@ -7,8 +7,8 @@
 
 #include "delassus.h"
 #include "delassus/fe.h"
+#include "facts/facts.h"
 #include "failures.h"
-#include "front/front.h"
 #include "front_cases.h"
 #include "malloc_fails.h"
 #include "run.h"

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "auto/auto.h"
 #include "delassus/solve.h"
-#include "front/front.h"
 #include "malloc_fails.h"
 #include "run.h"
 

@@ -1,6 +1,6 @@
 /*
  * renumber.c: a copy of a small contact problem in an order and in units that follow from its data
- * (AT11).
+ * (canonical.c).
  *
  * Stages that succeed by luck depend on the order of the candidates through rounding and ties, and
  * on the unit of W through square roots. On this copy they do the same, to the bit, however the
@@ -21,7 +21,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "front/front.h"
+#include "auto/auto.h"
 #include "vi/vi_internal.h"
 
 void dlsi_renumber_carve(dlsi_renumber *copy, dlsi_arena *arena, int d, int nc) {

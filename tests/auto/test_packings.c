@@ -1,4 +1,4 @@
-/* test_packings.c: packings of rigid bodies, the stages that auto takes on them (AT13); an elastic
+/* test_packings.c: packings of rigid bodies, the stages that auto takes on them; an elastic
  * body by blocks. */
 #include <check.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /*
  * farkas.c: tells early that a contact problem has no solution, by the linear problem that every
- * solution solves (AT10).
+ * solution solves.
  *
  * A solution has r in the friction cones and u_n = (W r + q)_n >= 0. With the edges of the cones in
  * the columns of E, E_n = W_n E and r = E x, the smallest such r and its dual are
@@ -30,7 +30,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "front/front.h"
+#include "facts/facts.h"
 
 enum { round_edges = 8 };
 static const double circumscribed = 1.0823922002923943; /* 1 / cos(pi / 8), rounded up */

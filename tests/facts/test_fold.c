@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "front/front.h"
+#include "facts/facts.h"
 #include "run.h"
 
 enum { most_nc = 3, most_m = 2 * most_nc };

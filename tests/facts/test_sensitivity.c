@@ -5,7 +5,7 @@
 #include "delassus/contact.h"
 #include "delassus/solve.h"
 #include "delassus/trust.h"
-#include "front/front.h"
+#include "facts/facts.h"
 #include "run.h"
 
 static double length_of(const double *x, int n) {

@@ -17,8 +17,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "auto/auto.h"
 #include "delassus/nlgs.h"
-#include "front/front.h"
 #include "vi/vi_internal.h"
 
 enum { few = 20, most_rows = 3 * few };

@@ -1,4 +1,4 @@
-/* test_steps.c: auto in steps: what one solve leaves to the next warm one (AT14), (AT15). */
+/* test_steps.c: auto in steps: what one solve leaves to the next warm one (SQ1), (SQ2). */
 #include <check.h>
 #include <math.h>
 #include <string.h>

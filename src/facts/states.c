@@ -32,7 +32,7 @@
 
 #include "base/exact.h"
 #include "delassus/trust.h"
-#include "front/front.h"
+#include "facts/facts.h"
 #include "lcp/lcp_internal.h"
 #include "vi/vi_internal.h"
 

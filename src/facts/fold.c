@@ -42,7 +42,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "front/front.h"
+#include "facts/facts.h"
 #include "linear/blas.h"
 #include "linear/dense.h"
 

@@ -29,7 +29,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "front/front.h"
+#include "facts/facts.h"
 #include "linear/blas.h"
 
 static const double border =

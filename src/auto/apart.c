@@ -14,8 +14,9 @@
  * memory for the list nothing is left out.
  */
 #include <stdlib.h>
+#include <string.h>
 
-#include "front/front.h"
+#include "auto/auto.h"
 
 enum { least_candidates = 30 };
 static const double share_left = 0.6; /* of the candidates; with more, the copy does not pay */
@@ -62,4 +63,43 @@ int dlsi_list_touching(const dls_contact *problem, int **list) {
   else
     free(made);
   return count;
+}
+
+/* Solves the problem of `count` candidates that may touch. values: memory of the copy.
+ * Returns as take_touching does. */
+static dls_status take_others(dlsi_auto *work, const dls_contact *problem, int count,
+                              double *values, dlsi_auto_solve_fn solve, dls_error *error) {
+  dls_contact others;
+  dlsi_subset(problem, count, work->touching, values, NULL, &others);
+  work->touches = count;
+  const dls_status status = solve(work, &others, error);
+  memcpy(work->r, work->best, (size_t)problem->d * (size_t)count * sizeof *work->r);
+  dlsi_auto_put_among_all(work, work->r, work->best);
+  work->touches = 0;
+  work->problem = problem;
+  if (status < 0) return status;
+  dlsi_auto_set_weights(work);
+  dlsi_contact_multiply(problem, NULL, work->best, work->v[0], work->v[1]);
+  dlsi_contact_measure(problem, work->best, work->v[0], work->v[1], work->weights, work->v[2],
+                       &work->info.certificate);
+  if (dlsi_auto_verdict_of(work) != DLS_STALLED) return dlsi_auto_verdict_of(work);
+  return work->stopped || work->limited || status == DLS_TIME_LIMIT ? status : DLS_STALLED;
+}
+
+/* Returns DLS_OK, an error, the reason for an end by the caller, or DLS_STALLED to go on. */
+dls_status dlsi_auto_take_touching(dlsi_auto *work, const dls_contact *problem,
+                                   dlsi_auto_solve_fn solve, dls_error *error) {
+  const int count = dlsi_list_touching(problem, &work->touching);
+  const size_t d = (size_t)problem->d, n = (size_t)count, m = d * n;
+  dls_status status = DLS_STALLED;
+  if (count == 0) return status;
+  double *values = dlsi_alloc(m * m + m + n + d * (size_t)problem->nc, sizeof *values);
+  if (values) { /* else the whole, which needs no copy */
+    work->shown = values + m * m + m + n;
+    status = take_others(work, problem, count, values, solve, error);
+  }
+  free(values);
+  free(work->touching);
+  work->touching = NULL;
+  return status;
 }

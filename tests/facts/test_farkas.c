@@ -6,7 +6,7 @@
 
 #include "cases.h"
 #include "delassus/solve.h"
-#include "front/front.h"
+#include "facts/facts.h"
 #include "run.h"
 
 /* Two candidates that a bar presses apart: W_nn = (1 -1; -1 1 + e), q_n = -1: no solution for e =

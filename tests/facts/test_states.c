@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "delassus/trust.h"
-#include "front/front.h"
+#include "facts/facts.h"
 #include "run.h"
 
 enum { most_nc = 8, most_m = 2 * most_nc, room = 32 };

@@ -1,0 +1,210 @@
+/*
+ * auto.c: the method "auto": other methods in turn, as a plan says (plan.c).
+ *
+ *   (AT1)  where two in five candidates or more provably cannot touch, a cold solve begins with the
+ *          problem of the others, a copy (apart.c); without an answer of it the whole is solved as
+ *          if there had been no copy
+ *   (AT2)  a warm solve follows the line through the last two answers, and may begin with a step of
+ *          Newton's method (sequence.c)
+ *   (AT3)  the first plan of the problem's regime (regime.c)
+ *   (AT4)  what it leaves: up to 300 rows the plan for a copy in an order and in units of its own
+ *          (canonical.c), with a verdict (verdict.c); beyond, another plan
+ *   (AT5)  an answer whose reactions may have a large error is made better (accuracy.c); whether it
+ *          is the only one is looked at (others.c)
+ *
+ * What can fail: every step; then DLS_STALLED with the best r.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "auto/auto.h"
+
+enum { copy_failures = 3 }; /* so much is Newton's method believed on a copy */
+
+/* Prepares a solve of this problem from r = 0. Errors of dlsi_form_blocks. */
+static dls_status begin_solve(dlsi_auto *work, const dls_contact *problem, dls_error *error) {
+  work->problem = problem;
+  const dls_status status = dlsi_auto_is_large(work) ? DLS_OK : dlsi_auto_form_blocks(work, error);
+  if (status) return status;
+  problem = work->problem;
+  work->bonded = dlsi_first_bonded(problem) >= 0;
+  work->firm =
+      dlsi_auto_may_copy(work) && dlsi_max_abs(problem->mu, (size_t)problem->nc) > dlsi_auto_firm;
+  work->info = (dls_info){.method = DLS_AUTO, .certificate = dlsi_no_certificate};
+  work->stopped = DLS_OK;
+  work->limited = work->failures = work->has_split = work->costly = work->rounded = 0;
+  work->has_copy = work->has_direction = work->has_farkas = work->excluded = 0;
+  work->may_rest = dlsi_auto_looks_at_rest(work);
+  work->has_pushed = work->has_augmented = work->stepped = 0;
+  work->ahead = 0;
+  work->step = 1;
+  memset(work->best, 0, (size_t)problem->d * (size_t)problem->nc * sizeof *work->best);
+  return DLS_OK;
+}
+
+static dls_status follow_and_judge(dlsi_auto *work, dls_error *error) {
+  work->has_copy = 1;
+  work->failures = copy_failures;
+  const dls_status status = dlsi_auto_follow(work, dlsi_auto_plan_on_copy, error);
+  return status == DLS_STALLED ? dlsi_auto_judge(work, error) : status;
+}
+
+/* (AT4) up to 300 rows. Returns as dlsi_auto_follow. */
+static dls_status take_copy(dlsi_auto *work, dls_error *error) {
+  dls_status status = dlsi_auto_on_copy(work, follow_and_judge, error);
+  if ((status != DLS_OK && status != DLS_TO_ROUNDING) || dlsi_auto_verdict_of(work) != DLS_STALLED)
+    return status == DLS_OK ? dlsi_auto_verdict_of(work) : status;
+  status = dlsi_auto_take_step(work, NEWTON, 0, error); /* sums in another order round otherwise */
+  return status < 0 ? status : dlsi_auto_verdict_of(work);
+}
+
+static dls_status follow_plans(dlsi_auto *work, dls_error *error) {
+  if (work->options.limits.warm_start && dlsi_auto_predict(work)) return DLS_OK;
+  dls_status status = dlsi_auto_begin_with_newton(work, error); /* (AT2) */
+  if (status != DLS_STALLED) return status;
+  status = dlsi_auto_follow(work, dlsi_auto_first_plan(work), error); /* (AT3) */
+  if (status != DLS_STALLED || work->rounded) return status;
+  if (!dlsi_auto_may_copy(work)) { /* (AT4) */
+    status = dlsi_auto_follow(work, dlsi_auto_plan_beyond, error);
+    return status == DLS_STALLED ? dlsi_auto_judge(work, error) : status;
+  }
+  status = take_copy(work, error);
+  if (status != DLS_STALLED || !work->firm) return status;
+  work->firm = 0;
+  return take_copy(work, error);
+}
+
+static dls_status solve_cold(dlsi_auto *work, const dls_contact *problem, dls_error *error) {
+  const dls_status status = begin_solve(work, problem, error);
+  return status ? status : follow_plans(work, error);
+}
+
+static dls_status auto_solve(void *automatic, const dls_contact *problem, double *r, double *u,
+                             dls_info *info, dls_error *error) {
+  dlsi_auto *work = automatic;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const int warm = work->options.limits.warm_start;
+  work->begun = dlsi_clock_start(&work->options.limits);
+  work->whole = problem->nc;
+  dls_status status = dlsi_lend(&work->formed, &problem, error);
+  if (status) return status;
+  status = warm ? DLS_STALLED : dlsi_auto_take_touching(work, problem, solve_cold, error);
+  if (status == DLS_STALLED) {
+    status = begin_solve(work, problem, error);
+    if (status) return status;
+    if (warm) memcpy(work->best, r, m * sizeof *r);
+    status = follow_plans(work, error);
+  }
+  if (status < 0) return status;
+  status = dlsi_settled(&work->info.certificate, work->options.limits.tol, status);
+  if (status == DLS_OK) status = dlsi_auto_take_to_accuracy(work, error);
+  if (status < 0) return status;
+  problem = work->problem;
+  memcpy(r, work->best, m * sizeof *r);
+  if (u) dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
+  if (u) memcpy(u, work->v[0], m * sizeof *u);
+  work->info.status = status;
+  dlsi_auto_remember_cost(work, r);
+  if (warm) dlsi_auto_remember_answer(work, r, u);
+  if (info && status == DLS_OK) dlsi_auto_look_for_others(work, r);
+  if (info) *info = work->info;
+  return status;
+}
+
+static const double *auto_direction(const void *automatic) {
+  const dlsi_auto *work = automatic;
+  if (work->has_copy) return work->has_direction ? work->direction : NULL;
+  return dlsi_augmented_method.direction(work->part[AUGMENTED]);
+}
+
+static const double *auto_farkas(const void *automatic) {
+  const dlsi_auto *work = automatic;
+  return work->has_farkas ? work->farkas : NULL;
+}
+
+static void auto_set_limits(void *automatic, const dls_limits *limits) {
+  dlsi_set_limits(&((dlsi_auto *)automatic)->options.limits, limits);
+}
+
+static void auto_destroy(void *automatic) {
+  dlsi_auto *work = automatic;
+  if (!work) return;
+  for (part k = 0; k < parts; k++)
+    dlsi_auto_kind[k].method->destroy(work->part[k]);
+  dlsi_room_free(&work->room);
+  dlsi_formed_free(&work->formed);
+  free(work);
+}
+
+static void auto_carve(void *automatic, dlsi_arena *arena) {
+  dlsi_auto *work = automatic;
+  const size_t m = (size_t)work->d * (size_t)work->nc;
+  work->r = dlsi_take(arena, m, sizeof *work->r);
+  work->best = dlsi_take(arena, m, sizeof *work->best);
+  work->w = dlsi_take(arena, (size_t)work->nc, sizeof *work->w);
+  work->weights = dlsi_take(arena, 2 * (size_t)work->nc, sizeof *work->weights);
+  double **const answers[] = {&work->last.r, &work->last.Wr, &work->former.r, &work->former.Wr};
+  dlsi_take_vectors(arena, m, 4, answers);
+  for (int k = 0; k < 3; k++)
+    work->v[k] = dlsi_take(arena, m, sizeof *work->v[k]);
+  if (m > dlsi_auto_small) return;
+  work->v[3] = dlsi_take(arena, m, sizeof *work->v[3]);
+  dlsi_renumber_carve(&work->copy, arena, work->d, work->nc);
+  work->kept = dlsi_take(arena, m, sizeof *work->kept);
+  work->direction = dlsi_take(arena, m, sizeof *work->direction);
+  work->farkas = dlsi_take(arena, (size_t)work->nc, sizeof *work->farkas);
+}
+
+/* Returns 1 if a solve may come to part k, whatever the problem. */
+static int may_need(const dlsi_auto *work, part k) {
+  const int nc = work->nc, m = work->d * nc, blocks = work->options.limits.blocks;
+  switch (k) {
+  case SWEEPS:
+    return nc <= dlsi_auto_many || !blocks || blocks / nc >= nc / 4;
+  case REST:
+    return m >= dlsi_auto_least_at_rest;
+  case PUSH:
+    return blocks && nc > dlsi_auto_few;
+  case PIVOTING:
+    return dlsi_auto_may_pivot(work);
+  case HOMOTOPY:
+  case SCATTER:
+    return m <= dlsi_auto_small;
+  case OTHER_SWEEPS:
+    return m <= dlsi_auto_large;
+  default:
+    return dlsi_auto_home_of(k) == k;
+  }
+}
+
+static dls_status auto_create(void **out, int d, int nc, const dlsi_options *options,
+                              dls_error *error) {
+  dlsi_auto filled = {.options = *options, .d = d, .nc = nc};
+  void *memory;
+  dls_status status = dlsi_workspace(&memory, &filled, sizeof filled, auto_carve, nc, error);
+  if (status) return status;
+  dlsi_auto *work = memory;
+  for (part k = 0; !status && !options->lazy && k < parts; k++)
+    if (may_need(work, k)) status = dlsi_auto_create_part(work, k, error);
+  if (!status && !options->lazy && d * nc <= dlsi_auto_small) /* a copy is dense */
+    status = dlsi_room_dense(&work->room, (size_t)(d * nc), error);
+  if (status)
+    auto_destroy(work);
+  else
+    *out = work;
+  return status;
+}
+
+const dlsi_method dlsi_auto_method = {
+    .method = DLS_AUTO,
+    .name = "auto",
+    .summary = "2D, 3D, any W: the default; the others in turn, as their progress and cost tell",
+    .create = auto_create,
+    .solve = auto_solve,
+    .destroy = auto_destroy,
+    .set_limits = auto_set_limits,
+    .direction = auto_direction,
+    .farkas = auto_farkas,
+    .takes_bodies = 1,
+};

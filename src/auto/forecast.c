@@ -1,0 +1,139 @@
+/*
+ * forecast.c: when a step ends. Its iterations report here; sweeps end when more of them are ahead
+ * than the next step costs.
+ *
+ * With e the residual and e* the one that is asked for, both looked at every 5 sweeps,
+ *
+ *   (FC1)  sweeps ahead: log(e / e*) / rate, rate: the mean decrease of log e per sweep since the
+ *          step began, sweep k with the weight k, so that the last half counts most
+ *   (FC2)  sweeps end when (FC1) is more than Newton's method costs (price.c, PR1), or than 100
+ *          where the convex problem or momentum is next, after 10 sweeps (20 for W by blocks, or
+ *          while e > .05 before any failure; half of that from a warm start whose first sweep ends
+ *          with e <= 1/4), a number that each failure doubles
+ *   (FC3)  Newton's method ends when 4 steps, or as many as cost half of (FC1) and of splitting, up
+ *          to 12, doubled by each failure, have not brought e down by a tenth
+ *
+ * A forecast that was wrong is so believed less each time. No clock is read: the same input takes
+ * the same steps and gives the same bits.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "auto/auto.h"
+
+enum { first_patience = 4, last_patience = 12 /* of vi/newton.c */ };
+enum { look_every = 5, first_sweeps = 10 };
+enum { rest_sweeps = 100 };           /* what the convex problem costs, analysis included */
+enum { push_ahead = 100 };            /* accelerated sweeps that take as long as momentum does */
+static const double unsorted = 0.05;  /* e: with more, few states are those of the answer */
+static const double unsettled = 0.01; /* e: ... and with less, most are */
+static const double progress = 0.9;   /* of e, below which a step has brought it down */
+
+void dlsi_auto_put_among_all(const dlsi_auto *work, const double *r, double *all) {
+  const size_t d = (size_t)work->d;
+  memset(all, 0, d * (size_t)work->whole * sizeof *all);
+  for (size_t k = 0; k < (size_t)work->touches; k++)
+    memcpy(all + d * (size_t)work->touching[k], r + d * k, d * sizeof *all);
+}
+
+/* Tells the caller's callback and keeps to the caller's limits. Returns 1 to stop. */
+static int must_stop(dlsi_auto *work, const dls_progress *p) {
+  const dls_limits *limits = &work->options.limits;
+  dls_progress mine = *p;
+  mine.method = "auto";
+  if (work->problem == &work->copy.problem && limits->progress && p->r) { /* the caller's r */
+    const dlsi_renumber *copy = &work->copy;
+    dlsi_renumber_back(copy, work->d, copy->power_q - copy->power_W, p->r, work->v[3]);
+    mine.r = work->v[3];
+  }
+  if (work->touches && limits->progress && mine.r) {
+    dlsi_auto_put_among_all(work, mine.r, work->shown);
+    mine.r = work->shown;
+  }
+  work->stopped = dlsi_tell(limits, work->begun, &mine);
+  if (work->stopped) return 1;
+  if (limits->max_iterations && work->info.iterations + p->iteration >= limits->max_iterations)
+    return work->limited = 1;
+  return 0;
+}
+
+int dlsi_auto_watch_sweeps(void *data, const dls_progress *p) {
+  DLSI_DOOR;
+  dlsi_auto *work = data;
+  if (must_stop(work, p)) return 1;
+  const double now = log(p->residual);
+  if (p->iteration == 1) {
+    work->least = now;
+    work->near = work->options.limits.warm_start && p->residual <= dlsi_auto_far_start;
+  }
+  const double gain = now < work->least ? work->least - now : 0;
+  work->least -= gain;
+  work->rate += 2. / (p->iteration + 1) * (gain - work->rate);
+  if (p->iteration % look_every) return 0;
+  const double newton = dlsi_auto_cost_of_newton(work),
+               ahead = (work->least - work->target) / work->rate;
+  const double other = dlsi_auto_may_push(work) ? push_ahead : newton;
+  const double next = work->may_rest ? fmin(other, rest_sweeps) : other;
+  if (work->d == 3 && p->residual > unsettled && dlsi_auto_cost_of_split(work) < 2 * newton)
+    work->costly = 1;
+  work->ahead = ahead;
+  const int sorted = work->failures || p->residual <= unsorted;
+  const int twice = !work->problem->W.a || !sorted;
+  const int first = (twice + 1) * first_sweeps / (work->near + 1);
+  return p->iteration >= first << work->failures && ahead > next;
+}
+
+int dlsi_auto_watch_newton(void *data, const dls_progress *p) {
+  DLSI_DOOR;
+  dlsi_auto *work = data;
+  if (must_stop(work, p)) return 1;
+  const double now = log(p->residual);
+  if (now < work->least + log(progress)) {
+    work->least = now;
+    work->since = p->iteration;
+  }
+  return p->iteration - work->since >= work->patience << work->failures;
+}
+
+/* Stops when the convex problem is to be tried. Sweeps that get nowhere stop by themselves. */
+int dlsi_auto_watch_push(void *data, const dls_progress *p) {
+  DLSI_DOOR;
+  dlsi_auto *work = data;
+  if (must_stop(work, p)) return 1;
+  const double now = log(p->residual);
+  if (!work->since) work->least = now;
+  const double gain = now < work->least ? work->least - now : 0;
+  const int sweeps = p->iteration - work->since; /* of bodies some in one go */
+  work->least -= gain;
+  work->rate += 2. * sweeps / (p->iteration + sweeps) * (gain / sweeps - work->rate);
+  work->since = p->iteration;
+  if (p->iteration % look_every || p->iteration < 2 * first_sweeps) return 0;
+  const double ahead = (now - work->target) / work->rate;
+  if (work->may_rest && ahead > rest_sweeps) return 1;
+  return dlsi_auto_is_near(work, p->residual) && ahead > dlsi_auto_cost_of_newton(work);
+}
+
+int dlsi_auto_watch_limits(void *data, const dls_progress *p) {
+  DLSI_DOOR;
+  return must_stop(data, p);
+}
+
+/* Returns how many steps without progress Newton's method may take: half of what comes after it. */
+static int patience_of_newton(const dlsi_auto *work) {
+  const double other = dlsi_auto_has_splitting(work)
+                           ? fmin(work->ahead, dlsi_auto_cost_of_split(work))
+                           : work->ahead;
+  return (int)fmin(fmax(other / (2 * work->step), first_patience), last_patience);
+}
+
+void dlsi_auto_begin_watch(dlsi_auto *work) {
+  const dls_certificate *best = &work->info.certificate;
+  const double tol = work->options.limits.tol;
+  const int measured = best->floor_u <= DBL_MAX; /* not at the first step of all, or of a copy */
+  work->target = log(measured ? dlsi_certificate_target(best, tol) : tol);
+  work->least = log(best->residual);
+  work->rate = 0;
+  work->unknowns = dlsi_auto_count_unknowns(work->problem, work->r);
+  work->since = 0;
+  work->patience = patience_of_newton(work);
+}

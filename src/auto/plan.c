@@ -1,0 +1,79 @@
+/*
+ * plan.c: which steps auto takes, in which order: one plan for each regime (regime.c). A step is
+ * another method's solve from the best r so far; a step that is not open to the problem is left
+ * out (kind.may). The first r that the certificate accepts ends the plan.
+ */
+#include "auto/auto.h"
+
+enum { dense_splits = 200 };        /* iterations: more of them cost more than Newton again */
+enum { other_iterations = 2000 };   /* of sweeps and splitting by another way */
+enum { settle_iterations = 20000 }; /* up to 300 rows: a second or two */
+enum { most_pushes = 1000000 };
+enum { usual_way = 1, reverse = 2, momentum = 3 }; /* dlsi_options.stage */
+
+const step_kind dlsi_auto_kind[parts] = {
+    [SWEEPS] = {&dlsi_nlgs_method, dlsi_auto_watch_sweeps, dlsi_auto_may_sweep, 0, usual_way},
+    [SPLITTING] = {&dlsi_admm_method, dlsi_auto_watch_limits, dlsi_auto_may_split, dense_splits,
+                   usual_way},
+    [REST] = {&dlsi_rest_method, dlsi_auto_watch_limits, dlsi_auto_may_rest, 0, usual_way},
+    [NEWTON] = {&dlsi_newton_method, dlsi_auto_watch_newton, dlsi_auto_may_step, 0, usual_way},
+    [AUGMENTED] = {&dlsi_augmented_method, dlsi_auto_watch_limits, NULL, 0, usual_way},
+    [PIVOTING] = {&dlsi_lemke_method, dlsi_auto_watch_limits, dlsi_auto_may_pivot, 0, usual_way},
+    [OTHER_SWEEPS] = {&dlsi_nlgs_method, dlsi_auto_watch_limits, NULL, other_iterations, reverse},
+    [OTHER_SPLITTING] = {&dlsi_admm_method, dlsi_auto_watch_limits, NULL, other_iterations,
+                         usual_way},
+    [HOMOTOPY] = {&dlsi_homotopy_method, dlsi_auto_watch_limits, dlsi_auto_may_follow_path, 0,
+                  usual_way},
+    [SCATTER] = {&dlsi_scatter_method, dlsi_auto_watch_limits, dlsi_auto_may_follow_path, 0,
+                 usual_way},
+    [PUSH] = {&dlsi_nlgs_method, dlsi_auto_watch_push, dlsi_auto_may_push, most_pushes, momentum},
+    [SETTLE] = {&dlsi_admm_method, dlsi_auto_watch_limits, dlsi_auto_may_settle, settle_iterations,
+                usual_way},
+};
+
+/* Elastic bodies, and few candidates by blocks. */
+static const step elastic[] = {{SWEEPS, 0},       {REST, 0},      {SPLITTING, 0}, {NEWTON, 0},
+                               {PIVOTING, EARLY}, {SPLITTING, 0}, {SWEEPS, 0},    {NEWTON, 0},
+                               {SPLITTING, 0},    {SWEEPS, 0},    {NEWTON, 0},    {SWEEPS, 0},
+                               {NEWTON, 0},       {END, 0}};
+
+/* Momentum in turn with Newton's method, which leads nowhere far from the answer. */
+static const step packing[] = {{SWEEPS, 0}, {REST, 0},   {PUSH, FAR}, {NEWTON, 0},
+                               {PUSH, 0},   {NEWTON, 0}, {PUSH, 0},   {NEWTON, 0},
+                               {PUSH, 0},   {NEWTON, 0}, {END, 0}};
+
+static const step tight[] = {{PUSH, 0}, {REST, 0},   {PUSH, FAR}, {NEWTON, 0},
+                             {PUSH, 0}, {NEWTON, 0}, {PUSH, 0},   {NEWTON, 0},
+                             {PUSH, 0}, {NEWTON, 0}, {END, 0}};
+
+/* What the first plan leaves. */
+const step dlsi_auto_plan_on_copy[] = {{SWEEPS, 0},
+                                       {NEWTON, 0},
+                                       {PIVOTING, 0},
+                                       {AUGMENTED, 0},
+                                       {HOMOTOPY, COLD},
+                                       {SCATTER, 0},
+                                       {PIVOTING, MORE},
+                                       {SWEEPS, 0},
+                                       {NEWTON, 0},
+                                       {SWEEPS, 0},
+                                       {OTHER_SWEEPS, COLD},
+                                       {NEWTON, 0},
+                                       {OTHER_SPLITTING, COLD},
+                                       {NEWTON, 0},
+                                       {AUGMENTED, COLD},
+                                       {HOMOTOPY, COLD | MORE},
+                                       {SCATTER, MORE},
+                                       {SETTLE, 0},
+                                       {END, 0}};
+
+const step dlsi_auto_plan_beyond[] = {
+    {AUGMENTED, 0},       {PUSH, 0},         {SWEEPS, 0},
+    {NEWTON, 0},          {PUSH, 0},         {SWEEPS, 0},
+    {OTHER_SWEEPS, COLD}, {NEWTON, 0},       {OTHER_SPLITTING, COLD},
+    {NEWTON, 0},          {AUGMENTED, COLD}, {END, 0}};
+
+const step *dlsi_auto_first_plan(const dlsi_auto *work) {
+  if (!dlsi_auto_is_packing(work)) return elastic;
+  return dlsi_auto_may_sweep(work) ? packing : tight;
+}

@@ -1,0 +1,137 @@
+/*
+ * regime.c: what kind of problem this is, and which steps are open to it.
+ *
+ * W dense is what an elastic body leaves, regular. W by blocks comes from many bodies, often rigid
+ * ones; it is then singular, and Newton's steps converge slowly.
+ *
+ *   elastic   W dense, or by blocks with a fourth of all blocks and more
+ *   few       W by blocks, up to 100 candidates
+ *   packing   W by blocks, more than 100 candidates
+ *   tight     a packing beyond 1000 candidates, or one of bodies with d + 1 contacts each or more,
+ *             as many as hold them with friction, that are not at rest: each candidate then has
+ *             2 d neighbours. Looser packings settle in some ten sweeps
+ *
+ * Bodies at rest: the free velocity q is that of falling, and -q lies in the friction cones but for
+ * a tenth of it; bodies in motion are far from that. Where candidates have three neighbours or
+ * fewer on average, a factorisation costs what a few sweeps do: taken as at rest, too.
+ */
+#include <limits.h>
+#include <math.h>
+
+#include "auto/auto.h"
+
+enum { split_unknowns = 100 }; /* rows: below, other methods take less than its factorisation */
+enum { few_blocks = 4 };       /* of a candidate, its own included */
+enum { pivot_rows = 400 };     /* such a table stays in the cache */
+_Static_assert(2 * (int)pivot_rows <= 3 * (int)dlsi_auto_small, "early pivots work on a copy");
+static const double push_near = 1e-5;    /* residual: farther away Newton's steps lead nowhere */
+static const double share_outside = 0.1; /* of -q outside of the cones, for what may rest */
+static const double near_most = 100;     /* of the residual, over the one asked */
+
+int dlsi_auto_is_packing(const dlsi_auto *work) {
+  return work->problem->nc > dlsi_auto_few && !dlsi_is_elastic(work->problem);
+}
+
+int dlsi_auto_may_push(const dlsi_auto *work) {
+  return dlsi_auto_is_packing(work) && !work->has_pushed;
+}
+
+static int is_tight(const dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  if (!problem->Wb.x || work->may_rest) return 0;
+  return problem->Wb.p[problem->nc] / (2 * problem->d + 1) >= problem->nc;
+}
+
+/* On a packing only first of all, or once the augmented Lagrangian has failed, too. */
+int dlsi_auto_may_sweep(const dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  if (!dlsi_auto_is_packing(work)) return 1;
+  if (problem->nc > dlsi_auto_many) return 0;
+  return work->has_augmented || (work->info.stages == 0 && !is_tight(work));
+}
+
+int dlsi_auto_is_near(const dlsi_auto *work, double residual) {
+  return residual <= push_near * pow(10, -work->failures);
+}
+
+int dlsi_auto_may_step(const dlsi_auto *work) {
+  return !dlsi_auto_is_packing(work) || dlsi_auto_is_near(work, work->info.certificate.residual) ||
+         work->has_augmented;
+}
+
+int dlsi_auto_looks_at_rest(const dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  const int d = problem->d;
+  const double *q = problem->q;
+  double all = 0, outside = 0;
+  if (problem->W.a || d * problem->nc < dlsi_auto_least_at_rest) return 0;
+  const int told = work->options.limits.blocks; /* of bodies */
+  const int blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : told > 1 ? told : INT_MAX;
+  if (blocks / problem->nc <= few_blocks) return 1;
+  for (int c = 0; c < problem->nc; c++, q += d) {
+    double v[3] = {0}, p[3] = {0};
+    for (int i = 0; i < d; i++)
+      v[i] = -q[i];
+    dlsi_project_cone(d, problem->mu[c], v, p);
+    for (int i = 0; i < d; i++) {
+      all += v[i] * v[i];
+      outside += (v[i] - p[i]) * (v[i] - p[i]);
+    }
+  }
+  return outside <= share_outside * share_outside * all;
+}
+
+int dlsi_auto_may_rest(const dlsi_auto *work) {
+  return work->may_rest;
+}
+
+int dlsi_auto_has_splitting(const dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  return problem->W.a && !work->has_split && problem->d * problem->nc >= split_unknowns;
+}
+
+int dlsi_auto_may_split(const dlsi_auto *work) {
+  if (!dlsi_auto_has_splitting(work)) return 0;
+  const int dear = work->ahead > 0 && dlsi_auto_cost_of_split(work) > 2 * work->ahead;
+  return work->costly || work->failures > dear;
+}
+
+int dlsi_auto_is_large(const dlsi_auto *work) {
+  return dlsi_auto_is_packing(work) && work->problem->nc > dlsi_auto_many;
+}
+
+int dlsi_auto_may_copy(const dlsi_auto *work) {
+  return work->problem->d * work->problem->nc <= dlsi_auto_small;
+}
+
+/* Returns 1 if an infinite friction keeps pivots and paths away. */
+int dlsi_auto_is_bonded(const dlsi_auto *work) {
+  return work->bonded && !work->firm;
+}
+
+int dlsi_auto_may_pivot(const dlsi_auto *work) {
+  if (dlsi_auto_is_bonded(work)) return 0;
+  return work->nc <= (work->d <= 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D);
+}
+
+/* Returns 1 if the table is small: 3 rows a candidate in 2D, 10 in 3D. */
+int dlsi_auto_may_pivot_early(const dlsi_auto *work) {
+  return (work->d == 2 ? 3 : 10) * work->nc <= pivot_rows;
+}
+
+int dlsi_auto_may_follow_path(const dlsi_auto *work) {
+  return !dlsi_auto_is_bonded(work) && dlsi_auto_may_copy(work);
+}
+
+int dlsi_auto_may_go_another_way(const dlsi_auto *work) {
+  return work->problem->d * work->problem->nc <= dlsi_auto_large;
+}
+
+/* Returns 1 for a residual so near the tolerance that an answer may lie beside it. */
+int dlsi_auto_is_nearly_met(const dlsi_auto *work, double residual) {
+  return residual <= near_most * fmax(work->options.limits.tol, 1e-8);
+}
+
+int dlsi_auto_may_settle(const dlsi_auto *work) {
+  return dlsi_auto_is_nearly_met(work, work->info.certificate.residual);
+}

@@ -1,0 +1,154 @@
+/*
+ * sequence.c: what one warm solve knows of the solves before.
+ *
+ *   (SQ1)  line: where the start is the answer of the solve before, the line through the last two
+ *          answers is followed: the better one of both starts is taken. While W stays, their u
+ *          follow without a product; (SQ2) begins with that u.
+ *   (SQ2)  step: a warm solve, W dense, may begin with Newton's method, on the factors of the solve
+ *          before (vi/newton.c, NE5): a step in which no state changes takes products and
+ *          triangular solves alone. It does where the last solve that did not has cost more sweeps
+ *          than such a step is expected to: the first time a step of Newton's for two digits of
+ *          the tolerance, then five parts of that expectation and one of what the last one took, a
+ *          fiftieth less for each solve without. A step counts for 3/2 sweeps, factors with their
+ *          border for 3 + k^2 / (10 m), but for the first ones after a solve without. Where it
+ *          fails, the next warm solve does not try. From a start (SQ1) with e > 1/4 it goes on as
+ *          long as those factors serve: more states change there than one new factor puts right.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "auto/auto.h"
+
+static const double step_sweeps = 1.5, forgotten = 0.98; /* (SQ2) */
+
+/* Returns the sweeps that a solve with (SQ2) is expected to take. */
+static double expect_of_step(const dlsi_auto *work) {
+  if (work->of_step > 0) return work->of_step;
+  return fmax(-log10(work->options.limits.tol) / 2, 1) * step_sweeps;
+}
+
+/* Returns 1 if a warm solve begins with Newton's method (SQ2). */
+static int may_begin_with_newton(dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  const int failed = work->failed_to_step;
+  work->failed_to_step = 0;
+  if (!work->options.limits.warm_start || failed || !problem->W.a) return 0;
+  return work->swept > expect_of_step(work);
+}
+
+/* Measures r, and keeps it as the best one if it is better. Scratch: v. */
+static void offer(dlsi_auto *work, const double *r) {
+  const dls_contact *problem = work->problem;
+  dls_certificate now;
+  dlsi_contact_multiply(problem, NULL, r, work->v[0], work->v[1]);
+  dlsi_contact_measure(problem, r, work->v[0], work->v[1], work->weights, work->v[2], &now);
+  if (!dlsi_is_better(&now, &work->info.certificate)) return;
+  work->info.certificate = now;
+  memcpy(work->best, r, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
+}
+
+/* Returns the residual of r with v[0] as its u. */
+static double expect(dlsi_auto *work, const double *r) {
+  const dls_contact *problem = work->problem;
+  dls_certificate now;
+  memset(work->v[1], 0, (size_t)problem->d * (size_t)problem->nc * sizeof *r);
+  dlsi_contact_measure(problem, r, work->v[0], work->v[1], work->weights, work->v[2], &now);
+  return now.residual;
+}
+
+/* (SQ1) Returns 1 if the certificate of the start holds already. With the same W both starts are
+ * measured without a product, since W r is linear in r; with another one this is a guess. */
+int dlsi_auto_predict(dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  const auto_answer *a = &work->last, *b = &work->former;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  work->known = work->far = 0;
+  if (work->answers < 2 || work->last_nc != problem->nc ||
+      memcmp(a->r, work->best, m * sizeof *a->r) != 0)
+    return 0;
+  dlsi_auto_set_weights(work);
+  for (size_t k = 0; k < m; k++)
+    work->v[0][k] = a->Wr[k] + problem->q[k];
+  double residual = expect(work, a->r);
+  for (size_t k = 0; k < m; k++) {
+    work->r[k] = 2 * a->r[k] - b->r[k];
+    work->v[0][k] = 2 * a->Wr[k] - b->Wr[k] + problem->q[k];
+  }
+  const double of_line = expect(work, work->r);
+  if (of_line < residual) {
+    residual = of_line;
+    memcpy(work->best, work->r, m * sizeof *work->best);
+  } else
+    for (size_t k = 0; k < m; k++)
+      work->v[0][k] = a->Wr[k] + problem->q[k];
+  work->known = residual > work->options.limits.tol;
+  work->far = residual > dlsi_auto_far_start;
+  if (work->known) return 0;
+  memcpy(work->r, work->best, m * sizeof *work->r);
+  offer(work, work->r);
+  return dls_certificate_holds(&work->info.certificate, work->options.limits.tol);
+}
+
+/* Remembers the answer of a warm solve. u: that of r, NULL: not known. */
+void dlsi_auto_remember_answer(dlsi_auto *work, const double *r, const double *u) {
+  const dls_contact *problem = work->problem;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const auto_answer oldest = work->former;
+  const int last = work->info.stages - 1;
+  if (!u && work->info.status == DLS_OK && !work->has_copy && last >= 0 &&
+      work->info.stage[last].method == DLS_NEWTON)
+    u = dlsi_newton_gap(work->part[NEWTON]);
+  work->answers = work->answers && work->last_nc == problem->nc ? 2 : 1;
+  work->last_nc = problem->nc;
+  work->former = work->last;
+  work->last = oldest;
+  memcpy(oldest.r, r, m * sizeof *r);
+  if (!u) dlsi_contact_multiply(problem, NULL, r, work->v[0], NULL);
+  if (!u) u = work->v[0];
+  for (size_t k = 0; k < m; k++)
+    oldest.Wr[k] = u[k] - problem->q[k];
+}
+
+dls_status dlsi_auto_begin_with_newton(dlsi_auto *work, dls_error *error) {
+  if (!may_begin_with_newton(work)) return DLS_STALLED;
+  dls_status status = dlsi_auto_create_part(work, NEWTON, error);
+  if (status) return status;
+  work->stepped = 1;
+  work->of_step = expect_of_step(work);
+  dlsi_newton_keep(work->part[NEWTON], work->known ? work->v[0] : NULL, work->far);
+  status = dlsi_auto_take_step(work, NEWTON, 0, error);
+  work->failures = 0;
+  if (!work->info.stages && status >= 0) { /* without a step */
+    work->stepped = 0;
+    return DLS_STALLED;
+  }
+  if (status < 0) return status;
+  if (dlsi_auto_verdict_of(work) != DLS_STALLED) return dlsi_auto_verdict_of(work);
+  work->failed_to_step = 1;
+  if (work->known) offer(work, work->last.r); /* what the step has begun with has no certificate */
+  if (work->stopped) return work->stopped;
+  if (status == DLS_TIME_LIMIT) return status;
+  return work->limited ? DLS_MAX_ITERATIONS : DLS_STALLED;
+}
+
+/* Remembers for (SQ2) what the solve took. */
+void dlsi_auto_remember_cost(dlsi_auto *work, const double *r) {
+  const dls_info *info = &work->info;
+  if (!info->stages) return; /* it had nothing to do */
+  const double k = info->factorisations ? dlsi_auto_count_unknowns(work->problem, r) : 0;
+  const double factors = 3 + k * k / (10. * work->problem->d * work->problem->nc);
+  double cost = 0;
+  for (int s = 0; s < info->stages; s++) {
+    const int newton = info->stage[s].method == DLS_NEWTON;
+    cost += (newton ? step_sweeps : 1) * info->stage[s].iterations;
+    cost += newton ? factors * info->stage[s].factorisations : 0;
+  }
+  if (!work->stepped) {
+    work->of_step *= forgotten;
+    work->swept = cost;
+  } else {
+    if (!work->in_steps && info->factorisations) cost -= factors;
+    work->of_step += (cost - work->of_step) / 6;
+  }
+  work->in_steps = work->stepped;
+}

@@ -1,0 +1,186 @@
+/*
+ * step.c: follows a plan. Each step is a method's solve from the best r so far, or from r = 0; what
+ * it found is kept if it is better, and it leaves a line in info.stage.
+ *
+ *   (ST1)  the first r that the certificate accepts is the answer
+ *   (ST2)  where the convex problem meets the tolerance but for the rounding of W r, no later step
+ *          has less of it, and nothing is tried any more
+ *   (ST3)  where the best r holds to rounding, a part of r that W does not feel may be what rounds:
+ *          ADMM from r = 0 finds reactions with little of it, and the better one is the answer
+ *   (ST4)  where Lemke's method has proved that there is no solution, or shown that none could be
+ *          certified (facts/farkas.c), nothing is searched for; not by an early one, which the copy
+ *          of canonical.c finds again for any order of the candidates
+ */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "auto/auto.h"
+
+enum { most_failures = 5 };
+
+/* ---- workspaces ------------------------------------------------------------------------------ */
+
+dls_status dlsi_auto_form_blocks(dlsi_auto *work, dls_error *error) {
+  if (!dlsi_is_factored(work->problem)) return DLS_OK;
+  const dls_status status = dlsi_form_blocks(&work->formed, &work->problem, error);
+  if (status) return status;
+  const int blocks = work->problem->Wb.p[work->problem->nc];
+  if (blocks > work->options.limits.blocks) work->options.limits.blocks = blocks;
+  return DLS_OK;
+}
+
+static dls_limits limits_of(dlsi_auto *work, part k) {
+  return (dls_limits){.tol = work->options.limits.tol,
+                      .max_iterations = dlsi_auto_kind[k].most,
+                      .warm_start = k != PIVOTING && k != OTHER_SPLITTING,
+                      .blocks = work->options.limits.blocks,
+                      .progress = dlsi_auto_kind[k].watch,
+                      .progress_data = work,
+                      .cpu_seconds = dlsi_clock_left(&work->options.limits, work->begun),
+                      .threads = work->options.limits.threads};
+}
+
+part dlsi_auto_home_of(part k) {
+  return k == OTHER_SPLITTING || k == SETTLE ? SPLITTING : k;
+}
+
+dls_status dlsi_auto_create_part(dlsi_auto *work, part k, dls_error *error) {
+  dlsi_options options = work->options;
+  if (work->part[k]) return DLS_OK;
+  options.limits = limits_of(work, k);
+  options.limits.cpu_seconds = 0; /* each step sets it */
+  options.stage = dlsi_auto_kind[k].way;
+  options.room = &work->room;
+  return dlsi_auto_kind[k].method->create(&work->part[k], work->d, work->nc, &options, error);
+}
+
+/* ---- one step -------------------------------------------------------------------------------- */
+
+/* Runs the method of part k from work->r. */
+static dls_status run_part(dlsi_auto *work, part k, dls_info *info, dls_error *error) {
+  const step_kind *kind = &dlsi_auto_kind[k];
+  void *const home = work->part[dlsi_auto_home_of(k)];
+  const dls_limits limits = limits_of(work, k);
+  dls_contact of_bodies = *work->problem; /* momentum takes the factors even where W is formed */
+  if (k == PUSH && of_bodies.bodies.H) of_bodies.Wb = (dls_blocks){0};
+  kind->method->set_limits(home, &limits);
+  return kind->method->solve(home, &of_bodies, work->r, NULL, info, error);
+}
+
+static void remember_tries(dlsi_auto *work, part k, dls_status status) {
+  if (k == SPLITTING) work->has_split = 1;
+  if (k == REST) work->may_rest = 0;
+  if (k == PUSH && status == DLS_STALLED) work->has_pushed = 1;
+  if (k == AUGMENTED) work->has_augmented = 1;
+}
+
+/* Adds the line of a step to the report, and keeps its r if that is the best. */
+static void report(dlsi_auto *work, part k, const dls_info *info) {
+  dls_info *all = &work->info;
+  if (all->stages == DLS_STAGES_MAX) all->stages--; /* the last line is that of the last step */
+  all->stage[all->stages++] = (dls_stage){dlsi_auto_kind[k].method->method, info->iterations,
+                                          info->factorisations, info->certificate.residual};
+  all->iterations += info->iterations;
+  all->factorisations += info->factorisations;
+  if (k == NEWTON && work->failures < most_failures) work->failures++;
+  if (!dlsi_is_better(&info->certificate, &all->certificate)) return;
+  all->certificate = info->certificate;
+  memcpy(work->best, work->r,
+         (size_t)work->problem->d * (size_t)work->problem->nc * sizeof *work->best);
+}
+
+dls_status dlsi_auto_take_step(dlsi_auto *work, part k, unsigned flags, dls_error *error) {
+  dls_error why = {0};
+  dls_status status = k == PUSH ? DLS_OK : dlsi_auto_form_blocks(work, &why);
+  if (status == DLS_E_SIZE) return DLS_STALLED; /* too many blocks: sweeps on bodies alone */
+  const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
+  dls_info info = {.status = DLS_OK};
+  if (!status) status = dlsi_auto_create_part(work, dlsi_auto_home_of(k), &why);
+  if (flags & COLD)
+    memset(work->r, 0, m * sizeof *work->r);
+  else
+    memcpy(work->r, work->best, m * sizeof *work->r);
+  dlsi_auto_begin_watch(work);
+  if (!status) status = run_part(work, k, &info, &why);
+  remember_tries(work, k, status);
+  if ((k == SPLITTING || k == OTHER_SPLITTING || k == REST) && status == DLS_E_UNSUPPORTED)
+    return DLS_STALLED; /* a build without MUMPS */
+  if (status < 0) {
+    if (error) *error = why;
+    return status;
+  }
+  if (work->stepped && !work->info.stages && status == DLS_STALLED && !info.iterations)
+    return status; /* (SQ2) without a step */
+  report(work, k, &info);
+  return status;
+}
+
+/* ---- a plan ---------------------------------------------------------------------------------- */
+
+/* Paths of pivots depend on the order of the candidates. */
+static dls_status take_pivots(dlsi_auto *work, dls_error *error) {
+  return dlsi_auto_take_step(work, PIVOTING, 0, error);
+}
+
+static int is_open(const dlsi_auto *work, const step *s) {
+  const step_kind *kind = &dlsi_auto_kind[s->part];
+  if (s->flags & FAR && dlsi_auto_is_near(work, work->info.certificate.residual)) return 0;
+  if (kind->may && !kind->may(work)) return 0;
+  if (s->flags & EARLY && !dlsi_auto_may_pivot_early(work)) return 0;
+  return !(s->flags & COLD) || dlsi_auto_may_go_another_way(work);
+}
+
+/* (ST3) Returns the verdict of the better one, or an error. */
+static dls_status take_less_stress(dlsi_auto *work, part now, dls_error *error) {
+  if (now == OTHER_SPLITTING || !dlsi_auto_may_go_another_way(work))
+    return dlsi_auto_verdict_of(work);
+  const dls_status status = dlsi_auto_take_step(work, OTHER_SPLITTING, COLD, error);
+  return status < 0 ? status : work->stopped ? work->stopped : dlsi_auto_verdict_of(work);
+}
+
+/* Tells a search that its next solve is its first part, or the rest. */
+static dls_status share_search(dlsi_auto *work, const step *s, dls_error *error) {
+  void (*const share)(void *, int) = s->part == HOMOTOPY   ? dlsi_homotopy_share
+                                     : s->part == SCATTER  ? dlsi_scatter_share
+                                     : s->part == PIVOTING ? dlsi_contact_lemke_search
+                                                           : NULL;
+  const dls_status status = share ? dlsi_auto_create_part(work, s->part, error) : DLS_OK;
+  if (share && !status) share(work->part[s->part], (s->flags & MORE) != 0);
+  return status;
+}
+
+/* Returns 1 if nothing is left to try after the step s, which ended with *status: that of the plan
+ * then. */
+static int is_decided(dlsi_auto *work, const step *s, dls_status *status) {
+  const int early = s->flags & EARLY;
+  const int excluded = s->part == PIVOTING && dlsi_contact_lemke_excludes(work->part[PIVOTING]);
+  const int proved = *status == DLS_NO_SOLUTION;
+  if (work->stopped) return *status = work->stopped, 1;
+  work->rounded = s->part == REST && dlsi_certificate_meets(&work->info.certificate,
+                                                            work->options.limits.tol); /* (ST2) */
+  if (work->rounded) return *status = DLS_STALLED, 1;
+  if (*status == DLS_TIME_LIMIT) return 1;
+  if (work->limited) return *status = DLS_MAX_ITERATIONS, 1;
+  if (!proved && !excluded) return 0;
+  if (work->firm) return 0; /* of the copy alone */
+  work->excluded = !early && excluded && !proved;
+  if (early || !proved) *status = DLS_STALLED; /* (ST4) */
+  return 1;
+}
+
+dls_status dlsi_auto_follow(dlsi_auto *work, const step *plan, dls_error *error) {
+  for (const step *s = plan; s->part != END; s++) {
+    if (!is_open(work, s)) continue;
+    dls_status status = share_search(work, s, error);
+    if (!status)
+      status = s->flags & EARLY ? dlsi_auto_on_copy(work, take_pivots, error)
+                                : dlsi_auto_take_step(work, s->part, s->flags, error);
+    if (status < 0) return status;
+    const dls_status verdict = dlsi_auto_verdict_of(work);
+    if (verdict == DLS_OK) return DLS_OK; /* (ST1) */
+    if (verdict == DLS_TO_ROUNDING && !work->stopped) return take_less_stress(work, s->part, error);
+    if (is_decided(work, s, &status)) return status;
+  }
+  return DLS_STALLED;
+}

@@ -1,0 +1,58 @@
+/*
+ * verdict.c: what can be said without an answer.
+ *
+ * DLS_NO_SOLUTION if Lemke's method has a proof (facts/farkas.c). DLS_NO_SOLUTION_LIKELY only where
+ * W shows no reason for a solution (vi/exists.c), and that linear problem shows that none could be
+ * certified, or all steps have failed and, d = 2 and up to 8 candidates, no states of the
+ * candidates have a solution (facts/states.c), or, d = 3 and up to 2, the augmented Lagrangian sees
+ * the reactions run away at last and no r is near the tolerance. Else DLS_STALLED: larger problems
+ * whose reactions run away may have a solution that no step finds.
+ */
+#include "auto/auto.h"
+
+enum { sure_starts = 2 };                   /* candidates, d = 3, whose states the steps cover */
+static const double null_direction = 1e-10; /* |D^-1 W delta| over |delta| */
+
+/* Returns 1 if the augmented Lagrangian has ended with a direction delta along which W delta is 0
+ * but for rounding: w: weights, set already. */
+static int runs_away(const dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
+  const double *delta = dlsi_augmented_method.direction(work->part[AUGMENTED]);
+  double *v = work->v[0];
+  if (!delta) return 0;
+  dlsi_contact_apply(problem, delta, v);
+  for (size_t k = 0; k < m; k++)
+    v[k] /= work->w[k / d];
+  return dlsi_max_abs(v, m) <= null_direction * dlsi_max_abs(delta, m);
+}
+
+/* for a problem that no stage has solved. Returns DLS_OK, DLS_NO_SOLUTION_LIKELY,
+ * DLS_STALLED, or an error. */
+dls_status dlsi_auto_judge(dlsi_auto *work, dls_error *error) {
+  const dls_contact *problem = work->problem;
+  const double tol = work->options.limits.tol;
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const int sure = work->excluded, few = problem->d == 2 && problem->nc <= dlsi_most_states;
+  double *J = work->room.J;
+  if (work->bonded || work->firm) return DLS_STALLED;
+  work->room.owner = work;
+  if (few && !sure) {
+    const int found = dlsi_contact_find_states(problem, &work->options.limits, work->begun, work->r,
+                                               work->best, &work->info.certificate);
+    if (dlsi_clock_is_over(&work->options.limits, work->begun)) return DLS_TIME_LIMIT;
+    const dls_status status = found ? dlsi_auto_take_step(work, NEWTON, 0, error) : DLS_STALLED;
+    if (status < 0) return status;
+    if (dls_certificate_holds(&work->info.certificate, tol)) return DLS_OK;
+    if (found) return DLS_STALLED;
+  }
+  if (!few && !sure &&
+      (problem->nc > sure_starts || dlsi_auto_is_nearly_met(work, work->info.certificate.residual)))
+    return DLS_STALLED;
+  if (!dlsi_auto_may_follow_path(work) || work->room.side < m) return DLS_STALLED;
+  dlsi_contact_weights(problem, work->w);
+  if (!few && !sure && !runs_away(work)) return DLS_STALLED;
+  if (!few && !sure && !dlsi_is_semidefinite(problem, work->w, J)) return DLS_STALLED;
+  if (dlsi_solution_exists(problem, work->w, J, work->v)) return DLS_STALLED;
+  return DLS_NO_SOLUTION_LIKELY;
+}

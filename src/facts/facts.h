@@ -1,0 +1,60 @@
+/* facts.h: what is known of a problem: for auto, which decides by it, and for the public calls. */
+#ifndef DLSI_FACTS_H
+#define DLSI_FACTS_H
+
+#include "base/method.h"
+#include "delassus/trust.h"
+
+/* ---- contact_lemke.c ------------------------------------------------------------------------- */
+
+extern const dlsi_method dlsi_lemke_method;
+
+/* Returns 1 if the last solve in this workspace of dlsi_lemke_method has shown that no r can be
+ * certified. */
+int dlsi_contact_lemke_excludes(const void *lemke);
+
+/* searches: 1 lets the next solves of this workspace of dlsi_lemke_method search as (CL6) of
+ * contact_lemke.c says; 0: no more. */
+void dlsi_contact_lemke_search(void *lemke, int searches);
+
+/* ---- farkas.c -------------------------------------------------------------------------------- */
+
+/* The linear problem that every solution solves, as an LCP in z = (v, x), (FA2), with the
+ * scales s (nc) and the unit of (CL4). M: n x n, q: n, column: scratch, m. */
+int dlsi_farkas_size(const dls_contact *problem);
+void dlsi_farkas_lcp(const dls_contact *problem, const double *s, double unit, double *M, double *q,
+                     double *column);
+
+/* Returns 1 if v >= 0 (nc) shows that the certificate of no r can hold, (FA3). w: weights of the
+ * certificate. */
+int dlsi_farkas_excludes(const dls_contact *problem, const double *w, const double *v, double tol);
+
+/* ---- sensitivity.c --------------------------------------------------------------------------- */
+
+enum { dlsi_predicted_rows = 300, dlsi_predicted_of_blocks = 60 };
+
+/* Returns |r - r*| / |r| to first order, in the states that r has; 0 where nothing touches, -1
+ * where the reactions are not determined. For up to dlsi_predicted_rows rows. u: W r + q. w:
+ * weights of the certificate. J: scratch, m x m. x: scratch, m. */
+double dlsi_predict_error(const dls_contact *problem, const double *r, double *u, double *w,
+                          double *J, double *x);
+
+/* ---- states.c, fold.c ------------------------------------------------------------------------ */
+
+/* Candidates of the largest problem for dlsi_contact_find_states. */
+enum { dlsi_most_states = 8 };
+
+/* Does the work of dls_contact_fold on a problem; search: 1 for the local search, whatever its
+ * size. */
+dls_status dlsi_contact_fold(const dls_contact *problem, int search, dls_fold *fold,
+                             dls_contact_state *state, double *q, double *r, double *other,
+                             dls_error *error);
+
+/* Tries all states of a problem with d = 2 and at most so many candidates (states.c). Returns 1 if
+ * that gives a certified answer, 0 if no states have one, -1 if rounding does not tell or the time
+ * of a solve that began at `begun` is over. r: scratch, m. best: the best answer so far, m,
+ * replaced with its certificate by a better one. */
+int dlsi_contact_find_states(const dls_contact *problem, const dls_limits *limits, double begun,
+                             double *r, double *best, dls_certificate *certificate);
+
+#endif
