@@ -327,6 +327,9 @@ double cpu_seconds(void);
 int show_progress(void *data, const dls_progress *progress);
 void watch_interrupt(void);
 int was_interrupted(void); /* 1 after one of these signals */
+/* 1: one of these signals ends the program at once, until progress is shown for the first time or
+ * end_at_once(0). For a command that reads, which takes no callback, and has begun no file. */
+void end_at_once(int on);
 void progress_end(void);
 /* The same of a reduction, which calls every millisecond: silent with --verbose. */
 int show_reduction(void *data, const dls_progress *progress);

@@ -23,6 +23,7 @@ static int copy_pipe(FILE *from, char copy[PATH_ROOM]) {
   const char *directory = getenv("TMPDIR");
   if (!directory || !*directory) directory = "/tmp";
   if (snprintf(copy, PATH_ROOM, "%s/delassus-XXXXXX", directory) >= PATH_ROOM) return 0;
+  end_at_once(0); /* the copy is to be removed */
   const int fd = mkstemp(copy);
   if (fd < 0) return 0;
   FILE *to = fdopen(fd, "wb");

@@ -29,6 +29,7 @@ int complain_of(const char *what, const dls_error *error) {
 static const double told_error = 1e-4; /* of the reactions: a larger one is printed */
 static int loudness;                   /* -1 quiet, 1 verbose */
 static volatile sig_atomic_t interrupted;
+static volatile sig_atomic_t ends_at_once; /* 1: there is nothing yet that a signal may not end */
 
 int take_loudness(int key) {
   if (key != 'v' && key != 'q') return 0;
@@ -336,14 +337,14 @@ double cpu_seconds(void) {
 static double first_shown, last_shown; /* wall seconds; 0: nothing yet */
 static int line_shown;
 
-/* Ends the work where it next looks. A signal that comes two seconds later or more, while it does
+/* Ends the work where it next looks, or at once (end_at_once). A signal that comes two seconds later or more, while it does
  * not look, ends the program. `timeout` sends its signal twice, at the same time. */
 static void on_interrupt(int number) {
   static volatile sig_atomic_t first; /* seconds */
   struct timespec t;
   const sig_atomic_t now =
       clock_gettime(CLOCK_MONOTONIC, &t) ? 0 : (sig_atomic_t)(t.tv_sec % 1000000);
-  if (interrupted && now > first + 1) {
+  if (ends_at_once || (interrupted && now > first + 1)) {
     (void)signal(number, SIG_DFL);
     (void)raise(number);
   }
@@ -362,12 +363,17 @@ void watch_interrupt(void) {
       (void)sigaction(signals[k], &action, NULL);
 }
 
+void end_at_once(int on) {
+  ends_at_once = on;
+}
+
 int was_interrupted(void) {
   return interrupted;
 }
 
 int show_progress(void *data, const dls_progress *p) {
   (void)data;
+  ends_at_once = 0;
   if (interrupted) return 1;
   if (is_verbose()) {
     fprintf(stderr, "%s: %d", p->last ? p->method : p->stage, p->iteration);
@@ -392,6 +398,7 @@ int show_progress(void *data, const dls_progress *p) {
 }
 
 int show_reduction(void *data, const dls_progress *p) {
+  ends_at_once = 0;
   if (p->last) progress_end();
   return is_verbose() ? interrupted : show_progress(data, p);
 }

@@ -485,6 +485,7 @@ int command_solve(int argc, char **argv) {
     o.solver.settings.limits.progress = write_row;
     o.solver.settings.limits.progress_data = &rows;
   }
+  end_at_once(!rows.file);
   watch_interrupt();
   const int result = o.lcp ? solve_lcp_files(path, argv[optind + 1], &o) : solve_file(path, &o);
   if (result == EXIT_BAD_INPUT) drop_files(); /* no history of what was not solved */

@@ -142,6 +142,21 @@ START_TEST(interrupted_is_not_solved) {
 }
 END_TEST
 
+/* A signal ends the program while it reads, here a file without an end; `timeout` would kill it 20 s
+ * later and return 137. */
+START_TEST(reading_ends_at_once) {
+  static const int signals[] = {SIGINT, SIGTERM};
+  const char *program = getenv("DELASSUS_PROGRAM");
+  char command[400];
+  for (int k = 0; k < 2; k++) {
+    (void)snprintf(command, sizeof command,
+                   "timeout -k 20 -s %d 1 %s solve --lcp /dev/zero /dev/zero; test $? = 124",
+                   signals[k], program ? program : "build/delassus");
+    ck_assert_int_eq(system(command), 0);
+  }
+}
+END_TEST
+
 /* OpenBLAS looks for ever for memory that is not there: the program ends at once. */
 START_TEST(little_address_space) {
 #ifdef __SANITIZE_ADDRESS__
@@ -162,8 +177,8 @@ START_TEST(little_address_space) {
 END_TEST
 
 int main(void) {
-  return RUN("endings", make_directory, remove_directory,
-             EACH(last_line_in_words, 0, ENDINGS_OF_ALL), ONCE(json_stands_alone),
-             ONCE(verbose_goes_to_stderr), ONCE(colour_unless_no_color),
-             ONCE(interrupted_is_not_solved), ONCE(little_address_space));
+  return RUN(
+      "endings", make_directory, remove_directory, EACH(last_line_in_words, 0, ENDINGS_OF_ALL),
+      ONCE(json_stands_alone), ONCE(verbose_goes_to_stderr), ONCE(colour_unless_no_color),
+      ONCE(interrupted_is_not_solved), ONCE(reading_ends_at_once), ONCE(little_address_space));
 }
