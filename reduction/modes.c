@@ -5,8 +5,11 @@
  *   (MO2)  factor A + sqrt(eps) 1
  *   (MO3)  V := orth((A + sqrt(eps) 1)^-1 V), a block of up to 28 vectors, a few times
  *   (MO4)  A V = U s Y^T; the columns of V Y with s <= 50 eps |A|_1 are null vectors
- *   (MO5)  reduce them to echelon form by complete pivoting: a 1 in unknown[k] of mode k, where the
- *          others are 0; then x = C v
+ *   (MO5)  reduce them to echelon form: a 1 in unknown[k] of mode k, where the others are 0; then
+ *          x = C v. unknown[k]: the row of largest norm among those of the null vectors that vanish
+ *          in unknown[0..k-1] (QR of V^T with pivoting; Golub and Van Loan, Matrix Computations,
+ *          5.4.2). Unlike an entry of V it is that of the null space, whichever basis rounding has
+ *          given; of rows as large the first
  *   (MO6)  after each turn of dls_reduction_balance move the feet of the springs by Broyden's
  *          method (Math. Comp. 19, 1965, 577-593, the first one) to where nothing stretches them
  *
@@ -30,6 +33,10 @@
  * digits by which the springs are softer than K, and the loads are far from balance in the first
  * turn where the springs are stiff. */
 static const double soft = 0.1;
+
+/* Rows of null vectors whose squared norms differ by less are as large: null vectors are good to
+ * about 1e-10. */
+static const double alike = 1e-6;
 
 enum { block = dlsi_most_modes + 4, times = 5 };
 
@@ -198,32 +205,68 @@ static dls_status modes_split(const scaled *A, double *V, int count, double *T, 
   return DLS_OK;
 }
 
+/* Returns the square of the norm of row i of V (n x count). */
+static double modes_row(const double *V, size_t n, int count, size_t i) {
+  double sum = 0;
+  for (size_t c = 0; c < (size_t)count; c++)
+    sum += V[i + c * n] * V[i + c * n];
+  return sum;
+}
+
+/* Returns the first row of V (n x count) whose norm is the largest but for rounding; *size: the
+ * square of the largest. */
+static size_t modes_largest_row(const double *V, size_t n, int count, double *size) {
+  *size = 0;
+  for (size_t i = 0; i < n; i++)
+    *size = fmax(*size, modes_row(V, n, count, i));
+  size_t first = 0;
+  while (first < n - 1 && modes_row(V, n, count, first) < (1 - alike) * *size)
+    first++;
+  return first;
+}
+
+/* Reflects the columns of V (n x count) so that row `row` is 0 but in the first column. */
+static void modes_reflect(double *V, size_t n, int count, size_t row) {
+  double w[dlsi_most_modes];
+  const size_t columns = (size_t)count;
+  const double size = modes_row(V, n, count, row), length = sqrt(size);
+  for (size_t c = 0; c < columns; c++)
+    w[c] = V[row + c * n];
+  const double pivot = -copysign(length, w[0]), half = size + fabs(w[0]) * length; /* |w|^2 / 2 */
+  w[0] -= pivot;
+  for (size_t i = 0; i < n; i++) {
+    double sum = 0;
+    for (size_t c = 0; c < columns; c++)
+      sum += V[i + c * n] * w[c];
+    for (size_t c = 0; c < columns; c++)
+      V[i + c * n] -= sum / half * w[c];
+  }
+  for (size_t c = 0; c < columns; c++)
+    V[row + c * n] = c == 0 ? pivot : 0;
+}
+
 /* (MO5) Returns 0 if the columns of V (n x count) are not independent. unknown: count. */
 static int modes_reduce(const scaled *A, double *V, int count, int *unknown) {
   const size_t n = (size_t)A->n;
-  for (int k = 0; k < count; k++) {
-    size_t pivot = 0; /* over all entries of the columns that are left */
-    const size_t first = (size_t)k * n, end = (size_t)count * n;
-    double largest = 0;
-    for (size_t e = first; e < end; e++)
-      if (fabs(V[e]) > largest) {
-        largest = fabs(V[e]);
-        pivot = e;
-      }
-    if (!(largest > 1e-8 * dlsi_max_abs(V, first > 0 ? first : end))) return 0;
-    const size_t row = pivot % n;
-    double *v = V + first, *w = V + pivot / n * n;
-    const double scale = w[row];
-    for (size_t i = 0; i < n; i++) {
-      const double old = v[i];
-      v[i] = w[i] / scale;
-      if (w != v) w[i] = old;
-    }
+  double largest = 0;
+  for (int k = 0; k < count; k++) { /* V := V Q, lower triangular in the rows chosen */
+    double *rest = V + (size_t)k * n, size;
+    const size_t row = modes_largest_row(rest, n, count - k, &size);
+    if (k == 0) largest = size;
+    if (!(size > 1e-16 * largest)) return 0;
+    modes_reflect(rest, n, count - k, row);
     unknown[k] = (int)row;
-    for (int c = 0; c < count; c++) {
+  }
+  for (int k = 0; k < count; k++) { /* 1 in these rows */
+    const size_t row = (size_t)unknown[k];
+    double *v = V + (size_t)k * n;
+    const double scale = v[row];
+    for (size_t i = 0; i < n; i++)
+      v[i] /= scale;
+    for (int c = 0; c <= k; c++) {
       double *u = V + (size_t)c * n;
       const double s = u[row];
-      for (size_t i = 0; c != k && i < n; i++)
+      for (size_t i = 0; c < k && i < n; i++)
         u[i] -= s * v[i];
       u[row] = c == k;
     }
@@ -253,7 +296,8 @@ static dls_status modes_find(scaled *A, double *V, int count, dlsi_modes *modes,
   return DLS_OK;
 }
 
-/* Takes the basis B, after checks. V: n x 2 columns. */
+/* Takes the basis B, after checks; its columns may be of any length and in any unit. V: n x 2
+ * columns. */
 static dls_status modes_take(const scaled *A, const dls_dense *B, double *V, dlsi_modes *modes,
                              dls_error *error) {
   const size_t n = (size_t)A->n;
@@ -269,9 +313,16 @@ static dls_status modes_take(const scaled *A, const dls_dense *B, double *V, dls
       return dlsi_fail(error, DLS_E_ARGUMENT, "modes", c, left / size,
                        "column %d is no null vector of K: |K x| = %.3g |K||x|", c, left / size);
   }
-  if (!modes_reduce(A, V, B->cols, modes->unknown))
+  for (int c = 0; c < B->cols; c++) {
+    const double length = dlsi_norm2(V + (size_t)c * n, n);
+    for (size_t i = 0; i < n && length > 0; i++)
+      V[i + (size_t)c * n] /= length;
+  }
+  memcpy(AV, V, n * (size_t)B->cols * sizeof *AV);
+  if (!modes_reduce(A, AV, B->cols, modes->unknown))
     return dlsi_fail(error, DLS_E_ARGUMENT, "modes", -1, 0, "the columns are not independent");
-  modes->count = B->cols;
+  modes_orthonormalise(V, n, B->cols);
+  if (modes_reduce(A, V, B->cols, modes->unknown)) modes->count = B->cols;
   return DLS_OK;
 }
 

@@ -237,8 +237,8 @@ START_TEST(given_modes_are_null_vectors) {
   dlsi_modes_free(&modes);
   ck_assert_int_eq(take(&modes, given + 3, 1, 3, &e), DLS_OK); /* .75e-8 */
   ck_assert_int_eq(modes.count, 1);
-  ck_assert_int_eq(modes.unknown[0], 1);
-  ck_assert(modes.basis[1] == 1 && fabs(modes.basis[0] - 1) < 1e-7);
+  ck_assert_int_eq(modes.unknown[0], 0); /* as large but for 1e-6: the first */
+  ck_assert(modes.basis[0] == 1 && fabs(modes.basis[1] - 1) < 1e-7);
   dlsi_modes_free(&modes);
   given[4] = 1 + 0x1p-25; /* 1.5e-8 */
   ck_assert_int_eq(take(&modes, given, 2, 3, &e), DLS_E_ARGUMENT);
@@ -250,23 +250,23 @@ START_TEST(given_modes_are_null_vectors) {
 }
 END_TEST
 
-/* Of K = 0 every vector is a null vector. (1, 0, 0) and (1, t, 0) are independent if t > 1e-8; what
- * comes out are unit vectors. A column of zeros is never independent. */
+/* Of K = 0 every vector is a null vector. (1, 0, 0) and (1, t, 0) are independent if t > 2e-8: the
+ * second row has the length t / sqrt(2) once the first, sqrt(2), is taken out. What comes out are
+ * unit vectors. A column of zeros is never independent. */
 START_TEST(given_modes_are_independent) {
   static const double zero[9];
   stiffness_fill(&S, 3, zero, DLS_CHOLESKY, 0);
   dlsi_modes modes;
   dls_error e;
-  double given[] = {1, 0, 0, 1, 1.5e-8, 0, 0, 0, 2};
+  double given[] = {1, 0, 0, 1, 2.1e-8, 0, 0, 0, 2};
   ck_assert_int_eq(take(&modes, given, 3, 3, &e), DLS_OK);
   ck_assert_int_eq(modes.count, 3);
   for (int c = 0; c < 3; c++)
     for (int i = 0; i < 3; i++)
       ck_assert(modes.basis[i + 3 * c] == (i == modes.unknown[c]));
-  ck_assert(modes.unknown[0] == 2 && modes.unknown[1] == 0 && modes.unknown[2] == 1);
+  ck_assert(modes.unknown[0] == 0 && modes.unknown[1] == 1 && modes.unknown[2] == 2);
   dlsi_modes_free(&modes);
-  given[8] = 1; /* the pivot is the first of the largest entries */
-  given[4] = 0.7e-8;
+  given[4] = 1.9e-8;
   for (int turn = 0; turn < 2; turn++) {
     ck_assert_int_eq(take(&modes, given, turn ? 1 : 2, 3, &e), DLS_E_ARGUMENT);
     ck_assert_str_eq(e.argument, "modes");
@@ -278,20 +278,58 @@ START_TEST(given_modes_are_independent) {
 }
 END_TEST
 
-/* Each mode is reduced by the others, whatever their order: (1, 2, 0), (2, 1, 3) become, with
- * pivots 3 at row 2 and then 2 at row 1, (2, 1, 3) / 3 - (1, 2, 0) / 6 = (.5, 0, 1), (.5, 1, 0). */
+/* Each mode is reduced by the others, whatever their order: (1, 2, 0), (2, 1, 3) are orthogonal to
+ * (2, -1, -1), so that row i of an orthonormal basis has the square 1 - (4, 1, 1) / 6. Rows 1 and 2
+ * are the largest: (1, 2, 0) / 2 = (.5, 1, 0), (2, 1, 3) / 3 - (1, 2, 0) / 6 = (.5, 0, 1). */
 START_TEST(given_modes_are_reduced) {
   static const double zero[9];
   stiffness_fill(&S, 3, zero, DLS_LU, 1);
   dlsi_modes modes;
   double given[] = {1, 2, 0, 2, 1, 3};
   ck_assert_int_eq(take(&modes, given, 2, 3, NULL), DLS_OK);
-  ck_assert_int_eq(modes.unknown[0], 2);
-  ck_assert_int_eq(modes.unknown[1], 1);
-  const double expected[] = {0.5, 0, 1, 0.5, 1, 0};
+  ck_assert_int_eq(modes.unknown[0], 1);
+  ck_assert_int_eq(modes.unknown[1], 2);
+  const double expected[] = {0.5, 1, 0, 0.5, 0, 1};
   for (int k = 0; k < 6; k++)
     ck_assert_double_eq_tol(modes.basis[k], expected[k], 1e-15);
   dlsi_modes_free(&modes);
+}
+END_TEST
+
+/* Rounding gives any basis of the null space; the unknowns are those of the space. The modes of
+ * five nodes on a line of slope 0.3, in units of 1 and of 1000 lengths, and mixed. */
+START_TEST(any_basis_has_the_same_unknowns) {
+  enum { n = 10, count = 3 };
+  static const double zero[n * n];
+  static const double mix[4][count * count] = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                               {1, 0, 0, 0, 1, 0, 0, 0, 1000},
+                                               {0, 0, 1, -2, 0, 0, 0, 5, 0},
+                                               {.6, .8, .1, -.8, .6, .3, .2, -.7, .5}};
+  stiffness_fill(&S, n, zero, DLS_CHOLESKY, 0);
+  double plain[n * count] = {0}, given[n * count] = {0}, first[n * count];
+  for (int k = 0; k < n / 2; k++) {
+    plain[2 * k] = plain[n + 2 * k + 1] = 1;
+    plain[2 * n + 2 * k] = -.3 * k;
+    plain[2 * n + 2 * k + 1] = k;
+  }
+  int unknown[count];
+  for (int way = 0; way < 4; way++) {
+    memset(given, 0, sizeof given);
+    for (int c = 0; c < count; c++)
+      for (int b = 0; b < count; b++)
+        for (int i = 0; i < n; i++)
+          given[i + c * n] += mix[way][b + c * count] * plain[i + b * n];
+    dlsi_modes modes;
+    ck_assert_int_eq(take(&modes, given, count, n, NULL), DLS_OK);
+    if (way == 0) {
+      memcpy(unknown, modes.unknown, sizeof unknown);
+      memcpy(first, modes.basis, sizeof first);
+    }
+    ck_assert_mem_eq(modes.unknown, unknown, sizeof unknown);
+    for (int e = 0; e < n * count; e++)
+      ck_assert_double_eq_tol(modes.basis[e], first[e], 1e-13);
+    dlsi_modes_free(&modes);
+  }
 }
 END_TEST
 
@@ -301,5 +339,6 @@ int main(void) {
              EACH(springs_of_each_kind, 0, 2), EACH(springs_of_other_models, 0, 2),
              EACH(modes_by_their_number, 0, 4), EACH(modes_of_nothing, 1, stiffness_dense_most + 1),
              EACH(modes_in_other_units, 0, 4), EACH(given_modes_are_null_vectors, 0, 2),
-             ONCE(given_modes_are_independent), ONCE(given_modes_are_reduced));
+             ONCE(given_modes_are_independent), ONCE(given_modes_are_reduced),
+             ONCE(any_basis_has_the_same_unknowns));
 }
