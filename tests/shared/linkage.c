@@ -113,7 +113,7 @@ const dls_model *linkage_model(linkage *L, dls_factorization factorization, int 
 
 double linkage_apart(const linkage *L, const double *x) {
   const int positions = L->each * L->bodies;
-  double e[linkage_most], mass[linkage_most] = {0}, scale = 0, worst = 0;
+  double e[linkage_most], mass[linkage_most] = {0}, heaviest = 0, scale = 0, worst = 0;
   for (int j = 0; j < L->n; j++)
     e[j] = -L->f[j];
   for (int k = 0; k < L->K.count; k++) {
@@ -122,7 +122,11 @@ double linkage_apart(const linkage *L, const double *x) {
   }
   for (int j = 0; j < positions; j++)
     scale = fmax(scale, fmax(fabs(x[j]), fabs(L->f[j]) / mass[j]));
-  for (int j = positions; j < L->n; j++)
+  for (int j = 0; j < positions; j++)
+    heaviest = fmax(heaviest, mass[j]);
+  for (int j = positions; j < L->n; j++) {
+    scale = fmax(scale, fabs(x[j]) / heaviest); /* large where a linkage is jammed */
     worst = fmax(worst, fabs(e[j]));
+  }
   return worst / scale;
 }

@@ -48,7 +48,8 @@ void linkage_contact(linkage *L, int a, const double *A);
 const dls_model *linkage_model(linkage *L, dls_factorization factorization, int is_sparse);
 
 /* Returns the largest |G^T x - b| over the largest displacement that there is: |x_j| or
- * |f_j| / K_jj of a position. */
+ * |f_j| / K_jj of a position, or that of a multiplier on the largest K_jj: multipliers are large
+ * where a linkage is jammed, and which answer is found then depends on the BLAS. */
 double linkage_apart(const linkage *L, const double *x);
 
 #endif
