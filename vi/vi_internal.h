@@ -101,23 +101,23 @@ void dlsi_momentum_start(dlsi_momentum *mo, int d, int e, dlsi_set changes, dlsi
 double dlsi_momentum_step(dlsi_momentum *mo, int d, int e, const double *w, double largest,
                           dlsi_set changes, dlsi_set rows, double *r, double *u);
 
-/* ---- vi/race.c: which way is the quickest ---------------------------------------------------- */
+/* ---- vi/turns.c: which way is the quickest --------------------------------------------------- */
 
 enum { dlsi_most_ways = 3 };
 
-typedef struct dlsi_race {
+typedef struct dlsi_turns {
   int ways, now;                /* how many, and which */
-  double price[dlsi_most_ways]; /* (RA1) */
+  double price[dlsi_most_ways]; /* (TU1) */
   double spent;                 /* since the way began or halved the residual */
   double least, halved, begun;  /* residuals: the least; that at the last halving, and when the way
                                    began or halved it */
-} dlsi_race;
+} dlsi_turns;
 
 /* Begins with way 0. ways: 1 to dlsi_most_ways. */
-void dlsi_race_start(dlsi_race *race, int ways);
+void dlsi_turns_start(dlsi_turns *turns, int ways);
 
 /* The way under way has come to `residual` at this cost. Returns 1 if another way follows. */
-int dlsi_race_advance(dlsi_race *race, double residual, double cost);
+int dlsi_turns_advance(dlsi_turns *turns, double residual, double cost);
 
 /* ---- vi/slabs.c: candidates that may be swept at the same time ------------------------------- */
 
@@ -344,7 +344,7 @@ dls_status dlsi_newton_create(dls_newton **out, int d, int nc, const dls_newton_
 /* Makes later solves in the workspace take W from `shared` (borrowed); NULL: from the problem. */
 void dlsi_admm_share(dls_admm *work, const dlsi_shared *shared);
 
-/* ---- vi/nlgs.c ------------------------------------------------------------------------------- */
+/* ---- vi/ambiguous.c -------------------------------------------------------------------------- */
 
 /* Returns 0 if no candidate has several solutions whatever the others do. */
 int dlsi_may_be_ambiguous(const dls_contact *problem);

@@ -15,8 +15,8 @@ extern "C" {
 /* The sweep as a fixed-point map r := g(r), and the next sweep started from a combination of the
  * last ones (linear/anderson.c). Aitken: of the last two, [Chabrand 1998] 4.2; Anderson: of more.
  * Momentum (vi/momentum.c): further along the last step, and, W by blocks, sweeps of their own
- * where the residual is, or momentum begun anew now and then, whichever is quicker (vi/race.c); for
- * large W of many bodies. */
+ * where the residual is, or momentum begun anew now and then, whichever is quicker (vi/turns.c);
+ * for large W of many bodies. */
 typedef enum dls_acceleration {
   DLS_ACCELERATION_NONE = 0,
   DLS_ACCELERATION_AITKEN = 1,

@@ -1,4 +1,4 @@
-/* test_race.c: which way is the quickest (vi/race.c), on ways whose rates are known. */
+/* test_turns.c: which way is the quickest (vi/turns.c), on ways whose rates are known. */
 #include <check.h>
 
 #include "run.h"
@@ -6,21 +6,21 @@
 
 /* Each way brings the residual down by its rate a sweep, five sweeps at a time; the third one
  * alone as long as the residual is below `turn`. Returns the sweeps to 1e-8; way: those of each. */
-static int race_of(int ways, const double *rate, double turn, int *way) {
-  dlsi_race race;
+static int sweeps_of(int ways, const double *rate, double turn, int *way) {
+  dlsi_turns turns;
   double residual = 1;
   int sweeps = 0;
-  dlsi_race_start(&race, ways);
+  dlsi_turns_start(&turns, ways);
   for (int k = 0; k < dlsi_most_ways; k++)
     way[k] = 0;
   while (residual > 1e-8 && sweeps < 1000000) {
-    const int now = race.now;
+    const int now = turns.now;
     if (residual > turn || now == 2)
       for (int k = 0; k < 5; k++)
         residual *= rate[now];
     way[now] += 5;
     sweeps += 5;
-    (void)dlsi_race_advance(&race, residual, 5);
+    (void)dlsi_turns_advance(&turns, residual, 5);
   }
   return sweeps;
 }
@@ -30,7 +30,7 @@ static int race_of(int ways, const double *rate, double turn, int *way) {
 START_TEST(quick_way_stays) {
   const double rate[] = {0.99, 0.5, 0.5};
   int way[dlsi_most_ways];
-  ck_assert_int_eq(race_of(3, rate, 0, way), 1835); /* .99^1835 = 9.8e-9 */
+  ck_assert_int_eq(sweeps_of(3, rate, 0, way), 1835); /* .99^1835 = 9.8e-9 */
   ck_assert_int_eq(way[0], 1835);
 }
 END_TEST
@@ -40,7 +40,7 @@ END_TEST
 START_TEST(vain_ways_are_left) {
   const double rate[] = {1, 0.999, 1};
   int way[dlsi_most_ways];
-  const int sweeps = race_of(3, rate, 0, way);
+  const int sweeps = sweeps_of(3, rate, 0, way);
   ck_assert_int_eq(way[1], 18415); /* .999^18415 = 1e-8 */
   ck_assert_int_lt(sweeps, 2 * way[1]);
   ck_assert(way[0] > 0 && way[2] > 0);
@@ -51,7 +51,7 @@ END_TEST
 START_TEST(ways_are_tried_again) {
   const double rate[] = {0.98, 0.999, 0.99};
   int way[dlsi_most_ways];
-  const int sweeps = race_of(3, rate, 1e-4, way);
+  const int sweeps = sweeps_of(3, rate, 1e-4, way);
   ck_assert_int_eq(way[0], 460 + 150); /* .98^460 = 9.2e-5, and its patience */
   ck_assert_int_eq(way[1], 150);
   ck_assert_int_eq(sweeps - way[0] - way[1], 910); /* .99^910 = 1.1e-4 */
@@ -63,7 +63,7 @@ END_TEST
 START_TEST(slow_ways_are_compared) {
   const double rate[] = {0.9998, 0.9995, 0.9999};
   int way[dlsi_most_ways];
-  const int sweeps = race_of(3, rate, 0, way);
+  const int sweeps = sweeps_of(3, rate, 0, way);
   ck_assert_int_gt(15 * way[1], 14 * sweeps);
   ck_assert(way[0] > 0 && way[2] > 0);
 }
@@ -73,12 +73,12 @@ END_TEST
 START_TEST(one_way_has_no_other) {
   const double rate[] = {1, 0, 0};
   int way[dlsi_most_ways];
-  ck_assert_int_eq(race_of(1, rate, 0, way), 1000000);
+  ck_assert_int_eq(sweeps_of(1, rate, 0, way), 1000000);
   ck_assert_int_eq(way[0], 1000000);
 }
 END_TEST
 
 int main(void) {
-  return RUN("race", NULL, NULL, ONCE(quick_way_stays), ONCE(vain_ways_are_left),
+  return RUN("turns", NULL, NULL, ONCE(quick_way_stays), ONCE(vain_ways_are_left),
              ONCE(ways_are_tried_again), ONCE(slow_ways_are_compared), ONCE(one_way_has_no_other));
 }

@@ -1,0 +1,126 @@
+/*
+ * nlgs_loop.c: sweeps of Gauss-Seidel (nlgs.c) until the certificate holds.
+ *
+ *   start     r on its cones; its certificate
+ *   repeat    (NL6)-(NL8) another start of the sweep     (nlgs_ways.c, nlgs_sets.c)
+ *             (NL0)-(NL4) the sweep                      (nlgs_sweep.c)
+ *             the residual, from the u at hand           (nlgs_estimate.c)
+ *             (NL5) u and the certificate afresh, if they are due
+ *             (NL12) another way                         (nlgs_ways.c)
+ *
+ * The residual of both parts of the certificate is estimated after each sweep; from 1000 candidates
+ * on, W not dense and without (NL6), after every fifth one.
+ *
+ *   (NL5)  When each part meets its target, max(tol, 4 floor), when a sweep changes nothing, and
+ *          every 50 sweeps, u and the certificate are recomputed from the user's W and q. A sweep
+ *          from such a fresh u that changes nothing and is not solved can never change anything:
+ *          DLS_STALLED. A call that ends early returns the best r met
+ */
+#include <math.h>
+#include <string.h>
+
+#include "nlgs_work.h"
+
+enum { most_sweeps = 10000, refresh_every = 50 };
+enum { seldom = 5 }; /* sweeps from one estimate to the next */
+
+/* Brings u to the bits that belong to the order of the visits, not to the numbers: sweeps go on
+ * from it. */
+static void nlgs_resume(const dls_nlgs *work, const dls_contact *problem, const double *r) {
+  if (work->order) dlsi_multiply(problem, work->order, work->it.E, r, work->it.u, NULL);
+}
+
+/* Projects r on its cones, so that r_n = 0 means r_c = 0 (NL0). Returns 1 if r was outside. */
+static int nlgs_project_start(const dls_contact *problem, double *r) {
+  const size_t d = (size_t)problem->d;
+  int outside = 0;
+  for (int c = 0; c < problem->nc; c++) {
+    double *rc = r + d * (size_t)c, v[3];
+    memcpy(v, rc, d * sizeof *v);
+    outside |= dlsi_project_cone(problem->d, problem->mu[c], v, rc) != DLS_STICK;
+  }
+  return outside;
+}
+
+/* Sweeps from r until the certificate holds or there is a reason to stop, which is returned; it.u
+ * belongs to it.best then. *iterations: sweeps done. */
+static dls_status nlgs_iterate(dls_nlgs *work, const dls_contact *problem, double *r,
+                               int *iterations) {
+  const dls_limits *limits = &work->settings.limits;
+  dlsi_iterate *it = &work->it;
+  const int most = dlsi_most_iterations(limits, most_sweeps);
+  const int pushed = work->settings.acceleration == DLS_ACCELERATION_MOMENTUM;
+  const dlsi_set all = dlsi_nlgs_all(work, problem);
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  const double scale = 1 / dlsi_norm2(problem->q, m);
+  if (dlsi_iterate_start(it, problem, r)) return DLS_OK;
+  dls_certificate now = it->certificate;
+  if (nlgs_project_start(problem, r)) now = dlsi_iterate_offer(it, problem, r);
+  if (dls_certificate_holds(&now, it->tol)) return DLS_OK;
+  nlgs_resume(work, problem, r);
+  dlsi_nlgs_begin_ways(work, problem, r);
+  const int often = problem->W.a || problem->nc < dlsi_few_candidates;
+  double accepted = now.residual;
+  int fresh = 1, changed = 0; /* fresh: u carries no rounding of earlier sweeps */
+  dls_status reason = DLS_MAX_ITERATIONS;
+  for (int k = 1; k <= most && reason == DLS_MAX_ITERATIONS; k++) {
+    const int looks = often || work->now == DLSI_WAY_ANDERSON ? 1 : seldom;
+    if (work->now == DLSI_WAY_ANDERSON && changed) {
+      dlsi_nlgs_accelerate(work, problem, now.residual, scale, &accepted, r);
+      fresh = 0;
+    }
+    if (pushed && work->now != DLSI_WAY_ANDERSON && changed) { /* (NL8), (NL9) */
+      if (!dlsi_nlgs_push(work, problem, k, now.residual, r)) {
+        reason = DLS_STALLED;
+        break;
+      }
+      fresh = 0;
+    }
+    changed = dlsi_nlgs_sweep(work, problem, all, r);
+    work->sweeps++;
+    *iterations = k;
+    if (changed && k % looks && k < most) {
+      fresh = 0;
+      continue;
+    }
+    dlsi_nlgs_estimate(work, problem, r, scale, &now);
+    const int was_fresh = fresh;
+    fresh = !changed || dlsi_certificate_meets(&now, it->tol) || k % refresh_every == 0;
+    if (fresh) now = dlsi_iterate_measure(it, problem, r); /* (NL5) */
+    if (dlsi_iterate_keep(it, problem, r, &now)) return DLS_OK;
+    if (fresh) nlgs_resume(work, problem, r);
+    const dls_status stop = dlsi_iterate_tell(it, "nlgs", k, most, now.residual, r);
+    if (stop)
+      reason = stop;
+    else if ((!changed && was_fresh) || dlsi_iterate_is_lost(now.residual))
+      reason = DLS_STALLED;
+    else if (pushed && dlsi_nlgs_change_way(work, problem, now.residual, looks, r)) {
+      accepted = INFINITY;
+      changed = fresh = 0;
+    }
+  }
+  return dlsi_iterate_settle(it, problem, reason);
+}
+
+dls_status dlsi_nlgs_run(dls_nlgs *work, const dls_contact *problem, const int *order,
+                         const double *E, double *r, double *u, dls_info *info) {
+  const dls_limits *limits = &work->settings.limits;
+  const size_t d = (size_t)problem->d;
+  for (int c = 0; c < problem->nc; c++) {
+    double W[9];
+    dlsi_contact_diagonal(problem, c, W);
+    for (size_t i = 0; E && i < d; i++)
+      W[(d + 1) * i] += E[c];
+    if (d == 1)
+      work->block_1d[c] = W[0];
+    else if (d == 2)
+      dlsi_block_2d_set(&work->block_2d[c], W, problem->mu[c]);
+    else
+      dlsi_block_3d_set(&work->block_3d[c], W, problem->mu[c]);
+  }
+  work->order = order;
+  dlsi_iterate_begin(&work->it, problem, E, limits->tol, work->stage || limits->warm_start, r, r);
+  dls_info outcome = {.method = DLS_NLGS};
+  const dls_status status = nlgs_iterate(work, problem, r, &outcome.iterations);
+  return dlsi_iterate_end(&work->it, problem, status, &outcome, r, u, info);
+}
