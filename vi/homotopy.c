@@ -89,9 +89,6 @@ typedef struct homotopy {
   double b, t, t1, tau;      /* tau: a b of the start */
   int sign;                  /* of the determinant of the matrix factorised last */
   int factorisations;
-  int goes_on, ends_early; /* dlsi_homotopy_share */
-  int next;                /* start */
-  double spent;            /* factorisations of those before it */
   dlsi_iterate it;
 } homotopy;
 
@@ -433,31 +430,19 @@ static dls_status homotopy_solve(void *homotopy_work, const dls_contact *problem
   homotopy *work = homotopy_work;
   dls_info outcome = {.method = DLS_HOMOTOPY};
   work->factorisations = 0;
-  if (!work->goes_on) {
-    work->next = 0;
-    work->spent = 0;
-  }
   dlsi_iterate_begin(&work->it, problem, NULL, work->limits.tol, work->limits.warm_start, r,
                      work->r);
   dls_status status = dlsi_iterate_start(&work->it, problem, work->r) ? DLS_OK : DLS_STALLED;
   const int begins = status && scale_problem(work, problem);
   const double m = (double)work->d * problem->nc;
   const double most =
-      fmax(least_factorisations, fmin(factorisations_per_row * m, most_cubes / (m * m * m))) /
-      (work->ends_early ? dlsi_search_parts : 1);
-  while (begins && status == DLS_STALLED && work->next < most_starts &&
-         work->spent + work->factorisations < most)
-    status = follow_path(work, problem, work->next++, &outcome, error);
-  work->spent += work->factorisations;
+      fmax(least_factorisations, fmin(factorisations_per_row * m, most_cubes / (m * m * m)));
+  for (int k = 0; begins && status == DLS_STALLED && k < most_starts && work->factorisations < most;
+       k++)
+    status = follow_path(work, problem, k, &outcome, error);
   if (status < 0) return status;
   outcome.factorisations = work->factorisations;
   return dlsi_iterate_end(&work->it, problem, status, &outcome, r, u, info);
-}
-
-void dlsi_homotopy_share(void *homotopy_work, int rest) {
-  homotopy *work = homotopy_work;
-  work->goes_on = rest;
-  work->ends_early = !rest;
 }
 
 /* ---- create ---------------------------------------------------------------------------------- */

@@ -176,15 +176,10 @@ static dls_status nlgs_solve(void *workspace, const dls_contact *problem, double
   dls_nlgs *work = workspace;
   double *const key[] = {work->it.u, work->it.a, work->it.F};
   /* momentum is for large problems, whose neighbours stand side by side as they are numbered */
-  const int *order = work->stage && work->stage != 3 ? work->own_order : NULL;
+  const int *order = work->stage == 1 ? work->own_order : NULL;
   dls_status status = nlgs_prepare(work, &problem, order, error);
   if (status) return status;
   if (order) dlsi_order_candidates(problem, key, work->scratch, work->own_order);
-  for (int c = 0, e = problem->nc - 1; work->stage == 2 && c < e; c++, e--) {
-    const int last = work->own_order[e];
-    work->own_order[e] = work->own_order[c];
-    work->own_order[c] = last;
-  }
   nlgs_run run = {work, problem, order, r, u, info, DLS_OK};
   const int large =
       work->slabs.set.slabs || (problem->W.a && problem->d * problem->nc >= large_panel);
@@ -214,9 +209,8 @@ static dls_status nlgs_create_by(void **out, int d, int nc, const dlsi_options *
   dls_nlgs_settings_init(&s);
   s.limits = options->limits;
   s.acceleration = (dls_acceleration)options->acceleration;
-  static const dls_acceleration of_stage[] = {[1] = DLS_ACCELERATION_ANDERSON,
-                                              [2] = DLS_ACCELERATION_NONE, /* in reverse order */
-                                              [3] = DLS_ACCELERATION_MOMENTUM};
+  static const dls_acceleration of_stage[] = {
+      [1] = DLS_ACCELERATION_ANDERSON, [2] = DLS_ACCELERATION_MOMENTUM};
   if (options->stage) s.acceleration = of_stage[options->stage];
   return nlgs_create(out, d, nc, options->stage, &s, error);
 }

@@ -42,9 +42,7 @@ typedef struct scatter {
   double *b;             /* m */
   int *first, *pivot;    /* nc + 1, m */
   dlsi_room *room;
-  uint64_t state;          /* of the random numbers */
-  int goes_on, ends_early; /* dlsi_scatter_share */
-  int next;                /* start */
+  uint64_t state; /* of the random numbers */
   dlsi_iterate it;
 } scatter;
 
@@ -156,8 +154,7 @@ static dls_status scatter_solve(void *scatter_work, const dls_contact *problem, 
   dls_info outcome = {.method = DLS_NEWTON}, steps;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   const double cube = (double)m * (double)m * (double)m;
-  const double starts = fmin(most_starts, most_flops / (steps_of_start * cube)) /
-                        (work->ends_early ? dlsi_search_parts : 1);
+  const double starts = fmin(most_starts, most_flops / (steps_of_start * cube));
   const dls_limits limits = {.tol = work->limits.tol,
                              .max_iterations = steps_of_start,
                              .warm_start = 1,
@@ -170,12 +167,8 @@ static dls_status scatter_solve(void *scatter_work, const dls_contact *problem, 
     const dls_status room = dlsi_room_dense(work->room, m, error);
     if (room) return room;
   }
-  if (!work->goes_on) {
-    work->state = 0;
-    work->next = 0;
-  }
-  for (; work->next < starts && status == DLS_STALLED; work->next++) {
-    const int k = work->next;
+  work->state = 0;
+  for (int k = 0; k < starts && status == DLS_STALLED; k++) {
     if (k % 2 == 0)
       scatter_anew(work, problem);
     else
@@ -195,12 +188,6 @@ static dls_status scatter_solve(void *scatter_work, const dls_contact *problem, 
       status = DLS_MAX_ITERATIONS;
   }
   return dlsi_iterate_end(it, problem, status, &outcome, r, u, info);
-}
-
-void dlsi_scatter_share(void *scatter_work, int rest) {
-  scatter *work = scatter_work;
-  work->goes_on = rest;
-  work->ends_early = !rest;
 }
 
 /* ---- create ---------------------------------------------------------------------------------- */

@@ -151,12 +151,6 @@ void dlsi_newton_keep(void *work, const double *u, int no_more);
 /* Returns u of the answer of the last run, after DLS_OK. */
 const double *dlsi_newton_gap(const void *work);
 
-/* Tells a workspace of dlsi_homotopy_method or dlsi_scatter_method that its next solves are the
- * first of dlsi_search_parts equal parts of its search, or the rest of it for the same problem. */
-enum { dlsi_search_parts = 8 };
-void dlsi_homotopy_share(void *work, int rest);
-void dlsi_scatter_share(void *work, int rest);
-
 /* ---- vi/lanes.c: several small problems at once ---------------------------------------------- */
 
 enum { dlsi_lanes = 8, dlsi_lane_candidates = 8 };

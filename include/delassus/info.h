@@ -33,8 +33,8 @@ typedef struct dls_stage {
 
 enum { DLS_STAGES_MAX = 40 };
 
-/* Up to how many candidates auto has Lemke's method in its workspace. */
-enum { DLS_AUTO_LEMKE_2D = 150, DLS_AUTO_LEMKE_3D = 60 };
+/* Up to how many rows n of the LCP (dls_solver_create) auto has Lemke's method in its workspace. */
+enum { DLS_AUTO_LEMKE_ROWS = 600 };
 
 /* What is known of other answers to the same problem. A cheap look: dls_contact_diagnose knows
  * more. */

@@ -47,23 +47,23 @@ typedef struct dls_solver dls_solver;
  *                    factorise it
  *   3 m^2 doubles    homotopy
  *   4 m^2 doubles    auto up to 300 rows
- *   2 n^2 doubles    lemke, and auto up to DLS_AUTO_LEMKE_2D, _3D candidates: the LCP and its
- *                    table. n = 2 nc for d = 1; n = (facets + 2) nc for d = 3; d = 2: n = 4 nc up
- *                    to 4 nc = 4000, beyond that n = 3 nc, and a ray ends it
+ *   2 n^2 doubles    lemke, and auto up to n = DLS_AUTO_LEMKE_ROWS: the LCP and its table.
+ *                    n = 2 nc for d = 1; n = (facets + 2) nc for d = 3; d = 2: n = 4 nc up to
+ *                    4 nc = 4000, beyond that n = 3 nc, and a ray ends it. For a dense W of more
+ *                    than 300 rows auto takes that memory in the solve that needs it, n <= 3000
  *
  * and O(m) besides. For W of bodies nlgs and, beyond 1000 candidates, auto take the motions of the
  * bodies; W by blocks, which all else needs, is formed at the first solve that comes to it, and
  * that memory kept.
  *
  * auto takes accelerated sweeps of Gauss-Seidel and Newton's method in turn, as their progress
- * and cost tell; between them ADMM, from 150 rows on, for a dense W and for stacks at rest (W by
- * blocks, -q nearly in the friction cones); then the augmented Lagrangian, then Lemke's method.
- * Each but ADMM for a stack and Lemke's method starts from the best r so far, which is what is
- * returned. What all of them leave goes to the homotopy (up to 300 rows) and, from r = 0, to sweeps
- * in the reverse order, ADMM with a tiny rho, the augmented Lagrangian, and Newton's method from
- * scattered starts (src/auto/plan.c). Up to 300 rows all but the first sweeps and Newton steps
- * work on a copy in an order and in units that follow from the data, so that the order of the
- * candidates does not decide. info.stage has what was done.
+ * and cost tell; between them ADMM, from 100 rows on, for a dense W, and for what may be at rest
+ * (W by blocks, -q nearly in the friction cones). Each goes on from the best r so far, which is
+ * what is returned. Up to 300 rows, what these leave is solved on a copy in an order and in units
+ * that follow from the data, so that the order of the candidates does not decide: Lemke's method,
+ * which may prove that there is no solution, the homotopy, Newton's method from scattered starts,
+ * ADMM with a tiny rho from r = 0. Beyond, Lemke's method while its table is small, the augmented
+ * Lagrangian and that ADMM (src/auto/plan.c). info.stage has what was done.
  *
  * Beyond 100 candidates by blocks sweeps with momentum follow the first accelerated sweeps, beyond
  * 1000 they take their place; Newton steps come last.

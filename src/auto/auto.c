@@ -120,7 +120,9 @@ static const double *auto_direction(const void *automatic) {
 
 static const double *auto_farkas(const void *automatic) {
   const dlsi_auto *work = automatic;
-  return work->has_farkas ? work->farkas : NULL;
+  if (work->has_farkas || work->has_copy) return work->has_farkas ? work->farkas : NULL;
+  return work->info.status == DLS_NO_SOLUTION ? dlsi_lemke_method.farkas(work->part[PIVOTING])
+                                              : NULL;
 }
 
 static void auto_set_limits(void *automatic, const dls_limits *limits) {
@@ -167,12 +169,10 @@ static int may_need(const dlsi_auto *work, part k) {
   case PUSH:
     return blocks && nc > dlsi_auto_few;
   case PIVOTING:
-    return dlsi_auto_may_pivot(work);
+    return m <= dlsi_auto_small && dlsi_auto_may_pivot(work);
   case HOMOTOPY:
   case SCATTER:
     return m <= dlsi_auto_small;
-  case OTHER_SWEEPS:
-    return m <= dlsi_auto_large;
   default:
     return dlsi_auto_home_of(k) == k;
   }

@@ -23,18 +23,17 @@ static const double dlsi_auto_far_start = 0.25; /* residual of a warm start with
 
 /* Each method once, and some once more for another way. */
 typedef enum part {
-  SWEEPS,          /* Gauss-Seidel with Anderson's acceleration */
-  SPLITTING,       /* ADMM, once, for a dense W */
-  REST,            /* the convex problem without mu |u_t|, for what may be at rest */
-  NEWTON,          /* from the states that the steps before have sorted */
-  AUGMENTED,       /* the augmented Lagrangian, which sees reactions run away */
-  PIVOTING,        /* Lemke's method, and its proof that there is no solution */
-  OTHER_SWEEPS,    /* plain, in the reverse order */
-  OTHER_SPLITTING, /* ADMM with rho from 1e-8 on */
-  HOMOTOPY,        /* interior homotopy */
-  SCATTER,         /* Newton's method from scattered starts */
-  PUSH,            /* Gauss-Seidel with momentum, in turn with Anderson's acceleration */
-  SETTLE,          /* ADMM from a near r: an answer may lie beside it in a narrow basin */
+  SWEEPS,         /* Gauss-Seidel with Anderson's acceleration */
+  SPLITTING,      /* ADMM, once, for a dense W */
+  REST,           /* the convex problem without mu |u_t|, for what may be at rest */
+  NEWTON,         /* from the states that the steps before have sorted */
+  AUGMENTED,      /* the augmented Lagrangian, which sees reactions run away */
+  PIVOTING,       /* Lemke's method, and its proof that there is no solution */
+  COLD_SPLITTING, /* ADMM with rho from 1e-8 on */
+  HOMOTOPY,       /* interior homotopy */
+  SCATTER,        /* Newton's method from scattered starts */
+  PUSH,           /* Gauss-Seidel with momentum, in turn with Anderson's acceleration */
+  SETTLE,         /* ADMM from a near r: an answer may lie beside it in a narrow basin */
   parts,
   END = parts
 } part;
@@ -43,8 +42,7 @@ typedef enum part {
 typedef enum step_flags {
   COLD = 1,  /* from r = 0, whatever was found before */
   EARLY = 2, /* on a copy of its own, and only if its table is small */
-  FAR = 4,   /* only far from the answer */
-  MORE = 8   /* a search that goes on after its first part */
+  FAR = 4    /* only far from the answer */
 } step_flags;
 
 typedef struct step {

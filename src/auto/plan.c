@@ -6,10 +6,10 @@
 #include "auto/auto.h"
 
 enum { dense_splits = 200 };        /* iterations: more of them cost more than Newton again */
-enum { other_iterations = 2000 };   /* of sweeps and splitting by another way */
+enum { other_iterations = 2000 };   /* of splitting from r = 0 */
 enum { settle_iterations = 20000 }; /* up to 300 rows: a second or two */
 enum { most_pushes = 1000000 };
-enum { usual_way = 1, reverse = 2, momentum = 3 }; /* dlsi_options.stage */
+enum { usual_way = 1, momentum = 2 }; /* dlsi_options.stage */
 
 const step_kind dlsi_auto_kind[parts] = {
     [SWEEPS] = {&dlsi_nlgs_method, dlsi_auto_watch_sweeps, dlsi_auto_may_sweep, 0, usual_way},
@@ -19,9 +19,8 @@ const step_kind dlsi_auto_kind[parts] = {
     [NEWTON] = {&dlsi_newton_method, dlsi_auto_watch_newton, dlsi_auto_may_step, 0, usual_way},
     [AUGMENTED] = {&dlsi_augmented_method, dlsi_auto_watch_limits, NULL, 0, usual_way},
     [PIVOTING] = {&dlsi_lemke_method, dlsi_auto_watch_limits, dlsi_auto_may_pivot, 0, usual_way},
-    [OTHER_SWEEPS] = {&dlsi_nlgs_method, dlsi_auto_watch_limits, NULL, other_iterations, reverse},
-    [OTHER_SPLITTING] = {&dlsi_admm_method, dlsi_auto_watch_limits, NULL, other_iterations,
-                         usual_way},
+    [COLD_SPLITTING] = {&dlsi_admm_method, dlsi_auto_watch_limits, NULL, other_iterations,
+                        usual_way},
     [HOMOTOPY] = {&dlsi_homotopy_method, dlsi_auto_watch_limits, dlsi_auto_may_follow_path, 0,
                   usual_way},
     [SCATTER] = {&dlsi_scatter_method, dlsi_auto_watch_limits, dlsi_auto_may_follow_path, 0,
@@ -32,10 +31,9 @@ const step_kind dlsi_auto_kind[parts] = {
 };
 
 /* Elastic bodies, and few candidates by blocks. */
-static const step elastic[] = {{SWEEPS, 0},       {REST, 0},      {SPLITTING, 0}, {NEWTON, 0},
-                               {PIVOTING, EARLY}, {SPLITTING, 0}, {SWEEPS, 0},    {NEWTON, 0},
-                               {SPLITTING, 0},    {SWEEPS, 0},    {NEWTON, 0},    {SWEEPS, 0},
-                               {NEWTON, 0},       {END, 0}};
+static const step elastic[] = {{SWEEPS, 0}, {REST, 0},         {SPLITTING, 0},
+                               {NEWTON, 0}, {PIVOTING, EARLY}, {SPLITTING, 0},
+                               {SWEEPS, 0}, {NEWTON, 0},       {END, 0}};
 
 /* Momentum in turn with Newton's method, which leads nowhere far from the answer. */
 static const step packing[] = {{SWEEPS, 0}, {REST, 0},   {PUSH, FAR}, {NEWTON, 0},
@@ -46,32 +44,17 @@ static const step tight[] = {{PUSH, 0}, {REST, 0},   {PUSH, FAR}, {NEWTON, 0},
                              {PUSH, 0}, {NEWTON, 0}, {PUSH, 0},   {NEWTON, 0},
                              {PUSH, 0}, {NEWTON, 0}, {END, 0}};
 
-/* What the first plan leaves. */
-const step dlsi_auto_plan_on_copy[] = {{SWEEPS, 0},
-                                       {NEWTON, 0},
-                                       {PIVOTING, 0},
-                                       {AUGMENTED, 0},
-                                       {HOMOTOPY, COLD},
-                                       {SCATTER, 0},
-                                       {PIVOTING, MORE},
-                                       {SWEEPS, 0},
-                                       {NEWTON, 0},
-                                       {SWEEPS, 0},
-                                       {OTHER_SWEEPS, COLD},
-                                       {NEWTON, 0},
-                                       {OTHER_SPLITTING, COLD},
-                                       {NEWTON, 0},
-                                       {AUGMENTED, COLD},
-                                       {HOMOTOPY, COLD | MORE},
-                                       {SCATTER, MORE},
-                                       {SETTLE, 0},
+/* What the first plan leaves, up to 300 rows. Pivots prove that there is no solution, or end it;
+ * the rest searches. The augmented Lagrangian tells at last of reactions that run away. */
+const step dlsi_auto_plan_on_copy[] = {{SWEEPS, 0},      {NEWTON, 0},  {PIVOTING, 0},
+                                       {HOMOTOPY, COLD}, {SCATTER, 0}, {COLD_SPLITTING, COLD},
+                                       {NEWTON, 0},      {SETTLE, 0},  {AUGMENTED, COLD},
                                        {END, 0}};
 
-const step dlsi_auto_plan_beyond[] = {
-    {AUGMENTED, 0},       {PUSH, 0},         {SWEEPS, 0},
-    {NEWTON, 0},          {PUSH, 0},         {SWEEPS, 0},
-    {OTHER_SWEEPS, COLD}, {NEWTON, 0},       {OTHER_SPLITTING, COLD},
-    {NEWTON, 0},          {AUGMENTED, COLD}, {END, 0}};
+/* ... and beyond. */
+const step dlsi_auto_plan_beyond[] = {{PIVOTING, 0}, {AUGMENTED, 0}, {PUSH, 0},
+                                      {SWEEPS, 0},   {NEWTON, 0},    {COLD_SPLITTING, COLD},
+                                      {NEWTON, 0},   {END, 0}};
 
 const step *dlsi_auto_first_plan(const dlsi_auto *work) {
   if (!dlsi_auto_is_packing(work)) return elastic;

@@ -22,6 +22,7 @@
 
 enum { split_unknowns = 100 }; /* rows: below, other methods take less than its factorisation */
 enum { few_blocks = 4 };       /* of a candidate, its own included */
+enum { late_rows = 3000 };     /* of a table that is allocated when a solve comes to it */
 enum { pivot_rows = 400 };     /* such a table stays in the cache */
 _Static_assert(2 * (int)pivot_rows <= 3 * (int)dlsi_auto_small, "early pivots work on a copy");
 static const double push_near = 1e-5;    /* residual: farther away Newton's steps lead nowhere */
@@ -109,9 +110,16 @@ int dlsi_auto_is_bonded(const dlsi_auto *work) {
   return work->bonded && !work->firm;
 }
 
+/* Returns the rows of the LCP of Lemke's method. */
+static int rows_of_lcp(int d, int nc) {
+  return (d == 1 ? 2 : d == 2 ? 4 : 10) * nc;
+}
+
 int dlsi_auto_may_pivot(const dlsi_auto *work) {
-  if (dlsi_auto_is_bonded(work)) return 0;
-  return work->nc <= (work->d <= 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D);
+  const int late = work->d * work->nc > dlsi_auto_small;
+  if (late && !work->problem->W.a) return 0; /* of bodies: far too many pivots */
+  return !dlsi_auto_is_bonded(work) &&
+         rows_of_lcp(work->d, work->nc) <= (late ? late_rows : DLS_AUTO_LEMKE_ROWS);
 }
 
 /* Returns 1 if the table is small: 3 rows a candidate in 2D, 10 in 3D. */

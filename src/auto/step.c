@@ -33,7 +33,7 @@ dls_status dlsi_auto_form_blocks(dlsi_auto *work, dls_error *error) {
 static dls_limits limits_of(dlsi_auto *work, part k) {
   return (dls_limits){.tol = work->options.limits.tol,
                       .max_iterations = dlsi_auto_kind[k].most,
-                      .warm_start = k != PIVOTING && k != OTHER_SPLITTING,
+                      .warm_start = k != PIVOTING && k != COLD_SPLITTING,
                       .blocks = work->options.limits.blocks,
                       .progress = dlsi_auto_kind[k].watch,
                       .progress_data = work,
@@ -42,7 +42,7 @@ static dls_limits limits_of(dlsi_auto *work, part k) {
 }
 
 part dlsi_auto_home_of(part k) {
-  return k == OTHER_SPLITTING || k == SETTLE ? SPLITTING : k;
+  return k == COLD_SPLITTING || k == SETTLE ? SPLITTING : k;
 }
 
 dls_status dlsi_auto_create_part(dlsi_auto *work, part k, dls_error *error) {
@@ -104,7 +104,7 @@ dls_status dlsi_auto_take_step(dlsi_auto *work, part k, unsigned flags, dls_erro
   dlsi_auto_begin_watch(work);
   if (!status) status = run_part(work, k, &info, &why);
   remember_tries(work, k, status);
-  if ((k == SPLITTING || k == OTHER_SPLITTING || k == REST) && status == DLS_E_UNSUPPORTED)
+  if ((k == SPLITTING || k == COLD_SPLITTING || k == REST) && status == DLS_E_UNSUPPORTED)
     return DLS_STALLED; /* a build without MUMPS */
   if (status < 0) {
     if (error) *error = why;
@@ -133,21 +133,10 @@ static int is_open(const dlsi_auto *work, const step *s) {
 
 /* (ST3) Returns the verdict of the better one, or an error. */
 static dls_status take_less_stress(dlsi_auto *work, part now, dls_error *error) {
-  if (now == OTHER_SPLITTING || !dlsi_auto_may_go_another_way(work))
+  if (now == COLD_SPLITTING || !dlsi_auto_may_go_another_way(work))
     return dlsi_auto_verdict_of(work);
-  const dls_status status = dlsi_auto_take_step(work, OTHER_SPLITTING, COLD, error);
+  const dls_status status = dlsi_auto_take_step(work, COLD_SPLITTING, COLD, error);
   return status < 0 ? status : work->stopped ? work->stopped : dlsi_auto_verdict_of(work);
-}
-
-/* Tells a search that its next solve is its first part, or the rest. */
-static dls_status share_search(dlsi_auto *work, const step *s, dls_error *error) {
-  void (*const share)(void *, int) = s->part == HOMOTOPY   ? dlsi_homotopy_share
-                                     : s->part == SCATTER  ? dlsi_scatter_share
-                                     : s->part == PIVOTING ? dlsi_contact_lemke_search
-                                                           : NULL;
-  const dls_status status = share ? dlsi_auto_create_part(work, s->part, error) : DLS_OK;
-  if (share && !status) share(work->part[s->part], (s->flags & MORE) != 0);
-  return status;
 }
 
 /* Returns 1 if nothing is left to try after the step s, which ended with *status: that of the plan
@@ -172,10 +161,8 @@ static int is_decided(dlsi_auto *work, const step *s, dls_status *status) {
 dls_status dlsi_auto_follow(dlsi_auto *work, const step *plan, dls_error *error) {
   for (const step *s = plan; s->part != END; s++) {
     if (!is_open(work, s)) continue;
-    dls_status status = share_search(work, s, error);
-    if (!status)
-      status = s->flags & EARLY ? dlsi_auto_on_copy(work, take_pivots, error)
-                                : dlsi_auto_take_step(work, s->part, s->flags, error);
+    dls_status status = s->flags & EARLY ? dlsi_auto_on_copy(work, take_pivots, error)
+                                         : dlsi_auto_take_step(work, s->part, s->flags, error);
     if (status < 0) return status;
     const dls_status verdict = dlsi_auto_verdict_of(work);
     if (verdict == DLS_OK) return DLS_OK; /* (ST1) */

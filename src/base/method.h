@@ -15,9 +15,9 @@ typedef struct dlsi_options {
   int acceleration;      /* dls_acceleration, of sweeps */
   int facets;            /* of the friction cone of an LCP, d = 3; 0: the method's own */
   int positive_definite; /* 1: W is known to be symmetric positive definite */
-  /* 1: a stage of auto, which goes on from the r of the stages before: no sweeps of other methods,
-   * no answer but r and its certificate. For what that did not solve another way: 2, of sweeps; of
-   * splitting a cold solve. 3: sweeps with momentum */
+  /* 1: a step of auto, which goes on from the r of the steps before: no sweeps of other methods, no
+   * answer but r and its certificate; of splitting a cold solve is one with a tiny rho. 2: sweeps
+   * with momentum */
   int stage;
   int lazy; /* 1: auto may allocate while it solves what only later stages need */
   /* for the matrix, shared with methods that run before or after; NULL: a room of its own */

@@ -337,8 +337,9 @@ double cpu_seconds(void) {
 static double first_shown, last_shown; /* wall seconds; 0: nothing yet */
 static int line_shown;
 
-/* Ends the work where it next looks, or at once (end_at_once). A signal that comes two seconds later or more, while it does
- * not look, ends the program. `timeout` sends its signal twice, at the same time. */
+/* Ends the work where it next looks, or at once (end_at_once). A signal that comes two seconds
+ * later or more, while it does not look, ends the program. `timeout` sends its signal twice, at the
+ * same time. */
 static void on_interrupt(int number) {
   static volatile sig_atomic_t first; /* seconds */
   struct timespec t;

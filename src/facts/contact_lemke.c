@@ -18,11 +18,6 @@
  *          vector, proof or not by the rule of (CL3), in 3D too; its solution may show that no r
  *          can be certified
  *
- *   (CL6)  to search, as auto asks for at last: (CL1) and (CL2) again and again, each time with
- *          another covering vector, which is drawn; d = 2, the 4-row form, whose paths lead to
- *          solutions where those of the 3-row form end in rays; d = 3, fewer facets and the cone
- *          turned. No (CL5)
- *
  * The certificate decides. In 3D the LCP of (CL1) proves nothing of the problem: the round cone
  * holds more than the one with facets.
  */
@@ -43,21 +38,14 @@ enum {
   default_facets = 8,
   most_fallback_rows = 4000, /* d = 2: of a 4-row form that create still has room for */
   polish_sweeps = 30,
-  polish_rounds = 3,
-  covers_per_candidate = 25, /* (CL6) */
-  fewest_facets = 4
+  polish_rounds = 3
 };
-static const double golden = 0.6180339887498949;
-/* (CL6): of pivots; d = 3: a solution with facets leads to one of the round cone for few candidates
- * alone */
-static const double most_flops_2d = 3e10, most_flops_3d = 3e9;
 
 typedef struct contact_lemke {
   dls_limits limits;
   int d, nc;
-  int facets;  /* of the cone; d = 2: 2 */
-  double turn; /* angle of the first of them */
-  int n;       /* rows there is room for */
+  int facets; /* of the cone; d = 2: 2 */
+  int n;      /* rows there is room for */
   dls_lemke *lemke;
   dls_nlgs *nlgs;     /* (CL2) */
   dls_newton *newton; /* (CL2) */
@@ -77,7 +65,6 @@ typedef struct contact_lemke {
   int has_ray;  /* 1: the solve ended in DLS_RAY, along dr */
   int excludes; /* 1: (CL5) shows that no r can be certified */
   int pivots;   /* of the LCPs before the one under way */
-  int searches; /* dlsi_contact_lemke_search */
 } contact_lemke;
 
 static void contact_lemke_carve(void *lemke, dlsi_arena *arena) {
@@ -156,7 +143,7 @@ static dls_status take_reactions(const contact_lemke *work, const double *z, dou
                                  dls_error *error) {
   const dls_contact *problem = work->problem;
   if (!work->form) return dls_contact_from_lcp(problem, work->s, z, r, error);
-  return dlsi_from_facets_lcp(problem, work->form, work->turn, work->s, z, r, error);
+  return dlsi_from_facets_lcp(problem, work->form, 0, work->s, z, r, error);
 }
 
 /* work->dr := the reactions of the ray that the LCP ended in. Returns `status`, or an error. */
@@ -215,9 +202,8 @@ static dls_status pivot(contact_lemke *work, const dls_contact *problem, int fac
                         dls_error *error) {
   const double *s = work->s;
   const int n = lcp_rows(problem, facets);
-  dls_status status =
-      facets ? dlsi_to_facets_lcp(problem, facets, work->turn, s, work->M, n, work->q, error)
-             : dls_contact_to_lcp(problem, s, work->M, n, work->q, error);
+  dls_status status = facets ? dlsi_to_facets_lcp(problem, facets, 0, s, work->M, n, work->q, error)
+                             : dls_contact_to_lcp(problem, s, work->M, n, work->q, error);
   if (status) return stall_beyond_range(status);
   if (facets) memset(work->z, 0, (size_t)n * sizeof *work->z);
   const dls_lcp lcp = {n, {n, n, n, work->M}, work->q};
@@ -309,33 +295,6 @@ static dls_status pivot_linear(contact_lemke *work, const dls_contact *problem, 
   return work->has_v ? DLS_RAY : status;
 }
 
-/* (CL6) d <= 2: in the form given. Returns DLS_OK with an answer, DLS_STALLED, the reason for an
- * end, or an error. */
-static dls_status search(contact_lemke *work, const dls_contact *problem, int form, int *pivots,
-                         dls_error *error) {
-  const int flat = problem->d <= 2;
-  const double most_flops = flat ? most_flops_2d : most_flops_3d;
-  dls_status status = DLS_STALLED;
-  double flops = 0;
-  for (int k = 0; k < covers_per_candidate * problem->nc && flops < most_flops; k++) {
-    const int forms = flat ? 1 : (work->facets - fewest_facets) / 2 + 1;
-    const int facets = flat ? form : fewest_facets + 2 * (k % forms), before = *pivots;
-    const double n = lcp_rows(problem, facets);
-    const double x = golden * (k + 1);
-    if (!flat) work->turn = 2 * acos(-1) / facets * (x - floor(x));
-    dlsi_lemke_set_cover(work->lemke, dlsi_lemke_covers + k);
-    status = pivot(work, problem, facets, pivots, error);
-    if (status < 0 || is_stopped(status) || (flat && status == DLS_NO_SOLUTION)) break;
-    status = polish(work, problem, error);
-    if (status || dls_certificate_holds(&work->it.certificate, work->limits.tol)) break;
-    status = DLS_STALLED;
-    flops += 2 * n * n * (n + *pivots - before);
-  }
-  work->turn = 0;
-  dlsi_lemke_set_cover(work->lemke, 0);
-  return status;
-}
-
 static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, double *r, double *u,
                                       dls_info *info, dls_error *error) {
   contact_lemke *work = lemke;
@@ -357,13 +316,11 @@ static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, d
   work->unit = ldexp(1, ilogb(most));
   int *pivots = &outcome.iterations;
   const int other = problem->d == 2 && dls_contact_facets_size(problem, 2) <= work->n;
-  const int searches = work->searches;
-  dls_status status = searches ? search(work, problem, other ? 2 : 0, pivots, error)
-                               : pivot(work, problem, flat ? 0 : work->facets, pivots, error);
-  if (other && !searches && status == DLS_RAY) status = pivot(work, problem, 2, pivots, error);
+  dls_status status = pivot(work, problem, flat ? 0 : work->facets, pivots, error);
+  if (other && status == DLS_RAY) status = pivot(work, problem, 2, pivots, error);
   if (status < 0) return status;
   if (!flat && status == DLS_NO_SOLUTION) status = DLS_RAY;
-  if (!searches && (status == DLS_OK || status == DLS_RAY || status == DLS_STALLED)) {
+  if (status == DLS_OK || status == DLS_RAY || status == DLS_STALLED) {
     const dls_status polished = polish(work, problem, error);
     if (polished < 0) return polished;
     if (polished) status = polished;
@@ -372,7 +329,7 @@ static dls_status contact_lemke_solve(void *lemke, const dls_contact *problem, d
   if (status == DLS_OK) status = DLS_STALLED;
   if (dls_certificate_holds(&it->certificate, work->limits.tol))
     status = DLS_OK;
-  else if (!searches && (status == DLS_RAY || status == DLS_STALLED))
+  else if (status == DLS_RAY || status == DLS_STALLED)
     status = pivot_linear(work, problem, status, pivots, error);
   if (status < 0) return status;
   work->has_ray &= status == DLS_RAY;
@@ -388,10 +345,6 @@ static const double *contact_lemke_direction(const void *lemke) {
 static const double *contact_lemke_farkas(const void *lemke) {
   const contact_lemke *work = lemke;
   return work->has_v ? work->v : NULL;
-}
-
-void dlsi_contact_lemke_search(void *lemke, int searches) {
-  ((contact_lemke *)lemke)->searches = searches;
 }
 
 int dlsi_contact_lemke_excludes(const void *lemke) {

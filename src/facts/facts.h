@@ -13,10 +13,6 @@ extern const dlsi_method dlsi_lemke_method;
  * certified. */
 int dlsi_contact_lemke_excludes(const void *lemke);
 
-/* searches: 1 lets the next solves of this workspace of dlsi_lemke_method search as (CL6) of
- * contact_lemke.c says; 0: no more. */
-void dlsi_contact_lemke_search(void *lemke, int searches);
-
 /* ---- farkas.c -------------------------------------------------------------------------------- */
 
 /* The linear problem that every solution solves, as an LCP in z = (v, x), (FA2), with the

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "delassus/facets.h"
 #include "auto/auto.h"
+#include "delassus/facets.h"
 #include "facts/facts.h"
 #include "front/front.h"
 

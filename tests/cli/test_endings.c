@@ -142,8 +142,8 @@ START_TEST(interrupted_is_not_solved) {
 }
 END_TEST
 
-/* A signal ends the program while it reads, here a file without an end; `timeout` would kill it 20 s
- * later and return 137. */
+/* A signal ends the program while it reads, here a file without an end; `timeout` would kill it
+ * 20 s later and return 137. */
 START_TEST(reading_ends_at_once) {
   static const int signals[] = {SIGINT, SIGTERM};
   const char *program = getenv("DELASSUS_PROGRAM");

@@ -691,7 +691,7 @@ static double lcp_rows(int d, int nc) {
 
 static double matrices(dls_method method, int d, int nc, int *pivots) {
   const double m = d * nc, n = lcp_rows(d, nc);
-  const int few = nc <= (d <= 2 ? DLS_AUTO_LEMKE_2D : DLS_AUTO_LEMKE_3D);
+  const int few = n <= DLS_AUTO_LEMKE_ROWS;
   *pivots = method == DLS_LEMKE || (method == DLS_AUTO && few);
   const int path = method == DLS_HOMOTOPY || (method == DLS_AUTO && m <= 300);
   return (method == DLS_NLGS || method == DLS_LEMKE ? 0 : m * m) + (*pivots ? 2 * n * n : 0) +

@@ -99,38 +99,6 @@ START_TEST(keeps_to_limits) {
 }
 END_TEST
 
-/* W = 0 and q_n < 0. The first part, and the rest of the same starts. */
-START_TEST(shares_make_up_the_whole) {
-  const dlsi_method *method = _i ? &dlsi_homotopy_method : &dlsi_scatter_method;
-  void (*const share)(void *, int) = _i ? dlsi_homotopy_share : dlsi_scatter_share;
-  static model a;
-  scattered s = {.work = NULL};
-  double r[most] = {0};
-  dls_info all, first, rest;
-  set_model(&a, 2, 3);
-  for (int k = 0; k < 6; k++) {
-    a.W[k + a.p.W.ld * k] = k % 2;
-    a.q[k] = -1;
-    a.mu[k / 2] = 0.5;
-  }
-  const dlsi_options options = {.limits = {.tol = 1e-8, .warm_start = 1}, .room = &s.room};
-  ck_assert_int_eq(method->create(&s.work, 2, 3, &options, NULL), DLS_OK);
-  ck_assert_int_eq(method->solve(s.work, &a.p, r, NULL, &all, NULL), DLS_STALLED);
-  for (int twice = 0; twice < 2; twice++) {
-    share(s.work, 0);
-    memset(r, 0, sizeof r);
-    ck_assert_int_eq(method->solve(s.work, &a.p, r, NULL, &first, NULL), DLS_STALLED);
-    share(s.work, 1);
-    ck_assert_int_eq(method->solve(s.work, &a.p, r, NULL, &rest, NULL), DLS_STALLED);
-    ck_assert_int_gt(first.iterations, 0);
-    ck_assert_int_lt(first.iterations, all.iterations / 4);
-    ck_assert_int_eq(first.iterations + rest.iterations, all.iterations);
-  }
-  method->destroy(s.work);
-  dlsi_room_free(&s.room);
-}
-END_TEST
-
 START_TEST(failing_mallocs_unwind) {
   static model a;
   const dls_limits limits = {.tol = 1e-10};
@@ -154,5 +122,5 @@ END_TEST
 
 int main(void) {
   return RUN("scatter", NULL, NULL, EACH(finds_what_is_there, 0, 12), ONCE(keeps_to_limits),
-             EACH(shares_make_up_the_whole, 0, 2), ONCE(failing_mallocs_unwind));
+             ONCE(failing_mallocs_unwind));
 }

@@ -252,7 +252,7 @@ START_TEST(later_stages_are_allocated_when_needed) {
 }
 END_TEST
 
-/* Every stage but the last is met, and all is solved. */
+/* Sweeps and steps end most of them, and all is solved. */
 START_TEST(auto_solves_what_its_methods_do_not) {
   static planted_problem a;
   int ended_with[DLS_PENALTY + 1] = {0}, failed[DLS_PENALTY + 1] = {0};
@@ -271,7 +271,6 @@ START_TEST(auto_solves_what_its_methods_do_not) {
   }
   ck_assert_int_ge(ended_with[DLS_NLGS], 10);
   ck_assert_int_ge(ended_with[DLS_NEWTON], 10);
-  ck_assert_int_ge(ended_with[DLS_AUGMENTED_LAGRANGIAN], 1);
   ck_assert(failed[DLS_NLGS] >= 1 && failed[DLS_NEWTON] >= 10);
 }
 END_TEST
