@@ -152,6 +152,7 @@ help:
 	@echo 'make bench-scale     rigid bodies up to 100,000 contacts beside Siconos; BENCH=options'
 	@echo 'make bench-global    contact over whole surfaces on K beside W and CHOLMOD; BENCH="--table NAME"'
 	@echo 'make bench-auto      auto beside the single methods; BENCH=files'
+	@echo 'make bench-regret    auto beside the best of its methods and Siconos on generated problems; BENCH=options'
 	@echo 'make bench-motion    load and recover of each step beside one solve by CHOLMOD'
 	@echo 'make bench-bodies    rigid bodies as W = H^T H beside W by blocks, one and two threads'
 	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
@@ -465,7 +466,7 @@ RESULTS ?= bench/results
 PEER_CFLAGS = -isystem /usr/include/siconos -isystem /usr/include/siconos/numerics
 bench_obj = $(call obj,bench/common.c $(sort $(wildcard bench/$(1).c bench/$(1)_*.c)))
 $(call bench_obj,lemke) $(call bench_obj,solvers): CPP_OF += $(PEER_CFLAGS)
-$(call bench_obj,scale) $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c): CPP_OF += -Itests/shared
+$(call bench_obj,scale) $(call bench_obj,regret) $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c tests/shared/solids.c): CPP_OF += -Itests/shared
 $(call bench_obj,reduction): CPP_OF += -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
 $(call bench_obj,motion) $(call bench_obj,global): CPP_OF += -isystem /usr/include/suitesparse
 $(call obj,$(wildcard bench/*.c)): CPP_OF += -D_GNU_SOURCE
@@ -474,6 +475,7 @@ $(BUILD)/bench/lemke: $(call bench_obj,lemke) $(FE) $(A)
 $(BUILD)/bench/solvers: $(call bench_obj,solvers) $(call obj,$(addprefix src/cli/,profile_picture.c palette.c picture.c quote.c report.c)) $(FE) $(A)
 $(BUILD)/bench/reduction: $(call bench_obj,reduction) $(FE) $(A)
 $(BUILD)/bench/scale: $(call bench_obj,scale) $(call obj,bench/solvers_call.c bench/solvers_peer.c bench/reduction_boxes.c tests/shared/rigid.c) $(FE) $(A)
+$(BUILD)/bench/regret: $(call bench_obj,regret) $(call obj,bench/solvers_call.c bench/solvers_peer.c bench/solvers_scenes.c bench/scale_elastic.c bench/reduction_boxes.c tests/shared/rigid.c) $(FE) $(A)
 $(BUILD)/bench/bodies: $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c) $(A)
 $(BUILD)/bench/motion: $(call bench_obj,motion) $(call obj,bench/reduction_boxes.c) $(A)
 $(BUILD)/bench/global: $(call bench_obj,global) $(A)
@@ -483,7 +485,7 @@ $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
 $(BUILD)/bench/steps: $(call bench_obj,steps) $(A)
 $(BUILD)/bench/problems: $(call obj,bench/problems.c bench/common.c bench/solvers_scenes.c) $(FE) $(A)
 $(BUILD)/bench/trust: $(call bench_obj,trust) $(call obj,bench/solvers_scenes.c) $(FE) $(A)
-$(BUILD)/bench/lemke $(BUILD)/bench/solvers $(BUILD)/bench/scale: PEER_LIBS = -lsiconos_numerics
+$(BUILD)/bench/lemke $(BUILD)/bench/solvers $(BUILD)/bench/scale $(BUILD)/bench/regret: PEER_LIBS = -lsiconos_numerics
 $(BUILD)/bench/reduction: PEER_LIBS = -lcholmod -lumfpack
 $(BUILD)/bench/%:
 	@mkdir -p $(@D)
@@ -507,11 +509,15 @@ bench-motion:
 bench-bodies: $(BUILD)/bench/bodies
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/bodies --out $(RESULTS) $(BENCH)
 	gnuplot -e "dir='$(RESULTS)/'" bench/bodies.gp
+bench-regret:
+	@$(DEPS) bench
+	@$(MAKE) --no-print-directory $(BUILD)/bench/regret
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/regret --out $(RESULTS) $(BENCH)
 bench-blocks: $(BUILD)/bench/blocks
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks --out $(RESULTS)
 bench-steps: $(BUILD)/bench/steps
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/steps --out $(RESULTS)
-.PHONY: bench-trust bench-steps
+.PHONY: bench-trust bench-steps bench-regret
 bench-trust: $(BUILD)/bench/trust
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/trust --out $(RESULTS)
 

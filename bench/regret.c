@@ -1,0 +1,219 @@
+/*
+ * regret.c: how much time the method auto loses to the best of its own methods, on generated
+ * problems of many kinds.
+ *
+ *   regret [--seed S] [--step N] [--count N] [--kinds A,B,..] [--tol TOL] [--seconds LIMIT]
+ *          [--no-peer] [--out DIR] [--file X.hdf5]..
+ *   regret --one KIND SIZE MU SEED [--tol TOL] [--seconds LIMIT]
+ *   regret --list
+ *
+ *   --seed     of the first problem, the next ones have S + N, S + 2 N, ..; 2. Tune on odd seeds,
+ *              report even ones
+ *   --step     N; 2
+ *   --count    number of problems; 2 of each kind, one of 16 to 100 contacts, one of 100 to 3000
+ *   --tol      1e-4 and 1e-8
+ *   --seconds  limit of CPU for each solve and 500 contacts; 0.5
+ *   --file     an FCLIB file (local problem) in place of generated problems; may be repeated
+ *   --one      prints the CPU of all methods and the stages of auto
+ *
+ * regret = CPU of auto / CPU of the best single method whose answer the certificate accepts. A
+ * solve is a child process (solvers_call.c): repeated up to 20 ms, the least counts. Methods: nlgs
+ * plain, with momentum, with Anderson's acceleration, newton, admm, augmented Lagrangian; lemke and
+ * homotopy where small. Rests and joints are parts of auto without a method of their own.
+ *
+ * Writes regret.md and regret.csv.
+ */
+#include "regret.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+#include "regret_kinds.h"
+
+enum { most_files = 64, most_tolerances = 2, most_kinds = 100 };
+
+typedef struct plan {
+  unsigned long seed, step;
+  int count, no_peer, files, kinds, tolerances;
+  const char *file[most_files], *kind[most_kinds];
+  double tol[most_tolerances], seconds;
+  const char *one[4]; /* kind, size, mu, seed */
+  result *results;
+  int done;
+  FILE *page, *csv;
+} plan;
+
+static void keep_row(FILE *csv, const result *r) {
+  const double time[] = {r->automatic, r->best, r->peer};
+  fprintf(csv, "%s,%d,%d,%g,%lu,%g", r->kind, r->size, r->nc, r->mu, r->seed, r->tol);
+  for (int k = 0; k < 3; k++)
+    fprintf(csv, isfinite(time[k]) ? ",%.4g" : ",", time[k]);
+  fprintf(csv, ",%s,%s,%s\n", r->method, r->peer_method, r->stages);
+  fflush(csv);
+}
+
+static void solve_to_all(plan *p, const dls_contact *problem, const result *named) {
+  scene s = {.set = "regret", .contact = *problem};
+  for (int t = 0; t < p->tolerances; t++) {
+    result *r = &p->results[p->done++];
+    *r = *named;
+    r->nc = problem->nc;
+    r->tol = p->tol[t];
+    if (p->one[0])
+      printf("%s, %dD, %d contacts, tol %g\n", r->kind, problem->d, problem->nc, r->tol);
+    regret_solve(&s, r->tol, p->seconds, !p->no_peer, p->one[0] || p->files, r);
+    if (p->one[0] || p->files)
+      printf("%s: regret %.2f\nstages of auto: %s\n\n", r->kind, regret_of(r), r->stages);
+    if (p->csv) keep_row(p->csv, r);
+  }
+}
+
+static void solve_generated(plan *p, const char *kind, int size, double mu, unsigned long seed) {
+  regret_problem a;
+  const result named = {.kind = kind, .size = size, .mu = mu, .seed = seed};
+  if (regret_create(&a, kind, size, mu, seed)) {
+    fprintf(stderr, "regret: %s %d %g %lu cannot be made\n", kind, size, mu, seed);
+    return;
+  }
+  fprintf(stderr, "%s %d %g %lu: %d contacts\n", kind, size, mu, seed, a.contact.nc);
+  solve_to_all(p, &a.contact, &named);
+  regret_free(&a);
+}
+
+/* Draws size and friction of problem k. */
+static void solve_drawn(plan *p, int k) {
+  const unsigned long seed = p->seed + p->step * (unsigned long)k;
+  const char *kind = p->kind[k % p->kinds];
+  uint64_t state = seed * 0x9E3779B97F4A7C15u + 17;
+  double at[2];
+  char digits[32];
+  for (int warm = 0; warm < 8; warm++)
+    (void)bench_draw(&state);
+  for (int i = 0; i < 2; i++)
+    at[i] = (1 + bench_draw(&state)) / 2;
+  const int large = (k / p->kinds + k % p->kinds) % 2, most = regret_most(kind);
+  const double size =
+      large ? 100 * pow(most > 100 ? most / 100. : 1, at[0]) : 16 * pow(100. / 16, at[0]);
+  (void)snprintf(digits, sizeof digits, "%.3g", 0.05 * pow(60, at[1])); /* .05 to 3 */
+  solve_generated(p, kind, (int)size, strtod(digits, NULL), seed);
+}
+
+static int regret_file(plan *p, const char *path) {
+  dls_fclib *file = NULL;
+  dls_contact problem;
+  dls_error error = {0};
+  if (dls_fclib_read(&file, path, &error) || dls_fclib_contact(file, &problem, &error)) {
+    fprintf(stderr, "regret: %s: %s\n", path, error.message);
+    dls_fclib_destroy(file);
+    return -1;
+  }
+  const result named = {.kind = path, .mu = problem.nc ? problem.mu[0] : 0};
+  solve_to_all(p, &problem, &named);
+  dls_fclib_destroy(file);
+  return 0;
+}
+
+/* Splits a list of kinds at its commas. Returns -1 after a message. */
+static int read_kinds(plan *p, char *list) {
+  for (char *name = strtok(list, ","); name; name = strtok(NULL, ",")) {
+    int known = 0;
+    for (int k = 0; regret_kind(k) && p->kinds < most_kinds; k++)
+      if (strcmp(regret_kind(k), name) == 0) {
+        p->kind[p->kinds++] = regret_kind(k);
+        known = 1;
+      }
+    if (!known) {
+      fprintf(stderr, "regret: no kind %s; --list has them\n", name);
+      return -1;
+    }
+  }
+  return 0;
+}
+
+static int regret_options(int argc, char **argv, plan *p, const char **out) {
+  for (int k = 1; k < argc; k++) {
+    const char *key = argv[k];
+    if (strcmp(key, "--no-peer") == 0) {
+      p->no_peer = 1;
+      continue;
+    }
+    if (strcmp(key, "--one") == 0 && k + 4 < argc) {
+      for (int i = 0; i < 4; i++)
+        p->one[i] = argv[++k];
+      continue;
+    }
+    char *value = k + 1 < argc ? argv[++k] : NULL;
+    if (value && strcmp(key, "--seed") == 0)
+      p->seed = strtoul(value, NULL, 10);
+    else if (value && strcmp(key, "--step") == 0)
+      p->step = strtoul(value, NULL, 10);
+    else if (value && strcmp(key, "--count") == 0)
+      p->count = (int)strtol(value, NULL, 10);
+    else if (value && strcmp(key, "--seconds") == 0)
+      p->seconds = strtod(value, NULL);
+    else if (value && strcmp(key, "--out") == 0)
+      *out = value;
+    else if (value && strcmp(key, "--file") == 0 && p->files < most_files)
+      p->file[p->files++] = value;
+    else if (value && strcmp(key, "--tol") == 0) {
+      p->tol[0] = strtod(value, NULL);
+      p->tolerances = 1;
+    } else if (value && strcmp(key, "--kinds") == 0) {
+      char list[1024];
+      (void)snprintf(list, sizeof list, "%s", value);
+      if (read_kinds(p, list)) return -1;
+    } else {
+      fprintf(stderr, "regret: option %s is unknown or has no value\n", key);
+      return -1;
+    }
+  }
+  return 0;
+}
+
+/* Opens the page and says what is measured. */
+static int open_page(plan *p, const char *out, int argc, char **argv) {
+  p->page =
+      bench_page(out, "regret", "Regret of auto: its time over the best method's", argc, argv);
+  p->csv = p->page ? bench_open(out, "regret.csv") : NULL;
+  if (!p->csv) return -1;
+  fprintf(p->csv, "kind,size,contacts,mu,seed,tol,auto,best,peer,method,peer method,stages\n");
+  fputs("Regret is the CPU of auto over the CPU of the best single method that solves the problem "
+        "to the same tolerance. 1: auto loses nothing. Unsolved: auto fails, a method does not; "
+        "such problems are in no median. Slower than peer: auto takes longer than the best "
+        "solver of Siconos; worst to peer: CPU of auto over it.\n",
+        p->page);
+  return 0;
+}
+
+int main(int argc, char **argv) {
+  plan p = {.seed = 2, .step = 2, .tol = {1e-4, 1e-8}, .tolerances = 2, .seconds = 0.5};
+  const char *out = "build";
+  if (argc == 2 && strcmp(argv[1], "--list") == 0) {
+    for (int k = 0; regret_kind(k); k++)
+      printf("%s\n", regret_kind(k));
+    return 0;
+  }
+  if (regret_options(argc, argv, &p, &out)) return 2;
+  for (int k = 0; p.kinds == 0 || (k && regret_kind(k)); k++)
+    p.kind[p.kinds++] = regret_kind(k);
+  if (p.count <= 0) p.count = 2 * p.kinds;
+  const int problems = p.files > p.count ? p.files : p.count;
+  p.results = calloc((size_t)problems * most_tolerances + 1, sizeof *p.results);
+  if (!p.results) return 1;
+  int bad = 0;
+  if (p.one[0])
+    solve_generated(&p, p.one[0], (int)strtol(p.one[1], NULL, 10), strtod(p.one[2], NULL),
+                    strtoul(p.one[3], NULL, 10));
+  else if (!(bad = open_page(&p, out, argc, argv))) {
+    for (int k = 0; k < p.files; k++)
+      bad |= regret_file(&p, p.file[k]);
+    for (int k = 0; !p.files && k < p.count; k++)
+      solve_drawn(&p, k);
+    regret_report(p.page, p.done, p.results);
+    bad |= fclose(p.page) | fclose(p.csv);
+  }
+  free(p.results);
+  return bad ? 1 : 0;
+}

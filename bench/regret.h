@@ -1,0 +1,46 @@
+/* regret.h: shared by the files of bench/regret: one problem solved by all, and the page. */
+#ifndef REGRET_H
+#define REGRET_H
+
+#include <stdio.h>
+
+#include "solvers.h"
+
+/* ---- solving (regret_solve.c) ---------------------------------------------------------------- */
+
+/* The CPU of a solve, s; INFINITY: not certified within the limit. */
+typedef struct result {
+  const char *kind; /* or a file */
+  int size, nc;     /* contacts asked for, and made; size = 0 for a file */
+  double mu, tol, limit;
+  unsigned long seed;
+  double automatic, best, peer;
+  const char *method, *peer_method; /* of best and peer; "" */
+  dls_status status;                /* auto's own */
+  char stages[640]; /* of auto, as regret_stages writes them; "" where it is quick */
+} result;
+
+/* CPU of auto over that of the best method; where auto failed its limit takes the place of its
+ * CPU. NAN if no method solves the problem, 0 if auto alone does. */
+double regret_of(const result *r);
+
+/* Solves s to tol by auto, by each method and, with_peer, by the peer.
+ *
+ *   seconds   limit for auto, s per 500 contacts, and for methods while none has solved s
+ *   all       1: each method has that limit and is printed; 0: a method that takes longer than the
+ *             best so far and twice the CPU of auto is stopped
+ *
+ * Fills automatic to stages of *r. */
+void regret_solve(const scene *s, double tol, double seconds, int with_peer, int all, result *r);
+
+/* Writes the stages of a solve by auto: name, iterations, CPU in ms, residual. Returns its status.
+ */
+dls_status regret_stages(const dls_contact *problem, double tol, double limit, char *text,
+                         size_t size);
+
+/* ---- the page (regret_report.c) -------------------------------------------------------------- */
+
+/* Prints tables: by band and tolerance, the worst, what auto does not solve, by kind. */
+void regret_report(FILE *page, int count, const result *results);
+
+#endif

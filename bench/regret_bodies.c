@@ -1,0 +1,244 @@
+/* regret_bodies.c: gears, domes, pyramids of crates and wedges of rigid bodies. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+#include "regret_kinds.h"
+
+static const double pi = 3.14159265358979;
+
+/* Bodies and contacts while they are put up. root: M^-1/2, n a body; middle: 3 a body. */
+typedef struct yard {
+  regret_problem *a;
+  int d, n, bodies, contacts, most_bodies, most_contacts;
+  double mu, *root, *middle;
+  uint64_t state;
+} yard;
+
+static int yard_open(yard *y, regret_problem *a, int d, int bodies, int contacts) {
+  const size_t b = (size_t)bodies, c = (size_t)contacts, n = (size_t)(3 * (d - 1));
+  y->a = a;
+  y->d = d;
+  y->n = (int)n;
+  y->most_bodies = bodies;
+  y->most_contacts = contacts;
+  y->root = calloc(b * n, sizeof *y->root);
+  y->middle = calloc(3 * b, sizeof *y->middle);
+  a->body = calloc(2 * c, sizeof *a->body);
+  a->H = calloc(2 * c * n * (size_t)d, sizeof *a->H);
+  a->v = calloc(b * n, sizeof *a->v);
+  a->q = calloc(c * (size_t)d, sizeof *a->q);
+  a->mu = calloc(c, sizeof *a->mu);
+  return y->root && y->middle && a->body && a->H && a->v && a->q && a->mu ? 0 : -1;
+}
+
+/* Adds a body. inertia: 3, or 1 for d = 2; v: n, velocities, then turning. */
+static int yard_body(yard *y, const double *middle, double mass, const double *inertia,
+                     const double *v) {
+  if (y->bodies == y->most_bodies) return -1;
+  const int b = y->bodies++;
+  for (int l = 0; l < y->n; l++) {
+    const double m = l < y->d ? mass : inertia[l - y->d];
+    y->root[b * y->n + l] = 1 / sqrt(m);
+    y->a->v[b * y->n + l] = sqrt(m) * v[l];
+  }
+  memcpy(y->middle + 3 * b, middle, 3 * sizeof *middle);
+  return b;
+}
+
+static void cross(const double *a, const double *b, double *c) {
+  for (int i = 0; i < 3; i++)
+    c[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+/* F := n, t, s, orthonormal; d = 2: t is n turned by a quarter. */
+static void frame_of(int d, const double *normal, double F[3][3]) {
+  memcpy(F[0], normal, sizeof F[0]);
+  if (d == 2) {
+    F[1][0] = -normal[1];
+    F[1][1] = normal[0];
+    F[1][2] = 0;
+    return;
+  }
+  const double axis[3] = {fabs(normal[0]) < 0.6, fabs(normal[0]) >= 0.6, 0};
+  cross(normal, axis, F[1]);
+  const double length = sqrt(F[1][0] * F[1][0] + F[1][1] * F[1][1] + F[1][2] * F[1][2]);
+  for (int i = 0; i < 3; i++)
+    F[1][i] /= length;
+  cross(F[0], F[1], F[2]);
+}
+
+/* Adds a contact of a on b (-1: fixed) at x; the unit normal points to a. */
+static void yard_touch(yard *y, int a, int b, const double *x, const double *normal) {
+  const int d = y->d, n = y->n, c = y->contacts;
+  double F[3][3];
+  if (c == y->most_contacts) return;
+  y->contacts++;
+  y->a->mu[c] = y->mu;
+  frame_of(d, normal, F);
+  for (int side = 0; side < 2; side++) {
+    const int of = y->a->body[2 * c + side] = side ? b : a;
+    double *H = y->a->H + (size_t)(2 * c + side) * (size_t)(n * d);
+    for (int j = 0; j < d && of >= 0; j++) {
+      double arm[3], turn[3];
+      for (int i = 0; i < 3; i++)
+        arm[i] = x[i] - y->middle[3 * of + i];
+      cross(arm, F[j], turn);
+      for (int l = 0; l < n; l++)
+        H[l + n * j] = (side ? -1 : 1) * y->root[of * n + l] *
+                       (l < d    ? F[j][l]
+                        : d == 2 ? turn[2]
+                                 : turn[l - 3]);
+    }
+  }
+}
+
+/* Wheels of radius 1 in a square grid. The axle lends each wheel 50 times its mass. */
+static void put_gears(yard *y, int side) {
+  const double pressure = 0.349;
+  for (int b = 0; b < side * side; b++) {
+    const double m = 1.5 + 0.5 * bench_draw(&y->state), I = 0.5 * m;
+    const double turn =
+        ((b % side + b / side) % 2 ? -1 : 1) * (0.75 + 0.25 * bench_draw(&y->state));
+    const double x[3] = {2. * (b % side), 2. * (b / side), 0};
+    const double v[3] = {0.03 * bench_draw(&y->state), 0, turn};
+    (void)yard_body(y, x, 50 * m, &I, v);
+  }
+  for (int a = 0; a < side * side; a++)
+    for (int up = 0; up < 2; up++) {
+      if ((up ? a / side : a % side) == side - 1) continue;
+      const int b = up ? a + side : a + 1;
+      const double e[2] = {!up, up}, *x = y->middle + 3 * a;
+      for (int flank = 0; flank < 3; flank++) {
+        const double s = flank < 2 ? 1 : -1, off = flank == 0 ? -0.05 : flank == 1 ? 0.05 : 0.02;
+        const double n[3] = {-s * cos(pressure) * e[1] - sin(pressure) * e[0],
+                             s * cos(pressure) * e[0] - sin(pressure) * e[1], 0};
+        const double at[3] = {x[0] + (1 + off) * e[0] - off * s * e[1],
+                              x[1] + (1 + off) * e[1] + off * s * e[0], 0};
+        yard_touch(y, a, b, at, n);
+      }
+    }
+}
+
+/* Writes the point of elevation e and azimuth z on the sphere of radius R. */
+static void on_sphere(double R, double e, double z, double *x) {
+  x[0] = R * cos(e) * cos(z);
+  x[1] = R * cos(e) * sin(z);
+  x[2] = R * sin(e);
+}
+
+/* Rings of voussoirs in half bond up to an opening, from elevation 0 to 1.25. */
+static void put_dome(yard *y, int rings, int stones) {
+  const double inner = 1, outer = 1.12, middle = 1.06, wide = 2 * pi / stones, high = 1.25 / rings;
+  for (int b = 0; b < rings * stones; b++) {
+    const int ring = b / stones;
+    const double e = high * (ring + 0.5), z = wide * (b % stones + 0.5 * (ring % 2));
+    const double h = middle * high, w = middle * wide * cos(e), t = outer - inner, m = h * w * t;
+    const double I = m * (h * h + w * w + t * t) / 18, inertia[3] = {I, I, I};
+    double x[3], v[6] = {0.05, 0, -1};
+    on_sphere(middle, e, z, x);
+    for (int l = 0; l < 6; l++)
+      v[l] += 0.003 * bench_draw(&y->state);
+    (void)yard_body(y, x, m, inertia, v);
+  }
+  for (int b = 0; b < rings * stones; b++) {
+    const int ring = b / stones, stone = b % stones, beside = ring * stones + (stone + 1) % stones;
+    const double z = wide * (stone + 0.5 * (ring % 2)), low = high * ring;
+    double x[3];
+    for (int k = 0; k < 4; k++) {
+      const double across[3] = {sin(z + wide / 2), -cos(z + wide / 2), 0};
+      on_sphere(k & 2 ? outer : inner, k & 1 ? low + high : low, z + wide / 2, x);
+      yard_touch(y, b, beside, x, across);
+    }
+    for (int k = 0; k < 4; k++) {
+      const double to = z + (k & 1 ? 0.45 : -0.45) * wide;
+      const double up[3] = {-sin(low) * cos(to), -sin(low) * sin(to), cos(low)};
+      /* The one below on this half: half bond moves even rings by one. */
+      const int left = stone - (ring % 2 == 0), half = left + (k & 1);
+      on_sphere(k & 2 ? outer : inner, low, to, x);
+      yard_touch(y, b, ring ? (ring - 1) * stones + (half + stones) % stones : -1, x, up);
+    }
+  }
+}
+
+/* Layers of crates of side 1: `side`^2, (side-1)^2, .., each on four. Pushed a little. */
+static void put_pyramid(yard *y, int side) {
+  static const double up[3] = {0, 0, 1};
+  int first = 0, below = 0;
+  for (int layer = 0; layer < side; layer++) {
+    const int wide = side - layer;
+    for (int k = 0; k < wide * wide; k++) {
+      const double m = 1 + 0.5 * bench_draw(&y->state), inertia[3] = {m / 6, m / 6, m / 6};
+      const double x[3] = {k % wide + 0.5 * layer, k / wide + 0.5 * layer, layer + 0.5};
+      const double v[6] = {0.05 * (layer + 1.) / side, 0, -1};
+      const int b = yard_body(y, x, m, inertia, v);
+      for (int at = 0; at < (layer ? 12 : 4); at++) {
+        const int right = at & 1, back = at >> 1 & 1;
+        const double ax = layer ? 0.27 + 0.22 * bench_draw(&y->state) : 0.49;
+        const double ay = layer ? 0.27 + 0.22 * bench_draw(&y->state) : 0.49;
+        const double p[3] = {x[0] + (right ? ax : -ax), x[1] + (back ? ay : -ay), layer};
+        const int lower = below + k % wide + right + (wide + 1) * (k / wide + back);
+        yard_touch(y, b, layer ? lower : -1, p, up);
+      }
+    }
+    below = first;
+    first = y->bodies;
+  }
+}
+
+/* A row of blocks between two walls. Every second is a keystone that is driven in from above; the
+ * others stand on the floor. Each face has two contacts. */
+static void put_wedges(yard *y, int count) {
+  const double slope = 0.15;
+  for (int b = 0; b < count; b++) {
+    const double m = 1 + 0.3 * bench_draw(&y->state), I = m / 6, x[3] = {b, 0, 0};
+    const double v[3] = {0.1 * bench_draw(&y->state), b % 2 ? -1 : -0.1, 0};
+    (void)yard_body(y, x, m, &I, v);
+  }
+  for (int face = 0; face <= count; face++)
+    for (int end = -1; end <= 1; end += 2) {
+      const int left = face - 1, right = face < count ? face : -1;
+      /* Faces of a keystone open upwards; the normal points to the body that is named first. */
+      const double lean = (left < 0 || right < 0) ? 0 : (right % 2 ? 1 : -1) * slope;
+      const double x[3] = {face - 0.5 - lean * 0.4 * end, 0.4 * end, 0};
+      const double to_right[3] = {cos(lean), sin(lean), 0}, to_left[3] = {-1, 0, 0};
+      if (right < 0)
+        yard_touch(y, left, -1, x, to_left);
+      else
+        yard_touch(y, right, left, x, to_right);
+    }
+  for (int b = 0; b < count; b += 2)
+    for (int end = -1; end <= 1; end += 2) {
+      const double x[3] = {b + 0.4 * end, -0.5, 0}, up[3] = {0, 1, 0};
+      yard_touch(y, b, -1, x, up);
+    }
+}
+
+int regret_bodies(regret_problem *a, const char *kind, int size, double mu, uint64_t seed) {
+  yard y = {.mu = mu, .state = seed * 0x9E3779B97F4A7C15u + 3};
+  int bad = -1;
+  for (int warm = 0; warm < 8; warm++)
+    (void)bench_draw(&y.state);
+  if (strcmp(kind, "gears") == 0) {
+    const int side = (int)fmax(2, round(sqrt(size / 6.) + 0.5));
+    bad = yard_open(&y, a, 2, side * side, 6 * side * side);
+    if (!bad) put_gears(&y, side);
+  } else if (strcmp(kind, "dome") == 0) {
+    const int rings = (int)fmax(2, sqrt(size / 32.)), stones = (int)fmax(3, size / (8. * rings));
+    bad = yard_open(&y, a, 3, rings * stones, 8 * rings * stones);
+    if (!bad) put_dome(&y, rings, stones);
+  } else if (strcmp(kind, "pyramid") == 0) {
+    const int side = (int)fmax(1, round(cbrt(size / 4.) + 0.2));
+    bad = yard_open(&y, a, 3, side * side * side, 12 * side * side * side);
+    if (!bad) put_pyramid(&y, side);
+  } else if (strcmp(kind, "wedges") == 0) {
+    const int count = size / 3 > 2 ? size / 3 : 2;
+    bad = yard_open(&y, a, 2, count, 4 * count + 4);
+    if (!bad) put_wedges(&y, count);
+  }
+  if (!bad) bad = regret_assemble(a, y.d, y.contacts, y.bodies);
+  free(y.root);
+  free(y.middle);
+  return bad;
+}

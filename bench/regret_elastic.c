@@ -1,0 +1,218 @@
+/*
+ * regret_elastic.c: problems with dense W: matrices with given eigenvalues, a half-space, and
+ * finite elements condensed by the library.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+#include "regret_kinds.h"
+#include "solvers_scenes.h"
+
+static const double pi = 3.14159265358979;
+
+static int make_room(regret_problem *a, int d, int nc) {
+  const size_t m = (size_t)d * (size_t)nc;
+  a->W = calloc(m * m, sizeof *a->W);
+  a->q = calloc(m, sizeof *a->q);
+  a->mu = calloc((size_t)nc, sizeof *a->mu);
+  if (!a->W || !a->q || !a->mu) return -1;
+  a->contact =
+      (dls_contact){.d = d, .nc = nc, .W = {(int)m, (int)m, (int)m, a->W}, .q = a->q, .mu = a->mu};
+  return 0;
+}
+
+/* ---- W with given eigenvalues, and a planted answer ------------------------------------------ */
+
+/* W := P W P, P = 1 - 2 v v^T / v^T v. w, v: m. */
+static void reflect(int m, double *W, const double *v, double *w) {
+  const size_t M = (size_t)m;
+  double vv = 0, vWv = 0;
+  for (size_t i = 0; i < M; i++) {
+    w[i] = 0;
+    for (size_t j = 0; j < M; j++)
+      w[i] += W[j + M * i] * v[j];
+    vv += v[i] * v[i];
+    vWv += v[i] * w[i];
+  }
+  for (size_t j = 0; j < M; j++)
+    for (size_t i = 0; i < M; i++)
+      W[i + M * j] += 4 * vWv * v[i] * v[j] / (vv * vv) - 2 * (v[i] * w[j] + w[i] * v[j]) / vv;
+}
+
+/* Fills W with eigenvalues from 1 to 1 / condition, spaced evenly in their logarithm. */
+static int fill_spectrum(double *W, int m, double condition, uint64_t *state) {
+  enum { reflections = 30 };
+  double *v = calloc(2 * (size_t)m, sizeof *v);
+  if (!v) return -1;
+  for (int i = 0; i < m; i++)
+    W[(size_t)i * (size_t)(m + 1)] = pow(condition, -(1 + bench_draw(state)) / 2);
+  W[0] = 1;
+  W[(size_t)m * (size_t)m - 1] = 1 / condition;
+  for (int k = 0; k < reflections && k < m; k++) {
+    for (int i = 0; i < m; i++)
+      v[i] = bench_draw(state);
+    reflect(m, W, v, v + m);
+  }
+  free(v);
+  return 0;
+}
+
+/* Draws r and u of one contact that obey the laws: free, stick or slip, one in three each. */
+static void plant_contact(int d, double mu, uint64_t *state, double *r, double *u) {
+  const double kind = bench_draw(state), angle = pi * bench_draw(state);
+  const double t[2] = {d == 3 ? cos(angle) : angle < 0 ? -1 : 1, sin(angle)};
+  for (int i = 0; i < d; i++)
+    r[i] = u[i] = 0;
+  if (kind < -1. / 3) {
+    for (int i = 0; i < d; i++)
+      u[i] = bench_draw(state);
+    u[0] = fabs(u[0]);
+    return;
+  }
+  r[0] = 1 + 0.9 * bench_draw(state);
+  const double most = isinf(mu) ? 2 : mu, part = (1 + bench_draw(state)) / 2;
+  const int slips = kind > 1. / 3 && !isinf(mu);
+  for (int i = 1; i < d; i++) {
+    r[i] = (slips ? -1 : 0.9 * part) * most * r[0] * t[i - 1];
+    if (slips) u[i] = part * t[i - 1];
+  }
+}
+
+static int make_planted(regret_problem *a, int d, int nc, double mu, int bonded, uint64_t *state) {
+  const int m = d * nc;
+  if (make_room(a, d, nc)) return -1;
+  double *r = calloc(2 * (size_t)m, sizeof *r), *u = r ? r + m : NULL;
+  if (!r || fill_spectrum(a->W, m, bonded ? 1e2 : 1e4, state)) {
+    free(r);
+    return -1;
+  }
+  for (int c = 0; c < nc; c++) {
+    a->mu[c] = bonded && c % 2 ? INFINITY : mu;
+    plant_contact(d, a->mu[c], state, r + d * c, u + d * c);
+  }
+  for (int i = 0; i < m; i++)
+    a->q[i] = u[i];
+  for (int j = 0; j < m; j++)
+    for (int i = 0; i < m; i++)
+      a->q[i] -= a->W[(size_t)i + (size_t)m * (size_t)j] * r[j];
+  free(r);
+  return 0;
+}
+
+/* ---- half-space ------------------------------------------------------------------------------ */
+
+/* Computes the block of two points at (x, y) from each other, G = 1, nu = .3; of a point with
+ * itself the mean over a square of side a. B: 3 x 3. Boussinesq's and Cerruti's solutions. */
+static void half_space(double x, double y, double a, double *B) {
+  const double nu = 0.3, k = 1 / (2 * pi), r2 = x * x + y * y, r = sqrt(r2);
+  memset(B, 0, 9 * sizeof *B);
+  if (r == 0) {
+    B[0] = k * (1 - nu) * 3.5255 / a;
+    B[4] = B[8] = k * (1 - nu / 2) * 3.5255 / a;
+    return;
+  }
+  B[0] = k * (1 - nu) / r;
+  B[4] = k * ((1 - nu) / r + nu * x * x / (r * r2));
+  B[8] = k * ((1 - nu) / r + nu * y * y / (r * r2));
+  B[5] = B[7] = k * nu * x * y / (r * r2);
+  B[1] = -k * (1 - 2 * nu) / 2 * x / r2;
+  B[2] = -k * (1 - 2 * nu) / 2 * y / r2;
+  B[3] = -B[1];
+  B[6] = -B[2];
+}
+
+static int make_rough(regret_problem *a, int size, double mu, uint64_t *state) {
+  const int side = (int)fmax(3, round(sqrt(size))), nc = side * side, m = 3 * nc;
+  double phase[12];
+  if (make_room(a, 3, nc)) return -1;
+  for (int k = 0; k < 12; k++)
+    phase[k] = pi * bench_draw(state);
+  for (int j = 0; j < nc; j++)
+    for (int i = 0; i < nc; i++) {
+      double B[9];
+      half_space((double)(i % side - j % side) / side, (double)(i / side - j / side) / side,
+                 1. / side, B);
+      for (int k = 0; k < 9; k++)
+        a->W[(size_t)(3 * i + k % 3) + (size_t)m * (size_t)(3 * j + k / 3)] = B[k];
+    }
+  for (int c = 0; c < nc; c++) {
+    const double x = (double)(c % side) / side, y = (double)(c / side) / side;
+    double height = 0;
+    for (int k = 0; k < 6; k++)
+      height += pow(0.7, k) *
+                cos(2 * pi * (k + 1) * (x * cos(phase[k]) + y * sin(phase[k])) + phase[k + 6]);
+    a->q[3 * c] = 0.1 * (0.6 * height - 1);
+    a->q[3 * c + 1] = 0.04 * (1 - y / 2);
+    a->q[3 * c + 2] = 0.02 * x;
+    a->mu[c] = mu * (1 + 0.4 * bench_draw(state));
+  }
+  return 0;
+}
+
+/* ---- finite elements ------------------------------------------------------------------------- */
+
+static int copy_contact(regret_problem *a, const dls_contact *from, double mu) {
+  const int d = from->d, m = d * from->nc;
+  if (make_room(a, d, from->nc)) return -1;
+  for (int j = 0; j < m; j++)
+    memcpy(a->W + (size_t)j * (size_t)m, from->W.a + (size_t)j * (size_t)from->W.ld,
+           (size_t)m * sizeof *a->W);
+  memcpy(a->q, from->q, (size_t)m * sizeof *a->q);
+  for (int c = 0; c < from->nc; c++)
+    a->mu[c] = mu;
+  return 0;
+}
+
+/* Keeps the scene numbered `wanted` of those that are visited. */
+typedef struct choice {
+  regret_problem *a;
+  double mu;
+  int wanted, seen, bad;
+} choice;
+
+static void keep_cube(void *data, const scene *s) {
+  choice *k = data;
+  if (k->seen++ == k->wanted) k->bad = copy_contact(k->a, &s->contact, k->mu);
+}
+
+/* Finds, of the scenes as near as any to a size, one that depends on skip. */
+typedef struct nearest {
+  int size, skip, seen, at, away;
+} nearest;
+
+static void look_at_block(void *data, const scene *s) {
+  nearest *n = data;
+  const int away = abs(s->contact.nc - n->size), k = n->seen++;
+  if (n->at >= 0 && (away > n->away || (away == n->away && n->skip-- <= 0))) return;
+  n->at = k;
+  n->away = away;
+}
+
+/* Cubes come in four sizes, 49, 81, 121, 169, twelve of each; the load goes by the seed. */
+static int make_cube(regret_problem *a, double nu, int size, double mu, uint64_t seed) {
+  const int row = size < 65 ? 0 : size < 100 ? 1 : size < 145 ? 2 : 3;
+  choice k = {a, mu, 12 * row + (int)(seed / 2 % 4), 0, -1};
+  return scenes_cubes_of(nu, 1, keep_cube, &k) ? -1 : k.bad;
+}
+
+/* Blocks of solvers_scenes.c in 2D; the load goes by the seed, the size is the nearest. */
+static int make_block(regret_problem *a, int size, double mu, uint64_t seed) {
+  nearest n = {.size = size, .skip = (int)(seed / 2 % 4), .at = -1};
+  if (scenes_blocks(0, look_at_block, &n) || n.at < 0) return -1;
+  choice k = {a, mu, n.at, 0, -1};
+  return scenes_blocks(0, keep_cube, &k) ? -1 : k.bad;
+}
+
+int regret_elastic(regret_problem *a, const char *kind, int size, double mu, uint64_t seed) {
+  uint64_t state = seed * 0x9E3779B97F4A7C15u + 5;
+  const int d = kind[strlen(kind) - 1] == '2' ? 2 : 3;
+  for (int warm = 0; warm < 8; warm++)
+    (void)bench_draw(&state);
+  if (strncmp(kind, "cube", 4) == 0) return make_cube(a, strtod(kind + 4, NULL), size, mu, seed);
+  if (strcmp(kind, "rough3") == 0) return make_rough(a, size, mu, &state);
+  if (strncmp(kind, "ill", 3) == 0) return make_planted(a, d, size, mu, 0, &state);
+  if (strncmp(kind, "bonded", 6) == 0) return make_planted(a, d, size, mu, 1, &state);
+  return make_block(a, size, mu, seed);
+}

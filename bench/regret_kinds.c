@@ -1,0 +1,131 @@
+/* regret_kinds.c: the kinds of problems of bench/regret, as regret_kinds.h describes them. */
+#include "regret_kinds.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef int (*generator)(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
+
+static int of_rigid(regret_problem *a, const char *kind, int size, double mu, uint64_t seed) {
+  if (rigid_create(&a->bodies, kind, size, mu, seed)) return -1;
+  a->contact = a->bodies.contact;
+  return 0;
+}
+
+static int of_pair(regret_problem *a, const char *kind, int size, double mu, uint64_t seed) {
+  if (elastic_create(&a->pair, kind, size, mu, seed)) return -1;
+  a->contact = a->pair.contact;
+  return 0;
+}
+
+/* most: contacts; dense problems are limited by the time that making and solving them takes. */
+static const struct row {
+  const char *kind;
+  generator make;
+  int most;
+} rows[] = {
+    {"packing-rest", of_rigid, 3000},
+    {"packing-flow", of_rigid, 3000},
+    {"wall-rest", of_rigid, 3000},
+    {"wall-pushed", of_rigid, 3000},
+    {"rubble-rest", of_rigid, 3000},
+    {"rubble-pushed", of_rigid, 3000},
+    {"wall3-rest", of_rigid, 3000},
+    {"wall3-pushed", of_rigid, 3000},
+    {"chain", of_rigid, 3000},
+    {"chain3", of_rigid, 3000},
+    {"arch", of_rigid, 3000},
+    {"arch3", of_rigid, 3000},
+    {"tower2", of_rigid, 3000},
+    {"tower", of_rigid, 3000},
+    {"discs-rest", of_rigid, 3000},
+    {"discs-flow", of_rigid, 3000},
+    {"balls-rest", of_rigid, 3000},
+    {"balls-flow", of_rigid, 3000},
+    {"mixed2-rest", of_rigid, 3000},
+    {"mixed3-rest", of_rigid, 3000},
+    {"elastic2", of_pair, 600},
+    {"elastic3", of_pair, 400},
+    {"elastic2-blocks", of_pair, 300},
+    {"elastic3-blocks", of_pair, 300},
+    {"ell3-rest", regret_grains, 3000},
+    {"ell3-flow", regret_grains, 3000},
+    {"poly2-rest", regret_grains, 3000},
+    {"poly2-flow", regret_grains, 3000},
+    {"poly3-flow", regret_grains, 3000},
+    {"drum2", regret_grains, 3000},
+    {"drum3", regret_grains, 3000},
+    {"impact2", regret_grains, 3000},
+    {"impact3", regret_grains, 3000},
+    {"gears", regret_bodies, 3000},
+    {"dome", regret_bodies, 3000},
+    {"pyramid", regret_bodies, 3000},
+    {"wedges", regret_bodies, 3000},
+    {"ill2", regret_elastic, 400},
+    {"ill3", regret_elastic, 300},
+    {"bonded2", regret_elastic, 400},
+    {"bonded3", regret_elastic, 300},
+    {"rough3", regret_elastic, 400},
+    {"cube.49", regret_elastic, 169},
+    {"cube.4999", regret_elastic, 169},
+    {"block2", regret_elastic, 400},
+};
+enum { row_count = sizeof rows / sizeof rows[0] };
+
+static const struct row *row_of(const char *kind) {
+  for (int k = 0; k < row_count; k++)
+    if (strcmp(kind, rows[k].kind) == 0) return &rows[k];
+  return NULL;
+}
+
+const char *regret_kind(int index) {
+  return index >= 0 && index < row_count ? rows[index].kind : NULL;
+}
+
+int regret_most(const char *kind) {
+  const struct row *row = row_of(kind);
+  return row ? row->most : 0;
+}
+
+int regret_create(regret_problem *a, const char *kind, int size, double mu, uint64_t seed) {
+  const struct row *row = row_of(kind);
+  *a = (regret_problem){0};
+  if (!row) return -1;
+  const int bad = row->make(a, kind, size, mu, seed);
+  if (bad) regret_free(a);
+  return bad;
+}
+
+void regret_free(regret_problem *a) {
+  rigid_free(&a->bodies);
+  elastic_free(&a->pair);
+  free(a->body);
+  free(a->H);
+  free(a->v);
+  free(a->p);
+  free(a->i);
+  free(a->x);
+  free(a->W);
+  free(a->q);
+  free(a->mu);
+  *a = (regret_problem){0};
+}
+
+int regret_assemble(regret_problem *a, int d, int nc, int bodies) {
+  const int n = 3 * (d - 1);
+  int count = 0;
+  for (int k = 0; k < 2 * nc; k++)
+    for (int i = 0; i < d && a->body[k] >= 0; i++)
+      for (int l = 0; l < n; l++)
+        a->q[d * (k / 2) + i] += a->H[(size_t)(k * d + i) * (size_t)n + (size_t)l] *
+                                 a->v[(size_t)a->body[k] * (size_t)n + (size_t)l];
+  dls_contact factored = {.d = d, .nc = nc, .q = a->q, .mu = a->mu};
+  factored.bodies = (dls_bodies){n, bodies, a->body, a->H, NULL};
+  if (dls_bodies_count(&factored, &count, NULL)) return -1;
+  a->p = calloc((size_t)nc + 1, sizeof *a->p);
+  a->i = calloc((size_t)count + 1, sizeof *a->i);
+  a->x = calloc((size_t)count * (size_t)(d * d) + 1, sizeof *a->x);
+  if (!a->p || !a->i || !a->x) return -1;
+  a->contact = (dls_contact){.d = d, .nc = nc, .q = a->q, .mu = a->mu};
+  return dls_blocks_from_bodies(&factored, a->p, a->i, a->x, &a->contact.Wb, NULL) ? -1 : 0;
+}

@@ -1,0 +1,65 @@
+/* regret_kinds.h: contact problems of bench/regret, of any size, friction and seed. */
+#ifndef REGRET_KINDS_H
+#define REGRET_KINDS_H
+
+#include <stdint.h>
+
+#include "delassus.h"
+#include "rigid.h"
+#include "scale_elastic.h"
+
+/* A problem and the memory that its view needs. */
+typedef struct regret_problem {
+  dls_contact contact;
+  rigid bodies; /* where a kind of tests/shared/rigid.h is the origin */
+  elastic pair; /* where a kind of scale_elastic.h is */
+  int *body;    /* 2 nc, as in dls_bodies; and what belongs to it: */
+  double *H, *v;
+  int *p, *i; /* W by blocks */
+  double *x;
+  double *W; /* W dense */
+  double *q, *mu;
+} regret_problem;
+
+/* Makes a problem of about `size` contacts. Returns 0, or -1 for an unknown kind or without memory.
+ * The kinds are those of tests/shared/rigid.h, those of scale_elastic.h and
+ *
+ *   ell3-rest, ell3-flow     balls-rest, balls-flow with normals tilted by .3 and three unequal
+ *                            inertias: ellipsoids
+ *   poly2-rest, poly2-flow   discs that touch in two points each: polygons, normals tilted by .1
+ *   poly3-flow               balls that touch in three points each: polyhedra
+ *   drum2, drum3             settled discs, balls; the walls of the box move along
+ *   impact2, impact3         settled discs, balls, of which one in ten is fast
+ *   gears                    2D wheels on heavy axles, in a grid; two flanks drive, one is behind
+ *   dome                     3D voussoirs in rings, four contacts a face
+ *   pyramid                  3D crates, each on four others, three contacts with each
+ *   wedges                   2D keystones between blocks on a floor, driven in
+ *   ill2, ill3               dense W with eigenvalues from 1 to 1e-4; the answer is planted
+ *   bonded2, bonded3         the same from 1 to 1e-2; mu = INFINITY for half of the contacts
+ *   rough3                   elastic half-space under a rough rigid stamp, dense
+ *   cube.49, cube.4999       cubes of solvers_scenes.c with this ratio of Poisson: 49 to 169
+ *   block2                   2D blocks of solvers_scenes.c, of the nearest size there */
+int regret_create(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
+void regret_free(regret_problem *a);
+
+/* The kinds; NULL past the last. */
+const char *regret_kind(int index);
+
+/* Returns the largest size that makes sense for a kind: dense W grow with its square. */
+int regret_most(const char *kind);
+
+/* ---- the generators, each for the kinds of its file ------------------------------------------ */
+
+/* regret_bodies.c: gears, dome, pyramid, wedges. */
+int regret_bodies(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
+
+/* regret_grains.c: ell3-rest to impact3. */
+int regret_grains(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
+
+/* regret_elastic.c: ill2 to block2. */
+int regret_elastic(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
+
+/* Sets q += H^T v and W by blocks of a->body, H, v, mu. q: zeros, or an addition to it. */
+int regret_assemble(regret_problem *a, int d, int nc, int bodies);
+
+#endif

@@ -1,0 +1,218 @@
+/* regret_solve.c: one problem by auto, by each of its methods and by the peer (regret.h). */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+#include "regret.h"
+
+/* A method; most: contacts in 2D and 3D beyond which it is not tried. */
+typedef struct own_method {
+  const char *name, *method, *acceleration;
+  int most[2];
+} own_method;
+
+static const own_method automatic = {"auto", "auto", "none", {1000000, 1000000}};
+static const own_method own[] = {{"momentum", "nlgs", "momentum", {1000000, 1000000}},
+                                 {"anderson", "nlgs", "anderson", {1000000, 1000000}},
+                                 {"newton", "newton", "none", {1000000, 1000000}},
+                                 {"nlgs", "nlgs", "none", {1000000, 1000000}},
+                                 {"admm", "admm", "none", {1000000, 1000000}},
+                                 {"lemke", "lemke", "none", {300, 60}},
+                                 {"augmented", "augmented-lagrangian", "none", {1000000, 1000000}},
+                                 {"homotopy", "homotopy", "none", {150, 100}}};
+enum { own_count = sizeof own / sizeof own[0], all_sweeps = 100000000 };
+
+static const double least_limit = 0.02;  /* s: below, a limit would measure the clock */
+static const double beside_auto = 2;     /* a method slower than so many times auto is stopped */
+static const double hopeless = 20;       /* auto is stopped at so many times the best method */
+static const double peer_overhead = 0.1; /* s: the peer's child converts W first */
+static const double shown_from = 1.3;    /* regret from which the stages are kept */
+
+/* A method under a limit, as a solve_fn sees it. */
+typedef struct attempt {
+  const own_method *w;
+  double limit;
+} attempt;
+
+static void fill_settings(dls_solver_settings *settings, const own_method *w,
+                          const dls_contact *problem, double tol, double limit) {
+  dls_solver_settings_init(settings);
+  settings->limits.tol = tol;
+  settings->limits.cpu_seconds = limit;
+  if (problem->Wb.x) settings->limits.blocks = problem->Wb.p[problem->nc];
+  if (!dls_method_find(w->method, &settings->method) ||
+      !dls_acceleration_find(w->acceleration, &settings->acceleration))
+    abort(); /* a name in the table above is wrong */
+  if (settings->method == DLS_NLGS) settings->limits.max_iterations = all_sweeps;
+}
+
+/* Solves without info: the predicted error and the look for other answers, which info asks for,
+ * cost a dense W of some 200 rows 2 ms whatever the method is. */
+static void solve_within(const void *how, const scene *s, double tol, int calls, double *r,
+                         outcome *o) {
+  const attempt *a = how;
+  dls_solver_settings settings;
+  dls_solver *solver = NULL;
+  fill_settings(&settings, a->w, &s->contact, tol, a->limit);
+  dls_status status = dls_solver_create(&solver, s->contact.d, s->contact.nc, &settings, NULL);
+  const double start = bench_seconds();
+  for (int k = 0; k < calls && status >= 0; k++)
+    status = dls_solver_solve(solver, &s->contact, r, NULL, NULL, NULL);
+  o->cpu = (bench_seconds() - start) / calls;
+  dls_solver_destroy(solver);
+  o->ended = status < 0 ? REFUSED : ENDED;
+  o->claim = (int)status;
+  o->iterations = -1;
+}
+
+static double cpu_of(const outcome *o, double tol) {
+  const dls_status verdict = dls_certificate_verdict(&o->certificate, tol);
+  return o->ended == ENDED && (verdict == DLS_OK || verdict == DLS_TO_ROUNDING) ? o->cpu : INFINITY;
+}
+
+/* Prints one line of --one. */
+static void print_attempt(const char *name, const char *setting, const outcome *o, double tol) {
+  static const char *const why[] = {"not solved", "refused", "limit", "crash"};
+  const double t = cpu_of(o, tol);
+  if (isfinite(t))
+    printf("%-14s %-10s %10.3f ms\n", name, setting, 1e3 * t);
+  else
+    printf("%-14s %-10s %s, residual %.1e, %.3f ms\n", name, setting, why[o->ended],
+           o->certificate.residual, 1e3 * o->cpu);
+}
+
+static outcome try_own(const own_method *w, const scene *s, double tol, double limit) {
+  const attempt a = {w, limit};
+  return measure(s, solve_within, &a, tol, 1.5 * limit + 0.1);
+}
+
+/* Runs one setting of the peer down its own tolerances until the answer is certified. */
+static double try_peer(const peer_method *p, const scene *s, double tol, double limit, int print) {
+  double cpu = INFINITY;
+  outcome o = {.ended = REFUSED, .certificate = {.residual = INFINITY}};
+  for (double own_tol = 10 * tol; own_tol > 1e-16 && !isfinite(cpu); own_tol /= 10) {
+    o = measure(s, peer_solve, p, own_tol, limit + peer_overhead);
+    cpu = cpu_of(&o, tol);
+    if (o.ended != ENDED || o.cpu > limit || peer_pivots(p)) break;
+  }
+  if (print) print_attempt(peer_name(p), peer_setting(p), &o, tol);
+  return cpu;
+}
+
+static int is_bonded(const dls_contact *problem) {
+  for (int c = 0; c < problem->nc; c++)
+    if (isinf(problem->mu[c])) return 1;
+  return 0;
+}
+
+static void solve_by_peer(const scene *s, double tol, double limit, int all, result *r) {
+  for (int k = 0; peer_at(k); k++) {
+    const peer_method *p = peer_at(k);
+    const double most = all ? limit : fmin(limit, r->peer);
+    if (!peer_takes(p, s, 0)) continue;
+    const double cpu = try_peer(p, s, tol, most, all);
+    if (!(cpu < r->peer)) continue;
+    r->peer = cpu;
+    r->peer_method = peer_name(p);
+  }
+}
+
+double regret_of(const result *r) {
+  if (isinf(r->best)) return isinf(r->automatic) ? NAN : 0;
+  return (isinf(r->automatic) ? fmax(r->limit, r->best) : r->automatic) / r->best;
+}
+
+void regret_solve(const scene *s, double tol, double seconds, int with_peer, int all, result *r) {
+  const int d = s->contact.d;
+  r->limit = seconds * fmax(1, s->contact.nc / 500.);
+  r->method = r->peer_method = "";
+  r->best = r->peer = INFINITY;
+  outcome o = try_own(&automatic, s, tol, r->limit);
+  r->status = (dls_status)o.claim;
+  r->automatic = cpu_of(&o, tol);
+  if (all) print_attempt("auto", "", &o, tol);
+  for (int k = 0; k < own_count; k++) {
+    const double least = fmin(beside_auto * r->automatic, r->best);
+    const double limit = all ? r->limit : fmin(r->limit, fmax(least_limit, least));
+    if (s->contact.nc > own[k].most[d - 2]) continue;
+    o = try_own(&own[k], s, tol, limit);
+    if (all) print_attempt(own[k].name, "", &o, tol);
+    const double cpu = cpu_of(&o, tol);
+    if (!(cpu < r->best)) continue;
+    r->best = cpu;
+    r->method = own[k].name;
+  }
+  if (isinf(r->automatic) && hopeless * r->best > r->limit && isfinite(r->best)) {
+    r->limit = hopeless * r->best;
+    o = try_own(&automatic, s, tol, r->limit);
+    r->automatic = cpu_of(&o, tol);
+  }
+  const double quickest = fmin(r->automatic, r->best);
+  if (with_peer && isfinite(quickest) && !is_bonded(&s->contact))
+    solve_by_peer(s, tol, all ? r->limit : fmax(least_limit, beside_auto * quickest), all, r);
+  r->stages[0] = 0;
+  if (all || !(regret_of(r) < shown_from))
+    (void)regret_stages(&s->contact, tol, r->limit, r->stages, sizeof r->stages);
+}
+
+/* ---- stages ---------------------------------------------------------------------------------- */
+
+enum { most_parts = 60 };
+
+/* The parts of a solve, as the progress callback sees them. */
+typedef struct journal {
+  int count;
+  struct part {
+    char name[24];
+    int iterations;
+    double since, until, residual; /* CPU, s */
+  } part[most_parts];
+} journal;
+
+static int note_progress(void *data, const dls_progress *p) {
+  journal *j = data;
+  struct part *at = j->count ? &j->part[j->count - 1] : NULL;
+  if (p->last || !p->stage) return 0;
+  if (!at || strcmp(at->name, p->stage) != 0 || p->iteration < at->iterations) {
+    if (j->count == most_parts) return 0;
+    const double since = at ? at->until : 0;
+    at = &j->part[j->count++];
+    snprintf(at->name, sizeof at->name, "%s", p->stage);
+    at->since = since;
+  }
+  at->iterations = p->iteration;
+  at->until = p->cpu_seconds;
+  at->residual = p->residual;
+  return 0;
+}
+
+/* Appends to text (size). */
+static void append(char *text, size_t size, const char *more) {
+  const size_t used = strlen(text);
+  snprintf(text + used, size - used, "%s", more);
+}
+
+dls_status regret_stages(const dls_contact *problem, double tol, double limit, char *text,
+                         size_t size) {
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  journal *j = calloc(1, sizeof *j);
+  double *r = calloc(m, sizeof *r);
+  dls_solver_settings settings;
+  dls_status status = DLS_E_MEMORY;
+  char line[96];
+  text[0] = 0;
+  fill_settings(&settings, &automatic, problem, tol, limit);
+  settings.limits.progress = note_progress;
+  settings.limits.progress_data = j;
+  if (j && r) status = dls_solve(problem, &settings, r, NULL, NULL, NULL);
+  for (int k = 0; j && k < j->count; k++) {
+    const struct part *at = &j->part[k];
+    snprintf(line, sizeof line, "%s%s %d: %.3g ms, %.0e", k ? "; " : "", at->name, at->iterations,
+             1e3 * (at->until - at->since), at->residual);
+    append(text, size, line);
+  }
+  free(j);
+  free(r);
+  return status;
+}
