@@ -21,17 +21,21 @@ typedef struct result {
 } result;
 
 /* CPU of auto over that of the best method; where auto failed its limit takes the place of its
- * CPU. NAN if no method solves the problem, 0 if auto alone does. */
+ * CPU. NAN if nothing solves the problem; .5 if no
+ * method does in twice the CPU of auto. */
 double regret_of(const result *r);
 
-/* Solves s to tol by auto, by each method and, with_peer, by the peer.
- *
- *   seconds   limit for auto, s per 500 contacts, and for methods while none has solved s
- *   all       1: each method has that limit and is printed; 0: a method that takes longer than the
- *             best so far and twice the CPU of auto is stopped
- *
- * Fills automatic to stages of *r. */
-void regret_solve(const scene *s, double tol, double seconds, int with_peer, int all, result *r);
+typedef struct regret_how {
+  double seconds; /* limit of auto, s per 500 contacts, and of methods while none has solved s */
+  int no_peer;    /* 1: without Siconos */
+  int all;        /* 1: each method has that limit and is printed; 0: a method that takes longer
+                     than the best so far and twice the CPU of auto is stopped */
+  int info;       /* 1: each solve fills a dls_info, whose predicted error costs a factorisation of
+                     a dense W of up to 300 rows; auto predicts the error in any case */
+} regret_how;
+
+/* Solves s to tol by auto, by each method and by the peer. Fills automatic to stages of *r. */
+void regret_solve(const scene *s, double tol, const regret_how *how, result *r);
 
 /* Writes the stages of a solve by auto: name, iterations, CPU in ms, residual. Returns its status.
  */

@@ -216,10 +216,8 @@ static void put_wedges(yard *y, int count) {
 }
 
 int regret_bodies(regret_problem *a, const char *kind, int size, double mu, uint64_t seed) {
-  yard y = {.mu = mu, .state = seed * 0x9E3779B97F4A7C15u + 3};
+  yard y = {.mu = mu, .state = regret_state(seed, 3)};
   int bad = -1;
-  for (int warm = 0; warm < 8; warm++)
-    (void)bench_draw(&y.state);
   if (strcmp(kind, "gears") == 0) {
     const int side = (int)fmax(2, round(sqrt(size / 6.) + 0.5));
     bad = yard_open(&y, a, 2, side * side, 6 * side * side);

@@ -206,10 +206,8 @@ static int make_block(regret_problem *a, int size, double mu, uint64_t seed) {
 }
 
 int regret_elastic(regret_problem *a, const char *kind, int size, double mu, uint64_t seed) {
-  uint64_t state = seed * 0x9E3779B97F4A7C15u + 5;
+  uint64_t state = regret_state(seed, 5);
   const int d = kind[strlen(kind) - 1] == '2' ? 2 : 3;
-  for (int warm = 0; warm < 8; warm++)
-    (void)bench_draw(&state);
   if (strncmp(kind, "cube", 4) == 0) return make_cube(a, strtod(kind + 4, NULL), size, mu, seed);
   if (strcmp(kind, "rough3") == 0) return make_rough(a, size, mu, &state);
   if (strncmp(kind, "ill", 3) == 0) return make_planted(a, d, size, mu, 0, &state);

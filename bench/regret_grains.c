@@ -92,9 +92,7 @@ static void write_point(regret_problem *a, const recipe *how, int c, int to, con
 static void stretch_bodies(regret_problem *a, int nc, double stretch, uint64_t seed) {
   const int d = a->bodies.d, n = 3 * (d - 1);
   for (int k = 0; k < 2 * nc; k++) {
-    uint64_t state = (seed + 7919 * (uint64_t)(a->body[k] + 1)) * 0x9E3779B97F4A7C15u;
-    for (int warm = 0; warm < 4; warm++)
-      (void)bench_draw(&state);
+    uint64_t state = regret_state(seed, 100 + (uint64_t)(a->body[k] + 1));
     for (int l = d; l < n; l++) {
       const double by = 1 + stretch * bench_draw(&state);
       for (int j = 0; j < d && a->body[k] >= 0; j++)
@@ -115,7 +113,7 @@ static void set_in_motion(regret_problem *a, const recipe *how, int nc, uint64_t
 }
 
 int regret_grains(regret_problem *a, const char *kind, int size, double mu, uint64_t seed) {
-  uint64_t state = seed * 0x9E3779B97F4A7C15u + 11;
+  uint64_t state = regret_state(seed, 11);
   int k = 0;
   while (k < recipe_count && strcmp(kind, recipes[k].kind) != 0)
     k++;

@@ -111,6 +111,14 @@ void regret_free(regret_problem *a) {
   *a = (regret_problem){0};
 }
 
+/* Mixes by splitmix64 (Steele, Lea, Flood 2014). */
+uint64_t regret_state(uint64_t seed, uint64_t salt) {
+  uint64_t z = seed * 0x9E3779B97F4A7C15u + salt;
+  z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9u;
+  z = (z ^ z >> 27) * 0x94D049BB133111EBu;
+  return z ^ z >> 31;
+}
+
 int regret_assemble(regret_problem *a, int d, int nc, int bodies) {
   const int n = 3 * (d - 1);
   int count = 0;

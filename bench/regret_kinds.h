@@ -48,6 +48,10 @@ const char *regret_kind(int index);
 /* Returns the largest size that makes sense for a kind: dense W grow with its square. */
 int regret_most(const char *kind);
 
+/* Returns the state of bench_draw for a seed; neighbouring seeds give unrelated numbers, which a
+ * multiple of the seed does not. salt: one for each use. */
+uint64_t regret_state(uint64_t seed, uint64_t salt);
+
 /* ---- the generators, each for the kinds of its file ------------------------------------------ */
 
 /* regret_bodies.c: gears, dome, pyramid, wedges. */

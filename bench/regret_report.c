@@ -44,7 +44,7 @@ static figures figures_of(int count, const result *results, const struct band *b
     const double fastest = isinf(r->automatic) ? r->limit : r->automatic;
     if (isfinite(r->peer) && r->peer < fastest) f.slower++;
     if (isfinite(r->peer)) f.beside_peer = fmax(f.beside_peer, fastest / r->peer);
-    if (isfinite(r->automatic) && isfinite(r->best)) x[f.count++] = regret_of(r);
+    if (isfinite(r->automatic)) x[f.count++] = regret_of(r);
   }
   if (f.count == 0) return f;
   qsort(x, (size_t)f.count, sizeof *x, ascending);
@@ -104,8 +104,11 @@ static void print_unsolved(FILE *page, int count, const result *results) {
     print_command(page, r);
     bench_print(page, " | %s |\n", r->stages);
   }
-  bench_print(page, "\nSolved by auto alone: %d. Solved by none of them in their limits: %d.\n",
-              alone, nobody);
+  bench_print(
+      page,
+      "\nSolved by auto, by no method in twice its time: %d. Solved by none of them in their "
+      "limits: %d.\n",
+      alone, nobody);
   for (int k = 0; k < count; k++) {
     if (isfinite(results[k].automatic) || isfinite(results[k].best)) continue;
     bench_print(page, "%s ", "\n-");

@@ -33,6 +33,7 @@ static const double shown_from = 1.3;    /* regret from which the stages are kep
 typedef struct attempt {
   const own_method *w;
   double limit;
+  int info;
 } attempt;
 
 static void fill_settings(dls_solver_settings *settings, const own_method *w,
@@ -47,18 +48,17 @@ static void fill_settings(dls_solver_settings *settings, const own_method *w,
   if (settings->method == DLS_NLGS) settings->limits.max_iterations = all_sweeps;
 }
 
-/* Solves without info: the predicted error and the look for other answers, which info asks for,
- * cost a dense W of some 200 rows 2 ms whatever the method is. */
 static void solve_within(const void *how, const scene *s, double tol, int calls, double *r,
                          outcome *o) {
   const attempt *a = how;
   dls_solver_settings settings;
   dls_solver *solver = NULL;
+  dls_info info;
   fill_settings(&settings, a->w, &s->contact, tol, a->limit);
   dls_status status = dls_solver_create(&solver, s->contact.d, s->contact.nc, &settings, NULL);
   const double start = bench_seconds();
   for (int k = 0; k < calls && status >= 0; k++)
-    status = dls_solver_solve(solver, &s->contact, r, NULL, NULL, NULL);
+    status = dls_solver_solve(solver, &s->contact, r, NULL, a->info ? &info : NULL, NULL);
   o->cpu = (bench_seconds() - start) / calls;
   dls_solver_destroy(solver);
   o->ended = status < 0 ? REFUSED : ENDED;
@@ -82,8 +82,8 @@ static void print_attempt(const char *name, const char *setting, const outcome *
            o->certificate.residual, 1e3 * o->cpu);
 }
 
-static outcome try_own(const own_method *w, const scene *s, double tol, double limit) {
-  const attempt a = {w, limit};
+static outcome try_own(const own_method *w, const scene *s, double tol, double limit, int info) {
+  const attempt a = {w, limit, info};
   return measure(s, solve_within, &a, tol, 1.5 * limit + 0.1);
 }
 
@@ -119,16 +119,16 @@ static void solve_by_peer(const scene *s, double tol, double limit, int all, res
 }
 
 double regret_of(const result *r) {
-  if (isinf(r->best)) return isinf(r->automatic) ? NAN : 0;
+  if (isinf(r->best)) return isinf(r->automatic) ? NAN : 1 / beside_auto;
   return (isinf(r->automatic) ? fmax(r->limit, r->best) : r->automatic) / r->best;
 }
 
-void regret_solve(const scene *s, double tol, double seconds, int with_peer, int all, result *r) {
-  const int d = s->contact.d;
-  r->limit = seconds * fmax(1, s->contact.nc / 500.);
+void regret_solve(const scene *s, double tol, const regret_how *how, result *r) {
+  const int d = s->contact.d, all = how->all;
+  r->limit = how->seconds * fmax(1, s->contact.nc / 500.);
   r->method = r->peer_method = "";
   r->best = r->peer = INFINITY;
-  outcome o = try_own(&automatic, s, tol, r->limit);
+  outcome o = try_own(&automatic, s, tol, r->limit, how->info);
   r->status = (dls_status)o.claim;
   r->automatic = cpu_of(&o, tol);
   if (all) print_attempt("auto", "", &o, tol);
@@ -136,7 +136,7 @@ void regret_solve(const scene *s, double tol, double seconds, int with_peer, int
     const double least = fmin(beside_auto * r->automatic, r->best);
     const double limit = all ? r->limit : fmin(r->limit, fmax(least_limit, least));
     if (s->contact.nc > own[k].most[d - 2]) continue;
-    o = try_own(&own[k], s, tol, limit);
+    o = try_own(&own[k], s, tol, limit, how->info);
     if (all) print_attempt(own[k].name, "", &o, tol);
     const double cpu = cpu_of(&o, tol);
     if (!(cpu < r->best)) continue;
@@ -145,11 +145,11 @@ void regret_solve(const scene *s, double tol, double seconds, int with_peer, int
   }
   if (isinf(r->automatic) && hopeless * r->best > r->limit && isfinite(r->best)) {
     r->limit = hopeless * r->best;
-    o = try_own(&automatic, s, tol, r->limit);
+    o = try_own(&automatic, s, tol, r->limit, how->info);
     r->automatic = cpu_of(&o, tol);
   }
   const double quickest = fmin(r->automatic, r->best);
-  if (with_peer && isfinite(quickest) && !is_bonded(&s->contact))
+  if (!how->no_peer && isfinite(quickest) && !is_bonded(&s->contact))
     solve_by_peer(s, tol, all ? r->limit : fmax(least_limit, beside_auto * quickest), all, r);
   r->stages[0] = 0;
   if (all || !(regret_of(r) < shown_from))
