@@ -22,7 +22,7 @@ typedef struct recipe {
   const char *kind, *of;
   int points; /* of each contact */
   double tilt, stretch;
-  double along; /* velocity of the walls along themselves */
+  double along; /* velocity of the floor along itself; the other walls have no friction then */
   int impact;   /* 1: one grain in ten is fast, the others stand still */
 } recipe;
 
@@ -108,8 +108,14 @@ static void set_in_motion(regret_problem *a, const recipe *how, int nc, uint64_t
   for (int b = 0; how->impact && b < a->bodies.bodies; b++)
     for (int l = 0; l < n; l++)
       a->v[b * n + l] = b % 10 == 0 && l < d ? bench_draw(state) - (l == d - 1) : 0;
-  for (int c = 0; how->along > 0 && c < nc; c++)
-    if (a->body[2 * c + 1] < 0) a->q[d * c + 1] = -how->along;
+  for (int c = 0; how->along > 0 && c < nc; c++) {
+    const double *H = a->H + (size_t)(2 * c) * (size_t)(n * d);
+    if (a->body[2 * c + 1] >= 0) continue;
+    if (H[d - 1] > fabs(H[0]))
+      a->q[d * c + 1] = -how->along;
+    else
+      a->mu[c] = 0;
+  }
 }
 
 int regret_grains(regret_problem *a, const char *kind, int size, double mu, uint64_t seed) {

@@ -28,7 +28,7 @@ typedef struct regret_problem {
  *                            inertias: ellipsoids
  *   poly2-rest, poly2-flow   discs that touch in two points each: polygons, normals tilted by .1
  *   poly3-flow               balls that touch in three points each: polyhedra
- *   drum2, drum3             settled discs, balls; the walls of the box move along
+ *   drum2, drum3             settled discs, balls on a floor that moves; smooth walls
  *   impact2, impact3         settled discs, balls, of which one in ten is fast
  *   gears                    2D wheels on heavy axles, in a grid; two flanks drive, one is behind
  *   dome                     3D voussoirs in rings, four contacts a face
