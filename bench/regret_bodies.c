@@ -25,12 +25,13 @@ static int yard_open(yard *y, regret_problem *a, int d, int bodies, int contacts
   y->most_contacts = contacts;
   y->root = calloc(b * n, sizeof *y->root);
   y->middle = calloc(3 * b, sizeof *y->middle);
-  a->body = calloc(2 * c, sizeof *a->body);
-  a->H = calloc(2 * c * n * (size_t)d, sizeof *a->H);
-  a->v = calloc(b * n, sizeof *a->v);
-  a->q = calloc(c * (size_t)d, sizeof *a->q);
-  a->mu = calloc(c, sizeof *a->mu);
-  return y->root && y->middle && a->body && a->H && a->v && a->q && a->mu ? 0 : -1;
+  a->own.body = calloc(2 * c, sizeof *a->own.body);
+  a->own.H = calloc(2 * c * n * (size_t)d, sizeof *a->own.H);
+  a->own.v = calloc(b * n, sizeof *a->own.v);
+  a->own.q = calloc(c * (size_t)d, sizeof *a->own.q);
+  a->own.mu = calloc(c, sizeof *a->own.mu);
+  return y->root && y->middle && a->own.body && a->own.H && a->own.v && a->own.q && a->own.mu ? 0
+                                                                                              : -1;
 }
 
 /* Adds a body. inertia: 3, or 1 for d = 2; v: n, velocities, then turning. */
@@ -41,7 +42,7 @@ static int yard_body(yard *y, const double *middle, double mass, const double *i
   for (int l = 0; l < y->n; l++) {
     const double m = l < y->d ? mass : inertia[l - y->d];
     y->root[b * y->n + l] = 1 / sqrt(m);
-    y->a->v[b * y->n + l] = sqrt(m) * v[l];
+    y->a->own.v[b * y->n + l] = sqrt(m) * v[l];
   }
   memcpy(y->middle + 3 * b, middle, 3 * sizeof *middle);
   return b;
@@ -75,11 +76,11 @@ static void yard_touch(yard *y, int a, int b, const double *x, const double *nor
   double F[3][3];
   if (c == y->most_contacts) return;
   y->contacts++;
-  y->a->mu[c] = y->mu;
+  y->a->own.mu[c] = y->mu;
   frame_of(d, normal, F);
   for (int side = 0; side < 2; side++) {
-    const int of = y->a->body[2 * c + side] = side ? b : a;
-    double *H = y->a->H + (size_t)(2 * c + side) * (size_t)(n * d);
+    const int of = y->a->own.body[2 * c + side] = side ? b : a;
+    double *H = y->a->own.H + (size_t)(2 * c + side) * (size_t)(n * d);
     for (int j = 0; j < d && of >= 0; j++) {
       double arm[3], turn[3];
       for (int i = 0; i < 3; i++)

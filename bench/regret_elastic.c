@@ -15,11 +15,11 @@ static const double pi = 3.14159265358979;
 static int make_room(regret_problem *a, int d, int nc) {
   const size_t m = (size_t)d * (size_t)nc;
   a->W = calloc(m * m, sizeof *a->W);
-  a->q = calloc(m, sizeof *a->q);
-  a->mu = calloc((size_t)nc, sizeof *a->mu);
-  if (!a->W || !a->q || !a->mu) return -1;
-  a->contact =
-      (dls_contact){.d = d, .nc = nc, .W = {(int)m, (int)m, (int)m, a->W}, .q = a->q, .mu = a->mu};
+  a->own.q = calloc(m, sizeof *a->own.q);
+  a->own.mu = calloc((size_t)nc, sizeof *a->own.mu);
+  if (!a->W || !a->own.q || !a->own.mu) return -1;
+  a->contact = (dls_contact){
+      .d = d, .nc = nc, .W = {(int)m, (int)m, (int)m, a->W}, .q = a->own.q, .mu = a->own.mu};
   return 0;
 }
 
@@ -89,14 +89,14 @@ static int make_planted(regret_problem *a, int d, int nc, double mu, int bonded,
     return -1;
   }
   for (int c = 0; c < nc; c++) {
-    a->mu[c] = bonded && c % 2 ? INFINITY : mu;
-    plant_contact(d, a->mu[c], state, r + d * c, u + d * c);
+    a->own.mu[c] = bonded && c % 2 ? INFINITY : mu;
+    plant_contact(d, a->own.mu[c], state, r + d * c, u + d * c);
   }
   for (int i = 0; i < m; i++)
-    a->q[i] = u[i];
+    a->own.q[i] = u[i];
   for (int j = 0; j < m; j++)
     for (int i = 0; i < m; i++)
-      a->q[i] -= a->W[(size_t)i + (size_t)m * (size_t)j] * r[j];
+      a->own.q[i] -= a->W[(size_t)i + (size_t)m * (size_t)j] * r[j];
   free(r);
   return 0;
 }
@@ -143,10 +143,10 @@ static int make_rough(regret_problem *a, int size, double mu, uint64_t *state) {
     for (int k = 0; k < 6; k++)
       height += pow(0.7, k) *
                 cos(2 * pi * (k + 1) * (x * cos(phase[k]) + y * sin(phase[k])) + phase[k + 6]);
-    a->q[3 * c] = 0.1 * (0.6 * height - 1);
-    a->q[3 * c + 1] = 0.04 * (1 - y / 2);
-    a->q[3 * c + 2] = 0.02 * x;
-    a->mu[c] = mu * (1 + 0.4 * bench_draw(state));
+    a->own.q[3 * c] = 0.1 * (0.6 * height - 1);
+    a->own.q[3 * c + 1] = 0.04 * (1 - y / 2);
+    a->own.q[3 * c + 2] = 0.02 * x;
+    a->own.mu[c] = mu * (1 + 0.4 * bench_draw(state));
   }
   return 0;
 }
@@ -159,9 +159,9 @@ static int copy_contact(regret_problem *a, const dls_contact *from, double mu) {
   for (int j = 0; j < m; j++)
     memcpy(a->W + (size_t)j * (size_t)m, from->W.a + (size_t)j * (size_t)from->W.ld,
            (size_t)m * sizeof *a->W);
-  memcpy(a->q, from->q, (size_t)m * sizeof *a->q);
+  memcpy(a->own.q, from->q, (size_t)m * sizeof *a->own.q);
   for (int c = 0; c < from->nc; c++)
-    a->mu[c] = mu;
+    a->own.mu[c] = mu;
   return 0;
 }
 

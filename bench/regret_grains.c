@@ -76,10 +76,10 @@ static void write_point(regret_problem *a, const recipe *how, int c, int to, con
                         const double *e) {
   const int d = a->bodies.d, n = 3 * (d - 1), size = n * d;
   for (int side = 0; side < 2; side++) {
-    double *H = a->H + (size_t)(2 * to + side) * (size_t)size;
-    a->body[2 * to + side] = a->bodies.body[2 * c + side];
+    double *H = a->own.H + (size_t)(2 * to + side) * (size_t)size;
+    a->own.body[2 * to + side] = a->bodies.body[2 * c + side];
     memcpy(H, a->bodies.H + (size_t)(2 * c + side) * (size_t)size, (size_t)size * sizeof *H);
-    if (a->body[2 * to + side] < 0) continue;
+    if (a->own.body[2 * to + side] < 0) continue;
     /* F has the sign of the side twice in t x F, so the arm is turned back for the lower one. */
     const double turned[2] = {side ? -e[0] : e[0], side ? -e[1] : e[1]};
     if (how->points > 1) move_point(d, H, turned);
@@ -92,11 +92,11 @@ static void write_point(regret_problem *a, const recipe *how, int c, int to, con
 static void stretch_bodies(regret_problem *a, int nc, double stretch, uint64_t seed) {
   const int d = a->bodies.d, n = 3 * (d - 1);
   for (int k = 0; k < 2 * nc; k++) {
-    uint64_t state = regret_state(seed, 100 + (uint64_t)(a->body[k] + 1));
+    uint64_t state = regret_state(seed, 100 + (uint64_t)(a->own.body[k] + 1));
     for (int l = d; l < n; l++) {
       const double by = 1 + stretch * bench_draw(&state);
-      for (int j = 0; j < d && a->body[k] >= 0; j++)
-        a->H[(size_t)(k * d + j) * (size_t)n + (size_t)l] *= by;
+      for (int j = 0; j < d && a->own.body[k] >= 0; j++)
+        a->own.H[(size_t)(k * d + j) * (size_t)n + (size_t)l] *= by;
     }
   }
 }
@@ -104,17 +104,17 @@ static void stretch_bodies(regret_problem *a, int nc, double stretch, uint64_t s
 /* Sets the velocities of the grains, and what moving walls add to q. */
 static void set_in_motion(regret_problem *a, const recipe *how, int nc, uint64_t *state) {
   const int d = a->bodies.d, n = 3 * (d - 1);
-  memcpy(a->v, a->bodies.v, (size_t)a->bodies.bodies * (size_t)n * sizeof *a->v);
+  memcpy(a->own.v, a->bodies.v, (size_t)a->bodies.bodies * (size_t)n * sizeof *a->own.v);
   for (int b = 0; how->impact && b < a->bodies.bodies; b++)
     for (int l = 0; l < n; l++)
-      a->v[b * n + l] = b % 10 == 0 && l < d ? bench_draw(state) - (l == d - 1) : 0;
+      a->own.v[b * n + l] = b % 10 == 0 && l < d ? bench_draw(state) - (l == d - 1) : 0;
   for (int c = 0; how->along > 0 && c < nc; c++) {
-    const double *H = a->H + (size_t)(2 * c) * (size_t)(n * d);
-    if (a->body[2 * c + 1] >= 0) continue;
+    const double *H = a->own.H + (size_t)(2 * c) * (size_t)(n * d);
+    if (a->own.body[2 * c + 1] >= 0) continue;
     if (H[d - 1] > fabs(H[0]))
-      a->q[d * c + 1] = -how->along;
+      a->own.q[d * c + 1] = -how->along;
     else
-      a->mu[c] = 0;
+      a->own.mu[c] = 0;
   }
 }
 
@@ -130,12 +130,12 @@ int regret_grains(regret_problem *a, const char *kind, int size, double mu, uint
   const int d = a->bodies.d, n = 3 * (d - 1), base = a->bodies.contact.nc;
   const int nc = base * how->points;
   const size_t contacts = (size_t)nc;
-  a->body = calloc(2 * contacts, sizeof *a->body);
-  a->H = calloc(2 * contacts * (size_t)(n * d), sizeof *a->H);
-  a->v = calloc((size_t)a->bodies.bodies * (size_t)n + 1, sizeof *a->v);
-  a->q = calloc(contacts * (size_t)d, sizeof *a->q);
-  a->mu = calloc(contacts, sizeof *a->mu);
-  if (!a->body || !a->H || !a->v || !a->q || !a->mu) return -1;
+  a->own.body = calloc(2 * contacts, sizeof *a->own.body);
+  a->own.H = calloc(2 * contacts * (size_t)(n * d), sizeof *a->own.H);
+  a->own.v = calloc((size_t)a->bodies.bodies * (size_t)n + 1, sizeof *a->own.v);
+  a->own.q = calloc(contacts * (size_t)d, sizeof *a->own.q);
+  a->own.mu = calloc(contacts, sizeof *a->own.mu);
+  if (!a->own.body || !a->own.H || !a->own.v || !a->own.q || !a->own.mu) return -1;
   for (int c = 0; c < base; c++) {
     const double angle[2] = {how->tilt * bench_draw(&state), how->tilt * bench_draw(&state)};
     const double first = 3.14159265358979 * bench_draw(&state);
@@ -144,7 +144,7 @@ int regret_grains(regret_problem *a, const char *kind, int size, double mu, uint
       const double e2[2] = {point ? 0.3 : -0.3, 0}, e3[2] = {0.3 * cos(at), 0.3 * sin(at)};
       const int to = how->points * c + point;
       write_point(a, how, c, to, angle, d == 2 ? e2 : e3);
-      a->mu[to] = mu;
+      a->own.mu[to] = mu;
     }
   }
   if (how->stretch > 0) stretch_bodies(a, nc, how->stretch, seed);

@@ -99,15 +99,8 @@ int regret_create(regret_problem *a, const char *kind, int size, double mu, uint
 void regret_free(regret_problem *a) {
   rigid_free(&a->bodies);
   elastic_free(&a->pair);
-  free(a->body);
-  free(a->H);
-  free(a->v);
-  free(a->p);
-  free(a->i);
-  free(a->x);
+  rigid_free(&a->own);
   free(a->W);
-  free(a->q);
-  free(a->mu);
   *a = (regret_problem){0};
 }
 
@@ -123,17 +116,18 @@ int regret_assemble(regret_problem *a, int d, int nc, int bodies) {
   const int n = 3 * (d - 1);
   int count = 0;
   for (int k = 0; k < 2 * nc; k++)
-    for (int i = 0; i < d && a->body[k] >= 0; i++)
+    for (int i = 0; i < d && a->own.body[k] >= 0; i++)
       for (int l = 0; l < n; l++)
-        a->q[d * (k / 2) + i] += a->H[(size_t)(k * d + i) * (size_t)n + (size_t)l] *
-                                 a->v[(size_t)a->body[k] * (size_t)n + (size_t)l];
-  dls_contact factored = {.d = d, .nc = nc, .q = a->q, .mu = a->mu};
-  factored.bodies = (dls_bodies){n, bodies, a->body, a->H, NULL};
+        a->own.q[d * (k / 2) + i] += a->own.H[(size_t)(k * d + i) * (size_t)n + (size_t)l] *
+                                     a->own.v[(size_t)a->own.body[k] * (size_t)n + (size_t)l];
+  dls_contact factored = {.d = d, .nc = nc, .q = a->own.q, .mu = a->own.mu};
+  factored.bodies = (dls_bodies){n, bodies, a->own.body, a->own.H, NULL};
   if (dls_bodies_count(&factored, &count, NULL)) return -1;
-  a->p = calloc((size_t)nc + 1, sizeof *a->p);
-  a->i = calloc((size_t)count + 1, sizeof *a->i);
-  a->x = calloc((size_t)count * (size_t)(d * d) + 1, sizeof *a->x);
-  if (!a->p || !a->i || !a->x) return -1;
-  a->contact = (dls_contact){.d = d, .nc = nc, .q = a->q, .mu = a->mu};
-  return dls_blocks_from_bodies(&factored, a->p, a->i, a->x, &a->contact.Wb, NULL) ? -1 : 0;
+  a->own.p = calloc((size_t)nc + 1, sizeof *a->own.p);
+  a->own.i = calloc((size_t)count + 1, sizeof *a->own.i);
+  a->own.x = calloc((size_t)count * (size_t)(d * d) + 1, sizeof *a->own.x);
+  if (!a->own.p || !a->own.i || !a->own.x) return -1;
+  a->contact = (dls_contact){.d = d, .nc = nc, .q = a->own.q, .mu = a->own.mu};
+  return dls_blocks_from_bodies(&factored, a->own.p, a->own.i, a->own.x, &a->contact.Wb, NULL) ? -1
+                                                                                               : 0;
 }

@@ -13,12 +13,8 @@ typedef struct regret_problem {
   dls_contact contact;
   rigid bodies; /* where a kind of tests/shared/rigid.h is the origin */
   elastic pair; /* where a kind of scale_elastic.h is */
-  int *body;    /* 2 nc, as in dls_bodies; and what belongs to it: */
-  double *H, *v;
-  int *p, *i; /* W by blocks */
-  double *x;
-  double *W; /* W dense */
-  double *q, *mu;
+  rigid own;    /* the arrays of the kinds that are made here, its views unused */
+  double *W;    /* W dense */
 } regret_problem;
 
 /* Makes a problem of about `size` contacts. Returns 0, or -1 for an unknown kind or without memory.
@@ -63,7 +59,7 @@ int regret_grains(regret_problem *a, const char *kind, int size, double mu, uint
 /* regret_elastic.c: ill2 to block2. */
 int regret_elastic(regret_problem *a, const char *kind, int size, double mu, uint64_t seed);
 
-/* Sets q += H^T v and W by blocks of a->body, H, v, mu. q: zeros, or an addition to it. */
+/* Sets q += H^T v and W by blocks of a->own: body, H, v, mu. q: zeros, or an addition to it. */
 int regret_assemble(regret_problem *a, int d, int nc, int bodies);
 
 #endif
