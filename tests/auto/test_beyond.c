@@ -1,0 +1,107 @@
+/* test_beyond.c: more than 300 rows, W dense: Lemke's method where all else ends nowhere, and its
+ * proofs. */
+#include <check.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delassus/solve.h"
+#include "delassus/trust.h"
+#include "malloc_fails.h"
+#include "run.h"
+
+enum { n = 310 };
+
+static double W[n * n], q[n], mu[n], planted[n], r[n];
+
+static double draw(unsigned *seed) {
+  *seed = *seed * 1664525u + 1013904223u;
+  return (double)(*seed >> 8) / (1 << 23) - 1;
+}
+
+/* d = 1: an antisymmetric matrix beside a hundredth of the identity, and q of a planted answer. */
+static dls_contact definite(unsigned seed) {
+  for (int i = 0; i < n; i++) {
+    for (int j = 0; j < i; j++)
+      W[j + n * i] = -(W[i + n * j] = draw(&seed));
+    W[i + n * i] = 0.01;
+    planted[i] = draw(&seed);
+  }
+  for (int i = 0; i < n; i++) {
+    q[i] = planted[i] < 0 ? -planted[i] : 0;
+    for (int j = 0; j < n; j++)
+      q[i] -= planted[j] > 0 ? W[i + n * j] * planted[j] : 0;
+  }
+  return (dls_contact){.d = 1, .nc = n, .W = {n, n, n, W}, .q = q, .mu = mu};
+}
+
+static dls_solver_settings at_1e_8(void) {
+  dls_solver_settings settings;
+  dls_solver_settings_init(&settings);
+  return settings;
+}
+
+/* The answer is the planted one: W is definite. */
+START_TEST(pivots_solve_it) {
+  const dls_contact p = definite(2 + 2 * (unsigned)_i);
+  const dls_solver_settings settings = at_1e_8();
+  dls_info info;
+  ck_assert_int_eq(dls_solve(&p, &settings, r, NULL, &info, NULL), DLS_OK);
+  ck_assert_int_eq(info.stage[info.stages - 1].method, DLS_LEMKE);
+  for (int i = 0; i < n; i++)
+    ck_assert_double_eq_tol(r[i], planted[i] > 0 ? planted[i] : 0, 1e-5);
+}
+END_TEST
+
+/* Candidate 7 cannot be pushed up: row 7 of W is 0, q_7 < 0. The proof is that row. */
+START_TEST(pivots_prove_it) {
+  dls_contact p = definite(2);
+  const dls_solver_settings settings = at_1e_8();
+  dls_solver *solver;
+  for (int j = 0; j < n; j++)
+    W[7 + n * j] = W[j + n * 7] = 0;
+  q[7] = -1;
+  ck_assert_int_eq(dls_solver_create(&solver, 1, n, &settings, NULL), DLS_OK);
+  ck_assert_int_eq(dls_solver_solve(solver, &p, r, NULL, NULL, NULL), DLS_NO_SOLUTION);
+  const double *v = dls_solver_farkas(solver);
+  ck_assert_ptr_nonnull(v);
+  for (int c = 0; c < n; c++)
+    ck_assert(c == 7 ? v[c] > 0 : v[c] == 0);
+  p = definite(2);
+  ck_assert_int_eq(dls_solver_solve(solver, &p, r, NULL, NULL, NULL), DLS_OK);
+  ck_assert_ptr_null(dls_solver_farkas(solver));
+  dls_solver_destroy(solver);
+}
+END_TEST
+
+/* Its table is allocated in the solve; without memory the error says so, and r stays. Without memory
+ * for the list of what may touch (apart.c) the whole is solved. */
+START_TEST(no_memory_for_the_table) {
+  const dls_contact p = definite(2);
+  const dls_solver_settings settings = at_1e_8();
+  int refused = 0;
+  long calls = 1;
+  for (long k = 0; k <= calls; k++) {
+    dls_solver *solver;
+    dls_error error = {0};
+    ck_assert_int_eq(dls_solver_create(&solver, 1, n, &settings, NULL), DLS_OK);
+    for (int i = 0; i < n; i++)
+      r[i] = -7;
+    malloc_fails_at(k);
+    const dls_status status = dls_solver_solve(solver, &p, r, NULL, NULL, &error);
+    if (k == 0) calls = malloc_calls();
+    malloc_fails_at(0);
+    ck_assert(status == DLS_OK || (k > 0 && status == DLS_E_MEMORY));
+    for (int i = 0; status && i < n; i++)
+      ck_assert(r[i] == -7);
+    if (status) ck_assert_str_eq(error.function, "dls_solver_solve");
+    refused += status != DLS_OK;
+    dls_solver_destroy(solver);
+  }
+  ck_assert_int_ge(refused, 2);
+}
+END_TEST
+
+int main(void) {
+  return RUN("beyond", NULL, NULL, EACH(pivots_solve_it, 0, 3), ONCE(pivots_prove_it),
+             ONCE(no_memory_for_the_table));
+}
