@@ -39,9 +39,8 @@ int dls_contact_facets_size(const dls_contact *problem, int facets) {
   return dlsi_form_size(problem, facets);
 }
 
-/* Checks the problem and fills the form, e_0 at the angle `turn`; the second half of the e_k is the
- * first turned round. */
-static dls_status facets_form(const dls_contact *problem, int facets, double turn, dlsi_form *form,
+/* Checks the problem and fills the form; the second half of the e_k is the first turned round. */
+static dls_status facets_form(const dls_contact *problem, int facets, dlsi_form *form,
                               dls_error *error) {
   dls_status status = dlsi_check_contact(problem, error);
   if (!status) status = dlsi_refuse_bonded(problem, error);
@@ -51,7 +50,7 @@ static dls_status facets_form(const dls_contact *problem, int facets, double tur
                      problem->d <= 2 ? "2 where d is 1 or 2" : "even, 4 to 64, where d = 3");
   *form = (dlsi_form){.directions = facets, .c = {{1, 0, 0}}};
   for (int k = 0; k < facets / 2; k++) {
-    const double angle = 2 * acos(-1) * k / facets + turn;
+    const double angle = 2 * acos(-1) * k / facets;
     double *e = form->c[1 + k], *opposite = form->c[1 + k + facets / 2];
     e[1] = cos(angle);
     e[2] = problem->d == 3 ? sin(angle) : 0;
@@ -61,32 +60,23 @@ static dls_status facets_form(const dls_contact *problem, int facets, double tur
   return DLS_OK;
 }
 
-dls_status dlsi_to_facets_lcp(const dls_contact *problem, int facets, double turn, const double *s,
-                              double *M, int ldm, double *q, dls_error *error) {
-  dlsi_form form;
-  dlsi_formed formed = {.work = NULL};
-  dls_status status = facets_form(problem, facets, turn, &form, error);
-  if (!status) status = dlsi_form_blocks(&formed, &problem, error);
-  if (!status) status = dlsi_form_matrix(problem, &form, s, M, ldm, q, error);
-  dlsi_formed_free(&formed);
-  return status;
-}
-
 dls_status dls_contact_to_facets_lcp(const dls_contact *problem, int facets, const double *s,
                                      double *M, int ldm, double *q, dls_error *error) {
   DLSI_DOOR;
-  return dlsi_at(__func__, dlsi_to_facets_lcp(problem, facets, 0, s, M, ldm, q, error), error);
-}
-
-dls_status dlsi_from_facets_lcp(const dls_contact *problem, int facets, double turn,
-                                const double *s, const double *z, double *r, dls_error *error) {
   dlsi_form form;
-  const dls_status status = facets_form(problem, facets, turn, &form, error);
-  return status ? status : dlsi_form_reactions(problem, &form, s, z, r, error);
+  dlsi_formed formed = {.work = NULL};
+  dls_status status = facets_form(problem, facets, &form, error);
+  if (!status) status = dlsi_form_blocks(&formed, &problem, error);
+  if (!status) status = dlsi_form_matrix(problem, &form, s, M, ldm, q, error);
+  dlsi_formed_free(&formed);
+  return dlsi_at(__func__, status, error);
 }
 
 dls_status dls_contact_from_facets_lcp(const dls_contact *problem, int facets, const double *s,
                                        const double *z, double *r, dls_error *error) {
   DLSI_DOOR;
-  return dlsi_at(__func__, dlsi_from_facets_lcp(problem, facets, 0, s, z, r, error), error);
+  dlsi_form form;
+  dls_status status = facets_form(problem, facets, &form, error);
+  if (!status) status = dlsi_form_reactions(problem, &form, s, z, r, error);
+  return dlsi_at(__func__, status, error);
 }

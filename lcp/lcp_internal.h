@@ -151,20 +151,6 @@ dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double
 /* Changes the limits of an existing workspace, from the next solve on. */
 void dlsi_lemke_set_limits(dls_lemke *work, const dls_limits *limits);
 
-/* Covering vectors of every run: the first one, and drawn ones. */
-enum { dlsi_lemke_covers = 10 };
-
-/* Lets the next runs follow the path of one covering vector, number > 0, and no others; 0: those of
- * every run. */
-void dlsi_lemke_set_cover(dls_lemke *work, int number);
-
-/* dls_contact_to_facets_lcp and dls_contact_from_facets_lcp with the directions of all candidates
- * turned by the angle `turn`; d = 2: 0. */
-dls_status dlsi_to_facets_lcp(const dls_contact *problem, int facets, double turn, const double *s,
-                              double *M, int ldm, double *q, dls_error *error);
-dls_status dlsi_from_facets_lcp(const dls_contact *problem, int facets, double turn,
-                                const double *s, const double *z, double *r, dls_error *error);
-
 /* Finds a vertex x (n) of { x >= 0 : C x = q }. Returns 1, 0 if that is empty to 1e-10, -1 if
  * rounding keeps the simplex method from ending. C: (C | q) by rows, n x (n + 1), n <=
  * DLS_ENUMERATE_MAX. */

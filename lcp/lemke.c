@@ -55,7 +55,6 @@
  *   (LE13) an answer must have its certificate, a ray must pass dls_lcp_check_ray; if not, once
  *          more on a fresh table, then from the start without (LE10), with 1e-14 in (LE9) and
  *          (LE11) more often
- *   (LE14) to search, as auto asks for: one covering vector, of those that no other run takes
  *
  * A ray (z, z0) + t (dz, dz0) with v = dz a Farkas vector (so if M is copositive-plus) means that
  * there is no solution, if v or a vector near it holds without any rounding. Another ray means
@@ -82,6 +81,7 @@ static const double small_pivot = 1e-8;      /* (LE11), to max|c| */
 static const double misfit_tolerance = 1e-9; /* (LE11), to 1 + max|b|; max|q| is about 1 */
 static const double proof_tolerance = 1e-14; /* of a ray or a Farkas vector, times n + 10 */
 static const double golden = 0.6180339887498949;
+enum { most_covers = 10 };         /* the first one, and others */
 static const double sharp = 1e-12; /* a residual that calls for no second look */
 
 enum { progress_interval = 50, check_interval = 256, strict_check_interval = 32 }; /* pivots */
@@ -93,7 +93,6 @@ struct dls_lemke {
   int n; /* of create */
   atomic_int busy;
   dls_lemke_settings settings;
-  int only;      /* (LE14): the number of the covering vector; 0: those of every run */
   double *given; /* the user's covering vector, or NULL, n */
 
   /* The scaled problem: M' = R M C, q' = R q / kappa, d' = sigma R d; z = kappa C z',
@@ -255,10 +254,8 @@ static void lemke_scale(dls_lemke *work, const dls_lcp *lcp) {
   }
 }
 
-/* Returns a number in [0, 1) for row i of covering vector k > 0: by a rule for those of every run,
- * so that few of them differ much; else drawn. */
+/* Returns a number in [0, 1) for row i of covering vector k > 0. */
 static double lemke_spread(int i, int k) {
-  if (k >= dlsi_lemke_covers) return dlsi_draw_entry(k, i);
   const double x = golden * (i + 1) + 0.7548776662466927 * k;
   return x - floor(x);
 }
@@ -720,8 +717,7 @@ static path_end lemke_crash(dls_lemke *work, const dls_lcp *lcp, const double *z
  * be confirmed, with another covering vector after a ray that proves nothing. */
 static dls_status lemke_paths(dls_lemke *work, const dls_lcp *lcp, const double *warm) {
   const double tol = work->settings.limits.tol;
-  const int end_of_covers = work->only ? work->only + 1 : dlsi_lemke_covers;
-  int cover = work->only;
+  int cover = 0;
   work->strict = 0;
   lemke_scale(work, lcp);
   for (;; warm = NULL) {
@@ -732,7 +728,7 @@ static dls_status lemke_paths(dls_lemke *work, const dls_lcp *lcp, const double 
     if (end == path_ray && lemke_accept_ray(work, lcp)) {
       if (lemke_holds(work, tol)) break; /* z0 was as good as 0 */
       if (work->proved) return DLS_NO_SOLUTION;
-      if (work->given || work->vectors == most_vectors || ++cover == end_of_covers) return DLS_RAY;
+      if (work->given || work->vectors == most_vectors || ++cover == most_covers) return DLS_RAY;
       continue;
     }
     work->solved_n = 0;
@@ -760,10 +756,6 @@ static dls_status lemke_enter(dls_lemke *work, const dls_lcp *lcp, const double 
   return status ? status : dlsi_enter(&work->busy, "workspace", error);
 }
 
-void dlsi_lemke_set_cover(dls_lemke *work, int number) {
-  work->only = number;
-}
-
 dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double *y,
                           dls_lemke_info *info) {
   dls_status status = DLS_OK;
@@ -780,7 +772,7 @@ dls_status dlsi_lemke_run(dls_lemke *work, const dls_lcp *lcp, double *z, double
   lemke_offer_zero(work, lcp);
   if (work->best.negative_y > 0) {
     path_end end = path_lost;
-    if (work->settings.crash && !work->given && !work->only) end = lemke_crash(work, lcp, warm);
+    if (work->settings.crash && !work->given) end = lemke_crash(work, lcp, warm);
     if (end == path_lost)
       status = lemke_paths(work, lcp, warm);
     else if (end == path_cancelled)

@@ -13,10 +13,6 @@ static const double accurate = 1e-4;    /* relative error of r that nobody is to
 static const double determined = 1e-13; /* residual of a factorisation that needs no second one */
 enum { most_turns = 3 };
 
-/* An answer of little residual may have a large error where W is nearly singular: soft
- * springs under a body. Solves to a smaller tolerance as long as that makes the predicted error
- * less. In a sequence of warm solves the last answer that was looked at tells how much a residual
- * means. */
 dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, dls_error *error) {
   const dls_contact *problem = work->problem;
   const size_t m = (size_t)problem->d * (size_t)problem->nc;

@@ -65,6 +65,13 @@ int dlsi_list_touching(const dls_contact *problem, int **list) {
   return count;
 }
 
+void dlsi_auto_put_among_all(const dlsi_auto *work, const double *r, double *all) {
+  const size_t d = (size_t)work->d;
+  memset(all, 0, d * (size_t)work->whole * sizeof *all);
+  for (size_t k = 0; k < (size_t)work->touches; k++)
+    memcpy(all + d * (size_t)work->touching[k], r + d * k, d * sizeof *all);
+}
+
 /* Solves the problem of `count` candidates that may touch. values: memory of the copy.
  * Returns as take_touching does. */
 static dls_status take_others(dlsi_auto *work, const dls_contact *problem, int count,

@@ -78,11 +78,11 @@ typedef struct dlsi_auto {
   dlsi_options options;
   int d, nc;
   void *part[parts];  /* workspace of each method, NULL before it is needed, or by its home_of */
-  dlsi_room room;     /* for their matrices: none keeps factors from one stage to the next */
-  double *r, *best;   /* m: of the stage under way, of the best answer so far */
+  dlsi_room room;     /* for their matrices: none keeps factors from one step to the next */
+  double *r, *best;   /* m: of the step under way, of the best answer so far */
   double *w;          /* nc: compliances of the contacts */
   double *weights;    /* 2 nc: of the certificate */
-  double *v[4];       /* m: scratch; the last one up to path_unknowns */
+  double *v[4];       /* m: scratch; the last one up to dlsi_auto_small rows */
   dlsi_formed formed; /* of a problem of bodies: scratch, W by blocks for all but momentum */
   dlsi_renumber copy; /* up to dlsi_auto_small rows */
   double *kept;       /* m: the best r before the copy */
@@ -147,7 +147,6 @@ static inline dls_status dlsi_auto_verdict_of(const dlsi_auto *work) {
 
 int dlsi_auto_is_packing(const dlsi_auto *work);
 int dlsi_auto_is_large(const dlsi_auto *work); /* W of bodies is formed only where a step asks */
-int dlsi_auto_is_bonded(const dlsi_auto *work);
 int dlsi_auto_is_near(const dlsi_auto *work, double residual); /* for Newton's steps on a packing */
 int dlsi_auto_is_nearly_met(const dlsi_auto *work, double residual);
 int dlsi_auto_looks_at_rest(const dlsi_auto *work);
@@ -180,9 +179,6 @@ int dlsi_auto_watch_limits(void *data, const dls_progress *p);
 
 /* Sets what these watch a step by, from work->r. */
 void dlsi_auto_begin_watch(dlsi_auto *work);
-
-/* all := r of the candidates that may touch, 0 for the others. */
-void dlsi_auto_put_among_all(const dlsi_auto *work, const double *r, double *all);
 
 /* The methods that auto is made of, beside Lemke's; vi/. */
 extern const dlsi_method dlsi_nlgs_method, dlsi_newton_method, dlsi_admm_method,
@@ -248,6 +244,9 @@ int dlsi_list_touching(const dls_contact *problem, int **list);
  * reason for an end by the caller, or DLS_STALLED to go on. */
 dls_status dlsi_auto_take_touching(dlsi_auto *work, const dls_contact *problem,
                                    dlsi_auto_solve_fn solve, dls_error *error);
+
+/* all := r of the candidates that may touch, 0 for the others. */
+void dlsi_auto_put_among_all(const dlsi_auto *work, const double *r, double *all);
 
 /* ---- verdict.c, accuracy.c, others.c --------------------------------------------------------- */
 

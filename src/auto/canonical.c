@@ -69,7 +69,7 @@ static dls_status leave_copy(dlsi_auto *work, const dls_contact *problem,
 dls_status dlsi_auto_on_copy(dlsi_auto *work, dlsi_auto_run_fn run, dls_error *error) {
   const dls_contact *problem = work->problem;
   const dls_certificate kept = enter_copy(work);
-  dls_status status = run(work, error);
+  const dls_status status = run(work, error);
   if (status < 0) return status;
   if (work->has_copy) take_back_vectors(work, status);
   return leave_copy(work, problem, &kept, status);

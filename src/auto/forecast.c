@@ -17,7 +17,6 @@
  * the same steps and gives the same bits.
  */
 #include <math.h>
-#include <string.h>
 
 #include "auto/auto.h"
 
@@ -28,13 +27,6 @@ enum { push_ahead = 100 };            /* accelerated sweeps that take as long as
 static const double unsorted = 0.05;  /* e: with more, few states are those of the answer */
 static const double unsettled = 0.01; /* e: ... and with less, most are */
 static const double progress = 0.9;   /* of e, below which a step has brought it down */
-
-void dlsi_auto_put_among_all(const dlsi_auto *work, const double *r, double *all) {
-  const size_t d = (size_t)work->d;
-  memset(all, 0, d * (size_t)work->whole * sizeof *all);
-  for (size_t k = 0; k < (size_t)work->touches; k++)
-    memcpy(all + d * (size_t)work->touching[k], r + d * k, d * sizeof *all);
-}
 
 /* Tells the caller's callback and keeps to the caller's limits. Returns 1 to stop. */
 static int must_stop(dlsi_auto *work, const dls_progress *p) {

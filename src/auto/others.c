@@ -52,7 +52,6 @@ static void sweep_to_another(dlsi_auto *work, const double *r) {
   if (difference > another * size) work->info.unique = DLS_UNIQUE_NO;
 }
 
-/* Fills ambiguous and unique for the answer r. */
 void dlsi_auto_look_for_others(dlsi_auto *work, const double *r) {
   const dls_contact *problem = work->problem;
   dlsi_auto_set_weights(work);

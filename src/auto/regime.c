@@ -106,7 +106,7 @@ int dlsi_auto_may_copy(const dlsi_auto *work) {
 }
 
 /* Returns 1 if an infinite friction keeps pivots and paths away. */
-int dlsi_auto_is_bonded(const dlsi_auto *work) {
+static int is_bonded(const dlsi_auto *work) {
   return work->bonded && !work->firm;
 }
 
@@ -118,7 +118,7 @@ static int rows_of_lcp(int d, int nc) {
 int dlsi_auto_may_pivot(const dlsi_auto *work) {
   const int late = work->d * work->nc > dlsi_auto_small;
   if (late && !work->problem->W.a) return 0; /* of bodies: far too many pivots */
-  return !dlsi_auto_is_bonded(work) &&
+  return !is_bonded(work) &&
          rows_of_lcp(work->d, work->nc) <= (late ? late_rows : DLS_AUTO_LEMKE_ROWS);
 }
 
@@ -128,7 +128,7 @@ int dlsi_auto_may_pivot_early(const dlsi_auto *work) {
 }
 
 int dlsi_auto_may_follow_path(const dlsi_auto *work) {
-  return !dlsi_auto_is_bonded(work) && dlsi_auto_may_copy(work);
+  return !is_bonded(work) && dlsi_auto_may_copy(work);
 }
 
 int dlsi_auto_may_go_another_way(const dlsi_auto *work) {

@@ -27,8 +27,6 @@ static int runs_away(const dlsi_auto *work) {
   return dlsi_max_abs(v, m) <= null_direction * dlsi_max_abs(delta, m);
 }
 
-/* for a problem that no stage has solved. Returns DLS_OK, DLS_NO_SOLUTION_LIKELY,
- * DLS_STALLED, or an error. */
 dls_status dlsi_auto_judge(dlsi_auto *work, dls_error *error) {
   const dls_contact *problem = work->problem;
   const double tol = work->options.limits.tol;

@@ -143,7 +143,7 @@ static dls_status take_reactions(const contact_lemke *work, const double *z, dou
                                  dls_error *error) {
   const dls_contact *problem = work->problem;
   if (!work->form) return dls_contact_from_lcp(problem, work->s, z, r, error);
-  return dlsi_from_facets_lcp(problem, work->form, 0, work->s, z, r, error);
+  return dls_contact_from_facets_lcp(problem, work->form, work->s, z, r, error);
 }
 
 /* work->dr := the reactions of the ray that the LCP ended in. Returns `status`, or an error. */
@@ -202,8 +202,9 @@ static dls_status pivot(contact_lemke *work, const dls_contact *problem, int fac
                         dls_error *error) {
   const double *s = work->s;
   const int n = lcp_rows(problem, facets);
-  dls_status status = facets ? dlsi_to_facets_lcp(problem, facets, 0, s, work->M, n, work->q, error)
-                             : dls_contact_to_lcp(problem, s, work->M, n, work->q, error);
+  dls_status status =
+      facets ? dls_contact_to_facets_lcp(problem, facets, s, work->M, n, work->q, error)
+             : dls_contact_to_lcp(problem, s, work->M, n, work->q, error);
   if (status) return stall_beyond_range(status);
   if (facets) memset(work->z, 0, (size_t)n * sizeof *work->z);
   const dls_lcp lcp = {n, {n, n, n, work->M}, work->q};

@@ -652,40 +652,6 @@ START_TEST(bad_input_is_named) {
 }
 END_TEST
 
-/* r (3) := the answer on 4 facets turned by `turn`, W = I, slip at 45 degrees, by that
- * covering vector. Returns the covering vectors that it took. */
-static int slip_on_turned_facets(double turn, int cover, double *r) {
-  const double w[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, p[3] = {-1, -1, -1}, friction = 0.25;
-  const dls_contact one = one_candidate(3, w, p, &friction);
-  const dls_lcp lcp = {6, {6, 6, 6, M}, b};
-  dls_lemke_settings settings;
-  dls_lemke_info info;
-  dls_lemke *lemke;
-  dls_lemke_settings_init(&settings);
-  ck_assert_int_eq(dlsi_to_facets_lcp(&one, 4, turn, NULL, M, 6, b, NULL), DLS_OK);
-  ck_assert_int_eq(dls_lemke_create(&lemke, 6, &settings, NULL), DLS_OK);
-  dlsi_lemke_set_cover(lemke, cover);
-  ck_assert_int_eq(dls_lemke_solve(lemke, &lcp, z, y, &info, NULL), DLS_OK);
-  dls_lemke_destroy(lemke);
-  ck_assert_int_eq(dlsi_from_facets_lcp(&one, 4, turn, NULL, z, r, NULL), DLS_OK);
-  return info.starts;
-}
-
-START_TEST(turned_facets_hold_the_direction_of_slip) {
-  const double exact = 0.25 / sqrt(2);
-  double r[3];
-  slip_on_turned_facets(0, 0, r);
-  ck_assert(fabs(r[1] - exact) > 1e-3 || fabs(r[2] - exact) > 1e-3);
-  for (int k = 0; k < 20; k++) {
-    ck_assert_int_eq(slip_on_turned_facets(pi / 4, 1 + k, r), 1); /* no crash: a path */
-    ck_assert_double_eq_tol(r[0], 1, 1e-14);
-    ck_assert_double_eq_tol(r[1], exact, 1e-14);
-    ck_assert_double_eq_tol(r[2], exact, 1e-14);
-  }
-  ck_assert_int_eq(slip_on_turned_facets(pi / 4, 0, r), 0); /* the crash start alone again */
-}
-END_TEST
-
 int main(void) {
   return RUN("facets", NULL, NULL, ONCE(slip_along_a_corner_is_exact),
              ONCE(slip_through_the_middle_of_a_facet), ONCE(free_stick_and_no_friction),
@@ -697,5 +663,5 @@ int main(void) {
              ONCE(rotated_tangents_same_answer), ONCE(units_do_not_change_the_path),
              ONCE(fclib_files), ONCE(limit_and_cancellation_are_not_polished_away),
              ONCE(solver_is_reused_and_allocates_nothing), ONCE(every_failing_malloc_unwinds),
-             ONCE(turned_facets_hold_the_direction_of_slip), ONCE(sizes), ONCE(bad_input_is_named));
+             ONCE(sizes), ONCE(bad_input_is_named));
 }

@@ -1139,34 +1139,6 @@ START_TEST(residual_on_the_path) {
 }
 END_TEST
 
-/* M = -I, q < 0: the ray of each cover tells the cover: 1, times 2^(10 x - 5), x = i phi + k psi
- * without its integer part, or drawn; alone, and in a run of all again. */
-START_TEST(covers_by_number) {
-  enum { n = 5 };
-  double M[n * n] = {0}, q[n], z[n], cover[n];
-  for (int i = 0; i < n; i++)
-    M[i + n * i] = q[i] = -1;
-  const dls_lcp lcp = lcp_of(n, M, q);
-  dls_lemke *w;
-  dls_lemke_info info;
-  ck_assert_int_eq(dls_lemke_create(&w, n, NULL, NULL), DLS_OK);
-  static const int number[] = {1, 3, dlsi_lemke_covers - 1, dlsi_lemke_covers, 77, 0};
-  for (size_t k = 0; k < sizeof number / sizeof number[0]; k++) {
-    dlsi_lemke_set_cover(w, number[k]);
-    ck_assert_int_eq(dls_lemke_solve(w, &lcp, z, NULL, &info, NULL), DLS_NO_SOLUTION);
-    ck_assert_int_eq(info.starts, 1);
-    ck_assert_int_eq(info.crash_rounds > 0, number[k] == 0);
-    ck_assert_int_eq(dls_lemke_ray(w, NULL, NULL, NULL, NULL, cover, NULL), DLS_OK);
-    for (int i = 0; i < n; i++) {
-      const double turn = 0.6180339887498949 * (i + 1) + 0.7548776662466927 * number[k];
-      const double x = number[k] >= 10 ? dlsi_draw_entry(number[k], i) : turn - floor(turn);
-      ck_assert_double_eq_tol(cover[i], number[k] ? exp2(10 * x - 5) : 1, 1e-13 * cover[i]);
-    }
-  }
-  dls_lemke_destroy(w);
-}
-END_TEST
-
 /* ---- crash start ----------------------------------------------------------------------------- */
 
 /* the default */
@@ -1425,20 +1397,20 @@ START_TEST(a_norm_beyond_numbers) {
 END_TEST
 
 int main(void) {
-  return RUN(
-      "lemke", NULL, NULL, ONCE(size_one), ONCE(feasible_q_is_answered_at_once), ONCE(size_two),
-      ONCE(nearly_impossible), ONCE(catalogue_of_contact), ONCE(ray_of_large_friction),
-      ONCE(bimatrix_game), ONCE(cycling_example), ONCE(identical_rows), ONCE(murty),
-      ONCE(p_matrices), ONCE(any_matrix), ONCE(semidefinite), ONCE(hundred_unknowns),
-      ONCE(stewart_trinkle), ONCE(very_large_friction), ONCE(decaying_entries), ONCE(units),
-      ONCE(permutations), ONCE(same_bits_and_reuse), ONCE(progress_and_limit), ONCE(bad_arguments),
-      ONCE(every_malloc_fails), ONCE(extreme_numbers), ONCE(warm_start_follows_a_load),
-      ONCE(warm_start_from_anywhere), ONCE(warm_start_that_leads_nowhere), ONCE(limit_on_the_path),
-      ONCE(warm_start_on_the_border), ONCE(warm_start_keeps_the_cover),
-      ONCE(warm_start_breaks_ties_as_a_cold_one), ONCE(warm_start_within_rounding),
-      ONCE(warm_start_from_zero), ONCE(residual_on_the_path), ONCE(covers_by_number),
-      ONCE(crash_finds_the_solution), ONCE(crash_with_friction), ONCE(crash_in_any_unit),
-      ONCE(crash_keeps_to_its_room), ONCE(crash_that_leads_nowhere), ONCE(crash_does_not_insist),
-      ONCE(crash_from_a_start_and_with_a_cover), ONCE(crash_can_be_cancelled),
-      ONCE(a_norm_beyond_numbers));
+  return RUN("lemke", NULL, NULL, ONCE(size_one), ONCE(feasible_q_is_answered_at_once),
+             ONCE(size_two), ONCE(nearly_impossible), ONCE(catalogue_of_contact),
+             ONCE(ray_of_large_friction), ONCE(bimatrix_game), ONCE(cycling_example),
+             ONCE(identical_rows), ONCE(murty), ONCE(p_matrices), ONCE(any_matrix),
+             ONCE(semidefinite), ONCE(hundred_unknowns), ONCE(stewart_trinkle),
+             ONCE(very_large_friction), ONCE(decaying_entries), ONCE(units), ONCE(permutations),
+             ONCE(same_bits_and_reuse), ONCE(progress_and_limit), ONCE(bad_arguments),
+             ONCE(every_malloc_fails), ONCE(extreme_numbers), ONCE(warm_start_follows_a_load),
+             ONCE(warm_start_from_anywhere), ONCE(warm_start_that_leads_nowhere),
+             ONCE(limit_on_the_path), ONCE(warm_start_on_the_border),
+             ONCE(warm_start_keeps_the_cover), ONCE(warm_start_breaks_ties_as_a_cold_one),
+             ONCE(warm_start_within_rounding), ONCE(warm_start_from_zero),
+             ONCE(residual_on_the_path), ONCE(crash_finds_the_solution), ONCE(crash_with_friction),
+             ONCE(crash_in_any_unit), ONCE(crash_keeps_to_its_room), ONCE(crash_that_leads_nowhere),
+             ONCE(crash_does_not_insist), ONCE(crash_from_a_start_and_with_a_cover),
+             ONCE(crash_can_be_cancelled), ONCE(a_norm_beyond_numbers));
 }
