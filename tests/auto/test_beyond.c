@@ -13,7 +13,7 @@ enum { n = 310 };
 
 static double W[n * n], q[n], mu[n], planted[n], r[n];
 
-static double draw(unsigned *seed) {
+static double draw_entry(unsigned *seed) {
   *seed = *seed * 1664525u + 1013904223u;
   return (double)(*seed >> 8) / (1 << 23) - 1;
 }
@@ -22,9 +22,9 @@ static double draw(unsigned *seed) {
 static dls_contact definite(unsigned seed) {
   for (int i = 0; i < n; i++) {
     for (int j = 0; j < i; j++)
-      W[j + n * i] = -(W[i + n * j] = draw(&seed));
+      W[j + n * i] = -(W[i + n * j] = draw_entry(&seed));
     W[i + n * i] = 0.01;
-    planted[i] = draw(&seed);
+    planted[i] = draw_entry(&seed);
   }
   for (int i = 0; i < n; i++) {
     q[i] = planted[i] < 0 ? -planted[i] : 0;
@@ -73,8 +73,8 @@ START_TEST(pivots_prove_it) {
 }
 END_TEST
 
-/* Its table is allocated in the solve; without memory the error says so, and r stays. Without memory
- * for the list of what may touch (apart.c) the whole is solved. */
+/* Its table is allocated in the solve; without memory the error says so, and r stays. Without
+ * memory for the list of what may touch (apart.c) the whole is solved. */
 START_TEST(no_memory_for_the_table) {
   const dls_contact p = definite(2);
   const dls_solver_settings settings = at_1e_8();
