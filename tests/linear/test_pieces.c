@@ -234,7 +234,7 @@ START_TEST(threads_sleep) {
   for (int n = 90; n <= side; n += 60) {
     for (int threads = 1; threads <= 2; threads++) {
       openblas_set_num_threads(threads);
-      nanosleep(&rest, NULL); /* new threads look for work for a while */
+      nanosleep(&rest, NULL);  /* new threads look for work for a while */
       double least = INFINITY; /* a switch between both clocks counts as work of others */
       for (int turn = 0; turn < 3; turn++) {
         memcpy(of, &before, sizeof before);
