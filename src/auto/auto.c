@@ -98,7 +98,7 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   }
   if (status < 0) return status;
   status = dlsi_settled(&work->info.certificate, work->options.limits.tol, status);
-  if (status == DLS_OK) status = dlsi_auto_take_to_accuracy(work, error);
+  if (status == DLS_OK) status = dlsi_auto_take_to_accuracy(work, info != NULL, error);
   if (status < 0) return status;
   problem = work->problem;
   memcpy(r, work->best, m * sizeof *r);
@@ -167,7 +167,7 @@ static int may_need(const dlsi_auto *work, part k) {
   case REST:
     return m >= dlsi_auto_least_at_rest;
   case PUSH:
-    return blocks && nc > dlsi_auto_few;
+    return blocks;
   case PIVOTING:
     return m <= dlsi_auto_small && dlsi_auto_may_pivot(work);
   case HOMOTOPY:

@@ -254,7 +254,7 @@ void dlsi_auto_put_among_all(const dlsi_auto *work, const double *r, double *all
  * an error. */
 dls_status dlsi_auto_judge(dlsi_auto *work, dls_error *error);
 
-dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, dls_error *error);
+dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, int is_asked, dls_error *error);
 void dlsi_auto_look_for_others(dlsi_auto *work, const double *r); /* ambiguous, unique */
 
 /* ---- alone.c --------------------------------------------------------------------------------- */

@@ -15,7 +15,8 @@
  * The rank is that of D^-1/2 A D^-1/2, in which units do not matter.
  *
  *   (SN4)  to first order r - r* is E A^-1 (row.u), since row.u = 0 at r*, where r lies on its
- *          cone: one factorisation, no bound. Slips and gaps up to 1000 |F| count as stick
+ *          cone: one factorisation, no bound. Slips and gaps up to 1000 |F|, but for an |F| of
+ *          1e-8 |q| and more 1e-5 |q| or |F|, count as stick
  *   (SN5)  where that step takes contacts out of their cones, once more from there, these on their
  *          cones and slipping
  *
@@ -31,12 +32,13 @@
 
 #include "facts/facts.h"
 #include "linear/blas.h"
+#include "linear/dense.h"
 
 static const double border =
     1e-6; /* share of the largest w r and u, within which a state is on it */
 
-static const double within = 1000; /* (SN4) */
-enum { prediction_turns = 3 };     /* (SN5) */
+static const double within = 1000, small_u = 1e-5; /* (SN4) */
+enum { prediction_turns = 3 };                     /* (SN5) */
 
 /* An unknown y_j: r of candidate c along e, with the row of u along the same direction or along the
  * normal, and l of (SN2). */
@@ -182,48 +184,15 @@ static void sensitivity_measure(sensitivity_work *work, const dls_certificate *c
 
 /* ---- prediction ------------------------------------------------------------------------------ */
 
-/* Factors A (n x n, its diagonal scaled to 1) by pivots on its diagonal, the largest one first:
- * order (n) receives them. Returns 0, early, where what is left is rounding. */
-static int prediction_factor(int n, double *A, int *order) {
-  double first = 0;
-  for (int k = 0; k < n; k++)
-    order[k] = k;
-  for (int k = 0; k < n; k++) {
-    int p = k;
-    for (int i = k + 1; i < n; i++)
-      if (fabs(A[order[i] * (n + 1)]) > fabs(A[order[p] * (n + 1)])) p = i;
-    const int pivot = order[p];
-    order[p] = order[k];
-    order[k] = pivot;
-    const double a = A[pivot * (n + 1)];
-    if (k == 0) first = fabs(a);
-    if (!(fabs(a) > 4 * n * DBL_EPSILON * first)) return 0;
-    for (int l = k + 1; l < n; l++) {
-      double *column = A + (size_t)order[l] * (size_t)n;
-      const double factor = column[pivot] / a;
-      if (factor == 0) continue;
-      const double *by = A + (size_t)pivot * (size_t)n;
-      for (int i = k + 1; i < n; i++)
-        column[order[i]] -= by[order[i]] * factor;
-    }
+/* Returns 0 where a pivot of the factors is the rounding of the largest one. */
+static int prediction_is_regular(const dlsi_dense *f) {
+  const size_t n = (size_t)f->n;
+  double most = 0, least = INFINITY;
+  for (size_t k = 0; k < n; k++) {
+    most = fmax(most, fabs(f->A[k * (n + 1)]));
+    least = fmin(least, fabs(f->A[k * (n + 1)]));
   }
-  return 1;
-}
-
-/* y := A^-1 y by those factors. */
-static void prediction_solve(int n, const double *A, const int *order, double *y) {
-  for (int k = 0; k < n; k++) {
-    const double *column = A + (size_t)order[k] * (size_t)n;
-    const double by = y[order[k]] / column[order[k]];
-    for (int i = k + 1; i < n; i++)
-      y[order[i]] -= column[order[i]] * by;
-  }
-  for (int k = n - 1; k >= 0; k--) {
-    const double *column = A + (size_t)order[k] * (size_t)n;
-    y[order[k]] /= column[order[k]];
-    for (int i = 0; i < k; i++)
-      y[order[i]] -= column[order[i]] * y[order[k]];
-  }
+  return least > 4 * f->n * DBL_EPSILON * most;
 }
 
 /* (SN4) work->x := the step from r to r*. slips: contacts that slip, whatever they look like.
@@ -233,14 +202,15 @@ static int prediction_step(sensitivity_work *work, const unsigned char *slips, d
   const dls_contact *problem = work->problem;
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   double y[2 * most], *x = work->x;
-  int order[most];
+  int pivot[most];
   work->rows = 0;
   for (int c = 0; c < problem->nc; c++) {
     const size_t o = d * (size_t)c;
     work->state[c] = dlsi_contact_misfit(problem->d, problem->mu[c], work->w + 2 * c, work->r + o,
                                          work->u + o, x + o);
   }
-  const double close = within * dlsi_norm2(x, m); /* a larger F would hide less than these u */
+  const double F = dlsi_norm2(x, m), q = dlsi_norm2(problem->q, m);
+  const double close = fmin(within * F, fmax(F, small_u * q)); /* F would hide less than these u */
   for (int c = 0; c < problem->nc; c++) {
     const double *uc = work->u + d * (size_t)c, slip = dlsi_tangent_norm(problem->d, uc);
     if (work->state[c] == DLS_SLIP && slip <= close) work->state[c] = DLS_STICK;
@@ -252,14 +222,16 @@ static int prediction_step(sensitivity_work *work, const unsigned char *slips, d
   const size_t n = (size_t)work->rows;
   if (n == 0) return 1;
   sensitivity_fill(work, -1, 0, J, y); /* no roots: units of two keep all bits */
-  if (dlsi_first_not_finite(J, n * n) >= 0 || !prediction_factor(work->rows, J, order)) return 0;
+  dlsi_dense f = {.n = work->rows, .A = J, .pivot = pivot};
+  if (dlsi_first_not_finite(J, n * n) >= 0 || dlsi_dense_lu(&f)) return 0;
+  if (!prediction_is_regular(&f)) return 0;
   for (size_t j = 0; j < n; j++) {
     const double *uc = work->u + d * (size_t)work->row[j].c;
     y[j] = 0;
     for (size_t i = 0; i < d; i++)
       y[j] += work->row[j].row[i] * uc[i] / work->row[j].w;
   }
-  prediction_solve(work->rows, J, order, y);
+  dlsi_dense_solve(&f, y, f.n, 1);
   memset(x, 0, m * sizeof *x);
   for (size_t j = 0; j < n; j++)
     for (size_t i = 0; i < d; i++)
