@@ -233,11 +233,24 @@ static dls_status judge_body(const dls_certificate *c, double asked, double cond
   return c->equilibrium <= dlsi_target(tol, c->floor_e) ? DLS_STALLED : DLS_NOT_IN_EQUILIBRIUM;
 }
 
-/* Adds what was done on K to the outcome on W. */
-static void add_outcome(dls_info *all, const dls_info *on_K) {
+static dls_reason reason_on_K(dls_status status) {
+  return status == DLS_OK || status == DLS_TO_ROUNDING ? DLS_REASON_SOLVED
+         : status == DLS_CANCELLED                     ? DLS_REASON_CANCELLED
+         : status == DLS_TIME_LIMIT                    ? DLS_REASON_TIME
+         : status == DLS_MAX_ITERATIONS                ? DLS_REASON_ITERATIONS
+         : status == DLS_NO_SOLUTION                   ? DLS_REASON_NO_SOLUTION
+                                                       : DLS_REASON_NO_PROGRESS;
+}
+
+/* Adds what was done on K, which ended with `status`, to the outcome on W. */
+static void add_outcome(dls_info *all, const dls_info *on_K, dls_status status) {
   if (all->stages == DLS_STAGES_MAX) all->stages--;
-  all->stage[all->stages++] =
-      (dls_stage){DLS_ADMM, on_K->iterations, on_K->factorisations, on_K->certificate.residual};
+  all->stage[all->stages++] = (dls_stage){.method = DLS_ADMM,
+                                          .iterations = on_K->iterations,
+                                          .factorisations = on_K->factorisations,
+                                          .residual = on_K->certificate.residual,
+                                          .step = DLS_STEP_ON_K,
+                                          .reason = reason_on_K(status)};
   all->iterations += on_K->iterations;
   all->factorisations += on_K->factorisations;
   all->certificate = on_K->certificate;
@@ -318,7 +331,7 @@ static dls_status body_solve(dls_reduction *reduction, const double *mu,
   if (goes_on || of.on_K) {
     status = solve_on_K(reduction, mu, &s.limits, begun, answer, unknowns, &on_K, error);
     if (status >= 0) {
-      add_outcome(&outcome, &on_K);
+      add_outcome(&outcome, &on_K, status);
       const dls_status measured = dls_reduction_certify(reduction, mu, answer, unknowns, position,
                                                         &outcome.certificate, error);
       status = measured ? measured : judge_body(&outcome.certificate, tol, 0, status);
