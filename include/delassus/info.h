@@ -124,6 +124,8 @@ typedef struct dls_info {
   dls_stage stage[DLS_STAGES_MAX];
   dls_regime regime; /* auto */
   int at_rest;       /* auto: 1: looked at rest, so that its plan has the convex problem */
+  int candidates;    /* auto: of the problem */
+  int blocks;        /* auto: of W; 0: W is dense; -1: W of bodies, not formed as the solve began */
   int left_out;      /* auto: so many candidates provably cannot touch, and the stages are without
                         them; 0 where the whole was solved */
 } dls_info;

@@ -26,7 +26,8 @@ typedef struct dls_solver_settings {
    * plan, "sweeps:30,newton,homotopy": these steps in turn, in the place of auto's own. ":30" lets
    * a step take 30 iterations; without it a step ends as in auto, the last one by itself. Up to
    * DLS_STAGES_MAX steps. They work on the problem as it is: no candidate is left out, no copy is
-   * made, no line through the last answers followed.
+   * made, no line through the last answers followed. dls_reduction_solve does not go on with the
+   * problem on K.
    *
    * without, "homotopy,scatter": auto's plans less these steps; with a plan, that one less these.
    *
@@ -144,12 +145,11 @@ DLS_API const double *dls_solver_direction(const dls_solver *solver);
  * Lives until the next solve or destroy. */
 DLS_API const double *dls_solver_farkas(const dls_solver *solver);
 
-/* text := what auto did with the problem and why, in words, by lines: the regime, each stage with
+/* text := what auto did with a problem and why, in words, by lines: the regime, each stage with
  * its iterations, its residual, why it ended and, where it was measured, its CPU. Of another method
  * one line. At most `room` bytes with the final 0, NULL and 0: none. Returns the length of the
- * whole text without the 0; 0 without a problem or info. */
-DLS_API size_t dls_explain(const dls_contact *problem, const dls_info *info, char *text,
-                           size_t room);
+ * whole text without the 0; 0 without info. */
+DLS_API size_t dls_explain(const dls_info *info, char *text, size_t room);
 
 /* NULL is fine. */
 DLS_API void dls_solver_destroy(dls_solver *solver);

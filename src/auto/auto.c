@@ -39,6 +39,8 @@ static dls_status begin_solve(dlsi_auto *work, const dls_contact *problem, dls_e
   work->has_pushed = work->has_augmented = work->stepped = 0;
   work->info.regime = dlsi_auto_regime(work);
   work->info.at_rest = work->may_rest && !dlsi_auto_has_plan(work);
+  work->info.candidates = work->whole;
+  work->info.blocks = problem->W.a ? 0 : problem->Wb.x ? problem->Wb.p[problem->nc] : -1;
   work->info.left_out = work->touches ? work->whole - work->touches : 0;
   work->ahead = 0;
   work->step = 1;

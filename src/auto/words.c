@@ -10,7 +10,7 @@
 
 #include "auto/auto.h"
 
-enum { word_list_room = 200, most_iterations = 1000000000 };
+enum { word_list_room = 200, longest_word = 16, most_iterations = 1000000000 };
 
 static const char *const step_names[] = {
     [DLS_STEP_SWEEPS] = "sweeps",
@@ -93,16 +93,17 @@ static part part_of_step(dls_step which) {
   return END;
 }
 
+/* Says which words are right. */
 static dls_status refuse_word(const char *argument, const char *word, int length,
-                              const char *complaint, dls_error *error) {
+                              dls_error *error) {
   char list[word_list_room] = "";
   for (int k = 0; k < step_count; k++) {
     if (part_of_step((dls_step)k) == END) continue;
-    if (k) strcat(list, ", ");
+    if (k) strcat(list, " ");
     strcat(list, step_names[k]);
   }
-  return dlsi_fail(error, DLS_E_ARGUMENT, argument, -1, 0, "'%.*s' %s: %s",
-                   length < 20 ? length : 20, word, complaint, list);
+  return dlsi_fail(error, DLS_E_ARGUMENT, argument, -1, 0, "'%.*s' is no step: %s",
+                   length < longest_word ? length : longest_word, word, list);
 }
 
 /* *which := the step of the name text[0 .. length-1]. Returns 0 if it is no word of a plan. */
@@ -122,8 +123,7 @@ static dls_status read_word(const char **at, const char *argument, dls_step *whi
   const char *word = *at + strspn(*at, " ");
   const size_t length = strcspn(word, ":, ");
   const char *end = word + length;
-  if (!find_step(word, length, which))
-    return refuse_word(argument, word, (int)length, "is none of the steps", error);
+  if (!find_step(word, length, which)) return refuse_word(argument, word, (int)length, error);
   if (most) *most = 0;
   if (*end == ':') {
     char *after = NULL;

@@ -296,6 +296,9 @@ static dls_status check_on_K(const dlsi_reduced *of, const double *mu,
   if (settings->method != DLS_AUTO)
     return dlsi_fail(error, DLS_E_UNSUPPORTED, "method", -1, settings->method,
                      "needs W; this reduction solves on K, by method auto");
+  if (settings->plan || settings->without)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, settings->plan ? "plan" : "without", -1, 0,
+                     "needs W; this reduction solves on K");
   return dlsi_check_friction(mu, (size_t)of->H->candidates, error);
 }
 
@@ -327,7 +330,8 @@ static dls_status body_solve(dls_reduction *reduction, const double *mu,
                                    &outcome, error);
   const int goes_on = (status == DLS_STALLED || status == DLS_NOT_IN_EQUILIBRIUM ||
                        status == DLS_MAX_ITERATIONS || status == DLS_NO_SOLUTION_LIKELY) &&
-                      s.method == DLS_AUTO && of.has_K && m > 0 && !s.limits.max_iterations;
+                      s.method == DLS_AUTO && !s.plan && of.has_K && m > 0 &&
+                      !s.limits.max_iterations;
   if (goes_on || of.on_K) {
     status = solve_on_K(reduction, mu, &s.limits, begun, answer, unknowns, &on_K, error);
     if (status >= 0) {

@@ -23,18 +23,16 @@ static void say(words *to, const char *format, ...) {
   if (count > 0) to->length += (size_t)count;
 }
 
-static void say_storage(words *to, const dls_contact *problem) {
-  if (problem->W.a)
-    say(to, "W is dense");
-  else if (dlsi_is_factored(problem))
-    say(to, "W of bodies");
-  else
+static void say_storage(words *to, const dls_info *info) {
+  if (info->blocks > 0)
     say(to, "W by blocks, %.1f for each candidate",
-        (double)problem->Wb.p[problem->nc] / problem->nc);
-  say(to, ", %d candidate%s", problem->nc, problem->nc == 1 ? "" : "s");
+        (double)info->blocks / (info->candidates - info->left_out));
+  else
+    say(to, info->blocks ? "W of bodies" : "W is dense");
+  say(to, ", %d candidate%s", info->candidates, info->candidates == 1 ? "" : "s");
 }
 
-static void say_regime(words *to, const dls_contact *problem, const dls_info *info) {
+static void say_regime(words *to, const dls_info *info) {
   static const char *const why[] = {
       [DLS_REGIME_ELASTIC] = "an elastic body, W regular: sweeps, then Newton's method",
       [DLS_REGIME_FEW] = "few candidates, W by blocks: sweeps, then Newton's method",
@@ -45,14 +43,14 @@ static void say_regime(words *to, const dls_contact *problem, const dls_info *in
           "Newton's method",
       [DLS_REGIME_GIVEN] = "the plan is the caller's"};
   say(to, "regime %s (", dls_regime_name(info->regime));
-  say_storage(to, problem);
+  say_storage(to, info);
   say(to, "): %s\n", why[info->regime]);
   if (info->at_rest)
     say(to, "at rest (-q nearly in the friction cones, or few neighbours): the convex problem "
             "without mu |u_t| is tried\n");
   if (info->left_out)
     say(to, "%d of %d candidates provably cannot touch: the steps are without them\n",
-        info->left_out, problem->nc);
+        info->left_out, info->candidates);
 }
 
 static void say_forecast(words *to, const dls_stage *s) {
@@ -73,19 +71,21 @@ static void say_stage(words *to, int number, const dls_stage *s, double all) {
   say(to, "\n");
 }
 
-size_t dls_explain(const dls_contact *problem, const dls_info *info, char *text, size_t room) {
+size_t dls_explain(const dls_info *info, char *text, size_t room) {
   words to = {text, text ? room : 0, 0};
   double all = 0;
   if (text && room) *text = '\0';
-  if (!problem || !info) return 0;
+  if (!info) return 0;
   for (int k = 0; k < info->stages; k++)
     all += info->stage[k].cpu_seconds;
   if (info->method != DLS_AUTO)
     say(&to, "%s alone: auto has no part in it\n", dls_method_name(info->method));
-  else if (info->regime == DLS_REGIME_NONE)
-    say(&to, "no plan was needed\n");
+  else if (info->regime != DLS_REGIME_NONE)
+    say_regime(&to, info);
+  else if (info->stages && info->stage[0].step == DLS_STEP_ON_K)
+    say(&to, "the problem on K itself, without W: auto's plans are for W\n");
   else
-    say_regime(&to, problem, info);
+    say(&to, "no plan was needed: what presses stands alone\n");
   for (int k = 0; k < info->stages; k++)
     say_stage(&to, k + 1, &info->stage[k], all);
   if (info->method == DLS_AUTO)
