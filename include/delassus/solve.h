@@ -26,8 +26,8 @@ typedef struct dls_solver_settings {
    * plan, "sweeps:30,newton,homotopy": these steps in turn, in the place of auto's own. ":30" lets
    * a step take 30 iterations; without it a step ends as in auto, the last one by itself. Up to
    * DLS_STAGES_MAX steps. They work on the problem as it is: no candidate is left out, no copy is
-   * made, no line through the last answers followed. dls_reduction_solve does not go on with the
-   * problem on K.
+   * made, no line through the last answers followed, no answer made better whose info.error is
+   * large. dls_reduction_solve does not go on with the problem on K.
    *
    * without, "homotopy,scatter": auto's plans less these steps; with a plan, that one less these.
    *

@@ -41,6 +41,7 @@ dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, dls_error *error) {
     work->info.error = predicted < 0 ? INFINITY : predicted; /* not determined */
     work->amplified = work->info.error / best->residual;
     if (!(predicted > enough && predicted < before / 2) || turn == most_turns) break;
+    if (dlsi_auto_has_plan(work)) break; /* followed once */
     before = predicted;
     work->options.limits.tol = fmax(best->residual * enough / before / 2, DBL_EPSILON);
     status = dlsi_auto_follow(work, dlsi_auto_first_plan(work), error);
