@@ -395,6 +395,9 @@ START_TEST(in_words) {
     ck_assert_ptr_nonnull(strstr(text, dls_reason_text(info.stage[k].reason)));
   }
   ck_assert_ptr_nonnull(strstr(text, "s of CPU"));
+  ck_assert_int_eq(info.stage[0].reason, DLS_REASON_COSTLIER);
+  ck_assert_ptr_nonnull(strstr(text, "the next step (")); /* and the forecast */
+  ck_assert(strstr(text, " more sweeps foreseen, ") || strstr(text, "no end foreseen, "));
   ck_assert_uint_eq(dls_explain(&info, cut, sizeof cut), length);
   ck_assert_int_eq(strncmp(cut, text, sizeof cut - 1), 0);
   ck_assert_uint_eq(strlen(cut), sizeof cut - 1);
