@@ -393,8 +393,12 @@ static dls_status rest_solve(void *rest_work, const dls_contact *problem, double
   if (!dlsi_iterate_start(it, problem, work->r)) {
     status = rest_set(work, problem);
     if (!status) status = rest_split(work, problem, &outcome, error);
-    if (status == DLS_STALLED && work->joints && !dlsi_certificate_meets(&it->certificate, it->tol))
+    if (status == DLS_STALLED && work->joints &&
+        !dlsi_certificate_meets(&it->certificate, it->tol)) {
+      outcome.stages = 1; /* auto's report takes the name from here */
+      outcome.stage[0].step = DLS_STEP_INTERIOR;
       status = rest_interior(work, problem, &outcome, error);
+    }
     rest_forget_matrix(work);
   }
   return dlsi_iterate_end(it, problem, status, &outcome, r, u, info);

@@ -21,6 +21,18 @@ typedef struct dls_solver_settings {
   dls_acceleration acceleration; /* nlgs; DLS_ACCELERATION_NONE */
   int positive_definite; /* 1: W is known to be symmetric positive definite: newton, alone and in
                             auto, leaves its regularisation out; 0 */
+  /* auto, to see what its steps are worth; NULL: all as auto thinks best; NULL. Read by create.
+   *
+   * plan, "sweeps:30,newton,homotopy": these steps in turn, in the place of auto's own. ":30" lets
+   * a step take 30 iterations; without it a step ends as in auto, the last one by itself. Up to
+   * DLS_STAGES_MAX steps. They work on the problem as it is: no candidate is left out, no copy is
+   * made, no line through the last answers followed, no answer made better whose info.error is
+   * large. dls_reduction_solve does not go on with the problem on K.
+   *
+   * without, "homotopy,scatter": auto's plans less these steps; with a plan, that one less these.
+   *
+   * Words: those of dls_step but interior-point and on-K. */
+  const char *plan, *without;
 } dls_solver_settings;
 
 DLS_API void dls_solver_settings_init(dls_solver_settings *settings);
@@ -85,7 +97,8 @@ typedef struct dls_solver dls_solver;
  * holds all the same, as a rule DLS_MAX_ITERATIONS; DLS_STALLED if the regularised problem could
  * not be solved.
  *
- * DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_SETTINGS, DLS_E_MEMORY. */
+ * DLS_E_ARGUMENT (of plan and without with the wrong word), DLS_E_SIZE, DLS_E_SETTINGS,
+ * DLS_E_MEMORY. */
 DLS_API DLS_MUST_USE dls_status dls_solver_create(dls_solver **out, int d, int nc,
                                                   const dls_solver_settings *settings,
                                                   dls_error *error);
@@ -131,6 +144,12 @@ DLS_API const double *dls_solver_direction(const dls_solver *solver);
  * nothing proved, a solution would be too large to be certified. Else NULL.
  * Lives until the next solve or destroy. */
 DLS_API const double *dls_solver_farkas(const dls_solver *solver);
+
+/* text := what auto did with a problem and why, in words, by lines: the regime, each stage with
+ * its iterations, its residual, why it ended and, where it was measured, its CPU. Of another method
+ * one line. At most `room` bytes with the final 0, NULL and 0: none. Returns the length of the
+ * whole text without the 0; 0 without info. */
+DLS_API size_t dls_explain(const dls_info *info, char *text, size_t room);
 
 /* NULL is fine. */
 DLS_API void dls_solver_destroy(dls_solver *solver);

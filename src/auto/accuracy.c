@@ -96,6 +96,7 @@ dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, int is_asked, dls_error *
   for (int turn = 0; status == DLS_OK; turn++) {
     const double predicted = predict(work);
     if (!(predicted > enough && predicted < before / 2) || turn == most_turns) break;
+    if (dlsi_auto_has_plan(work)) break; /* followed once */
     before = predicted;
     work->options.limits.tol = fmax(best->residual * enough / before / 2, DBL_EPSILON);
     status = dlsi_auto_follow(work, dlsi_auto_first_plan(work), error);

@@ -80,6 +80,8 @@ int dlsi_alone_solve(const dls_contact *problem, double tol, double *r, double *
   *info = (dls_info){.method = DLS_AUTO, .iterations = pressed, .stages = pressed};
   info->certificate = certificate;
   if (pressed) info->ambiguous = dlsi_count_ambiguous(problem, x, v, NULL);
-  if (pressed) info->stage[0] = (dls_stage){DLS_NLGS, 1, 0, certificate.residual};
+  if (pressed)
+    info->stage[0] =
+        (dls_stage){.method = DLS_NLGS, .iterations = 1, .residual = certificate.residual};
   return 1;
 }

@@ -29,14 +29,19 @@ static dls_status begin_solve(dlsi_auto *work, const dls_contact *problem, dls_e
   if (status) return status;
   problem = work->problem;
   work->bonded = dlsi_first_bonded(problem) >= 0;
-  work->firm =
-      dlsi_auto_may_copy(work) && dlsi_max_abs(problem->mu, (size_t)problem->nc) > dlsi_auto_firm;
+  work->firm = !dlsi_auto_has_plan(work) && dlsi_auto_may_copy(work) &&
+               dlsi_max_abs(problem->mu, (size_t)problem->nc) > dlsi_auto_firm;
   work->info = (dls_info){.method = DLS_AUTO, .certificate = dlsi_no_certificate};
   work->stopped = DLS_OK;
   work->limited = work->failures = work->has_split = work->costly = work->rounded = 0;
   work->has_copy = work->has_direction = work->has_farkas = work->excluded = 0;
-  work->may_rest = dlsi_auto_looks_at_rest(work);
+  work->may_rest = !dlsi_auto_is_left_out(work, REST) && dlsi_auto_looks_at_rest(work);
   work->has_pushed = work->has_augmented = work->stepped = 0;
+  work->info.regime = dlsi_auto_regime(work);
+  work->info.at_rest = work->may_rest && !dlsi_auto_has_plan(work);
+  work->info.candidates = work->whole;
+  work->info.blocks = problem->W.a ? 0 : problem->Wb.x ? problem->Wb.p[problem->nc] : -1;
+  work->info.left_out = work->touches ? work->whole - work->touches : 0;
   work->ahead = 0;
   work->step = 1;
   memset(work->best, 0, (size_t)problem->d * (size_t)problem->nc * sizeof *work->best);
@@ -60,6 +65,7 @@ static dls_status take_copy(dlsi_auto *work, dls_error *error) {
 }
 
 static dls_status follow_plans(dlsi_auto *work, dls_error *error) {
+  if (dlsi_auto_has_plan(work)) return dlsi_auto_follow(work, dlsi_auto_first_plan(work), error);
   if (work->options.limits.warm_start && dlsi_auto_predict(work)) return DLS_OK;
   dls_status status = dlsi_auto_begin_with_newton(work, error); /* (AT2) */
   if (status != DLS_STALLED) return status;
@@ -89,7 +95,9 @@ static dls_status auto_solve(void *automatic, const dls_contact *problem, double
   work->whole = problem->nc;
   dls_status status = dlsi_lend(&work->formed, &problem, error);
   if (status) return status;
-  status = warm ? DLS_STALLED : dlsi_auto_take_touching(work, problem, solve_cold, error);
+  status = warm || dlsi_auto_has_plan(work)
+               ? DLS_STALLED
+               : dlsi_auto_take_touching(work, problem, solve_cold, error);
   if (status == DLS_STALLED) {
     status = begin_solve(work, problem, error);
     if (status) return status;
@@ -150,6 +158,8 @@ static void auto_carve(void *automatic, dlsi_arena *arena) {
   dlsi_take_vectors(arena, m, 4, answers);
   for (int k = 0; k < 3; k++)
     work->v[k] = dlsi_take(arena, m, sizeof *work->v[k]);
+  if (work->options.plan || work->options.without)
+    work->given = dlsi_take(arena, 1, sizeof *work->given);
   if (m > dlsi_auto_small) return;
   work->v[3] = dlsi_take(arena, m, sizeof *work->v[3]);
   dlsi_renumber_carve(&work->copy, arena, work->d, work->nc);
@@ -158,8 +168,16 @@ static void auto_carve(void *automatic, dlsi_arena *arena) {
   work->farkas = dlsi_take(arena, (size_t)work->nc, sizeof *work->farkas);
 }
 
+static int is_in_plan(const dlsi_auto *work, part k) {
+  for (const step *s = work->given->step; s->part != END; s++)
+    if (dlsi_auto_home_of(s->part) == k || (s->flags & ANY_SWEEPS && k == PUSH)) return 1;
+  return 0;
+}
+
 /* Returns 1 if a solve may come to part k, whatever the problem. */
 static int may_need(const dlsi_auto *work, part k) {
+  if (dlsi_auto_is_left_out(work, k)) return 0;
+  if (dlsi_auto_has_plan(work)) return is_in_plan(work, k);
   const int nc = work->nc, m = work->d * nc, blocks = work->options.limits.blocks;
   switch (k) {
   case SWEEPS:
@@ -185,6 +203,9 @@ static dls_status auto_create(void **out, int d, int nc, const dlsi_options *opt
   dls_status status = dlsi_workspace(&memory, &filled, sizeof filled, auto_carve, nc, error);
   if (status) return status;
   dlsi_auto *work = memory;
+  if (work->given)
+    status = dlsi_auto_read_words(options->plan, options->without, work->given, error);
+  work->options.plan = work->options.without = NULL;
   for (part k = 0; !status && !options->lazy && k < parts; k++)
     if (may_need(work, k)) status = dlsi_auto_create_part(work, k, error);
   if (!status && !options->lazy && d * nc <= dlsi_auto_small) /* a copy is dense */

@@ -40,15 +40,24 @@ typedef enum part {
 
 /* A step of a plan. */
 typedef enum step_flags {
-  COLD = 1,  /* from r = 0, whatever was found before */
-  EARLY = 2, /* on a copy of its own, and only if its table is small */
-  FAR = 4    /* only far from the answer */
+  COLD = 1,      /* from r = 0, whatever was found before */
+  EARLY = 2,     /* on a copy of its own, and only if its table is small */
+  FAR = 4,       /* only far from the answer */
+  ANY_SWEEPS = 8 /* SWEEPS, or PUSH where those are not open */
 } step_flags;
 
 typedef struct step {
   part part;
   unsigned flags; /* of step_flags */
 } step;
+
+/* What the caller has named: dls_solver_settings.plan, .without. */
+typedef struct dlsi_auto_given {
+  int steps;                     /* of the plan; 0: it is auto's own */
+  step step[DLS_STAGES_MAX + 1]; /* ends with END */
+  int most[DLS_STAGES_MAX];      /* iterations of each; 0: as auto */
+  unsigned without;              /* bit k: part k is left out */
+} dlsi_auto_given;
 
 /* A copy of a problem in an order and in units of its own (renumber.c). */
 typedef struct dlsi_renumber {
@@ -90,6 +99,7 @@ typedef struct dlsi_auto {
   double *farkas;     /* nc */
   int *touching;      /* those of the problem of the others; NULL in between */
   double *shown;      /* m: then, r of all candidates for the caller's callback */
+  dlsi_auto_given *given; /* what the caller has named; NULL: nothing */
 
   /* of the solves before; sequence.c */
   int failed_to_step, in_steps;
@@ -123,6 +133,10 @@ typedef struct dlsi_auto {
   int stepped;        /* began with (SQ2) */
 
   /* of the step under way */
+  int counted;          /* of a plan that the caller has named: no forecast ends the step, */
+  int most;             /* ... but so many iterations do, if not 0 */
+  dls_reason why;       /* why its watch has ended it, and ... */
+  double foreseen[2];   /* ... what that foresaw, dls_stage.ahead and .next */
   double target, least; /* logarithms of e* and of the least e that counts */
   double rate;          /* of (FC1) */
   int near;             /* a warm start, e at most far_start after a sweep */
@@ -146,6 +160,7 @@ static inline dls_status dlsi_auto_verdict_of(const dlsi_auto *work) {
 /* ---- regime.c: which steps are open to this problem, now ------------------------------------- */
 
 int dlsi_auto_is_packing(const dlsi_auto *work);
+dls_regime dlsi_auto_regime(const dlsi_auto *work);
 int dlsi_auto_is_large(const dlsi_auto *work); /* W of bodies is formed only where a step asks */
 int dlsi_auto_is_near(const dlsi_auto *work, double residual); /* for Newton's steps on a packing */
 int dlsi_auto_is_nearly_met(const dlsi_auto *work, double residual);
@@ -163,6 +178,9 @@ int dlsi_auto_may_settle(const dlsi_auto *work);
 int dlsi_auto_may_copy(const dlsi_auto *work);
 int dlsi_auto_may_go_another_way(const dlsi_auto *work);
 
+/* Returns 1 if a step that the caller has named can be taken at all. */
+int dlsi_auto_can_take(const dlsi_auto *work, part k);
+
 /* ---- price.c --------------------------------------------------------------------------------- */
 
 /* Returns the unknowns that the states of r leave to a step of Newton's method. */
@@ -176,6 +194,7 @@ int dlsi_auto_watch_sweeps(void *data, const dls_progress *p);
 int dlsi_auto_watch_newton(void *data, const dls_progress *p);
 int dlsi_auto_watch_push(void *data, const dls_progress *p);
 int dlsi_auto_watch_limits(void *data, const dls_progress *p);
+int dlsi_auto_watch_count(void *data, const dls_progress *p); /* of `counted` */
 
 /* Sets what these watch a step by, from work->r. */
 void dlsi_auto_begin_watch(dlsi_auto *work);
@@ -199,6 +218,23 @@ extern const step_kind dlsi_auto_kind[parts];
 
 const step *dlsi_auto_first_plan(const dlsi_auto *work);
 extern const step dlsi_auto_plan_on_copy[], dlsi_auto_plan_beyond[];
+
+/* ---- words.c --------------------------------------------------------------------------------- */
+
+dls_step dlsi_auto_step_of(part k);
+
+/* *given := what these name; NULL: nothing. DLS_E_ARGUMENT. */
+dls_status dlsi_auto_read_words(const char *plan, const char *without, dlsi_auto_given *given,
+                                dls_error *error);
+dls_status dlsi_auto_check_words(const char *plan, const char *without, dls_error *error);
+
+static inline int dlsi_auto_has_plan(const dlsi_auto *work) {
+  return work->given && work->given->steps > 0;
+}
+
+static inline int dlsi_auto_is_left_out(const dlsi_auto *work, part k) {
+  return work->given && (work->given->without >> k & 1U);
+}
 
 /* ---- step.c ---------------------------------------------------------------------------------- */
 

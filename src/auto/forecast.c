@@ -49,6 +49,14 @@ static int must_stop(dlsi_auto *work, const dls_progress *p) {
   return 0;
 }
 
+/* Ends a step: `ahead` sweeps more cost more than the next step, both in sweeps. Returns 1. */
+static int end_as_costlier(dlsi_auto *work, double ahead, double next) {
+  work->why = DLS_REASON_COSTLIER;
+  work->foreseen[0] = ahead;
+  work->foreseen[1] = next;
+  return 1;
+}
+
 int dlsi_auto_watch_sweeps(void *data, const dls_progress *p) {
   DLSI_DOOR;
   dlsi_auto *work = data;
@@ -72,7 +80,8 @@ int dlsi_auto_watch_sweeps(void *data, const dls_progress *p) {
   const int sorted = work->failures || p->residual <= unsorted;
   const int twice = !work->problem->W.a || !sorted;
   const int first = (twice + 1) * first_sweeps / (work->near + 1);
-  return p->iteration >= first << work->failures && ahead > next;
+  if (!(p->iteration >= first << work->failures && ahead > next)) return 0;
+  return end_as_costlier(work, ahead, next);
 }
 
 int dlsi_auto_watch_newton(void *data, const dls_progress *p) {
@@ -101,13 +110,24 @@ int dlsi_auto_watch_push(void *data, const dls_progress *p) {
   work->since = p->iteration;
   if (p->iteration % look_every || p->iteration < 2 * first_sweeps) return 0;
   const double ahead = (now - work->target) / work->rate;
-  if (work->may_rest && ahead > rest_sweeps) return 1;
-  return dlsi_auto_is_near(work, p->residual) && ahead > dlsi_auto_cost_of_newton(work);
+  if (work->may_rest && ahead > rest_sweeps) return end_as_costlier(work, ahead, rest_sweeps);
+  if (!dlsi_auto_is_near(work, p->residual)) return 0;
+  const double newton = dlsi_auto_cost_of_newton(work);
+  return ahead > newton && end_as_costlier(work, ahead, newton);
 }
 
 int dlsi_auto_watch_limits(void *data, const dls_progress *p) {
   DLSI_DOOR;
   return must_stop(data, p);
+}
+
+int dlsi_auto_watch_count(void *data, const dls_progress *p) {
+  DLSI_DOOR;
+  dlsi_auto *work = data;
+  if (must_stop(work, p)) return 1;
+  if (!work->most || p->iteration < work->most) return 0;
+  work->why = DLS_REASON_SPENT;
+  return 1;
 }
 
 /* Returns how many steps without progress Newton's method may take: half of what comes after it. */
@@ -128,4 +148,6 @@ void dlsi_auto_begin_watch(dlsi_auto *work) {
   work->unknowns = dlsi_auto_count_unknowns(work->problem, work->r);
   work->since = 0;
   work->patience = patience_of_newton(work);
+  work->why = DLS_REASON_NO_PROGRESS;
+  work->foreseen[0] = work->foreseen[1] = 0;
 }

@@ -57,6 +57,7 @@ const step dlsi_auto_plan_beyond[] = {{PIVOTING, 0}, {AUGMENTED, 0}, {PUSH, 0},
                                       {NEWTON, 0},   {END, 0}};
 
 const step *dlsi_auto_first_plan(const dlsi_auto *work) {
+  if (dlsi_auto_has_plan(work)) return work->given->step;
   if (!dlsi_auto_is_packing(work)) return elastic;
   return dlsi_auto_may_sweep(work) ? packing : tight;
 }

@@ -51,6 +51,14 @@ int dlsi_auto_may_sweep(const dlsi_auto *work) {
   return work->has_augmented || (work->info.stages == 0 && !is_tight(work));
 }
 
+dls_regime dlsi_auto_regime(const dlsi_auto *work) {
+  const dls_contact *problem = work->problem;
+  if (dlsi_auto_has_plan(work)) return DLS_REGIME_GIVEN;
+  if (dlsi_auto_is_packing(work))
+    return dlsi_auto_may_sweep(work) ? DLS_REGIME_PACKING : DLS_REGIME_TIGHT;
+  return dlsi_is_elastic(problem) ? DLS_REGIME_ELASTIC : DLS_REGIME_FEW;
+}
+
 int dlsi_auto_is_near(const dlsi_auto *work, double residual) {
   return residual <= push_near * pow(10, -work->failures);
 }
@@ -142,4 +150,12 @@ int dlsi_auto_is_nearly_met(const dlsi_auto *work, double residual) {
 
 int dlsi_auto_may_settle(const dlsi_auto *work) {
   return dlsi_auto_is_nearly_met(work, work->info.certificate.residual);
+}
+
+/* Not: what a method alone refuses; the convex problem of a dense W; searches without end. */
+int dlsi_auto_can_take(const dlsi_auto *work, part k) {
+  const int searches = k == HOMOTOPY || k == SCATTER;
+  if (k == REST) return !work->problem->W.a;
+  if (searches && !dlsi_auto_may_go_another_way(work)) return 0;
+  return !is_bonded(work) || !(searches || k == PIVOTING);
 }

@@ -32,10 +32,10 @@ dls_status dlsi_auto_form_blocks(dlsi_auto *work, dls_error *error) {
 
 static dls_limits limits_of(dlsi_auto *work, part k) {
   return (dls_limits){.tol = work->options.limits.tol,
-                      .max_iterations = dlsi_auto_kind[k].most,
+                      .max_iterations = work->most ? work->most : dlsi_auto_kind[k].most,
                       .warm_start = k != PIVOTING && k != COLD_SPLITTING,
                       .blocks = work->options.limits.blocks,
-                      .progress = dlsi_auto_kind[k].watch,
+                      .progress = work->counted ? dlsi_auto_watch_count : dlsi_auto_kind[k].watch,
                       .progress_data = work,
                       .cpu_seconds = dlsi_clock_left(&work->options.limits, work->begun),
                       .threads = work->options.limits.threads};
@@ -75,12 +75,58 @@ static void remember_tries(dlsi_auto *work, part k, dls_status status) {
   if (k == AUGMENTED) work->has_augmented = 1;
 }
 
-/* Adds the line of a step to the report, and keeps its r if that is the best. */
-static void report(dlsi_auto *work, part k, const dls_info *info) {
+/* Returns why a step has ended, with this status and this certificate of its r. */
+static dls_reason reason_of(const dlsi_auto *work, part k, dls_status status,
+                            const dls_certificate *of_r) {
+  if (dls_certificate_verdict(of_r, work->options.limits.tol) != DLS_STALLED)
+    return DLS_REASON_SOLVED;
+  if (work->stopped)
+    return work->stopped == DLS_TIME_LIMIT ? DLS_REASON_TIME : DLS_REASON_CANCELLED;
+  if (work->limited) return DLS_REASON_ITERATIONS;
+  if (status == DLS_NO_SOLUTION) return DLS_REASON_NO_SOLUTION;
+  if (k == PIVOTING && dlsi_contact_lemke_excludes(work->part[k])) return DLS_REASON_EXCLUDED;
+  switch (status) {
+  case DLS_CANCELLED: /* by the watch */
+    return work->why;
+  case DLS_TIME_LIMIT:
+    return DLS_REASON_TIME;
+  case DLS_MAX_ITERATIONS:
+    return DLS_REASON_SPENT;
+  case DLS_RAY:
+  case DLS_NO_SOLUTION_LIKELY:
+    return DLS_REASON_RUNS_AWAY;
+  default:
+    return DLS_REASON_NO_PROGRESS;
+  }
+}
+
+/* Adds a line to the report. */
+static dls_stage *add_line(dlsi_auto *work, part k, dls_reason reason) {
   dls_info *all = &work->info;
   if (all->stages == DLS_STAGES_MAX) all->stages--; /* the last line is that of the last step */
-  all->stage[all->stages++] = (dls_stage){dlsi_auto_kind[k].method->method, info->iterations,
-                                          info->factorisations, info->certificate.residual};
+  dls_stage *line = &all->stage[all->stages++];
+  *line = (dls_stage){.method = dlsi_auto_kind[k].method->method,
+                      .residual = all->certificate.residual,
+                      .step = dlsi_auto_step_of(k),
+                      .reason = reason,
+                      .on_copy = work->problem == &work->copy.problem};
+  return line;
+}
+
+/* Adds the line of a step that ended with `status` to the report, and keeps its r if that is the
+ * best. begun: CPU seconds of the solve before it. */
+static void report(dlsi_auto *work, part k, dls_status status, const dls_info *info, double begun) {
+  dls_info *all = &work->info;
+  dls_stage *line = add_line(work, k, reason_of(work, k, status, &info->certificate));
+  line->iterations = info->iterations;
+  line->factorisations = info->factorisations;
+  line->residual = info->certificate.residual;
+  if (info->stages) line->step = info->stage[0].step;
+  if (line->reason == DLS_REASON_COSTLIER) {
+    line->ahead = work->foreseen[0];
+    line->next = work->foreseen[1];
+  }
+  line->cpu_seconds = dlsi_clock_since(work->begun) - begun;
   all->iterations += info->iterations;
   all->factorisations += info->factorisations;
   if (k == NEWTON && work->failures < most_failures) work->failures++;
@@ -90,10 +136,18 @@ static void report(dlsi_auto *work, part k, const dls_info *info) {
          (size_t)work->problem->d * (size_t)work->problem->nc * sizeof *work->best);
 }
 
+/* Adds the line of a step that cannot be taken. */
+static dls_status pass_over(dlsi_auto *work, part k) {
+  (void)add_line(work, k, DLS_REASON_NOT_APPLICABLE);
+  return DLS_STALLED;
+}
+
 dls_status dlsi_auto_take_step(dlsi_auto *work, part k, unsigned flags, dls_error *error) {
+  if (dlsi_auto_is_left_out(work, k)) return DLS_STALLED;
   dls_error why = {0};
+  const double begun = dlsi_clock_since(work->begun);
   dls_status status = k == PUSH ? DLS_OK : dlsi_auto_form_blocks(work, &why);
-  if (status == DLS_E_SIZE) return DLS_STALLED; /* too many blocks: sweeps on bodies alone */
+  if (status == DLS_E_SIZE) return pass_over(work, k); /* too many blocks: sweeps on bodies alone */
   const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
   dls_info info = {.status = DLS_OK};
   if (!status) status = dlsi_auto_create_part(work, dlsi_auto_home_of(k), &why);
@@ -105,14 +159,14 @@ dls_status dlsi_auto_take_step(dlsi_auto *work, part k, unsigned flags, dls_erro
   if (!status) status = run_part(work, k, &info, &why);
   remember_tries(work, k, status);
   if ((k == SPLITTING || k == COLD_SPLITTING || k == REST) && status == DLS_E_UNSUPPORTED)
-    return DLS_STALLED; /* a build without MUMPS */
+    return pass_over(work, k); /* a build without MUMPS */
   if (status < 0) {
     if (error) *error = why;
     return status;
   }
   if (work->stepped && !work->info.stages && status == DLS_STALLED && !info.iterations)
     return status; /* (SQ2) without a step */
-  report(work, k, &info);
+  report(work, k, status, &info, begun);
   return status;
 }
 
@@ -125,6 +179,7 @@ static dls_status take_pivots(dlsi_auto *work, dls_error *error) {
 
 static int is_open(const dlsi_auto *work, const step *s) {
   const step_kind *kind = &dlsi_auto_kind[s->part];
+  if (dlsi_auto_is_left_out(work, s->part)) return 0;
   if (s->flags & FAR && dlsi_auto_is_near(work, work->info.certificate.residual)) return 0;
   if (kind->may && !kind->may(work)) return 0;
   if (s->flags & EARLY && !dlsi_auto_may_pivot_early(work)) return 0;
@@ -133,7 +188,7 @@ static int is_open(const dlsi_auto *work, const step *s) {
 
 /* (ST3) Returns the verdict of the better one, or an error. */
 static dls_status take_less_stress(dlsi_auto *work, part now, dls_error *error) {
-  if (now == COLD_SPLITTING || !dlsi_auto_may_go_another_way(work))
+  if (now == COLD_SPLITTING || !dlsi_auto_may_go_another_way(work) || dlsi_auto_has_plan(work))
     return dlsi_auto_verdict_of(work);
   const dls_status status = dlsi_auto_take_step(work, COLD_SPLITTING, COLD, error);
   return status < 0 ? status : work->stopped ? work->stopped : dlsi_auto_verdict_of(work);
@@ -143,7 +198,8 @@ static dls_status take_less_stress(dlsi_auto *work, part now, dls_error *error) 
  * then. */
 static int is_decided(dlsi_auto *work, const step *s, dls_status *status) {
   const int early = s->flags & EARLY;
-  const int excluded = s->part == PIVOTING && dlsi_contact_lemke_excludes(work->part[PIVOTING]);
+  const int excluded = s->part == PIVOTING && work->part[PIVOTING] &&
+                       dlsi_contact_lemke_excludes(work->part[PIVOTING]);
   const int proved = *status == DLS_NO_SOLUTION;
   if (work->stopped) return *status = work->stopped, 1;
   work->rounded = s->part == REST && dlsi_certificate_meets(&work->info.certificate,
@@ -158,11 +214,32 @@ static int is_decided(dlsi_auto *work, const step *s, dls_status *status) {
   return 1;
 }
 
+/* Returns the part that a step of the caller's plan runs; END, with a line in the report, if it
+ * cannot be taken. */
+static part part_of_given(dlsi_auto *work, const step *s) {
+  const part k = s->flags & ANY_SWEEPS && !dlsi_auto_may_sweep(work) ? PUSH : s->part;
+  work->may_rest = 0; /* whatever is next, it is what the plan says */
+  if (dlsi_auto_is_left_out(work, k)) return END;
+  if (!dlsi_auto_can_take(work, k)) (void)pass_over(work, k);
+  return dlsi_auto_can_take(work, k) ? k : END;
+}
+
+static dls_status take_given(dlsi_auto *work, const step *s, part k, dls_error *error) {
+  work->most = work->given->most[s - work->given->step];
+  work->counted = work->most || s[1].part == END;
+  const dls_status status = dlsi_auto_take_step(work, k, s->flags, error);
+  work->most = work->counted = 0;
+  return status;
+}
+
 dls_status dlsi_auto_follow(dlsi_auto *work, const step *plan, dls_error *error) {
+  const int given = dlsi_auto_has_plan(work);
   for (const step *s = plan; s->part != END; s++) {
-    if (!is_open(work, s)) continue;
-    dls_status status = s->flags & EARLY ? dlsi_auto_on_copy(work, take_pivots, error)
-                                         : dlsi_auto_take_step(work, s->part, s->flags, error);
+    const part k = given ? part_of_given(work, s) : is_open(work, s) ? s->part : END;
+    if (k == END) continue;
+    dls_status status = given              ? take_given(work, s, k, error)
+                        : s->flags & EARLY ? dlsi_auto_on_copy(work, take_pivots, error)
+                                           : dlsi_auto_take_step(work, s->part, s->flags, error);
     if (status < 0) return status;
     const dls_status verdict = dlsi_auto_verdict_of(work);
     if (verdict == DLS_OK) return DLS_OK; /* (ST1) */

@@ -199,6 +199,9 @@ double dlsi_clock_start(const dls_limits *limits);
 /* Is the cpu_seconds of a solve inside of another one, which keeps the time itself. */
 static const double dlsi_no_clock = -1;
 
+/* Returns the CPU seconds since a solve began; 0, and no clock is read, for begun = -1. */
+double dlsi_clock_since(double begun);
+
 /* Returns 1 if the time of a solve that began at `begun` is over. */
 int dlsi_clock_is_over(const dls_limits *limits, double begun);
 

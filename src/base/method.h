@@ -19,7 +19,8 @@ typedef struct dlsi_options {
    * answer but r and its certificate; of splitting a cold solve is one with a tiny rho. 2: sweeps
    * with momentum */
   int stage;
-  int lazy; /* 1: auto may allocate while it solves what only later stages need */
+  int lazy;                   /* 1: auto may allocate while it solves what only later stages need */
+  const char *plan, *without; /* of auto, from dls_solver_settings, checked; not kept */
   /* for the matrix, shared with methods that run before or after; NULL: a room of its own */
   struct dlsi_room *room;
 } dlsi_options;

@@ -21,6 +21,10 @@ double dlsi_clock_start(const dls_limits *limits) {
   return asked ? thread_seconds() : -1;
 }
 
+double dlsi_clock_since(double begun) {
+  return begun < 0 ? 0 : thread_seconds() - begun;
+}
+
 int dlsi_clock_is_over(const dls_limits *limits, double begun) {
   return limits->cpu_seconds > 0 && thread_seconds() - begun >= limits->cpu_seconds;
 }
@@ -32,7 +36,7 @@ double dlsi_clock_left(const dls_limits *limits, double begun) {
 }
 
 dls_status dlsi_tell(const dls_limits *limits, double begun, dls_progress *progress) {
-  progress->cpu_seconds = begun < 0 ? 0 : thread_seconds() - begun;
+  progress->cpu_seconds = dlsi_clock_since(begun);
   if (limits->progress) {
     dlsi_host own;
     dlsi_go_out(&own);

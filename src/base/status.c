@@ -60,7 +60,7 @@ const char *dls_version(void) {
 dls_status dlsi_fail(dls_error *error, dls_status status, const char *argument, long long index,
                      double value, const char *format, ...) {
   if (!error) return status;
-  char text[120], place[32] = "", whole[sizeof error->message];
+  char text[170], place[32] = "", whole[sizeof error->message];
   va_list args;
   va_start(args, format);
   if (vsnprintf(text, sizeof text, format, args) < 0) text[0] = '\0';

@@ -298,6 +298,9 @@ const char *method_word(const outcome *outcome);
 
 /* Prints the stages of auto, one a line; nothing for the other methods. */
 void print_stages(const dls_info *info);
+
+/* Prints what dls_explain says, a line each. */
+void print_explanation(const char *indent, const dls_info *info);
 /* Prints both parts of the residual, a line. */
 void print_residuals(const char *indent, const dls_certificate *c);
 

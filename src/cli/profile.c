@@ -16,25 +16,33 @@ enum { PROFILE_RUNGS = 7, PROFILE_TARGETS = 3 };
 static const double profile_tol[PROFILE_RUNGS] = {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14};
 static const int profile_target[PROFILE_TARGETS] = {1, 3, 5};
 
+enum { KEY_PORTFOLIO = 256 }; /* no letter */
+
 typedef struct profile_options {
-  int repeat;
-  double limit, budget;
+  int repeat, portfolio;
+  double limit, budget, tol;
   const char *out;
 } profile_options;
 
 static void profile_usage(FILE *out) {
-  fputs("Usage: delassus profile [OPTION]... FILE|SCENE...\n"
-        "Every method on many contact problems, tolerances 1e-2 to 1e-14: performance profiles,\n"
-        "each problem, and the CPU of auto over that of the fastest single method. Writes\n"
-        "profile.csv and the picture profile.png, profile.svg.\n"
-        "\n"
-        "  -r, --repeat=N        time each solve up to N times, the least counts (15)\n"
-        "  -l, --limit=S         CPU seconds that a solve may always take (0.5); more while it\n"
-        "                        is within 30 times the fastest\n"
-        "  -b, --budget=S        CPU seconds for a problem, about (6)\n"
-        "  -o, --out=DIR         where the files go (profile)\n" LAST_USAGE "\n"
-        "Exit status: 0, 1 if auto failed on a problem, 2 bad input.\n",
-        out);
+  fputs(
+      "Usage: delassus profile [OPTION]... FILE|SCENE...\n"
+      "Every method on many contact problems, tolerances 1e-2 to 1e-14: performance profiles,\n"
+      "each problem, and the CPU of auto over that of the fastest single method. Writes\n"
+      "profile.csv and the picture profile.png, profile.svg.\n"
+      "\n"
+      "  -r, --repeat=N        time each solve up to N times, the least counts (15)\n"
+      "  -l, --limit=S         CPU seconds that a solve may always take (0.5); more while it\n"
+      "                        is within 30 times the fastest\n"
+      "  -b, --budget=S        CPU seconds for a problem, about (6)\n"
+      "  -o, --out=DIR         where the files go (profile)\n"
+      "      --portfolio       instead: the steps of auto, on how many problems each was taken, "
+      "on\n"
+      "                        how many it ended the solve, its CPU; and each step alone: on how\n"
+      "                        many it solves, on how many it is the first to solve. No files\n"
+      "  -t, --tol=T           tolerance of --portfolio (1e-8)\n" LAST_USAGE "\n"
+      "Exit status: 0, 1 if auto failed on a problem, 2 bad input.\n",
+      out);
 }
 
 /* All that was measured; problems are counted as they are done. */
@@ -233,6 +241,8 @@ static taken take_profile_option(int key, const char *text, void *data) {
   if (key == 'r') return parse_count("repeat", text, &o->repeat);
   if (key == 'l') return parse_number("limit", text, &o->limit);
   if (key == 'b') return parse_number("budget", text, &o->budget);
+  if (key == 't') return parse_number("tol", text, &o->tol);
+  if (key == KEY_PORTFOLIO) return o->portfolio = 1, OPTION_TAKEN;
   if (key != 'o') return OPTION_UNKNOWN;
   o->out = text;
   return OPTION_TAKEN;
@@ -240,14 +250,18 @@ static taken take_profile_option(int key, const char *text, void *data) {
 
 int command_profile(int argc, char **argv) {
   static const struct option options[] = {VALUE("repeat", 'r'), VALUE("limit", 'l'),
-                                          VALUE("budget", 'b'), VALUE("out", 'o'), LAST_OPTIONS};
-  static const command profile_command = {"r:l:b:o:", options, profile_usage, take_profile_option,
+                                          VALUE("budget", 'b'), VALUE("out", 'o'),
+                                          VALUE("tol", 't'),    FLAG("portfolio", KEY_PORTFOLIO),
+                                          LAST_OPTIONS};
+  static const command profile_command = {"r:l:b:o:t:", options, profile_usage, take_profile_option,
                                           0};
-  profile_options o = {.repeat = 15, .limit = 0.5, .budget = 6, .out = "profile"};
+  profile_options o = {.repeat = 15, .limit = 0.5, .budget = 6, .tol = 1e-8, .out = "profile"};
   const int stop = take_options(argc, argv, &profile_command, &o);
   if (stop != GO_ON) return stop;
   if (argc == optind) return wrong_names(argv[0]);
   watch_interrupt();
   const int count = leave_lcps(argc - optind, argv + optind);
-  return count ? run_profile(count, argv + optind, &o) : EXIT_SOLVED;
+  if (!count) return EXIT_SOLVED;
+  return o.portfolio ? run_portfolio(count, argv + optind, o.tol, o.limit)
+                     : run_profile(count, argv + optind, &o);
 }

@@ -60,13 +60,17 @@ static dls_status race_solve(race *a, int k, int rung, double limit, dls_error *
 
 /* ---- the ladder ------------------------------------------------------------------------------ */
 
+int race_is_too_large(dls_method method, int d, int nc) {
+  if (method == DLS_HOMOTOPY) return d * nc > homotopy_rows;
+  return method == DLS_LEMKE && (d == 2 ? 4 : 10) * nc > lemke_rows;
+}
+
 /* Makes the solvers of all methods that this size allows. */
 static dls_status race_line_up(race *a, dls_error *error) {
   contender all[MOST_CONTENDERS];
-  const int count = list_contenders(all), m = a->d * a->nc;
+  const int count = list_contenders(all);
   for (int k = 0; k < count; k++) {
-    if (all[k].method == DLS_HOMOTOPY && m > homotopy_rows) continue;
-    if (all[k].method == DLS_LEMKE && (a->d == 2 ? 4 : 10) * a->nc > lemke_rows) continue;
+    if (race_is_too_large(all[k].method, a->d, a->nc)) continue;
     dls_solver_settings s;
     dls_solver_settings_init(&s);
     s.method = all[k].method;

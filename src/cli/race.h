@@ -84,12 +84,21 @@ typedef struct race {
 dls_status race_run(race *a, const dls_contact *contact, const race_plan *plan, dls_error *error);
 void race_free(race *a);
 
+/* Returns 1 for a problem on which the method would take minutes, or too much memory. */
+int race_is_too_large(dls_method method, int d, int nc);
+
 trial *race_trial(const race *a, int k, int rung);
 double *race_answer(const race *a, int k, int rung);
 
 /* Returns the least CPU of those who solved the rung, INFINITY if none did; singles = 1: auto
  * apart. */
 double race_fastest(const race *a, int rung, int singles);
+
+/* ---- portfolio.c --------------------------------------------------------------------- */
+
+/* Solves the problems by auto, to tol, and prints what each of its steps is worth, beside each step
+ * alone, within `limit` CPU seconds or 30 times those of auto. Returns the exit status. */
+int run_portfolio(int count, char **names, double tol, double limit);
 
 /* ---- history.c ------------------------------------------------------------------------------- */
 

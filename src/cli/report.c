@@ -185,12 +185,11 @@ const char *method_word(const outcome *o) {
 void print_stages(const dls_info *info) {
   for (int k = 0; k < info->stages; k++) {
     const dls_stage *s = &info->stage[k];
-    printf("    %s%s: %d %s", dls_method_name(s->method),
-           s->method == DLS_NLGS ? " with anderson" : "", s->iterations,
+    printf("    %s: %d %s", dls_step_name(s->step), s->iterations,
            iteration_word(s->method, s->iterations));
     if (s->factorisations != s->iterations && s->factorisations)
       printf(", %d factorisation%s", s->factorisations, plural(s->factorisations));
-    printf(", residual %.2e\n", s->residual);
+    printf(", residual %.2e: %s\n", s->residual, dls_reason_text(s->reason));
   }
 }
 
@@ -232,6 +231,13 @@ void print_json_verdict(FILE *out, const verdict *v, int proof) {
   if (proof && v->ray) print_json_vector(out, "ray", v->rows * v->stride, v->ray);
 }
 
+void print_explanation(const char *indent, const dls_info *info) {
+  char text[200 * (DLS_STAGES_MAX + 4)];
+  (void)dls_explain(info, text, sizeof text);
+  for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n"))
+    printf("%s%s\n", indent, line);
+}
+
 static void print_json_stages(FILE *out, const dls_info *info) {
   fputs(",\n  \"stages\": [", out);
   for (int k = 0; k < info->stages; k++) {
@@ -241,7 +247,8 @@ static void print_json_stages(FILE *out, const dls_info *info) {
         "%s\n    {\"method\": \"%s\", \"iterations\": %d, \"factorisations\": %d, \"residual\": ",
         k ? "," : "", dls_method_name(s->method), s->iterations, s->factorisations);
     print_json_number(out, s->residual);
-    fputc('}', out);
+    fprintf(out, ", \"step\": \"%s\", \"reason\": \"%s\", \"cpu_seconds\": %.6g}",
+            dls_step_name(s->step), dls_reason_text(s->reason), s->cpu_seconds);
   }
   fputc(']', out);
 }
@@ -287,6 +294,7 @@ void print_json(FILE *out, const outcome *o) {
           method_word(o));
   fprintf(out, "  \"dimension\": %d,\n  \"contacts\": %d,\n  \"iterations\": %d", o->d, o->nc,
           o->info.iterations);
+  if (o->info.regime) fprintf(out, ",\n  \"regime\": \"%s\"", dls_regime_name(o->info.regime));
   fprintf(out, ",\n  \"unique\": \"%s\",\n  \"ambiguous\": %d", uniqueness_word(o->info.unique),
           o->info.ambiguous);
   print_json_field(out, "residual", c->residual);

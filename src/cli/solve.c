@@ -8,12 +8,12 @@
 #include "cli.h"
 #include "matrices.h"
 
-enum { KEY_PRINT = KEY_ON + 1, KEY_CSV };
+enum { KEY_PRINT = KEY_ON + 1, KEY_CSV, KEY_PLAN, KEY_WITHOUT, KEY_EXPLAIN };
 
 typedef struct solve_options {
   solver_options solver;
   matrix_options matrices;
-  int lcp, json, proof, print;
+  int lcp, json, proof, print, explain;
   const char *out, *csv, *history, *plot; /* NULL: none */
 } solve_options;
 
@@ -37,23 +37,28 @@ static void solve_usage(FILE *out) {
   matrices_usage(out);
   fputs("\nThe solver:\n", out);
   solver_usage(out, "", 1e-8);
-  fputs("  -f, --facets=M        lemke in 3D: facets of the friction cone, even, 4 to 64 (8)\n"
-        "\nThe answer:\n"
-        "      --print           print each candidate's state, gap, r and u, and each unknown's x\n"
-        "      --csv=DIR         write the same to DIR/r.csv and DIR/x.csv, to the last digit\n"
-        "  -o, --output=OUT      write the problem with its solution (FCLIB); OUT.mtx: r, or z of "
-        "an\n"
-        "                        LCP (Matrix Market)\n"
-        "  -H, --history=CSV     write iteration (of all stages), CPU seconds, residual and stage "
-        "as\n"
-        "                        the solve goes on; the last row is the answer\n"
-        "  -P, --plot=DIR        the same as DIR/history.csv, and a picture of it\n"
-        "  -j, --json            print the outcome as one JSON object\n"
-        "  -p, --proof           print the vectors behind a verdict without an answer: the proof "
-        "that\n"
-        "                        there is no solution, the ray along which the unknowns run away\n"
-        "  -l, --lcp             the files hold M and q of an LCP\n" LAST_USAGE,
-        out);
+  fputs(
+      "  -f, --facets=M        lemke in 3D: facets of the friction cone, even, 4 to 64 (8)\n"
+      "      --plan=STEPS      the steps of auto, in place of its own: sweeps:30,newton,homotopy\n"
+      "                        (30: its iterations; a wrong word names the right ones)\n"
+      "      --without=STEPS   auto without these steps: homotopy,scatter\n"
+      "      --explain         say what auto did: the regime, each step, its cost, why it ended\n"
+      "\nThe answer:\n"
+      "      --print           print each candidate's state, gap, r and u, and each unknown's x\n"
+      "      --csv=DIR         write the same to DIR/r.csv and DIR/x.csv, to the last digit\n"
+      "  -o, --output=OUT      write the problem with its solution (FCLIB); OUT.mtx: r, or z of "
+      "an\n"
+      "                        LCP (Matrix Market)\n"
+      "  -H, --history=CSV     write iteration (of all stages), CPU seconds, residual and stage "
+      "as\n"
+      "                        the solve goes on; the last row is the answer\n"
+      "  -P, --plot=DIR        the same as DIR/history.csv, and a picture of it\n"
+      "  -j, --json            print the outcome as one JSON object\n"
+      "  -p, --proof           print the vectors behind a verdict without an answer: the proof "
+      "that\n"
+      "                        there is no solution, the ray along which the unknowns run away\n"
+      "  -l, --lcp             the files hold M and q of an LCP\n" LAST_USAGE,
+      out);
 }
 
 /* ---- the history of a solve ------------------------------------------------------------------ */
@@ -151,8 +156,8 @@ static int print_states(const problem *p, const double *r, const double *u) {
 enum { hint_rows = 300 }; /* of a problem that is looked at in full for a hint */
 
 /* Returns 0 after a complaint. */
-static int print_outcome(const char *path, const problem *p, const outcome *o, const double *r,
-                         const double *u) {
+static int print_outcome(const char *path, const problem *p, const outcome *o, int explain,
+                         const double *r, const double *u) {
   const dls_certificate *c = &o->info.certificate;
   problem_print(path, p);
   printf("  %s: %s, %d %s, residual %.2e, %.3g s of CPU\n", dls_method_name(o->info.method),
@@ -160,7 +165,10 @@ static int print_outcome(const char *path, const problem *p, const outcome *o, c
          iteration_word(o->info.method, o->info.iterations), c->residual, o->solve_cpu_seconds);
   print_residuals("  ", c);
   print_others("  ", &o->info);
-  print_stages(&o->info);
+  if (explain)
+    print_explanation("    ", &o->info);
+  else
+    print_stages(&o->info);
   printf("  penetration %.2e, adhesion %.2e, cone violation %.2e, slip direction %.2e, "
          "complementarity %.2e\n",
          c->penetration, c->adhesion, c->cone_violation, c->slip_direction, c->complementarity);
@@ -186,7 +194,8 @@ static int solve_contact(const char *path, const solve_options *options) {
   int result = EXIT_BAD_INPUT;
   int loaded;
   matrix_options matrices = options->matrices;
-  if (options->solver.settings.method != DLS_AUTO && matrices.on != DLS_ON_K)
+  const dls_solver_settings *asked = &options->solver.settings;
+  if ((asked->method != DLS_AUTO || asked->plan || asked->without) && matrices.on != DLS_ON_K)
     matrices.on = DLS_ON_W;
   if (matrices_name(&matrices))
     loaded = matrices_load(&matrices, &p);
@@ -258,7 +267,7 @@ static int solve_contact(const char *path, const solve_options *options) {
   }
   if (options->json)
     print_json(stdout, &o);
-  else if (!is_quiet() && !print_outcome(path, &p, &o, r, u))
+  else if (!is_quiet() && !print_outcome(path, &p, &o, options->explain, r, u))
     goto end;
   char room[UNSOLVED_ROOM];
   const char *unsolved = unsolved_words(status, o.info.certificate.residual, room, sizeof room);
@@ -406,6 +415,8 @@ static int solve_file(const char *path, const solve_options *options) {
   const dls_solver_settings *s = &options->solver.settings;
   if ((options->solver.method_given || options->solver.accel_given) && s->method != DLS_LEMKE)
     (void)complain("%s: an LCP is solved by lemke", path);
+  else if (options->explain || s->plan || s->without)
+    (void)complain("--plan, --without, --explain: are for contact problems");
   else if (s->facets)
     (void)complain("--facets: is for contact problems and lemke");
   else if (options->print || options->csv)
@@ -442,16 +453,33 @@ static taken take_solve_option(int key, const char *text, void *data) {
     o->print = 1;
   else if (key == KEY_CSV)
     o->csv = text;
+  else if (key == KEY_PLAN)
+    o->solver.settings.plan = text;
+  else if (key == KEY_WITHOUT)
+    o->solver.settings.without = text;
+  else if (key == KEY_EXPLAIN)
+    o->explain = 1;
   else
     return OPTION_UNKNOWN;
   return OPTION_TAKEN;
 }
 
 int command_solve(int argc, char **argv) {
-  static const struct option options[] = {
-      SOLVER_OPTIONS,     VALUE("facets", 'f'),     VALUE("output", 'o'),  VALUE("history", 'H'),
-      VALUE("plot", 'P'), FLAG("json", 'j'),        FLAG("lcp", 'l'),      FLAG("proof", 'p'),
-      MATRIX_OPTIONS,     FLAG("print", KEY_PRINT), VALUE("csv", KEY_CSV), LAST_OPTIONS};
+  static const struct option options[] = {SOLVER_OPTIONS,
+                                          VALUE("facets", 'f'),
+                                          VALUE("output", 'o'),
+                                          VALUE("history", 'H'),
+                                          VALUE("plot", 'P'),
+                                          FLAG("json", 'j'),
+                                          FLAG("lcp", 'l'),
+                                          FLAG("proof", 'p'),
+                                          MATRIX_OPTIONS,
+                                          FLAG("print", KEY_PRINT),
+                                          VALUE("csv", KEY_CSV),
+                                          VALUE("plan", KEY_PLAN),
+                                          VALUE("without", KEY_WITHOUT),
+                                          FLAG("explain", KEY_EXPLAIN),
+                                          LAST_OPTIONS};
   static const command solve = {SOLVER_KEYS "f:o:H:P:jlp", options, solve_usage, take_solve_option,
                                 0};
   solve_options o = {0};
@@ -462,6 +490,11 @@ int command_solve(int argc, char **argv) {
   if (!named && matrices_given(&o.matrices))
     return complain("one of --stiffness, --flexibility and --W is wanted");
   if (argc - optind != (named ? 0 : o.lcp ? 2 : 1)) return wrong_names(argv[0]);
+  if (o.explain && o.json) return complain("--explain, --json: one of the two");
+  if (o.explain && is_quiet()) return complain("--explain, --quiet: one of the two");
+  const int steps = o.explain || o.solver.settings.plan || o.solver.settings.without;
+  if (steps && (o.lcp || o.solver.settings.method != DLS_AUTO || o.solver.accel_given))
+    return complain("--plan, --without, --explain: are for auto");
   if (o.print && o.json) return complain("--print, --json: one of the two");
   if (o.lcp && (named || o.print || o.csv))
     return complain("--lcp: goes without --W, --stiffness, --flexibility, --print and --csv");

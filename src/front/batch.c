@@ -50,8 +50,8 @@ static dls_status batch_look(batch *all, int k, dls_error *error) {
 
 static int batch_has_lanes(const dls_solver_settings *s) {
   const dls_limits *limits = &s->limits;
-  return s->method == DLS_AUTO && !limits->warm_start && !limits->progress &&
-         !limits->max_iterations && !(limits->cpu_seconds > 0);
+  return s->method == DLS_AUTO && !s->plan && !s->without && !limits->warm_start &&
+         !limits->progress && !limits->max_iterations && !(limits->cpu_seconds > 0);
 }
 
 /* Returns how many problems from k on go into the lanes together: 0 if problem k does not. */
@@ -84,7 +84,8 @@ static int batch_take(const batch *all, int lane, int k, int sweeps, int *warm) 
   if (!solved) return 0;
   if (all->info) {
     if (dlsi_count_ambiguous(problem, x, v, NULL)) return 0;
-    info.stage[0] = (dls_stage){DLS_NLGS, sweeps, 0, info.certificate.residual};
+    info.stage[0] = (dls_stage){
+        .method = DLS_NLGS, .iterations = sweeps, .residual = info.certificate.residual};
     all->info[k] = info;
   }
   if (all->u && all->u[k]) memcpy(all->u[k], v, m * sizeof *v);

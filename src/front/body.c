@@ -233,11 +233,24 @@ static dls_status judge_body(const dls_certificate *c, double asked, double cond
   return c->equilibrium <= dlsi_target(tol, c->floor_e) ? DLS_STALLED : DLS_NOT_IN_EQUILIBRIUM;
 }
 
-/* Adds what was done on K to the outcome on W. */
-static void add_outcome(dls_info *all, const dls_info *on_K) {
+static dls_reason reason_on_K(dls_status status) {
+  return status == DLS_OK || status == DLS_TO_ROUNDING ? DLS_REASON_SOLVED
+         : status == DLS_CANCELLED                     ? DLS_REASON_CANCELLED
+         : status == DLS_TIME_LIMIT                    ? DLS_REASON_TIME
+         : status == DLS_MAX_ITERATIONS                ? DLS_REASON_ITERATIONS
+         : status == DLS_NO_SOLUTION                   ? DLS_REASON_NO_SOLUTION
+                                                       : DLS_REASON_NO_PROGRESS;
+}
+
+/* Adds what was done on K, which ended with `status`, to the outcome on W. */
+static void add_outcome(dls_info *all, const dls_info *on_K, dls_status status) {
   if (all->stages == DLS_STAGES_MAX) all->stages--;
-  all->stage[all->stages++] =
-      (dls_stage){DLS_ADMM, on_K->iterations, on_K->factorisations, on_K->certificate.residual};
+  all->stage[all->stages++] = (dls_stage){.method = DLS_ADMM,
+                                          .iterations = on_K->iterations,
+                                          .factorisations = on_K->factorisations,
+                                          .residual = on_K->certificate.residual,
+                                          .step = DLS_STEP_ON_K,
+                                          .reason = reason_on_K(status)};
   all->iterations += on_K->iterations;
   all->factorisations += on_K->factorisations;
   all->certificate = on_K->certificate;
@@ -283,6 +296,9 @@ static dls_status check_on_K(const dlsi_reduced *of, const double *mu,
   if (settings->method != DLS_AUTO)
     return dlsi_fail(error, DLS_E_UNSUPPORTED, "method", -1, settings->method,
                      "needs W; this reduction solves on K, by method auto");
+  if (settings->plan || settings->without)
+    return dlsi_fail(error, DLS_E_UNSUPPORTED, settings->plan ? "plan" : "without", -1, 0,
+                     "needs W; this reduction solves on K");
   return dlsi_check_friction(mu, (size_t)of->H->candidates, error);
 }
 
@@ -314,11 +330,12 @@ static dls_status body_solve(dls_reduction *reduction, const double *mu,
                                    &outcome, error);
   const int goes_on = (status == DLS_STALLED || status == DLS_NOT_IN_EQUILIBRIUM ||
                        status == DLS_MAX_ITERATIONS || status == DLS_NO_SOLUTION_LIKELY) &&
-                      s.method == DLS_AUTO && of.has_K && m > 0 && !s.limits.max_iterations;
+                      s.method == DLS_AUTO && !s.plan && of.has_K && m > 0 &&
+                      !s.limits.max_iterations;
   if (goes_on || of.on_K) {
     status = solve_on_K(reduction, mu, &s.limits, begun, answer, unknowns, &on_K, error);
     if (status >= 0) {
-      add_outcome(&outcome, &on_K);
+      add_outcome(&outcome, &on_K, status);
       const dls_status measured = dls_reduction_certify(reduction, mu, answer, unknowns, position,
                                                         &outcome.certificate, error);
       status = measured ? measured : judge_body(&outcome.certificate, tol, 0, status);

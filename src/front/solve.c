@@ -54,7 +54,10 @@ dls_status dlsi_solver_check(const dls_solver_settings *s, dls_error *error) {
                      "is %d, must be even, 4 to %d, or 0", s->facets, DLS_FACETS_MAX);
   if (s->acceleration && s->method != DLS_NLGS)
     return dlsi_fail(error, DLS_E_ARGUMENT, "acceleration", -1, s->acceleration, "is for nlgs");
-  return DLS_OK;
+  if ((s->plan || s->without) && s->method != DLS_AUTO)
+    return dlsi_fail(error, DLS_E_ARGUMENT, s->plan ? "plan" : "without", -1, s->method,
+                     "is for auto");
+  return dlsi_auto_check_words(s->plan, s->without, error);
 }
 
 /* Creates the workspace of solver->method, for one candidate at least: without any none is needed.
@@ -65,6 +68,8 @@ static dls_status solver_create_work(dls_solver *solver, int lazy, dls_error *er
                                 .acceleration = (int)s->acceleration,
                                 .facets = s->facets,
                                 .positive_definite = s->positive_definite,
+                                .plan = s->plan,
+                                .without = s->without,
                                 .lazy = lazy};
   solver->method = dlsi_method_of(s->method);
   const int nc = solver->nc > 0 ? solver->nc : 1;
@@ -106,6 +111,8 @@ dls_status dlsi_solver_create(dls_solver **out, int d, int nc, int lazy,
   if (!solver) return dlsi_no_memory(error);
   *solver = (dls_solver){.settings = *settings, .d = d, .nc = nc};
   status = solver_create_work(solver, lazy, error);
+  solver->settings.plan = settings->plan ? "" : NULL; /* the words are the workspace's now */
+  solver->settings.without = NULL;
   if (status) {
     free(solver);
     return status;
@@ -175,7 +182,7 @@ static int is_answered(const dls_solver_settings *s, const dls_contact *problem,
   dls_info own;
   if (!info && limits->progress) info = &own;
   if (dlsi_is_empty(problem, limits, s->method, dls_method_name(s->method), info)) return 1;
-  if (s->method != DLS_AUTO || limits->warm_start) return 0;
+  if (s->method != DLS_AUTO || limits->warm_start || s->plan) return 0;
   if (!dlsi_alone_solve(problem, limits->tol, r, u, info)) return 0;
   if (limits->progress) solver_tell_last(limits, begun, info, r);
   return 1;

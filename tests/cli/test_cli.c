@@ -81,6 +81,35 @@ START_TEST(text_problems) {
 }
 END_TEST
 
+/* Plans, steps left out, and what auto did in words. */
+START_TEST(plans_and_explanations) {
+  static const char file[] = "solve " TEST_DATA "/failures/c25-unsymmetric.txt";
+  char text[300];
+  const char *const with[] = {"--plan anderson:9,newton:3", "--explain",
+                              "--without homotopy --json", "--explain --without homotopy,scatter"};
+  static const int ends[] = {1, 0, 0, 0};
+  for (int k = 0; k < 4; k++) {
+    (void)snprintf(text, sizeof text, "%s %s", file, with[k]);
+    ck_assert_msg(run(text) == ends[k] || k == 3, "%s: %s", text, output);
+    if (k == 0)
+      ck_assert(prints("    newton: 3 steps, ") && prints(": its iterations are spent\n"));
+    if (k == 1) ck_assert(prints("    regime elastic (W is dense, 2 candidates): "));
+    if (k == 1) ck_assert(prints(" s of CPU, ") && prints(", on a copy: the reactions run away\n"));
+    if (k == 2) ck_assert(prints("\"step\": \"scatter\", \"reason\": \"solved\", \"cpu_sec"));
+    if (k == 2) ck_assert(prints("\"regime\": \"elastic\"") && !prints("homotopy"));
+    if (k == 3) ck_assert(!prints("homotopy") && !prints("scatter"));
+  }
+  static const char *const wrong[] = {
+      "--plan newtn",        "--plan newton:0",  "--without newton:3", "--plan newton -m nlgs",
+      "--explain -m newton", "--explain --json", "--explain --quiet",  "--plan ''"};
+  for (int k = 0; k < 8; k++) {
+    (void)snprintf(text, sizeof text, "%s %s", file, wrong[k]);
+    ck_assert_msg(run(text) == 2, "%s: %s", text, output);
+  }
+  ck_assert_int_eq(run("solve " TEST_DATA "/failures/l01-cycling.txt --explain"), 2);
+}
+END_TEST
+
 /* The rows of --history: iterations and time go on, the last row is what --json says. */
 START_TEST(history_of_a_solve) {
   static const char *const methods[] = {"auto", "nlgs", "lemke", "newton"};
@@ -193,12 +222,12 @@ END_TEST
 START_TEST(auto_says_what_it_did) {
   NEEDS_HDF5;
   ck_assert_int_eq(run("scene jean-fig3"), 0);
-  ck_assert(prints("reactions, auto: solved") && prints("    nlgs with anderson: 15 sweeps, resi"));
+  ck_assert(prints("reactions, auto: solved") && prints("    anderson: 15 sweeps, resi"));
   ck_assert(prints("    newton: ") && prints(" step") && prints(" factorisation"));
   ck_assert_int_eq(run("scene jean-fig3 --json"), 0);
   ck_assert(prints("\"stages\": [\n    {\"method\": \"nlgs\", \"iterations\": 15,"));
   ck_assert_int_eq(run("solve data/fclib/FC3D_Example1.hdf5"), 0);
-  ck_assert(prints("auto: solved") && prints("    nlgs with anderson: 1 sweep,"));
+  ck_assert(prints("auto: solved") && prints("    sweeps: 1 sweep,"));
   ck_assert_int_eq(run("solve -j -m newton data/fclib/FC3D_Example1.hdf5"), 0);
   ck_assert(!prints("stages"));
 }
@@ -728,6 +757,6 @@ int main(void) {
              ONCE(files_carry_their_status), ONCE(empty_names_are_2),
              ONCE(a_full_disk_keeps_old_files), EACH(signals_end_a_solve, 0, 4),
              ONCE(threads_have_limits), ONCE(lcp_files), ONCE(text_problems),
-             ONCE(history_of_a_solve), ONCE(info_lists_all_solutions),
+             ONCE(plans_and_explanations), ONCE(history_of_a_solve), ONCE(info_lists_all_solutions),
              ONCE(info_says_what_it_found), ONCE(info_names_degenerate_contacts));
 }

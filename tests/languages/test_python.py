@@ -58,6 +58,32 @@ class Solve(unittest.TestCase):
             np.testing.assert_allclose(a.u.ravel(), W @ a.r.ravel() + q.ravel(), atol=1e-10)
             self.assertEqual(delassus.certify(W, q, 0.3, a.r), a.certificate)
 
+    def test_plans(self):
+        W, q = coupled(2, 12)
+        W = W - 0.9 * np.linalg.eigvalsh(W)[0] * np.eye(24)
+        s = delassus.solve(W, q, 0.8, plan="sweeps:4,newton:3", tol=1e-14)
+        self.assertEqual([a.step for a in s.stages], ["anderson", "newton"])
+        self.assertEqual(s.stages[0][1:3], (4, 0))
+        self.assertEqual(s.stages[0].reason, "its iterations are spent")
+        self.assertEqual((s.regime, s.stages[0].cpu_seconds), ("given", 0))
+        self.assertIn("the plan is the caller's", s.explain())
+        self.assertEqual(s.explain().count("\n"), 2 + len(s.stages))
+        own = delassus.solve(W, q, 0.8, tol=1e-14, timed=True)
+        self.assertEqual(own.regime, "elastic")
+        self.assertGreater(sum(a.cpu_seconds for a in own.stages), 0)
+        self.assertIn("s of CPU", own.explain())
+        self.assertEqual(pickle.loads(pickle.dumps(own)).explain(), own.explain())
+        for step in {a.step for a in own.stages}:
+            less = delassus.solve(W, q, 0.8, tol=1e-14, without=step)
+            self.assertNotIn(step, [a.step for a in less.stages])
+        with self.assertRaises(delassus.Error) as caught:
+            delassus.solve(W, q, 0.8, plan="newtn")
+        self.assertIn("'newtn' is no step: sweeps anderson", str(caught.exception))
+        self.assertEqual(caught.exception.argument, "plan")
+        for wrong in (3, b"newton", "new\0ton", ["newton"]):
+            with self.assertRaises(ValueError):
+                delassus.solve(W, q, 0.8, without=wrong)
+
     def test_bodies(self):
         random = np.random.default_rng(5)
         for d, n in ((2, 3), (3, 6)):

@@ -77,7 +77,7 @@ static int tells_of_an_entry(const char *format) {
 
 dls_status __wrap_dlsi_fail(dls_error *error, dls_status status, const char *argument,
                             long long index, double value, const char *format, ...) {
-  char text[120];
+  char text[170];
   va_list args;
   va_start(args, format);
   const int wrote = vsnprintf(text, sizeof text, format, args);

@@ -59,12 +59,13 @@ _USED = {
                   "threads",
     "dls_progress": "method stage iteration max_iterations residual r cpu_seconds last",
     "dls_paced": "progress progress_data seconds next",
-    "dls_solver_settings": "limits size method acceleration facets positive_definite",
+    "dls_solver_settings": "limits size method acceleration facets positive_definite plan without",
     "dls_certificate": "residual residual_u residual_r floor_u floor_r penetration adhesion "
                        "cone_violation slip_direction complementarity worst "
                        "equilibrium floor_e unbalanced body",
-    "dls_info": "status method iterations certificate error ambiguous unique stages stage",
-    "dls_stage": "method iterations factorisations residual",
+    "dls_info": "status method iterations certificate error ambiguous unique stages stage regime",
+    "dls_stage": "method iterations factorisations residual step reason on_copy ahead next "
+                 "cpu_seconds",
     "dls_dense": "rows cols ld a",
     "dls_sparse": "rows cols p i x",
     "dls_blocks": "d n p i x",
@@ -161,6 +162,10 @@ _SIGNATURES = {
     "dls_method_find": (c_int, "sp"),
     "dls_acceleration_find": (c_int, "sp"),
     "dls_method_name": (c_char_p, "i"),
+    "dls_step_name": (c_char_p, "i"),
+    "dls_reason_text": (c_char_p, "i"),
+    "dls_regime_name": (c_char_p, "i"),
+    "dls_explain": (c_size_t, "ppz"),
     "dls_status_name": (c_char_p, "i"),
     "dls_status_text": (c_char_p, "i"),
     "dls_certificate_holds": (c_int, "pd"),
@@ -195,8 +200,8 @@ for _name, (_result, _arguments) in _SIGNATURES.items():
     if _function is None:
         raise ImportError(f"delassus: the library has no {_name}")
     _function.restype = _result
-    _function.argtypes = [{"p": c_void_p, "s": c_char_p, "i": c_int, "d": c_double}[a]
-                          for a in _arguments]
+    _function.argtypes = [{"p": c_void_p, "s": c_char_p, "i": c_int, "d": c_double,
+                           "z": c_size_t}[a] for a in _arguments]
 
 
 class Error(RuntimeError):

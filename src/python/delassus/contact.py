@@ -14,7 +14,8 @@ _STATES = np.array(["free", "slip", "stick"])
 
 Progress = collections.namedtuple(
     "Progress", "method stage iteration max_iterations residual cpu_seconds last")
-Stage = collections.namedtuple("Stage", "method iterations factorisations residual")
+Stage = collections.namedtuple(
+    "Stage", "method iterations factorisations residual step reason on_copy ahead next cpu_seconds")
 Certificate = collections.namedtuple("Certificate",
                                      [name for name, _ in structs["dls_certificate"]._fields_])
 
@@ -30,6 +31,8 @@ class Solution:
     residual, certificate   of r; where a reduction solved, of the body: equilibrium is a part
     error        predicted relative error of r where that was looked at, else None
     iterations, method, stages, unique, ambiguous   as in delassus/info.h
+    regime       of auto, the kind of the problem: "elastic", "packing", ...
+    explain()    what auto did and why, in words
     history      rows (stage, iteration, residual, cpu_seconds), with history=True
     """
 
@@ -47,8 +50,9 @@ class Solution:
         self.error = info.error or None
         self.iterations = info.iterations
         self.method = _method_name(info.method)
-        self.stages = [Stage(_method_name(s.method), s.iterations, s.factorisations, s.residual)
-                       for s in info.stage[:info.stages]]
+        self.stages = [_stage(s) for s in info.stage[:info.stages]]
+        self.regime = lib.dls_regime_name(info.regime).decode()
+        self._info = bytes(info)  # a copy of the struct would not pickle
         self.unique = {constants["DLS_UNIQUE_YES"]: True,
                        constants["DLS_UNIQUE_NO"]: False}.get(info.unique)
         self.ambiguous = info.ambiguous
@@ -65,10 +69,26 @@ class Solution:
                 f"{self.iterations} iterations, residual {self.residual:.1e}>")
 
 
+    def explain(self):
+        """Returns what auto did, by lines: the regime, and each step with its iterations, why it
+        ended, and, with timed=True, a history or a callback, its CPU."""
+        info = structs["dls_info"].from_buffer_copy(self._info)
+        text = ctypes.create_string_buffer(lib.dls_explain(byref(info), None, 0) + 1)
+        lib.dls_explain(byref(info), text, len(text))
+        return text.value.decode()
+
+
+def _stage(s):
+    return Stage(_method_name(s.method), s.iterations, s.factorisations, s.residual,
+                 lib.dls_step_name(s.step).decode(), lib.dls_reason_text(s.reason).decode(),
+                 bool(s.on_copy), s.ahead, s.next, s.cpu_seconds)
+
+
 def _method_name(method):
     return (lib.dls_method_name(method) or b"").decode()
 
 
+_NO_LIMIT = 1e9  # seconds
 _PACED = ctypes.cast(lib.dls_progress_paced, ctypes.c_void_p).value
 
 
@@ -163,9 +183,16 @@ def find_method(name):
     return _find(lib.dls_method_find, "method", name)
 
 
+def _text(name, value):
+    """Returns a C string."""
+    if not isinstance(value, str) or "\0" in value:
+        raise ValueError(f"{name} is no text: {value!r}")
+    return ctypes.create_string_buffer(value.encode())
+
+
 def solve_problem(problem, method="auto", tol=None, max_iterations=None, cpu_seconds=None, r0=None,
                   acceleration=None, facets=None, positive_definite=None, history=False,
-                  progress=None, threads=None, body=None):
+                  progress=None, threads=None, plan=None, without=None, timed=False, body=None):
     """Solves a dls_contact; the arguments are those of solve(). body: (reduction, mu, x), whose
     dls_reduction_solve is called instead and fills x."""
     settings = structs["dls_solver_settings"]()
@@ -177,6 +204,11 @@ def solve_problem(problem, method="auto", tol=None, max_iterations=None, cpu_sec
         settings.facets = whole("facets", facets)
     if positive_definite is not None:
         settings.positive_definite = whole("positive_definite", positive_definite)
+    words = [_text(*one) if one[1] is not None else None
+             for one in (("plan", plan), ("without", without))]
+    settings.plan, settings.without = [word and ctypes.addressof(word) for word in words]
+    if timed and cpu_seconds is None:
+        cpu_seconds = _NO_LIMIT  # a limit asks for the clock
     watch = Watch(history, progress)
     m = problem.d * problem.nc
     r = np.zeros(m) if r0 is None else vector("r0", r0, m, problem.d).copy()
@@ -247,6 +279,9 @@ def solve(W, q, mu, d=None, **options):
     method="auto" (or "nlgs", "lemke", "newton", "admm", ...), tol=1e-8, max_iterations,
     cpu_seconds, r0 (a start), acceleration="anderson" (nlgs), facets, positive_definite,
     history=True, progress=function of a Progress, which cancels by returning True, threads.
+
+    Of auto: plan="sweeps:30,newton,homotopy", steps in place of its own (delassus/solve.h);
+    without="homotopy,scatter", steps left out; timed=True, the CPU of each stage.
 
     Raises Error for wrong data; a solve that stops early has solution.solved == False.
     """

@@ -1,0 +1,424 @@
+/* test_plans.c: what auto reports of its steps; plans and steps left out that a caller names. */
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delassus/solve.h"
+#include "failures.h"
+#include "front_cases.h"
+#include "malloc_fails.h"
+#include "rigid.h"
+#include "run.h"
+
+enum { nc = 30, m = 3 * PLANTED };
+
+static planted_problem storage;
+static double r[m];
+
+/* A problem that no sweeps solve, and Newton's method only now and then. */
+static dls_contact hard(void) {
+  return planted(&storage, 2, nc, nc, 3, 2);
+}
+
+static dls_solver_settings given(const char *plan, const char *without) {
+  dls_solver_settings s;
+  dls_solver_settings_init(&s);
+  s.plan = plan;
+  s.without = without;
+  return s;
+}
+
+static dls_info solve_with(const dls_contact *p, const dls_solver_settings *s) {
+  dls_info info;
+  ck_assert_int_ge(dls_solve(p, s, r, NULL, &info, NULL), 0);
+  return info;
+}
+
+static int has_step(const dls_info *info, dls_step step) {
+  for (int k = 0; k < info->stages; k++)
+    if (info->stage[k].step == step) return 1;
+  return 0;
+}
+
+/* The last step is solved iff the solve is, no other one; a forecast has its two numbers. */
+static void check_reasons(const dls_info *info) {
+  for (int k = 0; k < info->stages; k++) {
+    const dls_stage *s = &info->stage[k];
+    ck_assert_ptr_nonnull(dls_step_name(s->step));
+    ck_assert_ptr_nonnull(dls_reason_text(s->reason));
+    if (s->reason == DLS_REASON_COSTLIER)
+      ck_assert(s->ahead > s->next && s->next > 0);
+    else
+      ck_assert(s->ahead == 0 && s->next == 0);
+  }
+  const dls_reason last = info->stage[info->stages - 1].reason;
+  ck_assert_int_eq(last == DLS_REASON_SOLVED, info->status == DLS_OK);
+}
+
+START_TEST(steps_have_names_and_reasons) {
+  for (int k = 0; k < 12; k++) {
+    const dls_contact p = planted_case(&storage, k);
+    const dls_info info = solve_auto(&p, 1e-10, r);
+    check_reasons(&info);
+    ck_assert_int_eq(info.regime, DLS_REGIME_ELASTIC);
+    ck_assert_int_eq(info.stage[0].step, DLS_STEP_ANDERSON);
+    ck_assert(info.stage[0].reason != DLS_REASON_SOLVED || info.stages == 1);
+    for (int i = 0; i < info.stages; i++)
+      ck_assert(info.stage[i].cpu_seconds == 0); /* nobody asks: no clock is read */
+  }
+}
+END_TEST
+
+/* Words that the steps go by are distinct and without gaps; a plan takes all but two. */
+START_TEST(words) {
+  int count = 0;
+  const dls_contact p = hard();
+  for (; dls_step_name((dls_step)count); count++) {
+    const char *name = dls_step_name((dls_step)count);
+    const dls_solver_settings s = given(name, NULL), less = given(NULL, name);
+    const int no_word = count == DLS_STEP_INTERIOR || count == DLS_STEP_ON_K;
+    dls_info info;
+    const dls_status status = dls_solve(&p, &s, r, NULL, &info, NULL);
+    ck_assert_int_eq(status == DLS_E_ARGUMENT, no_word);
+    if (!no_word) ck_assert_int_eq(info.stages, 1);
+    if (!no_word) ck_assert_int_eq(info.regime, DLS_REGIME_GIVEN);
+    if (!no_word && count != DLS_STEP_SWEEPS) ck_assert_int_eq((int)info.stage[0].step, count);
+    ck_assert_int_eq(dls_solve(&p, &less, r, NULL, &info, NULL) == DLS_E_ARGUMENT, no_word);
+    if (!no_word) ck_assert(!has_step(&info, (dls_step)count));
+    for (int k = 0; k < count; k++)
+      ck_assert_str_ne(dls_step_name((dls_step)k), name);
+  }
+  ck_assert_int_eq(count, DLS_STEP_ON_K + 1);
+  ck_assert_ptr_null(dls_step_name((dls_step)-1));
+  for (count = 0; dls_reason_text((dls_reason)count); count++)
+    for (int k = 0; k < count; k++)
+      ck_assert_str_ne(dls_reason_text((dls_reason)k), dls_reason_text((dls_reason)count));
+  ck_assert_int_eq(count, DLS_REASON_RUNS_AWAY + 1);
+  for (count = 0; dls_regime_name((dls_regime)count); count++) {
+  }
+  ck_assert_int_eq(count, DLS_REGIME_GIVEN + 1);
+}
+END_TEST
+
+/* The steps are those of the plan, in its order, with its iterations, until one solves. */
+START_TEST(a_plan_is_followed) {
+  const dls_contact p = hard();
+  const dls_solver_settings s = given("sweeps:30, newton:2 ,momentum:7,anderson:3", NULL);
+  static const dls_step steps[] = {DLS_STEP_ANDERSON, DLS_STEP_NEWTON, DLS_STEP_MOMENTUM,
+                                   DLS_STEP_ANDERSON};
+  static const int most[] = {30, 2, 7, 3};
+  const dls_info info = solve_with(&p, &s);
+  ck_assert_int_eq(info.stages, 4);
+  for (int k = 0; k < 4; k++) {
+    ck_assert_int_eq(info.stage[k].step, steps[k]);
+    ck_assert_int_eq(info.stage[k].iterations, most[k]);
+    ck_assert_int_eq(info.stage[k].reason, DLS_REASON_SPENT);
+  }
+  ck_assert_int_eq(info.status, DLS_STALLED);
+}
+END_TEST
+
+/* The last step of a plan has no forecast; one before it has. */
+/* An answer whose reactions may have a large error is made better by auto, and told by a plan. */
+START_TEST(a_plan_is_followed_once) {
+  failure f; /* an answer of residual 1e-8 has reactions to 1e-3 */
+  char why[200];
+  ck_assert_msg(failure_read(TEST_DATA "/failures", "c25-unsymmetric", &f, why), "%s", why);
+  const dls_contact p = failure_contact(&f);
+  const dls_solver_settings s = given("scatter", NULL);
+  const dls_info info = solve_with(&p, &s);
+  ck_assert(info.status == DLS_OK && info.error > 1e-4);
+  ck_assert_int_eq(info.stages, 1);
+}
+END_TEST
+
+START_TEST(forecasts_in_a_plan) {
+  const dls_contact p = hard();
+  const dls_solver_settings one = given("anderson", NULL), two = given("anderson,newton:1", NULL);
+  const dls_info alone = solve_with(&p, &one), both = solve_with(&p, &two);
+  ck_assert_int_eq(both.stage[0].reason, DLS_REASON_COSTLIER);
+  ck_assert(both.stage[0].ahead > both.stage[0].next);
+  ck_assert_int_gt(alone.stage[0].iterations, both.stage[0].iterations);
+  ck_assert_int_ne(alone.stage[0].reason, DLS_REASON_COSTLIER);
+}
+END_TEST
+
+/* A plan less a step is the plan without the word; one that names every step takes none. */
+START_TEST(a_plan_less_a_step) {
+  const dls_contact p = hard();
+  const dls_solver_settings whole = given("anderson:9,newton:3", NULL);
+  const dls_solver_settings less = given("anderson:9,splitting:4,newton:3", "splitting");
+  const dls_solver_settings none = given("sweeps:9", "sweeps");
+  const dls_info a = solve_with(&p, &whole), b = solve_with(&p, &less), c = solve_with(&p, &none);
+  same_stages(&a, &b);
+  ck_assert(a.certificate.residual == b.certificate.residual);
+  ck_assert_int_eq(c.stages, 0);
+  ck_assert_int_eq(c.status, DLS_STALLED);
+}
+END_TEST
+
+/* Auto's own plans without one of the steps that it takes: the others as before, up to there. */
+START_TEST(without_a_step) {
+  const dls_contact p = hard();
+  const dls_solver_settings own = given(NULL, NULL);
+  const dls_info all = solve_with(&p, &own);
+  ck_assert_int_ge(all.stages, 3);
+  for (int k = 0; k < all.stages; k++) {
+    const dls_solver_settings less = given(NULL, dls_step_name(all.stage[k].step));
+    const dls_info info = solve_with(&p, &less);
+    ck_assert(!has_step(&info, all.stage[k].step));
+    for (int i = 0; i < k && i < info.stages && all.stage[i].step != all.stage[k].step; i++)
+      ck_assert_int_eq(info.stage[i].step, all.stage[i].step);
+  }
+}
+END_TEST
+
+/* Errors name the setting, the word and the right ones; r and info stay. */
+START_TEST(wrong_words) {
+  static const struct {
+    const char *plan, *without, *says;
+  } wrong[] = {{"sweeps,newtn", NULL, "'newtn' is no step: sweeps anderson"},
+               {"", NULL, "'' is no step"},
+               {"newton,", NULL, "'' is no step"},
+               {"interior-point", NULL, "'interior-point' is no step"},
+               {"sweeps:0", NULL, "whole number >= 1"},
+               {"sweeps:", NULL, "whole number >= 1"},
+               {"sweeps:-3", NULL, "whole number >= 1"},
+               {"sweeps:99999999999999999999", NULL, "whole number >= 1"},
+               {"sweeps:3x", NULL, "a comma ends a step"},
+               {"sweeps newton", NULL, "a comma ends a step"},
+               {NULL, "homotopy:3", "takes no iterations"},
+               {NULL, "Homotopy", "'Homotopy' is no step"},
+               {NULL, "", "'' is no step"},
+               {"newton", "scater", "'scater' is no step"}};
+  const dls_contact p = hard();
+  for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
+    const dls_solver_settings s = given(wrong[k].plan, wrong[k].without);
+    dls_error error = {0};
+    dls_info info = {.stages = -7};
+    dls_solver *solver;
+    r[0] = -7;
+    ck_assert_int_eq(dls_solve(&p, &s, r, NULL, &info, &error), DLS_E_ARGUMENT);
+    ck_assert_msg(strstr(error.message, wrong[k].says), "%s", error.message);
+    if (strstr(wrong[k].says, "no step"))
+      ck_assert_msg(strstr(error.message, "scatter"), "%s", error.message);
+    ck_assert_str_eq(error.argument, wrong[k].without ? "without" : "plan");
+    ck_assert(r[0] == -7 && info.stages == -7);
+    ck_assert_int_eq(dls_solver_create(&solver, 2, nc, &s, NULL), DLS_E_ARGUMENT);
+    ck_assert_ptr_null(solver);
+  }
+  dls_solver_settings s = given("newton", NULL);
+  dls_error error = {0};
+  s.method = DLS_NLGS;
+  ck_assert_int_eq(dls_solve(&p, &s, r, NULL, NULL, &error), DLS_E_ARGUMENT);
+  ck_assert(strstr(error.message, "is for auto") && strcmp(error.argument, "plan") == 0);
+  char many[500] = "lemke";
+  for (int k = 0; k < DLS_STAGES_MAX; k++)
+    strcat(many, ",lemke");
+  s = given(many, NULL);
+  ck_assert_int_eq(dls_solve(&p, &s, r, NULL, NULL, &error), DLS_E_ARGUMENT);
+  ck_assert_ptr_nonnull(strstr(error.message, "more than 40 steps"));
+}
+END_TEST
+
+/* A solver keeps no pointer to the words, solves the same again, and unwinds without memory. */
+START_TEST(words_are_read_once) {
+  const dls_contact p = hard();
+  char plan[] = "anderson:4,newton:2", without[] = "scatter";
+  const dls_solver_settings s = given(plan, without);
+  dls_solver *solver;
+  dls_status status = DLS_E_MEMORY;
+  for (long k = 1; status; k++) {
+    malloc_fails_at(k);
+    status = dls_solver_create(&solver, 2, nc, &s, NULL);
+    malloc_fails_at(0);
+    ck_assert(status == DLS_OK || (status == DLS_E_MEMORY && !solver));
+  }
+  memset(plan, 'x', sizeof plan);
+  memset(without, 'x', sizeof without);
+  dls_info info[2];
+  malloc_fails_at(0);
+  status = dls_solver_solve(solver, &p, r, NULL, &info[0], NULL);
+  const dls_status again = dls_solver_solve(solver, &p, r, NULL, &info[1], NULL);
+  const long calls = malloc_calls(); /* Check allocates, too */
+  ck_assert(status == DLS_STALLED && again == DLS_STALLED && calls == 0);
+  same_stages(&info[0], &info[1]);
+  ck_assert_int_eq(info[0].stages, 2);
+  dls_solver_destroy(solver);
+}
+END_TEST
+
+/* Steps that cannot be taken leave a line, and the plan goes on. */
+START_TEST(not_applicable) {
+  dls_contact p = hard();
+  dls_solver_settings s = given("convex,anderson:3", NULL);
+  dls_info info = solve_with(&p, &s);
+  ck_assert_int_eq(info.stages, 2);
+  ck_assert_int_eq(info.stage[0].step, DLS_STEP_CONVEX);
+  ck_assert_int_eq(info.stage[0].reason, DLS_REASON_NOT_APPLICABLE);
+  ck_assert_int_eq(info.stage[0].iterations, 0);
+  ck_assert_int_eq(info.stage[1].iterations, 3);
+  storage.mu[4] = INFINITY;
+  s = given("lemke,homotopy,scatter,anderson:2", NULL);
+  info = solve_with(&p, &s);
+  ck_assert_int_eq(info.stages, 4);
+  for (int k = 0; k < 3; k++)
+    ck_assert_int_eq(info.stage[k].reason, DLS_REASON_NOT_APPLICABLE);
+}
+END_TEST
+
+static int cancel(void *data, const dls_progress *progress) {
+  (void)data;
+  return progress->iteration >= 3;
+}
+
+START_TEST(limits_of_the_caller) {
+  const dls_contact p = hard();
+  dls_solver_settings s = given(NULL, NULL);
+  s.limits.max_iterations = 12;
+  dls_info info = solve_with(&p, &s);
+  ck_assert_int_eq(info.status, DLS_MAX_ITERATIONS);
+  ck_assert_int_eq(info.stage[info.stages - 1].reason, DLS_REASON_ITERATIONS);
+  s = given(NULL, NULL);
+  s.limits.cpu_seconds = 1e-9;
+  info = solve_with(&p, &s);
+  ck_assert_int_eq(info.status, DLS_TIME_LIMIT);
+  ck_assert_int_eq(info.stage[info.stages - 1].reason, DLS_REASON_TIME);
+  s = given(NULL, NULL);
+  s.limits.progress = cancel;
+  info = solve_with(&p, &s);
+  ck_assert_int_eq(info.status, DLS_CANCELLED);
+  ck_assert_int_eq(info.stage[info.stages - 1].reason, DLS_REASON_CANCELLED);
+  ck_assert_int_eq(info.stage[info.stages - 1].iterations, 3);
+}
+END_TEST
+
+/* Candidate 7 cannot be pushed up. A plan proves it, too, and hands out the proof. */
+START_TEST(proofs) {
+  dls_contact p = hard();
+  const int row = 2 * 7;
+  for (int j = 0; j < 2 * nc; j++)
+    storage.W[row + 2 * nc * j] = storage.W[j + 2 * nc * row] = 0;
+  storage.q[row] = -1;
+  for (int k = 0; k < 2; k++) {
+    const dls_solver_settings s = given(k ? "anderson:3,lemke" : NULL, NULL);
+    dls_solver *solver;
+    dls_info info;
+    ck_assert_int_eq(dls_solver_create(&solver, 2, nc, &s, NULL), DLS_OK);
+    ck_assert_int_eq(dls_solver_solve(solver, &p, r, NULL, &info, NULL), DLS_NO_SOLUTION);
+    ck_assert_int_eq(info.stage[info.stages - 1].step, DLS_STEP_LEMKE);
+    ck_assert_int_eq(info.stage[info.stages - 1].reason, DLS_REASON_NO_SOLUTION);
+    const double *v = dls_solver_farkas(solver);
+    ck_assert(v && v[7] > 0);
+    dls_solver_destroy(solver);
+  }
+}
+END_TEST
+
+/* A limit of time asks for the clock. */
+START_TEST(seconds_of_each_step) {
+  const dls_contact p = hard();
+  dls_solver_settings s = given(NULL, NULL);
+  double all = 0;
+  s.limits.cpu_seconds = 1e3;
+  const dls_info info = solve_with(&p, &s);
+  for (int k = 0; k < info.stages; k++) {
+    ck_assert(info.stage[k].cpu_seconds >= 0);
+    all += info.stage[k].cpu_seconds;
+  }
+  ck_assert(all > 0 && all < 1e3);
+}
+END_TEST
+
+/* Rigid bodies: momentum has its name, structures at rest are convex, and say so. */
+START_TEST(names_of_what_ran) {
+  static const struct {
+    const char *kind;
+    int candidates;
+    dls_regime regime;
+    dls_step step;
+    int at_rest;
+  } of[] = {{"packing-flow", 300, DLS_REGIME_TIGHT, DLS_STEP_MOMENTUM, 0},
+            {"packing-flow", 80, DLS_REGIME_FEW, DLS_STEP_ANDERSON, 0},
+            {"chain", 2000, DLS_REGIME_TIGHT, DLS_STEP_CONVEX, 1},
+            {"wall-pushed", 300, DLS_REGIME_PACKING, DLS_STEP_ANDERSON, 1}};
+  rigid a;
+  dls_info info;
+  ck_assert_int_eq(rigid_create(&a, of[_i].kind, of[_i].candidates, 0.5, 2), 0);
+  double *x = calloc((size_t)(a.d * a.contact.nc), sizeof *x);
+  ck_assert_ptr_nonnull(x);
+  ck_assert_int_ge(dls_solve(&a.contact, NULL, x, NULL, &info, NULL), 0);
+  ck_assert_int_eq(info.regime, of[_i].regime);
+  ck_assert_int_eq(info.at_rest, of[_i].at_rest);
+  if (WITH_MUMPS) ck_assert(has_step(&info, of[_i].step));
+  const dls_solver_settings s = given("sweeps:10", NULL);
+  ck_assert_int_ge(dls_solve(&a.contact, &s, x, NULL, &info, NULL), 0);
+  ck_assert_int_eq(info.stage[0].step,
+                   of[_i].regime == DLS_REGIME_TIGHT ? DLS_STEP_MOMENTUM : DLS_STEP_ANDERSON);
+  ck_assert_int_eq(info.stage[0].iterations, 10);
+  free(x);
+  rigid_free(&a);
+}
+END_TEST
+
+/* Each problem of a batch follows the plan, none goes into lanes. */
+START_TEST(batches) {
+  static const double W[] = {2, 0.5, 0.5, 1}, q[] = {-1, 0.3}, mu[] = {0.4};
+  const dls_contact one = {.d = 2, .nc = 1, .W = {2, 2, 2, W}, .q = q, .mu = mu};
+  const dls_contact all[] = {one, one};
+  const dls_solver_settings s = given("newton", NULL);
+  double x[4];
+  double *const to[] = {x, x + 2};
+  dls_info info[2];
+  ck_assert_int_eq(dls_solve_batch(2, all, &s, to, NULL, info, NULL), DLS_OK);
+  for (int k = 0; k < 2; k++)
+    ck_assert(info[k].stages == 1 && info[k].stage[0].step == DLS_STEP_NEWTON);
+}
+END_TEST
+
+START_TEST(in_words) {
+  const dls_contact p = hard();
+  dls_solver_settings s = given(NULL, NULL);
+  s.limits.cpu_seconds = 1e3;
+  dls_info info = solve_with(&p, &s);
+  char text[4000], cut[40];
+  const size_t length = dls_explain(&info, text, sizeof text);
+  ck_assert_uint_eq(length, strlen(text));
+  ck_assert(strncmp(text, "regime elastic (W is dense, 30 candidates)", 42) == 0);
+  int lines = 0;
+  for (const char *at = text; (at = strchr(at, '\n')); at++)
+    lines++;
+  ck_assert_int_eq(lines, info.stages + 2);
+  for (int k = 0; k < info.stages; k++) {
+    ck_assert_ptr_nonnull(strstr(text, dls_step_name(info.stage[k].step)));
+    ck_assert_ptr_nonnull(strstr(text, dls_reason_text(info.stage[k].reason)));
+  }
+  ck_assert_ptr_nonnull(strstr(text, "s of CPU"));
+  ck_assert_int_eq(info.stage[0].reason, DLS_REASON_COSTLIER);
+  ck_assert_ptr_nonnull(strstr(text, "the next step (")); /* and the forecast */
+  ck_assert(strstr(text, " more sweeps foreseen, ") || strstr(text, "no end foreseen, "));
+  ck_assert_uint_eq(dls_explain(&info, cut, sizeof cut), length);
+  ck_assert_int_eq(strncmp(cut, text, sizeof cut - 1), 0);
+  ck_assert_uint_eq(strlen(cut), sizeof cut - 1);
+  ck_assert_uint_eq(dls_explain(&info, NULL, 0), length);
+  ck_assert_uint_eq(dls_explain(NULL, cut, sizeof cut), 0);
+  ck_assert_str_eq(cut, "");
+  s = given("newton:1", NULL);
+  info = solve_with(&p, &s);
+  dls_explain(&info, text, sizeof text);
+  ck_assert(strstr(text, "the plan is the caller's") && !strstr(text, "s of CPU"));
+  info.method = DLS_NLGS;
+  dls_explain(&info, text, sizeof text);
+  ck_assert(strncmp(text, "nlgs alone", 10) == 0);
+}
+END_TEST
+
+int main(void) {
+  return RUN("plans", NULL, NULL, ONCE(steps_have_names_and_reasons), ONCE(words),
+             ONCE(a_plan_is_followed), ONCE(a_plan_is_followed_once), ONCE(forecasts_in_a_plan),
+             ONCE(a_plan_less_a_step), ONCE(without_a_step), ONCE(wrong_words),
+             ONCE(words_are_read_once), ONCE(not_applicable), ONCE(limits_of_the_caller),
+             ONCE(proofs), ONCE(seconds_of_each_step), EACH(names_of_what_ran, 0, 4), ONCE(batches),
+             ONCE(in_words));
+}
