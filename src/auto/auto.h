@@ -49,13 +49,13 @@ typedef enum step_flags {
 typedef struct step {
   part part;
   unsigned flags; /* of step_flags */
+  int most;       /* iterations; 0: those of its kind */
 } step;
 
 /* What the caller has named: dls_solver_settings.plan, .without. */
 typedef struct dlsi_auto_given {
   int steps;                     /* of the plan; 0: it is auto's own */
   step step[DLS_STAGES_MAX + 1]; /* ends with END */
-  int most[DLS_STAGES_MAX];      /* iterations of each; 0: as auto */
   unsigned without;              /* bit k: part k is left out */
 } dlsi_auto_given;
 
@@ -244,7 +244,7 @@ static inline int dlsi_auto_is_left_out(const dlsi_auto *work, part k) {
 dls_status dlsi_auto_follow(dlsi_auto *work, const step *plan, dls_error *error);
 
 /* Takes one step: its line in the report, and best := r if that is better. */
-dls_status dlsi_auto_take_step(dlsi_auto *work, part k, unsigned flags, dls_error *error);
+dls_status dlsi_auto_take_step(dlsi_auto *work, step s, dls_error *error);
 
 dls_status dlsi_auto_create_part(dlsi_auto *work, part k, dls_error *error);
 part dlsi_auto_home_of(part k); /* the part whose workspace part k takes */

@@ -39,7 +39,8 @@ dls_status dlsi_auto_judge(dlsi_auto *work, dls_error *error) {
     const int found = dlsi_contact_find_states(problem, &work->options.limits, work->begun, work->r,
                                                work->best, &work->info.certificate);
     if (dlsi_clock_is_over(&work->options.limits, work->begun)) return DLS_TIME_LIMIT;
-    const dls_status status = found ? dlsi_auto_take_step(work, NEWTON, 0, error) : DLS_STALLED;
+    const dls_status status =
+        found ? dlsi_auto_take_step(work, (step){NEWTON, 0, 0}, error) : DLS_STALLED;
     if (status < 0) return status;
     if (dls_certificate_holds(&work->info.certificate, tol)) return DLS_OK;
     if (found) return DLS_STALLED;
