@@ -2,8 +2,8 @@
  * states_matrix.c: the matrix of a contact problem whose states are chosen.
  *
  * With the states, the laws are equations for the reactions r that are not zero. To first order
- * dr = E y, and the equations are rows R of u = W r + q. Per contact, with t the direction of r_t,
- * and p = t turned by 90 degrees (d = 3):
+ * dr = E y, and the equations are rows R of u = W r + q. Per contact, with t the direction of r_t
+ * (of -u_t where r_t = 0), and p = t turned by 90 degrees (d = 3):
  *
  *   (SM1)  free           no unknown                  r = 0
  *          stick          E = R = 1                   u = 0
@@ -64,12 +64,12 @@ static dlsi_branch branch_of(int d, double mu, dls_contact_state state, const do
   b.count = state == DLS_STICK && mu > 0 ? (short)d : 1;
   if (b.count > 1 || d == 1) return b;
   b.state = DLS_SLIP;
-  const double t = dlsi_tangent_norm(d, r);
-  if (!(mu > 0 && t > 0)) return b;
-  b.count = (short)(d - 1);
-  for (int i = 1; i < d; i++)
-    b.t[i - 1] = r[i] / t;
-  b.l = d == 3 ? dlsi_tangent_norm(d, u) / t : 0;
+  const double t = dlsi_tangent_norm(d, r), slip = dlsi_tangent_norm(d, u);
+  for (int i = 1; mu > 0 && (t > 0 || slip > 0) && i < d; i++)
+    b.t[i - 1] = t > 0 ? r[i] / t : -u[i] / slip;
+  if (!(d == 3 && mu > 0 && t > 0)) return b; /* l = INFINITY: nothing along p */
+  b.count = 2;
+  b.l = slip / t;
   return b;
 }
 
