@@ -144,9 +144,7 @@ static void sensitivity_measure(sensitivity_work *work, const dls_certificate *c
 
 /* ---- prediction ------------------------------------------------------------------------------ */
 
-/* Factors A (n x n, its diagonal scaled to 1) by pivots on its diagonal, the largest one first:
- * order (n) receives them. Returns 0, early, where what is left is rounding. */
-static int prediction_factor(int n, double *A, int *order) {
+int dlsi_pivot_diagonal(int n, double *A, double least, int *order) {
   double first = 0;
   for (int k = 0; k < n; k++)
     order[k] = k;
@@ -159,7 +157,7 @@ static int prediction_factor(int n, double *A, int *order) {
     order[k] = pivot;
     const double a = A[pivot * (n + 1)];
     if (k == 0) first = fabs(a);
-    if (!(fabs(a) > 4 * n * DBL_EPSILON * first)) return 0;
+    if (!(fabs(a) > least * first)) return k;
     for (int l = k + 1; l < n; l++) {
       double *column = A + (size_t)order[l] * (size_t)n;
       const double factor = column[pivot] / a;
@@ -169,7 +167,7 @@ static int prediction_factor(int n, double *A, int *order) {
         column[order[i]] -= by[order[i]] * factor;
     }
   }
-  return 1;
+  return n;
 }
 
 /* y := A^-1 y by those factors. */
@@ -213,7 +211,9 @@ static int prediction_step(sensitivity_work *work, const unsigned char *slips, d
   const size_t n = (size_t)work->rows;
   if (n == 0) return 1;
   sensitivity_fill(work, -1, 0, J, y); /* no roots: units of two keep all bits */
-  if (dlsi_first_not_finite(J, n * n) >= 0 || !prediction_factor(work->rows, J, order)) return 0;
+  if (dlsi_first_not_finite(J, n * n) >= 0 ||
+      dlsi_pivot_diagonal((int)n, J, 4 * (double)n * DBL_EPSILON, order) < (int)n)
+    return 0;
   dlsi_branches_rows(problem->d, problem->nc, work->branch, work->u, x);
   for (size_t j = 0; j < n; j++)
     y[j] *= x[j];
