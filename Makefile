@@ -157,6 +157,7 @@ help:
 	@echo 'make bench-bodies    rigid bodies as W = H^T H beside W by blocks, one and two threads'
 	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
 	@echo 'make bench-steps     a batch of small problems; a load path, warm beside cold'
+	@echo 'make bench-prove     proved share of answers, cost of a proof; FCLIB=DIR'
 	@echo 'make bench-trust     predicted error of an answer beside the true one'
 	@echo 'make MPI=1       libdelassus-mpi and delassus-mpi, too; MPI=1 check-mpi, MPI=1 bench-mpi'
 	@echo 'make clean'
@@ -485,6 +486,7 @@ $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
 $(BUILD)/bench/steps: $(call bench_obj,steps) $(A)
 $(BUILD)/bench/problems: $(call obj,bench/problems.c bench/common.c bench/solvers_scenes.c) $(FE) $(A)
 $(BUILD)/bench/trust: $(call bench_obj,trust) $(call obj,bench/solvers_scenes.c) $(FE) $(A)
+$(BUILD)/bench/prove: $(call bench_obj,prove) $(call obj,bench/solvers_scenes.c) $(FE) $(A)
 $(BUILD)/bench/lemke $(BUILD)/bench/solvers $(BUILD)/bench/scale $(BUILD)/bench/regret: PEER_LIBS = -lsiconos_numerics
 $(BUILD)/bench/reduction: PEER_LIBS = -lcholmod -lumfpack
 $(BUILD)/bench/%:
@@ -517,7 +519,10 @@ bench-blocks: $(BUILD)/bench/blocks
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks --out $(RESULTS)
 bench-steps: $(BUILD)/bench/steps
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/steps --out $(RESULTS)
-.PHONY: bench-trust bench-steps bench-regret
+.PHONY: bench-trust bench-prove bench-steps bench-regret
+FCLIB ?= data/fclib
+bench-prove: $(BUILD)/bench/prove
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/prove --out $(RESULTS) $(FCLIB)
 bench-trust: $(BUILD)/bench/trust
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/trust --out $(RESULTS)
 

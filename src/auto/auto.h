@@ -290,6 +290,10 @@ void dlsi_auto_put_among_all(const dlsi_auto *work, const double *r, double *all
  * an error. */
 dls_status dlsi_auto_judge(dlsi_auto *work, dls_error *error);
 
+/* Where `status` is DLS_STALLED or DLS_NO_SOLUTION_LIKELY: tries to prove the best r. If that
+ * succeeds the best r is the improved one, and the status DLS_OK or DLS_TO_ROUNDING. */
+dls_status dlsi_auto_prove(dlsi_auto *work, const dls_contact *problem, dls_status status);
+
 dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, int is_asked, dls_error *error);
 void dlsi_auto_look_for_others(dlsi_auto *work, const double *r); /* ambiguous, unique */
 

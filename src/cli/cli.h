@@ -194,6 +194,12 @@ int is_solved(dls_status status);
  * error is above 1e-4, or "not solved: WHY". info: of a contact problem; or NULL. */
 void print_ending(dls_status status, const dls_info *info);
 
+/* Writes what a proof shows of an answer into text (size); returns text. */
+const char *proof_words(const dls_proof *proof, char *text, size_t size);
+
+/* Prints the last line of a solve whose answer a proof has looked at. */
+void print_proved(const dls_proof *proof);
+
 /* Does the same for a command of many solves, by its exit status; why: of EXIT_NOT_SOLVED. Returns
  * the exit status: after Ctrl-C, EXIT_NOT_SOLVED. */
 int end_command(int result, const char *why);
@@ -291,7 +297,9 @@ typedef struct outcome {
   int as_printed;                /* 1: by jean_sweeps */
   verdict verdict;               /* of solve */
   int proof;                     /* 1: with its vectors */
-  unsettled unsettled;           /* of solve, where nothing else is said */
+  int prove;                     /* of solve, 1: `proved` is known */
+  dls_proof proved;
+  unsettled unsettled; /* of solve, where nothing else is said */
 } outcome;
 
 const char *method_word(const outcome *outcome);

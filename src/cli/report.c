@@ -84,6 +84,30 @@ void print_ending(dls_status status, const dls_info *info) {
   print_last_line(is_solved(status) ? NULL : *why ? why : dls_status_text(status), how_well);
 }
 
+const char *proof_words(const dls_proof *proof, char *text, size_t size) {
+  static const char *const words[] = {
+      [DLS_FREE] = "free", [DLS_SLIP] = "slip", [DLS_STICK] = "stick"};
+  if (proof->kind == DLS_PROVED && proof->radius == 0)
+    (void)snprintf(text, size, "proved: reactions exact");
+  else if (proof->kind == DLS_PROVED)
+    (void)snprintf(text, size, "proved: reactions within %.0e", proof->radius);
+  else if (proof->kind == DLS_PROVED_POSITIONS)
+    (void)snprintf(text, size, "proved: positions within %.0e; reactions have %d self-stress%s",
+                   proof->radius_u, proof->freedom, proof->freedom > 1 ? "es" : "");
+  else if (proof->border)
+    (void)snprintf(text, size, "not proved: contact %d is at the border between %s and %s",
+                   proof->contact, words[proof->state], words[proof->other]);
+  else
+    (void)snprintf(text, size, "not proved");
+  return text;
+}
+
+void print_proved(const dls_proof *proof) {
+  char room[120], words[130];
+  (void)snprintf(words, sizeof words, " (%s)", proof_words(proof, room, sizeof room));
+  print_last_line(NULL, words);
+}
+
 int end_command(int result, const char *why) {
   if (result == EXIT_BAD_INPUT) return result;
   if (interrupted) {
@@ -319,6 +343,13 @@ void print_json(FILE *out, const outcome *o) {
   print_json_field(out, "cone_violation", c->cone_violation);
   print_json_field(out, "slip_direction", c->slip_direction);
   print_json_field(out, "complementarity", c->complementarity);
+  if (o->prove) {
+    char words[120];
+    fputs(",\n  \"proof\": ", out);
+    print_json_string(out, proof_words(&o->proved, words, sizeof words));
+    print_json_field(out, "radius", o->proved.kind ? o->proved.radius : NAN);
+    print_json_field(out, "radius_u", o->proved.kind ? o->proved.radius_u : NAN);
+  }
   if (o->scene) {
     print_json_field(out, "resultant_t", o->Rt);
     print_json_field(out, "resultant_n", o->Rn);

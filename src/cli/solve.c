@@ -8,12 +8,12 @@
 #include "cli.h"
 #include "matrices.h"
 
-enum { KEY_PRINT = KEY_ON + 1, KEY_CSV, KEY_PLAN, KEY_WITHOUT, KEY_EXPLAIN };
+enum { KEY_PRINT = KEY_ON + 1, KEY_CSV, KEY_PLAN, KEY_WITHOUT, KEY_EXPLAIN, KEY_PROVE };
 
 typedef struct solve_options {
   solver_options solver;
   matrix_options matrices;
-  int lcp, json, proof, print, explain;
+  int lcp, json, proof, prove, print, explain;
   const char *out, *csv, *history, *plot; /* NULL: none */
 } solve_options;
 
@@ -57,6 +57,7 @@ static void solve_usage(FILE *out) {
       "  -p, --proof           print the vectors behind a verdict without an answer: the proof "
       "that\n"
       "                        there is no solution, the ray along which the unknowns run away\n"
+      "      --prove           prove the answer: improve r and bound its error, on W\n"
       "  -l, --lcp             the files hold M and q of an LCP\n" LAST_USAGE,
       out);
 }
@@ -185,6 +186,15 @@ static int print_outcome(const char *path, const problem *p, const outcome *o, i
   return 1;
 }
 
+/* Proves an answer on W: r, u, x (or NULL) := the improved ones. */
+static dls_status prove(problem *p, outcome *o, double *r, double *u, double *x, dls_error *error) {
+  dls_status status = dls_contact_prove(&p->contact, r, &o->proved, r, error);
+  if (!status && o->proved.kind)
+    status = dls_contact_certify(&p->contact, r, u, &o->info.certificate, error);
+  if (!status && x && o->proved.kind) status = dls_reduction_recover(p->reduction, r, x, error);
+  return status;
+}
+
 /* Solves the problem in a file or, where options name matrices, of these. */
 static int solve_contact(const char *path, const solve_options *options) {
   problem p = {0};
@@ -195,7 +205,8 @@ static int solve_contact(const char *path, const solve_options *options) {
   int loaded;
   matrix_options matrices = options->matrices;
   const dls_solver_settings *asked = &options->solver.settings;
-  if ((asked->method != DLS_AUTO || asked->plan || asked->without) && matrices.on != DLS_ON_K)
+  if ((options->prove || asked->method != DLS_AUTO || asked->plan || asked->without) &&
+      matrices.on != DLS_ON_K)
     matrices.on = DLS_ON_W;
   if (matrices_name(&matrices))
     loaded = matrices_load(&matrices, &p);
@@ -248,6 +259,11 @@ static int solve_contact(const char *path, const solve_options *options) {
     (void)complain_of(path, &error);
     goto end;
   }
+  o.prove = options->prove && is_solved(status) && !p.on_K;
+  if (o.prove && prove(&p, &o, r, u, x, &error)) {
+    (void)complain_of(path, &error);
+    goto end;
+  }
   o.proof = options->proof;
   o.verdict = (verdict){.rows = o.nc,
                         .stride = o.d,
@@ -277,7 +293,10 @@ static int solve_contact(const char *path, const solve_options *options) {
   }
   if (options->csv && !write_results(options->csv, &p, r, u, x, unsolved)) goto end;
   if (options->print && !print_results(&p, r, u, x)) goto end;
-  if (!options->json) print_ending(status, &o.info);
+  if (!options->json && o.prove)
+    print_proved(&o.proved);
+  else if (!options->json)
+    print_ending(status, &o.info);
   result = is_solved(status) ? EXIT_SOLVED : EXIT_NOT_SOLVED;
 end:
   dls_solver_destroy(solver);
@@ -419,8 +438,10 @@ static int solve_file(const char *path, const solve_options *options) {
     (void)complain("--plan, --without, --explain: are for contact problems");
   else if (s->facets)
     (void)complain("--facets: is for contact problems and lemke");
-  else if (options->print || options->csv)
-    (void)complain("--%s: is for contact problems", options->print ? "print" : "csv");
+  else if (options->print || options->csv || options->prove)
+    (void)complain("--%s: is for contact problems", options->print ? "print"
+                                                    : options->csv ? "csv"
+                                                                   : "prove");
   else if (dls_text_lcp(text, &n, &M, &q, NULL) == DLS_OK)
     result = solve_one_lcp(path, &(dls_lcp){n, {n, n, n, M}, q}, options);
   dls_text_destroy(text);
@@ -449,6 +470,8 @@ static taken take_solve_option(int key, const char *text, void *data) {
     o->lcp = 1;
   else if (key == 'p')
     o->proof = 1;
+  else if (key == KEY_PROVE)
+    o->prove = 1;
   else if (key == KEY_PRINT)
     o->print = 1;
   else if (key == KEY_CSV)
@@ -473,6 +496,7 @@ int command_solve(int argc, char **argv) {
                                           FLAG("json", 'j'),
                                           FLAG("lcp", 'l'),
                                           FLAG("proof", 'p'),
+                                          FLAG("prove", KEY_PROVE),
                                           MATRIX_OPTIONS,
                                           FLAG("print", KEY_PRINT),
                                           VALUE("csv", KEY_CSV),
@@ -496,8 +520,9 @@ int command_solve(int argc, char **argv) {
   if (steps && (o.lcp || o.solver.settings.method != DLS_AUTO || o.solver.accel_given))
     return complain("--plan, --without, --explain: are for auto");
   if (o.print && o.json) return complain("--print, --json: one of the two");
-  if (o.lcp && (named || o.print || o.csv))
-    return complain("--lcp: goes without --W, --stiffness, --flexibility, --print and --csv");
+  if (o.lcp && (named || o.print || o.csv || o.prove))
+    return complain(
+        "--lcp: goes without --W, --stiffness, --flexibility, --print, --csv and --prove");
   const char *path = named ? named : argv[optind];
   if (o.solver.primal) return complain("--method: gauss-seidel is for scenes");
   if (!settle_solver_options(&o.solver)) return EXIT_BAD_INPUT;

@@ -48,6 +48,25 @@ class Solve(unittest.TestCase):
         self.assertEqual((s.words, list(s.states), s.status), ("solved", ["slip"], delassus.DLS_OK))
         self.assertLessEqual(s.residual, 1e-8)
 
+    def test_proof(self):
+        W, q = coupled(3, 20)
+        for a in (W, sp.coo_matrix(W)):
+            s = delassus.solve(a, q, 0.3)
+            p = s.proof
+            self.assertEqual((p.proved, p.freedom, p.border), ("reactions", 0, None))
+            self.assertLess(p.radius, 1e-11)
+            exact = delassus.solve(W, q, 0.3, tol=1e-14).r
+            size = np.linalg.norm(exact)
+            self.assertLessEqual(np.linalg.norm(p.improved - exact), 1e-11 * size)
+            self.assertLessEqual(np.linalg.norm(s.r - exact), (p.error + 1e-11) * size)
+            self.assertEqual(pickle.loads(pickle.dumps(s)).proof.radius, p.radius)
+        slip = delassus.solve(np.eye(2), [-1.0, 0.5], [0.5]).proof  # r_t = -0.5 = -mu r_n, u_t = 0
+        self.assertIsNone(slip.proved)
+        self.assertEqual(slip.border[0], 0)
+        self.assertEqual(set(slip.border[1:]), {"stick", "slip"})
+        two = delassus.solve(np.kron(np.ones((2, 2)), np.eye(2)), [-1.0, 0, -1, 0], [0.5, 0.5]).proof
+        self.assertEqual(two.freedom, 2)
+
     def test_dense_and_blocks_agree(self):
         for d, skew in ((2, 0.0), (3, 0.0), (2, 0.1), (3, 0.1)):
             W, q = coupled(d, 20, skew=skew)

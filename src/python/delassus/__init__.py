@@ -11,5 +11,5 @@ from .reduction import Reduction, reduce
 
 globals().update(constants)  # DLS_OK, DLS_NO_SOLUTION, ...
 
-__all__ = ["Error", "Motion", "NotCertified", "Progress", "Reduction", "Solution", "certify",
+__all__ = ["Error", "Motion", "NotCertified", "Progress", "Proof", "Reduction", "Solution", "certify",
            "reduce", "solve", *constants]

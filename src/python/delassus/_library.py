@@ -172,6 +172,7 @@ _SIGNATURES = {
     "dls_contact_certify": (c_int, "ppppp"),
     "dls_contact_states": (c_int, "ppppp"),
     "dls_contact_misfits": (c_int, "ppppp"),
+    "dls_contact_prove": (c_int, "ppppp"),
     "dls_solve": (c_int, "pppppp"),
     "dls_reduction_create_either": (c_int, "pppp"),
     "dls_reduction_update": (c_int, "ppp"),

@@ -20,6 +20,20 @@ Certificate = collections.namedtuple("Certificate",
                                      [name for name, _ in structs["dls_certificate"]._fields_])
 
 
+Proof = collections.namedtuple(
+    "Proof", "proved radius radius_u error freedom border improved")
+Proof.__doc__ = """What dls_contact_prove shows of an answer (delassus/trust.h).
+
+proved            "reactions": one solution within radius |improved|; "positions": u is proved and
+                  `freedom` reactions are free; None: not proved
+radius, radius_u  relative bounds on the errors of `improved` and of its positions
+error             of r itself
+border            (contact, its state, the other one) on the border of two states, or None
+improved          r after Newton steps to rounding, nc x d
+"""
+_PROVED = {constants["DLS_PROVED"]: "reactions", constants["DLS_PROVED_POSITIONS"]: "positions"}
+
+
 class Solution:
     """The outcome of a solve.
 
@@ -34,6 +48,8 @@ class Solution:
     regime       of auto, the kind of the problem: "elastic", "packing", ...
     explain()    what auto did and why, in words
     history      rows (stage, iteration, residual, cpu_seconds), with history=True
+    proof        a Proof of r, made when it is first asked for, of the arrays as they are then; None
+                 where a reduction or a motion solved
     """
 
     def __init__(self, problem, info, status, r, u, history, body=None):
@@ -57,12 +73,27 @@ class Solution:
                        constants["DLS_UNIQUE_NO"]: False}.get(info.unique)
         self.ambiguous = info.ambiguous
         self.history = history
+        self._source = self._proof = None
         state = (c_int * max(nc, 1))()
         if nc and body is not None:
             call("dls_reduction_states", *body[:2], address(r), address(u), state)
         elif nc:
             call("dls_contact_states", byref(problem), address(r), address(u), state)
         self.states = _STATES[np.frombuffer(state, dtype=np.intc)[:nc]]
+
+    @property
+    def proof(self):
+        if self._proof is None and self._source is not None:
+            problem, kept = _problem(*self._source)
+            proof, improved = structs["dls_proof"](), np.empty_like(self.r)
+            call("dls_contact_prove", byref(problem), address(self.r), byref(proof),
+                 address(improved))
+            del kept
+            self._proof = Proof(
+                _PROVED.get(proof.kind), proof.radius, proof.radius_u, proof.error, proof.freedom,
+                proof.border and (proof.contact, str(_STATES[proof.state]),
+                                  str(_STATES[proof.other])) or None, improved)
+        return self._proof
 
     def __repr__(self):
         return (f"<{self.words}: {len(self.r)} candidates, {self.method}, "
@@ -289,6 +320,7 @@ def solve(W, q, mu, d=None, **options):
         W = np.atleast_2d(reals("W", W))
     problem, kept = _problem(W, q, mu, d)
     solution = solve_problem(problem, **options)
+    solution._source = W, q, mu, d
     del kept
     return solution
 
