@@ -109,6 +109,7 @@ struct dls_newton {
   dlsi_anderson steps; /* (NE6): d = 3, where no blocks are announced */
   int keeps, kept_nc;  /* (NE5): keeps: 1 if the next run may; kept_nc: candidates of the factors */
   int no_more;         /* 1: that run ends where it would factorise */
+  int anew;            /* 1: changed states are factorised anew, as those of W by blocks are */
   const double *known; /* u of the start of the next run, NULL: it is not known */
   dlsi_dense dense;
   dlsi_room *room; /* of the matrix: `own`, or that of the caller */
@@ -312,7 +313,7 @@ static dls_status newton_factor(dls_newton *work, const dls_contact *problem, do
   (problem->Wb.x ? newton_build_from_blocks : newton_build_from_dense)(work, problem, eps, k);
   const size_t used = problem->W.a ? (size_t)k * (size_t)k : 0;
   dlsi_border_begin(&work->border, problem->d, problem->nc, work->branch, k, room->J + used,
-                    problem->W.a ? room->side * room->side - used : 0);
+                    problem->W.a && !work->anew ? room->side * room->side - used : 0);
   if (work->factors == SPARSE) {
     const dls_sparse A = {k, k, work->p, room->i, room->v};
     return dlsi_sparse_lu_factor(room->lu, &A, error);
@@ -693,6 +694,10 @@ void dlsi_newton_keep(void *newton, const double *u, int no_more) {
   work->keeps = 1;
   work->no_more = no_more;
   work->known = u;
+}
+
+void dlsi_newton_anew(dls_newton *work) {
+  work->anew = 1;
 }
 
 const double *dlsi_newton_gap(const void *work) {
