@@ -101,6 +101,7 @@ struct dls_newton {
   dlsi_anderson steps; /* (NE6): d = 3, where no blocks are announced */
   int keeps, kept_nc;  /* (NE5): keeps: 1 if the next run may; kept_nc: candidates of the factors */
   int no_more;         /* 1: that run ends where it would factorise */
+  int anew;            /* 1: changed states are factorised anew, as those of W by blocks are */
   const double *known; /* u of the start of the next run, NULL: it is not known */
   dlsi_room own;       /* of the matrix, unless the caller has one */
   dlsi_formed formed;  /* W of bodies by blocks */
@@ -184,7 +185,7 @@ static dls_status newton_factor(dls_newton *work, const dls_contact *problem, do
     shift[c] = eps * work->it.w[c] + (work->it.E ? work->it.E[c] : 0);
   const size_t used = problem->W.a ? (size_t)k * (size_t)k : 0;
   dlsi_border_begin(&work->border, problem->d, problem->nc, work->A.branch, k, room->J + used,
-                    problem->W.a ? room->side * room->side - used : 0);
+                    problem->W.a && !work->anew ? room->side * room->side - used : 0);
   room->owner = work;
   work->A.n = k;
   return dlsi_states_factor(&work->A, problem, shift, work->it.a, error);
@@ -548,6 +549,10 @@ void dlsi_newton_keep(void *newton, const double *u, int no_more) {
   work->keeps = 1;
   work->no_more = no_more;
   work->known = u;
+}
+
+void dlsi_newton_anew(dls_newton *work) {
+  work->anew = 1;
 }
 
 const double *dlsi_newton_gap(const void *work) {

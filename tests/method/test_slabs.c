@@ -141,7 +141,7 @@ static dls_info solve_with(const dls_contact *p, int threads, dls_acceleration a
 /* Two, three and seven threads give the same bits, plain and with momentum, by blocks and of
  * bodies; one thread solves, too. */
 START_TEST(bits_do_not_depend_on_threads) {
-  slabs_make("packing-flow", 2400, 3);
+  slabs_make("packing-flow", TEST_SMALL ? 1200 : 2400, 3);
   const dls_contact *p = _i % 2 ? &s.factored : &s.contact;
   const dls_method method = _i / 2 == 2 ? DLS_AUTO : DLS_NLGS;
   const dls_acceleration acceleration =
@@ -222,7 +222,7 @@ END_TEST
 /* Auto solves a packing at rest to 1e-8, where sweeps on the factors are not its last stage; and
  * what all candidates of one body leave of W is refused by those that form it, and swept. */
 START_TEST(bodies_beyond_sweeps) {
-  slabs_make("wall-pushed", 1300, 3);
+  slabs_make("wall-pushed", TEST_SMALL ? 600 : 1300, 3);
   double *r = malloc((size_t)(s.d * s.contact.nc) * sizeof *r);
   dls_solver_settings settings;
   dls_info info;
