@@ -3,8 +3,8 @@
  * model of auto; build/bench/auto --price measures it, and fails beyond a factor of 2. k: unknowns
  * that the states leave, m: rows.
  *
- *   (PR1)  a step of Newton's method: min(max(5 + k / 12, k / 6), 50) sweeps, d = 3 min(max(5 + k /
- *          12, k / 6) / 2, 50); W dense k^2 / (6 m) if that is more: a step multiplies by W twice
+ *   (PR1)  a step of Newton's method: min(max(5 + k / 12, k / 6), 50) sweeps, in 3D, where a sweep
+ *          takes longer, max(..) / 1.5; W dense k^2 / (6 m) if that is more: a step multiplies by W twice
  *          and factorises k^3 where a sweep reads k m; W by blocks, d = 3, (k / 6000)^2 times as
  *          many from 6000 on, for the fill
  *   (PR2)  all of Newton's method: s steps. s = d - 1 for a dense W whose k has not changed since
@@ -56,7 +56,7 @@ static double price_of_step(const dls_contact *problem, double k) {
   const int dense = problem->W.a != NULL;
   const double m = (double)problem->d * problem->nc;
   const double fill = !dense && problem->d == 3 && k > few_filled ? k / few_filled : 1;
-  const double sweeps = fmax(5 + k / 12, k / 6) / (problem->d == 3 ? 2 : 1);
+  const double sweeps = fmax(5 + k / 12, k / 6) / (problem->d == 3 ? 1.5 : 1);
   const double usual = fmin(sweeps, most_of_step) * fill * fill;
   return dense ? fmax(usual, k * k / (6 * m)) : usual;
 }
@@ -90,7 +90,7 @@ double dlsi_auto_price_of(const dls_contact *problem, double k, const dls_stage 
   case DLS_HOMOTOPY:
     return factors * m / (dense && d == 3 ? 9 : 5);
   case DLS_LEMKE:
-    return 20 + n * (d == 3 ? 2.2 : .85) * sqrt(m / fmax(k, 1));
+    return 20 + n * (d == 3 ? 2.1 : .9) * pow(m / fmax(k, 1), 2. / 3);
   default:
     return n;
   }

@@ -9,7 +9,8 @@
  *   other    neither, but statuses, steps, iterations or stages are not those of the file
  *
  * It counts them, with all costs before and after, and fails on worse. The cost of a run: that of
- * its iterations in sweeps by the one model of auto (src/auto/price.c), as if all candidates stuck.
+ * its iterations in sweeps by the one model of auto (src/auto/price.c), as if all candidates stuck;
+ * other prices need the file anew.
  *
  *   build/tests/tuning/test_trails print
  *
