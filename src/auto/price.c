@@ -3,10 +3,10 @@
  * model of auto; build/bench/auto --price measures it, and fails beyond a factor of 2. k: unknowns
  * that the states leave, m: rows.
  *
- *   (PR1)  a step of Newton's method: min(max(5 + k / 12, k / 6), 50) sweeps, in 3D, where a sweep
- *          takes longer, max(..) / 1.5; W dense k^2 / (6 m) if that is more: a step multiplies by W twice
- *          and factorises k^3 where a sweep reads k m; W by blocks, d = 3, (k / 6000)^2 times as
- *          many from 6000 on, for the fill
+ *   (PR1)  a step of Newton's method: min(s, 50) sweeps, s = max(5 + k / 12, k / 6), in 3D, where a
+ *          sweep takes longer, two thirds of that; W dense k^2 / (6 m) if that is more: a step
+ *          multiplies by W twice and factorises k^3 where a sweep reads k m; W by blocks, d = 3,
+ *          (k / 6000)^2 times as many from 6000 on, for the fill
  *   (PR2)  all of Newton's method: s steps. s = d - 1 for a dense W whose k has not changed since
  *          the last look: with the right states a step is exact in 2D, and two do in 3D; else
  *          s = 4. Each failure of Newton's method doubles s.
@@ -90,7 +90,7 @@ double dlsi_auto_price_of(const dls_contact *problem, double k, const dls_stage 
   case DLS_HOMOTOPY:
     return factors * m / (dense && d == 3 ? 9 : 5);
   case DLS_LEMKE:
-    return 20 + n * (d == 3 ? 2.1 : .9) * pow(m / fmax(k, 1), 2. / 3);
+    return 15 + n * (d < 3 ? .7 : dense ? 1.4 : 2.1) * pow(m / fmax(k, 1), 2. / 3);
   default:
     return n;
   }
