@@ -8,7 +8,8 @@
  * the answer, or of the best r there is.
  *
  * Prices are wrong where they differ by more than a factor of 2, and those of a method where more
- * than one in ten do, rounded up: a shared machine is off by a third at times. Plain sweeps are measured alone.
+ * than one in ten do, rounded up: a shared machine is off by a third at times. Plain sweeps are
+ * measured alone.
  */
 #include "auto_price.h"
 
