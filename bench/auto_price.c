@@ -112,7 +112,9 @@ static void price_problem(FILE *page, const char *kind, const dls_contact *p, ta
       bench_print(page, " |");
       continue;
     }
-    const dls_stage stage = {info.method, info.iterations, info.factorisations, 0};
+    const dls_stage stage = {.method = info.method,
+                             .iterations = info.iterations,
+                             .factorisations = info.factorisations};
     const double steps = info.iterations, assumed = dlsi_auto_price_of(p, k, &stage) / steps;
     const double measured = (seconds / sweep - plain * info.sweeps) / steps;
     const int off = !(measured <= 2 * assumed && assumed <= 2 * measured);

@@ -251,7 +251,10 @@ static void trails_info(trail *t, const dls_contact *p, const dls_info *info) {
     trails_stage(t, p, &info->stage[k]);
   }
   if (info->method != DLS_AUTO)
-    trails_stage(t, p, &(dls_stage){info->method, info->iterations, info->factorisations, 0});
+    trails_stage(t, p,
+                 &(dls_stage){.method = info->method,
+                              .iterations = info->iterations,
+                              .factorisations = info->factorisations});
 }
 
 /* ---- runs ------------------------------------------------------------------------------------ */
