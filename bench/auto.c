@@ -11,6 +11,8 @@
  *   auto [--out DIR] --price [SEED]
  *       price.md: what a step of each method takes in sweeps, beside what auto assumes
  *       (auto_price.c); fails where they are more than a factor of 2 apart
+ *   auto --total [SEED]
+ *       on the screen: what auto solves of generated problems, and its cost (auto_total.c)
  *   auto --nu NU SEED
  *       on the screen: CPU of each method to 1e-8, ms, on 48 cubes with that ratio of Poisson and
  *       frictions drawn from 0.3 to 4; that of auto over the best of the others
@@ -248,12 +250,25 @@ static int run_comparison(FILE *page, int count, char **name) {
 
 /* ---- the price of a step --------------------------------------------------------------------- */
 
-static int run_price(FILE *page, const char *number) {
-  unsigned long seed = 1;
+/* Returns 1, or 0 after a message. number: NULL for 1. */
+static int read_seed(const char *number, unsigned long *seed) {
   char rest;
-  if (number && sscanf(number, "%lu%c", &seed, &rest) != 1)
-    return complain("--price: SEED is not a number");
+  *seed = 1;
+  if (!number || sscanf(number, "%lu%c", seed, &rest) == 1) return 1;
+  return complain("--price, --total: SEED is not a number"), 0;
+}
+
+static int run_price(FILE *page, const char *number) {
+  unsigned long seed;
+  if (!read_seed(number, &seed)) return EXIT_BAD_INPUT;
   return price_report(page, seed) ? EXIT_NOT_SOLVED : EXIT_SOLVED;
+}
+
+static int run_total(const char *number) {
+  unsigned long seed;
+  if (!read_seed(number, &seed)) return EXIT_BAD_INPUT;
+  total_report(seed);
+  return EXIT_SOLVED;
 }
 
 /* ---- the look for other answers -------------------------------------------------------------- */
@@ -327,6 +342,8 @@ static int run_cubes(const char *ratio, const char *number) {
 int main(int argc, char **argv) {
   const char *directory = "bench/results";
   int first = 1;
+  if (argc > 1 && argc < 4 && !strcmp(argv[1], "--total"))
+    return run_total(argc > 2 ? argv[2] : NULL);
   if (argc == 4 && !strcmp(argv[1], "--nu")) return run_cubes(argv[2], argv[3]);
   if (argc > 2 && !strcmp(argv[1], "--unique")) return run_unique(argc - 2, argv + 2);
   if (argc > 2 && !strcmp(argv[1], "--out")) {
@@ -336,7 +353,7 @@ int main(int argc, char **argv) {
   const int count = argc - first, price = count > 0 && !strcmp(argv[first], "--price");
   if (count < 1 || count > most_files || (price && count > 2))
     return complain("usage: auto [--out DIR] NAME... | [--out DIR] --price [SEED] | "
-                    "--unique NAME... | --nu NU SEED");
+                    "--unique NAME... | --total [SEED] | --nu NU SEED");
   FILE *page = price ? bench_page(directory, "price", "the price of a step", argc, argv)
                      : bench_page(directory, "auto", "auto beside the single methods", argc, argv);
   if (!page) return EXIT_BAD_INPUT;
