@@ -469,7 +469,7 @@ RESULTS ?= bench/results
 PEER_CFLAGS = -isystem /usr/include/siconos -isystem /usr/include/siconos/numerics
 bench_obj = $(call obj,bench/common.c $(sort $(wildcard bench/$(1).c bench/$(1)_*.c)))
 $(call bench_obj,lemke) $(call bench_obj,solvers): CPP_OF += $(PEER_CFLAGS)
-$(call bench_obj,scale) $(call bench_obj,regret) $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c tests/shared/solids.c): CPP_OF += -Itests/shared
+$(call bench_obj,auto) $(call bench_obj,scale) $(call bench_obj,regret) $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c tests/shared/solids.c): CPP_OF += -Itests/shared
 $(call bench_obj,reduction): CPP_OF += -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
 $(call bench_obj,motion) $(call bench_obj,global): CPP_OF += -isystem /usr/include/suitesparse
 $(call obj,$(wildcard bench/*.c)): CPP_OF += -D_GNU_SOURCE
@@ -483,7 +483,7 @@ $(BUILD)/bench/bodies: $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c)
 $(BUILD)/bench/motion: $(call bench_obj,motion) $(call obj,bench/reduction_boxes.c) $(A)
 $(BUILD)/bench/global: $(call bench_obj,global) $(A)
 $(BUILD)/bench/motion $(BUILD)/bench/global: PEER_LIBS = -lcholmod
-$(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,bench/solvers_scenes.c $(addprefix src/cli/,problem.c matrices.c place.c arrays.c input.c quote.c report.c)) $(FE) $(A)
+$(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,bench/solvers_scenes.c $(addprefix bench/,regret_kinds.c regret_bodies.c regret_grains.c regret_elastic.c scale_elastic.c reduction_boxes.c) tests/shared/rigid.c $(addprefix src/cli/,problem.c matrices.c place.c arrays.c input.c quote.c report.c)) $(FE) $(A)
 $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
 $(BUILD)/bench/steps: $(call bench_obj,steps) $(A)
 $(BUILD)/bench/problems: $(call obj,bench/problems.c bench/common.c bench/solvers_scenes.c) $(FE) $(A)

@@ -140,7 +140,7 @@ typedef struct dlsi_auto {
   double target, least; /* logarithms of e* and of the least e that counts */
   double rate;          /* of (FC1) */
   int near;             /* a warm start, e at most far_start after a sweep */
-  double unknowns;      /* k of (PR1) at the last look */
+  double unknowns;      /* k of (PR2) at the last look */
   double step;          /* a step of Newton's method, in sweeps */
   double ahead;         /* (FC1) at the last look */
   int patience;         /* steps of Newton's method without progress */
@@ -185,8 +185,11 @@ int dlsi_auto_can_take(const dlsi_auto *work, part k);
 
 /* Returns the unknowns that the states of r leave to a step of Newton's method. */
 double dlsi_auto_count_unknowns(const dls_contact *problem, const double *r);
-double dlsi_auto_cost_of_newton(dlsi_auto *work);      /* (PR1), sweeps */
-double dlsi_auto_cost_of_split(const dlsi_auto *work); /* (PR2), sweeps */
+double dlsi_auto_cost_of_newton(dlsi_auto *work);      /* (PR2), sweeps */
+double dlsi_auto_cost_of_split(const dlsi_auto *work); /* (PR3), sweeps */
+
+/* (PR4) Returns what a line of the report has cost, in sweeps; k: unknowns. */
+double dlsi_auto_price_of(const dls_contact *problem, double k, const dls_stage *stage);
 
 /* ---- forecast.c: progress callbacks of the steps --------------------------------------------- */
 
