@@ -42,6 +42,36 @@ check() { # language, program and arguments: its first line has to be the point'
 }
 ${CC:-cc} -o point-c point.c $flags -lm
 check C ./point-c
+# the core needs no HDF5; what reads files is a library of its own
+if command -v ldd > /dev/null && ldd "$tree/usr/lib/here/libdelassus.so" | grep -i hdf5; then fail 'libdelassus.so needs HDF5'; fi
+cat > files.c << 'END'
+#include <stdio.h>
+#include <delassus.h>
+int main(void) {
+  int rows, cols;
+  double *a;
+  dls_error error = {0};
+  dls_status status = dls_mtx_read("two.mtx", &rows, &cols, &a, &error);
+  if (status) return printf("%s\n", error.message), 1;
+  printf("%d x %d, %g, %s\n", rows, cols, a[1], dls_status_text(status));
+  dls_mtx_free(a);
+  dls_fclib *file;
+  status = dls_fclib_read(&file, "none.hdf5", &error);
+  printf("%s\n", dls_status_name(status));
+  return 0;
+}
+END
+printf '%s\n' '%%MatrixMarket matrix array real general' '2 1' 3 4 > two.mtx
+reads() { # way and program
+  [ "$("$2" | sed 's/DLS_E_UNSUPPORTED/DLS_E_FILE/' | tr '\n' '/')" = '2 x 1, 4, solved/DLS_E_FILE/' ] ||
+    fail "files by $1: $("$2")"
+  echo "files by $1: libdelassus-files reads"
+}
+${CC:-cc} -o files-c files.c $(pkg-config --cflags --libs delassus-files)
+reads pkg-config ./files-c
+${CC:-cc} -o files-static files.c -I"$tree/usr/include" "$tree"/usr/lib/here/libdelassus-files.a "$tree"/usr/lib/here/libdelassus.a \
+  $(sed -n 's/^Libs.private: //p' "$tree"/usr/lib/here/pkgconfig/delassus-files.pc "$tree"/usr/lib/here/pkgconfig/delassus.pc)
+reads 'static libraries' ./files-static
 if command -v "${CXX:-c++}" > /dev/null; then
   ${CXX:-c++} -std=c++17 -o point-cpp point.cpp $flags
   check C++ ./point-cpp
@@ -74,9 +104,11 @@ fi
 if command -v cmake > /dev/null; then
   mkdir cmake
   printf '%s\n' 'cmake_minimum_required(VERSION 3.10)' 'project(point C)' 'find_package(delassus 0.1 REQUIRED)' \
-    'add_executable(point ../point.c)' 'target_link_libraries(point delassus::delassus m)' > cmake/CMakeLists.txt
+    'add_executable(point ../point.c)' 'target_link_libraries(point delassus::delassus m)' \
+    'add_executable(files ../files.c)' 'target_link_libraries(files delassus::files)' > cmake/CMakeLists.txt
   (cd cmake && cmake -Ddelassus_DIR="$tree/usr/lib/here/cmake/delassus" . && cmake --build .) > log 2>&1 || { cat log; fail CMake; }
   check 'C by CMake' cmake/point
+  reads CMake cmake/files
 else
   echo 'skipped: CMake, no cmake'
 fi
