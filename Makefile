@@ -135,6 +135,8 @@ help:
 	@echo 'make install     PREFIX=/usr/local LIBDIR=PREFIX/lib DESTDIR='
 	@echo 'make uninstall   removes what install wrote; make dist: the source as build/delassus-VERSION.tar.gz'
 	@echo 'make check-install   examples built and run from an installed tree alone'
+	@echo 'make check-packages  wheel, source package and editable install of Python without network; mypy'
+	@echo 'make check-debian    dpkg-buildpackage and lintian'
 	@echo 'make check-hosts     GetFEM, CalculiX and PETSc hand their matrices over; installs them'
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
 	@echo 'make check-properties   280 of them'
@@ -377,6 +379,7 @@ check-all:
 	@$(MAKE) --no-print-directory threads RUNS=5
 	@$(MAKE) --no-print-directory fuzz FUZZ_SECONDS=600
 	@$(MAKE) --no-print-directory check-cross
+	@$(MAKE) --no-print-directory check-debian
 
 .PHONY: check-headers
 check-headers:
@@ -603,6 +606,16 @@ uninstall:
 check-install: $(A) $(SO) $(FILES) $(FILES_SO) $(FE) $(PROGRAM)
 	@MAKE='$(MAKE)' CC='$(CC)' CXX='$(CXX)' FC='$(FC)' PYTHON='$(PYTHON)' tests/install.sh $(BUILD)
 
+# the wheel, the source package and an editable install of Python, without network; mypy
+.PHONY: check-packages
+check-packages: $(SO)
+	@PYTHON='$(PYTHON)' tests/packages.sh $(SO).$(VERSION)
+
+# packages for Debian, in a copy of the tree; no error of lintian
+.PHONY: check-debian
+check-debian:
+	@tests/debian.sh $(BUILD)
+
 .PHONY: check-hosts
 check-hosts:
 	@$(DEPS) hosts
@@ -615,13 +628,13 @@ dist:
 	git archive --prefix=delassus-$(VERSION)/ -o $(BUILD)/delassus-$(VERSION).tar.gz HEAD
 	@echo $(BUILD)/delassus-$(VERSION).tar.gz
 
-# the Python package beside an installed library; without make install, pip install src/python does
+# the Python package beside an installed library; without make install, pip install . does
 PYTHONDIR ?= $(PREFIX)/lib/$(shell $(or $(PYTHON),python3) -c 'import sys, sysconfig as s; print("python%d.%d/" % sys.version_info[:2] + s.get_path("purelib").split("/")[-1])')
 .PHONY: install-python
 install-python:
 	@test -n '$(PYTHON)' || { echo 'install-python: no python3 with numpy and scipy; PYTHON=... names one'; exit 2; }
 	install -d $(DESTDIR)$(PYTHONDIR)/delassus
-	install -m 644 src/python/delassus/*.py $(DESTDIR)$(PYTHONDIR)/delassus/
+	install -m 644 src/python/delassus/*.py src/python/delassus/py.typed $(DESTDIR)$(PYTHONDIR)/delassus/
 
 .PHONY: clean
 clean:

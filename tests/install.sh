@@ -1,7 +1,7 @@
 #!/bin/sh
 # install.sh BUILD: installs into a fresh directory (DESTDIR), builds and runs an example in C (with pkg-config
 # and with CMake), C++, Fortran and Python from what is there alone, looks at the man pages and the completion,
-# and uninstalls. The wheel is built and works away from the tree. PYTHON: an interpreter with numpy and scipy, empty for none.
+# and uninstalls. The version is the same everywhere. tests/packages.sh does the same for Python's packages. PYTHON: an interpreter with numpy and scipy, empty for none.
 set -eu
 build=$1
 root=$(mktemp -d)
@@ -88,16 +88,8 @@ fi
 if [ -n "${PYTHON:-}" ]; then
   package=$(find "$tree" -type d -name delassus -path '*/python*')
   check Python env PYTHONPATH="${package%/delassus}" "$PYTHON" point.py
-  # the wheel by pip, which needs no network for it; without pip by the function that pip calls
-  mkdir wheel
-  if "$PYTHON" -m pip --version > log 2>&1; then
-    DELASSUS_LIBRARY=$tree/usr/lib/here/libdelassus.so.0 "$PYTHON" -m pip install --no-index --no-deps --target wheel "$work/src/python" > log 2>&1 || { cat log; fail wheel; }
-  else
-    DELASSUS_LIBRARY=$tree/usr/lib/here/libdelassus.so.0 PYTHONPATH=$work/src/python PYTHONDONTWRITEBYTECODE=1 \
-      "$PYTHON" -c 'import backend, zipfile; zipfile.ZipFile(backend.build_wheel(".")).extractall("wheel")' || fail wheel
-  fi
-  [ -e wheel/delassus/libdelassus.so.0 ] || fail 'the wheel has no library'
-  check 'Python by the wheel' env -u LD_LIBRARY_PATH -u DELASSUS_LIBRARY PYTHONPATH="$root/wheel" "$PYTHON" point.py
+  # the wheel, the source package and an editable install: tests/packages.sh
+  (cd "$work" && env -u LD_LIBRARY_PATH PYTHON="$PYTHON" tests/packages.sh "$tree/usr/lib/here/libdelassus.so.0") || fail packages
 else
   echo 'skipped: Python, no python3 with numpy and scipy'
 fi
@@ -112,7 +104,13 @@ if command -v cmake > /dev/null; then
 else
   echo 'skipped: CMake, no cmake'
 fi
-"$tree/usr/bin/delassus" --version > /dev/null || fail program
+# the version stands in delassus/status.h; two files repeat it, where nothing can fill it in
+version=$("$tree/usr/bin/delassus" --version | sed 's/delassus //')
+[ "$version" = "$(pkg-config --modversion delassus)" ] || fail "version of delassus.pc"
+[ "$version" = "$(pkg-config --modversion delassus-files)" ] || fail "version of delassus-files.pc"
+[ "$version" = "$(sed -n 's/^version: //p' "$work/CITATION.cff")" ] || fail "version of CITATION.cff"
+[ "$version" = "$(sed -n '1s/.*(\(.*\)).*/\1/p' "$work/debian/changelog")" ] || fail "version of debian/changelog"
+grep -q "^## $version" "$work/CHANGELOG.md" || fail "version of CHANGELOG.md"
 for page in man1/delassus.1 man3/delassus.3; do
   grep -q '^.SH NAME' "$tree/usr/share/man/$page" || fail "$page"
   if command -v man > /dev/null; then
