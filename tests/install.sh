@@ -120,9 +120,30 @@ for page in man1/delassus.1 man3/delassus.3; do
 done
 grep -q -e '\\-\\-stiffness' "$tree/usr/share/man/man1/delassus.1" || fail 'delassus.1 has no --stiffness'
 grep -q 'fclib_local' "$tree/usr/share/man/man1/delassus.1" || fail 'delassus.1 has no layout of FCLIB'
+# completions: an option, a method, a scene, a command
+export PATH="$tree/usr/bin:$PATH"
+share=$tree/usr/share
+completes() { # shell, what it offered for: --stiff, -m new, scene jean-f, sol
+  [ "$(echo $2)" = '--stiffness newton jean-fig3 jean-fig4 solve' ] || fail "completion of $1: $2"
+}
 if command -v bash > /dev/null; then
-  PATH="$tree/usr/bin:$PATH" bash -c '. "$1"; COMP_WORDS=(delassus solve --stiff); COMP_CWORD=2; _delassus
-    [ "${COMPREPLY[*]}" = --stiffness ]' - "$tree/usr/share/bash-completion/completions/delassus" || fail completion
+  completes bash "$(bash -c '. "$1"
+    try() { COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _delassus; echo "${COMPREPLY[@]}"; }
+    try delassus solve --stiff; try delassus solve -m new; try delassus scene jean-f; try delassus sol' \
+    - "$share/bash-completion/completions/delassus")"
+fi
+if command -v zsh > /dev/null; then
+  completes zsh "$(zsh -f -c 'compadd() { [ "$1" = -a ] && print -l -- ${(PM)2:#${words[CURRENT]##*=}*} || print -l -- ${(M)@:#${words[CURRENT]}*}; }
+    compset() { : ; }; _files() { : ; }
+    try() { words=("$@"); CURRENT=$#; . "$file"; }; file=$1
+    try delassus solve --stiff; try delassus solve -m new; try delassus scene jean-f; try delassus sol' \
+    - "$share/zsh/site-functions/_delassus")"
+fi
+if command -v fish > /dev/null; then
+  completes fish "$(HOME=$root fish --no-config -c '. $argv[1]
+    for line in "delassus solve --stiff" "delassus solve -m new" "delassus scene jean-f" "delassus sol"
+      complete -C $line | cut -f1
+    end' "$share/fish/vendor_completions.d/delassus.fish")"
 fi
 cd "$work"
 run_make uninstall
