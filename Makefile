@@ -596,6 +596,8 @@ install: $(A) $(SO) $(FILES) $(FILES_SO) $(FE) $(PROGRAM) $(F90)
 	install -m 644 README.md CHANGELOG.md LICENSE docs/*.md docs/*.png $(DESTDIR)$(DOCDIR)/
 	install -m 644 docs/pictures/*.png $(DESTDIR)$(DOCDIR)/pictures/
 	install -m 644 examples/*.c examples/*.cpp examples/*.f90 examples/*.py $(DESTDIR)$(DOCDIR)/examples/
+	install -d $(DESTDIR)$(DOCDIR)/examples/python
+	install -m 644 examples/python/* $(DESTDIR)$(DOCDIR)/examples/python/
 
 # what install has written, of this version
 .PHONY: uninstall

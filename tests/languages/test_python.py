@@ -1,7 +1,10 @@
 """test_python.py: the package delassus: arrays in and out, errors, layouts, motion, threads."""
 
+import contextlib
 import copy
 import gc
+import io
+import json
 import os
 import pickle
 import signal
@@ -732,6 +735,37 @@ class Conversions(unittest.TestCase):
         for name in ("nlgs\0x", 3, b"nlgs"):
             with self.assertRaisesRegex(ValueError, "no method"):
                 delassus.solve(W, q, 0.3, method=name)
+
+
+class Gallery(unittest.TestCase):
+    def test_notebook(self):
+        with open("examples/python/tour.ipynb") as file:
+            cells = json.load(file)["cells"]
+        program = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+        self.assertGreater(len(program), 5)
+        names = {}
+        with contextlib.redirect_stdout(io.StringIO()) as printed:
+            for cell in program:
+                exec(cell, names)
+        self.assertIn("q[1]: is not finite", printed.getvalue())
+        np.testing.assert_allclose(names["s"].r, [[10.9375, -2.1875]])
+
+    def test_pictures(self):
+        try:
+            import matplotlib  # noqa: F401
+        except ModuleNotFoundError:
+            print("skipped: pictures of examples/python, no matplotlib")
+            return
+        names = sorted(name for name in os.listdir("examples/python") if name.endswith(".py"))
+        self.assertEqual(len(names), 6)
+        with tempfile.TemporaryDirectory() as directory:
+            for name in names:
+                picture = os.path.join(directory, name + ".png")
+                subprocess.run([sys.executable, "examples/python/" + name, picture], check=True,
+                               capture_output=True)
+                self.assertGreater(os.path.getsize(picture), 5000)
+                self.assertTrue(os.path.exists(f"docs/pictures/python-{name[:-3]}.png"))
+            self.assertEqual(len(os.listdir(directory)), 6)
 
 
 class Library(unittest.TestCase):
