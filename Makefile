@@ -499,7 +499,7 @@ $(BUILD)/bench/bodies: $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c)
 $(BUILD)/bench/motion: $(call bench_obj,motion) $(call obj,bench/reduction_boxes.c) $(A)
 $(BUILD)/bench/global: $(call bench_obj,global) $(A)
 $(BUILD)/bench/motion $(BUILD)/bench/global: PEER_LIBS = -lcholmod
-$(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,bench/solvers_scenes.c $(addprefix src/cli/,problem.c matrices.c place.c arrays.c input.c quote.c report.c)) $(FE) $(FILES) $(A)
+$(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,bench/solvers_scenes.c $(addprefix src/cli/,problem.c matrices.c hints.c nearest.c place.c arrays.c input.c picture.c quote.c report.c)) $(FE) $(FILES) $(A)
 $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
 $(BUILD)/bench/steps: $(call bench_obj,steps) $(A)
 $(BUILD)/bench/problems: $(call obj,bench/problems.c bench/common.c bench/solvers_scenes.c) $(FE) $(FILES) $(A)
@@ -620,7 +620,7 @@ check-packages: $(SO)
 # packages for Debian, in a copy of the tree; no error of lintian
 .PHONY: check-debian
 check-debian:
-	@tests/debian.sh $(BUILD)
+	@tests/debian.sh
 
 .PHONY: check-hosts
 check-hosts:

@@ -1,15 +1,15 @@
 #!/bin/sh
-# debian.sh BUILD: builds the packages of debian/ in a copy of the tree, BUILD/debian, and asks lintian for errors;
+# debian.sh: builds the packages of debian/ in a copy of the tree and asks lintian for errors and warnings;
 # libdelassus0 depends on no HDF5. Skipped with a line without dpkg-buildpackage, debhelper or lintian.
 set -eu
-build=$1
 for tool in dpkg-buildpackage dh dh_python3 lintian; do
   command -v $tool > /dev/null || { echo "skipped: packages of Debian, no $tool"; exit 0; }
 done
-rm -rf "$build/debian"
-mkdir -p "$build/debian/delassus"
-tar cf - --exclude=./build --exclude=./build-* --exclude=./.git --exclude='*.egg-info' . | tar xf - -C "$build/debian/delassus"
-cd "$build/debian/delassus"
+root=$(mktemp -d)
+trap 'rm -rf "$root"' EXIT
+mkdir "$root/delassus"
+tar cf - --exclude=./build --exclude=./build-* --exclude=./.git --exclude='*.egg-info' . | tar xf - -C "$root/delassus"
+cd "$root/delassus"
 dpkg-buildpackage -us -uc > ../log 2>&1 || { tail -50 ../log; echo 'check-debian: dpkg-buildpackage'; exit 1; }
 cd ..
 lintian --allow-root --fail-on error,warning *.changes || { echo 'check-debian: lintian'; exit 1; }
