@@ -15,7 +15,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include "auto/auto.h"
 #include "common.h"
@@ -52,12 +51,6 @@ typedef struct tally {
   double ratio[most_rows]; /* measured over assumed */
 } tally;
 
-static double thread_seconds(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* Returns the least CPU of a run, s; INFINITY where it does not run. */
 static double time_run(const dls_contact *p, int run, double *r, dls_info *info) {
   dls_solver_settings s;
@@ -72,9 +65,9 @@ static double time_run(const dls_contact *p, int run, double *r, dls_info *info)
   if (dls_solver_create(&solver, p->d, p->nc, &s, NULL)) return INFINITY;
   double least = INFINITY, all = 0;
   for (int k = 0; k < 40 && (k < 4 || all < .1) && all < 5; k++) {
-    const double begun = thread_seconds();
+    const double begun = bench_seconds();
     const dls_status status = dls_solver_solve(solver, p, r, NULL, info, NULL);
-    const double now = thread_seconds() - begun;
+    const double now = bench_seconds() - begun;
     if (status < 0 || status == DLS_TIME_LIMIT) {
       least = INFINITY;
       break;

@@ -9,7 +9,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "auto/auto.h"
 #include "auto_price.h"
@@ -21,12 +20,6 @@ typedef struct total {
   int count, solved;
   double cost, log_cost, log_seconds;
 } total;
-
-static double thread_seconds(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static void add_problem(total *all, const dls_contact *p, double tol) {
   const int m = p->d * p->nc;
@@ -40,9 +33,9 @@ static void add_problem(total *all, const dls_contact *p, double tol) {
   s.limits.blocks = p->Wb.x ? p->Wb.p[p->nc] : 0;
   if (!r || dls_solver_create(&solver, p->d, p->nc, &s, NULL)) exit(1);
   for (int k = 0; k < 2; k++) {
-    const double begun = thread_seconds();
+    const double begun = bench_seconds();
     if (dls_solver_solve(solver, p, r, NULL, &info, NULL) < 0) exit(1);
-    seconds = fmin(seconds, thread_seconds() - begun);
+    seconds = fmin(seconds, bench_seconds() - begun);
   }
   for (int k = 0; k < info.stages; k++)
     cost += dlsi_auto_price_of(p, m, &info.stage[k]);

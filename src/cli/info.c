@@ -15,10 +15,8 @@ static void info_usage(FILE *out) {
       "contacts), and all solutions (up to 8). Contacts and rows are counted from 0.\n"
       "FILE may be a pipe, or - for standard input.\n"
       "\n"
-      "  -l, --limit=N         rank, eigenvalues and the bound on friction for up to N rows "
-      "(2000)\n"
-      "  -j, --json            print one JSON object; null: not known, none, or "
-      "unbounded\n" LAST_USAGE,
+      "      --limit=N         rank, eigenvalues and the bound on friction for up to N rows "
+      "(2000)\n" LAST_USAGE "\nIn JSON null stands for: not known, none, or unbounded.\n",
       out);
 }
 
@@ -308,20 +306,18 @@ static void print_info_json(const problem *p, const dls_diagnosis *g, const trus
 /* ---- the command ----------------------------------------------------------------------------- */
 
 typedef struct info_options {
-  int limit, json;
+  int limit;
 } info_options;
 
 static taken take_info_option(int key, const char *text, void *data) {
   info_options *o = data;
   if (key == 'l') return parse_count("limit", text, &o->limit);
-  if (key != 'j') return OPTION_UNKNOWN;
-  o->json = 1;
-  return OPTION_TAKEN;
+  return OPTION_UNKNOWN;
 }
 
 int command_info(int argc, char **argv) {
-  static const struct option options[] = {VALUE("limit", 'l'), FLAG("json", 'j'), LAST_OPTIONS};
-  static const command info = {"l:j", options, info_usage, take_info_option, 1};
+  static const struct option options[] = {VALUE("limit", 'l'), LAST_OPTIONS};
+  static const command info = {"", options, info_usage, take_info_option, 1};
   info_options o = {.limit = 2000};
   const int stop = take_options(argc, argv, &info, &o);
   if (stop != GO_ON) return stop;
@@ -331,12 +327,13 @@ int command_info(int argc, char **argv) {
   dls_diagnosis g;
   static trust t;
   int result = EXIT_SOLVED;
+  if (is_no_problem(path)) return EXIT_BAD_INPUT;
   if (problem_load(path, 0, DLS_ON_W, &p, &error) ||
       dls_contact_diagnose(&p.contact, o.limit, &g, &error) || find_trust(&p.contact, &t, &error))
     result = complain_of(path, &error);
   else {
     if (is_verbose()) print_reduction(stderr, &p);
-    if (o.json)
+    if (is_json())
       print_info_json(&p, &g, &t);
     else if (!is_quiet())
       print_facts(path, &p, o.limit, &g, &t);

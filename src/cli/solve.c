@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "cli.h"
+#include "hints.h"
 #include "matrices.h"
 
 enum { KEY_PRINT = KEY_ON + 1, KEY_CSV, KEY_PLAN, KEY_WITHOUT, KEY_EXPLAIN, KEY_PROVE };
@@ -22,7 +23,7 @@ static void solve_usage(FILE *out) {
       "Usage: delassus solve [OPTION]... FILE\n"
       "  or:  delassus solve --stiffness=K --HN=N --HT=T --f=F --mu=MU [OPTION]...\n"
       "  or:  delassus solve --W=W --q=Q --mu=MU [OPTION]...\n"
-      "  or:  delassus solve --lcp [OPTION]... M.mtx q.mtx\n"
+      "  or:  delassus solve --lcp [OPTION]... M.mtx q.mtx | FILE.txt\n"
       "Solves a contact problem (FCLIB, HDF5; local, or global after its reduction; or text as in\n"
       "data/failures) or of the matrices of a host code, or an LCP (Matrix Market, or text) by\n"
       "Lemke's method. The last line on stdout is 'solved' or 'not solved: WHY'. Each file may be\n"
@@ -46,19 +47,18 @@ static void solve_usage(FILE *out) {
       "\nThe answer:\n"
       "      --print           print each candidate's state, gap, r and u, and each unknown's x\n"
       "      --csv=DIR         write the same to DIR/r.csv and DIR/x.csv, to the last digit\n"
-      "  -o, --output=OUT      write the problem with its solution (FCLIB); OUT.mtx: r, or z of "
+      "  -o, --out=OUT         write the problem with its solution (FCLIB); OUT.mtx: r, or z of "
       "an\n"
       "                        LCP (Matrix Market)\n"
       "  -H, --history=CSV     write iteration (of all stages), CPU seconds, residual and stage "
       "as\n"
       "                        the solve goes on; the last row is the answer\n"
       "  -P, --plot=DIR        the same as DIR/history.csv, and a picture of it\n"
-      "  -j, --json            print the outcome as one JSON object\n"
       "  -p, --proof           print the vectors behind a verdict without an answer: the proof "
       "that\n"
       "                        there is no solution, the ray along which the unknowns run away\n"
       "      --prove           prove the answer: improve r and bound its error, on W\n"
-      "  -l, --lcp             the files hold M and q of an LCP\n" LAST_USAGE,
+      "      --lcp             the file or the files hold an LCP\n" LAST_USAGE,
       out);
 }
 
@@ -285,6 +285,7 @@ static int solve_contact(const char *path, const solve_options *options) {
     print_json(stdout, &o);
   else if (!is_quiet() && !print_outcome(path, &p, &o, options->explain, r, u))
     goto end;
+  if (is_solved(status) && p.matrices) hint_answer(&p, r);
   char room[UNSOLVED_ROOM];
   const char *unsolved = unsolved_words(status, o.info.certificate.residual, room, sizeof room);
   if (options->out && write_solution(options->out, &p, r, u, x, unsolved, &error)) {
@@ -428,8 +429,12 @@ static int solve_file(const char *path, const solve_options *options) {
   dls_text *text;
   int n;
   const double *M, *q;
-  if (matrices_name(&options->matrices) || !read_lcp_text(path, &text))
-    return solve_contact(path, options);
+  if (matrices_name(&options->matrices)) return solve_contact(path, options);
+  if (is_no_problem(path)) return EXIT_BAD_INPUT;
+  if (!read_lcp_text(path, &text))
+    return options->lcp
+               ? complain("--lcp: %s holds no LCP; a contact problem goes without --lcp", path)
+               : solve_contact(path, options);
   int result = EXIT_BAD_INPUT;
   const dls_solver_settings *s = &options->solver.settings;
   if ((options->solver.method_given || options->solver.accel_given) && s->method != DLS_LEMKE)
@@ -456,7 +461,6 @@ static taken take_solve_option(int key, const char *text, void *data) {
   if (shared != OPTION_UNKNOWN) return shared;
   const taken matrix = take_matrix_option(key, text, &o->matrices);
   if (matrix != OPTION_UNKNOWN) return matrix;
-  if (take_loudness(key)) return OPTION_TAKEN;
   if (key == 'f') return parse_count("facets", text, &o->solver.settings.facets);
   if (key == 'o')
     o->out = text;
@@ -464,8 +468,6 @@ static taken take_solve_option(int key, const char *text, void *data) {
     o->history = text;
   else if (key == 'P')
     o->plot = text;
-  else if (key == 'j')
-    o->json = 1;
   else if (key == 'l')
     o->lcp = 1;
   else if (key == 'p')
@@ -490,10 +492,10 @@ static taken take_solve_option(int key, const char *text, void *data) {
 int command_solve(int argc, char **argv) {
   static const struct option options[] = {SOLVER_OPTIONS,
                                           VALUE("facets", 'f'),
+                                          VALUE("out", 'o'),
                                           VALUE("output", 'o'),
                                           VALUE("history", 'H'),
                                           VALUE("plot", 'P'),
-                                          FLAG("json", 'j'),
                                           FLAG("lcp", 'l'),
                                           FLAG("proof", 'p'),
                                           FLAG("prove", KEY_PROVE),
@@ -504,16 +506,20 @@ int command_solve(int argc, char **argv) {
                                           VALUE("without", KEY_WITHOUT),
                                           FLAG("explain", KEY_EXPLAIN),
                                           LAST_OPTIONS};
-  static const command solve = {SOLVER_KEYS "f:o:H:P:jlp", options, solve_usage, take_solve_option,
+  static const command solve = {SOLVER_KEYS "f:o:H:P:p", options, solve_usage, take_solve_option,
                                 0};
   solve_options o = {0};
   solver_options_init(&o.solver, 1e-8);
   const int stop = take_options(argc, argv, &solve, &o);
   if (stop != GO_ON) return stop;
+  o.json = is_json();
   const char *named = matrices_name(&o.matrices);
   if (!named && matrices_given(&o.matrices))
     return complain("one of --stiffness, --flexibility and --W is wanted");
-  if (argc - optind != (named ? 0 : o.lcp ? 2 : 1)) return wrong_names(argv[0]);
+  const int files = argc - optind;
+  if (o.lcp && files == 1 && other_kind(argv[optind]))
+    return complain("--lcp: q is missing: delassus solve --lcp %s q.mtx", argv[optind]);
+  if (files != (named ? 0 : o.lcp && files == 2 ? 2 : 1)) return wrong_names(argv[0]);
   if (o.explain && o.json) return complain("--explain, --json: one of the two");
   if (o.explain && is_quiet()) return complain("--explain, --quiet: one of the two");
   const int steps = o.explain || o.solver.settings.plan || o.solver.settings.without;
@@ -545,7 +551,8 @@ int command_solve(int argc, char **argv) {
   }
   end_at_once(!rows.file);
   watch_interrupt();
-  const int result = o.lcp ? solve_lcp_files(path, argv[optind + 1], &o) : solve_file(path, &o);
+  const int result =
+      files == 2 ? solve_lcp_files(path, argv[optind + 1], &o) : solve_file(path, &o);
   if (result == EXIT_BAD_INPUT) drop_files(); /* no history of what was not solved */
   if (result != EXIT_BAD_INPUT && rows.file && !close_file(rows.file, o.plot ? o.plot : o.history))
     return EXIT_BAD_INPUT;
