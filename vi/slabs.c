@@ -24,8 +24,8 @@
 
 enum { least_candidates = 64, piece_size = 512 };
 
-int dlsi_pieces(int threads, int count) {
-  if (threads < 2 || count < 2 * piece_size) return 1;
+int dlsi_pieces(int count) {
+  if (count < 2 * piece_size) return 1;
   return count / piece_size < dlsi_most_pieces ? count / piece_size : dlsi_most_pieces;
 }
 
@@ -165,7 +165,7 @@ dls_status dlsi_slabs_set(dlsi_slabs *slabs, const dls_contact *problem, dls_err
   }
   int *queue = memory, *start = queue + n, *level = scratch;
   slabs->some = start + n + 1;
-  slabs->changed = slabs->some + n + 1;
+  slabs->rows = slabs->some + n + 1;
   g.done = level + n;
   g.joint = g.done + joints;
   g.of = g.joint + n + 1 + edges;
