@@ -397,6 +397,8 @@ $(PROPERTIES_PROGRAM): $(call obj,tests/properties/properties.c) $(JUDGES) $(A)
 # the archive once more, behind the objects that need it
 $(BUILD)/tests/properties/test_judges: LIBS := $(A) $(LIBS)
 $(BUILD)/tests/properties/test_judges: $(JUDGES)
+# what bench/ counts as solved
+$(BUILD)/tests/front/test_measure: $(call obj,bench/common.c bench/solvers_call.c)
 
 # PROPERTIES='--seed 2 --count 100000'
 .PHONY: properties

@@ -158,8 +158,7 @@ static groups_structure groups_structure_of(const dls_contact *problem) {
 int dlsi_groups_are_of(const dlsi_groups *groups, const dls_contact *problem) {
   const groups_structure s = groups_structure_of(problem);
   const int *kept = groups->kept;
-  if (groups->kept_size != s.length[0] + s.length[1] || groups->d != problem->d ||
-      groups->n != s.n)
+  if (groups->kept_size != s.length[0] + s.length[1] || groups->d != problem->d || groups->n != s.n)
     return 0;
   return memcmp(kept, s.of[0], s.length[0] * sizeof *kept) == 0 &&
          (s.n || memcmp(kept + s.length[0], s.of[1], s.length[1] * sizeof *kept) == 0);
@@ -205,8 +204,7 @@ static dls_status groups_fit_set(dlsi_groups *groups, groups_fit *f, const dlsi_
   if (!scratch) return dlsi_no_memory(error);
   groups->scratch = scratch;
   if (!f->rows) {
-    uint64_t *held =
-        dlsi_make_room(groups->held, &groups->held_room, bodies + 1, sizeof *held);
+    uint64_t *held = dlsi_make_room(groups->held, &groups->held_room, bodies + 1, sizeof *held);
     if (!held) return dlsi_no_memory(error);
     groups->held = f->held = held;
     memset(held, 0, (bodies + 1) * sizeof *held);
@@ -251,8 +249,9 @@ static dls_status groups_take(dlsi_groups *groups, const groups_fit *f, dls_erro
                              sizeof *ints);
   if (!ints) return dlsi_no_memory(error);
   groups->ints = ints;
-  double *doubles = dlsi_make_room(groups->doubles, &groups->doubles_room,
-                                   size * (x + own * count) + line / sizeof(double), sizeof *doubles);
+  double *doubles =
+      dlsi_make_room(groups->doubles, &groups->doubles_room,
+                     size * (x + own * count) + line / sizeof(double), sizeof *doubles);
   if (!doubles) return dlsi_no_memory(error);
   groups->doubles = doubles;
   groups->count = (int)count;
@@ -373,7 +372,8 @@ void dlsi_groups_free(dlsi_groups *groups) {
 
 dls_status dlsi_groups_set(dlsi_groups *groups, const dls_contact *problem, dlsi_set set,
                            const dlsi_groups *whole, dls_error *error) {
-  const int blocks = !dlsi_is_factored(problem), same = !whole && dlsi_groups_are_of(groups, problem);
+  const int blocks = !dlsi_is_factored(problem),
+            same = !whole && dlsi_groups_are_of(groups, problem);
   const dlsi_rows *rows = !blocks ? NULL : whole ? &whole->rows : &groups->rows;
   dls_status status = whole || same ? DLS_OK : groups_keep(groups, problem, error);
   if (!status && !same) {

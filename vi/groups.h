@@ -53,4 +53,7 @@ int dlsi_groups_sweep(const dlsi_groups *groups, dlsi_team *team, double *r, dou
 void dlsi_groups_look(const dlsi_groups *groups, dlsi_team *team, const double *r, double *v,
                       double *u);
 
+/* (NL2) of one lane by local.c: p, then its solution. own: of its group, from the lane on. */
+void dlsi_groups_solve_one(int d, const double *own, double *p);
+
 #endif

@@ -10,8 +10,8 @@
  *   d = 2  stick from u_t = z + S r_t = 0; else slip towards that r_t
  */
 #define INLINE static TARGET DLSI_INLINE
-#define V NAME(vector)
-#define M NAME(masks)
+#define V      NAME(vector)
+#define M      NAME(masks)
 
 typedef double V __attribute__((vector_size(8 * WIDTH), aligned(8), may_alias));
 typedef long long M __attribute__((vector_size(8 * WIDTH), aligned(8), may_alias));
@@ -219,7 +219,7 @@ INLINE int NAME(visit_lanes)(const int d, const int n, const dlsi_groups *G, int
     for (int l = 0; l < WIDTH; l++) {
       if (!left[l] && !(G->odd[g] >> (h + l) & 1)) continue;
       double one[3] = {p[0][l], d > 1 ? p[1][l] : 0, d > 2 ? p[2][l] : 0};
-      groups_solve_one(d, own + l, one);
+      dlsi_groups_solve_one(d, own + l, one);
       for (int i = 0; i < d; i++)
         s[i][l] = one[i];
     }
@@ -257,8 +257,8 @@ INLINE int NAME(visit)(const int d, const int n, const dlsi_groups *G, int first
 }
 
 /* u := W r + q, of bodies from v, for the candidates of groups first .. end-1. */
-INLINE void NAME(see)(const int d, const int n, const dlsi_groups *G, int first, int end,
-                      double *r, double *v, double *u) {
+INLINE void NAME(see)(const int d, const int n, const dlsi_groups *G, int first, int end, double *r,
+                      double *v, double *u) {
   PLACES at = {.none = {0}};
   for (int g = first; g < end; g++) {
     const double *own = G->own + 8 * (size_t)(d * d + d + 2) * (size_t)g, *q = own + 8 * d * d;

@@ -22,8 +22,7 @@
 
 enum { newton_steps = 1 }; /* 2 need as many sweeps (make bench-lanes) */
 
-/* (NL2) by local.c: p, then its solution. own: from the lane on. */
-static __attribute__((noinline)) void groups_solve_one(int d, const double *own, double *p) {
+void dlsi_groups_solve_one(int d, const double *own, double *p) {
   const double mu = own[8 * (d * d + d)];
   double W[9], r[3] = {0};
   for (int e = 0; e < d * d; e++)
@@ -44,30 +43,30 @@ static __attribute__((noinline)) void groups_solve_one(int d, const double *own,
 }
 
 #if defined(__x86_64__)
-#define WIDTH 8
-#define TARGET __attribute__((target("avx512f")))
+#define WIDTH   8
+#define TARGET  __attribute__((target("avx512f")))
 #define NAME(x) x##_8
 #define ROOT(x) (V) _mm512_sqrt_pd((__m512d)(x))
-#define ANY(m) (_mm512_test_epi64_mask((__m512i)(m), (__m512i)(m)) != 0)
+#define ANY(m)  (_mm512_test_epi64_mask((__m512i)(m), (__m512i)(m)) != 0)
 #include "groups_kernel.h"
-#define WIDTH 4
-#define TARGET __attribute__((target("avx2")))
+#define WIDTH   4
+#define TARGET  __attribute__((target("avx2")))
 #define NAME(x) x##_4
 #define ROOT(x) (V) _mm256_sqrt_pd((__m256d)(x))
-#define ANY(m) (_mm256_movemask_pd((__m256d)(m)) != 0)
+#define ANY(m)  (_mm256_movemask_pd((__m256d)(m)) != 0)
 #include "groups_kernel.h"
 #define WIDTH 2
 #define TARGET
 #define NAME(x) x##_2
 #define ROOT(x) (V) _mm_sqrt_pd((__m128d)(x))
-#define ANY(m) (_mm_movemask_pd((__m128d)(m)) != 0)
+#define ANY(m)  (_mm_movemask_pd((__m128d)(m)) != 0)
 #include "groups_kernel.h"
 #else
 #define WIDTH 2
 #define TARGET
 #define NAME(x) x##_2
 #define ROOT(x) ((V){sqrt((x)[0]), sqrt((x)[1])})
-#define ANY(m) (((m)[0] | (m)[1]) != 0)
+#define ANY(m)  (((m)[0] | (m)[1]) != 0)
 #include "groups_kernel.h"
 #endif
 

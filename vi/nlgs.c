@@ -33,7 +33,7 @@
 
 enum { most_window = 100 };
 enum { least_grouped = 500 }; /* candidates: from there on groups pay for themselves */
-enum { large_panel = 2000 }; /* rows: W is 32 MB then, and a panel takes longer than a barrier */
+enum { large_panel = 2000 };  /* rows: W is 32 MB then, and a panel takes longer than a barrier */
 
 void dls_nlgs_settings_init(dls_nlgs_settings *settings) {
   if (!settings) return;

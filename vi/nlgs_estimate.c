@@ -142,8 +142,7 @@ static void nlgs_sum_piece(void *data, int k) {
   const dls_contact *problem = s->problem;
   const int d = problem->d, begin = dlsi_piece(problem->nc, s->pieces, k);
   const int end = dlsi_piece(problem->nc, s->pieces, k + 1);
-  if (s->work->motions && !s->work->grouped)
-    dlsi_bodies_unfold(problem, begin, end, s->work->it.u);
+  if (s->work->motions && !s->work->grouped) dlsi_bodies_unfold(problem, begin, end, s->work->it.u);
   s->sum[k] = (d == 1   ? nlgs_squares_1d
                : d == 2 ? nlgs_squares_2d
                         : nlgs_squares_3d)(s->work, problem, s->r, s->scale, begin, end);

@@ -34,11 +34,11 @@ struct dls_nlgs {
   int motions;             /* of a body; 0 where u is kept up to date */
   double *v;               /* H r of bodies, kept up to date by the sweeps in place of u */
   dlsi_nlgs_bodies bodies;
-  int grouped;      /* 1: sweeps go over groups; u is not kept up to date then */
+  int grouped;              /* 1: sweeps go over groups; u is not kept up to date then */
   dlsi_groups groups, part; /* all candidates; a set of (NL9) */
   dlsi_slabs slabs;         /* the order of the groups */
-  dlsi_team *team;  /* that help in this run; NULL: none */
-  double *x;        /* r that the sweep started from, if accelerated: m */
+  dlsi_team *team;          /* that help in this run; NULL: none */
+  double *x;                /* r that the sweep started from, if accelerated: m */
   dlsi_anderson history;
   dlsi_momentum momentum;
   int *near; /* of momentum: nc, layer of (NL9) of each candidate, from 1 on; 0: not in a set */
@@ -66,9 +66,8 @@ static inline int dlsi_nlgs_may_turn(const dls_nlgs *work) {
 
 /* All candidates; one by one, in the order of the visits. */
 static inline dlsi_set dlsi_nlgs_all(const dls_nlgs *work, const dls_contact *problem) {
-  return (dlsi_set){.list = work->order,
-                    .count = problem->nc,
-                    .groups = work->grouped ? &work->groups : NULL};
+  return (dlsi_set){
+      .list = work->order, .count = problem->nc, .groups = work->grouped ? &work->groups : NULL};
 }
 
 /* The rows of what sweeps over all candidates keep up to date: of u, of v, or, in groups by blocks,

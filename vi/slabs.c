@@ -3,8 +3,8 @@
  *
  * Two candidates are neighbours where they change the same row of u, of bodies where they share a
  * body. Levels are the distances from a far candidate, so that neighbours are at most one level
- * apart. A slab is one level or more, one after the other, so that slabs of the same parity, with a
- * level between them, have no neighbours:
+ * apart. A slab is one level or more, 64 candidates and a 16th of all at least, so that slabs of the
+ * same parity, with a level between them, have no neighbours:
  *
  *   levels   0 1 2 | 3 | 4 | 5 | 6 7 | ..       all even slabs at the same time,
  *   slab       0   | 1 | 2 | 3 |  4  | ..       then all odd ones
@@ -22,7 +22,7 @@
 
 #include "vi_internal.h"
 
-enum { least_candidates = 64, piece_size = 512 };
+enum { least_candidates = 64, most_slabs = 16, piece_size = 512 };
 
 int dlsi_pieces(int count) {
   if (count < 2 * piece_size) return 1;
@@ -133,10 +133,11 @@ static int slabs_compare(const void *a, const void *b) {
 
 /* Cuts the queue into slabs. Returns how many. */
 static int slabs_cut(int nc, int *queue, const int *level, int *start) {
+  const int least = nc / most_slabs > least_candidates ? nc / most_slabs : least_candidates;
   int slabs = 0, first = 0;
   while (first < nc) {
     int end = first;
-    while (end < nc && end - first < least_candidates)
+    while (end < nc && end - first < least)
       for (const int now = level[queue[end]]; end < nc && level[queue[end]] == now;)
         end++;
     start[slabs++] = first;
