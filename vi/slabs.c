@@ -3,7 +3,7 @@
  *
  * Two candidates are neighbours where they change the same row of u, of bodies where they share a
  * body. Levels are the distances from a far candidate, so that neighbours are at most one level
- * apart. A slab is one level or more, 64 candidates and a 16th of all at least, so that slabs of the
+ * apart. A slab is one level or more, 64 candidates and a 16th of all at least. So slabs of the
  * same parity, with a level between them, have no neighbours:
  *
  *   levels   0 1 2 | 3 | 4 | 5 | 6 7 | ..       all even slabs at the same time,

@@ -25,7 +25,7 @@ static const char *const kinds[] = {"packing-flow", "packing-rest", "discs-flow"
 static rigid made;
 
 /* The problem of a test: kind _i / 2, of bodies or by blocks. */
-static const dls_contact *make(int i, int candidates) {
+static const dls_contact *groups_make(int i, int candidates) {
   ck_assert_int_eq(rigid_create(&made, kinds[i / 2], candidates, .5, 3), 0);
   return i % 2 ? &made.factored : &made.contact;
 }
@@ -45,7 +45,7 @@ static int are_coupled(const dls_contact *p, int a, int b) {
 
 /* Each candidate stands in one lane, and the eight of a group share nothing. */
 START_TEST(groups_share_nothing) {
-  const dls_contact *p = make(_i, 1200);
+  const dls_contact *p = groups_make(_i, 1200);
   dlsi_groups g = {.count = 0};
   int *seen = calloc((size_t)p->nc, sizeof *seen);
   ck_assert_ptr_nonnull(seen);
@@ -67,7 +67,7 @@ END_TEST
 
 /* Registers of 1, 2, 4 and 8 lanes give the same bits of r, v and u. */
 START_TEST(bits_do_not_depend_on_lanes) {
-  const dls_contact *p = make(_i, 1200);
+  const dls_contact *p = groups_make(_i, 1200);
   const size_t m = (size_t)p->d * (size_t)p->nc, n = 6 * (size_t)made.bodies;
   double *r[4], *v[4], *u[4];
   for (int k = 0; k < 4; k++) {
@@ -105,7 +105,7 @@ END_TEST
 /* A visit gives each candidate of a group the exact local solution, once its l has settled: a
  * fixed point of these sweeps is one of sweeps one by one. */
 START_TEST(fixed_points_are_those_of_one_by_one) {
-  const dls_contact *p = make(_i, 600);
+  const dls_contact *p = groups_make(_i, 600);
   double *r = calloc((size_t)(p->d * p->nc), sizeof *r);
   dls_solver_settings s;
   dls_info info;
@@ -168,7 +168,7 @@ START_TEST(structure_that_changes) {
   settings.acceleration = _i ? DLS_ACCELERATION_MOMENTUM : DLS_ACCELERATION_NONE;
   ck_assert_int_eq(dls_nlgs_create(&work, 3, 2000, &settings, NULL), DLS_OK);
   for (int k = 0; k < 6; k++) {
-    const dls_contact *p = make(k == 2 ? 1 : k % 2, sizes[k]);
+    const dls_contact *p = groups_make(k == 2 ? 1 : k % 2, sizes[k]);
     const size_t m = 3 * (size_t)p->nc;
     double *q = malloc(m * sizeof *q), *r = calloc(2 * m, sizeof *r);
     ck_assert(q && r);
@@ -192,7 +192,7 @@ END_TEST
 
 /* Each allocation fails in turn; then all goes well in the same workspace. */
 START_TEST(memory_of_groups) {
-  const dls_contact *p = make(_i, 700);
+  const dls_contact *p = groups_make(_i, 700);
   double *r = calloc((size_t)(p->d * p->nc), sizeof *r);
   dls_nlgs_settings settings;
   dls_nlgs *work;

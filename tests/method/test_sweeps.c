@@ -59,7 +59,7 @@ static void direct_begin(direct *t) {
 /* (NL6)-(NL8) r := the start of the next sweep. */
 static void direct_accelerate(direct *t) {
   const int d = t->p->d, nc = t->p->nc, m = d * nc;
-  const dlsi_set all = {NULL, nc, 0, NULL};
+  const dlsi_set all = {.count = nc};
   direct_multiply(t);
   if (t->acceleration == DLS_ACCELERATION_MOMENTUM)
     (void)dlsi_momentum_step(&t->momentum, d, d, t->w, 1, all, all, t->r, t->u);
