@@ -3,11 +3,14 @@
  *
  * Two candidates are neighbours where they change the same row of u, of bodies where they share a
  * body. Levels are the distances from a far candidate, so that neighbours are at most one level
- * apart. A slab is one level or more, 64 candidates and a 16th of all at least. So slabs of the
+ * apart. A slab is one level or more, 64 candidates and a fourth of all at least. So slabs of the
  * same parity, with a level between them, have no neighbours:
  *
  *   levels   0 1 2 | 3 | 4 | 5 | 6 7 | ..       all even slabs at the same time,
  *   slab       0   | 1 | 2 | 3 |  4  | ..       then all odd ones
+ *
+ * Few slabs are near the order of the numbers, in which packings at rest take the fewest sweeps
+ * (bench/results/lanes.md); four of them keep two threads at work.
  *
  * The slabs follow from the problem alone, and so do the bits of a sweep, on any number of threads.
  * Within a slab candidates ascend, as they stand in memory. Parts that nothing couples follow each
@@ -22,7 +25,7 @@
 
 #include "vi_internal.h"
 
-enum { least_candidates = 64, most_slabs = 16, piece_size = 512 };
+enum { least_candidates = 64, most_slabs = 4, piece_size = 512 };
 
 int dlsi_pieces(int count) {
   if (count < 2 * piece_size) return 1;
