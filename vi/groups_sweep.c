@@ -20,7 +20,7 @@
 #include <immintrin.h>
 #endif
 
-enum { newton_steps = 1 }; /* 2 need as many sweeps (make bench-lanes) */
+enum { newton_steps = 1 }; /* after 300 sweeps of packings 2 leave the same residual */
 
 void dlsi_groups_solve_one(int d, const double *own, double *p) {
   const double mu = own[8 * (d * d + d)];

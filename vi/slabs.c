@@ -10,7 +10,7 @@
  *   slab       0   | 1 | 2 | 3 |  4  | ..       then all odd ones
  *
  * Few slabs are near the order of the numbers, in which packings at rest take the fewest sweeps
- * (bench/results/lanes.md); four of them keep two threads at work.
+ * (bench/results/lanes_auto.md); four of them keep two threads at work.
  *
  * The slabs follow from the problem alone, and so do the bits of a sweep, on any number of threads.
  * Within a slab candidates ascend, as they stand in memory. Parts that nothing couples follow each
