@@ -4,7 +4,8 @@
 # MUMPS=0 to leave sparse LU out, OPENMP= to leave threads out, MPI=1 for libdelassus-mpi and delassus-mpi,
 # BLAS_LIBS to link another BLAS and LAPACK.
 
-VERSION = 0.1.0
+# the version stands in one place, the header
+VERSION := $(shell sed -n 's/^.define DLS_VERSION  *"\(.*\)"/\1/p' include/delassus/status.h)
 SOVERSION = 0
 
 CC ?= cc
@@ -63,7 +64,10 @@ ifeq ($(origin OPENMP),undefined)
 OPENMP := $(shell echo 'int main(void) { return 0; }' | $(CC) -fopenmp -xc - -o /dev/null 2>/dev/null && echo -fopenmp)
 endif
 OPENMP_LIBS := $(if $(OPENMP),$(if $(findstring clang,$(shell $(CC) --version)),-fopenmp,-lgomp))
-LIBS = $(HDF5_LIBS) $(MUMPS_LIBS) $(BLAS_LIBS) $(OPENMP_LIBS) -lm -pthread
+# of libdelassus; of libdelassus-files; of a program
+CORE_LIBS = $(MUMPS_LIBS) $(BLAS_LIBS) $(OPENMP_LIBS) -lm -pthread
+FILES_LIBS = $(HDF5_LIBS) -lm -pthread
+LIBS = $(HDF5_LIBS) $(CORE_LIBS)
 CHECK_LIBS = $(shell $(PKG_CONFIG) --libs check)
 
 MPI ?= 0
@@ -73,11 +77,11 @@ MPI_CFLAGS := $(patsubst -I%,-isystem %,$(shell $(MPICC) --showme:compile)) -DDL
 MPI_LIBS := -ldmumps -lscalapack-openmpi -lmetis $(shell $(MPICC) --showme:link)
 endif
 
-LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/linear src/files src/facts src/auto src/front src/motion lcp vi reduction global))
-LIB_SRC := $(filter-out $(if $(HDF5_CFLAGS),src/files/fclib_none.c,src/files/fclib_read.c src/files/fclib_write.c),$(LIB_SRC))
+LIB_SRC := $(wildcard $(addsuffix /*.c,src/base src/linear src/facts src/auto src/front src/motion lcp vi reduction global))
 NO_MUMPS := src/linear/mumps_none.c
 WITH_MUMPS := $(addprefix src/linear/,sparse_lu.c schur.c dissection.c)
 LIB_SRC := $(filter-out $(if $(MUMPS_LIBS),$(NO_MUMPS),$(WITH_MUMPS)),$(LIB_SRC))
+FILES_SRC := $(filter-out $(if $(HDF5_CFLAGS),src/files/fclib_none.c,src/files/fclib_read.c src/files/fclib_write.c),$(wildcard src/files/*.c))
 FE_SRC := $(wildcard src/fe/*.c)
 CLI_SRC := $(wildcard src/cli/*.c)
 # the rooms of tests that check-build builds; all of them
@@ -86,13 +90,15 @@ TEST_SRC := $(filter-out tests/mpi/%,$(wildcard $(ROOMS:%=tests/%/test_*.c)))
 EXAMPLE_SRC := $(wildcard examples/*.c)
 HEADERS := $(filter-out $(if $(MPI_LIBS),,include/delassus/mpi.h),$(wildcard include/*.h include/delassus/*.h))
 ALL_CPP = $(wildcard include/*.hpp tests/*/*.cpp examples/*.cpp)
-ALL_C = $(LIB_SRC) $(FE_SRC) $(CLI_SRC) src/fortran/types.c $(wildcard src/mpi/*.c examples/mpi/*.c) $(wildcard tests/*/*.c) $(EXAMPLE_SRC) $(wildcard bench/*.c)
+ALL_C = $(LIB_SRC) $(FILES_SRC) $(FE_SRC) $(CLI_SRC) src/fortran/types.c $(wildcard src/mpi/*.c examples/mpi/*.c) $(wildcard tests/*/*.c) $(EXAMPLE_SRC) $(wildcard bench/*.c)
 ALL_H = $(HEADERS) $(wildcard src/*/*.h lcp/*.h vi/*.h reduction/*.h global/*.h tests/*/*.h bench/*.h)
 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 LIB_OBJ := $(call obj,$(LIB_SRC))
-# fe is a library of its own: it carries the hidden functions that it shares
-FE_OBJ := $(call obj,$(FE_SRC)) $(patsubst %,$(BUILD)/obj/src/%.o,base/status base/memory base/number base/check base/columns base/environment base/utf8 files/file files/output)
+# files and fe are libraries of their own: each carries the hidden functions that it shares with libdelassus
+base_obj = $(patsubst %,$(BUILD)/obj/src/base/%.o,status memory number check columns environment utf8 $(1))
+FILES_OBJ := $(call obj,$(FILES_SRC)) $(call base_obj,bodies entries joints lock model)
+FE_OBJ := $(call obj,$(FE_SRC) src/files/file.c src/files/output.c) $(call base_obj)
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(EXAMPLE_SRC))
 # programs in other languages, where there is a compiler
@@ -103,11 +109,13 @@ LANGUAGES := $(patsubst %.cpp,$(BUILD)/%-cpp,$(patsubst %.f90,$(BUILD)/%-f90,$(L
 
 A = $(BUILD)/libdelassus.a
 SO = $(BUILD)/libdelassus.so
+FILES = $(BUILD)/libdelassus-files.a
+FILES_SO = $(BUILD)/libdelassus-files.so
 FE = $(BUILD)/libdelassus-fe.a
 PROGRAM = $(BUILD)/delassus
 
 .PHONY: all
-all: $(A) $(SO) $(FE) $(PROGRAM) $(EXAMPLES)
+all: $(A) $(SO) $(FILES) $(FILES_SO) $(FE) $(PROGRAM) $(EXAMPLES)
 
 # ---- MPI=1: a library that holds all of libdelassus, too, its sparse LU on the parallel MUMPS ------
 
@@ -127,6 +135,8 @@ help:
 	@echo 'make install     PREFIX=/usr/local LIBDIR=PREFIX/lib DESTDIR='
 	@echo 'make uninstall   removes what install wrote; make dist: the source as build/delassus-VERSION.tar.gz'
 	@echo 'make check-install   examples built and run from an installed tree alone'
+	@echo 'make check-packages  wheel, source package and editable install of Python without network; mypy'
+	@echo 'make check-debian    dpkg-buildpackage and lintian'
 	@echo 'make check-hosts     GetFEM, CalculiX and PETSc hand their matrices over; installs them'
 	@echo 'make properties  random problems with a known answer, solved in many ways; PROPERTIES="--seed 2 --count 100000"'
 	@echo 'make check-properties   280 of them'
@@ -158,6 +168,7 @@ help:
 	@echo 'make bench-lanes     a sweep over groups of eight candidates beside one by one'
 	@echo 'make bench-blocks    W dense and by blocks beside dgemv and the memory'
 	@echo 'make bench-steps     a batch of small problems; a load path, warm beside cold'
+	@echo 'make bench-prove     proved share of answers, cost of a proof; FCLIB=DIR'
 	@echo 'make bench-trust     predicted error of an answer beside the true one'
 	@echo 'make MPI=1       libdelassus-mpi and delassus-mpi, too; MPI=1 check-mpi, MPI=1 bench-mpi'
 	@echo 'make clean'
@@ -192,18 +203,25 @@ $(A): $(LIB_OBJ)
 $(SO).$(VERSION): $(LIB_OBJ) src/delassus.map
 	$(call say,LINK)
 	$(Q)$(CC) -shared $(SANITIZE) $(LDFLAGS) -Wl,-soname,libdelassus.so.$(SOVERSION) \
-	  -Wl,--version-script=src/delassus.map -o $@ $(LIB_OBJ) $(LIBS)
+	  -Wl,--version-script=src/delassus.map -o $@ $(LIB_OBJ) $(CORE_LIBS)
 
-$(SO): $(SO).$(VERSION)
-	@ln -sf libdelassus.so.$(VERSION) $(BUILD)/libdelassus.so.$(SOVERSION)
-	@ln -sf libdelassus.so.$(VERSION) $@
+$(FILES_SO).$(VERSION): $(FILES_OBJ) src/files/files.map
+	$(call say,LINK)
+	$(Q)$(CC) -shared $(SANITIZE) $(LDFLAGS) -Wl,-soname,libdelassus-files.so.$(SOVERSION) \
+	  -Wl,--version-script=src/files/files.map -o $@ $(FILES_OBJ) $(FILES_LIBS)
 
+$(SO) $(FILES_SO): %: %.$(VERSION)
+	@ln -sf $(<F) $@.$(SOVERSION)
+	@ln -sf $(<F) $@
+
+$(FILES): $(FILES_OBJ)
 $(FE): $(FE_OBJ)
+$(FILES) $(FE):
 	@rm -f $@
 	$(call say,AR  )
 	$(Q)$(AR) rcs $@ $^
 
-$(PROGRAM): $(call obj,$(CLI_SRC)) $(FE) $(A)
+$(PROGRAM): $(call obj,$(CLI_SRC)) $(FE) $(FILES) $(A)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(LIBS)
 
@@ -232,10 +250,10 @@ $(BUILD)/%-f90: %.f90 $(BUILD)/fortran/delassus.o $(A)
 	$(call say,FC  )
 	$(Q)$(FC) $(F90_FLAGS) -I$(BUILD)/fortran -J$(@D) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(LIBS)
 
-$(BUILD)/examples/%: examples/%.c $(FE) $(A)
+$(BUILD)/examples/%: examples/%.c $(FE) $(FILES) $(A)
 	@mkdir -p $(@D)
 	$(call say,LINK)
-	$(Q)$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) $(LDFLAGS) -o $@ $< $(FE) $(A) $(LIBS)
+	$(Q)$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) $(LDFLAGS) -o $@ $< $(FE) $(FILES) $(A) $(LIBS)
 
 # ---- tests --------------------------------------------------------------------------------------
 
@@ -245,12 +263,14 @@ TEST_HELPERS := $(call obj,$(wildcard tests/shared/*.c))
 # through the one of tests/shared/errors.c
 WRAP = -Wl,--wrap=malloc -Wl,--wrap=calloc -Wl,--wrap=realloc -Wl,--wrap=dlsi_fail
 
-$(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(TEST_HELPERS) $(FE) $(A)
+$(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(TEST_HELPERS) $(FE) $(FILES) $(A)
 	@mkdir -p $(@D)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS) $(LIBS)
 
-$(call obj,$(TEST_SRC)) $(TEST_HELPERS): CPP_OF += -Itests/shared -DTEST_DATA='"data"' -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0) -DWITH_HDF5=$(if $(HDF5_CFLAGS),1,0)
+# 1: smaller problems in the longest tests, the same assertions: for a processor that qemu stands for
+TEST_SMALL ?= 0
+$(call obj,$(TEST_SRC)) $(TEST_HELPERS): CPP_OF += -Itests/shared -DTEST_DATA='"data"' -DWITH_MUMPS=$(if $(MUMPS_LIBS),1,0) -DWITH_HDF5=$(if $(HDF5_CFLAGS),1,0) -DTEST_SMALL=$(TEST_SMALL)
 # test_files makes broken FCLIB files with HDF5 itself
 $(BUILD)/obj/tests/files/test_files.o: CPP_OF += $(HDF5_CFLAGS)
 
@@ -326,11 +346,12 @@ valgrind: all $(TESTS) $(LANGUAGES)
 	@tests/run.sh $(BUILD) 'valgrind --quiet --leak-check=full --errors-for-leak-kinds=definite,possible --error-exitcode=9 --suppressions=tests/valgrind.supp'
 
 .PHONY: check-symbols
-check-symbols: $(SO) $(A)
+check-symbols: $(SO) $(A) $(FILES_SO) $(FILES)
 	@tests/check_symbols.sh $(SO) $(A)
+	@tests/check_symbols.sh $(FILES_SO) $(FILES)
 
 .PHONY: check-arrows
-check-arrows: $(A) $(FE) $(call obj,$(CLI_SRC))
+check-arrows: $(A) $(FE) $(FILES) $(call obj,$(CLI_SRC))
 	@tests/check_arrows.sh $(BUILD)
 
 .PHONY: check-names
@@ -362,6 +383,7 @@ check-all:
 	@$(MAKE) --no-print-directory threads RUNS=5
 	@$(MAKE) --no-print-directory fuzz FUZZ_SECONDS=600
 	@$(MAKE) --no-print-directory check-cross
+	@$(MAKE) --no-print-directory check-debian
 
 .PHONY: check-headers
 check-headers:
@@ -376,7 +398,7 @@ check-headers:
 
 .PHONY: lint
 lint:
-	clang-tidy --quiet --warnings-as-errors='*' $(LIB_SRC) $(FE_SRC) $(CLI_SRC) $(EXAMPLE_SRC) -- -std=c11 -Iinclude -Isrc -I. -I$(BUILD)/layout $(HDF5_CFLAGS) $(MUMPS_CFLAGS) 2>/dev/null
+	clang-tidy --quiet --warnings-as-errors='*' $(LIB_SRC) $(FILES_SRC) $(FE_SRC) $(CLI_SRC) $(EXAMPLE_SRC) -- -std=c11 -Iinclude -Isrc -I. -I$(BUILD)/layout $(HDF5_CFLAGS) $(MUMPS_CFLAGS) 2>/dev/null
 	cppcheck --quiet --error-exitcode=1 --std=c11 --enable=warning,performance,portability \
 	  --inline-suppr -Iinclude -Isrc -I. src lcp vi reduction global examples
 
@@ -428,7 +450,7 @@ $(BUILD)/obj/tests/torment/main.o: src/cli/main.c
 	@mkdir -p $(@D)
 	$(call say,CC  )
 	$(Q)$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -Dmain=delassus_main -Wno-missing-prototypes -c -o $@ $<
-$(BUILD)/tests/torment/fuzz: $(FUZZ_OBJ) $(FUZZ_CLI) $(FE) $(A)
+$(BUILD)/tests/torment/fuzz: $(FUZZ_OBJ) $(FUZZ_CLI) $(FE) $(FILES) $(A)
 	@mkdir -p $(@D)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(FUZZ_LINK) $(LDFLAGS) -o $@ $^ $(LIBS)
@@ -436,7 +458,7 @@ $(BUILD)/tests/torment/fuzz: $(FUZZ_OBJ) $(FUZZ_CLI) $(FE) $(A)
 # every k-th call of malloc, open, fsync, rename, close fails
 FAULT_WRAP = $(patsubst %,-Wl$(comma)--wrap=%,malloc calloc realloc free fopen open fdopen fsync rename fclose)
 comma = ,
-$(BUILD)/tests/torment/faults: $(call obj,tests/torment/faults.c) $(BUILD)/obj/tests/torment/main.o $(FUZZ_CLI) $(FE) $(A)
+$(BUILD)/tests/torment/faults: $(call obj,tests/torment/faults.c) $(BUILD)/obj/tests/torment/main.o $(FUZZ_CLI) $(FE) $(FILES) $(A)
 	@mkdir -p $(@D)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) $(FAULT_WRAP) -o $@ $^ $(LIBS)
@@ -469,26 +491,27 @@ RESULTS ?= bench/results
 PEER_CFLAGS = -isystem /usr/include/siconos -isystem /usr/include/siconos/numerics
 bench_obj = $(call obj,bench/common.c $(sort $(wildcard bench/$(1).c bench/$(1)_*.c)))
 $(call bench_obj,lemke) $(call bench_obj,solvers): CPP_OF += $(PEER_CFLAGS)
-$(call bench_obj,scale) $(call bench_obj,regret) $(call bench_obj,bodies) $(call bench_obj,lanes) $(call obj,tests/shared/rigid.c tests/shared/solids.c): CPP_OF += -Itests/shared
+$(call bench_obj,auto) $(call bench_obj,scale) $(call bench_obj,regret) $(call bench_obj,bodies) $(call bench_obj,lanes) $(call obj,tests/shared/rigid.c tests/shared/solids.c): CPP_OF += -Itests/shared
 $(call bench_obj,reduction): CPP_OF += -isystem /usr/include/suitesparse $(MUMPS_CFLAGS)
 $(call bench_obj,motion) $(call bench_obj,global): CPP_OF += -isystem /usr/include/suitesparse
 $(call obj,$(wildcard bench/*.c)): CPP_OF += -D_GNU_SOURCE
 
-$(BUILD)/bench/lemke: $(call bench_obj,lemke) $(FE) $(A)
-$(BUILD)/bench/solvers: $(call bench_obj,solvers) $(call obj,$(addprefix src/cli/,profile_picture.c palette.c picture.c quote.c report.c)) $(FE) $(A)
-$(BUILD)/bench/reduction: $(call bench_obj,reduction) $(FE) $(A)
-$(BUILD)/bench/scale: $(call bench_obj,scale) $(call obj,bench/solvers_call.c bench/solvers_peer.c bench/reduction_boxes.c tests/shared/rigid.c) $(FE) $(A)
-$(BUILD)/bench/regret: $(call bench_obj,regret) $(call obj,bench/solvers_call.c bench/solvers_peer.c bench/solvers_scenes.c bench/scale_elastic.c bench/reduction_boxes.c tests/shared/rigid.c) $(FE) $(A)
+$(BUILD)/bench/lemke: $(call bench_obj,lemke) $(FE) $(FILES) $(A)
+$(BUILD)/bench/solvers: $(call bench_obj,solvers) $(call obj,$(addprefix src/cli/,profile_picture.c palette.c picture.c quote.c report.c)) $(FE) $(FILES) $(A)
+$(BUILD)/bench/reduction: $(call bench_obj,reduction) $(FE) $(FILES) $(A)
+$(BUILD)/bench/scale: $(call bench_obj,scale) $(call obj,bench/solvers_call.c bench/solvers_peer.c bench/reduction_boxes.c tests/shared/rigid.c) $(FE) $(FILES) $(A)
+$(BUILD)/bench/regret: $(call bench_obj,regret) $(call obj,bench/solvers_call.c bench/solvers_peer.c bench/solvers_scenes.c bench/scale_elastic.c bench/reduction_boxes.c tests/shared/rigid.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/bodies: $(call bench_obj,bodies) $(call obj,tests/shared/rigid.c) $(A)
 $(BUILD)/bench/lanes: $(call bench_obj,lanes) $(call obj,tests/shared/rigid.c) $(A)
 $(BUILD)/bench/motion: $(call bench_obj,motion) $(call obj,bench/reduction_boxes.c) $(A)
 $(BUILD)/bench/global: $(call bench_obj,global) $(A)
 $(BUILD)/bench/motion $(BUILD)/bench/global: PEER_LIBS = -lcholmod
-$(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,bench/solvers_scenes.c $(addprefix src/cli/,problem.c matrices.c place.c arrays.c input.c quote.c report.c)) $(FE) $(A)
+$(BUILD)/bench/auto: $(call bench_obj,auto) $(call obj,bench/solvers_scenes.c $(addprefix bench/,regret_kinds.c regret_bodies.c regret_grains.c regret_elastic.c scale_elastic.c reduction_boxes.c) tests/shared/rigid.c $(addprefix src/cli/,problem.c matrices.c hints.c nearest.c place.c arrays.c input.c picture.c quote.c report.c)) $(FE) $(FILES) $(A)
 $(BUILD)/bench/blocks: $(call bench_obj,blocks) $(A)
 $(BUILD)/bench/steps: $(call bench_obj,steps) $(A)
-$(BUILD)/bench/problems: $(call obj,bench/problems.c bench/common.c bench/solvers_scenes.c) $(FE) $(A)
-$(BUILD)/bench/trust: $(call bench_obj,trust) $(call obj,bench/solvers_scenes.c) $(FE) $(A)
+$(BUILD)/bench/problems: $(call obj,bench/problems.c bench/common.c bench/solvers_scenes.c) $(FE) $(FILES) $(A)
+$(BUILD)/bench/trust: $(call bench_obj,trust) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
+$(BUILD)/bench/prove: $(call bench_obj,prove) $(call obj,bench/solvers_scenes.c) $(FE) $(FILES) $(A)
 $(BUILD)/bench/lemke $(BUILD)/bench/solvers $(BUILD)/bench/scale $(BUILD)/bench/regret: PEER_LIBS = -lsiconos_numerics
 $(BUILD)/bench/reduction: PEER_LIBS = -lcholmod -lumfpack
 $(BUILD)/bench/%:
@@ -524,7 +547,10 @@ bench-blocks: $(BUILD)/bench/blocks
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/blocks --out $(RESULTS)
 bench-steps: $(BUILD)/bench/steps
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/steps --out $(RESULTS)
-.PHONY: bench-trust bench-steps bench-regret
+.PHONY: bench-trust bench-prove bench-steps bench-regret
+FCLIB ?= data/fclib
+bench-prove: $(BUILD)/bench/prove
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/prove --out $(RESULTS) $(FCLIB)
 bench-trust: $(BUILD)/bench/trust
 	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/trust --out $(RESULTS)
 
@@ -556,47 +582,64 @@ deps:
 INCLUDEDIR = $(PREFIX)/include
 DATADIR = $(PREFIX)/share
 DOCDIR = $(DATADIR)/doc/delassus
-FILL = sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@SOVERSION@|$(SOVERSION)|' -e 's|@LIBS@|$(LIBS)|'
+ZSHDIR ?= $(DATADIR)/zsh/site-functions
+FISHDIR ?= $(DATADIR)/fish/vendor_completions.d
+FILL = sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@SOVERSION@|$(SOVERSION)|' -e 's|@LIBS@|$(CORE_LIBS)|' -e 's|@FILES_LIBS@|$(FILES_LIBS)|'
 
 .PHONY: install
-install: $(A) $(SO) $(FE) $(PROGRAM) $(F90)
+install: $(A) $(SO) $(FILES) $(FILES_SO) $(FE) $(PROGRAM) $(F90)
 	install -d $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus $(LIBDIR)/pkgconfig $(LIBDIR)/cmake/delassus $(PREFIX)/bin \
-	  $(DATADIR)/man/man1 $(DATADIR)/man/man3 $(DATADIR)/bash-completion/completions $(DOCDIR)/examples $(DOCDIR)/pictures)
+	  $(DATADIR)/man/man1 $(DATADIR)/man/man3 $(DATADIR)/bash-completion/completions $(ZSHDIR) $(FISHDIR) $(DOCDIR)/examples $(DOCDIR)/pictures)
 	install -m 644 include/delassus.h $(DESTDIR)$(INCLUDEDIR)/
 	install -m 644 $(filter include/delassus/%,$(HEADERS)) $(DESTDIR)$(INCLUDEDIR)/delassus/
 	install -m 644 include/delassus.hpp $(F90) $(DESTDIR)$(INCLUDEDIR)/
-	install -m 644 $(A) $(FE) $(DESTDIR)$(LIBDIR)/
-	install -m 755 $(SO).$(VERSION) $(DESTDIR)$(LIBDIR)/
-	ln -sf libdelassus.so.$(VERSION) $(DESTDIR)$(LIBDIR)/libdelassus.so.$(SOVERSION)
-	ln -sf libdelassus.so.$(VERSION) $(DESTDIR)$(LIBDIR)/libdelassus.so
+	install -m 644 $(A) $(FILES) $(FE) $(DESTDIR)$(LIBDIR)/
+	install -m 755 $(SO).$(VERSION) $(FILES_SO).$(VERSION) $(DESTDIR)$(LIBDIR)/
+	for so in $(notdir $(SO) $(FILES_SO)); do \
+	  ln -sf $$so.$(VERSION) $(DESTDIR)$(LIBDIR)/$$so.$(SOVERSION); ln -sf $$so.$(VERSION) $(DESTDIR)$(LIBDIR)/$$so; done
 	install -m 755 $(PROGRAM) $(DESTDIR)$(PREFIX)/bin/
 	$(FILL) src/delassus.pc.in > $(DESTDIR)$(LIBDIR)/pkgconfig/delassus.pc
+	$(FILL) src/delassus-files.pc.in > $(DESTDIR)$(LIBDIR)/pkgconfig/delassus-files.pc
 	$(FILL) src/delassus-config.cmake.in > $(DESTDIR)$(LIBDIR)/cmake/delassus/delassus-config.cmake
 	$(FILL) src/delassus-config-version.cmake.in > $(DESTDIR)$(LIBDIR)/cmake/delassus/delassus-config-version.cmake
 	docs/man.sh 1 $(PROGRAM) > $(DESTDIR)$(DATADIR)/man/man1/delassus.1
 	docs/man.sh 3 $(PROGRAM) > $(DESTDIR)$(DATADIR)/man/man3/delassus.3
 	install -m 644 src/cli/completion.bash $(DESTDIR)$(DATADIR)/bash-completion/completions/delassus
+	install -m 644 src/cli/completion.zsh $(DESTDIR)$(ZSHDIR)/_delassus
+	install -m 644 src/cli/completion.fish $(DESTDIR)$(FISHDIR)/delassus.fish
 	install -m 644 README.md CHANGELOG.md LICENSE docs/*.md docs/*.png $(DESTDIR)$(DOCDIR)/
 	install -m 644 docs/pictures/*.png $(DESTDIR)$(DOCDIR)/pictures/
 	install -m 644 examples/*.c examples/*.cpp examples/*.f90 examples/*.py $(DESTDIR)$(DOCDIR)/examples/
+	install -d $(DESTDIR)$(DOCDIR)/examples/python
+	install -m 644 examples/python/* $(DESTDIR)$(DOCDIR)/examples/python/
 
 # what install has written, of this version
 .PHONY: uninstall
 uninstall:
-	rm -f $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus.h $(INCLUDEDIR)/delassus.hpp $(INCLUDEDIR)/delassus.f90 $(addprefix $(LIBDIR)/,libdelassus.a libdelassus-fe.a libdelassus-mpi.a \
-	  libdelassus.so libdelassus.so.$(SOVERSION) libdelassus.so.$(VERSION) pkgconfig/delassus.pc) $(PREFIX)/bin/delassus $(PREFIX)/bin/delassus-mpi \
-	  $(DATADIR)/man/man1/delassus.1 $(DATADIR)/man/man3/delassus.3 $(DATADIR)/bash-completion/completions/delassus)
+	rm -f $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus.h $(INCLUDEDIR)/delassus.hpp $(INCLUDEDIR)/delassus.f90 $(addprefix $(LIBDIR)/,libdelassus.a libdelassus-files.a libdelassus-fe.a libdelassus-mpi.a \
+	  $(foreach so,$(notdir $(SO) $(FILES_SO)),$(so) $(so).$(SOVERSION) $(so).$(VERSION)) pkgconfig/delassus.pc pkgconfig/delassus-files.pc) $(PREFIX)/bin/delassus $(PREFIX)/bin/delassus-mpi \
+	  $(DATADIR)/man/man1/delassus.1 $(DATADIR)/man/man3/delassus.3 $(DATADIR)/bash-completion/completions/delassus $(ZSHDIR)/_delassus $(FISHDIR)/delassus.fish)
 	rm -rf $(addprefix $(DESTDIR),$(INCLUDEDIR)/delassus $(LIBDIR)/cmake/delassus $(DOCDIR) $(if $(PYTHON),$(PYTHONDIR)/delassus))
 
 # installs into a directory, builds and runs examples from there alone, uninstalls
 .PHONY: check-install
-check-install: $(A) $(SO) $(FE) $(PROGRAM)
+check-install: $(A) $(SO) $(FILES) $(FILES_SO) $(FE) $(PROGRAM)
 	@MAKE='$(MAKE)' CC='$(CC)' CXX='$(CXX)' FC='$(FC)' PYTHON='$(PYTHON)' tests/install.sh $(BUILD)
+
+# the wheel, the source package and an editable install of Python, without network; mypy
+.PHONY: check-packages
+check-packages: $(SO)
+	@PYTHON='$(PYTHON)' tests/packages.sh $(SO).$(VERSION)
+
+# packages for Debian, in a copy of the tree; no error of lintian
+.PHONY: check-debian
+check-debian:
+	@tests/debian.sh
 
 .PHONY: check-hosts
 check-hosts:
 	@$(DEPS) hosts
-	@$(MAKE) --no-print-directory $(A) $(SO) $(PROGRAM)
+	@$(MAKE) --no-print-directory $(SO) $(PROGRAM)
 	@CC='$(CC)' CXX='$(CXX)' examples/hosts/run.sh $(BUILD)
 
 .PHONY: dist
@@ -605,13 +648,13 @@ dist:
 	git archive --prefix=delassus-$(VERSION)/ -o $(BUILD)/delassus-$(VERSION).tar.gz HEAD
 	@echo $(BUILD)/delassus-$(VERSION).tar.gz
 
-# the Python package beside an installed library; without make install, pip install src/python does
+# the Python package beside an installed library; without make install, pip install . does
 PYTHONDIR ?= $(PREFIX)/lib/$(shell $(or $(PYTHON),python3) -c 'import sys, sysconfig as s; print("python%d.%d/" % sys.version_info[:2] + s.get_path("purelib").split("/")[-1])')
 .PHONY: install-python
 install-python:
 	@test -n '$(PYTHON)' || { echo 'install-python: no python3 with numpy and scipy; PYTHON=... names one'; exit 2; }
 	install -d $(DESTDIR)$(PYTHONDIR)/delassus
-	install -m 644 src/python/delassus/*.py $(DESTDIR)$(PYTHONDIR)/delassus/
+	install -m 644 src/python/delassus/*.py src/python/delassus/py.typed $(DESTDIR)$(PYTHONDIR)/delassus/
 
 .PHONY: clean
 clean:

@@ -8,9 +8,11 @@
  *   auto --unique NAME...
  *       on the screen: CPU of a solve without and with info, us: the difference is the look for
  *       other answers, info.unique and info.ambiguous
- *   auto --cost NAME...
- *       on the screen: CPU of a sweep, of an accelerated sweep and of a Newton step, us; the last
- *       over the second, and the ratio that auto takes, (PR1) of src/auto/price.c
+ *   auto [--out DIR] --price [SEED]
+ *       price.md: what a step of each method takes in sweeps, beside what auto assumes
+ *       (auto_price.c); fails where they are more than a factor of 2 apart
+ *   auto --total [SEED]
+ *       on the screen: what auto solves of generated problems, and its cost (auto_total.c)
  *   auto --nu NU SEED
  *       on the screen: CPU of each method to 1e-8, ms, on 48 cubes with that ratio of Poisson and
  *       frictions drawn from 0.3 to 4; that of auto over the best of the others
@@ -24,6 +26,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "auto_price.h"
 #include "cli/cli.h"
 #include "common.h"
 #include "solvers_scenes.h"
@@ -245,83 +248,26 @@ static int run_comparison(FILE *page, int count, char **name) {
   return EXIT_SOLVED;
 }
 
-/* ---- the cost of a step ---------------------------------------------------------------------- */
+/* ---- the price of a step --------------------------------------------------------------------- */
 
-typedef struct ticks {
-  double last, all[1000];
-  int count;
-} ticks;
-
-static int tick(void *data, const dls_progress *progress) {
-  ticks *t = data;
-  const double now = bench_seconds();
-  if (progress->last) return 0;
-  const int before_steps = !strcmp(progress->stage, "nlgs") && progress->max_iterations == 20;
-  if (!before_steps && t->count < 1000) t->all[t->count++] = now - t->last;
-  t->last = bench_seconds();
-  return 0;
+/* Returns 1, or 0 after a message. number: NULL for 1. */
+static int read_seed(const char *number, unsigned long *seed) {
+  char rest;
+  *seed = 1;
+  if (!number || sscanf(number, "%lu%c", seed, &rest) == 1) return 1;
+  return complain("--price, --total: SEED is not a number"), 0;
 }
 
-/* Returns the median seconds of an iteration of the second run, in which workspaces are warm, and
- * its r and u. */
-static double time_iteration(const dls_contact *p, dls_method method, int accelerated, double *r,
-                             double *u) {
-  static ticks t;
-  dls_solver_settings s;
-  dls_solver *solver;
-  dls_solver_settings_init(&s);
-  s.method = method;
-  s.limits.tol = 1e-14;
-  s.limits.blocks = p->Wb.x ? p->Wb.p[p->nc] : 0;
-  if (accelerated) s.acceleration = DLS_ACCELERATION_ANDERSON;
-  if (method == DLS_NLGS) s.limits.max_iterations = 60;
-  s.limits.progress = tick;
-  s.limits.progress_data = &t;
-  if (dls_solver_create(&solver, p->d, p->nc, &s, NULL)) exit(1);
-  for (int run = 0; run < 2; run++) {
-    t.count = 0;
-    t.last = bench_seconds();
-    if (dls_solver_solve(solver, p, r, u, NULL, NULL) < 0) exit(1);
-  }
-  dls_solver_destroy(solver);
-  return t.count ? bench_median((size_t)t.count, t.all) : 0;
+static int run_price(FILE *page, const char *number) {
+  unsigned long seed;
+  if (!read_seed(number, &seed)) return EXIT_BAD_INPUT;
+  return price_report(page, seed) ? EXIT_NOT_SOLVED : EXIT_SOLVED;
 }
 
-/* Returns the sweeps that auto expects of a Newton step, (PR1) of src/auto/price.c. */
-static double step_model(const dls_contact *p, int k) {
-  const double fill = !p->W.a && p->d == 3 && k > 6000 ? k / 6000. : 1;
-  const double sweeps = fmin(fmax(5 + k / 12., k / 6.), 50) * fill * fill;
-  return p->W.a ? fmax(sweeps, (double)k * k / (6. * p->d * p->nc)) : sweeps;
-}
-
-static int run_cost(int count, char **name) {
-  puts("| problem | rows | k | sweep us | accelerated us | step us | step / accelerated | (PR1) |\n"
-       "|---|---|---|---|---|---|---|---|");
-  for (int f = 0; f < count; f++) {
-    problem p;
-    if (!named_problem(name[f], &p)) return EXIT_BAD_INPUT;
-    const dls_contact *c = &p.contact;
-    const size_t m = (size_t)c->d * (size_t)c->nc;
-    double *r = malloc(2 * m * sizeof *r);
-    dls_contact_state *state = malloc((size_t)c->nc * sizeof *state);
-    if (!r || !state) return EXIT_BAD_INPUT;
-    const double plain = time_iteration(c, DLS_NLGS, 0, r, r + m);
-    const double sweep = time_iteration(c, DLS_NLGS, 1, r, r + m);
-    const double step = time_iteration(c, DLS_NEWTON, 0, r, r + m);
-    int k = 0;
-    if (dls_contact_states(c, r, r + m, state, NULL)) return EXIT_BAD_INPUT;
-    for (int i = 0; i < c->nc; i++)
-      k += state[i] == DLS_STICK ? c->d : state[i] == DLS_SLIP ? c->d - 1 : 0;
-    printf("| %s | %zu | %d | %.3g | %.3g |", short_name(name[f]), m, k, 1e6 * plain, 1e6 * sweep);
-    if (step > 0)
-      printf(" %.3g | %.2g | %.2g |\n", 1e6 * step, step / sweep, step_model(c, k));
-    else
-      printf(" - | - | %.2g |\n", step_model(c, k)); /* solved before the first step */
-    fflush(stdout);
-    free(r);
-    free(state);
-    drop_problem(&p);
-  }
+static int run_total(const char *number) {
+  unsigned long seed;
+  if (!read_seed(number, &seed)) return EXIT_BAD_INPUT;
+  total_report(seed);
   return EXIT_SOLVED;
 }
 
@@ -396,18 +342,22 @@ static int run_cubes(const char *ratio, const char *number) {
 int main(int argc, char **argv) {
   const char *directory = "bench/results";
   int first = 1;
-  if (argc > 1 && !strcmp(argv[1], "--cost")) return run_cost(argc - 2, argv + 2);
+  if (argc > 1 && argc < 4 && !strcmp(argv[1], "--total"))
+    return run_total(argc > 2 ? argv[2] : NULL);
   if (argc == 4 && !strcmp(argv[1], "--nu")) return run_cubes(argv[2], argv[3]);
   if (argc > 2 && !strcmp(argv[1], "--unique")) return run_unique(argc - 2, argv + 2);
   if (argc > 2 && !strcmp(argv[1], "--out")) {
     directory = argv[2];
     first = 3;
   }
-  const int count = argc - first;
-  if (count < 1 || count > most_files)
-    return complain("usage: auto [--cost | --unique | --out DIR] NAME... | --nu NU SEED");
-  FILE *page = bench_page(directory, "auto", "auto beside the single methods", argc, argv);
+  const int count = argc - first, price = count > 0 && !strcmp(argv[first], "--price");
+  if (count < 1 || count > most_files || (price && count > 2))
+    return complain("usage: auto [--out DIR] NAME... | [--out DIR] --price [SEED] | "
+                    "--unique NAME... | --total [SEED] | --nu NU SEED");
+  FILE *page = price ? bench_page(directory, "price", "the price of a step", argc, argv)
+                     : bench_page(directory, "auto", "auto beside the single methods", argc, argv);
   if (!page) return EXIT_BAD_INPUT;
-  const int status = run_comparison(page, count, argv + first);
+  const int status = price ? run_price(page, count > 1 ? argv[first + 1] : NULL)
+                           : run_comparison(page, count, argv + first);
   return fclose(page) ? EXIT_BAD_INPUT : status;
 }

@@ -32,7 +32,7 @@ if [ "$section" = 1 ]; then
 else
   printf '%s\n' '.SH NAME' 'delassus \- library for discrete contact with dry friction' '.SH SYNOPSIS' '.nf' \
     '#include <delassus.h>' '' 'cc ... $(pkg\-config \-\-cflags \-\-libs delassus)' '.fi' '.SH DESCRIPTION' \
-    'Each header is the manual of its functions; its first comment:'
+    'Each header is the manual of its functions; files.h is in libdelassus\-files. The first comment of each:'
   for header in include/delassus.h include/delassus/*.h; do
     echo ".SS ${header#include/}" | sed 's/-/\\-/g'
     echo .nf

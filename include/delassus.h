@@ -22,7 +22,7 @@
  *   lcp.h        LCP(M, q), Lemke, 2D contact as an LCP
  *   facets.h     contact on a cone with facets as an LCP
  *   pivoting.h   LCP: principal pivoting, enumeration
- *   files.h      FCLIB and Matrix Market files
+ *   files.h      FCLIB and Matrix Market files (libdelassus-files)
  *   layout.h     layouts of these structs, for other languages
  *
  * delassus/fe.h, the finite element module of the benchmark scenes, is a library of its own.

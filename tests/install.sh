@@ -1,7 +1,7 @@
 #!/bin/sh
 # install.sh BUILD: installs into a fresh directory (DESTDIR), builds and runs an example in C (with pkg-config
 # and with CMake), C++, Fortran and Python from what is there alone, looks at the man pages and the completion,
-# and uninstalls. The wheel is built and works away from the tree. PYTHON: an interpreter with numpy and scipy, empty for none.
+# and uninstalls. The version is the same everywhere. tests/packages.sh does the same for Python's packages. PYTHON: an interpreter with numpy and scipy, empty for none.
 set -eu
 build=$1
 root=$(mktemp -d)
@@ -42,6 +42,36 @@ check() { # language, program and arguments: its first line has to be the point'
 }
 ${CC:-cc} -o point-c point.c $flags -lm
 check C ./point-c
+# the core needs no HDF5; what reads files is a library of its own
+if command -v ldd > /dev/null && ldd "$tree/usr/lib/here/libdelassus.so" | grep -i hdf5; then fail 'libdelassus.so needs HDF5'; fi
+cat > files.c << 'END'
+#include <stdio.h>
+#include <delassus.h>
+int main(void) {
+  int rows, cols;
+  double *a;
+  dls_error error = {0};
+  dls_status status = dls_mtx_read("two.mtx", &rows, &cols, &a, &error);
+  if (status) return printf("%s\n", error.message), 1;
+  printf("%d x %d, %g, %s\n", rows, cols, a[1], dls_status_text(status));
+  dls_mtx_free(a);
+  dls_fclib *file;
+  status = dls_fclib_read(&file, "none.hdf5", &error);
+  printf("%s\n", dls_status_name(status));
+  return 0;
+}
+END
+printf '%s\n' '%%MatrixMarket matrix array real general' '2 1' 3 4 > two.mtx
+reads() { # way and program
+  [ "$("$2" | sed 's/DLS_E_UNSUPPORTED/DLS_E_FILE/' | tr '\n' '/')" = '2 x 1, 4, solved/DLS_E_FILE/' ] ||
+    fail "files by $1: $("$2")"
+  echo "files by $1: libdelassus-files reads"
+}
+${CC:-cc} -o files-c files.c $(pkg-config --cflags --libs delassus-files)
+reads pkg-config ./files-c
+${CC:-cc} -o files-static files.c -I"$tree/usr/include" "$tree"/usr/lib/here/libdelassus-files.a "$tree"/usr/lib/here/libdelassus.a \
+  $(sed -n 's/^Libs.private: //p' "$tree"/usr/lib/here/pkgconfig/delassus-files.pc "$tree"/usr/lib/here/pkgconfig/delassus.pc)
+reads 'static libraries' ./files-static
 if command -v "${CXX:-c++}" > /dev/null; then
   ${CXX:-c++} -std=c++17 -o point-cpp point.cpp $flags
   check C++ ./point-cpp
@@ -58,29 +88,29 @@ fi
 if [ -n "${PYTHON:-}" ]; then
   package=$(find "$tree" -type d -name delassus -path '*/python*')
   check Python env PYTHONPATH="${package%/delassus}" "$PYTHON" point.py
-  # the wheel by pip, which needs no network for it; without pip by the function that pip calls
-  mkdir wheel
-  if "$PYTHON" -m pip --version > log 2>&1; then
-    DELASSUS_LIBRARY=$tree/usr/lib/here/libdelassus.so.0 "$PYTHON" -m pip install --no-index --no-deps --target wheel "$work/src/python" > log 2>&1 || { cat log; fail wheel; }
-  else
-    DELASSUS_LIBRARY=$tree/usr/lib/here/libdelassus.so.0 PYTHONPATH=$work/src/python PYTHONDONTWRITEBYTECODE=1 \
-      "$PYTHON" -c 'import backend, zipfile; zipfile.ZipFile(backend.build_wheel(".")).extractall("wheel")' || fail wheel
-  fi
-  [ -e wheel/delassus/libdelassus.so.0 ] || fail 'the wheel has no library'
-  check 'Python by the wheel' env -u LD_LIBRARY_PATH -u DELASSUS_LIBRARY PYTHONPATH="$root/wheel" "$PYTHON" point.py
+  # the wheel, the source package and an editable install: tests/packages.sh
+  (cd "$work" && env -u LD_LIBRARY_PATH PYTHON="$PYTHON" tests/packages.sh "$tree/usr/lib/here/libdelassus.so.0") || fail packages
 else
   echo 'skipped: Python, no python3 with numpy and scipy'
 fi
 if command -v cmake > /dev/null; then
   mkdir cmake
   printf '%s\n' 'cmake_minimum_required(VERSION 3.10)' 'project(point C)' 'find_package(delassus 0.1 REQUIRED)' \
-    'add_executable(point ../point.c)' 'target_link_libraries(point delassus::delassus m)' > cmake/CMakeLists.txt
+    'add_executable(point ../point.c)' 'target_link_libraries(point delassus::delassus m)' \
+    'add_executable(files ../files.c)' 'target_link_libraries(files delassus::files)' > cmake/CMakeLists.txt
   (cd cmake && cmake -Ddelassus_DIR="$tree/usr/lib/here/cmake/delassus" . && cmake --build .) > log 2>&1 || { cat log; fail CMake; }
   check 'C by CMake' cmake/point
+  reads CMake cmake/files
 else
   echo 'skipped: CMake, no cmake'
 fi
-"$tree/usr/bin/delassus" --version > /dev/null || fail program
+# the version stands in delassus/status.h; two files repeat it, where nothing can fill it in
+version=$("$tree/usr/bin/delassus" --version | sed 's/delassus //')
+[ "$version" = "$(pkg-config --modversion delassus)" ] || fail "version of delassus.pc"
+[ "$version" = "$(pkg-config --modversion delassus-files)" ] || fail "version of delassus-files.pc"
+[ "$version" = "$(sed -n 's/^version: //p' "$work/CITATION.cff")" ] || fail "version of CITATION.cff"
+[ "$version" = "$(sed -n '1s/.*(\(.*\)).*/\1/p' "$work/debian/changelog")" ] || fail "version of debian/changelog"
+grep -q "^## $version" "$work/CHANGELOG.md" || fail "version of CHANGELOG.md"
 for page in man1/delassus.1 man3/delassus.3; do
   grep -q '^.SH NAME' "$tree/usr/share/man/$page" || fail "$page"
   if command -v man > /dev/null; then
@@ -90,9 +120,30 @@ for page in man1/delassus.1 man3/delassus.3; do
 done
 grep -q -e '\\-\\-stiffness' "$tree/usr/share/man/man1/delassus.1" || fail 'delassus.1 has no --stiffness'
 grep -q 'fclib_local' "$tree/usr/share/man/man1/delassus.1" || fail 'delassus.1 has no layout of FCLIB'
+# completions: an option, a method, a scene, a command
+export PATH="$tree/usr/bin:$PATH"
+share=$tree/usr/share
+completes() { # shell, what it offered for: --stiff, -m new, scene jean-f, sol
+  [ "$(echo $2)" = '--stiffness newton jean-fig3 jean-fig4 solve' ] || fail "completion of $1: $2"
+}
 if command -v bash > /dev/null; then
-  PATH="$tree/usr/bin:$PATH" bash -c '. "$1"; COMP_WORDS=(delassus solve --stiff); COMP_CWORD=2; _delassus
-    [ "${COMPREPLY[*]}" = --stiffness ]' - "$tree/usr/share/bash-completion/completions/delassus" || fail completion
+  completes bash "$(bash -c '. "$1"
+    try() { COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _delassus; echo "${COMPREPLY[@]}"; }
+    try delassus solve --stiff; try delassus solve -m new; try delassus scene jean-f; try delassus sol' \
+    - "$share/bash-completion/completions/delassus")"
+fi
+if command -v zsh > /dev/null; then
+  completes zsh "$(zsh -f -c 'compadd() { [ "$1" = -a ] && print -l -- ${(PM)2:#${words[CURRENT]##*=}*} || print -l -- ${(M)@:#${words[CURRENT]}*}; }
+    compset() { : ; }; _files() { : ; }
+    try() { words=("$@"); CURRENT=$#; . "$file"; }; file=$1
+    try delassus solve --stiff; try delassus solve -m new; try delassus scene jean-f; try delassus sol' \
+    - "$share/zsh/site-functions/_delassus")"
+fi
+if command -v fish > /dev/null; then
+  completes fish "$(HOME=$root fish --no-config -c '. $argv[1]
+    for line in "delassus solve --stiff" "delassus solve -m new" "delassus scene jean-f" "delassus sol"
+      complete -C $line | cut -f1
+    end' "$share/fish/vendor_completions.d/delassus.fish")"
 fi
 cd "$work"
 run_make uninstall

@@ -66,7 +66,7 @@ prints() {
   return 1
 }
 
-for source in examples/*.c examples/*.cpp examples/*.f90 examples/*.py; do
+for source in examples/*.c examples/*.cpp examples/*.f90 examples/*.py examples/python/*.py; do
   name=$build/examples/$(basename "${source%.*}")
   case $source in
   *.py)

@@ -52,25 +52,6 @@ typedef enum border_form { WHOLE, TANGENTS, FRAMED } border_form;
 
 static const double least_cosine = 0.8; /* of the angle by which a direction may turn */
 
-void dlsi_branch_direction(const dlsi_branch *b, int j, double *e) {
-  e[0] = e[1] = e[2] = 0;
-  if (b->state == DLS_STICK)
-    e[j] = 1;
-  else if (j == 0) {
-    e[0] = 1;
-    e[1] = b->mu * b->t[0];
-    e[2] = b->mu * b->t[1];
-  } else {
-    e[1] = -b->t[1];
-    e[2] = b->t[0];
-  }
-}
-
-double dlsi_branch_row(const dlsi_branch *b, int i, const double *v) {
-  if (b->state == DLS_STICK) return i == 0 ? v[0] : i == 1 ? v[1] : v[2];
-  return i == 0 ? v[0] : b->t[0] * v[2] - b->t[1] * v[1];
-}
-
 /* e (3) := direction j >= count, of G: with those of the unknowns a basis. */
 static void border_complement(int d, const dlsi_branch *b, int j, double *e) {
   e[0] = e[1] = e[2] = 0;
@@ -116,11 +97,6 @@ void dlsi_border_begin(dlsi_border *b, int d, int nc, const dlsi_branch *branch,
   if (most) memcpy(b->base, branch, (size_t)nc * sizeof *branch);
   for (int c = 0; most && c < nc; c++)
     b->slot[c] = -1;
-}
-
-int dlsi_branch_is_same(const dlsi_branch *a, const dlsi_branch *b) {
-  return a->state == b->state && a->count == b->count && a->mu == b->mu && a->t[0] == b->t[0] &&
-         a->t[1] == b->t[1] && (a->count == 1 || a->l == b->l);
 }
 
 int dlsi_branch_serves(const dlsi_branch *a, const dlsi_branch *b, int loose) {

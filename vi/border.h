@@ -4,25 +4,7 @@
 
 #include "base/base.h"
 #include "linear/dense.h"
-
-/* What the law leaves of one candidate in a Newton step; newton.c, (NE1), has the formulas. */
-typedef struct dlsi_branch {
-  short state; /* dls_contact_state */
-  short count; /* of its unknowns, ... */
-  int first;   /* ... the first one */
-  double mu;
-  double t[2]; /* slip: direction along; across, d = 3: (-t[1], t[0]) */
-  double l;
-} dlsi_branch;
-
-/* e (3) := the direction of unknown j of a candidate in its r. */
-void dlsi_branch_direction(const dlsi_branch *b, int j, double *e);
-
-/* Returns row i of a candidate times v (3). */
-double dlsi_branch_row(const dlsi_branch *b, int i, const double *v);
-
-/* Returns 1 if a and b lead to the same rows and columns of (NE2). */
-int dlsi_branch_is_same(const dlsi_branch *a, const dlsi_branch *b);
+#include "states_matrix.h"
 
 /* Returns 1 if factors for a serve for b. loose: of two slips, d = 3, the directions may differ by
  * some degrees, and l may: the solution is then inexact. */

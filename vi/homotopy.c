@@ -487,11 +487,13 @@ static dls_status homotopy_create(void **out, int d, int nc, const dlsi_options 
   steps.limits.warm_start = 1;
   steps.limits.blocks = options->limits.blocks;
   status = dlsi_newton_create(&work->newton, d, nc, &steps, options->room, error);
-  if (status)
+  if (status) {
     homotopy_destroy(work);
-  else
-    *out = work;
-  return status;
+    return status;
+  }
+  dlsi_newton_anew(work->newton);
+  *out = work;
+  return DLS_OK;
 }
 
 const dlsi_method dlsi_homotopy_method = {

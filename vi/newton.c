@@ -70,13 +70,11 @@
 #include <string.h>
 
 #include "border.h"
-#include "linear/dense.h"
-#include "linear/sparse_lu.h"
+#include "states_matrix.h"
 #include "vi_internal.h"
 
 enum { most_steps = 30, patience = 12, impatience = 4, memory = 5, halvings = 6 };
-enum { window = 5 };        /* (NE6) */
-enum { dense_limit = 250 }; /* of 50, 150, 250, 400 the fastest on FCLIB files by blocks */
+enum { window = 5 }; /* (NE6) */
 
 static const double least_eps = 1e-8;   /* cures a singular matrix */
 static const double most_eps = 1e-2;    /* bounds what a lack of progress leads to */
@@ -85,35 +83,28 @@ static const double slight = 0.1;       /* (NE5): |w (r0 - r)| over |F| */
 static const double small_part = 0.1;   /* of a solution, that eps may take from it */
 static const double least_beta = 1e-10; /* R / |tau|: l stays finite where R vanishes */
 
-typedef enum newton_factors { NONE, DENSE, SPARSE } newton_factors;
-
 struct dls_newton {
   dls_newton_settings settings;
   int d, nc;
-  int stage;              /* of auto: from r as given */
-  dls_nlgs *nlgs;         /* NULL without sweeps */
-  dlsi_iterate it;        /* its u is that of r */
-  dlsi_branch *branch;    /* nc */
-  double *r;              /* iterate: m */
-  double *next, *unext;   /* r0, then r0 + dr, and their u: m */
-  double *x;              /* right side and solution of (NE2): m */
-  double right;           /* its size, before the solution */
-  double error;           /* |F| of r; 0: not measured */
-  int settled;            /* 1: (NE2) is that of the step before */
-  int same;               /* 1: the states are those of the step before */
-  int *pivot;             /* m */
-  int *p;                 /* sparse: starts of columns; W dense: the row of W for each row: m + 1 */
-  int sparse;             /* 1: this run factorises sparse beyond dense_limit */
-  newton_factors factors; /* of (NE2) for the base states of the border */
+  int stage;            /* of auto: from r as given */
+  dls_nlgs *nlgs;       /* NULL without sweeps */
+  dlsi_iterate it;      /* its u is that of r */
+  dlsi_states_matrix A; /* (NE2) for the base states of the border */
+  double *r;            /* iterate: m */
+  double *next, *unext; /* r0, then r0 + dr, and their u: m */
+  double *x;            /* right side and solution of (NE2): m */
+  double right;         /* its size, before the solution */
+  double error;         /* |F| of r; 0: not measured */
+  int settled;          /* 1: (NE2) is that of the step before */
+  int same;             /* 1: the states are those of the step before */
   dlsi_border border;
   dlsi_anderson steps; /* (NE6): d = 3, where no blocks are announced */
   int keeps, kept_nc;  /* (NE5): keeps: 1 if the next run may; kept_nc: candidates of the factors */
   int no_more;         /* 1: that run ends where it would factorise */
+  int anew;            /* 1: changed states are factorised anew, as those of W by blocks are */
   const double *known; /* u of the start of the next run, NULL: it is not known */
-  dlsi_dense dense;
-  dlsi_room *room; /* of the matrix: `own`, or that of the caller */
-  dlsi_room own;
-  dlsi_formed formed; /* W of bodies by blocks */
+  dlsi_room own;       /* of the matrix, unless the caller has one */
+  dlsi_formed formed;  /* W of bodies by blocks */
 };
 
 void dls_newton_settings_init(dls_newton_settings *settings) {
@@ -137,46 +128,18 @@ static dls_status newton_check(int d, int nc, const dls_newton_settings *s, dls_
 
 static void newton_carve(void *workspace, dlsi_arena *arena) {
   dls_newton *work = workspace;
-  const size_t n = (size_t)work->nc, m = (size_t)work->d * n;
+  const size_t m = (size_t)work->d * (size_t)work->nc;
   double **const vectors[] = {&work->r, &work->next, &work->unext, &work->x};
   dlsi_iterate_carve(&work->it, arena, work->d, work->nc, &work->settings.limits);
   dlsi_take_vectors(arena, m, 4, vectors);
-  work->branch = dlsi_take(arena, n, sizeof *work->branch);
-  work->pivot = dlsi_take(arena, m, sizeof *work->pivot);
-  work->p = dlsi_take(arena, m + 1, sizeof *work->p);
+  dlsi_states_carve(&work->A, arena);
   if (work->d == 3 && !work->settings.limits.blocks)
     dlsi_anderson_carve(&work->steps, arena, m, window, 0);
 }
 
-/* Returns 1 if so many blocks are factorised sparse. From a quarter of all blocks on, the sparse
- * matrix takes the room of the dense one, and MUMPS more time than LAPACK: 1 to 2.5 times (d = 3,
- * 200 and 500 candidates, band or scattered; at an eighth 0.4 to 1.1 times). */
-static int newton_is_sparse(int nc, int blocks) {
-  return blocks < 0.25 * nc * nc;
-}
-
-/* Makes room for the matrix of nc candidates, W dense (blocks = 0) or with so many blocks. The
- * number of blocks announced to create decides how the matrix is factorised. */
-static dls_status newton_reserve(dls_newton *work, int nc, int blocks, dls_error *error) {
-  const size_t m = (size_t)work->d * (size_t)nc;
-  const int told = work->settings.limits.blocks;
-  work->sparse = 0;
-  if (blocks && m > dense_limit &&
-      (told ? newton_is_sparse(work->nc, told) : newton_is_sparse(nc, blocks))) {
-    dls_error why;
-    const dls_status status = dlsi_room_sparse(work->room, work->d, nc, blocks, &why);
-    if (status && status != DLS_E_UNSUPPORTED) {
-      if (error) *error = why;
-      return status;
-    }
-    work->sparse = !status;
-  }
-  return dlsi_room_dense(work->room, work->sparse ? dense_limit : m, error);
-}
-
 dls_status dlsi_newton_create(dls_newton **out, int d, int nc, const dls_newton_settings *settings,
                               dlsi_room *room, dls_error *error) {
-  dls_newton filled = {.d = d, .nc = nc}, *work;
+  dls_newton filled = {.d = d, .nc = nc, .A = {.d = d, .nc = nc}}, *work;
   void *made;
   dls_newton_settings_init(&filled.settings);
   if (settings) filled.settings = *settings;
@@ -186,9 +149,10 @@ dls_status dlsi_newton_create(dls_newton **out, int d, int nc, const dls_newton_
   if (!status) status = dlsi_workspace(&made, &filled, sizeof filled, newton_carve, nc, error);
   if (status) return status;
   work = made;
-  work->room = room ? room : &work->own;
+  work->A.room = room ? room : &work->own;
   if (work->settings.sweeps) status = dls_nlgs_create(&work->nlgs, d, nc, NULL, error);
-  if (!status) status = newton_reserve(work, nc, work->settings.limits.blocks, error);
+  const int blocks = work->settings.limits.blocks;
+  if (!status) status = dlsi_states_reserve(&work->A, nc, blocks, blocks, error);
   if (status)
     dls_newton_destroy(work);
   else
@@ -212,113 +176,19 @@ void dls_newton_destroy(dls_newton *workspace) {
 
 /* ---- the matrix of a step -------------------------------------------------------------------- */
 
-/* Returns what (NE2) adds to the diagonal entry for unknown j of candidate c: eps w_c, the spring
- * E_c and, on b, l. A candidate's test rows times its directions give the unit matrix, but for the
- * tangential part of a, which the row of b, along p, does not see: no other entry is needed. */
-static double newton_diagonal(const dls_newton *work, int c, int j, double eps) {
-  const dlsi_branch *b = &work->branch[c];
-  return eps * work->it.w[c] + (work->it.E ? work->it.E[c] : 0) +
-         (b->state == DLS_SLIP && j == 1 ? b->l : 0);
-}
-
-/* v (3) := a block x of W times e. */
-static void newton_multiply_block(int d, const double *x, size_t ld, const double *e, double *v) {
-  v[0] = v[1] = v[2] = 0;
-  for (int i = 0; i < d; i++)
-    v[i] = x[i] * e[0] + (d > 1 ? x[(size_t)i + ld] * e[1] : 0) +
-           (d == 3 ? x[(size_t)i + 2 * ld] * e[2] : 0);
-}
-
-/* Returns W(:,b) times the direction of unknown j of candidate b, m; W dense. it.a: scratch. */
-static const double *newton_column(dls_newton *work, const dls_contact *problem, int b, int j) {
-  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
-  const dlsi_branch *at = &work->branch[b];
-  double e[3];
-  if (at->state == DLS_STICK || problem->d == 1)
-    return problem->W.a + (d * (size_t)b + (size_t)j) * (size_t)problem->W.ld;
-  dlsi_branch_direction(at, j, e);
-  memset(work->it.a, 0, m * sizeof *work->it.a);
-  dlsi_contact_add_panel(problem, 1, &b, e, work->it.a);
-  return work->it.a;
-}
-
-/* J := (NE2), k unknowns, from a dense W. */
-static void newton_build_from_dense(dls_newton *work, const dls_contact *problem, double eps,
-                                    int k) {
-  const int d = problem->d;
-  for (int c = 0; c < problem->nc; c++)
-    for (int i = 0; i < work->branch[c].count; i++)
-      work->p[work->branch[c].first + i] = d * c + i;
-  for (int b = 0; b < problem->nc; b++)
-    for (int j = 0; j < work->branch[b].count; j++) {
-      const int col = work->branch[b].first + j;
-      const double *v = newton_column(work, problem, b, j);
-      double *J = work->room->J + (size_t)col * (size_t)k;
-      for (int i = 0; i < k; i++)
-        J[i] = v[work->p[i]];
-      for (int c = 0; d == 3 && c < problem->nc; c++) {
-        const dlsi_branch *at = &work->branch[c];
-        if (at->state == DLS_SLIP && at->count == 2)
-          J[at->first + 1] = dlsi_branch_row(at, 1, v + 3 * c);
-      }
-      J[col] += newton_diagonal(work, b, j, eps);
-    }
-}
-
-/* J, or the sparse arrays of the room with the starts of their columns in p, := (NE2) from W by
- * blocks. */
-static void newton_build_from_blocks(dls_newton *work, const dls_contact *problem, double eps,
-                                     int k) {
-  const size_t n = (size_t)k;
-  const int sparse = work->factors == SPARSE;
-  dlsi_room *room = work->room;
-  int entries = 0;
-  if (!sparse) memset(room->J, 0, n * n * sizeof *room->J);
-  for (int b = 0; b < problem->nc; b++) {
-    const dlsi_block_column W = dlsi_contact_column(problem, (size_t)b);
-    for (int j = 0; j < work->branch[b].count; j++) {
-      const int col = work->branch[b].first + j;
-      const double diagonal = newton_diagonal(work, b, j, eps);
-      double e[3], v[3], *J = room->J + n * (size_t)col;
-      dlsi_branch_direction(&work->branch[b], j, e);
-      work->p[col] = entries;
-      if (sparse) {
-        room->i[entries] = col;
-        room->v[entries++] = diagonal;
-      } else
-        J[col] = diagonal;
-      for (size_t s = W.begin; s < W.end; s++) {
-        const dlsi_branch *at = &work->branch[dlsi_row(&W, s)];
-        if (!at->count) continue;
-        newton_multiply_block(problem->d, W.x + s * W.step, W.ld, e, v);
-        for (int i = 0; i < at->count; i++)
-          if (sparse) {
-            room->i[entries] = at->first + i;
-            room->v[entries++] = dlsi_branch_row(at, i, v);
-          } else
-            J[at->first + i] += dlsi_branch_row(at, i, v);
-      }
-    }
-  }
-  work->p[k] = entries;
-}
-
-/* Factorises (NE2). DLS_E_SINGULAR, DLS_E_MEMORY. */
+/* Factorises (NE2). it.F, it.a: scratch. DLS_E_SINGULAR, DLS_E_MEMORY. */
 static dls_status newton_factor(dls_newton *work, const dls_contact *problem, double eps, int k,
                                 dls_error *error) {
-  dlsi_room *room = work->room;
-  work->factors = work->sparse && k > dense_limit ? SPARSE : DENSE;
-  room->owner = work;
-  (problem->Wb.x ? newton_build_from_blocks : newton_build_from_dense)(work, problem, eps, k);
+  dlsi_room *room = work->A.room;
+  double *shift = work->it.F;
+  for (int c = 0; c < problem->nc; c++)
+    shift[c] = eps * work->it.w[c] + (work->it.E ? work->it.E[c] : 0);
   const size_t used = problem->W.a ? (size_t)k * (size_t)k : 0;
-  dlsi_border_begin(&work->border, problem->d, problem->nc, work->branch, k, room->J + used,
-                    problem->W.a ? room->side * room->side - used : 0);
-  if (work->factors == SPARSE) {
-    const dls_sparse A = {k, k, work->p, room->i, room->v};
-    return dlsi_sparse_lu_factor(room->lu, &A, error);
-  }
-  work->dense = (dlsi_dense){.n = k, .A = room->J, .pivot = work->pivot};
-  return dlsi_dense_factor(&work->dense, work->it.a) ? DLS_E_SINGULAR : DLS_OK;
+  dlsi_border_begin(&work->border, problem->d, problem->nc, work->A.branch, k, room->J + used,
+                    problem->W.a && !work->anew ? room->side * room->side - used : 0);
+  room->owner = work;
+  work->A.n = k;
+  return dlsi_states_factor(&work->A, problem, shift, work->it.a, error);
 }
 
 /* Solves (NE2) once more for what eps has taken from the solution x, k unknowns, and adds that if
@@ -328,9 +198,9 @@ static void newton_refine(dls_newton *work, const dls_contact *problem, double e
   const size_t n = (size_t)k;
   memcpy(x0, work->x, n * sizeof *x0);
   for (int c = 0; c < problem->nc; c++)
-    for (int i = 0; i < work->branch[c].count; i++)
-      work->x[work->branch[c].first + i] *= eps * work->it.w[c];
-  const int solved = dlsi_border_solve(&work->border, &work->dense, work->branch, work->it.w,
+    for (int i = 0; i < work->A.branch[c].count; i++)
+      work->x[work->A.branch[c].first + i] *= eps * work->it.w[c];
+  const int solved = dlsi_border_solve(&work->border, &work->A.dense, work->A.branch, work->it.w,
                                        work->it.E, eps, work->x);
   const int small = solved && dlsi_norm2(work->x, n) <= small_part * dlsi_norm2(x0, n);
   for (size_t i = 0; i < n; i++)
@@ -343,20 +213,21 @@ static dls_status newton_solve_matrix(dls_newton *work, const dls_contact *probl
                                       int k, int *done, dls_error *error) {
   dlsi_border *border = &work->border;
   if (k == 0) return DLS_OK;
-  if (work->factors && !dlsi_border_add(border, problem, &work->dense, work->branch))
-    work->factors = NONE;
+  if (work->A.factors && !dlsi_border_add(border, problem, &work->A.dense, work->A.branch))
+    work->A.factors = DLSI_NO_FACTORS;
   for (int again = 0; again < 2; again++) {
-    if (!work->factors) {
+    if (!work->A.factors) {
       if (work->no_more) return DLS_STALLED;
       const dls_status status = newton_factor(work, problem, eps, k, error);
       ++*done;
-      if (status) work->factors = NONE;
       if (status) return status;
     }
-    if (work->factors == SPARSE) return dlsi_sparse_lu_solve(work->room->lu, work->x, error);
-    if (dlsi_border_solve(border, &work->dense, work->branch, work->it.w, work->it.E, eps, work->x))
+    if (work->A.factors == DLSI_SPARSE_FACTORS)
+      return dlsi_states_solve(&work->A, 0, work->x, error);
+    if (dlsi_border_solve(border, &work->A.dense, work->A.branch, work->it.w, work->it.E, eps,
+                          work->x))
       break;
-    work->factors = NONE;
+    work->A.factors = DLSI_NO_FACTORS;
   }
   if (eps > 0 && work->settled) newton_refine(work, problem, eps, k);
   return DLS_OK;
@@ -461,20 +332,20 @@ static int newton_linearise(dls_newton *work, const dls_contact *problem) {
   memcpy(work->next, work->r, m * sizeof *work->r);
   for (int c = 0; c < problem->nc; c++) {
     const size_t o = (size_t)d * (size_t)c;
-    dlsi_branch *b = &work->branch[c];
+    dlsi_branch *b = &work->A.branch[c];
     const dlsi_branch before = *b;
     *b = newton_branch_of(d, problem->mu[c], work->it.w[c], work->it.u + o, work->next + o);
-    changed += !work->factors || !dlsi_branch_is_same(b, &before);
-    if (!work->factors || b->state != before.state) work->same = 0;
+    changed += !work->A.factors || !dlsi_branch_is_same(b, &before);
+    if (!work->A.factors || b->state != before.state) work->same = 0;
     b->first = k;
     k += b->count;
   }
-  if (changed && !work->border.most) work->factors = NONE;
+  if (changed && !work->border.most) work->A.factors = DLSI_NO_FACTORS;
   work->settled = !changed;
   newton_known(work, problem);
   for (int c = 0; c < problem->nc; c++) {
     const size_t o = (size_t)d * (size_t)c;
-    const dlsi_branch *b = &work->branch[c];
+    const dlsi_branch *b = &work->A.branch[c];
     double v[3] = {0}, s[3] = {0};
     memcpy(v, work->unext + o, (size_t)d * sizeof *v);
     memcpy(s, work->next + o, (size_t)d * sizeof *s);
@@ -490,7 +361,7 @@ static double newton_left(const dls_newton *work, const dls_contact *problem) {
   const size_t d = (size_t)problem->d;
   double sum = 0;
   for (int c = 0; c < problem->nc; c++) {
-    const dlsi_branch *b = &work->branch[c];
+    const dlsi_branch *b = &work->A.branch[c];
     double v[3] = {0}, s[3] = {0};
     memcpy(v, work->it.u + d * (size_t)c, d * sizeof *v);
     memcpy(s, work->r + d * (size_t)c, d * sizeof *s);
@@ -500,22 +371,6 @@ static double newton_left(const dls_newton *work, const dls_contact *problem) {
     }
   }
   return sqrt(sum);
-}
-
-/* (NE3) next := r0 + dr. */
-static void newton_add_step(dls_newton *work, const dls_contact *problem) {
-  const int d = problem->d;
-  for (int c = 0; c < problem->nc; c++) {
-    const dlsi_branch *b = &work->branch[c];
-    double *r = work->next + (size_t)d * (size_t)c, e[3];
-    for (int j = 0; j < b->count; j++) {
-      const double x = work->x[b->first + j];
-      dlsi_branch_direction(b, j, e);
-      r[0] += x * e[0];
-      if (d > 1) r[1] += x * e[1];
-      if (d == 3) r[2] += x * e[2];
-    }
-  }
 }
 
 /* Returns |AC| of r and u = W r + q. */
@@ -567,7 +422,8 @@ static dls_status newton_step(dls_newton *work, const dls_contact *problem, doub
     status = newton_solve_matrix(work, problem, *eps, k, factorisations, &why);
     if (status == DLS_E_SINGULAR) *eps = *eps > least_eps ? 100 * *eps : least_eps;
   } while (status == DLS_E_SINGULAR && *eps < 1);
-  if (!status) newton_add_step(work, problem);
+  if (!status) /* (NE3) */
+    dlsi_branches_add_directions(problem->d, problem->nc, work->A.branch, work->x, work->next);
   if (status < 0 && status != DLS_E_SINGULAR && error) *error = why;
   return status;
 }
@@ -582,8 +438,8 @@ static void newton_combine(dls_newton *work, const dls_contact *problem, int ane
 
 /* Returns 1 if the factors of the last run are there for this one (NE5). */
 static int newton_keeps(const dls_newton *work, const dls_contact *problem) {
-  return work->keeps && work->factors == DENSE && work->kept_nc == problem->nc && !work->it.E &&
-         work->room->owner == work;
+  return work->keeps && work->A.factors == DLSI_DENSE_FACTORS && work->kept_nc == problem->nc &&
+         !work->it.E && work->A.room->owner == work;
 }
 
 /* Steps from r, measured last, until the certificate holds or there is a reason to stop, which is
@@ -594,7 +450,7 @@ static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, d
   const int most = dlsi_most_iterations(&settings->limits, most_steps);
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
   double eps = settings->regularization, halved = work->it.certificate.residual, last[memory] = {0};
-  if (!newton_keeps(work, problem)) work->factors = NONE;
+  if (!newton_keeps(work, problem)) work->A.factors = DLSI_NO_FACTORS;
   work->border.loose = work->keeps;
   work->error = 0;
   work->kept_nc = work->it.E ? 0 : problem->nc;
@@ -619,10 +475,10 @@ static dls_status newton_iterate(dls_newton *work, const dls_contact *problem, d
       since = k;
     }
     if (work->keeps && !(newton_left(work, problem) <= stale * work->right))
-      work->factors = NONE; /* (NE5) */
+      work->A.factors = DLSI_NO_FACTORS; /* (NE5) */
     if (k > since && (k - since) % impatience == 0 && eps < most_eps) {
       eps *= 10;
-      work->factors = NONE;
+      work->A.factors = DLSI_NO_FACTORS;
     }
     if (k - since >= patience || dlsi_iterate_is_lost(now.residual)) return DLS_STALLED;
   }
@@ -659,7 +515,7 @@ dls_status dlsi_newton_run(dls_newton *work, const dls_contact *problem, const d
   const dls_limits *limits = &work->settings.limits;
   const int blocks = problem->Wb.x ? problem->Wb.p[problem->nc] : 0;
   dls_info outcome = {.method = DLS_NEWTON};
-  dls_status status = newton_reserve(work, problem->nc, blocks, error);
+  dls_status status = dlsi_states_reserve(&work->A, problem->nc, blocks, limits->blocks, error);
   if (status) return status;
   dlsi_iterate_begin(&work->it, problem, E, limits->tol, work->stage || limits->warm_start, r,
                      work->r);
@@ -693,6 +549,10 @@ void dlsi_newton_keep(void *newton, const double *u, int no_more) {
   work->keeps = 1;
   work->no_more = no_more;
   work->known = u;
+}
+
+void dlsi_newton_anew(dls_newton *work) {
+  work->anew = 1;
 }
 
 const double *dlsi_newton_gap(const void *work) {

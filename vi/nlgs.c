@@ -153,7 +153,11 @@ static dls_status nlgs_prepare(dls_nlgs *work, const dls_contact **problem, cons
   if (status || order || (*problem)->W.a || (*problem)->nc < least_grouped ||
       work->settings.relaxation != 1)
     return status;
-  if (!dlsi_groups_are_of(&work->groups, *problem))
+  const int several = work->settings.limits.threads > 1, had = work->slabs.set.slabs > 0;
+  if (several != had) work->groups.kept_size = 0;
+  if (!several)
+    work->slabs.set = (dlsi_set){.count = (*problem)->nc}; /* as numbered: the fewest sweeps */
+  else if (!dlsi_groups_are_of(&work->groups, *problem))
     status = dlsi_slabs_set(&work->slabs, *problem, error);
   if (!status) status = dlsi_groups_set(&work->groups, *problem, work->slabs.set, NULL, error);
   work->grouped = !status && work->groups.count > 0;

@@ -150,6 +150,10 @@ void dlsi_slabs_free(dlsi_slabs *slabs);
  * not measured then; u may be NULL. no_more: 1 to end that run where it would factorise. */
 void dlsi_newton_keep(void *work, const double *u, int no_more);
 
+/* Lets all runs in this workspace factorise anew where states have changed: a dense W and the same
+ * one by blocks then lead to the same bits. */
+void dlsi_newton_anew(dls_newton *work);
+
 /* Returns u of the answer of the last run, after DLS_OK. */
 const double *dlsi_newton_gap(const void *work);
 

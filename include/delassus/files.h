@@ -1,8 +1,11 @@
 /*
  * delassus/files.h: reads and writes contact problems as FCLIB files (HDF5; Acary et al., INRIA
  * RT-0444) and dense matrices as Matrix Market files; reads sparse matrices from Matrix Market and
- * CalculiX files and small problems from text. docs/files.md says what each file holds. A library
- * built without HDF5 answers DLS_E_UNSUPPORTED to the dls_fclib_ functions.
+ * CalculiX files and small problems from text. docs/files.md says what each file holds.
+ *
+ * These functions are in a library of their own, libdelassus-files: link -ldelassus-files
+ * -ldelassus (pkg-config delassus-files). Built without HDF5 it answers DLS_E_UNSUPPORTED to the
+ * dls_fclib_ functions.
  *
  *   fclib_local   W, vectors/q, vectors/mu, spacedim            u = W r + q
  *   fclib_global  M, H, vectors/f, vectors/w, vectors/mu        M v = H r + f,  u = H^T v + w

@@ -71,6 +71,48 @@ DLS_API DLS_MUST_USE dls_status dls_contact_sensitivity(const dls_contact *probl
                                                         dls_sensitivity *sensitivity,
                                                         dls_error *error);
 
+/* ---- a proof --------------------------------------------------------------------------------- */
+
+typedef enum dls_proof_kind {
+  DLS_NOT_PROVED = 0,
+  DLS_PROVED = 1,          /* one solution, and no other one in the box */
+  DLS_PROVED_POSITIONS = 2 /* r is not determined (freedom > 0): u is proved, for a q that
+                              differs from the problem's by `perturbed` at most */
+} dls_proof_kind;
+
+typedef struct dls_proof {
+  dls_proof_kind kind;
+  double radius;    /* |r* - improved| / |improved|: relative bound on the error of forces */
+  double radius_u;  /* max |u* - u| / max |u|: the same for positions */
+  double error;     /* |r* - r| / |r|: of the r that was given */
+  double box;       /* the box: w |r - improved| <= box in each entry of r, w the mean of the
+                       contact's diagonal of W, where it is not positive that of the others
+                       length (velocity) */
+  double perturbed; /* DLS_PROVED_POSITIONS: bound on the change of q over the largest |q| */
+  int rows;         /* unknowns of the states of r, ... */
+  int freedom;      /* ... and how many of them no equation determines: self-stresses */
+  int border;       /* contacts that are, but for rounding, on the border of two states; the first
+                       of them (-1: none) and its states: */
+  int contact;
+  dls_contact_state state, other;
+} dls_proof;
+
+/* Proves that the problem, exactly as its numbers stand, has one solution r* near r and no other
+ * one in a box around it, and how far r* is from r: Krawczyk's test in the states of r, in floating
+ * point with bounds on its own rounding (src/facts/prove.c has the formulas). First r is improved
+ * by Newton steps; box and radii belong to the improved one, which
+ *
+ *   improved (m, or NULL; may be r)
+ *
+ * receives where there is a proof, else r. r: m; an answer with a certificate. Any finite r does no
+ * harm: a proof is a proof. DLS_NOT_PROVED with border > 0 names a contact; with border = 0, A is
+ * too ill-conditioned or r is no solution. The bounds hold for a BLAS that multiplies matrices in
+ * the usual way, for rounding to nearest, and without underflow. 2 rows^3 operations, 2 rows^2
+ * doubles + O(m). DLS_OK, DLS_E_ARGUMENT, DLS_E_SIZE, DLS_E_NOT_FINITE, DLS_E_MEMORY. */
+DLS_API DLS_MUST_USE dls_status dls_contact_prove(const dls_contact *problem, const double *r,
+                                                  dls_proof *proof, double *improved,
+                                                  dls_error *error);
+
 /* ---- the fold -------------------------------------------------------------------------------- */
 
 typedef struct dls_fold {

@@ -7,8 +7,8 @@
  *          (tr S)^2 / |S|^2 < max(12, m / 16), S = D^-1/2 W D^-1/2, |S| Frobenius' norm, D the
  *          weights of the certificate. With k equal eigenvalues and no others that is k; two bodies
  *          on soft springs have 12
- *   (AC2)  in a sequence of warm solves the last answer that was looked at tells how much a residual
- *          means
+ *   (AC2)  in a sequence of warm solves the last answer that was looked at tells how much a
+ *          residual means
  *
  * What can fail: more soft directions than that. The error of ordinary elastic bodies is 1 to 100
  * times their residual.

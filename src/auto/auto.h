@@ -49,13 +49,13 @@ typedef enum step_flags {
 typedef struct step {
   part part;
   unsigned flags; /* of step_flags */
+  int most;       /* iterations; 0: those of its kind */
 } step;
 
 /* What the caller has named: dls_solver_settings.plan, .without. */
 typedef struct dlsi_auto_given {
   int steps;                     /* of the plan; 0: it is auto's own */
   step step[DLS_STAGES_MAX + 1]; /* ends with END */
-  int most[DLS_STAGES_MAX];      /* iterations of each; 0: as auto */
   unsigned without;              /* bit k: part k is left out */
 } dlsi_auto_given;
 
@@ -140,7 +140,7 @@ typedef struct dlsi_auto {
   double target, least; /* logarithms of e* and of the least e that counts */
   double rate;          /* of (FC1) */
   int near;             /* a warm start, e at most far_start after a sweep */
-  double unknowns;      /* k of (PR1) at the last look */
+  double unknowns;      /* k of (PR2) at the last look */
   double step;          /* a step of Newton's method, in sweeps */
   double ahead;         /* (FC1) at the last look */
   int patience;         /* steps of Newton's method without progress */
@@ -185,8 +185,11 @@ int dlsi_auto_can_take(const dlsi_auto *work, part k);
 
 /* Returns the unknowns that the states of r leave to a step of Newton's method. */
 double dlsi_auto_count_unknowns(const dls_contact *problem, const double *r);
-double dlsi_auto_cost_of_newton(dlsi_auto *work);      /* (PR1), sweeps */
-double dlsi_auto_cost_of_split(const dlsi_auto *work); /* (PR2), sweeps */
+double dlsi_auto_cost_of_newton(dlsi_auto *work);      /* (PR2), sweeps */
+double dlsi_auto_cost_of_split(const dlsi_auto *work); /* (PR3), sweeps */
+
+/* (PR4) Returns what a line of the report has cost, in sweeps; k: unknowns. */
+double dlsi_auto_price_of(const dls_contact *problem, double k, const dls_stage *stage);
 
 /* ---- forecast.c: progress callbacks of the steps --------------------------------------------- */
 
@@ -244,7 +247,7 @@ static inline int dlsi_auto_is_left_out(const dlsi_auto *work, part k) {
 dls_status dlsi_auto_follow(dlsi_auto *work, const step *plan, dls_error *error);
 
 /* Takes one step: its line in the report, and best := r if that is better. */
-dls_status dlsi_auto_take_step(dlsi_auto *work, part k, unsigned flags, dls_error *error);
+dls_status dlsi_auto_take_step(dlsi_auto *work, step s, dls_error *error);
 
 dls_status dlsi_auto_create_part(dlsi_auto *work, part k, dls_error *error);
 part dlsi_auto_home_of(part k); /* the part whose workspace part k takes */
@@ -289,6 +292,10 @@ void dlsi_auto_put_among_all(const dlsi_auto *work, const double *r, double *all
 /* For a problem that no step has solved. Returns DLS_OK, DLS_NO_SOLUTION_LIKELY, DLS_STALLED, or
  * an error. */
 dls_status dlsi_auto_judge(dlsi_auto *work, dls_error *error);
+
+/* Where `status` is DLS_STALLED or DLS_NO_SOLUTION_LIKELY: tries to prove the best r. If that
+ * succeeds the best r is the improved one, and the status DLS_OK or DLS_TO_ROUNDING. */
+dls_status dlsi_auto_prove(dlsi_auto *work, const dls_contact *problem, dls_status status);
 
 dls_status dlsi_auto_take_to_accuracy(dlsi_auto *work, int is_asked, dls_error *error);
 void dlsi_auto_look_for_others(dlsi_auto *work, const double *r); /* ambiguous, unique */

@@ -7,9 +7,9 @@
  *   (FC1)  sweeps ahead: log(e / e*) / rate, rate: the mean decrease of log e per sweep since the
  *          step began, sweep k with the weight k, so that the last half counts most
  *   (FC2)  sweeps end when (FC1) is more than Newton's method costs (price.c, PR1), or than 100
- *          where the convex problem or momentum is next, after 10 sweeps (20 for W by blocks, or
- *          while e > .05 before any failure; half of that from a warm start whose first sweep ends
- *          with e <= 1/4), a number that each failure doubles
+ *          where the convex problem or momentum is next, after 10 sweeps (60 of few candidates by
+ *          blocks, 20 of more, or while e > .05 before any failure; half of that from a warm start
+ *          whose first sweep ends with e <= 1/4), a number that each failure doubles
  *   (FC3)  Newton's method ends when 4 steps, or as many as cost half of (FC1) and of splitting, up
  *          to 12, doubled by each failure, have not brought e down by a tenth
  *
@@ -21,7 +21,7 @@
 #include "auto/auto.h"
 
 enum { first_patience = 4, last_patience = 12 /* of vi/newton.c */ };
-enum { look_every = 5, first_sweeps = 10 };
+enum { look_every = 5, first_sweeps = 10, first_of_few = 60 };
 enum { rest_sweeps = 100 };           /* what the convex problem costs, analysis included */
 enum { push_ahead = 100 };            /* accelerated sweeps that take as long as momentum does */
 static const double unsorted = 0.05;  /* e: with more, few states are those of the answer */
@@ -72,14 +72,15 @@ int dlsi_auto_watch_sweeps(void *data, const dls_progress *p) {
   if (p->iteration % look_every) return 0;
   const double newton = dlsi_auto_cost_of_newton(work),
                ahead = (work->least - work->target) / work->rate;
-  const double other = dlsi_auto_may_push(work) ? push_ahead : newton;
+  const double other = dlsi_auto_is_packing(work) && !work->has_pushed ? push_ahead : newton;
   const double next = work->may_rest ? fmin(other, rest_sweeps) : other;
   if (work->d == 3 && p->residual > unsettled && dlsi_auto_cost_of_split(work) < 2 * newton)
     work->costly = 1;
   work->ahead = ahead;
   const int sorted = work->failures || p->residual <= unsorted;
+  const int few = !dlsi_is_elastic(work->problem) && !dlsi_auto_is_packing(work);
   const int twice = !work->problem->W.a || !sorted;
-  const int first = (twice + 1) * first_sweeps / (work->near + 1);
+  const int first = (few ? first_of_few : (twice + 1) * first_sweeps) / (work->near + 1);
   if (!(p->iteration >= first << work->failures && ahead > next)) return 0;
   return end_as_costlier(work, ahead, next);
 }

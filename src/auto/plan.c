@@ -9,7 +9,9 @@ enum { dense_splits = 200 };        /* iterations: more of them cost more than N
 enum { other_iterations = 2000 };   /* of splitting from r = 0 */
 enum { settle_iterations = 20000 }; /* up to 300 rows: a second or two */
 enum { most_pushes = 1000000 };
-enum { usual_way = 1, momentum = 2 }; /* dlsi_options.stage */
+enum { few_pushes = 1500, few_splits = 400 }; /* few candidates: before pivots */
+enum { long_pushes = 2000 };                  /* before the augmented Lagrangian */
+enum { usual_way = 1, momentum = 2 };         /* dlsi_options.stage */
 
 const step_kind dlsi_auto_kind[parts] = {
     [SWEEPS] = {&dlsi_nlgs_method, dlsi_auto_watch_sweeps, dlsi_auto_may_sweep, 0, usual_way},
@@ -30,34 +32,52 @@ const step_kind dlsi_auto_kind[parts] = {
                 usual_way},
 };
 
-/* Elastic bodies, and few candidates by blocks. */
-static const step elastic[] = {{SWEEPS, 0}, {REST, 0},         {SPLITTING, 0},
-                               {NEWTON, 0}, {PIVOTING, EARLY}, {SPLITTING, 0},
-                               {SWEEPS, 0}, {NEWTON, 0},       {END, 0}};
+/* Elastic bodies. */
+static const step elastic[] = {{SWEEPS, 0, 0}, {REST, 0, 0},         {SPLITTING, 0, 0},
+                               {NEWTON, 0, 0}, {PIVOTING, EARLY, 0}, {SPLITTING, 0, 0},
+                               {SWEEPS, 0, 0}, {NEWTON, 0, 0},       {END, 0, 0}};
 
-/* Momentum in turn with Newton's method, which leads nowhere far from the answer. */
-static const step packing[] = {{SWEEPS, 0}, {REST, 0},   {PUSH, FAR}, {NEWTON, 0},
-                               {PUSH, 0},   {NEWTON, 0}, {PUSH, 0},   {NEWTON, 0},
-                               {PUSH, 0},   {NEWTON, 0}, {END, 0}};
+/* Few candidates of many bodies: sweeps mostly come in, seldom from afar; pivots take longer than
+ * another way to sweep. */
+static const step few[] = {{SWEEPS, 0, 0}, {REST, 0, 0},
+                           {NEWTON, 0, 0}, {SWEEPS, 0, 0},
+                           {NEWTON, 0, 0}, {PUSH, COLD, few_pushes},
+                           {NEWTON, 0, 0}, {COLD_SPLITTING, COLD, few_splits},
+                           {NEWTON, 0, 0}, {PIVOTING, EARLY, 0},
+                           {NEWTON, 0, 0}, {END, 0, 0}};
 
-static const step tight[] = {{PUSH, 0}, {REST, 0},   {PUSH, FAR}, {NEWTON, 0},
-                             {PUSH, 0}, {NEWTON, 0}, {PUSH, 0},   {NEWTON, 0},
-                             {PUSH, 0}, {NEWTON, 0}, {END, 0}};
+/* Momentum in turn with Newton's method, which leads nowhere far from the answer. Chains, through
+ * which a reaction takes thousands of sweeps, end with the augmented Lagrangian. */
+static const step packing[] = {{SWEEPS, 0, 0}, {REST, 0, 0},      {PUSH, FAR, long_pushes},
+                               {NEWTON, 0, 0}, {AUGMENTED, 0, 0}, {PUSH, 0, 0},
+                               {NEWTON, 0, 0}, {PUSH, 0, 0},      {NEWTON, 0, 0},
+                               {PUSH, 0, 0},   {NEWTON, 0, 0},    {END, 0, 0}};
+
+static const step tight[] = {
+    {PUSH, 0, long_pushes}, {NEWTON, 0, 0}, {AUGMENTED, 0, 0}, {PUSH, 0, 0},   {NEWTON, 0, 0},
+    {PUSH, 0, 0},           {NEWTON, 0, 0}, {PUSH, 0, 0},      {NEWTON, 0, 0}, {END, 0, 0}};
+
+static const step large[] = {{PUSH, 0, 0}, {REST, 0, 0},   {PUSH, FAR, 0}, {NEWTON, 0, 0},
+                             {PUSH, 0, 0}, {NEWTON, 0, 0}, {PUSH, 0, 0},   {NEWTON, 0, 0},
+                             {PUSH, 0, 0}, {NEWTON, 0, 0}, {END, 0, 0}};
 
 /* What the first plan leaves, up to 300 rows. Pivots prove that there is no solution, or end it;
  * the rest searches. The augmented Lagrangian tells at last of reactions that run away. */
-const step dlsi_auto_plan_on_copy[] = {{SWEEPS, 0},      {NEWTON, 0},  {PIVOTING, 0},
-                                       {HOMOTOPY, COLD}, {SCATTER, 0}, {COLD_SPLITTING, COLD},
-                                       {NEWTON, 0},      {SETTLE, 0},  {AUGMENTED, COLD},
-                                       {END, 0}};
+const step dlsi_auto_plan_on_copy[] = {{SWEEPS, 0, 0},       {NEWTON, 0, 0},
+                                       {PIVOTING, 0, 0},     {HOMOTOPY, COLD, 0},
+                                       {SCATTER, 0, 0},      {COLD_SPLITTING, COLD, 0},
+                                       {NEWTON, 0, 0},       {SETTLE, 0, 0},
+                                       {AUGMENTED, COLD, 0}, {END, 0, 0}};
 
 /* ... and beyond. */
-const step dlsi_auto_plan_beyond[] = {{PIVOTING, 0}, {AUGMENTED, 0}, {PUSH, 0},
-                                      {SWEEPS, 0},   {NEWTON, 0},    {COLD_SPLITTING, COLD},
-                                      {NEWTON, 0},   {END, 0}};
+const step dlsi_auto_plan_beyond[] = {
+    {PIVOTING, 0, 0}, {AUGMENTED, 0, 0},         {PUSH, 0, 0},   {SWEEPS, 0, 0},
+    {NEWTON, 0, 0},   {COLD_SPLITTING, COLD, 0}, {NEWTON, 0, 0}, {END, 0, 0}};
 
 const step *dlsi_auto_first_plan(const dlsi_auto *work) {
   if (dlsi_auto_has_plan(work)) return work->given->step;
-  if (!dlsi_auto_is_packing(work)) return elastic;
+  if (dlsi_is_elastic(work->problem)) return elastic;
+  if (!dlsi_auto_is_packing(work)) return few;
+  if (work->problem->nc > dlsi_auto_many) return large;
   return dlsi_auto_may_sweep(work) ? packing : tight;
 }

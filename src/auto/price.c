@@ -1,20 +1,25 @@
 /*
- * price.c: what a step costs, in sweeps of Gauss-Seidel. The one cost model of auto.
+ * price.c: what a step costs, in sweeps of Gauss-Seidel with Anderson's acceleration. The one cost
+ * model of auto; build/bench/auto --price measures it, and fails beyond a factor of 2. k: unknowns
+ * that the states leave, m: rows.
  *
- *   (PR1)  Newton's method: s steps of min(max(5 + k / 12, k / 6), 50) sweeps, k unknowns, or, W
- *          dense, k^2 / (6 m) if that is more: a step multiplies by W twice and factorises k^3
- *          where a sweep reads k m; W by blocks, d = 3, (k / 6000)^2 times as many from 6000 on,
- *          for the fill. s = d - 1 for a dense W whose k has not changed since the last look: with
- *          the right states a step is exact in 2D, and two do in 3D; else s = 4. Each failure of
- *          Newton's method doubles s.
- *   (PR2)  splitting: 50 max(mu, 1)^2 m / k sweeps, its factorisation included; mu: the mean of the
- *          candidates with a reaction. Its iterations read m^2 where a sweep reads k m.
+ *   (PR1)  a step of Newton's method: min(s, 50) sweeps, s = max(5 + k / 12, k / 6), in 3D, where a
+ *          sweep takes longer, two thirds of that; W dense k^2 / (6 m) if that is more: a step
+ *          multiplies by W twice and factorises k^3 where a sweep reads k m; W by blocks, d = 3,
+ *          (k / 6000)^2 times as many from 6000 on, for the fill
+ *   (PR2)  all of Newton's method: s steps. s = d - 1 for a dense W whose k has not changed since
+ *          the last look: with the right states a step is exact in 2D, and two do in 3D; else
+ *          s = 4. Each failure of Newton's method doubles s.
+ *   (PR3)  all of splitting: 50 max(mu, 1)^2 m / k sweeps, its factorisation included; mu: the mean
+ *          of the candidates with a reaction. Its iterations read m^2 where a sweep reads k m.
+ *   (PR4)  what a line of the report has cost: a table of its iterations and factorisations
  */
 #include <math.h>
 
 #include "auto/auto.h"
 
 enum { usual_splits = 50 };            /* sweeps in all, where m = k and mu <= 1 */
+enum { most_of_step = 50 };            /* sweeps */
 static const double few_filled = 6000; /* unknowns by blocks, d = 3 */
 static const double on_cone = 1e-9;    /* a reaction that lacks no more than this share slips */
 
@@ -46,16 +51,47 @@ double dlsi_auto_cost_of_split(const dlsi_auto *work) {
   return usual_splits * mu * mu * m / fmax(work->unknowns, 1);
 }
 
+/* Returns the sweeps that a step of Newton's method takes with k unknowns, (PR1). */
+static double price_of_step(const dls_contact *problem, double k) {
+  const int dense = problem->W.a != NULL;
+  const double m = (double)problem->d * problem->nc;
+  const double fill = !dense && problem->d == 3 && k > few_filled ? k / few_filled : 1;
+  const double sweeps = fmax(5 + k / 12, k / 6) / (problem->d == 3 ? 1.5 : 1);
+  const double usual = fmin(sweeps, most_of_step) * fill * fill;
+  return dense ? fmax(usual, k * k / (6 * m)) : usual;
+}
+
 double dlsi_auto_cost_of_newton(dlsi_auto *work) {
   const dls_contact *problem = work->problem;
   const int dense = problem->W.a != NULL;
-  const double k = dlsi_auto_count_unknowns(problem, work->r), m = (double)problem->d * problem->nc;
+  const double k = dlsi_auto_count_unknowns(problem, work->r);
   const int settled = dense && k == work->unknowns;
-  const double fill = !dense && problem->d == 3 && k > few_filled ? k / few_filled : 1;
-  const double usual = fmin(fmax(5 + k / 12, k / 6), 50) * fill * fill;
-  const double dense_step = fmax(usual, k * k / (6 * m));
   work->unknowns = k;
-  work->step = dense ? dense_step : usual;
-  work->costly = dense && !settled && dense_step > 50;
+  work->step = price_of_step(problem, k);
+  work->costly = dense && !settled && work->step > most_of_step;
   return (settled ? problem->d - 1 : 4) * (1 << work->failures) * work->step;
+}
+
+/* (PR4). Steps of Newton's method on factors that serve on take 5 sweeps; an augmentation about 10
+ * beside its steps; iterations of splitting a product, by blocks with few rows that of a dense
+ * factor, with more what a sparse solve takes at least; pivots write the table of an LCP. */
+double dlsi_auto_price_of(const dls_contact *problem, double k, const dls_stage *stage) {
+  const int d = problem->d, dense = problem->W.a != NULL;
+  const double factorise = price_of_step(problem, k), m = (double)d * problem->nc;
+  const double n = stage->iterations, factors = stage->factorisations;
+  switch (stage->method) {
+  case DLS_NEWTON:
+    return factors * factorise + (n - factors) * 5;
+  case DLS_ADMM:
+    return n * (dense ? 1 + m / 180 : m <= 250 ? 1 + m / 80 : 8.5);
+  case DLS_AUGMENTED_LAGRANGIAN:
+  case DLS_PENALTY:
+    return n * 10 + factors * factorise;
+  case DLS_HOMOTOPY:
+    return factors * m / (dense && d == 3 ? 9 : 5);
+  case DLS_LEMKE:
+    return 15 + n * (d < 3 ? .7 : dense ? 1.4 : 2.1) * pow(m / fmax(k, 1), 2. / 3);
+  default:
+    return n;
+  }
 }

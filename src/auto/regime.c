@@ -34,7 +34,7 @@ int dlsi_auto_is_packing(const dlsi_auto *work) {
 }
 
 int dlsi_auto_may_push(const dlsi_auto *work) {
-  return dlsi_auto_is_packing(work) && !work->has_pushed;
+  return !dlsi_is_elastic(work->problem) && !work->has_pushed;
 }
 
 static int is_tight(const dlsi_auto *work) {

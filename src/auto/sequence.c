@@ -116,7 +116,7 @@ dls_status dlsi_auto_begin_with_newton(dlsi_auto *work, dls_error *error) {
   work->stepped = 1;
   work->of_step = expect_of_step(work);
   dlsi_newton_keep(work->part[NEWTON], work->known ? work->v[0] : NULL, work->far);
-  status = dlsi_auto_take_step(work, NEWTON, 0, error);
+  status = dlsi_auto_take_step(work, (step){NEWTON, 0, 0}, error);
   work->failures = 0;
   if (!work->info.stages && status >= 0) { /* without a step */
     work->stepped = 0;

@@ -142,7 +142,8 @@ static dls_status pass_over(dlsi_auto *work, part k) {
   return DLS_STALLED;
 }
 
-dls_status dlsi_auto_take_step(dlsi_auto *work, part k, unsigned flags, dls_error *error) {
+dls_status dlsi_auto_take_step(dlsi_auto *work, step s, dls_error *error) {
+  const part k = s.part;
   if (dlsi_auto_is_left_out(work, k)) return DLS_STALLED;
   dls_error why = {0};
   const double begun = dlsi_clock_since(work->begun);
@@ -151,10 +152,11 @@ dls_status dlsi_auto_take_step(dlsi_auto *work, part k, unsigned flags, dls_erro
   const size_t m = (size_t)work->problem->d * (size_t)work->problem->nc;
   dls_info info = {.status = DLS_OK};
   if (!status) status = dlsi_auto_create_part(work, dlsi_auto_home_of(k), &why);
-  if (flags & COLD)
+  if (s.flags & COLD)
     memset(work->r, 0, m * sizeof *work->r);
   else
     memcpy(work->r, work->best, m * sizeof *work->r);
+  work->most = s.most;
   dlsi_auto_begin_watch(work);
   if (!status) status = run_part(work, k, &info, &why);
   remember_tries(work, k, status);
@@ -174,7 +176,7 @@ dls_status dlsi_auto_take_step(dlsi_auto *work, part k, unsigned flags, dls_erro
 
 /* Paths of pivots depend on the order of the candidates. */
 static dls_status take_pivots(dlsi_auto *work, dls_error *error) {
-  return dlsi_auto_take_step(work, PIVOTING, 0, error);
+  return dlsi_auto_take_step(work, (step){PIVOTING, 0, 0}, error);
 }
 
 static int is_open(const dlsi_auto *work, const step *s) {
@@ -190,7 +192,7 @@ static int is_open(const dlsi_auto *work, const step *s) {
 static dls_status take_less_stress(dlsi_auto *work, part now, dls_error *error) {
   if (now == COLD_SPLITTING || !dlsi_auto_may_go_another_way(work) || dlsi_auto_has_plan(work))
     return dlsi_auto_verdict_of(work);
-  const dls_status status = dlsi_auto_take_step(work, COLD_SPLITTING, COLD, error);
+  const dls_status status = dlsi_auto_take_step(work, (step){COLD_SPLITTING, COLD, 0}, error);
   return status < 0 ? status : work->stopped ? work->stopped : dlsi_auto_verdict_of(work);
 }
 
@@ -225,10 +227,9 @@ static part part_of_given(dlsi_auto *work, const step *s) {
 }
 
 static dls_status take_given(dlsi_auto *work, const step *s, part k, dls_error *error) {
-  work->most = work->given->most[s - work->given->step];
-  work->counted = work->most || s[1].part == END;
-  const dls_status status = dlsi_auto_take_step(work, k, s->flags, error);
-  work->most = work->counted = 0;
+  work->counted = s->most || s[1].part == END;
+  const dls_status status = dlsi_auto_take_step(work, (step){k, s->flags, s->most}, error);
+  work->counted = 0;
   return status;
 }
 
@@ -239,7 +240,7 @@ dls_status dlsi_auto_follow(dlsi_auto *work, const step *plan, dls_error *error)
     if (k == END) continue;
     dls_status status = given              ? take_given(work, s, k, error)
                         : s->flags & EARLY ? dlsi_auto_on_copy(work, take_pivots, error)
-                                           : dlsi_auto_take_step(work, s->part, s->flags, error);
+                                           : dlsi_auto_take_step(work, *s, error);
     if (status < 0) return status;
     const dls_status verdict = dlsi_auto_verdict_of(work);
     if (verdict == DLS_OK) return DLS_OK; /* (ST1) */

@@ -7,7 +7,13 @@
  * candidates have a solution (facts/states.c), or, d = 3 and up to 2, the augmented Lagrangian sees
  * the reactions run away at last and no r is near the tolerance. Else DLS_STALLED: larger problems
  * whose reactions run away may have a solution that no step finds.
+ *
+ * Where nothing is proved against a solution, up to dlsi_predicted_rows rows, Krawczyk's test
+ * (facts/prove.c) may still prove the best r, improved by its Newton steps: then its rounding, not
+ * its error, is what the certificate does not let pass, DLS_TO_ROUNDING.
  */
+#include <string.h>
+
 #include "auto/auto.h"
 
 enum { sure_starts = 2 };                   /* candidates, d = 3, whose states the steps cover */
@@ -39,7 +45,8 @@ dls_status dlsi_auto_judge(dlsi_auto *work, dls_error *error) {
     const int found = dlsi_contact_find_states(problem, &work->options.limits, work->begun, work->r,
                                                work->best, &work->info.certificate);
     if (dlsi_clock_is_over(&work->options.limits, work->begun)) return DLS_TIME_LIMIT;
-    const dls_status status = found ? dlsi_auto_take_step(work, NEWTON, 0, error) : DLS_STALLED;
+    const dls_status status =
+        found ? dlsi_auto_take_step(work, (step){NEWTON, 0, 0}, error) : DLS_STALLED;
     if (status < 0) return status;
     if (dls_certificate_holds(&work->info.certificate, tol)) return DLS_OK;
     if (found) return DLS_STALLED;
@@ -53,4 +60,18 @@ dls_status dlsi_auto_judge(dlsi_auto *work, dls_error *error) {
   if (!few && !sure && !dlsi_is_semidefinite(problem, work->w, J)) return DLS_STALLED;
   if (dlsi_solution_exists(problem, work->w, J, work->v)) return DLS_STALLED;
   return DLS_NO_SOLUTION_LIKELY;
+}
+
+dls_status dlsi_auto_prove(dlsi_auto *work, const dls_contact *problem, dls_status status) {
+  const size_t m = (size_t)problem->d * (size_t)problem->nc;
+  dls_certificate now;
+  dls_proof proof;
+  if (status != DLS_STALLED && status != DLS_NO_SOLUTION_LIKELY) return status;
+  if (m > dlsi_predicted_rows || dlsi_first_not_finite(work->best, m) >= 0) return status;
+  if (dlsi_contact_prove(problem, work->best, &proof, work->r, NULL)) return status; /* no memory */
+  if (proof.kind != DLS_PROVED || dls_contact_certify(problem, work->r, NULL, &now, NULL))
+    return status;
+  memcpy(work->best, work->r, m * sizeof *work->r);
+  work->info.certificate = now;
+  return dls_certificate_holds(&now, work->options.limits.tol) ? DLS_OK : DLS_TO_ROUNDING;
 }

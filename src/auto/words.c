@@ -153,11 +153,12 @@ static dls_status read_plan(const char *plan, dlsi_auto_given *given, dls_error 
     const int k = given->steps;
     if (k == DLS_STAGES_MAX)
       return dlsi_fail(error, DLS_E_ARGUMENT, "plan", -1, k + 1, "has more than %d steps", k);
-    const dls_status status = read_word(&at, "plan", &found, &given->most[k], error);
+    const dls_status status = read_word(&at, "plan", &found, &given->step[k].most, error);
     if (status) return status;
-    given->step[k] = (step){part_of_step(found), flags_of(found)};
+    given->step[k].part = part_of_step(found);
+    given->step[k].flags = flags_of(found);
   }
-  given->step[given->steps] = (step){END, 0};
+  given->step[given->steps] = (step){END, 0, 0};
   return DLS_OK;
 }
 

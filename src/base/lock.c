@@ -2,10 +2,10 @@
  * lock.c: lets one thread at a time into libraries that keep state of their own: MUMPS, METIS,
  * HDF5; lets one call at a time into an object.
  *
- * The one writable global of the library (tests/check_symbols.sh names it). A thread holds the lock
- * for one call of such a library and calls nothing of the host meanwhile, so that no two locks are
- * ever held and a callback may use the library freely. Locking a mutex of the default kind that
- * this thread does not hold cannot fail.
+ * The one writable global of the library (tests/check_symbols.sh names it); libdelassus-files.so
+ * has its own. A thread holds the lock for one call of such a library and calls nothing of the host
+ * meanwhile, so that no two locks are ever held and a callback may use the library freely. Locking
+ * a mutex of the default kind that this thread does not hold cannot fail.
  */
 #include <pthread.h>
 

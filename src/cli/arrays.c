@@ -60,6 +60,11 @@ static array_kind find_kind(const char *path) {
                    path);
     return ARRAY_NONE;
   }
+  if (got >= 8 && memcmp(first, "\x89HDF\r\n\x1a\n", 8) == 0) {
+    (void)complain("%s: is an HDF5 file, no matrix; a problem of FCLIB: delassus solve %s", path,
+                   path);
+    return ARRAY_NONE;
+  }
   if (got >= 14 && strncasecmp(first, "%%MatrixMarket", 14) == 0) return ARRAY_MTX;
   return got >= 6 && memcmp(first, npy_magic, 6) == 0 ? ARRAY_NPY : ARRAY_TEXT;
 }

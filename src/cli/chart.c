@@ -293,7 +293,7 @@ static int run_chart(const char *name, const chart_options *o) {
   if (chart_measure(&c, name, o, &error))
     (void)complain_of(name, &error);
   else {
-    if (!is_quiet()) print_chart(&c);
+    if (prints_text()) print_chart(&c);
     result = draw_chart(&c, o->out);
     const int rung = chart_fails(&c);
     char why[80] = "";
@@ -302,7 +302,7 @@ static int run_chart(const char *name, const chart_options *o) {
       (void)snprintf(why, sizeof why, "auto to %.0e: %s", c.tol[rung],
                      ending_word(race_trial(&c.race, 0, rung)->end));
     }
-    result = end_command(result, why);
+    result = end_table(result, why, "chart", o->out, "chart.csv");
   }
   race_free(&c.race);
   named_free(&c.subject);

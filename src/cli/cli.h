@@ -37,6 +37,40 @@ const char *input_path(const char *path);
 /* Removes the copies. */
 void drop_inputs(void);
 
+/* ---- nearest.c ------------------------------------------------------------------------------- */
+
+/* The names nearest to a mistyped word: those that it begins, else those with the fewest mistakes.
+ * Start from {.word = word}. */
+enum { NEAREST_MOST = 6 };
+typedef struct nearest {
+  const char *word;
+  int mistakes, count; /* of each name; of names */
+  const char *name[NEAREST_MOST];
+  char words[300];
+} nearest;
+void nearest_try(nearest *n, const char *name);
+void nearest_methods(nearest *n);
+
+/* Returns "; did you mean A, B or C?", or "" if no name is near. */
+const char *nearest_words(nearest *n);
+
+/* Returns the name of scene k of any kind; NULL beyond the last. */
+const char *scene_name(int k);
+int names_a_scene(const char *name);
+
+/* Complains of a name that is no scene; returns EXIT_BAD_INPUT. */
+int no_scene(const char *name);
+
+/* ---- json.c ---------------------------------------------------------------------------------- */
+
+/* Begins the object that --json prints: its title, status and, where it is not NULL, why. */
+void print_json_head(const char *title, const char *status, const char *why);
+
+/* Does the same as end_command; with --json prints one object with the rows of the table NAME that
+ * the command has written into the directory. */
+int end_table(int result, const char *why, const char *title, const char *directory,
+              const char *name);
+
 /* ---- problem.c ------------------------------------------------------------------------------- */
 
 /* A problem in memory: read from the file, condensed if it was global. Start from {0}; free it
@@ -73,6 +107,14 @@ const char *problem_title(const problem *p);
 /* matrices.c: tells the host's name of unknown k; returns 0 if it has none. NULL is fine. */
 int problem_unknown(const problem *p, int k, int *node, int *direction);
 void matrices_free(struct matrices *matrices);
+
+/* Returns what a file is that holds no problem but a matrix ("matrix", "table of numbers"); else
+ * NULL. */
+const char *other_kind(const char *path);
+
+/* Returns 1 after a complaint if `path` names a scene, or a file of another kind than a problem (a
+ * matrix, say). */
+int is_no_problem(const char *path);
 
 /* Returns 1 if the file is text with an LCP, read into *text; 0 for any other. */
 int read_lcp_text(const char *path, dls_text **text);
@@ -117,19 +159,23 @@ int wrong_names(const char *name);
   { name, required_argument, NULL, key }
 #define FLAG(name, key)                                                                            \
   { name, no_argument, NULL, key }
-#define LAST_OPTIONS FLAG("verbose", 'v'), FLAG("quiet", 'q'), FLAG("help", 'h'), FLAG(NULL, 0)
-#define LAST_KEYS    "vqh"
+#define LAST_OPTIONS                                                                               \
+  FLAG("json", 'j'), FLAG("verbose", 'v'), FLAG("quiet", 'q'), FLAG("help", 'h'), FLAG(NULL, 0)
+#define LAST_KEYS "jvqh"
 #define LAST_USAGE                                                                                 \
+  "  -j, --json            print one JSON object instead of text\n"                                \
   "  -v, --verbose         tell of the way on stderr, line by line\n"                              \
   "  -q, --quiet           print the last line only, and what another option asks for\n"           \
   "  -h, --help            this text\n"
 
-/* How much is told: --quiet, --verbose. Returns 0 for another key. */
+/* Take --quiet, --verbose and --json; return 0 for another key. Key 0 forgets all three. */
 int take_loudness(int key);
 int is_quiet(void);
 int is_verbose(void);
+int is_json(void);
+int prints_text(void); /* neither --quiet nor --json */
 
-/* Prints on stdout, unless --quiet. */
+/* Prints on stdout, if the command prints text. */
 void tell(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* The method and its settings, from -m, -a, -t, -i, --threads. */
@@ -156,6 +202,10 @@ taken take_solver_option(int key, const char *text, solver_options *options);
 
 /* Checks the options against each other when all are taken; returns 0 after a complaint. */
 int settle_solver_options(solver_options *options);
+
+/* Complains of a name that is no method: the nearest one, or all. more: methods that the library
+ * does not name, the last one NULL; or NULL. Returns OPTION_WRONG. */
+taken no_method(const char *name, const char *const *more);
 
 /* Writes the names of all methods, "auto, nlgs, ...", into text (size) and returns it. */
 enum { METHOD_LIST_ROOM = 200 };
@@ -194,6 +244,12 @@ int is_solved(dls_status status);
  * error is above 1e-4, or "not solved: WHY". info: of a contact problem; or NULL. */
 void print_ending(dls_status status, const dls_info *info);
 
+/* Writes what a proof shows of an answer into text (size); returns text. */
+const char *proof_words(const dls_proof *proof, char *text, size_t size);
+
+/* Prints the last line of a solve whose answer a proof has looked at. */
+void print_proved(const dls_proof *proof);
+
 /* Does the same for a command of many solves, by its exit status; why: of EXIT_NOT_SOLVED. Returns
  * the exit status: after Ctrl-C, EXIT_NOT_SOLVED. */
 int end_command(int result, const char *why);
@@ -203,6 +259,9 @@ int complain_of(const char *what, const dls_error *error);
 
 /* Returns "" for 1, else "s". */
 const char *plural(long long count);
+
+/* Returns the number with a decimal point that a text with one comma means, in room; else NULL. */
+const char *point_for_comma(const char *text, char *room, size_t size);
 
 /* Read the value of an option: finite and >= 0 (number), an integer >= 1 (count). */
 taken parse_number(const char *option, const char *text, double *value);
@@ -291,7 +350,9 @@ typedef struct outcome {
   int as_printed;                /* 1: by jean_sweeps */
   verdict verdict;               /* of solve */
   int proof;                     /* 1: with its vectors */
-  unsettled unsettled;           /* of solve, where nothing else is said */
+  int prove;                     /* of solve, 1: `proved` is known */
+  dls_proof proved;
+  unsettled unsettled; /* of solve, where nothing else is said */
 } outcome;
 
 const char *method_word(const outcome *outcome);

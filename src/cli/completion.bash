@@ -1,15 +1,32 @@
-# completion.bash: bash completion of delassus; the options come from --help.
+# completion.bash: bash completion of delassus: commands, options (from --help), methods, scenes, files.
 _delassus() {
-  local word=${COMP_WORDS[COMP_CWORD]} command=${COMP_WORDS[1]}
+  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]} names= scene=
+  [ "$before" = = ] && before=${COMP_WORDS[COMP_CWORD-2]}
+  if [ "$word" = = ]; then before=${COMP_WORDS[COMP_CWORD-1]} word=; fi
   if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W 'scene converge tables solve info chart profile map --help --version' -- "$word"))
-  elif [[ $word == -* ]]; then
-    COMPREPLY=($(compgen -W "$(delassus "$command" --help 2>/dev/null |
-      grep -o -e '--[A-Za-z][A-Za-z-]*' | sort -u)" -- "$word"))
-  elif [ "$command" = scene ]; then
-    COMPREPLY=($(compgen -W "$(delassus scene --list 2>/dev/null | awk '{ print $1 }')" -- "$word"))
+    names="$(delassus help commands 2>/dev/null) help --help --version"
   else
-    COMPREPLY=($(compgen -f -- "$word"))
+    case $before in
+    -m | --method) names="$(delassus help methods 2>/dev/null) gauss-seidel" ;;
+    -a | --accel) names='none aitken anderson momentum' ;;
+    --law) names='velocity gap path' ;;
+    --on) names='W K' ;;
+    --against) names='condition rank skew mesh' ;;
+    *)
+      if [[ $word == -* ]]; then
+        [[ ${COMP_WORDS[2]} == -* ]] || scene=${COMP_WORDS[2]}
+        names=$(delassus "$command" $scene --help 2>/dev/null | grep -o -e '--[A-Za-z][A-Za-z-]*')
+      else
+        case $command in
+        scene | converge) names=$(delassus help scenes 2>/dev/null) ;;
+        chart | map | profile) names=$(delassus help scenes 2>/dev/null) ;;
+        help) names="$(delassus help commands 2>/dev/null) methods scenes" ;;
+        esac
+      fi ;;
+    esac
   fi
+  COMPREPLY=($(compgen -W "$names" -- "$word" | sort -u))
+  case $before in -m | --method | -a | --accel) return ;; esac
+  [[ $word == -* || $COMP_CWORD -eq 1 ]] || COMPREPLY+=($(compgen -f -- "$word"))
 }
 complete -o filenames -F _delassus delassus

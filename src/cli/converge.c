@@ -74,6 +74,24 @@ static double converge_fit(const double *h, const double *error, int count, doub
   return order;
 }
 
+static void converge_json(const char *name, dls_status status, int count, int from, const double *h,
+                          const double *error) {
+  double factor;
+  print_json_head("converge", status_word(status), NULL);
+  fputs(",\n  \"scene\": ", stdout);
+  print_json_string(stdout, name);
+  print_json_field(stdout, "order", count > 1 ? converge_fit(h, error, count, &factor) : NAN);
+  fputs(",\n  \"rows\": [", stdout);
+  for (int k = 0; k < count; k++) {
+    printf("%s\n    {\"elements\": %d, \"h\": ", k ? "," : "", from << k);
+    print_json_number(stdout, h[k]);
+    fputs(", \"error\": ", stdout);
+    print_json_number(stdout, error[k]);
+    fputc('}', stdout);
+  }
+  puts("\n  ]\n}");
+}
+
 static int converge_scene(const char *name, const converge_options *o) {
   double h[MOST_MESHES], error[MOST_MESHES];
   dls_status status = DLS_OK;
@@ -109,6 +127,7 @@ static int converge_scene(const char *name, const converge_options *o) {
     if (o->out && draw_convergence(o->out, name, order, factor) != EXIT_SOLVED)
       return EXIT_BAD_INPUT;
   }
+  if (is_json()) converge_json(name, status, count, o->from, h, error);
   print_ending(status, NULL);
   return status ? EXIT_NOT_SOLVED : EXIT_SOLVED;
 }
@@ -139,6 +158,12 @@ int command_converge(int argc, char **argv) {
   if (stop != GO_ON) return stop;
   if (o.meshes > MOST_MESHES || o.from > 100000)
     return complain("at most %d meshes, the first of at most 100000 elements", MOST_MESHES);
+  if (!names_moving(argc, argv)) {
+    if (names_a_scene(argv[optind]))
+      return complain("%s: has no closed form; bar-impact, bar-bounce and bar-fixed have one",
+                      argv[optind]);
+    return no_scene(argv[optind]);
+  }
   watch_interrupt();
   return converge_scene(argv[optind], &o);
 }

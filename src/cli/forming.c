@@ -56,8 +56,7 @@ static void forming_usage(FILE *out) {
       "      --at=D[,D..]      print the state, and write contact.csv, at the end of the step\n"
       "                        that reaches displacement D\n"
       "  -s, --save=FILE       write the last condensed contact problem as an FCLIB file (HDF5)\n"
-      "  -o, --out=DIR         write force.csv, contact.csv, series.pvd, pictures\n"
-      "      --json            print one object instead of text\n" LAST_USAGE "\n"
+      "  -o, --out=DIR         write force.csv, contact.csv, series.pvd, pictures\n" LAST_USAGE "\n"
       "A run ends early, with exit status 1, where the next step would leave no body (a corner of\n"
       "an element inside out, a node inside a tool, a boundary that crosses itself, forces or\n"
       "energy that do not balance) or cannot be solved, and says where. All up to there is "
@@ -395,14 +394,16 @@ static taken parse_at(char *text, forming_options *o) {
   return OPTION_TAKEN;
 }
 
+static const char *const equilibrium_methods[] = {"gauss-seidel", "augmented-lagrangian", "penalty",
+                                                  NULL};
+
 static taken take_forming_option(int key, const char *text, void *data) {
   forming_options *o = data;
   switch (key) {
   case 'm':
     o->method = text;
     if (forming_method(text, &o->settings)) return OPTION_TAKEN;
-    complain("--method: '%s' is no method", text);
-    return OPTION_WRONG;
+    return no_method(text, equilibrium_methods);
   case 'M':
     return parse_mesh(text, &o->settings.nx, &o->settings.ny);
   case 'n':
@@ -429,9 +430,6 @@ static taken take_forming_option(int key, const char *text, void *data) {
     return parse_number("step-tol", text, &o->settings.step_tol);
   case 'l':
     return parse_number("limit", text, &o->settings.cpu_seconds);
-  case 'j':
-    o->json = 1;
-    return OPTION_TAKEN;
   case 'a':
     return parse_at(optarg, o);
   case 'o':
@@ -446,15 +444,23 @@ static taken take_forming_option(int key, const char *text, void *data) {
 }
 
 int command_forming(int argc, char **argv) {
-  static const struct option options[] = {VALUE("method", 'm'),     VALUE("mesh", 'M'),
-                                          VALUE("steps", 'n'),      VALUE("mu", 'f'),
-                                          FLAG("clamped", 'c'),     VALUE("tol", 't'),
-                                          VALUE("at", 'a'),         VALUE("out", 'o'),
-                                          VALUE("penalty", 'P'),    VALUE("augmentations", 'A'),
-                                          VALUE("relaxation", 'w'), FLAG("no-aitken", 'N'),
-                                          VALUE("ram-mu", 'r'),     VALUE("step-tol", 'S'),
-                                          VALUE("save", 's'),       VALUE("limit", 'l'),
-                                          FLAG("json", 'j'),        LAST_OPTIONS};
+  static const struct option options[] = {VALUE("method", 'm'),
+                                          VALUE("mesh", 'M'),
+                                          VALUE("steps", 'n'),
+                                          VALUE("mu", 'f'),
+                                          FLAG("clamped", 'c'),
+                                          VALUE("tol", 't'),
+                                          VALUE("at", 'a'),
+                                          VALUE("out", 'o'),
+                                          VALUE("penalty", 'P'),
+                                          VALUE("augmentations", 'A'),
+                                          VALUE("relaxation", 'w'),
+                                          FLAG("no-aitken", 'N'),
+                                          VALUE("ram-mu", 'r'),
+                                          VALUE("step-tol", 'S'),
+                                          VALUE("save", 's'),
+                                          VALUE("limit", 'l'),
+                                          LAST_OPTIONS};
   static const command forming = {"m:n:t:s:o:l:", options, forming_usage, take_forming_option, 1};
   forming_options o = {.method = "auto"};
   dls_forming_settings_init(&o.settings);
@@ -462,6 +468,7 @@ int command_forming(int argc, char **argv) {
   const int stop = take_options(argc, argv, &forming, &o);
   if (stop != GO_ON) return stop;
   o.name = argv[optind];
+  o.json = is_json();
   watch_interrupt();
   return run_forming(&o);
 }

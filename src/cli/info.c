@@ -15,10 +15,8 @@ static void info_usage(FILE *out) {
       "contacts), and all solutions (up to 8). Contacts and rows are counted from 0.\n"
       "FILE may be a pipe, or - for standard input.\n"
       "\n"
-      "  -l, --limit=N         rank, eigenvalues and the bound on friction for up to N rows "
-      "(2000)\n"
-      "  -j, --json            print one JSON object; null: not known, none, or "
-      "unbounded\n" LAST_USAGE,
+      "      --limit=N         rank, eigenvalues and the bound on friction for up to N rows "
+      "(2000)\n" LAST_USAGE "\nIn JSON null stands for: not known, none, or unbounded.\n",
       out);
 }
 
@@ -104,16 +102,33 @@ static void print_friction(int d, int m, const dls_diagnosis *g) {
 
 /* ---- trust ----------------------------------------------------------------------------------- */
 
+enum { most_proved = 300 }; /* rows of a problem that is solved and proved */
 enum { most_fold = 64, most_listed = DLS_STATES_MAX, room = 32, listed_rows = 2 * most_listed };
 
 /* The fold and all solutions of a problem in 2D, where it is small enough. */
 typedef struct trust {
-  int has_fold, has_list;
+  int has_fold, has_list, has_proof;
+  dls_proof proof; /* of the answer of auto */
   dls_fold fold;
   dls_status status; /* of the list */
   dls_solution_set set;
   double r[room * listed_rows], low[room * listed_rows], high[room * listed_rows];
 } trust;
+
+/* Solves and proves the answer where there is one; without memory returns DLS_E_MEMORY. */
+static dls_status find_proof(const dls_contact *contact, trust *t, dls_error *error) {
+  static double r[most_proved];
+  const int m = contact->d * contact->nc;
+  if (m == 0 || m > most_proved) return DLS_OK;
+  dls_solver_settings settings;
+  dls_solver_settings_init(&settings);
+  settings.limits.cpu_seconds = 1;
+  dls_status status = dls_solve(contact, &settings, r, NULL, NULL, error);
+  if (status < 0 || !is_solved(status)) return status == DLS_E_MEMORY ? status : DLS_OK;
+  status = dls_contact_prove(contact, r, &t->proof, NULL, error);
+  t->has_proof = status == DLS_OK;
+  return status;
+}
 
 /* Finds fold and solutions where the problem has them; without memory returns DLS_E_MEMORY. */
 static dls_status find_trust(const dls_contact *contact, trust *t, dls_error *error) {
@@ -121,7 +136,8 @@ static dls_status find_trust(const dls_contact *contact, trust *t, dls_error *er
                           ? dls_contact_fold(contact, &t->fold, NULL, NULL, NULL, NULL, error)
                           : DLS_E_UNSUPPORTED;
   t->has_fold = status == DLS_OK;
-  if (status == DLS_E_MEMORY) return status;
+  if (status != DLS_E_MEMORY) status = find_proof(contact, t, error);
+  if (status) return status;
   if (contact->d != 2 || contact->nc > most_listed) return DLS_OK;
   t->status = dls_contact_enumerate(contact, 1e-8, room, t->r, t->low, t->high, &t->set, error);
   t->has_list = t->status >= 0;
@@ -157,6 +173,7 @@ static void print_solutions(int m, const trust *t) {
 }
 
 static void print_trust(const dls_contact *contact, const trust *t) {
+  char words[120];
   if (t->has_fold && t->fold.friction <= 1e6)
     printf("  fold: %s friction %.6g each load has one solution, above it some have several\n"
            "    (%d matrices%s)\n",
@@ -165,6 +182,7 @@ static void print_trust(const dls_contact *contact, const trust *t) {
   else if (t->has_fold)
     puts("  fold: none, whatever the friction");
   if (t->has_list) print_solutions(2 * contact->nc, t);
+  if (t->has_proof) printf("  answer of auto: %s\n", proof_words(&t->proof, words, sizeof words));
 }
 
 void print_hints(const char *indent, int hints) {
@@ -229,6 +247,8 @@ static void print_trust_json(int m, const trust *t) {
   field("continua", t->has_list ? (double)t->set.continua : (double)NAN);
   printf(",\n  \"no_solution_proved\": %s",
          t->has_list && t->status == DLS_NO_SOLUTION ? "true" : "false");
+  const int proved = t->has_proof && t->proof.kind == DLS_PROVED;
+  field("proved_radius", proved ? t->proof.radius : (double)NAN);
   fputs(",\n  \"solutions\": ", stdout);
   if (!t->has_list) {
     fputs("null", stdout);
@@ -286,20 +306,18 @@ static void print_info_json(const problem *p, const dls_diagnosis *g, const trus
 /* ---- the command ----------------------------------------------------------------------------- */
 
 typedef struct info_options {
-  int limit, json;
+  int limit;
 } info_options;
 
 static taken take_info_option(int key, const char *text, void *data) {
   info_options *o = data;
   if (key == 'l') return parse_count("limit", text, &o->limit);
-  if (key != 'j') return OPTION_UNKNOWN;
-  o->json = 1;
-  return OPTION_TAKEN;
+  return OPTION_UNKNOWN;
 }
 
 int command_info(int argc, char **argv) {
-  static const struct option options[] = {VALUE("limit", 'l'), FLAG("json", 'j'), LAST_OPTIONS};
-  static const command info = {"l:j", options, info_usage, take_info_option, 1};
+  static const struct option options[] = {VALUE("limit", 'l'), LAST_OPTIONS};
+  static const command info = {"", options, info_usage, take_info_option, 1};
   info_options o = {.limit = 2000};
   const int stop = take_options(argc, argv, &info, &o);
   if (stop != GO_ON) return stop;
@@ -309,12 +327,13 @@ int command_info(int argc, char **argv) {
   dls_diagnosis g;
   static trust t;
   int result = EXIT_SOLVED;
+  if (is_no_problem(path)) return EXIT_BAD_INPUT;
   if (problem_load(path, 0, DLS_ON_W, &p, &error) ||
       dls_contact_diagnose(&p.contact, o.limit, &g, &error) || find_trust(&p.contact, &t, &error))
     result = complain_of(path, &error);
   else {
     if (is_verbose()) print_reduction(stderr, &p);
-    if (o.json)
+    if (is_json())
       print_info_json(&p, &g, &t);
     else if (!is_quiet())
       print_facts(path, &p, o.limit, &g, &t);

@@ -2,6 +2,7 @@
 #define _GNU_SOURCE /* MAP_ANONYMOUS */
 #include <string.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
 #include "cli.h"
 #include "linear/blas.h"
@@ -25,6 +26,7 @@ static void program_usage(FILE *out) {
       "  delassus map NAME...  which method works up to which friction: a picture\n"
       "  delassus profile NAME...   every method on many of them: performance profiles\n"
       "\n"
+      "  delassus help [COMMAND | methods | scenes]\n"
       "  -h, --help            this text; 'delassus COMMAND --help' for a command's options\n"
       "  -V, --version         version\n"
       "\n"
@@ -55,40 +57,85 @@ static int blas_takes_memory(void) {
   return 1;
 }
 
+static int run_scene_command(int argc, char **argv) {
+  return names_forming(argc, argv)  ? command_forming(argc, argv)
+         : names_moving(argc, argv) ? command_moving(argc, argv)
+                                    : command_scene(argc, argv);
+}
+
+static const struct {
+  const char *name;
+  int (*run)(int argc, char **argv);
+} commands[] = {{"scene", run_scene_command}, {"converge", command_converge},
+                {"tables", command_tables},   {"solve", command_solve},
+                {"info", command_info},       {"chart", command_chart},
+                {"map", command_map},         {"profile", command_profile}};
+enum { COMMANDS = sizeof commands / sizeof commands[0] };
+
+/* Returns the place of a command, -1 for none. */
+static int find_command(const char *name) {
+  for (int k = 0; k < COMMANDS; k++)
+    if (!strcmp(commands[k].name, name)) return k;
+  return -1;
+}
+
+/* Complains of a word that is no command: it may be a file, a scene or a mistyped command. */
+static int no_command(const char *word) {
+  nearest near = {.word = word};
+  for (int k = 0; k < COMMANDS; k++)
+    nearest_try(&near, commands[k].name);
+  static const char *const topics[] = {"help", "methods", "scenes", "commands"};
+  for (int k = 0; k < 4; k++)
+    nearest_try(&near, topics[k]);
+  if (names_a_scene(word)) return complain("'%s' is a scene: delassus scene %s", word, word);
+  if (!near.count && access(word, F_OK) == 0)
+    return is_no_problem(word) ? EXIT_BAD_INPUT
+                               : complain("'%s' is a file: delassus solve %s", word, word);
+  return complain("'%s' is no command%s", word,
+                  near.count ? nearest_words(&near) : "; see 'delassus --help'");
+}
+
+/* delassus help [COMMAND | methods | scenes | commands] */
+static int help_command(int argc, char **argv) {
+  static char wanted[] = "--help";
+  const char *word = argc > 1 ? argv[1] : "";
+  if (!*word) return program_usage(stdout), EXIT_SOLVED;
+  const int k = find_command(word);
+  if (k >= 0) {
+    char *words[] = {argv[1], wanted, NULL};
+    return commands[k].run(2, words);
+  }
+  if (!strcmp(word, "methods")) {
+    for (int i = 0; dls_method_name((dls_method)i); i++)
+      puts(dls_method_name((dls_method)i));
+  } else if (!strcmp(word, "scenes")) {
+    for (int i = 0; scene_name(i); i++)
+      puts(scene_name(i));
+  } else if (!strcmp(word, "commands")) {
+    for (int i = 0; i < COMMANDS; i++)
+      puts(commands[i].name);
+  } else
+    return no_command(word);
+  return EXIT_SOLVED;
+}
+
 int main(int argc, char **argv) {
   const char *name = argc > 1 ? argv[1] : "";
+  const int k = find_command(name);
   int result;
-  if (name[0] && name[0] != '-' && !blas_takes_memory()) return EXIT_BAD_INPUT;
-  if (!strcmp(name, "scene") && names_forming(argc - 1, argv + 1))
-    result = command_forming(argc - 1, argv + 1);
-  else if (!strcmp(name, "scene") && names_moving(argc - 1, argv + 1))
-    result = command_moving(argc - 1, argv + 1);
-  else if (!strcmp(name, "converge"))
-    result = command_converge(argc - 1, argv + 1);
-  else if (!strcmp(name, "tables"))
-    result = command_tables(argc - 1, argv + 1);
-  else if (!strcmp(name, "scene"))
-    result = command_scene(argc - 1, argv + 1);
-  else if (!strcmp(name, "solve"))
-    result = command_solve(argc - 1, argv + 1);
-  else if (!strcmp(name, "info"))
-    result = command_info(argc - 1, argv + 1);
-  else if (!strcmp(name, "chart"))
-    result = command_chart(argc - 1, argv + 1);
-  else if (!strcmp(name, "map"))
-    result = command_map(argc - 1, argv + 1);
-  else if (!strcmp(name, "profile"))
-    result = command_profile(argc - 1, argv + 1);
+  if (k >= 0 && !blas_takes_memory()) return EXIT_BAD_INPUT;
+  if (k >= 0)
+    result = commands[k].run(argc - 1, argv + 1);
+  else if (!strcmp(name, "help"))
+    result = help_command(argc - 1, argv + 1);
   else if (!strcmp(name, "--help") || !strcmp(name, "-h")) {
     program_usage(stdout);
     result = EXIT_SOLVED;
   } else if (!strcmp(name, "--version") || !strcmp(name, "-V")) {
     printf("delassus %s\n", dls_version());
     result = EXIT_SOLVED;
-  } else {
-    result = name[0] ? complain("'%s' is no command; see 'delassus --help'", name)
-                     : (program_usage(stderr), EXIT_BAD_INPUT);
-  }
+  } else
+    result = *name ? no_command(name) : (program_usage(stderr), EXIT_BAD_INPUT);
   drop_files();
   drop_inputs();
   if (fflush(stdout) || ferror(stdout)) return complain("cannot write to standard output");

@@ -291,7 +291,7 @@ int map_methods(int count, char **names, const map_options *o) {
   named_free(&subject);
   free(m->picture.cells);
   free(m);
-  return end_command(result, "auto fails where another method does not");
+  return end_table(result, "auto fails where another method does not", "map", o->out, "map.csv");
 }
 
 static taken take_range(const char *text, map_options *o) {

@@ -309,5 +309,5 @@ int map_against(const char *name, const map_options *o) {
   }
   free(p->cells);
   named_free(&subject);
-  return end_command(result, NULL);
+  return end_table(result, NULL, "map", o->out, "map.csv");
 }

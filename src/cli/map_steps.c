@@ -191,7 +191,7 @@ int map_steps(const char *name, const map_options *o, int moves) {
   int all_done = 0, result = EXIT_BAD_INPUT;
   dls_forming_settings_init(&w.forming);
   dls_moving_settings_init(&w.moving);
-  if (!walker_method(&w, o->method)) return complain("--method: '%s' is no method", o->method);
+  if (!walker_method(&w, o->method)) return no_method(o->method, NULL), EXIT_BAD_INPUT;
   if ((moves ? moving_own : forming_own)(&w, &error)) return complain_of(name, &error);
   p.rows = o->rows ? o->rows : STEP_ROWS;
   if (p.rows > MAP_ROWS) p.rows = MAP_ROWS;
@@ -214,5 +214,5 @@ int map_steps(const char *name, const map_options *o, int moves) {
   }
   free(p.cells);
   if (result == EXIT_SOLVED && !all_done) result = EXIT_NOT_SOLVED;
-  return end_command(result, "not every run finishes");
+  return end_table(result, "not every run finishes", "map", o->out, "map.csv");
 }

@@ -11,7 +11,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "hints.h"
 #include "matrices.h"
 
 /* The arrays that the model and the problem borrow, and CalculiX's numbering. */
@@ -145,21 +147,47 @@ static int read_vector(const char *option, const char *path, int count, double *
   return good;
 }
 
+/* Returns 1 if the text names a file; 0 after a complaint that it is none and no number. */
+static int is_file(const char *option, const char *text) {
+  char room[64];
+  const char *point = point_for_comma(text, room, sizeof room);
+  if (access(input_path(text), F_OK) == 0) return 1;
+  if (point)
+    complain("--%s: '%s' is not a number; write the decimal point as '.': %s", option, text, point);
+  else
+    complain("--%s: '%s' is neither a number nor a file", option, text);
+  return 0;
+}
+
+/* Returns 1 for a friction that can be: >= 0, inf too; 0 after a complaint. c: candidate, or -1. */
+static int check_friction(double mu, const char *text, int c) {
+  if (mu >= 0) return 1;
+  if (c < 0)
+    complain("--mu: friction is %s, must be a number >= 0", text);
+  else
+    complain("--mu: %s: the friction of contact %d is %g, must be a number >= 0", text, c, mu);
+  return 0;
+}
+
 /* Reads the friction: one number for all candidates, or one each. */
 static int read_friction(const char *text, int nc, double **mu) {
   double each = 0;
   table t = {0};
   *mu = new_vector((size_t)nc);
   int good = *mu != NULL;
-  if (good && text && !is_number(text, &each)) {
-    good = table_read(text, &t);
+  const int number = text && is_number(text, &each);
+  if (good && number) good = check_friction(each, text, -1);
+  if (good && text && !number) {
+    good = is_file("mu", text) && table_read(text, &t);
     if (good && table_count(&t) != 1 && table_count(&t) != (size_t)nc)
       good = (complain("--mu: %s holds %zu number%s, must hold 1 or %d", text, table_count(&t),
                        plural((long long)table_count(&t)), nc),
               0);
   }
-  for (int c = 0; good && c < nc; c++)
+  for (int c = 0; good && c < nc; c++) {
     (*mu)[c] = !t.a ? each : table_count(&t) == 1 ? t.a[0] : t.a[c];
+    if (t.a) good = check_friction((*mu)[c], text, c);
+  }
   free(t.a);
   return good;
 }
@@ -172,7 +200,7 @@ static int read_gaps(const char *text, int d, int nodes, double **g) {
   *g = new_vector((size_t)d * (size_t)nodes);
   int good = *g != NULL, whole = 0;
   if (good && text && !is_number(text, &each)) {
-    good = table_read(text, &t);
+    good = is_file("g", text) && table_read(text, &t);
     const size_t count = good ? table_count(&t) : 0;
     whole = count == (size_t)d * (size_t)nodes;
     if (good && !whole && count != (size_t)nodes)
@@ -360,8 +388,10 @@ static int find_dimension(const matrix_options *o, int m) {
     if (3 * count == (size_t)m) d = 3;
     free(t.a);
   }
+  if (!d && (m % 2 == 0) != (m % 3 == 0)) d = m % 2 ? 3 : 2; /* the other one does not divide m */
   if (!d)
-    complain("--dim: 2 or 3 is wanted");
+    complain("--dim: 2 or 3 is wanted: %d columns of H or rows of W fit %s", m,
+             m % 6 ? "neither" : "both");
   else if (m % d)
     d = (complain("--dim: %d does not divide %d, the columns of H or rows of W", d, m), 0);
   return d;
@@ -386,6 +416,10 @@ static int load_operators(const matrix_options *o, struct matrices *own, dls_mod
       good = sparse_read(o->HT, &own->HT) && has_rows("HT", o->HT, &own->HT.view, n);
       const int cols = own->HT.view.cols;
       d = cols == 2 * nodes ? 3 : 2;
+      if (good && nodes == 2 * cols)
+        return complain("--HT: %s has %d column%s, --HN %d: have --HN and --HT been exchanged?",
+                        o->HT, cols, plural(cols), nodes),
+               0;
       if (good && (cols != (d - 1) * nodes || (o->dim && d != o->dim)))
         good = (complain("--HT: %s has %d column%s; --HN has %d, so %d or %d are wanted", o->HT,
                          cols, plural(cols), nodes, nodes, 2 * nodes),
@@ -530,6 +564,8 @@ int matrices_load(const matrix_options *o, problem *p) {
       if (own->mu[c] != 0) return complain("--mu: friction needs the tangents, --HT"), 0;
     model->mu = own->mu;
   }
+  hint_operators(model);
+  hint_gaps(own->g, model->d, model->nodes);
   p->f = own->f;
   p->g = own->g;
   p->mu = own->mu;

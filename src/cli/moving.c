@@ -85,8 +85,7 @@ static taken moving_mesh(const char *text, dls_moving_settings *s) {
 
 static taken moving_method(const char *text, dls_moving_settings *s) {
   if (dls_method_find(text, &s->method)) return OPTION_TAKEN;
-  complain("--method: '%s' is no method", text);
-  return OPTION_WRONG;
+  return no_method(text, NULL);
 }
 
 taken take_moving_setting(int key, const char *text, dls_moving_settings *s) {
@@ -298,6 +297,30 @@ static void print_moving_summary(const dls_moving_data *d, const moving_worst *w
   print_contact_cost(d);
 }
 
+static void print_moving_json(const dls_moving_data *d, const moving_worst *worst,
+                              dls_status status) {
+  const dls_motion_energies *e = &d->energy;
+  print_json_head("scene", status_word(status), NULL);
+  fputs(",\n  \"scene\": ", stdout);
+  print_json_string(stdout, d->name);
+  printf(",\n  \"step\": %d,\n  \"steps\": %d,\n  \"candidates\": %d", d->step, d->steps,
+         d->candidates);
+  print_json_field(stdout, "t", d->state.t);
+  print_json_field(stdout, "mu", d->settings.mu);
+  print_json_field(stdout, "energy_start", d->energy_start);
+  print_json_field(stdout, "kinetic", e->kinetic);
+  print_json_field(stdout, "elastic", e->elastic);
+  print_json_field(stdout, "load", e->load);
+  print_json_field(stdout, "obstacle", e->obstacle);
+  print_json_field(stdout, "friction", e->friction);
+  print_json_field(stdout, "impact", e->impact);
+  print_json_field(stdout, "numerical", e->numerical);
+  print_json_field(stdout, "balance_energy", worst->residual);
+  print_json_field(stdout, "balance_momentum", worst->momentum);
+  if (d->has_exact) print_json_field(stdout, "gap_error", d->gap_error);
+  puts("\n}");
+}
+
 int show_moving_step(const dls_moving_data *data) {
   const dls_progress progress = {.method = data->name,
                                  .stage = data->name,
@@ -339,11 +362,14 @@ static int run_moving(const moving_options *o) {
   if (dls_moving_create(&moving, o->name, &o->settings, &error))
     return complain_of(o->name, &error);
   dls_moving_get(moving, &d);
-  if (!is_quiet()) print_moving_head(&d);
+  if (prints_text()) print_moving_head(&d);
   if (!o->out || moving_open(&files, o->out, &d))
     if (moving_steps(moving, o, &files, &worst, &status)) {
       dls_moving_get(moving, &d);
-      if (!is_quiet()) print_moving_summary(&d, &worst, status);
+      if (is_json())
+        print_moving_json(&d, &worst, status);
+      else if (!is_quiet())
+        print_moving_summary(&d, &worst, status);
       if (files.energy && status)
         fprintf(files.energy, "# %s after %d of %d steps\n", dls_status_text(status), d.step,
                 d.steps);

@@ -1,5 +1,6 @@
 /* named.c: loads a contact problem by the name of a file or of a scene (race.h). */
 #include <string.h>
+#include <unistd.h>
 
 #include "race.h"
 
@@ -32,6 +33,23 @@ dls_status named_load(const char *name, named *p, dls_error *error) {
   if (names_scene(name)) {
     dls_status status = dls_fe_scene_create(&p->scene, name, 0, error);
     return status ? status : named_condense(p, error);
+  }
+  nearest near = {.word = name};
+  for (int k = 0; dls_fe_scene_name(k); k++)
+    nearest_try(&near, dls_fe_scene_name(k));
+  if (access(input_path(name), F_OK) && near.count) {
+    *error = (dls_error){.status = DLS_E_FILE};
+    (void)snprintf(error->message, sizeof error->message, "no file and no scene%s",
+                   nearest_words(&near));
+    return DLS_E_FILE;
+  }
+  if (other_kind(name)) {
+    *error = (dls_error){.status = DLS_E_FORMAT};
+    (void)snprintf(error->message, sizeof error->message,
+                   "a %s, no problem; 'delassus solve --stiffness' takes it, and --out=FILE.hdf5 "
+                   "makes a problem of it",
+                   other_kind(name));
+    return DLS_E_FORMAT;
   }
   const dls_status status = problem_load(name, 0, DLS_ON_W, &p->file, error);
   p->contact = p->file.contact;

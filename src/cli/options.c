@@ -14,20 +14,31 @@ static const char *option_name(const command *c, int key) {
   return o->name ? o->name : "";
 }
 
+enum { MOST_OPTIONS = 60 };
+
 /* Complains of an option that getopt_long has not taken. key: '?', or ':' for a missing value. */
 static int wrong_option(char **argv, const command *c, int key) {
   const char letter[] = {'-', (char)optopt, '\0'};
   const int known = optopt != 0 && *option_name(c, optopt);
-  return complain("%s: %s; see 'delassus %s --help'",
-                  optopt != 0 && !known ? letter : argv[optind - 1],
-                  key == ':' ? "needs a value"
-                  : known    ? "takes no value"
-                             : "is no option, or the beginning of several",
-                  argv[0]);
+  const char *given = optopt != 0 && !known ? letter : argv[optind - 1];
+  if (key == ':' || known)
+    return complain("%s: %s; see 'delassus %s --help'", given,
+                    key == ':' ? "needs a value" : "takes no value", argv[0]);
+  char word[64], name[MOST_OPTIONS][64];
+  nearest near = {.word = word};
+  (void)snprintf(word, sizeof word, "%s", given);
+  word[strcspn(word, "=")] = '\0';
+  for (int k = 0; c->options[k].name && k < MOST_OPTIONS && given != letter; k++) {
+    (void)snprintf(name[k], sizeof name[k], "--%s", c->options[k].name);
+    nearest_try(&near, name[k]);
+  }
+  if (near.count) return complain("%s: is no option%s", word, nearest_words(&near));
+  return complain("%s: is no option; see 'delassus %s --help'", word, argv[0]);
 }
 
 int take_options(int argc, char **argv, const command *c, void *data) {
   char keys[64];
+  (void)take_loudness(0);
   (void)snprintf(keys, sizeof keys, ":%s" LAST_KEYS, c->keys); /* ":": no words of getopt */
   for (int key; (key = getopt_long(argc, argv, keys, c->options, NULL)) != -1;) {
     if (key == '?' || key == ':') return wrong_option(argv, c, key);
@@ -74,21 +85,38 @@ void solver_usage(FILE *out, const char *more, double tol) {
           method_list(methods, sizeof methods), more, tol);
 }
 
+taken no_method(const char *name, const char *const *more) {
+  nearest near = {.word = name};
+  char methods[METHOD_LIST_ROOM];
+  nearest_methods(&near);
+  for (int k = 0; more && more[k]; k++)
+    nearest_try(&near, more[k]);
+  if (near.count)
+    complain("--method: '%s' is no method%s", name, nearest_words(&near));
+  else
+    complain("--method: '%s' is no method; these are: %s%s%s", name,
+             method_list(methods, sizeof methods), more ? ", " : "", more ? more[0] : "");
+  return OPTION_WRONG;
+}
+
 /* Takes a method by its name, or gauss-seidel. */
 static taken take_method(const char *name, solver_options *o) {
-  char methods[METHOD_LIST_ROOM];
   o->method_given = 1;
   o->primal = strcmp(name, "gauss-seidel") == 0;
   if (o->primal || dls_method_find(name, &o->settings.method)) return OPTION_TAKEN;
-  complain("--method: '%s' is no method (%s, gauss-seidel)", name,
-           method_list(methods, sizeof methods));
-  return OPTION_WRONG;
+  static const char *const more[] = {"gauss-seidel", NULL};
+  return no_method(name, more);
 }
 
 static taken take_acceleration(const char *name, solver_options *o) {
   o->accel_given = 1;
   if (dls_acceleration_find(name, &o->settings.acceleration)) return OPTION_TAKEN;
-  complain("--accel: '%s' is no acceleration (none, aitken, anderson, momentum)", name);
+  static const char *const all[] = {"none", "aitken", "anderson", "momentum"};
+  nearest near = {.word = name};
+  for (int k = 0; k < 4; k++)
+    nearest_try(&near, all[k]);
+  complain("--accel: '%s' is no acceleration (none, aitken, anderson, momentum)%s", name,
+           nearest_words(&near));
   return OPTION_WRONG;
 }
 

@@ -125,6 +125,24 @@ static void print_portfolio(const portfolio *p, double tol) {
   }
 }
 
+static void portfolio_json(const portfolio *p, const char *why) {
+  int rows = 0;
+  print_json_head("profile", why ? "not_solved" : "solved", why);
+  printf(",\n  \"problems\": %d,\n  \"solved\": %d,\n  \"no_solution\": %d", p->problems, p->solved,
+         p->none);
+  print_json_field(stdout, "cpu_seconds", p->seconds);
+  fputs(",\n  \"rows\": [", stdout);
+  for (int k = 0; k < most_steps && dls_step_name((dls_step)k); k++) {
+    const step_worth *w = &p->of[k];
+    if (!w->tried && !w->alone) continue;
+    printf("%s\n    {\"step\": \"%s\", \"tried\": %d, \"ended\": %d, \"cpu_seconds\": ",
+           rows++ ? "," : "", dls_step_name((dls_step)k), w->tried, w->ended);
+    print_json_number(stdout, w->seconds);
+    printf(", \"alone\": %d, \"first\": %d}", w->alone, w->first);
+  }
+  puts("\n  ]\n}");
+}
+
 int run_portfolio(int count, char **names, double tol, double limit) {
   portfolio p = {0};
   char why[80];
@@ -136,5 +154,6 @@ int run_portfolio(int count, char **names, double tol, double limit) {
   const int failed = p.problems - p.solved - p.none;
   (void)snprintf(why, sizeof why, "auto fails on %d of %d problem%s", failed, p.problems,
                  plural(p.problems));
+  if (is_json()) portfolio_json(&p, failed ? why : NULL);
   return end_command(failed ? EXIT_NOT_SOLVED : EXIT_SOLVED, why);
 }

@@ -1,5 +1,7 @@
 /* problem.c: loads problems, FCLIB or text, and condenses them if they are global. */
+#define _GNU_SOURCE
 #include <string.h>
+#include <unistd.h>
 
 #include "cli.h"
 
@@ -13,6 +15,29 @@ static int is_hdf5(const char *path) {
   const int failed = ferror(file);
   (void)fclose(file);
   return failed || (got == sizeof first && memcmp(first, signature, sizeof first) == 0);
+}
+
+const char *other_kind(const char *path) {
+  char first[16] = {0};
+  FILE *file = fopen(input_path(path), "rb");
+  const size_t got = file ? fread(first, 1, sizeof first, file) : 0;
+  if (file) (void)fclose(file);
+  const char *dot = strrchr(path, '.');
+  if (dot && got && (!strcmp(dot, ".sti") || !strcmp(dot, ".mas"))) return "matrix of CalculiX";
+  if (got >= 14 && strncasecmp(first, "%%MatrixMarket", 14) == 0) return "matrix";
+  if (got >= 6 && memcmp(first, "\x93NUMPY", 6) == 0) return "matrix of NumPy";
+  return first[0] && strchr("+-.0123456789", first[0]) ? "table of numbers" : NULL;
+}
+
+int is_no_problem(const char *path) {
+  const char *kind = other_kind(path);
+  if (kind)
+    return complain("%s is a %s: use --stiffness: delassus solve --stiffness=%s --HN=N --HT=T "
+                    "--f=F --mu=MU; or --W with --q and --mu; an LCP: --lcp M.mtx q.mtx",
+                    path, kind, path),
+           1;
+  if (access(input_path(path), F_OK) == 0 || !names_a_scene(path)) return 0;
+  return complain("%s: is a scene: delassus scene %s", path, path), 1;
 }
 
 int read_lcp_text(const char *path, dls_text **text) {

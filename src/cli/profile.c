@@ -222,9 +222,9 @@ static int run_profile(int count, char **list, const profile_options *o) {
     good = profile_add(&p, list[i], o);
   if (good) good = close_file(p.csv, "profile.csv");
   if (good && p.problems) {
-    for (int t = 0; t < PROFILE_TARGETS && !is_quiet(); t++)
+    for (int t = 0; t < PROFILE_TARGETS && prints_text(); t++)
       print_target(&p, profile_target[t], ratio);
-    if (!is_quiet()) print_auto(&p, ratio);
+    if (prints_text()) print_auto(&p, ratio);
     good = draw_profile(&p, o->out);
   }
   free(ratio);
@@ -233,7 +233,10 @@ static int run_profile(int count, char **list, const profile_options *o) {
   char why[80];
   (void)snprintf(why, sizeof why, "auto fails on %d of %d problem%s", p.failed, p.problems,
                  plural(p.problems));
-  return end_command(!good ? EXIT_BAD_INPUT : p.failed ? EXIT_NOT_SOLVED : EXIT_SOLVED, why);
+  return end_table(!good      ? EXIT_BAD_INPUT
+                   : p.failed ? EXIT_NOT_SOLVED
+                              : EXIT_SOLVED,
+                   why, "profile", o->out, "profile.csv");
 }
 
 static taken take_profile_option(int key, const char *text, void *data) {

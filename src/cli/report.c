@@ -27,14 +27,15 @@ int complain_of(const char *what, const dls_error *error) {
 }
 
 static const double told_error = 1e-4; /* of the reactions: a larger one is printed */
-static int loudness;                   /* -1 quiet, 1 verbose */
+static int loudness, json;             /* -1 quiet, 1 verbose; 1: --json */
 static volatile sig_atomic_t interrupted;
 static volatile sig_atomic_t ends_at_once; /* 1: there is nothing yet that a signal may not end */
 
 int take_loudness(int key) {
-  if (key != 'v' && key != 'q') return 0;
-  loudness = key == 'v' ? 1 : -1;
-  return 1;
+  if (key == 0) loudness = json = 0;
+  if (key == 'j') json = 1;
+  if (key == 'v' || key == 'q') loudness = key == 'v' ? 1 : -1;
+  return key == 0 || key == 'j' || key == 'v' || key == 'q';
 }
 
 int is_quiet(void) {
@@ -45,9 +46,17 @@ int is_verbose(void) {
   return loudness > 0;
 }
 
+int is_json(void) {
+  return json;
+}
+
+int prints_text(void) {
+  return loudness >= 0 && !json;
+}
+
 void tell(const char *format, ...) {
   va_list args;
-  if (is_quiet()) return;
+  if (!prints_text()) return;
   va_start(args, format);
   vprintf(format, args);
   va_end(args);
@@ -55,6 +64,7 @@ void tell(const char *format, ...) {
 
 /* Prints the last line: "solved" and how well, or why not (NULL where it is solved). */
 static void print_last_line(const char *why, const char *how_well) {
+  if (json) return;
   const char *no_color = getenv("NO_COLOR");
   const int color = isatty(STDOUT_FILENO) && !(no_color && *no_color);
   const char *on = !color ? "" : why ? "\033[31m" : "\033[32m", *off = color ? "\033[0m" : "";
@@ -84,6 +94,30 @@ void print_ending(dls_status status, const dls_info *info) {
   print_last_line(is_solved(status) ? NULL : *why ? why : dls_status_text(status), how_well);
 }
 
+const char *proof_words(const dls_proof *proof, char *text, size_t size) {
+  static const char *const words[] = {
+      [DLS_FREE] = "free", [DLS_SLIP] = "slip", [DLS_STICK] = "stick"};
+  if (proof->kind == DLS_PROVED && proof->radius == 0)
+    (void)snprintf(text, size, "proved: reactions exact");
+  else if (proof->kind == DLS_PROVED)
+    (void)snprintf(text, size, "proved: reactions within %.0e", proof->radius);
+  else if (proof->kind == DLS_PROVED_POSITIONS)
+    (void)snprintf(text, size, "proved: positions within %.0e; reactions have %d self-stress%s",
+                   proof->radius_u, proof->freedom, proof->freedom > 1 ? "es" : "");
+  else if (proof->border)
+    (void)snprintf(text, size, "not proved: contact %d is at the border between %s and %s",
+                   proof->contact, words[proof->state], words[proof->other]);
+  else
+    (void)snprintf(text, size, "not proved");
+  return text;
+}
+
+void print_proved(const dls_proof *proof) {
+  char room[120], words[130];
+  (void)snprintf(words, sizeof words, " (%s)", proof_words(proof, room, sizeof room));
+  print_last_line(NULL, words);
+}
+
 int end_command(int result, const char *why) {
   if (result == EXIT_BAD_INPUT) return result;
   if (interrupted) {
@@ -98,12 +132,28 @@ const char *plural(long long count) {
   return count == 1 ? "" : "s";
 }
 
+const char *point_for_comma(const char *text, char *room, size_t size) {
+  char *end;
+  const char *comma = strchr(text, ',');
+  if (!comma || strchr(comma + 1, ',') || snprintf(room, size, "%s", text) >= (int)size)
+    return NULL;
+  room[comma - text] = '.';
+  (void)strtod(room, &end);
+  return end > room && !*end ? room : NULL;
+}
+
 taken parse_number(const char *option, const char *text, double *value) {
   char *end;
   errno = 0;
   const double v = strtod(text, &end);
   if (end == text || *end || errno == ERANGE || !isfinite(v) || v < 0) {
-    complain("--%s: '%s' is not a number >= 0", option, text);
+    char room[64];
+    const char *point = point_for_comma(text, room, sizeof room);
+    if (point)
+      complain("--%s: '%s' is not a number; write the decimal point as '.': %s", option, text,
+               point);
+    else
+      complain("--%s: '%s' is not a number >= 0", option, text);
     return OPTION_WRONG;
   }
   *value = v;
@@ -319,6 +369,13 @@ void print_json(FILE *out, const outcome *o) {
   print_json_field(out, "cone_violation", c->cone_violation);
   print_json_field(out, "slip_direction", c->slip_direction);
   print_json_field(out, "complementarity", c->complementarity);
+  if (o->prove) {
+    char words[120];
+    fputs(",\n  \"proof\": ", out);
+    print_json_string(out, proof_words(&o->proved, words, sizeof words));
+    print_json_field(out, "radius", o->proved.kind ? o->proved.radius : NAN);
+    print_json_field(out, "radius_u", o->proved.kind ? o->proved.radius_u : NAN);
+  }
   if (o->scene) {
     print_json_field(out, "resultant_t", o->Rt);
     print_json_field(out, "resultant_n", o->Rn);

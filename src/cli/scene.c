@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "cli.h"
+#include "hints.h"
 
 typedef struct scene_options {
   const char *name;
@@ -53,10 +54,9 @@ static void scene_usage(FILE *out) {
       "  -w, --weighted        weighted instead of concentrated reactions\n"
       "  -o, --out=DIR         write contact.csv, result.json, the deformed mesh (.vtu), pictures\n"
       "  -s, --save=FILE       write the contact problem as an FCLIB file (HDF5)\n"
-      "  -r, --reference=CSV   print and draw beside these values (columns node, Q1, Q2, RT, RN,\n"
+      "      --reference=CSV   print and draw beside these values (columns node, Q1, Q2, RT, RN,\n"
       "                        equivalent RT, RN)\n"
-      "  -j, --json            print the outcome as one JSON object instead of tables\n"
-      "  -l, --list            the names of the scenes\n" LAST_USAGE,
+      "      --list            the names of the scenes\n" LAST_USAGE,
       out);
 }
 
@@ -484,6 +484,7 @@ static int run_scene(const scene_options *o) {
     print_json(stdout, &a.outcome);
   else if (!is_quiet())
     print_run(&a, o);
+  hint_size(a.data.mesh, a.displacement);
   char unsolved[UNSOLVED_ROOM], title[UNSOLVED_ROOM + 100];
   const dls_info *info = &a.outcome.info;
   (void)snprintf(
@@ -564,7 +565,7 @@ static taken take_scene_option(int key, const char *text, void *data) {
   taken shared = take_solver_option(key, text, &o->solver);
   if (shared == OPTION_UNKNOWN) shared = take_block_option(key, text, &o->block);
   if (shared != OPTION_UNKNOWN) return shared;
-  int *flag = key == 'w' ? &o->weighted : key == 'j' ? &o->json : NULL;
+  int *flag = key == 'w' ? &o->weighted : NULL;
   const char **name = key == 'o'   ? &o->out
                       : key == 's' ? &o->save
                       : key == 'r' ? &o->reference
@@ -580,10 +581,9 @@ int command_scene(int argc, char **argv) {
   static const struct option options[] = {
       SOLVER_OPTIONS,        VALUE("mesh", 'M'), VALUE("mu", 'F'),        VALUE("young", 'E'),
       VALUE("poisson", 'N'), VALUE("load", 'L'), VALUE("order", 'O'),     FLAG("weighted", 'w'),
-      VALUE("out", 'o'),     VALUE("save", 's'), VALUE("reference", 'r'), FLAG("json", 'j'),
-      FLAG("list", 'l'),     LAST_OPTIONS};
-  static const command scene = {SOLVER_KEYS "wo:s:r:jl", options, scene_usage, take_scene_option,
-                                1};
+      VALUE("out", 'o'),     VALUE("save", 's'), VALUE("reference", 'r'), FLAG("list", 'l'),
+      LAST_OPTIONS};
+  static const command scene = {SOLVER_KEYS "wo:s:", options, scene_usage, take_scene_option, 1};
   scene_options o = {0};
   solver_options_init(&o.solver, default_tol);
   dls_fe_scene_settings_init(&o.block);
@@ -591,6 +591,8 @@ int command_scene(int argc, char **argv) {
   if (stop != GO_ON) return stop;
   if (!settle_solver_options(&o.solver)) return EXIT_BAD_INPUT;
   o.name = argv[optind];
+  o.json = is_json();
+  if (!names_a_scene(o.name)) return no_scene(o.name);
   watch_interrupt();
   return run_scene(&o);
 }

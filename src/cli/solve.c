@@ -6,14 +6,15 @@
 #include <string.h>
 
 #include "cli.h"
+#include "hints.h"
 #include "matrices.h"
 
-enum { KEY_PRINT = KEY_ON + 1, KEY_CSV, KEY_PLAN, KEY_WITHOUT, KEY_EXPLAIN };
+enum { KEY_PRINT = KEY_ON + 1, KEY_CSV, KEY_PLAN, KEY_WITHOUT, KEY_EXPLAIN, KEY_PROVE };
 
 typedef struct solve_options {
   solver_options solver;
   matrix_options matrices;
-  int lcp, json, proof, print, explain;
+  int lcp, json, proof, prove, print, explain;
   const char *out, *csv, *history, *plot; /* NULL: none */
 } solve_options;
 
@@ -22,7 +23,7 @@ static void solve_usage(FILE *out) {
       "Usage: delassus solve [OPTION]... FILE\n"
       "  or:  delassus solve --stiffness=K --HN=N --HT=T --f=F --mu=MU [OPTION]...\n"
       "  or:  delassus solve --W=W --q=Q --mu=MU [OPTION]...\n"
-      "  or:  delassus solve --lcp [OPTION]... M.mtx q.mtx\n"
+      "  or:  delassus solve --lcp [OPTION]... M.mtx q.mtx | FILE.txt\n"
       "Solves a contact problem (FCLIB, HDF5; local, or global after its reduction; or text as in\n"
       "data/failures) or of the matrices of a host code, or an LCP (Matrix Market, or text) by\n"
       "Lemke's method. The last line on stdout is 'solved' or 'not solved: WHY'. Each file may be\n"
@@ -46,18 +47,18 @@ static void solve_usage(FILE *out) {
       "\nThe answer:\n"
       "      --print           print each candidate's state, gap, r and u, and each unknown's x\n"
       "      --csv=DIR         write the same to DIR/r.csv and DIR/x.csv, to the last digit\n"
-      "  -o, --output=OUT      write the problem with its solution (FCLIB); OUT.mtx: r, or z of "
+      "  -o, --out=OUT         write the problem with its solution (FCLIB); OUT.mtx: r, or z of "
       "an\n"
       "                        LCP (Matrix Market)\n"
       "  -H, --history=CSV     write iteration (of all stages), CPU seconds, residual and stage "
       "as\n"
       "                        the solve goes on; the last row is the answer\n"
       "  -P, --plot=DIR        the same as DIR/history.csv, and a picture of it\n"
-      "  -j, --json            print the outcome as one JSON object\n"
       "  -p, --proof           print the vectors behind a verdict without an answer: the proof "
       "that\n"
       "                        there is no solution, the ray along which the unknowns run away\n"
-      "  -l, --lcp             the files hold M and q of an LCP\n" LAST_USAGE,
+      "      --prove           prove the answer: improve r and bound its error, on W\n"
+      "      --lcp             the file or the files hold an LCP\n" LAST_USAGE,
       out);
 }
 
@@ -185,6 +186,15 @@ static int print_outcome(const char *path, const problem *p, const outcome *o, i
   return 1;
 }
 
+/* Proves an answer on W: r, u, x (or NULL) := the improved ones. */
+static dls_status prove(problem *p, outcome *o, double *r, double *u, double *x, dls_error *error) {
+  dls_status status = dls_contact_prove(&p->contact, r, &o->proved, r, error);
+  if (!status && o->proved.kind)
+    status = dls_contact_certify(&p->contact, r, u, &o->info.certificate, error);
+  if (!status && x && o->proved.kind) status = dls_reduction_recover(p->reduction, r, x, error);
+  return status;
+}
+
 /* Solves the problem in a file or, where options name matrices, of these. */
 static int solve_contact(const char *path, const solve_options *options) {
   problem p = {0};
@@ -195,7 +205,8 @@ static int solve_contact(const char *path, const solve_options *options) {
   int loaded;
   matrix_options matrices = options->matrices;
   const dls_solver_settings *asked = &options->solver.settings;
-  if ((asked->method != DLS_AUTO || asked->plan || asked->without) && matrices.on != DLS_ON_K)
+  if ((options->prove || asked->method != DLS_AUTO || asked->plan || asked->without) &&
+      matrices.on != DLS_ON_K)
     matrices.on = DLS_ON_W;
   if (matrices_name(&matrices))
     loaded = matrices_load(&matrices, &p);
@@ -248,6 +259,11 @@ static int solve_contact(const char *path, const solve_options *options) {
     (void)complain_of(path, &error);
     goto end;
   }
+  o.prove = options->prove && is_solved(status) && !p.on_K;
+  if (o.prove && prove(&p, &o, r, u, x, &error)) {
+    (void)complain_of(path, &error);
+    goto end;
+  }
   o.proof = options->proof;
   o.verdict = (verdict){.rows = o.nc,
                         .stride = o.d,
@@ -269,6 +285,7 @@ static int solve_contact(const char *path, const solve_options *options) {
     print_json(stdout, &o);
   else if (!is_quiet() && !print_outcome(path, &p, &o, options->explain, r, u))
     goto end;
+  if (is_solved(status) && p.matrices) hint_answer(&p, r);
   char room[UNSOLVED_ROOM];
   const char *unsolved = unsolved_words(status, o.info.certificate.residual, room, sizeof room);
   if (options->out && write_solution(options->out, &p, r, u, x, unsolved, &error)) {
@@ -277,7 +294,10 @@ static int solve_contact(const char *path, const solve_options *options) {
   }
   if (options->csv && !write_results(options->csv, &p, r, u, x, unsolved)) goto end;
   if (options->print && !print_results(&p, r, u, x)) goto end;
-  if (!options->json) print_ending(status, &o.info);
+  if (!options->json && o.prove)
+    print_proved(&o.proved);
+  else if (!options->json)
+    print_ending(status, &o.info);
   result = is_solved(status) ? EXIT_SOLVED : EXIT_NOT_SOLVED;
 end:
   dls_solver_destroy(solver);
@@ -409,8 +429,12 @@ static int solve_file(const char *path, const solve_options *options) {
   dls_text *text;
   int n;
   const double *M, *q;
-  if (matrices_name(&options->matrices) || !read_lcp_text(path, &text))
-    return solve_contact(path, options);
+  if (matrices_name(&options->matrices)) return solve_contact(path, options);
+  if (is_no_problem(path)) return EXIT_BAD_INPUT;
+  if (!read_lcp_text(path, &text))
+    return options->lcp
+               ? complain("--lcp: %s holds no LCP; a contact problem goes without --lcp", path)
+               : solve_contact(path, options);
   int result = EXIT_BAD_INPUT;
   const dls_solver_settings *s = &options->solver.settings;
   if ((options->solver.method_given || options->solver.accel_given) && s->method != DLS_LEMKE)
@@ -419,8 +443,10 @@ static int solve_file(const char *path, const solve_options *options) {
     (void)complain("--plan, --without, --explain: are for contact problems");
   else if (s->facets)
     (void)complain("--facets: is for contact problems and lemke");
-  else if (options->print || options->csv)
-    (void)complain("--%s: is for contact problems", options->print ? "print" : "csv");
+  else if (options->print || options->csv || options->prove)
+    (void)complain("--%s: is for contact problems", options->print ? "print"
+                                                    : options->csv ? "csv"
+                                                                   : "prove");
   else if (dls_text_lcp(text, &n, &M, &q, NULL) == DLS_OK)
     result = solve_one_lcp(path, &(dls_lcp){n, {n, n, n, M}, q}, options);
   dls_text_destroy(text);
@@ -435,7 +461,6 @@ static taken take_solve_option(int key, const char *text, void *data) {
   if (shared != OPTION_UNKNOWN) return shared;
   const taken matrix = take_matrix_option(key, text, &o->matrices);
   if (matrix != OPTION_UNKNOWN) return matrix;
-  if (take_loudness(key)) return OPTION_TAKEN;
   if (key == 'f') return parse_count("facets", text, &o->solver.settings.facets);
   if (key == 'o')
     o->out = text;
@@ -443,12 +468,12 @@ static taken take_solve_option(int key, const char *text, void *data) {
     o->history = text;
   else if (key == 'P')
     o->plot = text;
-  else if (key == 'j')
-    o->json = 1;
   else if (key == 'l')
     o->lcp = 1;
   else if (key == 'p')
     o->proof = 1;
+  else if (key == KEY_PROVE)
+    o->prove = 1;
   else if (key == KEY_PRINT)
     o->print = 1;
   else if (key == KEY_CSV)
@@ -467,12 +492,13 @@ static taken take_solve_option(int key, const char *text, void *data) {
 int command_solve(int argc, char **argv) {
   static const struct option options[] = {SOLVER_OPTIONS,
                                           VALUE("facets", 'f'),
+                                          VALUE("out", 'o'),
                                           VALUE("output", 'o'),
                                           VALUE("history", 'H'),
                                           VALUE("plot", 'P'),
-                                          FLAG("json", 'j'),
                                           FLAG("lcp", 'l'),
                                           FLAG("proof", 'p'),
+                                          FLAG("prove", KEY_PROVE),
                                           MATRIX_OPTIONS,
                                           FLAG("print", KEY_PRINT),
                                           VALUE("csv", KEY_CSV),
@@ -480,24 +506,29 @@ int command_solve(int argc, char **argv) {
                                           VALUE("without", KEY_WITHOUT),
                                           FLAG("explain", KEY_EXPLAIN),
                                           LAST_OPTIONS};
-  static const command solve = {SOLVER_KEYS "f:o:H:P:jlp", options, solve_usage, take_solve_option,
+  static const command solve = {SOLVER_KEYS "f:o:H:P:p", options, solve_usage, take_solve_option,
                                 0};
   solve_options o = {0};
   solver_options_init(&o.solver, 1e-8);
   const int stop = take_options(argc, argv, &solve, &o);
   if (stop != GO_ON) return stop;
+  o.json = is_json();
   const char *named = matrices_name(&o.matrices);
   if (!named && matrices_given(&o.matrices))
     return complain("one of --stiffness, --flexibility and --W is wanted");
-  if (argc - optind != (named ? 0 : o.lcp ? 2 : 1)) return wrong_names(argv[0]);
+  const int files = argc - optind;
+  if (o.lcp && files == 1 && other_kind(argv[optind]))
+    return complain("--lcp: q is missing: delassus solve --lcp %s q.mtx", argv[optind]);
+  if (files != (named ? 0 : o.lcp && files == 2 ? 2 : 1)) return wrong_names(argv[0]);
   if (o.explain && o.json) return complain("--explain, --json: one of the two");
   if (o.explain && is_quiet()) return complain("--explain, --quiet: one of the two");
   const int steps = o.explain || o.solver.settings.plan || o.solver.settings.without;
   if (steps && (o.lcp || o.solver.settings.method != DLS_AUTO || o.solver.accel_given))
     return complain("--plan, --without, --explain: are for auto");
   if (o.print && o.json) return complain("--print, --json: one of the two");
-  if (o.lcp && (named || o.print || o.csv))
-    return complain("--lcp: goes without --W, --stiffness, --flexibility, --print and --csv");
+  if (o.lcp && (named || o.print || o.csv || o.prove))
+    return complain(
+        "--lcp: goes without --W, --stiffness, --flexibility, --print, --csv and --prove");
   const char *path = named ? named : argv[optind];
   if (o.solver.primal) return complain("--method: gauss-seidel is for scenes");
   if (!settle_solver_options(&o.solver)) return EXIT_BAD_INPUT;
@@ -520,7 +551,8 @@ int command_solve(int argc, char **argv) {
   }
   end_at_once(!rows.file);
   watch_interrupt();
-  const int result = o.lcp ? solve_lcp_files(path, argv[optind + 1], &o) : solve_file(path, &o);
+  const int result =
+      files == 2 ? solve_lcp_files(path, argv[optind + 1], &o) : solve_file(path, &o);
   if (result == EXIT_BAD_INPUT) drop_files(); /* no history of what was not solved */
   if (result != EXIT_BAD_INPUT && rows.file && !close_file(rows.file, o.plot ? o.plot : o.history))
     return EXIT_BAD_INPUT;

@@ -349,8 +349,8 @@ static void tables_usage(FILE *out) {
         "their Tables 2 and 3 beside ours.\n"
         "\n"
         "      --study           the compromise of section 6 between the error of the forces and\n"
-        "                        the CPU, over penalty factors, augmentations, relaxation, Aitken\n"
-        "  -j, --json            print one object instead of text\n" LAST_USAGE "\n"
+        "                        the CPU, over penalty factors, augmentations, relaxation, "
+        "Aitken\n" LAST_USAGE "\n"
         "Exit status: 0, 1 if a run of the tables stops before its end, 2 bad input.\n",
         out);
 }
@@ -358,22 +358,19 @@ static void tables_usage(FILE *out) {
 static taken take_tables_option(int key, const char *text, void *data) {
   tables_options *o = data;
   (void)text;
-  if (key == 's')
-    o->study = 1;
-  else if (key == 'j')
-    o->json = 1;
-  else
-    return OPTION_UNKNOWN;
+  if (key != 's') return OPTION_UNKNOWN;
+  o->study = 1;
   return OPTION_TAKEN;
 }
 
 int command_tables(int argc, char **argv) {
-  static const struct option options[] = {FLAG("study", 's'), FLAG("json", 'j'), LAST_OPTIONS};
-  static const command tables = {"j", options, tables_usage, take_tables_option, 0};
+  static const struct option options[] = {FLAG("study", 's'), LAST_OPTIONS};
+  static const command tables = {"", options, tables_usage, take_tables_option, 0};
   tables_options o = {0};
   const int stop = take_options(argc, argv, &tables, &o);
   if (stop != GO_ON) return stop;
   if (optind < argc) return wrong_names(argv[0]);
+  o.json = is_json();
   watch_interrupt();
   int good = 1, stopped = 0;
   if (o.json) printf("{\n  \"%s\": [", o.study ? "studies" : "tables");

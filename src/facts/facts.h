@@ -35,6 +35,12 @@ enum { dlsi_predicted_rows = 300, dlsi_predicted_of_blocks = 60 };
 double dlsi_predict_error(const dls_contact *problem, const double *r, double *u, double *w,
                           double *J, double *x);
 
+/* ---- prove.c --------------------------------------------------------------------------------- */
+
+/* Does the work of dls_contact_prove; W dense or by blocks, all checked. */
+dls_status dlsi_contact_prove(const dls_contact *problem, const double *r, dls_proof *proof,
+                              double *improved, dls_error *error);
+
 /* ---- states.c, fold.c ------------------------------------------------------------------------ */
 
 /* Candidates of the largest problem for dlsi_contact_find_states. */

@@ -45,6 +45,7 @@
 #include "facts/facts.h"
 #include "linear/blas.h"
 #include "linear/dense.h"
+#include "vi/states_matrix.h"
 
 enum { starts = 200 };            /* (FO3) */
 enum { least_rounds = 30 };       /* (FO3): changes of each candidate, however many there are */
@@ -62,6 +63,7 @@ typedef struct fold_search {
   double *real, *imaginary, *work; /* nc, nc, 8 nc */
   int *pivot, *unknown, *slips;    /* m; m: index into r of each; nc: row of X of each S */
   fold_state *state, *best;        /* nc */
+  dlsi_branch *branch;             /* nc */
   double largest;                  /* |g| of best */
 } fold_search;
 
@@ -70,24 +72,25 @@ typedef struct fold_search {
 /* Sets X of (FO2) with all e_c = 1. Returns the number of rows, *slipping: |S|; 0 if A is singular
  * or S is empty. */
 static int fold_condense(fold_search *f, const fold_state *state, int *slipping) {
-  const size_t m = 2 * (size_t)f->nc;
+  const int m = 2 * f->nc;
+  const dls_contact scaled = {.d = 2, .nc = f->nc, .W = {m, m, m, f->W}};
   int k = 0, s = 0;
-  for (int c = 0; c < f->nc; c++) {
-    if (state[c] == FOLD_FREE) continue;
-    if (state[c] != FOLD_STICK) f->slips[s++] = k;
-    f->unknown[k++] = 2 * c;
-    if (state[c] == FOLD_STICK) f->unknown[k++] = 2 * c + 1;
+  for (int c = 0; c < f->nc; c++) { /* (FO1): A is that of slip without friction */
+    const short stick = state[c] == FOLD_STICK;
+    const short count = (short)(state[c] == FOLD_FREE ? 0 : 1 + stick);
+    f->branch[c] = (dlsi_branch){.state = stick ? DLS_STICK : DLS_SLIP, .count = count, .first = k};
+    if (count && !stick) f->slips[s++] = k;
+    k += count;
   }
   *slipping = s;
   if (!s) return 0;
-  const size_t rows = (size_t)k;
-  for (size_t j = 0; j < rows; j++)
-    for (size_t i = 0; i < rows; i++)
-      f->A[i + j * rows] = f->W[(size_t)f->unknown[i] + (size_t)f->unknown[j] * m];
-  for (size_t j = 0; j < (size_t)s; j++) {
-    const size_t n = (size_t)f->unknown[f->slips[j]];
-    for (size_t i = 0; i < rows; i++)
-      f->X[i + j * rows] = f->share[n / 2] * f->W[(size_t)f->unknown[i] + (n + 1) * m];
+  dlsi_states_fill(&scaled, f->branch, NULL, k, f->unknown, NULL, f->A);
+  for (int j = 0; j < s; j++) {
+    const int n = f->unknown[f->slips[j]];
+    double *X = f->X + (size_t)j * (size_t)k;
+    dlsi_branches_rows(2, f->nc, f->branch, f->W + (size_t)(n + 1) * (size_t)m, X);
+    for (int i = 0; i < k; i++)
+      X[i] *= f->share[n / 2];
   }
   dlsi_dense factors = {.n = k, .A = f->A, .pivot = f->pivot};
   if (dlsi_dense_lu(&factors)) return 0;
@@ -291,6 +294,7 @@ static void fold_carve(void *search, dlsi_arena *arena) {
   f->slips = dlsi_take(arena, n, sizeof *f->slips);
   f->state = dlsi_take(arena, n, sizeof *f->state);
   f->best = dlsi_take(arena, n, sizeof *f->best);
+  f->branch = dlsi_take(arena, n, sizeof *f->branch);
 }
 
 /* Hands out the best states and the witness. scratch: 4 m. */

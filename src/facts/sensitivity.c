@@ -1,14 +1,11 @@
 /*
  * sensitivity.c: what the residual of an answer means for its reactions.
  *
- * Where the states of the candidates stay, F = J (r - r*) to first order, J the derivative of the
- * laws. Candidates that are free have r = 0. For the others let r - r* = E y, with columns of
- * E of length 1 at right angles:
+ * Where the states of the contacts stay, F = J (r - r*) to first order, J the derivative of the
+ * laws. With A and E of vi/states_matrix.c, the columns of E over their length:
  *
- *   (SN1)  stick  all directions;                             rows of W: all
- *          slip   (1, mu e) / sqrt(1 + mu^2), e = r_t / |r_t|;        n
- *                 d = 3: p, at right angles to n and e;               p, plus |u_t| / |r_t| for p
- *   (SN2)  A y = F of these rows,   A = R W E + L
+ *   (SN1)  r - r* = E y;  a slip has the column (1, mu t) / sqrt(1 + mu^2)
+ *   (SN2)  A y = F of the rows of A
  *   (SN3)  |r - r*| = |y| <= |A^-1| |F|,   |F| = residual_u |q|
  *          |r - r*| <= |A^-1 D| |D^-1 F|,  |D^-1 F| = residual_r |r|,  D = diag(w) of the rows
  *
@@ -33,6 +30,7 @@
 #include "facts/facts.h"
 #include "linear/blas.h"
 #include "linear/dense.h"
+#include "vi/states_matrix.h"
 
 static const double border =
     1e-6; /* share of the largest w r and u, within which a state is on it */
@@ -40,24 +38,17 @@ static const double border =
 static const double within = 1000, small_u = 1e-5; /* (SN4) */
 enum { prediction_turns = 3 };                     /* (SN5) */
 
-/* An unknown y_j: r of candidate c along e, with the row of u along the same direction or along the
- * normal, and l of (SN2). */
-typedef struct sensitivity_row {
-  int c;
-  double row[3], e[3], l;
-  double w; /* the weight of the row's direction */
-} sensitivity_row;
-
 typedef struct sensitivity_work {
   const dls_contact *problem;
   const double *r;
   int rows;
-  sensitivity_row *row;     /* m */
+  dlsi_branch *branch;      /* nc */
   double *w, *u, *x;        /* weights, 2 nc; m each: u = W r + q, one column */
+  int *row;                 /* m: scratch */
   dls_contact_state *state; /* nc */
 } sensitivity_work;
 
-/* ---- rows ------------------------------------------------------------------------------------ */
+/* ---- borders --------------------------------------------------------------------------------- */
 
 /* Returns 1 if candidate c is within `close` of another state. */
 static int sensitivity_is_border(const sensitivity_work *work, int c, double close) {
@@ -71,55 +62,26 @@ static int sensitivity_is_border(const sensitivity_work *work, int c, double clo
   return w * (mu * r[0] - dlsi_tangent_norm(d, r)) <= close;
 }
 
-/* Takes the rows of a candidate (SN1). */
-static void sensitivity_take_rows(sensitivity_work *work, int c) {
-  const int d = work->problem->d;
-  const double *r = work->r + (size_t)d * (size_t)c, *u = work->u + (size_t)d * (size_t)c;
-  const double mu = work->problem->mu[c], t = dlsi_tangent_norm(d, r);
-  const double length = sqrt(1 + mu * mu);
-  if (work->state[c] == DLS_FREE) return;
-  for (int i = 0; work->state[c] == DLS_STICK && mu > 0 && i < d; i++) {
-    sensitivity_row *row = &work->row[work->rows++];
-    *row = (sensitivity_row){.c = c, .w = work->w[2 * c + (i > 0)]};
-    row->row[i] = row->e[i] = 1;
-  }
-  if (work->state[c] == DLS_STICK && mu > 0) return;
-  sensitivity_row *row = &work->row[work->rows++];
-  *row = (sensitivity_row){.c = c, .row = {1}, .e = {1 / length}, .w = work->w[2 * c]};
-  if (!(mu > 0 && t > 0)) return;
-  for (int i = 1; i < d; i++)
-    row->e[i] = mu * r[i] / t / length;
-  if (d == 2) return;
-  const double p[3] = {0, -r[2] / t, r[1] / t};
-  row = &work->row[work->rows++];
-  *row = (sensitivity_row){.c = c, .l = dlsi_tangent_norm(d, u) / t, .w = work->w[2 * c + 1]};
-  memcpy(row->row, p, sizeof p);
-  memcpy(row->e, p, sizeof p);
-}
-
 /* ---- the matrix ------------------------------------------------------------------------------ */
 
-/* Fills A of (SN2), rows times w^a and columns times w^b. scale: scratch, 2 rows. */
+/* Fills A of (SN2), rows times w^a and columns times w^b over their length. scale: 2 rows, what
+ * rows and columns were multiplied by. */
 static void sensitivity_fill(sensitivity_work *work, double a, double b, double *A, double *scale) {
-  const dls_contact *problem = work->problem;
-  const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc, n = (size_t)work->rows;
-  for (size_t i = 0; i < n; i++) {
-    scale[i] = a == 0 ? 1 : a == -0.5 ? 1 / sqrt(work->row[i].w) : 1 / work->row[i].w;
-    scale[n + i] = b == 0 ? 1 : scale[i];
-  }
-  for (size_t j = 0; j < n; j++) {
-    const sensitivity_row *column = &work->row[j];
-    memset(work->x, 0, m * sizeof *work->x);
-    dlsi_contact_add_columns(problem, column->c, column->e, work->x);
-    for (size_t i = 0; i < n; i++) {
-      const sensitivity_row *row = &work->row[i];
-      const double *x = work->x + d * (size_t)row->c;
-      double sum = i == j ? row->l : 0;
-      for (size_t k = 0; k < d; k++)
-        sum += row->row[k] * x[k];
-      A[i + j * n] = scale[i] * sum * scale[n + j];
+  const size_t n = (size_t)work->rows;
+  for (int c = 0; c < work->problem->nc; c++) {
+    const dlsi_branch *at = &work->branch[c];
+    for (int i = 0; i < at->count; i++) {
+      double e[3], *s = scale + at->first + i;
+      const double w = work->w[2 * c + (i > 0)];
+      dlsi_branch_direction(at, i, e);
+      s[0] = a == 0 ? 1 : a == -0.5 ? 1 / sqrt(w) : 1 / w;
+      s[n] = (b == 0 ? 1 : s[0]) / dlsi_norm2(e, 3);
     }
   }
+  dlsi_states_fill(work->problem, work->branch, NULL, work->rows, work->row, work->x, A);
+  for (size_t j = 0; j < n; j++)
+    for (size_t i = 0; i < n; i++)
+      A[i + j * n] = scale[i] * A[i + j * n] * scale[n + j];
 }
 
 /* value (rows) := the singular values of A, descending, which is lost. Returns 0 if it has an
@@ -203,7 +165,6 @@ static int prediction_step(sensitivity_work *work, const unsigned char *slips, d
   const size_t d = (size_t)problem->d, m = d * (size_t)problem->nc;
   double y[2 * most], *x = work->x;
   int pivot[most];
-  work->rows = 0;
   for (int c = 0; c < problem->nc; c++) {
     const size_t o = d * (size_t)c;
     work->state[c] = dlsi_contact_misfit(problem->d, problem->mu[c], work->w + 2 * c, work->r + o,
@@ -216,8 +177,8 @@ static int prediction_step(sensitivity_work *work, const unsigned char *slips, d
     if (work->state[c] == DLS_SLIP && slip <= close) work->state[c] = DLS_STICK;
     if (work->state[c] == DLS_FREE && uc[0] <= close) work->state[c] = DLS_STICK;
     if (slips[c] && work->state[c] == DLS_STICK) work->state[c] = DLS_SLIP;
-    sensitivity_take_rows(work, c);
   }
+  work->rows = dlsi_branches_set(problem, work->state, work->r, work->u, work->branch);
   memset(x, 0, m * sizeof *x);
   const size_t n = (size_t)work->rows;
   if (n == 0) return 1;
@@ -225,17 +186,14 @@ static int prediction_step(sensitivity_work *work, const unsigned char *slips, d
   dlsi_dense f = {.n = work->rows, .A = J, .pivot = pivot};
   if (dlsi_first_not_finite(J, n * n) >= 0 || dlsi_dense_lu(&f)) return 0;
   if (!prediction_is_regular(&f)) return 0;
-  for (size_t j = 0; j < n; j++) {
-    const double *uc = work->u + d * (size_t)work->row[j].c;
-    y[j] = 0;
-    for (size_t i = 0; i < d; i++)
-      y[j] += work->row[j].row[i] * uc[i] / work->row[j].w;
-  }
-  dlsi_dense_solve(&f, y, f.n, 1);
-  memset(x, 0, m * sizeof *x);
+  dlsi_branches_rows(problem->d, problem->nc, work->branch, work->u, x);
   for (size_t j = 0; j < n; j++)
-    for (size_t i = 0; i < d; i++)
-      x[d * (size_t)work->row[j].c + i] += y[j] * work->row[j].e[i];
+    y[j] *= x[j];
+  dlsi_dense_solve(&f, y, f.n, 1);
+  for (size_t j = 0; j < n; j++)
+    y[j] *= y[n + j];
+  memset(x, 0, m * sizeof *x);
+  dlsi_branches_add_directions(problem->d, problem->nc, work->branch, y, x);
   return 1;
 }
 
@@ -264,11 +222,12 @@ double dlsi_predict_error(const dls_contact *problem, const double *r, double *u
                           double *J, double *x) {
   enum { most = dlsi_predicted_rows };
   const size_t m = (size_t)problem->d * (size_t)problem->nc;
-  sensitivity_row row[most];
+  dlsi_branch branch[most];
   dls_contact_state state[most];
+  int row[most];
   unsigned char slips[most] = {0};
   double next[2][most], error = 0;
-  sensitivity_work work = {problem, r, 0, row, w, u, x, state};
+  sensitivity_work work = {problem, r, 0, branch, w, u, x, row, state};
   for (int turn = 0; turn < prediction_turns; turn++) {
     double far[most];
     if (!prediction_step(&work, slips, J)) return turn ? error : -1;
@@ -296,8 +255,9 @@ static dls_status sensitivity_run(const dls_contact *problem, const double *r,
   dls_sensitivity s = {0};
   double *memory = dlsi_alloc(2 * nc + 11 * m, sizeof *memory), *A = NULL;
   work.state = dlsi_alloc(nc, sizeof *work.state);
+  work.branch = dlsi_alloc(nc, sizeof *work.branch);
   work.row = dlsi_alloc(m, sizeof *work.row);
-  status = memory && work.state && work.row ? DLS_OK : dlsi_no_memory(error);
+  status = memory && work.state && work.branch && work.row ? DLS_OK : dlsi_no_memory(error);
   if (!status) {
     work.w = memory;
     work.u = memory + 2 * nc;
@@ -312,10 +272,9 @@ static dls_status sensitivity_run(const dls_contact *problem, const double *r,
     for (size_t k = 0; k < m; k++)
       most = fmax(most, fmax(fabs(work.u[k]), work.w[2 * (k / d) + (k % d > 0)] * fabs(r[k])));
     const double close = fmax(border, 10 * certificate.residual) * most;
-    for (int c = 0; c < problem->nc; c++) {
+    for (int c = 0; c < problem->nc; c++)
       s.border += sensitivity_is_border(&work, c, close);
-      sensitivity_take_rows(&work, c);
-    }
+    work.rows = dlsi_branches_set(problem, work.state, r, work.u, work.branch);
     const size_t n = (size_t)work.rows;
     A = dlsi_alloc(n, n * sizeof *A);
     if (!A) status = dlsi_no_memory(error);
@@ -327,6 +286,7 @@ static dls_status sensitivity_run(const dls_contact *problem, const double *r,
   free(A);
   free(memory);
   free(work.state);
+  free(work.branch);
   free(work.row);
   return status;
 }

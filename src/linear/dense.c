@@ -110,6 +110,18 @@ void dlsi_dense_solve(const dlsi_dense *f, double *X, int ld, int nrhs) {
   }
 }
 
+void dlsi_dense_solve_transposed(const dlsi_dense *f, double *x) {
+  const int n = f->n, one = 1;
+  int info;
+  if (f->cholesky || !n) {
+    dlsi_dense_solve(f, x, n, 1);
+    return;
+  }
+  for (int i = 0; f->halved && i < n; i++)
+    x[i] *= 0.5;
+  dgetrs_("T", &n, &one, f->A, &n, f->pivot, x, &n, &info, 1);
+}
+
 /* Solves for columns of 1: with L those from j on need rows from j on only. */
 int dlsi_dense_inverse(const dlsi_dense *f, double *Z, dlsi_watch *watch) {
   const size_t n = (size_t)f->n;

@@ -41,6 +41,9 @@ int dlsi_dense_factor(dlsi_dense *f, double *diagonal);
 /* Solves X := A^-1 X. X: n x nrhs, column-major with leading dimension ld. */
 void dlsi_dense_solve(const dlsi_dense *f, double *X, int ld, int nrhs);
 
+/* Solves x := A^-T x, n. */
+void dlsi_dense_solve_transposed(const dlsi_dense *f, double *x);
+
 /* Z := A^-1, of Cholesky the lower triangle only, the upper one being lost. Z: n x n.
  * Returns 1 if the host cancels; watch = NULL: nobody looks on. */
 int dlsi_dense_inverse(const dlsi_dense *f, double *Z, dlsi_watch *watch);

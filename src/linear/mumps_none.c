@@ -78,6 +78,10 @@ dls_status dlsi_sparse_lu_solve(dlsi_sparse_lu *work, double *x, dls_error *erro
   return mumps_missing(error);
 }
 
+dls_status dlsi_sparse_lu_solve_transposed(dlsi_sparse_lu *work, double *x, dls_error *error) {
+  return mumps_missing(error);
+}
+
 void dlsi_sparse_lu_destroy(dlsi_sparse_lu *work) {}
 
 dls_status dlsi_dissection(int n, size_t entries, const int *row, const int *col, int *order,

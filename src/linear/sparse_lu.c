@@ -87,6 +87,13 @@ dls_status dlsi_sparse_lu_solve(dlsi_sparse_lu *work, double *x, dls_error *erro
   return dlsi_mumps_solve(&work->mumps, x, 1, error);
 }
 
+dls_status dlsi_sparse_lu_solve_transposed(dlsi_sparse_lu *work, double *x, dls_error *error) {
+  work->mumps.ICNTL(9) = 0;
+  const dls_status status = dlsi_sparse_lu_solve(work, x, error);
+  work->mumps.ICNTL(9) = 1;
+  return status;
+}
+
 void dlsi_sparse_lu_destroy(dlsi_sparse_lu *work) {
   if (!work) return;
   dlsi_mumps_end(&work->mumps);

@@ -25,6 +25,9 @@ dls_status dlsi_sparse_lu_factor(dlsi_sparse_lu *work, const dls_sparse *A, dls_
 /* Solves x := A^-1 x with the A of the last factor, which must have succeeded. DLS_E_MEMORY. */
 dls_status dlsi_sparse_lu_solve(dlsi_sparse_lu *work, double *x, dls_error *error);
 
+/* Solves x := A^-T x in the same way. */
+dls_status dlsi_sparse_lu_solve_transposed(dlsi_sparse_lu *work, double *x, dls_error *error);
+
 /* NULL is fine. */
 void dlsi_sparse_lu_destroy(dlsi_sparse_lu *work);
 

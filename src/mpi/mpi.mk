@@ -29,7 +29,7 @@ $(MPI_A): $(MPI_OBJ)
 	$(call say,AR  )
 	$(Q)$(AR) rcs $@ $^
 
-$(MPI_PROGRAM): $(call obj,src/mpi/main.c) $(MPI_A)
+$(MPI_PROGRAM): $(call obj,src/mpi/main.c) $(FILES) $(MPI_A)
 	$(call say,LINK)
 	$(Q)$(CC) $(SANITIZE) $(LDFLAGS) -o $@ $^ $(MPI_LIBS_ALL)
 

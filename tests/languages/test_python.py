@@ -1,7 +1,10 @@
 """test_python.py: the package delassus: arrays in and out, errors, layouts, motion, threads."""
 
+import contextlib
 import copy
 import gc
+import io
+import json
 import os
 import pickle
 import signal
@@ -47,6 +50,25 @@ class Solve(unittest.TestCase):
         self.assertTrue(s.solved)
         self.assertEqual((s.words, list(s.states), s.status), ("solved", ["slip"], delassus.DLS_OK))
         self.assertLessEqual(s.residual, 1e-8)
+
+    def test_proof(self):
+        W, q = coupled(3, 20)
+        for a in (W, sp.coo_matrix(W)):
+            s = delassus.solve(a, q, 0.3)
+            p = s.proof
+            self.assertEqual((p.proved, p.freedom, p.border), ("reactions", 0, None))
+            self.assertLess(p.radius, 1e-11)
+            exact = delassus.solve(W, q, 0.3, tol=1e-14).r
+            size = np.linalg.norm(exact)
+            self.assertLessEqual(np.linalg.norm(p.improved - exact), 1e-11 * size)
+            self.assertLessEqual(np.linalg.norm(s.r - exact), (p.error + 1e-11) * size)
+            self.assertEqual(pickle.loads(pickle.dumps(s)).proof.radius, p.radius)
+        slip = delassus.solve(np.eye(2), [-1.0, 0.5], [0.5]).proof  # r_t = -0.5 = -mu r_n, u_t = 0
+        self.assertIsNone(slip.proved)
+        self.assertEqual(slip.border[0], 0)
+        self.assertEqual(set(slip.border[1:]), {"stick", "slip"})
+        two = delassus.solve(np.kron(np.ones((2, 2)), np.eye(2)), [-1.0, 0, -1, 0], [0.5, 0.5]).proof
+        self.assertEqual(two.freedom, 2)
 
     def test_dense_and_blocks_agree(self):
         for d, skew in ((2, 0.0), (3, 0.0), (2, 0.1), (3, 0.1)):
@@ -127,6 +149,44 @@ class Solve(unittest.TestCase):
         with self.assertRaises(KeyboardInterrupt):
             delassus.solve(W, q, 0.3, method="nlgs", progress=fails)
 
+    def test_dimension_from_sizes(self):
+        """d follows from the sizes of q, mu and H; two answers are a question."""
+        W, q = coupled(2, 5)
+        flat = q.ravel()  # ten rows: d = 2 alone
+        wanted = delassus.solve(W, q, 0.3).r
+        for given in (dict(q=flat, mu=0.3), dict(q=flat, mu=[0.3] * 5), dict(q=flat, mu=0.3, d=2),
+                      dict(q=flat.tolist(), mu=0.3), dict(q=q.tolist(), mu=0.3)):
+            np.testing.assert_array_equal(delassus.solve(W, **given).r, wanted)
+        self.assertEqual(delassus.solve(np.eye(2), [-1, 0], 0.3).r.shape, (1, 2))
+        self.assertEqual(delassus.solve(np.eye(9), -np.ones(9), 0.3).r.shape, (3, 3))
+        with self.assertRaisesRegex(ValueError, "fits d = 2 and d = 3: give d"):
+            delassus.solve(np.eye(6), -np.ones(6), 0.3)
+        with self.assertRaisesRegex(ValueError, "neither d = 2 nor d = 3"):
+            delassus.solve(np.eye(5), -np.ones(5), 0.3)
+        with self.assertRaisesRegex(ValueError, "mu is missing"):
+            delassus.solve(np.eye(2), -np.ones(2))
+
+    def test_normals_alone(self):
+        W, q = [[2, 1, 0], [1, 2, 1], [0, 1, 2]], [-1, 3, -4]  # contacts 0 and 2 are pressed
+        answers = [delassus.solve(W, q, 0), delassus.solve(W, q, d=1),
+                   delassus.solve(sp.csc_matrix(W), q, [0, 0, 0]),
+                   delassus.solve(tuple(map(tuple, W)), np.reshape(q, (3, 1)), 0)]
+        for s in answers:
+            self.assertTrue(s.solved)
+            np.testing.assert_allclose(s.r, [[0.5], [0], [2]], atol=1e-12)
+        with self.assertRaisesRegex(ValueError, r"mu\[1\] is 0.3, must be 0 where d = 1"):
+            delassus.solve(W, q, [0, 0.3, 0])
+
+    def test_every_option_is_named(self):
+        import inspect
+        for function in (delassus.solve, delassus.Reduction.solve, delassus.reduce,
+                         delassus.certify, delassus.Motion.__init__, delassus.Motion.step):
+            for parameter in inspect.signature(function).parameters.values():
+                self.assertNotIn(parameter.kind, (parameter.VAR_KEYWORD, parameter.VAR_POSITIONAL))
+                self.assertTrue(parameter.name == "self" or parameter.annotation != parameter.empty)
+        with self.assertRaisesRegex(TypeError, "tolerance"):
+            delassus.solve(np.eye(2), [-1, 0], 0.3, tolerance=1)
+
     def test_empty(self):
         s = delassus.solve(np.zeros((0, 0)), np.zeros((0, 3)), [])
         self.assertTrue(s.solved)
@@ -153,6 +213,7 @@ class Solve(unittest.TestCase):
         e = caught.exception
         self.assertEqual((e.status, e.name), (delassus.DLS_E_NOT_FINITE, "DLS_E_NOT_FINITE"))
         self.assertEqual((e.function, e.argument, e.index), ("dls_solve", "q", 3))
+        self.assertIsInstance(e, ValueError)
         self.assertIn("q[3]", str(e))
         with self.assertRaises(delassus.Error) as caught:
             delassus.solve(W, np.nan_to_num(q), 0.3, tol=-1)
@@ -207,6 +268,7 @@ class Reduce(unittest.TestCase):
         with self.assertRaises(delassus.Error) as caught:
             delassus.reduce(K, HN, on="W")
         self.assertEqual(caught.exception.name, "DLS_E_SINGULAR")
+        self.assertIsInstance(caught.exception, np.linalg.LinAlgError)
         for options in ({}, {"on": "K"}, {"stabilize": True}):
             R = delassus.reduce(K, HN, **options)
             self.assertEqual(R.on, "K")
@@ -220,6 +282,7 @@ class Reduce(unittest.TestCase):
                 with self.assertRaises(delassus.Error) as caught:
                     refused()
                 self.assertEqual(caught.exception.name, "DLS_E_UNSUPPORTED")
+                self.assertIsInstance(caught.exception, NotImplementedError)
         self.assertFalse(R.solve(f=[0, 10]).solved)
 
     def test_place(self):
@@ -238,6 +301,7 @@ class Reduce(unittest.TestCase):
         with self.assertRaises(delassus.Error) as caught:
             delassus.reduce(K, HN, HT, memory_limit=100)
         self.assertEqual(caught.exception.argument, "memory_limit")
+        self.assertIsInstance(caught.exception, MemoryError)
         with self.assertRaises(ValueError):
             delassus.reduce(K, HN, HT, on="V")
         with self.assertRaises(delassus.Error):
@@ -305,7 +369,7 @@ class Motion(unittest.TestCase):
         np.testing.assert_allclose(path.slip, [[0.9375]], rtol=1e-10)
 
     def test_bad_input(self):
-        with self.assertRaises(AttributeError):
+        with self.assertRaisesRegex(TypeError, "no_such_setting"):
             self.ball(no_such_setting=1)
         with self.assertRaises(ValueError):
             self.ball(law="none")
@@ -692,7 +756,47 @@ class Conversions(unittest.TestCase):
                 delassus.solve(W, q, 0.3, method=name)
 
 
+class Gallery(unittest.TestCase):
+    def test_notebook(self):
+        with open("examples/python/tour.ipynb") as file:
+            cells = json.load(file)["cells"]
+        program = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+        self.assertGreater(len(program), 5)
+        names = {}
+        with contextlib.redirect_stdout(io.StringIO()) as printed:
+            for cell in program:
+                exec(cell, names)
+        self.assertIn("q[1]: is not finite", printed.getvalue())
+        np.testing.assert_allclose(names["s"].r, [[10.9375, -2.1875]])
+
+    def test_pictures(self):
+        try:
+            import matplotlib  # noqa: F401
+        except ModuleNotFoundError:
+            print("skipped: pictures of examples/python, no matplotlib")
+            return
+        names = sorted(name for name in os.listdir("examples/python") if name.endswith(".py"))
+        self.assertEqual(len(names), 6)
+        with tempfile.TemporaryDirectory() as directory:
+            for name in names:
+                picture = os.path.join(directory, name + ".png")
+                subprocess.run([sys.executable, "examples/python/" + name, picture], check=True,
+                               capture_output=True)
+                self.assertGreater(os.path.getsize(picture), 5000)
+                self.assertTrue(os.path.exists(f"docs/pictures/python-{name[:-3]}.png"))
+            self.assertEqual(len(os.listdir(directory)), 6)
+
+
 class Library(unittest.TestCase):
+    def test_constants_and_types(self):
+        self.assertEqual(delassus.DLS_OK, 0)
+        self.assertIn("DLS_OK", dir(delassus))
+        with self.assertRaises(AttributeError):
+            delassus.DLS_NONE_SUCH
+        fields = [name for name, _ in _library.structs["dls_certificate"]._fields_]
+        self.assertEqual(list(delassus.Certificate._fields), fields)
+        self.assertTrue(os.path.exists(os.path.join(os.path.dirname(_library.__file__), "py.typed")))
+
     def test_script_of_the_readme(self):
         with open("src/python/README.md") as readme, open("examples/sheet.py") as example:
             script = readme.read().split("```python\n")[1].split("```")[0]
@@ -749,7 +853,8 @@ class Library(unittest.TestCase):
             np.testing.assert_array_equal(a.x, wanted.x)
 
     def test_other_layout_is_refused(self):
-        fields, _ = _library._read_tables()
+        fields, _, version = _library._read_tables()
+        self.assertEqual(version, delassus.__version__)
         name, kind, offset, size, count = fields["dls_limits"][2]
         changes = {"moved": (name, kind, offset + 4, size, count),
                    "renamed": ("other", kind, offset, size, count),

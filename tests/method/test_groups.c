@@ -199,6 +199,7 @@ START_TEST(memory_of_groups) {
   ck_assert_ptr_nonnull(r);
   dls_nlgs_settings_init(&settings);
   settings.limits.max_iterations = 3;
+  settings.limits.threads = 2; /* slabs, too */
   ck_assert_int_eq(dls_nlgs_create(&work, p->d, p->nc, &settings, NULL), DLS_OK);
   dls_status status = DLS_E_MEMORY;
   int failed = 0;

@@ -10,7 +10,8 @@
 
 /* ---- a cube of side^3 nodes on a floor ------------------------------------------------------- */
 
-enum { side = 10, nodes = side * side * side, floor_nodes = side * side, n = 3 * nodes, small = 5 };
+enum { side = 10, nodes = side * side * side, floor_nodes = side * side, n = 3 * nodes };
+enum { small = TEST_SMALL ? 3 : 5 }; /* layers of the cubes that are dense, LU, or the host's */
 
 typedef struct cube {
   int p[n + 1], i[12 * n], Np[floor_nodes + 1], Ni[floor_nodes], Tp[2 * floor_nodes + 1];

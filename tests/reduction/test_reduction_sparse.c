@@ -23,7 +23,12 @@
 
 /* ---- trusses: side x side nodes, bars along edges and diagonals of squares ------------------- */
 
-enum { side = 16, body = 2 * side * side, max_n = 2 * body, max_nodes = 2 * side };
+enum {
+  side = TEST_SMALL ? 13 : 16,
+  body = 2 * side * side,
+  max_n = 2 * body,
+  max_nodes = 2 * side
+};
 
 typedef struct truss {
   int n;

@@ -49,7 +49,7 @@ HEAVY = {"facts/test_proof", "auto/test_renumber", "facts/test_trust", "front/te
          "reduction/test_reduction_sparse", "motion/test_rigid", "fe/test_fe", "cli/test_cli",
          PROPERTIES}
 ALL = "build/tests/all"  # the program of all tests
-LIBRARIES = ("build/libdelassus.a", "build/libdelassus-fe.a")
+LIBRARIES = ("build/libdelassus.a", "build/libdelassus-files.a", "build/libdelassus-fe.a")
 MEMORY = "build/obj/src/base/memory.o"
 NOBODY = 65534
 CPU_SECONDS = 60  # of one test program; the longest takes 7 by itself

@@ -3,13 +3,26 @@
     u = W r + q,   0 <= u_n _|_ r_n >= 0,   |r_t| <= mu r_n,   slip opposes friction
 """
 
+from typing import List
+
 from ._library import VERSION as __version__
-from ._library import Error, constants
-from .contact import Progress, Solution, certify, solve
+from ._library import (Error, InputError, OutOfMemoryError, SingularError, StateError,
+                       UnsupportedError, constants)
+from .contact import Certificate, Progress, Proof, Solution, Stage, certify, solve
 from .motion import Motion, NotCertified
 from .reduction import Reduction, reduce
 
-globals().update(constants)  # DLS_OK, DLS_NO_SOLUTION, ...
+__all__ = ["Certificate", "Error", "InputError", "Motion", "NotCertified", "OutOfMemoryError",
+           "Progress", "Proof", "Reduction", "SingularError", "Solution", "Stage", "StateError",
+           "UnsupportedError", "__version__", "certify", "constants", "reduce", "solve"]
 
-__all__ = ["Error", "Motion", "NotCertified", "Progress", "Reduction", "Solution", "certify",
-           "reduce", "solve", *constants]
+
+def __getattr__(name: str) -> int:
+    """DLS_OK, DLS_NO_SOLUTION, ...: the constants of C."""
+    if name not in constants:
+        raise AttributeError(f"module 'delassus' has no attribute {name!r}")
+    return constants[name]
+
+
+def __dir__() -> List[str]:
+    return sorted([*globals(), *constants])

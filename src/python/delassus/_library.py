@@ -2,20 +2,37 @@
 (delassus/layout.h), and declares the functions that the package calls. What does not fit is an
 ImportError."""
 
+from __future__ import annotations
+
 import ctypes
 import functools
 import operator
 import os
 import pathlib
 from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_void_p
+from typing import (Any, Callable, Dict, Generator, List, Mapping, NoReturn, Protocol, Tuple,
+                    Union)
 
 import numpy as np
+import numpy.typing as npt
 
-VERSION = "0.1.0"
+
+class SparseMatrix(Protocol):
+    """Any matrix of scipy.sparse."""
+
+    shape: Any
+
+    def tocsc(self, copy: bool = ...) -> Any: ...
+
+
+Vector = npt.NDArray[np.float64]
+Array = npt.ArrayLike
+Matrix = Union[npt.ArrayLike, SparseMatrix]
+
 _NAME = "libdelassus.so.0"
 
 
-def _load():
+def _load() -> ctypes.CDLL:
     """Returns the library: $DELASSUS_LIBRARY, else the one beside the package (pip), in a directory
     or a build/ above it (make install-python, the source tree), else what the loader finds."""
     named = os.environ.get("DELASSUS_LIBRARY")
@@ -86,17 +103,20 @@ _USED = {
 }
 
 
-def _read_tables():
+_Row = Tuple[str, str, int, int, int]  # name, type, offset, size, count
+_Fields = Dict[str, List[_Row]]
+
+
+def _read_tables() -> tuple[_Fields, dict[str, int], str]:
     try:
         next_field, next_constant = lib.dls_layout_field, lib.dls_layout_constant
         lib.dls_version.restype = c_char_p
         version = lib.dls_version().decode()
     except AttributeError as missing:
-        raise ImportError(f"delassus: this is not delassus {VERSION}: {missing}") from missing
-    if version != VERSION:
-        raise ImportError(f"delassus: the package is {VERSION}, the library {version}")
+        raise ImportError(f"delassus: this is no libdelassus: {missing}") from missing
     next_field.restype, next_constant.restype = POINTER(_Field), POINTER(_Constant)
-    fields, constants = {}, {}
+    fields: _Fields = {}
+    constants: dict[str, int] = {}
     k = 0
     while next_field(k):
         f = next_field(k).contents
@@ -108,14 +128,14 @@ def _read_tables():
         c = next_constant(k).contents
         constants[c.name.decode()] = c.value
         k += 1
-    return fields, constants
+    return fields, constants, version
 
 
-def _mismatch(record, what):
+def _mismatch(record: str, what: str) -> NoReturn:
     raise ImportError(f"delassus: {record} of the library is another one: {what}")
 
 
-def _check(struct, record, rows):
+def _check(struct: type[ctypes.Structure], record: str, rows: list[_Row]) -> None:
     """Compares a ctypes struct with the rows of the table."""
     if ctypes.sizeof(struct) != rows[0][3]:
         _mismatch(record, f"{rows[0][3]} bytes, not {ctypes.sizeof(struct)}")
@@ -125,12 +145,12 @@ def _check(struct, record, rows):
             _mismatch(record, f"field {name}")
 
 
-def _build(fields):
-    structs = {}
+def _build(fields: _Fields) -> dict[str, Any]:
+    structs: dict[str, Any] = {}
     for record, rows in fields.items():
         declared = []
         for name, kind, _, _, count in rows[1:]:
-            one = _TYPES.get(kind) or structs.get(kind)
+            one: Any = _TYPES.get(kind) or structs.get(kind)
             if one is None:
                 _mismatch(record, f"type {kind} of {name}")
             declared.append((name, one * count if count > 1 else one))
@@ -138,7 +158,9 @@ def _build(fields):
         structs[record] = type(record, (ctypes.Structure,), {"__slots__": (), "_fields_": declared})
         _check(structs[record], record, rows)
     for own, record in ((_Field, "dls_field"), (_Constant, "dls_constant")):
-        _check(own, record, fields.get(record) or _mismatch(record, "missing"))
+        if not fields.get(record):
+            _mismatch(record, "missing")
+        _check(own, record, fields[record])
     for record, names in _USED.items():
         if record not in structs:
             _mismatch(record, "missing")
@@ -148,7 +170,7 @@ def _build(fields):
     return structs
 
 
-_fields, constants = _read_tables()
+_fields, constants, VERSION = _read_tables()
 structs = _build(_fields)
 
 
@@ -172,6 +194,7 @@ _SIGNATURES = {
     "dls_contact_certify": (c_int, "ppppp"),
     "dls_contact_states": (c_int, "ppppp"),
     "dls_contact_misfits": (c_int, "ppppp"),
+    "dls_contact_prove": (c_int, "ppppp"),
     "dls_solve": (c_int, "pppppp"),
     "dls_reduction_create_either": (c_int, "pppp"),
     "dls_reduction_update": (c_int, "ppp"),
@@ -204,10 +227,19 @@ for _name, (_result, _arguments) in _SIGNATURES.items():
                            "z": c_size_t}[a] for a in _arguments]
 
 
-class Error(RuntimeError):
-    """A status below 0: nothing was computed. status, function, argument, index, value say more."""
+class Error(Exception):
+    """A status below 0: nothing was computed. status, name ("DLS_E_SIZE"), function, argument,
+    index and value say more. What is raised is one of the classes below, which are errors of
+    Python's own kinds, too."""
 
-    def __init__(self, error):
+    status: int
+    name: str
+    function: str
+    argument: str
+    index: int
+    value: float
+
+    def __init__(self, error: Any) -> None:
         super().__init__(error.message.decode(errors="replace"))
         self.status = error.status
         self.name = lib.dls_status_name(error.status).decode()
@@ -216,12 +248,43 @@ class Error(RuntimeError):
         self.index = error.index
         self.value = error.value
 
-    def __reduce__(self):  # processes hand exceptions on by pickle
+    def __reduce__(self) -> Any:  # processes hand exceptions on by pickle
         return _restore, (type(self), self.args, self.__dict__)
 
 
-def _restore(kind, arguments, state):
-    exception = kind.__new__(kind, *arguments)
+class InputError(Error, ValueError):
+    """An argument has a wrong value, size or kind."""
+
+
+class OutOfMemoryError(Error, MemoryError):
+    """The library got no memory, or the memory_limit does not suffice."""
+
+
+class SingularError(Error, np.linalg.LinAlgError):
+    """K is singular, or not positive definite where Cholesky was asked for."""
+
+
+class UnsupportedError(Error, NotImplementedError):
+    """This build, or this kind of problem, cannot do that."""
+
+
+class StateError(Error, RuntimeError):
+    """A callback failed, or another call is at work on the object."""
+
+
+_KINDS = {"DLS_E_MEMORY": OutOfMemoryError, "DLS_E_NOT_POSITIVE_DEFINITE": SingularError,
+          "DLS_E_SINGULAR": SingularError, "DLS_E_UNSUPPORTED": UnsupportedError,
+          "DLS_E_CALLBACK": StateError, "DLS_E_BUSY": StateError}
+
+
+def _error(error: Any) -> Error:
+    """Returns the exception of a dls_error."""
+    return _KINDS.get(lib.dls_status_name(error.status).decode(), InputError)(error)
+
+
+def _restore(kind: type[Error], arguments: tuple[Any, ...], state: dict[str, Any]) -> Error:
+    exception: Error = kind.__new__(kind, *arguments)
+    exception.args = arguments
     exception.__dict__.update(state)
     return exception
 
@@ -229,28 +292,32 @@ def _restore(kind, arguments, state):
 class Owner:
     """Owns an object of the library, self._held, which has one owner."""
 
-    def __reduce_ex__(self, protocol):
+    _held: Any
+
+    def __reduce_ex__(self, protocol: Any) -> NoReturn:
         raise TypeError(f"a {type(self).__name__} owns memory of the library: "
                         "it cannot be copied or pickled")
 
 
-def call(name, *arguments):
+def call(name: str, *arguments: Any) -> int:
     """Calls a function whose last argument is dls_error *; raises Error for a status below 0, else
     returns it. Threads of Python run on meanwhile."""
     error = structs["dls_error"]()
-    status = getattr(lib, name)(*arguments, byref(error))
+    status: int = getattr(lib, name)(*arguments, byref(error))
     if status < 0:
-        raise Error(error)
+        raise _error(error)
     return status
 
 
 # ---- callbacks -----------------------------------------------------------------------------------
 
 
-def _rounds(count, function, caught):
+def _rounds(count: int, function: Callable[..., Any],
+            caught: list[BaseException]) -> Generator[int, Any, None]:
     """Takes values one by one; after `count` of them yields 1 if function(*values) is true or an
     exception was caught, which `caught` (a list) receives; 0 before."""
-    values, taken, answer = [], 0, 0
+    values: list[Any] = []
+    taken = answer = 0
     while True:
         try:
             # Python 3.11 looks one instruction before the target of a jump back for the try that
@@ -267,7 +334,8 @@ def _rounds(count, function, caught):
             return
         except BaseException as exception:  # of the function, or of the handler of a signal
             # without this frame: traceback.clear_frames, of unittest say, would end the generator
-            caught.append(exception.with_traceback(exception.__traceback__.tb_next))
+            trace = exception.__traceback__
+            caught.append(exception.with_traceback(trace and trace.tb_next))
             answer = int(taken == count)
             if answer:
                 values, taken = [], 0
@@ -284,23 +352,23 @@ class Callback:
     the generator while it keeps what the first one raised.
     """
 
-    def __init__(self, function, *kinds):
-        self.caught = []
+    def __init__(self, function: Callable[..., Any], *kinds: Any) -> None:
+        self.caught: list[BaseException] = []
         self._start = functools.partial(_rounds, len(kinds), function, self.caught)
         self._rounds = self._start()
         next(self._rounds)
-        self._entry = functools.partial(max, key=self._rounds.send)
+        self._entry: Any = functools.partial(max, key=self._rounds.send)
         self._function = ctypes.CFUNCTYPE(c_int, *kinds)(self._entry)
         self.address = ctypes.cast(self._function, c_void_p).value
 
-    def begin(self):
+    def begin(self) -> None:
         del self.caught[:]
         if self._rounds.gi_frame is None:
             self._rounds = self._start()
             next(self._rounds)
             self._entry.keywords["key"] = self._rounds.send
 
-    def end(self):
+    def end(self) -> None:
         """Raises what the last call caught."""
         if self.caught:
             raise self.caught[0]
@@ -311,27 +379,27 @@ class Callback:
 # ---- arrays --------------------------------------------------------------------------------------
 
 
-def entries(a):
+def entries(a: npt.NDArray[Any]) -> str:
     """Returns the number of entries in words."""
     return f"{a.size} entry" if a.size == 1 else f"{a.size} entries"
 
 
-def _check_kind(name, dtype):
+def _check_kind(name: str, dtype: np.dtype[Any]) -> None:
     if dtype.kind not in "biuf":
         kind = {"c": "complex numbers", "O": "objects", "U": "text", "S": "text"}.get(dtype.kind)
         raise ValueError(f"{name} holds {kind or dtype}, must hold real numbers")
 
 
-def reals(name, x):
+def reals(name: str, x: Any) -> Vector:
     """Returns x as an array of doubles; refuses complex numbers, objects, text and masks."""
     a = np.asarray(x)
     _check_kind(name, a.dtype)
-    if np.ma.is_masked(x):
+    if isinstance(x, np.ma.MaskedArray) and np.any(x.mask):
         raise ValueError(f"{name} has masked entries")
     return np.asarray(a, dtype=np.float64)
 
 
-def number(name, x):
+def number(name: str, x: Any) -> float:
     """Returns a real number as a float."""
     a = reals(name, x)
     if a.ndim:
@@ -339,7 +407,7 @@ def number(name, x):
     return float(a)
 
 
-def whole(name, x, least=-2**31, most=2**31 - 1):
+def whole(name: str, x: Any, least: int = -2**31, most: int = 2**31 - 1) -> int:
     """Returns an integer within the range of C's int, or a smaller one."""
     try:
         value = operator.index(x)
@@ -350,7 +418,7 @@ def whole(name, x, least=-2**31, most=2**31 - 1):
     return value
 
 
-def integers(name, x):
+def integers(name: str, x: Any) -> npt.NDArray[np.intc]:
     """Returns x as a contiguous array of C's int."""
     a = np.asarray(x)
     if a.size and a.dtype.kind not in "biu":
@@ -360,7 +428,7 @@ def integers(name, x):
     return np.ascontiguousarray(a, dtype=np.intc)
 
 
-def vector(name, x, size, width=1):
+def vector(name: str, x: Any, size: int, width: int = 1) -> Vector:
     """Returns x as a contiguous array of `size` doubles: given flat, or in rows of `width`, or one
     number for all."""
     a = reals(name, x)
@@ -373,27 +441,28 @@ def vector(name, x, size, width=1):
     return np.ascontiguousarray(a).reshape(-1)
 
 
-def set_fields(struct, values):
-    """Sets numbers of a struct by name; AttributeError for a name that is none of them."""
+def set_fields(struct: Any, values: Mapping[str, Any]) -> None:
+    """Sets numbers of a struct by name; None leaves the default."""
     kinds = dict(struct._fields_)
     for name, value in values.items():
-        if kinds.get(name) not in (c_int, c_double):
-            raise AttributeError(f"no setting {name!r}")
-        setattr(struct, name, (whole if kinds[name] is c_int else number)(name, value))
+        if value is None:
+            continue
+        setattr(struct, name,
+                whole(name, value) if kinds[name] is c_int else number(name, value))
 
 
-def address(a):
+def address(a: Any) -> Any:
     """Returns the address of an array, None (NULL) for None. The array has to outlive its use."""
     return None if a is None else a.ctypes.data
 
 
-def dense(a):
+def dense(a: npt.NDArray[Any]) -> Any:
     """Returns a dls_dense of a Fortran-ordered array of doubles."""
     rows, cols = a.shape
     return structs["dls_dense"](rows, cols, max(1, rows), address(a))
 
 
-def columns(name, a):
+def columns(name: str, a: Any) -> Any:
     """Returns scipy's compressed columns of a matrix with 32-bit indices."""
     import scipy.sparse
 
@@ -409,14 +478,14 @@ def columns(name, a):
     return c
 
 
-def sparse(c):
+def sparse(c: Any) -> Any:
     """Returns a dls_sparse of compressed columns; zero for None."""
     if c is None:
         return structs["dls_sparse"]()
     return structs["dls_sparse"](*c.shape, address(c.indptr), address(c.indices), address(c.data))
 
 
-def read(kind, pointer, size, owner):
+def read(kind: Any, pointer: int | None, size: int, owner: object) -> npt.NDArray[Any]:
     """Returns a read-only array over memory of the library, which `owner` keeps alive."""
     if not size or not pointer:
         return np.zeros(0, dtype=np.dtype(kind))

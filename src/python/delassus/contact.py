@@ -1,23 +1,97 @@
 """The contact problem u = W r + q and its solution by any method of the library."""
 
-import collections
+from __future__ import annotations
+
 import ctypes
 import threading
 from ctypes import byref, c_int, c_size_t
+from typing import Any, Callable, NamedTuple, Tuple, Union
 
 import numpy as np
+import numpy.typing as npt
 
-from ._library import (Callback, address, call, columns, constants, dense, entries, integers, lib,
-                       number, reals, structs, vector, whole)
+from ._library import (Array, Callback, Matrix, Vector, address, call, columns, constants, dense,
+                       entries, integers, lib, number, reals, structs, vector, whole)
 
-_STATES = np.array(["free", "slip", "stick"])
+STATES: npt.NDArray[np.str_] = np.array(["free", "slip", "stick"])
 
-Progress = collections.namedtuple(
-    "Progress", "method stage iteration max_iterations residual cpu_seconds last")
-Stage = collections.namedtuple(
-    "Stage", "method iterations factorisations residual step reason on_copy ahead next cpu_seconds")
-Certificate = collections.namedtuple("Certificate",
-                                     [name for name, _ in structs["dls_certificate"]._fields_])
+# W: a matrix, or (body, H) of rigid bodies
+Operator = Union[Matrix, Tuple[Array, Array]]
+
+
+class Progress(NamedTuple):
+    """What a progress function receives."""
+
+    method: str
+    stage: str
+    iteration: int
+    max_iterations: int
+    residual: float
+    cpu_seconds: float
+    last: bool
+
+
+class Stage(NamedTuple):
+    """A stage of auto."""
+
+    method: str
+    iterations: int
+    factorisations: int
+    residual: float
+    step: str
+    reason: str
+    on_copy: bool
+    ahead: float
+    next: float
+    cpu_seconds: float
+
+
+class Certificate(NamedTuple):
+    """dls_certificate of delassus/contact.h."""
+
+    residual: float
+    residual_u: float
+    residual_r: float
+    floor_u: float
+    floor_r: float
+    penetration: float
+    adhesion: float
+    cone_violation: float
+    slip_direction: float
+    complementarity: float
+    worst: int
+    equilibrium: float
+    floor_e: float
+    unbalanced: float
+    body: int
+
+
+def _certificate(c: Any) -> Certificate:
+    return Certificate(*(getattr(c, name) for name in Certificate._fields))
+
+
+
+class Proof(NamedTuple):
+    """What dls_contact_prove shows of an answer (delassus/trust.h).
+
+    proved            "reactions": one solution within radius |improved|; "positions": u is proved
+                      and `freedom` reactions are free; None: not proved
+    radius, radius_u  relative bounds on the errors of `improved` and of its positions
+    error             of r itself
+    border            (contact, its state, the other one) on the border of two states, or None
+    improved          r after Newton steps to rounding, nc x d
+    """
+
+    proved: str | None
+    radius: float
+    radius_u: float
+    error: float
+    freedom: int
+    border: Tuple[int, str, str] | None
+    improved: Array
+
+
+_PROVED = {constants["DLS_PROVED"]: "reactions", constants["DLS_PROVED_POSITIONS"]: "positions"}
 
 
 class Solution:
@@ -34,58 +108,76 @@ class Solution:
     regime       of auto, the kind of the problem: "elastic", "packing", ...
     explain()    what auto did and why, in words
     history      rows (stage, iteration, residual, cpu_seconds), with history=True
+    proof        a Proof of r, made when it is first asked for, of the arrays as they are then; None
+                 where a reduction or a motion solved
     """
 
-    def __init__(self, problem, info, status, r, u, history, body=None):
+    def __init__(self, problem: Any, info: Any, status: int, r: Vector, u: Vector,
+                 history: npt.NDArray[Any] | None, body: Any = None) -> None:
         d, nc = problem.d, problem.nc
         self.status = status
-        self.words = lib.dls_status_text(status).decode()
+        self.words: str = lib.dls_status_text(status).decode()
         self.solved = lib.dls_status_name(status).decode() in ("DLS_OK", "DLS_TO_ROUNDING")
         self.r = r.reshape(nc, d)
         self.u = u.reshape(nc, d)
-        self.x = None
-        c = info.certificate
-        self.certificate = Certificate(*(getattr(c, name) for name in Certificate._fields))
-        self.residual = c.residual
-        self.error = info.error or None
-        self.iterations = info.iterations
+        self.x: Vector | None = None
+        self.certificate = _certificate(info.certificate)
+        self.residual = self.certificate.residual
+        self.error: float | None = info.error or None
+        self.iterations: int = info.iterations
         self.method = _method_name(info.method)
         self.stages = [_stage(s) for s in info.stage[:info.stages]]
-        self.regime = lib.dls_regime_name(info.regime).decode()
+        self.regime: str = lib.dls_regime_name(info.regime).decode()
         self._info = bytes(info)  # a copy of the struct would not pickle
-        self.unique = {constants["DLS_UNIQUE_YES"]: True,
-                       constants["DLS_UNIQUE_NO"]: False}.get(info.unique)
-        self.ambiguous = info.ambiguous
+        self.unique: bool | None = {constants["DLS_UNIQUE_YES"]: True,
+                                    constants["DLS_UNIQUE_NO"]: False}.get(info.unique)
+        self.ambiguous: int = info.ambiguous
         self.history = history
+        self._source: Tuple[Any, ...] | None = None
+        self._proof: Proof | None = None
         state = (c_int * max(nc, 1))()
         if nc and body is not None:
             call("dls_reduction_states", *body[:2], address(r), address(u), state)
         elif nc:
             call("dls_contact_states", byref(problem), address(r), address(u), state)
-        self.states = _STATES[np.frombuffer(state, dtype=np.intc)[:nc]]
+        self.states = STATES[np.frombuffer(state, dtype=np.intc)[:nc]]
 
-    def __repr__(self):
+    @property
+    def proof(self) -> Proof | None:
+        if self._proof is None and self._source is not None:
+            problem, kept = _problem(*self._source)
+            proof, improved = structs["dls_proof"](), np.empty_like(self.r)
+            call("dls_contact_prove", byref(problem), address(self.r), byref(proof),
+                 address(improved))
+            del kept
+            self._proof = Proof(
+                _PROVED.get(proof.kind), proof.radius, proof.radius_u, proof.error, proof.freedom,
+                proof.border and (proof.contact, str(STATES[proof.state]),
+                                  str(STATES[proof.other])) or None, improved)
+        return self._proof
+
+    def __repr__(self) -> str:
         return (f"<{self.words}: {len(self.r)} candidates, {self.method}, "
                 f"{self.iterations} iterations, residual {self.residual:.1e}>")
 
 
-    def explain(self):
+    def explain(self) -> str:
         """Returns what auto did, by lines: the regime, and each step with its iterations, why it
         ended, and, with timed=True, a history or a callback, its CPU."""
         info = structs["dls_info"].from_buffer_copy(self._info)
         text = ctypes.create_string_buffer(lib.dls_explain(byref(info), None, 0) + 1)
         lib.dls_explain(byref(info), text, len(text))
-        return text.value.decode()
+        return str(text.value.decode())
 
 
-def _stage(s):
+def _stage(s: Any) -> Stage:
     return Stage(_method_name(s.method), s.iterations, s.factorisations, s.residual,
                  lib.dls_step_name(s.step).decode(), lib.dls_reason_text(s.reason).decode(),
                  bool(s.on_copy), s.ahead, s.next, s.cpu_seconds)
 
 
-def _method_name(method):
-    return (lib.dls_method_name(method) or b"").decode()
+def _method_name(method: int) -> str:
+    return str((lib.dls_method_name(method) or b"").decode())
 
 
 _NO_LIMIT = 1e9  # seconds
@@ -95,9 +187,9 @@ _PACED = ctypes.cast(lib.dls_progress_paced, ctypes.c_void_p).value
 class _Signals:
     """A callback that does nothing but let the handlers of signals run, some 50 times a second."""
 
-    idle = []  # some made before: one takes 10 us to make
+    idle: list[_Signals] = []  # some made before: one takes 10 us to make
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.callback = Callback(lambda _, __: False, c_size_t, c_size_t)
         self.paced = structs["dls_paced"](progress=self.callback.address, seconds=0.02)
 
@@ -107,33 +199,36 @@ class Watch:
     of signals run. Those run in the main thread alone; elsewhere a solve that is not watched by the
     user has no callback."""
 
-    def __init__(self, history=False, progress=None):
-        self._rows = rows = [] if history else None
+    def __init__(self, history: bool = False,
+                 progress: Callable[[Progress], object] | None = None) -> None:
+        rows: list[tuple[Any, ...]] | None = [] if history else None
+        self._rows = rows
         asked = history or progress is not None
 
-        def look(_, pointer):
+        def look(_: Any, pointer: int) -> bool:
             p = structs["dls_progress"].from_address(pointer)
             row = Progress(ctypes.string_at(p.method).decode(), ctypes.string_at(p.stage).decode(),
                            p.iteration, p.max_iterations, p.residual, p.cpu_seconds, bool(p.last))
             if rows is not None:
                 rows.append((row.stage, row.iteration, row.residual, row.cpu_seconds))
-            return progress is not None and progress(row)
+            return progress is not None and bool(progress(row))
 
-        self._callback = self._signals = None
+        self._callback: Callback | None = None
+        self._signals: _Signals | None = None
         if asked:
             self._callback = Callback(look, c_size_t, c_size_t)
         elif threading.current_thread() is threading.main_thread():
             self._signals = _Signals.idle.pop() if _Signals.idle else _Signals()
             self._callback = self._signals.callback
 
-    def release(self):
+    def release(self) -> None:
         """Hands the callback on to the next watch; this one has seen its last call. (A __del__
         would revive a generator that the collector of garbage has ended.)"""
         if self._signals:
             _Signals.idle.append(self._signals)
             self._callback = self._signals = None
 
-    def set(self, limits):
+    def set(self, limits: Any) -> None:
         """Enters the callback in a dls_limits."""
         if self._signals:
             limits.progress = _PACED
@@ -141,7 +236,7 @@ class Watch:
         elif self._callback:
             limits.progress = self._callback.address
 
-    def call(self, name, *arguments, by=call):
+    def call(self, name: str, *arguments: Any, by: Callable[..., int] = call) -> int:
         """Calls the library; raises what the callback caught."""
         if not self._callback:
             return by(name, *arguments)
@@ -151,14 +246,16 @@ class Watch:
         finally:
             self._callback.end()
 
-    def history(self):
+    def history(self) -> npt.NDArray[Any] | None:
         if self._rows is None:
             return None
         return np.array(self._rows, dtype=[("stage", "U24"), ("iteration", "i4"),
                                            ("residual", "f8"), ("cpu_seconds", "f8")])
 
 
-def set_limits(limits, watch, tol=None, max_iterations=None, cpu_seconds=None, threads=None):
+def set_limits(limits: Any, watch: Watch, tol: float | None = None,
+               max_iterations: int | None = None, cpu_seconds: float | None = None,
+               threads: int | None = None) -> None:
     """Fills a dls_limits; None leaves the default."""
     if tol is not None:
         limits.tol = number("tol", tol)
@@ -171,7 +268,7 @@ def set_limits(limits, watch, tol=None, max_iterations=None, cpu_seconds=None, t
     watch.set(limits)
 
 
-def _find(function, what, name):
+def _find(function: Any, what: str, name: Any) -> int:
     """Returns the number of a method or an acceleration."""
     found = c_int()
     if not isinstance(name, str) or "\0" in name or not function(name.encode(), byref(found)):
@@ -179,20 +276,24 @@ def _find(function, what, name):
     return found.value
 
 
-def find_method(name):
+def find_method(name: str) -> int:
     return _find(lib.dls_method_find, "method", name)
 
 
-def _text(name, value):
+def _text(name: str, value: Any) -> Any:
     """Returns a C string."""
     if not isinstance(value, str) or "\0" in value:
         raise ValueError(f"{name} is no text: {value!r}")
     return ctypes.create_string_buffer(value.encode())
 
 
-def solve_problem(problem, method="auto", tol=None, max_iterations=None, cpu_seconds=None, r0=None,
-                  acceleration=None, facets=None, positive_definite=None, history=False,
-                  progress=None, threads=None, plan=None, without=None, timed=False, body=None):
+def solve_problem(problem: Any, *, method: str = "auto", tol: float | None = None,
+                  max_iterations: int | None = None, cpu_seconds: float | None = None,
+                  r0: Array | None = None, acceleration: str | None = None,
+                  facets: int | None = None, positive_definite: int | None = None,
+                  history: bool = False, progress: Callable[[Progress], object] | None = None,
+                  threads: int | None = None, plan: str | None = None,
+                  without: str | None = None, timed: bool = False, body: Any = None) -> Solution:
     """Solves a dls_contact; the arguments are those of solve(). body: (reduction, mu, x), whose
     dls_reduction_solve is called instead and fills x."""
     settings = structs["dls_solver_settings"]()
@@ -216,7 +317,9 @@ def solve_problem(problem, method="auto", tol=None, max_iterations=None, cpu_sec
     set_limits(settings.limits, watch, tol, max_iterations, cpu_seconds, threads)
     settings.limits.warm_start = r0 is not None
     info = structs["dls_info"]()
-    name, first, last = "dls_solve", (byref(problem),), ()
+    name = "dls_solve"
+    first: tuple[Any, ...] = (byref(problem),)
+    last: tuple[Any, ...] = ()
     if body is not None:
         reduction, mu, x = body
         name, first, last = "dls_reduction_solve", (reduction, mu), (address(x),)
@@ -228,18 +331,49 @@ def solve_problem(problem, method="auto", tol=None, max_iterations=None, cpu_sec
     return Solution(problem, info, status, r, u, watch.history(), body)
 
 
-def _problem(W, q, mu, d):
+def _dimension(W: Any, q: Vector, mu: Any, d: Any) -> int:
+    """Returns d: given, else what the sizes of q, H or mu leave, else 2 or 3, whichever alone
+    divides the rows; 1 where q is flat and mu is 0."""
+    if d is not None:
+        if whole("d", d) not in (1, 2, 3):
+            raise ValueError(f"d is {d!r}, must be 1, 2 or 3")
+        return int(d)
+    if q.ndim == 2:
+        found = q.shape[1]
+    elif isinstance(W, tuple):
+        found = np.shape(W[1])[2]
+    elif mu.ndim and mu.size:
+        found = q.size // mu.size
+    elif not mu.any():
+        return 1
+    else:
+        fits = [k for k in (2, 3) if q.size % k == 0]
+        if len(fits) == 2:
+            raise ValueError(f"q has {entries(q)}, which fits d = 2 and d = 3: give d, or q as "
+                             "nc x d, or mu for each contact")
+        found = fits[0] if fits else 0
+    if found not in (1, 2, 3):
+        raise ValueError(f"q has {entries(q)}, mu {entries(mu)}, which fits neither d = 2 nor "
+                         "d = 3")
+    return found
+
+
+def _problem(W: Any, q: Any, mu: Any, d: Any) -> tuple[Any, tuple[Any, ...]]:
     """Returns a dls_contact and the arrays that it views."""
+    if isinstance(W, tuple) and not (len(W) == 2 and np.ndim(W[1]) == 4):
+        W = list(W)
+    if not hasattr(W, "tocsc") and not isinstance(W, tuple):
+        W = np.atleast_2d(reals("W", W))
     q = reals("q", q)
-    if d is None:
-        known = np.ndim(mu) and np.size(mu)
-        d = q.shape[1] if q.ndim == 2 else q.size // np.size(mu) if known else None
-    if d not in (2, 3):
-        raise ValueError("d is neither 2 nor 3: give d, or q as nc x d, or mu for each candidate")
-    d = whole("d", d)
+    if mu is None and d != 1:
+        raise ValueError("mu is missing: give the friction, 0 for none")
+    mu = reals("mu", 0.0 if mu is None else mu)
+    d = _dimension(W, q, mu, d)
     nc = q.size // d
     q = vector("q", np.atleast_1d(q), d * nc, d)
     mu = vector("mu", mu, nc)
+    if d == 1 and mu.any():
+        raise ValueError(f"mu[{np.flatnonzero(mu)[0]}] is {mu[mu != 0][0]:g}, must be 0 where d = 1")
     problem = structs["dls_contact"](d=d, nc=nc, q=address(q), mu=address(mu))
     if isinstance(W, tuple):
         body, H = integers("body", W[0]), np.ascontiguousarray(reals("H", W[1]))
@@ -249,13 +383,14 @@ def _problem(W, q, mu, d):
         problem.bodies = structs["dls_bodies"](H.shape[3], count, address(body), address(H), None)
         return problem, (q, mu, body, H)
     if W.shape != (q.size, q.size):
-        raise ValueError(f"W is {W.shape[0]} x {W.shape[1]}, q has {entries(q)}")
+        raise ValueError(f"W is {' x '.join(map(str, W.shape))}, q has {entries(q)}")
     if hasattr(W, "tocsc"):
         # rows of blocks of the transpose, each stored by rows: the columns of W, stored by columns
         B = columns("W", W).T.tobsr(blocksize=(d, d))
-        kept = [np.ascontiguousarray(B.indptr, dtype=np.int32),
-                np.ascontiguousarray(B.indices, dtype=np.int32),
-                np.ascontiguousarray(B.data, dtype=np.float64)]
+        kept: list[npt.NDArray[Any]] = [
+            np.ascontiguousarray(B.indptr, dtype=np.int32),
+            np.ascontiguousarray(B.indices, dtype=np.int32),
+            np.ascontiguousarray(B.data, dtype=np.float64)]
         if kept[2].size == 0:
             kept[1:] = [np.zeros(1, np.int32), np.zeros(d * d)]
         problem.Wb = structs["dls_blocks"](d, nc, *map(address, kept))
@@ -265,41 +400,60 @@ def _problem(W, q, mu, d):
     return problem, (q, mu, *kept)
 
 
-def solve(W, q, mu, d=None, **options):
+def solve(W: Operator, q: Array, mu: Array | None = None, d: int | None = None, *,
+          method: str = "auto", tol: float | None = None, max_iterations: int | None = None,
+          cpu_seconds: float | None = None, r0: Array | None = None,
+          acceleration: str | None = None, facets: int | None = None,
+          positive_definite: int | None = None, history: bool = False,
+          progress: Callable[[Progress], object] | None = None,
+          threads: int | None = None, plan: str | None = None, without: str | None = None,
+          timed: bool = False) -> Solution:
     """Solves u = W r + q with Coulomb friction; returns a Solution.
 
-    W    m x m, numpy (dense) or scipy.sparse (by d x d blocks); (n, t) or (n, t, s) of one
-         candidate after the other. Or (body, H) of rigid bodies: body is nc x 2, -1 for a fixed
+    W    m x m, lists or numpy (dense) or scipy.sparse (by d x d blocks); (n, t) or (n, t, s) of
+         one contact after the other. Or (body, H) of rigid bodies: body is nc x 2, -1 for a fixed
          one; H is nc x 2 x d x 3 (d - 1): how the reaction's component moves the body, with
          M^-1/2 in it (dls_bodies)
     q    m, or nc x d
-    mu   nc, or one number
-    d    2 or 3, if it does not follow from q or mu
+    mu   nc, or one number; 0 for no friction
+    d    1 (normals alone, mu = 0), 2 or 3; None: what the sizes of q and mu say. A flat q with
+         mu = 0 has normals alone
 
-    method="auto" (or "nlgs", "lemke", "newton", "admm", ...), tol=1e-8, max_iterations,
-    cpu_seconds, r0 (a start), acceleration="anderson" (nlgs), facets, positive_definite,
-    history=True, progress=function of a Progress, which cancels by returning True, threads.
+    method          "auto" (or "nlgs", "lemke", "newton", "admm", ...)
+    tol             on the residual of the certificate (1e-8)
+    max_iterations, cpu_seconds   limits
+    r0              a start
+    acceleration    of nlgs: "none", "aitken", "anderson", "momentum"
+    facets          of lemke in 3D: facets of the friction cone
+    positive_definite   1 if W is known to be, 0 if not
+    history         True: Solution.history
+    progress        function of a Progress; returns True to cancel
+    threads         for sweeps over a large W
 
-    Of auto: plan="sweeps:30,newton,homotopy", steps in place of its own (delassus/solve.h);
-    without="homotopy,scatter", steps left out; timed=True, the CPU of each stage.
+    Of auto:
+    plan            steps in place of its own, "sweeps:30,newton,homotopy" (delassus/solve.h)
+    without         steps left out, "homotopy,scatter"
+    timed           True: the CPU of each stage
 
-    Raises Error for wrong data; a solve that stops early has solution.solved == False.
+    Raises an Error for wrong data; a solve that stops early has solution.solved == False.
     """
-    if not hasattr(W, "tocsc") and not isinstance(W, tuple):
-        W = np.atleast_2d(reals("W", W))
     problem, kept = _problem(W, q, mu, d)
-    solution = solve_problem(problem, **options)
+    solution = solve_problem(
+        problem, method=method, tol=tol, max_iterations=max_iterations, cpu_seconds=cpu_seconds,
+        r0=r0, acceleration=acceleration, facets=facets, positive_definite=positive_definite,
+        history=history, progress=progress, threads=threads,
+        plan=plan, without=without, timed=timed)
+    solution._source = W, q, mu, d
     del kept
     return solution
 
 
-def certify(W, q, mu, r, d=None):
+def certify(W: Operator, q: Array, mu: Array | None, r: Array,
+            d: int | None = None) -> Certificate:
     """Measures r: returns its Certificate, with u = W r + q recomputed from W and q."""
-    if not hasattr(W, "tocsc") and not isinstance(W, tuple):
-        W = np.atleast_2d(reals("W", W))
     problem, kept = _problem(W, q, mu, d)
     r = vector("r", r, problem.d * problem.nc, problem.d)
     certificate = structs["dls_certificate"]()
     call("dls_contact_certify", byref(problem), address(r), None, byref(certificate))
     del kept
-    return Certificate(*(getattr(certificate, name) for name in Certificate._fields))
+    return _certificate(certificate)

@@ -1,12 +1,16 @@
 """Bodies that move: the theta scheme with contact and friction, and paths of equilibria."""
 
+from __future__ import annotations
+
 from ctypes import byref, c_double, c_int, c_void_p
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from ._library import (Owner, address, call, columns, constants, lib, number, read, set_fields,
+from ._library import (Array, Matrix, Owner, Vector, address, call, columns, constants, lib, number, read, set_fields,
                        sparse, structs, vector)
-from .contact import Solution, Watch, find_method, set_limits
+from .contact import STATES, Solution, Watch, find_method, set_limits
 from .reduction import find_factorization, operators
 
 _LAWS = {"velocity": "DLS_MOTION_VELOCITY", "gap": "DLS_MOTION_GAP", "path": "DLS_MOTION_PATH"}
@@ -24,51 +28,58 @@ class Motion(Owner):
     (candidates x d), gap, slip, states.
     """
 
-    def __init__(self, K, HN, HT=None, *, M=None, C=None, P=None, gap=None, h=1.0, law="velocity",
-                 method="auto", factorization=None, tol=None, max_iterations=None, d=None,
-                 **settings):
+    def __init__(self, K: Matrix | None, HN: Matrix, HT: Matrix | None = None, *,
+                 M: Matrix | None = None, C: Matrix | None = None, P: Matrix | None = None,
+                 gap: Array | None = None, h: float = 1.0, law: str = "velocity",
+                 method: str = "auto", factorization: str | None = None, tol: float | None = None,
+                 max_iterations: int | None = None, d: int | None = None,
+                 theta: float | None = None, restitution: float | None = None,
+                 activation: float | None = None, forecast: float | None = None,
+                 stabilize: int | None = None) -> None:
         self._held = c_void_p()
         # copies: the library goes on reading them
-        M, C, K, P, HN, HT = (
+        copies: list[Any] = [
             None if A is None else columns(name, A).copy()
-            for name, A in (("M", M), ("C", C), ("K", K), ("P", P), ("HN", HN), ("HT", HT)))
-        self.d, HN, HT = operators(HN, HT, d)
-        self.n = HN.shape[0]
+            for name, A in (("M", M), ("C", C), ("K", K), ("P", P), ("HN", HN), ("HT", HT))]
+        self.d, N, T = operators(copies[4], copies[5], d)
+        self.n: int = N.shape[0]
         if factorization is None:
-            given = [A for A in (M, C, K) if A is not None]
+            given = [A for A in copies[:3] if A is not None]
             kinds = {find_factorization(None, A) for A in given}
             kind = constants["DLS_LU" if constants["DLS_LU"] in kinds else "DLS_CHOLESKY"]
         else:
-            kind = find_factorization(factorization, K)
+            kind = find_factorization(factorization, copies[2])
         if law not in _LAWS:
             raise ValueError(f"no law {law!r}: velocity, gap or path")
-        self._nodes = HN.shape[1]
-        self._candidates = self._nodes if P is None else P.shape[1]
+        self._nodes: int = N.shape[1]
+        self._candidates: int = self._nodes if P is None else copies[3].shape[1]
         gap = None if gap is None else vector("gap", gap, self._nodes).copy()
         model = structs["dls_motion_model"](
-            d=self.d, n=self.n, nodes=self._nodes, factorization=kind, M=sparse(M), C=sparse(C),
-            K=sparse(K), HN=sparse(HN), HT=sparse(HT), P=sparse(P), gap=address(gap))
-        self._kept = (M, C, K, HN, HT, P, gap)
+            d=self.d, n=self.n, nodes=self._nodes, factorization=kind, HN=sparse(N), HT=sparse(T),
+            gap=address(gap), **{name: sparse(A) for name, A in zip("MCKP", copies)})
+        self._kept = (*copies[:4], N, T, gap)
         create = structs["dls_motion_settings"]()
         lib.dls_motion_settings_init(byref(create))
         create.law, create.method = constants[_LAWS[law]], find_method(method)
         create.h = number("h", h)
         self._watch = Watch()
         set_limits(create.limits, self._watch, tol, max_iterations)
-        set_fields(create, settings)
+        set_fields(create, {"theta": theta, "restitution": restitution, "activation": activation,
+                            "forecast": forecast, "stabilize": stabilize})
         call("dls_motion_create", byref(self._held), byref(model), byref(create))
 
-    def __del__(self):
+    def __del__(self) -> None:
         if getattr(self, "_held", None):
             lib.dls_motion_destroy(self._held)
 
-    def start(self, x=None, v=None, t=0.0):
+    def start(self, x: Array | None = None, v: Array | None = None, t: float = 0.0) -> None:
         """Starts anew from x and v at time t."""
         x = None if x is None else vector("x", x, self.n)
         v = None if v is None else vector("v", v, self.n)
         call("dls_motion_start", self._held, address(x), address(v), number("t", t))
 
-    def step(self, f=None, y=None, mu=None):
+    def step(self, f: Array | None = None, y: Array | None = None,
+             mu: Array | None = None) -> Solution | None:
         """Takes a step under loads f (n), velocities y of the obstacle (nodes x d), friction mu."""
         f = None if f is None else vector("f", f, self.n)
         y = None if y is None else vector("y", y, self.d * self._nodes, self.d)
@@ -89,40 +100,61 @@ class Motion(Owner):
         solution.x = self.x
         return solution
 
-    def set_h(self, h):
+    def set_h(self, h: float) -> None:
         """Changes the step from the next one on."""
         call("dls_motion_set_h", self._held, number("h", h))
 
-    def _state(self):
+    def _state(self) -> Any:
         state = structs["dls_motion_state"]()
         call("dls_motion_get_state", self._held, byref(state))
         return state
 
-    def _array(self, name, kind, size):
+    def _array(self, name: str, kind: Any, size: int) -> npt.NDArray[Any]:
         return read(kind, getattr(self._state(), name), size, self).copy()
 
-    t = property(lambda self: self._state().t)
-    steps = property(lambda self: self._state().steps)
-    x = property(lambda self: self._array("x", c_double, self.n))
-    v = property(lambda self: self._array("v", c_double, self.n))
-    p = property(lambda self: self._local("p"))
-    u = property(lambda self: self._local("u"))
-    gap = property(lambda self: self._array("gap", c_double, self._candidates))
+    @property
+    def t(self) -> float:
+        return float(self._state().t)
 
-    def _local(self, name):
+    @property
+    def steps(self) -> int:
+        return int(self._state().steps)
+
+    @property
+    def x(self) -> Vector:
+        return self._array("x", c_double, self.n)
+
+    @property
+    def v(self) -> Vector:
+        return self._array("v", c_double, self.n)
+
+    @property
+    def p(self) -> Vector:
+        return self._local("p")
+
+    @property
+    def u(self) -> Vector:
+        return self._local("u")
+
+    @property
+    def gap(self) -> Vector:
+        return self._array("gap", c_double, self._candidates)
+
+    def _local(self, name: str) -> Vector:
         return self._array(name, c_double, self.d * self._candidates).reshape(-1, self.d)
 
     @property
-    def slip(self):
+    def slip(self) -> Vector:
         tangents = self.d - 1
         return self._array("slip", c_double, tangents * self._candidates).reshape(-1, tangents)
 
     @property
-    def states(self):
-        return np.array(["free", "slip", "stick"])[self._array("state", c_int, self._candidates)]
+    def states(self) -> npt.NDArray[np.str_]:
+        named: npt.NDArray[np.str_] = STATES[self._array("state", c_int, self._candidates)]
+        return named
 
     @property
-    def energies(self):
+    def energies(self) -> dict[str, float]:
         """Energies and works since the start, by the names of dls_motion_energies."""
         energies = structs["dls_motion_energies"]()
         call("dls_motion_get_energies", self._held, byref(energies))
@@ -132,9 +164,12 @@ class Motion(Owner):
 class NotCertified(RuntimeError):
     """A step whose contact problem was not solved: the state is that of the step before."""
 
-    def __init__(self, status):
+    status: int
+
+    def __init__(self, status: int) -> None:
         super().__init__(status)
         self.status = status
 
-    def __str__(self):
-        return "the contact problem of the step: " + lib.dls_status_text(self.status).decode()
+    def __str__(self) -> str:
+        words: str = lib.dls_status_text(self.status).decode()
+        return f"the contact problem of the step: {words}"

@@ -1,19 +1,26 @@
 """From K, H_N, H_T to the contact problem and back: K x = f + H r, u = H^T x + g."""
 
+from __future__ import annotations
+
 import weakref
 from ctypes import byref, c_double, c_int, c_size_t, c_void_p
+from typing import Any, Callable, Union
 
 import numpy as np
+import numpy.typing as npt
 import scipy.sparse as sp
 
-from ._library import (Callback, Error, Owner, address, call, columns, constants, dense, entries,
+from ._library import (Array, Callback, Error, Matrix, Owner, Vector, address, call, columns, constants, dense, entries,
                        integers, lib, read, reals, set_fields, sparse, structs, vector)
-from .contact import Watch, solve_problem
+from .contact import Progress, Solution, Watch, solve_problem
 
 _FACTORIZATIONS = {"cholesky": "DLS_CHOLESKY", "ldlt": "DLS_LDLT", "lu": "DLS_LU"}
 
+# K, or the function of a host that solves with it
+Stiffness = Union[Matrix, Callable[[Vector], Any]]
 
-def is_symmetric(K):
+
+def is_symmetric(K: Any) -> bool:
     """Tells whether K equals its transpose but for the rounding of an assembly, as the program
     does (src/cli/arrays.c)."""
     K = sp.coo_matrix(K)
@@ -22,7 +29,7 @@ def is_symmetric(K):
     return bool(np.all(np.abs(apart.data) <= 1e-12 * size[apart.row] * size[apart.col]))
 
 
-def find_factorization(name, K):
+def find_factorization(name: str | None, K: Any) -> int:
     if name is None:
         name = "cholesky" if is_symmetric(K) else "lu"
         if name == "lu" and sp.tril(K, -1).nnz == 0:
@@ -33,7 +40,7 @@ def find_factorization(name, K):
     return constants[_FACTORIZATIONS[name]]
 
 
-def operators(HN, HT, d=None):
+def operators(HN: Any, HT: Any, d: int | None = None) -> tuple[int, Any, Any]:
     """Returns d, HN and HT as compressed columns; without HT there is no tangent: d = 2, zeros."""
     if d not in (None, 2, 3):
         raise ValueError(f"d is {d!r}, must be 2 or 3")
@@ -51,13 +58,15 @@ class _Host:
     """The function that solves with K where the host has one: one callback of C for the life of a
     reduction, whichever function is at hand."""
 
-    def __init__(self):
-        self.solve = None
+    def __init__(self) -> None:
+        self.solve: Any = None
         this = weakref.ref(self)
 
-        def run(_, X, n, nrhs):
-            B = np.frombuffer((c_double * (n * nrhs)).from_address(X)).reshape(nrhs, n).T
-            answer = reals("K^-1 B", this().solve(B.copy(order="F")))
+        def run(_: Any, X: int, n: int, nrhs: int) -> None:
+            memory: Any = (c_double * (n * nrhs)).from_address(X)
+            B = np.frombuffer(memory).reshape(nrhs, n).T
+            host: Any = this()
+            answer = reals("K^-1 B", host.solve(B.copy(order="F")))
             if answer.shape != B.shape and not (nrhs == 1 and answer.shape == (n,)):
                 raise ValueError(f"K^-1 B is {answer.shape}, must be {B.shape}")
             B[:] = answer.reshape(B.shape)
@@ -74,7 +83,9 @@ class Reduction(Owner):
     info                  memory, condition, rigid-body modes
     """
 
-    def __init__(self, K, HN, HT, P, mu, active, modes, factorization, flexibility, d, settings):
+    def __init__(self, K: Any, HN: Any, HT: Any, P: Any, mu: Any, active: Any, modes: Any,
+                 factorization: str | None, flexibility: bool, d: int | None,
+                 settings: dict[str, Any]) -> None:
         self._held = c_void_p()
         self._host = _Host()
         self._watch = Watch()
@@ -102,11 +113,13 @@ class Reduction(Owner):
         self._call("dls_reduction_create_either", byref(self._held), byref(model), byref(create))
         del kept  # the library has copied it
         # the sizes that the library holds: no update changes them
-        self.d, self.n, self._nodes = model.d, model.n, nodes
-        self.candidates = candidates if active is None else int(np.count_nonzero(active))
-        self.m = self.d * self.candidates
+        self.d: int = model.d
+        self.n: int = model.n
+        self._nodes = nodes
+        self.candidates: int = candidates if active is None else int(np.count_nonzero(active))
+        self.m: int = self.d * self.candidates
 
-    def _model(self, K, HN, HT):
+    def _model(self, K: Any, HN: Any, HT: Any) -> tuple[Any, Any, Any]:
         """Returns a dls_model, what it views, and K where that is a function; changes nothing."""
         P, mu, active, modes, factorization, flexibility, d = self._options
         d, HN, HT = operators(HN, HT, d)
@@ -136,10 +149,10 @@ class Reduction(Owner):
         model.operator_kind = constants[kind]
         return model, (K, HN, HT), solve
 
-    def _call(self, name, *arguments, solve=None):
+    def _call(self, name: str, *arguments: Any, solve: Any = None) -> int:
         """Calls the library; raises what the host's solver or the handler of a signal has raised.
         After an Error the host's solver is `solve` again."""
-        def attempt(*given):
+        def attempt(*given: Any) -> int:
             try:
                 return call(*given)
             except Error:
@@ -152,11 +165,11 @@ class Reduction(Owner):
         finally:
             self._host.callback.end()
 
-    def __del__(self):
+    def __del__(self) -> None:
         if getattr(self, "_held", None):
             lib.dls_reduction_destroy(self._held)
 
-    def update(self, K, HN, HT=None):
+    def update(self, K: Stiffness, HN: Matrix, HT: Matrix | None = None) -> None:
         """Takes new values of K, HN, HT on the old pattern; loads become 0. After an Error for
         other sizes or another pattern the reduction is as it was."""
         model, kept, solve = self._model(K, HN, HT)
@@ -164,21 +177,28 @@ class Reduction(Owner):
         self._call("dls_reduction_update", self._held, byref(model), solve=before)
         del kept
 
-    def load(self, f=None, g=None):
+    def load(self, f: Array | None = None, g: Array | None = None) -> None:
         """Takes loads f (n) and gaps g (nodes x d): q := H^T K^-1 f + g."""
         f, g = self._loads(f, g)
         self._call("dls_reduction_load", self._held, address(f), address(g))
 
-    def load_free(self, x_free, g=None):
+    def load_free(self, x_free: Array | None, g: Array | None = None) -> None:
         """Takes K^-1 f instead of f, from a host that has it."""
         x_free, g = self._loads(x_free, g)
         self._call("dls_reduction_load_free", self._held, address(x_free), address(g))
 
-    def _loads(self, f, g):
+    def _loads(self, f: Any, g: Any) -> tuple[Vector | None, Vector | None]:
         return (None if f is None else vector("f", f, self.n),
                 None if g is None else vector("g", g, self.d * self._nodes, self.d))
 
-    def solve(self, mu=None, f=None, g=None, **options):
+    def solve(self, mu: Array | None = None, f: Array | None = None, g: Array | None = None, *,
+              method: str = "auto", tol: float | None = None, max_iterations: int | None = None,
+              cpu_seconds: float | None = None, r0: Array | None = None,
+              acceleration: str | None = None, facets: int | None = None,
+              positive_definite: int | None = None, history: bool = False,
+              progress: Callable[[Progress], object] | None = None,
+              threads: int | None = None, plan: str | None = None, without: str | None = None,
+              timed: bool = False) -> Solution:
         """Loads f and g if one is given, solves for r and x; options as in solve(). Solved is said
         of the body (dls_reduction_solve): what springs of held modes carry is missing."""
         if f is not None or g is not None:
@@ -187,13 +207,18 @@ class Reduction(Owner):
         x = np.zeros(self.n)
         self._host.callback.begin()
         try:
-            solution = solve_problem(problem, body=(self._held, address(mu), x), **options)
+            solution = solve_problem(
+                problem, method=method, tol=tol, max_iterations=max_iterations,
+                cpu_seconds=cpu_seconds, r0=r0, acceleration=acceleration, facets=facets,
+                positive_definite=positive_definite, history=history, progress=progress,
+                threads=threads, plan=plan, without=without, timed=timed,
+                body=(self._held, address(mu), x))
         finally:
             self._host.callback.end()
         solution.x = x
         return solution
 
-    def _contact(self, mu):
+    def _contact(self, mu: Any) -> tuple[Any, Vector | None]:
         """Returns the dls_contact of the active candidates, and the friction that it views."""
         problem = structs["dls_contact"]()
         if mu is None and self._options[1] is not None:
@@ -203,7 +228,7 @@ class Reduction(Owner):
         call("dls_reduction_contact", self._held, address(mu), byref(problem))
         return problem, mu
 
-    def _sizes(self, mu):
+    def _sizes(self, mu: Any) -> tuple[Any, Vector | None]:
         """Returns a dls_contact that has sizes alone, and the friction, for the problem on K."""
         problem = structs["dls_contact"](d=self.d, nc=self.candidates)
         if mu is None and self._options[1] is not None:
@@ -211,46 +236,49 @@ class Reduction(Owner):
         return problem, vector("mu", 0.0 if mu is None else mu, self.candidates)
 
     @property
-    def on(self):
+    def on(self) -> str:
         return "K" if self.info["on"] == constants["DLS_ON_K"] else "W"
 
     @property
-    def W(self):
+    def W(self) -> Vector:
         p, _ = self._contact(None)
         return read(c_double, p.W.a, p.W.ld * self.m, self).reshape(self.m, p.W.ld).T[:self.m]
 
     @property
-    def q(self):
+    def q(self) -> Vector:
         p, _ = self._contact(None)
         return read(c_double, p.q, self.m, self).reshape(-1, self.d)
 
-    def recover(self, r):
+    def recover(self, r: Array) -> Vector:
         """Returns x = K^-1 (f + H r)."""
         r, x = vector("r", r, self.m, self.d), np.zeros(self.n)
         self._call("dls_reduction_recover", self._held, address(r), address(x))
         return x
 
-    def nodal(self, r):
+    def nodal(self, r: Array) -> Vector:
         """Returns P r, nodes x d: the nodal reactions that weighted r stand for."""
         r, R = vector("r", r, self.m, self.d), np.zeros((self._nodes, self.d))
         self._call("dls_reduction_nodal", self._held, address(r), address(R))
         return R
 
-    def balance(self, r):
+    def balance(self, r: Array) -> float:
         """Takes what the springs of held rigid-body modes carry out of q; returns the imbalance."""
         r, imbalance = vector("r", r, self.m, self.d), c_double()
         self._call("dls_reduction_balance", self._held, address(r), byref(imbalance))
         return imbalance.value
 
     @property
-    def info(self):
+    def info(self) -> dict[str, Any]:
         info = structs["dls_reduction_info"]()
         call("dls_reduction_get_info", self._held, byref(info))
         return {name: getattr(info, name) for name, _ in info._fields_}
 
 
-def reduce(K, HN, HT=None, *, P=None, mu=None, active=None, modes=None, factorization=None,
-           flexibility=False, d=None, stabilize=False, memory_limit=0, on=None, loads=1):
+def reduce(K: Stiffness, HN: Matrix, HT: Matrix | None = None, *, P: Matrix | None = None,
+           mu: Array | None = None, active: Array | None = None, modes: Array | None = None,
+           factorization: str | None = None, flexibility: bool = False, d: int | None = None,
+           stabilize: bool = False, memory_limit: float = 0, on: str | None = None,
+           loads: int = 1) -> Reduction:
     """Factors K and forms W = H^T K^-1 H, or takes the problem on K; returns a Reduction.
 
     K       n x n, numpy or scipy.sparse; or a function that returns K^-1 B for B (n x k), such as

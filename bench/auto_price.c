@@ -1,0 +1,154 @@
+/*
+ * auto_price.c: what a step of each method takes in units of an accelerated sweep, beside the price
+ * that auto assumes, dlsi_auto_price_of (src/auto/price.c).
+ *
+ * A run is CPU of the thread of a whole solve from r = 0 with a limit of iterations, on workspaces
+ * that exist, the least of several. Its price is that over the CPU of a sweep; what Newton's method
+ * sweeps at first is taken off, so that two steps or fewer say nothing. The unknowns are those of
+ * the answer, or of the best r there is.
+ *
+ * Prices are wrong where they differ by more than a factor of 2, and those of a method where more
+ * than one in ten do, rounded up: a shared machine is off by a third at times. Plain sweeps are
+ * measured alone.
+ */
+#include "auto_price.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "auto/auto.h"
+#include "common.h"
+#include "delassus.h"
+#include "regret_kinds.h"
+
+/* Up to `rows` rows. */
+static const struct {
+  const char *name;
+  dls_method method;
+  dls_acceleration acceleration;
+  int most, rows;
+} runs[] = {{"sweep, accelerated", DLS_NLGS, DLS_ACCELERATION_ANDERSON, 50, 4000},
+            {"sweep", DLS_NLGS, DLS_ACCELERATION_NONE, 50, 4000},
+            {"sweep, momentum", DLS_NLGS, DLS_ACCELERATION_MOMENTUM, 50, 4000},
+            {"newton", DLS_NEWTON, DLS_ACCELERATION_NONE, 8, 4000},
+            {"admm", DLS_ADMM, DLS_ACCELERATION_NONE, 50, 1000},
+            {"augmented Lagrangian", DLS_AUGMENTED_LAGRANGIAN, DLS_ACCELERATION_NONE, 3, 1000},
+            {"homotopy", DLS_HOMOTOPY, DLS_ACCELERATION_NONE, 10, 300},
+            {"lemke", DLS_LEMKE, DLS_ACCELERATION_NONE, 0, 100}};
+enum { methods = sizeof runs / sizeof runs[0] };
+
+static const char *const kinds[] = {"gears",      "poly2-rest", "wall-pushed", "dome",
+                                    "balls-flow", "ell3-rest",  "ill2",        "block2",
+                                    "ill3",       "rough3",     "cube.49"};
+enum { kind_count = sizeof kinds / sizeof kinds[0] };
+static const int sizes[] = {30, 100, 300, 1000};
+enum { size_count = sizeof sizes / sizeof sizes[0], most_rows = kind_count * size_count };
+enum { least_steps = 3 };
+
+/* Of a method. */
+typedef struct tally {
+  int count, wrong;
+  double ratio[most_rows]; /* measured over assumed */
+} tally;
+
+/* Returns the least CPU of a run, s; INFINITY where it does not run. */
+static double time_run(const dls_contact *p, int run, double *r, dls_info *info) {
+  dls_solver_settings s;
+  dls_solver *solver;
+  dls_solver_settings_init(&s);
+  s.method = runs[run].method;
+  s.acceleration = runs[run].acceleration;
+  s.limits.tol = 1e-12;
+  s.limits.max_iterations = runs[run].most;
+  s.limits.blocks = p->Wb.x ? p->Wb.p[p->nc] : 0;
+  s.limits.cpu_seconds = 10;
+  if (dls_solver_create(&solver, p->d, p->nc, &s, NULL)) return INFINITY;
+  double least = INFINITY, all = 0;
+  for (int k = 0; k < 40 && (k < 4 || all < .1) && all < 5; k++) {
+    const double begun = bench_seconds();
+    const dls_status status = dls_solver_solve(solver, p, r, NULL, info, NULL);
+    const double now = bench_seconds() - begun;
+    if (status < 0 || status == DLS_TIME_LIMIT) {
+      least = INFINITY;
+      break;
+    }
+    all += now;
+    least = fmin(least, now);
+  }
+  dls_solver_destroy(solver);
+  return least;
+}
+
+/* Returns the unknowns of an answer. */
+static double unknowns_of(const dls_contact *p, double *r) {
+  dls_solver_settings s;
+  dls_solver_settings_init(&s);
+  s.limits.cpu_seconds = 5;
+  if (dls_solve(p, &s, r, NULL, NULL, NULL) < 0) exit(1);
+  return dlsi_auto_count_unknowns(p, r);
+}
+
+static void price_problem(FILE *page, const char *kind, const dls_contact *p, tally *all) {
+  const int m = p->d * p->nc;
+  double *r = calloc((size_t)m, sizeof *r), sweep = 0, plain = 1;
+  if (!r) exit(1);
+  const double k = unknowns_of(p, r);
+  bench_print(page, "| %s | %s | %d | %d | %.0f |", kind, p->W.a ? "dense" : "blocks", p->d, p->nc,
+              k);
+  for (int run = 0; run < methods; run++) {
+    dls_info info = {0};
+    const double seconds = m <= runs[run].rows ? time_run(p, run, r, &info) : INFINITY;
+    if (run == 0) sweep = seconds / info.iterations;
+    if (run == 0) bench_print(page, " %.3g |", 1e6 * sweep);
+    if (run == 0) continue;
+    if (!(seconds < INFINITY) || info.iterations < least_steps) {
+      bench_print(page, " |");
+      continue;
+    }
+    const dls_stage stage = {.method = info.method,
+                             .iterations = info.iterations,
+                             .factorisations = info.factorisations};
+    const double steps = info.iterations, assumed = dlsi_auto_price_of(p, k, &stage) / steps;
+    const double measured = (seconds / sweep - plain * info.sweeps) / steps;
+    const int off = !(measured <= 2 * assumed && assumed <= 2 * measured);
+    if (run == 1) plain = measured;
+    if (run == 1) bench_print(page, " %.2g |", measured);
+    if (run == 1) continue;
+    bench_print(page, off ? " **%.3g** %.3g |" : " %.3g %.3g |", measured, assumed);
+    all[run].wrong += off;
+    all[run].ratio[all[run].count++] = measured / assumed;
+  }
+  bench_print(page, "\n");
+  free(r);
+}
+
+int price_report(FILE *page, uint64_t seed) {
+  static tally all[methods];
+  int wrong = 0;
+  bench_print(page, "Each step: measured and assumed, in accelerated sweeps; **more than a factor "
+                    "of 2 apart**.\n\n| problem | W | d | contacts | unknowns | sweep us |");
+  for (int run = 1; run < methods; run++)
+    bench_print(page, " %s |", runs[run].name);
+  bench_print(page, "\n|---|---|---|---|---|---|");
+  for (int run = 1; run < methods; run++)
+    bench_print(page, "---|");
+  bench_print(page, "\n");
+  for (int j = 0; j < kind_count; j++)
+    for (int i = 0; i < size_count; i++) {
+      regret_problem a;
+      if (sizes[i] > regret_most(kinds[j])) continue;
+      if (regret_create(&a, kinds[j], sizes[i], .5, seed)) exit(1);
+      price_problem(page, kinds[j], &a.contact, all);
+      regret_free(&a);
+    }
+  bench_print(page, "\n| method | problems | measured / assumed, median | beyond 2 | |\n"
+                    "|---|---|---|---|---|\n");
+  for (int run = 2; run < methods; run++) {
+    const int failed = all[run].wrong > (all[run].count + 9) / 10;
+    bench_print(page, "| %s | %d | %.2f | %d | %s |\n", runs[run].name, all[run].count,
+                bench_median((size_t)all[run].count, all[run].ratio), all[run].wrong,
+                failed ? "wrong" : "");
+    wrong += failed;
+  }
+  return wrong;
+}

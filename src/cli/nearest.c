@@ -1,0 +1,85 @@
+/* nearest.c: finds the names that a mistyped word may have meant, and answers for it. */
+#define _GNU_SOURCE
+#include <ctype.h>
+#include <string.h>
+
+#include "cli.h"
+
+enum { longest_word = 40 };
+
+static int smaller(int a, int b) {
+  return a < b ? a : b;
+}
+
+/* Returns the number of mistakes between two words: letters left out, put in, exchanged, or turned
+ * round with the next one (optimal string alignment). Capitals count as small letters. */
+static int count_mistakes(const char *a, const char *b) {
+  const int m = (int)strlen(a), n = (int)strlen(b);
+  int D[longest_word + 1][longest_word + 1];
+  if (m > longest_word || n > longest_word) return longest_word;
+  for (int i = 0; i <= m; i++)
+    for (int j = 0; j <= n; j++) {
+      if (i == 0 || j == 0) {
+        D[i][j] = i + j;
+        continue;
+      }
+      const int x = tolower((unsigned char)a[i - 1]), y = tolower((unsigned char)b[j - 1]);
+      D[i][j] = smaller(D[i - 1][j - 1] + (x != y), 1 + smaller(D[i - 1][j], D[i][j - 1]));
+      if (i > 1 && j > 1 && x == tolower((unsigned char)b[j - 2]) &&
+          y == tolower((unsigned char)a[i - 2]))
+        D[i][j] = smaller(D[i][j], D[i - 2][j - 2] + 1);
+    }
+  return D[m][n];
+}
+
+void nearest_try(nearest *n, const char *name) {
+  const size_t length = strlen(n->word);
+  const int begins = length > 1 && strncasecmp(name, n->word, length) == 0;
+  const int mistakes = begins ? 0 : count_mistakes(n->word, name);
+  const int most = length < 6 ? 1 + (length > 2) : (int)length / 3;
+  if (mistakes > most || (n->count && mistakes > n->mistakes)) return;
+  if (n->count && mistakes < n->mistakes) n->count = 0;
+  n->mistakes = mistakes;
+  if (n->count < NEAREST_MOST) n->name[n->count++] = name;
+}
+
+const char *nearest_words(nearest *n) {
+  size_t used = 0;
+  n->words[0] = '\0';
+  for (int k = 0; k < n->count && used < sizeof n->words; k++)
+    used += (size_t)snprintf(n->words + used, sizeof n->words - used, "%s%s%s",
+                             k == 0              ? "; did you mean "
+                             : k == n->count - 1 ? " or "
+                                                 : ", ",
+                             n->name[k], k == n->count - 1 ? "?" : "");
+  return n->words;
+}
+
+void nearest_methods(nearest *n) {
+  for (int k = 0; dls_method_name((dls_method)k); k++)
+    nearest_try(n, dls_method_name((dls_method)k));
+}
+
+const char *scene_name(int k) {
+  for (int i = 0; dls_fe_scene_name(i); i++)
+    if (k-- == 0) return dls_fe_scene_name(i);
+  for (int i = 0; dls_forming_name(i); i++)
+    if (k-- == 0) return dls_forming_name(i);
+  for (int i = 0; dls_moving_name(i); i++)
+    if (k-- == 0) return dls_moving_name(i);
+  return NULL;
+}
+
+int names_a_scene(const char *name) {
+  for (int k = 0; scene_name(k); k++)
+    if (strcmp(scene_name(k), name) == 0) return 1;
+  return 0;
+}
+
+int no_scene(const char *name) {
+  nearest near = {.word = name};
+  for (int k = 0; scene_name(k); k++)
+    nearest_try(&near, scene_name(k));
+  return complain("'%s' is no scene%s", name,
+                  near.count ? nearest_words(&near) : "; 'delassus scene --list' names them");
+}
