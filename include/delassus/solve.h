@@ -111,7 +111,8 @@ DLS_API DLS_MUST_USE dls_status dls_solver_set_limits(dls_solver *solver, const 
 
 /* r (m): in, the start if warm_start; out, the reactions. u (m) or NULL: W r + q. info or NULL.
  * r and u overlap neither each other nor W, q, mu (DLS_E_ARGUMENT).
- * Allocates nothing for a W of the storage that `blocks` announced, MUMPS apart (newton.h).
+ * Allocates nothing for a W of the storage that `blocks` announced, MUMPS apart (newton.h), and
+ * apart from auto's last resort, a proof of its best r (dls_contact_prove).
  *
  * Statuses of the methods. DLS_NO_SOLUTION of lemke and auto: proved, exactly for the numbers of
  * W, q and mu; dls_solver_farkas() has the proof. DLS_NO_SOLUTION_LIKELY, of auto alone: no r can

@@ -67,6 +67,7 @@ dls_status dlsi_auto_prove(dlsi_auto *work, const dls_contact *problem, dls_stat
   dls_certificate now;
   dls_proof proof;
   if (status != DLS_STALLED && status != DLS_NO_SOLUTION_LIKELY) return status;
+  if (dlsi_auto_has_plan(work)) return status; /* it says what is done */
   if (m > dlsi_predicted_rows || dlsi_first_not_finite(work->best, m) >= 0) return status;
   if (dlsi_contact_prove(problem, work->best, &proof, work->r, NULL)) return status; /* no memory */
   if (proof.kind != DLS_PROVED || dls_contact_certify(problem, work->r, NULL, &now, NULL))
